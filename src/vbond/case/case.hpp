@@ -1,0 +1,249 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "vbond/core/error.hpp"
+#include "vbond/core/vec3.hpp"
+#include "vbond/model/bond.hpp"
+#include "vbond/model/model.hpp"
+#include "vbond/model/stage.hpp"
+
+/// A case as the user wrote it, checked key by key and turned into the units of the model.
+/// Names of groups and stages are still names, and times may still be multiples of T_0: build/ resolves both.
+namespace vbond {
+
+/// A value and where it stands in the case file, for errors that only build/ can find.
+template <class T>
+struct Placed {
+  T value{};
+  SourcePlace place;
+};
+
+/// A time: a number in the model's unit, or a multiple of T_0, which is known only after building.
+struct CaseTime {
+  double value = 0;
+  bool in_T_0 = false;
+  double resolve(double T_0) const { return in_T_0 ? value * T_0 : value; }
+};
+
+// ---- specimens -------------------------------------------------------------------------------
+
+struct RodSpecimen {
+  std::int64_t particles = 0;    ///< >= 2
+  double spacing = 1.0;
+  Vec3d origin;                  ///< first particle
+  Vec3d direction{1, 0, 0};      ///< any length but zero
+};
+
+/// The paper's half-sphere: a fixed rim, the rest random and relaxed by a repulsion of range cutoff.
+struct HemisphereSpecimen {
+  std::int64_t particles = 0;    ///< with the rim
+  double radius = 0;             ///< R_c
+  double spacing = 1.0;          ///< a: the length scale; rim count = round(2 pi R_c / a)
+  double min_distance = 0.4;     ///< of the random start, in units of spacing
+  double strength = 1e-2;        ///< f_0 in units of c_A (reduced: as is)
+  double cutoff = 2.1;           ///< in units of spacing
+  double damping = 0.052;        ///< b in units of sqrt(m c_A): 26e-3 b_0
+  double step = 0.01;            ///< in units of T_0
+  std::int64_t steps = 15000;
+  std::uint64_t seed = 1;
+};
+
+enum class Lattice : std::uint8_t { simple_cubic, fcc, hcp };
+struct BlockSpecimen {
+  Lattice lattice = Lattice::simple_cubic;
+  std::array<std::int64_t, 3> cells{1, 1, 1};  ///< simple cubic: particles; fcc: cubic cells; hcp: orthogonal cells of 4
+  double spacing = 1.0;                        ///< nearest-neighbour distance
+  Vec3d origin;
+};
+
+enum class SheetLattice : std::uint8_t { triangular, square };
+struct SheetSpecimen {
+  SheetLattice lattice = SheetLattice::triangular;
+  std::array<std::int64_t, 2> particles{1, 1};  ///< along x, rows along y
+  double spacing = 1.0;
+  Vec3d origin;
+};
+
+struct RingSpecimen {       ///< in the x-y plane, particle 0 on +x
+  std::int64_t particles = 0;  ///< >= 3
+  double radius = 0;
+  Vec3d centre;
+};
+
+struct HelixSpecimen {      ///< about z, starting on +x
+  std::int64_t particles = 0;  ///< >= 2
+  double radius = 0, pitch = 0, turns = 0;
+  Vec3d origin;             ///< centre of the first turn's circle
+};
+
+struct CsvSpecimen {        ///< header line names columns x, y, z and optionally radius, mass, inertia
+  Placed<std::filesystem::path> file;  ///< relative to the case file
+};
+
+struct LammpsSpecimen {     ///< `atom_style bond` / `molecular` / `full` / `bpm/sphere`-like data file with its Bonds section
+  Placed<std::filesystem::path> file;
+  std::string atom_style = "bond";
+};
+
+struct ListedSpecimen {
+  std::vector<Vec3d> positions;
+};
+
+struct SpecimenSpec {
+  SourcePlace place;
+  std::string name = "body";  ///< becomes a group
+  std::variant<RodSpecimen, HemisphereSpecimen, BlockSpecimen, SheetSpecimen, RingSpecimen,
+               HelixSpecimen, CsvSpecimen, LammpsSpecimen, ListedSpecimen>
+      shape;
+  double radius = 0;              ///< >= 0; required > 0 for contacts, surface bonds, density
+  std::optional<double> mass;     ///< exactly one of mass, density (or a file column)
+  std::optional<double> density;  ///< m = 4/3 pi R^3 density
+  std::optional<double> inertia;  ///< default 2/5 m R^2
+};
+
+// ---- groups ------------------------------------------------------------------------------------
+
+struct BoxRegion { Vec3d min, max; };
+struct SphereRegion { Vec3d centre; double radius; };
+struct PlaneRegion { Vec3d point, normal; double within; };  ///< |(r - point).n| <= within
+using IndexList = std::vector<std::int64_t>;                  ///< particle numbers from 0
+
+struct GroupSpec {
+  SourcePlace place;
+  std::string name;
+  std::variant<IndexList, BoxRegion, SphereRegion, PlaneRegion> region;
+};
+
+// ---- bonds -------------------------------------------------------------------------------------
+
+struct WithinDistance { double distance; };
+struct ListedPairs { std::vector<std::array<std::int64_t, 2>> pairs; };
+struct PairsFile { std::filesystem::path file; };   ///< CSV with header i,j
+struct SpecimenPairs {};                            ///< the bonds of a LAMMPS data file
+enum class BondTime : std::uint8_t { start, stage, approach };
+
+struct BondSpec {
+  SourcePlace place;
+  std::string name;
+  std::array<Placed<std::string>, 2> between{};  ///< groups, default "all"
+  Placed<std::variant<WithinDistance, ListedPairs, PairsFile, SpecimenPairs>> select;
+  BondTime when = BondTime::start;
+  std::vector<Placed<std::string>> stages;       ///< for `stage` and `approach`; approach: none means all
+  BondRecipe recipe;
+};
+
+// ---- the run -------------------------------------------------------------------------------------
+
+enum class VelocityKind : std::uint8_t { given, circle, ball, gaussian };
+struct VelocitySpec {
+  SourcePlace place;
+  Placed<std::string> group;
+  VelocityKind kind = VelocityKind::given;
+  Vec3d velocity, angular_velocity;  ///< given
+  double magnitude = 0;              ///< circle, ball: radius v_0; gaussian: standard deviation per component
+  Vec3d normal{1, 0, 0};             ///< circle: the plane's normal
+  std::array<bool, 3> zero{};        ///< components set to zero afterwards
+  std::uint64_t seed = 1;
+};
+
+struct TimeFunctionSpec {
+  std::vector<std::pair<CaseTime, double>> points;  ///< empty: constant 1
+};
+
+struct SupportSpec {
+  SourcePlace place;
+  Placed<std::string> group;
+  HeldDofs held{};
+  Vec3d velocity, angular_velocity;
+  TimeFunctionSpec factor;
+};
+
+struct LoadSpec {
+  SourcePlace place;
+  Placed<std::string> group;
+  Vec3d force, moment;
+  TimeFunctionSpec factor;
+};
+
+struct StrainSpec {
+  SourcePlace place;
+  Placed<std::string> group;
+  Vec3d direction{1, 0, 0};
+  double increment = 0;
+  CaseTime every;
+};
+
+struct DistanceStopSpec {
+  SourcePlace place;
+  std::array<std::int64_t, 2> between{};
+  double value = 0;
+  bool below = true;
+};
+
+struct PeakStopSpec {
+  SourcePlace place;
+  PeakQuantity quantity = PeakQuantity::compressive_force;
+  Placed<std::string> group;
+  Vec3d direction{1, 0, 0};
+  double drop = 0.015;
+  CaseTime average_over;
+};
+
+struct StageSpec {
+  SourcePlace place;
+  std::string name;
+  CaseTime duration;                   ///< required, > 0: the longest the stage may take
+  Vec3d gravity;
+  double b_translation = 0, b_rotation = 0;
+  std::vector<SupportSpec> supports;
+  std::vector<LoadSpec> loads;
+  std::optional<StrainSpec> strain;
+  std::optional<DistanceStopSpec> stop_distance;
+  std::optional<PeakStopSpec> stop_peak;
+  std::optional<double> stop_kinetic_energy_below;
+};
+
+struct TimeSpec {
+  std::optional<Placed<CaseTime>> step;  ///< given dt; absent: automatic
+  double fraction = 0.1;                 ///< of the critical step, when automatic
+  bool insist = false;                   ///< accept a given step above the bound
+};
+
+struct OutputSpec {
+  CaseTime history_every{10, true};
+  std::vector<Placed<std::string>> reactions;      ///< groups: total support force and moment
+  std::vector<Placed<std::string>> axial_force;    ///< groups: mean tension over the bonds inside
+  std::vector<std::int64_t> displacements;         ///< particle numbers
+  std::optional<CaseTime> frames_every;            ///< absent: none
+  bool lammps_dump = false;                        ///< with the frames
+  std::optional<CaseTime> checkpoint_every;        ///< absent: only at the end and on a signal
+};
+
+struct WatchSpec {
+  std::int64_t every = 100;      ///< steps between looks at bonds and energy
+  double energy_error = 0.05;    ///< relative; above it the run stops
+};
+
+struct Case {
+  std::string file;   ///< path as given, for messages
+  std::string title;
+  UnitSystem units = UnitSystem::reduced;
+  std::vector<SpecimenSpec> specimens;
+  std::vector<GroupSpec> groups;
+  std::vector<BondSpec> bonds;
+  ContactModel contact;
+  std::vector<VelocitySpec> velocities;
+  TimeSpec time;
+  std::vector<StageSpec> stages;
+  OutputSpec output;
+  WatchSpec watch;
+};
+
+}  // namespace vbond

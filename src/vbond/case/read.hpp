@@ -1,0 +1,24 @@
+#pragma once
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "vbond/case/case.hpp"
+
+namespace vbond {
+
+/// Reads and checks a case file.
+/// Throws CaseError with every mistake of the file at once; IoError if it cannot be read.
+Case read_case(const std::filesystem::path& file);
+
+/// The same from text; `file` is used in messages and to resolve relative paths.
+Case parse_case(std::string_view text, const std::filesystem::path& file);
+
+/// The case with every default written out, as TOML that read_case accepts and that means the same
+/// bit for bit (numbers with 17 digits, times in T0 kept as such, file names absolute).
+std::string to_toml(const Case& c);
+
+/// The reference of all keys as Markdown, from the same table that validates them.
+std::string key_reference();
+
+}  // namespace vbond

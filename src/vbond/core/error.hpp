@@ -1,0 +1,61 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "vbond/core/column.hpp"
+
+namespace vbond {
+
+/// Where in a case file something stands; line 0 means "no single place".
+struct SourcePlace {
+  std::string file;
+  std::uint32_t line = 0, column = 0;
+};
+
+/// One mistake in a user's input: where, what, the rule it breaks, and a way out.
+struct Problem {
+  SourcePlace place;
+  std::string what;     ///< e.g. "bonds[0].nu = 0.5"
+  std::string rule;     ///< e.g. "must satisfy -1 < nu < 0.5: ..."
+  std::string way_out;  ///< e.g. "use nu <= 0.49, or theory = ..."
+};
+
+/// Renders problems as `file:line:column: what`, then rule and way out indented by two blanks.
+std::string to_text(const std::vector<Problem>& problems);
+
+/// Wrong user input, all of it at once. Thrown only in case/ and build/. Exit status 2.
+class CaseError : public std::runtime_error {
+ public:
+  explicit CaseError(std::vector<Problem> problems)
+      : std::runtime_error(to_text(problems)), problems_(std::move(problems)) {}
+  explicit CaseError(Problem problem) : CaseError(std::vector<Problem>{std::move(problem)}) {}
+  const std::vector<Problem>& problems() const { return problems_; }
+
+ private:
+  std::vector<Problem> problems_;
+};
+
+/// The run went unphysical; nothing written before is lost. Exit status 1.
+class Diverged : public std::runtime_error {
+ public:
+  /// subject: e.g. "bond 17 (particles 4, 9)"; finding: what is wrong, with its value.
+  Diverged(std::int64_t step, double time, std::string subject, std::string finding,
+           std::string advice)
+      : std::runtime_error("step " + std::to_string(step) + ": " + subject + ": " + finding +
+                           "\n  " + advice),
+        step(step),
+        time(time) {}
+  std::int64_t step;
+  double time;
+};
+
+/// A file or folder could not be read or written. Exit status 3.
+class IoError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+}  // namespace vbond

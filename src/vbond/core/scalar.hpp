@@ -1,0 +1,26 @@
+#pragma once
+#include <concepts>
+
+#include "vbond/core/portable.hpp"
+
+namespace vbond {
+
+/// What the physics is written for: double, a dual number, a pack of doubles, a GPU double.
+/// Comparison is deliberately not asked for: a law may not branch on a scalar.
+template <class T>
+concept Scalar = requires(T x, T y) {
+  { x + y } -> std::convertible_to<T>;
+  { x - y } -> std::convertible_to<T>;
+  { x * y } -> std::convertible_to<T>;
+  { x / y } -> std::convertible_to<T>;
+  { -x } -> std::convertible_to<T>;
+  T(0.5);
+};
+
+/// The square of x.
+template <Scalar T>
+VBOND_HD constexpr T sq(const T& x) {
+  return x * x;
+}
+
+}  // namespace vbond

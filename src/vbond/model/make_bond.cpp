@@ -1,0 +1,85 @@
+#include "vbond/model/make_bond.hpp"
+
+#include <cmath>
+
+namespace vbond {
+namespace {
+
+BondStiffness<double> stiffness_of(const TheoryParameters& t, double a) {
+  switch (t.theory) {
+    case BondTheory::bernoulli_euler: return bernoulli_euler(t.material, t.section, a);
+    case BondTheory::timoshenko: return timoshenko(t.material, t.section, a, t.kappa);
+    case BondTheory::short_cylinder: return short_cylinder(t.material, t.section, a);
+  }
+  return {};
+}
+
+/// A bond with its coefficients and lengths; ends and axes are still to be filled in.
+Bond with_coefficients(const BondRecipe& recipe, double a, double R_i, double R_j) {
+  Bond b{};
+  b.law = recipe.law;
+  b.set = recipe.set;
+  b.a = a;
+  b.R_i = R_i;
+  b.R_j = R_j;
+  const auto take = [&b](const auto& m) { b.B1 = m.B1, b.B2 = m.B2, b.B3 = m.B3, b.B4 = m.B4; };
+  const double a_ref = recipe.reference_length.value_or(a);
+  if (const auto* given = std::get_if<GivenCoefficients>(&recipe.parameters)) {
+    take(*given);
+  } else {
+    const BondStiffness<double> c = stiffness_of(recipe, a);
+    if (recipe.law == BondLaw::v_model)
+      take(vmodel_from(c, a_ref, R_i, R_j));
+    else
+      take(evm_from(c, a_ref, R_i, R_j));
+  }
+  return b;
+}
+
+}  // namespace
+
+BondStiffness<double> stiffness_of(const Bond& bond) {
+  return visit_law(bond, [](const auto& law) { return stiffness(law); });
+}
+
+BondStiffness<double> stiffness_of(const BondRecipe& recipe, double a) {
+  const double a_ref = recipe.reference_length.value_or(a);
+  if (const auto* c = std::get_if<BondStiffness<double>>(&recipe.parameters)) return *c;
+  if (const auto* t = std::get_if<TheoryParameters>(&recipe.parameters))
+    return stiffness_of(*t, a_ref);
+  return stiffness_of(with_coefficients(recipe, a, 0.0, 0.0));
+}
+
+Vec3d bond_n_2(const Vec3d& e, const std::optional<Vec3d>& wanted) {
+  const auto across = [&e](const Vec3d& n) { return n - dot(n, e) * e; };
+  if (wanted) {
+    const Vec3d n = across(normalised(*wanted));
+    if (norm(n) > 1e-6) return normalised(n);
+  }
+  const double x = std::abs(e.x), y = std::abs(e.y), z = std::abs(e.z);
+  const Vec3d axis = x <= y && x <= z ? Vec3d{1, 0, 0} : y <= z ? Vec3d{0, 1, 0} : Vec3d{0, 0, 1};
+  return normalised(across(axis));
+}
+
+std::optional<Bond> make_bond(const BondRecipe& recipe, const BondSite& i, const BondSite& j) {
+  const Vec3d r_ij = j.r - i.r;
+  const double distance = norm(r_ij);
+  double R_i = recipe.R_i, R_j = recipe.R_j;
+  if (recipe.attachment == Attachment::centres) R_i = R_j = 0.0;
+  if (recipe.attachment == Attachment::surfaces) R_i = i.radius, R_j = j.radius;
+  const double a = distance - R_i - R_j;
+  if (!(a > 0.0)) return std::nullopt;
+
+  const Vec3d e_ij = r_ij / distance;
+  const Vec3d n_2 = bond_n_2(e_ij, recipe.n_2);
+  Bond b = with_coefficients(recipe, a, R_i, R_j);
+  b.i = i.id;
+  b.j = j.id;
+  b.n_i1 = rotate(conjugate(i.q), e_ij);
+  b.n_i2 = rotate(conjugate(i.q), n_2);
+  b.n_j1 = rotate(conjugate(j.q), -e_ij);
+  b.n_j2 = rotate(conjugate(j.q), n_2);
+  return b;
+}
+
+}  // namespace vbond

@@ -1,0 +1,31 @@
+#pragma once
+#include <optional>
+
+#include "vbond/core/quat.hpp"
+#include "vbond/model/bond.hpp"
+
+namespace vbond {
+
+/// One particle as bond creation sees it.
+struct BondSite {
+  ParticleId id;
+  Vec3d r;        ///< [length]
+  Quatd q;
+  double radius;  ///< [length]
+};
+
+/// An unstressed bond between two particles as they stand now, whatever their orientation: its axes
+/// are stored in each particle's own basis, [KA12] eq. (5). Nothing if the bonded points would be
+/// no apart or crossed over (a <= 0), as for touching particles bonded at their surfaces.
+std::optional<Bond> make_bond(const BondRecipe& recipe, const BondSite& i, const BondSite& j);
+
+/// The stiffnesses a recipe gives to a bond of length a > 0 (of its reference length, if it has one).
+BondStiffness<double> stiffness_of(const BondRecipe& recipe, double a);
+
+/// The stiffnesses of a bond about rest, from its B1..B4.
+BondStiffness<double> stiffness_of(const Bond& bond);
+
+/// The direction n_2 of a new bond along the unit vector e_ij; see BondRecipe::n_2.
+Vec3d bond_n_2(const Vec3d& e_ij, const std::optional<Vec3d>& wanted);
+
+}  // namespace vbond

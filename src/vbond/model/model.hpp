@@ -1,0 +1,53 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "vbond/core/column.hpp"
+#include "vbond/core/vec3.hpp"
+
+namespace vbond {
+
+enum class UnitSystem : std::uint8_t { reduced, si };
+
+/// A named set of particles, in increasing order.
+struct Group {
+  std::string name;
+  std::vector<ParticleId> particles;
+};
+
+enum class ContactLaw : std::uint8_t { none, paper_hertz, hertz };
+enum class ContactPairs : std::uint8_t { all, unbonded };
+
+/// Repulsion of particles that overlap.
+struct ContactModel {
+  ContactLaw law = ContactLaw::none;
+  ContactPairs pairs = ContactPairs::unbonded;
+  double c_H = 0;       ///< paper_hertz: [force/length]
+  double length = 1.0;  ///< paper_hertz: the length scale a  [length]
+  double E = 0;         ///< hertz: [force/area]
+  double nu = 0;        ///< hertz
+};
+
+/// What does not change during a run, except between stages. Units: those of the case
+/// (reduced: a = m = c_A = 1; SI: m, kg, s).
+struct Model {
+  UnitSystem units = UnitSystem::reduced;
+  double T_0 = 0;              ///< 2 pi sqrt(m / c_A), of the first particle and first bond  [time]
+  PerParticle<double> mass;    ///< [mass]
+  PerParticle<double> inertia; ///< moment of inertia, spherical  [mass*length^2]
+  PerParticle<double> radius;  ///< [length]
+  PerParticle<Vec3d> r_0;      ///< positions at the start; displacements are from here  [length]
+  std::vector<Group> groups;   ///< "all" is the first
+  ContactModel contact;
+
+  std::size_t particles() const { return mass.size(); }
+  /// The group of that name, or nullptr.
+  const Group* find_group(const std::string& name) const {
+    for (const Group& g : groups)
+      if (g.name == name) return &g;
+    return nullptr;
+  }
+};
+
+}  // namespace vbond

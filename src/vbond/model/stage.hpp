@@ -1,0 +1,121 @@
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "vbond/core/vec3.hpp"
+#include "vbond/model/bond.hpp"
+#include "vbond/model/model.hpp"
+
+namespace vbond {
+
+/// A factor over the time since the stage began: straight lines between points, constant outside.
+/// No points: always 1.
+struct TimeFunction {
+  struct Point {
+    double t;       ///< [time]
+    double factor;
+  };
+  std::vector<Point> points;  ///< in increasing t
+
+  double operator()(double t) const {
+    if (points.empty()) return 1.0;
+    const auto after = std::upper_bound(points.begin(), points.end(), t,
+                                        [](double x, const Point& p) { return x < p.t; });
+    if (after == points.begin()) return points.front().factor;
+    if (after == points.end()) return points.back().factor;
+    const Point& a = *(after - 1);
+    const Point& b = *after;
+    return a.factor + (b.factor - a.factor) * (t - a.t) / (b.t - a.t);
+  }
+};
+
+/// Degrees of freedom of a particle: x, y, z, then rotation about x, y, z (world axes).
+using HeldDofs = std::array<bool, 6>;
+
+/// Degrees of freedom that are held, at rest or at a prescribed velocity.
+struct Support {
+  std::string group;                    ///< name, for reports
+  std::vector<ParticleId> particles;
+  HeldDofs held{};
+  Vec3d velocity;                       ///< of held translations  [length/time]
+  Vec3d angular_velocity;               ///< of held rotations  [rad/time]
+  TimeFunction factor;                  ///< of both
+};
+
+/// The same force and moment on each particle of a group, fixed in direction.
+struct PointLoad {
+  std::string group;
+  std::vector<ParticleId> particles;
+  Vec3d force;   ///< [force]
+  Vec3d moment;  ///< [force*length]
+  TimeFunction factor;
+};
+
+/// Every `every` time units, x -> x + increment e (e . (x - c)), c the group's centroid at the start;
+/// orientations and velocities stay.
+struct StrainProgram {
+  std::vector<ParticleId> particles;
+  Vec3d direction;       ///< unit vector e
+  Vec3d centre;          ///< c  [length]
+  double increment = 0;  ///< engineering strain per application
+  double every = 0;      ///< [time]
+};
+
+/// Bonds made during the run: a pair of the two groups that comes within `distance` is bonded.
+struct BondingRule {
+  std::vector<char> in_a, in_b;  ///< per particle: belongs to the first / second group
+  double distance = 0;           ///< between centres  [length]
+  BondRecipe recipe;
+};
+
+/// Stop when the distance between two particles passes a value.
+struct DistanceStop {
+  ParticleId i, j;
+  double value;       ///< [length]
+  bool below = true;  ///< stop at distance <= value, else at >= value
+};
+
+enum class PeakQuantity : std::uint8_t { compressive_force, reaction };
+
+/// Stop when the block average of a quantity has fallen by `drop` below its peak (buckling).
+struct PeakStop {
+  PeakQuantity quantity = PeakQuantity::compressive_force;
+  std::vector<ParticleId> particles;  ///< compressive_force: mean over the bonds inside this group
+  Vec3d direction;                    ///< reaction: component of the total support force, unit vector
+  double drop = 0.015;                ///< fraction, 0 < drop < 1
+  double average_over = 0;            ///< length of a block  [time]
+};
+
+/// When a stage ends: whichever comes first.
+struct Stops {
+  double duration = std::numeric_limits<double>::infinity();  ///< [time]
+  std::optional<DistanceStop> distance;
+  std::optional<PeakStop> peak;
+  std::optional<double> kinetic_energy_below;  ///< checked after the first step  [energy]
+};
+
+/// One leg of the run, resolved: no names to look up, all in the units of the model.
+struct Stage {
+  std::string name;
+  double dt = 0;                 ///< [time]
+  Vec3d gravity;                 ///< [length/time^2]
+  double b_translation = 0;      ///< viscous force -b v  [force*time/length]
+  double b_rotation = 0;         ///< viscous moment -b omega  [force*length*time]
+  std::vector<Support> supports;
+  std::vector<PointLoad> loads;
+  std::optional<StrainProgram> strain;
+  std::vector<BondingRule> bonding;
+  Stops stops;
+};
+
+/// How many steps make up a time, at least one.
+inline std::int64_t steps_in(double time, double dt) {
+  return std::max<std::int64_t>(1, static_cast<std::int64_t>(time / dt + 0.5));
+}
+
+}  // namespace vbond

@@ -1,0 +1,57 @@
+#pragma once
+#include <cstdint>
+
+#include "vbond/core/column.hpp"
+#include "vbond/core/quat.hpp"
+#include "vbond/model/bond.hpp"
+
+namespace vbond {
+
+/// Where the run is. Time is counted, never summed.
+struct Clock {
+  std::int64_t step = 0;        ///< steps since the start of the run
+  std::int64_t stage_step = 0;  ///< steps since the start of this stage
+  std::int32_t stage = 0;       ///< index of the stage
+  double stage_start = 0;       ///< time at which this stage began  [time]
+  double dt = 0;                ///< [time]
+  double time() const { return stage_start + static_cast<double>(stage_step) * dt; }
+  double stage_time() const { return static_cast<double>(stage_step) * dt; }
+  friend bool operator==(const Clock&, const Clock&) = default;
+};
+
+/// Energy that has entered or left since the start of the run.  [energy]
+struct EnergyBooks {
+  double at_start = 0;       ///< kinetic + potential when the run began
+  double dissipated = 0;     ///< by damping, and contact energy given up when a pair is bonded
+  double work_loads = 0;     ///< by point forces, moments and gravity
+  double work_supports = 0;  ///< by supports, prescribed velocities and imposed strain
+  double largest = 0;        ///< largest kinetic + potential + dissipated seen: the scale of the error
+  friend bool operator==(const EnergyBooks&, const EnergyBooks&) = default;
+};
+
+/// The quantity watched for a peak (buckling): block averages and their maximum.
+struct PeakRecord {
+  double sum = 0;            ///< of the block under way
+  std::int64_t samples = 0;  ///< in the block under way
+  double last = 0;           ///< average of the last full block
+  double peak = 0;           ///< largest block average so far
+  double peak_time = 0;      ///< end of that block  [time]
+  std::int64_t blocks = 0;   ///< full blocks so far in this stage
+  friend bool operator==(const PeakRecord&, const PeakRecord&) = default;
+};
+
+/// Everything that changes, and exactly what a checkpoint holds.
+struct State {
+  Clock clock;
+  PerParticle<Vec3d> r;      ///< positions of the centres  [length]
+  PerParticle<Vec3d> v;      ///< velocities  [length/time]
+  PerParticle<Quatd> q;      ///< orientations, body to world
+  PerParticle<Vec3d> omega;  ///< angular velocities, world frame  [rad/time]
+  PerBond<Bond> bonds;       ///< in order of creation
+  EnergyBooks books;
+  PeakRecord peak;
+
+  friend bool operator==(const State&, const State&) = default;
+};
+
+}  // namespace vbond

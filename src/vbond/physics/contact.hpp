@@ -1,0 +1,46 @@
+#pragma once
+#include <cmath>
+
+#include "vbond/core/vec3.hpp"
+
+namespace vbond {
+
+/// Hertz repulsion F = k delta^(3/2), delta = R_i + R_j - r > 0.
+/// The caller leaves out pairs that do not touch: below contact the power has no real value.
+template <Scalar T>
+struct HertzContact {
+  T k;  ///< [force/length^(3/2)], >= 0
+};
+
+/// Energy 2/5 k delta^(5/2); zero when just touching.
+template <Scalar T>
+VBOND_HD T contact_energy(const HertzContact<T>& h, const T& delta) {
+  using std::sqrt;
+  return T(0.4) * h.k * sq(delta) * sqrt(delta);
+}
+
+/// Size of the repulsion for an overlap delta >= 0.
+template <Scalar T>
+VBOND_HD T contact_force(const HertzContact<T>& h, const T& delta) {
+  using std::sqrt;
+  return h.k * delta * sqrt(delta);
+}
+
+/// Tangent stiffness 3/2 k sqrt(delta), for the critical step.
+template <Scalar T>
+VBOND_HD T contact_stiffness(const HertzContact<T>& h, const T& delta) {
+  using std::sqrt;
+  return T(1.5) * h.k * sqrt(delta);
+}
+
+/// The paper's form, F = c_H / sqrt(a) (2R - r)^(3/2), [KA12] section VII B: one k for all pairs.
+constexpr HertzContact<double> paper_hertz(double c_H, double sqrt_a) { return {c_H / sqrt_a}; }
+
+/// Hertz for two equal elastic spheres' materials E, nu and radii R_i, R_j:
+/// k = 4/3 E* sqrt(R*), E* = E / (2 (1 - nu^2)), R* = R_i R_j / (R_i + R_j)  (Johnson, Contact Mechanics, ch. 4).
+inline HertzContact<double> hertz(double E, double nu, double R_i, double R_j) {
+  const double E_star = E / (2.0 * (1.0 - sq(nu)));
+  return {4.0 / 3.0 * E_star * std::sqrt(R_i * R_j / (R_i + R_j))};
+}
+
+}  // namespace vbond

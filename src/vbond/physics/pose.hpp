@@ -1,0 +1,39 @@
+#pragma once
+#include "vbond/core/vec3.hpp"
+
+namespace vbond {
+
+/// How two bonded particles stand to each other; all vectors in the world frame.
+/// At rest n_i[0] = -n_j[0] = e_ij, n_i[1] = n_j[1], n_i[2] = n_j[2]: the triad of j is left-handed.
+/// Index 0, 1, 2 is the paper's k = 1, 2, 3.  [KA12] eq. (5)
+template <Scalar T>
+struct BondPose {
+  Vec3<T> r_ij;    ///< r_j - r_i, between the centres  [length]
+  Vec3<T> n_i[3];  ///< unit vectors fixed to particle i
+  Vec3<T> n_j[3];  ///< unit vectors fixed to particle j
+};
+
+/// Energy of one bond by channel, relative to rest.  [energy]
+template <Scalar T>
+struct BondEnergy {
+  T U_L;  ///< stretching
+  T U_B;  ///< bending and shear
+  T U_T;  ///< torsion
+};
+
+/// What a bond does to its particles: force on i (j feels -F) and moments about their own centres.
+template <Scalar T>
+struct BondLoads {
+  Vec3<T> F;     ///< force on i  [force]
+  Vec3<T> M_ij;  ///< moment on i  [force * length]
+  Vec3<T> M_ji;  ///< moment on j  [force * length]
+};
+
+/// The vector between the two bonded points, D_ij = r_ij + R_j n_j1 - R_i n_i1.
+/// R_i, R_j: distances of the bonded points from the particles' centres.  [KA12] section III
+template <Scalar T>
+VBOND_HD Vec3<T> bonded_points(const BondPose<T>& b, const T& R_i, const T& R_j) {
+  return b.r_ij + R_j * b.n_j[0] - R_i * b.n_i[0];
+}
+
+}  // namespace vbond

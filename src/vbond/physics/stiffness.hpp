@@ -1,0 +1,76 @@
+#pragma once
+#include <numbers>
+
+#include "vbond/core/scalar.hpp"
+
+namespace vbond {
+
+/// The four stiffnesses of a bond for small deformations about rest, [KA12] eqs. (14), (15).
+template <Scalar T>
+struct BondStiffness {
+  T c_A;  ///< longitudinal  [force/length]
+  T c_D;  ///< shear  [force/length]
+  T c_B;  ///< bending  [force*length/rad]
+  T c_T;  ///< torsional  [force*length/rad]
+};
+
+/// Isotropic elastic material of a bond.
+struct Material {
+  double E;   ///< Young's modulus  [force/area], > 0
+  double nu;  ///< Poisson's ratio, -1 < nu <= 0.5 (short cylinder: < 0.5)
+  constexpr double G() const { return 0.5 * E / (1.0 + nu); }
+};
+
+/// Cross-section of a bond; bending stiffness is taken as isotropic.
+struct Section {
+  double A;    ///< area  [length^2]
+  double J;    ///< second moment of area  [length^4]
+  double J_p;  ///< torsion constant; the polar moment 2J for circle and annulus  [length^4]
+};
+
+/// Full circle of diameter d.
+constexpr Section circle(double d) {
+  const double J = std::numbers::pi / 64.0 * sq(sq(d));
+  return {0.25 * std::numbers::pi * sq(d), J, 2.0 * J};
+}
+
+/// Annulus of outer diameter d and inner diameter d_inner, 0 <= d_inner < d.
+constexpr Section annulus(double d, double d_inner) {
+  const Section o = circle(d), i = circle(d_inner);
+  return {o.A - i.A, o.J - i.J, o.J_p - i.J_p};
+}
+
+/// Square of side h; J_p is Saint-Venant's torsion constant 0.1405770 h^4 (Timoshenko & Goodier,
+/// Theory of Elasticity, torsion of rectangular bars), not the polar moment h^4/6.
+constexpr Section square(double h) {
+  constexpr double saint_venant = 0.140577014955157;
+  return {sq(h), sq(sq(h)) / 12.0, saint_venant * sq(sq(h))};
+}
+
+/// Hutchinson's shear coefficient of a full circle, [KA12] below eq. (24).
+constexpr double hutchinson_circle(double nu) {
+  return 6.0 * sq(1.0 + nu) / (7.0 + 12.0 * nu + 4.0 * sq(nu));
+}
+
+/// Massless Bernoulli-Euler rod of length a, [KA12] eq. (20). For slender bonds.
+constexpr BondStiffness<double> bernoulli_euler(const Material& m, const Section& s, double a) {
+  return {m.E * s.A / a, 12.0 * m.E * s.J / (a * a * a), m.E * s.J / a, m.G() * s.J_p / a};
+}
+
+/// Massless Timoshenko rod of length a with shear coefficient kappa > 0, [KA12] eq. (29).
+/// kappa -> infinity gives Bernoulli-Euler.
+constexpr BondStiffness<double> timoshenko(const Material& m, const Section& s, double a,
+                                           double kappa) {
+  const double kA = kappa * s.A;
+  return {m.E * s.A / a,
+          12.0 * kA * m.E * s.J / (a * (kA * sq(a) + 24.0 * s.J * (1.0 + m.nu))),
+          m.E * s.J / a, m.G() * s.J_p / a};
+}
+
+/// Short cylinder of length a between rigid ends, uniaxial strain, [KA12] eqs. (33)-(35); nu < 0.5.
+constexpr BondStiffness<double> short_cylinder(const Material& m, const Section& s, double a) {
+  const double confined = (1.0 - m.nu) / ((1.0 + m.nu) * (1.0 - 2.0 * m.nu));
+  return {confined * m.E * s.A / a, m.G() * s.A / a, confined * m.E * s.J / a, m.G() * s.J_p / a};
+}
+
+}  // namespace vbond

@@ -1,0 +1,86 @@
+#pragma once
+#include "vbond/physics/pose.hpp"
+#include "vbond/physics/stiffness.hpp"
+
+namespace vbond {
+
+/// The vector-based model of Kuzkin & Asonov, [KA12] eqs. (6), (7).
+/// Rest is the global minimum if B1, B3, B4 > 0 and B2 > -B3/2.
+/// Limits: 16 equal minima (either particle turned by 180 degrees about a bond axis); see docs/theory.md.
+template <Scalar T>
+struct VModel {
+  T a;        ///< length at rest between the bonded points  [length], > 0
+  T R_i, R_j; ///< bonded points' distances from the centres  [length]
+  T B1;       ///< [force/length]
+  T B2, B3, B4;  ///< [force*length]
+};
+
+/// Energy of a bond relative to rest, where U(undeformed) = -B2/2 - B3 - B4/2.  [KA12] eqs. (6), (7)
+/// The printed eq. for the arguments of U_T lacks a square on its first factor; eq. (7) has it.
+template <Scalar T>
+VBOND_HD BondEnergy<T> bond_energy(const VModel<T>& m, const BondPose<T>& b) {
+  const Vec3<T> D_ij = bonded_points(b, m.R_i, m.R_j);
+  const T D = norm(D_ij);
+  const Vec3<T> d_ij = D_ij / D;
+  const T half(0.5), quarter(0.25), one(1.0);
+
+  const T U_L = half * m.B1 * sq(D - m.a);
+
+  const T s1 = dot(b.n_i[0], b.n_j[0]), s2 = dot(d_ij, b.n_i[0]), s3 = -dot(d_ij, b.n_j[0]);
+  const T U_B = half * m.B2 * (one - sq(s1)) + half * m.B3 * ((one - sq(s2)) + (one - sq(s3)));
+
+  T U_T = half * m.B4;
+  for (int k = 1; k < 3; ++k) {  // the paper's k = 2, 3
+    const T s1k = dot(b.n_i[k], b.n_j[k]), s2k = dot(d_ij, b.n_i[k]), s3k = -dot(d_ij, b.n_j[k]);
+    U_T = U_T - quarter * m.B4 * sq(s1k + s2k * s3k) * (one + sq(s2k)) * (one + sq(s3k));
+  }
+  return {U_L, U_B, U_T};
+}
+
+/// Force and moments of a bond: the gradient of bond_energy.  [KA12] eqs. (10), (11); M_ji, which
+/// the paper omits, follows in the same way. M_ij + M_ji - r_ij x F = 0 holds exactly.
+template <Scalar T>
+VBOND_HD BondLoads<T> bond_loads(const VModel<T>& m, const BondPose<T>& b) {
+  const Vec3<T> D_ij = bonded_points(b, m.R_i, m.R_j);
+  const T D = norm(D_ij);
+  const T per_D = T(1.0) / D;
+  const Vec3<T> d = per_D * D_ij;
+  const T half(0.5), one(1.0);
+
+  const T c_i = dot(d, b.n_i[0]), c_j = dot(d, b.n_j[0]);
+  const T s1 = dot(b.n_i[0], b.n_j[0]);
+
+  // stretching, bending and shear
+  const Vec3<T> n_i1_across = b.n_i[0] - c_i * d, n_j1_across = b.n_j[0] - c_j * d;
+  Vec3<T> F = m.B1 * (D - m.a) * d - (m.B3 * per_D) * (c_i * n_i1_across + c_j * n_j1_across);
+  Vec3<T> M_ij = cross(b.n_i[0], m.B2 * s1 * b.n_j[0] + m.B3 * c_i * d);
+  Vec3<T> M_ji = cross(b.n_j[0], m.B2 * s1 * b.n_i[0] + m.B3 * c_j * d);
+
+  // torsion
+  for (int k = 1; k < 3; ++k) {  // the paper's k = 2, 3
+    const T s1k = dot(b.n_i[k], b.n_j[k]), s2k = dot(d, b.n_i[k]), s3k = -dot(d, b.n_j[k]);
+    const T p = s1k + s2k * s3k, q2 = one + sq(s2k), q3 = one + sq(s3k);
+    const T U1k = -half * m.B4 * p * q2 * q3;
+    const T U2k = -half * m.B4 * p * q3 * (s3k * q2 + p * s2k);
+    const T U3k = -half * m.B4 * p * q2 * (s2k * q3 + p * s3k);
+    F += per_D * (U2k * (b.n_i[k] - s2k * d) - U3k * (b.n_j[k] + s3k * d));
+    M_ij += cross(U1k * b.n_j[k] + U2k * d, b.n_i[k]);
+    M_ji += cross(U1k * b.n_i[k] - U3k * d, b.n_j[k]);
+  }
+  return {F, M_ij + m.R_i * cross(b.n_i[0], F), M_ji - m.R_j * cross(b.n_j[0], F)};
+}
+
+/// Parameters that match four stiffnesses exactly: the inverse of [KA12] eq. (19).
+template <Scalar T>
+constexpr VModel<T> vmodel_from(const BondStiffness<T>& c, const T& a, const T& R_i, const T& R_j) {
+  const T B3 = T(0.5) * c.c_D * sq(a);
+  return {a, R_i, R_j, c.c_A, c.c_B - T(0.5) * B3, B3, c.c_T};
+}
+
+/// Stiffnesses about rest, [KA12] eq. (19).
+template <Scalar T>
+constexpr BondStiffness<T> stiffness(const VModel<T>& m) {
+  return {m.B1, T(2.0) * m.B3 / sq(m.a), m.B2 + T(0.5) * m.B3, m.B4};
+}
+
+}  // namespace vbond
