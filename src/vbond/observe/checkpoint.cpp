@@ -13,11 +13,11 @@
 #include "vbond/core/error.hpp"
 #include "vbond/observe/files.hpp"
 #include "vbond/observe/hdf5.hpp"
+#include "vbond/observe/seal.hpp"
 
 namespace vbond {
 namespace {
 
-constexpr const char* format_name = "vbond checkpoint";
 constexpr std::int32_t format_version = 1;
 
 // ---- how each type lies in the file: `count` numbers of one type ------------------------------------
@@ -161,10 +161,9 @@ void visit_fingerprint(Archive& archive, M& m) {
 class Writer {
  public:
   explicit Writer(const std::filesystem::path& path)
-      : file_(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose),
+      : file_(create(path)),
         make_groups_(H5Pcreate(H5P_LINK_CREATE), H5Pclose),
         no_times_(H5Pcreate(H5P_DATASET_CREATE), H5Pclose) {
-    must(file_.get());
     must(H5Pset_create_intermediate_group(make_groups_.get(), 1));
     must(H5Pset_obj_track_times(no_times_.get(), false));  // the same state gives the same bytes
   }
@@ -189,28 +188,19 @@ class Writer {
     write(path, space, numbers.data());
   }
 
-  void attribute(const char* name, std::int32_t value) {
-    const H5Handle space(H5Screate(H5S_SCALAR), H5Sclose);
-    const H5Handle a(H5Acreate2(file_.get(), name, H5T_STD_I32LE, space.get(), H5P_DEFAULT, H5P_DEFAULT),
-                     H5Aclose);
-    must(H5Awrite(a.get(), H5T_NATIVE_INT32, &value));
-  }
-
-  void attribute(const char* name, const std::string& value) {
-    const H5Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-    must(H5Tset_size(type.get(), value.size() + 1));
-    const H5Handle space(H5Screate(H5S_SCALAR), H5Sclose);
-    const H5Handle a(H5Acreate2(file_.get(), name, type.get(), space.get(), H5P_DEFAULT, H5P_DEFAULT),
-                     H5Aclose);
-    must(H5Awrite(a.get(), type.get(), value.c_str()));
-  }
-
   void close() {
     must(H5Fflush(file_.get(), H5F_SCOPE_GLOBAL));
     if (!file_.reset()) throw IoError("HDF5 could not write all of it");
   }
 
  private:
+  static H5Handle create(const std::filesystem::path& path) {
+    const H5Handle room_for_seal(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
+    must(H5Pset_userblock(room_for_seal.get(), seal_size));
+    H5Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, room_for_seal.get(), H5P_DEFAULT), H5Fclose);
+    must(file.get());
+    return file;
+  }
   template <class N>
   void write(const char* path, const H5Handle& space, const N* numbers) {
     const H5Handle set(H5Dcreate2(file_.get(), path, file_type<N>(), space.get(), make_groups_.get(),
@@ -231,7 +221,7 @@ class Reader {
  public:
   explicit Reader(const std::filesystem::path& path)
       : file_(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose) {
-    if (!file_) throw IoError("is damaged or cut short, or not an HDF5 file");
+    if (!file_) throw IoError("is damaged: HDF5 cannot open it");
   }
 
   template <class T>
@@ -263,33 +253,9 @@ class Reader {
     return static_cast<std::size_t>(size[0]);
   }
 
-  std::int32_t int_attribute(const char* name) {
-    const H5Handle a(H5Aopen(file_.get(), name, H5P_DEFAULT), H5Aclose);
-    std::int32_t value = 0;
-    if (!a || !is_scalar(a) || H5Aread(a.get(), H5T_NATIVE_INT32, &value) < 0)
-      throw IoError("is not a checkpoint of vbond");
-    return value;
-  }
-
-  /// The text of an attribute, or nothing if it is absent or no text of up to 63 characters.
-  std::string text_attribute(const char* name) {
-    const H5Handle a(H5Aopen(file_.get(), name, H5P_DEFAULT), H5Aclose);
-    if (!a || !is_scalar(a)) return {};
-    const H5Handle type(H5Aget_type(a.get()), H5Tclose);
-    std::array<char, 64> text{};
-    if (!type || H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) != 0 ||
-        H5Tget_size(type.get()) >= text.size() || H5Aread(a.get(), type.get(), text.data()) < 0)
-      return {};
-    return text.data();
-  }
-
  private:
   [[noreturn]] static void damaged(const char* path) {
     throw IoError(fmt::format("is damaged: {} is missing or not as expected", path));
-  }
-  static bool is_scalar(const H5Handle& attribute) {
-    const H5Handle space(H5Aget_space(attribute.get()), H5Sclose);
-    return space && H5Sget_simple_extent_npoints(space.get()) == 1;
   }
   H5Handle open(const char* path) {
     H5Handle set(H5Dopen2(file_.get(), path, H5P_DEFAULT), H5Dclose);
@@ -313,15 +279,6 @@ class Reader {
 
   H5Handle file_;
 };
-
-void check_format(Reader& reader) {
-  if (reader.text_attribute("format") != format_name) throw IoError("is not a checkpoint of vbond");
-  const std::int32_t version = reader.int_attribute("format_version");
-  if (version > format_version)
-    throw IoError(fmt::format(
-        "was written by vbond {}, in format {}; this program reads formats up to {}: use that version",
-        reader.text_attribute("program_version"), version, format_version));
-}
 
 void check_fingerprint(Reader& reader, const Model& model) {
   const std::size_t n = reader.rows("/model/mass");
@@ -357,12 +314,10 @@ void write_checkpoint(const std::filesystem::path& path, const Model& model, con
   const std::filesystem::path part = temporary_name(path);
   try {
     Writer writer(part);
-    writer.attribute("format", std::string(format_name));
-    writer.attribute("format_version", format_version);
-    writer.attribute("program_version", program_version);
     visit_fingerprint(writer, model);
     visit_fields(writer, checkpoint);
     writer.close();
+    write_seal(part, format_version, program_version);
   } catch (const IoError& e) {
     std::error_code ignored;  // the first error is the one to tell
     std::filesystem::remove(part, ignored);
@@ -375,8 +330,8 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const Model& model
   open_file(path, "rb");  // a missing or forbidden file is told in the system's words
   const H5Silence silence;
   try {
+    check_seal(path, format_version);
     Reader reader(path);
-    check_format(reader);
     check_fingerprint(reader, model);
     Checkpoint c;
     const std::size_t n = model.particles();

@@ -15,7 +15,7 @@ std::string table_header() {
 std::string table_row(const State& state, const Energies& e, double balance_error,
                       const RangeCounts& ranges) {
   const EnergyBooks& b = state.books;
-  return fmt::format("{:12} {:12.6g} {:12.5e} {:12.5e} {:12.5e} {:12.5e} {:12.5e} {:10.2e} {:8} {:8}\n",
+  return fmt::format("{:12} {:12.6g} {:12.4e} {:12.4e} {:12.4e} {:12.4e} {:12.4e} {:10.2e} {:8} {:8}\n",
                      state.clock.step, state.clock.time(), e.kinetic(), e.potential(), b.dissipated,
                      b.work_loads + b.work_supports, e.total(), balance_error, ranges.strained,
                      ranges.snapped);

@@ -96,7 +96,8 @@ std::vector<StageSummary> read_stages_before(const std::filesystem::path& path, 
   const std::string text = read_all(path);
   try {
     std::vector<StageSummary> stages;
-    for (const Json& j : Json::parse(text).at("stages"))
+    const Json summary = Json::parse(text);
+    for (const Json& j : summary.at("stages"))
       if (static_cast<std::int32_t>(stages.size()) < stage) stages.push_back(stage_from(j));
     return stages;
   } catch (const Json::exception& e) {

@@ -104,8 +104,11 @@ std::string VtpFile::head(double time, std::int64_t step) const {
   for (const Array& a : point_data_) x += declare(a);
   x += "      </PointData>\n      <CellData>\n";
   for (const Array& a : cell_data_) x += declare(a);
-  x += "      </CellData>\n      <Points>\n" + declare(coordinates_) + "      </Points>\n";
-  x += fmt::format("      <{}>\n", cells) + declare(connectivity_) + declare(offsets_);
+  x += "      </CellData>\n      <Points>\n";
+  x += declare(coordinates_);  // one at a time: each takes the offset that the last one left
+  x += fmt::format("      </Points>\n      <{}>\n", cells);
+  x += declare(connectivity_);
+  x += declare(offsets_);
   x +=
       fmt::format("      </{}>\n    </Piece>\n  </PolyData>\n  <AppendedData encoding=\"raw\">\n   _", cells);
   return x;
