@@ -50,15 +50,12 @@ void Simulation::begin_stage() {
   state_.rest = {};
   evaluate_loads();
   if (state_.clock.step == 0) state_.books = {.at_start = energies().total()};
-  if (bonding_.make_bonds(contacts_, state_)) {
-    bonds_changed();
-    evaluate_loads();
-  }
   hold_velocities(model_, stage_, 0.0, state_);
 }
 
 void Simulation::step() {
   const double dt = stage_.dt, t = state_.clock.stage_time();
+  make_bonds();                                                             // between particles come close
   apply_strain();                                                           // r jumps, if it is due
   apply_damping();                                                          // v, omega over dt / 2
   kick(model_, loads_, dt / 2, threads_, state_);                           // v, omega : t -> t + dt/2
@@ -67,7 +64,6 @@ void Simulation::step() {
   book_applied_work(model_, stage_, t, dt, threads_, state_);
   ++state_.clock.step;
   ++state_.clock.stage_step;                                                // time is counted, not summed
-  if (bonding_.make_bonds(contacts_, state_)) bonds_changed();
   evaluate_loads();                                                         // F, M     : at t + dt
   kick(model_, loads_, dt / 2, threads_, state_);                           // v, omega : t + dt/2 -> t + dt
   hold_velocities_after_kick(model_, stage_, loads_, t + dt / 2, dt / 2, state_);
@@ -95,9 +91,11 @@ void Simulation::notify_observers() {
   for (const auto& o : observers_) o->observe(*this);
 }
 
-void Simulation::bonds_changed() {
+void Simulation::make_bonds() {
+  if (!bonding_.make_bonds(contacts_, state_)) return;
   bond_index_ = BondIndex(model_.particles(), state_.bonds);
   contacts_.bonds_changed();
+  evaluate_loads();
 }
 
 void Simulation::evaluate_loads() {

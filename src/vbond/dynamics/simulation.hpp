@@ -61,7 +61,7 @@ class Simulation {
 
  private:
   void begin_stage();
-  void bonds_changed();
+  void make_bonds();
   void evaluate_loads();
   void apply_strain();
   void apply_damping();
