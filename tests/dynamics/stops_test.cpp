@@ -76,7 +76,7 @@ TEST(Simulation, IsInterruptedBetweenSteps) {
   const testing::Specimen s = testing::straight_rod(2);
   Simulation run(s.model, testing::plain_stage(0.1, 100.0), s.state);
   int asked = 0;
-  EXPECT_EQ(run.run([&] { return ++asked > 7; }), StopReason::interrupted);
+  EXPECT_EQ(run.run([&] { return ++asked == 7; }), StopReason::interrupted);
   EXPECT_EQ(run.state().clock.step, 7);
 }
 
