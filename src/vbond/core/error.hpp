@@ -42,12 +42,12 @@ class CaseError : public std::runtime_error {
 class Diverged : public std::runtime_error {
  public:
   /// subject: e.g. "bond 17 (particles 4, 9)"; finding: what is wrong, with its value.
-  Diverged(std::int64_t step, double time, std::string subject, std::string finding,
-           std::string advice)
-      : std::runtime_error("step " + std::to_string(step) + ": " + subject + ": " + finding +
-                           "\n  " + advice),
-        step(step),
-        time(time) {}
+  Diverged(std::int64_t at_step, double at_time, const std::string& subject, const std::string& finding,
+           const std::string& advice)
+      : std::runtime_error("step " + std::to_string(at_step) + ": " + subject + ": " + finding + "\n  " +
+                           advice),
+        step(at_step),
+        time(at_time) {}
   std::int64_t step;
   double time;
 };

@@ -59,6 +59,10 @@ VBOND_HD Vec3<T> normalised(const Vec3<T>& a) {
 
 using Vec3d = Vec3<double>;
 
+/// Component 0, 1, 2 = x, y, z.
+inline double& component(Vec3d& a, int k) { return k == 0 ? a.x : k == 1 ? a.y : a.z; }
+inline double component(const Vec3d& a, int k) { return k == 0 ? a.x : k == 1 ? a.y : a.z; }
+
 /// True if no component is NaN or infinite.
 inline bool is_finite(const Vec3d& a) {
   return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);

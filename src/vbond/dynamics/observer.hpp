@@ -4,13 +4,17 @@ namespace vbond {
 
 class Simulation;
 
+/// Why a stage ended.
+enum class StopReason { running, duration, distance, peak, kinetic_energy, interrupted };
+
 /// Looks at a run after every step, and once at the start of each stage; never changes it.
 class Observer {
  public:
   virtual ~Observer() = default;
   virtual void observe(const Simulation& run) = 0;
-  /// The stage is over, or the run has been interrupted or has failed: write what is pending.
-  virtual void finish(const Simulation& /*run*/) {}
+  /// Called once when run() returns. After StopReason::interrupted the stage will be resumed, so
+  /// nothing may be written here that an uninterrupted run would not have written.
+  virtual void finish(const Simulation& /*run*/, StopReason /*why*/) {}
 };
 
 }  // namespace vbond

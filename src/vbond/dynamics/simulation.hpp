@@ -1,13 +1,14 @@
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <memory>
-#include <string>
 #include <vector>
 
+#include "vbond/dynamics/bond_index.hpp"
 #include "vbond/dynamics/bonding.hpp"
+#include "vbond/dynamics/bonds.hpp"
 #include "vbond/dynamics/contacts.hpp"
 #include "vbond/dynamics/damping.hpp"
-#include "vbond/dynamics/evaluate.hpp"
 #include "vbond/dynamics/observer.hpp"
 #include "vbond/model/loads.hpp"
 #include "vbond/model/model.hpp"
@@ -16,9 +17,6 @@
 
 namespace vbond {
 
-/// Why a stage ended.
-enum class StopReason { running, duration, distance, peak, kinetic_energy, interrupted };
-
 /// Total force and moment (about the origin of coordinates) that supports exert.
 struct Reaction {
   Vec3d force;   ///< [force]
@@ -26,20 +24,23 @@ struct Reaction {
 };
 
 /// One stage of a run: a const Model, a Stage, and the State that the step loop moves.
-/// Observers see it read-only. Results do not depend on the number of threads.
+/// Observers see it read-only. Results are bitwise the same for any number of threads.
 class Simulation {
  public:
-  /// Takes over the state. A state with stage_step = 0 begins the stage (supports take their given
-  /// velocities); any other continues it, as after a checkpoint. stage.dt > 0.
+  /// Takes over the state and keeps a reference to the model. A state with stage_step = 0 begins the
+  /// stage (supports take their given velocities); any other continues it, as after a checkpoint.
+  /// stage.dt > 0, threads >= 1.
   Simulation(const Model& model, Stage stage, State state, int threads = 1);
+  Simulation(const Simulation&) = delete;
+  Simulation& operator=(const Simulation&) = delete;
 
-  void add_observer(std::shared_ptr<Observer> observer);
+  void add_observer(std::shared_ptr<Observer> observer) { observers_.push_back(std::move(observer)); }
 
-  /// One time step of stage().dt. Throws Diverged if a load is not finite or a bond has closed up.
+  /// One time step of stage().dt. Throws Diverged if a load is not finite or a new bond is impossible.
   void step();
 
-  /// Steps until a stop condition holds or `interrupted` returns true (asked after every step).
-  StopReason run(bool (*interrupted)() = nullptr);
+  /// Steps until a stop condition holds or `interrupted` (asked before every step) says so.
+  StopReason run(const std::function<bool()>& interrupted = {});
 
   const Model& model() const { return model_; }
   const Stage& stage() const { return stage_; }
@@ -47,33 +48,39 @@ class Simulation {
   const Loads& loads() const { return loads_; }
   std::int64_t neighbour_rebuilds() const { return contacts_.rebuilds(); }
 
-  /// Energies at the present positions and velocities; a sum over all bonds, so not for every step.
+  /// Energies at the present positions and velocities: a sum over all bonds, so not for every step.
   Energies energies() const;
-  /// Relative error of the energy balance for these energies: (kinetic + potential + dissipated
-  /// - work - start) / largest energy seen. 0 while nothing has moved.
+  /// Relative error of the energy balance for these energies: kinetic + potential + dissipated - work -
+  /// start, over the largest energy that start and work have brought in so far; 0 before there is any.
   double balance_error(const Energies& e) const;
-  /// What the supports exert on these particles, along held degrees of freedom only.
+  /// What the supports exert on these particles along held degrees of freedom, drag included, the
+  /// inertia of prescribed accelerations left out.
   Reaction reaction(const std::vector<ParticleId>& particles) const;
-  /// Mean over the bonds with both ends in the group of F.d, tension positive.  [force]
+  /// Mean over the bonds with both ends in the group of F.d, tension positive; 0 without such bonds.  [force]
   double mean_axial_force(const std::vector<ParticleId>& particles) const;
 
  private:
   void begin_stage();
+  void bonds_changed();
   void evaluate_loads();
   void apply_strain();
-  void record_peak();
+  void apply_damping();
+  void keep_records();
+  double peak_quantity() const;
   StopReason stop_reason() const;
+  void notify_observers();
 
   const Model& model_;
-  Stage stage_;
+  const Stage stage_;
   State state_;
+  const int threads_;
   Loads loads_;
+  BondIndex bond_index_;
   BondLoadsEvaluator bond_loads_;
   Contacts contacts_;
   Bonding bonding_;
   Damping damping_;
   std::vector<std::shared_ptr<Observer>> observers_;
-  std::vector<BondId> peak_bonds_;
 };
 
 }  // namespace vbond

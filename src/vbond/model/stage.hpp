@@ -96,7 +96,8 @@ struct Stops {
   double duration = std::numeric_limits<double>::infinity();  ///< [time]
   std::optional<DistanceStop> distance;
   std::optional<PeakStop> peak;
-  std::optional<double> kinetic_energy_below;  ///< checked after the first step  [energy]
+  /// Stop when the kinetic energy, having been above this, stays below it for a time T_0.  [energy]
+  std::optional<double> kinetic_energy_below;
 };
 
 /// One leg of the run, resolved: no names to look up, all in the units of the model.

@@ -25,7 +25,7 @@ struct EnergyBooks {
   double dissipated = 0;     ///< by damping, and contact energy given up when a pair is bonded
   double work_loads = 0;     ///< by point forces, moments and gravity
   double work_supports = 0;  ///< by supports, prescribed velocities and imposed strain
-  double largest = 0;        ///< largest kinetic + potential + dissipated seen: the scale of the error
+  double largest = 0;        ///< largest at_start + work so far: the scale of the balance error
   friend bool operator==(const EnergyBooks&, const EnergyBooks&) = default;
 };
 
@@ -40,6 +40,13 @@ struct PeakRecord {
   friend bool operator==(const PeakRecord&, const PeakRecord&) = default;
 };
 
+/// How long the kinetic energy has been low, for the stop condition.
+struct RestRecord {
+  bool armed = false;            ///< the bound has been exceeded in this stage
+  std::int64_t quiet_steps = 0;  ///< steps in a row below the bound
+  friend bool operator==(const RestRecord&, const RestRecord&) = default;
+};
+
 /// Everything that changes, and exactly what a checkpoint holds.
 struct State {
   Clock clock;
@@ -50,6 +57,7 @@ struct State {
   PerBond<Bond> bonds;       ///< in order of creation
   EnergyBooks books;
   PeakRecord peak;
+  RestRecord rest;
 
   friend bool operator==(const State&, const State&) = default;
 };

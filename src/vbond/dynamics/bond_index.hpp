@@ -1,0 +1,41 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "vbond/model/state.hpp"
+
+namespace vbond {
+
+/// The bonds of each particle in order of creation: for summing loads and for asking who is bonded.
+class BondIndex {
+ public:
+  struct Entry {
+    BondId bond;
+    ParticleId other;
+    bool is_i;  ///< the particle is the bond's i
+  };
+  struct Range {
+    const Entry* first;
+    const Entry* last;
+    const Entry* begin() const { return first; }
+    const Entry* end() const { return last; }
+  };
+
+  BondIndex() = default;
+  BondIndex(std::size_t particles, const PerBond<Bond>& bonds);
+
+  Range of(ParticleId p) const {
+    return {entries_.data() + start_[p.value], entries_.data() + start_[p.value + 1]};
+  }
+  bool bonded(ParticleId p, ParticleId o) const {
+    for (const Entry& e : of(p))
+      if (e.other == o) return true;
+    return false;
+  }
+
+ private:
+  std::vector<std::size_t> start_;
+  std::vector<Entry> entries_;
+};
+
+}  // namespace vbond

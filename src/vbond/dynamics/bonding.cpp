@@ -1,0 +1,68 @@
+#include "vbond/dynamics/bonding.hpp"
+
+#include <set>
+#include <string>
+#include <utility>
+
+#include "vbond/core/error.hpp"
+#include "vbond/model/make_bond.hpp"
+#include "vbond/model/step_bound.hpp"
+
+namespace vbond {
+namespace {
+
+bool joins(const BondingRule& rule, ParticleId i, ParticleId j) {
+  return (rule.in_a[i.value] && rule.in_b[j.value]) || (rule.in_a[j.value] && rule.in_b[i.value]);
+}
+
+std::string pair_name(ParticleId i, ParticleId j) {
+  return "particles " + std::to_string(i.value) + " and " + std::to_string(j.value);
+}
+
+Bond bond_between(const BondRecipe& recipe, const Model& model, const State& s, ParticleId i, ParticleId j) {
+  const auto site = [&](ParticleId p) { return BondSite{p, s.r[p], s.q[p], model.radius[p]}; };
+  if (const std::optional<Bond> bond = make_bond(recipe, site(i), site(j))) return *bond;
+  throw Diverged(s.clock.step, s.clock.time(), pair_name(i, j),
+                 "came within bonding distance, but their bonded points are no apart (a <= 0)",
+                 "attach the bonds at the centres, or bond at a larger distance than R_i + R_j");
+}
+
+}  // namespace
+
+Bonding::Bonding(const Model& model, const std::vector<BondingRule>& rules, const BondIndex& index)
+    : model_(model) {
+  for (const BondingRule& rule : rules)
+    rules_.push_back({&rule, NeighbourList(
+                                 rule.distance, 0.2 * rule.distance,
+                                 [&rule](ParticleId i, ParticleId j) {
+                                   return joins(rule, i, j) ? rule.distance : -rule.distance;
+                                 },
+                                 [&index](ParticleId i, ParticleId j) { return index.bonded(i, j); })});
+}
+
+bool Bonding::make_bonds(const Contacts& contacts, State& state) {
+  std::set<std::pair<ParticleId, ParticleId>> made;
+  for (RuleList& list : rules_) {
+    const BondingRule& rule = *list.rule;
+    list.near.refresh(state.r);
+    for (const ParticleId i : state.r.ids())
+      for (const ParticleId j : list.near.of(i)) {
+        if (!(i < j) || norm2(state.r[j] - state.r[i]) > sq(rule.distance)) continue;
+        if (!made.insert({i, j}).second) continue;
+        state.bonds.push_back(bond_between(rule.recipe, model_, state, i, j));
+        if (model_.contact.pairs == ContactPairs::unbonded)
+          state.books.dissipated += contacts.pair_energy(state, i, j);
+      }
+  }
+  if (made.empty()) return false;
+  for (RuleList& list : rules_) list.near.invalidate();
+  const StepBound bound = step_bound(model_, state);
+  if (state.clock.dt > bound.dt)
+    throw Diverged(state.clock.step, state.clock.time(), "new bonds",
+                   "the time step " + std::to_string(state.clock.dt) + " is above the critical step " +
+                       std::to_string(bound.dt) + " of " + bound.source,
+                   "choose a smaller time.step or time.fraction");
+  return true;
+}
+
+}  // namespace vbond

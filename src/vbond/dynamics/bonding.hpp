@@ -1,0 +1,32 @@
+#pragma once
+#include <vector>
+
+#include "vbond/dynamics/bond_index.hpp"
+#include "vbond/dynamics/contacts.hpp"
+#include "vbond/dynamics/neighbours.hpp"
+#include "vbond/model/model.hpp"
+#include "vbond/model/stage.hpp"
+#include "vbond/model/state.hpp"
+
+namespace vbond {
+
+/// Makes bonds during the run by the stage's rules ([KA12] section VI, step 1 of the algorithm).
+class Bonding {
+ public:
+  Bonding(const Model& model, const std::vector<BondingRule>& rules, const BondIndex& index);
+
+  /// Bonds every pair that a rule joins and that is close enough, in the order of rules, then (i, j).
+  /// Contact energy that a pair gives up because bonded pairs do not touch is booked as dissipated.
+  /// Returns whether any bond was made. Throws Diverged if one would have no length.
+  bool make_bonds(const Contacts& contacts, State& state);
+
+ private:
+  struct RuleList {
+    const BondingRule* rule;
+    NeighbourList near;
+  };
+  const Model& model_;
+  std::vector<RuleList> rules_;
+};
+
+}  // namespace vbond

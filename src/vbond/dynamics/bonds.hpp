@@ -1,0 +1,31 @@
+#pragma once
+#include <vector>
+
+#include "vbond/dynamics/bond_index.hpp"
+#include "vbond/model/loads.hpp"
+#include "vbond/model/state.hpp"
+
+namespace vbond {
+
+/// The pose of a bond in the present state.
+inline BondPose<double> pose_of(const Bond& b, const State& s) {
+  return bond_pose(b, s.r[b.i], s.q[b.i], s.r[b.j], s.q[b.j]);
+}
+
+/// F.d of a bond, tension positive: both laws' other terms are normal to d.  [force]
+double axial_force(const Bond& b, const State& s);
+
+/// Adds every bond's loads to its two particles, bond by bond: the reference for BondLoadsEvaluator.
+void add_bond_loads(const State& state, Loads& loads);
+
+/// The same in two phases that any number of threads can share: loads bond by bond, then sums particle
+/// by particle in the order of the bonds. Results are bitwise those of add_bond_loads.
+class BondLoadsEvaluator {
+ public:
+  void add(const State& state, const BondIndex& index, int threads, Loads& loads);
+
+ private:
+  std::vector<BondLoads<double>> of_bond_;  // scratch, rewritten at every call
+};
+
+}  // namespace vbond

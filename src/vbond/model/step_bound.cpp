@@ -1,0 +1,156 @@
+#include "vbond/model/step_bound.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <unordered_set>
+
+#include "vbond/core/near_pairs.hpp"
+#include "vbond/model/make_bond.hpp"
+#include "vbond/physics/contact.hpp"
+#include "vbond/physics/stability.hpp"
+
+namespace vbond {
+namespace {
+
+constexpr double bonds_of_close_packing = 12.0;
+
+struct Largest {
+  double lambda = 0.0;
+  std::optional<BondId> bond;
+  std::string source;
+};
+
+/// Which of the three kinds of motion of a bond its bound came from.
+std::string motion_of(const BondStiffness<double>& c, const BondEnd& i, const BondEnd& j, double lambda) {
+  if (element_bound({c.c_A, 0.0, 0.0, 0.0}, i, j) >= lambda) return "stretching";
+  if (element_bound({0.0, 0.0, 0.0, c.c_T}, i, j) >= lambda) return "torsion";
+  return "shear and bending";
+}
+
+PerParticle<double> bonds_of_particles(const Model& model, const State& state,
+                                       const std::vector<BondingRule>& rules) {
+  PerParticle<double> n(model.particles(), 0.0);
+  for (const Bond& b : state.bonds) n[b.i] += 1.0, n[b.j] += 1.0;
+  for (const BondingRule& rule : rules)
+    for (const ParticleId p : n.ids())
+      if (rule.in_a[p.value] || rule.in_b[p.value]) n[p] = std::max(n[p], bonds_of_close_packing);
+  return n;
+}
+
+Largest largest_of_bonds(const Model& model, const State& state, const PerParticle<double>& n) {
+  Largest largest;
+  const auto end = [&](ParticleId p, double R, double a) {
+    return BondEnd{n[p], model.mass[p], model.inertia[p], R + 0.5 * a};
+  };
+  for (const BondId id : state.bonds.ids()) {
+    const Bond& b = state.bonds[id];
+    const double lambda = element_bound(stiffness_of(b), end(b.i, b.R_i, b.a), end(b.j, b.R_j, b.a));
+    if (!(lambda <= largest.lambda)) largest.lambda = lambda, largest.bond = id;
+  }
+  if (largest.bond) {
+    const Bond& b = state.bonds[*largest.bond];
+    largest.source = motion_of(stiffness_of(b), end(b.i, b.R_i, b.a), end(b.j, b.R_j, b.a), largest.lambda) +
+                     " of bond " + std::to_string(largest.bond->value) + " (particles " +
+                     std::to_string(b.i.value) + ", " + std::to_string(b.j.value) + ")";
+  }
+  return largest;
+}
+
+/// The bond a rule may make: as long as the rule's distance, between the lightest particles.
+double lambda_of_rule(const Model& model, const BondingRule& rule, std::string& motion) {
+  const auto lightest = [&](const std::vector<char>& in, double& radius) {
+    BondEnd e{bonds_of_close_packing, std::numeric_limits<double>::infinity(),
+              std::numeric_limits<double>::infinity(), 0.0};
+    for (const ParticleId p : model.mass.ids())
+      if (in[p.value]) {
+        e.m = std::min(e.m, model.mass[p]);
+        e.Theta = std::min(e.Theta, model.inertia[p]);
+        radius = std::max(radius, model.radius[p]);
+      }
+    return e;
+  };
+  double R_i = 0.0, R_j = 0.0;
+  BondEnd i = lightest(rule.in_a, R_i), j = lightest(rule.in_b, R_j);
+  if (rule.recipe.attachment == Attachment::centres) R_i = R_j = 0.0;
+  if (rule.recipe.attachment == Attachment::given) R_i = rule.recipe.R_i, R_j = rule.recipe.R_j;
+  const double left = rule.distance - R_i - R_j;
+  // particles of different size may leave no length at the rule's distance; then nothing is known yet
+  const double a = left > 0.0 ? left : rule.distance;
+  i.lever = R_i + 0.5 * a;
+  j.lever = R_j + 0.5 * a;
+  const BondStiffness<double> c = stiffness_of(rule.recipe, a);
+  const double lambda = element_bound(c, i, j);
+  motion = motion_of(c, i, j, lambda);
+  return lambda;
+}
+
+struct PresentContacts {
+  double overlap = 0.0;  ///< largest
+  double most = 1.0;     ///< of one particle, at least 1
+};
+
+PresentContacts present_contacts(const Model& model, const State& state, double largest_radius) {
+  std::unordered_set<std::uint64_t> bonded;
+  const auto key = [](std::uint64_t i, std::uint64_t j) { return i << 32 | j; };
+  if (model.contact.pairs == ContactPairs::unbonded)
+    for (const Bond& b : state.bonds) bonded.insert(key(std::min(b.i, b.j).value, std::max(b.i, b.j).value));
+
+  PresentContacts found;
+  PerParticle<double> n(model.particles(), 0.0);
+  for_near_pairs(state.r.values(), 2.0 * largest_radius, [&](std::size_t i, std::size_t j, double d2) {
+    const ParticleId p{i}, q{j};
+    const double overlap = model.radius[p] + model.radius[q] - std::sqrt(d2);
+    if (overlap <= 0.0 || bonded.count(key(i, j)) > 0) return;
+    found.overlap = std::max(found.overlap, overlap);
+    n[p] += 1.0, n[q] += 1.0;
+  });
+  for (const double count : n) found.most = std::max(found.most, count);
+  return found;
+}
+
+/// k_c (1/m_i + 1/m_j) <= 2/m_i times k_c of i against the largest particle, if i is the lighter one.
+double lambda_of_contacts(const Model& model, const State& state) {
+  const ContactModel& law = model.contact;
+  if (law.law == ContactLaw::none || model.particles() < 2) return 0.0;
+  const double R_max = *std::max_element(model.radius.begin(), model.radius.end());
+  if (!(R_max > 0.0)) return 0.0;
+  const PresentContacts present = present_contacts(model, state, R_max);
+  double lambda = 0.0;
+  for (const ParticleId p : model.mass.ids()) {
+    const double R = model.radius[p];
+    const HertzContact<double> h = law.law == ContactLaw::paper_hertz
+                                       ? paper_hertz(law.c_H, std::sqrt(law.length))
+                                       : hertz(law.E, law.nu, R, R_max);
+    const double k_c = contact_stiffness(h, std::max(present.overlap, 0.1 * (R + R_max)));
+    lambda = std::max(lambda, present.most * k_c * 2.0 / model.mass[p]);
+  }
+  return lambda;
+}
+
+}  // namespace
+
+StepBound step_bound(const Model& model, const State& state, const std::vector<BondingRule>& rules) {
+  Largest largest = largest_of_bonds(model, state, bonds_of_particles(model, state, rules));
+  for (const BondingRule& rule : rules) {
+    std::string motion;
+    const double lambda = lambda_of_rule(model, rule, motion);
+    if (!(lambda <= largest.lambda))
+      largest = {lambda, std::nullopt,
+                 motion + " of a bond that bond set " + std::to_string(rule.recipe.set) + " may still make"};
+  }
+  const double contact = lambda_of_contacts(model, state);
+  if (contact > 0.0) {
+    if (contact > largest.lambda) largest.bond.reset();
+    largest.source = largest.source.empty()     ? "contacts"
+                     : contact > largest.lambda ? "contacts, and " + largest.source
+                                                : largest.source + ", and contacts";
+    largest.lambda += contact;
+  }
+  if (largest.lambda == 0.0)
+    return {std::numeric_limits<double>::infinity(), std::nullopt, "no bonds and no contacts"};
+  return {critical_step(largest.lambda), largest.bond, largest.source};
+}
+
+}  // namespace vbond

@@ -1,0 +1,30 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "vbond/model/model.hpp"
+#include "vbond/model/stage.hpp"
+#include "vbond/model/state.hpp"
+
+namespace vbond {
+
+/// The largest time step that is safe, and what sets it.
+struct StepBound {
+  double dt;                   ///< [time]; infinite if nothing is elastic
+  std::optional<BondId> bond;  ///< the bond that sets it; none if contacts or a bonding rule do
+  std::string source;          ///< e.g. "shear and bending of bond 3 (particles 3, 4)"
+};
+
+/// Largest stable step of leap-frog, 2 / sqrt(lambda), by an element-by-element bound: never above the
+/// critical step of the undeformed body, a few per cent below it. Each particle's mass is shared
+/// evenly among its n bonds.
+///
+/// What is not there yet is estimated. Contacts: one more pair, an overlap of 10 % of the sum of the
+/// radii (the present largest, if that is more), the lightest particle twice against the largest; its
+/// lambda is added to that of the bonds, times the present number of contacts if a particle has
+/// several. Bonding rules: particles that a rule can bond count as having at least 12 bonds, and a
+/// bond as long as the rule's distance between the lightest of them is included.
+StepBound step_bound(const Model& model, const State& state, const std::vector<BondingRule>& rules = {});
+
+}  // namespace vbond

@@ -1,0 +1,34 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "vbond/core/dual.hpp"
+#include "vbond/physics/contact.hpp"
+
+namespace vbond {
+namespace {
+
+TEST(HertzContact, ForceIsTheSlopeOfTheEnergyAndStiffnessTheSlopeOfTheForce) {
+  using D1 = Dual<1>;
+  const HertzContact<double> h{1.7};
+  for (const double delta : {1e-6, 0.01, 0.3}) {
+    const D1 overlap = D1::variable(delta, 0);
+    const D1 U = contact_energy(HertzContact<D1>{h.k}, overlap);
+    const D1 f = contact_force(HertzContact<D1>{h.k}, overlap);
+    EXPECT_NEAR(U.d[0], contact_force(h, delta), 1e-15 * (1 + h.k));
+    EXPECT_NEAR(f.d[0], contact_stiffness(h, delta), 1e-15 * (1 + h.k));
+  }
+}
+
+TEST(HertzContact, OfTwoEqualSpheresHasTheTextbookStiffness) {
+  // R* = R/2, E* = E / (2 (1 - nu^2)): k = 4/3 E* sqrt(R*)
+  EXPECT_NEAR(hertz(3.0, 0.25, 0.5, 0.5).k, 4.0 / 3.0 * 1.6 * 0.5, 1e-15);
+}
+
+TEST(PapersHertz, HasThePapersForm) {
+  // F = c_H / sqrt(a) (2R - r)^(3/2) with c_H = 2, a = 4, overlap 0.25
+  EXPECT_NEAR(contact_force(paper_hertz(2.0, std::sqrt(4.0)), 0.25), 2.0 / 2.0 * 0.125, 1e-16);
+}
+
+}  // namespace
+}  // namespace vbond

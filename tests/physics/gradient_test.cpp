@@ -1,0 +1,82 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "random_pose.hpp"
+#include "vbond/core/dual.hpp"
+#include "vbond/physics/evm.hpp"
+#include "vbond/physics/vmodel.hpp"
+
+namespace vbond {
+namespace {
+
+using D12 = Dual<12>;  // shift of i, turn of i, shift of j, turn of j
+
+Vec3<D12> variables(std::size_t first) {
+  return {D12::variable(0.0, first), D12::variable(0.0, first + 1), D12::variable(0.0, first + 2)};
+}
+Vec3<D12> constant(const Vec3d& a) { return {a.x, a.y, a.z}; }
+
+/// The pose with dual parts: r -> r + dr and n -> n + dphi x n at both ends.
+BondPose<D12> perturbed(const BondPose<double>& b) {
+  BondPose<D12> p{constant(b.r_ij) + variables(6) - variables(0), {}, {}};
+  for (int k = 0; k < 3; ++k) {
+    p.n_i[k] = constant(b.n_i[k]) + cross(variables(3), constant(b.n_i[k]));
+    p.n_j[k] = constant(b.n_j[k]) + cross(variables(9), constant(b.n_j[k]));
+  }
+  return p;
+}
+
+Vec3d slope(const D12& U, std::size_t first) { return {U.d[first], U.d[first + 1], U.d[first + 2]}; }
+
+/// Largest difference between the loads and minus the gradient, over the largest load of the law's size.
+template <class Law>
+double gradient_error(const Law& law, const BondPose<double>& pose) {
+  const D12 one(1.0);
+  const auto dual_law = [&] {
+    if constexpr (std::is_same_v<Law, VModel<double>>)
+      return VModel<D12>{law.a, law.R_i, law.R_j, law.B1, law.B2, law.B3, law.B4};
+    else
+      return Evm<D12>{law.a, law.R_i, law.R_j, law.B1, law.B2, law.B3, law.B4};
+  }();
+  const BondEnergy<D12> e = bond_energy(dual_law, perturbed(pose));
+  const D12 U = e.U_L + e.U_B + e.U_T;
+  const BondLoads<double> l = bond_loads(law, pose);
+  const double size = norm(l.F) + norm(l.M_ij) + norm(l.M_ji);
+  const double wrong = std::max({norm(l.F + slope(U, 0)), norm(l.M_ij + slope(U, 3)),
+                                 norm(-l.F + slope(U, 6)), norm(l.M_ji + slope(U, 9))});
+  return wrong / size;
+}
+
+template <class Law>
+void expect_loads_are_minus_the_gradient() {
+  testing::PoseSource random(2012);
+  for (int trial = 0; trial < 1000; ++trial) {
+    const Law law{random.uniform(0.2, 1.5), random.uniform(0.0, 0.6), random.uniform(0.0, 0.6),
+                  random.uniform(0.5, 2.0), random.uniform(-0.5, 0.5), random.uniform(0.1, 1.0),
+                  random.uniform(0.1, 1.0)};
+    const BondPose<double> pose = random.pair(law.a + law.R_i + law.R_j, 0.1, 3.1).pose();
+    // Poses whose bonded points nearly meet are skipped: 1/|D| then magnifies rounding beyond the bound.
+    if (norm(bonded_points(pose, law.R_i, law.R_j)) < 0.05) continue;
+    EXPECT_LT(gradient_error(law, pose), 1e-11) << "trial " << trial;
+  }
+}
+
+// Both sides are exact derivatives; what is left is rounding, about 100 operations of 1e-16 each,
+// magnified by at most 1/|D| <= 20.
+TEST(VModelLoads, AreMinusTheGradientOfTheEnergy) { expect_loads_are_minus_the_gradient<VModel<double>>(); }
+TEST(EvmLoads, AreMinusTheGradientOfTheEnergy) { expect_loads_are_minus_the_gradient<Evm<double>>(); }
+
+TEST(GradientTest, FailsForAWrongLoad) {
+  testing::PoseSource random(7);
+  const VModel<double> law{1.0, 0.3, 0.4, 1.0, 0.1, 0.5, 0.2};
+  VModel<double> wrong = law;
+  wrong.B4 *= 1.0 + 1e-9;
+  const BondPose<double> pose = random.pair(1.7, 0.1, 1.0).pose();
+  const BondLoads<double> l = bond_loads(law, pose), w = bond_loads(wrong, pose);
+  EXPECT_GT(norm(l.M_ij - w.M_ij) / (norm(l.F) + norm(l.M_ij) + norm(l.M_ji)), 1e-11);
+}
+
+}  // namespace
+}  // namespace vbond
