@@ -1,9 +1,10 @@
 # Sourced by ./run, ./test and .ci/run: what a bare Debian 12 lacks, and how it is built.
 # Messages go to stderr; stdout belongs to the program.
+# shellcheck shell=bash disable=SC2034
 
 set -euo pipefail
 
-vbond_root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
+vbond_root=$(dirname -- "$(dirname -- "$(readlink -f -- "${BASH_SOURCE[0]}")")")
 
 vbond_build_packages=(
   g++ cmake ninja-build
@@ -67,11 +68,15 @@ build() {
     flock "$lock"
   fi
   if [[ ! -e $stamp || $vbond_root/CMakePresets.json -nt $stamp ]]; then
-    say "building in $dir; this takes a few minutes the first time"
+    say "configuring $dir"
     (cd "$vbond_root" && cmake --preset "$preset") >"$log" 2>&1 || build_failed "$log"
     touch "$stamp"
   fi
-  cmake --build "$dir" ${1:+--target "$@"} >"$log" 2>&1 || build_failed "$log"
+  local ninja=(cmake --build "$dir" ${1:+--target "$@"})
+  if ! "${ninja[@]}" -- -n 2>&1 | grep -q 'no work to do'; then
+    say "building in $dir (minutes, the first time)"
+  fi
+  "${ninja[@]}" >"$log" 2>&1 || build_failed "$log"
   exec {lock}>&-
 }
 
