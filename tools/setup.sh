@@ -1,9 +1,10 @@
 # Sourced by ./run, ./test and .ci/run: what a bare Debian 12 lacks, and how it is built.
 # Messages go to stderr; stdout belongs to the program.
+# shellcheck shell=bash disable=SC2034
 
 set -euo pipefail
 
-vbond_root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.." && pwd)
+vbond_root=$(dirname -- "$(dirname -- "$(readlink -f -- "${BASH_SOURCE[0]}")")")
 
 vbond_build_packages=(
   g++ cmake ninja-build
@@ -46,8 +47,10 @@ need() {
   local log=$vbond_root/build/install.log
   local install=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive
     apt-get install --yes --no-install-recommends "${missing[@]}")
-  # Package lists may be absent or stale: they are refreshed once, here and nowhere else.
-  if ! "${as_root[@]}" apt-get update >"$log" 2>&1 || ! "${install[@]}" >>"$log" 2>&1; then
+  # Package lists may be absent or stale. One broken source among them need not matter, so it is
+  # installing that decides.
+  "${as_root[@]}" apt-get update >"$log" 2>&1 || true
+  if ! "${install[@]}" >>"$log" 2>&1; then
     tail -n 30 "$log" >&2
     die "the packages above could not be installed; the whole log is $log"
   fi
@@ -67,11 +70,15 @@ build() {
     flock "$lock"
   fi
   if [[ ! -e $stamp || $vbond_root/CMakePresets.json -nt $stamp ]]; then
-    say "building in $dir; this takes a few minutes the first time"
+    say "configuring $dir"
     (cd "$vbond_root" && cmake --preset "$preset") >"$log" 2>&1 || build_failed "$log"
     touch "$stamp"
   fi
-  cmake --build "$dir" ${1:+--target "$@"} >"$log" 2>&1 || build_failed "$log"
+  local ninja=(cmake --build "$dir" ${1:+--target "$@"})
+  if ! "${ninja[@]}" -- -n 2>&1 | grep -q 'no work to do'; then
+    say "building in $dir (minutes, the first time)"
+  fi
+  "${ninja[@]}" >"$log" 2>&1 || build_failed "$log"
   exec {lock}>&-
 }
 
