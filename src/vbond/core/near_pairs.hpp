@@ -37,8 +37,7 @@ class CellGrid {
     for (std::size_t i = 0; i < r_.size(); ++i) {
       const Cell c = cell_of(r_[i]);
       for (std::int64_t dz = -1; dz <= 1; ++dz)
-        for (std::int64_t dy = -1; dy <= 1; ++dy)
-          visit_row({c[0] - 1, c[1] + dy, c[2] + dz}, i, visit);
+        for (std::int64_t dy = -1; dy <= 1; ++dy) visit_row({c[0] - 1, c[1] + dy, c[2] + dz}, i, visit);
     }
   }
 

@@ -95,8 +95,7 @@ PresentContacts present_contacts(const Model& model, const State& state, double 
   std::unordered_set<std::uint64_t> bonded;
   const auto key = [](std::uint64_t i, std::uint64_t j) { return i << 32 | j; };
   if (model.contact.pairs == ContactPairs::unbonded)
-    for (const Bond& b : state.bonds)
-      bonded.insert(key(std::min(b.i, b.j).value, std::max(b.i, b.j).value));
+    for (const Bond& b : state.bonds) bonded.insert(key(std::min(b.i, b.j).value, std::max(b.i, b.j).value));
 
   PresentContacts found;
   PerParticle<double> n(model.particles(), 0.0);
@@ -138,13 +137,13 @@ StepBound step_bound(const Model& model, const State& state, const std::vector<B
     std::string motion;
     const double lambda = lambda_of_rule(model, rule, motion);
     if (!(lambda <= largest.lambda))
-      largest = {lambda, std::nullopt, motion + " of a bond that bond set " +
-                                           std::to_string(rule.recipe.set) + " may still make"};
+      largest = {lambda, std::nullopt,
+                 motion + " of a bond that bond set " + std::to_string(rule.recipe.set) + " may still make"};
   }
   const double contact = lambda_of_contacts(model, state);
   if (contact > 0.0) {
     if (contact > largest.lambda) largest.bond.reset();
-    largest.source = largest.source.empty() ? "contacts"
+    largest.source = largest.source.empty()     ? "contacts"
                      : contact > largest.lambda ? "contacts, and " + largest.source
                                                 : largest.source + ", and contacts";
     largest.lambda += contact;

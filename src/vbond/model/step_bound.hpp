@@ -25,7 +25,6 @@ struct StepBound {
 /// lambda is added to that of the bonds, times the present number of contacts if a particle has
 /// several. Bonding rules: particles that a rule can bond count as having at least 12 bonds, and a
 /// bond as long as the rule's distance between the lightest of them is included.
-StepBound step_bound(const Model& model, const State& state,
-                     const std::vector<BondingRule>& rules = {});
+StepBound step_bound(const Model& model, const State& state, const std::vector<BondingRule>& rules = {});
 
 }  // namespace vbond

@@ -1,0 +1,240 @@
+#include "vbond/build/bonds.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include "vbond/build/groups.hpp"
+#include "vbond/build/text_file.hpp"
+#include "vbond/core/near_pairs.hpp"
+#include "vbond/model/make_bond.hpp"
+
+namespace vbond {
+namespace {
+
+std::uint64_t key(ParticleId i, ParticleId j) {
+  return static_cast<std::uint64_t>(std::min(i, j).value) << 32 | std::max(i, j).value;
+}
+
+const SourcePlace& place_of_selection(const BondSpec& spec) {
+  return spec.select.place.file.empty() ? spec.place : spec.select.place;
+}
+
+/// Selects the pairs of one bond set.
+struct Selection {
+  const Case& c;
+  const BondSpec& spec;
+  std::uint32_t set;
+  const Model& model;
+  const State& state;
+  Problems& problems;
+  std::vector<char> in_a, in_b;
+  std::unordered_map<std::uint64_t, std::uint32_t> bonded;  ///< by which set
+
+  bool joins_groups(ParticleId i, ParticleId j) const {
+    return (in_a[i.value] && in_b[j.value]) || (in_a[j.value] && in_b[i.value]);
+  }
+
+  std::vector<Pair> operator()(const WithinDistance& within) {
+    const std::vector<Vec3d>& r = state.r.values();
+    std::vector<Pair> pairs = pairs_within(r, within.distance, in_a, in_b);
+    if (pairs.empty() && spec.when == BondTime::start) {
+      std::string nearest = "none within 16 times that distance";
+      for (double d = 2.0; d <= 16.0 && pairs.empty(); d *= 2.0) {
+        pairs = pairs_within(r, d * within.distance, in_a, in_b);
+        double least = INFINITY;
+        for (const auto& [i, j] : pairs) least = std::min(least, norm(state.r[j] - state.r[i]));
+        if (!pairs.empty()) nearest = fmt::format("the nearest are {:.6g} apart", least);
+      }
+      problems.add(place_of_selection(spec),
+                   fmt::format("bonds \"{}\": no pair is within {}", spec.name, within.distance),
+                   fmt::format("between groups \"{}\" and \"{}\": {}", spec.between[0].value,
+                               spec.between[1].value, nearest),
+                   "use a larger distance or other groups");
+      return {};
+    }
+    const auto is_bonded = [this](const Pair& p) { return bonded.count(key(p[0], p[1])) > 0; };
+    pairs.erase(std::remove_if(pairs.begin(), pairs.end(), is_bonded), pairs.end());
+    return pairs;
+  }
+
+  std::vector<Pair> operator()(const ListedPairs& listed) {
+    std::vector<Pair> pairs;
+    for (const auto& [i, j] : listed.pairs) take(i, j, place_of_selection(spec), pairs);
+    return ordered(std::move(pairs));
+  }
+
+  std::vector<Pair> operator()(const PairsFile& pairs_file) {
+    const auto file = beside_case(c.file, pairs_file.file);
+    const CsvTable table = read_csv(file, place_of_selection(spec), {"i", "j"}, {"i", "j"});
+    const std::size_t column_i = *table.find("i"), column_j = *table.find("j");
+    std::vector<Pair> pairs;
+    for (std::size_t row = 0; row < table.rows.size(); ++row) {
+      const SourcePlace at{file.string(), table.lines[row], 1};
+      const auto i = to_integer(table.rows[row][column_i]), j = to_integer(table.rows[row][column_j]);
+      if (i && j)
+        take(*i, *j, at, pairs);
+      else
+        problems.add(at, "the row is not two whole numbers", "i and j are particle numbers from 0",
+                     "correct the row");
+    }
+    return ordered(std::move(pairs));
+  }
+
+  /// The file is read again: bonds of a later stage come from it too, and the model does not keep them.
+  std::vector<Pair> operator()(const SpecimenPairs&) {
+    std::vector<Pair> pairs;
+    for (const SpecimenSpec& specimen : c.specimens) {
+      if (!std::holds_alternative<LammpsSpecimen>(specimen.shape)) continue;
+      const auto first = model.find_group(specimen.name)->particles.front().value;
+      for (const auto& [i, j] : make_specimen(specimen, c.file).bonds) {
+        const ParticleId p{first + static_cast<std::size_t>(i)}, q{first + static_cast<std::size_t>(j)};
+        if (joins_groups(p, q)) take(p.value, q.value, place_of_selection(spec), pairs);
+      }
+    }
+    if (pairs.empty() && problems.none())
+      problems.add(place_of_selection(spec), fmt::format("bonds \"{}\": no specimen brings bonds", spec.name),
+                   "only LAMMPS data files with a Bonds section do", "select by distance or by pairs");
+    return ordered(std::move(pairs));
+  }
+
+  /// One explicit pair, if it can be bonded.
+  void take(std::int64_t number_i, std::int64_t number_j, const SourcePlace& place,
+            std::vector<Pair>& pairs) {
+    const std::string what = fmt::format("bonds \"{}\"", spec.name);
+    const auto i = look_up_particle(number_i, model, what, place, problems);
+    const auto j = look_up_particle(number_j, model, what, place, problems);
+    if (!i || !j) return;
+    const auto refuse = [&](const char* rule, const char* way_out) {
+      problems.add(place, fmt::format("{}: pair {}, {}", what, number_i, number_j), rule, way_out);
+    };
+    if (i == j) return refuse("a bond joins two different particles", "correct the pair");
+    if (!joins_groups(*i, *j))
+      return refuse("the pair does not join the two groups of `between`", "correct the pair or the groups");
+    const auto [earlier, is_new] = bonded.emplace(key(*i, *j), new_pair);
+    if (is_new)
+      pairs.push_back({std::min(*i, *j), std::max(*i, *j)});
+    else if (earlier->second == new_pair)
+      refuse("the pair is there twice", "remove one of them");
+    else if (earlier->second != set)
+      refuse("the pair is bonded already by another bond set", "remove it from one of the two");
+  }
+
+  static std::vector<Pair> ordered(std::vector<Pair> pairs) {
+    std::sort(pairs.begin(), pairs.end());
+    return pairs;
+  }
+
+  static constexpr std::uint32_t new_pair = 0xffffffff;  // no bond set has this number
+};
+
+std::vector<Pair> select_pairs(const Case& c, std::size_t set, const Model& model, const State& state,
+                               Problems& problems) {
+  const BondSpec& spec = c.bonds[set];
+  const Group* a = look_up_group(spec.between[0], model, problems);
+  const Group* b = look_up_group(spec.between[1], model, problems);
+  if (a == nullptr || b == nullptr) return {};
+  Selection selection{c,     spec,     static_cast<std::uint32_t>(set), model,
+                      state, problems, membership(*a, model),           membership(*b, model),
+                      {}};
+  for (const Bond& bond : state.bonds) selection.bonded[key(bond.i, bond.j)] = bond.set;
+  try {
+    return std::visit(selection, spec.select.value);
+  } catch (const CaseError& e) {  // of a file
+    problems.add(e);
+    return {};
+  }
+}
+
+/// The first mistake of a bond set is told in full, the others are counted.
+struct FirstAndCount {
+  std::string what;
+  std::size_t count = 0;
+  void note(const std::string& text) {
+    if (count++ == 0) what = text;
+  }
+  std::string text() const { return count == 1 ? what : fmt::format("{} (and {} more)", what, count - 1); }
+};
+
+std::string length_left(const BondRecipe& recipe, const Model& model, const State& state, const Pair& pair) {
+  const bool surfaces = recipe.attachment == Attachment::surfaces;
+  return fmt::format("particles {} and {} are {:.6g} apart with R_i = {:.6g}, R_j = {:.6g}", pair[0].value,
+                     pair[1].value, norm(state.r[pair[1]] - state.r[pair[0]]),
+                     surfaces ? model.radius[pair[0]] : recipe.R_i,
+                     surfaces ? model.radius[pair[1]] : recipe.R_j);
+}
+
+bool has_stable_rest(const BondStiffness<double>& c) {
+  return std::isfinite(c.c_A + c.c_D + c.c_B + c.c_T) && c.c_A > 0.0 && c.c_D >= 0.0 && c.c_B >= 0.0 &&
+         c.c_T >= 0.0;
+}
+
+}  // namespace
+
+std::vector<Pair> pairs_within(const std::vector<Vec3d>& r, double distance, const std::vector<char>& in_a,
+                               const std::vector<char>& in_b) {
+  std::vector<Pair> pairs;
+  for_near_pairs(r, distance, [&](std::size_t i, std::size_t j, double) {
+    if ((in_a[i] && in_b[j]) || (in_a[j] && in_b[i])) pairs.push_back({ParticleId{i}, ParticleId{j}});
+  });
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+void add_bonds(const Case& c, std::size_t set, const Model& model, State& state, Problems& problems) {
+  const BondSpec& spec = c.bonds[set];
+  BondRecipe recipe = spec.recipe;
+  recipe.set = static_cast<std::uint32_t>(set);
+  FirstAndCount no_length, no_radius, unstable;
+  for (const Pair& pair : select_pairs(c, set, model, state, problems)) {
+    const auto site = [&](ParticleId p) { return BondSite{p, state.r[p], state.q[p], model.radius[p]}; };
+    const auto bond = make_bond(recipe, site(pair[0]), site(pair[1]));
+    if (!bond) {
+      no_length.note(length_left(recipe, model, state, pair));
+      continue;
+    }
+    for (const ParticleId p : pair)
+      if (recipe.attachment == Attachment::surfaces && !(model.radius[p] > 0.0))
+        no_radius.note(fmt::format("particle {} has radius {}", p.value, model.radius[p]));
+    const BondStiffness<double> k = stiffness_of(*bond);
+    if (!has_stable_rest(k))
+      unstable.note(fmt::format("particles {} and {}: c_A = {:.6g}, c_D = {:.6g}, c_B = {:.6g}, c_T = {:.6g}",
+                                pair[0].value, pair[1].value, k.c_A, k.c_D, k.c_B, k.c_T));
+    state.bonds.push_back(*bond);
+  }
+  const auto report = [&](const FirstAndCount& found, const char* rule, const char* way_out) {
+    if (found.count > 0)
+      problems.add(spec.place, fmt::format("bonds \"{}\": {}", spec.name, found.text()), rule, way_out);
+  };
+  report(no_length, "no length is left for the bond: a = distance - R_i - R_j must be > 0",
+         "bond at the centres, use smaller radii or attachment distances, or a larger spacing");
+  report(no_radius, "a bond between surfaces needs radii > 0",
+         "give the specimen a radius, or bond at the centres");
+  report(unstable, "rest must be a minimum of the energy: c_A > 0 and c_D, c_B, c_T >= 0",
+         "for the V-model B2 > -B3/2; give other parameters");
+}
+
+std::optional<double> first_c_A(const Case& c, const Model& model, const State& state) {
+  if (!state.bonds.empty()) return stiffness_of(state.bonds[BondId{0}]).c_A;
+  if (c.bonds.empty() || model.particles() == 0) return std::nullopt;
+  const BondSpec& spec = c.bonds.front();
+  double distance = 1.0;
+  if (const auto* within = std::get_if<WithinDistance>(&spec.select.value)) {
+    distance = within->distance;
+  } else {
+    Problems reported_elsewhere;
+    const std::vector<Pair> pairs = select_pairs(c, 0, model, state, reported_elsewhere);
+    if (pairs.empty()) return std::nullopt;
+    distance = norm(state.r[pairs[0][1]] - state.r[pairs[0][0]]);
+  }
+  const BondRecipe& recipe = spec.recipe;
+  const double R = recipe.attachment == Attachment::given      ? recipe.R_i + recipe.R_j
+                   : recipe.attachment == Attachment::surfaces ? 2.0 * model.radius[ParticleId{0}]
+                                                               : 0.0;
+  if (!(distance > R)) return std::nullopt;
+  return stiffness_of(recipe, distance - R).c_A;
+}
+
+}  // namespace vbond

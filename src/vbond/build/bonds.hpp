@@ -1,0 +1,30 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "vbond/build/problems.hpp"
+#include "vbond/case/case.hpp"
+#include "vbond/model/model.hpp"
+#include "vbond/model/state.hpp"
+
+namespace vbond {
+
+/// Two particles to be bonded, i < j.
+using Pair = std::array<ParticleId, 2>;
+
+/// All pairs with one end in each group and centres no farther apart than `distance` > 0, in order of (i, j).
+std::vector<Pair> pairs_within(const std::vector<Vec3d>& r, double distance, const std::vector<char>& in_a,
+                               const std::vector<char>& in_b);
+
+/// Makes the bonds of set number `set` of the case between the particles as they stand in `state`, in order
+/// of (i, j), i < j. Pairs bonded already are passed over if selected by distance or bonded by this same
+/// set, and a mistake otherwise.
+void add_bonds(const Case& c, std::size_t set, const Model& model, State& state, Problems& problems);
+
+/// Longitudinal stiffness of the first bond of the body, or of the one that the first bond set would make;
+/// nothing if the case has no bonds.  [force/length]
+std::optional<double> first_c_A(const Case& c, const Model& model, const State& state);
+
+}  // namespace vbond

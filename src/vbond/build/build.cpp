@@ -1,0 +1,194 @@
+#include "vbond/build/build.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "vbond/build/bonds.hpp"
+#include "vbond/build/groups.hpp"
+#include "vbond/build/stages.hpp"
+#include "vbond/build/velocities.hpp"
+#include "vbond/core/near_pairs.hpp"
+
+namespace vbond {
+namespace {
+
+std::vector<PlacedSpecimen> place_specimens(const Case& c) {
+  Problems problems;
+  std::vector<PlacedSpecimen> placed;
+  std::size_t first = 0;
+  for (const SpecimenSpec& spec : c.specimens) {
+    try {
+      placed.push_back({&spec, first, make_specimen(spec, c.file)});
+      first += placed.back().points.r.size();
+    } catch (const CaseError& e) {
+      problems.add(e);
+    }
+  }
+  if (c.specimens.empty())
+    problems.add({c.file, 0, 0}, "the case has no specimen", "there is nothing to compute",
+                 "add a [[specimens]] table");
+  problems.throw_if_any();
+  return placed;
+}
+
+/// Mass, inertia and radius of the particles of one specimen, from the case or from its file.
+class Properties {
+ public:
+  Properties(const PlacedSpecimen& s, Problems& problems) : s_(s), problems_(problems) {
+    const SpecimenSpec& spec = *s.spec;
+    given_once("radius", (spec.radius != 0.0) + !s.points.radius.empty(), false);
+    given_once("mass", spec.mass.has_value() + spec.density.has_value() + !s.points.mass.empty(), true);
+    given_once("inertia", spec.inertia.has_value() + !s.points.inertia.empty(), false);
+  }
+
+  double radius(std::size_t i) const {
+    return s_.points.radius.empty() ? s_.spec->radius : s_.points.radius[i];
+  }
+
+  double mass(std::size_t i) const {
+    if (!s_.points.mass.empty()) return s_.points.mass[i];
+    if (s_.spec->mass) return *s_.spec->mass;
+    const double R = radius(i);
+    return 4.0 / 3.0 * std::numbers::pi * R * R * R * s_.spec->density.value_or(0.0);
+  }
+
+  double inertia(std::size_t i) const {
+    if (!s_.points.inertia.empty()) return s_.points.inertia[i];
+    return s_.spec->inertia.value_or(0.4 * mass(i) * sq(radius(i)));
+  }
+
+  /// True if particle i can move; else the reason is recorded.
+  bool check(std::size_t i) const {
+    const auto finite_positive = [](double x) { return x > 0.0 && std::isfinite(x); };
+    if (!is_finite(s_.points.r[i]))
+      return refuse(i, "its position is not finite", "positions are finite numbers", "correct the position");
+    if (!(radius(i) >= 0.0) || !std::isfinite(radius(i)))
+      return refuse(i, fmt::format("radius = {}", radius(i)), "must be >= 0", "correct the radius");
+    if (!finite_positive(mass(i)))
+      return refuse(i, fmt::format("mass = {}", mass(i)), "must be > 0 and finite",
+                    s_.spec->density ? "a density needs a positive radius" : "give a positive mass");
+    if (!finite_positive(inertia(i)))
+      return refuse(i, fmt::format("inertia = {}", inertia(i)),
+                    "must be > 0 and finite; by default 2/5 m R^2",
+                    "give the specimen an inertia, or a positive radius");
+    return true;
+  }
+
+ private:
+  void given_once(const char* what, int times, bool required) const {
+    if (times > 1)
+      problems_.add(
+          s_.spec->place, fmt::format("specimen \"{}\": {} is given more than once", s_.spec->name, what),
+          "it comes from the case (mass or density) or from the specimen's file", "give it in one place");
+    if (times < 1 && required)
+      problems_.add(s_.spec->place, fmt::format("specimen \"{}\" has no mass", s_.spec->name),
+                    "it comes from mass, density, or the specimen's file", "give mass or density");
+  }
+
+  bool refuse(std::size_t i, const std::string& what, const char* rule, const char* way_out) const {
+    problems_.add(s_.spec->place, fmt::format("specimen \"{}\", its particle {}: {}", s_.spec->name, i, what),
+                  rule, way_out);
+    return false;
+  }
+
+  const PlacedSpecimen& s_;
+  Problems& problems_;
+};
+
+void add_particles(const PlacedSpecimen& s, Built& built, Problems& problems) {
+  const std::size_t before = problems.count();
+  const Properties properties(s, problems);
+  if (problems.count() > before) return;
+  for (std::size_t i = 0; i < s.points.r.size(); ++i) {
+    if (!properties.check(i)) return;  // one report per specimen
+    built.model.mass.push_back(properties.mass(i));
+    built.model.inertia.push_back(properties.inertia(i));
+    built.model.radius.push_back(properties.radius(i));
+    built.model.r_0.push_back(s.points.r[i]);
+  }
+}
+
+/// Two centres closer than 1e-9 of the body's size are one place: no direction could be told from them.
+void check_distinct(const Case& c, const Model& model, Problems& problems) {
+  Vec3d min = model.r_0[ParticleId{0}], max = min;
+  for (const Vec3d& r : model.r_0) {
+    min = {std::min(min.x, r.x), std::min(min.y, r.y), std::min(min.z, r.z)};
+    max = {std::max(max.x, r.x), std::max(max.y, r.y), std::max(max.z, r.z)};
+  }
+  std::size_t found = 0, first_i = 0, first_j = 0;
+  for_near_pairs(model.r_0.values(), 1e-9 * norm(max - min), [&](std::size_t i, std::size_t j, double) {
+    if (found++ == 0) first_i = i, first_j = j;
+  });
+  if (found > 0)
+    problems.add(
+        {c.file, 0, 0},
+        fmt::format("particles {} and {} are at the same place ({} such pairs)", first_i, first_j, found),
+        "no bond or contact can be set up between them", "move a specimen or remove the double particles");
+}
+
+void check_contact(const Case& c, const Model& model, Problems& problems) {
+  if (c.contact.law == ContactLaw::none) return;
+  for (const ParticleId p : model.radius.ids())
+    if (!(model.radius[p] > 0.0))
+      return problems.add({c.file, 0, 0},
+                          fmt::format("contact: particle {} has radius {}", p.value, model.radius[p]),
+                          "contacts need radii > 0", "give every specimen a radius, or leave out [contact]");
+}
+
+/// 2 pi sqrt(m / c_A); 0 if there is none, and then no time may be given in it.
+double natural_time(const Case& c, const Built& built) {
+  const double two_pi = 2.0 * std::numbers::pi;
+  if (const auto c_A = first_c_A(c, built.model, built.state); c_A && *c_A > 0.0)
+    return two_pi * std::sqrt(built.model.mass[ParticleId{0}] / *c_A);
+  return c.units == UnitSystem::reduced ? two_pi : 0.0;
+}
+
+void check_output(const Case& c, const Model& model, Problems& problems) {
+  for (const auto& name : c.output.reactions) look_up_group(name, model, problems);
+  for (const auto& name : c.output.axial_force) look_up_group(name, model, problems);
+  const SourcePlace place{c.file, 0, 0};
+  for (const std::int64_t number : c.output.displacements)
+    look_up_particle(number, model, "output.displacements", place, problems);
+  look_up_time(c.output.history_every, model, "output.history_every", place, problems);
+  if (c.output.frames_every)
+    look_up_time(*c.output.frames_every, model, "output.frames_every", place, problems);
+  if (c.output.checkpoint_every)
+    look_up_time(*c.output.checkpoint_every, model, "output.checkpoint_every", place, problems);
+}
+
+}  // namespace
+
+Built build(const Case& c) {
+  Problems problems;
+  Built built;
+  Model& model = built.model;
+  State& state = built.state;
+  model.units = c.units;
+  model.contact = c.contact;
+
+  const std::vector<PlacedSpecimen> specimens = place_specimens(c);
+  for (const PlacedSpecimen& s : specimens) add_particles(s, built, problems);
+  problems.throw_if_any();
+  const std::size_t n = model.particles();
+  state.r = model.r_0;
+  state.v.assign(n, {});
+  state.q.assign(n, {});
+  state.omega.assign(n, {});
+  check_distinct(c, model, problems);
+  check_contact(c, model, problems);
+  add_groups(c, specimens, model, problems);
+  problems.throw_if_any();
+
+  for (std::size_t set = 0; set < c.bonds.size(); ++set)
+    if (c.bonds[set].when == BondTime::start) add_bonds(c, set, model, state, problems);
+  model.T_0 = natural_time(c, built);
+  add_velocities(c, model, state, problems);
+  for (std::size_t k = 0; k < c.stages.size(); ++k) resolve_stage(c, model, k, problems);
+  check_output(c, model, problems);
+  problems.throw_if_any();
+  return built;
+}
+
+}  // namespace vbond

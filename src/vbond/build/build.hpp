@@ -1,0 +1,43 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "vbond/case/case.hpp"
+#include "vbond/model/model.hpp"
+#include "vbond/model/stage.hpp"
+#include "vbond/model/state.hpp"
+#include "vbond/model/step_bound.hpp"
+
+namespace vbond {
+
+/// A case turned into numbers: what stays and what changes.
+struct Built {
+  Model model;
+  State state;
+};
+
+/// Particles, groups, the bonds made at the start, initial velocities and T_0; the names and times of
+/// all stages and outputs are checked too, so that a run does not find them wrong hours later.
+/// Throws CaseError with as many mistakes at once as do not depend on each other.
+Built build(const Case& c);
+
+/// Stage k of the case, 0 <= k < stages.size(), with names looked up and times in the model's unit.
+/// If state.clock.stage_step == 0, makes the stage's bonds (when = stage) in `state` and chooses the step:
+/// the given one, or the fraction of step_bound(). A stage that is under way keeps state.clock.dt.
+/// Throws CaseError, also for a given step above the bound unless the case insists.
+Stage build_stage(const Case& c, const Model& model, int k, State& state);
+
+/// The groups of these names. Throws CaseError naming the nearest and all known groups.
+std::vector<Group> resolve_groups(const std::vector<Placed<std::string>>& names, const Model& model);
+
+/// Particle numbers as ids. Throws CaseError if one is out of range; `what` names the key.
+std::vector<ParticleId> resolve_particles(const std::vector<std::int64_t>& numbers, const Model& model,
+                                          const std::string& what, const SourcePlace& place);
+
+/// A time in the model's unit. Throws CaseError if it is a multiple of T_0 and the model, in SI units
+/// and without any bond, has none; `what` names the key.
+double resolve_time(const CaseTime& time, const Model& model, const std::string& what,
+                    const SourcePlace& place);
+
+}  // namespace vbond

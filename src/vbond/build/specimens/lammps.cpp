@@ -1,0 +1,239 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cctype>
+#include <map>
+#include <numbers>
+#include <optional>
+
+#include "vbond/build/problems.hpp"
+#include "vbond/build/specimens/specimen.hpp"
+#include "vbond/build/text_file.hpp"
+#include "vbond/core/nearest.hpp"
+
+// Format: LAMMPS manual, command read_data.
+namespace vbond {
+namespace {
+
+/// Where an atom style keeps what we need, as positions in a line of the Atoms section.
+struct AtomColumns {
+  const char* style;
+  std::size_t type, x, count;  ///< count without the three optional image flags
+  std::size_t diameter = 0;    ///< 0: none; the density follows it
+};
+
+constexpr AtomColumns atom_styles[] = {
+    {"atomic", 1, 2, 5},    {"charge", 1, 3, 6}, {"bond", 2, 3, 6},      {"angle", 2, 3, 6},
+    {"molecular", 2, 3, 6}, {"full", 2, 4, 7},   {"sphere", 1, 4, 7, 2}, {"bpm/sphere", 2, 5, 8, 3},
+};
+
+const AtomColumns& columns_of(const std::string& style, const SourcePlace& place) {
+  std::vector<std::string> known;
+  for (const AtomColumns& c : atom_styles) {
+    if (style == c.style) return c;
+    known.emplace_back(c.style);
+  }
+  const auto near = nearest_name(style, known);
+  throw CaseError({place, fmt::format("atom_style = \"{}\" is not supported", style),
+                   fmt::format("supported: {}", fmt::join(known, ", ")),
+                   near ? fmt::format("did you mean \"{}\"?", *near) : "convert the file to one of them"});
+}
+
+struct Atom {
+  std::int64_t id, type;
+  Vec3d r;
+  double diameter = 0, density = 0;
+  SourcePlace place;
+};
+
+struct BondLine {
+  std::int64_t first, second;
+  SourcePlace place;
+};
+
+class LammpsReader {
+ public:
+  LammpsReader(const std::filesystem::path& file, const AtomColumns& columns)
+      : columns_(columns), at_{file.string(), 0, 1} {}
+
+  SpecimenPoints read(const std::vector<std::string>& lines) {
+    for (const std::string& line : lines) {
+      ++at_.line;
+      if (at_.line == 1) continue;  // a title, whatever it says
+      const std::size_t hash = line.find('#');
+      const auto words = words_of(std::string_view(line).substr(0, hash));
+      if (words.empty()) continue;
+      const std::string_view comment =
+          hash == std::string::npos ? std::string_view() : std::string_view(line).substr(hash + 1);
+      if (std::isalpha(static_cast<unsigned char>(words[0][0])))
+        begin_section(fmt::format("{}", fmt::join(words, " ")), comment);
+      else
+        data_line(words);
+    }
+    SourcePlace whole{at_.file, 0, 0};
+    if (atoms_.empty())
+      problems_.add(whole, "there is no Atoms section", "it holds the particles", "add the section");
+    check_count("atoms", declared_atoms_, atoms_.size());
+    check_count("bonds", declared_bonds_, bonds_.size());
+    problems_.throw_if_any();
+    return points();
+  }
+
+ private:
+  enum class Section { header, masses, atoms, bonds, unsupported };
+
+  void begin_section(const std::string& name, std::string_view comment) {
+    if (name == "Masses") {
+      section_ = Section::masses;
+    } else if (name == "Bonds") {
+      section_ = Section::bonds;
+    } else if (name == "Atoms") {
+      section_ = Section::atoms;
+      const auto words = words_of(comment);
+      if (!words.empty() && words[0] != columns_.style)
+        problems_.add(at_, fmt::format("the file says atom style \"{}\"", words[0]),
+                      fmt::format("the case says atom_style = \"{}\"", columns_.style), "make them agree");
+    } else {
+      section_ = Section::unsupported;
+      problems_.add(at_, fmt::format("section \"{}\" is not supported", name),
+                    "read are the sections Masses, Atoms and Bonds",
+                    "remove the section and describe in the case what it is for");
+    }
+  }
+
+  void data_line(const std::vector<std::string_view>& words) {
+    switch (section_) {
+      case Section::header: return header_line(words);
+      case Section::masses: return mass_line(words);
+      case Section::atoms: return atom_line(words);
+      case Section::bonds: return bond_line(words);
+      case Section::unsupported: return;
+    }
+  }
+
+  void header_line(const std::vector<std::string_view>& words) {
+    const std::string what = fmt::format("{}", fmt::join(words.begin() + 1, words.end(), " "));
+    const auto count = to_integer(words[0]);
+    if (what == "atoms" && count) {
+      declared_atoms_ = *count;
+    } else if (what == "bonds" && count) {
+      declared_bonds_ = *count;
+    } else if ((what == "angles" || what == "dihedrals" || what == "impropers") && count) {
+      if (*count != 0)
+        problems_.add(at_, fmt::format("the file has {}", what), "bonds join two particles here",
+                      "remove them from the file");
+    } else if (!is_passive_header(words.back(), what)) {
+      problems_.add(at_, fmt::format("\"{}\" is not understood", fmt::join(words, " ")),
+                    "before the first section stand counts and the box", "correct or remove the line");
+    }
+  }
+
+  /// Counts of types, the box and room for more are of no use here.
+  static bool is_passive_header(std::string_view last, const std::string& what) {
+    return last == "types" || last == "xhi" || last == "yhi" || last == "zhi" || last == "yz" ||
+           what.find("extra") == 0;
+  }
+
+  void mass_line(const std::vector<std::string_view>& words) {
+    const auto type = words.size() == 2 ? to_integer(words[0]) : std::nullopt;
+    const auto mass = words.size() == 2 ? to_number(words[1]) : std::nullopt;
+    if (!type || !mass) return malformed("type mass");
+    if (!masses_.emplace(*type, *mass).second)
+      problems_.add(at_, fmt::format("a second mass of type {}", *type), "each type has one mass",
+                    "remove one");
+  }
+
+  void atom_line(const std::vector<std::string_view>& words) {
+    const std::size_t n = words.size();
+    const std::string form = fmt::format("{} fields of atom style {}, and three image flags at most",
+                                         columns_.count, columns_.style);
+    if (n != columns_.count && n != columns_.count + 3) return malformed(form);
+    const auto id = to_integer(words[0]), type = to_integer(words[columns_.type]);
+    std::optional<double> values[5];  // x y z, diameter, density
+    for (std::size_t k = 0; k < 3; ++k) values[k] = to_number(words[columns_.x + k]);
+    const bool sphere = columns_.diameter > 0;
+    for (std::size_t k = 0; k < 2; ++k)
+      values[3 + k] = sphere ? to_number(words[columns_.diameter + k]) : 0.0;
+    if (!id || !type || !std::all_of(values, values + 5, [](const auto& v) { return v.has_value(); }))
+      return malformed(form);
+    atoms_.push_back({*id, *type, {*values[0], *values[1], *values[2]}, *values[3], *values[4], at_});
+  }
+
+  void bond_line(const std::vector<std::string_view>& words) {
+    const auto first = words.size() == 4 ? to_integer(words[2]) : std::nullopt;
+    const auto second = words.size() == 4 ? to_integer(words[3]) : std::nullopt;
+    if (!first || !second) return malformed("bond-number type atom atom");
+    bonds_.push_back({*first, *second, at_});
+  }
+
+  void malformed(const std::string& form) {
+    problems_.add(at_, "the line is not understood", "expected: " + form, "correct the line");
+  }
+
+  void check_count(const char* what, std::optional<std::int64_t> declared, std::size_t found) {
+    if (declared && *declared != static_cast<std::int64_t>(found) && problems_.none())
+      problems_.add({at_.file, 0, 0}, fmt::format("{} {} are declared, {} found", *declared, what, found),
+                    "the header says how many there are", "correct the header or complete the file");
+  }
+
+  /// Particles in the order of their atom numbers, which may come in any order.
+  SpecimenPoints points() {
+    std::sort(atoms_.begin(), atoms_.end(), [](const Atom& a, const Atom& b) { return a.id < b.id; });
+    SpecimenPoints points;
+    std::map<std::int64_t, std::int64_t> index;
+    for (const Atom& atom : atoms_) {
+      if (!index.emplace(atom.id, static_cast<std::int64_t>(index.size())).second)
+        problems_.add(atom.place, fmt::format("a second atom of number {}", atom.id),
+                      "atom numbers are all different", "renumber it");
+      points.r.push_back(atom.r);
+      add_properties(atom, points);
+    }
+    for (const BondLine& bond : bonds_) {
+      const auto i = index.find(bond.first), j = index.find(bond.second);
+      if (i == index.end() || j == index.end())
+        problems_.add(bond.place,
+                      fmt::format("a bond to atom {}", i == index.end() ? bond.first : bond.second),
+                      "there is no such atom in the file", "correct the line");
+      else
+        points.bonds.push_back({i->second, j->second});
+    }
+    problems_.throw_if_any();
+    return points;
+  }
+
+  void add_properties(const Atom& atom, SpecimenPoints& points) {
+    if (columns_.diameter > 0) {
+      const double R = 0.5 * atom.diameter;
+      points.radius.push_back(R);
+      // a sphere of diameter 0 is a point, and its density is its mass (read_data, style sphere)
+      points.mass.push_back(R > 0.0 ? 4.0 / 3.0 * std::numbers::pi * R * R * R * atom.density : atom.density);
+    } else if (!masses_.empty()) {
+      const auto mass = masses_.find(atom.type);
+      if (mass == masses_.end())
+        problems_.add(atom.place, fmt::format("type {} has no mass", atom.type),
+                      "the Masses section gives one for every type", "add it there");
+      else
+        points.mass.push_back(mass->second);
+    }
+  }
+
+  const AtomColumns& columns_;
+  SourcePlace at_;
+  Section section_ = Section::header;
+  Problems problems_;
+  std::optional<std::int64_t> declared_atoms_, declared_bonds_;
+  std::map<std::int64_t, double> masses_;
+  std::vector<Atom> atoms_;
+  std::vector<BondLine> bonds_;
+};
+
+}  // namespace
+
+SpecimenPoints read_lammps_specimen(const std::filesystem::path& file, const std::string& atom_style,
+                                    const SourcePlace& place) {
+  const AtomColumns& columns = columns_of(atom_style, place);
+  return LammpsReader(file, columns).read(read_lines(file, place));
+}
+
+}  // namespace vbond

@@ -1,0 +1,42 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "vbond/case/case.hpp"
+#include "vbond/core/vec3.hpp"
+
+namespace vbond {
+
+/// The particles of one specimen, numbered from 0 within it. Properties that the specimen's file does
+/// not give are empty.
+struct SpecimenPoints {
+  std::vector<Vec3d> r;                                                  ///< [length]
+  std::vector<double> radius, mass, inertia;                             ///< per particle, or empty
+  std::vector<std::array<std::int64_t, 2>> bonds;                        ///< pairs of a LAMMPS file
+  std::vector<std::pair<std::string, std::vector<std::int64_t>>> parts;  ///< such as "ends", "rim"
+};
+
+/// Places the particles of a specimen. `place` is where the case describes it, `case_file` its path, from
+/// whose folder files are named. Throws CaseError.
+SpecimenPoints make_specimen(const SpecimenSpec& spec, const std::string& case_file);
+
+SpecimenPoints make_points(const RodSpecimen& s, const SourcePlace& place);
+SpecimenPoints make_points(const RingSpecimen& s, const SourcePlace& place);
+SpecimenPoints make_points(const HelixSpecimen& s, const SourcePlace& place);
+SpecimenPoints make_points(const BlockSpecimen& s, const SourcePlace& place);
+SpecimenPoints make_points(const SheetSpecimen& s, const SourcePlace& place);
+SpecimenPoints make_points(const ListedSpecimen& s, const SourcePlace& place);
+
+/// The paper's half-sphere, [KA12] section VII B: rim fixed on the equator, the rest relaxed from random
+/// places under a repulsion. Particles 0 .. rim - 1 are the rim.
+SpecimenPoints make_points(const HemisphereSpecimen& s, const SourcePlace& place);
+
+/// `file`: already seen from the current folder.
+SpecimenPoints read_csv_specimen(const std::filesystem::path& file, const SourcePlace& place);
+SpecimenPoints read_lammps_specimen(const std::filesystem::path& file, const std::string& atom_style,
+                                    const SourcePlace& place);
+
+}  // namespace vbond

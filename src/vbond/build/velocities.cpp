@@ -1,0 +1,47 @@
+#include "vbond/build/velocities.hpp"
+
+#include "vbond/build/groups.hpp"
+#include "vbond/build/random.hpp"
+#include "vbond/model/make_bond.hpp"
+
+namespace vbond {
+namespace {
+
+Vec3d draw(const VelocitySpec& spec, Random& random) {
+  switch (spec.kind) {
+    case VelocityKind::given: return spec.velocity;
+    case VelocityKind::circle: {
+      const Vec3d n = normalised(spec.normal), e_1 = bond_n_2(n, std::nullopt), e_2 = cross(n, e_1);
+      const Vec3d p = random.in_disc();
+      return spec.magnitude * (p.x * e_1 + p.y * e_2);
+    }
+    case VelocityKind::ball: return spec.magnitude * random.in_ball();
+    case VelocityKind::gaussian: {
+      const double x = random.gaussian(), y = random.gaussian(), z = random.gaussian();
+      return spec.magnitude * Vec3d{x, y, z};
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+void add_velocities(const Case& c, const Model& model, State& state, Problems& problems) {
+  for (const VelocitySpec& spec : c.velocities) {
+    const Group* group = look_up_group(spec.group, model, problems);
+    const bool flat = spec.kind == VelocityKind::circle && !(norm(spec.normal) > 0.0);
+    if (flat)
+      problems.add(spec.place, "the normal of the circle of velocities is zero",
+                   "it says how the circle lies", "use for instance normal = [1, 0, 0]");
+    if (group == nullptr || flat) continue;
+    Random random(spec.seed);
+    for (const ParticleId p : group->particles) {
+      Vec3d& v = state.v[p];
+      v += draw(spec, random);
+      v = {spec.zero[0] ? 0.0 : v.x, spec.zero[1] ? 0.0 : v.y, spec.zero[2] ? 0.0 : v.z};
+      if (spec.kind == VelocityKind::given) state.omega[p] += spec.angular_velocity;
+    }
+  }
+}
+
+}  // namespace vbond

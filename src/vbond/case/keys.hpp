@@ -1,0 +1,49 @@
+#pragma once
+#include "vbond/case/case.hpp"
+#include "vbond/case/table.hpp"
+
+/// One function per table of the case file. Each names its keys once; see table.hpp.
+namespace vbond::keys {
+
+void describe(Table& t, Case& c);
+
+void describe(Table& t, SpecimenSpec& s);
+void describe(Table& t, RodSpecimen& s);
+void describe(Table& t, HemisphereSpecimen& s);
+void describe(Table& t, BlockSpecimen& s);
+void describe(Table& t, SheetSpecimen& s);
+void describe(Table& t, RingSpecimen& s);
+void describe(Table& t, HelixSpecimen& s);
+void describe(Table& t, CsvSpecimen& s);
+void describe(Table& t, LammpsSpecimen& s);
+void describe(Table& t, ListedSpecimen& s);
+
+void describe(Table& t, GroupSpec& g);
+void describe(Table& t, IndexList& indices);
+void describe(Table& t, BoxRegion& r);
+void describe(Table& t, SphereRegion& r);
+void describe(Table& t, PlaneRegion& r);
+
+void describe(Table& t, BondSpec& b);
+void describe(Table& t, WithinDistance& s);
+void describe(Table& t, ListedPairs& s);
+void describe(Table& t, PairsFile& s);
+void describe(Table& t, SpecimenPairs& s);
+void describe(Table& t, GivenCoefficients& p);
+void describe(Table& t, BondStiffness<double>& p);
+void describe(Table& t, TheoryParameters& p);
+void describe(Table& t, ContactModel& c);
+
+void describe(Table& t, VelocitySpec& v);
+void describe(Table& t, TimeSpec& s);
+void describe(Table& t, StageSpec& s);
+void describe(Table& t, SupportSpec& s);
+void describe(Table& t, LoadSpec& s);
+void describe(Table& t, TimeFunctionSpec& f);
+void describe(Table& t, StrainSpec& s);
+void describe(Table& t, DistanceStopSpec& s);
+void describe(Table& t, PeakStopSpec& s);
+void describe(Table& t, OutputSpec& o);
+void describe(Table& t, WatchSpec& w);
+
+}  // namespace vbond::keys

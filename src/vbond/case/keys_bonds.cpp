@@ -1,0 +1,240 @@
+#include <cmath>
+
+#include "vbond/case/keys.hpp"
+
+namespace vbond::keys {
+namespace {
+
+enum class Shape : unsigned char { circle, annulus, square, given };
+
+/// A section as the file names it; resolved to A, J, J_p once, and written as these.
+struct SectionForm {
+  Shape shape = Shape::given;
+  double diameter = 0, inner_diameter = 0, side = 0;
+};
+
+Section resolve(const SectionForm& form, const Section& given) {
+  switch (form.shape) {
+    case Shape::circle: return circle(form.diameter);
+    case Shape::annulus: return annulus(form.diameter, form.inner_diameter);
+    case Shape::square: return square(form.side);
+    case Shape::given: break;
+  }
+  return given;
+}
+
+/// A shear coefficient: a number, or Hutchinson's, which depends on nu and the section.
+struct Kappa {
+  double value = 0;
+  bool is_hutchinson = false;
+};
+
+struct KappaCodec {
+  bool read(const Node& n, ReadContext& in, const std::string& path, Kappa& out) const {
+    const auto* word = std::get_if<std::string>(&n.value);
+    out.is_hutchinson = word != nullptr;
+    std::size_t index = 0;
+    return word ? read_word(n, in, path, {"hutchinson"}, index) : positive(pure).read(n, in, path, out.value);
+  }
+  std::string write(const Kappa& k) const { return number_text(k.value); }
+  std::string type() const { return "number > 0, or \"hutchinson\""; }
+  std::string example(UnitSystem) const { return "0.9"; }
+};
+
+void describe_section(Table& t, SectionForm& form, Section& section) {
+  t.key("shape", form.shape,
+        ChoiceCodec<Shape>{{"circle", "annulus", "square", "given"},
+                           {Shape::circle, Shape::annulus, Shape::square, Shape::given}},
+        required, "form of the cross-section");
+  t.when(form.shape == Shape::circle || form.shape == Shape::annulus, "shape = \"circle\" or \"annulus\"",
+         [&] { t.key("diameter", form.diameter, positive(length), required, "outer diameter"); });
+  t.when(form.shape == Shape::annulus, "shape = \"annulus\"", [&] {
+    t.key("inner_diameter", form.inner_diameter, not_negative(length), required,
+          "inner diameter, < diameter");
+    t.check(form.inner_diameter < form.diameter, {"inner_diameter", "diameter"},
+            "must be smaller than diameter: the wall has a thickness", "exchange them");
+  });
+  t.when(form.shape == Shape::square, "shape = \"square\"",
+         [&] { t.key("side", form.side, positive(length), required, "length of a side"); });
+  t.when(form.shape == Shape::given, "shape = \"given\"", [&] {
+    t.key("A", section.A, positive(area), required, "area");
+    t.key("J", section.J, positive(area_moment), required, "second moment of area, the same about all axes");
+    t.key("J_p", section.J_p, positive(area_moment), required, "torsion constant");
+  });
+  section = resolve(form, section);
+  t.check(section.A > 0 && section.J > 0 && section.J_p > 0, {"shape", "diameter", "inner_diameter", "side"},
+          "A, J and J_p must not vanish: the wall is too thin or the section too small for double precision",
+          "choose a larger section, or other units");
+}
+
+void check_poisson(Table& t, const TheoryParameters& p) {
+  if (p.theory == BondTheory::short_cylinder)
+    t.check(p.material.nu > -1 && p.material.nu < 0.5, {"nu", "theory"},
+            "must satisfy -1 < nu < 0.5: theory \"short-cylinder\" divides by (1 - 2 nu), [KA12] eq. (33)",
+            "use nu <= 0.49, or theory = \"bernoulli-euler\" / \"timoshenko\", which accept nu = 0.5");
+  else
+    t.check(p.material.nu > -1 && p.material.nu <= 0.5, {"nu"},
+            "must satisfy -1 < nu <= 0.5: outside, an isotropic material is not stable",
+            "use for example nu = 0.3");
+}
+
+void check_coefficients(Table& t, BondLaw law, const GivenCoefficients& B) {
+  if (law == BondLaw::v_model)
+    t.check(B.B3 > 0 && B.B2 > -0.5 * B.B3, {"coefficients", "law"},
+            "v-model must have B3 > 0 and B2 > -B3/2 (here B2 = " + number_text(B.B2) +
+                ", B3 = " + number_text(B.B3) + "): else rest is not the least energy",
+            "take B3 = c_D a^2/2 and B2 = c_B - B3/2, or give stiffness = { c_A, c_D, c_B, c_T }");
+  else
+    t.check(B.B2 > 0 && 0.25 * B.B2 + B.B3 + 0.5 * B.B4 > 0, {"coefficients", "law"},
+            "evm must have B2 > 0 and B2/4 + B3 + B4/2 > 0 (here B2 = " + number_text(B.B2) + ", B3 = " +
+                number_text(B.B3) + ", B4 = " + number_text(B.B4) + "): these are c_D a^2 and c_B",
+            "take B2 = c_D a^2 and B3 = c_B - B2/4 - B4/2, or give stiffness = { c_A, c_D, c_B, c_T }");
+}
+
+void describe_time(Table& t, BondSpec& b) {
+  t.key("when", b.when,
+        ChoiceCodec<BondTime>{{"start", "stage", "approach"},
+                              {BondTime::start, BondTime::stage, BondTime::approach}},
+        optional,
+        "made before the run, as stages begin, or during the run as soon as two particles are near enough");
+  t.when(b.when != BondTime::start, "when = \"stage\" or \"approach\"", [&] {
+    t.key("stages", b.stages, list_of(stage_name), default_is("approach: all stages"), "in which stages");
+    t.check(b.when != BondTime::stage || !b.stages.empty(), {"stages", "when"},
+            "when = \"stage\" needs the names of the stages", "add stages = [\"...\"]");
+  });
+}
+
+}  // namespace
+
+void describe(Table& t, BondSpec& b) {
+  t.locate(b.place);
+  t.key("name", b.name, NameCodec{}, default_is("`\"bonds-1\"`, `\"bonds-2\"`, ..."),
+        "name of this set of bonds");
+  t.key("law", b.recipe.law, ChoiceCodec<BondLaw>{{"v-model", "evm"}, {BondLaw::v_model, BondLaw::evm}},
+        optional, "the vector-based model of Kuzkin & Asonov, or the enhanced vector model");
+  for (auto& group : b.between) t.locate(group.place);
+  t.key("between", b.between, tuple_of<2>(group_name), optional,
+        "the groups that the two particles belong to");
+
+  const std::vector<std::string> selections{"distance", "pairs", "file", "from_specimen"};
+  const std::size_t selection = t.exactly_one(selections, b.select.value.index());
+  t.alternatives(b.select.value, selection, selections);
+  t.locate(b.select.place);
+  if (selection < selections.size()) t.locate(b.select.place, selections[selection]);
+  describe_time(t, b);
+  t.check(b.when != BondTime::approach || std::holds_alternative<WithinDistance>(b.select.value),
+          {"when", "distance", "pairs", "file", "from_specimen"},
+          "bonds made on approach are selected by distance", "give distance instead of the other selection");
+
+  t.key("attach", b.recipe, AttachCodec{}, optional,
+        "bonded points: the centres, the surfaces, or at this distance from the centres");
+  const std::vector<std::string> forms{"coefficients", "stiffness", "theory"};
+  const std::size_t form = t.exactly_one(forms, b.recipe.parameters.index());
+  t.alternatives(b.recipe.parameters, form, forms);
+  if (const auto* B = std::get_if<GivenCoefficients>(&b.recipe.parameters); B && form == 0)
+    check_coefficients(t, b.recipe.law, *B);
+  t.when(form != 0, "stiffness or theory", [&] {
+    t.key("reference_length", b.recipe.reference_length, positive(length),
+          default_is("each bond's own length"),
+          "B1..B4 are worked out at this length and are the same for all bonds of the set");
+  });
+  t.key("n_2", b.recipe.n_2, direction_vector, default_is("the axis least aligned with the bond"),
+        "n_2 is this direction, made normal to the bond");
+}
+
+void describe(Table& t, WithinDistance& s) {
+  t.key("distance", s.distance, positive(length), required,
+        "all pairs whose centres are at most this far apart");
+}
+
+void describe(Table& t, ListedPairs& s) {
+  t.key("pairs", s.pairs, list_of(tuple_of<2>(particle_number), 1), required,
+        "these pairs of particle numbers");
+  bool apart = true;
+  for (const auto& p : s.pairs) apart = apart && p[0] != p[1];
+  t.check(apart, {"pairs"}, "a particle cannot be bonded to itself",
+          "give two different numbers in each pair");
+}
+
+void describe(Table& t, PairsFile& s) {
+  t.key("file", s.file, FileCodec{}, required,
+        "CSV file with header i,j and a pair of particle numbers per line");
+}
+
+void describe(Table& t, SpecimenPairs&) {
+  bool yes = true;
+  t.key("from_specimen", yes, FlagCodec{}, required, "true: the bonds that the specimens' files bring along");
+  t.check(yes, {"from_specimen"}, "can only be true", "leave it out and select by distance, pairs or file");
+}
+
+void describe(Table& t, GivenCoefficients& p) {
+  t.table("coefficients", required, "the law's own coefficients, for bonds of any length", [&p](Table& c) {
+    c.key("B1", p.B1, positive(stiffness), required, "longitudinal");
+    c.key("B2", p.B2, number(moment), required, "v-model: > -B3/2; evm: > 0");
+    c.key("B3", p.B3, number(moment), required, "v-model: > 0; evm: > -B2/4 - B4/2");
+    c.key("B4", p.B4, positive(moment), required, "torsion");
+  });
+}
+
+void describe(Table& t, BondStiffness<double>& p) {
+  t.table("stiffness", required, "four stiffnesses, for bonds of any length", [&p](Table& c) {
+    c.key("c_A", p.c_A, positive(stiffness), required, "longitudinal");
+    c.key("c_D", p.c_D, positive(stiffness), required, "shear");
+    c.key("c_B", p.c_B, positive(moment), required, "bending, per radian");
+    c.key("c_T", p.c_T, positive(moment), required, "torsion, per radian");
+  });
+}
+
+void describe(Table& t, TheoryParameters& p) {
+  t.key("theory", p.theory,
+        ChoiceCodec<BondTheory>{
+            {"bernoulli-euler", "timoshenko", "short-cylinder"},
+            {BondTheory::bernoulli_euler, BondTheory::timoshenko, BondTheory::short_cylinder}},
+        required, "stiffnesses from material and section, at each bond's length");
+  t.key("E", p.material.E, positive(stress), required, "Young's modulus");
+  t.key("nu", p.material.nu, NumberCodec{pure, any_number}, required,
+        "Poisson's ratio, > -1 and <= 0.5 (short-cylinder: < 0.5)");
+  check_poisson(t, p);
+  SectionForm form;
+  t.table("section", required, "cross-section of the bond",
+          [&](Table& s) { describe_section(s, form, p.section); });
+  t.when(p.theory == BondTheory::timoshenko, "theory = \"timoshenko\"", [&] {
+    std::optional<Kappa> kappa;
+    if (p.kappa > 0) kappa = Kappa{p.kappa, false};
+    t.key("kappa", kappa, KappaCodec{}, default_is("\"hutchinson\" for a circle, else required"),
+          "shear coefficient");
+    const bool of_circle = form.shape == Shape::circle;
+    t.check(kappa || of_circle, {"kappa", "section"}, "kappa is required: only the circle has a default",
+            "add kappa, for example 5/6 = 0.8333 for a square");
+    t.check(!kappa || !kappa->is_hutchinson || of_circle, {"kappa", "section"},
+            "Hutchinson's formula 6(1+nu)^2/(7+12nu+4nu^2) is for the full circle",
+            "give kappa as a number, for example 5/6 = 0.8333 for a square");
+    if (kappa && !kappa->is_hutchinson)
+      p.kappa = kappa->value;
+    else if (t.reading())
+      p.kappa = hutchinson_circle(p.material.nu);
+  });
+}
+
+void describe(Table& t, ContactModel& c) {
+  t.key("law", c.law,
+        ChoiceCodec<ContactLaw>{{"none", "paper-hertz", "hertz"},
+                                {ContactLaw::none, ContactLaw::paper_hertz, ContactLaw::hertz}},
+        optional, "repulsion c_H/sqrt(length) overlap^(3/2), or Hertz's from E, nu and the radii");
+  t.when(c.law != ContactLaw::none, "law = \"paper-hertz\" or \"hertz\"", [&] {
+    t.key("pairs", c.pairs,
+          ChoiceCodec<ContactPairs>{{"all", "unbonded"}, {ContactPairs::all, ContactPairs::unbonded}},
+          optional, "whether bonded particles repel each other too");
+  });
+  t.when(c.law == ContactLaw::paper_hertz, "law = \"paper-hertz\"", [&] {
+    t.key("c_H", c.c_H, positive(stiffness), required, "contact stiffness");
+    t.key("length", c.length, positive(length), required_in_si, "length scale a under the root");
+  });
+  t.when(c.law == ContactLaw::hertz, "law = \"hertz\"", [&] {
+    t.key("E", c.E, positive(stress), required, "Young's modulus of the particles");
+    t.key("nu", c.nu, NumberCodec{pure, {-1, 0.5, true, false}}, required,
+          "Poisson's ratio of the particles");
+  });
+}
+
+}  // namespace vbond::keys

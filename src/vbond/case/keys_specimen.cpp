@@ -1,0 +1,182 @@
+#include <cmath>
+#include <numbers>
+
+#include "vbond/case/keys.hpp"
+
+namespace vbond::keys {
+namespace {
+
+const CountCodec two_or_more{2}, one_or_more{1};
+constexpr const char* spacing_doc = "distance between neighbours";
+constexpr const char* origin_doc = "position of the first particle";
+
+void check_total(Table& t, double particles, const std::vector<std::string>& keys) {
+  t.check(particles <= static_cast<double>(most_particles), keys, "must not make more than 1e8 particles",
+          "take fewer particles");
+}
+
+/// What stands for mass, and what mass and inertia need of the radius. Files may bring columns of their own.
+void check_mass(Table& t, const SpecimenSpec& s) {
+  const bool from_file =
+      std::holds_alternative<CsvSpecimen>(s.shape) || std::holds_alternative<LammpsSpecimen>(s.shape);
+  t.check(!(s.mass && s.density), {"density", "mass"}, "only one of mass and density may be given",
+          "keep one of them; density means m = 4/3 pi radius^3 density");
+  t.check(from_file || s.mass || s.density, {"mass", "density"}, "one of mass and density is required",
+          "add mass = 1.0 (or density and a radius)");
+  t.check(from_file || !s.density || s.radius > 0, {"density", "radius"},
+          "density needs a radius: m = 4/3 pi radius^3 density",
+          "add radius, or give mass instead of density");
+  t.check(from_file || s.inertia || s.radius > 0, {"inertia", "radius"},
+          "inertia or a radius > 0 is required: the default 2/5 m radius^2 would be zero and a particle "
+          "could not turn",
+          "add inertia = 0.1 (or a radius)");
+}
+
+}  // namespace
+
+void describe(Table& t, SpecimenSpec& s) {
+  t.locate(s.place);
+  t.key("name", s.name, NameCodec{}, optional,
+        "name of the specimen; its particles form a group of this name");
+  static const std::vector<std::string> kinds{"rod",   "hemisphere", "block",  "sheet", "ring",
+                                              "helix", "csv",        "lammps", "list"};
+  std::size_t kind = s.shape.index();
+  t.key("kind", kind, ChoiceCodec<std::size_t>{kinds, {0, 1, 2, 3, 4, 5, 6, 7, 8}}, required,
+        "what it is made of");
+  std::vector<std::string> conditions;
+  for (const std::string& k : kinds) conditions.push_back("kind = \"" + k + "\"");
+  t.alternatives(s.shape, kind, conditions);
+  t.key("radius", s.radius, not_negative(length), optional,
+        "radius of the particles: for contacts, bonds between surfaces, density and the default inertia");
+  t.key("mass", s.mass, positive(mass), default_is("exactly one of mass and density, unless the file has it"),
+        "mass of each particle");
+  t.key("density", s.density, positive(density), optional, "instead of mass: m = 4/3 pi radius^3 density");
+  t.key("inertia", s.inertia, positive(inertia), default_is("2/5 m radius^2"),
+        "moment of inertia of each particle, the same about all axes");
+  check_mass(t, s);
+}
+
+void describe(Table& t, RodSpecimen& s) {
+  t.key("particles", s.particles, two_or_more, required, "number of particles");
+  t.key("spacing", s.spacing, positive(length), required_in_si, spacing_doc);
+  t.key("origin", s.origin, vector_of(length), optional, origin_doc);
+  t.key("direction", s.direction, direction_vector, optional, "along the rod; its length does not matter");
+}
+
+void describe(Table& t, HemisphereSpecimen& s) {
+  t.key("particles", s.particles, two_or_more, required, "number of particles, with the rim");
+  t.key("sphere_radius", s.radius, positive(length), required, "radius R_c of the half-sphere");
+  t.key("spacing", s.spacing, positive(length), required_in_si,
+        "length scale a; the rim has round(2 pi sphere_radius / spacing) particles");
+  t.key("seed", s.seed, seed_number, optional, "of the random start");
+  t.table(
+      "relaxation", optional, "how the random start is spread out, see the page on the shell",
+      [&s](Table& r) {
+        r.key("min_distance", s.min_distance, NumberCodec{pure, {0, 1, false, false}}, optional,
+              "least distance in the random start, in units of spacing");
+        r.key("strength", s.strength, positive(pure), optional,
+              "f_0 of the repulsion -f_0 (a/r)^8 r, in units of c_A");
+        r.key("cutoff", s.cutoff, NumberCodec{pure, {0, 100, true, false}}, optional,
+              "range of the repulsion, in units of spacing");
+        r.key("damping", s.damping, not_negative(pure), optional, "viscous damping, in units of sqrt(m c_A)");
+        r.key("step", s.step, NumberCodec{pure, {0, 1, true, false}}, optional, "time step, in units of T0");
+        r.key("steps", s.steps, CountCodec{0, 1'000'000'000}, optional, "number of steps");
+      });
+  const double rim = std::round(2.0 * std::numbers::pi * s.radius / s.spacing);
+  t.check(static_cast<double>(s.particles) > rim, {"particles", "sphere_radius", "spacing"},
+          "must be more than the rim alone takes, round(2 pi sphere_radius / spacing)",
+          "take more particles: about 2 pi (sphere_radius / spacing)^2 * 1.15 cover the half-sphere");
+}
+
+void describe(Table& t, BlockSpecimen& s) {
+  t.key("lattice", s.lattice,
+        ChoiceCodec<Lattice>{{"simple-cubic", "fcc", "hcp"},
+                             {Lattice::simple_cubic, Lattice::fcc, Lattice::hcp}},
+        optional, "crystal lattice");
+  t.key("cells", s.cells, tuple_of<3>(one_or_more), required,
+        "cells along x, y, z; simple-cubic: one particle each; fcc and hcp: four each");
+  t.key("spacing", s.spacing, positive(length), required_in_si, spacing_doc);
+  t.key("origin", s.origin, vector_of(length), optional, origin_doc);
+  const double cells =
+      static_cast<double>(s.cells[0]) * static_cast<double>(s.cells[1]) * static_cast<double>(s.cells[2]);
+  check_total(t, s.lattice == Lattice::simple_cubic ? cells : 4.0 * cells, {"cells"});
+}
+
+void describe(Table& t, SheetSpecimen& s) {
+  t.key("lattice", s.lattice,
+        ChoiceCodec<SheetLattice>{{"triangular", "square"}, {SheetLattice::triangular, SheetLattice::square}},
+        optional, "pattern in the x-y plane");
+  t.key("particles", s.particles, tuple_of<2>(one_or_more), required, "particles along x, rows along y");
+  t.key("spacing", s.spacing, positive(length), required_in_si, spacing_doc);
+  t.key("origin", s.origin, vector_of(length), optional, origin_doc);
+  check_total(t, static_cast<double>(s.particles[0]) * static_cast<double>(s.particles[1]), {"particles"});
+}
+
+void describe(Table& t, RingSpecimen& s) {
+  t.key("particles", s.particles, CountCodec{3}, required, "number of particles; the first is on +x");
+  t.key("ring_radius", s.radius, positive(length), required, "radius of the ring, in the x-y plane");
+  t.key("centre", s.centre, vector_of(length), optional, "centre of the ring");
+}
+
+void describe(Table& t, HelixSpecimen& s) {
+  t.key("particles", s.particles, two_or_more, required, "number of particles; the first is on +x");
+  t.key("helix_radius", s.radius, positive(length), required, "radius of the helix about z");
+  t.key("pitch", s.pitch, number(length), required, "rise along z per turn; negative: left-handed downwards");
+  t.key("turns", s.turns, positive(pure), required, "number of turns");
+  t.key("origin", s.origin, vector_of(length), optional, "centre of the first turn's circle");
+}
+
+void describe(Table& t, CsvSpecimen& s) {
+  t.key("file", s.file, FileCodec{}, required,
+        "header line with x, y, z and optionally radius, mass, inertia");
+}
+
+void describe(Table& t, LammpsSpecimen& s) {
+  t.key("file", s.file, FileCodec{}, required, "LAMMPS data file; its Bonds section serves from_specimen");
+  static const std::vector<std::string> styles{"bond", "molecular", "full", "bpm/sphere"};
+  t.key("atom_style", s.atom_style, ChoiceCodec<std::string>{styles, styles}, optional,
+        "LAMMPS atom_style of the file");
+}
+
+void describe(Table& t, ListedSpecimen& s) {
+  t.key("positions", s.positions, list_of(vector_of(length), 1), required, "one position per particle");
+}
+
+// ---- groups ------------------------------------------------------------------------------------
+
+void describe(Table& t, GroupSpec& g) {
+  t.locate(g.place);
+  const std::vector<std::string> forms{"indices", "box", "sphere", "plane"};
+  t.alternatives(g.region, t.exactly_one(forms, g.region.index()), forms);
+}
+
+void describe(Table& t, IndexList& indices) {
+  t.key("indices", indices, list_of(particle_number, 1), required, "particle numbers, counted from 0");
+}
+
+void describe(Table& t, BoxRegion& r) {
+  t.table("box", required, "the particles in a box with edges along the axes", [&r](Table& b) {
+    b.key("min", r.min, vector_of(length), required, "corner with the least coordinates");
+    b.key("max", r.max, vector_of(length), required, "corner with the largest coordinates");
+    b.check(r.min.x <= r.max.x && r.min.y <= r.max.y && r.min.z <= r.max.z, {"min", "max"},
+            "no coordinate of min may be larger than that of max", "exchange them");
+  });
+}
+
+void describe(Table& t, SphereRegion& r) {
+  t.table("sphere", required, "the particles in a ball", [&r](Table& b) {
+    b.key("centre", r.centre, vector_of(length), required, "its centre");
+    b.key("radius", r.radius, positive(length), required, "its radius");
+  });
+}
+
+void describe(Table& t, PlaneRegion& r) {
+  t.table("plane", required, "the particles near a plane", [&r](Table& b) {
+    b.key("point", r.point, vector_of(length), required, "a point of the plane");
+    b.key("normal", r.normal, direction_vector, required, "its normal; the length does not matter");
+    b.key("within", r.within, not_negative(length), required,
+          "largest distance from the plane, to either side");
+  });
+}
+
+}  // namespace vbond::keys

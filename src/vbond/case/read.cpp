@@ -1,0 +1,103 @@
+#include "vbond/case/read.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include "vbond/case/keys.hpp"
+#include "vbond/case/reader.hpp"
+
+namespace vbond {
+namespace {
+
+using keys::ReadContext;
+
+/// stage-1, stage-2, ... for those without a name.
+template <class T>
+void number_nameless(std::vector<T>& items, const std::string& kind) {
+  for (std::size_t k = 0; k < items.size(); ++k)
+    if (items[k].name.empty()) items[k].name = kind + "-" + std::to_string(k + 1);
+}
+
+template <class T>
+void check_twice(const std::vector<T>& items, const std::string& kind, std::set<std::string>& taken,
+                 ReadContext& in) {
+  for (const T& item : items)
+    if (!taken.insert(item.name).second)
+      in.report(item.place, kind + " \"" + item.name + "\"",
+                "the name \"" + item.name + "\" is taken already", "give this one another name");
+}
+
+/// Specimens and groups share one set of names, in which build/ adds some of its own.
+void check_names(const Case& c, ReadContext& in) {
+  std::set<std::string> stages, bonds, groups;
+  check_twice(c.stages, "stage", stages, in);
+  check_twice(c.bonds, "bonds", bonds, in);
+  const std::vector<std::string> reserved{"all", "ends", "first", "last", "rim", "apex"};
+  const auto check_reserved = [&](const auto& item, const char* kind) {
+    if (std::find(reserved.begin(), reserved.end(), item.name) != reserved.end())
+      in.report(item.place, std::string(kind) + " \"" + item.name + "\"",
+                "the names " + keys::join(reserved) + " belong to groups that the specimens make themselves",
+                "choose another name, such as \"my_" + item.name + "\"");
+  };
+  for (const auto& s : c.specimens) check_reserved(s, "specimen");
+  for (const auto& g : c.groups) check_reserved(g, "group");
+  check_twice(c.specimens, "specimen", groups, in);
+  check_twice(c.groups, "group", groups, in);
+}
+
+void check_stage_references(const Case& c, ReadContext& in) {
+  std::vector<std::string> names;
+  for (const StageSpec& s : c.stages) names.push_back(s.name);
+  for (const BondSpec& b : c.bonds)
+    for (const auto& wanted : b.stages) {
+      if (std::find(names.begin(), names.end(), wanted.value) != names.end()) continue;
+      const std::string meant = keys::nearest(wanted.value, names);
+      in.report(
+          wanted.place, "bonds \"" + b.name + "\": stages has \"" + wanted.value + "\"",
+          "there is no stage of this name",
+          meant.empty() ? "the stages are " + keys::join(names, "\"") : "did you mean \"" + meant + "\"?");
+    }
+}
+
+}  // namespace
+
+Case parse_case(std::string_view text, const std::filesystem::path& file) {
+  ReadContext in;
+  in.file = file.string();
+  in.folder = std::filesystem::absolute(file.empty() ? "." : file).parent_path();
+  const keys::NodeTable root = keys::parse_toml(text, in.file);
+
+  Case c;
+  c.file = in.file;
+  keys::Reader reader(root, in, "", {in.file, 1, 1});
+  keys::describe(reader, c);
+  reader.finish();
+  number_nameless(c.stages, "stage");
+  number_nameless(c.bonds, "bonds");
+  check_names(c, in);
+  check_stage_references(c, in);
+
+  if (!in.problems.empty()) {
+    std::stable_sort(in.problems.begin(), in.problems.end(), [](const Problem& a, const Problem& b) {
+      return a.place.line != b.place.line ? a.place.line < b.place.line : a.place.column < b.place.column;
+    });
+    throw CaseError(std::move(in.problems));
+  }
+  return c;
+}
+
+Case read_case(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::ostringstream text;
+  if (stream && stream.peek() != std::ifstream::traits_type::eof()) text << stream.rdbuf();
+  if (!stream.is_open() || stream.bad() || std::filesystem::is_directory(file))
+    throw IoError(file.string() + ": cannot be read" +
+                  (errno != 0 ? std::string(": ") + std::strerror(errno) : ""));
+  return parse_case(text.str(), file);
+}
+
+}  // namespace vbond

@@ -1,0 +1,330 @@
+#include "vbond/case/value.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace vbond::keys {
+namespace {
+
+/// The unit string `text` for a value of dimension d, or nothing after a report.
+std::optional<Quantity> read_quantity(const std::string& text, const Dimension& d, const Node& n,
+                                      ReadContext& in, const std::string& path) {
+  const bool is_time = d == duration;
+  const auto refuse = [&](std::string rule, std::string way_out) -> std::optional<Quantity> {
+    in.refuse(n, path, std::move(rule), std::move(way_out));
+    return std::nullopt;
+  };
+  const auto parsed = parse_quantity(text);
+  const auto* q = std::get_if<Quantity>(&parsed);
+  if (in.units == UnitSystem::reduced && !(q && q->in_T_0 && is_time))
+    return refuse(is_time
+                      ? "in reduced units (a = m = c_A = 1) a time is a bare number or a multiple of T0"
+                      : "in reduced units (a = m = c_A = 1) a number stands bare, without quotes and unit",
+                  "write " + last_name(path) + (is_time ? " = \"10 T0\"" : " = 1.0") +
+                      ", or choose [units] system = \"SI\"");
+  if (const auto* mistake = std::get_if<UnitMistake>(&parsed)) return refuse(mistake->rule, mistake->way_out);
+  if (!(q->dimension == d) || (q->in_T_0 && !is_time))
+    return refuse(
+        "must be a " + to_text(d) + "; this is a " + (q->in_T_0 ? "multiple of T0" : to_text(q->dimension)),
+        "write for example " + last_name(path) + " = \"" + d.example + "\"");
+  return *q;
+}
+
+bool check_range(const Range& range, double x, const Node& n, ReadContext& in, const std::string& path,
+                 const std::string& example) {
+  if (!std::isfinite(x) || std::abs(x) > largest_number)
+    return in.refuse(n, path, "must be a finite number, at most 1e60 in size",
+                     "write for example " + last_name(path) + " = " + example);
+  if (range.contains(x)) return true;
+  return in.refuse(n, path, range.rule(last_name(path)),
+                   "write for example " + last_name(path) + " = " + example);
+}
+
+/// A number or, if `quantity` takes strings, one with its unit.
+bool read_number(const Node& n, const Dimension& d, ReadContext& in, const std::string& path,
+                 const std::string& type, const std::string& example, double& x, bool* in_T_0 = nullptr) {
+  if (const auto* i = std::get_if<std::int64_t>(&n.value)) {
+    x = static_cast<double>(*i);
+  } else if (const auto* f = std::get_if<double>(&n.value)) {
+    x = *f;
+  } else if (const auto* s = std::get_if<std::string>(&n.value)) {
+    const std::optional<Quantity> q = read_quantity(*s, d, n, in, path);
+    if (!q) return false;
+    x = q->value;
+    if (in_T_0) *in_T_0 = q->in_T_0;
+  } else {
+    return in.refuse_kind(n, path, type, example);
+  }
+  return true;
+}
+
+}  // namespace
+
+bool ReadContext::refuse_kind(const Node& n, const std::string& path, const std::string& type,
+                              const std::string& example) {
+  return refuse(n, path, std::string("must be: ") + type + "; this is " + kind_name(n),
+                "write for example " + last_name(path) + " = " + example);
+}
+
+std::string last_name(const std::string& path) {
+  const auto dot = path.rfind('.');
+  return dot == std::string::npos ? path : path.substr(dot + 1);
+}
+
+std::string Range::rule(const std::string& name) const {
+  const bool low = min > -largest_number, high = max < largest_number;
+  if (!low && !high) return "must be a finite number";
+  std::string text = "must satisfy ";
+  if (low) text += number_text(min) + (min_open ? " < " : " <= ");
+  text += name;
+  if (high) text += (max_open ? " < " : " <= ") + number_text(max);
+  return text;
+}
+
+std::string Range::text() const {
+  std::string t;
+  if (min > -largest_number) t = (min_open ? "> " : ">= ") + number_text(min);
+  if (max < largest_number)
+    t += (t.empty() ? "" : ", ") + std::string(max_open ? "< " : "<= ") + number_text(max);
+  return t;
+}
+
+bool NumberCodec::read(const Node& n, ReadContext& in, const std::string& path, double& out) const {
+  double x = 0;
+  if (!read_number(n, dimension, in, path, type(), example(in.units), x)) return false;
+  if (!check_range(range, x, n, in, path, example(in.units))) return false;
+  out = x;
+  return true;
+}
+
+std::string NumberCodec::type() const {
+  const std::string rule = range.text();
+  return rule.empty() ? dimension.name : std::string(dimension.name) + " " + rule;
+}
+
+std::string NumberCodec::example(UnitSystem u) const {
+  if (u == UnitSystem::si && !(dimension == pure)) return toml_string(dimension.example);
+  const double x = range.contains(1.0)         ? 1.0
+                   : range.contains(range.max) ? range.max
+                                               : 0.5 * (range.min + range.max);
+  return number_text(x);
+}
+
+bool CountCodec::read(const Node& n, ReadContext& in, const std::string& path, std::int64_t& out) const {
+  const auto* i = std::get_if<std::int64_t>(&n.value);
+  if (!i) return in.refuse_kind(n, path, type() + ", without a decimal point or quotes", example(in.units));
+  if (*i < min || *i > max) {
+    std::string rule = "must satisfy " + std::to_string(min) + " <= " + last_name(path);
+    if (max != INT64_MAX) rule += " <= " + std::to_string(max);
+    return in.refuse(n, path, rule, "write for example " + last_name(path) + " = " + example(in.units));
+  }
+  out = *i;
+  return true;
+}
+
+bool CountCodec::read(const Node& n, ReadContext& in, const std::string& path, std::uint64_t& out) const {
+  std::int64_t x = 0;
+  if (!read(n, in, path, x)) return false;
+  out = static_cast<std::uint64_t>(x);
+  return true;
+}
+
+std::string CountCodec::type() const {
+  return "whole number >= " + std::to_string(min);
+}
+
+bool FlagCodec::read(const Node& n, ReadContext& in, const std::string& path, bool& out) const {
+  const auto* b = std::get_if<bool>(&n.value);
+  if (!b) return in.refuse_kind(n, path, type() + ", without quotes", example(in.units));
+  out = *b;
+  return true;
+}
+
+bool TextCodec::read(const Node& n, ReadContext& in, const std::string& path, std::string& out) const {
+  const auto* s = std::get_if<std::string>(&n.value);
+  if (!s) return in.refuse_kind(n, path, "text between quotes", example(in.units));
+  out = *s;
+  return true;
+}
+
+bool NameCodec::read(const Node& n, ReadContext& in, const std::string& path, std::string& out) const {
+  std::string name;
+  if (!TextCodec::read(n, in, path, name)) return false;
+  const auto allowed = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
+  };
+  if (name.empty() || name.size() > 64 || !std::all_of(name.begin(), name.end(), allowed))
+    return in.refuse(n, path, "a name must have 1 to 64 letters (a-z, A-Z), digits, _ or -",
+                     "write for example " + last_name(path) + " = \"left_end\"");
+  out = name;
+  return true;
+}
+
+bool ReferenceCodec::read(const Node& n, ReadContext& in, const std::string& path, std::string& out) const {
+  std::string name;
+  if (!TextCodec::read(n, in, path, name)) return false;
+  if (name.empty())
+    return in.refuse(n, path, std::string("must name a ") + to, "write the name between the quotes");
+  out = name;
+  return true;
+}
+
+bool FileCodec::read(const Node& n, ReadContext& in, const std::string& path,
+                     std::filesystem::path& out) const {
+  const auto* s = std::get_if<std::string>(&n.value);
+  if (!s) return in.refuse_kind(n, path, type(), example(in.units));
+  if (s->empty() || s->find('\0') != std::string::npos)
+    return in.refuse(n, path, "must be a file name",
+                     "write for example " + last_name(path) + " = " + example(in.units));
+  const std::filesystem::path given(*s);
+  out = given.is_absolute() ? given : (in.folder / given).lexically_normal();
+  return true;
+}
+
+bool read_word(const Node& n, ReadContext& in, const std::string& path, const std::vector<std::string>& names,
+               std::size_t& index) {
+  const auto* s = std::get_if<std::string>(&n.value);
+  if (!s) return in.refuse_kind(n, path, "one of " + join(names, "\""), toml_string(names.front()));
+  const auto found = std::find(names.begin(), names.end(), *s);
+  if (found == names.end()) {
+    const std::string meant = nearest(*s, names);
+    return in.refuse(n, path, "must be one of " + join(names, "\""),
+                     meant.empty() ? "choose one of these" : "did you mean \"" + meant + "\"?");
+  }
+  index = static_cast<std::size_t>(found - names.begin());
+  return true;
+}
+
+bool refuse_length(const Node& n, ReadContext& in, const std::string& path, std::size_t is,
+                   std::size_t wanted, const std::string& example) {
+  return in.refuse(n, path,
+                   "must have " + std::to_string(wanted) + " elements; this has " + std::to_string(is),
+                   "write for example " + last_name(path) + " = " + example);
+}
+
+bool VectorCodec::read(const Node& n, ReadContext& in, const std::string& path, Vec3d& out) const {
+  std::array<double, 3> x{};
+  if (!std::holds_alternative<NodeList>(n.value)) return in.refuse_kind(n, path, type(), example(in.units));
+  if (!TupleCodec<NumberCodec, 3>{number(dimension)}.read(n, in, path, x)) return false;
+  const Vec3d v{x[0], x[1], x[2]};
+  if (!may_be_zero && !(norm(v) > 1.0 / largest_number))
+    return in.refuse(n, path, "must not be the zero vector: it is a direction",
+                     "write for example " + last_name(path) + " = [0, 0, 1]; its length does not matter");
+  out = v;
+  return true;
+}
+
+std::string VectorCodec::write(const Vec3d& v) const {
+  return "[" + number_text(v.x) + ", " + number_text(v.y) + ", " + number_text(v.z) + "]";
+}
+
+std::string VectorCodec::type() const {
+  return may_be_zero ? std::string("3 x ") + dimension.name : "3 x number, not all zero";
+}
+
+std::string VectorCodec::example(UnitSystem u) const {
+  const std::string one = u == UnitSystem::si && !(dimension == pure) ? toml_string(dimension.example) : "1.0";
+  return may_be_zero ? "[0, 0, " + one + "]" : "[1, 0, 0]";
+}
+
+bool TimeCodec::read(const Node& n, ReadContext& in, const std::string& path, CaseTime& out) const {
+  CaseTime t;
+  if (!read_number(n, duration, in, path, type(), example(in.units), t.value, &t.in_T_0)) return false;
+  if (!check_range(range, t.value, n, in, path, example(in.units))) return false;
+  out = t;
+  return true;
+}
+
+std::string TimeCodec::write(const CaseTime& t) const {
+  return t.in_T_0 ? "\"" + number_text(t.value) + " T0\"" : number_text(t.value);
+}
+
+std::string TimeCodec::type() const {
+  return "time " + range.text() + ", or \"10 T0\"";
+}
+
+bool TimeTableCodec::read(const Node& n, ReadContext& in, const std::string& path,
+                          std::vector<std::pair<CaseTime, double>>& out) const {
+  const auto* rows = std::get_if<NodeList>(&n.value);
+  if (!rows) return in.refuse_kind(n, path, type(), example(in.units));
+  std::vector<std::pair<CaseTime, double>> points;
+  bool good = true;
+  for (std::size_t k = 0; k < rows->size(); ++k) {
+    const Node& row = (*rows)[k];
+    const std::string at = path + "[" + std::to_string(k) + "]";
+    const auto* pair = std::get_if<NodeList>(&row.value);
+    if (!pair) {
+      good = in.refuse_kind(row, at, "[time, factor]", "[\"10 T0\", 1.0]");
+    } else if (pair->size() != 2) {
+      good = refuse_length(row, in, at, pair->size(), 2, "[\"10 T0\", 1.0]");
+    } else {
+      std::pair<CaseTime, double> p;
+      const bool time_good = TimeCodec{from_zero}.read((*pair)[0], in, at + "[0]", p.first);
+      good = number(pure).read((*pair)[1], in, at + "[1]", p.second) && time_good && good;
+      points.push_back(p);
+    }
+  }
+  if (!good) return false;
+  if (points.empty()) return in.refuse(n, path, "must have at least one point", "write " + example(in.units));
+  for (std::size_t k = 1; k < points.size(); ++k) {
+    const CaseTime& a = points[k - 1].first;
+    const CaseTime& b = points[k].first;
+    const bool zero = (k == 1 && a.value == 0.0) || b.value == 0.0;
+    if (a.in_T_0 != b.in_T_0 && !zero)
+      return in.refuse((*rows)[k], path, "times must be all bare numbers or all multiples of T0",
+                       "write every time as \"10 T0\" or none");
+    if (b.value < a.value)
+      return in.refuse((*rows)[k], path, "times must not decrease", "sort the rows by their time");
+  }
+  const bool in_T_0 = points.back().first.in_T_0;
+  for (auto& p : points)
+    if (p.first.value == 0.0) p.first.in_T_0 = in_T_0;  // zero is zero in any unit
+  out = std::move(points);
+  return true;
+}
+
+std::string TimeTableCodec::write(const std::vector<std::pair<CaseTime, double>>& points) const {
+  if (points.empty()) return {};
+  std::string text = "[";
+  for (const auto& [t, factor] : points)
+    text += (text.size() > 1 ? ", [" : "[") + TimeCodec{}.write(t) + ", " + number_text(factor) + "]";
+  return text + "]";
+}
+
+bool AttachCodec::read(const Node& n, ReadContext& in, const std::string& path, BondRecipe& out) const {
+  std::array<double, 2> R{};
+  const auto given = [&] {
+    out.attachment = Attachment::given;
+    out.R_i = R[0];
+    out.R_j = R[1];
+    return true;
+  };
+  if (const auto* word = std::get_if<std::string>(&n.value); word && word->find_first_of("0123456789") > 2) {
+    std::size_t index = 0;
+    if (!read_word(n, in, path, {"centres", "surfaces"}, index)) return false;
+    out.attachment = index == 0 ? Attachment::centres : Attachment::surfaces;
+    out.R_i = out.R_j = 0;
+    return true;
+  }
+  const NumberCodec distance = not_negative(length);
+  if (std::holds_alternative<NodeList>(n.value)) {
+    return TupleCodec<NumberCodec, 2>{distance}.read(n, in, path, R) && given();
+  }
+  if (std::holds_alternative<bool>(n.value) || std::holds_alternative<NodeTable>(n.value) ||
+      std::holds_alternative<Date>(n.value))
+    return in.refuse_kind(n, path, type(), example(in.units));
+  if (!distance.read(n, in, path, R[0])) return false;
+  R[1] = R[0];
+  return given();
+}
+
+std::string AttachCodec::write(const BondRecipe& r) const {
+  switch (r.attachment) {
+    case Attachment::centres: return "\"centres\"";
+    case Attachment::surfaces: return "\"surfaces\"";
+    case Attachment::given: break;
+  }
+  return "[" + number_text(r.R_i) + ", " + number_text(r.R_j) + "]";
+}
+
+}  // namespace vbond::keys

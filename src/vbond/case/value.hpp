@@ -1,0 +1,341 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "vbond/case/case.hpp"
+#include "vbond/case/names.hpp"
+#include "vbond/case/node.hpp"
+#include "vbond/case/units.hpp"
+
+/// Codecs: how one kind of value is read from a file, checked, written and described.
+/// A codec has read, write, type (for the key reference) and example (for the way out of a mistake).
+namespace vbond::keys {
+
+/// What is the same for all values of one file, and the mistakes found so far.
+struct ReadContext {
+  std::string file;
+  std::filesystem::path folder;  ///< relative file names start here
+  UnitSystem units = UnitSystem::reduced;
+  std::vector<Problem> problems;
+
+  SourcePlace place(const Node& n) const { return {file, n.line, n.column}; }
+  void report(SourcePlace at, std::string what, std::string rule, std::string way_out) {
+    problems.push_back({std::move(at), std::move(what), std::move(rule), std::move(way_out)});
+  }
+  /// Reports a value that breaks a rule; always false, so that a codec can return it.
+  bool refuse(const Node& n, const std::string& path, std::string rule, std::string way_out) {
+    report(place(n), path + " = " + short_text(n), std::move(rule), std::move(way_out));
+    return false;
+  }
+  bool refuse_kind(const Node& n, const std::string& path, const std::string& type,
+                   const std::string& example);
+};
+
+/// The key's own name: what stands behind the last dot.
+std::string last_name(const std::string& path);
+
+constexpr double largest_number = 1e60;  // so that the fourth power of a length is still a double
+constexpr std::int64_t most_particles = 100'000'000;
+
+/// Bounds of a number. The default bounds keep every product of a few numbers finite.
+struct Range {
+  double min = -largest_number, max = largest_number;
+  bool min_open = false, max_open = false;
+
+  bool contains(double x) const { return (min_open ? x > min : x >= min) && (max_open ? x < max : x <= max); }
+  std::string rule(const std::string& name) const;
+  /// The rule in the short form of the key reference, such as `> 0`; empty if there is none.
+  std::string text() const;
+};
+
+inline constexpr Range any_number{};
+inline constexpr Range above_zero{0, largest_number, true, false};
+inline constexpr Range from_zero{0, largest_number, false, false};
+
+struct NumberCodec {
+  Dimension dimension;
+  Range range;
+  bool read(const Node& n, ReadContext& in, const std::string& path, double& out) const;
+  std::string write(double x) const { return number_text(x); }
+  std::string type() const;
+  std::string example(UnitSystem u) const;
+};
+constexpr NumberCodec number(const Dimension& d, const Range& r = any_number) {
+  return {d, r};
+}
+constexpr NumberCodec positive(const Dimension& d) {
+  return {d, above_zero};
+}
+constexpr NumberCodec not_negative(const Dimension& d) {
+  return {d, from_zero};
+}
+
+struct CountCodec {
+  std::int64_t min = 0, max = most_particles;
+  bool read(const Node& n, ReadContext& in, const std::string& path, std::int64_t& out) const;
+  bool read(const Node& n, ReadContext& in, const std::string& path, std::uint64_t& out) const;
+  std::string write(std::int64_t x) const { return std::to_string(x); }
+  std::string write(std::uint64_t x) const { return std::to_string(x); }
+  std::string type() const;
+  std::string example(UnitSystem) const { return std::to_string(min > 0 ? min : 1); }
+};
+inline constexpr CountCodec particle_number{0, most_particles - 1};
+inline constexpr CountCodec seed_number{0, INT64_MAX};
+
+struct FlagCodec {
+  bool read(const Node& n, ReadContext& in, const std::string& path, bool& out) const;
+  std::string write(bool x) const { return x ? "true" : "false"; }
+  std::string type() const { return "true or false"; }
+  std::string example(UnitSystem) const { return "true"; }
+};
+
+struct TextCodec {
+  bool read(const Node& n, ReadContext& in, const std::string& path, std::string& out) const;
+  std::string write(const std::string& x) const { return toml_string(x); }
+  std::string type() const { return "text"; }
+  std::string example(UnitSystem) const { return "\"...\""; }
+};
+
+/// The name of something that this table defines: letters, digits, `_` and `-`, since it becomes a column
+/// title of history.csv and part of a key.
+struct NameCodec : TextCodec {
+  bool read(const Node& n, ReadContext& in, const std::string& path, std::string& out) const;
+  std::string write(const std::string& x) const { return x.empty() ? std::string{} : toml_string(x); }
+  std::string type() const { return "name"; }
+};
+
+/// A name that is defined elsewhere.
+struct ReferenceCodec : TextCodec {
+  const char* to = "group";
+  constexpr explicit ReferenceCodec(const char* to_what) : to(to_what) {}
+  bool read(const Node& n, ReadContext& in, const std::string& path, std::string& out) const;
+  std::string type() const { return std::string("name of a ") + to; }
+};
+inline constexpr ReferenceCodec group_name{"group"}, stage_name{"stage"};
+
+struct FileCodec {
+  bool read(const Node& n, ReadContext& in, const std::string& path, std::filesystem::path& out) const;
+  std::string write(const std::filesystem::path& p) const { return toml_string(p.string()); }
+  std::string type() const { return "file name, relative to the case file"; }
+  std::string example(UnitSystem) const { return "\"points.csv\""; }
+};
+
+/// Reports a word that is none of `names`, with the nearest; otherwise gives its index.
+bool read_word(const Node& n, ReadContext& in, const std::string& path, const std::vector<std::string>& names,
+               std::size_t& index);
+
+/// One of a few words, each standing for a value of E.
+template <class E>
+struct ChoiceCodec {
+  std::vector<std::string> names;
+  std::vector<E> values;
+
+  bool read(const Node& n, ReadContext& in, const std::string& path, E& out) const {
+    std::size_t index = 0;
+    if (!read_word(n, in, path, names, index)) return false;
+    out = values[index];
+    return true;
+  }
+  std::string write(const E& x) const {
+    for (std::size_t i = 0; i < names.size(); ++i)
+      if (values[i] == x) return toml_string(names[i]);
+    return {};
+  }
+  std::string type() const { return "one of " + join(names, "\""); }
+  std::string example(UnitSystem) const { return toml_string(names.front()); }
+};
+
+struct VectorCodec {
+  Dimension dimension;
+  bool may_be_zero = true;
+  bool read(const Node& n, ReadContext& in, const std::string& path, Vec3d& out) const;
+  std::string write(const Vec3d& v) const;
+  std::string type() const;
+  std::string example(UnitSystem u) const;
+};
+constexpr VectorCodec vector_of(const Dimension& d) {
+  return {d, true};
+}
+inline constexpr VectorCodec direction_vector{pure, false};
+
+/// A time: a number of the unit system, or a multiple of T_0 such as "10 T0".
+struct TimeCodec {
+  Range range = above_zero;
+  bool read(const Node& n, ReadContext& in, const std::string& path, CaseTime& out) const;
+  std::string write(const CaseTime& t) const;
+  std::string type() const;
+  std::string example(UnitSystem) const { return "\"10 T0\""; }
+};
+
+/// [[t, factor], ...]: times of one kind that do not decrease; equal times make a jump.
+struct TimeTableCodec {
+  bool read(const Node& n, ReadContext& in, const std::string& path,
+            std::vector<std::pair<CaseTime, double>>& out) const;
+  std::string write(const std::vector<std::pair<CaseTime, double>>& points) const;
+  std::string type() const { return "list of [time, factor]"; }
+  std::string example(UnitSystem) const { return "[[0, 0.0], [\"10 T0\", 1.0]]"; }
+};
+
+/// Which of N named things are meant: a list of their names.
+template <std::size_t N>
+struct SubsetCodec {
+  std::vector<std::string> names;
+  bool read(const Node& n, ReadContext& in, const std::string& path, std::array<bool, N>& out) const {
+    const auto* items = std::get_if<NodeList>(&n.value);
+    if (!items) return in.refuse_kind(n, path, type(), example(in.units));
+    std::array<bool, N> chosen{};
+    bool good = true;
+    for (std::size_t k = 0; k < items->size(); ++k) {
+      std::size_t index = 0;
+      if (read_word((*items)[k], in, path + "[" + std::to_string(k) + "]", names, index))
+        chosen[index] = true;
+      else
+        good = false;
+    }
+    if (good) out = chosen;
+    return good;
+  }
+  std::string write(const std::array<bool, N>& chosen) const {
+    std::vector<std::string> words;
+    for (std::size_t k = 0; k < N; ++k)
+      if (chosen[k]) words.push_back(names[k]);
+    return "[" + join(words, "\"") + "]";
+  }
+  std::string type() const { return "list of " + join(names, "\""); }
+  std::string example(UnitSystem) const { return "[" + toml_string(names.front()) + "]"; }
+};
+
+/// Where a bond is fastened: "centres", "surfaces", a distance, or one for each end.
+struct AttachCodec {
+  bool read(const Node& n, ReadContext& in, const std::string& path, BondRecipe& out) const;
+  std::string write(const BondRecipe& r) const;
+  std::string type() const { return "\"centres\", \"surfaces\", length >= 0, or [R_i, R_j]"; }
+  std::string example(UnitSystem) const { return "\"centres\""; }
+};
+
+// ---- compounds ---------------------------------------------------------------------------------
+
+template <class T>
+struct IsWrapped : std::false_type {};
+template <class T>
+struct IsWrapped<std::optional<T>> : std::true_type {};
+template <class T>
+struct IsWrapped<Placed<T>> : std::true_type {};
+
+/// Reads through std::optional and Placed, which is filled with the place of the value.
+template <class Codec, class T>
+bool read_value(const Codec& codec, const Node& n, ReadContext& in, const std::string& path, T& out) {
+  if constexpr (IsWrapped<T>::value) {
+    T wrapped;
+    if constexpr (requires { wrapped.place; }) {
+      wrapped.place = in.place(n);
+      if (!read_value(codec, n, in, path, wrapped.value)) return false;
+    } else {
+      wrapped.emplace();
+      if (!read_value(codec, n, in, path, *wrapped)) return false;
+    }
+    out = std::move(wrapped);
+    return true;
+  } else {
+    return codec.read(n, in, path, out);
+  }
+}
+
+/// Writes through std::optional and Placed; empty text if there is no value.
+template <class Codec, class T>
+std::string write_value(const Codec& codec, const T& x) {
+  if constexpr (IsWrapped<T>::value) {
+    if constexpr (requires { x.place; })
+      return write_value(codec, x.value);
+    else
+      return x ? write_value(codec, *x) : std::string{};
+  } else {
+    return codec.write(x);
+  }
+}
+
+/// A list of any length from `min` on.
+template <class Codec>
+struct ListCodec {
+  Codec element;
+  std::size_t min = 0;
+
+  template <class T>
+  bool read(const Node& n, ReadContext& in, const std::string& path, std::vector<T>& out) const {
+    const auto* items = std::get_if<NodeList>(&n.value);
+    if (!items) return in.refuse_kind(n, path, type(), example(in.units));
+    if (items->size() < min)
+      return in.refuse(n, path, "must have at least " + std::to_string(min) + " element",
+                       "write for example " + last_name(path) + " = " + example(in.units));
+    std::vector<T> read_items(items->size());
+    bool good = true;
+    for (std::size_t k = 0; k < items->size(); ++k)
+      good =
+          read_value(element, (*items)[k], in, path + "[" + std::to_string(k) + "]", read_items[k]) && good;
+    if (good) out = std::move(read_items);
+    return good;
+  }
+  template <class T>
+  std::string write(const std::vector<T>& items) const {
+    std::string text = "[";
+    for (const T& item : items) {
+      if (text.size() > 1) text += ", ";
+      text += write_value(element, item);
+    }
+    return text + "]";
+  }
+  std::string type() const { return "list of " + element.type(); }
+  std::string example(UnitSystem u) const { return "[" + element.example(u) + "]"; }
+};
+template <class Codec>
+ListCodec<Codec> list_of(const Codec& element, std::size_t min = 0) {
+  return {element, min};
+}
+
+bool refuse_length(const Node& n, ReadContext& in, const std::string& path, std::size_t is,
+                   std::size_t wanted, const std::string& example);
+
+/// A list of exactly N.
+template <class Codec, std::size_t N>
+struct TupleCodec {
+  Codec element;
+
+  template <class T>
+  bool read(const Node& n, ReadContext& in, const std::string& path, std::array<T, N>& out) const {
+    const auto* items = std::get_if<NodeList>(&n.value);
+    if (!items) return in.refuse_kind(n, path, type(), example(in.units));
+    if (items->size() != N) return refuse_length(n, in, path, items->size(), N, example(in.units));
+    std::array<T, N> read_items{};
+    bool good = true;
+    for (std::size_t k = 0; k < N; ++k)
+      good =
+          read_value(element, (*items)[k], in, path + "[" + std::to_string(k) + "]", read_items[k]) && good;
+    if (good) out = std::move(read_items);
+    return good;
+  }
+  template <class T>
+  std::string write(const std::array<T, N>& items) const {
+    std::string text = "[";
+    for (std::size_t k = 0; k < N; ++k) text += (k > 0 ? ", " : "") + write_value(element, items[k]);
+    return text + "]";
+  }
+  std::string type() const { return std::to_string(N) + " x " + element.type(); }
+  std::string example(UnitSystem u) const {
+    std::string text = "[";
+    for (std::size_t k = 0; k < N; ++k) text += (k > 0 ? ", " : "") + element.example(u);
+    return text + "]";
+  }
+};
+template <std::size_t N, class Codec>
+TupleCodec<Codec, N> tuple_of(const Codec& element) {
+  return {element};
+}
+
+}  // namespace vbond::keys
