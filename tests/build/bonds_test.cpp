@@ -177,6 +177,12 @@ TEST(Bonds, ByDistanceSayHowFarTheNearestAre) {
   EXPECT_TRUE(contains(error, "the nearest are 1 apart")) << error;
 }
 
+TEST(Bonds, ByDistanceNeedAPositiveOne) {
+  Case c = paper_rod();
+  c.bonds[0].select.value = WithinDistance{-1.1};
+  EXPECT_TRUE(contains(text_of_error(c), "distance = -1.1\n  must be > 0"));
+}
+
 TEST(Bonds, WhoseRestIsNoMinimumAreRefused) {
   Case c = paper_rod();
   c.bonds[0].recipe.parameters = GivenCoefficients{1.0, -0.01, 0.015, 0.002};  // c_B = -0.0025
