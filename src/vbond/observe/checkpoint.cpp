@@ -12,7 +12,7 @@
 
 #include "vbond/core/error.hpp"
 #include "vbond/observe/files.hpp"
-#include "vbond/observe/hdf5.hpp"
+#include "vbond/observe/detail/hdf5.hpp"
 
 namespace vbond {
 namespace {
