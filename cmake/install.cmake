@@ -5,10 +5,7 @@ include(CMakePackageConfigHelpers)
 set(vbond_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/vbond)
 
 install(TARGETS vbond EXPORT vbondTargets)
-if(TARGET vbond_program)
-  install(TARGETS vbond_program)
-endif()
-install(DIRECTORY src/vbond TYPE INCLUDE FILES_MATCHING PATTERN "*.hpp")
+install(DIRECTORY src/vbond TYPE INCLUDE FILES_MATCHING PATTERN "*.hpp" PATTERN detail EXCLUDE)
 install(FILES LICENSE TYPE DOC)
 install(EXPORT vbondTargets NAMESPACE vbond:: DESTINATION ${vbond_package_dir})
 

@@ -64,9 +64,12 @@ function check_include(line,   name, parts) {
       bad("\"" name "\": no layer '" parts[2] "' in tools/layers.txt")
     else if (parts[2] != layer && !((layer, parts[2]) in allowed))
       bad(layer " must not include " parts[2] ": \"" name "\" (tools/layers.txt)")
+    if (parts[3] == "detail" && FILENAME ~ /\.hpp$/ && FILENAME !~ /\/detail\//)
+      bad("\"" name "\" is not installed: only .cpp files may include it")
   } else if (quoted && (layer != "app" || name ~ /\.\./)) {
     bad("write \"vbond/LAYER/NAME.hpp\", not \"" name "\": the layer must be visible")
-  } else if (!quoted && in_library && FILENAME ~ /\.hpp$/ && name !~ /^[a-z0-9_]+$/) {
+  } else if (!quoted && in_library && FILENAME ~ /\.hpp$/ && FILENAME !~ /\/detail\// &&
+             name !~ /^[a-z0-9_]+$/) {
     bad("<" name "> in a header of the library: users would need it too; include it in a .cpp")
   }
 }
@@ -105,10 +108,9 @@ NR == FNR {  # the table
       bad("macro " macro ": VBOND_HD in core/portable.hpp is the only one")
   }
   if (in_library) {
-    if (code ~ /std::(cout|cerr|clog)([^A-Za-z0-9_]|$)/ || code ~ /#[ \t]*include[ \t]*<iostream>/)
-      bad("the library never prints: no iostream")
-    if (code ~ /(^|[^A-Za-z0-9_])(printf|fprintf|vprintf|puts|fputs|putchar|perror|fmt::print|fmt::println)[ \t]*\(/)
-      bad("the library never prints")
+    if (code ~ /(^|[^A-Za-z0-9_])(cout|cerr|clog|stdout|stderr)([^A-Za-z0-9_]|$)/ ||
+        code ~ /(^|[^A-Za-z0-9_])(printf|vprintf|puts|putchar|perror|fmt::print|fmt::println)[ \t]*\(/)
+      bad("the library never prints: write to a stream that the caller gives")
     if (code ~ /(^|[^A-Za-z0-9_.>])(exit|_exit|_Exit|quick_exit|abort|terminate)[ \t]*\(/)
       bad("the library never exits: throw instead")
   }

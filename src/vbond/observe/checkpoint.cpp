@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "vbond/core/error.hpp"
+#include "vbond/observe/detail/hdf5.hpp"
 #include "vbond/observe/files.hpp"
-#include "vbond/observe/hdf5.hpp"
 #include "vbond/observe/seal.hpp"
 
 namespace vbond {
