@@ -112,7 +112,10 @@ void describe(Table& t, BondSpec& b) {
         "name of this set of bonds");
   t.key("law", b.recipe.law, ChoiceCodec<BondLaw>{{"v-model", "evm"}, {BondLaw::v_model, BondLaw::evm}},
         optional, "the vector-based model of Kuzkin & Asonov, or the enhanced vector model");
-  for (auto& group : b.between) t.locate(group.place);
+  for (auto& group : b.between) {
+    if (group.value.empty()) group.value = "all";
+    t.locate(group.place);
+  }
   t.key("between", b.between, tuple_of<2>(group_name), optional,
         "the groups that the two particles belong to");
 

@@ -87,13 +87,13 @@ Node to_node(const toml::node& from) {
     for (const auto& [key, value] : *table) {
       const auto at = key.source().begin;
       Member m{std::string(key.str()), at.line, at.column, to_node(value)};
-      // a value is pointed at by its key, a table by its header
-      if (!std::holds_alternative<NodeTable>(m.value.value))
+      // a value is pointed at by its key, a table with a header by that
+      if (!value.is_table() || value.as_table()->is_inline())
         m.value.line = at.line, m.value.column = at.column;
       members.push_back(std::move(m));
     }
-    std::sort(members.begin(), members.end(), [](const Member& a, const Member& b) {
-      return a.line != b.line ? a.line < b.line : a.column < b.column;
+    std::sort(members.begin(), members.end(), [](const Member& one, const Member& two) {
+      return one.line != two.line ? one.line < two.line : one.column < two.column;
     });
     to.value = std::move(members);
   } else {

@@ -1,3 +1,4 @@
+#include <cctype>
 #include <string>
 
 #include "vbond/case/keys.hpp"
@@ -50,6 +51,7 @@ class Documenter final : public Table {
 
   bool enter(bool, const std::string& condition) override {
     end_rows();
+    had_conditions_ = true;
     conditions_.push_back(condition);
     return true;
   }
@@ -71,7 +73,10 @@ class Documenter final : public Table {
 
   void heading(const std::string& title, const KeyInfo& key) {
     end_rows();
-    text += "\n## `" + title + "`\n\n" + key.doc +
+    had_conditions_ = false;
+    std::string doc = key.doc;
+    doc.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(doc.front())));
+    text += "\n## `" + title + "`\n\n" + doc +
             (key.need.when == Need::When::always ? ". At least one is required.\n" : ".\n");
   }
 
@@ -88,6 +93,7 @@ class Documenter final : public Table {
   void row(const KeyInfo& key, const std::string& type, const std::string& default_text) {
     if (!in_rows_) {
       if (!conditions_.empty()) text += "\nWith " + conditions_.back() + ":\n";
+      if (conditions_.empty() && had_conditions_) text += "\nIn any case:\n";
       text += "\n| key | value | default | meaning |\n|---|---|---|---|\n";
       in_rows_ = true;
     }
@@ -99,6 +105,7 @@ class Documenter final : public Table {
   std::string prefix_;
   std::vector<std::string> conditions_;
   int depth_ = 0;
+  bool had_conditions_ = false;  ///< in this section
   bool in_rows_ = false;
 };
 

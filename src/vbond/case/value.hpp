@@ -40,6 +40,8 @@ struct ReadContext {
 
 /// The key's own name: what stands behind the last dot.
 std::string last_name(const std::string& path);
+/// `write for example key = example`, or, for an element of a list, what to put there.
+std::string such_as(const std::string& path, const std::string& example);
 
 constexpr double largest_number = 1e60;  // so that the fourth power of a length is still a double
 constexpr std::int64_t most_particles = 100'000'000;
@@ -273,7 +275,7 @@ struct ListCodec {
     if (!items) return in.refuse_kind(n, path, type(), example(in.units));
     if (items->size() < min)
       return in.refuse(n, path, "must have at least " + std::to_string(min) + " element",
-                       "write for example " + last_name(path) + " = " + example(in.units));
+                       such_as(path, example(in.units)));
     std::vector<T> read_items(items->size());
     bool good = true;
     for (std::size_t k = 0; k < items->size(); ++k)
