@@ -117,8 +117,9 @@ Do not edit it: change the `describe` function of the key and run the test with 
 A case is a TOML file. A key that is not listed here is an error, and so is one that another choice would need.
 In reduced units numbers are bare, with a = m = c_A = 1. In SI a number is in m, kg, s, rad, or is text with a unit
 such as `"2 GPa"`, `"7800 kg/m^3"`, `"10 deg/s"`. Times may be multiples of T0 = 2 pi sqrt(m / c_A) in both: `"10 T0"`.
-Numbers are finite and at most 1e60 in size, particles are at most 1e8 and are counted from 0. Groups that specimens
-make by themselves: `all`, their own names, and, as far as they apply, `ends`, `first`, `last`, `rim`, `apex`.
+Numbers are finite and at most 1e60 in size, particles are at most 1e8 and are counted from 0. Groups that
+specimens make by themselves: `all`, their own names, and their parts `ends`, `first`, `last`, `rim`, `apex`, as in
+`rod.ends`; the plain `ends` will do if only one specimen has such a part.
 )";
 
 }  // namespace
