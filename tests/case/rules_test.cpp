@@ -142,7 +142,7 @@ TEST(CaseRules, RampIsATableOfTwoPoints) {
   EXPECT_TRUE(ramp[1].first.in_T_0);
   EXPECT_EQ(ramp[1].second, 1.0);
   EXPECT_TRUE(
-      factor("table = [[0, 0], [\"5 T0\", 1], [\"5 T0\", 2]]")[0].first.in_T_0);  // 0 is 0 in any unit
+      factor("table = [[0, 0], [\"5 T0\", 1], [\"6 T0\", 2]]")[0].first.in_T_0);  // 0 is 0 in any unit
   const std::string loads = rod + stage + "loads = [{ group = \"all\", ";
   expect_refused(loads + "ramp = 1, table = [[0, 0]] }]\n", "only one of ramp and table");
   expect_refused(loads + "table = [[1, 0], [\"5 T0\", 1]] }]\n", "all bare numbers or all multiples");
@@ -216,6 +216,9 @@ TEST(CaseRules, DeepNestingIsRefusedBeforeItIsParsed) {
   expect_accepted("# " + std::string(100, '.') + deep + "\ntitle = \"\"\"\n" + deep + "\"\"\"\n" + rod +
                   stage);
   expect_accepted("title = 'c:\\" + std::string(100, '.') + "'\n" + rod + stage);
+  // a string may end with two quotes of its own; what follows must not be taken for a string
+  expect_refused("a = [\"\"\"x\"\"\"\"\", { " + dotted + " = 1 }]\n", "nested 32 deep");
+  expect_refused("a = ['''x''''', { " + dotted + " = 1 }]\n", "nested 32 deep");
   expect_refused(std::string((std::size_t{16} << 20) + 1, '\n'), "must not be over 16 MiB");
 }
 

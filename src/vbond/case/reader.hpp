@@ -22,7 +22,10 @@ class Reader final : public Table {
              const std::string& way_out) override;
   void locate(SourcePlace& place, const std::string& key) const override;
   bool is_given(const char* name) const override { return find(name) != nullptr; }
-  void set_units(UnitSystem units) override { in_.units = units; }
+  void set_units(UnitSystem units) override {
+    in_.units = units;
+    in_.any_units = failed_.count("system") > 0;
+  }
   bool reading() const override { return true; }
 
  protected:

@@ -18,7 +18,7 @@ std::optional<Quantity> read_quantity(const std::string& text, const Dimension& 
   };
   const auto parsed = parse_quantity(text);
   const auto* q = std::get_if<Quantity>(&parsed);
-  if (in.units == UnitSystem::reduced && !(q && q->in_T_0 && is_time))
+  if (!in.any_units && in.units == UnitSystem::reduced && !(q && q->in_T_0 && is_time))
     return refuse(is_time
                       ? "in reduced units (a = m = c_A = 1) a time is a bare number or a multiple of T0"
                       : "in reduced units (a = m = c_A = 1) a number stands bare, without quotes and unit",
@@ -278,8 +278,9 @@ bool TimeTableCodec::read(const Node& n, ReadContext& in, const std::string& pat
     if (a.in_T_0 != b.in_T_0 && !zero)
       return in.refuse((*rows)[k], path, "times must be all bare numbers or all multiples of T0",
                        "write every time as \"10 T0\" or none");
-    if (b.value < a.value)
-      return in.refuse((*rows)[k], path, "times must not decrease", "sort the rows by their time");
+    if (b.value <= a.value)
+      return in.refuse((*rows)[k], path, "the times of a table must increase",
+                       "sort the rows by their time; a jump takes two times that are nearly the same");
   }
   const bool in_T_0 = points.back().first.in_T_0;
   for (auto& p : points)

@@ -23,6 +23,7 @@ struct ReadContext {
   std::string file;
   std::filesystem::path folder;  ///< relative file names start here
   UnitSystem units = UnitSystem::reduced;
+  bool any_units = false;  ///< the system could not be read: do not report every unit as well
   std::vector<Problem> problems;
 
   SourcePlace place(const Node& n) const { return {file, n.line, n.column}; }
@@ -176,7 +177,7 @@ struct TimeCodec {
   std::string example(UnitSystem) const { return "\"10 T0\""; }
 };
 
-/// [[t, factor], ...]: times of one kind that do not decrease; equal times make a jump.
+/// [[t, factor], ...]: increasing times of one kind; zero is of any kind.
 struct TimeTableCodec {
   bool read(const Node& n, ReadContext& in, const std::string& path,
             std::vector<std::pair<CaseTime, double>>& out) const;
