@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <fstream>
 #include <memory>
@@ -56,10 +57,10 @@ RunSummary first_summary(const Case& c, const Model& model) {
 
 /// Opens the output, new or continued, and sets up the terminal.
 Campaign open_campaign(const Case& c, const Model& model, OutputPlan plan, int threads,
-                       const Checkpoint* resume) {
+                       const Checkpoint* resume, double dt) {
   Campaign campaign{c, model, std::move(plan), threads, {}, {}, {}, first_summary(c, model), 0.0};
   if (isatty(STDERR_FILENO))
-    campaign.progress = std::make_shared<ProgressObserver>(stderr, steps_of_stages(c, model));
+    campaign.progress = std::make_shared<ProgressObserver>(stderr, steps_of_stages(c, model, dt));
   const auto progress = campaign.progress;
   const auto tell = [progress](const std::string& report) {
     if (progress) progress->clear();
@@ -186,7 +187,7 @@ int run(const RunOptions& options) {
   claim_folder(folder, options.force);
   replace_file(folder / "resolved.toml", to_toml(c));
   print_overview(c, built.model, built.state, first);
-  Campaign campaign = open_campaign(c, built.model, std::move(plan), options.threads, nullptr);
+  Campaign campaign = open_campaign(c, built.model, std::move(plan), options.threads, nullptr, first.dt);
   campaign.building = seconds_since(start);
   return run_stages(campaign, std::move(first), std::move(built.state));
 }
@@ -200,7 +201,7 @@ int resume(const fs::path& folder, int threads) {
   Stage stage = build_stage(c, built.model, state.clock.stage, state);
 
   Campaign campaign =
-      open_campaign(c, built.model, plan_output(c, built.model, folder), threads, &checkpoint);
+      open_campaign(c, built.model, plan_output(c, built.model, folder), threads, &checkpoint, stage.dt);
   if (fs::exists(folder / "run.json"))
     campaign.summary.stages = read_stages_before(folder / "run.json", state.clock.stage);
   campaign.building = seconds_since(start);

@@ -32,7 +32,7 @@ testing::Specimen crumpled_sheet(int side) {
 }
 
 TEST(BondLoadsEvaluator, GivesTheBitsOfThePlainLoop) {
-  const testing::Specimen s = crumpled_sheet(30);
+  const testing::Specimen s = crumpled_sheet(66);
   const std::size_t n = s.model.particles();
   Loads plain{PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)}, gathered = plain;
   add_bond_loads(s.state, plain);

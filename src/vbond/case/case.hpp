@@ -132,7 +132,7 @@ enum class BondTime : std::uint8_t { start, stage, approach };
 struct BondSpec {
   SourcePlace place;
   std::string name;
-  std::array<Placed<std::string>, 2> between{};  ///< groups, default "all"
+  std::array<Placed<std::string>, 2> between{Placed<std::string>{"all", {}}, {"all", {}}};  ///< groups
   Placed<std::variant<WithinDistance, ListedPairs, PairsFile, SpecimenPairs>> select;
   BondTime when = BondTime::start;
   std::vector<Placed<std::string>> stages;       ///< for `stage` and `approach`; approach: none means all
@@ -144,7 +144,7 @@ struct BondSpec {
 enum class VelocityKind : std::uint8_t { given, circle, ball, gaussian };
 struct VelocitySpec {
   SourcePlace place;
-  Placed<std::string> group;
+  Placed<std::string> group{"all", {}};
   VelocityKind kind = VelocityKind::given;
   Vec3d velocity, angular_velocity;  ///< given
   double magnitude = 0;              ///< circle, ball: radius v_0; gaussian: standard deviation per component

@@ -112,22 +112,27 @@ void describe(Table& t, BondSpec& b) {
         "name of this set of bonds");
   t.key("law", b.recipe.law, ChoiceCodec<BondLaw>{{"v-model", "evm"}, {BondLaw::v_model, BondLaw::evm}},
         optional, "the vector-based model of Kuzkin & Asonov, or the enhanced vector model");
-  for (auto& group : b.between) t.locate(group.place);
+  for (auto& group : b.between) {
+    if (group.value.empty()) group.value = "all";
+    t.locate(group.place);
+  }
   t.key("between", b.between, tuple_of<2>(group_name), optional,
         "the groups that the two particles belong to");
+  t.key("attach", b.recipe, AttachCodec{}, optional,
+        "bonded points: the centres, the surfaces, or at this distance from the centres");
+  t.key("n_2", b.recipe.n_2, direction_vector, default_is("the axis least aligned with the bond"),
+        "n_2 is this direction, made normal to the bond");
+  describe_time(t, b);
 
   const std::vector<std::string> selections{"distance", "pairs", "file", "from_specimen"};
   const std::size_t selection = t.exactly_one(selections, b.select.value.index());
   t.alternatives(b.select.value, selection, selections);
   t.locate(b.select.place);
   if (selection < selections.size()) t.locate(b.select.place, selections[selection]);
-  describe_time(t, b);
   t.check(b.when != BondTime::approach || std::holds_alternative<WithinDistance>(b.select.value),
           {"when", "distance", "pairs", "file", "from_specimen"},
           "bonds made on approach are selected by distance", "give distance instead of the other selection");
 
-  t.key("attach", b.recipe, AttachCodec{}, optional,
-        "bonded points: the centres, the surfaces, or at this distance from the centres");
   const std::vector<std::string> forms{"coefficients", "stiffness", "theory"};
   const std::size_t form = t.exactly_one(forms, b.recipe.parameters.index());
   t.alternatives(b.recipe.parameters, form, forms);
@@ -138,8 +143,6 @@ void describe(Table& t, BondSpec& b) {
           default_is("each bond's own length"),
           "B1..B4 are worked out at this length and are the same for all bonds of the set");
   });
-  t.key("n_2", b.recipe.n_2, direction_vector, default_is("the axis least aligned with the bond"),
-        "n_2 is this direction, made normal to the bond");
 }
 
 void describe(Table& t, WithinDistance& s) {

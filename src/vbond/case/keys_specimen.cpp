@@ -21,12 +21,12 @@ void check_mass(Table& t, const SpecimenSpec& s) {
       std::holds_alternative<CsvSpecimen>(s.shape) || std::holds_alternative<LammpsSpecimen>(s.shape);
   t.check(!(s.mass && s.density), {"density", "mass"}, "only one of mass and density may be given",
           "keep one of them; density means m = 4/3 pi radius^3 density");
-  t.check(from_file || s.mass || s.density, {"mass", "density"}, "one of mass and density is required",
-          "add mass = 1.0 (or density and a radius)");
-  t.check(from_file || !s.density || s.radius > 0, {"density", "radius"},
+  t.check(from_file || s.mass || s.density, {"mass", "density", "kind"},
+          "one of mass and density is required", "add mass = 1.0 (or density and a radius)");
+  t.check(from_file || !s.density || s.radius > 0, {"density", "radius", "kind"},
           "density needs a radius: m = 4/3 pi radius^3 density",
           "add radius, or give mass instead of density");
-  t.check(from_file || s.inertia || s.radius > 0, {"inertia", "radius"},
+  t.check(from_file || s.inertia || s.radius > 0, {"inertia", "radius", "kind"},
           "inertia or a radius > 0 is required: the default 2/5 m radius^2 would be zero and a particle "
           "could not turn",
           "add inertia = 0.1 (or a radius)");
@@ -40,12 +40,9 @@ void describe(Table& t, SpecimenSpec& s) {
         "name of the specimen; its particles form a group of this name");
   static const std::vector<std::string> kinds{"rod",   "hemisphere", "block",  "sheet", "ring",
                                               "helix", "csv",        "lammps", "list"};
-  std::size_t kind = s.shape.index();
+  std::size_t kind = t.reading() ? kinds.size() : s.shape.index();
   t.key("kind", kind, ChoiceCodec<std::size_t>{kinds, {0, 1, 2, 3, 4, 5, 6, 7, 8}}, required,
         "what it is made of");
-  std::vector<std::string> conditions;
-  for (const std::string& k : kinds) conditions.push_back("kind = \"" + k + "\"");
-  t.alternatives(s.shape, kind, conditions);
   t.key("radius", s.radius, not_negative(length), optional,
         "radius of the particles: for contacts, bonds between surfaces, density and the default inertia");
   t.key("mass", s.mass, positive(mass), default_is("exactly one of mass and density, unless the file has it"),
@@ -53,6 +50,9 @@ void describe(Table& t, SpecimenSpec& s) {
   t.key("density", s.density, positive(density), optional, "instead of mass: m = 4/3 pi radius^3 density");
   t.key("inertia", s.inertia, positive(inertia), default_is("2/5 m radius^2"),
         "moment of inertia of each particle, the same about all axes");
+  std::vector<std::string> conditions;
+  for (const std::string& k : kinds) conditions.push_back("kind = \"" + k + "\"");
+  t.alternatives(s.shape, kind, conditions);
   check_mass(t, s);
 }
 
@@ -133,7 +133,8 @@ void describe(Table& t, CsvSpecimen& s) {
 
 void describe(Table& t, LammpsSpecimen& s) {
   t.key("file", s.file, FileCodec{}, required, "LAMMPS data file; its Bonds section serves from_specimen");
-  static const std::vector<std::string> styles{"bond", "molecular", "full", "bpm/sphere"};
+  static const std::vector<std::string> styles{"atomic",    "charge", "bond",   "angle",
+                                               "molecular", "full",   "sphere", "bpm/sphere"};
   t.key("atom_style", s.atom_style, ChoiceCodec<std::string>{styles, styles}, optional,
         "LAMMPS atom_style of the file");
 }

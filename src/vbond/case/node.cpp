@@ -19,49 +19,57 @@ constexpr int deepest = 32;
   throw CaseError(Problem{{file, line, column}, std::move(what), std::move(rule), std::move(way_out)});
 }
 
+/// The last character of the string that starts at `i`, which may be the end of its line if it is not closed.
+std::size_t end_of_string(std::string_view text, std::size_t i) {
+  const char quote = text[i];
+  const std::string three(3, quote);
+  const bool multi = text.compare(i, 3, three) == 0;
+  for (i += multi ? 3 : 1; i < text.size(); ++i) {
+    if (quote == '"' && text[i] == '\\' && i + 1 < text.size() && text[i + 1] != '\n') {
+      ++i;
+    } else if (text[i] == '\n' && !multi) {
+      return i - 1;
+    } else if (multi && text.compare(i, 3, three) == 0) {
+      i += 2;
+      for (int own = 0; own < 2 && i + 1 < text.size() && text[i + 1] == quote; ++own)
+        ++i;  // the text may end with two quotes of its own, so that five stand in a row
+      return i;
+    } else if (text[i] == quote && !multi) {
+      return i;
+    }
+  }
+  return text.size();
+}
+
+[[noreturn]] void refuse_nesting(std::string_view text, std::size_t i, const std::string& file) {
+  const std::string_view before = text.substr(0, i);
+  const auto line = 1 + std::count(before.begin(), before.end(), '\n');
+  const std::size_t line_start = before.rfind('\n') + 1;  // 0 on the first line, where npos wraps around
+  refuse(file, static_cast<std::uint32_t>(line), static_cast<std::uint32_t>(i - line_start + 1),
+         "nesting deeper than 32", "tables, arrays and dotted keys may be nested 32 deep",
+         "close a bracket; no key needs more than 5 levels");
+}
+
 /// The parser and the tree recurse with the nesting of the text, by brackets and by the dots of keys; a
 /// hostile text must not exhaust the stack. Walks over the text, past strings and comments, and counts both.
 void limit_nesting(std::string_view text, const std::string& file) {
   int brackets = 0, dots = 0;
-  std::uint32_t line = 1;
-  std::size_t line_start = 0;
-  const auto skip_string = [&](std::size_t i) {  // returns the last character of the string that starts at i
-    const char quote = text[i];
-    const std::string three(3, quote);
-    const bool multi = text.compare(i, 3, three) == 0;
-    for (i += multi ? 3 : 1; i < text.size(); ++i) {
-      if (quote == '"' && text[i] == '\\' && i + 1 < text.size() && text[i + 1] != '\n') {
-        ++i;
-      } else if (text[i] == '\n') {
-        if (!multi) return i - 1;
-        ++line, line_start = i + 1;
-      } else if (multi ? text.compare(i, 3, three) == 0 : text[i] == quote) {
-        return multi ? i + 2 : i;
-      }
-    }
-    return text.size();
-  };
   for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (c == '#') {
-      i = std::min(text.find('\n', i), text.size()) - 1;
-    } else if (c == '"' || c == '\'') {
-      i = skip_string(i);
-    } else if (c == '\n') {
-      dots = 0, ++line, line_start = i + 1;
-    } else if (c == '.') {
-      ++dots;
-    } else if (c == '[' || c == '{') {
-      ++brackets, dots = 0;
-    } else if (c == ']' || c == '}') {
-      brackets = std::max(0, brackets - 1), dots = 0;
-    } else if (c == ',' || c == '=') {
-      dots = 0;
+    switch (text[i]) {
+      case '#': i = std::min(text.find('\n', i), text.size()) - 1; break;
+      case '"':
+      case '\'': i = end_of_string(text, i); break;
+      case '.': ++dots; break;
+      case '[':
+      case '{': ++brackets, dots = 0; break;
+      case ']':
+      case '}': brackets = std::max(0, brackets - 1), dots = 0; break;
+      case ',':
+      case '=':
+      case '\n': dots = 0; break;
+      default: break;
     }
-    if (brackets > deepest || dots > deepest)
-      refuse(file, line, static_cast<std::uint32_t>(i - line_start + 1), "nesting deeper than 32",
-             "tables, arrays and dotted keys may be nested 32 deep",
-             "close a bracket; no key needs more than 5 levels");
+    if (brackets > deepest || dots > deepest) refuse_nesting(text, i, file);
   }
 }
 
@@ -87,13 +95,13 @@ Node to_node(const toml::node& from) {
     for (const auto& [key, value] : *table) {
       const auto at = key.source().begin;
       Member m{std::string(key.str()), at.line, at.column, to_node(value)};
-      // a value is pointed at by its key, a table by its header
-      if (!std::holds_alternative<NodeTable>(m.value.value))
+      // a value is pointed at by its key, a table with a header by that
+      if (!value.is_table() || value.as_table()->is_inline())
         m.value.line = at.line, m.value.column = at.column;
       members.push_back(std::move(m));
     }
-    std::sort(members.begin(), members.end(), [](const Member& a, const Member& b) {
-      return a.line != b.line ? a.line < b.line : a.column < b.column;
+    std::sort(members.begin(), members.end(), [](const Member& one, const Member& two) {
+      return one.line != two.line ? one.line < two.line : one.column < two.column;
     });
     to.value = std::move(members);
   } else {

@@ -13,8 +13,8 @@ const Member* Reader::find(const std::string& name) const {
   return found == members_.end() ? nullptr : &*found;
 }
 
-/// The member that a key asks for; nothing, after a report if it had to be there.
-const Member* Reader::take(const KeyInfo& key, const std::string& example) {
+/// The member that a key asks for; nothing, which is noted if it had to be there.
+const Member* Reader::take(const KeyInfo& key, const std::string& way_out) {
   if (is_skipping()) {
     std::string& condition = elsewhere_[key.name];
     const std::string& text = conditions_.back().second;
@@ -27,16 +27,16 @@ const Member* Reader::take(const KeyInfo& key, const std::string& example) {
                       (key.need.when == Need::When::in_si && in_.units == UnitSystem::si);
   if (!m && needed) {
     failed_.insert(key.name);
-    in_.report(
+    missing_[key.name] = {
         header_, path_of(key.name) + " is missing",
         std::string("is required") + (key.need.when == Need::When::in_si ? " in SI units: " : ": ") + key.doc,
-        std::string("add ") + key.name + example);
+        way_out};
   }
   return m;
 }
 
 void Reader::on_key(const KeyInfo& key, Value& value) {
-  const Member* m = take(key, " = " + value.example(in_.units));
+  const Member* m = take(key, "add " + std::string(key.name) + " = " + value.example(in_.units));
   if (m) {
     if (value.read(m->value, in_, path_of(key.name))) return;
     failed_.insert(key.name);
@@ -59,13 +59,14 @@ bool Reader::read_struct(const Node& n, const std::string& path, const Members& 
 }
 
 void Reader::on_table(const KeyInfo& key, bool, const Members& members) {
-  const Member* m = take(key, " = { ... }");
+  const Member* m = take(key, "add " + std::string(key.name) + " = { ... }");
   if (m && !read_struct(m->value, path_of(key.name), members)) failed_.insert(key.name);
 }
 
 void Reader::on_tables(const KeyInfo& key, Structs& items) {
   const bool on_top = path_.empty();
-  const Member* m = take(key, on_top ? std::string(": a table [[") + key.name + "]]" : " = [{ ... }]");
+  const Member* m = take(key, on_top ? std::string("add a table [[") + key.name + "]]"
+                                     : std::string("add ") + key.name + " = [{ ... }]");
   if (!m) return;
   const auto* list = std::get_if<NodeList>(&m->value.value);
   if (!list) {
@@ -87,7 +88,7 @@ void Reader::on_tables(const KeyInfo& key, Structs& items) {
 }
 
 void Reader::on_named_tables(const KeyInfo& key, Structs& items) {
-  const Member* m = take(key, " = { ... }");
+  const Member* m = take(key, "add " + std::string(key.name) + " = { ... }");
   if (!m) return;
   const auto* tables = std::get_if<NodeTable>(&m->value.value);
   if (!tables) {
@@ -177,9 +178,11 @@ void Reader::finish() {
       continue;
     }
     const std::string meant = nearest(m.key, names);
+    missing_.erase(meant);  // one report is enough for a slip of the pen
     in_.report(place_of(m), what, "no such key",
                meant.empty() ? "the keys here are " + join(names) : "did you mean " + meant + "?");
   }
+  for (auto& [name, problem] : missing_) in_.problems.push_back(std::move(problem));
 }
 
 }  // namespace vbond::keys

@@ -14,7 +14,7 @@ class Reader final : public Table {
   /// `path` names the table in messages, as in `stage[0].stop`; `header` is where it begins.
   Reader(const NodeTable& members, ReadContext& context, std::string path, SourcePlace header);
 
-  /// Reports the keys that nobody asked for. Call it last.
+  /// Reports the keys that nobody asked for, and those that are missing. Call it last.
   void finish();
 
   std::size_t exactly_one(const std::vector<std::string>& names, std::size_t current) override;
@@ -22,7 +22,10 @@ class Reader final : public Table {
              const std::string& way_out) override;
   void locate(SourcePlace& place, const std::string& key) const override;
   bool is_given(const char* name) const override { return find(name) != nullptr; }
-  void set_units(UnitSystem units) override { in_.units = units; }
+  void set_units(UnitSystem units) override {
+    in_.units = units;
+    in_.any_units = failed_.count("system") > 0;
+  }
   bool reading() const override { return true; }
 
  protected:
@@ -35,7 +38,7 @@ class Reader final : public Table {
 
  private:
   const Member* find(const std::string& name) const;
-  const Member* take(const KeyInfo& key, const std::string& example);
+  const Member* take(const KeyInfo& key, const std::string& way_out);
   bool is_skipping() const { return inactive_ > 0; }
   std::string path_of(const std::string& name) const { return path_.empty() ? name : path_ + "." + name; }
   SourcePlace place_of(const Member& m) const { return {in_.file, m.line, m.column}; }
@@ -50,6 +53,7 @@ class Reader final : public Table {
   std::set<std::string> known_;                           ///< keys that are right here
   std::map<std::string, std::string> elsewhere_;          ///< keys that need a condition: which
   std::set<std::string> failed_;                          ///< keys that could not be read or are missing
+  std::map<std::string, Problem> missing_;                ///< what finish() will report of these
   bool unsure_ = false;  ///< a choice could not be read: which keys are right is not known
 };
 

@@ -1,3 +1,4 @@
+#include <cctype>
 #include <string>
 
 #include "vbond/case/keys.hpp"
@@ -50,6 +51,7 @@ class Documenter final : public Table {
 
   bool enter(bool, const std::string& condition) override {
     end_rows();
+    had_conditions_ = true;
     conditions_.push_back(condition);
     return true;
   }
@@ -71,7 +73,10 @@ class Documenter final : public Table {
 
   void heading(const std::string& title, const KeyInfo& key) {
     end_rows();
-    text += "\n## `" + title + "`\n\n" + key.doc +
+    had_conditions_ = false;
+    std::string doc = key.doc;
+    doc.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(doc.front())));
+    text += "\n## `" + title + "`\n\n" + doc +
             (key.need.when == Need::When::always ? ". At least one is required.\n" : ".\n");
   }
 
@@ -88,6 +93,7 @@ class Documenter final : public Table {
   void row(const KeyInfo& key, const std::string& type, const std::string& default_text) {
     if (!in_rows_) {
       if (!conditions_.empty()) text += "\nWith " + conditions_.back() + ":\n";
+      if (conditions_.empty() && had_conditions_) text += "\nIn any case:\n";
       text += "\n| key | value | default | meaning |\n|---|---|---|---|\n";
       in_rows_ = true;
     }
@@ -99,6 +105,7 @@ class Documenter final : public Table {
   std::string prefix_;
   std::vector<std::string> conditions_;
   int depth_ = 0;
+  bool had_conditions_ = false;  ///< in this section
   bool in_rows_ = false;
 };
 
@@ -110,8 +117,9 @@ Do not edit it: change the `describe` function of the key and run the test with 
 A case is a TOML file. A key that is not listed here is an error, and so is one that another choice would need.
 In reduced units numbers are bare, with a = m = c_A = 1. In SI a number is in m, kg, s, rad, or is text with a unit
 such as `"2 GPa"`, `"7800 kg/m^3"`, `"10 deg/s"`. Times may be multiples of T0 = 2 pi sqrt(m / c_A) in both: `"10 T0"`.
-Numbers are finite and at most 1e60 in size, particles are at most 1e8 and are counted from 0. Groups that specimens
-make by themselves: `all`, their own names, and, as far as they apply, `ends`, `first`, `last`, `rim`, `apex`.
+Numbers are finite and at most 1e60 in size, particles are at most 1e8 and are counted from 0. Groups that
+specimens make by themselves: `all`, their own names, and their parts `ends`, `first`, `last`, `rim`, `apex`, as in
+`rod.ends`; the plain `ends` will do if only one specimen has such a part.
 )";
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "vbond/case/value.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -16,7 +18,7 @@ std::optional<Quantity> read_quantity(const std::string& text, const Dimension& 
   };
   const auto parsed = parse_quantity(text);
   const auto* q = std::get_if<Quantity>(&parsed);
-  if (in.units == UnitSystem::reduced && !(q && q->in_T_0 && is_time))
+  if (!in.any_units && in.units == UnitSystem::reduced && !(q && q->in_T_0 && is_time))
     return refuse(is_time
                       ? "in reduced units (a = m = c_A = 1) a time is a bare number or a multiple of T0"
                       : "in reduced units (a = m = c_A = 1) a number stands bare, without quotes and unit",
@@ -26,18 +28,16 @@ std::optional<Quantity> read_quantity(const std::string& text, const Dimension& 
   if (!(q->dimension == d) || (q->in_T_0 && !is_time))
     return refuse(
         "must be a " + to_text(d) + "; this is a " + (q->in_T_0 ? "multiple of T0" : to_text(q->dimension)),
-        "write for example " + last_name(path) + " = \"" + d.example + "\"");
+        such_as(path, toml_string(d.example)));
   return *q;
 }
 
 bool check_range(const Range& range, double x, const Node& n, ReadContext& in, const std::string& path,
                  const std::string& example) {
   if (!std::isfinite(x) || std::abs(x) > largest_number)
-    return in.refuse(n, path, "must be a finite number, at most 1e60 in size",
-                     "write for example " + last_name(path) + " = " + example);
+    return in.refuse(n, path, "must be a finite number, at most 1e60 in size", such_as(path, example));
   if (range.contains(x)) return true;
-  return in.refuse(n, path, range.rule(last_name(path)),
-                   "write for example " + last_name(path) + " = " + example);
+  return in.refuse(n, path, range.rule(last_name(path)), such_as(path, example));
 }
 
 /// A number or, if `quantity` takes strings, one with its unit.
@@ -63,7 +63,7 @@ bool read_number(const Node& n, const Dimension& d, ReadContext& in, const std::
 bool ReadContext::refuse_kind(const Node& n, const std::string& path, const std::string& type,
                               const std::string& example) {
   return refuse(n, path, std::string("must be: ") + type + "; this is " + kind_name(n),
-                "write for example " + last_name(path) + " = " + example);
+                such_as(path, example));
 }
 
 std::string last_name(const std::string& path) {
@@ -71,21 +71,24 @@ std::string last_name(const std::string& path) {
   return dot == std::string::npos ? path : path.substr(dot + 1);
 }
 
+std::string such_as(const std::string& path, const std::string& example) {
+  if (path.back() == ']') return "write for example " + example + " there";
+  return "write for example " + last_name(path) + " = " + example;
+}
+
 std::string Range::rule(const std::string& name) const {
   const bool low = min > -largest_number, high = max < largest_number;
-  if (!low && !high) return "must be a finite number";
   std::string text = "must satisfy ";
-  if (low) text += number_text(min) + (min_open ? " < " : " <= ");
+  if (low) text += fmt::format("{}{}", min, min_open ? " < " : " <= ");
   text += name;
-  if (high) text += (max_open ? " < " : " <= ") + number_text(max);
+  if (high) text += fmt::format("{}{}", max_open ? " < " : " <= ", max);
   return text;
 }
 
 std::string Range::text() const {
   std::string t;
-  if (min > -largest_number) t = (min_open ? "> " : ">= ") + number_text(min);
-  if (max < largest_number)
-    t += (t.empty() ? "" : ", ") + std::string(max_open ? "< " : "<= ") + number_text(max);
+  if (min > -largest_number) t = fmt::format("{}{}", min_open ? "> " : ">= ", min);
+  if (max < largest_number) t += fmt::format("{}{}{}", t.empty() ? "" : ", ", max_open ? "< " : "<= ", max);
   return t;
 }
 
@@ -116,7 +119,7 @@ bool CountCodec::read(const Node& n, ReadContext& in, const std::string& path, s
   if (*i < min || *i > max) {
     std::string rule = "must satisfy " + std::to_string(min) + " <= " + last_name(path);
     if (max != INT64_MAX) rule += " <= " + std::to_string(max);
-    return in.refuse(n, path, rule, "write for example " + last_name(path) + " = " + example(in.units));
+    return in.refuse(n, path, rule, such_as(path, example(in.units)));
   }
   out = *i;
   return true;
@@ -155,7 +158,7 @@ bool NameCodec::read(const Node& n, ReadContext& in, const std::string& path, st
   };
   if (name.empty() || name.size() > 64 || !std::all_of(name.begin(), name.end(), allowed))
     return in.refuse(n, path, "a name must have 1 to 64 letters (a-z, A-Z), digits, _ or -",
-                     "write for example " + last_name(path) + " = \"left_end\"");
+                     such_as(path, "\"left_end\""));
   out = name;
   return true;
 }
@@ -174,8 +177,7 @@ bool FileCodec::read(const Node& n, ReadContext& in, const std::string& path,
   const auto* s = std::get_if<std::string>(&n.value);
   if (!s) return in.refuse_kind(n, path, type(), example(in.units));
   if (s->empty() || s->find('\0') != std::string::npos)
-    return in.refuse(n, path, "must be a file name",
-                     "write for example " + last_name(path) + " = " + example(in.units));
+    return in.refuse(n, path, "must be a file name", such_as(path, example(in.units)));
   const std::filesystem::path given(*s);
   out = given.is_absolute() ? given : (in.folder / given).lexically_normal();
   return true;
@@ -199,12 +201,14 @@ bool refuse_length(const Node& n, ReadContext& in, const std::string& path, std:
                    std::size_t wanted, const std::string& example) {
   return in.refuse(n, path,
                    "must have " + std::to_string(wanted) + " elements; this has " + std::to_string(is),
-                   "write for example " + last_name(path) + " = " + example);
+                   such_as(path, example));
 }
 
 bool VectorCodec::read(const Node& n, ReadContext& in, const std::string& path, Vec3d& out) const {
   std::array<double, 3> x{};
-  if (!std::holds_alternative<NodeList>(n.value)) return in.refuse_kind(n, path, type(), example(in.units));
+  const auto* items = std::get_if<NodeList>(&n.value);
+  if (!items) return in.refuse_kind(n, path, type(), example(in.units));
+  if (items->size() != 3) return refuse_length(n, in, path, items->size(), 3, example(in.units));
   if (!TupleCodec<NumberCodec, 3>{number(dimension)}.read(n, in, path, x)) return false;
   const Vec3d v{x[0], x[1], x[2]};
   if (!may_be_zero && !(norm(v) > 1.0 / largest_number))
@@ -223,7 +227,8 @@ std::string VectorCodec::type() const {
 }
 
 std::string VectorCodec::example(UnitSystem u) const {
-  const std::string one = u == UnitSystem::si && !(dimension == pure) ? toml_string(dimension.example) : "1.0";
+  const std::string one =
+      u == UnitSystem::si && !(dimension == pure) ? toml_string(dimension.example) : "1.0";
   return may_be_zero ? "[0, 0, " + one + "]" : "[1, 0, 0]";
 }
 
@@ -273,8 +278,9 @@ bool TimeTableCodec::read(const Node& n, ReadContext& in, const std::string& pat
     if (a.in_T_0 != b.in_T_0 && !zero)
       return in.refuse((*rows)[k], path, "times must be all bare numbers or all multiples of T0",
                        "write every time as \"10 T0\" or none");
-    if (b.value < a.value)
-      return in.refuse((*rows)[k], path, "times must not decrease", "sort the rows by their time");
+    if (b.value <= a.value)
+      return in.refuse((*rows)[k], path, "the times of a table must increase",
+                       "sort the rows by their time; a jump takes two times that are nearly the same");
   }
   const bool in_T_0 = points.back().first.in_T_0;
   for (auto& p : points)

@@ -23,6 +23,7 @@ struct ReadContext {
   std::string file;
   std::filesystem::path folder;  ///< relative file names start here
   UnitSystem units = UnitSystem::reduced;
+  bool any_units = false;  ///< the system could not be read: do not report every unit as well
   std::vector<Problem> problems;
 
   SourcePlace place(const Node& n) const { return {file, n.line, n.column}; }
@@ -40,6 +41,8 @@ struct ReadContext {
 
 /// The key's own name: what stands behind the last dot.
 std::string last_name(const std::string& path);
+/// `write for example key = example`, or, for an element of a list, what to put there.
+std::string such_as(const std::string& path, const std::string& example);
 
 constexpr double largest_number = 1e60;  // so that the fourth power of a length is still a double
 constexpr std::int64_t most_particles = 100'000'000;
@@ -174,7 +177,7 @@ struct TimeCodec {
   std::string example(UnitSystem) const { return "\"10 T0\""; }
 };
 
-/// [[t, factor], ...]: times of one kind that do not decrease; equal times make a jump.
+/// [[t, factor], ...]: increasing times of one kind; zero is of any kind.
 struct TimeTableCodec {
   bool read(const Node& n, ReadContext& in, const std::string& path,
             std::vector<std::pair<CaseTime, double>>& out) const;
@@ -273,7 +276,7 @@ struct ListCodec {
     if (!items) return in.refuse_kind(n, path, type(), example(in.units));
     if (items->size() < min)
       return in.refuse(n, path, "must have at least " + std::to_string(min) + " element",
-                       "write for example " + last_name(path) + " = " + example(in.units));
+                       such_as(path, example(in.units)));
     std::vector<T> read_items(items->size());
     bool good = true;
     for (std::size_t k = 0; k < items->size(); ++k)

@@ -1,0 +1,226 @@
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "vbond/case/read.hpp"
+
+namespace vbond {
+namespace {
+
+const std::string rod = "[[specimen]]\nkind = \"rod\"\nparticles = 10\nmass = 1\ninertia = 0.064\n";
+const std::string stage = "[[stage]]\nduration = \"10 T0\"\n";
+
+std::string report(const std::string& text) {
+  try {
+    parse_case(text, "case.toml");
+  } catch (const CaseError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+void expect_accepted(const std::string& text) {
+  EXPECT_EQ(report(text), "") << text;
+}
+void expect_refused(const std::string& text, const std::string& because) {
+  EXPECT_NE(report(text).find(because), std::string::npos) << text << "\nwas met with: " << report(text);
+}
+
+const BondRecipe recipe_of(const std::string& lines) {
+  return parse_case(rod + "[[bonds]]\ndistance = 1.1\n" + lines + stage, "case.toml").bonds.at(0).recipe;
+}
+
+TEST(CaseRules, AllMistakesAreReportedAtOnceInTheOrderOfTheFile) {
+  try {
+    parse_case(
+        "[[specimen]]\nkind = \"rod\"\nparticles = 1\nmass = -1\ninertia = 0.064\ncolour = \"red\"\n"
+        "[contact]\nlaw = \"herz\"\n[[stage]]\nname = \"a b\"\n[watch]\nevery = 0\n",
+        "case.toml");
+    FAIL() << "was accepted";
+  } catch (const CaseError& e) {
+    std::vector<std::uint32_t> lines;
+    for (const Problem& p : e.problems()) lines.push_back(p.place.line);
+    EXPECT_EQ(lines, (std::vector<std::uint32_t>{3, 4, 6, 8, 9, 10, 12})) << e.what();
+  }
+}
+
+TEST(CaseRules, ReportIsWrittenAsFileLineColumnRuleWayOut) {
+  EXPECT_EQ(report(rod + "[watch]\nevery = 0\n" + stage),
+            "case.toml:7:1: watch.every = 0\n"
+            "  must satisfy 1 <= every <= 1000000000\n"
+            "  write for example every = 1");
+}
+
+TEST(CaseRules, SectionsGiveAreaAndMoments) {
+  const std::string theory = "theory = \"bernoulli-euler\"\nE = 2\nnu = 0.5\nsection = ";
+  const auto section = [&](const std::string& form) {
+    return std::get<TheoryParameters>(recipe_of(theory + form + "\n").parameters).section;
+  };
+  EXPECT_EQ(section("{ shape = \"circle\", diameter = 0.2 }").J, circle(0.2).J);
+  EXPECT_EQ(section("{ shape = \"annulus\", diameter = 0.2, inner_diameter = 0.1 }").A, annulus(0.2, 0.1).A);
+  EXPECT_EQ(section("{ shape = \"square\", side = 0.2 }").J_p, square(0.2).J_p);
+  EXPECT_EQ(section("{ shape = \"given\", A = 1, J = 2, J_p = 3 }").J_p, 3.0);
+  const std::string bonds = rod + stage + "[[bonds]]\ndistance = 1.1\n" + theory;
+  expect_refused(bonds + "{ shape = \"annulus\", diameter = 0.1, inner_diameter = 0.2 }\n",
+                 "smaller than diameter");
+  expect_refused(bonds + "{ shape = \"circle\", diameter = 1e-90 }\n", "must not vanish");
+  expect_refused(bonds + "{ shape = \"circle\", side = 1 }\n", "is used only with shape = \"square\"");
+}
+
+TEST(CaseRules, KappaIsHutchinsonsForTheCircleUnlessGiven) {
+  const std::string theory = "theory = \"timoshenko\"\nE = 1\nnu = 0.2\n";
+  const std::string of_circle = theory + "section = { shape = \"circle\", diameter = 0.2 }\n";
+  const std::string of_square = theory + "section = { shape = \"square\", side = 0.2 }\n";
+  const auto kappa = [](const std::string& lines) {
+    return std::get<TheoryParameters>(recipe_of(lines).parameters).kappa;
+  };
+  EXPECT_EQ(kappa(of_circle), hutchinson_circle(0.2));
+  EXPECT_EQ(kappa(of_circle + "kappa = \"hutchinson\"\n"), hutchinson_circle(0.2));
+  EXPECT_EQ(kappa(of_circle + "kappa = 0.9\n"), 0.9);
+  EXPECT_EQ(kappa(of_square + "kappa = 0.8333\n"), 0.8333);
+  expect_refused(rod + stage + "[[bonds]]\ndistance = 1\n" + of_square + "kappa = \"hutchinson\"\n",
+                 "full circle");
+}
+
+TEST(CaseRules, CoefficientsMustMakeRestTheLeastEnergy) {
+  const std::string bonds = rod + stage + "[[bonds]]\ndistance = 1.1\n";
+  // slender bonds have B2 < 0; the bound is -B3/2
+  expect_accepted(bonds + "coefficients = { B1 = 1, B2 = -0.005, B3 = 0.015, B4 = 0.002 }\n");
+  expect_refused(bonds + "coefficients = { B1 = 1, B2 = -0.0075, B3 = 0.015, B4 = 0.002 }\n", "B2 > -B3/2");
+  expect_refused(bonds + "coefficients = { B1 = 1, B2 = 0.1, B3 = -0.015, B4 = 0.002 }\n", "B3 > 0");
+  expect_refused(bonds + "coefficients = { B1 = 0, B2 = 0.1, B3 = 0.015, B4 = 0.002 }\n", "0 < B1");
+  const std::string evm = bonds + "law = \"evm\"\n";
+  expect_accepted(evm + "coefficients = { B1 = 1, B2 = 0.03, B3 = -0.005, B4 = 0.002 }\n");
+  expect_refused(evm + "coefficients = { B1 = 1, B2 = 0.03, B3 = -0.0085, B4 = 0.002 }\n",
+                 "B2/4 + B3 + B4/2 > 0");
+  expect_refused(bonds + "stiffness = { c_A = 1, c_D = 0, c_B = 1, c_T = 1 }\n", "0 < c_D");
+}
+
+TEST(CaseRules, AttachmentIsAWordOneDistanceOrTwo) {
+  const std::string stiffness = "stiffness = { c_A = 1, c_D = 0.03, c_B = 0.0025, c_T = 0.002 }\n";
+  EXPECT_EQ(recipe_of(stiffness).attachment, Attachment::centres);
+  EXPECT_EQ(recipe_of(stiffness + "attach = \"surfaces\"\n").attachment, Attachment::surfaces);
+  EXPECT_EQ(recipe_of(stiffness + "attach = 0.3\n").R_j, 0.3);
+  EXPECT_EQ(recipe_of(stiffness + "attach = [0.3, 0.4]\n").R_i, 0.3);
+  EXPECT_EQ(recipe_of(stiffness + "attach = [0.3, 0.4]\n").R_j, 0.4);
+  const std::string bonds = rod + stage + "[[bonds]]\ndistance = 1.1\n" + stiffness;
+  expect_refused(bonds + "attach = \"surface\"\n", "did you mean \"surfaces\"?");
+  expect_refused(bonds + "attach = -0.1\n", "0 <= attach");
+  expect_refused(bonds + "attach = [1, 2, 3]\n", "must have 2 elements");
+  expect_refused(bonds + "attach = true\n", "this is true or false");
+}
+
+TEST(CaseRules, BondsAreMadeWhenTheCaseSays) {
+  const std::string stiffness = "stiffness = { c_A = 1, c_D = 0.03, c_B = 0.0025, c_T = 0.002 }\n";
+  const std::string bonds = rod + stage + "[[bonds]]\n" + stiffness;
+  expect_accepted(bonds + "distance = 1\nwhen = \"approach\"\n");
+  expect_accepted(bonds + "pairs = [[0, 1]]\nwhen = \"stage\"\nstages = [\"stage-1\"]\n");
+  expect_refused(bonds + "distance = 1\nwhen = \"stage\"\n", "needs the names of the stages");
+  expect_refused(bonds + "distance = 1\nstages = [\"stage-1\"]\n", "is used only with when");
+  expect_refused(bonds + "pairs = [[3, 3]]\n", "cannot be bonded to itself");
+  expect_refused(bonds + "from_specimen = false\n", "can only be true");
+  expect_refused(bonds + "distance = 1\nn_2 = [0, 0, 0]\n", "zero vector");
+  expect_accepted(bonds + "distance = 1\nreference_length = 0.3\n");
+  expect_refused(rod + stage +
+                     "[[bonds]]\ndistance = 1\nreference_length = 0.3\n"
+                     "coefficients = { B1 = 1, B2 = 0, B3 = 0.015, B4 = 0.002 }\n",
+                 "is used only with stiffness or theory");
+}
+
+TEST(CaseRules, RampIsATableOfTwoPoints) {
+  const auto factor = [](const std::string& text) {
+    return parse_case(rod + stage + "loads = [{ group = \"all\", " + text + " }]\n", "case.toml")
+        .stages[0]
+        .loads[0]
+        .factor.points;
+  };
+  EXPECT_TRUE(factor("force = [0, 0, 1]").empty());
+  const auto ramp = factor("ramp = \"20 T0\"");
+  ASSERT_EQ(ramp.size(), 2U);
+  EXPECT_EQ(ramp[0].second, 0.0);
+  EXPECT_EQ(ramp[1].first.value, 20.0);
+  EXPECT_TRUE(ramp[1].first.in_T_0);
+  EXPECT_EQ(ramp[1].second, 1.0);
+  EXPECT_TRUE(
+      factor("table = [[0, 0], [\"5 T0\", 1], [\"6 T0\", 2]]")[0].first.in_T_0);  // 0 is 0 in any unit
+  const std::string loads = rod + stage + "loads = [{ group = \"all\", ";
+  expect_refused(loads + "ramp = 1, table = [[0, 0]] }]\n", "only one of ramp and table");
+  expect_refused(loads + "table = [[1, 0], [\"5 T0\", 1]] }]\n", "all bare numbers or all multiples");
+  expect_refused(loads + "table = [[1, 0, 3]] }]\n", "must have 2 elements");
+  expect_refused(loads + "table = [] }]\n", "at least one point");
+  expect_refused(loads + "table = 3 }]\n", "this is a whole number");
+}
+
+TEST(CaseRules, SupportsMoveOnlyWhatTheyHold) {
+  const std::string supports = rod + stage + "supports = [{ group = \"all\", ";
+  expect_accepted(supports +
+                  "fix = [\"x\", \"rz\"], velocity = [1, 0, 0], angular_velocity = [0, 0, 1] }]\n");
+  expect_refused(supports + "fix = [\"x\"], velocity = [1, 0, 1] }]\n", "that fix does not hold");
+  expect_refused(supports + "fix = [\"x\", \"rz\"], angular_velocity = [1, 0, 0] }]\n",
+                 "that fix does not hold");
+  expect_refused(supports + "fix = [] }]\n", "must hold something");
+  expect_refused(supports + "fix = [\"w\"] }]\n", "must be one of");
+  expect_refused(supports + "fix = \"x\" }]\n", "this is a string");
+}
+
+TEST(CaseRules, StopsAreChecked) {
+  const std::string stop = rod + stage + "stop = ";
+  const Case c = parse_case(stop + "{ distance = { between = [0, 9], above = 3 } }\n", "case.toml");
+  EXPECT_FALSE(c.stages[0].stop_distance->below);
+  EXPECT_EQ(c.stages[0].stop_distance->value, 3.0);
+  expect_refused(stop + "{ distance = { between = [0, 9], above = 3, below = 1 } }\n",
+                 "exactly one of below, above");
+  expect_refused(stop + "{ distance = { between = [4, 4], below = 1 } }\n", "two different particles");
+  expect_refused(stop + "{ peak = { average_over = 1, drop = 1.0 } }\n", "0 < drop < 1");
+  expect_refused(stop + "{ peak = { average_over = 1, direction = [1, 0, 0] } }\n",
+                 "is used only with quantity");
+  expect_refused(stop + "{ peak = {} }\n", "average_over is missing");
+  expect_refused(rod + stage + "strain = { increment = 0, every = 1 }\n", "must not be 0");
+}
+
+TEST(CaseRules, OnlyOneOfStepAndFractionIsUsed) {
+  expect_accepted(rod + stage + "[time]\nstep = \"0.01 T0\"\ninsist = true\n");
+  expect_accepted(rod + stage + "[time]\nfraction = 1\n");
+  expect_refused(rod + stage + "[time]\nstep = 0.1\nfraction = 0.2\n", "is used only with no step given");
+  expect_refused(rod + stage + "[time]\ninsist = true\n", "is used only with step");
+  expect_refused(rod + stage + "[time]\nstep = 0\n", "0 < step");
+}
+
+TEST(CaseRules, MassAndInertiaAreNeededUnlessAFileHasThem) {
+  const std::string bare = stage + "[[specimen]]\nkind = \"rod\"\nparticles = 10\n";
+  expect_refused(bare + "inertia = 1\n", "one of mass and density is required");
+  expect_refused(bare + "mass = 1\n", "inertia or a radius > 0 is required");
+  expect_refused(bare + "density = 1\ninertia = 1\n", "density needs a radius");
+  expect_accepted(bare + "density = 1\nradius = 0.5\n");
+  expect_accepted(stage + "[[specimen]]\nkind = \"csv\"\nfile = \"points.csv\"\n");
+}
+
+TEST(CaseRules, SpecimensStayBelowAHundredMillionParticles) {
+  const std::string tail = "\nmass = 1\ninertia = 1\n" + stage;
+  expect_refused("[[specimen]]\nkind = \"block\"\ncells = [100000, 100000, 100000]" + tail, "more than 1e8");
+  expect_refused("[[specimen]]\nkind = \"block\"\nlattice = \"fcc\"\ncells = [1000, 1000, 26]" + tail,
+                 "more than 1e8");
+  expect_accepted("[[specimen]]\nkind = \"block\"\nlattice = \"fcc\"\ncells = [1000, 1000, 25]" + tail);
+  expect_refused("[[specimen]]\nkind = \"hemisphere\"\nparticles = 49\nsphere_radius = 7.73" + tail,
+                 "the rim alone");
+}
+
+TEST(CaseRules, DeepNestingIsRefusedBeforeItIsParsed) {
+  const std::string deep(100'000, '[');
+  expect_refused("a = " + deep, "nested 32 deep");
+  std::string dotted = "a";
+  for (int k = 0; k < 100'000; ++k) dotted += ".a";
+  expect_refused(dotted + " = 1\n", "nested 32 deep");
+  expect_refused("[" + dotted + "]\n", "nested 32 deep");
+  // but not for dots and brackets in comments and strings
+  expect_accepted("# " + std::string(100, '.') + deep + "\ntitle = \"\"\"\n" + deep + "\"\"\"\n" + rod +
+                  stage);
+  expect_accepted("title = 'c:\\" + std::string(100, '.') + "'\n" + rod + stage);
+  // a string may end with two quotes of its own; what follows must not be taken for a string
+  expect_refused("a = [\"\"\"x\"\"\"\"\", { " + dotted + " = 1 }]\n", "nested 32 deep");
+  expect_refused("a = ['''x''''', { " + dotted + " = 1 }]\n", "nested 32 deep");
+  expect_refused(std::string((std::size_t{16} << 20) + 1, '\n'), "must not be over 16 MiB");
+}
+
+}  // namespace
+}  // namespace vbond

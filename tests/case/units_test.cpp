@@ -1,0 +1,101 @@
+#include "vbond/case/units.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "vbond/case/read.hpp"
+
+namespace vbond::keys {
+namespace {
+
+struct Row {
+  const char* text;
+  double value;
+  Dimension dimension;
+};
+
+// Values are compared bit for bit: a decimal prefix shifts the exponent before the one rounding.
+TEST(Quantity, IsReadInBaseUnits) {
+  const Row rows[] = {
+      {"2 GPa", 2e9, stress},
+      {"0.5 mm", 0.5e-3, length},
+      {"20 us", 2e-5, duration},
+      {"20 \xC2\xB5s", 2e-5, duration},
+      {"7800 kg/m^3", 7800, density},
+      {"7.8 g/cm^3", 7800, density},
+      {"1e-3 N*m", 1e-3, moment},
+      {"3mm^4", 3e-12, area_moment},
+      {"-1.5e+2 m/s", -150, velocity},
+      {"+9.81 m/s^2", 9.81, acceleration},
+      {"10 deg", 10 * (std::numbers::pi / 180), pure},
+      {"2 min", 120, duration},
+      {"1 kPa*mm^2", 1e-3, force},
+      {"3 m*s^-1", 3, velocity},
+      {"13.56 angstrom", 13.56e-10, length},
+      {"50 %", 0.5, pure},
+      {"1 kHz", 1e3, angular_velocity},
+      {"42", 42, pure},
+  };
+  for (const Row& row : rows) {
+    const auto q = parse_quantity(row.text);
+    ASSERT_TRUE(std::holds_alternative<Quantity>(q)) << row.text << ": " << std::get<UnitMistake>(q).rule;
+    EXPECT_EQ(std::get<Quantity>(q).value, row.value) << row.text;
+    EXPECT_TRUE(std::get<Quantity>(q).dimension == row.dimension) << row.text;
+    EXPECT_FALSE(std::get<Quantity>(q).in_T_0) << row.text;
+  }
+}
+
+TEST(Quantity, MayBeAMultipleOfT0) {
+  for (const char* text : {"10 T0", "10T0", "10 T_0"}) {
+    const auto q = parse_quantity(text);
+    ASSERT_TRUE(std::holds_alternative<Quantity>(q)) << text;
+    EXPECT_EQ(std::get<Quantity>(q).value, 10.0) << text;
+    EXPECT_TRUE(std::get<Quantity>(q).in_T_0) << text;
+  }
+}
+
+TEST(Quantity, RefusesWhatIsNone) {
+  for (const char* text : {"",      "m",         "inf m",   "nan",    "1e400 m", "1e300 Gm^12",
+                           "1 m^",  "1 m^99",    "1 m^1.5", "1 kkm",  "1 m//s",  "1 m*",
+                           "1 (m)", "1 furlong", "1 kmin",  "0x10 m", "1,5 mm",  "1e99999999999 m",
+                           "--1 m", "1 T0^2",    "1 m/T0"})
+    EXPECT_TRUE(std::holds_alternative<UnitMistake>(parse_quantity(text))) << text;
+}
+
+std::string rod(const std::string& units, const std::string& spacing, const std::string& duration_text) {
+  return "[units]\nsystem = \"" + units +
+         "\"\n[[specimen]]\nkind = \"rod\"\nparticles = 2\nmass = 1\ninertia = 1\n" + "spacing = " + spacing +
+         "\n[[stage]]\nduration = " + duration_text + "\n";
+}
+
+TEST(Units, OfSiAreConvertedOnce) {
+  const Case c = parse_case(rod("SI", "\"0.5 mm\"", "\"20 us\""), "rod.toml");
+  EXPECT_EQ(c.units, UnitSystem::si);
+  EXPECT_EQ(std::get<RodSpecimen>(c.specimens[0].shape).spacing, 0.5e-3);
+  EXPECT_EQ(c.stages[0].duration.value, 2e-5);
+  EXPECT_FALSE(c.stages[0].duration.in_T_0);
+}
+
+TEST(Units, OfSiMayBeLeftOut) {
+  const Case c = parse_case(rod("SI", "0.0005", "3"), "rod.toml");
+  EXPECT_EQ(std::get<RodSpecimen>(c.specimens[0].shape).spacing, 0.0005);
+  EXPECT_EQ(c.stages[0].duration.value, 3.0);
+}
+
+TEST(Units, MultiplesOfT0AreTimesInBothSystems) {
+  for (const char* system : {"reduced", "SI"}) {
+    const Case c = parse_case(rod(system, "1.0", "\"10 T0\""), "rod.toml");
+    EXPECT_TRUE(c.stages[0].duration.in_T_0);
+    EXPECT_EQ(c.stages[0].duration.resolve(2.0), 20.0);
+    EXPECT_THROW(parse_case(rod(system, "\"1 T0\"", "1"), "rod.toml"), CaseError);
+  }
+}
+
+TEST(Units, AreRefusedWithReducedNumbers) {
+  EXPECT_THROW(parse_case(rod("reduced", "\"0.5 mm\"", "1"), "rod.toml"), CaseError);
+  EXPECT_THROW(parse_case(rod("reduced", "1", "\"20 us\""), "rod.toml"), CaseError);
+}
+
+}  // namespace
+}  // namespace vbond::keys
