@@ -38,6 +38,12 @@ struct Selection {
   }
 
   std::vector<Pair> operator()(const WithinDistance& within) {
+    if (!(within.distance > 0.0)) {
+      problems.add(place_of_selection(spec),
+                   fmt::format("bonds \"{}\": distance = {}", spec.name, within.distance), "must be > 0",
+                   "use a little more than the spacing");
+      return {};
+    }
     const std::vector<Vec3d>& r = state.r.values();
     std::vector<Pair> pairs = pairs_within(r, within.distance, in_a, in_b);
     if (pairs.empty() && spec.when == BondTime::start) {

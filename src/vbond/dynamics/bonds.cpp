@@ -13,7 +13,8 @@ BondLoads<double> loads_of(const Bond& b, const State& s) {
 }  // namespace
 
 double axial_force(const Bond& b, const State& s) {
-  const Vec3d D = (s.r[b.j] + b.R_j * rotate(s.q[b.j], b.n_j1)) - (s.r[b.i] + b.R_i * rotate(s.q[b.i], b.n_i1));
+  const Vec3d D =
+      (s.r[b.j] + b.R_j * rotate(s.q[b.j], b.n_j1)) - (s.r[b.i] + b.R_i * rotate(s.q[b.i], b.n_i1));
   return b.B1 * (norm(D) - b.a);
 }
 

@@ -18,8 +18,7 @@ Contacts::Contacts(const Model& model, const BondIndex& index) : model_(model), 
   const double R_max = *std::max_element(model.radius.begin(), model.radius.end());
   const double skin = 0.4 * R_max;  // a fifth of the reach: rebuilds are rare, lists stay short
   list_.emplace(
-      2.0 * R_max, skin,
-      [this](ParticleId i, ParticleId j) { return model_.radius[i] + model_.radius[j]; },
+      2.0 * R_max, skin, [this](ParticleId i, ParticleId j) { return model_.radius[i] + model_.radius[j]; },
       [this](ParticleId i, ParticleId j) {
         return model_.contact.pairs == ContactPairs::unbonded && index_.bonded(i, j);
       });

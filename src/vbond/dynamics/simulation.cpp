@@ -50,26 +50,22 @@ void Simulation::begin_stage() {
   state_.rest = {};
   evaluate_loads();
   if (state_.clock.step == 0) state_.books = {.at_start = energies().total()};
-  if (bonding_.make_bonds(contacts_, state_)) {
-    bonds_changed();
-    evaluate_loads();
-  }
   hold_velocities(model_, stage_, 0.0, state_);
 }
 
 void Simulation::step() {
   const double dt = stage_.dt, t = state_.clock.stage_time();
-  apply_strain();                                                           // r jumps, if it is due
-  apply_damping();                                                          // v, omega over dt / 2
-  kick(model_, loads_, dt / 2, threads_, state_);                           // v, omega : t -> t + dt/2
-  hold_velocities_after_kick(model_, stage_, loads_, t, dt / 2, state_);    // held d.o.f. take their velocity
-  drift(dt, threads_, state_);                                              // r, q     : t -> t + dt
+  make_bonds();                                                           // between particles come close
+  apply_strain();                                                         // r jumps, if it is due
+  apply_damping();                                                        // v, omega over dt / 2
+  kick(model_, loads_, dt / 2, threads_, state_);                         // v, omega : t -> t + dt/2
+  hold_velocities_after_kick(model_, stage_, loads_, t, dt / 2, state_);  // held d.o.f. take their velocity
+  drift(dt, threads_, state_);                                            // r, q     : t -> t + dt
   book_applied_work(model_, stage_, t, dt, threads_, state_);
   ++state_.clock.step;
-  ++state_.clock.stage_step;                                                // time is counted, not summed
-  if (bonding_.make_bonds(contacts_, state_)) bonds_changed();
-  evaluate_loads();                                                         // F, M     : at t + dt
-  kick(model_, loads_, dt / 2, threads_, state_);                           // v, omega : t + dt/2 -> t + dt
+  ++state_.clock.stage_step;                       // time is counted, not summed
+  evaluate_loads();                                // F, M     : at t + dt
+  kick(model_, loads_, dt / 2, threads_, state_);  // v, omega : t + dt/2 -> t + dt
   hold_velocities_after_kick(model_, stage_, loads_, t + dt / 2, dt / 2, state_);
   apply_damping();
   keep_records();
@@ -79,13 +75,10 @@ void Simulation::step() {
 StopReason Simulation::run(const std::function<bool()>& interrupted) {
   if (state_.clock.stage_step == 0) notify_observers();
   StopReason why = stop_reason();
-  while (why == StopReason::running) {
-    if (interrupted && interrupted()) {
-      why = StopReason::interrupted;
-      break;
-    }
+  while (why == StopReason::running) {  // at least one step, so that a stage once begun is not begun again
     step();
     why = stop_reason();
+    if (why == StopReason::running && interrupted && interrupted()) why = StopReason::interrupted;
   }
   for (const auto& o : observers_) o->finish(*this, why);
   return why;
@@ -95,9 +88,11 @@ void Simulation::notify_observers() {
   for (const auto& o : observers_) o->observe(*this);
 }
 
-void Simulation::bonds_changed() {
+void Simulation::make_bonds() {
+  if (!bonding_.make_bonds(contacts_, state_)) return;
   bond_index_ = BondIndex(model_.particles(), state_.bonds);
   contacts_.bonds_changed();
+  evaluate_loads();
 }
 
 void Simulation::evaluate_loads() {
@@ -125,8 +120,7 @@ void Simulation::apply_strain() {
   add_applied_loads(model_, stage_, state_.clock.stage_time(), applied);
   double work_applied = 0.0;
   for (const ParticleId p : strain.particles) {
-    const Vec3d dr =
-        strain.increment * dot(strain.direction, state_.r[p] - strain.centre) * strain.direction;
+    const Vec3d dr = strain.increment * dot(strain.direction, state_.r[p] - strain.centre) * strain.direction;
     state_.r[p] += dr;
     work_applied += dot(applied.F[p], dr);
   }

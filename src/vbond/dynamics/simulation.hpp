@@ -39,7 +39,7 @@ class Simulation {
   /// One time step of stage().dt. Throws Diverged if a load is not finite or a new bond is impossible.
   void step();
 
-  /// Steps until a stop condition holds or `interrupted` (asked before every step) says so.
+  /// Steps until a stop condition holds or `interrupted` (asked after every step) says so.
   StopReason run(const std::function<bool()>& interrupted = {});
 
   const Model& model() const { return model_; }
@@ -61,7 +61,7 @@ class Simulation {
 
  private:
   void begin_stage();
-  void bonds_changed();
+  void make_bonds();
   void evaluate_loads();
   void apply_strain();
   void apply_damping();

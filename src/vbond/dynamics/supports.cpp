@@ -58,7 +58,8 @@ void add_applied_loads(const Model& model, const Stage& stage, double t, Loads& 
   for (const ParticleId p : loads.F.ids()) loads.F[p] += model.mass[p] * stage.gravity;
 }
 
-void book_applied_work(const Model& model, const Stage& stage, double t, double h, int threads, State& state) {
+void book_applied_work(const Model& model, const Stage& stage, double t, double h, int threads,
+                       State& state) {
   double& work = state.books.work_loads;
   for (const PointLoad& l : stage.loads) {
     const double mean = 0.5 * (l.factor(t) + l.factor(t + h));
@@ -67,9 +68,9 @@ void book_applied_work(const Model& model, const Stage& stage, double t, double 
   }
   if (stage.gravity == Vec3d{}) return;
   work += h * sum_over(state.v.size(), threads, [&](std::size_t k) {
-    const ParticleId p{k};
-    return model.mass[p] * dot(stage.gravity, state.v[p]);
-  });
+            const ParticleId p{k};
+            return model.mass[p] * dot(stage.gravity, state.v[p]);
+          });
 }
 
 }  // namespace vbond

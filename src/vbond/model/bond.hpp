@@ -8,7 +8,6 @@
 #include "vbond/core/column.hpp"
 #include "vbond/core/quat.hpp"
 #include "vbond/physics/evm.hpp"
-#include "vbond/physics/range.hpp"
 #include "vbond/physics/vmodel.hpp"
 
 namespace vbond {
@@ -23,7 +22,6 @@ struct Bond {
   double B1 = 0, B2 = 0, B3 = 0, B4 = 0;      ///< [force/length], then [force*length]
   Vec3d n_i1, n_i2;                           ///< axes in the body frame of i; n_i3 = n_i1 x n_i2
   Vec3d n_j1, n_j2;                           ///< axes in the body frame of j; n_j3 = -n_j1 x n_j2
-  BondRange worst = BondRange::good;          ///< worst range seen by the watch, so it reports once
   std::uint32_t set = 0;                      ///< which bond set of the case made it
 
   friend bool operator==(const Bond&, const Bond&) = default;

@@ -1,0 +1,147 @@
+#include <fmt/core.h>
+
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "commands.hpp"
+#include "vbond/case/units.hpp"
+#include "vbond/core/error.hpp"
+#include "vbond/model/bond.hpp"
+#include "vbond/model/make_bond.hpp"
+
+namespace vbond::app {
+namespace {
+
+struct Theory {
+  const char* name;
+  BondTheory theory;
+  const char* limits;
+};
+constexpr Theory theories[] = {
+    {"bernoulli-euler", BondTheory::bernoulli_euler,
+     "slender bonds, length / thickness above about 5; shear deformation is left out"},
+    {"timoshenko", BondTheory::timoshenko,
+     "length / thickness above about 1; needs a shear coefficient kappa"},
+    {"short-cylinder", BondTheory::short_cylinder,
+     "bonds shorter than they are thick, ends rigid, strain uniaxial; qualitative; nu < 0.5"},
+};
+
+/// Collects mistakes of the command line, so that all are told at once.
+class Arguments {
+ public:
+  double positive(const std::string& text, const char* option, keys::Dimension dimension) {
+    const double value = number(text, option, dimension);
+    if (!(value > 0.0)) problem(option, text, "must be > 0", "give a positive value");
+    return value;
+  }
+
+  double number(const std::string& text, const char* option, keys::Dimension dimension) {
+    const auto parsed = keys::parse_quantity(text);
+    if (const auto* mistake = std::get_if<keys::UnitMistake>(&parsed)) {
+      problem(option, text, mistake->rule, mistake->way_out);
+      return NAN;
+    }
+    const auto& quantity = std::get<keys::Quantity>(parsed);
+    const bool bare = quantity.dimension == keys::pure;
+    if (!bare && !(quantity.dimension == dimension))
+      problem(option, text, std::string("must be a ") + dimension.name,
+              std::string("e.g. ") + dimension.example);
+    return quantity.value;
+  }
+
+  void problem(const std::string& option, const std::string& text, const std::string& rule,
+               const std::string& way_out) {
+    problems_.push_back({{}, option + " " + text, rule, way_out});
+  }
+  void throw_if_any() const {
+    if (!problems_.empty()) throw CaseError(problems_);
+  }
+
+ private:
+  std::vector<Problem> problems_;
+};
+
+Section section(const CalibrateOptions& o, Arguments& arguments) {
+  const int given = !o.diameter.empty() + !o.side.empty() + !o.A.empty();
+  if (given != 1)
+    arguments.problem("section", "", "needs exactly one of --diameter, --side, --A",
+                      "e.g. --diameter \"1 mm\"");
+  if (!o.side.empty()) return square(arguments.positive(o.side, "--side", keys::length));
+  if (!o.A.empty()) {
+    if (o.J.empty() || o.J_p.empty())
+      arguments.problem("--A", o.A, "needs --J and --J_p with it", "give all three");
+    return {arguments.positive(o.A, "--A", keys::area),
+            o.J.empty() ? NAN : arguments.positive(o.J, "--J", keys::area_moment),
+            o.J_p.empty() ? NAN : arguments.positive(o.J_p, "--J_p", keys::area_moment)};
+  }
+  if (o.diameter.empty()) return {};
+  const double d = arguments.positive(o.diameter, "--diameter", keys::length);
+  if (o.inner_diameter.empty()) return circle(d);
+  const double inner = arguments.positive(o.inner_diameter, "--inner-diameter", keys::length);
+  if (!(inner < d))
+    arguments.problem("--inner-diameter", o.inner_diameter, "must be below --diameter", "use a smaller one");
+  return annulus(d, inner);
+}
+
+void print_theory(const Theory& t, const TheoryParameters& p, double a) {
+  BondRecipe recipe;
+  recipe.parameters = p;
+  const BondStiffness<double> c = stiffness_of(recipe, a);
+  const VModel<double> v = vmodel_from(c, a, 0.0, 0.0);
+  const Evm<double> e = evm_from(c, a, 0.0, 0.0);
+  fmt::print("\n{}  ({})\n", t.name, t.limits);
+  fmt::print("  stiffness  c_A {:<14.8g} c_D {:<14.8g} c_B {:<14.8g} c_T {:<14.8g}\n", c.c_A, c.c_D, c.c_B,
+             c.c_T);
+  fmt::print("  v-model    B1  {:<14.8g} B2  {:<14.8g} B3  {:<14.8g} B4  {:<14.8g}\n", v.B1, v.B2, v.B3,
+             v.B4);
+  fmt::print("  evm        B1  {:<14.8g} B2  {:<14.8g} B3  {:<14.8g} B4  {:<14.8g}\n", e.B1, e.B2, e.B3,
+             e.B4);
+}
+
+}  // namespace
+
+int calibrate(const CalibrateOptions& o) {
+  Arguments arguments;
+  const Material material{arguments.positive(o.E, "--E", keys::stress),
+                          arguments.number(o.nu, "--nu", keys::pure)};
+  const double a = arguments.positive(o.length, "--length", keys::length);
+  const Section s = section(o, arguments);
+  if (!(material.nu > -1.0 && material.nu <= 0.5))
+    arguments.problem("--nu", o.nu, "must satisfy -1 < nu <= 0.5", "steel has 0.3, glass 0.2, rubber 0.5");
+  if (o.theory == "short-cylinder" && material.nu == 0.5)
+    arguments.problem("--nu", o.nu, "the short cylinder divides by 1 - 2 nu",
+                      "use nu <= 0.49, or another theory");
+  std::optional<double> kappa;
+  if (!o.kappa.empty())
+    kappa = arguments.positive(o.kappa, "--kappa", keys::pure);
+  else if (!o.diameter.empty() && o.inner_diameter.empty())
+    kappa = hutchinson_circle(material.nu);
+  else if (o.theory == "timoshenko")
+    arguments.problem("--theory", "timoshenko", "needs --kappa for this section",
+                      "e.g. --kappa 0.85 for a square");
+  arguments.throw_if_any();
+
+  const double thickness = std::sqrt(16.0 * s.J / s.A);  // the diameter of a circle with this A and J
+  fmt::print(
+      "E {:.8g}   nu {:.6g}   A {:.8g}   J {:.8g}   J_p {:.8g}   length {:.8g}   length / thickness {:.3g}\n",
+      material.E, material.nu, s.A, s.J, s.J_p, a, a / thickness);
+  fmt::print("Units follow from those given: SI base units where units are named.\n");
+  for (const Theory& t : theories) {
+    if (o.theory != "all" && o.theory != t.name) continue;
+    if (t.theory == BondTheory::timoshenko && !kappa) {
+      fmt::print("\ntimoshenko  left out: this section needs --kappa\n");
+    } else if (t.theory == BondTheory::short_cylinder && material.nu == 0.5) {
+      fmt::print("\nshort-cylinder  left out: it divides by 1 - 2 nu\n");
+    } else {
+      print_theory(t, {t.theory, material, s, kappa.value_or(0.0)}, a);
+    }
+  }
+  fmt::print(
+      "\nThe four stiffnesses hold for small deformation about rest; beyond about 10 degrees of bend or "
+      "twist see docs/theory.md.\n");
+  return done;
+}
+
+}  // namespace vbond::app

@@ -1,0 +1,28 @@
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+
+namespace vbond::app {
+
+/// Exit statuses of the program; 130 and 143 after a signal, with a checkpoint written.
+enum ExitStatus { done = 0, failed = 1, bad_input = 2, bad_io = 3, on_sigint = 130, on_sigterm = 143 };
+
+struct RunOptions {
+  std::filesystem::path case_file;
+  std::optional<std::filesystem::path> folder;  ///< default: <case>.out in the current folder
+  bool force = false;                           ///< replace an earlier output
+  int threads = 1;
+};
+
+struct CalibrateOptions {
+  std::string E, nu = "0.2", length, diameter, inner_diameter, side, A, J, J_p, kappa;
+  std::string theory = "all";
+};
+
+int run(const RunOptions& options);
+int resume(const std::filesystem::path& folder, int threads);
+int check(const std::filesystem::path& case_file, int threads);
+int calibrate(const CalibrateOptions& options);
+
+}  // namespace vbond::app

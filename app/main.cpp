@@ -1,0 +1,102 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <thread>
+
+#include "commands.hpp"
+#include "vbond/core/error.hpp"
+
+namespace {
+
+using namespace vbond;
+
+int default_threads() {
+  if (const char* set = std::getenv("OMP_NUM_THREADS"))
+    if (const int n = std::atoi(set); n > 0) return n;
+  return static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+}
+
+void add_threads(CLI::App* command, int& threads) {
+  command
+      ->add_option("--threads", threads,
+                   "Threads; results do not depend on it (default: all cores, or OMP_NUM_THREADS)")
+      ->check(CLI::Range(1, 1024));
+}
+
+void add_calibrate(CLI::App& app, app::CalibrateOptions& o, CLI::App*& command) {
+  command =
+      app.add_subcommand("calibrate", "Bond stiffnesses and B1..B4 from E, nu, section, length and theory");
+  command->add_option("--E", o.E, "Young's modulus, e.g. 2e9 or \"2 GPa\"")->required();
+  command->add_option("--nu", o.nu, "Poisson's ratio")->capture_default_str();
+  command->add_option("--length", o.length, "Length of the bond between its fastening points")->required();
+  command->add_option("--diameter", o.diameter, "Circle, or outer diameter of an annulus");
+  command->add_option("--inner-diameter", o.inner_diameter, "Inner diameter of an annulus");
+  command->add_option("--side", o.side, "Side of a square");
+  command->add_option("--A", o.A, "Area of any other section, with --J and --J_p");
+  command->add_option("--J", o.J, "Second moment of area");
+  command->add_option("--J_p", o.J_p, "Torsion constant");
+  command->add_option("--kappa", o.kappa, "Shear coefficient (default: Hutchinson's, for a circle)");
+  command->add_option("--theory", o.theory, "bernoulli-euler, timoshenko, short-cylinder or all")
+      ->check(CLI::IsMember({"bernoulli-euler", "timoshenko", "short-cylinder", "all"}))
+      ->capture_default_str();
+}
+
+int dispatch(int argc, char** argv) {
+  CLI::App program("vbond: solids as rigid particles joined by elastic bonds that have an energy");
+  program.set_version_flag("--version", "vbond " VBOND_VERSION);
+  program.require_subcommand(1);
+  program.footer(
+      "Exit status: 0 done, 1 the run failed, 2 usage or input, 3 input/output, 130/143 on a signal.");
+
+  app::RunOptions run;
+  run.threads = default_threads();
+  CLI::App* run_command = program.add_subcommand("run", "Compute a case");
+  run_command->add_option("CASE", run.case_file, "Case file (TOML)")->required();
+  run_command->add_option("-o,--output", run.folder,
+                          "Output folder (default: CASE.out in the current folder)");
+  run_command->add_flag("--force", run.force, "Replace an earlier output in that folder");
+  add_threads(run_command, run.threads);
+
+  CLI::App* check_command = program.add_subcommand("check", "Validate a case and say what would be run");
+  check_command->add_option("CASE", run.case_file, "Case file (TOML)")->required();
+  add_threads(check_command, run.threads);
+
+  std::filesystem::path folder;
+  CLI::App* resume_command = program.add_subcommand("resume", "Go on with a run that was stopped");
+  resume_command->add_option("DIR", folder, "Its output folder")->required();
+  add_threads(resume_command, run.threads);
+
+  app::CalibrateOptions calibrate;
+  CLI::App* calibrate_command = nullptr;
+  add_calibrate(program, calibrate, calibrate_command);
+
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return program.exit(e) == 0 ? app::done : app::bad_input;
+  }
+  if (run_command->parsed()) return app::run(run);
+  if (check_command->parsed()) return app::check(run.case_file, run.threads);
+  if (resume_command->parsed()) return app::resume(folder, run.threads);
+  return app::calibrate(calibrate);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return dispatch(argc, argv);
+  } catch (const CaseError& e) {
+    std::fprintf(stderr, "%s\n", e.what());
+    return app::bad_input;
+  } catch (const Diverged& e) {
+    std::fprintf(stderr, "the run went unphysical at %s\n", e.what());
+    return app::failed;
+  } catch (const IoError& e) {
+    std::fprintf(stderr, "%s\n", e.what());
+    return app::bad_io;
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "internal error: %s\n", e.what());
+    return app::failed;
+  }
+}

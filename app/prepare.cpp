@@ -1,0 +1,63 @@
+#include "prepare.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "vbond/build/build.hpp"
+#include "vbond/model/step_bound.hpp"
+
+namespace vbond::app {
+namespace {
+
+double positive(const CaseTime& time, const Model& model, const char* key, const Case& c) {
+  return resolve_time(time, model, key, {c.file, 0, 0});
+}
+
+const char* contacts_in_words(const Model& model) {
+  if (model.contact.law == ContactLaw::none) return "none";
+  return model.contact.pairs == ContactPairs::all ? "between all pairs, bonded ones too"
+                                                  : "between pairs that are not bonded";
+}
+
+}  // namespace
+
+OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem::path& folder) {
+  const OutputSpec& o = c.output;
+  OutputPlan plan;
+  plan.folder = folder;
+  plan.history_every = positive(o.history_every, model, "output.history.every", c);
+  plan.reactions = resolve_groups(o.reactions, model);
+  plan.axial_force = resolve_groups(o.axial_force, model);
+  plan.displacements =
+      resolve_particles(o.displacements, model, "output.history.displacements", {c.file, 0, 0});
+  if (o.frames_every) plan.frames_every = positive(*o.frames_every, model, "output.frames.every", c);
+  plan.lammps_dump = o.lammps_dump;
+  if (o.checkpoint_every)
+    plan.checkpoint_every = positive(*o.checkpoint_every, model, "output.checkpoint.every", c);
+  plan.watch_every = c.watch.every;
+  plan.energy_error = c.watch.energy_error;
+  return plan;
+}
+
+std::vector<std::int64_t> steps_of_stages(const Case& c, const Model& model, double dt) {
+  std::vector<std::int64_t> steps;
+  for (const StageSpec& s : c.stages) steps.push_back(steps_in(s.duration.resolve(model.T_0), dt));
+  return steps;
+}
+
+void print_overview(const Case& c, const Model& model, const State& state, const Stage& first) {
+  const auto n = static_cast<double>(model.particles()), bonds = static_cast<double>(state.bonds.size());
+  const StepBound bound = step_bound(model, state, first.bonding);
+  const char* time = model.units == UnitSystem::si ? " s" : "";
+  if (!c.title.empty()) fmt::print("{}\n", c.title);
+  fmt::print("particles        {}\n", model.particles());
+  fmt::print("bonds            {}, {:.3g} per particle\n", state.bonds.size(), n > 0 ? 2 * bonds / n : 0.0);
+  fmt::print("contacts         {}\n", contacts_in_words(model));
+  if (model.T_0 > 0) fmt::print("T0               {:.6g}{}\n", model.T_0, time);
+  fmt::print("critical step    {:.6g}{}, from {}\n", bound.dt, time, bound.source);
+  fmt::print("time step        {:.6g}{}, {:.3g} of the critical step\n", first.dt, time, first.dt / bound.dt);
+  std::fflush(stdout);
+}
+
+}  // namespace vbond::app

@@ -1,0 +1,21 @@
+# What `cmake --install` puts where, and the package that find_package(vbond) finds.
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+
+set(vbond_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/vbond)
+
+install(TARGETS vbond EXPORT vbondTargets)
+if(TARGET vbond_program)
+  install(TARGETS vbond_program)
+endif()
+install(DIRECTORY src/vbond TYPE INCLUDE FILES_MATCHING PATTERN "*.hpp")
+install(FILES LICENSE TYPE DOC)
+install(EXPORT vbondTargets NAMESPACE vbond:: DESTINATION ${vbond_package_dir})
+
+configure_package_config_file(cmake/vbondConfig.cmake.in ${PROJECT_BINARY_DIR}/vbondConfig.cmake
+                              INSTALL_DESTINATION ${vbond_package_dir})
+# Before 1.0 a new minor version may change the interface.
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/vbondConfigVersion.cmake
+                                 COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/vbondConfig.cmake ${PROJECT_BINARY_DIR}/vbondConfigVersion.cmake
+        DESTINATION ${vbond_package_dir})

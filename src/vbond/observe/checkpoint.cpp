@@ -1,0 +1,349 @@
+#include "vbond/observe/checkpoint.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <functional>
+#include <system_error>
+#include <type_traits>
+#include <vector>
+
+#include "vbond/core/error.hpp"
+#include "vbond/observe/files.hpp"
+#include "vbond/observe/hdf5.hpp"
+#include "vbond/observe/seal.hpp"
+
+namespace vbond {
+namespace {
+
+constexpr std::int32_t format_version = 1;
+
+// ---- how each type lies in the file: `count` numbers of one type ------------------------------------
+
+static_assert(std::endian::native == std::endian::little,
+              "numbers are passed to HDF5 as they lie in the file");
+
+template <class N>
+hid_t file_type();
+template <>
+hid_t file_type<double>() {
+  return H5T_IEEE_F64LE;
+}
+template <>
+hid_t file_type<std::int64_t>() {
+  return H5T_STD_I64LE;
+}
+template <>
+hid_t file_type<std::int32_t>() {
+  return H5T_STD_I32LE;
+}
+template <>
+hid_t file_type<std::uint32_t>() {
+  return H5T_STD_U32LE;
+}
+template <>
+hid_t file_type<std::uint8_t>() {
+  return H5T_STD_U8LE;
+}
+
+template <class T>
+struct Stored {
+  using Number = T;
+  static constexpr std::size_t count = 1;
+  static void put(const T& x, Number* to) { *to = x; }
+  static void take(const Number* from, T& x) { x = *from; }
+};
+template <>
+struct Stored<Vec3d> {
+  using Number = double;
+  static constexpr std::size_t count = 3;
+  static void put(const Vec3d& x, double* to) { to[0] = x.x, to[1] = x.y, to[2] = x.z; }
+  static void take(const double* from, Vec3d& x) { x = {from[0], from[1], from[2]}; }
+};
+template <>
+struct Stored<Quatd> {
+  using Number = double;
+  static constexpr std::size_t count = 4;
+  static void put(const Quatd& x, double* to) { to[0] = x.w, to[1] = x.x, to[2] = x.y, to[3] = x.z; }
+  static void take(const double* from, Quatd& x) { x = {from[0], from[1], from[2], from[3]}; }
+};
+template <>
+struct Stored<ParticleId> {
+  using Number = std::uint32_t;
+  static constexpr std::size_t count = 1;
+  static void put(const ParticleId& x, Number* to) { *to = x.value; }
+  static void take(const Number* from, ParticleId& x) { x = ParticleId{*from}; }
+};
+/// Enumerations and bool: one byte, checked against the largest valid value.
+template <class E, std::uint8_t largest>
+struct StoredByte {
+  using Number = std::uint8_t;
+  static constexpr std::size_t count = 1;
+  static void put(const E& x, Number* to) { *to = static_cast<Number>(x); }
+  static void take(const Number* from, E& x) {
+    if (*from > largest) throw IoError("holds an unknown option");
+    x = static_cast<E>(*from);
+  }
+};
+template <>
+struct Stored<bool> : StoredByte<bool, 1> {};
+template <>
+struct Stored<UnitSystem> : StoredByte<UnitSystem, static_cast<std::uint8_t>(UnitSystem::si)> {};
+template <>
+struct Stored<BondLaw> : StoredByte<BondLaw, static_cast<std::uint8_t>(BondLaw::evm)> {};
+template <>
+struct Stored<BondRange> : StoredByte<BondRange, static_cast<std::uint8_t>(BondRange::snapped)> {};
+
+// ---- the fields, listed once for writing and reading --------------------------------------------------
+
+/// archive(path, value) for single values, archive.of_each(path, column, member) for columns.
+template <class Archive, class C>
+void visit_fields(Archive& archive, C& c) {
+  auto& s = c.state;
+  archive("/clock/step", s.clock.step);
+  archive("/clock/stage_step", s.clock.stage_step);
+  archive("/clock/stage", s.clock.stage);
+  archive("/clock/stage_start", s.clock.stage_start);
+  archive("/clock/dt", s.clock.dt);
+  archive.of_each("/particles/r", s.r, std::identity{});
+  archive.of_each("/particles/v", s.v, std::identity{});
+  archive.of_each("/particles/q", s.q, std::identity{});
+  archive.of_each("/particles/omega", s.omega, std::identity{});
+  archive.of_each("/bonds/i", s.bonds, &Bond::i);
+  archive.of_each("/bonds/j", s.bonds, &Bond::j);
+  archive.of_each("/bonds/law", s.bonds, &Bond::law);
+  archive.of_each("/bonds/a", s.bonds, &Bond::a);
+  archive.of_each("/bonds/R_i", s.bonds, &Bond::R_i);
+  archive.of_each("/bonds/R_j", s.bonds, &Bond::R_j);
+  archive.of_each("/bonds/B1", s.bonds, &Bond::B1);
+  archive.of_each("/bonds/B2", s.bonds, &Bond::B2);
+  archive.of_each("/bonds/B3", s.bonds, &Bond::B3);
+  archive.of_each("/bonds/B4", s.bonds, &Bond::B4);
+  archive.of_each("/bonds/n_i1", s.bonds, &Bond::n_i1);
+  archive.of_each("/bonds/n_i2", s.bonds, &Bond::n_i2);
+  archive.of_each("/bonds/n_j1", s.bonds, &Bond::n_j1);
+  archive.of_each("/bonds/n_j2", s.bonds, &Bond::n_j2);
+  archive.of_each("/bonds/set", s.bonds, &Bond::set);
+  archive("/books/at_start", s.books.at_start);
+  archive("/books/dissipated", s.books.dissipated);
+  archive("/books/work_loads", s.books.work_loads);
+  archive("/books/work_supports", s.books.work_supports);
+  archive("/books/largest", s.books.largest);
+  archive("/peak/sum", s.peak.sum);
+  archive("/peak/samples", s.peak.samples);
+  archive("/peak/last", s.peak.last);
+  archive("/peak/peak", s.peak.peak);
+  archive("/peak/peak_time", s.peak.peak_time);
+  archive("/peak/blocks", s.peak.blocks);
+  archive("/rest/armed", s.rest.armed);
+  archive("/rest/quiet_steps", s.rest.quiet_steps);
+  archive.of_each("/watch/worst", c.watch.bonds, &BondRecord::worst);
+  archive.of_each("/watch/was_short", c.watch.bonds, &BondRecord::was_short);
+  archive("/watch/strained", c.watch.strained);
+  archive("/watch/snapped", c.watch.snapped);
+  archive("/watch/shortened", c.watch.shortened);
+}
+
+/// The particles' constants: what must be the same for a checkpoint to fit a model.
+template <class Archive, class M>
+void visit_fingerprint(Archive& archive, M& m) {
+  archive("/model/units", m.units);
+  archive.of_each("/model/mass", m.mass, std::identity{});
+  archive.of_each("/model/inertia", m.inertia, std::identity{});
+  archive.of_each("/model/radius", m.radius, std::identity{});
+  archive.of_each("/model/r_0", m.r_0, std::identity{});
+}
+
+// ---- writing ------------------------------------------------------------------------------------------
+
+class Writer {
+ public:
+  explicit Writer(const std::filesystem::path& path)
+      : file_(create(path)),
+        make_groups_(H5Pcreate(H5P_LINK_CREATE), H5Pclose),
+        no_times_(H5Pcreate(H5P_DATASET_CREATE), H5Pclose) {
+    must(H5Pset_create_intermediate_group(make_groups_.get(), 1));
+    must(H5Pset_obj_track_times(no_times_.get(), false));  // the same state gives the same bytes
+  }
+
+  template <class T>
+  void operator()(const char* path, const T& value) {
+    std::array<typename Stored<T>::Number, Stored<T>::count> numbers;
+    Stored<T>::put(value, numbers.data());
+    const H5Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+    write(path, space, numbers.data());
+  }
+
+  template <class IdType, class Row, class Member>
+  void of_each(const char* path, const Column<IdType, Row>& column, Member member) {
+    using T = std::remove_cvref_t<std::invoke_result_t<Member, const Row&>>;
+    constexpr std::size_t count = Stored<T>::count;
+    std::vector<typename Stored<T>::Number> numbers(column.size() * count);
+    std::size_t at = 0;
+    for (const Row& row : column) Stored<T>::put(std::invoke(member, row), &numbers[at]), at += count;
+    const std::array<hsize_t, 2> size{column.size(), count};
+    const H5Handle space(H5Screate_simple(count > 1 ? 2 : 1, size.data(), nullptr), H5Sclose);
+    write(path, space, numbers.data());
+  }
+
+  void close() {
+    must(H5Fflush(file_.get(), H5F_SCOPE_GLOBAL));
+    if (!file_.reset()) throw IoError("HDF5 could not write all of it");
+  }
+
+ private:
+  static H5Handle create(const std::filesystem::path& path) {
+    const H5Handle room_for_seal(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
+    must(H5Pset_userblock(room_for_seal.get(), seal_size));
+    H5Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, room_for_seal.get(), H5P_DEFAULT), H5Fclose);
+    must(file.get());
+    return file;
+  }
+  template <class N>
+  void write(const char* path, const H5Handle& space, const N* numbers) {
+    const H5Handle set(H5Dcreate2(file_.get(), path, file_type<N>(), space.get(), make_groups_.get(),
+                                  no_times_.get(), H5P_DEFAULT),
+                       H5Dclose);
+    must(H5Dwrite(set.get(), file_type<N>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers));
+  }
+  static void must(hid_t result) {
+    if (result < 0) throw IoError("HDF5 could not write it; is the disk full?");
+  }
+
+  H5Handle file_, make_groups_, no_times_;
+};
+
+// ---- reading ------------------------------------------------------------------------------------------
+
+class Reader {
+ public:
+  explicit Reader(const std::filesystem::path& path)
+      : file_(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose) {
+    if (!file_) throw IoError("is damaged: HDF5 cannot open it");
+  }
+
+  template <class T>
+  void operator()(const char* path, T& value) {
+    std::array<typename Stored<T>::Number, Stored<T>::count> numbers;
+    read(path, {}, numbers.data());
+    Stored<T>::take(numbers.data(), value);
+  }
+
+  /// The column has its size already; the file must agree.
+  template <class IdType, class Row, class Member>
+  void of_each(const char* path, Column<IdType, Row>& column, Member member) {
+    using T = std::remove_cvref_t<std::invoke_result_t<Member, Row&>>;
+    constexpr std::size_t count = Stored<T>::count;
+    std::vector<typename Stored<T>::Number> numbers(column.size() * count);
+    std::vector<hsize_t> size{column.size()};
+    if (count > 1) size.push_back(count);
+    read(path, size, numbers.data());
+    std::size_t at = 0;
+    for (Row& row : column) Stored<T>::take(&numbers[at], std::invoke(member, row)), at += count;
+  }
+
+  /// Length of a column of bytes per row at least, so that a forged length cannot ask for more memory
+  /// than the file has data.
+  std::size_t rows(const char* path) {
+    const H5Handle set = open(path);
+    const std::vector<hsize_t> size = size_of(set);
+    if (size.empty() || H5Dget_storage_size(set.get()) < size[0]) damaged(path);
+    return static_cast<std::size_t>(size[0]);
+  }
+
+ private:
+  [[noreturn]] static void damaged(const char* path) {
+    throw IoError(fmt::format("is damaged: {} is missing or not as expected", path));
+  }
+  H5Handle open(const char* path) {
+    H5Handle set(H5Dopen2(file_.get(), path, H5P_DEFAULT), H5Dclose);
+    if (!set) damaged(path);
+    return set;
+  }
+  static std::vector<hsize_t> size_of(const H5Handle& set) {
+    const H5Handle space(H5Dget_space(set.get()), H5Sclose);
+    const int rank = H5Sget_simple_extent_ndims(space.get());
+    std::vector<hsize_t> size(static_cast<std::size_t>(rank > 0 ? rank : 0));
+    if (rank > 0) H5Sget_simple_extent_dims(space.get(), size.data(), nullptr);
+    return size;
+  }
+  template <class N>
+  void read(const char* path, const std::vector<hsize_t>& size, N* numbers) {
+    const H5Handle set = open(path);
+    const H5Handle type(H5Dget_type(set.get()), H5Tclose);
+    if (!type || H5Tequal(type.get(), file_type<N>()) <= 0 || size_of(set) != size) damaged(path);
+    if (H5Dread(set.get(), file_type<N>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers) < 0) damaged(path);
+  }
+
+  H5Handle file_;
+};
+
+void check_fingerprint(Reader& reader, const Model& model) {
+  const std::size_t n = reader.rows("/model/mass");
+  if (n != model.particles())
+    throw IoError(
+        fmt::format("belongs to another case: it has {} particles, the case has {}", n, model.particles()));
+  Model m;
+  m.mass.resize(n), m.inertia.resize(n), m.radius.resize(n), m.r_0.resize(n);
+  visit_fingerprint(reader, m);
+  const char* differs = m.units != model.units       ? "units"
+                        : m.mass != model.mass       ? "masses"
+                        : m.inertia != model.inertia ? "moments of inertia"
+                        : m.radius != model.radius   ? "radii"
+                        : m.r_0 != model.r_0         ? "first positions"
+                                                     : nullptr;
+  if (differs)
+    throw IoError(fmt::format("belongs to another case, or the case was changed: its {} differ", differs));
+}
+
+void check_sense(const State& s) {
+  const Clock& c = s.clock;
+  if (c.stage < 0 || c.stage_step < 0 || c.step < c.stage_step) throw IoError("is damaged: impossible clock");
+  for (const Bond& b : s.bonds)
+    if (b.i.value >= s.r.size() || b.j.value >= s.r.size() || b.i == b.j)
+      throw IoError("is damaged: a bond has impossible ends");
+}
+
+}  // namespace
+
+void write_checkpoint(const std::filesystem::path& path, const Model& model, const Checkpoint& checkpoint,
+                      const std::string& program_version) {
+  const H5Silence silence;
+  const std::filesystem::path part = temporary_name(path);
+  try {
+    Writer writer(part);
+    visit_fingerprint(writer, model);
+    visit_fields(writer, checkpoint);
+    writer.close();
+    write_seal(part, format_version, program_version);
+  } catch (const IoError& e) {
+    std::error_code ignored;  // the first error is the one to tell
+    std::filesystem::remove(part, ignored);
+    throw IoError("cannot write " + part.string() + ": " + e.what());
+  }
+  publish(path);
+}
+
+Checkpoint read_checkpoint(const std::filesystem::path& path, const Model& model) {
+  open_file(path, "rb");  // a missing or forbidden file is told in the system's words
+  const H5Silence silence;
+  try {
+    check_seal(path, format_version);
+    Reader reader(path);
+    check_fingerprint(reader, model);
+    Checkpoint c;
+    const std::size_t n = model.particles();
+    c.state.r.resize(n), c.state.v.resize(n), c.state.q.resize(n), c.state.omega.resize(n);
+    c.state.bonds.resize(reader.rows("/bonds/i"));
+    c.watch.bonds.resize(reader.rows("/watch/worst"));
+    visit_fields(reader, c);
+    check_sense(c.state);
+    return c;
+  } catch (const IoError& e) {
+    throw IoError(path.string() + ": " + e.what());
+  }
+}
+
+}  // namespace vbond

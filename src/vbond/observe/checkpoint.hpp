@@ -1,0 +1,29 @@
+#pragma once
+#include <filesystem>
+#include <string>
+
+#include "vbond/model/model.hpp"
+#include "vbond/model/state.hpp"
+#include "vbond/observe/watch.hpp"
+
+namespace vbond {
+
+/// All that is needed to go on as if nothing had happened: the state bit for bit, and what the watch
+/// has already reported. The model and the stages are built again from the case.
+struct Checkpoint {
+  State state;
+  WatchRecord watch;
+  friend bool operator==(const Checkpoint&, const Checkpoint&) = default;
+};
+
+/// Writes checkpoint.h5 so that `path` is at every moment either the old or the new checkpoint.
+/// The particles' constants go with it, to tell on reading that the model is still the same.
+/// Throws IoError.
+void write_checkpoint(const std::filesystem::path& path, const Model& model, const Checkpoint& checkpoint,
+                      const std::string& program_version);
+
+/// Reads a checkpoint back. Throws IoError if the file is missing, damaged, not a checkpoint of vbond
+/// or of a newer format, or if it belongs to a model with other particles than this one.
+Checkpoint read_checkpoint(const std::filesystem::path& path, const Model& model);
+
+}  // namespace vbond

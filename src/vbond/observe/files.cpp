@@ -1,0 +1,87 @@
+#include "vbond/observe/files.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+
+#include "vbond/core/error.hpp"
+
+namespace vbond {
+namespace {
+
+[[noreturn]] void fail(const char* what, const std::filesystem::path& path, int error) {
+  throw IoError(std::string("cannot ") + what + " " + path.string() + ": " + std::strerror(error));
+}
+
+/// Asks the disk to keep a file, or with O_DIRECTORY the names in a folder.
+void sync_to_disk(const std::filesystem::path& path, int flags) {
+  const int fd = ::open(path.c_str(), flags | O_CLOEXEC);
+  if (fd < 0) fail("open", path, errno);
+  const int result = ::fsync(fd);
+  const int error = errno;
+  ::close(fd);
+  // EINVAL, EROFS: this file system has nothing to sync here, as some do for folders
+  if (result != 0 && error != EINVAL && error != EROFS) fail("write", path, error);
+}
+
+}  // namespace
+
+File open_file(const std::filesystem::path& path, const char* mode) {
+  File f(std::fopen(path.c_str(), mode));
+  if (!f) fail(mode[0] == 'r' ? "read" : "write", path, errno);
+  return f;
+}
+
+void write_all(std::FILE* f, std::string_view bytes, const std::filesystem::path& path) {
+  if (std::fwrite(bytes.data(), 1, bytes.size(), f) != bytes.size() || std::fflush(f) != 0)
+    fail("write", path, errno);
+}
+
+std::string read_all(const std::filesystem::path& path) {
+  const File f = open_file(path, "rb");
+  std::string content;
+  char block[1 << 16];
+  for (std::size_t n; (n = std::fread(block, 1, sizeof block, f.get())) > 0;) content.append(block, n);
+  if (std::ferror(f.get())) fail("read", path, errno);
+  return content;
+}
+
+void cut_file(const std::filesystem::path& path, std::uintmax_t size) {
+  std::error_code error;
+  std::filesystem::resize_file(path, size, error);
+  if (error) fail("shorten", path, error.value());
+}
+
+void make_folder(const std::filesystem::path& path) {
+  std::error_code error;
+  std::filesystem::create_directories(path, error);
+  if (error) fail("make the folder", path, error.value());
+}
+
+std::filesystem::path temporary_name(const std::filesystem::path& path) {
+  std::filesystem::path name = path;
+  name += ".part";
+  return name;
+}
+
+void publish(const std::filesystem::path& path) {
+  const std::filesystem::path part = temporary_name(path);
+  sync_to_disk(part, O_RDONLY);
+  if (std::rename(part.c_str(), path.c_str()) != 0) fail("replace", path, errno);
+  const std::filesystem::path folder = path.parent_path();
+  sync_to_disk(folder.empty() ? "." : folder, O_RDONLY | O_DIRECTORY);
+}
+
+void replace_file(const std::filesystem::path& path, std::string_view content) {
+  const std::filesystem::path part = temporary_name(path);
+  {
+    const File f = open_file(part, "wb");
+    write_all(f.get(), content, part);
+  }
+  publish(path);
+}
+
+}  // namespace vbond

@@ -1,0 +1,235 @@
+#include "vbond/observe/frames.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include "vbond/core/error.hpp"
+#include "vbond/observe/bond_look.hpp"
+#include "vbond/observe/files.hpp"
+#include "vbond/observe/vtp.hpp"
+
+namespace vbond {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* pvd_head =
+    "<?xml version=\"1.0\"?>\n"
+    "<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n  <Collection>\n";
+constexpr const char* pvd_tail = "  </Collection>\n</VTKFile>\n";
+
+/// Twelve digits sort by name for every run shorter than 1e12 steps.
+std::string frame_name(const char* kind, std::int64_t step) {
+  return fmt::format("frames/{}_{:012}.vtp", kind, step);
+}
+
+std::string pvd_entry(const char* kind, const Clock& clock) {
+  return fmt::format("    <DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>\n", clock.time(),
+                     frame_name(kind, clock.step));
+}
+
+/// The step in a name that ends in _STEP.vtp; nothing for any other name.
+std::optional<std::int64_t> step_in_name(std::string_view name) {
+  const std::size_t from = name.rfind('_'), to = name.rfind(".vtp");
+  if (from == std::string_view::npos || to == std::string_view::npos || to + 4 != name.size() || from > to)
+    return std::nullopt;
+  std::int64_t step = 0;
+  const auto [end, error] = std::from_chars(name.data() + from + 1, name.data() + to, step);
+  if (error != std::errc{} || end != name.data() + to) return std::nullopt;
+  return step;
+}
+
+/// The entries of a .pvd of ours up to a step, and the last step among them.
+struct Entries {
+  std::string lines;
+  std::int64_t last_step = -1;
+};
+Entries entries_until(const fs::path& pvd, std::int64_t resume_step) {
+  const std::string content = read_all(pvd);
+  if (content.compare(0, std::string_view(pvd_head).size(), pvd_head) != 0)
+    throw IoError(pvd.string() + ": was not written by vbond, so it cannot be continued");
+  Entries kept;
+  constexpr std::string_view file_is = "file=\"";
+  std::size_t at = std::string_view(pvd_head).size();
+  for (std::size_t end; (end = content.find('\n', at)) != std::string::npos; at = end + 1) {
+    const std::string_view line = std::string_view(content).substr(at, end - at);
+    const std::size_t name = line.find(file_is);
+    if (name == std::string_view::npos) break;  // the tail
+    const std::string_view rest = line.substr(name + file_is.size());
+    const auto step = step_in_name(rest.substr(0, rest.find('"')));
+    if (!step) throw IoError(pvd.string() + ": is damaged at \"" + std::string(line) + '"');
+    if (*step > resume_step) break;
+    kept.lines += std::string(line) + '\n';
+    kept.last_step = *step;
+  }
+  return kept;
+}
+
+void remove_frames_after(const fs::path& folder, std::int64_t resume_step) {
+  std::error_code error;
+  std::vector<fs::path> late;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const auto step = step_in_name(entry.path().filename().string());
+    if (step && *step > resume_step) late.push_back(entry.path());
+  }
+  for (const fs::path& path : late)
+    if (!fs::remove(path, error) || error)
+      throw IoError("cannot remove " + path.string() + ": " + error.message());
+}
+
+/// Cuts the dump before the first frame after a step. A frame cut short by a kill is later than any
+/// checkpoint, so it goes as well.
+void cut_dump(const fs::path& dump, std::int64_t resume_step) {
+  constexpr std::string_view item = "ITEM: TIMESTEP\n";
+  const std::string content = read_all(dump);
+  std::size_t at = 0;
+  while ((at = content.find(item, at)) != std::string::npos) {
+    std::int64_t step = 0;
+    const char* from = content.data() + at + item.size();
+    const auto [end, error] = std::from_chars(from, content.data() + content.size(), step);
+    if (error != std::errc{} || end == content.data() + content.size() || step > resume_step) break;
+    at += item.size();
+  }
+  if (at == std::string::npos) at = content.rfind('\n') + 1;  // a header line cut short has no line end
+  if (at < content.size()) cut_file(dump, at);
+}
+
+}  // namespace
+
+void write_particles_vtp(const fs::path& path, const Model& model, const State& state) {
+  const std::size_t n = model.particles();
+  std::vector<std::int64_t> id(n);
+  std::iota(id.begin(), id.end(), 0);
+  std::vector<Vec3d> rotation(n), displacement(n);
+  for (const ParticleId p : model.mass.ids()) {
+    rotation[p.value] = rotation_vector(state.q[p]);
+    displacement[p.value] = state.r[p] - model.r_0[p];
+  }
+  VtpFile f = VtpFile::of_points(state.r.values());
+  f.add_point_data("radius", model.radius.values());
+  f.add_point_data("velocity", state.v.values());
+  f.add_point_data("angular_velocity", state.omega.values());
+  f.add_point_data("rotation", rotation);
+  f.add_point_data("displacement", displacement);
+  f.add_point_data("id", id);
+  f.write(path, state.clock.time(), state.clock.step);
+}
+
+void write_bonds_vtp(const fs::path& path, const Model&, const State& state) {
+  constexpr double degrees = 180.0 / std::numbers::pi;
+  std::vector<std::int64_t> ends, id, set;
+  std::vector<double> elongation, bend, twist, U_L, U_B, U_T, axial, shear, moment_i, moment_j;
+  std::vector<std::uint8_t> range;
+  for (const BondId k : state.bonds.ids()) {
+    const Bond& b = state.bonds[k];
+    const BondPose<double> pose = bond_pose(b, state);
+    const BondShape shape = bond_shape(pose, b.R_i, b.R_j);
+    const auto U = visit_law(b, [&](const auto& law) { return bond_energy(law, pose); });
+    const auto loads = visit_law(b, [&](const auto& law) { return bond_loads(law, pose); });
+    const Vec3d d = normalised(bonded_points(pose, b.R_i, b.R_j));
+    const double F_d = dot(loads.F, d);
+    ends.push_back(b.i.value), ends.push_back(b.j.value);
+    id.push_back(k.value), set.push_back(b.set);
+    elongation.push_back(shape.length - b.a);
+    bend.push_back(degrees * shape.bend), twist.push_back(degrees * shape.twist);
+    U_L.push_back(U.U_L), U_B.push_back(U.U_B), U_T.push_back(U.U_T);
+    axial.push_back(F_d), shear.push_back(norm(loads.F - F_d * d));
+    moment_i.push_back(norm(loads.M_ij)), moment_j.push_back(norm(loads.M_ji));
+    range.push_back(static_cast<std::uint8_t>(bond_range(shape)));
+  }
+  VtpFile f = VtpFile::of_lines(state.r.values(), ends);
+  f.add_cell_data("elongation", elongation);
+  f.add_cell_data("bend", bend);
+  f.add_cell_data("twist", twist);
+  f.add_cell_data("U_L", U_L);
+  f.add_cell_data("U_B", U_B);
+  f.add_cell_data("U_T", U_T);
+  f.add_cell_data("axial_force", axial);
+  f.add_cell_data("shear_force", shear);
+  f.add_cell_data("moment_i", moment_i);
+  f.add_cell_data("moment_j", moment_j);
+  f.add_cell_data("range", range);
+  f.add_cell_data("id", id);
+  f.add_cell_data("set", set);
+  f.write(path, state.clock.time(), state.clock.step);
+}
+
+std::string lammps_frame(const Model& model, const State& state) {
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  Vec3d low{inf, inf, inf}, high{-inf, -inf, -inf};
+  for (const ParticleId p : model.mass.ids()) {
+    const Vec3d& r = state.r[p];
+    const double R = model.radius[p];
+    low = {std::min(low.x, r.x - R), std::min(low.y, r.y - R), std::min(low.z, r.z - R)};
+    high = {std::max(high.x, r.x + R), std::max(high.y, r.y + R), std::max(high.z, r.z + R)};
+  }
+  fmt::memory_buffer out;
+  const auto to = std::back_inserter(out);
+  fmt::format_to(to,
+                 "ITEM: TIMESTEP\n{}\nITEM: NUMBER OF ATOMS\n{}\nITEM: BOX BOUNDS ss ss ss\n"
+                 "{} {}\n{} {}\n{} {}\n"
+                 "ITEM: ATOMS id type x y z vx vy vz radius quatw quati quatj quatk\n",
+                 state.clock.step, model.particles(), low.x, high.x, low.y, high.y, low.z, high.z);
+  for (const ParticleId p : model.mass.ids()) {
+    const Vec3d &r = state.r[p], &v = state.v[p];
+    const Quatd& q = state.q[p];
+    fmt::format_to(to, "{} 1 {} {} {} {} {} {} {} {} {} {} {}\n", p.value + 1, r.x, r.y, r.z, v.x, v.y, v.z,
+                   model.radius[p], q.w, q.x, q.y, q.z);
+  }
+  return fmt::to_string(out);
+}
+
+FrameWriter::FrameWriter(const fs::path& folder, bool lammps_dump, std::optional<std::int64_t> resume_step)
+    : folder_(folder), lammps_dump_(lammps_dump) {
+  make_folder(folder_ / "frames");
+  if (resume_step) {
+    keep_until(*resume_step);
+  } else if (lammps_dump_) {
+    open_file(folder_ / "dump.lammpstrj", "wb");
+  }
+  write_lists();
+}
+
+void FrameWriter::keep_until(std::int64_t resume_step) {
+  Entries particles = entries_until(folder_ / "particles.pvd", resume_step);
+  Entries bonds = entries_until(folder_ / "bonds.pvd", resume_step);
+  if (particles.last_step != bonds.last_step)
+    throw IoError((folder_ / "particles.pvd").string() + " and bonds.pvd do not list the same frames");
+  particle_entries_ = std::move(particles.lines);
+  bond_entries_ = std::move(bonds.lines);
+  last_step_ = particles.last_step;
+  remove_frames_after(folder_ / "frames", resume_step);
+  if (lammps_dump_) cut_dump(folder_ / "dump.lammpstrj", resume_step);
+}
+
+void FrameWriter::write_lists() const {
+  replace_file(folder_ / "particles.pvd", pvd_head + particle_entries_ + pvd_tail);
+  replace_file(folder_ / "bonds.pvd", pvd_head + bond_entries_ + pvd_tail);
+}
+
+void FrameWriter::write(const Model& model, const State& state) {
+  const Clock& clock = state.clock;
+  write_particles_vtp(folder_ / frame_name("particles", clock.step), model, state);
+  write_bonds_vtp(folder_ / frame_name("bonds", clock.step), model, state);
+  if (lammps_dump_) {
+    const fs::path dump = folder_ / "dump.lammpstrj";
+    const File f = open_file(dump, "ab");
+    write_all(f.get(), lammps_frame(model, state), dump);
+  }
+  particle_entries_ += pvd_entry("particles", clock);
+  bond_entries_ += pvd_entry("bonds", clock);
+  write_lists();
+  last_step_ = clock.step;
+}
+
+}  // namespace vbond

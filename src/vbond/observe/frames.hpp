@@ -1,0 +1,44 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "vbond/model/model.hpp"
+#include "vbond/model/state.hpp"
+
+namespace vbond {
+
+/// The particles as points, with radius, velocity, rotation and displacement; see docs/output.md.
+void write_particles_vtp(const std::filesystem::path& path, const Model& model, const State& state);
+
+/// The bonds as lines between the particles' centres, with their deformation, energies and loads.
+void write_bonds_vtp(const std::filesystem::path& path, const Model& model, const State& state);
+
+/// Appends one frame for OVITO or LAMMPS to an open text; ids count from 1 there.
+std::string lammps_frame(const Model& model, const State& state);
+
+/// Writes the frames of a run: frames/particles_STEP.vtp and frames/bonds_STEP.vtp, listed for
+/// ParaView in particles.pvd and bonds.pvd, and dump.lammpstrj if wanted.
+class FrameWriter {
+ public:
+  /// Begins new lists, or with resume_step continues them: later frames, which a killed run may have
+  /// written past its checkpoint, are taken off the lists and removed. Throws IoError.
+  FrameWriter(const std::filesystem::path& folder, bool lammps_dump, std::optional<std::int64_t> resume_step);
+
+  void write(const Model& model, const State& state);
+
+  /// Step of the last frame, -1 if there is none.
+  std::int64_t last_step() const { return last_step_; }
+
+ private:
+  void keep_until(std::int64_t resume_step);
+  void write_lists() const;
+
+  std::filesystem::path folder_;
+  bool lammps_dump_;
+  std::string particle_entries_, bond_entries_;  ///< lines of the two .pvd files
+  std::int64_t last_step_ = -1;
+};
+
+}  // namespace vbond

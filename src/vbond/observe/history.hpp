@@ -1,0 +1,59 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "vbond/dynamics/simulation.hpp"
+#include "vbond/model/loads.hpp"
+#include "vbond/model/model.hpp"
+#include "vbond/model/state.hpp"
+#include "vbond/observe/bond_look.hpp"
+#include "vbond/observe/files.hpp"
+#include "vbond/observe/plan.hpp"
+
+namespace vbond {
+
+/// What a row of history.csv needs beyond Model and State.
+struct HistoryValues {
+  Energies energies;
+  double balance_error = 0;  ///< relative
+  RangeCounts ranges;
+  std::vector<Reaction> reactions;  ///< one per OutputPlan::reactions
+  std::vector<double> axial_force;  ///< one per OutputPlan::axial_force, tension positive  [force]
+};
+
+/// The first line of history.csv: the names of the columns; see docs/output.md.
+std::string history_header(const OutputPlan& plan);
+
+/// One row with 17 significant digits, enough to give back every double.
+std::string history_row(const OutputPlan& plan, const Model& model, const State& state,
+                        const HistoryValues& values);
+
+/// Writes history.csv row by row; what is written is readable at once and stays so if the run dies.
+class HistoryWriter {
+ public:
+  /// Begins a new file, or with resume_step continues one: rows after that step, which a killed run
+  /// may have written past its checkpoint, are dropped. Throws IoError, also if the columns of the
+  /// file are not those of the plan.
+  HistoryWriter(const OutputPlan& plan, std::optional<std::int64_t> resume_step);
+
+  void write(const Model& model, const State& state, const HistoryValues& values);
+
+  /// Step of the last row in the file, -1 if there is none.
+  std::int64_t last_step() const { return last_step_; }
+  /// Largest |balance_error| of the rows in the file.
+  double largest_balance_error() const { return largest_balance_error_; }
+
+ private:
+  void keep_until(std::int64_t resume_step);
+
+  OutputPlan plan_;
+  std::filesystem::path path_;
+  File file_;
+  std::int64_t last_step_ = -1;
+  double largest_balance_error_ = 0;
+};
+
+}  // namespace vbond

@@ -1,0 +1,209 @@
+#include "vbond/observe/observers.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "vbond/dynamics/simulation.hpp"
+#include "vbond/observe/report.hpp"
+
+namespace vbond {
+namespace {
+
+std::int64_t steps_of(const Stage& stage, std::int64_t otherwise) {
+  return std::isfinite(stage.stops.duration) ? steps_in(stage.stops.duration, stage.dt) : otherwise;
+}
+
+}  // namespace
+
+bool stage_done(StopReason why) {
+  switch (why) {
+    case StopReason::duration:
+    case StopReason::distance:
+    case StopReason::peak:
+    case StopReason::kinetic_energy: return true;
+    case StopReason::running:
+    case StopReason::interrupted: return false;
+  }
+  return false;
+}
+
+// ---- watch ------------------------------------------------------------------------------------------
+
+WatchObserver::WatchObserver(const OutputPlan& plan, Watch::Tell tell, WatchRecord record)
+    : every_(plan.watch_every),
+      history_due_(plan.history_every),
+      watch_(plan.energy_error, std::move(tell), std::move(record)) {}
+
+void WatchObserver::observe(const Simulation& run) {
+  const Clock& clock = run.state().clock;
+  if (clock.stage_step % every_ == 0 || history_due_.now(clock)) look(run);
+}
+
+void WatchObserver::finish(const Simulation& run, StopReason why) {
+  if (stage_done(why)) look(run);
+  watch_.summarise();
+}
+
+void WatchObserver::look(const Simulation& run) {
+  const Timing timing(*this);
+  const Energies energies = run.energies();
+  watch_.look(run.model(), run.state(), energies, run.balance_error(energies));
+}
+
+// ---- history ----------------------------------------------------------------------------------------
+
+HistoryObserver::HistoryObserver(const OutputPlan& plan, std::optional<std::int64_t> resume_step)
+    : plan_(plan), writer_(plan, resume_step), due_(plan.history_every, writer_.last_step()) {}
+
+void HistoryObserver::observe(const Simulation& run) {
+  if (due_.now(run.state().clock)) write(run);
+}
+
+void HistoryObserver::finish(const Simulation& run, StopReason why) {
+  if (stage_done(why) && due_.at_stage_end(run.state().clock)) write(run);
+}
+
+void HistoryObserver::write(const Simulation& run) {
+  const Timing timing(*this);
+  HistoryValues values;
+  values.energies = run.energies();
+  values.ranges = count_ranges(run.state());
+  values.balance_error = run.balance_error(values.energies);
+  for (const Group& g : plan_.reactions) values.reactions.push_back(run.reaction(g.particles));
+  for (const Group& g : plan_.axial_force) values.axial_force.push_back(run.mean_axial_force(g.particles));
+  writer_.write(run.model(), run.state(), values);
+  due_.written(run.state().clock.step);
+}
+
+// ---- frames -----------------------------------------------------------------------------------------
+
+FrameObserver::FrameObserver(const OutputPlan& plan, std::optional<std::int64_t> resume_step)
+    : writer_(plan.folder, plan.lammps_dump, resume_step),
+      due_(plan.frames_every.value(), writer_.last_step()) {}
+
+void FrameObserver::observe(const Simulation& run) {
+  if (due_.now(run.state().clock)) write(run);
+}
+
+void FrameObserver::finish(const Simulation& run, StopReason why) {
+  if (stage_done(why) && due_.at_stage_end(run.state().clock)) write(run);
+}
+
+void FrameObserver::write(const Simulation& run) {
+  const Timing timing(*this);
+  writer_.write(run.model(), run.state());
+  due_.written(run.state().clock.step);
+}
+
+// ---- checkpoint -------------------------------------------------------------------------------------
+
+CheckpointObserver::CheckpointObserver(const OutputPlan& plan, std::shared_ptr<const WatchObserver> watch,
+                                       std::string program_version)
+    : path_(plan.folder / "checkpoint.h5"),
+      every_(plan.checkpoint_every),
+      watch_(std::move(watch)),
+      program_version_(std::move(program_version)) {}
+
+void CheckpointObserver::observe(const Simulation& run) {
+  const Clock& clock = run.state().clock;
+  if (every_ && clock.stage_step > 0 && clock.stage_step % steps_in(*every_, clock.dt) == 0) write(run);
+}
+
+void CheckpointObserver::finish(const Simulation& run, StopReason /*why*/) {
+  write(run);
+}
+
+void CheckpointObserver::write(const Simulation& run) {
+  const Timing timing(*this);
+  write_checkpoint(path_, run.model(), {run.state(), watch_->watch().record()}, program_version_);
+}
+
+// ---- table and progress -----------------------------------------------------------------------------
+
+void TableObserver::observe(const Simulation& run) {
+  const Clock& clock = run.state().clock;
+  // without a known end a stage has no fixed number of rows: then one in a thousand steps
+  if (clock.stage_step % table_interval(steps_of(run.stage(), 24000)) == 0) print(run);
+}
+
+void TableObserver::finish(const Simulation& run, StopReason /*why*/) {
+  print(run);
+}
+
+void TableObserver::print(const Simulation& run) {
+  if (run.state().clock.step == last_step_) return;
+  const Timing timing(*this);
+  const Energies energies = run.energies();
+  std::string text = std::exchange(has_header_, true) ? "" : table_header();
+  text += table_row(run.state(), energies, run.balance_error(energies), count_ranges(run.state()));
+  std::fputs(text.c_str(), out_);
+  std::fflush(out_);
+  last_step_ = run.state().clock.step;
+}
+
+ProgressObserver::ProgressObserver(std::FILE* terminal, std::vector<std::int64_t> stage_steps)
+    : out_(terminal), stage_steps_(std::move(stage_steps)) {}
+
+void ProgressObserver::observe(const Simulation& run) {
+  constexpr std::int64_t calls_between_looks = 16;  // at the clock
+  constexpr std::chrono::milliseconds refresh(500);
+  if (calls_++ % calls_between_looks != 0) return;
+  const auto now = Clock::now();
+  const vbond::Clock& clock = run.state().clock;
+  if (first_step_ < 0) {
+    first_step_ = clock.step;
+    start_ = shown_ = now;
+  }
+  if (now - shown_ < refresh) return;
+  shown_ = now;
+  // stages that ended early count as they went: what is left is this stage's rest and the later ones
+  const auto stage = std::min(static_cast<std::size_t>(clock.stage), stage_steps_.size());
+  const std::int64_t left = std::accumulate(stage_steps_.begin() + static_cast<std::ptrdiff_t>(stage),
+                                            stage_steps_.end(), -clock.stage_step);
+  const std::string line = progress_line(run.stage().name, clock.step, first_step_, clock.step + left,
+                                         std::chrono::duration<double>(now - start_).count());
+  std::fprintf(out_, "\r\033[K%s", line.c_str());
+  std::fflush(out_);
+  visible_ = true;
+}
+
+void ProgressObserver::finish(const Simulation& /*run*/, StopReason /*why*/) {
+  clear();
+}
+
+void ProgressObserver::clear() {
+  if (!std::exchange(visible_, false)) return;
+  std::fputs("\r\033[K", out_);
+  std::fflush(out_);
+}
+
+// ---- all of them ------------------------------------------------------------------------------------
+
+std::vector<std::shared_ptr<Observer>> FileObservers::all() const {
+  std::vector<std::shared_ptr<Observer>> observers{watch, history};
+  if (frames) observers.push_back(frames);
+  observers.push_back(checkpoint);
+  return observers;
+}
+
+std::vector<std::pair<std::string, double>> FileObservers::seconds() const {
+  return {{"watch", watch->seconds()},
+          {"history", history->seconds()},
+          {"frames", frames ? frames->seconds() : 0.0},
+          {"checkpoint", checkpoint->seconds()}};
+}
+
+FileObservers open_output(const OutputPlan& plan, Watch::Tell tell, const std::string& program_version,
+                          const Checkpoint* resume) {
+  std::optional<std::int64_t> step;
+  if (resume) step = resume->state.clock.step;
+  FileObservers o;
+  o.watch = std::make_shared<WatchObserver>(plan, std::move(tell), resume ? resume->watch : WatchRecord{});
+  o.history = std::make_shared<HistoryObserver>(plan, step);
+  if (plan.frames_every) o.frames = std::make_shared<FrameObserver>(plan, step);
+  o.checkpoint = std::make_shared<CheckpointObserver>(plan, o.watch, program_version);
+  return o;
+}
+
+}  // namespace vbond

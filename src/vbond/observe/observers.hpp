@@ -1,0 +1,161 @@
+#pragma once
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "vbond/dynamics/observer.hpp"
+#include "vbond/observe/checkpoint.hpp"
+#include "vbond/observe/due.hpp"
+#include "vbond/observe/frames.hpp"
+#include "vbond/observe/history.hpp"
+#include "vbond/observe/plan.hpp"
+#include "vbond/observe/watch.hpp"
+
+namespace vbond {
+
+/// True if the stage came to its own end: the run goes on with the next stage.
+bool stage_done(StopReason why);
+
+/// An observer that knows how much wall time its work has taken.
+class TimedObserver : public Observer {
+ public:
+  double seconds() const { return seconds_; }
+
+ protected:
+  /// Adds the wall time of a block to the observer; used only when there is something to do, since
+  /// looking at the clock in every step would cost as much as a small step.
+  class Timing {
+   public:
+    explicit Timing(TimedObserver& o) : observer_(o) {}
+    ~Timing() {
+      observer_.seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    }
+    Timing(const Timing&) = delete;
+    Timing& operator=(const Timing&) = delete;
+
+   private:
+    TimedObserver& observer_;
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  };
+
+ private:
+  double seconds_ = 0;
+};
+
+/// Watches the run every OutputPlan::watch_every steps and at every row of the history, before it is
+/// written: a row of an unphysical state is never written. Throws Diverged, see Watch.
+class WatchObserver : public TimedObserver {
+ public:
+  WatchObserver(const OutputPlan& plan, Watch::Tell tell, WatchRecord record = {});
+  void observe(const Simulation& run) override;
+  void finish(const Simulation& run, StopReason why) override;
+  /// After a failure, for which finish is not called, the program may ask for the summary here.
+  Watch& watch() { return watch_; }
+  const Watch& watch() const { return watch_; }
+
+ private:
+  void look(const Simulation& run);
+  std::int64_t every_;
+  Due history_due_;
+  Watch watch_;
+};
+
+/// Writes history.csv.
+class HistoryObserver : public TimedObserver {
+ public:
+  HistoryObserver(const OutputPlan& plan, std::optional<std::int64_t> resume_step);
+  void observe(const Simulation& run) override;
+  void finish(const Simulation& run, StopReason why) override;
+  double largest_balance_error() const { return writer_.largest_balance_error(); }
+
+ private:
+  void write(const Simulation& run);
+  OutputPlan plan_;
+  HistoryWriter writer_;
+  Due due_;
+};
+
+/// Writes the frames; made only if the plan has frames.
+class FrameObserver : public TimedObserver {
+ public:
+  FrameObserver(const OutputPlan& plan, std::optional<std::int64_t> resume_step);
+  void observe(const Simulation& run) override;
+  void finish(const Simulation& run, StopReason why) override;
+
+ private:
+  void write(const Simulation& run);
+  FrameWriter writer_;
+  Due due_;
+};
+
+/// Writes checkpoint.h5 at its interval and whenever a stage ends or is interrupted.
+class CheckpointObserver : public TimedObserver {
+ public:
+  CheckpointObserver(const OutputPlan& plan, std::shared_ptr<const WatchObserver> watch,
+                     std::string program_version);
+  void observe(const Simulation& run) override;
+  void finish(const Simulation& run, StopReason why) override;
+
+ private:
+  void write(const Simulation& run);
+  std::filesystem::path path_;
+  std::optional<double> every_;
+  std::shared_ptr<const WatchObserver> watch_;
+  std::string program_version_;
+};
+
+/// Prints the table of the run to a stream of the program; header once.
+class TableObserver : public TimedObserver {
+ public:
+  explicit TableObserver(std::FILE* out) : out_(out) {}
+  void observe(const Simulation& run) override;
+  void finish(const Simulation& run, StopReason why) override;
+
+ private:
+  void print(const Simulation& run);
+  std::FILE* out_;
+  bool has_header_ = false;
+  std::int64_t last_step_ = -1;
+};
+
+/// Keeps one line on the progress of the run up to date on a terminal, twice a second at most, and
+/// clears it when a stage ends. Before anything else is printed there, clear() it.
+class ProgressObserver : public TimedObserver {
+ public:
+  /// stage_steps: per stage, its steps if it does not end early.
+  ProgressObserver(std::FILE* terminal, std::vector<std::int64_t> stage_steps);
+  void observe(const Simulation& run) override;
+  void finish(const Simulation& run, StopReason why) override;
+  void clear();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  std::FILE* out_;
+  std::vector<std::int64_t> stage_steps_;
+  std::int64_t first_step_ = -1, calls_ = 0;
+  Clock::time_point start_, shown_;
+  bool visible_ = false;
+};
+
+/// All observers that write files, in the order in which they must be asked: the watch first, so that
+/// nothing unphysical is written, and the checkpoint last, so that the files never lag behind it.
+struct FileObservers {
+  std::shared_ptr<WatchObserver> watch;
+  std::shared_ptr<HistoryObserver> history;
+  std::shared_ptr<FrameObserver> frames;  ///< null without frames
+  std::shared_ptr<CheckpointObserver> checkpoint;
+  std::vector<std::shared_ptr<Observer>> all() const;
+  /// Wall time spent so far, by observer.
+  std::vector<std::pair<std::string, double>> seconds() const;
+};
+
+/// Opens the output of a run: new files, or with a checkpoint the files it goes on with.
+/// tell: takes the reports of the watch. Throws IoError.
+FileObservers open_output(const OutputPlan& plan, Watch::Tell tell, const std::string& program_version,
+                          const Checkpoint* resume = nullptr);
+
+}  // namespace vbond

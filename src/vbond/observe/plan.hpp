@@ -1,0 +1,26 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "vbond/core/column.hpp"
+#include "vbond/model/model.hpp"
+
+namespace vbond {
+
+/// What a run writes, where, and how often; groups looked up and times in the units of the model.
+struct OutputPlan {
+  std::filesystem::path folder;            ///< exists and may be written to
+  double history_every = 0;                ///< between rows of history.csv  [time], > 0
+  std::vector<Group> reactions;            ///< total support force and moment, in history.csv
+  std::vector<Group> axial_force;          ///< mean tension of the bonds inside, in history.csv
+  std::vector<ParticleId> displacements;   ///< r - r_0, in history.csv
+  std::optional<double> frames_every;      ///< between frames  [time], > 0; absent: no frames
+  bool lammps_dump = false;                ///< dump.lammpstrj with the frames
+  std::optional<double> checkpoint_every;  ///< [time], > 0; absent: only at the end and on a signal
+  std::int64_t watch_every = 100;          ///< steps between looks at bonds and energy, > 0
+  double energy_error = 0.05;              ///< relative error of the energy balance that stops a run
+};
+
+}  // namespace vbond

@@ -1,0 +1,56 @@
+#include "vbond/observe/report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace vbond {
+
+std::string table_header() {
+  return fmt::format("{:>12} {:>12} {:>12} {:>12} {:>12} {:>12} {:>12} {:>10} {:>8} {:>8}\n", "step", "time",
+                     "kinetic", "potential", "dissipated", "work", "total", "balance", "strained", "snapped");
+}
+
+std::string table_row(const State& state, const Energies& e, double balance_error,
+                      const RangeCounts& ranges) {
+  const EnergyBooks& b = state.books;
+  return fmt::format("{:12} {:12.6g} {:12.4e} {:12.4e} {:12.4e} {:12.4e} {:12.4e} {:10.2e} {:8} {:8}\n",
+                     state.clock.step, state.clock.time(), e.kinetic(), e.potential(), b.dissipated,
+                     b.work_loads + b.work_supports, e.total(), balance_error, ranges.strained,
+                     ranges.snapped);
+}
+
+std::int64_t table_interval(std::int64_t stage_steps) {
+  constexpr std::int64_t intervals = 24;  // 25 rows with the first
+  return std::max<std::int64_t>(1, (stage_steps + intervals - 1) / intervals);
+}
+
+std::string progress_line(const std::string& stage, std::int64_t step, std::int64_t first_step,
+                          std::int64_t total_steps, double seconds) {
+  const double part =
+      total_steps > 0 ? std::min(1.0, static_cast<double>(step) / static_cast<double>(total_steps)) : 0.0;
+  std::string line = fmt::format("stage {}: step {}, {:.1f} %", stage, step, 100.0 * part);
+  const double speed = seconds > 0.0 ? static_cast<double>(step - first_step) / seconds : 0.0;
+  if (speed > 0.0)
+    line += fmt::format(", {:.3g} steps/s, at most {} left", speed,
+                        hours(static_cast<double>(std::max<std::int64_t>(0, total_steps - step)) / speed));
+  return line;
+}
+
+std::string timing_table(const std::vector<PhaseTime>& phases) {
+  double sum = 0.0;
+  for (const PhaseTime& p : phases) sum += p.seconds;
+  std::string table;
+  for (const PhaseTime& p : phases)
+    table += fmt::format("{:<24} {:10.3f} s {:6.1f} %\n", p.name, p.seconds,
+                         sum > 0.0 ? 100.0 * p.seconds / sum : 0.0);
+  return table + fmt::format("{:<24} {:10.3f} s\n", "total", sum);
+}
+
+std::string hours(double seconds) {
+  const auto s = static_cast<std::int64_t>(std::llround(std::min(seconds, 1e9)));
+  return fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
+}
+
+}  // namespace vbond

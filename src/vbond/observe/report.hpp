@@ -1,0 +1,34 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "vbond/model/loads.hpp"
+#include "vbond/model/state.hpp"
+#include "vbond/observe/bond_look.hpp"
+#include "vbond/observe/summary.hpp"
+
+namespace vbond {
+
+/// The names of the columns of the terminal's table, one line.
+std::string table_header();
+
+/// One line of the terminal's table, as wide as its header for every value.
+std::string table_row(const State& state, const Energies& energies, double balance_error,
+                      const RangeCounts& ranges);
+
+/// Steps between rows of the table so that a stage of this many steps gives about 25 of them.
+std::int64_t table_interval(std::int64_t stage_steps);
+
+/// One line on how far the run is: stage, part done, speed and the time it may still take.
+/// seconds: wall time since first_step; total_steps: of the whole run if no stage ends early.
+std::string progress_line(const std::string& stage, std::int64_t step, std::int64_t first_step,
+                          std::int64_t total_steps, double seconds);
+
+/// A breakdown of wall time, one line per phase with its share, and the sum.
+std::string timing_table(const std::vector<PhaseTime>& phases);
+
+/// Seconds as h:mm:ss.
+std::string hours(double seconds);
+
+}  // namespace vbond

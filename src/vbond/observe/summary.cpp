@@ -1,0 +1,108 @@
+#include "vbond/observe/summary.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <array>
+
+#include "vbond/core/error.hpp"
+#include "vbond/dynamics/simulation.hpp"
+#include "vbond/observe/files.hpp"
+
+namespace vbond {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::array all_reasons{StopReason::running, StopReason::duration,       StopReason::distance,
+                                 StopReason::peak,    StopReason::kinetic_energy, StopReason::interrupted};
+
+Json to_json(const StageSummary& s) {
+  Json j{{"name", s.name}, {"stop", to_text(s.stop)}, {"steps", s.steps}, {"dt", s.dt}, {"time", s.time}};
+  if (s.critical_force) j["critical_force"] = *s.critical_force;
+  if (s.peak_time) j["peak_time"] = *s.peak_time;
+  return j;
+}
+
+StageSummary stage_from(const Json& j) {
+  StageSummary s;
+  s.name = j.at("name").get<std::string>();
+  const auto stop = j.at("stop").get<std::string>();
+  for (const StopReason reason : all_reasons)
+    if (stop == to_text(reason)) s.stop = reason;
+  s.steps = j.at("steps").get<std::int64_t>();
+  s.dt = j.at("dt").get<double>();
+  s.time = j.at("time").get<double>();
+  if (j.contains("critical_force")) s.critical_force = j["critical_force"].get<double>();
+  if (j.contains("peak_time")) s.peak_time = j["peak_time"].get<double>();
+  return s;
+}
+
+}  // namespace
+
+StageSummary summarise_stage(const Simulation& run, StopReason stop) {
+  const State& state = run.state();
+  StageSummary s{run.stage().name, stop, state.clock.stage_step, run.stage().dt, state.clock.time(), {}, {}};
+  if (stop == StopReason::peak) {
+    s.critical_force = state.peak.peak;
+    s.peak_time = state.peak.peak_time;
+  }
+  return s;
+}
+
+const char* to_text(StopReason reason) {
+  switch (reason) {
+    case StopReason::running: return "running";
+    case StopReason::duration: return "duration";
+    case StopReason::distance: return "distance";
+    case StopReason::peak: return "peak";
+    case StopReason::kinetic_energy: return "kinetic_energy";
+    case StopReason::interrupted: return "interrupted";
+  }
+  return "running";
+}
+
+std::string to_json(const RunSummary& r) {
+  Json j{{"title", r.title},
+         {"version", r.version},
+         {"units", r.units == UnitSystem::si ? "SI" : "reduced"},
+         {"particles", r.particles},
+         {"bonds", r.bonds},
+         {"T0", r.T_0},
+         {"stages", Json::array()}};
+  for (const StageSummary& s : r.stages) {
+    j["stages"].push_back(to_json(s));
+    if (!s.critical_force) continue;
+    j["critical_force"] = *s.critical_force;
+    j["peak_time"] = s.peak_time.value_or(s.time);
+  }
+  j["energy_balance_error"] = r.energy_balance_error;
+  j["strained"] = r.strained;
+  j["snapped"] = r.snapped;
+  j["ever_strained"] = r.ever_strained;
+  j["ever_snapped"] = r.ever_snapped;
+  j["bond_steps_per_second"] =
+      r.stepping_seconds > 0.0 ? static_cast<double>(r.bond_steps) / r.stepping_seconds : 0.0;
+  j["wall_time"] = Json::object();
+  for (const PhaseTime& p : r.wall_time) j["wall_time"][p.name] = p.seconds;
+  // text that is not UTF-8, as a title may be, is replaced by U+FFFD rather than refused at the end of a run
+  return j.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+void write_summary(const std::filesystem::path& path, const RunSummary& summary) {
+  replace_file(path, to_json(summary));
+}
+
+std::vector<StageSummary> read_stages_before(const std::filesystem::path& path, std::int32_t stage) {
+  const std::string text = read_all(path);
+  try {
+    std::vector<StageSummary> stages;
+    const Json summary = Json::parse(text);
+    for (const Json& j : summary.at("stages"))
+      if (static_cast<std::int32_t>(stages.size()) < stage) stages.push_back(stage_from(j));
+    return stages;
+  } catch (const Json::exception& e) {
+    throw IoError(path.string() + ": is not a run.json of vbond: " + e.what());
+  }
+}
+
+}  // namespace vbond

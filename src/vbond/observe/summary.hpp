@@ -1,0 +1,64 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "vbond/dynamics/observer.hpp"
+#include "vbond/model/model.hpp"
+
+namespace vbond {
+
+class Simulation;
+
+/// How a stage went.
+struct StageSummary {
+  std::string name;
+  StopReason stop = StopReason::running;
+  std::int64_t steps = 0;
+  double dt = 0;                         ///< [time]
+  double time = 0;                       ///< of the run at the stage's end  [time]
+  std::optional<double> critical_force;  ///< largest block average, if the stop was a peak  [force]
+  std::optional<double> peak_time;       ///< end of that block  [time]
+  friend bool operator==(const StageSummary&, const StageSummary&) = default;
+};
+
+/// Wall time of one phase of the program.
+struct PhaseTime {
+  std::string name;
+  double seconds = 0;
+};
+
+/// The results of a run, as run.json holds them.
+struct RunSummary {
+  std::string title, version;
+  UnitSystem units = UnitSystem::reduced;
+  std::int64_t particles = 0, bonds = 0;
+  double T_0 = 0;                                    ///< [time]
+  std::vector<StageSummary> stages;                  ///< those that ended, or were interrupted last
+  double energy_balance_error = 0;                   ///< largest |balance_error| of history.csv, relative
+  std::int64_t strained = 0, snapped = 0;            ///< bonds as they stand at the end
+  std::int64_t ever_strained = 0, ever_snapped = 0;  ///< bonds that the watch has seen so at any time
+  std::int64_t bond_steps = 0;                       ///< bonds times steps since the program was started
+  double stepping_seconds = 0;                       ///< wall time of those steps, without output
+  std::vector<PhaseTime> wall_time;
+};
+
+/// The stage of this simulation as it stands.
+StageSummary summarise_stage(const Simulation& run, StopReason stop);
+
+/// "duration", "distance", "peak", "kinetic_energy", "interrupted", "running": as in run.json.
+const char* to_text(StopReason reason);
+
+/// The text of run.json. The critical force of the run is that of the last stage that stopped at a peak.
+std::string to_json(const RunSummary& summary);
+
+/// Replaces run.json in one go. Throws IoError.
+void write_summary(const std::filesystem::path& path, const RunSummary& summary);
+
+/// The stages in a run.json that end at or before a stage index, to go on with when resuming: those
+/// before `stage`. Throws IoError if the file cannot be read or is not a run.json.
+std::vector<StageSummary> read_stages_before(const std::filesystem::path& path, std::int32_t stage);
+
+}  // namespace vbond

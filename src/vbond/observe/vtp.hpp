@@ -1,0 +1,54 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "vbond/core/vec3.hpp"
+
+namespace vbond {
+
+/// A VTK XML PolyData file (.vtp) with its arrays appended as raw little-endian binary, 64-bit headers.
+/// Format: "VTK file formats", XML section, of the VTK user's guide; ParaView 5.11 reads it.
+class VtpFile {
+ public:
+  enum class Topology : std::uint8_t { verts, lines };
+
+  /// One vertex cell per point.
+  static VtpFile of_points(const std::vector<Vec3d>& points);
+  /// One line cell per pair of point indices; ends holds i, j, i, j, ...
+  static VtpFile of_lines(const std::vector<Vec3d>& points, const std::vector<std::int64_t>& ends);
+
+  /// Per point.
+  void add_point_data(const std::string& name, const std::vector<double>& values);
+  void add_point_data(const std::string& name, const std::vector<Vec3d>& values);
+  void add_point_data(const std::string& name, const std::vector<std::int64_t>& values);
+  /// Per cell.
+  void add_cell_data(const std::string& name, const std::vector<double>& values);
+  void add_cell_data(const std::string& name, const std::vector<std::int64_t>& values);
+  void add_cell_data(const std::string& name, const std::vector<std::uint8_t>& values);
+
+  /// Writes the file under a temporary name and renames it. time goes to TimeValue, step to Step.
+  /// Throws IoError.
+  void write(const std::filesystem::path& path, double time, std::int64_t step) const;
+
+ private:
+  struct Array {
+    std::string name;
+    const char* type;
+    int components;
+    std::string bytes;
+  };
+  template <class T>
+  static Array array(const std::string& name, const char* type, int components, const std::vector<T>& values);
+  std::string head(double time, std::int64_t step) const;
+  std::vector<const Array*> in_file_order() const;
+
+  std::size_t points_ = 0, cells_ = 0;
+  Topology topology_ = Topology::verts;
+  Array coordinates_, connectivity_, offsets_;
+  std::vector<Array> point_data_, cell_data_;
+};
+
+}  // namespace vbond

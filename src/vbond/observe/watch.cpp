@@ -1,0 +1,138 @@
+#include "vbond/observe/watch.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "vbond/core/error.hpp"
+#include "vbond/observe/bond_look.hpp"
+
+namespace vbond {
+namespace {
+
+std::string name_of(BondId k, const Bond& b) {
+  return fmt::format("bond {} (particles {}, {})", k.value, b.i.value, b.j.value);
+}
+
+bool is_finite(const Energies& e) {
+  return std::isfinite(e.total());
+}
+
+bool is_finite(const State& s, ParticleId p) {
+  const Quatd& q = s.q[p];
+  return is_finite(s.r[p]) && is_finite(s.v[p]) && is_finite(s.omega[p]) &&
+         std::isfinite(q.w + q.x + q.y + q.z);
+}
+
+double energy_of(const Bond& b, const State& s) {
+  const auto U = visit_law(b, [&](const auto& law) { return bond_energy(law, bond_pose(b, s)); });
+  return U.U_L + U.U_B + U.U_T;
+}
+
+constexpr const char* smaller_step =
+    "use a smaller time.step (or time.fraction); frames and history before this step are sound to look at";
+
+/// Angle between two vectors, sound at every angle.  [degrees]
+double angle(const Vec3d& a, const Vec3d& b) {
+  return 180.0 / std::numbers::pi * std::atan2(norm(cross(a, b)), dot(a, b));
+}
+
+/// The angles that a bond is judged by, for a report.
+std::string angles_of(const Bond& b, const State& s) {
+  const BondPose<double> pose = bond_pose(b, s);
+  const Vec3d D = bonded_points(pose, b.R_i, b.R_j);
+  return fmt::format("its ends are tilted by {:.1f} and {:.1f} degrees and twisted by {:.1f}",
+                     angle(D, pose.n_i[0]), angle(-D, pose.n_j[0]),
+                     180.0 / std::numbers::pi * bond_shape(pose, b.R_i, b.R_j).twist);
+}
+
+/// Names the first thing that is not finite.
+[[noreturn]] void blame_not_finite(const State& s) {
+  const auto unsound = [&s](const std::string& subject, const std::string& finding) {
+    return Diverged(s.clock.step, s.clock.time(), subject, finding, smaller_step);
+  };
+  for (const ParticleId p : s.r.ids())
+    if (!is_finite(s, p))
+      throw unsound(fmt::format("particle {}", p.value),
+                    fmt::format("position ({}, {}, {}), velocity ({}, {}, {}): not finite", s.r[p].x,
+                                s.r[p].y, s.r[p].z, s.v[p].x, s.v[p].y, s.v[p].z));
+  for (const BondId k : s.bonds.ids())
+    if (const double U = energy_of(s.bonds[k], s); !std::isfinite(U))
+      throw unsound(name_of(k, s.bonds[k]), fmt::format("energy {}", U));
+  throw unsound("all particles", "the energy is not finite although each particle and bond is: it overflows");
+}
+
+/// The bond with the largest energy, which is where an instability usually starts.
+std::string most_loaded(const State& s) {
+  std::string name = "all particles";
+  double most = 0.0;
+  for (const BondId k : s.bonds.ids()) {
+    const double U = energy_of(s.bonds[k], s);
+    if (U > most) most = U, name = "most loaded is " + name_of(k, s.bonds[k]);
+  }
+  return name;
+}
+
+}  // namespace
+
+Watch::Watch(double energy_error, Tell tell, WatchRecord record)
+    : energy_error_(energy_error), tell_(std::move(tell)), record_(std::move(record)) {}
+
+void Watch::look(const Model&, const State& state, const Energies& energies, double balance_error) {
+  if (!is_finite(energies)) blame_not_finite(state);
+  if (!(std::abs(balance_error) <= energy_error_))
+    throw Diverged(state.clock.step, state.clock.time(), most_loaded(state),
+                   fmt::format("the energy balance is off by {:.3g} of the energy in the run, more than "
+                               "watch.energy_error = {:g}",
+                               balance_error, energy_error_),
+                   std::string(smaller_step) + "; raise watch.energy_error only if the jump is expected");
+  record_.bonds.resize(state.bonds.size());
+  for (const BondId k : state.bonds.ids()) look_at_bond(k, state);
+}
+
+void Watch::look_at_bond(BondId k, const State& state) {
+  constexpr double closed_up = 1e-6;  // of a: d = D / |D| has lost its meaning
+  const Bond& b = state.bonds[k];
+  const BondShape shape = bond_shape(b, state);
+  const double time = state.clock.time();
+  if (!(shape.length >= closed_up * b.a))
+    throw Diverged(state.clock.step, time, name_of(k, b),
+                   fmt::format("its bonded points are {:.3g} apart, it has closed up (length at rest {:.6g})",
+                               shape.length, b.a),
+                   "use smaller loads or velocities, a stiffer bond or a contact law; a smaller time.step "
+                   "if the energy balance was already off");
+  BondRecord& seen = record_.bonds[k];
+  if (shape.length < 0.5 * b.a && !std::exchange(seen.was_short, true))
+    report(record_.shortened, untold_shortened_,
+           fmt::format("t = {:.6g}: {} is shorter than half its length at rest: {:.4g} of {:.4g}", time,
+                       name_of(k, b), shape.length, b.a));
+  const BondRange range = bond_range(shape);
+  if (range <= seen.worst) return;
+  seen.worst = range;
+  const bool snapped = range == BondRange::snapped;
+  report(snapped ? record_.snapped : record_.strained, snapped ? untold_snapped_ : untold_strained_,
+         fmt::format("t = {:.6g}: {} {}: {}", time, name_of(k, b),
+                     snapped ? "has snapped, past 90 degrees" : "is strained, past 45 degrees",
+                     angles_of(b, state)));
+}
+
+void Watch::report(std::int64_t& count, std::int64_t& untold, const std::string& text) {
+  if (++count > told_in_full)
+    ++untold;
+  else if (tell_)
+    tell_(text);
+}
+
+void Watch::summarise() {
+  const auto sum_up = [this](std::int64_t& untold, std::int64_t count, const char* what) {
+    if (untold > 0 && tell_) tell_(fmt::format("{} more bonds {}: {} in all so far", untold, what, count));
+    untold = 0;
+  };
+  sum_up(untold_strained_, record_.strained, "were strained");
+  sum_up(untold_snapped_, record_.snapped, "have snapped");
+  sum_up(untold_shortened_, record_.shortened, "were shorter than half their length at rest");
+}
+
+}  // namespace vbond

@@ -1,0 +1,63 @@
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "vbond/core/column.hpp"
+#include "vbond/model/loads.hpp"
+#include "vbond/model/model.hpp"
+#include "vbond/model/state.hpp"
+#include "vbond/physics/range.hpp"
+
+namespace vbond {
+
+/// What the watch has seen of one bond so far.
+struct BondRecord {
+  BondRange worst = BondRange::good;
+  bool was_short = false;  ///< |D| has been below a/2
+  friend bool operator==(const BondRecord&, const BondRecord&) = default;
+};
+
+/// What the watch has seen so far; kept in checkpoints so that a resumed run reports nothing twice.
+struct WatchRecord {
+  PerBond<BondRecord> bonds;
+  std::int64_t strained = 0;  ///< bonds reported or counted as strained
+  std::int64_t snapped = 0;
+  std::int64_t shortened = 0;
+  friend bool operator==(const WatchRecord&, const WatchRecord&) = default;
+};
+
+/// Looks after the run: reports bonds that leave the range of their law, each worsening once, and
+/// stops a run that has become unphysical. Thresholds are those of physics/range.hpp.
+class Watch {
+ public:
+  using Tell = std::function<void(const std::string&)>;
+
+  /// Reports of one kind (strained, snapped, shortened) given in full; later ones are only counted.
+  static constexpr std::int64_t told_in_full = 10;
+
+  /// energy_error: relative error of the energy balance that stops the run, > 0.
+  /// tell: takes one report, without a line end; may be empty.
+  Watch(double energy_error, Tell tell, WatchRecord record = {});
+
+  /// Throws Diverged if an energy is not finite, the balance is off by more than energy_error, or a
+  /// bond has closed up (|D| < 1e-6 a); then reports bonds that are worse than ever before.
+  void look(const Model& model, const State& state, const Energies& energies, double balance_error);
+
+  /// Sums up the reports that were not given in full since the last summary.
+  void summarise();
+
+  const WatchRecord& record() const { return record_; }
+
+ private:
+  void look_at_bond(BondId k, const State& state);
+  void report(std::int64_t& count, std::int64_t& untold, const std::string& text);
+
+  double energy_error_;
+  Tell tell_;
+  WatchRecord record_;
+  std::int64_t untold_strained_ = 0, untold_snapped_ = 0, untold_shortened_ = 0;
+};
+
+}  // namespace vbond

@@ -1,0 +1,206 @@
+#include <gtest/gtest.h>
+// after gtest.h, which it needs
+#include <rapidcheck/gtest.h>
+
+#include "cases.hpp"
+#include "vbond/build/bonds.hpp"
+#include "vbond/build/random.hpp"
+#include "vbond/model/make_bond.hpp"
+
+namespace vbond::test {
+namespace {
+
+std::vector<std::array<std::uint32_t, 2>> pairs_of(const State& s) {
+  std::vector<std::array<std::uint32_t, 2>> pairs;
+  for (const Bond& b : s.bonds) pairs.push_back({b.i.value, b.j.value});
+  return pairs;
+}
+
+using PairNumbers = std::vector<std::array<std::uint32_t, 2>>;
+
+// Positions on a coarse grid make pairs at exactly the distance, points in the same place and cells on
+// their very boundary frequent; the rest is spread at random, flat or long bodies among them.
+RC_GTEST_PROP(DistanceSelection, EqualsBruteForce, ()) {
+  const auto n = *rc::gen::inRange<std::size_t>(1, 60);
+  const auto on_grid = *rc::gen::arbitrary<bool>();
+  const auto distance = static_cast<double>(*rc::gen::inRange(1, 8)) * 0.25;
+  const auto thin = *rc::gen::elementOf(std::vector<double>{0.0, 1e-3, 1.0, 1e4});
+  Random random(*rc::gen::arbitrary<std::uint64_t>());
+  std::vector<Vec3d> r;
+  std::vector<char> in_a, in_b;
+  for (std::size_t k = 0; k < n; ++k) {
+    const auto coordinate = [&] {
+      const double x = 6.0 * random.uniform() - 3.0;
+      return on_grid ? 0.25 * std::floor(4.0 * x) : x;
+    };
+    const double x = coordinate(), y = coordinate(), z = coordinate();
+    r.push_back({x, y, thin * z});
+    in_a.push_back(random.uniform() < 0.7);
+    in_b.push_back(random.uniform() < 0.5);
+  }
+  std::vector<Pair> expected;
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = i + 1; j < n; ++j)
+      if (((in_a[i] && in_b[j]) || (in_a[j] && in_b[i])) && norm2(r[j] - r[i]) <= distance * distance)
+        expected.push_back({ParticleId{i}, ParticleId{j}});
+  RC_ASSERT(pairs_within(r, distance, in_a, in_b) == expected);
+}
+
+TEST(Bonds, JoinNeighboursOfARodInOrder) {
+  const Built b = build(paper_rod());
+  ASSERT_EQ(b.state.bonds.size(), 9u);
+  for (const BondId id : b.state.bonds.ids()) {
+    EXPECT_EQ(b.state.bonds[id].i.value, id.value);
+    EXPECT_EQ(b.state.bonds[id].j.value, id.value + 1);
+  }
+}
+
+// The paper's B1..B4 for d/a = 0.2, nu = 0.2: (1, -0.005, 0.015, 1/480), and T_0 = 2 pi.
+TEST(Bonds, OfThePapersRodHaveItsParameters) {
+  const Built b = build(paper_rod());
+  const Bond& bond = b.state.bonds[BondId{4}];
+  EXPECT_NEAR(bond.B1, 1.0, 1e-15);
+  EXPECT_NEAR(bond.B2, -0.005, 1e-16);
+  EXPECT_NEAR(bond.B3, 0.015, 1e-16);
+  EXPECT_NEAR(bond.B4, 1.0 / 480.0, 1e-17);
+  EXPECT_DOUBLE_EQ(b.model.T_0, 2.0 * std::numbers::pi);
+}
+
+// Two bonds, of lengths 1 and 2. A Bernoulli-Euler bond of twice the length has half c_A; with a reference
+// length both have the same B1..B4.
+TEST(Bonds, TakeTheirParametersAtTheirOwnLengthOrAtOneForAll) {
+  Case c = case_of(ListedSpecimen{{{0, 0, 0}, {1, 0, 0}, {3, 0, 0}}});
+  c.bonds.push_back(bonds_within(2.5));
+  const Built own = build(c);
+  EXPECT_DOUBLE_EQ(own.state.bonds[BondId{0}].B1, 2.0 * own.state.bonds[BondId{1}].B1);
+  c.bonds[0].recipe.reference_length = 1.0;
+  const Built one = build(c);
+  const Bond &s = one.state.bonds[BondId{0}], &l = one.state.bonds[BondId{1}];
+  EXPECT_EQ(l.a, 2.0);
+  EXPECT_EQ((std::array{s.B1, s.B2, s.B3, s.B4}), (std::array{l.B1, l.B2, l.B3, l.B4}));
+}
+
+TEST(Bonds, MadeBetweenTurnedParticlesAreUnstressed) {
+  Case c = case_of(ListedSpecimen{{{0, 0, 0}, {0.6, 1.1, -0.3}, {1.3, 0.2, 0.9}}});
+  BondSpec bonds = bonds_within(3.0);
+  bonds.when = BondTime::stage;
+  bonds.stages = {{"run", {"case.toml", 13, 1}}};
+  bonds.recipe.attachment = Attachment::given;
+  bonds.recipe.R_i = 0.3, bonds.recipe.R_j = 0.1;
+  for (const BondLaw law : {BondLaw::v_model, BondLaw::evm}) {
+    bonds.recipe.law = law;
+    c.bonds = {bonds};
+    Built b = build(c);
+    EXPECT_TRUE(b.state.bonds.empty()) << "these bonds belong to the stage";
+    b.state.q = {rotation_of({0.4, -1.1, 2.0}), rotation_of({-2.0, 0.3, 0.7}), rotation_of({1.0, 1.0, -0.5})};
+    build_stage(c, b.model, 0, b.state);
+    ASSERT_EQ(b.state.bonds.size(), 3u);
+    for (const Bond& bond : b.state.bonds) {
+      const auto pose =
+          bond_pose(bond, b.state.r[bond.i], b.state.q[bond.i], b.state.r[bond.j], b.state.q[bond.j]);
+      visit_law(bond, [&](const auto& m) {
+        // products of unit vectors are off by a few 1e-16, and c_A = 1: energies are second order in that
+        // except for the constant, loads first order
+        const auto U = bond_energy(m, pose);
+        EXPECT_NEAR(U.U_L + U.U_B + U.U_T, 0.0, 1e-16);
+        const auto loads = bond_loads(m, pose);
+        EXPECT_LT(norm(loads.F) + norm(loads.M_ij) + norm(loads.M_ji), 5e-15);
+      });
+    }
+  }
+}
+
+TEST(Bonds, OfPairsComeInOrderWhateverTheOrderGiven) {
+  Case c = case_of(RodSpecimen{4, 1.0, {}, {1, 0, 0}});
+  BondSpec bonds = bonds_within(1.0);
+  bonds.select.value = ListedPairs{{{3, 2}, {0, 2}, {1, 0}}};
+  c.bonds = {bonds};
+  EXPECT_EQ(pairs_of(build(c).state), (PairNumbers{{0, 1}, {0, 2}, {2, 3}}));
+}
+
+TEST(Bonds, OfAFileComeInOrder) {
+  const TemporaryFile file("pairs.csv", "j,i\n3,2\n1,0\n");
+  Case c = case_of(RodSpecimen{4, 1.0, {}, {1, 0, 0}});
+  BondSpec bonds = bonds_within(1.0);
+  bonds.select.value = PairsFile{file.path()};
+  c.bonds = {bonds};
+  EXPECT_EQ(pairs_of(build(c).state), (PairNumbers{{0, 1}, {2, 3}}));
+}
+
+TEST(Bonds, ByDistancePassOverPairsThatAreBonded) {
+  Case c = paper_rod();
+  c.bonds.push_back(bonds_within(2.1));
+  const Built b = build(c);
+  EXPECT_EQ(b.state.bonds.size(), 9u + 8u);
+  EXPECT_EQ(b.state.bonds[BondId{8}].set, 0u);
+  EXPECT_EQ(b.state.bonds[BondId{9}].set, 1u);
+}
+
+TEST(Bonds, ByDistanceJoinOnlyTheTwoGroups) {
+  Case c = case_of(RodSpecimen{4, 1.0, {}, {1, 0, 0}});
+  c.groups = {{{"case.toml", 7, 1}, "left", IndexList{0, 1}},
+              {{"case.toml", 8, 1}, "right", IndexList{3, 2}}};
+  c.bonds = {bonds_within(1.1)};
+  c.bonds[0].between[0].value = "right";
+  c.bonds[0].between[1].value = "left";
+  EXPECT_EQ(pairs_of(build(c).state), (PairNumbers{{1, 2}}));
+}
+
+TEST(Bonds, WithoutLengthAreRefusedWithAllThatMatters) {
+  Case c = paper_rod();
+  c.specimens[0].radius = 0.5;  // touching
+  c.bonds[0].recipe.attachment = Attachment::surfaces;
+  const std::string error = text_of_error(c);
+  EXPECT_TRUE(contains(error, "particles 0 and 1 are 1 apart with R_i = 0.5, R_j = 0.5 (and 8 more)"))
+      << error;
+  EXPECT_TRUE(contains(error, "bond at the centres")) << error;
+}
+
+TEST(Bonds, OfWrongPairsAreAllReported) {
+  Case c = paper_rod();
+  BondSpec bonds = bonds_within(1.0);
+  bonds.name = "cross";
+  bonds.select.value = ListedPairs{{{0, 1}, {2, 2}, {3, 10}, {4, 6}, {6, 4}}};
+  c.bonds.push_back(bonds);
+  const std::string error = text_of_error(c);
+  for (const char* part :
+       {"pair 0, 1\n  the pair is bonded already", "pair 2, 2\n  a bond joins two different",
+        "there is no particle 10\n  particles are numbered 0 to 9", "pair 6, 4\n  the pair is there twice"})
+    EXPECT_TRUE(contains(error, part)) << part << "\nnot in\n" << error;
+}
+
+TEST(Bonds, ByDistanceSayHowFarTheNearestAre) {
+  Case c = paper_rod();
+  c.bonds[0].select.value = WithinDistance{0.7};
+  const std::string error = text_of_error(c);
+  EXPECT_TRUE(contains(error, "no pair is within 0.7")) << error;
+  EXPECT_TRUE(contains(error, "the nearest are 1 apart")) << error;
+}
+
+TEST(Bonds, ByDistanceNeedAPositiveOne) {
+  Case c = paper_rod();
+  c.bonds[0].select.value = WithinDistance{-1.1};
+  EXPECT_TRUE(contains(text_of_error(c), "distance = -1.1\n  must be > 0"));
+}
+
+TEST(Bonds, WhoseRestIsNoMinimumAreRefused) {
+  Case c = paper_rod();
+  c.bonds[0].recipe.parameters = GivenCoefficients{1.0, -0.01, 0.015, 0.002};  // c_B = -0.0025
+  EXPECT_TRUE(contains(text_of_error(c), "c_B = -0.0025"));
+}
+
+TEST(Bonds, OfAStageAreMadeOnceEvenIfItIsBuiltAgain) {
+  Case c = case_of(RodSpecimen{3, 1.0, {}, {1, 0, 0}});
+  BondSpec bonds = bonds_within(1.0);
+  bonds.select.value = ListedPairs{{{0, 1}, {1, 2}}};
+  bonds.when = BondTime::stage;
+  bonds.stages = {{"run", {"case.toml", 13, 1}}};
+  c.bonds = {bonds};
+  Built b = build(c);
+  build_stage(c, b.model, 0, b.state);
+  build_stage(c, b.model, 0, b.state);  // as when a run stopped before its first step is resumed
+  EXPECT_EQ(b.state.bonds.size(), 2u);
+}
+
+}  // namespace
+}  // namespace vbond::test

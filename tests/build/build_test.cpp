@@ -1,0 +1,153 @@
+#include "cases.hpp"
+#include "vbond/build/random.hpp"
+#include "vbond/core/nearest.hpp"
+
+namespace vbond::test {
+namespace {
+
+VelocitySpec velocity(VelocityKind kind, double magnitude) {
+  VelocitySpec v;
+  v.place = {"case.toml", 80, 1};
+  v.group = {"all", {}};
+  v.kind = kind;
+  v.magnitude = magnitude;
+  return v;
+}
+
+Case many_particles() {
+  return case_of(BlockSpecimen{Lattice::simple_cubic, {20, 20, 20}, 1.0, {}});
+}
+
+// For N = 8000 samples the standard error of a mean of squares is its standard deviation / sqrt(N): a disc
+// has <rho^2> = 1/2 +- 0.29/89, a ball <r^2> = 3/5 +- 0.26/89, a Gaussian <x^2> = 1 +- 1.41/89 per
+// component. Five standard errors, with a seed that is fixed.
+TEST(Velocities, AreSpreadAsNamed) {
+  const std::tuple<VelocityKind, double, double> kinds[] = {{VelocityKind::circle, 0.5, 5 * 0.29 / 89},
+                                                            {VelocityKind::ball, 0.6, 5 * 0.26 / 89},
+                                                            {VelocityKind::gaussian, 3.0, 5 * 2.45 / 89}};
+  for (const auto& [kind, expected, tolerance] : kinds) {
+    Case c = many_particles();
+    c.velocities = {velocity(kind, 2.0)};
+    c.velocities[0].normal = {0, 3, 4};
+    const Built b = build(c);
+    double sum = 0.0, largest = 0.0;
+    for (const Vec3d& v : b.state.v) {
+      sum += norm2(v) / 4.0;
+      largest = std::max(largest, norm(v));
+      if (kind == VelocityKind::circle) {
+        EXPECT_NEAR(dot(v, Vec3d{0, 0.6, 0.8}), 0.0, 1e-15);
+      }
+    }
+    EXPECT_NEAR(sum / 8000.0, expected, tolerance);
+    if (kind != VelocityKind::gaussian) {
+      EXPECT_LE(largest, 2.0 * (1.0 + 1e-15));
+    }
+  }
+}
+
+TEST(Velocities, AddUpAndChosenComponentsAreZeroed) {
+  Case c = paper_rod();
+  VelocitySpec given = velocity(VelocityKind::given, 0.0);
+  given.velocity = {1, 2, 3};
+  given.angular_velocity = {0, 0, 5};
+  VelocitySpec more = given;
+  more.group.value = "ends";
+  more.zero = {false, false, true};
+  c.velocities = {given, more};
+  const Built b = build(c);
+  EXPECT_EQ(b.state.v[ParticleId{5}], (Vec3d{1, 2, 3}));
+  EXPECT_EQ(b.state.v[ParticleId{9}], (Vec3d{2, 4, 0}));
+  EXPECT_EQ(b.state.omega[ParticleId{9}], (Vec3d{0, 0, 10}));
+}
+
+TEST(Velocities, FollowTheirSeed) {
+  Case c = paper_rod();
+  c.velocities = {velocity(VelocityKind::ball, 1.0)};
+  const Built first = build(c);
+  EXPECT_EQ(first.state.v, build(c).state.v);
+  c.velocities[0].seed = 2;
+  EXPECT_NE(first.state.v, build(c).state.v);
+}
+
+// The 10000th number of mt19937_64 with its default seed is fixed by the C++ standard, [rand.predef]:
+// 9981545732273789042. Its upper 53 bits make the number.
+TEST(RandomNumbers, AreThoseOfTheStandardsGenerator) {
+  Random random(5489);
+  for (int k = 0; k < 9999; ++k) random.uniform();
+  EXPECT_EQ(random.uniform(), std::ldexp(static_cast<double>(9981545732273789042ull >> 11), -53));
+}
+
+TEST(Groups, AreFoundByRegionWithItsBoundary) {
+  Case c = paper_rod();
+  const SourcePlace place{"case.toml", 7, 1};
+  c.groups = {{place, "box", BoxRegion{{2, 0, 0}, {4, 0, 0}}},
+              {place, "ball", SphereRegion{{9, 0, 0}, 1.0}},
+              {place, "plane", PlaneRegion{{0, 0, 0}, {2, 0, 0}, 1.5}},
+              {place, "list", IndexList{7, 1}}};
+  const Built b = build(c);
+  EXPECT_EQ(numbers(b.model, "box"), (std::vector<std::size_t>{2, 3, 4}));
+  EXPECT_EQ(numbers(b.model, "ball"), (std::vector<std::size_t>{8, 9}));
+  EXPECT_EQ(numbers(b.model, "plane"), (std::vector<std::size_t>{0, 1}));
+  EXPECT_EQ(numbers(b.model, "list"), (std::vector<std::size_t>{1, 7}));
+}
+
+TEST(Groups, MistakesAreReportedTogether) {
+  Case c = paper_rod();
+  const SourcePlace place{"case.toml", 7, 1};
+  c.groups = {{place, "empty", BoxRegion{{2, 1, 0}, {4, 1, 0}}},
+              {place, "ends", IndexList{1}},
+              {place, "far", IndexList{1, 10}},
+              {place, "twice", IndexList{1, 1}}};
+  const std::string error = text_of_error(c);
+  for (const char* part :
+       {"group \"empty\" has no particles", "a second group of the name \"ends\"",
+        "group \"far\": there is no particle 10", "group \"twice\" lists particle 1 twice"})
+    EXPECT_TRUE(contains(error, part)) << part << "\nnot in\n" << error;
+}
+
+TEST(Particles, CannotBeAtTheSamePlace) {
+  Case c = paper_rod();
+  c.specimens.push_back(specimen(ListedSpecimen{{{20, 0, 0}, {3, 0, 0}}}, "probe"));
+  EXPECT_TRUE(contains(text_of_error(c), "particles 3 and 11 are at the same place (1 such pairs)"));
+}
+
+TEST(Particles, NeedMassInertiaAndFinitePositions) {
+  Case c = paper_rod();
+  c.specimens[0].radius = 0.0;
+  EXPECT_TRUE(contains(text_of_error(c), "inertia = 0")) << text_of_error(c);
+  c.specimens[0].inertia = 0.064;
+  EXPECT_EQ(text_of_error(c), "");
+  c.specimens[0].mass.reset();
+  EXPECT_TRUE(contains(text_of_error(c), "has no mass"));
+  c.specimens[0].density = 1.0;
+  EXPECT_TRUE(contains(text_of_error(c), "a density needs a positive radius"));
+  c.specimens[0].mass = 1.0;
+  EXPECT_TRUE(contains(text_of_error(c), "mass is given more than once"));
+  EXPECT_TRUE(contains(text_of_error(case_of(ListedSpecimen{{{0, NAN, 0}}})), "its position is not finite"));
+}
+
+TEST(Particles, NeedARadiusForContactsAndSurfaceBonds) {
+  Case c = paper_rod();
+  c.specimens[0].radius = 0.0;
+  c.specimens[0].inertia = 0.064;
+  c.contact.law = ContactLaw::paper_hertz;
+  EXPECT_TRUE(contains(text_of_error(c), "contacts need radii > 0"));
+  c.contact.law = ContactLaw::none;
+  c.bonds[0].recipe.attachment = Attachment::surfaces;
+  EXPECT_TRUE(contains(text_of_error(c), "a bond between surfaces needs radii > 0"));
+}
+
+TEST(Case, WithoutSpecimenIsRefused) {
+  EXPECT_TRUE(contains(text_of_error(Case{}), "the case has no specimen"));
+}
+
+TEST(NearestName, IsTheOneWithTheFewestEdits) {
+  EXPECT_EQ(edit_distance("kitten", "sitting"), 3u);
+  EXPECT_EQ(edit_distance("", "abc"), 3u);
+  EXPECT_EQ(nearest_name("edns", {"all", "ends", "first"}), "ends");
+  EXPECT_EQ(nearest_name("raduis", {"radius", "mass"}), "radius");
+  EXPECT_EQ(nearest_name("something", {"all", "ends"}), std::nullopt);
+}
+
+}  // namespace
+}  // namespace vbond::test

@@ -1,0 +1,131 @@
+#include "cases.hpp"
+
+namespace vbond::test {
+namespace {
+
+Case lammps_case(const std::filesystem::path& file, const std::string& style) {
+  Case c = case_of(LammpsSpecimen{{file, {"case.toml", 4, 1}}, style});
+  c.specimens[0].mass.reset();
+  BondSpec bonds = bonds_within(1.0);
+  bonds.select.value = SpecimenPairs{};
+  c.bonds.push_back(bonds);
+  return c;
+}
+
+// Atom 20 comes before atom 3 in the file and has image flags; numbers have gaps.
+const char* const chain = R"(a chain of three
+
+3 atoms
+2 bonds
+1 atom types
+1 bond types
+0 angles
+-1 9 xlo xhi
+-1 1 ylo yhi
+-1 1 zlo zhi
+0 0 0 xy xz yz
+
+Masses
+
+1 2.5  # of type 1
+
+Atoms  # bond
+
+20 1 1 2.0 0 0 1 0 0
+3 1 1 0.0 0 0  # the first
+7 1 1 1.0 0 0
+
+Bonds
+
+1 1 20 7
+2 1 3 7
+)";
+
+TEST(LammpsSpecimen, IsOrderedByAtomNumberWithItsBondsAndMasses) {
+  const TemporaryFile file("chain.data", chain);
+  const Built b = build(lammps_case(file.path(), "bond"));
+  ASSERT_EQ(b.model.particles(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(b.model.r_0[ParticleId{i}], (Vec3d{static_cast<double>(i), 0, 0}));
+    EXPECT_EQ(b.model.mass[ParticleId{i}], 2.5);
+  }
+  ASSERT_EQ(b.state.bonds.size(), 2u);
+  for (std::size_t k = 0; k < 2; ++k) {  // ordered by (i, j)
+    EXPECT_EQ(b.state.bonds[BondId{k}].i.value, k);
+    EXPECT_EQ(b.state.bonds[BondId{k}].j.value, k + 1);
+  }
+}
+
+TEST(LammpsSpecimen, BondsCountFromItsFirstParticle) {
+  const TemporaryFile file("chain.data", chain);
+  Case c = lammps_case(file.path(), "bond");
+  SpecimenSpec probe = specimen(ListedSpecimen{{{0, 5, 0}, {0, 6, 0}}}, "probe");
+  c.specimens.insert(c.specimens.begin(), probe);
+  const Built b = build(c);
+  ASSERT_EQ(b.state.bonds.size(), 2u);
+  EXPECT_EQ(b.state.bonds[BondId{0}].i.value, 2u);
+  EXPECT_EQ(b.state.bonds[BondId{0}].j.value, 3u);
+}
+
+TEST(LammpsSpecimen, ReadsEveryAtomStyleItNames) {
+  const std::pair<const char*, const char*> lines[] = {
+      {"atomic", "1 1 0.5 1.5 2.5"},         {"charge", "1 1 9.9 0.5 1.5 2.5"},
+      {"bond", "1 7 1 0.5 1.5 2.5"},         {"angle", "1 7 1 0.5 1.5 2.5"},
+      {"molecular", "1 7 1 0.5 1.5 2.5"},    {"full", "1 7 1 9.9 0.5 1.5 2.5"},
+      {"sphere", "1 1 0.8 3.0 0.5 1.5 2.5"}, {"bpm/sphere", "1 7 1 0.8 3.0 0.5 1.5 2.5 0 0 0"}};
+  for (const auto& [style, line] : lines) {
+    const bool sphere = contains(style, "sphere");
+    std::string text = "title\n\n1 atoms\n\n";
+    if (!sphere) text += "Masses\n\n1 3\n\n";
+    text += std::string("Atoms\n\n") + line + "\n";
+    const TemporaryFile file("one.data", text);
+    Case c = lammps_case(file.path(), style);
+    c.bonds.clear();
+    if (sphere) c.specimens[0].radius = 0.0;
+    const Built b = build(c);
+    EXPECT_EQ(b.model.r_0[ParticleId{0}], (Vec3d{0.5, 1.5, 2.5})) << style;
+    EXPECT_DOUBLE_EQ(b.model.radius[ParticleId{0}], 0.4) << style;
+    // a sphere of diameter 0.8 and density 3 has the mass 4 pi 0.4^3
+    EXPECT_DOUBLE_EQ(b.model.mass[ParticleId{0}], sphere ? 4.0 * std::numbers::pi * 0.064 : 3.0) << style;
+  }
+}
+
+TEST(LammpsSpecimen, RefusesWhatItDoesNotSupportWithLineNumbers) {
+  const TemporaryFile file("bad.data",
+                           "title\n\n2 atoms\n1 bonds\n3 dihedrals\n1 elephants\n\nAtoms # full\n\n"
+                           "1 1 1 0 0 0\n2 1 1 1 0\n\nVelocities\n\n1 0 0 0\n\nBonds\n\n1 1 1\n");
+  const std::string error = text_of_error(lammps_case(file.path(), "bond"));
+  for (const char* part :
+       {"bad.data:5:1: the file has dihedrals", "bad.data:6:1: \"1 elephants\"",
+        "bad.data:8:1: the file says atom style \"full\"", "bad.data:11:1: the line is not",
+        "bad.data:13:1: section \"Velocities\"", "bad.data:19:1: the line is not"})
+    EXPECT_TRUE(contains(error, part)) << part << "\nnot in\n" << error;
+}
+
+TEST(LammpsSpecimen, RefusesBondsToMissingAtomsAndDoubleNumbers) {
+  const TemporaryFile file("bad.data", "title\n\nAtoms\n\n1 1 1 0 0 0\n1 1 1 1 0 0\n\nBonds\n\n1 1 1 9\n");
+  const std::string error = text_of_error(lammps_case(file.path(), "bond"));
+  EXPECT_TRUE(contains(error, "bad.data:6:1: a second atom of number 1")) << error;
+  EXPECT_TRUE(contains(error, "bad.data:10:1: a bond to atom 9")) << error;
+}
+
+TEST(LammpsSpecimen, RefusesAWrongCount) {
+  const TemporaryFile file("bad.data", "title\n\n3 atoms\n\nAtoms\n\n1 1 1 0 0 0\n");
+  EXPECT_TRUE(contains(text_of_error(lammps_case(file.path(), "bond")), "3 atoms are declared, 1 found"));
+}
+
+TEST(LammpsSpecimen, SuggestsTheAtomStyleThatWasMeant) {
+  const std::string error = text_of_error(lammps_case("any.data", "molecule"));
+  EXPECT_TRUE(contains(error, "atom_style = \"molecule\" is not supported")) << error;
+  EXPECT_TRUE(contains(error, "did you mean \"molecular\"?")) << error;
+}
+
+TEST(LammpsSpecimen, RefusesAMassGivenInCaseAndFile) {
+  const TemporaryFile file("chain.data", chain);
+  Case c = lammps_case(file.path(), "bond");
+  c.specimens[0].mass = 1.0;
+  EXPECT_TRUE(contains(text_of_error(c), "mass is given more than once"));
+}
+
+}  // namespace
+}  // namespace vbond::test

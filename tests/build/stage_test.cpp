@@ -1,0 +1,179 @@
+#include "cases.hpp"
+
+namespace vbond::test {
+namespace {
+
+Stage first_stage(const Case& c) {
+  Built b = build(c);
+  return build_stage(c, b.model, 0, b.state);
+}
+
+SupportSpec support(const std::string& group, HeldDofs held) {
+  SupportSpec s;
+  s.place = {"case.toml", 30, 1};
+  s.group = {group, {"case.toml", 31, 9}};
+  s.held = held;
+  return s;
+}
+
+TEST(Stage, TimesAreInTheModelsUnit) {
+  Case c = paper_rod();
+  c.specimens[0].mass = 4.0;  // T_0 = 2 pi sqrt(4 / 1)
+  c.stages[0].strain = StrainSpec{{"case.toml", 40, 1}, {"all", {}}, {2, 0, 0}, -1e-7, {10.0, true}};
+  SupportSpec ramp = support("ends", {true, false, false, false, false, false});
+  ramp.factor.points = {{{0.0, false}, 0.0}, {{2.0, true}, 1.0}};
+  c.stages[0].supports = {ramp};
+  const Stage s = first_stage(c);
+  const double T_0 = 4.0 * std::numbers::pi;
+  EXPECT_DOUBLE_EQ(s.stops.duration, 100.0 * T_0);
+  EXPECT_DOUBLE_EQ(s.strain->every, 10.0 * T_0);
+  EXPECT_EQ(s.strain->direction, (Vec3d{1, 0, 0}));
+  EXPECT_DOUBLE_EQ(s.strain->centre.x, 4.5);
+  EXPECT_DOUBLE_EQ(s.supports[0].factor(T_0), 0.5);
+  EXPECT_EQ(s.supports[0].particles.size(), 2u);
+}
+
+TEST(Stage, StepIsTheAskedFractionOfTheBound) {
+  Case c = paper_rod();
+  c.time.fraction = 0.25;
+  EXPECT_DOUBLE_EQ(first_stage(c).dt, 0.25);  // the rod's bound is 1: see StepBound
+}
+
+TEST(Stage, GivenStepAboveTheBoundIsRefusedUnlessInsisted) {
+  Case c = paper_rod();
+  c.time.step = Placed<CaseTime>{{0.16, true}, {"case.toml", 50, 8}};  // the bound is 0.15915 T0
+  const std::string error = text_of_stage_error(c);
+  EXPECT_TRUE(contains(error, "case.toml:50:8: time.step = 1.00531 in stage \"run\"")) << error;
+  EXPECT_TRUE(contains(error, "stretching of bond")) << error;
+  c.time.insist = true;
+  EXPECT_DOUBLE_EQ(first_stage(c).dt, 0.16 * 2.0 * std::numbers::pi);
+  c.time.insist = false;
+  c.time.step->value.value = 0.159;
+  EXPECT_DOUBLE_EQ(first_stage(c).dt, 0.159 * 2.0 * std::numbers::pi);
+}
+
+TEST(Stage, UnderWayKeepsItsStepAndMakesNoBonds) {
+  Case c = case_of(RodSpecimen{3, 1.0, {}, {1, 0, 0}});
+  c.bonds = {bonds_within(1.1)};
+  c.bonds[0].when = BondTime::stage;
+  c.bonds[0].stages = {{"run", {"case.toml", 13, 1}}};
+  Built b = build(c);
+  b.state.clock.stage_step = 7;
+  b.state.clock.dt = 0.0123;
+  EXPECT_EQ(build_stage(c, b.model, 0, b.state).dt, 0.0123);
+  EXPECT_TRUE(b.state.bonds.empty());
+}
+
+TEST(Stage, WithNothingElasticNeedsAGivenStep) {
+  Case c = case_of(RodSpecimen{3, 1.0, {}, {1, 0, 0}});
+  EXPECT_TRUE(contains(text_of_stage_error(c), "give time.step"));
+  c.time.step = Placed<CaseTime>{{0.5, false}, {}};
+  EXPECT_EQ(first_stage(c).dt, 0.5);
+}
+
+TEST(Stage, BondingRulesApplyToTheirStagesOnly) {
+  Case c = paper_rod();
+  c.stages.push_back(stage("second"));
+  BondSpec rule = bonds_within(1.5);
+  rule.when = BondTime::approach;
+  c.bonds.push_back(rule);
+  rule.stages = {{"second", {"case.toml", 13, 1}}};
+  rule.between[0].value = "first";
+  c.bonds.push_back(rule);
+  Built b = build(c);
+  const Stage one = build_stage(c, b.model, 0, b.state), two = build_stage(c, b.model, 1, b.state);
+  ASSERT_EQ(one.bonding.size(), 1u);
+  EXPECT_EQ(one.bonding[0].recipe.set, 1u);
+  ASSERT_EQ(two.bonding.size(), 2u);
+  EXPECT_EQ(std::count(two.bonding[1].in_a.begin(), two.bonding[1].in_a.end(), 1), 1);
+  EXPECT_EQ(std::count(two.bonding[1].in_b.begin(), two.bonding[1].in_b.end(), 1), 10);
+}
+
+// Mistakes of all stages and of the output are found before the first one runs.
+TEST(Stage, MistakesOfLaterStagesAreFoundWhenTheCaseIsBuilt) {
+  Case c = paper_rod();
+  c.stages.push_back(stage("later"));
+  c.stages[1].supports = {support("edns", {true}), support("ends", {true, true}),
+                          support("first", {false, true})};
+  c.stages[1].loads.push_back({{"case.toml", 60, 1}, {"tip", {"case.toml", 61, 9}}, {1, 0, 0}, {}, {}});
+  c.stages[1].stop_distance = DistanceStopSpec{{"case.toml", 62, 1}, {0, 10}, 1.0, true};
+  c.bonds[0].stages = {{"latter", {"case.toml", 13, 11}}};
+  c.output.reactions = {{"bodi", {"case.toml", 70, 14}}};
+  c.output.displacements = {-1};
+  const std::string error = text_of_error(c);
+  for (const char* part :
+       {"case.toml:31:9: there is no group \"edns\"\n  known groups: all, body, body.ends, body.first, "
+        "body.last, "
+        "ends, first, last\n  did you mean \"ends\"?",
+        "y of particle 0 is held by two supports (groups \"ends\" and \"first\")",
+        "case.toml:61:9: there is no group \"tip\"", "case.toml:62:1: stop.distance: there is no particle 10",
+        "case.toml:13:11: there is no stage \"latter\"\n  known stages: run, later\n  did you mean "
+        "\"later\"?",
+        "case.toml:70:14: there is no group \"bodi\"", "output.displacements: there is no particle -1"})
+    EXPECT_TRUE(contains(error, part)) << part << "\nnot in\n" << error;
+}
+
+TEST(Stage, PeakNeedsBondsOrASupportToWatch) {
+  Case c = paper_rod();
+  PeakStopSpec peak;
+  peak.place = {"case.toml", 45, 1};
+  peak.group = {"ends", {}};  // the two ends are not bonded to each other
+  peak.average_over = {10.0, true};
+  c.stages[0].stop_peak = peak;
+  EXPECT_TRUE(contains(text_of_stage_error(c), "group \"ends\" has no bonds"));
+  c.stages[0].stop_peak->quantity = PeakQuantity::reaction;
+  EXPECT_TRUE(contains(text_of_error(c), "the reaction of group \"ends\" is always zero"));
+  c.stages[0].supports = {support("first", {true, true, true})};
+  EXPECT_EQ(first_stage(c).stops.peak->particles.size(), 2u);
+}
+
+TEST(Stage, StrainMoreOftenThanStepsIsRefused) {
+  Case c = paper_rod();
+  c.stages[0].strain = StrainSpec{{"case.toml", 40, 1}, {"all", {}}, {1, 0, 0}, -1e-7, {0.01, false}};
+  EXPECT_TRUE(
+      contains(text_of_stage_error(c), "case.toml:40:1: strain.every = 0.01\n  the time step is 0.1"));
+}
+
+TEST(Stage, TimeTablesMustIncrease) {
+  Case c = paper_rod();
+  LoadSpec load{{"case.toml", 33, 1}, {"last", {}}, {1, 0, 0}, {}, {}};
+  load.factor.points = {{{1.0, true}, 0.0}, {{6.0, false}, 1.0}};  // 1 T0 = 6.28 comes after 6
+  c.stages[0].loads = {load};
+  EXPECT_TRUE(contains(text_of_error(c), "case.toml:33:1: the factor's time 6 does not come after"));
+}
+
+TEST(NaturalTime, IsThatOfTheFirstBondSetIfNothingIsBondedYet) {
+  Case c = paper_rod();
+  c.bonds[0].when = BondTime::approach;
+  c.bonds[0].select.value = WithinDistance{0.5};  // Bernoulli-Euler at half the length: c_A = 2
+  EXPECT_DOUBLE_EQ(build(c).model.T_0, 2.0 * std::numbers::pi / std::sqrt(2.0));
+}
+
+TEST(NaturalTime, DoesNotExistInSiWithoutBonds) {
+  Case c = case_of(RodSpecimen{3, 1.0, {}, {1, 0, 0}});
+  EXPECT_DOUBLE_EQ(build(c).model.T_0, 2.0 * std::numbers::pi);
+  c.units = UnitSystem::si;
+  EXPECT_TRUE(contains(text_of_error(c), "duration = 100 T0"));
+  c.stages[0].duration = {3.0, false};
+  c.output.history_every = {1.0, false};
+  const Built b = build(c);
+  EXPECT_EQ(b.model.T_0, 0.0);
+  EXPECT_EQ(resolve_time({2.5, false}, b.model, "any", {}), 2.5);
+  EXPECT_THROW(resolve_time({2.5, true}, b.model, "any", {}), CaseError);
+}
+
+TEST(Resolution, OfGroupsAndParticlesReportsAllMistakes) {
+  const Built b = build(paper_rod());
+  EXPECT_EQ(resolve_groups({{"ends", {}}, {"all", {}}}, b.model)[1].particles.size(), 10u);
+  EXPECT_EQ(resolve_particles({0, 9}, b.model, "key", {})[1].value, 9u);
+  try {
+    resolve_particles({0, 10, -1}, b.model, "key", {});
+    FAIL();
+  } catch (const CaseError& e) {
+    EXPECT_EQ(e.problems().size(), 2u);
+  }
+  EXPECT_THROW(resolve_groups({{"nobody", {}}}, b.model), CaseError);
+}
+
+}  // namespace
+}  // namespace vbond::test

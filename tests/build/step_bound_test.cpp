@@ -1,0 +1,123 @@
+#include "cases.hpp"
+#include "vbond/physics/contact.hpp"
+#include "vbond/physics/stability.hpp"
+
+namespace vbond::test {
+namespace {
+
+// References of this rod: the element bound 0.15915494309189535 = 1/(2 pi) T_0 and the exact limit
+// 0.16113882947731828 T_0 of its stiffness and mass matrices (tests/data/statics.json, stability_limits).
+TEST(StepBound, OfThePapersRodIsJustBelowItsExactLimit) {
+  const Built b = build(paper_rod());
+  const StepBound bound = step_bound(b.model, b.state);
+  EXPECT_NEAR(bound.dt / b.model.T_0, 0.15915494309189535, 1e-15);
+  EXPECT_LT(bound.dt / b.model.T_0, 0.16113882947731828);
+  ASSERT_TRUE(bound.bond.has_value());
+  const Bond& bond = b.state.bonds[*bound.bond];
+  EXPECT_EQ(bound.source, "stretching of bond " + std::to_string(bound.bond->value) + " (particles " +
+                              std::to_string(bond.i.value) + ", " + std::to_string(bond.j.value) + ")");
+}
+
+Case pair_with(const BondStiffness<double>& c_ij) {
+  Case c = case_of(RodSpecimen{2, 1.0, {}, {1, 0, 0}});
+  c.bonds = {bonds_within(1.1)};
+  c.bonds[0].recipe.parameters = c_ij;
+  return c;
+}
+
+// Two equal particles and one bond: m = 1, Theta = 0.064, l = 1/2, frequencies known in closed form
+// sqrt(2 c_A/m), sqrt(2 c_T/Th), sqrt(2 c_B/Th), sqrt(c_D (2/m + 2 l^2/Th)), and the bound is exact.
+TEST(StepBound, OfAPairIsExactAndNamesTheMotion) {
+  const double Th = 0.064, shear = 2.0 + 0.5 / Th;
+  const std::tuple<BondStiffness<double>, double, std::string> cases[] = {
+      {{1.0, 0.01, 0.001, 0.001}, 2.0, "stretching of bond 0 (particles 0, 1)"},
+      {{1.0, 0.01, 0.001, 0.5}, 1.0 / Th, "torsion of bond 0 (particles 0, 1)"},
+      {{1.0, 0.01, 0.3, 0.001}, 0.6 / Th, "shear and bending of bond 0 (particles 0, 1)"},
+      {{1.0, 0.7, 0.001, 0.001}, 0.7 * shear, "shear and bending of bond 0 (particles 0, 1)"}};
+  for (const auto& [c_ij, lambda, source] : cases) {
+    const Built b = build(pair_with(c_ij));
+    const StepBound bound = step_bound(b.model, b.state);
+    EXPECT_DOUBLE_EQ(bound.dt, 2.0 / std::sqrt(lambda)) << source;
+    EXPECT_EQ(bound.source, source);
+  }
+}
+
+TEST(StepBound, IsInfiniteWhenNothingIsElastic) {
+  const Built b = build(case_of(RodSpecimen{3, 1.0, {}, {1, 0, 0}}));
+  const StepBound bound = step_bound(b.model, b.state);
+  EXPECT_TRUE(std::isinf(bound.dt));
+  EXPECT_FALSE(bound.bond.has_value());
+}
+
+// Equal particles, m = 1, R = 0.4, c_H = a = 1: at an overlap of 10 % of 2R the pair has
+// lambda = 2 * 1.5 sqrt(0.08), added to the rod's 4.
+TEST(StepBound, ContactsAddATenthOfOverlap) {
+  Case c = paper_rod();
+  c.contact.law = ContactLaw::paper_hertz;
+  c.contact.c_H = 1.0;
+  const Built b = build(c);
+  const StepBound bound = step_bound(b.model, b.state);
+  EXPECT_DOUBLE_EQ(bound.dt, 2.0 / std::sqrt(4.0 + 3.0 * std::sqrt(0.08)));
+  EXPECT_TRUE(contains(bound.source, ", and contacts")) << bound.source;
+}
+
+// Three particles in a row overlap by 0.2 (a quarter of 2R); the middle one has two contacts.
+TEST(StepBound, PresentOverlapCountsIfItIsMore) {
+  Case c = case_of(RodSpecimen{3, 0.6, {}, {1, 0, 0}});
+  c.contact.law = ContactLaw::paper_hertz;
+  c.contact.c_H = 1.0;
+  Built b = build(c);
+  EXPECT_NEAR(step_bound(b.model, b.state).dt, 2.0 / std::sqrt(2.0 * 3.0 * std::sqrt(0.2)), 1e-14);
+  // bonded neighbours do not touch if only unbonded pairs do, and second neighbours are 1.2 apart
+  c.bonds = {bonds_within(0.7)};
+  b = build(c);
+  Model without_contact = b.model;
+  without_contact.contact.law = ContactLaw::none;
+  const double bonds_alone = step_bound(without_contact, b.state).dt;
+  const double lambda = 4.0 / (bonds_alone * bonds_alone) + 3.0 * std::sqrt(0.08);
+  EXPECT_NEAR(step_bound(b.model, b.state).dt, 2.0 / std::sqrt(lambda), 1e-14);
+}
+
+// The estimate for unequal spheres is never above what any pair of them gives, here all pairs by force.
+TEST(StepBound, ContactsOfUnequalSpheresAreBoundedByTheWorstPair) {
+  Case c = case_of(ListedSpecimen{{{0, 0, 0}}});
+  c.specimens[0].mass.reset();
+  c.specimens[0].density = 1.0;
+  for (const double R : {0.4, 0.7, 1.9}) {
+    c.specimens[0].radius = R;
+    c.specimens[0].shape = ListedSpecimen{{{10.0 * R, 0, 0}}};
+    c.specimens[0].name = "sphere " + std::to_string(R);
+    c.specimens.push_back(c.specimens[0]);
+  }
+  c.specimens.pop_back();
+  c.contact.law = ContactLaw::hertz;
+  c.contact.E = 100.0;
+  c.contact.nu = 0.3;
+  const Built b = build(c);
+  double worst = 0.0;
+  for (const ParticleId i : b.model.mass.ids())
+    for (const ParticleId j : b.model.mass.ids()) {
+      const double R_i = b.model.radius[i], R_j = b.model.radius[j];
+      const double k_c = contact_stiffness(hertz(100.0, 0.3, R_i, R_j), 0.1 * (R_i + R_j));
+      worst = std::max(worst, k_c * (1.0 / b.model.mass[i] + 1.0 / b.model.mass[j]));
+    }
+  const double bound = step_bound(b.model, b.state).dt;
+  EXPECT_LE(bound, critical_step(worst));
+  EXPECT_GE(bound, 0.5 * critical_step(worst));  // sqrt of sqrt(1.9 / 0.4), and so less than a factor two
+}
+
+// Particles that may be bonded count as having twelve bonds: lambda = c_A (12 + 12) for the rod's c_A = 1.
+TEST(StepBound, BondingRulesLeaveRoomForBondsToCome) {
+  Case c = paper_rod();
+  c.bonds[0].when = BondTime::approach;
+  c.bonds[0].select.value = WithinDistance{1.0};
+  c.time.fraction = 1.0;
+  Built b = build(c);
+  const Stage s = build_stage(c, b.model, 0, b.state);
+  const double lambda = 4.0 / (s.dt * s.dt);
+  EXPECT_NEAR(lambda, 24.0, 1e-12);
+  EXPECT_TRUE(contains(step_bound(b.model, b.state, s.bonding).source, "bond set 0 may still make"));
+}
+
+}  // namespace
+}  // namespace vbond::test

@@ -1,0 +1,82 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "rods.hpp"
+#include "vbond/core/error.hpp"
+
+namespace vbond {
+namespace {
+
+BondingRule any_pair_within(double distance, std::size_t particles, const BondRecipe& recipe) {
+  const std::vector<char> everyone(particles, 1);
+  return {everyone, everyone, distance, recipe};
+}
+
+// Two spinning particles approach and are bonded as soon as they are within 1: the bond starts unstressed
+// although both have turned, and energy is conserved through its making.
+TEST(Bonding, JoinsParticlesThatComeNearWithoutAJumpInEnergy) {
+  testing::Specimen s = testing::particles_at({{0, 0, 0}, {1.3, 0.1, 0}});
+  s.state.v = {{0.01, 0, 0}, {-0.01, 0, 0}};
+  s.state.omega = {{0.02, 0.01, 0.03}, {-0.01, 0.02, 0}};
+  Stage stage = testing::plain_stage(0.05, 1e9);
+  stage.bonding = {any_pair_within(1.0, 2, testing::papers_bond())};
+  Simulation run(s.model, stage, s.state);
+  double distance = 2.0, before = 2.0;  // at the start of the present step, and of the one before
+  while (run.state().bonds.empty()) {
+    ASSERT_LT(run.state().clock.time(), 20.0);
+    before = distance;
+    distance = norm(run.state().r[ParticleId{1}] - run.state().r[ParticleId{0}]);
+    run.step();
+  }
+  EXPECT_GT(before, 1.0);  // the first step at which the distance is within the rule, not a later one
+  EXPECT_LE(distance, 1.0);
+  EXPECT_EQ(run.state().bonds[BondId{0}].a, distance);
+  for (int k = 0; k < 2000; ++k) run.step();
+  EXPECT_EQ(run.state().bonds.size(), 1u);
+  EXPECT_GT(run.energies().potential(), 1e-6);  // the bond works
+  EXPECT_LT(std::abs(run.balance_error(run.energies())), 1e-4);
+}
+
+TEST(Bonding, OnlyJoinsTheGroupsOfItsRule) {
+  testing::Specimen s = testing::particles_at({{0, 0, 0}, {0.9, 0, 0}, {1.8, 0, 0}});
+  Stage stage = testing::plain_stage(0.05, 1.0);
+  stage.bonding = {{{1, 0, 0}, {0, 1, 0}, 1.0, testing::papers_bond()}};
+  Simulation run(s.model, stage, s.state);
+  run.step();
+  ASSERT_EQ(run.state().bonds.size(), 1u);
+  EXPECT_EQ(run.state().bonds[BondId{0}].i, ParticleId{0});
+  EXPECT_EQ(run.state().bonds[BondId{0}].j, ParticleId{1});
+}
+
+TEST(Bonding, BooksTheContactEnergyThatABondedPairGivesUp) {
+  testing::Specimen s = testing::particles_at({{0, 0, 0}, {0.82, 0, 0}}, 0.4);
+  s.model.contact = {ContactLaw::paper_hertz, ContactPairs::unbonded, 1.0, 1.0, 0, 0};
+  s.state.v = {{0.02, 0, 0}, {-0.02, 0, 0}};
+  Stage stage = testing::plain_stage(0.01, 1e9);
+  stage.bonding = {any_pair_within(0.79, 2, testing::papers_bond())};
+  Simulation run(s.model, stage, s.state);
+  for (int k = 0; k < 1000; ++k) run.step();
+  EXPECT_EQ(run.state().bonds.size(), 1u);
+  EXPECT_EQ(run.energies().contact, 0.0);
+  EXPECT_GT(run.state().books.dissipated, 0.0);
+  EXPECT_LT(std::abs(run.balance_error(run.energies())), 1e-4);
+}
+
+TEST(Bonding, NamesTheParticlesWhenABondWouldHaveNoLength) {
+  testing::Specimen s = testing::particles_at({{0, 0, 0}, {0.9, 0, 0}}, 0.5);
+  BondRecipe recipe = testing::papers_bond();
+  recipe.attachment = Attachment::surfaces;
+  Stage stage = testing::plain_stage(0.05, 1.0);
+  stage.bonding = {any_pair_within(1.0, 2, recipe)};
+  Simulation run(s.model, stage, s.state);
+  try {
+    run.step();
+    FAIL() << "no error";
+  } catch (const Diverged& e) {
+    EXPECT_NE(std::string(e.what()).find("particles 0 and 1"), std::string::npos) << e.what();
+  }
+}
+
+}  // namespace
+}  // namespace vbond

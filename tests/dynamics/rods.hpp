@@ -1,0 +1,93 @@
+#pragma once
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "vbond/dynamics/simulation.hpp"
+#include "vbond/model/make_bond.hpp"
+
+namespace vbond::testing {
+
+/// A body and its state, in reduced units (a = m = c_A = 1) unless a test says otherwise.
+struct Specimen {
+  Model model;
+  State state;
+};
+
+/// The paper's bond: d_b / a = 0.2, nu = 0.2, Bernoulli-Euler, between the centres.  [KA12] eq. (37)
+inline BondRecipe papers_bond(BondLaw law = BondLaw::v_model) {
+  BondRecipe recipe;
+  recipe.law = law;
+  recipe.parameters = TheoryParameters{BondTheory::bernoulli_euler, {4.0 / M_PI * 25.0, 0.2}, circle(0.2), 0};
+  return recipe;
+}
+
+inline Specimen particles_at(const std::vector<Vec3d>& positions, double radius = 0.4,
+                             double inertia = 0.064) {
+  const std::size_t n = positions.size();
+  Specimen s;
+  s.model.T_0 = 2 * M_PI;
+  s.model.mass.assign(n, 1.0);
+  s.model.inertia.assign(n, inertia);
+  s.model.radius.assign(n, radius);
+  s.model.r_0 = PerParticle<Vec3d>(positions);
+  Group all{"all", {}};
+  for (const ParticleId p : s.model.mass.ids()) all.particles.push_back(p);
+  s.model.groups = {all};
+  s.state.r = s.model.r_0;
+  s.state.v.assign(n, {});
+  s.state.q.assign(n, {});
+  s.state.omega.assign(n, {});
+  return s;
+}
+
+inline void bond(Specimen& s, std::size_t i, std::size_t j, const BondRecipe& recipe) {
+  const auto site = [&](std::size_t k) {
+    const ParticleId p{k};
+    return BondSite{p, s.state.r[p], s.state.q[p], s.model.radius[p]};
+  };
+  s.state.bonds.push_back(make_bond(recipe, site(i), site(j)).value());
+}
+
+/// N particles on the x axis, one apart, each bonded to the next.
+inline Specimen straight_rod(std::size_t N, const BondRecipe& recipe = papers_bond()) {
+  std::vector<Vec3d> r;
+  for (std::size_t k = 0; k < N; ++k) r.push_back({static_cast<double>(k), 0, 0});
+  Specimen s = particles_at(r);
+  for (std::size_t k = 0; k + 1 < N; ++k) bond(s, k, k + 1, recipe);
+  return s;
+}
+
+inline Stage plain_stage(double dt, double duration) {
+  Stage stage;
+  stage.name = "test";
+  stage.dt = dt;
+  stage.stops.duration = duration;
+  return stage;
+}
+
+inline Support held(const std::vector<ParticleId>& particles, HeldDofs dofs, const Vec3d& velocity = {}) {
+  Support s;
+  s.group = "held";
+  s.particles = particles;
+  s.held = dofs;
+  s.velocity = velocity;
+  return s;
+}
+inline constexpr HeldDofs translations{true, true, true, false, false, false};
+inline constexpr HeldDofs clamped{true, true, true, true, true, true};
+
+/// A uniform number in [0, 1) from an integer, the same everywhere.
+class Dice {
+ public:
+  explicit Dice(unsigned seed) : random_(seed) {}
+  double operator()(double low, double high) {
+    return low + (high - low) * static_cast<double>(random_() >> 11) * 0x1p-53;
+  }
+
+ private:
+  std::mt19937_64 random_;
+};
+
+}  // namespace vbond::testing

@@ -1,0 +1,84 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "rods.hpp"
+#include "vbond/core/error.hpp"
+
+namespace vbond {
+namespace {
+
+TEST(Stops, AfterTheDurationInWholeSteps) {
+  const testing::Specimen s = testing::straight_rod(2);
+  Simulation run(s.model, testing::plain_stage(0.1, 3.0), s.state);
+  EXPECT_EQ(run.run(), StopReason::duration);
+  EXPECT_EQ(run.state().clock.step, 30);
+  EXPECT_EQ(run.state().clock.time(), 30 * 0.1);
+}
+
+TEST(Stops, WhenTwoParticlesAreNearEnough) {
+  testing::Specimen s = testing::particles_at({{0, 0, 0}, {2, 0, 0}});
+  s.state.v = {{0, 0, 0}, {-0.1, 0, 0}};
+  Stage stage = testing::plain_stage(0.1, 1e9);
+  stage.stops.distance = DistanceStop{ParticleId{0}, ParticleId{1}, 1.0, true};
+  Simulation run(s.model, stage, s.state);
+  EXPECT_EQ(run.run(), StopReason::distance);
+  EXPECT_NEAR(run.state().clock.time(), 10.0, 0.1 + 1e-9);
+}
+
+// A damped swing at rest: its kinetic energy passes zero at every turn, which must not count as rest.
+TEST(Stops, AtRestButNotAtATurningPoint) {
+  testing::Specimen s = testing::straight_rod(2);
+  s.state.v = {{-0.01, 0, 0}, {0.01, 0, 0}};
+  Stage stage = testing::plain_stage(0.05, 1e9);
+  stage.b_translation = 0.02;
+  stage.stops.kinetic_energy_below = 1e-8;  // 1e-4 of the start: after ln(1e4) m / b = 460
+  Simulation run(s.model, stage, s.state);
+  EXPECT_EQ(run.run(), StopReason::kinetic_energy);
+  EXPECT_GT(run.state().clock.time(), 350.0);
+  EXPECT_LT(run.state().clock.time(), 480.0);
+}
+
+TEST(Stops, WhenTheBlockAverageHasFallenBelowItsPeak) {
+  testing::Specimen s = testing::straight_rod(2);
+  const std::vector<ParticleId> ends{ParticleId{0}, ParticleId{1}};
+  Stage stage = testing::plain_stage(0.1, 1e9);
+  stage.supports = {testing::held(ends, testing::clamped)};
+  stage.supports[0].velocity = {};
+  stage.supports.push_back(stage.supports[0]);
+  stage.supports[0].particles = {ends[0]};
+  stage.supports[1].particles = {ends[1]};
+  stage.supports[1].velocity = {-1e-3, 0, 0};  // compress for 10, then draw back
+  stage.supports[1].factor.points = {{0, 1}, {10, 1}, {10, -1}};
+  stage.stops.peak = PeakStop{PeakQuantity::compressive_force, ends, {}, 0.1, 1.0};
+  Simulation run(s.model, stage, s.state);
+  EXPECT_EQ(run.run(), StopReason::peak);
+  // force = c_A v t: the best block average is half a block before the turn, 0.0095 and 0.0095 just after
+  EXPECT_NEAR(run.state().peak.peak, 0.0095, 1e-4);  // sampled at the ends of steps: dt v / 2 = 5e-5 off
+  EXPECT_NEAR(run.state().peak.peak_time, 10.0, 1.0 + 1e-9);
+  EXPECT_LT(run.state().peak.last, 0.9 * run.state().peak.peak);
+}
+
+TEST(Simulation, StopsWhenALoadIsNotFinite) {
+  testing::Specimen s = testing::straight_rod(3);
+  s.state.v[ParticleId{2}] = {std::nan(""), 0, 0};
+  Simulation run(s.model, testing::plain_stage(0.1, 1.0), s.state);
+  try {
+    run.step();
+    FAIL() << "no error";
+  } catch (const Diverged& e) {
+    EXPECT_EQ(e.step, 1);
+    EXPECT_NE(std::string(e.what()).find("particle 1"), std::string::npos) << e.what();
+  }
+}
+
+TEST(Simulation, IsInterruptedBetweenSteps) {
+  const testing::Specimen s = testing::straight_rod(2);
+  Simulation run(s.model, testing::plain_stage(0.1, 100.0), s.state);
+  int asked = 0;
+  EXPECT_EQ(run.run([&] { return ++asked == 7; }), StopReason::interrupted);
+  EXPECT_EQ(run.state().clock.step, 7);
+}
+
+}  // namespace
+}  // namespace vbond

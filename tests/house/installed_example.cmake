@@ -1,0 +1,25 @@
+# Installs vbond, then configures, builds and runs examples/cpp against the installed copy alone,
+# as a user of the library would. Needs: build, config, example, work, compiler, flags.
+file(REMOVE_RECURSE ${work})
+
+function(step)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT status EQUAL 0)
+    list(JOIN ARGN " " command)
+    message(FATAL_ERROR "${command}\nfailed: ${status}\n${output}")
+  endif()
+  set(output "${output}" PARENT_SCOPE)
+endfunction()
+
+step(${CMAKE_COMMAND} --install ${build} --config ${config} --prefix ${work}/prefix)
+step(${CMAKE_COMMAND} -S ${example} -B ${work}/build -G Ninja -D CMAKE_BUILD_TYPE=${config}
+     -D CMAKE_CXX_COMPILER=${compiler} -D CMAKE_CXX_FLAGS=${flags}
+     -D CMAKE_PREFIX_PATH=${work}/prefix)
+step(${CMAKE_COMMAND} --build ${work}/build)
+step(${work}/build/rod)
+
+# P L^3 / (3 E J) with P = 1e-7, L = 10, E J = d^2/16 = 0.0025, exact for Bernoulli-Euler bonds; the
+# correction for finite deflection is 1.09 (w/L)^2 = 2e-6 of it, below the digits printed.
+if(NOT output MATCHES "tip deflection 0\\.013333,")
+  message(FATAL_ERROR "expected a tip deflection of 0.013333, the example printed:\n${output}")
+endif()

@@ -1,0 +1,188 @@
+#include "vbond/observe/checkpoint.hpp"
+
+#include <gtest/gtest.h>
+#include <hdf5.h>
+
+#include <chrono>
+#include <cstring>
+#include <limits>
+#include <random>
+#include <thread>
+
+#include "specimen.hpp"
+#include "vbond/core/error.hpp"
+#include "vbond/observe/seal.hpp"
+
+namespace vbond {
+namespace {
+
+using test::Chain;
+using test::content_of;
+using test::Folder;
+using test::put_content;
+
+/// A checkpoint in which no field has its default value, so that a forgotten one is noticed.
+Checkpoint busy_checkpoint(Chain& chain) {
+  chain.turn(1, {0.3, 0.4, 0.5}, 0.7);
+  chain.state.r[ParticleId{0}] = {-0.0, std::numeric_limits<double>::denorm_min(), 1e308};
+  chain.state.clock = {
+      .step = 5000000000, .stage_step = 4999999999, .stage = 2, .stage_start = 0.1, .dt = 1e-9};
+  chain.state.books = {
+      .at_start = 1.1, .dissipated = 2.2, .work_loads = 3.3, .work_supports = 4.4, .largest = 5.5};
+  chain.state.peak = {.sum = 0.1, .samples = 7, .last = 0.2, .peak = 0.3, .peak_time = 0.4, .blocks = 8};
+  chain.state.rest = {.armed = true, .quiet_steps = 9};
+  WatchRecord watch;
+  watch.bonds = {{BondRange::snapped, false}, {BondRange::strained, true}};
+  watch.strained = 3, watch.snapped = 2, watch.shortened = 1;
+  return {chain.state, watch};
+}
+
+std::string error_of(const std::filesystem::path& path, const Model& model) {
+  try {
+    read_checkpoint(path, model);
+  } catch (const IoError& e) {
+    return e.what();
+  }
+  return "no error";
+}
+
+void expect_error(const std::filesystem::path& path, const Model& model, const std::string& part) {
+  EXPECT_NE(error_of(path, model).find(part), std::string::npos) << error_of(path, model);
+  EXPECT_NE(error_of(path, model).find(path.string()), std::string::npos) << error_of(path, model);
+}
+
+TEST(Checkpoint, ReadsBackBitForBit) {
+  const Folder folder;
+  Chain chain;
+  const Checkpoint written = busy_checkpoint(chain);
+  write_checkpoint(folder / "checkpoint.h5", chain.model, written, "1.2.3");
+  const Checkpoint read = read_checkpoint(folder / "checkpoint.h5", chain.model);
+  EXPECT_TRUE(read == written);
+  // == does not tell -0 from 0
+  EXPECT_EQ(std::memcmp(read.state.r.data(), written.state.r.data(), 3 * sizeof(Vec3d)), 0);
+}
+
+TEST(Checkpoint, BodyWithoutBondsReadsBack) {
+  const Folder folder;
+  Chain chain(1);
+  write_checkpoint(folder / "c.h5", chain.model, {chain.state, {}}, "1.2.3");
+  EXPECT_TRUE(read_checkpoint(folder / "c.h5", chain.model).state == chain.state);
+}
+
+TEST(Checkpoint, SameStateGivesTheSameBytesLater) {
+  const Folder folder;
+  Chain chain;
+  const Checkpoint c = busy_checkpoint(chain);
+  write_checkpoint(folder / "a.h5", chain.model, c, "1.2.3");
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // HDF5 would store times in seconds
+  write_checkpoint(folder / "b.h5", chain.model, c, "1.2.3");
+  EXPECT_EQ(content_of(folder / "a.h5"), content_of(folder / "b.h5"));
+}
+
+TEST(Checkpoint, ReplacesTheOldOneAndLeavesNothingElse) {
+  const Folder folder;
+  Chain chain;
+  for (const std::int64_t step : {10, 20}) {
+    chain.at_step(step);
+    write_checkpoint(folder / "c.h5", chain.model, {chain.state, {}}, "1.2.3");
+  }
+  EXPECT_EQ(read_checkpoint(folder / "c.h5", chain.model).state.clock.step, 20);
+  std::size_t files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path())) files += entry.exists();
+  EXPECT_EQ(files, 1u);
+}
+
+TEST(Checkpoint, EveryTruncatedFileIsRefused) {
+  const Folder folder;
+  Chain chain;
+  write_checkpoint(folder / "c.h5", chain.model, busy_checkpoint(chain), "1.2.3");
+  const std::string whole = content_of(folder / "c.h5");
+  for (const double part : {0.0, 0.001, 0.1, 0.5, 0.9, 0.999}) {
+    put_content(folder / "cut.h5",
+                whole.substr(0, static_cast<std::size_t>(part * static_cast<double>(whole.size()))));
+    expect_error(folder / "cut.h5", chain.model, "cut short");
+  }
+}
+
+TEST(Checkpoint, RandomBytesAreRefused) {
+  const Folder folder;
+  Chain chain;
+  std::mt19937 random(1);
+  std::string bytes(20000, '\0');
+  for (char& c : bytes) c = static_cast<char>(random());
+  put_content(folder / "random.h5", bytes);
+  expect_error(folder / "random.h5", chain.model, "is not a checkpoint of vbond");
+}
+
+TEST(Checkpoint, EveryDamagedByteIsNoticed) {
+  const Folder folder;
+  Chain chain;
+  write_checkpoint(folder / "c.h5", chain.model, busy_checkpoint(chain), "1.2.3");
+  const std::string whole = content_of(folder / "c.h5");
+  for (std::size_t at = seal_size; at < whole.size(); at += 97) {
+    std::string damaged = whole;
+    damaged[at] = static_cast<char>(damaged[at] ^ 4);
+    put_content(folder / "d.h5", damaged);
+    expect_error(folder / "d.h5", chain.model, "checksum");
+  }
+}
+
+TEST(Checkpoint, MissingFileIsToldInTheSystemsWords) {
+  const Folder folder;
+  expect_error(folder / "none.h5", Chain().model, "No such file");
+}
+
+TEST(Checkpoint, ForeignHdf5FileIsRefused) {
+  const Folder folder;
+  H5Fclose(H5Fcreate((folder / "foreign.h5").c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT));
+  expect_error(folder / "foreign.h5", Chain().model, "is not a checkpoint of vbond");
+}
+
+TEST(Checkpoint, NewerFormatNamesTheVersionToUse) {
+  const Folder folder;
+  Chain chain;
+  write_checkpoint(folder / "c.h5", chain.model, {chain.state, {}}, "9.8.7");
+  std::string newer = content_of(folder / "c.h5");
+  newer.replace(newer.find("format 1\n"), 9, "format 7\n");
+  put_content(folder / "c.h5", newer);
+  expect_error(folder / "c.h5", chain.model, "vbond 9.8.7, in format 7");
+}
+
+TEST(Checkpoint, OtherModelIsRefused) {
+  const Folder folder;
+  Chain chain;
+  write_checkpoint(folder / "c.h5", chain.model, {chain.state, {}}, "1.2.3");
+  expect_error(folder / "c.h5", Chain(4).model, "it has 3 particles, the case has 4");
+  Model heavier = chain.model;
+  heavier.mass[ParticleId{1}] *= 1.0 + 1e-15;
+  expect_error(folder / "c.h5", heavier, "masses differ");
+  Model moved = chain.model;
+  moved.r_0[ParticleId{1}].z += 1e-300;
+  expect_error(folder / "c.h5", moved, "first positions differ");
+}
+
+TEST(Checkpoint, ImpossibleBondIsRefused) {
+  const Folder folder;
+  Chain chain;
+  chain.state.bonds[BondId{0}].j = ParticleId{77};
+  write_checkpoint(folder / "c.h5", chain.model, {chain.state, {}}, "1.2.3");
+  expect_error(folder / "c.h5", chain.model, "impossible ends");
+}
+
+TEST(Checkpoint, UnwritableFolderIsAnError) {
+  const Folder folder;
+  Chain chain;
+  EXPECT_THROW(write_checkpoint(folder / "nowhere/c.h5", chain.model, {chain.state, {}}, "1"), IoError);
+}
+
+TEST(Checkpoint, ErrorsOfHdf5AreNotPrinted) {
+  const Folder folder;
+  put_content(folder / "c.h5", std::string(seal_size, ' ') + "not HDF5");
+  write_seal(folder / "c.h5", 1, "1.2.3");  // sound in itself, so that HDF5 has to find out
+  testing::internal::CaptureStderr();
+  EXPECT_NE(error_of(folder / "c.h5", Chain().model), "no error");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+}  // namespace
+}  // namespace vbond

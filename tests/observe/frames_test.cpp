@@ -1,0 +1,236 @@
+#include "vbond/observe/frames.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <sstream>
+
+#include "specimen.hpp"
+#include "vbond/core/error.hpp"
+#include "vtp_reader.hpp"
+
+namespace vbond {
+namespace {
+
+using test::Chain;
+using test::content_of;
+using test::Folder;
+using test::lines_of;
+using test::put_content;
+using test::VtpReader;
+
+constexpr double pi = std::numbers::pi;
+
+std::vector<double> flat(const PerParticle<Vec3d>& column) {
+  std::vector<double> out;
+  for (const Vec3d& x : column) out.insert(out.end(), {x.x, x.y, x.z});
+  return out;
+}
+
+void expect_well_formed(const VtpReader& f) {
+  const std::size_t cells = f.verts + f.lines;
+  for (const auto& [name, array] : f.arrays) {
+    const std::size_t item = array.type == "UInt8" ? 1 : 8;
+    const std::size_t tuples = array.section == "PointData" || array.section == "Points" ? f.points
+                               : name == "connectivity" ? f.verts + 2 * f.lines
+                                                        : cells;
+    EXPECT_EQ(array.bytes.size(), tuples * array.components * item) << name;
+    EXPECT_TRUE(array.type == "Float64" || array.type == "Int64" || array.type == "UInt8") << name;
+  }
+  EXPECT_EQ(f.after_arrays.find("\n  </AppendedData>\n</VTKFile>"), 0u);
+}
+
+TEST(ParticleFrame, ReadsBackBitForBit) {
+  const Folder folder;
+  Chain chain;
+  chain.state.r[ParticleId{1}] += Vec3d{1e-17, 0.25, -1.0 / 3.0};
+  chain.turn(2, {0, 0, 1}, 0.3);
+  write_particles_vtp(folder / "p.vtp", chain.model, chain.state);
+  const VtpReader f(content_of(folder / "p.vtp"));
+
+  expect_well_formed(f);
+  EXPECT_EQ(f.points, 3u);
+  EXPECT_EQ(f.verts, 3u);
+  EXPECT_EQ(f.lines, 0u);
+  EXPECT_EQ(std::stod(f.in_text.at("TimeValue")), chain.state.clock.time());
+  EXPECT_EQ(f.in_text.at("Step"), "1200");
+  EXPECT_EQ(f.arrays.at("Points").as<double>(), flat(chain.state.r));
+  EXPECT_EQ(f.arrays.at("connectivity").as<std::int64_t>(), (std::vector<std::int64_t>{0, 1, 2}));
+  EXPECT_EQ(f.arrays.at("offsets").as<std::int64_t>(), (std::vector<std::int64_t>{1, 2, 3}));
+  EXPECT_EQ(f.arrays.at("radius").as<double>(), chain.model.radius.values());
+  EXPECT_EQ(f.arrays.at("velocity").as<double>(), flat(chain.state.v));
+  EXPECT_EQ(f.arrays.at("angular_velocity").as<double>(), flat(chain.state.omega));
+  EXPECT_EQ(f.arrays.at("id").as<std::int64_t>(), (std::vector<std::int64_t>{0, 1, 2}));
+  const auto rotation = f.arrays.at("rotation").as<double>();
+  EXPECT_EQ(rotation[5], 0.0);
+  EXPECT_NEAR(rotation[8], 0.3, 1e-15);  // sine, cosine and arctangent, each good to an ulp of 0.3
+  const auto displacement = f.arrays.at("displacement").as<double>();
+  EXPECT_EQ(displacement[4], 0.25);
+  EXPECT_EQ(displacement[6], 0.0);
+}
+
+TEST(BondFrame, ShowsStretchTwistAndBendOfEachBond) {
+  const Folder folder;
+  Chain chain(4);
+  chain.state.r[ParticleId{0}].x -= 0.01;  // bond 0: stretched
+  chain.turn(2, {1, 0, 0}, pi / 3);        // bonds 1 and 2: twisted by 60 degrees, there and back
+  write_bonds_vtp(folder / "b.vtp", chain.model, chain.state);
+  const VtpReader f(content_of(folder / "b.vtp"));
+
+  expect_well_formed(f);
+  EXPECT_EQ(f.points, 4u);
+  EXPECT_EQ(f.verts, 0u);
+  EXPECT_EQ(f.lines, 3u);
+  EXPECT_EQ(f.arrays.at("connectivity").as<std::int64_t>(), (std::vector<std::int64_t>{0, 1, 1, 2, 2, 3}));
+  EXPECT_EQ(f.arrays.at("offsets").as<std::int64_t>(), (std::vector<std::int64_t>{2, 4, 6}));
+  EXPECT_EQ(f.arrays.at("set").as<std::int64_t>(), (std::vector<std::int64_t>{0, 1, 2}));
+  const auto value = [&f](const char* name, std::size_t bond) {
+    return f.arrays.at(name).as<double>()[bond];
+  };
+  // positions near 1 are known to 2e-16, angles are good to some ulp: 1e-14 is far above both
+  EXPECT_NEAR(value("elongation", 0), 0.01, 1e-14);
+  EXPECT_NEAR(value("axial_force", 0), 0.01, 1e-14);  // B1 = 1: tension is positive
+  EXPECT_NEAR(value("U_L", 0), 0.5 * 1e-4, 1e-14);    // B1/2 (D - a)^2
+  EXPECT_EQ(value("shear_force", 0), 0.0);
+  EXPECT_NEAR(std::abs(value("twist", 1)), 60.0, 1e-12);
+  EXPECT_NEAR(value("twist", 1), -value("twist", 2), 1e-12);
+  EXPECT_NEAR(value("bend", 1), 0.0, 1e-12);
+  // torque of the EVM (bond 1) is B4 sin t, of the V-model (bond 2) B4/2 sin 2t
+  EXPECT_NEAR(value("moment_i", 1), 0.00208333 * std::sin(pi / 3), 1e-15);
+  EXPECT_NEAR(value("moment_j", 2), 0.00208333 / 2 * std::sin(2 * pi / 3), 1e-15);
+  EXPECT_NEAR(value("U_T", 1), 0.00208333 * (1 - std::cos(pi / 3)), 1e-15);
+  EXPECT_EQ(f.arrays.at("range").as<std::uint8_t>(), (std::vector<std::uint8_t>{0, 1, 1}));
+}
+
+TEST(BondFrame, BodyWithoutBondsIsAValidFile) {
+  const Folder folder;
+  Chain chain(1);
+  write_bonds_vtp(folder / "b.vtp", chain.model, chain.state);
+  const VtpReader f(content_of(folder / "b.vtp"));
+  expect_well_formed(f);
+  EXPECT_EQ(f.lines, 0u);
+  EXPECT_TRUE(f.arrays.at("elongation").bytes.empty());
+}
+
+/// (time, file) of every entry of a .pvd.
+std::vector<std::pair<double, std::string>> entries(const std::string& pvd) {
+  std::vector<std::pair<double, std::string>> out;
+  const auto after = [&pvd](const std::string& key, std::size_t at) {
+    const std::size_t from = pvd.find(key, at) + key.size();
+    return pvd.substr(from, pvd.find('"', from) - from);
+  };
+  for (std::size_t at = pvd.find("<DataSet"); at != std::string::npos; at = pvd.find("<DataSet", at + 1))
+    out.emplace_back(std::stod(after("timestep=\"", at)), after("file=\"", at));
+  return out;
+}
+
+void write_frames(FrameWriter& writer, Chain& chain, const std::vector<std::int64_t>& steps) {
+  for (const std::int64_t step : steps) {
+    chain.at_step(step);
+    chain.state.r[ParticleId{0}].y = 1e-3 * static_cast<double>(step);
+    writer.write(chain.model, chain.state);
+  }
+}
+
+TEST(Frames, ListNamesEveryFrameWithItsTime) {
+  const Folder folder;
+  Chain chain;
+  FrameWriter writer(folder.path(), false, {});
+  EXPECT_EQ(entries(content_of(folder / "bonds.pvd")).size(), 0u);
+  write_frames(writer, chain, {0, 3, 1000});
+  for (const std::string kind : {"particles", "bonds"}) {
+    const auto list = entries(content_of(folder / (kind + ".pvd")));
+    ASSERT_EQ(list.size(), 3u);
+    EXPECT_EQ(list[1].first, 3 * 0.1);  // bit for bit, although 3 * 0.1 is not 0.3
+    EXPECT_EQ(list[2].second, "frames/" + kind + "_000000001000.vtp");
+    for (const auto& [time, name] : list)
+      EXPECT_EQ(std::stod(VtpReader(content_of(folder / name)).in_text.at("TimeValue")), time);
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder / "dump.lammpstrj"));
+}
+
+TEST(Frames, ContinuedFilesEqualTheUninterruptedOnes) {
+  const Folder folder;
+  Chain chain;
+  std::filesystem::create_directories(folder / "whole");
+  std::filesystem::create_directories(folder / "killed");
+  {
+    FrameWriter writer(folder / "whole", true, {});
+    write_frames(writer, chain, {0, 10, 20, 30});
+  }
+  {
+    FrameWriter writer(folder / "killed", true, {});
+    write_frames(writer, chain, {0, 10, 20, 27});  // 27: the end of a stage that will come out otherwise
+  }
+  const auto dump = folder / "killed/dump.lammpstrj";
+  put_content(dump, content_of(dump) + "ITEM: TIMES");  // killed in the middle of the next frame
+  FrameWriter writer(folder / "killed", true, 25);
+  EXPECT_EQ(writer.last_step(), 20);
+  write_frames(writer, chain, {30});
+  std::size_t files = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder / "whole")) {
+    if (!entry.is_regular_file()) continue;
+    const auto name = std::filesystem::relative(entry.path(), folder / "whole").string();
+    EXPECT_EQ(content_of(folder / ("killed/" + name)), content_of(entry.path())) << name;
+    ++files;
+  }
+  EXPECT_EQ(files, 2u * 4 + 3);  // frames, two lists and the dump
+  EXPECT_FALSE(std::filesystem::exists(folder / "killed/frames/bonds_000000000027.vtp"));
+}
+
+TEST(Frames, DumpCutInsideALineIsMended) {
+  const Folder folder;
+  Chain chain;
+  {
+    FrameWriter writer(folder.path(), true, {});
+    write_frames(writer, chain, {0, 10});
+  }
+  const std::string whole = content_of(folder / "dump.lammpstrj");
+  for (const std::string tail :
+       {"I", "ITEM: TIMESTEP\n", "ITEM: TIMESTEP\n2", "ITEM: TIMESTEP\n20\nITEM: NUM"}) {
+    put_content(folder / "dump.lammpstrj", whole + tail);
+    FrameWriter writer(folder.path(), true, 10);
+    EXPECT_EQ(content_of(folder / "dump.lammpstrj"), whole) << tail;
+  }
+}
+
+TEST(Frames, ForeignListIsNotContinued) {
+  const Folder folder;
+  { FrameWriter writer(folder.path(), false, {}); }
+  put_content(folder / "particles.pvd", "<xml/>");
+  EXPECT_THROW(FrameWriter(folder.path(), false, 0), IoError);
+}
+
+TEST(LammpsDump, ParsesByItsOwnHeaders) {
+  Chain chain;
+  chain.turn(1, {0, 1, 0}, 0.5);
+  const auto lines = lines_of(lammps_frame(chain.model, chain.state));
+  ASSERT_EQ(lines.size(), 9u + 3);
+  EXPECT_EQ(lines[1], "1200");
+  EXPECT_EQ(lines[3], "3");
+  const std::string columns = "ITEM: ATOMS id type x y z vx vy vz radius quatw quati quatj quatk";
+  EXPECT_EQ(lines[8], columns);
+  double low = 0, high = 0;
+  std::istringstream(lines[5]) >> low >> high;
+  EXPECT_EQ(low, -chain.model.radius[ParticleId{0}]);
+  EXPECT_EQ(high, 2.0 + chain.model.radius[ParticleId{2}]);
+  for (const ParticleId p : chain.model.mass.ids()) {
+    std::istringstream row(lines[9 + p.value]);
+    std::size_t id = 0;
+    int type = 0;
+    Vec3d r, v;
+    double radius = 0;
+    Quatd q;
+    row >> id >> type >> r.x >> r.y >> r.z >> v.x >> v.y >> v.z >> radius >> q.w >> q.x >> q.y >> q.z;
+    EXPECT_FALSE(row.fail());
+    EXPECT_EQ(id, p.value + 1u);  // LAMMPS counts from 1
+    EXPECT_EQ(type, 1);
+    EXPECT_EQ(r, chain.state.r[p]);
+    EXPECT_EQ(v, chain.state.v[p]);
+    EXPECT_EQ(radius, chain.model.radius[p]);
+    EXPECT_EQ(q, chain.state.q[p]);
+  }
+}
+
+}  // namespace
+}  // namespace vbond

@@ -1,0 +1,193 @@
+#include "vbond/observe/observers.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <set>
+
+#include "specimen.hpp"
+#include "vbond/core/error.hpp"
+#include "vbond/dynamics/simulation.hpp"
+
+namespace vbond {
+namespace {
+
+using test::Chain;
+using test::content_of;
+using test::Folder;
+using test::lines_of;
+
+constexpr double dt = 0.05;
+
+OutputPlan plan_in(const std::filesystem::path& folder) {
+  OutputPlan plan;
+  plan.folder = folder;
+  plan.history_every = 10 * dt;
+  plan.frames_every = 16 * dt;
+  plan.lammps_dump = true;
+  plan.checkpoint_every = 7 * dt;
+  plan.watch_every = 3;
+  plan.reactions = {{"left", {ParticleId{0}}}};
+  plan.axial_force = {{"all", {ParticleId{0}, ParticleId{1}, ParticleId{2}}}};
+  plan.displacements = {ParticleId{2}};
+  return plan;
+}
+
+/// Two stages of 25 and 31 steps: neither is a multiple of an interval.
+std::vector<Stage> two_stages() {
+  Stage first, second;
+  first.name = "pull";
+  first.dt = dt;
+  first.loads = {{"end", {ParticleId{2}}, {1e-3, 1e-4, 0}, {}, {}}};
+  first.stops.duration = 25 * dt;
+  second.name = "let go";
+  second.dt = dt;
+  second.b_translation = 0.01;
+  second.stops.duration = 31 * dt;
+  return {first, second};
+}
+
+State at_rest(const Chain& chain) {
+  State s = chain.state;
+  s.clock = {};
+  for (Vec3d& v : s.v) v = {};
+  for (Vec3d& w : s.omega) w = {};
+  return s;
+}
+
+/// Runs from this state to the end, or until `stop_at` steps have been made.
+StopReason run_from(const OutputPlan& plan, const Model& model, State state, const Checkpoint* resume,
+                    std::int64_t stop_at) {
+  const FileObservers files = open_output(plan, {}, "1.2.3", resume);
+  const auto stages = two_stages();
+  StopReason why = StopReason::running;
+  for (auto k = static_cast<std::size_t>(state.clock.stage); k < stages.size(); ++k) {
+    Simulation run(model, stages[k], state);
+    for (const auto& o : files.all()) run.add_observer(o);
+    why = run.run([&] { return run.state().clock.step >= stop_at; });
+    if (why == StopReason::interrupted) return why;
+    state = run.state();
+    state.clock.stage_start = state.clock.time();
+    state.clock.stage_step = 0;
+    ++state.clock.stage;
+  }
+  return why;
+}
+
+constexpr std::int64_t never = 1 << 30;
+
+std::vector<std::int64_t> history_steps(const std::filesystem::path& folder) {
+  const auto lines = lines_of(content_of(folder / "history.csv"));
+  std::vector<std::int64_t> steps;
+  for (std::size_t k = 1; k < lines.size(); ++k) steps.push_back(std::strtoll(lines[k].c_str(), nullptr, 10));
+  return steps;
+}
+
+TEST(Observers, RowsStandAtTheIntervalAndAtStageEndsAndNeverTwice) {
+  const Folder folder;
+  const Chain chain;
+  EXPECT_EQ(run_from(plan_in(folder.path()), chain.model, at_rest(chain), nullptr, never),
+            StopReason::duration);
+  EXPECT_EQ(history_steps(folder.path()), (std::vector<std::int64_t>{0, 10, 20, 25, 35, 45, 55, 56}));
+  std::vector<std::string> frames;
+  for (const auto& f : std::filesystem::directory_iterator(folder / "frames"))
+    frames.push_back(f.path().filename().string());
+  std::sort(frames.begin(), frames.end());
+  EXPECT_EQ(frames.size(), 2u * 5);  // 0, 16, 25, 41, 56
+  EXPECT_EQ(frames.back(), "particles_000000000056.vtp");
+  EXPECT_EQ(read_checkpoint(folder / "checkpoint.h5", chain.model).state.clock.step, 56);
+}
+
+TEST(Observers, InterruptionAddsNoRowAndNoFrame) {
+  const Folder folder;
+  const Chain chain;
+  EXPECT_EQ(run_from(plan_in(folder.path()), chain.model, at_rest(chain), nullptr, 13),
+            StopReason::interrupted);
+  EXPECT_EQ(history_steps(folder.path()), (std::vector<std::int64_t>{0, 10}));
+  EXPECT_EQ(read_checkpoint(folder / "checkpoint.h5", chain.model).state.clock.step, 13);
+}
+
+void expect_same_files(const std::filesystem::path& a, const std::filesystem::path& b) {
+  std::size_t files = 0;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(a)) {
+    if (!entry.is_regular_file()) continue;
+    const auto name = std::filesystem::relative(entry.path(), a);
+    EXPECT_TRUE(content_of(entry.path()) == content_of(b / name)) << name;
+    ++files;
+  }
+  EXPECT_EQ(files, 2u * 5 + 5);  // frames; history, dump, two lists, checkpoint
+}
+
+TEST(Observers, ResumedRunLeavesTheFilesOfAnUndisturbedOne) {
+  const Chain chain;
+  const Folder folder;
+  std::filesystem::create_directories(folder / "whole");
+  run_from(plan_in(folder / "whole"), chain.model, at_rest(chain), nullptr, never);
+  // in the first stage, at a row, at the end of the stage, and in the second one
+  for (const std::int64_t step : {3, 10, 24, 25, 26, 40}) {
+    SCOPED_TRACE(step);
+    const auto cut = folder / ("cut_" + std::to_string(step));
+    std::filesystem::create_directories(cut);
+    run_from(plan_in(cut), chain.model, at_rest(chain), nullptr, step);
+    const Checkpoint c = read_checkpoint(cut / "checkpoint.h5", chain.model);
+    EXPECT_EQ(run_from(plan_in(cut), chain.model, c.state, &c, never), StopReason::duration);
+    expect_same_files(folder / "whole", cut);
+  }
+}
+
+TEST(Observers, KilledRunGoesOnFromItsLastCheckpoint) {
+  const Chain chain;
+  const Folder folder;
+  std::filesystem::create_directories(folder / "whole");
+  std::filesystem::create_directories(folder / "killed");
+  run_from(plan_in(folder / "whole"), chain.model, at_rest(chain), nullptr, never);
+  // a checkpoint of step 13 beside files that have gone on to the end, as after a kill
+  run_from(plan_in(folder / "killed"), chain.model, at_rest(chain), nullptr, 13);
+  std::filesystem::copy_file(folder / "killed/checkpoint.h5", folder / "early.h5");
+  run_from(plan_in(folder / "killed"), chain.model, at_rest(chain), nullptr, never);
+  const Checkpoint c = read_checkpoint(folder / "early.h5", chain.model);
+  run_from(plan_in(folder / "killed"), chain.model, c.state, &c, never);
+  expect_same_files(folder / "whole", folder / "killed");
+}
+
+TEST(Observers, UnphysicalStateIsNeverWritten) {
+  const Folder folder;
+  Chain chain;
+  OutputPlan plan = plan_in(folder.path());
+  plan.watch_every = 1;
+  plan.energy_error = 1e-30;  // below rounding: the first moving step breaks it
+  EXPECT_THROW(run_from(plan, chain.model, at_rest(chain), nullptr, never), Diverged);
+  EXPECT_EQ(history_steps(folder.path()), std::vector<std::int64_t>{0});
+  EXPECT_FALSE(std::filesystem::exists(folder / "checkpoint.h5"));
+}
+
+TEST(TableObserver, PrintsOneHeaderAndEachStepOnce) {
+  const Chain chain;
+  std::FILE* out = std::tmpfile();
+  ASSERT_NE(out, nullptr);
+  const auto table = std::make_shared<TableObserver>(out);
+  State state = at_rest(chain);
+  for (const Stage& stage : two_stages()) {
+    Simulation run(chain.model, stage, state);
+    run.add_observer(table);
+    run.run();
+    state = run.state();
+    state.clock.stage_start = state.clock.time();
+    state.clock.stage_step = 0;
+    ++state.clock.stage;
+  }
+  std::rewind(out);
+  std::string text(100000, '\0');
+  text.resize(std::fread(text.data(), 1, text.size(), out));
+  std::fclose(out);
+  const auto lines = lines_of(text);
+  // 25 steps: every second, 13 rows and the end; 31 steps: 16 rows less the first, which is that end
+  EXPECT_EQ(lines.size(), 1u + 14 + 15 + 1);
+  std::set<std::string> distinct(lines.begin(), lines.end());
+  EXPECT_EQ(distinct.size(), lines.size());
+}
+
+}  // namespace
+}  // namespace vbond

@@ -1,0 +1,48 @@
+#include "vbond/observe/report.hpp"
+
+#include <gtest/gtest.h>
+
+#include "specimen.hpp"
+
+namespace vbond {
+namespace {
+
+TEST(Table, RowsAreAsWideAsTheHeaderForSmallAndLargeValues) {
+  test::Chain chain;
+  const std::size_t width = table_header().size();
+  EXPECT_EQ(table_row(chain.state, {}, 0.0, {}).size(), width);
+  chain.at_step(999999999999);
+  chain.state.books.work_loads = -1.23456789e-123;
+  EXPECT_EQ(table_row(chain.state, {-1e-300, 0, -1e300, 0, 0, 0}, -1e-100, {99999999, 99999999}).size(),
+            width);
+}
+
+TEST(Table, StageGivesAtMost25RowsAndTheEnd) {
+  for (const std::int64_t steps : {1, 2, 23, 24, 25, 47, 1000, 1000000007}) {
+    const std::int64_t rows = steps / table_interval(steps) + 1;  // the first row and every interval
+    EXPECT_LE(rows, 25) << steps;
+    EXPECT_GE(rows, std::min<std::int64_t>(steps + 1, 13)) << steps;  // rounding up may halve the number
+  }
+}
+
+TEST(Progress, RemainingTimeFollowsFromTheSpeed) {
+  // 1000 steps in 10 s since the run was resumed at 5000: 4000 left are 40 s
+  EXPECT_EQ(progress_line("squeeze", 6000, 5000, 10000, 10.0),
+            "stage squeeze: step 6000, 60.0 %, 100 steps/s, at most 0:00:40 left");
+  EXPECT_EQ(progress_line("squeeze", 5000, 5000, 10000, 0.0), "stage squeeze: step 5000, 50.0 %");
+}
+
+TEST(Progress, HoursAreWrittenOut) {
+  EXPECT_EQ(hours(3600 * 25 + 61), "25:01:01");
+}
+
+TEST(Timing, SharesAddUp) {
+  const auto lines = test::lines_of(timing_table({{"build", 1.0}, {"steps", 3.0}}));
+  ASSERT_EQ(lines.size(), 3u);
+  EXPECT_NE(lines[0].find(" 25.0 %"), std::string::npos);
+  EXPECT_NE(lines[1].find(" 75.0 %"), std::string::npos);
+  EXPECT_NE(lines[2].find("4.000 s"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace vbond

@@ -1,0 +1,170 @@
+#include "vbond/observe/watch.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "specimen.hpp"
+#include "vbond/core/error.hpp"
+#include "vbond/observe/bond_look.hpp"
+
+namespace vbond {
+namespace {
+
+using test::Chain;
+
+constexpr double degree = std::numbers::pi / 180.0;
+constexpr double allowed = 0.05;
+
+/// A watch that writes down what it is told.
+struct Listener {
+  std::vector<std::string> told;
+  Watch watch;
+  explicit Listener(WatchRecord record = {})
+      : watch(
+            allowed, [this](const std::string& text) { told.push_back(text); }, std::move(record)) {}
+  Listener(const Listener&) = delete;
+  Listener& operator=(const Listener&) = delete;
+
+  void look(const Chain& chain, double error = 0.0) { watch.look(chain.model, chain.state, {}, error); }
+};
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+std::string failure(Listener& l, const Chain& chain, const Energies& energies = {}, double error = 0.0) {
+  try {
+    l.watch.look(chain.model, chain.state, energies, error);
+  } catch (const Diverged& e) {
+    EXPECT_EQ(e.step, 1200);
+    return e.what();
+  }
+  return "no error";
+}
+
+TEST(Watch, RestIsQuiet) {
+  Listener l;
+  l.look(Chain());
+  EXPECT_TRUE(l.told.empty());
+  EXPECT_EQ(count_ranges(Chain().state), (RangeCounts{0, 0}));
+}
+
+TEST(Watch, TwistBeyond90DegreesIsReportedOnceAsSnapped) {
+  Chain chain(2);
+  chain.turn(1, {1, 0, 0}, 91 * degree);
+  EXPECT_EQ(count_ranges(chain.state), (RangeCounts{0, 1}));
+  Listener l;
+  l.look(chain);
+  l.look(chain);
+  ASSERT_EQ(l.told.size(), 1u);
+  EXPECT_TRUE(contains(l.told[0], "bond 0 (particles 0, 1) has snapped")) << l.told[0];
+  EXPECT_TRUE(contains(l.told[0], "t = 120:")) << l.told[0];
+  EXPECT_TRUE(contains(l.told[0], "tilted by 0.0 and 0.0 degrees and twisted by")) << l.told[0];
+  EXPECT_TRUE(contains(l.told[0], "91.0")) << l.told[0];
+}
+
+TEST(Watch, EachWorseningIsReportedOnceAndRecoveryIsNot) {
+  Chain strained(2), snapped(2);
+  strained.turn(1, {0, 0, 1}, 46 * degree);
+  snapped.turn(1, {0, 0, 1}, 91 * degree);
+  Listener l;
+  for (const Chain* c : {&strained, &snapped, &strained, &snapped}) l.look(*c);
+  l.look(Chain(2));
+  l.look(strained);
+  ASSERT_EQ(l.told.size(), 2u);
+  EXPECT_TRUE(contains(l.told[0], "is strained")) << l.told[0];
+  EXPECT_TRUE(contains(l.told[0], "tilted by 0.0 and 46.0 degrees")) << l.told[0];
+  EXPECT_TRUE(contains(l.told[1], "has snapped")) << l.told[1];
+  EXPECT_EQ(l.watch.record().strained, 1);
+  EXPECT_EQ(l.watch.record().snapped, 1);
+}
+
+TEST(Watch, JustInsideTheRangeIsQuiet) {
+  Chain chain(2);
+  chain.turn(1, {1, 0, 0}, 44.9 * degree);
+  Listener l;
+  l.look(chain);
+  EXPECT_TRUE(l.told.empty());
+}
+
+TEST(Watch, ManyReportsAreCutAndSummedUpOnce) {
+  Chain chain(14);
+  for (std::size_t k = 1; k < 14; k += 2) chain.turn(k, {1, 0, 0}, 60 * degree);  // all 13 bonds
+  Listener l;
+  l.look(chain);
+  EXPECT_EQ(l.told.size(), static_cast<std::size_t>(Watch::told_in_full));
+  l.watch.summarise();
+  l.watch.summarise();
+  ASSERT_EQ(l.told.size(), static_cast<std::size_t>(Watch::told_in_full) + 1);
+  EXPECT_TRUE(contains(l.told.back(), "3 more bonds were strained: 13 in all")) << l.told.back();
+}
+
+TEST(Watch, GoesOnFromItsRecordWithoutRepeatingItself) {
+  Chain chain(2);
+  chain.turn(1, {1, 0, 0}, 91 * degree);
+  Listener before;
+  before.look(chain);
+  Listener after(before.watch.record());
+  after.look(chain);
+  EXPECT_TRUE(after.told.empty());
+}
+
+TEST(Watch, BondMadeDuringTheRunIsWatchedToo) {
+  Chain chain(2);
+  Listener l;
+  l.look(chain);
+  Bond second = chain.state.bonds[BondId{0}];
+  chain.state.bonds.push_back(second);
+  chain.turn(1, {1, 0, 0}, 60 * degree);
+  l.look(chain);
+  EXPECT_EQ(l.told.size(), 2u);
+}
+
+TEST(Watch, ShortBondIsAWarningAndAClosedOneStopsTheRun) {
+  Chain chain(2);
+  chain.state.r[ParticleId{1}].x = 0.49;
+  Listener l;
+  l.look(chain);
+  l.look(chain);
+  ASSERT_EQ(l.told.size(), 1u);
+  EXPECT_TRUE(contains(l.told[0], "shorter than half")) << l.told[0];
+  chain.state.r[ParticleId{1}].x = 1.1e-6;
+  EXPECT_EQ(failure(l, chain), "no error");
+  chain.state.r[ParticleId{1}].x = 0.9e-6;
+  EXPECT_TRUE(contains(failure(l, chain), "bond 0 (particles 0, 1)")) << failure(l, chain);
+}
+
+TEST(Watch, NotANumberNamesTheParticle) {
+  Chain chain;
+  chain.state.v[ParticleId{1}].y = std::numeric_limits<double>::quiet_NaN();
+  Energies e;
+  e.kinetic_translation = chain.state.v[ParticleId{1}].y;
+  Listener l;
+  const std::string text = failure(l, chain, e);
+  EXPECT_TRUE(contains(text, "step 1200: particle 1")) << text;
+  EXPECT_TRUE(contains(text, "time.step")) << text;
+}
+
+TEST(Watch, NotANumberInABondNamesTheBond) {
+  Chain chain;
+  chain.state.bonds[BondId{1}].B1 = std::numeric_limits<double>::infinity();  // times (D - a)^2 = 0
+  Energies e;
+  e.U_L = std::numeric_limits<double>::quiet_NaN();
+  Listener l;
+  EXPECT_TRUE(contains(failure(l, chain, e), "bond 1 (particles 1, 2)")) << failure(l, chain, e);
+}
+
+TEST(Watch, EnergyJumpStopsTheRunEitherWayAndNotBelowTheBound) {
+  Chain chain;
+  Listener l;
+  EXPECT_EQ(failure(l, chain, {}, allowed), "no error");
+  EXPECT_EQ(failure(l, chain, {}, -allowed), "no error");
+  for (const double error : {1.01 * allowed, -1.01 * allowed, std::numeric_limits<double>::quiet_NaN()})
+    EXPECT_TRUE(contains(failure(l, chain, {}, error), "watch.energy_error = 0.05")) << error;
+}
+
+}  // namespace
+}  // namespace vbond

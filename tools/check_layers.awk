@@ -1,0 +1,120 @@
+# The rules of tools/check_layers. First file: the table; the others: sources, paths from the root.
+
+function bad(what) {
+  printf "%s:%d: %s\n", FILENAME, FNR, what
+  broken++
+}
+
+function bad_table(what) {
+  printf "%s:%d: %s\n", FILENAME, FNR, what > "/dev/stderr"
+  table_broken = 1
+  exit 2
+}
+
+# The line without comments and without the insides of strings and character constants;
+# remembers an open block comment or raw string in `open_until`.
+function code_of(line,   out, at, rest, mark, delimiter) {
+  out = ""
+  while (line != "") {
+    if (open_until != "") {
+      at = index(line, open_until)
+      if (at == 0) return out
+      line = substr(line, at + length(open_until))
+      open_until = ""
+      continue
+    }
+    # a quote between digits (1'000) separates digits and opens nothing
+    gsub(/[0-9]'[0-9]/, "0", line)
+    if (!match(line, /\/\/|\/\*|R"|"|'/)) return out line
+    mark = substr(line, RSTART, RLENGTH)
+    out = out substr(line, 1, RSTART - 1)
+    rest = substr(line, RSTART + RLENGTH)
+    if (mark == "//") return out
+    if (mark == "/*") {
+      open_until = "*/"
+      out = out " "
+    } else if (mark == "R\"") {
+      delimiter = substr(rest, 1, index(rest, "(") - 1)
+      open_until = ")" delimiter "\""
+      rest = substr(rest, length(delimiter) + 2)
+    } else if (mark == "\"") {
+      if (!match(rest, /^([^"\\]|\\.)*"/)) return out
+      out = out "\"\""
+      rest = substr(rest, RLENGTH + 1)
+    } else {
+      if (!match(rest, /^([^'\\]|\\.)*'/)) return out
+      out = out "0"
+      rest = substr(rest, RLENGTH + 1)
+    }
+    line = rest
+  }
+  return out
+}
+
+function check_include(line,   name, parts) {
+  if (!match(line, /[<"][^>"]*[>"]/)) {
+    bad("an #include must name its file")
+    return
+  }
+  name = substr(line, RSTART + 1, RLENGTH - 2)
+  quoted = substr(line, RSTART, 1) == "\""
+  if (name ~ /^vbond\//) {
+    split(name, parts, "/")
+    if (!(parts[2] in folder))
+      bad("\"" name "\": no layer '" parts[2] "' in tools/layers.txt")
+    else if (parts[2] != layer && !((layer, parts[2]) in allowed))
+      bad(layer " must not include " parts[2] ": \"" name "\" (tools/layers.txt)")
+  } else if (quoted && (layer != "app" || name ~ /\.\./)) {
+    bad("write \"vbond/LAYER/NAME.hpp\", not \"" name "\": the layer must be visible")
+  } else if (!quoted && in_library && FILENAME ~ /\.hpp$/ && name !~ /^[a-z0-9_]+$/) {
+    bad("<" name "> in a header of the library: users would need it too; include it in a .cpp")
+  }
+}
+
+FNR == 1 && NR > 1 {
+  if (open_until != "") open_until = ""
+  layer = ""
+  for (name in folder)
+    if (index(FILENAME, folder[name] "/") == 1) layer = name
+  in_library = FILENAME ~ /^src\//
+  if (layer == "") bad("in no folder of tools/layers.txt")
+}
+
+NR == FNR {  # the table
+  if (/^[ \t]*(#|$)/) next
+  if (NF < 2) bad_table("expected: layer folder [allowed layers]")
+  if ($1 in folder) bad_table("layer '" $1 "' twice")
+  for (i = 3; i <= NF; i++) {
+    if (!($i in folder)) bad_table("'" $1 "' may not include '" $i "', which is not above it")
+    allowed[$1, $i] = 1
+  }
+  folder[$1] = $2
+  next
+}
+
+{
+  was_open = open_until != ""
+  code = code_of($0)
+  if (!was_open && $0 ~ /^[ \t]*#[ \t]*include/) check_include($0)
+  if (layer == "") next
+  if (code ~ /^[ \t]*#[ \t]*define/) {
+    macro = code
+    sub(/^[ \t]*#[ \t]*define[ \t]+/, "", macro)
+    sub(/[^A-Za-z0-9_].*/, "", macro)
+    if (macro != "VBOND_HD" || FILENAME != folder["core"] "/portable.hpp")
+      bad("macro " macro ": VBOND_HD in core/portable.hpp is the only one")
+  }
+  if (in_library) {
+    if (code ~ /std::(cout|cerr|clog)([^A-Za-z0-9_]|$)/ || code ~ /#[ \t]*include[ \t]*<iostream>/)
+      bad("the library never prints: no iostream")
+    if (code ~ /(^|[^A-Za-z0-9_])(printf|fprintf|vprintf|puts|fputs|putchar|perror|fmt::print|fmt::println)[ \t]*\(/)
+      bad("the library never prints")
+    if (code ~ /(^|[^A-Za-z0-9_.>])(exit|_exit|_Exit|quick_exit|abort|terminate)[ \t]*\(/)
+      bad("the library never exits: throw instead")
+  }
+}
+
+END {
+  if (table_broken) exit 2
+  if (broken) exit 1
+}

@@ -1,0 +1,89 @@
+# Sourced by ./run, ./test and .ci/run: what a bare Debian 12 lacks, and how it is built.
+# Messages go to stderr; stdout belongs to the program.
+# shellcheck shell=bash disable=SC2034
+
+set -euo pipefail
+
+vbond_root=$(dirname -- "$(dirname -- "$(readlink -f -- "${BASH_SOURCE[0]}")")")
+
+vbond_build_packages=(
+  g++ cmake ninja-build
+  libcli11-dev          # command line
+  libfmt-dev            # text
+  libtomlplusplus-dev   # case files
+  nlohmann-json3-dev    # run.json
+  libhdf5-dev           # checkpoints
+)
+vbond_test_packages=(libgtest-dev librapidcheck-dev)
+vbond_format_packages=(clang-format-14)
+
+say() { printf 'vbond: %s\n' "$*" >&2; }
+die() { say "$@"; exit 1; }
+
+# need PACKAGE...: installs those that are missing. Where there is no dpkg the packages are not
+# checked: CMake then names what it cannot find.
+need() {
+  command -v dpkg-query >/dev/null || return 0
+  local package installed missing=()
+  # Fails when a package was never heard of, which here only means that it is missing.
+  installed=$(dpkg-query --show --showformat='${db:Status-Status}:${Package} ' "$@" 2>/dev/null) || true
+  for package in "$@"; do
+    [[ " $installed" == *" installed:$package "* ]] || missing+=("$package")
+  done
+  ((${#missing[@]})) || return 0
+
+  local as_root=()
+  if ((EUID != 0)); then
+    command -v sudo >/dev/null ||
+      die "these packages are missing: ${missing[*]}" $'\n' \
+        " Installing them needs root, and there is no sudo here. As root, run:" $'\n' \
+        "   apt-get update && apt-get install --no-install-recommends ${missing[*]}"
+    as_root=(sudo)
+  fi
+  command -v apt-get >/dev/null || die "these packages are missing, and there is no apt-get: ${missing[*]}"
+
+  say "installing ${missing[*]}"
+  mkdir -p "$vbond_root/build"
+  local log=$vbond_root/build/install.log
+  local install=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive
+    apt-get install --yes --no-install-recommends "${missing[@]}")
+  # Package lists may be absent or stale. One broken source among them need not matter, so it is
+  # installing that decides.
+  "${as_root[@]}" apt-get update >"$log" 2>&1 || true
+  if ! "${install[@]}" >>"$log" 2>&1; then
+    tail -n 30 "$log" >&2
+    die "the packages above could not be installed; the whole log is $log"
+  fi
+}
+
+# build PRESET [TARGET...]: configures when needed and builds into build/PRESET.
+# Silent on success; on failure the output is shown. Two calls at once take turns.
+build() {
+  local preset=$1
+  shift
+  local dir=$vbond_root/build/$preset
+  local log=$dir/build.log stamp=$dir/.configured
+  mkdir -p "$dir"
+  exec {lock}>"$dir/.lock"
+  if ! flock --nonblock "$lock"; then
+    say "waiting for another build in $dir"
+    flock "$lock"
+  fi
+  if [[ ! -e $stamp || $vbond_root/CMakePresets.json -nt $stamp ]]; then
+    say "configuring $dir"
+    (cd "$vbond_root" && cmake --preset "$preset") >"$log" 2>&1 || build_failed "$log"
+    touch "$stamp"
+  fi
+  local ninja=(cmake --build "$dir" ${1:+--target "$@"})
+  if ! "${ninja[@]}" -- -n 2>&1 | grep -q 'no work to do'; then
+    say "building in $dir (minutes, the first time)"
+  fi
+  "${ninja[@]}" >"$log" 2>&1 || build_failed "$log"
+  exec {lock}>&-
+}
+
+build_failed() {
+  # Ninja ends with what failed; a long log is mostly what did not.
+  tail -n 200 "$1" >&2
+  die "the build failed; the whole log is $1 (see docs/install.md)"
+}
