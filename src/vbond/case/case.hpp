@@ -234,12 +234,12 @@ struct TimeSpec {
 
 struct OutputSpec {
   CaseTime history_every{10, true};
-  std::vector<Placed<std::string>> reactions;    ///< groups: total support force and moment
-  std::vector<Placed<std::string>> axial_force;  ///< groups: mean tension over the bonds inside
-  std::vector<std::int64_t> displacements;       ///< particle numbers
-  std::optional<CaseTime> frames_every;          ///< absent: none
-  bool lammps_dump = false;                      ///< with the frames
-  std::optional<CaseTime> checkpoint_every;      ///< absent: only at the end and on a signal
+  std::vector<Placed<std::string>> reactions;      ///< groups: total support force and moment
+  std::vector<Placed<std::string>> axial_force;    ///< groups: mean tension over the bonds inside
+  std::vector<Placed<std::string>> displacements;  ///< groups, or particle numbers as text
+  std::optional<CaseTime> frames_every;            ///< absent: none
+  bool lammps_dump = false;                        ///< with the frames
+  std::optional<CaseTime> checkpoint_every;        ///< absent: only at the end and on a signal
 };
 
 struct WatchSpec {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include "vbond/core/nearest.hpp"
 
 namespace vbond::keys {
 namespace {
@@ -172,6 +173,19 @@ bool ReferenceCodec::read(const Node& n, ReadContext& in, const std::string& pat
   return true;
 }
 
+bool ParticlesCodec::read(const Node& n, ReadContext& in, const std::string& path, std::string& out) const {
+  if (!std::holds_alternative<std::int64_t>(n.value)) return ReferenceCodec::read(n, in, path, out);
+  std::int64_t number = 0;
+  if (!particle_number.read(n, in, path, number)) return false;
+  out = std::to_string(number);
+  return true;
+}
+
+std::string ParticlesCodec::write(const std::string& x) const {
+  const bool digits = x.find_first_not_of("0123456789") == std::string::npos;
+  return digits ? x : toml_string(x);
+}
+
 bool FileCodec::read(const Node& n, ReadContext& in, const std::string& path,
                      std::filesystem::path& out) const {
   const auto* s = std::get_if<std::string>(&n.value);
@@ -189,9 +203,9 @@ bool read_word(const Node& n, ReadContext& in, const std::string& path, const st
   if (!s) return in.refuse_kind(n, path, "one of " + join(names, "\""), toml_string(names.front()));
   const auto found = std::find(names.begin(), names.end(), *s);
   if (found == names.end()) {
-    const std::string meant = nearest(*s, names);
+    const auto meant = nearest_name(*s, names);
     return in.refuse(n, path, "must be one of " + join(names, "\""),
-                     meant.empty() ? "choose one of these" : "did you mean \"" + meant + "\"?");
+                     !meant ? "choose one of these" : "did you mean \"" + *meant + "\"?");
   }
   index = static_cast<std::size_t>(found - names.begin());
   return true;
