@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <numeric>
+#include <string>
 
 #include "commands.hpp"
 #include "prepare.hpp"
@@ -56,11 +57,12 @@ int check(const std::filesystem::path& case_file, int threads) {
   try {
     const double seconds =
         static_cast<double>(total) * seconds_per_step(built.model, first, built.state, threads);
-    fmt::print(
-        "wall time        about {} without output, if no stage ends early (a few steps were timed)\n",
-        hours(seconds));
+    fmt::print("wall time        about {} without output, if no stage ends early (a few steps were timed)\n",
+               hours(seconds));
   } catch (const Diverged& e) {  // the case is as its author wants it: whether to run it is not for us to say
-    fmt::print("wall time        unknown, the trial for it went unphysical at {}\n", e.what());
+    const std::string what = e.what();  // its second line is advice for a run: there are no frames to look at
+    fmt::print("wall time        unknown, the trial for it went unphysical at {}\n",
+               what.substr(0, what.find('\n')));
   }
   fmt::print("{}: no mistakes found\n", case_file.string());
   return done;
