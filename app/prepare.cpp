@@ -29,8 +29,7 @@ OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem:
   plan.history_every = positive(o.history_every, model, "output.history.every", c);
   plan.reactions = resolve_groups(o.reactions, model);
   plan.axial_force = resolve_groups(o.axial_force, model);
-  plan.displacements =
-      resolve_particles(o.displacements, model, "output.history.displacements", {c.file, 0, 0});
+  plan.displacements = resolve_groups_or_particles(o.displacements, model);
   if (o.frames_every) plan.frames_every = positive(*o.frames_every, model, "output.frames.every", c);
   plan.lammps_dump = o.lammps_dump;
   if (o.checkpoint_every)

@@ -25,9 +25,7 @@ class PoseSource {
   explicit PoseSource(unsigned seed) : random_(seed) {}
 
   double uniform(double low, double high) { return std::uniform_real_distribution<>(low, high)(random_); }
-  Vec3d vector(double size) {
-    return {uniform(-size, size), uniform(-size, size), uniform(-size, size)};
-  }
+  Vec3d vector(double size) { return {uniform(-size, size), uniform(-size, size), uniform(-size, size)}; }
   Quatd rotation(double largest_angle) {
     Vec3d axis = vector(1.0);
     while (norm(axis) < 0.1) axis = vector(1.0);

@@ -99,7 +99,7 @@ TEST(Stage, MistakesOfLaterStagesAreFoundWhenTheCaseIsBuilt) {
   c.stages[1].stop_distance = DistanceStopSpec{{"case.toml", 62, 1}, {0, 10}, 1.0, true};
   c.bonds[0].stages = {{"latter", {"case.toml", 13, 11}}};
   c.output.reactions = {{"bodi", {"case.toml", 70, 14}}};
-  c.output.displacements = {-1};
+  c.output.displacements = {{"1000", {"case.toml", 71, 3}}};
   const std::string error = text_of_error(c);
   for (const char* part :
        {"case.toml:31:9: there is no group \"edns\"\n  known groups: all, body, body.ends, body.first, "
@@ -109,7 +109,8 @@ TEST(Stage, MistakesOfLaterStagesAreFoundWhenTheCaseIsBuilt) {
         "case.toml:61:9: there is no group \"tip\"", "case.toml:62:1: stop.distance: there is no particle 10",
         "case.toml:13:11: there is no stage \"latter\"\n  known stages: run, later\n  did you mean "
         "\"later\"?",
-        "case.toml:70:14: there is no group \"bodi\"", "output.displacements: there is no particle -1"})
+        "case.toml:70:14: there is no group \"bodi\"",
+        "case.toml:71:3: displacements: there is no particle 1000"})
     EXPECT_TRUE(contains(error, part)) << part << "\nnot in\n" << error;
 }
 
@@ -165,9 +166,11 @@ TEST(NaturalTime, DoesNotExistInSiWithoutBonds) {
 TEST(Resolution, OfGroupsAndParticlesReportsAllMistakes) {
   const Built b = build(paper_rod());
   EXPECT_EQ(resolve_groups({{"ends", {}}, {"all", {}}}, b.model)[1].particles.size(), 10u);
-  EXPECT_EQ(resolve_particles({0, 9}, b.model, "key", {})[1].value, 9u);
+  const std::vector<Group> groups = resolve_groups_or_particles({{"ends", {}}, {"9", {}}}, b.model);
+  EXPECT_EQ(groups[0].particles.size(), 2u);
+  EXPECT_EQ(groups[1].particles, std::vector<ParticleId>{ParticleId{9}});
   try {
-    resolve_particles({0, 10, -1}, b.model, "key", {});
+    resolve_groups_or_particles({{"0", {}}, {"10", {}}, {"nobody", {}}}, b.model);
     FAIL();
   } catch (const CaseError& e) {
     EXPECT_EQ(e.problems().size(), 2u);

@@ -9,8 +9,7 @@
 namespace vbond {
 namespace {
 
-// The page of all keys comes from the table that checks them. After a change of a key:
-//   VBOND_UPDATE_REFERENCE=1 build/dev/case_test --gtest_filter='KeyReference.*'
+// The page of all keys comes from the table that checks them; the message says how to write it anew.
 TEST(KeyReference, PageIsTheGeneratedOne) {
   const std::string page = std::string(VBOND_DOCS) + "/case-reference.md";
   if (std::getenv("VBOND_UPDATE_REFERENCE") != nullptr)
@@ -19,7 +18,8 @@ TEST(KeyReference, PageIsTheGeneratedOne) {
   std::ostringstream text;
   text << stream.rdbuf();
   EXPECT_TRUE(text.str() == key_reference())
-      << page << " is stale: run this test with VBOND_UPDATE_REFERENCE=1";
+      << page << " is stale; to write it anew:\n"
+      << "  VBOND_UPDATE_REFERENCE=1 build/dev/case_test --gtest_filter='KeyReference.*'";
 }
 
 TEST(KeyReference, NamesEveryTable) {

@@ -24,6 +24,14 @@ TEST(ResolvedCase, MeansTheSameWhenReadAgain) {
   EXPECT_GE(files, 10);
 }
 
+TEST(ResolvedCase, OfEveryExampleMeansTheSame) {
+  for (const auto& entry : std::filesystem::directory_iterator(VBOND_EXAMPLES)) {
+    if (entry.path().extension() != ".toml") continue;
+    const std::string resolved = to_toml(read_case(entry.path()));
+    EXPECT_EQ(to_toml(parse_case(resolved, "/elsewhere/resolved.toml")), resolved) << entry.path();
+  }
+}
+
 TEST(ResolvedCase, KeepsEveryBitOfANumber) {
   Case c = read_case(corpus / "rod.toml");
   for (const double x : {1.0 / 3.0, 0.1, 1e-300, 4e59, 3.0, 2.2250738585072014e-308}) {

@@ -30,7 +30,7 @@ OutputPlan plan_in(const Folder& folder) {
   plan.history_every = 1.0;
   plan.reactions = {{"left", {ParticleId{0}}}};
   plan.axial_force = {{"all", {ParticleId{0}, ParticleId{1}, ParticleId{2}}}};
-  plan.displacements = {ParticleId{2}};
+  plan.displacements = {{"2", {ParticleId{2}}}};
   return plan;
 }
 
@@ -135,7 +135,7 @@ TEST(History, FileOfAnotherCaseIsNotContinued) {
   const Folder folder;
   { HistoryWriter writer(plan_in(folder), {}); }
   OutputPlan other = plan_in(folder);
-  other.displacements.push_back(ParticleId{1});
+  other.displacements.push_back({"1", {ParticleId{1}}});
   EXPECT_THROW(HistoryWriter(other, 0), IoError);
   put_content(folder / "history.csv", history_header(plan_in(folder)) + "zero,1\n");
   EXPECT_THROW(HistoryWriter(plan_in(folder), 0), IoError);

@@ -31,7 +31,7 @@ OutputPlan plan_in(const std::filesystem::path& folder) {
   plan.watch_every = 3;
   plan.reactions = {{"left", {ParticleId{0}}}};
   plan.axial_force = {{"all", {ParticleId{0}, ParticleId{1}, ParticleId{2}}}};
-  plan.displacements = {ParticleId{2}};
+  plan.displacements = {{"2", {ParticleId{2}}}};
   return plan;
 }
 

@@ -28,12 +28,13 @@ TEST(Table, StageGivesAtMost25RowsAndTheEnd) {
 TEST(Progress, RemainingTimeFollowsFromTheSpeed) {
   // 1000 steps in 10 s since the run was resumed at 5000: 4000 left are 40 s
   EXPECT_EQ(progress_line("squeeze", 6000, 5000, 10000, 10.0),
-            "stage squeeze: step 6000, 60.0 %, 100 steps/s, at most 0:00:40 left");
+            "stage squeeze: step 6000, 60.0 %, 100 steps/s, at most 40 s left");
   EXPECT_EQ(progress_line("squeeze", 5000, 5000, 10000, 0.0), "stage squeeze: step 5000, 50.0 %");
 }
 
 TEST(Progress, HoursAreWrittenOut) {
   EXPECT_EQ(hours(3600 * 25 + 61), "25:01:01");
+  EXPECT_EQ(hours(7.26), "7.3 s");
 }
 
 TEST(Timing, SharesAddUp) {

@@ -58,7 +58,8 @@ TEST(Calibration, PapersRodHasThePapersParameters) {
 }
 
 TEST(Calibration, TimoshenkoTendsToBernoulliEulerForLargeShearCoefficient) {
-  const BondStiffness<double> t = timoshenko(glue, round_bond, 1.0, 1e12), b = bernoulli_euler(glue, round_bond, 1.0);
+  const BondStiffness<double> t = timoshenko(glue, round_bond, 1.0, 1e12),
+                              b = bernoulli_euler(glue, round_bond, 1.0);
   EXPECT_NEAR(t.c_D / b.c_D, 1.0, 1e-12);
 }
 
@@ -135,7 +136,7 @@ TEST(ElementBound, OfThePapersRodIsTheReferenceValue) {
   const BondEnd inner{2, 1, 0.064, 0.5};
   const double T_0 = 2 * M_PI, dt = critical_step(element_bound(c, inner, inner)) / T_0;
   EXPECT_NEAR(dt, limits["element_bound_rod"].get<double>(), 1e-14);
-  EXPECT_LT(dt, limits["rod_free_dt_over_T0"].get<double>());    // a bound from below of the true limit
+  EXPECT_LT(dt, limits["rod_free_dt_over_T0"].get<double>());  // a bound from below of the true limit
   EXPECT_LT(dt, limits["rod_pinned_dt_over_T0"].get<double>());
 }
 

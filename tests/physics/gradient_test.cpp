@@ -16,7 +16,9 @@ using D12 = Dual<12>;  // shift of i, turn of i, shift of j, turn of j
 Vec3<D12> variables(std::size_t first) {
   return {D12::variable(0.0, first), D12::variable(0.0, first + 1), D12::variable(0.0, first + 2)};
 }
-Vec3<D12> constant(const Vec3d& a) { return {a.x, a.y, a.z}; }
+Vec3<D12> constant(const Vec3d& a) {
+  return {a.x, a.y, a.z};
+}
 
 /// The pose with dual parts: r -> r + dr and n -> n + dphi x n at both ends.
 BondPose<D12> perturbed(const BondPose<double>& b) {
@@ -28,7 +30,9 @@ BondPose<D12> perturbed(const BondPose<double>& b) {
   return p;
 }
 
-Vec3d slope(const D12& U, std::size_t first) { return {U.d[first], U.d[first + 1], U.d[first + 2]}; }
+Vec3d slope(const D12& U, std::size_t first) {
+  return {U.d[first], U.d[first + 1], U.d[first + 2]};
+}
 
 /// Largest difference between the loads and minus the gradient, over the largest load of the law's size.
 template <class Law>
@@ -53,7 +57,7 @@ template <class Law>
 void expect_loads_are_minus_the_gradient() {
   testing::PoseSource random(2012);
   for (int trial = 0; trial < 1000; ++trial) {
-    const Law law{random.uniform(0.2, 1.5), random.uniform(0.0, 0.6), random.uniform(0.0, 0.6),
+    const Law law{random.uniform(0.2, 1.5), random.uniform(0.0, 0.6),  random.uniform(0.0, 0.6),
                   random.uniform(0.5, 2.0), random.uniform(-0.5, 0.5), random.uniform(0.1, 1.0),
                   random.uniform(0.1, 1.0)};
     // Bonded points that nearly meet are drawn again: 1/|D| magnifies rounding beyond the bound.
@@ -66,8 +70,12 @@ void expect_loads_are_minus_the_gradient() {
 
 // Both sides are exact derivatives; what is left is rounding, about 100 operations of 1e-16 each,
 // magnified by at most 1/|D| <= 20.
-TEST(VModelLoads, AreMinusTheGradientOfTheEnergy) { expect_loads_are_minus_the_gradient<VModel<double>>(); }
-TEST(EvmLoads, AreMinusTheGradientOfTheEnergy) { expect_loads_are_minus_the_gradient<Evm<double>>(); }
+TEST(VModelLoads, AreMinusTheGradientOfTheEnergy) {
+  expect_loads_are_minus_the_gradient<VModel<double>>();
+}
+TEST(EvmLoads, AreMinusTheGradientOfTheEnergy) {
+  expect_loads_are_minus_the_gradient<Evm<double>>();
+}
 
 TEST(GradientTest, FailsForAWrongLoad) {
   testing::PoseSource random(7);

@@ -13,8 +13,9 @@ template <class Law>
 class BondLaws : public ::testing::Test {
  protected:
   Law random_law() {
-    return {random.uniform(0.2, 1.5), random.uniform(0.0, 0.6), random.uniform(0.0, 0.6), random.uniform(0.5, 2.0),
-            random.uniform(-0.2, 0.5), random.uniform(0.5, 1.0), random.uniform(0.1, 1.0)};
+    return {random.uniform(0.2, 1.5), random.uniform(0.0, 0.6),  random.uniform(0.0, 0.6),
+            random.uniform(0.5, 2.0), random.uniform(-0.2, 0.5), random.uniform(0.5, 1.0),
+            random.uniform(0.1, 1.0)};
   }
   BondPose<double> random_pose(const Law& law) {
     return random.pair(law.a + law.R_i + law.R_j, 0.1 * law.a, 1.0).pose();
@@ -28,7 +29,9 @@ template <class T>
 double total(const BondEnergy<T>& e) {
   return e.U_L + e.U_B + e.U_T;
 }
-double size(const BondLoads<double>& l) { return norm(l.F) + norm(l.M_ij) + norm(l.M_ji); }
+double size(const BondLoads<double>& l) {
+  return norm(l.F) + norm(l.M_ij) + norm(l.M_ji);
+}
 
 constexpr int trials = 300;
 constexpr double rounding = 1e-13;  // some hundred operations of 1e-16 on terms of order one

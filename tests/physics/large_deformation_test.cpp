@@ -16,9 +16,12 @@ const VModel<double> slender{1.0, 0.0, 0.0, 1.0, -0.005, 0.015, 1.0 / 480};
 BondPose<double> turned(const Vec3d& phi_i, const Vec3d& phi_j) {
   const Quatd qi = rotation_of(phi_i), qj = rotation_of(phi_j);
   const Vec3d e{1, 0, 0}, n2{0, 1, 0}, n3{0, 0, 1};
-  return {e, {rotate(qi, e), rotate(qi, n2), rotate(qi, n3)}, {rotate(qj, -e), rotate(qj, n2), rotate(qj, n3)}};
+  return {
+      e, {rotate(qi, e), rotate(qi, n2), rotate(qi, n3)}, {rotate(qj, -e), rotate(qj, n2), rotate(qj, n3)}};
 }
-double degrees(double d) { return d * M_PI / 180.0; }
+double degrees(double d) {
+  return d * M_PI / 180.0;
+}
 
 TEST(VModelTwist, TorqueIsHalfB4TimesSineOfTwiceTheAngle) {
   for (const double t : {1.0, 10.0, 30.0, 45.0, 60.0, 90.0, 120.0}) {
@@ -48,7 +51,8 @@ TEST(EvmMoments, AreTheVModelsAtHalfTheAngleRelativeToLinear) {
   }
 }
 
-// A turn by 180 degrees about any of the three bond axes is a wrong rest state: this is the model, not an error.
+// A turn by 180 degrees about any of the three bond axes is a wrong rest state: this is the model, not an
+// error.
 TEST(VModel, IsBlindToHalfTurnsOfEitherParticle) {
   for (const Vec3d& half_turn : {Vec3d{M_PI, 0, 0}, Vec3d{0, M_PI, 0}, Vec3d{0, 0, M_PI}}) {
     const BondPose<double> pose = turned({}, half_turn);

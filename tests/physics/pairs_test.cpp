@@ -12,8 +12,12 @@
 namespace vbond {
 namespace {
 
-double number(const nlohmann::json& j) { return j.is_string() ? std::stod(j.get<std::string>()) : j.get<double>(); }
-Vec3d vector(const nlohmann::json& j) { return {number(j[0]), number(j[1]), number(j[2])}; }
+double number(const nlohmann::json& j) {
+  return j.is_string() ? std::stod(j.get<std::string>()) : j.get<double>();
+}
+Vec3d vector(const nlohmann::json& j) {
+  return {number(j[0]), number(j[1]), number(j[2])};
+}
 Quatd quaternion(const nlohmann::json& j) {
   return normalised(Quatd{number(j[0]), number(j[1]), number(j[2]), number(j[3])});
 }
@@ -38,14 +42,15 @@ TEST(Pairs, EnergyForceAndMomentsMatchSixtyDigitReference) {
   ASSERT_EQ(pairs["configs"].size(), 13u);
   for (const auto& c : pairs["configs"]) {
     const auto& B = c["B"];
-    const VModel<double> law{number(c["a"]),  number(c["R_i"]), number(c["R_j"]), number(B[0]),
-                             number(B[1]), number(B[2]),   number(B[3])};
+    const VModel<double> law{number(c["a"]), number(c["R_i"]), number(c["R_j"]), number(B[0]),
+                             number(B[1]),   number(B[2]),     number(B[3])};
     const BondPose<double> pose = pose_of(c);
     const BondLoads<double> l = bond_loads(law, pose);
     const BondEnergy<double> e = bond_energy(law, pose);
     const Vec3d F = vector(c["F_ij"]), M_ij = vector(c["M_ij"]), M_ji = vector(c["M_ji"]);
     // relative 1e-12 of the load; at rest loads are rounding of terms as large as B1 a and B2..B4
-    const double rounding = 4e-16 * (law.B1 * (law.a + law.R_i + law.R_j) + std::abs(law.B2) + law.B3 + law.B4) * 10;
+    const double rounding =
+        4e-16 * (law.B1 * (law.a + law.R_i + law.R_j) + std::abs(law.B2) + law.B3 + law.B4) * 10;
     const std::string name = c["name"];
     EXPECT_LE(norm(l.F - F), 1e-12 * norm(F) + rounding) << name;
     EXPECT_LE(norm(l.M_ij - M_ij), 1e-12 * norm(M_ij) + rounding) << name;

@@ -148,9 +148,8 @@ double natural_time(const Case& c, const Built& built) {
 void check_output(const Case& c, const Model& model, Problems& problems) {
   for (const auto& name : c.output.reactions) look_up_group(name, model, problems);
   for (const auto& name : c.output.axial_force) look_up_group(name, model, problems);
+  look_up_groups_or_particles(c.output.displacements, model, problems);
   const SourcePlace place{c.file, 0, 0};
-  for (const std::int64_t number : c.output.displacements)
-    look_up_particle(number, model, "output.displacements", place, problems);
   look_up_time(c.output.history_every, model, "output.history_every", place, problems);
   if (c.output.frames_every)
     look_up_time(*c.output.frames_every, model, "output.frames_every", place, problems);

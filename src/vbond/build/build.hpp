@@ -31,9 +31,9 @@ Stage build_stage(const Case& c, const Model& model, int k, State& state);
 /// The groups of these names. Throws CaseError naming the nearest and all known groups.
 std::vector<Group> resolve_groups(const std::vector<Placed<std::string>>& names, const Model& model);
 
-/// Particle numbers as ids. Throws CaseError if one is out of range; `what` names the key.
-std::vector<ParticleId> resolve_particles(const std::vector<std::int64_t>& numbers, const Model& model,
-                                          const std::string& what, const SourcePlace& place);
+/// The same, where digits stand for the group of that one particle.
+std::vector<Group> resolve_groups_or_particles(const std::vector<Placed<std::string>>& names,
+                                               const Model& model);
 
 /// A time in the model's unit. Throws CaseError if it is a multiple of T_0 and the model, in SI units
 /// and without any bond, has none; `what` names the key.

@@ -162,14 +162,27 @@ std::vector<Group> resolve_groups(const std::vector<Placed<std::string>>& names,
   return groups;
 }
 
-std::vector<ParticleId> resolve_particles(const std::vector<std::int64_t>& numbers, const Model& model,
-                                          const std::string& what, const SourcePlace& place) {
+std::vector<Group> look_up_groups_or_particles(const std::vector<Placed<std::string>>& names,
+                                               const Model& model, Problems& problems) {
+  std::vector<Group> groups;
+  for (const auto& name : names) {
+    const std::string& text = name.value;
+    if (text.empty() || text.find_first_not_of("0123456789") != std::string::npos) {
+      if (const Group* g = look_up_group(name, model, problems)) groups.push_back(*g);
+    } else if (const auto id =
+                   look_up_particle(std::stoll(text), model, "displacements", name.place, problems)) {
+      groups.push_back({text, {*id}});
+    }
+  }
+  return groups;
+}
+
+std::vector<Group> resolve_groups_or_particles(const std::vector<Placed<std::string>>& names,
+                                               const Model& model) {
   Problems problems;
-  std::vector<ParticleId> ids;
-  for (const std::int64_t number : numbers)
-    if (const auto id = look_up_particle(number, model, what, place, problems)) ids.push_back(*id);
+  std::vector<Group> groups = look_up_groups_or_particles(names, model, problems);
   problems.throw_if_any();
-  return ids;
+  return groups;
 }
 
 }  // namespace vbond

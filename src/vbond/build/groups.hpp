@@ -32,4 +32,8 @@ std::optional<ParticleId> look_up_particle(std::int64_t number, const Model& mod
 /// For each particle, whether the group has it.
 std::vector<char> membership(const Group& group, const Model& model);
 
+/// Groups by name, or of one particle where the name is digits; records what is unknown.
+std::vector<Group> look_up_groups_or_particles(const std::vector<Placed<std::string>>& names,
+                                               const Model& model, Problems& problems);
+
 }  // namespace vbond

@@ -35,22 +35,22 @@ struct CaseTime {
 // ---- specimens -------------------------------------------------------------------------------
 
 struct RodSpecimen {
-  std::int64_t particles = 0;    ///< >= 2
+  std::int64_t particles = 0;  ///< >= 2
   double spacing = 1.0;
-  Vec3d origin;                  ///< first particle
-  Vec3d direction{1, 0, 0};      ///< any length but zero
+  Vec3d origin;              ///< first particle
+  Vec3d direction{1, 0, 0};  ///< any length but zero
 };
 
 /// The paper's half-sphere: a fixed rim, the rest random and relaxed by a repulsion of range cutoff.
 struct HemisphereSpecimen {
-  std::int64_t particles = 0;    ///< with the rim
-  double radius = 0;             ///< R_c
-  double spacing = 1.0;          ///< a: the length scale; rim count = round(2 pi R_c / a)
-  double min_distance = 0.4;     ///< of the random start, in units of spacing
-  double strength = 1e-2;        ///< f_0 in units of c_A (reduced: as is)
-  double cutoff = 2.1;           ///< in units of spacing
-  double damping = 0.052;        ///< b in units of sqrt(m c_A): 26e-3 b_0
-  double step = 0.01;            ///< in units of T_0
+  std::int64_t particles = 0;  ///< with the rim
+  double radius = 0;           ///< R_c
+  double spacing = 1.0;        ///< a: the length scale; rim count = round(2 pi R_c / a)
+  double min_distance = 0.4;   ///< of the random start, in units of spacing
+  double strength = 1e-2;      ///< f_0 in units of c_A (reduced: as is)
+  double cutoff = 2.1;         ///< in units of spacing
+  double damping = 0.052;      ///< b in units of sqrt(m c_A): 26e-3 b_0
+  double step = 0.01;          ///< in units of T_0
   std::int64_t steps = 15000;
   std::uint64_t seed = 1;
 };
@@ -58,8 +58,9 @@ struct HemisphereSpecimen {
 enum class Lattice : std::uint8_t { simple_cubic, fcc, hcp };
 struct BlockSpecimen {
   Lattice lattice = Lattice::simple_cubic;
-  std::array<std::int64_t, 3> cells{1, 1, 1};  ///< simple cubic: particles; fcc: cubic cells; hcp: orthogonal cells of 4
-  double spacing = 1.0;                        ///< nearest-neighbour distance
+  std::array<std::int64_t, 3> cells{
+      1, 1, 1};          ///< simple cubic: particles; fcc: cubic cells; hcp: orthogonal cells of 4
+  double spacing = 1.0;  ///< nearest-neighbour distance
   Vec3d origin;
 };
 
@@ -71,23 +72,24 @@ struct SheetSpecimen {
   Vec3d origin;
 };
 
-struct RingSpecimen {       ///< in the x-y plane, particle 0 on +x
+struct RingSpecimen {          ///< in the x-y plane, particle 0 on +x
   std::int64_t particles = 0;  ///< >= 3
   double radius = 0;
   Vec3d centre;
 };
 
-struct HelixSpecimen {      ///< about z, starting on +x
+struct HelixSpecimen {         ///< about z, starting on +x
   std::int64_t particles = 0;  ///< >= 2
   double radius = 0, pitch = 0, turns = 0;
-  Vec3d origin;             ///< centre of the first turn's circle
+  Vec3d origin;  ///< centre of the first turn's circle
 };
 
-struct CsvSpecimen {        ///< header line names columns x, y, z and optionally radius, mass, inertia
+struct CsvSpecimen {  ///< header line names columns x, y, z and optionally radius, mass, inertia
   Placed<std::filesystem::path> file;  ///< relative to the case file
 };
 
-struct LammpsSpecimen {     ///< `atom_style bond` / `molecular` / `full` / `bpm/sphere`-like data file with its Bonds section
+struct LammpsSpecimen {  ///< `atom_style bond` / `molecular` / `full` / `bpm/sphere`-like data file with its
+                         ///< Bonds section
   Placed<std::filesystem::path> file;
   std::string atom_style = "bond";
 };
@@ -99,8 +101,8 @@ struct ListedSpecimen {
 struct SpecimenSpec {
   SourcePlace place;
   std::string name = "body";  ///< becomes a group
-  std::variant<RodSpecimen, HemisphereSpecimen, BlockSpecimen, SheetSpecimen, RingSpecimen,
-               HelixSpecimen, CsvSpecimen, LammpsSpecimen, ListedSpecimen>
+  std::variant<RodSpecimen, HemisphereSpecimen, BlockSpecimen, SheetSpecimen, RingSpecimen, HelixSpecimen,
+               CsvSpecimen, LammpsSpecimen, ListedSpecimen>
       shape;
   double radius = 0;              ///< >= 0; required > 0 for contacts, surface bonds, density
   std::optional<double> mass;     ///< exactly one of mass, density (or a file column)
@@ -110,10 +112,18 @@ struct SpecimenSpec {
 
 // ---- groups ------------------------------------------------------------------------------------
 
-struct BoxRegion { Vec3d min, max; };
-struct SphereRegion { Vec3d centre; double radius; };
-struct PlaneRegion { Vec3d point, normal; double within; };  ///< |(r - point).n| <= within
-using IndexList = std::vector<std::int64_t>;                  ///< particle numbers from 0
+struct BoxRegion {
+  Vec3d min, max;
+};
+struct SphereRegion {
+  Vec3d centre;
+  double radius;
+};
+struct PlaneRegion {
+  Vec3d point, normal;
+  double within;
+};                                            ///< |(r - point).n| <= within
+using IndexList = std::vector<std::int64_t>;  ///< particle numbers from 0
 
 struct GroupSpec {
   SourcePlace place;
@@ -123,10 +133,16 @@ struct GroupSpec {
 
 // ---- bonds -------------------------------------------------------------------------------------
 
-struct WithinDistance { double distance; };
-struct ListedPairs { std::vector<std::array<std::int64_t, 2>> pairs; };
-struct PairsFile { std::filesystem::path file; };   ///< CSV with header i,j
-struct SpecimenPairs {};                            ///< the bonds of a LAMMPS data file
+struct WithinDistance {
+  double distance;
+};
+struct ListedPairs {
+  std::vector<std::array<std::int64_t, 2>> pairs;
+};
+struct PairsFile {
+  std::filesystem::path file;
+};                        ///< CSV with header i,j
+struct SpecimenPairs {};  ///< the bonds of a LAMMPS data file
 enum class BondTime : std::uint8_t { start, stage, approach };
 
 struct BondSpec {
@@ -135,7 +151,7 @@ struct BondSpec {
   std::array<Placed<std::string>, 2> between{Placed<std::string>{"all", {}}, {"all", {}}};  ///< groups
   Placed<std::variant<WithinDistance, ListedPairs, PairsFile, SpecimenPairs>> select;
   BondTime when = BondTime::start;
-  std::vector<Placed<std::string>> stages;       ///< for `stage` and `approach`; approach: none means all
+  std::vector<Placed<std::string>> stages;  ///< for `stage` and `approach`; approach: none means all
   BondRecipe recipe;
 };
 
@@ -199,7 +215,7 @@ struct PeakStopSpec {
 struct StageSpec {
   SourcePlace place;
   std::string name;
-  CaseTime duration;                   ///< required, > 0: the longest the stage may take
+  CaseTime duration;  ///< required, > 0: the longest the stage may take
   Vec3d gravity;
   double b_translation = 0, b_rotation = 0;
   std::vector<SupportSpec> supports;
@@ -220,19 +236,19 @@ struct OutputSpec {
   CaseTime history_every{10, true};
   std::vector<Placed<std::string>> reactions;      ///< groups: total support force and moment
   std::vector<Placed<std::string>> axial_force;    ///< groups: mean tension over the bonds inside
-  std::vector<std::int64_t> displacements;         ///< particle numbers
+  std::vector<Placed<std::string>> displacements;  ///< groups, or particle numbers as text
   std::optional<CaseTime> frames_every;            ///< absent: none
   bool lammps_dump = false;                        ///< with the frames
   std::optional<CaseTime> checkpoint_every;        ///< absent: only at the end and on a signal
 };
 
 struct WatchSpec {
-  std::int64_t every = 100;      ///< steps between looks at bonds and energy
-  double energy_error = 0.05;    ///< relative; above it the run stops
+  std::int64_t every = 100;    ///< steps between looks at bonds and energy
+  double energy_error = 0.05;  ///< relative; above it the run stops
 };
 
 struct Case {
-  std::string file;   ///< path as given, for messages
+  std::string file;  ///< path as given, for messages
   std::string title;
   UnitSystem units = UnitSystem::reduced;
   std::vector<SpecimenSpec> specimens;

@@ -185,7 +185,8 @@ void describe(Table& t, OutputSpec& o) {
     h.key("reactions", o.reactions, list_of(group_name), optional, "groups: total support force and moment");
     h.key("axial_force", o.axial_force, list_of(group_name), optional,
           "groups: mean tension of the bonds inside");
-    h.key("displacements", o.displacements, list_of(particle_number), optional, "particle numbers");
+    h.key("displacements", o.displacements, list_of(ParticlesCodec{}), optional,
+          "groups (their mean) or particle numbers: displacement since the start");
   });
   t.table(
       "frames", optional, "frames for ParaView; none without this table",

@@ -172,6 +172,19 @@ bool ReferenceCodec::read(const Node& n, ReadContext& in, const std::string& pat
   return true;
 }
 
+bool ParticlesCodec::read(const Node& n, ReadContext& in, const std::string& path, std::string& out) const {
+  if (!std::holds_alternative<std::int64_t>(n.value)) return ReferenceCodec::read(n, in, path, out);
+  std::int64_t number = 0;
+  if (!particle_number.read(n, in, path, number)) return false;
+  out = std::to_string(number);
+  return true;
+}
+
+std::string ParticlesCodec::write(const std::string& x) const {
+  const bool digits = x.find_first_not_of("0123456789") == std::string::npos;
+  return digits ? x : toml_string(x);
+}
+
 bool FileCodec::read(const Node& n, ReadContext& in, const std::string& path,
                      std::filesystem::path& out) const {
   const auto* s = std::get_if<std::string>(&n.value);

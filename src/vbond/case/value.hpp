@@ -123,6 +123,14 @@ struct ReferenceCodec : TextCodec {
 };
 inline constexpr ReferenceCodec group_name{"group"}, stage_name{"stage"};
 
+/// The name of a group, or the number of one particle, which is kept as its digits.
+struct ParticlesCodec : ReferenceCodec {
+  constexpr ParticlesCodec() : ReferenceCodec("group") {}
+  bool read(const Node& n, ReadContext& in, const std::string& path, std::string& out) const;
+  std::string write(const std::string& x) const;
+  std::string type() const { return "name of a group or number of a particle"; }
+};
+
 struct FileCodec {
   bool read(const Node& n, ReadContext& in, const std::string& path, std::filesystem::path& out) const;
   std::string write(const std::filesystem::path& p) const { return toml_string(p.string()); }

@@ -8,8 +8,7 @@ std::string to_text(const std::vector<Problem>& problems) {
     if (!text.empty()) text += '\n';
     if (!p.place.file.empty()) {
       text += p.place.file + ':';
-      if (p.place.line > 0)
-        text += std::to_string(p.place.line) + ':' + std::to_string(p.place.column) + ':';
+      if (p.place.line > 0) text += std::to_string(p.place.line) + ':' + std::to_string(p.place.column) + ':';
       text += ' ';
     }
     text += p.what;

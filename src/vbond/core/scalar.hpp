@@ -11,7 +11,7 @@ template <class T>
 concept Scalar = requires(T x, T y) {
   { x + y } -> std::convertible_to<T>;
   { x - y } -> std::convertible_to<T>;
-  { x * y } -> std::convertible_to<T>;
+  { x* y } -> std::convertible_to<T>;
   { x / y } -> std::convertible_to<T>;
   { -x } -> std::convertible_to<T>;
   T(0.5);

@@ -20,13 +20,9 @@ struct Vec3 {
     return {a.x - b.x, a.y - b.y, a.z - b.z};
   }
   friend VBOND_HD constexpr Vec3 operator-(const Vec3& a) { return {-a.x, -a.y, -a.z}; }
-  friend VBOND_HD constexpr Vec3 operator*(const T& s, const Vec3& a) {
-    return {s * a.x, s * a.y, s * a.z};
-  }
+  friend VBOND_HD constexpr Vec3 operator*(const T& s, const Vec3& a) { return {s * a.x, s * a.y, s * a.z}; }
   friend VBOND_HD constexpr Vec3 operator*(const Vec3& a, const T& s) { return s * a; }
-  friend VBOND_HD constexpr Vec3 operator/(const Vec3& a, const T& s) {
-    return {a.x / s, a.y / s, a.z / s};
-  }
+  friend VBOND_HD constexpr Vec3 operator/(const Vec3& a, const T& s) { return {a.x / s, a.y / s, a.z / s}; }
   friend constexpr bool operator==(const Vec3&, const Vec3&) = default;
 };
 
@@ -60,8 +56,12 @@ VBOND_HD Vec3<T> normalised(const Vec3<T>& a) {
 using Vec3d = Vec3<double>;
 
 /// Component 0, 1, 2 = x, y, z.
-inline double& component(Vec3d& a, int k) { return k == 0 ? a.x : k == 1 ? a.y : a.z; }
-inline double component(const Vec3d& a, int k) { return k == 0 ? a.x : k == 1 ? a.y : a.z; }
+inline double& component(Vec3d& a, int k) {
+  return k == 0 ? a.x : k == 1 ? a.y : a.z;
+}
+inline double component(const Vec3d& a, int k) {
+  return k == 0 ? a.x : k == 1 ? a.y : a.z;
+}
 
 /// True if no component is NaN or infinite.
 inline bool is_finite(const Vec3d& a) {

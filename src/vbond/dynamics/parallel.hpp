@@ -5,9 +5,9 @@
 
 namespace vbond {
 
-/// Below this many items one thread does the work: some 0.3 ms of bonds. A team that has its cores to itself would
-/// pay from 500 items on, but on a machine with other work every barrier then waits for a thread that is not running
-/// (a shell of 1300 bonds was seen to take 20 times as long).
+/// Below this many items one thread does the work: some 0.3 ms of bonds. A team that has its cores to itself
+/// would pay from 500 items on, but on a machine with other work every barrier then waits for a thread that
+/// is not running (a shell of 1300 bonds was seen to take 20 times as long).
 inline constexpr std::size_t parallel_from = 4096;
 
 /// Calls f(k) for k = 0 .. n-1, each once; f must write only what belongs to k.

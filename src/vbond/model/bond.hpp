@@ -18,11 +18,11 @@ enum class BondLaw : std::uint8_t { v_model, evm };
 struct Bond {
   ParticleId i, j;
   BondLaw law = BondLaw::v_model;
-  double a = 0, R_i = 0, R_j = 0;             ///< length at rest, attachment distances  [length]
-  double B1 = 0, B2 = 0, B3 = 0, B4 = 0;      ///< [force/length], then [force*length]
-  Vec3d n_i1, n_i2;                           ///< axes in the body frame of i; n_i3 = n_i1 x n_i2
-  Vec3d n_j1, n_j2;                           ///< axes in the body frame of j; n_j3 = -n_j1 x n_j2
-  std::uint32_t set = 0;                      ///< which bond set of the case made it
+  double a = 0, R_i = 0, R_j = 0;         ///< length at rest, attachment distances  [length]
+  double B1 = 0, B2 = 0, B3 = 0, B4 = 0;  ///< [force/length], then [force*length]
+  Vec3d n_i1, n_i2;                       ///< axes in the body frame of i; n_i3 = n_i1 x n_i2
+  Vec3d n_j1, n_j2;                       ///< axes in the body frame of j; n_j3 = -n_j1 x n_j2
+  std::uint32_t set = 0;                  ///< which bond set of the case made it
 
   friend bool operator==(const Bond&, const Bond&) = default;
 };
@@ -30,14 +30,13 @@ struct Bond {
 /// Calls f with the bond's law as VModel<double> or Evm<double>: the one place that branches on it.
 template <class F>
 decltype(auto) visit_law(const Bond& b, F&& f) {
-  if (b.law == BondLaw::v_model)
-    return f(VModel<double>{b.a, b.R_i, b.R_j, b.B1, b.B2, b.B3, b.B4});
+  if (b.law == BondLaw::v_model) return f(VModel<double>{b.a, b.R_i, b.R_j, b.B1, b.B2, b.B3, b.B4});
   return f(Evm<double>{b.a, b.R_i, b.R_j, b.B1, b.B2, b.B3, b.B4});
 }
 
 /// The pose of a bond, its axes turned into the world frame.
-inline BondPose<double> bond_pose(const Bond& b, const Vec3d& r_i, const Quatd& q_i,
-                                  const Vec3d& r_j, const Quatd& q_j) {
+inline BondPose<double> bond_pose(const Bond& b, const Vec3d& r_i, const Quatd& q_i, const Vec3d& r_j,
+                                  const Quatd& q_j) {
   const Vec3d i1 = rotate(q_i, b.n_i1), i2 = rotate(q_i, b.n_i2);
   const Vec3d j1 = rotate(q_j, b.n_j1), j2 = rotate(q_j, b.n_j2);
   return {r_j - r_i, {i1, i2, cross(i1, i2)}, {j1, j2, cross(j2, j1)}};

@@ -45,8 +45,7 @@ BondStiffness<double> stiffness_of(const Bond& bond) {
 BondStiffness<double> stiffness_of(const BondRecipe& recipe, double a) {
   const double a_ref = recipe.reference_length.value_or(a);
   if (const auto* c = std::get_if<BondStiffness<double>>(&recipe.parameters)) return *c;
-  if (const auto* t = std::get_if<TheoryParameters>(&recipe.parameters))
-    return stiffness_of(*t, a_ref);
+  if (const auto* t = std::get_if<TheoryParameters>(&recipe.parameters)) return stiffness_of(*t, a_ref);
   return stiffness_of(with_coefficients(recipe, a, 0.0, 0.0));
 }
 

@@ -9,7 +9,7 @@ namespace vbond {
 /// One particle as bond creation sees it.
 struct BondSite {
   ParticleId id;
-  Vec3d r;        ///< [length]
+  Vec3d r;  ///< [length]
   Quatd q;
   double radius;  ///< [length]
 };

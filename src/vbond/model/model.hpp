@@ -33,12 +33,12 @@ struct ContactModel {
 /// (reduced: a = m = c_A = 1; SI: m, kg, s).
 struct Model {
   UnitSystem units = UnitSystem::reduced;
-  double T_0 = 0;              ///< 2 pi sqrt(m / c_A), of the first particle and first bond  [time]
-  PerParticle<double> mass;    ///< [mass]
-  PerParticle<double> inertia; ///< moment of inertia, spherical  [mass*length^2]
-  PerParticle<double> radius;  ///< [length]
-  PerParticle<Vec3d> r_0;      ///< positions at the start; displacements are from here  [length]
-  std::vector<Group> groups;   ///< "all" is the first
+  double T_0 = 0;               ///< 2 pi sqrt(m / c_A), of the first particle and first bond  [time]
+  PerParticle<double> mass;     ///< [mass]
+  PerParticle<double> inertia;  ///< moment of inertia, spherical  [mass*length^2]
+  PerParticle<double> radius;   ///< [length]
+  PerParticle<Vec3d> r_0;       ///< positions at the start; displacements are from here  [length]
+  std::vector<Group> groups;    ///< "all" is the first
   ContactModel contact;
 
   std::size_t particles() const { return mass.size(); }

@@ -17,15 +17,15 @@ namespace vbond {
 /// No points: always 1.
 struct TimeFunction {
   struct Point {
-    double t;       ///< [time]
+    double t;  ///< [time]
     double factor;
   };
   std::vector<Point> points;  ///< in increasing t
 
   double operator()(double t) const {
     if (points.empty()) return 1.0;
-    const auto after = std::upper_bound(points.begin(), points.end(), t,
-                                        [](double x, const Point& p) { return x < p.t; });
+    const auto after =
+        std::upper_bound(points.begin(), points.end(), t, [](double x, const Point& p) { return x < p.t; });
     if (after == points.begin()) return points.front().factor;
     if (after == points.end()) return points.back().factor;
     const Point& a = *(after - 1);
@@ -39,12 +39,12 @@ using HeldDofs = std::array<bool, 6>;
 
 /// Degrees of freedom that are held, at rest or at a prescribed velocity.
 struct Support {
-  std::string group;                    ///< name, for reports
+  std::string group;  ///< name, for reports
   std::vector<ParticleId> particles;
   HeldDofs held{};
-  Vec3d velocity;                       ///< of held translations  [length/time]
-  Vec3d angular_velocity;               ///< of held rotations  [rad/time]
-  TimeFunction factor;                  ///< of both
+  Vec3d velocity;          ///< of held translations  [length/time]
+  Vec3d angular_velocity;  ///< of held rotations  [rad/time]
+  TimeFunction factor;     ///< of both
 };
 
 /// The same force and moment on each particle of a group, fixed in direction.
@@ -103,10 +103,10 @@ struct Stops {
 /// One leg of the run, resolved: no names to look up, all in the units of the model.
 struct Stage {
   std::string name;
-  double dt = 0;                 ///< [time]
-  Vec3d gravity;                 ///< [length/time^2]
-  double b_translation = 0;      ///< viscous force -b v  [force*time/length]
-  double b_rotation = 0;         ///< viscous moment -b omega  [force*length*time]
+  double dt = 0;             ///< [time]
+  Vec3d gravity;             ///< [length/time^2]
+  double b_translation = 0;  ///< viscous force -b v  [force*time/length]
+  double b_rotation = 0;     ///< viscous moment -b omega  [force*length*time]
   std::vector<Support> supports;
   std::vector<PointLoad> loads;
   std::optional<StrainProgram> strain;

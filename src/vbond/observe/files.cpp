@@ -67,21 +67,22 @@ std::filesystem::path temporary_name(const std::filesystem::path& path) {
   return name;
 }
 
-void publish(const std::filesystem::path& path) {
+void publish(const std::filesystem::path& path, Sync sync) {
   const std::filesystem::path part = temporary_name(path);
-  sync_to_disk(part, O_RDONLY);
+  if (sync == Sync::to_disk) sync_to_disk(part, O_RDONLY);
   if (std::rename(part.c_str(), path.c_str()) != 0) fail("replace", path, errno);
+  if (sync == Sync::none) return;
   const std::filesystem::path folder = path.parent_path();
   sync_to_disk(folder.empty() ? "." : folder, O_RDONLY | O_DIRECTORY);
 }
 
-void replace_file(const std::filesystem::path& path, std::string_view content) {
+void replace_file(const std::filesystem::path& path, std::string_view content, Sync sync) {
   const std::filesystem::path part = temporary_name(path);
   {
     const File f = open_file(part, "wb");
     write_all(f.get(), content, part);
   }
-  publish(path);
+  publish(path, sync);
 }
 
 }  // namespace vbond

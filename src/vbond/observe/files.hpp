@@ -31,11 +31,14 @@ void make_folder(const std::filesystem::path& path);
 /// The name under which a file is written before it takes its place.
 std::filesystem::path temporary_name(const std::filesystem::path& path);
 
-/// Puts the finished temporary file in its place, after its bytes have reached the disk: at every
-/// moment, also after a power cut, `path` is either the old file or the new one. Throws IoError.
-void publish(const std::filesystem::path& path);
+/// Whether a file's bytes must have reached the disk before it takes its place: some 10 ms each time.
+enum class Sync { to_disk, none };
+
+/// Puts the finished temporary file in its place: at every moment `path` is either the old file or the
+/// new one, with Sync::to_disk also after a power cut. Throws IoError.
+void publish(const std::filesystem::path& path, Sync sync = Sync::to_disk);
 
 /// Replaces a file by this content as publish does.
-void replace_file(const std::filesystem::path& path, std::string_view content);
+void replace_file(const std::filesystem::path& path, std::string_view content, Sync sync = Sync::to_disk);
 
 }  // namespace vbond

@@ -213,8 +213,8 @@ void FrameWriter::keep_until(std::int64_t resume_step) {
 }
 
 void FrameWriter::write_lists() const {
-  replace_file(folder_ / "particles.pvd", pvd_head + particle_entries_ + pvd_tail);
-  replace_file(folder_ / "bonds.pvd", pvd_head + bond_entries_ + pvd_tail);
+  replace_file(folder_ / "particles.pvd", pvd_head + particle_entries_ + pvd_tail, Sync::none);
+  replace_file(folder_ / "bonds.pvd", pvd_head + bond_entries_ + pvd_tail, Sync::none);
 }
 
 void FrameWriter::write(const Model& model, const State& state) {

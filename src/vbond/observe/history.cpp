@@ -47,8 +47,8 @@ std::string history_header(const OutputPlan& plan) {
     for (const char* c : {"fx", "fy", "fz", "mx", "my", "mz"})
       line += ',' + csv(fmt::format("reaction.{}.{}", g.name, c));
   for (const Group& g : plan.axial_force) line += ',' + csv("axial_force." + g.name);
-  for (const ParticleId p : plan.displacements)
-    for (const char* c : {"x", "y", "z"}) line += fmt::format(",displacement.{}.{}", p.value, c);
+  for (const Group& g : plan.displacements)
+    for (const char* c : {"x", "y", "z"}) line += ',' + csv(fmt::format("displacement.{}.{}", g.name, c));
   return line + '\n';
 }
 
@@ -69,7 +69,11 @@ std::string history_row(const OutputPlan& plan, const Model& model, const State&
   add(state.peak.last);
   for (const Reaction& x : values.reactions) add3(x.force), add3(x.moment);
   for (const double x : values.axial_force) add(x);
-  for (const ParticleId p : plan.displacements) add3(state.r[p] - model.r_0[p]);
+  for (const Group& g : plan.displacements) {
+    Vec3d sum;
+    for (const ParticleId p : g.particles) sum += state.r[p] - model.r_0[p];
+    add3(sum / static_cast<double>(g.particles.size()));
+  }
   row.push_back('\n');
   return fmt::to_string(row);
 }

@@ -14,6 +14,14 @@ std::int64_t steps_of(const Stage& stage, std::int64_t otherwise) {
   return std::isfinite(stage.stops.duration) ? steps_in(stage.stops.duration, stage.dt) : otherwise;
 }
 
+constexpr const char* clear_line = "\r\033[K";  // to the line's start; erase to its end (ECMA-48)
+
+/// Text to the stream that the program handed over. A terminal that has gone away must not end a run.
+void show(const std::string& text, std::FILE* out) {
+  std::fwrite(text.data(), 1, text.size(), out);
+  std::fflush(out);
+}
+
 }  // namespace
 
 bool stage_done(StopReason why) {
@@ -137,8 +145,7 @@ void TableObserver::print(const Simulation& run) {
   const Energies energies = run.energies();
   std::string text = std::exchange(has_header_, true) ? "" : table_header();
   text += table_row(run.state(), energies, run.balance_error(energies), count_ranges(run.state()));
-  std::fputs(text.c_str(), out_);
-  std::fflush(out_);
+  show(text, out_);
   last_step_ = run.state().clock.step;
 }
 
@@ -163,8 +170,7 @@ void ProgressObserver::observe(const Simulation& run) {
                                             stage_steps_.end(), -clock.stage_step);
   const std::string line = progress_line(run.stage().name, clock.step, first_step_, clock.step + left,
                                          std::chrono::duration<double>(now - start_).count());
-  std::fprintf(out_, "\r\033[K%s", line.c_str());
-  std::fflush(out_);
+  show(clear_line + line, out_);
   visible_ = true;
 }
 
@@ -174,8 +180,7 @@ void ProgressObserver::finish(const Simulation& /*run*/, StopReason /*why*/) {
 
 void ProgressObserver::clear() {
   if (!std::exchange(visible_, false)) return;
-  std::fputs("\r\033[K", out_);
-  std::fflush(out_);
+  show(clear_line, out_);
 }
 
 // ---- all of them ------------------------------------------------------------------------------------

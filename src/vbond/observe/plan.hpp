@@ -15,7 +15,7 @@ struct OutputPlan {
   double history_every = 0;                ///< between rows of history.csv  [time], > 0
   std::vector<Group> reactions;            ///< total support force and moment, in history.csv
   std::vector<Group> axial_force;          ///< mean tension of the bonds inside, in history.csv
-  std::vector<ParticleId> displacements;   ///< r - r_0, in history.csv
+  std::vector<Group> displacements;        ///< mean of r - r_0, in history.csv
   std::optional<double> frames_every;      ///< between frames  [time], > 0; absent: no frames
   bool lammps_dump = false;                ///< dump.lammpstrj with the frames
   std::optional<double> checkpoint_every;  ///< [time], > 0; absent: only at the end and on a signal

@@ -49,6 +49,7 @@ std::string timing_table(const std::vector<PhaseTime>& phases) {
 }
 
 std::string hours(double seconds) {
+  if (seconds < 60.0) return fmt::format("{:.2g} s", seconds);
   const auto s = static_cast<std::int64_t>(std::llround(std::min(seconds, 1e9)));
   return fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
 }

@@ -28,7 +28,7 @@ std::string progress_line(const std::string& stage, std::int64_t step, std::int6
 /// A breakdown of wall time, one line per phase with its share, and the sum.
 std::string timing_table(const std::vector<PhaseTime>& phases);
 
-/// Seconds as h:mm:ss.
+/// A time for people: seconds below a minute, else h:mm:ss.
 std::string hours(double seconds);
 
 }  // namespace vbond

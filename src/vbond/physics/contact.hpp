@@ -34,10 +34,13 @@ VBOND_HD T contact_stiffness(const HertzContact<T>& h, const T& delta) {
 }
 
 /// The paper's form, F = c_H / sqrt(a) (2R - r)^(3/2), [KA12] section VII B: one k for all pairs.
-constexpr HertzContact<double> paper_hertz(double c_H, double sqrt_a) { return {c_H / sqrt_a}; }
+constexpr HertzContact<double> paper_hertz(double c_H, double sqrt_a) {
+  return {c_H / sqrt_a};
+}
 
 /// Hertz for two equal elastic spheres' materials E, nu and radii R_i, R_j:
-/// k = 4/3 E* sqrt(R*), E* = E / (2 (1 - nu^2)), R* = R_i R_j / (R_i + R_j)  (Johnson, Contact Mechanics, ch. 4).
+/// k = 4/3 E* sqrt(R*), E* = E / (2 (1 - nu^2)), R* = R_i R_j / (R_i + R_j)  (Johnson, Contact Mechanics, ch.
+/// 4).
 inline HertzContact<double> hertz(double E, double nu, double R_i, double R_j) {
   const double E_star = E / (2.0 * (1.0 - sq(nu)));
   return {4.0 / 3.0 * E_star * std::sqrt(R_i * R_j / (R_i + R_j))};

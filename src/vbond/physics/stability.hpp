@@ -8,10 +8,10 @@ namespace vbond {
 
 /// One end of a bond as the step bound sees it.
 struct BondEnd {
-  double n;       ///< number of bonds of this particle
-  double m;       ///< mass
-  double Theta;   ///< moment of inertia
-  double lever;   ///< l = R + a/2: centre of the particle to the middle of the bond
+  double n;      ///< number of bonds of this particle
+  double m;      ///< mass
+  double Theta;  ///< moment of inertia
+  double lever;  ///< l = R + a/2: centre of the particle to the middle of the bond
 };
 
 /// Largest squared angular frequency that one undeformed bond can contribute when every particle's
@@ -21,15 +21,15 @@ inline double element_bound(const BondStiffness<double>& c, const BondEnd& i, co
   const double per_m = i.n / i.m + j.n / j.m;
   const double per_Theta = i.n / i.Theta + j.n / j.Theta;
   const double g11 = c.c_B * per_Theta;
-  const double g22 =
-      c.c_D * (per_m + sq(i.lever) * i.n / i.Theta + sq(j.lever) * j.n / j.Theta);
-  const double g12 =
-      std::sqrt(c.c_B * c.c_D) * (i.lever * i.n / i.Theta - j.lever * j.n / j.Theta);
+  const double g22 = c.c_D * (per_m + sq(i.lever) * i.n / i.Theta + sq(j.lever) * j.n / j.Theta);
+  const double g12 = std::sqrt(c.c_B * c.c_D) * (i.lever * i.n / i.Theta - j.lever * j.n / j.Theta);
   const double shear_bending = 0.5 * (g11 + g22) + std::hypot(0.5 * (g11 - g22), g12);
   return std::max({c.c_A * per_m, c.c_T * per_Theta, shear_bending});
 }
 
 /// The step above which leap-frog is unstable for a system whose largest squared frequency is lambda.
-inline double critical_step(double lambda) { return 2.0 / std::sqrt(lambda); }
+inline double critical_step(double lambda) {
+  return 2.0 / std::sqrt(lambda);
+}
 
 }  // namespace vbond

@@ -59,11 +59,9 @@ constexpr BondStiffness<double> bernoulli_euler(const Material& m, const Section
 
 /// Massless Timoshenko rod of length a with shear coefficient kappa > 0, [KA12] eq. (29).
 /// kappa -> infinity gives Bernoulli-Euler.
-constexpr BondStiffness<double> timoshenko(const Material& m, const Section& s, double a,
-                                           double kappa) {
+constexpr BondStiffness<double> timoshenko(const Material& m, const Section& s, double a, double kappa) {
   const double kA = kappa * s.A;
-  return {m.E * s.A / a,
-          12.0 * kA * m.E * s.J / (a * (kA * sq(a) + 24.0 * s.J * (1.0 + m.nu))),
+  return {m.E * s.A / a, 12.0 * kA * m.E * s.J / (a * (kA * sq(a) + 24.0 * s.J * (1.0 + m.nu))),
           m.E * s.J / a, m.G() * s.J_p / a};
 }
 

@@ -9,9 +9,9 @@ namespace vbond {
 /// Limits: 16 equal minima (either particle turned by 180 degrees about a bond axis); see docs/theory.md.
 template <Scalar T>
 struct VModel {
-  T a;        ///< length at rest between the bonded points  [length], > 0
-  T R_i, R_j; ///< bonded points' distances from the centres  [length]
-  T B1;       ///< [force/length]
+  T a;           ///< length at rest between the bonded points  [length], > 0
+  T R_i, R_j;    ///< bonded points' distances from the centres  [length]
+  T B1;          ///< [force/length]
   T B2, B3, B4;  ///< [force*length]
 };
 
