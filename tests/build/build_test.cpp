@@ -1,6 +1,5 @@
 #include "cases.hpp"
 #include "vbond/build/random.hpp"
-#include "vbond/core/nearest.hpp"
 
 namespace vbond::test {
 namespace {
@@ -139,14 +138,6 @@ TEST(Particles, NeedARadiusForContactsAndSurfaceBonds) {
 
 TEST(Case, WithoutSpecimenIsRefused) {
   EXPECT_TRUE(contains(text_of_error(Case{}), "the case has no specimen"));
-}
-
-TEST(NearestName, IsTheOneWithTheFewestEdits) {
-  EXPECT_EQ(edit_distance("kitten", "sitting"), 3u);
-  EXPECT_EQ(edit_distance("", "abc"), 3u);
-  EXPECT_EQ(nearest_name("edns", {"all", "ends", "first"}), "ends");
-  EXPECT_EQ(nearest_name("raduis", {"radius", "mass"}), "radius");
-  EXPECT_EQ(nearest_name("something", {"all", "ends"}), std::nullopt);
 }
 
 }  // namespace

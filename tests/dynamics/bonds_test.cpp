@@ -48,7 +48,7 @@ TEST(BondLoadsEvaluator, GivesTheBitsOfThePlainLoop) {
 TEST(AxialForce, IsTheComponentOfTheBondForceAlongTheBond) {
   const testing::Specimen s = crumpled_sheet(5);
   for (const Bond& b : s.state.bonds) {
-    const BondPose<double> pose = pose_of(b, s.state);
+    const BondPose<double> pose = bond_pose(b, s.state);
     const Vec3d d = normalised(bonded_points(pose, b.R_i, b.R_j));
     const Vec3d F = visit_law(b, [&](const auto& law) { return bond_loads(law, pose); }).F;
     EXPECT_NEAR(axial_force(b, s.state), dot(F, d), 1e-14);  // rounding of terms of order 0.1

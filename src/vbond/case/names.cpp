@@ -1,56 +1,6 @@
 #include "vbond/case/names.hpp"
 
-#include <algorithm>
-#include <cstddef>
-
 namespace vbond::keys {
-namespace {
-
-constexpr std::size_t longest_compared = 64;  // the distance costs length^2, and no key is longer
-
-char lower(char c) {
-  return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c == '-' ? '_' : c;
-}
-
-/// Optimal string alignment distance, three rows at a time.
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) last[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const bool same = lower(a[i - 1]) == lower(b[j - 1]);
-      row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (same ? 0 : 1)});
-      const bool swapped =
-          i > 1 && j > 1 && lower(a[i - 1]) == lower(b[j - 2]) && lower(a[i - 2]) == lower(b[j - 1]);
-      if (swapped) row[j] = std::min(row[j], before[j - 2] + 1);
-    }
-    std::swap(before, last);
-    std::swap(last, row);
-  }
-  return last[b.size()];
-}
-
-}  // namespace
-
-std::string nearest(std::string_view wrong, const std::vector<std::string>& names) {
-  if (wrong.size() > longest_compared) return {};
-  std::string best;
-  std::size_t least = longest_compared;
-  for (const std::string& name : names) {
-    const std::size_t distance = edit_distance(wrong, name);
-    // a third of the letters may be wrong: more is another word; an abbreviation of three or more letters
-    // will do
-    const bool abbreviation = wrong.size() >= 3 && name.compare(0, wrong.size(), wrong) == 0;
-    const bool close =
-        distance <= std::max<std::size_t>(1, std::max(wrong.size(), name.size()) / 3) || abbreviation;
-    if (close && distance < least) {
-      least = distance;
-      best = name;
-    }
-  }
-  return best;
-}
 
 std::string join(const std::vector<std::string>& names, std::string_view quote) {
   std::string text;

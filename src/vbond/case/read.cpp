@@ -9,6 +9,7 @@
 
 #include "vbond/case/keys.hpp"
 #include "vbond/case/reader.hpp"
+#include "vbond/core/nearest.hpp"
 
 namespace vbond {
 namespace {
@@ -55,11 +56,10 @@ void check_stage_references(const Case& c, ReadContext& in) {
   for (const BondSpec& b : c.bonds)
     for (const auto& wanted : b.stages) {
       if (std::find(names.begin(), names.end(), wanted.value) != names.end()) continue;
-      const std::string meant = keys::nearest(wanted.value, names);
-      in.report(
-          wanted.place, "bonds \"" + b.name + "\": stages has \"" + wanted.value + "\"",
-          "there is no stage of this name",
-          meant.empty() ? "the stages are " + keys::join(names, "\"") : "did you mean \"" + meant + "\"?");
+      const auto meant = nearest_name(wanted.value, names);
+      in.report(wanted.place, "bonds \"" + b.name + "\": stages has \"" + wanted.value + "\"",
+                "there is no stage of this name",
+                !meant ? "the stages are " + keys::join(names, "\"") : "did you mean \"" + *meant + "\"?");
     }
 }
 

@@ -1,6 +1,7 @@
 #include "vbond/case/reader.hpp"
 
 #include <algorithm>
+#include "vbond/core/nearest.hpp"
 
 namespace vbond::keys {
 
@@ -177,10 +178,10 @@ void Reader::finish() {
                    "remove it, or change what it belongs to");
       continue;
     }
-    const std::string meant = nearest(m.key, names);
-    missing_.erase(meant);  // one report is enough for a slip of the pen
+    const auto meant = nearest_name(m.key, names);
+    if (meant) missing_.erase(*meant);  // one report is enough for a slip of the pen
     in_.report(place_of(m), what, "no such key",
-               meant.empty() ? "the keys here are " + join(names) : "did you mean " + meant + "?");
+               !meant ? "the keys here are " + join(names) : "did you mean " + *meant + "?");
   }
   for (auto& [name, problem] : missing_) in_.problems.push_back(std::move(problem));
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include "vbond/core/nearest.hpp"
 
 namespace vbond::keys {
 namespace {
@@ -202,9 +203,9 @@ bool read_word(const Node& n, ReadContext& in, const std::string& path, const st
   if (!s) return in.refuse_kind(n, path, "one of " + join(names, "\""), toml_string(names.front()));
   const auto found = std::find(names.begin(), names.end(), *s);
   if (found == names.end()) {
-    const std::string meant = nearest(*s, names);
+    const auto meant = nearest_name(*s, names);
     return in.refuse(n, path, "must be one of " + join(names, "\""),
-                     meant.empty() ? "choose one of these" : "did you mean \"" + meant + "\"?");
+                     !meant ? "choose one of these" : "did you mean \"" + *meant + "\"?");
   }
   index = static_cast<std::size_t>(found - names.begin());
   return true;

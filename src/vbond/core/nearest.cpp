@@ -1,33 +1,55 @@
 #include "vbond/core/nearest.hpp"
 
 #include <algorithm>
-#include <numeric>
+#include <cstddef>
 
 namespace vbond {
+namespace {
 
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);  // distances from a prefix of a to every prefix of b
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i + 1;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t replace = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replace, row[j] + 1, row[j + 1] + 1});
-    }
-  }
-  return row.back();
+constexpr std::size_t longest_compared = 64;  // the distance costs length^2, and no key is longer
+
+char lower(char c) {
+  return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c == '-' ? '_' : c;
 }
 
-std::optional<std::string> nearest_name(std::string_view name, const std::vector<std::string>& known) {
-  std::size_t best = std::max<std::size_t>(2, name.size() / 3) + 1;
-  std::optional<std::string> found;
-  for (const std::string& k : known) {
-    const std::size_t d = edit_distance(name, k);
-    if (d < best) best = d, found = k;
+/// Optimal string alignment distance, three rows at a time.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> before(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) last[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const bool same = lower(a[i - 1]) == lower(b[j - 1]);
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (same ? 0 : 1)});
+      const bool swapped =
+          i > 1 && j > 1 && lower(a[i - 1]) == lower(b[j - 2]) && lower(a[i - 2]) == lower(b[j - 1]);
+      if (swapped) row[j] = std::min(row[j], before[j - 2] + 1);
+    }
+    std::swap(before, last);
+    std::swap(last, row);
   }
-  return found;
+  return last[b.size()];
+}
+
+}  // namespace
+
+std::optional<std::string> nearest_name(std::string_view wrong, const std::vector<std::string>& names) {
+  if (wrong.size() > longest_compared) return std::nullopt;
+  std::optional<std::string> best;
+  std::size_t least = longest_compared;
+  for (const std::string& name : names) {
+    const std::size_t distance = edit_distance(wrong, name);
+    // a third of the letters may be wrong: more is another word; an abbreviation of three or more letters
+    // will do
+    const bool abbreviation = wrong.size() >= 3 && name.compare(0, wrong.size(), wrong) == 0;
+    const bool close =
+        distance <= std::max<std::size_t>(1, std::max(wrong.size(), name.size()) / 3) || abbreviation;
+    if (close && distance < least) {
+      least = distance;
+      best = name;
+    }
+  }
+  return best;
 }
 
 }  // namespace vbond

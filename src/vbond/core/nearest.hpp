@@ -6,11 +6,8 @@
 
 namespace vbond {
 
-/// Number of single-character insertions, deletions and replacements between two words (Levenshtein).
-std::size_t edit_distance(std::string_view a, std::string_view b);
-
-/// The known name that a misspelt one most likely means, the first of equals; nothing if none is
-/// within a third of its length (at least two edits).
-std::optional<std::string> nearest_name(std::string_view name, const std::vector<std::string>& known);
+/// The name that is closest to `wrong` by edit distance (a swap of neighbours counts as one edit, letter case
+/// as none) and close enough to be meant, the first of equals.
+std::optional<std::string> nearest_name(std::string_view wrong, const std::vector<std::string>& names);
 
 }  // namespace vbond

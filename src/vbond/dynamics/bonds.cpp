@@ -6,7 +6,7 @@ namespace vbond {
 namespace {
 
 BondLoads<double> loads_of(const Bond& b, const State& s) {
-  const BondPose<double> pose = pose_of(b, s);
+  const BondPose<double> pose = bond_pose(b, s);
   return visit_law(b, [&pose](const auto& law) { return bond_loads(law, pose); });
 }
 

@@ -7,11 +7,6 @@
 
 namespace vbond {
 
-/// The pose of a bond in the present state.
-inline BondPose<double> pose_of(const Bond& b, const State& s) {
-  return bond_pose(b, s.r[b.i], s.q[b.i], s.r[b.j], s.q[b.j]);
-}
-
 /// F.d of a bond, tension positive: both laws' other terms are normal to d.  [force]
 double axial_force(const Bond& b, const State& s);
 

@@ -7,12 +7,6 @@
 
 namespace vbond {
 
-HertzContact<double> contact_law(const Model& model, ParticleId i, ParticleId j) {
-  const ContactModel& c = model.contact;
-  if (c.law == ContactLaw::paper_hertz) return paper_hertz(c.c_H, std::sqrt(c.length));
-  return hertz(c.E, c.nu, model.radius[i], model.radius[j]);
-}
-
 Contacts::Contacts(const Model& model, const BondIndex& index) : model_(model), index_(index) {
   if (model.contact.law == ContactLaw::none || model.particles() == 0) return;
   const double R_max = *std::max_element(model.radius.begin(), model.radius.end());
@@ -41,7 +35,8 @@ void Contacts::add_loads(const State& state, int threads, Loads& loads) const {
       const double reach = model_.radius[i] + model_.radius[j], distance2 = norm2(r_ij);
       if (distance2 >= sq(reach)) continue;
       const double distance = std::sqrt(distance2);
-      const double f = contact_force(contact_law(model_, i, j), reach - distance);
+      const double f =
+          contact_force(contact_law(model_.contact, model_.radius[i], model_.radius[j]), reach - distance);
       loads.F[i] -= (f / distance) * r_ij;
     }
   });
@@ -49,7 +44,9 @@ void Contacts::add_loads(const State& state, int threads, Loads& loads) const {
 
 double Contacts::pair_energy(const State& state, ParticleId i, ParticleId j) const {
   const double overlap = model_.radius[i] + model_.radius[j] - norm(state.r[j] - state.r[i]);
-  return list_ && overlap > 0.0 ? contact_energy(contact_law(model_, i, j), overlap) : 0.0;
+  return list_ && overlap > 0.0
+             ? contact_energy(contact_law(model_.contact, model_.radius[i], model_.radius[j]), overlap)
+             : 0.0;
 }
 
 double Contacts::energy(const State& state) const {

@@ -10,9 +10,6 @@
 
 namespace vbond {
 
-/// The contact law of a pair under this model (law not `none`).
-HertzContact<double> contact_law(const Model& model, ParticleId i, ParticleId j);
-
 /// Repulsion between overlapping particles, over a neighbour list of its own.
 class Contacts {
  public:

@@ -8,7 +8,7 @@ namespace vbond {
 Energies bond_energies(const State& state) {
   Energies e;
   for (const Bond& b : state.bonds) {
-    const BondPose<double> pose = pose_of(b, state);
+    const BondPose<double> pose = bond_pose(b, state);
     const BondEnergy<double> u = visit_law(b, [&pose](const auto& law) { return bond_energy(law, pose); });
     e.U_L += u.U_L;
     e.U_B += u.U_B;

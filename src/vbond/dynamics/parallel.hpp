@@ -13,25 +13,26 @@ inline constexpr std::size_t parallel_from = 4096;
 /// Calls f(k) for k = 0 .. n-1, each once; f must write only what belongs to k.
 template <class F>
 void for_each_index(std::size_t n, [[maybe_unused]] int threads, F f) {
-  const auto count = static_cast<std::ptrdiff_t>(n);
-#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1 && n >= parallel_from)
-  for (std::ptrdiff_t k = 0; k < count; ++k) f(static_cast<std::size_t>(k));
+  if (threads == 1 || n < parallel_from) {  // not an if-clause of the pragma: that still sets up a team of one
+    for (std::size_t k = 0; k < n; ++k) f(k);
+    return;
+  }
+#pragma omp parallel for schedule(static) num_threads(threads)
+  for (std::ptrdiff_t k = 0; k < static_cast<std::ptrdiff_t>(n); ++k) f(static_cast<std::size_t>(k));
 }
 
 /// The sum of f(k), added in an order that does not depend on the number of threads.
 template <class F>
 double sum_over(std::size_t n, int threads, F f) {
-  constexpr std::size_t block = 4096;
   const auto sum_block = [&](std::size_t b) {
     double s = 0.0;
-    for (std::size_t k = b * block; k < std::min(n, (b + 1) * block); ++k) s += f(k);
+    for (std::size_t k = b * parallel_from; k < std::min(n, (b + 1) * parallel_from); ++k) s += f(k);
     return s;
   };
-  if (n <= block) return sum_block(0);
-  std::vector<double> partial((n + block - 1) / block);
-  const auto blocks = static_cast<std::ptrdiff_t>(partial.size());
-#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
-  for (std::ptrdiff_t b = 0; b < blocks; ++b)
+  if (n <= parallel_from) return sum_block(0);
+  std::vector<double> partial((n + parallel_from - 1) / parallel_from);
+#pragma omp parallel for schedule(static) num_threads(threads)
+  for (std::ptrdiff_t b = 0; b < static_cast<std::ptrdiff_t>(partial.size()); ++b)
     partial[static_cast<std::size_t>(b)] = sum_block(static_cast<std::size_t>(b));
   double s = 0.0;
   for (const double p : partial) s += p;

@@ -1,10 +1,12 @@
 #pragma once
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <vector>
 
 #include "vbond/core/column.hpp"
 #include "vbond/core/vec3.hpp"
+#include "vbond/physics/contact.hpp"
 
 namespace vbond {
 
@@ -28,6 +30,12 @@ struct ContactModel {
   double E = 0;         ///< hertz: [force/area]
   double nu = 0;        ///< hertz
 };
+
+/// The contact law of two particles with these radii (law not `none`).
+inline HertzContact<double> contact_law(const ContactModel& c, double R_i, double R_j) {
+  if (c.law == ContactLaw::paper_hertz) return paper_hertz(c.c_H, std::sqrt(c.length));
+  return hertz(c.E, c.nu, R_i, R_j);
+}
 
 /// What does not change during a run, except between stages. Units: those of the case
 /// (reduced: a = m = c_A = 1; SI: m, kg, s).

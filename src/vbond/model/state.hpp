@@ -62,4 +62,9 @@ struct State {
   friend bool operator==(const State&, const State&) = default;
 };
 
+/// The pose of a bond as its particles stand now.
+inline BondPose<double> bond_pose(const Bond& b, const State& s) {
+  return bond_pose(b, s.r[b.i], s.q[b.i], s.r[b.j], s.q[b.j]);
+}
+
 }  // namespace vbond

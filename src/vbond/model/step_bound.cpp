@@ -120,9 +120,7 @@ double lambda_of_contacts(const Model& model, const State& state) {
   double lambda = 0.0;
   for (const ParticleId p : model.mass.ids()) {
     const double R = model.radius[p];
-    const HertzContact<double> h = law.law == ContactLaw::paper_hertz
-                                       ? paper_hertz(law.c_H, std::sqrt(law.length))
-                                       : hertz(law.E, law.nu, R, R_max);
+    const HertzContact<double> h = contact_law(law, R, R_max);
     const double k_c = contact_stiffness(h, std::max(present.overlap, 0.1 * (R + R_max)));
     lambda = std::max(lambda, present.most * k_c * 2.0 / model.mass[p]);
   }

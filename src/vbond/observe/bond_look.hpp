@@ -7,11 +7,6 @@
 
 namespace vbond {
 
-/// The pose of a bond as its particles stand now.
-inline BondPose<double> bond_pose(const Bond& b, const State& s) {
-  return bond_pose(b, s.r[b.i], s.q[b.i], s.r[b.j], s.q[b.j]);
-}
-
 /// The shape of a bond as its particles stand now.
 inline BondShape bond_shape(const Bond& b, const State& s) {
   return bond_shape(bond_pose(b, s), b.R_i, b.R_j);
