@@ -1,6 +1,7 @@
-// The vector loop over bonds. This file is compiled once per instruction set with its own namespace VBOND_KERNEL and
-// with VBOND_HD forcing every law inline. It must define nothing but that namespace's function: an inline function
-// emitted here would be compiled for a machine on which the rest of the program may not be running.
+// The vector loop over bonds. This file is compiled once per instruction set with its own namespace
+// VBOND_KERNEL and with VBOND_HD forcing every law inline. It must define nothing but that namespace's
+// function: an inline function emitted here would be compiled for a machine on which the rest of the program
+// may not be running.
 #include "vbond/dynamics/bond_pack.hpp"
 
 namespace vbond::VBOND_KERNEL {
@@ -24,8 +25,8 @@ inline void gather(const BondPack& p, const Vec3d* r, const Quatd* q, Ends& e) {
 
 using Results = BondPack::Lanes[9];
 
-/// One lane: the law of physics/ on this bond's numbers. A function of its own, because g++ keeps structs that
-/// are declared inside a simd loop in memory.
+/// One lane: the law of physics/ on this bond's numbers. A function of its own, because g++ keeps structs
+/// that are declared inside a simd loop in memory.
 template <class Law>
 VBOND_HD void evaluate_lane(const BondPack& p, const Ends& e, std::size_t l, Results& out) {
   const BondAxes<double> axes{{p.axes[0][0][l], p.axes[0][1][l], p.axes[0][2][l]},
