@@ -43,7 +43,7 @@ TEST(Stage, GivenStepAboveTheBoundIsRefusedUnlessInsisted) {
   Case c = paper_rod();
   c.time.step = Placed<CaseTime>{{0.16, true}, {"case.toml", 50, 8}};  // the bound is 0.15915 T0
   const std::string error = text_of_stage_error(c);
-  EXPECT_TRUE(contains(error, "case.toml:50:8: time.step = 1.00531 in stage \"run\"")) << error;
+  EXPECT_TRUE(contains(error, "case.toml:50:8: time.step = 1.00531 (0.16 T0) in stage \"run\"")) << error;
   EXPECT_TRUE(contains(error, "stretching of bond")) << error;
   c.time.insist = true;
   EXPECT_DOUBLE_EQ(first_stage(c).dt, 0.16 * 2.0 * std::numbers::pi);

@@ -116,7 +116,8 @@ TEST(StepBound, BondingRulesLeaveRoomForBondsToCome) {
   const Stage s = build_stage(c, b.model, 0, b.state);
   const double lambda = 4.0 / (s.dt * s.dt);
   EXPECT_NEAR(lambda, 24.0, 1e-12);
-  EXPECT_TRUE(contains(step_bound(b.model, b.state, s.bonding).source, "bond set 0 may still make"));
+  EXPECT_TRUE(
+      contains(step_bound(b.model, b.state, s.bonding).source, '"' + c.bonds[0].name + "\" may still make"));
 }
 
 }  // namespace

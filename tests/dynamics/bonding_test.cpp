@@ -10,7 +10,7 @@ namespace {
 
 BondingRule any_pair_within(double distance, std::size_t particles, const BondRecipe& recipe) {
   const std::vector<char> everyone(particles, 1);
-  return {everyone, everyone, distance, recipe};
+  return {"any", everyone, everyone, distance, recipe};
 }
 
 // Two spinning particles approach and are bonded as soon as they are within 1: the bond starts unstressed
@@ -41,7 +41,7 @@ TEST(Bonding, JoinsParticlesThatComeNearWithoutAJumpInEnergy) {
 TEST(Bonding, OnlyJoinsTheGroupsOfItsRule) {
   testing::Specimen s = testing::particles_at({{0, 0, 0}, {0.9, 0, 0}, {1.8, 0, 0}});
   Stage stage = testing::plain_stage(0.05, 1.0);
-  stage.bonding = {{{1, 0, 0}, {0, 1, 0}, 1.0, testing::papers_bond()}};
+  stage.bonding = {{"first with second", {1, 0, 0}, {0, 1, 0}, 1.0, testing::papers_bond()}};
   Simulation run(s.model, stage, s.state);
   run.step();
   ASSERT_EQ(run.state().bonds.size(), 1u);

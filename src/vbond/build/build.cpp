@@ -150,11 +150,11 @@ void check_output(const Case& c, const Model& model, Problems& problems) {
   for (const auto& name : c.output.axial_force) look_up_group(name, model, problems);
   look_up_groups_or_particles(c.output.displacements, model, problems);
   const SourcePlace place{c.file, 0, 0};
-  look_up_time(c.output.history_every, model, "output.history_every", place, problems);
+  look_up_time(c.output.history_every, model, "output.history.every", place, problems);
   if (c.output.frames_every)
-    look_up_time(*c.output.frames_every, model, "output.frames_every", place, problems);
+    look_up_time(*c.output.frames_every, model, "output.frames.every", place, problems);
   if (c.output.checkpoint_every)
-    look_up_time(*c.output.checkpoint_every, model, "output.checkpoint_every", place, problems);
+    look_up_time(*c.output.checkpoint_every, model, "output.checkpoint.every", place, problems);
 }
 
 }  // namespace

@@ -149,7 +149,8 @@ struct StageResolver {
         problems.add(b.place, fmt::format("bonds \"{}\" are made on approach but not by distance", b.name),
                      "only a distance says when particles have come close", "select by distance");
       if (first == nullptr || second == nullptr || within == nullptr) continue;
-      BondingRule rule{membership(*first, model), membership(*second, model), within->distance, b.recipe};
+      BondingRule rule{b.name, membership(*first, model), membership(*second, model), within->distance,
+                       b.recipe};
       rule.recipe.set = static_cast<std::uint32_t>(set);
       check_length(b, *within, *first, *second);
       rules.push_back(std::move(rule));
@@ -190,6 +191,12 @@ void check_stage_names(const Case& c, Problems& problems) {
       }
 }
 
+/// A time as a user may compare it with the case: also in T_0 where there is one.
+std::string in_words(double time, const Model& model) {
+  const std::string text = fmt::format("{:.6g}", time);
+  return model.T_0 > 0.0 ? text + fmt::format(" ({:.4g} T0)", time / model.T_0) : text;
+}
+
 void choose_step(const Case& c, const Model& model, const State& state, Stage& stage, Problems& problems) {
   const StepBound bound = step_bound(model, state, stage.bonding);
   if (c.time.step) {
@@ -198,9 +205,10 @@ void choose_step(const Case& c, const Model& model, const State& state, Stage& s
     if (!(stage.dt > 0.0))
       problems.add(place, fmt::format("time.step = {}", given.value), "must be > 0", "give a positive time");
     else if (stage.dt > bound.dt && !c.time.insist)
-      problems.add(place, fmt::format("time.step = {:.6g} in stage \"{}\"", stage.dt, stage.name),
-                   fmt::format("above {:.6g} the run may blow up: {}", bound.dt, bound.source),
-                   fmt::format("use at most {:.6g}, better 0.2 of it; or insist = true", bound.dt));
+      problems.add(
+          place, fmt::format("time.step = {} in stage \"{}\"", in_words(stage.dt, model), stage.name),
+          fmt::format("above {} the run may blow up: {}", in_words(bound.dt, model), bound.source),
+          fmt::format("use at most {}, better 0.2 of it; or insist = true", in_words(bound.dt, model)));
   } else if (std::isinf(bound.dt)) {
     problems.add({c.file, 0, 0}, fmt::format("stage \"{}\" has no natural time step", stage.name),
                  bound.source, "give time.step");

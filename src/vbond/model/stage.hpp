@@ -68,6 +68,7 @@ struct StrainProgram {
 
 /// Bonds made during the run: a pair of the two groups that comes within `distance` is bonded.
 struct BondingRule {
+  std::string name;              ///< of the bond set, for reports
   std::vector<char> in_a, in_b;  ///< per particle: belongs to the first / second group
   double distance = 0;           ///< between centres  [length]
   BondRecipe recipe;

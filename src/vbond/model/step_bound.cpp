@@ -135,8 +135,7 @@ StepBound step_bound(const Model& model, const State& state, const std::vector<B
     std::string motion;
     const double lambda = lambda_of_rule(model, rule, motion);
     if (!(lambda <= largest.lambda))
-      largest = {lambda, std::nullopt,
-                 motion + " of a bond that bond set " + std::to_string(rule.recipe.set) + " may still make"};
+      largest = {lambda, std::nullopt, motion + " of a bond that \"" + rule.name + "\" may still make"};
   }
   const double contact = lambda_of_contacts(model, state);
   if (contact > 0.0) {
