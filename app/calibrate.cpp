@@ -53,7 +53,7 @@ class Arguments {
 
   void problem(const std::string& option, const std::string& text, const std::string& rule,
                const std::string& way_out) {
-    problems_.push_back({{}, option + " " + text, rule, way_out});
+    problems_.push_back({{}, text.empty() ? option : option + " " + text, rule, way_out});
   }
   void throw_if_any() const {
     if (!problems_.empty()) throw CaseError(problems_);
@@ -66,7 +66,7 @@ class Arguments {
 Section section(const CalibrateOptions& o, Arguments& arguments) {
   const int given = !o.diameter.empty() + !o.side.empty() + !o.A.empty();
   if (given != 1)
-    arguments.problem("section", "", "needs exactly one of --diameter, --side, --A",
+    arguments.problem("the section", "", "needs exactly one of --diameter, --side, --A",
                       "e.g. --diameter \"1 mm\"");
   if (!o.side.empty()) return square(arguments.positive(o.side, "--side", keys::length));
   if (!o.A.empty()) {

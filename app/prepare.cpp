@@ -55,7 +55,9 @@ void print_overview(const Case& c, const Model& model, const State& state, const
   fmt::print("contacts         {}\n", contacts_in_words(model));
   if (model.T_0 > 0) fmt::print("T0               {:.6g}{}\n", model.T_0, time);
   fmt::print("critical step    {:.6g}{}, from {}\n", bound.dt, time, bound.source);
-  fmt::print("time step        {:.6g}{}, {:.3g} of the critical step\n", first.dt, time, first.dt / bound.dt);
+  fmt::print("time step        {:.6g}{}, {:.3g} of the critical step{}\n", first.dt, time,
+             first.dt / bound.dt,
+             first.dt > bound.dt ? ": ABOVE it, as the case insists; the run will probably blow up" : "");
   std::fflush(stdout);
 }
 

@@ -106,6 +106,7 @@ StopReason run_stage(Campaign& campaign, Stage stage, State& state) {
   } catch (const Diverged&) {
     if (campaign.progress) campaign.progress->clear();
     campaign.files.watch->watch().summarise();
+    fmt::print("results up to there in {}\n", campaign.plan.folder.string());
     throw;
   }
   campaign.summary.stepping_seconds += seconds_since(start);

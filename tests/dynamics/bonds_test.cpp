@@ -39,10 +39,33 @@ TEST(BondLoadsEvaluator, GivesTheBitsOfThePlainLoop) {
   for (const int threads : {1, 2, 3}) {
     gathered.F.assign(n, {});
     gathered.M.assign(n, {});
-    BondLoadsEvaluator().add(s.state, BondIndex(n, s.state.bonds), threads, gathered);
+    BondLoadsEvaluator evaluator;
+    evaluator.prepare(s.state.bonds);
+    evaluator.add(s.state, BondIndex(n, s.state.bonds), threads, gathered);
     EXPECT_TRUE(plain.F == gathered.F && plain.M == gathered.M) << threads << " threads";
   }
   EXPECT_GT(norm(plain.F[ParticleId{0}]), 1e-6);
+}
+
+// Vector loops round each lane as a scalar does, and no kernel fuses a multiplication with an addition.
+TEST(BondKernel, GivesTheSameBitsWithEveryInstructionSet) {
+  const testing::Specimen s = crumpled_sheet(6);
+  BondPack pack{};
+  NamedKernel kernels[3];
+  const std::size_t n = available_kernels(kernels);
+  ASSERT_GE(n, 1u);
+  for (const BondId b : s.state.bonds.ids()) {
+    const Bond& bond = s.state.bonds[b];
+    fill_lane(pack, 0, BondId{0}, bond);
+    const BondPose<double> pose = bond_pose(bond, s.state);
+    const BondLoads<double> plain = visit_law(bond, [&](const auto& law) { return bond_loads(law, pose); });
+    for (std::size_t k = 0; k < n; ++k) {
+      BondLoads<double> l{};
+      kernels[k].kernel(&pack, 1, s.state.r.data(), s.state.q.data(), &l);
+      EXPECT_TRUE(l.F == plain.F && l.M_ij == plain.M_ij && l.M_ji == plain.M_ji)
+          << kernels[k].name << ", bond " << b.value;
+    }
+  }
 }
 
 TEST(AxialForce, IsTheComponentOfTheBondForceAlongTheBond) {

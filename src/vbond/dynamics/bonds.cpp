@@ -28,10 +28,28 @@ void add_bond_loads(const State& state, Loads& loads) {
   }
 }
 
+void BondLoadsEvaluator::prepare(const PerBond<Bond>& bonds) {
+  packs_.clear();
+  for (const BondLaw law : {BondLaw::v_model, BondLaw::evm}) {
+    std::uint32_t lane = pack_width;
+    for (const BondId b : bonds.ids()) {
+      if (bonds[b].law != law) continue;
+      if (lane == pack_width) {
+        packs_.push_back({});
+        lane = 0;
+      }
+      fill_lane(packs_.back(), lane++, b, bonds[b]);
+    }
+  }
+  of_bond_.resize(bonds.size());
+}
+
 void BondLoadsEvaluator::add(const State& state, const BondIndex& index, int threads, Loads& loads) {
-  of_bond_.resize(state.bonds.size());
-  for_each_index(state.bonds.size(), threads,
-                 [&](std::size_t b) { of_bond_[b] = loads_of(state.bonds[BondId{b}], state); });
+  constexpr std::size_t chunk = 64;  // packs: 512 bonds a piece of work
+  const PackKernel kernel = pack_kernel();
+  for_each_chunk(packs_.size(), pack_width, chunk, threads, [&](std::size_t first, std::size_t count) {
+    kernel(packs_.data() + first, count, state.r.data(), state.q.data(), of_bond_.data());
+  });
   for_each_index(state.r.size(), threads, [&](std::size_t k) {
     const ParticleId p{k};
     for (const BondIndex::Entry& e : index.of(p)) {

@@ -38,6 +38,7 @@ Simulation::Simulation(const Model& model, Stage stage, State state, int threads
       contacts_(model, bond_index_),
       bonding_(model, stage_.bonding, bond_index_),
       damping_(model, stage_) {
+  bond_loads_.prepare(state_.bonds);
   state_.clock.dt = stage_.dt;
   if (state_.clock.stage_step == 0)
     begin_stage();
@@ -91,6 +92,7 @@ void Simulation::notify_observers() {
 void Simulation::make_bonds() {
   if (!bonding_.make_bonds(contacts_, state_)) return;
   bond_index_ = BondIndex(model_.particles(), state_.bonds);
+  bond_loads_.prepare(state_.bonds);
   contacts_.bonds_changed();
   evaluate_loads();
 }

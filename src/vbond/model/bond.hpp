@@ -37,9 +37,7 @@ decltype(auto) visit_law(const Bond& b, F&& f) {
 /// The pose of a bond, its axes turned into the world frame.
 inline BondPose<double> bond_pose(const Bond& b, const Vec3d& r_i, const Quatd& q_i, const Vec3d& r_j,
                                   const Quatd& q_j) {
-  const Vec3d i1 = rotate(q_i, b.n_i1), i2 = rotate(q_i, b.n_i2);
-  const Vec3d j1 = rotate(q_j, b.n_j1), j2 = rotate(q_j, b.n_j2);
-  return {r_j - r_i, {i1, i2, cross(i1, i2)}, {j1, j2, cross(j2, j1)}};
+  return bond_pose(BondAxes<double>{b.n_i1, b.n_i2, b.n_j1, b.n_j2}, r_i, q_i, r_j, q_j);
 }
 
 /// Four coefficients B1..B4 as given.

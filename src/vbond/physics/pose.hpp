@@ -1,5 +1,5 @@
 #pragma once
-#include "vbond/core/vec3.hpp"
+#include "vbond/core/quat.hpp"
 
 namespace vbond {
 
@@ -12,6 +12,22 @@ struct BondPose {
   Vec3<T> n_i[3];  ///< unit vectors fixed to particle i
   Vec3<T> n_j[3];  ///< unit vectors fixed to particle j
 };
+
+/// The axes of a bond as they are stored, each in the body frame of its particle; the third ones follow:
+/// n_i3 = n_i1 x n_i2, n_j3 = -n_j1 x n_j2.
+template <Scalar T>
+struct BondAxes {
+  Vec3<T> n_i1, n_i2, n_j1, n_j2;
+};
+
+/// The pose of a bond whose particles stand at r_i, r_j and are turned by the unit quaternions q_i, q_j.
+template <Scalar T>
+VBOND_HD BondPose<T> bond_pose(const BondAxes<T>& body, const Vec3<T>& r_i, const Quat<T>& q_i,
+                               const Vec3<T>& r_j, const Quat<T>& q_j) {
+  const Vec3<T> i1 = rotate(q_i, body.n_i1), i2 = rotate(q_i, body.n_i2);
+  const Vec3<T> j1 = rotate(q_j, body.n_j1), j2 = rotate(q_j, body.n_j2);
+  return {r_j - r_i, {i1, i2, cross(i1, i2)}, {j1, j2, cross(j2, j1)}};
+}
 
 /// Energy of one bond by channel, relative to rest.  [energy]
 template <Scalar T>
