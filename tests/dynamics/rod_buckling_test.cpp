@@ -1,4 +1,4 @@
-// The paper's quasi-static buckling of a rod, [KA12] section VII A, with the step of 0.1 T0 for speed: dt
+// The paper's quasi-static buckling of a rod, [KA12] section VI A, with the step of 0.1 T0 for speed: dt
 // between 0.002 and 0.1 T0 was found to give the same peak to 1e-5.
 #include <gtest/gtest.h>
 

@@ -15,7 +15,7 @@ struct Specimen {
   State state;
 };
 
-/// The paper's bond: d_b / a = 0.2, nu = 0.2, Bernoulli-Euler, between the centres.  [KA12] eq. (37)
+/// The paper's bond: d_b / a = 0.2, nu = 0.2, Bernoulli-Euler, between the centres.  [KA12] eq. (42)
 inline BondRecipe papers_bond(BondLaw law = BondLaw::v_model) {
   BondRecipe recipe;
   recipe.law = law;

@@ -15,7 +15,7 @@ namespace {
 const Material glue{3.2, 0.2};
 const Section round_bond = circle(0.2);
 
-// The paper's closed forms, [KA12] eqs. (21), (30), (36), against the one inverse that the code uses.
+// The paper's closed forms, [KA12] eqs. (22), (30), (37), against the one inverse that the code uses.
 // Both sides are a dozen operations: 1e-14 relative is rounding.
 TEST(Calibration, BernoulliEulerGivesThePapersClosedForm) {
   for (const double a : {0.3, 1.0, 2.5}) {
@@ -48,7 +48,7 @@ TEST(Calibration, ShortCylinderGivesThePapersClosedForm) {
 }
 
 TEST(Calibration, PapersRodHasThePapersParameters) {
-  // E a / c_A = 4 / pi (a / d_b)^2, [KA12] eq. (37)
+  // E a / c_A = 4 / pi (a / d_b)^2, [KA12] eq. (42)
   const Material m{4.0 / M_PI * 25.0, 0.2};
   const VModel<double> b = vmodel_from(bernoulli_euler(m, circle(0.2), 1.0), 1.0, 0.0, 0.0);
   EXPECT_NEAR(b.B1, 1.0, 1e-15);

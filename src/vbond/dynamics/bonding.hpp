@@ -10,7 +10,7 @@
 
 namespace vbond {
 
-/// Makes bonds during the run by the stage's rules ([KA12] section VI, step 1 of the algorithm).
+/// Makes bonds during the run by the stage's rules ([KA12] section V, step 1 of the algorithm).
 class Bonding {
  public:
   Bonding(const Model& model, const std::vector<BondingRule>& rules, const BondIndex& index);

@@ -33,7 +33,7 @@ VBOND_HD T contact_stiffness(const HertzContact<T>& h, const T& delta) {
   return T(1.5) * h.k * sqrt(delta);
 }
 
-/// The paper's form, F = c_H / sqrt(a) (2R - r)^(3/2), [KA12] section VII B: one k for all pairs.
+/// The paper's form, F = c_H / sqrt(a) (2R - r)^(3/2), [KA12] section VI B: one k for all pairs.
 constexpr HertzContact<double> paper_hertz(double c_H, double sqrt_a) {
   return {c_H / sqrt_a};
 }

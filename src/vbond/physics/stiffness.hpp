@@ -5,7 +5,7 @@
 
 namespace vbond {
 
-/// The four stiffnesses of a bond for small deformations about rest, [KA12] eqs. (14), (15).
+/// The four stiffnesses of a bond for small deformations about rest, [KA12] eqs. (12), (13).
 template <Scalar T>
 struct BondStiffness {
   T c_A;  ///< longitudinal  [force/length]
@@ -47,7 +47,7 @@ constexpr Section square(double h) {
   return {sq(h), sq(sq(h)) / 12.0, saint_venant * sq(sq(h))};
 }
 
-/// Hutchinson's shear coefficient of a full circle, [KA12] below eq. (24).
+/// Hutchinson's shear coefficient of a full circle, [KA12] eq. (25).
 constexpr double hutchinson_circle(double nu) {
   return 6.0 * sq(1.0 + nu) / (7.0 + 12.0 * nu + 4.0 * sq(nu));
 }
@@ -65,7 +65,7 @@ constexpr BondStiffness<double> timoshenko(const Material& m, const Section& s, 
           m.E * s.J / a, m.G() * s.J_p / a};
 }
 
-/// Short cylinder of length a between rigid ends, uniaxial strain, [KA12] eqs. (33)-(35); nu < 0.5.
+/// Short cylinder of length a between rigid ends, uniaxial strain, [KA12] eqs. (33), (35), (36); nu < 0.5.
 constexpr BondStiffness<double> short_cylinder(const Material& m, const Section& s, double a) {
   const double confined = (1.0 - m.nu) / ((1.0 + m.nu) * (1.0 - 2.0 * m.nu));
   return {confined * m.E * s.A / a, m.G() * s.A / a, confined * m.E * s.J / a, m.G() * s.J_p / a};

@@ -37,7 +37,7 @@ VBOND_HD BondEnergy<T> bond_energy(const VModel<T>& m, const BondPose<T>& b) {
   return {U_L, U_B, U_T};
 }
 
-/// Force and moments of a bond: the gradient of bond_energy.  [KA12] eqs. (10), (11); M_ji, which
+/// Force and moments of a bond: the gradient of bond_energy.  [KA12] eqs. (9), (10); M_ji, which
 /// the paper omits, follows in the same way. M_ij + M_ji - r_ij x F = 0 holds exactly.
 template <Scalar T>
 VBOND_HD BondLoads<T> bond_loads(const VModel<T>& m, const BondPose<T>& b) {

@@ -30,7 +30,7 @@ SpecimenPoints make_points(const BlockSpecimen& s, const SourcePlace& place);
 SpecimenPoints make_points(const SheetSpecimen& s, const SourcePlace& place);
 SpecimenPoints make_points(const ListedSpecimen& s, const SourcePlace& place);
 
-/// The paper's half-sphere, [KA12] section VII B: rim fixed on the equator, the rest relaxed from random
+/// The paper's half-sphere, [KA12] section VI B: rim fixed on the equator, the rest relaxed from random
 /// places under a repulsion. Particles 0 .. rim - 1 are the rim.
 SpecimenPoints make_points(const HemisphereSpecimen& s, const SourcePlace& place);
 
