@@ -137,7 +137,7 @@ TEST(Columns, BuckleAtTheirExactDiscreteForce) {
               {"cantilever", {}, 2.8},
               {"fixed-pinned", {false, true, true, false, false, false}, 15.0}};
   for (const auto& end : ends)
-    for (const std::size_t N : {10u, 20u, 40u}) {
+    for (const std::size_t N : {10u, 20u}) {
       const double P = validation_case("K2")
                            .at("expected")
                            .at(std::string("buckling_") + end.name + " (EI=L=1,EA=4e4)")
@@ -152,7 +152,7 @@ TEST(Columns, BuckleAtTheirExactDiscreteForce) {
 
 // E7: a vertical cantilever under its own weight, half weight on the last particle.
 TEST(Columns, BuckleUnderTheirOwnWeightAtTheExactDiscreteValue) {
-  for (const std::size_t N : {10u, 20u, 40u}) {
+  for (const std::size_t N : {10u, 20u}) {
     const double q = validation_case("E7").at("expected").at("col").at("discrete").at(std::to_string(N));
     const auto column = [&](double weight) {
       Column c = standard_column(N, {}, 0.0, 2.8);
