@@ -178,5 +178,21 @@ TEST(Resolution, OfGroupsAndParticlesReportsAllMistakes) {
   EXPECT_THROW(resolve_groups({{"nobody", {}}}, b.model), CaseError);
 }
 
+// Overlapping particles that a later stage bonds give up their contact energy: it must stand in the books.
+TEST(StageBonds, BookTheContactEnergyTheyTakeAway) {
+  Case c = paper_rod();
+  c.bonds[0].when = BondTime::stage;
+  c.bonds[0].stages = {{c.stages[0].name, {}}};
+  c.specimens[0].radius = 0.52;
+  c.contact = {ContactLaw::paper_hertz, ContactPairs::unbonded, 1.0, 1.0, 0.0, 0.0};
+  Built b = build(c);
+  ASSERT_TRUE(b.state.bonds.empty());
+  b.state.clock.step = 7;  // not the start of the run, where the books are opened
+  build_stage(c, b.model, 0, b.state);
+  ASSERT_EQ(b.state.bonds.size(), 9u);
+  EXPECT_NEAR(b.state.books.dissipated, 9 * 0.4 * std::pow(0.04, 2.5),
+              1e-17);  // nine overlaps of 0.04, 2/5 k d^(5/2)
+}
+
 }  // namespace
 }  // namespace vbond::test

@@ -16,6 +16,13 @@ TEST(Stops, AfterTheDurationInWholeSteps) {
   EXPECT_EQ(run.state().clock.time(), 30 * 0.1);
 }
 
+TEST(Steps, OfATimeWithoutEndAreManyAndCanBeAdded) {
+  EXPECT_EQ(steps_in(1e30, 1e-3), std::int64_t{1} << 62);
+  EXPECT_EQ(steps_in(std::numeric_limits<double>::infinity(), 1.0), std::int64_t{1} << 62);
+  EXPECT_EQ(steps_in(1e-9, 1.0), 1);
+  EXPECT_EQ(steps_in(2.4999, 1.0), 2);
+}
+
 TEST(Stops, WhenTwoParticlesAreNearEnough) {
   testing::Specimen s = testing::particles_at({{0, 0, 0}, {2, 0, 0}});
   s.state.v = {{0, 0, 0}, {-0.1, 0, 0}};
@@ -32,9 +39,9 @@ TEST(Stops, AtRestButNotAtATurningPoint) {
   s.state.v = {{-0.01, 0, 0}, {0.01, 0, 0}};
   Stage stage = testing::plain_stage(0.05, 1e9);
   stage.b_translation = 0.02;
-  stage.stops.kinetic_energy_below = 1e-8;  // 1e-4 of the start: after ln(1e4) m / b = 460
+  stage.stops.rest = RestStop{1e-8, 5.0};  // 1e-4 of the start after ln(1e4) m / b = 460; period 4.44
   Simulation run(s.model, stage, s.state);
-  EXPECT_EQ(run.run(), StopReason::kinetic_energy);
+  EXPECT_EQ(run.run(), StopReason::rest);
   EXPECT_GT(run.state().clock.time(), 350.0);
   EXPECT_LT(run.state().clock.time(), 480.0);
 }

@@ -30,7 +30,7 @@ Checkpoint busy_checkpoint(Chain& chain) {
   chain.state.books = {
       .at_start = 1.1, .dissipated = 2.2, .work_loads = 3.3, .work_supports = 4.4, .largest = 5.5};
   chain.state.peak = {.sum = 0.1, .samples = 7, .last = 0.2, .peak = 0.3, .peak_time = 0.4, .blocks = 8};
-  chain.state.rest = {.armed = true, .quiet_steps = 9};
+  chain.state.rest = {.quiet_steps = 9};
   WatchRecord watch;
   watch.bonds = {{BondRange::snapped, false}, {BondRange::strained, true}};
   watch.strained = 3, watch.snapped = 2, watch.shortened = 1;

@@ -91,15 +91,16 @@ TEST(Watch, JustInsideTheRangeIsQuiet) {
 }
 
 TEST(Watch, ManyReportsAreCutAndSummedUpOnce) {
-  Chain chain(14);
-  for (std::size_t k = 1; k < 14; k += 2) chain.turn(k, {1, 0, 0}, 60 * degree);  // all 13 bonds
+  Chain chain(28);
+  for (std::size_t k = 1; k < 28; k += 2)
+    chain.turn(k, {1, 0, 0}, 60 * degree);  // past the limit of the 14 bonds that are V-models
   Listener l;
   l.look(chain);
   EXPECT_EQ(l.told.size(), static_cast<std::size_t>(Watch::told_in_full));
   l.watch.summarise();
   l.watch.summarise();
   ASSERT_EQ(l.told.size(), static_cast<std::size_t>(Watch::told_in_full) + 1);
-  EXPECT_TRUE(contains(l.told.back(), "3 more bonds were strained: 13 in all")) << l.told.back();
+  EXPECT_TRUE(contains(l.told.back(), "4 more bonds were strained: 14 in all")) << l.told.back();
 }
 
 TEST(Watch, GoesOnFromItsRecordWithoutRepeatingItself) {

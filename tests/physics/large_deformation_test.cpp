@@ -58,7 +58,7 @@ TEST(VModel, IsBlindToHalfTurnsOfEitherParticle) {
     const BondPose<double> pose = turned({}, half_turn);
     const BondEnergy<double> u = bond_energy(slender, pose);
     EXPECT_NEAR(u.U_L + u.U_B + u.U_T, 0.0, 1e-17);
-    EXPECT_EQ(bond_range(bond_shape(pose, 0, 0)), BondRange::snapped);
+    EXPECT_EQ(bond_range(slender, bond_shape(pose, 0, 0)), BondRange::snapped);
     const BondEnergy<double> w = bond_energy(evm_from(stiffness(slender), 1.0, 0.0, 0.0), pose);
     EXPECT_GT(w.U_L + w.U_B + w.U_T, 1e-3);  // the EVM is not
   }
@@ -74,13 +74,21 @@ TEST(BondShape, GivesTwistAndBendWithTheirSigns) {
   EXPECT_NEAR(b.c_j, std::cos(0.3), 1e-15);
 }
 
-TEST(BondRange, HasItsLimitsAt45And90Degrees) {
-  EXPECT_EQ(bond_range(bond_shape(turned({}, {degrees(44.9), 0, 0}), 0, 0)), BondRange::good);
-  EXPECT_EQ(bond_range(bond_shape(turned({}, {degrees(45.1), 0, 0}), 0, 0)), BondRange::strained);
-  EXPECT_EQ(bond_range(bond_shape(turned({}, {degrees(-90.1), 0, 0}), 0, 0)), BondRange::snapped);
-  EXPECT_EQ(bond_range(bond_shape(turned({0, 0, degrees(44.9)}, {}), 0, 0)), BondRange::good);
-  EXPECT_EQ(bond_range(bond_shape(turned({0, 0, degrees(45.1)}, {}), 0, 0)), BondRange::strained);
-  EXPECT_EQ(bond_range(bond_shape(turned({0, 0, degrees(90.1)}, {}), 0, 0)), BondRange::snapped);
+TEST(BondRange, OfTheEvmHasOneLimitAt90Degrees) {
+  const Evm<double> evm = evm_from(stiffness(slender), 1.0, 0.0, 0.0);
+  EXPECT_EQ(bond_range(evm, bond_shape(turned({}, {degrees(89.9), 0, 0}), 0, 0)), BondRange::good);
+  EXPECT_EQ(bond_range(evm, bond_shape(turned({}, {degrees(-90.1), 0, 0}), 0, 0)), BondRange::strained);
+  EXPECT_EQ(bond_range(evm, bond_shape(turned({0, 0, degrees(89.9)}, {}), 0, 0)), BondRange::good);
+  EXPECT_EQ(bond_range(evm, bond_shape(turned({0, 0, degrees(150)}, {}), 0, 0)), BondRange::strained);
+}
+
+TEST(BondRange, OfTheVModelHasItsLimitsAt45And90Degrees) {
+  EXPECT_EQ(bond_range(slender, bond_shape(turned({}, {degrees(44.9), 0, 0}), 0, 0)), BondRange::good);
+  EXPECT_EQ(bond_range(slender, bond_shape(turned({}, {degrees(45.1), 0, 0}), 0, 0)), BondRange::strained);
+  EXPECT_EQ(bond_range(slender, bond_shape(turned({}, {degrees(-90.1), 0, 0}), 0, 0)), BondRange::snapped);
+  EXPECT_EQ(bond_range(slender, bond_shape(turned({0, 0, degrees(44.9)}, {}), 0, 0)), BondRange::good);
+  EXPECT_EQ(bond_range(slender, bond_shape(turned({0, 0, degrees(45.1)}, {}), 0, 0)), BondRange::strained);
+  EXPECT_EQ(bond_range(slender, bond_shape(turned({0, 0, degrees(90.1)}, {}), 0, 0)), BondRange::snapped);
 }
 
 }  // namespace

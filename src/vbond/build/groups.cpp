@@ -8,6 +8,7 @@
 #include <numeric>
 
 #include "vbond/build/build.hpp"
+#include "vbond/build/text_file.hpp"
 #include "vbond/core/nearest.hpp"
 
 namespace vbond {
@@ -129,10 +130,10 @@ const Group* look_up_group(const Placed<std::string>& name, const Model& model, 
   if (group == nullptr) {
     const std::vector<std::string> known = names_of(model.groups);
     const auto near = nearest_name(name.value, known);
-    problems.add(
-        name.place, fmt::format("there is no group \"{}\"", name.value),
-        fmt::format("known groups: {}", fmt::join(known, ", ")),
-        near ? fmt::format("did you mean \"{}\"?", *near) : "use one of them, or define it in [[groups]]");
+    problems.add(name.place, fmt::format("there is no group \"{}\"", name.value),
+                 fmt::format("known groups: {}", fmt::join(known, ", ")),
+                 near ? fmt::format("did you mean \"{}\"?", *near)
+                      : "use one of them, or define it: [groups." + name.value + "]");
   }
   return group;
 }
@@ -169,8 +170,8 @@ std::vector<Group> look_up_groups_or_particles(const std::vector<Placed<std::str
     const std::string& text = name.value;
     if (text.empty() || text.find_first_not_of("0123456789") != std::string::npos) {
       if (const Group* g = look_up_group(name, model, problems)) groups.push_back(*g);
-    } else if (const auto id =
-                   look_up_particle(std::stoll(text), model, "displacements", name.place, problems)) {
+    } else if (const auto id = look_up_particle(to_integer(text).value_or(-1), model, "displacements",
+                                                name.place, problems)) {
       groups.push_back({text, {*id}});
     }
   }

@@ -199,7 +199,12 @@ std::string in_words(double time, const Model& model) {
 
 void choose_step(const Case& c, const Model& model, const State& state, Stage& stage, Problems& problems) {
   const StepBound bound = step_bound(model, state, stage.bonding);
-  if (c.time.step) {
+  if (!(bound.dt > 0.0)) {
+    problems.add(
+        {c.file, 0, 0}, fmt::format("stage \"{}\" has the critical step {}", stage.name, bound.dt),
+        "a mass, an inertia or a stiffness is so far out of range that no step is left: " + bound.source,
+        "look for a missing or misplaced unit");
+  } else if (c.time.step) {
     const auto& [given, place] = *c.time.step;
     stage.dt = look_up_time(given, model, "time.step", place, problems);
     if (!(stage.dt > 0.0))
@@ -224,6 +229,7 @@ void check_against_step(const StageSpec& spec, const State& state, const Stage& 
       problems.add(place, fmt::format("{} = {:.6g}", what, time),
                    fmt::format("the time step is {:.6g}", stage.dt), "use a longer time or a smaller step");
   };
+  too_short(spec.place, "duration", stage.stops.duration);
   if (stage.strain) too_short(spec.strain->place, "strain.every", stage.strain->every);
   if (!stage.stops.peak) return;
   const PeakStop& peak = *stage.stops.peak;
@@ -262,6 +268,7 @@ Stage resolve_stage(const Case& c, const Model& model, std::size_t k, Problems& 
   if (k == 0) check_stage_names(c, problems);
   Stage stage;
   stage.name = spec.name;
+  stage.insist = c.time.insist;
   stage.gravity = spec.gravity;
   stage.b_translation = spec.b_translation;
   stage.b_rotation = spec.b_rotation;
@@ -272,7 +279,10 @@ Stage resolve_stage(const Case& c, const Model& model, std::size_t k, Problems& 
   stage.stops.duration = resolver.positive_time(spec.duration, "duration", spec.place);
   if (spec.stop_distance) stage.stops.distance = resolver.distance_stop(*spec.stop_distance);
   if (spec.stop_peak) stage.stops.peak = resolver.peak_stop(*spec.stop_peak, stage.supports);
-  stage.stops.kinetic_energy_below = spec.stop_kinetic_energy_below;
+  if (spec.stop_rest)
+    stage.stops.rest =
+        RestStop{spec.stop_rest->kinetic_energy_below,
+                 resolver.positive_time(spec.stop_rest->during, "stop.rest.during", spec.stop_rest->place)};
   return stage;
 }
 

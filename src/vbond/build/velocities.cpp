@@ -27,14 +27,16 @@ Vec3d draw(const VelocitySpec& spec, Random& random) {
 }  // namespace
 
 void add_velocities(const Case& c, const Model& model, State& state, Problems& problems) {
+  constexpr std::uint64_t apart = 0x9e3779b97f4a7c15;  // so that entries with one seed draw different numbers
+  std::uint64_t entry = 0;
   for (const VelocitySpec& spec : c.velocities) {
+    Random random(spec.seed + apart * entry++);
     const Group* group = look_up_group(spec.group, model, problems);
     const bool flat = spec.kind == VelocityKind::circle && !(norm(spec.normal) > 0.0);
     if (flat)
       problems.add(spec.place, "the normal of the circle of velocities is zero",
                    "it says how the circle lies", "use for instance normal = [1, 0, 0]");
     if (group == nullptr || flat) continue;
-    Random random(spec.seed);
     for (const ParticleId p : group->particles) {
       Vec3d& v = state.v[p];
       v += draw(spec, random);

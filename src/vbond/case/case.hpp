@@ -203,6 +203,12 @@ struct DistanceStopSpec {
   bool below = true;
 };
 
+struct RestStopSpec {
+  SourcePlace place;
+  double kinetic_energy_below = 0;
+  CaseTime during;
+};
+
 struct PeakStopSpec {
   SourcePlace place;
   PeakQuantity quantity = PeakQuantity::compressive_force;
@@ -223,7 +229,7 @@ struct StageSpec {
   std::optional<StrainSpec> strain;
   std::optional<DistanceStopSpec> stop_distance;
   std::optional<PeakStopSpec> stop_peak;
-  std::optional<double> stop_kinetic_energy_below;
+  std::optional<RestStopSpec> stop_rest;
 };
 
 struct TimeSpec {

@@ -23,8 +23,7 @@ void check_moves_are_held(Table& t, const SupportSpec& s) {
 void describe_stop(Table& t, StageSpec& s) {
   t.table("distance", s.stop_distance, "stop when two particles are near or far enough");
   t.table("peak", s.stop_peak, "stop when a quantity has fallen below its peak: buckling");
-  t.key("kinetic_energy_below", s.stop_kinetic_energy_below, positive(energy), default_is("none"),
-        "stop when the kinetic energy is below this, looked at after the first step");
+  t.table("rest", s.stop_rest, "stop when the body has come to rest");
 }
 
 }  // namespace
@@ -102,7 +101,7 @@ void describe(Table& t, StageSpec& s) {
   t.table("strain", s.strain, "affine strain, applied step by step");
   t.table(
       "stop", optional, "ends the stage before its duration", [&s](Table& k) { describe_stop(k, s); },
-      s.stop_distance || s.stop_peak || s.stop_kinetic_energy_below);
+      s.stop_distance || s.stop_peak || s.stop_rest);
 }
 
 void describe(Table& t, SupportSpec& s) {
@@ -158,6 +157,15 @@ void describe(Table& t, DistanceStopSpec& s) {
   t.when(side == 1, "above",
          [&] { t.key("above", s.value, positive(length), required, "stop at this or more"); });
   s.below = side == 0;
+}
+
+void describe(Table& t, RestStopSpec& s) {
+  t.locate(s.place);
+  t.key("kinetic_energy_below", s.kinetic_energy_below, positive(energy), required,
+        "the kinetic energy must stay below this");
+  t.key(
+      "during", s.during, TimeCodec{}, required,
+      "for this time: longer than half the slowest period, since a swing has no kinetic energy at its turns");
 }
 
 void describe(Table& t, PeakStopSpec& s) {

@@ -26,10 +26,10 @@ void check_mass(Table& t, const SpecimenSpec& s) {
   t.check(from_file || !s.density || s.radius > 0, {"density", "radius", "kind"},
           "density needs a radius: m = 4/3 pi radius^3 density",
           "add radius, or give mass instead of density");
-  t.check(from_file || s.inertia || s.radius > 0, {"inertia", "radius", "kind"},
+  t.check(from_file || s.inertia || s.radius > 0, {"radius", "inertia", "kind"},
           "inertia or a radius > 0 is required: the default 2/5 m radius^2 would be zero and a particle "
           "could not turn",
-          "add inertia = 0.1 (or a radius)");
+          "add the radius, or the moment of inertia of a particle");
 }
 
 }  // namespace

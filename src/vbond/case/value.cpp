@@ -151,14 +151,19 @@ bool TextCodec::read(const Node& n, ReadContext& in, const std::string& path, st
   return true;
 }
 
+bool only_digits(std::string_view s) {
+  return s.find_first_not_of("0123456789") == std::string_view::npos;
+}
+
 bool NameCodec::read(const Node& n, ReadContext& in, const std::string& path, std::string& out) const {
   std::string name;
   if (!TextCodec::read(n, in, path, name)) return false;
   const auto allowed = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
   };
-  if (name.empty() || name.size() > 64 || !std::all_of(name.begin(), name.end(), allowed))
-    return in.refuse(n, path, "a name must have 1 to 64 letters (a-z, A-Z), digits, _ or -",
+  if (only_digits(name) || name.size() > 64 || !std::all_of(name.begin(), name.end(), allowed))
+    return in.refuse(n, path,
+                     "a name must have 1 to 64 letters (a-z, A-Z), digits, _ or -, and not only digits",
                      such_as(path, "\"left_end\""));
   out = name;
   return true;
@@ -174,6 +179,9 @@ bool ReferenceCodec::read(const Node& n, ReadContext& in, const std::string& pat
 }
 
 bool ParticlesCodec::read(const Node& n, ReadContext& in, const std::string& path, std::string& out) const {
+  if (const auto* s = std::get_if<std::string>(&n.value); s && only_digits(*s))
+    return in.refuse(n, path, "a particle is named by its bare number",
+                     "write it without quotes and leading zeros");
   if (!std::holds_alternative<std::int64_t>(n.value)) return ReferenceCodec::read(n, in, path, out);
   std::int64_t number = 0;
   if (!particle_number.read(n, in, path, number)) return false;
@@ -182,8 +190,7 @@ bool ParticlesCodec::read(const Node& n, ReadContext& in, const std::string& pat
 }
 
 std::string ParticlesCodec::write(const std::string& x) const {
-  const bool digits = x.find_first_not_of("0123456789") == std::string::npos;
-  return digits ? x : toml_string(x);
+  return only_digits(x) ? x : toml_string(x);
 }
 
 bool FileCodec::read(const Node& n, ReadContext& in, const std::string& path,

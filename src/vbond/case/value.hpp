@@ -106,6 +106,9 @@ struct TextCodec {
   std::string example(UnitSystem) const { return "\"...\""; }
 };
 
+/// True for digits and nothing else, and for an empty text: never a name, but the number of a particle.
+bool only_digits(std::string_view s);
+
 /// The name of something that this table defines: letters, digits, `_` and `-`, since it becomes a column
 /// title of history.csv and part of a key.
 struct NameCodec : TextCodec {

@@ -39,8 +39,6 @@ struct Dual {
     const double root = std::sqrt(a.value);
     return scaled(root, 0.5 / root, a);
   }
-  friend Dual sin(const Dual& a) { return scaled(std::sin(a.value), std::cos(a.value), a); }
-  friend Dual cos(const Dual& a) { return scaled(std::cos(a.value), -std::sin(a.value), a); }
 
  private:
   static constexpr Dual scaled(double value, double s, const Dual& a) {

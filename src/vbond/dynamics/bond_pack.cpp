@@ -18,8 +18,7 @@ std::size_t available_kernels(NamedKernel (&kernels)[3]) {
   std::size_t n = 0;
   kernels[n++] = {"baseline", baseline::evaluate_packs};
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi2"))
-    kernels[n++] = {"avx2", avx2::evaluate_packs};
+  if (__builtin_cpu_supports("avx2")) kernels[n++] = {"avx2", avx2::evaluate_packs};
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
       __builtin_cpu_supports("avx512vl"))
     kernels[n++] = {"avx512", avx512::evaluate_packs};

@@ -1,5 +1,7 @@
 #include "vbond/dynamics/bonding.hpp"
 
+#include <fmt/core.h>
+
 #include <set>
 #include <string>
 #include <utility>
@@ -29,9 +31,9 @@ Bond bond_between(const BondRecipe& recipe, const Model& model, const State& s, 
 
 }  // namespace
 
-Bonding::Bonding(const Model& model, const std::vector<BondingRule>& rules, const BondIndex& index)
-    : model_(model) {
-  for (const BondingRule& rule : rules)
+Bonding::Bonding(const Model& model, const Stage& stage, const BondIndex& index)
+    : model_(model), insist_(stage.insist) {
+  for (const BondingRule& rule : stage.bonding)
     rules_.push_back({&rule, NeighbourList(
                                  rule.distance, 0.2 * rule.distance,
                                  [&rule](ParticleId i, ParticleId j) {
@@ -40,7 +42,16 @@ Bonding::Bonding(const Model& model, const std::vector<BondingRule>& rules, cons
                                  [&index](ParticleId i, ParticleId j) { return index.bonded(i, j); })});
 }
 
-bool Bonding::make_bonds(const Contacts& contacts, State& state) {
+void Bonding::check_step(const State& state) const {
+  const StepBound bound = step_bound(model_, state);
+  if (insist_ || state.clock.dt <= bound.dt) return;
+  throw Diverged(state.clock.step, state.clock.time(), "new bonds",
+                 fmt::format("the time step {:.6g} is above the critical step {:.6g}, from {}",
+                             state.clock.dt, bound.dt, bound.source),
+                 "choose a smaller time.step or time.fraction");
+}
+
+bool Bonding::make_bonds(State& state) {
   std::set<std::pair<ParticleId, ParticleId>> made;
   for (RuleList& list : rules_) {
     const BondingRule& rule = *list.rule;
@@ -49,19 +60,12 @@ bool Bonding::make_bonds(const Contacts& contacts, State& state) {
       for (const ParticleId j : list.near.of(i)) {
         if (!(i < j) || norm2(state.r[j] - state.r[i]) > sq(rule.distance)) continue;
         if (!made.insert({i, j}).second) continue;
-        state.bonds.push_back(bond_between(rule.recipe, model_, state, i, j));
-        if (model_.contact.pairs == ContactPairs::unbonded)
-          state.books.dissipated += contacts.pair_energy(state, i, j);
+        add_bond(model_, bond_between(rule.recipe, model_, state, i, j), state);
       }
   }
   if (made.empty()) return false;
   for (RuleList& list : rules_) list.near.invalidate();
-  const StepBound bound = step_bound(model_, state);
-  if (state.clock.dt > bound.dt)
-    throw Diverged(state.clock.step, state.clock.time(), "new bonds",
-                   "the time step " + std::to_string(state.clock.dt) + " is above the critical step " +
-                       std::to_string(bound.dt) + " of " + bound.source,
-                   "choose a smaller time.step or time.fraction");
+  check_step(state);
   return true;
 }
 

@@ -42,19 +42,12 @@ void Contacts::add_loads(const State& state, int threads, Loads& loads) const {
   });
 }
 
-double Contacts::pair_energy(const State& state, ParticleId i, ParticleId j) const {
-  const double overlap = model_.radius[i] + model_.radius[j] - norm(state.r[j] - state.r[i]);
-  return list_ && overlap > 0.0
-             ? contact_energy(contact_law(model_.contact, model_.radius[i], model_.radius[j]), overlap)
-             : 0.0;
-}
-
 double Contacts::energy(const State& state) const {
   double U = 0.0;
   if (list_)
     for (const ParticleId i : state.r.ids())
       for (const ParticleId j : list_->of(i))
-        if (i < j) U += pair_energy(state, i, j);
+        if (i < j) U += contact_pair_energy(model_, state, i, j);
   return U;
 }
 

@@ -23,9 +23,6 @@ class Contacts {
   void add_loads(const State& state, int threads, Loads& loads) const;
   /// [energy]
   double energy(const State& state) const;
-  /// Energy of one pair that may touch, bonded or not; 0 if it does not.  [energy]
-  double pair_energy(const State& state, ParticleId i, ParticleId j) const;
-  std::int64_t rebuilds() const { return list_ ? list_->rebuilds() : 0; }
 
  private:
   const Model& model_;

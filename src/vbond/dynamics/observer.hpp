@@ -5,7 +5,7 @@ namespace vbond {
 class Simulation;
 
 /// Why a stage ended.
-enum class StopReason { running, duration, distance, peak, kinetic_energy, interrupted };
+enum class StopReason { running, duration, distance, peak, rest, interrupted };
 
 /// Looks at a run after every step, and once at the start of each stage; never changes it.
 class Observer {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "vbond/core/error.hpp"
@@ -27,6 +28,14 @@ void check_finite(const Loads& loads, const State& state) {
                      "reduce time.step (or time.fraction); look at the last frame for bonds that closed up");
 }
 
+/// Energies of bonds near rest are differences of terms of the size of B2, B3 and B4, known to some 1e-16 of
+/// them: an energy a thousand roundings large is the least that an error can sensibly be compared with.
+double scale_of_rounding(const PerBond<Bond>& bonds) {
+  double sum = 0.0;
+  for (const Bond& b : bonds) sum += std::abs(b.B2) + std::abs(b.B3) + std::abs(b.B4);
+  return 1e3 * std::numeric_limits<double>::epsilon() * sum;
+}
+
 }  // namespace
 
 Simulation::Simulation(const Model& model, Stage stage, State state, int threads)
@@ -36,9 +45,10 @@ Simulation::Simulation(const Model& model, Stage stage, State state, int threads
       threads_(threads),
       bond_index_(model.particles(), state_.bonds),
       contacts_(model, bond_index_),
-      bonding_(model, stage_.bonding, bond_index_),
+      bonding_(model, stage_, bond_index_),
       damping_(model, stage_) {
   bond_loads_.prepare(state_.bonds);
+  rounding_scale_ = scale_of_rounding(state_.bonds);
   state_.clock.dt = stage_.dt;
   if (state_.clock.stage_step == 0)
     begin_stage();
@@ -50,7 +60,7 @@ void Simulation::begin_stage() {
   state_.peak = {};
   state_.rest = {};
   evaluate_loads();
-  if (state_.clock.step == 0) state_.books = {.at_start = energies().total()};
+  if (state_.clock.stage == 0 && state_.clock.step == 0) state_.books = {.at_start = energies().total()};
   hold_velocities(model_, stage_, 0.0, state_);
 }
 
@@ -76,7 +86,7 @@ void Simulation::step() {
 StopReason Simulation::run(const std::function<bool()>& interrupted) {
   if (state_.clock.stage_step == 0) notify_observers();
   StopReason why = stop_reason();
-  while (why == StopReason::running) {  // at least one step, so that a stage once begun is not begun again
+  while (why == StopReason::running) {  // asked after a step: a stage is never interrupted before its first
     step();
     why = stop_reason();
     if (why == StopReason::running && interrupted && interrupted()) why = StopReason::interrupted;
@@ -90,9 +100,10 @@ void Simulation::notify_observers() {
 }
 
 void Simulation::make_bonds() {
-  if (!bonding_.make_bonds(contacts_, state_)) return;
+  if (!bonding_.make_bonds(state_)) return;
   bond_index_ = BondIndex(model_.particles(), state_.bonds);
   bond_loads_.prepare(state_.bonds);
+  rounding_scale_ = scale_of_rounding(state_.bonds);
   contacts_.bonds_changed();
   evaluate_loads();
 }
@@ -149,12 +160,10 @@ void Simulation::keep_records() {
       peak.samples = 0;
     }
   }
-  if (stage_.stops.kinetic_energy_below) {
-    RestRecord& rest = state_.rest;
-    const bool quiet =
-        kinetic_energies(model_, state_, threads_).kinetic() < *stage_.stops.kinetic_energy_below;
-    rest.armed = rest.armed || !quiet;
-    rest.quiet_steps = quiet ? rest.quiet_steps + 1 : 0;
+  if (stage_.stops.rest) {
+    const double kinetic = kinetic_energies(model_, state_, threads_).kinetic();
+    std::int64_t& quiet = state_.rest.quiet_steps;
+    quiet = kinetic < stage_.stops.rest->kinetic_energy_below ? quiet + 1 : 0;
   }
 }
 
@@ -178,9 +187,8 @@ StopReason Simulation::stop_reason() const {
   if (stops.peak && state_.peak.blocks > 0 && state_.peak.peak > 0.0 && state_.peak.samples == 0 &&
       state_.peak.last < (1.0 - stops.peak->drop) * state_.peak.peak)
     return StopReason::peak;
-  if (stops.kinetic_energy_below && state_.rest.armed &&
-      state_.rest.quiet_steps >= steps_in(model_.T_0, clock.dt))
-    return StopReason::kinetic_energy;
+  if (stops.rest && state_.rest.quiet_steps >= steps_in(stops.rest->during, clock.dt))
+    return StopReason::rest;
   if (std::isfinite(stops.duration) && clock.stage_step >= steps_in(stops.duration, clock.dt))
     return StopReason::duration;
   return StopReason::running;
@@ -198,8 +206,7 @@ Energies Simulation::energies() const {
 double Simulation::balance_error(const Energies& e) const {
   const EnergyBooks& b = state_.books;
   const double imbalance = e.total() + b.dissipated - b.work_loads - b.work_supports - b.at_start;
-  const double scale = std::max(b.largest, b.at_start);
-  return scale > 0.0 ? imbalance / scale : 0.0;
+  return imbalance / std::max({b.largest, b.at_start, rounding_scale_, std::numeric_limits<double>::min()});
 }
 
 Reaction Simulation::reaction(const std::vector<ParticleId>& particles) const {

@@ -46,12 +46,12 @@ class Simulation {
   const Stage& stage() const { return stage_; }
   const State& state() const { return state_; }
   const Loads& loads() const { return loads_; }
-  std::int64_t neighbour_rebuilds() const { return contacts_.rebuilds(); }
 
   /// Energies at the present positions and velocities: a sum over all bonds, so not for every step.
   Energies energies() const;
   /// Relative error of the energy balance for these energies: kinetic + potential + dissipated - work -
-  /// start, over the largest energy that start and work have brought in so far; 0 before there is any.
+  /// start, over the largest energy that start and work have brought in so far, at least a thousand
+  /// roundings.
   double balance_error(const Energies& e) const;
   /// What the supports exert on these particles along held degrees of freedom, drag included, the
   /// inertia of prescribed accelerations left out.
@@ -77,6 +77,7 @@ class Simulation {
   Loads loads_;
   BondIndex bond_index_;
   BondLoadsEvaluator bond_loads_;
+  double rounding_scale_ = 0;  // least energy that the balance error is compared with
   Contacts contacts_;
   Bonding bonding_;
   Damping damping_;

@@ -8,6 +8,7 @@
 #include "vbond/core/column.hpp"
 #include "vbond/core/quat.hpp"
 #include "vbond/physics/evm.hpp"
+#include "vbond/physics/range.hpp"
 #include "vbond/physics/vmodel.hpp"
 
 namespace vbond {
@@ -30,8 +31,16 @@ struct Bond {
 /// Calls f with the bond's law as VModel<double> or Evm<double>: the one place that branches on it.
 template <class F>
 decltype(auto) visit_law(const Bond& b, F&& f) {
-  if (b.law == BondLaw::v_model) return f(VModel<double>{b.a, b.R_i, b.R_j, b.B1, b.B2, b.B3, b.B4});
-  return f(Evm<double>{b.a, b.R_i, b.R_j, b.B1, b.B2, b.B3, b.B4});
+  switch (b.law) {
+    case BondLaw::v_model: break;
+    case BondLaw::evm: return f(Evm<double>{b.a, b.R_i, b.R_j, b.B1, b.B2, b.B3, b.B4});
+  }
+  return f(VModel<double>{b.a, b.R_i, b.R_j, b.B1, b.B2, b.B3, b.B4});
+}
+
+/// Where a bond of this shape stands in the range of its law.
+inline BondRange bond_range(const Bond& b, const BondShape& s) {
+  return visit_law(b, [&s](const auto& law) { return bond_range(law, s); });
 }
 
 /// The pose of a bond, its axes turned into the world frame.

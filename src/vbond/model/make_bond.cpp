@@ -28,10 +28,10 @@ Bond with_coefficients(const BondRecipe& recipe, double a, double R_i, double R_
     take(*given);
   } else {
     const BondStiffness<double> c = stiffness_of(recipe, a);
-    if (recipe.law == BondLaw::v_model)
-      take(vmodel_from(c, a_ref, R_i, R_j));
-    else
-      take(evm_from(c, a_ref, R_i, R_j));
+    switch (recipe.law) {
+      case BondLaw::v_model: take(vmodel_from(c, a_ref, R_i, R_j)); break;
+      case BondLaw::evm: take(evm_from(c, a_ref, R_i, R_j)); break;
+    }
   }
   return b;
 }

@@ -31,10 +31,14 @@ struct ContactModel {
   double nu = 0;        ///< hertz
 };
 
-/// The contact law of two particles with these radii (law not `none`).
+/// The contact law of two particles with these radii; stiffness 0 for `none`.
 inline HertzContact<double> contact_law(const ContactModel& c, double R_i, double R_j) {
-  if (c.law == ContactLaw::paper_hertz) return paper_hertz(c.c_H, std::sqrt(c.length));
-  return hertz(c.E, c.nu, R_i, R_j);
+  switch (c.law) {
+    case ContactLaw::none: break;
+    case ContactLaw::paper_hertz: return paper_hertz(c.c_H, std::sqrt(c.length));
+    case ContactLaw::hertz: return hertz(c.E, c.nu, R_i, R_j);
+  }
+  return {0.0};
 }
 
 /// What does not change during a run, except between stages. Units: those of the case

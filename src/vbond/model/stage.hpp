@@ -92,19 +92,26 @@ struct PeakStop {
   double average_over = 0;            ///< length of a block  [time]
 };
 
+/// Stop when the kinetic energy has stayed below a bound. A swing passes through zero kinetic energy at each
+/// turn, so `during` must be longer than the body's slowest half period.
+struct RestStop {
+  double kinetic_energy_below = 0;  ///< [energy]
+  double during = 0;                ///< [time]
+};
+
 /// When a stage ends: whichever comes first.
 struct Stops {
   double duration = std::numeric_limits<double>::infinity();  ///< [time]
   std::optional<DistanceStop> distance;
   std::optional<PeakStop> peak;
-  /// Stop when the kinetic energy, having been above this, stays below it for a time T_0.  [energy]
-  std::optional<double> kinetic_energy_below;
+  std::optional<RestStop> rest;
 };
 
 /// One leg of the run, resolved: no names to look up, all in the units of the model.
 struct Stage {
   std::string name;
   double dt = 0;             ///< [time]
+  bool insist = false;       ///< dt may be above the critical step
   Vec3d gravity;             ///< [length/time^2]
   double b_translation = 0;  ///< viscous force -b v  [force*time/length]
   double b_rotation = 0;     ///< viscous moment -b omega  [force*length*time]
@@ -115,9 +122,11 @@ struct Stage {
   Stops stops;
 };
 
-/// How many steps make up a time, at least one.
+/// How many steps make up a time, at least one; at most 2^62, so that counts of steps can be added.
 inline std::int64_t steps_in(double time, double dt) {
-  return std::max<std::int64_t>(1, static_cast<std::int64_t>(time / dt + 0.5));
+  const double steps = time / dt + 0.5;
+  if (!(steps < 0x1p62)) return std::int64_t{1} << 62;
+  return std::max<std::int64_t>(1, static_cast<std::int64_t>(steps));
 }
 
 }  // namespace vbond

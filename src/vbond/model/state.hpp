@@ -4,6 +4,7 @@
 #include "vbond/core/column.hpp"
 #include "vbond/core/quat.hpp"
 #include "vbond/model/bond.hpp"
+#include "vbond/model/model.hpp"
 
 namespace vbond {
 
@@ -42,7 +43,6 @@ struct PeakRecord {
 
 /// How long the kinetic energy has been low, for the stop condition.
 struct RestRecord {
-  bool armed = false;            ///< the bound has been exceeded in this stage
   std::int64_t quiet_steps = 0;  ///< steps in a row below the bound
   friend bool operator==(const RestRecord&, const RestRecord&) = default;
 };
@@ -61,6 +61,22 @@ struct State {
 
   friend bool operator==(const State&, const State&) = default;
 };
+
+/// Contact energy of two particles, bonded or not; 0 if they do not touch.  [energy]
+inline double contact_pair_energy(const Model& model, const State& s, ParticleId i, ParticleId j) {
+  if (model.contact.law == ContactLaw::none) return 0.0;
+  const double overlap = model.radius[i] + model.radius[j] - norm(s.r[j] - s.r[i]);
+  if (!(overlap > 0.0)) return 0.0;
+  return contact_energy(contact_law(model.contact, model.radius[i], model.radius[j]), overlap);
+}
+
+/// Takes up a new bond. If bonded pairs do not touch, the pair's contact energy is given up and booked as
+/// dissipated.
+inline void add_bond(const Model& model, const Bond& bond, State& s) {
+  s.bonds.push_back(bond);
+  if (model.contact.pairs == ContactPairs::unbonded)
+    s.books.dissipated += contact_pair_energy(model, s, bond.i, bond.j);
+}
 
 /// The pose of a bond as its particles stand now.
 inline BondPose<double> bond_pose(const Bond& b, const State& s) {

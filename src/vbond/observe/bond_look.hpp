@@ -22,7 +22,7 @@ struct RangeCounts {
 inline RangeCounts count_ranges(const State& s) {
   RangeCounts n;
   for (const Bond& b : s.bonds) {
-    const BondRange range = bond_range(bond_shape(b, s));
+    const BondRange range = bond_range(b, bond_shape(b, s));
     n.strained += range == BondRange::strained;
     n.snapped += range == BondRange::snapped;
   }

@@ -177,7 +177,6 @@ void visit_fields(Archive& archive, C& c) {
   archive("/peak/peak", s.peak.peak);
   archive("/peak/peak_time", s.peak.peak_time);
   archive("/peak/blocks", s.peak.blocks);
-  archive("/rest/armed", s.rest.armed);
   archive("/rest/quiet_steps", s.rest.quiet_steps);
   archive.of_each("/watch/worst", c.watch.bonds, &BondRecord::worst);
   archive.of_each("/watch/was_short", c.watch.bonds, &BondRecord::was_short);

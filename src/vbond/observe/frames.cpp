@@ -145,7 +145,7 @@ void write_bonds_vtp(const fs::path& path, const Model&, const State& state) {
     U_L.push_back(U.U_L), U_B.push_back(U.U_B), U_T.push_back(U.U_T);
     axial.push_back(F_d), shear.push_back(norm(loads.F - F_d * d));
     moment_i.push_back(norm(loads.M_ij)), moment_j.push_back(norm(loads.M_ji));
-    range.push_back(static_cast<std::uint8_t>(bond_range(shape)));
+    range.push_back(static_cast<std::uint8_t>(bond_range(b, shape)));
   }
   VtpFile f = VtpFile::of_lines(state.r.values(), ends);
   f.add_cell_data("elongation", elongation);

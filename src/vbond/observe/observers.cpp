@@ -29,7 +29,7 @@ bool stage_done(StopReason why) {
     case StopReason::duration:
     case StopReason::distance:
     case StopReason::peak:
-    case StopReason::kinetic_energy: return true;
+    case StopReason::rest: return true;
     case StopReason::running:
     case StopReason::interrupted: return false;
   }

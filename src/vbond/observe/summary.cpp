@@ -13,8 +13,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array all_reasons{StopReason::running, StopReason::duration,       StopReason::distance,
-                                 StopReason::peak,    StopReason::kinetic_energy, StopReason::interrupted};
+constexpr std::array all_reasons{StopReason::running, StopReason::duration, StopReason::distance,
+                                 StopReason::peak,    StopReason::rest,     StopReason::interrupted};
 
 Json to_json(const StageSummary& s) {
   Json j{{"name", s.name}, {"stop", to_text(s.stop)}, {"steps", s.steps}, {"dt", s.dt}, {"time", s.time}};
@@ -55,7 +55,7 @@ const char* to_text(StopReason reason) {
     case StopReason::duration: return "duration";
     case StopReason::distance: return "distance";
     case StopReason::peak: return "peak";
-    case StopReason::kinetic_energy: return "kinetic_energy";
+    case StopReason::rest: return "rest";
     case StopReason::interrupted: return "interrupted";
   }
   return "running";

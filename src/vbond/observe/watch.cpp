@@ -32,7 +32,8 @@ double energy_of(const Bond& b, const State& s) {
 }
 
 constexpr const char* smaller_step =
-    "use a smaller time.step (or time.fraction); frames and history before this step are sound to look at";
+    "use a smaller time.step (or time.fraction); history and frames are sound as long as the balance error "
+    "was small";
 
 /// Angle between two vectors, sound at every angle.  [degrees]
 double angle(const Vec3d& a, const Vec3d& b) {
@@ -108,13 +109,15 @@ void Watch::look_at_bond(BondId k, const State& state) {
     report(record_.shortened, untold_shortened_,
            fmt::format("t = {:.6g}: {} is shorter than half its length at rest: {:.4g} of {:.4g}", time,
                        name_of(k, b), shape.length, b.a));
-  const BondRange range = bond_range(shape);
+  const BondRange range = bond_range(b, shape);
   if (range <= seen.worst) return;
   seen.worst = range;
   const bool snapped = range == BondRange::snapped;
   report(snapped ? record_.snapped : record_.strained, snapped ? untold_snapped_ : untold_strained_,
          fmt::format("t = {:.6g}: {} {}: {}", time, name_of(k, b),
-                     snapped ? "has snapped, past 90 degrees" : "is strained, past 45 degrees",
+                     snapped                     ? "has snapped, past 90 degrees"
+                     : b.law == BondLaw::v_model ? "is strained, past 45 degrees"
+                                                 : "is strained, past 90 degrees",
                      angles_of(b, state)));
 }
 

@@ -5,7 +5,7 @@
 namespace vbond {
 
 /// The enhanced vector model (Kuzkin & Krivtsov 2017; Ostanin et al., J. Appl. Mech. 86 (2019) 121006).
-/// Rest is its only minimum up to a half turn of both ends; bending and twist follow the sine of the
+/// It has none of the V-model's false minima; bending and twist follow the sine of the
 /// angle where the V-model follows the sine of twice the angle.
 template <Scalar T>
 struct Evm {

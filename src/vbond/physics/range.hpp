@@ -4,7 +4,8 @@
 #include <cstdint>
 #include <numbers>
 
-#include "vbond/physics/pose.hpp"
+#include "vbond/physics/evm.hpp"
+#include "vbond/physics/vmodel.hpp"
 
 namespace vbond {
 
@@ -33,14 +34,20 @@ inline BondShape bond_shape(const BondPose<double>& b, double R_i, double R_j) {
           std::atan2(norm(turn), -dot(b.n_i[0], b.n_j[0]))};
 }
 
-/// Strained: an end tilted past 45 degrees or twist past 45 degrees, where the V-model's moment has
-/// peaked. Snapped: past 90 degrees, in the basin of a wrong rest state. Thresholds follow from the
-/// V-model's sin(2t); the same are used for the EVM, which stays sound to twice the angle.
-inline BondRange bond_range(const BondShape& s) {
+/// V-model. Strained: an end tilted or the bond twisted past 45 degrees, where the moment, a sine of twice
+/// the angle, has peaked. Snapped: past 90 degrees, in the basin of a wrong rest state.
+inline BondRange bond_range(const VModel<double>&, const BondShape& s) {
   const double c = std::min(s.c_i, s.c_j), twist = std::abs(s.twist);
   if (c <= 0.0 || twist > std::numbers::pi / 2) return BondRange::snapped;
   if (c < std::numbers::sqrt2 / 2 || twist > std::numbers::pi / 4) return BondRange::strained;
   return BondRange::good;
+}
+
+/// EVM. Strained: past 90 degrees, where its moment, a sine of the angle, has peaked. It has no wrong rest
+/// state.
+inline BondRange bond_range(const Evm<double>&, const BondShape& s) {
+  const bool past = std::min(s.c_i, s.c_j) < 0.0 || std::abs(s.twist) > std::numbers::pi / 2;
+  return past ? BondRange::strained : BondRange::good;
 }
 
 }  // namespace vbond
