@@ -45,6 +45,7 @@ TEST(ParticleFrame, ReadsBackBitForBit) {
   Chain chain;
   chain.state.r[ParticleId{1}] += Vec3d{1e-17, 0.25, -1.0 / 3.0};
   chain.turn(2, {0, 0, 1}, 0.3);
+  chain.model.specimen = {0, 0, 1};
   write_particles_vtp(folder / "p.vtp", chain.model, chain.state);
   const VtpReader f(content_of(folder / "p.vtp"));
 
@@ -61,6 +62,7 @@ TEST(ParticleFrame, ReadsBackBitForBit) {
   EXPECT_EQ(f.arrays.at("velocity").as<double>(), flat(chain.state.v));
   EXPECT_EQ(f.arrays.at("angular_velocity").as<double>(), flat(chain.state.omega));
   EXPECT_EQ(f.arrays.at("id").as<std::int64_t>(), (std::vector<std::int64_t>{0, 1, 2}));
+  EXPECT_EQ(f.arrays.at("specimen").as<std::int64_t>(), (std::vector<std::int64_t>{0, 0, 1}));
   const auto rotation = f.arrays.at("rotation").as<double>();
   EXPECT_EQ(rotation[5], 0.0);
   EXPECT_NEAR(rotation[8], 0.3, 1e-15);  // sine, cosine and arctangent, each good to an ulp of 0.3

@@ -97,7 +97,7 @@ class Properties {
   Problems& problems_;
 };
 
-void add_particles(const PlacedSpecimen& s, Built& built, Problems& problems) {
+void add_particles(const PlacedSpecimen& s, std::uint32_t number, Built& built, Problems& problems) {
   const std::size_t before = problems.count();
   const Properties properties(s, problems);
   if (problems.count() > before) return;
@@ -106,6 +106,7 @@ void add_particles(const PlacedSpecimen& s, Built& built, Problems& problems) {
     built.model.mass.push_back(properties.mass(i));
     built.model.inertia.push_back(properties.inertia(i));
     built.model.radius.push_back(properties.radius(i));
+    built.model.specimen.push_back(number);
     built.model.r_0.push_back(s.points.r[i]);
   }
 }
@@ -168,7 +169,8 @@ Built build(const Case& c) {
   model.contact = c.contact;
 
   const std::vector<PlacedSpecimen> specimens = place_specimens(c);
-  for (const PlacedSpecimen& s : specimens) add_particles(s, built, problems);
+  std::uint32_t number = 0;
+  for (const PlacedSpecimen& s : specimens) add_particles(s, number++, built, problems);
   problems.throw_if_any();
   const std::size_t n = model.particles();
   state.r = model.r_0;

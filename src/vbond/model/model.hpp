@@ -49,11 +49,14 @@ struct Model {
   PerParticle<double> mass;     ///< [mass]
   PerParticle<double> inertia;  ///< moment of inertia, spherical  [mass*length^2]
   PerParticle<double> radius;   ///< [length]
-  PerParticle<Vec3d> r_0;       ///< positions at the start; displacements are from here  [length]
-  std::vector<Group> groups;    ///< "all" is the first
+  /// Which specimen of the case made the particle, from 0, for pictures only; empty: all one body.
+  PerParticle<std::uint32_t> specimen;
+  PerParticle<Vec3d> r_0;     ///< positions at the start; displacements are from here  [length]
+  std::vector<Group> groups;  ///< "all" is the first
   ContactModel contact;
 
   std::size_t particles() const { return mass.size(); }
+  std::uint32_t specimen_of(ParticleId p) const { return specimen.empty() ? 0 : specimen[p]; }
   /// The group of that name, or nullptr.
   const Group* find_group(const std::string& name) const {
     for (const Group& g : groups)

@@ -108,10 +108,11 @@ void cut_dump(const fs::path& dump, std::int64_t resume_step) {
 
 void write_particles_vtp(const fs::path& path, const Model& model, const State& state) {
   const std::size_t n = model.particles();
-  std::vector<std::int64_t> id(n);
+  std::vector<std::int64_t> id(n), specimen(n);
   std::iota(id.begin(), id.end(), 0);
   std::vector<Vec3d> rotation(n), displacement(n);
   for (const ParticleId p : model.mass.ids()) {
+    specimen[p.value] = model.specimen_of(p);
     rotation[p.value] = rotation_vector(state.q[p]);
     displacement[p.value] = state.r[p] - model.r_0[p];
   }
@@ -122,6 +123,7 @@ void write_particles_vtp(const fs::path& path, const Model& model, const State& 
   f.add_point_data("rotation", rotation);
   f.add_point_data("displacement", displacement);
   f.add_point_data("id", id);
+  f.add_point_data("specimen", specimen);
   f.write(path, state.clock.time(), state.clock.step);
 }
 
@@ -183,8 +185,8 @@ std::string lammps_frame(const Model& model, const State& state) {
   for (const ParticleId p : model.mass.ids()) {
     const Vec3d &r = state.r[p], &v = state.v[p];
     const Quatd& q = state.q[p];
-    fmt::format_to(to, "{} 1 {} {} {} {} {} {} {} {} {} {} {}\n", p.value + 1, r.x, r.y, r.z, v.x, v.y, v.z,
-                   model.radius[p], q.w, q.x, q.y, q.z);
+    fmt::format_to(to, "{} {} {} {} {} {} {} {} {} {} {} {} {}\n", p.value + 1, model.specimen_of(p) + 1, r.x,
+                   r.y, r.z, v.x, v.y, v.z, model.radius[p], q.w, q.x, q.y, q.z);
   }
   return fmt::to_string(out);
 }
