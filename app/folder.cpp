@@ -25,7 +25,7 @@ bool is_there(const fs::path& path) {
   return fs::exists(status);
 }
 
-void remove(const fs::path& path) {
+void take_away(const fs::path& path) {
   std::error_code e;
   fs::remove(path, e);
   if (e) fail("remove", path, e);
@@ -58,15 +58,15 @@ bool is_frame(std::string_view name) {
 void remove_output(const fs::path& folder) {
   for (const char* name : {"history.csv", "run.json", "resolved.toml", "checkpoint.h5", "particles.pvd",
                            "bonds.pvd", "dump.lammpstrj"}) {
-    remove(folder / name);
-    remove(temporary_name(folder / name));
+    take_away(folder / name);
+    take_away(temporary_name(folder / name));
   }
   const fs::path frames = folder / "frames";
   std::error_code e;
   if (!fs::is_directory(frames, e)) return;
   for (const fs::path& path : entries(frames))
-    if (is_frame(path.filename().string())) remove(path);
-  if (entries(frames).empty()) remove(frames);
+    if (is_frame(path.filename().string())) take_away(path);
+  if (entries(frames).empty()) take_away(frames);
 }
 
 fs::path first_free(const std::string& stem) {
