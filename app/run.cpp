@@ -165,8 +165,16 @@ int run_stages(Campaign& campaign, Stage prepared, State state) {
   return caught_signal() == SIGTERM ? on_sigterm : caught_signal() == SIGHUP ? on_sighup : on_sigint;
 }
 
-/// An elastic bond keeps its constants for good: the bonds of the start must be those the run began with.
-void check_bonds(const State& start, const State& now, const fs::path& case_file) {
+/// What may not be edited before going on. An elastic bond keeps its constants for good: the bonds of the
+/// start must be those the run began with.
+void check_edits(const Case& c, const State& start, const State& now, const fs::path& case_file) {
+  if (static_cast<std::size_t>(now.clock.stage) >= c.stages.size())
+    throw CaseError(
+        {{case_file.string(), 0, 0},
+         fmt::format("resolved.toml was edited: it has {} stages, and the checkpoint is in stage {}",
+                     c.stages.size(), now.clock.stage + 1),
+         "stages that have begun cannot be left out",
+         "undo the edit"});
   const auto &made = start.bonds, &kept = now.bonds;
   if (made.size() <= kept.size() && std::equal(made.begin(), made.end(), kept.begin())) return;
   throw CaseError(
@@ -207,7 +215,7 @@ int resume(const fs::path& folder, int threads, const std::string& program) {
   const Built built = build(c);
   Checkpoint checkpoint = read_checkpoint(folder / "checkpoint.h5", built.model);
   State& state = checkpoint.state;
-  check_bonds(built.state, state, folder / "resolved.toml");
+  check_edits(c, built.state, state, folder / "resolved.toml");
   Stage stage = build_stage(c, built.model, state.clock.stage, state);
 
   Campaign campaign = open_campaign(c, built.model, plan_output(c, built.model, folder), threads, program,
