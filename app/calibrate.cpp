@@ -3,6 +3,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "commands.hpp"
@@ -33,10 +34,11 @@ class Arguments {
  public:
   double positive(const std::string& text, const char* option, keys::Dimension dimension) {
     const double value = number(text, option, dimension);
-    if (!(value > 0.0)) problem(option, text, "must be > 0", "give a positive value");
+    if (value <= 0.0) problem(option, text, "must be > 0", "give a positive value");
     return value;
   }
 
+  /// NaN after a mistake, so that it is told once.
   double number(const std::string& text, const char* option, keys::Dimension dimension) {
     const auto parsed = keys::parse_quantity(text);
     if (const auto* mistake = std::get_if<keys::UnitMistake>(&parsed)) {
@@ -45,10 +47,10 @@ class Arguments {
     }
     const auto& quantity = std::get<keys::Quantity>(parsed);
     const bool bare = quantity.dimension == keys::pure;
-    if (!bare && !(quantity.dimension == dimension))
-      problem(option, text, std::string("must be a ") + dimension.name,
-              std::string("e.g. ") + dimension.example);
-    return quantity.value;
+    if (bare || quantity.dimension == dimension) return quantity.value;
+    problem(option, text, std::string("must be a ") + dimension.name,
+            std::string("e.g. ") + dimension.example);
+    return NAN;
   }
 
   void problem(const std::string& option, const std::string& text, const std::string& rule,
@@ -63,8 +65,22 @@ class Arguments {
   std::vector<Problem> problems_;
 };
 
+/// An option that the section does not have would be ignored: better told.
+void refuse_foreign(const CalibrateOptions& o, Arguments& arguments) {
+  const auto refuse = [&](const char* option, const std::string& text, const std::string& its_own,
+                          const char* with) {
+    if (!text.empty() && its_own.empty())
+      arguments.problem(option, text, std::string("belongs to a section given by ") + with,
+                        std::string("leave it out, or give ") + with);
+  };
+  refuse("--inner-diameter", o.inner_diameter, o.diameter, "--diameter");
+  refuse("--J", o.J, o.A, "--A");
+  refuse("--J_p", o.J_p, o.A, "--A");
+}
+
 Section section(const CalibrateOptions& o, Arguments& arguments) {
   const int given = !o.diameter.empty() + !o.side.empty() + !o.A.empty();
+  refuse_foreign(o, arguments);
   if (given != 1)
     arguments.problem("the section", "", "needs exactly one of --diameter, --side, --A",
                       "e.g. --diameter \"1 mm\"");
@@ -79,10 +95,20 @@ Section section(const CalibrateOptions& o, Arguments& arguments) {
   if (o.diameter.empty()) return {};
   const double d = arguments.positive(o.diameter, "--diameter", keys::length);
   if (o.inner_diameter.empty()) return circle(d);
-  const double inner = arguments.positive(o.inner_diameter, "--inner-diameter", keys::length);
-  if (!(inner < d))
+  const double inner = arguments.number(o.inner_diameter, "--inner-diameter", keys::length);
+  if (inner < 0.0)
+    arguments.problem("--inner-diameter", o.inner_diameter, "must be >= 0", "0 is a full circle");
+  if (inner >= d)
     arguments.problem("--inner-diameter", o.inner_diameter, "must be below --diameter", "use a smaller one");
   return annulus(d, inner);
+}
+
+/// Also as an annulus without a hole.
+bool is_full_circle(const CalibrateOptions& o) {
+  if (o.diameter.empty()) return false;
+  if (o.inner_diameter.empty()) return true;
+  const auto inner = keys::parse_quantity(o.inner_diameter);
+  return std::holds_alternative<keys::Quantity>(inner) && std::get<keys::Quantity>(inner).value == 0.0;
 }
 
 void print_theory(const Theory& t, const TheoryParameters& p, double a) {
@@ -108,7 +134,7 @@ int calibrate(const CalibrateOptions& o) {
                           arguments.number(o.nu, "--nu", keys::pure)};
   const double a = arguments.positive(o.length, "--length", keys::length);
   const Section s = section(o, arguments);
-  if (!(material.nu > -1.0 && material.nu <= 0.5))
+  if (material.nu <= -1.0 || material.nu > 0.5)
     arguments.problem("--nu", o.nu, "must satisfy -1 < nu <= 0.5", "steel has 0.3, glass 0.2, rubber 0.5");
   if (o.theory == "short-cylinder" && material.nu == 0.5)
     arguments.problem("--nu", o.nu, "the short cylinder divides by 1 - 2 nu",
@@ -116,17 +142,18 @@ int calibrate(const CalibrateOptions& o) {
   std::optional<double> kappa;
   if (!o.kappa.empty())
     kappa = arguments.positive(o.kappa, "--kappa", keys::pure);
-  else if (!o.diameter.empty() && o.inner_diameter.empty())
+  else if (is_full_circle(o))
     kappa = hutchinson_circle(material.nu);
   else if (o.theory == "timoshenko")
     arguments.problem("--theory", "timoshenko", "needs --kappa for this section",
                       "e.g. --kappa 0.85 for a square");
   arguments.throw_if_any();
 
-  const double thickness = std::sqrt(16.0 * s.J / s.A);  // the diameter of a circle with this A and J
+  const double thickness = 4.0 * std::sqrt(s.J / s.A);
   fmt::print(
       "E {:.8g}   nu {:.6g}   A {:.8g}   J {:.8g}   J_p {:.8g}   length {:.8g}   length / thickness {:.3g}\n",
       material.E, material.nu, s.A, s.J, s.J_p, a, a / thickness);
+  fmt::print("Thickness is 4 sqrt(J / A): the diameter of a circle with this A and J.\n");
   fmt::print("Units follow from those given: SI base units where units are named.\n");
   for (const Theory& t : theories) {
     if (o.theory != "all" && o.theory != t.name) continue;

@@ -1,25 +1,34 @@
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <numeric>
+#include <set>
 #include <string>
+#include <utility>
 
 #include "commands.hpp"
 #include "prepare.hpp"
 #include "vbond/build/build.hpp"
 #include "vbond/case/read.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/core/near_pairs.hpp"
+#include "vbond/dynamics/bond_pack.hpp"
 #include "vbond/dynamics/simulation.hpp"
 #include "vbond/observe/report.hpp"
 
 namespace vbond::app {
 namespace {
 
+constexpr std::int64_t few_steps = 10;
+
 /// Bytes that particles and bonds take: constants, state, a copy of it between stages, and scratch.
 double memory(const Model& model, const State& state) {
   constexpr double per_particle =
       4 * sizeof(double) + sizeof(Vec3d) + 2 * (3 * sizeof(Vec3d) + sizeof(Quatd)) + 2 * sizeof(Vec3d);
-  constexpr double per_bond = 2 * sizeof(Bond) + sizeof(BondLoads<double>) + 2 * sizeof(BondIndex::Entry);
+  constexpr double per_bond = 2 * sizeof(Bond) + sizeof(BondPack) / pack_width + sizeof(BondLoads<double>) +
+                              2 * sizeof(BondIndex::Entry);
   return per_particle * static_cast<double>(model.particles()) +
          per_bond * static_cast<double>(state.bonds.size());
 }
@@ -40,6 +49,49 @@ double seconds_per_step(const Model& model, const Stage& stage, const State& sta
   return seconds / static_cast<double>(steps);
 }
 
+/// What a wrong unit or a misplaced specimen would show in first.
+void print_body(const Model& model, const State& state) {
+  const bool si = model.units == UnitSystem::si;
+  const char *metre = si ? " m" : "", *kilogram = si ? " kg" : "";
+  if (model.particles() == 0) return;
+  Vec3d low = state.r[ParticleId{0}], high = low;
+  for (const Vec3d& r : state.r) {
+    low = {std::min(low.x, r.x), std::min(low.y, r.y), std::min(low.z, r.z)};
+    high = {std::max(high.x, r.x), std::max(high.y, r.y), std::max(high.z, r.z)};
+  }
+  fmt::print("extent           x {:.6g} to {:.6g}, y {:.6g} to {:.6g}, z {:.6g} to {:.6g}{} (centres)\n",
+             low.x, high.x, low.y, high.y, low.z, high.z, metre);
+  fmt::print("total mass       {:.6g}{}\n", std::accumulate(model.mass.begin(), model.mass.end(), 0.0),
+             kilogram);
+  if (state.bonds.empty()) return;
+  const auto [shortest, longest] =
+      std::minmax_element(state.bonds.begin(), state.bonds.end(),
+                          [](const Bond& one, const Bond& other) { return one.a < other.a; });
+  fmt::print("bond lengths     {:.6g} to {:.6g}{}\n", shortest->a, longest->a, metre);
+}
+
+/// Overlaps that the case starts with: their energy flies the body apart if they were not meant.
+void print_overlaps(const Model& model, const State& state) {
+  if (model.contact.law == ContactLaw::none || model.particles() == 0) return;
+  const double R_max = *std::max_element(model.radius.begin(), model.radius.end());
+  if (!(R_max > 0.0)) return;
+  std::set<std::pair<std::size_t, std::size_t>> exempt;
+  if (model.contact.pairs == ContactPairs::unbonded)
+    for (const Bond& b : state.bonds) exempt.insert(std::minmax<std::size_t>(b.i.value, b.j.value));
+  double U = 0.0;
+  std::int64_t pairs = 0;
+  for_near_pairs(state.r.values(), 2.0 * R_max, [&](std::size_t i, std::size_t j, double distance2) {
+    const double R_i = model.radius[ParticleId{i}], R_j = model.radius[ParticleId{j}];
+    const double overlap = R_i + R_j - std::sqrt(distance2);
+    if (overlap <= 0.0 || exempt.count({i, j}) > 0) return;
+    U += contact_energy(contact_law(model.contact, R_i, R_j), overlap);
+    ++pairs;
+  });
+  if (pairs > 0)
+    fmt::print("contact energy   at the start {:.6g}{} from {} overlapping pairs\n", U,
+               model.units == UnitSystem::si ? " J" : "", pairs);
+}
+
 }  // namespace
 
 int check(const std::filesystem::path& case_file, int threads) {
@@ -48,11 +100,15 @@ int check(const std::filesystem::path& case_file, int threads) {
   const Stage first = build_stage(c, built.model, 0, built.state);
   plan_output(c, built.model, {});
   print_overview(c, built.model, built.state, first);
+  print_body(built.model, built.state);
+  print_overlaps(built.model, built.state);
 
   const std::vector<std::int64_t> steps = steps_of_stages(c, built.model, first.dt);
   for (std::size_t k = 0; k < steps.size(); ++k)
-    fmt::print("stage {:<10} at most {} steps\n", c.stages[k].name, steps[k]);
-  fmt::print("memory           {:.3g} MB for particles and bonds\n", 1e-6 * memory(built.model, built.state));
+    fmt::print("stage {:<10} at most {} steps{}\n", c.stages[k].name, steps[k],
+               steps[k] < few_steps ? ": so few; is a unit missing, such as T0?" : "");
+  fmt::print("memory           {:.3g} MB for particles and bonds; neighbour lists are extra\n",
+             1e-6 * memory(built.model, built.state));
   const auto total = std::accumulate(steps.begin(), steps.end(), std::int64_t{0});
   try {
     const double seconds =

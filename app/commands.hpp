@@ -5,14 +5,23 @@
 
 namespace vbond::app {
 
-/// Exit statuses of the program; 130 and 143 after a signal, with a checkpoint written.
-enum ExitStatus { done = 0, failed = 1, bad_input = 2, bad_io = 3, on_sigint = 130, on_sigterm = 143 };
+/// Exit statuses of the program; those of signals with a checkpoint written.
+enum ExitStatus {
+  done = 0,
+  failed = 1,
+  bad_input = 2,
+  bad_io = 3,
+  on_sighup = 129,
+  on_sigint = 130,
+  on_sigterm = 143
+};
 
 struct RunOptions {
   std::filesystem::path case_file;
-  std::optional<std::filesystem::path> folder;  ///< default: <case>.out in the current folder
+  std::optional<std::filesystem::path> folder;  ///< default: see claim_folder
   bool force = false;                           ///< replace an earlier output
   int threads = 1;
+  std::string program;  ///< as it was called, for the hint how to go on
 };
 
 struct CalibrateOptions {
@@ -21,7 +30,8 @@ struct CalibrateOptions {
 };
 
 int run(const RunOptions& options);
-int resume(const std::filesystem::path& folder, int threads);
+/// program: as it was called, for the hint how to go on.
+int resume(const std::filesystem::path& folder, int threads, const std::string& program);
 int check(const std::filesystem::path& case_file, int threads);
 int calibrate(const CalibrateOptions& options);
 

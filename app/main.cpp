@@ -46,15 +46,18 @@ int dispatch(int argc, char** argv) {
   program.set_version_flag("--version", "vbond " VBOND_VERSION);
   program.require_subcommand(1);
   program.footer(
-      "Exit status: 0 done, 1 the run failed, 2 usage or input, 3 input/output, 130/143 on a signal.");
+      "Exit status: 0 done, 1 the run failed, 2 usage or input, 3 input/output, 129/130/143 on a signal.");
 
   app::RunOptions run;
   run.threads = default_threads();
+  run.program = argv[0];
   CLI::App* run_command = program.add_subcommand("run", "Compute a case");
   run_command->add_option("CASE", run.case_file, "Case file (TOML)")->required();
-  run_command->add_option("-o,--output", run.folder,
-                          "Output folder (default: CASE.out in the current folder)");
-  run_command->add_flag("--force", run.force, "Replace an earlier output in that folder");
+  run_command->add_option(
+      "-o,--output", run.folder,
+      "Output folder (default: CASE.out in the current folder, or CASE-2.out, ... if there is one)");
+  run_command->add_flag("--force", run.force,
+                        "Replace an earlier output in that folder, or in CASE.out; other files in it stay");
   add_threads(run_command, run.threads);
 
   CLI::App* check_command = program.add_subcommand("check", "Validate a case and say what would be run");
@@ -70,6 +73,10 @@ int dispatch(int argc, char** argv) {
   CLI::App* calibrate_command = nullptr;
   add_calibrate(program, calibrate, calibrate_command);
 
+  if (argc == 1) {
+    std::fputs(program.help().c_str(), stderr);
+    return app::bad_input;
+  }
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
@@ -77,7 +84,7 @@ int dispatch(int argc, char** argv) {
   }
   if (run_command->parsed()) return app::run(run);
   if (check_command->parsed()) return app::check(run.case_file, run.threads);
-  if (resume_command->parsed()) return app::resume(folder, run.threads);
+  if (resume_command->parsed()) return app::resume(folder, run.threads, run.program);
   return app::calibrate(calibrate);
 }
 

@@ -1,15 +1,18 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <fstream>
 #include <memory>
+#include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "commands.hpp"
+#include "folder.hpp"
 #include "prepare.hpp"
 #include "signals.hpp"
 #include "vbond/build/build.hpp"
@@ -32,12 +35,19 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+/// Prints in any case: a terminal that has gone away, as on SIGHUP, must not end a run.
+void say(const std::string& text, std::FILE* out = stdout) {
+  std::fwrite(text.data(), 1, text.size(), out);
+  std::fflush(out);
+}
+
 /// Everything a run in progress has at hand.
 struct Campaign {
   const Case& c;
   const Model& model;
   OutputPlan plan;
   int threads = 1;
+  std::string program;  // as it was called
   FileObservers files;
   std::shared_ptr<TableObserver> table;
   std::shared_ptr<ProgressObserver> progress;  // null unless stderr is a terminal
@@ -57,14 +67,14 @@ RunSummary first_summary(const Case& c, const Model& model) {
 
 /// Opens the output, new or continued, and sets up the terminal.
 Campaign open_campaign(const Case& c, const Model& model, OutputPlan plan, int threads,
-                       const Checkpoint* resume, double dt) {
-  Campaign campaign{c, model, std::move(plan), threads, {}, {}, {}, first_summary(c, model), 0.0};
+                       const std::string& program, const Checkpoint* resume, double dt) {
+  Campaign campaign{c, model, std::move(plan), threads, program, {}, {}, {}, first_summary(c, model), 0.0};
   if (isatty(STDERR_FILENO))
     campaign.progress = std::make_shared<ProgressObserver>(stderr, steps_of_stages(c, model, dt));
   const auto progress = campaign.progress;
   const auto tell = [progress](const std::string& report) {
     if (progress) progress->clear();
-    fmt::print(stderr, "{}\n", report);
+    say(report + "\n", stderr);
   };
   campaign.files = open_output(campaign.plan, tell, VBOND_VERSION, resume);
   campaign.table = std::make_shared<TableObserver>(stdout);
@@ -106,7 +116,7 @@ StopReason run_stage(Campaign& campaign, Stage stage, State& state) {
   } catch (const Diverged&) {
     if (campaign.progress) campaign.progress->clear();
     campaign.files.watch->watch().summarise();
-    fmt::print("results up to there in {}\n", campaign.plan.folder.string());
+    say(fmt::format("results up to there in {}\n", campaign.plan.folder.string()));
     throw;
   }
   campaign.summary.stepping_seconds += seconds_since(start);
@@ -119,17 +129,18 @@ StopReason run_stage(Campaign& campaign, Stage stage, State& state) {
 
 void say_end(const Campaign& campaign, StopReason why) {
   const RunSummary& s = campaign.summary;
+  const std::string folder = campaign.plan.folder.string();
+  std::string text;
   for (const StageSummary& stage : s.stages)
     if (stage.critical_force)
-      fmt::print("critical force of stage \"{}\": {:.6g}\n", stage.name, *stage.critical_force);
-  fmt::print("largest error of the energy balance: {:.2g}\n", s.energy_balance_error);
+      text += fmt::format("critical force of stage \"{}\": {:.6g}\n", stage.name, *stage.critical_force);
+  text += fmt::format("largest error of the energy balance: {:.2g}\n", s.energy_balance_error);
   if (s.ever_snapped > 0)
-    fmt::print("{} bonds snapped on the way, {} are at the end: see docs/theory.md\n", s.ever_snapped,
-               s.snapped);
-  fmt::print("{}", timing_table(s.wall_time));
-  fmt::print("results in {}\n", campaign.plan.folder.string());
+    text += fmt::format("{} bonds snapped on the way, {} are at the end: see docs/theory.md\n",
+                        s.ever_snapped, s.snapped);
+  say(text + timing_table(s.wall_time) + "results in " + folder + "\n");
   if (why == StopReason::interrupted)
-    fmt::print(stderr, "stopped by a signal; go on with: vbond resume {}\n", campaign.plan.folder.string());
+    say("stopped by a signal; go on with: " + campaign.program + " resume " + folder + "\n", stderr);
 }
 
 /// Runs from the state's stage to the last one. `prepared` is the stage the state is in.
@@ -138,7 +149,7 @@ int run_stages(Campaign& campaign, Stage prepared, State state) {
   const auto stages = static_cast<std::int32_t>(campaign.c.stages.size());
   StopReason why = StopReason::running;
   while (true) {
-    if (campaign.c.stages.size() > 1) fmt::print("stage {}\n", prepared.name);
+    if (campaign.c.stages.size() > 1) say("stage " + prepared.name + "\n");
     why = run_stage(campaign, std::move(prepared), state);
     save_summary(campaign, state);
     if (why == StopReason::interrupted || state.clock.stage + 1 == stages) break;
@@ -151,28 +162,26 @@ int run_stages(Campaign& campaign, Stage prepared, State state) {
   }
   say_end(campaign, why);
   if (why != StopReason::interrupted) return done;
-  return caught_signal() == SIGTERM ? on_sigterm : on_sigint;
+  return caught_signal() == SIGTERM ? on_sigterm : caught_signal() == SIGHUP ? on_sighup : on_sigint;
 }
 
-/// Removes what a run writes, and nothing else that may be in the folder.
-void remove_output(const fs::path& folder) {
-  for (const char* name : {"history.csv", "run.json", "resolved.toml", "checkpoint.h5", "particles.pvd",
-                           "bonds.pvd", "dump.lammpstrj", "frames"})
-    fs::remove_all(folder / name);
-}
-
-/// Makes the folder, or with force clears what an earlier run left in it. Throws CaseError or IoError.
-void claim_folder(const fs::path& folder, bool force) {
-  std::error_code e;
-  const bool occupied = fs::exists(folder, e) && !(fs::is_directory(folder, e) && fs::is_empty(folder, e));
-  if (occupied && !force)
-    throw CaseError({{},
-                     folder.string() + " already exists",
-                     "an earlier output is never overwritten by itself",
-                     "choose another folder with -o, or replace this one with --force"});
-  if (occupied) remove_output(folder);
-  fs::create_directories(folder, e);
-  if (e) throw IoError(folder.string() + ": cannot be created: " + e.message());
+/// What may not be edited before going on. An elastic bond keeps its constants for good: the bonds of the
+/// start must be those the run began with.
+void check_edits(const Case& c, const State& start, const State& now, const fs::path& case_file) {
+  if (static_cast<std::size_t>(now.clock.stage) >= c.stages.size())
+    throw CaseError(
+        {{case_file.string(), 0, 0},
+         fmt::format("resolved.toml was edited: it has {} stages, and the checkpoint is in stage {}",
+                     c.stages.size(), now.clock.stage + 1),
+         "stages that have begun cannot be left out",
+         "undo the edit"});
+  const auto &made = start.bonds, &kept = now.bonds;
+  if (made.size() <= kept.size() && std::equal(made.begin(), made.end(), kept.begin())) return;
+  throw CaseError(
+      {{case_file.string(), 0, 0},
+       "resolved.toml was edited: its bonds are not those of the checkpoint",
+       "bonds are made once and kept with their constants; durations, loads and output may be edited",
+       "undo the edit, or start a new run of the edited case with vbond run"});
 }
 
 }  // namespace
@@ -182,31 +191,40 @@ int run(const RunOptions& options) {
   const Case c = read_case(options.case_file);
   Built built = build(c);
   Stage first = build_stage(c, built.model, 0, built.state);
-  const fs::path folder = options.folder.value_or(options.case_file.stem().string() + ".out");
-  OutputPlan plan = plan_output(c, built.model, folder);
+  OutputPlan plan = plan_output(c, built.model, {});  // all that may be wrong with the case is known by now
 
-  claim_folder(folder, options.force);
-  replace_file(folder / "resolved.toml", to_toml(c));
+  plan.folder = claim_folder(options.case_file, options.folder, options.force);
+  replace_file(plan.folder / "resolved.toml", to_toml(c));
+  say("output folder    " + plan.folder.string() + "\n");
   print_overview(c, built.model, built.state, first);
-  Campaign campaign = open_campaign(c, built.model, std::move(plan), options.threads, nullptr, first.dt);
+  Campaign campaign =
+      open_campaign(c, built.model, std::move(plan), options.threads, options.program, nullptr, first.dt);
   campaign.building = seconds_since(start);
   return run_stages(campaign, std::move(first), std::move(built.state));
 }
 
-int resume(const fs::path& folder, int threads) {
+int resume(const fs::path& folder, int threads, const std::string& program) {
   const auto start = Clock::now();
+  std::error_code e;
+  if (!fs::exists(folder / "resolved.toml", e))
+    throw IoError(folder.string() + ": is not an output folder of vbond run: it has no resolved.toml");
+  if (!fs::exists(folder / "checkpoint.h5", e))
+    throw IoError(folder.string() + "/checkpoint.h5: there is none, the run was stopped before its first " +
+                  "checkpoint; set output.checkpoint = {every = ...} in the case and run it again");
   const Case c = read_case(folder / "resolved.toml");
   const Built built = build(c);
   Checkpoint checkpoint = read_checkpoint(folder / "checkpoint.h5", built.model);
   State& state = checkpoint.state;
+  check_edits(c, built.state, state, folder / "resolved.toml");
   Stage stage = build_stage(c, built.model, state.clock.stage, state);
 
-  Campaign campaign =
-      open_campaign(c, built.model, plan_output(c, built.model, folder), threads, &checkpoint, stage.dt);
+  Campaign campaign = open_campaign(c, built.model, plan_output(c, built.model, folder), threads, program,
+                                    &checkpoint, stage.dt);
   if (fs::exists(folder / "run.json"))
     campaign.summary.stages = read_stages_before(folder / "run.json", state.clock.stage);
   campaign.building = seconds_since(start);
-  fmt::print("resumed at step {} of stage {}\n", state.clock.stage_step, stage.name);
+  say(fmt::format("resumed at step {} of stage {}, output folder {}\n", state.clock.stage_step, stage.name,
+                  folder.string()));
   return run_stages(campaign, std::move(stage), std::move(state));
 }
 

@@ -12,7 +12,7 @@ Case lammps_case(const std::filesystem::path& file, const std::string& style) {
   return c;
 }
 
-// Atom 20 comes before atom 3 in the file and has image flags; numbers have gaps.
+// Atom 20 comes before atom 3 in the file and lies one period of 10 farther along x; numbers have gaps.
 const char* const chain = R"(a chain of three
 
 3 atoms
@@ -31,7 +31,7 @@ Masses
 
 Atoms  # bond
 
-20 1 1 2.0 0 0 1 0 0
+20 1 1 -8.0 0 0 1 0 0
 3 1 1 0.0 0 0  # the first
 7 1 1 1.0 0 0
 
@@ -90,15 +90,58 @@ TEST(LammpsSpecimen, ReadsEveryAtomStyleItNames) {
   }
 }
 
+/// One atom of style atomic with these lines of the box and these image flags.
+std::string boxed_atom(const std::string& box, const std::string& flags) {
+  return "title\n\n1 atoms\n" + box + "\nMasses\n\n1 3\n\nAtoms\n\n1 1 0.5 1.5 2.5 " + flags + "\n";
+}
+
+TEST(LammpsSpecimen, IsUnwrappedAlongEveryAxisByTheEdgesOfTheBox) {
+  const TemporaryFile file("boxed.data",
+                           boxed_atom("-1 7 xlo xhi\n0 16 ylo yhi\n2 6 zlo zhi\n0 0 0 xy xz yz\n", "1 -2 3"));
+  Case c = lammps_case(file.path(), "atomic");
+  c.bonds.clear();
+  // small whole and half numbers: exact
+  EXPECT_EQ(build(c).model.r_0[ParticleId{0}], (Vec3d{0.5 + 8, 1.5 - 32, 2.5 + 12}));
+}
+
+TEST(LammpsSpecimen, RefusesImageFlagsItCannotUnwrap) {
+  const auto error = [](const std::string& box, const std::string& flags) {
+    const TemporaryFile file("boxed.data", boxed_atom(box, flags));
+    Case c = lammps_case(file.path(), "atomic");
+    c.bonds.clear();
+    return text_of_error(c);
+  };
+  const std::string box = "-1 7 xlo xhi\n0 16 ylo yhi\n2 6 zlo zhi\n";
+  EXPECT_TRUE(contains(error(box + "0 0.5 0 xy xz yz\n", "1 0 0"), "an image flag in a tilted box"));
+  EXPECT_TRUE(contains(error("-1 7 xlo xhi\n", "0 1 0"), "an image flag along y, and no box"));
+  EXPECT_TRUE(contains(error(box, "0 0.5 0"), "boxed.data:14:1: the line is not understood"));
+  EXPECT_TRUE(contains(error("7 -1 xlo xhi\n", "0 0 0"), "boxed.data:4:1: the line is not understood"));
+}
+
+TEST(LammpsSpecimen, TakesATiltedBoxWithoutImageFlags) {
+  const TemporaryFile file("boxed.data", boxed_atom("0 4 xlo xhi\n0.5 0 0 xy xz yz\n", "0 0 0"));
+  Case c = lammps_case(file.path(), "atomic");
+  c.bonds.clear();
+  EXPECT_EQ(build(c).model.r_0[ParticleId{0}], (Vec3d{0.5, 1.5, 2.5}));
+}
+
+TEST(LammpsSpecimen, PassesOverVelocities) {
+  const TemporaryFile file("moving.data",
+                           std::string(chain) + "\nVelocities\n\n20 1 2 3\n3 4 5 6\n7 8 9 1\n");
+  const Built b = build(lammps_case(file.path(), "bond"));
+  ASSERT_EQ(b.model.particles(), 3u);
+  for (const Vec3d& v : b.state.v) EXPECT_EQ(v, (Vec3d{0, 0, 0}));
+}
+
 TEST(LammpsSpecimen, RefusesWhatItDoesNotSupportWithLineNumbers) {
   const TemporaryFile file("bad.data",
                            "title\n\n2 atoms\n1 bonds\n3 dihedrals\n1 elephants\n\nAtoms # full\n\n"
-                           "1 1 1 0 0 0\n2 1 1 1 0\n\nVelocities\n\n1 0 0 0\n\nBonds\n\n1 1 1\n");
+                           "1 1 1 0 0 0\n2 1 1 1 0\n\nEllipsoids\n\n1 1 1 1\n\nBonds\n\n1 1 1\n");
   const std::string error = text_of_error(lammps_case(file.path(), "bond"));
   for (const char* part :
        {"bad.data:5:1: the file has dihedrals", "bad.data:6:1: \"1 elephants\"",
         "bad.data:8:1: the file says atom style \"full\"", "bad.data:11:1: the line is not",
-        "bad.data:13:1: section \"Velocities\"", "bad.data:19:1: the line is not"})
+        "bad.data:13:1: section \"Ellipsoids\"", "bad.data:19:1: the line is not"})
     EXPECT_TRUE(contains(error, part)) << part << "\nnot in\n" << error;
 }
 

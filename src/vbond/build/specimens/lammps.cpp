@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <map>
 #include <numbers>
@@ -44,6 +45,7 @@ struct Atom {
   std::int64_t id, type;
   Vec3d r;
   double diameter = 0, density = 0;
+  std::array<std::int64_t, 3> image{};  ///< periods of the box that lie between x and the unwrapped place
   SourcePlace place;
 };
 
@@ -77,17 +79,20 @@ class LammpsReader {
     check_count("atoms", declared_atoms_, atoms_.size());
     check_count("bonds", declared_bonds_, bonds_.size());
     problems_.throw_if_any();
+    unwrap();
     return points();
   }
 
  private:
-  enum class Section { header, masses, atoms, bonds, unsupported };
+  enum class Section { header, masses, atoms, bonds, velocities, unsupported };
 
   void begin_section(const std::string& name, std::string_view comment) {
     if (name == "Masses") {
       section_ = Section::masses;
     } else if (name == "Bonds") {
       section_ = Section::bonds;
+    } else if (name == "Velocities") {
+      section_ = Section::velocities;
     } else if (name == "Atoms") {
       section_ = Section::atoms;
       const auto words = words_of(comment);
@@ -97,7 +102,7 @@ class LammpsReader {
     } else {
       section_ = Section::unsupported;
       problems_.add(at_, fmt::format("section \"{}\" is not supported", name),
-                    "read are the sections Masses, Atoms and Bonds",
+                    "read are the sections Masses, Atoms and Bonds, and Velocities is passed over",
                     "remove the section and describe in the case what it is for");
     }
   }
@@ -108,6 +113,7 @@ class LammpsReader {
       case Section::masses: return mass_line(words);
       case Section::atoms: return atom_line(words);
       case Section::bonds: return bond_line(words);
+      case Section::velocities:  // the case says how its bodies move
       case Section::unsupported: return;
     }
   }
@@ -123,16 +129,35 @@ class LammpsReader {
       if (*count != 0)
         problems_.add(at_, fmt::format("the file has {}", what), "bonds join two particles here",
                       "remove them from the file");
+    } else if (what.find("xy xz yz") != std::string::npos) {
+      tilted_ = std::any_of(words.begin(), words.end() - 3,
+                            [](std::string_view word) { return to_number(word) != 0.0; });
+    } else if (const auto axis = axis_of_box(words)) {
+      box_line(words, *axis);
     } else if (!is_passive_header(words.back(), what)) {
       problems_.add(at_, fmt::format("\"{}\" is not understood", fmt::join(words, " ")),
                     "before the first section stand counts and the box", "correct or remove the line");
     }
   }
 
-  /// Counts of types, the box and room for more are of no use here.
+  /// Counts of types and room for more are of no use here.
   static bool is_passive_header(std::string_view last, const std::string& what) {
-    return last == "types" || last == "xhi" || last == "yhi" || last == "zhi" || last == "yz" ||
-           what.find("extra") == 0;
+    return last == "types" || what.find("extra") == 0;
+  }
+
+  static std::optional<std::size_t> axis_of_box(const std::vector<std::string_view>& words) {
+    for (std::size_t k = 0; k < 3; ++k)
+      if (words.back() == axes[k].high) return k;
+    return std::nullopt;
+  }
+
+  void box_line(const std::vector<std::string_view>& words, std::size_t axis) {
+    const bool complete = words.size() == 4 && words[2] == axes[axis].low;
+    const auto low = complete ? to_number(words[0]) : std::nullopt;
+    const auto high = complete ? to_number(words[1]) : std::nullopt;
+    if (!low || !high || *low > *high)
+      return malformed(fmt::format("low high {} {}", axes[axis].low, axes[axis].high));
+    period_[axis] = *high - *low;
   }
 
   void mass_line(const std::vector<std::string_view>& words) {
@@ -157,7 +182,35 @@ class LammpsReader {
       values[3 + k] = sphere ? to_number(words[columns_.diameter + k]) : 0.0;
     if (!id || !type || !std::all_of(values, values + 5, [](const auto& v) { return v.has_value(); }))
       return malformed(form);
-    atoms_.push_back({*id, *type, {*values[0], *values[1], *values[2]}, *values[3], *values[4], at_});
+    Atom atom{*id, *type, {*values[0], *values[1], *values[2]}, *values[3], *values[4], {}, at_};
+    for (std::size_t k = 0; n > columns_.count && k < 3; ++k) {
+      const auto flag = to_integer(words[columns_.count + k]);
+      if (!flag) return malformed(form);
+      atom.image[k] = *flag;
+    }
+    atoms_.push_back(atom);
+  }
+
+  /// Takes atoms to where they are without periods: in a file of LAMMPS's own they are put back into the box.
+  void unwrap() {
+    for (Atom& atom : atoms_) {
+      double shift[3] = {};
+      for (std::size_t k = 0; k < 3; ++k) {
+        if (atom.image[k] == 0) continue;
+        if (tilted_) return refuse_tilted(atom);
+        if (!period_[k])
+          problems_.add(atom.place, fmt::format("an image flag along {}, and no box", "xyz"[k]),
+                        "image flags count periods of the box",
+                        fmt::format("add the line \"low high {} {}\" above", axes[k].low, axes[k].high));
+        shift[k] = static_cast<double>(atom.image[k]) * period_[k].value_or(0.0);
+      }
+      atom.r += Vec3d{shift[0], shift[1], shift[2]};
+    }
+  }
+
+  void refuse_tilted(const Atom& atom) {
+    problems_.add(atom.place, "an image flag in a tilted box", "only boxes with right angles are unwrapped",
+                  "write the file with unwrapped coordinates and without image flags");
   }
 
   void bond_line(const std::vector<std::string_view>& words) {
@@ -218,11 +271,18 @@ class LammpsReader {
     }
   }
 
+  struct Axis {
+    const char *low, *high;
+  };
+  static constexpr Axis axes[3] = {{"xlo", "xhi"}, {"ylo", "yhi"}, {"zlo", "zhi"}};
+
   const AtomColumns& columns_;
   SourcePlace at_;
   Section section_ = Section::header;
   Problems problems_;
   std::optional<std::int64_t> declared_atoms_, declared_bonds_;
+  std::optional<double> period_[3];  // edges of the box
+  bool tilted_ = false;
   std::map<std::int64_t, double> masses_;
   std::vector<Atom> atoms_;
   std::vector<BondLine> bonds_;

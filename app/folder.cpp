@@ -1,0 +1,102 @@
+#include "folder.hpp"
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include "vbond/core/error.hpp"
+#include "vbond/observe/files.hpp"
+
+namespace vbond::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void fail(const char* what, const fs::path& path, const std::error_code& e) {
+  throw IoError(std::string("cannot ") + what + " " + path.string() + ": " + e.message());
+}
+
+bool is_there(const fs::path& path) {
+  std::error_code e;
+  const fs::file_status status = fs::symlink_status(path, e);
+  if (status.type() == fs::file_type::none) fail("look at", path, e);
+  return fs::exists(status);
+}
+
+void take_away(const fs::path& path) {
+  std::error_code e;
+  fs::remove(path, e);
+  if (e) fail("remove", path, e);
+}
+
+std::vector<fs::path> entries(const fs::path& folder) {
+  std::error_code e;
+  std::vector<fs::path> paths;
+  for (fs::directory_iterator at(folder, e), end; !e && at != end; at.increment(e))
+    paths.push_back(at->path());
+  if (e) fail("read", folder, e);
+  return paths;
+}
+
+/// particles_DIGITS.vtp or bonds_DIGITS.vtp, or one of them half written.
+bool is_frame(std::string_view name) {
+  for (const std::string_view end : {".part", ".vtp"})
+    if (name.size() > end.size() && name.substr(name.size() - end.size()) == end)
+      name.remove_suffix(end.size());
+    else if (end == ".vtp")
+      return false;
+  for (const std::string_view kind : {"particles_", "bonds_"})
+    if (name.substr(0, kind.size()) == kind) {
+      const std::string_view step = name.substr(kind.size());
+      return !step.empty() && step.find_first_not_of("0123456789") == std::string_view::npos;
+    }
+  return false;
+}
+
+void remove_output(const fs::path& folder) {
+  for (const char* name : {"history.csv", "run.json", "resolved.toml", "checkpoint.h5", "particles.pvd",
+                           "bonds.pvd", "dump.lammpstrj"}) {
+    take_away(folder / name);
+    take_away(temporary_name(folder / name));
+  }
+  const fs::path frames = folder / "frames";
+  std::error_code e;
+  if (!fs::is_directory(frames, e)) return;
+  for (const fs::path& path : entries(frames))
+    if (is_frame(path.filename().string())) take_away(path);
+  if (entries(frames).empty()) take_away(frames);
+}
+
+fs::path first_free(const std::string& stem) {
+  for (int k = 1;; ++k) {
+    const fs::path folder = stem + (k == 1 ? "" : "-" + std::to_string(k)) + ".out";
+    if (is_there(folder)) continue;
+    std::error_code e;
+    if (fs::create_directory(folder, e)) return folder;  // not so if another run was faster
+    if (e) fail("make the folder", folder, e);
+  }
+}
+
+}  // namespace
+
+fs::path claim_folder(const fs::path& case_file, const std::optional<fs::path>& wish, bool force) {
+  if (!wish && !force) return first_free(case_file.stem().string());
+  fs::path folder = wish.value_or(case_file.stem().string() + ".out");
+  if (is_there(folder)) {
+    std::error_code e;
+    if (!fs::is_directory(folder, e))
+      throw IoError(folder.string() + ": is not a folder, so a run cannot write into it");
+    if (!force && !entries(folder).empty())
+      throw CaseError({{},
+                       folder.string() + " already exists and is not empty",
+                       "an earlier output is never overwritten by itself",
+                       "choose another folder with -o, or replace this one with --force"});
+    if (force) remove_output(folder);
+  }
+  make_folder(folder);
+  return folder;
+}
+
+}  // namespace vbond::app
