@@ -110,19 +110,24 @@ StopReason run_stage(Campaign& campaign, Stage stage, State& state) {
 
   const std::int64_t first = run.state().clock.step;
   const auto start = Clock::now();
+  const auto add_to_summary = [&](StopReason why) {
+    campaign.summary.stepping_seconds += seconds_since(start);
+    campaign.summary.bond_steps +=
+        (run.state().clock.step - first) * static_cast<std::int64_t>(run.state().bonds.size());
+    campaign.summary.stages.push_back(summarise_stage(run, why));
+  };
   StopReason why = StopReason::running;
   try {
     why = run.run([] { return caught_signal() != 0; });
   } catch (const Diverged&) {
     if (campaign.progress) campaign.progress->clear();
     campaign.files.watch->watch().summarise();
+    add_to_summary(StopReason::diverged);
+    save_summary(campaign, run.state());
     say(fmt::format("results up to there in {}\n", campaign.plan.folder.string()));
     throw;
   }
-  campaign.summary.stepping_seconds += seconds_since(start);
-  campaign.summary.bond_steps +=
-      (run.state().clock.step - first) * static_cast<std::int64_t>(run.state().bonds.size());
-  campaign.summary.stages.push_back(summarise_stage(run, why));
+  add_to_summary(why);
   state = run.state();
   return why;
 }

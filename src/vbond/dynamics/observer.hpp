@@ -4,8 +4,8 @@ namespace vbond {
 
 class Simulation;
 
-/// Why a stage ended.
-enum class StopReason { running, duration, distance, peak, rest, interrupted };
+/// Why a stage ended. `diverged` is never returned by run(), which throws; it is for those who catch.
+enum class StopReason { running, duration, distance, peak, rest, interrupted, diverged };
 
 /// Looks at a run after every step, and once at the start of each stage; never changes it.
 class Observer {

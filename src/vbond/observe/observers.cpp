@@ -31,6 +31,7 @@ bool stage_done(StopReason why) {
     case StopReason::peak:
     case StopReason::rest: return true;
     case StopReason::running:
+    case StopReason::diverged:
     case StopReason::interrupted: return false;
   }
   return false;

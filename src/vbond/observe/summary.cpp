@@ -14,7 +14,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::array all_reasons{StopReason::running, StopReason::duration, StopReason::distance,
-                                 StopReason::peak,    StopReason::rest,     StopReason::interrupted};
+                                 StopReason::peak,    StopReason::rest,     StopReason::interrupted,
+                                 StopReason::diverged};
 
 Json to_json(const StageSummary& s) {
   Json j{{"name", s.name}, {"stop", to_text(s.stop)}, {"steps", s.steps}, {"dt", s.dt}, {"time", s.time}};
@@ -56,6 +57,7 @@ const char* to_text(StopReason reason) {
     case StopReason::distance: return "distance";
     case StopReason::peak: return "peak";
     case StopReason::rest: return "rest";
+    case StopReason::diverged: return "diverged";
     case StopReason::interrupted: return "interrupted";
   }
   return "running";
