@@ -66,7 +66,7 @@ void Simulation::begin_stage() {
 
 void Simulation::step() {
   const double dt = stage_.dt, t = state_.clock.stage_time();
-  make_bonds();                                                           // between particles come close
+  make_bonds();                                                           // between particles that came close
   apply_strain();                                                         // r jumps, if it is due
   apply_damping();                                                        // v, omega over dt / 2
   kick(model_, loads_, dt / 2, threads_, state_);                         // v, omega : t -> t + dt/2
