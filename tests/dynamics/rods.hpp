@@ -25,29 +25,15 @@ inline BondRecipe papers_bond(BondLaw law = BondLaw::v_model) {
 
 inline Specimen particles_at(const std::vector<Vec3d>& positions, double radius = 0.4,
                              double inertia = 0.064) {
-  const std::size_t n = positions.size();
-  Specimen s;
-  s.model.T_0 = 2 * M_PI;
-  s.model.mass.assign(n, 1.0);
-  s.model.inertia.assign(n, inertia);
-  s.model.radius.assign(n, radius);
-  s.model.r_0 = PerParticle<Vec3d>(positions);
-  Group all{"all", {}};
-  for (const ParticleId p : s.model.mass.ids()) all.particles.push_back(p);
-  s.model.groups = {all};
-  s.state.r = s.model.r_0;
-  s.state.v.assign(n, {});
-  s.state.q.assign(n, {});
-  s.state.omega.assign(n, {});
+  Specimen s{equal_particles(positions, 1.0, inertia, radius), {}};
+  s.state = at_rest(s.model);
   return s;
 }
 
 inline void bond(Specimen& s, std::size_t i, std::size_t j, const BondRecipe& recipe) {
-  const auto site = [&](std::size_t k) {
-    const ParticleId p{k};
-    return BondSite{p, s.state.r[p], s.state.q[p], s.model.radius[p]};
-  };
-  s.state.bonds.push_back(make_bond(recipe, site(i), site(j)).value());
+  const ParticleId p{i}, q{j};
+  s.state.bonds.push_back(
+      make_bond(recipe, bond_site(s.model, s.state, p), bond_site(s.model, s.state, q)).value());
 }
 
 /// N particles on the x axis, one apart, each bonded to the next.

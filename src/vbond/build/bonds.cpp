@@ -195,8 +195,7 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
   recipe.set = static_cast<std::uint32_t>(set);
   FirstAndCount no_length, no_radius, unstable;
   for (const Pair& pair : select_pairs(c, set, model, state, problems)) {
-    const auto site = [&](ParticleId p) { return BondSite{p, state.r[p], state.q[p], model.radius[p]}; };
-    const auto bond = make_bond(recipe, site(pair[0]), site(pair[1]));
+    const auto bond = make_bond(recipe, bond_site(model, state, pair[0]), bond_site(model, state, pair[1]));
     if (!bond) {
       no_length.note(length_left(recipe, model, state, pair));
       continue;

@@ -22,8 +22,7 @@ std::string pair_name(ParticleId i, ParticleId j) {
 }
 
 Bond bond_between(const BondRecipe& recipe, const Model& model, const State& s, ParticleId i, ParticleId j) {
-  const auto site = [&](ParticleId p) { return BondSite{p, s.r[p], s.q[p], model.radius[p]}; };
-  if (const std::optional<Bond> bond = make_bond(recipe, site(i), site(j))) return *bond;
+  if (const auto bond = make_bond(recipe, bond_site(model, s, i), bond_site(model, s, j))) return *bond;
   throw Diverged(s.clock.step, s.clock.time(), pair_name(i, j),
                  "came within bonding distance, but their bonded points are no apart (a <= 0)",
                  "attach the bonds at the centres, or bond at a larger distance than R_i + R_j");

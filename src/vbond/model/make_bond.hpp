@@ -3,6 +3,7 @@
 
 #include "vbond/core/quat.hpp"
 #include "vbond/model/bond.hpp"
+#include "vbond/model/state.hpp"
 
 namespace vbond {
 
@@ -13,6 +14,11 @@ struct BondSite {
   Quatd q;
   double radius;  ///< [length]
 };
+
+/// A particle as it stands in this state.
+inline BondSite bond_site(const Model& model, const State& s, ParticleId p) {
+  return {p, s.r[p], s.q[p], model.radius[p]};
+}
 
 /// An unstressed bond between two particles as they stand now, whatever their orientation: its axes
 /// are stored in each particle's own basis, [KA12] eq. (5). Nothing if the bonded points would be

@@ -1,6 +1,7 @@
 #pragma once
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -64,5 +65,19 @@ struct Model {
     return nullptr;
   }
 };
+
+/// Equal particles at these positions, in one group "all", without contacts; T_0 is that of a bond with c_A
+/// = 1.
+inline Model equal_particles(const std::vector<Vec3d>& r, double mass, double inertia, double radius) {
+  Model m;
+  m.T_0 = 2.0 * std::numbers::pi * std::sqrt(mass);
+  m.r_0 = PerParticle<Vec3d>(r);
+  m.mass.assign(r.size(), mass);
+  m.inertia.assign(r.size(), inertia);
+  m.radius.assign(r.size(), radius);
+  m.groups = {{"all", {}}};
+  for (const ParticleId p : m.mass.ids()) m.groups[0].particles.push_back(p);
+  return m;
+}
 
 }  // namespace vbond

@@ -62,6 +62,16 @@ struct State {
   friend bool operator==(const State&, const State&) = default;
 };
 
+/// The particles of a model at their first positions: unturned, at rest, without bonds.
+inline State at_rest(const Model& model) {
+  State s;
+  s.r = model.r_0;
+  s.v.assign(model.particles(), {});
+  s.q.assign(model.particles(), {});
+  s.omega.assign(model.particles(), {});
+  return s;
+}
+
 /// Contact energy of two particles, bonded or not; 0 if they do not touch.  [energy]
 inline double contact_pair_energy(const Model& model, const State& s, ParticleId i, ParticleId j) {
   if (model.contact.law == ContactLaw::none) return 0.0;
