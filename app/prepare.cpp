@@ -10,7 +10,7 @@
 namespace vbond::app {
 namespace {
 
-double positive(const CaseTime& time, const Model& model, const char* key, const Case& c) {
+double output_time(const CaseTime& time, const Model& model, const char* key, const Case& c) {
   return resolve_time(time, model, key, {c.file, 0, 0});
 }
 
@@ -26,14 +26,14 @@ OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem:
   const OutputSpec& o = c.output;
   OutputPlan plan;
   plan.folder = folder;
-  plan.history_every = positive(o.history_every, model, "output.history.every", c);
+  plan.history_every = output_time(o.history_every, model, "output.history.every", c);
   plan.reactions = resolve_groups(o.reactions, model);
   plan.axial_force = resolve_groups(o.axial_force, model);
   plan.displacements = resolve_groups_or_particles(o.displacements, model);
-  if (o.frames_every) plan.frames_every = positive(*o.frames_every, model, "output.frames.every", c);
+  if (o.frames_every) plan.frames_every = output_time(*o.frames_every, model, "output.frames.every", c);
   plan.lammps_dump = o.lammps_dump;
   if (o.checkpoint_every)
-    plan.checkpoint_every = positive(*o.checkpoint_every, model, "output.checkpoint.every", c);
+    plan.checkpoint_every = output_time(*o.checkpoint_every, model, "output.checkpoint.every", c);
   plan.watch_every = c.watch.every;
   plan.energy_error = c.watch.energy_error;
   return plan;
