@@ -138,12 +138,12 @@ TEST(Checkpoint, ForeignHdf5FileIsRefused) {
   expect_error(folder / "foreign.h5", Chain().model, "is not a checkpoint of vbond");
 }
 
-TEST(Checkpoint, NewerFormatNamesTheVersionToUse) {
+TEST(Checkpoint, OtherFormatNamesTheVersionToUse) {
   const Folder folder;
   Chain chain;
   write_checkpoint(folder / "c.h5", chain.model, {chain.state, {}}, "9.8.7");
   std::string newer = content_of(folder / "c.h5");
-  newer.replace(newer.find("format 1\n"), 9, "format 7\n");
+  newer.replace(newer.find("format 2\n"), 9, "format 7\n");
   put_content(folder / "c.h5", newer);
   expect_error(folder / "c.h5", chain.model, "vbond 9.8.7, in format 7");
 }

@@ -33,6 +33,13 @@ VBOND_HD Quat<T> normalised(const Quat<T>& q) {
   return {q.w * s, q.x * s, q.y * s, q.z * s};
 }
 
+/// The same for a q whose length is off by rounding only: one Newton step, which squares the error.
+template <Scalar T>
+VBOND_HD constexpr Quat<T> renormalised(const Quat<T>& q) {
+  const T s = T(1.5) - T(0.5) * (q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
+  return {q.w * s, q.x * s, q.y * s, q.z * s};
+}
+
 /// The body vector b seen from the world: q b q^-1 for a unit quaternion q.
 template <Scalar T>
 VBOND_HD constexpr Vec3<T> rotate(const Quat<T>& q, const Vec3<T>& b) {
@@ -41,12 +48,64 @@ VBOND_HD constexpr Vec3<T> rotate(const Quat<T>& q, const Vec3<T>& b) {
   return b + q.w * t + cross(u, t);
 }
 
-/// Exact rotation by the vector phi (angle |phi| about phi / |phi|): the exponential map.  [rad]
-/// sin(x)/x is continued by its series below 1e-4 rad, where the dropped term is under 1e-18.
+/// Three vectors at right angles, right-handed.
+template <Scalar T>
+struct Axes {
+  Vec3<T> x, y, z;
+};
+
+/// The body axes seen from the world: the columns of the rotation matrix of a unit quaternion q.
+template <Scalar T>
+VBOND_HD constexpr Axes<T> axes(const Quat<T>& q) {
+  const T one(1.0), x2 = q.x + q.x, y2 = q.y + q.y, z2 = q.z + q.z;
+  const T xx = q.x * x2, yy = q.y * y2, zz = q.z * z2, xy = q.x * y2, yz = q.y * z2, zx = q.z * x2;
+  const T wx = q.w * x2, wy = q.w * y2, wz = q.w * z2;
+  return {{one - (yy + zz), xy + wz, zx - wy},
+          {xy - wz, one - (zz + xx), yz + wx},
+          {zx + wy, yz - wx, one - (xx + yy)}};
+}
+
+/// The rotation whose axes are x, y and x cross y; x and y are unit vectors at right angles.
+/// Of four ways to take the quaternion from the matrix the one that divides by its largest component
+/// (Shepperd, J. Guidance and Control 1 (1978) 223).
+inline Quatd rotation_to(const Vec3d& x, const Vec3d& y) {
+  const Vec3d z = cross(x, y);
+  const double trace = x.x + y.y + z.z;
+  Quatd q;
+  if (trace >= x.x && trace >= y.y && trace >= z.z)
+    q = {1.0 + trace, y.z - z.y, z.x - x.z, x.y - y.x};
+  else if (x.x >= y.y && x.x >= z.z)
+    q = {y.z - z.y, 1.0 + x.x - y.y - z.z, x.y + y.x, z.x + x.z};
+  else if (y.y >= z.z)
+    q = {z.x - x.z, x.y + y.x, 1.0 - x.x + y.y - z.z, y.z + z.y};
+  else
+    q = {x.y - y.x, z.x + x.z, y.z + z.y, 1.0 - x.x - y.y + z.z};
+  return normalised(q);
+}
+
+/// Largest |phi|^2 for which small_rotation holds.  [rad^2]
+inline constexpr double small_rotation_limit2 = 1.0;
+
+/// Exact rotation by the vector phi (angle |phi| about phi / |phi|), |phi| <= 1 rad: the exponential map, by
+/// the power series of cos(x) and sin(x)/x at x = |phi|/2, whose first dropped terms are under 1e-18.
+template <Scalar T>
+VBOND_HD constexpr Quat<T> small_rotation(const Vec3<T>& phi) {
+  const T xx = T(0.25) * norm2(phi);
+  T c(0.0), s(0.0);
+  for (int k = 7; k >= 0; --k) {  // Horner's rule
+    c = T(1.0) - c * xx * T(1.0 / ((2 * k + 1) * (2 * k + 2)));
+    s = T(1.0) - s * xx * T(1.0 / ((2 * k + 2) * (2 * k + 3)));
+  }
+  s = T(0.5) * s;
+  return {c, s * phi.x, s * phi.y, s * phi.z};
+}
+
+/// Exact rotation by the vector phi of any size.  [rad]
 inline Quatd rotation_of(const Vec3d& phi) {
-  const double half = 0.5 * norm(phi);
-  const double s = half > 1e-4 ? std::sin(half) / half : 1.0 - half * half / 6.0;
-  return {std::cos(half), 0.5 * s * phi.x, 0.5 * s * phi.y, 0.5 * s * phi.z};
+  const double phi2 = norm2(phi);
+  if (phi2 <= small_rotation_limit2) return small_rotation(phi);
+  const double angle = std::sqrt(phi2), s = std::sin(0.5 * angle) / angle;
+  return {std::cos(0.5 * angle), s * phi.x, s * phi.y, s * phi.z};
 }
 
 /// The rotation vector of q, the inverse of rotation_of, with angle in [0, pi].  [rad]

@@ -29,15 +29,13 @@ using Results = BondPack::Lanes[9];
 /// that are declared inside a simd loop in memory.
 template <class Law>
 VBOND_HD void evaluate_lane(const BondPack& p, const Ends& e, std::size_t l, Results& out) {
-  const BondAxes<double> axes{{p.axes[0][0][l], p.axes[0][1][l], p.axes[0][2][l]},
-                              {p.axes[1][0][l], p.axes[1][1][l], p.axes[1][2][l]},
-                              {p.axes[2][0][l], p.axes[2][1][l], p.axes[2][2][l]},
-                              {p.axes[3][0][l], p.axes[3][1][l], p.axes[3][2][l]}};
+  const BondFrames<double> frames{{p.frame[0][0][l], p.frame[0][1][l], p.frame[0][2][l], p.frame[0][3][l]},
+                                  {p.frame[1][0][l], p.frame[1][1][l], p.frame[1][2][l], p.frame[1][3][l]}};
   const Vec3d r_i{e.r_i[0][l], e.r_i[1][l], e.r_i[2][l]}, r_j{e.r_j[0][l], e.r_j[1][l], e.r_j[2][l]};
   const Quatd q_i{e.q_i[0][l], e.q_i[1][l], e.q_i[2][l], e.q_i[3][l]};
   const Quatd q_j{e.q_j[0][l], e.q_j[1][l], e.q_j[2][l], e.q_j[3][l]};
   const Law law{p.a[l], p.R_i[l], p.R_j[l], p.B1[l], p.B2[l], p.B3[l], p.B4[l]};
-  const BondLoads<double> loads = bond_loads(law, bond_pose(axes, r_i, q_i, r_j, q_j));
+  const BondLoads<double> loads = bond_loads(law, bond_pose(frames, r_i, q_i, r_j, q_j));
   out[0][l] = loads.F.x, out[1][l] = loads.F.y, out[2][l] = loads.F.z;
   out[3][l] = loads.M_ij.x, out[4][l] = loads.M_ij.y, out[5][l] = loads.M_ij.z;
   out[6][l] = loads.M_ji.x, out[7][l] = loads.M_ji.y, out[8][l] = loads.M_ji.z;

@@ -29,15 +29,17 @@ std::size_t available_kernels(NamedKernel (&kernels)[3]) {
 void fill_lane(BondPack& p, std::uint32_t lane, BondId id, const Bond& b) {
   p.law = b.law;
   p.count = lane + 1;
-  const Vec3d* axes[4] = {&b.n_i1, &b.n_i2, &b.n_j1, &b.n_j2};
+  const Quatd* frames[2] = {&b.frame_i, &b.frame_j};
   for (std::uint32_t l = lane; l < pack_width; ++l) {
     p.bond[l] = id.value;
     p.i[l] = b.i.value;
     p.j[l] = b.j.value;
     p.a[l] = b.a, p.R_i[l] = b.R_i, p.R_j[l] = b.R_j;
     p.B1[l] = b.B1, p.B2[l] = b.B2, p.B3[l] = b.B3, p.B4[l] = b.B4;
-    for (std::size_t n = 0; n < 4; ++n)
-      for (int k = 0; k < 3; ++k) p.axes[n][k][l] = component(*axes[n], k);
+    for (std::size_t n = 0; n < 2; ++n) {
+      p.frame[n][0][l] = frames[n]->w, p.frame[n][1][l] = frames[n]->x;
+      p.frame[n][2][l] = frames[n]->y, p.frame[n][3][l] = frames[n]->z;
+    }
   }
 }
 

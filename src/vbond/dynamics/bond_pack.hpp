@@ -20,7 +20,7 @@ struct BondPack {
   std::uint32_t bond[pack_width];              ///< where the loads go
   std::uint32_t i[pack_width], j[pack_width];  ///< particles
   Lanes a, R_i, R_j, B1, B2, B3, B4;
-  Lanes axes[4][3];  ///< n_i1, n_i2, n_j1, n_j2 in body frames
+  Lanes frame[2][4];  ///< frame_i, frame_j
 };
 
 /// Puts a bond into this lane of a pack and into all behind it.

@@ -13,9 +13,7 @@ BondLoads<double> loads_of(const Bond& b, const State& s) {
 }  // namespace
 
 double axial_force(const Bond& b, const State& s) {
-  const BondPose<double> first_axes{
-      s.r[b.j] - s.r[b.i], {rotate(s.q[b.i], b.n_i1), {}, {}}, {rotate(s.q[b.j], b.n_j1), {}, {}}};
-  return b.B1 * (norm(bonded_points(first_axes, b.R_i, b.R_j)) - b.a);
+  return b.B1 * (norm(bonded_points(bond_pose(b, s), b.R_i, b.R_j)) - b.a);
 }
 
 void add_bond_loads(const State& state, Loads& loads) {

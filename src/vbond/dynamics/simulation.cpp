@@ -62,6 +62,7 @@ void Simulation::begin_stage() {
   evaluate_loads();
   if (state_.clock.stage == 0 && state_.clock.step == 0) state_.books = {.at_start = energies().total()};
   hold_velocities(model_, stage_, 0.0, state_);
+  survey_.reset();
 }
 
 void Simulation::step() {
@@ -79,8 +80,9 @@ void Simulation::step() {
   kick(model_, loads_, dt / 2, threads_, state_);  // v, omega : t + dt/2 -> t + dt
   hold_velocities_after_kick(model_, stage_, loads_, t + dt / 2, dt / 2, state_);
   apply_damping();
+  survey_.reset();
   keep_records();
-  notify_observers();
+  if (--steps_to_look_ == 0) notify_observers();
 }
 
 StopReason Simulation::run(const std::function<bool()>& interrupted) {
@@ -96,7 +98,11 @@ StopReason Simulation::run(const std::function<bool()>& interrupted) {
 }
 
 void Simulation::notify_observers() {
-  for (const auto& o : observers_) o->observe(*this);
+  steps_to_look_ = std::numeric_limits<std::int64_t>::max();
+  for (const auto& o : observers_) {
+    o->observe(*this);
+    steps_to_look_ = std::min(steps_to_look_, o->steps_to_next_look(state_.clock));
+  }
 }
 
 void Simulation::make_bonds() {
@@ -109,6 +115,7 @@ void Simulation::make_bonds() {
 }
 
 void Simulation::evaluate_loads() {
+  survey_.reset();
   contacts_.refresh(state_);
   loads_.F.assign(model_.particles(), Vec3d{});
   loads_.M.assign(model_.particles(), Vec3d{});
@@ -194,13 +201,16 @@ StopReason Simulation::stop_reason() const {
   return StopReason::running;
 }
 
-Energies Simulation::energies() const {
-  Energies e = bond_energies(state_);
+const Survey& Simulation::survey() const {
+  if (survey_) return *survey_;
+  survey_.emplace();
+  Energies& e = survey_->energies = bond_energies(state_);
   const Energies kinetic = kinetic_energies(model_, state_, threads_);
   e.kinetic_translation = kinetic.kinetic_translation;
   e.kinetic_rotation = kinetic.kinetic_rotation;
   e.contact = contacts_.energy(state_);
-  return e;
+  for (const BondId b : state_.bonds.ids()) survey_->deformed.push_back(b);
+  return *survey_;
 }
 
 double Simulation::balance_error(const Energies& e) const {

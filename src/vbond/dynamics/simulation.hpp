@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "vbond/dynamics/bond_index.hpp"
@@ -21,6 +22,21 @@ namespace vbond {
 struct Reaction {
   Vec3d force;   ///< [force]
   Vec3d moment;  ///< [force*length]
+};
+
+/// Where the energy is, and which bonds need a closer look.
+struct Survey {
+  Energies energies;
+  /// Every bond that is strained or snapped, or shorter than half its length at rest, and perhaps a few
+  /// that are close to it, in increasing order.
+  std::vector<BondId> deformed;
+};
+
+/// Where the wall time of the steps goes, estimated from a sample of them.  [s]
+struct StepTimes {
+  double bonds = 0;
+  double contacts = 0;
+  double integrate = 0;  ///< everything else in a step
 };
 
 /// One stage of a run: a const Model, a Stage, and the State that the step loop moves.
@@ -44,11 +60,18 @@ class Simulation {
 
   const Model& model() const { return model_; }
   const Stage& stage() const { return stage_; }
+  const Clock& clock() const { return state_.clock; }
+  const EnergyBooks& books() const { return state_.books; }
+  const PeakRecord& peak() const { return state_.peak; }
+  /// The whole state, in the numbering of the model. Collecting it takes time: not for every step.
   const State& state() const { return state_; }
   const Loads& loads() const { return loads_; }
+  const StepTimes& times() const { return times_; }
 
-  /// Energies at the present positions and velocities: a sum over all bonds, so not for every step.
-  Energies energies() const;
+  /// A sum over all bonds, so not for every step; made once per step however often it is asked for.
+  const Survey& survey() const;
+  /// Energies at the present positions and velocities.
+  const Energies& energies() const { return survey().energies; }
   /// Relative error of the energy balance for these energies: kinetic + potential + dissipated - work -
   /// start, over the largest energy that start and work have brought in so far, at least a thousand
   /// roundings.
@@ -82,6 +105,9 @@ class Simulation {
   Bonding bonding_;
   Damping damping_;
   std::vector<std::shared_ptr<Observer>> observers_;
+  std::int64_t steps_to_look_ = 1;
+  StepTimes times_;
+  mutable std::optional<Survey> survey_;  // empty: positions or velocities have changed since
 };
 
 }  // namespace vbond

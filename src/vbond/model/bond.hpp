@@ -21,8 +21,7 @@ struct Bond {
   BondLaw law = BondLaw::v_model;
   double a = 0, R_i = 0, R_j = 0;         ///< length at rest, attachment distances  [length]
   double B1 = 0, B2 = 0, B3 = 0, B4 = 0;  ///< [force/length], then [force*length]
-  Vec3d n_i1, n_i2;                       ///< axes in the body frame of i; n_i3 = n_i1 x n_i2
-  Vec3d n_j1, n_j2;                       ///< axes in the body frame of j; n_j3 = -n_j1 x n_j2
+  Quatd frame_i, frame_j;                 ///< the bond's frame in the body frames of i and j, see BondFrames
   std::uint32_t set = 0;                  ///< which bond set of the case made it
 
   friend bool operator==(const Bond&, const Bond&) = default;
@@ -46,7 +45,7 @@ inline BondRange bond_range(const Bond& b, const BondShape& s) {
 /// The pose of a bond, its axes turned into the world frame.
 inline BondPose<double> bond_pose(const Bond& b, const Vec3d& r_i, const Quatd& q_i, const Vec3d& r_j,
                                   const Quatd& q_j) {
-  return bond_pose(BondAxes<double>{b.n_i1, b.n_i2, b.n_j1, b.n_j2}, r_i, q_i, r_j, q_j);
+  return bond_pose(BondFrames<double>{b.frame_i, b.frame_j}, r_i, q_i, r_j, q_j);
 }
 
 /// Four coefficients B1..B4 as given.

@@ -74,10 +74,9 @@ std::optional<Bond> make_bond(const BondRecipe& recipe, const BondSite& i, const
   Bond b = with_coefficients(recipe, a, R_i, R_j);
   b.i = i.id;
   b.j = j.id;
-  b.n_i1 = rotate(conjugate(i.q), e_ij);
-  b.n_i2 = rotate(conjugate(i.q), n_2);
-  b.n_j1 = rotate(conjugate(j.q), -e_ij);
-  b.n_j2 = rotate(conjugate(j.q), n_2);
+  const Quatd frame = rotation_to(e_ij, n_2);
+  b.frame_i = conjugate(i.q) * frame;
+  b.frame_j = conjugate(j.q) * frame;
   return b;
 }
 

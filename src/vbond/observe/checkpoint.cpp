@@ -19,7 +19,7 @@
 namespace vbond {
 namespace {
 
-constexpr std::int32_t format_version = 1;
+constexpr std::int32_t format_version = 2;
 
 // ---- HDF5 handles and errors ---------------------------------------------------------------------------
 
@@ -161,10 +161,8 @@ void visit_fields(Archive& archive, C& c) {
   archive.of_each("/bonds/B2", s.bonds, &Bond::B2);
   archive.of_each("/bonds/B3", s.bonds, &Bond::B3);
   archive.of_each("/bonds/B4", s.bonds, &Bond::B4);
-  archive.of_each("/bonds/n_i1", s.bonds, &Bond::n_i1);
-  archive.of_each("/bonds/n_i2", s.bonds, &Bond::n_i2);
-  archive.of_each("/bonds/n_j1", s.bonds, &Bond::n_j1);
-  archive.of_each("/bonds/n_j2", s.bonds, &Bond::n_j2);
+  archive.of_each("/bonds/frame_i", s.bonds, &Bond::frame_i);
+  archive.of_each("/bonds/frame_j", s.bonds, &Bond::frame_j);
   archive.of_each("/bonds/set", s.bonds, &Bond::set);
   archive("/books/at_start", s.books.at_start);
   archive("/books/dissipated", s.books.dissipated);

@@ -13,20 +13,19 @@ struct BondPose {
   Vec3<T> n_j[3];  ///< unit vectors fixed to particle j
 };
 
-/// The axes of a bond as they are stored, each in the body frame of its particle; the third ones follow:
-/// n_i3 = n_i1 x n_i2, n_j3 = -n_j1 x n_j2.
+/// How a bond's frame is turned in the body frame of each of its particles; at rest both are one frame in
+/// the world, with axes n_i1, n_i2, n_i3 = -n_j1, n_j2, n_j3.
 template <Scalar T>
-struct BondAxes {
-  Vec3<T> n_i1, n_i2, n_j1, n_j2;
+struct BondFrames {
+  Quat<T> i, j;
 };
 
 /// The pose of a bond whose particles stand at r_i, r_j and are turned by the unit quaternions q_i, q_j.
 template <Scalar T>
-VBOND_HD BondPose<T> bond_pose(const BondAxes<T>& body, const Vec3<T>& r_i, const Quat<T>& q_i,
+VBOND_HD BondPose<T> bond_pose(const BondFrames<T>& frame, const Vec3<T>& r_i, const Quat<T>& q_i,
                                const Vec3<T>& r_j, const Quat<T>& q_j) {
-  const Vec3<T> i1 = rotate(q_i, body.n_i1), i2 = rotate(q_i, body.n_i2);
-  const Vec3<T> j1 = rotate(q_j, body.n_j1), j2 = rotate(q_j, body.n_j2);
-  return {r_j - r_i, {i1, i2, cross(i1, i2)}, {j1, j2, cross(j2, j1)}};
+  const Axes<T> i = axes(q_i * frame.i), j = axes(q_j * frame.j);
+  return {r_j - r_i, {i.x, i.y, i.z}, {-j.x, j.y, j.z}};
 }
 
 /// Energy of one bond by channel, relative to rest.  [energy]

@@ -37,8 +37,8 @@ VBOND_HD BondEnergy<T> bond_energy(const VModel<T>& m, const BondPose<T>& b) {
   return {U_L, U_B, U_T};
 }
 
-/// Force and moments of a bond: the gradient of bond_energy.  [KA12] eqs. (9), (10); M_ji, which
-/// the paper omits, follows in the same way. M_ij + M_ji - r_ij x F = 0 holds exactly.
+/// Force and moments of a bond: the gradient of bond_energy.  [KA12] eqs. (9), (10). M_ji, which the paper
+/// omits, follows from the balance of moments, M_ij + M_ji = r_ij x F.
 template <Scalar T>
 VBOND_HD BondLoads<T> bond_loads(const VModel<T>& m, const BondPose<T>& b) {
   const Vec3<T> D_ij = bonded_points(b, m.R_i, m.R_j);
@@ -54,7 +54,6 @@ VBOND_HD BondLoads<T> bond_loads(const VModel<T>& m, const BondPose<T>& b) {
   const Vec3<T> n_i1_across = b.n_i[0] - c_i * d, n_j1_across = b.n_j[0] - c_j * d;
   Vec3<T> F = m.B1 * (D - m.a) * d - (m.B3 * per_D) * (c_i * n_i1_across + c_j * n_j1_across);
   Vec3<T> M_ij = cross(b.n_i[0], m.B2 * s1 * b.n_j[0] + m.B3 * c_i * d);
-  Vec3<T> M_ji = cross(b.n_j[0], m.B2 * s1 * b.n_i[0] + m.B3 * c_j * d);
 
   // torsion
   for (int k = 1; k < 3; ++k) {  // the paper's k = 2, 3
@@ -65,9 +64,9 @@ VBOND_HD BondLoads<T> bond_loads(const VModel<T>& m, const BondPose<T>& b) {
     const T U3k = -half * m.B4 * p * q2 * (s2k * q3 + p * s3k);
     F += per_D * (U2k * (b.n_i[k] - s2k * d) - U3k * (b.n_j[k] + s3k * d));
     M_ij += cross(U1k * b.n_j[k] + U2k * d, b.n_i[k]);
-    M_ji += cross(U1k * b.n_i[k] - U3k * d, b.n_j[k]);
   }
-  return {F, M_ij + m.R_i * cross(b.n_i[0], F), M_ji - m.R_j * cross(b.n_j[0], F)};
+  M_ij += m.R_i * cross(b.n_i[0], F);
+  return {F, M_ij, cross(b.r_ij, F) - M_ij};
 }
 
 /// Parameters that match four stiffnesses exactly: the inverse of [KA12] eq. (19).
