@@ -1,0 +1,45 @@
+#pragma once
+#include <cstddef>
+
+#include "vbond/core/column.hpp"
+#include "vbond/core/quat.hpp"
+#include "vbond/core/vec3.hpp"
+
+namespace vbond {
+
+/// A particle's place in the step loop, where neighbours in space are neighbours in memory. Only dynamics
+/// knows of rows: all others number particles as the case does.
+using Row = Id<struct RowTag>;
+
+template <class T>
+using PerRow = Column<Row, T>;
+
+/// What the step loop reads and writes of a particle, each a cache line, so that a vector unit takes it whole.
+struct alignas(64) PoseRow {
+  Vec3d r;         ///< position  [length]
+  double unused = 0;
+  Quatd q;         ///< orientation, body to world
+};
+struct alignas(64) MotionRow {
+  Vec3d v;         ///< [length/time]
+  double unused_1 = 0;
+  Vec3d omega;     ///< [rad/time]
+  double unused_2 = 0;
+};
+struct alignas(64) LoadRow {
+  Vec3d F;         ///< [force]
+  double unused_1 = 0;
+  Vec3d M;         ///< [force*length]
+  double unused_2 = 0;
+};
+
+/// Rows are worked through in blocks that fit the first-level cache; sums over particles are made block by
+/// block, so that they do not depend on the number of threads.
+inline constexpr std::size_t block_rows = 128;
+
+/// Rows [first, last).
+struct RowRange {
+  std::size_t first, last;
+};
+
+}  // namespace vbond
