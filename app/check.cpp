@@ -14,7 +14,7 @@
 #include "vbond/case/read.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/core/near_pairs.hpp"
-#include "vbond/dynamics/bond_pack.hpp"
+#include "vbond/dynamics/memory.hpp"
 #include "vbond/dynamics/simulation.hpp"
 #include "vbond/observe/report.hpp"
 
@@ -23,14 +23,15 @@ namespace {
 
 constexpr std::int64_t few_steps = 10;
 
-/// Bytes that particles and bonds take: constants, state, a copy of it between stages, and scratch.
-double memory(const Model& model, const State& state) {
-  constexpr double per_particle =
-      4 * sizeof(double) + sizeof(Vec3d) + 2 * (3 * sizeof(Vec3d) + sizeof(Quatd)) + 2 * sizeof(Vec3d);
-  constexpr double per_bond = 2 * sizeof(Bond) + sizeof(BondPack) / pack_width + sizeof(BondLoads<double>) +
-                              2 * sizeof(BondIndex::Entry);
-  return per_particle * static_cast<double>(model.particles()) +
-         per_bond * static_cast<double>(state.bonds.size());
+void print_memory(const Model& model, const State& state) {
+  constexpr double MiB = 0x1p20, GiB = 0x1p30;
+  const MemoryUse use = memory_use(model, state);
+  const double total = use.per_particle * static_cast<double>(model.particles()) +
+                       use.per_bond * static_cast<double>(state.bonds.size());
+  const bool large = total >= GiB;
+  fmt::print(
+      "memory           {:.3g} {}: {:.0f} bytes per particle, {:.0f} per bond; neighbour lists are extra\n",
+      total / (large ? GiB : MiB), large ? "GiB" : "MiB", use.per_particle, use.per_bond);
 }
 
 /// Wall time of one step, measured on the case itself for a quarter of a second. Throws Diverged.
@@ -100,6 +101,7 @@ int check(const std::filesystem::path& case_file, int threads) {
   const Stage first = build_stage(c, built.model, 0, built.state);
   plan_output(c, built.model, {});
   print_overview(c, built.model, built.state, first);
+  print_machine(threads);
   print_body(built.model, built.state);
   print_overlaps(built.model, built.state);
 
@@ -107,8 +109,7 @@ int check(const std::filesystem::path& case_file, int threads) {
   for (std::size_t k = 0; k < steps.size(); ++k)
     fmt::print("stage {:<10} at most {} steps{}\n", c.stages[k].name, steps[k],
                steps[k] < few_steps ? ": so few; is a unit missing, such as T0?" : "");
-  fmt::print("memory           {:.3g} MB for particles and bonds; neighbour lists are extra\n",
-             1e-6 * memory(built.model, built.state));
+  print_memory(built.model, built.state);
   const auto total = std::accumulate(steps.begin(), steps.end(), std::int64_t{0});
   try {
     const double seconds =

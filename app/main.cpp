@@ -5,6 +5,7 @@
 
 #include "commands.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/dynamics/kernel.hpp"
 
 namespace {
 
@@ -82,6 +83,8 @@ int dispatch(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     return program.exit(e) == 0 ? app::done : app::bad_input;
   }
+  if (!calibrate_command->parsed())
+    instruction_set();  // refuses a wrong VBOND_SIMD before anything is written
   if (run_command->parsed()) return app::run(run);
   if (check_command->parsed()) return app::check(run.case_file, run.threads);
   if (resume_command->parsed()) return app::resume(folder, run.threads, run.program);
@@ -94,6 +97,9 @@ int main(int argc, char** argv) {
   try {
     return dispatch(argc, argv);
   } catch (const CaseError& e) {
+    std::fprintf(stderr, "%s\n", e.what());
+    return app::bad_input;
+  } catch (const std::invalid_argument& e) {  // the environment: VBOND_SIMD
     std::fprintf(stderr, "%s\n", e.what());
     return app::bad_input;
   } catch (const Diverged& e) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "vbond/build/build.hpp"
+#include "vbond/dynamics/kernel.hpp"
 #include "vbond/model/step_bound.hpp"
 
 namespace vbond::app {
@@ -58,6 +59,11 @@ void print_overview(const Case& c, const Model& model, const State& state, const
   fmt::print("time step        {:.6g}{}, {:.3g} of the critical step{}\n", first.dt, time,
              first.dt / bound.dt,
              first.dt > bound.dt ? ": ABOVE it, as the case insists; the run will probably blow up" : "");
+  std::fflush(stdout);
+}
+
+void print_machine(int threads) {
+  fmt::print("instruction set  {}, {} thread{}\n", instruction_set(), threads, threads == 1 ? "" : "s");
   std::fflush(stdout);
 }
 

@@ -20,4 +20,7 @@ std::vector<std::int64_t> steps_of_stages(const Case& c, const Model& model, dou
 /// Prints particles, bonds, coordination, contacts, T_0, the step and the bound it comes from.
 void print_overview(const Case& c, const Model& model, const State& state, const Stage& first);
 
+/// Prints what the run computes with: the instruction set of the bonds and the number of threads.
+void print_machine(int threads);
+
 }  // namespace vbond::app

@@ -18,7 +18,9 @@
 #include "vbond/build/build.hpp"
 #include "vbond/case/read.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/dynamics/kernel.hpp"
 #include "vbond/dynamics/simulation.hpp"
+#include "vbond/observe/bond_look.hpp"
 #include "vbond/observe/checkpoint.hpp"
 #include "vbond/observe/files.hpp"
 #include "vbond/observe/observers.hpp"
@@ -52,23 +54,35 @@ struct Campaign {
   std::shared_ptr<TableObserver> table;
   std::shared_ptr<ProgressObserver> progress;  // null unless stderr is a terminal
   RunSummary summary;
-  double building = 0;  // seconds
+  double building = 0, running = 0;  // seconds; running: steps and what observers do between them
+  StepTimes times;
 };
 
-RunSummary first_summary(const Case& c, const Model& model) {
+RunSummary first_summary(const Case& c, const Model& model, int threads) {
   RunSummary s;
   s.title = c.title;
   s.version = VBOND_VERSION;
   s.units = model.units;
   s.particles = static_cast<std::int64_t>(model.particles());
   s.T_0 = model.T_0;
+  s.instruction_set = instruction_set();
+  s.threads = threads;
   return s;
 }
 
 /// Opens the output, new or continued, and sets up the terminal.
 Campaign open_campaign(const Case& c, const Model& model, OutputPlan plan, int threads,
                        const std::string& program, const Checkpoint* resume, double dt) {
-  Campaign campaign{c, model, std::move(plan), threads, program, {}, {}, {}, first_summary(c, model), 0.0};
+  Campaign campaign{.c = c,
+                    .model = model,
+                    .plan = std::move(plan),
+                    .threads = threads,
+                    .program = program,
+                    .files = {},
+                    .table = {},
+                    .progress = {},
+                    .summary = first_summary(c, model, threads),
+                    .times = {}};
   if (isatty(STDERR_FILENO))
     campaign.progress = std::make_shared<ProgressObserver>(stderr, steps_of_stages(c, model, dt));
   const auto progress = campaign.progress;
@@ -81,40 +95,53 @@ Campaign open_campaign(const Case& c, const Model& model, OutputPlan plan, int t
   return campaign;
 }
 
-void save_summary(Campaign& campaign, const State& state) {
+/// Wall time by phase; the steps get what observers leave of the time in which they ran.
+void save_summary(Campaign& campaign) {
   RunSummary& s = campaign.summary;
-  s.bonds = static_cast<std::int64_t>(state.bonds.size());
   s.energy_balance_error = campaign.files.history->largest_balance_error();
-  const RangeCounts ranges = count_ranges(state);
-  s.strained = ranges.strained;
-  s.snapped = ranges.snapped;
   s.ever_strained = campaign.files.watch->watch().record().strained;
   s.ever_snapped = campaign.files.watch->watch().record().snapped;
-  double output = campaign.table->seconds();
-  s.wall_time = {{"build", campaign.building}, {"steps", 0.0}};
-  for (const auto& [name, seconds] : campaign.files.seconds()) {
-    s.wall_time.push_back({name, seconds});
-    output += seconds;
-  }
-  s.wall_time.push_back({"terminal", campaign.table->seconds()});
-  s.wall_time[1].seconds = std::max(0.0, s.stepping_seconds - output);
+  std::vector<PhaseTime> output;
+  for (const auto& [name, seconds] : campaign.files.seconds()) output.push_back({name, seconds});
+  const double progress = campaign.progress ? campaign.progress->seconds() : 0.0;
+  output.push_back({"terminal", campaign.table->seconds() + progress});
+  double between_steps = 0.0;
+  for (const PhaseTime& p : output) between_steps += p.seconds;
+  s.stepping_seconds = std::max(0.0, campaign.running - between_steps);
+  s.wall_time = split_steps(s.stepping_seconds, campaign.times);
+  s.wall_time.insert(s.wall_time.begin(), {"build", campaign.building});
+  s.wall_time.insert(s.wall_time.end(), output.begin(), output.end());
   write_summary(campaign.plan.folder / "run.json", s);
+}
+
+/// Adds a stage that has come to an end, whichever way, to the summary.
+void add_stage(RunSummary& s, const Simulation& run, StopReason why, std::int64_t first_step) {
+  const RangeCounts ranges = count_ranges(run);
+  s.bonds = count_bonds(run);
+  s.strained = ranges.strained;
+  s.snapped = ranges.snapped;
+  s.bond_steps += (run.clock().step - first_step) * s.bonds;
+  s.stages.push_back(summarise_stage(run, why));
 }
 
 /// Runs one stage from this state and returns why it stopped; the state is moved on.
 StopReason run_stage(Campaign& campaign, Stage stage, State& state) {
+  const auto entered = Clock::now();
   Simulation run(campaign.model, std::move(stage), std::move(state), campaign.threads);
+  campaign.building += seconds_since(entered);
   for (const auto& o : campaign.files.all()) run.add_observer(o);
   run.add_observer(campaign.table);
   if (campaign.progress) run.add_observer(campaign.progress);
 
-  const std::int64_t first = run.state().clock.step;
+  const std::int64_t first = run.clock().step;
   const auto start = Clock::now();
-  const auto add_to_summary = [&](StopReason why) {
-    campaign.summary.stepping_seconds += seconds_since(start);
-    campaign.summary.bond_steps +=
-        (run.state().clock.step - first) * static_cast<std::int64_t>(run.state().bonds.size());
-    campaign.summary.stages.push_back(summarise_stage(run, why));
+  const auto stopped = [&](StopReason why) {
+    campaign.running += seconds_since(start);
+    campaign.times.bonds += run.times().bonds;
+    campaign.times.contacts += run.times().contacts;
+    campaign.times.integrate += run.times().integrate;
+    add_stage(campaign.summary, run, why, first);
+    save_summary(campaign);
   };
   StopReason why = StopReason::running;
   try {
@@ -122,13 +149,12 @@ StopReason run_stage(Campaign& campaign, Stage stage, State& state) {
   } catch (const Diverged&) {
     if (campaign.progress) campaign.progress->clear();
     campaign.files.watch->watch().summarise();
-    add_to_summary(StopReason::diverged);
-    save_summary(campaign, run.state());
+    stopped(StopReason::diverged);
     say(fmt::format("results up to there in {}\n", campaign.plan.folder.string()));
     throw;
   }
-  add_to_summary(why);
-  state = run.state();
+  stopped(why);
+  state = std::move(run).take_state();
   return why;
 }
 
@@ -156,14 +182,15 @@ int run_stages(Campaign& campaign, Stage prepared, State state) {
   while (true) {
     if (campaign.c.stages.size() > 1) say("stage " + prepared.name + "\n");
     why = run_stage(campaign, std::move(prepared), state);
-    save_summary(campaign, state);
     if (why == StopReason::interrupted || state.clock.stage + 1 == stages) break;
     state.clock = {.step = state.clock.step,
                    .stage_step = 0,
                    .stage = state.clock.stage + 1,
                    .stage_start = state.clock.time(),
                    .dt = 0};
+    const auto start = Clock::now();
     prepared = build_stage(campaign.c, campaign.model, state.clock.stage, state);
+    campaign.building += seconds_since(start);
   }
   say_end(campaign, why);
   if (why != StopReason::interrupted) return done;
@@ -202,6 +229,7 @@ int run(const RunOptions& options) {
   replace_file(plan.folder / "resolved.toml", to_toml(c));
   say("output folder    " + plan.folder.string() + "\n");
   print_overview(c, built.model, built.state, first);
+  print_machine(options.threads);
   Campaign campaign =
       open_campaign(c, built.model, std::move(plan), options.threads, options.program, nullptr, first.dt);
   campaign.building = seconds_since(start);
@@ -230,6 +258,7 @@ int resume(const fs::path& folder, int threads, const std::string& program) {
   campaign.building = seconds_since(start);
   say(fmt::format("resumed at step {} of stage {}, output folder {}\n", state.clock.stage_step, stage.name,
                   folder.string()));
+  print_machine(threads);
   return run_stages(campaign, std::move(stage), std::move(state));
 }
 

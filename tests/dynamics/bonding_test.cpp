@@ -78,5 +78,39 @@ TEST(Bonding, NamesTheParticlesWhenABondWouldHaveNoLength) {
   }
 }
 
+// Bonds are numbered as they are made, so the order is part of the result: rules one after another, pairs of
+// a rule by their particles, whatever rows these stand in; a pair that two rules join is bonded by the first.
+TEST(Bonding, FindsPairsInTheOrderOfRulesAndParticles) {
+  testing::Specimen s =
+      testing::particles_at({{0, 0, 0}, {0.9, 0, 0}, {0.9, 0.9, 0}, {0, 0.9, 0}, {5, 0, 0}});
+  Stage stage = testing::plain_stage(0.05, 1.0);
+  stage.bonding = {{"sides of 2", {0, 0, 1, 0, 0}, {1, 1, 1, 1, 1}, 1.0, testing::papers_bond()},
+                   any_pair_within(1.0, 5, testing::papers_bond())};
+  Order backwards;
+  for (std::size_t k = 0; k < 5; ++k) {
+    backwards.particle.push_back(ParticleId{4 - k});
+    backwards.row.push_back(Row{4 - k});
+  }
+  std::vector<PoseRow> pose(5);
+  for (const ParticleId p : s.state.r.ids()) pose[backwards.row[p].value].r = s.state.r[p];
+
+  BondIndex index(5, s.state.bonds);
+  Bonding bonding(s.model, stage, backwards, index);
+  const std::vector<Bonding::Pair> pairs = bonding.find(pose);
+  ASSERT_EQ(pairs.size(), 4u);
+  const std::size_t wanted[4][3] = {{0, 1, 2}, {0, 2, 3}, {1, 0, 1}, {1, 0, 3}};  // rule, i, j
+  for (std::size_t k = 0; k < 4; ++k) {
+    EXPECT_EQ(pairs[k].rule->name, stage.bonding[wanted[k][0]].name) << k;
+    EXPECT_EQ(pairs[k].i.value, wanted[k][1]) << k;
+    EXPECT_EQ(pairs[k].j.value, wanted[k][2]) << k;
+  }
+
+  bonding.make(pairs, s.state);
+  ASSERT_EQ(s.state.bonds.size(), 4u);
+  EXPECT_EQ(s.state.bonds[BondId{3}].j, ParticleId{3});
+  index = BondIndex(5, s.state.bonds);
+  EXPECT_TRUE(bonding.find(pose).empty());  // bonded pairs are not found again
+}
+
 }  // namespace
 }  // namespace vbond

@@ -64,34 +64,6 @@ TEST(FreeBody, EnergyErrorFallsByFourWhenTheStepIsHalved) {
                                          // largest value is also sampled at other instants
 }
 
-TEST(Simulation, GivesTheSameBitsForAnyNumberOfThreads) {
-  // a sheet of 70 x 70: above the size where threads are used at all
-  std::vector<Vec3d> r;
-  for (int x = 0; x < 70; ++x)
-    for (int y = 0; y < 70; ++y) r.push_back({1.0 * x, 1.0 * y, 0});
-  testing::Specimen s = testing::particles_at(r, 0.51);
-  s.model.contact = {ContactLaw::paper_hertz, ContactPairs::all, 1.0, 1.0, 0, 0};
-  for (std::size_t k = 0; k < 4900; ++k) {
-    if (k % 70 + 1 < 70) testing::bond(s, k, k + 1, testing::papers_bond());
-    if (k + 70 < 4900) testing::bond(s, k, k + 70, testing::papers_bond(BondLaw::evm));
-  }
-  testing::Dice dice(1);
-  for (Vec3d& v : s.state.v) v = {dice(-.1, .1), dice(-.1, .1), dice(-.1, .1)};
-  Stage stage = testing::plain_stage(0.02, 1e9);
-  stage.b_translation = 0.01;
-  stage.b_rotation = 0.001;
-  stage.gravity = {0, 0, -1e-3};
-  const auto after = [&](int threads) {
-    Simulation run(s.model, stage, s.state, threads);
-    for (int k = 0; k < 12; ++k) run.step();
-    return run.state();
-  };
-  const State one = after(1);
-  EXPECT_TRUE(one == after(2));
-  EXPECT_TRUE(one == after(3));
-  EXPECT_FALSE(one == s.state);
-}
-
 // What a checkpoint relies on: the state alone continues a run bit for bit.
 TEST(Simulation, ContinuesFromItsStateBitForBit) {
   testing::Specimen s = testing::straight_rod(8);

@@ -76,7 +76,7 @@ TEST(BondFrame, ShowsStretchTwistAndBendOfEachBond) {
   Chain chain(4);
   chain.state.r[ParticleId{0}].x -= 0.01;  // bond 0: stretched
   chain.turn(2, {1, 0, 0}, pi / 3);        // bonds 1 and 2: twisted by 60 degrees, there and back
-  write_bonds_vtp(folder / "b.vtp", chain.model, chain.state);
+  write_bonds_vtp(folder / "b.vtp", chain.state);
   const VtpReader f(content_of(folder / "b.vtp"));
 
   expect_well_formed(f);
@@ -108,7 +108,7 @@ TEST(BondFrame, ShowsStretchTwistAndBendOfEachBond) {
 TEST(BondFrame, BodyWithoutBondsIsAValidFile) {
   const Folder folder;
   Chain chain(1);
-  write_bonds_vtp(folder / "b.vtp", chain.model, chain.state);
+  write_bonds_vtp(folder / "b.vtp", chain.state);
   const VtpReader f(content_of(folder / "b.vtp"));
   expect_well_formed(f);
   EXPECT_EQ(f.lines, 0u);

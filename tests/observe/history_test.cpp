@@ -36,30 +36,31 @@ OutputPlan plan_in(const Folder& folder) {
 
 HistoryValues some_values() {
   HistoryValues v;
+  v.clock.dt = 0.1;  // not a binary number: times are not round
+  v.books = {.at_start = 9, .dissipated = 0.7, .work_loads = 0.8, .work_supports = 0.9, .largest = 9};
   v.energies = {1.0 / 3.0, 0.25, 1e-5, 2e-6, 3e-300, 0.125};
   v.balance_error = -2e-4;
+  v.bonds = 12;
   v.ranges = {4, 1};
+  v.peak_average = 3.0e-4 / 7.0;
   v.reactions = {{{1.5, 2.5, 3.5}, {4.5, 5.5, 6.5}}};
   v.axial_force = {-3.19e-4};
+  v.displacements = {{0.1, 0.2, 0.3}};
   return v;
 }
 
-void write_rows(HistoryWriter& writer, Chain& chain, std::vector<std::int64_t> steps) {
+void write_rows(HistoryWriter& writer, const std::vector<std::int64_t>& steps) {
+  HistoryValues v = some_values();
   for (const std::int64_t step : steps) {
-    chain.at_step(step);
-    writer.write(chain.model, chain.state, some_values());
+    v.clock.step = v.clock.stage_step = step;
+    writer.write(v);
   }
 }
 
 TEST(History, EveryValueStandsUnderItsNameAndReadsBackBitForBit) {
   const Folder folder;
-  Chain chain;
-  chain.state.r[ParticleId{2}] += Vec3d{0.1, 0.2, 0.3};
-  chain.state.books = {
-      .at_start = 9, .dissipated = 0.7, .work_loads = 0.8, .work_supports = 0.9, .largest = 9};
-  chain.state.peak.last = 3.0e-4 / 7.0;
   HistoryWriter writer(plan_in(folder), {});
-  write_rows(writer, chain, {1200});
+  write_rows(writer, {1200});
 
   const auto lines = lines_of(content_of(folder / "history.csv"));
   ASSERT_EQ(lines.size(), 2u);
@@ -85,46 +86,75 @@ TEST(History, EveryValueStandsUnderItsNameAndReadsBackBitForBit) {
   EXPECT_EQ(value("work_supports"), 0.9);
   EXPECT_EQ(value("total"), v.energies.total());
   EXPECT_EQ(value("balance_error"), v.balance_error);
-  EXPECT_EQ(value("bonds"), 2);
+  EXPECT_EQ(value("bonds"), 12);
   EXPECT_EQ(value("strained"), 4);
   EXPECT_EQ(value("snapped"), 1);
   EXPECT_EQ(value("peak_average"), 3.0e-4 / 7.0);
   EXPECT_EQ(value("reaction.left.fx"), 1.5);
   EXPECT_EQ(value("reaction.left.mz"), 6.5);
   EXPECT_EQ(value("axial_force.all"), -3.19e-4);
-  const Vec3d moved = chain.state.r[ParticleId{2}] - chain.model.r_0[ParticleId{2}];
-  EXPECT_EQ(value("displacement.2.x"), moved.x);
-  EXPECT_EQ(value("displacement.2.y"), moved.y);
-  EXPECT_EQ(value("displacement.2.z"), moved.z);
+  EXPECT_EQ(value("displacement.2.x"), 0.1);
+  EXPECT_EQ(value("displacement.2.y"), 0.2);
+  EXPECT_EQ(value("displacement.2.z"), 0.3);
+}
+
+TEST(History, ValuesAreThoseOfTheRun) {
+  const Folder folder;
+  Chain chain;
+  chain.state.r[ParticleId{1}] += Vec3d{0.1, 0.2, 0.3};
+  chain.turn(2, {1, 0, 0}, 1.8);  // 103 degrees: past the limit of the EVM, the law of the second bond
+  chain.state.books.work_loads = 0.8;
+  chain.state.peak.last = 0.7;
+  OutputPlan plan = plan_in(folder);
+  plan.displacements = {{"1 and 2", {ParticleId{1}, ParticleId{2}}}};
+  Stage stage;
+  stage.dt = 0.1;
+  stage.supports = {{"left", {ParticleId{0}}, {true, true, true, true, true, true}, {}, {}, {}}};
+  const Simulation run(chain.model, stage, chain.state);
+  const HistoryValues v = history_values(plan, run);
+  EXPECT_TRUE(v.clock == run.clock());
+  EXPECT_TRUE(v.books == chain.state.books);
+  EXPECT_EQ(v.energies.total(), run.energies().total());
+  EXPECT_EQ(v.balance_error, run.balance_error(run.energies()));
+  EXPECT_EQ(v.bonds, 2);
+  EXPECT_EQ(v.ranges, (RangeCounts{1, 0}));
+  EXPECT_EQ(v.peak_average, 0.7);
+  ASSERT_EQ(v.reactions.size(), 1u);
+  EXPECT_EQ(v.reactions[0].force, run.reaction({ParticleId{0}}).force);
+  EXPECT_NE(v.reactions[0].force.y, 0.0);
+  ASSERT_EQ(v.axial_force.size(), 1u);
+  EXPECT_EQ(v.axial_force[0], run.mean_axial_force(plan.axial_force[0].particles));
+  EXPECT_NE(v.axial_force[0], 0.0);
+  ASSERT_EQ(v.displacements.size(), 1u);
+  const Vec3d moved = chain.state.r[ParticleId{1}] - chain.model.r_0[ParticleId{1}];  // the other one stays
+  EXPECT_EQ(v.displacements[0], moved / 2.0);
 }
 
 TEST(History, ContinuedFileEqualsTheUninterruptedOne) {
   const Folder folder;
-  Chain chain;
   std::string undisturbed;
   {
     HistoryWriter writer(plan_in(folder), {});
-    write_rows(writer, chain, {0, 10, 20, 30, 40});
+    write_rows(writer, {0, 10, 20, 30, 40});
     undisturbed = content_of(folder / "history.csv");
   }
   {  // killed at step 34, in the middle of a line, with its last checkpoint at step 25
     HistoryWriter writer(plan_in(folder), {});
-    write_rows(writer, chain, {0, 10, 20, 30});
+    write_rows(writer, {0, 10, 20, 30});
   }
   put_content(folder / "history.csv", content_of(folder / "history.csv") + "2");
   HistoryWriter writer(plan_in(folder), 25);
   EXPECT_EQ(writer.last_step(), 20);
   EXPECT_EQ(writer.largest_balance_error(), 2e-4);
-  write_rows(writer, chain, {30, 40});
+  write_rows(writer, {30, 40});
   EXPECT_EQ(content_of(folder / "history.csv"), undisturbed);
 }
 
 TEST(History, RowAtTheCheckpointIsKept) {
   const Folder folder;
-  Chain chain;
   {
     HistoryWriter writer(plan_in(folder), {});
-    write_rows(writer, chain, {0, 10, 20});
+    write_rows(writer, {0, 10, 20});
   }
   const std::string before = content_of(folder / "history.csv");
   EXPECT_EQ(HistoryWriter(plan_in(folder), 20).last_step(), 20);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <set>
@@ -49,6 +50,24 @@ std::vector<Stage> two_stages() {
   return {first, second};
 }
 
+/// Neither interval divides another, a stage or is a whole number of steps; the stages differ in their step.
+OutputPlan awkward_plan_in(const std::filesystem::path& folder) {
+  OutputPlan plan = plan_in(folder);
+  plan.history_every = 17.3 * dt;
+  plan.frames_every = 41.6 * dt;
+  plan.checkpoint_every = 29.4 * dt;
+  plan.watch_every = 23;
+  return plan;
+}
+
+std::vector<Stage> awkward_stages() {
+  std::vector<Stage> stages = two_stages();
+  stages[0].stops.duration = 101 * dt;
+  stages[1].dt = 0.7 * dt;
+  stages[1].stops.duration = 97 * 0.7 * dt;
+  return stages;
+}
+
 State at_rest(const Chain& chain) {
   State s = chain.state;
   s.clock = {};
@@ -59,14 +78,15 @@ State at_rest(const Chain& chain) {
 
 /// Runs from this state to the end, or until `stop_at` steps have been made.
 StopReason run_from(const OutputPlan& plan, const Model& model, State state, const Checkpoint* resume,
-                    std::int64_t stop_at) {
+                    std::int64_t stop_at, const std::vector<Stage>& stages = two_stages(),
+                    const std::shared_ptr<Observer>& another = {}) {
   const FileObservers files = open_output(plan, {}, "1.2.3", resume);
-  const auto stages = two_stages();
   StopReason why = StopReason::running;
   for (auto k = static_cast<std::size_t>(state.clock.stage); k < stages.size(); ++k) {
     Simulation run(model, stages[k], state);
     for (const auto& o : files.all()) run.add_observer(o);
-    why = run.run([&] { return run.state().clock.step >= stop_at; });
+    if (another) run.add_observer(another);
+    why = run.run([&] { return run.clock().step >= stop_at; });
     if (why == StopReason::interrupted) return why;
     state = run.state();
     state.clock.stage_start = state.clock.time();
@@ -109,7 +129,8 @@ TEST(Observers, InterruptionAddsNoRowAndNoFrame) {
   EXPECT_EQ(read_checkpoint(folder / "checkpoint.h5", chain.model).state.clock.step, 13);
 }
 
-void expect_same_files(const std::filesystem::path& a, const std::filesystem::path& b) {
+void expect_same_files(const std::filesystem::path& a, const std::filesystem::path& b,
+                       std::size_t expected = 2 * 5 + 5) {  // frames; history, dump, two lists, checkpoint
   std::size_t files = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(a)) {
     if (!entry.is_regular_file()) continue;
@@ -117,7 +138,7 @@ void expect_same_files(const std::filesystem::path& a, const std::filesystem::pa
     EXPECT_TRUE(content_of(entry.path()) == content_of(b / name)) << name;
     ++files;
   }
-  EXPECT_EQ(files, 2u * 5 + 5);  // frames; history, dump, two lists, checkpoint
+  EXPECT_EQ(files, expected);
 }
 
 TEST(Observers, ResumedRunLeavesTheFilesOfAnUndisturbedOne) {
@@ -135,6 +156,109 @@ TEST(Observers, ResumedRunLeavesTheFilesOfAnUndisturbedOne) {
     EXPECT_EQ(run_from(plan_in(cut), chain.model, c.state, &c, never), StopReason::duration);
     expect_same_files(folder / "whole", cut);
   }
+}
+
+/// Wants to look at every step, and so makes all others decide at every step.
+class EveryStep : public Observer {
+ public:
+  void observe(const Simulation&) override {}
+};
+
+/// Asks for nothing and writes down the steps at which others want to look.
+class Bystander : public Observer {
+ public:
+  void observe(const Simulation& run) override { steps.push_back(run.clock().step); }
+  std::int64_t steps_to_next_look(const Clock&) const override { return no_next_look; }
+  std::vector<std::int64_t> steps;
+};
+
+TEST(Observers, FilesAreThoseOfDecidingAtEveryStepAlsoWhenResumed) {
+  const Chain chain;
+  const Folder folder;
+  const auto run_in = [&](const std::filesystem::path& where, const State& state, const Checkpoint* resume,
+                          std::int64_t stop_at, const std::shared_ptr<Observer>& another = {}) {
+    return run_from(awkward_plan_in(where), chain.model, state, resume, stop_at, awkward_stages(), another);
+  };
+  std::filesystem::create_directories(folder / "every_step");
+  run_in(folder / "every_step", at_rest(chain), nullptr, never, std::make_shared<EveryStep>());
+  // 17 steps of the first stage, 25 of the second (17.3 / 0.7 = 24.7)
+  EXPECT_EQ(history_steps(folder / "every_step"),
+            (std::vector<std::int64_t>{0, 17, 34, 51, 68, 85, 101, 126, 151, 176, 198}));
+  std::filesystem::create_directories(folder / "asked");
+  run_in(folder / "asked", at_rest(chain), nullptr, never);
+  expect_same_files(folder / "every_step", folder / "asked", 2 * 6 + 5);  // frames 0, 42, 84, 101, 160, 198
+  for (const std::int64_t step : {1, 16, 17, 18, 46, 100, 102, 125, 126, 197}) {
+    SCOPED_TRACE(step);
+    const auto cut = folder / ("cut_" + std::to_string(step));
+    std::filesystem::create_directories(cut);
+    run_in(cut, at_rest(chain), nullptr, step);
+    const Checkpoint c = read_checkpoint(cut / "checkpoint.h5", chain.model);
+    EXPECT_EQ(c.state.clock.step, step);
+    EXPECT_EQ(run_in(cut, c.state, &c, never), StopReason::duration);
+    expect_same_files(folder / "every_step", cut, 2 * 6 + 5);
+  }
+}
+
+TEST(Observers, NothingIsAskedOnStepsWhereNothingIsDue) {
+  const Chain chain;
+  const Folder folder;
+  const OutputPlan plan = awkward_plan_in(folder.path());
+  const auto bystander = std::make_shared<Bystander>();
+  run_from(plan, chain.model, at_rest(chain), nullptr, never, awkward_stages(), bystander);
+  std::vector<std::int64_t> due;
+  std::int64_t start = 0;
+  for (const auto& [dt_over_dt, steps] : {std::pair<double, std::int64_t>{1.0, 101}, {0.7, 97}}) {
+    for (std::int64_t k = 0; k <= steps; ++k)
+      for (const double interval : {23.0, std::round(17.3 / dt_over_dt), std::round(41.6 / dt_over_dt),
+                                    std::round(29.4 / dt_over_dt)})
+        if (k % static_cast<std::int64_t>(interval) == 0) {
+          due.push_back(start + k);
+          break;
+        }
+    start += steps;
+  }
+  EXPECT_EQ(bystander->steps, due);
+  EXPECT_LT(due.size(), 198u / 4);  // or this would show little
+}
+
+TEST(TableObserver, IsAskedOnlyForItsRows) {
+  const Chain chain;
+  std::FILE* out = std::tmpfile();
+  ASSERT_NE(out, nullptr);
+  Stage stage = two_stages()[0];
+  stage.stops.duration = 2400 * dt;  // a row every 100 steps
+  Simulation run(chain.model, stage, at_rest(chain));
+  const auto bystander = std::make_shared<Bystander>();
+  run.add_observer(std::make_shared<TableObserver>(out));
+  run.add_observer(bystander);
+  run.run();
+  std::fclose(out);
+  std::vector<std::int64_t> rows;
+  for (std::int64_t k = 0; k <= 2400; k += 100) rows.push_back(k);
+  EXPECT_EQ(bystander->steps, rows);
+}
+
+TEST(ProgressObserver, SeldomAsksOnFastSteps) {
+  const Chain chain(2);
+  std::FILE* out = std::tmpfile();
+  ASSERT_NE(out, nullptr);
+  Stage stage = two_stages()[1];
+  constexpr std::int64_t steps = 20000;
+  stage.stops.duration = steps * dt;
+  Simulation run(chain.model, stage, at_rest(chain));
+  const auto bystander = std::make_shared<Bystander>();
+  const auto progress = std::make_shared<ProgressObserver>(out, std::vector<std::int64_t>{0, steps});
+  run.add_observer(progress);
+  run.add_observer(bystander);
+  const auto start = std::chrono::steady_clock::now();
+  run.run();
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  std::fclose(out);
+  // intervals grow from 1 step by factors of two: 15 looks to 2^15 > 20000. A look may come early if the
+  // steps before it were slow, but then that slow interval took its tenth of a second, and what was lost is
+  // made up again in at most 15 doublings.
+  EXPECT_LE(static_cast<double>(bystander->steps.size()), 16 + (1 + 15) * 10 * seconds);
+  EXPECT_GE(bystander->steps.size(), 10u);
 }
 
 TEST(Observers, KilledRunGoesOnFromItsLastCheckpoint) {

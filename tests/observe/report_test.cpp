@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "specimen.hpp"
 
 namespace vbond {
@@ -10,11 +12,12 @@ namespace {
 TEST(Table, RowsAreAsWideAsTheHeaderForSmallAndLargeValues) {
   test::Chain chain;
   const std::size_t width = table_header().size();
-  EXPECT_EQ(table_row(chain.state, {}, 0.0, {}).size(), width);
+  EXPECT_EQ(table_row(chain.state.clock, {}, {}, 0.0, {}).size(), width);
   chain.at_step(999999999999);
-  chain.state.books.work_loads = -1.23456789e-123;
-  EXPECT_EQ(table_row(chain.state, {-1e-300, 0, -1e300, 0, 0, 0}, -1e-100, {99999999, 99999999}).size(),
-            width);
+  EnergyBooks books;
+  books.work_loads = -1.23456789e-123;
+  const Energies energies{-1e-300, 0, -1e300, 0, 0, 0};
+  EXPECT_EQ(table_row(chain.state.clock, books, energies, -1e-100, {99999999, 99999999}).size(), width);
 }
 
 TEST(Table, StageGivesAtMost25RowsAndTheEnd) {
@@ -30,6 +33,28 @@ TEST(Progress, RemainingTimeFollowsFromTheSpeed) {
   EXPECT_EQ(progress_line("squeeze", 6000, 5000, 10000, 10.0),
             "stage squeeze: step 6000, 60.0 %, 100 steps/s, at most 40 s left");
   EXPECT_EQ(progress_line("squeeze", 5000, 5000, 10000, 0.0), "stage squeeze: step 5000, 50.0 %");
+}
+
+TEST(Progress, ClockIsReadTenTimesASecondAtAnySpeed) {
+  for (const double seconds_per_step : {200e-9, 1e-4, 0.03, 0.7}) {
+    std::int64_t interval = 1, looks = 0;
+    while (looks++ < 100) {
+      const double seconds = static_cast<double>(interval) * seconds_per_step;
+      const std::int64_t next = progress_interval(interval, seconds);
+      EXPECT_GE(next, 1);
+      EXPECT_LE(next, 2 * interval);
+      if (seconds < 0.05) {
+        EXPECT_EQ(next, 2 * interval);
+      }
+      interval = next;
+    }
+    // a tenth of a second, or one step where that takes longer; cut to whole steps
+    const double seconds = static_cast<double>(interval) * seconds_per_step;
+    EXPECT_LE(seconds, std::max(0.1, seconds_per_step) * (1 + 1e-12)) << seconds_per_step;
+    EXPECT_GT(seconds, 0.1 - seconds_per_step * (1 + 1e-12)) << seconds_per_step;
+  }
+  EXPECT_EQ(progress_interval(8, 0.0), 16);      // too fast for the clock
+  EXPECT_EQ(progress_interval(1000, 10.0), 10);  // steps have become slower: at once
 }
 
 TEST(Progress, HoursAreWrittenOut) {

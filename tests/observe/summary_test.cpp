@@ -18,6 +18,8 @@ RunSummary buckling() {
   RunSummary s;
   s.title = "rod";
   s.version = "1.2.3";
+  s.instruction_set = "avx2";
+  s.threads = 4;
   s.particles = 10;
   s.bonds = 9;
   s.T_0 = 6.283185307179586;
@@ -58,8 +60,28 @@ TEST(RunSummary, JsonHoldsEveryResultUnderItsName) {
   EXPECT_EQ(j["ever_strained"], 4);
   EXPECT_EQ(j["ever_snapped"], 3);
   EXPECT_EQ(j["bond_steps_per_second"], 13500000.0);
+  EXPECT_EQ(j["instruction_set"], "avx2");
+  EXPECT_EQ(j["threads"], 4);
   EXPECT_EQ(j["wall_time"]["build"], 0.25);
   EXPECT_EQ(j["wall_time"]["steps"], 2.0);
+}
+
+TEST(WallTime, StepsAreSplitInTheSharesOfTheirSample) {
+  const auto phases = split_steps(8.0, {.bonds = 3.0, .contacts = 0.0, .integrate = 1.0});
+  ASSERT_EQ(phases.size(), 3u);
+  EXPECT_EQ(phases[0].name, "bonds");
+  EXPECT_EQ(phases[0].seconds, 6.0);
+  EXPECT_EQ(phases[1].name, "contacts");
+  EXPECT_EQ(phases[1].seconds, 0.0);
+  EXPECT_EQ(phases[2].name, "integrate");
+  EXPECT_EQ(phases[2].seconds, 2.0);
+}
+
+TEST(WallTime, StepsWithoutASampleStayWhole) {
+  const auto phases = split_steps(1e-3, {});
+  ASSERT_EQ(phases.size(), 1u);
+  EXPECT_EQ(phases[0].name, "steps");
+  EXPECT_EQ(phases[0].seconds, 1e-3);
 }
 
 TEST(RunSummary, RunWithoutAPeakHasNoCriticalForce) {

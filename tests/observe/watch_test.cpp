@@ -18,6 +18,12 @@ using test::Chain;
 constexpr double degree = std::numbers::pi / 180.0;
 constexpr double allowed = 0.05;
 
+std::vector<BondId> all_bonds(const Chain& chain) {
+  std::vector<BondId> all;
+  for (const BondId k : chain.state.bonds.ids()) all.push_back(k);
+  return all;
+}
+
 /// A watch that writes down what it is told.
 struct Listener {
   std::vector<std::string> told;
@@ -28,8 +34,15 @@ struct Listener {
   Listener(const Listener&) = delete;
   Listener& operator=(const Listener&) = delete;
 
-  void look(const Chain& chain, double error = 0.0) { watch.look(chain.model, chain.state, {}, error); }
+  /// Shows it every bond: it judges for itself.
+  void look(const Chain& chain, const Energies& energies = {}, double error = 0.0) {
+    watch.look({energies, all_bonds(chain)}, error, [&chain]() -> const State& { return chain.state; });
+  }
 };
+
+RangeCounts count_all(const Chain& chain) {
+  return count_ranges(chain.state, all_bonds(chain));
+}
 
 bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
@@ -37,7 +50,7 @@ bool contains(const std::string& text, const std::string& part) {
 
 std::string failure(Listener& l, const Chain& chain, const Energies& energies = {}, double error = 0.0) {
   try {
-    l.watch.look(chain.model, chain.state, energies, error);
+    l.look(chain, energies, error);
   } catch (const Diverged& e) {
     EXPECT_EQ(e.step, 1200);
     return e.what();
@@ -49,13 +62,13 @@ TEST(Watch, RestIsQuiet) {
   Listener l;
   l.look(Chain());
   EXPECT_TRUE(l.told.empty());
-  EXPECT_EQ(count_ranges(Chain().state), (RangeCounts{0, 0}));
+  EXPECT_EQ(count_all(Chain()), (RangeCounts{0, 0}));
 }
 
 TEST(Watch, TwistBeyond90DegreesIsReportedOnceAsSnapped) {
   Chain chain(2);
   chain.turn(1, {1, 0, 0}, 91 * degree);
-  EXPECT_EQ(count_ranges(chain.state), (RangeCounts{0, 1}));
+  EXPECT_EQ(count_all(chain), (RangeCounts{0, 1}));
   Listener l;
   l.look(chain);
   l.look(chain);
@@ -80,6 +93,38 @@ TEST(Watch, EachWorseningIsReportedOnceAndRecoveryIsNot) {
   EXPECT_TRUE(contains(l.told[1], "has snapped")) << l.told[1];
   EXPECT_EQ(l.watch.record().strained, 1);
   EXPECT_EQ(l.watch.record().snapped, 1);
+}
+
+TEST(Watch, StateIsCollectedOnlyIfThereIsSomethingToLookAt) {
+  Chain chain;
+  chain.turn(2, {1, 0, 0}, 91 * degree);
+  Listener l;
+  int collected = 0;
+  const auto collect = [&]() -> const State& {
+    ++collected;
+    return chain.state;
+  };
+  l.watch.look({}, allowed, collect);
+  EXPECT_EQ(collected, 0);
+  EXPECT_EQ(l.watch.record().bonds.size(), 0u);
+  l.watch.look({{}, {BondId{0}}}, 0.0, collect);  // shown, but good
+  EXPECT_EQ(collected, 1);
+  EXPECT_TRUE(l.told.empty());
+  l.watch.look({{}, {BondId{1}}}, 0.0, collect);
+  EXPECT_EQ(collected, 2);
+  EXPECT_EQ(l.told.size(), 1u);
+  EXPECT_THROW(l.watch.look({}, 1.01 * allowed, collect), Diverged);
+  EXPECT_EQ(collected, 3);
+}
+
+TEST(Watch, RecordReachesAsFarAsTheLastBondReported) {
+  Chain chain(5);
+  chain.turn(2, {1, 0, 0}, 60 * degree);  // bonds 1 and 2; only the V-model of bond 2 minds
+  Listener l;
+  l.look(chain);
+  ASSERT_EQ(l.watch.record().bonds.size(), 3u);
+  EXPECT_EQ(l.watch.record().bonds[BondId{1}].worst, BondRange::good);
+  EXPECT_EQ(l.watch.record().bonds[BondId{2}].worst, BondRange::strained);
 }
 
 TEST(Watch, JustInsideTheRangeIsQuiet) {

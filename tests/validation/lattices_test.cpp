@@ -6,7 +6,7 @@
 
 #include "cases.hpp"
 #include "dynamics/rods.hpp"
-#include "vbond/dynamics/energy.hpp"
+#include "vbond/dynamics/bonds.hpp"
 
 namespace vbond {
 namespace {

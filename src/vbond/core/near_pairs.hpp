@@ -1,88 +1,137 @@
 #pragma once
 #include <algorithm>
-#include <array>
+#include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "vbond/core/vec3.hpp"
 
 namespace vbond {
 
-/// Points sorted into cubic cells, for finding all pairs within a distance in a time that grows with
-/// the number of points and pairs. Made for single look-ups, not for the time loop.
+/// Points sorted into cubic cells, for finding all pairs within a distance in a time that grows with the
+/// number of points and pairs. Cells lie in a table of a few entries per point, whatever the extent of the
+/// body: cells far from each other may share an entry, which costs a look at a few points too many.
 class CellGrid {
  public:
-  /// Positions must be finite; cells are at least `distance` > 0 wide.
-  CellGrid(const std::vector<Vec3d>& positions, double distance) : r_(positions), reach_(distance) {
-    if (r_.empty()) return;
-    Vec3d max = min_ = r_.front();
-    for (const Vec3d& p : r_) {
-      min_ = {std::min(min_.x, p.x), std::min(min_.y, p.y), std::min(min_.z, p.z)};
-      max = {std::max(max.x, p.x), std::max(max.y, p.y), std::max(max.z, p.z)};
-    }
-    const Vec3d extent = max - min_;
-    // 20 bits per direction are kept for the cell number, so cells never get narrower than this;
-    // a little is added so that rounding of the division cannot push a pair two cells apart
-    width_ = std::max(distance * (1.0 + 1e-9), std::max({extent.x, extent.y, extent.z}) / 1048576.0);
-    if (!(width_ > 0.0)) width_ = 1.0;
-    cells_.reserve(r_.size());
-    for (std::size_t i = 0; i < r_.size(); ++i) cells_.push_back({key(cell_of(r_[i])), i});
-    std::sort(cells_.begin(), cells_.end());
+  struct Point {
+    Vec3d r;
+    std::size_t i;  ///< its place among the positions
+  };
+
+  CellGrid() = default;
+  CellGrid(std::span<const Vec3d> positions, double distance) { sort(positions, distance); }
+
+  /// Sorts fewer than 2^28 finite positions; cells are a little wider than `distance` >= 0. Memory is kept
+  /// from one call to the next.
+  void sort(std::span<const Vec3d> positions, double distance) {
+    lay_out(positions, distance);
+    cell_.clear();
+    for (const Vec3d& p : positions) cell_.push_back(cell_of(p));
+    first_.assign(std::size_t{mask_} + 2, 0);
+    for (const Cell& c : cell_) ++first_[entry(c)];
+    std::uint32_t end = 0;
+    for (std::uint32_t& f : first_) f = end += f;
+    points_.resize(positions.size());
+    for (std::size_t i = positions.size(); i-- > 0;) points_[--first_[entry(cell_[i])]] = {positions[i], i};
   }
 
-  /// Calls visit(i, j, |r_j - r_i|^2), i < j, once for every pair no farther apart than the distance.
-  template <class Visit>
-  void for_pairs(Visit&& visit) const {
-    for (std::size_t i = 0; i < r_.size(); ++i) {
-      const Cell c = cell_of(r_[i]);
-      for (std::int64_t dz = -1; dz <= 1; ++dz)
-        for (std::int64_t dy = -1; dy <= 1; ++dy) visit_row({c[0] - 1, c[1] + dy, c[2] + dz}, i, visit);
-    }
+  /// Calls scan(first, last) for ranges of points which together hold every point within the distance of
+  /// position i, itself among them, each once, and others.
+  template <class Scan>
+  void scan_near(std::size_t i, Scan&& scan) const {
+    const Point* const p = points_.data();
+    const Cell& c = cell_[i];
+    for (std::int64_t dz = -1; dz <= 1; ++dz)
+      for (std::int64_t dy = -1; dy <= 1; ++dy) {
+        const std::size_t from = entry({c.x - 1, c.y + dy, c.z + dz}), to = from + 3;
+        if (to < first_.size()) {  // three cells next to each other along x are neighbours in the table
+          scan(p + first_[from], p + first_[to]);
+        } else {
+          scan(p + first_[from], p + points_.size());
+          scan(p, p + first_[to & mask_]);
+        }
+      }
   }
 
  private:
-  using Cell = std::array<std::int64_t, 3>;
-  struct Entry {
-    std::uint64_t key;
-    std::size_t i;
-    bool operator<(const Entry& o) const { return key != o.key ? key < o.key : i < o.i; }
+  struct Cell {
+    std::int64_t x, y, z;
   };
+  /// To either side of the origin; what is farther out shares the last cell.
+  static constexpr double most_cells = 0x1p40;
 
-  /// From 1, so that a neighbour's number is never negative.
   Cell cell_of(const Vec3d& p) const {
-    const auto along = [this](double x, double x_min) {
-      return 1 + static_cast<std::int64_t>((x - x_min) / width_);
+    const auto along = [this](double x, double x_0) {
+      return static_cast<std::int64_t>(std::clamp((x - x_0) / width_, -most_cells, most_cells));
     };
-    return {along(p.x, min_.x), along(p.y, min_.y), along(p.z, min_.z)};
-  }
-  static std::uint64_t key(const Cell& c) {
-    return (static_cast<std::uint64_t>(c[2]) << 42) | (static_cast<std::uint64_t>(c[1]) << 21) |
-           static_cast<std::uint64_t>(c[0]);
+    return {along(p.x, origin_.x), along(p.y, origin_.y), along(p.z, origin_.z)};
   }
 
-  /// Three cells next to each other along x hold consecutive keys: one search serves them all.
-  template <class Visit>
-  void visit_row(const Cell& first, std::size_t i, Visit&& visit) const {
-    const std::uint64_t from = key(first), to = from + 2;
-    auto at = std::lower_bound(cells_.begin(), cells_.end(), Entry{from, 0});
-    for (; at != cells_.end() && at->key <= to; ++at) {
-      if (at->i <= i) continue;
-      const double d2 = norm2(r_[at->i] - r_[i]);
-      if (d2 <= reach_ * reach_) visit(i, at->i, d2);
+  /// Cells are wider than the distance by more than rounding may move two points in units of cells: no pair
+  /// gets two cells apart.
+  void lay_out(std::span<const Vec3d> r, double distance) {
+    Vec3d min, max;
+    if (!r.empty()) min = max = r.front();
+    for (const Vec3d& p : r) {
+      min = {std::min(min.x, p.x), std::min(min.y, p.y), std::min(min.z, p.z)};
+      max = {std::max(max.x, p.x), std::max(max.y, p.y), std::max(max.z, p.z)};
+    }
+    const Vec3d extent = max - min;
+    origin_ = min;
+    width_ = distance > 0.0 ? distance * (1.0 + 1e-9) : 1.0;
+    if (std::max({extent.x, extent.y, extent.z}) > 0x1p20 * width_) {
+      origin_ = r[r.size() / 2];  // in the body, from which some part has flown off
+      width_ *= 1.001;
+    }
+    choose_strides(extent, static_cast<double>(r.size()));
+  }
+
+  /// The entries of the 27 cells around a point must differ. They do if the strides are at least 5 and 25:
+  /// the difference of two such cells then has five values of each digit, -2..2, and stands for one number
+  /// only.
+  void choose_strides(const Vec3d& extent, double points) {
+    const auto cells = [this](double x) { return std::max(std::floor(x / width_) + 2.0, 5.0); };
+    const double nx = cells(extent.x), ny = cells(extent.y), nz = cells(extent.z);
+    if (nx * ny * nz <= 8.0 * points) {  // a compact body: every cell has its own entry, in order
+      stride_y_ = static_cast<std::uint32_t>(nx);
+      stride_z_ = static_cast<std::uint32_t>(nx * ny);
+      mask_ = std::bit_ceil(static_cast<std::uint32_t>(nx * ny * nz)) - 1;
+    } else {  // rows of cells at places as if thrown at random; modulo 64 the strides are 5 and 25
+      stride_y_ = 0x9E3779B9u / 64 * 64 + 5;
+      stride_z_ = 0x85EBCA6Bu / 64 * 64 + 25;
+      mask_ = std::bit_ceil(static_cast<std::uint32_t>(std::max(64.0, 2.0 * points))) - 1;
     }
   }
+  std::uint32_t entry(const Cell& c) const {
+    return (static_cast<std::uint32_t>(c.x) + stride_y_ * static_cast<std::uint32_t>(c.y) +
+            stride_z_ * static_cast<std::uint32_t>(c.z)) &
+           mask_;
+  }
 
-  const std::vector<Vec3d>& r_;
-  double reach_, width_ = 1.0;
-  Vec3d min_;
-  std::vector<Entry> cells_;
+  double width_ = 1.0;
+  Vec3d origin_;
+  std::uint32_t stride_y_ = 0, stride_z_ = 0, mask_ = 0;
+  std::vector<Cell> cell_;            // of each position
+  std::vector<std::uint32_t> first_;  // of each entry of the table, into points_
+  std::vector<Point> points_;
 };
 
-/// Calls visit(i, j, |r_j - r_i|^2), i < j, once for every pair of positions within `distance` > 0.
+/// Calls visit(i, j, |r_j - r_i|^2), i < j, once for every pair of finite positions within `distance` >= 0,
+/// in increasing order of i.
 template <class Visit>
-void for_near_pairs(const std::vector<Vec3d>& positions, double distance, Visit&& visit) {
-  CellGrid(positions, distance).for_pairs(visit);
+void for_near_pairs(std::span<const Vec3d> positions, double distance, Visit&& visit) {
+  const CellGrid grid(positions, distance);
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    grid.scan_near(i, [&](const CellGrid::Point* first, const CellGrid::Point* last) {
+      for (const CellGrid::Point* p = first; p != last; ++p) {
+        if (p->i <= i) continue;
+        const double d2 = norm2(p->r - positions[i]);
+        if (d2 <= sq(distance)) visit(i, p->i, d2);
+      }
+    });
 }
 
 }  // namespace vbond

@@ -84,17 +84,17 @@ inline Quatd rotation_to(const Vec3d& x, const Vec3d& y) {
 }
 
 /// Largest |phi|^2 for which small_rotation holds.  [rad^2]
-inline constexpr double small_rotation_limit2 = 1.0;
+inline constexpr double small_rotation_limit2 = 0.25;
 
-/// Exact rotation by the vector phi (angle |phi| about phi / |phi|), |phi| <= 1 rad: the exponential map, by
-/// the power series of cos(x) and sin(x)/x at x = |phi|/2, whose first dropped terms are under 1e-18.
+/// Exact rotation by the vector phi (angle |phi| about phi / |phi|), |phi| <= 0.5 rad: the exponential map,
+/// by the power series of cos(x) and sin(x)/x at x = |phi|/2, whose first dropped terms are under 1e-19.
 template <Scalar T>
 VBOND_HD constexpr Quat<T> small_rotation(const Vec3<T>& phi) {
   const T xx = T(0.25) * norm2(phi);
-  T c(0.0), s(0.0);
-  for (int k = 7; k >= 0; --k) {  // Horner's rule
-    c = T(1.0) - c * xx * T(1.0 / ((2 * k + 1) * (2 * k + 2)));
-    s = T(1.0) - s * xx * T(1.0 / ((2 * k + 2) * (2 * k + 3)));
+  T c(1.0), s(1.0);
+  for (int k = 5; k >= 0; --k) {  // Horner's rule
+    c = T(1.0) - c * (T(1.0 / ((2 * k + 1) * (2 * k + 2))) * xx);
+    s = T(1.0) - s * (T(1.0 / ((2 * k + 2) * (2 * k + 3))) * xx);
   }
   s = T(0.5) * s;
   return {c, s * phi.x, s * phi.y, s * phi.z};

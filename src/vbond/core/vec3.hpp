@@ -53,6 +53,12 @@ VBOND_HD Vec3<T> normalised(const Vec3<T>& a) {
   return a / norm(a);
 }
 
+/// The part of a that is normal to the unit vector d.
+template <Scalar T>
+VBOND_HD constexpr Vec3<T> across(const Vec3<T>& a, const Vec3<T>& d) {
+  return a - dot(a, d) * d;
+}
+
 using Vec3d = Vec3<double>;
 
 /// Component 0, 1, 2 = x, y, z.

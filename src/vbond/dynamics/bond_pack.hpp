@@ -2,42 +2,53 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "vbond/core/quat.hpp"
 #include "vbond/model/bond.hpp"
-#include "vbond/physics/pose.hpp"
 
 namespace vbond {
 
-/// Bonds handled together, one per lane of the vector unit.
-inline constexpr std::size_t pack_width = 8;
+/// Bonds that the vector unit takes at once.
+inline constexpr std::size_t pack_bonds = 8;
 
-/// Eight bonds of one law with their constants lane by lane: scratch made from State::bonds. Lanes past
-/// `count` repeat the last bond; their results are not stored.
-struct BondPack {
-  using Lanes = double[pack_width];
-  BondLaw law;
-  std::uint32_t count;
-  std::uint32_t bond[pack_width];              ///< where the loads go
-  std::uint32_t i[pack_width], j[pack_width];  ///< particles
+/// What many bonds share: a law with these coefficients times a factor of the bond's own.
+struct BondType {
+  BondLaw law = BondLaw::v_model;
+  double a = 0;                           ///< of the bond that it was made from  [length]
+  double R_i = 0, R_j = 0;                ///< [length]
+  double B1 = 0, B2 = 0, B3 = 0, B4 = 0;  ///< [force/length], then [force*length]
+};
+
+/// Eight bonds of a type between particles that were not turned when they were bonded, so that one frame
+/// serves both ends: 56 bytes a bond. Lanes past the last bond repeat it.
+struct alignas(64) CompactPack {
+  using Lanes = double[pack_bonds];
+  std::uint32_t i[pack_bonds], j[pack_bonds];  ///< rows
+  Lanes a;                                     ///< [length]
+  Lanes scale;                                 ///< of B1 .. B4; 1/a in proportion for a rod of one section
+  Lanes frame[4];                              ///< w, x, y, z
+};
+
+/// Eight bonds of a law with all that is theirs: 128 bytes a bond.
+struct alignas(64) FullPack {
+  using Lanes = double[pack_bonds];
+  std::uint32_t i[pack_bonds], j[pack_bonds];
   Lanes a, R_i, R_j, B1, B2, B3, B4;
-  Lanes frame[2][4];  ///< frame_i, frame_j
+  Lanes frame_i[4], frame_j[4];
 };
 
-/// Puts a bond into this lane of a pack and into all behind it.
-void fill_lane(BondPack& pack, std::uint32_t lane, BondId id, const Bond& bond);
-
-/// Writes the loads of these packs' bonds to of_bond[bond].
-using PackKernel = void (*)(const BondPack* packs, std::size_t count, const Vec3d* r, const Quatd* q,
-                            BondLoads<double>* of_bond);
-
-/// The kernel for the best instruction set of this machine, chosen once. All give the same bits.
-PackKernel pack_kernel();
-
-/// Every kernel that this machine can execute, with its name, the baseline first: for tests and reports.
-struct NamedKernel {
-  const char* name;
-  PackKernel kernel;
+/// What is to be known of a pack besides: how many lanes are bonds, and whether the loads of one may belong
+/// to particles of another thread.
+struct PackLanes {
+  std::uint8_t count = 0;
+  bool crossing = false;
 };
-std::size_t available_kernels(NamedKernel (&kernels)[3]);
+
+/// Consecutive packs of one kind, as the kernel takes them.
+template <class P>
+struct PackRun {
+  const P* packs;
+  const PackLanes* lanes;
+  std::size_t count;
+  BondType type;  ///< of full packs only the law counts
+};
 
 }  // namespace vbond

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <set>
 #include <string>
 #include <utility>
@@ -30,15 +31,18 @@ Bond bond_between(const BondRecipe& recipe, const Model& model, const State& s, 
 
 }  // namespace
 
-Bonding::Bonding(const Model& model, const Stage& stage, const BondIndex& index)
-    : model_(model), insist_(stage.insist) {
-  for (const BondingRule& rule : stage.bonding)
-    rules_.push_back({&rule, NeighbourList(
-                                 rule.distance, 0.2 * rule.distance,
-                                 [&rule](ParticleId i, ParticleId j) {
-                                   return joins(rule, i, j) ? rule.distance : -rule.distance;
-                                 },
-                                 [&index](ParticleId i, ParticleId j) { return index.bonded(i, j); })});
+Bonding::Bonding(const Model& model, const Stage& stage, const Order& order, const BondIndex& index)
+    : model_(model), order_(order), insist_(stage.insist) {
+  for (const BondingRule& rule : stage.bonding) {
+    const auto keep = [&rule, &order, &index](Row i, Row* first, Row* last) {
+      return std::remove_if(first, last, [&, p = order.particle[i]](Row j) {
+        const ParticleId o = order.particle[j];
+        return !joins(rule, p, o) || index.bonded(p, o);
+      });
+    };
+    const PerRow<double> half(model.particles(), 0.5 * rule.distance);
+    rules_.push_back({&rule, NeighbourList(half, 0.2 * rule.distance, keep)});
+  }
 }
 
 void Bonding::check_step(const State& state) const {
@@ -50,22 +54,29 @@ void Bonding::check_step(const State& state) const {
                  "choose a smaller time.step or time.fraction");
 }
 
-bool Bonding::make_bonds(State& state) {
-  std::set<std::pair<ParticleId, ParticleId>> made;
+std::vector<Bonding::Pair> Bonding::find(std::span<const PoseRow> pose) {
+  std::vector<Pair> found;
+  std::set<std::pair<ParticleId, ParticleId>> taken;  // by this rule or an earlier one
   for (RuleList& list : rules_) {
-    const BondingRule& rule = *list.rule;
-    list.near.refresh(state.r);
-    for (const ParticleId i : state.r.ids())
-      for (const ParticleId j : list.near.of(i)) {
-        if (!(i < j) || norm2(state.r[j] - state.r[i]) > sq(rule.distance)) continue;
-        if (!made.insert({i, j}).second) continue;
-        add_bond(model_, bond_between(rule.recipe, model_, state, i, j), state);
+    list.near.refresh(pose);
+    const auto earlier = static_cast<std::ptrdiff_t>(found.size());
+    for (std::size_t k = 0; k < pose.size(); ++k)
+      for (const Row j : list.near.of(Row{k})) {
+        if (j.value < k || norm2(pose[j.value].r - pose[k].r) > sq(list.rule->distance)) continue;
+        const auto [p, o] = std::minmax(order_.particle[Row{k}], order_.particle[j]);
+        if (taken.insert({p, o}).second) found.push_back({list.rule, p, o});
       }
+    std::sort(found.begin() + earlier, found.end(),
+              [](const Pair& a, const Pair& b) { return std::pair(a.i, a.j) < std::pair(b.i, b.j); });
   }
-  if (made.empty()) return false;
+  return found;
+}
+
+void Bonding::make(const std::vector<Pair>& pairs, State& state) {
+  for (const auto& [rule, i, j] : pairs)
+    add_bond(model_, bond_between(rule->recipe, model_, state, i, j), state);
   for (RuleList& list : rules_) list.near.invalidate();
   check_step(state);
-  return true;
 }
 
 }  // namespace vbond

@@ -1,8 +1,10 @@
 #pragma once
+#include <span>
 #include <vector>
 
 #include "vbond/dynamics/bond_index.hpp"
 #include "vbond/dynamics/neighbours.hpp"
+#include "vbond/dynamics/order.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"
@@ -12,14 +14,22 @@ namespace vbond {
 /// Makes bonds during the run by the stage's rules ([KA12] section V, step 1 of the algorithm).
 class Bonding {
  public:
-  /// Keeps references to all three.
-  Bonding(const Model& model, const Stage& stage, const BondIndex& index);
+  /// Keeps references to all four; `index` is asked when a list is rebuilt, so it may be replaced in place.
+  Bonding(const Model& model, const Stage& stage, const Order& order, const BondIndex& index);
 
-  /// Bonds every pair that a rule joins and that is close enough, in the order of rules, then (i, j).
+  /// A pair to be bonded, i < j.
+  struct Pair {
+    const BondingRule* rule;
+    ParticleId i, j;
+  };
+  /// Every pair without a bond that a rule joins and that is close enough, once, in the order of rules, then
+  /// (i, j). One pose per row.
+  std::vector<Pair> find(std::span<const PoseRow> pose);
+  /// Bonds these pairs; the state is that of the poses in which they were found.
   /// Contact energy that a pair gives up because bonded pairs do not touch is booked as dissipated.
-  /// Returns whether any bond was made. Throws Diverged if one would have no length, or if the new bonds make
-  /// the step too large and the case does not insist on it.
-  bool make_bonds(State& state);
+  /// Throws Diverged if a bond would have no length, or if the new bonds make the step too large and the case
+  /// does not insist on it.
+  void make(const std::vector<Pair>& pairs, State& state);
 
  private:
   struct RuleList {
@@ -29,6 +39,7 @@ class Bonding {
   void check_step(const State& state) const;
 
   const Model& model_;
+  const Order& order_;
   const bool insist_;
   std::vector<RuleList> rules_;
 };

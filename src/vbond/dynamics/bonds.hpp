@@ -1,30 +1,21 @@
 #pragma once
-#include <vector>
-
-#include "vbond/dynamics/bond_index.hpp"
-#include "vbond/dynamics/bond_pack.hpp"
 #include "vbond/model/loads.hpp"
 #include "vbond/model/state.hpp"
 
 namespace vbond {
 
-/// F.d of a bond, tension positive: both laws' other terms are normal to d.  [force]
-double axial_force(const Bond& b, const State& s);
+/// F.d of a bond between particles that stand like this, tension positive: both laws' other terms are normal
+/// to d.  [force]
+inline double axial_force(const Bond& b, const Vec3d& r_i, const Quatd& q_i, const Vec3d& r_j,
+                          const Quatd& q_j) {
+  if (b.R_i == 0.0 && b.R_j == 0.0) return b.B1 * (norm(r_j - r_i) - b.a);  // no need of the axes
+  return b.B1 * (norm(bonded_points(bond_pose(b, r_i, q_i, r_j, q_j), b.R_i, b.R_j)) - b.a);
+}
 
-/// Adds every bond's loads to its two particles, bond by bond: the reference for BondLoadsEvaluator.
+/// Adds every bond's loads to its two particles, bond by bond: the reference for the loops of the step.
 void add_bond_loads(const State& state, Loads& loads);
 
-/// The same in two phases that any number of threads can share: loads bond by bond, eight at a time, then
-/// sums particle by particle in the order of the bonds. Results are bitwise those of add_bond_loads.
-class BondLoadsEvaluator {
- public:
-  /// Reads the bonds' constants: to be called whenever they have changed.
-  void prepare(const PerBond<Bond>& bonds);
-  void add(const State& state, const BondIndex& index, int threads, Loads& loads);
-
- private:
-  std::vector<BondPack> packs_;
-  std::vector<BondLoads<double>> of_bond_;  // rewritten at every call of add
-};
+/// Energy of all bonds by channel, bond by bond, relative to rest; other members are left at zero.  [energy]
+Energies bond_energies(const State& state);
 
 }  // namespace vbond

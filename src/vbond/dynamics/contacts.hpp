@@ -1,11 +1,11 @@
 #pragma once
 #include <optional>
+#include <span>
 
 #include "vbond/dynamics/bond_index.hpp"
 #include "vbond/dynamics/neighbours.hpp"
-#include "vbond/model/loads.hpp"
+#include "vbond/dynamics/order.hpp"
 #include "vbond/model/model.hpp"
-#include "vbond/model/state.hpp"
 #include "vbond/physics/contact.hpp"
 
 namespace vbond {
@@ -13,21 +13,29 @@ namespace vbond {
 /// Repulsion between overlapping particles, over a neighbour list of its own.
 class Contacts {
  public:
-  /// Keeps references to the model; `index` is asked at a rebuild, so it may be replaced in place.
-  Contacts(const Model& model, const BondIndex& index);
+  /// Keeps references to all three; `index` is asked at a rebuild, so it may be replaced in place.
+  Contacts(const Model& model, const Order& order, const BondIndex& index);
 
-  /// Brings the list up to date.
-  void refresh(const State& state);
+  /// Is there anything to do at all?
+  bool any() const { return list_.has_value(); }
+  /// Brings the list up to date; to be called whenever positions have changed. One pose per row.
+  void refresh(std::span<const PoseRow> pose);
   /// The set of bonded pairs is no longer the same.
   void bonds_changed();
-  void add_loads(const State& state, int threads, Loads& loads) const;
-  /// [energy]
-  double energy(const State& state) const;
+  /// Adds to the loads of these rows, and to no others, the forces of all that touch them, in increasing
+  /// order of rows: the bits do not depend on how rows are shared out, nor on when the list was built. `pose`
+  /// and `load` are those of all rows.  [force]
+  void add_loads(RowRange rows, const PoseRow* pose, LoadRow* load) const;
+  /// Each pair once.  [energy]
+  double energy(std::span<const PoseRow> pose) const;
 
  private:
+  HertzContact<double> law(Row i, Row j) const;
+
   const Model& model_;
-  const BondIndex& index_;
-  std::optional<NeighbourList> list_;  // none without contacts
+  PerRow<double> radius_;                        // [length]
+  std::optional<HertzContact<double>> one_law_;  // of all pairs, if they are alike
+  std::optional<NeighbourList> list_;            // none without contacts
 };
 
 }  // namespace vbond

@@ -2,39 +2,23 @@
 
 #include <cmath>
 
-#include "vbond/dynamics/parallel.hpp"
-
 namespace vbond {
-namespace {
 
-PerParticle<double> decay(double b, double dt, const PerParticle<double>& inertia) {
-  PerParticle<double> factor;
-  if (b == 0.0) return factor;
-  for (const double m : inertia) factor.push_back(std::exp(-0.5 * b * dt / m));
-  return factor;
+Damping::Damping(const Stage& stage, Bodies& bodies) : bodies_(bodies) {
+  if (stage.b_translation == 0.0 && stage.b_rotation == 0.0) return;
+  decay_.resize(bodies.pose.size());
+  for (std::size_t k = 0; k < bodies.order.particle.size(); ++k) {
+    const double m = bodies.mass[k], theta = bodies.inertia[k], half = -0.5 * stage.dt;
+    Decay& d = decay_[k];
+    d.v = std::exp(half * stage.b_translation / m);
+    d.omega = std::exp(half * stage.b_rotation / theta);
+    d.of_v = 0.5 * m * (1.0 - d.v * d.v);
+    d.of_omega = 0.5 * theta * (1.0 - d.omega * d.omega);
+  }
 }
 
-/// Scales the rates and returns the kinetic energy that this takes away.
-double slow_down(const PerParticle<double>& factor, const PerParticle<double>& inertia, int threads,
-                 PerParticle<Vec3d>& rate) {
-  if (factor.empty()) return 0.0;
-  return sum_over(rate.size(), threads, [&](std::size_t k) {
-    const ParticleId p{k};
-    const double before = norm2(rate[p]);
-    rate[p] = factor[p] * rate[p];
-    return 0.5 * inertia[p] * (before - norm2(rate[p]));
-  });
-}
-
-}  // namespace
-
-Damping::Damping(const Model& model, const Stage& stage)
-    : decay_v_(decay(stage.b_translation, stage.dt, model.mass)),
-      decay_omega_(decay(stage.b_rotation, stage.dt, model.inertia)) {}
-
-void Damping::apply_half_step(const Model& model, int threads, State& state) const {
-  state.books.dissipated += slow_down(decay_v_, model.mass, threads, state.v);
-  state.books.dissipated += slow_down(decay_omega_, model.inertia, threads, state.omega);
+double Damping::slow_down(RowRange rows) const {
+  return decay_.empty() ? 0.0 : step_kernel().slow_down(rows, decay_.data(), bodies_.motion.data());
 }
 
 }  // namespace vbond

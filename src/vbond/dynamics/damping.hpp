@@ -1,8 +1,9 @@
 #pragma once
-#include "vbond/core/column.hpp"
-#include "vbond/model/model.hpp"
+#include <vector>
+
+#include "vbond/dynamics/bodies.hpp"
+#include "vbond/dynamics/kernel.hpp"
 #include "vbond/model/stage.hpp"
-#include "vbond/model/state.hpp"
 
 namespace vbond {
 
@@ -10,12 +11,14 @@ namespace vbond {
 /// for any b, and what it takes out of the kinetic energy is known to the last digit.
 class Damping {
  public:
-  Damping(const Model& model, const Stage& stage);
-  /// Slows every particle down and books the energy; supports put their own velocities back after it.
-  void apply_half_step(const Model& model, int threads, State& state) const;
+  /// Keeps a reference to the bodies.
+  Damping(const Stage& stage, Bodies& bodies);
+  /// Slows particles down and returns the energy that goes; supports put their own velocities back after it.
+  double slow_down(RowRange rows) const;
 
  private:
-  PerParticle<double> decay_v_, decay_omega_;  // factors per half step; empty: no such damping
+  Bodies& bodies_;
+  std::vector<Decay> decay_;  // of each row; empty: no damping
 };
 
 }  // namespace vbond

@@ -10,9 +10,20 @@
 namespace vbond {
 namespace {
 
-using Key = std::array<std::int64_t, 6>;  // three of the cell, three inside it
+/// The layer of each particle along the body's longest, middle and shortest direction.
+using Layers = std::array<std::int64_t, 3>;
 
-std::vector<Key> keys(const PerParticle<Vec3d>& r) {
+/// The spacing if particles filled their box. A sheet or a fibre has no volume: thin directions do not count.
+double spacing_in(const Vec3d& extent, std::size_t particles) {
+  const double longest = std::max({extent.x, extent.y, extent.z});
+  double filled = 1.0;
+  int directions = 0;
+  for (int k = 0; k < 3; ++k)
+    if (component(extent, k) > 1e-3 * longest) filled *= component(extent, k), ++directions;
+  return directions > 0 ? std::pow(filled / static_cast<double>(particles), 1.0 / directions) : 1.0;
+}
+
+std::vector<Layers> layers_of(const PerParticle<Vec3d>& r) {
   Vec3d min = *r.begin(), max = min;
   for (const Vec3d& p : r)
     for (int k = 0; k < 3; ++k) {
@@ -20,31 +31,21 @@ std::vector<Key> keys(const PerParticle<Vec3d>& r) {
       component(max, k) = std::max(component(max, k), component(p, k));
     }
   const Vec3d extent = max - min;
-  std::array<int, 3> axis{0, 1, 2};  // longest first: cells of one cross-section follow one another
-  std::stable_sort(axis.begin(), axis.end(), [&extent](int k, int l) { return component(extent, k) > component(extent, l); });
+  std::array<int, 3> axis{0, 1, 2};
+  std::stable_sort(axis.begin(), axis.end(),
+                   [&extent](int k, int l) { return component(extent, k) > component(extent, l); });
+  const double spacing = spacing_in(extent, r.size());
 
-  // The spacing if the particles filled their box; a sheet or a fibre has no volume, so thin directions do
-  // not count.
-  const double longest = component(extent, axis[0]);
-  double filled = 1.0;
-  int directions = 0;
-  for (int k = 0; k < 3; ++k)
-    if (component(extent, k) > 1e-3 * longest) filled *= component(extent, k), ++directions;
-  const double spacing = directions > 0 ? std::pow(filled / static_cast<double>(r.size()), 1.0 / directions) : 1.0;
-
-  std::vector<Key> key;
-  key.reserve(r.size());
+  std::vector<Layers> layers;
+  layers.reserve(r.size());
   for (const Vec3d& p : r) {
-    Key k{};
+    Layers& l = layers.emplace_back();
     for (std::size_t n = 0; n < 3; ++n) {
       const double x = (component(p, axis[n]) - component(min, axis[n])) / spacing;
-      const auto layer = static_cast<std::int64_t>(std::min(x + 0.5, 1e15));
-      k[n] = layer / 8;
-      k[n + 3] = layer % 8;
+      l[n] = static_cast<std::int64_t>(std::min(x + 0.5, 1e15));  // rounded: lattices fall into their layers
     }
-    key.push_back(k);
   }
-  return key;
+  return layers;
 }
 
 }  // namespace
@@ -52,14 +53,16 @@ std::vector<Key> keys(const PerParticle<Vec3d>& r) {
 Order spatial_order(const PerParticle<Vec3d>& r) {
   Order order;
   if (r.empty()) return order;
-  const std::vector<Key> key = keys(r);
+  const std::vector<Layers> layers = layers_of(r);
   std::vector<std::uint32_t> sorted(r.size());
   std::iota(sorted.begin(), sorted.end(), 0u);
-  std::stable_sort(sorted.begin(), sorted.end(), [&key](std::uint32_t i, std::uint32_t j) { return key[i] < key[j]; });
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [&layers](std::uint32_t i, std::uint32_t j) { return layers[i] < layers[j]; });
   order.row.resize(r.size());
-  for (const std::uint32_t p : sorted) {
-    order.row[ParticleId{p}] = Row{order.particle.size()};
-    order.particle.push_back(ParticleId{p});
+  order.particle.resize(r.size());
+  for (std::size_t k = 0; k < sorted.size(); ++k) {
+    order.particle[Row{k}] = ParticleId{sorted[k]};
+    order.row[ParticleId{sorted[k]}] = Row{k};
   }
   return order;
 }

@@ -9,10 +9,10 @@ struct Order {
   PerParticle<Row> row;
 };
 
-/// Sorts particles so that neighbours in space are near in memory: cells of some eight spacings a side, those
-/// of one cross-section of the body after one another, and inside a cell layer by layer. It depends on the
-/// positions alone: from the first positions of a model it is the same for every stage and after a
-/// checkpoint.
+/// Sorts particles by layers one spacing thick: first along the body's longest direction, then the next,
+/// then the shortest. Neighbours then lie in a few streams that memory delivers ahead of need; sorting by
+/// cells was slower (docs/decisions/data-layout.md). The order depends on the positions alone: from the first
+/// positions of a model it is the same for every stage and after a checkpoint.
 Order spatial_order(const PerParticle<Vec3d>& r);
 
 }  // namespace vbond

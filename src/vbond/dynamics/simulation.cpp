@@ -6,27 +6,11 @@
 #include <utility>
 
 #include "vbond/core/error.hpp"
-#include "vbond/dynamics/energy.hpp"
-#include "vbond/dynamics/integrate.hpp"
-#include "vbond/dynamics/supports.hpp"
+#include "vbond/dynamics/bonds.hpp"
+#include "vbond/dynamics/kernel.hpp"
 
 namespace vbond {
 namespace {
-
-/// Throws for the first particle whose load is NaN or infinite.
-void check_finite(const Loads& loads, const State& state) {
-  double poison = 0.0;  // 0 * x is 0 for every finite x and NaN for any other
-  for (const ParticleId p : loads.F.ids()) {
-    const Vec3d sum = loads.F[p] + loads.M[p];
-    poison += 0.0 * (sum.x + sum.y + sum.z);
-  }
-  if (poison == 0.0) return;
-  for (const ParticleId p : loads.F.ids())
-    if (!is_finite(loads.F[p] + loads.M[p]))
-      throw Diverged(state.clock.step, state.clock.time(), "particle " + std::to_string(p.value),
-                     "its force or moment is not a finite number",
-                     "reduce time.step (or time.fraction); look at the last frame for bonds that closed up");
-}
 
 /// Energies of bonds near rest are differences of terms of the size of B2, B3 and B4, known to some 1e-16 of
 /// them: an energy a thousand roundings large is the least that an error can sensibly be compared with.
@@ -36,19 +20,32 @@ double scale_of_rounding(const PerBond<Bond>& bonds) {
   return 1e3 * std::numeric_limits<double>::epsilon() * sum;
 }
 
+/// The particles of each block and the bonds that are worked on with it.
+std::vector<std::size_t> work_of_blocks(const Bodies& bodies, const PerBond<Bond>& bonds) {
+  std::vector<std::size_t> work((bodies.pose.size() + block_rows - 1) / block_rows, block_rows);
+  for (const Bond& b : bonds)
+    ++work[std::min(bodies.order.row[b.i], bodies.order.row[b.j]).value / block_rows];
+  return work;
+}
+
 }  // namespace
 
 Simulation::Simulation(const Model& model, Stage stage, State state, int threads)
     : model_(model),
       stage_(std::move(stage)),
       state_(std::move(state)),
-      threads_(threads),
-      bond_index_(model.particles(), state_.bonds),
-      contacts_(model, bond_index_),
-      bonding_(model, stage_, bond_index_),
-      damping_(model, stage_) {
-  bond_loads_.prepare(state_.bonds);
-  rounding_scale_ = scale_of_rounding(state_.bonds);
+      bodies_(model),
+      team_(model.particles(), work_of_blocks(bodies_, state_.bonds), threads),
+      contacts_(model, bodies_.order, bond_index_),
+      supports_(stage_, bodies_, team_),
+      applied_(stage_, bodies_, team_),
+      damping_(stage_, bodies_),
+      bonding_(model, stage_, bodies_.order, bond_index_),
+      books_(team_.blocks()),
+      last_stage_step_(std::isfinite(stage_.stops.duration) ? steps_in(stage_.stops.duration, stage_.dt)
+                                                            : std::numeric_limits<std::int64_t>::max()) {
+  bodies_.read(state_);
+  bonds_changed();
   state_.clock.dt = stage_.dt;
   if (state_.clock.stage_step == 0)
     begin_stage();
@@ -61,25 +58,52 @@ void Simulation::begin_stage() {
   state_.rest = {};
   evaluate_loads();
   if (state_.clock.stage == 0 && state_.clock.step == 0) state_.books = {.at_start = energies().total()};
-  hold_velocities(model_, stage_, 0.0, state_);
+  supports_.set_times(0.0, stage_.dt);
+  team_.for_blocks(
+      [&](const Block& b) { books_[b.index] = {.work_supports = supports_.hold(b, Instant::start)}; });
+  close_books();
   survey_.reset();
 }
 
 void Simulation::step() {
   const double dt = stage_.dt, t = state_.clock.stage_time();
-  make_bonds();                                                           // between particles that came close
-  apply_strain();                                                         // r jumps, if it is due
-  apply_damping();                                                        // v, omega over dt / 2
-  kick(model_, loads_, dt / 2, threads_, state_);                         // v, omega : t -> t + dt/2
-  hold_velocities_after_kick(model_, stage_, loads_, t, dt / 2, state_);  // held d.o.f. take their velocity
-  drift(dt, threads_, state_);                                            // r, q     : t -> t + dt
-  book_applied_work(model_, stage_, t, dt, threads_, state_);
+  const bool timed = state_.clock.stage_step % StepTimes::one_in == 0;
+  make_bonds();    // between particles that came close
+  apply_strain();  // r jumps, if it is due
+  supports_.set_times(t, dt);
+  applied_.set_times(t, dt);
+
+  StepTimes::Lap lap(timed);
+  team_.for_blocks([&](const Block& b) {
+    BlockBooks& books = books_[b.index] = {};
+    books.dissipated += damping_.slow_down(b.rows);  // v, omega over dt / 2
+    books.work_supports += supports_.hold(b, Instant::start);
+    kick(b, dt / 2);  // v, omega : t -> t + dt/2
+    books.work_supports += supports_.hold_after_kick(b, Instant::start, Instant::middle, dt / 2);
+    drift(b, dt);  // r, q     : t -> t + dt
+    books.work_loads += applied_.work(b, dt);
+    clear_loads(b);
+  });
+  lap.add_to(times_.integrate);
+  contacts_.refresh(bodies_.poses());  // the list of near pairs, made anew only when it is stale
+  lap.add_to(times_.contacts);
+  team_.for_parts([&](const Part& part) {
+    StepTimes::Lap lap_of_part(timed && part.index == 0);
+    for (std::size_t k = part.first_block; k < part.last_block; ++k) {
+      const Block b = team_.block(k);
+      BlockBooks& books = books_[k];
+      complete_loads(part, b, Instant::end, lap_of_part);  // F, M     : at t + dt
+      kick(b, dt / 2);                                     // v, omega : t + dt/2 -> t + dt
+      books.work_supports += supports_.hold_after_kick(b, Instant::middle, Instant::end, dt / 2);
+      books.dissipated += damping_.slow_down(b.rows);
+      books.work_supports += supports_.hold(b, Instant::end);
+      lap_of_part.add_to(times_.integrate);
+    }
+  });
   ++state_.clock.step;
-  ++state_.clock.stage_step;                       // time is counted, not summed
-  evaluate_loads();                                // F, M     : at t + dt
-  kick(model_, loads_, dt / 2, threads_, state_);  // v, omega : t + dt/2 -> t + dt
-  hold_velocities_after_kick(model_, stage_, loads_, t + dt / 2, dt / 2, state_);
-  apply_damping();
+  ++state_.clock.stage_step;  // time is counted, not summed
+  close_books();
+  bodies_ahead_ = true;
   survey_.reset();
   keep_records();
   if (--steps_to_look_ == 0) notify_observers();
@@ -105,29 +129,92 @@ void Simulation::notify_observers() {
   }
 }
 
-void Simulation::make_bonds() {
-  if (!bonding_.make_bonds(state_)) return;
+void Simulation::bonds_changed() {
+  bonds_.arrange(state_.bonds, bodies_.order, team_);
   bond_index_ = BondIndex(model_.particles(), state_.bonds);
-  bond_loads_.prepare(state_.bonds);
   rounding_scale_ = scale_of_rounding(state_.bonds);
   contacts_.bonds_changed();
+  peak_bonds_.clear();
+  if (stage_.stops.peak && stage_.stops.peak->quantity == PeakQuantity::compressive_force)
+    peak_bonds_ = bonds_inside(stage_.stops.peak->particles);
+}
+
+void Simulation::make_bonds() {
+  const std::vector<Bonding::Pair> pairs = bonding_.find(bodies_.poses());
+  if (pairs.empty()) return;
+  state();  // brought up to date
+  bonding_.make(pairs, state_);
+  bonds_changed();
   evaluate_loads();
+}
+
+void Simulation::kick(const Block& b, double h) {
+  books_[b.index].poison +=
+      step_kernel().kick(b.rows, h, bodies_.per.data(), bodies_.load.data(), bodies_.motion.data());
+}
+
+void Simulation::drift(const Block& b, double h) {
+  step_kernel().drift(b.rows, h, bodies_.motion.data(), bodies_.pose.data());
+}
+
+void Simulation::clear_loads(const Block& b) {
+  std::fill(bodies_.load.begin() + static_cast<std::ptrdiff_t>(b.rows.first),
+            bodies_.load.begin() + static_cast<std::ptrdiff_t>(b.rows.last), LoadRow{});
+}
+
+/// To be called block by block in the order of a part: bonds add to blocks further on.
+void Simulation::complete_loads(const Part& part, const Block& b, Instant at, StepTimes::Lap& lap) {
+  const PoseRow* pose = bodies_.pose.data();
+  LoadRow* load = bodies_.load.data();
+  if (b.index == part.first_block) bonds_.add_loads_from_below(part, pose, load);
+  bonds_.add_loads(b, part, pose, load);
+  lap.add_to(times_.bonds);
+  contacts_.add_loads({b.rows.first, std::min(b.rows.last, model_.particles())}, pose, load);
+  lap.add_to(times_.contacts);
+  applied_.add(b, at);
 }
 
 void Simulation::evaluate_loads() {
   survey_.reset();
-  contacts_.refresh(state_);
-  loads_.F.assign(model_.particles(), Vec3d{});
-  loads_.M.assign(model_.particles(), Vec3d{});
-  bond_loads_.add(state_, bond_index_, threads_, loads_);
-  contacts_.add_loads(state_, threads_, loads_);
-  add_applied_loads(model_, stage_, state_.clock.stage_time(), loads_);
-  check_finite(loads_, state_);
+  contacts_.refresh(bodies_.poses());
+  applied_.set_times(state_.clock.stage_time(), stage_.dt);
+  team_.for_blocks([&](const Block& b) { clear_loads(b); });
+  team_.for_parts([&](const Part& part) {
+    StepTimes::Lap untimed(false);
+    for (std::size_t b = part.first_block; b < part.last_block; ++b)
+      complete_loads(part, team_.block(b), Instant::start, untimed);
+  });
+  check_finite();
 }
 
-void Simulation::apply_damping() {
-  damping_.apply_half_step(model_, threads_, state_);
-  hold_velocities(model_, stage_, state_.clock.stage_time(), state_);
+void Simulation::close_books() {
+  BlockBooks sum;
+  for (const BlockBooks& b : books_) {
+    sum.dissipated += b.dissipated;
+    sum.work_loads += b.work_loads;
+    sum.work_supports += b.work_supports;
+    sum.poison += b.poison;
+  }
+  state_.books.dissipated += sum.dissipated;
+  state_.books.work_loads += sum.work_loads;
+  state_.books.work_supports += sum.work_supports;
+  if (sum.poison != 0.0) check_finite();
+}
+
+/// Throws for the first particle whose load is NaN or infinite.
+void Simulation::check_finite() const {
+  for (const ParticleId p : bodies_.order.row.ids()) {
+    const LoadRow& load = bodies_.load[bodies_.order.row[p].value];
+    if (!is_finite(load.F) || !is_finite(load.M))
+      throw Diverged(state_.clock.step, state_.clock.time(), "particle " + std::to_string(p.value),
+                     "its force or moment is not a finite number",
+                     "reduce time.step (or time.fraction); look at the last frame for bonds that closed up");
+  }
+}
+
+const State& Simulation::state() const {
+  if (std::exchange(bodies_ahead_, false)) bodies_.write(state_);
+  return state_;
 }
 
 void Simulation::apply_strain() {
@@ -136,14 +223,18 @@ void Simulation::apply_strain() {
   if (state_.clock.stage_step % steps_in(strain.every, stage_.dt) != 0) return;
 
   const double U_before = energies().potential();
-  Loads applied{PerParticle<Vec3d>(model_.particles()), PerParticle<Vec3d>(model_.particles())};
-  add_applied_loads(model_, stage_, state_.clock.stage_time(), applied);
+  team_.for_blocks([&](const Block& b) { clear_loads(b); });
+  applied_.set_times(state_.clock.stage_time(), stage_.dt);
+  team_.for_blocks([&](const Block& b) { applied_.add(b, Instant::start); });
   double work_applied = 0.0;
   for (const ParticleId p : strain.particles) {
-    const Vec3d dr = strain.increment * dot(strain.direction, state_.r[p] - strain.centre) * strain.direction;
-    state_.r[p] += dr;
-    work_applied += dot(applied.F[p], dr);
+    const std::size_t row = bodies_.order.row[p].value;
+    Vec3d& r = bodies_.pose[row].r;
+    const Vec3d dr = strain.increment * dot(strain.direction, r - strain.centre) * strain.direction;
+    r += dr;
+    work_applied += dot(bodies_.load[row].F, dr);
   }
+  bodies_ahead_ = true;
   evaluate_loads();
   state_.books.work_loads += work_applied;
   state_.books.work_supports += energies().potential() - U_before - work_applied;
@@ -168,7 +259,7 @@ void Simulation::keep_records() {
     }
   }
   if (stage_.stops.rest) {
-    const double kinetic = kinetic_energies(model_, state_, threads_).kinetic();
+    const double kinetic = bodies_.kinetic_energy(team_).kinetic();
     std::int64_t& quiet = state_.rest.quiet_steps;
     quiet = kinetic < stage_.stops.rest->kinetic_energy_below ? quiet + 1 : 0;
   }
@@ -177,7 +268,7 @@ void Simulation::keep_records() {
 double Simulation::peak_quantity() const {
   const PeakStop& stop = *stage_.stops.peak;
   switch (stop.quantity) {
-    case PeakQuantity::compressive_force: return -mean_axial_force(stop.particles);
+    case PeakQuantity::compressive_force: return -mean_axial_force(peak_bonds_);
     case PeakQuantity::reaction: return dot(reaction(stop.particles).force, stop.direction);
   }
   return 0.0;
@@ -187,7 +278,7 @@ StopReason Simulation::stop_reason() const {
   const Stops& stops = stage_.stops;
   const Clock& clock = state_.clock;
   if (stops.distance) {
-    const double distance = norm(state_.r[stops.distance->j] - state_.r[stops.distance->i]);
+    const double distance = norm(pose_of(stops.distance->j).r - pose_of(stops.distance->i).r);
     if (stops.distance->below ? distance <= stops.distance->value : distance >= stops.distance->value)
       return StopReason::distance;
   }
@@ -196,20 +287,18 @@ StopReason Simulation::stop_reason() const {
     return StopReason::peak;
   if (stops.rest && state_.rest.quiet_steps >= steps_in(stops.rest->during, clock.dt))
     return StopReason::rest;
-  if (std::isfinite(stops.duration) && clock.stage_step >= steps_in(stops.duration, clock.dt))
-    return StopReason::duration;
+  if (clock.stage_step >= last_stage_step_) return StopReason::duration;
   return StopReason::running;
 }
 
 const Survey& Simulation::survey() const {
   if (survey_) return *survey_;
   survey_.emplace();
-  Energies& e = survey_->energies = bond_energies(state_);
-  const Energies kinetic = kinetic_energies(model_, state_, threads_);
+  Energies& e = survey_->energies = bonds_.survey(team_, bodies_.pose.data(), survey_->deformed);
+  const Energies kinetic = bodies_.kinetic_energy(team_);
   e.kinetic_translation = kinetic.kinetic_translation;
   e.kinetic_rotation = kinetic.kinetic_rotation;
-  e.contact = contacts_.energy(state_);
-  for (const BondId b : state_.bonds.ids()) survey_->deformed.push_back(b);
+  e.contact = contacts_.energy(bodies_.poses());
   return *survey_;
 }
 
@@ -224,8 +313,11 @@ Reaction Simulation::reaction(const std::vector<ParticleId>& particles) const {
   for (const Support& s : stage_.supports)
     for (const ParticleId p : s.particles) {
       if (!std::binary_search(particles.begin(), particles.end(), p)) continue;
-      const Vec3d F = stage_.b_translation * state_.v[p] - loads_.F[p];
-      const Vec3d M = stage_.b_rotation * state_.omega[p] - loads_.M[p];
+      const std::size_t row = bodies_.order.row[p].value;
+      const MotionRow& motion = bodies_.motion[row];
+      const LoadRow& load = bodies_.load[row];
+      const Vec3d F = stage_.b_translation * motion.v - load.F;
+      const Vec3d M = stage_.b_rotation * motion.omega - load.M;
       Vec3d held_F, held_M;
       for (int k = 0; k < 3; ++k) {
         const auto axis = static_cast<std::size_t>(k);
@@ -233,21 +325,27 @@ Reaction Simulation::reaction(const std::vector<ParticleId>& particles) const {
         if (s.held[axis + 3]) component(held_M, k) = component(M, k);
       }
       total.force += held_F;
-      total.moment += held_M + cross(state_.r[p], held_F);
+      total.moment += held_M + cross(bodies_.pose[row].r, held_F);
     }
   return total;
 }
 
-double Simulation::mean_axial_force(const std::vector<ParticleId>& particles) const {
-  double sum = 0.0;
-  std::size_t count = 0;
+std::vector<BondId> Simulation::bonds_inside(const std::vector<ParticleId>& particles) const {
+  std::vector<BondId> inside;
   for (const ParticleId p : particles)
     for (const BondIndex::Entry& e : bond_index_.of(p))
-      if (e.is_i && std::binary_search(particles.begin(), particles.end(), e.other)) {
-        sum += axial_force(state_.bonds[e.bond], state_);
-        ++count;
-      }
-  return count > 0 ? sum / static_cast<double>(count) : 0.0;
+      if (e.is_i && std::binary_search(particles.begin(), particles.end(), e.other)) inside.push_back(e.bond);
+  return inside;
+}
+
+double Simulation::mean_axial_force(const std::vector<BondId>& bonds) const {
+  double sum = 0.0;
+  for (const BondId b : bonds) {
+    const Bond& bond = state_.bonds[b];
+    const PoseRow &i = pose_of(bond.i), &j = pose_of(bond.j);
+    sum += axial_force(bond, i.r, i.q, j.r, j.q);
+  }
+  return bonds.empty() ? 0.0 : sum / static_cast<double>(bonds.size());
 }
 
 }  // namespace vbond

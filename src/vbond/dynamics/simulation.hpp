@@ -3,14 +3,19 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
+#include "vbond/dynamics/bodies.hpp"
 #include "vbond/dynamics/bond_index.hpp"
+#include "vbond/dynamics/bond_packs.hpp"
 #include "vbond/dynamics/bonding.hpp"
-#include "vbond/dynamics/bonds.hpp"
 #include "vbond/dynamics/contacts.hpp"
 #include "vbond/dynamics/damping.hpp"
 #include "vbond/dynamics/observer.hpp"
+#include "vbond/dynamics/step_times.hpp"
+#include "vbond/dynamics/supports.hpp"
+#include "vbond/dynamics/team.hpp"
 #include "vbond/model/loads.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/stage.hpp"
@@ -30,13 +35,6 @@ struct Survey {
   /// Every bond that is strained or snapped, or shorter than half its length at rest, and perhaps a few
   /// that are close to it, in increasing order.
   std::vector<BondId> deformed;
-};
-
-/// Where the wall time of the steps goes, estimated from a sample of them.  [s]
-struct StepTimes {
-  double bonds = 0;
-  double contacts = 0;
-  double integrate = 0;  ///< everything else in a step
 };
 
 /// One stage of a run: a const Model, a Stage, and the State that the step loop moves.
@@ -63,9 +61,17 @@ class Simulation {
   const Clock& clock() const { return state_.clock; }
   const EnergyBooks& books() const { return state_.books; }
   const PeakRecord& peak() const { return state_.peak; }
+  const PerBond<Bond>& bonds() const { return state_.bonds; }
   /// The whole state, in the numbering of the model. Collecting it takes time: not for every step.
-  const State& state() const { return state_; }
-  const Loads& loads() const { return loads_; }
+  const State& state() const;
+  /// The same at the end, without a copy: nothing else may be asked of the simulation afterwards.
+  State take_state() && {
+    state();
+    return std::move(state_);
+  }
+  /// Forces and moments at the present positions, in the numbering of the model; collected at each call.
+  Loads loads() const { return bodies_.loads(); }
+  /// Where the wall time of the steps has gone.
   const StepTimes& times() const { return times_; }
 
   /// A sum over all bonds, so not for every step; made once per step however often it is asked for.
@@ -80,30 +86,53 @@ class Simulation {
   /// inertia of prescribed accelerations left out.
   Reaction reaction(const std::vector<ParticleId>& particles) const;
   /// Mean over the bonds with both ends in the group of F.d, tension positive; 0 without such bonds.  [force]
-  double mean_axial_force(const std::vector<ParticleId>& particles) const;
+  double mean_axial_force(const std::vector<ParticleId>& particles) const {
+    return mean_axial_force(bonds_inside(particles));
+  }
 
  private:
+  /// What a block's particles add to the energy books in a step, and NaN if one of their loads is not finite.
+  struct BlockBooks {
+    double dissipated = 0, work_loads = 0, work_supports = 0;
+    double poison = 0;
+  };
+
   void begin_stage();
+  void bonds_changed();
   void make_bonds();
-  void evaluate_loads();
   void apply_strain();
-  void apply_damping();
+  void evaluate_loads();
+  void kick(const Block& block, double h);
+  void drift(const Block& block, double h);
+  void clear_loads(const Block& block);
+  void complete_loads(const Part& part, const Block& block, Instant at, StepTimes::Lap& lap);
+  void close_books();
+  void check_finite() const;
   void keep_records();
   double peak_quantity() const;
+  std::vector<BondId> bonds_inside(const std::vector<ParticleId>& particles) const;
+  double mean_axial_force(const std::vector<BondId>& bonds) const;
+  const PoseRow& pose_of(ParticleId p) const { return bodies_.pose[bodies_.order.row[p].value]; }
   StopReason stop_reason() const;
   void notify_observers();
 
   const Model& model_;
   const Stage stage_;
-  State state_;
-  const int threads_;
-  Loads loads_;
+  mutable State state_;                // positions and velocities as of the last state() or stage start
+  mutable bool bodies_ahead_ = false;  // they have moved on since
+  Bodies bodies_;
+  Team team_;
+  BondPacks bonds_;
   BondIndex bond_index_;
-  BondLoadsEvaluator bond_loads_;
-  double rounding_scale_ = 0;  // least energy that the balance error is compared with
   Contacts contacts_;
-  Bonding bonding_;
+  Supports supports_;
+  AppliedLoads applied_;
   Damping damping_;
+  Bonding bonding_;
+  std::vector<BlockBooks> books_;
+  double rounding_scale_ = 0;         // least energy that the balance error is compared with
+  std::vector<BondId> peak_bonds_;    // inside the group that a peak is looked for in
+  std::int64_t last_stage_step_ = 0;  // of the stage's duration
   std::vector<std::shared_ptr<Observer>> observers_;
   std::int64_t steps_to_look_ = 1;
   StepTimes times_;

@@ -1,76 +1,108 @@
 #include "vbond/dynamics/supports.hpp"
 
-#include "vbond/dynamics/parallel.hpp"
+#include <algorithm>
+#include <utility>
 
 namespace vbond {
 namespace {
 
-/// Calls f(rate, inertia, load, prescribed) for every held degree of freedom of the stage: rate is the
-/// velocity or angular velocity component, which f may change; prescribed is at factor 1.
-template <class F>
-void for_each_held(const Model& model, const Support& s, const Loads* loads, State& state, F f) {
-  for (const ParticleId p : s.particles)
-    for (int k = 0; k < 3; ++k) {
-      const auto axis = static_cast<std::size_t>(k);
-      if (s.held[axis])
-        f(component(state.v[p], k), model.mass[p], loads ? component(loads->F[p], k) : 0.0,
-          component(s.velocity, k));
-      if (s.held[axis + 3])
-        f(component(state.omega[p], k), model.inertia[p], loads ? component(loads->M[p], k) : 0.0,
-          component(s.angular_velocity, k));
-    }
+/// The particles of all supports or all loads.
+template <class Groups>
+ByBlock by_block(const Groups& groups, const Order& order, std::size_t blocks) {
+  std::vector<ByBlock::Entry> entries;
+  for (std::size_t k = 0; k < groups.size(); ++k)
+    for (const ParticleId p : groups[k].particles) entries.push_back({order.row[p].value, k});
+  return {std::move(entries), blocks};
 }
 
 }  // namespace
 
-void hold_velocities(const Model& model, const Stage& stage, double t, State& state) {
-  for (const Support& s : stage.supports) {
-    const double factor = s.factor(t);
-    for_each_held(model, s, nullptr, state, [&](double& rate, double m, double, double prescribed) {
-      const double given = factor * prescribed;
-      state.books.work_supports += 0.5 * m * (given * given - rate * rate);
-      rate = given;
-    });
+ByBlock::ByBlock(std::vector<Entry> entries, std::size_t blocks)
+    : entries_(std::move(entries)), start_(blocks + 1) {
+  std::stable_sort(entries_.begin(), entries_.end(),
+                   [](const Entry& a, const Entry& b) { return a.row / block_rows < b.row / block_rows; });
+  for (std::size_t b = 0, k = 0; b <= blocks; ++b) {
+    while (k < entries_.size() && entries_[k].row < b * block_rows) ++k;
+    start_[b] = k;
   }
 }
 
-void hold_velocities_after_kick(const Model& model, const Stage& stage, const Loads& loads, double t,
-                                double h, State& state) {
-  for (const Support& s : stage.supports) {
-    const double before = s.factor(t), after = s.factor(t + h);
-    for_each_held(model, s, &loads, state, [&](double& rate, double m, double load, double prescribed) {
-      const double impulse = m * (after - before) * prescribed - h * load;
-      state.books.work_supports += impulse * 0.5 * (before + after) * prescribed;
-      rate = after * prescribed;
-    });
-  }
+Supports::Supports(const Stage& stage, Bodies& bodies, const Team& team)
+    : stage_(stage), bodies_(bodies), held_(by_block(stage.supports, bodies.order, team.blocks())) {
+  for (const Support& s : stage.supports) factors_.add(s.factor);
 }
 
-void add_applied_loads(const Model& model, const Stage& stage, double t, Loads& loads) {
-  for (const PointLoad& l : stage.loads) {
-    const double factor = l.factor(t);
-    for (const ParticleId p : l.particles) {
-      loads.F[p] += factor * l.force;
-      loads.M[p] += factor * l.moment;
+/// Calls f(support, rate, inertia, load, prescribed) for every held degree of freedom: rate is the velocity
+/// or angular velocity component, which f may change; prescribed is at factor 1.
+template <class F>
+void Supports::for_each_held(const Block& block, F f) const {
+  for (const ByBlock::Entry* e = held_.begin_of(block.index); e != held_.end_of(block.index); ++e) {
+    const Support& s = stage_.supports[e->index];
+    MotionRow& motion = bodies_.motion[e->row];
+    const LoadRow& load = bodies_.load[e->row];
+    for (int k = 0; k < 3; ++k) {
+      const auto axis = static_cast<std::size_t>(k);
+      if (s.held[axis])
+        f(e->index, component(motion.v, k), bodies_.mass[e->row], component(load.F, k),
+          component(s.velocity, k));
+      if (s.held[axis + 3])
+        f(e->index, component(motion.omega, k), bodies_.inertia[e->row], component(load.M, k),
+          component(s.angular_velocity, k));
     }
   }
-  if (stage.gravity == Vec3d{}) return;
-  for (const ParticleId p : loads.F.ids()) loads.F[p] += model.mass[p] * stage.gravity;
 }
 
-void book_applied_work(const Model& model, const Stage& stage, double t, double h, int threads,
-                       State& state) {
-  double& work = state.books.work_loads;
-  for (const PointLoad& l : stage.loads) {
-    const double mean = 0.5 * (l.factor(t) + l.factor(t + h));
-    for (const ParticleId p : l.particles)
-      work += mean * h * (dot(l.force, state.v[p]) + dot(l.moment, state.omega[p]));
+double Supports::hold(const Block& block, Instant at) const {
+  double work = 0.0;
+  for_each_held(block, [&](std::size_t support, double& rate, double m, double, double prescribed) {
+    const double given = factors_.at(support, at) * prescribed;
+    work += 0.5 * m * (given * given - rate * rate);
+    rate = given;
+  });
+  return work;
+}
+
+double Supports::hold_after_kick(const Block& block, Instant from, Instant to, double h) const {
+  double work = 0.0;
+  for_each_held(block, [&](std::size_t support, double& rate, double m, double load, double prescribed) {
+    const double before = factors_.at(support, from), after = factors_.at(support, to);
+    const double impulse = m * (after - before) * prescribed - h * load;
+    work += impulse * 0.5 * (before + after) * prescribed;
+    rate = after * prescribed;
+  });
+  return work;
+}
+
+AppliedLoads::AppliedLoads(const Stage& stage, Bodies& bodies, const Team& team)
+    : stage_(stage), bodies_(bodies), loaded_(by_block(stage.loads, bodies.order, team.blocks())) {
+  for (const PointLoad& l : stage.loads) factors_.add(l.factor);
+}
+
+void AppliedLoads::add(const Block& block, Instant at) const {
+  for (const ByBlock::Entry* e = loaded_.begin_of(block.index); e != loaded_.end_of(block.index); ++e) {
+    const PointLoad& l = stage_.loads[e->index];
+    const double factor = factors_.at(e->index, at);
+    bodies_.load[e->row].F += factor * l.force;
+    bodies_.load[e->row].M += factor * l.moment;
   }
-  if (stage.gravity == Vec3d{}) return;
-  work += h * sum_over(state.v.size(), threads, [&](std::size_t k) {
-            const ParticleId p{k};
-            return model.mass[p] * dot(stage.gravity, state.v[p]);
-          });
+  if (stage_.gravity == Vec3d{}) return;
+  for (std::size_t k = block.rows.first; k < block.rows.last; ++k)
+    bodies_.load[k].F += bodies_.mass[k] * stage_.gravity;
+}
+
+double AppliedLoads::work(const Block& block, double dt) const {
+  double work = 0.0;
+  for (const ByBlock::Entry* e = loaded_.begin_of(block.index); e != loaded_.end_of(block.index); ++e) {
+    const PointLoad& l = stage_.loads[e->index];
+    const MotionRow& m = bodies_.motion[e->row];
+    const double mean = 0.5 * (factors_.at(e->index, Instant::start) + factors_.at(e->index, Instant::end));
+    work += mean * dt * (dot(l.force, m.v) + dot(l.moment, m.omega));
+  }
+  if (stage_.gravity == Vec3d{}) return work;
+  double momentum_along = 0.0;
+  for (std::size_t k = block.rows.first; k < block.rows.last; ++k)
+    momentum_along += bodies_.mass[k] * dot(stage_.gravity, bodies_.motion[k].v);
+  return work + dt * momentum_along;
 }
 
 }  // namespace vbond

@@ -1,26 +1,91 @@
 #pragma once
-#include "vbond/model/loads.hpp"
-#include "vbond/model/model.hpp"
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "vbond/dynamics/bodies.hpp"
 #include "vbond/model/stage.hpp"
-#include "vbond/model/state.hpp"
 
 namespace vbond {
 
-/// Gives every held degree of freedom its prescribed velocity at stage time t and books the change of
-/// kinetic energy as work of the supports: at the start of a stage, and after damping.
-void hold_velocities(const Model& model, const Stage& stage, double t, State& state);
+/// The instants of a step at which velocities and loads are asked for.
+enum class Instant : std::uint8_t { start, middle, end };
 
-/// The same after a kick over [t, t + h] by these loads. The support's impulse is what the prescribed
-/// change of velocity needs beyond the loads; it acts at the mean prescribed velocity, so the work is
-/// exact for constant velocities and second order otherwise.
-void hold_velocities_after_kick(const Model& model, const Stage& stage, const Loads& loads, double t,
-                                double h, State& state);
+/// The value of a stage's time functions at the three instants of a step.
+class Factors {
+ public:
+  void set_times(double t, double dt) {
+    for (std::size_t k = 0; k < functions_.size(); ++k)
+      values_[k] = {(*functions_[k])(t), (*functions_[k])(t + dt / 2), (*functions_[k])(t + dt)};
+  }
+  void add(const TimeFunction& f) { functions_.push_back(&f), values_.push_back({}); }
+  double at(std::size_t function, Instant i) const { return values_[function][static_cast<std::size_t>(i)]; }
 
-/// Adds point loads at stage time t and gravity.
-void add_applied_loads(const Model& model, const Stage& stage, double t, Loads& loads);
+ private:
+  std::vector<const TimeFunction*> functions_;
+  std::vector<std::array<double, 3>> values_;
+};
 
-/// Books the work of point loads and gravity over a drift from stage time t to t + h at the present
-/// velocities; loads that change in time by the trapezoidal rule.
-void book_applied_work(const Model& model, const Stage& stage, double t, double h, int threads, State& state);
+/// Particles of supports or loads, block by block.
+class ByBlock {
+ public:
+  struct Entry {
+    std::size_t row;
+    std::size_t index;  ///< of the support or load
+  };
+  ByBlock() = default;
+  ByBlock(std::vector<Entry> entries, std::size_t blocks);
+  const Entry* begin_of(std::size_t block) const { return entries_.data() + start_[block]; }
+  const Entry* end_of(std::size_t block) const { return entries_.data() + start_[block + 1]; }
+  bool empty() const { return entries_.empty(); }
+  const std::vector<Entry>& all() const { return entries_; }
+
+ private:
+  std::vector<Entry> entries_;
+  std::vector<std::size_t> start_;
+};
+
+/// Degrees of freedom held at rest or at a prescribed velocity, and the work that this takes: kinetic energy
+/// changes by no other hand than theirs and the loads'. Each function returns that work.  [energy]
+class Supports {
+ public:
+  /// Keeps references to all three.
+  Supports(const Stage& stage, Bodies& bodies, const Team& team);
+
+  void set_times(double t, double dt) { factors_.set_times(t, dt); }
+
+  /// Gives held rates their prescribed value of that instant.
+  double hold(const Block& block, Instant at) const;
+  /// The same after a kick over h, which the supports have borne: the impulse that they add, times the mean
+  /// prescribed velocity, is their work.
+  double hold_after_kick(const Block& block, Instant from, Instant to, double h) const;
+
+ private:
+  template <class F>
+  void for_each_held(const Block& block, F f) const;
+
+  const Stage& stage_;
+  Bodies& bodies_;
+  Factors factors_;
+  ByBlock held_;
+};
+
+/// Point loads and gravity.
+class AppliedLoads {
+ public:
+  AppliedLoads(const Stage& stage, Bodies& bodies, const Team& team);
+
+  void set_times(double t, double dt) { factors_.set_times(t, dt); }
+  /// Adds them to the loads of a block.
+  void add(const Block& block, Instant at) const;
+  /// Their work over a step of dt during which rates are constant.  [energy]
+  double work(const Block& block, double dt) const;
+
+ private:
+  const Stage& stage_;
+  Bodies& bodies_;
+  Factors factors_;
+  ByBlock loaded_;
+};
 
 }  // namespace vbond

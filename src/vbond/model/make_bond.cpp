@@ -50,14 +50,13 @@ BondStiffness<double> stiffness_of(const BondRecipe& recipe, double a) {
 }
 
 Vec3d bond_n_2(const Vec3d& e, const std::optional<Vec3d>& wanted) {
-  const auto across = [&e](const Vec3d& n) { return n - dot(n, e) * e; };
   if (wanted) {
-    const Vec3d n = across(normalised(*wanted));
+    const Vec3d n = across(normalised(*wanted), e);
     if (norm(n) > 1e-6) return normalised(n);
   }
   const double x = std::abs(e.x), y = std::abs(e.y), z = std::abs(e.z);
   const Vec3d axis = x <= y && x <= z ? Vec3d{1, 0, 0} : y <= z ? Vec3d{0, 1, 0} : Vec3d{0, 0, 1};
-  return normalised(across(axis));
+  return normalised(across(axis, e));
 }
 
 std::optional<Bond> make_bond(const BondRecipe& recipe, const BondSite& i, const BondSite& j) {

@@ -1,6 +1,8 @@
 #pragma once
 #include <cstdint>
+#include <vector>
 
+#include "vbond/dynamics/simulation.hpp"
 #include "vbond/model/bond.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/physics/range.hpp"
@@ -19,14 +21,26 @@ struct RangeCounts {
   friend bool operator==(const RangeCounts&, const RangeCounts&) = default;
 };
 
-inline RangeCounts count_ranges(const State& s) {
+/// Counts among these bonds.
+inline RangeCounts count_ranges(const State& s, const std::vector<BondId>& bonds) {
   RangeCounts n;
-  for (const Bond& b : s.bonds) {
-    const BondRange range = bond_range(b, bond_shape(b, s));
+  for (const BondId k : bonds) {
+    const BondRange range = bond_range(s.bonds[k], bond_shape(s.bonds[k], s));
     n.strained += range == BondRange::strained;
     n.snapped += range == BondRange::snapped;
   }
   return n;
+}
+
+/// Counts among all bonds of a run; only the deformed ones are looked at, so without any this is free.
+inline RangeCounts count_ranges(const Simulation& run) {
+  const std::vector<BondId>& deformed = run.survey().deformed;
+  return deformed.empty() ? RangeCounts{} : count_ranges(run.state(), deformed);
+}
+
+/// How many bonds there are now.
+inline std::int64_t count_bonds(const Simulation& run) {
+  return static_cast<std::int64_t>(run.bonds().size());
 }
 
 }  // namespace vbond

@@ -23,7 +23,7 @@ void write_checkpoint(const std::filesystem::path& path, const Model& model, con
                       const std::string& program_version);
 
 /// Reads a checkpoint back. Throws IoError if the file is missing, damaged, not a checkpoint of vbond
-/// or of a newer format, or if it belongs to a model with other particles than this one.
+/// or of another format, or if it belongs to a model with other particles than this one.
 Checkpoint read_checkpoint(const std::filesystem::path& path, const Model& model);
 
 }  // namespace vbond

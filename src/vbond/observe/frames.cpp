@@ -127,7 +127,7 @@ void write_particles_vtp(const fs::path& path, const Model& model, const State& 
   f.write(path, state.clock.time(), state.clock.step);
 }
 
-void write_bonds_vtp(const fs::path& path, const Model&, const State& state) {
+void write_bonds_vtp(const fs::path& path, const State& state) {
   constexpr double degrees = 180.0 / std::numbers::pi;
   std::vector<std::int64_t> ends, id, set;
   std::vector<double> elongation, bend, twist, U_L, U_B, U_T, axial, shear, moment_i, moment_j;
@@ -222,7 +222,7 @@ void FrameWriter::write_lists() const {
 void FrameWriter::write(const Model& model, const State& state) {
   const Clock& clock = state.clock;
   write_particles_vtp(folder_ / frame_name("particles", clock.step), model, state);
-  write_bonds_vtp(folder_ / frame_name("bonds", clock.step), model, state);
+  write_bonds_vtp(folder_ / frame_name("bonds", clock.step), state);
   if (lammps_dump_) {
     const fs::path dump = folder_ / "dump.lammpstrj";
     const File f = open_file(dump, "ab");

@@ -13,7 +13,7 @@ namespace vbond {
 void write_particles_vtp(const std::filesystem::path& path, const Model& model, const State& state);
 
 /// The bonds as lines between the particles' centres, with their deformation, energies and loads.
-void write_bonds_vtp(const std::filesystem::path& path, const Model& model, const State& state);
+void write_bonds_vtp(const std::filesystem::path& path, const State& state);
 
 /// Appends one frame for OVITO or LAMMPS to an open text; ids count from 1 there.
 std::string lammps_frame(const Model& model, const State& state);

@@ -52,28 +52,47 @@ std::string history_header(const OutputPlan& plan) {
   return line + '\n';
 }
 
-std::string history_row(const OutputPlan& plan, const Model& model, const State& state,
-                        const HistoryValues& values) {
+HistoryValues history_values(const OutputPlan& plan, const Simulation& run) {
+  HistoryValues values{.clock = run.clock(),
+                       .books = run.books(),
+                       .energies = run.energies(),
+                       .balance_error = run.balance_error(run.energies()),
+                       .bonds = count_bonds(run),
+                       .ranges = count_ranges(run),
+                       .peak_average = run.peak().last,
+                       .reactions = {},
+                       .axial_force = {},
+                       .displacements = {}};
+  for (const Group& g : plan.reactions) values.reactions.push_back(run.reaction(g.particles));
+  for (const Group& g : plan.axial_force) values.axial_force.push_back(run.mean_axial_force(g.particles));
+  if (plan.displacements.empty()) return values;
+  const State& state = run.state();
+  for (const Group& g : plan.displacements) {
+    Vec3d sum;
+    for (const ParticleId p : g.particles) sum += state.r[p] - run.model().r_0[p];
+    values.displacements.push_back(sum / static_cast<double>(g.particles.size()));
+  }
+  return values;
+}
+
+std::string history_row(const HistoryValues& values) {
   fmt::memory_buffer row;
   const auto to = std::back_inserter(row);
   const auto add = [&to](double x) { fmt::format_to(to, ",{:.17g}", x); };
   const auto add3 = [&add](const Vec3d& x) { add(x.x), add(x.y), add(x.z); };
   const Energies& e = values.energies;
+  const EnergyBooks& b = values.books;
 
-  fmt::format_to(to, "{}", state.clock.step);
-  for (const double x : {state.clock.time(), e.kinetic_translation, e.kinetic_rotation, e.U_L, e.U_B, e.U_T,
-                         e.contact, state.books.dissipated, state.books.work_loads, state.books.work_supports,
-                         e.total(), values.balance_error})
+  fmt::format_to(to, "{}", values.clock.step);
+  for (const double x :
+       {values.clock.time(), e.kinetic_translation, e.kinetic_rotation, e.U_L, e.U_B, e.U_T, e.contact,
+        b.dissipated, b.work_loads, b.work_supports, e.total(), values.balance_error})
     add(x);
-  fmt::format_to(to, ",{},{},{}", state.bonds.size(), values.ranges.strained, values.ranges.snapped);
-  add(state.peak.last);
+  fmt::format_to(to, ",{},{},{}", values.bonds, values.ranges.strained, values.ranges.snapped);
+  add(values.peak_average);
   for (const Reaction& x : values.reactions) add3(x.force), add3(x.moment);
   for (const double x : values.axial_force) add(x);
-  for (const Group& g : plan.displacements) {
-    Vec3d sum;
-    for (const ParticleId p : g.particles) sum += state.r[p] - model.r_0[p];
-    add3(sum / static_cast<double>(g.particles.size()));
-  }
+  for (const Vec3d& x : values.displacements) add3(x);
   row.push_back('\n');
   return fmt::to_string(row);
 }
@@ -107,9 +126,9 @@ void HistoryWriter::keep_until(std::int64_t resume_step) {
   if (kept < content.size()) cut_file(path_, kept);
 }
 
-void HistoryWriter::write(const Model& model, const State& state, const HistoryValues& values) {
-  write_all(file_.get(), history_row(plan_, model, state, values), path_);
-  last_step_ = state.clock.step;
+void HistoryWriter::write(const HistoryValues& values) {
+  write_all(file_.get(), history_row(values), path_);
+  last_step_ = values.clock.step;
   largest_balance_error_ = std::max(largest_balance_error_, std::abs(values.balance_error));
 }
 

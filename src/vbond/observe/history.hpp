@@ -6,8 +6,6 @@
 #include <vector>
 
 #include "vbond/dynamics/simulation.hpp"
-#include "vbond/model/loads.hpp"
-#include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/observe/bond_look.hpp"
 #include "vbond/observe/files.hpp"
@@ -15,21 +13,28 @@
 
 namespace vbond {
 
-/// What a row of history.csv needs beyond Model and State.
+/// What stands in a row of history.csv.
 struct HistoryValues {
+  Clock clock;
+  EnergyBooks books;
   Energies energies;
   double balance_error = 0;  ///< relative
+  std::int64_t bonds = 0;
   RangeCounts ranges;
-  std::vector<Reaction> reactions;  ///< one per OutputPlan::reactions
-  std::vector<double> axial_force;  ///< one per OutputPlan::axial_force, tension positive  [force]
+  double peak_average = 0;           ///< last block average of the quantity watched for a peak  [force]
+  std::vector<Reaction> reactions;   ///< one per OutputPlan::reactions
+  std::vector<double> axial_force;   ///< one per OutputPlan::axial_force, tension positive  [force]
+  std::vector<Vec3d> displacements;  ///< one per OutputPlan::displacements, mean of r - r_0  [length]
 };
+
+/// The values of a run as it stands. Collects the particles only if the plan asks for displacements.
+HistoryValues history_values(const OutputPlan& plan, const Simulation& run);
 
 /// The first line of history.csv: the names of the columns; see docs/output.md.
 std::string history_header(const OutputPlan& plan);
 
 /// One row with 17 significant digits, enough to give back every double.
-std::string history_row(const OutputPlan& plan, const Model& model, const State& state,
-                        const HistoryValues& values);
+std::string history_row(const HistoryValues& values);
 
 /// Writes history.csv row by row; what is written is readable at once and stays so if the run dies.
 class HistoryWriter {
@@ -39,7 +44,7 @@ class HistoryWriter {
   /// file are not those of the plan.
   HistoryWriter(const OutputPlan& plan, std::optional<std::int64_t> resume_step);
 
-  void write(const Model& model, const State& state, const HistoryValues& values);
+  void write(const HistoryValues& values);
 
   /// Step of the last row in the file, -1 if there is none.
   std::int64_t last_step() const { return last_step_; }

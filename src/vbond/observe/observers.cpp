@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "vbond/dynamics/simulation.hpp"
+#include "vbond/observe/bond_look.hpp"
 #include "vbond/observe/report.hpp"
 
 namespace vbond {
@@ -45,8 +46,12 @@ WatchObserver::WatchObserver(const OutputPlan& plan, Watch::Tell tell, WatchReco
       watch_(plan.energy_error, std::move(tell), std::move(record)) {}
 
 void WatchObserver::observe(const Simulation& run) {
-  const Clock& clock = run.state().clock;
+  const Clock& clock = run.clock();
   if (clock.stage_step % every_ == 0 || history_due_.now(clock)) look(run);
+}
+
+std::int64_t WatchObserver::steps_to_next_look(const Clock& now) const {
+  return std::min(steps_to_multiple(now, every_), history_due_.steps_to_next(now));
 }
 
 void WatchObserver::finish(const Simulation& run, StopReason why) {
@@ -56,8 +61,8 @@ void WatchObserver::finish(const Simulation& run, StopReason why) {
 
 void WatchObserver::look(const Simulation& run) {
   const Timing timing(*this);
-  const Energies energies = run.energies();
-  watch_.look(run.model(), run.state(), energies, run.balance_error(energies));
+  watch_.look(run.survey(), run.balance_error(run.energies()),
+              [&run]() -> const State& { return run.state(); });
 }
 
 // ---- history ----------------------------------------------------------------------------------------
@@ -66,23 +71,21 @@ HistoryObserver::HistoryObserver(const OutputPlan& plan, std::optional<std::int6
     : plan_(plan), writer_(plan, resume_step), due_(plan.history_every, writer_.last_step()) {}
 
 void HistoryObserver::observe(const Simulation& run) {
-  if (due_.now(run.state().clock)) write(run);
+  if (due_.now(run.clock())) write(run);
+}
+
+std::int64_t HistoryObserver::steps_to_next_look(const Clock& now) const {
+  return due_.steps_to_next(now);
 }
 
 void HistoryObserver::finish(const Simulation& run, StopReason why) {
-  if (stage_done(why) && due_.at_stage_end(run.state().clock)) write(run);
+  if (stage_done(why) && due_.at_stage_end(run.clock())) write(run);
 }
 
 void HistoryObserver::write(const Simulation& run) {
   const Timing timing(*this);
-  HistoryValues values;
-  values.energies = run.energies();
-  values.ranges = count_ranges(run.state());
-  values.balance_error = run.balance_error(values.energies);
-  for (const Group& g : plan_.reactions) values.reactions.push_back(run.reaction(g.particles));
-  for (const Group& g : plan_.axial_force) values.axial_force.push_back(run.mean_axial_force(g.particles));
-  writer_.write(run.model(), run.state(), values);
-  due_.written(run.state().clock.step);
+  writer_.write(history_values(plan_, run));
+  due_.written(run.clock().step);
 }
 
 // ---- frames -----------------------------------------------------------------------------------------
@@ -92,17 +95,21 @@ FrameObserver::FrameObserver(const OutputPlan& plan, std::optional<std::int64_t>
       due_(plan.frames_every.value(), writer_.last_step()) {}
 
 void FrameObserver::observe(const Simulation& run) {
-  if (due_.now(run.state().clock)) write(run);
+  if (due_.now(run.clock())) write(run);
+}
+
+std::int64_t FrameObserver::steps_to_next_look(const Clock& now) const {
+  return due_.steps_to_next(now);
 }
 
 void FrameObserver::finish(const Simulation& run, StopReason why) {
-  if (stage_done(why) && due_.at_stage_end(run.state().clock)) write(run);
+  if (stage_done(why) && due_.at_stage_end(run.clock())) write(run);
 }
 
 void FrameObserver::write(const Simulation& run) {
   const Timing timing(*this);
   writer_.write(run.model(), run.state());
-  due_.written(run.state().clock.step);
+  due_.written(run.clock().step);
 }
 
 // ---- checkpoint -------------------------------------------------------------------------------------
@@ -110,13 +117,18 @@ void FrameObserver::write(const Simulation& run) {
 CheckpointObserver::CheckpointObserver(const OutputPlan& plan, std::shared_ptr<const WatchObserver> watch,
                                        std::string program_version)
     : path_(plan.folder / "checkpoint.h5"),
-      every_(plan.checkpoint_every),
       watch_(std::move(watch)),
-      program_version_(std::move(program_version)) {}
+      program_version_(std::move(program_version)) {
+  if (plan.checkpoint_every) due_.emplace(*plan.checkpoint_every);
+}
 
 void CheckpointObserver::observe(const Simulation& run) {
-  const Clock& clock = run.state().clock;
-  if (every_ && clock.stage_step > 0 && clock.stage_step % steps_in(*every_, clock.dt) == 0) write(run);
+  const Clock& clock = run.clock();
+  if (due_ && clock.stage_step > 0 && due_->now(clock)) write(run);
+}
+
+std::int64_t CheckpointObserver::steps_to_next_look(const Clock& now) const {
+  return due_ ? due_->steps_to_next(now) : no_next_look;
 }
 
 void CheckpointObserver::finish(const Simulation& run, StopReason /*why*/) {
@@ -131,9 +143,17 @@ void CheckpointObserver::write(const Simulation& run) {
 // ---- table and progress -----------------------------------------------------------------------------
 
 void TableObserver::observe(const Simulation& run) {
-  const Clock& clock = run.state().clock;
-  // without a known end a stage has no fixed number of rows: then one in a thousand steps
-  if (clock.stage_step % table_interval(steps_of(run.stage(), 24000)) == 0) print(run);
+  const Clock& clock = run.clock();
+  if (clock.stage != stage_ || clock.stage_step == 0) {
+    // without a known end a stage has no fixed number of rows: then one in a thousand steps
+    interval_ = table_interval(steps_of(run.stage(), 24000));
+    stage_ = clock.stage;
+  }
+  if (clock.stage_step % interval_ == 0) print(run);
+}
+
+std::int64_t TableObserver::steps_to_next_look(const Clock& now) const {
+  return steps_to_multiple(now, interval_);
 }
 
 void TableObserver::finish(const Simulation& run, StopReason /*why*/) {
@@ -141,29 +161,42 @@ void TableObserver::finish(const Simulation& run, StopReason /*why*/) {
 }
 
 void TableObserver::print(const Simulation& run) {
-  if (run.state().clock.step == last_step_) return;
+  if (run.clock().step == last_step_) return;
   const Timing timing(*this);
   const Energies energies = run.energies();
   std::string text = std::exchange(has_header_, true) ? "" : table_header();
-  text += table_row(run.state(), energies, run.balance_error(energies), count_ranges(run.state()));
+  text += table_row(run.clock(), run.books(), energies, run.balance_error(energies), count_ranges(run));
   show(text, out_);
-  last_step_ = run.state().clock.step;
+  last_step_ = run.clock().step;
 }
 
 ProgressObserver::ProgressObserver(std::FILE* terminal, std::vector<std::int64_t> stage_steps)
     : out_(terminal), stage_steps_(std::move(stage_steps)) {}
 
 void ProgressObserver::observe(const Simulation& run) {
-  constexpr std::int64_t calls_between_looks = 16;  // at the clock
   constexpr std::chrono::milliseconds refresh(500);
-  if (calls_++ % calls_between_looks != 0) return;
-  const auto now = Clock::now();
-  const vbond::Clock& clock = run.state().clock;
+  const Clock& clock = run.clock();
+  const bool begins = first_step_ < 0 || clock.stage_step == 0;  // its steps may be slower than those before
+  if (!begins && clock.step < next_look_) return;                // this step was asked for by others
+  const auto now = WallClock::now();
   if (first_step_ < 0) {
     first_step_ = clock.step;
     start_ = shown_ = now;
   }
-  if (now - shown_ < refresh) return;
+  const double seconds = std::chrono::duration<double>(now - looked_).count();
+  next_look_ = clock.step + (begins ? 1 : progress_interval(clock.step - last_look_, seconds));
+  last_look_ = clock.step;
+  looked_ = now;
+  if (now - shown_ >= refresh) show_line(run, now);
+}
+
+std::int64_t ProgressObserver::steps_to_next_look(const Clock& now) const {
+  return std::max<std::int64_t>(1, next_look_ - now.step);
+}
+
+void ProgressObserver::show_line(const Simulation& run, WallClock::time_point now) {
+  const Timing timing(*this);
+  const Clock& clock = run.clock();
   shown_ = now;
   // stages that ended early count as they went: what is left is this stage's rest and the later ones
   const auto stage = std::min(static_cast<std::size_t>(clock.stage), stage_steps_.size());

@@ -52,6 +52,7 @@ class WatchObserver : public TimedObserver {
  public:
   WatchObserver(const OutputPlan& plan, Watch::Tell tell, WatchRecord record = {});
   void observe(const Simulation& run) override;
+  std::int64_t steps_to_next_look(const Clock& now) const override;
   void finish(const Simulation& run, StopReason why) override;
   /// After a failure, for which finish is not called, the program may ask for the summary here.
   Watch& watch() { return watch_; }
@@ -69,6 +70,7 @@ class HistoryObserver : public TimedObserver {
  public:
   HistoryObserver(const OutputPlan& plan, std::optional<std::int64_t> resume_step);
   void observe(const Simulation& run) override;
+  std::int64_t steps_to_next_look(const Clock& now) const override;
   void finish(const Simulation& run, StopReason why) override;
   double largest_balance_error() const { return writer_.largest_balance_error(); }
 
@@ -84,6 +86,7 @@ class FrameObserver : public TimedObserver {
  public:
   FrameObserver(const OutputPlan& plan, std::optional<std::int64_t> resume_step);
   void observe(const Simulation& run) override;
+  std::int64_t steps_to_next_look(const Clock& now) const override;
   void finish(const Simulation& run, StopReason why) override;
 
  private:
@@ -98,12 +101,13 @@ class CheckpointObserver : public TimedObserver {
   CheckpointObserver(const OutputPlan& plan, std::shared_ptr<const WatchObserver> watch,
                      std::string program_version);
   void observe(const Simulation& run) override;
+  std::int64_t steps_to_next_look(const Clock& now) const override;
   void finish(const Simulation& run, StopReason why) override;
 
  private:
   void write(const Simulation& run);
   std::filesystem::path path_;
-  std::optional<double> every_;
+  std::optional<Due> due_;  // by interval; empty without one
   std::shared_ptr<const WatchObserver> watch_;
   std::string program_version_;
 };
@@ -113,31 +117,37 @@ class TableObserver : public TimedObserver {
  public:
   explicit TableObserver(std::FILE* out) : out_(out) {}
   void observe(const Simulation& run) override;
+  std::int64_t steps_to_next_look(const Clock& now) const override;
   void finish(const Simulation& run, StopReason why) override;
 
  private:
   void print(const Simulation& run);
   std::FILE* out_;
   bool has_header_ = false;
+  std::int32_t stage_ = -1;
+  std::int64_t interval_ = 1;  // in that stage, in steps
   std::int64_t last_step_ = -1;
 };
 
 /// Keeps one line on the progress of the run up to date on a terminal, twice a second at most, and
-/// clears it when a stage ends. Before anything else is printed there, clear() it.
+/// clears it when a stage ends. It reads the wall clock about ten times a second, so that its cost does not
+/// depend on how long a step takes. Before anything else is printed there, clear() it.
 class ProgressObserver : public TimedObserver {
  public:
   /// stage_steps: per stage, its steps if it does not end early.
   ProgressObserver(std::FILE* terminal, std::vector<std::int64_t> stage_steps);
   void observe(const Simulation& run) override;
+  std::int64_t steps_to_next_look(const Clock& now) const override;
   void finish(const Simulation& run, StopReason why) override;
   void clear();
 
  private:
-  using Clock = std::chrono::steady_clock;
+  using WallClock = std::chrono::steady_clock;
+  void show_line(const Simulation& run, WallClock::time_point now);
   std::FILE* out_;
   std::vector<std::int64_t> stage_steps_;
-  std::int64_t first_step_ = -1, calls_ = 0;
-  Clock::time_point start_, shown_;
+  std::int64_t first_step_ = -1, last_look_ = -1, next_look_ = 0;  // steps of the run
+  WallClock::time_point start_, shown_, looked_;
   bool visible_ = false;
 };
 

@@ -12,11 +12,10 @@ std::string table_header() {
                      "kinetic", "potential", "dissipated", "work", "total", "balance", "strained", "snapped");
 }
 
-std::string table_row(const State& state, const Energies& e, double balance_error,
+std::string table_row(const Clock& clock, const EnergyBooks& b, const Energies& e, double balance_error,
                       const RangeCounts& ranges) {
-  const EnergyBooks& b = state.books;
   return fmt::format("{:12} {:12.6g} {:12.4e} {:12.4e} {:12.4e} {:12.4e} {:12.4e} {:10.2e} {:8} {:8}\n",
-                     state.clock.step, state.clock.time(), e.kinetic(), e.potential(), b.dissipated,
+                     clock.step, clock.time(), e.kinetic(), e.potential(), b.dissipated,
                      b.work_loads + b.work_supports, e.total(), balance_error, ranges.strained,
                      ranges.snapped);
 }
@@ -24,6 +23,13 @@ std::string table_row(const State& state, const Energies& e, double balance_erro
 std::int64_t table_interval(std::int64_t stage_steps) {
   constexpr std::int64_t intervals = 24;  // 25 rows with the first
   return std::max<std::int64_t>(1, (stage_steps + intervals - 1) / intervals);
+}
+
+std::int64_t progress_interval(std::int64_t steps, double seconds) {
+  constexpr double between_looks = 0.1;  // seconds
+  const double most = 2.0 * static_cast<double>(steps);
+  const double wanted = seconds > 0.0 ? static_cast<double>(steps) * between_looks / seconds : most;
+  return std::max<std::int64_t>(1, static_cast<std::int64_t>(std::min(wanted, most)));
 }
 
 std::string progress_line(const std::string& stage, std::int64_t step, std::int64_t first_step,

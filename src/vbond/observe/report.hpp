@@ -14,11 +14,15 @@ namespace vbond {
 std::string table_header();
 
 /// One line of the terminal's table, as wide as its header for every value.
-std::string table_row(const State& state, const Energies& energies, double balance_error,
-                      const RangeCounts& ranges);
+std::string table_row(const Clock& clock, const EnergyBooks& books, const Energies& energies,
+                      double balance_error, const RangeCounts& ranges);
 
 /// Steps between rows of the table so that a stage of this many steps gives about 25 of them.
 std::int64_t table_interval(std::int64_t stage_steps);
+
+/// Steps until a tenth of a second will have passed, if `steps` took this many seconds: at least one,
+/// and at most twice `steps`, since a few fast ones promise little.
+std::int64_t progress_interval(std::int64_t steps, double seconds);
 
 /// One line on how far the run is: stage, part done, speed and the time it may still take.
 /// seconds: wall time since first_step; total_steps: of the whole run if no stage ends early.

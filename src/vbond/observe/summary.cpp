@@ -5,7 +5,6 @@
 #include <array>
 
 #include "vbond/core/error.hpp"
-#include "vbond/dynamics/simulation.hpp"
 #include "vbond/observe/files.hpp"
 
 namespace vbond {
@@ -40,12 +39,19 @@ StageSummary stage_from(const Json& j) {
 
 }  // namespace
 
+std::vector<PhaseTime> split_steps(double seconds, const StepTimes& t) {
+  const double sum = t.bonds + t.contacts + t.integrate;
+  if (!(sum > 0.0)) return {{"steps", seconds}};
+  const double scale = seconds / sum;
+  return {{"bonds", scale * t.bonds}, {"contacts", scale * t.contacts}, {"integrate", scale * t.integrate}};
+}
+
 StageSummary summarise_stage(const Simulation& run, StopReason stop) {
-  const State& state = run.state();
-  StageSummary s{run.stage().name, stop, state.clock.stage_step, run.stage().dt, state.clock.time(), {}, {}};
+  const Clock& clock = run.clock();
+  StageSummary s{run.stage().name, stop, clock.stage_step, run.stage().dt, clock.time(), {}, {}};
   if (stop == StopReason::peak) {
-    s.critical_force = state.peak.peak;
-    s.peak_time = state.peak.peak_time;
+    s.critical_force = run.peak().peak;
+    s.peak_time = run.peak().peak_time;
   }
   return s;
 }
@@ -84,6 +90,8 @@ std::string to_json(const RunSummary& r) {
   j["ever_snapped"] = r.ever_snapped;
   j["bond_steps_per_second"] =
       r.stepping_seconds > 0.0 ? static_cast<double>(r.bond_steps) / r.stepping_seconds : 0.0;
+  j["instruction_set"] = r.instruction_set;
+  j["threads"] = r.threads;
   j["wall_time"] = Json::object();
   for (const PhaseTime& p : r.wall_time) j["wall_time"][p.name] = p.seconds;
   // text that is not UTF-8, as a title may be, is replaced by U+FFFD rather than refused at the end of a run

@@ -5,12 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "vbond/dynamics/observer.hpp"
+#include "vbond/dynamics/simulation.hpp"
 #include "vbond/model/model.hpp"
 
 namespace vbond {
-
-class Simulation;
 
 /// How a stage went.
 struct StageSummary {
@@ -33,6 +31,8 @@ struct PhaseTime {
 /// The results of a run, as run.json holds them.
 struct RunSummary {
   std::string title, version;
+  std::string instruction_set;  ///< of the bond kernel, see instruction_set()
+  int threads = 1;
   UnitSystem units = UnitSystem::reduced;
   std::int64_t particles = 0, bonds = 0;
   double T_0 = 0;                                    ///< [time]
@@ -44,6 +44,10 @@ struct RunSummary {
   double stepping_seconds = 0;                       ///< wall time of those steps, without output
   std::vector<PhaseTime> wall_time;
 };
+
+/// The wall time of the steps as phases that add up to it: bonds, contacts, integrate in the shares of
+/// these times; "steps" alone if they are all zero, as in a run too short for a sample.
+std::vector<PhaseTime> split_steps(double seconds, const StepTimes& times);
 
 /// The stage of this simulation as it stands.
 StageSummary summarise_stage(const Simulation& run, StopReason stop);

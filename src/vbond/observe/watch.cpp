@@ -81,16 +81,18 @@ std::string most_loaded(const State& s) {
 Watch::Watch(double energy_error, Tell tell, WatchRecord record)
     : energy_error_(energy_error), tell_(std::move(tell)), record_(std::move(record)) {}
 
-void Watch::look(const Model&, const State& state, const Energies& energies, double balance_error) {
-  if (!is_finite(energies)) blame_not_finite(state);
-  if (!(std::abs(balance_error) <= energy_error_))
+void Watch::look(const Survey& survey, double balance_error, const CollectState& collect) {
+  const bool finite = is_finite(survey.energies), balanced = std::abs(balance_error) <= energy_error_;
+  if (finite && balanced && survey.deformed.empty()) return;
+  const State& state = collect();
+  if (!finite) blame_not_finite(state);
+  if (!balanced)
     throw Diverged(state.clock.step, state.clock.time(), most_loaded(state),
                    fmt::format("the energy balance is off by {:.3g} of the energy in the run, more than "
                                "watch.energy_error = {:g}",
                                balance_error, energy_error_),
                    std::string(smaller_step) + "; raise watch.energy_error only if the jump is expected");
-  record_.bonds.resize(state.bonds.size());
-  for (const BondId k : state.bonds.ids()) look_at_bond(k, state);
+  for (const BondId k : survey.deformed) look_at_bond(k, state);
 }
 
 void Watch::look_at_bond(BondId k, const State& state) {
@@ -104,12 +106,15 @@ void Watch::look_at_bond(BondId k, const State& state) {
                                shape.length, b.a),
                    "use smaller loads or velocities, a stiffer bond or a contact law; a smaller time.step "
                    "if the energy balance was already off");
+  const bool is_short = shape.length < 0.5 * b.a;
+  const BondRange range = bond_range(b, shape);
+  if (!is_short && range == BondRange::good) return;
+  if (record_.bonds.size() <= k.value) record_.bonds.resize(k.value + std::size_t{1});
   BondRecord& seen = record_.bonds[k];
-  if (shape.length < 0.5 * b.a && !std::exchange(seen.was_short, true))
+  if (is_short && !std::exchange(seen.was_short, true))
     report(record_.shortened, untold_shortened_,
            fmt::format("t = {:.6g}: {} is shorter than half its length at rest: {:.4g} of {:.4g}", time,
                        name_of(k, b), shape.length, b.a));
-  const BondRange range = bond_range(b, shape);
   if (range <= seen.worst) return;
   seen.worst = range;
   const bool snapped = range == BondRange::snapped;

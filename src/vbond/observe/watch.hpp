@@ -5,8 +5,7 @@
 #include <vector>
 
 #include "vbond/core/column.hpp"
-#include "vbond/model/loads.hpp"
-#include "vbond/model/model.hpp"
+#include "vbond/dynamics/simulation.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/physics/range.hpp"
 
@@ -21,7 +20,7 @@ struct BondRecord {
 
 /// What the watch has seen so far; kept in checkpoints so that a resumed run reports nothing twice.
 struct WatchRecord {
-  PerBond<BondRecord> bonds;
+  PerBond<BondRecord> bonds;  ///< up to the last one that there was something to say about
   std::int64_t strained = 0;  ///< bonds reported or counted as strained
   std::int64_t snapped = 0;
   std::int64_t shortened = 0;
@@ -33,6 +32,7 @@ struct WatchRecord {
 class Watch {
  public:
   using Tell = std::function<void(const std::string&)>;
+  using CollectState = std::function<const State&()>;
 
   /// Reports of one kind (strained, snapped, shortened) given in full; later ones are only counted.
   static constexpr std::int64_t told_in_full = 10;
@@ -43,7 +43,8 @@ class Watch {
 
   /// Throws Diverged if an energy is not finite, the balance is off by more than energy_error, or a
   /// bond has closed up (|D| < 1e-6 a); then reports bonds that are worse than ever before.
-  void look(const Model& model, const State& state, const Energies& energies, double balance_error);
+  /// state: gives the state surveyed; called only if a bond is deformed or something is wrong.
+  void look(const Survey& survey, double balance_error, const CollectState& state);
 
   /// Sums up the reports that were not given in full since the last summary.
   void summarise();

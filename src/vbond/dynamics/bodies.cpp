@@ -1,0 +1,69 @@
+#include "vbond/dynamics/bodies.hpp"
+
+namespace vbond {
+
+Bodies::Bodies(const Model& model) : order(spatial_order(model.r_0)) {
+  const std::size_t rows = (model.particles() + rows_at_once - 1) / rows_at_once * rows_at_once;
+  pose.resize(rows);
+  motion.resize(rows);
+  load.resize(rows);
+  per.resize(rows);
+  mass.resize(rows);
+  inertia.resize(rows);
+  for (const Row k : order.particle.ids()) {
+    const ParticleId p = order.particle[k];
+    pose[k.value].r = model.r_0[p];
+    mass[k.value] = model.mass[p];
+    inertia[k.value] = model.inertia[p];
+    per[k.value] = {1.0 / model.mass[p], 1.0 / model.inertia[p]};
+  }
+}
+
+void Bodies::read(const State& s) {
+  for (const Row k : order.particle.ids()) {
+    const ParticleId p = order.particle[k];
+    pose[k.value].r = s.r[p];
+    pose[k.value].q = s.q[p];
+    motion[k.value].v = s.v[p];
+    motion[k.value].omega = s.omega[p];
+  }
+}
+
+void Bodies::write(State& s) const {
+  for (const Row k : order.particle.ids()) {
+    const ParticleId p = order.particle[k];
+    s.r[p] = pose[k.value].r;
+    s.q[p] = pose[k.value].q;
+    s.v[p] = motion[k.value].v;
+    s.omega[p] = motion[k.value].omega;
+  }
+}
+
+Loads Bodies::loads() const {
+  const std::size_t n = order.particle.size();
+  Loads l{PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)};
+  for (const Row k : order.particle.ids()) {
+    l.F[order.particle[k]] = load[k.value].F;
+    l.M[order.particle[k]] = load[k.value].M;
+  }
+  return l;
+}
+
+Energies Bodies::kinetic_energy(const Team& team) const {
+  std::vector<Energies> of_block(team.blocks());
+  team.for_blocks([&](const Block& b) {
+    Energies& e = of_block[b.index];
+    for (std::size_t k = b.rows.first; k < b.rows.last; ++k) {
+      e.kinetic_translation += 0.5 * mass[k] * norm2(motion[k].v);
+      e.kinetic_rotation += 0.5 * inertia[k] * norm2(motion[k].omega);
+    }
+  });
+  Energies sum;
+  for (const Energies& e : of_block) {
+    sum.kinetic_translation += e.kinetic_translation;
+    sum.kinetic_rotation += e.kinetic_rotation;
+  }
+  return sum;
+}
+
+}  // namespace vbond

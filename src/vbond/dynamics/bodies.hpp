@@ -1,0 +1,37 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "vbond/dynamics/order.hpp"
+#include "vbond/dynamics/rows.hpp"
+#include "vbond/dynamics/team.hpp"
+#include "vbond/model/loads.hpp"
+#include "vbond/model/model.hpp"
+#include "vbond/model/state.hpp"
+
+namespace vbond {
+
+/// The particles of a state as the step loop moves them: sorted, in rows.
+struct Bodies {
+  /// At rest at the model's first positions.
+  explicit Bodies(const Model& model);
+
+  /// Takes positions and velocities over from a state, and gives them back.
+  void read(const State& state);
+  void write(State& state) const;
+  Loads loads() const;
+
+  /// Poses of the particles alone, without those that fill up the rows.
+  std::span<const PoseRow> poses() const { return {pose.data(), order.particle.size()}; }
+  Energies kinetic_energy(const Team& team) const;
+
+  Order order;
+  std::vector<PoseRow> pose;
+  std::vector<MotionRow> motion;
+  std::vector<LoadRow> load;
+  std::vector<PerInertia> per;
+  std::vector<double> mass;     ///< [mass]
+  std::vector<double> inertia;  ///< [mass*length^2]
+};
+
+}  // namespace vbond

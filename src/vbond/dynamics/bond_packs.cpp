@@ -1,0 +1,198 @@
+#include "vbond/dynamics/bond_packs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+#include "vbond/dynamics/kernel.hpp"
+
+namespace vbond {
+namespace {
+
+/// Types beyond these are not looked for: each bond is compared with all.
+constexpr std::size_t most_types = 16;
+
+bool close(double x, double y) {
+  return std::abs(x - y) <= 4.0 * std::numeric_limits<double>::epsilon() * std::abs(y);
+}
+
+bool is_scaled(const Bond& b, const BondType& t, double scale) {
+  return close(scale * t.B1, b.B1) && close(scale * t.B2, b.B2) && close(scale * t.B3, b.B3) &&
+         close(scale * t.B4, b.B4);
+}
+
+std::size_t lower_row(const Bond& b, const Order& order) {
+  return std::min(order.row[b.i], order.row[b.j]).value;
+}
+std::size_t upper_row(const Bond& b, const Order& order) {
+  return std::max(order.row[b.i], order.row[b.j]).value;
+}
+
+void put(const Quatd& q, std::size_t l, double (&to)[4][pack_bonds]) {
+  to[0][l] = q.w, to[1][l] = q.x, to[2][l] = q.y, to[3][l] = q.z;
+}
+
+void fill_lane(CompactPack& p, std::size_t l, const Bond& b, double scale) {
+  p.a[l] = b.a;
+  p.scale[l] = scale;
+  put(b.frame_i, l, p.frame);
+}
+void fill_lane(FullPack& p, std::size_t l, const Bond& b, double /*scale*/) {
+  p.a[l] = b.a, p.R_i[l] = b.R_i, p.R_j[l] = b.R_j;
+  p.B1[l] = b.B1, p.B2[l] = b.B2, p.B3[l] = b.B3, p.B4[l] = b.B4;
+  put(b.frame_i, l, p.frame_i);
+  put(b.frame_j, l, p.frame_j);
+}
+
+/// Calls f(first, last) for the longest stretches of items that are `alike`.
+template <class Items, class Alike, class F>
+void for_stretches(const Items& items, Alike alike, F f) {
+  for (std::size_t first = 0, last; first < items.size(); first = last) {
+    last = first + 1;
+    while (last < items.size() && alike(items[first], items[last])) ++last;
+    f(first, last);
+  }
+}
+
+}  // namespace
+
+/// A bond with what it is sorted by.
+struct BondPacks::Sorted {
+  std::size_t row;  // the lower one
+  Kind kind;
+  BondId bond;
+  std::size_t block() const { return row / block_rows; }
+};
+
+BondPacks::Kind BondPacks::kind_of(const Bond& b) {
+  if (b.frame_i == b.frame_j) {
+    for (std::size_t t = 0; t < types_.size(); ++t) {
+      const BondType& type = types_[t];
+      if (type.law != b.law || type.R_i != b.R_i || type.R_j != b.R_j) continue;
+      for (const double scale : {1.0, type.a / b.a})
+        if (is_scaled(b, type, scale)) return {true, static_cast<std::uint32_t>(t), scale};
+    }
+    if (types_.size() < most_types) {
+      types_.push_back({b.law, b.a, b.R_i, b.R_j, b.B1, b.B2, b.B3, b.B4});
+      return {true, static_cast<std::uint32_t>(types_.size() - 1), 1.0};
+    }
+  }
+  return {false, static_cast<std::uint32_t>(b.law), 1.0};
+}
+
+void BondPacks::arrange(const PerBond<Bond>& bonds, const Order& order, const Team& team) {
+  *this = {};
+  std::vector<Sorted> sorted;
+  sorted.reserve(bonds.size());
+  for (const BondId b : bonds.ids()) sorted.push_back({lower_row(bonds[b], order), kind_of(bonds[b]), b});
+  std::sort(sorted.begin(), sorted.end(), [](const Sorted& a, const Sorted& b) {
+    return std::tuple(a.block(), a.kind.compact, a.kind.type, a.row, a.bond) <
+           std::tuple(b.block(), b.kind.compact, b.kind.type, b.row, b.bond);
+  });
+  const auto of_one_run = [](const Sorted& a, const Sorted& b) {
+    return a.block() == b.block() && a.kind == b.kind;
+  };
+
+  std::size_t compact = 0, full = 0;
+  for_stretches(sorted, of_one_run, [&](std::size_t first, std::size_t last) {
+    (sorted[first].kind.compact ? compact : full) += (last - first + pack_bonds - 1) / pack_bonds;
+  });
+  compact_.reserve(compact);
+  full_.reserve(full);
+
+  for_stretches(sorted, of_one_run, [&](std::size_t first, std::size_t last) {
+    const std::size_t block = sorted[first].block();
+    while (first_run_.size() <= block) first_run_.push_back(runs_.size());
+    const RowRange own = team.part_of_row(block * block_rows).rows;
+    runs_.push_back(add_run(sorted.data() + first, last - first, bonds, order, own));
+  });
+  while (first_run_.size() <= team.blocks()) first_run_.push_back(runs_.size());
+
+  for (const Part& part : team.parts()) {
+    std::vector<Sorted> below;
+    for (const Sorted& s : sorted)
+      if (s.block() < part.first_block && part.rows.contains(upper_row(bonds[s.bond], order)))
+        below.push_back(s);
+    from_below_.emplace_back();
+    for_stretches(
+        below, [](const Sorted& a, const Sorted& b) { return a.kind == b.kind; },
+        [&](std::size_t first, std::size_t last) {
+          from_below_.back().push_back(add_run(below.data() + first, last - first, bonds, order, part.rows));
+        });
+  }
+}
+
+BondPacks::Run BondPacks::add_run(const Sorted* sorted, std::size_t count, const PerBond<Bond>& bonds,
+                                  const Order& order, RowRange own) {
+  const Kind kind = sorted->kind;
+  const auto add = [&](auto& store) {
+    const Run run{kind.compact, kind.type, store.packs.size(), (count + pack_bonds - 1) / pack_bonds};
+    for (std::size_t first = 0; first < count; first += pack_bonds) {
+      auto& pack = store.packs.emplace_back();
+      PackLanes& lanes = store.lanes.emplace_back();
+      lanes.count = static_cast<std::uint8_t>(std::min(pack_bonds, count - first));
+      for (std::size_t l = 0; l < pack_bonds; ++l) {
+        const Sorted& s = sorted[std::min(first + l, count - 1)];  // lanes past the last bond repeat it
+        const Bond& b = bonds[s.bond];
+        pack.i[l] = order.row[b.i].value;
+        pack.j[l] = order.row[b.j].value;
+        fill_lane(pack, l, b, s.kind.scale);
+        store.bond.push_back(s.bond);
+        lanes.crossing |= !own.contains(pack.i[l]) || !own.contains(pack.j[l]);
+      }
+    }
+    return run;
+  };
+  return kind.compact ? add(compact_) : add(full_);
+}
+
+/// Calls f(the kernel's functions for its packs, run as they take it, where it lies).
+template <class F>
+void BondPacks::visit(const Run& run, F f) const {
+  const StepKernel& kernel = step_kernel();
+  if (run.compact)
+    f(kernel.compact, compact_.run(run, types_[run.type]), compact_);
+  else
+    f(kernel.full, full_.run(run, {.law = static_cast<BondLaw>(run.type)}), full_);
+}
+
+void BondPacks::add_loads_from_below(const Part& part, const PoseRow* pose, LoadRow* load) const {
+  for (const Run& r : from_below_[part.index])
+    visit(r, [&](const auto& kernel, const auto& run, const auto&) {
+      kernel.add_loads(run, part.rows, pose, load);
+    });
+}
+
+void BondPacks::add_loads(const Block& block, const Part& part, const PoseRow* pose, LoadRow* load) const {
+  for (std::size_t r = first_run_[block.index]; r < first_run_[block.index + 1]; ++r)
+    visit(runs_[r], [&](const auto& kernel, const auto& run, const auto&) {
+      kernel.add_loads(run, part.rows, pose, load);
+    });
+}
+
+Energies BondPacks::survey(const Team& team, const PoseRow* pose, std::vector<BondId>& deformed) const {
+  std::vector<BondEnergies> of_block(team.blocks());
+  std::vector<std::vector<BondId>> of_part(team.parts().size());
+  team.for_parts([&](const Part& part) {
+    std::vector<std::uint8_t> look;
+    for (std::size_t b = part.first_block; b < part.last_block; ++b)
+      for (std::size_t r = first_run_[b]; r < first_run_[b + 1]; ++r)
+        visit(runs_[r], [&](const auto& kernel, const auto& run, const auto& store) {
+          look.resize(run.count);
+          kernel.survey(run, pose, of_block[b], look.data());
+          for (std::size_t k = 0; k < run.count; ++k)
+            for (std::size_t l = 0; look[k] >> l != 0; ++l)
+              if ((look[k] >> l & 1) != 0)
+                of_part[part.index].push_back(store.bond[(runs_[r].first + k) * pack_bonds + l]);
+        });
+  });
+  Energies sum;
+  for (const BondEnergies& e : of_block) sum.U_L += e.U_L, sum.U_B += e.U_B, sum.U_T += e.U_T;
+  for (const std::vector<BondId>& bonds : of_part)
+    deformed.insert(deformed.end(), bonds.begin(), bonds.end());
+  std::sort(deformed.begin(), deformed.end());
+  return sum;
+}
+
+}  // namespace vbond

@@ -1,0 +1,57 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "vbond/dynamics/bond_pack.hpp"
+#include "vbond/dynamics/rows.hpp"
+
+namespace vbond {
+
+/// How viscous drag slows a particle down over half a step, and what energy that takes out.
+struct Decay {
+  double v = 1, omega = 1;        ///< factors of the rates, exp(-b dt / 2m)
+  double of_v = 0, of_omega = 0;  ///< m/2 (1 - factor^2): energy lost per squared rate
+};
+
+/// Energies of bonds by channel.  [energy]
+struct BondEnergies {
+  double U_L = 0, U_B = 0, U_T = 0;
+};
+
+/// The loops over bonds, for packs of one kind.
+template <class P>
+struct PackLoops {
+  /// Adds the loads of these bonds to their particles; of a pack that crosses, only to rows of `own`.
+  void (*add_loads)(const PackRun<P>&, RowRange own, const PoseRow*, LoadRow*);
+  /// Adds the energies of these bonds, and tells of each pack the lanes that need_look(), a bit each.
+  void (*survey)(const PackRun<P>&, const PoseRow*, BondEnergies&, std::uint8_t* look);
+};
+
+/// The loops of a step that must be fast, compiled once per instruction set. All sets give the same bits.
+struct StepKernel {
+  const char* name;
+  PackLoops<CompactPack> compact;
+  PackLoops<FullPack> full;
+  /// v += h F/m, omega += h M/Theta. Returns 0, or NaN if a load is not finite.
+  double (*kick)(RowRange, double h, const PerInertia*, const LoadRow*, MotionRow*);
+  /// r += h v; q is turned exactly by the angle vector h omega. Rows are taken by eights.
+  void (*drift)(RowRange, double h, const MotionRow*, PoseRow*);
+  /// Slows down by the factors and returns the kinetic energy that this takes away.
+  double (*slow_down)(RowRange, const Decay*, MotionRow*);
+};
+
+/// The kernels that this machine can execute, the best one last.
+std::vector<const StepKernel*> available_kernels();
+
+/// The kernel that runs use: the best one, or the one that the environment variable VBOND_SIMD names. Chosen
+/// once. Throws std::invalid_argument if VBOND_SIMD names none that this machine can execute.
+const StepKernel& step_kernel();
+
+/// Its instruction set: "baseline", "avx2" or "avx512".
+const char* instruction_set();
+
+/// StepKernel::drift for particles that may turn by any angle: plain code for every machine, since no kernel
+/// may contain a copy of the library's sine.
+void drift_by_any_angle(RowRange, double h, const MotionRow*, PoseRow*);
+
+}  // namespace vbond

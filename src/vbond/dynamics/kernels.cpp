@@ -1,0 +1,65 @@
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
+
+#include "vbond/dynamics/kernel.hpp"
+
+namespace vbond {
+
+namespace baseline {
+extern const StepKernel kernel;
+}
+#if defined(__x86_64__)
+namespace avx2 {
+extern const StepKernel kernel;
+}
+namespace avx512 {
+extern const StepKernel kernel;
+}
+#endif
+
+std::vector<const StepKernel*> available_kernels() {
+  std::vector<const StepKernel*> kernels{&baseline::kernel};
+#if defined(__x86_64__)  // each set asks for what CMakeLists.txt compiles it with
+  if (__builtin_cpu_supports("avx2")) kernels.push_back(&avx2::kernel);
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+      __builtin_cpu_supports("avx512vl"))
+    kernels.push_back(&avx512::kernel);
+#endif
+  return kernels;
+}
+
+namespace {
+
+const StepKernel& chosen_kernel() {
+  const std::vector<const StepKernel*> kernels = available_kernels();
+  const char* wanted = std::getenv("VBOND_SIMD");
+  if (wanted == nullptr) return *kernels.back();
+  std::string names;
+  for (const StepKernel* k : kernels) {
+    if (k->name == std::string(wanted)) return *k;
+    names += std::string(names.empty() ? "" : ", ") + k->name;
+  }
+  throw std::invalid_argument("VBOND_SIMD = " + std::string(wanted) + ": this machine can execute " + names +
+                              "; without VBOND_SIMD the best of them is used");
+}
+
+}  // namespace
+
+const StepKernel& step_kernel() {
+  static const StepKernel& kernel = chosen_kernel();
+  return kernel;
+}
+
+const char* instruction_set() {
+  return step_kernel().name;
+}
+
+void drift_by_any_angle(RowRange rows, double h, const MotionRow* motion, PoseRow* pose) {
+  for (std::size_t k = rows.first; k < rows.last; ++k) {
+    pose[k].r += h * motion[k].v;
+    pose[k].q = renormalised(rotation_of(h * motion[k].omega) * pose[k].q);
+  }
+}
+
+}  // namespace vbond

@@ -1,0 +1,24 @@
+#include "vbond/dynamics/memory.hpp"
+
+#include "vbond/dynamics/bodies.hpp"
+#include "vbond/dynamics/bond_index.hpp"
+#include "vbond/dynamics/bond_pack.hpp"
+
+namespace vbond {
+
+MemoryUse memory_use(const Model& /*model*/, const State& state) {
+  std::size_t compact = 0;
+  for (const Bond& b : state.bonds) compact += b.frame_i == b.frame_j;
+  const double part =
+      state.bonds.empty() ? 1.0 : static_cast<double>(compact) / static_cast<double>(state.bonds.size());
+  constexpr double lanes = pack_bonds;
+  const double pack =
+      (part * sizeof(CompactPack) + (1.0 - part) * sizeof(FullPack) + sizeof(PackLanes)) / lanes;
+  return {.per_particle = 4 * sizeof(double) + sizeof(Vec3d) +  // model
+                          3 * sizeof(Vec3d) + sizeof(Quatd) +   // state
+                          sizeof(PoseRow) + sizeof(MotionRow) + sizeof(LoadRow) + sizeof(PerInertia) +
+                          2 * sizeof(double) + sizeof(Row) + sizeof(ParticleId),
+          .per_bond = sizeof(Bond) + pack + sizeof(BondId) + 2 * sizeof(BondIndex::Entry)};
+}
+
+}  // namespace vbond

@@ -1,0 +1,163 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "rods.hpp"
+#include "vbond/dynamics/contacts.hpp"
+
+namespace vbond {
+namespace {
+
+using testing::Dice;
+
+constexpr ContactModel elastic{ContactLaw::hertz, ContactPairs::all, 0, 1, 1.0, 0.3};
+constexpr ContactModel papers{ContactLaw::paper_hertz, ContactPairs::all, 1.0, 1.0, 0, 0};
+
+/// 6 x 6 x 6 particles at random near the points of a lattice: some touch, some do not.
+struct Heap {
+  Model model;
+  Order order;
+  std::vector<PoseRow> pose;
+  BondIndex no_bonds;
+
+  Heap(const ContactModel& contact, double R_min, unsigned seed = 1) {
+    Dice dice(seed);
+    std::vector<Vec3d> r;
+    for (int x = 0; x < 6; ++x)
+      for (int y = 0; y < 6; ++y)
+        for (int z = 0; z < 6; ++z)
+          r.push_back({x + dice(-0.2, 0.2), y + dice(-0.2, 0.2), z + dice(-0.2, 0.2)});
+    model = equal_particles(r, 1.0, 0.1, 0.55);
+    model.contact = contact;
+    for (double& R : model.radius) R = dice(R_min, 0.55);
+    order = spatial_order(model.r_0);
+    pose.resize(r.size());
+    for (const ParticleId p : model.r_0.ids()) pose[order.row[p].value].r = r[p.value];
+    no_bonds = BondIndex(r.size(), {});
+  }
+
+  double R(std::size_t k) const { return model.radius[order.particle[Row{k}]]; }
+  /// Every pair, in increasing order of rows.
+  std::vector<LoadRow> by_brute_force() const {
+    std::vector<LoadRow> load(pose.size());
+    for (std::size_t i = 0; i < pose.size(); ++i)
+      for (std::size_t j = 0; j < pose.size(); ++j) {
+        const Vec3d r_ij = pose[j].r - pose[i].r;
+        if (i == j || norm2(r_ij) >= sq(R(i) + R(j))) continue;
+        const double f = contact_force(contact_law(model.contact, R(i), R(j)), R(i) + R(j) - norm(r_ij));
+        load[i].F -= (f / norm(r_ij)) * r_ij;
+      }
+    return load;
+  }
+  /// By `contacts`, in pieces of so many rows.
+  std::vector<LoadRow> in_pieces(const Contacts& contacts, std::size_t rows) const {
+    std::vector<LoadRow> load(pose.size());
+    for (std::size_t k = 0; k < load.size(); k += rows)
+      contacts.add_loads({k, std::min(load.size(), k + rows)}, pose.data(), load.data());
+    return load;
+  }
+};
+
+void expect_same_bits(const std::vector<LoadRow>& a, const std::vector<LoadRow>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  std::size_t loaded = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    EXPECT_EQ(a[k].F, b[k].F) << k;
+    EXPECT_EQ(a[k].M, Vec3d{}) << k;
+    loaded += norm2(a[k].F) > 0.0 ? 1u : 0u;
+  }
+  EXPECT_GT(loaded, a.size() / 4);  // else nothing was compared
+}
+
+// Equal radii, one law for all pairs although radii differ, and a law for each pair: to the bit, however rows
+// are shared out.
+TEST(Contacts, HaveTheBitsOfTheSumOverAllPairsInAnyPieces) {
+  for (const ContactModel& contact : {elastic, papers})
+    for (const double R_min : {0.55, 0.4}) {
+      const Heap heap(contact, R_min);
+      Contacts contacts(heap.model, heap.order, heap.no_bonds);
+      contacts.refresh(heap.pose);
+      for (const std::size_t rows : {1u, 7u, 128u, 1000u})
+        expect_same_bits(heap.in_pieces(contacts, rows), heap.by_brute_force());
+    }
+}
+
+// A resumed run builds its list elsewhere than the undisturbed one.
+TEST(Contacts, HaveBitsThatDoNotTellWhenTheListWasBuilt) {
+  Heap heap(elastic, 0.4);
+  Contacts contacts(heap.model, heap.order, heap.no_bonds);
+  Dice dice(3);
+  for (int move = 0; move < 20; ++move) {
+    contacts.refresh(heap.pose);
+    expect_same_bits(heap.in_pieces(contacts, 50), heap.by_brute_force());
+    for (PoseRow& p : heap.pose) p.r += Vec3d{dice(-0.02, 0.02), dice(-0.02, 0.02), dice(-0.02, 0.02)};
+  }
+}
+
+// More neighbours than are evaluated together: everybody in one place but for a little.
+TEST(Contacts, CountEveryNeighbourInACrowd) {
+  Heap heap(elastic, 0.4);
+  for (PoseRow& p : heap.pose) p.r = 0.05 * p.r;
+  Contacts contacts(heap.model, heap.order, heap.no_bonds);
+  contacts.refresh(heap.pose);
+  expect_same_bits(heap.in_pieces(contacts, 128), heap.by_brute_force());
+}
+
+// F = -dU/dr. Central differences of step h are wrong by h^2/6 U''' and by 1e-16 U/h; the third derivative
+// of delta^(5/2) goes as delta^(-1/2), so only pairs with less overlap than h spoil it, by h^(3/2).
+TEST(Contacts, ForceIsTheGradientOfTheEnergy) {
+  Heap heap(elastic, 0.4);
+  Contacts contacts(heap.model, heap.order, heap.no_bonds);
+  contacts.refresh(heap.pose);
+  const std::vector<LoadRow> load = heap.in_pieces(contacts, 128);
+  const double h = 1e-6;
+  for (std::size_t k = 0; k < heap.pose.size(); k += 11)
+    for (int c = 0; c < 3; ++c) {
+      double& x = component(heap.pose[k].r, c);
+      const double x_0 = x;
+      x = x_0 + h;
+      const double above = contacts.energy(heap.pose);
+      x = x_0 - h;
+      const double below = contacts.energy(heap.pose);
+      x = x_0;
+      EXPECT_NEAR(component(load[k].F, c), -(above - below) / (2.0 * h), 1e-8) << k;
+    }
+}
+
+TEST(Contacts, LeaveOutBondedPairsIfToldSo) {
+  Heap heap(elastic, 0.4);
+  heap.model.contact.pairs = ContactPairs::unbonded;
+  BondIndex index = heap.no_bonds;
+  Contacts contacts(heap.model, heap.order, index);
+  contacts.refresh(heap.pose);
+  const std::vector<LoadRow> before = heap.in_pieces(contacts, 128);
+  expect_same_bits(before, heap.by_brute_force());
+
+  Bond bond;  // of the first two that touch
+  for (std::size_t i = 0; i < heap.pose.size() && bond.i == bond.j; ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (norm(heap.pose[j].r - heap.pose[i].r) < heap.R(i) + heap.R(j) - 0.05)
+        bond.i = heap.order.particle[Row{i}], bond.j = heap.order.particle[Row{j}];
+  ASSERT_NE(bond.i, bond.j);
+  index = BondIndex(heap.pose.size(), {bond});
+  contacts.bonds_changed();
+  contacts.refresh(heap.pose);
+  const std::vector<LoadRow> after = heap.in_pieces(contacts, 128);
+  for (const Row k : heap.order.particle.ids()) {
+    const ParticleId p = heap.order.particle[k];
+    EXPECT_EQ(before[k.value].F == after[k.value].F, p != bond.i && p != bond.j);
+  }
+}
+
+TEST(Contacts, WithoutALawThereAreNone) {
+  const Heap heap({}, 0.4);
+  Contacts contacts(heap.model, heap.order, heap.no_bonds);
+  EXPECT_FALSE(contacts.any());
+  contacts.refresh(heap.pose);
+  EXPECT_EQ(heap.in_pieces(contacts, 128)[0].F, Vec3d{});
+  EXPECT_EQ(contacts.energy(heap.pose), 0.0);
+  EXPECT_TRUE(Contacts(Heap(papers, 0.4).model, heap.order, heap.no_bonds).any());
+}
+
+}  // namespace
+}  // namespace vbond

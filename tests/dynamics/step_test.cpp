@@ -1,0 +1,276 @@
+// The step loop against the plain loop, against itself with other threads and instruction sets, and with NaN.
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "random_pose.hpp"
+#include "rods.hpp"
+#include "vbond/core/error.hpp"
+#include "vbond/dynamics/bonds.hpp"
+#include "vbond/dynamics/kernel.hpp"
+
+namespace vbond {
+namespace {
+
+/// A bond set that differs from the paper's in every number.
+BondRecipe other_bond() {
+  BondRecipe recipe;
+  recipe.law = BondLaw::evm;
+  recipe.parameters = GivenCoefficients{0.7, 0.05, 0.03, 0.02};
+  recipe.attachment = Attachment::given;
+  recipe.R_i = 0.2;
+  recipe.R_j = 0.1;
+  return recipe;
+}
+
+/// A crumpled sheet of n x n particles: bonds of two laws, of lengths that differ, some made between particles
+/// that were turned already, in any order and direction.
+testing::Specimen crumpled_sheet(std::size_t n, unsigned seed) {
+  testing::PoseSource random(seed);
+  std::vector<Vec3d> r;
+  for (std::size_t x = 0; x < n; ++x)
+    for (std::size_t y = 0; y < n; ++y)
+      r.push_back(Vec3d{static_cast<double>(x), static_cast<double>(y), 0} + random.vector(0.1));
+  testing::Specimen s = testing::particles_at(r);
+  for (std::size_t k = 0; k < n; ++k) s.state.q[ParticleId{k * k}] = random.rotation(3.0);
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  for (std::size_t k = 0; k < n * n; ++k) {
+    if (k % n + 1 < n) pairs.emplace_back(k, k + 1);
+    if (k + n < n * n) pairs.emplace_back(k + n, k);
+  }
+  std::shuffle(pairs.begin(), pairs.end(), std::mt19937(seed));
+  for (const auto& [i, j] : pairs) {
+    const double kind = random.uniform(0, 1);
+    testing::bond(s, i, j, kind < 0.2 ? other_bond() : kind < 0.3 ? testing::papers_bond(BondLaw::evm) : testing::papers_bond());
+  }
+  for (const ParticleId p : s.state.r.ids()) {
+    s.state.r[p] += random.vector(0.2);
+    s.state.q[p] = random.rotation(1.2) * s.state.q[p];
+    s.state.v[p] = random.vector(0.1);
+    s.state.omega[p] = random.vector(0.5);
+  }
+  return s;
+}
+
+// The same sums in another order, and coefficients that many bonds share known to 4 roundings: 1e-13 of the
+// largest load is a hundred times that.
+RC_GTEST_PROP(Simulation, LoadsAreThoseOfThePlainLoop, (unsigned seed)) {
+  const testing::Specimen s = crumpled_sheet(*rc::gen::inRange<std::size_t>(2, 25), seed);
+  const std::size_t n = s.model.particles();
+  Loads plain{PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)};
+  add_bond_loads(s.state, plain);
+  const Simulation run(s.model, testing::plain_stage(0.01, 1e9), s.state);
+  const Loads fast = run.loads();
+  double largest = 0.0;
+  for (const ParticleId p : plain.F.ids()) largest = std::max({largest, norm(plain.F[p]), norm(plain.M[p])});
+  for (const ParticleId p : plain.F.ids()) {
+    RC_ASSERT(norm(fast.F[p] - plain.F[p]) <= 1e-13 * largest);
+    RC_ASSERT(norm(fast.M[p] - plain.M[p]) <= 1e-13 * largest);
+  }
+  const Energies e = bond_energies(s.state), f = run.energies();
+  RC_ASSERT(std::abs(f.U_L - e.U_L) <= 1e-13 * e.U_L);
+  RC_ASSERT(std::abs(f.U_B - e.U_B) <= 1e-13 * e.U_B);
+  RC_ASSERT(std::abs(f.U_T - e.U_T) <= 1e-13 * e.U_T);
+}
+
+RC_GTEST_PROP(Survey, NamesEveryBondOutOfRange, (unsigned seed)) {
+  const testing::Specimen s = crumpled_sheet(*rc::gen::inRange<std::size_t>(2, 25), seed);
+  const Simulation run(s.model, testing::plain_stage(0.01, 1e9), s.state);
+  const std::vector<BondId>& deformed = run.survey().deformed;
+  RC_ASSERT(std::is_sorted(deformed.begin(), deformed.end()));
+  const std::set<BondId> named(deformed.begin(), deformed.end());
+  RC_ASSERT(named.size() == deformed.size());
+  for (const BondId b : s.state.bonds.ids()) {
+    const Bond& bond = s.state.bonds[b];
+    const BondShape shape = bond_shape(bond_pose(bond, s.state), bond.R_i, bond.R_j);
+    const bool out = bond_range(bond, shape) != BondRange::good || shape.length < 0.5 * bond.a;
+    RC_ASSERT(!out || named.count(b) == 1);
+  }
+}
+
+TEST(Survey, NamesNoBondOfABodyAtRest) {
+  const testing::Specimen s = testing::straight_rod(50);
+  EXPECT_TRUE(Simulation(s.model, testing::plain_stage(0.01, 1e9), s.state).survey().deformed.empty());
+}
+
+// A sheet large enough for four threads, with everything that adds to loads and books.
+TEST(Simulation, GivesTheSameBitsForAnyNumberOfThreads) {
+  constexpr std::size_t side = 110;
+  static_assert(3 * side * side > 4 * least_part);
+  testing::Specimen s = crumpled_sheet(side, 1);
+  for (Vec3d& v : s.state.v) v = 0.1 * v;
+  s.model.contact = {ContactLaw::paper_hertz, ContactPairs::all, 1.0, 1.0, 0, 0};
+  Stage stage = testing::plain_stage(0.005, 1e9);
+  stage.b_translation = 0.01;
+  stage.b_rotation = 0.001;
+  stage.gravity = {0, 0, -1e-3};
+  std::vector<ParticleId> edge, middle;
+  for (std::size_t k = 0; k < side; ++k) edge.push_back(ParticleId{k}), middle.push_back(ParticleId{(k + 1) * side / 2});
+  stage.supports = {testing::held(edge, testing::clamped, {1e-3, 0, 0})};
+  stage.loads = {PointLoad{"middle", middle, {0, 0, 1e-2}, {1e-3, 0, 0}, {{{0, 0}, {1, 1}}}}};
+  stage.strain = StrainProgram{s.model.groups[0].particles, {0, 1, 0}, {0, 50, 0}, 1e-4, 0.02};
+  struct Outcome {
+    State state;
+    Energies energies;
+    Loads loads;
+  };
+  const auto after = [&](int threads) {
+    Simulation run(s.model, stage, s.state, threads);
+    for (int k = 0; k < 12; ++k) run.step();
+    return Outcome{run.state(), run.energies(), run.loads()};
+  };
+  const Outcome one = after(1);
+  EXPECT_FALSE(one.state == s.state);
+  EXPECT_GT(one.energies.contact, 0.0);
+  EXPECT_NE(one.state.books.work_loads, 0.0);
+  EXPECT_NE(one.state.books.work_supports, 0.0);
+  EXPECT_GT(one.state.books.dissipated, 0.0);
+  for (const int threads : {2, 3, 4}) {
+    const Outcome more = after(threads);
+    EXPECT_TRUE(one.state == more.state) << threads << " threads";
+    EXPECT_TRUE(one.loads.F == more.loads.F && one.loads.M == more.loads.M) << threads << " threads";
+    EXPECT_EQ(one.energies.total(), more.energies.total()) << threads << " threads";
+    EXPECT_EQ(one.energies.contact, more.energies.contact) << threads << " threads";
+  }
+}
+
+/// Rows of a few particles that stand, move and are loaded anyhow.
+struct RandomRows {
+  std::vector<PoseRow> pose;
+  std::vector<MotionRow> motion;
+  std::vector<LoadRow> load;
+  std::vector<PerInertia> per;
+  std::vector<Decay> decay;
+};
+
+RandomRows random_rows(std::size_t n, double fastest, unsigned seed) {
+  testing::PoseSource random(seed);
+  RandomRows rows;
+  for (std::size_t k = 0; k < n; ++k) {
+    rows.pose.push_back({random.vector(3.0), 0, random.rotation(3.0)});
+    rows.motion.push_back({random.vector(1.0), 0, random.vector(fastest), 0});
+    rows.load.push_back({random.vector(1.0), 0, random.vector(1.0), 0});
+    rows.per.push_back({random.uniform(0.5, 2), random.uniform(0.5, 2)});
+    rows.decay.push_back({random.uniform(0.5, 1), random.uniform(0.5, 1), random.uniform(0, 1), random.uniform(0, 1)});
+  }
+  return rows;
+}
+
+/// Random bonds between rows; of the last pack only some lanes count, of some the threads differ.
+template <class P>
+std::vector<P> random_packs(std::size_t count, std::size_t rows, unsigned seed) {
+  testing::PoseSource random(seed);
+  const auto row = [&] { return static_cast<std::uint32_t>(random.uniform(0, static_cast<double>(rows) - 1e-9)); };
+  std::vector<P> packs(count);
+  for (P& p : packs)
+    for (std::size_t l = 0; l < pack_bonds; ++l) {
+      p.i[l] = row();
+      do p.j[l] = row();
+      while (p.j[l] == p.i[l]);
+      const auto put = [&](double(&to)[4][pack_bonds]) {
+        const Quatd q = random.rotation(3.0);
+        to[0][l] = q.w, to[1][l] = q.x, to[2][l] = q.y, to[3][l] = q.z;
+      };
+      p.a[l] = random.uniform(0.5, 2);
+      if constexpr (std::is_same_v<P, FullPack>) {
+        p.R_i[l] = random.uniform(0, 0.3), p.R_j[l] = random.uniform(0, 0.3);
+        p.B1[l] = random.uniform(0, 1), p.B2[l] = random.uniform(-1, 1);
+        p.B3[l] = random.uniform(0, 1), p.B4[l] = random.uniform(0, 1);
+        put(p.frame_i), put(p.frame_j);
+      } else {
+        p.scale[l] = random.uniform(0.5, 2);
+        put(p.frame);
+      }
+    }
+  return packs;
+}
+
+template <class P>
+void expect_same_bonds(PackLoops<P> StepKernel::*loops, BondLaw law) {
+  constexpr std::size_t n = 40;
+  const RandomRows rows = random_rows(n, 1.0, 5);
+  const std::vector<P> packs = random_packs<P>(9, n, 6);
+  std::vector<PackLanes> lanes(packs.size(), PackLanes{8, false});
+  lanes[3].crossing = true;
+  lanes[8].count = 5;
+  const PackRun<P> run{packs.data(), lanes.data(), packs.size(), {law, 1.0, 0.1, 0.2, 1.0, -0.1, 0.3, 0.2}};
+  std::vector<LoadRow> first_load;
+  BondEnergies first;
+  std::vector<std::uint8_t> first_look;
+  for (const StepKernel* kernel : available_kernels()) {
+    std::vector<LoadRow> load = rows.load;
+    (kernel->*loops).add_loads(run, {10, 30}, rows.pose.data(), load.data());
+    BondEnergies sum;
+    std::vector<std::uint8_t> look(packs.size());
+    (kernel->*loops).survey(run, rows.pose.data(), sum, look.data());
+    if (first_load.empty()) {
+      first_load = load, first = sum, first_look = look;
+      continue;
+    }
+    for (std::size_t k = 0; k < n; ++k)
+      EXPECT_TRUE(load[k].F == first_load[k].F && load[k].M == first_load[k].M) << kernel->name << ", row " << k;
+    EXPECT_TRUE(sum.U_L == first.U_L && sum.U_B == first.U_B && sum.U_T == first.U_T) << kernel->name;
+    EXPECT_EQ(look, first_look) << kernel->name;
+  }
+}
+
+// Every lane rounds as a scalar does, and no kernel fuses a multiplication with an addition.
+TEST(StepKernel, GivesTheSameBitsWithEveryInstructionSet) {
+  const std::vector<const StepKernel*> kernels = available_kernels();
+  for (const StepKernel* k : kernels) std::printf("compared: %s\n", k->name);
+  for (const BondLaw law : {BondLaw::v_model, BondLaw::evm}) {
+    expect_same_bonds<CompactPack>(&StepKernel::compact, law);
+    expect_same_bonds<FullPack>(&StepKernel::full, law);
+  }
+  for (const double fastest : {0.1, 100.0}) {  // turning little, and by more than the series is good for
+    const RandomRows start = random_rows(48, fastest, 7);
+    const auto moved = [&start](const StepKernel& kernel) {
+      RandomRows rows = start;
+      kernel.drift({8, 40}, 0.01, rows.motion.data(), rows.pose.data());
+      const double lost = kernel.slow_down({8, 40}, rows.decay.data(), rows.motion.data());
+      EXPECT_EQ(kernel.kick({8, 40}, 0.01, rows.per.data(), rows.load.data(), rows.motion.data()), 0.0);
+      return std::pair{rows, lost};
+    };
+    const auto [first, first_lost] = moved(*kernels.front());
+    for (const StepKernel* kernel : kernels) {
+      const auto [rows, lost] = moved(*kernel);
+      EXPECT_EQ(lost, first_lost) << kernel->name;
+      for (std::size_t k = 0; k < rows.pose.size(); ++k) {
+        EXPECT_TRUE(rows.pose[k].r == first.pose[k].r && rows.pose[k].q == first.pose[k].q) << kernel->name;
+        EXPECT_TRUE(rows.motion[k].v == first.motion[k].v && rows.motion[k].omega == first.motion[k].omega) << kernel->name;
+        const bool outside = k < 8 || k >= 40;
+        EXPECT_EQ(rows.pose[k].r == start.pose[k].r, outside);
+        if (!outside) {  // the definition, to rounding
+          EXPECT_LT(norm(rotate(rows.pose[k].q, {1, 0, 0}) -
+                         rotate(rotation_of(0.01 * start.motion[k].omega) * start.pose[k].q, {1, 0, 0})), 1e-15 * 4);
+        }
+      }
+    }
+  }
+}
+
+// A number that is none, put anywhere into a body, ends the run within two steps; with a bond it has reached
+// the loads by then.
+RC_GTEST_PROP(Simulation, NeverHidesANaN, (unsigned seed)) {
+  testing::Specimen s = crumpled_sheet(12, seed);
+  testing::PoseSource random(seed);
+  const ParticleId p{static_cast<std::size_t>(random.uniform(0, 143.9))};
+  const double bad = random.uniform(0, 1) < 0.5 ? std::numeric_limits<double>::quiet_NaN()
+                                                 : std::numeric_limits<double>::infinity();
+  double* const places[] = {&s.state.r[p].x, &s.state.q[p].w,     &s.state.q[p].z,
+                            &s.state.v[p].y, &s.state.omega[p].z, &s.state.omega[p].x};
+  *places[static_cast<std::size_t>(random.uniform(0, 5.999))] = bad;
+  const auto two_steps = [&s] {
+    Simulation run(s.model, testing::plain_stage(0.01, 1e9), s.state);
+    run.step();
+    run.step();
+  };
+  RC_ASSERT_THROWS_AS(two_steps(), Diverged);
+}
+
+}  // namespace
+}  // namespace vbond
