@@ -25,7 +25,7 @@ constexpr std::int64_t few_steps = 10;
 
 void print_memory(const Model& model, const State& state) {
   constexpr double MiB = 0x1p20, GiB = 0x1p30;
-  const MemoryUse use = memory_use(model, state);
+  const MemoryUse use = memory_use(state);
   const double total = use.per_particle * static_cast<double>(model.particles()) +
                        use.per_bond * static_cast<double>(state.bonds.size());
   const bool large = total >= GiB;

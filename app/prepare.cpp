@@ -63,7 +63,8 @@ void print_overview(const Case& c, const Model& model, const State& state, const
 }
 
 void print_machine(int threads) {
-  fmt::print("instruction set  {}, {} thread{}\n", instruction_set(), threads, threads == 1 ? "" : "s");
+  fmt::print("instruction set  {}, {}{} thread{}\n", instruction_set(), threads == 1 ? "" : "up to ", threads,
+             threads == 1 ? "" : "s");
   std::fflush(stdout);
 }
 

@@ -118,6 +118,7 @@ void save_summary(Campaign& campaign) {
 void add_stage(RunSummary& s, const Simulation& run, StopReason why, std::int64_t first_step) {
   const RangeCounts ranges = count_ranges(run);
   s.bonds = count_bonds(run);
+  s.threads_used = run.threads();
   s.strained = ranges.strained;
   s.snapped = ranges.snapped;
   s.bond_steps += (run.clock().step - first_step) * s.bonds;

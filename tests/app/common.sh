@@ -45,3 +45,8 @@ holds() {
 column() {
   awk -F, -v name="$2" 'NR == 1 { for (i = 1; i <= NF; ++i) if ($i == name) c = i; next } c { print $c }' "$1"
 }
+
+# without_times DIR: its run.json without what depends on the machine and its load.
+without_times() {
+  sed '/"bond_steps_per_second"/d; /"threads/d; /"instruction_set"/d; /"wall_time"/,/}/d' "$1/run.json"
+}

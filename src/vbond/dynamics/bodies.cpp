@@ -3,11 +3,11 @@
 namespace vbond {
 
 Bodies::Bodies(const Model& model) : order(spatial_order(model.r_0)) {
-  const std::size_t rows = (model.particles() + rows_at_once - 1) / rows_at_once * rows_at_once;
+  const std::size_t rows = filled_up(model.particles());
   pose.resize(rows);
   motion.resize(rows);
   load.resize(rows);
-  per.resize(rows);
+  inverse.resize(rows);
   mass.resize(rows);
   inertia.resize(rows);
   for (const Row k : order.particle.ids()) {
@@ -15,7 +15,7 @@ Bodies::Bodies(const Model& model) : order(spatial_order(model.r_0)) {
     pose[k.value].r = model.r_0[p];
     mass[k.value] = model.mass[p];
     inertia[k.value] = model.inertia[p];
-    per[k.value] = {1.0 / model.mass[p], 1.0 / model.inertia[p]};
+    inverse[k.value] = {1.0 / model.mass[p], 1.0 / model.inertia[p]};
   }
 }
 

@@ -29,7 +29,7 @@ struct Bodies {
   std::vector<PoseRow> pose;
   std::vector<MotionRow> motion;
   std::vector<LoadRow> load;
-  std::vector<PerInertia> per;
+  std::vector<InverseInertia> inverse;
   std::vector<double> mass;     ///< [mass]
   std::vector<double> inertia;  ///< [mass*length^2]
 };

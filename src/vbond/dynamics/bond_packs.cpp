@@ -22,9 +22,6 @@ bool is_scaled(const Bond& b, const BondType& t, double scale) {
          close(scale * t.B4, b.B4);
 }
 
-std::size_t lower_row(const Bond& b, const Order& order) {
-  return std::min(order.row[b.i], order.row[b.j]).value;
-}
 std::size_t upper_row(const Bond& b, const Order& order) {
   return std::max(order.row[b.i], order.row[b.j]).value;
 }

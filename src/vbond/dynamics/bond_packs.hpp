@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -10,6 +11,11 @@
 #include "vbond/model/loads.hpp"
 
 namespace vbond {
+
+/// A bond is worked on with the block of its lower row.
+inline std::size_t lower_row(const Bond& b, const Order& order) {
+  return std::min(order.row[b.i], order.row[b.j]).value;
+}
 
 /// The constants of all bonds in the order in which the step loop works through them: by the block of the
 /// lower of their two rows, in a block by kind, then by that row and in order of creation. This order fixes

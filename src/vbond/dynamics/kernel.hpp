@@ -23,7 +23,7 @@ template <class P>
 struct PackLoops {
   /// Adds the loads of these bonds to their particles; of a pack that crosses, only to rows of `own`.
   void (*add_loads)(const PackRun<P>&, RowRange own, const PoseRow*, LoadRow*);
-  /// Adds the energies of these bonds, and tells of each pack the lanes that need_look(), a bit each.
+  /// Adds the energies of these bonds, and tells of each pack the lanes that needs_look(), a bit each.
   void (*survey)(const PackRun<P>&, const PoseRow*, BondEnergies&, std::uint8_t* look);
 };
 
@@ -33,7 +33,7 @@ struct StepKernel {
   PackLoops<CompactPack> compact;
   PackLoops<FullPack> full;
   /// v += h F/m, omega += h M/Theta. Returns 0, or NaN if a load is not finite.
-  double (*kick)(RowRange, double h, const PerInertia*, const LoadRow*, MotionRow*);
+  double (*kick)(RowRange, double h, const InverseInertia*, const LoadRow*, MotionRow*);
   /// r += h v; q is turned exactly by the angle vector h omega. Rows are taken by eights.
   void (*drift)(RowRange, double h, const MotionRow*, PoseRow*);
   /// Slows down by the factors and returns the kinetic energy that this takes away.

@@ -6,7 +6,7 @@
 
 namespace vbond {
 
-MemoryUse memory_use(const Model& /*model*/, const State& state) {
+MemoryUse memory_use(const State& state) {
   std::size_t compact = 0;
   for (const Bond& b : state.bonds) compact += b.frame_i == b.frame_j;
   const double part =
@@ -16,8 +16,8 @@ MemoryUse memory_use(const Model& /*model*/, const State& state) {
       (part * sizeof(CompactPack) + (1.0 - part) * sizeof(FullPack) + sizeof(PackLanes)) / lanes;
   return {.per_particle = 4 * sizeof(double) + sizeof(Vec3d) +  // model
                           3 * sizeof(Vec3d) + sizeof(Quatd) +   // state
-                          sizeof(PoseRow) + sizeof(MotionRow) + sizeof(LoadRow) + sizeof(PerInertia) +
-                          2 * sizeof(double) + sizeof(Row) + sizeof(ParticleId),
+                          sizeof(PoseRow) + sizeof(MotionRow) + sizeof(LoadRow) + sizeof(InverseInertia) +
+                          2 * sizeof(double) + sizeof(Row) + sizeof(ParticleId) + sizeof(std::size_t),
           .per_bond = sizeof(Bond) + pack + sizeof(BondId) + 2 * sizeof(BondIndex::Entry)};
 }
 

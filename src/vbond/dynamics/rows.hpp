@@ -35,9 +35,9 @@ struct alignas(64) LoadRow {
 };
 
 /// 1/m and 1/Theta of a particle.
-struct PerInertia {
-  double mass = 0;     ///< [1/mass]
-  double inertia = 0;  ///< [1/(mass*length^2)]
+struct InverseInertia {
+  double per_m = 0;      ///< [1/mass]
+  double per_Theta = 0;  ///< [1/(mass*length^2)]
 };
 
 /// Rows [first, last).
@@ -49,6 +49,9 @@ struct RowRange {
 /// The vector unit takes rows by eights: every array of rows is filled up to a multiple of it with particles
 /// that rest at the origin and feel nothing.
 inline constexpr std::size_t rows_at_once = 8;
+constexpr std::size_t filled_up(std::size_t rows) {
+  return (rows + rows_at_once - 1) / rows_at_once * rows_at_once;
+}
 
 /// Rows are worked through in blocks that fit the first-level cache. Sums over particles are made block by
 /// block, so that they do not depend on the number of threads.

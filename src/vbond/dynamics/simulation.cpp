@@ -23,8 +23,7 @@ double scale_of_rounding(const PerBond<Bond>& bonds) {
 /// The particles of each block and the bonds that are worked on with it.
 std::vector<std::size_t> work_of_blocks(const Bodies& bodies, const PerBond<Bond>& bonds) {
   std::vector<std::size_t> work((bodies.pose.size() + block_rows - 1) / block_rows, block_rows);
-  for (const Bond& b : bonds)
-    ++work[std::min(bodies.order.row[b.i], bodies.order.row[b.j]).value / block_rows];
+  for (const Bond& b : bonds) ++work[lower_row(b, bodies.order) / block_rows];
   return work;
 }
 
@@ -58,20 +57,21 @@ void Simulation::begin_stage() {
   state_.rest = {};
   evaluate_loads();
   if (state_.clock.stage == 0 && state_.clock.step == 0) state_.books = {.at_start = energies().total()};
-  supports_.set_times(0.0, stage_.dt);
+  supports_.set_times(0, stage_.dt);
   team_.for_blocks(
       [&](const Block& b) { books_[b.index] = {.work_supports = supports_.hold(b, Instant::start)}; });
-  close_books();
+  bodies_ahead_ = true;
   survey_.reset();
+  close_books();
 }
 
 void Simulation::step() {
-  const double dt = stage_.dt, t = state_.clock.stage_time();
+  const double dt = stage_.dt;
   const bool timed = state_.clock.stage_step % StepTimes::one_in == 0;
   make_bonds();    // between particles that came close
   apply_strain();  // r jumps, if it is due
-  supports_.set_times(t, dt);
-  applied_.set_times(t, dt);
+  supports_.set_times(state_.clock.stage_step, dt);
+  applied_.set_times(state_.clock.stage_step, dt);
 
   StepTimes::Lap lap(timed);
   team_.for_blocks([&](const Block& b) {
@@ -85,8 +85,10 @@ void Simulation::step() {
     clear_loads(b);
   });
   lap.add_to(times_.integrate);
-  contacts_.refresh(bodies_.poses());  // the list of near pairs, made anew only when it is stale
-  lap.add_to(times_.contacts);
+  if (contacts_.any()) {
+    contacts_.refresh(bodies_.poses());  // the list of near pairs, made anew only when it is stale
+    lap.add_to(times_.contacts);
+  }
   team_.for_parts([&](const Part& part) {
     StepTimes::Lap lap_of_part(timed && part.index == 0);
     for (std::size_t k = part.first_block; k < part.last_block; ++k) {
@@ -102,9 +104,9 @@ void Simulation::step() {
   });
   ++state_.clock.step;
   ++state_.clock.stage_step;  // time is counted, not summed
-  close_books();
   bodies_ahead_ = true;
   survey_.reset();
+  close_books();
   keep_records();
   if (--steps_to_look_ == 0) notify_observers();
 }
@@ -125,7 +127,7 @@ void Simulation::notify_observers() {
   steps_to_look_ = std::numeric_limits<std::int64_t>::max();
   for (const auto& o : observers_) {
     o->observe(*this);
-    steps_to_look_ = std::min(steps_to_look_, o->steps_to_next_look(state_.clock));
+    steps_to_look_ = std::min(steps_to_look_, std::max<std::int64_t>(1, o->steps_to_next_look(state_.clock)));
   }
 }
 
@@ -140,6 +142,7 @@ void Simulation::bonds_changed() {
 }
 
 void Simulation::make_bonds() {
+  if (stage_.bonding.empty()) return;
   const std::vector<Bonding::Pair> pairs = bonding_.find(bodies_.poses());
   if (pairs.empty()) return;
   state();  // brought up to date
@@ -150,11 +153,11 @@ void Simulation::make_bonds() {
 
 void Simulation::kick(const Block& b, double h) {
   books_[b.index].poison +=
-      step_kernel().kick(b.rows, h, bodies_.per.data(), bodies_.load.data(), bodies_.motion.data());
+      kernel_.kick(b.rows, h, bodies_.inverse.data(), bodies_.load.data(), bodies_.motion.data());
 }
 
 void Simulation::drift(const Block& b, double h) {
-  step_kernel().drift(b.rows, h, bodies_.motion.data(), bodies_.pose.data());
+  kernel_.drift(b.rows, h, bodies_.motion.data(), bodies_.pose.data());
 }
 
 void Simulation::clear_loads(const Block& b) {
@@ -169,15 +172,17 @@ void Simulation::complete_loads(const Part& part, const Block& b, Instant at, St
   if (b.index == part.first_block) bonds_.add_loads_from_below(part, pose, load);
   bonds_.add_loads(b, part, pose, load);
   lap.add_to(times_.bonds);
-  contacts_.add_loads({b.rows.first, std::min(b.rows.last, model_.particles())}, pose, load);
-  lap.add_to(times_.contacts);
+  if (contacts_.any()) {
+    contacts_.add_loads({b.rows.first, std::min(b.rows.last, model_.particles())}, pose, load);
+    lap.add_to(times_.contacts);
+  }
   applied_.add(b, at);
 }
 
 void Simulation::evaluate_loads() {
   survey_.reset();
   contacts_.refresh(bodies_.poses());
-  applied_.set_times(state_.clock.stage_time(), stage_.dt);
+  applied_.set_times(state_.clock.stage_step, stage_.dt);
   team_.for_blocks([&](const Block& b) { clear_loads(b); });
   team_.for_parts([&](const Part& part) {
     StepTimes::Lap untimed(false);
@@ -224,7 +229,7 @@ void Simulation::apply_strain() {
 
   const double U_before = energies().potential();
   team_.for_blocks([&](const Block& b) { clear_loads(b); });
-  applied_.set_times(state_.clock.stage_time(), stage_.dt);
+  applied_.set_times(state_.clock.stage_step, stage_.dt);
   team_.for_blocks([&](const Block& b) { applied_.add(b, Instant::start); });
   double work_applied = 0.0;
   for (const ParticleId p : strain.particles) {
@@ -293,13 +298,13 @@ StopReason Simulation::stop_reason() const {
 
 const Survey& Simulation::survey() const {
   if (survey_) return *survey_;
-  survey_.emplace();
-  Energies& e = survey_->energies = bonds_.survey(team_, bodies_.pose.data(), survey_->deformed);
+  Survey survey;
+  Energies& e = survey.energies = bonds_.survey(team_, bodies_.pose.data(), survey.deformed);
   const Energies kinetic = bodies_.kinetic_energy(team_);
   e.kinetic_translation = kinetic.kinetic_translation;
   e.kinetic_rotation = kinetic.kinetic_rotation;
   e.contact = contacts_.energy(bodies_.poses());
-  return *survey_;
+  return survey_.emplace(std::move(survey));
 }
 
 double Simulation::balance_error(const Energies& e) const {

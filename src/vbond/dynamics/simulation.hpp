@@ -12,6 +12,7 @@
 #include "vbond/dynamics/bonding.hpp"
 #include "vbond/dynamics/contacts.hpp"
 #include "vbond/dynamics/damping.hpp"
+#include "vbond/dynamics/kernel.hpp"
 #include "vbond/dynamics/observer.hpp"
 #include "vbond/dynamics/step_times.hpp"
 #include "vbond/dynamics/supports.hpp"
@@ -48,7 +49,10 @@ class Simulation {
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
 
-  void add_observer(std::shared_ptr<Observer> observer) { observers_.push_back(std::move(observer)); }
+  void add_observer(std::shared_ptr<Observer> observer) {
+    observers_.push_back(std::move(observer));
+    steps_to_look_ = 1;
+  }
 
   /// One time step of stage().dt. Throws Diverged if a load is not finite or a new bond is impossible.
   void step();
@@ -71,6 +75,8 @@ class Simulation {
   }
   /// Forces and moments at the present positions, in the numbering of the model; collected at each call.
   Loads loads() const { return bodies_.loads(); }
+  /// Threads at work: fewer than asked for if there is too little for them to do.
+  int threads() const { return static_cast<int>(team_.parts().size()); }
   /// Where the wall time of the steps has gone.
   const StepTimes& times() const { return times_; }
 
@@ -116,6 +122,7 @@ class Simulation {
   StopReason stop_reason() const;
   void notify_observers();
 
+  const StepKernel& kernel_ = step_kernel();
   const Model& model_;
   const Stage stage_;
   mutable State state_;                // positions and velocities as of the last state() or stage start

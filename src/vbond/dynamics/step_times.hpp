@@ -9,7 +9,7 @@ namespace vbond {
 struct StepTimes {
   double bonds = 0;  ///< [s], all three scaled up to all steps
   double contacts = 0;
-  double integrate = 0;  ///< everything else
+  double integrate = 0;  ///< moving the particles: kicks, drift, supports, damping, applied loads
 
   static constexpr std::int64_t one_in = 128;
 

@@ -52,7 +52,7 @@ void Supports::for_each_held(const Block& block, F f) const {
   }
 }
 
-double Supports::hold(const Block& block, Instant at) const {
+double Supports::do_hold(const Block& block, Instant at) const {
   double work = 0.0;
   for_each_held(block, [&](std::size_t support, double& rate, double m, double, double prescribed) {
     const double given = factors_.at(support, at) * prescribed;
@@ -62,7 +62,7 @@ double Supports::hold(const Block& block, Instant at) const {
   return work;
 }
 
-double Supports::hold_after_kick(const Block& block, Instant from, Instant to, double h) const {
+double Supports::do_hold_after_kick(const Block& block, Instant from, Instant to, double h) const {
   double work = 0.0;
   for_each_held(block, [&](std::size_t support, double& rate, double m, double load, double prescribed) {
     const double before = factors_.at(support, from), after = factors_.at(support, to);
@@ -74,11 +74,14 @@ double Supports::hold_after_kick(const Block& block, Instant from, Instant to, d
 }
 
 AppliedLoads::AppliedLoads(const Stage& stage, Bodies& bodies, const Team& team)
-    : stage_(stage), bodies_(bodies), loaded_(by_block(stage.loads, bodies.order, team.blocks())) {
+    : stage_(stage),
+      bodies_(bodies),
+      loaded_(by_block(stage.loads, bodies.order, team.blocks())),
+      any_(!loaded_.empty() || stage.gravity != Vec3d{}) {
   for (const PointLoad& l : stage.loads) factors_.add(l.factor);
 }
 
-void AppliedLoads::add(const Block& block, Instant at) const {
+void AppliedLoads::do_add(const Block& block, Instant at) const {
   for (const ByBlock::Entry* e = loaded_.begin_of(block.index); e != loaded_.end_of(block.index); ++e) {
     const PointLoad& l = stage_.loads[e->index];
     const double factor = factors_.at(e->index, at);
@@ -90,7 +93,7 @@ void AppliedLoads::add(const Block& block, Instant at) const {
     bodies_.load[k].F += bodies_.mass[k] * stage_.gravity;
 }
 
-double AppliedLoads::work(const Block& block, double dt) const {
+double AppliedLoads::do_work(const Block& block, double dt) const {
   double work = 0.0;
   for (const ByBlock::Entry* e = loaded_.begin_of(block.index); e != loaded_.end_of(block.index); ++e) {
     const PointLoad& l = stage_.loads[e->index];

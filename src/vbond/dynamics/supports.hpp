@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "vbond/dynamics/bodies.hpp"
@@ -14,9 +15,12 @@ enum class Instant : std::uint8_t { start, middle, end };
 /// The value of a stage's time functions at the three instants of a step.
 class Factors {
  public:
-  void set_times(double t, double dt) {
+  /// Times are products, as the clock's are: the end of a step is the start of the next to the last bit.
+  void set_times(std::int64_t stage_step, double dt) {
+    const auto n = static_cast<double>(stage_step);
     for (std::size_t k = 0; k < functions_.size(); ++k)
-      values_[k] = {(*functions_[k])(t), (*functions_[k])(t + dt / 2), (*functions_[k])(t + dt)};
+      values_[k] = {(*functions_[k])(n * dt), (*functions_[k])((n + 0.5) * dt),
+                    (*functions_[k])((n + 1.0) * dt)};
   }
   void add(const TimeFunction& f) { functions_.push_back(&f), values_.push_back({}); }
   double at(std::size_t function, Instant i) const { return values_[function][static_cast<std::size_t>(i)]; }
@@ -38,7 +42,6 @@ class ByBlock {
   const Entry* begin_of(std::size_t block) const { return entries_.data() + start_[block]; }
   const Entry* end_of(std::size_t block) const { return entries_.data() + start_[block + 1]; }
   bool empty() const { return entries_.empty(); }
-  const std::vector<Entry>& all() const { return entries_; }
 
  private:
   std::vector<Entry> entries_;
@@ -49,18 +52,22 @@ class ByBlock {
 /// changes by no other hand than theirs and the loads'. Each function returns that work.  [energy]
 class Supports {
  public:
-  /// Keeps references to all three.
+  /// Keeps references to stage and bodies.
   Supports(const Stage& stage, Bodies& bodies, const Team& team);
 
-  void set_times(double t, double dt) { factors_.set_times(t, dt); }
+  void set_times(std::int64_t stage_step, double dt) { factors_.set_times(stage_step, dt); }
 
   /// Gives held rates their prescribed value of that instant.
-  double hold(const Block& block, Instant at) const;
+  double hold(const Block& block, Instant at) const { return held_.empty() ? 0.0 : do_hold(block, at); }
   /// The same after a kick over h, which the supports have borne: the impulse that they add, times the mean
   /// prescribed velocity, is their work.
-  double hold_after_kick(const Block& block, Instant from, Instant to, double h) const;
+  double hold_after_kick(const Block& block, Instant from, Instant to, double h) const {
+    return held_.empty() ? 0.0 : do_hold_after_kick(block, from, to, h);
+  }
 
  private:
+  double do_hold(const Block& block, Instant at) const;
+  double do_hold_after_kick(const Block& block, Instant from, Instant to, double h) const;
   template <class F>
   void for_each_held(const Block& block, F f) const;
 
@@ -75,17 +82,23 @@ class AppliedLoads {
  public:
   AppliedLoads(const Stage& stage, Bodies& bodies, const Team& team);
 
-  void set_times(double t, double dt) { factors_.set_times(t, dt); }
+  void set_times(std::int64_t stage_step, double dt) { factors_.set_times(stage_step, dt); }
   /// Adds them to the loads of a block.
-  void add(const Block& block, Instant at) const;
+  void add(const Block& block, Instant at) const {
+    if (any_) do_add(block, at);
+  }
   /// Their work over a step of dt during which rates are constant.  [energy]
-  double work(const Block& block, double dt) const;
+  double work(const Block& block, double dt) const { return any_ ? do_work(block, dt) : 0.0; }
 
  private:
+  void do_add(const Block& block, Instant at) const;
+  double do_work(const Block& block, double dt) const;
+
   const Stage& stage_;
   Bodies& bodies_;
   Factors factors_;
   ByBlock loaded_;
+  bool any_;
 };
 
 }  // namespace vbond

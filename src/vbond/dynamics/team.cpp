@@ -13,20 +13,26 @@ namespace vbond {
 class Crew {
  public:
   explicit Crew(const std::vector<Part>& parts) : parts_(parts) {
-    for (std::size_t p = 1; p < parts.size(); ++p) threads_.emplace_back([this, p] { serve(p); });
+    try {
+      for (std::size_t p = 1; p < parts.size(); ++p) threads_.emplace_back([this, p] { serve(p); });
+    } catch (...) {  // no more threads to be had
+      hand_out(nullptr, nullptr);
+      throw;
+    }
   }
   ~Crew() { hand_out(nullptr, nullptr); }
   Crew(const Crew&) = delete;
   Crew& operator=(const Crew&) = delete;
 
-  void run(void (*call)(void* work, const Part&), void* work) {
+  /// The call must not throw: the program ends if it does, in whichever thread.
+  void run(void (*call)(void* work, const Part&), void* work) noexcept {
     hand_out(call, work);
     call(work, parts_.front());
-    for (int busy; (busy = busy_.load(std::memory_order_acquire)) != 0;) wait_for_change(busy_, busy);
+    for (unsigned busy; (busy = busy_.load(std::memory_order_acquire)) != 0;) wait_for_change(busy_, busy);
   }
 
  private:
-  static void wait_for_change(const std::atomic<int>& value, int from) {
+  static void wait_for_change(const std::atomic<unsigned>& value, unsigned from) {
     constexpr int looks = 2000;  // 10 to 50 us
     for (int k = 0; k < looks; ++k) {
       if (value.load(std::memory_order_acquire) != from) return;
@@ -41,13 +47,13 @@ class Crew {
   void hand_out(void (*call)(void* work, const Part&), void* work) {
     call_ = call;
     work_ = work;
-    busy_.store(static_cast<int>(threads_.size()), std::memory_order_relaxed);
+    busy_.store(static_cast<unsigned>(threads_.size()), std::memory_order_relaxed);
     round_.fetch_add(1, std::memory_order_release);
     round_.notify_all();
   }
 
   void serve(std::size_t part) {
-    for (int seen = 0;;) {
+    for (unsigned seen = 0;;) {
       wait_for_change(round_, seen);
       if (round_.load(std::memory_order_acquire) == seen) continue;
       ++seen;
@@ -60,13 +66,13 @@ class Crew {
   const std::vector<Part>& parts_;
   void (*call_)(void* work, const Part&) = nullptr;
   void* work_ = nullptr;
-  std::atomic<int> round_ = 0;  // of work handed out; wraps around
-  std::atomic<int> busy_ = 0;   // threads that have not finished their part of it
+  std::atomic<unsigned> round_ = 0;  // of work handed out; wraps around
+  std::atomic<unsigned> busy_ = 0;   // threads that have not finished their part of it
   std::vector<std::jthread> threads_;
 };
 
 Team::Team(std::size_t rows, const std::vector<std::size_t>& work, int threads)
-    : rows_((rows + rows_at_once - 1) / rows_at_once * rows_at_once), blocks_(work.size()) {
+    : rows_(filled_up(rows)), blocks_(work.size()) {
   const std::size_t all = std::accumulate(work.begin(), work.end(), std::size_t{0});
   const std::size_t parts =
       std::clamp<std::size_t>(all / least_part, 1, static_cast<std::size_t>(std::max(1, threads)));

@@ -92,6 +92,7 @@ std::string to_json(const RunSummary& r) {
       r.stepping_seconds > 0.0 ? static_cast<double>(r.bond_steps) / r.stepping_seconds : 0.0;
   j["instruction_set"] = r.instruction_set;
   j["threads"] = r.threads;
+  j["threads_used"] = r.threads_used;
   j["wall_time"] = Json::object();
   for (const PhaseTime& p : r.wall_time) j["wall_time"][p.name] = p.seconds;
   // text that is not UTF-8, as a title may be, is replaced by U+FFFD rather than refused at the end of a run

@@ -32,7 +32,8 @@ struct PhaseTime {
 struct RunSummary {
   std::string title, version;
   std::string instruction_set;  ///< of the bond kernel, see instruction_set()
-  int threads = 1;
+  int threads = 1;              ///< asked for
+  int threads_used = 1;         ///< in the last stage; a small body is not shared out
   UnitSystem units = UnitSystem::reduced;
   std::int64_t particles = 0, bonds = 0;
   double T_0 = 0;                                    ///< [time]
@@ -52,7 +53,7 @@ std::vector<PhaseTime> split_steps(double seconds, const StepTimes& times);
 /// The stage of this simulation as it stands.
 StageSummary summarise_stage(const Simulation& run, StopReason stop);
 
-/// "duration", "distance", "peak", "kinetic_energy", "interrupted", "running": as in run.json.
+/// "duration", "distance", "peak", "rest", "interrupted", "running": as in run.json.
 const char* to_text(StopReason reason);
 
 /// The text of run.json. The critical force of the run is that of the last stage that stopped at a peak.

@@ -1,0 +1,52 @@
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <thread>
+
+#include "vbond/dynamics/team.hpp"
+
+namespace vbond {
+namespace {
+
+TEST(Team, SharesOutEveryBlockOnce) {
+  for (const int threads : {1, 2, 3, 7}) {
+    std::vector<std::size_t> work(50, 1000);
+    work[3] = 400000;  // one block as heavy as all the others: some part may be empty
+    const Team team(50 * block_rows - 5, work, threads);
+    EXPECT_EQ(team.parts().size(), static_cast<std::size_t>(threads));
+    std::vector<int> visits(50);
+    std::size_t next = 0;
+    for (const Part& p : team.parts()) {
+      EXPECT_EQ(p.first_block, next);
+      next = p.last_block;
+      EXPECT_EQ(p.rows.first, p.first_block * block_rows);
+    }
+    EXPECT_EQ(next, 50u);
+    team.for_blocks([&](const Block& b) { ++visits[b.index]; });
+    EXPECT_EQ(visits, std::vector<int>(50, 1)) << threads << " threads";
+  }
+}
+
+TEST(Team, IsOneThreadForLittleWork) {
+  EXPECT_EQ(Team(100, {2 * least_part - 1}, 8).parts().size(), 1u);
+  EXPECT_EQ(Team(0, {}, 8).parts().size(), 1u);
+}
+
+// Work is handed out at once or after the others have gone to sleep, and nobody goes on before all are done.
+TEST(Team, WaitsForEveryPartOfEveryRound) {
+  const std::vector<std::size_t> work(8, least_part);
+  const Team team(8 * block_rows, work, 4);
+  ASSERT_EQ(team.parts().size(), 4u);
+  std::vector<int> rounds(4);
+  for (int round = 1; round <= 3000; ++round) {
+    if (round % 1000 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    team.for_parts([&](const Part& p) {
+      if (round % 1000 == static_cast<int>(p.index)) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      ++rounds[p.index];
+    });
+    ASSERT_EQ(rounds, std::vector<int>(4, round));
+  }
+}
+
+}  // namespace
+}  // namespace vbond
