@@ -41,7 +41,8 @@ TEST(Team, WaitsForEveryPartOfEveryRound) {
   for (int round = 1; round <= 3000; ++round) {
     if (round % 1000 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(20));
     team.for_parts([&](const Part& p) {
-      if (round % 1000 == static_cast<int>(p.index)) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      if (round % 1000 == static_cast<int>(p.index))
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
       ++rounds[p.index];
     });
     ASSERT_EQ(rounds, std::vector<int>(4, round));
