@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <numeric>
-#include <set>
 #include <string>
 #include <utility>
 
@@ -13,9 +11,9 @@
 #include "vbond/build/build.hpp"
 #include "vbond/case/read.hpp"
 #include "vbond/core/error.hpp"
-#include "vbond/core/near_pairs.hpp"
 #include "vbond/dynamics/memory.hpp"
 #include "vbond/dynamics/simulation.hpp"
+#include "vbond/model/touching.hpp"
 #include "vbond/observe/report.hpp"
 
 namespace vbond::app {
@@ -73,19 +71,10 @@ void print_body(const Model& model, const State& state) {
 
 /// Overlaps that the case starts with: their energy flies the body apart if they were not meant.
 void print_overlaps(const Model& model, const State& state) {
-  if (model.contact.law == ContactLaw::none || model.particles() == 0) return;
-  const double R_max = *std::max_element(model.radius.begin(), model.radius.end());
-  if (!(R_max > 0.0)) return;
-  std::set<std::pair<std::size_t, std::size_t>> exempt;
-  if (model.contact.pairs == ContactPairs::unbonded)
-    for (const Bond& b : state.bonds) exempt.insert(std::minmax<std::size_t>(b.i.value, b.j.value));
   double U = 0.0;
   std::int64_t pairs = 0;
-  for_near_pairs(state.r.values(), 2.0 * R_max, [&](std::size_t i, std::size_t j, double distance2) {
-    const double R_i = model.radius[ParticleId{i}], R_j = model.radius[ParticleId{j}];
-    const double overlap = R_i + R_j - std::sqrt(distance2);
-    if (overlap <= 0.0 || exempt.count({i, j}) > 0) return;
-    U += contact_energy(contact_law(model.contact, R_i, R_j), overlap);
+  for_touching_pairs(model, state, [&](ParticleId i, ParticleId j, double overlap) {
+    U += contact_energy(contact_law(model.contact, model.radius[i], model.radius[j]), overlap);
     ++pairs;
   });
   if (pairs > 0)

@@ -5,8 +5,8 @@
 
 #include "random_pose.hpp"
 #include "rods.hpp"
-#include "vbond/dynamics/bonds.hpp"
 #include "vbond/dynamics/kernel.hpp"
+#include "vbond/model/bond_sums.hpp"
 
 namespace vbond {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "cases.hpp"
 #include "dynamics/rods.hpp"
-#include "vbond/dynamics/bonds.hpp"
+#include "vbond/model/bond_sums.hpp"
 
 namespace vbond {
 namespace {

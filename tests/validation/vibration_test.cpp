@@ -7,7 +7,7 @@
 #include "cases.hpp"
 #include "rings.hpp"
 #include "swings.hpp"
-#include "vbond/dynamics/bonds.hpp"
+#include "vbond/model/bond_sums.hpp"
 
 namespace vbond {
 namespace {

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "vbond/core/error.hpp"
-#include "vbond/dynamics/bonds.hpp"
 #include "vbond/dynamics/kernel.hpp"
+#include "vbond/model/bond_sums.hpp"
 
 namespace vbond {
 namespace {

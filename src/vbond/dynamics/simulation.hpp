@@ -24,12 +24,6 @@
 
 namespace vbond {
 
-/// Total force and moment (about the origin of coordinates) that supports exert.
-struct Reaction {
-  Vec3d force;   ///< [force]
-  Vec3d moment;  ///< [force*length]
-};
-
 /// Where the energy is, and which bonds need a closer look.
 struct Survey {
   Energies energies;

@@ -10,6 +10,12 @@ struct Loads {
   PerParticle<Vec3d> M;  ///< about each particle's own centre  [force*length]
 };
 
+/// Total force and moment (about the origin of coordinates) that supports exert.
+struct Reaction {
+  Vec3d force;   ///< [force]
+  Vec3d moment;  ///< [force*length]
+};
+
 /// Where the energy is, relative to undeformed bonds.  [energy]
 struct Energies {
   double kinetic_translation = 0, kinetic_rotation = 0;

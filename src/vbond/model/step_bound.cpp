@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <limits>
-#include <unordered_set>
 
-#include "vbond/core/near_pairs.hpp"
 #include "vbond/model/make_bond.hpp"
+#include "vbond/model/touching.hpp"
 #include "vbond/physics/contact.hpp"
 #include "vbond/physics/stability.hpp"
 
@@ -91,20 +89,12 @@ struct PresentContacts {
   double most = 1.0;     ///< of one particle, at least 1
 };
 
-PresentContacts present_contacts(const Model& model, const State& state, double largest_radius) {
-  std::unordered_set<std::uint64_t> bonded;
-  const auto key = [](std::uint64_t i, std::uint64_t j) { return i << 32 | j; };
-  if (model.contact.pairs == ContactPairs::unbonded)
-    for (const Bond& b : state.bonds) bonded.insert(key(std::min(b.i, b.j).value, std::max(b.i, b.j).value));
-
+PresentContacts present_contacts(const Model& model, const State& state) {
   PresentContacts found;
   PerParticle<double> n(model.particles(), 0.0);
-  for_near_pairs(state.r.values(), 2.0 * largest_radius, [&](std::size_t i, std::size_t j, double d2) {
-    const ParticleId p{i}, q{j};
-    const double overlap = model.radius[p] + model.radius[q] - std::sqrt(d2);
-    if (overlap <= 0.0 || bonded.count(key(i, j)) > 0) return;
+  for_touching_pairs(model, state, [&](ParticleId i, ParticleId j, double overlap) {
     found.overlap = std::max(found.overlap, overlap);
-    n[p] += 1.0, n[q] += 1.0;
+    n[i] += 1.0, n[j] += 1.0;
   });
   for (const double count : n) found.most = std::max(found.most, count);
   return found;
@@ -116,7 +106,7 @@ double lambda_of_contacts(const Model& model, const State& state) {
   if (law.law == ContactLaw::none || model.particles() < 2) return 0.0;
   const double R_max = *std::max_element(model.radius.begin(), model.radius.end());
   if (!(R_max > 0.0)) return 0.0;
-  const PresentContacts present = present_contacts(model, state, R_max);
+  const PresentContacts present = present_contacts(model, state);
   double lambda = 0.0;
   for (const ParticleId p : model.mass.ids()) {
     const double R = model.radius[p];

@@ -1,4 +1,4 @@
-#include "vbond/dynamics/bonds.hpp"
+#include "vbond/model/bond_sums.hpp"
 
 namespace vbond {
 

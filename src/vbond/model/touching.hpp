@@ -1,0 +1,31 @@
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <unordered_set>
+
+#include "vbond/core/near_pairs.hpp"
+#include "vbond/model/model.hpp"
+#include "vbond/model/state.hpp"
+
+namespace vbond {
+
+/// Calls visit(i, j, overlap), i < j, once for every pair that repels each other as the particles stand:
+/// overlap > 0, and not bonded if only unbonded pairs touch. For looks now and then, not for a time loop.
+template <class Visit>
+void for_touching_pairs(const Model& model, const State& state, Visit&& visit) {
+  if (model.contact.law == ContactLaw::none || model.particles() < 2) return;
+  const double R_max = *std::max_element(model.radius.begin(), model.radius.end());
+  if (!(R_max > 0.0)) return;
+  const auto key = [](std::uint64_t i, std::uint64_t j) { return std::min(i, j) << 32 | std::max(i, j); };
+  std::unordered_set<std::uint64_t> exempt;
+  if (model.contact.pairs == ContactPairs::unbonded)
+    for (const Bond& b : state.bonds) exempt.insert(key(b.i.value, b.j.value));
+  for_near_pairs(state.r.values(), 2.0 * R_max, [&](std::size_t i, std::size_t j, double distance2) {
+    const ParticleId p{i}, q{j};
+    const double overlap = model.radius[p] + model.radius[q] - std::sqrt(distance2);
+    if (overlap > 0.0 && exempt.count(key(i, j)) == 0) visit(p, q, overlap);
+  });
+}
+
+}  // namespace vbond
