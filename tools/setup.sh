@@ -13,6 +13,8 @@ vbond_build_packages=(
   libtomlplusplus-dev   # case files
   nlohmann-json3-dev    # run.json
   libhdf5-dev           # checkpoints
+  libsuitesparse-dev libopenblas-pthread-dev  # statics: sparse factors
+  libeigen3-dev libspectra-dev                # statics: matrices, eigenvalues
 )
 vbond_test_packages=(libgtest-dev librapidcheck-dev)
 vbond_format_packages=(clang-format-14)

@@ -52,6 +52,14 @@ class Diverged : public std::runtime_error {
   double time;
 };
 
+/// A static stage found no balance, or no answer about it; what was found before is kept. Exit status 1.
+class NoEquilibrium : public std::runtime_error {
+ public:
+  /// finding: what stood in the way, naming the load factor reached or the degrees of freedom.
+  NoEquilibrium(const std::string& stage, const std::string& finding, const std::string& advice)
+      : std::runtime_error("stage \"" + stage + "\": " + finding + "\n  " + advice) {}
+};
+
 /// A file or folder could not be read or written. Exit status 3.
 class IoError : public std::runtime_error {
  public:

@@ -1,0 +1,80 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "vbond/core/vec3.hpp"
+#include "vbond/model/stage.hpp"
+
+namespace vbond {
+
+/// What a stage computes. All but the first are static: they look for balance, not for motion.
+enum class StageKind : std::uint8_t { dynamics, equilibrium, path, buckling, modes };
+
+/// Degrees of freedom that are held in a static stage, and moved from where the stage found them in
+/// proportion to the load factor. A turn about an axis of the world is that of the held components alone;
+/// if all three are held it is the rotation by the vector, exactly.
+struct StaticSupport {
+  std::string group;  ///< name, for reports
+  std::vector<ParticleId> particles;
+  HeldDofs held{};
+  Vec3d displacement;  ///< of held translations at load factor 1  [length]
+  Vec3d rotation;      ///< of held turns at load factor 1  [rad]
+};
+
+/// The same force and moment on each particle of a group, fixed in direction.
+struct StaticLoad {
+  std::string group;
+  std::vector<ParticleId> particles;
+  Vec3d force;            ///< [force]
+  Vec3d moment;           ///< [force*length]
+  bool constant = false;  ///< at full size from the start, not in proportion to the load factor
+};
+
+enum class LinearSolver : std::uint8_t { automatic, direct, iterative };
+enum class AtSaddle : std::uint8_t { leave, keep };
+
+/// How far Newton's method goes.
+struct NewtonSettings {
+  double tolerance = 1e-10;  ///< largest unbalanced force over the largest force in the body
+  int iterations = 60;       ///< most for one load factor
+  LinearSolver solver = LinearSolver::automatic;
+};
+
+/// Where a path turns off at a bifurcation.
+struct BranchSwitch {
+  int bifurcation = 1;  ///< the first on the path is 1
+  int mode = 1;         ///< of several that become unstable at once, from 1
+  double sense = 1.0;   ///< +1 or -1: which way along the mode
+};
+
+/// Settings of a path.
+struct PathSettings {
+  double first_step = 0.01;   ///< change of the load factor in the first step, != 0
+  double largest_step = 0.0;  ///< longest step, as the largest movement of a particle  [length]; 0: automatic
+  int most_points = 1000;     ///< > 0
+  std::optional<double> above;  ///< ends where the load factor reaches this from below
+  std::optional<double> below;  ///< ends where the load factor reaches this from above
+  std::optional<DistanceStop> distance;
+  std::optional<BranchSwitch> branch;
+};
+
+/// One static leg of the run, resolved: no names to look up, all in the units of the model.
+struct StaticStage {
+  std::string name;
+  StageKind kind = StageKind::equilibrium;
+  Vec3d gravity;                  ///< [length/time^2]
+  bool constant_gravity = false;  ///< at full size from the start
+  std::vector<StaticSupport> supports;
+  std::vector<StaticLoad> loads;
+  NewtonSettings newton;
+  int steps = 1;                         ///< equilibrium: load steps at least; more if they are too large
+  AtSaddle at_saddle = AtSaddle::leave;  ///< equilibrium: what to do at an unstable balance
+  PathSettings path;
+  int count = 6;             ///< modes: how many frequencies; buckling: how many critical loads
+  int frames_per_mode = 16;  ///< modes, buckling: frames of one swing; 0: none
+  double amplitude = 0;  ///< of the frames: largest movement of a particle [length]; 0: a tenth of the body
+};
+
+}  // namespace vbond

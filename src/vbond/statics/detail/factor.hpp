@@ -1,0 +1,41 @@
+#pragma once
+#include <cstddef>
+#include <memory>
+#include <optional>
+
+#include "vbond/statics/detail/matrix.hpp"
+
+namespace vbond {
+
+/// Sparse triangular factors of a symmetric matrix, by CHOLMOD with BLAS on one thread, so that results do
+/// not depend on the number of threads. Of the matrix the lower triangle is read.
+class Factor {
+ public:
+  Factor();
+  ~Factor();
+  Factor(Factor&&) noexcept;
+  Factor& operator=(Factor&&) noexcept;
+
+  /// Chooses the order of elimination; to be called once per pattern. Throws std::bad_alloc.
+  void analyse(const SparseMatrix& A);
+  /// Bytes that the factor of the last pattern analysed will take.
+  double bytes() const;
+
+  /// Factors A + shift I = L L^T (supernodal). False if that is not positive definite; then solve() must
+  /// not be called.
+  bool factor_definite(const SparseMatrix& A, double shift = 0.0);
+  /// Factors A + shift I = L D L^T (simplicial, no pivoting) and returns the number of negative entries of D,
+  /// which is the number of negative eigenvalues (Sylvester's law of inertia); nothing if an entry of D is
+  /// zero to rounding, in which case singular_unknown() says which.
+  std::optional<int> factor_indefinite(const SparseMatrix& A, double shift = 0.0);
+  int singular_unknown() const;
+
+  /// x with (A + shift I) x = b, one step of refinement included for the indefinite form.
+  Vector solve(const Vector& b) const;
+
+ private:
+  struct Cholmod;
+  std::unique_ptr<Cholmod> c_;
+};
+
+}  // namespace vbond

@@ -1,0 +1,42 @@
+#pragma once
+#include <optional>
+
+#include "vbond/statics/detail/newton.hpp"
+#include "vbond/statics/statics.hpp"
+
+/// The kinds of static stages, one file each; run_static_stage() chooses among them. This header also has
+/// the few things that they share.
+namespace vbond {
+
+// ---- equilibrium.cpp ----
+StaticOutcome find_equilibrium(const Model& model, const StaticStage& stage, State state,
+                               const StaticHooks& hooks);
+
+/// The body under the stage's constant loads only, its supports where they are, brought to balance: where
+/// path, buckling and modes begin. Adds to result.iterations. Throws NoEquilibrium.
+State balance_of_constant_loads(const Model& model, const StaticStage& stage, State state,
+                                const StaticHooks& hooks, StaticResult& result);
+
+/// Throws NoEquilibrium, naming them, if parts of the body can move freely as rigid bodies.
+void refuse_rigid_motions(const StaticBody& body);
+
+/// Adds one to the clock, counts the point and hands this balance to hooks.point.
+void report_point(StaticBody& body, PointKind kind, std::optional<int> unstable, const StaticHooks& hooks,
+                  StaticResult& result);
+
+// ---- path.cpp ----
+/// Follows the balance with the load factor by its arc-length, through limit points and, if asked for, off
+/// along a branch at a bifurcation.
+StaticOutcome follow_path(const Model& model, const StaticStage& stage, State state,
+                          const StaticHooks& hooks);
+
+// ---- buckling.cpp ----
+/// The first stage.count load factors at which the balance that starts from load factor 0 stops being unique.
+StaticOutcome find_critical_loads(const Model& model, const StaticStage& stage, State state,
+                                  const StaticHooks& hooks);
+
+// ---- modes.cpp ----
+/// Natural frequencies and shapes about the balance of the stage's loads, all of them taken as constant.
+StaticOutcome find_modes(const Model& model, const StaticStage& stage, State state, const StaticHooks& hooks);
+
+}  // namespace vbond

@@ -1,0 +1,75 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "vbond/core/vec3.hpp"
+#include "vbond/model/loads.hpp"
+#include "vbond/model/state.hpp"
+#include "vbond/model/static_stage.hpp"
+
+/// What static stages hand out: plain data, without the solvers' types.
+namespace vbond {
+
+/// What is special about a point of balance.
+enum class PointKind : std::uint8_t { regular, limit_point, bifurcation, end };
+
+/// One state of balance on the way, as observers see it.
+struct StaticPoint {
+  const State& state;
+  double load_factor = 0;
+  PointKind kind = PointKind::regular;
+  std::optional<int> unstable;  ///< negative eigenvalues of the tangent; absent: not counted
+  Energies energies;            ///< of bonds and contacts
+};
+
+/// A small movement of all particles: how a mode looks. Scaled so that the largest translation is 1, or if
+/// there is none the largest turn.
+struct Shape {
+  PerParticle<Vec3d> translation;  ///< [length]
+  PerParticle<Vec3d> rotation;     ///< [rad]
+};
+
+/// A point of a path where stability changes.
+struct SpecialPoint {
+  PointKind kind = PointKind::limit_point;
+  double load_factor = 0;
+  int point = 0;            ///< number of the point on the path
+  int unstable_before = 0;  ///< negative eigenvalues of the tangent
+  int unstable_after = 0;
+};
+
+/// A load at which balance stops being stable.
+struct CriticalLoad {
+  double load_factor = 0;  ///< found on the nonlinear path
+  double estimate = 0;     ///< linearised about load factor 0
+  double force = 0;  ///< load factor times the largest proportional force put on a group; 0: there is none
+  Shape mode;
+};
+
+struct NaturalMode {
+  double omega = 0;    ///< angular frequency [rad/time]; of an unstable mode 0
+  double omega2 = 0;   ///< its square; negative: unstable
+  bool rigid = false;  ///< a motion of a part of the body as a whole that nothing holds
+  Shape shape;
+};
+
+/// How a static stage ended.
+struct StaticResult {
+  std::string ended;              ///< "converged", "load factor", "distance", "points", "interrupted"
+  double load_factor = 0;         ///< reached
+  int points = 0;                 ///< of balance that were handed to the observers
+  int iterations = 0;             ///< of Newton's method, all together
+  std::string solver;             ///< "direct" or "iterative"
+  std::optional<int> unstable;    ///< negative eigenvalues of the tangent at the end; absent: not counted
+  bool left_saddle = false;       ///< an unstable balance was met and left
+  std::vector<double> residuals;  ///< of the last load factor, iteration by iteration, relative
+  std::optional<double>
+      smallest_eigenvalue;  ///< of the tangent at the end, turns times the length scale  [force/length]
+  std::vector<SpecialPoint> special_points;  ///< path
+  std::vector<CriticalLoad> critical_loads;  ///< buckling, smallest first
+  std::vector<NaturalMode> modes;            ///< modes, slowest first; rigid motions before all others
+};
+
+}  // namespace vbond

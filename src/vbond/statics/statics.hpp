@@ -1,0 +1,34 @@
+#pragma once
+#include <functional>
+
+#include "vbond/model/model.hpp"
+#include "vbond/model/state.hpp"
+#include "vbond/model/static_stage.hpp"
+#include "vbond/statics/results.hpp"
+
+namespace vbond {
+
+/// What a static stage tells while it works, and asks.
+struct StaticHooks {
+  std::function<void(const StaticPoint&)> point;  ///< each balance that was found; may be empty
+  std::function<void(const std::string&)> tell;   ///< one report, without a line end; may be empty
+  std::function<bool()> interrupted;              ///< asked between steps; may be empty
+};
+
+struct StaticOutcome {
+  StaticResult result;
+  State state;  ///< in balance, at rest
+};
+
+/// Runs a static stage of any kind from this state. On return the state is the last balance found: of an
+/// equilibrium the one at load factor 1, of a path its last point, of buckling and modes the one they started
+/// from. The clock counts one step per point. Throws NoEquilibrium, which names the load factor reached and
+/// what stood in the way; every balance up to there has been handed to hooks.point.
+StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, State state,
+                               const StaticHooks& hooks);
+
+/// The largest stable step of leap-frog for small motions about this state, 2 / omega_max of the assembled
+/// body with present contacts and these held degrees of freedom.  [time]
+double exact_critical_step(const Model& model, const State& state, const std::vector<Support>& supports);
+
+}  // namespace vbond

@@ -1,0 +1,71 @@
+#include "vbond/statics/detail/unknowns.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace vbond {
+
+Unknowns::Unknowns(std::size_t particles, const std::vector<StaticSupport>& supports, double length)
+    : number_(particles, {0, 0, 0, 0, 0, 0}), length_(length) {
+  for (const StaticSupport& s : supports)
+    for (const ParticleId p : s.particles)
+      for (std::size_t dof = 0; dof < 6; ++dof)
+        if (s.held[dof]) number_[p][dof] = held;
+  for (const ParticleId p : number_.ids())
+    for (std::size_t dof = 0; dof < 6; ++dof) {
+      if (number_[p][dof] == held) continue;
+      number_[p][dof] = size();
+      place_.push_back({p, static_cast<int>(dof)});
+    }
+}
+
+std::string Unknowns::name(int unknown) const {
+  static constexpr const char* dof_names[6] = {"translation along x", "translation along y",
+                                               "translation along z", "rotation about x",
+                                               "rotation about y",    "rotation about z"};
+  const Place p = place(unknown);
+  return fmt::format("{} of particle {}", dof_names[p.dof], p.particle.value);
+}
+
+std::string Unknowns::names_of_largest(const Vector& x) const {
+  std::vector<int> order(static_cast<std::size_t>(x.size()));
+  std::iota(order.begin(), order.end(), 0);
+  const auto named = std::min<std::ptrdiff_t>(3, x.size());
+  std::partial_sort(order.begin(), order.begin() + named, order.end(),
+                    [&x](int a, int b) { return std::abs(x[a]) > std::abs(x[b]); });
+  std::string text;
+  for (std::ptrdiff_t k = 0; k < named; ++k) {
+    const int unknown = order[static_cast<std::size_t>(k)];
+    if (std::abs(x[unknown]) < 0.1 * std::abs(x[order[0]])) break;
+    text += (text.empty() ? "" : ", ") + name(unknown);
+  }
+  return text;
+}
+
+Shape Unknowns::shape(const Vector& x) const {
+  Shape s{PerParticle<Vec3d>(number_.size()), PerParticle<Vec3d>(number_.size())};
+  for (int k = 0; k < size(); ++k) {
+    const Place p = place(k);
+    if (p.dof < 3)
+      component(s.translation[p.particle], p.dof) = x[k];
+    else
+      component(s.rotation[p.particle], p.dof - 3) = x[k] / length_;
+  }
+  double largest = 0.0;
+  for (const Vec3d& t : s.translation) largest = std::max(largest, norm(t));
+  if (!(largest * 1e6 > x.cwiseAbs().maxCoeff())) {  // nothing but turns
+    largest = 0.0;
+    for (const Vec3d& t : s.rotation) largest = std::max(largest, norm(t));
+  }
+  if (!(largest > 0.0)) return s;
+  for (const ParticleId p : s.translation.ids()) {
+    s.translation[p] = s.translation[p] / largest;
+    s.rotation[p] = s.rotation[p] / largest;
+  }
+  return s;
+}
+
+}  // namespace vbond
