@@ -8,6 +8,9 @@ namespace {
 const char* const in_dynamics = "kind = \"dynamics\"";
 const char* const in_statics = "kind = \"equilibrium\", \"path\", \"buckling\" or \"modes\"";
 
+/// Nothing if it is misspelt: then keys of every kind are right.
+using Kind = std::optional<StageKind>;
+
 constexpr CountCodec at_least_one{1, 1'000'000};
 
 bool any(const Vec3d& v) {
@@ -26,13 +29,13 @@ void check_moves_are_held(Table& t, const HeldDofs& held, const char* along, con
           "add the axis (\"rx\", \"ry\", \"rz\") to fix, or set the component to 0");
 }
 
-void describe_support(Table& t, SupportSpec& s, StageKind kind) {
+void describe_support(Table& t, SupportSpec& s, Kind kind) {
   t.locate(s.place);
   t.key("group", s.group, group_name, required, "which particles");
   t.key("fix", s.held, SubsetCodec<6>{{"x", "y", "z", "rx", "ry", "rz"}}, required,
         "which degrees of freedom are held: translation along, rotation about the world's axes");
   t.check(s.held != HeldDofs{}, {"fix"}, "must hold something", "name a direction, as in fix = [\"x\"]");
-  t.when(!is_static(kind), in_dynamics, [&] {
+  t.when(!kind || !is_static(*kind), in_dynamics, [&] {
     t.key("velocity", s.velocity, vector_of(velocity), optional, "of the held translations");
     t.key("angular_velocity", s.angular_velocity, vector_of(angular_velocity), optional,
           "of the held rotations");
@@ -40,8 +43,8 @@ void describe_support(Table& t, SupportSpec& s, StageKind kind) {
     check_moves_are_held(t, s.held, "velocity", s.velocity, "angular_velocity", s.angular_velocity);
   });
   // about a balance at rest: modes take the supports as they are
-  t.when(is_static(kind) && kind != StageKind::modes, "kind = \"equilibrium\", \"path\" or \"buckling\"",
-         [&] {
+  t.when(!kind || (is_static(*kind) && kind != StageKind::modes),
+         "kind = \"equilibrium\", \"path\" or \"buckling\"", [&] {
            t.key("displacement", s.displacement, vector_of(length), optional,
                  "of the held translations, from where the stage finds them, at load factor 1");
            t.key("rotation", s.rotation, vector_of(angle), optional,
@@ -50,13 +53,13 @@ void describe_support(Table& t, SupportSpec& s, StageKind kind) {
          });
 }
 
-void describe_load(Table& t, LoadSpec& s, StageKind kind) {
+void describe_load(Table& t, LoadSpec& s, Kind kind) {
   t.locate(s.place);
   t.key("group", s.group, group_name, required, "which particles");
   t.key("force", s.force, vector_of(force), optional, "on each particle, fixed in direction");
   t.key("moment", s.moment, vector_of(moment), optional, "on each particle, fixed in direction");
-  t.when(!is_static(kind), in_dynamics, [&] { describe(t, s.factor); });
-  t.when(is_static(kind), in_statics, [&] {
+  t.when(!kind || !is_static(*kind), in_dynamics, [&] { describe(t, s.factor); });
+  t.when(!kind || is_static(*kind), in_statics, [&] {
     t.key("constant", s.constant, FlagCodec{}, optional,
           "at full size from the start, not in proportion to the load factor; modes: always");
   });
@@ -153,9 +156,8 @@ void describe_statics(Table& t, StageSpec& s) {
   if (path || s.kind == StageKind::buckling) check_proportional(t, s);
 }
 
-/// Absent while a file is read whose kind makes no sense: then no key of any kind is missing or wrong.
-std::optional<StageKind> describe_kind(Table& t, StageSpec& s) {
-  std::optional<StageKind> kind = s.kind;
+Kind describe_kind(Table& t, StageSpec& s) {
+  Kind kind = s.kind;
   if (t.reading() && t.is_given("kind")) kind.reset();
   t.key("kind", kind,
         ChoiceCodec<StageKind>{{"dynamics", "equilibrium", "path", "buckling", "modes"},
@@ -173,12 +175,12 @@ std::optional<StageKind> describe_kind(Table& t, StageSpec& s) {
 void describe(Table& t, StageSpec& s) {
   t.locate(s.place);
   t.key("name", s.name, NameCodec{}, default_is("`\"stage-1\"`, `\"stage-2\"`, ..."), "name of the stage");
-  const std::optional<StageKind> kind = describe_kind(t, s);
+  const Kind kind = describe_kind(t, s);
   t.key("gravity", s.gravity, vector_of(acceleration), optional, "acceleration of all particles");
   t.tables("supports", s.supports, optional, "degrees of freedom that are held or moved",
-           [&s](Table& k, SupportSpec& support) { describe_support(k, support, s.kind); });
+           [kind](Table& k, SupportSpec& support) { describe_support(k, support, kind); });
   t.tables("loads", s.loads, optional, "forces and moments on each particle of a group",
-           [&s](Table& k, LoadSpec& load) { describe_load(k, load, s.kind); });
+           [kind](Table& k, LoadSpec& load) { describe_load(k, load, kind); });
   t.when(kind == StageKind::dynamics, in_dynamics, [&] { describe_motion(t, s); });
   describe_statics(t, s);
   t.when(kind == StageKind::dynamics || kind == StageKind::path, "kind = \"dynamics\" or \"path\"", [&] {
