@@ -97,7 +97,7 @@ double root(double low, double high, F f) {
   const bool sign = f(low) > 0;
   for (int k = 0; k < 200; ++k) {
     const double middle = 0.5 * (low + high);
-    (f(middle) > 0 == sign ? low : high) = middle;
+    ((f(middle) > 0) == sign ? low : high) = middle;
   }
   return low;
 }
