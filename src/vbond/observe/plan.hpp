@@ -16,10 +16,12 @@ struct OutputPlan {
   std::vector<Group> reactions;            ///< total support force and moment, in history.csv
   std::vector<Group> axial_force;          ///< mean tension of the bonds inside, in history.csv
   std::vector<Group> displacements;        ///< mean of r - r_0, in history.csv
-  std::optional<double> frames_every;      ///< between frames  [time], > 0; absent: no frames
+  /// Between frames of dynamics  [time], > 0, infinite if there is none; absent: no frames at all.
+  std::optional<double> frames_every;
   bool lammps_dump = false;                ///< dump.lammpstrj with the frames
   std::optional<double> checkpoint_every;  ///< [time], > 0; absent: only at the end and on a signal
   std::int64_t watch_every = 100;          ///< steps between looks at bonds and energy, > 0
+  bool statics = false;                    ///< there are static stages, with columns of their own
   double energy_error = 0.05;              ///< relative error of the energy balance that stops a run
 };
 
