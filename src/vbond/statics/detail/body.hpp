@@ -6,6 +6,8 @@
 #include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/model/static_stage.hpp"
+#include "vbond/physics/tangent.hpp"
+#include "vbond/statics/detail/assembly.hpp"
 #include "vbond/statics/detail/matrix.hpp"
 #include "vbond/statics/detail/unknowns.hpp"
 
@@ -19,27 +21,31 @@ struct Placement {
 };
 
 /// A body under the supports and loads of a static stage: where it is, what is out of balance there, and how
-/// that changes with the unknowns and with the load factor.
+/// that changes with the unknowns and with the load factor f.
 ///
-/// unbalanced(u, f) = bonds + contacts + constant loads + f * proportional loads - (1 - f) * relief,
-/// on the free unknowns. The relief, set by relieve(), is what was out of balance at load factor 0: with it
-/// the body starts in balance whatever its history, and at f = 1 it has gone.
+/// unbalanced = bonds + contacts + constant loads + f * proportional loads - (1 - f) * relief
+///
+/// on the free unknowns. The relief, set by relieve(), is what was out of balance at f = 0: with it the
+/// body starts in balance whatever its history, and at f = 1 it has gone.
 ///
 /// The tangent is the derivative of -unbalanced. Turns do not commute, so its block of a particle's three
-/// turns has an antisymmetric part: half the cross product with the moment that bonds leave unbalanced there.
+/// turns has an antisymmetric part, half the cross product with the moment that bonds leave unbalanced there.
 /// In the chart q -> exp(turn) q the second derivative of the energy is the symmetric part alone: that is
-/// tangent(). Where no moment is applied the other part vanishes in balance; where a moment fixed in
-/// direction is applied it stays, since such a moment has no potential: that is moment_part().
+/// tangent(). Where no moment is applied the other part vanishes in balance. A moment of fixed direction
+/// is not the derivative of any potential: its part stays, and full_tangent() has it.
 class StaticBody {
  public:
   /// Keeps references to model and stage. All particles come to rest.
   StaticBody(const Model& model, const StaticStage& stage, State state);
+  StaticBody(const StaticBody&) = delete;
+  StaticBody& operator=(const StaticBody&) = delete;
 
   const Model& model() const { return model_; }
   const StaticStage& stage() const { return stage_; }
   const Unknowns& unknowns() const { return unknowns_; }
   /// Positions and bonds as they are now; velocities are zero.
   const State& state() const { return state_; }
+  Clock& clock() { return state_.clock; }
   State take_state() && { return std::move(state_); }
   double load_factor() const { return load_factor_; }
 
@@ -47,39 +53,70 @@ class StaticBody {
   void restore(const Placement& p);
   /// Moves the unknowns by x, and held degrees of freedom by their share of the change of the load factor.
   void move(const Vector& x, double new_load_factor);
-  /// From now on what is out of balance fades in proportion to 1 - load factor. At load factor 0.
+  /// From now on what is out of balance at this moment fades in proportion to 1 - load factor.
   void relieve();
 
   /// What is out of balance on the free unknowns.  [force]
-  const Vector& unbalanced() const;
+  const Vector& unbalanced() const { return loads_at_hand().unbalanced; }
+  /// Largest |unbalanced| over the largest force in the body: of a bond, a contact or a load.
+  double residual() const;
+  /// What rounding of positions may leave of residual().
+  double residual_of_rounding() const;
+
+  /// Symmetric part of the tangent.  [force/length]
+  const SparseMatrix& tangent() const { return stiffness_at_hand().assembly.matrix(); }
+  /// Changes when the pattern of tangent() does: when pairs begin to touch.
+  int pattern_version() const { return stiffness_at_hand().assembly.version(); }
   /// Derivative of unbalanced() with the load factor, supports moving with it.  [force]
-  const Vector& load_direction() const;
-  /// Symmetric; the pattern stays the same object-wise until pairs touch or part: see pattern_version().
-  const SparseMatrix& tangent() const;
-  int pattern_version() const;
-  /// tangent() plus its antisymmetric part from applied moments, if there are any.
-  bool has_moment_part() const;
+  const Vector& load_direction() const { return stiffness_at_hand().load_direction; }
+  /// True if moments of fixed direction act on free turns.
+  bool has_applied_moments() const;
+  /// tangent() with the antisymmetric part that applied moments leave in balance.
   SparseMatrix full_tangent() const;
 
-  /// Largest |unbalanced| over the largest force in the body: of bonds, loads and reactions.
-  double residual() const;
-  /// What rounding alone may leave of residual().
-  double residual_of_rounding() const;
-  /// Change of the potential of bonds, contacts and loads since `from`, at the present load factor; moments
-  /// of fixed direction count as if the turn since then were small.  [energy]
-  double potential_change(const Placement& from) const;
+  /// Energy of bonds and contacts.
   Energies energies() const;
+  /// Change of the potential of bonds, contacts and loads from a placement where energies() had this sum to
+  /// the present one, at the present load factor. A moment works on the turn in between as on a small one.
+  double potential_change(const Placement& from, double energy_from) const;
+  /// What rounding may make of it.  [energy]
+  double rounding_of_potential() const { return rounding_of_potential_; }
+
+  /// How far x would turn or stretch bonds at most: |change of the vector between centres| / its length, and
+  /// the angle between the turns of its ends. A linear step is a good guess up to some 0.3.
+  double largest_bond_change(const Vector& x) const;
   /// What supports exert on these particles along held degrees of freedom.
   Reaction reaction(const std::vector<ParticleId>& particles) const;
 
  private:
-  struct Evaluation;  // what belongs to the present placement, made when asked for
+  struct Loaded {
+    Loads loads;  // all forces and moments, also on held degrees of freedom; without relief
+    Vector unbalanced;
+    double largest = 0;  // force in the body
+  };
+  struct Stiffness {
+    Assembly assembly;
+    Vector load_direction;
+    bool current = false;
+  };
+  const Loaded& loads_at_hand() const;
+  const Stiffness& stiffness_at_hand() const;
+  void add_applied(double load_factor, Loads& loads) const;
+  void lay_out(const std::vector<Assembly::Pair>& touching) const;
+  void add_pair(ParticleId i, ParticleId j, const Assembly::Block& d) const;
+  Vector on_unknowns(const Loads& loads) const;
+  void placed();
+
   const Model& model_;
   const StaticStage& stage_;
   State state_;
   double load_factor_ = 0;
   Unknowns unknowns_;
-  // completed by the implementation
+  Vector relief_;                                 // empty: none
+  PerParticle<std::array<double, 6>> held_rate_;  // movement of held degrees of freedom per load factor
+  double rounding_of_force_ = 0, rounding_of_potential_ = 0;
+  mutable std::optional<Loaded> loaded_;
+  mutable Stiffness stiffness_;
 };
 
 }  // namespace vbond

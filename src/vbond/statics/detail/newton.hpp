@@ -1,4 +1,5 @@
 #pragma once
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,26 +10,36 @@
 
 namespace vbond {
 
-/// Solves with the tangent of a body as it stands: the pattern is analysed only when it has changed.
+/// Solves with the tangent of a body as it stands. Factors are made anew at each call of a factor function;
+/// the order of elimination only when the pattern has changed.
 class TangentSolver {
  public:
-  explicit TangentSolver(LinearSolver wanted) : wanted_(wanted) {}
+  explicit TangentSolver(LinearSolver wanted);
+  ~TangentSolver();
 
-  /// Factors tangent() + shift I; false if that is not positive definite.
+  /// Factors tangent() + shift I; false if that is not positive definite. With conjugate gradients that is
+  /// noticed only in solve().
   bool factor_definite(const StaticBody& body, double shift = 0.0);
-  /// Factors tangent() whatever its signs; returns the number of negative eigenvalues, nothing if singular.
+  /// Factors tangent() whatever its signs; returns the number of negative eigenvalues, nothing if singular
+  /// (or if it is solved by conjugate gradients, which do not tell).
   std::optional<int> factor(const StaticBody& body);
-  /// After either. With full_tangent() instead of tangent() where moments are applied.
-  Vector solve(const StaticBody& body, const Vector& b) const;
-  /// True once bodies of this size are solved by conjugate gradients: stability cannot be told then.
-  bool iterative() const;
-  const Factor& factor() const;
+  /// After either: (tangent() + shift I)^-1 b. Empty if conjugate gradients do not converge.
+  Vector solve(const Vector& b) const;
+  /// After either, without a shift: the same with full_tangent(), which differs where moments are applied.
+  Vector solve_full(const StaticBody& body, const Vector& b) const;
+  /// True if the factor does not fit into memory, or was not wanted: conjugate gradients are used.
+  bool iterative() const { return iterative_ != nullptr; }
+  const char* name() const { return iterative() ? "iterative" : "direct"; }
+  const Factor& last_factor() const { return factor_; }
 
  private:
+  struct ConjugateGradients;
+  void prepare(const StaticBody& body);
+
   LinearSolver wanted_;
   Factor factor_;
-  int analysed_ = -1;  // pattern_version
-  // completed by the implementation
+  int analysed_ = 0;  // pattern_version
+  std::unique_ptr<ConjugateGradients> iterative_;
 };
 
 /// How Newton's method went at one load factor.
@@ -36,6 +47,7 @@ struct NewtonOutcome {
   bool converged = false;
   std::vector<double> residuals;  ///< StaticBody::residual() before each correction and at the end
   std::string why;                ///< not converged: what stood in the way, e.g. "60 iterations"
+  int iterations() const { return static_cast<int>(residuals.size()) - 1; }
 };
 
 /// Plain Newton at the body's load factor, from a state near balance; stable or not. For points on a known

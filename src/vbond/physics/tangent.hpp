@@ -1,0 +1,75 @@
+#pragma once
+#include <array>
+#include <cstddef>
+
+#include "vbond/core/dual.hpp"
+#include "vbond/physics/contact.hpp"
+#include "vbond/physics/evm.hpp"
+#include "vbond/physics/vmodel.hpp"
+
+namespace vbond {
+
+/// Loads of a pair and their derivatives: rows F, M_ij, M_ji; columns r_ij, then small turns of i and of j
+/// about the world's axes, n -> n + turn x n.
+template <std::size_t N>
+struct PairTangent {
+  BondLoads<double> loads;
+  std::array<std::array<double, N>, N> d{};
+};
+
+/// The same law with constants that carry derivatives, all zero.
+template <Scalar T>
+VModel<T> with_scalar(const VModel<double>& m) {
+  return {m.a, m.R_i, m.R_j, m.B1, m.B2, m.B3, m.B4};
+}
+template <Scalar T>
+Evm<T> with_scalar(const Evm<double>& m) {
+  return {m.a, m.R_i, m.R_j, m.B1, m.B2, m.B3, m.B4};
+}
+
+/// A vector moved along three variables, from number `first`.
+template <std::size_t N>
+Vec3<Dual<N>> moved(const Vec3d& a, std::size_t first) {
+  return {Dual<N>::variable(a.x, first), Dual<N>::variable(a.y, first + 1),
+          Dual<N>::variable(a.z, first + 2)};
+}
+
+/// A vector of fixed length turned by three variables, from number `first`: its derivative is turn x a.
+template <std::size_t N>
+Vec3<Dual<N>> turned(const Vec3d& a, std::size_t first) {
+  Vec3<Dual<N>> n{a.x, a.y, a.z};
+  n.x.d[first + 1] = a.z, n.x.d[first + 2] = -a.y;
+  n.y.d[first] = -a.z, n.y.d[first + 2] = a.x;
+  n.z.d[first] = a.y, n.z.d[first + 1] = -a.x;
+  return n;
+}
+
+/// Loads of a bond and their exact derivatives, from the law itself run over dual numbers.
+template <class Law>
+PairTangent<9> bond_tangent(const Law& law, const BondPose<double>& pose) {
+  using D = Dual<9>;
+  BondPose<D> p{moved<9>(pose.r_ij, 0), {}, {}};
+  for (int k = 0; k < 3; ++k) {
+    p.n_i[k] = turned<9>(pose.n_i[k], 3);
+    p.n_j[k] = turned<9>(pose.n_j[k], 6);
+  }
+  const BondLoads<D> l = bond_loads(with_scalar<D>(law), p);
+  const D* rows[9] = {&l.F.x,    &l.F.y,    &l.F.z,    &l.M_ij.x, &l.M_ij.y,
+                      &l.M_ij.z, &l.M_ji.x, &l.M_ji.y, &l.M_ji.z};
+  PairTangent<9> t;
+  for (std::size_t k = 0; k < 9; ++k) t.d[k] = rows[k]->d;
+  const auto values = [](const Vec3<D>& a) { return Vec3d{a.x.value, a.y.value, a.z.value}; };
+  t.loads = {values(l.F), values(l.M_ij), values(l.M_ji)};
+  return t;
+}
+
+/// The same for two particles that overlap, R_i + R_j > |r_ij|: a force on i along -r_ij, no moments.
+inline PairTangent<3> contact_tangent(const HertzContact<double>& h, const Vec3d& r_ij, double reach) {
+  using D = Dual<3>;
+  const Vec3<D> r = moved<3>(r_ij, 0);
+  const D distance = norm(r);
+  const Vec3<D> F = -(contact_force(HertzContact<D>{h.k}, D(reach) - distance) / distance) * r;
+  return {{{F.x.value, F.y.value, F.z.value}, {}, {}}, {F.x.d, F.y.d, F.z.d}};
+}
+
+}  // namespace vbond

@@ -1,0 +1,69 @@
+#include "vbond/statics/detail/assembly.hpp"
+
+#include <algorithm>
+
+namespace vbond {
+
+void Assembly::lay_out(std::size_t particles, const std::vector<Pair>& pairs) {
+  PerParticle<std::vector<ParticleId>> near(particles);
+  for (const ParticleId p : near.ids()) near[p].push_back(p);
+  for (const auto& [i, j] : pairs) near[i].push_back(j), near[j].push_back(i);
+  for (auto& n : near) {
+    std::sort(n.begin(), n.end());
+    n.erase(std::unique(n.begin(), n.end()), n.end());
+  }
+
+  PerParticle<int> first(particles, 0), free(particles, 0);
+  for (int k = unknowns_.size(); k-- > 0;) {
+    const ParticleId p = unknowns_.place(k).particle;
+    first[p] = k;
+    ++free[p];
+  }
+  own_offset_.assign(particles, 0);
+  offsets_.clear();
+  Eigen::VectorXi rows(unknowns_.size());
+  for (const ParticleId q : near.ids()) {
+    int height = 0;
+    for (const ParticleId p : near[q]) {
+      if (p == q) own_offset_[q] = height;
+      if (p < q) offsets_[key(p, q)].i_in_j = height;
+      if (p > q) offsets_[key(q, p)].j_in_i = height;
+      height += free[p];
+    }
+    for (int k = 0; k < free[q]; ++k) rows[first[q] + k] = height;
+  }
+
+  matrix_.resize(unknowns_.size(), unknowns_.size());
+  matrix_.reserve(rows);
+  for (const ParticleId q : near.ids())
+    for (int c = first[q]; c < first[q] + free[q]; ++c)
+      for (const ParticleId p : near[q])
+        for (int r = first[p]; r < first[p] + free[p]; ++r) matrix_.insert(r, c) = 0.0;
+  matrix_.makeCompressed();
+  ++version_;
+}
+
+void Assembly::clear() {
+  std::fill_n(matrix_.valuePtr(), matrix_.nonZeros(), 0.0);
+}
+
+void Assembly::add_block(ParticleId row, ParticleId column, int offset, const Block& K, int row_at,
+                         int column_at) {
+  for (int b = 0; b < 6; ++b) {
+    const int c = unknowns_.of(column, b);
+    if (c == Unknowns::held) continue;
+    double* value = matrix_.valuePtr() + matrix_.outerIndexPtr()[c] + offset;
+    for (int a = 0; a < 6; ++a)
+      if (unknowns_.of(row, a) != Unknowns::held) *value++ += K(row_at + a, column_at + b);
+  }
+}
+
+void Assembly::add(ParticleId i, ParticleId j, const Block& K) {
+  const Offsets& o = offsets_.at(key(i, j));
+  add_block(i, i, own_offset_[i], K, 0, 0);
+  add_block(j, j, own_offset_[j], K, 6, 6);
+  add_block(i, j, i < j ? o.i_in_j : o.j_in_i, K, 0, 6);
+  add_block(j, i, i < j ? o.j_in_i : o.i_in_j, K, 6, 0);
+}
+
+}  // namespace vbond

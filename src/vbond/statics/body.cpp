@@ -1,0 +1,323 @@
+#include "vbond/statics/detail/body.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+#include "vbond/model/bond_sums.hpp"
+#include "vbond/model/touching.hpp"
+
+namespace vbond {
+namespace {
+
+/// The mean distance of bonded particles; without bonds the mean radius; 1 if that is 0 as well.
+double length_scale(const Model& model, const State& s) {
+  double sum = 0.0;
+  for (const Bond& b : s.bonds) sum += norm(s.r[b.j] - s.r[b.i]);
+  if (sum > 0.0) return sum / static_cast<double>(s.bonds.size());
+  sum = std::accumulate(model.radius.begin(), model.radius.end(), 0.0);
+  return sum > 0.0 ? sum / static_cast<double>(model.particles()) : 1.0;
+}
+
+using Block = Assembly::Block;
+
+/// Derivatives of minus the loads on i and j with their degrees of freedom, from those with r_ij and turns;
+/// turns times `length`.
+Block block_of(const PairTangent<9>& t, double length) {
+  Block K;
+  const auto d = [&t](int row, int column) {
+    return t.d[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)];
+  };
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b)
+      for (int group = 0; group < 3; ++group) {  // F, M_ij, M_ji
+        const int row = group == 0 ? a : group == 1 ? 3 + a : 9 + a;
+        const int from = 3 * group + a;
+        K(row, b) = d(from, b);
+        K(row, 3 + b) = -d(from, 3 + b);
+        K(row, 6 + b) = -d(from, b);
+        K(row, 9 + b) = -d(from, 6 + b);
+      }
+  K.middleRows<3>(6) = -K.topRows<3>();  // the force on j
+  for (const int turns : {3, 9}) {
+    K.middleRows<3>(turns) /= length;
+    K.middleCols<3>(turns) /= length;
+  }
+  return K;
+}
+
+Block block_of(const PairTangent<3>& t) {
+  Eigen::Matrix3d d;
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b) d(a, b) = t.d[static_cast<std::size_t>(a)][static_cast<std::size_t>(b)];
+  Block K = Block::Zero();
+  K.block<3, 3>(0, 0) = K.block<3, 3>(6, 6) = d;
+  K.block<3, 3>(0, 6) = K.block<3, 3>(6, 0) = -d;
+  return K;
+}
+
+PairTangent<3> touch(const Model& m, const State& s, ParticleId i, ParticleId j) {
+  return contact_tangent(contact_law(m.contact, m.radius[i], m.radius[j]), s.r[j] - s.r[i],
+                         m.radius[i] + m.radius[j]);
+}
+
+}  // namespace
+
+StaticBody::StaticBody(const Model& model, const StaticStage& stage, State state)
+    : model_(model),
+      stage_(stage),
+      state_(std::move(state)),
+      unknowns_(model.particles(), stage.supports, length_scale(model, state_)),
+      held_rate_(model.particles(), std::array<double, 6>{}),
+      stiffness_{Assembly(unknowns_), {}, false} {
+  state_.v.assign(model.particles(), {});
+  state_.omega.assign(model.particles(), {});
+  for (const StaticSupport& s : stage.supports)
+    for (const ParticleId p : s.particles)
+      for (int k = 0; k < 3; ++k) {
+        const auto along = static_cast<std::size_t>(k);
+        if (s.held[along]) held_rate_[p][along] = component(s.displacement, k);
+        if (s.held[along + 3]) held_rate_[p][along + 3] = unknowns_.length() * component(s.rotation, k);
+      }
+  // positions are rounded to eps |r|, unit vectors to eps
+  constexpr double eps = std::numeric_limits<double>::epsilon();
+  for (const Bond& b : state_.bonds) {
+    const double B = std::abs(b.B2) + std::abs(b.B3) + std::abs(b.B4);
+    rounding_of_force_ =
+        std::max(rounding_of_force_, eps * (b.B1 * (norm(state_.r[b.i]) + b.a) + B / unknowns_.length()));
+    rounding_of_potential_ += eps * B;
+  }
+}
+
+void StaticBody::placed() {
+  loaded_.reset();
+  stiffness_.current = false;
+}
+
+void StaticBody::restore(const Placement& p) {
+  state_.r = p.r;
+  state_.q = p.q;
+  load_factor_ = p.load_factor;
+  placed();
+}
+
+void StaticBody::move(const Vector& x, double new_load_factor) {
+  const double change = new_load_factor - load_factor_;
+  for (const ParticleId p : state_.r.ids()) {
+    std::array<double, 6> step{};
+    for (int dof = 0; dof < 6; ++dof) {
+      const int k = unknowns_.of(p, dof);
+      const auto at = static_cast<std::size_t>(dof);
+      step[at] = k == Unknowns::held ? change * held_rate_[p][at] : x[k];
+    }
+    state_.r[p] += {step[0], step[1], step[2]};
+    const Vec3d turn{step[3], step[4], step[5]};
+    state_.q[p] = normalised(rotation_of((1.0 / unknowns_.length()) * turn) * state_.q[p]);
+  }
+  load_factor_ = new_load_factor;
+  placed();
+}
+
+void StaticBody::relieve() {
+  relief_.resize(0);
+  placed();
+  if (load_factor_ == 1.0) return;
+  relief_ = unbalanced() / (1.0 - load_factor_);
+  placed();
+}
+
+void StaticBody::add_applied(double load_factor, Loads& loads) const {
+  for (const StaticLoad& l : stage_.loads)
+    for (const ParticleId p : l.particles) {
+      const double factor = l.constant ? 1.0 : load_factor;
+      loads.F[p] += factor * l.force;
+      loads.M[p] += factor * l.moment;
+    }
+  const double gravity = stage_.constant_gravity ? 1.0 : load_factor;
+  for (const ParticleId p : loads.F.ids()) loads.F[p] += gravity * model_.mass[p] * stage_.gravity;
+}
+
+Vector StaticBody::on_unknowns(const Loads& loads) const {
+  Vector x(unknowns_.size());
+  for (int k = 0; k < unknowns_.size(); ++k) {
+    const auto [p, dof] = unknowns_.place(k);
+    x[k] = dof < 3 ? component(loads.F[p], dof) : component(loads.M[p], dof - 3) / unknowns_.length();
+  }
+  return x;
+}
+
+const StaticBody::Loaded& StaticBody::loads_at_hand() const {
+  if (loaded_) return *loaded_;
+  const std::size_t n = model_.particles();
+  Loaded l{{PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)}, {}, 0.0};
+  add_applied(load_factor_, l.loads);
+  for (const ParticleId p : l.loads.F.ids())
+    l.largest = std::max({l.largest, norm(l.loads.F[p]), norm(l.loads.M[p]) / unknowns_.length()});
+  for (const Bond& b : state_.bonds) {
+    const BondPose<double> pose = bond_pose(b, state_);
+    const BondLoads<double> f = visit_law(b, [&pose](const auto& law) { return bond_loads(law, pose); });
+    l.loads.F[b.i] += f.F, l.loads.F[b.j] -= f.F;
+    l.loads.M[b.i] += f.M_ij, l.loads.M[b.j] += f.M_ji;
+    l.largest = std::max(
+        {l.largest, norm(f.F), norm(f.M_ij) / unknowns_.length(), norm(f.M_ji) / unknowns_.length()});
+  }
+  for_touching_pairs(model_, state_, [&](ParticleId i, ParticleId j, double) {
+    const Vec3d F = touch(model_, state_, i, j).loads.F;
+    l.loads.F[i] += F, l.loads.F[j] -= F;
+    l.largest = std::max(l.largest, norm(F));
+  });
+  l.unbalanced = on_unknowns(l.loads);
+  if (relief_.size() > 0) l.unbalanced -= (1.0 - load_factor_) * relief_;
+  loaded_ = std::move(l);
+  return *loaded_;
+}
+
+double StaticBody::residual() const {
+  const Loaded& l = loads_at_hand();
+  const double unbalanced = l.unbalanced.size() > 0 ? l.unbalanced.cwiseAbs().maxCoeff() : 0.0;
+  return unbalanced == 0.0 ? 0.0 : unbalanced / l.largest;
+}
+
+double StaticBody::residual_of_rounding() const {
+  const Loaded& l = loads_at_hand();
+  return l.largest > 0.0 ? rounding_of_force_ / l.largest : 0.0;
+}
+
+void StaticBody::lay_out(const std::vector<Assembly::Pair>& touching) const {
+  std::vector<Assembly::Pair> pairs = touching;
+  for (const Bond& b : state_.bonds) pairs.push_back({b.i, b.j});
+  stiffness_.assembly.lay_out(model_.particles(), pairs);
+}
+
+/// Adds the symmetric part of a pair's block, and what held degrees of freedom that move do to free ones.
+void StaticBody::add_pair(ParticleId i, ParticleId j, const Block& K) const {
+  Eigen::Matrix<double, 12, 1> rate;
+  for (int dof = 0; dof < 6; ++dof) {
+    rate[dof] = held_rate_[i][static_cast<std::size_t>(dof)];
+    rate[dof + 6] = held_rate_[j][static_cast<std::size_t>(dof)];
+  }
+  if (!rate.isZero(0.0)) {
+    const Eigen::Matrix<double, 12, 1> pushed = K * rate;
+    for (int dof = 0; dof < 12; ++dof)
+      if (const int k = unknowns_.of(dof < 6 ? i : j, dof % 6); k != Unknowns::held)
+        stiffness_.load_direction[k] -= pushed[dof];
+  }
+  stiffness_.assembly.add(i, j, 0.5 * (K + K.transpose()));
+}
+
+const StaticBody::Stiffness& StaticBody::stiffness_at_hand() const {
+  if (stiffness_.current) return stiffness_;
+  std::vector<Assembly::Pair> touching;
+  for_touching_pairs(model_, state_, [&](ParticleId i, ParticleId j, double) { touching.push_back({i, j}); });
+  Assembly& assembly = stiffness_.assembly;
+  const auto is_new = [&](const Assembly::Pair& p) { return !assembly.has(p.first, p.second); };
+  if (assembly.version() == 0 || std::any_of(touching.begin(), touching.end(), is_new)) lay_out(touching);
+
+  assembly.clear();
+  const std::size_t n = model_.particles();
+  Loads with_factor{PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)}, constant = with_factor;
+  add_applied(1.0, with_factor);
+  add_applied(0.0, constant);
+  stiffness_.load_direction = on_unknowns(with_factor) - on_unknowns(constant);
+  if (relief_.size() > 0) stiffness_.load_direction += relief_;
+  for (const Bond& b : state_.bonds) {
+    const BondPose<double> pose = bond_pose(b, state_);
+    const auto t = visit_law(b, [&pose](const auto& law) { return bond_tangent(law, pose); });
+    add_pair(b.i, b.j, block_of(t, unknowns_.length()));
+  }
+  for (const auto& [i, j] : touching) add_pair(i, j, block_of(touch(model_, state_, i, j)));
+  stiffness_.current = true;
+  return stiffness_;
+}
+
+bool StaticBody::has_applied_moments() const {
+  return std::any_of(stage_.loads.begin(), stage_.loads.end(), [this](const StaticLoad& l) {
+    const auto turns = [this](ParticleId p) {
+      int free = 0;
+      for (int dof = 3; dof < 6; ++dof) free += unknowns_.of(p, dof) != Unknowns::held;
+      return free >= 2;  // one free axis has nothing to be antisymmetric with
+    };
+    return norm2(l.moment) > 0.0 && std::any_of(l.particles.begin(), l.particles.end(), turns);
+  });
+}
+
+SparseMatrix StaticBody::full_tangent() const {
+  SparseMatrix K = tangent();
+  const std::size_t n = model_.particles();
+  Loads applied{PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)};
+  add_applied(load_factor_, applied);
+  for (const ParticleId p : applied.M.ids()) {
+    const Vec3d m = (0.5 / sq(unknowns_.length())) * applied.M[p];
+    if (m == Vec3d{}) continue;
+    const double S[3][3] = {{0, m.z, -m.y}, {-m.z, 0, m.x}, {m.y, -m.x, 0}};
+    for (int a = 0; a < 3; ++a)
+      for (int b = 0; b < 3; ++b) {
+        const int row = unknowns_.of(p, 3 + a), column = unknowns_.of(p, 3 + b);
+        if (a != b && row != Unknowns::held && column != Unknowns::held) K.coeffRef(row, column) += S[a][b];
+      }
+  }
+  return K;
+}
+
+Energies StaticBody::energies() const {
+  Energies e = bond_energies(state_);
+  for_touching_pairs(model_, state_, [&](ParticleId i, ParticleId j, double overlap) {
+    e.contact += contact_energy(contact_law(model_.contact, model_.radius[i], model_.radius[j]), overlap);
+  });
+  return e;
+}
+
+double StaticBody::potential_change(const Placement& from, double energy_from) const {
+  const std::size_t n = model_.particles();
+  Loads applied{PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)};
+  add_applied(load_factor_, applied);
+  double change = energies().potential() - energy_from;
+  for (const ParticleId p : state_.r.ids()) {
+    const Vec3d turn = rotation_vector(state_.q[p] * conjugate(from.q[p]));
+    Vec3d F = applied.F[p], M = applied.M[p];
+    if (relief_.size() > 0)
+      for (int k = 0; k < 3; ++k) {
+        const double fading = 1.0 - load_factor_;
+        const int along = unknowns_.of(p, k), about = unknowns_.of(p, 3 + k);
+        if (along != Unknowns::held) component(F, k) -= fading * relief_[along];
+        if (about != Unknowns::held) component(M, k) -= fading * relief_[about] * unknowns_.length();
+      }
+    change -= dot(F, state_.r[p] - from.r[p]) + dot(M, turn);
+  }
+  return change;
+}
+
+double StaticBody::largest_bond_change(const Vector& x) const {
+  const auto movement = [&](ParticleId p, int first) {
+    Vec3d m;
+    for (int k = 0; k < 3; ++k)
+      if (const int at = unknowns_.of(p, first + k); at != Unknowns::held) component(m, k) = x[at];
+    return m;
+  };
+  double largest = 0.0;
+  for (const Bond& b : state_.bonds) {
+    const double stretch = norm(movement(b.j, 0) - movement(b.i, 0)) / norm(state_.r[b.j] - state_.r[b.i]);
+    const double turn = norm(movement(b.j, 3) - movement(b.i, 3)) / unknowns_.length();
+    largest = std::max({largest, stretch, turn});
+  }
+  return largest;
+}
+
+Reaction StaticBody::reaction(const std::vector<ParticleId>& particles) const {
+  const Loads& loads = loads_at_hand().loads;
+  Reaction r;
+  for (const ParticleId p : particles) {
+    Vec3d F, M;
+    for (int k = 0; k < 3; ++k) {
+      if (unknowns_.of(p, k) == Unknowns::held) component(F, k) = -component(loads.F[p], k);
+      if (unknowns_.of(p, 3 + k) == Unknowns::held) component(M, k) = -component(loads.M[p], k);
+    }
+    r.force += F;
+    r.moment += M + cross(state_.r[p], F);
+  }
+  return r;
+}
+
+}  // namespace vbond

@@ -1,0 +1,51 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "vbond/core/column.hpp"
+#include "vbond/statics/detail/matrix.hpp"
+#include "vbond/statics/detail/unknowns.hpp"
+
+namespace vbond {
+
+/// Where pairs of particles stand in a sparse symmetric matrix over the unknowns. Rows of one particle follow
+/// each other in every column, so one offset places a block of up to 6 x 6.
+class Assembly {
+ public:
+  using Pair = std::pair<ParticleId, ParticleId>;
+  /// Derivatives of the loads on i, then j, with the six degrees of freedom of i, then j.
+  using Block = Eigen::Matrix<double, 12, 12>;
+
+  explicit Assembly(const Unknowns& unknowns) : unknowns_(unknowns) {}
+
+  /// Lays out the matrix for these pairs, each i != j; every particle has its own block as well.
+  void lay_out(std::size_t particles, const std::vector<Pair>& pairs);
+  bool has(ParticleId i, ParticleId j) const { return offsets_.count(key(i, j)) > 0; }
+  /// Grows with every layout.
+  int version() const { return version_; }
+
+  void clear();
+  /// Adds the rows and columns of free unknowns.
+  void add(ParticleId i, ParticleId j, const Block& K);
+  const SparseMatrix& matrix() const { return matrix_; }
+
+ private:
+  struct Offsets {
+    int j_in_i, i_in_j;  // of the first row of j in the columns of i, and the other way round
+  };
+  static std::uint64_t key(ParticleId i, ParticleId j) {
+    return std::uint64_t{i < j ? i.value : j.value} << 32 | (i < j ? j.value : i.value);
+  }
+  void add_block(ParticleId row, ParticleId column, int offset, const Block& K, int row_at, int column_at);
+
+  const Unknowns& unknowns_;
+  SparseMatrix matrix_;
+  PerParticle<int> own_offset_;
+  std::unordered_map<std::uint64_t, Offsets> offsets_;  // i is the smaller number
+  int version_ = 0;
+};
+
+}  // namespace vbond

@@ -1,0 +1,245 @@
+#include "vbond/statics/detail/newton.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <Eigen/IterativeLinearSolvers>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace vbond {
+namespace {
+
+/// Lets the factor of the symmetric part precondition the full tangent.
+class FactorPreconditioner {
+ public:
+  using MatrixType = SparseMatrix;
+  void use(const Factor& factor) { factor_ = &factor; }
+  template <class M>
+  FactorPreconditioner& analyzePattern(const M&) {
+    return *this;
+  }
+  template <class M>
+  FactorPreconditioner& factorize(const M&) {
+    return *this;
+  }
+  template <class M>
+  FactorPreconditioner& compute(const M&) {
+    return *this;
+  }
+  template <class B>
+  Vector solve(const B& b) const {
+    return factor_->solve(b);
+  }
+  Eigen::ComputationInfo info() const { return Eigen::Success; }
+
+ private:
+  const Factor* factor_ = nullptr;
+};
+
+double physical_memory() {
+  return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+}
+
+/// A linear step turns bonds by angles; beyond this it is no guide.  [rad]
+constexpr double largest_change = 0.5;
+
+Vector limited(const StaticBody& body, Vector x) {
+  const double change = body.largest_bond_change(x);
+  if (change > largest_change) x *= largest_change / change;
+  return x;
+}
+
+/// Balanced as well as was asked for, or as rounding lets it be known.
+bool balanced(const StaticBody& body, const NewtonSettings& settings) {
+  return body.residual() <= std::max(settings.tolerance, body.residual_of_rounding());
+}
+
+/// Residuals that have stopped falling close to what rounding leaves: nothing more can be had.
+bool stalled(const StaticBody& body, const std::vector<double>& residuals) {
+  constexpr double close = 100.0;
+  const std::size_t n = residuals.size();
+  return n >= 3 && residuals[n - 1] > 0.3 * residuals[n - 3] &&
+         residuals.back() <= close * body.residual_of_rounding();
+}
+
+}  // namespace
+
+struct TangentSolver::ConjugateGradients {
+  SparseMatrix A;
+  Eigen::ConjugateGradient<SparseMatrix, Eigen::Lower | Eigen::Upper, Eigen::IncompleteCholesky<double>>
+      method;
+};
+
+TangentSolver::TangentSolver(LinearSolver wanted) : wanted_(wanted) {}
+TangentSolver::~TangentSolver() = default;
+
+void TangentSolver::prepare(const StaticBody& body) {
+  if (body.pattern_version() == analysed_) return;
+  constexpr double share_of_memory = 0.6;  // the rest: the matrix, the state, and everybody else
+  analysed_ = body.pattern_version();
+  bool fits = wanted_ != LinearSolver::iterative;
+  if (fits) {
+    factor_.analyse(body.tangent());
+    fits = wanted_ == LinearSolver::direct || factor_.bytes() <= share_of_memory * physical_memory();
+  }
+  if (!fits && !iterative_) iterative_ = std::make_unique<ConjugateGradients>();
+  if (fits) iterative_.reset();
+}
+
+bool TangentSolver::factor_definite(const StaticBody& body, double shift) {
+  prepare(body);
+  if (!iterative_) return factor_.factor_definite(body.tangent(), shift);
+  SparseMatrix& A = iterative_->A = body.tangent();
+  if (shift > 0.0) A.diagonal().array() += shift;
+  iterative_->method.setTolerance(1e-12);
+  iterative_->method.setMaxIterations(20 * A.rows());
+  iterative_->method.compute(A);
+  return iterative_->method.info() == Eigen::Success;
+}
+
+std::optional<int> TangentSolver::factor(const StaticBody& body) {
+  prepare(body);
+  if (iterative_) {
+    factor_definite(body);
+    return std::nullopt;
+  }
+  if (factor_.factor_definite(body.tangent())) return 0;
+  return factor_.factor_indefinite(body.tangent());
+}
+
+Vector TangentSolver::solve(const Vector& b) const {
+  if (!iterative_) return factor_.solve(b);
+  const Vector x = iterative_->method.solve(b);
+  return iterative_->method.info() == Eigen::Success ? x : Vector();
+}
+
+Vector TangentSolver::solve_full(const StaticBody& body, const Vector& b) const {
+  if (!body.has_applied_moments() || iterative_) return solve(b);
+  const SparseMatrix K = body.full_tangent();
+  Eigen::BiCGSTAB<SparseMatrix, FactorPreconditioner> method;
+  method.preconditioner().use(factor_);
+  method.setTolerance(1e-13);
+  method.setMaxIterations(200);
+  method.compute(K);
+  const Vector x = method.solve(b);
+  return method.error() < 1e-6 ? x : solve(b);
+}
+
+NewtonOutcome correct(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings) {
+  constexpr double growth =
+      10.0;  // of the residual from one iteration to the next: first steps may overshoot
+  NewtonOutcome outcome;
+  std::vector<double>& residuals = outcome.residuals;
+  for (int k = 0; k <= settings.iterations; ++k) {
+    residuals.push_back(body.residual());
+    if (balanced(body, settings) || stalled(body, residuals)) {
+      outcome.converged = true;
+      return outcome;
+    }
+    if (k > 1 && !(residuals.back() < growth * residuals[residuals.size() - 2])) {
+      outcome.why = fmt::format("the unbalanced force grows, to {:.2g} of the largest", residuals.back());
+      return outcome;
+    }
+    if (!solver.factor(body) && !solver.iterative()) {
+      outcome.why =
+          "the tangent is singular: " + body.unknowns().name(solver.last_factor().singular_unknown());
+      return outcome;
+    }
+    const Vector x = solver.solve_full(body, body.unbalanced());
+    if (x.size() == 0 || !x.allFinite() || body.largest_bond_change(x) > largest_change) {
+      outcome.why = "a correction turns bonds too far";
+      return outcome;
+    }
+    body.move(x, body.load_factor());
+  }
+  outcome.why = fmt::format("{} iterations", settings.iterations);
+  return outcome;
+}
+
+namespace {
+
+/// One iteration of minimise: a direction that goes downhill, and how far.
+class Descent {
+ public:
+  Descent(StaticBody& body, TangentSolver& solver) : body_(body), solver_(solver) {
+    const SparseMatrix& K = body.tangent();
+    mean_stiffness_ = K.rows() > 0 ? K.diagonal().cwiseAbs().mean() : 1.0;
+  }
+
+  /// False if nothing lower, or better balanced, was found in the direction.
+  bool step() {
+    const Vector x = direction();
+    return x.size() > 0 && search(x);
+  }
+
+ private:
+  Vector direction() {
+    const Vector& g = body_.unbalanced();
+    for (int tries = 0; tries < 60; ++tries, raise_shift()) {
+      if (!solver_.factor_definite(body_, shift_)) continue;
+      if (shift_ == 0.0) {
+        const Vector x = solver_.solve_full(body_, g);
+        if (x.size() > 0 && x.allFinite() && x.dot(g) > 0.0) return limited(body_, x);
+      }
+      const Vector x = solver_.solve(g);
+      if (x.size() > 0 && x.allFinite() && x.dot(g) > 0.0) return limited(body_, x);
+    }
+    return {};
+  }
+
+  double least_shift() const { return 1e-8 * mean_stiffness_; }
+  void raise_shift() { shift_ = std::max(10.0 * shift_, least_shift()); }
+
+  bool search(const Vector& x) {
+    const Placement from = body_.placement();
+    const double energy = body_.energies().potential(), rounding = body_.rounding_of_potential();
+    const double slope = x.dot(body_.unbalanced()), residual = body_.residual();
+    const double f = body_.load_factor();
+    double length = 1.0;
+    for (int halvings = 0; halvings < 40; ++halvings, length *= 0.5) {
+      body_.restore(from);
+      body_.move(length * x, f);
+      const double change = body_.potential_change(from, energy);
+      // near balance the potential says nothing any more: then the residual decides
+      const bool lower = change <= -1e-4 * length * slope;
+      const bool unknowable = std::abs(length * slope) <= 1e3 * rounding;
+      if (lower || (unknowable && body_.residual() < residual)) {
+        if (halvings == 0) shift_ = shift_ > least_shift() ? 0.1 * shift_ : 0.0;
+        return true;
+      }
+    }
+    body_.restore(from);
+    return false;
+  }
+
+  StaticBody& body_;
+  TangentSolver& solver_;
+  double mean_stiffness_ = 1.0;
+  double shift_ = 0.0;
+};
+
+}  // namespace
+
+NewtonOutcome minimise(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings) {
+  NewtonOutcome outcome;
+  Descent descent(body, solver);
+  for (int k = 0; k <= settings.iterations; ++k) {
+    outcome.residuals.push_back(body.residual());
+    if (balanced(body, settings) || stalled(body, outcome.residuals)) {
+      outcome.converged = true;
+      return outcome;
+    }
+    if (descent.step()) continue;
+    outcome.converged = body.residual() <= 100.0 * body.residual_of_rounding();
+    outcome.why = fmt::format("no way downhill at an unbalanced force of {:.2g} of the largest",
+                              outcome.residuals.back());
+    return outcome;
+  }
+  outcome.why = fmt::format("{} iterations, unbalanced force {:.2g} of the largest", settings.iterations,
+                            outcome.residuals.back());
+  return outcome;
+}
+
+}  // namespace vbond

@@ -1,0 +1,22 @@
+#include "vbond/statics/statics.hpp"
+
+#include <stdexcept>
+#include <utility>
+
+#include "vbond/statics/detail/kinds.hpp"
+
+namespace vbond {
+
+StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, State state,
+                               const StaticHooks& hooks) {
+  switch (stage.kind) {
+    case StageKind::dynamics: break;
+    case StageKind::equilibrium: return find_equilibrium(model, stage, std::move(state), hooks);
+    case StageKind::path: return follow_path(model, stage, std::move(state), hooks);
+    case StageKind::buckling: return find_critical_loads(model, stage, std::move(state), hooks);
+    case StageKind::modes: return find_modes(model, stage, std::move(state), hooks);
+  }
+  throw std::invalid_argument("run_static_stage: a dynamic stage is run by a Simulation");
+}
+
+}  // namespace vbond

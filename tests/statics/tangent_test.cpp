@@ -1,0 +1,154 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "bodies.hpp"
+#include "vbond/statics/detail/body.hpp"
+
+namespace vbond {
+namespace {
+
+/// Six particles in a heap, turned anyhow, bonded by both laws between centres and between surfaces; some
+/// overlap. Nothing is in balance. Supports hold some degrees of freedom and move them.
+struct Heap {
+  testing::Specimen s;
+  StaticStage stage = testing::static_stage(StageKind::equilibrium, {});
+
+  Heap() {
+    testing::Dice dice(5);
+    const auto any = [&dice](double size) {
+      return Vec3d{dice(-size, size), dice(-size, size), dice(-size, size)};
+    };
+    std::vector<Vec3d> r;
+    for (int k = 0; k < 6; ++k) r.push_back(Vec3d{1.0 * (k % 2), 1.0 * (k / 2), 0.3 * k} + any(0.1));
+    s = testing::particles_at(r, 0.7);
+    s.model.contact = {ContactLaw::hertz, ContactPairs::all, 0, 1, 0.5, 0.3};
+    for (std::size_t k = 0; k + 1 < 6; ++k) {
+      BondRecipe recipe = testing::papers_bond(k % 2 == 0 ? BondLaw::v_model : BondLaw::evm);
+      recipe.parameters = BondStiffness<double>{1.0, 0.5, 0.2, 0.1};
+      if (k > 2) recipe.attachment = Attachment::given, recipe.R_i = 0.2, recipe.R_j = 0.1;
+      testing::bond(s, k, k + 1, recipe);
+    }
+    for (const ParticleId p : s.state.r.ids()) {
+      s.state.r[p] += any(0.05);
+      s.state.q[p] = normalised(rotation_of(any(0.3)) * s.state.q[p]);
+    }
+    const Vec3d shift{0.1, 0.2, -0.3}, turn{0.0, 0.4, 0.0};
+    stage.supports = {testing::fixed({ParticleId{2}}, {true, false, true, false, true, false}, shift, turn),
+                      testing::fixed({ParticleId{0}}, testing::clamped, {}, {0.3, -0.2, 0.1})};
+    stage.loads = {testing::pushed(4, {0.01, 0.02, 0.03}, {0.02, 0.01, -0.03})};
+    stage.gravity = {0.0, 0.0, -0.02};
+  }
+};
+
+/// -d unbalanced / d unknowns by central differences with this step.
+DenseMatrix differences(StaticBody& body, double h) {
+  const int n = body.unknowns().size();
+  const Placement here = body.placement();
+  DenseMatrix K(n, n);
+  for (int k = 0; k < n; ++k) {
+    const auto at = [&](double x) {
+      body.restore(here);
+      body.move(x * Vector::Unit(n, k), here.load_factor);
+      return Vector(body.unbalanced());
+    };
+    K.col(k) = (at(-h) - at(h)) / (2.0 * h);
+  }
+  body.restore(here);
+  return K;
+}
+
+// h = 1e-5: rounding of loads of order 1 makes 1e-16 / h = 1e-11, truncation h^2 = 1e-10 times third
+// derivatives of order 1 to 10 (bonds of length 0.5 to 1; an overlap of 0.05 makes Hertz's of order 10).
+constexpr double h = 1e-5, tolerance = 1e-8;
+
+TEST(Tangent, IsTheSymmetricPartOfTheDerivativeOfTheLoads) {
+  const Heap heap;
+  StaticBody body(heap.s.model, heap.stage, heap.s.state);
+  ASSERT_GT(body.energies().contact, 1e-3);
+  const DenseMatrix K = differences(body, h);
+  const DenseMatrix tangent = body.tangent();
+  EXPECT_LE((tangent - 0.5 * (K + K.transpose())).cwiseAbs().maxCoeff(), tolerance);
+  EXPECT_EQ((tangent - tangent.transpose()).cwiseAbs().maxCoeff(), 0.0);
+}
+
+// The rest is half the cross product with the moment that bonds leave unbalanced, at each particle's turns.
+TEST(Tangent, LeavesOutOnlyTheUnbalancedMomentsOfBonds) {
+  Heap heap;
+  heap.stage.loads.clear();  // what is unbalanced comes from bonds alone; gravity makes no moments
+  StaticBody body(heap.s.model, heap.stage, heap.s.state);
+  const DenseMatrix K = differences(body, h);
+  DenseMatrix rest = 0.5 * (K - K.transpose());
+  const Unknowns& u = body.unknowns();
+  for (const ParticleId p : heap.s.state.r.ids()) {
+    if (u.of(p, 3) == Unknowns::held || u.of(p, 4) == Unknowns::held || u.of(p, 5) == Unknowns::held)
+      continue;
+    const auto M = [&](int k) { return body.unbalanced()[u.of(p, 3 + k)] / u.length(); };
+    for (int k = 0; k < 3; ++k) {
+      const int a = (k + 1) % 3, b = (k + 2) % 3;
+      rest(u.of(p, 3 + a), u.of(p, 3 + b)) += 0.5 * M(k);
+      rest(u.of(p, 3 + b), u.of(p, 3 + a)) -= 0.5 * M(k);
+    }
+  }
+  // particle 2 is held against turning about y: the moment there is not among the unknowns
+  const int x = u.of(ParticleId{2}, 3), z = u.of(ParticleId{2}, 5);
+  rest(x, z) = rest(z, x) = 0.0;
+  EXPECT_LE(rest.cwiseAbs().maxCoeff(), tolerance);
+}
+
+TEST(Tangent, KnowsHowLoadsChangeWithTheLoadFactor) {
+  const Heap heap;
+  StaticBody body(heap.s.model, heap.stage, heap.s.state);
+  for (const bool relieved : {false, true}) {
+    if (relieved) body.relieve();
+    const Placement here = body.placement();
+    const auto at = [&](double f) {
+      body.restore(here);
+      body.move(Vector::Zero(body.unknowns().size()), f);
+      return Vector(body.unbalanced());
+    };
+    const Vector slope = (at(h) - at(-h)) / (2.0 * h);
+    body.restore(here);
+    EXPECT_LE((body.load_direction() - slope).cwiseAbs().maxCoeff(), tolerance);
+  }
+}
+
+TEST(StaticBody, StartsInBalanceWhenRelieved) {
+  const Heap heap;
+  StaticBody body(heap.s.model, heap.stage, heap.s.state);
+  EXPECT_GT(body.residual(), 0.1);
+  body.relieve();
+  EXPECT_EQ(body.residual(), 0.0);
+}
+
+// The potential's slope is the unbalanced load: order h^2 = 1e-10 in the difference, rounding 1e-16 / h.
+TEST(StaticBody, PotentialChangesAsTheUnbalancedLoadsSay) {
+  const Heap heap;
+  StaticBody body(heap.s.model, heap.stage, heap.s.state);
+  const int n = body.unknowns().size();
+  const Vector g = body.unbalanced();
+  const Placement here = body.placement();
+  const double energy = body.energies().potential();
+  for (int k = 0; k < n; ++k) {
+    const auto at = [&](double x) {
+      body.restore(here);
+      body.move(x * Vector::Unit(n, k), 0.0);
+      return body.potential_change(here, energy);
+    };
+    EXPECT_NEAR((at(h) - at(-h)) / (2.0 * h), -g[k], tolerance) << body.unknowns().name(k);
+  }
+}
+
+TEST(StaticBody, ReactionsBalanceLoadsOfABodyInBalance) {
+  Heap heap;
+  StaticBody body(heap.s.model, heap.stage, heap.s.state);
+  Vec3d sum;
+  const std::vector<ParticleId> all = heap.s.model.groups[0].particles;
+  for (int k = 0; k < body.unknowns().size(); ++k)
+    if (!body.unknowns().is_turn(k)) component(sum, body.unknowns().place(k).dof) += body.unbalanced()[k];
+  // bonds and contacts do nothing to the body as a whole: unbalanced + reactions' opposites = loads (0 here)
+  EXPECT_LE(norm(sum - body.reaction(all).force), 1e-14);
+}
+
+}  // namespace
+}  // namespace vbond
