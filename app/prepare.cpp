@@ -31,7 +31,8 @@ OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem:
   plan.reactions = resolve_groups(o.reactions, model);
   plan.axial_force = resolve_groups(o.axial_force, model);
   plan.displacements = resolve_groups_or_particles(o.displacements, model);
-  if (o.frames_every) plan.frames_every = output_time(*o.frames_every, model, "output.frames.every", c);
+  if (o.frames && o.frames->every)
+    plan.frames_every = output_time(*o.frames->every, model, "output.frames.every", c);
   plan.lammps_dump = o.lammps_dump;
   if (o.checkpoint_every)
     plan.checkpoint_every = output_time(*o.checkpoint_every, model, "output.checkpoint.every", c);
@@ -42,7 +43,8 @@ OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem:
 
 std::vector<std::int64_t> steps_of_stages(const Case& c, const Model& model, double dt) {
   std::vector<std::int64_t> steps;
-  for (const StageSpec& s : c.stages) steps.push_back(steps_in(s.duration.resolve(model.T_0), dt));
+  for (const StageSpec& s : c.stages)
+    steps.push_back(is_static(s.kind) ? 0 : steps_in(s.duration.resolve(model.T_0), dt));
   return steps;
 }
 

@@ -14,7 +14,7 @@ namespace vbond::app {
 /// What the case wants written, with names and times resolved. Throws CaseError.
 OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem::path& folder);
 
-/// Steps of each stage if none ends early, all with the step dt of the first.
+/// Steps of each stage if none ends early, all with the step dt of the first; of static ones none.
 std::vector<std::int64_t> steps_of_stages(const Case& c, const Model& model, double dt);
 
 /// Prints particles, bonds, coordination, contacts, T_0, the step and the bound it comes from.

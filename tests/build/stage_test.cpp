@@ -41,14 +41,15 @@ TEST(Stage, StepIsTheAskedFractionOfTheBound) {
 
 TEST(Stage, GivenStepAboveTheBoundIsRefusedUnlessInsisted) {
   Case c = paper_rod();
-  c.time.step = Placed<CaseTime>{{0.16, true}, {"case.toml", 50, 8}};  // the bound is 0.15915 T0
+  c.time.step = Placed<std::variant<CaseTime, ExactStep>>{CaseTime{0.16, true},
+                                                          {"case.toml", 50, 8}};  // the bound is 0.15915 T0
   const std::string error = text_of_stage_error(c);
   EXPECT_TRUE(contains(error, "case.toml:50:8: time.step = 1.00531 (0.16 T0) in stage \"run\"")) << error;
   EXPECT_TRUE(contains(error, "stretching of bond")) << error;
   c.time.insist = true;
   EXPECT_DOUBLE_EQ(first_stage(c).dt, 0.16 * 2.0 * std::numbers::pi);
   c.time.insist = false;
-  c.time.step->value.value = 0.159;
+  c.time.step->value = CaseTime{0.159, true};
   EXPECT_DOUBLE_EQ(first_stage(c).dt, 0.159 * 2.0 * std::numbers::pi);
 }
 
@@ -67,7 +68,7 @@ TEST(Stage, UnderWayKeepsItsStepAndMakesNoBonds) {
 TEST(Stage, WithNothingElasticNeedsAGivenStep) {
   Case c = case_of(RodSpecimen{3, 1.0, {}, {1, 0, 0}});
   EXPECT_TRUE(contains(text_of_stage_error(c), "give time.step"));
-  c.time.step = Placed<CaseTime>{{0.5, false}, {}};
+  c.time.step = Placed<std::variant<CaseTime, ExactStep>>{CaseTime{0.5, false}, {}};
   EXPECT_EQ(first_stage(c).dt, 0.5);
 }
 

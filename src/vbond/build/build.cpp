@@ -152,8 +152,8 @@ void check_output(const Case& c, const Model& model, Problems& problems) {
   look_up_groups_or_particles(c.output.displacements, model, problems);
   const SourcePlace place{c.file, 0, 0};
   look_up_time(c.output.history_every, model, "output.history.every", place, problems);
-  if (c.output.frames_every)
-    look_up_time(*c.output.frames_every, model, "output.frames.every", place, problems);
+  if (c.output.frames && c.output.frames->every)
+    look_up_time(*c.output.frames->every, model, "output.frames.every", place, problems);
   if (c.output.checkpoint_every)
     look_up_time(*c.output.checkpoint_every, model, "output.checkpoint.every", place, problems);
 }
@@ -186,7 +186,7 @@ Built build(const Case& c) {
     if (c.bonds[set].when == BondTime::start) add_bonds(c, set, model, state, problems);
   model.T_0 = natural_time(c, built);
   add_velocities(c, model, state, problems);
-  for (std::size_t k = 0; k < c.stages.size(); ++k) resolve_stage(c, model, k, problems);
+  check_stages(c, model, problems);
   check_output(c, model, problems);
   problems.throw_if_any();
   return built;

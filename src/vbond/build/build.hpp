@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -7,6 +8,7 @@
 #include "vbond/model/model.hpp"
 #include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"
+#include "vbond/model/static_stage.hpp"
 #include "vbond/model/step_bound.hpp"
 
 namespace vbond {
@@ -22,11 +24,20 @@ struct Built {
 /// Throws CaseError with as many mistakes at once as do not depend on each other.
 Built build(const Case& c);
 
-/// Stage k of the case, 0 <= k < stages.size(), with names looked up and times in the model's unit.
-/// If state.clock.stage_step == 0, makes the stage's bonds (when = stage) in `state` and chooses the step:
-/// the given one, or the fraction of step_bound(). A stage that is under way keeps state.clock.dt.
-/// Throws CaseError, also for a given step above the bound unless the case insists.
-Stage build_stage(const Case& c, const Model& model, int k, State& state);
+/// The largest stable step of the assembled body in a stage  [time]; infinite if nothing is elastic.
+/// statics/ knows it (exact_critical_step), which this layer does not know.
+using ExactCriticalStep = std::function<double(const Model&, const State&, const Stage&)>;
+
+/// Stage k of the case, 0 <= k < stages.size(), of kind dynamics, with names looked up and times in the
+/// model's unit. If state.clock.stage_step == 0, makes the stage's bonds (when = stage) in `state` and
+/// chooses the step: the given one, or the fraction of step_bound(), or of exact_step() if the case wants it
+/// exact. A stage that is under way keeps state.clock.dt. Throws CaseError, also for a given step above the
+/// bound unless the case insists; std::logic_error if the stage is static.
+Stage build_stage(const Case& c, const Model& model, int k, State& state,
+                  const ExactCriticalStep& exact_step = {});
+
+/// The same for a stage of any static kind; the clock of `state` is left alone.
+StaticStage build_static_stage(const Case& c, const Model& model, int k, State& state);
 
 /// The groups of these names. Throws CaseError naming the nearest and all known groups.
 std::vector<Group> resolve_groups(const std::vector<Placed<std::string>>& names, const Model& model);

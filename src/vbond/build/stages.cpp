@@ -1,31 +1,20 @@
 #include "vbond/build/stages.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
-#include "vbond/build/bonds.hpp"
 #include "vbond/build/groups.hpp"
-#include "vbond/core/nearest.hpp"
+#include "vbond/build/stage_resolver.hpp"
 #include "vbond/model/make_bond.hpp"
 
 namespace vbond {
 namespace {
 
-/// Turns the parts of one stage from names into numbers.
-struct StageResolver {
-  const Case& c;
-  const Model& model;
-  const StageSpec& spec;
-  Problems& problems;
-
-  std::vector<ParticleId> particles(const Placed<std::string>& group) const {
-    const Group* g = look_up_group(group, model, problems);
-    return g == nullptr ? std::vector<ParticleId>{} : g->particles;
-  }
-
+/// Turns the parts of one dynamics stage from names into numbers.
+struct DynamicsResolver : StageResolver {
   double time(const CaseTime& t, const char* what, const SourcePlace& place) const {
     return look_up_time(t, model, what, place, problems);
   }
@@ -61,31 +50,8 @@ struct StageResolver {
     for (const SupportSpec& s : spec.supports)
       resolved.push_back({s.group.value, particles(s.group), s.held, s.velocity, s.angular_velocity,
                           function(s.factor, s.place)});
-    check_held_once(resolved);
+    check_held_once();
     return resolved;
-  }
-
-  void check_held_once(const std::vector<Support>& supports) const {
-    static constexpr const char* dof_names[6] = {
-        "x", "y", "z", "rotation about x", "rotation about y", "rotation about z"};
-    std::vector<std::array<int, 6>> holder(model.particles(), {-1, -1, -1, -1, -1, -1});
-    for (std::size_t s = 0; s < supports.size(); ++s) {
-      bool reported = false;  // one pair of supports, one report
-      for (const ParticleId p : supports[s].particles)
-        for (std::size_t dof = 0; dof < 6; ++dof) {
-          if (!supports[s].held[dof]) continue;
-          int& by = holder[p.value][dof];
-          if (by >= 0 && !reported) {
-            reported = true;
-            problems.add(spec.supports[s].place,
-                         fmt::format("{} of particle {} is held by two supports (groups \"{}\" and \"{}\")",
-                                     dof_names[dof], p.value, supports[static_cast<std::size_t>(by)].group,
-                                     supports[s].group),
-                         "a degree of freedom has one support at most", "take it out of one of them");
-          }
-          by = static_cast<int>(s);
-        }
-    }
   }
 
   std::vector<PointLoad> loads() const {
@@ -105,16 +71,6 @@ struct StageResolver {
     if (!resolved.particles.empty())
       resolved.centre = resolved.centre / static_cast<double>(resolved.particles.size());
     return resolved;
-  }
-
-  std::optional<DistanceStop> distance_stop(const DistanceStopSpec& s) const {
-    const auto i = look_up_particle(s.between[0], model, "stop.distance", s.place, problems);
-    const auto j = look_up_particle(s.between[1], model, "stop.distance", s.place, problems);
-    if (!i || !j) return std::nullopt;
-    if (i == j)
-      problems.add(s.place, fmt::format("stop.distance between particle {} and itself", i->value),
-                   "a distance is between two particles", "name two different ones");
-    return DistanceStop{*i, *j, s.value, s.below};
   }
 
   PeakStop peak_stop(const PeakStopSpec& s, const std::vector<Support>& held) const {
@@ -177,49 +133,63 @@ struct StageResolver {
   }
 };
 
-/// Every stage named by a bond set exists.
-void check_stage_names(const Case& c, Problems& problems) {
-  std::vector<std::string> known;
-  for (const StageSpec& s : c.stages) known.push_back(s.name);
-  for (const BondSpec& b : c.bonds)
-    for (const auto& name : b.stages)
-      if (std::find(known.begin(), known.end(), name.value) == known.end()) {
-        const auto near = nearest_name(name.value, known);
-        problems.add(name.place, fmt::format("there is no stage \"{}\"", name.value),
-                     fmt::format("known stages: {}", fmt::join(known, ", ")),
-                     near ? fmt::format("did you mean \"{}\"?", *near) : "use one of them");
-      }
-}
-
 /// A time as a user may compare it with the case: also in T_0 where there is one.
 std::string in_words(double time, const Model& model) {
   const std::string text = fmt::format("{:.6g}", time);
   return model.T_0 > 0.0 ? text + fmt::format(" ({:.4g} T0)", time / model.T_0) : text;
 }
 
-void choose_step(const Case& c, const Model& model, const State& state, Stage& stage, Problems& problems) {
-  const StepBound bound = step_bound(model, state, stage.bonding);
-  if (!(bound.dt > 0.0)) {
+void take_given_step(const Case& c, const Model& model, const CaseTime& given, const StepBound& bound,
+                     Stage& stage, Problems& problems) {
+  const SourcePlace& place = c.time.step->place;
+  stage.dt = look_up_time(given, model, "time.step", place, problems);
+  if (!(stage.dt > 0.0))
+    problems.add(place, fmt::format("time.step = {}", given.value), "must be > 0", "give a positive time");
+  else if (stage.dt > bound.dt && !c.time.insist)
     problems.add(
-        {c.file, 0, 0}, fmt::format("stage \"{}\" has the critical step {}", stage.name, bound.dt),
-        "a mass, an inertia or a stiffness is so far out of range that no step is left: " + bound.source,
-        "look for a missing or misplaced unit");
-  } else if (c.time.step) {
-    const auto& [given, place] = *c.time.step;
-    stage.dt = look_up_time(given, model, "time.step", place, problems);
-    if (!(stage.dt > 0.0))
-      problems.add(place, fmt::format("time.step = {}", given.value), "must be > 0", "give a positive time");
-    else if (stage.dt > bound.dt && !c.time.insist)
-      problems.add(
-          place, fmt::format("time.step = {} in stage \"{}\"", in_words(stage.dt, model), stage.name),
-          fmt::format("above {} the run may blow up: {}", in_words(bound.dt, model), bound.source),
-          fmt::format("use at most {}, better 0.2 of it; or insist = true", in_words(bound.dt, model)));
-  } else if (std::isinf(bound.dt)) {
+        place, fmt::format("time.step = {} in stage \"{}\"", in_words(stage.dt, model), stage.name),
+        fmt::format("above {} the run may blow up: {}", in_words(bound.dt, model), bound.source),
+        fmt::format("use at most {}, better 0.2 of it; or insist = true", in_words(bound.dt, model)));
+}
+
+void take_fraction(const Case& c, const StepBound& critical, Stage& stage, Problems& problems) {
+  if (std::isinf(critical.dt))
     problems.add({c.file, 0, 0}, fmt::format("stage \"{}\" has no natural time step", stage.name),
-                 bound.source, "give time.step");
-  } else {
-    stage.dt = c.time.fraction * bound.dt;
-  }
+                 critical.source, "give time.step");
+  else
+    stage.dt = c.time.fraction * critical.dt;
+}
+
+/// The critical step of the body as it stands. Bonds to come are not in it, so none may be expected.
+StepBound exact_bound(const Case& c, const Model& model, const State& state, const Stage& stage,
+                      const ExactCriticalStep& exact_step, Problems& problems) {
+  const SourcePlace& place = c.time.step->place;
+  if (!stage.bonding.empty())
+    problems.add(place, fmt::format("time.step = \"exact\" in stage \"{}\"", stage.name),
+                 fmt::format("bonds \"{}\" may still be made in it, which the exact step does not know",
+                             stage.bonding.front().name),
+                 "leave step out: the automatic one leaves room for them");
+  if (!exact_step)
+    problems.add(place, "time.step = \"exact\"", "this vbond was built without statics",
+                 "leave step out, or give a time");
+  problems.throw_if_any();
+  return {.dt = exact_step(model, state, stage), .bond = {}, .source = "nothing is elastic"};
+}
+
+void choose_step(const Case& c, const Model& model, const State& state, const ExactCriticalStep& exact_step,
+                 Stage& stage, Problems& problems) {
+  const bool exact = c.time.step && !c.time.given();
+  const StepBound critical = exact ? exact_bound(c, model, state, stage, exact_step, problems)
+                                   : step_bound(model, state, stage.bonding);
+  if (!(critical.dt > 0.0))
+    problems.add(
+        {c.file, 0, 0}, fmt::format("stage \"{}\" has the critical step {}", stage.name, critical.dt),
+        "a mass, an inertia or a stiffness is so far out of range that no step is left: " + critical.source,
+        "look for a missing or misplaced unit");
+  else if (const CaseTime* given = c.time.given())
+    take_given_step(c, model, *given, critical, stage, problems);
+  else
+    take_fraction(c, critical, stage, problems);
 }
 
 /// Times that must span a step, and a mean force that needs bonds: known only when the step and bonds are.
@@ -246,26 +216,9 @@ void check_against_step(const StageSpec& spec, const State& state, const Stage& 
 
 }  // namespace
 
-double look_up_time(const CaseTime& time, const Model& model, const std::string& what,
-                    const SourcePlace& place, Problems& problems) {
-  if (time.in_T_0 && !(model.T_0 > 0.0))
-    problems.add(place, fmt::format("{} = {} T0", what, time.value),
-                 "without any bond there is no T0 = 2 pi sqrt(m / c_A)", "give it in seconds");
-  return time.resolve(model.T_0);
-}
-
-double resolve_time(const CaseTime& time, const Model& model, const std::string& what,
-                    const SourcePlace& place) {
-  Problems problems;
-  const double resolved = look_up_time(time, model, what, place, problems);
-  problems.throw_if_any();
-  return resolved;
-}
-
 Stage resolve_stage(const Case& c, const Model& model, std::size_t k, Problems& problems) {
   const StageSpec& spec = c.stages.at(k);
-  const StageResolver resolver{c, model, spec, problems};
-  if (k == 0) check_stage_names(c, problems);
+  const DynamicsResolver resolver{{c, model, spec, problems}};
   Stage stage;
   stage.name = spec.name;
   stage.insist = c.time.insist;
@@ -286,23 +239,20 @@ Stage resolve_stage(const Case& c, const Model& model, std::size_t k, Problems& 
   return stage;
 }
 
-Stage build_stage(const Case& c, const Model& model, int k, State& state) {
+Stage build_stage(const Case& c, const Model& model, int k, State& state,
+                  const ExactCriticalStep& exact_step) {
   Problems problems;
   const auto index = static_cast<std::size_t>(k);
+  if (is_static(c.stages.at(index).kind)) throw std::logic_error("build_stage: the stage is static");
   Stage stage = resolve_stage(c, model, index, problems);
   problems.throw_if_any();
   if (state.clock.stage_step > 0) {  // under way: bonds made since must not change its step
     stage.dt = state.clock.dt;
     return stage;
   }
-  for (std::size_t set = 0; set < c.bonds.size(); ++set) {
-    const BondSpec& b = c.bonds[set];
-    const auto here = [&](const Placed<std::string>& name) { return name.value == stage.name; };
-    if (b.when == BondTime::stage && std::any_of(b.stages.begin(), b.stages.end(), here))
-      add_bonds(c, set, model, state, problems);
-  }
+  add_stage_bonds(c, index, model, state, problems);
   problems.throw_if_any();
-  choose_step(c, model, state, stage, problems);
+  choose_step(c, model, state, exact_step, stage, problems);
   problems.throw_if_any();
   check_against_step(c.stages[index], state, stage, problems);
   problems.throw_if_any();

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <filesystem>
@@ -13,6 +14,7 @@
 #include "vbond/model/bond.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/stage.hpp"
+#include "vbond/model/static_stage.hpp"
 
 /// A case as the user wrote it, checked key by key and turned into the units of the model.
 /// Names of groups and stages are still names, and times may still be multiples of T_0: build/ resolves both.
@@ -177,15 +179,19 @@ struct SupportSpec {
   SourcePlace place;
   Placed<std::string> group;
   HeldDofs held{};
+  // dynamics
   Vec3d velocity, angular_velocity;
   TimeFunctionSpec factor;
+  // static stages: at load factor 1
+  Vec3d displacement, rotation;
 };
 
 struct LoadSpec {
   SourcePlace place;
   Placed<std::string> group;
   Vec3d force, moment;
-  TimeFunctionSpec factor;
+  TimeFunctionSpec factor;  ///< dynamics
+  bool constant = false;    ///< static stages: not in proportion to the load factor
 };
 
 struct StrainSpec {
@@ -221,21 +227,42 @@ struct PeakStopSpec {
 struct StageSpec {
   SourcePlace place;
   std::string name;
-  CaseTime duration;  ///< required, > 0: the longest the stage may take
+  StageKind kind = StageKind::dynamics;
   Vec3d gravity;
-  double b_translation = 0, b_rotation = 0;
   std::vector<SupportSpec> supports;
   std::vector<LoadSpec> loads;
+  std::optional<DistanceStopSpec> stop_distance;  ///< dynamics, path
+
+  // dynamics
+  CaseTime duration;  ///< required, > 0: the longest the stage may take
+  double b_translation = 0, b_rotation = 0;
   std::optional<StrainSpec> strain;
-  std::optional<DistanceStopSpec> stop_distance;
   std::optional<PeakStopSpec> stop_peak;
   std::optional<RestStopSpec> stop_rest;
+
+  // static stages; what these mean stands with StaticStage
+  bool constant_gravity = false;
+  NewtonSettings newton;
+  int steps = 1;                         ///< equilibrium
+  AtSaddle at_saddle = AtSaddle::leave;  ///< equilibrium
+  PathSettings path;                     ///< path; its distance comes from stop_distance
+  int count = 6;                         ///< buckling, modes
+  int frames_per_mode = 16;              ///< buckling, modes
+  double amplitude = 0;                  ///< buckling, modes
 };
 
+struct ExactStep {};  ///< a fraction of the exact critical step of the assembled body
+
 struct TimeSpec {
-  std::optional<Placed<CaseTime>> step;  ///< given dt; absent: automatic
-  double fraction = 0.1;                 ///< of the critical step, when automatic
-  bool insist = false;                   ///< accept a given step above the bound
+  /// Absent: a fraction of the bound that single bonds give.
+  std::optional<Placed<std::variant<CaseTime, ExactStep>>> step;
+  double fraction = 0.1;  ///< of the critical step, unless a time is given
+  bool insist = false;    ///< accept a given time above the bound
+  const CaseTime* given() const { return step ? std::get_if<CaseTime>(&step->value) : nullptr; }
+};
+
+struct FramesSpec {
+  std::optional<CaseTime> every;  ///< of dynamics stages, which need it; static stages write every point
 };
 
 struct OutputSpec {
@@ -243,7 +270,7 @@ struct OutputSpec {
   std::vector<Placed<std::string>> reactions;      ///< groups: total support force and moment
   std::vector<Placed<std::string>> axial_force;    ///< groups: mean tension over the bonds inside
   std::vector<Placed<std::string>> displacements;  ///< groups, or particle numbers as text
-  std::optional<CaseTime> frames_every;            ///< absent: none
+  std::optional<FramesSpec> frames;                ///< absent: none
   bool lammps_dump = false;                        ///< with the frames
   std::optional<CaseTime> checkpoint_every;        ///< absent: only at the end and on a signal
 };
@@ -266,6 +293,10 @@ struct Case {
   std::vector<StageSpec> stages;
   OutputSpec output;
   WatchSpec watch;
+
+  bool any_dynamics() const {
+    return std::any_of(stages.begin(), stages.end(), [](const StageSpec& s) { return !is_static(s.kind); });
+  }
 };
 
 }  // namespace vbond

@@ -7,6 +7,9 @@ namespace vbond::keys {
 
 void describe(Table& t, Case& c);
 
+/// A group that is not given is that of all particles.
+void default_to_all(Placed<std::string>& group);
+
 void describe(Table& t, SpecimenSpec& s);
 void describe(Table& t, RodSpecimen& s);
 void describe(Table& t, HemisphereSpecimen& s);
@@ -37,13 +40,12 @@ void describe(Table& t, ContactModel& c);
 void describe(Table& t, VelocitySpec& v);
 void describe(Table& t, TimeSpec& s);
 void describe(Table& t, StageSpec& s);
-void describe(Table& t, SupportSpec& s);
-void describe(Table& t, LoadSpec& s);
 void describe(Table& t, TimeFunctionSpec& f);
 void describe(Table& t, StrainSpec& s);
 void describe(Table& t, DistanceStopSpec& s);
 void describe(Table& t, PeakStopSpec& s);
-void describe(Table& t, OutputSpec& o);
+void describe(Table& t, BranchSwitch& b);
+void describe(Table& t, OutputSpec& o, bool any_dynamics);
 void describe(Table& t, WatchSpec& w);
 
 }  // namespace vbond::keys

@@ -55,7 +55,15 @@ void check_stage_references(const Case& c, ReadContext& in) {
   for (const StageSpec& s : c.stages) names.push_back(s.name);
   for (const BondSpec& b : c.bonds)
     for (const auto& wanted : b.stages) {
-      if (std::find(names.begin(), names.end(), wanted.value) != names.end()) continue;
+      const auto found = std::find(names.begin(), names.end(), wanted.value);
+      if (found != names.end()) {
+        const StageSpec& stage = c.stages[static_cast<std::size_t>(found - names.begin())];
+        if (b.when == BondTime::approach && is_static(stage.kind))
+          in.report(wanted.place, "bonds \"" + b.name + "\": stages has \"" + wanted.value + "\"",
+                    "that stage is static: particles come near each other in dynamics only",
+                    "take the stage out, or make the bonds as it begins: when = \"stage\"");
+        continue;
+      }
       const auto meant = nearest_name(wanted.value, names);
       in.report(wanted.place, "bonds \"" + b.name + "\": stages has \"" + wanted.value + "\"",
                 "there is no stage of this name",

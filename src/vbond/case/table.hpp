@@ -118,14 +118,21 @@ class Table {
   /// A list of tables.
   template <class T>
   void tables(const char* name, std::vector<T>& items, const Need& need, const char* doc) {
-    BoundStructs<T> bound(items);
+    tables(name, items, need, doc, [](Table& t, T& item) { describe(t, item); });
+  }
+
+  /// The same, where what a table may hold depends on the table around it: described by describe_item(t,
+  /// item).
+  template <class T, class F>
+  void tables(const char* name, std::vector<T>& items, const Need& need, const char* doc, F describe_item) {
+    BoundStructs<T> bound(items, describe_item);
     on_tables({name, need, doc}, bound);
   }
 
   /// Tables whose last name is the `name` of a struct: [name.NAME].
   template <class T>
   void named_tables(const char* name, std::vector<T>& items, const char* doc) {
-    BoundStructs<T> bound(items);
+    BoundStructs<T> bound(items, [](Table& t, T& item) { describe(t, item); });
     on_named_tables({name, optional, doc}, bound);
   }
 
@@ -168,7 +175,9 @@ class Table {
   template <class T>
   class BoundStructs final : public Structs {
    public:
-    explicit BoundStructs(std::vector<T>& items) : items_(items) {}
+    using Describe = std::function<void(Table&, T&)>;
+    BoundStructs(std::vector<T>& items, Describe describe_item)
+        : items_(items), describe_(std::move(describe_item)) {}
     std::size_t size() const override { return items_.size(); }
     void append(const std::string& name) override {
       items_.emplace_back();
@@ -182,14 +191,15 @@ class Table {
       else
         return {};
     }
-    void describe_one(Table& t, std::size_t k) override { describe(t, items_[k]); }
+    void describe_one(Table& t, std::size_t k) override { describe_(t, items_[k]); }
     void describe_any(Table& t) override {
       T fresh{};
-      describe(t, fresh);
+      describe_(t, fresh);
     }
 
    private:
     std::vector<T>& items_;
+    Describe describe_;
   };
 
   template <class Variant, std::size_t... I>

@@ -17,6 +17,7 @@ struct Dimension {
 };
 
 inline constexpr Dimension pure{0, 0, 0, "number", "1"};
+inline constexpr Dimension angle{0, 0, 0, "angle", "10 deg"};
 inline constexpr Dimension length{1, 0, 0, "length", "0.5 mm"};
 inline constexpr Dimension area{2, 0, 0, "area", "2 mm^2"};
 inline constexpr Dimension area_moment{4, 0, 0, "length^4", "3 mm^4"};

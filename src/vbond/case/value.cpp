@@ -133,6 +133,13 @@ bool CountCodec::read(const Node& n, ReadContext& in, const std::string& path, s
   return true;
 }
 
+bool CountCodec::read(const Node& n, ReadContext& in, const std::string& path, int& out) const {
+  std::int64_t x = 0;
+  if (!read(n, in, path, x)) return false;
+  out = static_cast<int>(x);
+  return true;
+}
+
 std::string CountCodec::type() const {
   return "whole number >= " + std::to_string(min);
 }
@@ -267,6 +274,22 @@ std::string TimeCodec::write(const CaseTime& t) const {
 
 std::string TimeCodec::type() const {
   return "time " + range.text() + ", or \"10 T0\"";
+}
+
+bool StepCodec::read(const Node& n, ReadContext& in, const std::string& path,
+                     std::variant<CaseTime, ExactStep>& out) const {
+  const auto* word = std::get_if<std::string>(&n.value);
+  if (!word || word->find_first_of("0123456789") != std::string::npos)
+    return TimeCodec{}.read(n, in, path, out.emplace<CaseTime>());
+  std::size_t index = 0;
+  if (!read_word(n, in, path, {"exact"}, index)) return false;
+  out = ExactStep{};
+  return true;
+}
+
+std::string StepCodec::write(const std::variant<CaseTime, ExactStep>& step) const {
+  const auto* given = std::get_if<CaseTime>(&step);
+  return given ? TimeCodec{}.write(*given) : "\"exact\"";
 }
 
 bool TimeTableCodec::read(const Node& n, ReadContext& in, const std::string& path,

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <variant>
 #include <vector>
 
 #include "vbond/case/case.hpp"
@@ -84,6 +85,9 @@ struct CountCodec {
   std::int64_t min = 0, max = most_particles;
   bool read(const Node& n, ReadContext& in, const std::string& path, std::int64_t& out) const;
   bool read(const Node& n, ReadContext& in, const std::string& path, std::uint64_t& out) const;
+  /// max must fit.
+  bool read(const Node& n, ReadContext& in, const std::string& path, int& out) const;
+  std::string write(int x) const { return std::to_string(x); }
   std::string write(std::int64_t x) const { return std::to_string(x); }
   std::string write(std::uint64_t x) const { return std::to_string(x); }
   std::string type() const;
@@ -186,6 +190,15 @@ struct TimeCodec {
   std::string write(const CaseTime& t) const;
   std::string type() const;
   std::string example(UnitSystem) const { return "\"10 T0\""; }
+};
+
+/// A time, or "exact".
+struct StepCodec {
+  bool read(const Node& n, ReadContext& in, const std::string& path,
+            std::variant<CaseTime, ExactStep>& out) const;
+  std::string write(const std::variant<CaseTime, ExactStep>& step) const;
+  std::string type() const { return TimeCodec{}.type() + ", or \"exact\""; }
+  std::string example(UnitSystem u) const { return TimeCodec{}.example(u); }
 };
 
 /// [[t, factor], ...]: increasing times of one kind; zero is of any kind.

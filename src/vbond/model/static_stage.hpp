@@ -11,6 +11,9 @@ namespace vbond {
 
 /// What a stage computes. All but the first are static: they look for balance, not for motion.
 enum class StageKind : std::uint8_t { dynamics, equilibrium, path, buckling, modes };
+constexpr bool is_static(StageKind kind) {
+  return kind != StageKind::dynamics;
+}
 
 /// Degrees of freedom that are held in a static stage, and moved from where the stage found them in
 /// proportion to the load factor. A turn about an axis of the world is that of the held components alone;

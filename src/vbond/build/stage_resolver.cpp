@@ -1,0 +1,121 @@
+#include "vbond/build/stage_resolver.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+
+#include "vbond/build/bonds.hpp"
+#include "vbond/build/groups.hpp"
+#include "vbond/build/stages.hpp"
+#include "vbond/core/nearest.hpp"
+
+namespace vbond {
+namespace {
+
+/// Every stage named by a bond set exists.
+void check_stage_names(const Case& c, Problems& problems) {
+  std::vector<std::string> known;
+  for (const StageSpec& s : c.stages) known.push_back(s.name);
+  for (const BondSpec& b : c.bonds)
+    for (const auto& name : b.stages)
+      if (std::find(known.begin(), known.end(), name.value) == known.end()) {
+        const auto near = nearest_name(name.value, known);
+        problems.add(name.place, fmt::format("there is no stage \"{}\"", name.value),
+                     fmt::format("known stages: {}", fmt::join(known, ", ")),
+                     near ? fmt::format("did you mean \"{}\"?", *near) : "use one of them");
+      }
+}
+
+}  // namespace
+
+double look_up_time(const CaseTime& time, const Model& model, const std::string& what,
+                    const SourcePlace& place, Problems& problems) {
+  if (time.in_T_0 && !(model.T_0 > 0.0))
+    problems.add(place, fmt::format("{} = {} T0", what, time.value),
+                 "without any bond there is no T0 = 2 pi sqrt(m / c_A)", "give it in seconds");
+  return time.resolve(model.T_0);
+}
+
+double resolve_time(const CaseTime& time, const Model& model, const std::string& what,
+                    const SourcePlace& place) {
+  Problems problems;
+  const double resolved = look_up_time(time, model, what, place, problems);
+  problems.throw_if_any();
+  return resolved;
+}
+
+std::vector<ParticleId> StageResolver::particles(const Placed<std::string>& group) const {
+  const Group* g = look_up_group(group, model, problems);
+  return g == nullptr ? std::vector<ParticleId>{} : g->particles;
+}
+
+std::optional<DistanceStop> StageResolver::distance_stop(const DistanceStopSpec& s) const {
+  const auto i = look_up_particle(s.between[0], model, "stop.distance", s.place, problems);
+  const auto j = look_up_particle(s.between[1], model, "stop.distance", s.place, problems);
+  if (!i || !j) return std::nullopt;
+  if (i == j)
+    problems.add(s.place, fmt::format("stop.distance between particle {} and itself", i->value),
+                 "a distance is between two particles", "name two different ones");
+  return DistanceStop{*i, *j, s.value, s.below};
+}
+
+void StageResolver::check_held_once() const {
+  static constexpr const char* dof_names[6] = {
+      "x", "y", "z", "rotation about x", "rotation about y", "rotation about z"};
+  std::vector<std::array<int, 6>> holder(model.particles(), {-1, -1, -1, -1, -1, -1});
+  for (std::size_t s = 0; s < spec.supports.size(); ++s) {
+    const SupportSpec& support = spec.supports[s];
+    const Group* group = model.find_group(support.group.value);
+    if (group == nullptr) continue;  // reported by particles()
+    bool reported = false;           // one pair of supports, one report
+    for (const ParticleId p : group->particles)
+      for (std::size_t dof = 0; dof < 6; ++dof) {
+        if (!support.held[dof]) continue;
+        int& by = holder[p.value][dof];
+        if (by >= 0 && !reported) {
+          reported = true;
+          problems.add(
+              support.place,
+              fmt::format("{} of particle {} is held by two supports (groups \"{}\" and \"{}\")",
+                          dof_names[dof], p.value, spec.supports[static_cast<std::size_t>(by)].group.value,
+                          support.group.value),
+              "a degree of freedom has one support at most", "take it out of one of them");
+        }
+        by = static_cast<int>(s);
+      }
+  }
+}
+
+bool StageResolver::anything_is_free() const {
+  PerParticle<HeldDofs> held;
+  held.assign(model.particles(), HeldDofs{});
+  for (const SupportSpec& s : spec.supports)
+    if (const Group* g = model.find_group(s.group.value))
+      for (const ParticleId p : g->particles)
+        for (std::size_t dof = 0; dof < 6; ++dof) held[p][dof] = held[p][dof] || s.held[dof];
+  return std::any_of(held.begin(), held.end(), [](const HeldDofs& h) {
+    return std::any_of(h.begin(), h.end(), [](bool is_held) { return !is_held; });
+  });
+}
+
+void check_stages(const Case& c, const Model& model, Problems& problems) {
+  check_stage_names(c, problems);
+  for (std::size_t k = 0; k < c.stages.size(); ++k)
+    if (is_static(c.stages[k].kind))
+      resolve_static_stage(c, model, k, problems);
+    else
+      resolve_stage(c, model, k, problems);
+}
+
+void add_stage_bonds(const Case& c, std::size_t k, const Model& model, State& state, Problems& problems) {
+  for (std::size_t set = 0; set < c.bonds.size(); ++set) {
+    const BondSpec& b = c.bonds[set];
+    const auto here = [&](const Placed<std::string>& name) { return name.value == c.stages[k].name; };
+    if (b.when == BondTime::stage && std::any_of(b.stages.begin(), b.stages.end(), here))
+      add_bonds(c, set, model, state, problems);
+  }
+}
+
+}  // namespace vbond

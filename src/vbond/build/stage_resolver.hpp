@@ -1,0 +1,33 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "vbond/build/problems.hpp"
+#include "vbond/case/case.hpp"
+#include "vbond/model/model.hpp"
+#include "vbond/model/stage.hpp"
+#include "vbond/model/state.hpp"
+
+namespace vbond {
+
+/// Turns the parts that stages of all kinds have from names into numbers, and records every mistake.
+struct StageResolver {
+  const Case& c;
+  const Model& model;
+  const StageSpec& spec;
+  Problems& problems;
+
+  std::vector<ParticleId> particles(const Placed<std::string>& group) const;
+  std::optional<DistanceStop> distance_stop(const DistanceStopSpec& s) const;
+
+  /// No degree of freedom has two supports.
+  void check_held_once() const;
+  /// Whether supports leave any degree of freedom.
+  bool anything_is_free() const;
+};
+
+/// Makes the bonds (when = stage) of stage k, which begins.
+void add_stage_bonds(const Case& c, std::size_t k, const Model& model, State& state, Problems& problems);
+
+}  // namespace vbond

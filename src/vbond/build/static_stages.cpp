@@ -1,0 +1,75 @@
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+#include "vbond/build/stage_resolver.hpp"
+#include "vbond/build/stages.hpp"
+
+namespace vbond {
+namespace {
+
+std::vector<StaticSupport> supports(const StageResolver& resolver) {
+  std::vector<StaticSupport> resolved;
+  for (const SupportSpec& s : resolver.spec.supports)
+    resolved.push_back({s.group.value, resolver.particles(s.group), s.held, s.displacement, s.rotation});
+  resolver.check_held_once();
+  return resolved;
+}
+
+std::vector<StaticLoad> loads(const StageResolver& resolver) {
+  std::vector<StaticLoad> resolved;
+  for (const LoadSpec& l : resolver.spec.loads)
+    resolved.push_back({l.group.value, resolver.particles(l.group), l.force, l.moment, l.constant});
+  return resolved;
+}
+
+/// A body that is held altogether has no modes, and no load makes it unstable.
+void check_something_is_free(const StageResolver& resolver) {
+  if (resolver.spec.kind == StageKind::equilibrium || resolver.anything_is_free()) return;
+  resolver.problems.add(
+      resolver.spec.place, fmt::format("stage \"{}\": supports hold everything", resolver.spec.name),
+      "paths, critical loads and modes are of degrees of freedom that are free", "take something out of fix");
+}
+
+}  // namespace
+
+StaticStage resolve_static_stage(const Case& c, const Model& model, std::size_t k, Problems& problems) {
+  const StageSpec& spec = c.stages.at(k);
+  const StageResolver resolver{c, model, spec, problems};
+  StaticStage stage;
+  stage.name = spec.name;
+  stage.kind = spec.kind;
+  stage.gravity = spec.gravity;
+  stage.constant_gravity = spec.constant_gravity;
+  stage.supports = supports(resolver);
+  check_something_is_free(resolver);
+  stage.loads = loads(resolver);
+  stage.newton = spec.newton;
+  stage.steps = spec.steps;
+  stage.at_saddle = spec.at_saddle;
+  stage.path = spec.path;
+  if (spec.stop_distance) stage.path.distance = resolver.distance_stop(*spec.stop_distance);
+  stage.count = spec.count;
+  stage.frames_per_mode = spec.frames_per_mode;
+  stage.amplitude = spec.amplitude;
+  return stage;
+}
+
+StaticStage build_static_stage(const Case& c, const Model& model, int k, State& state) {
+  Problems problems;
+  const auto index = static_cast<std::size_t>(k);
+  if (!is_static(c.stages.at(index).kind))
+    throw std::logic_error("build_static_stage: the stage is of kind dynamics");
+  StaticStage stage = resolve_static_stage(c, model, index, problems);
+  problems.throw_if_any();
+  if (state.clock.stage_step > 0) return stage;  // under way: its bonds have been made
+  add_stage_bonds(c, index, model, state, problems);
+  if (problems.none() && state.bonds.empty() && model.contact.law == ContactLaw::none)
+    problems.add(c.stages[index].place, fmt::format("stage \"{}\": nothing is elastic", stage.name),
+                 "there are no bonds and no contacts, so no load is in balance with anything",
+                 "add a table [[bonds]] or [contact]");
+  problems.throw_if_any();
+  return stage;
+}
+
+}  // namespace vbond

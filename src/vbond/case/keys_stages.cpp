@@ -1,0 +1,264 @@
+#include <algorithm>
+
+#include "vbond/case/keys.hpp"
+
+namespace vbond::keys {
+namespace {
+
+const char* const in_dynamics = "kind = \"dynamics\"";
+const char* const in_statics = "kind = \"equilibrium\", \"path\", \"buckling\" or \"modes\"";
+
+/// Nothing if it is misspelt: then keys of every kind are right.
+using Kind = std::optional<StageKind>;
+
+constexpr CountCodec at_least_one{1, 1'000'000};
+
+bool any(const Vec3d& v) {
+  return !(v == Vec3d{});
+}
+
+/// A movement of a degree of freedom that is not held would be lost without a word.
+void check_moves_are_held(Table& t, const HeldDofs& held, const char* along, const Vec3d& v,
+                          const char* about, const Vec3d& w) {
+  const auto unheld = [&held](const Vec3d& x, std::size_t first) {
+    return (x.x != 0 && !held[first]) || (x.y != 0 && !held[first + 1]) || (x.z != 0 && !held[first + 2]);
+  };
+  t.check(!unheld(v, 0), {along, "fix"}, "a component along a direction that fix does not hold",
+          "add the direction (\"x\", \"y\", \"z\") to fix, or set the component to 0");
+  t.check(!unheld(w, 3), {about, "fix"}, "a component about an axis that fix does not hold",
+          "add the axis (\"rx\", \"ry\", \"rz\") to fix, or set the component to 0");
+}
+
+void describe_support(Table& t, SupportSpec& s, Kind kind) {
+  t.locate(s.place);
+  t.key("group", s.group, group_name, required, "which particles");
+  t.key("fix", s.held, SubsetCodec<6>{{"x", "y", "z", "rx", "ry", "rz"}}, required,
+        "which degrees of freedom are held: translation along, rotation about the world's axes");
+  t.check(s.held != HeldDofs{}, {"fix"}, "must hold something", "name a direction, as in fix = [\"x\"]");
+  t.when(!kind || !is_static(*kind), in_dynamics, [&] {
+    t.key("velocity", s.velocity, vector_of(velocity), optional, "of the held translations");
+    t.key("angular_velocity", s.angular_velocity, vector_of(angular_velocity), optional,
+          "of the held rotations");
+    describe(t, s.factor);
+    check_moves_are_held(t, s.held, "velocity", s.velocity, "angular_velocity", s.angular_velocity);
+  });
+  // about a balance at rest: modes take the supports as they are
+  t.when(!kind || (is_static(*kind) && kind != StageKind::modes),
+         "kind = \"equilibrium\", \"path\" or \"buckling\"", [&] {
+           t.key("displacement", s.displacement, vector_of(length), optional,
+                 "of the held translations, from where the stage finds them, at load factor 1");
+           t.key("rotation", s.rotation, vector_of(angle), optional,
+                 "of the held rotations at load factor 1; with all three held a rotation vector");
+           check_moves_are_held(t, s.held, "displacement", s.displacement, "rotation", s.rotation);
+         });
+}
+
+void describe_load(Table& t, LoadSpec& s, Kind kind) {
+  t.locate(s.place);
+  t.key("group", s.group, group_name, required, "which particles");
+  t.key("force", s.force, vector_of(force), optional, "on each particle, fixed in direction");
+  t.key("moment", s.moment, vector_of(moment), optional, "on each particle, fixed in direction");
+  t.when(!kind || !is_static(*kind), in_dynamics, [&] { describe(t, s.factor); });
+  t.when(!kind || is_static(*kind), in_statics, [&] {
+    t.key("constant", s.constant, FlagCodec{}, optional,
+          "at full size from the start, not in proportion to the load factor; modes: always");
+  });
+}
+
+void describe_load_factor_stop(Table& t, PathSettings& p) {
+  t.key("above", p.above, number(pure), optional, "end where the load factor rises to this");
+  t.key("below", p.below, number(pure), optional, "end where the load factor falls to this");
+  t.check(p.above || p.below, {"above", "below"}, "must have above, below or both", "add above = 1.0");
+}
+
+void describe_stop(Table& t, StageSpec& s) {
+  const bool dynamics = s.kind == StageKind::dynamics;
+  t.table("distance", s.stop_distance, "stop when two particles are near or far enough");
+  t.when(dynamics, in_dynamics, [&] {
+    t.table("peak", s.stop_peak, "stop when a quantity has fallen below its peak: buckling");
+    t.table("rest", s.stop_rest, "stop when the body has come to rest");
+  });
+  t.when(s.kind == StageKind::path, "kind = \"path\"", [&] {
+    t.table(
+        "load_factor", optional, "stop at a load factor",
+        [&s](Table& k) { describe_load_factor_stop(k, s.path); }, s.path.above || s.path.below);
+  });
+}
+
+void describe_motion(Table& t, StageSpec& s) {
+  t.key("duration", s.duration, TimeCodec{}, required, "the longest that the stage may take");
+  t.table("damping", optional, "viscous damping of all particles", [&s](Table& d) {
+    d.key("translation", s.b_translation, not_negative(damping), optional, "b of the force -b v");
+    d.key("rotation", s.b_rotation, not_negative(rotary_damping), optional, "b of the moment -b omega");
+  });
+  t.table("strain", s.strain, "affine strain, applied step by step");
+}
+
+void describe_newton(Table& t, NewtonSettings& n) {
+  t.key("tolerance", n.tolerance, NumberCodec{pure, {0, 1, true, true}}, optional,
+        "largest unbalanced force, as a part of the largest force in the body");
+  t.key("iterations", n.iterations, at_least_one, optional, "the most for one load factor");
+  t.key("solver", n.solver,
+        ChoiceCodec<LinearSolver>{{"automatic", "direct", "iterative"},
+                                  {LinearSolver::automatic, LinearSolver::direct, LinearSolver::iterative}},
+        optional, "of the linear equations; stability is known with the direct one only");
+}
+
+void describe_path(Table& t, PathSettings& p) {
+  t.key("first_step", p.first_step, number(pure), optional,
+        "change of the load factor in the first step; < 0: downwards");
+  t.check(p.first_step != 0, {"first_step"}, "must not be 0: the path would not begin",
+          "write for example first_step = 0.01");
+  t.key("largest_step", p.largest_step, not_negative(length), default_is("automatic"),
+        "longest step, as the largest movement of a particle; 0: automatic");
+  t.key("most_points", p.most_points, at_least_one, optional, "ends the path in any case");
+  t.table("branch", p.branch, "where the path turns off at a bifurcation; without it, it goes straight on");
+}
+
+void describe_modes(Table& t, StageSpec& s) {
+  t.key("count", s.count, at_least_one, optional, "how many critical loads or natural modes");
+  t.key("frames_per_mode", s.frames_per_mode, CountCodec{0, 1'000'000}, optional,
+        "frames of one swing of each; 0: none");
+  t.key("amplitude", s.amplitude, not_negative(length), default_is("a tenth of the body"),
+        "of these frames, as the largest movement of a particle; 0: a tenth of the body");
+}
+
+/// Without a proportional part the load factor would change nothing.
+void check_proportional(Table& t, const StageSpec& s) {
+  const auto grows = [](const LoadSpec& l) { return !l.constant && (any(l.force) || any(l.moment)); };
+  const auto moves = [](const SupportSpec& p) { return any(p.displacement) || any(p.rotation); };
+  const bool proportional = (any(s.gravity) && !s.constant_gravity) ||
+                            std::any_of(s.loads.begin(), s.loads.end(), grows) ||
+                            std::any_of(s.supports.begin(), s.supports.end(), moves);
+  t.check(
+      proportional, {"kind", "loads", "supports", "gravity", "constant_gravity"},
+      "nothing grows with the load factor: no load or gravity that is not constant, no support that moves",
+      "add a load without constant = true, or a displacement to a support");
+}
+
+void describe_statics(Table& t, StageSpec& s) {
+  const bool path = s.kind == StageKind::path;
+  t.when(is_static(s.kind), in_statics, [&] {
+    t.key("constant_gravity", s.constant_gravity, FlagCodec{}, optional,
+          "gravity at full size from the start, not in proportion to the load factor; modes: always");
+    t.table("newton", optional, "how far Newton's method goes",
+            [&s](Table& n) { describe_newton(n, s.newton); });
+  });
+  t.when(s.kind == StageKind::equilibrium, "kind = \"equilibrium\"", [&] {
+    t.key("steps", s.steps, at_least_one, optional, "load steps at least; more if they are too large");
+    t.key("at_saddle", s.at_saddle,
+          ChoiceCodec<AtSaddle>{{"leave", "keep"}, {AtSaddle::leave, AtSaddle::keep}}, optional,
+          "an unstable balance is left for a stable one, or kept");
+  });
+  t.when(path, "kind = \"path\"", [&] { describe_path(t, s.path); });
+  t.when(s.kind == StageKind::buckling || s.kind == StageKind::modes, "kind = \"buckling\" or \"modes\"",
+         [&] { describe_modes(t, s); });
+  if (path || s.kind == StageKind::buckling) check_proportional(t, s);
+}
+
+Kind describe_kind(Table& t, StageSpec& s) {
+  Kind kind = s.kind;
+  if (t.reading() && t.is_given("kind")) kind.reset();
+  t.key("kind", kind,
+        ChoiceCodec<StageKind>{{"dynamics", "equilibrium", "path", "buckling", "modes"},
+                               {StageKind::dynamics, StageKind::equilibrium, StageKind::path,
+                                StageKind::buckling, StageKind::modes}},
+        optional,
+        "motion in time, or static: balance under load, its path as the load changes, the loads at which it "
+        "becomes unstable, small vibrations about it");
+  s.kind = kind.value_or(StageKind::dynamics);
+  return kind;
+}
+
+}  // namespace
+
+void describe(Table& t, StageSpec& s) {
+  t.locate(s.place);
+  t.key("name", s.name, NameCodec{}, default_is("`\"stage-1\"`, `\"stage-2\"`, ..."), "name of the stage");
+  const Kind kind = describe_kind(t, s);
+  t.key("gravity", s.gravity, vector_of(acceleration), optional, "acceleration of all particles");
+  t.tables("supports", s.supports, optional, "degrees of freedom that are held or moved",
+           [kind](Table& k, SupportSpec& support) { describe_support(k, support, kind); });
+  t.tables("loads", s.loads, optional, "forces and moments on each particle of a group",
+           [kind](Table& k, LoadSpec& load) { describe_load(k, load, kind); });
+  t.when(kind == StageKind::dynamics, in_dynamics, [&] { describe_motion(t, s); });
+  describe_statics(t, s);
+  t.when(kind == StageKind::dynamics || kind == StageKind::path, "kind = \"dynamics\" or \"path\"", [&] {
+    t.table(
+        "stop", optional,
+        "ends the stage early; a path without it ends at load factor 1 (-1 if it goes down)",
+        [&s](Table& k) { describe_stop(k, s); },
+        s.stop_distance || s.stop_peak || s.stop_rest || s.path.above || s.path.below);
+  });
+  if (t.reading() && kind == StageKind::path && !s.stop_distance && !s.path.above && !s.path.below)
+    (s.path.first_step > 0 ? s.path.above : s.path.below) = s.path.first_step > 0 ? 1.0 : -1.0;
+}
+
+void describe(Table& t, TimeFunctionSpec& f) {
+  std::optional<CaseTime> ramp;
+  t.key("ramp", ramp, TimeCodec{}, default_is("none"),
+        "factor rising from 0 to 1 over this time of the stage");
+  t.key("table", f.points, TimeTableCodec{}, default_is("factor 1"),
+        "factor over the time of the stage: straight between the points, constant outside");
+  t.check(!(t.is_given("ramp") && t.is_given("table")), {"table", "ramp"},
+          "only one of ramp and table may be given", "keep one; ramp = T is table = [[0, 0], [T, 1]]");
+  if (ramp && f.points.empty()) f.points = {{CaseTime{0, ramp->in_T_0}, 0.0}, {*ramp, 1.0}};
+}
+
+void describe(Table& t, StrainSpec& s) {
+  t.locate(s.place);
+  default_to_all(s.group);
+  t.key("group", s.group, group_name, optional, "which particles");
+  t.key("increment", s.increment, NumberCodec{pure, {-1, largest_number, true, false}}, required,
+        "strain of each application, < 0 for compression");
+  t.check(s.increment != 0, {"increment"}, "must not be 0: nothing would be strained", "leave strain out");
+  t.key("direction", s.direction, direction_vector, optional, "along which; its length does not matter");
+  t.key("every", s.every, TimeCodec{}, required, "time between applications");
+}
+
+void describe(Table& t, DistanceStopSpec& s) {
+  t.locate(s.place);
+  t.key("between", s.between, tuple_of<2>(particle_number), required, "numbers of the two particles");
+  t.check(s.between[0] != s.between[1], {"between"}, "must be two different particles", "change one number");
+  const std::size_t side = t.exactly_one({"below", "above"}, s.below ? 0 : 1);
+  t.when(side == 0, "below",
+         [&] { t.key("below", s.value, positive(length), required, "stop at this or less"); });
+  t.when(side == 1, "above",
+         [&] { t.key("above", s.value, positive(length), required, "stop at this or more"); });
+  s.below = side == 0;
+}
+
+void describe(Table& t, RestStopSpec& s) {
+  t.locate(s.place);
+  t.key("kinetic_energy_below", s.kinetic_energy_below, positive(energy), required,
+        "the kinetic energy must stay below this");
+  t.key(
+      "during", s.during, TimeCodec{}, required,
+      "for this time: longer than half the slowest period, since a swing has no kinetic energy at its turns");
+}
+
+void describe(Table& t, PeakStopSpec& s) {
+  t.locate(s.place);
+  default_to_all(s.group);
+  t.key("quantity", s.quantity,
+        ChoiceCodec<PeakQuantity>{{"compressive-force", "reaction"},
+                                  {PeakQuantity::compressive_force, PeakQuantity::reaction}},
+        optional, "mean compression of the bonds in the group, or its total support force");
+  t.key("group", s.group, group_name, optional, "of which particles");
+  t.when(s.quantity == PeakQuantity::reaction, "quantity = \"reaction\"", [&] {
+    t.key("direction", s.direction, direction_vector, optional, "component of the support force");
+  });
+  t.key("drop", s.drop, NumberCodec{pure, {0, 1, true, true}}, optional,
+        "part of the peak that must be lost");
+  t.key("average_over", s.average_over, TimeCodec{}, required,
+        "the quantity is averaged over blocks of this time");
+}
+
+void describe(Table& t, BranchSwitch& b) {
+  t.key("bifurcation", b.bifurcation, at_least_one, optional, "which one on the path, from 1");
+  t.key("mode", b.mode, at_least_one, optional,
+        "which of several modes that become unstable at once, from 1");
+  t.key("sense", b.sense, ChoiceCodec<double>{{"+", "-"}, {1.0, -1.0}}, optional, "which way along the mode");
+}
+
+}  // namespace vbond::keys

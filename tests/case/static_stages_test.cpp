@@ -1,0 +1,217 @@
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "vbond/case/read.hpp"
+
+namespace vbond {
+namespace {
+
+const std::string rod = "[[specimen]]\nkind = \"rod\"\nparticles = 10\nmass = 1\ninertia = 0.064\n";
+const std::string load = "loads = [{ group = \"last\", force = [1, 0, 0] }]\n";
+
+Case read(const std::string& text) {
+  return parse_case(rod + text, "case.toml");
+}
+
+StageSpec stage(const std::string& kind, const std::string& lines) {
+  return read("[[stage]]\nkind = \"" + kind + "\"\n" + lines).stages.at(0);
+}
+
+std::string report(const std::string& text) {
+  try {
+    read(text);
+  } catch (const CaseError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+void expect_accepted(const std::string& kind, const std::string& lines) {
+  EXPECT_EQ(report("[[stage]]\nkind = \"" + kind + "\"\n" + lines), "") << lines;
+}
+void expect_refused(const std::string& kind, const std::string& lines, const std::string& because) {
+  const std::string text = report("[[stage]]\nkind = \"" + kind + "\"\n" + lines);
+  EXPECT_NE(text.find(because), std::string::npos) << lines << "\nwas met with: " << text;
+}
+
+TEST(StaticStages, AreDynamicsUnlessTheCaseSaysOtherwise) {
+  EXPECT_EQ(read("[[stage]]\nduration = 1\n").stages[0].kind, StageKind::dynamics);
+  EXPECT_EQ(stage("dynamics", "duration = 1\n").kind, StageKind::dynamics);
+  EXPECT_EQ(stage("equilibrium", "").kind, StageKind::equilibrium);
+  EXPECT_EQ(stage("path", load).kind, StageKind::path);
+  EXPECT_EQ(stage("buckling", load).kind, StageKind::buckling);
+  EXPECT_EQ(stage("modes", "").kind, StageKind::modes);
+}
+
+TEST(StaticStages, KeepEveryValueOfTheirKeys) {
+  const StageSpec s =
+      stage("path",
+            "gravity = [0, 0, -2]\nconstant_gravity = true\n"
+            "supports = [{ group = \"first\", fix = [\"x\", \"rz\"], displacement = [3, 0, 0], "
+            "rotation = [0, 0, 0.5] }]\n"
+            "loads = [{ group = \"last\", moment = [1, 2, 3], constant = true }]\n"
+            "newton = { tolerance = 1e-7, iterations = 9, solver = \"iterative\" }\n"
+            "first_step = -0.2\nlargest_step = 0.3\nmost_points = 7\n"
+            "stop = { load_factor = { above = 2, below = -1 } }\n"
+            "branch = { bifurcation = 2, mode = 3, sense = \"-\" }\n");
+  EXPECT_EQ(s.gravity, (Vec3d{0, 0, -2}));
+  EXPECT_TRUE(s.constant_gravity);
+  EXPECT_EQ(s.supports[0].displacement, (Vec3d{3, 0, 0}));
+  EXPECT_EQ(s.supports[0].rotation, (Vec3d{0, 0, 0.5}));
+  EXPECT_EQ(s.loads[0].moment, (Vec3d{1, 2, 3}));
+  EXPECT_TRUE(s.loads[0].constant);
+  EXPECT_EQ(s.newton.tolerance, 1e-7);
+  EXPECT_EQ(s.newton.iterations, 9);
+  EXPECT_EQ(s.newton.solver, LinearSolver::iterative);
+  EXPECT_EQ(s.path.first_step, -0.2);
+  EXPECT_EQ(s.path.largest_step, 0.3);
+  EXPECT_EQ(s.path.most_points, 7);
+  EXPECT_EQ(s.path.above, 2.0);
+  EXPECT_EQ(s.path.below, -1.0);
+  ASSERT_TRUE(s.path.branch);
+  EXPECT_EQ(s.path.branch->bifurcation, 2);
+  EXPECT_EQ(s.path.branch->mode, 3);
+  EXPECT_EQ(s.path.branch->sense, -1.0);
+  const StageSpec e = stage("equilibrium", "steps = 4\nat_saddle = \"keep\"\n");
+  EXPECT_EQ(e.steps, 4);
+  EXPECT_EQ(e.at_saddle, AtSaddle::keep);
+  const StageSpec m = stage("modes", "count = 3\nframes_per_mode = 0\namplitude = 0.25\n");
+  EXPECT_EQ(m.count, 3);
+  EXPECT_EQ(m.frames_per_mode, 0);
+  EXPECT_EQ(m.amplitude, 0.25);
+}
+
+TEST(StaticStages, RefuseKeysOfOtherKinds) {
+  expect_refused("dynamics", "duration = 1\ncount = 3\n", "only with kind = \"buckling\" or \"modes\"");
+  expect_refused("dynamics", "duration = 1\nconstant_gravity = true\n", "is used only with");
+  expect_refused("dynamics", "duration = 1\nstop = { load_factor = { above = 1 } }\n",
+                 "only with kind = \"path\"");
+  expect_refused("dynamics", "duration = 1\nloads = [{ group = \"all\", constant = true }]\n",
+                 "is used only with");
+  expect_refused("dynamics",
+                 "duration = 1\nsupports = [{ group = \"all\", fix = [\"x\"], displacement = [1, 0, 0] }]\n",
+                 "only with kind = \"equilibrium\", \"path\" or \"buckling\"");
+  for (const char* lines :
+       {"duration = 1\n", "damping = { translation = 1 }\n", "strain = { increment = 1, every = 1 }\n",
+        "loads = [{ group = \"all\", force = [1, 0, 0], ramp = 1 }]\n",
+        "loads = [{ group = \"all\", force = [1, 0, 0], table = [[0, 1]] }]\n",
+        "supports = [{ group = \"all\", fix = [\"rx\"], angular_velocity = [1, 0, 0] }]\n"})
+    expect_refused("equilibrium", lines, "is used only with kind = \"dynamics\"");
+  expect_refused("equilibrium", "stop = {}\n", "only with kind = \"dynamics\" or \"path\"");
+  expect_refused("equilibrium", "first_step = 0.1\n", "only with kind = \"path\"");
+  expect_refused("modes", "steps = 2\n", "only with kind = \"equilibrium\"");
+  expect_refused("path", load + "stop = { rest = { kinetic_energy_below = 1, during = 1 } }\n",
+                 "only with kind = \"dynamics\"");
+  // modes are about the supports as they stand: nothing would be moved
+  expect_refused("modes", "supports = [{ group = \"all\", fix = [\"x\"], displacement = [1, 0, 0] }]\n",
+                 "only with kind = \"equilibrium\", \"path\" or \"buckling\"");
+}
+
+TEST(StaticStages, SupportsMoveOnlyWhatTheyHold) {
+  const std::string support = "supports = [{ group = \"all\", fix = [\"x\", \"rz\"], ";
+  expect_accepted("equilibrium", support + "displacement = [1, 0, 0], rotation = [0, 0, 1] }]\n");
+  expect_refused("equilibrium", support + "displacement = [1, 0, 1] }]\n", "that fix does not hold");
+  expect_refused("equilibrium", support + "rotation = [1, 0, 0] }]\n", "that fix does not hold");
+}
+
+TEST(StaticStages, NeedSomethingThatGrowsWithTheLoadFactor) {
+  const std::string constant = "loads = [{ group = \"last\", force = [1, 0, 0], constant = true }]\n";
+  const std::string zero = "loads = [{ group = \"last\" }]\n";
+  const std::string because = "nothing grows with the load factor";
+  for (const char* kind : {"path", "buckling"}) {
+    for (const std::string& lines :
+         {std::string{}, constant, zero, std::string("gravity = [0, 0, 1]\nconstant_gravity = true\n"),
+          std::string("supports = [{ group = \"first\", fix = [\"x\"] }]\n")})
+      expect_refused(kind, lines, because);
+    expect_accepted(kind, load);
+    expect_accepted(kind, "loads = [{ group = \"last\", moment = [0, 0, 1] }]\n");
+    expect_accepted(kind, constant + "gravity = [0, 0, 1]\n");
+    for (const char* way :
+         {"fix = [\"x\"], displacement = [1, 0, 0]", "fix = [\"rx\"], rotation = [1, 0, 0]"})
+      expect_accepted(kind, constant + "supports = [{ group = \"first\", " + way + " }]\n");
+  }
+  for (const char* kind : {"equilibrium", "modes"}) expect_accepted(kind, constant);
+}
+
+TEST(StaticStages, PathEndsAtLoadFactorOneUnlessToldOtherwise) {
+  const PathSettings up = stage("path", load).path;
+  EXPECT_EQ(up.above, 1.0);
+  EXPECT_FALSE(up.below);
+  const PathSettings down = stage("path", load + "first_step = -0.1\n").path;
+  EXPECT_EQ(down.below, -1.0);
+  EXPECT_FALSE(down.above);
+  const StageSpec far = stage("path", load + "stop = { distance = { between = [0, 9], below = 5 } }\n");
+  EXPECT_FALSE(far.path.above || far.path.below);
+  EXPECT_EQ(far.stop_distance->value, 5.0);
+  EXPECT_EQ(stage("path", load + "stop = { load_factor = { below = 0.2 } }\n").path.above, std::nullopt);
+}
+
+TEST(StaticStages, NumbersAreChecked) {
+  expect_refused("path", load + "first_step = 0\n", "must not be 0");
+  expect_refused("path", load + "largest_step = -1\n", "0 <= largest_step");
+  expect_refused("path", load + "most_points = 0\n", "1 <= most_points");
+  expect_refused("path", load + "branch = { mode = 0 }\n", "1 <= mode");
+  expect_refused("path", load + "branch = { sense = 1 }\n", "one of \"+\", \"-\"");
+  expect_refused("path", load + "stop = { load_factor = {} }\n", "must have above, below or both");
+  expect_refused("equilibrium", "steps = 0\n", "1 <= steps");
+  expect_refused("equilibrium", "newton = { tolerance = 1 }\n", "0 < tolerance < 1");
+  expect_refused("equilibrium", "newton = { iterations = 3000000000 }\n", "iterations <= 1000000");
+  expect_refused("equilibrium", "newton = { solver = \"dircet\" }\n", "did you mean \"direct\"?");
+  expect_refused("modes", "count = 0\n", "1 <= count");
+  expect_refused("modes", "frames_per_mode = -1\n", "0 <= frames_per_mode");
+  expect_refused("modes", "amplitude = -1\n", "0 <= amplitude");
+}
+
+// A kind that makes no sense says nothing of the keys beside it.
+TEST(StaticStages, MisspeltKindIsTheOnlyReport) {
+  try {
+    read(
+        "[[stage]]\nkind = \"pth\"\nfirst_step = 0.1\ndamping = { translation = 1 }\n"
+        "supports = [{ group = \"all\", fix = [\"x\"], displacement = [1, 0, 0], velocity = [1, 0, 0] }]\n"
+        "loads = [{ group = \"all\", constant = true, ramp = 1 }]\nstop = { peak = 3 }\n");
+    FAIL() << "was accepted";
+  } catch (const CaseError& e) {
+    EXPECT_EQ(e.problems().size(), 1U) << e.what();
+  }
+}
+
+TEST(StaticStages, BondsAreMadeAsTheyBeginButNotOnTheWay) {
+  const auto bonds = [](const std::string& when) {
+    return report(
+        "[[bonds]]\ndistance = 1.1\nstiffness = { c_A = 1, c_D = 0.03, c_B = 0.0025, c_T = 0.002 }\nwhen = "
+        "\"" +
+        when + "[[stage]]\nname = \"bend\"\nkind = \"equilibrium\"\n");
+  };
+  EXPECT_EQ(bonds("stage\"\nstages = [\"bend\"]\n"), "");
+  EXPECT_EQ(bonds("approach\"\n"), "");
+  EXPECT_NE(bonds("approach\"\nstages = [\"bend\"]\n").find("that stage is static"), std::string::npos);
+}
+
+TEST(StaticStages, FramesNeedAnIntervalInDynamicsOnly) {
+  const std::string statics = "[[stage]]\nkind = \"modes\"\n", dynamics = "[[stage]]\nduration = 1\n";
+  const Case c = read(statics + "[output]\nframes = {}\nlammps_dump = true\n");
+  ASSERT_TRUE(c.output.frames);
+  EXPECT_FALSE(c.output.frames->every);
+  EXPECT_TRUE(read(statics + "[output]\nframes = { every = 2 }\n").output.frames->every);
+  EXPECT_FALSE(read(statics).output.frames);
+  EXPECT_NE(report(statics + dynamics + "[output]\nframes = {}\n").find("output.frames.every is missing"),
+            std::string::npos);
+}
+
+TEST(TimeStep, MayBeAPartOfTheExactCriticalStep) {
+  const std::string dynamics = "[[stage]]\nduration = 1\n[time]\n";
+  const TimeSpec exact = read(dynamics + "step = \"exact\"\nfraction = 0.5\n").time;
+  ASSERT_TRUE(exact.step);
+  EXPECT_TRUE(std::holds_alternative<ExactStep>(exact.step->value));
+  EXPECT_EQ(exact.step->place.line, 9U);
+  EXPECT_EQ(exact.given(), nullptr);
+  EXPECT_EQ(exact.fraction, 0.5);
+  EXPECT_EQ(read(dynamics + "step = 0.2\n").time.given()->value, 0.2);
+  EXPECT_NE(report(dynamics + "step = \"exact\"\ninsist = true\n").find("only with step given as a time"),
+            std::string::npos);
+  EXPECT_NE(report(dynamics + "step = \"exact \"\n").find("did you mean \"exact\"?"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace vbond
