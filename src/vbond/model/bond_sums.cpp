@@ -15,8 +15,9 @@ double mean_axial_force(const State& state, const std::vector<ParticleId>& parti
   std::vector<BondId> bonds;
   for (const BondId k : state.bonds.ids())
     if (inside(state.bonds[k].i) && inside(state.bonds[k].j)) bonds.push_back(k);
-  return mean_axial_force(state.bonds, bonds,
-                          [&state](ParticleId p) { return Pose{state.r[p], state.q[p]}; });
+  return mean_axial_force(state.bonds, bonds, [&state](ParticleId p) {
+    return Pose{state.r[p], state.q[p]};
+  });
 }
 
 void add_bond_loads(const State& state, Loads& loads) {

@@ -22,12 +22,12 @@ struct HistoryValues {
   double balance_error = 0;  ///< relative
   std::int64_t bonds = 0;
   RangeCounts ranges;
-  double peak_average = 0;           ///< last block average of the quantity watched for a peak  [force]
-  std::optional<double> load_factor; ///< static points
-  std::optional<int> unstable;       ///< static points: negative eigenvalues of the tangent, if counted
-  std::vector<Reaction> reactions;   ///< one per OutputPlan::reactions
-  std::vector<double> axial_force;   ///< one per OutputPlan::axial_force, tension positive  [force]
-  std::vector<Vec3d> displacements;  ///< one per OutputPlan::displacements, mean of r - r_0  [length]
+  double peak_average = 0;            ///< last block average of the quantity watched for a peak  [force]
+  std::optional<double> load_factor;  ///< static points
+  std::optional<int> unstable;        ///< static points: negative eigenvalues of the tangent, if counted
+  std::vector<Reaction> reactions;    ///< one per OutputPlan::reactions
+  std::vector<double> axial_force;    ///< one per OutputPlan::axial_force, tension positive  [force]
+  std::vector<Vec3d> displacements;   ///< one per OutputPlan::displacements, mean of r - r_0  [length]
 };
 
 /// The values of a run as it stands. Collects the particles only if the plan asks for displacements.

@@ -96,7 +96,8 @@ void write_mode_frames(const fs::path& folder, const std::string& stage, int mod
   std::string particles, bonds;
   for (int k = 0; k < frames; ++k) {
     State s = displaced(balance, shape, factor * std::sin(2.0 * std::numbers::pi * k / frames));
-    s.clock = {.step = k, .stage_step = k, .stage = balance.clock.stage, .stage_start = 0, .dt = 1.0 / frames};
+    s.clock = {
+        .step = k, .stage_step = k, .stage = balance.clock.stage, .stage_start = 0, .dt = 1.0 / frames};
     const std::string of_particles = fmt::format("{}_{:04}.vtp", name, k);
     const std::string of_bonds = fmt::format("{}_bonds_{:04}.vtp", name, k);
     write_particles_vtp(modes / of_particles, model, s);

@@ -178,8 +178,7 @@ void TableObserver::print(const Simulation& run) {
   if (run.clock().step == last_step_) return;
   const Timing timing(*this);
   const Energies energies = run.energies();
-  std::string text =
-      std::exchange(header_, Header::dynamics) == Header::dynamics ? "" : table_header();
+  std::string text = std::exchange(header_, Header::dynamics) == Header::dynamics ? "" : table_header();
   text += table_row(run.clock(), run.books(), energies, run.balance_error(energies), count_ranges(run));
   show(text, out_);
   last_step_ = run.clock().step;
@@ -187,8 +186,7 @@ void TableObserver::print(const Simulation& run) {
 
 void TableObserver::print(const StaticPoint& point) {
   const Timing timing(*this);
-  std::string text =
-      std::exchange(header_, Header::statics) == Header::statics ? "" : static_table_header();
+  std::string text = std::exchange(header_, Header::statics) == Header::statics ? "" : static_table_header();
   show(text + static_table_row(point, count_ranges(point.state)), out_);
   last_step_ = point.state.clock.step;
 }

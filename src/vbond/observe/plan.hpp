@@ -11,11 +11,11 @@ namespace vbond {
 
 /// What a run writes, where, and how often; groups looked up and times in the units of the model.
 struct OutputPlan {
-  std::filesystem::path folder;            ///< exists and may be written to
-  double history_every = 0;                ///< between rows of history.csv  [time], > 0
-  std::vector<Group> reactions;            ///< total support force and moment, in history.csv
-  std::vector<Group> axial_force;          ///< mean tension of the bonds inside, in history.csv
-  std::vector<Group> displacements;        ///< mean of r - r_0, in history.csv
+  std::filesystem::path folder;      ///< exists and may be written to
+  double history_every = 0;          ///< between rows of history.csv  [time], > 0
+  std::vector<Group> reactions;      ///< total support force and moment, in history.csv
+  std::vector<Group> axial_force;    ///< mean tension of the bonds inside, in history.csv
+  std::vector<Group> displacements;  ///< mean of r - r_0, in history.csv
   /// Between frames of dynamics  [time], > 0, infinite if there is none; absent: no frames at all.
   std::optional<double> frames_every;
   bool lammps_dump = false;                ///< dump.lammpstrj with the frames

@@ -8,17 +8,6 @@
 namespace vbond {
 namespace {
 
-const char* to_text(StageKind kind) {
-  switch (kind) {
-    case StageKind::dynamics: return "dynamics";
-    case StageKind::equilibrium: return "equilibrium";
-    case StageKind::path: return "path";
-    case StageKind::buckling: return "buckling";
-    case StageKind::modes: return "modes";
-  }
-  return "dynamics";
-}
-
 const char* list_of(PointKind kind) {
   return kind == PointKind::limit_point ? "limit_points" : "bifurcations";
 }
@@ -106,10 +95,21 @@ std::vector<NaturalMode> natural_modes(const Json& j) {
 
 }  // namespace
 
+const char* to_text(StageKind kind) {
+  switch (kind) {
+    case StageKind::dynamics: return "dynamics";
+    case StageKind::equilibrium: return "equilibrium";
+    case StageKind::path: return "path";
+    case StageKind::buckling: return "buckling";
+    case StageKind::modes: return "modes";
+  }
+  return "dynamics";
+}
+
 Json to_json(const StaticSummary& s) {
   const StaticResult& r = s.result;
-  Json j{{"kind", to_text(s.kind)},       {"ended", r.ended},           {"load_factor", r.load_factor},
-         {"points", r.points},            {"iterations", r.iterations}, {"solver", r.solver},
+  Json j{{"kind", to_text(s.kind)},     {"ended", r.ended},           {"load_factor", r.load_factor},
+         {"points", r.points},          {"iterations", r.iterations}, {"solver", r.solver},
          {"left_saddle", r.left_saddle}};
   if (r.unstable) j["unstable"] = *r.unstable;
   if (r.smallest_eigenvalue) j["smallest_eigenvalue"] = *r.smallest_eigenvalue;

@@ -82,9 +82,9 @@ std::string static_table_row(const StaticPoint& p, const RangeCounts& ranges) {
 }
 
 std::string static_report(StageKind kind, const StaticResult& r, const std::string& time_unit) {
-  std::string text =
-      fmt::format("ended: {}, at load factor {:.8g}; {} point{} of balance, {} Newton iterations, {} solver\n",
-                  r.ended, r.load_factor, r.points, r.points == 1 ? "" : "s", r.iterations, r.solver);
+  std::string text = fmt::format(
+      "ended: {}, at load factor {:.8g}; {} point{} of balance, {} Newton iterations, {} solver\n", r.ended,
+      r.load_factor, r.points, r.points == 1 ? "" : "s", r.iterations, r.solver);
   switch (kind) {
     case StageKind::dynamics: break;
     case StageKind::equilibrium: return text + stability(r);

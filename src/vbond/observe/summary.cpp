@@ -89,7 +89,8 @@ std::string to_json(const RunSummary& r) {
   for (const StageSummary& s : r.stages) {
     j["stages"].push_back(to_json(s));
     for (const char* key : {"critical_forces", "frequencies"})
-      if (const Json& stage = j["stages"].back(); stage.contains(key) && !stage[key].empty()) j[key] = stage[key];
+      if (const Json& stage = j["stages"].back(); stage.contains(key) && !stage[key].empty())
+        j[key] = stage[key];
     if (!s.critical_force) continue;
     j["critical_force"] = *s.critical_force;
     j["peak_time"] = s.peak_time.value_or(s.time);
