@@ -18,15 +18,17 @@ class Factor {
 
   /// Chooses the order of elimination; to be called once per pattern. Throws std::bad_alloc.
   void analyse(const SparseMatrix& A);
-  /// Bytes that the factor of the last pattern analysed will take.
+  /// Bytes that the factor of the last pattern analysed will take; infinite if it would have more entries
+  /// than CHOLMOD's indices can count (2^31), and then it cannot be made.
   double bytes() const;
 
-  /// Factors A + shift I = L L^T (supernodal). False if that is not positive definite; then solve() must
-  /// not be called.
+  /// Factors A + shift I = L L^T (supernodal where that is faster). False if that is not positive definite,
+  /// or so little that rounding hides it; then solve() must not be called.
   bool factor_definite(const SparseMatrix& A, double shift = 0.0);
   /// Factors A + shift I = L D L^T (simplicial, no pivoting) and returns the number of negative entries of D,
   /// which is the number of negative eigenvalues (Sylvester's law of inertia); nothing if an entry of D is
-  /// zero to rounding, in which case singular_unknown() says which.
+  /// zero to rounding, in which case singular_unknown() says which and solve() must not be called. Keeps a
+  /// copy of A.
   std::optional<int> factor_indefinite(const SparseMatrix& A, double shift = 0.0);
   int singular_unknown() const;
 

@@ -1,0 +1,256 @@
+#include "vbond/statics/detail/factor.hpp"
+
+#include <cholmod.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <new>
+#include <stdexcept>
+#include <vector>
+
+// OpenBLAS's own, declared here since <cblas.h> may be that of another BLAS.
+extern "C" void openblas_set_num_threads(int);
+
+namespace vbond {
+namespace {
+
+constexpr double epsilon = std::numeric_limits<double>::epsilon();
+
+/// A matrix as CHOLMOD sees it: the same arrays, of which it reads the lower triangle.
+cholmod_sparse view(const SparseMatrix& A) {
+  cholmod_sparse v{};
+  v.nrow = static_cast<std::size_t>(A.rows());
+  v.ncol = static_cast<std::size_t>(A.cols());
+  v.nzmax = static_cast<std::size_t>(A.data().size());
+  v.p = const_cast<int*>(A.outerIndexPtr());
+  v.i = const_cast<int*>(A.innerIndexPtr());
+  v.x = const_cast<double*>(A.valuePtr());
+  v.nz = const_cast<int*>(A.innerNonZeroPtr());
+  v.stype = -1;
+  v.itype = CHOLMOD_INT;
+  v.xtype = CHOLMOD_REAL;
+  v.dtype = CHOLMOD_DOUBLE;
+  v.sorted = 1;
+  v.packed = A.isCompressed() ? 1 : 0;
+  return v;
+}
+
+cholmod_dense view(const Vector& b) {
+  cholmod_dense v{};
+  v.nrow = v.nzmax = v.d = static_cast<std::size_t>(b.size());
+  v.ncol = 1;
+  v.x = const_cast<double*>(b.data());
+  v.xtype = CHOLMOD_REAL;
+  v.dtype = CHOLMOD_DOUBLE;
+  return v;
+}
+
+/// The columns of a simplicial L D L^T: D first in each, then L below it.
+struct Columns {
+  explicit Columns(const cholmod_factor& L)
+      : n(static_cast<int>(L.n)),
+        p(static_cast<const int*>(L.p)),
+        nz(static_cast<const int*>(L.nz)),
+        i(static_cast<const int*>(L.i)),
+        x(static_cast<const double*>(L.x)) {}
+  double d(int j) const { return x[p[j]]; }
+  /// Calls f(row, value) for what is below the diagonal.
+  template <class F>
+  void below(int j, F&& f) const {
+    for (int at = p[j] + 1; at < p[j] + nz[j]; ++at) f(i[at], x[at]);
+  }
+  int n;
+  const int *p, *nz, *i;
+  const double* x;
+};
+
+/// What rounding may have added to the pivot d_k. The factors are exactly those of A + E, with
+/// |E| <= eps |L| |D| |L|^T (Higham, Accuracy and Stability of Numerical Algorithms, th. 10.3, without its
+/// factor for the number of terms, which random signs keep near 1). With L^T v = e_k, v^T A v = d_k, so to
+/// first order d_k has changed by v^T E v.
+double rounding_of_pivot(const Columns& c, int k) {
+  std::vector<double> v(static_cast<std::size_t>(k) + 1, 0.0);
+  v.back() = 1.0;
+  double sum = std::abs(c.d(k));
+  for (int j = k - 1; j >= 0; --j) {
+    double v_j = 0.0, reach = 0.0;
+    c.below(j, [&](int i, double l) {
+      if (i > k) return;
+      v_j -= l * v[static_cast<std::size_t>(i)];
+      reach += std::abs(l * v[static_cast<std::size_t>(i)]);
+    });
+    v[static_cast<std::size_t>(j)] = v_j;
+    const double r = reach + std::abs(v_j);
+    sum += std::abs(c.d(j)) * r * r;
+  }
+  return epsilon * sum;
+}
+
+/// The first pivot that is zero to rounding, or -1. The bound of rounding is worked out only for pivots in
+/// which nearly everything cancels: of a free body of n unknowns that moves as a whole v = 1 everywhere, and
+/// the bound about 4 n eps times what cancels; a hundred instead of 4 leaves room for an uneven v.
+int lost_pivot(const Columns& c) {
+  std::vector<double> cancelled(static_cast<std::size_t>(c.n), 0.0);  // diagonal of |L| |D| |L|^T
+  const double suspect = 100.0 * epsilon * c.n;
+  for (int k = 0; k < c.n; ++k) {
+    const double d = std::abs(c.d(k));
+    c.below(k, [&](int i, double l) { cancelled[static_cast<std::size_t>(i)] += l * l * d; });
+    if (d <= suspect * (d + cancelled[static_cast<std::size_t>(k)]) && d <= rounding_of_pivot(c, k)) return k;
+  }
+  return -1;
+}
+
+}  // namespace
+
+struct Factor::Cholmod {
+  enum class Kind { none, definite, indefinite };
+
+  struct FreeFactor {
+    cholmod_common* common;
+    void operator()(cholmod_factor* L) const { cholmod_free_factor(&L, common); }
+  };
+  using FactorPointer = std::unique_ptr<cholmod_factor, FreeFactor>;
+
+  Cholmod() {
+    cholmod_start(&common);
+    common.print = 0;
+    common.quick_return_if_not_posdef = 1;
+    openblas_set_num_threads(1);  // CHOLMOD's own threads share out columns, which changes no sum
+  }
+  ~Cholmod() {
+    symbolic.reset();
+    numeric.reset();
+    cholmod_finish(&common);
+  }
+  Cholmod(const Cholmod&) = delete;
+  Cholmod& operator=(const Cholmod&) = delete;
+
+  FactorPointer own(cholmod_factor* L) { return {L, FreeFactor{&common}}; }
+
+  void check(const char* doing) const {
+    if (common.status == CHOLMOD_OUT_OF_MEMORY) throw std::bad_alloc();
+    if (common.status == CHOLMOD_TOO_LARGE)
+      throw std::length_error("CHOLMOD: the factor has more than 2^31 entries");
+    if (common.status < 0)
+      throw std::runtime_error(fmt::format("CHOLMOD: error {} while {}", common.status, doing));
+  }
+
+  /// Makes `numeric` ready to hold a factor of this kind. Only one is kept: factors are large.
+  void prepare(Kind wanted) {
+    if (!symbolic) throw std::length_error("CHOLMOD: the factor has more than 2^31 entries");
+    common.final_ll = wanted == Kind::definite;
+    if (kind == wanted && numeric) return;
+    kind = Kind::none;
+    numeric.reset();
+    numeric = own(cholmod_copy_factor(symbolic.get(), &common));
+    check("copying the analysis");
+    if (wanted == Kind::indefinite)  // only the supernodal form cannot do it; the order stays
+      cholmod_change_factor(CHOLMOD_PATTERN, 0, 0, 1, 1, numeric.get(), &common);
+    check("changing the analysis");
+    kind = wanted;
+  }
+
+  void factorize(const SparseMatrix& A, double shift) {
+    cholmod_sparse a = view(A);
+    double beta[2] = {shift, 0.0};
+    common.status = CHOLMOD_OK;
+    cholmod_factorize_p(&a, beta, nullptr, 0, numeric.get(), &common);
+    check("factoring");
+  }
+
+  int original(int k) const { return static_cast<const int*>(numeric->Perm)[k]; }
+
+  Vector solve_once(const Vector& b) {
+    cholmod_dense rhs = view(b);
+    cholmod_dense* x = cholmod_solve(CHOLMOD_A, numeric.get(), &rhs, &common);
+    check("solving");
+    Vector result = Eigen::Map<const Vector>(static_cast<const double*>(x->x), b.size());
+    cholmod_free_dense(&x, &common);
+    return result;
+  }
+
+  cholmod_common common{};
+  Kind kind = Kind::none;
+  FactorPointer symbolic{nullptr, FreeFactor{&common}};
+  FactorPointer numeric{nullptr, FreeFactor{&common}};
+  double bytes = 0;
+  int singular = -1;
+  SparseMatrix kept_A;  // indefinite: for the residual of the refinement
+  double kept_shift = 0;
+};
+
+Factor::Factor() : c_(std::make_unique<Cholmod>()) {}
+Factor::~Factor() = default;
+Factor::Factor(Factor&&) noexcept = default;
+Factor& Factor::operator=(Factor&&) noexcept = default;
+
+void Factor::analyse(const SparseMatrix& A) {
+  Cholmod& c = *c_;
+  c.numeric.reset();
+  c.symbolic.reset();
+  c.kind = Cholmod::Kind::none;
+  cholmod_sparse a = view(A);
+  c.common.status = CHOLMOD_OK;
+  c.symbolic = c.own(cholmod_analyze(&a, &c.common));
+  if (c.common.status == CHOLMOD_TOO_LARGE) {
+    c.symbolic.reset();
+    c.bytes = std::numeric_limits<double>::infinity();
+    return;
+  }
+  c.check("analysing the pattern");
+  const double simplicial = c.common.lnz * (sizeof(double) + sizeof(int));
+  const double supernodal = static_cast<double>(c.symbolic->xsize) * sizeof(double);
+  c.bytes = std::max(simplicial, supernodal);
+}
+
+double Factor::bytes() const {
+  return c_->bytes;
+}
+
+bool Factor::factor_definite(const SparseMatrix& A, double shift) {
+  Cholmod& c = *c_;
+  c.prepare(Cholmod::Kind::definite);
+  c.factorize(A, shift);
+  // A pivot below rounding of the largest may be a zero that came out positive by chance.
+  return c.common.status == CHOLMOD_OK && c.numeric->minor == c.numeric->n &&
+         cholmod_rcond(c.numeric.get(), &c.common) > epsilon;
+}
+
+std::optional<int> Factor::factor_indefinite(const SparseMatrix& A, double shift) {
+  Cholmod& c = *c_;
+  c.prepare(Cholmod::Kind::indefinite);
+  c.singular = -1;
+  c.factorize(A, shift);
+  if (c.numeric->minor < c.numeric->n) {  // an exact zero
+    c.singular = c.original(static_cast<int>(c.numeric->minor));
+    return std::nullopt;
+  }
+  const Columns columns(*c.numeric);
+  if (const int k = lost_pivot(columns); k >= 0) {
+    c.singular = c.original(k);
+    return std::nullopt;
+  }
+  c.kept_A = A;
+  c.kept_shift = shift;
+  int negative = 0;
+  for (int j = 0; j < columns.n; ++j) negative += columns.d(j) < 0.0;
+  return negative;
+}
+
+int Factor::singular_unknown() const {
+  return c_->singular;
+}
+
+Vector Factor::solve(const Vector& b) const {
+  Cholmod& c = *c_;
+  Vector x = c.solve_once(b);
+  if (c.kind == Cholmod::Kind::indefinite) {
+    const Vector left = b - c.kept_A.selfadjointView<Eigen::Lower>() * x - c.kept_shift * x;
+    x += c.solve_once(left);
+  }
+  return x;
+}
+
+}  // namespace vbond
