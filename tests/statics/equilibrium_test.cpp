@@ -16,7 +16,8 @@ using testing::static_stage;
 
 const ParticleId first{0};
 
-StaticOutcome equilibrium(const testing::Specimen& s, const StaticStage& stage, const StaticHooks& hooks = {}) {
+StaticOutcome equilibrium(const testing::Specimen& s, const StaticStage& stage,
+                          const StaticHooks& hooks = {}) {
   return run_static_stage(s.model, stage, s.state, hooks);
 }
 

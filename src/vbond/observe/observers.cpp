@@ -247,7 +247,7 @@ std::vector<std::shared_ptr<Observer>> FileObservers::all() const {
   return observers;
 }
 
-void FileObservers::record(const Model& model, const StaticPoint& point) {
+void FileObservers::record(const Model& model, const StaticPoint& point) const {
   watch->look(point);
   history->write(model, point);
   if (frames) frames->write(model, point.state);

@@ -169,7 +169,7 @@ struct FileObservers {
   std::shared_ptr<CheckpointObserver> checkpoint;
   std::vector<std::shared_ptr<Observer>> all() const;
   /// Looks at a point of a static stage and writes its row and frame. Throws Diverged, see Watch.
-  void record(const Model& model, const StaticPoint& point);
+  void record(const Model& model, const StaticPoint& point) const;
   /// Wall time spent so far, by observer.
   std::vector<std::pair<std::string, double>> seconds() const;
 };
