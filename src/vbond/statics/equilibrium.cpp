@@ -197,9 +197,9 @@ State balance_of_constant_loads(const Model& model, const StaticStage& stage, St
   if (!stage.constant_gravity) constant.gravity = {};
   for (StaticSupport& s : constant.supports) s.displacement = s.rotation = {};
   StaticBody body(model, constant, std::move(state));
-  body.relieve();
   if (body.residual() > std::max(stage.newton.tolerance, body.residual_of_rounding())) {
     refuse_rigid_motions(body);
+    body.relieve();
     StaticHooks quiet{{}, hooks.tell, hooks.interrupted};
     StaticResult own;
     LoadSteps(body, quiet, own).run();

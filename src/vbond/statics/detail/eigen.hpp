@@ -2,6 +2,10 @@
 #include "vbond/statics/detail/factor.hpp"
 #include "vbond/statics/detail/matrix.hpp"
 
+/// Some eigenpairs of large sparse matrices, by Lanczos iteration (Spectra) on the inverse; small matrices
+/// are solved densely. Lanczos may miss copies of a multiple eigenvalue: how many there are up to the last
+/// one found is counted by Sylvester's law of inertia, and missing ones are looked for among vectors normal
+/// to those found. All throw std::runtime_error where iteration does not converge.
 namespace vbond {
 
 struct EigenPairs {
@@ -9,18 +13,20 @@ struct EigenPairs {
   DenseMatrix vectors;  ///< one column each, of length 1
 };
 
-/// The `count` eigenvalues of the symmetric A just above (algebraically) `bound`, smallest first, with
-/// multiplicity: their number is checked against the inertia of A - s I, s beyond the last of them, and
-/// missing ones are looked for again among vectors normal to those found. Vectors in the columns of `without`
-/// (orthonormal eigenvectors of A) are left out. Small matrices are solved densely.
-/// Fewer are returned if A is smaller. Throws NoConvergence.
+/// The `count` eigenvalues of the symmetric A above (algebraically) `bound`, or at it to rounding, smallest
+/// first, with multiplicity. It is quickest if `bound` is about as far below them as they are from each
+/// other. Eigenvectors of A in the columns of `without` (orthonormal) are left out. Fewer are returned if
+/// there are fewer.
 EigenPairs smallest_eigenpairs(const SparseMatrix& A, int count, double bound,
-                               const DenseMatrix& without = {});
+                               const SparseMatrix& without = {});
 
-/// The `count` eigenvalues of the symmetric, not necessarily definite A that are nearest to zero.
+/// The `count` eigenvalues of the symmetric, not necessarily definite A that are nearest to zero, nearest
+/// first.
 EigenPairs eigenpairs_near_zero(const SparseMatrix& A, int count);
 
-/// The smallest positive mu with A x + mu B x = 0, A positive definite and B symmetric; x^T A x = 1.
+/// The smallest positive mu with A x + mu B x = 0, A positive definite and B symmetric; x^T A x = 1. Those
+/// beyond 10^4 times the mu of smallest size, of whatever sign, are not looked for; fewer are returned if
+/// there are fewer. Throws std::invalid_argument if A is not positive definite.
 EigenPairs critical_factors(const SparseMatrix& A, const SparseMatrix& B, int count);
 
 /// The largest eigenvalue of the symmetric A, to 1e-10 relative, from above if in doubt.

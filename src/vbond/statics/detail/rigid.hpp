@@ -11,10 +11,21 @@ namespace vbond {
 
 /// The motions as a rigid body, of each connected part (by bonds and contacts), that supports do not hold.
 struct RigidMotions {
-  DenseMatrix basis;               ///< orthonormal columns over the unknowns
-  std::vector<std::string> names;  ///< one per column, e.g. "rotation about x of particles 0 to 9"
+  /// Orthonormal columns over the unknowns; those of one part, six at most, follow each other and have
+  /// entries at its unknowns only.
+  SparseMatrix basis;
+  /// One per column, e.g. "rotation about x of particles 0 to 9": of motions that span the same as the
+  /// columns of the part.
+  std::vector<std::string> names;
 };
 
+/// Takes time in proportion to the particles, however many parts there are. Particles of a part that is
+/// joined by contacts alone can move against each other besides; that is not looked for.
 RigidMotions free_rigid_motions(const Model& model, const State& state, const Unknowns& unknowns);
+
+/// Columns that span the same, orthonormal, if those more than five apart have no row in common: the motions
+/// of a RigidMotions after their rows have been scaled. Throws std::invalid_argument if columns depend on
+/// each other.
+SparseMatrix orthonormalised(const SparseMatrix& columns);
 
 }  // namespace vbond

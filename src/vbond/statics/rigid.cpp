@@ -1,0 +1,202 @@
+#include "vbond/statics/detail/rigid.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/QR>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "vbond/model/touching.hpp"
+
+namespace vbond {
+namespace {
+
+using Part = std::vector<ParticleId>;
+using Motion = Eigen::Matrix<double, 6, 1>;  // translation of the centroid, turn about it times the radius
+using Motions = Eigen::Matrix<double, 6, Eigen::Dynamic>;
+
+// What is held at a lever d of the size of a part resists turning with d^2 of the stiffness. That is lost in
+// the rounding of the tangent once d is below the root of eps.
+constexpr double smallest_lever = 1.5e-8;
+
+/// The parts, each in increasing order, in the order of their first particles.
+std::vector<Part> connected_parts(const Model& model, const State& state) {
+  PerParticle<ParticleId> parent(model.particles());
+  for (const ParticleId p : parent.ids()) parent[p] = p;
+  const auto root = [&parent](ParticleId p) {
+    while (parent[p] != p) p = parent[p] = parent[parent[p]];
+    return p;
+  };
+  const auto join = [&](ParticleId i, ParticleId j) {
+    const ParticleId a = root(i), b = root(j);
+    parent[std::max(a, b)] = std::min(a, b);
+  };
+  for (const Bond& b : state.bonds) join(b.i, b.j);
+  for_touching_pairs(model, state, [&](ParticleId i, ParticleId j, double) { join(i, j); });
+
+  PerParticle<std::size_t> number(model.particles());
+  std::vector<Part> parts;
+  for (const ParticleId p : parent.ids()) {
+    const ParticleId first = root(p);  // the smallest of the part
+    if (first == p) {
+      number[p] = parts.size();
+      parts.emplace_back();
+    }
+    parts[number[first]].push_back(p);
+  }
+  return parts;
+}
+
+/// A part as a rigid body: where it is, and the six motions of its degrees of freedom.
+class RigidPart {
+ public:
+  RigidPart(const Part& part, const State& state, double turn_length)
+      : part_(part), state_(state), turn_length_(turn_length), radius_(turn_length) {
+    for (const ParticleId p : part) centroid_ += state.r[p] / static_cast<double>(part.size());
+    for (const ParticleId p : part) radius_ = std::max(radius_, norm(state.r[p] - centroid_));
+  }
+
+  /// How a degree of freedom moves with each of the motions: no entry is above 1 in size. Turns of particles
+  /// count times the length scale, as in Unknowns.
+  Eigen::Matrix<double, 1, 6> row(ParticleId p, int dof) const {
+    Eigen::Matrix<double, 1, 6> h = Eigen::Matrix<double, 1, 6>::Zero();
+    if (dof >= 3) {
+      h[dof] = turn_length_ / radius_;
+      return h;
+    }
+    h[dof] = 1.0;
+    const Vec3d arm = (state_.r[p] - centroid_) / radius_;
+    for (int k = 0; k < 3; ++k) {
+      Vec3d axis;
+      component(axis, k) = 1.0;
+      h[3 + k] = component(cross(axis, arm), dof);
+    }
+    return h;
+  }
+
+  /// Combinations that move no held degree of freedom.
+  Motions free_motions(const Unknowns& unknowns) const {
+    std::vector<std::pair<ParticleId, int>> held;
+    for (const ParticleId p : part_)
+      for (int dof = 0; dof < 6; ++dof)
+        if (unknowns.of(p, dof) == Unknowns::held) held.emplace_back(p, dof);
+    if (held.empty()) return Motions::Identity(6, 6);
+    DenseMatrix H = DenseMatrix::Zero(std::max<Eigen::Index>(6, static_cast<Eigen::Index>(held.size())), 6);
+    for (std::size_t k = 0; k < held.size(); ++k)
+      H.row(static_cast<Eigen::Index>(k)) = row(held[k].first, held[k].second);
+    const DenseMatrix R = H.householderQr().matrixQR().topRows(6).triangularView<Eigen::Upper>();
+    const Eigen::JacobiSVD<DenseMatrix> svd(R, Eigen::ComputeFullV);
+    const Eigen::Index holding = (svd.singularValues().array() > smallest_lever).count();
+    return svd.matrixV().rightCols(6 - holding);
+  }
+
+ private:
+  const Part& part_;
+  const State& state_;
+  double turn_length_, radius_;
+  Vec3d centroid_;
+};
+
+/// The same space, spanned by motions that are easier to name: pure translations first, and each along as
+/// few axes as can be (reduced echelon form, turns before translations).
+Motions along_axes(Motions m) {
+  Eigen::Index next = m.cols();  // columns from here on are done
+  for (const int k : {5, 4, 3, 2, 1, 0}) {
+    if (next == 0) break;
+    Eigen::Index best = 0;
+    const double pivot = m.row(k).head(next).cwiseAbs().maxCoeff(&best);
+    if (pivot < 1e-6) continue;  // rounding, or a part too small for a name: columns have length 1
+    --next;
+    m.col(best).swap(m.col(next));
+    m.col(next) /= m(k, next);
+    for (Eigen::Index j = 0; j < m.cols(); ++j)
+      if (j != next) m.col(j) -= m(k, j) * m.col(next);
+    for (Eigen::Index j = 0; j < next; ++j)
+      if (m.col(j).norm() > 0.0) m.col(j).normalize();
+  }
+  return m;
+}
+
+/// "x", or "(0.6, 0.8, 0)".
+std::string axis_name(Eigen::Vector3d a) {
+  a.normalize();
+  const double small = 1e-6;
+  for (int k = 0; k < 3; ++k)
+    if (std::abs(a[k]) > 1.0 - small) return std::string(1, "xyz"[k]);
+  for (double& c : a)
+    if (std::abs(c) < small) c = 0.0;
+  if (a[0] < 0.0 || (a[0] == 0.0 && a[1] < 0.0)) a = -a;
+  return fmt::format("({:.3g}, {:.3g}, {:.3g})", a[0] + 0.0, a[1] + 0.0, a[2] + 0.0);
+}
+
+std::string particles_name(const Part& part) {
+  const auto first = part.front().value, last = part.back().value;
+  if (part.size() == 1) return fmt::format("particle {}", first);
+  if (last - first + 1 == part.size()) return fmt::format("particles {} to {}", first, last);
+  if (part.size() == 2) return fmt::format("particles {} and {}", first, last);
+  return fmt::format("the {} particles from {} to {} that hang together", part.size(), first, last);
+}
+
+std::string motion_name(const Motion& m, const Part& part) {
+  const Eigen::Vector3d move = m.head<3>(), turn = m.tail<3>();
+  const double small = 1e-6 * m.norm();
+  const std::string who = particles_name(part);
+  if (turn.norm() <= small) return fmt::format("translation along {} of {}", axis_name(move), who);
+  const bool screw = std::abs(move.dot(turn)) > small * turn.norm();
+  return fmt::format("{} about {} of {}", screw ? "screw motion" : "rotation", axis_name(turn), who);
+}
+
+}  // namespace
+
+RigidMotions free_rigid_motions(const Model& model, const State& state, const Unknowns& unknowns) {
+  RigidMotions result;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (const Part& part : connected_parts(model, state)) {
+    const RigidPart body(part, state, unknowns.length());
+    const Motions free = along_axes(body.free_motions(unknowns));
+    const int first = static_cast<int>(result.names.size());
+    for (Eigen::Index k = 0; k < free.cols(); ++k) result.names.push_back(motion_name(free.col(k), part));
+    if (free.cols() == 0) continue;
+    for (const ParticleId p : part)
+      for (int dof = 0; dof < 6; ++dof) {
+        const int unknown = unknowns.of(p, dof);
+        if (unknown == Unknowns::held) continue;
+        const Eigen::RowVectorXd moves = body.row(p, dof) * free;
+        for (int k = 0; k < static_cast<int>(free.cols()); ++k)
+          if (moves[k] != 0.0) entries.emplace_back(unknown, first + k, moves[k]);
+      }
+  }
+  SparseMatrix columns(unknowns.size(), static_cast<Eigen::Index>(result.names.size()));
+  columns.setFromTriplets(entries.begin(), entries.end());
+  result.basis = orthonormalised(columns);
+  return result;
+}
+
+SparseMatrix orthonormalised(const SparseMatrix& columns) {
+  using SparseVector = Eigen::SparseVector<double>;
+  std::vector<SparseVector> done;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Eigen::Index k = 0; k < columns.cols(); ++k) {
+    SparseVector v = columns.col(k);
+    const double before = v.norm();
+    for (int pass = 0; pass < 2; ++pass)  // twice is enough: Parlett, The Symmetric Eigenvalue Problem, 6.9
+      for (const SparseVector& u : done)
+        if (const double c = u.dot(v); c != 0.0) v -= c * u;
+    if (!(v.norm() > 1e-10 * before)) throw std::invalid_argument("columns depend on each other");
+    v /= v.norm();
+    for (SparseVector::InnerIterator it(v); it; ++it)
+      entries.emplace_back(static_cast<int>(it.index()), static_cast<int>(k), it.value());
+    if (done.size() == 5) done.erase(done.begin());
+    done.push_back(v);
+  }
+  SparseMatrix result(columns.rows(), columns.cols());
+  result.setFromTriplets(entries.begin(), entries.end());
+  return result;
+}
+
+}  // namespace vbond
