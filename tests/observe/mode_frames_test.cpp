@@ -53,7 +53,7 @@ TEST(ModeFrames, ListsNameEveryFrameOnce) {
     std::size_t entries = 0;
     for (std::size_t at = 0; (at = list.find("file=\"", at)) != std::string::npos; ++entries) {
       at += 6;
-      const std::string file = list.substr(at + 1, list.find('"', at + 1) - at - 1);
+      const std::string file = list.substr(at, list.find('"', at) - at);
       const VtpReader reader(content_of(folder / "modes" / file));
       EXPECT_EQ(kind.empty() ? reader.verts : reader.lines, kind.empty() ? 3u : 2u) << file;
     }
