@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <exception>
 #include <filesystem>
 #include <optional>
 #include <stdexcept>
@@ -132,10 +133,9 @@ StaticOutcome solve_or_leave(Campaign& campaign, const StaticStage& stage, State
   const State start = state;
   try {
     return solve(campaign, stage, std::move(state), hooks_of(campaign, last));
-  } catch (const NoEquilibrium& e) {
-    leave_failed(campaign, stage, start, last, e.what());
+  } catch (const IoError&) {  // no more can be written
     throw;
-  } catch (const Diverged& e) {  // a bond has closed up
+  } catch (const std::exception& e) {  // no balance, a bond has closed up, or memory has run out
     leave_failed(campaign, stage, start, last, e.what());
     throw;
   }

@@ -73,13 +73,6 @@ TEST(ModeFrames, SwingIsATenthOfTheBodyButNoTurnBeyondHalfARadian) {
   EXPECT_EQ(swing_factor(chain.model, chain.state, Shape{}, 0.3), 0.0);
 }
 
-TEST(ModeFrames, StageNamesAreMadeFitForFiles) {
-  const Folder folder;
-  const Chain chain;
-  write_mode_frames(folder.path(), "up/down %", 1, 2, 0.1, chain.model, chain.state, bent());
-  EXPECT_TRUE(std::filesystem::exists(folder / "modes/up%2Fdown%20%25_mode_1.pvd"));
-}
-
 TEST(ModeFrames, AreRemovedStageByStageAndNothingElse) {
   const Folder folder;
   const Chain chain;

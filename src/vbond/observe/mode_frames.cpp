@@ -37,21 +37,6 @@ double diagonal(const Model& model, const State& s) {
   return norm(high - low);
 }
 
-/// Letters, digits, - and . as they are; all else as %XX, so that different names stay different.
-std::string file_name_of(const std::string& stage) {
-  std::string name;
-  for (const char c : stage) {
-    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-                       c == '-' || c == '.' || c == '_';
-    name += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
-  }
-  return name;
-}
-
-std::string prefix_of(const std::string& stage) {
-  return file_name_of(stage) + "_mode_";
-}
-
 bool take_off_end(std::string_view& text, std::string_view end) {
   if (text.size() < end.size() || text.substr(text.size() - end.size()) != end) return false;
   text.remove_suffix(end.size());
@@ -92,7 +77,7 @@ void write_mode_frames(const fs::path& folder, const std::string& stage, int mod
                        const Model& model, const State& balance, const Shape& shape) {
   const fs::path modes = folder / "modes";
   make_folder(modes);
-  const std::string name = fmt::format("{}{}", prefix_of(stage), mode);
+  const std::string name = fmt::format("{}{}", stage + "_mode_", mode);
   std::string particles, bonds;
   for (int k = 0; k < frames; ++k) {
     State s = displaced(balance, shape, factor * std::sin(2.0 * std::numbers::pi * k / frames));
@@ -115,7 +100,7 @@ bool is_mode_file(std::string_view name, const std::string& stage) {
   if (!list && !(take_off_end(name, ".vtp") && take_digits(name) && take_off_end(name, "_"))) return false;
   take_off_end(name, "_bonds");
   if (!take_digits(name)) return false;
-  return stage.empty() ? take_off_end(name, "_mode_") && !name.empty() : name == prefix_of(stage);
+  return stage.empty() ? take_off_end(name, "_mode_") && !name.empty() : name == stage + "_mode_";
 }
 
 void remove_mode_frames(const fs::path& folder, const std::string& stage) {

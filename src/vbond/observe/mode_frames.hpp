@@ -20,7 +20,7 @@ double swing_factor(const Model& model, const State& balance, const Shape& shape
 
 /// Writes one swing of a mode about this balance, factor * sin(2 pi k / frames), as
 /// modes/STAGE_mode_N_K.vtp and modes/STAGE_mode_N_bonds_K.vtp with a list for ParaView each, of which a
-/// swing takes one unit of time. In STAGE what is not fit for a file name is %-encoded. Throws IoError.
+/// swing takes one unit of time. stage: fit for a file name, as those of case files are. Throws IoError.
 void write_mode_frames(const std::filesystem::path& folder, const std::string& stage, int mode, int frames,
                        double factor, const Model& model, const State& balance, const Shape& shape);
 
