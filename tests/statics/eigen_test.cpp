@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 
 #include "statics/matrices.hpp"
@@ -104,6 +105,26 @@ TEST(SmallestEigenpairs, LeaveOutGivenVectors) {
     for (const double bound : {-1e-3, 0.0})
       expect_pairs(A, smallest_eigenpairs(A, 6, bound, without), expected, "without");
     EXPECT_NEAR(smallest_eigenpairs(A, 3, -1e-3).values[1], 0.0, eigenvalue_error);
+  }
+}
+
+// The second difference squared: a pinned beam. Its smallest eigenvalues, near 1e-12 times the largest, lie
+// so close to each other that inverse iteration about -1e-4 sees them as one.
+TEST(SmallestEigenpairs, OfASlenderBeamAreFoundFromFarBelow) {
+  const int n = 3000;
+  std::vector<Eigen::Triplet<double>> t;
+  for (int i = 0; i < n; ++i) {
+    t.emplace_back(i, i, 2.0);
+    if (i > 0) t.emplace_back(i, i - 1, -1.0), t.emplace_back(i - 1, i, -1.0);
+  }
+  const SparseMatrix K = from_triplets(n, t), A = K * K;
+  for (const double bound : {0.0, -1e-12, -1e-8, -1e-4, -10.0}) {
+    const EigenPairs found = smallest_eigenpairs(A, 4, bound);
+    ASSERT_EQ(found.values.size(), 4);
+    for (int k = 0; k < 4; ++k) {
+      const double expected = std::pow(2.0 * std::sin((k + 1) * std::numbers::pi / (2 * (n + 1))), 4.0);
+      EXPECT_NEAR(found.values[k], expected, 16.0 * 2.2e-16) << bound;  // eps times the largest
+    }
   }
 }
 

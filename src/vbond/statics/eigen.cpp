@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -166,6 +167,32 @@ struct Shifted {
   int below = 0;  // eigenvalues below sigma
 };
 
+/// Moves a shift that lies far below all eigenvalues up to them, where iteration is quick: it is too far as
+/// long as the lowest ones look the same from there. Four vectors tell them even if three are equal.
+void approach(const SparseMatrix& A, const SparseMatrix& without, Shifted& at) {
+  if (at.below > 0) return;
+  const DenseMatrix none(A.rows(), 0);
+  const ShiftedInverse op{A.rows(), at.factor, at.scale, without, none};
+  DenseMatrix X(A.rows(), 4);
+  for (Eigen::Index k = 0; k < X.size(); ++k)  // anything in which no eigenvector is missing
+    X.data()[k] = std::sin(static_cast<double>(k + 1) * static_cast<double>(k + 1));
+  Vector nu;
+  while (true) {
+    for (int iterations = 0; iterations < 3; ++iterations) {
+      const DenseMatrix Q =
+          Eigen::HouseholderQR<DenseMatrix>(X).householderQ() * DenseMatrix::Identity(A.rows(), 4);
+      for (Eigen::Index k = 0; k < 4; ++k) op.perform_op(Q.col(k).data(), X.col(k).data());
+      nu = Eigen::SelfAdjointEigenSolver<DenseMatrix>(Q.transpose() * X).eigenvalues();
+    }
+    const double distance = at.scale / nu[3];
+    if (nu[3] > 1.5 * nu[0] || distance < 1e2 * known_to * at.scale) return;
+    const double closer = at.sigma + 0.9 * distance;
+    if (!at.factor.factor_definite(A, -closer)) break;
+    at.sigma = closer;
+  }
+  at.factor.factor_definite(A, -at.sigma);
+}
+
 /// Adds the `count` eigenpairs nearest to sigma (above it, with LargestAlge) that are not among those known.
 template <class Key>
 void look_near(const SparseMatrix& A, const Shifted& at, Spectra::SortRule rule, const SparseMatrix& without,
@@ -217,7 +244,8 @@ EigenPairs smallest_eigenpairs(const SparseMatrix& A, int count, double bound, c
         found.add(all.eigenvalues()[k], all.eigenvalues()[k], all.eigenvectors().col(k));
     return found.part(0, count);
   }
-  const Shifted at(A, bound);
+  Shifted at(A, bound);
+  approach(A, without, at);
   const double no_end = std::numeric_limits<double>::infinity();
   const int available = static_cast<int>(n) - at.below - number_between(A, without, at.sigma, no_end);
   Factor counter;
@@ -384,10 +412,14 @@ double largest_eigenvalue(const SparseMatrix& A) {
   const double diagonal = largest_diagonal(A), scale = diagonal > 0.0 ? 1.0 / diagonal : 1.0;
   Product op{A, scale};
   Spectra::SymEigsSolver<Product> solver(op, 1, basis_size(1, n));
-  iterate(solver, Spectra::SortRule::LargestAlge, 1, n);
-  const Vector x = solver.eigenvectors().col(0).normalized();
-  const double theta = x.dot(A * x);
-  return theta + (A * x - theta * x).norm();  // an eigenvalue lies within the residual of theta
+  solver.init();
+  for (const double tolerance : {1e-10, 1e-8, 1e-6}) {
+    if (solver.compute(Spectra::SortRule::LargestAlge, 200, tolerance) < 1) continue;
+    const Vector x = solver.eigenvectors().col(0).normalized();
+    const double theta = x.dot(A * x);
+    return theta + (A * x - theta * x).norm();  // an eigenvalue lies within the residual of theta
+  }
+  throw std::runtime_error(fmt::format("largest eigenvalue of a matrix of {} unknowns: no convergence", n));
 }
 
 }  // namespace vbond

@@ -14,9 +14,8 @@ struct EigenPairs {
 };
 
 /// The `count` eigenvalues of the symmetric A above (algebraically) `bound`, or at it to rounding, smallest
-/// first, with multiplicity. It is quickest if `bound` is about as far below them as they are from each
-/// other. Eigenvectors of A in the columns of `without` (orthonormal) are left out. Fewer are returned if
-/// there are fewer.
+/// first, with multiplicity. Eigenvectors of A in the columns of `without` (orthonormal) are left out. Fewer
+/// are returned if there are fewer.
 EigenPairs smallest_eigenpairs(const SparseMatrix& A, int count, double bound,
                                const SparseMatrix& without = {});
 
@@ -29,7 +28,8 @@ EigenPairs eigenpairs_near_zero(const SparseMatrix& A, int count);
 /// there are fewer. Throws std::invalid_argument if A is not positive definite.
 EigenPairs critical_factors(const SparseMatrix& A, const SparseMatrix& B, int count);
 
-/// The largest eigenvalue of the symmetric A, to 1e-10 relative, from above if in doubt.
+/// The largest eigenvalue of the symmetric A, from above: theta + |A x - theta x| of an approximate pair.
+/// High by 1e-10 of it, by 1e-6 at most where very many lie next to it.
 double largest_eigenvalue(const SparseMatrix& A);
 
 }  // namespace vbond
