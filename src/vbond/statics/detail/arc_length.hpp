@@ -1,0 +1,79 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "vbond/statics/detail/newton.hpp"
+
+namespace vbond {
+
+/// A direction along a path of balance, of length 1 in the metric of ArcLength.
+struct PathDirection {
+  Vector u;      ///< change of the unknowns
+  double f = 0;  ///< change of the load factor
+};
+
+/// A balance on a path.
+struct PathPoint {
+  Placement at;
+  PathDirection tangent;
+  int unstable = 0;  ///< negative eigenvalues of the tangent stiffness
+};
+
+/// What became of one step along a path.
+struct StepOutcome {
+  std::optional<PathPoint> point;  ///< absent: no balance was found
+  std::string why;                 ///< absent: what stood in the way
+  int iterations = 0;
+  std::vector<double> residuals;  ///< before each correction and at the end
+};
+
+/// One step along a path of balance R(u, f) = 0: predictor along a direction, corrector on the plane normal
+/// to it (Riks, Int. J. Solids Struct. 15 (1979) 529). A plane, not a sphere: it meets the path once, where a
+/// sphere meets it twice and a root has to be chosen. Turns do not add up, so the plane is kept increment by
+/// increment; that decides only which balance counts as the one at arc-length s.
+///
+/// The arc-length is the movement of all degrees of freedom, free and held. So the load factor counts by
+/// what it moves itself: not at all under forces, whose size in terms of lengths is arbitrary (Crisfield,
+/// Non-linear Finite Element Analysis of Solids and Structures 1 (1991) 9.3), and as the distance that
+/// supports go where these drive the body, so that no arc is without length.
+class ArcLength {
+ public:
+  ArcLength(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings);
+
+  double dot(const PathDirection& a, const PathDirection& b) const {
+    return a.u.dot(b.u) + weight_ * a.f * b.f;
+  }
+  PathDirection unit(PathDirection d) const;
+  /// Between unit vectors.  [rad]
+  double angle(const PathDirection& a, const PathDirection& b) const;
+
+  /// The balance at which the body stands, its tangent on the same side as `along`. Nothing if the tangent
+  /// stiffness is singular or nothing changes with the load factor.
+  std::optional<PathPoint> point_here(const PathDirection& along);
+
+  /// The balance on the plane at distance s from `from` that is normal to the unit vector `direction`. The body
+  /// is then there, or where the search ended.
+  StepOutcome step(const Placement& from, const PathDirection& direction, double s);
+
+ private:
+  struct Correction {
+    PathDirection change;
+    std::string why;  // there is none
+  };
+  Correction correction(const PathDirection& normal);
+
+  StaticBody& body_;
+  TangentSolver& solver_;
+  const NewtonSettings& settings_;
+  double weight_;  // squared movement of held degrees of freedom per load factor  [length^2]
+};
+
+/// How far the bonds have turned between two placements: the largest change of angle between the two
+/// particles of a bond, or between its line and one of them.  [rad]
+double largest_bond_turn(const State& now, const Placement& before);
+
+/// The first bond that is snapped now and was not before.
+std::optional<BondId> newly_snapped(const State& now, const Placement& before);
+
+}  // namespace vbond

@@ -1,0 +1,450 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "vbond/core/error.hpp"
+#include "vbond/statics/detail/arc_length.hpp"
+#include "vbond/statics/detail/crossing.hpp"
+#include "vbond/statics/detail/eigen.hpp"
+#include "vbond/statics/detail/kinds.hpp"
+
+namespace vbond {
+
+namespace {
+
+// A step is taken again at half its length if in it the path turns by more than this, a bond turns by more
+// than this, or the load factor is off the trapezoidal rule by more than this part of its travel: then it has
+// gone back and forth within the step (of a cubic snap-through, 0.17 and more is off however long the step).
+constexpr double largest_path_turn = 0.6;  // [rad]
+constexpr double largest_bond_turns = 0.2;  // [rad]; bonds have wrong rest states half a turn away
+constexpr double largest_load_error = 0.15;
+// What the next step aims at.
+constexpr double wanted_path_turn = 0.3;  // [rad]
+constexpr double wanted_bond_turn = 0.1;  // [rad]
+constexpr double wanted_corrections = 4;
+// Of the body's size: the longest step unless told, and the shortest.
+constexpr double automatic_step = 0.02;
+constexpr double shortest_step = 1e-8;
+// Stability on either side of a special point is looked at this far from it, over the length of the step.
+constexpr double aside = 1e-4;
+
+/// Something at which the path ends.
+struct Goal {
+  std::string name;
+  std::function<double(const Placement&)> gap;  // negative before
+  double small = 0;                             // gap that counts as none
+  std::optional<double> load_factor;            // then met exactly
+};
+
+std::vector<Goal> goals_of(const PathSettings& path) {
+  std::vector<Goal> goals;
+  // a last correction at the load factor itself makes up for 1e-9
+  const auto at_load_factor = [&goals](double f, double sense) {
+    goals.push_back({"load factor", [=](const Placement& p) { return sense * (p.load_factor - f); },
+                     1e-9 * std::max(std::abs(f), 1e-9), f});
+  };
+  if (path.above) at_load_factor(*path.above, 1.0);
+  if (path.below) at_load_factor(*path.below, -1.0);
+  if (path.distance) {
+    const auto beyond = [d = *path.distance](const Placement& p) {
+      return (d.below ? -1.0 : 1.0) * (norm(p.r[d.j] - p.r[d.i]) - d.value);
+    };
+    goals.push_back({"distance", beyond, 1e-15 * path.distance->value, {}});
+  }
+  return goals;
+}
+
+double size_of(const State& state) {
+  Vec3d low = state.r[ParticleId{0}], high = low;
+  for (const Vec3d& r : state.r)
+    for (int k = 0; k < 3; ++k) {
+      component(low, k) = std::min(component(low, k), component(r, k));
+      component(high, k) = std::max(component(high, k), component(r, k));
+    }
+  return norm(high - low);
+}
+
+/// Vector number `mode` of a basis of the columns' span that does not depend on the columns chosen in it:
+/// each vector is the one that moves some unknown most, that unknown forwards, and is normal to those before.
+/// Of unknowns that can be moved as far to 1e-6, which is more than rounding, it is the first.
+Vector mode_of_cluster(DenseMatrix columns, int mode) {
+  for (int k = 0;; ++k) {
+    const Vector reach = columns.rowwise().norm();
+    Eigen::Index first = 0;
+    while (reach[first] < (1.0 - 1e-6) * reach.maxCoeff()) ++first;
+    const Vector weights = columns.row(first).transpose() / reach[first];
+    const Vector v = columns * weights;
+    if (k == mode - 1) return v;
+    columns -= v * weights.transpose();
+  }
+}
+
+class PathWalk {
+ public:
+  PathWalk(const Model& model, const StaticStage& stage, State state, const StaticHooks& hooks,
+           StaticResult result);
+  StaticOutcome walk() &&;
+
+ private:
+  /// What has been located in the step under way, or its end.
+  struct Node {
+    double s = 0;  // arc-length since the start of the step
+    PathPoint point;
+  };
+
+  void start();
+  void take_step();
+  Node far_enough();
+  StepOutcome step_to(const PathDirection& direction, double s);
+  std::string objection(const PathDirection& direction, double s, const PathPoint& end) const;
+  void choose_next_step(const Node& end, int corrections);
+  double longest(const PathDirection& d) const;
+
+  bool pass(Node lo, Node hi);
+  std::optional<Node> node_at(double s);
+  Node node_near(double s, double around);
+  Node limit_point(const Node& lo, const Node& hi);
+  Node critical_point(const Node& lo, const Node& hi);
+  int unstable_beyond(const Node& node, double s, const Node& otherwise);
+  const Goal* shorten_to_goal(const Node& lo, Node& hi);
+  double stiffness_nearest_zero(const Placement& place);
+  void turn_off(const Node& critical, int together);
+  void end_at(const Node& end, const Goal& goal);
+
+  void report(PointKind kind, int unstable);
+  void report_special(PointKind kind, const Node& node, int before, int after);
+  [[noreturn]] void give_up(const std::string& why) const;
+
+  const StaticStage& stage_;
+  const PathSettings& settings_;
+  const StaticHooks& hooks_;
+  StaticResult result_;
+  StaticBody body_;
+  TangentSolver solver_;
+  ArcLength arc_;
+  std::vector<Goal> goals_;
+  double size_;             // of the body  [length]
+  double shortest_ = 0;     // step  [arc-length]
+  double next_ = 0;         // length of the next step  [arc-length]
+  double load_scale_;       // largest |load factor| so far
+  PathPoint here_;          // where the step under way starts
+  int bifurcations_ = 0;    // passed
+  bool turned_off_ = false;
+};
+
+PathWalk::PathWalk(const Model& model, const StaticStage& stage, State state, const StaticHooks& hooks,
+                   StaticResult result)
+    : stage_(stage),
+      settings_(stage.path),
+      hooks_(hooks),
+      result_(std::move(result)),
+      body_(model, stage, std::move(state)),
+      solver_(stage.newton.solver),
+      arc_(body_, solver_, stage.newton),
+      goals_(goals_of(stage.path)),
+      size_(size_of(body_.state())),
+      load_scale_(std::abs(stage.path.first_step)) {}
+
+StaticOutcome PathWalk::walk() && {
+  start();
+  while (result_.ended.empty()) {
+    if (hooks_.interrupted && hooks_.interrupted())
+      result_.ended = "interrupted";
+    else
+      take_step();
+  }
+  result_.solver = solver_.name();
+  result_.smallest_eigenvalue = eigenpairs_near_zero(body_.tangent(), 1).values[0];
+  return {std::move(result_), std::move(body_).take_state()};
+}
+
+void PathWalk::start() {
+  refuse_rigid_motions(body_);
+  const int size = body_.unknowns().size();
+  if (size == 0) throw NoEquilibrium(stage_.name, "nothing is free to move", "hold fewer degrees of freedom");
+  std::optional<PathPoint> point = arc_.point_here({Vector::Zero(size), 1.0});
+  if (solver_.iterative())
+    throw NoEquilibrium(stage_.name, "a path needs the direct solver, and its factor does not fit into memory",
+                        "follow the path of a smaller body, or use kind = \"equilibrium\"");
+  if (!point)
+    throw NoEquilibrium(stage_.name,
+                        "the tangent stiffness is singular at load factor 0, or nothing grows with the load factor",
+                        "give a load or a support that is in proportion to the load factor, and hold the body");
+  here_ = std::move(*point);
+  if (settings_.first_step < 0.0) here_.tangent = {-here_.tangent.u, -here_.tangent.f};
+  next_ = std::min(std::abs(settings_.first_step / here_.tangent.f), longest(here_.tangent));
+  shortest_ = std::min(shortest_step * size_, 1e-3 * next_);
+  report(PointKind::regular, here_.unstable);
+  for (const Goal& g : goals_)
+    if (g.name == "distance" && g.gap(here_.at) >= 0.0) result_.ended = g.name;
+}
+
+// ---- one step ----
+
+void PathWalk::take_step() {
+  const Node start{0.0, here_}, end = far_enough();
+  const bool turns = std::signbit(start.point.tangent.f) != std::signbit(end.point.tangent.f);
+  if (turns) {
+    Node limit = limit_point(start, end);
+    const int before = unstable_beyond(limit, limit.s - aside * end.s, start);
+    const int after = unstable_beyond(limit, limit.s + aside * end.s, end);
+    limit.point.unstable = before;
+    if (!pass(start, limit)) return;
+    report_special(PointKind::limit_point, limit, before, after);
+    if (!result_.ended.empty()) return;
+    limit.point.unstable = after;
+    if (!pass(limit, end)) return;
+  } else if (!pass(start, end)) {
+    return;
+  }
+  here_ = end.point;
+  body_.restore(here_.at);
+  load_scale_ = std::max(load_scale_, std::abs(here_.at.load_factor));
+  report(PointKind::regular, here_.unstable);
+}
+
+/// Steps from here, as long as there are objections each half as long as the one before.
+PathWalk::Node PathWalk::far_enough() {
+  for (double s = std::min(next_, longest(here_.tangent));; s *= 0.5) {
+    StepOutcome outcome = step_to(here_.tangent, s);
+    if (outcome.point) outcome.why = objection(here_.tangent, s, *outcome.point);
+    if (outcome.why.empty()) {
+      Node end{s, std::move(*outcome.point)};
+      choose_next_step(end, outcome.iterations);
+      return end;
+    }
+    if (0.5 * s < shortest_) give_up(outcome.why);
+  }
+}
+
+StepOutcome PathWalk::step_to(const PathDirection& direction, double s) {
+  StepOutcome outcome = arc_.step(here_.at, direction, s);
+  result_.iterations += outcome.iterations;
+  if (outcome.point) result_.residuals = outcome.residuals;
+  return outcome;
+}
+
+/// Why a step to where the body stands now may have left the path; empty if nothing speaks against it.
+std::string PathWalk::objection(const PathDirection& direction, double s, const PathPoint& end) const {
+  const double turn = arc_.angle(direction, end.tangent);
+  if (turn > largest_path_turn) return fmt::format("the path turns by {:.2g} rad", turn);
+  const double bonds = largest_bond_turn(body_.state(), here_.at);
+  if (bonds > largest_bond_turns) return fmt::format("a bond turns by {:.2g} rad", bonds);
+  if (const auto k = newly_snapped(body_.state(), here_.at)) {
+    const Bond& b = body_.state().bonds[*k];
+    return fmt::format("bond {} (particles {}, {}) snaps", k->value, b.i.value, b.j.value);
+  }
+  const double mean_slope = 0.5 * (direction.f + end.tangent.f);
+  const double travel = 0.5 * s * (std::abs(direction.f) + std::abs(end.tangent.f));
+  const double error = std::abs(end.at.load_factor - here_.at.load_factor - s * mean_slope);
+  if (error > 2.0 * largest_load_error * travel + 0.01 * load_scale_)
+    return "the load factor goes back and forth";
+  return "";
+}
+
+void PathWalk::choose_next_step(const Node& end, int corrections) {
+  const double turn = arc_.angle(here_.tangent, end.point.tangent);
+  const double bonds = largest_bond_turn(body_.state(), here_.at);
+  const double growth = std::min({std::sqrt(wanted_corrections / std::max(1, corrections)),
+                                  wanted_path_turn / std::max(turn, 1e-3),
+                                  wanted_bond_turn / std::max(bonds, 1e-3)});
+  next_ = end.s * std::clamp(growth, 0.5, 2.0);
+}
+
+/// The longest step in this direction: the particle that moves most goes as far as it may.  [arc-length]
+double PathWalk::longest(const PathDirection& d) const {
+  const double most = settings_.largest_step > 0.0 ? settings_.largest_step : automatic_step * size_;
+  double largest2 = 0.0;
+  const Unknowns& unknowns = body_.unknowns();
+  for (const ParticleId p : body_.state().r.ids()) {
+    Vec3d m;
+    for (int k = 0; k < 3; ++k)
+      if (const int at = unknowns.of(p, k); at != Unknowns::held) component(m, k) = d.u[at];
+    largest2 = std::max(largest2, norm2(m));
+  }
+  for (const StaticSupport& support : stage_.supports) largest2 = std::max(largest2, sq(d.f) * norm2(support.displacement));
+  return most / std::max(std::sqrt(largest2), 1e-3);
+}
+
+// ---- what lies within a step ----
+
+/// Goes from one node of the step to another between which the load factor does not turn back. True if the
+/// path goes on beyond.
+bool PathWalk::pass(Node lo, Node hi) {
+  const Goal* goal = shorten_to_goal(lo, hi);
+  while (lo.point.unstable != hi.point.unstable) {
+    Node critical = critical_point(lo, hi);
+    const int before = lo.point.unstable;
+    int after = unstable_beyond(critical, critical.s + aside * (hi.s - lo.s), hi);
+    if (after == before) after = hi.point.unstable;  // there and back so close by: all that is left at once
+    report_special(PointKind::bifurcation, critical, before, after);
+    if (!result_.ended.empty()) return false;
+    ++bifurcations_;
+    if (settings_.branch && !turned_off_ && bifurcations_ == settings_.branch->bifurcation) {
+      turn_off(critical, std::abs(after - before));
+      return false;
+    }
+    critical.point.unstable = after;
+    lo = std::move(critical);
+  }
+  if (goal) end_at(hi, *goal);
+  return goal == nullptr;
+}
+
+/// The balance at arc-length s of the step under way, where the body is then; nothing if the tangent
+/// stiffness there is singular.
+std::optional<PathWalk::Node> PathWalk::node_at(double s) {
+  StepOutcome outcome = step_to(here_.tangent, s);
+  if (!outcome.point) return {};
+  return Node{s, std::move(*outcome.point)};
+}
+
+/// At s, or beside it if the tangent stiffness is singular to the last bit there.
+PathWalk::Node PathWalk::node_near(double s, double around) {
+  for (const double off : {0.0, -1e-9, 1e-9, -1e-7, 1e-7})
+    if (std::optional<Node> node = node_at(s + off * around)) return std::move(*node);
+  give_up("the tangent stiffness is singular");
+}
+
+/// Where the load factor is stationary: its change along the path crosses zero.
+PathWalk::Node PathWalk::limit_point(const Node& lo, const Node& hi) {
+  const Sample a{lo.s, lo.point.tangent.f}, b{hi.s, hi.point.tangent.f};
+  // at 1e-8 of the slope the load factor is off by the square of that
+  const double small = 1e-8 * std::max(std::abs(a.value), std::abs(b.value));
+  const double s = crossing(a, b, small, [&](double at) -> std::optional<double> {
+    const std::optional<Node> node = node_at(at);
+    if (!node) return std::nullopt;
+    return node->point.tangent.f;
+  });
+  return node_near(s, hi.s - lo.s);
+}
+
+/// The first place where an eigenvalue of the tangent stiffness crosses zero: of all in increasing order the
+/// one that is the first to change its sign, by number. The number of negative ones tells its sign.
+PathWalk::Node PathWalk::critical_point(const Node& lo, const Node& hi) {
+  const bool softens = hi.point.unstable > lo.point.unstable;
+  const int number = softens ? lo.point.unstable : lo.point.unstable - 1;  // from 0
+  const auto value = [&](const PathPoint& p) {
+    const double size = std::abs(stiffness_nearest_zero(p.at));
+    return p.unstable > number ? -size : size;
+  };
+  const Sample a{lo.s, value(lo.point)}, b{hi.s, value(hi.point)};
+  const double small = 1e-10 * std::max(std::abs(a.value), std::abs(b.value));
+  const double s = crossing(a, b, small, [&](double at) -> std::optional<double> {
+    const std::optional<Node> node = node_at(at);
+    if (!node) return std::nullopt;
+    return value(node->point);
+  });
+  return node_near(s, hi.s - lo.s);
+}
+
+/// Negative eigenvalues at s, beside a special point whose own count is left to rounding; those of another
+/// node, which ends the step, if s is beyond it or nothing is found there.
+int PathWalk::unstable_beyond(const Node& special, double s, const Node& end) {
+  const bool inside = special.s < end.s ? s < end.s : s > end.s;
+  const std::optional<Node> node = inside ? node_at(s) : std::nullopt;
+  return node ? node->point.unstable : end.point.unstable;
+}
+
+/// The first goal between the nodes, to which the second is then moved; nothing if there is none.
+const Goal* PathWalk::shorten_to_goal(const Node& lo, Node& hi) {
+  const Goal* reached = nullptr;
+  for (const Goal& g : goals_) {
+    const Sample a{lo.s, g.gap(lo.point.at)}, b{hi.s, g.gap(hi.point.at)};
+    if (!(a.value < 0.0 && b.value >= 0.0)) continue;
+    reached = &g;
+    if (b.value <= g.small) continue;
+    const double s = crossing(a, b, g.small, [&](double at) -> std::optional<double> {
+      const std::optional<Node> node = node_at(at);
+      if (!node) return std::nullopt;
+      return g.gap(node->point.at);
+    });
+    hi = node_near(s, hi.s - lo.s);
+  }
+  return reached;
+}
+
+double PathWalk::stiffness_nearest_zero(const Placement& place) {
+  body_.restore(place);
+  return eigenpairs_near_zero(body_.tangent(), 1).values[0];
+}
+
+/// Off along a mode of the critical point: the direction is the part of the mode that is normal to the path
+/// so far, so that the plane on which the first point is sought does not meet that path again.
+void PathWalk::turn_off(const Node& critical, int together) {
+  const BranchSwitch& branch = *settings_.branch;
+  if (branch.mode > together)
+    throw NoEquilibrium(stage_.name,
+                        fmt::format("mode {} of bifurcation {} is wanted, where {} become unstable at once",
+                                    branch.mode, branch.bifurcation, together),
+                        fmt::format("choose a mode from 1 to {}", together));
+  body_.restore(critical.point.at);
+  const EigenPairs near = eigenpairs_near_zero(body_.tangent(), together);
+  PathDirection off{std::copysign(1.0, branch.sense) * mode_of_cluster(near.vectors, branch.mode), 0.0};
+  const double along = arc_.dot(off, here_.tangent);
+  off = arc_.unit({off.u - along * here_.tangent.u, off.f - along * here_.tangent.f});
+  here_ = critical.point;
+  for (double s = longest(off);; s *= 0.5) {
+    StepOutcome outcome = step_to(off, s);
+    if (outcome.point) outcome.why = objection(off, s, *outcome.point);
+    if (outcome.why.empty()) {
+      choose_next_step(Node{s, *outcome.point}, outcome.iterations);
+      here_ = std::move(*outcome.point);
+      break;
+    }
+    if (0.5 * s < shortest_) give_up("on the way to the branch: " + outcome.why);
+  }
+  turned_off_ = true;
+  report(PointKind::regular, here_.unstable);
+}
+
+void PathWalk::end_at(const Node& end, const Goal& goal) {
+  body_.restore(end.point.at);
+  if (goal.load_factor) {
+    body_.move(Vector::Zero(body_.unknowns().size()), *goal.load_factor);
+    const NewtonOutcome outcome = correct(body_, solver_, stage_.newton);
+    result_.iterations += outcome.iterations();
+    result_.residuals = outcome.residuals;
+    if (!outcome.converged) give_up(outcome.why);
+  }
+  report(PointKind::end, end.point.unstable);
+  result_.ended = goal.name;
+}
+
+// ---- what is told ----
+
+void PathWalk::report(PointKind kind, int unstable) {
+  result_.unstable = unstable;
+  report_point(body_, kind, unstable, hooks_, result_);
+  if (result_.points >= settings_.most_points) result_.ended = "points";
+}
+
+/// At the point itself one eigenvalue or more are zero, not negative.
+void PathWalk::report_special(PointKind kind, const Node& node, int before, int after) {
+  body_.restore(node.point.at);
+  report(kind, std::min(before, after));
+  result_.special_points.push_back({kind, node.point.at.load_factor, result_.points, before, after});
+  if (hooks_.tell)
+    hooks_.tell(fmt::format("{} at load factor {:.10g}: {} -> {} negative eigenvalues of the tangent",
+                            kind == PointKind::limit_point ? "limit point" : "bifurcation",
+                            node.point.at.load_factor, before, after));
+}
+
+void PathWalk::give_up(const std::string& why) const {
+  throw NoEquilibrium(stage_.name,
+                      fmt::format("no balance found beyond point {} of the path, load factor {:.9g}: {}",
+                                  result_.points, result_.load_factor, why),
+                      "the points up to there stand; a smaller path.largest_step helps if the way is difficult");
+}
+
+}  // namespace
+
+StaticOutcome follow_path(const Model& model, const StaticStage& stage, State state,
+                          const StaticHooks& hooks) {
+  StaticResult result;
+  State balanced = balance_of_constant_loads(model, stage, std::move(state), hooks, result);
+  return PathWalk(model, stage, std::move(balanced), hooks, std::move(result)).walk();
+}
+
+}  // namespace vbond

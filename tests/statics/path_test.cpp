@@ -1,0 +1,317 @@
+// Paths: limit points, bifurcations and branches against closed forms and exact discrete solutions.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+#include "bodies.hpp"
+#include "validation/cases.hpp"
+#include "vbond/core/error.hpp"
+#include "vbond/model/bond_sums.hpp"
+
+namespace vbond {
+namespace {
+
+using testing::fixed;
+using testing::in_plane;
+using testing::number;
+using testing::pushed;
+using testing::Specimen;
+using testing::static_stage;
+using testing::validation_case;
+
+/// One point as an observer keeps it.
+struct Seen {
+  State state;
+  double load_factor;
+  PointKind kind;
+  std::optional<int> unstable;
+  double energy;
+};
+
+struct Walked {
+  StaticResult result;
+  std::vector<Seen> seen;
+  const State& last() const { return seen.back().state; }
+  const Seen& at(const SpecialPoint& p) const { return seen.at(static_cast<std::size_t>(p.point) - 1); }
+};
+
+Walked walk(const Specimen& s, const StaticStage& stage) {
+  Walked w;
+  StaticHooks hooks;
+  hooks.point = [&w](const StaticPoint& p) {
+    w.seen.push_back({p.state, p.load_factor, p.kind, p.unstable, p.energies.potential()});
+  };
+  w.result = run_static_stage(s.model, stage, s.state, hooks).result;
+  return w;
+}
+
+std::vector<ParticleId> everybody(const Specimen& s) {
+  return s.model.groups[0].particles;
+}
+
+Vec3d force_of_bonds(const State& s, std::size_t particle) {
+  Loads loads{PerParticle<Vec3d>(s.r.size()), PerParticle<Vec3d>(s.r.size())};
+  add_bond_loads(s, loads);
+  return loads.F[ParticleId{particle}];
+}
+
+// ---- a shallow truss of two bonds: von Mises' ----
+
+constexpr double half_span = 1.0, height = 0.1;
+constexpr double B1 = 1.0, B3 = 1e-5, B4 = 1e-5;
+
+/// The middle particle is high, the outer ones are held, and nobody turns.
+Specimen truss() {
+  Specimen s = testing::particles_at({{-half_span, 0, 0}, {0, height, 0}, {half_span, 0, 0}});
+  BondRecipe recipe;
+  recipe.parameters = GivenCoefficients{B1, 0.0, B3, B4};
+  recipe.n_2 = Vec3d{0, 0, 1};
+  testing::bond(s, 0, 1, recipe);
+  testing::bond(s, 1, 2, recipe);
+  return s;
+}
+
+StaticStage truss_stage() {
+  return static_stage(StageKind::path,
+                      {fixed({ParticleId{0}, ParticleId{2}}, testing::clamped),
+                       fixed({ParticleId{1}}, {false, false, true, true, true, true})},
+                      {pushed(1, {0, -1e-3, 0})});
+}
+
+/// Force downwards on the middle particle when it has come down by v: twice the slope of the energy of a bond,
+/// [KA12] eq. (7), that has turned by delta while its ends have not:
+/// U = B1/2 (D - a)^2 - B3 cos^2 delta - B4/4 (1 - sin^4 delta)^2 + constant.
+double truss_force(double v) {
+  const double a = std::hypot(half_span, height), y = height - v, D = std::hypot(half_span, y);
+  const double delta = std::atan2(height, half_span) - std::atan2(y, half_span);
+  const double s = std::sin(delta), c = std::cos(delta);
+  const double dU_ddelta = 2 * B3 * c * s + 2 * B4 * (1 - std::pow(s, 4)) * std::pow(s, 3) * c;
+  return 2 * (-B1 * (D - a) * y / D + dU_ddelta * half_span / (D * D));
+}
+
+/// Where f changes its sign between low and high.
+template <class F>
+double root(double low, double high, F f) {
+  const bool sign = f(low) > 0;
+  for (int k = 0; k < 200; ++k) {
+    const double middle = 0.5 * (low + high);
+    (f(middle) > 0 == sign ? low : high) = middle;
+  }
+  return low;
+}
+
+double truss_stiffness(double v) {
+  constexpr double h = 1e-4;  // fourth order: 1e-16 of truncation, 1e-16 / h of rounding
+  return (8 * (truss_force(v + h) - truss_force(v - h)) - truss_force(v + 2 * h) + truss_force(v - 2 * h)) /
+         (12 * h);
+}
+
+double descent(const State& s) { return height - s.r[ParticleId{1}].y; }
+
+TEST(ShallowTruss, SnapsThroughAtTheLimitPointsOfItsClosedForm) {
+  StaticStage stage = truss_stage();
+  stage.path.above = 1.0;
+  const Walked w = walk(truss(), stage);
+  EXPECT_EQ(w.result.ended, "load factor");
+  ASSERT_EQ(w.result.special_points.size(), 2u);
+  const double middle = height;  // the chord is flat
+  const double v[2] = {root(0.0, middle, truss_stiffness), root(middle, 2 * height, truss_stiffness)};
+  for (std::size_t k = 0; k < 2; ++k) {
+    const SpecialPoint& p = w.result.special_points[k];
+    EXPECT_EQ(p.kind, PointKind::limit_point);
+    EXPECT_EQ(p.unstable_before, k == 0 ? 0 : 1);
+    EXPECT_EQ(p.unstable_after, k == 0 ? 1 : 0);
+    // residual 1e-10 of the largest force, a bond's 5e-3, on 4e-4
+    EXPECT_NEAR(p.load_factor, truss_force(v[k]) / 1e-3, 1e-9);
+    EXPECT_NEAR(descent(w.at(p).state), v[k], 1e-6);
+    EXPECT_EQ(w.at(p).kind, PointKind::limit_point);
+  }
+  EXPECT_EQ(w.result.load_factor, 1.0);
+  EXPECT_NEAR(descent(w.last()), root(2 * height, 4 * height, [](double x) { return truss_force(x) - 1e-3; }), 1e-9);
+  EXPECT_EQ(w.seen.back().unstable, 0);
+  EXPECT_EQ(w.seen.back().kind, PointKind::end);
+}
+
+TEST(ShallowTruss, IsFollowedPointByPointOnItsClosedForm) {
+  StaticStage stage = truss_stage();
+  stage.path.above = 1.0;
+  const Walked w = walk(truss(), stage);
+  const double v[2] = {root(0.0, height, truss_stiffness), root(height, 2 * height, truss_stiffness)};
+  for (const Seen& p : w.seen) {
+    const double d = descent(p.state);
+    EXPECT_NEAR(p.load_factor * 1e-3, truss_force(d), 1e-12);
+    if (p.kind != PointKind::limit_point) {
+      EXPECT_EQ(p.unstable, d > v[0] && d < v[1] ? 1 : 0) << "v = " << d;
+    }
+  }
+}
+
+TEST(ShallowTruss, IsNotSteppedOverByALongStep) {
+  StaticStage stage = truss_stage();
+  stage.path.first_step = 10.0;
+  stage.path.largest_step = 1.0;  // ten times the height
+  stage.path.above = 2.0;
+  EXPECT_EQ(walk(truss(), stage).result.special_points.size(), 2u);
+}
+
+TEST(Path, EndsExactlyAtADistance) {
+  StaticStage stage = truss_stage();
+  stage.path.distance = DistanceStop{ParticleId{0}, ParticleId{1}, 1.001, true};
+  const Walked w = walk(truss(), stage);
+  EXPECT_EQ(w.result.ended, "distance");
+  EXPECT_NEAR(norm(w.last().r[ParticleId{1}] - w.last().r[ParticleId{0}]), 1.001, 1e-12);
+  EXPECT_NEAR(w.result.load_factor * 1e-3, truss_force(descent(w.last())), 1e-12);
+}
+
+TEST(Path, EndsExactlyAtALoadFactorMetFromAbove) {
+  StaticStage stage = truss_stage();
+  stage.path.below = 0.1;  // first met beyond the upper limit point
+  const Walked w = walk(truss(), stage);
+  EXPECT_EQ(w.result.ended, "load factor");
+  EXPECT_EQ(w.result.load_factor, 0.1);
+  EXPECT_EQ(w.result.special_points.size(), 1u);
+  EXPECT_EQ(w.result.unstable, 1);
+}
+
+TEST(Path, GoesTheWayOfTheFirstStep) {
+  StaticStage stage = truss_stage();
+  stage.path.first_step = -0.01;
+  stage.path.below = -0.5;
+  const Walked w = walk(truss(), stage);
+  EXPECT_EQ(w.result.ended, "load factor");
+  EXPECT_TRUE(w.result.special_points.empty());
+  EXPECT_LT(descent(w.last()), 0.0);
+}
+
+TEST(Path, StopsAtTheMostPointsAndWhenInterrupted) {
+  StaticStage stage = truss_stage();
+  stage.path.most_points = 4;
+  const Walked w = walk(truss(), stage);
+  EXPECT_EQ(w.result.ended, "points");
+  EXPECT_EQ(w.seen.size(), 4u);
+  EXPECT_EQ(w.result.points, 4);
+
+  int asked = 0;
+  StaticHooks hooks;
+  hooks.interrupted = [&asked] { return ++asked == 3; };
+  const StaticOutcome outcome = run_static_stage(truss().model, truss_stage(), truss().state, hooks);
+  EXPECT_EQ(outcome.result.ended, "interrupted");
+  EXPECT_EQ(outcome.result.points, 3);
+  EXPECT_EQ(outcome.state.clock.stage_step, 3);
+}
+
+// A load along the two bonds' line of no stiffness: nothing is in proportion to the load factor.
+TEST(Path, RefusesAStageInWhichNothingGrows) {
+  StaticStage stage = truss_stage();
+  stage.loads.clear();
+  EXPECT_THROW(walk(truss(), stage), NoEquilibrium);
+}
+
+// ---- Lee's frame: validation case E5 ----
+
+/// Legs of length 1 and N bonds: a column up from the origin, a beam from its top towards +x.
+Specimen lees_frame(std::size_t N) {
+  std::vector<Vec3d> r;
+  const double a = 1.0 / static_cast<double>(N);
+  for (std::size_t k = 0; k <= N; ++k) r.push_back({0, static_cast<double>(k) * a, 0});
+  for (std::size_t k = 1; k <= N; ++k) r.push_back({static_cast<double>(k) * a, 1, 0});
+  Specimen s = testing::particles_at(r, 0.1 * a);
+  for (std::size_t k = 0; k < 2 * N; ++k) testing::bond(s, k, k + 1, testing::rod50_bond());
+  return s;
+}
+
+StaticStage lees_stage(const Specimen& s, std::size_t N) {
+  const ParticleId foot{0}, end{2 * N};
+  StaticStage stage = static_stage(
+      StageKind::path,
+      {fixed(everybody(s), in_plane), fixed({foot, end}, {true, true, false, false, false, false})},
+      {pushed(N + N / 5, {0, -1, 0})});
+  stage.path.first_step = 1.0;
+  return stage;
+}
+
+TEST(LeesFrame, HasTheExactDiscreteLimitLoadAndConvergesToTheContinuumsMinimum) {
+  const auto& expected = validation_case("E5").at("expected");
+  const auto& least = expected.at("continuum").at("lee EA L^2/EI=4e4, no shear").at("limit_min");
+  double error_before = 0.0;
+  for (const auto& row : expected.at("discrete").at("discrete")) {
+    const std::size_t N = row.at("N_per_leg");
+    if (N > 40) continue;
+    const Specimen s = lees_frame(N);
+    StaticStage stage = lees_stage(s, N);
+    stage.path.above = 25.0;
+    const Walked w = walk(s, stage);
+    EXPECT_EQ(w.result.ended, "load factor");
+    ASSERT_EQ(w.result.special_points.size(), 2u) << "N = " << N;
+    const SpecialPoint &top = w.result.special_points[0], &bottom = w.result.special_points[1];
+    EXPECT_EQ(top.kind, PointKind::limit_point);
+    EXPECT_EQ(bottom.kind, PointKind::limit_point);
+    EXPECT_EQ(top.unstable_before, 0);
+    EXPECT_EQ(top.unstable_after, 1);
+    EXPECT_EQ(bottom.unstable_before, 1);
+    EXPECT_EQ(bottom.unstable_after, 0);
+    const auto fall = [&](const SpecialPoint& p) { return 1 - w.at(p).state.r[ParticleId{N + N / 5}].y; };
+    EXPECT_NEAR(top.load_factor / number(row.at("Pmax")), 1.0, 1e-9) << "N = " << N;
+    EXPECT_NEAR(fall(top), number(row.at("v")), 1e-6) << "N = " << N;
+    const double error = bottom.load_factor - number(least.at("P_L2_over_EI"));
+    std::printf("N=%zu Pmax %.16g (%.16g) v %.12g (%.12g) Pmin %.12g err %.4g points %d iterations %d\n", N, top.load_factor, number(row.at("Pmax")), fall(top), number(row.at("v")), bottom.load_factor, error, w.result.points, w.result.iterations);
+    if (error_before != 0.0) { EXPECT_NEAR(error_before / error, 4.0, 1.0); }
+    error_before = error;
+  }
+}
+
+// ---- rods driven by their ends ----
+
+/// Both ends pinned, the last particle moved along x by `travel` at load factor 1; all else in the plane.
+StaticStage pinned_stage(const Specimen& s, double travel) {
+  const ParticleId first{0}, last{s.model.particles() - 1};
+  constexpr HeldDofs pin{true, true, false, false, false, false};
+  return static_stage(StageKind::path,
+                      {fixed(everybody(s), in_plane), fixed({first}, pin), fixed({last}, pin, {travel, 0, 0})});
+}
+
+// E3: over the first branch, sideways by the first mode.
+TEST(PinnedElastica, OnItsBranchHasTheExactDiscreteForceAndDeflection) {
+  const auto& expected = validation_case("E3").at("expected").at("discrete");
+  for (const char* shortening : {"0.1", "0.5"})
+    for (const auto& row : expected.at("pinned_elastica_" + std::string(shortening)).at("discrete")) {
+      const std::size_t N = row.at("N");
+      if (N > 40) continue;
+      const Specimen s = testing::rod50(N);
+      StaticStage stage = pinned_stage(s, -std::stod(shortening));
+      stage.path.first_step = 1e-3;
+      stage.path.above = 1.0;
+      stage.path.branch = BranchSwitch{};
+      const Walked w = walk(s, stage);
+      const double P = force_of_bonds(w.last(), N).x, mid = std::abs(w.last().r[ParticleId{N / 2}].y);
+      std::printf("N=%zu %s P %.14g (%.14g) mid %.14g (%.14g) points %d iterations %d special %zu\n", N, shortening, P, number(row.at("P")), mid, number(row.at("mid")), w.result.points, w.result.iterations, w.result.special_points.size());
+      EXPECT_EQ(w.result.load_factor, 1.0);
+      EXPECT_NEAR(P / number(row.at("P")), 1.0, 1e-8) << "N = " << N;
+      EXPECT_NEAR(mid, number(row.at("mid")), 1e-8) << "N = " << N;
+      EXPECT_EQ(w.result.unstable, 0);
+      ASSERT_GE(w.result.special_points.size(), 1u);
+      EXPECT_EQ(w.result.special_points[0].kind, PointKind::bifurcation);
+      EXPECT_EQ(w.result.special_points[0].unstable_after, 1);
+    }
+}
+
+TEST(PapersRod, IsBentRoundUntilItsEndsAreOneBondApart) {
+  const Specimen s = testing::straight_rod(10);
+  StaticStage stage = pinned_stage(s, -8.0);
+  stage.path.first_step = 1e-5;
+  stage.path.above = 1.0;
+  stage.path.branch = BranchSwitch{};
+  const Walked w = walk(s, stage);
+  for (const SpecialPoint& p : w.result.special_points)
+    std::printf("special %d f %.12g point %d  %d -> %d\n", static_cast<int>(p.kind), p.load_factor, p.point, p.unstable_before, p.unstable_after);
+  std::printf("ended %s U %.14g F %.14g angle %.14g unstable %d points %d iterations %d\n", w.result.ended.c_str(), w.seen.back().energy, force_of_bonds(w.last(), 9).x,
+    rotation_vector(w.last().q[ParticleId{0}]).z, *w.result.unstable, w.result.points, w.result.iterations);
+  EXPECT_NEAR(w.seen.back().energy / 3.95243875636e-3, 1.0, 1e-8);
+  EXPECT_NEAR(force_of_bonds(w.last(), 9).x / 8.11946278905e-4, 1.0, 1e-8);
+  EXPECT_NEAR(std::abs(rotation_vector(w.last().q[ParticleId{0}]).z), 2.193218953674, 1e-8);
+}
+
+}  // namespace
+}  // namespace vbond
