@@ -32,7 +32,7 @@ struct Campaign {
   RunSummary summary;
   double building = 0;   ///< seconds of wall time
   double stepping = 0;   ///< seconds, without what observers did between the steps
-  double balancing = 0;  ///< seconds of static stages, without what observers did between the points
+  double balancing = 0;  ///< seconds of static stages and their modes, without what observers did
   StepTimes times;
   bool step_known = false;  ///< a dynamics stage has begun
 

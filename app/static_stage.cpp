@@ -165,7 +165,9 @@ bool run_static_leg(Campaign& campaign, const StaticStage& stage, const State& s
   if (ended) {
     if (!last) throw std::logic_error("stage \"" + stage.name + "\" ended without a point of balance");
     say(static_report(stage.kind, outcome.result, campaign.model.units == UnitSystem::si ? " s" : ""));
+    const auto writing = WallClock::now();
     write_modes(campaign, stage, outcome);
+    campaign.balancing += seconds_since(writing);
     outcome.state.books = {.at_start = last->energies.total()};
   }
   state = std::move(outcome.state);

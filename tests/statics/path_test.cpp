@@ -80,9 +80,9 @@ StaticStage truss_stage() {
                       {pushed(1, {0, -1e-3, 0})});
 }
 
-/// Force downwards on the middle particle when it has come down by v: twice the slope of the energy of a bond,
-/// [KA12] eq. (7), that has turned by delta while its ends have not:
-/// U = B1/2 (D - a)^2 - B3 cos^2 delta - B4/4 (1 - sin^4 delta)^2 + constant.
+/// Force downwards on the middle particle when it has come down by v: twice the slope of the energy of a
+/// bond, [KA12] eq. (7), that has turned by delta while its ends have not: U = B1/2 (D - a)^2 - B3 cos^2
+/// delta - B4/4 (1 - sin^4 delta)^2 + constant.
 double truss_force(double v) {
   const double a = std::hypot(half_span, height), y = height - v, D = std::hypot(half_span, y);
   const double delta = std::atan2(height, half_span) - std::atan2(y, half_span);
@@ -108,7 +108,9 @@ double truss_stiffness(double v) {
          (12 * h);
 }
 
-double descent(const State& s) { return height - s.r[ParticleId{1}].y; }
+double descent(const State& s) {
+  return height - s.r[ParticleId{1}].y;
+}
 
 TEST(ShallowTruss, SnapsThroughAtTheLimitPointsOfItsClosedForm) {
   StaticStage stage = truss_stage();
@@ -129,7 +131,8 @@ TEST(ShallowTruss, SnapsThroughAtTheLimitPointsOfItsClosedForm) {
     EXPECT_EQ(w.at(p).kind, PointKind::limit_point);
   }
   EXPECT_EQ(w.result.load_factor, 1.0);
-  EXPECT_NEAR(descent(w.last()), root(2 * height, 4 * height, [](double x) { return truss_force(x) - 1e-3; }), 1e-9);
+  EXPECT_NEAR(descent(w.last()), root(2 * height, 4 * height, [](double x) { return truss_force(x) - 1e-3; }),
+              1e-9);
   EXPECT_EQ(w.seen.back().unstable, 0);
   EXPECT_EQ(w.seen.back().kind, PointKind::end);
 }
@@ -256,8 +259,12 @@ TEST(LeesFrame, HasTheExactDiscreteLimitLoadAndConvergesToTheContinuumsMinimum) 
     EXPECT_NEAR(top.load_factor / number(row.at("Pmax")), 1.0, 1e-9) << "N = " << N;
     EXPECT_NEAR(fall(top), number(row.at("v")), 1e-6) << "N = " << N;
     const double error = bottom.load_factor - number(least.at("P_L2_over_EI"));
-    std::printf("N=%zu Pmax %.16g (%.16g) v %.12g (%.12g) Pmin %.12g err %.4g points %d iterations %d\n", N, top.load_factor, number(row.at("Pmax")), fall(top), number(row.at("v")), bottom.load_factor, error, w.result.points, w.result.iterations);
-    if (error_before != 0.0) { EXPECT_NEAR(error_before / error, 4.0, 1.0); }
+    std::printf("N=%zu Pmax %.16g (%.16g) v %.12g (%.12g) Pmin %.12g err %.4g points %d iterations %d\n", N,
+                top.load_factor, number(row.at("Pmax")), fall(top), number(row.at("v")), bottom.load_factor,
+                error, w.result.points, w.result.iterations);
+    if (error_before != 0.0) {
+      EXPECT_NEAR(error_before / error, 4.0, 1.0);
+    }
     error_before = error;
   }
 }
@@ -268,8 +275,8 @@ TEST(LeesFrame, HasTheExactDiscreteLimitLoadAndConvergesToTheContinuumsMinimum) 
 StaticStage pinned_stage(const Specimen& s, double travel) {
   const ParticleId first{0}, last{s.model.particles() - 1};
   constexpr HeldDofs pin{true, true, false, false, false, false};
-  return static_stage(StageKind::path,
-                      {fixed(everybody(s), in_plane), fixed({first}, pin), fixed({last}, pin, {travel, 0, 0})});
+  return static_stage(StageKind::path, {fixed(everybody(s), in_plane), fixed({first}, pin),
+                                        fixed({last}, pin, {travel, 0, 0})});
 }
 
 // E3: over the first branch, sideways by the first mode.
@@ -286,7 +293,9 @@ TEST(PinnedElastica, OnItsBranchHasTheExactDiscreteForceAndDeflection) {
       stage.path.branch = BranchSwitch{};
       const Walked w = walk(s, stage);
       const double P = force_of_bonds(w.last(), N).x, mid = std::abs(w.last().r[ParticleId{N / 2}].y);
-      std::printf("N=%zu %s P %.14g (%.14g) mid %.14g (%.14g) points %d iterations %d special %zu\n", N, shortening, P, number(row.at("P")), mid, number(row.at("mid")), w.result.points, w.result.iterations, w.result.special_points.size());
+      std::printf("N=%zu %s P %.14g (%.14g) mid %.14g (%.14g) points %d iterations %d special %zu\n", N,
+                  shortening, P, number(row.at("P")), mid, number(row.at("mid")), w.result.points,
+                  w.result.iterations, w.result.special_points.size());
       EXPECT_EQ(w.result.load_factor, 1.0);
       EXPECT_NEAR(P / number(row.at("P")), 1.0, 1e-8) << "N = " << N;
       EXPECT_NEAR(mid, number(row.at("mid")), 1e-8) << "N = " << N;
@@ -305,9 +314,12 @@ TEST(PapersRod, IsBentRoundUntilItsEndsAreOneBondApart) {
   stage.path.branch = BranchSwitch{};
   const Walked w = walk(s, stage);
   for (const SpecialPoint& p : w.result.special_points)
-    std::printf("special %d f %.12g point %d  %d -> %d\n", static_cast<int>(p.kind), p.load_factor, p.point, p.unstable_before, p.unstable_after);
-  std::printf("ended %s U %.14g F %.14g angle %.14g unstable %d points %d iterations %d\n", w.result.ended.c_str(), w.seen.back().energy, force_of_bonds(w.last(), 9).x,
-    rotation_vector(w.last().q[ParticleId{0}]).z, *w.result.unstable, w.result.points, w.result.iterations);
+    std::printf("special %d f %.12g point %d  %d -> %d\n", static_cast<int>(p.kind), p.load_factor, p.point,
+                p.unstable_before, p.unstable_after);
+  std::printf("ended %s U %.14g F %.14g angle %.14g unstable %d points %d iterations %d\n",
+              w.result.ended.c_str(), w.seen.back().energy, force_of_bonds(w.last(), 9).x,
+              rotation_vector(w.last().q[ParticleId{0}]).z, *w.result.unstable, w.result.points,
+              w.result.iterations);
   EXPECT_NEAR(w.seen.back().energy / 3.95243875636e-3, 1.0, 1e-8);
   EXPECT_NEAR(force_of_bonds(w.last(), 9).x / 8.11946278905e-4, 1.0, 1e-8);
   EXPECT_NEAR(std::abs(rotation_vector(w.last().q[ParticleId{0}]).z), 2.193218953674, 1e-8);

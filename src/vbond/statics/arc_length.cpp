@@ -27,7 +27,9 @@ double held_movement(const StaticBody& body) {
   return sum;
 }
 
-double angle_between(const Vec3d& a, const Vec3d& b) { return std::atan2(norm(cross(a, b)), dot(a, b)); }
+double angle_between(const Vec3d& a, const Vec3d& b) {
+  return std::atan2(norm(cross(a, b)), dot(a, b));
+}
 
 }  // namespace
 
@@ -109,8 +111,8 @@ double largest_bond_turn(const State& now, const Placement& before) {
     const auto of_line = [&](ParticleId p) {
       return angle_between(rotate(conjugate(now.q[p]), D_now), rotate(conjugate(before.q[p]), D_before));
     };
-    largest = std::max({largest, norm(rotation_vector(seen_now * conjugate(seen_before))), of_line(b.i),
-                        of_line(b.j)});
+    largest = std::max(
+        {largest, norm(rotation_vector(seen_now * conjugate(seen_before))), of_line(b.i), of_line(b.j)});
   }
   return largest;
 }

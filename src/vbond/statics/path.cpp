@@ -16,7 +16,7 @@ namespace {
 // A step is taken again at half its length if in it the path turns by more than this, a bond turns by more
 // than this, or the load factor is off the trapezoidal rule by more than this part of its travel: then it has
 // gone back and forth within the step (of a cubic snap-through, 0.17 and more is off however long the step).
-constexpr double largest_path_turn = 0.6;  // [rad]
+constexpr double largest_path_turn = 0.6;   // [rad]
 constexpr double largest_bond_turns = 0.2;  // [rad]; bonds have wrong rest states half a turn away
 constexpr double largest_load_error = 0.15;
 // What the next step aims at.
@@ -124,12 +124,12 @@ class PathWalk {
   TangentSolver solver_;
   ArcLength arc_;
   std::vector<Goal> goals_;
-  double size_;             // of the body  [length]
-  double shortest_ = 0;     // step  [arc-length]
-  double next_ = 0;         // length of the next step  [arc-length]
-  double load_scale_;       // largest |load factor| so far
-  PathPoint here_;          // where the step under way starts
-  int bifurcations_ = 0;    // passed
+  double size_;           // of the body  [length]
+  double shortest_ = 0;   // step  [arc-length]
+  double next_ = 0;       // length of the next step  [arc-length]
+  double load_scale_;     // largest |load factor| so far
+  PathPoint here_;        // where the step under way starts
+  int bifurcations_ = 0;  // passed
   bool turned_off_ = false;
 };
 
@@ -165,12 +165,14 @@ void PathWalk::start() {
   if (size == 0) throw NoEquilibrium(stage_.name, "nothing is free to move", "hold fewer degrees of freedom");
   std::optional<PathPoint> point = arc_.point_here({Vector::Zero(size), 1.0});
   if (solver_.iterative())
-    throw NoEquilibrium(stage_.name, "a path needs the direct solver, and its factor does not fit into memory",
+    throw NoEquilibrium(stage_.name,
+                        "a path needs the direct solver, and its factor does not fit into memory",
                         "follow the path of a smaller body, or use kind = \"equilibrium\"");
   if (!point)
-    throw NoEquilibrium(stage_.name,
-                        "the tangent stiffness is singular at load factor 0, or nothing grows with the load factor",
-                        "give a load or a support that is in proportion to the load factor, and hold the body");
+    throw NoEquilibrium(
+        stage_.name,
+        "the tangent stiffness is singular at load factor 0, or nothing grows with the load factor",
+        "give a load or a support that is in proportion to the load factor, and hold the body");
   here_ = std::move(*point);
   if (settings_.first_step < 0.0) here_.tangent = {-here_.tangent.u, -here_.tangent.f};
   next_ = std::min(std::abs(settings_.first_step / here_.tangent.f), longest(here_.tangent));
@@ -246,9 +248,9 @@ std::string PathWalk::objection(const PathDirection& direction, double s, const 
 void PathWalk::choose_next_step(const Node& end, int corrections) {
   const double turn = arc_.angle(here_.tangent, end.point.tangent);
   const double bonds = largest_bond_turn(body_.state(), here_.at);
-  const double growth = std::min({std::sqrt(wanted_corrections / std::max(1, corrections)),
-                                  wanted_path_turn / std::max(turn, 1e-3),
-                                  wanted_bond_turn / std::max(bonds, 1e-3)});
+  const double growth =
+      std::min({std::sqrt(wanted_corrections / std::max(1, corrections)),
+                wanted_path_turn / std::max(turn, 1e-3), wanted_bond_turn / std::max(bonds, 1e-3)});
   next_ = end.s * std::clamp(growth, 0.5, 2.0);
 }
 
@@ -263,7 +265,8 @@ double PathWalk::longest(const PathDirection& d) const {
       if (const int at = unknowns.of(p, k); at != Unknowns::held) component(m, k) = d.u[at];
     largest2 = std::max(largest2, norm2(m));
   }
-  for (const StaticSupport& support : stage_.supports) largest2 = std::max(largest2, sq(d.f) * norm2(support.displacement));
+  for (const StaticSupport& support : stage_.supports)
+    largest2 = std::max(largest2, sq(d.f) * norm2(support.displacement));
   return most / std::max(std::sqrt(largest2), 1e-3);
 }
 
@@ -432,10 +435,11 @@ void PathWalk::report_special(PointKind kind, const Node& node, int before, int 
 }
 
 void PathWalk::give_up(const std::string& why) const {
-  throw NoEquilibrium(stage_.name,
-                      fmt::format("no balance found beyond point {} of the path, load factor {:.9g}: {}",
-                                  result_.points, result_.load_factor, why),
-                      "the points up to there stand; a smaller path.largest_step helps if the way is difficult");
+  throw NoEquilibrium(
+      stage_.name,
+      fmt::format("no balance found beyond point {} of the path, load factor {:.9g}: {}", result_.points,
+                  result_.load_factor, why),
+      "the points up to there stand; a smaller path.largest_step helps if the way is difficult");
 }
 
 }  // namespace

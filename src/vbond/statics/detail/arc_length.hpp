@@ -52,8 +52,8 @@ class ArcLength {
   /// stiffness is singular or nothing changes with the load factor.
   std::optional<PathPoint> point_here(const PathDirection& along);
 
-  /// The balance on the plane at distance s from `from` that is normal to the unit vector `direction`. The body
-  /// is then there, or where the search ended.
+  /// The balance on the plane at distance s from `from` that is normal to the unit vector `direction`. The
+  /// body is then there, or where the search ended.
   StepOutcome step(const Placement& from, const PathDirection& direction, double s);
 
  private:

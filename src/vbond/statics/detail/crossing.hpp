@@ -10,10 +10,10 @@ struct Sample {
 };
 
 /// The place between lo and hi, where `value` has opposite signs, at which it crosses zero: regula falsi with
-/// the weights of Anderson and Bjorck (BIT 13 (1973) 253), which needs neither a derivative nor a smooth value, and
-/// a bisection wherever three looks have not halved the bracket. Ends when |value| <= small or the bracket is down to
-/// 1e-13 of what it was. value(s) may return nothing at a place where it cannot be told (a singular
-/// tangent): that place is then the answer.
+/// the weights of Anderson and Bjorck (BIT 13 (1973) 253), which needs neither a derivative nor a smooth
+/// value, and a bisection wherever three looks have not halved the bracket. Ends when |value| <= small or the
+/// bracket is down to 1e-13 of what it was. value(s) may return nothing at a place where it cannot be told (a
+/// singular tangent): that place is then the answer.
 template <class Value>
 double crossing(Sample lo, Sample hi, double small, Value&& value) {
   const double narrow = 1e-13 * std::abs(hi.s - lo.s);
