@@ -10,10 +10,9 @@
 namespace vbond {
 namespace {
 
-/// A critical load is known when it is seen from this near, relative to it. What is left is of the order of
-/// the square. The path is looked at no nearer than a third of it: at the load itself the tangent is
-/// singular, and rounding moves the body along the mode.
-constexpr double near_enough = 3e-6;
+/// The path is looked at no nearer to a critical load than this, relative, or than rounding lets it be known:
+/// there the tangent is singular, and rounding moves the body along the mode. Seen from within three times
+/// that the load is known: what is left is of the order of the square.
 constexpr double stay_away = 1e-6;
 constexpr int most_looks = 40;       // at one critical load
 constexpr int more_than_wanted = 4;  // crossings at each look: some may be of modes that stiffen
@@ -31,7 +30,10 @@ class Search {
     const PathSample* from;
     const Crossing* crossing;
     double load_factor() const { return from->at.load_factor + crossing->change; }
-    bool is_near() const { return std::abs(crossing->change) < near_enough * std::abs(load_factor()); }
+    double distance_to_keep() const {
+      return std::max(stay_away * std::abs(load_factor()), crossing->known_to);
+    }
+    bool is_near() const { return std::abs(crossing->change) < 3 * distance_to_keep(); }
   };
   enum class End { found, none, interrupted, lost };
 
@@ -87,7 +89,7 @@ Search::End Search::find(int k) {
     if (!seen || seen->load_factor() > out_of_sight * first_guess) return End::none;
     if (seen->is_near()) return End::found;
     const Bracket b = bracket(k);
-    double to = (1 - stay_away) * seen->load_factor();
+    double to = seen->load_factor() - seen->distance_to_keep();
     const double low = b.low->at.load_factor;
     if (b.high && !(to > low && to < b.high->at.load_factor)) to = 0.5 * (low + b.high->at.load_factor);
     if (!b.high && !(to > low)) to = 1.1 * low;
@@ -135,6 +137,9 @@ StaticOutcome find_critical_loads(const Model& model, const StaticStage& stage, 
     result.critical_loads.push_back({view.load_factor(), linear ? linear->change : 0.0,
                                      view.load_factor() * largest_proportional_force(stage),
                                      body.unknowns().shape(view.crossing->mode)});
+    if (view.crossing->known_to > stay_away * view.load_factor() && hooks.tell)
+      hooks.tell(fmt::format("stage \"{}\": rounding leaves critical load {} known to {:.1g} of itself",
+                             stage.name, k + 1, view.crossing->known_to / view.load_factor()));
     body.restore(view.from->at);
     report_point(body, PointKind::bifurcation, view.from->unstable, hooks, result);
   }

@@ -25,6 +25,12 @@ double distance(const Placement& a, const Placement& b, double length) {
   return largest;
 }
 
+/// Of the stiffness of a smooth mode of length 1: entries are rounded to eps, and a tenth of that is left of
+/// the sum over many (measured: columns of 20 to 320 bonds).
+double rounding_of_stiffness(const SparseMatrix& K) {
+  return 0.1 * std::numeric_limits<double>::epsilon() * Vector(K.diagonal()).cwiseAbs().maxCoeff();
+}
+
 }  // namespace
 
 const Crossing* PathSample::crossing(int k) const {
@@ -49,7 +55,7 @@ PathSample FundamentalPath::begin(int count) {
   const SparseMatrix K = body_.tangent();
   const EigenPairs found = critical_factors(K, tangent_rate(rate), count);
   for (Eigen::Index k = 0; k < found.values.size(); ++k)
-    s.ahead.push_back({found.values[k], found.vectors.col(k)});
+    s.ahead.push_back({found.values[k], 0.0, found.vectors.col(k)});
   return s;
 }
 
@@ -127,13 +133,15 @@ std::vector<Crossing> FundamentalPath::crossings(const Vector& rate, int wanted)
   const DenseMatrix B = -soft.transpose() * (tangent_rate(rate) * soft);
   // neither A nor B is definite: the general form, whose result may be complex where there is no crossing
   const Eigen::GeneralizedEigenSolver<DenseMatrix> pencil(A, B);
+  const double rounding = rounding_of_stiffness(body_.tangent());
   std::vector<Crossing> found;
   for (Eigen::Index k = 0; k < A.cols(); ++k) {
     const std::complex<double> alpha = pencil.alphas()[k];
     if (std::abs(alpha.imag()) > 1e-6 * std::abs(alpha) || pencil.betas()[k] == 0.0) continue;
     const Vector x = pencil.eigenvectors().col(k).real();
-    if (x.dot(B * x) <= 0.0) continue;  // stability comes back
-    found.push_back({alpha.real() / pencil.betas()[k], soft * x});
+    const double softening = x.dot(B * x) / x.squaredNorm();
+    if (softening <= 0.0) continue;  // stability comes back
+    found.push_back({alpha.real() / pencil.betas()[k], rounding / softening, soft * x});
   }
   std::sort(found.begin(), found.end(),
             [](const Crossing& a, const Crossing& b) { return a.change < b.change; });

@@ -2,23 +2,27 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <optional>
+#include <utility>
 
 #include "vbond/core/error.hpp"
-#include "vbond/statics/detail/arc_length.hpp"
-#include "vbond/statics/detail/crossing.hpp"
 #include "vbond/statics/detail/eigen.hpp"
 #include "vbond/statics/detail/kinds.hpp"
+#include "vbond/statics/detail/path_step.hpp"
 
 namespace vbond {
 
 namespace {
 
 // A step is taken again at half its length if in it the path turns by more than this, a bond turns by more
-// than this, or the load factor is off the trapezoidal rule by more than this part of its travel: then it has
-// gone back and forth within the step (of a cubic snap-through, 0.17 and more is off however long the step).
+// than this, or the load factor is further off the trapezoidal rule than this part of the slopes at both
+// ends: then it has gone back and forth within the step. A cubic snap-through is found out below 1/6, however
+// long the step. What is small against the load factors so far is let go.
 constexpr double largest_path_turn = 0.6;   // [rad]
 constexpr double largest_bond_turns = 0.2;  // [rad]; bonds have wrong rest states half a turn away
 constexpr double largest_load_error = 0.15;
+constexpr double least_load_error = 0.01;
 // What the next step aims at.
 constexpr double wanted_path_turn = 0.3;  // [rad]
 constexpr double wanted_bond_turn = 0.1;  // [rad]
@@ -87,33 +91,23 @@ class PathWalk {
   StaticOutcome walk() &&;
 
  private:
-  /// What has been located in the step under way, or its end.
-  struct Node {
-    double s = 0;  // arc-length since the start of the step
-    PathPoint point;
-  };
-
   void start();
   void take_step();
-  Node far_enough();
-  StepOutcome step_to(const PathDirection& direction, double s);
-  std::string objection(const PathDirection& direction, double s, const PathPoint& end) const;
-  void choose_next_step(const Node& end, int corrections);
+  bool pass(PathStep& step, const PathNode& end);
+  PathNode advance(PathStep& step, double s);
+  void arrive(const PathStep& step, const PathPoint& end);
+  std::string objection(const PathStep& step, const PathNode& end) const;
+  void choose_next_step(const PathStep& step, const PathNode& end, int corrections);
   double longest(const PathDirection& d) const;
 
-  bool pass(Node lo, Node hi);
-  std::optional<Node> node_at(double s);
-  Node node_near(double s, double around);
-  Node limit_point(const Node& lo, const Node& hi);
-  Node critical_point(const Node& lo, const Node& hi);
-  int unstable_beyond(const Node& node, double s, const Node& otherwise);
-  const Goal* shorten_to_goal(const Node& lo, Node& hi);
-  double stiffness_nearest_zero(const Placement& place);
-  void turn_off(const Node& critical, int together);
-  void end_at(const Node& end, const Goal& goal);
+  bool pass(PathStep& step, PathNode lo, PathNode hi);
+  const Goal* shorten_to_goal(PathStep& step, const PathNode& lo, PathNode& hi);
+  void turn_off(const PathNode& critical, int together);
+  void end_at(const PathNode& end, const Goal& goal);
 
+  PathNode found(std::optional<PathNode> node) const;
   void report(PointKind kind, int unstable);
-  void report_special(PointKind kind, const Node& node, int before, int after);
+  void report_special(PointKind kind, const PathNode& node, int before, int after);
   [[noreturn]] void give_up(const std::string& why) const;
 
   const StaticStage& stage_;
@@ -128,7 +122,7 @@ class PathWalk {
   double shortest_ = 0;   // step  [arc-length]
   double next_ = 0;       // length of the next step  [arc-length]
   double load_scale_;     // largest |load factor| so far
-  PathPoint here_;        // where the step under way starts
+  PathPoint here_;        // where the path has come to
   int bifurcations_ = 0;  // passed
   bool turned_off_ = false;
 };
@@ -185,69 +179,72 @@ void PathWalk::start() {
 // ---- one step ----
 
 void PathWalk::take_step() {
-  const Node start{0.0, here_}, end = far_enough();
-  const bool turns = std::signbit(start.point.tangent.f) != std::signbit(end.point.tangent.f);
-  if (turns) {
-    Node limit = limit_point(start, end);
-    const int before = unstable_beyond(limit, limit.s - aside * end.s, start);
-    const int after = unstable_beyond(limit, limit.s + aside * end.s, end);
-    limit.point.unstable = before;
-    if (!pass(start, limit)) return;
-    report_special(PointKind::limit_point, limit, before, after);
-    if (!result_.ended.empty()) return;
-    limit.point.unstable = after;
-    if (!pass(limit, end)) return;
-  } else if (!pass(start, end)) {
-    return;
-  }
-  here_ = end.point;
-  body_.restore(here_.at);
-  load_scale_ = std::max(load_scale_, std::abs(here_.at.load_factor));
-  report(PointKind::regular, here_.unstable);
+  PathStep step(body_, arc_, here_, here_.tangent);
+  const PathNode end = advance(step, std::min(next_, longest(here_.tangent)));
+  const bool goes_on = pass(step, end);
+  result_.iterations += step.iterations();
+  if (goes_on) arrive(step, end.point);
 }
 
-/// Steps from here, as long as there are objections each half as long as the one before.
-PathWalk::Node PathWalk::far_enough() {
-  for (double s = std::min(next_, longest(here_.tangent));; s *= 0.5) {
-    StepOutcome outcome = step_to(here_.tangent, s);
-    if (outcome.point) outcome.why = objection(here_.tangent, s, *outcome.point);
-    if (outcome.why.empty()) {
-      Node end{s, std::move(*outcome.point)};
-      choose_next_step(end, outcome.iterations);
-      return end;
+/// Reports what lies within the step. True if the path goes on at its end.
+bool PathWalk::pass(PathStep& step, const PathNode& end) {
+  const PathNode start{0.0, step.start()};
+  if (std::signbit(start.point.tangent.f) == std::signbit(end.point.tangent.f)) return pass(step, start, end);
+  PathNode limit = found(step.limit_point(start, end));
+  const int before = step.unstable_beside(limit, limit.s - aside * end.s, start);
+  const int after = step.unstable_beside(limit, limit.s + aside * end.s, end);
+  limit.point.unstable = before;
+  if (!pass(step, start, limit)) return false;
+  report_special(PointKind::limit_point, limit, before, after);
+  limit.point.unstable = after;
+  return result_.ended.empty() && pass(step, limit, end);
+}
+
+/// The end of the step, s long or, as long as there are objections, half as long as before.
+PathNode PathWalk::advance(PathStep& step, double s) {
+  for (;; s *= 0.5) {
+    StepOutcome outcome = step.to(s);
+    if (outcome.point) {
+      PathNode end{s, std::move(*outcome.point)};
+      outcome.why = objection(step, end);
+      if (outcome.why.empty()) {
+        choose_next_step(step, end, outcome.iterations);
+        return end;
+      }
     }
     if (0.5 * s < shortest_) give_up(outcome.why);
   }
 }
 
-StepOutcome PathWalk::step_to(const PathDirection& direction, double s) {
-  StepOutcome outcome = arc_.step(here_.at, direction, s);
-  result_.iterations += outcome.iterations;
-  if (outcome.point) result_.residuals = outcome.residuals;
-  return outcome;
+void PathWalk::arrive(const PathStep& step, const PathPoint& end) {
+  here_ = end;
+  body_.restore(here_.at);
+  load_scale_ = std::max(load_scale_, std::abs(here_.at.load_factor));
+  result_.residuals = step.last_residuals();
+  report(PointKind::regular, here_.unstable);
 }
 
 /// Why a step to where the body stands now may have left the path; empty if nothing speaks against it.
-std::string PathWalk::objection(const PathDirection& direction, double s, const PathPoint& end) const {
-  const double turn = arc_.angle(direction, end.tangent);
+std::string PathWalk::objection(const PathStep& step, const PathNode& end) const {
+  const Placement& from = step.start().at;
+  const double turn = arc_.angle(step.direction(), end.point.tangent);
   if (turn > largest_path_turn) return fmt::format("the path turns by {:.2g} rad", turn);
-  const double bonds = largest_bond_turn(body_.state(), here_.at);
-  if (bonds > largest_bond_turns) return fmt::format("a bond turns by {:.2g} rad", bonds);
-  if (const auto k = newly_snapped(body_.state(), here_.at)) {
+  if (const auto k = newly_snapped(body_.state(), from)) {
     const Bond& b = body_.state().bonds[*k];
     return fmt::format("bond {} (particles {}, {}) snaps", k->value, b.i.value, b.j.value);
   }
-  const double mean_slope = 0.5 * (direction.f + end.tangent.f);
-  const double travel = 0.5 * s * (std::abs(direction.f) + std::abs(end.tangent.f));
-  const double error = std::abs(end.at.load_factor - here_.at.load_factor - s * mean_slope);
-  if (error > 2.0 * largest_load_error * travel + 0.01 * load_scale_)
+  const double bonds = largest_bond_turn(body_.state(), from);
+  if (bonds > largest_bond_turns) return fmt::format("a bond turns by {:.2g} rad", bonds);
+  const double f0 = step.direction().f, f1 = end.point.tangent.f;
+  const double error = std::abs(end.point.at.load_factor - from.load_factor - 0.5 * end.s * (f0 + f1));
+  if (error > largest_load_error * end.s * (std::abs(f0) + std::abs(f1)) + least_load_error * load_scale_)
     return "the load factor goes back and forth";
   return "";
 }
 
-void PathWalk::choose_next_step(const Node& end, int corrections) {
-  const double turn = arc_.angle(here_.tangent, end.point.tangent);
-  const double bonds = largest_bond_turn(body_.state(), here_.at);
+void PathWalk::choose_next_step(const PathStep& step, const PathNode& end, int corrections) {
+  const double turn = arc_.angle(step.direction(), end.point.tangent);
+  const double bonds = largest_bond_turn(body_.state(), step.start().at);
   const double growth =
       std::min({std::sqrt(wanted_corrections / std::max(1, corrections)),
                 wanted_path_turn / std::max(turn, 1e-3), wanted_bond_turn / std::max(bonds, 1e-3)});
@@ -272,14 +269,13 @@ double PathWalk::longest(const PathDirection& d) const {
 
 // ---- what lies within a step ----
 
-/// Goes from one node of the step to another between which the load factor does not turn back. True if the
-/// path goes on beyond.
-bool PathWalk::pass(Node lo, Node hi) {
-  const Goal* goal = shorten_to_goal(lo, hi);
+/// The same from one node of the step to another between which the load factor does not turn back.
+bool PathWalk::pass(PathStep& step, PathNode lo, PathNode hi) {
+  const Goal* goal = shorten_to_goal(step, lo, hi);
   while (lo.point.unstable != hi.point.unstable) {
-    Node critical = critical_point(lo, hi);
+    PathNode critical = found(step.critical_point(lo, hi));
     const int before = lo.point.unstable;
-    int after = unstable_beyond(critical, critical.s + aside * (hi.s - lo.s), hi);
+    int after = step.unstable_beside(critical, critical.s + aside * (hi.s - lo.s), hi);
     if (after == before) after = hi.point.unstable;  // there and back so close by: all that is left at once
     report_special(PointKind::bifurcation, critical, before, after);
     if (!result_.ended.empty()) return false;
@@ -295,87 +291,22 @@ bool PathWalk::pass(Node lo, Node hi) {
   return goal == nullptr;
 }
 
-/// The balance at arc-length s of the step under way, where the body is then; nothing if the tangent
-/// stiffness there is singular.
-std::optional<PathWalk::Node> PathWalk::node_at(double s) {
-  StepOutcome outcome = step_to(here_.tangent, s);
-  if (!outcome.point) return {};
-  return Node{s, std::move(*outcome.point)};
-}
-
-/// At s, or beside it if the tangent stiffness is singular to the last bit there.
-PathWalk::Node PathWalk::node_near(double s, double around) {
-  for (const double off : {0.0, -1e-9, 1e-9, -1e-7, 1e-7})
-    if (std::optional<Node> node = node_at(s + off * around)) return std::move(*node);
-  give_up("the tangent stiffness is singular");
-}
-
-/// Where the load factor is stationary: its change along the path crosses zero.
-PathWalk::Node PathWalk::limit_point(const Node& lo, const Node& hi) {
-  const Sample a{lo.s, lo.point.tangent.f}, b{hi.s, hi.point.tangent.f};
-  // at 1e-8 of the slope the load factor is off by the square of that
-  const double small = 1e-8 * std::max(std::abs(a.value), std::abs(b.value));
-  const double s = crossing(a, b, small, [&](double at) -> std::optional<double> {
-    const std::optional<Node> node = node_at(at);
-    if (!node) return std::nullopt;
-    return node->point.tangent.f;
-  });
-  return node_near(s, hi.s - lo.s);
-}
-
-/// The first place where an eigenvalue of the tangent stiffness crosses zero: of all in increasing order the
-/// one that is the first to change its sign, by number. The number of negative ones tells its sign.
-PathWalk::Node PathWalk::critical_point(const Node& lo, const Node& hi) {
-  const bool softens = hi.point.unstable > lo.point.unstable;
-  const int number = softens ? lo.point.unstable : lo.point.unstable - 1;  // from 0
-  const auto value = [&](const PathPoint& p) {
-    const double size = std::abs(stiffness_nearest_zero(p.at));
-    return p.unstable > number ? -size : size;
-  };
-  const Sample a{lo.s, value(lo.point)}, b{hi.s, value(hi.point)};
-  const double small = 1e-10 * std::max(std::abs(a.value), std::abs(b.value));
-  const double s = crossing(a, b, small, [&](double at) -> std::optional<double> {
-    const std::optional<Node> node = node_at(at);
-    if (!node) return std::nullopt;
-    return value(node->point);
-  });
-  return node_near(s, hi.s - lo.s);
-}
-
-/// Negative eigenvalues at s, beside a special point whose own count is left to rounding; those of another
-/// node, which ends the step, if s is beyond it or nothing is found there.
-int PathWalk::unstable_beyond(const Node& special, double s, const Node& end) {
-  const bool inside = special.s < end.s ? s < end.s : s > end.s;
-  const std::optional<Node> node = inside ? node_at(s) : std::nullopt;
-  return node ? node->point.unstable : end.point.unstable;
-}
-
 /// The first goal between the nodes, to which the second is then moved; nothing if there is none.
-const Goal* PathWalk::shorten_to_goal(const Node& lo, Node& hi) {
+const Goal* PathWalk::shorten_to_goal(PathStep& step, const PathNode& lo, PathNode& hi) {
   const Goal* reached = nullptr;
   for (const Goal& g : goals_) {
-    const Sample a{lo.s, g.gap(lo.point.at)}, b{hi.s, g.gap(hi.point.at)};
-    if (!(a.value < 0.0 && b.value >= 0.0)) continue;
+    const double beyond = g.gap(hi.point.at);
+    if (!(g.gap(lo.point.at) < 0.0 && beyond >= 0.0)) continue;
     reached = &g;
-    if (b.value <= g.small) continue;
-    const double s = crossing(a, b, g.small, [&](double at) -> std::optional<double> {
-      const std::optional<Node> node = node_at(at);
-      if (!node) return std::nullopt;
-      return g.gap(node->point.at);
-    });
-    hi = node_near(s, hi.s - lo.s);
+    if (beyond > g.small)
+      hi = found(step.zero_of([&g](const PathPoint& p) { return g.gap(p.at); }, lo, hi, g.small));
   }
   return reached;
 }
 
-double PathWalk::stiffness_nearest_zero(const Placement& place) {
-  body_.restore(place);
-  return eigenpairs_near_zero(body_.tangent(), 1).values[0];
-}
-
 /// Off along a mode of the critical point: the direction is the part of the mode that is normal to the path
 /// so far, so that the plane on which the first point is sought does not meet that path again.
-void PathWalk::turn_off(const Node& critical, int together) {
+void PathWalk::turn_off(const PathNode& critical, int together) {
   const BranchSwitch& branch = *settings_.branch;
   if (branch.mode > together)
     throw NoEquilibrium(stage_.name,
@@ -387,22 +318,15 @@ void PathWalk::turn_off(const Node& critical, int together) {
   PathDirection off{std::copysign(1.0, branch.sense) * mode_of_cluster(near.vectors, branch.mode), 0.0};
   const double along = arc_.dot(off, here_.tangent);
   off = arc_.unit({off.u - along * here_.tangent.u, off.f - along * here_.tangent.f});
-  here_ = critical.point;
-  for (double s = longest(off);; s *= 0.5) {
-    StepOutcome outcome = step_to(off, s);
-    if (outcome.point) outcome.why = objection(off, s, *outcome.point);
-    if (outcome.why.empty()) {
-      choose_next_step(Node{s, *outcome.point}, outcome.iterations);
-      here_ = std::move(*outcome.point);
-      break;
-    }
-    if (0.5 * s < shortest_) give_up("on the way to the branch: " + outcome.why);
-  }
+  PathStep step(body_, arc_, critical.point, off);
+  const PathNode end = advance(step, longest(off));
   turned_off_ = true;
-  report(PointKind::regular, here_.unstable);
+  result_.iterations += step.iterations();
+  arrive(step, end.point);
 }
 
-void PathWalk::end_at(const Node& end, const Goal& goal) {
+/// The last point. A load factor is met to the last bit: the balance is corrected at it.
+void PathWalk::end_at(const PathNode& end, const Goal& goal) {
   body_.restore(end.point.at);
   if (goal.load_factor) {
     body_.move(Vector::Zero(body_.unknowns().size()), *goal.load_factor);
@@ -415,6 +339,11 @@ void PathWalk::end_at(const Node& end, const Goal& goal) {
   result_.ended = goal.name;
 }
 
+PathNode PathWalk::found(std::optional<PathNode> node) const {
+  if (!node) give_up("the tangent stiffness is singular");
+  return std::move(*node);
+}
+
 // ---- what is told ----
 
 void PathWalk::report(PointKind kind, int unstable) {
@@ -424,7 +353,7 @@ void PathWalk::report(PointKind kind, int unstable) {
 }
 
 /// At the point itself one eigenvalue or more are zero, not negative.
-void PathWalk::report_special(PointKind kind, const Node& node, int before, int after) {
+void PathWalk::report_special(PointKind kind, const PathNode& node, int before, int after) {
   body_.restore(node.point.at);
   report(kind, std::min(before, after));
   result_.special_points.push_back({kind, node.point.at.load_factor, result_.points, before, after});

@@ -8,7 +8,8 @@ namespace vbond {
 
 /// Where K + change K' is singular, K' being the derivative of the tangent K along the path.
 struct Crossing {
-  double change;  ///< of the load factor
+  double change;    ///< of the load factor
+  double known_to;  ///< what rounding of K may make of it
   Vector mode;
 };
 
