@@ -48,16 +48,17 @@ TEST(SurfaceBondedCantilever, HasTheExactDiscreteTip) {
   EXPECT_NEAR(w / expected.at("linear_value").get<double>(), 1.0, 1e-9);
 }
 
-// E2: at 2 pi EI / L the chain is not yet a closed polygon. Rounding: see E1d in tests/statics.
+// E2: at 2 pi EI / L the chain is not yet a closed polygon. Balance is good to 1e-10 of that moment, and the
+// tip turns by 1 per moment.
 TEST(Cantilever, RolledUpByTwoPiHasTheExactDiscreteTip) {
   for (const auto& row : validation_case("E2").at("expected")) {
     const std::size_t N = row.at("N");
     const State open = solved(testing::rod50(N), cantilever(N, {}, {0, 0, 2 * M_PI})).state;
     const ParticleId tip{N};
-    EXPECT_NEAR(open.r[tip].x, row.at("tip_at_2pi")[0], 1e-9) << "N = " << N;
-    EXPECT_NEAR(open.r[tip].y, row.at("tip_at_2pi")[1], 1e-9) << "N = " << N;
+    EXPECT_NEAR(open.r[tip].x, row.at("tip_at_2pi")[0], 3e-9) << "N = " << N;
+    EXPECT_NEAR(open.r[tip].y, row.at("tip_at_2pi")[1], 3e-9) << "N = " << N;
     const double turn = number(row.at("theta_tip_at_2pi")) - 2 * M_PI;
-    EXPECT_NEAR(rotation_vector(open.q[tip]).z, turn, 1e-9) << "N = " << N;
+    EXPECT_NEAR(rotation_vector(open.q[tip]).z, turn, 3e-9) << "N = " << N;
   }
 }
 
@@ -120,6 +121,21 @@ TEST(TriangularPlate, SupportedAtItsEdgesHasTheExactDiscreteDeflection) {
     const BondStiffness<double> c{1.0, 10.0, 0.25, 0.1};
     const testing::Plate plate = testing::triangular_plate(n, c, c);
     EXPECT_NEAR(testing::centre_deflection(plate, 1e-9) / 1e-9 / row.at("w_center").get<double>(), 1.0, 1e-8)
+        << "n = " << n;
+  }
+}
+
+// P1 again: its slowest mode. Rounding of the tangent, 1e-16 of c_D = 10, against omega^2 = 1.7e-4 at n = 48.
+TEST(TriangularPlate, SupportedAtItsEdgesHasTheExactDiscreteFrequency) {
+  for (const auto& row : validation_case("P1").at("expected").at("discrete")) {
+    const std::size_t n = row.at("n");
+    if (n > 48) continue;
+    const BondStiffness<double> c{1.0, 10.0, 0.25, 0.1};
+    const testing::Plate plate = testing::triangular_plate(n, c, c);
+    StaticStage stage = static_stage(StageKind::modes, testing::supported_edges(plate));
+    stage.count = 1;
+    EXPECT_NEAR(solved(plate.specimen, stage).result.modes.at(0).omega / row.at("omega1").get<double>(), 1.0,
+                1e-10)
         << "n = " << n;
   }
 }
