@@ -5,37 +5,261 @@
 
 #include "bodies.hpp"
 #include "validation/cases.hpp"
+#include "validation/rings.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/statics/detail/kinds.hpp"
 
 namespace vbond {
 namespace {
 
 using testing::fixed;
+using testing::number;
 using testing::pushed;
 using testing::static_stage;
+using testing::validation_case;
 
 const ParticleId first{0};
 
 StaticOutcome equilibrium(const testing::Specimen& s, const StaticStage& stage,
                           const StaticHooks& hooks = {}) {
-  return run_static_stage(s.model, stage, s.state, hooks);
+  return find_equilibrium(s.model, stage, s.state, hooks);
 }
 
-/// The standard rod clamped at its first particle, with a force and a moment at its last.
+/// A rod of N bonds clamped at its first particle, with a force and a moment at its last.
 StaticStage cantilever(std::size_t N, const Vec3d& force, const Vec3d& moment = {}) {
   return static_stage(StageKind::equilibrium, {fixed({first}, testing::clamped)}, {pushed(N, force, moment)});
 }
 
-// A chain of Bernoulli-Euler bonds is an exact beam at small load: model of 11 particles, a = 1, d = 0.2.
-// Nonlinear terms are of the order of the slope squared, (P L^2 / 2 EI)^2 = 4e-4 P'^2 with P' in 1e-6: a
-// load of 1e-9 leaves 4e-10 times a factor below one.
+// A chain of Bernoulli-Euler bonds is an exact beam at small load: 11 particles, a = 1, d = 0.2, EJ = 0.0025,
+// EA = 1, G J_p = 1 / 480. Nonlinear terms are of the order of the slope squared, 4e-12 at P = 1e-10.
 TEST(LinearCantilever, HasTheDeflectionsOfABeam) {
   const testing::Specimen rod = testing::straight_rod(11);
-  const double P = 1e-9, scale = P / 1e-6;
-  const State bent = equilibrium(rod, cantilever(10, {0, P, 0})).state;
+  const double P = 1e-10;
   const ParticleId tip{10};
-  EXPECT_NEAR(bent.r[tip].y / scale, 0.4 / 3, 1e-9);
-  EXPECT_NEAR(rotation_vector(bent.q[tip]).z / scale, 0.02, 1e-9 * 0.02);
+  const auto end = [&](const Vec3d& force, const Vec3d& moment) {
+    const State s = equilibrium(rod, cantilever(10, force, moment)).state;
+    return std::pair((s.r[tip] - Vec3d{10, 0, 0}) / P, rotation_vector(s.q[tip]) / P);
+  };
+  for (const bool along_z : {false, true}) {
+    const auto [u, turn] = end(along_z ? Vec3d{0, 0, P} : Vec3d{0, P, 0}, {});
+    EXPECT_NEAR(along_z ? u.z : u.y, 1000 / (3 * 0.0025), 1e-9 * 133333);
+    EXPECT_NEAR(along_z ? -turn.y : turn.z, 100 / (2 * 0.0025), 1e-9 * 20000);
+  }
+  EXPECT_NEAR(end({0, 0, 0}, {0, 0, P}).second.z, 10 / 0.0025, 1e-9 * 4000);
+  EXPECT_NEAR(end({0, 0, 0}, {P, 0, 0}).second.x, 10 * 480, 1e-9 * 4800);
+  EXPECT_NEAR(end({1e-6, 0, 0}, {}).first.x * P, 1e-5, 1e-9 * 1e-5);
+}
+
+// E1d: tolerances are those of the reference, whose residual is below 1e-9 of a force of 1; rounding of
+// positions, 1e-16, times EA N = 4e4 N, is amplified by 1 / EI to 3e-10 at N = 80.
+TEST(Cantilever, UnderADeadTipForceHasTheExactDiscreteTip) {
+  for (const int alpha : {1, 5, 10})
+    for (const auto& row : validation_case("E1d")
+                               .at("expected")
+                               .at("cantilever_tip_force_" + std::to_string(alpha))
+                               .at("discrete")) {
+      const std::size_t N = row.at("N");
+      const StaticOutcome bent = equilibrium(testing::rod50(N), cantilever(N, {0, 1.0 * alpha, 0}));
+      const ParticleId tip{N};
+      EXPECT_NEAR(bent.state.r[tip].x, row.at("tip")[0], 1e-9) << "alpha = " << alpha << ", N = " << N;
+      EXPECT_NEAR(bent.state.r[tip].y, row.at("tip")[1], 1e-9) << "alpha = " << alpha << ", N = " << N;
+      EXPECT_NEAR(rotation_vector(bent.state.q[tip]).z, row.at("theta"), 1e-9);
+      EXPECT_EQ(bent.result.unstable, 0);
+    }
+}
+
+// E2: the moment that closes the polygon.
+TEST(Cantilever, IsRolledUpToAPolygonByTheClosingEndMoment) {
+  for (const auto& row : validation_case("E2").at("expected")) {
+    const std::size_t N = row.at("N");
+    const StaticOutcome closed =
+        equilibrium(testing::rod50(N), cantilever(N, {}, {0, 0, number(row.at("M_to_close_polygon"))}));
+    EXPECT_LE(norm(closed.state.r[ParticleId{N}]), 1e-8) << "N = " << N;
+    EXPECT_NEAR(std::abs(rotation_vector(closed.state.q[ParticleId{N / 2}]).z), M_PI, 1e-8) << "N = " << N;
+  }
+}
+
+/// Six particles in a row, stiff enough in shear and bending that all residuals tell the same story.
+testing::Specimen stout_rod() {
+  BondRecipe recipe = testing::papers_bond();
+  recipe.parameters = BondStiffness<double>{1.0, 0.5, 0.2, 0.1};
+  return testing::straight_rod(6, recipe);
+}
+
+// The last two residuals are each below the square of the one before, times a constant of order 1 (loads,
+// lengths and stiffnesses are), until rounding, 1e-15, is reached. Convergence at a fixed rate breaks this.
+void expect_quadratic(const std::vector<double>& residuals) {
+  std::string all;
+  for (const double r : residuals) all += " " + std::to_string(std::log10(r));
+  ASSERT_GE(residuals.size(), 4u) << all;
+  for (std::size_t k = residuals.size() - 2; k < residuals.size(); ++k)
+    EXPECT_LE(residuals[k], std::max(10.0 * residuals[k - 1] * residuals[k - 1], 1e-14)) << all;
+}
+
+TEST(Newton, ConvergesQuadratically) {
+  StaticStage stage = cantilever(5, {0.0, 0.02, 0.01});
+  stage.newton.tolerance = 1e-14;
+  expect_quadratic(equilibrium(stout_rod(), stage).result.residuals);
+}
+
+// A moment of fixed direction in space has no potential, and its tangent is not symmetric.
+TEST(Newton, ConvergesQuadraticallyUnderAppliedMomentsInSpace) {
+  StaticStage stage = cantilever(5, {0.0, 0.01, 0.01}, {0.01, -0.04, 0.03});
+  stage.newton.tolerance = 1e-14;
+  expect_quadratic(equilibrium(stout_rod(), stage).result.residuals);
+}
+
+// R1: a quarter of a right angle of a circle, clamped, loaded across its plane; lengths are 100.
+TEST(BatheBolourchiBend, HasTheExactDiscreteTip) {
+  for (const int P : {300, 600})
+    for (const auto& row : validation_case("R1")
+                               .at("expected")
+                               .at("discrete")
+                               .at("bathe_bolourchi_BE_" + std::to_string(P))
+                               .at("discrete")) {
+      const std::size_t N = row.at("N");
+      const StaticOutcome bent =
+          equilibrium(testing::bathe_bolourchi_bend(N), cantilever(N, {0, 0, 1.0 * P}));
+      EXPECT_LE(norm(bent.state.r[ParticleId{N}] - testing::vector(row.at("tip"))), 1e-7)
+          << "P = " << P << ", N = " << N;
+      EXPECT_EQ(bent.result.unstable, 0);
+    }
+}
+
+// E7: half weight on the last particle.
+TEST(HeavyCantilever, HasTheExactDiscreteTip) {
+  for (const auto& row : validation_case("E7")
+                             .at("expected")
+                             .at("cant")
+                             .at("discrete qL3/EI=10, EA=4e4 (half weight on end particles)")
+                             .at("rows")) {
+    const std::size_t N = row.at("N");
+    testing::Specimen s = testing::rod50(N);
+    s.model.mass[ParticleId{N}] /= 2;
+    StaticStage stage = cantilever(N, {});
+    stage.gravity = {0, -10, 0};
+    const State bent = equilibrium(s, stage).state;
+    EXPECT_NEAR(bent.r[ParticleId{N}].x, row.at("tip")[0], 1e-9) << "N = " << N;
+    EXPECT_NEAR(bent.r[ParticleId{N}].y, row.at("tip")[1], 1e-9) << "N = " << N;
+  }
+}
+
+// E4: a ring has six rigid motions; supports that carry nothing in balance hold them.
+TEST(Ring, UnderTwoOppositeLoadsHasTheExactDiscreteDiameters) {
+  for (const int P : {1, 4, -4})
+    for (const auto& row :
+         validation_case("E4").at("expected").at("discrete").at("ring_" + std::to_string(P)).at("discrete")) {
+      const std::size_t N = row.at("N");
+      const testing::Specimen s = testing::ring(N, 4e4);
+      const StaticStage stage =
+          static_stage(StageKind::equilibrium,
+                       {fixed({first}, {false, true, true, true, false, false}),
+                        fixed({ParticleId{N / 2}}, {false, true, true, false, false, false}),
+                        fixed({ParticleId{N / 4}}, {true, false, false, false, false, false})},
+                       {pushed(0, {-1.0 * P, 0, 0}), pushed(N / 2, {1.0 * P, 0, 0})});
+      const State rest = equilibrium(s, stage).state;
+      const auto at = [&rest](std::size_t k) { return rest.r[ParticleId{k}]; };
+      EXPECT_NEAR(norm(at(0) - at(N / 2)), row.at("diam_load"), 1e-9) << "P = " << P << ", N = " << N;
+      EXPECT_NEAR(norm(at(N / 4) - at(3 * N / 4)), row.at("diam_perp"), 1e-9) << "P = " << P << ", N = " << N;
+    }
+}
+
+/// A pinned rod of ten particles in the plane, shortened by 1 %: far past its critical load.
+StaticStage shortened_strut(AtSaddle at_saddle) {
+  StaticStage stage =
+      static_stage(StageKind::equilibrium,
+                   {fixed({first}, {true, true, true, true, true, false}),
+                    fixed({ParticleId{9}}, {true, true, false, false, false, false}, {-0.09, 0, 0})});
+  for (std::size_t k = 1; k < 10; ++k) stage.supports.push_back(fixed({ParticleId{k}}, testing::in_plane));
+  stage.at_saddle = at_saddle;
+  return stage;
+}
+
+TEST(Equilibrium, LeavesAStraightStrutPastItsCriticalLoad) {
+  const testing::Specimen rod = testing::straight_rod(10);
+  const StaticOutcome kept = equilibrium(rod, shortened_strut(AtSaddle::keep));
+  // critical loads 3.08e-4, 1.27e-3, 3.0e-3, 5.7e-3, 9e-3 are below the compression of 0.01 of the straight
+  // rod
+  EXPECT_EQ(kept.result.unstable, 5);
+  EXPECT_LT(*kept.result.smallest_eigenvalue, 0.0);
+  EXPECT_EQ(kept.state.r[ParticleId{4}].y, 0.0);
+
+  const StaticOutcome left = equilibrium(rod, shortened_strut(AtSaddle::leave));
+  EXPECT_TRUE(left.result.left_saddle);
+  EXPECT_EQ(left.result.unstable, 0);
+  EXPECT_GT(*left.result.smallest_eigenvalue, 0.0);
+  // one half wave: all deflections to one side, the largest in the middle
+  const auto y = [&left](std::size_t k) { return left.state.r[ParticleId{k}].y; };
+  EXPECT_GT(std::abs(y(4)), 0.5);
+  for (std::size_t k = 1; k < 9; ++k) EXPECT_GT(y(k) * y(4), 0.0) << k;
+  EXPECT_NEAR(y(4), y(5), 1e-9);
+}
+
+TEST(Equilibrium, StartsFromWhatIsInBalanceAndNotFromNothing) {
+  const testing::Specimen rod = testing::rod50(10);
+  const State half = equilibrium(rod, cantilever(10, {0, 2, 0})).state;
+  const State whole = equilibrium(rod, cantilever(10, {0, 4, 0})).state;
+  int points = 0;
+  StaticHooks hooks;
+  hooks.point = [&](const StaticPoint&) { ++points; };
+  const StaticOutcome again = find_equilibrium(rod.model, cantilever(10, {0, 2, 0}), half, hooks);
+  EXPECT_EQ(again.result.iterations, 0);
+  EXPECT_EQ(points, 1);
+  const StaticOutcome on = find_equilibrium(rod.model, cantilever(10, {0, 4, 0}), half, {});
+  for (const ParticleId p : on.state.r.ids()) EXPECT_LE(norm(on.state.r[p] - whole.r[p]), 1e-9);
+}
+
+// Two particles pressed together: Hertz's force, F = c_H overlap^(3/2), and a stiffness that changes with it.
+TEST(Equilibrium, PressesContactsTogether) {
+  testing::Specimen s = testing::particles_at({{0, 0, 0}, {1.0, 0, 0}}, 0.505);
+  s.model.contact = {ContactLaw::paper_hertz, ContactPairs::all, 1.0, 1.0, 0, 0};
+  const StaticStage stage = static_stage(
+      StageKind::equilibrium,
+      {fixed({first}, testing::clamped), fixed({ParticleId{1}}, {false, true, true, true, true, true})},
+      {pushed(1, {-0.008, 0, 0})});
+  const State pressed = equilibrium(s, stage).state;
+  EXPECT_NEAR(1.01 - pressed.r[ParticleId{1}].x, std::pow(0.008, 2.0 / 3.0), 1e-12);  // 0.04
+}
+
+TEST(Equilibrium, NamesWhatCanMoveFreely) {
+  StaticStage stage = cantilever(10, {0, 1, 0});
+  stage.supports[0].held = {true, true, true, false, true, true};
+  try {
+    equilibrium(testing::rod50(10), stage);
+    FAIL() << "a rod that may turn about its axis has no single balance";
+  } catch (const NoEquilibrium& e) {
+    EXPECT_NE(std::string(e.what()).find("rotation about"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("particles 0 to 10"), std::string::npos) << e.what();
+  }
+}
+
+// A bond in torsion carries B4 / 2 at most: no balance beyond, and the last one is kept.
+TEST(Equilibrium, SaysHowFarTheLoadCouldGo) {
+  const testing::Specimen rod = testing::straight_rod(2);
+  const double most = 0.5 * rod.state.bonds[BondId{0}].B4;
+  double reached = 0.0;
+  StaticHooks hooks;
+  hooks.point = [&](const StaticPoint& p) { reached = p.load_factor; };
+  StaticStage stage = cantilever(1, {}, {2.0 * most, 0, 0});
+  try {
+    equilibrium(rod, stage, hooks);
+    FAIL();
+  } catch (const NoEquilibrium& e) {
+    EXPECT_NE(std::string(e.what()).find("load factor 0.4"), std::string::npos) << e.what();
+  }
+  EXPECT_GT(reached, 0.45);
+  EXPECT_LT(reached, 0.5);
+}
+
+TEST(Equilibrium, IsTheSameByConjugateGradients) {
+  const testing::Specimen rod = testing::rod50(10);
+  StaticStage stage = cantilever(10, {0, 1, 0.5});
+  const State direct = equilibrium(rod, stage).state;
+  stage.newton.solver = LinearSolver::iterative;
+  const StaticOutcome iterative = equilibrium(rod, stage);
+  EXPECT_EQ(iterative.result.solver, "iterative");
+  EXPECT_FALSE(iterative.result.unstable.has_value());
+  for (const ParticleId p : direct.r.ids()) EXPECT_LE(norm(direct.r[p] - iterative.state.r[p]), 1e-9);
 }
 
 }  // namespace

@@ -193,13 +193,15 @@ void approach(const SparseMatrix& A, const SparseMatrix& without, Shifted& at) {
   at.factor.factor_definite(A, -at.sigma);
 }
 
-/// Adds the `count` eigenpairs nearest to sigma (above it, with LargestAlge) that are not among those known.
+/// Adds the `count` eigenpairs nearest to sigma (above it, with LargestAlge) that are not among those known;
+/// `factor` is that of A - sigma I.
 template <class Key>
-void look_near(const SparseMatrix& A, const Shifted& at, Spectra::SortRule rule, const SparseMatrix& without,
-               int count, Found& found, Key&& key) {
+void look_near(const SparseMatrix& A, const Factor& factor, Spectra::SortRule rule,
+               const SparseMatrix& without, int count, Found& found, Key&& key) {
   const Eigen::Index n = A.rows();
   const DenseMatrix known = found.vectors;
-  ShiftedInverse op{n, at.factor, at.scale, without, known};
+  const double scale = largest_diagonal(A);
+  ShiftedInverse op{n, factor, scale > 0.0 ? scale : 1.0, without, known};
   Spectra::SymEigsSolver<ShiftedInverse> solver(op, count, basis_size(count, n));
   iterate(solver, rule, count, n);
   const DenseMatrix x = solver.eigenvectors();
@@ -254,7 +256,7 @@ EigenPairs smallest_eigenpairs(const SparseMatrix& A, int count, double bound, c
   return find_all(
       Wanted{count, available, bound - at.sigma - resolution, resolution},
       [&](int k, Found& found) {
-        look_near(A, at, Spectra::SortRule::LargestAlge, without, k, found,
+        look_near(A, at.factor, Spectra::SortRule::LargestAlge, without, k, found,
                   [&](double value) { return value - at.sigma; });
       },
       [&](double key) -> std::optional<int> {
@@ -281,7 +283,7 @@ EigenPairs eigenpairs_near_zero(const SparseMatrix& A, int count) {
   return find_all(
       Wanted{count, static_cast<int>(n), 0.0, known_to * at.scale},
       [&](int k, Found& found) {
-        look_near(A, at, Spectra::SortRule::LargestMagn, {}, k, found,
+        look_near(A, at.factor, Spectra::SortRule::LargestMagn, {}, k, found,
                   [](double value) { return std::abs(value); });
       },
       [&](double key) -> std::optional<int> {
@@ -289,6 +291,14 @@ EigenPairs eigenpairs_near_zero(const SparseMatrix& A, int count) {
         if (!below || !far_below) return std::nullopt;
         return *below - *far_below;
       });
+}
+
+double eigenvalue_near_zero(const SparseMatrix& A, const Factor& factor) {
+  if (solve_densely(A.rows(), 1)) return eigenpairs_near_zero(A, 1).values[0];
+  Found found;
+  look_near(A, factor, Spectra::SortRule::LargestMagn, {}, 1, found,
+            [](double value) { return std::abs(value); });
+  return found.value[0];
 }
 
 namespace {

@@ -70,8 +70,17 @@ class LoadSteps {
     return step;
   }
 
+  /// Downhill, or where applied moments have no potential to go down: straight on, if that leads anywhere.
   NewtonOutcome settle() {
-    NewtonOutcome outcome = minimise(body_, solver_, body_.stage().newton);
+    NewtonOutcome outcome;
+    if (body_.has_applied_moments()) {
+      const Placement from = body_.placement();
+      outcome = correct(body_, solver_, body_.stage().newton);
+      result_.iterations += outcome.iterations();
+      if (outcome.converged) return outcome;
+      body_.restore(from);
+    }
+    outcome = minimise(body_, solver_, body_.stage().newton);
     result_.iterations += outcome.iterations();
     return outcome;
   }
@@ -97,11 +106,13 @@ class LoadSteps {
                  result_);
   }
 
-  /// Negative eigenvalues that are more than rounding; nothing where conjugate gradients were used.
+  /// Negative eigenvalues that are more than rounding; nothing where conjugate gradients were used. Under
+  /// applied moments in space a definite symmetric part is enough to be stable, but not needed.
   std::optional<int> count_unstable() {
     const std::optional<int> negative = solver_.factor(body_);
     if (solver_.iterative()) return std::nullopt;
     if (negative == 0) return 0;
+    if (body_.has_applied_moments()) return std::nullopt;
     const SparseMatrix& K = body_.tangent();
     lowest_ = eigenpairs_near_zero(K, std::min(negative.value_or(0) + 3, body_.unknowns().size()));
     const double neutral = 1e-12 * K.diagonal().cwiseAbs().maxCoeff();
@@ -165,7 +176,9 @@ void report_point(StaticBody& body, PointKind kind, std::optional<int> unstable,
   ++body.clock().stage_step;
   ++result.points;
   result.load_factor = body.load_factor();
-  if (hooks.point) hooks.point({body.state(), body.load_factor(), kind, unstable, body.energies()});
+  if (hooks.point)
+    hooks.point({body.state(), body.load_factor(), kind, unstable, body.energies(),
+                 [&body](const std::vector<ParticleId>& particles) { return body.reaction(particles); }});
 }
 
 StaticOutcome find_equilibrium(const Model& model, const StaticStage& stage, State state,
@@ -178,7 +191,7 @@ StaticOutcome find_equilibrium(const Model& model, const StaticStage& stage, Sta
   steps.run();
   outcome.result.solver = steps.solver().name();
   if (!steps.solver().iterative() && body.unknowns().size() > 0)
-    outcome.result.smallest_eigenvalue = eigenpairs_near_zero(body.tangent(), 1).values[0];
+    outcome.result.smallest_eigenvalue = eigenvalue_near_zero(body.tangent(), steps.solver().last_factor());
   outcome.state = std::move(body).take_state();
   return outcome;
 }
@@ -195,9 +208,9 @@ State balance_of_constant_loads(const Model& model, const StaticStage& stage, St
   if (!stage.constant_gravity) constant.gravity = {};
   for (StaticSupport& s : constant.supports) s.displacement = s.rotation = {};
   StaticBody body(model, constant, std::move(state));
-  body.relieve();
   if (body.residual() > std::max(stage.newton.tolerance, body.residual_of_rounding())) {
     refuse_rigid_motions(body);
+    body.relieve();
     StaticHooks quiet{{}, hooks.tell, hooks.interrupted};
     StaticResult own;
     LoadSteps(body, quiet, own).run();

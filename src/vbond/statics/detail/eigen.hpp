@@ -23,6 +23,9 @@ EigenPairs smallest_eigenpairs(const SparseMatrix& A, int count, double bound,
 /// first.
 EigenPairs eigenpairs_near_zero(const SparseMatrix& A, int count);
 
+/// The eigenvalue nearest to zero of an A whose factor is at hand: much cheaper, but it does not tell copies.
+double eigenvalue_near_zero(const SparseMatrix& A, const Factor& factor);
+
 /// The smallest positive mu with A x + mu B x = 0, A positive definite and B symmetric; x^T A x = 1. Those
 /// beyond 10^4 times the mu of smallest size, of whatever sign, are not looked for; fewer are returned if
 /// there are fewer. Throws std::invalid_argument if A is not positive definite.

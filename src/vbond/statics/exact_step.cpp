@@ -1,0 +1,22 @@
+#include <limits>
+
+#include "vbond/physics/stability.hpp"
+#include "vbond/statics/detail/body.hpp"
+#include "vbond/statics/detail/eigen.hpp"
+#include "vbond/statics/detail/mass_scaled.hpp"
+#include "vbond/statics/statics.hpp"
+
+namespace vbond {
+
+double exact_critical_step(const Model& model, const State& state, const std::vector<Support>& supports) {
+  StaticStage stage;
+  for (const Support& s : supports) stage.supports.push_back({s.group, s.particles, s.held, {}, {}});
+  const StaticBody body(model, stage, state);
+  const double nothing_swings = std::numeric_limits<double>::infinity();
+  if (body.unknowns().size() == 0) return nothing_swings;
+  const double lambda =
+      largest_eigenvalue(mass_scaled(body.tangent(), roots_of_mass(model, body.unknowns())));
+  return lambda > 0.0 ? critical_step(lambda) : nothing_swings;
+}
+
+}  // namespace vbond

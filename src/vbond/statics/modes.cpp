@@ -1,0 +1,153 @@
+#include <fmt/format.h>
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <vector>
+
+#include "vbond/core/error.hpp"
+#include "vbond/statics/detail/eigen.hpp"
+#include "vbond/statics/detail/kinds.hpp"
+#include "vbond/statics/detail/mass_scaled.hpp"
+#include "vbond/statics/detail/rigid.hpp"
+
+namespace vbond {
+namespace {
+
+/// The stage with all its loads at full size.
+StaticStage under_full_loads(StaticStage stage) {
+  for (const StaticSupport& s : stage.supports)
+    if (s.displacement != Vec3d{} || s.rotation != Vec3d{})
+      throw NoEquilibrium(
+          stage.name, fmt::format("the support of \"{}\" moves", s.group),
+          "modes are about a balance at rest: move it in an equilibrium stage before this one");
+  for (StaticLoad& l : stage.loads) l.constant = true;
+  stage.constant_gravity = true;
+  return stage;
+}
+
+/// What rounding and the last bit out of balance may make of the tangent times a rigid motion of length 1.
+/// Positions are rounded by eps times the extent of the body, which turns and stresses its bonds by that over
+/// their length; 64 for the terms of a row. A turn takes what is out of balance along.
+double zero_stiffness(const StaticBody& body) {
+  Vec3d low = *body.state().r.begin(), high = low;
+  for (const Vec3d& r : body.state().r)
+    for (int k = 0; k < 3; ++k) {
+      component(low, k) = std::min(component(low, k), component(r, k));
+      component(high, k) = std::max(component(high, k), component(r, k));
+    }
+  const double far = std::max({norm(high - low), norm(low), norm(high)});
+  const double L = body.unknowns().length(), eps = std::numeric_limits<double>::epsilon();
+  return 64 * eps * (1 + far / L) * Vector(body.tangent().diagonal()).cwiseAbs().maxCoeff() +
+         4 * body.unbalanced().cwiseAbs().maxCoeff() / L;
+}
+
+/// The columns without their zero rows.
+DenseMatrix rows_with_entries(const SparseMatrix& columns) {
+  std::map<Eigen::Index, Eigen::Index> place;
+  for (Eigen::Index k = 0; k < columns.cols(); ++k)
+    for (SparseMatrix::InnerIterator it(columns, k); it; ++it)
+      place.try_emplace(it.row(), static_cast<Eigen::Index>(place.size()));
+  DenseMatrix dense = DenseMatrix::Zero(static_cast<Eigen::Index>(place.size()), columns.cols());
+  for (Eigen::Index k = 0; k < columns.cols(); ++k)
+    for (SparseMatrix::InnerIterator it(columns, k); it; ++it) dense(place[it.row()], k) = it.value();
+  return dense;
+}
+
+/// Combinations of these rigid motions, in columns, to which their forces (K times motion) are no more than
+/// `zero`.
+DenseMatrix without_forces(const SparseMatrix& forces, double zero) {
+  const DenseMatrix F = rows_with_entries(forces);
+  if (F.rows() == 0) return DenseMatrix::Identity(F.cols(), F.cols());
+  const Eigen::JacobiSVD<DenseMatrix, Eigen::FullPivHouseholderQRPreconditioner> svd(F, Eigen::ComputeFullV);
+  const auto stiff = (svd.singularValues().array() > zero).count();
+  return svd.matrixV().rightCols(F.cols() - stiff);
+}
+
+/// Orthonormal, mass-scaled columns: the free rigid motions that meet no stiffness. Under load not all are: a
+/// body that hangs swings. Motions of different parts share no forces, and are looked at apart.
+SparseMatrix motions_without_stiffness(const StaticBody& body, const Vector& roots) {
+  const SparseMatrix motions = free_rigid_motions(body.model(), body.state(), body.unknowns()).basis;
+  const SparseMatrix forces = body.tangent() * motions, shared = forces.transpose() * forces;
+  const double zero = zero_stiffness(body);
+  std::vector<Eigen::Triplet<double>> entries;
+  int found = 0;
+  Eigen::Index end = motions.cols();
+  Eigen::Index reach = end;  // the first column that shares forces with those from here to end
+  for (Eigen::Index k = end; k-- > 0;) {
+    reach = std::min(reach, k);
+    for (SparseMatrix::InnerIterator it(shared, k); it; ++it) reach = std::min(reach, it.row());
+    if (reach < k) continue;
+    const DenseMatrix free = without_forces(forces.middleCols(k, end - k), zero);
+    for (Eigen::Index j = 0; j < free.cols(); ++j, ++found)
+      for (Eigen::Index column = k; column < end; ++column)
+        for (SparseMatrix::InnerIterator it(motions, column); it; ++it)
+          entries.emplace_back(static_cast<int>(it.row()), found,
+                               it.value() * free(column - k, j) * roots[it.row()]);
+    end = reach = k;
+  }
+  SparseMatrix columns(motions.rows(), found);
+  columns.setFromTriplets(entries.begin(), entries.end());
+  return orthonormalised(columns);
+}
+
+/// A value below all eigenvalues of A, and how many are clearly negative. Begins where rounding would make a
+/// zero eigenvalue negative, so that it is just below the spectrum of a stable body.
+struct Below {
+  double bound;
+  int unstable;
+};
+
+Below below_spectrum(const SparseMatrix& A) {
+  Factor factor;
+  factor.analyse(A);
+  const double largest = Vector(A.diagonal()).cwiseAbs().maxCoeff();
+  std::optional<int> unstable;
+  for (double shift = 1e-12 * largest;; shift *= 10) {
+    if (factor.factor_definite(A, shift)) return {-shift, unstable.value_or(0)};
+    if (!unstable) unstable = factor.factor_indefinite(A, shift);
+  }
+}
+
+NaturalMode mode(double omega2, bool rigid, const Vector& x, const Vector& roots, const Unknowns& unknowns) {
+  return {std::sqrt(std::max(omega2, 0.0)), omega2, rigid, unknowns.shape(x.cwiseQuotient(roots))};
+}
+
+}  // namespace
+
+// K phi = omega^2 M phi as an ordinary eigenvalue problem for M^1/2 phi; M is diagonal.
+StaticOutcome find_modes(const Model& model, const StaticStage& stage, State state,
+                         const StaticHooks& hooks) {
+  const StaticStage loaded = under_full_loads(stage);
+  StaticResult result;
+  StaticBody body(model, loaded, balance_of_constant_loads(model, loaded, std::move(state), hooks, result));
+  if (body.has_applied_moments() && hooks.tell)
+    hooks.tell(
+        fmt::format("stage \"{}\": moments of fixed direction have no potential: frequencies are those of "
+                    "the symmetric part of the tangent",
+                    stage.name));
+  const Unknowns& unknowns = body.unknowns();
+  const Vector roots = roots_of_mass(model, unknowns);
+  const SparseMatrix A = mass_scaled(body.tangent(), roots);
+  const SparseMatrix rigid = motions_without_stiffness(body, roots);
+  for (Eigen::Index k = 0; k < rigid.cols(); ++k)
+    result.modes.push_back(mode(0.0, true, Vector(rigid.col(k)), roots, unknowns));
+
+  const Below below = below_spectrum(A);
+  const int left = unknowns.size() - static_cast<int>(rigid.cols());
+  const EigenPairs found = smallest_eigenpairs(A, std::min(stage.count, left), below.bound, rigid);
+  for (Eigen::Index k = 0; k < found.values.size(); ++k)
+    result.modes.push_back(mode(found.values[k], false, found.vectors.col(k), roots, unknowns));
+  if (found.values.size() < stage.count && hooks.tell)
+    hooks.tell(
+        fmt::format("stage \"{}\": the body has {} frequencies only", stage.name, found.values.size()));
+  result.ended = "converged";
+  result.solver = "direct";
+  result.unstable = below.unstable;
+  report_point(body, PointKind::end, result.unstable, hooks, result);
+  return {std::move(result), std::move(body).take_state()};
+}
+
+}  // namespace vbond
