@@ -56,8 +56,8 @@ std::optional<PathNode> PathStep::limit_point(const PathNode& lo, const PathNode
 }
 
 // Of all eigenvalues in increasing order the one that is the first to change its sign, by number. Its sign
-// is told by the number of negative ones. At an end of the stretch another one may have just vanished, so that the
-// number is not to be had from the matrix: there the size is no guide if it is small.
+// is told by the number of negative ones. At an end of the stretch another one may have just vanished, so
+// that the number is not to be had from the matrix: there the size is no guide if it is small.
 std::optional<PathNode> PathStep::critical_point(const PathNode& lo, const PathNode& hi) {
   const bool softens = hi.point.unstable > lo.point.unstable;
   const int number = softens ? lo.point.unstable : lo.point.unstable - 1;  // from 0
