@@ -39,7 +39,7 @@ struct Shape {
 struct SpecialPoint {
   PointKind kind = PointKind::limit_point;
   double load_factor = 0;
-  int point = 0;            ///< number of the point on the path
+  int point = 0;            ///< number of the point on the path, from 1
   int unstable_before = 0;  ///< negative eigenvalues of the tangent
   int unstable_after = 0;
   friend bool operator==(const SpecialPoint&, const SpecialPoint&) = default;
