@@ -3,18 +3,22 @@
 #include <algorithm>
 #include <chrono>
 #include <numeric>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "commands.hpp"
 #include "prepare.hpp"
+#include "statics.hpp"
 #include "vbond/build/build.hpp"
 #include "vbond/case/read.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/dynamics/memory.hpp"
 #include "vbond/dynamics/simulation.hpp"
+#include "vbond/model/step_bound.hpp"
 #include "vbond/model/touching.hpp"
 #include "vbond/observe/report.hpp"
+#include "vbond/observe/summary.hpp"
 
 namespace vbond::app {
 namespace {
@@ -82,27 +86,40 @@ void print_overlaps(const Model& model, const State& state) {
                model.units == UnitSystem::si ? " J" : "", pairs);
 }
 
-}  // namespace
+/// The step that dynamics will have, if it begins as the body stands now: an estimate after static stages.
+double expected_step(const Case& c, const Model& model, const State& state) {
+  const CaseTime* given = c.time.given();
+  return given ? given->resolve(model.T_0) : c.time.fraction * step_bound(model, state, {}).dt;
+}
 
-int check(const std::filesystem::path& case_file, int threads) {
-  const Case c = read_case(case_file);
-  Built built = build(c);
-  const Stage first = build_stage(c, built.model, 0, built.state);
-  plan_output(c, built.model, {});
-  print_overview(c, built.model, built.state, first);
-  print_machine(threads);
-  print_body(built.model, built.state);
-  print_overlaps(built.model, built.state);
+/// Degrees of freedom that a static stage leaves free; each is held once at most.
+std::int64_t unknowns_of(const StageSpec& stage, const Model& model) {
+  auto free = 6 * static_cast<std::int64_t>(model.particles());
+  for (const SupportSpec& s : stage.supports)
+    for (const Group& g : resolve_groups({s.group}, model))
+      free -= static_cast<std::int64_t>(g.particles.size()) * std::count(s.held.begin(), s.held.end(), true);
+  return free;
+}
 
-  const std::vector<std::int64_t> steps = steps_of_stages(c, built.model, first.dt);
-  for (std::size_t k = 0; k < steps.size(); ++k)
-    fmt::print("stage {:<10} at most {} steps{}\n", c.stages[k].name, steps[k],
-               steps[k] < few_steps ? ": so few; is a unit missing, such as T0?" : "");
-  print_memory(built.model, built.state);
-  const auto total = std::accumulate(steps.begin(), steps.end(), std::int64_t{0});
+/// Each stage with its size; returns the steps of all of them.
+std::int64_t print_stages(const Case& c, const Model& model, double dt, bool dt_is_known) {
+  const std::vector<std::int64_t> steps = steps_of_stages(c, model, dt);
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    const StageSpec& stage = c.stages[k];
+    if (is_static(stage.kind))
+      fmt::print("stage {:<10} {}, {} unknowns\n", stage.name, to_text(stage.kind),
+                 unknowns_of(stage, model));
+    else
+      fmt::print("stage {:<10} at most {}{} steps{}\n", stage.name, dt_is_known ? "" : "about ", steps[k],
+                 steps[k] < few_steps ? ": so few; is a unit missing, such as T0?" : "");
+  }
+  return std::accumulate(steps.begin(), steps.end(), std::int64_t{0});
+}
+
+void print_wall_time(std::int64_t steps, const Model& model, const Stage& first, const State& state,
+                     int threads) {
   try {
-    const double seconds =
-        static_cast<double>(total) * seconds_per_step(built.model, first, built.state, threads);
+    const double seconds = static_cast<double>(steps) * seconds_per_step(model, first, state, threads);
     fmt::print("wall time        about {} without output, if no stage ends early (a few steps were timed)\n",
                hours(seconds));
   } catch (const Diverged& e) {  // the case is as its author wants it: whether to run it is not for us to say
@@ -110,6 +127,30 @@ int check(const std::filesystem::path& case_file, int threads) {
     fmt::print("wall time        unknown, the trial for it went unphysical at {}\n",
                what.substr(0, what.find('\n')));
   }
+}
+
+}  // namespace
+
+int check(const std::filesystem::path& case_file, int threads) {
+  const Case c = read_case(case_file);
+  require_statics(c);
+  Built built = build(c);
+  std::optional<Stage> dynamics;  // the first stage, if it is that
+  if (is_static(c.stages[0].kind))
+    build_static_stage(c, built.model, 0, built.state);
+  else
+    dynamics = build_stage(c, built.model, 0, built.state, exact_step());
+  plan_output(c, built.model, {});
+  print_overview(c, built.model, built.state);
+  if (dynamics) print_step(c, built.model, built.state, *dynamics);
+  print_machine(threads);
+  print_body(built.model, built.state);
+  print_overlaps(built.model, built.state);
+
+  const double dt = dynamics ? dynamics->dt : expected_step(c, built.model, built.state);
+  const std::int64_t steps = print_stages(c, built.model, dt, dynamics || c.time.given());
+  print_memory(built.model, built.state);
+  if (dynamics) print_wall_time(steps, built.model, *dynamics, built.state, threads);
   fmt::print("{}: no mistakes found\n", case_file.string());
   return done;
 }

@@ -8,6 +8,7 @@
 
 #include "vbond/core/error.hpp"
 #include "vbond/observe/files.hpp"
+#include "vbond/observe/mode_frames.hpp"
 
 namespace vbond::app {
 namespace {
@@ -55,18 +56,24 @@ bool is_frame(std::string_view name) {
   return false;
 }
 
+/// Takes a run's own files out of a folder, and the folder if it is empty then.
+template <class IsOwn>
+void clear_folder(const fs::path& folder, IsOwn is_own) {
+  std::error_code e;
+  if (!fs::is_directory(folder, e)) return;
+  for (const fs::path& path : entries(folder))
+    if (is_own(path.filename().string())) take_away(path);
+  if (entries(folder).empty()) take_away(folder);
+}
+
 void remove_output(const fs::path& folder) {
   for (const char* name : {"history.csv", "run.json", "resolved.toml", "checkpoint.h5", "particles.pvd",
-                           "bonds.pvd", "dump.lammpstrj"}) {
+                           "bonds.pvd", "dump.lammpstrj", "last_balance.h5"}) {
     take_away(folder / name);
     take_away(temporary_name(folder / name));
   }
-  const fs::path frames = folder / "frames";
-  std::error_code e;
-  if (!fs::is_directory(frames, e)) return;
-  for (const fs::path& path : entries(frames))
-    if (is_frame(path.filename().string())) take_away(path);
-  if (entries(frames).empty()) take_away(frames);
+  clear_folder(folder / "frames", is_frame);
+  clear_folder(folder / "modes", [](std::string_view name) { return is_mode_file(name); });
 }
 
 fs::path first_free(const std::string& stem) {

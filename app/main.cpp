@@ -105,6 +105,9 @@ int main(int argc, char** argv) {
   } catch (const Diverged& e) {
     std::fprintf(stderr, "the run went unphysical at %s\n", e.what());
     return app::failed;
+  } catch (const NoEquilibrium& e) {
+    std::fprintf(stderr, "%s\n", e.what());
+    return app::failed;
   } catch (const IoError& e) {
     std::fprintf(stderr, "%s\n", e.what());
     return app::bad_io;

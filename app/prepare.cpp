@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "vbond/build/build.hpp"
 #include "vbond/dynamics/kernel.hpp"
@@ -21,6 +22,10 @@ const char* contacts_in_words(const Model& model) {
                                                   : "between pairs that are not bonded";
 }
 
+const char* time_unit(const Model& model) {
+  return model.units == UnitSystem::si ? " s" : "";
+}
+
 }  // namespace
 
 OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem::path& folder) {
@@ -31,11 +36,14 @@ OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem:
   plan.reactions = resolve_groups(o.reactions, model);
   plan.axial_force = resolve_groups(o.axial_force, model);
   plan.displacements = resolve_groups_or_particles(o.displacements, model);
-  if (o.frames && o.frames->every)
-    plan.frames_every = output_time(*o.frames->every, model, "output.frames.every", c);
+  if (o.frames)
+    plan.frames_every = o.frames->every ? output_time(*o.frames->every, model, "output.frames.every", c)
+                                        : std::numeric_limits<double>::infinity();
   plan.lammps_dump = o.lammps_dump;
   if (o.checkpoint_every)
     plan.checkpoint_every = output_time(*o.checkpoint_every, model, "output.checkpoint.every", c);
+  plan.statics =
+      std::any_of(c.stages.begin(), c.stages.end(), [](const StageSpec& s) { return is_static(s.kind); });
   plan.watch_every = c.watch.every;
   plan.energy_error = c.watch.energy_error;
   return plan;
@@ -48,19 +56,29 @@ std::vector<std::int64_t> steps_of_stages(const Case& c, const Model& model, dou
   return steps;
 }
 
-void print_overview(const Case& c, const Model& model, const State& state, const Stage& first) {
+void print_overview(const Case& c, const Model& model, const State& state) {
   const auto n = static_cast<double>(model.particles()), bonds = static_cast<double>(state.bonds.size());
-  const StepBound bound = step_bound(model, state, first.bonding);
-  const char* time = model.units == UnitSystem::si ? " s" : "";
   if (!c.title.empty()) fmt::print("{}\n", c.title);
   fmt::print("particles        {}\n", model.particles());
   fmt::print("bonds            {}, {:.3g} per particle\n", state.bonds.size(), n > 0 ? 2 * bonds / n : 0.0);
   fmt::print("contacts         {}\n", contacts_in_words(model));
-  if (model.T_0 > 0) fmt::print("T0               {:.6g}{}\n", model.T_0, time);
-  fmt::print("critical step    {:.6g}{}, from {}\n", bound.dt, time, bound.source);
-  fmt::print("time step        {:.6g}{}, {:.3g} of the critical step{}\n", first.dt, time,
-             first.dt / bound.dt,
-             first.dt > bound.dt ? ": ABOVE it, as the case insists; the run will probably blow up" : "");
+  if (model.T_0 > 0) fmt::print("T0               {:.6g}{}\n", model.T_0, time_unit(model));
+  std::fflush(stdout);
+}
+
+void print_step(const Case& c, const Model& model, const State& state, const Stage& stage) {
+  const StepBound bound = step_bound(model, state, stage.bonding);
+  const char* time = time_unit(model);
+  const bool exact = c.time.step && !c.time.given();
+  const double critical = exact ? stage.dt / c.time.fraction : bound.dt;
+  if (exact)
+    fmt::print("critical step    {:.6g}{}, exact; bound {:.6g}{}, from {}\n", critical, time, bound.dt, time,
+               bound.source);
+  else
+    fmt::print("critical step    {:.6g}{}, from {}\n", critical, time, bound.source);
+  fmt::print("time step        {:.6g}{}, {:.3g} of the critical step{}\n", stage.dt, time,
+             stage.dt / critical,
+             stage.dt > critical ? ": ABOVE it, as the case insists; the run will probably blow up" : "");
   std::fflush(stdout);
 }
 

@@ -14,11 +14,14 @@ namespace vbond::app {
 /// What the case wants written, with names and times resolved. Throws CaseError.
 OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem::path& folder);
 
-/// Steps of each stage if none ends early, all with the step dt of the first; of static ones none.
+/// Steps of each stage if none ends early, all with the same step dt; of static ones none.
 std::vector<std::int64_t> steps_of_stages(const Case& c, const Model& model, double dt);
 
-/// Prints particles, bonds, coordination, contacts, T_0, the step and the bound it comes from.
-void print_overview(const Case& c, const Model& model, const State& state, const Stage& first);
+/// Prints title, particles, bonds, coordination, contacts and T_0.
+void print_overview(const Case& c, const Model& model, const State& state);
+
+/// Prints the step of a stage, the critical one and where it comes from.
+void print_step(const Case& c, const Model& model, const State& state, const Stage& stage);
 
 /// Prints what the run computes with: the instruction set of the bonds and the number of threads.
 void print_machine(int threads);

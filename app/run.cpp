@@ -1,29 +1,25 @@
 #include <fmt/core.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <csignal>
-#include <cstdio>
-#include <memory>
 #include <string>
 #include <system_error>
 #include <utility>
-#include <vector>
+#include <variant>
 
+#include "campaign.hpp"
 #include "commands.hpp"
 #include "folder.hpp"
 #include "prepare.hpp"
 #include "signals.hpp"
+#include "statics.hpp"
 #include "vbond/build/build.hpp"
 #include "vbond/case/read.hpp"
 #include "vbond/core/error.hpp"
-#include "vbond/dynamics/kernel.hpp"
 #include "vbond/dynamics/simulation.hpp"
 #include "vbond/observe/bond_look.hpp"
 #include "vbond/observe/checkpoint.hpp"
 #include "vbond/observe/files.hpp"
-#include "vbond/observe/observers.hpp"
 #include "vbond/observe/report.hpp"
 #include "vbond/observe/summary.hpp"
 
@@ -31,87 +27,24 @@ namespace vbond::app {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
 
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-/// Prints in any case: a terminal that has gone away, as on SIGHUP, must not end a run.
-void say(const std::string& text, std::FILE* out = stdout) {
-  std::fwrite(text.data(), 1, text.size(), out);
-  std::fflush(out);
-}
-
-/// Everything a run in progress has at hand.
-struct Campaign {
-  const Case& c;
-  const Model& model;
-  OutputPlan plan;
-  int threads = 1;
-  std::string program;  // as it was called
-  FileObservers files;
-  std::shared_ptr<TableObserver> table;
-  std::shared_ptr<ProgressObserver> progress;  // null unless stderr is a terminal
-  RunSummary summary;
-  double building = 0, running = 0;  // seconds; running: steps and what observers do between them
-  StepTimes times;
+/// A stage that is about to begin, or to go on.
+struct Leg {
+  std::variant<Stage, StaticStage> stage;
+  State start;  // of a static stage: before its bonds were made; dynamics: empty
 };
 
-RunSummary first_summary(const Case& c, const Model& model, int threads) {
-  RunSummary s;
-  s.title = c.title;
-  s.version = VBOND_VERSION;
-  s.units = model.units;
-  s.particles = static_cast<std::int64_t>(model.particles());
-  s.T_0 = model.T_0;
-  s.instruction_set = instruction_set();
-  s.threads = threads;
-  return s;
+bool is_static(const Leg& leg) {
+  return std::holds_alternative<StaticStage>(leg.stage);
 }
 
-/// Opens the output, new or continued, and sets up the terminal.
-Campaign open_campaign(const Case& c, const Model& model, OutputPlan plan, int threads,
-                       const std::string& program, const Checkpoint* resume, double dt) {
-  Campaign campaign{.c = c,
-                    .model = model,
-                    .plan = std::move(plan),
-                    .threads = threads,
-                    .program = program,
-                    .files = {},
-                    .table = {},
-                    .progress = {},
-                    .summary = first_summary(c, model, threads),
-                    .times = {}};
-  if (isatty(STDERR_FILENO))
-    campaign.progress = std::make_shared<ProgressObserver>(stderr, steps_of_stages(c, model, dt));
-  const auto progress = campaign.progress;
-  const auto tell = [progress](const std::string& report) {
-    if (progress) progress->clear();
-    say(report + "\n", stderr);
-  };
-  campaign.files = open_output(campaign.plan, tell, VBOND_VERSION, resume);
-  campaign.table = std::make_shared<TableObserver>(stdout);
-  return campaign;
-}
-
-/// Wall time by phase; the steps get what observers leave of the time in which they ran.
-void save_summary(Campaign& campaign) {
-  RunSummary& s = campaign.summary;
-  s.energy_balance_error = campaign.files.history->largest_balance_error();
-  s.ever_strained = campaign.files.watch->watch().record().strained;
-  s.ever_snapped = campaign.files.watch->watch().record().snapped;
-  std::vector<PhaseTime> output;
-  for (const auto& [name, seconds] : campaign.files.seconds()) output.push_back({name, seconds});
-  const double progress = campaign.progress ? campaign.progress->seconds() : 0.0;
-  output.push_back({"terminal", campaign.table->seconds() + progress});
-  double between_steps = 0.0;
-  for (const PhaseTime& p : output) between_steps += p.seconds;
-  s.stepping_seconds = std::max(0.0, campaign.running - between_steps);
-  s.wall_time = split_steps(s.stepping_seconds, campaign.times);
-  s.wall_time.insert(s.wall_time.begin(), {"build", campaign.building});
-  s.wall_time.insert(s.wall_time.end(), output.begin(), output.end());
-  write_summary(campaign.plan.folder / "run.json", s);
+/// Builds the stage that the state's clock stands in.
+Leg prepare(const Case& c, const Model& model, State& state) {
+  const std::int32_t k = state.clock.stage;
+  if (!is_static(c.stages[static_cast<std::size_t>(k)].kind))
+    return {build_stage(c, model, k, state, exact_step()), {}};
+  State start = state;
+  return {build_static_stage(c, model, k, state), std::move(start)};
 }
 
 /// Adds a stage that has come to an end, whichever way, to the summary.
@@ -125,9 +58,19 @@ void add_stage(RunSummary& s, const Simulation& run, StopReason why, std::int64_
   s.stages.push_back(summarise_stage(run, why));
 }
 
-/// Runs one stage from this state and returns why it stopped; the state is moved on.
-StopReason run_stage(Campaign& campaign, Stage stage, State& state) {
-  const auto entered = Clock::now();
+/// Says what step the run has, once it is known.
+void begin_dynamics(Campaign& campaign, const Stage& stage, const State& state) {
+  if (std::exchange(campaign.step_known, true)) return;
+  if (campaign.progress) campaign.progress->expect(steps_of_stages(campaign.c, campaign.model, stage.dt));
+  if (state.clock.stage > 0 && state.clock.stage_step == 0)  // with the first stage it is told beforehand
+    print_step(campaign.c, campaign.model, state, stage);
+}
+
+/// Runs a stage of dynamics from this state, which is moved on. Returns true if it has come to its end: the
+/// clock is then that of the next stage; false if it was interrupted.
+bool run_dynamics_leg(Campaign& campaign, Stage stage, State& state) {
+  begin_dynamics(campaign, stage, state);
+  const auto entered = WallClock::now();
   Simulation run(campaign.model, std::move(stage), std::move(state), campaign.threads);
   campaign.building += seconds_since(entered);
   for (const auto& o : campaign.files.all()) run.add_observer(o);
@@ -135,9 +78,10 @@ StopReason run_stage(Campaign& campaign, Stage stage, State& state) {
   if (campaign.progress) run.add_observer(campaign.progress);
 
   const std::int64_t first = run.clock().step;
-  const auto start = Clock::now();
+  const auto start = WallClock::now();
+  const double output_before = campaign.output_seconds();
   const auto stopped = [&](StopReason why) {
-    campaign.running += seconds_since(start);
+    campaign.stepping += seconds_since(start) - (campaign.output_seconds() - output_before);
     campaign.times.bonds += run.times().bonds;
     campaign.times.contacts += run.times().contacts;
     campaign.times.integrate += run.times().integrate;
@@ -148,7 +92,7 @@ StopReason run_stage(Campaign& campaign, Stage stage, State& state) {
   try {
     why = run.run([] { return caught_signal() != 0; });
   } catch (const Diverged&) {
-    if (campaign.progress) campaign.progress->clear();
+    campaign.clear_progress();
     campaign.files.watch->watch().summarise();
     stopped(StopReason::diverged);
     say(fmt::format("results up to there in {}\n", campaign.plan.folder.string()));
@@ -156,10 +100,12 @@ StopReason run_stage(Campaign& campaign, Stage stage, State& state) {
   }
   stopped(why);
   state = std::move(run).take_state();
-  return why;
+  if (why == StopReason::interrupted) return false;
+  begin_next_stage(state.clock);
+  return true;
 }
 
-void say_end(const Campaign& campaign, StopReason why) {
+void say_end(const Campaign& campaign, bool interrupted) {
   const RunSummary& s = campaign.summary;
   const std::string folder = campaign.plan.folder.string();
   std::string text;
@@ -171,37 +117,36 @@ void say_end(const Campaign& campaign, StopReason why) {
     text += fmt::format("{} bonds snapped on the way, {} are at the end: see docs/theory.md\n",
                         s.ever_snapped, s.snapped);
   say(text + timing_table(s.wall_time) + "results in " + folder + "\n");
-  if (why == StopReason::interrupted)
+  if (interrupted)
     say("stopped by a signal; go on with: " + campaign.program + " resume " + folder + "\n", stderr);
 }
 
-/// Runs from the state's stage to the last one. `prepared` is the stage the state is in.
-int run_stages(Campaign& campaign, Stage prepared, State state) {
+/// Runs from the state's stage to the last one. `leg` is the stage the state is in.
+int run_stages(Campaign& campaign, Leg leg, State state) {
   catch_signals();
   const auto stages = static_cast<std::int32_t>(campaign.c.stages.size());
-  StopReason why = StopReason::running;
   while (true) {
-    if (campaign.c.stages.size() > 1) say("stage " + prepared.name + "\n");
-    why = run_stage(campaign, std::move(prepared), state);
-    if (why == StopReason::interrupted || state.clock.stage + 1 == stages) break;
-    state.clock = {.step = state.clock.step,
-                   .stage_step = 0,
-                   .stage = state.clock.stage + 1,
-                   .stage_start = state.clock.time(),
-                   .dt = 0};
-    const auto start = Clock::now();
-    prepared = build_stage(campaign.c, campaign.model, state.clock.stage, state);
+    if (stages > 1)
+      say("stage " + campaign.c.stages[static_cast<std::size_t>(state.clock.stage)].name + "\n");
+    const bool ended = is_static(leg)
+                           ? run_static_leg(campaign, std::get<StaticStage>(leg.stage), leg.start, state)
+                           : run_dynamics_leg(campaign, std::get<Stage>(std::move(leg.stage)), state);
+    if (!ended || state.clock.stage == stages) {
+      say_end(campaign, !ended);
+      if (ended) return done;
+      return caught_signal() == SIGTERM ? on_sigterm : caught_signal() == SIGHUP ? on_sighup : on_sigint;
+    }
+    const auto start = WallClock::now();
+    leg = prepare(campaign.c, campaign.model, state);
     campaign.building += seconds_since(start);
   }
-  say_end(campaign, why);
-  if (why != StopReason::interrupted) return done;
-  return caught_signal() == SIGTERM ? on_sigterm : caught_signal() == SIGHUP ? on_sighup : on_sigint;
 }
 
 /// What may not be edited before going on. An elastic bond keeps its constants for good: the bonds of the
 /// start must be those the run began with.
 void check_edits(const Case& c, const State& start, const State& now, const fs::path& case_file) {
-  if (static_cast<std::size_t>(now.clock.stage) >= c.stages.size())
+  const auto stage = static_cast<std::size_t>(now.clock.stage);
+  if (stage > c.stages.size() || (stage == c.stages.size() && now.clock.stage_step > 0))
     throw CaseError(
         {{case_file.string(), 0, 0},
          fmt::format("resolved.toml was edited: it has {} stages, and the checkpoint is in stage {}",
@@ -220,25 +165,28 @@ void check_edits(const Case& c, const State& start, const State& now, const fs::
 }  // namespace
 
 int run(const RunOptions& options) {
-  const auto start = Clock::now();
+  const auto start = WallClock::now();
   const Case c = read_case(options.case_file);
+  require_statics(c);
   Built built = build(c);
-  Stage first = build_stage(c, built.model, 0, built.state);
+  Leg first = prepare(c, built.model, built.state);
   OutputPlan plan = plan_output(c, built.model, {});  // all that may be wrong with the case is known by now
 
   plan.folder = claim_folder(options.case_file, options.folder, options.force);
   replace_file(plan.folder / "resolved.toml", to_toml(c));
   say("output folder    " + plan.folder.string() + "\n");
-  print_overview(c, built.model, built.state, first);
+  print_overview(c, built.model, built.state);
+  if (const Stage* dynamics = std::get_if<Stage>(&first.stage))
+    print_step(c, built.model, built.state, *dynamics);
   print_machine(options.threads);
   Campaign campaign =
-      open_campaign(c, built.model, std::move(plan), options.threads, options.program, nullptr, first.dt);
+      open_campaign(c, built.model, std::move(plan), options.threads, options.program, nullptr);
   campaign.building = seconds_since(start);
   return run_stages(campaign, std::move(first), std::move(built.state));
 }
 
 int resume(const fs::path& folder, int threads, const std::string& program) {
-  const auto start = Clock::now();
+  const auto start = WallClock::now();
   std::error_code e;
   if (!fs::exists(folder / "resolved.toml", e))
     throw IoError(folder.string() + ": is not an output folder of vbond run: it has no resolved.toml");
@@ -246,21 +194,26 @@ int resume(const fs::path& folder, int threads, const std::string& program) {
     throw IoError(folder.string() + "/checkpoint.h5: there is none, the run was stopped before its first " +
                   "checkpoint; set output.checkpoint = {every = ...} in the case and run it again");
   const Case c = read_case(folder / "resolved.toml");
+  require_statics(c);
   const Built built = build(c);
   Checkpoint checkpoint = read_checkpoint(folder / "checkpoint.h5", built.model);
   State& state = checkpoint.state;
   check_edits(c, built.state, state, folder / "resolved.toml");
-  Stage stage = build_stage(c, built.model, state.clock.stage, state);
+  if (static_cast<std::size_t>(state.clock.stage) == c.stages.size()) {
+    say("the run is complete, results in " + folder.string() + "\n");
+    return done;
+  }
+  Leg leg = prepare(c, built.model, state);
 
-  Campaign campaign = open_campaign(c, built.model, plan_output(c, built.model, folder), threads, program,
-                                    &checkpoint, stage.dt);
+  Campaign campaign =
+      open_campaign(c, built.model, plan_output(c, built.model, folder), threads, program, &checkpoint);
   if (fs::exists(folder / "run.json"))
     campaign.summary.stages = read_stages_before(folder / "run.json", state.clock.stage);
   campaign.building = seconds_since(start);
-  say(fmt::format("resumed at step {} of stage {}, output folder {}\n", state.clock.stage_step, stage.name,
-                  folder.string()));
+  say(fmt::format("resumed at step {} of stage {}, output folder {}\n", state.clock.stage_step,
+                  c.stages[static_cast<std::size_t>(state.clock.stage)].name, folder.string()));
   print_machine(threads);
-  return run_stages(campaign, std::move(stage), std::move(state));
+  return run_stages(campaign, std::move(leg), std::move(state));
 }
 
 }  // namespace vbond::app

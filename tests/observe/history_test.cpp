@@ -19,9 +19,18 @@ using test::put_content;
 
 std::vector<std::string> cells(const std::string& line) {
   std::vector<std::string> out;
-  std::stringstream in(line);
+  std::stringstream in(line + ',');  // or an empty cell at the end would be lost
   for (std::string cell; std::getline(in, cell, ',');) out.push_back(cell);
   return out;
+}
+
+/// Its cell under that name.
+std::string cell(const std::vector<std::string>& lines, std::size_t row, const std::string& name) {
+  const auto names = cells(lines.at(0)), values = cells(lines.at(row));
+  EXPECT_EQ(names.size(), values.size());
+  for (std::size_t k = 0; k < names.size(); ++k)
+    if (names[k] == name) return values.at(k);
+  return "no column " + name;
 }
 
 OutputPlan plan_in(const Folder& folder) {
@@ -189,6 +198,69 @@ TEST(History, GroupNameWithACommaDoesNotShiftTheColumns) {
   plan.axial_force[0].name = "a,\"b\"";
   EXPECT_NE(history_header(plan).find(",\"axial_force.a,\"\"b\"\"\","), std::string::npos)
       << history_header(plan);
+}
+
+TEST(History, StaticColumnsStandInCasesWithStaticStagesAlone) {
+  const Folder folder;
+  OutputPlan plan = plan_in(folder);
+  EXPECT_EQ(history_header(plan).find("load_factor"), std::string::npos);
+  plan.statics = true;
+  HistoryValues dynamics = some_values(), counted = some_values(), uncounted = some_values();
+  counted.load_factor = 1.0 / 3.0;
+  counted.unstable = 2;
+  uncounted.load_factor = -0.5;
+  {
+    HistoryWriter writer(plan, {});
+    for (HistoryValues* v : {&dynamics, &counted, &uncounted}) {
+      writer.write(*v);
+      v->clock.step = 3;
+    }
+  }
+  const auto lines = lines_of(content_of(folder / "history.csv"));
+  ASSERT_EQ(lines.size(), 4u);
+  EXPECT_EQ(cell(lines, 1, "load_factor"), "");
+  EXPECT_EQ(cell(lines, 1, "unstable"), "");
+  EXPECT_EQ(std::strtod(cell(lines, 2, "load_factor").c_str(), nullptr), 1.0 / 3.0);
+  EXPECT_EQ(cell(lines, 2, "unstable"), "2");
+  EXPECT_EQ(cell(lines, 3, "load_factor"), "-0.5");
+  EXPECT_EQ(cell(lines, 3, "unstable"), "");
+  EXPECT_EQ(cell(lines, 3, "reaction.left.fx"), "1.5");  // those behind keep their place
+  EXPECT_EQ(HistoryWriter(plan, 0).last_step(), 0);      // and it can be continued
+  plan.statics = false;
+  EXPECT_THROW(HistoryWriter(plan, 0), IoError);
+}
+
+TEST(History, ValuesOfAStaticPointAreThoseOfItsState) {
+  const Folder folder;
+  Chain chain;
+  chain.state.r[ParticleId{1}] += Vec3d{0.1, 0.2, 0.3};
+  chain.turn(2, {1, 0, 0}, 1.8);  // 103 degrees: past the limit of the EVM, the law of the second bond
+  chain.state.books.work_loads = 0.8;
+  const OutputPlan plan = plan_in(folder);
+  Stage stage;
+  stage.dt = 0.1;
+  const Simulation same(chain.model, stage, chain.state);
+  const Energies energies{0, 0, 0.5, 0.25, 0.125, 0};
+  const auto reaction = [](const std::vector<ParticleId>& p) {
+    return Reaction{{static_cast<double>(p.size()), 2, 3}, {4, 5, 6}};
+  };
+  const StaticPoint point{chain.state, 0.75, PointKind::limit_point, 1, energies, reaction};
+  const HistoryValues v = history_values(plan, chain.model, point);
+  EXPECT_TRUE(v.clock == chain.state.clock);
+  EXPECT_EQ(v.books, (EnergyBooks{.at_start = 0.875}));
+  EXPECT_EQ(v.energies.total(), 0.875);
+  EXPECT_EQ(v.balance_error, 0.0);
+  EXPECT_EQ(v.bonds, 2);
+  EXPECT_EQ(v.ranges, (RangeCounts{1, 0}));
+  EXPECT_EQ(v.load_factor, 0.75);
+  EXPECT_EQ(v.unstable, 1);
+  ASSERT_EQ(v.reactions.size(), 1u);
+  EXPECT_EQ(v.reactions[0].force, (Vec3d{1, 2, 3}));
+  ASSERT_EQ(v.axial_force.size(), 1u);
+  EXPECT_EQ(v.axial_force[0], same.mean_axial_force(plan.axial_force[0].particles));
+  EXPECT_NE(v.axial_force[0], 0.0);
+  ASSERT_EQ(v.displacements.size(), 1u);
+  EXPECT_EQ(v.displacements[0], chain.state.r[ParticleId{2}] - chain.model.r_0[ParticleId{2}]);
 }
 
 }  // namespace

@@ -313,5 +313,70 @@ TEST(TableObserver, PrintsOneHeaderAndEachStepOnce) {
   EXPECT_EQ(distinct.size(), lines.size());
 }
 
+/// A point of balance of a static stage that is the second of the run and begins at step 25.
+State point_state(const Chain& chain, std::int64_t point) {
+  State s = at_rest(chain);
+  s.clock = {.step = 25 + point, .stage_step = point, .stage = 1, .stage_start = 25 * dt, .dt = 1.0};
+  return s;
+}
+
+TEST(Observers, EveryStaticPointGivesARowAndAFrameAndThoseAfterACheckpointAreDropped) {
+  const Chain chain;
+  const Folder folder;
+  OutputPlan plan = plan_in(folder.path());
+  plan.statics = true;
+  const auto reaction = [](const std::vector<ParticleId>&) { return Reaction{}; };
+  const auto record = [&](const FileObservers& files, std::int64_t number) {
+    const State state = point_state(chain, number);
+    files.record(chain.model,
+                 {state, 0.1 * static_cast<double>(number), PointKind::regular, 0, {}, reaction});
+  };
+  Stage first = two_stages()[0];
+  Checkpoint start;
+  {
+    const FileObservers files = open_output(plan, {}, "1.2.3");
+    Simulation run(chain.model, first, at_rest(chain));
+    for (const auto& o : files.all()) run.add_observer(o);
+    run.run();
+    start.state = point_state(chain, 0);
+    for (const std::int64_t number : {1, 2, 3}) record(files, number);
+    // the next stage finds the step written
+    EXPECT_EQ(history_steps(folder.path()), (std::vector<std::int64_t>{0, 10, 20, 25, 26, 27, 28}));
+  }
+  EXPECT_TRUE(std::filesystem::exists(folder / "frames/bonds_000000000028.vtp"));
+  const FileObservers files = open_output(plan, {}, "1.2.3", &start);
+  EXPECT_EQ(history_steps(folder.path()), (std::vector<std::int64_t>{0, 10, 20, 25}));
+  EXPECT_FALSE(std::filesystem::exists(folder / "frames/bonds_000000000026.vtp"));
+  record(files, 1);
+  EXPECT_EQ(history_steps(folder.path()), (std::vector<std::int64_t>{0, 10, 20, 25, 26}));
+  EXPECT_NE(content_of(folder / "particles.pvd").find("timestep=\"2.25\""), std::string::npos);
+}
+
+TEST(TableObserver, HeaderIsPrintedWhereverDynamicsAndStaticsMeet) {
+  const Chain chain;
+  std::FILE* out = std::tmpfile();
+  ASSERT_NE(out, nullptr);
+  const auto table = std::make_shared<TableObserver>(out);
+  for (int round = 0; round < 2; ++round) {
+    for (const std::int64_t number : {1, 2}) {
+      const State state = point_state(chain, 10 * round + number);
+      table->print({state, 0.5, PointKind::regular, 0, {}, {}});
+    }
+    Stage stage = two_stages()[0];
+    stage.stops.duration = 3 * dt;
+    Simulation run(chain.model, stage, at_rest(chain));
+    run.add_observer(table);
+    run.run();
+  }
+  std::rewind(out);
+  std::string text(100000, '\0');
+  text.resize(std::fread(text.data(), 1, text.size(), out));
+  std::fclose(out);
+  const auto lines = lines_of(text);
+  ASSERT_EQ(lines.size(), 2u * (1 + 2 + 1 + 4));
+  for (const std::size_t k : {0u, 8u}) EXPECT_NE(lines[k].find("load factor"), std::string::npos) << k;
+  for (const std::size_t k : {3u, 11u}) EXPECT_NE(lines[k].find("kinetic"), std::string::npos) << k;
+}
+
 }  // namespace
 }  // namespace vbond

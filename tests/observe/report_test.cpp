@@ -70,5 +70,43 @@ TEST(Timing, SharesAddUp) {
   EXPECT_NE(lines[2].find("4.000 s"), std::string::npos);
 }
 
+TEST(StaticTable, RowsAreAsWideAsTheHeaderForSmallAndLargeValues) {
+  test::Chain chain;
+  const std::size_t width = static_table_header().size();
+  EXPECT_EQ(static_table_row({chain.state, 0.0, PointKind::regular, {}, {}, {}}, {}).size(), width);
+  chain.at_step(999999999999);
+  const Energies energies{0, 0, -1.23456789e-123, 0, 0, 0};
+  EXPECT_EQ(static_table_row({chain.state, -1.23456789e-123, PointKind::bifurcation, 999999, energies, {}},
+                             {99999999, 99999999})
+                .size(),
+            width);
+}
+
+bool has(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST(StaticReport, SaysWhetherTheBalanceIsStable) {
+  StaticResult r;
+  r.ended = "converged";
+  EXPECT_TRUE(has(static_report(StageKind::equilibrium, r, ""), "not known"));
+  r.unstable = 0;
+  EXPECT_TRUE(has(static_report(StageKind::equilibrium, r, ""), "\nstable"));
+  r.unstable = 2;
+  r.smallest_eigenvalue = -0.5;
+  EXPECT_TRUE(has(static_report(StageKind::equilibrium, r, ""),
+                  "UNSTABLE in 2 directions, smallest eigenvalue -0.5"));
+}
+
+TEST(StaticReport, RigidAndUnstableModesHaveNoPeriod) {
+  StaticResult r;
+  r.modes = {{1e-9, 1e-18, true, {}}, {0, -4, false, {}}, {2.0, 4.0, false, {}}};
+  const std::string text = static_report(StageKind::modes, r, " s");
+  EXPECT_TRUE(has(text, "period [s]")) << text;
+  EXPECT_TRUE(has(text, "rigid\n")) << text;
+  EXPECT_TRUE(has(text, "UNSTABLE  omega^2 = -4\n")) << text;
+  EXPECT_TRUE(has(text, "0.31830989        3.1415927\n")) << text;  // 2 / (2 pi), and pi
+}
+
 }  // namespace
 }  // namespace vbond

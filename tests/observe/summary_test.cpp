@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "specimen.hpp"
 #include "vbond/core/error.hpp"
@@ -23,8 +24,8 @@ RunSummary buckling() {
   s.particles = 10;
   s.bonds = 9;
   s.T_0 = 6.283185307179586;
-  s.stages = {{"relax", StopReason::duration, 500, 0.01, 5.0, {}, {}},
-              {"squeeze", StopReason::peak, 3000000, 0.0628, 188405.0, 3.18e-4, 188300.0}};
+  s.stages = {{"relax", StopReason::duration, 500, 0.01, 5.0, {}, {}, {}},
+              {"squeeze", StopReason::peak, 3000000, 0.0628, 188405.0, 3.18e-4, 188300.0, {}}};
   s.energy_balance_error = 1.5e-5;
   s.strained = 2, s.snapped = 1, s.ever_strained = 4, s.ever_snapped = 3;
   s.bond_steps = 27000000;
@@ -111,6 +112,96 @@ TEST(RunSummary, DamagedFileIsAnError) {
     put_content(folder / "run.json", text);
     EXPECT_THROW(read_stages_before(folder / "run.json", 1), IoError) << text;
   }
+}
+
+StaticSummary statics(StageKind kind) {
+  StaticSummary s;
+  s.kind = kind;
+  s.result.ended = "converged";
+  s.result.load_factor = 0.75;
+  s.result.points = 12;
+  s.result.iterations = 34;
+  s.result.solver = "direct";
+  s.result.unstable = 1;
+  s.result.smallest_eigenvalue = -1.0 / 3.0;
+  return s;
+}
+
+RunSummary all_kinds() {
+  RunSummary s = buckling();
+  s.stages.clear();
+  StaticSummary equilibrium = statics(StageKind::equilibrium), path = statics(StageKind::path),
+                critical = statics(StageKind::buckling), modes = statics(StageKind::modes),
+                failed = statics(StageKind::modes);
+  equilibrium.result.left_saddle = true;
+  path.result.special_points = {{PointKind::bifurcation, 0.25, 3, 0, 1},
+                                {PointKind::limit_point, 0.5, 4, 1, 2},
+                                {PointKind::bifurcation, 0.3, 7, 2, 1}};
+  critical.result.critical_loads = {{3.1e-4, 3.0e-4, 6.2e-4, {}}, {1.2e-3, 1.1e-3, 2.4e-3, {}}};
+  modes.result.modes = {{0, 0, true, {}}, {0, -4.0, false, {}}, {1.5, 2.25, false, {}}};
+  failed.result = {};
+  failed.result.ended = "failed";
+  failed.failure = "stage \"shake\": nothing to shake";
+  for (const StaticSummary& x : {equilibrium, path, critical, modes, failed}) {
+    StageSummary stage;
+    stage.name = "stage " + std::to_string(s.stages.size());
+    stage.time = 7.5;
+    stage.statics = x;
+    s.stages.push_back(stage);
+  }
+  return s;
+}
+
+TEST(RunSummary, StaticStagesHoldTheirResultsByKind) {
+  const auto j = nlohmann::json::parse(to_json(all_kinds()));
+  const auto& equilibrium = j["stages"][0];
+  EXPECT_EQ(equilibrium["name"], "stage 0");
+  EXPECT_EQ(equilibrium["kind"], "equilibrium");
+  EXPECT_EQ(equilibrium["ended"], "converged");
+  EXPECT_EQ(equilibrium["load_factor"], 0.75);
+  EXPECT_EQ(equilibrium["points"], 12);
+  EXPECT_EQ(equilibrium["iterations"], 34);
+  EXPECT_EQ(equilibrium["solver"], "direct");
+  EXPECT_EQ(equilibrium["unstable"], 1);
+  EXPECT_EQ(equilibrium["left_saddle"], true);
+  EXPECT_EQ(equilibrium["smallest_eigenvalue"], -1.0 / 3.0);
+  EXPECT_EQ(equilibrium["time"], 7.5);
+  EXPECT_FALSE(equilibrium.contains("stop"));
+  EXPECT_FALSE(equilibrium.contains("frequencies"));
+  const auto& path = j["stages"][1];
+  ASSERT_EQ(path["bifurcations"].size(), 2u);
+  EXPECT_EQ(path["bifurcations"][1]["load_factor"], 0.3);
+  EXPECT_EQ(path["bifurcations"][1]["point"], 7);
+  EXPECT_EQ(path["limit_points"][0]["unstable_before"], 1);
+  EXPECT_EQ(path["limit_points"][0]["unstable_after"], 2);
+  const auto& critical = j["stages"][2];
+  EXPECT_EQ(critical["critical_load_factors"], (std::vector<double>{3.1e-4, 1.2e-3}));
+  EXPECT_EQ(critical["linear_estimates"], (std::vector<double>{3.0e-4, 1.1e-3}));
+  EXPECT_EQ(critical["critical_forces"], (std::vector<double>{6.2e-4, 2.4e-3}));
+  const auto& modes = j["stages"][3];
+  EXPECT_EQ(modes["rigid_modes"], 1);
+  EXPECT_EQ(modes["omega"], (std::vector<double>{0.0, 1.5}));
+  EXPECT_EQ(modes["omega_squared"], (std::vector<double>{-4.0, 2.25}));
+  EXPECT_EQ(modes["frequencies"][1].get<double>(), 1.5 / (2 * std::numbers::pi));
+  EXPECT_EQ(j["stages"][4]["failure"], "stage \"shake\": nothing to shake");
+  // of the run: what the last stage that has any found, not the one that failed
+  EXPECT_EQ(j["critical_forces"], critical["critical_forces"]);
+  EXPECT_EQ(j["frequencies"], modes["frequencies"]);
+}
+
+TEST(RunSummary, CriticalLoadsWithoutAForceAreFactorsOnly) {
+  RunSummary s = all_kinds();
+  for (CriticalLoad& c : s.stages[2].statics->result.critical_loads) c.force = 0.0;
+  const auto j = nlohmann::json::parse(to_json(s));
+  EXPECT_FALSE(j["stages"][2].contains("critical_forces"));
+  EXPECT_FALSE(j.contains("critical_forces"));
+}
+
+TEST(RunSummary, StaticStagesReadBack) {
+  const Folder folder;
+  const RunSummary s = all_kinds();
+  write_summary(folder / "run.json", s);
+  EXPECT_EQ(read_stages_before(folder / "run.json", 5), s.stages);
 }
 
 }  // namespace

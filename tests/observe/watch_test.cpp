@@ -212,5 +212,18 @@ TEST(Watch, EnergyJumpStopsTheRunEitherWayAndNotBelowTheBound) {
     EXPECT_TRUE(contains(failure(l, chain, {}, error), "watch.energy_error = 0.05")) << error;
 }
 
+TEST(Watch, PointOfBalanceIsJudgedByEveryBondOfItsState) {
+  Chain chain(3);
+  chain.turn(0, {1, 0, 0}, 91 * degree);
+  Listener l;
+  l.watch.look({chain.state, 0.5, PointKind::regular, {}, {}, {}});
+  l.watch.look({chain.state, 1.0, PointKind::end, {}, {}, {}});
+  ASSERT_EQ(l.told.size(), 1u);
+  EXPECT_TRUE(contains(l.told[0], "bond 0 (particles 0, 1) has snapped")) << l.told[0];
+  EXPECT_EQ(l.watch.record().snapped, 1);
+  chain.state.r[ParticleId{1}] = chain.state.r[ParticleId{0}];  // bonded at the centres
+  EXPECT_THROW(l.watch.look({chain.state, 1.0, PointKind::end, {}, {}, {}}), Diverged);
+}
+
 }  // namespace
 }  // namespace vbond

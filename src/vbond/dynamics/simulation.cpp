@@ -344,13 +344,8 @@ std::vector<BondId> Simulation::bonds_inside(const std::vector<ParticleId>& part
 }
 
 double Simulation::mean_axial_force(const std::vector<BondId>& bonds) const {
-  double sum = 0.0;
-  for (const BondId b : bonds) {
-    const Bond& bond = state_.bonds[b];
-    const PoseRow &i = pose_of(bond.i), &j = pose_of(bond.j);
-    sum += axial_force(bond, i.r, i.q, j.r, j.q);
-  }
-  return bonds.empty() ? 0.0 : sum / static_cast<double>(bonds.size());
+  return vbond::mean_axial_force(state_.bonds, bonds,
+                                 [this](ParticleId p) -> const PoseRow& { return pose_of(p); });
 }
 
 }  // namespace vbond

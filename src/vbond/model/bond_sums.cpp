@@ -1,6 +1,24 @@
 #include "vbond/model/bond_sums.hpp"
 
+#include <algorithm>
+
 namespace vbond {
+
+double mean_axial_force(const State& state, const std::vector<ParticleId>& particles) {
+  struct Pose {
+    const Vec3d& r;
+    const Quatd& q;
+  };
+  const auto inside = [&particles](ParticleId p) {
+    return std::binary_search(particles.begin(), particles.end(), p);
+  };
+  std::vector<BondId> bonds;
+  for (const BondId k : state.bonds.ids())
+    if (inside(state.bonds[k].i) && inside(state.bonds[k].j)) bonds.push_back(k);
+  return mean_axial_force(state.bonds, bonds, [&state](ParticleId p) {
+    return Pose{state.r[p], state.q[p]};
+  });
+}
 
 void add_bond_loads(const State& state, Loads& loads) {
   for (const Bond& b : state.bonds) {

@@ -1,4 +1,6 @@
 #pragma once
+#include <vector>
+
 #include "vbond/model/loads.hpp"
 #include "vbond/model/state.hpp"
 
@@ -11,6 +13,22 @@ inline double axial_force(const Bond& b, const Vec3d& r_i, const Quatd& q_i, con
   if (b.R_i == 0.0 && b.R_j == 0.0) return b.B1 * (norm(r_j - r_i) - b.a);  // no need of the axes
   return b.B1 * (norm(bonded_points(bond_pose(b, r_i, q_i, r_j, q_j), b.R_i, b.R_j)) - b.a);
 }
+
+/// Mean of F.d over these bonds, tension positive; 0 without any. pose(p): something with the position r and
+/// the orientation q of particle p.  [force]
+template <class PoseOf>
+double mean_axial_force(const PerBond<Bond>& bonds, const std::vector<BondId>& of, PoseOf pose) {
+  double sum = 0.0;
+  for (const BondId k : of) {
+    const Bond& b = bonds[k];
+    const auto &i = pose(b.i), &j = pose(b.j);
+    sum += axial_force(b, i.r, i.q, j.r, j.q);
+  }
+  return of.empty() ? 0.0 : sum / static_cast<double>(of.size());
+}
+
+/// The same over the bonds with both ends among these particles, which are in increasing order.
+double mean_axial_force(const State& state, const std::vector<ParticleId>& particles);
 
 /// Adds every bond's loads to its two particles, bond by bond: the reference for the loops of the step.
 void add_bond_loads(const State& state, Loads& loads);

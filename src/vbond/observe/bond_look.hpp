@@ -14,6 +14,17 @@ inline BondShape bond_shape(const Bond& b, const State& s) {
   return bond_shape(bond_pose(b, s), b.R_i, b.R_j);
 }
 
+/// Every bond that is strained or snapped, or shorter than half its length at rest, and perhaps a few that
+/// are close to it, in increasing order.
+inline std::vector<BondId> deformed_bonds(const State& s) {
+  std::vector<BondId> deformed;
+  for (const BondId k : s.bonds.ids()) {
+    const Bond& b = s.bonds[k];
+    if (needs_look(bond_tilt(bond_pose(b, s), b.R_i, b.R_j), b.a)) deformed.push_back(k);
+  }
+  return deformed;
+}
+
 /// How many bonds stand outside the range of their law now.
 struct RangeCounts {
   std::int64_t strained = 0;  ///< past 45 degrees but not past 90
@@ -30,6 +41,11 @@ inline RangeCounts count_ranges(const State& s, const std::vector<BondId>& bonds
     n.snapped += range == BondRange::snapped;
   }
   return n;
+}
+
+/// Counts among all bonds.
+inline RangeCounts count_ranges(const State& s) {
+  return count_ranges(s, deformed_bonds(s));
 }
 
 /// Counts among all bonds of a run; only the deformed ones are looked at, so without any this is free.

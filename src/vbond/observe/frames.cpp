@@ -33,11 +33,6 @@ std::string frame_name(const char* kind, std::int64_t step) {
   return fmt::format("frames/{}_{:012}.vtp", kind, step);
 }
 
-std::string pvd_entry(const char* kind, const Clock& clock) {
-  return fmt::format("    <DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>\n", clock.time(),
-                     frame_name(kind, clock.step));
-}
-
 /// The step in a name that ends in _STEP.vtp; nothing for any other name.
 std::optional<std::int64_t> step_in_name(std::string_view name) {
   const std::size_t from = name.rfind('_'), to = name.rfind(".vtp");
@@ -166,6 +161,14 @@ void write_bonds_vtp(const fs::path& path, const State& state) {
   f.write(path, state.clock.time(), state.clock.step);
 }
 
+std::string pvd_list(const std::string& entries) {
+  return pvd_head + entries + pvd_tail;
+}
+
+std::string pvd_entry(double time, const std::string& file) {
+  return fmt::format("    <DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>\n", time, file);
+}
+
 std::string lammps_frame(const Model& model, const State& state) {
   constexpr double inf = std::numeric_limits<double>::infinity();
   Vec3d low{inf, inf, inf}, high{-inf, -inf, -inf};
@@ -215,8 +218,8 @@ void FrameWriter::keep_until(std::int64_t resume_step) {
 }
 
 void FrameWriter::write_lists() const {
-  replace_file(folder_ / "particles.pvd", pvd_head + particle_entries_ + pvd_tail, Sync::none);
-  replace_file(folder_ / "bonds.pvd", pvd_head + bond_entries_ + pvd_tail, Sync::none);
+  replace_file(folder_ / "particles.pvd", pvd_list(particle_entries_), Sync::none);
+  replace_file(folder_ / "bonds.pvd", pvd_list(bond_entries_), Sync::none);
 }
 
 void FrameWriter::write(const Model& model, const State& state) {
@@ -228,8 +231,8 @@ void FrameWriter::write(const Model& model, const State& state) {
     const File f = open_file(dump, "ab");
     write_all(f.get(), lammps_frame(model, state), dump);
   }
-  particle_entries_ += pvd_entry("particles", clock);
-  bond_entries_ += pvd_entry("bonds", clock);
+  particle_entries_ += pvd_entry(clock.time(), frame_name("particles", clock.step));
+  bond_entries_ += pvd_entry(clock.time(), frame_name("bonds", clock.step));
   write_lists();
   last_step_ = clock.step;
 }

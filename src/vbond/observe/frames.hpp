@@ -15,6 +15,12 @@ void write_particles_vtp(const std::filesystem::path& path, const Model& model, 
 /// The bonds as lines between the particles' centres, with their deformation, energies and loads.
 void write_bonds_vtp(const std::filesystem::path& path, const State& state);
 
+/// The text of a list for ParaView with these entries.
+std::string pvd_list(const std::string& entries);
+
+/// An entry of it: this file, relative to the list, is the body at this time.
+std::string pvd_entry(double time, const std::string& file);
+
 /// Appends one frame for OVITO or LAMMPS to an open text; ids count from 1 there.
 std::string lammps_frame(const Model& model, const State& state);
 

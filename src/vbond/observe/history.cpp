@@ -8,6 +8,7 @@
 #include <iterator>
 
 #include "vbond/core/error.hpp"
+#include "vbond/model/bond_sums.hpp"
 
 namespace vbond {
 namespace {
@@ -16,6 +17,7 @@ constexpr int balance_error_column = 12;
 constexpr const char* fixed_columns =
     "step,time,kinetic_translation,kinetic_rotation,U_L,U_B,U_T,contact,dissipated,work_loads,"
     "work_supports,total,balance_error,bonds,strained,snapped,peak_average";
+constexpr const char* static_columns = ",load_factor,unstable";
 
 /// A column name as CSV wants it: quoted if it holds a comma, a quote or a line end.
 std::string csv(const std::string& name) {
@@ -23,6 +25,12 @@ std::string csv(const std::string& name) {
   std::string quoted = "\"";
   for (const char c : name) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
   return quoted + '"';
+}
+
+Vec3d mean_displacement(const Group& group, const Model& model, const State& state) {
+  Vec3d sum;
+  for (const ParticleId p : group.particles) sum += state.r[p] - model.r_0[p];
+  return sum / static_cast<double>(group.particles.size());
 }
 
 /// The number in the given column of a row of numbers, nothing if it is not there.
@@ -43,6 +51,7 @@ std::optional<T> number_at(std::string_view row, int column) {
 
 std::string history_header(const OutputPlan& plan) {
   std::string line = fixed_columns;
+  if (plan.statics) line += static_columns;
   for (const Group& g : plan.reactions)
     for (const char* c : {"fx", "fy", "fz", "mx", "my", "mz"})
       line += ',' + csv(fmt::format("reaction.{}.{}", g.name, c));
@@ -60,22 +69,40 @@ HistoryValues history_values(const OutputPlan& plan, const Simulation& run) {
                        .bonds = count_bonds(run),
                        .ranges = count_ranges(run),
                        .peak_average = run.peak().last,
+                       .load_factor = {},
+                       .unstable = {},
                        .reactions = {},
                        .axial_force = {},
                        .displacements = {}};
   for (const Group& g : plan.reactions) values.reactions.push_back(run.reaction(g.particles));
   for (const Group& g : plan.axial_force) values.axial_force.push_back(run.mean_axial_force(g.particles));
-  if (plan.displacements.empty()) return values;
-  const State& state = run.state();
-  for (const Group& g : plan.displacements) {
-    Vec3d sum;
-    for (const ParticleId p : g.particles) sum += state.r[p] - run.model().r_0[p];
-    values.displacements.push_back(sum / static_cast<double>(g.particles.size()));
-  }
+  for (const Group& g : plan.displacements)
+    values.displacements.push_back(mean_displacement(g, run.model(), run.state()));
   return values;
 }
 
-std::string history_row(const HistoryValues& values) {
+HistoryValues history_values(const OutputPlan& plan, const Model& model, const StaticPoint& point) {
+  const State& state = point.state;
+  HistoryValues values{.clock = state.clock,
+                       .books = {.at_start = point.energies.total()},
+                       .energies = point.energies,
+                       .balance_error = 0.0,
+                       .bonds = static_cast<std::int64_t>(state.bonds.size()),
+                       .ranges = count_ranges(state),
+                       .peak_average = 0.0,
+                       .load_factor = point.load_factor,
+                       .unstable = point.unstable,
+                       .reactions = {},
+                       .axial_force = {},
+                       .displacements = {}};
+  for (const Group& g : plan.reactions) values.reactions.push_back(point.reaction(g.particles));
+  for (const Group& g : plan.axial_force) values.axial_force.push_back(mean_axial_force(state, g.particles));
+  for (const Group& g : plan.displacements)
+    values.displacements.push_back(mean_displacement(g, model, state));
+  return values;
+}
+
+std::string history_row(const HistoryValues& values, bool statics) {
   fmt::memory_buffer row;
   const auto to = std::back_inserter(row);
   const auto add = [&to](double x) { fmt::format_to(to, ",{:.17g}", x); };
@@ -90,6 +117,11 @@ std::string history_row(const HistoryValues& values) {
     add(x);
   fmt::format_to(to, ",{},{},{}", values.bonds, values.ranges.strained, values.ranges.snapped);
   add(values.peak_average);
+  if (statics) {
+    values.load_factor ? add(*values.load_factor) : row.push_back(',');
+    row.push_back(',');
+    if (values.unstable) fmt::format_to(to, "{}", *values.unstable);
+  }
   for (const Reaction& x : values.reactions) add3(x.force), add3(x.moment);
   for (const double x : values.axial_force) add(x);
   for (const Vec3d& x : values.displacements) add3(x);
@@ -127,7 +159,7 @@ void HistoryWriter::keep_until(std::int64_t resume_step) {
 }
 
 void HistoryWriter::write(const HistoryValues& values) {
-  write_all(file_.get(), history_row(values), path_);
+  write_all(file_.get(), history_row(values, plan_.statics), path_);
   last_step_ = values.clock.step;
   largest_balance_error_ = std::max(largest_balance_error_, std::abs(values.balance_error));
 }

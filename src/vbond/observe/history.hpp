@@ -10,6 +10,7 @@
 #include "vbond/observe/bond_look.hpp"
 #include "vbond/observe/files.hpp"
 #include "vbond/observe/plan.hpp"
+#include "vbond/statics/results.hpp"
 
 namespace vbond {
 
@@ -21,20 +22,25 @@ struct HistoryValues {
   double balance_error = 0;  ///< relative
   std::int64_t bonds = 0;
   RangeCounts ranges;
-  double peak_average = 0;           ///< last block average of the quantity watched for a peak  [force]
-  std::vector<Reaction> reactions;   ///< one per OutputPlan::reactions
-  std::vector<double> axial_force;   ///< one per OutputPlan::axial_force, tension positive  [force]
-  std::vector<Vec3d> displacements;  ///< one per OutputPlan::displacements, mean of r - r_0  [length]
+  double peak_average = 0;            ///< last block average of the quantity watched for a peak  [force]
+  std::optional<double> load_factor;  ///< static points
+  std::optional<int> unstable;        ///< static points: negative eigenvalues of the tangent, if counted
+  std::vector<Reaction> reactions;    ///< one per OutputPlan::reactions
+  std::vector<double> axial_force;    ///< one per OutputPlan::axial_force, tension positive  [force]
+  std::vector<Vec3d> displacements;   ///< one per OutputPlan::displacements, mean of r - r_0  [length]
 };
 
 /// The values of a run as it stands. Collects the particles only if the plan asks for displacements.
 HistoryValues history_values(const OutputPlan& plan, const Simulation& run);
 
+/// The values of a static point. Its energy books begin with the point: its own energy, nothing else.
+HistoryValues history_values(const OutputPlan& plan, const Model& model, const StaticPoint& point);
+
 /// The first line of history.csv: the names of the columns; see docs/output.md.
 std::string history_header(const OutputPlan& plan);
 
-/// One row with 17 significant digits, enough to give back every double.
-std::string history_row(const HistoryValues& values);
+/// One row with 17 significant digits, enough to give back every double. statics: with their columns.
+std::string history_row(const HistoryValues& values, bool statics);
 
 /// Writes history.csv row by row; what is written is readable at once and stays so if the run dies.
 class HistoryWriter {

@@ -65,6 +65,11 @@ void WatchObserver::look(const Simulation& run) {
               [&run]() -> const State& { return run.state(); });
 }
 
+void WatchObserver::look(const StaticPoint& point) {
+  const Timing timing(*this);
+  watch_.look(point);
+}
+
 // ---- history ----------------------------------------------------------------------------------------
 
 HistoryObserver::HistoryObserver(const OutputPlan& plan, std::optional<std::int64_t> resume_step)
@@ -84,8 +89,17 @@ void HistoryObserver::finish(const Simulation& run, StopReason why) {
 
 void HistoryObserver::write(const Simulation& run) {
   const Timing timing(*this);
-  writer_.write(history_values(plan_, run));
-  due_.written(run.clock().step);
+  write(history_values(plan_, run));
+}
+
+void HistoryObserver::write(const Model& model, const StaticPoint& point) {
+  const Timing timing(*this);
+  write(history_values(plan_, model, point));
+}
+
+void HistoryObserver::write(const HistoryValues& values) {
+  writer_.write(values);
+  due_.written(values.clock.step);
 }
 
 // ---- frames -----------------------------------------------------------------------------------------
@@ -95,7 +109,7 @@ FrameObserver::FrameObserver(const OutputPlan& plan, std::optional<std::int64_t>
       due_(plan.frames_every.value(), writer_.last_step()) {}
 
 void FrameObserver::observe(const Simulation& run) {
-  if (due_.now(run.clock())) write(run);
+  if (due_.now(run.clock())) write(run.model(), run.state());
 }
 
 std::int64_t FrameObserver::steps_to_next_look(const Clock& now) const {
@@ -103,13 +117,13 @@ std::int64_t FrameObserver::steps_to_next_look(const Clock& now) const {
 }
 
 void FrameObserver::finish(const Simulation& run, StopReason why) {
-  if (stage_done(why) && due_.at_stage_end(run.clock())) write(run);
+  if (stage_done(why) && due_.at_stage_end(run.clock())) write(run.model(), run.state());
 }
 
-void FrameObserver::write(const Simulation& run) {
+void FrameObserver::write(const Model& model, const State& state) {
   const Timing timing(*this);
-  writer_.write(run.model(), run.state());
-  due_.written(run.clock().step);
+  writer_.write(model, state);
+  due_.written(state.clock.step);
 }
 
 // ---- checkpoint -------------------------------------------------------------------------------------
@@ -124,7 +138,7 @@ CheckpointObserver::CheckpointObserver(const OutputPlan& plan, std::shared_ptr<c
 
 void CheckpointObserver::observe(const Simulation& run) {
   const Clock& clock = run.clock();
-  if (due_ && clock.stage_step > 0 && due_->now(clock)) write(run);
+  if (due_ && clock.stage_step > 0 && due_->now(clock)) write(run.model(), run.state());
 }
 
 std::int64_t CheckpointObserver::steps_to_next_look(const Clock& now) const {
@@ -132,12 +146,12 @@ std::int64_t CheckpointObserver::steps_to_next_look(const Clock& now) const {
 }
 
 void CheckpointObserver::finish(const Simulation& run, StopReason /*why*/) {
-  write(run);
+  write(run.model(), run.state());
 }
 
-void CheckpointObserver::write(const Simulation& run) {
+void CheckpointObserver::write(const Model& model, const State& state, const std::filesystem::path& path) {
   const Timing timing(*this);
-  write_checkpoint(path_, run.model(), {run.state(), watch_->watch().record()}, program_version_);
+  write_checkpoint(path, model, {state, watch_->watch().record()}, program_version_);
 }
 
 // ---- table and progress -----------------------------------------------------------------------------
@@ -164,10 +178,17 @@ void TableObserver::print(const Simulation& run) {
   if (run.clock().step == last_step_) return;
   const Timing timing(*this);
   const Energies energies = run.energies();
-  std::string text = std::exchange(has_header_, true) ? "" : table_header();
+  std::string text = std::exchange(header_, Header::dynamics) == Header::dynamics ? "" : table_header();
   text += table_row(run.clock(), run.books(), energies, run.balance_error(energies), count_ranges(run));
   show(text, out_);
   last_step_ = run.clock().step;
+}
+
+void TableObserver::print(const StaticPoint& point) {
+  const Timing timing(*this);
+  std::string text = std::exchange(header_, Header::statics) == Header::statics ? "" : static_table_header();
+  show(text + static_table_row(point, count_ranges(point.state)), out_);
+  last_step_ = point.state.clock.step;
 }
 
 ProgressObserver::ProgressObserver(std::FILE* terminal, std::vector<std::int64_t> stage_steps)
@@ -224,6 +245,12 @@ std::vector<std::shared_ptr<Observer>> FileObservers::all() const {
   if (frames) observers.push_back(frames);
   observers.push_back(checkpoint);
   return observers;
+}
+
+void FileObservers::record(const Model& model, const StaticPoint& point) const {
+  watch->look(point);
+  history->write(model, point);
+  if (frames) frames->write(model, point.state);
 }
 
 std::vector<std::pair<std::string, double>> FileObservers::seconds() const {

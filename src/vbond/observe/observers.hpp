@@ -54,6 +54,7 @@ class WatchObserver : public TimedObserver {
   void observe(const Simulation& run) override;
   std::int64_t steps_to_next_look(const Clock& now) const override;
   void finish(const Simulation& run, StopReason why) override;
+  void look(const StaticPoint& point);
   /// After a failure, for which finish is not called, the program may ask for the summary here.
   Watch& watch() { return watch_; }
   const Watch& watch() const { return watch_; }
@@ -72,10 +73,12 @@ class HistoryObserver : public TimedObserver {
   void observe(const Simulation& run) override;
   std::int64_t steps_to_next_look(const Clock& now) const override;
   void finish(const Simulation& run, StopReason why) override;
+  void write(const Model& model, const StaticPoint& point);
   double largest_balance_error() const { return writer_.largest_balance_error(); }
 
  private:
   void write(const Simulation& run);
+  void write(const HistoryValues& values);
   OutputPlan plan_;
   HistoryWriter writer_;
   Due due_;
@@ -88,9 +91,9 @@ class FrameObserver : public TimedObserver {
   void observe(const Simulation& run) override;
   std::int64_t steps_to_next_look(const Clock& now) const override;
   void finish(const Simulation& run, StopReason why) override;
+  void write(const Model& model, const State& state);
 
  private:
-  void write(const Simulation& run);
   FrameWriter writer_;
   Due due_;
 };
@@ -103,27 +106,32 @@ class CheckpointObserver : public TimedObserver {
   void observe(const Simulation& run) override;
   std::int64_t steps_to_next_look(const Clock& now) const override;
   void finish(const Simulation& run, StopReason why) override;
+  void write(const Model& model, const State& state) { write(model, state, path_); }
+  /// The same under another name.
+  void write(const Model& model, const State& state, const std::filesystem::path& path);
 
  private:
-  void write(const Simulation& run);
   std::filesystem::path path_;
   std::optional<Due> due_;  // by interval; empty without one
   std::shared_ptr<const WatchObserver> watch_;
   std::string program_version_;
 };
 
-/// Prints the table of the run to a stream of the program; header once.
+/// Prints the table of the run to a stream of the program; a header once, and again after static stages,
+/// which have their own.
 class TableObserver : public TimedObserver {
  public:
   explicit TableObserver(std::FILE* out) : out_(out) {}
   void observe(const Simulation& run) override;
   std::int64_t steps_to_next_look(const Clock& now) const override;
   void finish(const Simulation& run, StopReason why) override;
+  void print(const StaticPoint& point);
 
  private:
+  enum class Header : std::uint8_t { none, dynamics, statics };
   void print(const Simulation& run);
   std::FILE* out_;
-  bool has_header_ = false;
+  Header header_ = Header::none;  // the last one printed
   std::int32_t stage_ = -1;
   std::int64_t interval_ = 1;  // in that stage, in steps
   std::int64_t last_step_ = -1;
@@ -134,8 +142,9 @@ class TableObserver : public TimedObserver {
 /// depend on how long a step takes. Before anything else is printed there, clear() it.
 class ProgressObserver : public TimedObserver {
  public:
-  /// stage_steps: per stage, its steps if it does not end early.
+  /// stage_steps: per stage, its steps if it does not end early; none as long as no step is known.
   ProgressObserver(std::FILE* terminal, std::vector<std::int64_t> stage_steps);
+  void expect(std::vector<std::int64_t> stage_steps) { stage_steps_ = std::move(stage_steps); }
   void observe(const Simulation& run) override;
   std::int64_t steps_to_next_look(const Clock& now) const override;
   void finish(const Simulation& run, StopReason why) override;
@@ -159,6 +168,8 @@ struct FileObservers {
   std::shared_ptr<FrameObserver> frames;  ///< null without frames
   std::shared_ptr<CheckpointObserver> checkpoint;
   std::vector<std::shared_ptr<Observer>> all() const;
+  /// Looks at a point of a static stage and writes its row and frame. Throws Diverged, see Watch.
+  void record(const Model& model, const StaticPoint& point) const;
   /// Wall time spent so far, by observer.
   std::vector<std::pair<std::string, double>> seconds() const;
 };

@@ -11,15 +11,17 @@ namespace vbond {
 
 /// What a run writes, where, and how often; groups looked up and times in the units of the model.
 struct OutputPlan {
-  std::filesystem::path folder;            ///< exists and may be written to
-  double history_every = 0;                ///< between rows of history.csv  [time], > 0
-  std::vector<Group> reactions;            ///< total support force and moment, in history.csv
-  std::vector<Group> axial_force;          ///< mean tension of the bonds inside, in history.csv
-  std::vector<Group> displacements;        ///< mean of r - r_0, in history.csv
-  std::optional<double> frames_every;      ///< between frames  [time], > 0; absent: no frames
+  std::filesystem::path folder;      ///< exists and may be written to
+  double history_every = 0;          ///< between rows of history.csv  [time], > 0
+  std::vector<Group> reactions;      ///< total support force and moment, in history.csv
+  std::vector<Group> axial_force;    ///< mean tension of the bonds inside, in history.csv
+  std::vector<Group> displacements;  ///< mean of r - r_0, in history.csv
+  /// Between frames of dynamics  [time], > 0, infinite if there is none; absent: no frames at all.
+  std::optional<double> frames_every;
   bool lammps_dump = false;                ///< dump.lammpstrj with the frames
   std::optional<double> checkpoint_every;  ///< [time], > 0; absent: only at the end and on a signal
   std::int64_t watch_every = 100;          ///< steps between looks at bonds and energy, > 0
+  bool statics = false;                    ///< there are static stages, with columns of their own
   double energy_error = 0.05;              ///< relative error of the energy balance that stops a run
 };
 

@@ -7,6 +7,7 @@
 #include "vbond/model/state.hpp"
 #include "vbond/observe/bond_look.hpp"
 #include "vbond/observe/summary.hpp"
+#include "vbond/statics/results.hpp"
 
 namespace vbond {
 
@@ -16,6 +17,14 @@ std::string table_header();
 /// One line of the terminal's table, as wide as its header for every value.
 std::string table_row(const Clock& clock, const EnergyBooks& books, const Energies& energies,
                       double balance_error, const RangeCounts& ranges);
+
+/// The same for points of static stages.
+std::string static_table_header();
+std::string static_table_row(const StaticPoint& point, const RangeCounts& ranges);
+
+/// What a static stage has found, for people: its balance, special points, critical loads or frequencies.
+/// time_unit: " s" or "".
+std::string static_report(StageKind kind, const StaticResult& result, const std::string& time_unit);
 
 /// Steps between rows of the table so that a stage of this many steps gives about 25 of them.
 std::int64_t table_interval(std::int64_t stage_steps);

@@ -5,18 +5,23 @@
 #include <array>
 
 #include "vbond/core/error.hpp"
+#include "vbond/observe/detail/static_json.hpp"
 #include "vbond/observe/files.hpp"
 
 namespace vbond {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr std::array all_reasons{StopReason::running, StopReason::duration, StopReason::distance,
                                  StopReason::peak,    StopReason::rest,     StopReason::interrupted,
                                  StopReason::diverged};
 
 Json to_json(const StageSummary& s) {
+  if (s.statics) {
+    Json j{{"name", s.name}};
+    j.update(to_json(*s.statics));
+    j["time"] = s.time;
+    return j;
+  }
   Json j{{"name", s.name}, {"stop", to_text(s.stop)}, {"steps", s.steps}, {"dt", s.dt}, {"time", s.time}};
   if (s.critical_force) j["critical_force"] = *s.critical_force;
   if (s.peak_time) j["peak_time"] = *s.peak_time;
@@ -26,12 +31,16 @@ Json to_json(const StageSummary& s) {
 StageSummary stage_from(const Json& j) {
   StageSummary s;
   s.name = j.at("name").get<std::string>();
+  s.time = j.at("time").get<double>();
+  if (j.contains("kind")) {
+    s.statics = static_summary(j);
+    return s;
+  }
   const auto stop = j.at("stop").get<std::string>();
   for (const StopReason reason : all_reasons)
     if (stop == to_text(reason)) s.stop = reason;
   s.steps = j.at("steps").get<std::int64_t>();
   s.dt = j.at("dt").get<double>();
-  s.time = j.at("time").get<double>();
   if (j.contains("critical_force")) s.critical_force = j["critical_force"].get<double>();
   if (j.contains("peak_time")) s.peak_time = j["peak_time"].get<double>();
   return s;
@@ -48,7 +57,7 @@ std::vector<PhaseTime> split_steps(double seconds, const StepTimes& t) {
 
 StageSummary summarise_stage(const Simulation& run, StopReason stop) {
   const Clock& clock = run.clock();
-  StageSummary s{run.stage().name, stop, clock.stage_step, run.stage().dt, clock.time(), {}, {}};
+  StageSummary s{run.stage().name, stop, clock.stage_step, run.stage().dt, clock.time(), {}, {}, {}};
   if (stop == StopReason::peak) {
     s.critical_force = run.peak().peak;
     s.peak_time = run.peak().peak_time;
@@ -79,6 +88,9 @@ std::string to_json(const RunSummary& r) {
          {"stages", Json::array()}};
   for (const StageSummary& s : r.stages) {
     j["stages"].push_back(to_json(s));
+    for (const char* key : {"critical_forces", "frequencies"})
+      if (const Json& stage = j["stages"].back(); stage.contains(key) && !stage[key].empty())
+        j[key] = stage[key];
     if (!s.critical_force) continue;
     j["critical_force"] = *s.critical_force;
     j["peak_time"] = s.peak_time.value_or(s.time);

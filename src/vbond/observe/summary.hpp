@@ -7,8 +7,18 @@
 
 #include "vbond/dynamics/simulation.hpp"
 #include "vbond/model/model.hpp"
+#include "vbond/model/static_stage.hpp"
+#include "vbond/statics/results.hpp"
 
 namespace vbond {
+
+/// How a static stage went.
+struct StaticSummary {
+  StageKind kind = StageKind::equilibrium;
+  StaticResult result;  ///< shapes and residuals do not go into run.json
+  std::string failure;  ///< what stood in the way, if there is no result
+  friend bool operator==(const StaticSummary&, const StaticSummary&) = default;
+};
 
 /// How a stage went.
 struct StageSummary {
@@ -19,6 +29,7 @@ struct StageSummary {
   double time = 0;                       ///< of the run at the stage's end  [time]
   std::optional<double> critical_force;  ///< largest block average, if the stop was a peak  [force]
   std::optional<double> peak_time;       ///< end of that block  [time]
+  std::optional<StaticSummary> statics;  ///< of a static stage, to which stop and dt say nothing
   friend bool operator==(const StageSummary&, const StageSummary&) = default;
 };
 
@@ -56,7 +67,11 @@ StageSummary summarise_stage(const Simulation& run, StopReason stop);
 /// "duration", "distance", "peak", "rest", "interrupted", "running": as in run.json.
 const char* to_text(StopReason reason);
 
-/// The text of run.json. The critical force of the run is that of the last stage that stopped at a peak.
+/// "dynamics", "equilibrium", "path", "buckling", "modes".
+const char* to_text(StageKind kind);
+
+/// The text of run.json. Critical force, critical forces and frequencies of the run are those of the last
+/// stage that found any.
 std::string to_json(const RunSummary& summary);
 
 /// Replaces run.json in one go. Throws IoError.

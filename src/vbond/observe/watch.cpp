@@ -95,6 +95,11 @@ void Watch::look(const Survey& survey, double balance_error, const CollectState&
   for (const BondId k : survey.deformed) look_at_bond(k, state);
 }
 
+void Watch::look(const StaticPoint& point) {
+  look({point.energies, deformed_bonds(point.state)}, 0.0,
+       [&point]() -> const State& { return point.state; });
+}
+
 void Watch::look_at_bond(BondId k, const State& state) {
   constexpr double closed_up = 1e-6;  // of a: d = D / |D| has lost its meaning
   const Bond& b = state.bonds[k];

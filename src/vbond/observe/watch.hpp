@@ -8,6 +8,7 @@
 #include "vbond/dynamics/simulation.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/physics/range.hpp"
+#include "vbond/statics/results.hpp"
 
 namespace vbond {
 
@@ -45,6 +46,9 @@ class Watch {
   /// bond has closed up (|D| < 1e-6 a); then reports bonds that are worse than ever before.
   /// state: gives the state surveyed; called only if a bond is deformed or something is wrong.
   void look(const Survey& survey, double balance_error, const CollectState& state);
+
+  /// The same for a point of balance, which has no balance of energies to be off.
+  void look(const StaticPoint& point);
 
   /// Sums up the reports that were not given in full since the last summary.
   void summarise();

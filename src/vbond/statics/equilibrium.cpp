@@ -176,7 +176,9 @@ void report_point(StaticBody& body, PointKind kind, std::optional<int> unstable,
   ++body.clock().stage_step;
   ++result.points;
   result.load_factor = body.load_factor();
-  if (hooks.point) hooks.point({body.state(), body.load_factor(), kind, unstable, body.energies()});
+  if (hooks.point)
+    hooks.point({body.state(), body.load_factor(), kind, unstable, body.energies(),
+                 [&body](const std::vector<ParticleId>& particles) { return body.reaction(particles); }});
 }
 
 StaticOutcome find_equilibrium(const Model& model, const StaticStage& stage, State state,

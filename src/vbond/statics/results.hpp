@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,6 +23,8 @@ struct StaticPoint {
   PointKind kind = PointKind::regular;
   std::optional<int> unstable;  ///< negative eigenvalues of the tangent; absent: not counted
   Energies energies;            ///< of bonds and contacts
+  /// What supports exert on these particles.
+  std::function<Reaction(const std::vector<ParticleId>&)> reaction;
 };
 
 /// A small movement of all particles: how a mode looks. Scaled so that the largest translation is 1, or if
@@ -29,6 +32,7 @@ struct StaticPoint {
 struct Shape {
   PerParticle<Vec3d> translation;  ///< [length]
   PerParticle<Vec3d> rotation;     ///< [rad]
+  friend bool operator==(const Shape&, const Shape&) = default;
 };
 
 /// A point of a path where stability changes.
@@ -38,6 +42,7 @@ struct SpecialPoint {
   int point = 0;            ///< number of the point on the path
   int unstable_before = 0;  ///< negative eigenvalues of the tangent
   int unstable_after = 0;
+  friend bool operator==(const SpecialPoint&, const SpecialPoint&) = default;
 };
 
 /// A load at which balance stops being stable.
@@ -46,6 +51,7 @@ struct CriticalLoad {
   double estimate = 0;     ///< linearised about load factor 0; 0: there is none
   double force = 0;  ///< load factor times the largest proportional force on a whole group; 0: there is none
   Shape mode;
+  friend bool operator==(const CriticalLoad&, const CriticalLoad&) = default;
 };
 
 struct NaturalMode {
@@ -53,6 +59,7 @@ struct NaturalMode {
   double omega2 = 0;   ///< its square; negative: unstable
   bool rigid = false;  ///< a motion of a part of the body as a whole that nothing holds
   Shape shape;
+  friend bool operator==(const NaturalMode&, const NaturalMode&) = default;
 };
 
 /// How a static stage ended.
@@ -70,6 +77,7 @@ struct StaticResult {
   std::vector<SpecialPoint> special_points;  ///< path
   std::vector<CriticalLoad> critical_loads;  ///< buckling, smallest first
   std::vector<NaturalMode> modes;            ///< modes, slowest first; rigid motions before all others
+  friend bool operator==(const StaticResult&, const StaticResult&) = default;
 };
 
 }  // namespace vbond

@@ -1,0 +1,99 @@
+#include "campaign.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "vbond/dynamics/kernel.hpp"
+
+namespace vbond::app {
+namespace {
+
+void tell_beside(const std::shared_ptr<ProgressObserver>& progress, const std::string& report) {
+  if (progress) progress->clear();
+  say(report + "\n", stderr);
+}
+
+RunSummary first_summary(const Case& c, const Model& model, int threads) {
+  RunSummary s;
+  s.title = c.title;
+  s.version = VBOND_VERSION;
+  s.units = model.units;
+  s.particles = static_cast<std::int64_t>(model.particles());
+  s.T_0 = model.T_0;
+  s.instruction_set = instruction_set();
+  s.threads = threads;
+  return s;
+}
+
+}  // namespace
+
+double seconds_since(WallClock::time_point start) {
+  return std::chrono::duration<double>(WallClock::now() - start).count();
+}
+
+void say(const std::string& text, std::FILE* out) {
+  std::fwrite(text.data(), 1, text.size(), out);
+  std::fflush(out);
+}
+
+void Campaign::tell(const std::string& report) const {
+  tell_beside(progress, report);
+}
+
+void Campaign::clear_progress() const {
+  if (progress) progress->clear();
+}
+
+double Campaign::output_seconds() const {
+  double sum = table->seconds() + (progress ? progress->seconds() : 0.0);
+  for (const auto& [name, seconds] : files.seconds()) sum += seconds;
+  return sum;
+}
+
+Campaign open_campaign(const Case& c, const Model& model, OutputPlan plan, int threads,
+                       const std::string& program, const Checkpoint* resume) {
+  Campaign campaign{.c = c,
+                    .model = model,
+                    .plan = std::move(plan),
+                    .threads = threads,
+                    .program = program,
+                    .files = {},
+                    .table = {},
+                    .progress = {},
+                    .summary = first_summary(c, model, threads),
+                    .times = {}};
+  if (isatty(STDERR_FILENO))
+    campaign.progress = std::make_shared<ProgressObserver>(stderr, std::vector<std::int64_t>{});
+  const auto tell = [progress = campaign.progress](const std::string& report) {
+    tell_beside(progress, report);
+  };
+  campaign.files = open_output(campaign.plan, tell, VBOND_VERSION, resume);
+  campaign.table = std::make_shared<TableObserver>(stdout);
+  return campaign;
+}
+
+void save_summary(Campaign& campaign) {
+  RunSummary& s = campaign.summary;
+  s.energy_balance_error = campaign.files.history->largest_balance_error();
+  s.ever_strained = campaign.files.watch->watch().record().strained;
+  s.ever_snapped = campaign.files.watch->watch().record().snapped;
+  s.stepping_seconds = std::max(0.0, campaign.stepping);
+  s.wall_time = {{"build", campaign.building}};
+  if (campaign.plan.statics) s.wall_time.push_back({"statics", std::max(0.0, campaign.balancing)});
+  if (campaign.c.any_dynamics())
+    for (const PhaseTime& p : split_steps(s.stepping_seconds, campaign.times)) s.wall_time.push_back(p);
+  for (const auto& [name, seconds] : campaign.files.seconds()) s.wall_time.push_back({name, seconds});
+  const double progress = campaign.progress ? campaign.progress->seconds() : 0.0;
+  s.wall_time.push_back({"terminal", campaign.table->seconds() + progress});
+  write_summary(campaign.plan.folder / "run.json", s);
+}
+
+void begin_next_stage(Clock& clock) {
+  clock = {
+      .step = clock.step, .stage_step = 0, .stage = clock.stage + 1, .stage_start = clock.time(), .dt = 0};
+}
+
+}  // namespace vbond::app

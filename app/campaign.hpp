@@ -1,0 +1,57 @@
+#pragma once
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "vbond/case/case.hpp"
+#include "vbond/model/model.hpp"
+#include "vbond/observe/observers.hpp"
+#include "vbond/observe/plan.hpp"
+#include "vbond/observe/summary.hpp"
+
+namespace vbond::app {
+
+using WallClock = std::chrono::steady_clock;
+
+double seconds_since(WallClock::time_point start);
+
+/// Prints in any case: a terminal that has gone away, as on SIGHUP, must not end a run.
+void say(const std::string& text, std::FILE* out = stdout);
+
+/// Everything a run in progress has at hand.
+struct Campaign {
+  const Case& c;
+  const Model& model;
+  OutputPlan plan;
+  int threads = 1;
+  std::string program;  ///< as it was called
+  FileObservers files;
+  std::shared_ptr<TableObserver> table;
+  std::shared_ptr<ProgressObserver> progress;  ///< null unless stderr is a terminal
+  RunSummary summary;
+  double building = 0;   ///< seconds of wall time
+  double stepping = 0;   ///< seconds, without what observers did between the steps
+  double balancing = 0;  ///< seconds of static stages and their modes, without what observers did
+  StepTimes times;
+  bool step_known = false;  ///< a dynamics stage has begun
+
+  /// Prints a report on stderr.
+  void tell(const std::string& report) const;
+  /// Takes the line on the progress off the terminal.
+  void clear_progress() const;
+  /// Seconds that all output has taken so far.
+  double output_seconds() const;
+};
+
+/// Opens the output, new or, with a checkpoint, continued, and sets up the terminal.
+Campaign open_campaign(const Case& c, const Model& model, OutputPlan plan, int threads,
+                       const std::string& program, const Checkpoint* resume);
+
+/// Writes run.json as the campaign stands, with its wall time by phase.
+void save_summary(Campaign& campaign);
+
+/// The clock of a stage that has come to its end moves on to the next one.
+void begin_next_stage(Clock& clock);
+
+}  // namespace vbond::app

@@ -1,0 +1,115 @@
+#include "vbond/observe/mode_frames.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <system_error>
+#include <vector>
+
+#include "vbond/core/error.hpp"
+#include "vbond/observe/files.hpp"
+#include "vbond/observe/frames.hpp"
+
+namespace vbond {
+namespace {
+
+namespace fs = std::filesystem;
+
+double largest_norm(const PerParticle<Vec3d>& vectors) {
+  double largest = 0.0;
+  for (const Vec3d& x : vectors) largest = std::max(largest, norm(x));
+  return largest;
+}
+
+/// Of the box around all particles.  [length]
+double diagonal(const Model& model, const State& s) {
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  Vec3d low{inf, inf, inf}, high{-inf, -inf, -inf};
+  for (const ParticleId p : s.r.ids()) {
+    const Vec3d& r = s.r[p];
+    const double R = model.radius[p];
+    low = {std::min(low.x, r.x - R), std::min(low.y, r.y - R), std::min(low.z, r.z - R)};
+    high = {std::max(high.x, r.x + R), std::max(high.y, r.y + R), std::max(high.z, r.z + R)};
+  }
+  return norm(high - low);
+}
+
+bool take_off_end(std::string_view& text, std::string_view end) {
+  if (text.size() < end.size() || text.substr(text.size() - end.size()) != end) return false;
+  text.remove_suffix(end.size());
+  return true;
+}
+
+/// Takes a number off the end.
+bool take_digits(std::string_view& text) {
+  const std::size_t last = text.find_last_not_of("0123456789");
+  const std::size_t from = last == std::string_view::npos ? 0 : last + 1;
+  if (from == text.size()) return false;
+  text.remove_suffix(text.size() - from);
+  return true;
+}
+
+}  // namespace
+
+State displaced(const State& balance, const Shape& shape, double factor) {
+  State s = balance;
+  for (const ParticleId p : s.r.ids()) {
+    s.r[p] += factor * shape.translation[p];
+    s.q[p] = normalised(rotation_of(factor * shape.rotation[p]) * s.q[p]);
+  }
+  return s;
+}
+
+double swing_factor(const Model& model, const State& balance, const Shape& shape, double amplitude) {
+  constexpr double most_turn = 0.5;  // rad: more would show bonds bent beyond their law
+  const double translation = largest_norm(shape.translation), turn = largest_norm(shape.rotation);
+  const double movement = amplitude > 0.0 ? amplitude : 0.1 * diagonal(model, balance);
+  double factor = std::numeric_limits<double>::infinity();
+  if (translation > 0.0) factor = movement / translation;
+  if (turn > 0.0) factor = std::min(factor, most_turn / turn);
+  return std::isfinite(factor) ? factor : 0.0;
+}
+
+void write_mode_frames(const fs::path& folder, const std::string& stage, int mode, int frames, double factor,
+                       const Model& model, const State& balance, const Shape& shape) {
+  const fs::path modes = folder / "modes";
+  make_folder(modes);
+  const std::string name = fmt::format("{}{}", stage + "_mode_", mode);
+  std::string particles, bonds;
+  for (int k = 0; k < frames; ++k) {
+    State s = displaced(balance, shape, factor * std::sin(2.0 * std::numbers::pi * k / frames));
+    s.clock = {
+        .step = k, .stage_step = k, .stage = balance.clock.stage, .stage_start = 0, .dt = 1.0 / frames};
+    const std::string of_particles = fmt::format("{}_{:04}.vtp", name, k);
+    const std::string of_bonds = fmt::format("{}_bonds_{:04}.vtp", name, k);
+    write_particles_vtp(modes / of_particles, model, s);
+    write_bonds_vtp(modes / of_bonds, s);
+    particles += pvd_entry(s.clock.time(), of_particles);
+    bonds += pvd_entry(s.clock.time(), of_bonds);
+  }
+  replace_file(modes / (name + ".pvd"), pvd_list(particles), Sync::none);
+  replace_file(modes / (name + "_bonds.pvd"), pvd_list(bonds), Sync::none);
+}
+
+bool is_mode_file(std::string_view name, const std::string& stage) {
+  take_off_end(name, ".part");
+  const bool list = take_off_end(name, ".pvd");
+  if (!list && !(take_off_end(name, ".vtp") && take_digits(name) && take_off_end(name, "_"))) return false;
+  take_off_end(name, "_bonds");
+  if (!take_digits(name)) return false;
+  return stage.empty() ? take_off_end(name, "_mode_") && !name.empty() : name == stage + "_mode_";
+}
+
+void remove_mode_frames(const fs::path& folder, const std::string& stage) {
+  std::error_code e;
+  std::vector<fs::path> old;
+  for (const auto& entry : fs::directory_iterator(folder / "modes", e))  // none if there is no such folder
+    if (is_mode_file(entry.path().filename().string(), stage)) old.push_back(entry.path());
+  for (const fs::path& path : old)
+    if (!fs::remove(path, e) || e) throw IoError("cannot remove " + path.string() + ": " + e.message());
+}
+
+}  // namespace vbond

@@ -1,0 +1,34 @@
+#pragma once
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "vbond/model/model.hpp"
+#include "vbond/model/state.hpp"
+#include "vbond/statics/results.hpp"
+
+namespace vbond {
+
+/// The body displaced along a shape: positions by factor times the translation, orientations turned by factor
+/// times the rotation vector.
+State displaced(const State& balance, const Shape& shape, double factor);
+
+/// The factor of a shape at the height of its swing: the largest translation is `amplitude` [length], or for
+/// 0 a tenth of the diagonal of the body, but no particle turns by more than half a radian. Zero for an empty
+/// shape.
+double swing_factor(const Model& model, const State& balance, const Shape& shape, double amplitude);
+
+/// Writes one swing of a mode about this balance, factor * sin(2 pi k / frames), as
+/// modes/STAGE_mode_N_K.vtp and modes/STAGE_mode_N_bonds_K.vtp with a list for ParaView each, of which a
+/// swing takes one unit of time. stage: fit for a file name, as those of case files are. Throws IoError.
+void write_mode_frames(const std::filesystem::path& folder, const std::string& stage, int mode, int frames,
+                       double factor, const Model& model, const State& balance, const Shape& shape);
+
+/// True for the name of a file that write_mode_frames has written for this stage, or half of it; without a
+/// stage, for any.
+bool is_mode_file(std::string_view name, const std::string& stage = {});
+
+/// Removes what an earlier start has written for this stage. Throws IoError.
+void remove_mode_frames(const std::filesystem::path& folder, const std::string& stage);
+
+}  // namespace vbond

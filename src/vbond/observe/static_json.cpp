@@ -1,0 +1,144 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "vbond/observe/detail/static_json.hpp"
+
+namespace vbond {
+namespace {
+
+const char* list_of(PointKind kind) {
+  return kind == PointKind::limit_point ? "limit_points" : "bifurcations";
+}
+
+void add_special_points(const StaticResult& r, Json& j) {
+  j["limit_points"] = Json::array();
+  j["bifurcations"] = Json::array();
+  for (const SpecialPoint& s : r.special_points)
+    j[list_of(s.kind)].push_back({{"load_factor", s.load_factor},
+                                  {"point", s.point},
+                                  {"unstable_before", s.unstable_before},
+                                  {"unstable_after", s.unstable_after}});
+}
+
+/// Without a force on a group there are load factors only.
+void add_critical_loads(const StaticResult& r, Json& j) {
+  Json factors = Json::array(), estimates = Json::array(), forces = Json::array();
+  bool any_force = false;
+  for (const CriticalLoad& c : r.critical_loads) {
+    factors.push_back(c.load_factor);
+    estimates.push_back(c.estimate);
+    forces.push_back(c.force);
+    any_force |= c.force != 0.0;
+  }
+  j["critical_load_factors"] = factors;
+  j["linear_estimates"] = estimates;
+  if (any_force) j["critical_forces"] = forces;
+}
+
+/// Rigid motions are only counted; an unstable mode has frequency 0 and a negative square.
+void add_frequencies(const StaticResult& r, Json& j) {
+  Json omega = Json::array(), omega2 = Json::array(), frequencies = Json::array();
+  int rigid = 0;
+  for (const NaturalMode& m : r.modes) {
+    if (m.rigid) {
+      ++rigid;
+      continue;
+    }
+    omega.push_back(m.omega);
+    omega2.push_back(m.omega2);
+    frequencies.push_back(m.omega / (2.0 * std::numbers::pi));
+  }
+  j["rigid_modes"] = rigid;
+  j["frequencies"] = frequencies;
+  j["omega"] = omega;
+  j["omega_squared"] = omega2;
+}
+
+std::vector<SpecialPoint> special_points(const Json& j) {
+  std::vector<SpecialPoint> points;
+  for (const PointKind kind : {PointKind::limit_point, PointKind::bifurcation})
+    for (const Json& s : j.at(list_of(kind)))
+      points.push_back({kind, s.at("load_factor").get<double>(), s.at("point").get<int>(),
+                        s.at("unstable_before").get<int>(), s.at("unstable_after").get<int>()});
+  std::stable_sort(points.begin(), points.end(),
+                   [](const SpecialPoint& a, const SpecialPoint& b) { return a.point < b.point; });
+  return points;
+}
+
+std::vector<CriticalLoad> critical_loads(const Json& j) {
+  std::vector<CriticalLoad> loads;
+  const Json &factors = j.at("critical_load_factors"), &estimates = j.at("linear_estimates");
+  for (std::size_t k = 0; k < factors.size(); ++k) {
+    CriticalLoad c;
+    c.load_factor = factors.at(k).get<double>();
+    c.estimate = estimates.at(k).get<double>();
+    if (j.contains("critical_forces")) c.force = j["critical_forces"].at(k).get<double>();
+    loads.push_back(c);
+  }
+  return loads;
+}
+
+std::vector<NaturalMode> natural_modes(const Json& j) {
+  std::vector<NaturalMode> modes(j.at("rigid_modes").get<std::size_t>());
+  for (NaturalMode& m : modes) m.rigid = true;
+  const Json &omega = j.at("omega"), &omega2 = j.at("omega_squared");
+  for (std::size_t k = 0; k < omega.size(); ++k) {
+    NaturalMode m;
+    m.omega = omega.at(k).get<double>();
+    m.omega2 = omega2.at(k).get<double>();
+    modes.push_back(m);
+  }
+  return modes;
+}
+
+}  // namespace
+
+const char* to_text(StageKind kind) {
+  switch (kind) {
+    case StageKind::dynamics: return "dynamics";
+    case StageKind::equilibrium: return "equilibrium";
+    case StageKind::path: return "path";
+    case StageKind::buckling: return "buckling";
+    case StageKind::modes: return "modes";
+  }
+  return "dynamics";
+}
+
+Json to_json(const StaticSummary& s) {
+  const StaticResult& r = s.result;
+  Json j{{"kind", to_text(s.kind)},     {"ended", r.ended},           {"load_factor", r.load_factor},
+         {"points", r.points},          {"iterations", r.iterations}, {"solver", r.solver},
+         {"left_saddle", r.left_saddle}};
+  if (r.unstable) j["unstable"] = *r.unstable;
+  if (r.smallest_eigenvalue) j["smallest_eigenvalue"] = *r.smallest_eigenvalue;
+  if (!s.failure.empty()) j["failure"] = s.failure;
+  if (s.kind == StageKind::path) add_special_points(r, j);
+  if (s.kind == StageKind::buckling) add_critical_loads(r, j);
+  if (s.kind == StageKind::modes) add_frequencies(r, j);
+  return j;
+}
+
+StaticSummary static_summary(const Json& j) {
+  StaticSummary s;
+  const auto kind = j.at("kind").get<std::string>();
+  for (const StageKind k : {StageKind::equilibrium, StageKind::path, StageKind::buckling, StageKind::modes})
+    if (kind == to_text(k)) s.kind = k;
+  StaticResult& r = s.result;
+  r.ended = j.at("ended").get<std::string>();
+  r.load_factor = j.at("load_factor").get<double>();
+  r.points = j.at("points").get<int>();
+  r.iterations = j.at("iterations").get<int>();
+  r.solver = j.at("solver").get<std::string>();
+  r.left_saddle = j.at("left_saddle").get<bool>();
+  if (j.contains("unstable")) r.unstable = j["unstable"].get<int>();
+  if (j.contains("smallest_eigenvalue")) r.smallest_eigenvalue = j["smallest_eigenvalue"].get<double>();
+  if (j.contains("failure")) s.failure = j["failure"].get<std::string>();
+  if (s.kind == StageKind::path) r.special_points = special_points(j);
+  if (s.kind == StageKind::buckling) r.critical_loads = critical_loads(j);
+  if (s.kind == StageKind::modes) r.modes = natural_modes(j);
+  return s;
+}
+
+}  // namespace vbond

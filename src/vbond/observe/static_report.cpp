@@ -1,0 +1,98 @@
+#include <fmt/format.h>
+
+#include <iterator>
+#include <numbers>
+
+#include "vbond/observe/report.hpp"
+
+namespace vbond {
+namespace {
+
+const char* in_words(PointKind kind) {
+  switch (kind) {
+    case PointKind::regular: return "";
+    case PointKind::limit_point: return "limit point";
+    case PointKind::bifurcation: return "bifurcation";
+    case PointKind::end: return "end";
+  }
+  return "";
+}
+
+std::string count_or_dash(const std::optional<int>& n) {
+  return n ? fmt::format("{}", *n) : "-";
+}
+
+std::string stability(const StaticResult& r) {
+  std::string text = !r.unstable        ? "stability not known: unstable directions were not counted"
+                     : *r.unstable == 0 ? "stable"
+                                        : fmt::format("UNSTABLE in {} direction{}", *r.unstable,
+                                                      *r.unstable == 1 ? "" : "s");
+  if (r.smallest_eigenvalue) text += fmt::format(", smallest eigenvalue {:.6g}", *r.smallest_eigenvalue);
+  if (r.left_saddle) text += "; an unstable balance was left on the way";
+  return text + '\n';
+}
+
+std::string special_points(const StaticResult& r) {
+  if (r.special_points.empty()) return "stability does not change on the way\n";
+  std::string text = fmt::format("{:>12} {:>16} {:>8} {:>18}\n", "", "load factor", "point", "unstable");
+  for (const SpecialPoint& s : r.special_points)
+    text += fmt::format("{:>12} {:>16.8g} {:>8} {:>18}\n", in_words(s.kind), s.load_factor, s.point,
+                        fmt::format("{} -> {}", s.unstable_before, s.unstable_after));
+  return text;
+}
+
+std::string critical_loads(const StaticResult& r) {
+  if (r.critical_loads.empty()) return "no critical load was found\n";
+  std::string text =
+      fmt::format("{:>6} {:>16} {:>16} {:>16}\n", "mode", "load factor", "linear estimate", "force");
+  for (std::size_t k = 0; k < r.critical_loads.size(); ++k) {
+    const CriticalLoad& c = r.critical_loads[k];
+    text += fmt::format("{:>6} {:>16.8g} {:>16.8g} {:>16}\n", k + 1, c.load_factor, c.estimate,
+                        c.force != 0.0 ? fmt::format("{:.8g}", c.force) : "-");
+  }
+  return text;
+}
+
+std::string frequencies(const StaticResult& r, const std::string& time_unit) {
+  if (r.modes.empty()) return "no mode was found\n";
+  std::string text = fmt::format("{:>6} {:>16} {:>16} {:>16}\n", "mode", "omega", "frequency",
+                                 time_unit.empty() ? "period" : "period [" + time_unit.substr(1) + "]");
+  for (std::size_t k = 0; k < r.modes.size(); ++k) {
+    const NaturalMode& m = r.modes[k];
+    text += m.rigid ? fmt::format("{:>6} {:>16}\n", k + 1, "rigid")
+            : m.omega2 <= 0.0
+                ? fmt::format("{:>6} {:>16}  omega^2 = {:.8g}\n", k + 1, "UNSTABLE", m.omega2)
+                : fmt::format("{:>6} {:>16.8g} {:>16.8g} {:>16.8g}\n", k + 1, m.omega,
+                              m.omega / (2.0 * std::numbers::pi), 2.0 * std::numbers::pi / m.omega);
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string static_table_header() {
+  return fmt::format("{:>12} {:>16} {:>12} {:>10} {:>12} {:>8} {:>8}\n", "step", "load factor", "point",
+                     "unstable", "potential", "strained", "snapped");
+}
+
+std::string static_table_row(const StaticPoint& p, const RangeCounts& ranges) {
+  return fmt::format("{:12} {:16.8g} {:>12} {:>10} {:12.4e} {:8} {:8}\n", p.state.clock.step, p.load_factor,
+                     in_words(p.kind), count_or_dash(p.unstable), p.energies.potential(), ranges.strained,
+                     ranges.snapped);
+}
+
+std::string static_report(StageKind kind, const StaticResult& r, const std::string& time_unit) {
+  std::string text = fmt::format(
+      "ended: {}, at load factor {:.8g}; {} point{} of balance, {} Newton iterations, {} solver\n", r.ended,
+      r.load_factor, r.points, r.points == 1 ? "" : "s", r.iterations, r.solver);
+  switch (kind) {
+    case StageKind::dynamics: break;
+    case StageKind::equilibrium: return text + stability(r);
+    case StageKind::path: return text + special_points(r) + stability(r);
+    case StageKind::buckling: return text + critical_loads(r);
+    case StageKind::modes: return text + frequencies(r, time_unit);
+  }
+  return text;
+}
+
+}  // namespace vbond
