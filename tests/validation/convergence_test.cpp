@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -178,6 +179,11 @@ struct Study {
   double (*error)(std::size_t N);  ///< relative
   std::vector<std::size_t> sizes;  ///< the last is twice the one before
 };
+
+/// For names of tests, which would hold addresses otherwise.
+void PrintTo(const Study& study, std::ostream* out) {
+  *out << study.name;
+}
 
 class Convergence : public ::testing::TestWithParam<Study> {};
 
