@@ -70,6 +70,7 @@ StaticBody::StaticBody(const Model& model, const StaticStage& stage, State state
       stage_(stage),
       state_(std::move(state)),
       unknowns_(model.particles(), stage.supports, length_scale(model, state_)),
+      bonded_(model.particles(), false),
       held_rate_(model.particles(), std::array<double, 6>{}),
       stiffness_{Assembly(unknowns_), {}, false} {
   state_.v.assign(model.particles(), {});
@@ -84,6 +85,7 @@ StaticBody::StaticBody(const Model& model, const StaticStage& stage, State state
   // positions are rounded to eps |r|, unit vectors to eps
   constexpr double eps = std::numeric_limits<double>::epsilon();
   for (const Bond& b : state_.bonds) {
+    bonded_[b.i] = bonded_[b.j] = true;
     const double B = std::abs(b.B2) + std::abs(b.B3) + std::abs(b.B4);
     rounding_of_force_ =
         std::max(rounding_of_force_, eps * (b.B1 * (norm(state_.r[b.i]) + b.a) + B / unknowns_.length()));
@@ -153,8 +155,7 @@ const StaticBody::Loaded& StaticBody::loads_at_hand() const {
   const std::size_t n = model_.particles();
   Loaded l{{PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)}, {}, 0.0};
   add_applied(load_factor_, l.loads);
-  for (const ParticleId p : l.loads.F.ids())
-    l.largest = std::max({l.largest, norm(l.loads.F[p]), norm(l.loads.M[p]) / unknowns_.length()});
+  if (unknowns_.size() > 0) l.largest = on_unknowns(l.loads).cwiseAbs().maxCoeff();
   for (const Bond& b : state_.bonds) {
     const BondPose<double> pose = bond_pose(b, state_);
     const BondLoads<double> f = visit_law(b, [&pose](const auto& law) { return bond_loads(law, pose); });
@@ -232,15 +233,37 @@ const StaticBody::Stiffness& StaticBody::stiffness_at_hand() const {
   return stiffness_;
 }
 
-bool StaticBody::has_applied_moments() const {
-  return std::any_of(stage_.loads.begin(), stage_.loads.end(), [this](const StaticLoad& l) {
-    const auto turns = [this](ParticleId p) {
-      int free = 0;
-      for (int dof = 3; dof < 6; ++dof) free += unknowns_.of(p, dof) != Unknowns::held;
-      return free >= 2;  // one free axis has nothing to be antisymmetric with
-    };
-    return norm2(l.moment) > 0.0 && std::any_of(l.particles.begin(), l.particles.end(), turns);
-  });
+/// The moment that acts on a particle from outside and has no potential: applied, or the reaction of a held
+/// turn. Zero with fewer than two free turns, which then have nothing to be antisymmetric with.
+Vec3d StaticBody::outside_moment(ParticleId p, const Loads& applied) const {
+  int free = 0;
+  for (int dof = 3; dof < 6; ++dof) free += unknowns_.of(p, dof) != Unknowns::held;
+  if (free < 2) return {};
+  Vec3d m = applied.M[p];
+  if (free == 3) return m;
+  const Loaded& l = loads_at_hand();
+  for (int k = 0; k < 3; ++k) {
+    const double reaction = component(l.loads.M[p], k);
+    const bool more_than_rounding = std::abs(reaction) > 1e-9 * l.largest * unknowns_.length();
+    if (unknowns_.of(p, 3 + k) == Unknowns::held && more_than_rounding) component(m, k) -= reaction;
+  }
+  return m;
+}
+
+double StaticBody::moment_part() const {
+  const std::size_t n = model_.particles();
+  Loads applied{PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)};
+  add_applied(load_factor_, applied);
+  double largest = 0.0;
+  for (const ParticleId p : applied.M.ids()) {
+    const Vec3d m = outside_moment(p, applied);
+    for (int k = 0; k < 3; ++k) {
+      const bool both_free = unknowns_.of(p, 3 + (k + 1) % 3) != Unknowns::held &&
+                             unknowns_.of(p, 3 + (k + 2) % 3) != Unknowns::held;
+      if (both_free) largest = std::max(largest, 0.5 * std::abs(component(m, k)) / sq(unknowns_.length()));
+    }
+  }
+  return largest;
 }
 
 SparseMatrix StaticBody::full_tangent() const {
@@ -249,7 +272,7 @@ SparseMatrix StaticBody::full_tangent() const {
   Loads applied{PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)};
   add_applied(load_factor_, applied);
   for (const ParticleId p : applied.M.ids()) {
-    const Vec3d m = (0.5 / sq(unknowns_.length())) * applied.M[p];
+    const Vec3d m = (0.5 / sq(unknowns_.length())) * outside_moment(p, applied);
     if (m == Vec3d{}) continue;
     const double S[3][3] = {{0, m.z, -m.y}, {-m.z, 0, m.x}, {m.y, -m.x, 0}};
     for (int a = 0; a < 3; ++a)
@@ -302,6 +325,10 @@ double StaticBody::largest_bond_change(const Vector& x) const {
     const double turn = norm(movement(b.j, 3) - movement(b.i, 3)) / unknowns_.length();
     largest = std::max({largest, stretch, turn});
   }
+  for (const ParticleId p : bonded_.ids())
+    if (!bonded_[p])
+      largest = std::max(
+          {largest, norm(movement(p, 0)) / unknowns_.length(), norm(movement(p, 3)) / unknowns_.length()});
   return largest;
 }
 

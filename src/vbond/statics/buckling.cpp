@@ -109,7 +109,7 @@ double largest_proportional_force(const StaticStage& stage) {
 }
 
 void refuse_moments(const StaticBody& body) {
-  if (body.has_applied_moments())
+  if (body.has_moment_part())
     throw NoEquilibrium(
         body.stage().name, "a moment of fixed direction acts on particles that are free to turn",
         "such a load has no potential, and its critical value is not found by this stage: apply "
@@ -121,7 +121,9 @@ void refuse_moments(const StaticBody& body) {
 StaticOutcome find_critical_loads(const Model& model, const StaticStage& stage, State state,
                                   const StaticHooks& hooks) {
   StaticResult result;
-  StaticBody body(model, stage, balance_of_constant_loads(model, stage, std::move(state), hooks, result));
+  std::optional<State> balanced = balance_of_constant_loads(model, stage, state, hooks, result);
+  if (!balanced) return interrupted_outcome(std::move(result), std::move(state));
+  StaticBody body(model, stage, std::move(*balanced));
   refuse_rigid_motions(body);
   refuse_moments(body);
   FundamentalPath path(body, hooks, result);

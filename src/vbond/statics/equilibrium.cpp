@@ -32,28 +32,33 @@ class LoadSteps {
     double step = 1.0 / std::max(1, body_.stage().steps);
     const double longest = step;
     while (body_.load_factor() < 1.0) {
-      if (hooks_.interrupted && hooks_.interrupted()) {
-        result_.ended = "interrupted";
-        return;
-      }
       const Placement from = body_.placement();
       const int snapped = snapped_bonds(body_.state());
       const double reached = advance(step);
       const NewtonOutcome outcome = settle();
       const bool last_resort = step < 1e-4 * longest;
+      if (outcome.interrupted) return interrupted(from);
       if (outcome.converged && (snapped_bonds(body_.state()) <= snapped || last_resort)) {
-        accept(outcome);
+        if (!accept(outcome)) return interrupted(from);
         step = std::min(longest, 2.0 * std::max(step, reached));
         continue;
       }
       body_.restore(from);
       step = 0.5 * std::min(step, reached);
-      if (last_resort) give_up(outcome.why);
+      if (last_resort)
+        give_up(fmt::format("no balance found beyond load factor {:.6g}: {}", from.load_factor, outcome.why));
     }
     result_.ended = "converged";
+    result_.smallest_eigenvalue = smallest_eigenvalue();
   }
+  const TangentSolver& solver() const { return solver_; }
 
  private:
+  void interrupted(const Placement& last_balance) {
+    body_.restore(last_balance);
+    result_.ended = "interrupted";
+  }
+
   /// Along the tangent, at most by `step` of the load factor; returns how far it went.
   double advance(double step) {
     const double now = body_.load_factor();
@@ -70,77 +75,118 @@ class LoadSteps {
     return step;
   }
 
-  /// Downhill, or where applied moments have no potential to go down: straight on, if that leads anywhere.
+  /// Downhill, or where outside moments have no potential to go down: straight on, if that leads anywhere.
   NewtonOutcome settle() {
-    NewtonOutcome outcome;
-    if (body_.has_applied_moments()) {
+    if (body_.has_moment_part()) {
       const Placement from = body_.placement();
-      outcome = correct(body_, solver_, body_.stage().newton);
+      const NewtonOutcome outcome = correct(body_, solver_, body_.stage().newton, hooks_.interrupted);
       result_.iterations += outcome.iterations();
-      if (outcome.converged) return outcome;
+      if (outcome.converged || outcome.interrupted) return outcome;
       body_.restore(from);
     }
-    outcome = minimise(body_, solver_, body_.stage().newton);
+    return go_downhill();
+  }
+
+  NewtonOutcome go_downhill() {
+    NewtonOutcome outcome = minimise(body_, solver_, body_.stage().newton, hooks_.interrupted);
     result_.iterations += outcome.iterations();
     return outcome;
   }
 
-  /// A balance was found: is it stable? If not it is left, downhill, unless the stage wants it kept.
-  void accept(NewtonOutcome outcome) {
+  /// A balance was found: is it stable? If not it is left, downhill, unless the stage wants it kept. False if
+  /// interrupted.
+  bool accept(NewtonOutcome outcome) {
     constexpr int most_tries = 3;
-    std::optional<int> unstable = count_unstable();
-    for (int k = 0; k < most_tries && unstable.value_or(0) > 0; ++k) {
+    count_unstable();
+    for (int k = 0; k < most_tries && unstable_.value_or(0) > 0; ++k) {
       if (body_.stage().at_saddle == AtSaddle::keep) break;
-      tell(
-          fmt::format("load factor {:.6g}: the balance is unstable ({} negative eigenvalues of the tangent) "
-                      "and is left along the lowest mode",
-                      body_.load_factor(), *unstable));
       result_.left_saddle = true;
       outcome = leave_saddle();
-      if (!outcome.converged) give_up("after leaving an unstable balance: " + outcome.why);
-      unstable = count_unstable();
+      if (outcome.interrupted) return false;
+      count_unstable();
     }
     result_.residuals = outcome.residuals;
-    result_.unstable = unstable;
-    report_point(body_, body_.load_factor() < 1.0 ? PointKind::regular : PointKind::end, unstable, hooks_,
+    result_.unstable = unstable_;
+    report_point(body_, body_.load_factor() < 1.0 ? PointKind::regular : PointKind::end, unstable_, hooks_,
                  result_);
+    return true;
   }
 
-  /// Negative eigenvalues that are more than rounding; nothing where conjugate gradients were used. Under
-  /// applied moments in space a definite symmetric part is enough to be stable, but not needed.
-  std::optional<int> count_unstable() {
+  /// Negative eigenvalues that are more than rounding, and the lowest of them with its mode. Not known where
+  /// conjugate gradients were used. Eigenvalues of the whole tangent lie within its antisymmetric part of
+  /// those of the symmetric one: under outside moments only those below that are counted, and if there are
+  /// others below zero nothing is known.
+  void count_unstable() {
+    unstable_ = 0;
+    lowest_.reset();
     const std::optional<int> negative = solver_.factor(body_);
-    if (solver_.iterative()) return std::nullopt;
-    if (negative == 0) return 0;
-    if (body_.has_applied_moments()) return std::nullopt;
+    if (solver_.iterative()) unstable_.reset();
+    definite_ = negative == 0;
+    if (solver_.iterative() || definite_) return;
     const SparseMatrix& K = body_.tangent();
-    lowest_ = eigenpairs_near_zero(K, std::min(negative.value_or(0) + 3, body_.unknowns().size()));
-    const double neutral = 1e-12 * K.diagonal().cwiseAbs().maxCoeff();
-    const auto values = lowest_.values.array();
-    const auto near = static_cast<int>((values < -neutral).count());
-    return negative && *negative > static_cast<int>((values < 0.0).count()) ? *negative : near;
+    const double rounding = 1e-12 * Vector(K.diagonal()).cwiseAbs().maxCoeff();
+    const double margin = std::max(rounding, body_.moment_part());
+    Factor factor;
+    factor.analyse(K);
+    if (factor.factor_definite(K, margin)) {
+      if (!negative) tell_neutral();
+      if (body_.has_moment_part()) unstable_.reset();
+      return;
+    }
+    unstable_ = std::max(1, factor.factor_indefinite(K, margin).value_or(negative.value_or(1)));
+    double below = 10.0 * margin;
+    while (!factor.factor_definite(K, below)) below *= 10.0;
+    lowest_ = smallest_eigenpairs(K, 1, -below);
   }
 
-  /// Downhill along the most negative mode, its largest component positive.
+  void tell_neutral() const {
+    const EigenPairs zero = eigenpairs_near_zero(body_.tangent(), 1);
+    tell(fmt::format("load factor {:.6g}: the balance is neutral, some motion meets no stiffness: {}",
+                     body_.load_factor(), body_.unknowns().names_of_largest(zero.vectors.col(0))));
+  }
+
+  /// Downhill along the most negative mode, its largest component positive. If that fails the unstable
+  /// balance is kept as the last point.
   NewtonOutcome leave_saddle() {
-    constexpr double nudge = 0.02;  // rad: far above rounding, far below a change of shape
-    Eigen::Index lowest = 0, largest = 0;
-    lowest_.values.minCoeff(&lowest);
-    Vector x = lowest_.vectors.col(lowest);
+    constexpr double nudge = 0.02;  // of the length scale: far above rounding, far below a change of shape
+    const Placement saddle = body_.placement();
+    const int unstable = unstable_.value();
+    Vector x = lowest_->vectors.col(0);
+    Eigen::Index largest = 0;
     x.cwiseAbs().maxCoeff(&largest);
-    x *= std::copysign(nudge / std::max(body_.largest_bond_change(x), 1e-300), x[largest]);
-    body_.move(x, body_.load_factor());
-    return settle();
+    body_.move(nudge * body_.unknowns().length() / x[largest] * x, saddle.load_factor);
+    const NewtonOutcome outcome = go_downhill();
+    if (!outcome.converged && !outcome.interrupted) {
+      body_.restore(saddle);
+      report_point(body_, PointKind::regular, unstable, hooks_, result_);
+      give_up(fmt::format(
+          "the balance at load factor {:.6g} is unstable, and none was found downhill from it: {}",
+          saddle.load_factor, outcome.why));
+    }
+    double went = 0.0;
+    for (const ParticleId p : saddle.r.ids()) went = std::max(went, norm(body_.state().r[p] - saddle.r[p]));
+    tell(fmt::format(
+        "load factor {:.6g}: the balance is unstable ({} negative eigenvalues of the tangent) and "
+        "was left along its lowest mode; the next one downhill is up to {:.3g} away",
+        saddle.load_factor, unstable, went));
+    return outcome;
+  }
+
+  std::optional<double> smallest_eigenvalue() const {
+    if (solver_.iterative() || body_.unknowns().size() == 0) return std::nullopt;
+    if (lowest_) return lowest_->values[0];
+    if (definite_) return eigenvalue_near_zero(body_.tangent(), solver_.last_factor());
+    if (unstable_ != 0) return std::nullopt;
+    return eigenpairs_near_zero(body_.tangent(), 1).values[0];  // a neutral balance
   }
 
   void tell(const std::string& text) const {
     if (hooks_.tell) hooks_.tell(text);
   }
 
-  [[noreturn]] void give_up(const std::string& why) const {
+  [[noreturn]] void give_up(const std::string& finding) const {
     throw NoEquilibrium(
-        body_.stage().name,
-        fmt::format("no balance found beyond load factor {:.6g}: {}", body_.load_factor(), why),
+        body_.stage().name, finding,
         "the body may not carry this load (kind = \"path\" follows it past a limit point); more steps, or a "
         "larger newton.iterations, help where the way is only difficult");
   }
@@ -149,10 +195,9 @@ class LoadSteps {
   const StaticHooks& hooks_;
   StaticResult& result_;
   TangentSolver solver_;
-  EigenPairs lowest_;
-
- public:
-  const TangentSolver& solver() const { return solver_; }
+  std::optional<int> unstable_;       // of the last balance
+  bool definite_ = false;             // the solver's factor is that of its tangent
+  std::optional<EigenPairs> lowest_;  // if it is unstable
 };
 
 }  // namespace
@@ -190,14 +235,12 @@ StaticOutcome find_equilibrium(const Model& model, const StaticStage& stage, Sta
   LoadSteps steps(body, hooks, outcome.result);
   steps.run();
   outcome.result.solver = steps.solver().name();
-  if (!steps.solver().iterative() && body.unknowns().size() > 0)
-    outcome.result.smallest_eigenvalue = eigenvalue_near_zero(body.tangent(), steps.solver().last_factor());
   outcome.state = std::move(body).take_state();
   return outcome;
 }
 
-State balance_of_constant_loads(const Model& model, const StaticStage& stage, State state,
-                                const StaticHooks& hooks, StaticResult& result) {
+std::optional<State> balance_of_constant_loads(const Model& model, const StaticStage& stage, State state,
+                                               const StaticHooks& hooks, StaticResult& result) {
   StaticStage constant = stage;
   const Clock clock = state.clock;  // this balance is not a point of the stage
   constant.at_saddle = AtSaddle::keep;
@@ -215,10 +258,18 @@ State balance_of_constant_loads(const Model& model, const StaticStage& stage, St
     StaticResult own;
     LoadSteps(body, quiet, own).run();
     result.iterations += own.iterations;
+    if (own.ended == "interrupted") return std::nullopt;
   }
   State balanced = std::move(body).take_state();
   balanced.clock = clock;
   return balanced;
+}
+
+StaticOutcome interrupted_outcome(StaticResult result, State state) {
+  result.ended = "interrupted";
+  state.v.assign(state.r.size(), {});
+  state.omega.assign(state.r.size(), {});
+  return {std::move(result), std::move(state)};
 }
 
 }  // namespace vbond

@@ -122,8 +122,10 @@ StaticOutcome find_modes(const Model& model, const StaticStage& stage, State sta
                          const StaticHooks& hooks) {
   const StaticStage loaded = under_full_loads(stage);
   StaticResult result;
-  StaticBody body(model, loaded, balance_of_constant_loads(model, loaded, std::move(state), hooks, result));
-  if (body.has_applied_moments() && hooks.tell)
+  std::optional<State> balanced = balance_of_constant_loads(model, loaded, state, hooks, result);
+  if (!balanced) return interrupted_outcome(std::move(result), std::move(state));
+  StaticBody body(model, loaded, std::move(*balanced));
+  if (body.has_moment_part() && hooks.tell)
     hooks.tell(
         fmt::format("stage \"{}\": moments of fixed direction have no potential: frequencies are those of "
                     "the symmetric part of the tangent",

@@ -112,7 +112,7 @@ Vector TangentSolver::solve(const Vector& b) const {
 }
 
 Vector TangentSolver::solve_full(const StaticBody& body, const Vector& b) const {
-  if (!body.has_applied_moments() || iterative_) return solve(b);
+  if (!body.has_moment_part() || iterative_) return solve(b);
   const SparseMatrix K = body.full_tangent();
   Eigen::BiCGSTAB<SparseMatrix, FactorPreconditioner> method;
   method.preconditioner().use(factor_);
@@ -123,7 +123,8 @@ Vector TangentSolver::solve_full(const StaticBody& body, const Vector& b) const 
   return method.error() < 1e-6 ? x : solve(b);
 }
 
-NewtonOutcome correct(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings) {
+NewtonOutcome correct(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings,
+                      const std::function<bool()>& interrupted) {
   constexpr double growth =
       10.0;  // of the residual from one iteration to the next: first steps may overshoot
   NewtonOutcome outcome;
@@ -132,6 +133,11 @@ NewtonOutcome correct(StaticBody& body, TangentSolver& solver, const NewtonSetti
     residuals.push_back(body.residual());
     if (balanced(body, settings, residuals)) {
       outcome.converged = true;
+      return outcome;
+    }
+    if (interrupted && interrupted()) {
+      outcome.interrupted = true;
+      outcome.why = "interrupted";
       return outcome;
     }
     if (k > 1 && !(residuals.back() < growth * residuals[residuals.size() - 2])) {
@@ -173,41 +179,66 @@ class Descent {
  private:
   Vector direction() {
     const Vector& g = body_.unbalanced();
-    for (int tries = 0; tries < 60; ++tries, raise_shift()) {
-      if (!solver_.factor_definite(body_, shift_)) continue;
-      if (shift_ == 0.0) {
-        const Vector x = solver_.solve_full(body_, g);
-        if (x.size() > 0 && x.allFinite() && x.dot(g) > 0.0) return limited(body_, x);
-      }
-      const Vector x = solver_.solve(g);
-      if (x.size() > 0 && x.allFinite() && x.dot(g) > 0.0) return limited(body_, x);
-    }
-    return {};
+    const auto downhill = [&g](const Vector& x) { return x.size() > 0 && x.allFinite() && x.dot(g) > 0.0; };
+    if (!solver_.factor_definite(body_, shift_) && !find_shift()) return {};
+    if (shift_ == 0.0)
+      if (const Vector x = solver_.solve_full(body_, g); downhill(x)) return limited(body_, x);
+    Vector x = solver_.solve(g);
+    while (!downhill(x) && find_shift()) x = solver_.solve(g);  // conjugate gradients tell only now
+    return downhill(x) ? limited(body_, x) : Vector();
   }
 
-  double least_shift() const { return 1e-8 * mean_stiffness_; }
-  void raise_shift() { shift_ = std::max(10.0 * shift_, least_shift()); }
+  /// The least shift, within a factor of 10, that makes the tangent positive definite; above the present one.
+  bool find_shift() {
+    for (double shift = std::max(100.0 * shift_, least_shift()); shift < 1e6 * mean_stiffness_;
+         shift *= 100.0) {
+      if (!solver_.factor_definite(body_, shift)) continue;
+      shift_ = 0.1 * shift;
+      if (solver_.factor_definite(body_, shift_)) return true;
+      shift_ = shift;
+      return solver_.factor_definite(body_, shift_);
+    }
+    return false;
+  }
+  double least_shift() const { return 1e-12 * mean_stiffness_; }
 
   bool search(const Vector& x) {
     const Placement from = body_.placement();
     const double energy = body_.energies().potential(), rounding = body_.rounding_of_potential();
     const double slope = x.dot(body_.unbalanced()), residual = body_.residual();
-    const double f = body_.load_factor();
     double length = 1.0;
     for (int halvings = 0; halvings < 40; ++halvings, length *= 0.5) {
-      body_.restore(from);
-      body_.move(length * x, f);
-      const double change = body_.potential_change(from, energy);
+      const double change = try_at(length, x, from, energy);
       // near balance the potential says nothing any more: then the residual decides
       const bool lower = change <= -1e-4 * length * slope;
       const bool unknowable = std::abs(length * slope) <= 1e3 * rounding;
       if (lower || (unknowable && body_.residual() < residual)) {
+        if (lower && halvings == 0 && shift_ > 0.0) go_farther(x, from, energy, change);
         if (halvings == 0) shift_ = shift_ > least_shift() ? 0.1 * shift_ : 0.0;
         return true;
       }
     }
     body_.restore(from);
     return false;
+  }
+
+  double try_at(double length, const Vector& x, const Placement& from, double energy) {
+    body_.restore(from);
+    body_.move(length * x, from.load_factor);
+    return body_.potential_change(from, energy);
+  }
+
+  /// The shift makes steps short, along a mode that softens above all: twice as far as long as that is lower.
+  void go_farther(const Vector& x, const Placement& from, double energy, double change) {
+    const double most = largest_change / body_.largest_bond_change(x);
+    double length = 1.0;
+    while (2.0 * length <= most && length < 0x1p20) {
+      const double farther = try_at(2.0 * length, x, from, energy);
+      if (!(farther < change)) break;
+      change = farther;
+      length *= 2.0;
+    }
+    try_at(length, x, from, energy);
   }
 
   StaticBody& body_;
@@ -218,13 +249,19 @@ class Descent {
 
 }  // namespace
 
-NewtonOutcome minimise(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings) {
+NewtonOutcome minimise(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings,
+                       const std::function<bool()>& interrupted) {
   NewtonOutcome outcome;
   Descent descent(body, solver);
   for (int k = 0; k <= settings.iterations; ++k) {
     outcome.residuals.push_back(body.residual());
     if (balanced(body, settings, outcome.residuals)) {
       outcome.converged = true;
+      return outcome;
+    }
+    if (interrupted && interrupted()) {
+      outcome.interrupted = true;
+      outcome.why = "interrupted";
       return outcome;
     }
     if (descent.step()) continue;

@@ -376,8 +376,9 @@ void PathWalk::give_up(const std::string& why) const {
 StaticOutcome follow_path(const Model& model, const StaticStage& stage, State state,
                           const StaticHooks& hooks) {
   StaticResult result;
-  State balanced = balance_of_constant_loads(model, stage, std::move(state), hooks, result);
-  return PathWalk(model, stage, std::move(balanced), hooks, std::move(result)).walk();
+  std::optional<State> balanced = balance_of_constant_loads(model, stage, state, hooks, result);
+  if (!balanced) return interrupted_outcome(std::move(result), std::move(state));
+  return PathWalk(model, stage, std::move(*balanced), hooks, std::move(result)).walk();
 }
 
 }  // namespace vbond

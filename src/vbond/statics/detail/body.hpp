@@ -31,8 +31,9 @@ struct Placement {
 /// The tangent is the derivative of -unbalanced. Turns do not commute, so its block of a particle's three
 /// turns has an antisymmetric part, half the cross product with the moment that bonds leave unbalanced there.
 /// In the chart q -> exp(turn) q the second derivative of the energy is the symmetric part alone: that is
-/// tangent(). Where no moment is applied the other part vanishes in balance. A moment of fixed direction
-/// is not the derivative of any potential: its part stays, and full_tangent() has it.
+/// tangent(). In balance the other part vanishes where no moment acts from outside. A moment of fixed
+/// direction, or that of a support which holds one turn of a particle and leaves two, is not the derivative
+/// of any potential: its part stays, and full_tangent() has it.
 class StaticBody {
  public:
   /// Keeps references to model and stage. All particles come to rest.
@@ -69,9 +70,10 @@ class StaticBody {
   int pattern_version() const { return stiffness_at_hand().assembly.version(); }
   /// Derivative of unbalanced() with the load factor, supports moving with it.  [force]
   const Vector& load_direction() const { return stiffness_at_hand().load_direction; }
-  /// True if moments of fixed direction act on free turns.
-  bool has_applied_moments() const;
-  /// tangent() with the antisymmetric part that applied moments leave in balance.
+  /// The largest entry of the antisymmetric part that outside moments leave in balance, here.  [force/length]
+  double moment_part() const;
+  bool has_moment_part() const { return moment_part() > 0.0; }
+  /// tangent() with that part.
   SparseMatrix full_tangent() const;
 
   /// Energy of bonds and contacts.
@@ -83,7 +85,8 @@ class StaticBody {
   double rounding_of_potential() const { return rounding_of_potential_; }
 
   /// How far x would turn or stretch bonds at most: |change of the vector between centres| / its length, and
-  /// the angle between the turns of its ends. A linear step is a good guess up to some 0.3.
+  /// the angle between the turns of its ends; of particles without bonds the movement over the length scale,
+  /// and the turn. A linear step is a good guess up to some 0.3.
   double largest_bond_change(const Vector& x) const;
   /// What supports exert on these particles along held degrees of freedom.
   Reaction reaction(const std::vector<ParticleId>& particles) const;
@@ -106,13 +109,15 @@ class StaticBody {
   void add_pair(ParticleId i, ParticleId j, const Assembly::Block& d) const;
   Vector on_unknowns(const Loads& loads) const;
   void placed();
+  Vec3d outside_moment(ParticleId p, const Loads& applied) const;
 
   const Model& model_;
   const StaticStage& stage_;
   State state_;
   double load_factor_ = 0;
   Unknowns unknowns_;
-  Vector relief_;                                 // empty: none
+  Vector relief_;  // empty: none
+  PerParticle<char> bonded_;
   PerParticle<std::array<double, 6>> held_rate_;  // movement of held degrees of freedom per load factor
   double rounding_of_force_ = 0, rounding_of_potential_ = 0;
   mutable std::optional<Loaded> loaded_;

@@ -13,9 +13,12 @@ StaticOutcome find_equilibrium(const Model& model, const StaticStage& stage, Sta
                                const StaticHooks& hooks);
 
 /// The body under the stage's constant loads only, its supports where they are, brought to balance: where
-/// path, buckling and modes begin. Adds to result.iterations. Throws NoEquilibrium.
-State balance_of_constant_loads(const Model& model, const StaticStage& stage, State state,
-                                const StaticHooks& hooks, StaticResult& result);
+/// path, buckling and modes begin. Adds to result.iterations. Nothing if interrupted. Throws NoEquilibrium.
+std::optional<State> balance_of_constant_loads(const Model& model, const StaticStage& stage, State state,
+                                               const StaticHooks& hooks, StaticResult& result);
+
+/// How a stage ends that was interrupted before its first point, in the state where it began, at rest.
+StaticOutcome interrupted_outcome(StaticResult result, State state);
 
 /// Throws NoEquilibrium, naming them, if parts of the body can move freely as rigid bodies.
 void refuse_rigid_motions(const StaticBody& body);

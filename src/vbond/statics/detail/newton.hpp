@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -25,7 +26,7 @@ class TangentSolver {
   std::optional<int> factor(const StaticBody& body);
   /// After either: (tangent() + shift I)^-1 b. Empty if conjugate gradients do not converge.
   Vector solve(const Vector& b) const;
-  /// After either, without a shift: the same with full_tangent(), which differs where moments are applied.
+  /// After either, without a shift: the same with full_tangent(), which differs where moments act.
   Vector solve_full(const StaticBody& body, const Vector& b) const;
   /// True if the factor does not fit into memory, or was not wanted: conjugate gradients are used.
   bool iterative() const { return iterative_ != nullptr; }
@@ -45,6 +46,7 @@ class TangentSolver {
 /// How Newton's method went at one load factor.
 struct NewtonOutcome {
   bool converged = false;
+  bool interrupted = false;
   std::vector<double> residuals;  ///< StaticBody::residual() before each correction and at the end
   std::string why;                ///< not converged: what stood in the way, e.g. "60 iterations"
   int iterations() const { return static_cast<int>(residuals.size()) - 1; }
@@ -56,11 +58,13 @@ bool balanced(const StaticBody& body, const NewtonSettings& settings, const std:
 
 /// Plain Newton at the body's load factor, from a state near balance; stable or not. For points on a known
 /// path: it gives up when residuals grow, and the body is then where it gave up.
-NewtonOutcome correct(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings);
+NewtonOutcome correct(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings,
+                      const std::function<bool()>& interrupted = {});
 
 /// Newton with a line search downhill in the potential, the tangent shifted where it is not positive
 /// definite, so that it goes to a minimum and not to a saddle. It may still stop at a balance that is
 /// unstable, if it meets one exactly (a straight column): ask solver.factor().
-NewtonOutcome minimise(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings);
+NewtonOutcome minimise(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings,
+                       const std::function<bool()>& interrupted = {});
 
 }  // namespace vbond
