@@ -27,16 +27,16 @@ class PathStep {
   /// The balance at arc-length s, where the body is then.
   StepOutcome to(double s);
 
-  /// The place between lo and hi at which a function of the balance crosses zero; |value| <= small is taken for
-  /// zero. Nothing if the tangent stiffness is singular to the last bit there and all around.
+  /// The place between lo and hi at which a function of the balance crosses zero; |value| <= small is taken
+  /// for zero. Nothing if the tangent stiffness is singular to the last bit there and all around.
   using Value = std::function<double(const PathPoint&)>;
   std::optional<PathNode> zero_of(const Value& value, const PathNode& lo, const PathNode& hi, double small);
   /// Where the load factor is stationary.
   std::optional<PathNode> limit_point(const PathNode& lo, const PathNode& hi);
   /// The first place at which the number of negative eigenvalues changes.
   std::optional<PathNode> critical_point(const PathNode& lo, const PathNode& hi);
-  /// Negative eigenvalues at s, beside a special point whose own number is left to rounding; those of `end` if
-  /// that is between the special point and s, or if nothing is found at s.
+  /// Negative eigenvalues at s, beside a special point whose own number is left to rounding; those of `end`
+  /// if that is between the special point and s, or if nothing is found at s.
   int unstable_beside(const PathNode& special, double s, const PathNode& end);
 
   /// Of Newton's method, all together.
