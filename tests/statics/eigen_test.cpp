@@ -63,6 +63,18 @@ TEST(SmallestEigenpairs, AreThoseOfALatticeWithAllCopies) {
   }
 }
 
+// Large enough that copies are searched for instead of counted.
+TEST(SmallestEigenpairs, OfALargeLatticeComeWithAllCopies) {
+  const SparseMatrix A = lattice(30, 30, 30, true);
+  Factor factor;
+  factor.analyse(A);
+  ASSERT_GT(factor.bytes(), 0x1p25);
+  const std::vector<double> values = held_lattice_eigenvalues(30, 30, 30);  // 1, 3, 3, 1, 3, ... equal ones
+  for (const int count : {3, 7})
+    expect_pairs(A, smallest_eigenpairs(A, count, 0.0), {values.begin(), values.begin() + count},
+                 std::to_string(count));
+}
+
 TEST(SmallestEigenpairs, AreThoseAboveTheBound) {
   for (const Box& b : boxes) {
     const SparseMatrix A = held(b);

@@ -234,6 +234,15 @@ TEST(Equilibrium, PressesContactsTogether) {
   EXPECT_NEAR(1.01 - pressed.r[ParticleId{1}].x, std::pow(0.008, 2.0 / 3.0), 1e-12);  // 0.04
 }
 
+TEST(Equilibrium, OfABodyThatIsHeldEverywhereIsThatBody) {
+  const testing::Specimen rod = testing::straight_rod(3);
+  const StaticOutcome held =
+      equilibrium(rod, static_stage(StageKind::equilibrium,
+                                    {fixed(rod.model.groups[0].particles, testing::clamped, {1, 0, 0})}));
+  EXPECT_EQ(held.result.ended, "converged");
+  EXPECT_EQ(held.state.r[ParticleId{2}].x, 3.0);
+}
+
 TEST(Equilibrium, NamesWhatCanMoveFreely) {
   StaticStage stage = cantilever(10, {0, 1, 0});
   stage.supports[0].held = {true, true, true, false, true, true};

@@ -75,7 +75,7 @@ struct StaticStage {
   int steps = 1;                         ///< equilibrium: load steps at least; more if they are too large
   AtSaddle at_saddle = AtSaddle::leave;  ///< equilibrium: what to do at an unstable balance
   PathSettings path;
-  int count = 6;             ///< modes: how many frequencies; buckling: how many critical loads
+  int count = 6;             ///< modes: frequencies besides those of rigid motions; buckling: critical loads
   int frames_per_mode = 16;  ///< modes, buckling: frames of one swing; 0: none
   double amplitude = 0;  ///< of the frames: largest movement of a particle [length]; 0: a tenth of the body
 };

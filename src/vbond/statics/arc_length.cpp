@@ -75,7 +75,7 @@ StepOutcome ArcLength::step(const Placement& from, const PathDirection& directio
   const int most = std::min(most_corrections, settings_.iterations);
   for (;;) {
     outcome.residuals.push_back(body_.residual());
-    if (outcome.residuals.back() <= std::max(settings_.tolerance, body_.residual_of_rounding())) break;
+    if (balanced(body_, settings_, outcome.residuals)) break;
     if (outcome.iterations == most) outcome.why = fmt::format("no balance after {} corrections", most);
     if (!std::isfinite(outcome.residuals.back())) outcome.why = "the forces are not finite";
     if (!outcome.why.empty()) return outcome;

@@ -1,112 +1,32 @@
 #include "vbond/statics/detail/eigen.hpp"
 
 #include <Spectra/SymEigsSolver.h>
-#include <Spectra/SymGEigsSolver.h>
-#include <fmt/format.h>
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/QR>
-#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <optional>
 #include <stdexcept>
-#include <utility>
-#include <vector>
+
+#include "vbond/statics/detail/eigen_search.hpp"
 
 namespace vbond {
 namespace {
 
-// Up to here all eigenpairs are found faster densely than a few by iteration (measured).
-constexpr int largest_dense = 120;
-constexpr double lanczos_tolerance = 1e-11;  // of vectors; eigenvalues are good to its square
-constexpr int lanczos_restarts = 1000;
 // A shift that is an eigenvalue is moved by this times the largest diagonal entry, then by more: the inverse
 // reaches 1e8 there, and rounding of that leaves vectors of other eigenvalues eight digits and more.
 constexpr double first_step = 1e-8;
 // Eigenvalues are known to some eps times the largest diagonal entry.
 constexpr double known_to = 1e-12;
 
-bool solve_densely(Eigen::Index n, int count) {
-  return n <= largest_dense || 3 * count > n;
-}
+/// Counting takes a factor of an indefinite matrix, which has no blocks for BLAS: from some size on, one more
+/// search is cheaper (a lattice of 15,000 unknowns: 1 s against 0.1 s; of 45,000: 15 s against 0.5 s).
+constexpr double largest_counted = 0x1p25;  // bytes of the factor
 
-int basis_size(int count, Eigen::Index n) {
-  return static_cast<int>(std::min<Eigen::Index>(n, std::max(2 * count + 20, 40)));
-}
-
-/// Eigenpairs and the order in which they are wanted: by increasing key.
-struct Found {
-  std::vector<double> key;
-  std::vector<double> value;
-  DenseMatrix vectors;
-
-  int size() const { return static_cast<int>(key.size()); }
-  void add(double k, double v, const Vector& x) {
-    key.push_back(k);
-    value.push_back(v);
-    vectors.conservativeResize(x.size(), size());
-    vectors.col(size() - 1) = x;
-  }
-  void sort() {
-    std::vector<int> order(key.size());
-    std::iota(order.begin(), order.end(), 0);
-    std::sort(order.begin(), order.end(),
-              [this](int a, int b) { return key[std::size_t(a)] < key[std::size_t(b)]; });
-    Found sorted;
-    sorted.vectors.resize(vectors.rows(), size());
-    for (const int k : order) {
-      sorted.key.push_back(key[std::size_t(k)]);
-      sorted.value.push_back(value[std::size_t(k)]);
-      sorted.vectors.col(sorted.size() - 1) = vectors.col(k);
-    }
-    *this = std::move(sorted);
-  }
-  int below(double k) const {
-    return static_cast<int>(std::count_if(key.begin(), key.end(), [k](double x) { return x < k; }));
-  }
-  EigenPairs part(int first, int count) const {
-    const int n = std::clamp(size() - first, 0, count);
-    return {Eigen::Map<const Vector>(value.data() + first, n), vectors.middleCols(first, n)};
-  }
-};
-
-/// What to look for: `count` of `available` pairs, with keys from `from` on, known to `resolution`.
-struct Wanted {
-  int count, available;
-  double from, resolution;
-};
-
-/// A key a little beyond `last`, and how many pairs there are below it.
-template <class Number>
-std::pair<double, int> counted_beyond(double last, double resolution, Number&& number_below) {
-  for (double margin = std::max(1e-6 * std::abs(last), resolution);
-       margin < 0.1 * std::abs(last) + 1e6 * resolution; margin *= 1.7)
-    if (const std::optional<int> number = number_below(last + margin)) return {last + margin, *number};
-  throw std::runtime_error("eigenvalues: they are too close to each other to be counted");
-}
-
-/// Looks for pairs until none is missing among the first ones. look(k, found) adds k more; number_below(key)
-/// says how many there are, or nothing where a matrix is singular.
 template <class Look, class Number>
-EigenPairs find_all(const Wanted& w, Look&& look, Number&& number_below) {
-  Found found;
-  int unwanted = 0;
-  int missing = std::min(w.count, w.available);
-  for (int rounds = 0; missing > 0; ++rounds) {
-    if (rounds > w.count + 20)
-      throw std::runtime_error(fmt::format("eigenvalues: {} are missing that must exist", missing));
-    look(missing, found);
-    found.sort();
-    unwanted = found.below(w.from);
-    if (found.size() >= w.available) break;
-    const int needed = std::min(w.count + unwanted, w.available);
-    const double last = found.key[static_cast<std::size_t>(std::min(needed, found.size()) - 1)];
-    const auto [cut, number] = counted_beyond(last, w.resolution, number_below);
-    missing = std::max(std::min(number, w.available) - found.below(cut), needed - found.size());
-  }
-  return found.part(unwanted, w.count);
+EigenPairs find_all(const Factor& factor, const Wanted& w, Look&& look, Number&& number_below) {
+  if (factor.bytes() > largest_counted) return find_searched(w, look);
+  return find_counted(w, look, number_below);
 }
 
 /// x -> scale P (A - sigma I)^-1 P x, P the projection normal to `without` and `found`.
@@ -131,20 +51,6 @@ struct ShiftedInverse {
   const SparseMatrix& without;
   const DenseMatrix& found;
 };
-
-template <class Solver>
-void iterate(Solver& solver, Spectra::SortRule rule, int count, Eigen::Index n) {
-  solver.init();
-  const auto converged = static_cast<int>(solver.compute(rule, lanczos_restarts, lanczos_tolerance));
-  if (converged < count)
-    throw std::runtime_error(
-        fmt::format("eigenvalues of a matrix of {} unknowns: {} of {} converged within {} restarts", n,
-                    converged, count, lanczos_restarts));
-}
-
-double largest_diagonal(const SparseMatrix& A) {
-  return Vector(A.diagonal()).cwiseAbs().maxCoeff();
-}
 
 /// A - sigma I factored, sigma where it was wanted, or a little below if that is an eigenvalue.
 struct Shifted {
@@ -254,7 +160,7 @@ EigenPairs smallest_eigenpairs(const SparseMatrix& A, int count, double bound, c
   counter.analyse(A);
   const double resolution = known_to * at.scale;
   return find_all(
-      Wanted{count, available, bound - at.sigma - resolution, resolution},
+      at.factor, Wanted{count, available, bound - at.sigma - resolution, resolution},
       [&](int k, Found& found) {
         look_near(A, at.factor, Spectra::SortRule::LargestAlge, without, k, found,
                   [&](double value) { return value - at.sigma; });
@@ -281,7 +187,7 @@ EigenPairs eigenpairs_near_zero(const SparseMatrix& A, int count) {
   Factor counter;
   counter.analyse(A);
   return find_all(
-      Wanted{count, static_cast<int>(n), 0.0, known_to * at.scale},
+      at.factor, Wanted{count, static_cast<int>(n), 0.0, known_to * at.scale},
       [&](int k, Found& found) {
         look_near(A, at.factor, Spectra::SortRule::LargestMagn, {}, k, found,
                   [](double value) { return std::abs(value); });
@@ -299,101 +205,6 @@ double eigenvalue_near_zero(const SparseMatrix& A, const Factor& factor) {
   look_near(A, factor, Spectra::SortRule::LargestMagn, {}, 1, found,
             [](double value) { return std::abs(value); });
   return found.value[0];
-}
-
-namespace {
-
-/// How far beyond the critical factor of smallest size others are looked for.
-constexpr double factor_range = 1e4;
-
-/// x -> -scale (B + A X Theta X^T A) x: pairs (theta, X) of -B x = theta A x that are known get theta = 0.
-struct LoadOperator {
-  using Scalar = double;
-  Eigen::Index rows() const { return B.rows(); }
-  Eigen::Index cols() const { return B.rows(); }
-  void perform_op(const double* in, double* out) const {
-    const Eigen::Map<const Vector> x(in, B.rows());
-    Vector y = B * x;
-    if (AX.cols() > 0) y += AX * theta.cwiseProduct(AX.transpose() * x);
-    Eigen::Map<Vector>(out, B.rows()) = -scale * y;
-  }
-  const SparseMatrix& B;
-  double scale;
-  DenseMatrix AX;
-  Vector theta;
-};
-
-struct StiffnessOperator {
-  using Scalar = double;
-  Eigen::Index rows() const { return A.rows(); }
-  Eigen::Index cols() const { return A.rows(); }
-  void solve(const double* in, double* out) const {
-    Eigen::Map<Vector>(out, A.rows()) = factor.solve(Eigen::Map<const Vector>(in, A.rows()));
-  }
-  void perform_op(const double* in, double* out) const {
-    Eigen::Map<Vector>(out, A.rows()) = A * Eigen::Map<const Vector>(in, A.rows());
-  }
-  const SparseMatrix& A;
-  const Factor& factor;
-};
-
-/// Largest theta, or largest in size, of -B x = theta A x, as pairs (mu = 1 / theta, x).
-void look_for_factors(StiffnessOperator& stiffness, const SparseMatrix& B, double scale,
-                      Spectra::SortRule rule, int count, Found& found) {
-  const SparseMatrix& A = stiffness.A;
-  LoadOperator load{B, scale, {}, Vector(found.size())};
-  if (found.size() > 0) load.AX = A * found.vectors;
-  for (int k = 0; k < found.size(); ++k) load.theta[k] = 1.0 / found.value[static_cast<std::size_t>(k)];
-  Spectra::SymGEigsSolver<LoadOperator, StiffnessOperator, Spectra::GEigsMode::RegularInverse> solver(
-      load, stiffness, count, basis_size(count, A.rows()));
-  iterate(solver, rule, count, A.rows());
-  const Vector theta = solver.eigenvalues();
-  const DenseMatrix x = solver.eigenvectors();
-  for (Eigen::Index k = 0; k < theta.size(); ++k) {
-    const Vector v = x.col(k);
-    const double mu = scale / theta[k];
-    found.add(mu, mu, v / std::sqrt(v.dot(A * v)));
-  }
-}
-
-EigenPairs dense_factors(const SparseMatrix& A, const SparseMatrix& B, int count) {
-  const Eigen::GeneralizedSelfAdjointEigenSolver<DenseMatrix> all(-DenseMatrix(B), DenseMatrix(A));
-  const Vector theta = all.eigenvalues();
-  const double smallest = theta.cwiseAbs().maxCoeff() / factor_range;
-  Found found;
-  for (Eigen::Index k = theta.size() - 1; k >= 0 && theta[k] > smallest; --k)
-    found.add(1.0 / theta[k], 1.0 / theta[k], all.eigenvectors().col(k));
-  return found.part(0, count);
-}
-
-}  // namespace
-
-EigenPairs critical_factors(const SparseMatrix& A, const SparseMatrix& B, int count) {
-  const Eigen::Index n = A.rows();
-  const double largest_B = B.nonZeros() > 0 ? B.coeffs().cwiseAbs().maxCoeff() : 0.0;
-  if (n == 0 || count <= 0) return {Vector(0), DenseMatrix(n, 0)};
-  Factor factor;
-  factor.analyse(A);
-  if (!factor.factor_definite(A))
-    throw std::invalid_argument("critical factors: the matrix is not positive definite");
-  if (!(largest_B > 0.0)) return {Vector(0), DenseMatrix(n, 0)};
-  if (solve_densely(n, count)) return dense_factors(A, B, count);
-  StiffnessOperator stiffness{A, factor};
-  // Some |theta| is at least max |B_ij| over the largest eigenvalue of A: scaled it is not far below 1.
-  const double scale = largest_diagonal(A) / largest_B;
-  Found nearest;
-  look_for_factors(stiffness, B, scale, Spectra::SortRule::LargestMagn, 1, nearest);
-  Factor counter;
-  counter.analyse(A + B);
-  const auto number_below = [&](double mu) { return counter.factor_indefinite(A + mu * B); };
-  const std::optional<int> available = number_below(factor_range * std::abs(nearest.value[0]));
-  if (!available) throw std::runtime_error("critical factors: they cannot be counted");
-  return find_all(
-      Wanted{count, *available, 0.0, 0.0},
-      [&](int k, Found& found) {
-        look_for_factors(stiffness, B, scale, Spectra::SortRule::LargestAlge, k, found);
-      },
-      number_below);
 }
 
 namespace {

@@ -176,6 +176,7 @@ struct Factor::Cholmod {
   FactorPointer symbolic{nullptr, FreeFactor{&common}};
   FactorPointer numeric{nullptr, FreeFactor{&common}};
   double bytes = 0;
+  bool empty = false;  // no unknowns
   int singular = -1;
   SparseMatrix kept_A;  // indefinite: for the residual of the refinement
   double kept_shift = 0;
@@ -191,6 +192,9 @@ void Factor::analyse(const SparseMatrix& A) {
   c.numeric.reset();
   c.symbolic.reset();
   c.kind = Cholmod::Kind::none;
+  c.empty = A.rows() == 0;
+  c.bytes = 0;
+  if (c.empty) return;  // CHOLMOD refuses it
   cholmod_sparse a = view(A);
   c.common.status = CHOLMOD_OK;
   c.symbolic = c.own(cholmod_analyze(&a, &c.common));
@@ -211,6 +215,7 @@ double Factor::bytes() const {
 
 bool Factor::factor_definite(const SparseMatrix& A, double shift) {
   Cholmod& c = *c_;
+  if (c.empty) return true;
   c.prepare(Cholmod::Kind::definite);
   c.factorize(A, shift);
   // A pivot below rounding of the largest may be a zero that came out positive by chance.
@@ -220,6 +225,7 @@ bool Factor::factor_definite(const SparseMatrix& A, double shift) {
 
 std::optional<int> Factor::factor_indefinite(const SparseMatrix& A, double shift) {
   Cholmod& c = *c_;
+  if (c.empty) return 0;
   c.prepare(Cholmod::Kind::indefinite);
   c.singular = -1;
   c.factorize(A, shift);
@@ -245,6 +251,7 @@ int Factor::singular_unknown() const {
 
 Vector Factor::solve(const Vector& b) const {
   Cholmod& c = *c_;
+  if (c.empty) return b;
   Vector x = c.solve_once(b);
   if (c.kind == Cholmod::Kind::indefinite) {
     const Vector left = b - c.kept_A.selfadjointView<Eigen::Lower>() * x - c.kept_shift * x;

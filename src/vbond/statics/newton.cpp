@@ -51,20 +51,16 @@ Vector limited(const StaticBody& body, Vector x) {
   return x;
 }
 
-/// Balanced as well as was asked for, or as rounding lets it be known.
-bool balanced(const StaticBody& body, const NewtonSettings& settings) {
-  return body.residual() <= std::max(settings.tolerance, body.residual_of_rounding());
-}
-
-/// Residuals that have stopped falling close to what rounding leaves: nothing more can be had.
-bool stalled(const StaticBody& body, const std::vector<double>& residuals) {
-  constexpr double close = 100.0;
-  const std::size_t n = residuals.size();
-  return n >= 3 && residuals[n - 1] > 0.3 * residuals[n - 3] &&
-         residuals.back() <= close * body.residual_of_rounding();
-}
-
 }  // namespace
+
+bool balanced(const StaticBody& body, const NewtonSettings& settings, const std::vector<double>& residuals) {
+  constexpr double close = 100.0;
+  const double rounding = body.residual_of_rounding();
+  if (residuals.back() <= std::max(settings.tolerance, rounding)) return true;
+  const std::size_t n = residuals.size();
+  const bool stalled = n >= 3 && residuals[n - 1] > 0.3 * residuals[n - 3];
+  return stalled && residuals.back() <= close * rounding;
+}
 
 struct TangentSolver::ConjugateGradients {
   SparseMatrix A;
@@ -134,7 +130,7 @@ NewtonOutcome correct(StaticBody& body, TangentSolver& solver, const NewtonSetti
   std::vector<double>& residuals = outcome.residuals;
   for (int k = 0; k <= settings.iterations; ++k) {
     residuals.push_back(body.residual());
-    if (balanced(body, settings) || stalled(body, residuals)) {
+    if (balanced(body, settings, residuals)) {
       outcome.converged = true;
       return outcome;
     }
@@ -227,7 +223,7 @@ NewtonOutcome minimise(StaticBody& body, TangentSolver& solver, const NewtonSett
   Descent descent(body, solver);
   for (int k = 0; k <= settings.iterations; ++k) {
     outcome.residuals.push_back(body.residual());
-    if (balanced(body, settings) || stalled(body, outcome.residuals)) {
+    if (balanced(body, settings, outcome.residuals)) {
       outcome.converged = true;
       return outcome;
     }

@@ -3,10 +3,25 @@
 #include <algorithm>
 #include <cmath>
 
-#include "vbond/statics/detail/crossing.hpp"
 #include "vbond/statics/detail/eigen.hpp"
 
 namespace vbond {
+
+namespace {
+
+/// The eigenvalue with this number in increasing order, from 0, where `negative` of them are negative.
+double eigenvalue_by_number(const SparseMatrix& A, int number, int negative) {
+  for (int count = 2;; count *= 2) {
+    Vector near = eigenpairs_near_zero(A, std::min(count, static_cast<int>(A.rows()))).values;
+    std::sort(near.begin(), near.end());
+    const auto below = std::count_if(near.begin(), near.end(), [](double x) { return x < 0.0; });
+    const std::ptrdiff_t at = number - negative + below;
+    if (at >= 0 && at < near.size()) return near[at];
+    if (near.size() == A.rows()) return number < negative ? near[0] : near[near.size() - 1];
+  }
+}
+
+}  // namespace
 
 StepOutcome PathStep::to(double s) {
   StepOutcome outcome = arc_.step(start_.at, direction_, s);
@@ -17,8 +32,12 @@ StepOutcome PathStep::to(double s) {
 
 std::optional<PathNode> PathStep::zero_of(const Value& value, const PathNode& lo, const PathNode& hi,
                                           double small) {
-  const Sample a{lo.s, value(lo.point)}, b{hi.s, value(hi.point)};
-  const double s = crossing(a, b, small, [&](double at) -> std::optional<double> {
+  return zero_between({lo.s, value(lo.point)}, {hi.s, value(hi.point)}, value, small);
+}
+
+std::optional<PathNode> PathStep::zero_between(const Sample& lo, const Sample& hi, const Value& value,
+                                               double small) {
+  const double s = crossing(lo, hi, small, [&](double at) -> std::optional<double> {
     const StepOutcome outcome = to(at);
     if (!outcome.point) return std::nullopt;
     return value(*outcome.point);
@@ -36,17 +55,22 @@ std::optional<PathNode> PathStep::limit_point(const PathNode& lo, const PathNode
   return zero_of(slope, lo, hi, 1e-8 * std::max(std::abs(slope(lo.point)), std::abs(slope(hi.point))));
 }
 
-// Of all eigenvalues in increasing order the one that is the first to change its sign, by number: the number
-// of negative ones tells its sign, and near zero it is the one that is nearest to zero.
+// Of all eigenvalues in increasing order the one that is the first to change its sign, by number. Its sign
+// is told by the number of negative ones. At an end of the stretch another one may have just vanished, so
+// that the number is not to be had from the matrix: there the size is no guide if it is small.
 std::optional<PathNode> PathStep::critical_point(const PathNode& lo, const PathNode& hi) {
   const bool softens = hi.point.unstable > lo.point.unstable;
   const int number = softens ? lo.point.unstable : lo.point.unstable - 1;  // from 0
   const auto eigenvalue = [this, number](const PathPoint& p) {
     body_.restore(p.at);
-    return std::copysign(eigenpairs_near_zero(body_.tangent(), 1).values[0], number - p.unstable + 0.5);
+    return std::copysign(eigenvalue_by_number(body_.tangent(), number, p.unstable),
+                         number - p.unstable + 0.5);
   };
-  const double scale = std::max(std::abs(eigenvalue(lo.point)), std::abs(eigenvalue(hi.point)));
-  return zero_of(eigenvalue, lo, hi, 1e-10 * scale);
+  Sample a{lo.s, eigenvalue(lo.point)}, b{hi.s, eigenvalue(hi.point)};
+  const double scale = std::max(std::abs(a.value), std::abs(b.value));
+  for (Sample* end : {&a, &b})
+    end->value = std::copysign(std::max(std::abs(end->value), 0.01 * scale), end->value);
+  return zero_between(a, b, eigenvalue, 1e-10 * scale);
 }
 
 int PathStep::unstable_beside(const PathNode& special, double s, const PathNode& end) {

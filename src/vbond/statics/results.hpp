@@ -45,7 +45,7 @@ struct Shape {
 struct SpecialPoint {
   PointKind kind = PointKind::limit_point;
   double load_factor = 0;
-  int point = 0;            ///< number of the point on the path
+  int point = 0;            ///< number of the point on the path, from 1
   int unstable_before = 0;  ///< negative eigenvalues of the tangent
   int unstable_after = 0;
   friend bool operator==(const SpecialPoint&, const SpecialPoint&) = default;
@@ -54,8 +54,8 @@ struct SpecialPoint {
 /// A load at which balance stops being stable.
 struct CriticalLoad {
   double load_factor = 0;  ///< found on the nonlinear path
-  double estimate = 0;     ///< linearised about load factor 0
-  double force = 0;  ///< load factor times the largest proportional force put on a group; 0: there is none
+  double estimate = 0;     ///< linearised about load factor 0; 0: there is none
+  double force = 0;  ///< load factor times the largest proportional force on a whole group; 0: there is none
   Shape mode;
   friend bool operator==(const CriticalLoad&, const CriticalLoad&) = default;
 };

@@ -50,6 +50,10 @@ struct NewtonOutcome {
   int iterations() const { return static_cast<int>(residuals.size()) - 1; }
 };
 
+/// Balanced as well as was asked for, or as rounding lets it be known: residuals, the last being that of the
+/// body as it stands, have stopped falling close to what rounding leaves.
+bool balanced(const StaticBody& body, const NewtonSettings& settings, const std::vector<double>& residuals);
+
 /// Plain Newton at the body's load factor, from a state near balance; stable or not. For points on a known
 /// path: it gives up when residuals grow, and the body is then where it gave up.
 NewtonOutcome correct(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "vbond/statics/detail/arc_length.hpp"
+#include "vbond/statics/detail/crossing.hpp"
 
 namespace vbond {
 
@@ -44,6 +45,8 @@ class PathStep {
   const std::vector<double>& last_residuals() const { return last_residuals_; }
 
  private:
+  std::optional<PathNode> zero_between(const Sample& lo, const Sample& hi, const Value& value, double small);
+
   StaticBody& body_;
   ArcLength& arc_;
   PathPoint start_;
