@@ -59,22 +59,5 @@ TEST_P(Cantilever, HasTheExactLinearResponses) {
 
 INSTANTIATE_TEST_SUITE_P(BothLaws, Cantilever, ::testing::Values(BondLaw::v_model, BondLaw::evm));
 
-// Six particles bonded at their surfaces by short cylinders, R_i = R_j = 0.4, a = 0.2; numbers of the
-// reference solution by Newton's method (validation case B5), given to 1e-6 relative.
-TEST(SurfaceBondedCantilever, RestsAtTheReferenceTip) {
-  BondRecipe recipe;
-  recipe.parameters = TheoryParameters{BondTheory::short_cylinder, {1.0, 0.25}, circle(0.3), 0};
-  recipe.attachment = Attachment::surfaces;
-  const testing::Specimen s = testing::straight_rod(6, recipe);
-  EXPECT_NEAR(s.state.bonds[BondId{0}].B2, 0.0009719302272043415, 1e-15);
-  const ParticleId tip{5};
-  const double omega_1 = 3.516 * std::sqrt(0.0024 / 625.0);
-  const State small = resting(s, tip_load(5, {0, 1e-7, 0}, {}), omega_1, 0.004, 0.3);
-  EXPECT_NEAR(small.r[tip].y / 0.0017326273106673912, 1.0, 1e-6);
-  const State large = resting(s, tip_load(5, {0, 5e-5, 0}, {}), omega_1, 0.004, 0.3);
-  EXPECT_NEAR(large.r[tip].x / 4.912944707597587, 1.0, 1e-6);
-  EXPECT_NEAR(large.r[tip].y / 0.841929097693849, 1.0, 1e-6);
-}
-
 }  // namespace
 }  // namespace vbond

@@ -194,7 +194,7 @@ TEST(Columns, BuckleUnderTheirOwnWeightAtTheExactDiscreteValue) {
 
 // K3: both ends clamped, one free to slide along x, turned about it in proportion to the load factor.
 TEST(Columns, LeaveTheirLineUnderTheExactDiscreteTwist) {
-  for (const std::size_t N : {40u, 80u}) {
+  for (const std::size_t N : {40u, 80u, 160u}) {
     const double twist =
         validation_case("K3").at("expected").at("discrete").at(std::to_string(N)).at("twist");
     const StaticResult result = critical_loads(

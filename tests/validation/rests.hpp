@@ -8,8 +8,7 @@
 namespace vbond::testing {
 
 /// Bernoulli-Euler bonds of the reference's standard rod: EI = 1, EA = 4e4, GJ = 1 / 1.2.
-inline BondRecipe rod50_bond() {
-  const double EA = 4e4;
+inline BondRecipe rod50_bond(double EA = 4e4) {
   BondRecipe recipe;
   recipe.parameters = TheoryParameters{BondTheory::bernoulli_euler, {EA, 0.2}, {1.0, 1 / EA, 2 / EA}, 0};
   return recipe;
@@ -22,12 +21,12 @@ inline void set_masses(Specimen& s, double bonds, double EI_over_EA) {
 }
 
 /// The standard rod: N bonds, length 1, along x from the origin.
-inline Specimen rod50(std::size_t N) {
+inline Specimen rod50(std::size_t N, double EA = 4e4) {
   std::vector<Vec3d> r;
   for (std::size_t k = 0; k <= N; ++k) r.push_back({static_cast<double>(k) / static_cast<double>(N), 0, 0});
   Specimen s = particles_at(r, 0.1 / static_cast<double>(N));
-  for (std::size_t k = 0; k < N; ++k) bond(s, k, k + 1, rod50_bond());
-  set_masses(s, static_cast<double>(N), 1.0 / 4e4);
+  for (std::size_t k = 0; k < N; ++k) bond(s, k, k + 1, rod50_bond(EA));
+  set_masses(s, static_cast<double>(N), 1 / EA);
   return s;
 }
 
