@@ -1,6 +1,7 @@
 #include "vbond/statics/detail/factor.hpp"
 
 #include <cholmod.h>
+#include <dlfcn.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,6 +16,32 @@ extern "C" void openblas_set_num_threads(int);
 
 namespace vbond {
 namespace {
+
+/// As long as it lives, CHOLMOD does its loops alone. It would share out every small front of a matrix among
+/// four threads of OpenMP, whose waiting takes longer than the work: a shell of 2,700 unknowns took three
+/// times as long. The runtime is the one that CHOLMOD was built with, so it is asked for by name.
+class WithoutThreads {
+ public:
+  WithoutThreads() {
+    if (get_ == nullptr || set_ == nullptr) return;
+    before_ = get_();
+    set_(0);
+  }
+  ~WithoutThreads() {
+    if (get_ != nullptr && set_ != nullptr) set_(before_);
+  }
+  WithoutThreads(const WithoutThreads&) = delete;
+  WithoutThreads& operator=(const WithoutThreads&) = delete;
+
+ private:
+  template <class F>
+  static F* found(const char* name) {
+    return reinterpret_cast<F*>(dlsym(RTLD_DEFAULT, name));
+  }
+  int (*get_)() = found<int()>("omp_get_max_active_levels");
+  void (*set_)(int) = found<void(int)>("omp_set_max_active_levels");
+  int before_ = 0;
+};
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
@@ -117,7 +144,7 @@ struct Factor::Cholmod {
     cholmod_start(&common);
     common.print = 0;
     common.quick_return_if_not_posdef = 1;
-    openblas_set_num_threads(1);  // CHOLMOD's own threads share out columns, which changes no sum
+    openblas_set_num_threads(1);
   }
   ~Cholmod() {
     symbolic.reset();
@@ -154,6 +181,7 @@ struct Factor::Cholmod {
 
   void factorize(const SparseMatrix& A, double shift) {
     cholmod_sparse a = view(A);
+    const WithoutThreads alone;
     double beta[2] = {shift, 0.0};
     common.status = CHOLMOD_OK;
     cholmod_factorize_p(&a, beta, nullptr, 0, numeric.get(), &common);
@@ -163,6 +191,7 @@ struct Factor::Cholmod {
   int original(int k) const { return static_cast<const int*>(numeric->Perm)[k]; }
 
   Vector solve_once(const Vector& b) {
+    const WithoutThreads alone;
     cholmod_dense rhs = view(b);
     cholmod_dense* x = cholmod_solve(CHOLMOD_A, numeric.get(), &rhs, &common);
     check("solving");
