@@ -7,9 +7,10 @@ namespace vbond::app {
 namespace {
 
 [[noreturn]] void refuse(const SourcePlace& place, const std::string& what) {
-  throw CaseError({place, what, "this vbond was built without statics",
-                   "build it with -DVBOND_STATICS=ON, which needs libsuitesparse-dev, libopenblas-dev and "
-                   "libspectra-dev"});
+  throw CaseError(
+      {place, what, "this vbond was built without statics",
+       "build it with -DVBOND_STATICS=ON, which needs libsuitesparse-dev, libopenblas-pthread-dev, "
+       "libeigen3-dev and libspectra-dev"});
 }
 
 }  // namespace

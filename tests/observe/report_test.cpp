@@ -76,7 +76,7 @@ TEST(StaticTable, RowsAreAsWideAsTheHeaderForSmallAndLargeValues) {
   EXPECT_EQ(static_table_row({chain.state, 0.0, PointKind::regular, {}, {}, {}}, {}).size(), width);
   chain.at_step(999999999999);
   const Energies energies{0, 0, -1.23456789e-123, 0, 0, 0};
-  EXPECT_EQ(static_table_row({chain.state, -1.23456789e-123, PointKind::bifurcation, 999999, energies, {}},
+  EXPECT_EQ(static_table_row({chain.state, -1.23456789e-123, PointKind::near_critical, 999999, energies, {}},
                              {99999999, 99999999})
                 .size(),
             width);
@@ -95,13 +95,14 @@ TEST(StaticReport, SaysWhetherTheBalanceIsStable) {
   r.unstable = 2;
   r.smallest_eigenvalue = -0.5;
   EXPECT_TRUE(has(static_report(StageKind::equilibrium, r, ""),
-                  "UNSTABLE in 2 directions, smallest eigenvalue -0.5"));
+                  "UNSTABLE in 2 directions, eigenvalue nearest to zero -0.5"));
 }
 
 TEST(StaticReport, RigidAndUnstableModesHaveNoPeriod) {
   StaticResult r;
   r.modes = {{1e-9, 1e-18, true, {}}, {0, -4, false, {}}, {2.0, 4.0, false, {}}};
   const std::string text = static_report(StageKind::modes, r, " s");
+  EXPECT_FALSE(has(text, "load factor")) << text;  // all loads are on
   EXPECT_TRUE(has(text, "period [s]")) << text;
   EXPECT_TRUE(has(text, "rigid\n")) << text;
   EXPECT_TRUE(has(text, "UNSTABLE  omega^2 = -4\n")) << text;

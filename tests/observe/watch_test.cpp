@@ -79,6 +79,15 @@ TEST(Watch, TwistBeyond90DegreesIsReportedOnceAsSnapped) {
   EXPECT_TRUE(contains(l.told[0], "91.0")) << l.told[0];
 }
 
+TEST(Watch, OfAStaticPointTheLoadFactorIsTold) {
+  Chain chain(2);
+  chain.turn(1, {1, 0, 0}, 91 * degree);
+  Listener l;
+  l.watch.look(StaticPoint{chain.state, 0.75, PointKind::regular, {}, {}, {}});
+  ASSERT_EQ(l.told.size(), 1u);
+  EXPECT_EQ(l.told[0].rfind("load factor 0.75: bond 0 (particles 0, 1) has snapped", 0), 0u) << l.told[0];
+}
+
 TEST(Watch, EachWorseningIsReportedOnceAndRecoveryIsNot) {
   Chain strained(2), snapped(2);
   strained.turn(1, {0, 0, 1}, 46 * degree);

@@ -96,6 +96,19 @@ void expect_quadratic(const std::vector<double>& residuals) {
     EXPECT_LE(residuals[k], std::max(10.0 * residuals[k - 1] * residuals[k - 1], 1e-14)) << all;
 }
 
+// At 10 EI / L^2 predictors are cut, so that there are points between.
+TEST(Cantilever, MeetsTheLoadFactorsThatAreAskedForWhereOthersComeBetween) {
+  StaticStage stage = cantilever(20, {0, 10, 0});
+  stage.steps = 5;
+  std::vector<double> met;
+  StaticHooks hooks;
+  hooks.point = [&met](const StaticPoint& p) { met.push_back(p.load_factor); };
+  equilibrium(testing::rod50(20), stage, hooks);
+  EXPECT_GT(met.size(), 5u);
+  for (int k = 1; k <= 5; ++k)
+    EXPECT_EQ(std::count(met.begin(), met.end(), k / 5.0), 1) << k;  // to the last bit
+}
+
 TEST(Newton, ConvergesQuadratically) {
   StaticStage stage = cantilever(5, {0.0, 0.02, 0.01});
   stage.newton.tolerance = 1e-14;

@@ -13,6 +13,7 @@ const char* in_words(PointKind kind) {
     case PointKind::regular: return "";
     case PointKind::limit_point: return "limit point";
     case PointKind::bifurcation: return "bifurcation";
+    case PointKind::near_critical: return "near-critical";
     case PointKind::end: return "end";
   }
   return "";
@@ -27,7 +28,8 @@ std::string stability(const StaticResult& r) {
                      : *r.unstable == 0 ? "stable"
                                         : fmt::format("UNSTABLE in {} direction{}", *r.unstable,
                                                       *r.unstable == 1 ? "" : "s");
-  if (r.smallest_eigenvalue) text += fmt::format(", smallest eigenvalue {:.6g}", *r.smallest_eigenvalue);
+  if (r.smallest_eigenvalue)
+    text += fmt::format(", eigenvalue nearest to zero {:.6g}", *r.smallest_eigenvalue);
   if (r.left_saddle) text += "; an unstable balance was left on the way";
   return text + '\n';
 }
@@ -71,20 +73,22 @@ std::string frequencies(const StaticResult& r, const std::string& time_unit) {
 }  // namespace
 
 std::string static_table_header() {
-  return fmt::format("{:>12} {:>16} {:>12} {:>10} {:>12} {:>8} {:>8}\n", "step", "load factor", "point",
+  return fmt::format("{:>12} {:>16} {:>13} {:>10} {:>12} {:>8} {:>8}\n", "step", "load factor", "point",
                      "unstable", "potential", "strained", "snapped");
 }
 
 std::string static_table_row(const StaticPoint& p, const RangeCounts& ranges) {
-  return fmt::format("{:12} {:16.8g} {:>12} {:>10} {:12.4e} {:8} {:8}\n", p.state.clock.step, p.load_factor,
+  return fmt::format("{:12} {:16.8g} {:>13} {:>10} {:12.4e} {:8} {:8}\n", p.state.clock.step, p.load_factor,
                      in_words(p.kind), count_or_dash(p.unstable), p.energies.potential(), ranges.strained,
                      ranges.snapped);
 }
 
 std::string static_report(StageKind kind, const StaticResult& r, const std::string& time_unit) {
-  std::string text = fmt::format(
-      "ended: {}, at load factor {:.8g}; {} point{} of balance, {} Newton iterations, {} solver\n", r.ended,
-      r.load_factor, r.points, r.points == 1 ? "" : "s", r.iterations, r.solver);
+  const bool goes_to_a_load = kind == StageKind::equilibrium || kind == StageKind::path;
+  std::string text =
+      fmt::format("ended: {}{}; {} point{} of balance, {} Newton iterations, {} solver\n", r.ended,
+                  goes_to_a_load ? fmt::format(", at load factor {:.8g}", r.load_factor) : "", r.points,
+                  r.points == 1 ? "" : "s", r.iterations, r.solver);
   switch (kind) {
     case StageKind::dynamics: break;
     case StageKind::equilibrium: return text + stability(r);

@@ -82,6 +82,12 @@ Watch::Watch(double energy_error, Tell tell, WatchRecord record)
     : energy_error_(energy_error), tell_(std::move(tell)), record_(std::move(record)) {}
 
 void Watch::look(const Survey& survey, double balance_error, const CollectState& collect) {
+  look(survey, balance_error, collect,
+       [](const Clock& clock) { return fmt::format("t = {:.6g}", clock.time()); });
+}
+
+void Watch::look(const Survey& survey, double balance_error, const CollectState& collect,
+                 const std::function<std::string(const Clock&)>& when) {
   const bool finite = is_finite(survey.energies), balanced = std::abs(balance_error) <= energy_error_;
   if (finite && balanced && survey.deformed.empty()) return;
   const State& state = collect();
@@ -92,21 +98,21 @@ void Watch::look(const Survey& survey, double balance_error, const CollectState&
                                "watch.energy_error = {:g}",
                                balance_error, energy_error_),
                    std::string(smaller_step) + "; raise watch.energy_error only if the jump is expected");
-  for (const BondId k : survey.deformed) look_at_bond(k, state);
+  for (const BondId k : survey.deformed) look_at_bond(k, state, when(state.clock));
 }
 
 void Watch::look(const StaticPoint& point) {
-  look({point.energies, deformed_bonds(point.state)}, 0.0,
-       [&point]() -> const State& { return point.state; });
+  look(
+      {point.energies, deformed_bonds(point.state)}, 0.0, [&point]() -> const State& { return point.state; },
+      [&point](const Clock&) { return fmt::format("load factor {:.6g}", point.load_factor); });
 }
 
-void Watch::look_at_bond(BondId k, const State& state) {
+void Watch::look_at_bond(BondId k, const State& state, const std::string& when) {
   constexpr double closed_up = 1e-6;  // of a: d = D / |D| has lost its meaning
   const Bond& b = state.bonds[k];
   const BondShape shape = bond_shape(b, state);
-  const double time = state.clock.time();
   if (!(shape.length >= closed_up * b.a))
-    throw Diverged(state.clock.step, time, name_of(k, b),
+    throw Diverged(state.clock.step, state.clock.time(), name_of(k, b),
                    fmt::format("its bonded points are {:.3g} apart, it has closed up (length at rest {:.6g})",
                                shape.length, b.a),
                    "use smaller loads or velocities, a stiffer bond or a contact law; a smaller time.step "
@@ -118,13 +124,13 @@ void Watch::look_at_bond(BondId k, const State& state) {
   BondRecord& seen = record_.bonds[k];
   if (is_short && !std::exchange(seen.was_short, true))
     report(record_.shortened, untold_shortened_,
-           fmt::format("t = {:.6g}: {} is shorter than half its length at rest: {:.4g} of {:.4g}", time,
+           fmt::format("{}: {} is shorter than half its length at rest: {:.4g} of {:.4g}", when,
                        name_of(k, b), shape.length, b.a));
   if (range <= seen.worst) return;
   seen.worst = range;
   const bool snapped = range == BondRange::snapped;
   report(snapped ? record_.snapped : record_.strained, snapped ? untold_snapped_ : untold_strained_,
-         fmt::format("t = {:.6g}: {} {}: {}", time, name_of(k, b),
+         fmt::format("{}: {} {}: {}", when, name_of(k, b),
                      snapped                     ? "has snapped, past 90 degrees"
                      : b.law == BondLaw::v_model ? "is strained, past 45 degrees"
                                                  : "is strained, past 90 degrees",

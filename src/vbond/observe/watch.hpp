@@ -47,7 +47,8 @@ class Watch {
   /// state: gives the state surveyed; called only if a bond is deformed or something is wrong.
   void look(const Survey& survey, double balance_error, const CollectState& state);
 
-  /// The same for a point of balance, which has no balance of energies to be off.
+  /// The same for a point of balance, which has no balance of energies to be off; its reports say which load
+  /// factor, not when.
   void look(const StaticPoint& point);
 
   /// Sums up the reports that were not given in full since the last summary.
@@ -56,7 +57,10 @@ class Watch {
   const WatchRecord& record() const { return record_; }
 
  private:
-  void look_at_bond(BondId k, const State& state);
+  /// when: how a report begins, e.g. "t = 120".
+  void look(const Survey& survey, double balance_error, const CollectState& state,
+            const std::function<std::string(const Clock&)>& when);
+  void look_at_bond(BondId k, const State& state, const std::string& when);
   void report(std::int64_t& count, std::int64_t& untold, const std::string& text);
 
   double energy_error_;

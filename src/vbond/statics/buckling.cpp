@@ -143,7 +143,7 @@ StaticOutcome find_critical_loads(const Model& model, const StaticStage& stage, 
       hooks.tell(fmt::format("stage \"{}\": rounding leaves critical load {} known to {:.1g} of itself",
                              stage.name, k + 1, view.crossing->known_to / view.load_factor()));
     body.restore(view.from->at);
-    report_point(body, PointKind::bifurcation, view.from->unstable, hooks, result);
+    report_point(body, PointKind::near_critical, view.from->unstable, hooks, result);
   }
   if (end == Search::End::lost)
     throw NoEquilibrium(

@@ -59,10 +59,12 @@ class LoadSteps {
     result_.ended = "interrupted";
   }
 
-  /// Along the tangent, at most by `step` of the load factor; returns how far it went.
+  /// Along the tangent, at most by `step` of the load factor and not past the next of the load factors that
+  /// the stage asks for, k / steps; returns how far it went.
   double advance(double step) {
-    const double now = body_.load_factor();
-    step = std::min(step, 1.0 - now);
+    const double now = body_.load_factor(), steps = std::max(1, body_.stage().steps);
+    const double mark = (std::floor(now * steps + 1e-9) + 1.0) / steps;
+    step = std::min(step, mark - now);
     Vector x = Vector::Zero(body_.unknowns().size());
     if (solver_.factor_definite(body_)) {
       const Vector predicted = solver_.solve_full(body_, body_.load_direction());
@@ -70,7 +72,7 @@ class LoadSteps {
     }
     const double change = body_.largest_bond_change(x);
     if (change * step > largest_prediction) step = largest_prediction / change;
-    const double next = now + step > 1.0 - 1e-12 ? 1.0 : now + step;
+    const double next = now + step > mark - 1e-12 ? mark : now + step;
     body_.move(step * x, next);
     return step;
   }

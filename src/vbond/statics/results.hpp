@@ -14,7 +14,13 @@
 namespace vbond {
 
 /// What is special about a point of balance.
-enum class PointKind : std::uint8_t { regular, limit_point, bifurcation, end };
+enum class PointKind : std::uint8_t {
+  regular,
+  limit_point,
+  bifurcation,
+  near_critical,  ///< buckling: from here a critical load was seen that is next to it
+  end
+};
 
 /// One state of balance on the way, as observers see it.
 struct StaticPoint {
