@@ -234,6 +234,24 @@ TEST(CriticalLoads, AreRefusedWhereTheConstantLoadsAreAboveThem) {
                NoEquilibrium);
 }
 
+TEST(CriticalLoads, AreRefusedWithTheNameOfWhatIsUnstableAtTheStart) {
+  StaticLoad before = pushed(1, {-1e-2, 0, 0});  // two bonds: the first half wave is at 6e-3
+  before.constant = true;
+  const testing::Specimen s = testing::straight_rod(2);
+  try {
+    critical_loads(s, {fixed({ParticleId{0}}, {true, true, true, true, true, false}), fixed({ParticleId{1}}, testing::in_plane)}, {before, pushed(1, {-1, 0, 0})}, 1);
+    FAIL();
+  } catch (const NoEquilibrium& e) {
+    EXPECT_NE(std::string(e.what()).find("of particle 1"), std::string::npos) << e.what();
+  }
+}
+
+TEST(CriticalLoads, AreNotLookedForUnderMomentsOfFixedDirection) {
+  EXPECT_THROW(critical_loads(testing::straight_rod(4), {fixed({ParticleId{0}}, testing::clamped)},
+                              {pushed(3, {}, {1e-3, 0, 0})}, 1),
+               NoEquilibrium);
+}
+
 // Askew nothing is zero by symmetry of the arithmetic: rounding pushes the rod off its line all the way.
 TEST(CriticalLoads, DoNotDependOnTheDirectionOfTheBody) {
   const std::size_t N = 20;
