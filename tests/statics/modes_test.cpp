@@ -64,6 +64,17 @@ TEST(Modes, OfAFreeBodyBeginWithSixRigidMotions) {
   expect_six_rigid(block(4, 3, 2), "block");
 }
 
+// Nothing is left that could swing.
+TEST(Modes, OfLooseParticlesAreRigidMotionsOnly) {
+  for (const std::size_t particles : {1u, 3u}) {
+    std::vector<Vec3d> r;
+    for (std::size_t k = 0; k < particles; ++k) r.push_back({static_cast<double>(k), 0, 0});
+    const std::vector<NaturalMode> modes = modes_of(testing::particles_at(r, 0.3), 4);
+    EXPECT_EQ(modes.size(), 6 * particles);
+    for (const NaturalMode& mode : modes) EXPECT_TRUE(mode.rigid);
+  }
+}
+
 /// How far the body has moved along a mode: its displacement times the mode, weighed by mass.
 double along(const NaturalMode& mode, const Model& model, const State& s) {
   double sum = 0.0;

@@ -189,6 +189,19 @@ TEST(Path, EndsExactlyAtALoadFactorMetFromAbove) {
   EXPECT_EQ(w.result.load_factor, 0.1);
   EXPECT_EQ(w.result.special_points.size(), 1u);
   EXPECT_EQ(w.result.unstable, 1);
+  EXPECT_FALSE(w.result.smallest_eigenvalue);  // the one nearest to zero need not be it
+}
+
+TEST(Path, SaysThatALoadFactorOfStopIsPassedAtTheStart) {
+  StaticStage stage = truss_stage();
+  stage.path.above = 0.2;
+  stage.path.below = 0.1;
+  std::vector<std::string> told;
+  const StaticHooks hooks{{}, [&told](const std::string& text) { told.push_back(text); }, {}};
+  const Specimen s = truss();
+  run_static_stage(s.model, stage, s.state, hooks);
+  ASSERT_FALSE(told.empty());
+  EXPECT_NE(told[0].find("load factor 0.1 of stop is passed at the start"), std::string::npos) << told[0];
 }
 
 TEST(Path, GoesTheWayOfTheFirstStep) {
@@ -218,10 +231,35 @@ TEST(Path, StopsAtTheMostPointsAndWhenInterrupted) {
   EXPECT_EQ(outcome.state.clock.stage_step, 3);
 }
 
+std::string refusal(const Specimen& s, const StaticStage& stage) {
+  try {
+    walk(s, stage);
+  } catch (const NoEquilibrium& e) {
+    return e.what();
+  }
+  return "";
+}
+
 TEST(Path, RefusesAStageInWhichNothingGrows) {
   StaticStage stage = truss_stage();
   stage.loads.clear();
-  EXPECT_THROW(walk(truss(), stage), NoEquilibrium);
+  const std::string text = refusal(truss(), stage);
+  EXPECT_NE(text.find("nothing changes with the load factor"), std::string::npos) << text;
+}
+
+// Bonds without stiffness against bending leave the turn of the middle particle free, though no rigid motion.
+TEST(Path, NamesWhatIsSingularAtTheStart) {
+  Specimen s = testing::particles_at({{-half_span, 0, 0}, {0, height, 0}, {half_span, 0, 0}});
+  BondRecipe recipe;
+  recipe.parameters = GivenCoefficients{B1, 0.0, 0.0, 0.0};
+  testing::bond(s, 0, 1, recipe);
+  testing::bond(s, 1, 2, recipe);
+  StaticStage stage = truss_stage();
+  stage.supports[1].held = in_plane;
+  const std::string text = refusal(s, stage);
+  EXPECT_NE(text.find("singular at load factor 0, first of all in: rotation about z of particle 1"),
+            std::string::npos)
+      << text;
 }
 
 // ---- Lee's frame: validation case E5 ----
@@ -354,6 +392,27 @@ TEST(StraightRod, TurnsOffAlongTheModeAndTheWayThatWereAskedFor) {
     }
 }
 
+// The first step off moves the rod aside by 0.18, which shortens it by (pi 0.18 / 2)^2 / 9, some 0.01: from
+// 0.0028 on the stop is within that step.
+TEST(StraightRod, MeetsAStopWithinTheFirstStepOfABranch) {
+  const Specimen s = testing::straight_rod(10);
+  for (const double beyond : {1e-6, 1e-4, 1e-3}) {
+    StaticStage stage = pinned_stage(s, -1.0);
+    stage.path.first_step = 1e-3;
+    stage.path.above = critical_shortening(1) + beyond;
+    stage.path.branch = BranchSwitch{};
+    const Walked w = walk(s, stage);
+    EXPECT_EQ(w.result.ended, "load factor");
+    EXPECT_EQ(w.result.load_factor, *stage.path.above);
+    EXPECT_EQ(w.result.unstable, 0);
+    EXPECT_EQ(w.result.special_points.size(), 1u);
+    // aside like a sine, 9 long: its shortening is (pi A / 2)^2 / 9, to some ten per cent (9 bonds, no
+    // force that is constant along the branch)
+    EXPECT_NEAR(std::abs(w.last().r[ParticleId{4}].y), 2 / M_PI * 3 * std::sqrt(beyond),
+                0.1 * 2 / M_PI * 3 * std::sqrt(beyond));
+  }
+}
+
 // Free in space, both planes become unstable at once.
 TEST(StraightRod, HasABranchInEachPlaneWhereTwoModesVanishTogether) {
   const Specimen s = testing::straight_rod(10);
@@ -452,8 +511,37 @@ TEST(Path, EndsWithTheBondThatIsAboutToSnap) {
   EXPECT_NEAR(reached, 1.0, 1e-6);
 }
 
+/// Clamped at one end, a moment at the other about the rod's own line.
+StaticStage torque_stage(const Specimen& s) {
+  return static_stage(StageKind::path, {fixed({ParticleId{0}}, testing::clamped)},
+                      {pushed(s.model.particles() - 1, {}, {1e-3, 0, 0})});
+}
+
+TEST(Path, DoesNotTellStabilityUnderMomentsOfFixedDirection) {
+  const Specimen s = testing::straight_rod(4);
+  StaticStage stage = torque_stage(s);
+  stage.path.first_step = 0.1;
+  stage.path.above = 0.5;
+  const Walked w = walk(s, stage);
+  EXPECT_EQ(w.result.ended, "load factor");
+  ASSERT_GT(w.seen.size(), 2u);
+  for (const Seen& p : w.seen)  // at load factor 0 there is no moment yet
+    EXPECT_EQ(p.unstable.has_value(), p.load_factor == 0.0) << "load factor " << p.load_factor;
+  EXPECT_TRUE(w.result.special_points.empty());
+  EXPECT_FALSE(w.result.unstable);
+  EXPECT_FALSE(w.result.smallest_eigenvalue);
+}
+
+TEST(Path, RefusesToTurnOffUnderMomentsOfFixedDirection) {
+  const Specimen s = testing::straight_rod(4);
+  StaticStage stage = torque_stage(s);
+  stage.path.branch = BranchSwitch{};
+  const std::string text = refusal(s, stage);
+  EXPECT_NE(text.find("bifurcations under it are not found"), std::string::npos) << text;
+}
+
 // E2: in space, the moment fixed in direction: the tangent is not symmetric.
-TEST(Cantilever, IsRolledUpToAPolygonByTheClosingEndMoment) {
+TEST(Cantilever, IsFollowedToAPolygonUnderTheClosingEndMoment) {
   for (const auto& row : validation_case("E2").at("expected")) {
     const std::size_t N = row.at("N");
     if (N > 20) continue;

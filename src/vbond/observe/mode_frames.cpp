@@ -9,6 +9,7 @@
 #include <system_error>
 #include <vector>
 
+#include "vbond/core/bounding_box.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/observe/files.hpp"
 #include "vbond/observe/frames.hpp"
@@ -26,15 +27,9 @@ double largest_norm(const PerParticle<Vec3d>& vectors) {
 
 /// Of the box around all particles.  [length]
 double diagonal(const Model& model, const State& s) {
-  constexpr double inf = std::numeric_limits<double>::infinity();
-  Vec3d low{inf, inf, inf}, high{-inf, -inf, -inf};
-  for (const ParticleId p : s.r.ids()) {
-    const Vec3d& r = s.r[p];
-    const double R = model.radius[p];
-    low = {std::min(low.x, r.x - R), std::min(low.y, r.y - R), std::min(low.z, r.z - R)};
-    high = {std::max(high.x, r.x + R), std::max(high.y, r.y + R), std::max(high.z, r.z + R)};
-  }
-  return norm(high - low);
+  BoundingBox box;
+  for (const ParticleId p : s.r.ids()) box.add(s.r[p], model.radius[p]);
+  return box.diagonal();
 }
 
 bool take_off_end(std::string_view& text, std::string_view end) {

@@ -15,11 +15,12 @@ const char* list_of(PointKind kind) {
 void add_special_points(const StaticResult& r, Json& j) {
   j["limit_points"] = Json::array();
   j["bifurcations"] = Json::array();
-  for (const SpecialPoint& s : r.special_points)
-    j[list_of(s.kind)].push_back({{"load_factor", s.load_factor},
-                                  {"point", s.point},
-                                  {"unstable_before", s.unstable_before},
-                                  {"unstable_after", s.unstable_after}});
+  for (const SpecialPoint& s : r.special_points) {
+    Json point = {{"load_factor", s.load_factor}, {"point", s.point}};
+    if (s.unstable_before) point["unstable_before"] = *s.unstable_before;
+    if (s.unstable_after) point["unstable_after"] = *s.unstable_after;
+    j[list_of(s.kind)].push_back(std::move(point));
+  }
 }
 
 /// Without a force on a group there are load factors only.
@@ -56,12 +57,16 @@ void add_frequencies(const StaticResult& r, Json& j) {
   j["omega_squared"] = omega2;
 }
 
+std::optional<int> count_if_known(const Json& j, const char* key) {
+  return j.contains(key) ? std::optional<int>(j.at(key).get<int>()) : std::nullopt;
+}
+
 std::vector<SpecialPoint> special_points(const Json& j) {
   std::vector<SpecialPoint> points;
   for (const PointKind kind : {PointKind::limit_point, PointKind::bifurcation})
     for (const Json& s : j.at(list_of(kind)))
       points.push_back({kind, s.at("load_factor").get<double>(), s.at("point").get<int>(),
-                        s.at("unstable_before").get<int>(), s.at("unstable_after").get<int>()});
+                        count_if_known(s, "unstable_before"), count_if_known(s, "unstable_after")});
   std::stable_sort(points.begin(), points.end(),
                    [](const SpecialPoint& a, const SpecialPoint& b) { return a.point < b.point; });
   return points;

@@ -35,11 +35,13 @@ std::string stability(const StaticResult& r) {
 }
 
 std::string special_points(const StaticResult& r) {
-  if (r.special_points.empty()) return "stability does not change on the way\n";
+  if (r.special_points.empty())
+    return r.unstable ? "stability does not change on the way\n" : "no limit point on the way\n";
   std::string text = fmt::format("{:>12} {:>16} {:>8} {:>18}\n", "", "load factor", "point", "unstable");
   for (const SpecialPoint& s : r.special_points)
-    text += fmt::format("{:>12} {:>16.8g} {:>8} {:>18}\n", in_words(s.kind), s.load_factor, s.point,
-                        fmt::format("{} -> {}", s.unstable_before, s.unstable_after));
+    text += fmt::format(
+        "{:>12} {:>16.8g} {:>8} {:>18}\n", in_words(s.kind), s.load_factor, s.point,
+        fmt::format("{} -> {}", count_or_dash(s.unstable_before), count_or_dash(s.unstable_after)));
   return text;
 }
 

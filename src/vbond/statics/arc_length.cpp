@@ -54,7 +54,7 @@ std::optional<PathPoint> ArcLength::point_here(const PathDirection& along) {
   if (!std::isfinite(length2) || length2 == 0.0) return {};
   d = unit(std::move(d));
   if (dot(d, along) < 0.0) d = {-d.u, -d.f};
-  return PathPoint{body_.placement(), std::move(d), *unstable};
+  return PathPoint{body_.placement(), std::move(d), *unstable, !body_.has_moment_part()};
 }
 
 // Newton's step on R = 0 that stays on the plane, by two solves with one factor:

@@ -1,8 +1,19 @@
 #include "vbond/statics/detail/assembly.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <limits>
+#include <stdexcept>
 
 namespace vbond {
+
+void check_room_for(std::int64_t entries) {
+  if (entries > std::numeric_limits<SparseMatrix::StorageIndex>::max())
+    throw std::length_error(fmt::format(
+        "the tangent stiffness would have {} entries, and 2^31 - 1 can be counted: use fewer particles",
+        entries));
+}
 
 void Assembly::lay_out(std::size_t particles, const std::vector<Pair>& pairs) {
   PerParticle<std::vector<ParticleId>> near(particles);
@@ -22,6 +33,7 @@ void Assembly::lay_out(std::size_t particles, const std::vector<Pair>& pairs) {
   own_offset_.assign(particles, 0);
   offsets_.clear();
   Eigen::VectorXi rows(unknowns_.size());
+  std::int64_t entries = 0;
   for (const ParticleId q : near.ids()) {
     int height = 0;
     for (const ParticleId p : near[q]) {
@@ -31,16 +43,19 @@ void Assembly::lay_out(std::size_t particles, const std::vector<Pair>& pairs) {
       height += free[p];
     }
     for (int k = 0; k < free[q]; ++k) rows[first[q] + k] = height;
+    entries += std::int64_t{free[q]} * height;
   }
+  check_room_for(entries);
 
   matrix_.resize(unknowns_.size(), unknowns_.size());
+  ++version_;
+  if (unknowns_.size() == 0) return;  // Eigen would read beyond its column pointers
   matrix_.reserve(rows);
   for (const ParticleId q : near.ids())
     for (int c = first[q]; c < first[q] + free[q]; ++c)
       for (const ParticleId p : near[q])
         for (int r = first[p]; r < first[p] + free[p]; ++r) matrix_.insert(r, c) = 0.0;
   matrix_.makeCompressed();
-  ++version_;
 }
 
 void Assembly::clear() {

@@ -108,14 +108,6 @@ double largest_proportional_force(const StaticStage& stage) {
   return largest;
 }
 
-void refuse_moments(const StaticBody& body) {
-  if (body.has_moment_part())
-    throw NoEquilibrium(
-        body.stage().name, "a moment of fixed direction acts on particles that are free to turn",
-        "such a load has no potential, and its critical value is not found by this stage: apply "
-        "a couple of forces, or follow the balance by kind = \"path\"");
-}
-
 }  // namespace
 
 StaticOutcome find_critical_loads(const Model& model, const StaticStage& stage, State state,
@@ -125,7 +117,6 @@ StaticOutcome find_critical_loads(const Model& model, const StaticStage& stage, 
   if (!balanced) return interrupted_outcome(std::move(result), std::move(state));
   StaticBody body(model, stage, std::move(*balanced));
   refuse_rigid_motions(body);
-  refuse_moments(body);
   FundamentalPath path(body, hooks, result);
   Search search(path, stage.count);
   report_point(body, PointKind::regular, 0, hooks, result);

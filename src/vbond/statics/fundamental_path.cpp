@@ -9,6 +9,7 @@
 
 #include "vbond/core/error.hpp"
 #include "vbond/statics/detail/eigen.hpp"
+#include "vbond/statics/detail/softest.hpp"
 
 namespace vbond {
 namespace {
@@ -40,14 +41,19 @@ const Crossing* PathSample::crossing(int k) const {
 }
 
 PathSample FundamentalPath::begin(int count) {
+  refuse_moments();
   const std::string& name = body_.stage().name;
   const std::optional<int> unstable = solver_.factor(body_);
   if (solver_.iterative())
     throw NoEquilibrium(name, "critical loads need the factors of the tangent, which are not made here",
                         "use solver = \"direct\", with memory enough, or a coarser body");
   if (unstable != 0)
-    throw NoEquilibrium(name, "the body is not stable at load factor 0, without the proportional loads",
-                        "hold it, or find a stable balance by an equilibrium stage before this one");
+    throw NoEquilibrium(
+        name,
+        fmt::format("at load factor 0, without the proportional loads, {}, first of all in: {}",
+                    unstable ? "the body is not stable" : "the tangent stiffness is singular",
+                    softest_names(body_, unstable.value_or(0))),
+        "hold it, or find a stable balance by an equilibrium stage before this one");
   PathSample s{body_.placement(), 0, {}, {}};
   const Vector rate = solver_.solve(body_.load_direction());
   result_.smallest_eigenvalue = eigenpairs_near_zero(body_.tangent(), 1).values[0];
@@ -67,11 +73,22 @@ std::optional<PathSample> FundamentalPath::look(const PathSample& from, double l
     if (!go_to(load_factor * (1 + 1e-6))) return std::nullopt;
     unstable = solver_.factor(body_);
   }
+  refuse_moments();
   const Vector rate = solver_.solve(body_.load_direction());
   PathSample s{body_.placement(), unstable.value_or(0), {}, {}};
   for (Crossing& c : crossings(rate, wanted)) (c.change < 0.0 ? s.behind : s.ahead).push_back(std::move(c));
   std::reverse(s.behind.begin(), s.behind.end());
   return s;
+}
+
+void FundamentalPath::refuse_moments() const {
+  if (body_.has_moment_part())
+    throw NoEquilibrium(body_.stage().name,
+                        fmt::format("at load factor {:.6g} a moment from outside acts on particles that are "
+                                    "free to turn, by a load or by a support that holds some of their turns",
+                                    body_.load_factor()),
+                        "such a moment has no potential, and its critical value is not found by this stage: "
+                        "apply a couple of forces, or follow the balance by kind = \"path\"");
 }
 
 bool FundamentalPath::go_to(double load_factor) {

@@ -5,8 +5,10 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <stdexcept>
 #include <vector>
 
+#include "vbond/core/bounding_box.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/statics/detail/eigen.hpp"
 #include "vbond/statics/detail/kinds.hpp"
@@ -32,13 +34,9 @@ StaticStage under_full_loads(StaticStage stage) {
 /// Positions are rounded by eps times the extent of the body, which turns and stresses its bonds by that over
 /// their length; 64 for the terms of a row. A turn takes what is out of balance along.
 double zero_stiffness(const StaticBody& body) {
-  Vec3d low = *body.state().r.begin(), high = low;
-  for (const Vec3d& r : body.state().r)
-    for (int k = 0; k < 3; ++k) {
-      component(low, k) = std::min(component(low, k), component(r, k));
-      component(high, k) = std::max(component(high, k), component(r, k));
-    }
-  const double far = std::max({norm(high - low), norm(low), norm(high)});
+  BoundingBox box;
+  for (const Vec3d& r : body.state().r) box.add(r);
+  const double far = std::max({box.diagonal(), norm(box.low), norm(box.high)});
   const double L = body.unknowns().length(), eps = std::numeric_limits<double>::epsilon();
   return 64 * eps * (1 + far / L) * Vector(body.tangent().diagonal()).cwiseAbs().maxCoeff() +
          4 * body.unbalanced().cwiseAbs().maxCoeff() / L;
@@ -93,8 +91,13 @@ SparseMatrix motions_without_stiffness(const StaticBody& body, const Vector& roo
   return orthonormalised(columns);
 }
 
+double largest_column_sum(const SparseMatrix& A) {
+  return Vector(A.cwiseAbs().transpose() * Vector::Ones(A.rows())).maxCoeff();
+}
+
 /// A value below all eigenvalues of A, and how many are clearly negative. Begins where rounding would make a
-/// zero eigenvalue negative, so that it is just below the spectrum of a stable body.
+/// zero eigenvalue negative, so that it is just below the spectrum of a stable body. Throws
+/// std::runtime_error if there is no such value: A is not finite.
 struct Below {
   double bound;
   int unstable;
@@ -103,12 +106,14 @@ struct Below {
 Below below_spectrum(const SparseMatrix& A) {
   Factor factor;
   factor.analyse(A);
-  const double largest = Vector(A.diagonal()).cwiseAbs().maxCoeff();
+  const double largest = largest_column_sum(A);  // no eigenvalue is larger in size
+  const double scale = largest == 0.0 ? 1.0 : largest;
   std::optional<int> unstable;
-  for (double shift = 1e-12 * largest;; shift *= 10) {
+  for (double shift = 1e-12 * scale; shift < 100 * scale; shift *= 10) {
     if (factor.factor_definite(A, shift)) return {-shift, unstable.value_or(0)};
     if (!unstable) unstable = factor.factor_indefinite(A, shift);
   }
+  throw std::runtime_error("modes: the stiffness over the mass is not finite");
 }
 
 NaturalMode mode(double omega2, bool rigid, const Vector& x, const Vector& roots, const Unknowns& unknowns) {
@@ -137,9 +142,13 @@ StaticOutcome find_modes(const Model& model, const StaticStage& stage, State sta
   for (Eigen::Index k = 0; k < rigid.cols(); ++k)
     result.modes.push_back(mode(0.0, true, Vector(rigid.col(k)), roots, unknowns));
 
-  const Below below = below_spectrum(A);
-  const int left = unknowns.size() - static_cast<int>(rigid.cols());
-  const EigenPairs found = smallest_eigenpairs(A, std::min(stage.count, left), below.bound, rigid);
+  result.unstable = 0;
+  EigenPairs found;
+  if (const int left = unknowns.size() - static_cast<int>(rigid.cols()); left > 0) {
+    const Below below = below_spectrum(A);
+    found = smallest_eigenpairs(A, std::min(stage.count, left), below.bound, rigid);
+    result.unstable = below.unstable;
+  }
   for (Eigen::Index k = 0; k < found.values.size(); ++k)
     result.modes.push_back(mode(found.values[k], false, found.vectors.col(k), roots, unknowns));
   if (found.values.size() < stage.count && hooks.tell)
@@ -147,7 +156,6 @@ StaticOutcome find_modes(const Model& model, const StaticStage& stage, State sta
         fmt::format("stage \"{}\": the body has {} frequencies only", stage.name, found.values.size()));
   result.ended = "converged";
   result.solver = "direct";
-  result.unstable = below.unstable;
   report_point(body, PointKind::end, result.unstable, hooks, result);
   return {std::move(result), std::move(body).take_state()};
 }

@@ -6,10 +6,12 @@
 #include <optional>
 #include <utility>
 
+#include "vbond/core/bounding_box.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/statics/detail/eigen.hpp"
 #include "vbond/statics/detail/kinds.hpp"
 #include "vbond/statics/detail/path_step.hpp"
+#include "vbond/statics/detail/softest.hpp"
 
 namespace vbond {
 
@@ -32,6 +34,9 @@ constexpr double automatic_step = 0.02;
 constexpr double shortest_step = 1e-8;
 // Stability on either side of a special point is looked at this far from it, over the length of the step.
 constexpr double aside = 1e-4;
+// On a branch it is further off: eigenvalues grow with the square of the distance, and shall be more than
+// rounding.
+constexpr double aside_on_branch = 1e-2;
 
 /// Something at which the path ends.
 struct Goal {
@@ -60,13 +65,14 @@ std::vector<Goal> goals_of(const PathSettings& path) {
 }
 
 double size_of(const State& state) {
-  Vec3d low = state.r[ParticleId{0}], high = low;
-  for (const Vec3d& r : state.r)
-    for (int k = 0; k < 3; ++k) {
-      component(low, k) = std::min(component(low, k), component(r, k));
-      component(high, k) = std::max(component(high, k), component(r, k));
-    }
-  return norm(high - low);
+  BoundingBox box;
+  for (const Vec3d& r : state.r) box.add(r);
+  return box.diagonal();
+}
+
+/// Negative eigenvalues; nothing where they do not tell what is stable.
+std::optional<int> unstable_at(const PathPoint& p) {
+  return p.has_potential ? std::optional<int>(p.unstable) : std::nullopt;
 }
 
 /// Vector number `mode` of a basis of the columns' span that does not depend on the columns chosen in it:
@@ -93,21 +99,24 @@ class PathWalk {
  private:
   void start();
   void take_step();
-  bool pass(PathStep& step, const PathNode& end);
+  void go_along(PathStep& step, const PathNode& start, const PathNode& end);
+  bool pass(PathStep& step, const PathNode& start, const PathNode& end);
   PathNode advance(PathStep& step, double s);
   void arrive(const PathStep& step, const PathPoint& end);
   std::string objection(const PathStep& step, const PathNode& end) const;
   void choose_next_step(const PathStep& step, const PathNode& end, int corrections);
   double longest(const PathDirection& d) const;
 
-  bool pass(PathStep& step, PathNode lo, PathNode hi);
+  bool pass_between(PathStep& step, PathNode lo, PathNode hi);
   const Goal* shorten_to_goal(PathStep& step, const PathNode& lo, PathNode& hi);
   void turn_off(const PathNode& critical, int together);
   void end_at(const PathNode& end, const Goal& goal);
 
   PathNode found(std::optional<PathNode> node) const;
-  void report(PointKind kind, int unstable);
+  void report(PointKind kind, std::optional<int> unstable);
   void report_special(PointKind kind, const PathNode& node, int before, int after);
+  [[noreturn]] void refuse_start();
+  void refuse_branch_without_potential(const PathPoint& p) const;
   [[noreturn]] void give_up(const std::string& why) const;
 
   const StaticStage& stage_;
@@ -149,7 +158,8 @@ StaticOutcome PathWalk::walk() && {
       take_step();
   }
   result_.solver = solver_.name();
-  result_.smallest_eigenvalue = eigenpairs_near_zero(body_.tangent(), 1).values[0];
+  if (result_.unstable == 0)  // then the one nearest to zero is the smallest
+    result_.smallest_eigenvalue = eigenpairs_near_zero(body_.tangent(), 1).values[0];
   return {std::move(result_), std::move(body_).take_state()};
 }
 
@@ -162,18 +172,34 @@ void PathWalk::start() {
     throw NoEquilibrium(stage_.name,
                         "a path needs the direct solver, and its factor does not fit into memory",
                         "follow the path of a smaller body, or use kind = \"equilibrium\"");
-  if (!point)
-    throw NoEquilibrium(
-        stage_.name,
-        "the tangent stiffness is singular at load factor 0, or nothing grows with the load factor",
-        "give a load or a support that is in proportion to the load factor, and hold the body");
+  if (!point) refuse_start();
   here_ = std::move(*point);
+  refuse_branch_without_potential(here_);
   if (settings_.first_step < 0.0) here_.tangent = {-here_.tangent.u, -here_.tangent.f};
   next_ = std::min(std::abs(settings_.first_step / here_.tangent.f), longest(here_.tangent));
   shortest_ = std::min(shortest_step * size_, 1e-3 * next_);
-  report(PointKind::regular, here_.unstable);
-  for (const Goal& g : goals_)
-    if (g.name == "distance" && g.gap(here_.at) >= 0.0) result_.ended = g.name;
+  report(PointKind::regular, unstable_at(here_));
+  for (const Goal& g : goals_) {
+    if (g.gap(here_.at) < 0.0) continue;
+    if (!g.load_factor)
+      result_.ended = g.name;
+    else if (hooks_.tell)  // no mistake where the path comes back
+      hooks_.tell(
+          fmt::format("stage \"{}\": load factor {:.6g} of stop is passed at the start: the path ends "
+                      "there only when it has been on the other side",
+                      stage_.name, *g.load_factor));
+  }
+}
+
+/// Why there is no tangent of the path at its start.
+void PathWalk::refuse_start() {
+  if (solver_.factor(body_))
+    throw NoEquilibrium(stage_.name, "nothing changes with the load factor",
+                        "give a load or a support that is in proportion to the load factor, on what is free");
+  throw NoEquilibrium(
+      stage_.name,
+      "the tangent stiffness is singular at load factor 0, first of all in: " + softest_names(body_),
+      "hold them, or give the bonds stiffness against them");
 }
 
 // ---- one step ----
@@ -181,23 +207,29 @@ void PathWalk::start() {
 void PathWalk::take_step() {
   PathStep step(body_, arc_, here_, here_.tangent);
   const PathNode end = advance(step, std::min(next_, longest(here_.tangent)));
-  const bool goes_on = pass(step, end);
+  go_along(step, {0.0, step.start()}, end);
+}
+
+/// To the end of the step, unless something within it ends the path or takes it elsewhere.
+void PathWalk::go_along(PathStep& step, const PathNode& start, const PathNode& end) {
+  refuse_branch_without_potential(end.point);
+  const bool goes_on = pass(step, start, end);
   result_.iterations += step.iterations();
   if (goes_on) arrive(step, end.point);
 }
 
 /// Reports what lies within the step. True if the path goes on at its end.
-bool PathWalk::pass(PathStep& step, const PathNode& end) {
-  const PathNode start{0.0, step.start()};
-  if (std::signbit(start.point.tangent.f) == std::signbit(end.point.tangent.f)) return pass(step, start, end);
+bool PathWalk::pass(PathStep& step, const PathNode& start, const PathNode& end) {
+  if (std::signbit(start.point.tangent.f) == std::signbit(end.point.tangent.f))
+    return pass_between(step, start, end);
   PathNode limit = found(step.limit_point(start, end));
   const int before = step.unstable_beside(limit, limit.s - aside * end.s, start);
   const int after = step.unstable_beside(limit, limit.s + aside * end.s, end);
   limit.point.unstable = before;
-  if (!pass(step, start, limit)) return false;
+  if (!pass_between(step, start, limit)) return false;
   report_special(PointKind::limit_point, limit, before, after);
   limit.point.unstable = after;
-  return result_.ended.empty() && pass(step, limit, end);
+  return result_.ended.empty() && pass_between(step, limit, end);
 }
 
 /// The end of the step, s long or, as long as there are objections, half as long as before.
@@ -221,7 +253,7 @@ void PathWalk::arrive(const PathStep& step, const PathPoint& end) {
   body_.restore(here_.at);
   load_scale_ = std::max(load_scale_, std::abs(here_.at.load_factor));
   result_.residuals = step.last_residuals();
-  report(PointKind::regular, here_.unstable);
+  report(PointKind::regular, unstable_at(here_));
 }
 
 /// Why a step to where the body stands now may have left the path; empty if nothing speaks against it.
@@ -270,9 +302,9 @@ double PathWalk::longest(const PathDirection& d) const {
 // ---- what lies within a step ----
 
 /// The same from one node of the step to another between which the load factor does not turn back.
-bool PathWalk::pass(PathStep& step, PathNode lo, PathNode hi) {
+bool PathWalk::pass_between(PathStep& step, PathNode lo, PathNode hi) {
   const Goal* goal = shorten_to_goal(step, lo, hi);
-  while (lo.point.unstable != hi.point.unstable) {
+  while (lo.point.has_potential && hi.point.has_potential && lo.point.unstable != hi.point.unstable) {
     PathNode critical = found(step.critical_point(lo, hi));
     const int before = lo.point.unstable;
     int after = step.unstable_beside(critical, critical.s + aside * (hi.s - lo.s), hi);
@@ -305,7 +337,9 @@ const Goal* PathWalk::shorten_to_goal(PathStep& step, const PathNode& lo, PathNo
 }
 
 /// Off along a mode of the critical point: the direction is the part of the mode that is normal to the path
-/// so far, so that the plane on which the first point is sought does not meet that path again.
+/// so far, so that the plane on which the first point is sought does not meet that path again. At the
+/// critical point itself the branch's tangent and the signs of eigenvalues are left to rounding: those beside
+/// it stand for them.
 void PathWalk::turn_off(const PathNode& critical, int together) {
   const BranchSwitch& branch = *settings_.branch;
   if (branch.mode > together)
@@ -321,8 +355,9 @@ void PathWalk::turn_off(const PathNode& critical, int together) {
   PathStep step(body_, arc_, critical.point, off);
   const PathNode end = advance(step, longest(off));
   turned_off_ = true;
-  result_.iterations += step.iterations();
-  arrive(step, end.point);
+  PathNode start{0.0, step.to(aside_on_branch * end.s).point.value_or(end.point)};
+  start.point.at = critical.point.at;
+  go_along(step, start, end);
 }
 
 /// The last point. A load factor is met to the last bit: the balance is corrected at it.
@@ -335,7 +370,7 @@ void PathWalk::end_at(const PathNode& end, const Goal& goal) {
     result_.residuals = outcome.residuals;
     if (!outcome.converged) give_up(outcome.why);
   }
-  report(PointKind::end, end.point.unstable);
+  report(PointKind::end, unstable_at(end.point));
   result_.ended = goal.name;
 }
 
@@ -346,7 +381,7 @@ PathNode PathWalk::found(std::optional<PathNode> node) const {
 
 // ---- what is told ----
 
-void PathWalk::report(PointKind kind, int unstable) {
+void PathWalk::report(PointKind kind, std::optional<int> unstable) {
   result_.unstable = unstable;
   report_point(body_, kind, unstable, hooks_, result_);
   if (result_.points >= settings_.most_points) result_.ended = "points";
@@ -355,12 +390,33 @@ void PathWalk::report(PointKind kind, int unstable) {
 /// At the point itself one eigenvalue or more are zero, not negative.
 void PathWalk::report_special(PointKind kind, const PathNode& node, int before, int after) {
   body_.restore(node.point.at);
-  report(kind, std::min(before, after));
-  result_.special_points.push_back({kind, node.point.at.load_factor, result_.points, before, after});
-  if (hooks_.tell)
-    hooks_.tell(fmt::format("{} at load factor {:.10g}: {} -> {} negative eigenvalues of the tangent",
-                            kind == PointKind::limit_point ? "limit point" : "bifurcation",
-                            node.point.at.load_factor, before, after));
+  SpecialPoint special{kind, node.point.at.load_factor, 0, {}, {}};
+  std::string text =
+      fmt::format("{} at load factor {:.10g}", kind == PointKind::limit_point ? "limit point" : "bifurcation",
+                  special.load_factor);
+  std::optional<int> unstable;
+  if (node.point.has_potential) {
+    special.unstable_before = before, special.unstable_after = after;
+    unstable = std::min(before, after);
+    text += fmt::format(": {} -> {} negative eigenvalues of the tangent", before, after);
+  }
+  report(kind, unstable);
+  special.point = result_.points;
+  result_.special_points.push_back(special);
+  if (hooks_.tell) hooks_.tell(text);
+}
+
+/// Without a potential bifurcations are not looked for, and the path would go past the one to turn off at.
+void PathWalk::refuse_branch_without_potential(const PathPoint& p) const {
+  if (!settings_.branch || turned_off_ || p.has_potential) return;
+  throw NoEquilibrium(
+      stage_.name,
+      fmt::format(
+          "a bifurcation is wanted, but at load factor {:.6g} a moment from outside acts on particles "
+          "that are free to turn, by a load or by a support that holds some of their turns",
+          p.at.load_factor),
+      "such a moment has no potential, and bifurcations under it are not found: apply a couple of forces, or "
+      "leave branch out");
 }
 
 void PathWalk::give_up(const std::string& why) const {

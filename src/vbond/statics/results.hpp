@@ -41,13 +41,13 @@ struct Shape {
   friend bool operator==(const Shape&, const Shape&) = default;
 };
 
-/// A point of a path where stability changes.
+/// A point of a path where stability changes, or the load factor turns back.
 struct SpecialPoint {
   PointKind kind = PointKind::limit_point;
   double load_factor = 0;
-  int point = 0;            ///< number of the point on the path, from 1
-  int unstable_before = 0;  ///< negative eigenvalues of the tangent
-  int unstable_after = 0;
+  int point = 0;                       ///< number of the point on the path, from 1
+  std::optional<int> unstable_before;  ///< negative eigenvalues of the tangent; absent: not known
+  std::optional<int> unstable_after;
   friend bool operator==(const SpecialPoint&, const SpecialPoint&) = default;
 };
 

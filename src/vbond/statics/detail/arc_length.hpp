@@ -17,7 +17,8 @@ struct PathDirection {
 struct PathPoint {
   Placement at;
   PathDirection tangent;
-  int unstable = 0;  ///< negative eigenvalues of the tangent stiffness
+  int unstable = 0;           ///< negative eigenvalues of the tangent stiffness, symmetric part
+  bool has_potential = true;  ///< of all loads; without one those eigenvalues do not tell what is stable
 };
 
 /// What became of one step along a path.

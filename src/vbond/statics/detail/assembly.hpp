@@ -11,6 +11,10 @@
 
 namespace vbond {
 
+/// Throws std::length_error if a matrix of so many entries has no room in SparseMatrix: 2^31 and more, some
+/// 4.6 million particles of a lattice with six bonds each.
+void check_room_for(std::int64_t entries);
+
 /// Where pairs of particles stand in a sparse symmetric matrix over the unknowns. Rows of one particle follow
 /// each other in every column, so one offset places a block of up to 6 x 6.
 class Assembly {
@@ -21,7 +25,8 @@ class Assembly {
 
   explicit Assembly(const Unknowns& unknowns) : unknowns_(unknowns) {}
 
-  /// Lays out the matrix for these pairs, each i != j; every particle has its own block as well.
+  /// Lays out the matrix for these pairs, each i != j; every particle has its own block as well. Throws
+  /// std::length_error if it would have more entries than the indices can count.
   void lay_out(std::size_t particles, const std::vector<Pair>& pairs);
   bool has(ParticleId i, ParticleId j) const { return offsets_.count(key(i, j)) > 0; }
   /// Grows with every layout.

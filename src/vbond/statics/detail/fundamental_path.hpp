@@ -31,13 +31,14 @@ class FundamentalPath {
       : body_(body), hooks_(hooks), result_(result), solver_(body.stage().newton.solver) {}
 
   /// The body at load factor 0 and the first `count` linearised critical loads. Throws NoEquilibrium if it is
-  /// not stable there.
+  /// not stable there, or if moments without a potential act.
   PathSample begin(int count);
   /// Goes from a sample to this load factor; nothing if interrupted. Throws NoEquilibrium if the path does
-  /// not lead there.
+  /// not lead there, or if moments without a potential act.
   std::optional<PathSample> look(const PathSample& from, double load_factor, int wanted);
 
  private:
+  void refuse_moments() const;
   bool go_to(double load_factor);
   void step(const Vector& rate, double change);
   SparseMatrix tangent_rate(const Vector& rate);

@@ -1,0 +1,22 @@
+#pragma once
+#include <algorithm>
+#include <limits>
+
+#include "vbond/core/vec3.hpp"
+
+namespace vbond {
+
+/// The box along the axes around what was added; empty at first: low is above high.  [length]
+struct BoundingBox {
+  static constexpr double inf = std::numeric_limits<double>::infinity();
+  Vec3d low{inf, inf, inf}, high{-inf, -inf, -inf};
+
+  /// A sphere, or a point.
+  void add(const Vec3d& r, double radius = 0.0) {
+    low = {std::min(low.x, r.x - radius), std::min(low.y, r.y - radius), std::min(low.z, r.z - radius)};
+    high = {std::max(high.x, r.x + radius), std::max(high.y, r.y + radius), std::max(high.z, r.z + radius)};
+  }
+  double diagonal() const { return norm(high - low); }
+};
+
+}  // namespace vbond
