@@ -132,8 +132,8 @@ class LoadSteps {
     const double margin = std::max(rounding, body_.moment_part());
     Factor factor;
     factor.analyse(K);
-    if (K.norm() == 0.0 ||
-        factor.factor_definite(K, margin)) {  // no stiffness at all: contacts at first touch
+    const double size = K.norm();  // zero where contacts just begin to touch
+    if (size == 0.0 || factor.factor_definite(K, margin)) {
       if (!negative) tell_neutral();
       if (body_.has_moment_part()) unstable_.reset();
       return;
@@ -142,8 +142,7 @@ class LoadSteps {
     double below = 10.0 * margin;
     while (!factor.factor_definite(K, below)) {
       below *= 10.0;
-      if (!(below < 1e3 * K.norm()))
-        give_up("the tangent stiffness is not finite");  // no eigenvalue is beyond
+      if (!(below < 1e3 * size)) give_up("the tangent stiffness is not finite");
     }
     lowest_ = smallest_eigenpairs(K, 1, -below);
   }
@@ -158,8 +157,7 @@ class LoadSteps {
   /// balance is kept as the last point.
   NewtonOutcome leave_saddle() {
     constexpr double nudge = 0.02;  // of the length scale: far above rounding, far below a change of shape
-    constexpr int patience =
-        5;  // just above a critical load the valley is long and flat: twice as many were seen
+    constexpr int patience = 5;     // just above a critical load the valley is long and flat
     const Placement saddle = body_.placement();
     const int unstable = unstable_.value();
     Vector x = lowest_->vectors.col(0);
