@@ -228,17 +228,28 @@ std::pair<std::size_t, std::size_t> place_in(const std::string& page_template) {
 
 }  // namespace
 
+/// The next stride to try: that by which the page is too large, or 0 if even the ends of a sequence are too
+/// much.
+std::size_t wider(std::size_t stride, std::size_t most_frames, std::size_t size, std::size_t limit) {
+  if (stride >= most_frames) return 0;
+  const double over = static_cast<double>(size) / static_cast<double>(std::max<std::size_t>(limit, 1));
+  const double wanted = std::min(static_cast<double>(stride) * over, static_cast<double>(most_frames));
+  return std::max(stride + 1,
+                  static_cast<std::size_t>(wanted));  // rounded down: rather once more than too wide
+}
+
 std::string report_page(const std::string& page_template, const Report& report, const PageLimits& limits) {
   const auto [from, to] = place_in(page_template);
   const std::string before = page_template.substr(0, from), after = page_template.substr(to);
   std::size_t most = 0;
   for (const Sequence& s : report.sequences) most = std::max(most, s.frames.size());
-  for (std::size_t stride = 1;; stride = stride < most ? 2 * stride : 0) {
+  for (std::size_t stride = 1;;) {
     const Packed packed = pack(report, limits, stride);
     std::string page = before + "<script type=\"application/json\" id=\"run\">" + escaped(packed.json) +
                        "</script>\n<script type=\"text/plain\" id=\"data\">" + base64(gzip(packed.block)) +
                        "</script>" + after;
     if (page.size() <= limits.bytes || stride == 0) return page;
+    stride = wider(stride, most, page.size(), limits.bytes);
   }
 }
 

@@ -37,7 +37,7 @@ struct PageLimits {
   std::size_t case_bytes = 1'000'000;
 };
 
-/// The page: the template with the run in it. Frames are left out, every second of them and so on, until it
+/// The page: the template with the run in it. One frame in two, three and so on is kept until it
 /// fits into the limit, all of them if it never does; the page says so. Throws IoError if the template has
 /// not exactly one line "<!-- run -->".
 std::string report_page(const std::string& page_template, const Report& report, const PageLimits& limits);
