@@ -153,15 +153,13 @@ fs::path write_report(const fs::path& folder) {
   const page::StepFacts step = step_of(c, built, summary);
   r.facts = facts_of(c, built, summary, step);
   if (summary) r.results = results_of(*summary);
-  r.warnings =
-      page::warnings({.summary = summary,
-                      .history = r.history,
-                      .body = r.body,
-                      .units = c.units,
-                      .stages = c.stages.size(),
-                      .resume_command = "vbond resume " +
-                                        fs::weakly_canonical(folder / "").parent_path().filename().string(),
-                      .step = step});
+  r.warnings = page::warnings({.summary = summary,
+                               .history = r.history,
+                               .body = r.body,
+                               .units = c.units,
+                               .stages = c.stages.size(),
+                               .resume_command = "vbond resume " + fs::canonical(folder).filename().string(),
+                               .step = step});
   replace_file(folder / "report.html", page::report_page(html, r, {}), Sync::none);
   return folder / "report.html";
 }

@@ -160,7 +160,8 @@ page::Lines facts_of(const Case& c, const Built& built, const std::optional<RunS
   const bool si = model.units == UnitSystem::si;
   const auto bonds = summary ? summary->bonds : static_cast<std::int64_t>(built.state.bonds.size());
   page::Lines lines{{"Specimen", specimen_in_words(c)},
-                    {"Size", fmt::format("{} particles, {} bonds", model.particles(), bonds)},
+                    {"Size", fmt::format("{} particle{}, {} bond{}", model.particles(),
+                                         model.particles() == 1 ? "" : "s", bonds, bonds == 1 ? "" : "s")},
                     {"Bonds", bonds_in_words(c)},
                     {"Contacts", contacts_in_words(model)},
                     {"Units", si ? "SI" : "reduced: a = m = c_A = 1"}};
