@@ -28,6 +28,7 @@ struct Film {
 
   explicit Film(std::size_t frames = 5, std::size_t particles = 3) {
     Chain chain(particles);
+    chain.state.bonds[BondId{0}].a = 0.8;  // a strain is not an elongation
     FrameWriter writer(folder.path(), false, {});
     for (std::size_t f = 0; f < frames; ++f) {
       const auto x = static_cast<double>(f);

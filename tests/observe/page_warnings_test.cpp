@@ -63,18 +63,27 @@ TEST(PageWarnings, AFailedStaticStageSaysHowFarItCame) {
   const std::vector<Warning> w = run.look();
   ASSERT_EQ(w.size(), 1U);
   EXPECT_EQ(w[0].level, Level::error);
-  expect_text(w[0], {"no balance was found beyond load factor 0.625", "too far"});
+  expect_text(w[0], {"failed after load factor 0.625", "too far"});
 }
 
 TEST(PageWarnings, SnappedBondsAreCountedExplainedAndNamed) {
   Known run;
   run.history.columns[3].values = {0, 1, 3};
+  run.summary->snapped = 3;
   run.body.first_snapped = {4, 4, 5, 20.0};
   const std::vector<Warning> w = run.look();
   ASSERT_EQ(w.size(), 1U);
   EXPECT_EQ(w[0].level, Level::error);
   expect_text(w[0], {"3 of 9 bonds are snapped at the end", "more than 90 degrees", "passed its peak",
                      "First seen at t = 10.", "bond 4 (particles 4, 5) at t = 20"});
+}
+
+TEST(PageWarnings, WhileAStageRunsTheLastRowCounts) {
+  Known run;
+  run.summary->snapped = 5;  // as the stage before ended
+  run.summary->stages[0].time = 10;
+  run.history.columns[3].values = {0, 5, 2};
+  expect_text(run.look()[0], {"2 of 9 bonds are snapped at the end"});
 }
 
 TEST(PageWarnings, BondsThatCameBackWeighLess) {
@@ -92,7 +101,7 @@ TEST(PageWarnings, WorseComesFirst) {
   Known run;
   run.summary->stages[0].stop = StopReason::interrupted;
   run.summary->ever_strained = 1;
-  run.history.columns[3].values = {0, 0, 1};
+  run.summary->snapped = 1;
   const std::vector<Warning> w = run.look();
   ASSERT_EQ(w.size(), 3U);
   EXPECT_EQ(w[0].level, Level::error);

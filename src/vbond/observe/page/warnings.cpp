@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 namespace vbond::page {
 namespace {
@@ -51,24 +52,43 @@ std::string first_seen(const RunFacts& run, const BondSighting& sighting, const 
   return text;
 }
 
+/// A report of the program with its advice, which stands on a line of its own there.
+std::string one_line(std::string report) {
+  constexpr std::string_view line_end = "\n  ";
+  for (std::size_t at; (at = report.find(line_end)) != std::string::npos;)
+    report.replace(at, line_end.size(), ". ");
+  return report;
+}
+
+/// Snapped bonds as the run stands: run.json tells it at the end of a stage, history.csv on the way.
+std::int64_t snapped_now(const RunFacts& run) {
+  const HistoryColumn *times = run.history.find("time"), *column = run.history.find("snapped");
+  const bool rows = times && column && !times->values.empty();
+  const bool ended = run.summary && !run.summary->stages.empty() &&
+                     (!rows || run.summary->stages.back().time >= times->values.back());
+  if (ended) return run.summary->snapped;
+  return rows ? count(column->values.back()) : 0;
+}
+
 void add_endings(const RunFacts& run, Warnings& all) {
   const std::size_t ended = run.summary ? run.summary->stages.size() : 0;
   bool stopped = false;
   for (std::size_t k = 0; k < ended; ++k) {
     const StageSummary& s = run.summary->stages[k];
-    const std::string reason = s.statics ? s.statics->failure : s.failure;
+    const std::string reason = one_line(s.statics ? s.statics->failure : s.failure);
     const bool static_failed = s.statics && s.statics->result.ended == "failed";
     if (s.stop == StopReason::diverged)
       all.push_back(
           {Level::error,
-           fmt::format("The run became unphysical in stage \"{}\" and was stopped at {}. What comes just "
-                       "before that is not to be trusted either.{}{}",
+           fmt::format("The run became unphysical in stage \"{}\" and was stopped at {}: its numbers make no "
+                       "sense from there on.{}{}",
                        s.name, when(run, s.time), reason.empty() ? "" : " The program said: ", reason)});
     if (static_failed)
       all.push_back(
-          {Level::error, fmt::format("Stage \"{}\" failed: no balance was found beyond load factor {:.6g}. "
-                                     "What is shown ends there. The program said: {}",
-                                     s.name, s.statics->result.load_factor, reason)});
+          {Level::error,
+           fmt::format("Stage \"{}\" failed after load factor {:.6g}; what is shown ends there. The "
+                       "program said: {}",
+                       s.name, s.statics->result.load_factor, reason)});
     const bool interrupted =
         s.statics ? s.statics->result.ended == "interrupted" : s.stop == StopReason::interrupted;
     if (interrupted)
@@ -86,17 +106,13 @@ void add_endings(const RunFacts& run, Warnings& all) {
 }
 
 void add_snapped(const RunFacts& run, Warnings& all) {
-  const HistoryColumn* column = run.history.find("snapped");
-  const auto now = column && !column->values.empty() ? count(column->values.back())
-                   : run.summary                     ? run.summary->snapped
-                                                     : 0;
+  const std::int64_t now = snapped_now(run);
   const auto ever =
       std::max(run.summary ? run.summary->ever_snapped : 0, count(largest(run.history, "snapped")));
   const std::int64_t bonds = std::max<std::int64_t>(run.summary ? run.summary->bonds : 0,
                                                     static_cast<std::int64_t>(run.body.bonds.size() / 2));
   const std::string means =
-      " Ends of such a bond have turned by more than 90 degrees: its energy has passed its peak, and the "
-      "bond "
+      " Ends of such a bond have turned by more than 90 degrees: its energy has passed its peak, and it "
       "pulls towards a wrong shape instead of back.";
   const std::string first = first_seen(run, run.body.first_snapped, "snapped");
   if (now > 0)
