@@ -56,7 +56,7 @@ std::string first_seen(const RunFacts& run, const BondSighting& sighting, const 
 std::string one_line(std::string report) {
   constexpr std::string_view line_end = "\n  ";
   for (std::size_t at; (at = report.find(line_end)) != std::string::npos;)
-    report.replace(at, line_end.size(), ". ");
+    report.replace(at, line_end.size(), "; ");
   return report;
 }
 
