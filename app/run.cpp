@@ -125,6 +125,17 @@ void say_end(const Campaign& campaign, bool interrupted) {
     say("stopped by a signal; go on with: " + campaign.program + " resume " + folder + "\n", stderr);
 }
 
+/// A signal that came between two stages: the checkpoint is that of the state before the next one's bonds.
+void stop_before_stage(Campaign& campaign, const State& state) {
+  campaign.files.checkpoint->write(campaign.model, state);
+  save_summary(campaign);
+  say_end(campaign, true);
+}
+
+int status_of_signal() {
+  return caught_signal() == SIGTERM ? on_sigterm : caught_signal() == SIGHUP ? on_sighup : on_sigint;
+}
+
 /// Runs from the state's stage to the last one. `leg` is the stage the state is in.
 int run_stages(Campaign& campaign, Leg leg, State state) {
   catch_signals();
@@ -138,7 +149,11 @@ int run_stages(Campaign& campaign, Leg leg, State state) {
     if (!ended || state.clock.stage == stages) {
       say_end(campaign, !ended);
       if (ended) return done;
-      return caught_signal() == SIGTERM ? on_sigterm : caught_signal() == SIGHUP ? on_sighup : on_sigint;
+      return status_of_signal();
+    }
+    if (caught_signal() != 0) {
+      stop_before_stage(campaign, state);
+      return status_of_signal();
     }
     const auto start = WallClock::now();
     leg = prepare(campaign.c, campaign.model, state);

@@ -5,6 +5,9 @@ include(CMakePackageConfigHelpers)
 set(vbond_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/vbond)
 
 install(TARGETS vbond EXPORT vbondTargets)
+if(VBOND_STATICS)
+  install(TARGETS vbond_statics EXPORT vbondTargets)
+endif()
 install(DIRECTORY src/vbond TYPE INCLUDE FILES_MATCHING PATTERN "*.hpp" PATTERN detail EXCLUDE)
 install(FILES LICENSE TYPE DOC)
 # The page of `vbond report`, made by the set-up from web/; a program installed without it says what is missing.

@@ -53,7 +53,7 @@ TEST(StaticStages, KeepEveryValueOfTheirKeys) {
             "supports = [{ group = \"first\", fix = [\"x\", \"rz\"], displacement = [3, 0, 0], "
             "rotation = [0, 0, 0.5] }]\n"
             "loads = [{ group = \"last\", moment = [1, 2, 3], constant = true }]\n"
-            "newton = { tolerance = 1e-7, iterations = 9, solver = \"iterative\" }\n"
+            "newton = { tolerance = 1e-7, iterations = 9, solver = \"direct\" }\n"
             "first_step = -0.2\nlargest_step = 0.3\nmost_points = 7\n"
             "stop = { load_factor = { above = 2, below = -1 } }\n"
             "branch = { bifurcation = 2, mode = 3, sense = \"-\" }\n");
@@ -65,7 +65,7 @@ TEST(StaticStages, KeepEveryValueOfTheirKeys) {
   EXPECT_TRUE(s.loads[0].constant);
   EXPECT_EQ(s.newton.tolerance, 1e-7);
   EXPECT_EQ(s.newton.iterations, 9);
-  EXPECT_EQ(s.newton.solver, LinearSolver::iterative);
+  EXPECT_EQ(s.newton.solver, LinearSolver::direct);
   EXPECT_EQ(s.path.first_step, -0.2);
   EXPECT_EQ(s.path.largest_step, 0.3);
   EXPECT_EQ(s.path.most_points, 7);
@@ -165,6 +165,14 @@ TEST(StaticStages, NumbersAreChecked) {
   expect_refused("modes", "count = 0\n", "1 <= count");
   expect_refused("modes", "frames_per_mode = -1\n", "0 <= frames_per_mode");
   expect_refused("modes", "amplitude = -1\n", "0 <= amplitude");
+}
+
+TEST(StaticStages, IterativeSolverIsForEquilibriumOnly) {
+  const std::string iterative = "newton = { solver = \"iterative\" }\n";
+  expect_accepted("equilibrium", iterative);
+  for (const char* kind : {"path", "buckling"})
+    expect_refused(kind, load + iterative, "need the factors of the tangent");
+  expect_refused("modes", iterative, "need the factors of the tangent");
 }
 
 // A kind that makes no sense says nothing of the keys beside it.

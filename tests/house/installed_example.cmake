@@ -1,5 +1,5 @@
 # Installs vbond, then configures, builds and runs examples/cpp against the installed copy alone,
-# as a user of the library would. Needs: build, config, example, work, compiler, flags.
+# as a user of the library would. Needs: build, config, example, statics, work, compiler, flags.
 file(REMOVE_RECURSE ${work})
 
 function(step)
@@ -22,4 +22,12 @@ step(${work}/build/rod)
 # correction for finite deflection is 1.09 (w/L)^2 = 2e-6 of it, below the digits printed.
 if(NOT output MATCHES "tip deflection 0\\.013333,")
   message(FATAL_ERROR "expected a tip deflection of 0.013333, the example printed:\n${output}")
+endif()
+
+# Mode 1 of the paper's rod: 3.07817634631e-4.
+if(statics)
+  step(${work}/build/buckling)
+  if(NOT output MATCHES "critical force 0\\.000307817635")
+    message(FATAL_ERROR "expected a critical force of 3.07817635e-4, the example printed:\n${output}")
+  endif()
 endif()

@@ -95,7 +95,7 @@ TEST(StaticReport, SaysWhetherTheBalanceIsStable) {
   r.unstable = 2;
   r.smallest_eigenvalue = -0.5;
   EXPECT_TRUE(has(static_report(StageKind::equilibrium, r, ""),
-                  "UNSTABLE in 2 directions, eigenvalue nearest to zero -0.5"));
+                  "UNSTABLE in 2 directions, smallest eigenvalue -0.5"));
 }
 
 TEST(StaticReport, RigidAndUnstableModesHaveNoPeriod) {

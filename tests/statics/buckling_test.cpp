@@ -303,6 +303,22 @@ TEST(CriticalLoads, StopWhenInterrupted) {
             "interrupted");
 }
 
+// Before the first point constant loads are brought to balance: a signal there is no failure of any kind.
+TEST(ConstantLoads, MayBeInterruptedBeforeTheyAreBalanced) {
+  const testing::Specimen rod = testing::straight_rod(10);
+  const StaticHooks hooks{{}, {}, [] { return true; }};
+  StaticLoad weight = pushed(5, {0, 1e-4, 0});
+  weight.constant = true;
+  for (const StageKind kind : {StageKind::path, StageKind::buckling, StageKind::modes}) {
+    const StaticOutcome outcome =
+        run_static_stage(rod.model, testing::static_stage(kind, pinned(10), {pushed(9, {-1, 0, 0}), weight}),
+                         rod.state, hooks);
+    EXPECT_EQ(outcome.result.ended, "interrupted");
+    EXPECT_EQ(outcome.result.points, 0);
+    EXPECT_EQ(outcome.state.r, rod.state.r);
+  }
+}
+
 /// A circular arch of 20 bonds, span 1 and rise 0.2, pinned at its ends, its plane held; a unit force down at
 /// the crown.
 struct Arch {

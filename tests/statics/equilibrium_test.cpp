@@ -208,6 +208,74 @@ TEST(Equilibrium, LeavesAStraightStrutPastItsCriticalLoad) {
   EXPECT_NEAR(y(4), y(5), 1e-9);
 }
 
+/// A pinned rod of eleven particles, free in space but for its axis, under this end force.
+StaticStage pinned_column(double P) {
+  return static_stage(StageKind::equilibrium,
+                      {fixed({first}, {true, true, true, true, false, false}),
+                       fixed({ParticleId{10}}, {false, true, true, false, false, false})},
+                      {pushed(10, {-P, 0, 0})});
+}
+
+// The critical load, about pi^2 0.0025 / 100 = 2.47e-4, lies just below load step 10 of 20: the valley that
+// leads away from the straight rod is nearly flat there.
+TEST(Equilibrium, LeavesASaddleJustAboveTheCriticalLoad) {
+  const testing::Specimen rod = testing::straight_rod(11);
+  StaticStage stage = pinned_column(5e-4);
+  stage.steps = 20;
+  std::string told;
+  StaticHooks hooks;
+  hooks.tell = [&told](const std::string& text) { told += text; };
+  const StaticOutcome bent = equilibrium(rod, stage, hooks);
+  EXPECT_EQ(bent.result.unstable, 0);
+  EXPECT_TRUE(bent.result.left_saddle);
+  EXPECT_NE(told.find("was left along its lowest mode"), std::string::npos) << told;
+  const Vec3d& middle = bent.state.r[ParticleId{5}];
+  EXPECT_GT(std::hypot(middle.y, middle.z), 1.0);
+}
+
+// A moment far below rounding of what the rod carries makes no saddle stable.
+TEST(Equilibrium, LeavesASaddleUnderATinyMoment) {
+  StaticStage stage = pinned_column(1e-3);
+  stage.loads[0].moment = {1e-12, 0, 0};
+  const StaticOutcome bent = equilibrium(testing::straight_rod(11), stage);
+  EXPECT_TRUE(bent.result.left_saddle);
+  EXPECT_LT(bent.state.r[ParticleId{10}].x, 9.0);  // straight it stays within 0.01 of 10
+}
+
+/// A ball that lies on another, held one, at first touch: no force, no stiffness.
+testing::Specimen ball_on_ball(double overlap) {
+  testing::Specimen s = testing::particles_at({{0, 0, 0}, {0, 0, 0.6 - overlap}}, 0.3);
+  s.model.contact = {ContactLaw::paper_hertz, ContactPairs::all, 1.0, 1.0, 0, 0};
+  return s;
+}
+
+// Without stiffness no shift that is a part of it makes the tangent definite: the search for one must end.
+TEST(Equilibrium, OfBallsAtFirstTouchIsNeutralAndTold) {
+  StaticStage stage = static_stage(
+      StageKind::equilibrium,
+      {fixed({first}, testing::clamped), fixed({ParticleId{1}}, {true, true, false, true, true, true})});
+  std::string told;
+  StaticHooks hooks;
+  hooks.tell = [&told](const std::string& text) { told += text; };
+  EXPECT_EQ(equilibrium(ball_on_ball(1e-12), stage, hooks).result.ended, "converged");
+  stage.supports.pop_back();
+  EXPECT_THROW(equilibrium(ball_on_ball(-1e-3), stage, hooks), NoEquilibrium);
+}
+
+// The ball is pressed onto the top of the other: it rolls off, and nothing holds it then.
+TEST(Equilibrium, OfABallOnTopOfAnotherIsNotStable) {
+  StaticStage stage = static_stage(
+      StageKind::equilibrium,
+      {fixed({first}, testing::clamped), fixed({ParticleId{1}}, {false, false, false, true, true, true})},
+      {pushed(1, {0, 0, -1e-3})});
+  stage.at_saddle = AtSaddle::keep;
+  const StaticOutcome kept = equilibrium(ball_on_ball(0.01), stage);
+  EXPECT_EQ(kept.result.unstable, 2);
+  EXPECT_LT(*kept.result.smallest_eigenvalue, 0.0);
+  stage.at_saddle = AtSaddle::leave;
+  EXPECT_THROW(equilibrium(ball_on_ball(0.01), stage), NoEquilibrium);
+}
+
 TEST(Equilibrium, StartsFromWhatIsInBalanceAndNotFromNothing) {
   const testing::Specimen rod = testing::rod50(10);
   const State half = equilibrium(rod, cantilever(10, {0, 2, 0})).state;

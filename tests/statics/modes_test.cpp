@@ -320,5 +320,19 @@ TEST(Modes, AreNotThoseOfABodyThatSupportsWouldMove) {
                NoEquilibrium);
 }
 
+// A mass at which K / m overflows: no eigenvalue can be found, and the user is told which stage it was.
+TEST(Modes, ThatCannotBeFoundAreAFailureOfTheirStage) {
+  testing::Specimen rod = testing::straight_rod(4);
+  for (double& m : rod.model.mass) m = 1e-315;
+  try {
+    run_static_stage(rod.model,
+                     testing::static_stage(StageKind::modes, {fixed({ParticleId{0}}, testing::clamped)}),
+                     rod.state, {});
+    FAIL();
+  } catch (const NoEquilibrium& e) {
+    EXPECT_NE(std::string(e.what()).find("stage \"test\": modes:"), std::string::npos) << e.what();
+  }
+}
+
 }  // namespace
 }  // namespace vbond

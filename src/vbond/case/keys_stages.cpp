@@ -94,14 +94,18 @@ void describe_motion(Table& t, StageSpec& s) {
   t.table("strain", s.strain, "affine strain, applied step by step");
 }
 
-void describe_newton(Table& t, NewtonSettings& n) {
+void describe_newton(Table& t, NewtonSettings& n, StageKind kind) {
   t.key("tolerance", n.tolerance, NumberCodec{pure, {0, 1, true, true}}, optional,
         "largest unbalanced force, as a part of the largest force in the body");
   t.key("iterations", n.iterations, at_least_one, optional, "the most for one load factor");
   t.key("solver", n.solver,
         ChoiceCodec<LinearSolver>{{"automatic", "direct", "iterative"},
                                   {LinearSolver::automatic, LinearSolver::direct, LinearSolver::iterative}},
-        optional, "of the linear equations; stability is known with the direct one only");
+        optional,
+        "of the linear equations; iterative: equilibrium only, and whether it is stable is then not known");
+  t.check(kind == StageKind::equilibrium || n.solver != LinearSolver::iterative, {"solver"},
+          "paths, critical loads and modes need the factors of the tangent",
+          "use solver = \"automatic\" or \"direct\"");
 }
 
 void describe_path(Table& t, PathSettings& p) {
@@ -142,7 +146,7 @@ void describe_statics(Table& t, StageSpec& s) {
     t.key("constant_gravity", s.constant_gravity, FlagCodec{}, optional,
           "gravity at full size from the start, not in proportion to the load factor; modes: always");
     t.table("newton", optional, "how far Newton's method goes",
-            [&s](Table& n) { describe_newton(n, s.newton); });
+            [&s](Table& n) { describe_newton(n, s.newton, s.kind); });
   });
   t.when(s.kind == StageKind::equilibrium, "kind = \"equilibrium\"", [&] {
     t.key("steps", s.steps, at_least_one, optional, "load steps at least; more if they are too large");

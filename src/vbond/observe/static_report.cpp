@@ -28,8 +28,7 @@ std::string stability(const StaticResult& r) {
                      : *r.unstable == 0 ? "stable"
                                         : fmt::format("UNSTABLE in {} direction{}", *r.unstable,
                                                       *r.unstable == 1 ? "" : "s");
-  if (r.smallest_eigenvalue)
-    text += fmt::format(", eigenvalue nearest to zero {:.6g}", *r.smallest_eigenvalue);
+  if (r.smallest_eigenvalue) text += fmt::format(", smallest eigenvalue {:.6g}", *r.smallest_eigenvalue);
   if (r.left_saddle) text += "; an unstable balance was left on the way";
   return text + '\n';
 }

@@ -98,7 +98,7 @@ EigenPairs critical_factors(const SparseMatrix& A, const SparseMatrix& B, int co
   counter.analyse(A + B);
   const auto number_below = [&](double mu) { return counter.factor_indefinite(A + mu * B); };
   const std::optional<int> available = number_below(largest);
-  if (!available) throw std::runtime_error("critical factors: they cannot be counted");
+  if (!available) throw NoConvergence("critical factors: they cannot be counted");
   return find_counted(Wanted{count, *available, 0.0, 0.0}, look, number_below);
 }
 

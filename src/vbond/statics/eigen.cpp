@@ -63,7 +63,7 @@ struct Shifted {
         below = *negative;
         return;
       }
-      if (step > 1e-6 * scale) throw std::runtime_error("eigenvalues: no shift can be factored");
+      if (step > 1e-6 * scale) throw NoConvergence("eigenvalues: no shift can be factored");
       sigma = wanted - step;
     }
   }
@@ -240,7 +240,7 @@ double largest_eigenvalue(const SparseMatrix& A) {
     const double theta = x.dot(A * x);
     return theta + (A * x - theta * x).norm();  // an eigenvalue lies within the residual of theta
   }
-  throw std::runtime_error(fmt::format("largest eigenvalue of a matrix of {} unknowns: no convergence", n));
+  throw NoConvergence(fmt::format("largest eigenvalue of a matrix of {} unknowns: no convergence", n));
 }
 
 }  // namespace vbond

@@ -89,8 +89,10 @@ class LoadSteps {
     return go_downhill();
   }
 
-  NewtonOutcome go_downhill() {
-    NewtonOutcome outcome = minimise(body_, solver_, body_.stage().newton, hooks_.interrupted);
+  NewtonOutcome go_downhill(int patience = 1) {
+    NewtonSettings settings = body_.stage().newton;
+    settings.iterations *= patience;
+    NewtonOutcome outcome = minimise(body_, solver_, settings, hooks_.interrupted);
     result_.iterations += outcome.iterations();
     return outcome;
   }
@@ -130,14 +132,19 @@ class LoadSteps {
     const double margin = std::max(rounding, body_.moment_part());
     Factor factor;
     factor.analyse(K);
-    if (factor.factor_definite(K, margin)) {
+    if (K.norm() == 0.0 ||
+        factor.factor_definite(K, margin)) {  // no stiffness at all: contacts at first touch
       if (!negative) tell_neutral();
       if (body_.has_moment_part()) unstable_.reset();
       return;
     }
     unstable_ = std::max(1, factor.factor_indefinite(K, margin).value_or(negative.value_or(1)));
     double below = 10.0 * margin;
-    while (!factor.factor_definite(K, below)) below *= 10.0;
+    while (!factor.factor_definite(K, below)) {
+      below *= 10.0;
+      if (!(below < 1e3 * K.norm()))
+        give_up("the tangent stiffness is not finite");  // no eigenvalue is beyond
+    }
     lowest_ = smallest_eigenpairs(K, 1, -below);
   }
 
@@ -151,13 +158,15 @@ class LoadSteps {
   /// balance is kept as the last point.
   NewtonOutcome leave_saddle() {
     constexpr double nudge = 0.02;  // of the length scale: far above rounding, far below a change of shape
+    constexpr int patience =
+        5;  // just above a critical load the valley is long and flat: twice as many were seen
     const Placement saddle = body_.placement();
     const int unstable = unstable_.value();
     Vector x = lowest_->vectors.col(0);
     Eigen::Index largest = 0;
     x.cwiseAbs().maxCoeff(&largest);
     body_.move(nudge * body_.unknowns().length() / x[largest] * x, saddle.load_factor);
-    const NewtonOutcome outcome = go_downhill();
+    const NewtonOutcome outcome = go_downhill(patience);
     if (!outcome.converged && !outcome.interrupted) {
       body_.restore(saddle);
       report_point(body_, PointKind::regular, unstable, hooks_, result_);

@@ -97,7 +97,7 @@ double largest_column_sum(const SparseMatrix& A) {
 
 /// A value below all eigenvalues of A, and how many are clearly negative. Begins where rounding would make a
 /// zero eigenvalue negative, so that it is just below the spectrum of a stable body. Throws
-/// std::runtime_error if there is no such value: A is not finite.
+/// NoConvergence if there is no such value: A is not finite.
 struct Below {
   double bound;
   int unstable;
@@ -113,7 +113,7 @@ Below below_spectrum(const SparseMatrix& A) {
     if (factor.factor_definite(A, shift)) return {-shift, unstable.value_or(0)};
     if (!unstable) unstable = factor.factor_indefinite(A, shift);
   }
-  throw std::runtime_error("modes: the stiffness over the mass is not finite");
+  throw NoConvergence("modes: the stiffness over the mass is not finite");
 }
 
 NaturalMode mode(double omega2, bool rigid, const Vector& x, const Vector& roots, const Unknowns& unknowns) {

@@ -170,8 +170,11 @@ void PathWalk::start() {
   std::optional<PathPoint> point = arc_.point_here({Vector::Zero(size), 1.0});
   if (solver_.iterative())
     throw NoEquilibrium(stage_.name,
-                        "a path needs the direct solver, and its factor does not fit into memory",
-                        "follow the path of a smaller body, or use kind = \"equilibrium\"");
+                        stage_.newton.solver == LinearSolver::iterative
+                            ? "a path needs the direct solver"
+                            : "a path needs the direct solver, and its factor does not fit into memory",
+                        "use solver = \"direct\", follow the path of a smaller body, or use kind = "
+                        "\"equilibrium\"");
   if (!point) refuse_start();
   here_ = std::move(*point);
   refuse_branch_without_potential(here_);

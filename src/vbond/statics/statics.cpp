@@ -3,12 +3,14 @@
 #include <stdexcept>
 #include <utility>
 
+#include "vbond/core/error.hpp"
+#include "vbond/statics/detail/eigen.hpp"
 #include "vbond/statics/detail/kinds.hpp"
 
 namespace vbond {
+namespace {
 
-StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, State state,
-                               const StaticHooks& hooks) {
+StaticOutcome run_kind(const Model& model, const StaticStage& stage, State state, const StaticHooks& hooks) {
   switch (stage.kind) {
     case StageKind::dynamics: break;
     case StageKind::equilibrium: return find_equilibrium(model, stage, std::move(state), hooks);
@@ -17,6 +19,20 @@ StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, Sta
     case StageKind::modes: return find_modes(model, stage, std::move(state), hooks);
   }
   throw std::invalid_argument("run_static_stage: a dynamic stage is run by a Simulation");
+}
+
+}  // namespace
+
+StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, State state,
+                               const StaticHooks& hooks) {
+  try {
+    return run_kind(model, stage, std::move(state), hooks);
+  } catch (const NoConvergence& e) {
+    throw NoEquilibrium(
+        stage.name, e.what(),
+        "the tangent may be nearly singular, or its modes too close together: a smaller count, "
+        "or other supports, help");
+  }
 }
 
 }  // namespace vbond

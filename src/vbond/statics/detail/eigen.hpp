@@ -1,12 +1,20 @@
 #pragma once
+#include <stdexcept>
+
 #include "vbond/statics/detail/factor.hpp"
 #include "vbond/statics/detail/matrix.hpp"
 
 /// Some eigenpairs of large sparse matrices, by Lanczos iteration (Spectra) on the inverse; small matrices
 /// are solved densely. Lanczos may miss copies of a multiple eigenvalue: how many there are up to the last
 /// one found is counted by Sylvester's law of inertia, and missing ones are looked for among vectors normal
-/// to those found. All throw std::runtime_error where iteration does not converge.
+/// to those found. All throw NoConvergence.
 namespace vbond {
+
+/// Eigenvalues could not be found: no matrix near by can be factored, or iteration does not end.
+class NoConvergence : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 struct EigenPairs {
   Vector values;        ///< in increasing order of what was asked for

@@ -77,7 +77,7 @@ std::pair<double, int> counted_beyond(double last, double resolution, Number&& n
   for (double margin = std::max(1e-6 * std::abs(last), resolution);
        margin < 0.1 * std::abs(last) + 1e6 * resolution; margin *= 1.7)
     if (const std::optional<int> number = number_below(last + margin)) return {last + margin, *number};
-  throw std::runtime_error("eigenvalues: they are too close to each other to be counted");
+  throw NoConvergence("eigenvalues: they are too close to each other to be counted");
 }
 
 /// Looks for pairs until none is missing among the first ones. look(k, found) adds k more; number_below(key)
@@ -89,7 +89,7 @@ EigenPairs find_counted(const Wanted& w, Look&& look, Number&& number_below) {
   int missing = std::min(w.count, w.available);
   for (int rounds = 0; missing > 0; ++rounds) {
     if (rounds > w.count + 20)
-      throw std::runtime_error(fmt::format("eigenvalues: {} are missing that must exist", missing));
+      throw NoConvergence(fmt::format("eigenvalues: {} are missing that must exist", missing));
     look(missing, found);
     found.sort();
     unwanted = found.below(w.from);
@@ -124,7 +124,7 @@ void iterate(Solver& solver, Spectra::SortRule rule, int count, Eigen::Index n) 
   solver.init();
   const auto converged = static_cast<int>(solver.compute(rule, lanczos_restarts, lanczos_tolerance));
   if (converged < count)
-    throw std::runtime_error(
+    throw NoConvergence(
         fmt::format("eigenvalues of a matrix of {} unknowns: {} of {} converged within {} restarts", n,
                     converged, count, lanczos_restarts));
 }
