@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace vbond::app {
 
@@ -21,7 +22,15 @@ struct RunOptions {
   std::optional<std::filesystem::path> folder;  ///< default: see claim_folder
   bool force = false;                           ///< replace an earlier output
   int threads = 1;
+  bool report = false;  ///< write report.html at the end
   std::string program;  ///< as it was called, for the hint how to go on
+};
+
+struct PlotOptions {
+  std::filesystem::path folder;
+  std::vector<std::string> columns;  ///< of history.csv, a panel each
+  std::string x = "time";            ///< the column they are plotted against
+  bool still = false;                ///< also write report.png
 };
 
 struct CalibrateOptions {
@@ -34,5 +43,8 @@ int run(const RunOptions& options);
 int resume(const std::filesystem::path& folder, int threads, const std::string& program);
 int check(const std::filesystem::path& case_file, int threads);
 int calibrate(const CalibrateOptions& options);
+/// Writes report.html into the folder of a run.
+int report(const std::filesystem::path& folder);
+int plot(const PlotOptions& options);
 
 }  // namespace vbond::app

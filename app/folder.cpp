@@ -68,7 +68,7 @@ void clear_folder(const fs::path& folder, IsOwn is_own) {
 
 void remove_output(const fs::path& folder) {
   for (const char* name : {"history.csv", "run.json", "resolved.toml", "checkpoint.h5", "particles.pvd",
-                           "bonds.pvd", "dump.lammpstrj", "last_balance.h5"}) {
+                           "bonds.pvd", "dump.lammpstrj", "last_balance.h5", "report.html", "report.png"}) {
     take_away(folder / name);
     take_away(temporary_name(folder / name));
   }

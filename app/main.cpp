@@ -42,6 +42,15 @@ void add_calibrate(CLI::App& app, app::CalibrateOptions& o, CLI::App*& command) 
       ->capture_default_str();
 }
 
+void add_plot(CLI::App& app, app::PlotOptions& o, CLI::App*& command) {
+  command = app.add_subcommand("plot", "Plot columns of history.csv in the terminal");
+  command->add_option("DIR", o.folder, "Output folder of a run")->required();
+  command->add_option("COLUMN", o.columns, "Columns, a panel each; without any they are listed");
+  command->add_option("--x", o.x, "Column to plot against")->capture_default_str();
+  command->add_flag("--png", o.still,
+                    "Write DIR/report.png, the report with its last frame as a picture; needs chromium");
+}
+
 int dispatch(int argc, char** argv) {
   CLI::App program("vbond: solids as rigid particles joined by elastic bonds that have an energy");
   program.set_version_flag("--version", "vbond " VBOND_VERSION);
@@ -59,6 +68,7 @@ int dispatch(int argc, char** argv) {
       "Output folder (default: CASE.out in the current folder, or CASE-2.out, ... if there is one)");
   run_command->add_flag("--force", run.force,
                         "Replace an earlier output in that folder, or in CASE.out; other files in it stay");
+  run_command->add_flag("--report", run.report, "Write report.html at the end, as the command report does");
   add_threads(run_command, run.threads);
 
   CLI::App* check_command = program.add_subcommand("check", "Validate a case and say what would be run");
@@ -69,6 +79,14 @@ int dispatch(int argc, char** argv) {
   CLI::App* resume_command = program.add_subcommand("resume", "Go on with a run that was stopped");
   resume_command->add_option("DIR", folder, "Its output folder")->required();
   add_threads(resume_command, run.threads);
+
+  CLI::App* report_command =
+      program.add_subcommand("report", "Write DIR/report.html: one page that shows a run, for any browser");
+  report_command->add_option("DIR", folder, "Output folder of a run, ended or not")->required();
+
+  app::PlotOptions plot;
+  CLI::App* plot_command = nullptr;
+  add_plot(program, plot, plot_command);
 
   app::CalibrateOptions calibrate;
   CLI::App* calibrate_command = nullptr;
@@ -83,11 +101,13 @@ int dispatch(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     return program.exit(e) == 0 ? app::done : app::bad_input;
   }
-  if (!calibrate_command->parsed())
+  if (run_command->parsed() || check_command->parsed() || resume_command->parsed())
     instruction_set();  // refuses a wrong VBOND_SIMD before anything is written
   if (run_command->parsed()) return app::run(run);
   if (check_command->parsed()) return app::check(run.case_file, run.threads);
   if (resume_command->parsed()) return app::resume(folder, run.threads, run.program);
+  if (report_command->parsed()) return app::report(folder);
+  if (plot_command->parsed()) return app::plot(plot);
   return app::calibrate(calibrate);
 }
 

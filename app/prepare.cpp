@@ -16,17 +16,17 @@ double output_time(const CaseTime& time, const Model& model, const char* key, co
   return resolve_time(time, model, key, {c.file, 0, 0});
 }
 
-const char* contacts_in_words(const Model& model) {
-  if (model.contact.law == ContactLaw::none) return "none";
-  return model.contact.pairs == ContactPairs::all ? "between all pairs, bonded ones too"
-                                                  : "between pairs that are not bonded";
-}
-
 const char* time_unit(const Model& model) {
   return model.units == UnitSystem::si ? " s" : "";
 }
 
 }  // namespace
+
+const char* contacts_in_words(const Model& model) {
+  if (model.contact.law == ContactLaw::none) return "none";
+  return model.contact.pairs == ContactPairs::all ? "between all pairs, bonded ones too"
+                                                  : "between pairs that are not bonded";
+}
 
 OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem::path& folder) {
   const OutputSpec& o = c.output;

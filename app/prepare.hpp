@@ -17,6 +17,9 @@ OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem:
 /// Steps of each stage if none ends early, all with the same step dt; of static ones none.
 std::vector<std::int64_t> steps_of_stages(const Case& c, const Model& model, double dt);
 
+/// Between which pairs there are contacts.
+const char* contacts_in_words(const Model& model);
+
 /// Prints title, particles, bonds, coordination, contacts and T_0.
 void print_overview(const Case& c, const Model& model, const State& state);
 

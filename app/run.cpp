@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <exception>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "commands.hpp"
 #include "folder.hpp"
 #include "prepare.hpp"
+#include "report.hpp"
 #include "signals.hpp"
 #include "statics.hpp"
 #include "vbond/build/build.hpp"
@@ -48,7 +50,8 @@ Leg prepare(const Case& c, const Model& model, State& state) {
 }
 
 /// Adds a stage that has come to an end, whichever way, to the summary.
-void add_stage(RunSummary& s, const Simulation& run, StopReason why, std::int64_t first_step) {
+void add_stage(RunSummary& s, const Simulation& run, StopReason why, std::int64_t first_step,
+               const std::string& failure) {
   const RangeCounts ranges = count_ranges(run);
   s.bonds = count_bonds(run);
   s.threads_used = run.threads();
@@ -56,6 +59,7 @@ void add_stage(RunSummary& s, const Simulation& run, StopReason why, std::int64_
   s.snapped = ranges.snapped;
   s.bond_steps += (run.clock().step - first_step) * s.bonds;
   s.stages.push_back(summarise_stage(run, why));
+  s.stages.back().failure = failure;
 }
 
 /// Says what step the run has, once it is known.
@@ -80,25 +84,25 @@ bool run_dynamics_leg(Campaign& campaign, Stage stage, State& state) {
   const std::int64_t first = run.clock().step;
   const auto start = WallClock::now();
   const double output_before = campaign.output_seconds();
-  const auto stopped = [&](StopReason why) {
+  const auto stopped = [&](StopReason why, const std::string& failure) {
     campaign.stepping += seconds_since(start) - (campaign.output_seconds() - output_before);
     campaign.times.bonds += run.times().bonds;
     campaign.times.contacts += run.times().contacts;
     campaign.times.integrate += run.times().integrate;
-    add_stage(campaign.summary, run, why, first);
+    add_stage(campaign.summary, run, why, first, failure);
     save_summary(campaign);
   };
   StopReason why = StopReason::running;
   try {
     why = run.run([] { return caught_signal() != 0; });
-  } catch (const Diverged&) {
+  } catch (const Diverged& e) {
     campaign.clear_progress();
     campaign.files.watch->watch().summarise();
-    stopped(StopReason::diverged);
+    stopped(StopReason::diverged, e.what());
     say(fmt::format("results up to there in {}\n", campaign.plan.folder.string()));
     throw;
   }
-  stopped(why);
+  stopped(why, {});
   state = std::move(run).take_state();
   if (why == StopReason::interrupted) return false;
   begin_next_stage(state.clock);
@@ -177,6 +181,15 @@ void check_edits(const Case& c, const State& start, const State& now, const fs::
        "undo the edit, or start a new run of the edited case with vbond run"});
 }
 
+/// A report is worth less than the run: it is only told why there is none.
+void report_on(const fs::path& folder) {
+  try {
+    say("report in " + write_report(folder).string() + "\n");
+  } catch (const std::exception& e) {
+    say(std::string("no report: ") + e.what() + "\n", stderr);
+  }
+}
+
 }  // namespace
 
 int run(const RunOptions& options) {
@@ -197,7 +210,16 @@ int run(const RunOptions& options) {
   Campaign campaign =
       open_campaign(c, built.model, std::move(plan), options.threads, options.program, nullptr);
   campaign.building = seconds_since(start);
-  return run_stages(campaign, std::move(first), std::move(built.state));
+  try {
+    const int status = run_stages(campaign, std::move(first), std::move(built.state));
+    if (options.report && status == done) report_on(campaign.plan.folder);
+    return status;
+  } catch (const IoError&) {  // no more can be written
+    throw;
+  } catch (const std::exception&) {
+    if (options.report) report_on(campaign.plan.folder);
+    throw;
+  }
 }
 
 int resume(const fs::path& folder, int threads, const std::string& program) {

@@ -10,6 +10,8 @@ if(VBOND_STATICS)
 endif()
 install(DIRECTORY src/vbond TYPE INCLUDE FILES_MATCHING PATTERN "*.hpp" PATTERN detail EXCLUDE)
 install(FILES LICENSE TYPE DOC)
+# The page of `vbond report`, made by the set-up from web/; a program installed without it says what is missing.
+install(FILES ${PROJECT_SOURCE_DIR}/build/page/report.html DESTINATION ${CMAKE_INSTALL_DATADIR}/vbond OPTIONAL)
 install(EXPORT vbondTargets NAMESPACE vbond:: DESTINATION ${vbond_package_dir})
 
 configure_package_config_file(cmake/vbondConfig.cmake.in ${PROJECT_BINARY_DIR}/vbondConfig.cmake

@@ -13,6 +13,7 @@ vbond_build_packages=(
   libtomlplusplus-dev   # case files
   nlohmann-json3-dev    # run.json
   libhdf5-dev           # checkpoints
+  zlib1g-dev            # the report page
   libsuitesparse-dev libopenblas-pthread-dev  # statics: sparse factors
   libeigen3-dev libspectra-dev                # statics: matrices, eigenvalues
 )

@@ -24,14 +24,30 @@ RunSummary buckling() {
   s.particles = 10;
   s.bonds = 9;
   s.T_0 = 6.283185307179586;
-  s.stages = {{"relax", StopReason::duration, 500, 0.01, 5.0, {}, {}, {}},
-              {"squeeze", StopReason::peak, 3000000, 0.0628, 188405.0, 3.18e-4, 188300.0, {}}};
+  s.stages = {{"relax", StopReason::duration, 500, 0.01, 5.0, {}, {}, {}, {}},
+              {"squeeze", StopReason::peak, 3000000, 0.0628, 188405.0, 3.18e-4, 188300.0, {}, {}}};
   s.energy_balance_error = 1.5e-5;
   s.strained = 2, s.snapped = 1, s.ever_strained = 4, s.ever_snapped = 3;
   s.bond_steps = 27000000;
   s.stepping_seconds = 2.0;
   s.wall_time = {{"build", 0.25}, {"steps", 2.0}};
   return s;
+}
+
+TEST(RunSummary, ComesBackWithTheReasonOfAFailure) {
+  const Folder folder;
+  RunSummary written = buckling();
+  written.stages[1].stop = StopReason::diverged;
+  written.stages[1].failure = "step 7: particle 2: not finite\n  use a smaller step";
+  write_summary(folder / "run.json", written);
+  const RunSummary read = read_summary(folder / "run.json");
+  EXPECT_EQ(read.stages, written.stages);
+  EXPECT_EQ(read.title, written.title);
+  EXPECT_EQ(read.bonds, written.bonds);
+  EXPECT_EQ(read.ever_snapped, written.ever_snapped);
+  EXPECT_EQ(read.energy_balance_error, written.energy_balance_error);
+  put_content(folder / "run.json", "{}");
+  EXPECT_THROW(read_summary(folder / "run.json"), IoError);
 }
 
 TEST(RunSummary, JsonHoldsEveryResultUnderItsName) {

@@ -125,7 +125,7 @@ void write_particles_vtp(const fs::path& path, const Model& model, const State& 
 void write_bonds_vtp(const fs::path& path, const State& state) {
   constexpr double degrees = 180.0 / std::numbers::pi;
   std::vector<std::int64_t> ends, id, set;
-  std::vector<double> elongation, bend, twist, U_L, U_B, U_T, axial, shear, moment_i, moment_j;
+  std::vector<double> elongation, at_rest, bend, twist, U_L, U_B, U_T, axial, shear, moment_i, moment_j;
   std::vector<std::uint8_t> range;
   for (const BondId k : state.bonds.ids()) {
     const Bond& b = state.bonds[k];
@@ -137,7 +137,7 @@ void write_bonds_vtp(const fs::path& path, const State& state) {
     const double F_d = dot(loads.F, d);
     ends.push_back(b.i.value), ends.push_back(b.j.value);
     id.push_back(k.value), set.push_back(b.set);
-    elongation.push_back(shape.length - b.a);
+    elongation.push_back(shape.length - b.a), at_rest.push_back(b.a);
     bend.push_back(degrees * shape.bend), twist.push_back(degrees * shape.twist);
     U_L.push_back(U.U_L), U_B.push_back(U.U_B), U_T.push_back(U.U_T);
     axial.push_back(F_d), shear.push_back(norm(loads.F - F_d * d));
@@ -146,6 +146,7 @@ void write_bonds_vtp(const fs::path& path, const State& state) {
   }
   VtpFile f = VtpFile::of_lines(state.r.values(), ends);
   f.add_cell_data("elongation", elongation);
+  f.add_cell_data("length_at_rest", at_rest);
   f.add_cell_data("bend", bend);
   f.add_cell_data("twist", twist);
   f.add_cell_data("U_L", U_L);

@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 #include <system_error>
+#include <tuple>
 #include <vector>
 
 #include "vbond/core/bounding_box.hpp"
@@ -96,6 +97,25 @@ bool is_mode_file(std::string_view name, const std::string& stage) {
   take_off_end(name, "_bonds");
   if (!take_digits(name)) return false;
   return stage.empty() ? take_off_end(name, "_mode_") && !name.empty() : name == stage + "_mode_";
+}
+
+std::vector<ListedMode> list_modes(const fs::path& folder) {
+  constexpr std::string_view between = "_mode_";
+  std::error_code e;
+  std::vector<ListedMode> modes;
+  for (const auto& entry : fs::directory_iterator(folder / "modes", e)) {
+    const std::string name = entry.path().stem().string();
+    std::string_view rest = name;
+    if (entry.path().extension() != ".pvd" || !take_digits(rest)) continue;
+    const std::string number = name.substr(rest.size());
+    if (!take_off_end(rest, between) || number.size() > 6) continue;
+    modes.push_back(
+        {std::string(rest), std::stoi(number), entry.path(), folder / "modes" / (name + "_bonds.pvd")});
+  }
+  std::sort(modes.begin(), modes.end(), [](const ListedMode& one, const ListedMode& other) {
+    return std::tie(one.stage, one.number) < std::tie(other.stage, other.number);
+  });
+  return modes;
 }
 
 void remove_mode_frames(const fs::path& folder, const std::string& stage) {

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
@@ -27,6 +28,16 @@ void write_mode_frames(const std::filesystem::path& folder, const std::string& s
 /// True for the name of a file that write_mode_frames has written for this stage, or half of it; without a
 /// stage, for any.
 bool is_mode_file(std::string_view name, const std::string& stage = {});
+
+/// The two lists of a mode.
+struct ListedMode {
+  std::string stage;
+  int number = 0;  ///< from 1
+  std::filesystem::path particles, bonds;
+};
+
+/// The modes in a folder of a run, of each stage by number; none if it has no folder modes. Throws IoError.
+std::vector<ListedMode> list_modes(const std::filesystem::path& folder);
 
 /// Removes what an earlier start has written for this stage. Throws IoError.
 void remove_mode_frames(const std::filesystem::path& folder, const std::string& stage);

@@ -25,6 +25,7 @@ Json to_json(const StageSummary& s) {
   Json j{{"name", s.name}, {"stop", to_text(s.stop)}, {"steps", s.steps}, {"dt", s.dt}, {"time", s.time}};
   if (s.critical_force) j["critical_force"] = *s.critical_force;
   if (s.peak_time) j["peak_time"] = *s.peak_time;
+  if (!s.failure.empty()) j["failure"] = s.failure;
   return j;
 }
 
@@ -43,6 +44,7 @@ StageSummary stage_from(const Json& j) {
   s.dt = j.at("dt").get<double>();
   if (j.contains("critical_force")) s.critical_force = j["critical_force"].get<double>();
   if (j.contains("peak_time")) s.peak_time = j["peak_time"].get<double>();
+  if (j.contains("failure")) s.failure = j["failure"].get<std::string>();
   return s;
 }
 
@@ -57,7 +59,7 @@ std::vector<PhaseTime> split_steps(double seconds, const StepTimes& t) {
 
 StageSummary summarise_stage(const Simulation& run, StopReason stop) {
   const Clock& clock = run.clock();
-  StageSummary s{run.stage().name, stop, clock.stage_step, run.stage().dt, clock.time(), {}, {}, {}};
+  StageSummary s{run.stage().name, stop, clock.stage_step, run.stage().dt, clock.time(), {}, {}, {}, {}};
   if (stop == StopReason::peak) {
     s.critical_force = run.peak().peak;
     s.peak_time = run.peak().peak_time;
@@ -115,17 +117,33 @@ void write_summary(const std::filesystem::path& path, const RunSummary& summary)
   replace_file(path, to_json(summary));
 }
 
-std::vector<StageSummary> read_stages_before(const std::filesystem::path& path, std::int32_t stage) {
+RunSummary read_summary(const std::filesystem::path& path) {
   const std::string text = read_all(path);
   try {
-    std::vector<StageSummary> stages;
-    const Json summary = Json::parse(text);
-    for (const Json& j : summary.at("stages"))
-      if (static_cast<std::int32_t>(stages.size()) < stage) stages.push_back(stage_from(j));
-    return stages;
+    const Json j = Json::parse(text);
+    RunSummary r;
+    r.title = j.at("title").get<std::string>();
+    r.version = j.at("version").get<std::string>();
+    r.units = j.at("units").get<std::string>() == "SI" ? UnitSystem::si : UnitSystem::reduced;
+    r.particles = j.at("particles").get<std::int64_t>();
+    r.bonds = j.at("bonds").get<std::int64_t>();
+    r.T_0 = j.at("T0").get<double>();
+    for (const Json& stage : j.at("stages")) r.stages.push_back(stage_from(stage));
+    r.energy_balance_error = j.at("energy_balance_error").get<double>();
+    r.strained = j.at("strained").get<std::int64_t>();
+    r.snapped = j.at("snapped").get<std::int64_t>();
+    r.ever_strained = j.at("ever_strained").get<std::int64_t>();
+    r.ever_snapped = j.at("ever_snapped").get<std::int64_t>();
+    return r;
   } catch (const Json::exception& e) {
     throw IoError(path.string() + ": is not a run.json of vbond: " + e.what());
   }
+}
+
+std::vector<StageSummary> read_stages_before(const std::filesystem::path& path, std::int32_t stage) {
+  std::vector<StageSummary> stages = read_summary(path).stages;
+  if (static_cast<std::int32_t>(stages.size()) > stage) stages.resize(static_cast<std::size_t>(stage));
+  return stages;
 }
 
 }  // namespace vbond

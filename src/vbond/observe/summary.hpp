@@ -30,6 +30,7 @@ struct StageSummary {
   std::optional<double> critical_force;  ///< largest block average, if the stop was a peak  [force]
   std::optional<double> peak_time;       ///< end of that block  [time]
   std::optional<StaticSummary> statics;  ///< of a static stage, to which stop and dt say nothing
+  std::string failure;                   ///< what went wrong, if the stop was `diverged`
   friend bool operator==(const StageSummary&, const StageSummary&) = default;
 };
 
@@ -76,6 +77,10 @@ std::string to_json(const RunSummary& summary);
 
 /// Replaces run.json in one go. Throws IoError.
 void write_summary(const std::filesystem::path& path, const RunSummary& summary);
+
+/// A run.json read back, but for wall times and what it was computed with. Throws IoError if the file cannot
+/// be read or is not a run.json.
+RunSummary read_summary(const std::filesystem::path& path);
 
 /// The stages in a run.json that end at or before a stage index, to go on with when resuming: those
 /// before `stage`. Throws IoError if the file cannot be read or is not a run.json.

@@ -1,0 +1,172 @@
+#include "report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <numbers>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "campaign.hpp"
+#include "commands.hpp"
+#include "vbond/case/read.hpp"
+#include "vbond/core/error.hpp"
+#include "vbond/observe/files.hpp"
+#include "vbond/observe/mode_frames.hpp"
+
+namespace vbond::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_there(const fs::path& path) {
+  std::error_code e;
+  return fs::exists(path, e);
+}
+
+/// Where the template may stand: named by the user, installed, or in the build tree.
+std::vector<fs::path> template_places() {
+  if (const char* named = std::getenv("VBOND_PAGE")) return {named};
+  std::error_code e;
+  const fs::path folder = fs::read_symlink("/proc/self/exe", e).parent_path();
+  if (e) return {};
+  return {folder.parent_path() / "share/vbond/report.html", folder.parent_path() / "page/report.html"};
+}
+
+/// The stage that a time of the run lies in: the first that has not ended before it.
+std::string stage_at(double time, const Case& c, const std::optional<RunSummary>& summary) {
+  std::size_t k = 0;
+  if (summary)
+    while (k < summary->stages.size() && time > summary->stages[k].time) ++k;
+  return c.stages[std::min(k, c.stages.size() - 1)].name;
+}
+
+std::string note_of(const ListedMode& mode, const RunSummary& summary) {
+  const bool si = summary.units == UnitSystem::si;
+  for (const StageSummary& s : summary.stages) {
+    if (s.name != mode.stage || !s.statics) continue;
+    const StaticResult& r = s.statics->result;
+    const auto k = static_cast<std::size_t>(mode.number - 1);
+    if (k < r.critical_loads.size() && r.critical_loads[k].force != 0.0)
+      return fmt::format("critical force {:.6g}{}, load factor {:.6g}", r.critical_loads[k].force,
+                         si ? " N" : "", r.critical_loads[k].load_factor);
+    if (k < r.critical_loads.size())
+      return fmt::format("critical load factor {:.6g}", r.critical_loads[k].load_factor);
+    if (k < r.modes.size() && r.modes[k].omega2 < 0.0) return "unstable: the body would leave this balance";
+    if (k < r.modes.size())
+      return fmt::format("frequency {:.6g}{}", r.modes[k].omega / (2.0 * std::numbers::pi), si ? " Hz" : "");
+  }
+  return {};
+}
+
+/// The run's frames first, then the modes in the order of the stages.
+std::vector<page::SequenceFiles> sequence_files(const fs::path& folder, const Case& c,
+                                                const std::optional<RunSummary>& summary) {
+  std::vector<page::SequenceFiles> all;
+  if (is_there(folder / "particles.pvd")) {
+    page::SequenceFiles run{page::SequenceKind::run, "Run", "",
+                            page::listed_frames(folder / "particles.pvd", folder / "bonds.pvd")};
+    if (!run.frames.empty()) all.push_back(std::move(run));
+  }
+  const std::vector<ListedMode> modes = list_modes(folder);
+  for (const StageSpec& stage : c.stages)
+    for (const ListedMode& mode : modes) {
+      if (mode.stage != stage.name || !is_there(mode.bonds)) continue;
+      const char* kind = stage.kind == StageKind::buckling ? "Buckling mode" : "Mode";
+      all.push_back({page::SequenceKind::mode,
+                     fmt::format("{} {} of stage \"{}\"", kind, mode.number, mode.stage),
+                     summary ? note_of(mode, *summary) : std::string(),
+                     page::listed_frames(mode.particles, mode.bonds)});
+    }
+  return all;
+}
+
+std::size_t bytes_with(const std::vector<page::SequenceFiles>& all, std::size_t stride) {
+  std::size_t bytes = 0;
+  for (const page::SequenceFiles& s : all)
+    if (!s.frames.empty())
+      bytes += page::thinned(s.frames.size(), stride).size() * page::bytes_of_frame(s.frames.back());
+  return bytes;
+}
+
+/// Leaves out frames that would take too much memory here and in the reader's browser.
+void thin(std::vector<page::SequenceFiles>& all, const page::PageLimits& limits,
+          std::vector<std::string>& left_out) {
+  std::size_t most = 0, stride = 1;
+  for (const page::SequenceFiles& s : all) most = std::max(most, s.frames.size());
+  while (stride < most && (page::thinned(most, stride).size() > limits.frames ||
+                           bytes_with(all, stride) > limits.packed_bytes))
+    stride *= 2;
+  if (stride == 1) return;
+  for (page::SequenceFiles& s : all) {
+    std::vector<page::FrameFiles> kept;
+    for (const std::size_t k : page::thinned(s.frames.size(), stride)) kept.push_back(s.frames[k]);
+    s.frames = std::move(kept);
+  }
+  left_out.push_back(
+      fmt::format("Of the {} frames that were written one in {} was read, and the last one: all together "
+                  "are more than a browser holds. ParaView shows them all.",
+                  most, stride));
+}
+
+void add_sequences(const fs::path& folder, const Case& c, const std::optional<RunSummary>& summary,
+                   page::Report& r) {
+  std::vector<page::SequenceFiles> files = sequence_files(folder, c, summary);
+  thin(files, page::PageLimits{}, r.left_out);
+  for (const page::SequenceFiles& s : files) r.sequences.push_back(page::read_sequence(s, r.body));
+  if (files.empty() || files[0].kind != page::SequenceKind::run) return;
+  for (const page::FrameFiles& f : files[0].frames) r.stage_of_frame.push_back(stage_at(f.time, c, summary));
+}
+
+}  // namespace
+
+std::string page_template() {
+  std::string looked;
+  for (const fs::path& place : template_places()) {
+    if (is_there(place)) return read_all(place);
+    looked += "\n  looked for " + place.string();
+  }
+  throw IoError(
+      "the report page was not built with this program" + looked +
+      "\n  install nodejs and npm, then ./run builds it into build/page; or name one by VBOND_PAGE");
+}
+
+fs::path write_report(const fs::path& folder) {
+  if (!is_there(folder / "resolved.toml"))
+    throw IoError(folder.string() + ": is not an output folder of vbond run: it has no resolved.toml");
+  const std::string html = page_template();
+  const Case c = read_case(folder / "resolved.toml");
+  const Built built = build(c);
+  std::optional<RunSummary> summary;
+  if (is_there(folder / "run.json")) summary = read_summary(folder / "run.json");
+
+  page::Report r;
+  r.program = "vbond " + (summary ? summary->version : std::string(VBOND_VERSION));
+  r.title = c.title;
+  r.units = c.units;
+  r.command = "vbond run resolved.toml";
+  r.case_text = read_all(folder / "resolved.toml");
+  if (is_there(folder / "history.csv")) r.history = page::read_history(folder / "history.csv");
+  add_sequences(folder, c, summary, r);
+  const page::StepFacts step = step_of(c, built, summary);
+  r.facts = facts_of(c, built, summary, step);
+  if (summary) r.results = results_of(*summary);
+  r.warnings = page::warnings({.summary = summary,
+                               .history = r.history,
+                               .body = r.body,
+                               .units = c.units,
+                               .stages = c.stages.size(),
+                               .resume_command = "vbond resume " + fs::canonical(folder).filename().string(),
+                               .step = step});
+  replace_file(folder / "report.html", page::report_page(html, r, {}), Sync::none);
+  return folder / "report.html";
+}
+
+int report(const fs::path& folder) {
+  say("report in " + write_report(folder).string() + "\n");
+  return done;
+}
+
+}  // namespace vbond::app

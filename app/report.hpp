@@ -1,0 +1,28 @@
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "vbond/build/build.hpp"
+#include "vbond/case/case.hpp"
+#include "vbond/observe/page/page.hpp"
+#include "vbond/observe/summary.hpp"
+
+namespace vbond::app {
+
+/// Writes report.html into the folder of a run and returns its path. Throws IoError, also if the page was not
+/// built with the program; CaseError if resolved.toml was edited into something wrong.
+std::filesystem::path write_report(const std::filesystem::path& folder);
+
+/// The page's template. Throws IoError with what to install.
+std::string page_template();
+
+/// The run in rows for people: what was run, and what came out.
+page::Lines facts_of(const Case& c, const Built& built, const std::optional<RunSummary>& summary,
+                     const page::StepFacts& step);
+page::Lines results_of(const RunSummary& summary);
+
+/// The step of the first stage of dynamics, as far as it is known.
+page::StepFacts step_of(const Case& c, const Built& built, const std::optional<RunSummary>& summary);
+
+}  // namespace vbond::app

@@ -1,0 +1,197 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numbers>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "prepare.hpp"
+#include "report.hpp"
+#include "vbond/model/step_bound.hpp"
+#include "vbond/statics/results.hpp"
+
+namespace vbond::app {
+namespace {
+
+/// Kinds in the order of SpecimenSpec::shape.
+const char* kind_of(const SpecimenSpec& s) {
+  constexpr const char* kinds[] = {"rod",
+                                   "half-sphere",
+                                   "block",
+                                   "sheet",
+                                   "ring",
+                                   "helix",
+                                   "points of a CSV file",
+                                   "LAMMPS data file",
+                                   "listed points"};
+  static_assert(std::size(kinds) == std::variant_size_v<decltype(s.shape)>);
+  return kinds[s.shape.index()];
+}
+
+const char* name_of(BondTheory theory) {
+  switch (theory) {
+    case BondTheory::bernoulli_euler: return "Bernoulli-Euler";
+    case BondTheory::timoshenko: return "Timoshenko";
+    case BondTheory::short_cylinder: return "short cylinder";
+  }
+  return "";
+}
+
+const char* name_of(BondLaw law) {
+  switch (law) {
+    case BondLaw::v_model: return "V-model";
+    case BondLaw::evm: return "enhanced vector model (EVM)";
+  }
+  return "";
+}
+
+struct ParametersInWords {
+  std::string stress_unit;
+  std::string operator()(const GivenCoefficients& b) const {
+    return fmt::format("coefficients B1 = {:.6g}, B2 = {:.6g}, B3 = {:.6g}, B4 = {:.6g}", b.B1, b.B2, b.B3,
+                       b.B4);
+  }
+  std::string operator()(const BondStiffness<double>& c) const {
+    return fmt::format("stiffnesses c_A = {:.6g}, c_D = {:.6g}, c_B = {:.6g}, c_T = {:.6g}", c.c_A, c.c_D,
+                       c.c_B, c.c_T);
+  }
+  std::string operator()(const TheoryParameters& p) const {
+    return fmt::format("theory {}, E = {:.6g}{}, nu = {:.6g}", name_of(p.theory), p.material.E, stress_unit,
+                       p.material.nu);
+  }
+};
+
+std::string specimen_in_words(const Case& c) {
+  std::string text;
+  for (const SpecimenSpec& s : c.specimens)
+    text += fmt::format("{}{} \"{}\"", text.empty() ? "" : ", ", kind_of(s), s.name);
+  return text;
+}
+
+std::string bonds_in_words(const Case& c) {
+  const ParametersInWords words{c.units == UnitSystem::si ? " Pa" : ""};
+  std::string text;
+  for (const BondSpec& b : c.bonds)
+    text += fmt::format("{}\"{}\": {}, {}", text.empty() ? "" : "; ", b.name, name_of(b.recipe.law),
+                        std::visit(words, b.recipe.parameters));
+  return text.empty() ? "none" : text;
+}
+
+std::string step_in_words(const page::StepFacts& step, const Model& model) {
+  std::string text = fmt::format("{:.6g}{}", step.dt, model.units == UnitSystem::si ? " s" : "");
+  if (model.T_0 > 0.0) text += fmt::format(", {:.3g} T_0", step.dt / model.T_0);
+  if (step.critical > 0.0)
+    text += fmt::format(", {:.3g} % of the critical step", 100.0 * step.dt / step.critical);
+  return text;
+}
+
+std::string stage_in_words(const StageSpec& spec, const StageSummary* s, const char* time_unit) {
+  std::string text = to_text(spec.kind);
+  if (!s) return text + ", has not ended";
+  if (s->statics)
+    return text + fmt::format(", {} point{} of balance, ended: {}", s->statics->result.points,
+                              s->statics->result.points == 1 ? "" : "s", s->statics->result.ended);
+  return text +
+         fmt::format(", {} steps to t = {:.6g}{}, ended: {}", s->steps, s->time, time_unit, to_text(s->stop));
+}
+
+std::string numbers(const std::vector<double>& all, const std::string& unit) {
+  constexpr std::size_t most = 5;
+  std::string text;
+  for (std::size_t k = 0; k < std::min(most, all.size()); ++k)
+    text += fmt::format("{}{:.6g}", k == 0 ? "" : ", ", all[k]);
+  if (all.size() > most) text += fmt::format(" and {} more", all.size() - most);
+  return text + unit;
+}
+
+void add_static_results(const StageSummary& s, bool si, page::Lines& lines) {
+  const StaticResult& r = s.statics->result;
+  const auto add = [&](const std::string& what, const std::vector<double>& values, const char* unit) {
+    if (!values.empty())
+      lines.push_back({fmt::format("{} of stage \"{}\"", what, s.name), numbers(values, unit)});
+  };
+  std::vector<double> factors, forces, frequencies, limits, bifurcations;
+  for (const CriticalLoad& load : r.critical_loads) {
+    factors.push_back(load.load_factor);
+    if (load.force != 0.0) forces.push_back(load.force);
+  }
+  for (const NaturalMode& m : r.modes)
+    if (!m.rigid) frequencies.push_back(m.omega / (2.0 * std::numbers::pi));
+  for (const SpecialPoint& p : r.special_points)
+    (p.kind == PointKind::limit_point ? limits : bifurcations).push_back(p.load_factor);
+  add("Critical forces", forces, si ? " N" : "");
+  add("Critical load factors", factors, "");
+  add("Frequencies", frequencies, si ? " Hz" : "");
+  add("Limit points, load factors,", limits, "");
+  add("Bifurcations, load factors,", bifurcations, "");
+  if (s.statics->kind == StageKind::equilibrium && r.unstable)
+    lines.push_back(
+        {fmt::format("Balance of stage \"{}\"", s.name),
+         fmt::format("{}, load factor {:.6g}", *r.unstable == 0 ? "stable" : "unstable", r.load_factor)});
+}
+
+}  // namespace
+
+page::StepFacts step_of(const Case& c, const Built& built, const std::optional<RunSummary>& summary) {
+  page::StepFacts step;
+  if (!c.any_dynamics()) return step;
+  if (summary)
+    for (const StageSummary& s : summary->stages)
+      if (!s.statics && step.dt == 0.0) step.dt = s.dt;
+  const bool first_is_dynamics = !is_static(c.stages[0].kind), exact = c.time.step && !c.time.given();
+  StepBound bound{};
+  if (!exact && first_is_dynamics) {
+    State state = built.state;
+    const Stage stage = build_stage(c, built.model, 0, state);
+    bound = step_bound(built.model, state, stage.bonding);
+    if (step.dt == 0.0) step.dt = stage.dt;
+  } else if (c.time.given()) {
+    bound = step_bound(built.model, built.state);
+    if (step.dt == 0.0) step.dt = c.time.given()->resolve(built.model.T_0);
+  }
+  step.critical = c.time.given() ? bound.dt : step.dt / c.time.fraction;
+  return step;
+}
+
+page::Lines facts_of(const Case& c, const Built& built, const std::optional<RunSummary>& summary,
+                     const page::StepFacts& step) {
+  const Model& model = built.model;
+  const bool si = model.units == UnitSystem::si;
+  const auto bonds = summary ? summary->bonds : static_cast<std::int64_t>(built.state.bonds.size());
+  page::Lines lines{{"Specimen", specimen_in_words(c)},
+                    {"Size", fmt::format("{} particle{}, {} bond{}", model.particles(),
+                                         model.particles() == 1 ? "" : "s", bonds, bonds == 1 ? "" : "s")},
+                    {"Bonds", bonds_in_words(c)},
+                    {"Contacts", contacts_in_words(model)},
+                    {"Units", si ? "SI" : "reduced: a = m = c_A = 1"}};
+  if (model.T_0 > 0.0) lines.push_back({"T_0", fmt::format("{:.6g}{}", model.T_0, si ? " s" : "")});
+  if (step.dt > 0.0) lines.push_back({"Time step", step_in_words(step, model)});
+  for (std::size_t k = 0; k < c.stages.size(); ++k) {
+    const bool ended = summary && k < summary->stages.size();
+    lines.push_back({fmt::format("Stage \"{}\"", c.stages[k].name),
+                     stage_in_words(c.stages[k], ended ? &summary->stages[k] : nullptr, si ? " s" : "")});
+  }
+  return lines;
+}
+
+page::Lines results_of(const RunSummary& summary) {
+  const bool si = summary.units == UnitSystem::si;
+  page::Lines lines;
+  for (const StageSummary& s : summary.stages) {
+    if (s.statics) add_static_results(s, si, lines);
+    if (s.critical_force)
+      lines.push_back({fmt::format("Critical force of stage \"{}\"", s.name),
+                       fmt::format("{:.6g}{}, at t = {:.6g}{}", *s.critical_force, si ? " N" : "",
+                                   s.peak_time.value_or(s.time), si ? " s" : "")});
+  }
+  lines.push_back(
+      {"Largest error of the energy balance", fmt::format("{:.2g}", summary.energy_balance_error)});
+  lines.push_back({"Strained bonds",
+                   fmt::format("{} at the end, {} at any time", summary.strained, summary.ever_strained)});
+  lines.push_back(
+      {"Snapped bonds", fmt::format("{} at the end, {} at any time", summary.snapped, summary.ever_snapped)});
+  return lines;
+}
+
+}  // namespace vbond::app

@@ -1,0 +1,45 @@
+#pragma once
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "vbond/model/model.hpp"
+#include "vbond/observe/page/sequence.hpp"
+#include "vbond/observe/page/table.hpp"
+#include "vbond/observe/page/warnings.hpp"
+
+/// The report page: what stands in it, and how it comes into the template. web/FORMAT.md has the other side.
+namespace vbond::page {
+
+using Lines = std::vector<std::pair<std::string, std::string>>;
+
+/// Everything that the page shows but what is computed from it.
+struct Report {
+  std::string program;  ///< with its version
+  std::string title;
+  UnitSystem units = UnitSystem::reduced;
+  Lines facts, results;
+  std::vector<Warning> warnings;
+  std::string command, case_text;     ///< how to run it again
+  std::vector<std::string> left_out;  ///< known before the page is packed
+  History history;
+  Body body;
+  std::vector<Sequence> sequences;
+  std::vector<std::string> stage_of_frame;  ///< of the run's frames, one each
+};
+
+struct PageLimits {
+  std::size_t bytes = 25'000'000;  ///< of the whole file
+  std::size_t history_rows = 4000;
+  std::size_t frames = 2000;               ///< of the run
+  std::size_t packed_bytes = 250'000'000;  ///< of the numbers of all frames before compression
+  std::size_t case_bytes = 1'000'000;
+};
+
+/// The page: the template with the run in it. One frame in two, three and so on is kept until it
+/// fits into the limit, all of them if it never does; the page says so. Throws IoError if the template has
+/// not exactly one line "<!-- run -->".
+std::string report_page(const std::string& page_template, const Report& report, const PageLimits& limits);
+
+}  // namespace vbond::page

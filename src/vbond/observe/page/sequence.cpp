@@ -1,0 +1,215 @@
+#include "vbond/observe/page/sequence.hpp"
+
+#include <algorithm>
+#include <numbers>
+#include <stdexcept>
+
+#include "vbond/core/error.hpp"
+#include "vbond/observe/vtp_read.hpp"
+
+namespace vbond::page {
+namespace {
+
+constexpr double radians = std::numbers::pi / 180.0;
+constexpr double levels_of_8_bits = 255.0, levels_of_16_bits = 65535.0;
+
+double component(const Vec3d& x, std::size_t c) {
+  return c == 0 ? x.x : c == 1 ? x.y : x.z;
+}
+
+/// One frame as its files give it.
+struct RawFrame {
+  std::int64_t step = 0;
+  std::vector<Vec3d> displacement;
+  std::vector<double> speed;
+  std::array<std::vector<double>, bond_field_count> fields;
+  std::vector<std::uint8_t> range;
+};
+
+/// Displacements of a mode are from its first frame.
+std::vector<Vec3d> displacement_in(const VtpInput& particles, const std::vector<Vec3d>* about) {
+  if (!about) return particles.vectors("displacement");
+  std::vector<Vec3d> d = particles.vectors("Points");
+  for (std::size_t p = 0; p < d.size(); ++p) d[p] = d[p] - (*about)[p];
+  return d;
+}
+
+std::vector<double> field_in(const VtpInput& bonds, const BondField& field) {
+  std::vector<double> values = bonds.scalars(field.array);
+  for (double& x : values) x *= field.scale;
+  if (std::string_view(field.key) != "elongation") return values;
+  const std::vector<double> at_rest = bonds.scalars("length_at_rest");
+  for (std::size_t k = 0; k < values.size(); ++k) values[k] /= at_rest[k];
+  return values;
+}
+
+RawFrame read_frame(const VtpInput& particles, const VtpInput& bonds, const std::vector<Vec3d>* about) {
+  RawFrame f;
+  f.step = particles.step();
+  f.displacement = displacement_in(particles, about);
+  for (const Vec3d& v : particles.vectors("velocity")) f.speed.push_back(norm(v));
+  for (std::size_t k = 0; k < bond_field_count; ++k) f.fields[k] = field_in(bonds, bond_fields[k]);
+  f.range = bonds.bytes("range");
+  return f;
+}
+
+/// The bonds that were there before must be there still.
+void add_bonds(const VtpInput& file, const std::filesystem::path& path, Body& body) {
+  const std::vector<std::int64_t> ends = file.integers("connectivity");
+  for (std::size_t k = 0; k < ends.size(); ++k) {
+    const auto end = static_cast<std::uint32_t>(ends[k]);
+    if (k == body.bonds.size()) body.bonds.push_back(end);
+    if (body.bonds[k] != end || end >= body.radius.size())
+      throw IoError(path.string() + ": its bonds are not those of the frames before it");
+  }
+}
+
+struct Spans {
+  std::array<Span, 3> displacement;
+  Span speed;
+  std::array<Span, bond_field_count> fields;
+
+  void add(const RawFrame& f) {
+    for (const Vec3d& d : f.displacement)
+      for (std::size_t c = 0; c < 3; ++c) displacement[c].add(component(d, c));
+    for (const double v : f.speed) speed.add(v);
+    for (std::size_t k = 0; k < bond_field_count; ++k)
+      for (const double x : f.fields[k]) fields[k].add(x);
+  }
+};
+
+void note_first(const RawFrame& f, double time, const Body& body, std::uint8_t state, BondSighting& first) {
+  if (first.bond >= 0) return;
+  const auto at = std::find(f.range.begin(), f.range.end(), state);
+  if (at == f.range.end()) return;
+  const auto k = static_cast<std::size_t>(at - f.range.begin());
+  first = {static_cast<std::int64_t>(k), body.bonds[2 * k], body.bonds[2 * k + 1], time};
+}
+
+QuantisedFrame quantise(const RawFrame& raw, double time, const Sequence& s) {
+  QuantisedFrame q;
+  q.step = raw.step;
+  q.time = time;
+  for (std::size_t c = 0; c < 3; ++c)
+    for (const Vec3d& d : raw.displacement)
+      q.displacement.push_back(quantised(s.displacement[c], component(d, c)));
+  const auto bytes = [](const std::vector<double>& values, const Range& range) {
+    std::vector<std::uint8_t> b;
+    b.reserve(values.size());
+    for (const double x : values) b.push_back(static_cast<std::uint8_t>(quantised(range, x)));
+    return b;
+  };
+  if (s.speed.step > 0.0) q.speed = bytes(raw.speed, s.speed);
+  for (std::size_t k = 0; k < bond_field_count; ++k) q.fields[k] = bytes(raw.fields[k], s.fields[k]);
+  q.range = raw.range;
+  return q;
+}
+
+/// Both files of a frame, opened and held against the body.
+struct OpenFrame {
+  VtpInput particles, bonds;
+  OpenFrame(const FrameFiles& files, const Body& body) : particles(files.particles), bonds(files.bonds) {
+    if (particles.points() != body.radius.size() || bonds.points() != body.radius.size() ||
+        particles.step() != bonds.step())
+      throw IoError(files.bonds.string() + ": is not of the same body and step as " +
+                    files.particles.string());
+  }
+};
+
+/// The positions that displacements are from; the first frame tells them.
+std::vector<Vec3d> start_of(const SequenceFiles& files) {
+  const VtpInput first(files.frames[0].particles);
+  std::vector<Vec3d> r = first.vectors("Points");
+  if (files.kind == SequenceKind::mode) return r;
+  const std::vector<Vec3d> moved = first.vectors("displacement");
+  for (std::size_t p = 0; p < r.size(); ++p) r[p] = r[p] - moved[p];
+  return r;
+}
+
+Spans look_through(const SequenceFiles& files, const std::vector<Vec3d>* about, Body& body) {
+  Spans spans;
+  for (const FrameFiles& f : files.frames) {
+    const OpenFrame open(f, body);
+    add_bonds(open.bonds, f.bonds, body);
+    const RawFrame raw = read_frame(open.particles, open.bonds, about);
+    try {
+      spans.add(raw);
+    } catch (const std::domain_error&) {
+      throw IoError(f.particles.string() + " or " + f.bonds.filename().string() +
+                    ": holds a number that is not finite");
+    }
+    if (files.kind == SequenceKind::mode) continue;  // says nothing about the run
+    note_first(raw, f.time, body, 1, body.first_strained);
+    note_first(raw, f.time, body, 2, body.first_snapped);
+  }
+  return spans;
+}
+
+}  // namespace
+
+const std::array<BondField, bond_field_count> bond_fields{{
+    {"elongation", "elongation", "elongation", 1.0, true},
+    {"bend", "bend angle", "bend", radians, false},
+    {"twist", "twist angle", "twist", radians, true},
+    {"U_L", "energy of stretching", "U_L", 1.0, false},
+    {"U_B", "energy of bending and shear", "U_B", 1.0, false},
+    {"U_T", "energy of torsion", "U_T", 1.0, false},
+}};
+
+std::vector<FrameFiles> listed_frames(const std::filesystem::path& particles_pvd,
+                                      const std::filesystem::path& bonds_pvd) {
+  const std::vector<ListedFrame> particles = read_pvd(particles_pvd), bonds = read_pvd(bonds_pvd);
+  std::vector<FrameFiles> frames;
+  for (std::size_t k = 0; k < std::min(particles.size(), bonds.size()); ++k) {
+    if (particles[k].time != bonds[k].time)
+      throw IoError(particles_pvd.string() + " and " + bonds_pvd.filename().string() +
+                    " do not list the same frames");
+    frames.push_back({particles[k].time, particles[k].file, bonds[k].file});
+  }
+  return frames;
+}
+
+std::vector<std::size_t> thinned(std::size_t n, std::size_t stride) {
+  std::vector<std::size_t> kept;
+  for (std::size_t k = 0; k < n; k += stride) kept.push_back(k);
+  if (n > 0 && kept.back() != n - 1) kept.push_back(n - 1);
+  return kept;
+}
+
+Sequence read_sequence(const SequenceFiles& files, Body& body) {
+  Sequence s{.kind = files.kind,
+             .name = files.name,
+             .note = files.note,
+             .reference = {},
+             .displacement = {},
+             .speed = {},
+             .fields = {},
+             .frames = {}};
+  if (files.frames.empty()) return s;
+  if (body.radius.empty())
+    for (const double R : VtpInput(files.frames[0].particles).scalars("radius"))
+      body.radius.push_back(static_cast<float>(R));
+  const std::vector<Vec3d> start = start_of(files);
+  for (const Vec3d& r : start)
+    for (std::size_t c = 0; c < 3; ++c) s.reference.push_back(static_cast<float>(component(r, c)));
+
+  const std::vector<Vec3d>* about = files.kind == SequenceKind::mode ? &start : nullptr;
+  const Spans spans = look_through(files, about, body);
+  for (std::size_t c = 0; c < 3; ++c)
+    s.displacement[c] = range_of(spans.displacement[c], levels_of_16_bits, false);
+  s.speed = range_of(spans.speed, levels_of_8_bits, false);
+  for (std::size_t k = 0; k < bond_field_count; ++k)
+    s.fields[k] = range_of(spans.fields[k], levels_of_8_bits, bond_fields[k].is_signed);
+  for (const FrameFiles& f : files.frames) {
+    const OpenFrame open(f, body);
+    s.frames.push_back(quantise(read_frame(open.particles, open.bonds, about), f.time, s));
+  }
+  return s;
+}
+
+std::size_t bytes_of_frame(const FrameFiles& files) {
+  const VtpInput particles(files.particles), bonds(files.bonds);
+  return 7 * particles.points() + (bond_field_count + 1) * bonds.cells();
+}
+
+}  // namespace vbond::page

@@ -1,0 +1,86 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "vbond/observe/page/block.hpp"
+
+/// Moving pictures of the report page: frames of a run or of a mode, read back from .vtp files and quantised.
+namespace vbond::page {
+
+/// The two files of a frame.
+struct FrameFiles {
+  double time = 0;
+  std::filesystem::path particles, bonds;
+};
+
+enum class SequenceKind : std::uint8_t { run, mode };
+
+struct SequenceFiles {
+  SequenceKind kind = SequenceKind::run;
+  std::string name, note;
+  std::vector<FrameFiles> frames;
+};
+
+/// Frames that two lists have in common: while a run is writing, one may be longer. Throws IoError.
+std::vector<FrameFiles> listed_frames(const std::filesystem::path& particles_pvd,
+                                      const std::filesystem::path& bonds_pvd);
+
+/// Every stride-th of n frames, the last one as well.  Numbers in increasing order.
+std::vector<std::size_t> thinned(std::size_t n, std::size_t stride);
+
+/// What a bond feels, as the page shows it.
+struct BondField {
+  const char *key, *label, *array;  ///< array: in the bonds' file
+  double scale;                     ///< from the file's unit to the page's
+  bool is_signed;
+};
+constexpr std::size_t bond_field_count = 6;
+extern const std::array<BondField, bond_field_count> bond_fields;
+
+/// A frame as the page holds it. Bonds that do not exist yet are not in it.
+struct QuantisedFrame {
+  std::int64_t step = 0;
+  double time = 0;
+  std::vector<std::uint16_t> displacement;  ///< [component][particle]
+  std::vector<std::uint8_t> speed;          ///< empty if nothing moves
+  std::array<std::vector<std::uint8_t>, bond_field_count> fields;
+  std::vector<std::uint8_t> range;  ///< 0 good, 1 strained, 2 snapped
+  std::size_t bonds() const { return range.size(); }
+};
+
+struct Sequence {
+  SequenceKind kind = SequenceKind::run;
+  std::string name, note;
+  std::vector<float> reference;  ///< x0, y0, z0, x1, ...  [length]
+  std::array<Range, 3> displacement;
+  Range speed;
+  std::array<Range, bond_field_count> fields;
+  std::vector<QuantisedFrame> frames;
+};
+
+/// A bond's first sight in the state given.
+struct BondSighting {
+  std::int64_t bond = -1;  ///< -1: none
+  std::uint32_t i = 0, j = 0;
+  double time = 0;
+};
+
+/// What all sequences share.
+struct Body {
+  std::vector<float> radius;         ///< [length]
+  std::vector<std::uint32_t> bonds;  ///< i0, j0, i1, j1, ...
+  BondSighting first_strained, first_snapped;
+};
+
+/// Reads the frames twice, for ranges and for numbers, one at a time; adds what is new to the body. A mode is
+/// shown about its first frame, a run about its start. Throws IoError, also for frames of another body.
+Sequence read_sequence(const SequenceFiles& files, Body& body);
+
+/// Bytes that a frame of these files takes in the block, before it is compressed. Throws IoError.
+std::size_t bytes_of_frame(const FrameFiles& files);
+
+}  // namespace vbond::page

@@ -1,0 +1,215 @@
+#include "vbond/observe/page/table.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+#include "vbond/core/error.hpp"
+#include "vbond/observe/files.hpp"
+
+namespace vbond::page {
+namespace {
+
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+[[noreturn]] void refuse(const std::filesystem::path& path, std::string_view row) {
+  throw IoError(path.string() + ": is damaged at \"" + std::string(row.substr(0, 60)) + '"');
+}
+
+/// Takes one name off the header line, and what ends it.
+std::string take_name(std::string_view& header, const std::filesystem::path& path) {
+  std::string name;
+  bool in_quotes = false;
+  for (std::size_t k = 0; k < header.size(); ++k) {
+    const char c = header[k];
+    if (c == '"' && in_quotes && k + 1 < header.size() && header[k + 1] == '"') {
+      name += header[k++];
+    } else if (c == '"') {
+      in_quotes = !in_quotes;
+    } else if (!in_quotes && (c == ',' || c == '\n')) {
+      header.remove_prefix(k + (c == ',' ? 1 : 0));
+      return name;
+    } else {
+      name += c;
+    }
+  }
+  refuse(path, header);
+}
+
+void add_row(std::string_view row, const std::filesystem::path& path, History& h) {
+  const char *at = row.data(), *const end = row.data() + row.size();
+  for (std::size_t c = 0; c < h.columns.size(); ++c) {
+    double value = none;
+    if (at != end && *at != ',') {
+      const auto [next, error] = std::from_chars(at, end, value);
+      if (error != std::errc{}) refuse(path, row);
+      at = next;
+    }
+    const bool last = c + 1 == h.columns.size();
+    if (last ? at != end : at == end || *at != ',') refuse(path, row);
+    if (!last) ++at;
+    h.columns[c].values.push_back(value);
+  }
+}
+
+/// Rows of the extremes of every column in a stretch; columns that do not change there say nothing.
+void add_extremes(const History& h, std::size_t from, std::size_t to, std::vector<std::size_t>& rows) {
+  for (const HistoryColumn& column : h.columns) {
+    if (column.name == "step" || column.name == "time") continue;
+    std::size_t low = from, high = from;
+    for (std::size_t r = from; r < to; ++r) {
+      if (!(column.values[r] >= column.values[low])) low = r;
+      if (!(column.values[r] <= column.values[high])) high = r;
+    }
+    if (low == high || column.values[low] == column.values[high]) continue;
+    rows.push_back(low);
+    rows.push_back(high);
+  }
+}
+
+void sort_unique(std::vector<std::size_t>& rows) {
+  std::sort(rows.begin(), rows.end());
+  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+}
+
+std::vector<std::size_t> rows_with_stretches(const History& h, std::vector<std::size_t> rows,
+                                             std::size_t stretches) {
+  for (std::size_t k = 0; k < stretches; ++k)
+    add_extremes(h, k * h.rows() / stretches, (k + 1) * h.rows() / stretches, rows);
+  sort_unique(rows);
+  return rows;
+}
+
+bool starts_with(std::string_view text, std::string_view begin) {
+  return text.substr(0, begin.size()) == begin;
+}
+
+double span_of(const HistoryColumn& c) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const double x : c.values)
+    if (!std::isnan(x)) low = std::min(low, x), high = std::max(high, x);
+  return high > low ? high - low : 0.0;
+}
+
+/// "axial_force.rod" -> "rod", "reaction.ends.fx" -> "ends".
+std::string group_of(const std::string& column) {
+  const std::size_t from = column.find('.') + 1, to = column.rfind('.');
+  return to < from ? column.substr(from) : column.substr(from, to - from);
+}
+
+/// Of each group the column that changes most, for columns that begin so.
+std::vector<std::string> leading_columns(const History& h, std::string_view begin) {
+  std::vector<const HistoryColumn*> leading;
+  for (const HistoryColumn& c : h.columns) {
+    if (!starts_with(c.name, begin) || span_of(c) == 0.0) continue;
+    const auto same = std::find_if(leading.begin(), leading.end(), [&](const HistoryColumn* other) {
+      return group_of(other->name) == group_of(c.name);
+    });
+    if (same == leading.end())
+      leading.push_back(&c);
+    else if (span_of(c) > span_of(**same))
+      *same = &c;
+  }
+  std::vector<std::string> names;
+  for (const HistoryColumn* c : leading) names.push_back(c->name);
+  return names;
+}
+
+std::vector<std::string> columns_that_begin(const History& h, std::string_view begin) {
+  std::vector<std::string> names;
+  for (const HistoryColumn& c : h.columns)
+    if (starts_with(c.name, begin)) names.push_back(c.name);
+  return names;
+}
+
+/// Only the forces of a reaction: moments have another unit and so another axis.
+std::vector<std::string> reaction_forces(const History& h) {
+  std::vector<std::string> names = columns_that_begin(h, "reaction.");
+  names.erase(std::remove_if(names.begin(), names.end(),
+                             [](const std::string& n) { return n[n.rfind('.') + 1] != 'f'; }),
+              names.end());
+  return names;
+}
+
+}  // namespace
+
+const HistoryColumn* History::find(std::string_view name) const {
+  for (const HistoryColumn& c : columns)
+    if (c.name == name) return &c;
+  return nullptr;
+}
+
+History read_history(const std::filesystem::path& path) {
+  const std::string content = read_all(path);
+  std::string_view rest = content;
+  History h;
+  do {
+    h.columns.push_back({take_name(rest, path), {}});
+  } while (rest[0] != '\n');
+  rest.remove_prefix(1);
+  for (std::size_t end; (end = rest.find('\n')) != std::string_view::npos; rest.remove_prefix(end + 1))
+    add_row(rest.substr(0, end), path, h);
+  return h;
+}
+
+std::vector<std::size_t> rows_to_keep(const History& history, const std::vector<std::int64_t>& steps,
+                                      std::size_t most) {
+  std::vector<std::size_t> fixed;
+  const std::size_t n = history.rows();
+  const HistoryColumn* step = history.find("step");
+  for (std::size_t r = 0; r < n; ++r)
+    if (n <= most || r == 0 || r + 1 == n ||
+        (step && std::binary_search(steps.begin(), steps.end(), static_cast<std::int64_t>(step->values[r]))))
+      fixed.push_back(r);
+  if (n <= most) return fixed;
+  std::vector<std::size_t> best = fixed;
+  for (std::size_t low = 0, high = most; low < high;) {  // the most stretches that fit
+    const std::size_t middle = (low + high + 1) / 2;
+    std::vector<std::size_t> rows = rows_with_stretches(history, fixed, middle);
+    if (rows.size() <= most) {
+      best = std::move(rows);
+      low = middle;
+    } else {
+      high = middle - 1;
+    }
+  }
+  return best;
+}
+
+std::string unit_of_column(std::string_view name) {
+  if (name == "time") return "s";
+  if (starts_with(name, "displacement.")) return "m";
+  if (starts_with(name, "reaction.")) return name[name.rfind('.') + 1] == 'm' ? "N m" : "N";
+  if (starts_with(name, "axial_force.") || name == "peak_average") return "N";
+  for (const char* energy : {"kinetic_translation", "kinetic_rotation", "U_L", "U_B", "U_T", "contact",
+                             "dissipated", "work_loads", "work_supports", "total"})
+    if (name == energy) return "J";
+  return {};
+}
+
+std::vector<Plot> preset_plots(const History& h) {
+  constexpr std::size_t most = 8;
+  std::vector<Plot> plots;
+  const auto add = [&plots](const std::string& title, const std::string& x, std::vector<std::string> y) {
+    if (!y.empty() && plots.size() < most) plots.push_back({title, x, std::move(y)});
+  };
+  const std::vector<std::string> moves = leading_columns(h, "displacement.");
+  const HistoryColumn* factor = h.find("load_factor");
+  const std::vector<std::string> axial = columns_that_begin(h, "axial_force.");
+  const std::vector<std::string> reactions = leading_columns(h, "reaction.");
+  for (const std::string& x : moves) {
+    if (factor && span_of(*factor) > 0.0)
+      add("Load factor against displacement of " + group_of(x), x, {"load_factor"});
+    add("Axial force against displacement of " + group_of(x), x, axial);
+    if (axial.empty())
+      for (const std::string& r : reactions)
+        add("Reaction of " + group_of(r) + " against displacement of " + group_of(x), x, {r});
+  }
+  add("Axial force against time", "time", axial);
+  add("Reactions against time", "time", reaction_forces(h));
+  add("Displacements against time", "time", columns_that_begin(h, "displacement."));
+  return plots;
+}
+
+}  // namespace vbond::page

@@ -1,0 +1,204 @@
+#include "vbond/observe/page/page.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "page_reader.hpp"
+#include "specimen.hpp"
+#include "vbond/core/error.hpp"
+#include "vbond/observe/frames.hpp"
+#include "vbond/observe/vtp_read.hpp"
+
+namespace vbond::page {
+namespace {
+
+using test::array_of;
+using test::Chain;
+using test::Folder;
+using test::json_of;
+
+constexpr const char* one_line = "<html>\n<!-- run -->\n</html>\n";
+
+/// Frames of a chain that moves and bends; its second bond is made after the first frame.
+struct Film {
+  Folder folder;
+  std::vector<State> states;
+  Report report;
+
+  explicit Film(std::size_t frames = 5, std::size_t particles = 3) {
+    Chain chain(particles);
+    chain.state.bonds[BondId{0}].a = 0.8;  // a strain is not an elongation
+    FrameWriter writer(folder.path(), false, {});
+    for (std::size_t f = 0; f < frames; ++f) {
+      const auto x = static_cast<double>(f);
+      State s = chain.state;
+      s.clock.step = s.clock.stage_step = static_cast<std::int64_t>(10 * f);
+      for (const ParticleId p : s.r.ids())
+        s.r[p] = s.r[p] + Vec3d{0.01 * x * std::sin(1.7 * p.value + x), -0.02 * x, 1e-5 * x * p.value};
+      s.q[ParticleId{0}] = rotation_of(Vec3d{0, 0.3 * x, 0});
+      if (f == 0) s.bonds.resize(1);
+      writer.write(chain.model, s);
+      states.push_back(s);
+    }
+    SequenceFiles files{SequenceKind::run, "Run", "",
+                        listed_frames(folder / "particles.pvd", folder / "bonds.pvd")};
+    report.sequences.push_back(read_sequence(files, report.body));
+    report.stage_of_frame.assign(frames, "push");
+    report.history = {{{"step", {}}, {"total", {}}}};
+    for (std::size_t f = 0; f < frames; ++f) {
+      report.history.columns[0].values.push_back(10.0 * static_cast<double>(f));
+      report.history.columns[1].values.push_back(1.0);
+    }
+  }
+};
+
+TEST(Page, FramesComeBackWithinHalfAStep) {
+  const Film film;
+  const std::string html = report_page(one_line, film.report, {});
+  const auto j = json_of(html);
+  const auto& s = j["sequences"][0];
+  EXPECT_EQ(array_of(html, j["bonds"]), (std::vector<double>{0, 1, 1, 2}));
+  EXPECT_EQ(s["frames"][0]["bonds"], 1);
+  EXPECT_EQ(s["frames"][4]["bonds"], 2);
+  EXPECT_EQ(s["frames"][4]["step"], 40);
+  EXPECT_EQ(s["frames"][4]["stage"], "push");
+  const std::vector<double> start = array_of(html, s["reference"]);
+  const std::vector<double> moved = array_of(html, s["displacement"]);
+  const auto steps = s["displacement"]["step"].get<std::vector<double>>();
+  ASSERT_EQ(moved.size(), 5U * 3 * 3);
+  for (std::size_t f = 0; f < 5; ++f)
+    for (std::size_t p = 0; p < 3; ++p) {
+      const Vec3d& r = film.states[f].r[ParticleId{p}];
+      const double at[] = {r.x, r.y, r.z};
+      for (std::size_t c = 0; c < 3; ++c)
+        // 2e-7: the start is stored in single precision, numbers up to 2
+        EXPECT_NEAR(start[3 * p + c] + moved[9 * f + 3 * c + p], at[c], 0.51 * steps[c] + 2e-7);
+    }
+}
+
+TEST(Page, BondFieldsAreThoseOfTheFrames) {
+  const Film film;
+  const std::string html = report_page(one_line, film.report, {});
+  const auto sequence = json_of(html)["sequences"][0];
+  const VtpInput last(listed_frames(film.folder / "particles.pvd", film.folder / "bonds.pvd")[4].bonds);
+  const auto expect_field = [&](std::size_t k, const char* key, const std::vector<double>& values) {
+    const auto& field = sequence["bond_fields"][k];
+    EXPECT_EQ(field["key"], key);
+    const std::vector<double> back = array_of(html, field["array"]);
+    for (std::size_t b = 0; b < values.size(); ++b)
+      EXPECT_NEAR(back[4 * 2 + b], values[b], 0.51 * field["array"]["step"].get<double>()) << key;
+  };
+  std::vector<double> strain = last.scalars("elongation"), bend = last.scalars("bend");
+  for (std::size_t b = 0; b < strain.size(); ++b) {
+    strain[b] /= last.scalars("length_at_rest")[b];
+    bend[b] *= 3.14159265358979 / 180.0;
+  }
+  expect_field(0, "elongation", strain);
+  expect_field(1, "bend", bend);
+  expect_field(4, "U_B", last.scalars("U_B"));
+  EXPECT_EQ(array_of(html, sequence["bond_range"])[8], last.bytes("range")[0]);
+  EXPECT_EQ(last.bytes("range")[0], 1);  // tilted by 1.2 rad: strained
+  EXPECT_EQ(film.report.body.first_strained.bond, 0);
+  EXPECT_DOUBLE_EQ(film.report.body.first_strained.time, 3.0);  // 0.9 rad is past 45 degrees
+}
+
+TEST(Page, TextCannotEndItsElement) {
+  Report r;
+  r.title = "</script><script>alert(1)</script> & <!-- --> \xff";
+  r.case_text = "title = \"</SCRIPT >\"";
+  const std::string html = report_page(one_line, r, {});
+  const std::string json = test::element(html, "run");
+  EXPECT_EQ(json.find_first_of("<>&"), std::string::npos) << json;
+  EXPECT_EQ(json_of(html)["title"], "</script><script>alert(1)</script> & <!-- --> \xef\xbf\xbd");
+  EXPECT_EQ(json_of(html)["rerun"]["case"], r.case_text);
+  EXPECT_EQ(html.find("alert"), html.rfind("alert"));
+}
+
+TEST(Page, StaysBelowItsLimitAndSaysSo) {
+  const Film film(40, 60);
+  const std::size_t whole = report_page(one_line, film.report, {}).size();
+  PageLimits limits;
+  std::size_t last_frames = 40;
+  for (const double part : {0.8, 0.6, 0.4}) {
+    limits.bytes = static_cast<std::size_t>(part * static_cast<double>(whole));
+    const std::string html = report_page(one_line, film.report, limits);
+    EXPECT_LE(html.size(), limits.bytes);
+    const auto j = json_of(html);
+    const auto& frames = j["sequences"][0]["frames"];
+    EXPECT_LT(frames.size(), last_frames);
+    EXPECT_EQ(frames.front()["step"], 0);
+    EXPECT_EQ(frames.back()["step"], 390);
+    EXPECT_NE(j["left_out"][0].get<std::string>().find("One frame in "), std::string::npos);
+    EXPECT_EQ(array_of(html, j["sequences"][0]["displacement"]).size(), frames.size() * 180);
+    last_frames = frames.size() + 1;
+  }
+  limits.bytes = 3000;
+  const auto j = json_of(report_page(one_line, film.report, limits));
+  EXPECT_TRUE(j["sequences"].empty());
+  EXPECT_NE(j["left_out"][0].get<std::string>().find("No frames are shown"), std::string::npos);
+  EXPECT_EQ(j["history"]["values"][1].size(), 40U);
+}
+
+TEST(Page, HistoryIsThinnedAndSaysSo) {
+  Report r;
+  r.history = {{{"step", {}}, {"total", {}}}};
+  for (int k = 0; k < 1000; ++k) {
+    r.history.columns[0].values.push_back(k);
+    r.history.columns[1].values.push_back(k % 7);
+  }
+  r.history.columns[1].values[5] = std::nan("");
+  PageLimits limits;
+  limits.history_rows = 100;
+  const auto j = json_of(report_page(one_line, r, limits));
+  const auto& steps = j["history"]["values"][0];
+  EXPECT_LE(steps.size(), 100U);
+  EXPECT_EQ(steps.front(), 0);
+  EXPECT_EQ(steps.back(), 999);
+  EXPECT_EQ(j["history"]["rows_in_file"], 1000);
+  EXPECT_NE(j["left_out"][0].get<std::string>().find("of the 1000 rows"), std::string::npos);
+  limits.history_rows = 4000;
+  EXPECT_TRUE(json_of(report_page(one_line, r, limits))["history"]["values"][1][5].is_null());
+}
+
+TEST(Page, UnitsFollowTheCase) {
+  Film film;
+  EXPECT_EQ(json_of(report_page(one_line, film.report, {}))["sequences"][0]["particle_fields"][0]["unit"],
+            "");
+  film.report.units = UnitSystem::si;
+  const auto j = json_of(report_page(one_line, film.report, {}));
+  EXPECT_EQ(j["units"], "SI");
+  EXPECT_EQ(j["sequences"][0]["bond_fields"][3]["unit"], "J");
+  EXPECT_EQ(j["history"]["columns"][1]["unit"], "J");
+}
+
+TEST(Page, TemplateNeedsItsLineOnce) {
+  for (const char* bad : {"", "<html></html>", "<!-- run -->\n<!-- run -->\n", "x <!-- run -->\n"})
+    EXPECT_THROW(report_page(bad, {}, {}), IoError) << bad;
+  EXPECT_EQ(report_page("a\n<!-- run -->\nb", {}, {}).substr(0, 9), "a\n<script");
+}
+
+TEST(Page, ModesSwingAboutTheirFirstFrame) {
+  Film film;
+  SequenceFiles mode{SequenceKind::mode, "Mode 1", "",
+                     listed_frames(film.folder / "particles.pvd", film.folder / "bonds.pvd")};
+  mode.frames.erase(mode.frames.begin());
+  Body body;
+  const Sequence s = read_sequence(mode, body);
+  EXPECT_NEAR(s.reference[1], -0.02, 1e-7);  // y of the second frame
+  for (std::size_t c = 0; c < 3; ++c)
+    EXPECT_NEAR(s.displacement[c].low + s.displacement[c].step * s.frames[0].displacement[3 * c], 0.0, 1e-6);
+  EXPECT_EQ(body.first_strained.bond, -1);
+}
+
+TEST(Page, FramesOfAnotherBodyAreRefused) {
+  const Film film;
+  const Chain other(4);
+  const auto frames = listed_frames(film.folder / "particles.pvd", film.folder / "bonds.pvd");
+  write_bonds_vtp(frames[2].bonds, other.state);
+  Body body;
+  EXPECT_THROW(read_sequence({SequenceKind::run, "Run", "", frames}, body), IoError);
+}
+
+}  // namespace
+}  // namespace vbond::page

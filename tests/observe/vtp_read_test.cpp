@@ -1,0 +1,98 @@
+#include "vbond/observe/vtp_read.hpp"
+
+#include <gtest/gtest.h>
+
+#include "specimen.hpp"
+#include "vbond/core/error.hpp"
+#include "vbond/observe/frames.hpp"
+#include "vbond/observe/vtp.hpp"
+
+namespace vbond {
+namespace {
+
+using test::Chain;
+using test::content_of;
+using test::Folder;
+using test::put_content;
+
+TEST(VtpInput, GivesBackWhatVtpFileWrote) {
+  const Folder folder;
+  const std::vector<Vec3d> points{{1, 2, 3}, {-1.0 / 3.0, 0, 1e300}, {0, 0, 7}};
+  VtpFile out = VtpFile::of_lines(points, {0, 1, 1, 2});
+  out.add_point_data("radius", std::vector<double>{0.1, 0.2, 0.3});
+  out.add_point_data("velocity", points);
+  out.add_cell_data("range", std::vector<std::uint8_t>{2, 0});
+  out.add_cell_data("set", std::vector<std::int64_t>{5, -6});
+  out.write(folder / "a.vtp", 0.1, 42);
+  const VtpInput in(folder / "a.vtp");
+  EXPECT_EQ(in.time(), 0.1);
+  EXPECT_EQ(in.step(), 42);
+  EXPECT_EQ(in.points(), 3U);
+  EXPECT_EQ(in.cells(), 2U);
+  EXPECT_EQ(in.vectors("Points"), points);
+  EXPECT_EQ(in.vectors("velocity"), points);
+  EXPECT_EQ(in.scalars("radius"), (std::vector<double>{0.1, 0.2, 0.3}));
+  EXPECT_EQ(in.bytes("range"), (std::vector<std::uint8_t>{2, 0}));
+  EXPECT_EQ(in.integers("set"), (std::vector<std::int64_t>{5, -6}));
+  EXPECT_EQ(in.integers("connectivity"), (std::vector<std::int64_t>{0, 1, 1, 2}));
+}
+
+TEST(VtpInput, ReadsFramesWithoutBonds) {
+  const Folder folder;
+  const Chain chain(1);
+  write_bonds_vtp(folder / "b.vtp", chain.state);
+  const VtpInput in(folder / "b.vtp");
+  EXPECT_EQ(in.cells(), 0U);
+  EXPECT_TRUE(in.scalars("bend").empty());
+}
+
+/// The message of the IoError that f throws.
+template <class F>
+std::string error_of(F f) {
+  try {
+    f();
+  } catch (const IoError& e) {
+    return e.what();
+  }
+  return "no IoError";
+}
+
+TEST(VtpInput, RefusesWhatVtpFileDidNotWrite) {
+  const Folder folder;
+  const Chain chain;
+  write_particles_vtp(folder / "good.vtp", chain.model, chain.state);
+  const std::string good = content_of(folder / "good.vtp");
+  const auto with = [&](const std::string& content) {
+    put_content(folder / "bad.vtp", content);
+    return error_of([&] { VtpInput(folder / "bad.vtp").vectors("velocity"); });
+  };
+  const auto edited = [&](const std::string& from, const std::string& to) {
+    std::string text = good;
+    text.replace(text.find(from), from.size(), to);
+    return with(text);
+  };
+  EXPECT_EQ(with(good), "no IoError");
+  EXPECT_NE(with(good.substr(0, good.size() - 1)).find("bad.vtp: is cut short"), std::string::npos);
+  EXPECT_NE(with(good + " ").find("cut short or damaged"), std::string::npos);
+  EXPECT_NE(with("").find("bad.vtp: is not a .vtp file of vbond"), std::string::npos);
+  EXPECT_NE(edited("PolyData", "ImageData").find("at \"<?xml"), std::string::npos);
+  EXPECT_NE(edited("offset=\"0\"", "offset=\"8\"").find("bad.vtp"), std::string::npos);
+  EXPECT_NE(edited("Float64\" Name=\"radius", "Float32\" Name=\"radius").find("bad.vtp"), std::string::npos);
+  EXPECT_NE(edited("Name=\"velocity", "Name=\"velozity").find("no array \"velocity\""), std::string::npos);
+  EXPECT_NE(error_of([&] { VtpInput(folder / "none.vtp"); }).find("none.vtp"), std::string::npos);
+}
+
+TEST(Pvd, ListComesBackWithItsFolder) {
+  const Folder folder;
+  put_content(folder / "a.pvd",
+              pvd_list(pvd_entry(0.1, "frames/p_0.vtp") + pvd_entry(1e-9, "frames/p_1.vtp")));
+  const std::vector<ListedFrame> frames = read_pvd(folder / "a.pvd");
+  ASSERT_EQ(frames.size(), 2U);
+  EXPECT_EQ(frames[1].time, 1e-9);
+  EXPECT_EQ(frames[1].file, folder / "frames/p_1.vtp");
+  put_content(folder / "b.pvd", pvd_list("").substr(0, 100));
+  EXPECT_THROW(read_pvd(folder / "b.pvd"), IoError);
+}
+
+}  // namespace
+}  // namespace vbond
