@@ -22,9 +22,9 @@ export const maps = {
 /** Small, strained, snapped: different in hue and in lightness. */
 export const class_colours = ["#7fa6c9", "#eda100", "#a3003f"].map(channels);
 
-/** The ends of the scale: about zero if signed, so that zero has the colour of the middle. */
+/** The ends of the scale: from zero, or about zero if signed, so that zero has the colour of the middle. */
 export function scale_ends([low, high], signed) {
-  if (!signed) return [low, high];
+  if (!signed) return [Math.min(0, low), high];
   const size = Math.max(Math.abs(low), Math.abs(high));
   return [-size, size];
 }

@@ -20,8 +20,8 @@ export class History {
   presets(plots) {
     const list = plots.filter(({ x, y }) => [x, ...y].every((name) => this.has(name)));
     const energies = stacked.filter((name) => this.has(name));
-    if (energies.length) list.push({ title: "Energies", x: this.clock, y: energies, stacked: true });
-    if (this.has("balance_error")) list.push({ title: "Error of the energy balance", x: this.clock, y: ["balance_error"] });
+    if (energies.length) list.push({ title: "Energies", x: this.clock, y: energies, stacked: true, added: true });
+    if (this.has("balance_error")) list.push({ title: "Error of the energy balance", x: this.clock, y: ["balance_error"], added: true });
     return list;
   }
 

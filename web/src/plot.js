@@ -87,6 +87,7 @@ export class Plot {
   /** (Re)draws everything; a change of theme, width, axes or curves comes here. */
   build() {
     this.plot?.destroy();
+    this.marks = null;
     const { x, names, ys } = this.curves();
     const palette = colour_of("--series").split(/\s+/);
     this.colours = new Map(this.preset.y.map((name, k) => [name, palette[k % palette.length]]));
@@ -98,7 +99,7 @@ export class Plot {
     this.drawn = { x, names, ys };
     this.plot = new uPlot({
       mode: 2, width: this.place.clientWidth || 400, height, padding: [8, 12, 0, 0],
-      cursor: { show: false }, legend: { show: false },
+      cursor: { show: false }, legend: { show: false }, hooks: { ready: [() => this.ready()] },
       scales: { x: { time: false, distr: this.log.x ? 3 : 1, auto: false, range: () => range(extent([x]), this.log.x) },
                 y: { distr: this.log.y ? 3 : 1, auto: false, range: () => range(this.y_extent(ys), this.log.y) } },
       axes: [axis("x", this.axis_words([this.preset.x], this.log.x)), axis("y", this.axis_words(this.preset.y, this.log.y))],
@@ -106,8 +107,12 @@ export class Plot {
         fill: this.stacks ? this.colours.get(names[k]) : undefined, points: { show: false },
         facets: [{ scale: "x", auto: true }, { scale: "y", auto: true }] }))],
     }, [null, ...order.map((k) => [x, ys[k]])], this.place);
+  }
+
+  /** uPlot calls it once scales are known, a moment after it is made. */
+  ready() {
     this.marks = element("div", { class: "mark" });
-    this.plot.over.append(this.marks, ...names.map(() => element("div", { class: "dot" })));
+    this.plot.over.append(this.marks, ...this.drawn.names.map(() => element("div", { class: "dot" })));
     this.plot.over.addEventListener("pointermove", (event) => this.list(this.row_at(event) ?? this.row));
     this.plot.over.addEventListener("pointerleave", () => this.list(this.row));
     this.plot.over.addEventListener("click", (event) => { const row = this.row_at(event); if (row != null) this.picked(row); });
@@ -140,7 +145,7 @@ export class Plot {
   /** Puts the time cursor on a row; null takes it away. */
   mark(row) {
     this.row = row;
-    if (!this.plot) return;
+    if (!this.marks) return;
     const { x, ys } = this.drawn;
     const left = row == null || x[row] == null ? null : this.plot.valToPos(x[row], "x");
     this.marks.hidden = left == null;

@@ -2,7 +2,7 @@
 import { Plot } from "./plot.js";
 import { element } from "./text.js";
 
-const shown_at_first = 3;
+const shown_at_first = 2;
 
 export class Plots {
   /** `picked(row)` is called when a point of a plot is clicked. */
@@ -12,8 +12,7 @@ export class Plots {
     const free = { title: "Any columns", x: history.clock, y: [history.has("total") ? "total" : history.names.at(-1)] };
     this.all = [...history.presets(presets), free].map((preset) => new Plot(history, preset, picked));
     this.all.at(-1).heading.after(this.chooser(this.all.at(-1)));
-    const energies = this.all.findIndex((plot) => plot.preset.stacked);
-    this.shown = new Set(this.all.slice(0, -1).filter((_, k) => k < shown_at_first - 1 || k === energies));
+    this.shown = new Set(this.all.slice(0, -1).filter(({ preset }, k) => k < shown_at_first || preset.added));
     this.root = element("section", { class: "plots", "aria-label": "Plots" },
       element("div", { class: "chips", role: "group", "aria-label": "Plots that are shown" }, ...this.all.map((plot) => this.chip(plot))),
       ...this.all.map((plot) => plot.root));

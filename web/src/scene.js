@@ -93,7 +93,6 @@ export class BodyScene {
     this.renderer.setPixelRatio(this.smooth ? Math.min(2, devicePixelRatio) : 1);
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
-    this.draw();   // at once: a canvas of new size is blank until drawn
   }
 
   /** Looks at the box {centre, half} from `direction` (towards the viewer) with `up` upwards, all of it in the picture. */
@@ -109,6 +108,8 @@ export class BodyScene {
     this.controls?.dispose();   // OrbitControls reads `up` when made, and only then
     this.controls = new OrbitControls(this.camera, this.canvas);
     this.controls.target.copy(centre);
+    this.turned = false;   // by hand, since this look
+    this.controls.addEventListener("start", () => { this.turned = true; });
     this.controls.addEventListener("change", () => this.request());
     this.controls.update();
     this.request();

@@ -35,14 +35,17 @@ export class View {
   /** Call when `root` is in the document. Throws if there is no WebGL2. */
   start() {
     this.scene = new BodyScene(this.canvas, this.run, () => this.after_picture());
+    this.fit();
     this.open(0);
     new ResizeObserver(() => this.fit()).observe(this.stage);
-    this.fit();
   }
 
   fit() {
     const { clientWidth, clientHeight } = this.stage;
-    if (clientWidth && clientHeight) this.scene.resize(clientWidth, clientHeight);
+    if (!clientWidth || !clientHeight) return;
+    this.scene.resize(clientWidth, clientHeight);
+    if (this.viewpoint && !this.scene.turned) this.look(this.viewpoint);
+    this.scene.draw();   // at once: a canvas of new size is blank until drawn
   }
 
   after_picture() {
@@ -113,6 +116,7 @@ export class View {
   }
 
   look(viewpoint) {
+    this.viewpoint = viewpoint;
     this.scene.look(bounds(this.run, this.sequence, this.factor), viewpoint.direction, viewpoint.up);
   }
 
