@@ -4,7 +4,7 @@ import { widest_bond } from "./scene.js";
 
 export const small_spheres = 0.45;   // of the true radius, when bonds carry the colour
 const neutral = { particles: channels("#8b929c"), bonds: channels("#9aa1ab") };
-const class_widths = [1, 1.4, widest_bond];
+const class_widths = [1, 1.3, widest_bond];
 
 function fill(colours, count, [r, g, b]) {
   const alpha = 255 / widest_bond;

@@ -6,7 +6,7 @@ import { bond_fragment, bond_vertex, sphere_fragment, sphere_vertex } from "./sh
 
 const smooth_up_to = 5000;      // particles; with more, edges are not smoothed and pixels not doubled
 const texture_width = 1024;
-export const widest_bond = 2;   // over the usual width; colour.a = 1 stands for it
+export const widest_bond = 1.6; // over the usual width; colour.a = 1 stands for it
 
 function quads(corners, attributes) {
   const geometry = new InstancedBufferGeometry();
@@ -95,11 +95,11 @@ export class BodyScene {
     this.camera.aspect = width / height;
   }
 
-  /** Looks at the box {centre, half} from `direction` (towards the viewer) with `up` upwards, all of it in the picture. */
+  /** Looks at the box {centre, half} with a sphere of `radius` about it from `direction` (towards the viewer) with `up` upwards, all of it in the picture. */
   look(box, direction, up) {
-    const { centre, half } = box, away = direction.clone().normalize();
+    const { centre, half, radius } = box, away = direction.clone().normalize();
     const right = new Vector3().crossVectors(up, away).normalize(), top = new Vector3().crossVectors(away, right);
-    const extent = (v) => Math.abs(v.x) * half.x + Math.abs(v.y) * half.y + Math.abs(v.z) * half.z;
+    const extent = (v) => Math.min(radius, Math.abs(v.x) * half.x + Math.abs(v.y) * half.y + Math.abs(v.z) * half.z);
     const tangent = Math.tan((Math.PI / 360) * this.camera.fov);
     const distance = 1.12 * Math.max(extent(top) / tangent, extent(right) / (tangent * this.camera.aspect)) + extent(away);
     this.reach = half.length();

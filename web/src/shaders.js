@@ -77,7 +77,9 @@ void main() {
   if (front.z < 0.0) front = -front;
   across = position.x;
   paint = colour.rgb;
-  gl_Position = projectionMatrix * vec4(mix(a, b, position.y) + across * width * colour.a * side, 1.0);
+  // Nearer by most of the radius, as the cylinder's surface is: else it and the rim of a sphere are at one depth.
+  vec3 p = mix(a, b, position.y) + width * colour.a * (across * side + 0.8 * front);
+  gl_Position = projectionMatrix * vec4(p, 1.0);
 }`;
 
 export const bond_fragment = `

@@ -74,7 +74,7 @@ export class View {
       this.quantity_place,
       choice("Colour map", [["viridis", "viridis"], ["cividis", "cividis"]], this.map, (map) => { this.map = map; this.choose(this.key); }),
       element("label", { class: "control" }, element("span", {}, "Displacements ×"), factor, factors),
-      choice("Spheres", [[0, "automatic"], [1, "full size"], [0.45, "small"], [0.15, "tiny"]], 0, (size) => { this.size = Number(size); this.update(); }),
+      choice("Spheres", [[0, "automatic"], [1, "full size"], [0.45, "small"], [0.3, "tiny"]], 0, (size) => { this.size = Number(size); this.update(); }),
       choice("Speed", speeds.map((s) => [s, `${s} ×`]), 1, (s) => this.player.set_speed(Number(s))),
       element("div", { class: "control" }, element("span", {}, "Look from"),
         element("div", { class: "buttons", role: "group", "aria-label": "Look from" }, ...looks,
@@ -117,10 +117,13 @@ export class View {
 
   look(viewpoint) {
     this.viewpoint = viewpoint;
-    this.scene.look(bounds(this.run, this.sequence, this.factor), viewpoint.direction, viewpoint.up);
+    this.scene.look(this.box, viewpoint.direction, viewpoint.up);
   }
 
-  reset() { this.look(first_view(bounds(this.run, this.sequence, this.factor))); }
+  reset() {
+    this.box = bounds(this.run, this.sequence, this.factor);
+    this.look(first_view(this.box));
+  }
 
   update() {
     const { frame, count, playing } = this.player;
