@@ -7,6 +7,7 @@ set(vbond_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/vbond)
 install(TARGETS vbond EXPORT vbondTargets)
 install(DIRECTORY src/vbond TYPE INCLUDE FILES_MATCHING PATTERN "*.hpp" PATTERN detail EXCLUDE)
 install(FILES LICENSE TYPE DOC)
+install(FILES build/page/report.html DESTINATION ${CMAKE_INSTALL_DATADIR}/vbond OPTIONAL)   # made by tools/setup.sh
 install(EXPORT vbondTargets NAMESPACE vbond:: DESTINATION ${vbond_package_dir})
 
 configure_package_config_file(cmake/vbondConfig.cmake.in ${PROJECT_BINARY_DIR}/vbondConfig.cmake
