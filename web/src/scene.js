@@ -1,23 +1,38 @@
 // The body in 3D. Draws only when asked to; knows nothing of time, playing or the page around it.
-import { BufferAttribute, DataTexture, DynamicDrawUsage, FloatType, GLSL3, InstancedBufferAttribute, InstancedBufferGeometry, Mesh,
-         NearestFilter, PerspectiveCamera, RawShaderMaterial, RGBAFormat, Scene, Vector3, WebGLRenderer } from "three";
+import { BufferAttribute, BufferGeometry, DataTexture, DoubleSide, DynamicDrawUsage, FloatType, GLSL3, Mesh, NearestFilter,
+         PerspectiveCamera, RawShaderMaterial, RGBAFormat, RGFormat, Scene, UnsignedByteType, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { bond_fragment, bond_vertex, sphere_fragment, sphere_vertex } from "./shaders.js";
 
-const smooth_up_to = 5000;      // particles; with more, edges are not smoothed and pixels not doubled
+const smooth_up_to = 5000;      // particles; with more, pixels are not doubled, edges not smoothed, spheres flat in depth
 const texture_width = 1024;
 export const widest_bond = 1.6; // over the usual width; colour.a = 1 stands for it
 
-function quads(corners, attributes) {
-  const geometry = new InstancedBufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(new Float32Array(corners), 3));
-  geometry.setIndex([0, 1, 2, 0, 2, 3]);
-  for (const [name, attribute] of Object.entries(attributes)) geometry.setAttribute(name, attribute);
+/**
+ * `count` quads without attributes: a shader finds number and corner from gl_VertexID. The order of the indices is
+ * the order of drawing. Not instances: software GL takes some 20 us for each of those, however small.
+ */
+function quads(count) {
+  const geometry = new BufferGeometry();
+  geometry.setIndex(new BufferAttribute(new Uint32Array(6 * count), 1).setUsage(DynamicDrawUsage));
+  for (let k = 0; k < count; ++k) put_quad(geometry.index.array, k, k);
   return geometry;
 }
 
-function colours(count) {
-  return new InstancedBufferAttribute(new Uint8Array(4 * count), 4, true).setUsage(DynamicDrawUsage);
+function put_quad(indices, place, k) {
+  const at = 6 * place, v = 4 * k;
+  indices[at] = v; indices[at + 1] = v + 1; indices[at + 2] = v + 2;
+  indices[at + 3] = v; indices[at + 4] = v + 2; indices[at + 5] = v + 3;
+}
+
+/** A texture as a table with `channels` numbers for each entry; `array` is what to write to. */
+function table(array_type, channels, count) {
+  const rows = Math.max(1, Math.ceil(count / texture_width)), array = new array_type(channels * texture_width * rows);
+  const texture = new DataTexture(array, texture_width, rows, channels === 2 ? RGFormat : RGBAFormat,
+                                  array_type === Float32Array ? FloatType : UnsignedByteType);
+  texture.minFilter = texture.magFilter = NearestFilter;
+  texture.needsUpdate = true;
+  return { array, texture };
 }
 
 /** Usual half width of a bond: a quarter of the mean radius, but no less than 2 % of the mean length. */
@@ -32,12 +47,32 @@ function bond_width(run) {
   return Math.max(0.25 * radius, 0.02 * length);
 }
 
+const buckets = 2048;
+
+/** Puts the numbers of the quads in ascending order of `key`, to 1/2048 of its range. */
+function sort_by(geometry, count, key) {
+  const keys = new Float32Array(count), starts = new Uint32Array(buckets + 1);
+  let low = Infinity, high = -Infinity;
+  for (let k = 0; k < count; ++k) {
+    const v = (keys[k] = key(k));
+    if (v < low) low = v;
+    if (v > high) high = v;
+  }
+  const factor = high > low ? (buckets - 1) / (high - low) : 0;
+  const bucket = (k) => Math.floor((keys[k] - low) * factor);
+  for (let k = 0; k < count; ++k) ++starts[bucket(k) + 1];
+  for (let b = 0; b < buckets; ++b) starts[b + 1] += starts[b];
+  for (let k = 0; k < count; ++k) put_quad(geometry.index.array, starts[bucket(k)]++, k);
+  geometry.index.needsUpdate = true;
+}
+
 export class BodyScene {
   /** Throws if there is no WebGL2. `drawn` is called after each picture. */
   constructor(canvas, run, drawn) {
     Object.assign(this, { canvas, run, drawn, pictures: 0, wanted: false });
     this.smooth = run.particles <= smooth_up_to;
     this.renderer = new WebGLRenderer({ canvas, antialias: this.smooth, alpha: true });
+    this.renderer.sortObjects = false;   // spheres before bonds; and the quads have no positions to sort by
     this.camera = new PerspectiveCamera(28, 1, 0.1, 100);
     this.scene = new Scene();
     this.make_spheres();
@@ -45,28 +80,25 @@ export class BodyScene {
   }
 
   make_spheres() {
-    const rows = Math.max(1, Math.ceil(this.run.particles / texture_width));
-    this.place = new Float32Array(4 * texture_width * rows);
-    this.run.radius.forEach((radius, k) => { this.place[4 * k + 3] = radius; });
-    this.places = new DataTexture(this.place, texture_width, rows, RGBAFormat, FloatType);
-    this.places.minFilter = this.places.magFilter = NearestFilter;
-    this.sphere_colours = colours(this.run.particles);
-    const geometry = quads([-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0], { colour: this.sphere_colours });
-    geometry.instanceCount = this.run.particles;
-    this.spheres = this.add(geometry, sphere_vertex, sphere_fragment, { size: { value: 1 }, smooth_edge: { value: this.smooth } });
+    this.places = table(Float32Array, 4, this.run.particles);
+    this.run.radius.forEach((radius, k) => { this.places.array[4 * k + 3] = radius; });
+    this.sphere_colours = table(Uint8Array, 4, this.run.particles);
+    this.spheres = this.add(quads(this.run.particles), sphere_vertex, sphere_fragment,
+      { size: { value: 1 }, smooth_edge: { value: this.smooth }, paints: { value: this.sphere_colours.texture } });
   }
 
   make_bonds() {
-    this.bond_colours = colours(this.run.ends.length / 2);
-    const ends = new InstancedBufferAttribute(new Float32Array(this.run.ends), 2);   // exact below 2^24 particles
-    const geometry = quads([-1, 0, 0, 1, 0, 0, 1, 1, 0, -1, 1, 0], { ends, colour: this.bond_colours });
-    this.bonds = this.add(geometry, bond_vertex, bond_fragment, { width: { value: widest_bond * bond_width(this.run) } });
+    const count = this.run.ends.length / 2, ends = table(Float32Array, 2, count);
+    ends.array.set(this.run.ends);
+    this.bond_colours = table(Uint8Array, 4, count);
+    this.bonds = this.add(quads(count), bond_vertex, bond_fragment,
+      { width: { value: widest_bond * bond_width(this.run) }, ends: { value: ends.texture }, paints: { value: this.bond_colours.texture } });
   }
 
   add(geometry, vertexShader, fragmentShader, uniforms) {
-    uniforms.places = { value: this.places };
-    const material = new RawShaderMaterial({ glslVersion: GLSL3, vertexShader, fragmentShader, uniforms, side: 2,
-                                             alphaToCoverage: this.smooth });
+    uniforms.places = { value: this.places.texture };
+    const material = new RawShaderMaterial({ glslVersion: GLSL3, vertexShader, fragmentShader, uniforms, side: DoubleSide,
+                                             alphaToCoverage: this.smooth, defines: this.smooth ? {} : { FLAT: 1 } });
     const mesh = new Mesh(geometry, material);
     mesh.frustumCulled = false;
     this.scene.add(mesh);
@@ -75,16 +107,17 @@ export class BodyScene {
 
   /** Positions of the frame and how many bonds there are in it. */
   place_body(sequence, frame, factor) {
-    sequence.positions(frame, factor, this.place, 4);
-    this.places.needsUpdate = true;
-    this.bonds.geometry.instanceCount = sequence.bonds_at(frame);
-    this.bonds.visible = sequence.bonds_at(frame) > 0;
+    sequence.positions(frame, factor, this.places.array, 4);
+    this.places.texture.needsUpdate = true;
+    this.bonds_shown = sequence.bonds_at(frame);
+    this.bonds.geometry.setDrawRange(0, 6 * this.bonds_shown);
+    this.bonds.visible = this.bonds_shown > 0;
     this.request();
   }
 
   /** After the colour arrays were written. Spheres shrink to `size` so that bonds can be seen. */
   colours_changed(size) {
-    this.sphere_colours.needsUpdate = this.bond_colours.needsUpdate = true;
+    this.sphere_colours.texture.needsUpdate = this.bond_colours.texture.needsUpdate = true;
     this.spheres.material.uniforms.size.value = size;
     this.request();
   }
@@ -115,6 +148,14 @@ export class BodyScene {
     this.request();
   }
 
+  /** Front to back, so that hidden pixels are not shaded. */
+  sort() {
+    const { array } = this.places, { ends } = this.run, towards = this.camera.getWorldDirection(new Vector3());
+    const depth = (k) => array[4 * k] * towards.x + array[4 * k + 1] * towards.y + array[4 * k + 2] * towards.z;
+    sort_by(this.spheres.geometry, this.run.particles, depth);
+    sort_by(this.bonds.geometry, this.bonds_shown, (b) => depth(ends[2 * b]) + depth(ends[2 * b + 1]));
+  }
+
   request() {
     if (this.wanted) return;
     this.wanted = true;
@@ -128,6 +169,7 @@ export class BodyScene {
     this.camera.far = distance + 4 * this.reach;
     this.camera.near = Math.max(distance - 2 * this.reach, 0.002 * this.camera.far);
     this.camera.updateProjectionMatrix();
+    if (!this.smooth) this.sort();
     this.renderer.render(this.scene, this.camera);
     ++this.pictures;
     this.drawn();
