@@ -13,10 +13,18 @@ function table(caption, rows) {
     element("tbody", {}, ...rows.map(([name, value]) => element("tr", {}, element("th", { scope: "row" }, name), element("td", {}, value)))));
 }
 
+const rows_of_a_table = 5;   // more go beside it, so that the figures stay high on the page
+
+function tables(caption, rows) {
+  const parts = [];
+  for (let k = 0; k < rows.length; k += rows_of_a_table) parts.push(table(k ? `${caption}, continued` : caption, rows.slice(k, k + rows_of_a_table)));
+  return parts;
+}
+
 export function head({ title, program, facts, results }, theme_button) {
   return [
     element("div", { class: "top" }, element("h1", {}, title), theme_button),
-    element("div", { class: "tables" }, results.length ? table("Results", results) : null, facts.length ? table("What was run", facts) : null),
+    element("div", { class: "tables" }, ...tables("Results", results), ...tables("What was run", facts)),
     element("p", { class: "made" }, `Computed with ${program}`),
   ];
 }

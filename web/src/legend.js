@@ -1,14 +1,14 @@
 // What the colours mean, with numbers and units; and the three axes.
 import { Vector3 } from "three";
 import { class_colours, css_gradient } from "./colours.js";
-import { element, number } from "./text.js";
+import { capital, element, number } from "./text.js";
 
 const meaning = {
   small: "small", strained: "strained (past 45°)", snapped: "snapped (past 90°)",
 };
 
 export function legend(quantity, scale) {
-  const title = element("p", { class: "legend-title" }, quantity.unit ? `${quantity.label} [${quantity.unit}]` : quantity.label);
+  const title = element("p", { class: "legend-title" }, capital(quantity.unit ? `${quantity.label} [${quantity.unit}]` : quantity.label));
   if (scale.classes) {
     const words = scale.classes.map((name, k) => element("li", {},
       element("span", { class: "swatch", style: `background: rgb(${class_colours[k].join(" ")})` }), meaning[name]));

@@ -1,6 +1,7 @@
 // Which frame is shown, and its progress in time. No drawing, no elements.
 
-const frames_per_second = 20;   // at speed 1
+const frames_per_second = 20;     // at speed 1
+const seconds_per_swing = 2;
 
 export class Player {
   /** `changed` is called with this player after each change. */
@@ -55,7 +56,8 @@ export class Player {
   /** The frame that is due; a slow machine leaves frames out instead of playing slowly. */
   tick(now) {
     if (!this.playing) return;
-    const due = this.start.frame + Math.floor(Math.max(0, now - this.start.time) * 1e-3 * frames_per_second * this.speed);
+    const rate = this.speed * (this.swings ? this.count / seconds_per_swing : frames_per_second);
+    const due = this.start.frame + Math.floor(Math.max(0, now - this.start.time) * 1e-3 * rate);
     if (!this.swings && due >= this.count - 1) this.playing = false;
     const frame = this.swings ? due % this.count : Math.min(due, this.count - 1);
     if (frame !== this.frame || !this.playing) this.show(frame);

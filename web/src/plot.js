@@ -33,7 +33,9 @@ function tick_words(_, marks) {
 function range(ends, log) {
   if (!ends) return log ? [1, 10] : [0, 1];
   if (log) return uPlot.rangeLog(ends[0], ends[1], 10, false);
-  const [low, high] = ends, room = 0.04 * (high - low) || 0.1 * Math.abs(low) || 1;
+  const [low, high] = ends;
+  if (low === high) return [low - (0.1 * Math.abs(low) || 1), high + (0.1 * Math.abs(high) || 1)];
+  const room = 0.04 * (high - low);
   return [low === 0 ? 0 : low - room, high === 0 ? 0 : high + room];
 }
 

@@ -11,6 +11,8 @@ export function element(name, attributes = {}, ...children) {
   return made;
 }
 
+export function capital(text) { return text.charAt(0).toUpperCase() + text.slice(1); }
+
 /** A number with so many significant digits, without trailing zeros: 0.0123, 1.23e-7. */
 export function number(value, digits = 4) {
   if (value == null || Number.isNaN(value)) return "–";

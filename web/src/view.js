@@ -4,7 +4,7 @@ import { paint, scale_of } from "./paint.js";
 import { Player } from "./player.js";
 import { BodyScene } from "./scene.js";
 import { save_picture } from "./picture.js";
-import { element, number, with_unit } from "./text.js";
+import { capital, element, number, with_unit } from "./text.js";
 import { along, bounds, first_view } from "./viewpoint.js";
 
 const speeds = [0.1, 0.25, 0.5, 1, 2, 4];
@@ -87,7 +87,7 @@ export class View {
     this.sequence = this.run.sequences[index];
     const quantities = this.sequence.quantities;
     if (!quantities.some((q) => q.key === this.key)) this.key = quantities[0].key;
-    this.quantity_place.replaceChildren(choice("Colour by", quantities.map((q) => [q.key, q.label]), this.key, (key) => this.choose(key)));
+    this.quantity_place.replaceChildren(choice("Colour by", quantities.map((q) => [q.key, capital(q.label)]), this.key, (key) => this.choose(key)));
     this.quantity_place.querySelector("select").id = "quantity";
     this.note.textContent = this.sequence.json.note ?? "";
     this.scrub.max = this.sequence.last;
