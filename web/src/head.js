@@ -8,24 +8,17 @@ export function warnings(list) {
     element("strong", {}, names[level] ?? "Note"), " ", text));
 }
 
-function table(caption, rows) {
-  return element("table", {}, element("caption", {}, caption),
-    element("tbody", {}, ...rows.map(([name, value]) => element("tr", {}, element("th", { scope: "row" }, name), element("td", {}, value)))));
+function table(rows) {
+  return element("table", {}, element("tbody", {}, ...rows.map(([name, value]) => element("tr", {}, element("th", { scope: "row" }, name), element("td", {}, value)))));
 }
 
-const rows_of_a_table = 5;   // more go beside it, so that the figures stay high on the page
-
-function tables(caption, rows) {
-  const parts = [];
-  for (let k = 0; k < rows.length; k += rows_of_a_table) parts.push(table(k ? `${caption}, continued` : caption, rows.slice(k, k + rows_of_a_table)));
-  return parts;
-}
-
+/** Short, so that the figures stand high on the page: all facts are at its foot. */
 export function head({ title, program, facts, results }, theme_button) {
+  const cards = results.map(([name, value]) => element("div", {}, element("dt", {}, name), element("dd", {}, value)));
   return [
     element("div", { class: "top" }, element("h1", {}, title), theme_button),
-    element("div", { class: "tables" }, ...tables("Results", results), ...tables("What was run", facts)),
-    element("p", { class: "made" }, `Computed with ${program}`),
+    element("p", { class: "made" }, [...facts.slice(0, 3).map(([, value]) => value), program].join(" · ")),
+    cards.length ? element("dl", { "aria-label": "Results" }, ...cards) : "",
   ];
 }
 
@@ -50,8 +43,8 @@ async function copied(text, block) {
   }
 }
 
-export function foot({ rerun, left_out, history }) {
-  const parts = [];
+export function foot({ facts, rerun, left_out, history }) {
+  const parts = facts.length ? [element("h2", {}, "What was run"), table(facts)] : [];
   if (rerun) {
     parts.push(element("h2", {}, "Run it again"), element("p", {}, "Save the case below as resolved.toml, then:"),
       copyable("the command", rerun.command),
