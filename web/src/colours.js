@@ -22,9 +22,11 @@ export const maps = {
 /** Small, strained, snapped: different in hue and in lightness. */
 export const class_colours = ["#7fa6c9", "#eda100", "#a3003f"].map(channels);
 
+const rounding = 1e-6;   // of the scale: what is below zero by less is zero, rounded
+
 /** The ends of the scale: from zero, or about zero if signed, so that zero has the colour of the middle. */
 export function scale_ends([low, high], signed) {
-  if (!signed) return [Math.min(0, low), high];
+  if (!signed) return [low < -rounding * high ? low : 0, high];
   const size = Math.max(Math.abs(low), Math.abs(high));
   return [-size, size];
 }

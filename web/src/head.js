@@ -15,9 +15,11 @@ function table(rows) {
 /** Short, so that the figures stand high on the page: all facts are at its foot. */
 export function head({ title, program, facts, results }, theme_button) {
   const cards = results.map(([name, value]) => element("div", {}, element("dt", {}, name), element("dd", {}, value)));
+  const step = facts.find(([name]) => name === "Time step");
+  const words = [...facts.slice(0, 3).map(([, value]) => value), step && `time step ${step[1]}`, program].filter(Boolean);
   return [
     element("div", { class: "top" }, element("h1", {}, title), theme_button),
-    element("p", { class: "made" }, [...facts.slice(0, 3).map(([, value]) => value), program].join(" · ")),
+    element("p", { class: "made" }, words.join(" · ")),
     cards.length ? element("dl", { "aria-label": "Results" }, ...cards) : "",
   ];
 }

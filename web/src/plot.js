@@ -100,7 +100,7 @@ export class Plot {
       grid: { stroke: colour_of("--line"), width: 1 }, ticks: { stroke: colour_of("--line"), width: 1, size: 4 } });
     this.drawn = { x, names, ys };
     this.plot = new uPlot({
-      mode: 2, width: this.place.clientWidth || 400, height, padding: [8, 12, 0, 0],
+      mode: 2, width: this.place.clientWidth || 400, height, padding: [8, 22, 0, 0],
       cursor: { show: false }, legend: { show: false }, hooks: { ready: [() => this.ready()] },
       scales: { x: { time: false, distr: this.log.x ? 3 : 1, auto: false, range: () => range(extent([x]), this.log.x) },
                 y: { distr: this.log.y ? 3 : 1, auto: false, range: () => range(this.y_extent(ys), this.log.y) } },

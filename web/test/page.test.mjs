@@ -93,6 +93,7 @@ test("Colours.ZeroIsTheMiddleOfASignedScale", () => {
   assert.deepEqual(ends, [-3, 3]);
   assert.ok([127, 128].includes(shade(0, ends)));
   assert.deepEqual(scale_ends([2, 3], false), [0, 3]);
+  assert.deepEqual(scale_ends([-1e-19, 3], false), [0, 3]);
   assert.equal(shade(5, [0, 0]), 0);
 });
 
