@@ -92,7 +92,9 @@ build_page() {
   mkdir -p "$dir"
   sources=$(cd "$vbond_root/web" && cat package-lock.json .npmrc build.mjs page.html page.css src/*.js | sha256sum)
   [[ ! -s $dir/report.html || $(cat "$dir/.sources" 2>/dev/null) != "$sources" ]] || return 0
-  say "building the page for reports (npm, about 15 s, once)"
+  local seconds=5
+  command -v npm >/dev/null || seconds=40   # node and npm are installed first
+  say "building the page for reports (npm, about $seconds s, once)"
   if (bundle_page "$dir/build.log"); then
     printf '%s\n' "$sources" >"$dir/.sources"
   else

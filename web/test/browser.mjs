@@ -114,6 +114,26 @@ async function click_first_plot(page) {
   await over.click({ offset: { x: 20, y: 60 } });
 }
 
+/** Every button that saves: names of the files and that they are not empty. */
+async function saves_files(browser, file) {
+  const { page, complaints } = await open(browser, file);
+  const saved = await page.evaluate(async () => {
+    const files = [];
+    HTMLAnchorElement.prototype.click = function () {
+      files.push(fetch(this.href).then((reply) => reply.blob()).then((blob) => ({ name: this.download, type: blob.type, size: blob.size })));
+    };
+    const buttons = [...document.querySelectorAll(".settings button, .plot:not([hidden]) button")].filter((b) => ["PNG", "CSV"].includes(b.textContent));
+    buttons.forEach((button) => button.click());
+    while (files.length < buttons.length) await new Promise(requestAnimationFrame);
+    return Promise.all(files);
+  });
+  assert.deepEqual(saved.map(({ name }) => name).sort(), ["a_rod_that_bends_run_59.png", "energies.csv", "energies.png", "error_of_the_energy_balance.csv",
+    "error_of_the_energy_balance.png", "force_against_shortening.csv", "force_against_shortening.png"]);
+  assert.ok(saved.every(({ type, size }) => size > 1000 && (type === "image/png" || type === "text/csv")));
+  assert.deepEqual(complaints, []);
+  await page.close();
+}
+
 async function text_stays_text(browser, file) {
   const { page, complaints } = await open(browser, file);
   assert.ok((await page.title()).startsWith("Rod <script>"));
@@ -173,6 +193,7 @@ try {
   if (!given.length) {
     await text_stays_text(browser, await made("snapped", snapped()));
     await modes_swing(browser, pages[0]);
+    await saves_files(browser, pages[0]);
   }
 } finally {
   await browser.close();
