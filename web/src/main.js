@@ -56,7 +56,7 @@ async function show() {
   document.title = json.title;
   const history = new History(json.history);
   let plots, view;
-  place("head").append(...head(json, theme_button(() => plots?.draw())));
+  place("head").append(...head(json, theme_button(() => { plots?.draw(); view?.set_ground(); })));
   place("messages").append(...warnings(json.warnings));
   place("foot").append(...foot(json));
   const run = new Run(json, await inflate(from_base64(place("data").textContent)));

@@ -192,6 +192,8 @@ export class Plot {
     pen.font = `600 ${0.6 * line}px system-ui, sans-serif`;
     pen.fillText(this.preset.title, line, 0.5 * line);
     pen.font = `${0.5 * line}px system-ui, sans-serif`;
+    const room = canvas.width - 2 * line, words = names.join("  "), wide = pen.measureText(words).width + names.length * 0.4 * line;
+    if (wide > room) pen.font = `${(0.5 * line * room) / wide}px system-ui, sans-serif`;
     let x = line;
     for (const name of names) {
       pen.fillStyle = this.colours.get(name);

@@ -71,7 +71,7 @@ export class BodyScene {
   constructor(canvas, run, drawn) {
     Object.assign(this, { canvas, run, drawn, pictures: 0, wanted: false });
     this.smooth = run.particles <= smooth_up_to;
-    this.renderer = new WebGLRenderer({ canvas, antialias: this.smooth, alpha: true });
+    this.renderer = new WebGLRenderer({ canvas, antialias: this.smooth, alpha: false });   // opaque: smoothed edges leave alpha below 1
     this.renderer.sortObjects = false;   // spheres before bonds; and the quads have no positions to sort by
     this.camera = new PerspectiveCamera(28, 1, 0.1, 100);
     this.scene = new Scene();
@@ -103,6 +103,11 @@ export class BodyScene {
     mesh.frustumCulled = false;
     this.scene.add(mesh);
     return mesh;
+  }
+
+  set_ground(colour) {
+    this.renderer.setClearColor(colour);
+    this.request();
   }
 
   /** Positions of the frame and how many bonds there are in it. */

@@ -3,7 +3,7 @@ import { draw_axes, legend } from "./legend.js";
 import { paint, scale_of } from "./paint.js";
 import { Player } from "./player.js";
 import { BodyScene } from "./scene.js";
-import { save_picture } from "./picture.js";
+import { colour_of, save_picture } from "./picture.js";
 import { capital, element, number, with_unit } from "./text.js";
 import { along, bounds, first_view } from "./viewpoint.js";
 
@@ -35,10 +35,14 @@ export class View {
   /** Call when `root` is in the document. Throws if there is no WebGL2. */
   start() {
     this.scene = new BodyScene(this.canvas, this.run, () => this.after_picture());
+    this.set_ground();
     this.fit();
     this.open(0);
     new ResizeObserver(() => this.fit()).observe(this.stage);
   }
+
+  /** After a change of theme, too. */
+  set_ground() { this.scene?.set_ground(colour_of("--stage")); }
 
   fit() {
     const { clientWidth, clientHeight } = this.stage;
