@@ -19,6 +19,7 @@ vbond_build_packages=(
 )
 vbond_test_packages=(libgtest-dev librapidcheck-dev)
 vbond_format_packages=(clang-format-14)
+vbond_page_packages=(nodejs npm)   # the page that `vbond report` fills
 
 say() { printf 'vbond: %s\n' "$*" >&2; }
 die() { say "$@"; exit 1; }
@@ -83,6 +84,34 @@ build() {
   fi
   "${ninja[@]}" >"$log" 2>&1 || build_failed "$log"
   exec {lock}>&-
+}
+
+# build_page: bundles web/ into build/page/report.html when its sources have changed.
+# Only `vbond report` needs it, so that a failure is told and nothing more.
+build_page() {
+  local dir=$vbond_root/build/page sources
+  mkdir -p "$dir"
+  sources=$(cd "$vbond_root/web" && cat package-lock.json .npmrc build.mjs page.html page.css src/*.js | sha256sum)
+  [[ ! -s $dir/report.html || $(cat "$dir/.sources" 2>/dev/null) != "$sources" ]] || return 0
+  local seconds=5
+  command -v npm >/dev/null || seconds=40   # node and npm are installed first
+  say "building the page for reports (npm, about $seconds s, once)"
+  if (bundle_page "$dir/build.log"); then
+    printf '%s\n' "$sources" >"$dir/.sources"
+  else
+    say "the page was not built: $page_missing; 'vbond report' will not work until then ($dir/build.log)"
+  fi
+}
+
+page_missing="it takes node 18 or newer, npm and a registry of npm"
+
+bundle_page() {
+  exec >"$1" 2>&1
+  { command -v node && command -v npm; } || need "${vbond_page_packages[@]}"
+  command -v flock && { exec {lock}>"$1.lock"; flock "$lock"; }
+  cd "$vbond_root/web" || return
+  [[ node_modules/.package-lock.json -nt package-lock.json ]] || npm ci --ignore-scripts --omit=dev || return
+  node build.mjs
 }
 
 build_failed() {

@@ -1,0 +1,63 @@
+// The words of the page: what was run, what came out, what to worry about, how to run it again.
+import { element } from "./text.js";
+
+const names = { error: "Error", warning: "Warning", note: "Note" };
+
+export function warnings(list) {
+  return list.map(({ level, text }) => element("p", { class: `message ${level}`, role: level === "error" ? "alert" : null },
+    element("strong", {}, names[level] ?? "Note"), " ", text));
+}
+
+function table(rows) {
+  return element("table", {}, element("tbody", {}, ...rows.map(([name, value]) => element("tr", {}, element("th", { scope: "row" }, name), element("td", {}, value)))));
+}
+
+/** Short, so that the figures stand high on the page: all facts are at its foot. */
+export function head({ title, program, facts, results }, theme_button) {
+  const cards = results.map(([name, value]) => element("div", {}, element("dt", {}, name), element("dd", {}, value)));
+  const step = facts.find(([name]) => name === "Time step");
+  const words = [...facts.slice(0, 3).map(([, value]) => value), step && `time step ${step[1]}`, program].filter(Boolean);
+  return [
+    element("div", { class: "top" }, element("h1", {}, title), theme_button),
+    element("p", { class: "made" }, words.join(" · ")),
+    cards.length ? element("dl", { "aria-label": "Results" }, ...cards) : "",
+  ];
+}
+
+/** A text with a button that copies it. */
+function copyable(label, text) {
+  const block = element("pre", { tabindex: 0, "aria-label": label }, text);
+  const button = element("button", { type: "button", onclick: async () => {
+    button.textContent = (await copied(text, block)) ? "Copied" : "Press Ctrl+C";
+    setTimeout(() => { button.textContent = "Copy"; }, 2000);
+  }, "aria-label": `Copy: ${label}` }, "Copy");
+  return element("div", { class: "copyable" }, block, button);
+}
+
+/** False where the browser lets no script copy; the text is selected then. */
+async function copied(text, block) {
+  try {
+    await navigator.clipboard.writeText(text);
+    return true;
+  } catch {
+    getSelection().selectAllChildren(block);
+    return false;
+  }
+}
+
+export function foot({ facts, rerun, left_out, history }) {
+  const parts = facts.length ? [element("h2", {}, "What was run"), table(facts)] : [];
+  if (rerun) {
+    parts.push(element("h2", {}, "Run it again"), element("p", {}, "Save the case below as resolved.toml, then:"),
+      copyable("the command", rerun.command),
+      element("details", {}, element("summary", {}, "The case, with all defaults filled in"), copyable("the case", rerun.case)));
+  }
+  const sentences = [...left_out];
+  const rows = history.values[0]?.length ?? 0;
+  if (history.rows_in_file > rows) sentences.push(`Plots have ${rows} of the ${history.rows_in_file} rows of history.csv.`);
+  if (sentences.length) parts.push(element("h2", {}, "What this page leaves out"), element("ul", {}, ...sentences.map((s) => element("li", {}, s))));
+  parts.push(element("p", { class: "made" },
+    "Keys: space plays and pauses, arrows go one frame on or back, Home and End go to the first and last frame. ",
+    "Drag to turn the body, scroll or pinch to come nearer, drag with the right button to move it. Click a plot to go to that time."));
+  return parts;
+}

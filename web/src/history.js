@@ -1,0 +1,78 @@
+// The columns of history.csv and how their rows belong to frames. No elements, no drawing.
+
+const stacked = ["kinetic_translation", "kinetic_rotation", "U_L", "U_B", "U_T", "contact", "dissipated"];
+
+export class History {
+  constructor({ columns, values, rows_in_file }) {
+    this.columns = new Map(columns.map(({ name, unit }, k) => [name, { name, unit: unit ?? "", values: values[k] }]));
+    this.rows = values[0]?.length ?? 0;
+    this.rows_in_file = rows_in_file;
+  }
+
+  get names() { return [...this.columns.keys()]; }
+  has(name) { return this.columns.has(name); }
+  column(name) { return this.columns.get(name); }
+
+  /** The column along which a run goes on. */
+  get clock() { return this.has("time") ? "time" : this.names[0]; }
+
+  /** Presets of the data whose columns are all there, then energies and their balance. */
+  presets(plots) {
+    const list = plots.filter(({ x, y }) => [x, ...y].every((name) => this.has(name)));
+    const energies = stacked.filter((name) => this.has(name));
+    if (energies.length) list.push({ title: "Energies", x: this.clock, y: energies, stacked: true, added: true });
+    if (this.has("balance_error")) list.push({ title: "Error of the energy balance", x: this.clock, y: ["balance_error"], added: true });
+    return list;
+  }
+
+  /** The row whose step is nearest to `step`; the first of equals. */
+  row_of_step(step) {
+    const steps = this.column("step")?.values;
+    return steps ? nearest(steps, step) : null;
+  }
+
+  csv(names) {
+    const quoted = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
+    const lines = [names.map(quoted).join(",")];
+    for (let row = 0; row < this.rows; ++row) lines.push(names.map((name) => this.column(name).values[row] ?? "").join(","));
+    return `${lines.join("\n")}\n`;
+  }
+}
+
+/** Index of the ascending value nearest to `wanted`. */
+export function nearest(ascending, wanted) {
+  let low = 0, high = ascending.length - 1;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (ascending[middle] < wanted) low = middle + 1;
+    else high = middle;
+  }
+  return low > 0 && wanted - ascending[low - 1] < ascending[low] - wanted ? low - 1 : low;
+}
+
+/** Running sums over columns, row by row: what a stack draws. A row with a gap has none. */
+export function stack(columns) {
+  const sums = [];
+  columns.forEach((values, k) => sums.push(values.map((v, row) => {
+    const below = k ? sums[k - 1][row] : 0;
+    return v == null || below == null ? null : below + v;
+  })));
+  return sums;
+}
+
+/** Values that a logarithmic axis can show: sizes, and gaps for zeros. */
+export function for_logarithm(values) {
+  return values.map((v) => (v ? Math.abs(v) : null));
+}
+
+export function extent(arrays) {
+  let low = Infinity, high = -Infinity;
+  for (const values of arrays) {
+    for (const v of values) {
+      if (v == null) continue;
+      if (v < low) low = v;
+      if (v > high) high = v;
+    }
+  }
+  return low <= high ? [low, high] : null;
+}

@@ -1,0 +1,44 @@
+// What the colours mean, with numbers and units; and the three axes.
+import { Vector3 } from "three";
+import { class_colours, css_gradient } from "./colours.js";
+import { capital, element, number } from "./text.js";
+
+const meaning = {
+  small: "small", strained: "strained (past 45°)", snapped: "snapped (past 90°)",
+};
+
+export function legend(quantity, scale) {
+  const title = element("p", { class: "legend-title" }, capital(quantity.unit ? `${quantity.label} [${quantity.unit}]` : quantity.label));
+  if (scale.classes) {
+    const words = scale.classes.map((name, k) => element("li", {},
+      element("span", { class: "swatch", style: `background: rgb(${class_colours[k].join(" ")})` }), meaning[name]));
+    return element("div", { class: "legend" }, title, element("ul", {}, ...words));
+  }
+  const [low, high] = scale.ends;
+  const bar = element("div", { class: "bar", style: `background: ${css_gradient(scale.table)}` });
+  const marks = low === high ? [low] : [low, (low + high) / 2, high];
+  return element("div", { class: "legend" }, title, bar,
+    element("div", { class: "marks" }, ...marks.map((v) => element("span", {}, number(v, 3)))));
+}
+
+const svg = "http://www.w3.org/2000/svg";
+const axes = [["x", new Vector3(1, 0, 0)], ["y", new Vector3(0, 1, 0)], ["z", new Vector3(0, 0, 1)]];
+
+function drawn(name, attributes, text) {
+  const made = document.createElementNS(svg, name);
+  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+  if (text) made.textContent = text;
+  return made;
+}
+
+/** Draws the directions of x, y, z as the camera sees them into an SVG of 80 by 80. */
+export function draw_axes(into, camera) {
+  const turn = camera.quaternion.clone().invert();
+  const seen = axes.map(([name, v]) => [name, v.clone().applyQuaternion(turn)]).sort((a, b) => a[1].z - b[1].z);
+  into.replaceChildren(...seen.flatMap(([name, v]) => {
+    const flat = Math.hypot(v.x, v.y) < 0.15;
+    const line = drawn("line", { x1: 40, y1: 40, x2: 40 + 25 * v.x, y2: 40 - 25 * v.y, class: `axis-${name}` });
+    if (flat) return [line];
+    return [line, drawn("text", { x: 40 + 34 * v.x, y: 40 - 34 * v.y, class: `axis-${name}` }, name)];
+  }));
+}

@@ -1,0 +1,50 @@
+// Values of a quantity to colours of particles and bonds.
+import { channels, class_colours, maps, scale_ends, shade } from "./colours.js";
+import { widest_bond } from "./scene.js";
+
+export const small_spheres = 0.45;   // of the true radius, when bonds carry the colour
+const neutral = { particles: channels("#8b929c"), bonds: channels("#9aa1ab") };
+const class_widths = [1, 1.3, widest_bond];
+
+function fill(colours, count, [r, g, b]) {
+  const alpha = 255 / widest_bond;
+  for (let k = 0; k < 4 * count; k += 4) {
+    colours[k] = r; colours[k + 1] = g; colours[k + 2] = b; colours[k + 3] = alpha;
+  }
+}
+
+/** How a quantity is shown: its table of colours and the ends of its scale, the same in all frames. */
+export function scale_of(quantity, map) {
+  if (quantity.classes) return { classes: quantity.classes };
+  const extremes = quantity.extremes();
+  const signed = quantity.signed && extremes[0] < 0;
+  return { table: maps[signed ? "diverging" : map], ends: scale_ends(extremes, signed), signed };
+}
+
+function paint_classes(quantity, frame, colours, count) {
+  for (let k = 0; k < count; ++k) {
+    const c = quantity.value(frame, k);
+    colours.set(class_colours[c], 4 * k);
+    colours[4 * k + 3] = (255 * class_widths[c]) / widest_bond;
+  }
+}
+
+function paint_values(quantity, frame, colours, count, { table, ends }) {
+  for (let k = 0; k < count; ++k) {
+    const t = 3 * shade(quantity.value(frame, k), ends);
+    colours[4 * k] = table[t]; colours[4 * k + 1] = table[t + 1]; colours[4 * k + 2] = table[t + 2];
+    colours[4 * k + 3] = 255 / widest_bond;
+  }
+}
+
+/** Writes the colours of a frame into the scene; `size` 0 lets the quantity choose the size of the spheres. */
+export function paint(scene, sequence, frame, quantity, scale, size) {
+  const bonds = sequence.bonds_at(frame);
+  const painted = quantity.on === "bonds" ? scene.bond_colours.array : scene.sphere_colours.array;
+  fill(scene.sphere_colours.array, sequence.particles, neutral.particles);
+  fill(scene.bond_colours.array, bonds, neutral.bonds);
+  const count = quantity.on === "bonds" ? bonds : sequence.particles;
+  if (quantity.classes) paint_classes(quantity, frame, painted, count);
+  else paint_values(quantity, frame, painted, count, scale);
+  scene.colours_changed(size || (quantity.on === "bonds" ? small_spheres : 1));
+}

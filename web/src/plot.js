@@ -1,0 +1,205 @@
+// One plot: any columns against any other, so x need not ascend (force against shortening goes
+// back and forth). uPlot's own lines and cursor want ascending x; its scatter mode with lines drawn here does not.
+import uPlot from "uplot";
+import { extent, for_logarithm, stack } from "./history.js";
+import { colour_of, framed, save } from "./picture.js";
+import { download, element, file_name, number } from "./text.js";
+
+const height = 230;
+
+function polyline(u, index, first, last) {
+  const [xs, ys] = u.data[index];
+  const line = new Path2D(), fill = new Path2D();
+  const base = u.valToPos(Math.max(0, u.scales.y.min), "y", true);
+  let pen_down = false, from = 0, at = 0;
+  const close = () => { if (pen_down) { fill.lineTo(at, base); fill.lineTo(from, base); fill.closePath(); } };
+  for (let row = first; row <= last; ++row) {
+    if (xs[row] == null || ys[row] == null) { close(); pen_down = false; continue; }
+    const x = u.valToPos(xs[row], "x", true), y = u.valToPos(ys[row], "y", true);
+    if (pen_down) { line.lineTo(x, y); fill.lineTo(x, y); }
+    else { line.moveTo(x, y); fill.moveTo(x, y); from = x; }
+    pen_down = true;
+    at = x;
+  }
+  close();
+  return { stroke: line, fill };
+}
+
+function tick_words(_, marks) {
+  const apart = marks.length > 1 ? Math.abs(marks[1] - marks[0]) : 1;
+  return marks.map((v) => (v == null ? "" : number(Math.abs(v) < 1e-6 * apart ? 0 : Number(v.toPrecision(6)))));
+}
+
+function range(ends, log) {
+  if (!ends) return log ? [1, 10] : [0, 1];
+  if (log) return uPlot.rangeLog(ends[0], ends[1], 10, false);
+  const [low, high] = ends;
+  if (low === high) return [low - (0.1 * Math.abs(low) || 1), high + (0.1 * Math.abs(high) || 1)];
+  const room = 0.04 * (high - low);
+  return [low === 0 ? 0 : low - room, high === 0 ? 0 : high + room];
+}
+
+export class Plot {
+  /** `picked(row)` is called when a point is clicked. */
+  constructor(history, preset, picked) {
+    Object.assign(this, { history, preset, picked, log: { x: false, y: false }, hidden: new Set(), row: null });
+    this.place = element("div", { class: "canvas" });
+    this.keys = element("div", { class: "keys" });
+    this.heading = element("h3", {}, preset.title);
+    this.root = element("article", { class: "plot" },
+      element("header", {}, this.heading, element("div", { class: "buttons" },
+        this.switch_log("x"), this.switch_log("y"),
+        element("button", { type: "button", onclick: () => this.save_csv() }, "CSV"),
+        element("button", { type: "button", onclick: () => this.save_png() }, "PNG"))),
+      this.place, this.keys);
+  }
+
+  switch_log(axis) {
+    const button = element("button", { type: "button", "aria-pressed": "false", onclick: () => {
+      this.log[axis] = !this.log[axis];
+      button.setAttribute("aria-pressed", String(this.log[axis]));
+      this.build();
+    } }, `log ${axis}`);
+    return button;
+  }
+
+  show(preset) {
+    this.preset = preset;
+    this.hidden.clear();
+    this.build();
+  }
+
+  /** Columns as drawn: sizes on a logarithmic axis, sums in a stack. */
+  curves() {
+    const of = (name, log) => (log ? for_logarithm : (v) => v)(this.history.column(name).values);
+    const x = of(this.preset.x, this.log.x);
+    const names = this.preset.y.filter((name) => !this.hidden.has(name));
+    this.stacks = !!this.preset.stacked && !this.log.y;
+    const ys = names.map((name) => of(name, this.log.y));
+    return { x, names, ys: this.stacks ? stack(ys) : ys };
+  }
+
+  axis_words(names, log) {
+    const units = new Set(names.map((name) => this.history.column(name).unit));
+    const unit = units.size === 1 && [...units][0] ? ` [${[...units][0]}]` : "";
+    const name = names.length === 1 ? names[0] : this.preset.stacked ? "energy" : "";
+    return `${log && name ? `|${name}|` : name}${unit}`;
+  }
+
+  /** (Re)draws everything; a change of theme, width, axes or curves comes here. */
+  build() {
+    this.plot?.destroy();
+    this.marks = null;
+    const { x, names, ys } = this.curves();
+    const palette = colour_of("--series").split(/\s+/);
+    this.colours = new Map(this.preset.y.map((name, k) => [name, palette[k % palette.length]]));
+    const order = ys.map((_, k) => k);
+    if (this.stacks) order.reverse();   // the highest sum first, so that the lower ones lie on it
+    const axis = (scale, words) => ({ scale, label: words, labelSize: 20, labelGap: 0, size: scale === "x" ? 32 : 60, values: tick_words,
+      font: "11px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif", stroke: colour_of("--ink"),
+      grid: { stroke: colour_of("--line"), width: 1 }, ticks: { stroke: colour_of("--line"), width: 1, size: 4 } });
+    this.drawn = { x, names, ys };
+    this.plot = new uPlot({
+      mode: 2, width: this.place.clientWidth || 400, height, padding: [8, 22, 0, 0],
+      cursor: { show: false }, legend: { show: false }, hooks: { ready: [() => this.ready()] },
+      scales: { x: { time: false, distr: this.log.x ? 3 : 1, auto: false, range: () => range(extent([x]), this.log.x) },
+                y: { distr: this.log.y ? 3 : 1, auto: false, range: () => range(this.y_extent(ys), this.log.y) } },
+      axes: [axis("x", this.axis_words([this.preset.x], this.log.x)), axis("y", this.axis_words(this.preset.y, this.log.y))],
+      series: [{}, ...order.map((k) => ({ stroke: this.colours.get(names[k]), width: this.stacks ? 0.5 : 1.6, paths: polyline,
+        fill: this.stacks ? this.colours.get(names[k]) : undefined, points: { show: false },
+        facets: [{ scale: "x", auto: true }, { scale: "y", auto: true }] }))],
+    }, [null, ...order.map((k) => [x, ys[k]])], this.place);
+  }
+
+  /** uPlot calls it once scales are known, a moment after it is made. */
+  ready() {
+    this.marks = element("div", { class: "mark" });
+    this.plot.over.append(this.marks, ...this.drawn.names.map(() => element("div", { class: "dot" })));
+    this.plot.over.addEventListener("pointermove", (event) => this.list(this.row_at(event) ?? this.row));
+    this.plot.over.addEventListener("pointerleave", () => this.list(this.row));
+    this.plot.over.addEventListener("click", (event) => { const row = this.row_at(event); if (row != null) this.picked(row); });
+    this.mark(this.row);
+  }
+
+  y_extent(ys) {
+    const ends = extent(ys);
+    return ends && this.stacks ? [Math.min(0, ends[0]), Math.max(0, ends[1])] : ends;
+  }
+
+  /** The row drawn nearest to the pointer; along x alone where x ascends with time. */
+  row_at(event) {
+    const box = this.plot.over.getBoundingClientRect();
+    const px = event.clientX - box.left, py = event.clientY - box.top;
+    const { x, ys } = this.drawn, by_clock = this.preset.x === this.history.clock || this.preset.x === "step";
+    let best = null, least = Infinity;
+    for (let row = 0; row < x.length; ++row) {
+      if (x[row] == null) continue;
+      const dx = this.plot.valToPos(x[row], "x") - px;
+      for (const y of by_clock ? [null] : ys) {
+        if (y && y[row] == null) continue;
+        const far = dx * dx + (y ? (this.plot.valToPos(y[row], "y") - py) ** 2 : 0);
+        if (far < least) { least = far; best = row; }
+      }
+    }
+    return best;
+  }
+
+  /** Puts the time cursor on a row; null takes it away. */
+  mark(row) {
+    this.row = row;
+    if (!this.marks) return;
+    const { x, ys } = this.drawn;
+    const left = row == null || x[row] == null ? null : this.plot.valToPos(x[row], "x");
+    this.marks.hidden = left == null;
+    if (left != null) this.marks.style.transform = `translateX(${left}px)`;
+    this.plot.over.querySelectorAll(".dot").forEach((dot, k) => {
+      dot.hidden = left == null || ys[k][row] == null;
+      if (!dot.hidden) dot.style.transform = `translate(${left}px, ${this.plot.valToPos(ys[k][row], "y")}px)`;
+    });
+    this.list(row);
+  }
+
+  /** The curves with their values in that row; a click hides or shows one. */
+  list(row) {
+    if (!this.keys.childElementCount || this.keys.dataset.names !== this.preset.y.join()) this.make_keys();
+    const value = (name) => (row == null ? "" : number(this.history.column(name).values[row]));
+    [...this.keys.children].forEach((key, k) => {
+      key.lastChild.textContent = value(this.preset.y[k]);
+      key.firstChild.style.background = this.colours.get(this.preset.y[k]);
+    });
+  }
+
+  make_keys() {
+    this.keys.dataset.names = this.preset.y.join();
+    this.keys.replaceChildren(...this.preset.y.map((name) => {
+      const key = element("button", { type: "button", class: "key", "aria-pressed": "true", onclick: () => {
+        this.hidden.has(name) ? this.hidden.delete(name) : this.hidden.add(name);
+        key.setAttribute("aria-pressed", String(!this.hidden.has(name)));
+        this.build();
+      } }, element("span", { class: "swatch" }), element("span", {}, name), element("output", {}));
+      return key;
+    }));
+  }
+
+  save_csv() {
+    const text = this.history.csv([...new Set([this.preset.x, ...this.preset.y])]);
+    download(new Blob([text], { type: "text/csv" }), file_name(this.preset.title, "csv"));
+  }
+
+  save_png() {
+    const line = Math.round(24 * devicePixelRatio), { names } = this.drawn;
+    const { canvas, pen } = framed(this.plot.ctx.canvas, line, line);
+    pen.font = `600 ${0.6 * line}px system-ui, sans-serif`;
+    pen.fillText(this.preset.title, line, 0.5 * line);
+    pen.font = `${0.5 * line}px system-ui, sans-serif`;
+    const room = canvas.width - 2 * line, words = names.join("  "), wide = pen.measureText(words).width + names.length * 0.4 * line;
+    if (wide > room) pen.font = `${(0.5 * line * room) / wide}px system-ui, sans-serif`;
+    let x = line;
+    for (const name of names) {
+      pen.fillStyle = this.colours.get(name);
+      pen.fillText(name, x, canvas.height - 0.5 * line);
+      x += pen.measureText(name).width + 0.6 * line;
+    }
+    save(canvas, this.preset.title);
+  }
+}

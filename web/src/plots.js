@@ -1,0 +1,66 @@
+// The plots beside the body: which are shown, one of free choice, one time cursor for all.
+import { Plot } from "./plot.js";
+import { element } from "./text.js";
+
+const shown_at_first = 2;
+
+export class Plots {
+  /** `picked(row)` is called when a point of a plot is clicked. */
+  constructor(history, presets, picked) {
+    this.history = history;
+    this.row = null;
+    const free = { title: "Any columns", x: history.clock, y: [history.has("total") ? "total" : history.names.at(-1)] };
+    this.all = [...history.presets(presets), free].map((preset) => new Plot(history, preset, picked));
+    this.all.at(-1).heading.after(this.chooser(this.all.at(-1)));
+    this.shown = new Set(this.all.slice(0, -1).filter(({ preset }, k) => k < shown_at_first || preset.added));
+    this.root = element("section", { class: "plots", "aria-label": "Plots" },
+      element("div", { class: "chips", role: "group", "aria-label": "Plots that are shown" }, ...this.all.map((plot) => this.chip(plot))),
+      ...this.all.map((plot) => plot.root));
+    this.all.forEach((plot) => { plot.root.hidden = !this.shown.has(plot); });
+  }
+
+  /** Call when `root` is in the document. */
+  start() {
+    let width = 0;
+    new ResizeObserver(() => {
+      if (this.root.clientWidth === width) return;
+      width = this.root.clientWidth;
+      this.draw();
+    }).observe(this.root);
+    width = this.root.clientWidth;
+    this.draw();
+  }
+
+  draw() { this.shown.forEach((plot) => plot.build()); }
+
+  mark(row) {
+    if (row === this.row) return;
+    this.row = row;
+    this.shown.forEach((plot) => plot.mark(row));
+  }
+
+  chip(plot) {
+    const chip = element("button", { type: "button", "aria-pressed": String(this.shown.has(plot)), onclick: () => {
+      const show = !this.shown.delete(plot);
+      if (show) this.shown.add(plot);
+      plot.root.hidden = !show;
+      chip.setAttribute("aria-pressed", String(show));
+      plot.row = this.row;
+      if (show) plot.build();
+    } }, plot.preset.title);
+    return chip;
+  }
+
+  chooser(plot) {
+    const options = (chosen) => this.history.names.map((name) => element("option", { value: name, selected: chosen.includes(name) }, name));
+    const changed = () => {
+      const y = [...ys.selectedOptions].map((option) => option.value);
+      if (y.length) plot.show({ ...plot.preset, x: x.value, y });
+    };
+    const x = element("select", { onchange: changed }, ...options([plot.preset.x]));
+    const ys = element("select", { multiple: true, size: 5, onchange: changed }, ...options(plot.preset.y));
+    return element("div", { class: "chooser" },
+      element("label", { class: "control" }, element("span", {}, "x"), x),
+      element("label", { class: "control" }, element("span", {}, "y (one or several)"), ys));
+  }
+}

@@ -1,0 +1,121 @@
+// A run as the page uses it: decoded when asked for, and only then.
+import { stored } from "./decode.js";
+import { nearest } from "./history.js";
+
+const energy_keys = ["U_L", "U_B", "U_T"];
+
+function once(make) {
+  let made;
+  return () => (made ??= make());
+}
+
+/** Smallest and largest of what `value` gives for each frame and index; [0, 0] if there is none. */
+function extremes(frames, count, value) {
+  let low = Infinity, high = -Infinity;
+  for (let f = 0; f < frames; ++f) {
+    for (let k = 0, n = count(f); k < n; ++k) {
+      const v = value(f, k);
+      if (v < low) low = v;
+      if (v > high) high = v;
+    }
+  }
+  return low <= high ? [low, high] : [0, 0];
+}
+
+/** One animation: the run, or the swing of a mode. Positions in the unit of length of the run. */
+export class Sequence {
+  constructor(json, block, particles, bonds, length_unit) {
+    Object.assign(this, { json, block, particles, bonds, length_unit });
+    this.frames = json.frames;
+    this.reference = stored(block, json.reference);
+    this.displaced = once(() => stored(block, json.displacement));
+    this.quantities = this.list_quantities();
+  }
+
+  get last() { return this.frames.length - 1; }
+
+  /** The frame whose step is nearest to `step`. */
+  nearest_frame(step) { return nearest(this.frames.map((f) => f.step), step); }
+
+  bonds_at(frame) { return this.frames[frame].bonds; }
+
+  /** Displacement of particle k in the frame, component c. */
+  displacement(frame, k, c) {
+    const { low, step } = this.json.displacement;
+    return low[c] + step[c] * this.displaced()[(3 * frame + c) * this.particles + k];
+  }
+
+  /** x, y, z of all particles into `out`, `stride` apart, displacements times `factor`. */
+  positions(frame, factor, out, stride) {
+    for (let c = 0; c < 3; ++c) {
+      for (let k = 0; k < this.particles; ++k) {
+        out[stride * k + c] = this.reference[3 * k + c] + factor * this.displacement(frame, k, c);
+      }
+    }
+    return out;
+  }
+
+  list_quantities() {
+    const fields = this.json.bond_fields.map((field) => this.bond_quantity(field));
+    const parts = energy_keys.map((key) => fields.find((f) => f.key === key)).filter(Boolean);
+    const list = [this.displacement_quantity(), ...this.json.particle_fields.map((field) => this.particle_quantity(field))];
+    list.push(...fields.filter((f) => !parts.includes(f)));
+    if (parts.length === energy_keys.length) list.push(this.total_energy(parts));
+    list.push(...parts);
+    if (this.json.bond_range) list.push(this.range_quantity());
+    return list;
+  }
+
+  displacement_quantity() {
+    const size = (x, y, z) => Math.sqrt(x * x + y * y + z * z);   // Math.hypot is many times slower
+    return this.on_particles("displacement", "Displacement", this.length_unit, false, (f, k) =>
+      size(this.displacement(f, k, 0), this.displacement(f, k, 1), this.displacement(f, k, 2)));
+  }
+
+  on_particles(key, label, unit, signed, value) {
+    const count = () => this.particles;
+    return { key, label, unit, signed, on: "particles", value, extremes: once(() => extremes(this.frames.length, count, value)) };
+  }
+
+  on_bonds(key, label, unit, signed, value) {
+    const count = (f) => this.bonds_at(f);
+    return { key, label, unit, signed, on: "bonds", value, extremes: once(() => extremes(this.frames.length, count, value)) };
+  }
+
+  particle_quantity({ key, label, unit, signed, array }) {
+    const q = once(() => stored(this.block, array));
+    return this.on_particles(key, label, unit, !!signed, (f, k) => array.low + array.step * q()[f * this.particles + k]);
+  }
+
+  bond_quantity({ key, label, unit, signed, array }) {
+    const q = once(() => stored(this.block, array));
+    const degrees = unit === "rad" || key === "bend" || key === "twist";
+    const factor = degrees ? 180 / Math.PI : 1;
+    const value = (f, k) => factor * (array.low + array.step * q()[f * this.bonds + k]);
+    return this.on_bonds(key, label, degrees ? "°" : unit, signed, value);
+  }
+
+  total_energy(parts) {
+    const value = (f, k) => parts[0].value(f, k) + parts[1].value(f, k) + parts[2].value(f, k);
+    return this.on_bonds("U", "Energy of the bond, total", parts[0].unit, false, value);
+  }
+
+  range_quantity() {
+    const q = once(() => stored(this.block, this.json.bond_range));
+    const quantity = this.on_bonds("range", "Range of the bond", "", false, (f, k) => q()[f * this.bonds + k]);
+    return { ...quantity, classes: ["small", "strained", "snapped"] };
+  }
+}
+
+export class Run {
+  constructor(json, block) {
+    if (json.format !== 1) throw new Error(`The page reads format 1, the data are of format ${json.format}.`);
+    this.json = json;
+    this.ends = stored(block, json.bonds);
+    const reference = json.sequences[0]?.reference;
+    this.particles = reference ? reference.count / 3 : 0;
+    this.radius = typeof json.radius === "number" ? new Float32Array(this.particles).fill(json.radius) : stored(block, json.radius);
+    const length_unit = json.units === "SI" ? "m" : "";
+    this.sequences = json.sequences.map((s) => new Sequence(s, block, this.particles, this.ends.length / 2, length_unit));
+  }
+}

@@ -1,0 +1,182 @@
+// The body in 3D. Draws only when asked to; knows nothing of time, playing or the page around it.
+import { BufferAttribute, BufferGeometry, DataTexture, DoubleSide, DynamicDrawUsage, FloatType, GLSL3, Mesh, NearestFilter,
+         PerspectiveCamera, RawShaderMaterial, RGBAFormat, RGFormat, Scene, UnsignedByteType, Vector3, WebGLRenderer } from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { bond_fragment, bond_vertex, sphere_fragment, sphere_vertex } from "./shaders.js";
+
+const smooth_up_to = 5000;      // particles; with more, pixels are not doubled, edges not smoothed, spheres flat in depth
+const texture_width = 1024;
+export const widest_bond = 1.6; // over the usual width; colour.a = 1 stands for it
+
+/**
+ * `count` quads without attributes: a shader finds number and corner from gl_VertexID. The order of the indices is
+ * the order of drawing. Not instances: software GL takes some 20 us for each of those, however small.
+ */
+function quads(count) {
+  const geometry = new BufferGeometry();
+  geometry.setIndex(new BufferAttribute(new Uint32Array(6 * count), 1).setUsage(DynamicDrawUsage));
+  for (let k = 0; k < count; ++k) put_quad(geometry.index.array, k, k);
+  return geometry;
+}
+
+function put_quad(indices, place, k) {
+  const at = 6 * place, v = 4 * k;
+  indices[at] = v; indices[at + 1] = v + 1; indices[at + 2] = v + 2;
+  indices[at + 3] = v; indices[at + 4] = v + 2; indices[at + 5] = v + 3;
+}
+
+/** A texture as a table with `channels` numbers for each entry; `array` is what to write to. */
+function table(array_type, channels, count) {
+  const rows = Math.max(1, Math.ceil(count / texture_width)), array = new array_type(channels * texture_width * rows);
+  const texture = new DataTexture(array, texture_width, rows, channels === 2 ? RGFormat : RGBAFormat,
+                                  array_type === Float32Array ? FloatType : UnsignedByteType);
+  texture.minFilter = texture.magFilter = NearestFilter;
+  texture.needsUpdate = true;
+  return { array, texture };
+}
+
+/** Usual half width of a bond: a quarter of the mean radius, but no less than 2 % of the mean length. */
+function bond_width(run) {
+  const n = run.ends.length / 2, r = run.sequences[0].reference;
+  let length = 0;
+  for (let b = 0; b < n; ++b) {
+    const i = 3 * run.ends[2 * b], j = 3 * run.ends[2 * b + 1];
+    length += Math.hypot(r[j] - r[i], r[j + 1] - r[i + 1], r[j + 2] - r[i + 2]) / n;
+  }
+  const radius = run.radius.reduce((sum, x) => sum + x, 0) / run.radius.length;
+  return Math.max(0.25 * radius, 0.02 * length);
+}
+
+const buckets = 2048;
+
+/** Puts the numbers of the quads in ascending order of `key`, to 1/2048 of its range. */
+function sort_by(geometry, count, key) {
+  const keys = new Float32Array(count), starts = new Uint32Array(buckets + 1);
+  let low = Infinity, high = -Infinity;
+  for (let k = 0; k < count; ++k) {
+    const v = (keys[k] = key(k));
+    if (v < low) low = v;
+    if (v > high) high = v;
+  }
+  const factor = high > low ? (buckets - 1) / (high - low) : 0;
+  const bucket = (k) => Math.floor((keys[k] - low) * factor);
+  for (let k = 0; k < count; ++k) ++starts[bucket(k) + 1];
+  for (let b = 0; b < buckets; ++b) starts[b + 1] += starts[b];
+  for (let k = 0; k < count; ++k) put_quad(geometry.index.array, starts[bucket(k)]++, k);
+  geometry.index.needsUpdate = true;
+}
+
+export class BodyScene {
+  /** Throws if there is no WebGL2. `drawn` is called after each picture. */
+  constructor(canvas, run, drawn) {
+    Object.assign(this, { canvas, run, drawn, pictures: 0, wanted: false });
+    this.smooth = run.particles <= smooth_up_to;
+    this.renderer = new WebGLRenderer({ canvas, antialias: this.smooth, alpha: false });   // opaque: smoothed edges leave alpha below 1
+    this.renderer.sortObjects = false;   // spheres before bonds; and the quads have no positions to sort by
+    this.camera = new PerspectiveCamera(28, 1, 0.1, 100);
+    this.scene = new Scene();
+    this.make_spheres();
+    this.make_bonds();
+  }
+
+  make_spheres() {
+    this.places = table(Float32Array, 4, this.run.particles);
+    this.run.radius.forEach((radius, k) => { this.places.array[4 * k + 3] = radius; });
+    this.sphere_colours = table(Uint8Array, 4, this.run.particles);
+    this.spheres = this.add(quads(this.run.particles), sphere_vertex, sphere_fragment,
+      { size: { value: 1 }, smooth_edge: { value: this.smooth }, paints: { value: this.sphere_colours.texture } });
+  }
+
+  make_bonds() {
+    const count = this.run.ends.length / 2, ends = table(Float32Array, 2, count);
+    ends.array.set(this.run.ends);
+    this.bond_colours = table(Uint8Array, 4, count);
+    this.bonds = this.add(quads(count), bond_vertex, bond_fragment,
+      { width: { value: widest_bond * bond_width(this.run) }, ends: { value: ends.texture }, paints: { value: this.bond_colours.texture } });
+  }
+
+  add(geometry, vertexShader, fragmentShader, uniforms) {
+    uniforms.places = { value: this.places.texture };
+    const material = new RawShaderMaterial({ glslVersion: GLSL3, vertexShader, fragmentShader, uniforms, side: DoubleSide,
+                                             alphaToCoverage: this.smooth, defines: this.smooth ? {} : { FLAT: 1 } });
+    const mesh = new Mesh(geometry, material);
+    mesh.frustumCulled = false;
+    this.scene.add(mesh);
+    return mesh;
+  }
+
+  set_ground(colour) {
+    this.renderer.setClearColor(colour);
+    this.request();
+  }
+
+  /** Positions of the frame and how many bonds there are in it. */
+  place_body(sequence, frame, factor) {
+    sequence.positions(frame, factor, this.places.array, 4);
+    this.places.texture.needsUpdate = true;
+    this.bonds_shown = sequence.bonds_at(frame);
+    this.bonds.geometry.setDrawRange(0, 6 * this.bonds_shown);
+    this.bonds.visible = this.bonds_shown > 0;
+    this.request();
+  }
+
+  /** After the colour arrays were written. Spheres shrink to `size` so that bonds can be seen. */
+  colours_changed(size) {
+    this.sphere_colours.texture.needsUpdate = this.bond_colours.texture.needsUpdate = true;
+    this.spheres.material.uniforms.size.value = size;
+    this.request();
+  }
+
+  resize(width, height) {
+    this.renderer.setPixelRatio(this.smooth ? Math.min(2, devicePixelRatio) : 1);
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+  }
+
+  /** Looks at the box {centre, half} with a sphere of `radius` about it from `direction` (towards the viewer) with `up` upwards, all of it in the picture. */
+  look(box, direction, up) {
+    const { centre, half, radius } = box, away = direction.clone().normalize();
+    const right = new Vector3().crossVectors(up, away).normalize(), top = new Vector3().crossVectors(away, right);
+    const extent = (v) => Math.min(radius, Math.abs(v.x) * half.x + Math.abs(v.y) * half.y + Math.abs(v.z) * half.z);
+    const tangent = Math.tan((Math.PI / 360) * this.camera.fov);
+    const distance = 1.12 * Math.max(extent(top) / tangent, extent(right) / (tangent * this.camera.aspect)) + extent(away);
+    this.reach = half.length();
+    this.camera.up.copy(up);
+    this.camera.position.copy(centre).addScaledVector(away, distance);
+    this.controls?.dispose();   // OrbitControls reads `up` when made, and only then
+    this.controls = new OrbitControls(this.camera, this.canvas);
+    this.controls.target.copy(centre);
+    this.turned = false;   // by hand, since this look
+    this.controls.addEventListener("start", () => { this.turned = true; });
+    this.controls.addEventListener("change", () => this.request());
+    this.controls.update();
+    this.request();
+  }
+
+  /** Front to back, so that hidden pixels are not shaded. */
+  sort() {
+    const { array } = this.places, { ends } = this.run, towards = this.camera.getWorldDirection(new Vector3());
+    const depth = (k) => array[4 * k] * towards.x + array[4 * k + 1] * towards.y + array[4 * k + 2] * towards.z;
+    sort_by(this.spheres.geometry, this.run.particles, depth);
+    sort_by(this.bonds.geometry, this.bonds_shown, (b) => depth(ends[2 * b]) + depth(ends[2 * b + 1]));
+  }
+
+  request() {
+    if (this.wanted) return;
+    this.wanted = true;
+    requestAnimationFrame(() => { if (this.wanted) this.draw(); });
+  }
+
+  draw() {
+    this.wanted = false;
+    if (!this.controls) return;
+    const distance = this.camera.position.distanceTo(this.controls.target);
+    this.camera.far = distance + 4 * this.reach;
+    this.camera.near = Math.max(distance - 2 * this.reach, 0.002 * this.camera.far);
+    this.camera.updateProjectionMatrix();
+    if (!this.smooth) this.sort();
+    this.renderer.render(this.scene, this.camera);
+    ++this.pictures;
+    this.drawn();
+  }
+}

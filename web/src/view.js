@@ -1,0 +1,164 @@
+// The 3D view with all that belongs to it: controls, legend, caption, keys.
+import { draw_axes, legend } from "./legend.js";
+import { paint, scale_of } from "./paint.js";
+import { Player } from "./player.js";
+import { BodyScene } from "./scene.js";
+import { colour_of, save_picture } from "./picture.js";
+import { capital, element, number, with_unit } from "./text.js";
+import { along, bounds, first_view } from "./viewpoint.js";
+
+const speeds = [0.1, 0.25, 0.5, 1, 2, 4];
+
+function choice(label, options, value, chosen) {
+  const select = element("select", { onchange: () => chosen(select.value) },
+    ...options.map(([key, text]) => element("option", { value: key, selected: String(key) === String(value) }, text)));
+  return element("label", { class: "control" }, element("span", {}, label), select);
+}
+
+export class View {
+  /** `frame_shown(frame, sequence)` is called after each change of the frame. */
+  constructor(run, frame_shown) {
+    Object.assign(this, { run, frame_shown, factor: 1, map: "viridis", size: 0, key: null });
+    this.player = new Player(() => this.update());
+    this.canvas = element("canvas", { tabindex: 0, role: "img" });
+    this.caption = element("p", { class: "caption" });
+    this.legend_place = element("div", {});
+    this.axes = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+    this.axes.setAttribute("class", "axes");
+    this.axes.setAttribute("viewBox", "0 0 80 80");
+    this.axes.setAttribute("aria-hidden", "true");
+    this.stage = element("div", { class: "stage" }, this.canvas, this.caption, this.legend_place, this.axes);
+    this.note = element("p", { class: "note" });
+    this.root = element("section", { class: "view", "aria-label": "The body in 3D" }, this.stage, this.timeline(), this.settings(), this.note);
+  }
+
+  /** Call when `root` is in the document. Throws if there is no WebGL2. */
+  start() {
+    this.scene = new BodyScene(this.canvas, this.run, () => this.after_picture());
+    this.set_ground();
+    this.fit();
+    this.open(0);
+    new ResizeObserver(() => this.fit()).observe(this.stage);
+  }
+
+  /** After a change of theme, too. */
+  set_ground() { this.scene?.set_ground(colour_of("--stage")); }
+
+  fit() {
+    const { clientWidth, clientHeight } = this.stage;
+    if (!clientWidth || !clientHeight) return;
+    this.scene.resize(clientWidth, clientHeight);
+    if (this.viewpoint && !this.scene.turned) this.look(this.viewpoint);
+    this.scene.draw();   // at once: a canvas of new size is blank until drawn
+  }
+
+  after_picture() {
+    draw_axes(this.axes, this.scene.camera);
+    document.documentElement.dataset.ready = "drawn";
+  }
+
+  timeline() {
+    this.play_button = element("button", { type: "button", class: "play", onclick: () => this.player.toggle() });
+    this.scrub = element("input", { type: "range", class: "scrub", min: 0, value: 0, "aria-label": "Frame",
+                                    oninput: () => { this.player.pause(); this.player.show(Number(this.scrub.value)); } });
+    this.count = element("span", { class: "count" });
+    return element("div", { class: "timeline" }, this.play_button, this.scrub, this.count);
+  }
+
+  settings() {
+    this.quantity_place = element("div", { class: "group" });
+    const factor = element("input", { type: "number", min: 0, step: "any", value: 1, list: "factors", id: "factor",
+                                      onchange: () => this.set_factor(factor) });
+    const factors = element("datalist", { id: "factors" }, ...[1, 2, 5, 10, 20, 50, 100, 1000].map((value) => element("option", { value })));
+    const looks = ["+x", "−x", "+y", "−y", "+z", "−z"].map((name) => element("button",
+      { type: "button", "aria-label": `Look from ${name}`, onclick: () => this.look(along(name.replace("−", "-"))) }, name));
+    return element("div", { class: "settings" },
+      this.run.sequences.length > 1
+        ? choice("Show", this.run.sequences.map((s, k) => [k, s.json.name]), 0, (k) => this.open(Number(k))) : null,
+      this.quantity_place,
+      choice("Colour map", [["viridis", "viridis"], ["cividis", "cividis"]], this.map, (map) => { this.map = map; this.choose(this.key); }),
+      element("label", { class: "control" }, element("span", {}, "Displacements ×"), factor, factors),
+      choice("Spheres", [[0, "automatic"], [1, "full size"], [0.45, "small"], [0.3, "tiny"]], 0, (size) => { this.size = Number(size); this.update(); }),
+      choice("Speed", speeds.map((s) => [s, `${s} ×`]), 1, (s) => this.player.set_speed(Number(s))),
+      element("div", { class: "control" }, element("span", {}, "Look from"),
+        element("div", { class: "buttons", role: "group", "aria-label": "Look from" }, ...looks,
+          element("button", { type: "button", onclick: () => this.reset() }, "Reset"))),
+      element("div", { class: "control" }, element("span", {}, "Picture"),
+        element("button", { type: "button", "aria-label": "Save the 3D view as PNG", onclick: () => save_picture(this) }, "PNG")));
+  }
+
+  open(index) {
+    this.sequence = this.run.sequences[index];
+    const quantities = this.sequence.quantities;
+    if (!quantities.some((q) => q.key === this.key)) this.key = quantities[0].key;
+    this.quantity_place.replaceChildren(choice("Colour by", quantities.map((q) => [q.key, capital(q.label)]), this.key, (key) => this.choose(key)));
+    this.quantity_place.querySelector("select").id = "quantity";
+    this.note.textContent = this.sequence.json.note ?? "";
+    this.scrub.max = this.sequence.last;
+    this.choose(this.key);
+    this.player.open(this.sequence);
+    this.reset();
+    const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    if (this.player.swings && !calm) this.player.play();
+  }
+
+  choose(key) {
+    this.key = key;
+    this.quantity = this.sequence.quantities.find((q) => q.key === key);
+    this.scale = scale_of(this.quantity, this.map);
+    this.legend_place.replaceChildren(legend(this.quantity, this.scale));
+    this.update();
+  }
+
+  set_factor(input) {
+    const value = input.valueAsNumber;
+    input.setCustomValidity(value >= 0 ? "" : "A number that is not negative");
+    if (!input.reportValidity()) return;
+    this.factor = value;
+    this.reset();
+    this.update();
+  }
+
+  look(viewpoint) {
+    this.viewpoint = viewpoint;
+    this.scene.look(this.box, viewpoint.direction, viewpoint.up);
+  }
+
+  reset() {
+    this.box = bounds(this.run, this.sequence, this.factor);
+    this.look(first_view(this.box));
+  }
+
+  update() {
+    const { frame, count, playing } = this.player;
+    if (count !== this.sequence.frames.length) return;   // between two sequences
+    this.scene.place_body(this.sequence, frame, this.factor);
+    paint(this.scene, this.sequence, frame, this.quantity, this.scale, this.size);
+    this.play_button.textContent = playing ? "❚❚" : "▶";
+    this.play_button.setAttribute("aria-label", playing ? "Pause" : "Play");
+    this.scrub.value = frame;
+    this.count.textContent = `${frame + 1} / ${count}`;
+    this.caption.textContent = this.words();
+    this.scrub.setAttribute("aria-valuetext", this.words());
+    this.canvas.setAttribute("aria-label", `${this.sequence.json.name}, ${this.words()}, coloured by ${this.quantity.label}`);
+    this.frame_shown(frame, this.sequence);
+  }
+
+  /** Where in the run we are. */
+  words() {
+    const { frame } = this.player, at = this.sequence.frames[frame];
+    const scaled = this.factor === 1 ? "" : `, displacements × ${number(this.factor)}`;
+    if (this.sequence.json.kind === "mode") return this.sequence.json.name + scaled;
+    return `${at.stage ? `Stage ${at.stage}, ` : ""}time ${with_unit(at.time, this.run.time_unit)}, step ${at.step}${scaled}`;
+  }
+
+  /** Keys of the whole page that are not meant for the element with the focus. */
+  key_pressed(event) {
+    if (event.altKey || event.ctrlKey || event.metaKey || event.target.closest("input, select, textarea, button, summary, a")) return;
+    const does = { " ": () => this.player.toggle(), ArrowRight: () => this.player.move(1), ArrowLeft: () => this.player.move(-1),
+                   Home: () => this.player.move(-Infinity), End: () => this.player.move(Infinity) }[event.key];
+    if (!does) return;
+    event.preventDefault();
+    does();
+  }
+}

@@ -1,0 +1,48 @@
+// From where to look.
+import { Vector3 } from "three";
+
+const frames_looked_at = 20;
+
+/** The frames looked at, the last one first. */
+function* sample(run, sequence, factor) {
+  const every = Math.max(1, Math.floor(sequence.frames.length / frames_looked_at));
+  const xyz = new Float32Array(3 * run.particles);
+  for (let f = sequence.last; f >= 0; f -= every) yield sequence.positions(f, factor, xyz, 3);
+}
+
+/** Box {centre, half} that holds the body in (a sample of) all frames, and the radius of a sphere about its centre that does. */
+export function bounds(run, sequence, factor) {
+  const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+  for (const xyz of sample(run, sequence, factor)) {
+    for (let k = 0; k < xyz.length; ++k) {
+      const c = k % 3, r = run.radius[(k - c) / 3];
+      if (xyz[k] - r < low[c]) low[c] = xyz[k] - r;
+      if (xyz[k] + r > high[c]) high[c] = xyz[k] + r;
+    }
+  }
+  const [x, y, z] = low.map((l, c) => (l + high[c]) / 2);
+  let radius = 0;
+  for (const xyz of sample(run, sequence, factor)) {
+    for (let k = 0; k < run.particles; ++k) {
+      const dx = xyz[3 * k] - x, dy = xyz[3 * k + 1] - y, dz = xyz[3 * k + 2] - z;
+      radius = Math.max(radius, Math.sqrt(dx * dx + dy * dy + dz * dz) + run.radius[k]);
+    }
+  }
+  return { centre: new Vector3(x, y, z), half: new Vector3(...high.map((h, c) => (h - low[c]) / 2)), radius };
+}
+
+const axis = { x: new Vector3(1, 0, 0), y: new Vector3(0, 1, 0), z: new Vector3(0, 0, 1) };
+
+/** View along an axis: "+x" is seen from the side of positive x. */
+export function along(name) {
+  const direction = axis[name[1]].clone().multiplyScalar(name[0] === "-" ? -1 : 1);
+  return { direction, up: name[1] === "z" ? axis.y : axis.z };
+}
+
+/** A rod is seen across the plane in which it bends, other bodies from a corner. */
+export function first_view({ half }) {
+  const [thin, middle, long] = ["x", "y", "z"].sort((a, b) => half[a] - half[b]);
+  if (half[middle] > 0.6 * half[long] || half[thin] > 0.25 * half[long]) return { direction: new Vector3(0.55, -1, 0.5), up: axis.z };
+  const direction = axis[thin].clone().multiplyScalar(thin === "y" ? -1 : 1);
+  return { direction, up: thin === "z" ? axis.y : axis.z };
+}

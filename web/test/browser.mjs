@@ -1,0 +1,201 @@
+// The page in a real browser, opened from file:// as a reader would:
+//   node test/browser.mjs [--measure] PAGE...
+// Without pages it makes them up from TEMPLATE (VBOND_PAGE, else build/page/report.html). Ends with 77
+// (skipped) where there is no chromium or no puppeteer-core.
+import assert from "node:assert/strict";
+import { existsSync } from "node:fs";
+import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
+import { tmpdir } from "node:os";
+import { dirname, join, resolve } from "node:path";
+import { fileURLToPath, pathToFileURL } from "node:url";
+import { page as filled, rod, snapped } from "./sample.mjs";
+
+const skipped = 77;
+const patience = 120_000;   // ms for one wait, on a machine that is busy with other tests
+const here = dirname(fileURLToPath(import.meta.url));
+
+function skip(why) {
+  console.log(`skipped: ${why}`);
+  process.exit(skipped);
+}
+
+async function launch() {
+  const executablePath = [process.env.CHROMIUM, "/usr/bin/chromium", "/usr/bin/google-chrome"].find((path) => path && existsSync(path));
+  if (!executablePath) skip("no chromium (apt-get install --no-install-recommends chromium)");
+  const { default: puppeteer } = await import("puppeteer-core").catch(() => skip("no puppeteer-core (npm ci --ignore-scripts in web/)"));
+  return puppeteer.launch({ executablePath, headless: true, protocolTimeout: patience,
+                            args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
+}
+
+/** Opens a page and waits for its first picture; whatever it complains of or fetches is in `complaints`. */
+async function open(browser, file, { width = 1300, reduced = "reduce" } = {}) {
+  const page = await browser.newPage();
+  const complaints = [];
+  const address = pathToFileURL(file).href;
+  page.on("console", (message) => complaints.push(`console: ${message.text()}`));
+  page.on("pageerror", (error) => complaints.push(`error: ${error.message}`));
+  page.on("request", (request) => {
+    if (request.url() !== address && !/^(data|blob):/.test(request.url())) complaints.push(`request: ${request.url()}`);
+  });
+  await page.emulateMediaFeatures([{ name: "prefers-reduced-motion", value: reduced }]);
+  await page.setViewport({ width, height: 900 });
+  const start = performance.now();
+  await page.goto(address, { timeout: patience });
+  await page.waitForSelector("[data-ready]", { timeout: patience });
+  assert.equal(await page.evaluate(() => document.documentElement.dataset.ready), "drawn");
+  return { page, complaints, first_picture: performance.now() - start };
+}
+
+/** The next picture on the screen, after what was asked for has been drawn. */
+async function picture(page) {
+  await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+  return (await page.$(".stage")).screenshot({ encoding: "base64" });
+}
+
+/** How many different colours the middle of a picture has. */
+async function colours(browser, png) {
+  const page = await browser.newPage();
+  const count = await page.evaluate(async (data) => {
+    const image = new Image();
+    image.src = `data:image/png;base64,${data}`;
+    await image.decode();
+    const pen = Object.assign(document.createElement("canvas"), { width: image.width, height: image.height }).getContext("2d");
+    pen.drawImage(image, 0, 0);
+    const { data: rgba } = pen.getImageData(0, image.height * 0.15, image.width, image.height * 0.65);   // neither caption nor legend
+    const seen = new Set();
+    for (let k = 0; k < rgba.length; k += 4) if (Math.max(...rgba.slice(k, k + 3)) - Math.min(...rgba.slice(k, k + 3)) > 40) seen.add(rgba.slice(k, k + 3).join());
+    return seen.size;
+  }, png);
+  await page.close();
+  return count;
+}
+
+const fits = (page) => page.evaluate(() => document.documentElement.scrollWidth <= innerWidth);
+
+/** What must hold for the page of any run with frames and a history. */
+async function shows_the_run(browser, file) {
+  const { page, complaints, first_picture } = await open(browser, file);
+  const last = await picture(page);
+  // Shading gives a painted body very many colours; the ground is grey and counts for nothing.
+  assert.ok((await colours(browser, last)) > 50, "the body is in the picture, in colour");
+
+  await page.$eval(".scrub", (scrub) => { scrub.value = 0; scrub.dispatchEvent(new Event("input")); });
+  const first = await picture(page);
+  assert.ok(first !== last, "another frame is another picture");
+  await page.$eval(".stage canvas", (canvas) => canvas.focus());
+  await page.keyboard.press("End");
+  assert.equal(await page.$eval(".scrub", (scrub) => scrub.value === scrub.max), true, "End goes to the last frame");
+
+  const before = await picture(page);
+  await page.select("#quantity", "elongation");
+  assert.ok(await picture(page) !== before, "another quantity is another picture");
+
+  const chip = (await page.$$(".chips button")).at(-1);
+  await chip.evaluate((button) => button.click());
+  assert.ok(await page.$eval(".plot:last-of-type canvas", (canvas) => canvas.width > 0), "a plot of free choice appears");
+  await chip.evaluate((button) => button.click());
+  assert.equal(await page.$eval(".plot:last-of-type", (plot) => plot.hidden), true, "and goes again");
+
+  await click_first_plot(page);
+  assert.notEqual(await page.$eval(".scrub", (scrub) => scrub.value), await page.$eval(".scrub", (scrub) => scrub.max), "a click in a plot goes to its frame");
+
+  await page.setViewport({ width: 400, height: 800 });
+  await picture(page);
+  assert.ok(await fits(page), "400 px are wide enough");
+  assert.deepEqual(complaints, []);
+  await page.close();
+  return first_picture;
+}
+
+/** In the plot of energies, which goes by time: near its left end. */
+async function click_first_plot(page) {
+  const over = await page.evaluateHandle(() => [...document.querySelectorAll(".plot")].find((plot) => plot.querySelector("h3").textContent === "Energies").querySelector(".u-over"));
+  await over.evaluate((element) => element.scrollIntoView({ block: "center" }));
+  await over.click({ offset: { x: 20, y: 60 } });
+}
+
+/** Every button that saves: names of the files and that they are not empty. */
+async function saves_files(browser, file) {
+  const { page, complaints } = await open(browser, file);
+  const saved = await page.evaluate(async () => {
+    const files = [];
+    HTMLAnchorElement.prototype.click = function () {
+      files.push(fetch(this.href).then((reply) => reply.blob()).then((blob) => ({ name: this.download, type: blob.type, size: blob.size })));
+    };
+    const buttons = [...document.querySelectorAll(".settings button, .plot:not([hidden]) button")].filter((b) => ["PNG", "CSV"].includes(b.textContent));
+    buttons.forEach((button) => button.click());
+    while (files.length < buttons.length) await new Promise(requestAnimationFrame);
+    return Promise.all(files);
+  });
+  assert.deepEqual(saved.map(({ name }) => name).sort(), ["a_rod_that_bends_run_59.png", "energies.csv", "energies.png", "error_of_the_energy_balance.csv",
+    "error_of_the_energy_balance.png", "force_against_shortening.csv", "force_against_shortening.png"]);
+  assert.ok(saved.every(({ type, size }) => size > 1000 && (type === "image/png" || type === "text/csv")));
+  assert.deepEqual(complaints, []);
+  await page.close();
+}
+
+async function text_stays_text(browser, file) {
+  const { page, complaints } = await open(browser, file);
+  assert.ok((await page.title()).startsWith("Rod <script>"));
+  assert.ok((await page.$eval("h1", (h1) => h1.textContent)).includes("<script>document.title='run'</script>"));
+  assert.equal(await page.$$eval("main img, main script", (found) => found.length), 0);
+  assert.ok((await page.$eval('[role="alert"]', (alert) => alert.textContent)).includes("bonds have snapped"), "an error is an alert");
+  assert.ok(await page.evaluate(() => document.querySelector("main").firstElementChild.contains(document.querySelector("[role=alert]"))), "on top");
+  assert.deepEqual(complaints, []);
+  await page.close();
+}
+
+async function modes_swing(browser, file) {
+  const { page, complaints } = await open(browser, file, { reduced: "no-preference" });
+  await page.select(".settings select", "1");
+  await page.waitForFunction(() => Number(document.querySelector(".scrub").value) > 3, { timeout: patience });
+  await page.$eval(".play", (button) => button.click());
+  const frame = () => page.$eval(".scrub", (scrub) => scrub.value);
+  const stopped = await frame();
+  await picture(page);
+  assert.equal(await frame(), stopped, "paused is paused");
+  assert.deepEqual(complaints, []);
+  await page.close();
+}
+
+/** Pictures per second while playing, in a window of 1300 x 900. */
+async function frame_rate(browser, file) {
+  const { page } = await open(browser, file);
+  const rate = await page.evaluate(async () => {
+    let pictures = 0;
+    const watch = new MutationObserver(() => { ++pictures; });
+    watch.observe(document.querySelector(".axes"), { childList: true });
+    document.querySelector(".play").click();
+    const start = performance.now();
+    await new Promise((done) => setTimeout(done, 4000));
+    return pictures / ((performance.now() - start) / 1000);
+  });
+  await page.close();
+  return rate;
+}
+
+const browser = await launch();
+const scratch = await mkdtemp(join(tmpdir(), "vbond-page-"));
+try {
+  const measure = process.argv.includes("--measure");
+  const given = process.argv.slice(2).filter((word) => word !== "--measure").map((path) => resolve(path));
+  const template = process.env.VBOND_PAGE ?? `${here}/../../build/page/report.html`;
+  const made = async (name, { json, base64 }) => {
+    const file = join(scratch, `${name}.html`);
+    await writeFile(file, filled(await readFile(template, "utf8"), json, base64));
+    return file;
+  };
+  const pages = given.length ? given : [await made("rod", rod())];
+  for (const file of pages) {
+    console.log(`${file}: first picture after ${Math.round(await shows_the_run(browser, file))} ms`);
+    if (measure) console.log(`${file}: ${(await frame_rate(browser, file)).toFixed(1)} pictures/s`);
+  }
+  if (!given.length) {
+    await text_stays_text(browser, await made("snapped", snapped()));
+    await modes_swing(browser, pages[0]);
+    await saves_files(browser, pages[0]);
+  }
+} finally {
+  await browser.close();
+  await rm(scratch, { recursive: true });
+}

@@ -1,0 +1,136 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { gunzipSync } from "node:zlib";
+import { maps, scale_ends, shade } from "../src/colours.js";
+import { from_base64, inflate, stored, undelta } from "../src/decode.js";
+import { History, extent, for_logarithm, nearest, stack } from "../src/history.js";
+import { Player } from "../src/player.js";
+import { Run } from "../src/run.js";
+import { file_name, number, with_unit } from "../src/text.js";
+import { Block, page, rod, snapped } from "./sample.mjs";
+
+test("Decoding.DifferencesBetweenFramesWrapAround", () => {
+  assert.deepEqual([...undelta(Uint8Array.of(250, 3, 10, 255, 1, 0), 2)], [250, 3, 4, 2, 5, 2]);
+  assert.deepEqual([...undelta(Uint16Array.of(65535, 2), 1)], [65535, 1]);
+});
+
+test("Decoding.LowBytesStandBeforeHighBytes", () => {
+  const block = Uint8Array.of(9, 9, 9, 9, 0x34, 0xff, 0x12, 0x01);
+  assert.deepEqual([...stored(block, { offset: 4, type: "u16", count: 2 })], [0x1234, 0x01ff]);
+});
+
+test("Decoding.PlainArraysAreLittleEndian", () => {
+  const block = Uint8Array.of(1, 2, 0, 0, 0, 0, 128, 191);
+  assert.deepEqual([...stored(block, { offset: 0, type: "u32", count: 1 })], [513]);
+  assert.deepEqual([...stored(block, { offset: 4, type: "f32", count: 1 })], [-1]);
+});
+
+test("Decoding.AnArrayBeyondTheBlockIsAnError", () => {
+  assert.throws(() => stored(new Uint8Array(7), { offset: 4, type: "f32", count: 1 }), /ends at byte 8, the block at 7/);
+  assert.throws(() => stored(new Uint8Array(8), { offset: 0, type: "f64", count: 1 }), /unknown type/);
+});
+
+test("Decoding.WhatWasPackedComesBack", async () => {
+  const block = new Block(), values = [0, 7, 3, 255, 0, 128, 9, 1];
+  const array = block.integers("u8", values, 4);
+  const bytes = await inflate(from_base64(block.base64()));
+  assert.deepEqual([...stored(bytes, array)], values);
+});
+
+test("Run.PositionsAreWithinHalfAStepOfWhatWasWritten", () => {
+  const { json, base64 } = rod();
+  const run = new Run(json, new Uint8Array(gunzipSync(Buffer.from(base64, "base64"))));
+  const [sequence] = run.sequences, last = sequence.last;
+  const at = sequence.positions(last, 1, new Float32Array(30), 3);
+  const half_step = 0.5 * Math.max(...json.sequences[0].displacement.step);
+  for (let k = 0; k < 10; ++k) {   // as rod() bends it; f32 adds 1e-6 at this size
+    assert.ok(Math.abs(at[3 * k] - (k - (0.8 * k) / 9)) < half_step + 1e-6);
+    assert.ok(Math.abs(at[3 * k + 2] - 2.2 * Math.sin((Math.PI * k) / 9)) < half_step + 1e-6);
+  }
+  assert.equal(sequence.positions(last, 0, new Float32Array(30), 3)[27], 9, "factor 0 is the reference");
+  assert.equal(sequence.bonds_at(0), 8);
+  assert.equal(sequence.nearest_frame(149), 1);
+});
+
+test("Run.TotalEnergyIsTheSumAndAnglesAreInDegrees", () => {
+  const { json, base64 } = rod();
+  const [sequence] = new Run(json, new Uint8Array(gunzipSync(Buffer.from(base64, "base64")))).sequences;
+  const of = (key) => sequence.quantities.find((q) => q.key === key);
+  const parts = ["U_L", "U_B", "U_T"].map((key) => of(key).value(59, 4));
+  assert.equal(of("U").value(59, 4), parts[0] + parts[1] + parts[2]);
+  assert.equal(of("bend").unit, "°");
+  // largest difference of neighbours: 2.2 (sin(pi / 9) - 0), times 6 rad
+  assert.ok(Math.abs(of("bend").extremes()[1] - (180 / Math.PI) * 13.2 * Math.sin(Math.PI / 9)) < 1e-9);
+});
+
+test("Run.AnotherFormatIsRefused", () => {
+  assert.throws(() => new Run({ format: 2 }, new Uint8Array(0)), /format 1.*format 2/);
+});
+
+test("Page.NoTextEndsTheElement", () => {
+  const { json, base64 } = snapped();
+  const filled = page("<main>\n<!-- run -->\n</main>", json, base64);
+  assert.equal(filled.split("</script>").length, 3, "the two of the page");
+  assert.equal(JSON.parse(filled.match(/id="run">(.*?)<\/script>/)[1]).title, json.title);
+});
+
+test("Colours.MapsBeginAndEndAsPublished", () => {
+  const ends = (map) => [[...map.slice(0, 3)], [...map.slice(-3)]];
+  assert.deepEqual(ends(maps.viridis), [[0x44, 0x01, 0x54], [0xfd, 0xe7, 0x25]]);   // matplotlib
+  const [dark, bright] = ends(maps.cividis);   // a polynomial fit of matplotlib's: off by up to 4 of 255
+  assert.ok(dark[2] > dark[0] && bright[0] > bright[2]);
+});
+
+test("Colours.LightnessGrowsAlongOneSignedMaps", () => {
+  for (const map of [maps.viridis, maps.cividis]) {
+    const light = (k) => 0.2126 * map[3 * k] + 0.7152 * map[3 * k + 1] + 0.0722 * map[3 * k + 2];
+    for (let k = 8; k < 256; k += 8) assert.ok(light(k) > light(k - 8));
+  }
+});
+
+test("Colours.ZeroIsTheMiddleOfASignedScale", () => {
+  const ends = scale_ends([-1, 3], true);
+  assert.deepEqual(ends, [-3, 3]);
+  assert.ok([127, 128].includes(shade(0, ends)));
+  assert.deepEqual(scale_ends([2, 3], false), [0, 3]);
+  assert.deepEqual(scale_ends([-1e-19, 3], false), [0, 3]);
+  assert.equal(shade(5, [0, 0]), 0);
+});
+
+test("History.NearestTakesTheFirstOfEquals", () => {
+  assert.equal(nearest([0, 10, 10, 20], 10), 1);
+  assert.equal(nearest([0, 10, 20], 16), 2);
+  assert.equal(nearest([0, 10], 99), 1);
+});
+
+test("History.StacksKeepGapsAndLogarithmsSkipZeros", () => {
+  assert.deepEqual(stack([[1, null, 3], [1, 1, 1]]), [[1, null, 3], [2, null, 4]]);
+  assert.deepEqual(for_logarithm([-2, 0, null, 3]), [2, null, null, 3]);
+  assert.deepEqual(extent([[null, 2], [-1, null]]), [-1, 2]);
+  assert.equal(extent([[null]]), null);
+});
+
+test("History.PresetsWithoutTheirColumnsAreLeftOut", () => {
+  const history = new History({ columns: [{ name: "time" }, { name: "U_L" }], values: [[0, 1], [0, 2]], rows_in_file: 2 });
+  assert.deepEqual(history.presets([{ title: "?", x: "time", y: ["force"] }]).map((p) => p.title), ["Energies"]);
+  assert.equal(history.csv(["time", "U_L"]), "time,U_L\n0,0\n1,2\n");
+});
+
+test("Player.MovesStayWithinTheFrames", () => {
+  const player = new Player(() => {});
+  player.open({ frames: new Array(5), json: { loop: false } });
+  assert.equal(player.frame, 4);
+  player.move(1);
+  assert.equal(player.frame, 4);
+  player.move(-Infinity);
+  assert.equal(player.frame, 0);
+});
+
+test("Text.NumbersAreShortAndKeepTheirSize", () => {
+  assert.equal(number(3.0780001e-4), "3.078e−4");
+  assert.equal(number(-0.5), "−0.5");
+  assert.equal(number(123456), "1.235e5");
+  assert.equal(number(null), "–");
+  assert.equal(with_unit(12, "°"), "12°");
+  assert.equal(file_name("../a <b>", "csv"), "a_b.csv");
+});
