@@ -66,7 +66,7 @@ std::vector<page::SequenceFiles> sequence_files(const fs::path& folder, const Ca
                                                 const std::optional<RunSummary>& summary) {
   std::vector<page::SequenceFiles> all;
   if (is_there(folder / "particles.pvd")) {
-    page::SequenceFiles run{page::SequenceKind::run, "Run", "",
+    page::SequenceFiles run{page::SequenceKind::run, "Run", "", "",
                             page::listed_frames(folder / "particles.pvd", folder / "bonds.pvd")};
     if (!run.frames.empty()) all.push_back(std::move(run));
   }
@@ -77,10 +77,17 @@ std::vector<page::SequenceFiles> sequence_files(const fs::path& folder, const Ca
       const char* kind = stage.kind == StageKind::buckling ? "Buckling mode" : "Mode";
       all.push_back({page::SequenceKind::mode,
                      fmt::format("{} {} of stage \"{}\"", kind, mode.number, mode.stage),
-                     summary ? note_of(mode, *summary) : std::string(),
+                     summary ? note_of(mode, *summary) : std::string(), mode.stage,
                      page::listed_frames(mode.particles, mode.bonds)});
     }
   return all;
+}
+
+/// Modes that were the last thing asked for are what the reader looks for, else the run.
+std::size_t shown_first(const std::vector<page::SequenceFiles>& all, const StageSpec& last) {
+  const auto first =
+      std::find_if(all.begin(), all.end(), [&last](const auto& s) { return s.stage == last.name; });
+  return first == all.end() ? 0 : static_cast<std::size_t>(first - all.begin());
 }
 
 std::size_t bytes_with(const std::vector<page::SequenceFiles>& all, std::size_t stride) {
@@ -114,6 +121,7 @@ void thin(std::vector<page::SequenceFiles>& all, const page::PageLimits& limits,
 void add_sequences(const fs::path& folder, const Case& c, const std::optional<RunSummary>& summary,
                    page::Report& r) {
   std::vector<page::SequenceFiles> files = sequence_files(folder, c, summary);
+  r.first_shown = shown_first(files, c.stages.back());
   thin(files, page::PageLimits{}, r.left_out);
   for (const page::SequenceFiles& s : files) r.sequences.push_back(page::read_sequence(s, r.body));
   if (files.empty() || files[0].kind != page::SequenceKind::run) return;

@@ -70,11 +70,15 @@ TEST(PageHistory, PresetsFollowTheColumns) {
              {"reaction.ends.mx", {0, 9, 99}}}};
   const std::vector<Plot> plots = preset_plots(h);
   ASSERT_EQ(plots.size(), 4U);
-  EXPECT_EQ(plots[0].x, "displacement.4.y");  // the one that moves most
+  EXPECT_EQ(plots[1].x, "time");
+  EXPECT_EQ(plots[0].x, "displacement.4.x");  // along the reaction, though it moves more along y
   EXPECT_EQ(plots[0].y, std::vector<std::string>{"axial_force.all"});
   EXPECT_EQ(plots[2].y, std::vector<std::string>{"reaction.ends.fx"});
+  h.columns.erase(h.columns.begin() + 1);
+  EXPECT_EQ(preset_plots(h)[0].y, std::vector<std::string>{"reaction.ends.fx"});  // a force, not a moment
   h.columns.push_back({"load_factor", {0, 0.5, 1}});
   EXPECT_EQ(preset_plots(h)[0].y, std::vector<std::string>{"load_factor"});
+  EXPECT_EQ(preset_plots(h).back().x, "step");  // balances only
   EXPECT_TRUE(preset_plots({{{"time", {0, 1}}, {"total", {1, 1}}}}).empty());
 }
 

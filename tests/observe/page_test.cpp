@@ -41,7 +41,7 @@ struct Film {
       writer.write(chain.model, s);
       states.push_back(s);
     }
-    SequenceFiles files{SequenceKind::run, "Run", "",
+    SequenceFiles files{SequenceKind::run, "Run", "", "",
                         listed_frames(folder / "particles.pvd", folder / "bonds.pvd")};
     report.sequences.push_back(read_sequence(files, report.body));
     report.stage_of_frame.assign(frames, "push");
@@ -180,7 +180,7 @@ TEST(Page, TemplateNeedsItsLineOnce) {
 
 TEST(Page, ModesSwingAboutTheirFirstFrame) {
   Film film;
-  SequenceFiles mode{SequenceKind::mode, "Mode 1", "",
+  SequenceFiles mode{SequenceKind::mode, "Mode 1", "", "swing",
                      listed_frames(film.folder / "particles.pvd", film.folder / "bonds.pvd")};
   mode.frames.erase(mode.frames.begin());
   Body body;
@@ -197,7 +197,7 @@ TEST(Page, FramesOfAnotherBodyAreRefused) {
   const auto frames = listed_frames(film.folder / "particles.pvd", film.folder / "bonds.pvd");
   write_bonds_vtp(frames[2].bonds, other.state);
   Body body;
-  EXPECT_THROW(read_sequence({SequenceKind::run, "Run", "", frames}, body), IoError);
+  EXPECT_THROW(read_sequence({SequenceKind::run, "Run", "", "", frames}, body), IoError);
 }
 
 }  // namespace

@@ -14,14 +14,18 @@ export class History {
   column(name) { return this.columns.get(name); }
 
   /** The column along which a run goes on. */
-  get clock() { return this.has("time") ? "time" : this.names[0]; }
+  get clock() {
+    const only_balances = this.has("load_factor") && this.column("load_factor").values.every((v) => v != null);
+    if (only_balances && this.has("step")) return "step";   // the time of a balance means nothing
+    return this.has("time") ? "time" : this.names[0];
+  }
 
   /** Presets of the data whose columns are all there, then energies and their balance. */
   presets(plots) {
     const list = plots.filter(({ x, y }) => [x, ...y].every((name) => this.has(name)));
     const energies = stacked.filter((name) => this.has(name));
     if (energies.length) list.push({ title: "Energies", x: this.clock, y: energies, stacked: true, added: true });
-    if (this.has("balance_error")) list.push({ title: "Error of the energy balance", x: this.clock, y: ["balance_error"], added: true });
+    if (this.column("balance_error")?.values.some((v) => v)) list.push({ title: "Error of the energy balance", x: this.clock, y: ["balance_error"], added: true });
     return list;
   }
 
@@ -30,6 +34,9 @@ export class History {
     const steps = this.column("step")?.values;
     return steps ? nearest(steps, step) : null;
   }
+
+  /** Of the balance with this step; null in motion. */
+  load_factor_at(step) { return this.column("load_factor")?.values[this.row_of_step(step)] ?? null; }
 
   csv(names) {
     const quoted = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);

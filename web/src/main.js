@@ -23,7 +23,7 @@ function shared_cursor(run, history, figures) {
     view.player.pause();
     view.player.show(sequence.nearest_frame(step));
   }) : null;
-  const view = run.sequences.length ? new View(run, (frame, sequence) => {
+  const view = run.sequences.length ? new View(run, history, (frame, sequence) => {
     plots?.mark(sequence.json.kind === "run" ? history.row_of_step(sequence.frames[frame].step) : null);
   }) : null;
   figures.append(...[view?.root, plots?.root].filter(Boolean));

@@ -13,7 +13,7 @@ export class Player {
     this.pause();
     this.count = sequence.frames.length;
     this.swings = !!sequence.json.loop;
-    this.show(this.swings ? 0 : this.count - 1);
+    this.show(this.swings ? this.count / 4 : this.count - 1);   // a swing is highest after a quarter
   }
 
   show(frame) {

@@ -17,8 +17,8 @@ function choice(label, options, value, chosen) {
 
 export class View {
   /** `frame_shown(frame, sequence)` is called after each change of the frame. */
-  constructor(run, frame_shown) {
-    Object.assign(this, { run, frame_shown, factor: 1, map: "viridis", size: 0, key: null });
+  constructor(run, history, frame_shown) {
+    Object.assign(this, { run, history, frame_shown, factor: 1, map: "viridis", size: 0, key: null });
     this.player = new Player(() => this.update());
     this.canvas = element("canvas", { tabindex: 0, role: "img" });
     this.caption = element("p", { class: "caption" });
@@ -37,7 +37,7 @@ export class View {
     this.scene = new BodyScene(this.canvas, this.run, () => this.after_picture());
     this.set_ground();
     this.fit();
-    this.open(0);
+    this.open(this.run.json.first_shown ?? 0);
     new ResizeObserver(() => this.fit()).observe(this.stage);
   }
 
@@ -74,7 +74,7 @@ export class View {
       { type: "button", "aria-label": `Look from ${name}`, onclick: () => this.look(along(name.replace("−", "-"))) }, name));
     return element("div", { class: "settings" },
       this.run.sequences.length > 1
-        ? choice("Show", this.run.sequences.map((s, k) => [k, s.json.name]), 0, (k) => this.open(Number(k))) : null,
+        ? choice("Show", this.run.sequences.map((s, k) => [k, s.json.name]), this.run.json.first_shown ?? 0, (k) => this.open(Number(k))) : null,
       this.quantity_place,
       choice("Colour map", [["viridis", "viridis"], ["cividis", "cividis"]], this.map, (map) => { this.map = map; this.choose(this.key); }),
       element("label", { class: "control" }, element("span", {}, "Displacements ×"), factor, factors),
@@ -126,7 +126,7 @@ export class View {
 
   reset() {
     this.box = bounds(this.run, this.sequence, this.factor);
-    this.look(first_view(this.box));
+    this.look(first_view(this.box, this.run.radius.reduce((most, r) => Math.max(most, r), 0)));
   }
 
   update() {
@@ -149,7 +149,9 @@ export class View {
     const { frame } = this.player, at = this.sequence.frames[frame];
     const scaled = this.factor === 1 ? "" : `, displacements × ${number(this.factor)}`;
     if (this.sequence.json.kind === "mode") return this.sequence.json.name + scaled;
-    return `${at.stage ? `Stage ${at.stage}, ` : ""}time ${with_unit(at.time, this.run.time_unit)}, step ${at.step}${scaled}`;
+    const stage = at.stage ? `Stage ${at.stage}, ` : "", load_factor = this.history.load_factor_at(at.step);
+    if (load_factor != null) return `${stage}point ${at.step}, load factor ${number(load_factor)}${scaled}`;
+    return `${stage}time ${with_unit(at.time, this.run.time_unit)}, step ${at.step}${scaled}`;
   }
 
   /** Keys of the whole page that are not meant for the element with the focus. */

@@ -8,24 +8,10 @@ import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { dirname, join, resolve } from "node:path";
 import { fileURLToPath, pathToFileURL } from "node:url";
+import { launch, patience } from "./chromium.mjs";
 import { page as filled, rod, snapped } from "./sample.mjs";
 
-const skipped = 77;
-const patience = 120_000;   // ms for one wait, on a machine that is busy with other tests
 const here = dirname(fileURLToPath(import.meta.url));
-
-function skip(why) {
-  console.log(`skipped: ${why}`);
-  process.exit(skipped);
-}
-
-async function launch() {
-  const executablePath = [process.env.CHROMIUM, "/usr/bin/chromium", "/usr/bin/google-chrome"].find((path) => path && existsSync(path));
-  if (!executablePath) skip("no chromium (apt-get install --no-install-recommends chromium)");
-  const { default: puppeteer } = await import("puppeteer-core").catch(() => skip("no puppeteer-core (npm ci --ignore-scripts in web/)"));
-  return puppeteer.launch({ executablePath, headless: true, protocolTimeout: patience,
-                            args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
-}
 
 /** Opens a page and waits for its first picture; whatever it complains of or fetches is in `complaints`. */
 async function open(browser, file, { width = 1300, reduced = "reduce" } = {}) {

@@ -194,6 +194,7 @@ Packed pack(const Report& report, const PageLimits& limits, std::size_t stride) 
   j["plots"] = std::move(plots);
   j["radius"] = std::move(radius);
   j["bonds"] = std::move(bonds);
+  j["first_shown"] = report.first_shown;
   j["sequences"] = std::move(sequences);
   return {j.dump(-1, ' ', false, Json::error_handler_t::replace), block.bytes()};
 }

@@ -26,6 +26,7 @@ struct Report {
   History history;
   Body body;
   std::vector<Sequence> sequences;
+  std::size_t first_shown = 0;              ///< number of the sequence that the page begins with
   std::vector<std::string> stage_of_frame;  ///< of the run's frames, one each
 };
 

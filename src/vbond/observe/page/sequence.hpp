@@ -22,6 +22,7 @@ enum class SequenceKind : std::uint8_t { run, mode };
 struct SequenceFiles {
   SequenceKind kind = SequenceKind::run;
   std::string name, note;
+  std::string stage;  ///< of a mode
   std::vector<FrameFiles> frames;
 };
 

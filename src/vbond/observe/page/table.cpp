@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "vbond/core/error.hpp"
@@ -98,24 +99,6 @@ std::string group_of(const std::string& column) {
   return to < from ? column.substr(from) : column.substr(from, to - from);
 }
 
-/// Of each group the column that changes most, for columns that begin so.
-std::vector<std::string> leading_columns(const History& h, std::string_view begin) {
-  std::vector<const HistoryColumn*> leading;
-  for (const HistoryColumn& c : h.columns) {
-    if (!starts_with(c.name, begin) || span_of(c) == 0.0) continue;
-    const auto same = std::find_if(leading.begin(), leading.end(), [&](const HistoryColumn* other) {
-      return group_of(other->name) == group_of(c.name);
-    });
-    if (same == leading.end())
-      leading.push_back(&c);
-    else if (span_of(c) > span_of(**same))
-      *same = &c;
-  }
-  std::vector<std::string> names;
-  for (const HistoryColumn* c : leading) names.push_back(c->name);
-  return names;
-}
-
 std::vector<std::string> columns_that_begin(const History& h, std::string_view begin) {
   std::vector<std::string> names;
   for (const HistoryColumn& c : h.columns)
@@ -130,6 +113,35 @@ std::vector<std::string> reaction_forces(const History& h) {
                              [](const std::string& n) { return n[n.rfind('.') + 1] != 'f'; }),
               names.end());
   return names;
+}
+
+/// The one that changes most; nothing if none changes.
+std::vector<std::string> leading(const History& h, const std::vector<std::string>& names) {
+  const std::string* most = nullptr;
+  double span = 0.0;
+  for (const std::string& name : names)
+    if (const double s = span_of(*h.find(name)); s > span) most = &name, span = s;
+  return most ? std::vector<std::string>{*most} : std::vector<std::string>{};
+}
+
+/// What a force is shown against: the largest movement along the largest reaction, such as a shortening, or
+/// the largest of all where nothing is held.
+std::vector<std::string> leading_movement(const History& h, const std::vector<std::string>& reactions) {
+  const std::vector<std::string> all = columns_that_begin(h, "displacement.");
+  std::vector<std::string> along;
+  for (const std::string& reaction : leading(h, reactions))
+    std::copy_if(all.begin(), all.end(), std::back_inserter(along),
+                 [&reaction](const std::string& name) { return name.back() == reaction.back(); });
+  const std::vector<std::string> movement = leading(h, along);
+  return movement.empty() ? leading(h, all) : movement;
+}
+
+/// The column along which a run goes on: of balances the number of the point, their time means nothing.
+std::string clock_of(const History& h) {
+  const HistoryColumn* factor = h.find("load_factor");
+  const bool only_balances = factor && std::none_of(factor->values.begin(), factor->values.end(),
+                                                    [](double x) { return std::isnan(x); });
+  return only_balances ? "step" : "time";
 }
 
 }  // namespace
@@ -189,26 +201,24 @@ std::string unit_of_column(std::string_view name) {
 }
 
 std::vector<Plot> preset_plots(const History& h) {
-  constexpr std::size_t most = 8;
   std::vector<Plot> plots;
-  const auto add = [&plots](const std::string& title, const std::string& x, std::vector<std::string> y) {
-    if (!y.empty() && plots.size() < most) plots.push_back({title, x, std::move(y)});
+  const auto add = [&plots](const std::string& title, const std::string& x,
+                            const std::vector<std::string>& y) {
+    if (!y.empty()) plots.push_back({title, x, y});
   };
-  const std::vector<std::string> moves = leading_columns(h, "displacement.");
   const HistoryColumn* factor = h.find("load_factor");
-  const std::vector<std::string> axial = columns_that_begin(h, "axial_force.");
-  const std::vector<std::string> reactions = leading_columns(h, "reaction.");
-  for (const std::string& x : moves) {
-    if (factor && span_of(*factor) > 0.0)
-      add("Load factor against displacement of " + group_of(x), x, {"load_factor"});
-    add("Axial force against displacement of " + group_of(x), x, axial);
-    if (axial.empty())
-      for (const std::string& r : reactions)
-        add("Reaction of " + group_of(r) + " against displacement of " + group_of(x), x, {r});
+  const std::vector<std::string> axial = columns_that_begin(h, "axial_force."),
+                                 reactions = reaction_forces(h);
+  for (const std::string& x : leading_movement(h, reactions)) {
+    const std::string of = " against displacement of " + group_of(x);
+    if (factor && span_of(*factor) > 0.0) add("Load factor" + of, x, {"load_factor"});
+    add("Axial force" + of, x, axial);
+    if (axial.empty()) add("Reaction" + of, x, leading(h, reactions));
   }
-  add("Axial force against time", "time", axial);
-  add("Reactions against time", "time", reaction_forces(h));
-  add("Displacements against time", "time", columns_that_begin(h, "displacement."));
+  const std::string clock = clock_of(h), over = clock == "step" ? " at each point" : " against time";
+  add("Axial force" + over, clock, axial);
+  add("Reactions" + over, clock, reactions);
+  add("Displacements" + over, clock, columns_that_begin(h, "displacement."));
   return plots;
 }
 
