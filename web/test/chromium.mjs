@@ -17,3 +17,15 @@ export async function launch() {
   return puppeteer.launch({ executablePath, headless: true, protocolTimeout: patience,
                             args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
 }
+
+/** Takes the option with this text of the control with this label. */
+export function choose(page, label, text) {
+  return page.evaluate((label, text) => {
+    const control = [...document.querySelectorAll(".control")].find((c) => c.querySelector("span")?.textContent === label);
+    const select = control?.querySelector("select");
+    const option = [...(select?.options ?? [])].find((o) => o.textContent === text);
+    if (!option) throw new Error(`no option "${text}" of "${label}"`);
+    select.value = option.value;
+    select.dispatchEvent(new Event("change"));
+  }, label, text);
+}

@@ -4,18 +4,7 @@
 //   "dark": true, "step": of the frame to show, "choose": {"label of a control": "text of its option"}}
 import { pathToFileURL } from "node:url";
 import { resolve } from "node:path";
-import { launch } from "./chromium.mjs";
-
-async function choose(page, label, text) {
-  await page.evaluate((label, text) => {
-    const control = [...document.querySelectorAll(".control")].find((c) => c.querySelector("span")?.textContent === label);
-    const select = control?.querySelector("select");
-    const option = [...(select?.options ?? [])].find((o) => o.textContent === text);
-    if (!option) throw new Error(`no option "${text}" of "${label}"`);
-    select.value = option.value;
-    select.dispatchEvent(new Event("change"));
-  }, label, text);
-}
+import { choose, launch } from "./chromium.mjs";
 
 async function shoot(browser, report, { out, size, part, dark, step, choose: choices = {} }) {
   const page = await browser.newPage();
