@@ -63,6 +63,20 @@ TEST(SmallestEigenpairs, AreThoseOfALatticeWithAllCopies) {
   }
 }
 
+// The lowest one next to zero makes the inverse large, beside which all others are small: they are not lost
+// in its rounding, nor are their copies.
+TEST(EigenpairsNearZero, AreExactBesideAMatrixThatIsNearlySingular) {
+  for (const Box& b : {Box{20, 20, 1}, Box{13, 13, 13}}) {
+    std::vector<double> values = held_lattice_eigenvalues(b.nx, b.ny, b.nz);
+    const double shift = values[0] - 1e-8;
+    const SparseMatrix A = held(b) - shift * identity(b.nx * b.ny * b.nz);
+    for (double& value : values) value -= shift;
+    for (const int count : {3, 9})
+      expect_pairs(A, eigenpairs_near_zero(A, count), {values.begin(), values.begin() + count},
+                   std::to_string(count) + " of " + std::to_string(A.rows()));
+  }
+}
+
 // Large enough that copies are searched for instead of counted.
 TEST(SmallestEigenpairs, OfALargeLatticeComeWithAllCopies) {
   const SparseMatrix A = lattice(30, 30, 30, true);
