@@ -219,9 +219,10 @@ void refuse_rigid_motions(const StaticBody& body) {
   for (std::size_t k = 0; k < std::min(named, free.names.size()); ++k)
     text += (k > 0 ? ", " : "") + free.names[k];
   if (free.names.size() > named) text += fmt::format(" and {} more", free.names.size() - named);
-  throw NoEquilibrium(body.stage().name, "parts of the body can move freely: " + text,
-                      "hold them by supports that exert no force in balance, such as fix = [\"rx\"] on one "
-                      "particle; kind = \"modes\" takes free bodies as they are");
+  throw NoEquilibrium(
+      body.stage().name, "parts of the body can move freely: " + text,
+      "a support may be missing; a motion that no load drives can be held on one particle, such "
+      "as the spin of a rod along x by fix = [\"rx\"]; kind = \"modes\" takes free bodies as they are");
 }
 
 void report_point(StaticBody& body, PointKind kind, std::optional<int> unstable, const StaticHooks& hooks,
