@@ -51,7 +51,7 @@ TEST(PageFit, OnlyTheRunIsThinned) {
 }
 
 TEST(PageFit, StridesAreTheSmallestThatFit) {
-  for (const std::size_t most : {2U, 3U, 7U, 19U, 20U, 39U, 40U}) {
+  for (const std::size_t most : {2U, 3U, 7U, 14U, 19U, 20U, 39U, 40U}) {
     Reel reel(40, 0);
     PageLimits limits;
     limits.frames = most;

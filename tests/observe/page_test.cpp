@@ -195,6 +195,7 @@ TEST(Page, WideHistoryLeavesRoomForFrames) {
   const std::string html = report_page(one_line, film.report, limits);
   EXPECT_LE(html.size(), limits.bytes);
   const auto j = json_of(html);
+  ASSERT_EQ(j["sequences"].size(), 1U);
   EXPECT_EQ(j["sequences"][0]["frames"].size(), 40U);
   EXPECT_LT(j["history"]["values"][0].size(), 1000U);
   EXPECT_NE(j["left_out"][0].get<std::string>().find("of history.csv, so that the page stays below"),
