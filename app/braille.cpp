@@ -98,7 +98,8 @@ std::string braille_panel(const Curve& c, int width, int height) {
   }
   const std::string low = fmt::format("{:.5g}", x.low), high = fmt::format("{:.5g}", x.high);
   const int room = width - label_width - 2 - static_cast<int>(low.size() + high.size());
-  return text + fmt::format("{:{}}{}{:^{}}{}\n", "", label_width + 2, low, c.x_name, std::max(room, 0), high);
+  return text + fmt::format("{:{}}{}{:^{}.{}}{}\n", "", label_width + 2, low, c.x_name, std::max(room, 0),
+                            std::max(room, 0), high);
 }
 
 }  // namespace vbond::app

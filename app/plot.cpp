@@ -29,7 +29,7 @@ const page::HistoryColumn& column(const page::History& history, const std::strin
   throw CaseError({{},
                    name.empty() ? "no column is given" : "column " + name,
                    "must be one of history.csv",
-                   "it has " + known});
+                   "it has " + (known.empty() ? "none yet" : known)});
 }
 
 std::string with_unit(const std::string& name, bool si) {
@@ -56,7 +56,11 @@ int plot(const PlotOptions& o) {
   if (!o.columns.empty() || !o.still) plot_columns(o);
   if (o.still) {
     const std::filesystem::path picture = o.folder / "report.png";
-    take_still(write_report(o.folder), picture);
+    const Written report = write_report(o.folder);
+    if (!report.no_frames.empty())
+      throw IoError(report.page.string() + " is written, but there is no picture to take of it\n  " +
+                    report.no_frames);
+    take_still(report.page, picture);
     say("picture in " + picture.string() + "\n");
   }
   return done;

@@ -15,6 +15,7 @@
 #include "vbond/core/error.hpp"
 #include "vbond/observe/files.hpp"
 #include "vbond/observe/mode_frames.hpp"
+#include "vbond/observe/page/fit.hpp"
 
 namespace vbond::app {
 namespace {
@@ -28,7 +29,7 @@ bool is_there(const fs::path& path) {
 
 /// Where the template may stand: named by the user, installed, or in the build tree.
 std::vector<fs::path> template_places() {
-  if (const char* named = std::getenv("VBOND_PAGE")) return {named};
+  if (const char* named = std::getenv("VBOND_PAGE"); named && *named) return {named};
   std::error_code e;
   const fs::path folder = fs::read_symlink("/proc/self/exe", e).parent_path();
   if (e) return {};
@@ -65,7 +66,7 @@ std::string note_of(const ListedMode& mode, const RunSummary& summary) {
 std::vector<page::SequenceFiles> sequence_files(const fs::path& folder, const Case& c,
                                                 const std::optional<RunSummary>& summary) {
   std::vector<page::SequenceFiles> all;
-  if (is_there(folder / "particles.pvd")) {
+  if (is_there(folder / "particles.pvd") && is_there(folder / "bonds.pvd")) {
     page::SequenceFiles run{page::SequenceKind::run, "Run", "", "",
                             page::listed_frames(folder / "particles.pvd", folder / "bonds.pvd")};
     if (!run.frames.empty()) all.push_back(std::move(run));
@@ -90,45 +91,35 @@ std::size_t shown_first(const std::vector<page::SequenceFiles>& all, const Stage
   return first == all.end() ? 0 : static_cast<std::size_t>(first - all.begin());
 }
 
-std::size_t bytes_with(const std::vector<page::SequenceFiles>& all, std::size_t stride) {
-  std::size_t bytes = 0;
-  for (const page::SequenceFiles& s : all)
-    if (!s.frames.empty())
-      bytes += page::thinned(s.frames.size(), stride).size() * page::bytes_of_frame(s.frames.back());
-  return bytes;
+/// Why no sequence is left: of those that the folder lists, and those of them that can be read.
+std::string why_no_frames(const Case& c, bool any_listed, bool any_readable) {
+  if (any_readable) return "Not one of the modes fits into the page.";
+  if (any_listed) return "None of the frames in the folder can be read: see the warnings.";
+  if (!c.output.frames)
+    return "The case asks for no frames, so the body is not shown. Give output.frames to have them.";
+  return "The folder has no frames: the run has not written any yet, or they were not copied with it.";
 }
 
-/// Leaves out frames that would take too much memory here and in the reader's browser.
-void thin(std::vector<page::SequenceFiles>& all, const page::PageLimits& limits,
-          std::vector<std::string>& left_out) {
-  std::size_t most = 0, stride = 1;
-  for (const page::SequenceFiles& s : all) most = std::max(most, s.frames.size());
-  while (stride < most && (page::thinned(most, stride).size() > limits.frames ||
-                           bytes_with(all, stride) > limits.packed_bytes))
-    stride *= 2;
-  if (stride == 1) return;
-  for (page::SequenceFiles& s : all) {
-    std::vector<page::FrameFiles> kept;
-    for (const std::size_t k : page::thinned(s.frames.size(), stride)) kept.push_back(s.frames[k]);
-    s.frames = std::move(kept);
-  }
-  left_out.push_back(
-      fmt::format("Of the {} frames that were written one in {} was read, and the last one: all together "
-                  "are more than a browser holds. ParaView shows them all.",
-                  most, stride));
-}
-
-void add_sequences(const fs::path& folder, const Case& c, const std::optional<RunSummary>& summary,
-                   page::Report& r) {
+/// Returns what is wrong with the files.
+std::vector<page::Warning> add_sequences(const fs::path& folder, const Case& c,
+                                         const std::optional<RunSummary>& summary, page::Report& r) {
   std::vector<page::SequenceFiles> files = sequence_files(folder, c, summary);
+  const bool any_listed = !files.empty();
+  std::vector<page::Warning> trouble = page::drop_unreadable_ends(files);
+  const bool any_readable = !files.empty();
+  page::fit_frames(files, page::PageLimits{}, r.left_out);
   r.first_shown = shown_first(files, c.stages.back());
-  thin(files, page::PageLimits{}, r.left_out);
   for (const page::SequenceFiles& s : files) r.sequences.push_back(page::read_sequence(s, r.body));
-  if (files.empty() || files[0].kind != page::SequenceKind::run) return;
-  for (const page::FrameFiles& f : files[0].frames) r.stage_of_frame.push_back(stage_at(f.time, c, summary));
+  if (files.empty()) r.no_frames = why_no_frames(c, any_listed, any_readable);
+  if (!files.empty() && files[0].kind == page::SequenceKind::run)
+    for (const page::FrameFiles& f : files[0].frames)
+      r.stage_of_frame.push_back(stage_at(f.time, c, summary));
+  if (r.body.bonds_without_length > 0)
+    r.left_out.push_back(
+        fmt::format("{} of the bonds have no length at rest: their elongation relative to it is shown as 0.",
+                    r.body.bonds_without_length));
+  return trouble;
 }
-
-}  // namespace
 
 std::string page_template() {
   std::string looked;
@@ -141,7 +132,13 @@ std::string page_template() {
       "\n  install nodejs and npm, then ./run builds it into build/page; or name one by VBOND_PAGE");
 }
 
-fs::path write_report(const fs::path& folder) {
+}  // namespace
+
+void require_page() {
+  page_template();
+}
+
+Written write_report(const fs::path& folder) {
   if (!is_there(folder / "resolved.toml"))
     throw IoError(folder.string() + ": is not an output folder of vbond run: it has no resolved.toml");
   const std::string html = page_template();
@@ -157,7 +154,7 @@ fs::path write_report(const fs::path& folder) {
   r.command = "vbond run resolved.toml";
   r.case_text = read_all(folder / "resolved.toml");
   if (is_there(folder / "history.csv")) r.history = page::read_history(folder / "history.csv");
-  add_sequences(folder, c, summary, r);
+  const std::vector<page::Warning> trouble = add_sequences(folder, c, summary, r);
   const page::StepFacts step = step_of(c, built, summary);
   r.facts = facts_of(c, built, summary, step);
   if (summary) r.results = results_of(*summary);
@@ -167,13 +164,14 @@ fs::path write_report(const fs::path& folder) {
                                .units = c.units,
                                .stages = c.stages.size(),
                                .resume_command = "vbond resume " + fs::canonical(folder).filename().string(),
-                               .step = step});
+                               .step = step,
+                               .files = trouble});
   replace_file(folder / "report.html", page::report_page(html, r, {}), Sync::none);
-  return folder / "report.html";
+  return {folder / "report.html", r.no_frames};
 }
 
 int report(const fs::path& folder) {
-  say("report in " + write_report(folder).string() + "\n");
+  say("report in " + write_report(folder).page.string() + "\n");
   return done;
 }
 

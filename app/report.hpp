@@ -10,12 +10,17 @@
 
 namespace vbond::app {
 
-/// Writes report.html into the folder of a run and returns its path. Throws IoError, also if the page was not
-/// built with the program; CaseError if resolved.toml was edited into something wrong.
-std::filesystem::path write_report(const std::filesystem::path& folder);
+struct Written {
+  std::filesystem::path page;
+  std::string no_frames;  ///< why the page shows no body; empty if it does
+};
 
-/// The page's template. Throws IoError with what to install.
-std::string page_template();
+/// Writes report.html into the folder of a run. Throws IoError, also if the page was not
+/// built with the program; CaseError if resolved.toml was edited into something wrong.
+Written write_report(const std::filesystem::path& folder);
+
+/// Throws IoError with what to install if the page was not built with the program.
+void require_page();
 
 /// The run in rows for people: what was run, and what came out.
 page::Lines facts_of(const Case& c, const Built& built, const std::optional<RunSummary>& summary,

@@ -131,6 +131,14 @@ void add_static_results(const StageSummary& s, bool si, page::Lines& lines) {
          fmt::format("{}, load factor {:.6g}", *r.unstable == 0 ? "stable" : "unstable", r.load_factor)});
 }
 
+/// Static stages have none, and that of a run that blew up up to there would only reassure.
+bool any_balance_of_energy(const RunSummary& summary) {
+  const auto& all = summary.stages;
+  return std::any_of(all.begin(), all.end(), [](const StageSummary& s) { return !s.statics; }) &&
+         std::none_of(all.begin(), all.end(),
+                      [](const StageSummary& s) { return s.stop == StopReason::diverged; });
+}
+
 }  // namespace
 
 page::StepFacts step_of(const Case& c, const Built& built, const std::optional<RunSummary>& summary) {
@@ -164,7 +172,7 @@ page::Lines facts_of(const Case& c, const Built& built, const std::optional<RunS
                                          model.particles() == 1 ? "" : "s", bonds, bonds == 1 ? "" : "s")},
                     {"Bonds", bonds_in_words(c)},
                     {"Contacts", contacts_in_words(model)},
-                    {"Units", si ? "SI" : "reduced: a = m = c_A = 1"}};
+                    {"Units", si ? "SI" : "reduced (no units)"}};
   if (model.T_0 > 0.0) lines.push_back({"T_0", fmt::format("{:.6g}{}", model.T_0, si ? " s" : "")});
   if (step.dt > 0.0) lines.push_back({"Time step", step_in_words(step, model)});
   for (std::size_t k = 0; k < c.stages.size(); ++k) {
@@ -185,8 +193,9 @@ page::Lines results_of(const RunSummary& summary) {
                        fmt::format("{:.6g}{}, at t = {:.6g}{}", *s.critical_force, si ? " N" : "",
                                    s.peak_time.value_or(s.time), si ? " s" : "")});
   }
-  lines.push_back(
-      {"Largest error of the energy balance", fmt::format("{:.2g}", summary.energy_balance_error)});
+  if (any_balance_of_energy(summary))
+    lines.push_back(
+        {"Largest error of the energy balance", fmt::format("{:.2g}", summary.energy_balance_error)});
   lines.push_back({"Strained bonds",
                    fmt::format("{} at the end, {} at any time", summary.strained, summary.ever_strained)});
   lines.push_back(

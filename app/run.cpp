@@ -184,9 +184,21 @@ void check_edits(const Case& c, const State& start, const State& now, const fs::
 /// A report is worth less than the run: it is only told why there is none.
 void report_on(const fs::path& folder) {
   try {
-    say("report in " + write_report(folder).string() + "\n");
+    say("report in " + write_report(folder).page.string() + "\n");
   } catch (const std::exception& e) {
-    say(std::string("no report: ") + e.what() + "\n", stderr);
+    const std::string why = e.what();
+    say("no report: " + why.substr(0, why.find('\n')) + "\n  vbond report " + folder.string() +
+            " says more, and writes it once that is put right\n",
+        stderr);
+  }
+}
+
+/// Told before the run, which may take hours, and can go on meanwhile.
+void warn_if_no_page() {
+  try {
+    require_page();
+  } catch (const IoError& e) {
+    say(std::string("warning: there will be no report: ") + e.what() + "\n", stderr);
   }
 }
 
@@ -200,6 +212,7 @@ int run(const RunOptions& options) {
   Leg first = prepare(c, built.model, built.state);
   OutputPlan plan = plan_output(c, built.model, {});  // all that may be wrong with the case is known by now
 
+  if (options.report) warn_if_no_page();
   plan.folder = claim_folder(options.case_file, options.folder, options.force);
   replace_file(plan.folder / "resolved.toml", to_toml(c));
   say("output folder    " + plan.folder.string() + "\n");

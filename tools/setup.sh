@@ -93,13 +93,22 @@ build_page() {
   mkdir -p "$dir"
   sources=$(cd "$vbond_root/web" && cat package-lock.json .npmrc build.mjs page.html page.css src/*.js | sha256sum)
   [[ ! -s $dir/report.html || $(cat "$dir/.sources" 2>/dev/null) != "$sources" ]] || return 0
-  local seconds=5
-  command -v npm >/dev/null || seconds=40   # node and npm are installed first
+  local seconds=5 failed=$dir/.failed
+  if ! { command -v node && command -v npm; } >/dev/null; then
+    # Installing was tried for these sources: not again with each run, but once a day.
+    if [[ $(cat "$failed" 2>/dev/null) == "$sources" && -n $(find "$failed" -mmin -1440) ]]; then
+      say "no page for reports: node and npm could not be installed; to try again: rm $failed"
+      return 0
+    fi
+    seconds=40
+  fi
   say "building the page for reports (npm, about $seconds s, once)"
   if (bundle_page "$dir/build.log"); then
     printf '%s\n' "$sources" >"$dir/.sources"
+    rm -f "$failed"
   else
     say "the page was not built: $page_missing; 'vbond report' will not work until then ($dir/build.log)"
+    { command -v node && command -v npm; } >/dev/null || printf '%s\n' "$sources" >"$failed"
   fi
 }
 

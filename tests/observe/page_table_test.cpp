@@ -35,6 +35,24 @@ TEST(PageHistory, DamagedRowsAreRefused) {
   }
 }
 
+TEST(PageHistory, WithoutAWholeHeaderThereAreNoRows) {
+  const Folder folder;
+  for (const char* begun : {"", "step,ti", "step,\"a", "step,"}) {
+    put_content(folder / "h.csv", begun);
+    EXPECT_TRUE(read_history(folder / "h.csv").columns.empty()) << begun;
+  }
+  for (const char* bad : {"step,\"a\n", "\"a\nb\","}) {
+    put_content(folder / "h.csv", bad);
+    EXPECT_THROW(read_history(folder / "h.csv"), IoError) << bad;
+  }
+}
+
+TEST(PageHistory, BalancesGoOnByStepAndMotionByTime) {
+  EXPECT_EQ(clock_of({}), "time");
+  EXPECT_EQ(clock_of({{{"step", {0, 1}}, {"load_factor", {0.0, 1.0}}}}), "step");
+  EXPECT_EQ(clock_of({{{"step", {0, 1}}, {"load_factor", {0.0, std::nan("")}}}}), "time");
+}
+
 History long_history(std::size_t n) {
   History h{{{"step", {}}, {"time", {}}, {"wave", {}}, {"flat", {}}}};
   for (std::size_t k = 0; k < n; ++k) {

@@ -136,8 +136,90 @@ TEST(Page, StaysBelowItsLimitAndSaysSo) {
   limits.bytes = 3000;
   const auto j = json_of(report_page(one_line, film.report, limits));
   EXPECT_TRUE(j["sequences"].empty());
-  EXPECT_NE(j["left_out"][0].get<std::string>().find("No frames are shown"), std::string::npos);
+  EXPECT_NE(j["no_frames"].get<std::string>().find("even two of them do not fit"), std::string::npos);
   EXPECT_EQ(j["history"]["values"][1].size(), 40U);
+}
+
+TEST(Page, ModesStayWholeWhileFramesOfTheRunAreLeftOut) {
+  Film film(40, 60);
+  const Film swing(8, 60);
+  for (const char* name : {"Mode 1", "Mode 2"}) {
+    film.report.sequences.push_back(swing.report.sequences[0]);
+    film.report.sequences.back().kind = SequenceKind::mode;
+    film.report.sequences.back().name = name;
+  }
+  film.report.first_shown = 2;
+  const std::size_t whole = report_page(one_line, film.report, {}).size();
+  PageLimits limits;
+  limits.bytes = whole * 6 / 10;
+  auto j = json_of(report_page(one_line, film.report, limits));
+  ASSERT_EQ(j["sequences"].size(), 3U);
+  EXPECT_LT(j["sequences"][0]["frames"].size(), 40U);
+  for (const int mode : {1, 2}) EXPECT_EQ(j["sequences"][mode]["frames"].size(), 8U);
+  EXPECT_EQ(j["first_shown"], 2);
+  EXPECT_FALSE(j.contains("no_frames"));
+
+  Report modes = film.report;
+  modes.sequences.erase(modes.sequences.begin());
+  modes.first_shown = 1;
+  limits.bytes = report_page(one_line, modes, {}).size() - 1000;
+  j = json_of(report_page(one_line, modes, limits));
+  ASSERT_EQ(j["sequences"].size(), 1U);
+  EXPECT_EQ(j["sequences"][0]["name"], "Mode 1");
+  EXPECT_EQ(j["first_shown"], 0);
+  EXPECT_NE(j["left_out"][0].get<std::string>().find("The first 1 of the 2 modes"), std::string::npos);
+}
+
+TEST(Page, NumbersOfAllSizesAreWritten) {
+  Report r;
+  r.history = {{{"step", {0, 1, 2, 3}}, {"total", {4.9e-324, 1.7976931348623157e308, INFINITY, 1.0 / 3.0}}}};
+  const auto j = json_of(report_page(one_line, r, {}));
+  const auto& total = j["history"]["values"][1];
+  EXPECT_EQ(total[0], 4.9e-324);
+  EXPECT_EQ(total[1], 1.79769313e308);
+  EXPECT_TRUE(total[2].is_null());
+  EXPECT_EQ(total[3], 0.333333333);
+}
+
+TEST(Page, WideHistoryLeavesRoomForFrames) {
+  Film film(40, 60);
+  const std::size_t whole = report_page(one_line, film.report, {}).size();
+  film.report.history = {{{"step", {}}}};
+  for (int c = 0; c < 50; ++c) film.report.history.columns.push_back({"U" + std::to_string(c), {}});
+  for (int k = 0; k < 1000; ++k)
+    for (auto& column : film.report.history.columns)
+      column.values.push_back(column.name == "step" ? k
+                                                    : std::sin(k + static_cast<double>(column.name.size())));
+  PageLimits limits;
+  limits.bytes = 4 * whole;
+  const std::string html = report_page(one_line, film.report, limits);
+  EXPECT_LE(html.size(), limits.bytes);
+  const auto j = json_of(html);
+  ASSERT_EQ(j["sequences"].size(), 1U);
+  EXPECT_EQ(j["sequences"][0]["frames"].size(), 40U);
+  EXPECT_LT(j["history"]["values"][0].size(), 1000U);
+  EXPECT_NE(j["left_out"][0].get<std::string>().find("of history.csv, so that the page stays below"),
+            std::string::npos);
+}
+
+TEST(Page, TellsWhyThereAreNoFrames) {
+  Report r;
+  r.no_frames = "The case asks for none.";
+  EXPECT_EQ(json_of(report_page(one_line, r, {}))["no_frames"], "The case asks for none.");
+}
+
+TEST(Page, ElongationWithoutALengthIsZeroAndCounted) {
+  const Folder folder;
+  Chain chain(3);
+  chain.state.bonds[BondId{0}].a = 0.0;
+  FrameWriter writer(folder.path(), false, {});
+  writer.write(chain.model, chain.state);
+  Body body;
+  const Sequence s = read_sequence(
+      {SequenceKind::run, "Run", "", "", listed_frames(folder / "particles.pvd", folder / "bonds.pvd")},
+      body);
+  EXPECT_EQ(body.bonds_without_length, 1U);
+  EXPECT_NEAR(s.fields[0].low + s.fields[0].step * s.frames[0].fields[0][0], 0.0, 1e-12);
 }
 
 TEST(Page, HistoryIsThinnedAndSaysSo) {

@@ -16,6 +16,7 @@ struct Known {
                    {"snapped", {0, 0, 0}}}};
   Body body;
   StepFacts step{0.1, 1.0};
+  std::vector<Warning> files;
 
   Known() {
     summary->bonds = 9;
@@ -30,7 +31,8 @@ struct Known {
                      .body = body,
                      .stages = stages,
                      .resume_command = "vbond resume push.out",
-                     .step = step});
+                     .step = step,
+                     .files = files});
   }
 };
 
@@ -134,6 +136,13 @@ TEST(PageWarnings, ARunWithoutResultsIsNotComplete) {
   ASSERT_EQ(w.size(), 1U);
   EXPECT_EQ(w[0].level, Level::note);
   expect_text(w[0], {"0 of 2 stages have ended"});
+}
+
+TEST(PageWarnings, TroubleWithFilesIsAmongThem) {
+  Known run;
+  run.files = {{Level::warning, "The last frame is left out."}};
+  ASSERT_EQ(run.look().size(), 1U);
+  EXPECT_EQ(run.look()[0].text, "The last frame is left out.");
 }
 
 }  // namespace

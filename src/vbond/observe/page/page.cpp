@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string_view>
@@ -26,9 +27,13 @@ Json to_json(const PackedArray& a) {
   return j;
 }
 
-/// Nine digits are more than a plot shows, and half the size.
+/// Nine digits are more than a plot shows, and half the size. Null for what is not finite.
 Json to_json(double x) {
-  return std::isnan(x) ? Json() : Json(std::stod(fmt::format("{:.9g}", x)));
+  if (!std::isfinite(x)) return {};
+  const std::string text = fmt::format("{:.9g}", x);
+  double rounded = x;  // kept if rounding leaves the range of double
+  std::from_chars(text.data(), text.data() + text.size(), rounded);
+  return rounded;
 }
 
 Json history_json(const History& h, bool si, const std::vector<std::size_t>& rows) {
@@ -82,8 +87,20 @@ Json speed_json(const Sequence& s, const std::vector<std::size_t>& frames, bool 
                        {"array", to_json(block.add(q, s.speed, s.frames[0].speed.size()))}}});
 }
 
-Json sequence_json(const Sequence& s, const Report& report, std::size_t stride, Block& block) {
-  const std::vector<std::size_t> kept = thinned(s.frames.size(), stride);
+/// What of the run's story goes into a page. Modes are shown whole or not at all.
+struct Cut {
+  bool frames = true;            ///< false: no sequences
+  std::size_t stride = 1;        ///< of the run's frames
+  std::size_t modes = 0;         ///< the first ones
+  std::size_t history_rows = 0;  ///< at most
+};
+
+std::vector<std::size_t> kept_frames(const Sequence& s, const Cut& cut) {
+  return thinned(s.frames.size(), s.kind == SequenceKind::run ? cut.stride : 1);
+}
+
+Json sequence_json(const Sequence& s, const Report& report, const Cut& cut, Block& block) {
+  const std::vector<std::size_t> kept = kept_frames(s, cut);
   const bool si = report.units == UnitSystem::si, is_run = s.kind == SequenceKind::run;
   const std::size_t bonds = report.body.bonds.size() / 2, particles = report.body.radius.size();
   Json frames = Json::array();
@@ -117,85 +134,111 @@ Json radius_json(const std::vector<float>& radius, Block& block) {
   return equal ? Json(radius[0]) : to_json(block.add(radius));
 }
 
-/// Steps of the frames that stay, for the rows of history that go with them.
-std::vector<std::int64_t> steps_of(const Report& report, std::size_t stride) {
-  std::vector<std::int64_t> steps;
+const Sequence* run_of(const Report& report) {
   for (const Sequence& s : report.sequences)
-    if (s.kind == SequenceKind::run)
-      for (const std::size_t f : thinned(s.frames.size(), stride)) steps.push_back(s.frames[f].step);
+    if (s.kind == SequenceKind::run) return &s;
+  return nullptr;
+}
+
+std::size_t modes_of(const Report& report) {
+  return report.sequences.size() - (run_of(report) ? 1 : 0);
+}
+
+/// Sequences that stay, in their order.
+std::vector<const Sequence*> kept_sequences(const Report& report, const Cut& cut) {
+  std::vector<const Sequence*> kept;
+  std::size_t modes = 0;
+  for (const Sequence& s : report.sequences)
+    if (cut.frames && (s.kind == SequenceKind::run || modes++ < cut.modes)) kept.push_back(&s);
+  return kept;
+}
+
+/// Steps of the frames that stay, for the rows of history that go with them.
+std::vector<std::int64_t> steps_of(const Report& report, const Cut& cut) {
+  std::vector<std::int64_t> steps;
+  if (const Sequence* run = run_of(report); run && cut.frames)
+    for (const std::size_t f : kept_frames(*run, cut)) steps.push_back(run->frames[f].step);
   return steps;
 }
 
-void say_what_is_left_out(const Report& report, const PageLimits& limits, std::size_t stride,
-                          std::size_t rows, std::vector<std::string>& left_out) {
-  const auto run = std::find_if(report.sequences.begin(), report.sequences.end(),
-                                [](const Sequence& s) { return s.kind == SequenceKind::run; });
-  const double megabytes = static_cast<double>(limits.bytes) / 1e6;
-  if (stride == 0 && !report.sequences.empty())
-    left_out.push_back(fmt::format(
-        "No frames are shown: even two of them do not fit into a page of {:g} MB. ParaView shows them.",
-        megabytes));
-  if (stride > 1)
-    left_out.push_back(fmt::format(
-        "One frame in {} is shown, and the last one{}, so that the page stays below {:g} MB.", stride,
-        run == report.sequences.end()
-            ? std::string()
-            : fmt::format(": {} of {}", thinned(run->frames.size(), stride).size(), run->frames.size()),
-        megabytes));
+std::vector<std::string> left_out(const Report& report, const PageLimits& limits, const Cut& cut,
+                                  std::size_t rows) {
+  std::vector<std::string> all = report.left_out;
+  const std::string below =
+      fmt::format("so that the page stays below {:g} MB", static_cast<double>(limits.bytes) / 1e6);
+  const Sequence* run = run_of(report);
+  if (cut.frames && cut.modes < modes_of(report))
+    all.push_back(fmt::format("The first {} of the {} modes are shown, {}. ParaView shows them all.",
+                              cut.modes, modes_of(report), below));
+  if (cut.frames && cut.stride > 1 && run)
+    all.push_back(fmt::format("One frame in {} is shown, and the last one: {} of {}, {}.", cut.stride,
+                              kept_frames(*run, cut).size(), run->frames.size(), below));
   if (rows < report.history.rows())
-    left_out.push_back(
-        fmt::format("Plots show {} of the {} rows of history.csv: those of the frames, and "
-                    "the smallest and largest values of every column in each stretch between.",
-                    rows, report.history.rows()));
-  if (report.history.rows() > 0) left_out.push_back("Numbers of the plots are rounded to 9 digits.");
-  if (!report.sequences.empty() && stride > 0)
-    left_out.push_back(
+    all.push_back(fmt::format(
+        "Plots show {} of the {} rows of history.csv{}: those of the frames, and the "
+        "smallest and largest values of every column in each stretch between.",
+        rows, report.history.rows(), cut.history_rows < limits.history_rows ? ", " + below : std::string()));
+  if (report.history.rows() > 0) all.push_back("Numbers of the plots are rounded to 9 digits.");
+  if (!kept_sequences(report, cut).empty())
+    all.push_back(
         "Colours of the 3D view have 255 steps between the smallest and the largest value of all frames, "
         "displacements 65,535 steps in each direction.");
+  if (report.case_text.size() > limits.case_bytes)
+    all.push_back("The case is too long for this page: it stands in resolved.toml.");
+  return all;
+}
+
+/// Why the page has no sequence.
+std::string why_no_frames(const Report& report, const PageLimits& limits) {
+  if (report.sequences.empty()) return report.no_frames;
+  return fmt::format(
+      "No frames are shown: even two of them do not fit into a page of {:g} MB. ParaView shows them.",
+      static_cast<double>(limits.bytes) / 1e6);
+}
+
+/// What needs no look at the frames.
+Json words_json(const Report& report, const PageLimits& limits) {
+  const auto pairs = [](const Lines& lines) {
+    Json j = Json::array();
+    for (const auto& [name, value] : lines) j.push_back(Json::array({name, value}));
+    return j;
+  };
+  Json warnings = Json::array(), plots = Json::array();
+  for (const Warning& w : report.warnings)
+    warnings.push_back({{"level", to_text(w.level)}, {"text", w.text}});
+  for (const Plot& p : preset_plots(report.history))
+    plots.push_back({{"title", p.title}, {"x", p.x}, {"y", p.y}});
+  const bool long_case = report.case_text.size() > limits.case_bytes;
+  Json j{{"format", 1},
+         {"program", report.program},
+         {"title", report.title},
+         {"units", report.units == UnitSystem::si ? "SI" : "reduced"}};
+  j["facts"] = pairs(report.facts);
+  j["results"] = pairs(report.results);
+  j["warnings"] = std::move(warnings);
+  j["rerun"] = {{"command", report.command}, {"case", long_case ? std::string() : report.case_text}};
+  j["plots"] = std::move(plots);
+  j["clock"] = clock_of(report.history);
+  return j;
 }
 
 struct Packed {
   std::string json, block;
 };
 
-/// The run with every stride-th frame; 0: with none.
-Packed pack(const Report& report, const PageLimits& limits, std::size_t stride) {
+Packed pack(const Report& report, const PageLimits& limits, const Cut& cut) {
   Block block;
-  const bool si = report.units == UnitSystem::si;
-  const auto rows =
-      rows_to_keep(report.history, stride > 0 ? steps_of(report, stride) : std::vector<std::int64_t>{},
-                   limits.history_rows);
-  std::vector<std::string> left_out = report.left_out;
-  say_what_is_left_out(report, limits, stride, rows.size(), left_out);
-  Json warnings = Json::array(), plots = Json::array(), sequences = Json::array();
-  for (const Warning& w : report.warnings)
-    warnings.push_back({{"level", to_text(w.level)}, {"text", w.text}});
-  for (const Plot& p : preset_plots(report.history))
-    plots.push_back({{"title", p.title}, {"x", p.x}, {"y", p.y}});
-  Json radius = stride > 0 ? radius_json(report.body.radius, block) : Json(0.0);
-  Json bonds = to_json(block.add(stride > 0 ? report.body.bonds : std::vector<std::uint32_t>{}));
-  if (stride > 0)
-    for (const Sequence& s : report.sequences) sequences.push_back(sequence_json(s, report, stride, block));
-  const bool long_case = report.case_text.size() > limits.case_bytes;
-  if (long_case) left_out.push_back("The case is too long for this page: it stands in resolved.toml.");
-  const auto pairs = [](const Lines& lines) {
-    Json j = Json::array();
-    for (const auto& [name, value] : lines) j.push_back(Json::array({name, value}));
-    return j;
-  };
-  Json j{
-      {"format", 1}, {"program", report.program}, {"title", report.title}, {"units", si ? "SI" : "reduced"}};
-  j["facts"] = pairs(report.facts);
-  j["results"] = pairs(report.results);
-  j["warnings"] = std::move(warnings);
-  j["rerun"] = {{"command", report.command}, {"case", long_case ? std::string() : report.case_text}};
-  j["left_out"] = left_out;
-  j["history"] = history_json(report.history, si, rows);
-  j["plots"] = std::move(plots);
-  j["radius"] = std::move(radius);
-  j["bonds"] = std::move(bonds);
-  j["first_shown"] = report.first_shown;
+  const auto rows = rows_to_keep(report.history, steps_of(report, cut), cut.history_rows);
+  const std::vector<const Sequence*> shown = kept_sequences(report, cut);
+  Json j = words_json(report, limits), sequences = Json::array();
+  j["left_out"] = left_out(report, limits, cut, rows.size());
+  j["history"] = history_json(report.history, report.units == UnitSystem::si, rows);
+  j["radius"] = cut.frames ? radius_json(report.body.radius, block) : Json(0.0);
+  j["bonds"] = to_json(block.add(cut.frames ? report.body.bonds : std::vector<std::uint32_t>{}));
+  for (const Sequence* s : shown) sequences.push_back(sequence_json(*s, report, cut, block));
+  j["first_shown"] = report.first_shown < shown.size() ? report.first_shown : 0;
   j["sequences"] = std::move(sequences);
+  if (shown.empty()) j["no_frames"] = why_no_frames(report, limits);
   return {j.dump(-1, ' ', false, Json::error_handler_t::replace), block.bytes()};
 }
 
@@ -227,31 +270,67 @@ std::pair<std::size_t, std::size_t> place_in(const std::string& page_template) {
   return places[0];
 }
 
-}  // namespace
-
-/// The next stride to try: that by which the page is too large, or 0 if even the ends of a sequence are too
-/// much.
-std::size_t wider(std::size_t stride, std::size_t most_frames, std::size_t size, std::size_t limit) {
-  if (stride >= most_frames) return 0;
-  const double over = static_cast<double>(size) / static_cast<double>(std::max<std::size_t>(limit, 1));
-  const double wanted = std::min(static_cast<double>(stride) * over, static_cast<double>(most_frames));
+/// The next stride to try, not more than that which leaves the two ends; what frames take goes down with it.
+std::size_t wider(std::size_t stride, std::size_t widest, std::size_t taken, std::size_t free) {
+  const double over = static_cast<double>(taken) / static_cast<double>(std::max<std::size_t>(free, 1));
+  const double wanted = std::min(static_cast<double>(stride) * over, static_cast<double>(widest));
   return std::max(stride + 1,
                   static_cast<std::size_t>(wanted));  // rounded down: rather once more than too wide
 }
 
-std::string report_page(const std::string& page_template, const Report& report, const PageLimits& limits) {
-  const auto [from, to] = place_in(page_template);
-  const std::string before = page_template.substr(0, from), after = page_template.substr(to);
-  std::size_t most = 0;
-  for (const Sequence& s : report.sequences) most = std::max(most, s.frames.size());
-  for (std::size_t stride = 1;;) {
-    const Packed packed = pack(report, limits, stride);
-    std::string page = before + "<script type=\"application/json\" id=\"run\">" + escaped(packed.json) +
-                       "</script>\n<script type=\"text/plain\" id=\"data\">" + base64(gzip(packed.block)) +
-                       "</script>" + after;
-    if (page.size() <= limits.bytes || stride == 0) return page;
-    stride = wider(stride, most, page.size(), limits.bytes);
+class Template {
+ public:
+  explicit Template(const std::string& text) {
+    const auto [from, to] = place_in(text);
+    before_ = text.substr(0, from);
+    after_ = text.substr(to);
   }
+  std::string with(const Packed& packed) const {
+    return before_ + "<script type=\"application/json\" id=\"run\">" + escaped(packed.json) +
+           "</script>\n<script type=\"text/plain\" id=\"data\">" + base64(gzip(packed.block)) + "</script>" +
+           after_;
+  }
+
+ private:
+  std::string before_, after_;
+};
+
+}  // namespace
+
+std::string report_page(const std::string& page_template, const Report& report, const PageLimits& limits) {
+  const Template place(page_template);
+  const auto page_of = [&](const Cut& cut) { return place.with(pack(report, limits, cut)); };
+  const Sequence* run = run_of(report);
+  const std::size_t widest = run ? std::max<std::size_t>(run->frames.size(), 2) - 1 : 1;
+
+  constexpr std::size_t fewest_rows = 16;  // fewer would save nothing
+  Cut cut{.modes = modes_of(report), .history_rows = limits.history_rows};
+  Cut none = cut;
+  none.frames = false;
+  while (std::min(none.history_rows, report.history.rows()) > fewest_rows &&
+         page_of(none).size() > limits.bytes / 2)
+    none.history_rows = std::min(none.history_rows, report.history.rows()) / 2;
+  cut.history_rows = none.history_rows;
+
+  std::string page = page_of(cut);
+  if (page.size() <= limits.bytes) return page;
+  Cut least = cut;
+  least.stride = widest;
+  const std::size_t fixed = page_of(least).size();
+  if (fixed <= limits.bytes) {
+    while (page.size() > limits.bytes) {
+      cut.stride =
+          wider(cut.stride, widest, page.size() - std::min(fixed, page.size()), limits.bytes - fixed);
+      page = page_of(cut);
+    }
+    return page;
+  }
+  while (page.size() > limits.bytes && least.modes > 0) {
+    --least.modes;
+    page = page_of(least);
+  }
+  const bool any = run || least.modes > 0;
+  return page.size() <= limits.bytes && any ? page : page_of(none);
 }
 
 }  // namespace vbond::page

@@ -26,6 +26,7 @@ struct Report {
   History history;
   Body body;
   std::vector<Sequence> sequences;
+  std::string no_frames;                    ///< why there are no sequences, if so
   std::size_t first_shown = 0;              ///< number of the sequence that the page begins with
   std::vector<std::string> stage_of_frame;  ///< of the run's frames, one each
 };
@@ -38,9 +39,10 @@ struct PageLimits {
   std::size_t case_bytes = 1'000'000;
 };
 
-/// The page: the template with the run in it. One frame in two, three and so on is kept until it
-/// fits into the limit, all of them if it never does; the page says so. Throws IoError if the template has
-/// not exactly one line "<!-- run -->".
+/// The page: the template with the run in it. While it is larger than its limit, first rows of the history
+/// are left out, if those alone take half of it; then frames of the run, evenly; then modes from the last
+/// one; then all frames. The page says so. Throws IoError if the template has not exactly one line "<!-- run
+/// -->".
 std::string report_page(const std::string& page_template, const Report& report, const PageLimits& limits);
 
 }  // namespace vbond::page

@@ -39,7 +39,7 @@ std::vector<double> field_in(const VtpInput& bonds, const BondField& field) {
   for (double& x : values) x *= field.scale;
   if (std::string_view(field.key) != "elongation") return values;
   const std::vector<double> at_rest = bonds.scalars("length_at_rest");
-  for (std::size_t k = 0; k < values.size(); ++k) values[k] /= at_rest[k];
+  for (std::size_t k = 0; k < values.size(); ++k) values[k] = at_rest[k] > 0.0 ? values[k] / at_rest[k] : 0.0;
   return values;
 }
 
@@ -51,6 +51,12 @@ RawFrame read_frame(const VtpInput& particles, const VtpInput& bonds, const std:
   for (std::size_t k = 0; k < bond_field_count; ++k) f.fields[k] = field_in(bonds, bond_fields[k]);
   f.range = bonds.bytes("range");
   return f;
+}
+
+/// Bonds whose elongation has no length to be relative to.
+std::size_t count_without_length(const VtpInput& bonds) {
+  const std::vector<double> at_rest = bonds.scalars("length_at_rest");
+  return static_cast<std::size_t>(std::count(at_rest.begin(), at_rest.end(), 0.0));
 }
 
 /// The bonds that were there before must be there still.
@@ -131,6 +137,7 @@ Spans look_through(const SequenceFiles& files, const std::vector<Vec3d>* about, 
   for (const FrameFiles& f : files.frames) {
     const OpenFrame open(f, body);
     add_bonds(open.bonds, f.bonds, body);
+    body.bonds_without_length = std::max(body.bonds_without_length, count_without_length(open.bonds));
     const RawFrame raw = read_frame(open.particles, open.bonds, about);
     try {
       spans.add(raw);

@@ -75,6 +75,7 @@ struct Body {
   std::vector<float> radius;         ///< [length]
   std::vector<std::uint32_t> bonds;  ///< i0, j0, i1, j1, ...
   BondSighting first_strained, first_snapped;
+  std::size_t bonds_without_length = 0;  ///< at rest; their relative elongation is given as 0
 };
 
 /// Reads the frames twice, for ranges and for numbers, one at a time; adds what is new to the body. A mode is

@@ -18,7 +18,7 @@ constexpr double none = std::numeric_limits<double>::quiet_NaN();
   throw IoError(path.string() + ": is damaged at \"" + std::string(row.substr(0, 60)) + '"');
 }
 
-/// Takes one name off the header line, and what ends it.
+/// Takes one name off the header line, up to the comma or line end that ends it.
 std::string take_name(std::string_view& header, const std::filesystem::path& path) {
   std::string name;
   bool in_quotes = false;
@@ -29,7 +29,7 @@ std::string take_name(std::string_view& header, const std::filesystem::path& pat
     } else if (c == '"') {
       in_quotes = !in_quotes;
     } else if (!in_quotes && (c == ',' || c == '\n')) {
-      header.remove_prefix(k + (c == ',' ? 1 : 0));
+      header.remove_prefix(k);
       return name;
     } else {
       name += c;
@@ -136,14 +136,6 @@ std::vector<std::string> leading_movement(const History& h, const std::vector<st
   return movement.empty() ? leading(h, all) : movement;
 }
 
-/// The column along which a run goes on: of balances the number of the point, their time means nothing.
-std::string clock_of(const History& h) {
-  const HistoryColumn* factor = h.find("load_factor");
-  const bool only_balances = factor && std::none_of(factor->values.begin(), factor->values.end(),
-                                                    [](double x) { return std::isnan(x); });
-  return only_balances ? "step" : "time";
-}
-
 }  // namespace
 
 const HistoryColumn* History::find(std::string_view name) const {
@@ -156,10 +148,11 @@ History read_history(const std::filesystem::path& path) {
   const std::string content = read_all(path);
   std::string_view rest = content;
   History h;
-  do {
+  if (rest.find('\n') == std::string_view::npos) return h;
+  for (char end = ','; end != '\n'; rest.remove_prefix(1)) {
     h.columns.push_back({take_name(rest, path), {}});
-  } while (rest[0] != '\n');
-  rest.remove_prefix(1);
+    end = rest[0];
+  }
   for (std::size_t end; (end = rest.find('\n')) != std::string_view::npos; rest.remove_prefix(end + 1))
     add_row(rest.substr(0, end), path, h);
   return h;
@@ -198,6 +191,13 @@ std::string unit_of_column(std::string_view name) {
                              "dissipated", "work_loads", "work_supports", "total"})
     if (name == energy) return "J";
   return {};
+}
+
+std::string clock_of(const History& h) {
+  const HistoryColumn* factor = h.find("load_factor");
+  const bool only_balances = factor && std::none_of(factor->values.begin(), factor->values.end(),
+                                                    [](double x) { return std::isnan(x); });
+  return only_balances ? "step" : "time";
 }
 
 std::vector<Plot> preset_plots(const History& h) {

@@ -22,7 +22,8 @@ struct History {
   const HistoryColumn* find(std::string_view name) const;
 };
 
-/// Reads what HistoryWriter has written. A last line that is still being written is left out. Throws IoError.
+/// Reads what HistoryWriter has written. A last line that is still being written is left out; if that
+/// is the first line, or there is none, there are no columns. Throws IoError.
 History read_history(const std::filesystem::path& path);
 
 /// At most `most` rows, in order: the first, the last, those of the steps given, and as many stretches of the
@@ -33,6 +34,10 @@ std::vector<std::size_t> rows_to_keep(const History& history, const std::vector<
 
 /// Unit of a column of history.csv in SI, empty for pure numbers.
 std::string unit_of_column(std::string_view name);
+
+/// The column along which a run goes on, "step" or "time": of balances the number of the point, their time
+/// means nothing.
+std::string clock_of(const History& history);
 
 /// A plot that the page shows by itself.
 struct Plot {

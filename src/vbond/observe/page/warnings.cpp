@@ -197,7 +197,7 @@ const char* to_text(Level level) {
 }
 
 Warnings warnings(const RunFacts& run) {
-  Warnings all;
+  Warnings all = run.files;
   add_endings(run, all);
   add_snapped(run, all);
   add_step(run, all);

@@ -35,6 +35,7 @@ struct RunFacts {
   std::size_t stages = 0;      ///< in the case
   std::string resume_command;  ///< how to go on with a run that was stopped
   StepFacts step;
+  std::vector<Warning> files;  ///< what of the folder could not be read
 };
 
 /// |balance_error| above which there is a note: all examples stay below 1.4e-4 (README).
