@@ -4,7 +4,7 @@ import { class_colours, css_gradient } from "./colours.js";
 import { capital, element, number } from "./text.js";
 
 const meaning = {
-  small: "small", strained: "strained (past 45°)", snapped: "snapped (past 90°)",
+  small: "small", strained: "strained: moments no longer grow", snapped: "snapped: pulls towards a wrong shape",
 };
 
 export function legend(quantity, scale) {
