@@ -30,14 +30,14 @@ function linear_ends(ends) {
   return [low === 0 ? 0 : low - room, high === 0 ? 0 : high + room];
 }
 
-/** The same with logarithms of sizes; zeros are gaps. `cut` says in words which sizes lie below the axis, if any do. */
+/** The same with logarithms of sizes; zeros are gaps. `cut` is a sentence if some lie below the axis, else empty. */
 export function log_axis(columns) {
   const values = columns.map((column) => column.map((v) => (v ? Math.log10(Math.abs(v)) : null)));
-  const found = extent(values) ?? [0, 1], low = Math.max(found[0], found[1] - decades);
-  const ends = [log_digit(low, Math.floor), log_digit(found[1], Math.ceil)];
+  const found = extent(values) ?? [0, 1], cut = found[1] - found[0] > decades;
+  const ends = [cut ? Math.floor(found[1] - decades) : log_digit(found[0], Math.floor), log_digit(found[1], Math.ceil)];
   if (ends[0] === ends[1]) { --ends[0]; ++ends[1]; }
   return { values, ends, splits: (u, axis, from, to) => log_ticks(from, to), words: (marks) => marks.map((v) => number(10 ** v)),
-           cut: low > found[0] ? `, cut at ${number(10 ** ends[0])}` : "" };
+           cut: cut ? `Sizes below ${number(10 ** ends[0])} are not shown.` : "" };
 }
 
 const slack = 1e-9;   // logarithms of 1, 2, ... are not exact

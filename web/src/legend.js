@@ -12,7 +12,7 @@ export function legend(quantity, scale) {
   if (scale.classes) {
     const words = scale.classes.map((name, k) => element("li", {},
       element("span", { class: "swatch", style: `background: rgb(${class_colours[k].join(" ")})` }), meaning[name]));
-    return element("div", { class: "legend" }, title, element("ul", {}, ...words));
+    return element("div", { class: "legend classes" }, title, element("ul", {}, ...words));
   }
   const [low, high] = scale.ends;
   const bar = element("div", { class: "bar", style: `background: ${css_gradient(scale.table)}` });

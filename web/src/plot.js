@@ -32,13 +32,14 @@ export class Plot {
     Object.assign(this, { history, preset, picked, log: { x: false, y: false }, hidden: new Set(), row: null });
     this.place = element("div", { class: "canvas" });
     this.keys = element("div", { class: "keys" });
+    this.note = element("p", { class: "note" });
     this.heading = element("h3", {}, preset.title);
     this.root = element("article", { class: "plot" },
       element("header", {}, this.heading, element("div", { class: "buttons" },
         this.switch_log("x"), this.switch_log("y"),
         element("button", { type: "button", onclick: () => this.save_csv() }, "CSV"),
         element("button", { type: "button", onclick: () => this.save_png() }, "PNG"))),
-      this.place, this.keys);
+      this.place, this.keys, this.note);
   }
 
   switch_log(axis) {
@@ -66,11 +67,11 @@ export class Plot {
     return { names, x_axis, y_axis, x: x_axis.values[0], ys: y_axis.values };
   }
 
-  axis_words(names, log, cut = "") {
+  axis_words(names, log) {
     const units = new Set(names.map((name) => this.history.column(name).unit));
     const unit = units.size === 1 && [...units][0] ? ` [${[...units][0]}]` : "";
     const name = names.length === 1 ? names[0] : this.preset.stacked ? "energy" : "";
-    return `${log && name ? `|${name}|` : name}${unit}${cut}`;
+    return `${log && name ? `|${name}|` : name}${unit}`;
   }
 
   /** (Re)draws everything; a change of theme, width, axes or curves comes here. */
@@ -79,6 +80,7 @@ export class Plot {
     this.marks = null;
     this.drawn = this.curves();
     const { names, x_axis, y_axis, x, ys } = this.drawn;
+    this.note.textContent = [x_axis.cut, y_axis.cut].filter(Boolean).join(" ");
     const palette = colour_of("--series").split(/\s+/);
     this.colours = new Map(this.preset.y.map((name, k) => [name, palette[k % palette.length]]));
     const order = ys.map((_, k) => k);
@@ -96,8 +98,8 @@ export class Plot {
       mode: 2, width: this.place.clientWidth || 400, height, padding: [8, 22, 0, 0],
       cursor: { show: false }, legend: { show: false }, hooks: { ready: [(made) => { if (made === this.plot) this.ready(); }] },
       scales: { x: { time: false, auto: false, range: () => x_axis.ends }, y: { auto: false, range: () => y_axis.ends } },
-      axes: [axis("x", x_axis, this.axis_words([this.preset.x], this.log.x, x_axis.cut)),
-             axis("y", y_axis, this.axis_words(this.preset.y, this.log.y, y_axis.cut))],
+      axes: [axis("x", x_axis, this.axis_words([this.preset.x], this.log.x)),
+             axis("y", y_axis, this.axis_words(this.preset.y, this.log.y))],
       series: [{}, ...series],
     }, [null, ...data], this.place);
   }

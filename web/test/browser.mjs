@@ -148,7 +148,7 @@ async function modes_swing(browser, file) {
 
 const two_pictures = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
 
-/** Every plot on logarithmic axes, and with each of its curves hidden in turn until none is left. */
+/** Every plot on logarithmic axes, and then with each of its curves hidden in turn until none is left. */
 async function plots_take_any_choice(browser, file) {
   const { page, complaints } = await open(browser, file);
   await page.$$eval('.chips button[aria-pressed="false"]', (chips) => chips.forEach((chip) => chip.click()));
@@ -159,6 +159,9 @@ async function plots_take_any_choice(browser, file) {
     };
     for (const k of [0, 1, 0, 1]) await click(".buttons button", k);
     const curves = (await plot.$$(".key")).length;
+    await plot.$$eval(".buttons button", ([log_x]) => { log_x.click(); log_x.click(); });   // before the first is drawn
+    await two_pictures(page);
+    assert.equal((await plot.$$(".dot")).length, curves, "one dot for each curve");
     for (const pressed of ["false", "true"]) {
       for (let k = 0; k < curves; ++k) {
         await click(".key", k);
