@@ -137,13 +137,13 @@ export function snapped() {
                rerun: { command: "vbond run resolved.toml", case: `# ${markup}\n` } });
 }
 
-/** The rod with energies from nearly nothing to much, one of them nothing at all to speak of. */
+/** The rod with energies over 25 decades. */
 export function wide() {
   const made = rod(), { columns, values } = made.json.history;
   const at = (name) => columns.findIndex((column) => column.name === name);
   values[at("U_L")] = values[0].map((_, k) => 1e-22 * 10 ** (25 * k / (values[0].length - 1)));
   values[at("U_B")].fill(1e-22);
-  values[at("U_T")].fill(4.9e-324);
+  values[at("kinetic_rotation")].fill(0);
   return made;
 }
 
