@@ -45,19 +45,17 @@ async function copied(text, block) {
   }
 }
 
-export function foot({ facts, rerun, left_out, history }) {
+export function foot({ facts, rerun, left_out }) {
   const parts = facts.length ? [element("h2", {}, "What was run"), table(facts)] : [];
   if (rerun) {
     parts.push(element("h2", {}, "Run it again"), element("p", {}, "Save the case below as resolved.toml, then:"),
       copyable("the command", rerun.command),
       element("details", {}, element("summary", {}, "The case, with all defaults filled in"), copyable("the case", rerun.case)));
   }
-  const sentences = [...left_out];
-  const rows = history.values[0]?.length ?? 0;
-  if (history.rows_in_file > rows) sentences.push(`Plots have ${rows} of the ${history.rows_in_file} rows of history.csv.`);
-  if (sentences.length) parts.push(element("h2", {}, "What this page leaves out"), element("ul", {}, ...sentences.map((s) => element("li", {}, s))));
+  if (left_out.length) parts.push(element("h2", {}, "What this page leaves out"), element("ul", {}, ...left_out.map((s) => element("li", {}, s))));
   parts.push(element("p", { class: "made" },
-    "Keys: space plays and pauses, arrows go one frame on or back, Home and End go to the first and last frame. ",
-    "Drag to turn the body, scroll or pinch to come nearer, drag with the right button to move it. Click a plot to go to that time."));
+    "Keys: space plays and pauses, left and right go one frame back or on; after a click on the body, Home and End go to the first and last frame. ",
+    "Drag to turn the body, scroll to come nearer, drag with the right button to move it. Click a plot to go to that time. ",
+    "On a touch screen tap the body first: then one finger turns it, two move it and come nearer; tap elsewhere to scroll again."));
   return parts;
 }

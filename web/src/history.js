@@ -3,22 +3,16 @@
 const stacked = ["kinetic_translation", "kinetic_rotation", "U_L", "U_B", "U_T", "contact", "dissipated"];
 
 export class History {
-  constructor({ columns, values, rows_in_file }) {
+  /** `clock` is the column along which the run goes on. */
+  constructor({ columns, values }, clock = "time") {
     this.columns = new Map(columns.map(({ name, unit }, k) => [name, { name, unit: unit ?? "", values: values[k] }]));
     this.rows = values[0]?.length ?? 0;
-    this.rows_in_file = rows_in_file;
+    this.clock = this.has(clock) ? clock : this.names[0];
   }
 
   get names() { return [...this.columns.keys()]; }
   has(name) { return this.columns.has(name); }
   column(name) { return this.columns.get(name); }
-
-  /** The column along which a run goes on. */
-  get clock() {
-    const only_balances = this.has("load_factor") && this.column("load_factor").values.every((v) => v != null);
-    if (only_balances && this.has("step")) return "step";   // the time of a balance means nothing
-    return this.has("time") ? "time" : this.names[0];
-  }
 
   /** Presets of the data whose columns are all there, then energies and their balance. */
   presets(plots) {
@@ -65,11 +59,6 @@ export function stack(columns) {
     return v == null || below == null ? null : below + v;
   })));
   return sums;
-}
-
-/** Values that a logarithmic axis can show: sizes, and gaps for zeros. */
-export function for_logarithm(values) {
-  return values.map((v) => (v ? Math.abs(v) : null));
 }
 
 export function extent(arrays) {

@@ -4,7 +4,7 @@ import { class_colours, css_gradient } from "./colours.js";
 import { capital, element, number } from "./text.js";
 
 const meaning = {
-  small: "small", strained: "strained (past 45°)", snapped: "snapped (past 90°)",
+  small: "small", strained: "strained: moments no longer grow", snapped: "snapped: pulls towards a wrong shape",
 };
 
 export function legend(quantity, scale) {
@@ -12,7 +12,7 @@ export function legend(quantity, scale) {
   if (scale.classes) {
     const words = scale.classes.map((name, k) => element("li", {},
       element("span", { class: "swatch", style: `background: rgb(${class_colours[k].join(" ")})` }), meaning[name]));
-    return element("div", { class: "legend" }, title, element("ul", {}, ...words));
+    return element("div", { class: "legend classes" }, title, element("ul", {}, ...words));
   }
   const [low, high] = scale.ends;
   const bar = element("div", { class: "bar", style: `background: ${css_gradient(scale.table)}` });

@@ -30,10 +30,10 @@ function shared_cursor(run, history, figures) {
   return { plots, view };
 }
 
-function start_view(view) {
+function start_view(view, why_none = "There are no frames, so there is no 3D view. Give [output] frames in the case to have them.") {
   const state = document.documentElement.dataset;
   if (!view) {
-    message("note", "There are no frames, so there is no 3D view. Give [output] frames in the case to have them.");
+    message("note", why_none);
     state.ready = "no-frames";
     return;
   }
@@ -54,7 +54,7 @@ function start_view(view) {
 async function show() {
   const json = JSON.parse(place("run").textContent);
   document.title = json.title;
-  const history = new History(json.history);
+  const history = new History(json.history, json.clock);
   let plots, view;
   place("head").append(...head(json, theme_button(() => { plots?.draw(); view?.set_ground(); })));
   place("messages").append(...warnings(json.warnings));
@@ -64,7 +64,7 @@ async function show() {
   ({ plots, view } = shared_cursor(run, history, place("figures")));
   place("waiting").remove();
   plots?.start();
-  start_view(view);
+  start_view(view, json.no_frames);
 }
 
 apply_theme();

@@ -1,7 +1,8 @@
 // One plot: any columns against any other, so x need not ascend (force against shortening goes
 // back and forth). uPlot's own lines and cursor want ascending x; its scatter mode with lines drawn here does not.
 import uPlot from "uplot";
-import { extent, for_logarithm, stack } from "./history.js";
+import { linear_axis, log_axis } from "./axis.js";
+import { stack } from "./history.js";
 import { colour_of, framed, save } from "./picture.js";
 import { download, element, file_name, number } from "./text.js";
 
@@ -25,33 +26,20 @@ function polyline(u, index, first, last) {
   return { stroke: line, fill };
 }
 
-function tick_words(_, marks) {
-  const apart = marks.length > 1 ? Math.abs(marks[1] - marks[0]) : 1;
-  return marks.map((v) => (v == null ? "" : number(Math.abs(v) < 1e-6 * apart ? 0 : Number(v.toPrecision(6)))));
-}
-
-function range(ends, log) {
-  if (!ends) return log ? [1, 10] : [0, 1];
-  if (log) return uPlot.rangeLog(ends[0], ends[1], 10, false);
-  const [low, high] = ends;
-  if (low === high) return [low - (0.1 * Math.abs(low) || 1), high + (0.1 * Math.abs(high) || 1)];
-  const room = 0.04 * (high - low);
-  return [low === 0 ? 0 : low - room, high === 0 ? 0 : high + room];
-}
-
 export class Plot {
   /** `picked(row)` is called when a point is clicked. */
   constructor(history, preset, picked) {
     Object.assign(this, { history, preset, picked, log: { x: false, y: false }, hidden: new Set(), row: null });
     this.place = element("div", { class: "canvas" });
     this.keys = element("div", { class: "keys" });
+    this.note = element("p", { class: "note" });
     this.heading = element("h3", {}, preset.title);
     this.root = element("article", { class: "plot" },
       element("header", {}, this.heading, element("div", { class: "buttons" },
         this.switch_log("x"), this.switch_log("y"),
         element("button", { type: "button", onclick: () => this.save_csv() }, "CSV"),
         element("button", { type: "button", onclick: () => this.save_png() }, "PNG"))),
-      this.place, this.keys);
+      this.place, this.keys, this.note);
   }
 
   switch_log(axis) {
@@ -69,14 +57,14 @@ export class Plot {
     this.build();
   }
 
-  /** Columns as drawn: sizes on a logarithmic axis, sums in a stack. */
+  /** Names of the curves that are shown and the axes with their values; sums in a stack. */
   curves() {
-    const of = (name, log) => (log ? for_logarithm : (v) => v)(this.history.column(name).values);
-    const x = of(this.preset.x, this.log.x);
+    const of = (name) => this.history.column(name).values;
     const names = this.preset.y.filter((name) => !this.hidden.has(name));
     this.stacks = !!this.preset.stacked && !this.log.y;
-    const ys = names.map((name) => of(name, this.log.y));
-    return { x, names, ys: this.stacks ? stack(ys) : ys };
+    const x_axis = (this.log.x ? log_axis : linear_axis)([of(this.preset.x)]), ys = names.map(of);
+    const y_axis = this.log.y ? log_axis(ys) : linear_axis(this.stacks ? stack(ys) : ys, this.stacks);
+    return { names, x_axis, y_axis, x: x_axis.values[0], ys: y_axis.values };
   }
 
   axis_words(names, log) {
@@ -90,25 +78,30 @@ export class Plot {
   build() {
     this.plot?.destroy();
     this.marks = null;
-    const { x, names, ys } = this.curves();
+    this.drawn = this.curves();
+    const { names, x_axis, y_axis, x, ys } = this.drawn;
+    this.note.textContent = [x_axis.cut, y_axis.cut].filter(Boolean).join(" ");
     const palette = colour_of("--series").split(/\s+/);
     this.colours = new Map(this.preset.y.map((name, k) => [name, palette[k % palette.length]]));
     const order = ys.map((_, k) => k);
     if (this.stacks) order.reverse();   // the highest sum first, so that the lower ones lie on it
-    const axis = (scale, words) => ({ scale, label: words, labelSize: 20, labelGap: 0, size: scale === "x" ? 32 : 60, values: tick_words,
+    const axis = (scale, { splits, words }, label) => ({ scale, label, labelSize: 20, labelGap: 0, size: scale === "x" ? 32 : 60,
+      splits, values: (_, marks) => words(marks),
       font: "11px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif", stroke: colour_of("--ink"),
       grid: { stroke: colour_of("--line"), width: 1 }, ticks: { stroke: colour_of("--line"), width: 1, size: 4 } });
-    this.drawn = { x, names, ys };
+    const curve = (name) => ({ stroke: this.colours.get(name), width: this.stacks ? 0.5 : 1.6, paths: polyline,
+      fill: this.stacks ? this.colours.get(name) : undefined, points: { show: false },
+      facets: [{ scale: "x", auto: true }, { scale: "y", auto: true }] });
+    const series = order.map((k) => curve(names[k])), data = order.map((k) => [x, ys[k]]);
+    if (!series.length) { series.push(curve()); data.push([[], []]); }   // uPlot wants one
     this.plot = new uPlot({
       mode: 2, width: this.place.clientWidth || 400, height, padding: [8, 22, 0, 0],
-      cursor: { show: false }, legend: { show: false }, hooks: { ready: [() => this.ready()] },
-      scales: { x: { time: false, distr: this.log.x ? 3 : 1, auto: false, range: () => range(extent([x]), this.log.x) },
-                y: { distr: this.log.y ? 3 : 1, auto: false, range: () => range(this.y_extent(ys), this.log.y) } },
-      axes: [axis("x", this.axis_words([this.preset.x], this.log.x)), axis("y", this.axis_words(this.preset.y, this.log.y))],
-      series: [{}, ...order.map((k) => ({ stroke: this.colours.get(names[k]), width: this.stacks ? 0.5 : 1.6, paths: polyline,
-        fill: this.stacks ? this.colours.get(names[k]) : undefined, points: { show: false },
-        facets: [{ scale: "x", auto: true }, { scale: "y", auto: true }] }))],
-    }, [null, ...order.map((k) => [x, ys[k]])], this.place);
+      cursor: { show: false }, legend: { show: false }, hooks: { ready: [(made) => { if (made === this.plot) this.ready(); }] },
+      scales: { x: { time: false, auto: false, range: () => x_axis.ends }, y: { auto: false, range: () => y_axis.ends } },
+      axes: [axis("x", x_axis, this.axis_words([this.preset.x], this.log.x)),
+             axis("y", y_axis, this.axis_words(this.preset.y, this.log.y))],
+      series: [{}, ...series],
+    }, [null, ...data], this.place);
   }
 
   /** uPlot calls it once scales are known, a moment after it is made. */
@@ -119,11 +112,6 @@ export class Plot {
     this.plot.over.addEventListener("pointerleave", () => this.list(this.row));
     this.plot.over.addEventListener("click", (event) => { const row = this.row_at(event); if (row != null) this.picked(row); });
     this.mark(this.row);
-  }
-
-  y_extent(ys) {
-    const ends = extent(ys);
-    return ends && this.stacks ? [Math.min(0, ends[0]), Math.max(0, ends[1])] : ends;
   }
 
   /** The row drawn nearest to the pointer; along x alone where x ascends with time. */
@@ -148,12 +136,12 @@ export class Plot {
   mark(row) {
     this.row = row;
     if (!this.marks) return;
-    const { x, ys } = this.drawn;
-    const left = row == null || x[row] == null ? null : this.plot.valToPos(x[row], "x");
+    const { x, ys, x_axis, y_axis } = this.drawn;
+    const left = row == null || x[row] == null || x[row] < x_axis.ends[0] ? null : this.plot.valToPos(x[row], "x");
     this.marks.hidden = left == null;
     if (left != null) this.marks.style.transform = `translateX(${left}px)`;
     this.plot.over.querySelectorAll(".dot").forEach((dot, k) => {
-      dot.hidden = left == null || ys[k][row] == null;
+      dot.hidden = left == null || ys[k][row] == null || ys[k][row] < y_axis.ends[0];
       if (!dot.hidden) dot.style.transform = `translate(${left}px, ${this.plot.valToPos(ys[k][row], "y")}px)`;
     });
     this.list(row);

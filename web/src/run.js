@@ -89,7 +89,7 @@ export class Sequence {
 
   bond_quantity({ key, label, unit, signed, array }) {
     const q = once(() => stored(this.block, array));
-    const degrees = unit === "rad" || key === "bend" || key === "twist";
+    const degrees = unit === "rad";
     const factor = degrees ? 180 / Math.PI : 1;
     const value = (f, k) => factor * (array.low + array.step * q()[f * this.bonds + k]);
     return this.on_bonds(key, label, degrees ? "°" : unit, signed, value);

@@ -1,6 +1,6 @@
 // The body in 3D. Draws only when asked to; knows nothing of time, playing or the page around it.
-import { BufferAttribute, BufferGeometry, DataTexture, DoubleSide, DynamicDrawUsage, FloatType, GLSL3, Mesh, NearestFilter,
-         PerspectiveCamera, RawShaderMaterial, RGBAFormat, RGFormat, Scene, UnsignedByteType, Vector3, WebGLRenderer } from "three";
+import { BufferAttribute, BufferGeometry, DataTexture, DoubleSide, DynamicDrawUsage, FloatType, GLSL3, Mesh, NearestFilter, PerspectiveCamera,
+         RawShaderMaterial, RGBAFormat, RGFormat, Scene, TOUCH, UnsignedByteType, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { bond_fragment, bond_vertex, sphere_fragment, sphere_vertex } from "./shaders.js";
 
@@ -146,6 +146,8 @@ export class BodyScene {
     this.controls?.dispose();   // OrbitControls reads `up` when made, and only then
     this.controls = new OrbitControls(this.camera, this.canvas);
     this.controls.target.copy(centre);
+    const held = (does) => (document.activeElement === this.canvas ? does : null);   // fingers scroll the page until the body is tapped
+    this.controls.touches = { get ONE() { return held(TOUCH.ROTATE); }, get TWO() { return held(TOUCH.DOLLY_PAN); } };
     this.turned = false;   // by hand, since this look
     this.controls.addEventListener("start", () => { this.turned = true; });
     this.controls.addEventListener("change", () => this.request());

@@ -154,11 +154,12 @@ export class View {
     return `${stage}time ${with_unit(at.time, this.run.time_unit)}, step ${at.step}${scaled}`;
   }
 
-  /** Keys of the whole page that are not meant for the element with the focus. */
+  /** Keys for the view; without focus anywhere those that do not scroll the page far. */
   key_pressed(event) {
-    if (event.altKey || event.ctrlKey || event.metaKey || event.target.closest("input, select, textarea, button, summary, a")) return;
+    const anywhere = event.target === document.body, here = this.root.contains(event.target) && !event.target.closest("input, select, button");
+    if (event.altKey || event.ctrlKey || event.metaKey || !(anywhere || here)) return;
     const does = { " ": () => this.player.toggle(), ArrowRight: () => this.player.move(1), ArrowLeft: () => this.player.move(-1),
-                   Home: () => this.player.move(-Infinity), End: () => this.player.move(Infinity) }[event.key];
+                   ...(here && { Home: () => this.player.move(-Infinity), End: () => this.player.move(Infinity) }) }[event.key];
     if (!does) return;
     event.preventDefault();
     does();

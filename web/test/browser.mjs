@@ -9,26 +9,26 @@ import { tmpdir } from "node:os";
 import { dirname, join, resolve } from "node:path";
 import { fileURLToPath, pathToFileURL } from "node:url";
 import { choose, launch, patience } from "./chromium.mjs";
-import { page as filled, rod, snapped } from "./sample.mjs";
+import { page as filled, rod, snapped, wide } from "./sample.mjs";
 
 const here = dirname(fileURLToPath(import.meta.url));
 
 /** Opens a page and waits for its first picture; whatever it complains of or fetches is in `complaints`. */
-async function open(browser, file, { width = 1300, reduced = "reduce" } = {}) {
+async function open(browser, file, { width = 1300, reduced = "reduce", ready = "drawn", hash = "", touch = false } = {}) {
   const page = await browser.newPage();
   const complaints = [];
-  const address = pathToFileURL(file).href;
+  const address = pathToFileURL(file).href + hash;
   page.on("console", (message) => complaints.push(`console: ${message.text()}`));
   page.on("pageerror", (error) => complaints.push(`error: ${error.message}`));
   page.on("request", (request) => {
-    if (request.url() !== address && !/^(data|blob):/.test(request.url())) complaints.push(`request: ${request.url()}`);
+    if (request.url() !== pathToFileURL(file).href && !/^(data|blob):/.test(request.url())) complaints.push(`request: ${request.url()}`);
   });
   await page.emulateMediaFeatures([{ name: "prefers-reduced-motion", value: reduced }]);
-  await page.setViewport({ width, height: 900 });
+  await page.setViewport({ width, height: 900, hasTouch: touch });
   const start = performance.now();
   await page.goto(address, { timeout: patience });
   await page.waitForSelector("[data-ready]", { timeout: patience });
-  assert.equal(await page.evaluate(() => document.documentElement.dataset.ready), "drawn");
+  assert.equal(await page.evaluate(() => document.documentElement.dataset.ready), ready);
   return { page, complaints, first_picture: performance.now() - start };
 }
 
@@ -146,6 +146,93 @@ async function modes_swing(browser, file) {
   await page.close();
 }
 
+const two_pictures = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+
+/** Every plot on logarithmic axes, and then with each of its curves hidden in turn until none is left. */
+async function plots_take_any_choice(browser, file) {
+  const { page, complaints } = await open(browser, file);
+  await page.$$eval('.chips button[aria-pressed="false"]', (chips) => chips.forEach((chip) => chip.click()));
+  for (const plot of await page.$$(".plot")) {
+    const click = async (selector, k) => {
+      await plot.$$eval(selector, (found, k) => found[k].click(), k);
+      await two_pictures(page);
+    };
+    for (const k of [0, 1, 0, 1]) await click(".buttons button", k);
+    const curves = (await plot.$$(".key")).length;
+    await plot.$$eval(".buttons button", ([log_x]) => { log_x.click(); log_x.click(); });   // before the first is drawn
+    await two_pictures(page);
+    assert.equal((await plot.$$(".dot")).length, curves, "one dot for each curve");
+    for (const pressed of ["false", "true"]) {
+      for (let k = 0; k < curves; ++k) {
+        await click(".key", k);
+        const shown = await plot.$$eval('.key[aria-pressed="true"]', (keys) => keys.length);
+        assert.equal(shown, pressed === "true" ? k + 1 : curves - k - 1);
+        assert.equal((await plot.$$(".dot")).length, shown, "one dot for each curve");
+        assert.equal((await plot.$$("canvas")).length, 1);
+      }
+    }
+  }
+  assert.deepEqual(complaints, []);
+  await page.close();
+}
+
+/** Presses a key on the element, or on none; whether the frame changed. */
+async function changes_frame(page, selector, key) {
+  const frame = () => page.$eval(".scrub", (scrub) => scrub.value);
+  await page.evaluate((selector) => { document.activeElement.blur(); if (selector) document.querySelector(selector).focus(); }, selector);
+  const before = await frame();
+  await page.keyboard.press(key);
+  await two_pictures(page);
+  return await frame() !== before;
+}
+
+async function keys_belong_to_the_focus(browser, file) {
+  const { page } = await open(browser, file);
+  await page.$eval("details", (details) => { details.open = true; });
+  for (const [selector, key, wanted] of [["details pre", "Home", false], ["details pre", "ArrowLeft", false], [null, "Home", false], [".chips button", "ArrowLeft", false],
+                                         [null, "ArrowLeft", true], [".stage canvas", "ArrowLeft", true], [".stage canvas", "Home", true]]) {
+    assert.equal(await changes_frame(page, selector, key), wanted, `${key} with focus on ${selector}`);
+  }
+  await page.close();
+}
+
+async function a_finger_scrolls_until_the_body_is_tapped(browser, file) {
+  const { page } = await open(browser, file, { width: 400, touch: true });
+  const box = await page.$eval(".stage", (stage) => { stage.scrollIntoView(); const { x, y } = stage.getBoundingClientRect(); return { x, y }; });
+  const drag = async () => {
+    const before = await picture(page), from = await page.evaluate(() => scrollY);
+    const touch = await page.touchscreen.touchStart(box.x + 200, box.y + 300);
+    for (let k = 1; k < 16; ++k) await touch.move(box.x + 200, box.y + 300 - 10 * k);
+    await touch.end();
+    await two_pictures(page);
+    const scrolled = await page.evaluate(() => scrollY) !== from;
+    await page.evaluate((y) => scrollTo(0, y), from);
+    return { scrolled, turned: await picture(page) !== before };
+  };
+  assert.deepEqual(await drag(), { scrolled: true, turned: false });
+  await page.touchscreen.tap(box.x + 200, box.y + 200);
+  assert.deepEqual(await drag(), { scrolled: false, turned: true });
+  await page.close();
+}
+
+/** Without a picture `#still` has the message alone. */
+async function still_says_why_there_is_no_picture(browser, file, ready, words) {
+  const { page } = await open(browser, file, { hash: "#still", ready });
+  assert.ok((await page.$eval("main", (main) => main.innerText)).includes(words), words);
+  assert.equal(await page.$eval("#head", (head) => head.offsetHeight), 0);
+  await page.close();
+}
+
+async function classes_are_words(browser, file) {
+  const { page } = await open(browser, file);
+  await page.select("#quantity", "range");
+  assert.deepEqual(await page.$$eval(".legend li", (items) => items.map((item) => item.textContent)),
+    ["small", "strained: moments no longer grow", "snapped: pulls towards a wrong shape"]);
+  assert.ok(await page.$eval(".legend", (legend) => legend.scrollWidth <= legend.clientWidth));
+  assert.ok(!(await page.$eval("#foot", (foot) => foot.textContent)).includes("12345"), "rows left out are told in left_out alone");
+  await page.close();
+}
+
 /** Pictures per second while playing, in a window of 1300 x 900. */
 async function frame_rate(browser, file) {
   const { page } = await open(browser, file);
@@ -182,6 +269,15 @@ try {
     await text_stays_text(browser, await made("snapped", snapped()));
     await modes_swing(browser, pages[0]);
     await saves_files(browser, pages[0]);
+    await plots_take_any_choice(browser, pages[0]);
+    await plots_take_any_choice(browser, await made("wide", wide()));
+    await keys_belong_to_the_focus(browser, pages[0]);
+    await a_finger_scrolls_until_the_body_is_tapped(browser, pages[0]);
+    await classes_are_words(browser, pages[0]);
+    const none = { sequences: [], first_shown: 0 };
+    await still_says_why_there_is_no_picture(browser, await made("no_frames", rod(none)), "no-frames", "Give [output] frames");
+    await still_says_why_there_is_no_picture(browser, await made("too_large", rod({ ...none, no_frames: "No frame fits." })), "no-frames", "No frame fits.");
+    await still_says_why_there_is_no_picture(browser, await made("broken", { ...rod(), base64: "AAAA" }), "failed", "could not be shown");
   }
 } finally {
   await browser.close();

@@ -3,7 +3,8 @@ import { test } from "node:test";
 import { gunzipSync } from "node:zlib";
 import { maps, scale_ends, shade } from "../src/colours.js";
 import { from_base64, inflate, stored, undelta } from "../src/decode.js";
-import { History, extent, for_logarithm, nearest, stack } from "../src/history.js";
+import { linear_axis, log_axis, log_ticks } from "../src/axis.js";
+import { History, extent, nearest, stack } from "../src/history.js";
 import { Player } from "../src/player.js";
 import { Run } from "../src/run.js";
 import { file_name, number, with_unit } from "../src/text.js";
@@ -63,6 +64,16 @@ test("Run.TotalEnergyIsTheSumAndAnglesAreInDegrees", () => {
   assert.ok(Math.abs(of("bend").extremes()[1] - (180 / Math.PI) * 13.2 * Math.sin(Math.PI / 9)) < 1e-9);
 });
 
+test("Run.OnlyTheUnitMakesAnAngle", () => {
+  const { json, base64 } = rod();
+  const bend = json.sequences[0].bond_fields.find(({ key }) => key === "bend");
+  bend.unit = "";
+  const [sequence] = new Run(json, new Uint8Array(gunzipSync(Buffer.from(base64, "base64")))).sequences;
+  const read = sequence.quantities.find(({ key }) => key === "bend");
+  assert.equal(read.unit, "");
+  assert.ok(Math.abs(read.extremes()[1] - (bend.array.low + 255 * bend.array.step)) < 1e-9);
+});
+
 test("Run.AnotherFormatIsRefused", () => {
   assert.throws(() => new Run({ format: 2 }, new Uint8Array(0)), /format 1.*format 2/);
 });
@@ -103,17 +114,58 @@ test("History.NearestTakesTheFirstOfEquals", () => {
   assert.equal(nearest([0, 10], 99), 1);
 });
 
-test("History.StacksKeepGapsAndLogarithmsSkipZeros", () => {
+test("History.StacksKeepGaps", () => {
   assert.deepEqual(stack([[1, null, 3], [1, 1, 1]]), [[1, null, 3], [2, null, 4]]);
-  assert.deepEqual(for_logarithm([-2, 0, null, 3]), [2, null, null, 3]);
   assert.deepEqual(extent([[null, 2], [-1, null]]), [-1, 2]);
   assert.equal(extent([[null]]), null);
+});
+
+test("History.TheClockIsTheOneGivenElseTime", () => {
+  const columns = { columns: [{ name: "step" }, { name: "time" }, { name: "load_factor" }], values: [[0, 1], [0, 1], [0, 1]] };
+  assert.equal(new History(columns, "step").clock, "step");
+  assert.equal(new History(columns).clock, "time");
+  assert.equal(new History({ columns: [{ name: "U_L" }], values: [[0]] }, "step").clock, "U_L");
 });
 
 test("History.PresetsWithoutTheirColumnsAreLeftOut", () => {
   const history = new History({ columns: [{ name: "time" }, { name: "U_L" }], values: [[0, 1], [0, 2]], rows_in_file: 2 });
   assert.deepEqual(history.presets([{ title: "?", x: "time", y: ["force"] }]).map((p) => p.title), ["Energies"]);
   assert.equal(history.csv(["time", "U_L"]), "time,U_L\n0,0\n1,2\n");
+});
+
+test("Axis.LogarithmsSkipZerosAndSigns", () => {
+  assert.deepEqual(log_axis([[-100, 0, null, 0.1]]).values, [[2, null, null, -1]]);
+  assert.deepEqual(log_axis([[null, 0]]).ends, [0, 1]);
+});
+
+test("Axis.ALogarithmicAxisIsCutTwelveDecadesBelowTheLargestValue", () => {
+  const axis = log_axis([[1e-22, 1e-22], [5, 1e3]]);
+  assert.deepEqual(axis.ends, [-9, 3]);
+  assert.equal(axis.cut, "Sizes below 1e−9 are not shown.");
+  assert.equal(log_axis([[1e-22, 3e-20]]).cut, "");
+  assert.deepEqual(axis.words(log_ticks(-9, 3)), ["1e−9", "1e−7", "1e−5", "0.001", "0.1", "10", "1000"]);
+});
+
+test("Axis.TicksAreFewOverAnyRange", () => {
+  for (const [low, high] of [[1e-22, 1e3], [1e-22, 2e-22], [0.81, 0.93], [1, 1], [3, 800], [4.9e-324, 1e-310], [1e300, 1e308], [1e-20, 1e-20]]) {
+    const axis = log_axis([[low, high]]), ticks = axis.splits(null, 1, ...axis.ends);
+    assert.ok(ticks.length >= 2 && ticks.length <= 7, `${low} to ${high}: ${axis.words(ticks)}`);
+    assert.ok(ticks.every((v) => v > axis.ends[0] - 1e-6 && v < axis.ends[1] + 1e-6));
+    assert.ok(axis.values[0][1] <= axis.ends[1] + 1e-6 && axis.ends[1] - axis.ends[0] < 14);
+  }
+  assert.deepEqual(log_axis([[1]]).words(log_ticks(0, 1)), ["1", "2", "5", "10"]);
+});
+
+test("Axis.LinearAxesAreDrawnAboutOneInTheWordsOfTheValues", () => {
+  const axis = linear_axis([[0, 2e-20, null, 4e-20]]);
+  assert.ok(axis.ends[0] === 0 && Math.abs(axis.ends[1] - 4.16) < 1e-9);
+  assert.deepEqual(axis.words([0, 2]), ["0", "2e−20"]);
+  for (const column of [[4.9e-324, 1e-320], [-1e308, 1e308], [0, 0], [null, null]]) {
+    const { values, ends } = linear_axis([column]);
+    assert.ok([...ends, ...values[0].filter((v) => v != null)].every(Number.isFinite), String(column));
+    assert.ok(ends[1] > ends[0]);
+  }
+  assert.equal(linear_axis([[2, 3]], true).ends[0], 0);
 });
 
 test("Player.MovesStayWithinTheFrames", () => {

@@ -1,5 +1,5 @@
 // Runs made up for tests, in the form that FORMAT.md describes:
-//   node test/sample.mjs rod|ball|snapped|large TEMPLATE OUTPUT
+//   node test/sample.mjs rod|ball|snapped|wide|large TEMPLATE OUTPUT
 import { readFile, writeFile } from "node:fs/promises";
 import { pathToFileURL } from "node:url";
 import { gzipSync } from "node:zlib";
@@ -137,6 +137,16 @@ export function snapped() {
                rerun: { command: "vbond run resolved.toml", case: `# ${markup}\n` } });
 }
 
+/** The rod with energies over 25 decades. */
+export function wide() {
+  const made = rod(), { columns, values } = made.json.history;
+  const at = (name) => columns.findIndex((column) => column.name === name);
+  values[at("U_L")] = values[0].map((_, k) => 1e-22 * 10 ** (25 * k / (values[0].length - 1)));
+  values[at("U_B")].fill(1e-22);
+  values[at("kinetic_rotation")].fill(0);
+  return made;
+}
+
 function near_pairs(points, distance) {
   const pairs = [];
   for (let i = 0; i < points.length; ++i) {
@@ -184,7 +194,7 @@ export function large() {
   return { json: json(block, { title: "A large beam", particles: points.length }, sequences, bonds, 0.48, frames), base64: block.base64() };
 }
 
-export const samples = { rod, ball, snapped, large };
+export const samples = { rod, ball, snapped, wide, large };
 
 if (import.meta.url === pathToFileURL(process.argv[1] ?? "").href) {
   const [name, template, output] = process.argv.slice(2);
