@@ -129,6 +129,20 @@ TEST(PageWarnings, EnergyAndStepHaveTheirLimits) {
   EXPECT_EQ(run.look()[0].level, Level::error);
 }
 
+TEST(PageWarnings, UnstableBalancesAreTold) {
+  Known run;
+  StaticSummary& statics = run.summary->stages[0].statics.emplace();
+  EXPECT_TRUE(run.look().empty());
+  statics.result.unstable = 2;
+  ASSERT_EQ(run.look().size(), 1U);
+  EXPECT_EQ(run.look()[0].level, Level::warning);
+  expect_text(run.look()[0], {"is unstable in 2 directions"});
+  statics.kind = StageKind::path;  // part of it: no reason not to believe the rest
+  ASSERT_EQ(run.look().size(), 1U);
+  EXPECT_EQ(run.look()[0].level, Level::note);
+  expect_text(run.look()[0], {"ends at an unstable balance"});
+}
+
 TEST(PageWarnings, ARunWithoutResultsIsNotComplete) {
   Known run;
   run.summary.reset();

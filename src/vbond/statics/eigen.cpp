@@ -13,8 +13,9 @@
 namespace vbond {
 namespace {
 
-// A shift that is an eigenvalue is moved by this times the largest diagonal entry, then by more: the inverse
-// reaches 1e8 there, and rounding of that leaves vectors of other eigenvalues eight digits and more.
+// A shift that is an eigenvalue, or next to one, is moved by this times the largest diagonal entry, then by
+// more: the inverse reaches 1e8 there, and rounding of that leaves vectors of other eigenvalues eight digits
+// and more.
 constexpr double first_step = 1e-8;
 // Eigenvalues are known to some eps times the largest diagonal entry.
 constexpr double known_to = 1e-12;
@@ -188,14 +189,18 @@ EigenPairs eigenpairs_near_zero(const SparseMatrix& A, int count) {
     found.sort();
     return found.part(0, count);
   }
-  const Shifted at(A, 0.0);
+  const auto size = [](double value) { return std::abs(value); };
+  std::optional<Shifted> at;
+  at.emplace(A, 0.0);
+  Found nearest;
+  look_near(A, at->factor, Spectra::SortRule::LargestMagn, {}, 1, nearest, size);
+  if (const double away = first_step * at->scale; nearest.key[0] < away) at.emplace(A, -away);
   Factor counter;
   counter.analyse(A);
   return find_all(
-      at.factor, Wanted{count, static_cast<int>(n), 0.0, known_to * at.scale},
+      at->factor, Wanted{count, static_cast<int>(n), 0.0, known_to * at->scale},
       [&](int k, Found& found) {
-        look_near(A, at.factor, Spectra::SortRule::LargestMagn, {}, k, found,
-                  [](double value) { return std::abs(value); });
+        look_near(A, at->factor, Spectra::SortRule::LargestMagn, {}, k, found, size);
       },
       [&](double key) -> std::optional<int> {
         const auto below = counter.factor_indefinite(A, -key), far_below = counter.factor_indefinite(A, key);

@@ -175,6 +175,12 @@ void add_unstable(const RunFacts& run, Warnings& all) {
       all.push_back({Level::warning, fmt::format("The balance that stage \"{}\" has found is unstable in {} "
                                                  "direction{}: a real body would leave it.",
                                                  s.name, *r.unstable, *r.unstable == 1 ? "" : "s")});
+    if (s.statics->kind == StageKind::path && r.unstable.value_or(0) > 0)
+      all.push_back(
+          {Level::note, fmt::format("The path of stage \"{}\" ends at an unstable balance: a real body "
+                                    "leaves it where stability was lost, at the limit points and "
+                                    "bifurcations among the results.",
+                                    s.name)});
     const auto unstable = std::count_if(r.modes.begin(), r.modes.end(),
                                         [](const NaturalMode& m) { return !m.rigid && m.omega2 < 0.0; });
     if (unstable > 0)
