@@ -253,4 +253,16 @@ double largest_eigenvalue(const SparseMatrix& A) {
   throw NoConvergence(fmt::format("largest eigenvalue of a matrix of {} unknowns: no convergence", n));
 }
 
+Vector mode_of_cluster(DenseMatrix columns, int mode) {
+  for (int k = 0;; ++k) {
+    const Vector reach = columns.rowwise().norm();
+    Eigen::Index first = 0;
+    while (reach[first] < (1.0 - 1e-6) * reach.maxCoeff()) ++first;
+    const Vector weights = columns.row(first).transpose() / reach[first];
+    const Vector v = columns * weights;
+    if (k == mode - 1) return v;
+    columns -= v * weights.transpose();
+  }
+}
+
 }  // namespace vbond

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <optional>
 #include <utility>
 
@@ -10,6 +9,7 @@
 #include "vbond/core/error.hpp"
 #include "vbond/statics/detail/eigen.hpp"
 #include "vbond/statics/detail/kinds.hpp"
+#include "vbond/statics/detail/path_goal.hpp"
 #include "vbond/statics/detail/path_step.hpp"
 #include "vbond/statics/detail/softest.hpp"
 
@@ -38,32 +38,6 @@ constexpr double aside = 1e-4;
 // rounding.
 constexpr double aside_on_branch = 1e-2;
 
-/// Something at which the path ends.
-struct Goal {
-  std::string name;
-  std::function<double(const Placement&)> gap;  // negative before
-  double small = 0;                             // gap that counts as none
-  std::optional<double> load_factor;            // then met exactly
-};
-
-std::vector<Goal> goals_of(const PathSettings& path) {
-  std::vector<Goal> goals;
-  // a last correction at the load factor itself makes up for 1e-9
-  const auto at_load_factor = [&goals](double f, double sense) {
-    goals.push_back({"load factor", [=](const Placement& p) { return sense * (p.load_factor - f); },
-                     1e-9 * std::max(std::abs(f), 1e-9), f});
-  };
-  if (path.above) at_load_factor(*path.above, 1.0);
-  if (path.below) at_load_factor(*path.below, -1.0);
-  if (path.distance) {
-    const auto beyond = [d = *path.distance](const Placement& p) {
-      return (d.below ? -1.0 : 1.0) * (norm(p.r[d.j] - p.r[d.i]) - d.value);
-    };
-    goals.push_back({"distance", beyond, 1e-15 * path.distance->value, {}});
-  }
-  return goals;
-}
-
 double size_of(const State& state) {
   BoundingBox box;
   for (const Vec3d& r : state.r) box.add(r);
@@ -73,21 +47,6 @@ double size_of(const State& state) {
 /// Negative eigenvalues; nothing where they do not tell what is stable.
 std::optional<int> unstable_at(const PathPoint& p) {
   return p.has_potential ? std::optional<int>(p.unstable) : std::nullopt;
-}
-
-/// Vector number `mode` of a basis of the columns' span that does not depend on the columns chosen in it:
-/// each vector is the one that moves some unknown most, that unknown forwards, and is normal to those before.
-/// Of unknowns that can be moved as far to 1e-6, which is more than rounding, it is the first.
-Vector mode_of_cluster(DenseMatrix columns, int mode) {
-  for (int k = 0;; ++k) {
-    const Vector reach = columns.rowwise().norm();
-    Eigen::Index first = 0;
-    while (reach[first] < (1.0 - 1e-6) * reach.maxCoeff()) ++first;
-    const Vector weights = columns.row(first).transpose() / reach[first];
-    const Vector v = columns * weights;
-    if (k == mode - 1) return v;
-    columns -= v * weights.transpose();
-  }
 }
 
 class PathWalk {

@@ -43,4 +43,9 @@ EigenPairs critical_factors(const SparseMatrix& A, const SparseMatrix& B, int co
 /// High by 1e-10 of it, by 1e-6 at most where very many lie next to it.
 double largest_eigenvalue(const SparseMatrix& A);
 
+/// Vector number `mode` of a basis of the columns' span that does not depend on the columns chosen in it:
+/// each vector is the one that moves some unknown most, that unknown forwards, and is normal to those before.
+/// Of unknowns that can be moved as far to 1e-6, which is more than rounding, it is the first.
+Vector mode_of_cluster(DenseMatrix columns, int mode);
+
 }  // namespace vbond
