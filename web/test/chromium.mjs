@@ -14,7 +14,7 @@ export async function launch() {
   const executablePath = [process.env.CHROMIUM, "/usr/bin/chromium", "/usr/bin/google-chrome"].find((path) => path && existsSync(path));
   if (!executablePath) skip("no chromium (apt-get install --no-install-recommends chromium)");
   const { default: puppeteer } = await import("puppeteer-core").catch(() => skip("no puppeteer-core (npm ci --ignore-scripts in web/)"));
-  return puppeteer.launch({ executablePath, headless: true, protocolTimeout: patience,
+  return puppeteer.launch({ executablePath, headless: true, timeout: patience, protocolTimeout: patience,
                             args: ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"] });
 }
 
