@@ -12,6 +12,7 @@
 #include "statics.hpp"
 #include "vbond/build/build.hpp"
 #include "vbond/case/read.hpp"
+#include "vbond/core/bounding_box.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/dynamics/memory.hpp"
 #include "vbond/dynamics/simulation.hpp"
@@ -32,7 +33,8 @@ void print_memory(const Model& model, const State& state) {
                        use.per_bond * static_cast<double>(state.bonds.size());
   const bool large = total >= GiB;
   fmt::print(
-      "memory           {:.3g} {}: {:.0f} bytes per particle, {:.0f} per bond; neighbour lists are extra\n",
+      "memory           {:.3g} {}: {:.0f} bytes per particle, {:.0f} per bond; neighbour lists, and "
+      "factors of static stages, are extra\n",
       total / (large ? GiB : MiB), large ? "GiB" : "MiB", use.per_particle, use.per_bond);
 }
 
@@ -57,13 +59,9 @@ void print_body(const Model& model, const State& state) {
   const bool si = model.units == UnitSystem::si;
   const char *metre = si ? " m" : "", *kilogram = si ? " kg" : "";
   if (model.particles() == 0) return;
-  Vec3d low = state.r[ParticleId{0}], high = low;
-  for (const Vec3d& r : state.r) {
-    low = {std::min(low.x, r.x), std::min(low.y, r.y), std::min(low.z, r.z)};
-    high = {std::max(high.x, r.x), std::max(high.y, r.y), std::max(high.z, r.z)};
-  }
+  const BoundingBox box = box_around(state.r);
   fmt::print("extent           x {:.6g} to {:.6g}, y {:.6g} to {:.6g}, z {:.6g} to {:.6g}{} (centres)\n",
-             low.x, high.x, low.y, high.y, low.z, high.z, metre);
+             box.low.x, box.high.x, box.low.y, box.high.y, box.low.z, box.high.z, metre);
   fmt::print("total mass       {:.6g}{}\n", std::accumulate(model.mass.begin(), model.mass.end(), 0.0),
              kilogram);
   if (state.bonds.empty()) return;

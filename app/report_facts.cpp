@@ -9,6 +9,7 @@
 #include "prepare.hpp"
 #include "report.hpp"
 #include "vbond/model/step_bound.hpp"
+#include "vbond/observe/report.hpp"
 #include "vbond/statics/results.hpp"
 
 namespace vbond::app {
@@ -125,10 +126,9 @@ void add_static_results(const StageSummary& s, bool si, page::Lines& lines) {
   add("Frequencies", frequencies, si ? " Hz" : "");
   add("Limit points, load factors,", limits, "");
   add("Bifurcations, load factors,", bifurcations, "");
-  if (s.statics->kind == StageKind::equilibrium && r.unstable)
-    lines.push_back(
-        {fmt::format("Balance of stage \"{}\"", s.name),
-         fmt::format("{}, load factor {:.6g}", *r.unstable == 0 ? "stable" : "unstable", r.load_factor)});
+  if (s.statics->kind == StageKind::equilibrium)
+    lines.push_back({fmt::format("Balance of stage \"{}\"", s.name),
+                     fmt::format("{}, load factor {:.6g}", balance_in_words(r), r.load_factor)});
 }
 
 /// Static stages have none, and that of a run that blew up up to there would only reassure.

@@ -259,6 +259,7 @@ TEST(Equilibrium, OfBallsThatCameApartIsNeutralAndTold) {
       ball_on_ball(0.01), static_stage(StageKind::equilibrium, {fixed({first}, testing::clamped)}), hooks);
   EXPECT_EQ(apart.result.ended, "converged");
   EXPECT_GE(apart.state.r[ParticleId{1}].z, 0.6);
+  EXPECT_TRUE(apart.result.neutral);
   EXPECT_NE(told.find("the balance is neutral"), std::string::npos) << told;
 }
 

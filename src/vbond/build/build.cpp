@@ -9,6 +9,7 @@
 #include "vbond/build/groups.hpp"
 #include "vbond/build/stages.hpp"
 #include "vbond/build/velocities.hpp"
+#include "vbond/core/bounding_box.hpp"
 #include "vbond/core/near_pairs.hpp"
 
 namespace vbond {
@@ -113,15 +114,11 @@ void add_particles(const PlacedSpecimen& s, std::uint32_t number, Built& built, 
 
 /// Two centres closer than 1e-9 of the body's size are one place: no direction could be told from them.
 void check_distinct(const Case& c, const Model& model, Problems& problems) {
-  Vec3d min = model.r_0[ParticleId{0}], max = min;
-  for (const Vec3d& r : model.r_0) {
-    min = {std::min(min.x, r.x), std::min(min.y, r.y), std::min(min.z, r.z)};
-    max = {std::max(max.x, r.x), std::max(max.y, r.y), std::max(max.z, r.z)};
-  }
   std::size_t found = 0, first_i = 0, first_j = 0;
-  for_near_pairs(model.r_0.values(), 1e-9 * norm(max - min), [&](std::size_t i, std::size_t j, double) {
-    if (found++ == 0) first_i = i, first_j = j;
-  });
+  for_near_pairs(model.r_0.values(), 1e-9 * box_around(model.r_0).diagonal(),
+                 [&](std::size_t i, std::size_t j, double) {
+                   if (found++ == 0) first_i = i, first_j = j;
+                 });
   if (found > 0)
     problems.add(
         {c.file, 0, 0},

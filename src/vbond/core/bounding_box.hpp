@@ -19,4 +19,12 @@ struct BoundingBox {
   double diagonal() const { return norm(high - low); }
 };
 
+/// Around all of these points.
+template <class Points>
+BoundingBox box_around(const Points& points) {
+  BoundingBox box;
+  for (const Vec3d& r : points) box.add(r);
+  return box;
+}
+
 }  // namespace vbond

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "vbond/core/bounding_box.hpp"
 #include "vbond/core/vec3.hpp"
 
 namespace vbond {
@@ -73,14 +74,10 @@ class CellGrid {
   /// Cells are wider than the distance by more than rounding may move two points in units of cells: no pair
   /// gets two cells apart.
   void lay_out(std::span<const Vec3d> r, double distance) {
-    Vec3d min, max;
-    if (!r.empty()) min = max = r.front();
-    for (const Vec3d& p : r) {
-      min = {std::min(min.x, p.x), std::min(min.y, p.y), std::min(min.z, p.z)};
-      max = {std::max(max.x, p.x), std::max(max.y, p.y), std::max(max.z, p.z)};
-    }
-    const Vec3d extent = max - min;
-    origin_ = min;
+    BoundingBox box = box_around(r);
+    if (r.empty()) box.add({});
+    const Vec3d extent = box.high - box.low;
+    origin_ = box.low;
     width_ = distance > 0.0 ? distance * (1.0 + 1e-9) : 1.0;
     if (std::max({extent.x, extent.y, extent.z}) > 0x1p20 * width_) {
       origin_ = r[r.size() / 2];  // in the body, from which some part has flown off

@@ -13,6 +13,7 @@
 #include <system_error>
 #include <vector>
 
+#include "vbond/core/bounding_box.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/observe/bond_look.hpp"
 #include "vbond/observe/files.hpp"
@@ -171,21 +172,16 @@ std::string pvd_entry(double time, const std::string& file) {
 }
 
 std::string lammps_frame(const Model& model, const State& state) {
-  constexpr double inf = std::numeric_limits<double>::infinity();
-  Vec3d low{inf, inf, inf}, high{-inf, -inf, -inf};
-  for (const ParticleId p : model.mass.ids()) {
-    const Vec3d& r = state.r[p];
-    const double R = model.radius[p];
-    low = {std::min(low.x, r.x - R), std::min(low.y, r.y - R), std::min(low.z, r.z - R)};
-    high = {std::max(high.x, r.x + R), std::max(high.y, r.y + R), std::max(high.z, r.z + R)};
-  }
+  BoundingBox box;
+  for (const ParticleId p : model.mass.ids()) box.add(state.r[p], model.radius[p]);
   fmt::memory_buffer out;
   const auto to = std::back_inserter(out);
   fmt::format_to(to,
                  "ITEM: TIMESTEP\n{}\nITEM: NUMBER OF ATOMS\n{}\nITEM: BOX BOUNDS ss ss ss\n"
                  "{} {}\n{} {}\n{} {}\n"
                  "ITEM: ATOMS id type x y z vx vy vz radius quatw quati quatj quatk\n",
-                 state.clock.step, model.particles(), low.x, high.x, low.y, high.y, low.z, high.z);
+                 state.clock.step, model.particles(), box.low.x, box.high.x, box.low.y, box.high.y, box.low.z,
+                 box.high.z);
   for (const ParticleId p : model.mass.ids()) {
     const Vec3d &r = state.r[p], &v = state.v[p];
     const Quatd& q = state.q[p];

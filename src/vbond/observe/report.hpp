@@ -22,6 +22,9 @@ std::string table_row(const Clock& clock, const EnergyBooks& books, const Energi
 std::string static_table_header();
 std::string static_table_row(const StaticPoint& point, const RangeCounts& ranges);
 
+/// "stable", "neutral: ...", "UNSTABLE in 2 directions" or that it is not known: the balance at the end.
+std::string balance_in_words(const StaticResult& result);
+
 /// What a static stage has found, for people: its balance, special points, critical loads or frequencies.
 /// time_unit: " s" or "".
 std::string static_report(StageKind kind, const StaticResult& result, const std::string& time_unit);

@@ -24,10 +24,7 @@ std::string count_or_dash(const std::optional<int>& n) {
 }
 
 std::string stability(const StaticResult& r) {
-  std::string text = !r.unstable        ? "stability not known: unstable directions were not counted"
-                     : *r.unstable == 0 ? "stable"
-                                        : fmt::format("UNSTABLE in {} direction{}", *r.unstable,
-                                                      *r.unstable == 1 ? "" : "s");
+  std::string text = balance_in_words(r);
   if (r.smallest_eigenvalue) text += fmt::format(", smallest eigenvalue {:.6g}", *r.smallest_eigenvalue);
   if (r.left_saddle) text += "; an unstable balance was left on the way";
   return text + '\n';
@@ -82,6 +79,13 @@ std::string static_table_row(const StaticPoint& p, const RangeCounts& ranges) {
   return fmt::format("{:12} {:16.8g} {:>13} {:>10} {:12.4e} {:8} {:8}\n", p.state.clock.step, p.load_factor,
                      in_words(p.kind), count_or_dash(p.unstable), p.energies.potential(), ranges.strained,
                      ranges.snapped);
+}
+
+std::string balance_in_words(const StaticResult& r) {
+  if (r.unstable.value_or(0) > 0)
+    return fmt::format("UNSTABLE in {} direction{}", *r.unstable, *r.unstable == 1 ? "" : "s");
+  if (r.neutral) return "neutral: some motion meets no stiffness";
+  return r.unstable ? "stable" : "stability not known: unstable directions were not counted";
 }
 
 std::string static_report(StageKind kind, const StaticResult& r, const std::string& time_unit) {

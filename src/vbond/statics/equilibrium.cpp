@@ -111,6 +111,7 @@ class LoadSteps {
     }
     result_.residuals = outcome.residuals;
     result_.unstable = unstable_;
+    result_.neutral = neutral_;
     report_point(body_, body_.load_factor() < 1.0 ? PointKind::regular : PointKind::end, unstable_, hooks_,
                  result_);
     return true;
@@ -122,6 +123,7 @@ class LoadSteps {
   /// others below zero nothing is known.
   void count_unstable() {
     unstable_ = 0;
+    neutral_ = false;
     lowest_.reset();
     const std::optional<int> negative = solver_.factor(body_);
     if (solver_.iterative()) unstable_.reset();
@@ -134,7 +136,8 @@ class LoadSteps {
     factor.analyse(K);
     const double size = K.norm();  // zero where contacts just begin to touch
     if (size == 0.0 || factor.factor_definite(K, margin)) {
-      if (!negative) tell_neutral();
+      neutral_ = !negative || !body_.has_moment_part();
+      if (neutral_) tell_neutral();
       if (body_.has_moment_part()) unstable_.reset();
       return;
     }
@@ -185,8 +188,8 @@ class LoadSteps {
     if (solver_.iterative() || body_.unknowns().size() == 0) return std::nullopt;
     if (lowest_) return lowest_->values[0];
     if (definite_) return eigenvalue_near_zero(body_.tangent(), solver_.last_factor());
-    if (unstable_ != 0) return std::nullopt;
-    return eigenpairs_near_zero(body_.tangent(), 1).values[0];  // a neutral balance
+    if (!neutral_) return std::nullopt;
+    return eigenpairs_near_zero(body_.tangent(), 1).values[0];
   }
 
   void tell(const std::string& text) const {
@@ -205,6 +208,7 @@ class LoadSteps {
   StaticResult& result_;
   TangentSolver solver_;
   std::optional<int> unstable_;       // of the last balance
+  bool neutral_ = false;              // the same
   bool definite_ = false;             // the solver's factor is that of its tangent
   std::optional<EigenPairs> lowest_;  // if it is unstable
 };

@@ -34,8 +34,7 @@ StaticStage under_full_loads(StaticStage stage) {
 /// Positions are rounded by eps times the extent of the body, which turns and stresses its bonds by that over
 /// their length; 64 for the terms of a row. A turn takes what is out of balance along.
 double zero_stiffness(const StaticBody& body) {
-  BoundingBox box;
-  for (const Vec3d& r : body.state().r) box.add(r);
+  const BoundingBox box = box_around(body.state().r);
   const double far = std::max({box.diagonal(), norm(box.low), norm(box.high)});
   const double L = body.unknowns().length(), eps = std::numeric_limits<double>::epsilon();
   return 64 * eps * (1 + far / L) * Vector(body.tangent().diagonal()).cwiseAbs().maxCoeff() +

@@ -39,9 +39,7 @@ constexpr double aside = 1e-4;
 constexpr double aside_on_branch = 1e-2;
 
 double size_of(const State& state) {
-  BoundingBox box;
-  for (const Vec3d& r : state.r) box.add(r);
-  return box.diagonal();
+  return box_around(state.r).diagonal();
 }
 
 /// Negative eigenvalues; nothing where they do not tell what is stable.

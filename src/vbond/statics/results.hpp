@@ -76,6 +76,7 @@ struct StaticResult {
   int iterations = 0;             ///< of Newton's method, all together
   std::string solver;             ///< "direct" or "iterative"
   std::optional<int> unstable;    ///< negative eigenvalues of the tangent at the end; absent: not counted
+  bool neutral = false;           ///< not unstable, but a motion meets no stiffness at the end
   bool left_saddle = false;       ///< an unstable balance was met and left
   std::vector<double> residuals;  ///< of the last load factor, iteration by iteration, relative
   std::optional<double>

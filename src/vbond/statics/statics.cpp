@@ -1,5 +1,6 @@
 #include "vbond/statics/statics.hpp"
 
+#include <new>
 #include <stdexcept>
 #include <utility>
 
@@ -9,6 +10,10 @@
 
 namespace vbond {
 namespace {
+
+constexpr const char* way_out_of_memory =
+    "factors of a compact body grow with the 4/3rd power of its unknowns: fewer particles, or for kind = "
+    "\"equilibrium\" newton = {solver = \"iterative\"}, help";
 
 StaticOutcome run_kind(const Model& model, const StaticStage& stage, State state, const StaticHooks& hooks) {
   switch (stage.kind) {
@@ -32,6 +37,10 @@ StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, Sta
         stage.name, e.what(),
         "the tangent may be nearly singular, or its modes too close together: a smaller count, "
         "or other supports, help");
+  } catch (const std::length_error& e) {
+    throw NoEquilibrium(stage.name, e.what(), way_out_of_memory);
+  } catch (const std::bad_alloc&) {
+    throw NoEquilibrium(stage.name, "memory ran out", way_out_of_memory);
   }
 }
 
