@@ -208,6 +208,22 @@ TEST(ExactStepOfACase, NeedsStaticsAndSomethingElastic) {
   EXPECT_THROW(build_stage(c, b.model, 0, b.state, zero), CaseError);
 }
 
+TEST(ExactStepOfACase, ThatIsNotFoundIsAMistakeOfTheCase) {
+  const ExactCriticalStep lost = [](const Model&, const State&, const Stage&) -> double {
+    throw NoConvergence("largest eigenvalue: no convergence");
+  };
+  const Case c = exact_rod();
+  Built b = build(c);
+  try {
+    build_stage(c, b.model, 0, b.state, lost);
+    FAIL();
+  } catch (const CaseError& e) {
+    EXPECT_TRUE(contains(e.what(),
+                         "case.toml:50:8: time.step = \"exact\"\n  largest eigenvalue: no convergence\n  "
+                         "leave step out"));
+  }
+}
+
 TEST(ExactStepOfACase, DoesNotKnowBondsToCome) {
   Case c = exact_rod();
   c.bonds.push_back(bonds_within(1.5));

@@ -24,7 +24,8 @@ struct Built {
 /// Throws CaseError with as many mistakes at once as do not depend on each other.
 Built build(const Case& c);
 
-/// The largest stable step of the assembled body in a stage  [time]; infinite if nothing is elastic.
+/// The largest stable step of the assembled body in a stage  [time]; infinite if nothing is elastic;
+/// throws NoConvergence if it cannot be found.
 /// statics/ knows it (exact_critical_step), which this layer does not know.
 using ExactCriticalStep = std::function<double(const Model&, const State&, const Stage&)>;
 

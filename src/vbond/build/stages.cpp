@@ -173,7 +173,14 @@ StepBound exact_bound(const Case& c, const Model& model, const State& state, con
     problems.add(place, "time.step = \"exact\"", "this vbond was built without statics",
                  "leave step out, or give a time");
   problems.throw_if_any();
-  return {.dt = exact_step(model, state, stage), .bond = {}, .source = "nothing is elastic"};
+  StepBound bound{.dt = 0.0, .bond = {}, .source = "nothing is elastic"};
+  try {
+    bound.dt = exact_step(model, state, stage);
+  } catch (const NoConvergence& e) {
+    problems.add(place, "time.step = \"exact\"", e.what(), "leave step out, or give a time");
+    problems.throw_if_any();
+  }
+  return bound;
 }
 
 void choose_step(const Case& c, const Model& model, const State& state, const ExactCriticalStep& exact_step,

@@ -60,6 +60,12 @@ class NoEquilibrium : public std::runtime_error {
       : std::runtime_error("stage \"" + stage + "\": " + finding + "\n  " + advice) {}
 };
 
+/// Eigenvalues could not be found: no matrix near by can be factored, or iteration does not end.
+class NoConvergence : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
 /// A file or folder could not be read or written. Exit status 3.
 class IoError : public std::runtime_error {
  public:

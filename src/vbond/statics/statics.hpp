@@ -28,7 +28,8 @@ StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, Sta
                                const StaticHooks& hooks);
 
 /// The largest stable step of leap-frog for small motions about this state, 2 / omega_max of the assembled
-/// body with present contacts and these held degrees of freedom.  [time]
+/// body with present contacts and these held degrees of freedom.  [time] Infinite if nothing is elastic;
+/// throws NoConvergence.
 double exact_critical_step(const Model& model, const State& state, const std::vector<Support>& supports);
 
 }  // namespace vbond

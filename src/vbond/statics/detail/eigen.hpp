@@ -1,6 +1,5 @@
 #pragma once
-#include <stdexcept>
-
+#include "vbond/core/error.hpp"
 #include "vbond/statics/detail/factor.hpp"
 #include "vbond/statics/detail/matrix.hpp"
 
@@ -9,12 +8,6 @@
 /// one found is counted by Sylvester's law of inertia, and missing ones are looked for among vectors normal
 /// to those found. All throw NoConvergence.
 namespace vbond {
-
-/// Eigenvalues could not be found: no matrix near by can be factored, or iteration does not end.
-class NoConvergence : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
 
 struct EigenPairs {
   Vector values;        ///< in increasing order of what was asked for
