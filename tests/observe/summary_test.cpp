@@ -149,7 +149,7 @@ RunSummary all_kinds() {
   StaticSummary equilibrium = statics(StageKind::equilibrium), path = statics(StageKind::path),
                 critical = statics(StageKind::buckling), modes = statics(StageKind::modes),
                 failed = statics(StageKind::modes);
-  equilibrium.result.left_saddle = true;
+  equilibrium.result.left_saddle = equilibrium.result.jumped = equilibrium.result.neutral = true;
   path.result.special_points = {{PointKind::bifurcation, 0.25, 3, 0, 1},
                                 {PointKind::limit_point, 0.5, 4, 1, 2},
                                 {PointKind::bifurcation, 0.3, 7, 2, 1}};

@@ -172,6 +172,27 @@ TEST(ShallowTruss, IsNotSteppedOverByALongStep) {
   EXPECT_EQ(walk(truss(0.02), stage).result.special_points.size(), 2u);
 }
 
+// Just below the limit point, where the truss is soft, steps of any length end on the way to it; just above
+// it every balance lies on the other side.
+TEST(ShallowTruss, JumpsUnderLoadStepsOnlyPastItsLimitPointAndIsToldSo) {
+  const double limit = truss_force(root(0.0, height, truss_stiffness));
+  StaticStage stage = truss_stage();
+  stage.kind = StageKind::equilibrium;
+  for (const double part : {0.3, 0.9, 0.999, 1.001, 1.5, 3.0})
+    for (const int steps : {1, 2, 3, 7, 20, 100}) {
+      stage.loads = {pushed(1, {0, -part * limit, 0})};
+      stage.steps = steps;
+      std::string told;
+      StaticHooks hooks;
+      hooks.tell = [&told](const std::string& text) { told += text; };
+      const Specimen s = truss();
+      const StaticOutcome end = run_static_stage(s.model, stage, s.state, hooks);
+      EXPECT_EQ(descent(end.state) > height, part > 1.0);
+      EXPECT_EQ(end.result.jumped, part > 1.0) << part << " of the limit in " << steps << " steps";
+      EXPECT_EQ(told.find("the body jumped, by up to") != std::string::npos, part > 1.0) << told;
+    }
+}
+
 TEST(Path, EndsExactlyAtADistance) {
   StaticStage stage = truss_stage();
   stage.path.distance = DistanceStop{ParticleId{0}, ParticleId{1}, 1.001, true};

@@ -26,6 +26,7 @@ std::string count_or_dash(const std::optional<int>& n) {
 std::string stability(const StaticResult& r) {
   std::string text = balance_in_words(r);
   if (r.smallest_eigenvalue) text += fmt::format(", smallest eigenvalue {:.6g}", *r.smallest_eigenvalue);
+  if (r.jumped) text += "; the body jumped on the way";
   if (r.left_saddle) text += "; an unstable balance was left on the way";
   return text + '\n';
 }

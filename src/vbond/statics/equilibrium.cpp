@@ -16,11 +16,27 @@ namespace {
 /// Longest predictor: bonds turn by no more than this.  [rad]
 constexpr double largest_prediction = 0.3;
 
+/// How far the particle that went farthest went.  [length]
+double distance(const Placement& from, const Placement& to) {
+  double longest = 0.0;
+  for (const ParticleId p : from.r.ids()) longest = std::max(longest, norm(to.r[p] - from.r[p]));
+  return longest;
+}
+
+bool in_balance(const StaticBody& body) {
+  return body.residual() <= std::max(body.stage().newton.tolerance, body.residual_of_rounding());
+}
+
 int snapped_bonds(const State& s) {
   return static_cast<int>(std::count_if(s.bonds.begin(), s.bonds.end(), [&s](const Bond& b) {
     return bond_range(b, bond_shape(bond_pose(b, s), b.R_i, b.R_j)) == BondRange::snapped;
   }));
 }
+
+/// A load step: where it began, and where the tangent there says that it ends.
+struct Way {
+  Placement from, predicted;
+};
 
 /// Walks the load factor from 0 to 1.
 class LoadSteps {
@@ -31,15 +47,18 @@ class LoadSteps {
   void run() {
     double step = 1.0 / std::max(1, body_.stage().steps);
     const double longest = step;
+    from_balance_ = in_balance(body_);
     while (body_.load_factor() < 1.0) {
       const Placement from = body_.placement();
       const int snapped = snapped_bonds(body_.state());
       const double reached = advance(step);
+      const Placement predicted = body_.placement();
       const NewtonOutcome outcome = settle();
       const bool last_resort = step < 1e-4 * longest;
       if (outcome.interrupted) return interrupted(from);
       if (outcome.converged && (snapped_bonds(body_.state()) <= snapped || last_resort)) {
-        if (!accept(outcome)) return interrupted(from);
+        if (!accept(outcome, {from, predicted})) return interrupted(from);
+        from_balance_ = true;
         step = std::min(longest, 2.0 * std::max(step, reached));
         continue;
       }
@@ -99,9 +118,13 @@ class LoadSteps {
 
   /// A balance was found: is it stable? If not it is left, downhill, unless the stage wants it kept. False if
   /// interrupted.
-  bool accept(NewtonOutcome outcome) {
+  bool accept(NewtonOutcome outcome, const Way& way) {
     constexpr int most_tries = 3;
     count_unstable();
+    if (from_balance_ && may_be_a_jump(way)) {
+      look_for_a_jump(way.from);
+      count_unstable();
+    }
     for (int k = 0; k < most_tries && unstable_.value_or(0) > 0; ++k) {
       if (body_.stage().at_saddle == AtSaddle::keep) break;
       result_.left_saddle = true;
@@ -115,6 +138,37 @@ class LoadSteps {
     report_point(body_, body_.load_factor() < 1.0 ? PointKind::regular : PointKind::end, unstable_, hooks_,
                  result_);
     return true;
+  }
+
+  /// Whether balance lies far from where the tangent there, or the one here, says that it should be.
+  bool may_be_a_jump(const Way& way) {
+    constexpr double far = 2.0;
+    const Placement here = body_.placement();
+    const double went = distance(way.from, here);
+    if (went > far * distance(way.from, way.predicted)) return true;
+    if (!definite_) return false;
+    const Vector x = solver_.solve_full(body_, body_.load_direction());
+    body_.move((way.from.load_factor - here.load_factor) * x, way.from.load_factor);
+    const double expected = distance(here, body_.placement());
+    body_.restore(here);
+    return went > far * expected;
+  }
+
+  /// A body that has moved on from balance to balance comes back when the load goes back; one that has
+  /// jumped does not.
+  void look_for_a_jump(const Placement& from) {
+    constexpr double same = 0.1;  // of the way
+    const Placement here = body_.placement();
+    const double went = distance(from, here);
+    body_.move(Vector::Zero(body_.unknowns().size()), from.load_factor);
+    const bool comes_back = !settle().converged || distance(from, body_.placement()) <= same * went;
+    body_.restore(here);
+    if (comes_back) return;
+    result_.jumped = true;
+    tell(
+        fmt::format("between load factors {:.6g} and {:.6g} the body jumped, by up to {:.3g}: taken back to "
+                    "the first it does not come back; kind = \"path\" follows what lies between",
+                    from.load_factor, here.load_factor, went));
   }
 
   /// Negative eigenvalues that are more than rounding, and the lowest of them with its mode. Not known where
@@ -175,12 +229,10 @@ class LoadSteps {
           "the balance at load factor {:.6g} is unstable, and none was found downhill from it: {}",
           saddle.load_factor, outcome.why));
     }
-    double went = 0.0;
-    for (const ParticleId p : saddle.r.ids()) went = std::max(went, norm(body_.state().r[p] - saddle.r[p]));
     tell(fmt::format(
         "load factor {:.6g}: the balance is unstable ({} negative eigenvalues of the tangent) and "
         "was left along its lowest mode; the next one downhill is up to {:.3g} away",
-        saddle.load_factor, unstable, went));
+        saddle.load_factor, unstable, distance(saddle, body_.placement())));
     return outcome;
   }
 
@@ -207,6 +259,7 @@ class LoadSteps {
   const StaticHooks& hooks_;
   StaticResult& result_;
   TangentSolver solver_;
+  bool from_balance_ = false;         // the step began in one
   std::optional<int> unstable_;       // of the last balance
   bool neutral_ = false;              // the same
   bool definite_ = false;             // the solver's factor is that of its tangent
@@ -265,7 +318,7 @@ std::optional<State> balance_of_constant_loads(const Model& model, const StaticS
   if (!stage.constant_gravity) constant.gravity = {};
   for (StaticSupport& s : constant.supports) s.displacement = s.rotation = {};
   StaticBody body(model, constant, std::move(state));
-  if (body.residual() > std::max(stage.newton.tolerance, body.residual_of_rounding())) {
+  if (!in_balance(body)) {
     refuse_rigid_motions(body);
     body.relieve();
     StaticHooks quiet{{}, hooks.tell, hooks.interrupted};

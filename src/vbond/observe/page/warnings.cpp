@@ -175,6 +175,11 @@ void add_unstable(const RunFacts& run, Warnings& all) {
       all.push_back({Level::warning, fmt::format("The balance that stage \"{}\" has found is unstable in {} "
                                                  "direction{}: a real body would leave it.",
                                                  s.name, *r.unstable, *r.unstable == 1 ? "" : "s")});
+    if (r.jumped)
+      all.push_back(
+          {Level::note, fmt::format("In stage \"{}\" the body jumped past a limit point of the load: "
+                                    "kind = \"path\" follows what lies between.",
+                                    s.name)});
     if (s.statics->kind == StageKind::path && r.unstable.value_or(0) > 0)
       all.push_back(
           {Level::note, fmt::format("The path of stage \"{}\" ends at an unstable balance: a real body "
