@@ -126,7 +126,7 @@ void add_static_results(const StageSummary& s, bool si, page::Lines& lines) {
   add("Frequencies", frequencies, si ? " Hz" : "");
   add("Limit points, load factors,", limits, "");
   add("Bifurcations, load factors,", bifurcations, "");
-  if (s.statics->kind == StageKind::equilibrium)
+  if (s.statics->kind == StageKind::equilibrium && (r.unstable || r.neutral))
     lines.push_back({fmt::format("Balance of stage \"{}\"", s.name),
                      fmt::format("{}, load factor {:.6g}", balance_in_words(r), r.load_factor)});
 }
