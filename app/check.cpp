@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -26,16 +27,29 @@ namespace {
 
 constexpr std::int64_t few_steps = 10;
 
+std::string in_units(double bytes) {
+  constexpr double KiB = 0x1p10, MiB = 0x1p20, GiB = 0x1p30;
+  if (std::isinf(bytes)) return "more than 16 GiB";  // beyond CHOLMOD's index
+  if (bytes >= GiB) return fmt::format("{:.3g} GiB", bytes / GiB);
+  if (bytes >= MiB) return fmt::format("{:.3g} MiB", bytes / MiB);
+  return fmt::format("{:.3g} KiB", bytes / KiB);
+}
+
 void print_memory(const Model& model, const State& state) {
-  constexpr double MiB = 0x1p20, GiB = 0x1p30;
   const MemoryUse use = memory_use(state);
   const double total = use.per_particle * static_cast<double>(model.particles()) +
                        use.per_bond * static_cast<double>(state.bonds.size());
-  const bool large = total >= GiB;
-  fmt::print(
-      "memory           {:.3g} {}: {:.0f} bytes per particle, {:.0f} per bond; neighbour lists, and "
-      "factors of static stages, are extra\n",
-      total / (large ? GiB : MiB), large ? "GiB" : "MiB", use.per_particle, use.per_bond);
+  fmt::print("memory           {}: {:.0f} bytes per particle, {:.0f} per bond; neighbour lists are extra\n",
+             in_units(total), use.per_particle, use.per_bond);
+}
+
+void print_solver(const Model& model, const StaticStage& stage, const State& state) {
+  const SolverChoice choice = solver_of(model, stage, state);
+  const std::string factor = in_units(choice.factor_bytes);
+  fmt::print("solver           {}\n",
+             choice.direct ? fmt::format("direct, with a factor of {} in stage {}", factor, stage.name)
+             : choice.factor_bytes > 0.0 ? fmt::format("iterative: a factor of {} would not fit", factor)
+                                         : "iterative");
 }
 
 /// Wall time of one step, measured on the case itself for a quarter of a second. Throws Diverged.
@@ -134,8 +148,9 @@ int check(const std::filesystem::path& case_file, int threads) {
   require_statics(c);
   Built built = build(c);
   std::optional<Stage> dynamics;  // the first stage, if it is that
+  std::optional<StaticStage> statics;
   if (is_static(c.stages[0].kind))
-    build_static_stage(c, built.model, 0, built.state);
+    statics = build_static_stage(c, built.model, 0, built.state);
   else
     dynamics = build_stage(c, built.model, 0, built.state, exact_step());
   plan_output(c, built.model, {});
@@ -148,6 +163,7 @@ int check(const std::filesystem::path& case_file, int threads) {
   const double dt = dynamics ? dynamics->dt : expected_step(c, built.model, built.state);
   const std::int64_t steps = print_stages(c, built.model, dt, dynamics || c.time.given());
   print_memory(built.model, built.state);
+  if (statics) print_solver(built.model, *statics, built.state);
   if (dynamics) print_wall_time(steps, built.model, *dynamics, built.state, threads);
   fmt::print("{}: no mistakes found\n", case_file.string());
   return done;

@@ -25,6 +25,10 @@ ExactCriticalStep exact_step() {
   return {};
 }
 
+SolverChoice solver_of(const Model&, const StaticStage&, const State&) {
+  return {};  // not reached: require_statics has refused the case
+}
+
 bool run_static_leg(Campaign& campaign, const StaticStage& stage, const State&, State& state) {
   refuse(campaign.c.stages[static_cast<std::size_t>(state.clock.stage)].place,
          fmt::format("stage \"{}\" is static", stage.name));

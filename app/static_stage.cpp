@@ -151,6 +151,10 @@ ExactCriticalStep exact_step() {
   };
 }
 
+SolverChoice solver_of(const Model& model, const StaticStage& stage, const State& state) {
+  return choose_solver(model, stage, state);
+}
+
 bool run_static_leg(Campaign& campaign, const StaticStage& stage, const State& start, State& state) {
   campaign.files.checkpoint->write(campaign.model, start);
   remove_file(campaign.plan.folder / "last_balance.h5");

@@ -4,6 +4,7 @@
 #include "vbond/case/case.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/model/static_stage.hpp"
+#include "vbond/statics/statics.hpp"
 
 /// What the program does with static stages. There are two files of these functions: static_stage.cpp, and
 /// no_statics.cpp for a program without that library.
@@ -14,6 +15,9 @@ void require_statics(const Case& c);
 
 /// The exact critical step for build_stage; empty if this program cannot tell.
 ExactCriticalStep exact_step();
+
+/// How a stage that begins in this state will be solved.
+SolverChoice solver_of(const Model& model, const StaticStage& stage, const State& state);
 
 /// Runs a static stage as a whole, with its output. `start` is the state before the stage's bonds were made:
 /// what its checkpoint holds until it has ended. Returns true if it has come to its end: the state is then

@@ -8,6 +8,7 @@
 #include "validation/rings.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/statics/detail/kinds.hpp"
+#include "vbond/statics/statics.hpp"
 
 namespace vbond {
 namespace {
@@ -351,6 +352,23 @@ TEST(Equilibrium, IsTheSameByConjugateGradients) {
   EXPECT_EQ(iterative.result.solver, "iterative");
   EXPECT_FALSE(iterative.result.unstable.has_value());
   for (const ParticleId p : direct.r.ids()) EXPECT_LE(norm(direct.r[p] - iterative.state.r[p]), 1e-9);
+}
+
+// The factor of a chain has what its tangent has: of ten free particles 21 entries on and below the diagonal
+// of the own block, and 36 for each of nine bonds between them. A full square is 60 x 60.
+TEST(ChooseSolver, SaysWhatTheFactorTakes) {
+  const testing::Specimen rod = testing::straight_rod(11);
+  StaticStage stage = cantilever(10, {0, 1e-6, 0});
+  const SolverChoice automatic = choose_solver(rod.model, stage, rod.state);
+  EXPECT_TRUE(automatic.direct);
+  EXPECT_GE(automatic.factor_bytes, (10 * 21 + 9 * 36) * 8);
+  EXPECT_LE(automatic.factor_bytes, 60 * 60 * 8);
+  stage.newton.solver = LinearSolver::iterative;
+  const SolverChoice wanted = choose_solver(rod.model, stage, rod.state);
+  EXPECT_FALSE(wanted.direct);
+  EXPECT_EQ(wanted.factor_bytes, 0.0);
+  stage.kind = StageKind::buckling;
+  EXPECT_TRUE(choose_solver(rod.model, stage, rod.state).direct);
 }
 
 }  // namespace

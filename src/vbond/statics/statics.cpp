@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "vbond/core/error.hpp"
-#include "vbond/statics/detail/eigen.hpp"
 #include "vbond/statics/detail/kinds.hpp"
+#include "vbond/statics/detail/newton.hpp"
 
 namespace vbond {
 namespace {
@@ -42,6 +42,14 @@ StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, Sta
   } catch (const std::bad_alloc&) {
     throw NoEquilibrium(stage.name, "memory ran out", way_out_of_memory);
   }
+}
+
+SolverChoice choose_solver(const Model& model, const StaticStage& stage, const State& state) {
+  const StaticBody body(model, stage, state);
+  const bool either = stage.kind == StageKind::equilibrium;
+  TangentSolver solver(either ? stage.newton.solver : LinearSolver::direct);
+  solver.prepare(body);
+  return {!solver.iterative(), solver.last_factor().bytes()};
 }
 
 }  // namespace vbond

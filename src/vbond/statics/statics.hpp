@@ -27,6 +27,16 @@ struct StaticOutcome {
 StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, State state,
                                const StaticHooks& hooks);
 
+/// With what a static stage solves its linear equations.
+struct SolverChoice {
+  bool direct = true;       ///< otherwise conjugate gradients
+  double factor_bytes = 0;  ///< of the direct solver's factor, also where it does not fit; 0: not looked at
+};
+
+/// The choice for a stage that begins in this state: works out the pattern of its tangent and the order of
+/// elimination, but no factor.
+SolverChoice choose_solver(const Model& model, const StaticStage& stage, const State& state);
+
 /// The largest stable step of leap-frog for small motions about this state, 2 / omega_max of the assembled
 /// body with present contacts and these held degrees of freedom.  [time] Infinite if nothing is elastic;
 /// throws NoConvergence.

@@ -18,6 +18,9 @@ class TangentSolver {
   explicit TangentSolver(LinearSolver wanted);
   ~TangentSolver();
 
+  /// Chooses between factor and conjugate gradients, by memory where both would do, and finds the order of
+  /// elimination, unless it has done so for this pattern.
+  void prepare(const StaticBody& body);
   /// Factors tangent() + shift I; false if that is not positive definite. With conjugate gradients that is
   /// noticed only in solve().
   bool factor_definite(const StaticBody& body, double shift = 0.0);
@@ -35,8 +38,6 @@ class TangentSolver {
 
  private:
   struct ConjugateGradients;
-  void prepare(const StaticBody& body);
-
   LinearSolver wanted_;
   Factor factor_;
   int analysed_ = 0;  // pattern_version
