@@ -43,13 +43,15 @@ void print_memory(const Model& model, const State& state) {
              in_units(total), use.per_particle, use.per_bond);
 }
 
-void print_solver(const Model& model, const StaticStage& stage, const State& state) {
-  const SolverChoice choice = solver_of(model, stage, state);
+std::string solver_in_words(const StaticStage& stage, const SolverChoice& choice) {
   const std::string factor = in_units(choice.factor_bytes);
-  fmt::print("solver           {}\n",
-             choice.direct ? fmt::format("direct, with a factor of {} in stage {}", factor, stage.name)
-             : choice.factor_bytes > 0.0 ? fmt::format("iterative: a factor of {} would not fit", factor)
-                                         : "iterative");
+  const bool too_large = std::isinf(choice.factor_bytes);
+  if (choice.direct && !too_large)
+    return fmt::format("direct, with a factor of {} in stage {}", factor, stage.name);
+  if (choice.direct || stage.kind != StageKind::equilibrium)
+    return fmt::format("none: stage {} will be refused, its factor of {} does not fit", stage.name, factor);
+  if (choice.factor_bytes > 0.0) return fmt::format("iterative: a factor of {} would not fit", factor);
+  return "iterative";
 }
 
 /// Wall time of one step, measured on the case itself for a quarter of a second. Throws Diverged.
@@ -163,7 +165,9 @@ int check(const std::filesystem::path& case_file, int threads) {
   const double dt = dynamics ? dynamics->dt : expected_step(c, built.model, built.state);
   const std::int64_t steps = print_stages(c, built.model, dt, dynamics || c.time.given());
   print_memory(built.model, built.state);
-  if (statics) print_solver(built.model, *statics, built.state);
+  if (statics)
+    fmt::print("solver           {}\n",
+               solver_in_words(*statics, solver_of(built.model, *statics, built.state)));
   if (dynamics) print_wall_time(steps, built.model, *dynamics, built.state, threads);
   fmt::print("{}: no mistakes found\n", case_file.string());
   return done;

@@ -141,10 +141,11 @@ TEST(PageWarnings, UnstableBalancesAreTold) {
   ASSERT_EQ(run.look().size(), 1U);
   EXPECT_EQ(run.look()[0].level, Level::note);
   expect_text(run.look()[0], {"ends at an unstable balance"});
+  statics.kind = StageKind::equilibrium;
   statics.result.unstable = 0;
   statics.result.jumped = true;
   ASSERT_EQ(run.look().size(), 1U);
-  expect_text(run.look()[0], {"jumped past a limit point"});
+  expect_text(run.look()[0], {"lost its balance and jumped"});
 }
 
 TEST(PageWarnings, ARunWithoutResultsIsNotComplete) {

@@ -367,7 +367,7 @@ TEST(ChooseSolver, SaysWhatTheFactorTakes) {
   const SolverChoice wanted = choose_solver(rod.model, stage, rod.state);
   EXPECT_FALSE(wanted.direct);
   EXPECT_EQ(wanted.factor_bytes, 0.0);
-  stage.kind = StageKind::buckling;
+  stage.kind = StageKind::modes;
   EXPECT_TRUE(choose_solver(rod.model, stage, rod.state).direct);
 }
 

@@ -47,6 +47,13 @@ async function soon(found) {
   return false;
 }
 
+/** The picture when two in a row are the same. */
+async function steady_picture(page) {
+  let last = await picture(page);
+  assert.ok(await soon(async () => { const before = last; last = await picture(page); return last === before; }), "the picture comes to rest");
+  return last;
+}
+
 /** How many different colours the middle of a picture has; counted in `page`, which does not show it. */
 function colours(page, png) {
   return page.evaluate(async (data) => {
@@ -67,7 +74,7 @@ const fits = (page) => page.evaluate(() => document.documentElement.scrollWidth 
 /** What must hold for the page of any run with frames and a history. */
 async function shows_the_run(browser, file) {
   const { page, complaints, first_picture } = await open(browser, file);
-  const last = await picture(page);
+  const last = await steady_picture(page);
   // Shading gives a painted body very many colours; the ground is grey and counts for nothing.
   assert.ok((await colours(page, last)) > 50, "the body is in the picture, in colour");
 
@@ -77,7 +84,7 @@ async function shows_the_run(browser, file) {
   await page.keyboard.press("End");
   assert.equal(await page.$eval(".scrub", (scrub) => scrub.value === scrub.max), true, "End goes to the last frame");
 
-  const before = await picture(page);
+  const before = await steady_picture(page);
   await page.select("#quantity", "elongation");
   assert.ok(await soon(async () => await picture(page) !== before), "another quantity is another picture");
 
@@ -207,15 +214,18 @@ async function a_finger_scrolls_until_the_body_is_tapped(browser, file) {
     for (let k = 1; k < 16; ++k) await touch.move(box.x + 200, box.y + 300 - 10 * k);
     await touch.end();
   };
-  const before = await picture(page), scroll = () => page.evaluate(() => scrollY), from = await scroll();
+  const scroll = () => page.evaluate(() => scrollY), from = await scroll();
+  let before = await steady_picture(page);
   await drag();
   assert.ok(await soon(async () => await scroll() !== from), "a finger scrolls");
-  await soon(async () => { const y = await scroll(); await two_pictures(page); return await scroll() === y; });
+  assert.ok(await soon(async () => { const y = await scroll(); await two_pictures(page); return await scroll() === y; }), "and stops");
   await page.evaluate((y) => scrollTo(0, y), from);
   assert.ok(await soon(async () => await picture(page) === before), "and turns nothing");
   await page.touchscreen.tap(box.x + 200, box.y + 200);
+  before = await steady_picture(page);
   await drag();
   assert.ok(await soon(async () => await picture(page) !== before), "after a tap it turns the body");
+  await two_pictures(page);
   assert.equal(await scroll(), from, "and does not scroll");
   await page.close();
 }

@@ -113,9 +113,11 @@ const char* to_text(StageKind kind) {
 
 Json to_json(const StaticSummary& s) {
   const StaticResult& r = s.result;
-  Json j{{"kind", to_text(s.kind)}, {"ended", r.ended},           {"load_factor", r.load_factor},
-         {"points", r.points},      {"iterations", r.iterations}, {"solver", r.solver},
-         {"neutral", r.neutral},    {"jumped", r.jumped},         {"left_saddle", r.left_saddle}};
+  Json j{{"kind", to_text(s.kind)},     {"ended", r.ended},           {"load_factor", r.load_factor},
+         {"points", r.points},          {"iterations", r.iterations}, {"solver", r.solver},
+         {"left_saddle", r.left_saddle}};
+  if (s.kind == StageKind::equilibrium) j["jumped"] = r.jumped;
+  if (s.kind == StageKind::equilibrium && r.unstable) j["neutral"] = r.neutral;
   if (r.unstable) j["unstable"] = *r.unstable;
   if (r.smallest_eigenvalue) j["smallest_eigenvalue"] = *r.smallest_eigenvalue;
   if (!s.failure.empty()) j["failure"] = s.failure;
@@ -136,8 +138,8 @@ StaticSummary static_summary(const Json& j) {
   r.points = j.at("points").get<int>();
   r.iterations = j.at("iterations").get<int>();
   r.solver = j.at("solver").get<std::string>();
-  r.neutral = j.at("neutral").get<bool>();
-  r.jumped = j.at("jumped").get<bool>();
+  r.neutral = j.value("neutral", false);
+  r.jumped = j.value("jumped", false);
   r.left_saddle = j.at("left_saddle").get<bool>();
   if (j.contains("unstable")) r.unstable = j["unstable"].get<int>();
   if (j.contains("smallest_eigenvalue")) r.smallest_eigenvalue = j["smallest_eigenvalue"].get<double>();

@@ -65,6 +65,14 @@ PairTangent<3> touch(const Model& m, const State& s, ParticleId i, ParticleId j)
 
 }  // namespace
 
+double distance(const Placement& a, const Placement& b, double length) {
+  double largest = 0.0;
+  for (const ParticleId p : a.r.ids())
+    largest = std::max(
+        {largest, norm(b.r[p] - a.r[p]), length * norm(rotation_vector(b.q[p] * conjugate(a.q[p])))});
+  return largest;
+}
+
 StaticBody::StaticBody(const Model& model, const StaticStage& stage, State state)
     : model_(model),
       stage_(stage),

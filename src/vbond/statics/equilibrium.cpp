@@ -16,26 +16,18 @@ namespace {
 /// Longest predictor: bonds turn by no more than this.  [rad]
 constexpr double largest_prediction = 0.3;
 
-/// How far the particle that went farthest went.  [length]
-double distance(const Placement& from, const Placement& to) {
-  double longest = 0.0;
-  for (const ParticleId p : from.r.ids()) longest = std::max(longest, norm(to.r[p] - from.r[p]));
-  return longest;
-}
-
-bool in_balance(const StaticBody& body) {
-  return body.residual() <= std::max(body.stage().newton.tolerance, body.residual_of_rounding());
-}
-
 int snapped_bonds(const State& s) {
   return static_cast<int>(std::count_if(s.bonds.begin(), s.bonds.end(), [&s](const Bond& b) {
     return bond_range(b, bond_shape(bond_pose(b, s), b.R_i, b.R_j)) == BondRange::snapped;
   }));
 }
 
-/// A load step: where it began, and where the tangent there says that it ends.
+/// A load step: where it began, where the tangent there says that it ends, and how much of the load factor
+/// that is.
 struct Way {
   Placement from, predicted;
+  double length = 0;
+  bool foreseen = false;  ///< the body was stable at the start, so that there is a prediction
 };
 
 /// Walks the load factor from 0 to 1.
@@ -47,25 +39,32 @@ class LoadSteps {
   void run() {
     double step = 1.0 / std::max(1, body_.stage().steps);
     const double longest = step;
-    from_balance_ = in_balance(body_);
     while (body_.load_factor() < 1.0) {
-      const Placement from = body_.placement();
       const int snapped = snapped_bonds(body_.state());
-      const double reached = advance(step);
-      const Placement predicted = body_.placement();
+      const Way way = advance(step);
       const NewtonOutcome outcome = settle();
       const bool last_resort = step < 1e-4 * longest;
-      if (outcome.interrupted) return interrupted(from);
-      if (outcome.converged && (snapped_bonds(body_.state()) <= snapped || last_resort)) {
-        if (!accept(outcome, {from, predicted})) return interrupted(from);
-        from_balance_ = true;
-        step = std::min(longest, 2.0 * std::max(step, reached));
+      if (outcome.interrupted) return interrupted(way.from);
+      if (!outcome.converged || (snapped_bonds(body_.state()) > snapped && !last_resort)) {
+        retry(way, step);
+        if (last_resort)
+          give_up(fmt::format("no balance found beyond load factor {:.6g}: {}", way.from.load_factor,
+                              outcome.why));
         continue;
       }
-      body_.restore(from);
-      step = 0.5 * std::min(step, reached);
-      if (last_resort)
-        give_up(fmt::format("no balance found beyond load factor {:.6g}: {}", from.load_factor, outcome.why));
+      count_unstable();
+      if (may_be_a_jump(way)) {
+        const std::optional<bool> back = comes_back(way.from);
+        if (!back) return interrupted(way.from);
+        if (*back && way.length > longest / 64) {  // the jump may be in one half of the step
+          retry(way, step);
+          continue;
+        }
+        if (!*back) tell_jump(way.from);
+        count_unstable();
+      }
+      if (!accept(outcome)) return interrupted(way.from);
+      step = std::min(longest, 2.0 * std::max(step, way.length));
     }
     result_.ended = "converged";
     result_.smallest_eigenvalue = smallest_eigenvalue();
@@ -78,22 +77,32 @@ class LoadSteps {
     result_.ended = "interrupted";
   }
 
+  /// Back, for a step half as long.
+  void retry(const Way& way, double& step) {
+    body_.restore(way.from);
+    step = 0.5 * std::min(step, way.length);
+  }
+
   /// Along the tangent, at most by `step` of the load factor and not past the next of the load factors that
-  /// the stage asks for, k / steps; returns how far it went.
-  double advance(double step) {
+  /// the stage asks for, k / steps.
+  Way advance(double step) {
+    Way way{body_.placement(), {}, 0, false};
     const double now = body_.load_factor(), steps = std::max(1, body_.stage().steps);
     const double mark = (std::floor(now * steps + 1e-9) + 1.0) / steps;
     step = std::min(step, mark - now);
     Vector x = Vector::Zero(body_.unknowns().size());
     if (solver_.factor_definite(body_)) {
       const Vector predicted = solver_.solve_full(body_, body_.load_direction());
-      if (predicted.size() > 0 && predicted.allFinite()) x = predicted;
+      way.foreseen = predicted.size() == x.size() && predicted.allFinite();
+      if (way.foreseen) x = predicted;
     }
     const double change = body_.largest_bond_change(x);
     if (change * step > largest_prediction) step = largest_prediction / change;
     const double next = now + step > mark - 1e-12 ? mark : now + step;
     body_.move(step * x, next);
-    return step;
+    way.predicted = body_.placement();
+    way.length = step;
+    return way;
   }
 
   /// Downhill, or where outside moments have no potential to go down: straight on, if that leads anywhere.
@@ -116,15 +125,10 @@ class LoadSteps {
     return outcome;
   }
 
-  /// A balance was found: is it stable? If not it is left, downhill, unless the stage wants it kept. False if
+  /// A balance that is unstable is left, downhill, unless the stage wants it kept. False if
   /// interrupted.
-  bool accept(NewtonOutcome outcome, const Way& way) {
+  bool accept(NewtonOutcome outcome) {
     constexpr int most_tries = 3;
-    count_unstable();
-    if (from_balance_ && may_be_a_jump(way)) {
-      look_for_a_jump(way.from);
-      count_unstable();
-    }
     for (int k = 0; k < most_tries && unstable_.value_or(0) > 0; ++k) {
       if (body_.stage().at_saddle == AtSaddle::keep) break;
       result_.left_saddle = true;
@@ -135,40 +139,55 @@ class LoadSteps {
     result_.residuals = outcome.residuals;
     result_.unstable = unstable_;
     result_.neutral = neutral_;
+    result_.jumped = jumped_;
+    if (neutral_) tell_neutral();
     report_point(body_, body_.load_factor() < 1.0 ? PointKind::regular : PointKind::end, unstable_, hooks_,
                  result_);
     return true;
   }
 
-  /// Whether balance lies far from where the tangent there, or the one here, says that it should be.
+  double distance_to_here(const Placement& p) const {
+    return distance(p, body_.placement(), body_.unknowns().length());
+  }
+
+  /// Whether balance lies far from where the tangent at the start, or the one here, says that it should be. A
+  /// smooth step goes as far as both say, but for its curvature: twice as far is no such step.
   bool may_be_a_jump(const Way& way) {
     constexpr double far = 2.0;
+    if (!way.foreseen) return false;
     const Placement here = body_.placement();
-    const double went = distance(way.from, here);
-    if (went > far * distance(way.from, way.predicted)) return true;
+    const double went = distance_to_here(way.from);
+    if (went > far * distance(way.from, way.predicted, body_.unknowns().length())) return true;
     if (!definite_) return false;
     const Vector x = solver_.solve_full(body_, body_.load_direction());
     body_.move((way.from.load_factor - here.load_factor) * x, way.from.load_factor);
-    const double expected = distance(here, body_.placement());
+    const double expected = distance_to_here(here);
     body_.restore(here);
     return went > far * expected;
   }
 
-  /// A body that has moved on from balance to balance comes back when the load goes back; one that has
-  /// jumped does not.
-  void look_for_a_jump(const Placement& from) {
-    constexpr double same = 0.1;  // of the way
+  /// Whether the body goes back to where it came from when the load does; nothing if interrupted. One that
+  /// has moved on from stable balance to stable balance does, to the tolerance of balance: a part in a
+  /// thousand of the way is more than that, and less than any jump.
+  std::optional<bool> comes_back(const Placement& from) {
+    constexpr double same = 1e-3;
     const Placement here = body_.placement();
-    const double went = distance(from, here);
+    const double went = distance_to_here(from);
     body_.move(Vector::Zero(body_.unknowns().size()), from.load_factor);
-    const bool comes_back = !settle().converged || distance(from, body_.placement()) <= same * went;
+    const NewtonOutcome back = settle();
+    const bool same_place = !back.converged || distance_to_here(from) <= same * went;
     body_.restore(here);
-    if (comes_back) return;
-    result_.jumped = true;
-    tell(
-        fmt::format("between load factors {:.6g} and {:.6g} the body jumped, by up to {:.3g}: taken back to "
-                    "the first it does not come back; kind = \"path\" follows what lies between",
-                    from.load_factor, here.load_factor, went));
+    if (back.interrupted) return std::nullopt;
+    return same_place;
+  }
+
+  void tell_jump(const Placement& from) {
+    jumped_ = true;
+    tell(fmt::format(
+        "between load factors {:.6g} and {:.6g} the body jumped, in a step that moved it by up to "
+        "{:.3g}: taken back to the first it does not come back; kind = \"path\" follows what "
+        "lies between",
+        from.load_factor, body_.load_factor(), distance_to_here(from)));
   }
 
   /// Negative eigenvalues that are more than rounding, and the lowest of them with its mode. Not known where
@@ -191,7 +210,6 @@ class LoadSteps {
     const double size = K.norm();  // zero where contacts just begin to touch
     if (size == 0.0 || factor.factor_definite(K, margin)) {
       neutral_ = !negative || !body_.has_moment_part();
-      if (neutral_) tell_neutral();
       if (body_.has_moment_part()) unstable_.reset();
       return;
     }
@@ -232,7 +250,7 @@ class LoadSteps {
     tell(fmt::format(
         "load factor {:.6g}: the balance is unstable ({} negative eigenvalues of the tangent) and "
         "was left along its lowest mode; the next one downhill is up to {:.3g} away",
-        saddle.load_factor, unstable, distance(saddle, body_.placement())));
+        saddle.load_factor, unstable, distance_to_here(saddle)));
     return outcome;
   }
 
@@ -259,7 +277,7 @@ class LoadSteps {
   const StaticHooks& hooks_;
   StaticResult& result_;
   TangentSolver solver_;
-  bool from_balance_ = false;         // the step began in one
+  bool jumped_ = false;               // so far
   std::optional<int> unstable_;       // of the last balance
   bool neutral_ = false;              // the same
   bool definite_ = false;             // the solver's factor is that of its tangent
@@ -318,10 +336,14 @@ std::optional<State> balance_of_constant_loads(const Model& model, const StaticS
   if (!stage.constant_gravity) constant.gravity = {};
   for (StaticSupport& s : constant.supports) s.displacement = s.rotation = {};
   StaticBody body(model, constant, std::move(state));
-  if (!in_balance(body)) {
+  if (!in_balance(body, stage.newton)) {
     refuse_rigid_motions(body);
     body.relieve();
-    StaticHooks quiet{{}, hooks.tell, hooks.interrupted};
+    StaticHooks quiet{{}, {}, hooks.interrupted};
+    if (hooks.tell)
+      quiet.tell = [&hooks](const std::string& text) {
+        hooks.tell("while the constant loads come on: " + text);
+      };
     StaticResult own;
     LoadSteps(body, quiet, own).run();
     result.iterations += own.iterations;

@@ -17,15 +17,6 @@ namespace {
 /// The largest change of a bond in one step: a linear step is then off by about a tenth of itself.
 constexpr double largest_bond_step = 0.1;
 
-/// The largest movement or turn of a particle between two placements.  [length]
-double distance(const Placement& a, const Placement& b, double length) {
-  double largest = 0.0;
-  for (const ParticleId p : a.r.ids())
-    largest = std::max(
-        {largest, norm(b.r[p] - a.r[p]), length * norm(rotation_vector(b.q[p] * conjugate(a.q[p])))});
-  return largest;
-}
-
 /// Of the stiffness of a smooth mode of length 1: entries are rounded to eps, and a tenth of that is left of
 /// the sum over many (measured: columns of 20 to 320 bonds).
 double rounding_of_stiffness(const SparseMatrix& K) {

@@ -53,13 +53,16 @@ Vector limited(const StaticBody& body, Vector x) {
 
 }  // namespace
 
+bool in_balance(const StaticBody& body, const NewtonSettings& settings) {
+  return body.residual() <= std::max(settings.tolerance, body.residual_of_rounding());
+}
+
 bool balanced(const StaticBody& body, const NewtonSettings& settings, const std::vector<double>& residuals) {
   constexpr double close = 100.0;
-  const double rounding = body.residual_of_rounding();
-  if (residuals.back() <= std::max(settings.tolerance, rounding)) return true;
+  if (in_balance(body, settings)) return true;
   const std::size_t n = residuals.size();
   const bool stalled = n >= 3 && residuals[n - 1] > 0.3 * residuals[n - 3];
-  return stalled && residuals.back() <= close * rounding;
+  return stalled && residuals.back() <= close * body.residual_of_rounding();
 }
 
 struct TangentSolver::ConjugateGradients {

@@ -77,7 +77,7 @@ struct StaticResult {
   std::string solver;             ///< "direct" or "iterative"
   std::optional<int> unstable;    ///< negative eigenvalues of the tangent at the end; absent: not counted
   bool neutral = false;           ///< not unstable, but a motion meets no stiffness at the end
-  bool jumped = false;            ///< past a limit point, over balances that load steps do not see
+  bool jumped = false;            ///< it lost its balance between two load steps and went to another one
   bool left_saddle = false;       ///< an unstable balance was met and left
   std::vector<double> residuals;  ///< of the last load factor, iteration by iteration, relative
   std::optional<double>

@@ -12,8 +12,9 @@ namespace vbond {
 namespace {
 
 constexpr const char* way_out_of_memory =
-    "factors of a compact body grow with the 4/3rd power of its unknowns: fewer particles, or for kind = "
-    "\"equilibrium\" newton = {solver = \"iterative\"}, help";
+    "fewer particles help; where it is the factor that does not fit, for kind = \"equilibrium\" also newton "
+    "= "
+    "{solver = \"iterative\"}";
 
 StaticOutcome run_kind(const Model& model, const StaticStage& stage, State state, const StaticHooks& hooks) {
   switch (stage.kind) {
@@ -46,8 +47,8 @@ StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, Sta
 
 SolverChoice choose_solver(const Model& model, const StaticStage& stage, const State& state) {
   const StaticBody body(model, stage, state);
-  const bool either = stage.kind == StageKind::equilibrium;
-  TangentSolver solver(either ? stage.newton.solver : LinearSolver::direct);
+  const bool modes = stage.kind == StageKind::modes;  // they are not asked
+  TangentSolver solver(modes ? LinearSolver::direct : stage.newton.solver);
   solver.prepare(body);
   return {!solver.iterative(), solver.last_factor().bytes()};
 }

@@ -29,8 +29,9 @@ StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, Sta
 
 /// With what a static stage solves its linear equations.
 struct SolverChoice {
-  bool direct = true;       ///< otherwise conjugate gradients
-  double factor_bytes = 0;  ///< of the direct solver's factor, also where it does not fit; 0: not looked at
+  bool direct = true;       ///< otherwise conjugate gradients, with which only an equilibrium can be found
+  double factor_bytes = 0;  ///< of the direct solver's factor, also where it does not fit; infinite: it has
+                            ///< more than 2^31 entries, and cannot be made; 0: not looked at
 };
 
 /// The choice for a stage that begins in this state: works out the pattern of its tangent and the order of

@@ -177,7 +177,7 @@ void add_unstable(const RunFacts& run, Warnings& all) {
                                                  s.name, *r.unstable, *r.unstable == 1 ? "" : "s")});
     if (r.jumped)
       all.push_back(
-          {Level::note, fmt::format("In stage \"{}\" the body jumped past a limit point of the load: "
+          {Level::note, fmt::format("In stage \"{}\" the body lost its balance and jumped to another one: "
                                     "kind = \"path\" follows what lies between.",
                                     s.name)});
     if (s.statics->kind == StageKind::path && r.unstable.value_or(0) > 0)

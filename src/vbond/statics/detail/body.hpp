@@ -20,6 +20,9 @@ struct Placement {
   double load_factor = 0;
 };
 
+/// The largest movement of a particle between the two, or turn of one times this length.  [length]
+double distance(const Placement& a, const Placement& b, double length);
+
 /// A body under the supports and loads of a static stage: where it is, what is out of balance there, and how
 /// that changes with the unknowns and with the load factor f.
 ///

@@ -53,6 +53,9 @@ struct NewtonOutcome {
   int iterations() const { return static_cast<int>(residuals.size()) - 1; }
 };
 
+/// As well as was asked for, or to rounding.
+bool in_balance(const StaticBody& body, const NewtonSettings& settings);
+
 /// Balanced as well as was asked for, or as rounding lets it be known: residuals, the last being that of the
 /// body as it stands, have stopped falling close to what rounding leaves.
 bool balanced(const StaticBody& body, const NewtonSettings& settings, const std::vector<double>& residuals);
