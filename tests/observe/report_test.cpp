@@ -76,7 +76,7 @@ TEST(StaticTable, RowsAreAsWideAsTheHeaderForSmallAndLargeValues) {
   EXPECT_EQ(static_table_row({chain.state, 0.0, PointKind::regular, {}, {}, {}}, {}).size(), width);
   chain.at_step(999999999999);
   const Energies energies{0, 0, -1.23456789e-123, 0, 0, 0};
-  EXPECT_EQ(static_table_row({chain.state, -1.23456789e-123, PointKind::near_critical, 999999, energies, {}},
+  EXPECT_EQ(static_table_row({chain.state, -1.23456789e-123, PointKind::limit_point, 999999, energies, {}},
                              {99999999, 99999999})
                 .size(),
             width);
@@ -96,6 +96,17 @@ TEST(StaticReport, SaysWhetherTheBalanceIsStable) {
   r.smallest_eigenvalue = -0.5;
   EXPECT_TRUE(has(static_report(StageKind::equilibrium, r, ""),
                   "UNSTABLE in 2 directions, smallest eigenvalue -0.5"));
+}
+
+TEST(StaticReport, SaysHowFarItLookedForCriticalLoads) {
+  StaticResult r;
+  r.ended = "bond range";
+  r.searched_to = 0.25;
+  EXPECT_TRUE(has(static_report(StageKind::buckling, r, ""), "none up to load factor 0.25\n"));
+  r.critical_loads = {{PointKind::limit_point, 0.125, {}, 0.0, {}}};
+  const std::string text = static_report(StageKind::buckling, r, "");
+  EXPECT_TRUE(has(text, "limit point            0.125                -                -\n")) << text;
+  EXPECT_TRUE(has(text, "no others up to load factor 0.25\n")) << text;
 }
 
 TEST(StaticReport, RigidAndUnstableModesHaveNoPeriod) {

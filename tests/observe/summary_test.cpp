@@ -153,7 +153,9 @@ RunSummary all_kinds() {
   path.result.special_points = {{PointKind::bifurcation, 0.25, 3, 0, 1},
                                 {PointKind::limit_point, 0.5, 4, 1, 2},
                                 {PointKind::bifurcation, 0.3, 7, 2, 1}};
-  critical.result.critical_loads = {{3.1e-4, 3.0e-4, 6.2e-4, {}}, {1.2e-3, 1.1e-3, 2.4e-3, {}}};
+  critical.result.critical_loads = {{PointKind::bifurcation, 3.1e-4, 3.0e-4, 6.2e-4, {}},
+                                    {PointKind::limit_point, 1.2e-3, {}, 2.4e-3, {}}};
+  critical.result.searched_to = 1.2e-3;
   modes.result.modes = {{0, 0, true, {}}, {0, -4.0, false, {}}, {1.5, 2.25, false, {}}};
   failed.result = {};
   failed.result.ended = "failed";
@@ -192,7 +194,10 @@ TEST(RunSummary, StaticStagesHoldTheirResultsByKind) {
   EXPECT_EQ(path["limit_points"][0]["unstable_after"], 2);
   const auto& critical = j["stages"][2];
   EXPECT_EQ(critical["critical_load_factors"], (std::vector<double>{3.1e-4, 1.2e-3}));
-  EXPECT_EQ(critical["linear_estimates"], (std::vector<double>{3.0e-4, 1.1e-3}));
+  EXPECT_EQ(critical["critical_kinds"], (std::vector<std::string>{"bifurcation", "limit point"}));
+  EXPECT_EQ(critical["linear_estimates"][0], 3.0e-4);
+  EXPECT_TRUE(critical["linear_estimates"][1].is_null());
+  EXPECT_EQ(critical["searched_to"], 1.2e-3);
   EXPECT_EQ(critical["critical_forces"], (std::vector<double>{6.2e-4, 2.4e-3}));
   const auto& modes = j["stages"][3];
   EXPECT_EQ(modes["rigid_modes"], 1);

@@ -75,7 +75,9 @@ struct StaticStage {
   int steps = 1;                         ///< equilibrium: load steps at least; more if they are too large
   AtSaddle at_saddle = AtSaddle::leave;  ///< equilibrium: what to do at an unstable balance
   PathSettings path;
-  int count = 6;             ///< modes: frequencies besides those of rigid motions; buckling: critical loads
+  double search_to =
+      0;          ///< buckling: largest load factor at which critical loads are looked for; 0: automatic
+  int count = 6;  ///< modes: frequencies besides those of rigid motions; buckling: critical loads
   int frames_per_mode = 16;  ///< modes, buckling: frames of one swing; 0: none
   double amplitude = 0;  ///< of the frames: largest movement of a particle [length]; 0: a tenth of the body
 };

@@ -25,16 +25,19 @@ void add_special_points(const StaticResult& r, Json& j) {
 
 /// Without a force on a group there are load factors only.
 void add_critical_loads(const StaticResult& r, Json& j) {
-  Json factors = Json::array(), estimates = Json::array(), forces = Json::array();
+  Json factors = Json::array(), kinds = Json::array(), estimates = Json::array(), forces = Json::array();
   bool any_force = false;
   for (const CriticalLoad& c : r.critical_loads) {
     factors.push_back(c.load_factor);
-    estimates.push_back(c.estimate);
+    kinds.push_back(c.kind == PointKind::limit_point ? "limit point" : "bifurcation");
+    estimates.push_back(c.estimate ? Json(*c.estimate) : Json());
     forces.push_back(c.force);
     any_force |= c.force != 0.0;
   }
   j["critical_load_factors"] = factors;
+  j["critical_kinds"] = kinds;
   j["linear_estimates"] = estimates;
+  j["searched_to"] = r.searched_to;
   if (any_force) j["critical_forces"] = forces;
 }
 
@@ -74,11 +77,13 @@ std::vector<SpecialPoint> special_points(const Json& j) {
 
 std::vector<CriticalLoad> critical_loads(const Json& j) {
   std::vector<CriticalLoad> loads;
-  const Json &factors = j.at("critical_load_factors"), &estimates = j.at("linear_estimates");
+  const Json &factors = j.at("critical_load_factors"), &kinds = j.at("critical_kinds"),
+             &estimates = j.at("linear_estimates");
   for (std::size_t k = 0; k < factors.size(); ++k) {
     CriticalLoad c;
     c.load_factor = factors.at(k).get<double>();
-    c.estimate = estimates.at(k).get<double>();
+    if (kinds.at(k) == "limit point") c.kind = PointKind::limit_point;
+    if (!estimates.at(k).is_null()) c.estimate = estimates.at(k).get<double>();
     if (j.contains("critical_forces")) c.force = j["critical_forces"].at(k).get<double>();
     loads.push_back(c);
   }
@@ -113,9 +118,10 @@ const char* to_text(StageKind kind) {
 
 Json to_json(const StaticSummary& s) {
   const StaticResult& r = s.result;
-  Json j{{"kind", to_text(s.kind)},     {"ended", r.ended},           {"load_factor", r.load_factor},
-         {"points", r.points},          {"iterations", r.iterations}, {"solver", r.solver},
-         {"left_saddle", r.left_saddle}};
+  Json j{{"kind", to_text(s.kind)},      {"ended", r.ended},
+         {"load_factor", r.load_factor}, {"points", r.points},
+         {"iterations", r.iterations},   {"factors", r.factors},
+         {"solver", r.solver},           {"left_saddle", r.left_saddle}};
   if (s.kind == StageKind::equilibrium) j["jumped"] = r.jumped;
   if (s.kind == StageKind::equilibrium && r.unstable) j["neutral"] = r.neutral;
   if (r.unstable) j["unstable"] = *r.unstable;
@@ -137,6 +143,7 @@ StaticSummary static_summary(const Json& j) {
   r.load_factor = j.at("load_factor").get<double>();
   r.points = j.at("points").get<int>();
   r.iterations = j.at("iterations").get<int>();
+  r.factors = j.value("factors", 0);
   r.solver = j.at("solver").get<std::string>();
   r.neutral = j.value("neutral", false);
   r.jumped = j.value("jumped", false);
@@ -145,7 +152,10 @@ StaticSummary static_summary(const Json& j) {
   if (j.contains("smallest_eigenvalue")) r.smallest_eigenvalue = j["smallest_eigenvalue"].get<double>();
   if (j.contains("failure")) s.failure = j["failure"].get<std::string>();
   if (s.kind == StageKind::path) r.special_points = special_points(j);
-  if (s.kind == StageKind::buckling) r.critical_loads = critical_loads(j);
+  if (s.kind == StageKind::buckling) {
+    r.critical_loads = critical_loads(j);
+    r.searched_to = j.value("searched_to", 0.0);
+  }
   if (s.kind == StageKind::modes) r.modes = natural_modes(j);
   return s;
 }

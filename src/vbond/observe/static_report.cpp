@@ -13,7 +13,6 @@ const char* in_words(PointKind kind) {
     case PointKind::regular: return "";
     case PointKind::limit_point: return "limit point";
     case PointKind::bifurcation: return "bifurcation";
-    case PointKind::near_critical: return "near-critical";
     case PointKind::end: return "end";
   }
   return "";
@@ -43,15 +42,16 @@ std::string special_points(const StaticResult& r) {
 }
 
 std::string critical_loads(const StaticResult& r) {
-  if (r.critical_loads.empty()) return "no critical load was found\n";
-  std::string text =
-      fmt::format("{:>6} {:>16} {:>16} {:>16}\n", "mode", "load factor", "linear estimate", "force");
+  if (r.critical_loads.empty()) return fmt::format("none up to load factor {:.8g}\n", r.searched_to);
+  std::string text = fmt::format("{:>6} {:>12} {:>16} {:>16} {:>16}\n", "mode", "", "load factor",
+                                 "linear estimate", "force");
   for (std::size_t k = 0; k < r.critical_loads.size(); ++k) {
     const CriticalLoad& c = r.critical_loads[k];
-    text += fmt::format("{:>6} {:>16.8g} {:>16.8g} {:>16}\n", k + 1, c.load_factor, c.estimate,
+    text += fmt::format("{:>6} {:>12} {:>16.8g} {:>16} {:>16}\n", k + 1, in_words(c.kind), c.load_factor,
+                        c.estimate ? fmt::format("{:.8g}", *c.estimate) : "-",
                         c.force != 0.0 ? fmt::format("{:.8g}", c.force) : "-");
   }
-  return text;
+  return text + fmt::format("no others up to load factor {:.8g}\n", r.searched_to);
 }
 
 std::string frequencies(const StaticResult& r, const std::string& time_unit) {

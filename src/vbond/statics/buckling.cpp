@@ -127,14 +127,15 @@ StaticOutcome find_critical_loads(const Model& model, const StaticStage& stage, 
     if (end != Search::End::found) break;
     const Search::View view = *search.view(k);
     const Crossing* linear = search.start().crossing(k);
-    result.critical_loads.push_back({view.load_factor(), linear ? linear->change : 0.0,
+    result.critical_loads.push_back({PointKind::bifurcation, view.load_factor(),
+                                     linear ? std::optional<double>(linear->change) : std::nullopt,
                                      view.load_factor() * largest_proportional_force(stage),
                                      body.unknowns().shape(view.crossing->mode)});
     if (view.crossing->known_to > stay_away * view.load_factor() && hooks.tell)
       hooks.tell(fmt::format("stage \"{}\": rounding leaves critical load {} known to {:.1g} of itself",
                              stage.name, k + 1, view.crossing->known_to / view.load_factor()));
     body.restore(view.from->at);
-    report_point(body, PointKind::near_critical, view.from->unstable, hooks, result);
+    report_point(body, PointKind::bifurcation, view.from->unstable, hooks, result);
   }
   if (end == Search::End::lost)
     throw NoEquilibrium(

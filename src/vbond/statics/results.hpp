@@ -16,9 +16,8 @@ namespace vbond {
 /// What is special about a point of balance.
 enum class PointKind : std::uint8_t {
   regular,
-  limit_point,
-  bifurcation,
-  near_critical,  ///< buckling: from here a critical load was seen that is next to it
+  limit_point,  ///< the load factor turns back
+  bifurcation,  ///< stability changes and the load factor goes on
   end
 };
 
@@ -51,10 +50,11 @@ struct SpecialPoint {
   friend bool operator==(const SpecialPoint&, const SpecialPoint&) = default;
 };
 
-/// A load at which balance stops being stable.
+/// A load at which one more direction of the balance becomes unstable.
 struct CriticalLoad {
-  double load_factor = 0;  ///< found on the nonlinear path
-  double estimate = 0;     ///< linearised about load factor 0; 0: there is none
+  PointKind kind = PointKind::bifurcation;  ///< or limit_point: no balance close by carries more
+  double load_factor = 0;                   ///< found on the nonlinear path
+  std::optional<double> estimate;  ///< linearised about load factor 0; absent where that does not hold
   double force = 0;  ///< load factor times the largest proportional force on a whole group; 0: there is none
   Shape mode;
   friend bool operator==(const CriticalLoad&, const CriticalLoad&) = default;
@@ -70,10 +70,14 @@ struct NaturalMode {
 
 /// How a static stage ended.
 struct StaticResult {
-  std::string ended;              ///< "converged", "load factor", "distance", "points", "interrupted"
+  /// "converged", "load factor", "distance", "points", "interrupted"; of buckling "converged" if as many
+  /// critical loads were found as were wanted, else why the search ended: "limit point", "load factor",
+  /// "bond range", "points", "interrupted"
+  std::string ended;
   double load_factor = 0;         ///< reached
   int points = 0;                 ///< of balance that were handed to the observers
   int iterations = 0;             ///< of Newton's method, all together
+  int factors = 0;                ///< of the tangent that were made, all together; path and buckling
   std::string solver;             ///< "direct" or "iterative"
   std::optional<int> unstable;    ///< negative eigenvalues of the tangent at the end; absent: not counted
   bool neutral = false;           ///< not unstable, but a motion meets no stiffness at the end
@@ -84,7 +88,8 @@ struct StaticResult {
       smallest_eigenvalue;  ///< of the tangent at the end, turns times the length scale  [force/length]
   std::vector<SpecialPoint> special_points;  ///< path
   std::vector<CriticalLoad> critical_loads;  ///< buckling, smallest first
-  std::vector<NaturalMode> modes;            ///< modes, slowest first; rigid motions before all others
+  double searched_to = 0;  ///< buckling: there are no other critical loads on the path up to this load factor
+  std::vector<NaturalMode> modes;  ///< modes, slowest first; rigid motions before all others
   friend bool operator==(const StaticResult&, const StaticResult&) = default;
 };
 
