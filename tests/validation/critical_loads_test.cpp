@@ -7,9 +7,11 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "static_bodies.hpp"
-#include "vbond/core/error.hpp"
+#include "vbond/statics/detail/linear_buckling.hpp"
+#include "vbond/statics/detail/newton.hpp"
 
 namespace vbond {
 namespace {
@@ -121,6 +123,23 @@ TEST(Arches, KeepTheirBifurcationWhereALimitPointEndsTheSearch) {
   EXPECT_NEAR(r.critical_loads.front().load_factor, 22.0191781, 1e-6);
   EXPECT_EQ(r.critical_loads.back().kind, PointKind::limit_point);
   EXPECT_EQ(r.searched_to, r.critical_loads.back().load_factor);
+}
+
+// The rate of the tangent holds the rotations before buckling times the longitudinal stiffness: of an arch
+// that bends, the linear estimate falls with the slenderness and has nothing to do with its critical
+// load, 11.5 EI / R^2.
+TEST(LinearEstimates, FallWithSlenderness) {
+  const std::pair<double, double> cases[] = {{1e3, 6.53}, {1e4, 2.58}, {5e4, 1.22}};
+  for (const auto& [EA, estimate] : cases) {
+    const Case c = arch(120, EA, hinge);
+    StaticBody body(c.specimen.model, c.stage, c.specimen.state);
+    TangentSolver solver(LinearSolver::direct);
+    ASSERT_EQ(solver.factor(body), 0);
+    const std::vector<double> mu = linear_critical_factors(body, solver.solve(body.load_direction()), 1);
+    ASSERT_EQ(mu.size(), 1u);
+    EXPECT_NEAR(mu[0] / estimate, 1.0, 5e-3);
+    EXPECT_FALSE(by_buckling(c).critical_loads.at(0).estimate);
+  }
 }
 
 /// A triangular sheet of `rows` rows of `bonds` bonds, clamped at its root, pushed sideways within its plane
