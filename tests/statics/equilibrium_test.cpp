@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <string>
 
 #include "bodies.hpp"
 #include "validation/cases.hpp"
@@ -311,6 +313,81 @@ TEST(Equilibrium, OfABodyThatIsHeldEverywhereIsThatBody) {
                                     {fixed(rod.model.groups[0].particles, testing::clamped, {1, 0, 0})}));
   EXPECT_EQ(held.result.ended, "converged");
   EXPECT_EQ(held.state.r[ParticleId{2}].x, 3.0);
+}
+
+/// What a stage that finds no balance says; empty if it finds one.
+std::string refusal(const testing::Specimen& s, const StaticStage& stage, const StaticHooks& hooks = {}) {
+  try {
+    run_static_stage(s.model, stage, s.state, hooks);
+    return "";
+  } catch (const NoEquilibrium& e) {
+    return e.what();
+  }
+}
+
+bool holds(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// Three particles in a row, of which the second is driven onto the first; the third is free.
+StaticStage closing(std::array<double, 3> way = {-1, 0, 0}) {
+  return static_stage(
+      StageKind::equilibrium,
+      {fixed({first}, testing::clamped), fixed({ParticleId{1}}, testing::clamped, {way[0], way[1], way[2]})});
+}
+
+// Where bonded points meet, the direction between them and all that comes from it is 0 / 0.
+TEST(Equilibrium, OfBondedParticlesThatMeetIsNone) {
+  double reached = 0.0;
+  StaticHooks hooks;
+  hooks.point = [&](const StaticPoint& p) {
+    reached = p.load_factor;
+    EXPECT_TRUE(std::isfinite(p.energies.total()));
+  };
+  const std::string why = refusal(testing::straight_rod(3), closing(), hooks);
+  EXPECT_TRUE(holds(why, "bond 0 (particles 0, 1): its loads are not finite")) << why;
+  EXPECT_GT(reached, 0.9);
+  // the same where nothing is free, so that nothing is out of balance
+  const std::string held = refusal(testing::straight_rod(2), closing());
+  EXPECT_TRUE(holds(held, "bond 0 (particles 0, 1): its loads are not finite")) << held;
+}
+
+TEST(Equilibrium, IsNotFoundFromWhereBondedParticlesLieOnEachOther) {
+  testing::Specimen rod = testing::straight_rod(3);
+  rod.state.r[ParticleId{2}] = rod.state.r[ParticleId{1}];
+  for (const StageKind kind :
+       {StageKind::equilibrium, StageKind::path, StageKind::buckling, StageKind::modes}) {
+    StaticStage stage = cantilever(2, {0, 1e-6, 0});
+    stage.kind = kind;
+    const std::string why = refusal(rod, stage);
+    EXPECT_TRUE(holds(why, "bond 1 (particles 1, 2): its loads are not finite")) << why;
+  }
+}
+
+// Forces up to 1e308, and a way of 1e200 on a bond of 1e300.
+TEST(Equilibrium, OfForcesThatOverflowIsNone) {
+  testing::Specimen rod = testing::straight_rod(3);
+  rod.state.bonds[BondId{0}].B1 = 1e300;
+  const std::string why = refusal(rod, closing({1e200, 0, 0}));
+  EXPECT_TRUE(holds(why, "bond 0 (particles 0, 1): its")) << why;
+  EXPECT_TRUE(holds(why, "not finite")) << why;
+}
+
+TEST(Equilibrium, OfNothingIsNothing) {
+  const testing::Specimen nothing = testing::particles_at({});
+  EXPECT_EQ(equilibrium(nothing, static_stage(StageKind::equilibrium, {})).result.ended, "converged");
+}
+
+TEST(StaticStages, OfWhatIsFreeRefuseABodyThatIsHeldEverywhere) {
+  const testing::Specimen rod = testing::straight_rod(3), nothing = testing::particles_at({});
+  for (const StageKind kind : {StageKind::path, StageKind::buckling, StageKind::modes}) {
+    const StaticStage stage =
+        static_stage(kind, {fixed(rod.model.groups[0].particles, testing::translations),
+                            fixed(rod.model.groups[0].particles, {false, false, false, true, true, true})});
+    const std::string why = refusal(rod, stage);
+    EXPECT_TRUE(holds(why, "nothing is free to move")) << why;
+    EXPECT_TRUE(holds(refusal(nothing, static_stage(kind, {})), "nothing is free to move"));
+  }
 }
 
 TEST(Equilibrium, NamesWhatCanMoveFreely) {

@@ -113,6 +113,51 @@ TEST(Tangent, KnowsHowLoadsChangeWithTheLoadFactor) {
   }
 }
 
+TEST(StaticBody, IsInNoBalanceWhereALoadIsNotFinite) {
+  testing::Specimen rod = testing::straight_rod(3);
+  rod.state.r[ParticleId{1}] = rod.state.r[ParticleId{0}];
+  StaticStage stage;
+  const StaticBody free(rod.model, stage, rod.state);
+  stage.supports = {testing::fixed(rod.model.groups[0].particles, testing::clamped)};
+  const StaticBody held(rod.model, stage, rod.state);  // nothing can be out of balance
+  for (const StaticBody* body : {&free, &held}) {
+    EXPECT_TRUE(std::isnan(body->residual())) << body->residual();
+    EXPECT_NE(body->first_not_finite().find("bond 0 (particles 0, 1)"), std::string::npos)
+        << body->first_not_finite();
+    EXPECT_NE(body->first_not_finite().find("0 apart"), std::string::npos) << body->first_not_finite();
+  }
+}
+
+// Bonded to points of their surfaces particles may lie on each other, and nothing is wrong.
+TEST(StaticBody, MayHaveBondedParticlesWhoseCentresMeet) {
+  testing::Specimen s = testing::particles_at({{0, 0, 0}, {2, 0, 0}});
+  BondRecipe recipe = testing::papers_bond();
+  testing::bond(s, 0, 1, recipe);
+  s.state.bonds[BondId{0}].R_i = s.state.bonds[BondId{0}].R_j = 0.5;
+  s.state.bonds[BondId{0}].a = 1.0;
+  s.state.r[ParticleId{1}] = s.state.r[ParticleId{0}];
+  const StaticStage stage;
+  const StaticBody body(s.model, stage, s.state);
+  EXPECT_EQ(body.first_not_finite(), "");
+  EXPECT_TRUE(std::isfinite(body.residual()));
+  EXPECT_TRUE(std::isfinite(body.largest_bond_change(Vector::Ones(body.unknowns().size()))));
+  EXPECT_TRUE(std::isfinite(body.largest_bond_change(Vector::Zero(body.unknowns().size()))));
+}
+
+TEST(MaxNorm, KeepsWhatIsNotANumberWhereverItStands) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (int at = 0; at < 9; ++at) {
+    Vector x = Vector::LinSpaced(9, -1.0, 2.0);
+    EXPECT_EQ(max_norm(x), 2.0);
+    x[at] = nan;
+    EXPECT_TRUE(std::isnan(max_norm(x))) << at;
+  }
+  EXPECT_EQ(max_norm(Vector()), 0.0);
+  EXPECT_TRUE(std::isnan(larger(nan, 1.0)) && std::isnan(larger(1.0, nan)));
+  EXPECT_EQ(larger(1.0, 2.0), 2.0);
+  EXPECT_EQ(larger(2.0, 1.0), 2.0);
+}
+
 TEST(StaticBody, StartsInBalanceWhenRelieved) {
   const Heap heap;
   StaticBody body(heap.s.model, heap.stage, heap.s.state);

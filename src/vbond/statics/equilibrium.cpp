@@ -9,6 +9,7 @@
 #include "vbond/statics/detail/eigen.hpp"
 #include "vbond/statics/detail/kinds.hpp"
 #include "vbond/statics/detail/rigid.hpp"
+#include "vbond/statics/detail/rounding.hpp"
 
 namespace vbond {
 namespace {
@@ -66,8 +67,9 @@ class LoadSteps {
       if (!accept(outcome)) return interrupted(way.from);
       step = std::min(longest, 2.0 * std::max(step, way.length));
     }
-    result_.ended = "converged";
     result_.smallest_eigenvalue = smallest_eigenvalue();
+    judge_smallest();
+    result_.ended = "converged";
   }
   const TangentSolver& solver() const { return solver_; }
 
@@ -97,7 +99,7 @@ class LoadSteps {
       if (way.foreseen) x = predicted;
     }
     const double change = body_.largest_bond_change(x);
-    if (change * step > largest_prediction) step = largest_prediction / change;
+    if (std::isfinite(change) && change * step > largest_prediction) step = largest_prediction / change;
     const double next = now + step > mark - 1e-12 ? mark : now + step;
     body_.move(step * x, next);
     way.predicted = body_.placement();
@@ -190,10 +192,8 @@ class LoadSteps {
         from.load_factor, body_.load_factor(), distance_to_here(from)));
   }
 
-  /// Negative eigenvalues that are more than rounding, and the lowest of them with its mode. Not known where
-  /// conjugate gradients were used. Eigenvalues of the whole tangent lie within its antisymmetric part of
-  /// those of the symmetric one: under outside moments only those below that are counted, and if there are
-  /// others below zero nothing is known.
+  /// Negative eigenvalues that are more than their error, and the lowest of them with its mode. Not known
+  /// where conjugate gradients were used.
   void count_unstable() {
     unstable_ = 0;
     neutral_ = false;
@@ -203,23 +203,65 @@ class LoadSteps {
     definite_ = negative == 0;
     if (solver_.iterative() || definite_) return;
     const SparseMatrix& K = body_.tangent();
-    const double rounding = 1e-12 * Vector(K.diagonal()).cwiseAbs().maxCoeff();
-    const double margin = std::max(rounding, body_.moment_part());
-    Factor factor;
-    factor.analyse(K);
-    const double size = K.norm();  // zero where contacts just begin to touch
-    if (size == 0.0 || factor.factor_definite(K, margin)) {
-      neutral_ = !negative || !body_.has_moment_part();
-      if (body_.has_moment_part()) unstable_.reset();
+    if (K.norm() == 0.0) {  // where contacts just begin to touch
+      neutral_ = true;
       return;
     }
-    unstable_ = std::max(1, factor.factor_indefinite(K, margin).value_or(negative.value_or(1)));
+    Factor factor;
+    factor.analyse(K);
+    body_.has_moment_part() ? judge_beside_moments(factor, negative) : judge_by_lowest(factor, negative);
+  }
+
+  void judge_by_lowest(Factor& factor, std::optional<int> negative) {
+    const SparseMatrix& K = body_.tangent();
+    const double error = eigenvalue_error(K);
+    lowest_ = lowest_pair(factor, error);
+    const double lowest = lowest_->values[0];
+    neutral_ = std::abs(lowest) <= error;
+    if (lowest < -error)
+      unstable_ = std::max(1, factor.factor_indefinite(K, error).value_or(negative.value_or(1)));
+  }
+
+  /// Eigenvalues of the whole tangent lie within its antisymmetric part of those of the symmetric one: under
+  /// outside moments only those below that are counted, and if there are others below zero nothing is known.
+  void judge_beside_moments(Factor& factor, std::optional<int> negative) {
+    const SparseMatrix& K = body_.tangent();
+    const double margin = std::max(eigenvalue_error(K), body_.moment_part());
+    lowest_ = lowest_pair(factor, margin);
+    if (lowest_->values[0] < -margin) {
+      unstable_ = std::max(1, factor.factor_indefinite(K, margin).value_or(negative.value_or(1)));
+      return;
+    }
+    lowest_.reset();
+    neutral_ = !negative;
+    unstable_.reset();
+  }
+
+  /// The lowest eigenvalue, below which it is looked for from this far below zero on, and its mode. The value
+  /// is the one that the mode gives, which is free of the rounding on the way to it.
+  EigenPairs lowest_pair(Factor& factor, double margin) const {
+    const SparseMatrix& K = body_.tangent();
+    const double size = K.norm();
     double below = 10.0 * margin;
     while (!factor.factor_definite(K, below)) {
       below *= 10.0;
-      if (!(below < 1e3 * size)) give_up("the tangent stiffness is not finite");
+      if (!(below < 1e3 * size)) give_up("the tangent stiffness is not finite: " + body_.first_not_finite());
     }
-    lowest_ = smallest_eigenpairs(K, 1, -below);
+    EigenPairs lowest = smallest_eigenpairs(K, 1, -below);
+    const Vector x = lowest.vectors.col(0);
+    lowest.values[0] = x.dot(K * x);
+    return lowest;
+  }
+
+  /// The last balance may be neutral although its tangent could be factored as positive definite.
+  void judge_smallest() {
+    const std::optional<double>& smallest = result_.smallest_eigenvalue;
+    if (!smallest) return;
+    if (!std::isfinite(*smallest))
+      give_up("the tangent stiffness is not finite: " + body_.first_not_finite());
+    if (!definite_ || *smallest > eigenvalue_error(body_.tangent())) return;
+    result_.neutral = true;
+    tell_neutral();
   }
 
   void tell_neutral() const {
@@ -286,6 +328,12 @@ class LoadSteps {
 
 }  // namespace
 
+void refuse_nothing_free(const StaticBody& body) {
+  if (body.unknowns().size() > 0) return;
+  throw NoEquilibrium(body.stage().name, "nothing is free to move",
+                      "paths, critical loads and modes are of degrees of freedom that are free: hold fewer");
+}
+
 void refuse_rigid_motions(const StaticBody& body) {
   const RigidMotions free = free_rigid_motions(body.model(), body.state(), body.unknowns());
   if (free.names.empty()) return;
@@ -300,8 +348,18 @@ void refuse_rigid_motions(const StaticBody& body) {
       "as the spin of a rod along x by fix = [\"rx\"]; kind = \"modes\" takes free bodies as they are");
 }
 
+void refuse_not_finite(const StaticBody& body) {
+  if (body.places_are_finite() && std::isfinite(body.residual()) && std::isfinite(body.energies().total()))
+    return;
+  throw NoEquilibrium(
+      body.stage().name,
+      fmt::format("at load factor {:.6g}: {}", body.load_factor(), body.first_not_finite()),
+      "particles that are bonded must stand apart, and loads and stiffnesses be far from the largest number");
+}
+
 void report_point(StaticBody& body, PointKind kind, std::optional<int> unstable, const StaticHooks& hooks,
                   StaticResult& result) {
+  refuse_not_finite(body);
   ++body.clock().step;
   ++body.clock().stage_step;
   ++result.points;
@@ -314,6 +372,7 @@ void report_point(StaticBody& body, PointKind kind, std::optional<int> unstable,
 StaticOutcome find_equilibrium(const Model& model, const StaticStage& stage, State state,
                                const StaticHooks& hooks) {
   StaticBody body(model, stage, std::move(state));
+  refuse_not_finite(body);
   refuse_rigid_motions(body);
   body.relieve();
   StaticOutcome outcome;
@@ -336,6 +395,8 @@ std::optional<State> balance_of_constant_loads(const Model& model, const StaticS
   if (!stage.constant_gravity) constant.gravity = {};
   for (StaticSupport& s : constant.supports) s.displacement = s.rotation = {};
   StaticBody body(model, constant, std::move(state));
+  refuse_nothing_free(body);
+  refuse_not_finite(body);
   if (!in_balance(body, stage.newton)) {
     refuse_rigid_motions(body);
     body.relieve();
