@@ -245,6 +245,65 @@ TEST(Equilibrium, LeavesASaddleUnderATinyMoment) {
   EXPECT_LT(bent.state.r[ParticleId{10}].x, 9.0);  // straight it stays within 0.01 of 10
 }
 
+/// The standard rod of 80 bonds, pinned, free in space but for its axis, under an end force.
+StaticOutcome column_of_80_under(double P, AtSaddle at_saddle) {
+  const testing::Specimen rod = testing::rod50(80);
+  StaticStage stage = static_stage(StageKind::equilibrium,
+                                   {fixed({first}, {true, true, true, true, false, false}),
+                                    fixed({ParticleId{80}}, {false, true, true, false, false, false})},
+                                   {pushed(80, {-P, 0, 0})});
+  stage.at_saddle = at_saddle;
+  return equilibrium(rod, stage);
+}
+
+/// Where its lowest eigenvalue vanishes, by secants. It scatters by 3e-10 and falls by 1.2 per part of the
+/// load, so this is good to some 2e-10.
+double critical_force_of_80() {
+  const auto lowest = [](double P) {
+    return *column_of_80_under(P, AtSaddle::keep).result.smallest_eigenvalue;
+  };
+  double P = M_PI * M_PI;
+  for (const double w : {1e-2, 1e-4, 1e-5, 1e-6}) {
+    const double low = lowest(P * (1 - w)), high = lowest(P * (1 + w));
+    P *= 1 - w + 2 * w * low / (low - high);
+  }
+  return P;
+}
+
+// The eigenvalue is -1.2 times the part by which the force is above the critical one, and known to 1.3e-9.
+TEST(Equilibrium, JudgesByTheEigenvalueOnBothSidesOfTheCriticalLoad) {
+  const double P = critical_force_of_80();
+  for (const double off : {1e-8, 1e-6, 1e-5, 1e-4}) {
+    const StaticResult below = column_of_80_under(P * (1 - off), AtSaddle::leave).result;
+    EXPECT_EQ(below.unstable, 0) << off;
+    EXPECT_FALSE(below.neutral || below.left_saddle) << off;
+    EXPECT_NEAR(*below.smallest_eigenvalue / off, 1.216, 0.2) << off;
+    const StaticResult above = column_of_80_under(P * (1 + off), AtSaddle::keep).result;
+    EXPECT_EQ(above.unstable, 2) << off;
+    EXPECT_FALSE(above.neutral) << off;
+    EXPECT_NEAR(*above.smallest_eigenvalue / off, -1.216, 0.2) << off;
+  }
+  for (const double off : {-3e-10, 0.0, 3e-10}) {
+    const StaticResult at = column_of_80_under(P * (1 + off), AtSaddle::leave).result;
+    EXPECT_TRUE(at.neutral) << off;
+    EXPECT_EQ(at.unstable, 0) << off;
+    EXPECT_FALSE(at.left_saddle) << off;
+  }
+}
+
+// The elastica: at P = P_c (1 + off) the middle of a column of length 1 is sqrt(8 off) / pi away; the chain
+// of 80 differs from it by some off and 1/80^2, and the valley is known to about a hundredth of that.
+TEST(Equilibrium, LeavesTheStraightColumnAsSoonAsItIsUnstable) {
+  const double P = critical_force_of_80();
+  for (const double off : {1e-6, 1e-5, 1e-4, 1e-3}) {
+    const StaticOutcome bent = column_of_80_under(P * (1 + off), AtSaddle::leave);
+    EXPECT_TRUE(bent.result.left_saddle) << off;
+    EXPECT_EQ(bent.result.unstable, 0) << off;
+    const Vec3d& middle = bent.state.r[ParticleId{40}];
+    EXPECT_NEAR(std::hypot(middle.y, middle.z) / (std::sqrt(8 * off) / M_PI), 1.0, 0.02) << off;
+  }
+}
+
 /// A ball that is pressed into another one by this much.
 testing::Specimen ball_on_ball(double overlap) {
   testing::Specimen s = testing::particles_at({{0, 0, 0}, {0, 0, 0.6 - overlap}}, 0.3);

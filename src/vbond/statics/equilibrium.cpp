@@ -214,9 +214,8 @@ class LoadSteps {
 
   void judge_by_lowest(Factor& factor, std::optional<int> negative) {
     const SparseMatrix& K = body_.tangent();
-    const double error = eigenvalue_error(K);
-    lowest_ = lowest_pair(factor, error);
-    const double lowest = lowest_->values[0];
+    lowest_ = lowest_pair(factor, eigenvalue_error(K));
+    const double lowest = lowest_->values[0], error = eigenvalue_error(K, lowest_->vectors.col(0));
     neutral_ = std::abs(lowest) <= error;
     if (lowest < -error)
       unstable_ = std::max(1, factor.factor_indefinite(K, error).value_or(negative.value_or(1)));
@@ -259,7 +258,11 @@ class LoadSteps {
     if (!smallest) return;
     if (!std::isfinite(*smallest))
       give_up("the tangent stiffness is not finite: " + body_.first_not_finite());
-    if (!definite_ || *smallest > eigenvalue_error(body_.tangent())) return;
+    const SparseMatrix& K = body_.tangent();
+    constexpr double far = 1e3;  // no mode's error is so many times that of all
+    if (!definite_ || *smallest > far * eigenvalue_error(K)) return;
+    const EigenPairs nearest = eigenpairs_near_zero(K, 1);
+    if (nearest.values[0] > eigenvalue_error(K, nearest.vectors.col(0))) return;
     result_.neutral = true;
     tell_neutral();
   }
