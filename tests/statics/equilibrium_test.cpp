@@ -245,13 +245,17 @@ TEST(Equilibrium, LeavesASaddleUnderATinyMoment) {
   EXPECT_LT(bent.state.r[ParticleId{10}].x, 9.0);  // straight it stays within 0.01 of 10
 }
 
-/// The standard rod of 80 bonds, pinned, free in space but for its axis, under an end force.
-StaticOutcome column_of_80_under(double P, AtSaddle at_saddle) {
+enum class Free { in_space, in_plane };
+
+/// The standard rod of 80 bonds, pinned, free but for its axis, under an end force.
+StaticOutcome column_of_80_under(double P, AtSaddle at_saddle, Free free = Free::in_space) {
   const testing::Specimen rod = testing::rod50(80);
   StaticStage stage = static_stage(StageKind::equilibrium,
                                    {fixed({first}, {true, true, true, true, false, false}),
                                     fixed({ParticleId{80}}, {false, true, true, false, false, false})},
                                    {pushed(80, {-P, 0, 0})});
+  if (free == Free::in_plane)
+    for (const ParticleId p : rod.state.r.ids()) stage.supports.push_back(fixed({p}, testing::in_plane));
   stage.at_saddle = at_saddle;
   return equilibrium(rod, stage);
 }
@@ -296,7 +300,7 @@ TEST(Equilibrium, JudgesByTheEigenvalueOnBothSidesOfTheCriticalLoad) {
 TEST(Equilibrium, LeavesTheStraightColumnAsSoonAsItIsUnstable) {
   const double P = critical_force_of_80();
   for (const double off : {1e-6, 1e-5, 1e-4, 1e-3}) {
-    const StaticOutcome bent = column_of_80_under(P * (1 + off), AtSaddle::leave);
+    const StaticOutcome bent = column_of_80_under(P * (1 + off), AtSaddle::leave, Free::in_plane);
     EXPECT_TRUE(bent.result.left_saddle) << off;
     EXPECT_EQ(bent.result.unstable, 0) << off;
     const Vec3d& middle = bent.state.r[ParticleId{40}];

@@ -206,6 +206,12 @@ double StaticBody::residual() const {
   return unbalanced == 0.0 ? 0.0 : unbalanced / l.largest;
 }
 
+double StaticBody::residual_beside(const DenseMatrix& columns) const {
+  const Vector& g = loads_at_hand().unbalanced;
+  const double beside = max_norm(g - columns * (columns.transpose() * g)), all = max_norm(g);
+  return all == 0.0 ? residual() : residual() * (beside / all);
+}
+
 double StaticBody::residual_of_rounding() const {
   const Loaded& l = loads_at_hand();
   return l.largest > 0.0 ? rounding_of_force_ / l.largest : 0.0;

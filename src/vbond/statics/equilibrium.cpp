@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +11,7 @@
 #include "vbond/statics/detail/kinds.hpp"
 #include "vbond/statics/detail/rigid.hpp"
 #include "vbond/statics/detail/rounding.hpp"
+#include "vbond/statics/detail/valley.hpp"
 
 namespace vbond {
 namespace {
@@ -21,6 +23,15 @@ int snapped_bonds(const State& s) {
   return static_cast<int>(std::count_if(s.bonds.begin(), s.bonds.end(), [&s](const Bond& b) {
     return bond_range(b, bond_shape(bond_pose(b, s), b.R_i, b.R_j)) == BondRange::snapped;
   }));
+}
+
+/// An orthonormal basis of what these orthonormal columns span, and x, which is nearly among them: x first.
+DenseMatrix with_first(const Vector& x, const DenseMatrix& columns) {
+  const DenseMatrix rest = columns - x * (x.transpose() * columns);
+  const Eigen::JacobiSVD<DenseMatrix> svd(rest, Eigen::ComputeThinU);
+  DenseMatrix all(x.size(), std::max<Eigen::Index>(1, columns.cols()));
+  all << x, svd.matrixU().leftCols(all.cols() - 1);
+  return all;
 }
 
 /// A load step: where it began, where the tangent there says that it ends, and how much of the load factor
@@ -136,7 +147,6 @@ class LoadSteps {
       result_.left_saddle = true;
       outcome = leave_saddle();
       if (outcome.interrupted) return false;
-      count_unstable();
     }
     result_.residuals = outcome.residuals;
     result_.unstable = unstable_;
@@ -273,18 +283,26 @@ class LoadSteps {
                      body_.load_factor(), body_.unknowns().names_of_largest(zero.vectors.col(0))));
   }
 
-  /// Downhill along the most negative mode, its largest component positive. If that fails the unstable
-  /// balance is kept as the last point.
+  /// Downhill along the most negative mode, its largest component positive, and counts again. If that fails
+  /// the unstable balance is kept as the last point.
   NewtonOutcome leave_saddle() {
     constexpr double nudge = 0.02;  // of the length scale: far above rounding, far below a change of shape
-    constexpr int patience = 5;     // just above a critical load the valley is long and flat
     const Placement saddle = body_.placement();
     const int unstable = unstable_.value();
-    Vector x = lowest_->vectors.col(0);
+    const double lowest = lowest_->values[0];
+    const Vector x = lowest_->vectors.col(0);
     Eigen::Index largest = 0;
     x.cwiseAbs().maxCoeff(&largest);
-    body_.move(nudge * body_.unknowns().length() / x[largest] * x, saddle.load_factor);
-    const NewtonOutcome outcome = go_downhill(patience);
+    const double first = nudge * body_.unknowns().length() / x[largest];
+    constexpr int patience = 5;  // just above a critical load the valley is long and flat
+    NewtonOutcome outcome = from_beside(saddle, first * x, 1);
+    if (still_unstable(outcome)) {
+      const DenseMatrix modes = unstable_modes(saddle, x, lowest, unstable);
+      const ValleyWalk walk = walk_down_valley(body_, solver_, modes, lowest, first, hooks_.interrupted);
+      result_.iterations += walk.iterations;
+      if (walk.found) outcome = correct_and_count();
+      if (still_unstable(outcome)) outcome = from_beside(saddle, first * x, patience);
+    }
     if (!outcome.converged && !outcome.interrupted) {
       body_.restore(saddle);
       report_point(body_, PointKind::regular, unstable, hooks_, result_);
@@ -297,6 +315,41 @@ class LoadSteps {
         "was left along its lowest mode; the next one downhill is up to {:.3g} away",
         saddle.load_factor, unstable, distance_to_here(saddle)));
     return outcome;
+  }
+
+  NewtonOutcome settle_and_count(int patience) {
+    const NewtonOutcome outcome = go_downhill(patience);
+    if (outcome.converged) count_unstable();
+    return outcome;
+  }
+
+  /// From next to a balance, which may be too flat to be gone down to: straight, and downhill if that fails.
+  NewtonOutcome correct_and_count() {
+    const Placement here = body_.placement();
+    const NewtonOutcome outcome = correct(body_, solver_, body_.stage().newton, hooks_.interrupted);
+    result_.iterations += outcome.iterations();
+    if (outcome.converged) count_unstable();
+    if (!still_unstable(outcome)) return outcome;
+    body_.restore(here);
+    return settle_and_count(1);
+  }
+
+  NewtonOutcome from_beside(const Placement& saddle, const Vector& x, int patience) {
+    body_.restore(saddle);
+    body_.move(x, saddle.load_factor);
+    return settle_and_count(patience);
+  }
+
+  bool still_unstable(const NewtonOutcome& way) const {
+    return !way.interrupted && (!way.converged || unstable_.value_or(0) > 0);
+  }
+
+  /// Back at the saddle: its lowest mode x, and the others that are unstable.
+  DenseMatrix unstable_modes(const Placement& saddle, const Vector& x, double lowest, int unstable) {
+    constexpr int most = 6;
+    body_.restore(saddle);
+    const double bound = lowest - std::abs(lowest);
+    return with_first(x, smallest_eigenpairs(body_.tangent(), std::min(unstable, most), bound).vectors);
   }
 
   std::optional<double> smallest_eigenvalue() const {

@@ -66,6 +66,8 @@ class StaticBody {
   /// Largest |unbalanced| over the largest force in the body: of a bond, a contact or a load. NaN if any of
   /// them is not finite, so that it passes no test of being small.
   double residual() const;
+  /// The same without what acts along these orthonormal columns.
+  double residual_beside(const DenseMatrix& columns) const;
   /// What rounding of positions may leave of residual().
   double residual_of_rounding() const;
 
