@@ -99,6 +99,23 @@ void expect_quadratic(const std::vector<double>& residuals) {
     EXPECT_LE(residuals[k], std::max(10.0 * residuals[k - 1] * residuals[k - 1], 1e-14)) << all;
 }
 
+TEST(Equilibrium, BeginsWithThePointAtLoadFactorZero) {
+  const testing::Specimen rod = testing::rod50(10);
+  std::vector<double> load_factors, tips;
+  StaticHooks hooks;
+  hooks.point = [&](const StaticPoint& p) {
+    load_factors.push_back(p.load_factor);
+    tips.push_back(p.state.r[ParticleId{10}].y);
+    EXPECT_EQ(p.unstable, 0);
+    EXPECT_EQ(p.state.clock.step, static_cast<std::int64_t>(tips.size()));
+  };
+  const StaticOutcome bent = equilibrium(rod, cantilever(10, {0, 0.1, 0}), hooks);
+  ASSERT_EQ(load_factors, (std::vector<double>{0, 1}));
+  EXPECT_EQ(tips[0], 0.0);
+  EXPECT_GT(tips[1], 0.03);
+  EXPECT_EQ(bent.result.points, 2);
+}
+
 // At 10 EI / L^2 predictors are cut, so that there are points between.
 TEST(Cantilever, MeetsTheLoadFactorsThatAreAskedForWhereOthersComeBetween) {
   StaticStage stage = cantilever(20, {0, 10, 0});
@@ -352,7 +369,7 @@ TEST(Equilibrium, StartsFromWhatIsInBalanceAndNotFromNothing) {
   hooks.point = [&](const StaticPoint&) { ++points; };
   const StaticOutcome again = find_equilibrium(rod.model, cantilever(10, {0, 2, 0}), half, hooks);
   EXPECT_EQ(again.result.iterations, 0);
-  EXPECT_EQ(points, 1);
+  EXPECT_EQ(points, 2);  // at load factors 0 and 1
   const StaticOutcome on = find_equilibrium(rod.model, cantilever(10, {0, 4, 0}), half, {});
   for (const ParticleId p : on.state.r.ids()) EXPECT_LE(norm(on.state.r[p] - whole.r[p]), 1e-9);
 }

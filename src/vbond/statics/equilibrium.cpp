@@ -49,6 +49,7 @@ class LoadSteps {
       : body_(body), hooks_(hooks), result_(result), solver_(body.stage().newton.solver) {}
 
   void run() {
+    begin();
     double step = 1.0 / std::max(1, body_.stage().steps);
     const double longest = step;
     while (body_.load_factor() < 1.0) {
@@ -85,6 +86,16 @@ class LoadSteps {
   const TangentSolver& solver() const { return solver_; }
 
  private:
+  /// The first point: where the body comes from.
+  void begin() {
+    try {
+      count_unstable();
+    } catch (const NoConvergence&) {  // only told here: what it is like under load is what counts
+      unstable_.reset();
+    }
+    report_point(body_, PointKind::regular, unstable_, hooks_, result_);
+  }
+
   void interrupted(const Placement& last_balance) {
     body_.restore(last_balance);
     result_.ended = "interrupted";
@@ -93,6 +104,7 @@ class LoadSteps {
   /// Back, for a step half as long.
   void retry(const Way& way, double& step) {
     body_.restore(way.from);
+    factored_here_ = false;
     step = 0.5 * std::min(step, way.length);
   }
 
@@ -104,7 +116,7 @@ class LoadSteps {
     const double mark = (std::floor(now * steps + 1e-9) + 1.0) / steps;
     step = std::min(step, mark - now);
     Vector x = Vector::Zero(body_.unknowns().size());
-    if (solver_.factor_definite(body_)) {
+    if (std::exchange(factored_here_, false) || solver_.factor_definite(body_)) {
       const Vector predicted = solver_.solve_full(body_, body_.load_direction());
       way.foreseen = predicted.size() == x.size() && predicted.allFinite();
       if (way.foreseen) x = predicted;
@@ -210,7 +222,7 @@ class LoadSteps {
     lowest_.reset();
     const std::optional<int> negative = solver_.factor(body_);
     if (solver_.iterative()) unstable_.reset();
-    definite_ = negative == 0;
+    definite_ = factored_here_ = negative == 0;
     if (solver_.iterative() || definite_) return;
     const SparseMatrix& K = body_.tangent();
     if (K.norm() == 0.0) {  // where contacts just begin to touch
@@ -379,6 +391,7 @@ class LoadSteps {
   std::optional<int> unstable_;       // of the last balance
   bool neutral_ = false;              // the same
   bool definite_ = false;             // the solver's factor is that of its tangent
+  bool factored_here_ = false;        // and it still is
   std::optional<EigenPairs> lowest_;  // if it is unstable
 };
 
