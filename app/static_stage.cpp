@@ -80,14 +80,18 @@ void add_stage(Campaign& campaign, const StaticStage& stage, const State& state,
   save_summary(campaign);
 }
 
-/// Leaves behind what there is: the last balance, history and frames up to it, and the reason.
+/// Leaves behind what there is: what the stage had found, the last balance, history and frames up to it, and
+/// the reason.
 void leave_failed(Campaign& campaign, const StaticStage& stage, const State& start,
-                  const std::optional<LastPoint>& last, const std::string& why) {
+                  const std::optional<LastPoint>& last, StaticResult found, const std::string& why) {
   campaign.clear_progress();
   campaign.files.watch->watch().summarise();
-  StaticSummary failed{.kind = stage.kind, .result = {}, .failure = why};
+  StaticSummary failed{.kind = stage.kind, .result = std::move(found), .failure = why};
   failed.result.ended = "failed";
-  std::string text = "results up to there in " + campaign.plan.folder.string() + "\n";
+  std::string text;
+  if (!failed.result.critical_loads.empty() || !failed.result.special_points.empty())
+    text = static_report(stage.kind, failed.result, "");
+  text += "results up to there in " + campaign.plan.folder.string() + "\n";
   if (last) {
     failed.result.load_factor = last->load_factor;
     failed.result.points = last->number;
@@ -138,8 +142,11 @@ StaticOutcome solve_or_leave(Campaign& campaign, const StaticStage& stage, State
     return solve(campaign, stage, std::move(state), hooks_of(campaign, last));
   } catch (const IoError&) {  // no more can be written
     throw;
+  } catch (const StaticStageFailed& e) {
+    leave_failed(campaign, stage, start, last, e.found, e.what());
+    throw;
   } catch (const std::exception& e) {  // no balance, a bond has closed up, or memory has run out
-    leave_failed(campaign, stage, start, last, e.what());
+    leave_failed(campaign, stage, start, last, {}, e.what());
     throw;
   }
 }
