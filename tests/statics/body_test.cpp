@@ -78,6 +78,20 @@ TEST(StaticBody, PotentialUnderLoadsChangesAsTheUnbalancedLoadsSay) {
     }
 }
 
+// Of a pair of which one end can move along the bond, so that there is one unknown only.
+TEST(StaticBody, OfOneUnknownStartsInBalanceWhenRelieved) {
+  testing::Specimen s = testing::straight_rod(2);
+  s.state.r[ParticleId{1}].x += 0.1;
+  const StaticStage stage = testing::static_stage(
+      StageKind::equilibrium, {fixed({ParticleId{0}}, testing::clamped),
+                               fixed({ParticleId{1}}, {false, true, true, true, true, true})});
+  StaticBody body(s.model, stage, s.state);
+  EXPECT_NEAR(body.unbalanced()[0], -0.1, 1e-15);
+  body.relieve();
+  EXPECT_EQ(body.residual(), 0.0);
+  EXPECT_NEAR(body.load_direction()[0], -0.1, 1e-15);
+}
+
 /// The rod in balance at full load, held by these supports besides its clamp.
 std::unique_ptr<StaticBody> in_balance_under(BentRod& rod, const std::vector<StaticSupport>& supports) {
   for (const StaticSupport& s : supports) rod.stage.supports.push_back(s);
