@@ -170,8 +170,12 @@ TEST(LargestBondChange, IsTheLargestOfStretchesTurnsAndMovementsOfLooseParticles
   EXPECT_NEAR(change({{0, 1, 0.4}, {1, 1, -0.4}}), 0.4, 1e-15);
   EXPECT_NEAR(change({{0, 3, 0.1}, {1, 3, -0.3}}), 0.2, 1e-15);
   EXPECT_NEAR(change({{0, 5, 0.4}, {1, 5, 0.4}}), 0.0, 1e-15);
-  EXPECT_NEAR(change({{2, 2, 0.6}}), 0.3, 1e-15);
-  EXPECT_NEAR(change({{2, 4, 0.8}}), 0.4, 1e-15);
+  for (const double dof : {0.0, 1.0, 2.0}) {
+    EXPECT_NEAR(change({{2, dof, 0.6}}), 0.3, 1e-15);
+    EXPECT_NEAR(change({{2, 3 + dof, 0.8}}), 0.4, 1e-15);
+    EXPECT_NEAR(change({{1, dof, 0.6}}), 0.3, 1e-15);
+    EXPECT_NEAR(change({{1, 3 + dof, 0.8}}), 0.4, 1e-15);
+  }
   EXPECT_NEAR(change({{1, 1, 0.2}, {2, 4, 0.1}}), 0.1, 1e-15);
 }
 
