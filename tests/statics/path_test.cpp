@@ -24,7 +24,7 @@ using testing::Walked;
 
 TEST(Crossing, IsFoundOfWhatIsSteepFlatOrAJump) {
   const auto found = [](double lo, double hi, auto f) {
-    return crossing({lo, f(lo)}, {hi, f(hi)}, 0.0, [&f](double s) { return std::optional<double>(f(s)); });
+    return crossing({lo, f(lo)}, {hi, f(hi)}, 0.0, [&f](double s) { return std::optional<double>(f(s)); }).s;
   };
   // the bracket ends at 1e-13 of its first width
   EXPECT_NEAR(found(0.0, 3.0, [](double s) { return std::exp(4 * s) - 2; }), std::log(2.0) / 4, 1e-12);

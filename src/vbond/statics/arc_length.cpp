@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/QR>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 
@@ -14,6 +16,43 @@ constexpr int most_corrections = 12;
 // How far the corrected point may be from the predicted one, over the length of the step. On a path of
 // curvature kappa it is kappa s / 2, so a half is a turn of the path by one radian.
 constexpr double largest_deviation = 0.5;
+
+/// What is let go along null vectors, as a part of what drives the rest: rounding of the load's part along a
+/// mode that it does not drive is far below, and at a limit point the load drives its mode by no small part.
+constexpr double driven = 1e-9;
+
+/// The small equations for the amplitudes along null vectors and the change of the load factor, scaled so
+/// that all are lengths.
+class Singular {
+ public:
+  Singular(const Deflated& deflated, const StaticBody& body)
+      : N_(deflated.null_vectors()), L_(deflated.null_values()), g_(body.load_direction()) {
+    b_ = deflated.solve(g_);
+    const double force = g_.norm(), length = b_.norm();
+    per_factor_ = length > 0.0 ? length : 1.0;
+    stiffness_ = force > 0.0 ? force / per_factor_ : 1.0;
+  }
+  Eigen::Index unknowns() const { return L_.size() + 1; }
+  /// L a - N^T g df over the stiffness, for unknowns a and df times the length of b.
+  DenseMatrix rows() const {
+    DenseMatrix A = DenseMatrix::Zero(L_.size(), unknowns());
+    A.leftCols(L_.size()) = (L_ / stiffness_).asDiagonal();
+    A.rightCols(1) = -along_null_vectors(g_) / per_factor_;
+    return A;
+  }
+  Vector along_null_vectors(const Vector& forces) const { return N_.transpose() * forces / stiffness_; }
+  PathDirection direction(const Vector& unknowns) const {
+    const double df = unknowns[L_.size()] / per_factor_;
+    return {N_ * unknowns.head(L_.size()) + df * b_, df};
+  }
+
+ private:
+  const DenseMatrix& N_;
+  const Vector& L_;
+  const Vector& g_;
+  Vector b_;
+  double per_factor_, stiffness_;
+};
 
 double held_movement(const StaticBody& body) {
   double sum = 0.0;
@@ -46,25 +85,85 @@ double ArcLength::angle(const PathDirection& a, const PathDirection& b) const {
   return 2.0 * std::asin(0.5 * std::sqrt(dot(chord, chord)));
 }
 
-std::optional<PathPoint> ArcLength::point_here(const PathDirection& along) {
+void ArcLength::factor() {
+  singular_.reset();
   const std::optional<int> unstable = solver_.factor(body_);
-  if (!unstable) return {};
-  PathDirection d{solver_.solve_full(body_, body_.load_direction()), 1.0};  // K du = g df
+  if (unstable || solver_.iterative()) {
+    unstable_ = unstable.value_or(0);
+    return;
+  }
+  singular_.emplace(body_.tangent());
+  deflated_factors_ += singular_->factors();
+  unstable_ = singular_->negative();
+}
+
+std::optional<PathPoint> ArcLength::point_here(const PathDirection& along) {
+  factor();
+  PathDirection d = tangent(along);
   const double length2 = dot(d, d);
   if (!std::isfinite(length2) || length2 == 0.0) return {};
   d = unit(std::move(d));
   if (dot(d, along) < 0.0) d = {-d.u, -d.f};
-  return PathPoint{body_.placement(), std::move(d), *unstable, !body_.has_moment_part()};
+  return PathPoint{body_.placement(), std::move(d), unstable_, !body_.has_moment_part()};
+}
+
+PathDirection ArcLength::tangent(const PathDirection& along) {
+  if (singular_) return singular_tangent(along);
+  return {solver_.solve_full(body_, body_.load_direction()), 1.0};  // K du = g df
+}
+
+// With the null vectors N and their eigenvalues L: du = N a + b df, b from K b = g on the rest, and
+//   L a - N^T g df = 0.
+// Of the solutions, as many as there are null vectors or, at a bifurcation, one more, the one nearest to
+// `along`.
+PathDirection ArcLength::singular_tangent(const PathDirection& along) {
+  const Singular s(*singular_, body_);
+  if (s.unknowns() == 1) return s.direction(Vector::Ones(1));
+  const Eigen::JacobiSVD<DenseMatrix> svd(s.rows(), Eigen::ComputeFullV);
+  const auto rank = (svd.singularValues().array() > driven).count();
+  const DenseMatrix solutions = svd.matrixV().rightCols(s.unknowns() - rank);
+  DenseMatrix metric(solutions.cols(), solutions.cols());
+  Vector rhs(solutions.cols());
+  for (Eigen::Index i = 0; i < solutions.cols(); ++i) {
+    const PathDirection d_i = s.direction(solutions.col(i));
+    rhs[i] = dot(d_i, along);
+    for (Eigen::Index j = 0; j < solutions.cols(); ++j)
+      metric(i, j) = dot(d_i, s.direction(solutions.col(j)));
+  }
+  return s.direction(solutions * metric.completeOrthogonalDecomposition().solve(rhs));
 }
 
 // Newton's step on R = 0 that stays on the plane, by two solves with one factor:
 //   K du = R + g df,  normal . (du, df) = 0.
-ArcLength::Correction ArcLength::correction(const PathDirection& normal) {
-  if (!solver_.factor(body_)) return {{}, "the tangent stiffness is singular"};
+PathDirection ArcLength::correction(const PathDirection& normal) {
+  factor();
+  if (singular_) return singular_correction(normal);
   const Vector a = solver_.solve_full(body_, body_.unbalanced());
   const Vector b = solver_.solve_full(body_, body_.load_direction());
   const double df = -normal.u.dot(a) / (normal.u.dot(b) + weight_ * normal.f);
-  return {{a + df * b, df}, ""};
+  return {a + df * b, df};
+}
+
+// The same with du = N c + a + b df:
+//   L c - N^T g df = N^T R,  normal . (N c + a + b df, df) = 0.
+PathDirection ArcLength::singular_correction(const PathDirection& normal) {
+  const Singular s(*singular_, body_);
+  const Vector& R = body_.unbalanced();
+  const Vector a = singular_->solve(R);
+  DenseMatrix A(s.unknowns(), s.unknowns());
+  A.topRows(s.unknowns() - 1) = s.rows();
+  for (Eigen::Index k = 0; k < s.unknowns(); ++k)
+    A(s.unknowns() - 1, k) = dot(normal, s.direction(Vector::Unit(s.unknowns(), k)));
+  Vector rhs(s.unknowns());
+  rhs << s.along_null_vectors(R), -normal.u.dot(a);
+  // the shortest solution: nothing along a mode that nothing drives
+  const Eigen::JacobiSVD<DenseMatrix> svd(A, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  Vector y = svd.matrixU().transpose() * rhs;
+  for (Eigen::Index k = 0; k < y.size(); ++k)
+    y[k] = svd.singularValues()[k] > driven ? y[k] / svd.singularValues()[k] : 0.0;
+  PathDirection d = s.direction(svd.matrixV() * y);
+  d.u += a;
+  return d;
 }
 
 StepOutcome ArcLength::step(const Placement& from, const PathDirection& direction, double s) {
@@ -79,22 +178,18 @@ StepOutcome ArcLength::step(const Placement& from, const PathDirection& directio
     if (outcome.iterations == most) outcome.why = fmt::format("no balance after {} corrections", most);
     if (!std::isfinite(outcome.residuals.back())) outcome.why = "the forces are not finite";
     if (!outcome.why.empty()) return outcome;
-    Correction c = correction(direction);
-    if (!c.why.empty()) {
-      outcome.why = std::move(c.why);
-      return outcome;
-    }
-    deviation.u += c.change.u;
-    deviation.f += c.change.f;
+    const PathDirection change = correction(direction);
+    deviation.u += change.u;
+    deviation.f += change.f;
     if (!(std::sqrt(dot(deviation, deviation)) <= largest_deviation * std::abs(s))) {
       outcome.why = "the balance found is far from the predicted one";
       return outcome;
     }
-    body_.move(c.change.u, body_.load_factor() + c.change.f);
+    body_.move(change.u, body_.load_factor() + change.f);
     ++outcome.iterations;
   }
   outcome.point = point_here(direction);
-  if (!outcome.point) outcome.why = "the tangent stiffness is singular";
+  if (!outcome.point) outcome.why = "nothing changes with the load factor";
   return outcome;
 }
 

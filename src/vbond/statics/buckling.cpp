@@ -2,104 +2,28 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "vbond/core/error.hpp"
-#include "vbond/statics/detail/fundamental_path.hpp"
+#include "vbond/statics/detail/eigen.hpp"
+#include "vbond/statics/detail/kinds.hpp"
+#include "vbond/statics/detail/linear_buckling.hpp"
+#include "vbond/statics/detail/path_walk.hpp"
+#include "vbond/statics/detail/softest.hpp"
 
 namespace vbond {
 namespace {
 
-/// The path is looked at no nearer to a critical load than this, relative, or than rounding lets it be known:
-/// there the tangent is singular, and rounding moves the body along the mode. Seen from within three times
-/// that the load is known: what is left is of the order of the square.
-constexpr double stay_away = 1e-6;
-constexpr int most_looks = 40;       // at one critical load
-constexpr int more_than_wanted = 4;  // crossings at each look: some may be of modes that stiffen
-/// A critical load that runs away to this times its first guess is taken as none.
-constexpr double out_of_sight = 10.0;
-
-/// Looks at the path nearer and nearer to one critical load after the other.
-class Search {
- public:
-  Search(FundamentalPath& path, int count) : path_(path), count_(count) {
-    samples_.push_back(path.begin(count));
-  }
-
-  struct View {
-    const PathSample* from;
-    const Crossing* crossing;
-    double load_factor() const { return from->at.load_factor + crossing->change; }
-    double distance_to_keep() const {
-      return std::max(stay_away * std::abs(load_factor()), crossing->known_to);
-    }
-    bool is_near() const { return std::abs(crossing->change) < 3 * distance_to_keep(); }
-  };
-  enum class End { found, none, interrupted, lost };
-
-  const PathSample& start() const { return samples_.front(); }
-  /// Critical load number k, from 0, as it is seen from the samples next to it, or if they do not see it from
-  /// elsewhere.
-  std::optional<View> view(int k) const;
-  End find(int k);
-
- private:
-  struct Bracket {
-    const PathSample* low;   // the last before critical load k
-    const PathSample* high;  // the first beyond, or nullptr
-  };
-  Bracket bracket(int k) const;
-
-  FundamentalPath& path_;
-  int count_;
-  std::vector<PathSample> samples_;
-};
-
-Search::Bracket Search::bracket(int k) const {
-  Bracket b{nullptr, nullptr};
-  for (const PathSample& s : samples_)
-    if (s.unstable > k && (!b.high || s.at.load_factor < b.high->at.load_factor)) b.high = &s;
-  for (const PathSample& s : samples_)
-    if (s.unstable <= k && (!b.high || s.at.load_factor < b.high->at.load_factor) &&
-        (!b.low || s.at.load_factor > b.low->at.load_factor))
-      b.low = &s;
-  return b;
-}
-
-std::optional<Search::View> Search::view(int k) const {
-  const Bracket b = bracket(k);
-  std::optional<View> nearest;
-  const auto consider = [&](const PathSample& s) {
-    const Crossing* c = s.crossing(k);
-    if (c && (!nearest || std::abs(c->change) < std::abs(nearest->crossing->change))) nearest = View{&s, c};
-  };
-  consider(*b.low);
-  if (b.high) consider(*b.high);
-  if (nearest) return nearest;
-  for (const PathSample& s : samples_) consider(s);
-  if (nearest && nearest->load_factor() <= b.low->at.load_factor) nearest.reset();  // it was not there
-  return nearest;
-}
-
-Search::End Search::find(int k) {
-  double first_guess = 0.0;
-  for (int look = 0; look < most_looks; ++look) {
-    const std::optional<View> seen = view(k);
-    if (look == 0 && seen) first_guess = seen->load_factor();
-    if (!seen || seen->load_factor() > out_of_sight * first_guess) return End::none;
-    if (seen->is_near()) return End::found;
-    const Bracket b = bracket(k);
-    double to = seen->load_factor() - seen->distance_to_keep();
-    const double low = b.low->at.load_factor;
-    if (b.high && !(to > low && to < b.high->at.load_factor)) to = 0.5 * (low + b.high->at.load_factor);
-    if (!b.high && !(to > low)) to = 1.1 * low;
-    const bool from_high = b.high && b.high->at.load_factor - to < to - low;
-    std::optional<PathSample> s = path_.look(from_high ? *b.high : *b.low, to, count_ + more_than_wanted);
-    if (!s) return End::interrupted;
-    samples_.push_back(std::move(*s));
-  }
-  return End::lost;
-}
+/// How far a linear estimate may be off the load found for its assumption to hold: that the tangent changes
+/// in proportion to the load factor up to there.
+constexpr double estimate_holds = 0.1;
+/// The first step changes no bond by more than this, and goes no farther than this part of the first linear
+/// estimate; later ones are chosen by the walk.
+constexpr double first_bond_change = 0.1;
+constexpr double first_part = 0.5;
+/// Bonds longer or shorter than this times their length at rest are beyond any law.
+constexpr double longest_bond = 2.0, shortest_bond = 0.5;
 
 double largest_proportional_force(const StaticStage& stage) {
   double largest = 0.0;
@@ -108,47 +32,176 @@ double largest_proportional_force(const StaticStage& stage) {
   return largest;
 }
 
+bool beyond_its_law(const Bond& b, const State& s) {
+  const BondShape shape = bond_shape(bond_pose(b, s), b.R_i, b.R_j);
+  return bond_range(b, shape) == BondRange::snapped || shape.length > longest_bond * b.a ||
+         shape.length < shortest_bond * b.a;
+}
+
+/// Walks the path from load factor 0 and lists the loads at which one more direction becomes unstable.
+class CriticalLoads {
+ public:
+  CriticalLoads(const Model& model, const StaticStage& stage, State state, const StaticHooks& hooks,
+                StaticResult& result)
+      : stage_(stage),
+        hooks_(hooks),
+        result_(result),
+        body_(model, stage, std::move(state)),
+        solver_(stage.newton.solver),
+        walk_(body_, solver_, stage.newton, stage.path.largest_step) {}
+
+  /// The state at load factor 0.
+  State run() &&;
+
+ private:
+  void start();
+  void take_step();
+  void add(const CriticalPoint& c);
+  void add_estimates();
+  void refuse_moments() const;
+  void end(const std::string& why, double searched_to) {
+    result_.ended = why;
+    result_.searched_to = searched_to;
+  }
+  void tell(const std::string& text) const {
+    if (hooks_.tell) hooks_.tell(fmt::format("stage \"{}\": {}", stage_.name, text));
+  }
+  bool wants_more() const { return static_cast<int>(result_.critical_loads.size()) < stage_.count; }
+
+  const StaticStage& stage_;
+  const StaticHooks& hooks_;
+  StaticResult& result_;
+  StaticBody body_;
+  TangentSolver solver_;
+  PathWalk walk_;
+  std::vector<double> linear_;
+};
+
+State CriticalLoads::run() && {
+  const Placement at_zero = body_.placement();
+  start();
+  while (result_.ended.empty()) {
+    result_.searched_to = walk_.here().at.load_factor;
+    if (hooks_.interrupted && hooks_.interrupted())
+      end("interrupted", result_.searched_to);
+    else
+      take_step();
+  }
+  add_estimates();
+  result_.solver = solver_.name();
+  result_.iterations += walk_.iterations();
+  result_.factors = walk_.factors();
+  result_.unstable = 0;
+  body_.restore(at_zero);
+  return std::move(body_).take_state();
+}
+
+void CriticalLoads::start() {
+  refuse_moments();
+  const PathPoint& here = start_walk(body_, solver_, walk_, 1.0, "critical loads need");
+  if (here.unstable > 0)
+    throw NoEquilibrium(
+        stage_.name,
+        fmt::format(
+            "at load factor 0, without the proportional loads, the body is not stable, first of all in: {}",
+            softest_names(body_, here.unstable)),
+        "hold it, or find a stable balance by an equilibrium stage before this one");
+  result_.smallest_eigenvalue = eigenpairs_near_zero(body_.tangent(), 1).values[0];
+  const Vector rate = here.tangent.u / here.tangent.f;
+  linear_ = linear_critical_factors(body_, rate, stage_.count);
+  double first = first_bond_change / body_.largest_bond_change(rate);
+  if (!linear_.empty()) first = std::min(first, first_part * linear_[0]);
+  if (stage_.search_to > 0.0) first = std::min(first, stage_.search_to);
+  walk_.start(first);
+  report_point(body_, PointKind::regular, 0, hooks_, result_);
+}
+
+void CriticalLoads::take_step() {
+  const std::optional<PathLeg> leg = walk_.next();
+  if (!leg && walk_.stopped_by_a_bond()) return end("bond range", result_.searched_to);
+  if (!leg)
+    throw NoEquilibrium(
+        stage_.name,
+        fmt::format("no balance found beyond load factor {:.9g}: {}", result_.searched_to, walk_.why_not()),
+        fmt::format(
+            "{} critical load{} found up to there; a smaller largest_step of the stage helps if the way is "
+            "difficult, and kind = \"path\" shows how stability changes",
+            result_.critical_loads.size(), result_.critical_loads.size() == 1 ? " was" : "s were"));
+  const double limit = stage_.search_to;
+  for (const CriticalPoint& c : leg->critical) {
+    if (limit > 0.0 && c.load_factor > limit) return end("load factor", limit);
+    add(c);
+    if (!wants_more()) return end("converged", c.load_factor);
+    if (c.kind == PointKind::limit_point) {
+      tell(fmt::format(
+          "the path has a limit point at load factor {:.8g}: critical loads beyond it are not looked "
+          "for; kind = \"path\" follows what comes",
+          c.load_factor));
+      return end("limit point", c.load_factor);
+    }
+  }
+  walk_.arrive(*leg);
+  refuse_moments();
+  const double here = body_.load_factor();
+  report_point(body_, PointKind::regular, walk_.here().unstable, hooks_, result_);
+  const State& state = body_.state();
+  if (limit > 0.0 && here >= limit) return end("load factor", limit);
+  if (std::any_of(state.bonds.begin(), state.bonds.end(),
+                  [&](const Bond& b) { return beyond_its_law(b, state); }))
+    return end("bond range", here);
+  if (result_.points >= stage_.path.most_points) end("points", here);
+}
+
+/// One critical load for each eigenvalue that becomes negative; where they become positive again there is
+/// none.
+void CriticalLoads::add(const CriticalPoint& c) {
+  body_.restore(c.node.point.at);
+  const bool limit = c.kind == PointKind::limit_point;
+  if (c.after > c.before || limit) {
+    const int together = std::max(1, c.together());
+    const EigenPairs near = eigenpairs_near_zero(body_.tangent(), together);
+    for (int k = 1; k <= together && wants_more(); ++k)
+      result_.critical_loads.push_back({c.kind,
+                                        c.load_factor,
+                                        {},
+                                        c.load_factor * largest_proportional_force(stage_),
+                                        body_.unknowns().shape(mode_of_cluster(near.vectors, k))});
+  }
+  if (c.gap > 0.0) tell(in_words(c));
+  report_point(body_, c.kind, std::min(c.before, c.after), hooks_, result_);
+}
+
+void CriticalLoads::add_estimates() {
+  const std::size_t both = std::min(linear_.size(), result_.critical_loads.size());
+  for (std::size_t k = 0; k < both; ++k) {
+    CriticalLoad& c = result_.critical_loads[k];
+    if (std::abs(linear_[k] - c.load_factor) <= estimate_holds * c.load_factor) c.estimate = linear_[k];
+  }
+}
+
+void CriticalLoads::refuse_moments() const {
+  if (body_.has_moment_part())
+    throw NoEquilibrium(body_.stage().name,
+                        fmt::format("at load factor {:.6g} a moment from outside acts on particles that are "
+                                    "free to turn, by a load or by a support that holds some of their turns",
+                                    body_.load_factor()),
+                        "such a moment has no potential, and its critical value is not found by this stage: "
+                        "apply a couple of forces, or follow the balance by kind = \"path\"");
+}
+
 }  // namespace
 
 StaticOutcome find_critical_loads(const Model& model, const StaticStage& stage, State state,
                                   const StaticHooks& hooks) {
   StaticResult result;
-  std::optional<State> balanced = balance_of_constant_loads(model, stage, state, hooks, result);
-  if (!balanced) return interrupted_outcome(std::move(result), std::move(state));
-  StaticBody body(model, stage, std::move(*balanced));
-  refuse_rigid_motions(body);
-  FundamentalPath path(body, hooks, result);
-  Search search(path, stage.count);
-  report_point(body, PointKind::regular, 0, hooks, result);
-
-  Search::End end = Search::End::found;
-  for (int k = 0; k < stage.count; ++k) {
-    end = search.find(k);
-    if (end != Search::End::found) break;
-    const Search::View view = *search.view(k);
-    const Crossing* linear = search.start().crossing(k);
-    result.critical_loads.push_back({PointKind::bifurcation, view.load_factor(),
-                                     linear ? std::optional<double>(linear->change) : std::nullopt,
-                                     view.load_factor() * largest_proportional_force(stage),
-                                     body.unknowns().shape(view.crossing->mode)});
-    if (view.crossing->known_to > stay_away * view.load_factor() && hooks.tell)
-      hooks.tell(fmt::format("stage \"{}\": rounding leaves critical load {} known to {:.1g} of itself",
-                             stage.name, k + 1, view.crossing->known_to / view.load_factor()));
-    body.restore(view.from->at);
-    report_point(body, PointKind::bifurcation, view.from->unstable, hooks, result);
+  try {
+    std::optional<State> balanced = balance_of_constant_loads(model, stage, state, hooks, result);
+    if (!balanced) return interrupted_outcome(std::move(result), std::move(state));
+    State start = CriticalLoads(model, stage, std::move(*balanced), hooks, result).run();
+    return {std::move(result), std::move(start)};
+  } catch (const NoEquilibrium& e) {
+    throw StaticStageFailed(e, std::move(result));
   }
-  if (end == Search::End::lost)
-    throw NoEquilibrium(
-        stage.name, fmt::format("critical load {} could not be located", result.critical_loads.size() + 1),
-        "use kind = \"path\" to see how stability changes");
-  if (end == Search::End::none && hooks.tell)
-    hooks.tell(fmt::format("stage \"{}\": no more than {} critical loads are in sight", stage.name,
-                           result.critical_loads.size()));
-  result.ended = end == Search::End::interrupted ? "interrupted" : "converged";
-  result.solver = "direct";
-  result.unstable = 0;
-  body.restore(search.start().at);
-  return {std::move(result), std::move(body).take_state()};
 }
 
 }  // namespace vbond

@@ -3,7 +3,6 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <optional>
-#include <stdexcept>
 
 #include "vbond/statics/detail/eigen_search.hpp"
 
@@ -82,7 +81,7 @@ EigenPairs critical_factors(const SparseMatrix& A, const SparseMatrix& B, int co
   Factor factor;
   factor.analyse(A);
   if (!factor.factor_definite(A))
-    throw std::invalid_argument("critical factors: the matrix is not positive definite");
+    throw NoConvergence("critical factors: the matrix is not positive definite to rounding");
   if (!(largest_B > 0.0)) return {Vector(0), DenseMatrix(n, 0)};
   if (solve_densely(n, count)) return dense_factors(A, B, count);
   StiffnessOperator stiffness{A, factor};

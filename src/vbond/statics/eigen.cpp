@@ -126,6 +126,11 @@ void look_near(const SparseMatrix& A, const Factor& factor, Spectra::SortRule ru
   }
 }
 
+void check(const Eigen::SelfAdjointEigenSolver<DenseMatrix>& all) {
+  if (all.info() != Eigen::Success || !all.eigenvalues().allFinite())
+    throw NoConvergence("eigenvalues: the matrix is not finite");
+}
+
 /// How many of these eigenvectors have eigenvalues between the two.
 int number_between(const SparseMatrix& A, const SparseMatrix& vectors, double low, double high) {
   int number = 0;
@@ -152,6 +157,7 @@ EigenPairs smallest_eigenpairs(const SparseMatrix& A, int count, double bound, c
   if (n == 0 || count <= 0) return {Vector(0), DenseMatrix(n, 0)};
   if (solve_densely(n, count)) {
     const Eigen::SelfAdjointEigenSolver<DenseMatrix> all(dense_without(A, without));
+    check(all);
     Found found;
     for (Eigen::Index k = 0; k < n - without.cols(); ++k)
       if (all.eigenvalues()[k] >= bound - known_to * largest_diagonal(A))
@@ -178,35 +184,56 @@ EigenPairs smallest_eigenpairs(const SparseMatrix& A, int count, double bound, c
       });
 }
 
+namespace {
+
+double size_of(double value) {
+  return std::abs(value);
+}
+
+/// Looks from a shift at or near zero; where an eigenvalue is nearer to it than `too_near`, from there below.
+EigenPairs near_zero(const SparseMatrix& A, int count, double shift, double too_near) {
+  std::optional<Shifted> at;
+  at.emplace(A, shift);
+  Found nearest;
+  look_near(A, at->factor, Spectra::SortRule::LargestMagn, {}, 1, nearest, size_of);
+  if (nearest.key[0] < too_near) at.emplace(A, -too_near);
+  Factor counter;
+  counter.analyse(A);
+  EigenPairs found = find_all(
+      at->factor, Wanted{count, static_cast<int>(A.rows()), 0.0, known_to * at->scale},
+      [&](int k, Found& f) { look_near(A, at->factor, Spectra::SortRule::LargestMagn, {}, k, f, size_of); },
+      [&](double key) -> std::optional<int> {
+        const auto below = counter.factor_indefinite(A, -key), far_below = counter.factor_indefinite(A, key);
+        if (!below || !far_below) return std::nullopt;
+        return *below - *far_below;
+      });
+  found.factors = 1 + at->factor.made() + counter.made();
+  return found;
+}
+
+}  // namespace
+
 EigenPairs eigenpairs_near_zero(const SparseMatrix& A, int count) {
   const Eigen::Index n = A.rows();
   if (n == 0 || count <= 0) return {Vector(0), DenseMatrix(n, 0)};
   if (solve_densely(n, count)) {
     const Eigen::SelfAdjointEigenSolver<DenseMatrix> all((DenseMatrix(A)));
+    check(all);
     Found found;
     for (Eigen::Index k = 0; k < n; ++k)
       found.add(std::abs(all.eigenvalues()[k]), all.eigenvalues()[k], all.eigenvectors().col(k));
     found.sort();
     return found.part(0, count);
   }
-  const auto size = [](double value) { return std::abs(value); };
-  std::optional<Shifted> at;
-  at.emplace(A, 0.0);
-  Found nearest;
-  look_near(A, at->factor, Spectra::SortRule::LargestMagn, {}, 1, nearest, size);
-  if (const double away = first_step * at->scale; nearest.key[0] < away) at.emplace(A, -away);
-  Factor counter;
-  counter.analyse(A);
-  return find_all(
-      at->factor, Wanted{count, static_cast<int>(n), 0.0, known_to * at->scale},
-      [&](int k, Found& found) {
-        look_near(A, at->factor, Spectra::SortRule::LargestMagn, {}, k, found, size);
-      },
-      [&](double key) -> std::optional<int> {
-        const auto below = counter.factor_indefinite(A, -key), far_below = counter.factor_indefinite(A, key);
-        if (!below || !far_below) return std::nullopt;
-        return *below - *far_below;
-      });
+  // a shift that is an eigenvalue to rounding leaves Lanczos nothing but that eigenvalue: then from beside it
+  const double away = first_step * largest_diagonal(A);
+  for (const double times : {0.0, 1.0, 3.7}) {
+    try {
+      return near_zero(A, count, -times * away, times == 0.0 ? away : 0.0);
+    } catch (const NoConvergence&) {
+    }
+  }
+  return near_zero(A, count, -19.0 * away, 0.0);
 }
 
 double eigenvalue_near_zero(const SparseMatrix& A, const Factor& factor) {
@@ -237,6 +264,7 @@ double largest_eigenvalue(const SparseMatrix& A) {
   if (n == 0) throw std::invalid_argument("largest eigenvalue of an empty matrix");
   if (n <= largest_dense) {
     const Eigen::SelfAdjointEigenSolver<DenseMatrix> all(DenseMatrix(A), Eigen::EigenvaluesOnly);
+    check(all);
     const double radius = all.eigenvalues().cwiseAbs().maxCoeff();
     return all.eigenvalues()[n - 1] + 1e-12 * radius;  // rounding of some n eps
   }

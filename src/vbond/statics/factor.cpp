@@ -115,14 +115,16 @@ double rounding_of_pivot(const Columns& c, int k) {
   return epsilon * sum;
 }
 
-/// The first pivot that is zero to rounding, or -1. The bound of rounding is worked out only for pivots in
-/// which nearly everything cancels: of a free body of n unknowns that moves as a whole v = 1 everywhere, and
-/// the bound about 4 n eps times what cancels; a hundred instead of 4 leaves room for an uneven v.
+/// The first pivot that is zero to rounding or not finite, or -1. The bound of rounding is worked out only
+/// for pivots in which nearly everything cancels: of a free body of n unknowns that moves as a whole v = 1
+/// everywhere, and the bound about 4 n eps times what cancels; a hundred instead of 4 leaves room for an
+/// uneven v.
 int lost_pivot(const Columns& c) {
   std::vector<double> cancelled(static_cast<std::size_t>(c.n), 0.0);  // diagonal of |L| |D| |L|^T
   const double suspect = 100.0 * epsilon * c.n;
   for (int k = 0; k < c.n; ++k) {
     const double d = std::abs(c.d(k));
+    if (!std::isfinite(d)) return k;
     c.below(k, [&](int i, double l) { cancelled[static_cast<std::size_t>(i)] += l * l * d; });
     if (d <= suspect * (d + cancelled[static_cast<std::size_t>(k)]) && d <= rounding_of_pivot(c, k)) return k;
   }
@@ -182,6 +184,7 @@ struct Factor::Cholmod {
   void factorize(const SparseMatrix& A, double shift) {
     cholmod_sparse a = view(A);
     const WithoutThreads alone;
+    ++made;
     double beta[2] = {shift, 0.0};
     common.status = CHOLMOD_OK;
     cholmod_factorize_p(&a, beta, nullptr, 0, numeric.get(), &common);
@@ -206,6 +209,7 @@ struct Factor::Cholmod {
   FactorPointer numeric{nullptr, FreeFactor{&common}};
   double bytes = 0;
   bool empty = false;  // no unknowns
+  int made = 0;        // factors
   int singular = -1;
   SparseMatrix kept_A;  // indefinite: for the residual of the refinement
   double kept_shift = 0;
@@ -272,6 +276,10 @@ std::optional<int> Factor::factor_indefinite(const SparseMatrix& A, double shift
   int negative = 0;
   for (int j = 0; j < columns.n; ++j) negative += columns.d(j) < 0.0;
   return negative;
+}
+
+int Factor::made() const {
+  return c_->made;
 }
 
 int Factor::singular_unknown() const {

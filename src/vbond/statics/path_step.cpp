@@ -1,30 +1,55 @@
 #include "vbond/statics/detail/path_step.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "vbond/statics/detail/eigen.hpp"
+#include "vbond/statics/detail/rounding.hpp"
 
 namespace vbond {
 
 namespace {
 
-/// The eigenvalue with this number in increasing order, from 0, where `negative` of them are negative.
-double eigenvalue_by_number(const SparseMatrix& A, int number, int negative) {
-  for (int count = 2;; count *= 2) {
-    Vector near = eigenpairs_near_zero(A, std::min(count, static_cast<int>(A.rows()))).values;
-    std::sort(near.begin(), near.end());
-    const auto below = std::count_if(near.begin(), near.end(), [](double x) { return x < 0.0; });
-    const std::ptrdiff_t at = number - negative + below;
-    if (at >= 0 && at < near.size()) return near[at];
-    if (near.size() == A.rows()) return number < negative ? near[0] : near[near.size() - 1];
-  }
+// An eigenvalue this small beside its values at the ends of the step is taken for zero; the load factor is
+// then worked out for zero itself, which leaves the square of this.
+constexpr double small_eigenvalue = 1e-8;
+// One that is larger where it changes its sign has jumped over zero.
+constexpr double gap_of_eigenvalue = 1e-6;
+// Zeros of several eigenvalues closer than this, over the length of the step, are one place.
+constexpr double same_place = 1e-7;
+// Stability on either side of a limit point is looked at this far from it, over the length of the step.
+constexpr double aside = 1e-4;
+
+/// An eigenvalue on the way, and the load factor there.
+struct Look {
+  double value, load_factor;
+};
+
+/// The load factor at which the value is zero, on the line through the two looks that are nearest to that.
+double load_factor_at_zero(std::vector<Look> looks) {
+  std::partial_sort(looks.begin(), looks.begin() + 2, looks.end(),
+                    [](const Look& a, const Look& b) { return std::abs(a.value) < std::abs(b.value); });
+  const Look &a = looks[0], &b = looks[1];
+  const double share = a.value / (b.value - a.value);
+  return std::abs(share) < 0.5 ? a.load_factor - share * (b.load_factor - a.load_factor) : a.load_factor;
 }
 
 }  // namespace
 
+std::string in_words(const CriticalPoint& c) {
+  return fmt::format(
+      "{} at load factor {:.10g}{}", c.kind == PointKind::limit_point ? "limit point" : "bifurcation",
+      c.load_factor,
+      c.gap > 0.0
+          ? fmt::format(" +- {:.1g} (the body is not quite symmetric: two paths pass each other there)",
+                        c.gap)
+          : "");
+}
+
 StepOutcome PathStep::to(double s) {
-  StepOutcome outcome = arc_.step(start_.at, direction_, s);
+  StepOutcome outcome = arc_->step(start_.at, direction_, s);
   iterations_ += outcome.iterations;
   if (outcome.point) last_residuals_ = outcome.residuals;
   return outcome;
@@ -32,52 +57,162 @@ StepOutcome PathStep::to(double s) {
 
 std::optional<PathNode> PathStep::zero_of(const Value& value, const PathNode& lo, const PathNode& hi,
                                           double small) {
-  return zero_between({lo.s, value(lo.point)}, {hi.s, value(hi.point)}, value, small);
-}
-
-std::optional<PathNode> PathStep::zero_between(const Sample& lo, const Sample& hi, const Value& value,
-                                               double small) {
-  const double s = crossing(lo, hi, small, [&](double at) -> std::optional<double> {
-    const StepOutcome outcome = to(at);
+  PathNode last;
+  const auto at = [&](double s) -> std::optional<double> {
+    StepOutcome outcome = to(s);
     if (!outcome.point) return std::nullopt;
-    return value(*outcome.point);
-  });
-  for (const double aside : {0.0, -1e-9, 1e-9, -1e-7, 1e-7}) {  // over the length between the two
-    const double at = s + aside * (hi.s - lo.s);
-    if (StepOutcome outcome = to(at); outcome.point) return PathNode{at, std::move(*outcome.point)};
-  }
-  return {};
-}
-
-std::optional<PathNode> PathStep::limit_point(const PathNode& lo, const PathNode& hi) {
-  const auto slope = [](const PathPoint& p) { return p.tangent.f; };
-  // at 1e-8 of the slope at the ends the load factor is off by 1e-16 of its change
-  return zero_of(slope, lo, hi, 1e-8 * std::max(std::abs(slope(lo.point)), std::abs(slope(hi.point))));
-}
-
-// Of all eigenvalues in increasing order the one that is the first to change its sign, by number. Its sign
-// is told by the number of negative ones. At an end of the stretch another one may have just vanished, so
-// that the number is not to be had from the matrix: there the size is no guide if it is small.
-std::optional<PathNode> PathStep::critical_point(const PathNode& lo, const PathNode& hi) {
-  const bool softens = hi.point.unstable > lo.point.unstable;
-  const int number = softens ? lo.point.unstable : lo.point.unstable - 1;  // from 0
-  const auto eigenvalue = [this, number](const PathPoint& p) {
-    body_.restore(p.at);
-    return std::copysign(eigenvalue_by_number(body_.tangent(), number, p.unstable),
-                         number - p.unstable + 0.5);
+    last = {s, std::move(*outcome.point)};
+    return value(last.point);
   };
-  Sample a{lo.s, eigenvalue(lo.point)}, b{hi.s, eigenvalue(hi.point)};
-  const double scale = std::max(std::abs(a.value), std::abs(b.value));
-  for (Sample* end : {&a, &b})
-    end->value = std::copysign(std::max(std::abs(end->value), 0.01 * scale), end->value);
-  return zero_between(a, b, eigenvalue, 1e-10 * scale);
+  const Crossed crossed = crossing({lo.s, value(lo.point)}, {hi.s, value(hi.point)}, small, at);
+  if (!crossed.found || (last.s != crossed.s && !at(crossed.s))) return {};
+  return last;
 }
 
-int PathStep::unstable_beside(const PathNode& special, double s, const PathNode& end) {
-  const bool within = special.s < end.s ? s < end.s : s > end.s;
+std::optional<std::vector<CriticalPoint>> PathStep::critical_points(const PathNode& lo, const PathNode& hi) {
+  std::vector<CriticalPoint> found;
+  if (std::signbit(lo.point.tangent.f) == std::signbit(hi.point.tangent.f)) {
+    if (!add_bifurcations(lo, hi, found)) return {};
+    return found;
+  }
+  const std::optional<CriticalPoint> limit = limit_point(lo, hi);
+  if (!limit) return {};
+  PathNode before = limit->node, after = limit->node;
+  before.point.unstable = limit->before;
+  after.point.unstable = limit->after;
+  if (!add_bifurcations(lo, before, found)) return {};
+  found.push_back(*limit);
+  if (!add_bifurcations(after, hi, found)) return {};
+  return found;
+}
+
+std::optional<CriticalPoint> PathStep::limit_point(const PathNode& lo, const PathNode& hi) {
+  const auto slope = [](const PathPoint& p) { return p.tangent.f; };
+  const double largest = std::max(std::abs(slope(lo.point)), std::abs(slope(hi.point)));
+  // at 1e-8 of the slope at the ends the load factor is off by 1e-16 of its change
+  std::optional<PathNode> node = zero_of(slope, lo, hi, 1e-8 * largest);
+  if (!node) return {};
+  CriticalPoint limit{PointKind::limit_point, std::move(*node)};
+  limit.load_factor = limit.node.point.at.load_factor;
+  if (std::abs(slope(limit.node.point)) > 1e-3 * largest)
+    limit.gap = std::abs(hi.point.at.load_factor - lo.point.at.load_factor);
+  const double step = hi.s - lo.s;
+  limit.before = unstable_beside(limit.node.s, limit.node.s - aside * step, lo);
+  limit.after = unstable_beside(limit.node.s, limit.node.s + aside * step, hi);
+  limit.node.point.unstable = std::min(limit.before, limit.after);
+  return limit;
+}
+
+/// Negative eigenvalues at s, beside a special place whose own number is left to rounding; those of `end` if
+/// that is between the special place and s, or if nothing is found at s.
+int PathStep::unstable_beside(double special, double s, const PathNode& end) {
+  const bool within = special < end.s ? s < end.s : s > end.s;
   if (!within) return end.point.unstable;
   const StepOutcome outcome = to(s);
   return outcome.point ? outcome.point->unstable : end.point.unstable;
+}
+
+/// Each eigenvalue by its number, in increasing order, is a continuous function along the path: those whose
+/// numbers lie between the numbers of negative ones at the ends have changed their sign.
+bool PathStep::add_bifurcations(const PathNode& lo, const PathNode& hi, std::vector<CriticalPoint>& found) {
+  if (!lo.point.has_potential || !hi.point.has_potential) return true;
+  const bool softens = hi.point.unstable > lo.point.unstable;
+  const int change = std::abs(hi.point.unstable - lo.point.unstable);
+  std::vector<CriticalPoint> all;
+  for (int k = 0; k < change; ++k) {
+    const int number = softens ? lo.point.unstable + k : lo.point.unstable - 1 - k;
+    std::optional<CriticalPoint> zero = zero_of_eigenvalue(number, lo, hi, all);
+    if (!zero) return false;
+    all.push_back(std::move(*zero));
+  }
+  std::stable_sort(all.begin(), all.end(),
+                   [](const CriticalPoint& a, const CriticalPoint& b) { return a.node.s < b.node.s; });
+  int unstable = lo.point.unstable;
+  double last = -1.0;
+  for (CriticalPoint& c : all) {
+    const bool same = last >= 0.0 && c.node.s - last <= same_place * (hi.s - lo.s);
+    last = c.node.s;
+    c.before = unstable;
+    c.after = unstable += softens ? 1 : -1;
+    c.node.point.unstable = std::min(c.before, c.after);
+    if (!same) {
+      found.push_back(std::move(c));
+      continue;
+    }
+    CriticalPoint& together = found.back();
+    together.after = c.after;
+    together.gap = std::max(together.gap, c.gap);
+    together.node.point.unstable = std::min(together.before, together.after);
+  }
+  return true;
+}
+
+// The sign is told by the number of negative eigenvalues. At an end of the stretch another one may have just
+// vanished, so that the number is not to be had from the matrix: there the size is no guide if it is small.
+std::optional<CriticalPoint> PathStep::zero_of_eigenvalue(int number, const PathNode& lo, const PathNode& hi,
+                                                          const std::vector<CriticalPoint>& known) {
+  std::vector<Look> looks;
+  const auto value = [this, number, &looks](const PathPoint& p) {
+    const double v = std::copysign(eigenvalue(number, p), number - p.unstable + 0.5);
+    looks.push_back({v, p.at.load_factor});
+    return v;
+  };
+  Sample a{lo.s, value(lo.point)}, b{hi.s, value(hi.point)};
+  const double scale = std::max(std::abs(a.value), std::abs(b.value));
+  for (Sample* end : {&a, &b})
+    end->value = std::copysign(std::max(std::abs(end->value), 0.01 * scale), end->value);
+  const double error = eigenvalue_error(body_->tangent());
+  const double small = std::max(small_eigenvalue * scale, error);
+  for (const CriticalPoint& c : known)
+    if (std::abs(eigenvalue(number, c.node.point)) <= small) return c;
+  PathNode last;
+  const auto at = [&](double s) -> std::optional<double> {
+    StepOutcome outcome = to(s);
+    if (!outcome.point) return std::nullopt;
+    last = {s, std::move(*outcome.point)};
+    return value(last.point);
+  };
+  const Crossed crossed = crossing(a, b, small, at);
+  if (last.s != crossed.s && !at(crossed.s)) return {};
+  CriticalPoint c{PointKind::bifurcation, std::move(last), load_factor_at_zero(looks)};
+  const double smallest = std::abs(looks.back().value),
+               change = hi.point.at.load_factor - lo.point.at.load_factor;
+  if (!crossed.found)  // between two paths that pass each other
+    c.gap = std::abs(change * (crossed.hi.s - crossed.lo.s) / (hi.s - lo.s));
+  else if (smallest > std::max(gap_of_eigenvalue * scale, 100 * error))
+    c.gap = std::abs(change) * smallest / scale;
+  return c;
+}
+
+/// How many eigenvalues lie below a bound, or one close by.
+int PathStep::number_below(const SparseMatrix& A, double bound) {
+  Factor factor;
+  factor.analyse(A);
+  for (int k = 0; k < 8; ++k, bound *= 1.5) {
+    const std::optional<int> number = factor.factor_indefinite(A, -bound);
+    ++factors_;
+    if (number) return *number;
+  }
+  throw NoConvergence("eigenvalues near zero cannot be counted");
+}
+
+/// The eigenvalue with this number in increasing order, from 0. One that is within rounding of zero may count
+/// as negative or not: then those are counted that are negative for sure.
+double PathStep::eigenvalue(int number, const PathPoint& p) {
+  body_->restore(p.at);
+  const SparseMatrix& A = body_->tangent();
+  for (int count = 2;; count *= 2) {
+    const EigenPairs found = eigenpairs_near_zero(A, std::min(count, static_cast<int>(A.rows())));
+    factors_ += found.factors;
+    Vector near = found.values;
+    std::sort(near.begin(), near.end());
+    const double error = 4.0 * eigenvalue_error(A);
+    const bool sure = near.cwiseAbs().minCoeff() > error;
+    const auto below = (near.array() < (sure ? 0.0 : -error)).count();
+    const std::ptrdiff_t at = number - (sure ? p.unstable : number_below(A, -error)) + below;
+    if (at >= 0 && at < near.size()) return near[at];
+    if (near.size() == A.rows()) return at < 0 ? near[0] : near[near.size() - 1];
+  }
 }
 
 }  // namespace vbond

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "vbond/core/error.hpp"
 #include "vbond/core/vec3.hpp"
 #include "vbond/model/loads.hpp"
 #include "vbond/model/state.hpp"
@@ -91,6 +92,14 @@ struct StaticResult {
   double searched_to = 0;  ///< buckling: there are no other critical loads on the path up to this load factor
   std::vector<NaturalMode> modes;  ///< modes, slowest first; rigid motions before all others
   friend bool operator==(const StaticResult&, const StaticResult&) = default;
+};
+
+/// A static stage that could not go on; what it had found until then stands.
+class StaticStageFailed : public NoEquilibrium {
+ public:
+  StaticStageFailed(const NoEquilibrium& why, StaticResult until_then)
+      : NoEquilibrium(why), found(std::move(until_then)) {}
+  StaticResult found;
 };
 
 }  // namespace vbond

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "vbond/statics/detail/deflated.hpp"
 #include "vbond/statics/detail/newton.hpp"
 
 namespace vbond {
@@ -38,6 +39,10 @@ struct StepOutcome {
 /// what it moves itself: not at all under forces, whose size in terms of lengths is arbitrary (Crisfield,
 /// Non-linear Finite Element Analysis of Solids and Structures 1 (1991) 9.3), and as the distance that
 /// supports go where these drive the body, so that no arc is without length.
+///
+/// Where the tangent stiffness is singular the equations of a step are not, at a limit point; and at a
+/// bifurcation they are consistent. Both are solved there with the null vectors taken out (Deflated): a step
+/// goes through any critical point, and does not move along a mode that nothing drives.
 class ArcLength {
  public:
   ArcLength(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings);
@@ -49,25 +54,33 @@ class ArcLength {
   /// Between unit vectors.  [rad]
   double angle(const PathDirection& a, const PathDirection& b) const;
 
-  /// The balance at which the body stands, its tangent on the same side as `along`. Nothing if the tangent
-  /// stiffness is singular or nothing changes with the load factor.
+  /// The balance at which the body stands, its tangent on the same side as `along`. Nothing if nothing
+  /// changes with the load factor. Throws NoConvergence if the tangent stiffness cannot be factored.
   std::optional<PathPoint> point_here(const PathDirection& along);
+  /// Whether the tangent stiffness of the last point was singular to rounding.
+  bool is_singular() const { return singular_ && singular_->null_vectors().cols() > 0; }
 
   /// The balance on the plane at distance s from `from` that is normal to the unit vector `direction`. The
   /// body is then there, or where the search ended.
   StepOutcome step(const Placement& from, const PathDirection& direction, double s);
 
+  /// Of the tangent, so far.
+  int factors() const { return solver_.last_factor().made() + deflated_factors_; }
+
  private:
-  struct Correction {
-    PathDirection change;
-    std::string why;  // there is none
-  };
-  Correction correction(const PathDirection& normal);
+  void factor();
+  PathDirection correction(const PathDirection& normal);
+  PathDirection singular_correction(const PathDirection& normal);
+  PathDirection tangent(const PathDirection& along);
+  PathDirection singular_tangent(const PathDirection& along);
 
   StaticBody& body_;
   TangentSolver& solver_;
   const NewtonSettings& settings_;
-  double weight_;  // squared movement of held degrees of freedom per load factor  [length^2]
+  double weight_;     // squared movement of held degrees of freedom per load factor  [length^2]
+  int unstable_ = 0;  // at the last factor
+  std::optional<Deflated> singular_;  // the same
+  int deflated_factors_ = 0;
 };
 
 /// How far the bonds have turned between two placements: the largest change of angle between the two

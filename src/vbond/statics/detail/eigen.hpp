@@ -12,6 +12,7 @@ namespace vbond {
 struct EigenPairs {
   Vector values;        ///< in increasing order of what was asked for
   DenseMatrix vectors;  ///< one column each, of length 1
+  int factors = 0;      ///< that were made to find them
 };
 
 /// The `count` eigenvalues of the symmetric A above (algebraically) `bound`, or at it to rounding, smallest
@@ -29,7 +30,8 @@ double eigenvalue_near_zero(const SparseMatrix& A, const Factor& factor);
 
 /// The smallest positive mu with A x + mu B x = 0, A positive definite and B symmetric; x^T A x = 1. Those
 /// beyond 10^4 times the mu of smallest size, of whatever sign, are not looked for; fewer are returned if
-/// there are fewer. Throws std::invalid_argument if A is not positive definite.
+/// there are fewer. A that is not positive definite to
+/// rounding is no case for it: NoConvergence.
 EigenPairs critical_factors(const SparseMatrix& A, const SparseMatrix& B, int count);
 
 /// The largest eigenvalue of the symmetric A, from above: theta + |A x - theta x| of an approximate pair.

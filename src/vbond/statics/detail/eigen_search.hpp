@@ -61,7 +61,7 @@ struct Found {
   }
   EigenPairs part(int first, int count) const {
     const int n = std::clamp(size() - first, 0, count);
-    return {Eigen::Map<const Vector>(value.data() + first, n), vectors.middleCols(first, n)};
+    return {Eigen::Map<const Vector>(value.data() + first, n), vectors.middleCols(first, n), 0};
   }
 };
 
@@ -121,8 +121,13 @@ EigenPairs find_searched(const Wanted& w, Look&& look) {
 
 template <class Solver>
 void iterate(Solver& solver, Spectra::SortRule rule, int count, Eigen::Index n) {
-  solver.init();
-  const auto converged = static_cast<int>(solver.compute(rule, lanczos_restarts, lanczos_tolerance));
+  int converged = 0;
+  try {
+    solver.init();
+    converged = static_cast<int>(solver.compute(rule, lanczos_restarts, lanczos_tolerance));
+  } catch (const std::exception& e) {  // Spectra's: of vectors of length 0, or of numbers that are not finite
+    throw NoConvergence(fmt::format("eigenvalues of a matrix of {} unknowns: {}", n, e.what()));
+  }
   if (converged < count)
     throw NoConvergence(
         fmt::format("eigenvalues of a matrix of {} unknowns: {} of {} converged within {} restarts", n,

@@ -31,6 +31,8 @@ class Factor {
   /// copy of A.
   std::optional<int> factor_indefinite(const SparseMatrix& A, double shift = 0.0);
   int singular_unknown() const;
+  /// How many times a factor was made, or tried.
+  int made() const;
 
   /// x with (A + shift I) x = b, one step of refinement included for the indefinite form.
   Vector solve(const Vector& b) const;

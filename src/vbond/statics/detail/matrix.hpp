@@ -9,4 +9,9 @@ using DenseMatrix = Eigen::MatrixXd;
 /// Compressed columns; symmetric matrices are stored whole, both triangles.
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
+/// The largest |x_k|, 0 of none; NaN if there is one among them, which Eigen's maxCoeff() may drop.
+inline double max_norm(const Vector& x) {
+  return x.size() == 0 ? 0.0 : x.cwiseAbs().maxCoeff<Eigen::PropagateNaN>();
+}
+
 }  // namespace vbond

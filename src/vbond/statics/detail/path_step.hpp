@@ -5,6 +5,7 @@
 
 #include "vbond/statics/detail/arc_length.hpp"
 #include "vbond/statics/detail/crossing.hpp"
+#include "vbond/statics/results.hpp"
 
 namespace vbond {
 
@@ -14,13 +15,28 @@ struct PathNode {
   PathPoint point;
 };
 
+/// Where stability changes within a step: some eigenvalues pass zero together.
+struct CriticalPoint {
+  PointKind kind = PointKind::bifurcation;  ///< or limit_point
+  PathNode node;                            ///< the balance there, or next to it; point.unstable: see below
+  double load_factor = 0;                   ///< where they are zero: `node` may be next to it
+  int before = 0, after = 0;                ///< negative eigenvalues on either side
+  /// By how much of the load factor the paths on either side miss each other: those of a body that is not
+  /// quite symmetric do not cross. 0: they meet.
+  double gap = 0;
+  int together() const { return std::abs(after - before); }
+};
+
+/// As in "limit point at load factor 0.52".
+std::string in_words(const CriticalPoint& c);
+
 /// A step along a path as a curve: each arc-length s has its balance, found anew from the start of the step.
 /// What happens within the step is located as the zero of a function on that curve.
 class PathStep {
  public:
   /// direction: unit vector.
   PathStep(StaticBody& body, ArcLength& arc, PathPoint start, PathDirection direction)
-      : body_(body), arc_(arc), start_(std::move(start)), direction_(std::move(direction)) {}
+      : body_(&body), arc_(&arc), start_(std::move(start)), direction_(std::move(direction)) {}
 
   const PathPoint& start() const { return start_; }
   const PathDirection& direction() const { return direction_; }
@@ -29,29 +45,34 @@ class PathStep {
   StepOutcome to(double s);
 
   /// The place between lo and hi at which a function of the balance crosses zero; |value| <= small is taken
-  /// for zero. Nothing if the tangent stiffness is singular to the last bit there and all around.
+  /// for zero. Nothing if a balance is not found somewhere between.
   using Value = std::function<double(const PathPoint&)>;
   std::optional<PathNode> zero_of(const Value& value, const PathNode& lo, const PathNode& hi, double small);
-  /// Where the load factor is stationary.
-  std::optional<PathNode> limit_point(const PathNode& lo, const PathNode& hi);
-  /// The first place at which the number of negative eigenvalues changes.
-  std::optional<PathNode> critical_point(const PathNode& lo, const PathNode& hi);
-  /// Negative eigenvalues at s, beside a special point whose own number is left to rounding; those of `end`
-  /// if that is between the special point and s, or if nothing is found at s.
-  int unstable_beside(const PathNode& special, double s, const PathNode& end);
+
+  /// Where stability changes between the two, in the order in which the path meets it; nothing if a balance
+  /// is not found somewhere between.
+  std::optional<std::vector<CriticalPoint>> critical_points(const PathNode& lo, const PathNode& hi);
 
   /// Of Newton's method, all together.
   int iterations() const { return iterations_; }
+  /// Of tangents for their eigenvalues.
+  int factors() const { return factors_; }
   const std::vector<double>& last_residuals() const { return last_residuals_; }
 
  private:
-  std::optional<PathNode> zero_between(const Sample& lo, const Sample& hi, const Value& value, double small);
+  std::optional<CriticalPoint> limit_point(const PathNode& lo, const PathNode& hi);
+  bool add_bifurcations(const PathNode& lo, const PathNode& hi, std::vector<CriticalPoint>& found);
+  std::optional<CriticalPoint> zero_of_eigenvalue(int number, const PathNode& lo, const PathNode& hi,
+                                                  const std::vector<CriticalPoint>& known);
+  double eigenvalue(int number, const PathPoint& p);
+  int number_below(const SparseMatrix& A, double bound);
+  int unstable_beside(double special, double s, const PathNode& end);
 
-  StaticBody& body_;
-  ArcLength& arc_;
+  StaticBody* body_;
+  ArcLength* arc_;
   PathPoint start_;
   PathDirection direction_;
-  int iterations_ = 0;
+  int iterations_ = 0, factors_ = 0;
   std::vector<double> last_residuals_;
 };
 

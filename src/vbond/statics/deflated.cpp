@@ -1,0 +1,80 @@
+#include "vbond/statics/detail/deflated.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "vbond/core/error.hpp"
+
+namespace vbond {
+namespace {
+
+constexpr double epsilon = std::numeric_limits<double>::epsilon();
+
+/// Columns in which no eigenvector is missing.
+DenseMatrix any_columns(Eigen::Index rows, Eigen::Index columns) {
+  DenseMatrix X(rows, columns);
+  for (Eigen::Index k = 0; k < X.size(); ++k)
+    X.data()[k] = std::sin(static_cast<double>(k + 1) * static_cast<double>(k + 1));
+  return X;
+}
+
+DenseMatrix orthonormal(const DenseMatrix& X) {
+  return Eigen::HouseholderQR<DenseMatrix>(X).householderQ() * DenseMatrix::Identity(X.rows(), X.cols());
+}
+
+}  // namespace
+
+Deflated::Deflated(const SparseMatrix& A) : A_(A) {
+  factor_.analyse(A);
+  const double scale = std::max(Vector(A.diagonal()).cwiseAbs().maxCoeff(), 1e-300);
+  std::optional<int> below;
+  double shift = epsilon * scale;
+  while (!(below = factor_.factor_indefinite(A, shift))) {
+    shift *= 8.0;
+    if (!(shift < 1e-6 * scale)) throw NoConvergence("the tangent stiffness cannot be factored");
+  }
+  find_null_vectors(std::max(1e3 * epsilon * scale, 2.0 * shift));
+  negative_ = *below - static_cast<int>((values_.array() < -shift).count());
+}
+
+/// Inverse iteration on a block: with the shift this close, null vectors stand out by many orders.
+void Deflated::find_null_vectors(double bound) {
+  const Eigen::Index n = A_.rows();
+  for (Eigen::Index size = std::min<Eigen::Index>(n, 4);; size = std::min(n, 2 * size)) {
+    DenseMatrix X = orthonormal(any_columns(n, size));
+    for (int iteration = 0; iteration < 4; ++iteration) {
+      for (Eigen::Index k = 0; k < size; ++k) X.col(k) = factor_.solve(X.col(k));
+      X = orthonormal(X);
+    }
+    const Eigen::SelfAdjointEigenSolver<DenseMatrix> ritz(X.transpose() * (A_ * X));
+    const Vector& values = ritz.eigenvalues();  // in increasing order
+    const Eigen::Index first = (values.array() < -bound).count();
+    const Eigen::Index number = (values.array() <= bound).count() - first;
+    null_ = X * ritz.eigenvectors().middleCols(first, number);
+    values_ = values.segment(first, number);
+    if (number < size || size == n) return;
+  }
+}
+
+// The factor is that of a matrix off by the shift: each iteration leaves the shift over the next eigenvalue.
+Vector Deflated::solve(const Vector& b) const {
+  constexpr int most_iterations = 30;
+  Vector x = Vector::Zero(b.size()), left = normal(b);
+  double size = left.norm();
+  const double enough = 1e-14 * size;
+  for (int k = 0; k < most_iterations && size > enough; ++k) {
+    const Vector next = x + normal(factor_.solve(left));
+    Vector next_left = normal(b - A_ * next);
+    if (!(next_left.norm() < size)) break;
+    x = next;
+    left = std::move(next_left);
+    size = left.norm();
+  }
+  return x;
+}
+
+}  // namespace vbond

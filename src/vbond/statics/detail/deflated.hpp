@@ -1,0 +1,37 @@
+#pragma once
+#include "vbond/statics/detail/factor.hpp"
+#include "vbond/statics/detail/matrix.hpp"
+
+namespace vbond {
+
+/// A symmetric matrix that cannot be factored as it is, taken apart: the eigenvectors whose eigenvalues are
+/// within rounding of zero, and what is left on the space normal to them, where it can be inverted (Chan,
+/// SIAM J. Numer. Anal. 21 (1984) 738). At a critical point of a path the tangent is such a matrix. There may
+/// be no such eigenvectors: a factor without pivoting also meets a zero by chance.
+class Deflated {
+ public:
+  /// Keeps a reference to A. Throws NoConvergence if no matrix near by can be factored: A is not finite.
+  explicit Deflated(const SparseMatrix& A);
+
+  /// Orthonormal columns, and their eigenvalues.
+  const DenseMatrix& null_vectors() const { return null_; }
+  const Vector& null_values() const { return values_; }
+  /// Eigenvalues below those.
+  int negative() const { return negative_; }
+  /// x normal to the null vectors, with A x = b but for the part of b along them.
+  Vector solve(const Vector& b) const;
+  /// Factors that were made.
+  int factors() const { return factor_.made(); }
+
+ private:
+  Vector normal(const Vector& x) const { return x - null_ * (null_.transpose() * x); }
+  void find_null_vectors(double bound);
+
+  const SparseMatrix& A_;
+  Factor factor_;  // of A + a shift just above rounding
+  DenseMatrix null_;
+  Vector values_;
+  int negative_ = 0;
+};
+
+}  // namespace vbond

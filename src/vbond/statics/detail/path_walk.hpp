@@ -1,0 +1,76 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "vbond/statics/detail/path_step.hpp"
+
+namespace vbond {
+
+/// One step of a walk: from where it began to its end, and what lies between.
+struct PathLeg {
+  PathStep step;
+  PathNode start, end;
+  std::vector<CriticalPoint> critical;  ///< in the order in which the path meets them
+};
+
+/// Follows the balance of a body with the load factor, by arc-length, step by step through everything that is
+/// critical. The only place where the length of steps is chosen and judged: `path` and `buckling` are two
+/// ways to look at this walk.
+///
+/// A step is taken again at half its length if something speaks against it: no balance, a turn of the path or
+/// of a bond that is too large, a bond that snaps, a load factor that goes back and forth, or an eigenvalue
+/// that jumps over zero, which means that the step has left the path for another one.
+class PathWalk {
+ public:
+  /// Keeps references. largest_step: the longest movement of a particle in a step  [length]; 0: a share of
+  /// the body's size.
+  PathWalk(StaticBody& body, TangentSolver& solver, const NewtonSettings& newton, double largest_step);
+
+  /// The point where the body stands; nothing if the load factor changes nothing. first_step: change of the
+  /// load factor, its sign the way to go.
+  const PathPoint* start(double first_step);
+  bool is_singular() const { return arc_.is_singular(); }
+
+  /// The next step from here(); nothing if there is none, and why_not() says what stands in the way.
+  std::optional<PathLeg> next();
+  /// The first step off along a direction from a critical point.
+  std::optional<PathLeg> turn_off(const CriticalPoint& at, const Vector& mode);
+  const std::string& why_not() const { return why_not_; }
+  /// What stands in the way is a bond that would snap.
+  bool stopped_by_a_bond() const { return snapping_; }
+  /// Moves on to the end of a leg; the body is then there.
+  void arrive(const PathLeg& leg);
+
+  const PathPoint& here() const { return here_; }
+  /// Of Newton's method, and of the tangent, so far.
+  int iterations() const { return iterations_; }
+  int factors() const { return arc_.factors() + other_factors_; }
+
+ private:
+  std::optional<PathLeg> leg(PathStep step, double s, bool on_branch);
+  std::optional<PathNode> attempt(PathStep& step, double s);
+  std::string objection(const PathStep& step, const PathNode& end);
+  void choose_next_step(const PathStep& step, const PathNode& end, int corrections);
+  double longest(const PathDirection& d) const;
+
+  StaticBody& body_;
+  ArcLength arc_;
+  double largest_step_;    // [length]
+  double size_;            // of the body  [length]
+  double shortest_ = 0;    // step  [arc-length]
+  double next_ = 0;        // length of the next step  [arc-length]
+  double load_scale_ = 0;  // largest |load factor| so far
+  PathPoint here_;
+  std::string why_not_;
+  bool snapping_ = false;
+  int iterations_ = 0, other_factors_ = 0;
+};
+
+/// Starts a walk where its body stands. Throws NoEquilibrium if parts of the body can move freely, if nothing
+/// is free to move or nothing changes with the load factor, if the tangent stiffness is singular, or if there
+/// are no factors of it. who: how that refusal begins, as in "a path needs".
+const PathPoint& start_walk(const StaticBody& body, const TangentSolver& solver, PathWalk& walk,
+                            double first_step, const std::string& who);
+
+}  // namespace vbond

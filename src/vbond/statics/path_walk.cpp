@@ -1,0 +1,193 @@
+#include "vbond/statics/detail/path_walk.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "vbond/core/bounding_box.hpp"
+#include "vbond/core/error.hpp"
+#include "vbond/statics/detail/kinds.hpp"
+#include "vbond/statics/detail/softest.hpp"
+
+namespace vbond {
+
+namespace {
+
+// A step is taken again at half its length if in it the path turns by more than this, a bond turns by more
+// than this, or the load factor is further off the trapezoidal rule than this part of the slopes at both
+// ends: then it has gone back and forth within the step. A cubic snap-through is found out below 1/6, however
+// long the step. What is small against the load factors so far is let go.
+constexpr double largest_path_turn = 0.6;   // [rad]
+constexpr double largest_bond_turns = 0.2;  // [rad]; bonds have wrong rest states half a turn away
+constexpr double largest_load_error = 0.15;
+constexpr double least_load_error = 0.01;
+// What the next step aims at.
+constexpr double wanted_path_turn = 0.3;  // [rad]
+constexpr double wanted_bond_turn = 0.1;  // [rad]
+constexpr double wanted_corrections = 4;
+// Paths of a body that is not quite symmetric pass each other where they would cross: steps go over that if
+// the gap is no more than this part of the load factor, and follow the path round the bend if it is.
+constexpr double largest_gap = 1e-4;
+// Of the body's size: the longest step unless told, and the shortest.
+constexpr double automatic_step = 0.02;
+constexpr double shortest_step = 1e-8;
+// On a branch stability at the start is that at this part of the first step: eigenvalues grow with the square
+// of the distance, and shall be more than rounding.
+constexpr double aside_on_branch = 1e-2;
+
+double size_of(const StaticBody& body) {
+  return std::max(box_around(body.state().r).diagonal(), body.unknowns().length());
+}
+
+}  // namespace
+
+PathWalk::PathWalk(StaticBody& body, TangentSolver& solver, const NewtonSettings& newton, double largest_step)
+    : body_(body), arc_(body, solver, newton), largest_step_(largest_step), size_(size_of(body)) {}
+
+const PathPoint* PathWalk::start(double first_step) {
+  std::optional<PathPoint> point = arc_.point_here({Vector::Zero(body_.unknowns().size()), 1.0});
+  if (!point) return nullptr;
+  here_ = std::move(*point);
+  if (std::signbit(here_.tangent.f) != std::signbit(first_step))
+    here_.tangent = {-here_.tangent.u, -here_.tangent.f};
+  load_scale_ = std::abs(first_step);
+  next_ = std::min(std::abs(first_step / here_.tangent.f), longest(here_.tangent));
+  shortest_ = std::min(shortest_step * size_, 1e-3 * next_);
+  return &here_;
+}
+
+std::optional<PathLeg> PathWalk::next() {
+  return leg(PathStep(body_, arc_, here_, here_.tangent), std::min(next_, longest(here_.tangent)), false);
+}
+
+// The direction is the part of the mode that is normal to the path so far, so that the plane on which the
+// first point is sought does not meet that path again.
+std::optional<PathLeg> PathWalk::turn_off(const CriticalPoint& at, const Vector& mode) {
+  PathDirection off{mode, 0.0};
+  const double along = arc_.dot(off, here_.tangent);
+  off = arc_.unit({off.u - along * here_.tangent.u, off.f - along * here_.tangent.f});
+  return leg(PathStep(body_, arc_, at.node.point, off), longest(off), true);
+}
+
+/// A step of length s or shorter, as short as must be.
+std::optional<PathLeg> PathWalk::leg(PathStep step, double s, bool on_branch) {
+  for (;; s *= 0.5) {
+    const bool last = 0.5 * s < shortest_;
+    std::optional<PathNode> end = attempt(step, s);
+    if (end) {
+      PathNode start{0.0, step.start()};
+      // at a critical point tangent and signs are left to rounding: those beside it stand for them
+      if (on_branch) start.point = step.to(aside_on_branch * s).point.value_or(end->point);
+      start.point.at = step.start().at;
+      auto critical = step.critical_points(start, *end);
+      const bool gap =
+          critical && std::any_of(critical->begin(), critical->end(), [&](const CriticalPoint& c) {
+            return c.gap > largest_gap * std::max(load_scale_, std::abs(c.load_factor));
+          });
+      why_not_ = gap ? "the path comes close to another one that crosses it, and no step tells them apart"
+                     : "no balance is found between two that are next to each other";
+      if (critical && (!gap || last)) {
+        iterations_ += step.iterations();
+        other_factors_ += step.factors();
+        return PathLeg{std::move(step), std::move(start), std::move(*end), std::move(*critical)};
+      }
+    }
+    if (last) return {};
+  }
+}
+
+/// The end of a step of length s if nothing speaks against it; else why_not() says what does.
+std::optional<PathNode> PathWalk::attempt(PathStep& step, double s) {
+  StepOutcome outcome = step.to(s);
+  why_not_ = outcome.why;
+  snapping_ = false;
+  if (!outcome.point) return {};
+  PathNode end{s, std::move(*outcome.point)};
+  why_not_ = objection(step, end);
+  if (!why_not_.empty()) return {};
+  choose_next_step(step, end, outcome.iterations);
+  return end;
+}
+
+void PathWalk::arrive(const PathLeg& leg) {
+  here_ = leg.end.point;
+  body_.restore(here_.at);
+  load_scale_ = std::max(load_scale_, std::abs(here_.at.load_factor));
+}
+
+/// Why a step to where the body stands now may have left the path; empty if nothing speaks against it.
+std::string PathWalk::objection(const PathStep& step, const PathNode& end) {
+  const Placement& from = step.start().at;
+  const double turn = arc_.angle(step.direction(), end.point.tangent);
+  if (turn > largest_path_turn) return fmt::format("the path turns by {:.2g} rad", turn);
+  const auto k = newly_snapped(body_.state(), from);
+  snapping_ = k.has_value();
+  if (k) {
+    const Bond& b = body_.state().bonds[*k];
+    return fmt::format("bond {} (particles {}, {}) snaps", k->value, b.i.value, b.j.value);
+  }
+  const double bonds = largest_bond_turn(body_.state(), from);
+  if (bonds > largest_bond_turns) return fmt::format("a bond turns by {:.2g} rad", bonds);
+  const double f0 = step.direction().f, f1 = end.point.tangent.f;
+  const double error = std::abs(end.point.at.load_factor - from.load_factor - 0.5 * end.s * (f0 + f1));
+  if (error > largest_load_error * end.s * (std::abs(f0) + std::abs(f1)) + least_load_error * load_scale_)
+    return "the load factor goes back and forth";
+  return "";
+}
+
+void PathWalk::choose_next_step(const PathStep& step, const PathNode& end, int corrections) {
+  const double turn = arc_.angle(step.direction(), end.point.tangent);
+  const double bonds = largest_bond_turn(body_.state(), step.start().at);
+  const double growth =
+      std::min({std::sqrt(wanted_corrections / std::max(1, corrections)),
+                wanted_path_turn / std::max(turn, 1e-3), wanted_bond_turn / std::max(bonds, 1e-3)});
+  next_ = end.s * std::clamp(growth, 0.5, 2.0);
+}
+
+/// The longest step in this direction: the particle that moves most, a turn counted times the length scale,
+/// goes as far as it may.  [arc-length]
+double PathWalk::longest(const PathDirection& d) const {
+  const double most = largest_step_ > 0.0 ? largest_step_ : automatic_step * size_;
+  double largest2 = 0.0;
+  const Unknowns& unknowns = body_.unknowns();
+  for (const ParticleId p : body_.state().r.ids())
+    for (const int first : {0, 3}) {
+      Vec3d m;
+      for (int k = 0; k < 3; ++k)
+        if (const int at = unknowns.of(p, first + k); at != Unknowns::held) component(m, k) = d.u[at];
+      largest2 = std::max(largest2, norm2(m));
+    }
+  for (const StaticSupport& support : body_.stage().supports)
+    largest2 = std::max({largest2, sq(d.f) * norm2(support.displacement),
+                         sq(d.f * unknowns.length()) * norm2(support.rotation)});
+  return most / std::max(std::sqrt(largest2), 1e-3);
+}
+
+const PathPoint& start_walk(const StaticBody& body, const TangentSolver& solver, PathWalk& walk,
+                            double first_step, const std::string& who) {
+  const std::string& name = body.stage().name;
+  refuse_rigid_motions(body);
+  if (body.unknowns().size() == 0)
+    throw NoEquilibrium(name, "nothing is free to move", "hold fewer degrees of freedom");
+  const PathPoint* here = walk.start(first_step);
+  if (solver.iterative())
+    throw NoEquilibrium(
+        name,
+        who + (body.stage().newton.solver == LinearSolver::iterative
+                   ? " the direct solver"
+                   : " the direct solver, and its factor does not fit into memory"),
+        "use solver = \"direct\", with memory enough, or a coarser body; kind = \"equilibrium\" "
+        "does without");
+  if (walk.is_singular())
+    throw NoEquilibrium(
+        name, "the tangent stiffness is singular at load factor 0, first of all in: " + softest_names(body),
+        "hold them, or give the bonds stiffness against them");
+  if (!here)
+    throw NoEquilibrium(name, "nothing changes with the load factor",
+                        "give a load or a support that is in proportion to the load factor, on what is free");
+  return *here;
+}
+
+}  // namespace vbond
