@@ -49,6 +49,7 @@ struct BodyPlan {
   std::vector<PlannedLoad> loads;
   Vec3d gravity;
   Turning turning = Turning::by_right_angles;
+  bool must_be_straight = false;      ///< else a moment acts that has no potential
   bool in_plane = false;              ///< all particles stay in the x-y plane
   std::optional<double> closed_form;  ///< first critical load factor
 };

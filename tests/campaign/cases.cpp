@@ -69,7 +69,7 @@ RandomCase random_case(unsigned seed, int number) {
   RandomCase c;
   c.number = number;
   c.plan = draw_body(dice);
-  if (chance(dice, 0.25)) make_imperfect(dice, c.plan);
+  if (chance(dice, 0.25) && !c.plan.must_be_straight) make_imperfect(dice, c.plan);
   place_in_space(dice, c.plan);
   if (chance(dice, 0.2)) {
     const double length = std::pow(10.0, whole(dice, -9, 9)), force = std::pow(10.0, whole(dice, -9, 9));

@@ -79,6 +79,8 @@ BodyPlan column(Dice& dice) {
   plan.sets[0].n_2 = Vec3d{0, 1, 0};
   if (chance(dice, 0.4)) keep_in_plane(plan);
   hold(plan, {0}, foot_of(ends));
+  plan.must_be_straight =
+      ends == Ends::pinned && !plan.in_plane;  // a moment at the foot, which holds one turn
   push(plan, how, ends, N);
   double before = 0.0;
   if (chance(dice, 0.15) && how != Push::displacement) {

@@ -34,7 +34,7 @@ struct Answer {
 
 struct Judgement {
   Verdict verdict = Verdict::right;
-  std::string why;  ///< of anything but right
+  std::string why;  ///< of anything but right; of right, what lets it pass
 };
 
 /// A critical load is right if it is within 1e-6 of the reference, or four times the error of the reference,
@@ -44,6 +44,11 @@ struct Judgement {
 /// body pass each other by less than a step can see. There the answer may be that of the perfect body,
 /// too, to within 3 sqrt(imperfection): Koiter's laws, in which critical loads change as the power 1/2 or
 /// 2/3.
+///
+/// Other bodies have branches that nearly meet as well, without an imperfection that anybody has made. Where
+/// the reference had to look closer than a hundred thousandth of its step to see two branches pass each
+/// other, an answer within 1e-4 of there is right, too, and what is told after it is not judged. Such cases
+/// are counted.
 struct Tolerance {
   double least = 1e-6;
 };

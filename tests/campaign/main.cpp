@@ -115,7 +115,7 @@ void dump(const Options& o, int number) {
   const RandomCase c = random_case(o.seed, number);
   const testing::Specimen s = specimen_of(c.plan);
   const StaticStage buckling = buckling_stage_of(c);
-  const Reference reference = find_reference(s.model, buckling, s.state, {c.count, 0, 6000});
+  const Reference reference = find_reference(s.model, buckling, s.state, {c.count, 0, false, 6000});
   std::ofstream(o.dump + "-buckling.toml") << to_toml(c.plan, buckling);
   std::ofstream(o.dump + "-path.toml") << to_toml(c.plan, path_stage_of(c, reference));
 }

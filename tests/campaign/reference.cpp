@@ -14,14 +14,15 @@ namespace {
 // Parts of one: how well the middle of a step agrees with the cubic, how far the path turns in a step [rad],
 // how far bonds turn, how far the load factor goes.
 constexpr double largest_bend = 0.01, largest_turn = 0.35, largest_bond_change = 0.1, largest_growth = 0.2;
-constexpr double good_fit = 1e-8;  // of the load factor
-constexpr int spans_tried = 6;     // each a fifth of the one before
-constexpr int most_avoided = 40;
+constexpr double good_fit = 1e-8;                    // of the load factor
+constexpr double far_span = 0.02, near_span = 1e-5;  // of a fit, in steps
+constexpr int spans_tried = 6;                       // each a fifth of the one before
+constexpr int most_passings = 40;
 constexpr double eps = std::numeric_limits<double>::epsilon();
 
 struct Event {
   double p, f, error;
-  bool limit, beyond_range;
+  bool limit, regained, beyond_range;
 };
 
 class Walk {
@@ -34,6 +35,7 @@ class Walk {
   bool start();
   void step();
   bool ended();
+  int critical_loads() const;
   Control best_control(const Node& a) const;
   Node in_terms_of(const Node& a, Control c) const;
   double largest_step(const Node& a) const;
@@ -184,9 +186,14 @@ bool Walk::strained() const {
   return false;
 }
 
+int Walk::critical_loads() const {
+  return static_cast<int>(std::count_if(result_.points.begin(), result_.points.end(),
+                                        [](const ReferencePoint& p) { return !p.regained; }));
+}
+
 bool Walk::ended() {
   body_.restore(here_.at);
-  if (static_cast<int>(result_.points.size()) >= settings_.count)
+  if (critical_loads() >= settings_.count)
     result_.ended = "count";
   else if (!result_.points.empty() && result_.points.back().kind == PointKind::limit_point)
     result_.ended = "limit point";
@@ -196,7 +203,7 @@ bool Walk::ended() {
     result_.ended = "range";
   else if (balances_.nodes() > settings_.most_nodes)
     result_.ended = "too many balances", result_.undecided = true;
-  else if (result_.avoided > most_avoided)
+  else if (static_cast<int>(result_.passings.size()) > most_passings)
     result_.ended = "too many branches that pass by", result_.undecided = true;
   return !result_.ended.empty();
 }
@@ -238,7 +245,7 @@ void Walk::step() {
 /// Narrows down to the first place between a and end that differs from a, and fits what passes zero there.
 void Walk::locate(const Node& a, const Node& end) {
   const double sense = end.p < a.p ? -1.0 : 1.0, width = std::abs(end.p - a.p);
-  double lo = a.p, hi = end.p, h = width / 50;
+  double lo = a.p, hi = end.p, h = width * (settings_.near_by ? near_span : far_span);
   Node before = a;
   for (int tries = 0; tries < spans_tried; ++tries, h *= 0.2) {
     while (std::abs(hi - lo) > 0.2 * h) {
@@ -256,8 +263,7 @@ void Walk::locate(const Node& a, const Node& end) {
     if (sense < 0.0) here_.u_rate *= -1.0, here_.f_rate *= -1.0;
     return;
   }
-  ++result_.avoided;
-  reach_ = 4 * std::abs(hi - a.p) * rate(a);
+  result_.passings.push_back(before.f());
   here_ = turn(a, before) < largest_turn ? before : a;
   reach_ = std::max(0.25 * std::abs(hi - here_.p), 1e-12 * std::abs(hi)) * rate(here_);
   if (sense < 0.0) here_.u_rate *= -1.0, here_.f_rate *= -1.0;
@@ -282,13 +288,13 @@ std::optional<std::vector<Event>> Walk::fit(const Node& a, const Node& end, doub
   std::vector<Event> events;
   body_.restore(nodes.back().at);
   const bool beyond_range = strained();
-  const auto add = [&](bool limit, double rounding_of_v) {
+  const auto add = [&](bool limit, bool regained, double rounding_of_v) {
     const auto x6 = zero_of(v), x4 = zero_of(v, 1, 4);
     if (!x6 || !x4) return false;
     const double at = polynomial(f, *x6), scale = std::max(std::abs(at), 1e-300);
     const double of_fit = std::abs(at - polynomial(f, *x4)) / scale;
     const double of_rounding = std::abs(rounding_of_v / slope(v, *x6) * slope(f, *x6)) / scale;
-    events.push_back({p + *x6 * h, at, of_fit + of_rounding, limit, beyond_range});
+    events.push_back({p + *x6 * h, at, of_fit + of_rounding, limit, regained, beyond_range});
     return of_fit < std::max(good_fit, of_rounding);
   };
   const double rounding = 8 * eps * balances_.largest_stiffness();
@@ -299,11 +305,11 @@ std::optional<std::vector<Event>> Walk::fit(const Node& a, const Node& end, doub
       if (!value) return {};
       v[k] = *value;
     }
-    if (!add(false, rounding)) return {};
+    if (!add(false, n1 < n0, rounding)) return {};
   }
   if (std::signbit(nodes.front().f_rate) != std::signbit(nodes.back().f_rate)) {
     for (std::size_t k = 0; k < 6; ++k) v[k] = nodes[k].f_rate;
-    if (!add(true, 0.0)) return {};
+    if (!add(true, false, 0.0)) return {};
   }
   return events;
 }
@@ -323,9 +329,9 @@ bool Walk::accept(std::vector<Event> events, double sense) {
   std::sort(events.begin(), events.end(),
             [sense](const Event& x, const Event& y) { return sense * (x.p - y.p) < 0; });
   for (const Event& e : events) {
-    if (static_cast<int>(result_.points.size()) >= settings_.count) break;
-    result_.points.push_back(
-        {e.limit ? PointKind::limit_point : PointKind::bifurcation, e.f, e.error, e.beyond_range});
+    if (critical_loads() >= settings_.count) break;
+    result_.points.push_back({e.limit ? PointKind::limit_point : PointKind::bifurcation, e.f, e.error,
+                              e.regained, e.beyond_range});
     result_.searched_to = std::max(result_.searched_to, e.f);
     if (e.limit) break;
   }

@@ -20,25 +20,26 @@ namespace vbond::campaign {
 struct ReferencePoint {
   PointKind kind = PointKind::bifurcation;
   double load_factor = 0;
-  double error = 0;  ///< relative: of the fit, and what rounding of the tangent may make of it
+  double error = 0;       ///< relative: of the fit, and what rounding of the tangent may make of it
+  bool regained = false;  ///< an unstable direction becomes stable: special on a path, no critical load
   bool beyond_range =
       false;  ///< a bond is strained there, as physics/range.hpp has it, or by more than a half
 };
 
 struct Reference {
-  std::vector<ReferencePoint>
-      points;              ///< along the path, at most as many as wanted, none beyond a limit point
-  double searched_to = 0;  ///< there are no others up to this load factor
+  std::vector<ReferencePoint> points;  ///< along the path, none beyond a limit point
+  double searched_to = 0;              ///< there are no others up to this load factor
   int unstable_at_start = 0;
   std::string ended;       ///< "count", "limit point", "load factor", "range", or why it could go no further
   bool undecided = false;  ///< it could go no further
   int nodes = 0;           ///< balances it took
-  int avoided = 0;         ///< places where branches pass each other
+  std::vector<double> passings;  ///< load factors where branches pass each other close by
 };
 
 struct ReferenceSettings {
-  int count = 1;     ///< points wanted
-  double reach = 0;  ///< load factor at which it may end; 0: none
+  int count = 1;         ///< critical loads wanted
+  double reach = 0;      ///< load factor at which it may end; 0: none
+  bool near_by = false;  ///< look at critical points from so near that branches passing by are seen
   int most_nodes = 6000;
 };
 

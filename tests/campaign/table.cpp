@@ -48,6 +48,13 @@ Counts print_counts(const char* title, const std::vector<CaseRecord>& records, F
   return sums;
 }
 
+int went_over(const std::vector<CaseRecord>& records) {
+  return static_cast<int>(std::count_if(records.begin(), records.end(), [](const CaseRecord& r) {
+    const auto over = [](const Judgement& j) { return j.verdict == Verdict::right && !j.why.empty(); };
+    return over(r.of_buckling) || over(r.of_path);
+  }));
+}
+
 bool too_many(const Counts& c, std::size_t all) {
   const auto of = [&c](Verdict v) { return c[static_cast<std::size_t>(v)]; };
   return of(Verdict::missed) + of(Verdict::wrong) + of(Verdict::aborted) > 0 ||
@@ -96,6 +103,7 @@ int print_table(std::vector<CaseRecord> records) {
   const Counts buckling =
       print_counts("buckling", records, [](const CaseRecord& r) { return r.of_buckling.verdict; });
   const Counts path = print_counts("path", records, [](const CaseRecord& r) { return r.of_path.verdict; });
+  fmt::print("\n{} of them went over to branches that pass close by\n", went_over(records));
   print_most("Slowest  [s]", records,
              [](const CaseRecord& r) { return std::max(r.buckling.seconds, r.path.seconds); });
   print_most("Most factors of buckling for each of the path", records, factor_ratio);
