@@ -82,9 +82,17 @@ TEST(StaticStages, KeepEveryValueOfTheirKeys) {
   EXPECT_EQ(m.count, 3);
   EXPECT_EQ(m.frames_per_mode, 0);
   EXPECT_EQ(m.amplitude, 0.25);
+  const StageSpec b =
+      stage("buckling", load + "search_to = 4.5\nlargest_step = 0.3\nmost_points = 7\ncount = 2\n");
+  EXPECT_EQ(b.search_to, 4.5);
+  EXPECT_EQ(b.path.largest_step, 0.3);
+  EXPECT_EQ(b.path.most_points, 7);
+  EXPECT_EQ(b.count, 2);
 }
 
 TEST(StaticStages, RefuseKeysOfOtherKinds) {
+  expect_refused("path", load + "search_to = 1\n", "only with kind = \"buckling\"");
+  expect_refused("equilibrium", "largest_step = 1\n", "only with kind = \"path\" or \"buckling\"");
   expect_refused("dynamics", "duration = 1\ncount = 3\n", "only with kind = \"buckling\" or \"modes\"");
   expect_refused("dynamics", "duration = 1\nconstant_gravity = true\n", "is used only with");
   expect_refused("dynamics", "duration = 1\nstop = { load_factor = { above = 1 } }\n",

@@ -396,6 +396,30 @@ TEST(CriticalLoads, AreFoundOnACurvedPath) {
   EXPECT_NEAR(c.mode.translation[ParticleId{10}].y, 0.0, 1e-6);
 }
 
+// Ten particles joined by bonds as thick as they are long, and by bonds far thicker: their critical strain is
+// beyond what bonds bear, so that the search has to end by itself.
+TEST(CriticalLoads, OfThickRodsAreLookedForAsFarAsBondsHold) {
+  const testing::Specimen rod = testing::straight_rod(10);
+  for (const double d : {2.0, 20.0, 1e8}) {
+    testing::Specimen s = rod;
+    s.state.bonds = {};
+    BondRecipe recipe;
+    const double J = M_PI * std::pow(d, 4) / 64;
+    recipe.parameters =
+        TheoryParameters{BondTheory::bernoulli_euler, {1.0, 0.2}, {M_PI * d * d / 4, J, 2 * J}, 0};
+    for (std::size_t k = 0; k + 1 < 10; ++k) testing::bond(s, k, k + 1, recipe);
+    try {
+      const StaticResult r = critical_loads(s, pinned(10), {pushed(9, {-1, 0, 0})}, 6);
+      EXPECT_EQ(r.ended, "bond range") << d;
+      EXPECT_GT(r.searched_to, 0.3 * M_PI * d * d / 4) << d;  // EA times the strain
+      EXPECT_LE(r.points, 100) << d;
+    } catch (const NoEquilibrium& e) {  // stiffnesses that differ by 1e16 leave nothing of the softest
+      EXPECT_EQ(d, 1e8) << e.what();
+      EXPECT_NE(std::string(e.what()).find("critical load"), std::string::npos) << e.what();
+    }
+  }
+}
+
 // A shallow truss of two bars, span 2, height 0.1, its plane held. The bars keep their pull c_A and have next
 // to no bending stiffness: P / 2 = c_A (L - 1 / cos t) sin t has its maximum where cos^3 t = 1 / L. There
 // the path turns back, and there is no balance beyond.

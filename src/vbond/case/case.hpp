@@ -245,10 +245,11 @@ struct StageSpec {
   NewtonSettings newton;
   int steps = 1;                         ///< equilibrium
   AtSaddle at_saddle = AtSaddle::leave;  ///< equilibrium
-  PathSettings path;                     ///< path; its distance comes from stop_distance
-  int count = 6;                         ///< buckling, modes
-  int frames_per_mode = 16;              ///< buckling, modes
-  double amplitude = 0;                  ///< buckling, modes
+  PathSettings path;         ///< path; its distance comes from stop_distance; two keys of it: buckling
+  double search_to = 0;      ///< buckling
+  int count = 6;             ///< buckling, modes
+  int frames_per_mode = 16;  ///< buckling, modes
+  double amplitude = 0;      ///< buckling, modes
 };
 
 struct ExactStep {};  ///< a fraction of the exact critical step of the assembled body

@@ -113,10 +113,14 @@ void describe_path(Table& t, PathSettings& p) {
         "change of the load factor in the first step; < 0: downwards");
   t.check(p.first_step != 0, {"first_step"}, "must not be 0: the path would not begin",
           "write for example first_step = 0.01");
-  t.key("largest_step", p.largest_step, not_negative(length), default_is("automatic"),
-        "longest step, as the largest movement of a particle; 0: automatic");
-  t.key("most_points", p.most_points, at_least_one, optional, "ends the path in any case");
   t.table("branch", p.branch, "where the path turns off at a bifurcation; without it, it goes straight on");
+}
+
+void describe_walk(Table& t, PathSettings& p) {
+  t.key("largest_step", p.largest_step, not_negative(length), default_is("automatic"),
+        "longest step, as the largest movement of a particle, its rotation times the mean length of bonds; "
+        "0: automatic");
+  t.key("most_points", p.most_points, at_least_one, optional, "ends the path in any case");
 }
 
 void describe_modes(Table& t, StageSpec& s) {
@@ -155,6 +159,12 @@ void describe_statics(Table& t, StageSpec& s) {
           "an unstable balance is left for a stable one, or kept");
   });
   t.when(path, "kind = \"path\"", [&] { describe_path(t, s.path); });
+  t.when(path || s.kind == StageKind::buckling, "kind = \"path\" or \"buckling\"",
+         [&] { describe_walk(t, s.path); });
+  t.when(s.kind == StageKind::buckling, "kind = \"buckling\"", [&] {
+    t.key("search_to", s.search_to, not_negative(pure), default_is("automatic"),
+          "load factor up to which critical loads are looked for; 0: as far as bonds stay within their law");
+  });
   t.when(s.kind == StageKind::buckling || s.kind == StageKind::modes, "kind = \"buckling\" or \"modes\"",
          [&] { describe_modes(t, s); });
   if (path || s.kind == StageKind::buckling) check_proportional(t, s);

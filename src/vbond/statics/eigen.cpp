@@ -220,8 +220,11 @@ EigenPairs eigenpairs_near_zero(const SparseMatrix& A, int count) {
     const Eigen::SelfAdjointEigenSolver<DenseMatrix> all((DenseMatrix(A)));
     check(all);
     Found found;
-    for (Eigen::Index k = 0; k < n; ++k)
-      found.add(std::abs(all.eigenvalues()[k]), all.eigenvalues()[k], all.eigenvectors().col(k));
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const Vector v = all.eigenvectors().col(k);
+      const double value = v.dot(A * v);  // free of the rounding of the method
+      found.add(std::abs(value), value, v);
+    }
     found.sort();
     return found.part(0, count);
   }
