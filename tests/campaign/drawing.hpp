@@ -1,0 +1,98 @@
+#pragma once
+#include <cmath>
+#include <functional>
+#include <initializer_list>
+#include <vector>
+
+#include "body_plan.hpp"
+
+/// What generators of bodies share.
+namespace vbond::campaign {
+
+using testing::Dice;
+
+inline int whole(Dice& dice, int low, int high) {
+  return low + static_cast<int>(dice(0.0, static_cast<double>(high - low + 1)));
+}
+inline std::size_t count_of(Dice& dice, int low, int high) {
+  return static_cast<std::size_t>(whole(dice, low, high));
+}
+/// Equal chances for equal ratios.
+inline double ratio(Dice& dice, double low, double high) {
+  return std::exp(dice(std::log(low), std::log(high)));
+}
+inline std::size_t log_count(Dice& dice, double low, double high) {
+  return static_cast<std::size_t>(std::lround(ratio(dice, low, high)));
+}
+inline bool chance(Dice& dice, double p) {
+  return dice(0.0, 1.0) < p;
+}
+template <class T>
+T one_of(Dice& dice, std::initializer_list<T> values) {
+  return *(values.begin() + whole(dice, 0, static_cast<int>(values.size()) - 1));
+}
+
+/// A rod of which bonds are cut: EI = 1.
+struct Rod {
+  BondLaw law = BondLaw::v_model;
+  double EA = 1e4, GJ = 0.8;
+  double shear = 0;  ///< 24 (1 + nu) / kappa of Timoshenko's rod; 0: Bernoulli and Euler's
+  BondStiffness<double> stiffness(double a) const {
+    return {EA / a, 12.0 / (a * a * a) / (1.0 + shear / (EA * a * a)), 1.0 / a, GJ / a};
+  }
+};
+
+/// EA between these for a body of size 1.
+inline Rod random_rod(Dice& dice, double EA_least, double EA_most) {
+  Rod rod;
+  rod.law = chance(dice, 0.35) ? BondLaw::evm : BondLaw::v_model;
+  rod.EA = ratio(dice, EA_least, EA_most);
+  rod.GJ = ratio(dice, 0.3, 1.2);
+  if (chance(dice, 0.25)) rod.shear = 24.0 * 1.2 / 0.85;
+  return rod;
+}
+
+inline std::string words(const Rod& rod) {
+  return std::string(rod.law == BondLaw::evm ? "EVM" : "V-model") + (rod.shear > 0 ? ", Timoshenko" : "");
+}
+
+inline constexpr HeldDofs plane_only{false, false, true, true, true, false};
+inline constexpr HeldDofs hinge_in_plane{true, true, false, false, false, false};
+inline constexpr HeldDofs clamp_in_plane{true, true, false, false, false, true};
+
+/// Bonds of a rod along a chain of particles.
+inline BondSet chain_of(const BodyPlan& plan, const Particles& chain, const Rod& rod) {
+  BondSet set{rod.law, rod.stiffness(norm(plan.r[chain[1]] - plan.r[chain[0]])), {}, {}};
+  for (std::size_t k = 0; k + 1 < chain.size(); ++k) set.pairs.push_back({chain[k], chain[k + 1]});
+  return set;
+}
+
+inline void hold(BodyPlan& plan, Particles particles, HeldDofs held, const Vec3d& displacement = {}) {
+  plan.supports.push_back({std::move(particles), held, displacement, {}});
+}
+inline void keep_in_plane(BodyPlan& plan) {
+  plan.in_plane = true;
+  hold(plan, everybody(plan), plane_only);
+}
+inline void load(BodyPlan& plan, Particles particles, const Vec3d& force) {
+  plan.loads.push_back({std::move(particles), force, {}, false});
+}
+
+/// A random body of a kind.
+using Drawing = std::function<BodyPlan(Dice&)>;
+
+BodyPlan column(Dice& dice);
+BodyPlan arch(Dice& dice);
+BodyPlan shallow_arch(Dice& dice);
+BodyPlan portal(Dice& dice);
+BodyPlan lees_frame(Dice& dice);
+BodyPlan ring(Dice& dice);
+BodyPlan helix(Dice& dice);
+BodyPlan bent_cantilever(Dice& dice);
+BodyPlan ribbon(Dice& dice);
+BodyPlan lattice(Dice& dice);
+BodyPlan dome(Dice& dice);
+BodyPlan plane_truss(Dice& dice);
+BodyPlan star(Dice& dice);
+
+}  // namespace vbond::campaign

@@ -1,0 +1,248 @@
+#include "judge.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "child.hpp"
+#include "records.hpp"
+#include "vbond/core/error.hpp"
+#include "vbond/statics/statics.hpp"
+
+namespace vbond::campaign {
+namespace {
+
+constexpr int longest_run = 60;  // seconds of the processor
+constexpr int longest_reference = 300;
+constexpr double close_by = 1e-4;            // branches that pass each other, in loads
+constexpr double least_imperfection = 1e-5;  // below: the perfect body's answer is right, too
+
+const char* name_of(PointKind kind) {
+  return kind == PointKind::limit_point ? "limit point" : "bifurcation";
+}
+
+bool is_bad(const Judgement& j) {
+  return j.verdict == Verdict::missed || j.verdict == Verdict::wrong;
+}
+
+std::string text_of(const ReferencePoint& p) {
+  return fmt::format("{} at {:.9g}", name_of(p.kind), p.load_factor);
+}
+
+double tolerance_of(const ReferencePoint& p, const Tolerance& t) {
+  return std::min(std::max(t.least, 4 * p.error), 0.1);
+}
+
+/// Both kinds stand so close together that they may be told in either order.
+bool kinds_agree(const ReferencePoint& told, const Reference& reference, std::size_t k, const Tolerance& t) {
+  const auto& points = reference.points;
+  for (const ReferencePoint& p : points)
+    if (p.kind == told.kind &&
+        std::abs(p.load_factor / points[k].load_factor - 1) <= std::max(1e-5, tolerance_of(p, t)))
+      return true;
+  return false;
+}
+
+/// Where branches pass each other close by, a walker may go over to the other: see Tolerance.
+bool went_over(const ReferencePoint& told, const Reference& reference) {
+  for (const double f : reference.passings)
+    if (std::abs(told.load_factor / f - 1) < close_by) return true;
+  return false;
+}
+
+/// One load that was told against its number of the reference. Right means that both agree so far.
+Judgement compare_with_number(const ReferencePoint& told, const Reference& reference, std::size_t k,
+                              const Tolerance& t) {
+  if (k >= reference.points.size()) {
+    const bool known =
+        told.load_factor < (1 - t.least) * reference.searched_to || reference.ended == "limit point";
+    if (!known) return {Verdict::no_reference, "reference ended: " + reference.ended};
+    return {Verdict::wrong, text_of(told) + ", where the reference has none"};
+  }
+  const ReferencePoint& true_one = reference.points[k];
+  const double off = told.load_factor / true_one.load_factor - 1, tolerance = tolerance_of(true_one, t);
+  if (std::abs(off) <= tolerance) {
+    if (kinds_agree(told, reference, k, t)) return {};
+    return {Verdict::wrong, fmt::format("{}, which is a {}", text_of(told), name_of(true_one.kind))};
+  }
+  const std::string both =
+      fmt::format("{}, true is {} (off by {:.2g})", text_of(told), text_of(true_one), off);
+  return {off > 1e-3 ? Verdict::missed : Verdict::wrong, both};
+}
+
+/// The same where branches may have been changed.
+Judgement compare(const ReferencePoint& told, const Reference& reference, std::size_t k, const Tolerance& t) {
+  Judgement j = compare_with_number(told, reference, k, t);
+  if (is_bad(j) && went_over(told, reference))
+    j = {Verdict::right, "went over to a branch that passes close by"};
+  return j;
+}
+
+Judgement judge_failure(const Answer& a) {
+  if (a.failure == "gave up") return {Verdict::gave_up, a.message};
+  return {Verdict::aborted, a.message};
+}
+
+/// Nothing more was told, and the reference has another.
+Judgement judge_silence(const Answer& a, const ReferencePoint& next, const Tolerance& t) {
+  const std::string why =
+      fmt::format("not told: {}; ended \"{}\", searched to {:.6g}", text_of(next), a.ended, a.searched_to);
+  if (a.ended == "bond range" && next.beyond_range) return {};
+  const bool claims = a.ended == "converged" || a.ended == "limit point" ||
+                      a.searched_to > (1 + tolerance_of(next, t)) * next.load_factor;
+  return {claims ? Verdict::missed : Verdict::short_of, why};
+}
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Runs a stage; of a path until the first special point.
+Answer ask(const BodyPlan& plan, const StaticStage& stage) {
+  const testing::Specimen s = specimen_of(plan);
+  Answer a;
+  bool seen = false;
+  StaticHooks hooks;
+  hooks.point = [&](const StaticPoint& p) {
+    seen = seen || (stage.kind == StageKind::path &&
+                    (p.kind == PointKind::limit_point || p.kind == PointKind::bifurcation));
+  };
+  hooks.interrupted = [&seen] { return seen; };
+  const auto start = std::chrono::steady_clock::now();
+  try {
+    const StaticResult result = run_static_stage(s.model, stage, s.state, hooks).result;
+    a.ended = result.ended, a.factors = result.factors, a.searched_to = result.searched_to;
+    for (const CriticalLoad& c : result.critical_loads)
+      a.loads.push_back({c.kind, c.load_factor, 0.0, false, false});
+    for (const SpecialPoint& p : result.special_points)
+      a.loads.push_back({p.kind, p.load_factor, 0.0, false, false});
+    if (stage.kind == StageKind::path) a.searched_to = result.load_factor;
+  } catch (const NoEquilibrium& e) {
+    a.failure = "gave up", a.message = e.what();
+  }
+  a.seconds = seconds_since(start);
+  return a;
+}
+
+Answer ask_in_child(const BodyPlan& plan, const StaticStage& stage) {
+  const auto start = std::chrono::steady_clock::now();
+  const ChildResult child = in_child([&] { return json_of(ask(plan, stage)).dump(); }, longest_run);
+  if (child.fate.empty()) return answer_of(nlohmann::json::parse(child.text));
+  Answer a;
+  a.failure = "aborted", a.message = child.fate, a.seconds = seconds_since(start);
+  return a;
+}
+
+Reference reference_in_child(const BodyPlan& plan, int count, bool near_by = false) {
+  const auto work = [&] {
+    const testing::Specimen s = specimen_of(plan);
+    return json_of(find_reference(s.model, stage_of(plan, StageKind::buckling), s.state,
+                                  {count, 0, near_by, 6000}))
+        .dump();
+  };
+  const ChildResult child = in_child(work, longest_reference);
+  if (child.fate.empty()) return reference_of(nlohmann::json::parse(child.text));
+  Reference r;
+  r.ended = child.fate, r.undecided = true;
+  return r;
+}
+
+/// The perfect body decides as well, and a path that sees branches pass by from near: see Tolerance.
+void judge_as_perfect(const RandomCase& c, CaseRecord& r) {
+  const auto accept = [&](const Reference& reference, const Tolerance& t) {
+    if (is_bad(r.of_buckling) && judge_buckling(r.buckling, reference, c.count, t).verdict == Verdict::right)
+      r.of_buckling = {};
+    if (is_bad(r.of_path) && judge_path(r.path, reference, t).verdict == Verdict::right) r.of_path = {};
+  };
+  accept(reference_in_child(perfect(c.plan), c.count), {1e-6 + 3 * std::sqrt(c.plan.imperfection)});
+  if (is_bad(r.of_buckling) || is_bad(r.of_path)) accept(reference_in_child(c.plan, c.count, true), {});
+}
+
+}  // namespace
+
+const char* name_of(Verdict v) {
+  switch (v) {
+    case Verdict::right: return "right";
+    case Verdict::missed: return "missed";
+    case Verdict::wrong: return "wrong";
+    case Verdict::short_of: return "short";
+    case Verdict::gave_up: return "gave up";
+    case Verdict::aborted: return "aborted";
+    case Verdict::no_reference: break;
+  }
+  return "no reference";
+}
+
+Judgement judge_buckling(const Answer& a, const Reference& path, int count, const Tolerance& t) {
+  if (!a.failure.empty()) return judge_failure(a);
+  Reference reference = path;
+  std::erase_if(reference.points, [](const ReferencePoint& p) { return p.regained; });
+  std::vector<ReferencePoint> told = a.loads;
+  std::sort(told.begin(), told.end(),
+            [](const ReferencePoint& x, const ReferencePoint& y) { return x.load_factor < y.load_factor; });
+  for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k) {
+    if (k < told.size()) {
+      const Judgement j = compare(told[k], reference, k, t);
+      if (j.verdict == Verdict::no_reference && k > 0) return {};  // right as far as is known
+      if (j.verdict != Verdict::right || !j.why.empty()) return j;
+    } else if (k < reference.points.size()) {
+      return judge_silence(a, reference.points[k], t);
+    } else {
+      if (k == 0 && reference.undecided)
+        return {Verdict::no_reference, "reference ended: " + reference.ended};
+      return {};
+    }
+  }
+  return {};
+}
+
+Judgement judge_path(const Answer& a, const Reference& reference, const Tolerance& t) {
+  if (!a.loads.empty()) return compare(a.loads[0], reference, 0, t);
+  if (!a.failure.empty()) return judge_failure(a);
+  if (!reference.points.empty()) return judge_silence(a, reference.points[0], t);
+  if (reference.undecided) return {Verdict::no_reference, "reference ended: " + reference.ended};
+  return {};
+}
+
+StaticStage buckling_stage_of(const RandomCase& c) {
+  StaticStage stage = stage_of(c.plan, StageKind::buckling);
+  stage.count = c.count;
+  stage.frames_per_mode = 0;
+  return stage;
+}
+
+StaticStage path_stage_of(const RandomCase& c, const Reference& reference) {
+  StaticStage stage = stage_of(c.plan, StageKind::path);
+  const bool none = reference.points.empty();
+  const double f = none ? std::max(0.1 * reference.searched_to, 1e-300) : reference.points[0].load_factor;
+  stage.path.first_step = c.first_step * f;
+  stage.path.largest_step = c.largest_step;
+  stage.path.most_points = 3000;
+  stage.path.above = none ? f : 1.2 * f;
+  return stage;
+}
+
+CaseRecord run_case(const RandomCase& c) {
+  CaseRecord r;
+  r.number = c.number, r.kind = c.plan.kind, r.what = c.plan.what;
+  r.buckling = ask_in_child(c.plan, buckling_stage_of(c));
+  const auto start = std::chrono::steady_clock::now();
+  r.reference = reference_in_child(c.plan, c.count);
+  if (c.plan.closed_form && !r.reference.points.empty()) {
+    ReferencePoint& first = r.reference.points[0];
+    if (std::abs(first.load_factor / *c.plan.closed_form - 1) > tolerance_of(first, {}))
+      r.reference.ended = fmt::format("not the closed form's {:.12g}", *c.plan.closed_form),
+      r.reference.undecided = true, r.reference.points.clear(), r.reference.searched_to = 0;
+  }
+  r.reference_seconds = seconds_since(start);
+  r.path = ask_in_child(c.plan, path_stage_of(c, r.reference));
+  r.of_buckling = judge_buckling(r.buckling, r.reference, c.count, {});
+  r.of_path = judge_path(r.path, r.reference, {});
+  const bool nearly_perfect = c.plan.imperfection > 0.0 && c.plan.imperfection <= least_imperfection;
+  if (nearly_perfect && (is_bad(r.of_buckling) || is_bad(r.of_path))) judge_as_perfect(c, r);
+  return r;
+}
+
+}  // namespace vbond::campaign
