@@ -45,6 +45,9 @@ struct Judgement {
 /// too, to within 3 sqrt(imperfection): Koiter's laws, in which critical loads change as the power 1/2 or
 /// 2/3.
 ///
+/// A load that was told with a gap, whatever the imperfection, is right if it is within three times that of a
+/// load of the body or of the perfect one. What is told after it is not judged.
+///
 /// Other bodies have branches that nearly meet as well, without an imperfection that anybody has made. Where
 /// the reference had to look closer than a hundred thousandth of its step to see two branches pass each
 /// other, an answer within 1e-4 of there is right, too, and what is told after it is not judged. Such cases
