@@ -18,8 +18,8 @@ constexpr int most_corrections = 12;
 // curvature kappa it is kappa s / 2, so a half is a turn of the path by one radian.
 constexpr double largest_deviation = 0.5;
 // Near a critical point what is small out of balance moves the body far along its soft mode. So a point is
-// one only when the next correction is no more than this part of the step, or nothing is out of balance but
-// some times what rounding of positions leaves.
+// one only when the next correction is no more than this part of the step, or what is out of balance is some
+// times what rounding of positions leaves: more corrections would be rounding along that mode.
 constexpr double settled_to = 1e-7;
 constexpr double near_rounding = 10.0;
 // The rate of an eigenvalue is a difference over a step that changes bonds by this: truncation is its square.
@@ -177,7 +177,8 @@ PathDirection ArcLength::singular_correction(const PathDirection& normal) {
   return d;
 }
 
-StepOutcome ArcLength::step(const Placement& from, const PathDirection& direction, double s) {
+StepOutcome ArcLength::step(const Placement& from, const PathDirection& direction, double s,
+                            bool end_of_step) {
   StepOutcome outcome;
   body_.restore(from);
   body_.move(s * direction.u, from.load_factor + s * direction.f);
@@ -194,9 +195,11 @@ StepOutcome ArcLength::step(const Placement& from, const PathDirection& directio
     factor();
     const PathDirection change = correction(direction);
     const bool in_balance = balanced(body_, settings_, outcome.residuals);
-    const bool settled = std::sqrt(dot(change, change)) <= settled_to * std::abs(s) ||
-                         residual <= near_rounding * body_.residual_of_rounding();
-    if (in_balance && (settled || outcome.iterations == most)) break;
+    const bool settled = std::sqrt(dot(change, change)) <= settled_to * std::abs(s);
+    const double rounding = body_.residual_of_rounding();
+    const bool falls = outcome.iterations == 0 || residual <= 0.3 * outcome.residuals.end()[-2];
+    const bool stalled = residual <= (end_of_step && falls ? 1.0 : near_rounding) * rounding;
+    if (in_balance && (settled || stalled || outcome.iterations == most)) break;
     if (outcome.iterations == most) {
       outcome.why = fmt::format("no balance after {} corrections", most);
       return outcome;

@@ -35,7 +35,7 @@ constexpr double wanted_corrections = 4;
 constexpr double largest_gap = 1e-4;
 // Such a bend is told of as a bifurcation passed if the gap is no more than this part of the load factor.
 // Beyond it the body just bends.
-constexpr double widest_gap = 1e-2;
+constexpr double widest_gap = 3e-3;
 // Steps in which stability may be lost and regained are taken again down to this part of their length.
 constexpr double shortest_beside_dips = 1.0 / 256;
 // A step that ends behind a wide gap is taken again to this part of the way to it.
@@ -151,7 +151,7 @@ const CriticalPoint* PathWalk::first_wide_gap(const std::vector<CriticalPoint>& 
 
 /// The end of a step of length s if nothing speaks against it; else why_not() says what does.
 std::optional<PathNode> PathWalk::attempt(PathStep& step, double s, bool beware_of_dips) {
-  StepOutcome outcome = step.to(s);
+  StepOutcome outcome = step.to(s, true);
   why_not_ = outcome.why;
   snapping_ = false;
   if (!outcome.point) return {};

@@ -70,8 +70,9 @@ class ArcLength {
   bool is_singular() const { return singular_ && singular_->null_vectors().cols() > 0; }
 
   /// The balance on the plane at distance s from `from` that is normal to the unit vector `direction`. The
-  /// body is then there, or where the search ended.
-  StepOutcome step(const Placement& from, const PathDirection& direction, double s);
+  /// body is then there, or where the search ended. The end of a step, from which the path goes on, is
+  /// corrected down to rounding; of places looked at within a step some times that is enough.
+  StepOutcome step(const Placement& from, const PathDirection& direction, double s, bool end_of_step);
 
   /// Of the tangent, so far.
   int factors() const { return solver_.last_factor().made() + deflated_factors_; }
