@@ -54,6 +54,8 @@ struct Judgement {
 /// are counted.
 struct Tolerance {
   double least = 1e-6;
+  bool any_kind =
+      false;  ///< a limit point that close to where the perfect body bifurcates may be told as either
 };
 
 Judgement judge_buckling(const Answer& answer, const Reference& reference, int count,
