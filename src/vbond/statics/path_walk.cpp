@@ -153,8 +153,8 @@ std::optional<PathLeg> PathWalk::leg(PathStep step, double s, Way way) {
       }
       if (gap) {
         next = std::min(next, up_to_gap * gap->node.s);
-        if (!wide_gap_) wide_gap_ = *gap, looks_at_gap_ = 0;
-        ++looks_at_gap_;
+        looks_at_gap_ = wide_gap_ ? looks_at_gap_ + 1 : 1;
+        if (!wide_gap_ || gap->gap < wide_gap_->gap) wide_gap_ = *gap;
       }
     }
     if (last) return {};
