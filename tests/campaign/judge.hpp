@@ -40,9 +40,10 @@ struct Judgement {
 /// A critical load is right if it is within 1e-6 of the reference, or four times the error of the reference,
 /// which is what rounding of the tangent lets be known: 8 eps max |K_ii| over |d eigenvalue / d load factor|.
 ///
-/// Of a body with an imperfection of less than 1e-5 of its thickness the branches that cross in the perfect
-/// body pass each other by less than a step can see. There the answer may be that of the perfect body,
-/// too, to within 3 sqrt(imperfection): Koiter's laws, in which critical loads change as the power 1/2 or
+/// Of a body with an imperfection of less than 1e-4 of its thickness the branches that cross in the perfect
+/// body pass each other by less than a step can see. There an answer is right, too, if it is that of the path
+/// seen from a thousand times nearer, or if its first load is the perfect body's to within
+/// 0.1 sqrt(imperfection), 1e-3 at most: Koiter's laws, in which critical loads change as the power 1/2 or
 /// 2/3.
 ///
 /// Other bodies have branches that nearly meet as well, without an imperfection that anybody has made. Where
