@@ -80,6 +80,7 @@ void save_summary(Campaign& campaign) {
   s.energy_balance_error = campaign.files.history->largest_balance_error();
   s.ever_strained = campaign.files.watch->watch().record().strained;
   s.ever_snapped = campaign.files.watch->watch().record().snapped;
+  s.ever_overlapping = static_cast<std::int64_t>(campaign.files.watch->watch().record().overlapping.size());
   s.stepping_seconds = std::max(0.0, campaign.stepping);
   s.wall_time = {{"build", campaign.building}};
   if (campaign.plan.statics) s.wall_time.push_back({"statics", std::max(0.0, campaign.balancing)});

@@ -12,7 +12,9 @@
 namespace vbond::app {
 namespace {
 
+/// Without dynamics there are no intervals, and what they are in need not be known.
 double output_time(const CaseTime& time, const Model& model, const char* key, const Case& c) {
+  if (!c.any_dynamics()) return std::numeric_limits<double>::infinity();
   return resolve_time(time, model, key, {c.file, 0, 0});
 }
 
@@ -45,6 +47,7 @@ OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem:
   plan.statics =
       std::any_of(c.stages.begin(), c.stages.end(), [](const StageSpec& s) { return is_static(s.kind); });
   plan.watch_every = c.watch.every;
+  plan.overlap = c.watch.overlap;
   plan.energy_error = c.watch.energy_error;
   return plan;
 }

@@ -44,9 +44,11 @@ void tell_of_motion(const Campaign& campaign, const StaticStage& stage, const St
         fmt::format("stage \"{}\": the body was moving; a static stage begins and ends at rest", stage.name));
 }
 
-/// The clock counts points, one T_0 each; books and records begin anew.
-void begin(const Model& model, State& state) {
-  state.clock.dt = model.T_0 > 0.0 ? model.T_0 : 1.0;
+/// The clock counts points; books and records begin anew. A point takes 1, so that time is its number, or
+/// where there are stages of dynamics one T_0, so that it is of the size of their times.
+void begin(const Campaign& campaign, State& state) {
+  const double T_0 = campaign.model.T_0;
+  state.clock.dt = campaign.c.any_dynamics() && T_0 > 0.0 ? T_0 : 1.0;
   state.books = {};
   state.peak = {};
   state.rest = {};
@@ -78,14 +80,18 @@ void add_stage(Campaign& campaign, const StaticStage& stage, const State& state,
   save_summary(campaign);
 }
 
-/// Leaves behind what there is: the last balance, history and frames up to it, and the reason.
+/// Leaves behind what there is: what the stage had found, the last balance, history and frames up to it, and
+/// the reason.
 void leave_failed(Campaign& campaign, const StaticStage& stage, const State& start,
-                  const std::optional<LastPoint>& last, const std::string& why) {
+                  const std::optional<LastPoint>& last, StaticResult found, const std::string& why) {
   campaign.clear_progress();
   campaign.files.watch->watch().summarise();
-  StaticSummary failed{.kind = stage.kind, .result = {}, .failure = why};
+  StaticSummary failed{.kind = stage.kind, .result = std::move(found), .failure = why};
   failed.result.ended = "failed";
-  std::string text = "results up to there in " + campaign.plan.folder.string() + "\n";
+  std::string text;
+  if (!failed.result.critical_loads.empty() || !failed.result.special_points.empty())
+    text = static_report(stage.kind, failed.result, "");
+  text += "results up to there in " + campaign.plan.folder.string() + "\n";
   if (last) {
     failed.result.load_factor = last->load_factor;
     failed.result.points = last->number;
@@ -99,16 +105,17 @@ void leave_failed(Campaign& campaign, const StaticStage& stage, const State& sta
 
 void write_modes(const Campaign& campaign, const StaticStage& stage, const StaticOutcome& outcome) {
   if (stage.frames_per_mode == 0) return;
-  const auto write = [&](std::size_t k, const Shape& shape) {
+  const auto write = [&](std::size_t k, const Shape& shape, std::optional<double> load_factor) {
     const double factor = swing_factor(campaign.model, outcome.state, shape, stage.amplitude);
     if (factor > 0.0)
       write_mode_frames(campaign.plan.folder, stage.name, static_cast<int>(k) + 1, stage.frames_per_mode,
-                        factor, campaign.model, outcome.state, shape);
+                        factor, campaign.model, outcome.state, shape, load_factor);
   };
   const StaticResult& r = outcome.result;
-  for (std::size_t k = 0; k < r.critical_loads.size(); ++k) write(k, r.critical_loads[k].mode);
+  for (std::size_t k = 0; k < r.critical_loads.size(); ++k)
+    write(k, r.critical_loads[k].mode, r.critical_loads[k].load_factor);
   for (std::size_t k = 0; k < r.modes.size(); ++k)
-    if (!r.modes[k].rigid) write(k, r.modes[k].shape);
+    if (!r.modes[k].rigid) write(k, r.modes[k].shape, {});
 }
 
 /// Runs the stage and adds its wall time, output apart, whichever way it ends.
@@ -135,8 +142,11 @@ StaticOutcome solve_or_leave(Campaign& campaign, const StaticStage& stage, State
     return solve(campaign, stage, std::move(state), hooks_of(campaign, last));
   } catch (const IoError&) {  // no more can be written
     throw;
+  } catch (const StaticStageFailed& e) {
+    leave_failed(campaign, stage, start, last, e.found, e.what());
+    throw;
   } catch (const std::exception& e) {  // no balance, a bond has closed up, or memory has run out
-    leave_failed(campaign, stage, start, last, e.what());
+    leave_failed(campaign, stage, start, last, {}, e.what());
     throw;
   }
 }
@@ -160,7 +170,7 @@ bool run_static_leg(Campaign& campaign, const StaticStage& stage, const State& s
   remove_file(campaign.plan.folder / "last_balance.h5");
   remove_mode_frames(campaign.plan.folder, stage.name);
   tell_of_motion(campaign, stage, state);
-  begin(campaign.model, state);
+  begin(campaign, state);
 
   std::optional<LastPoint> last;
   StaticOutcome outcome = solve_or_leave(campaign, stage, std::move(state), last);

@@ -34,6 +34,7 @@ Checkpoint busy_checkpoint(Chain& chain) {
   WatchRecord watch;
   watch.bonds = {{BondRange::snapped, false}, {BondRange::strained, true}};
   watch.strained = 3, watch.snapped = 2, watch.shortened = 1;
+  watch.overlapping = {{ParticleId{0}, ParticleId{2}}, {ParticleId{1}, ParticleId{2}}};
   return {chain.state, watch};
 }
 

@@ -350,6 +350,7 @@ TEST(Observers, EveryStaticPointGivesARowAndAFrameAndThoseAfterACheckpointAreDro
   record(files, 1);
   EXPECT_EQ(history_steps(folder.path()), (std::vector<std::int64_t>{0, 10, 20, 25, 26}));
   EXPECT_NE(content_of(folder / "particles.pvd").find("timestep=\"2.25\""), std::string::npos);
+  EXPECT_NE(content_of(folder / "frames/bonds_000000000026.vtp").find(">0.1</DataArray>"), std::string::npos);
 }
 
 TEST(TableObserver, HeaderIsPrintedWhereverDynamicsAndStaticsMeet) {

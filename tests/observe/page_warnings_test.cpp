@@ -99,6 +99,15 @@ TEST(PageWarnings, BondsThatCameBackWeighLess) {
   expect_text(w[1], {"5 bonds were strained"});
 }
 
+TEST(PageWarnings, TellOverlapsOfWhatIsNotBonded) {
+  Known run;
+  run.summary->ever_overlapping = 3;
+  const std::vector<Warning> w = run.look();
+  ASSERT_EQ(w.size(), 1U);
+  EXPECT_EQ(w[0].level, Level::warning);
+  expect_text(w[0], {"3 pairs of particles that are not bonded overlapped"});
+}
+
 TEST(PageWarnings, WorseComesFirst) {
   Known run;
   run.summary->stages[0].stop = StopReason::interrupted;

@@ -27,6 +27,7 @@ TEST(VtpInput, GivesBackWhatVtpFileWrote) {
   const VtpInput in(folder / "a.vtp");
   EXPECT_EQ(in.time(), 0.1);
   EXPECT_EQ(in.step(), 42);
+  EXPECT_FALSE(in.load_factor());
   EXPECT_EQ(in.points(), 3U);
   EXPECT_EQ(in.cells(), 2U);
   EXPECT_EQ(in.vectors("Points"), points);
@@ -35,6 +36,16 @@ TEST(VtpInput, GivesBackWhatVtpFileWrote) {
   EXPECT_EQ(in.bytes("range"), (std::vector<std::uint8_t>{2, 0}));
   EXPECT_EQ(in.integers("set"), (std::vector<std::int64_t>{5, -6}));
   EXPECT_EQ(in.integers("connectivity"), (std::vector<std::int64_t>{0, 1, 1, 2}));
+}
+
+TEST(VtpInput, KnowsTheLoadFactorOfABalance) {
+  const Folder folder;
+  const Chain chain;
+  write_particles_vtp(folder / "p.vtp", chain.model, chain.state, 0.1);
+  write_bonds_vtp(folder / "b.vtp", chain.state, -1.0 / 3.0);
+  EXPECT_EQ(VtpInput(folder / "p.vtp").load_factor(), 0.1);
+  EXPECT_EQ(VtpInput(folder / "b.vtp").load_factor(), -1.0 / 3.0);
+  EXPECT_EQ(VtpInput(folder / "b.vtp").step(), 1200);
 }
 
 TEST(VtpInput, ReadsFramesWithoutBonds) {

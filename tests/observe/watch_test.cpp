@@ -234,5 +234,80 @@ TEST(Watch, PointOfBalanceIsJudgedByEveryBondOfItsState) {
   EXPECT_THROW(l.watch.look({chain.state, 1.0, PointKind::end, {}, {}, {}}), Diverged);
 }
 
+/// Chains along x and along y, not bonded to each other, at a height of z above; radii are 0.3 and more.
+struct Crossing {
+  Chain lower{3};
+  Crossing() {
+    for (const double y : {-1.0, 0.0, 1.0}) {
+      lower.model.mass.push_back(1.0);
+      lower.model.inertia.push_back(0.064);
+      lower.model.radius.push_back(0.3);
+      lower.model.r_0.push_back({1.0, y, 2.0});
+      lower.state.r.push_back({1.0, y, 2.0});
+      lower.state.v.push_back({});
+      lower.state.q.push_back({});
+      lower.state.omega.push_back({});
+    }
+  }
+  /// Particle 4 is above particle 1, whose radius is 0.31.
+  void lower_to(double z) {
+    for (const std::size_t k : {3u, 4u, 5u}) lower.state.r[ParticleId{k}].z = z;
+  }
+};
+
+TEST(Watch, ReportsParticlesThatOverlapWithoutABondOnce) {
+  Listener l;
+  Crossing c;
+  const auto look = [&] { l.watch.look_at_overlaps(c.lower.model, c.lower.state, 0.1); };
+  c.lower_to(0.61 - 0.029);
+  look();
+  EXPECT_TRUE(l.told.empty());
+  c.lower_to(0.61 - 0.031);
+  look();
+  ASSERT_EQ(l.told.size(), 1u);
+  EXPECT_TRUE(contains(l.told[0], "t = 120: particles 1 and 4 are not bonded and overlap by 0.031, 0.103 of"))
+      << l.told[0];
+  look();
+  EXPECT_EQ(l.told.size(), 1u);
+  EXPECT_EQ(l.watch.record().overlapping.size(), 1u);
+  Listener resumed(l.watch.record());
+  resumed.watch.look_at_overlaps(c.lower.model, c.lower.state, 0.1);
+  EXPECT_TRUE(resumed.told.empty());
+}
+
+TEST(Watch, DoesNotMindOverlapsThatAreMeant) {
+  Listener l;
+  Crossing c;
+  const auto look = [&] { l.watch.look_at_overlaps(c.lower.model, c.lower.state, 0.1); };
+  c.lower.state.r[ParticleId{1}].x = 0.2;  // bonded to particle 0
+  look();
+  EXPECT_TRUE(l.told.empty());
+  c = {};
+  for (auto* places : {&c.lower.model.r_0, &c.lower.state.r})  // from the start
+    for (const std::size_t k : {3u, 4u, 5u}) (*places)[ParticleId{k}].z = 0.4;
+  look();
+  c.lower_to(0.4 - 0.029);
+  look();
+  EXPECT_TRUE(l.told.empty());
+  c.lower_to(0.4 - 0.031);
+  look();
+  EXPECT_EQ(l.told.size(), 1u);
+  c = {};
+  for (double& R : c.lower.model.radius) R = 0.0;  // points
+  c.lower_to(0.0);
+  look();
+  EXPECT_EQ(l.told.size(), 1u);
+}
+
+TEST(Watch, TellsTheLoadFactorOfAnOverlap) {
+  Listener l;
+  Crossing c;
+  c.lower_to(0.3);
+  l.watch.look_at_overlaps(c.lower.model, StaticPoint{c.lower.state, 0.75, PointKind::regular, {}, {}, {}},
+                           0.1);
+  ASSERT_EQ(l.told.size(), 1u);
+  EXPECT_TRUE(contains(l.told[0], "load factor 0.75: particles 1 and 4")) << l.told[0];
+}
+
 }  // namespace
 }  // namespace vbond

@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <string>
 
 #include "bodies.hpp"
 #include "validation/cases.hpp"
@@ -95,6 +97,23 @@ void expect_quadratic(const std::vector<double>& residuals) {
   ASSERT_GE(residuals.size(), 4u) << all;
   for (std::size_t k = residuals.size() - 2; k < residuals.size(); ++k)
     EXPECT_LE(residuals[k], std::max(10.0 * residuals[k - 1] * residuals[k - 1], 1e-14)) << all;
+}
+
+TEST(Equilibrium, BeginsWithThePointAtLoadFactorZero) {
+  const testing::Specimen rod = testing::rod50(10);
+  std::vector<double> load_factors, tips;
+  StaticHooks hooks;
+  hooks.point = [&](const StaticPoint& p) {
+    load_factors.push_back(p.load_factor);
+    tips.push_back(p.state.r[ParticleId{10}].y);
+    EXPECT_EQ(p.unstable, 0);
+    EXPECT_EQ(p.state.clock.step, static_cast<std::int64_t>(tips.size()));
+  };
+  const StaticOutcome bent = equilibrium(rod, cantilever(10, {0, 0.1, 0}), hooks);
+  ASSERT_EQ(load_factors, (std::vector<double>{0, 1}));
+  EXPECT_EQ(tips[0], 0.0);
+  EXPECT_GT(tips[1], 0.03);
+  EXPECT_EQ(bent.result.points, 2);
 }
 
 // At 10 EI / L^2 predictors are cut, so that there are points between.
@@ -243,6 +262,69 @@ TEST(Equilibrium, LeavesASaddleUnderATinyMoment) {
   EXPECT_LT(bent.state.r[ParticleId{10}].x, 9.0);  // straight it stays within 0.01 of 10
 }
 
+enum class Free { in_space, in_plane };
+
+/// The standard rod of 80 bonds, pinned, free but for its axis, under an end force.
+StaticOutcome column_of_80_under(double P, AtSaddle at_saddle, Free free = Free::in_space) {
+  const testing::Specimen rod = testing::rod50(80);
+  StaticStage stage = static_stage(StageKind::equilibrium,
+                                   {fixed({first}, {true, true, true, true, false, false}),
+                                    fixed({ParticleId{80}}, {false, true, true, false, false, false})},
+                                   {pushed(80, {-P, 0, 0})});
+  if (free == Free::in_plane)
+    for (const ParticleId p : rod.state.r.ids()) stage.supports.push_back(fixed({p}, testing::in_plane));
+  stage.at_saddle = at_saddle;
+  return equilibrium(rod, stage);
+}
+
+/// Where its lowest eigenvalue vanishes, by secants. It scatters by 3e-10 and falls by 1.2 per part of the
+/// load, so this is good to some 2e-10.
+double critical_force_of_80() {
+  const auto lowest = [](double P) {
+    return *column_of_80_under(P, AtSaddle::keep).result.smallest_eigenvalue;
+  };
+  double P = M_PI * M_PI;
+  for (const double w : {1e-2, 1e-4, 1e-5, 1e-6}) {
+    const double low = lowest(P * (1 - w)), high = lowest(P * (1 + w));
+    P *= 1 - w + 2 * w * low / (low - high);
+  }
+  return P;
+}
+
+// The eigenvalue is -1.2 times the part by which the force is above the critical one, and known to 1.3e-9.
+TEST(Equilibrium, JudgesByTheEigenvalueOnBothSidesOfTheCriticalLoad) {
+  const double P = critical_force_of_80();
+  for (const double off : {1e-8, 1e-6, 1e-5, 1e-4}) {
+    const StaticResult below = column_of_80_under(P * (1 - off), AtSaddle::leave).result;
+    EXPECT_EQ(below.unstable, 0) << off;
+    EXPECT_FALSE(below.neutral || below.left_saddle) << off;
+    EXPECT_NEAR(*below.smallest_eigenvalue / off, 1.216, 0.2) << off;
+    const StaticResult above = column_of_80_under(P * (1 + off), AtSaddle::keep).result;
+    EXPECT_EQ(above.unstable, 2) << off;
+    EXPECT_FALSE(above.neutral) << off;
+    EXPECT_NEAR(*above.smallest_eigenvalue / off, -1.216, 0.2) << off;
+  }
+  for (const double off : {-3e-10, 0.0, 3e-10}) {
+    const StaticResult at = column_of_80_under(P * (1 + off), AtSaddle::leave).result;
+    EXPECT_TRUE(at.neutral) << off;
+    EXPECT_EQ(at.unstable, 0) << off;
+    EXPECT_FALSE(at.left_saddle) << off;
+  }
+}
+
+// The elastica: at P = P_c (1 + off) the middle of a column of length 1 is sqrt(8 off) / pi away; the chain
+// of 80 differs from it by some off and 1/80^2, and the valley is known to about a hundredth of that.
+TEST(Equilibrium, LeavesTheStraightColumnAsSoonAsItIsUnstable) {
+  const double P = critical_force_of_80();
+  for (const double off : {1e-6, 1e-5, 1e-4, 1e-3}) {
+    const StaticOutcome bent = column_of_80_under(P * (1 + off), AtSaddle::leave, Free::in_plane);
+    EXPECT_TRUE(bent.result.left_saddle) << off;
+    EXPECT_EQ(bent.result.unstable, 0) << off;
+    const Vec3d& middle = bent.state.r[ParticleId{40}];
+    EXPECT_NEAR(std::hypot(middle.y, middle.z) / (std::sqrt(8 * off) / M_PI), 1.0, 0.02) << off;
+  }
+}
+
 /// A ball that is pressed into another one by this much.
 testing::Specimen ball_on_ball(double overlap) {
   testing::Specimen s = testing::particles_at({{0, 0, 0}, {0, 0, 0.6 - overlap}}, 0.3);
@@ -287,7 +369,7 @@ TEST(Equilibrium, StartsFromWhatIsInBalanceAndNotFromNothing) {
   hooks.point = [&](const StaticPoint&) { ++points; };
   const StaticOutcome again = find_equilibrium(rod.model, cantilever(10, {0, 2, 0}), half, hooks);
   EXPECT_EQ(again.result.iterations, 0);
-  EXPECT_EQ(points, 1);
+  EXPECT_EQ(points, 2);  // at load factors 0 and 1
   const StaticOutcome on = find_equilibrium(rod.model, cantilever(10, {0, 4, 0}), half, {});
   for (const ParticleId p : on.state.r.ids()) EXPECT_LE(norm(on.state.r[p] - whole.r[p]), 1e-9);
 }
@@ -311,6 +393,81 @@ TEST(Equilibrium, OfABodyThatIsHeldEverywhereIsThatBody) {
                                     {fixed(rod.model.groups[0].particles, testing::clamped, {1, 0, 0})}));
   EXPECT_EQ(held.result.ended, "converged");
   EXPECT_EQ(held.state.r[ParticleId{2}].x, 3.0);
+}
+
+/// What a stage that finds no balance says; empty if it finds one.
+std::string refusal(const testing::Specimen& s, const StaticStage& stage, const StaticHooks& hooks = {}) {
+  try {
+    run_static_stage(s.model, stage, s.state, hooks);
+    return "";
+  } catch (const NoEquilibrium& e) {
+    return e.what();
+  }
+}
+
+bool holds(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// Three particles in a row, of which the second is driven onto the first; the third is free.
+StaticStage closing(std::array<double, 3> way = {-1, 0, 0}) {
+  return static_stage(
+      StageKind::equilibrium,
+      {fixed({first}, testing::clamped), fixed({ParticleId{1}}, testing::clamped, {way[0], way[1], way[2]})});
+}
+
+// Where bonded points meet, the direction between them and all that comes from it is 0 / 0.
+TEST(Equilibrium, OfBondedParticlesThatMeetIsNone) {
+  double reached = 0.0;
+  StaticHooks hooks;
+  hooks.point = [&](const StaticPoint& p) {
+    reached = p.load_factor;
+    EXPECT_TRUE(std::isfinite(p.energies.total()));
+  };
+  const std::string why = refusal(testing::straight_rod(3), closing(), hooks);
+  EXPECT_TRUE(holds(why, "bond 0 (particles 0, 1): its loads are not finite")) << why;
+  EXPECT_GT(reached, 0.9);
+  // the same where nothing is free, so that nothing is out of balance
+  const std::string held = refusal(testing::straight_rod(2), closing());
+  EXPECT_TRUE(holds(held, "bond 0 (particles 0, 1): its loads are not finite")) << held;
+}
+
+TEST(Equilibrium, IsNotFoundFromWhereBondedParticlesLieOnEachOther) {
+  testing::Specimen rod = testing::straight_rod(3);
+  rod.state.r[ParticleId{2}] = rod.state.r[ParticleId{1}];
+  for (const StageKind kind :
+       {StageKind::equilibrium, StageKind::path, StageKind::buckling, StageKind::modes}) {
+    StaticStage stage = cantilever(2, {0, 1e-6, 0});
+    stage.kind = kind;
+    const std::string why = refusal(rod, stage);
+    EXPECT_TRUE(holds(why, "bond 1 (particles 1, 2): its loads are not finite")) << why;
+  }
+}
+
+// Forces up to 1e308, and a way of 1e200 on a bond of 1e300.
+TEST(Equilibrium, OfForcesThatOverflowIsNone) {
+  testing::Specimen rod = testing::straight_rod(3);
+  rod.state.bonds[BondId{0}].B1 = 1e300;
+  const std::string why = refusal(rod, closing({1e200, 0, 0}));
+  EXPECT_TRUE(holds(why, "bond 0 (particles 0, 1): its")) << why;
+  EXPECT_TRUE(holds(why, "not finite")) << why;
+}
+
+TEST(Equilibrium, OfNothingIsNothing) {
+  const testing::Specimen nothing = testing::particles_at({});
+  EXPECT_EQ(equilibrium(nothing, static_stage(StageKind::equilibrium, {})).result.ended, "converged");
+}
+
+TEST(StaticStages, OfWhatIsFreeRefuseABodyThatIsHeldEverywhere) {
+  const testing::Specimen rod = testing::straight_rod(3), nothing = testing::particles_at({});
+  for (const StageKind kind : {StageKind::path, StageKind::buckling, StageKind::modes}) {
+    const StaticStage stage =
+        static_stage(kind, {fixed(rod.model.groups[0].particles, testing::translations),
+                            fixed(rod.model.groups[0].particles, {false, false, false, true, true, true})});
+    const std::string why = refusal(rod, stage);
+    EXPECT_TRUE(holds(why, "nothing is free to move")) << why;
+    EXPECT_TRUE(holds(refusal(nothing, static_stage(kind, {})), "nothing is free to move"));
+  }
 }
 
 TEST(Equilibrium, NamesWhatCanMoveFreely) {

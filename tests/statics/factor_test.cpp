@@ -75,6 +75,16 @@ TEST(Factor, CountsTheEigenvaluesBelowAShift) {
   }
 }
 
+TEST(Factor, ReadsTheLowerTriangleOnly) {
+  const SparseMatrix A = lattice(5, 4, 3, true), lower = A.triangularView<Eigen::Lower>();
+  const Vector b = random_vector(60, 3);
+  Factor f = analysed(lower);
+  ASSERT_TRUE(f.factor_definite(lower));
+  EXPECT_LT(scaled_residual(A, 0.0, f.solve(b), b), 30.0);
+  ASSERT_TRUE(f.factor_indefinite(lower, -3.3));
+  EXPECT_LT(scaled_residual(A, -3.3, f.solve(b), b), 30.0);
+}
+
 // A body that nothing holds: the last pivot is zero but for rounding. Held by one spring of 1e-8, it is not.
 TEST(Factor, FindsASingularMatrixHoweverStiffnessesAndOrder) {
   std::mt19937 random(3);

@@ -144,6 +144,26 @@ TEST(RigidMotions, AreThoseOfEachPart) {
   EXPECT_EQ(m.names[0], "rotation about x of the 3 particles from 1 to 5 that hang together");
 }
 
+// By their numbers: one, a run, two with others between, and more of them.
+TEST(RigidMotions, AreNamedByTheParticlesThatMove) {
+  Body b({{0, 0, 0},
+          {5, 0, 0},
+          {6, 0, 0},
+          {7, 0, 0},
+          {20, 0, 0},
+          {30, 0, 0},
+          {21, 0, 0},
+          {31, 0, 0},
+          {32, 0, 0}});
+  b.bond(1, 2), b.bond(2, 3), b.bond(4, 6), b.bond(5, 7), b.bond(7, 8);
+  const Names names = b.motions().names;
+  ASSERT_EQ(names.size(), 24u);
+  EXPECT_EQ(names[0], "translation along x of particle 0");
+  EXPECT_EQ(names[6], "translation along x of particles 1 to 3");
+  EXPECT_EQ(names[12], "translation along x of particles 4 and 6");
+  EXPECT_EQ(names[18], "translation along x of the 3 particles from 5 to 8 that hang together");
+}
+
 // Three pins off a line by 1e-6 of the length hold a body, by 1e-9 they do not: then its stiffness, 1e-18 of
 // that of bonds, is lost in rounding.
 TEST(RigidMotions, AreHeldByALeverThatTheTangentCanTell) {

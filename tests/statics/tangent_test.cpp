@@ -113,6 +113,51 @@ TEST(Tangent, KnowsHowLoadsChangeWithTheLoadFactor) {
   }
 }
 
+TEST(StaticBody, IsInNoBalanceWhereALoadIsNotFinite) {
+  testing::Specimen rod = testing::straight_rod(3);
+  rod.state.r[ParticleId{1}] = rod.state.r[ParticleId{0}];
+  StaticStage stage;
+  const StaticBody free(rod.model, stage, rod.state);
+  stage.supports = {testing::fixed(rod.model.groups[0].particles, testing::clamped)};
+  const StaticBody held(rod.model, stage, rod.state);  // nothing can be out of balance
+  for (const StaticBody* body : {&free, &held}) {
+    EXPECT_TRUE(std::isnan(body->residual())) << body->residual();
+    EXPECT_NE(body->first_not_finite().find("bond 0 (particles 0, 1)"), std::string::npos)
+        << body->first_not_finite();
+    EXPECT_NE(body->first_not_finite().find("0 apart"), std::string::npos) << body->first_not_finite();
+  }
+}
+
+// Bonded to points of their surfaces particles may lie on each other, and nothing is wrong.
+TEST(StaticBody, MayHaveBondedParticlesWhoseCentresMeet) {
+  testing::Specimen s = testing::particles_at({{0, 0, 0}, {2, 0, 0}});
+  BondRecipe recipe = testing::papers_bond();
+  testing::bond(s, 0, 1, recipe);
+  s.state.bonds[BondId{0}].R_i = s.state.bonds[BondId{0}].R_j = 0.5;
+  s.state.bonds[BondId{0}].a = 1.0;
+  s.state.r[ParticleId{1}] = s.state.r[ParticleId{0}];
+  const StaticStage stage;
+  const StaticBody body(s.model, stage, s.state);
+  EXPECT_EQ(body.first_not_finite(), "");
+  EXPECT_TRUE(std::isfinite(body.residual()));
+  EXPECT_TRUE(std::isfinite(body.largest_bond_change(Vector::Ones(body.unknowns().size()))));
+  EXPECT_TRUE(std::isfinite(body.largest_bond_change(Vector::Zero(body.unknowns().size()))));
+}
+
+TEST(MaxNorm, KeepsWhatIsNotANumberWhereverItStands) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (int at = 0; at < 9; ++at) {
+    Vector x = Vector::LinSpaced(9, -1.0, 2.0);
+    EXPECT_EQ(max_norm(x), 2.0);
+    x[at] = nan;
+    EXPECT_TRUE(std::isnan(max_norm(x))) << at;
+  }
+  EXPECT_EQ(max_norm(Vector()), 0.0);
+  EXPECT_TRUE(std::isnan(larger(nan, 1.0)) && std::isnan(larger(1.0, nan)));
+  EXPECT_EQ(larger(1.0, 2.0), 2.0);
+  EXPECT_EQ(larger(2.0, 1.0), 2.0);
+}
+
 TEST(StaticBody, StartsInBalanceWhenRelieved) {
   const Heap heap;
   StaticBody body(heap.s.model, heap.stage, heap.s.state);
@@ -139,15 +184,45 @@ TEST(StaticBody, PotentialChangesAsTheUnbalancedLoadsSay) {
   }
 }
 
+// A stout rod off the origin, clamped at one end, held along and about z at another particle, under a force,
+// a moment and gravity: bonds do nothing to the body as a whole, so that what supports exert is the opposite
+// of the loads, in force and in moment about the origin. Of the order of 1, and balanced to 1e-13.
 TEST(StaticBody, ReactionsBalanceLoadsOfABodyInBalance) {
-  Heap heap;
-  StaticBody body(heap.s.model, heap.stage, heap.s.state);
-  Vec3d sum;
-  const std::vector<ParticleId> all = heap.s.model.groups[0].particles;
-  for (int k = 0; k < body.unknowns().size(); ++k)
-    if (!body.unknowns().is_turn(k)) component(sum, body.unknowns().place(k).dof) += body.unbalanced()[k];
-  // bonds and contacts do nothing to the body as a whole: unbalanced + reactions' opposites = loads (0 here)
-  EXPECT_LE(norm(sum - body.reaction(all).force), 1e-14);
+  testing::Specimen rod = testing::particles_at({{2, 1, 3}, {3, 1, 3}, {4, 1, 3}, {5, 1, 3}, {6, 1, 3}});
+  BondRecipe recipe = testing::papers_bond();
+  recipe.parameters = BondStiffness<double>{1.0, 0.5, 0.2, 0.1};
+  for (std::size_t k = 0; k + 1 < 5; ++k) testing::bond(rod, k, k + 1, recipe);
+  StaticStage stage = testing::static_stage(
+      StageKind::equilibrium, {testing::fixed({ParticleId{0}}, testing::clamped),
+                               testing::fixed({ParticleId{3}}, {false, false, true, false, false, true})});
+  stage.loads = {testing::pushed(4, {0.01, 0.02, 0.03}, {0.004, -0.003, 0.002})};
+  stage.gravity = {0.0, -0.002, -0.001};
+  stage.newton.tolerance = 1e-13;
+  const std::vector<ParticleId> all = rod.model.groups[0].particles;
+  Reaction whole, part;
+  StaticHooks hooks;
+  hooks.point = [&](const StaticPoint& p) {
+    whole = p.reaction(all);
+    part = p.reaction({ParticleId{3}});
+  };
+  const State bent = run_static_stage(rod.model, stage, rod.state, hooks).state;
+  Vec3d force = stage.loads[0].force, moment = stage.loads[0].moment + cross(bent.r[ParticleId{4}], force);
+  for (const ParticleId p : all) {
+    const Vec3d weight = rod.model.mass[p] * stage.gravity;
+    force += weight;
+    moment += cross(bent.r[p], weight);
+  }
+  EXPECT_GT(norm(bent.r[ParticleId{4}] - rod.state.r[ParticleId{4}]), 0.1);  // bent, so that arms are
+  EXPECT_LE(norm(whole.force + force), 1e-13);
+  EXPECT_LE(norm(whole.moment + moment), 1e-12);
+  // of the second support: a force along z, and its moment about the origin beside one about z
+  EXPECT_EQ(part.force.x, 0.0);
+  EXPECT_EQ(part.force.y, 0.0);
+  EXPECT_GT(std::abs(part.force.z), 1e-3);
+  const Vec3d own = part.moment - cross(bent.r[ParticleId{3}], part.force);
+  EXPECT_NEAR(own.x, 0.0, 1e-15);
+  EXPECT_NEAR(own.y, 0.0, 1e-15);
+  EXPECT_GT(std::abs(own.z), 1e-3);
 }
 
 }  // namespace

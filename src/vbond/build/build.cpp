@@ -148,6 +148,7 @@ void check_output(const Case& c, const Model& model, Problems& problems) {
   for (const auto& name : c.output.axial_force) look_up_group(name, model, problems);
   look_up_groups_or_particles(c.output.displacements, model, problems);
   const SourcePlace place{c.file, 0, 0};
+  if (!c.any_dynamics()) return;  // no stage has intervals
   look_up_time(c.output.history_every, model, "output.history.every", place, problems);
   if (c.output.frames && c.output.frames->every)
     look_up_time(*c.output.frames->every, model, "output.frames.every", place, problems);

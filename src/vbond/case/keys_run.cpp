@@ -102,6 +102,10 @@ void describe(Table& t, WatchSpec& w) {
         "steps between looks at bonds and energy");
   t.key("energy_error", w.energy_error, positive(pure), optional,
         "relative error of the energy balance at which the run stops");
+  t.key("overlap", w.overlap, not_negative(pure), optional,
+        "part of the smaller radius; particles without a bond that overlap by more than at the start and "
+        "this are "
+        "reported; 0: never");
 }
 
 }  // namespace vbond::keys

@@ -281,6 +281,8 @@ class Reader {
     for (Row& row : column) Stored<T>::take(&numbers[at], std::invoke(member, row)), at += count;
   }
 
+  bool has(const char* path) const { return H5Lexists(file_.get(), path, H5P_DEFAULT) > 0; }
+
   /// Length of a column of bytes per row at least, so that a forged length cannot ask for more memory
   /// than the file has data.
   std::size_t rows(const char* path) {
@@ -335,6 +337,31 @@ void check_fingerprint(Reader& reader, const Model& model) {
     throw IoError(fmt::format("belongs to another case, or the case was changed: its {} differ", differs));
 }
 
+using Ends = PerBond<ParticleId>;  // one end of each pair
+
+/// Files have these columns only where there are such pairs, so that the format is the one before them.
+void write_overlapping(Writer& writer, const WatchRecord& watch) {
+  if (watch.overlapping.empty()) return;
+  Ends i, j;
+  for (const auto& pair : watch.overlapping) i.push_back(pair.first), j.push_back(pair.second);
+  writer.of_each("/watch/overlapping_i", i, std::identity{});
+  writer.of_each("/watch/overlapping_j", j, std::identity{});
+}
+
+void read_overlapping(Reader& reader, WatchRecord& watch, std::size_t particles) {
+  if (!reader.has("/watch/overlapping_i")) return;
+  Ends i, j;
+  i.resize(reader.rows("/watch/overlapping_i"));
+  j.resize(i.size());
+  reader.of_each("/watch/overlapping_i", i, std::identity{});
+  reader.of_each("/watch/overlapping_j", j, std::identity{});
+  for (const BondId k : i.ids()) {
+    if (!(i[k] < j[k]) || j[k].value >= particles)
+      throw IoError("is damaged: an overlap has impossible ends");
+    watch.overlapping.insert({i[k], j[k]});
+  }
+}
+
 void check_sense(const State& s) {
   const Clock& c = s.clock;
   if (c.stage < 0 || c.stage_step < 0 || c.step < c.stage_step) throw IoError("is damaged: impossible clock");
@@ -353,6 +380,7 @@ void write_checkpoint(const std::filesystem::path& path, const Model& model, con
     Writer writer(part);
     visit_fingerprint(writer, model);
     visit_fields(writer, checkpoint);
+    write_overlapping(writer, checkpoint.watch);
     writer.close();
     write_seal(part, format_version, program_version);
   } catch (const IoError& e) {
@@ -376,6 +404,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const Model& model
     c.state.bonds.resize(reader.rows("/bonds/i"));
     c.watch.bonds.resize(reader.rows("/watch/worst"));
     visit_fields(reader, c);
+    read_overlapping(reader, c.watch, n);
     check_sense(c.state);
     return c;
   } catch (const IoError& e) {

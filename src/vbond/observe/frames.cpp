@@ -100,7 +100,8 @@ void cut_dump(const fs::path& dump, std::int64_t resume_step) {
 
 }  // namespace
 
-void write_particles_vtp(const fs::path& path, const Model& model, const State& state) {
+void write_particles_vtp(const fs::path& path, const Model& model, const State& state,
+                         std::optional<double> load_factor) {
   const std::size_t n = model.particles();
   std::vector<std::int64_t> id(n), specimen(n);
   std::iota(id.begin(), id.end(), 0);
@@ -118,10 +119,10 @@ void write_particles_vtp(const fs::path& path, const Model& model, const State& 
   f.add_point_data("displacement", displacement);
   f.add_point_data("id", id);
   f.add_point_data("specimen", specimen);
-  f.write(path, state.clock.time(), state.clock.step);
+  f.write(path, state.clock.time(), state.clock.step, load_factor);
 }
 
-void write_bonds_vtp(const fs::path& path, const State& state) {
+void write_bonds_vtp(const fs::path& path, const State& state, std::optional<double> load_factor) {
   constexpr double degrees = 180.0 / std::numbers::pi;
   std::vector<std::int64_t> ends, id, set;
   std::vector<double> elongation, at_rest, bend, twist, U_L, U_B, U_T, axial, shear, moment_i, moment_j;
@@ -158,7 +159,7 @@ void write_bonds_vtp(const fs::path& path, const State& state) {
   f.add_cell_data("range", range);
   f.add_cell_data("id", id);
   f.add_cell_data("set", set);
-  f.write(path, state.clock.time(), state.clock.step);
+  f.write(path, state.clock.time(), state.clock.step, load_factor);
 }
 
 std::string pvd_list(const std::string& entries) {
@@ -217,10 +218,10 @@ void FrameWriter::write_lists() const {
   replace_file(folder_ / "bonds.pvd", pvd_list(bond_entries_), Sync::none);
 }
 
-void FrameWriter::write(const Model& model, const State& state) {
+void FrameWriter::write(const Model& model, const State& state, std::optional<double> load_factor) {
   const Clock& clock = state.clock;
-  write_particles_vtp(folder_ / frame_name("particles", clock.step), model, state);
-  write_bonds_vtp(folder_ / frame_name("bonds", clock.step), state);
+  write_particles_vtp(folder_ / frame_name("particles", clock.step), model, state, load_factor);
+  write_bonds_vtp(folder_ / frame_name("bonds", clock.step), state, load_factor);
   if (lammps_dump_) {
     const fs::path dump = folder_ / "dump.lammpstrj";
     const File f = open_file(dump, "ab");

@@ -10,10 +10,13 @@
 namespace vbond {
 
 /// The particles as points, with radius, velocity, rotation and displacement; see docs/output.md.
-void write_particles_vtp(const std::filesystem::path& path, const Model& model, const State& state);
+/// load_factor: of a balance.
+void write_particles_vtp(const std::filesystem::path& path, const Model& model, const State& state,
+                         std::optional<double> load_factor = {});
 
 /// The bonds as lines between the particles' centres, with their deformation, energies and loads.
-void write_bonds_vtp(const std::filesystem::path& path, const State& state);
+void write_bonds_vtp(const std::filesystem::path& path, const State& state,
+                     std::optional<double> load_factor = {});
 
 /// The text of a list for ParaView with these entries.
 std::string pvd_list(const std::string& entries);
@@ -32,7 +35,7 @@ class FrameWriter {
   /// written past its checkpoint, are taken off the lists and removed. Throws IoError.
   FrameWriter(const std::filesystem::path& folder, bool lammps_dump, std::optional<std::int64_t> resume_step);
 
-  void write(const Model& model, const State& state);
+  void write(const Model& model, const State& state, std::optional<double> load_factor = {});
 
   /// Step of the last frame, -1 if there is none.
   std::int64_t last_step() const { return last_step_; }

@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,9 +22,11 @@ double swing_factor(const Model& model, const State& balance, const Shape& shape
 
 /// Writes one swing of a mode about this balance, factor * sin(2 pi k / frames), as
 /// modes/STAGE_mode_N_K.vtp and modes/STAGE_mode_N_bonds_K.vtp with a list for ParaView each, of which a
-/// swing takes one unit of time. stage: fit for a file name, as those of case files are. Throws IoError.
+/// swing takes one unit of time. stage: fit for a file name, as those of case files are. load_factor: at
+/// which the mode is critical. Throws IoError.
 void write_mode_frames(const std::filesystem::path& folder, const std::string& stage, int mode, int frames,
-                       double factor, const Model& model, const State& balance, const Shape& shape);
+                       double factor, const Model& model, const State& balance, const Shape& shape,
+                       std::optional<double> load_factor = {});
 
 /// True for the name of a file that write_mode_frames has written for this stage, or half of it; without a
 /// stage, for any.

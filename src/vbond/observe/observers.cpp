@@ -42,12 +42,14 @@ bool stage_done(StopReason why) {
 
 WatchObserver::WatchObserver(const OutputPlan& plan, Watch::Tell tell, WatchRecord record)
     : every_(plan.watch_every),
+      overlap_(plan.overlap),
       history_due_(plan.history_every),
       watch_(plan.energy_error, std::move(tell), std::move(record)) {}
 
 void WatchObserver::observe(const Simulation& run) {
   const Clock& clock = run.clock();
   if (clock.stage_step % every_ == 0 || history_due_.now(clock)) look(run);
+  if (clock.stage_step % (looks_per_overlaps * every_) == 0) look_at_overlaps(run);
 }
 
 std::int64_t WatchObserver::steps_to_next_look(const Clock& now) const {
@@ -55,7 +57,10 @@ std::int64_t WatchObserver::steps_to_next_look(const Clock& now) const {
 }
 
 void WatchObserver::finish(const Simulation& run, StopReason why) {
-  if (stage_done(why)) look(run);
+  if (stage_done(why)) {
+    look(run);
+    look_at_overlaps(run);
+  }
   watch_.summarise();
 }
 
@@ -65,9 +70,16 @@ void WatchObserver::look(const Simulation& run) {
               [&run]() -> const State& { return run.state(); });
 }
 
-void WatchObserver::look(const StaticPoint& point) {
+void WatchObserver::look(const Model& model, const StaticPoint& point) {
   const Timing timing(*this);
   watch_.look(point);
+  if (overlap_ > 0.0) watch_.look_at_overlaps(model, point, overlap_);
+}
+
+void WatchObserver::look_at_overlaps(const Simulation& run) {
+  if (overlap_ == 0.0) return;
+  const Timing timing(*this);
+  watch_.look_at_overlaps(run.model(), run.state(), overlap_);
 }
 
 // ---- history ----------------------------------------------------------------------------------------
@@ -120,9 +132,9 @@ void FrameObserver::finish(const Simulation& run, StopReason why) {
   if (stage_done(why) && due_.at_stage_end(run.clock())) write(run.model(), run.state());
 }
 
-void FrameObserver::write(const Model& model, const State& state) {
+void FrameObserver::write(const Model& model, const State& state, std::optional<double> load_factor) {
   const Timing timing(*this);
-  writer_.write(model, state);
+  writer_.write(model, state, load_factor);
   due_.written(state.clock.step);
 }
 
@@ -248,9 +260,9 @@ std::vector<std::shared_ptr<Observer>> FileObservers::all() const {
 }
 
 void FileObservers::record(const Model& model, const StaticPoint& point) const {
-  watch->look(point);
+  watch->look(model, point);
   history->write(model, point);
-  if (frames) frames->write(model, point.state);
+  if (frames) frames->write(model, point.state, point.load_factor);
 }
 
 std::vector<std::pair<std::string, double>> FileObservers::seconds() const {

@@ -54,14 +54,18 @@ class WatchObserver : public TimedObserver {
   void observe(const Simulation& run) override;
   std::int64_t steps_to_next_look(const Clock& now) const override;
   void finish(const Simulation& run, StopReason why) override;
-  void look(const StaticPoint& point);
+  void look(const Model& model, const StaticPoint& point);
   /// After a failure, for which finish is not called, the program may ask for the summary here.
   Watch& watch() { return watch_; }
   const Watch& watch() const { return watch_; }
 
  private:
   void look(const Simulation& run);
+  void look_at_overlaps(const Simulation& run);
+  /// Looks at energies and bonds per look at overlaps, which takes about as long as ten steps.
+  static constexpr std::int64_t looks_per_overlaps = 10;
   std::int64_t every_;
+  double overlap_;
   Due history_due_;
   Watch watch_;
 };
@@ -91,7 +95,7 @@ class FrameObserver : public TimedObserver {
   void observe(const Simulation& run) override;
   std::int64_t steps_to_next_look(const Clock& now) const override;
   void finish(const Simulation& run, StopReason why) override;
-  void write(const Model& model, const State& state);
+  void write(const Model& model, const State& state, std::optional<double> load_factor = {});
 
  private:
   FrameWriter writer_;

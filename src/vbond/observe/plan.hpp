@@ -21,6 +21,7 @@ struct OutputPlan {
   bool lammps_dump = false;                ///< dump.lammpstrj with the frames
   std::optional<double> checkpoint_every;  ///< [time], > 0; absent: only at the end and on a signal
   std::int64_t watch_every = 100;          ///< steps between looks at bonds and energy, > 0
+  double overlap = 0.1;                    ///< of the smaller radius that is reported; 0: never looked at
   bool statics = false;                    ///< there are static stages, with columns of their own
   double energy_error = 0.05;              ///< relative error of the energy balance that stops a run
 };

@@ -76,7 +76,7 @@ std::vector<const VtpFile::Array*> VtpFile::in_file_order() const {
   return all;
 }
 
-std::string VtpFile::head(double time, std::int64_t step) const {
+std::string VtpFile::head(double time, std::int64_t step, std::optional<double> load_factor) const {
   std::size_t offset = 0;
   const auto declare = [&offset](const Array& a) {
     const std::string tag = fmt::format(
@@ -96,6 +96,11 @@ std::string VtpFile::head(double time, std::int64_t step) const {
       "{}</DataArray>\n"
       "      <DataArray type=\"Int64\" Name=\"Step\" NumberOfTuples=\"1\" format=\"ascii\">{}</DataArray>\n",
       time, step);
+  if (load_factor)
+    x += fmt::format(
+        "      <DataArray type=\"Float64\" Name=\"load_factor\" NumberOfTuples=\"1\" format=\"ascii\">"
+        "{}</DataArray>\n",
+        *load_factor);
   x += fmt::format(
       "    </FieldData>\n    <Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" NumberOfLines=\"{}\" "
       "NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n",
@@ -114,11 +119,12 @@ std::string VtpFile::head(double time, std::int64_t step) const {
   return x;
 }
 
-void VtpFile::write(const std::filesystem::path& path, double time, std::int64_t step) const {
+void VtpFile::write(const std::filesystem::path& path, double time, std::int64_t step,
+                    std::optional<double> load_factor) const {
   const std::filesystem::path part = temporary_name(path);
   {
     const File f = open_file(part, "wb");
-    write_all(f.get(), head(time, step), part);
+    write_all(f.get(), head(time, step, load_factor), part);
     for (const Array* a : in_file_order()) {
       const std::uint64_t size = a->bytes.size();
       char header[sizeof size];

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -29,9 +30,10 @@ class VtpFile {
   void add_cell_data(const std::string& name, const std::vector<std::int64_t>& values);
   void add_cell_data(const std::string& name, const std::vector<std::uint8_t>& values);
 
-  /// Writes the file under a temporary name and renames it. time goes to TimeValue, step to Step.
-  /// Throws IoError.
-  void write(const std::filesystem::path& path, double time, std::int64_t step) const;
+  /// Writes the file under a temporary name and renames it. time goes to TimeValue, step to Step, and the
+  /// load factor of a balance to load_factor. Throws IoError.
+  void write(const std::filesystem::path& path, double time, std::int64_t step,
+             std::optional<double> load_factor = {}) const;
 
  private:
   struct Array {
@@ -42,7 +44,7 @@ class VtpFile {
   };
   template <class T>
   static Array array(const std::string& name, const char* type, int components, const std::vector<T>& values);
-  std::string head(double time, std::int64_t step) const;
+  std::string head(double time, std::int64_t step, std::optional<double> load_factor) const;
   std::vector<const Array*> in_file_order() const;
 
   std::size_t points_ = 0, cells_ = 0;

@@ -50,7 +50,13 @@ class VtpInput::Head {
     s_.expect(
         "</DataArray>\n      <DataArray type=\"Int64\" Name=\"Step\" NumberOfTuples=\"1\" format=\"ascii\">");
     f_.step_ = s_.number<std::int64_t>();
-    s_.expect("</DataArray>\n    </FieldData>\n    <Piece NumberOfPoints=\"");
+    s_.expect("</DataArray>\n");
+    if (s_.take("      <DataArray type=\"Float64\" Name=\"load_factor\" NumberOfTuples=\"1\" "
+                "format=\"ascii\">")) {
+      f_.load_factor_ = s_.number<double>();
+      s_.expect("</DataArray>\n");
+    }
+    s_.expect("    </FieldData>\n    <Piece NumberOfPoints=\"");
     f_.points_ = s_.number<std::size_t>();
     s_.expect("\" NumberOfVerts=\"");
     const auto verts = s_.number<std::size_t>();

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ class VtpInput {
 
   double time() const { return time_; }
   std::int64_t step() const { return step_; }
+  std::optional<double> load_factor() const { return load_factor_; }  ///< of a balance
   std::size_t points() const { return points_; }
   std::size_t cells() const { return cells_; }
 
@@ -42,6 +44,7 @@ class VtpInput {
   File file_;
   double time_ = 0;
   std::int64_t step_ = 0;
+  std::optional<double> load_factor_;
   std::size_t points_ = 0, cells_ = 0;
   std::vector<Array> arrays_;
 };

@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
 #include "vbond/core/error.hpp"
+#include "vbond/core/near_pairs.hpp"
 #include "vbond/observe/bond_look.hpp"
 
 namespace vbond {
@@ -76,14 +78,52 @@ std::string most_loaded(const State& s) {
   return name;
 }
 
+std::string load_factor_of(const StaticPoint& point) {
+  return fmt::format("load factor {:.6g}", point.load_factor);
+}
+
+struct Overlap {
+  ParticleId i, j;
+  double depth;
+};
+
+/// Pairs that overlap by more than this part of the smaller radius beyond what they did at r_0, and are not
+/// bonded. Few, so that bonds are asked last.
+std::vector<Overlap> new_overlaps(const Model& m, const State& s, double part) {
+  std::vector<Overlap> found;
+  if (m.particles() < 2) return found;
+  const double R_max = *std::max_element(m.radius.begin(), m.radius.end());
+  if (!(R_max > 0.0)) return found;
+  for_near_pairs(s.r.values(), 2.0 * R_max, [&](std::size_t a, std::size_t b, double distance2) {
+    const ParticleId i{a}, j{b};
+    const double R_i = m.radius[i], R_j = m.radius[j], allowed = part * std::min(R_i, R_j);
+    const double depth = R_i + R_j - std::sqrt(distance2);
+    if (!(depth > allowed) || std::min(R_i, R_j) == 0.0) return;
+    const double at_first = std::max(0.0, R_i + R_j - norm(m.r_0[j] - m.r_0[i]));
+    if (depth > at_first + allowed) found.push_back({i, j, depth});
+  });
+  if (found.empty()) return found;
+  std::set<std::pair<ParticleId, ParticleId>> bonded;
+  for (const Bond& b : s.bonds) bonded.insert(std::minmax(b.i, b.j));
+  found.erase(std::remove_if(found.begin(), found.end(),
+                             [&bonded](const Overlap& o) {
+                               return bonded.count({o.i, o.j}) > 0;
+                             }),
+              found.end());
+  return found;
+}
+
 }  // namespace
 
 Watch::Watch(double energy_error, Tell tell, WatchRecord record)
     : energy_error_(energy_error), tell_(std::move(tell)), record_(std::move(record)) {}
 
 void Watch::look(const Survey& survey, double balance_error, const CollectState& collect) {
-  look(survey, balance_error, collect,
-       [](const Clock& clock) { return fmt::format("t = {:.6g}", clock.time()); });
+  look(survey, balance_error, collect, time_of);
+}
+
+std::string Watch::time_of(const Clock& clock) {
+  return fmt::format("t = {:.6g}", clock.time());
 }
 
 void Watch::look(const Survey& survey, double balance_error, const CollectState& collect,
@@ -104,7 +144,23 @@ void Watch::look(const Survey& survey, double balance_error, const CollectState&
 void Watch::look(const StaticPoint& point) {
   look(
       {point.energies, deformed_bonds(point.state)}, 0.0, [&point]() -> const State& { return point.state; },
-      [&point](const Clock&) { return fmt::format("load factor {:.6g}", point.load_factor); });
+      [&point](const Clock&) { return load_factor_of(point); });
+}
+
+void Watch::look_at_overlaps(const Model& model, const StaticPoint& point, double part) {
+  look_at_overlaps(model, point.state, part, load_factor_of(point));
+}
+
+void Watch::look_at_overlaps(const Model& model, const State& state, double part, const std::string& when) {
+  for (const Overlap& o : new_overlaps(model, state, part)) {
+    if (!record_.overlapping.insert({o.i, o.j}).second) continue;
+    auto count = static_cast<std::int64_t>(record_.overlapping.size()) - 1;
+    report(count, untold_overlapping_,
+           fmt::format("{}: particles {} and {} are not bonded and overlap by {:.4g}, {:.3g} of the smaller "
+                       "radius: they may slip through one another",
+                       when, o.i.value, o.j.value, o.depth,
+                       o.depth / std::min(model.radius[o.i], model.radius[o.j])));
+  }
 }
 
 void Watch::look_at_bond(BondId k, const State& state, const std::string& when) {
@@ -146,12 +202,14 @@ void Watch::report(std::int64_t& count, std::int64_t& untold, const std::string&
 
 void Watch::summarise() {
   const auto sum_up = [this](std::int64_t& untold, std::int64_t count, const char* what) {
-    if (untold > 0 && tell_) tell_(fmt::format("{} more bonds {}: {} in all so far", untold, what, count));
+    if (untold > 0 && tell_) tell_(fmt::format("{} more {}: {} in all so far", untold, what, count));
     untold = 0;
   };
-  sum_up(untold_strained_, record_.strained, "were strained");
-  sum_up(untold_snapped_, record_.snapped, "have snapped");
-  sum_up(untold_shortened_, record_.shortened, "were shorter than half their length at rest");
+  sum_up(untold_strained_, record_.strained, "bonds were strained");
+  sum_up(untold_snapped_, record_.snapped, "bonds have snapped");
+  sum_up(untold_shortened_, record_.shortened, "bonds were shorter than half their length at rest");
+  sum_up(untold_overlapping_, static_cast<std::int64_t>(record_.overlapping.size()),
+         "pairs of particles that are not bonded overlapped");
 }
 
 }  // namespace vbond

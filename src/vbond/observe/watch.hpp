@@ -1,7 +1,9 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "vbond/core/column.hpp"
@@ -25,6 +27,7 @@ struct WatchRecord {
   std::int64_t strained = 0;  ///< bonds reported or counted as strained
   std::int64_t snapped = 0;
   std::int64_t shortened = 0;
+  std::set<std::pair<ParticleId, ParticleId>> overlapping;  ///< pairs that were reported or counted, i < j
   friend bool operator==(const WatchRecord&, const WatchRecord&) = default;
 };
 
@@ -35,7 +38,8 @@ class Watch {
   using Tell = std::function<void(const std::string&)>;
   using CollectState = std::function<const State&()>;
 
-  /// Reports of one kind (strained, snapped, shortened) given in full; later ones are only counted.
+  /// Reports of one kind (strained, snapped, shortened, overlapping) given in full; later ones are only
+  /// counted.
   static constexpr std::int64_t told_in_full = 10;
 
   /// energy_error: relative error of the energy balance that stops the run, > 0.
@@ -51,6 +55,14 @@ class Watch {
   /// factor, not when.
   void look(const StaticPoint& point);
 
+  /// Reports pairs that are not bonded and overlap by more than `part` of the smaller radius beyond what they
+  /// overlapped by at model.r_0, each pair once. part > 0; particles without radius overlap nothing. For
+  /// looks now and then: it sorts all particles into cells.
+  void look_at_overlaps(const Model& model, const State& state, double part) {
+    look_at_overlaps(model, state, part, time_of(state.clock));
+  }
+  void look_at_overlaps(const Model& model, const StaticPoint& point, double part);
+
   /// Sums up the reports that were not given in full since the last summary.
   void summarise();
 
@@ -61,12 +73,15 @@ class Watch {
   void look(const Survey& survey, double balance_error, const CollectState& state,
             const std::function<std::string(const Clock&)>& when);
   void look_at_bond(BondId k, const State& state, const std::string& when);
+  void look_at_overlaps(const Model& model, const State& state, double part, const std::string& when);
+  static std::string time_of(const Clock& clock);
   void report(std::int64_t& count, std::int64_t& untold, const std::string& text);
 
   double energy_error_;
   Tell tell_;
   WatchRecord record_;
   std::int64_t untold_strained_ = 0, untold_snapped_ = 0, untold_shortened_ = 0;
+  std::int64_t untold_overlapping_ = 0;
 };
 
 }  // namespace vbond

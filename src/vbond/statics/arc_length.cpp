@@ -16,6 +16,11 @@ constexpr int most_corrections = 12;
 // How far the corrected point may be from the predicted one, over the length of the step. On a path of
 // curvature kappa it is kappa s / 2, so a half is a turn of the path by one radian.
 constexpr double largest_deviation = 0.5;
+// Near a critical point what is small out of balance moves the body far along its soft mode. So a point is
+// one only when the next correction is no more than this part of the step, or nothing is out of balance but
+// some times what rounding of positions leaves.
+constexpr double settled_to = 1e-7;
+constexpr double near_rounding = 10.0;
 
 /// What is let go along null vectors, as a part of what drives the rest: rounding of the load's part along a
 /// mode that it does not drive is far below, and at a limit point the load drives its mode by no small part.
@@ -99,6 +104,10 @@ void ArcLength::factor() {
 
 std::optional<PathPoint> ArcLength::point_here(const PathDirection& along) {
   factor();
+  return point_of_factor(along);
+}
+
+std::optional<PathPoint> ArcLength::point_of_factor(const PathDirection& along) {
   PathDirection d = tangent(along);
   const double length2 = dot(d, d);
   if (!std::isfinite(length2) || length2 == 0.0) return {};
@@ -136,7 +145,6 @@ PathDirection ArcLength::singular_tangent(const PathDirection& along) {
 // Newton's step on R = 0 that stays on the plane, by two solves with one factor:
 //   K du = R + g df,  normal . (du, df) = 0.
 PathDirection ArcLength::correction(const PathDirection& normal) {
-  factor();
   if (singular_) return singular_correction(normal);
   const Vector a = solver_.solve_full(body_, body_.unbalanced());
   const Vector b = solver_.solve_full(body_, body_.load_direction());
@@ -173,12 +181,22 @@ StepOutcome ArcLength::step(const Placement& from, const PathDirection& directio
   PathDirection deviation{Vector::Zero(direction.u.size()), 0.0};
   const int most = std::min(most_corrections, settings_.iterations);
   for (;;) {
-    outcome.residuals.push_back(body_.residual());
-    if (balanced(body_, settings_, outcome.residuals)) break;
-    if (outcome.iterations == most) outcome.why = fmt::format("no balance after {} corrections", most);
-    if (!std::isfinite(outcome.residuals.back())) outcome.why = "the forces are not finite";
-    if (!outcome.why.empty()) return outcome;
+    const double residual = body_.residual();
+    outcome.residuals.push_back(residual);
+    if (!std::isfinite(residual)) {
+      outcome.why = body_.first_not_finite();
+      return outcome;
+    }
+    factor();
     const PathDirection change = correction(direction);
+    const bool in_balance = balanced(body_, settings_, outcome.residuals);
+    const bool settled = std::sqrt(dot(change, change)) <= settled_to * std::abs(s) ||
+                         residual <= near_rounding * body_.residual_of_rounding();
+    if (in_balance && (settled || outcome.iterations == most)) break;
+    if (outcome.iterations == most) {
+      outcome.why = fmt::format("no balance after {} corrections", most);
+      return outcome;
+    }
     deviation.u += change.u;
     deviation.f += change.f;
     if (!(std::sqrt(dot(deviation, deviation)) <= largest_deviation * std::abs(s))) {
@@ -188,7 +206,7 @@ StepOutcome ArcLength::step(const Placement& from, const PathDirection& directio
     body_.move(change.u, body_.load_factor() + change.f);
     ++outcome.iterations;
   }
-  outcome.point = point_here(direction);
+  outcome.point = point_of_factor(direction);
   if (!outcome.point) outcome.why = "nothing changes with the load factor";
   return outcome;
 }

@@ -1,5 +1,7 @@
 #include "vbond/statics/detail/body.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -58,6 +60,17 @@ Block block_of(const PairTangent<3>& t) {
   return K;
 }
 
+bool has_finite_place(const State& s, ParticleId p) {
+  const Quatd& q = s.q[p];
+  return is_finite(s.r[p]) && std::isfinite(q.w + q.x + q.y + q.z);
+}
+
+/// What a bond's turning is measured by: the distance of the centres, or of the bonded points where the
+/// centres lie closer together.
+double span(const Bond& b, const State& s) {
+  return std::max(norm(s.r[b.j] - s.r[b.i]), norm(bonded_points(bond_pose(b, s), b.R_i, b.R_j)));
+}
+
 PairTangent<3> touch(const Model& m, const State& s, ParticleId i, ParticleId j) {
   return contact_tangent(contact_law(m.contact, m.radius[i], m.radius[j]), s.r[j] - s.r[i],
                          m.radius[i] + m.radius[j]);
@@ -68,8 +81,9 @@ PairTangent<3> touch(const Model& m, const State& s, ParticleId i, ParticleId j)
 double distance(const Placement& a, const Placement& b, double length) {
   double largest = 0.0;
   for (const ParticleId p : a.r.ids())
-    largest = std::max(
-        {largest, norm(b.r[p] - a.r[p]), length * norm(rotation_vector(b.q[p] * conjugate(a.q[p])))});
+    for (const double moved :
+         {norm(b.r[p] - a.r[p]), length * norm(rotation_vector(b.q[p] * conjugate(a.q[p])))})
+      largest = larger(largest, moved);
   return largest;
 }
 
@@ -163,19 +177,20 @@ const StaticBody::Loaded& StaticBody::loads_at_hand() const {
   const std::size_t n = model_.particles();
   Loaded l{{PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)}, {}, 0.0};
   add_applied(load_factor_, l.loads);
-  if (unknowns_.size() > 0) l.largest = on_unknowns(l.loads).cwiseAbs().maxCoeff();
+  l.largest = max_norm(on_unknowns(l.loads));
   for (const Bond& b : state_.bonds) {
     const BondPose<double> pose = bond_pose(b, state_);
     const BondLoads<double> f = visit_law(b, [&pose](const auto& law) { return bond_loads(law, pose); });
     l.loads.F[b.i] += f.F, l.loads.F[b.j] -= f.F;
     l.loads.M[b.i] += f.M_ij, l.loads.M[b.j] += f.M_ji;
-    l.largest = std::max(
-        {l.largest, norm(f.F), norm(f.M_ij) / unknowns_.length(), norm(f.M_ji) / unknowns_.length()});
+    for (const double force :
+         {norm(f.F), norm(f.M_ij) / unknowns_.length(), norm(f.M_ji) / unknowns_.length()})
+      l.largest = larger(l.largest, force);
   }
   for_touching_pairs(model_, state_, [&](ParticleId i, ParticleId j, double) {
     const Vec3d F = touch(model_, state_, i, j).loads.F;
     l.loads.F[i] += F, l.loads.F[j] -= F;
-    l.largest = std::max(l.largest, norm(F));
+    l.largest = larger(l.largest, norm(F));
   });
   l.unbalanced = on_unknowns(l.loads);
   if (relief_.size() > 0) l.unbalanced -= (1.0 - load_factor_) * relief_;
@@ -185,8 +200,16 @@ const StaticBody::Loaded& StaticBody::loads_at_hand() const {
 
 double StaticBody::residual() const {
   const Loaded& l = loads_at_hand();
-  const double unbalanced = l.unbalanced.size() > 0 ? l.unbalanced.cwiseAbs().maxCoeff() : 0.0;
+  const double unbalanced = max_norm(l.unbalanced);
+  if (!std::isfinite(l.largest) || !std::isfinite(unbalanced))
+    return std::numeric_limits<double>::quiet_NaN();
   return unbalanced == 0.0 ? 0.0 : unbalanced / l.largest;
+}
+
+double StaticBody::residual_beside(const DenseMatrix& columns) const {
+  const Vector& g = loads_at_hand().unbalanced;
+  const double beside = max_norm(g - columns * (columns.transpose() * g)), all = max_norm(g);
+  return all == 0.0 ? residual() : residual() * (beside / all);
 }
 
 double StaticBody::residual_of_rounding() const {
@@ -292,6 +315,43 @@ SparseMatrix StaticBody::full_tangent() const {
   return K;
 }
 
+bool StaticBody::places_are_finite() const {
+  for (const ParticleId p : state_.r.ids())
+    if (!has_finite_place(state_, p)) return false;
+  return true;
+}
+
+std::string StaticBody::first_not_finite() const {
+  for (const ParticleId p : state_.r.ids())
+    if (!has_finite_place(state_, p))
+      return fmt::format("particle {}: its place, ({}, {}, {}), or its orientation is not finite", p.value,
+                         state_.r[p].x, state_.r[p].y, state_.r[p].z);
+  for (const BondId k : state_.bonds.ids()) {
+    const Bond& b = state_.bonds[k];
+    const BondPose<double> pose = bond_pose(b, state_);
+    const BondLoads<double> f = visit_law(b, [&pose](const auto& law) { return bond_loads(law, pose); });
+    const auto U = visit_law(b, [&pose](const auto& law) { return bond_energy(law, pose); });
+    const bool finite_loads = is_finite(f.F) && is_finite(f.M_ij) && is_finite(f.M_ji);
+    if (finite_loads && std::isfinite(U.U_L + U.U_B + U.U_T)) continue;
+    return fmt::format("bond {} (particles {}, {}): its {} not finite, its bonded points are {:.3g} apart",
+                       k.value, b.i.value, b.j.value, finite_loads ? "energy is" : "loads are",
+                       norm(bonded_points(pose, b.R_i, b.R_j)));
+  }
+  std::string found;
+  for_touching_pairs(model_, state_, [&](ParticleId i, ParticleId j, double overlap) {
+    if (found.empty() && !is_finite(touch(model_, state_, i, j).loads.F))
+      found = fmt::format("contact of particles {} and {}: its force is not finite, at an overlap of {:.3g}",
+                          i.value, j.value, overlap);
+  });
+  if (!found.empty()) return found;
+  const Loads& loads = loads_at_hand().loads;
+  for (const ParticleId p : loads.F.ids())
+    if (!is_finite(loads.F[p]) || !is_finite(loads.M[p]))
+      return fmt::format("particle {}: the sum of its loads is not finite", p.value);
+  if (!std::isfinite(energies().total())) return "all particles: the sum of their energies is not finite";
+  return {};
+}
+
 Energies StaticBody::energies() const {
   Energies e = bond_energies(state_);
   for_touching_pairs(model_, state_, [&](ParticleId i, ParticleId j, double overlap) {
@@ -329,14 +389,13 @@ double StaticBody::largest_bond_change(const Vector& x) const {
   };
   double largest = 0.0;
   for (const Bond& b : state_.bonds) {
-    const double stretch = norm(movement(b.j, 0) - movement(b.i, 0)) / norm(state_.r[b.j] - state_.r[b.i]);
+    const double stretch = norm(movement(b.j, 0) - movement(b.i, 0)) / span(b, state_);
     const double turn = norm(movement(b.j, 3) - movement(b.i, 3)) / unknowns_.length();
-    largest = std::max({largest, stretch, turn});
+    largest = larger(larger(largest, stretch), turn);
   }
   for (const ParticleId p : bonded_.ids())
     if (!bonded_[p])
-      largest = std::max(
-          {largest, norm(movement(p, 0)) / unknowns_.length(), norm(movement(p, 3)) / unknowns_.length()});
+      for (const int first : {0, 3}) largest = larger(largest, norm(movement(p, first)) / unknowns_.length());
   return largest;
 }
 

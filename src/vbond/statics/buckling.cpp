@@ -34,7 +34,7 @@ double largest_proportional_force(const StaticStage& stage) {
 
 bool beyond_its_law(const Bond& b, const State& s) {
   const BondShape shape = bond_shape(bond_pose(b, s), b.R_i, b.R_j);
-  return bond_range(b, shape) == BondRange::snapped || shape.length > longest_bond * b.a ||
+  return bond_range(b, shape) != BondRange::good || shape.length > longest_bond * b.a ||
          shape.length < shortest_bond * b.a;
 }
 
@@ -156,8 +156,7 @@ void CriticalLoads::take_step() {
 /// none.
 void CriticalLoads::add(const CriticalPoint& c) {
   body_.restore(c.node.point.at);
-  const bool limit = c.kind == PointKind::limit_point;
-  if (c.after > c.before || limit) {
+  if (c.after > c.before || c.kind == PointKind::limit_point || c.turns_off()) {
     const int together = std::max(1, c.together());
     const EigenPairs near = eigenpairs_near_zero(body_.tangent(), together);
     for (int k = 1; k <= together && wants_more(); ++k)

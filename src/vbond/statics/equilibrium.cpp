@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,6 +10,8 @@
 #include "vbond/statics/detail/eigen.hpp"
 #include "vbond/statics/detail/kinds.hpp"
 #include "vbond/statics/detail/rigid.hpp"
+#include "vbond/statics/detail/rounding.hpp"
+#include "vbond/statics/detail/valley.hpp"
 
 namespace vbond {
 namespace {
@@ -20,6 +23,15 @@ int snapped_bonds(const State& s) {
   return static_cast<int>(std::count_if(s.bonds.begin(), s.bonds.end(), [&s](const Bond& b) {
     return bond_range(b, bond_shape(bond_pose(b, s), b.R_i, b.R_j)) == BondRange::snapped;
   }));
+}
+
+/// An orthonormal basis of what these orthonormal columns span, and x, which is nearly among them: x first.
+DenseMatrix with_first(const Vector& x, const DenseMatrix& columns) {
+  const DenseMatrix rest = columns - x * (x.transpose() * columns);
+  const Eigen::JacobiSVD<DenseMatrix> svd(rest, Eigen::ComputeThinU);
+  DenseMatrix all(x.size(), std::max<Eigen::Index>(1, columns.cols()));
+  all << x, svd.matrixU().leftCols(all.cols() - 1);
+  return all;
 }
 
 /// A load step: where it began, where the tangent there says that it ends, and how much of the load factor
@@ -37,6 +49,7 @@ class LoadSteps {
       : body_(body), hooks_(hooks), result_(result), solver_(body.stage().newton.solver) {}
 
   void run() {
+    begin();
     double step = 1.0 / std::max(1, body_.stage().steps);
     const double longest = step;
     while (body_.load_factor() < 1.0) {
@@ -66,12 +79,23 @@ class LoadSteps {
       if (!accept(outcome)) return interrupted(way.from);
       step = std::min(longest, 2.0 * std::max(step, way.length));
     }
-    result_.ended = "converged";
     result_.smallest_eigenvalue = smallest_eigenvalue();
+    judge_smallest();
+    result_.ended = "converged";
   }
   const TangentSolver& solver() const { return solver_; }
 
  private:
+  /// The first point: where the body comes from.
+  void begin() {
+    try {
+      count_unstable();
+    } catch (const NoConvergence&) {  // only told here: what it is like under load is what counts
+      unstable_.reset();
+    }
+    report_point(body_, PointKind::regular, unstable_, hooks_, result_);
+  }
+
   void interrupted(const Placement& last_balance) {
     body_.restore(last_balance);
     result_.ended = "interrupted";
@@ -80,6 +104,7 @@ class LoadSteps {
   /// Back, for a step half as long.
   void retry(const Way& way, double& step) {
     body_.restore(way.from);
+    factored_here_ = false;
     step = 0.5 * std::min(step, way.length);
   }
 
@@ -91,13 +116,13 @@ class LoadSteps {
     const double mark = (std::floor(now * steps + 1e-9) + 1.0) / steps;
     step = std::min(step, mark - now);
     Vector x = Vector::Zero(body_.unknowns().size());
-    if (solver_.factor_definite(body_)) {
+    if (std::exchange(factored_here_, false) || solver_.factor_definite(body_)) {
       const Vector predicted = solver_.solve_full(body_, body_.load_direction());
       way.foreseen = predicted.size() == x.size() && predicted.allFinite();
       if (way.foreseen) x = predicted;
     }
     const double change = body_.largest_bond_change(x);
-    if (change * step > largest_prediction) step = largest_prediction / change;
+    if (std::isfinite(change) && change * step > largest_prediction) step = largest_prediction / change;
     const double next = now + step > mark - 1e-12 ? mark : now + step;
     body_.move(step * x, next);
     way.predicted = body_.placement();
@@ -134,7 +159,6 @@ class LoadSteps {
       result_.left_saddle = true;
       outcome = leave_saddle();
       if (outcome.interrupted) return false;
-      count_unstable();
     }
     result_.residuals = outcome.residuals;
     result_.unstable = unstable_;
@@ -190,36 +214,79 @@ class LoadSteps {
         from.load_factor, body_.load_factor(), distance_to_here(from)));
   }
 
-  /// Negative eigenvalues that are more than rounding, and the lowest of them with its mode. Not known where
-  /// conjugate gradients were used. Eigenvalues of the whole tangent lie within its antisymmetric part of
-  /// those of the symmetric one: under outside moments only those below that are counted, and if there are
-  /// others below zero nothing is known.
+  /// Negative eigenvalues that are more than their error, and the lowest of them with its mode. Not known
+  /// where conjugate gradients were used.
   void count_unstable() {
     unstable_ = 0;
     neutral_ = false;
     lowest_.reset();
     const std::optional<int> negative = solver_.factor(body_);
     if (solver_.iterative()) unstable_.reset();
-    definite_ = negative == 0;
+    definite_ = factored_here_ = negative == 0;
     if (solver_.iterative() || definite_) return;
     const SparseMatrix& K = body_.tangent();
-    const double rounding = 1e-12 * Vector(K.diagonal()).cwiseAbs().maxCoeff();
-    const double margin = std::max(rounding, body_.moment_part());
-    Factor factor;
-    factor.analyse(K);
-    const double size = K.norm();  // zero where contacts just begin to touch
-    if (size == 0.0 || factor.factor_definite(K, margin)) {
-      neutral_ = !negative || !body_.has_moment_part();
-      if (body_.has_moment_part()) unstable_.reset();
+    if (K.norm() == 0.0) {  // where contacts just begin to touch
+      neutral_ = true;
       return;
     }
-    unstable_ = std::max(1, factor.factor_indefinite(K, margin).value_or(negative.value_or(1)));
+    Factor factor;
+    factor.analyse(K);
+    body_.has_moment_part() ? judge_beside_moments(factor, negative) : judge_by_lowest(factor, negative);
+  }
+
+  void judge_by_lowest(Factor& factor, std::optional<int> negative) {
+    const SparseMatrix& K = body_.tangent();
+    lowest_ = lowest_pair(factor, eigenvalue_error(K));
+    const double lowest = lowest_->values[0], error = eigenvalue_error(K, lowest_->vectors.col(0));
+    neutral_ = std::abs(lowest) <= error;
+    if (lowest < -error)
+      unstable_ = std::max(1, factor.factor_indefinite(K, error).value_or(negative.value_or(1)));
+  }
+
+  /// Eigenvalues of the whole tangent lie within its antisymmetric part of those of the symmetric one: under
+  /// outside moments only those below that are counted, and if there are others below zero nothing is known.
+  void judge_beside_moments(Factor& factor, std::optional<int> negative) {
+    const SparseMatrix& K = body_.tangent();
+    const double margin = std::max(eigenvalue_error(K), body_.moment_part());
+    lowest_ = lowest_pair(factor, margin);
+    if (lowest_->values[0] < -margin) {
+      unstable_ = std::max(1, factor.factor_indefinite(K, margin).value_or(negative.value_or(1)));
+      return;
+    }
+    lowest_.reset();
+    neutral_ = !negative;
+    unstable_.reset();
+  }
+
+  /// The lowest eigenvalue, below which it is looked for from this far below zero on, and its mode. The value
+  /// is the one that the mode gives, which is free of the rounding on the way to it.
+  EigenPairs lowest_pair(Factor& factor, double margin) const {
+    const SparseMatrix& K = body_.tangent();
+    const double size = K.norm();
     double below = 10.0 * margin;
     while (!factor.factor_definite(K, below)) {
       below *= 10.0;
-      if (!(below < 1e3 * size)) give_up("the tangent stiffness is not finite");
+      if (!(below < 1e3 * size)) give_up("the tangent stiffness is not finite: " + body_.first_not_finite());
     }
-    lowest_ = smallest_eigenpairs(K, 1, -below);
+    EigenPairs lowest = smallest_eigenpairs(K, 1, -below);
+    const Vector x = lowest.vectors.col(0);
+    lowest.values[0] = x.dot(K * x);
+    return lowest;
+  }
+
+  /// The last balance may be neutral although its tangent could be factored as positive definite.
+  void judge_smallest() {
+    const std::optional<double>& smallest = result_.smallest_eigenvalue;
+    if (!smallest) return;
+    if (!std::isfinite(*smallest))
+      give_up("the tangent stiffness is not finite: " + body_.first_not_finite());
+    const SparseMatrix& K = body_.tangent();
+    constexpr double far = 1e3;  // no mode's error is so many times that of all
+    if (!definite_ || *smallest > far * eigenvalue_error(K)) return;
+    const EigenPairs nearest = eigenpairs_near_zero(K, 1);
+    if (nearest.values[0] > eigenvalue_error(K, nearest.vectors.col(0))) return;
+    result_.neutral = true;
+    tell_neutral();
   }
 
   void tell_neutral() const {
@@ -228,18 +295,26 @@ class LoadSteps {
                      body_.load_factor(), body_.unknowns().names_of_largest(zero.vectors.col(0))));
   }
 
-  /// Downhill along the most negative mode, its largest component positive. If that fails the unstable
-  /// balance is kept as the last point.
+  /// Downhill along the most negative mode, its largest component positive, and counts again. If that fails
+  /// the unstable balance is kept as the last point.
   NewtonOutcome leave_saddle() {
     constexpr double nudge = 0.02;  // of the length scale: far above rounding, far below a change of shape
-    constexpr int patience = 5;     // just above a critical load the valley is long and flat
     const Placement saddle = body_.placement();
     const int unstable = unstable_.value();
-    Vector x = lowest_->vectors.col(0);
+    const double lowest = lowest_->values[0];
+    const Vector x = lowest_->vectors.col(0);
     Eigen::Index largest = 0;
     x.cwiseAbs().maxCoeff(&largest);
-    body_.move(nudge * body_.unknowns().length() / x[largest] * x, saddle.load_factor);
-    const NewtonOutcome outcome = go_downhill(patience);
+    const double first = nudge * body_.unknowns().length() / x[largest];
+    constexpr int patience = 5;  // just above a critical load the valley is long and flat
+    NewtonOutcome outcome = from_beside(saddle, first * x, 1);
+    if (still_unstable(outcome)) {
+      const DenseMatrix modes = unstable_modes(saddle, x, lowest, unstable);
+      const ValleyWalk walk = walk_down_valley(body_, solver_, modes, lowest, first, hooks_.interrupted);
+      result_.iterations += walk.iterations;
+      if (walk.found) outcome = correct_and_count();
+      if (still_unstable(outcome)) outcome = from_beside(saddle, first * x, patience);
+    }
     if (!outcome.converged && !outcome.interrupted) {
       body_.restore(saddle);
       report_point(body_, PointKind::regular, unstable, hooks_, result_);
@@ -252,6 +327,41 @@ class LoadSteps {
         "was left along its lowest mode; the next one downhill is up to {:.3g} away",
         saddle.load_factor, unstable, distance_to_here(saddle)));
     return outcome;
+  }
+
+  NewtonOutcome settle_and_count(int patience) {
+    const NewtonOutcome outcome = go_downhill(patience);
+    if (outcome.converged) count_unstable();
+    return outcome;
+  }
+
+  /// From next to a balance, which may be too flat to be gone down to: straight, and downhill if that fails.
+  NewtonOutcome correct_and_count() {
+    const Placement here = body_.placement();
+    const NewtonOutcome outcome = correct(body_, solver_, body_.stage().newton, hooks_.interrupted);
+    result_.iterations += outcome.iterations();
+    if (outcome.converged) count_unstable();
+    if (!still_unstable(outcome)) return outcome;
+    body_.restore(here);
+    return settle_and_count(1);
+  }
+
+  NewtonOutcome from_beside(const Placement& saddle, const Vector& x, int patience) {
+    body_.restore(saddle);
+    body_.move(x, saddle.load_factor);
+    return settle_and_count(patience);
+  }
+
+  bool still_unstable(const NewtonOutcome& way) const {
+    return !way.interrupted && (!way.converged || unstable_.value_or(0) > 0);
+  }
+
+  /// Back at the saddle: its lowest mode x, and the others that are unstable.
+  DenseMatrix unstable_modes(const Placement& saddle, const Vector& x, double lowest, int unstable) {
+    constexpr int most = 6;
+    body_.restore(saddle);
+    const double bound = lowest - std::abs(lowest);
+    return with_first(x, smallest_eigenpairs(body_.tangent(), std::min(unstable, most), bound).vectors);
   }
 
   std::optional<double> smallest_eigenvalue() const {
@@ -281,10 +391,17 @@ class LoadSteps {
   std::optional<int> unstable_;       // of the last balance
   bool neutral_ = false;              // the same
   bool definite_ = false;             // the solver's factor is that of its tangent
+  bool factored_here_ = false;        // and it still is
   std::optional<EigenPairs> lowest_;  // if it is unstable
 };
 
 }  // namespace
+
+void refuse_nothing_free(const StaticBody& body) {
+  if (body.unknowns().size() > 0) return;
+  throw NoEquilibrium(body.stage().name, "nothing is free to move",
+                      "paths, critical loads and modes are of degrees of freedom that are free: hold fewer");
+}
 
 void refuse_rigid_motions(const StaticBody& body) {
   const RigidMotions free = free_rigid_motions(body.model(), body.state(), body.unknowns());
@@ -300,8 +417,18 @@ void refuse_rigid_motions(const StaticBody& body) {
       "as the spin of a rod along x by fix = [\"rx\"]; kind = \"modes\" takes free bodies as they are");
 }
 
+void refuse_not_finite(const StaticBody& body) {
+  if (body.places_are_finite() && std::isfinite(body.residual()) && std::isfinite(body.energies().total()))
+    return;
+  throw NoEquilibrium(
+      body.stage().name,
+      fmt::format("at load factor {:.6g}: {}", body.load_factor(), body.first_not_finite()),
+      "particles that are bonded must stand apart, and loads and stiffnesses be far from the largest number");
+}
+
 void report_point(StaticBody& body, PointKind kind, std::optional<int> unstable, const StaticHooks& hooks,
                   StaticResult& result) {
+  refuse_not_finite(body);
   ++body.clock().step;
   ++body.clock().stage_step;
   ++result.points;
@@ -314,6 +441,7 @@ void report_point(StaticBody& body, PointKind kind, std::optional<int> unstable,
 StaticOutcome find_equilibrium(const Model& model, const StaticStage& stage, State state,
                                const StaticHooks& hooks) {
   StaticBody body(model, stage, std::move(state));
+  refuse_not_finite(body);
   refuse_rigid_motions(body);
   body.relieve();
   StaticOutcome outcome;
@@ -336,6 +464,8 @@ std::optional<State> balance_of_constant_loads(const Model& model, const StaticS
   if (!stage.constant_gravity) constant.gravity = {};
   for (StaticSupport& s : constant.supports) s.displacement = s.rotation = {};
   StaticBody body(model, constant, std::move(state));
+  refuse_nothing_free(body);
+  refuse_not_finite(body);
   if (!in_balance(body, stage.newton)) {
     refuse_rigid_motions(body);
     body.relieve();

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <limits>
 
 #include "vbond/physics/stability.hpp"
@@ -14,6 +15,8 @@ double exact_critical_step(const Model& model, const State& state, const std::ve
   const StaticBody body(model, stage, state);
   const double nothing_swings = std::numeric_limits<double>::infinity();
   if (body.unknowns().size() == 0) return nothing_swings;
+  if (!std::isfinite(max_norm(body.tangent().diagonal())))
+    throw NoConvergence("the stiffness is not finite: " + body.first_not_finite());
   const double lambda =
       largest_eigenvalue(mass_scaled(body.tangent(), roots_of_mass(model, body.unknowns())));
   return lambda > 0.0 ? critical_step(lambda) : nothing_swings;

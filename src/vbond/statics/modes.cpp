@@ -37,8 +37,7 @@ double zero_stiffness(const StaticBody& body) {
   const BoundingBox box = box_around(body.state().r);
   const double far = std::max({box.diagonal(), norm(box.low), norm(box.high)});
   const double L = body.unknowns().length(), eps = std::numeric_limits<double>::epsilon();
-  return 64 * eps * (1 + far / L) * Vector(body.tangent().diagonal()).cwiseAbs().maxCoeff() +
-         4 * body.unbalanced().cwiseAbs().maxCoeff() / L;
+  return 64 * eps * (1 + far / L) * max_norm(body.tangent().diagonal()) + 4 * max_norm(body.unbalanced()) / L;
 }
 
 /// The columns without their zero rows.
@@ -91,7 +90,7 @@ SparseMatrix motions_without_stiffness(const StaticBody& body, const Vector& roo
 }
 
 double largest_column_sum(const SparseMatrix& A) {
-  return Vector(A.cwiseAbs().transpose() * Vector::Ones(A.rows())).maxCoeff();
+  return max_norm(A.cwiseAbs().transpose() * Vector::Ones(A.rows()));
 }
 
 /// A value below all eigenvalues of A, and how many are clearly negative. Begins where rounding would make a

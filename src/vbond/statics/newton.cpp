@@ -143,6 +143,10 @@ NewtonOutcome correct(StaticBody& body, TangentSolver& solver, const NewtonSetti
       outcome.why = "interrupted";
       return outcome;
     }
+    if (!std::isfinite(residuals.back())) {
+      outcome.why = body.first_not_finite();
+      return outcome;
+    }
     if (k > 1 && !(residuals.back() < growth * residuals[residuals.size() - 2])) {
       outcome.why = fmt::format("the unbalanced force grows, to {:.2g} of the largest", residuals.back());
       return outcome;
@@ -153,7 +157,7 @@ NewtonOutcome correct(StaticBody& body, TangentSolver& solver, const NewtonSetti
       return outcome;
     }
     const Vector x = solver.solve_full(body, body.unbalanced());
-    if (x.size() == 0 || !x.allFinite() || body.largest_bond_change(x) > largest_change) {
+    if (x.size() == 0 || !x.allFinite() || !(body.largest_bond_change(x) <= largest_change)) {
       outcome.why = "a correction turns bonds too far";
       return outcome;
     }
@@ -215,7 +219,8 @@ class Descent {
       // near balance the potential says nothing any more: then the residual decides
       const bool lower = change <= -1e-4 * length * slope;
       const bool unknowable = std::abs(length * slope) <= 1e3 * rounding;
-      if (lower || (unknowable && body_.residual() < residual)) {
+      const double left = body_.residual();
+      if ((lower && std::isfinite(left)) || (unknowable && left < residual)) {
         if (lower && halvings == 0 && shift_ > 0.0) go_farther(x, from, energy, change);
         if (halvings == 0) shift_ = shift_ > least_shift() ? 0.1 * shift_ : 0.0;
         return true;
@@ -265,6 +270,10 @@ NewtonOutcome minimise(StaticBody& body, TangentSolver& solver, const NewtonSett
     if (interrupted && interrupted()) {
       outcome.interrupted = true;
       outcome.why = "interrupted";
+      return outcome;
+    }
+    if (!std::isfinite(outcome.residuals.back())) {
+      outcome.why = body.first_not_finite();
       return outcome;
     }
     if (descent.step()) continue;

@@ -108,7 +108,7 @@ void PathStage::go_along(const PathLeg& leg) {
     if (const Goal* goal = shorten_to_goal(step, lo, hi)) return end_at(hi, *goal);
     report(c);
     if (!result_.ended.empty()) return;
-    if (c.kind == PointKind::bifurcation && settings_.branch && !turned_off_ &&
+    if (c.kind == PointKind::bifurcation && !c.turns_off() && settings_.branch && !turned_off_ &&
         ++bifurcations_ == settings_.branch->bifurcation)
       return turn_off(c);
     lo = c.node;

@@ -39,13 +39,14 @@ double load_factor_at_zero(std::vector<Look> looks) {
 }  // namespace
 
 std::string in_words(const CriticalPoint& c) {
-  return fmt::format(
-      "{} at load factor {:.10g}{}", c.kind == PointKind::limit_point ? "limit point" : "bifurcation",
-      c.load_factor,
-      c.gap > 0.0
-          ? fmt::format(" +- {:.1g} (the body is not quite symmetric: two paths pass each other there)",
-                        c.gap)
-          : "");
+  std::string text =
+      fmt::format("{} at load factor {:.10g}",
+                  c.kind == PointKind::limit_point ? "limit point" : "bifurcation", c.load_factor);
+  if (c.gap > 0.0)
+    text += fmt::format(
+        " +- {:.1g} (the body is not quite symmetric: {})", c.gap,
+        c.turns_off() ? "its path turns off along the branch" : "two paths pass each other there");
+  return text;
 }
 
 StepOutcome PathStep::to(double s) {
@@ -151,16 +152,14 @@ bool PathStep::add_bifurcations(const PathNode& lo, const PathNode& hi, std::vec
 // vanished, so that the number is not to be had from the matrix: there the size is no guide if it is small.
 std::optional<CriticalPoint> PathStep::zero_of_eigenvalue(int number, const PathNode& lo, const PathNode& hi,
                                                           const std::vector<CriticalPoint>& known) {
-  std::vector<Look> looks;
-  const auto value = [this, number, &looks](const PathPoint& p) {
-    const double v = std::copysign(eigenvalue(number, p), number - p.unstable + 0.5);
-    looks.push_back({v, p.at.load_factor});
-    return v;
+  const auto value = [this, number](const PathPoint& p) {
+    return std::copysign(eigenvalue(number, p), number - p.unstable + 0.5);
   };
   Sample a{lo.s, value(lo.point)}, b{hi.s, value(hi.point)};
   const double scale = std::max(std::abs(a.value), std::abs(b.value));
   for (Sample* end : {&a, &b})
     end->value = std::copysign(std::max(std::abs(end->value), 0.01 * scale), end->value);
+  std::vector<Look> looks = {{a.value, lo.point.at.load_factor}, {b.value, hi.point.at.load_factor}};
   const double error = eigenvalue_error(body_->tangent());
   const double small = std::max(small_eigenvalue * scale, error);
   for (const CriticalPoint& c : known)
@@ -170,7 +169,8 @@ std::optional<CriticalPoint> PathStep::zero_of_eigenvalue(int number, const Path
     StepOutcome outcome = to(s);
     if (!outcome.point) return std::nullopt;
     last = {s, std::move(*outcome.point)};
-    return value(last.point);
+    looks.push_back({value(last.point), last.point.at.load_factor});
+    return looks.back().value;
   };
   const Crossed crossed = crossing(a, b, small, at);
   if (last.s != crossed.s && !at(crossed.s)) return {};

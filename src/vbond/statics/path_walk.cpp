@@ -30,6 +30,9 @@ constexpr double wanted_corrections = 4;
 // Paths of a body that is not quite symmetric pass each other where they would cross: steps go over that if
 // the gap is no more than this part of the load factor, and follow the path round the bend if it is.
 constexpr double largest_gap = 1e-4;
+// Such a bend is told of as a bifurcation passed if the gap is no more than this part of the load factor.
+// Beyond it the body just bends.
+constexpr double widest_gap = 1e-2;
 // Of the body's size: the longest step unless told, and the shortest.
 constexpr double automatic_step = 0.02;
 constexpr double shortest_step = 1e-8;
@@ -59,7 +62,26 @@ const PathPoint* PathWalk::start(double first_step) {
 }
 
 std::optional<PathLeg> PathWalk::next() {
-  return leg(PathStep(body_, arc_, here_, here_.tangent), std::min(next_, longest(here_.tangent)), false);
+  std::optional<PathLeg> found =
+      leg(PathStep(body_, arc_, here_, here_.tangent), std::min(next_, longest(here_.tangent)), false);
+  if (found && wide_gap_) add_what_is_passed(*found);
+  return found;
+}
+
+/// A gap that was too wide to be stepped over is followed round the bend. If that brings nothing critical,
+/// and the load factor goes on, the path has turned off along the branch.
+void PathWalk::add_what_is_passed(PathLeg& leg) {
+  const double f = wide_gap_->load_factor;
+  if (!leg.critical.empty()) return wide_gap_.reset();
+  const double end_of_gap = f + std::copysign(wide_gap_->gap, leg.step.direction().f);
+  const auto beyond = [end_of_gap](const PathPoint& p) { return p.at.load_factor - end_of_gap; };
+  if (std::signbit(beyond(leg.start.point)) == std::signbit(beyond(leg.end.point))) return;
+  const double small = 1e-12 * std::max(load_scale_, std::abs(f));
+  if (std::optional<PathNode> at = leg.step.zero_of(beyond, leg.start, leg.end, small)) {
+    const int unstable = at->point.unstable;
+    leg.critical.push_back({PointKind::bifurcation, std::move(*at), f, unstable, unstable, wide_gap_->gap});
+  }
+  wide_gap_.reset();
 }
 
 // The direction is the part of the mode that is normal to the path so far, so that the plane on which the
@@ -88,6 +110,7 @@ std::optional<PathLeg> PathWalk::leg(PathStep step, double s, bool on_branch) {
           });
       why_not_ = gap ? "the path comes close to another one that crosses it, and no step tells them apart"
                      : "no balance is found between two that are next to each other";
+      if (gap && !wide_gap_) remember_gap(*critical);
       if (critical && (!gap || last)) {
         iterations_ += step.iterations();
         other_factors_ += step.factors();
@@ -96,6 +119,14 @@ std::optional<PathLeg> PathWalk::leg(PathStep step, double s, bool on_branch) {
     }
     if (last) return {};
   }
+}
+
+void PathWalk::remember_gap(const std::vector<CriticalPoint>& critical) {
+  for (const CriticalPoint& c : critical)
+    if (c.kind == PointKind::bifurcation && c.gap > 0.0 && c.gap < widest_gap * std::abs(c.load_factor)) {
+      wide_gap_ = c;
+      return;
+    }
 }
 
 /// The end of a step of length s if nothing speaks against it; else why_not() says what does.
@@ -168,9 +199,8 @@ double PathWalk::longest(const PathDirection& d) const {
 const PathPoint& start_walk(const StaticBody& body, const TangentSolver& solver, PathWalk& walk,
                             double first_step, const std::string& who) {
   const std::string& name = body.stage().name;
+  refuse_nothing_free(body);
   refuse_rigid_motions(body);
-  if (body.unknowns().size() == 0)
-    throw NoEquilibrium(name, "nothing is free to move", "hold fewer degrees of freedom");
   const PathPoint* here = walk.start(first_step);
   if (solver.iterative())
     throw NoEquilibrium(

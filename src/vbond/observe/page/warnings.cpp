@@ -139,6 +139,17 @@ void add_strained(const RunFacts& run, Warnings& all) {
                    first_seen(run, run.body.first_strained, "strained"))});
 }
 
+void add_overlapping(const RunFacts& run, Warnings& all) {
+  const std::int64_t pairs = run.summary ? run.summary->ever_overlapping : 0;
+  if (pairs == 0) return;
+  all.push_back(
+      {Level::warning,
+       fmt::format("{} pair{} of particles that are not bonded overlapped more than watch.overlap allows: "
+                   "bodies may have slipped through one another. A stiffer contact law, or a finer body, "
+                   "keeps them apart; the terminal named the first pairs.",
+                   pairs, pairs == 1 ? "" : "s")});
+}
+
 void add_energy(const RunFacts& run, Warnings& all) {
   const double error =
       std::max(run.summary ? run.summary->energy_balance_error : 0.0, largest(run.history, "balance_error"));
@@ -214,6 +225,7 @@ Warnings warnings(const RunFacts& run) {
   add_step(run, all);
   add_energy(run, all);
   add_strained(run, all);
+  add_overlapping(run, all);
   add_unstable(run, all);
   std::stable_sort(all.begin(), all.end(),
                    [](const Warning& a, const Warning& b) { return a.level < b.level; });

@@ -69,6 +69,7 @@ class ArcLength {
 
  private:
   void factor();
+  std::optional<PathPoint> point_of_factor(const PathDirection& along);
   PathDirection correction(const PathDirection& normal);
   PathDirection singular_correction(const PathDirection& normal);
   PathDirection tangent(const PathDirection& along);

@@ -1,5 +1,6 @@
 #pragma once
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "vbond/model/loads.hpp"
@@ -62,8 +63,11 @@ class StaticBody {
 
   /// What is out of balance on the free unknowns.  [force]
   const Vector& unbalanced() const { return loads_at_hand().unbalanced; }
-  /// Largest |unbalanced| over the largest force in the body: of a bond, a contact or a load.
+  /// Largest |unbalanced| over the largest force in the body: of a bond, a contact or a load. NaN if any of
+  /// them is not finite, so that it passes no test of being small.
   double residual() const;
+  /// The same without what acts along these orthonormal columns.
+  double residual_beside(const DenseMatrix& columns) const;
   /// What rounding of positions may leave of residual().
   double residual_of_rounding() const;
 
@@ -78,6 +82,11 @@ class StaticBody {
   bool has_moment_part() const { return moment_part() > 0.0; }
   /// tangent() with that part.
   SparseMatrix full_tangent() const;
+
+  bool places_are_finite() const;
+  /// The first particle, bond or contact whose place, load or energy is not finite, and what it is, e.g.
+  /// "bond 3 (particles 3, 4): its loads are not finite, its bonded points are 0 apart"; empty if all are.
+  std::string first_not_finite() const;
 
   /// Energy of bonds and contacts.
   Energies energies() const;

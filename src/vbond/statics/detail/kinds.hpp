@@ -20,10 +20,18 @@ std::optional<State> balance_of_constant_loads(const Model& model, const StaticS
 /// How a stage ends that was interrupted before its first point, in the state where it began, at rest.
 StaticOutcome interrupted_outcome(StaticResult result, State state);
 
+/// Throws NoEquilibrium if supports hold everything.
+void refuse_nothing_free(const StaticBody& body);
+
+/// Throws NoEquilibrium, naming the particle or bond, if a place, load or energy is not finite. Loads are
+/// those at hand, and the energy is summed up: in proportion to the body, nothing beside a factor.
+void refuse_not_finite(const StaticBody& body);
+
 /// Throws NoEquilibrium, naming them, if parts of the body can move freely as rigid bodies.
 void refuse_rigid_motions(const StaticBody& body);
 
-/// Adds one to the clock, counts the point and hands this balance to hooks.point.
+/// Adds one to the clock, counts the point and hands this balance to hooks.point. Throws NoEquilibrium
+/// instead if it is not finite.
 void report_point(StaticBody& body, PointKind kind, std::optional<int> unstable, const StaticHooks& hooks,
                   StaticResult& result);
 

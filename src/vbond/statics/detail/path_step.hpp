@@ -25,6 +25,8 @@ struct CriticalPoint {
   /// quite symmetric do not cross. 0: they meet.
   double gap = 0;
   int together() const { return std::abs(after - before); }
+  /// The path itself turns off along the branch, so that stability does not change.
+  bool turns_off() const { return before == after && gap > 0.0; }
 };
 
 /// As in "limit point at load factor 0.52".

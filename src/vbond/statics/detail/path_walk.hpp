@@ -50,6 +50,8 @@ class PathWalk {
  private:
   std::optional<PathLeg> leg(PathStep step, double s, bool on_branch);
   std::optional<PathNode> attempt(PathStep& step, double s);
+  void remember_gap(const std::vector<CriticalPoint>& critical);
+  void add_what_is_passed(PathLeg& leg);
   std::string objection(const PathStep& step, const PathNode& end);
   void choose_next_step(const PathStep& step, const PathNode& end, int corrections);
   double longest(const PathDirection& d) const;
@@ -64,6 +66,7 @@ class PathWalk {
   PathPoint here_;
   std::string why_not_;
   bool snapping_ = false;
+  std::optional<CriticalPoint> wide_gap_;  // ahead
   int iterations_ = 0, other_factors_ = 0;
 };
 

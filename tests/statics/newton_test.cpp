@@ -1,0 +1,57 @@
+#include "vbond/statics/detail/newton.hpp"
+
+#include <gtest/gtest.h>
+
+#include "bodies.hpp"
+#include "statics/matrices.hpp"
+
+namespace vbond {
+namespace {
+
+/// A clamped rod of four bonds, stiff in shear and bending: conjugate gradients converge within its 24
+/// unknowns.
+struct ClampedRod {
+  testing::Specimen s;
+  StaticStage stage =
+      testing::static_stage(StageKind::equilibrium, {testing::fixed({ParticleId{0}}, testing::clamped)});
+
+  ClampedRod() {
+    BondRecipe recipe = testing::papers_bond();
+    recipe.parameters = BondStiffness<double>{1.0, 0.5, 0.2, 0.1};
+    s = testing::straight_rod(5, recipe);
+  }
+};
+
+// With a shift that makes an indefinite tangent definite minimise() goes downhill: of the wrong sign it would
+// make it worse. Conjugate gradients end at 1e-12 of the right-hand side, of size 1 to 3 a component; the
+// largest shift is of the size of the tangent.
+TEST(TangentSolver, SolvesWithTheShiftedTangentByEitherMethod) {
+  const ClampedRod rod;
+  const StaticBody body(rod.s.model, rod.stage, rod.s.state);
+  const Vector b = random_vector(body.unknowns().size(), 4);
+  for (const LinearSolver method : {LinearSolver::direct, LinearSolver::iterative}) {
+    TangentSolver solver(method);
+    for (const double shift : {0.0, 0.01, 1.0}) {
+      ASSERT_TRUE(solver.factor_definite(body, shift));
+      EXPECT_EQ(solver.iterative(), method == LinearSolver::iterative);
+      const Vector x = solver.solve(b);
+      ASSERT_EQ(x.size(), b.size());
+      EXPECT_LE((body.tangent() * x + shift * x - b).norm(), 2e-12 * b.norm())
+          << solver.name() << " " << shift;
+    }
+  }
+}
+
+// Straight and pressed far beyond its critical load the rod has a tangent that is definite only with a shift.
+TEST(TangentSolver, TellsByTheFactorWhetherAShiftIsEnough) {
+  ClampedRod rod;
+  for (const ParticleId p : rod.s.state.r.ids()) rod.s.state.r[p].x *= 0.8;  // compressed by 0.2 c_A
+  const StaticBody body(rod.s.model, rod.stage, rod.s.state);
+  TangentSolver solver(LinearSolver::direct);
+  EXPECT_FALSE(solver.factor_definite(body));
+  EXPECT_TRUE(solver.factor_definite(body, 1.0));
+  EXPECT_GT(solver.factor(body).value(), 0);
+}
+
+}  // namespace
+}  // namespace vbond
