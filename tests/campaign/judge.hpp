@@ -21,18 +21,13 @@ enum class Verdict : std::uint8_t {
 inline constexpr int verdicts = 7;
 const char* name_of(Verdict v);
 
-/// Of a critical load it was said that two branches pass each other there, this far apart.
-struct StatedGap {
-  double load_factor = 0, gap = 0;
-};
-
 /// What a stage answered.
 struct Answer {
   std::string failure;  ///< "gave up", "aborted" or none
   std::string message;  ///< of the failure
   std::string ended;
-  std::vector<ReferencePoint> loads;  ///< of buckling all, of a path the first special point; errors are 0
-  std::vector<StatedGap> gaps;
+  std::vector<ReferencePoint>
+      loads;  ///< of buckling all, of a path the first special point; errors are gaps told
   double searched_to = 0;
   int factors = 0;
   double seconds = 0;
@@ -52,8 +47,9 @@ struct Judgement {
 /// 0.1 sqrt(imperfection), 1e-3 at most: Koiter's laws, in which critical loads change as the power 1/2 or
 /// 2/3.
 ///
-/// A load of which the stage says that branches pass each other there, and how far apart, is a remark if it
-/// is within that gap of a critical load of the perfect body: the answer without it must be right.
+/// A load that was told with a gap is right if it is within three times that of a load of the body; what is
+/// told after it is not judged. If it is within as much of one of the perfect body it is a remark: the answer
+/// without it must be right.
 ///
 /// Other bodies have branches that nearly meet as well, without an imperfection that anybody has made. Where
 /// the reference had to look closer than a hundred thousandth of its step to see two branches pass each

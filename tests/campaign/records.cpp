@@ -6,9 +6,7 @@ namespace vbond::campaign {
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ReferencePoint, kind, load_factor, error, regained, beyond_range)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Reference, points, searched_to, unstable_at_start, ended, undecided, nodes,
                                    passings)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(StatedGap, load_factor, gap)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Answer, failure, message, ended, loads, gaps, searched_to, factors,
-                                   seconds)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Answer, failure, message, ended, loads, searched_to, factors, seconds)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Judgement, verdict, why)
 
 nlohmann::json json_of(const Reference& r) {

@@ -103,7 +103,7 @@ TEST(StaticReport, SaysHowFarItLookedForCriticalLoads) {
   r.ended = "bond range";
   r.searched_to = 0.25;
   EXPECT_TRUE(has(static_report(StageKind::buckling, r, ""), "none up to load factor 0.25\n"));
-  r.critical_loads = {{PointKind::limit_point, 0.125, {}, 0.0, {}}};
+  r.critical_loads = {{PointKind::limit_point, 0.125, {}, 0.0, {}, 0.0}};
   const std::string text = static_report(StageKind::buckling, r, "");
   EXPECT_TRUE(has(text, "limit point            0.125                -                -\n")) << text;
   EXPECT_TRUE(has(text, "no others up to load factor 0.25\n")) << text;

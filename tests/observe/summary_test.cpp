@@ -153,11 +153,11 @@ RunSummary all_kinds() {
                 critical = statics(StageKind::buckling), modes = statics(StageKind::modes),
                 failed = statics(StageKind::modes);
   equilibrium.result.left_saddle = equilibrium.result.jumped = equilibrium.result.neutral = true;
-  path.result.special_points = {{PointKind::bifurcation, 0.25, 3, 0, 1},
-                                {PointKind::limit_point, 0.5, 4, 1, 2},
-                                {PointKind::bifurcation, 0.3, 7, 2, 1}};
-  critical.result.critical_loads = {{PointKind::bifurcation, 3.1e-4, 3.0e-4, 6.2e-4, {}},
-                                    {PointKind::limit_point, 1.2e-3, {}, 2.4e-3, {}}};
+  path.result.special_points = {{PointKind::bifurcation, 0.25, 3, 0, 1, 1e-7},
+                                {PointKind::limit_point, 0.5, 4, 1, 2, 0.0},
+                                {PointKind::bifurcation, 0.3, 7, 2, 1, 0.0}};
+  critical.result.critical_loads = {{PointKind::bifurcation, 3.1e-4, 3.0e-4, 6.2e-4, {}, 1e-9},
+                                    {PointKind::limit_point, 1.2e-3, {}, 2.4e-3, {}, 0.0}};
   critical.result.searched_to = 1.2e-3;
   modes.result.modes = {{0, 0, true, {}}, {0, -4.0, false, {}}, {1.5, 2.25, false, {}}};
   failed.result = {};
@@ -200,6 +200,7 @@ TEST(RunSummary, StaticStagesHoldTheirResultsByKind) {
   EXPECT_EQ(critical["critical_kinds"], (std::vector<std::string>{"bifurcation", "limit point"}));
   EXPECT_EQ(critical["linear_estimates"][0], 3.0e-4);
   EXPECT_TRUE(critical["linear_estimates"][1].is_null());
+  EXPECT_EQ(critical["critical_gaps"], (std::vector<double>{1e-9, 0.0}));
   EXPECT_EQ(critical["searched_to"], 1.2e-3);
   EXPECT_EQ(critical["critical_forces"], (std::vector<double>{6.2e-4, 2.4e-3}));
   const auto& modes = j["stages"][3];

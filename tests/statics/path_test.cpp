@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "vbond/statics/detail/crossing.hpp"
 #include "walks.hpp"
@@ -39,10 +40,10 @@ constexpr double half_span = 1.0, height = 0.1;
 constexpr double B1 = 1.0, B3 = 1e-5, B4 = 1e-5;
 
 /// The middle particle is high, the outer ones are held, and nobody turns.
-Specimen truss(double high = height) {
+Specimen truss(double high = height, double b3 = B3) {
   Specimen s = testing::particles_at({{-half_span, 0, 0}, {0, high, 0}, {half_span, 0, 0}});
   BondRecipe recipe;
-  recipe.parameters = GivenCoefficients{B1, 0.0, B3, B4};
+  recipe.parameters = GivenCoefficients{B1, 0.0, b3, B4};
   recipe.n_2 = Vec3d{0, 0, 1};
   testing::bond(s, 0, 1, recipe);
   testing::bond(s, 1, 2, recipe);
@@ -59,11 +60,11 @@ StaticStage truss_stage() {
 /// Force downwards on the middle particle when it has come down by v: twice the slope of the energy of a
 /// bond, [KA12] eq. (7), that has turned by delta while its ends have not: U = B1/2 (D - a)^2 - B3 cos^2
 /// delta - B4/4 (1 - sin^4 delta)^2 + constant.
-double truss_force(double v, double high = height) {
+double truss_force(double v, double high = height, double b3 = B3) {
   const double a = std::hypot(half_span, high), y = high - v, D = std::hypot(half_span, y);
   const double delta = std::atan2(high, half_span) - std::atan2(y, half_span);
   const double s = std::sin(delta), c = std::cos(delta);
-  const double dU_ddelta = 2 * B3 * c * s + 2 * B4 * (1 - std::pow(s, 4)) * std::pow(s, 3) * c;
+  const double dU_ddelta = 2 * b3 * c * s + 2 * B4 * (1 - std::pow(s, 4)) * std::pow(s, 3) * c;
   return 2 * (-B1 * (D - a) * y / D + dU_ddelta * half_span / (D * D));
 }
 
@@ -133,6 +134,44 @@ TEST(ShallowTruss, IsNotSteppedOverByALongStep) {
   stage.path.largest_step = 1.0;
   stage.path.above = 2.0;
   EXPECT_EQ(walk(truss(0.02), stage).result.special_points.size(), 2u);
+}
+
+/// Loads at the maximum and the minimum of a truss with this stiffness against turning its bonds; equal if
+/// there are none.
+std::pair<double, double> extremes(double b3) {
+  double top = 0.0, bottom = 0.0, before = 0.0;
+  bool falls = false;
+  for (double v = 0.0; v < 2 * height; v += 1e-5 * height) {
+    const double f = truss_force(v, height, b3);
+    if (!falls && f < before) top = before, falls = true;
+    if (falls && f < before) bottom = f;
+    before = f;
+  }
+  return {top, bottom};
+}
+
+// Just before its turning stiffness keeps it from snapping through, the truss has its maximum and its minimum
+// next to each other, at nearly one load: on either side of both it is stable, and neither the direction of
+// the path nor the load factor shows that they lie between.
+TEST(ShallowTruss, HasBothLimitPointsWhereTheyLieWithinOneStep) {
+  double snaps = B3, holds = 1.0;  // stiffnesses
+  for (int k = 0; k < 40; ++k) {
+    const double middle = 0.5 * (snaps + holds);
+    const auto [top, bottom] = extremes(middle);
+    (top - bottom > 1e-3 * top ? snaps : holds) = middle;
+  }
+  const auto [top, bottom] = extremes(snaps);
+  ASSERT_NEAR(top / bottom - 1, 1e-3, 1e-4);
+  StaticStage stage = truss_stage();
+  for (const double first_step : {0.3, 1.0, 3.0}) {
+    stage.path.first_step = first_step * top / 1e-3;
+    stage.path.largest_step = 1.0;
+    stage.path.above = 2 * top / 1e-3;
+    const Walked w = walk(truss(height, snaps), stage);
+    ASSERT_EQ(w.result.special_points.size(), 2u) << first_step;
+    EXPECT_NEAR(w.result.special_points[0].load_factor * 1e-3 / top, 1.0, 1e-6);
+    EXPECT_NEAR(w.result.special_points[1].load_factor * 1e-3 / bottom, 1.0, 1e-6);
+  }
 }
 
 // Just below the limit point, where the truss is soft, steps of any length end on the way to it; just above

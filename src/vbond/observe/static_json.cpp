@@ -19,23 +19,27 @@ void add_special_points(const StaticResult& r, Json& j) {
     Json point = {{"load_factor", s.load_factor}, {"point", s.point}};
     if (s.unstable_before) point["unstable_before"] = *s.unstable_before;
     if (s.unstable_after) point["unstable_after"] = *s.unstable_after;
+    if (s.gap > 0.0) point["gap"] = s.gap;
     j[list_of(s.kind)].push_back(std::move(point));
   }
 }
 
 /// Without a force on a group there are load factors only.
 void add_critical_loads(const StaticResult& r, Json& j) {
-  Json factors = Json::array(), kinds = Json::array(), estimates = Json::array(), forces = Json::array();
+  Json factors = Json::array(), kinds = Json::array(), gaps = Json::array(), estimates = Json::array(),
+       forces = Json::array();
   bool any_force = false;
   for (const CriticalLoad& c : r.critical_loads) {
     factors.push_back(c.load_factor);
     kinds.push_back(c.kind == PointKind::limit_point ? "limit point" : "bifurcation");
+    gaps.push_back(c.gap);
     estimates.push_back(c.estimate ? Json(*c.estimate) : Json());
     forces.push_back(c.force);
     any_force |= c.force != 0.0;
   }
   j["critical_load_factors"] = factors;
   j["critical_kinds"] = kinds;
+  j["critical_gaps"] = gaps;
   j["linear_estimates"] = estimates;
   j["searched_to"] = r.searched_to;
   if (any_force) j["critical_forces"] = forces;
@@ -69,7 +73,8 @@ std::vector<SpecialPoint> special_points(const Json& j) {
   for (const PointKind kind : {PointKind::limit_point, PointKind::bifurcation})
     for (const Json& s : j.at(list_of(kind)))
       points.push_back({kind, s.at("load_factor").get<double>(), s.at("point").get<int>(),
-                        count_if_known(s, "unstable_before"), count_if_known(s, "unstable_after")});
+                        count_if_known(s, "unstable_before"), count_if_known(s, "unstable_after"),
+                        s.value("gap", 0.0)});
   std::stable_sort(points.begin(), points.end(),
                    [](const SpecialPoint& a, const SpecialPoint& b) { return a.point < b.point; });
   return points;
@@ -83,6 +88,7 @@ std::vector<CriticalLoad> critical_loads(const Json& j) {
     CriticalLoad c;
     c.load_factor = factors.at(k).get<double>();
     if (kinds.at(k) == "limit point") c.kind = PointKind::limit_point;
+    c.gap = j.at("critical_gaps").at(k).get<double>();
     if (!estimates.at(k).is_null()) c.estimate = estimates.at(k).get<double>();
     if (j.contains("critical_forces")) c.force = j["critical_forces"].at(k).get<double>();
     loads.push_back(c);

@@ -47,9 +47,10 @@ std::string critical_loads(const StaticResult& r) {
                                  "linear estimate", "force");
   for (std::size_t k = 0; k < r.critical_loads.size(); ++k) {
     const CriticalLoad& c = r.critical_loads[k];
-    text += fmt::format("{:>6} {:>12} {:>16.8g} {:>16} {:>16}\n", k + 1, in_words(c.kind), c.load_factor,
+    text += fmt::format("{:>6} {:>12} {:>16.8g} {:>16} {:>16}{}\n", k + 1, in_words(c.kind), c.load_factor,
                         c.estimate ? fmt::format("{:.8g}", *c.estimate) : "-",
-                        c.force != 0.0 ? fmt::format("{:.8g}", c.force) : "-");
+                        c.force != 0.0 ? fmt::format("{:.8g}", c.force) : "-",
+                        c.gap > 0.0 ? fmt::format("  load factor +- {:.1g}", c.gap) : "");
   }
   return text + fmt::format("no others up to load factor {:.8g}\n", r.searched_to);
 }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <Eigen/SVD>
 #include <algorithm>
@@ -17,10 +18,12 @@ constexpr int most_corrections = 12;
 // curvature kappa it is kappa s / 2, so a half is a turn of the path by one radian.
 constexpr double largest_deviation = 0.5;
 // Near a critical point what is small out of balance moves the body far along its soft mode. So a point is
-// one only when the next correction is no more than this part of the step, or nothing is out of balance but
-// some times what rounding of positions leaves.
+// one only when the next correction is no more than this part of the step, or what is out of balance is some
+// times what rounding of positions leaves: more corrections would be rounding along that mode.
 constexpr double settled_to = 1e-7;
 constexpr double near_rounding = 10.0;
+// The rate of an eigenvalue is a difference over a step that changes bonds by this: truncation is its square.
+constexpr double small_bond_change = 1e-3;
 
 /// What is let go along null vectors, as a part of what drives the rest: rounding of the load's part along a
 /// mode that it does not drive is far below, and at a limit point the load drives its mode by no small part.
@@ -174,11 +177,13 @@ PathDirection ArcLength::singular_correction(const PathDirection& normal) {
   return d;
 }
 
-StepOutcome ArcLength::step(const Placement& from, const PathDirection& direction, double s) {
+StepOutcome ArcLength::step(const Placement& from, const PathDirection& direction, double s,
+                            bool end_of_step) {
   StepOutcome outcome;
   body_.restore(from);
   body_.move(s * direction.u, from.load_factor + s * direction.f);
-  PathDirection deviation{Vector::Zero(direction.u.size()), 0.0};
+  PathDirection& deviation = outcome.deviation;
+  deviation = {Vector::Zero(direction.u.size()), 0.0};
   const int most = std::min(most_corrections, settings_.iterations);
   for (;;) {
     const double residual = body_.residual();
@@ -190,9 +195,11 @@ StepOutcome ArcLength::step(const Placement& from, const PathDirection& directio
     factor();
     const PathDirection change = correction(direction);
     const bool in_balance = balanced(body_, settings_, outcome.residuals);
-    const bool settled = std::sqrt(dot(change, change)) <= settled_to * std::abs(s) ||
-                         residual <= near_rounding * body_.residual_of_rounding();
-    if (in_balance && (settled || outcome.iterations == most)) break;
+    const bool settled = std::sqrt(dot(change, change)) <= settled_to * std::abs(s);
+    const double rounding = body_.residual_of_rounding();
+    const bool falls = outcome.iterations == 0 || residual <= 0.3 * outcome.residuals.end()[-2];
+    const bool stalled = residual <= (end_of_step && falls ? 1.0 : near_rounding) * rounding;
+    if (in_balance && (settled || stalled || outcome.iterations == most)) break;
     if (outcome.iterations == most) {
       outcome.why = fmt::format("no balance after {} corrections", most);
       return outcome;
@@ -209,6 +216,34 @@ StepOutcome ArcLength::step(const Placement& from, const PathDirection& directio
   outcome.point = point_of_factor(direction);
   if (!outcome.point) outcome.why = "nothing changes with the load factor";
   return outcome;
+}
+
+Softest ArcLength::softest(const PathDirection& tangent) {
+  if (solver_.iterative()) return {};
+  constexpr int iterations = 4;
+  const SparseMatrix& K = body_.tangent();
+  DenseMatrix X = any_orthonormal_columns(K.rows(), std::min<Eigen::Index>(K.rows(), 3));
+  for (int k = 0; k < iterations; ++k) {
+    for (Eigen::Index c = 0; c < X.cols(); ++c)
+      X.col(c) = singular_ ? singular_->solve_beside(X.col(c)) : solver_.solve(X.col(c));
+    X = orthonormal(X);
+  }
+  const Eigen::SelfAdjointEigenSolver<DenseMatrix> ritz(X.transpose() * (K * X));
+  Eigen::Index nearest = 0;
+  ritz.eigenvalues().cwiseAbs().minCoeff(&nearest);
+  const Vector mode = X * ritz.eigenvectors().col(nearest);
+  const double change = body_.largest_bond_change(tangent.u);
+  if (!(change > 0.0)) return {ritz.eigenvalues()[nearest], 0.0};
+  const double h = small_bond_change / change;
+  const Placement here = body_.placement();
+  const auto beside = [&](double s) {
+    body_.restore(here);
+    body_.move(s * tangent.u, here.load_factor + s * tangent.f);
+    return mode.dot(body_.tangent() * mode);
+  };
+  const double rate = (beside(h) - beside(-h)) / (2.0 * h);
+  body_.restore(here);
+  return {ritz.eigenvalues()[nearest], rate};
 }
 
 double largest_bond_turn(const State& now, const Placement& before) {

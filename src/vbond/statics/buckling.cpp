@@ -164,7 +164,8 @@ void CriticalLoads::add(const CriticalPoint& c) {
                                         c.load_factor,
                                         {},
                                         c.load_factor * largest_proportional_force(stage_),
-                                        body_.unknowns().shape(mode_of_cluster(near.vectors, k))});
+                                        body_.unknowns().shape(mode_of_cluster(near.vectors, k)),
+                                        c.gap});
   }
   if (c.gap > 0.0) tell(in_words(c));
   report_point(body_, c.kind, std::min(c.before, c.after), hooks_, result_);

@@ -14,19 +14,18 @@ namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
-/// Columns in which no eigenvector is missing.
-DenseMatrix any_columns(Eigen::Index rows, Eigen::Index columns) {
-  DenseMatrix X(rows, columns);
-  for (Eigen::Index k = 0; k < X.size(); ++k)
-    X.data()[k] = std::sin(static_cast<double>(k + 1) * static_cast<double>(k + 1));
-  return X;
-}
+}  // namespace
 
 DenseMatrix orthonormal(const DenseMatrix& X) {
   return Eigen::HouseholderQR<DenseMatrix>(X).householderQ() * DenseMatrix::Identity(X.rows(), X.cols());
 }
 
-}  // namespace
+DenseMatrix any_orthonormal_columns(Eigen::Index rows, Eigen::Index columns) {
+  DenseMatrix X(rows, columns);
+  for (Eigen::Index k = 0; k < X.size(); ++k)
+    X.data()[k] = std::sin(static_cast<double>(k + 1) * static_cast<double>(k + 1));
+  return orthonormal(X);
+}
 
 Deflated::Deflated(const SparseMatrix& A) : A_(A) {
   factor_.analyse(A);
@@ -45,7 +44,7 @@ Deflated::Deflated(const SparseMatrix& A) : A_(A) {
 void Deflated::find_null_vectors(double bound) {
   const Eigen::Index n = A_.rows();
   for (Eigen::Index size = std::min<Eigen::Index>(n, 4);; size = std::min(n, 2 * size)) {
-    DenseMatrix X = orthonormal(any_columns(n, size));
+    DenseMatrix X = any_orthonormal_columns(n, size);
     for (int iteration = 0; iteration < 4; ++iteration) {
       for (Eigen::Index k = 0; k < size; ++k) X.col(k) = factor_.solve(X.col(k));
       X = orthonormal(X);

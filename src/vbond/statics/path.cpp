@@ -178,7 +178,7 @@ void PathStage::report(PointKind kind, std::optional<int> unstable) {
 /// At the point itself one eigenvalue or more are zero, not negative.
 void PathStage::report(const CriticalPoint& c) {
   body_.restore(c.node.point.at);
-  SpecialPoint special{c.kind, c.load_factor, 0, {}, {}};
+  SpecialPoint special{c.kind, c.load_factor, 0, {}, {}, c.gap};
   std::string text = in_words(c);
   std::optional<int> unstable;
   if (c.node.point.has_potential) {

@@ -49,8 +49,8 @@ std::string in_words(const CriticalPoint& c) {
   return text;
 }
 
-StepOutcome PathStep::to(double s) {
-  StepOutcome outcome = arc_->step(start_.at, direction_, s);
+StepOutcome PathStep::to(double s, bool end_of_step) {
+  StepOutcome outcome = arc_->step(start_.at, direction_, s, end_of_step);
   iterations_ += outcome.iterations;
   if (outcome.point) last_residuals_ = outcome.residuals;
   return outcome;
@@ -175,12 +175,13 @@ std::optional<CriticalPoint> PathStep::zero_of_eigenvalue(int number, const Path
   const Crossed crossed = crossing(a, b, small, at);
   if (last.s != crossed.s && !at(crossed.s)) return {};
   CriticalPoint c{PointKind::bifurcation, std::move(last), load_factor_at_zero(looks)};
-  const double smallest = std::abs(looks.back().value),
-               change = hi.point.at.load_factor - lo.point.at.load_factor;
+  const double change = std::abs(hi.point.at.load_factor - lo.point.at.load_factor);
+  const double jump = std::max(std::abs(crossed.lo.value), std::abs(crossed.hi.value));
+  const bool met = std::abs(looks.back().value) <= small;
   if (!crossed.found)  // between two paths that pass each other
     c.gap = std::abs(change * (crossed.hi.s - crossed.lo.s) / (hi.s - lo.s));
-  else if (smallest > std::max(gap_of_eigenvalue * scale, 100 * error))
-    c.gap = std::abs(change) * smallest / scale;
+  else if (!met && jump > std::max(gap_of_eigenvalue * scale, 100 * error))
+    c.gap = change * jump / scale;
   return c;
 }
 

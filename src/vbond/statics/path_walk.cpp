@@ -22,6 +22,9 @@ namespace {
 constexpr double largest_path_turn = 0.6;   // [rad]
 constexpr double largest_bond_turns = 0.2;  // [rad]; bonds have wrong rest states half a turn away
 constexpr double largest_load_error = 0.15;
+// The same for the whole way, over the length of the step: a smooth path goes between its directions at both
+// ends, and a step that goes aside without turning has gone over to a path beside.
+constexpr double largest_way_error = 0.1;
 constexpr double least_load_error = 0.01;
 // What the next step aims at.
 constexpr double wanted_path_turn = 0.3;  // [rad]
@@ -32,7 +35,11 @@ constexpr double wanted_corrections = 4;
 constexpr double largest_gap = 1e-4;
 // Such a bend is told of as a bifurcation passed if the gap is no more than this part of the load factor.
 // Beyond it the body just bends.
-constexpr double widest_gap = 1e-2;
+constexpr double widest_gap = 3e-3;
+// Steps in which stability may be lost and regained are taken again down to this part of their length.
+constexpr double shortest_beside_dips = 1.0 / 256;
+// A step that ends behind a wide gap is taken again to this part of the way to it.
+constexpr double up_to_gap = 0.7;
 // Of the body's size: the longest step unless told, and the shortest.
 constexpr double automatic_step = 0.02;
 constexpr double shortest_step = 1e-8;
@@ -42,6 +49,17 @@ constexpr double aside_on_branch = 1e-2;
 
 double size_of(const StaticBody& body) {
   return std::max(box_around(body.state().r).diagonal(), body.unknowns().length());
+}
+
+/// An eigenvalue that goes towards zero at the start of a step and away from it at the end may pass zero
+/// twice between: so if the tangents at both ends meet beyond zero.
+bool may_dip_below_zero(const Softest& start, const Softest& end, double s) {
+  const double sign = start.value < 0.0 ? -1.0 : 1.0;
+  const double a = sign * start.value, fall = -sign * start.rate, b = sign * end.value,
+               rise = sign * end.rate;
+  if (!(b > 0.0 && fall > 0.0 && rise > 0.0)) return false;
+  const double meet = (a - b + rise * s) / (fall + rise);
+  return meet > 0.0 && meet < s && a - fall * meet < 0.0;
 }
 
 }  // namespace
@@ -56,6 +74,7 @@ const PathPoint* PathWalk::start(double first_step) {
   if (std::signbit(here_.tangent.f) != std::signbit(first_step))
     here_.tangent = {-here_.tangent.u, -here_.tangent.f};
   load_scale_ = std::abs(first_step);
+  soft_here_ = arc_.softest(here_.tangent);
   next_ = std::min(std::abs(first_step / here_.tangent.f), longest(here_.tangent));
   shortest_ = std::min(shortest_step * size_, 1e-3 * next_);
   return &here_;
@@ -95,61 +114,69 @@ std::optional<PathLeg> PathWalk::turn_off(const CriticalPoint& at, const Vector&
 
 /// A step of length s or shorter, as short as must be.
 std::optional<PathLeg> PathWalk::leg(PathStep step, double s, bool on_branch) {
-  for (;; s *= 0.5) {
+  const double shortest_for_dips = shortest_beside_dips * s;
+  for (;;) {
     const bool last = 0.5 * s < shortest_;
-    std::optional<PathNode> end = attempt(step, s);
+    double next = 0.5 * s;
+    std::optional<PathNode> end = attempt(step, s, !on_branch && s > shortest_for_dips && !last);
     if (end) {
       PathNode start{0.0, step.start()};
       // at a critical point tangent and signs are left to rounding: those beside it stand for them
       if (on_branch) start.point = step.to(aside_on_branch * s).point.value_or(end->point);
       start.point.at = step.start().at;
       auto critical = step.critical_points(start, *end);
-      const bool gap =
-          critical && std::any_of(critical->begin(), critical->end(), [&](const CriticalPoint& c) {
-            return c.gap > largest_gap * std::max(load_scale_, std::abs(c.load_factor));
-          });
+      const CriticalPoint* gap = critical ? first_wide_gap(*critical) : nullptr;
       why_not_ = gap ? "the path comes close to another one that crosses it, and no step tells them apart"
                      : "no balance is found between two that are next to each other";
-      if (gap && !wide_gap_) remember_gap(*critical);
       if (critical && (!gap || last)) {
         iterations_ += step.iterations();
         other_factors_ += step.factors();
         return PathLeg{std::move(step), std::move(start), std::move(*end), std::move(*critical)};
       }
+      if (gap) {
+        next = std::min(next, up_to_gap * gap->node.s);
+        if (!wide_gap_ && gap->gap < widest_gap * std::abs(gap->load_factor)) wide_gap_ = *gap;
+      }
     }
     if (last) return {};
+    s = next;
   }
 }
 
-void PathWalk::remember_gap(const std::vector<CriticalPoint>& critical) {
+const CriticalPoint* PathWalk::first_wide_gap(const std::vector<CriticalPoint>& critical) const {
   for (const CriticalPoint& c : critical)
-    if (c.kind == PointKind::bifurcation && c.gap > 0.0 && c.gap < widest_gap * std::abs(c.load_factor)) {
-      wide_gap_ = c;
-      return;
-    }
+    if (c.gap > largest_gap * std::max(load_scale_, std::abs(c.load_factor))) return &c;
+  return nullptr;
 }
 
 /// The end of a step of length s if nothing speaks against it; else why_not() says what does.
-std::optional<PathNode> PathWalk::attempt(PathStep& step, double s) {
-  StepOutcome outcome = step.to(s);
+std::optional<PathNode> PathWalk::attempt(PathStep& step, double s, bool beware_of_dips) {
+  StepOutcome outcome = step.to(s, true);
   why_not_ = outcome.why;
   snapping_ = false;
   if (!outcome.point) return {};
   PathNode end{s, std::move(*outcome.point)};
-  why_not_ = objection(step, end);
+  why_not_ = objection(step, end, outcome.deviation);
   if (!why_not_.empty()) return {};
   choose_next_step(step, end, outcome.iterations);
+  soft_end_ = arc_.softest(end.point.tangent);
+  const bool same_count = end.point.unstable == step.start().unstable;
+  if (beware_of_dips && same_count && may_dip_below_zero(soft_here_, soft_end_, s)) {
+    why_not_ = "stability may be lost and regained";
+    return {};
+  }
   return end;
 }
 
 void PathWalk::arrive(const PathLeg& leg) {
   here_ = leg.end.point;
+  soft_here_ = soft_end_;
   body_.restore(here_.at);
   load_scale_ = std::max(load_scale_, std::abs(here_.at.load_factor));
 }
 
 /// Why a step to where the body stands now may have left the path; empty if nothing speaks against it.
-std::string PathWalk::objection(const PathStep& step, const PathNode& end) {
+std::string PathWalk::objection(const PathStep& step, const PathNode& end, const PathDirection& deviation) {
   const Placement& from = step.start().at;
   const double turn = arc_.angle(step.direction(), end.point.tangent);
   if (turn > largest_path_turn) return fmt::format("the path turns by {:.2g} rad", turn);
@@ -165,7 +192,18 @@ std::string PathWalk::objection(const PathStep& step, const PathNode& end) {
   const double error = std::abs(end.point.at.load_factor - from.load_factor - 0.5 * end.s * (f0 + f1));
   if (error > largest_load_error * end.s * (std::abs(f0) + std::abs(f1)) + least_load_error * load_scale_)
     return "the load factor goes back and forth";
+  if (way_error(step, end, deviation) > largest_way_error) return "the step goes aside to another path";
   return "";
+}
+
+/// How far the way from start to end is off the mean of the directions there, as long in the direction of the
+/// step, over the length of the step.
+double PathWalk::way_error(const PathStep& step, const PathNode& end, const PathDirection& deviation) const {
+  const PathDirection &from = step.direction(), &to = end.point.tangent;
+  const double along = end.s / (1.0 + arc_.dot(from, to));
+  const PathDirection error{deviation.u + (end.s - along) * from.u - along * to.u,
+                            deviation.f + (end.s - along) * from.f - along * to.f};
+  return std::sqrt(arc_.dot(error, error)) / end.s;
 }
 
 void PathWalk::choose_next_step(const PathStep& step, const PathNode& end, int corrections) {

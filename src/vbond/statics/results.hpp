@@ -48,6 +48,7 @@ struct SpecialPoint {
   int point = 0;                       ///< number of the point on the path, from 1
   std::optional<int> unstable_before;  ///< negative eigenvalues of the tangent; absent: not known
   std::optional<int> unstable_after;
+  double gap = 0;  ///< the same as of a critical load
   friend bool operator==(const SpecialPoint&, const SpecialPoint&) = default;
 };
 
@@ -58,6 +59,9 @@ struct CriticalLoad {
   std::optional<double> estimate;  ///< linearised about load factor 0; absent where that does not hold
   double force = 0;  ///< load factor times the largest proportional force on a whole group; 0: there is none
   Shape mode;
+  /// Of a body that is not quite symmetric: by how much of the load factor two paths pass each other where
+  /// those of the symmetric body would cross. So well the load factor is known. 0: they cross.
+  double gap = 0;
   friend bool operator==(const CriticalLoad&, const CriticalLoad&) = default;
 };
 

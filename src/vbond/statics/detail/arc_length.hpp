@@ -22,9 +22,16 @@ struct PathPoint {
   bool has_potential = true;  ///< of all loads; without one those eigenvalues do not tell what is stable
 };
 
+/// The eigenvalue of the tangent stiffness that is nearest to zero, roughly, and its rate along the path.
+struct Softest {
+  double value = 0;  ///< [force/length]
+  double rate = 0;   ///< [force/length^2]
+};
+
 /// What became of one step along a path.
 struct StepOutcome {
   std::optional<PathPoint> point;  ///< absent: no balance was found
+  PathDirection deviation;         ///< of the balance from the predicted place; normal to the direction
   std::string why;                 ///< absent: what stood in the way
   int iterations = 0;
   std::vector<double> residuals;  ///< before each correction and at the end
@@ -57,12 +64,15 @@ class ArcLength {
   /// The balance at which the body stands, its tangent on the same side as `along`. Nothing if nothing
   /// changes with the load factor. Throws NoConvergence if the tangent stiffness cannot be factored.
   std::optional<PathPoint> point_here(const PathDirection& along);
+  /// Of the point found last, where the body still stands.
+  Softest softest(const PathDirection& tangent);
   /// Whether the tangent stiffness of the last point was singular to rounding.
   bool is_singular() const { return singular_ && singular_->null_vectors().cols() > 0; }
 
   /// The balance on the plane at distance s from `from` that is normal to the unit vector `direction`. The
-  /// body is then there, or where the search ended.
-  StepOutcome step(const Placement& from, const PathDirection& direction, double s);
+  /// body is then there, or where the search ended. The end of a step, from which the path goes on, is
+  /// corrected down to rounding; of places looked at within a step some times that is enough.
+  StepOutcome step(const Placement& from, const PathDirection& direction, double s, bool end_of_step);
 
   /// Of the tangent, so far.
   int factors() const { return solver_.last_factor().made() + deflated_factors_; }

@@ -4,6 +4,11 @@
 
 namespace vbond {
 
+/// An orthonormal basis of what the columns span.
+DenseMatrix orthonormal(const DenseMatrix& X);
+/// Orthonormal columns in which no eigenvector is missing: to begin an iteration with.
+DenseMatrix any_orthonormal_columns(Eigen::Index rows, Eigen::Index columns);
+
 /// A symmetric matrix that cannot be factored as it is, taken apart: the eigenvectors whose eigenvalues are
 /// within rounding of zero, and what is left on the space normal to them, where it can be inverted (Chan,
 /// SIAM J. Numer. Anal. 21 (1984) 738). At a critical point of a path the tangent is such a matrix. There may
@@ -20,6 +25,8 @@ class Deflated {
   int negative() const { return negative_; }
   /// x normal to the null vectors, with A x = b but for the part of b along them.
   Vector solve(const Vector& b) const;
+  /// x with (A + a shift just above rounding) x = b.
+  Vector solve_beside(const Vector& b) const { return factor_.solve(b); }
   /// Factors that were made.
   int factors() const { return factor_.made(); }
 

@@ -43,8 +43,8 @@ class PathStep {
   const PathPoint& start() const { return start_; }
   const PathDirection& direction() const { return direction_; }
 
-  /// The balance at arc-length s, where the body is then.
-  StepOutcome to(double s);
+  /// The balance at arc-length s, where the body is then; as the end of the step, or on the way.
+  StepOutcome to(double s, bool end_of_step = false);
 
   /// The place between lo and hi at which a function of the balance crosses zero; |value| <= small is taken
   /// for zero. Nothing if a balance is not found somewhere between.

@@ -49,10 +49,11 @@ class PathWalk {
 
  private:
   std::optional<PathLeg> leg(PathStep step, double s, bool on_branch);
-  std::optional<PathNode> attempt(PathStep& step, double s);
-  void remember_gap(const std::vector<CriticalPoint>& critical);
+  std::optional<PathNode> attempt(PathStep& step, double s, bool beware_of_dips);
+  const CriticalPoint* first_wide_gap(const std::vector<CriticalPoint>& critical) const;
   void add_what_is_passed(PathLeg& leg);
-  std::string objection(const PathStep& step, const PathNode& end);
+  std::string objection(const PathStep& step, const PathNode& end, const PathDirection& deviation);
+  double way_error(const PathStep& step, const PathNode& end, const PathDirection& deviation) const;
   void choose_next_step(const PathStep& step, const PathNode& end, int corrections);
   double longest(const PathDirection& d) const;
 
@@ -67,6 +68,7 @@ class PathWalk {
   std::string why_not_;
   bool snapping_ = false;
   std::optional<CriticalPoint> wide_gap_;  // ahead
+  Softest soft_here_, soft_end_;           // at here_, and at the end of the last attempt
   int iterations_ = 0, other_factors_ = 0;
 };
 
