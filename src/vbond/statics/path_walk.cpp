@@ -38,8 +38,12 @@ constexpr double largest_gap = 1e-4;
 constexpr double widest_gap = 3e-3;
 // Steps in which stability may be lost and regained are taken again down to this part of their length.
 constexpr double shortest_beside_dips = 1.0 / 256;
+constexpr const char* close_paths =
+    "the path comes close to another one that crosses it, and no step tells them apart";
 // A step that ends behind a wide gap is taken again to this part of the way to it.
 constexpr double up_to_gap = 0.7;
+// From near by a gap may turn out narrower than from afar: so often it is looked at again.
+constexpr int most_looks_at_gap = 8;
 // Of the body's size: the longest step unless told, and the shortest.
 constexpr double automatic_step = 0.02;
 constexpr double shortest_step = 1e-8;
@@ -81,14 +85,20 @@ const PathPoint* PathWalk::start(double first_step) {
 }
 
 std::optional<PathLeg> PathWalk::next() {
-  std::optional<PathLeg> found =
-      leg(PathStep(body_, arc_, here_, here_.tangent), std::min(next_, longest(here_.tangent)), false);
-  if (found && wide_gap_) add_what_is_passed(*found);
+  const PathStep step(body_, arc_, here_, here_.tangent);
+  const double longest_here = longest(here_.tangent), s = std::min(next_, longest_here);
+  std::optional<PathLeg> found = leg(step, s, Way::round_gaps);
+  if (!found && wide_gap_ && !snapping_) {  // no way round the bend: over it, then
+    found = leg(step, std::min(longest_here, std::max(s, length_to(*wide_gap_))), Way::over_gaps);
+    wide_gap_.reset();
+  } else if (found && wide_gap_) {
+    add_what_is_passed(*found);
+  }
   return found;
 }
 
 /// A gap that was too wide to be stepped over is followed round the bend. If that brings nothing critical,
-/// and the load factor goes on, the path has turned off along the branch.
+/// and the load factor goes on beyond the gap, the path has turned off along the branch.
 void PathWalk::add_what_is_passed(PathLeg& leg) {
   const double f = wide_gap_->load_factor;
   if (!leg.critical.empty()) return wide_gap_.reset();
@@ -96,7 +106,10 @@ void PathWalk::add_what_is_passed(PathLeg& leg) {
   const auto beyond = [end_of_gap](const PathPoint& p) { return p.at.load_factor - end_of_gap; };
   if (std::signbit(beyond(leg.start.point)) == std::signbit(beyond(leg.end.point))) return;
   const double small = 1e-12 * std::max(load_scale_, std::abs(f));
-  if (std::optional<PathNode> at = leg.step.zero_of(beyond, leg.start, leg.end, small)) {
+  const bool told = wide_gap_->gap < widest_gap * std::abs(f);
+  std::optional<PathNode> at;
+  if (told) at = leg.step.zero_of(beyond, leg.start, leg.end, small);
+  if (at) {
     const int unstable = at->point.unstable;
     leg.critical.push_back({PointKind::bifurcation, std::move(*at), f, unstable, unstable, wide_gap_->gap});
   }
@@ -109,11 +122,12 @@ std::optional<PathLeg> PathWalk::turn_off(const CriticalPoint& at, const Vector&
   PathDirection off{mode, 0.0};
   const double along = arc_.dot(off, here_.tangent);
   off = arc_.unit({off.u - along * here_.tangent.u, off.f - along * here_.tangent.f});
-  return leg(PathStep(body_, arc_, at.node.point, off), longest(off), true);
+  return leg(PathStep(body_, arc_, at.node.point, off), longest(off), Way::off_along_branch);
 }
 
 /// A step of length s or shorter, as short as must be.
-std::optional<PathLeg> PathWalk::leg(PathStep step, double s, bool on_branch) {
+std::optional<PathLeg> PathWalk::leg(PathStep step, double s, Way way) {
+  const bool on_branch = way == Way::off_along_branch;
   const double shortest_for_dips = shortest_beside_dips * s;
   for (;;) {
     const bool last = 0.5 * s < shortest_;
@@ -124,10 +138,14 @@ std::optional<PathLeg> PathWalk::leg(PathStep step, double s, bool on_branch) {
       // at a critical point tangent and signs are left to rounding: those beside it stand for them
       if (on_branch) start.point = step.to(aside_on_branch * s).point.value_or(end->point);
       start.point.at = step.start().at;
+      if (!last && way != Way::over_gaps && goes_over_known_gap(start.point, end->point)) {
+        why_not_ = close_paths;
+        s = next;
+        continue;
+      }
       auto critical = step.critical_points(start, *end);
-      const CriticalPoint* gap = critical ? first_wide_gap(*critical) : nullptr;
-      why_not_ = gap ? "the path comes close to another one that crosses it, and no step tells them apart"
-                     : "no balance is found between two that are next to each other";
+      const CriticalPoint* gap = critical && way != Way::over_gaps ? first_wide_gap(*critical) : nullptr;
+      why_not_ = gap ? close_paths : "no balance is found between two that are next to each other";
       if (critical && (!gap || last)) {
         iterations_ += step.iterations();
         other_factors_ += step.factors();
@@ -135,12 +153,27 @@ std::optional<PathLeg> PathWalk::leg(PathStep step, double s, bool on_branch) {
       }
       if (gap) {
         next = std::min(next, up_to_gap * gap->node.s);
-        if (!wide_gap_ && gap->gap < widest_gap * std::abs(gap->load_factor)) wide_gap_ = *gap;
+        if (!wide_gap_) wide_gap_ = *gap, looks_at_gap_ = 0;
+        ++looks_at_gap_;
       }
     }
     if (last) return {};
     s = next;
   }
+}
+
+/// The length of a step that goes well beyond a gap, by the rate of the load factor here.
+double PathWalk::length_to(const CriticalPoint& gap) const {
+  const double ahead = std::abs(gap.load_factor - here_.at.load_factor) + gap.gap;
+  return 4.0 * ahead / std::max(std::abs(here_.tangent.f), 1e-300);
+}
+
+/// What is found between the two would be the gap that has been looked at often: that takes many balances.
+bool PathWalk::goes_over_known_gap(const PathPoint& start, const PathPoint& end) const {
+  if (!wide_gap_ || looks_at_gap_ < most_looks_at_gap || start.unstable == end.unstable) return false;
+  const double f = wide_gap_->load_factor;
+  return std::signbit(start.tangent.f) == std::signbit(end.tangent.f) &&
+         (start.at.load_factor < f) == (f < end.at.load_factor);
 }
 
 const CriticalPoint* PathWalk::first_wide_gap(const std::vector<CriticalPoint>& critical) const {

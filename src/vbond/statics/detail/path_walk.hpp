@@ -18,9 +18,10 @@ struct PathLeg {
 /// critical. The only place where the length of steps is chosen and judged: `path` and `buckling` are two
 /// ways to look at this walk.
 ///
-/// A step is taken again at half its length if something speaks against it: no balance, a turn of the path or
-/// of a bond that is too large, a bond that snaps, a load factor that goes back and forth, or an eigenvalue
-/// that jumps over zero, which means that the step has left the path for another one.
+/// A step is taken again, shorter, if something speaks against it: no balance, a turn of the path or of a
+/// bond that is too large, a bond that snaps, a load factor that goes back and forth, a way aside or an
+/// eigenvalue that jumps over zero, which mean that the step has left the path for another one, or an
+/// eigenvalue that may pass zero and come back.
 class PathWalk {
  public:
   /// Keeps references. largest_step: the longest movement of a particle in a step  [length]; 0: a share of
@@ -48,8 +49,11 @@ class PathWalk {
   int factors() const { return arc_.factors() + other_factors_; }
 
  private:
-  std::optional<PathLeg> leg(PathStep step, double s, bool on_branch);
+  enum class Way { round_gaps, over_gaps, off_along_branch };
+  std::optional<PathLeg> leg(PathStep step, double s, Way way);
   std::optional<PathNode> attempt(PathStep& step, double s, bool beware_of_dips);
+  double length_to(const CriticalPoint& gap) const;
+  bool goes_over_known_gap(const PathPoint& start, const PathPoint& end) const;
   const CriticalPoint* first_wide_gap(const std::vector<CriticalPoint>& critical) const;
   void add_what_is_passed(PathLeg& leg);
   std::string objection(const PathStep& step, const PathNode& end, const PathDirection& deviation);
@@ -68,7 +72,8 @@ class PathWalk {
   std::string why_not_;
   bool snapping_ = false;
   std::optional<CriticalPoint> wide_gap_;  // ahead
-  Softest soft_here_, soft_end_;           // at here_, and at the end of the last attempt
+  int looks_at_gap_ = 0;
+  Softest soft_here_, soft_end_;  // at here_, and at the end of the last attempt
   int iterations_ = 0, other_factors_ = 0;
 };
 
