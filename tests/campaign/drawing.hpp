@@ -67,12 +67,14 @@ inline BondSet chain_of(const BodyPlan& plan, const Particles& chain, const Rod&
   return set;
 }
 
+/// No degree of freedom is held twice: case files refuse that of supports that move.
 inline void hold(BodyPlan& plan, Particles particles, HeldDofs held, const Vec3d& displacement = {}) {
-  plan.supports.push_back({std::move(particles), held, displacement, {}});
+  for (std::size_t k = 0; plan.in_plane && k < 6; ++k) held[k] = held[k] && !plane_only[k];
+  if (held != HeldDofs{}) plan.supports.push_back({std::move(particles), held, displacement, {}});
 }
 inline void keep_in_plane(BodyPlan& plan) {
-  plan.in_plane = true;
   hold(plan, everybody(plan), plane_only);
+  plan.in_plane = true;
 }
 inline void load(BodyPlan& plan, Particles particles, const Vec3d& force) {
   plan.loads.push_back({std::move(particles), force, {}, false});

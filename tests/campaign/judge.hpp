@@ -26,7 +26,8 @@ struct Answer {
   std::string failure;  ///< "gave up", "aborted" or none
   std::string message;  ///< of the failure
   std::string ended;
-  std::vector<ReferencePoint> loads;  ///< of buckling all, of a path the first special point; errors are 0
+  std::vector<ReferencePoint>
+      loads;  ///< of buckling all, of a path the first special point; errors are gaps told
   double searched_to = 0;
   int factors = 0;
   double seconds = 0;
@@ -40,13 +41,15 @@ struct Judgement {
 /// A critical load is right if it is within 1e-6 of the reference, or four times the error of the reference,
 /// which is what rounding of the tangent lets be known: 8 eps max |K_ii| over |d eigenvalue / d load factor|.
 ///
-/// Of a body with an imperfection of less than 1e-5 of its thickness the branches that cross in the perfect
-/// body pass each other by less than a step can see. There the answer may be that of the perfect body,
-/// too, to within 3 sqrt(imperfection): Koiter's laws, in which critical loads change as the power 1/2 or
+/// Of a body with an imperfection of less than 1e-4 of its thickness the branches that cross in the perfect
+/// body pass each other by less than a step can see. There an answer is right, too, if it is that of the path
+/// seen from a thousand times nearer, or if its first load is the perfect body's to within
+/// 0.1 sqrt(imperfection), 1e-3 at most: Koiter's laws, in which critical loads change as the power 1/2 or
 /// 2/3.
 ///
-/// A load that was told with a gap, whatever the imperfection, is right if it is within three times that of a
-/// load of the body or of the perfect one. What is told after it is not judged.
+/// A load that was told with a gap is right if it is within three times that of a load of the body; what is
+/// told after it is not judged. If it is within as much of one of the perfect body it is a remark: the answer
+/// without it must be right.
 ///
 /// Other bodies have branches that nearly meet as well, without an imperfection that anybody has made. Where
 /// the reference had to look closer than a hundred thousandth of its step to see two branches pass each
@@ -54,8 +57,6 @@ struct Judgement {
 /// are counted.
 struct Tolerance {
   double least = 1e-6;
-  bool any_kind =
-      false;  ///< a limit point that close to where the perfect body bifurcates may be told as either
 };
 
 Judgement judge_buckling(const Answer& answer, const Reference& reference, int count,

@@ -250,6 +250,7 @@ void Walk::locate(const Node& a, const Node& end) {
   for (int tries = 0; tries < spans_tried; ++tries, h *= 0.2) {
     while (std::abs(hi - lo) > 0.2 * h) {
       const double p = 0.5 * (lo + hi);
+      if (p == lo || p == hi) break;
       const auto mid = between(a, end, p);
       if (mid && !differs(a, *mid))
         lo = p, before = *mid;

@@ -103,7 +103,8 @@ int print_table(std::vector<CaseRecord> records) {
   const Counts buckling =
       print_counts("buckling", records, [](const CaseRecord& r) { return r.of_buckling.verdict; });
   const Counts path = print_counts("path", records, [](const CaseRecord& r) { return r.of_path.verdict; });
-  fmt::print("\n{} of them went over to branches that pass close by\n", went_over(records));
+  fmt::print("\n{} of them are right as judge.hpp lets pass where branches pass each other close by\n",
+             went_over(records));
   print_most("Slowest  [s]", records,
              [](const CaseRecord& r) { return std::max(r.buckling.seconds, r.path.seconds); });
   print_most("Most factors of buckling for each of the path", records, factor_ratio);
