@@ -24,8 +24,9 @@ struct Options {
   unsigned seed = 1;
   int first = 0, cases = 2000, jobs = static_cast<int>(std::thread::hardware_concurrency());
   double seconds = 0;
-  std::optional<int> only;
-  bool verbose = false;
+  std::vector<int> only;
+  int number(int k) const { return only.empty() ? first + k : only[static_cast<std::size_t>(k)]; }
+  bool verbose = false, perfect = false;
   std::string dump, case_file, records;
   int count = 6;
 };
@@ -36,8 +37,8 @@ void work(const Options& o, std::atomic<int>& next, int to) {
   for (;;) {
     const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - start;
     const int k = next.fetch_add(1);
-    if (k >= o.first + o.cases || (o.seconds > 0 && gone.count() > o.seconds)) return;
-    const std::string line = nlohmann::json(run_case(random_case(o.seed, k))).dump() + "\n";
+    if (k >= o.cases || (o.seconds > 0 && gone.count() > o.seconds)) return;
+    const std::string line = nlohmann::json(run_case(random_case(o.seed, o.number(k)))).dump() + "\n";
     for (std::size_t done = 0; done < line.size();) {
       const ssize_t n = write(to, line.data() + done, line.size() - done);
       if (n <= 0) return;
@@ -88,7 +89,7 @@ std::vector<CaseRecord> run_all(const Options& o) {
   void* shared =
       mmap(nullptr, sizeof(std::atomic<int>), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
   if (shared == MAP_FAILED) throw std::bad_alloc();
-  auto& next = *new (shared) std::atomic<int>(o.first);
+  auto& next = *new (shared) std::atomic<int>(0);
   std::vector<Lines> workers = start_workers(o, next);
   std::vector<CaseRecord> records;
   std::ofstream kept;
@@ -112,7 +113,8 @@ std::vector<CaseRecord> run_all(const Options& o) {
 
 /// The case as two files for `vbond run`: NAME-buckling.toml and NAME-path.toml.
 void dump(const Options& o, int number) {
-  const RandomCase c = random_case(o.seed, number);
+  RandomCase c = random_case(o.seed, number);
+  if (o.perfect) c.plan = perfect(c.plan);
   const testing::Specimen s = specimen_of(c.plan);
   const StaticStage buckling = buckling_stage_of(c);
   const Reference reference = find_reference(s.model, buckling, s.state, {c.count, 0, false, 6000});
@@ -123,7 +125,7 @@ void dump(const Options& o, int number) {
 int run(const Options& o) {
   if (!o.case_file.empty()) return print_reference_of(o.case_file, o.count);
   if (!o.dump.empty()) {
-    dump(o, o.only.value_or(o.first));
+    dump(o, o.number(0));
     return 0;
   }
   const auto start = std::chrono::steady_clock::now();
@@ -144,16 +146,17 @@ int main(int argc, char** argv) {
   app.add_option("--seed", o.seed, "of all cases");
   app.add_option("--cases", o.cases, "how many")->capture_default_str();
   app.add_option("--first", o.first, "number of the first case");
-  app.add_option("--only", o.only, "this case alone, in full");
+  app.add_option("--only", o.only, "these cases alone, in full");
   app.add_option("--seconds", o.seconds, "begin no case after so long; 0: no limit");
   app.add_option("--jobs", o.jobs, "processes at a time")->capture_default_str();
   app.add_flag("--verbose", o.verbose, "print every case");
   app.add_option("--records", o.records, "keep one line of JSON per case in this file");
   app.add_option("--dump", o.dump, "write the case of --only as NAME-buckling.toml and NAME-path.toml");
+  app.add_flag("--perfect", o.perfect, "--dump writes the body without its imperfection");
   app.add_option("--reference-of", o.case_file, "print the reference of a case file's first stage");
   app.add_option("--count", o.count, "critical loads wanted of --reference-of")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
-  if (o.only) o.first = *o.only, o.cases = 1, o.jobs = 1, o.verbose = true;
+  if (!o.only.empty()) o.cases = static_cast<int>(o.only.size()), o.verbose = true;
   try {
     return vbond::campaign::run(o);
   } catch (const std::exception& e) {

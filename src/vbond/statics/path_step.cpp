@@ -17,6 +17,9 @@ namespace {
 constexpr double small_eigenvalue = 1e-8;
 // One that is larger where it changes its sign has jumped over zero.
 constexpr double gap_of_eigenvalue = 1e-6;
+// A path that turns by more than this at a critical point has turned off there  [rad]; where it is back is
+// found to this part of the step.
+constexpr double largest_turn_within = 0.8, width_of_turn = 1e-3;
 // Zeros of several eigenvalues closer than this, over the length of the step, are one place.
 constexpr double same_place = 1e-7;
 // Stability on either side of a limit point is looked at this far from it, over the length of the step.
@@ -177,12 +180,36 @@ std::optional<CriticalPoint> PathStep::zero_of_eigenvalue(int number, const Path
   CriticalPoint c{PointKind::bifurcation, std::move(last), load_factor_at_zero(looks)};
   const double change = std::abs(hi.point.at.load_factor - lo.point.at.load_factor);
   const double jump = std::max(std::abs(crossed.lo.value), std::abs(crossed.hi.value));
-  const bool met = std::abs(looks.back().value) <= small;
+  const bool met = crossed.found && std::abs(looks.back().value) <= small;
+  if (!met && jump > std::max(gap_of_eigenvalue * scale, 100 * error)) c.gap = change * jump / scale;
   if (!crossed.found)  // between two paths that pass each other
-    c.gap = std::abs(change * (crossed.hi.s - crossed.lo.s) / (hi.s - lo.s));
-  else if (!met && jump > std::max(gap_of_eigenvalue * scale, 100 * error))
-    c.gap = change * jump / scale;
+    c.gap = std::max(c.gap, std::abs(change * (crossed.hi.s - crossed.lo.s) / (hi.s - lo.s)));
+  if (met) c.gap = gap_of_turn(lo, c.node, hi);
   return c;
+}
+
+/// Where the path turns off at a critical point, but goes on as before at both ends of the step, it has gone
+/// over to another path between: how far apart the load factors are where it turns. 0 if it does not turn.
+double PathStep::gap_of_turn(const PathNode& lo, const PathNode& node, const PathNode& hi) {
+  const auto turned = [this](const PathPoint& p) {
+    return arc_->angle(direction_, p.tangent) - largest_turn_within;
+  };
+  double gap = 0.0;
+  for (const PathNode* end : {&lo, &hi}) {
+    if (turned(node.point) <= 0.0 || turned(end->point) > 0.0) continue;
+    PathNode last = *end;
+    const auto at = [&](double s) -> std::optional<double> {
+      StepOutcome outcome = to(s);
+      if (!outcome.point) return std::nullopt;
+      const double value = turned(*outcome.point);
+      if (value <= 0.0) last = {s, std::move(*outcome.point)};
+      return value;
+    };
+    CrossingSearch<decltype(at)>(0.0, width_of_turn * (hi.s - lo.s), at)
+        .between({node.s, turned(node.point)}, {end->s, turned(end->point)});
+    gap = std::max(gap, std::abs(last.point.at.load_factor - node.point.at.load_factor));
+  }
+  return gap;
 }
 
 /// How many eigenvalues lie below a bound, or one close by.

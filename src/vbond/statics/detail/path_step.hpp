@@ -66,6 +66,7 @@ class PathStep {
   bool add_bifurcations(const PathNode& lo, const PathNode& hi, std::vector<CriticalPoint>& found);
   std::optional<CriticalPoint> zero_of_eigenvalue(int number, const PathNode& lo, const PathNode& hi,
                                                   const std::vector<CriticalPoint>& known);
+  double gap_of_turn(const PathNode& lo, const PathNode& node, const PathNode& hi);
   double eigenvalue(int number, const PathPoint& p);
   int number_below(const SparseMatrix& A, double bound);
   int unstable_beside(double special, double s, const PathNode& end);
