@@ -84,6 +84,18 @@ BodyPlan bent_cantilever(Dice& dice) {
   return plan;
 }
 
+/// N bonds from particle 0 to a foot; the particle there.
+std::size_t add_bar(BodyPlan& plan, const Vec3d& foot, std::size_t N, const Rod& rod) {
+  Particles bar{0};
+  for (std::size_t k = 1; k <= N; ++k) {
+    bar.push_back(plan.r.size());
+    plan.r.push_back(plan.r[0] + static_cast<double>(k) / static_cast<double>(N) * (foot - plan.r[0]));
+  }
+  plan.sets.push_back(chain_of(plan, bar, rod));
+  plan.sets.back().n_2 = Vec3d{0, 0, 1};
+  return bar.back();
+}
+
 /// Two bars and their apex, or a fan of several.
 BodyPlan plane_truss(Dice& dice) {
   BodyPlan plan;
@@ -96,14 +108,7 @@ BodyPlan plane_truss(Dice& dice) {
   const int bars = chance(dice, 0.7) ? 2 : 3;
   for (int b = 0; b < bars; ++b) {
     const Vec3d foot{b == 0 ? -std::cos(slope) : b == 1 ? std::cos(slope) : 0.4 * std::cos(slope), 0, 0};
-    Particles bar{0};
-    for (std::size_t k = 1; k <= N; ++k) {
-      bar.push_back(plan.r.size());
-      plan.r.push_back(plan.r[0] + static_cast<double>(k) / static_cast<double>(N) * (foot - plan.r[0]));
-    }
-    feet.push_back(bar.back());
-    plan.sets.push_back(chain_of(plan, bar, rod));
-    plan.sets.back().n_2 = Vec3d{0, 0, 1};
+    feet.push_back(add_bar(plan, foot, N, rod));
   }
   plan.radius = 0.1 / static_cast<double>(N);
   keep_in_plane(plan);
@@ -133,14 +138,7 @@ BodyPlan star(Dice& dice) {
   for (int b = 0; b < bars; ++b) {
     const double phi = first + 2 * M_PI * b / bars;
     const Vec3d foot{std::cos(slope) * std::cos(phi), std::cos(slope) * std::sin(phi), 0};
-    Particles bar{0};
-    for (std::size_t k = 1; k <= N; ++k) {
-      bar.push_back(plan.r.size());
-      plan.r.push_back(plan.r[0] + static_cast<double>(k) / static_cast<double>(N) * (foot - plan.r[0]));
-    }
-    feet.push_back(bar.back());
-    plan.sets.push_back(chain_of(plan, bar, rod));
-    plan.sets.back().n_2 = Vec3d{0, 0, 1};
+    feet.push_back(add_bar(plan, foot, N, rod));
   }
   plan.radius = 0.1 / static_cast<double>(N);
   const bool clamped = chance(dice, 0.5);

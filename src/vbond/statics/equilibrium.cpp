@@ -9,8 +9,7 @@
 #include "vbond/core/error.hpp"
 #include "vbond/statics/detail/eigen.hpp"
 #include "vbond/statics/detail/kinds.hpp"
-#include "vbond/statics/detail/rigid.hpp"
-#include "vbond/statics/detail/rounding.hpp"
+#include "vbond/statics/detail/stability.hpp"
 #include "vbond/statics/detail/valley.hpp"
 
 namespace vbond {
@@ -65,7 +64,7 @@ class LoadSteps {
                               outcome.why));
         continue;
       }
-      count_unstable();
+      judge();
       if (may_be_a_jump(way)) {
         const std::optional<bool> back = comes_back(way.from);
         if (!back) return interrupted(way.from);
@@ -74,13 +73,17 @@ class LoadSteps {
           continue;
         }
         if (!*back) tell_jump(way.from);
-        count_unstable();
+        judge();
       }
       if (!accept(outcome)) return interrupted(way.from);
       step = std::min(longest, 2.0 * std::max(step, way.length));
     }
-    result_.smallest_eigenvalue = smallest_eigenvalue();
-    judge_smallest();
+    result_.smallest_eigenvalue = smallest_eigenvalue(body_, solver_, stability_);
+    if (result_.smallest_eigenvalue && !result_.neutral &&
+        is_neutral(body_, stability_, *result_.smallest_eigenvalue)) {
+      result_.neutral = true;
+      tell_neutral();
+    }
     result_.ended = "converged";
   }
   const TangentSolver& solver() const { return solver_; }
@@ -89,11 +92,11 @@ class LoadSteps {
   /// The first point: where the body comes from.
   void begin() {
     try {
-      count_unstable();
+      judge();
     } catch (const NoConvergence&) {  // only told here: what it is like under load is what counts
-      unstable_.reset();
+      stability_.unstable.reset();
     }
-    report_point(body_, PointKind::regular, unstable_, hooks_, result_);
+    report_point(body_, PointKind::regular, stability_.unstable, hooks_, result_);
   }
 
   void interrupted(const Placement& last_balance) {
@@ -154,19 +157,19 @@ class LoadSteps {
   /// interrupted.
   bool accept(NewtonOutcome outcome) {
     constexpr int most_tries = 3;
-    for (int k = 0; k < most_tries && unstable_.value_or(0) > 0; ++k) {
+    for (int k = 0; k < most_tries && stability_.unstable.value_or(0) > 0; ++k) {
       if (body_.stage().at_saddle == AtSaddle::keep) break;
       result_.left_saddle = true;
       outcome = leave_saddle();
       if (outcome.interrupted) return false;
     }
     result_.residuals = outcome.residuals;
-    result_.unstable = unstable_;
-    result_.neutral = neutral_;
+    result_.unstable = stability_.unstable;
+    result_.neutral = stability_.neutral;
     result_.jumped = jumped_;
-    if (neutral_) tell_neutral();
-    report_point(body_, body_.load_factor() < 1.0 ? PointKind::regular : PointKind::end, unstable_, hooks_,
-                 result_);
+    if (stability_.neutral) tell_neutral();
+    report_point(body_, body_.load_factor() < 1.0 ? PointKind::regular : PointKind::end, stability_.unstable,
+                 hooks_, result_);
     return true;
   }
 
@@ -182,7 +185,7 @@ class LoadSteps {
     const Placement here = body_.placement();
     const double went = distance_to_here(way.from);
     if (went > far * distance(way.from, way.predicted, body_.unknowns().length())) return true;
-    if (!definite_) return false;
+    if (!stability_.definite) return false;
     const Vector x = solver_.solve_full(body_, body_.load_direction());
     body_.move((way.from.load_factor - here.load_factor) * x, way.from.load_factor);
     const double expected = distance_to_here(here);
@@ -214,95 +217,14 @@ class LoadSteps {
         from.load_factor, body_.load_factor(), distance_to_here(from)));
   }
 
-  /// Negative eigenvalues that are more than their error, and the lowest of them with its mode. Not known
-  /// where conjugate gradients were used.
-  void count_unstable() {
-    unstable_ = 0;
-    neutral_ = false;
-    lowest_.reset();
-    const std::optional<int> negative = solver_.factor(body_);
-    if (solver_.iterative()) unstable_.reset();
-    definite_ = factored_here_ = negative == 0;
-    if (solver_.iterative() || definite_) return;
-    const SparseMatrix& K = body_.tangent();
-    if (K.norm() == 0.0) {  // where contacts just begin to touch
-      neutral_ = true;
-      return;
-    }
-    Factor factor;
-    factor.analyse(K);
-    body_.has_moment_part() ? judge_beside_moments(factor, negative) : judge_by_lowest(factor, negative);
-  }
-
-  void judge_by_lowest(Factor& factor, std::optional<int> negative) {
-    const SparseMatrix& K = body_.tangent();
-    lowest_ = lowest_pair(factor, eigenvalue_error(K));
-    const double lowest = lowest_->values[0], error = eigenvalue_error(K, lowest_->vectors.col(0));
-    neutral_ = std::abs(lowest) <= error;
-    if (lowest < -error)
-      unstable_ = std::max(1, factor.factor_indefinite(K, error).value_or(negative.value_or(1)));
-  }
-
-  /// Eigenvalues of the whole tangent lie within its antisymmetric part of those of the symmetric one: under
-  /// outside moments only those below that are counted, and if there are others below zero nothing is known.
-  void judge_beside_moments(Factor& factor, std::optional<int> negative) {
-    const SparseMatrix& K = body_.tangent();
-    const double margin = std::max(eigenvalue_error(K), body_.moment_part());
-    lowest_ = lowest_pair(factor, margin);
-    if (lowest_->values[0] < -margin) {
-      unstable_ = std::max(1, factor.factor_indefinite(K, margin).value_or(negative.value_or(1)));
-      return;
-    }
-    lowest_.reset();
-    neutral_ = !negative;
-    unstable_.reset();
-  }
-
-  /// The lowest eigenvalue, below which it is looked for from this far below zero on, and its mode. The value
-  /// is the one that the mode gives, which is free of the rounding on the way to it.
-  EigenPairs lowest_pair(Factor& factor, double margin) const {
-    const SparseMatrix& K = body_.tangent();
-    const double size = K.norm();
-    double below = 10.0 * margin;
-    while (!factor.factor_definite(K, below)) {
-      below *= 10.0;
-      if (!(below < 1e3 * size)) give_up("the tangent stiffness is not finite: " + body_.first_not_finite());
-    }
-    EigenPairs lowest = smallest_eigenpairs(K, 1, -below);
-    const Vector x = lowest.vectors.col(0);
-    lowest.values[0] = x.dot(K * x);
-    return lowest;
-  }
-
-  /// The last balance may be neutral although its tangent could be factored as positive definite.
-  void judge_smallest() {
-    const std::optional<double>& smallest = result_.smallest_eigenvalue;
-    if (!smallest) return;
-    if (!std::isfinite(*smallest))
-      give_up("the tangent stiffness is not finite: " + body_.first_not_finite());
-    const SparseMatrix& K = body_.tangent();
-    constexpr double far = 1e3;  // no mode's error is so many times that of all
-    if (!definite_ || *smallest > far * eigenvalue_error(K)) return;
-    const EigenPairs nearest = eigenpairs_near_zero(K, 1);
-    if (nearest.values[0] > eigenvalue_error(K, nearest.vectors.col(0))) return;
-    result_.neutral = true;
-    tell_neutral();
-  }
-
-  void tell_neutral() const {
-    const EigenPairs zero = eigenpairs_near_zero(body_.tangent(), 1);
-    tell(fmt::format("load factor {:.6g}: the balance is neutral, some motion meets no stiffness: {}",
-                     body_.load_factor(), body_.unknowns().names_of_largest(zero.vectors.col(0))));
-  }
-
   /// Downhill along the most negative mode, its largest component positive, and counts again. If that fails
   /// the unstable balance is kept as the last point.
   NewtonOutcome leave_saddle() {
     constexpr double nudge = 0.02;  // of the length scale: far above rounding, far below a change of shape
     const Placement saddle = body_.placement();
-    const int unstable = unstable_.value();
-    const double lowest = lowest_->values[0];
-    const Vector x = lowest_->vectors.col(0);
+    const int unstable = stability_.unstable.value();
+    const double lowest = stability_.lowest->values[0];
+    const Vector x = stability_.lowest->vectors.col(0);
     Eigen::Index largest = 0;
     x.cwiseAbs().maxCoeff(&largest);
     const double first = nudge * body_.unknowns().length() / x[largest];
@@ -331,7 +253,7 @@ class LoadSteps {
 
   NewtonOutcome settle_and_count(int patience) {
     const NewtonOutcome outcome = go_downhill(patience);
-    if (outcome.converged) count_unstable();
+    if (outcome.converged) judge();
     return outcome;
   }
 
@@ -340,7 +262,7 @@ class LoadSteps {
     const Placement here = body_.placement();
     const NewtonOutcome outcome = correct(body_, solver_, body_.stage().newton, hooks_.interrupted);
     result_.iterations += outcome.iterations();
-    if (outcome.converged) count_unstable();
+    if (outcome.converged) judge();
     if (!still_unstable(outcome)) return outcome;
     body_.restore(here);
     return settle_and_count(1);
@@ -353,7 +275,7 @@ class LoadSteps {
   }
 
   bool still_unstable(const NewtonOutcome& way) const {
-    return !way.interrupted && (!way.converged || unstable_.value_or(0) > 0);
+    return !way.interrupted && (!way.converged || stability_.unstable.value_or(0) > 0);
   }
 
   /// Back at the saddle: its lowest mode x, and the others that are unstable.
@@ -364,12 +286,15 @@ class LoadSteps {
     return with_first(x, smallest_eigenpairs(body_.tangent(), std::min(unstable, most), bound).vectors);
   }
 
-  std::optional<double> smallest_eigenvalue() const {
-    if (solver_.iterative() || body_.unknowns().size() == 0) return std::nullopt;
-    if (lowest_) return lowest_->values[0];
-    if (definite_) return eigenvalue_near_zero(body_.tangent(), solver_.last_factor());
-    if (!neutral_) return std::nullopt;
-    return eigenpairs_near_zero(body_.tangent(), 1).values[0];
+  void judge() {
+    stability_ = judge_stability(body_, solver_);
+    factored_here_ = stability_.definite;
+  }
+
+  void tell_neutral() const {
+    const EigenPairs zero = eigenpairs_near_zero(body_.tangent(), 1);
+    tell(fmt::format("load factor {:.6g}: the balance is neutral, some motion meets no stiffness: {}",
+                     body_.load_factor(), body_.unknowns().names_of_largest(zero.vectors.col(0))));
   }
 
   void tell(const std::string& text) const {
@@ -387,56 +312,12 @@ class LoadSteps {
   const StaticHooks& hooks_;
   StaticResult& result_;
   TangentSolver solver_;
-  bool jumped_ = false;               // so far
-  std::optional<int> unstable_;       // of the last balance
-  bool neutral_ = false;              // the same
-  bool definite_ = false;             // the solver's factor is that of its tangent
-  bool factored_here_ = false;        // and it still is
-  std::optional<EigenPairs> lowest_;  // if it is unstable
+  bool jumped_ = false;         // so far
+  Stability stability_;         // of the last balance
+  bool factored_here_ = false;  // the solver's factor is still that of its tangent
 };
 
 }  // namespace
-
-void refuse_nothing_free(const StaticBody& body) {
-  if (body.unknowns().size() > 0) return;
-  throw NoEquilibrium(body.stage().name, "nothing is free to move",
-                      "paths, critical loads and modes are of degrees of freedom that are free: hold fewer");
-}
-
-void refuse_rigid_motions(const StaticBody& body) {
-  const RigidMotions free = free_rigid_motions(body.model(), body.state(), body.unknowns());
-  if (free.names.empty()) return;
-  std::string text;
-  constexpr std::size_t named = 6;
-  for (std::size_t k = 0; k < std::min(named, free.names.size()); ++k)
-    text += (k > 0 ? ", " : "") + free.names[k];
-  if (free.names.size() > named) text += fmt::format(" and {} more", free.names.size() - named);
-  throw NoEquilibrium(
-      body.stage().name, "parts of the body can move freely: " + text,
-      "a support may be missing; a motion that no load drives can be held on one particle, such "
-      "as the spin of a rod along x by fix = [\"rx\"]; kind = \"modes\" takes free bodies as they are");
-}
-
-void refuse_not_finite(const StaticBody& body) {
-  if (body.places_are_finite() && std::isfinite(body.residual()) && std::isfinite(body.energies().total()))
-    return;
-  throw NoEquilibrium(
-      body.stage().name,
-      fmt::format("at load factor {:.6g}: {}", body.load_factor(), body.first_not_finite()),
-      "particles that are bonded must stand apart, and loads and stiffnesses be far from the largest number");
-}
-
-void report_point(StaticBody& body, PointKind kind, std::optional<int> unstable, const StaticHooks& hooks,
-                  StaticResult& result) {
-  refuse_not_finite(body);
-  ++body.clock().step;
-  ++body.clock().stage_step;
-  ++result.points;
-  result.load_factor = body.load_factor();
-  if (hooks.point)
-    hooks.point({body.state(), body.load_factor(), kind, unstable, body.energies(),
-                 [&body](const std::vector<ParticleId>& particles) { return body.reaction(particles); }});
-}
 
 StaticOutcome find_equilibrium(const Model& model, const StaticStage& stage, State state,
                                const StaticHooks& hooks) {
@@ -482,13 +363,6 @@ std::optional<State> balance_of_constant_loads(const Model& model, const StaticS
   State balanced = std::move(body).take_state();
   balanced.clock = clock;
   return balanced;
-}
-
-StaticOutcome interrupted_outcome(StaticResult result, State state) {
-  result.ended = "interrupted";
-  state.v.assign(state.r.size(), {});
-  state.omega.assign(state.r.size(), {});
-  return {std::move(result), std::move(state)};
 }
 
 }  // namespace vbond

@@ -217,15 +217,10 @@ void PathStage::give_up(const std::string& why) const {
 
 StaticOutcome follow_path(const Model& model, const StaticStage& stage, State state,
                           const StaticHooks& hooks) {
-  StaticResult result;
-  try {
-    std::optional<State> balanced = balance_of_constant_loads(model, stage, state, hooks, result);
-    if (!balanced) return interrupted_outcome(std::move(result), std::move(state));
-    State end = PathStage(model, stage, std::move(*balanced), hooks, result).run();
-    return {std::move(result), std::move(end)};
-  } catch (const NoEquilibrium& e) {
-    throw StaticStageFailed(e, std::move(result));
-  }
+  return run_from_constant_loads(model, stage, std::move(state), hooks,
+                                 [&](State balanced, StaticResult& result) {
+                                   return PathStage(model, stage, std::move(balanced), hooks, result).run();
+                                 });
 }
 
 }  // namespace vbond

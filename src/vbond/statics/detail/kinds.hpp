@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <optional>
 
 #include "vbond/statics/detail/newton.hpp"
@@ -17,6 +18,22 @@ StaticOutcome find_equilibrium(const Model& model, const StaticStage& stage, Sta
 std::optional<State> balance_of_constant_loads(const Model& model, const StaticStage& stage, State state,
                                                const StaticHooks& hooks, StaticResult& result);
 
+// ---- path.cpp ----
+/// Follows the balance with the load factor by its arc-length, through limit points and, if asked for, off
+/// along a branch at a bifurcation.
+StaticOutcome follow_path(const Model& model, const StaticStage& stage, State state,
+                          const StaticHooks& hooks);
+
+// ---- buckling.cpp ----
+/// The first stage.count load factors at which the balance that starts from load factor 0 stops being unique.
+StaticOutcome find_critical_loads(const Model& model, const StaticStage& stage, State state,
+                                  const StaticHooks& hooks);
+
+// ---- modes.cpp ----
+/// Natural frequencies and shapes about the balance of the stage's loads, all of them taken as constant.
+StaticOutcome find_modes(const Model& model, const StaticStage& stage, State state, const StaticHooks& hooks);
+
+// ---- kinds.cpp ----
 /// How a stage ends that was interrupted before its first point, in the state where it began, at rest.
 StaticOutcome interrupted_outcome(StaticResult result, State state);
 
@@ -35,19 +52,11 @@ void refuse_rigid_motions(const StaticBody& body);
 void report_point(StaticBody& body, PointKind kind, std::optional<int> unstable, const StaticHooks& hooks,
                   StaticResult& result);
 
-// ---- path.cpp ----
-/// Follows the balance with the load factor by its arc-length, through limit points and, if asked for, off
-/// along a branch at a bifurcation.
-StaticOutcome follow_path(const Model& model, const StaticStage& stage, State state,
-                          const StaticHooks& hooks);
+/// What a stage does that begins at the balance of its constant loads; returns the state it leaves.
+using RunFromBalance = std::function<State(State balanced, StaticResult& result)>;
 
-// ---- buckling.cpp ----
-/// The first stage.count load factors at which the balance that starts from load factor 0 stops being unique.
-StaticOutcome find_critical_loads(const Model& model, const StaticStage& stage, State state,
-                                  const StaticHooks& hooks);
-
-// ---- modes.cpp ----
-/// Natural frequencies and shapes about the balance of the stage's loads, all of them taken as constant.
-StaticOutcome find_modes(const Model& model, const StaticStage& stage, State state, const StaticHooks& hooks);
+/// Runs that. What it had found when it failed is kept: NoEquilibrium becomes StaticStageFailed.
+StaticOutcome run_from_constant_loads(const Model& model, const StaticStage& stage, State state,
+                                      const StaticHooks& hooks, const RunFromBalance& run);
 
 }  // namespace vbond

@@ -1,0 +1,31 @@
+#pragma once
+#include <optional>
+
+#include "vbond/statics/detail/eigen.hpp"
+#include "vbond/statics/detail/newton.hpp"
+
+namespace vbond {
+
+/// What the tangent stiffness says of a balance.
+struct Stability {
+  /// Eigenvalues that are negative by more than their error. Nothing where that is not known: with conjugate
+  /// gradients, and beside outside moments that have no potential.
+  std::optional<int> unstable = 0;
+  bool neutral = false;              ///< the lowest eigenvalue is zero to within its error
+  bool definite = false;             ///< the solver's factor is that of this tangent, and positive definite
+  std::optional<EigenPairs> lowest;  ///< pair; only if the tangent is not definite
+};
+
+/// Judges the balance at which the body stands; factors its tangent. Throws NoConvergence, and NoEquilibrium
+/// if the tangent is not finite.
+Stability judge_stability(const StaticBody& body, TangentSolver& solver);
+
+/// The smallest eigenvalue of the tangent just judged, nothing where it is not known.  [force/length]
+/// Throws NoEquilibrium if it is not finite.
+std::optional<double> smallest_eigenvalue(const StaticBody& body, const TangentSolver& solver,
+                                          const Stability& stability);
+
+/// Whether a tangent with this smallest eigenvalue is neutral to rounding although its factor is definite.
+bool is_neutral(const StaticBody& body, const Stability& stability, double smallest_eigenvalue);
+
+}  // namespace vbond

@@ -1,0 +1,99 @@
+#include "vbond/statics/detail/stability.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "vbond/core/error.hpp"
+#include "vbond/statics/detail/rounding.hpp"
+
+namespace vbond {
+namespace {
+
+[[noreturn]] void refuse_tangent(const StaticBody& body) {
+  throw NoEquilibrium(body.stage().name, "the tangent stiffness is not finite: " + body.first_not_finite(),
+                      "loads and stiffnesses must be far from the largest number");
+}
+
+/// The lowest eigenvalue, below which it is looked for from this far below zero on, and its mode. The value
+/// is the one that the mode gives, which is free of the rounding on the way to it.
+EigenPairs lowest_pair(const StaticBody& body, Factor& factor, double margin) {
+  const SparseMatrix& K = body.tangent();
+  const double size = K.norm();
+  double below = 10.0 * margin;
+  while (!factor.factor_definite(K, below)) {
+    below *= 10.0;
+    if (!(below < 1e3 * size)) refuse_tangent(body);
+  }
+  EigenPairs lowest = smallest_eigenpairs(K, 1, -below);
+  const Vector x = lowest.vectors.col(0);
+  lowest.values[0] = x.dot(K * x);
+  return lowest;
+}
+
+/// How many eigenvalues lie below minus the margin, of which there is one at least.
+int count_below(const SparseMatrix& K, Factor& factor, double margin, std::optional<int> negative) {
+  return std::max(1, factor.factor_indefinite(K, margin).value_or(negative.value_or(1)));
+}
+
+void judge_by_lowest(const StaticBody& body, Factor& factor, std::optional<int> negative, Stability& s) {
+  const SparseMatrix& K = body.tangent();
+  s.lowest = lowest_pair(body, factor, eigenvalue_error(K));
+  const double lowest = s.lowest->values[0], error = eigenvalue_error(K, s.lowest->vectors.col(0));
+  s.neutral = std::abs(lowest) <= error;
+  if (lowest < -error) s.unstable = count_below(K, factor, error, negative);
+}
+
+/// Eigenvalues of the whole tangent lie within its antisymmetric part of those of the symmetric one: under
+/// outside moments only those below that are counted, and if there are others below zero nothing is known.
+void judge_beside_moments(const StaticBody& body, Factor& factor, std::optional<int> negative, Stability& s) {
+  const SparseMatrix& K = body.tangent();
+  const double margin = std::max(eigenvalue_error(K), body.moment_part());
+  s.lowest = lowest_pair(body, factor, margin);
+  if (s.lowest->values[0] < -margin) {
+    s.unstable = count_below(K, factor, margin, negative);
+    return;
+  }
+  s.lowest.reset();
+  s.neutral = !negative;
+  s.unstable.reset();
+}
+
+}  // namespace
+
+Stability judge_stability(const StaticBody& body, TangentSolver& solver) {
+  Stability s;
+  const std::optional<int> negative = solver.factor(body);
+  if (solver.iterative()) s.unstable.reset();
+  s.definite = negative == 0;
+  if (solver.iterative() || s.definite) return s;
+  if (body.tangent().norm() == 0.0) {  // where contacts just begin to touch
+    s.neutral = true;
+    return s;
+  }
+  Factor factor;
+  factor.analyse(body.tangent());
+  body.has_moment_part() ? judge_beside_moments(body, factor, negative, s)
+                         : judge_by_lowest(body, factor, negative, s);
+  return s;
+}
+
+std::optional<double> smallest_eigenvalue(const StaticBody& body, const TangentSolver& solver,
+                                          const Stability& s) {
+  if (solver.iterative() || body.unknowns().size() == 0) return std::nullopt;
+  if (!s.lowest && !s.definite && !s.neutral) return std::nullopt;
+  const double smallest = s.lowest     ? s.lowest->values[0]
+                          : s.definite ? eigenvalue_near_zero(body.tangent(), solver.last_factor())
+                                       : eigenpairs_near_zero(body.tangent(), 1).values[0];
+  if (!std::isfinite(smallest)) refuse_tangent(body);
+  return smallest;
+}
+
+bool is_neutral(const StaticBody& body, const Stability& s, double smallest) {
+  const SparseMatrix& K = body.tangent();
+  constexpr double far = 1e3;  // no mode's error is so many times that of all
+  if (!s.definite || smallest > far * eigenvalue_error(K)) return s.neutral;
+  const EigenPairs nearest = eigenpairs_near_zero(K, 1);
+  return nearest.values[0] <= eigenvalue_error(K, nearest.vectors.col(0));
+}
+
+}  // namespace vbond
