@@ -73,6 +73,7 @@ build() {
     say "waiting for another build in $dir"
     flock "$lock"
   fi
+  discard_build_of_other_tree "$dir"
   if [[ ! -e $stamp || $vbond_root/CMakePresets.json -nt $stamp ]]; then
     say "configuring $dir"
     (cd "$vbond_root" && cmake --preset "$preset") >"$log" 2>&1 || build_failed "$log"
@@ -84,6 +85,16 @@ build() {
   fi
   "${ninja[@]}" >"$log" 2>&1 || build_failed "$log"
   exec {lock}>&-
+}
+
+# A tree that was copied or moved with its build folder would compile the sources it came from: CMake keeps
+# their place. The folder's lock stays.
+discard_build_of_other_tree() {
+  local dir=$1 sources
+  sources=$(sed -n 's/^CMAKE_HOME_DIRECTORY:INTERNAL=//p' "$dir/CMakeCache.txt" 2>/dev/null) || true
+  [[ -n $sources && ! $sources -ef $vbond_root ]] || return 0
+  say "$dir was built from the sources in $sources: building it anew from those here"
+  find "$dir" -mindepth 1 -maxdepth 1 ! -name .lock -exec rm -rf {} +
 }
 
 # build_page: bundles web/ into build/page/report.html when its sources have changed.
