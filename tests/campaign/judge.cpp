@@ -166,27 +166,43 @@ void accept_perfect(Judgement& j, const Answer& a, const Reference& of_perfect, 
     j = {Verdict::right, "as the perfect body"};
 }
 
-/// The answer without what it says of branches that pass each other, where the perfect body has a critical
-/// load.
-Answer without_remarks(const Answer& a, const Reference& of_perfect) {
+/// The path turns by this much, or more, within three times the gap that was told.
+bool turns_within_gap(const ReferencePoint& told, const Reference& reference) {
+  constexpr double least_turn = 0.3;  // [rad]
+  const double half = 3 * told.error * std::abs(told.load_factor);
+  double before = 0.0, after = 0.0;
+  for (const Reference::Turning& t : reference.turning) {
+    after = t.turned;
+    if (t.load_factor < told.load_factor - half) before = t.turned;
+    if (t.load_factor > told.load_factor + half) break;
+  }
+  return after - before >= least_turn;
+}
+
+/// The answer without its remarks on a gap: what it says of branches that pass each other where the perfect
+/// body has a critical load, or where the path itself turns.
+Answer without_remarks(const Answer& a, const Reference& reference, const Reference& of_perfect) {
   Answer rest = a;
-  std::erase_if(rest.loads, [&of_perfect](const ReferencePoint& told) {
+  std::erase_if(rest.loads, [&](const ReferencePoint& told) {
     const auto near = [&told](const ReferencePoint& p) {
       return std::abs(told.load_factor / p.load_factor - 1) <= 3 * told.error;
     };
-    return told.error > 0.0 && std::any_of(of_perfect.points.begin(), of_perfect.points.end(), near);
+    return told.error > 0.0 && (std::any_of(of_perfect.points.begin(), of_perfect.points.end(), near) ||
+                                turns_within_gap(told, reference));
   });
   return rest;
 }
 
-/// Remarks taken out: of buckling the rest must be right, of a path nothing else was asked.
+/// Remarks taken out: of buckling the rest is judged, of a path nothing else was asked.
 void judge_without_remarks(const RandomCase& c, CaseRecord& r) {
   const Reference of_perfect = reference_in_child(perfect(c.plan), c.count);
-  const Answer buckling = without_remarks(r.buckling, of_perfect), path = without_remarks(r.path, of_perfect);
+  const Answer buckling = without_remarks(r.buckling, r.reference, of_perfect),
+               path = without_remarks(r.path, r.reference, of_perfect);
   const int fewer = static_cast<int>(r.buckling.loads.size() - buckling.loads.size());
-  if (is_bad(r.of_buckling) && fewer > 0 &&
-      judge_buckling(buckling, r.reference, c.count - fewer, {}).verdict == Verdict::right)
-    r.of_buckling = {Verdict::right, "right, with a remark on a gap"};
+  if (is_bad(r.of_buckling) && fewer > 0) {
+    r.of_buckling = judge_buckling(buckling, r.reference, c.count - fewer, {});
+    if (r.of_buckling.verdict == Verdict::right) r.of_buckling.why = "right, with a remark on a gap";
+  }
   if (is_bad(r.of_path) && path.loads.size() < r.path.loads.size())
     r.of_path = {Verdict::right, "a remark on a gap"};
 }
@@ -234,7 +250,7 @@ Judgement judge_buckling(const Answer& a, const Reference& path, int count, cons
     } else if (k < reference.points.size()) {
       return judge_silence(a, reference.points[k], t);
     } else {
-      if (k == 0 && reference.undecided)
+      if (k == 0 && reference.undecided && a.searched_to > reference.searched_to)
         return {Verdict::no_reference, "reference ended: " + reference.ended};
       return {};
     }
@@ -246,7 +262,8 @@ Judgement judge_path(const Answer& a, const Reference& reference, const Toleranc
   if (!a.loads.empty()) return compare(a.loads[0], reference, 0, t);
   if (!a.failure.empty()) return judge_failure(a);
   if (!reference.points.empty()) return judge_silence(a, reference.points[0], t);
-  if (reference.undecided) return {Verdict::no_reference, "reference ended: " + reference.ended};
+  if (reference.undecided && a.searched_to > reference.searched_to)
+    return {Verdict::no_reference, "reference ended: " + reference.ended};
   return {};
 }
 

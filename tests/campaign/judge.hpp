@@ -48,8 +48,8 @@ struct Judgement {
 /// 2/3.
 ///
 /// A load that was told with a gap is right if it is within three times that of a load of the body; what is
-/// told after it is not judged. If it is within as much of one of the perfect body it is a remark: the answer
-/// without it must be right.
+/// told after it is not judged. If it is within as much of one of the perfect body, or if the body's own path
+/// turns by 0.3 rad within as much of it, it is a remark: the answer without it must be right.
 ///
 /// Other bodies have branches that nearly meet as well, without an imperfection that anybody has made. Where
 /// the reference had to look closer than a hundred thousandth of its step to see two branches pass each

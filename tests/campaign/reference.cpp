@@ -34,6 +34,7 @@ class Walk {
  private:
   bool start();
   void step();
+  void arrive(const Node& node, double turned);
   bool ended();
   int critical_loads() const;
   Control best_control(const Node& a) const;
@@ -218,6 +219,12 @@ Reference Walk::run() {
   return result_;
 }
 
+void Walk::arrive(const Node& node, double turned) {
+  here_ = node;
+  const double before = result_.turning.empty() ? 0.0 : result_.turning.back().turned;
+  result_.turning.push_back({node.f(), before + turned});
+}
+
 void Walk::step() {
   Control c = best_control(here_);
   Node a = in_terms_of(here_, c);
@@ -233,7 +240,7 @@ void Walk::step() {
     if (!end || !smooth(a, *mid, *end, sense * dp)) continue;
     reach_ = (halvings == 0 ? 1.6 : 1.0) * dp * rate(a);
     if (differs(a, *mid) || differs(*mid, *end)) return locate(a, *end);
-    here_ = *end;
+    arrive(*end, turn(a, *mid) + turn(*mid, *end));
     if (sense < 0.0) here_.u_rate *= -1.0, here_.f_rate *= -1.0;
     load_scale_ = std::max(load_scale_, std::abs(here_.f()));
     result_.searched_to = std::max(result_.searched_to, here_.f());
@@ -260,7 +267,7 @@ void Walk::locate(const Node& a, const Node& end) {
     Node beyond = end;
     auto events = fit(a, end, 0.5 * (lo + hi), sense * h, beyond);
     if (!events || !accept(*events, sense)) continue;
-    here_ = beyond;
+    arrive(beyond, turn(a, beyond));
     if (sense < 0.0) here_.u_rate *= -1.0, here_.f_rate *= -1.0;
     return;
   }

@@ -34,6 +34,11 @@ struct Reference {
   bool undecided = false;  ///< it could go no further
   int nodes = 0;           ///< balances it took
   std::vector<double> passings;  ///< load factors where branches pass each other close by
+
+  struct Turning {
+    double load_factor = 0, turned = 0;  ///< turned: of the tangent, summed up from the start  [rad]
+  };
+  std::vector<Turning> turning;  ///< along the path
 };
 
 struct ReferenceSettings {

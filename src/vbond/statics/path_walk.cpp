@@ -46,7 +46,7 @@ constexpr double up_to_gap = 0.7;
 constexpr int most_looks_at_gap = 8;
 // Of the body's size: the longest step unless told, and the shortest.
 constexpr double automatic_step = 0.02;
-constexpr double shortest_step = 1e-8;
+constexpr double shortest_step = 1e-10;
 // On a branch stability at the start is that at this part of the first step: eigenvalues grow with the square
 // of the distance, and shall be more than rounding.
 constexpr double aside_on_branch = 1e-2;
