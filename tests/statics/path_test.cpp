@@ -241,6 +241,31 @@ TEST(Path, GoesTheWayOfTheFirstStep) {
   EXPECT_LT(descent(w.last()), 0.0);
 }
 
+// A bar of two bonds whose far end is turned about its line by 1 rad: nothing moves, and turns count times
+// the length of a bond, here 1. Bonds may turn by 0.2 rad a step, so that some 5 points would do.
+TEST(Path, TakesStepsInWhichTurnsAreNoLongerThanTheLargestStep) {
+  Specimen s = testing::particles_at({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}});
+  BondRecipe recipe;
+  recipe.parameters = BondStiffness<double>{1, 1, 1, 1};
+  testing::bond(s, 0, 1, recipe);
+  testing::bond(s, 1, 2, recipe);
+  StaticStage stage = static_stage(
+      StageKind::path,
+      {fixed({ParticleId{0}}, testing::clamped), fixed({ParticleId{2}}, testing::clamped, {}, {1, 0, 0})});
+  stage.path.above = 1.0;
+  const auto most_turned = [](const Walked& w) {
+    double most = 0.0;
+    for (std::size_t k = 1; k < w.seen.size(); ++k)
+      most = std::max(most, w.seen[k].load_factor - w.seen[k - 1].load_factor);
+    return most;
+  };
+  stage.path.first_step = 0.2;
+  stage.path.largest_step = 1.0;
+  EXPECT_GT(most_turned(walk(s, stage)), 0.1);
+  stage.path.largest_step = 0.02;
+  EXPECT_LE(most_turned(walk(s, stage)), 0.02 * (1 + 1e-9));
+}
+
 TEST(Path, StopsAtTheMostPointsAndWhenInterrupted) {
   StaticStage stage = truss_stage();
   stage.path.most_points = 4;
