@@ -109,6 +109,15 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+void take(Answer& a, const StaticStage& stage, const StaticResult& result) {
+  a.ended = result.ended, a.factors = result.factors;
+  a.searched_to = stage.kind == StageKind::path ? result.load_factor : result.searched_to;
+  for (const CriticalLoad& c : result.critical_loads)
+    a.loads.push_back({c.kind, c.load_factor, c.gap / std::abs(c.load_factor), false, false});
+  for (const SpecialPoint& p : result.special_points)
+    a.loads.push_back({p.kind, p.load_factor, p.gap / std::abs(p.load_factor), false, false});
+}
+
 /// Runs a stage; of a path until the first special point.
 Answer ask(const BodyPlan& plan, const StaticStage& stage) {
   const testing::Specimen s = specimen_of(plan);
@@ -122,13 +131,10 @@ Answer ask(const BodyPlan& plan, const StaticStage& stage) {
   hooks.interrupted = [&seen] { return seen; };
   const auto start = std::chrono::steady_clock::now();
   try {
-    const StaticResult result = run_static_stage(s.model, stage, s.state, hooks).result;
-    a.ended = result.ended, a.factors = result.factors, a.searched_to = result.searched_to;
-    for (const CriticalLoad& c : result.critical_loads)
-      a.loads.push_back({c.kind, c.load_factor, c.gap / std::abs(c.load_factor), false, false});
-    for (const SpecialPoint& p : result.special_points)
-      a.loads.push_back({p.kind, p.load_factor, p.gap / std::abs(p.load_factor), false, false});
-    if (stage.kind == StageKind::path) a.searched_to = result.load_factor;
+    take(a, stage, run_static_stage(s.model, stage, s.state, hooks).result);
+  } catch (const StaticStageFailed& e) {
+    take(a, stage, e.found);
+    a.failure = "gave up", a.message = e.what();
   } catch (const NoEquilibrium& e) {
     a.failure = "gave up", a.message = e.what();
   }
@@ -236,7 +242,7 @@ const char* name_of(Verdict v) {
 }
 
 Judgement judge_buckling(const Answer& a, const Reference& path, int count, const Tolerance& t) {
-  if (!a.failure.empty()) return judge_failure(a);
+  if (!a.failure.empty() && a.loads.empty()) return judge_failure(a);
   Reference reference = path;
   std::erase_if(reference.points, [](const ReferencePoint& p) { return p.regained; });
   std::vector<ReferencePoint> told = a.loads;
@@ -247,6 +253,8 @@ Judgement judge_buckling(const Answer& a, const Reference& path, int count, cons
       const Judgement j = compare(told[k], reference, k, t);
       if (j.verdict == Verdict::no_reference && k > 0) return {};  // right as far as is known
       if (j.verdict != Verdict::right || !j.why.empty()) return j;
+    } else if (!a.failure.empty()) {
+      return judge_failure(a);
     } else if (k < reference.points.size()) {
       return judge_silence(a, reference.points[k], t);
     } else {

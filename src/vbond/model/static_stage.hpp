@@ -54,9 +54,11 @@ struct BranchSwitch {
 
 /// Settings of a path.
 struct PathSettings {
-  double first_step = 0.01;   ///< change of the load factor in the first step, != 0
-  double largest_step = 0.0;  ///< longest step, as the largest movement of a particle  [length]; 0: automatic
-  int most_points = 1000;     ///< > 0
+  double first_step = 0.01;  ///< change of the load factor in the first step, != 0
+  /// Longest step, as the largest movement of a particle, or its rotation times the length scale  [length];
+  /// 0: automatic.
+  double largest_step = 0.0;
+  int most_points = 1000;       ///< > 0
   std::optional<double> above;  ///< ends where the load factor reaches this from below
   std::optional<double> below;  ///< ends where the load factor reaches this from above
   std::optional<DistanceStop> distance;
@@ -76,7 +78,7 @@ struct StaticStage {
   AtSaddle at_saddle = AtSaddle::leave;  ///< equilibrium: what to do at an unstable balance
   PathSettings path;
   double search_to =
-      0;          ///< buckling: largest load factor at which critical loads are looked for; 0: automatic
+      0;          ///< buckling: largest load factor at which critical loads are looked for; 0: no limit
   int count = 6;  ///< modes: frequencies besides those of rigid motions; buckling: critical loads
   int frames_per_mode = 16;  ///< modes, buckling: frames of one swing; 0: none
   double amplitude = 0;  ///< of the frames: largest movement of a particle [length]; 0: a tenth of the body

@@ -25,15 +25,15 @@ constexpr double near_rounding = 10.0;
 // The rate of an eigenvalue is a difference over a step that changes bonds by this: truncation is its square.
 constexpr double small_bond_change = 1e-3;
 
-/// What is let go along null vectors, as a part of what drives the rest: rounding of the load's part along a
-/// mode that it does not drive is far below, and at a limit point the load drives its mode by no small part.
-constexpr double driven = 1e-9;
+// A singular value of the small equations below this counts as zero. Rounding of a load that does not act
+// along the mode is far smaller; at a limit point the load acts along its mode and is far larger.
+constexpr double zero_singular_value = 1e-9;
 
 /// The small equations for the amplitudes along null vectors and the change of the load factor, scaled so
 /// that all are lengths.
-class Singular {
+class NullSpaceEquations {
  public:
-  Singular(const Deflated& deflated, const StaticBody& body)
+  NullSpaceEquations(const Deflated& deflated, const StaticBody& body)
       : N_(deflated.null_vectors()), L_(deflated.null_values()), g_(body.load_direction()) {
     b_ = deflated.solve(g_);
     const double force = g_.norm(), length = b_.norm();
@@ -89,19 +89,22 @@ PathDirection ArcLength::unit(PathDirection d) const {
 }
 
 double ArcLength::angle(const PathDirection& a, const PathDirection& b) const {
-  const PathDirection chord{a.u - b.u, a.f - b.f};
-  return 2.0 * std::asin(0.5 * std::sqrt(dot(chord, chord)));
+  const PathDirection difference{a.u - b.u, a.f - b.f}, sum{a.u + b.u, a.f + b.f};
+  return 2.0 * std::atan2(std::sqrt(dot(difference, difference)), std::sqrt(dot(sum, sum)));
 }
 
 void ArcLength::factor() {
   singular_.reset();
   const std::optional<int> unstable = solver_.factor(body_);
-  if (unstable || solver_.iterative()) {
-    unstable_ = unstable.value_or(0);
+  if (solver_.iterative())
+    throw NoConvergence(
+        "the factor of the tangent no longer fits into memory: particles have begun to touch");
+  if (unstable) {
+    unstable_ = *unstable;
     return;
   }
   singular_.emplace(body_.tangent());
-  deflated_factors_ += singular_->factors();
+  other_factors_ += singular_->factors();
   unstable_ = singular_->negative();
 }
 
@@ -126,13 +129,15 @@ PathDirection ArcLength::tangent(const PathDirection& along) {
 
 // With the null vectors N and their eigenvalues L: du = N a + b df, b from K b = g on the rest, and
 //   L a - N^T g df = 0.
+// Where outside moments act this has the symmetric part of the tangent only, so that the direction is only
+// near the path's; corrections at points where the tangent can be factored have the whole of it.
 // Of the solutions, as many as there are null vectors or, at a bifurcation, one more, the one nearest to
 // `along`.
 PathDirection ArcLength::singular_tangent(const PathDirection& along) {
-  const Singular s(*singular_, body_);
+  const NullSpaceEquations s(*singular_, body_);
   if (s.unknowns() == 1) return s.direction(Vector::Ones(1));
   const Eigen::JacobiSVD<DenseMatrix> svd(s.rows(), Eigen::ComputeFullV);
-  const auto rank = (svd.singularValues().array() > driven).count();
+  const auto rank = (svd.singularValues().array() > zero_singular_value).count();
   const DenseMatrix solutions = svd.matrixV().rightCols(s.unknowns() - rank);
   DenseMatrix metric(solutions.cols(), solutions.cols());
   Vector rhs(solutions.cols());
@@ -158,7 +163,7 @@ PathDirection ArcLength::correction(const PathDirection& normal) {
 // The same with du = N c + a + b df:
 //   L c - N^T g df = N^T R,  normal . (N c + a + b df, df) = 0.
 PathDirection ArcLength::singular_correction(const PathDirection& normal) {
-  const Singular s(*singular_, body_);
+  const NullSpaceEquations s(*singular_, body_);
   const Vector& R = body_.unbalanced();
   const Vector a = singular_->solve(R);
   DenseMatrix A(s.unknowns(), s.unknowns());
@@ -171,7 +176,7 @@ PathDirection ArcLength::singular_correction(const PathDirection& normal) {
   const Eigen::JacobiSVD<DenseMatrix> svd(A, Eigen::ComputeThinU | Eigen::ComputeThinV);
   Vector y = svd.matrixU().transpose() * rhs;
   for (Eigen::Index k = 0; k < y.size(); ++k)
-    y[k] = svd.singularValues()[k] > driven ? y[k] / svd.singularValues()[k] : 0.0;
+    y[k] = svd.singularValues()[k] > zero_singular_value ? y[k] / svd.singularValues()[k] : 0.0;
   PathDirection d = s.direction(svd.matrixV() * y);
   d.u += a;
   return d;
@@ -212,6 +217,7 @@ StepOutcome ArcLength::step(const Placement& from, const PathDirection& directio
     }
     body_.move(change.u, body_.load_factor() + change.f);
     ++outcome.iterations;
+    ++iterations_;
   }
   outcome.point = point_of_factor(direction);
   if (!outcome.point) outcome.why = "nothing changes with the load factor";
@@ -219,7 +225,6 @@ StepOutcome ArcLength::step(const Placement& from, const PathDirection& directio
 }
 
 Softest ArcLength::softest(const PathDirection& tangent) {
-  if (solver_.iterative()) return {};
   constexpr int iterations = 4;
   const SparseMatrix& K = body_.tangent();
   DenseMatrix X = any_orthonormal_columns(K.rows(), std::min<Eigen::Index>(K.rows(), 3));
@@ -232,7 +237,7 @@ Softest ArcLength::softest(const PathDirection& tangent) {
   Eigen::Index nearest = 0;
   ritz.eigenvalues().cwiseAbs().minCoeff(&nearest);
   const Vector mode = X * ritz.eigenvectors().col(nearest);
-  const double change = body_.largest_bond_change(tangent.u);
+  const double change = body_.largest_bond_change(tangent.u, tangent.f);
   if (!(change > 0.0)) return {ritz.eigenvalues()[nearest], 0.0};
   const double h = small_bond_change / change;
   const Placement here = body_.placement();

@@ -380,11 +380,14 @@ double StaticBody::potential_change(const Placement& from, double energy_from) c
   return change;
 }
 
-double StaticBody::largest_bond_change(const Vector& x) const {
+double StaticBody::largest_bond_change(const Vector& x, double load_factor_change) const {
   const auto movement = [&](ParticleId p, int first) {
     Vec3d m;
-    for (int k = 0; k < 3; ++k)
-      if (const int at = unknowns_.of(p, first + k); at != Unknowns::held) component(m, k) = x[at];
+    for (int k = 0; k < 3; ++k) {
+      const int at = unknowns_.of(p, first + k);
+      const double held = held_rate_[p][static_cast<std::size_t>(first + k)];
+      component(m, k) = at == Unknowns::held ? load_factor_change * held : x[at];
+    }
     return m;
   };
   double largest = 0.0;

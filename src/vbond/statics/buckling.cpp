@@ -58,14 +58,13 @@ class CriticalLoads {
   void take_step();
   void add(const CriticalPoint& c);
   void add_estimates();
+  void sum_up();
   void refuse_moments() const;
   void end(const std::string& why, double searched_to) {
     result_.ended = why;
     result_.searched_to = searched_to;
   }
-  void tell(const std::string& text) const {
-    if (hooks_.tell) hooks_.tell(fmt::format("stage \"{}\": {}", stage_.name, text));
-  }
+  void tell(const std::string& text) const { vbond::tell(stage_, hooks_, text); }
   bool wants_more() const { return static_cast<int>(result_.critical_loads.size()) < stage_.count; }
 
   const StaticStage& stage_;
@@ -79,18 +78,20 @@ class CriticalLoads {
 
 State CriticalLoads::run() && {
   const Placement at_zero = body_.placement();
-  start();
-  while (result_.ended.empty()) {
-    result_.searched_to = walk_.here().at.load_factor;
-    if (hooks_.interrupted && hooks_.interrupted())
-      end("interrupted", result_.searched_to);
-    else
-      take_step();
+  try {
+    start();
+    while (result_.ended.empty()) {
+      result_.searched_to = walk_.here().at.load_factor;
+      if (hooks_.interrupted && hooks_.interrupted())
+        end("interrupted", result_.searched_to);
+      else
+        take_step();
+    }
+  } catch (...) {
+    sum_up();
+    throw;
   }
-  add_estimates();
-  result_.solver = solver_.name();
-  result_.iterations += walk_.iterations();
-  result_.factors = walk_.factors();
+  sum_up();
   result_.unstable = 0;
   body_.restore(at_zero);
   return std::move(body_).take_state();
@@ -109,7 +110,7 @@ void CriticalLoads::start() {
   result_.smallest_eigenvalue = eigenpairs_near_zero(body_.tangent(), 1).values[0];
   const Vector rate = here.tangent.u / here.tangent.f;
   linear_ = linear_critical_factors(body_, rate, stage_.count);
-  double first = first_bond_change / body_.largest_bond_change(rate);
+  double first = first_bond_change / body_.largest_bond_change(rate, 1.0);
   if (!linear_.empty()) first = std::min(first, first_part * linear_[0]);
   if (stage_.search_to > 0.0) first = std::min(first, stage_.search_to);
   walk_.start(first);
@@ -177,6 +178,14 @@ void CriticalLoads::add_estimates() {
     CriticalLoad& c = result_.critical_loads[k];
     if (std::abs(linear_[k] - c.load_factor) <= estimate_holds * c.load_factor) c.estimate = linear_[k];
   }
+}
+
+/// What the search has taken, whichever way it ends.
+void CriticalLoads::sum_up() {
+  add_estimates();
+  result_.solver = solver_.name();
+  result_.iterations += walk_.iterations();
+  result_.factors = walk_.factors();
 }
 
 void CriticalLoads::refuse_moments() const {

@@ -29,7 +29,7 @@ DenseMatrix any_orthonormal_columns(Eigen::Index rows, Eigen::Index columns) {
 
 Deflated::Deflated(const SparseMatrix& A) : A_(A) {
   factor_.analyse(A);
-  const double scale = std::max(Vector(A.diagonal()).cwiseAbs().maxCoeff(), 1e-300);
+  const double scale = larger(1e-300, max_norm(A.diagonal()));
   std::optional<int> below;
   double shift = epsilon * scale;
   while (!(below = factor_.factor_indefinite(A, shift))) {

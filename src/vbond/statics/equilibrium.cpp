@@ -76,7 +76,7 @@ class LoadSteps {
         judge();
       }
       if (!accept(outcome)) return interrupted(way.from);
-      step = std::min(longest, 2.0 * std::max(step, way.length));
+      step = std::min(longest, 2.0 * step);
     }
     result_.smallest_eigenvalue = smallest_eigenvalue(body_, solver_, stability_);
     if (result_.smallest_eigenvalue && !result_.neutral &&
@@ -297,9 +297,7 @@ class LoadSteps {
                      body_.load_factor(), body_.unknowns().names_of_largest(zero.vectors.col(0))));
   }
 
-  void tell(const std::string& text) const {
-    if (hooks_.tell) hooks_.tell(text);
-  }
+  void tell(const std::string& text) const { vbond::tell(body_.stage(), hooks_, text); }
 
   [[noreturn]] void give_up(const std::string& finding) const {
     throw NoEquilibrium(

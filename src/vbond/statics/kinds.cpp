@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
+#include <stdexcept>
 #include <utility>
 
 #include "vbond/core/error.hpp"
@@ -40,6 +42,10 @@ void refuse_not_finite(const StaticBody& body) {
       "particles that are bonded must stand apart, and loads and stiffnesses be far from the largest number");
 }
 
+void tell(const StaticStage& stage, const StaticHooks& hooks, const std::string& text) {
+  if (hooks.tell) hooks.tell(fmt::format("stage \"{}\": {}", stage.name, text));
+}
+
 void report_point(StaticBody& body, PointKind kind, std::optional<int> unstable, const StaticHooks& hooks,
                   StaticResult& result) {
   refuse_not_finite(body);
@@ -59,6 +65,26 @@ StaticOutcome interrupted_outcome(StaticResult result, State state) {
   return {std::move(result), std::move(state)};
 }
 
+NoEquilibrium current_failure(const StaticStage& stage) {
+  constexpr const char* way_out_of_memory =
+      "fewer particles help; where it is the factor that does not fit, for kind = \"equilibrium\" also "
+      "newton "
+      "= {solver = \"iterative\"}";
+  try {
+    throw;
+  } catch (const NoEquilibrium& e) {
+    return e;
+  } catch (const NoConvergence& e) {
+    return {stage.name, e.what(),
+            "the tangent may be nearly singular, or its modes too close together: a smaller count, "
+            "or other supports, help"};
+  } catch (const std::length_error& e) {
+    return {stage.name, e.what(), way_out_of_memory};
+  } catch (const std::bad_alloc&) {
+    return {stage.name, "memory ran out", way_out_of_memory};
+  }
+}
+
 StaticOutcome run_from_constant_loads(const Model& model, const StaticStage& stage, State state,
                                       const StaticHooks& hooks, const RunFromBalance& run) {
   StaticResult result;
@@ -67,8 +93,8 @@ StaticOutcome run_from_constant_loads(const Model& model, const StaticStage& sta
     if (!balanced) return interrupted_outcome(std::move(result), std::move(state));
     State end = run(std::move(*balanced), result);
     return {std::move(result), std::move(end)};
-  } catch (const NoEquilibrium& e) {
-    throw StaticStageFailed(e, std::move(result));
+  } catch (...) {
+    throw StaticStageFailed(current_failure(stage), std::move(result));
   }
 }
 

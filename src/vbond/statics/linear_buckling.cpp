@@ -13,7 +13,7 @@ namespace {
 /// 6, rounding eps K / h, and their sum is least near h = eps^(1/3) / s, where both are eps^(2/3) = 4e-11 of
 /// K'.
 SparseMatrix tangent_rate(StaticBody& body, const Vector& rate) {
-  const double h = std::cbrt(std::numeric_limits<double>::epsilon()) / body.largest_bond_change(rate);
+  const double h = std::cbrt(std::numeric_limits<double>::epsilon()) / body.largest_bond_change(rate, 1.0);
   const Placement here = body.placement();
   const auto tangent_at = [&](double change) {
     body.restore(here);
@@ -28,7 +28,7 @@ SparseMatrix tangent_rate(StaticBody& body, const Vector& rate) {
 }  // namespace
 
 std::vector<double> linear_critical_factors(StaticBody& body, const Vector& rate, int count) {
-  if (!(body.largest_bond_change(rate) > 0.0)) return {};
+  if (!(body.largest_bond_change(rate, 1.0) > 0.0)) return {};
   const SparseMatrix K = body.tangent();
   try {
     const Vector values = critical_factors(K, tangent_rate(body, rate), count).values;

@@ -123,6 +123,8 @@ Vector TangentSolver::solve_full(const StaticBody& body, const Vector& b) const 
   method.setMaxIterations(200);
   method.compute(K);
   const Vector x = method.solve(b);
+  // otherwise with the symmetric part alone: corrections are then less good, but what is out of balance
+  // judges them
   return method.error() < 1e-6 ? x : solve(b);
 }
 

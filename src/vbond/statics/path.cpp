@@ -30,6 +30,8 @@ class PathStage {
 
  private:
   void start();
+  void take_step();
+  void sum_up();
   void go_along(const PathLeg& leg);
   const Goal* shorten_to_goal(PathStep& step, const PathNode& lo, PathNode& hi) const;
   void turn_off(const CriticalPoint& c);
@@ -64,22 +66,34 @@ PathStage::PathStage(const Model& model, const StaticStage& stage, State state, 
       goals_(goals_of(stage.path)) {}
 
 State PathStage::run() && {
-  start();
-  while (result_.ended.empty()) {
-    if (hooks_.interrupted && hooks_.interrupted()) {
-      result_.ended = "interrupted";
-      break;
-    }
-    const std::optional<PathLeg> leg = walk_.next();
-    if (!leg) give_up(walk_.why_not());
-    go_along(*leg);
+  try {
+    start();
+    while (result_.ended.empty()) take_step();
+  } catch (...) {
+    sum_up();
+    throw;
   }
-  result_.solver = solver_.name();
-  result_.iterations += walk_.iterations();
-  result_.factors = walk_.factors();
+  sum_up();
   if (result_.unstable == 0)  // then the one nearest to zero is the smallest
     result_.smallest_eigenvalue = eigenpairs_near_zero(body_.tangent(), 1).values[0];
   return std::move(body_).take_state();
+}
+
+/// What the walk has taken, whichever way it ends.
+void PathStage::sum_up() {
+  result_.solver = solver_.name();
+  result_.iterations += walk_.iterations();
+  result_.factors = walk_.factors();
+}
+
+void PathStage::take_step() {
+  if (hooks_.interrupted && hooks_.interrupted()) {
+    result_.ended = "interrupted";
+    return;
+  }
+  const std::optional<PathLeg> leg = walk_.next();
+  if (!leg) give_up(walk_.why_not());
+  go_along(*leg);
 }
 
 void PathStage::start() {
@@ -90,11 +104,12 @@ void PathStage::start() {
     if (g.gap(here.at) < 0.0) continue;
     if (!g.load_factor)
       result_.ended = g.name;
-    else if (hooks_.tell)  // no mistake where the path comes back
-      hooks_.tell(
-          fmt::format("stage \"{}\": load factor {:.6g} of stop is passed at the start: the path ends "
-                      "there only when it has been on the other side",
-                      stage_.name, *g.load_factor));
+    else  // no mistake where the path comes back
+      tell(stage_, hooks_,
+           fmt::format(
+               "load factor {:.6g} of stop is passed at the start: the path ends there only when it has "
+               "been on the other side",
+               *g.load_factor));
   }
 }
 
@@ -116,7 +131,7 @@ void PathStage::go_along(const PathLeg& leg) {
   PathNode hi = leg.end;
   if (const Goal* goal = shorten_to_goal(step, lo, hi)) return end_at(hi, *goal);
   walk_.arrive(leg);
-  result_.residuals = step.last_residuals();
+  result_.residuals = leg.end.residuals;
   report(PointKind::regular, unstable_at(leg.end.point));
 }
 
@@ -167,8 +182,6 @@ void PathStage::end_at(const PathNode& end, const Goal& goal) {
   result_.ended = goal.name;
 }
 
-// ---- what is told ----
-
 void PathStage::report(PointKind kind, std::optional<int> unstable) {
   result_.unstable = unstable;
   report_point(body_, kind, unstable, hooks_, result_);
@@ -189,7 +202,7 @@ void PathStage::report(const CriticalPoint& c) {
   report(c.kind, unstable);
   special.point = result_.points;
   result_.special_points.push_back(special);
-  if (hooks_.tell) hooks_.tell(text);
+  tell(stage_, hooks_, text);
 }
 
 /// Without a potential bifurcations are not looked for, and the path would go past the one to turn off at.

@@ -53,10 +53,7 @@ std::string in_words(const CriticalPoint& c) {
 }
 
 StepOutcome PathStep::to(double s, bool end_of_step) {
-  StepOutcome outcome = arc_->step(start_.at, direction_, s, end_of_step);
-  iterations_ += outcome.iterations;
-  if (outcome.point) last_residuals_ = outcome.residuals;
-  return outcome;
+  return arc_->step(start_.at, direction_, s, end_of_step);
 }
 
 std::optional<PathNode> PathStep::zero_of(const Value& value, const PathNode& lo, const PathNode& hi,
@@ -65,7 +62,7 @@ std::optional<PathNode> PathStep::zero_of(const Value& value, const PathNode& lo
   const auto at = [&](double s) -> std::optional<double> {
     StepOutcome outcome = to(s);
     if (!outcome.point) return std::nullopt;
-    last = {s, std::move(*outcome.point)};
+    last = {s, std::move(*outcome.point), std::move(outcome.residuals)};
     return value(last.point);
   };
   const Crossed crossed = crossing({lo.s, value(lo.point)}, {hi.s, value(hi.point)}, small, at);
@@ -218,7 +215,7 @@ int PathStep::number_below(const SparseMatrix& A, double bound) {
   factor.analyse(A);
   for (int k = 0; k < 8; ++k, bound *= 1.5) {
     const std::optional<int> number = factor.factor_indefinite(A, -bound);
-    ++factors_;
+    arc_->add_factors(1);
     if (number) return *number;
   }
   throw NoConvergence("eigenvalues near zero cannot be counted");
@@ -231,7 +228,7 @@ double PathStep::eigenvalue(int number, const PathPoint& p) {
   const SparseMatrix& A = body_->tangent();
   for (int count = 2;; count *= 2) {
     const EigenPairs found = eigenpairs_near_zero(A, std::min(count, static_cast<int>(A.rows())));
-    factors_ += found.factors;
+    arc_->add_factors(found.factors);
     Vector near = found.values;
     std::sort(near.begin(), near.end());
     const double error = 4.0 * eigenvalue_error(A);

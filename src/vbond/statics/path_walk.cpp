@@ -33,8 +33,7 @@ constexpr double wanted_corrections = 4;
 // Paths of a body that is not quite symmetric pass each other where they would cross: steps go over that if
 // the gap is no more than this part of the load factor, and follow the path round the bend if it is.
 constexpr double largest_gap = 1e-4;
-// Such a bend is told of as a bifurcation passed if the gap is no more than this part of the load factor.
-// Beyond it the body just bends.
+// A gap up to this part of the load factor is reported as a bifurcation. Beyond it the path is only bent.
 constexpr double widest_gap = 3e-3;
 // Steps in which stability may be lost and regained are taken again down to this part of their length.
 constexpr double shortest_beside_dips = 1.0 / 256;
@@ -42,13 +41,14 @@ constexpr const char* close_paths =
     "the path comes close to another one that crosses it, and no step tells them apart";
 // A step that ends behind a wide gap is taken again to this part of the way to it.
 constexpr double up_to_gap = 0.7;
-// From near by a gap may turn out narrower than from afar: so often it is looked at again.
+// Seen from near, a gap may turn out narrower than from far away. After this many looks it is taken for as
+// wide as it was seen.
 constexpr int most_looks_at_gap = 8;
-// Of the body's size: the longest step unless told, and the shortest.
+// Parts of the body's size: the longest step if largest_step is 0, and the shortest step.
 constexpr double automatic_step = 0.02;
 constexpr double shortest_step = 1e-10;
-// On a branch stability at the start is that at this part of the first step: eigenvalues grow with the square
-// of the distance, and shall be more than rounding.
+// At the start of a branch eigenvalues are zero to rounding. Stability there is counted at this part of the
+// first step, where they are larger than rounding.
 constexpr double aside_on_branch = 1e-2;
 
 double size_of(const StaticBody& body) {
@@ -77,9 +77,9 @@ const PathPoint* PathWalk::start(double first_step) {
   here_ = std::move(*point);
   if (std::signbit(here_.tangent.f) != std::signbit(first_step))
     here_.tangent = {-here_.tangent.u, -here_.tangent.f};
-  load_scale_ = std::abs(first_step);
   soft_here_ = arc_.softest(here_.tangent);
   next_ = std::min(std::abs(first_step / here_.tangent.f), longest(here_.tangent));
+  load_scale_ = next_ * std::abs(here_.tangent.f);
   shortest_ = std::min(shortest_step * size_, 1e-3 * next_);
   return &here_;
 }
@@ -101,17 +101,20 @@ std::optional<PathLeg> PathWalk::next() {
 /// and the load factor goes on beyond the gap, the path has turned off along the branch.
 void PathWalk::add_what_is_passed(PathLeg& leg) {
   const double f = wide_gap_->load_factor;
-  if (!leg.critical.empty()) return wide_gap_.reset();
+  if (std::any_of(leg.critical.begin(), leg.critical.end(), [&](const CriticalPoint& c) {
+        return c.kind == PointKind::limit_point || std::abs(c.load_factor - f) <= wide_gap_->gap;
+      }))
+    return wide_gap_.reset();
   const double end_of_gap = f + std::copysign(wide_gap_->gap, leg.step.direction().f);
   const auto beyond = [end_of_gap](const PathPoint& p) { return p.at.load_factor - end_of_gap; };
   if (std::signbit(beyond(leg.start.point)) == std::signbit(beyond(leg.end.point))) return;
   const double small = 1e-12 * std::max(load_scale_, std::abs(f));
-  const bool told = wide_gap_->gap < widest_gap * std::abs(f);
-  std::optional<PathNode> at;
-  if (told) at = leg.step.zero_of(beyond, leg.start, leg.end, small);
-  if (at) {
-    const int unstable = at->point.unstable;
-    leg.critical.push_back({PointKind::bifurcation, std::move(*at), f, unstable, unstable, wide_gap_->gap});
+  if (wide_gap_->gap < widest_gap * std::abs(f)) {
+    PathNode at = leg.step.zero_of(beyond, leg.start, leg.end, small).value_or(leg.end);
+    const int unstable = at.point.unstable;
+    leg.critical.push_back({PointKind::bifurcation, std::move(at), f, unstable, unstable, wide_gap_->gap});
+    std::stable_sort(leg.critical.begin(), leg.critical.end(),
+                     [](const CriticalPoint& a, const CriticalPoint& b) { return a.node.s < b.node.s; });
   }
   wide_gap_.reset();
 }
@@ -147,19 +150,22 @@ std::optional<PathLeg> PathWalk::leg(PathStep step, double s, Way way) {
       const CriticalPoint* gap = critical && way != Way::over_gaps ? first_wide_gap(*critical) : nullptr;
       why_not_ = gap ? close_paths : "no balance is found between two that are next to each other";
       if (critical && (!gap || last)) {
-        iterations_ += step.iterations();
-        other_factors_ += step.factors();
         return PathLeg{std::move(step), std::move(start), std::move(*end), std::move(*critical)};
       }
       if (gap) {
-        next = std::min(next, up_to_gap * gap->node.s);
-        looks_at_gap_ = wide_gap_ ? looks_at_gap_ + 1 : 1;
-        if (!wide_gap_ || gap->gap < wide_gap_->gap) wide_gap_ = *gap;
+        next = std::min(next, std::max(look_at(*gap), shortest_));
       }
     }
     if (last) return {};
     s = next;
   }
+}
+
+/// Remembers the narrowest look at the gap ahead. Returns the length of a step that ends before it.
+double PathWalk::look_at(const CriticalPoint& gap) {
+  looks_at_gap_ = wide_gap_ ? looks_at_gap_ + 1 : 1;
+  if (!wide_gap_ || gap.gap < wide_gap_->gap) wide_gap_ = gap;
+  return up_to_gap * gap.node.s;
 }
 
 /// The length of a step that goes well beyond a gap, by the rate of the load factor here.
@@ -168,7 +174,8 @@ double PathWalk::length_to(const CriticalPoint& gap) const {
   return 4.0 * ahead / std::max(std::abs(here_.tangent.f), 1e-300);
 }
 
-/// What is found between the two would be the gap that has been looked at often: that takes many balances.
+/// True if the step goes over the gap already known. Then the search for it, which takes many balances, is
+/// left out.
 bool PathWalk::goes_over_known_gap(const PathPoint& start, const PathPoint& end) const {
   if (!wide_gap_ || looks_at_gap_ < most_looks_at_gap || start.unstable == end.unstable) return false;
   const double f = wide_gap_->load_factor;
@@ -188,7 +195,7 @@ std::optional<PathNode> PathWalk::attempt(PathStep& step, double s, bool beware_
   why_not_ = outcome.why;
   snapping_ = false;
   if (!outcome.point) return {};
-  PathNode end{s, std::move(*outcome.point)};
+  PathNode end{s, std::move(*outcome.point), std::move(outcome.residuals)};
   why_not_ = objection(step, end, outcome.deviation);
   if (!why_not_.empty()) return {};
   choose_next_step(step, end, outcome.iterations);
@@ -212,7 +219,7 @@ void PathWalk::arrive(const PathLeg& leg) {
 std::string PathWalk::objection(const PathStep& step, const PathNode& end, const PathDirection& deviation) {
   const Placement& from = step.start().at;
   const double turn = arc_.angle(step.direction(), end.point.tangent);
-  if (turn > largest_path_turn) return fmt::format("the path turns by {:.2g} rad", turn);
+  if (!(turn <= largest_path_turn)) return fmt::format("the path turns by {:.2g} rad", turn);
   const auto k = newly_snapped(body_.state(), from);
   snapping_ = k.has_value();
   if (k) {
@@ -220,12 +227,12 @@ std::string PathWalk::objection(const PathStep& step, const PathNode& end, const
     return fmt::format("bond {} (particles {}, {}) snaps", k->value, b.i.value, b.j.value);
   }
   const double bonds = largest_bond_turn(body_.state(), from);
-  if (bonds > largest_bond_turns) return fmt::format("a bond turns by {:.2g} rad", bonds);
+  if (!(bonds <= largest_bond_turns)) return fmt::format("a bond turns by {:.2g} rad", bonds);
   const double f0 = step.direction().f, f1 = end.point.tangent.f;
   const double error = std::abs(end.point.at.load_factor - from.load_factor - 0.5 * end.s * (f0 + f1));
-  if (error > largest_load_error * end.s * (std::abs(f0) + std::abs(f1)) + least_load_error * load_scale_)
+  if (!(error <= largest_load_error * end.s * (std::abs(f0) + std::abs(f1)) + least_load_error * load_scale_))
     return "the load factor goes back and forth";
-  if (way_error(step, end, deviation) > largest_way_error) return "the step goes aside to another path";
+  if (!(way_error(step, end, deviation) <= largest_way_error)) return "the step goes aside to another path";
   return "";
 }
 
@@ -267,12 +274,12 @@ double PathWalk::longest(const PathDirection& d) const {
   return most / std::max(std::sqrt(largest2), 1e-3);
 }
 
-const PathPoint& start_walk(const StaticBody& body, const TangentSolver& solver, PathWalk& walk,
-                            double first_step, const std::string& who) {
+const PathPoint& start_walk(const StaticBody& body, TangentSolver& solver, PathWalk& walk, double first_step,
+                            const std::string& who) {
   const std::string& name = body.stage().name;
   refuse_nothing_free(body);
   refuse_rigid_motions(body);
-  const PathPoint* here = walk.start(first_step);
+  solver.prepare(body);
   if (solver.iterative())
     throw NoEquilibrium(
         name,
@@ -281,6 +288,7 @@ const PathPoint& start_walk(const StaticBody& body, const TangentSolver& solver,
                    : " the direct solver, and its factor does not fit into memory"),
         "use solver = \"direct\", with memory enough, or a coarser body; kind = \"equilibrium\" "
         "does without");
+  const PathPoint* here = walk.start(first_step);
   if (walk.is_singular())
     throw NoEquilibrium(
         name, "the tangent stiffness is singular at load factor 0, first of all in: " + softest_names(body),

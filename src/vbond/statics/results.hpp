@@ -18,7 +18,7 @@ namespace vbond {
 enum class PointKind : std::uint8_t {
   regular,
   limit_point,  ///< the load factor turns back
-  bifurcation,  ///< stability changes and the load factor goes on
+  bifurcation,  ///< another path crosses, or passes within `gap`; the load factor goes on
   end
 };
 
@@ -41,7 +41,7 @@ struct Shape {
   friend bool operator==(const Shape&, const Shape&) = default;
 };
 
-/// A point of a path where stability changes, or the load factor turns back.
+/// A limit point or bifurcation of a path.
 struct SpecialPoint {
   PointKind kind = PointKind::limit_point;
   double load_factor = 0;
@@ -52,15 +52,15 @@ struct SpecialPoint {
   friend bool operator==(const SpecialPoint&, const SpecialPoint&) = default;
 };
 
-/// A load at which one more direction of the balance becomes unstable.
+/// A load at which one more direction of the balance becomes unstable, or nearly so (gap).
 struct CriticalLoad {
   PointKind kind = PointKind::bifurcation;  ///< or limit_point: no balance close by carries more
   double load_factor = 0;                   ///< found on the nonlinear path
   std::optional<double> estimate;  ///< linearised about load factor 0; absent where that does not hold
   double force = 0;  ///< load factor times the largest proportional force on a whole group; 0: there is none
   Shape mode;
-  /// Of a body that is not quite symmetric: by how much of the load factor two paths pass each other where
-  /// those of the symmetric body would cross. So well the load factor is known. 0: they cross.
+  /// Of a body that is not quite symmetric: the paths that would cross in the symmetric body miss each other
+  /// by this much of the load factor, so that the load factor is known only to about this. 0: they cross.
   double gap = 0;
   friend bool operator==(const CriticalLoad&, const CriticalLoad&) = default;
 };

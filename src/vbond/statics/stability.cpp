@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "vbond/core/error.hpp"
 #include "vbond/statics/detail/rounding.hpp"
@@ -14,12 +15,12 @@ namespace {
                       "loads and stiffnesses must be far from the largest number");
 }
 
-/// The lowest eigenvalue, below which it is looked for from this far below zero on, and its mode. The value
-/// is the one that the mode gives, which is free of the rounding on the way to it.
+/// The lowest eigenvalue and its mode. The search begins below -10 margin and goes lower until the shifted
+/// matrix is positive definite. The value is x^T K x of the mode, free of the rounding of the search.
 EigenPairs lowest_pair(const StaticBody& body, Factor& factor, double margin) {
   const SparseMatrix& K = body.tangent();
   const double size = K.norm();
-  double below = 10.0 * margin;
+  double below = std::max(10.0 * margin, std::numeric_limits<double>::epsilon() * size);
   while (!factor.factor_definite(K, below)) {
     below *= 10.0;
     if (!(below < 1e3 * size)) refuse_tangent(body);
@@ -43,8 +44,9 @@ void judge_by_lowest(const StaticBody& body, Factor& factor, std::optional<int> 
   if (lowest < -error) s.unstable = count_below(K, factor, error, negative);
 }
 
-/// Eigenvalues of the whole tangent lie within its antisymmetric part of those of the symmetric one: under
-/// outside moments only those below that are counted, and if there are others below zero nothing is known.
+/// Each eigenvalue of the whole tangent differs from one of the symmetric part by no more than the
+/// antisymmetric part. So only those below minus that are surely negative; if others are below zero,
+/// stability is not known.
 void judge_beside_moments(const StaticBody& body, Factor& factor, std::optional<int> negative, Stability& s) {
   const SparseMatrix& K = body.tangent();
   const double margin = std::max(eigenvalue_error(K), body.moment_part());

@@ -1,6 +1,5 @@
 #include "vbond/statics/statics.hpp"
 
-#include <new>
 #include <stdexcept>
 #include <utility>
 
@@ -10,11 +9,6 @@
 
 namespace vbond {
 namespace {
-
-constexpr const char* way_out_of_memory =
-    "fewer particles help; where it is the factor that does not fit, for kind = \"equilibrium\" also newton "
-    "= "
-    "{solver = \"iterative\"}";
 
 StaticOutcome run_kind(const Model& model, const StaticStage& stage, State state, const StaticHooks& hooks) {
   switch (stage.kind) {
@@ -33,15 +27,10 @@ StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, Sta
                                const StaticHooks& hooks) {
   try {
     return run_kind(model, stage, std::move(state), hooks);
-  } catch (const NoConvergence& e) {
-    throw NoEquilibrium(
-        stage.name, e.what(),
-        "the tangent may be nearly singular, or its modes too close together: a smaller count, "
-        "or other supports, help");
-  } catch (const std::length_error& e) {
-    throw NoEquilibrium(stage.name, e.what(), way_out_of_memory);
-  } catch (const std::bad_alloc&) {
-    throw NoEquilibrium(stage.name, "memory ran out", way_out_of_memory);
+  } catch (const NoEquilibrium&) {
+    throw;
+  } catch (...) {
+    throw current_failure(stage);
   }
 }
 

@@ -74,8 +74,11 @@ class ArcLength {
   /// corrected down to rounding; of places looked at within a step some times that is enough.
   StepOutcome step(const Placement& from, const PathDirection& direction, double s, bool end_of_step);
 
-  /// Of the tangent, so far.
-  int factors() const { return solver_.last_factor().made() + deflated_factors_; }
+  /// Corrections, and factors of the tangent, so far.
+  int iterations() const { return iterations_; }
+  int factors() const { return solver_.last_factor().made() + other_factors_; }
+  /// Counts factors that others have made for eigenvalues.
+  void add_factors(int number) { other_factors_ += number; }
 
  private:
   void factor();
@@ -91,7 +94,7 @@ class ArcLength {
   double weight_;     // squared movement of held degrees of freedom per load factor  [length^2]
   int unstable_ = 0;  // at the last factor
   std::optional<Deflated> singular_;  // the same
-  int deflated_factors_ = 0;
+  int iterations_ = 0, other_factors_ = 0;
 };
 
 /// How far the bonds have turned between two placements: the largest change of angle between the two

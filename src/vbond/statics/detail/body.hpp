@@ -98,8 +98,9 @@ class StaticBody {
 
   /// How far x would turn or stretch bonds at most: |change of the vector between centres| / its length, and
   /// the angle between the turns of its ends; of particles without bonds the movement over the length scale,
-  /// and the turn. A linear step is a good guess up to some 0.3.
-  double largest_bond_change(const Vector& x) const;
+  /// and the turn. Held degrees of freedom move with the change of the load factor. A linear step is a good
+  /// guess up to some 0.3.
+  double largest_bond_change(const Vector& x, double load_factor_change = 0.0) const;
   /// What supports exert on these particles along held degrees of freedom.
   Reaction reaction(const std::vector<ParticleId>& particles) const;
 

@@ -21,8 +21,8 @@ struct Crossed {
 /// The place between lo and hi, where `value` has opposite signs, at which it crosses zero: regula falsi with
 /// the weights of Anderson and Bjorck (BIT 13 (1973) 253), which needs neither a derivative nor a smooth
 /// value, and a bisection wherever three looks have not halved the bracket. Ends when |value| <= small or the
-/// bracket is no wider than `narrow`. value(s) may return nothing where there is none: halves of what is left
-/// on either side of that are then taken off as long as they have a value.
+/// bracket is no wider than `narrow`. value(s) may return nothing. Then the bracket is halved from both ends
+/// towards that place as long as there are values.
 template <class Value>
 class CrossingSearch {
  public:

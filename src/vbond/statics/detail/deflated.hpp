@@ -23,7 +23,7 @@ class Deflated {
   const Vector& null_values() const { return values_; }
   /// Eigenvalues below those.
   int negative() const { return negative_; }
-  /// x normal to the null vectors, with A x = b but for the part of b along them.
+  /// x normal to the null vectors, with A x = b - (the part of b along them).
   Vector solve(const Vector& b) const;
   /// x with (A + a shift just above rounding) x = b.
   Vector solve_beside(const Vector& b) const { return factor_.solve(b); }

@@ -1,6 +1,7 @@
 #pragma once
 #include <functional>
 #include <optional>
+#include <string>
 
 #include "vbond/statics/detail/newton.hpp"
 #include "vbond/statics/statics.hpp"
@@ -9,7 +10,7 @@
 /// the few things that they share.
 namespace vbond {
 
-// ---- equilibrium.cpp ----
+// In equilibrium.cpp:
 StaticOutcome find_equilibrium(const Model& model, const StaticStage& stage, State state,
                                const StaticHooks& hooks);
 
@@ -18,22 +19,22 @@ StaticOutcome find_equilibrium(const Model& model, const StaticStage& stage, Sta
 std::optional<State> balance_of_constant_loads(const Model& model, const StaticStage& stage, State state,
                                                const StaticHooks& hooks, StaticResult& result);
 
-// ---- path.cpp ----
+// In path.cpp:
 /// Follows the balance with the load factor by its arc-length, through limit points and, if asked for, off
 /// along a branch at a bifurcation.
 StaticOutcome follow_path(const Model& model, const StaticStage& stage, State state,
                           const StaticHooks& hooks);
 
-// ---- buckling.cpp ----
+// In buckling.cpp:
 /// The first stage.count load factors at which the balance that starts from load factor 0 stops being unique.
 StaticOutcome find_critical_loads(const Model& model, const StaticStage& stage, State state,
                                   const StaticHooks& hooks);
 
-// ---- modes.cpp ----
+// In modes.cpp:
 /// Natural frequencies and shapes about the balance of the stage's loads, all of them taken as constant.
 StaticOutcome find_modes(const Model& model, const StaticStage& stage, State state, const StaticHooks& hooks);
 
-// ---- kinds.cpp ----
+// In kinds.cpp:
 /// How a stage ends that was interrupted before its first point, in the state where it began, at rest.
 StaticOutcome interrupted_outcome(StaticResult result, State state);
 
@@ -47,6 +48,9 @@ void refuse_not_finite(const StaticBody& body);
 /// Throws NoEquilibrium, naming them, if parts of the body can move freely as rigid bodies.
 void refuse_rigid_motions(const StaticBody& body);
 
+/// Tells the user something about this stage, if anybody listens.
+void tell(const StaticStage& stage, const StaticHooks& hooks, const std::string& text);
+
 /// Adds one to the clock, counts the point and hands this balance to hooks.point. Throws NoEquilibrium
 /// instead if it is not finite.
 void report_point(StaticBody& body, PointKind kind, std::optional<int> unstable, const StaticHooks& hooks,
@@ -55,7 +59,11 @@ void report_point(StaticBody& body, PointKind kind, std::optional<int> unstable,
 /// What a stage does that begins at the balance of its constant loads; returns the state it leaves.
 using RunFromBalance = std::function<State(State balanced, StaticResult& result)>;
 
-/// Runs that. What it had found when it failed is kept: NoEquilibrium becomes StaticStageFailed.
+/// The exception that is being handled as NoEquilibrium of this stage: that itself, a solver that does not
+/// converge, memory that ran out. Throws any other on. To be called in a catch block.
+NoEquilibrium current_failure(const StaticStage& stage);
+
+/// Runs that. What it had found when it failed is kept: StaticStageFailed.
 StaticOutcome run_from_constant_loads(const Model& model, const StaticStage& stage, State state,
                                       const StaticHooks& hooks, const RunFromBalance& run);
 

@@ -13,14 +13,15 @@ namespace vbond {
 struct PathNode {
   double s = 0;  ///< arc-length since the start of the step
   PathPoint point;
+  std::vector<double> residuals{};  ///< before each correction and at the end
 };
 
 /// Where stability changes within a step: some eigenvalues pass zero together.
 struct CriticalPoint {
   PointKind kind = PointKind::bifurcation;  ///< or limit_point
-  PathNode node;                            ///< the balance there, or next to it; point.unstable: see below
-  double load_factor = 0;                   ///< where they are zero: `node` may be next to it
-  int before = 0, after = 0;                ///< negative eigenvalues on either side
+  PathNode node;              ///< the balance there, or next to it; unstable: min(before, after)
+  double load_factor = 0;     ///< where they are zero: `node` may be next to it
+  int before = 0, after = 0;  ///< negative eigenvalues on either side
   /// By how much of the load factor the paths on either side miss each other: those of a body that is not
   /// quite symmetric do not cross. 0: they meet.
   double gap = 0;
@@ -55,12 +56,6 @@ class PathStep {
   /// is not found somewhere between.
   std::optional<std::vector<CriticalPoint>> critical_points(const PathNode& lo, const PathNode& hi);
 
-  /// Of Newton's method, all together.
-  int iterations() const { return iterations_; }
-  /// Of tangents for their eigenvalues.
-  int factors() const { return factors_; }
-  const std::vector<double>& last_residuals() const { return last_residuals_; }
-
  private:
   std::optional<CriticalPoint> limit_point(const PathNode& lo, const PathNode& hi);
   bool add_bifurcations(const PathNode& lo, const PathNode& hi, std::vector<CriticalPoint>& found);
@@ -75,8 +70,6 @@ class PathStep {
   ArcLength* arc_;
   PathPoint start_;
   PathDirection direction_;
-  int iterations_ = 0, factors_ = 0;
-  std::vector<double> last_residuals_;
 };
 
 }  // namespace vbond

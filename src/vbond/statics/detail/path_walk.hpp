@@ -24,8 +24,8 @@ struct PathLeg {
 /// eigenvalue that may pass zero and come back.
 class PathWalk {
  public:
-  /// Keeps references. largest_step: the longest movement of a particle in a step  [length]; 0: a share of
-  /// the body's size.
+  /// Keeps references. largest_step: the longest movement of a particle in a step, or rotation times the
+  /// length scale  [length]; 0: a share of the body's size.
   PathWalk(StaticBody& body, TangentSolver& solver, const NewtonSettings& newton, double largest_step);
 
   /// The point where the body stands; nothing if the load factor changes nothing. first_step: change of the
@@ -45,13 +45,14 @@ class PathWalk {
 
   const PathPoint& here() const { return here_; }
   /// Of Newton's method, and of the tangent, so far.
-  int iterations() const { return iterations_; }
-  int factors() const { return arc_.factors() + other_factors_; }
+  int iterations() const { return arc_.iterations(); }
+  int factors() const { return arc_.factors(); }
 
  private:
   enum class Way { round_gaps, over_gaps, off_along_branch };
   std::optional<PathLeg> leg(PathStep step, double s, Way way);
   std::optional<PathNode> attempt(PathStep& step, double s, bool beware_of_dips);
+  double look_at(const CriticalPoint& gap);
   double length_to(const CriticalPoint& gap) const;
   bool goes_over_known_gap(const PathPoint& start, const PathPoint& end) const;
   const CriticalPoint* first_wide_gap(const std::vector<CriticalPoint>& critical) const;
@@ -74,13 +75,12 @@ class PathWalk {
   std::optional<CriticalPoint> wide_gap_;  // ahead
   int looks_at_gap_ = 0;
   Softest soft_here_, soft_end_;  // at here_, and at the end of the last attempt
-  int iterations_ = 0, other_factors_ = 0;
 };
 
 /// Starts a walk where its body stands. Throws NoEquilibrium if parts of the body can move freely, if nothing
 /// is free to move or nothing changes with the load factor, if the tangent stiffness is singular, or if there
 /// are no factors of it. who: how that refusal begins, as in "a path needs".
-const PathPoint& start_walk(const StaticBody& body, const TangentSolver& solver, PathWalk& walk,
-                            double first_step, const std::string& who);
+const PathPoint& start_walk(const StaticBody& body, TangentSolver& solver, PathWalk& walk, double first_step,
+                            const std::string& who);
 
 }  // namespace vbond
