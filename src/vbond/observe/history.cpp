@@ -193,7 +193,8 @@ void HistoryWriter::keep_until(std::int64_t resume_step) {
   const std::string header = std::string(in.next().value_or(""));
   if (header.rfind(fixed_columns, 0) != 0)
     throw IoError(path_.string() +
-                  ": its first columns are not those of a history, so it cannot be continued");
+                  ": its first columns are not those of a history, so it cannot be continued\n"
+                  "  move it away, and resume begins a new one");
   const std::vector<std::string> old = cells_of(header), wanted = std::exchange(columns_, old);
   for (const std::string& name : wanted)
     if (std::find(old.begin(), old.end(), name) == old.end()) columns_.push_back(name);
