@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "commands.hpp"
+#include "memory.hpp"
 #include "prepare.hpp"
 #include "statics.hpp"
 #include "vbond/build/build.hpp"
@@ -26,14 +27,6 @@ namespace vbond::app {
 namespace {
 
 constexpr std::int64_t few_steps = 10;
-
-std::string in_units(double bytes) {
-  constexpr double KiB = 0x1p10, MiB = 0x1p20, GiB = 0x1p30;
-  if (std::isinf(bytes)) return "more than 16 GiB";  // beyond CHOLMOD's index
-  if (bytes >= GiB) return fmt::format("{:.3g} GiB", bytes / GiB);
-  if (bytes >= MiB) return fmt::format("{:.3g} MiB", bytes / MiB);
-  return fmt::format("{:.3g} KiB", bytes / KiB);
-}
 
 void print_memory(const Model& model, const State& state) {
   const MemoryUse use = memory_use(state);
@@ -148,7 +141,9 @@ void print_wall_time(std::int64_t steps, const Model& model, const Stage& first,
 int check(const std::filesystem::path& case_file, int threads) {
   const Case c = read_case(case_file);
   require_statics(c);
+  require_memory(c);
   Built built = build(c);
+  require_memory(c, built.model, built.state);
   std::optional<Stage> dynamics;  // the first stage, if it is that
   std::optional<StaticStage> statics;
   if (is_static(c.stages[0].kind))

@@ -14,6 +14,7 @@ enum ExitStatus {
   bad_io = 3,
   on_sighup = 129,
   on_sigint = 130,
+  on_sigpipe = 141,
   on_sigterm = 143
 };
 

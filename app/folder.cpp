@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "vbond/core/error.hpp"
@@ -56,24 +57,40 @@ bool is_frame(std::string_view name) {
   return false;
 }
 
-/// Takes a run's own files out of a folder, and the folder if it is empty then.
-template <class IsOwn>
-void clear_folder(const fs::path& folder, IsOwn is_own) {
+void take_away_if_empty(const fs::path& folder) {
   std::error_code e;
-  if (!fs::is_directory(folder, e)) return;
-  for (const fs::path& path : entries(folder))
-    if (is_own(path.filename().string())) take_away(path);
-  if (entries(folder).empty()) take_away(folder);
+  if (fs::is_directory(folder, e) && entries(folder).empty()) take_away(folder);
 }
 
+/// Lists of frames go before the frames that they name.
 void remove_output(const fs::path& folder) {
+  const FolderLock nobody_reports(folder, report_lock);
   for (const char* name : {"history.csv", "run.json", "resolved.toml", "checkpoint.h5", "particles.pvd",
                            "bonds.pvd", "dump.lammpstrj", "last_balance.h5", "report.html", "report.png"}) {
     take_away(folder / name);
     take_away(temporary_name(folder / name));
   }
-  clear_folder(folder / "frames", is_frame);
-  clear_folder(folder / "modes", [](std::string_view name) { return is_mode_file(name); });
+  std::error_code e;
+  if (fs::is_directory(folder / "frames", e))
+    for (const fs::path& path : entries(folder / "frames"))
+      if (is_frame(path.filename().string())) take_away(path);
+  remove_mode_frames(folder);
+  for (const char* name : {"frames", "modes"}) take_away_if_empty(folder / name);
+}
+
+/// What a crashed run leaves of its locks does not count.
+bool is_occupied(const fs::path& folder) {
+  const std::vector<fs::path> all = entries(folder);
+  return std::any_of(all.begin(), all.end(), [](const fs::path& path) {
+    return path.filename() != run_lock && path.filename() != report_lock;
+  });
+}
+
+[[noreturn]] void refuse_occupied(const fs::path& folder) {
+  throw CaseError({{},
+                   folder.string() + " already exists and is not empty",
+                   "an earlier output is never overwritten by itself",
+                   "choose another folder with -o, or replace this one with --force"});
 }
 
 fs::path first_free(const std::string& stem) {
@@ -88,22 +105,26 @@ fs::path first_free(const std::string& stem) {
 
 }  // namespace
 
-fs::path claim_folder(const fs::path& case_file, const std::optional<fs::path>& wish, bool force) {
-  if (!wish && !force) return first_free(case_file.stem().string());
+ClaimedFolder claim_folder(const fs::path& case_file, const std::optional<fs::path>& wish, bool force) {
+  if (!wish && !force) {
+    const fs::path folder = first_free(case_file.stem().string());
+    return {folder, FolderLock(folder, run_lock)};
+  }
   fs::path folder = wish.value_or(case_file.stem().string() + ".out");
   if (is_there(folder)) {
     std::error_code e;
     if (!fs::is_directory(folder, e))
       throw IoError(folder.string() + ": is not a folder, so a run cannot write into it");
-    if (!force && !entries(folder).empty())
-      throw CaseError({{},
-                       folder.string() + " already exists and is not empty",
-                       "an earlier output is never overwritten by itself",
-                       "choose another folder with -o, or replace this one with --force"});
-    if (force) remove_output(folder);
+    if (!force && is_occupied(folder)) {  // looked at before anything is written there
+      require_free(folder, run_lock);
+      refuse_occupied(folder);
+    }
   }
   make_folder(folder);
-  return folder;
+  FolderLock lock(folder, run_lock);
+  if (!force && is_occupied(folder)) refuse_occupied(folder);  // another run was faster, and has ended
+  if (force) remove_output(folder);
+  return {std::move(folder), std::move(lock)};
 }
 
 }  // namespace vbond::app

@@ -1,9 +1,14 @@
+#include <fcntl.h>
+
 #include <CLI/CLI.hpp>
+#include <csignal>
 #include <cstdio>
 #include <exception>
+#include <new>
 #include <thread>
 
 #include "commands.hpp"
+#include "memory.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/dynamics/kernel.hpp"
 
@@ -56,7 +61,8 @@ int dispatch(int argc, char** argv) {
   program.set_version_flag("--version", "vbond " VBOND_VERSION);
   program.require_subcommand(1);
   program.footer(
-      "Exit status: 0 done, 1 the run failed, 2 usage or input, 3 input/output, 129/130/143 on a signal.");
+      "Exit status: 0 done, 1 the run failed, 2 usage or input, 3 input/output, 129/130/141/143 on a "
+      "signal.");
 
   app::RunOptions run;
   run.threads = default_threads();
@@ -111,9 +117,18 @@ int dispatch(int argc, char** argv) {
   return app::calibrate(calibrate);
 }
 
+/// A standard stream that the caller has closed would be the next file that is opened: history.csv, say, with
+/// the table of the run in it.
+void open_standard_streams() {
+  for (const int stream : {0, 1, 2})
+    if (fcntl(stream, F_GETFD) == -1) open("/dev/null", O_RDWR);  // takes the lowest number that is free
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  open_standard_streams();
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that grows beyond ulimit -f is an error of writing, which is told
   try {
     return dispatch(argc, argv);
   } catch (const CaseError& e) {
@@ -131,6 +146,12 @@ int main(int argc, char** argv) {
   } catch (const IoError& e) {
     std::fprintf(stderr, "%s\n", e.what());
     return app::bad_io;
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "%s\n", app::out_of_memory().c_str());
+    return app::failed;
+  } catch (const std::length_error&) {
+    std::fprintf(stderr, "%s\n", app::out_of_memory().c_str());
+    return app::failed;
   } catch (const std::exception& e) {
     std::fprintf(stderr, "internal error: %s\n", e.what());
     return app::failed;

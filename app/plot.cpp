@@ -7,6 +7,7 @@
 #include "braille.hpp"
 #include "campaign.hpp"
 #include "commands.hpp"
+#include "lock.hpp"
 #include "report.hpp"
 #include "still.hpp"
 #include "vbond/case/read.hpp"
@@ -60,6 +61,7 @@ int plot(const PlotOptions& o) {
     if (!report.no_frames.empty())
       throw IoError(report.page.string() + " is written, but there is no picture to take of it\n  " +
                     report.no_frames);
+    const FolderLock lock(o.folder, report_lock);
     take_still(report.page, picture);
     say("picture in " + picture.string() + "\n");
   }

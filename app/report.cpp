@@ -11,6 +11,8 @@
 
 #include "campaign.hpp"
 #include "commands.hpp"
+#include "lock.hpp"
+#include "shell.hpp"
 #include "vbond/case/read.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/observe/files.hpp"
@@ -142,6 +144,7 @@ Written write_report(const fs::path& folder) {
   if (!is_there(folder / "resolved.toml"))
     throw IoError(folder.string() + ": is not an output folder of vbond run: it has no resolved.toml");
   const std::string html = page_template();
+  const FolderLock lock(folder, report_lock);
   const Case c = read_case(folder / "resolved.toml");
   const Built built = build(c);
   std::optional<RunSummary> summary;
@@ -158,14 +161,15 @@ Written write_report(const fs::path& folder) {
   const page::StepFacts step = step_of(c, built, summary);
   r.facts = facts_of(c, built, summary, step);
   if (summary) r.results = results_of(*summary);
-  r.warnings = page::warnings({.summary = summary,
-                               .history = r.history,
-                               .body = r.body,
-                               .units = c.units,
-                               .stages = c.stages.size(),
-                               .resume_command = "vbond resume " + fs::canonical(folder).filename().string(),
-                               .step = step,
-                               .files = trouble});
+  r.warnings = page::warnings(
+      {.summary = summary,
+       .history = r.history,
+       .body = r.body,
+       .units = c.units,
+       .stages = c.stages.size(),
+       .resume_command = "vbond resume " + shell_word(fs::canonical(folder).filename().string()),
+       .step = step,
+       .files = trouble});
   replace_file(folder / "report.html", page::report_page(html, r, {}), Sync::none);
   return {folder / "report.html", r.no_frames};
 }

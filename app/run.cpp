@@ -11,8 +11,11 @@
 #include "campaign.hpp"
 #include "commands.hpp"
 #include "folder.hpp"
+#include "lock.hpp"
+#include "memory.hpp"
 #include "prepare.hpp"
 #include "report.hpp"
+#include "shell.hpp"
 #include "signals.hpp"
 #include "statics.hpp"
 #include "vbond/build/build.hpp"
@@ -109,6 +112,10 @@ bool run_dynamics_leg(Campaign& campaign, Stage stage, State& state) {
   return true;
 }
 
+std::string resume_command(const Campaign& campaign) {
+  return shell_word(campaign.program) + " resume " + shell_word(campaign.plan.folder.string());
+}
+
 void say_end(const Campaign& campaign, bool interrupted) {
   const RunSummary& s = campaign.summary;
   const std::string folder = campaign.plan.folder.string();
@@ -124,8 +131,7 @@ void say_end(const Campaign& campaign, bool interrupted) {
     text += fmt::format("{} pair{} of particles without a bond overlapped: see docs/theory.md\n",
                         s.ever_overlapping, s.ever_overlapping == 1 ? "" : "s");
   say(text + timing_table(s.wall_time) + "results in " + folder + "\n");
-  if (interrupted)
-    say("stopped by a signal; go on with: " + campaign.program + " resume " + folder + "\n", stderr);
+  if (interrupted) say("stopped by a signal; go on with: " + resume_command(campaign) + "\n", stderr);
 }
 
 /// A signal that came between two stages: the checkpoint is that of the state before the next one's bonds.
@@ -136,7 +142,12 @@ void stop_before_stage(Campaign& campaign, const State& state) {
 }
 
 int status_of_signal() {
-  return caught_signal() == SIGTERM ? on_sigterm : caught_signal() == SIGHUP ? on_sighup : on_sigint;
+  switch (caught_signal()) {
+    case SIGTERM: return on_sigterm;
+    case SIGHUP: return on_sighup;
+    case SIGPIPE: return on_sigpipe;
+    default: return on_sigint;
+  }
 }
 
 /// Runs from the state's stage to the last one. `leg` is the stage the state is in.
@@ -184,13 +195,23 @@ void check_edits(const Case& c, const State& start, const State& now, const fs::
        "undo the edit, or start a new run of the edited case with vbond run"});
 }
 
+/// A failure to write, such as a full disk, with the way to go on.
+IoError with_way_on(const Campaign& campaign, const IoError& failure) {
+  campaign.clear_progress();
+  std::string text = failure.what();
+  std::error_code e;
+  if (fs::exists(campaign.plan.folder / "checkpoint.h5", e))
+    text += "\n  once that is mended, go on from the last checkpoint with: " + resume_command(campaign);
+  return IoError(text);
+}
+
 /// A report is worth less than the run: it is only told why there is none.
 void report_on(const fs::path& folder) {
   try {
     say("report in " + write_report(folder).page.string() + "\n");
   } catch (const std::exception& e) {
     const std::string why = e.what();
-    say("no report: " + why.substr(0, why.find('\n')) + "\n  vbond report " + folder.string() +
+    say("no report: " + why.substr(0, why.find('\n')) + "\n  vbond report " + shell_word(folder.string()) +
             " says more, and writes it once that is put right\n",
         stderr);
   }
@@ -205,18 +226,35 @@ void warn_if_no_page() {
   }
 }
 
+/// The lock of a folder that a run can be resumed in. Throws IoError.
+FolderLock lock_old_output(const fs::path& folder) {
+  std::error_code e;
+  require_free(folder, run_lock);  // a run that has only begun has none of the files yet
+  if (!fs::exists(folder / "resolved.toml", e))
+    throw IoError(folder.string() + ": is not an output folder of vbond run: it has no resolved.toml");
+  FolderLock lock(folder, run_lock);
+  if (!fs::exists(folder / "checkpoint.h5", e))
+    throw IoError(folder.string() + "/checkpoint.h5: there is none, the run was stopped before its first " +
+                  "checkpoint; set output.checkpoint = {every = ...} in the case and run it again");
+  return lock;
+}
+
 }  // namespace
 
 int run(const RunOptions& options) {
   const auto start = WallClock::now();
   const Case c = read_case(options.case_file);
   require_statics(c);
+  require_memory(c);
   Built built = build(c);
+  require_memory(c, built.model, built.state);
   Leg first = prepare(c, built.model, built.state);
   OutputPlan plan = plan_output(c, built.model, {});  // all that may be wrong with the case is known by now
 
   if (options.report) warn_if_no_page();
-  plan.folder = claim_folder(options.case_file, options.folder, options.force);
+  const ClaimedFolder claimed = claim_folder(options.case_file, options.folder, options.force);
+  plan.folder = claimed.path;
+  catch_broken_pipe();
   replace_file(plan.folder / "resolved.toml", to_toml(c));
   say("output folder    " + plan.folder.string() + "\n");
   print_overview(c, built.model, built.state);
@@ -230,8 +268,8 @@ int run(const RunOptions& options) {
     const int status = run_stages(campaign, std::move(first), std::move(built.state));
     if (options.report && status == done) report_on(campaign.plan.folder);
     return status;
-  } catch (const IoError&) {  // no more can be written
-    throw;
+  } catch (const IoError& e) {  // no more can be written
+    throw with_way_on(campaign, e);
   } catch (const std::exception&) {
     if (options.report) report_on(campaign.plan.folder);
     throw;
@@ -240,14 +278,11 @@ int run(const RunOptions& options) {
 
 int resume(const fs::path& folder, int threads, const std::string& program) {
   const auto start = WallClock::now();
-  std::error_code e;
-  if (!fs::exists(folder / "resolved.toml", e))
-    throw IoError(folder.string() + ": is not an output folder of vbond run: it has no resolved.toml");
-  if (!fs::exists(folder / "checkpoint.h5", e))
-    throw IoError(folder.string() + "/checkpoint.h5: there is none, the run was stopped before its first " +
-                  "checkpoint; set output.checkpoint = {every = ...} in the case and run it again");
+  const FolderLock lock = lock_old_output(folder);
+  catch_broken_pipe();
   const Case c = read_case(folder / "resolved.toml");
   require_statics(c);
+  require_memory(c);
   const Built built = build(c);
   Checkpoint checkpoint = read_checkpoint(folder / "checkpoint.h5", built.model);
   State& state = checkpoint.state;
@@ -266,7 +301,11 @@ int resume(const fs::path& folder, int threads, const std::string& program) {
   say(fmt::format("resumed at step {} of stage {}, output folder {}\n", state.clock.stage_step,
                   c.stages[static_cast<std::size_t>(state.clock.stage)].name, folder.string()));
   print_machine(threads);
-  return run_stages(campaign, std::move(leg), std::move(state));
+  try {
+    return run_stages(campaign, std::move(leg), std::move(state));
+  } catch (const IoError& e) {
+    throw with_way_on(campaign, e);
+  }
 }
 
 }  // namespace vbond::app

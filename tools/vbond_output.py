@@ -55,7 +55,7 @@ class Run:
         return read_vtp(self.files[what][nearest])
 
     def history(self):
-        """Columns of history.csv by name."""
+        """Columns of history.csv by name; an empty cell is NaN."""
         with open(self.folder / "history.csv", newline="") as file:
             rows = list(csv.reader(file))
-        return {name: [float(row[k]) for row in rows[1:]] for k, name in enumerate(rows[0])}
+        return {name: [float(row[k] or "nan") for row in rows[1:]] for k, name in enumerate(rows[0])}

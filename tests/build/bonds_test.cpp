@@ -46,6 +46,13 @@ RC_GTEST_PROP(DistanceSelection, EqualsBruteForce, ()) {
   RC_ASSERT(pairs_within(r, distance, in_a, in_b) == expected);
 }
 
+TEST(DistanceSelection, StopsAtTheMostThatThereMayBe) {
+  const std::vector<Vec3d> r{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}};
+  const std::vector<char> all(3, 1);
+  EXPECT_EQ(pairs_within(r, 5.0, all, all, 3.0).size(), 3u);
+  EXPECT_THROW(pairs_within(r, 5.0, all, all, 2.0), std::length_error);
+}
+
 TEST(Bonds, JoinNeighboursOfARodInOrder) {
   const Built b = build(paper_rod());
   ASSERT_EQ(b.state.bonds.size(), 9u);

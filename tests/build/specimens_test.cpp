@@ -95,6 +95,17 @@ TEST(Helix, RisesByItsPitchPerTurn) {
   EXPECT_EQ(numbers(b.model, "ends"), (std::vector<std::size_t>{0, 4}));
 }
 
+TEST(Specimens, AreCountedBeforeTheyAreMade) {
+  for (const Case& c : {case_of(RodSpecimen{3, 2.0, {}, {1, 0, 0}}), case_of(RingSpecimen{7, 2.0, {}}),
+                        case_of(HelixSpecimen{9, 1.0, 3.0, 2.0, {}}),
+                        case_of(BlockSpecimen{Lattice::simple_cubic, {2, 3, 5}, 1.0, {}}),
+                        case_of(BlockSpecimen{Lattice::fcc, {2, 3, 4}, 1.0, {}}),
+                        case_of(BlockSpecimen{Lattice::hcp, {2, 3, 4}, 1.0, {}}),
+                        case_of(SheetSpecimen{SheetLattice::triangular, {4, 3}, 1.0, {}}),
+                        case_of(ListedSpecimen{{{0, 0, 0}, {2, 0, 0}}})})
+    EXPECT_EQ(count_particles(c), static_cast<double>(build(c).model.particles()));
+}
+
 TEST(Specimens, FollowOneAnotherInOrder) {
   Case c = case_of(RodSpecimen{3, 1.0, {}, {1, 0, 0}});
   c.specimens.push_back(specimen(ListedSpecimen{{{0, 5, 0}, {0, 6, 0}}}, "probe"));

@@ -197,6 +197,61 @@ TEST(Frames, DumpCutInsideALineIsMended) {
   }
 }
 
+// Larger than what is read of it at once, with frame heads at every place of such a part.
+TEST(Frames, LongDumpIsCutAtTheRightFrame) {
+  const Folder folder;
+  { FrameWriter writer(folder.path(), true, {}); }
+  const auto dump = folder / "dump.lammpstrj";
+  constexpr std::int64_t frames = 4000;
+  std::string text;
+  std::vector<std::size_t> begins;
+  for (std::int64_t step = 0; step < frames; ++step) {
+    begins.push_back(text.size());
+    text += "ITEM: TIMESTEP\n" + std::to_string(step) + '\n' + std::string(700, 'x') + '\n';
+  }
+  ASSERT_GT(text.size(), 2u << 20);
+  for (std::int64_t last : {0, 1, 17, 999, 1460, 1461, 1462, 2000, 2525, 2526, 3998, 3999}) {
+    put_content(dump, text + "ITEM: TIM");
+    FrameWriter(folder.path(), true, last);
+    const std::size_t end = last + 1 < frames ? begins[static_cast<std::size_t>(last) + 1] : text.size();
+    EXPECT_EQ(content_of(dump), text.substr(0, end)) << last;
+  }
+  for (std::size_t shift = 0; shift < 40; ++shift) {  // the border of two parts anywhere in a head
+    const std::size_t size = (1u << 20) + shift;      // of what follows the beginning of the last head
+    put_content(dump, text + "ITEM: TIMESTEP\n5000\n" + std::string(size - 20 - 1, 'y') + '\n');
+    FrameWriter(folder.path(), true, 4999);
+    EXPECT_EQ(content_of(dump), text) << shift;
+  }
+}
+
+// Nothing is removed before the lists are written: here the first late frame cannot be removed.
+TEST(Frames, ListsNeverNameAFrameThatIsGone) {
+  const Folder folder;
+  Chain chain;
+  {
+    FrameWriter writer(folder.path(), false, {});
+    write_frames(writer, chain, {0, 10, 20, 30});
+  }
+  for (const char* kind : {"particles", "bonds"})
+    for (const char* step : {"20", "30"}) {
+      const auto frame = folder / (std::string("frames/") + kind + "_0000000000" + step + ".vtp");
+      ASSERT_TRUE(std::filesystem::remove(frame));
+      std::filesystem::create_directories(frame / "in the way");
+    }
+  EXPECT_THROW(FrameWriter(folder.path(), false, 15), IoError);
+  for (const char* list : {"particles.pvd", "bonds.pvd"})
+    EXPECT_EQ(entries(content_of(folder / list)).size(), 2u) << list;
+}
+
+TEST(Frames, MayBeAskedForLaterOn) {
+  const Folder folder;
+  Chain chain;
+  FrameWriter writer(folder.path(), true, 25);
+  write_frames(writer, chain, {30});
+  EXPECT_EQ(entries(content_of(folder / "particles.pvd")).size(), 1u);
+  EXPECT_EQ(content_of(folder / "dump.lammpstrj"), lammps_frame(chain.model, chain.state));
+}
+
 TEST(Frames, ForeignListIsNotContinued) {
   const Folder folder;
   { FrameWriter writer(folder.path(), false, {}); }

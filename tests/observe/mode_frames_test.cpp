@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "specimen.hpp"
+#include "vbond/core/error.hpp"
 #include "vtp_reader.hpp"
 
 namespace vbond {
@@ -90,6 +91,20 @@ TEST(ModeFrames, AreRemovedStageByStageAndNothingElse) {
   EXPECT_TRUE(is_mode_file("any_mode_12.pvd"));
   for (const char* name : {"any_mode_x.pvd", "_mode_1.pvd", "particles.pvd", "any_mode_1_0003.txt", ""})
     EXPECT_FALSE(is_mode_file(name)) << name;
+}
+
+// Here no frame can be removed: the lists are gone all the same, whatever order the folder has.
+TEST(ModeFrames, ListsAreRemovedBeforeTheirFrames) {
+  const Folder folder;
+  std::filesystem::create_directories(folder / "modes");
+  for (int mode = 1; mode <= 20; ++mode) {
+    const std::string name = "a_mode_" + std::to_string(mode);
+    std::filesystem::create_directories(folder / ("modes/" + name + "_0000.vtp/in the way"));
+    test::put_content(folder / ("modes/" + name + ".pvd"), "");
+  }
+  EXPECT_THROW(remove_mode_frames(folder.path(), "a"), IoError);
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "modes"))
+    EXPECT_NE(entry.path().extension(), ".pvd") << entry.path();
 }
 
 }  // namespace

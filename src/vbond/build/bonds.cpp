@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <unordered_map>
 
 #include "vbond/build/groups.hpp"
 #include "vbond/build/text_file.hpp"
+#include "vbond/core/memory.hpp"
 #include "vbond/core/near_pairs.hpp"
 #include "vbond/model/make_bond.hpp"
 
@@ -44,12 +46,11 @@ struct Selection {
                    "use a little more than the spacing");
       return {};
     }
-    const std::vector<Vec3d>& r = state.r.values();
-    std::vector<Pair> pairs = pairs_within(r, within.distance, in_a, in_b);
+    std::vector<Pair> pairs = pairs_in_memory(within.distance);
     if (pairs.empty() && spec.when == BondTime::start) {
       std::string nearest = "none within 16 times that distance";
       for (double d = 2.0; d <= 16.0 && pairs.empty(); d *= 2.0) {
-        pairs = pairs_within(r, d * within.distance, in_a, in_b);
+        pairs = pairs_in_memory(d * within.distance);
         double least = INFINITY;
         for (const auto& [i, j] : pairs) least = std::min(least, norm(state.r[j] - state.r[i]));
         if (!pairs.empty()) nearest = fmt::format("the nearest are {:.6g} apart", least);
@@ -64,6 +65,22 @@ struct Selection {
     const auto is_bonded = [this](const Pair& p) { return bonded.count(key(p[0], p[1])) > 0; };
     pairs.erase(std::remove_if(pairs.begin(), pairs.end(), is_bonded), pairs.end());
     return pairs;
+  }
+
+  /// Refuses more than memory holds before it holds them: a distance in a wrong unit joins everything to
+  /// everything.
+  std::vector<Pair> pairs_in_memory(double distance) const {
+    const double limit = memory_limit(), most = limit / static_cast<double>(sizeof(Pair) + sizeof(Bond));
+    try {
+      return pairs_within(state.r.values(), distance, in_a, in_b, most);
+    } catch (const std::length_error&) {
+      throw CaseError({place_of_selection(spec),
+                       fmt::format("bonds \"{}\": more than {:.3g} pairs of {} particles are within {}",
+                                   spec.name, most, state.r.size(), distance),
+                       fmt::format("bonds of that many take more memory than the {:.3g} GiB there may be",
+                                   limit / 0x1p30),
+                       "use a little more than the spacing; is the distance in the right unit?"});
+    }
   }
 
   std::vector<Pair> operator()(const ListedPairs& listed) {
@@ -180,10 +197,12 @@ bool has_stable_rest(const BondStiffness<double>& c) {
 }  // namespace
 
 std::vector<Pair> pairs_within(const std::vector<Vec3d>& r, double distance, const std::vector<char>& in_a,
-                               const std::vector<char>& in_b) {
+                               const std::vector<char>& in_b, double most) {
   std::vector<Pair> pairs;
   for_near_pairs(r, distance, [&](std::size_t i, std::size_t j, double) {
-    if ((in_a[i] && in_b[j]) || (in_a[j] && in_b[i])) pairs.push_back({ParticleId{i}, ParticleId{j}});
+    if (!((in_a[i] && in_b[j]) || (in_a[j] && in_b[i]))) return;
+    if (static_cast<double>(pairs.size()) >= most) throw std::length_error("too many pairs");
+    pairs.push_back({ParticleId{i}, ParticleId{j}});
   });
   std::sort(pairs.begin(), pairs.end());
   return pairs;

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -15,8 +16,10 @@ namespace vbond {
 using Pair = std::array<ParticleId, 2>;
 
 /// All pairs with one end in each group and centres no farther apart than `distance` > 0, in order of (i, j).
+/// Throws std::length_error if they are more than `most`.
 std::vector<Pair> pairs_within(const std::vector<Vec3d>& r, double distance, const std::vector<char>& in_a,
-                               const std::vector<char>& in_b);
+                               const std::vector<char>& in_b,
+                               double most = std::numeric_limits<double>::infinity());
 
 /// Makes the bonds of set number `set` of the case between the particles as they stand in `state`, in order
 /// of (i, j), i < j. Pairs bonded already are passed over if selected by distance or bonded by this same

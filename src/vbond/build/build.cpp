@@ -158,6 +158,12 @@ void check_output(const Case& c, const Model& model, Problems& problems) {
 
 }  // namespace
 
+double count_particles(const Case& c) {
+  double n = 0.0;
+  for (const SpecimenSpec& s : c.specimens) n += count_points(s);
+  return n;
+}
+
 Built build(const Case& c) {
   Problems problems;
   Built built;

@@ -19,6 +19,9 @@ struct Built {
   State state;
 };
 
+/// Particles that the case makes itself; those that it reads from files are not counted.
+double count_particles(const Case& c);
+
 /// Particles, groups, the bonds made at the start, initial velocities and T_0; the names and times of
 /// all stages and outputs are checked too, so that a run does not find them wrong hours later.
 /// Throws CaseError with as many mistakes at once as do not depend on each other.

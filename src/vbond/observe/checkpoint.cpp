@@ -4,15 +4,15 @@
 #include <hdf5.h>
 
 #include <array>
-#include <bit>
 #include <cstdint>
 #include <functional>
-#include <system_error>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "vbond/core/error.hpp"
+#include "vbond/observe/detail/h5.hpp"
 #include "vbond/observe/files.hpp"
 #include "vbond/observe/seal.hpp"
 
@@ -20,121 +20,6 @@ namespace vbond {
 namespace {
 
 constexpr std::int32_t format_version = 2;
-
-// ---- HDF5 handles and errors ---------------------------------------------------------------------------
-
-/// Owns one HDF5 handle of any kind and closes it with the function of its kind.
-class H5Handle {
- public:
-  H5Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
-  ~H5Handle() { reset(); }
-  H5Handle(H5Handle&& o) noexcept : id_(std::exchange(o.id_, -1)), close_(o.close_) {}
-  H5Handle(const H5Handle&) = delete;
-  H5Handle& operator=(const H5Handle&) = delete;
-  H5Handle& operator=(H5Handle&&) = delete;
-
-  hid_t get() const { return id_; }
-  explicit operator bool() const { return id_ >= 0; }
-
-  /// Closes now and says if that worked: closing a file writes what is still buffered.
-  bool reset() { return id_ < 0 || close_(std::exchange(id_, -1)) >= 0; }
-
- private:
-  hid_t id_;
-  herr_t (*close_)(hid_t);
-};
-
-/// Keeps HDF5 from printing its error stack while it lives: errors are thrown, never printed.
-class H5Silence {
- public:
-  H5Silence() {
-    H5Eget_auto2(H5E_DEFAULT, &function_, &data_);
-    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-  }
-  ~H5Silence() { H5Eset_auto2(H5E_DEFAULT, function_, data_); }
-  H5Silence(const H5Silence&) = delete;
-  H5Silence& operator=(const H5Silence&) = delete;
-
- private:
-  H5E_auto2_t function_ = nullptr;
-  void* data_ = nullptr;
-};
-
-// ---- how each type lies in the file: `count` numbers of one type ------------------------------------
-
-static_assert(std::endian::native == std::endian::little,
-              "numbers are passed to HDF5 as they lie in the file");
-
-template <class N>
-hid_t file_type();
-template <>
-hid_t file_type<double>() {
-  return H5T_IEEE_F64LE;
-}
-template <>
-hid_t file_type<std::int64_t>() {
-  return H5T_STD_I64LE;
-}
-template <>
-hid_t file_type<std::int32_t>() {
-  return H5T_STD_I32LE;
-}
-template <>
-hid_t file_type<std::uint32_t>() {
-  return H5T_STD_U32LE;
-}
-template <>
-hid_t file_type<std::uint8_t>() {
-  return H5T_STD_U8LE;
-}
-
-template <class T>
-struct Stored {
-  using Number = T;
-  static constexpr std::size_t count = 1;
-  static void put(const T& x, Number* to) { *to = x; }
-  static void take(const Number* from, T& x) { x = *from; }
-};
-template <>
-struct Stored<Vec3d> {
-  using Number = double;
-  static constexpr std::size_t count = 3;
-  static void put(const Vec3d& x, double* to) { to[0] = x.x, to[1] = x.y, to[2] = x.z; }
-  static void take(const double* from, Vec3d& x) { x = {from[0], from[1], from[2]}; }
-};
-template <>
-struct Stored<Quatd> {
-  using Number = double;
-  static constexpr std::size_t count = 4;
-  static void put(const Quatd& x, double* to) { to[0] = x.w, to[1] = x.x, to[2] = x.y, to[3] = x.z; }
-  static void take(const double* from, Quatd& x) { x = {from[0], from[1], from[2], from[3]}; }
-};
-template <>
-struct Stored<ParticleId> {
-  using Number = std::uint32_t;
-  static constexpr std::size_t count = 1;
-  static void put(const ParticleId& x, Number* to) { *to = x.value; }
-  static void take(const Number* from, ParticleId& x) { x = ParticleId{*from}; }
-};
-/// Enumerations and bool: one byte, checked against the largest valid value.
-template <class E, std::uint8_t largest>
-struct StoredByte {
-  using Number = std::uint8_t;
-  static constexpr std::size_t count = 1;
-  static void put(const E& x, Number* to) { *to = static_cast<Number>(x); }
-  static void take(const Number* from, E& x) {
-    if (*from > largest) throw IoError("holds an unknown option");
-    x = static_cast<E>(*from);
-  }
-};
-template <>
-struct Stored<bool> : StoredByte<bool, 1> {};
-template <>
-struct Stored<UnitSystem> : StoredByte<UnitSystem, static_cast<std::uint8_t>(UnitSystem::si)> {};
-template <>
-struct Stored<BondLaw> : StoredByte<BondLaw, static_cast<std::uint8_t>(BondLaw::evm)> {};
-template <>
-struct Stored<BondRange> : StoredByte<BondRange, static_cast<std::uint8_t>(BondRange::snapped)> {};
 
 // ---- the fields, listed once for writing and reading --------------------------------------------------
 
@@ -195,10 +80,12 @@ void visit_fingerprint(Archive& archive, M& m) {
 
 // ---- writing ------------------------------------------------------------------------------------------
 
+/// Lays the file out in memory: HDF5 then has nothing to do with the disk, whose errors it survives badly.
+/// (With a full disk H5Fclose fails and leaves a file half closed, on which HDF5's exit handler crashes.)
 class Writer {
  public:
-  explicit Writer(const std::filesystem::path& path)
-      : file_(create(path)),
+  Writer()
+      : file_(create()),
         make_groups_(H5Pcreate(H5P_LINK_CREATE), H5Pclose),
         no_times_(H5Pcreate(H5P_DATASET_CREATE), H5Pclose) {
     must(H5Pset_create_intermediate_group(make_groups_.get(), 1));
@@ -225,16 +112,26 @@ class Writer {
     write(path, space, numbers.data());
   }
 
-  void close() {
+  /// All bytes of the file, with room for the seal in front; they live as long as the writer.
+  std::string_view bytes() {
     must(H5Fflush(file_.get(), H5F_SCOPE_GLOBAL));
-    if (!file_.reset()) throw IoError("HDF5 could not write all of it");
+    void** memory = nullptr;
+    must(H5Fget_vfd_handle(file_.get(), H5P_DEFAULT, reinterpret_cast<void**>(&memory)));
+    const ssize_t size = H5Fget_file_image(file_.get(), nullptr, 0);  // without the room for the seal
+    must(size);
+    return {static_cast<const char*>(*memory), seal_size + static_cast<std::size_t>(size)};
   }
 
  private:
-  static H5Handle create(const std::filesystem::path& path) {
+  static H5Handle create() {
+    constexpr std::size_t grows_by = std::size_t{1} << 20;
     const H5Handle room_for_seal(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
     must(H5Pset_userblock(room_for_seal.get(), seal_size));
-    H5Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, room_for_seal.get(), H5P_DEFAULT), H5Fclose);
+    const H5Handle in_memory(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+    must(H5Pset_fapl_core(in_memory.get(), grows_by, false));
+    // HDF5 looks for a file of this name, though it neither reads nor makes it: there is none in a device
+    H5Handle file(H5Fcreate("/dev/null/checkpoint", H5F_ACC_TRUNC, room_for_seal.get(), in_memory.get()),
+                  H5Fclose);
     must(file.get());
     return file;
   }
@@ -245,8 +142,8 @@ class Writer {
                        H5Dclose);
     must(H5Dwrite(set.get(), file_type<N>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers));
   }
-  static void must(hid_t result) {
-    if (result < 0) throw IoError("HDF5 could not write it; is the disk full?");
+  static void must(std::int64_t result) {
+    if (result < 0) throw IoError("HDF5 could not lay it out in memory; is there enough of it?");
   }
 
   H5Handle file_, make_groups_, no_times_;
@@ -375,20 +272,18 @@ void check_sense(const State& s) {
 void write_checkpoint(const std::filesystem::path& path, const Model& model, const Checkpoint& checkpoint,
                       const std::string& program_version) {
   const H5Silence silence;
-  const std::filesystem::path part = temporary_name(path);
   try {
-    Writer writer(part);
+    Writer writer;
     visit_fingerprint(writer, model);
     visit_fields(writer, checkpoint);
     write_overlapping(writer, checkpoint.watch);
-    writer.close();
-    write_seal(part, format_version, program_version);
+    Replacement file(path);
+    file.write(writer.bytes());
+    write_seal(file.part(), format_version, program_version);
+    file.publish(Sync::to_disk);
   } catch (const IoError& e) {
-    std::error_code ignored;  // the first error is the one to tell
-    std::filesystem::remove(part, ignored);
-    throw IoError("cannot write " + part.string() + ": " + e.what());
+    throw IoError(path.string() + ": there is no new checkpoint, an older one is still there: " + e.what());
   }
-  publish(path);
 }
 
 Checkpoint read_checkpoint(const std::filesystem::path& path, const Model& model) {

@@ -1,11 +1,13 @@
 #include "vbond/observe/files.hpp"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
 #include <system_error>
+#include <utility>
 
 #include "vbond/core/error.hpp"
 
@@ -15,6 +17,8 @@ namespace {
 [[noreturn]] void fail(const char* what, const std::filesystem::path& path, int error) {
   throw IoError(std::string("cannot ") + what + " " + path.string() + ": " + std::strerror(error));
 }
+
+using FileStatus = struct stat;
 
 /// Asks the disk to keep a file, or with O_DIRECTORY the names in a folder.
 void sync_to_disk(const std::filesystem::path& path, int flags) {
@@ -76,13 +80,54 @@ void publish(const std::filesystem::path& path, Sync sync) {
   sync_to_disk(folder.empty() ? "." : folder, O_RDONLY | O_DIRECTORY);
 }
 
+Replacement::Replacement(std::filesystem::path path)
+    : path_(std::move(path)), part_(temporary_name(path_)), file_(open_file(part_, "wb")) {}
+
+Replacement::~Replacement() {
+  if (published_) return;
+  std::error_code ignored;  // what went wrong before is told
+  std::filesystem::remove(part_, ignored);
+}
+
+void Replacement::publish(Sync sync) {
+  if (std::fclose(file_.release()) != 0) fail("write", part_, errno);
+  vbond::publish(path_, sync);
+  published_ = true;
+}
+
 void replace_file(const std::filesystem::path& path, std::string_view content, Sync sync) {
-  const std::filesystem::path part = temporary_name(path);
-  {
-    const File f = open_file(part, "wb");
-    write_all(f.get(), content, part);
-  }
-  publish(path, sync);
+  Replacement replacement(path);
+  replacement.write(content);
+  replacement.publish(sync);
+}
+
+GrowingFile::GrowingFile(std::filesystem::path path, Begin begin) : path_(std::move(path)) {
+  if (begin == Begin::anew) open_file(path_, "wb");
+  file_ = open_file(path_, "ab");
+  std::error_code error;
+  size_ = std::filesystem::file_size(path_, error);
+  if (error) fail("read", path_, error.value());
+}
+
+void GrowingFile::append(std::string_view bytes) {
+  require_untouched();
+  write_all(file_.get(), bytes, path_);
+  size_ += bytes.size();
+}
+
+void GrowingFile::require_untouched() const {
+  FileStatus ours{}, there{};
+  if (fstat(fileno(file_.get()), &ours) != 0) fail("look at", path_, errno);
+  const bool is_there = stat(path_.c_str(), &there) == 0;
+  if (!is_there && errno != ENOENT && errno != ENOTDIR) fail("look at", path_, errno);
+  const char* what = !is_there                                                    ? "removed"
+                     : ours.st_ino != there.st_ino || ours.st_dev != there.st_dev ? "replaced"
+                     : static_cast<std::uintmax_t>(there.st_size) != size_        ? "changed by others"
+                                                                                  : nullptr;
+  if (what)
+    throw IoError(path_.string() + ": was " + what +
+                  " while the run wrote it, so it does not hold all results\n"
+                  "  nothing is written any more: leave the files of a run alone until it has ended");
 }
 
 }  // namespace vbond

@@ -38,7 +38,44 @@ enum class Sync { to_disk, none };
 /// new one, with Sync::to_disk also after a power cut. Throws IoError.
 void publish(const std::filesystem::path& path, Sync sync = Sync::to_disk);
 
+/// A file in the making: it is written under its temporary name and published when it is whole. One that is
+/// not, as when the disk is full, is removed, so that it takes no room. All throw IoError.
+class Replacement {
+ public:
+  explicit Replacement(std::filesystem::path path);
+  ~Replacement();
+  Replacement(const Replacement&) = delete;
+  Replacement& operator=(const Replacement&) = delete;
+
+  /// Where it lies until it is published.
+  const std::filesystem::path& part() const { return part_; }
+  void write(std::string_view bytes) { write_all(file_.get(), bytes, part_); }
+  void publish(Sync sync);
+
+ private:
+  std::filesystem::path path_, part_;
+  File file_;
+  bool published_ = false;
+};
+
 /// Replaces a file by this content as publish does.
 void replace_file(const std::filesystem::path& path, std::string_view content, Sync sync = Sync::to_disk);
+
+/// A file that grows as a run goes, and that nobody else may touch meanwhile: what they take out of it or
+/// put into it would pass for results.
+class GrowingFile {
+ public:
+  enum class Begin : std::uint8_t { anew, at_end };
+  /// Throws IoError.
+  GrowingFile(std::filesystem::path path, Begin begin);
+  /// Throws IoError, also if the file was removed, replaced or changed since the last time.
+  void append(std::string_view bytes);
+
+ private:
+  void require_untouched() const;
+  std::filesystem::path path_;
+  File file_;
+  std::uintmax_t size_ = 0;
+};
 
 }  // namespace vbond

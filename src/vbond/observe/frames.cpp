@@ -1,7 +1,9 @@
 #include "vbond/observe/frames.hpp"
 
 #include <fmt/format.h>
+#include <sys/types.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <iterator>
@@ -81,21 +83,54 @@ void remove_frames_after(const fs::path& folder, std::int64_t resume_step) {
       throw IoError("cannot remove " + path.string() + ": " + error.message());
 }
 
-/// Cuts the dump before the first frame after a step. A frame cut short by a kill is later than any
-/// checkpoint, so it goes as well.
-void cut_dump(const fs::path& dump, std::int64_t resume_step) {
-  constexpr std::string_view item = "ITEM: TIMESTEP\n";
-  const std::string content = read_all(dump);
-  std::size_t at = 0;
-  while ((at = content.find(item, at)) != std::string::npos) {
-    std::int64_t step = 0;
-    const char* from = content.data() + at + item.size();
-    const auto [end, error] = std::from_chars(from, content.data() + content.size(), step);
-    if (error != std::errc{} || end == content.data() + content.size() || step > resume_step) break;
-    at += item.size();
+constexpr std::string_view dump_item = "ITEM: TIMESTEP\n";
+
+/// The step of the frame whose item begins at this place of a text; nothing if its line is not whole.
+std::optional<std::int64_t> step_at(std::string_view text, std::size_t item) {
+  text.remove_prefix(item + dump_item.size());
+  std::int64_t step = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), step);
+  if (error != std::errc{} || end == text.data() + text.size() || *end != '\n') return std::nullopt;
+  return step;
+}
+
+std::string read_part(std::FILE* f, std::uintmax_t from, std::uintmax_t to, const fs::path& path) {
+  std::string part(static_cast<std::size_t>(to - from), '\0');
+  if (fseeko(f, static_cast<off_t>(from), SEEK_SET) != 0 ||
+      std::fread(part.data(), 1, part.size(), f) != part.size())
+    throw IoError("cannot read " + path.string());
+  return part;
+}
+
+/// Where the first frame after a step begins: sought from the end, block by block, since a dump may be larger
+/// than memory. Without such a frame it is where the last line ends: a line cut short by a kill belongs to a
+/// frame that is later than any checkpoint.
+std::uintmax_t end_of_dump(const fs::path& dump, std::uintmax_t size, std::int64_t resume_step) {
+  constexpr std::uintmax_t block = 1 << 20;
+  constexpr std::uintmax_t overlap = 64;  // an item and its number, which two blocks may share
+  const File f = open_file(dump, "rb");
+  std::optional<std::uintmax_t> late, last_line;
+  for (std::uintmax_t to = size, from = size; from > 0; to = from) {
+    from = to > block ? to - block : 0;
+    const std::string text = read_part(f.get(), from, std::min(to + overlap, size), dump);
+    if (const std::size_t n = text.rfind('\n'); !last_line && n != std::string::npos)
+      last_line = from + n + 1;
+    std::size_t at = text.size();
+    while (at > 0 && (at = text.rfind(dump_item, at - 1)) != std::string::npos) {
+      const std::optional<std::int64_t> step = step_at(text, at);
+      if (step && *step <= resume_step) return late.value_or(last_line.value_or(0));
+      late = from + at;
+    }
   }
-  if (at == std::string::npos) at = content.rfind('\n') + 1;  // a header line cut short has no line end
-  if (at < content.size()) cut_file(dump, at);
+  return 0;  // not one frame is early enough
+}
+
+void cut_dump(const fs::path& dump, std::int64_t resume_step) {
+  std::error_code error;
+  if (!fs::exists(dump, error)) return;
+  const std::uintmax_t size = fs::file_size(dump, error);
+  if (error) throw IoError("cannot read " + dump.string() + ": " + error.message());
+  if (const std::uintmax_t end = end_of_dump(dump, size, resume_step); end < size) cut_file(dump, end);
 }
 
 }  // namespace
@@ -191,14 +226,17 @@ std::string lammps_frame(const Model& model, const State& state) {
 }
 
 FrameWriter::FrameWriter(const fs::path& folder, bool lammps_dump, std::optional<std::int64_t> resume_step)
-    : folder_(folder), lammps_dump_(lammps_dump) {
+    : folder_(folder) {
+  const fs::path dump = folder_ / "dump.lammpstrj";
+  std::error_code e;
   make_folder(folder_ / "frames");
-  if (resume_step) {
+  if (resume_step && fs::exists(folder_ / "particles.pvd", e)) {  // else frames were asked for later on
     keep_until(*resume_step);
-  } else if (lammps_dump_) {
-    open_file(folder_ / "dump.lammpstrj", "wb");
+  } else {
+    write_lists();
   }
-  write_lists();
+  if (resume_step) cut_dump(dump, *resume_step);
+  if (lammps_dump) dump_.emplace(dump, resume_step ? GrowingFile::Begin::at_end : GrowingFile::Begin::anew);
 }
 
 void FrameWriter::keep_until(std::int64_t resume_step) {
@@ -209,8 +247,8 @@ void FrameWriter::keep_until(std::int64_t resume_step) {
   particle_entries_ = std::move(particles.lines);
   bond_entries_ = std::move(bonds.lines);
   last_step_ = particles.last_step;
+  write_lists();  // before the frames go: no list ever names a frame that is not there
   remove_frames_after(folder_ / "frames", resume_step);
-  if (lammps_dump_) cut_dump(folder_ / "dump.lammpstrj", resume_step);
 }
 
 void FrameWriter::write_lists() const {
@@ -222,11 +260,7 @@ void FrameWriter::write(const Model& model, const State& state, std::optional<do
   const Clock& clock = state.clock;
   write_particles_vtp(folder_ / frame_name("particles", clock.step), model, state, load_factor);
   write_bonds_vtp(folder_ / frame_name("bonds", clock.step), state, load_factor);
-  if (lammps_dump_) {
-    const fs::path dump = folder_ / "dump.lammpstrj";
-    const File f = open_file(dump, "ab");
-    write_all(f.get(), lammps_frame(model, state), dump);
-  }
+  if (dump_) dump_->append(lammps_frame(model, state));
   particle_entries_ += pvd_entry(clock.time(), frame_name("particles", clock.step));
   bond_entries_ += pvd_entry(clock.time(), frame_name("bonds", clock.step));
   write_lists();

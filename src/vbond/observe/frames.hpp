@@ -6,6 +6,7 @@
 
 #include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
+#include "vbond/observe/files.hpp"
 
 namespace vbond {
 
@@ -31,10 +32,11 @@ std::string lammps_frame(const Model& model, const State& state);
 /// ParaView in particles.pvd and bonds.pvd, and dump.lammpstrj if wanted.
 class FrameWriter {
  public:
-  /// Begins new lists, or with resume_step continues them: later frames, which a killed run may have
-  /// written past its checkpoint, are taken off the lists and removed. Throws IoError.
+  /// Begins new lists, or with resume_step continues those that there are: later frames, which a killed run
+  /// may have written past its checkpoint, are taken off the lists and removed. Throws IoError.
   FrameWriter(const std::filesystem::path& folder, bool lammps_dump, std::optional<std::int64_t> resume_step);
 
+  /// Throws IoError, also if dump.lammpstrj was removed, replaced or changed by others.
   void write(const Model& model, const State& state, std::optional<double> load_factor = {});
 
   /// Step of the last frame, -1 if there is none.
@@ -45,7 +47,7 @@ class FrameWriter {
   void write_lists() const;
 
   std::filesystem::path folder_;
-  bool lammps_dump_;
+  std::optional<GrowingFile> dump_;
   std::string particle_entries_, bond_entries_;  ///< lines of the two .pvd files
   std::int64_t last_step_ = -1;
 };

@@ -1,11 +1,17 @@
 #include "vbond/observe/history.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <sys/types.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <iterator>
+#include <string_view>
+#include <system_error>
+#include <utility>
 
 #include "vbond/core/error.hpp"
 #include "vbond/model/bond_sums.hpp"
@@ -17,7 +23,6 @@ constexpr int balance_error_column = 12;
 constexpr const char* fixed_columns =
     "step,time,kinetic_translation,kinetic_rotation,U_L,U_B,U_T,contact,dissipated,work_loads,"
     "work_supports,total,balance_error,bonds,strained,snapped,peak_average";
-constexpr const char* static_columns = ",load_factor,unstable";
 
 /// A column name as CSV wants it: quoted if it holds a comma, a quote or a line end.
 std::string csv(const std::string& name) {
@@ -33,32 +38,73 @@ Vec3d mean_displacement(const Group& group, const Model& model, const State& sta
   return sum / static_cast<double>(group.particles.size());
 }
 
-/// The number in the given column of a row of numbers, nothing if it is not there.
-template <class T>
-std::optional<T> number_at(std::string_view row, int column) {
-  for (; column > 0; --column) {
-    const std::size_t comma = row.find(',');
-    if (comma == std::string_view::npos) return std::nullopt;
-    row.remove_prefix(comma + 1);
+/// The cells of a line without its end, as they stand there: quoted ones with their quotes.
+std::vector<std::string> cells_of(std::string_view line) {
+  std::vector<std::string> cells(1);
+  bool in_quotes = false;
+  for (const char c : line) {
+    if (c == '"') in_quotes = !in_quotes;
+    if (c == ',' && !in_quotes)
+      cells.emplace_back();
+    else
+      cells.back() += c;
   }
+  return cells;
+}
+
+std::string line_of(const std::vector<std::string>& cells) {
+  return fmt::format("{}\n", fmt::join(cells, ","));
+}
+
+/// The names of the columns, each as it stands in the file.
+std::vector<std::string> columns_of(const OutputPlan& plan) {
+  std::vector<std::string> names = cells_of(fixed_columns);
+  if (plan.statics) names.insert(names.end(), {"load_factor", "unstable"});
+  for (const Group& g : plan.reactions)
+    for (const char* c : {"fx", "fy", "fz", "mx", "my", "mz"})
+      names.push_back(csv(fmt::format("reaction.{}.{}", g.name, c)));
+  for (const Group& g : plan.axial_force) names.push_back(csv("axial_force." + g.name));
+  for (const Group& g : plan.displacements)
+    for (const char* c : {"x", "y", "z"}) names.push_back(csv(fmt::format("displacement.{}.{}", g.name, c)));
+  return names;
+}
+
+template <class T>
+std::optional<T> number_in(const std::string& cell) {
   T value{};
-  const auto [end, error] = std::from_chars(row.data(), row.data() + row.size(), value);
-  if (error != std::errc{} || (end != row.data() + row.size() && *end != ',')) return std::nullopt;
+  const char* end_of_cell = cell.data() + cell.size();
+  const auto [end, error] = std::from_chars(cell.data(), end_of_cell, value);
+  if (error != std::errc{} || end != end_of_cell) return std::nullopt;
   return value;
 }
+
+/// Reads a file line by line, whatever its size.
+class LineReader {
+ public:
+  explicit LineReader(const std::filesystem::path& path) : file_(open_file(path, "rb")), path_(path) {}
+  ~LineReader() { std::free(line_); }
+  LineReader(const LineReader&) = delete;
+  LineReader& operator=(const LineReader&) = delete;
+
+  /// The next line without its end; nothing at the end of the file, or for a last line cut short.
+  std::optional<std::string_view> next() {
+    const ssize_t size = getline(&line_, &room_, file_.get());
+    if (size < 0 && std::ferror(file_.get())) throw IoError("cannot read " + path_.string());
+    if (size <= 0 || line_[size - 1] != '\n') return std::nullopt;
+    return std::string_view(line_, static_cast<std::size_t>(size) - 1);
+  }
+
+ private:
+  File file_;
+  std::filesystem::path path_;
+  char* line_ = nullptr;
+  std::size_t room_ = 0;
+};
 
 }  // namespace
 
 std::string history_header(const OutputPlan& plan) {
-  std::string line = fixed_columns;
-  if (plan.statics) line += static_columns;
-  for (const Group& g : plan.reactions)
-    for (const char* c : {"fx", "fy", "fz", "mx", "my", "mz"})
-      line += ',' + csv(fmt::format("reaction.{}.{}", g.name, c));
-  for (const Group& g : plan.axial_force) line += ',' + csv("axial_force." + g.name);
-  for (const Group& g : plan.displacements)
-    for (const char* c : {"x", "y", "z"}) line += ',' + csv(fmt::format("displacement.{}.{}", g.name, c));
-  return line + '\n';
+  return line_of(columns_of(plan));
 }
 
 HistoryValues history_values(const OutputPlan& plan, const Simulation& run) {
@@ -130,36 +176,66 @@ std::string history_row(const HistoryValues& values, bool statics) {
 }
 
 HistoryWriter::HistoryWriter(const OutputPlan& plan, std::optional<std::int64_t> resume_step)
-    : plan_(plan), path_(plan.folder / "history.csv") {
-  if (resume_step) {
+    : plan_(plan), path_(plan.folder / "history.csv"), columns_(columns_of(plan)) {
+  std::error_code e;
+  begun_anew_ = resume_step && !std::filesystem::exists(path_, e) && !e;
+  if (resume_step && !begun_anew_) {
     keep_until(*resume_step);
-    file_ = open_file(path_, "ab");
+    file_.emplace(path_, GrowingFile::Begin::at_end);
   } else {
-    file_ = open_file(path_, "wb");
-    write_all(file_.get(), history_header(plan_), path_);
+    file_.emplace(path_, GrowingFile::Begin::anew);
+    file_->append(line_of(columns_));
   }
 }
 
 void HistoryWriter::keep_until(std::int64_t resume_step) {
-  const std::string content = read_all(path_);
-  const std::string header = history_header(plan_);
-  if (content.compare(0, header.size(), header) != 0)
-    throw IoError(path_.string() + ": its columns are not those of this case, so it cannot be continued");
-  std::size_t kept = header.size();
-  for (std::size_t end; (end = content.find('\n', kept)) != std::string::npos; kept = end + 1) {
-    const std::string_view row = std::string_view(content).substr(kept, end - kept);
-    const auto step = number_at<std::int64_t>(row, 0);
-    const auto error = number_at<double>(row, balance_error_column);
-    if (!step || !error) throw IoError(path_.string() + ": is damaged at \"" + std::string(row) + '"');
+  LineReader in(path_);
+  const std::string header = std::string(in.next().value_or(""));
+  if (header.rfind(fixed_columns, 0) != 0)
+    throw IoError(path_.string() +
+                  ": its first columns are not those of a history, so it cannot be continued\n"
+                  "  move it away, and resume begins a new one");
+  const std::vector<std::string> old = cells_of(header), wanted = std::exchange(columns_, old);
+  for (const std::string& name : wanted)
+    if (std::find(old.begin(), old.end(), name) == old.end()) columns_.push_back(name);
+
+  std::uintmax_t kept = header.size() + 1;
+  std::optional<Replacement> wider;
+  if (columns_ != old) wider.emplace(path_), wider->write(line_of(columns_));
+  const std::string empty_cells(columns_.size() - old.size(), ',');
+  while (const auto row = in.next()) {
+    const std::vector<std::string> cells = cells_of(*row);
+    const auto step = number_in<std::int64_t>(cells[0]);
+    const auto error =
+        cells.size() == old.size() ? number_in<double>(cells[balance_error_column]) : std::nullopt;
+    if (!step || !error)
+      throw IoError(path_.string() + ": is damaged at \"" + std::string(row->substr(0, 60)) + '"');
     if (*step > resume_step) break;
     last_step_ = *step;
     largest_balance_error_ = std::max(largest_balance_error_, std::abs(*error));
+    kept += row->size() + 1;
+    if (wider) wider->write(fmt::format("{}{}\n", *row, empty_cells));
   }
-  if (kept < content.size()) cut_file(path_, kept);
+  if (wider)
+    wider->publish(Sync::to_disk);
+  else
+    cut_file(path_, kept);
+}
+
+std::string HistoryWriter::in_columns_of_file(const std::string& row) const {
+  const std::vector<std::string> names = columns_of(plan_);
+  if (names == columns_) return row;
+  const std::vector<std::string> cells = cells_of(std::string_view(row).substr(0, row.size() - 1));
+  std::vector<std::string> placed;
+  for (const std::string& name : columns_) {
+    const auto at = std::find(names.begin(), names.end(), name);
+    placed.push_back(at == names.end() ? "" : cells[static_cast<std::size_t>(at - names.begin())]);
+  }
+  return line_of(placed);
 }
 
 void HistoryWriter::write(const HistoryValues& values) {
-  write_all(file_.get(), history_row(values, plan_.statics), path_);
+  file_->append(in_columns_of_file(history_row(values, plan_.statics)));
   last_step_ = values.clock.step;
   largest_balance_error_ = std::max(largest_balance_error_, std::abs(values.balance_error));
 }

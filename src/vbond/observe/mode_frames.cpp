@@ -124,6 +124,8 @@ void remove_mode_frames(const fs::path& folder, const std::string& stage) {
   std::vector<fs::path> old;
   for (const auto& entry : fs::directory_iterator(folder / "modes", e))  // none if there is no such folder
     if (is_mode_file(entry.path().filename().string(), stage)) old.push_back(entry.path());
+  const auto is_list = [](const fs::path& path) { return path.extension() == ".pvd"; };
+  std::partition(old.begin(), old.end(), is_list);
   for (const fs::path& path : old)
     if (!fs::remove(path, e) || e) throw IoError("cannot remove " + path.string() + ": " + e.message());
 }

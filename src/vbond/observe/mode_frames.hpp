@@ -42,7 +42,8 @@ struct ListedMode {
 /// The modes in a folder of a run, of each stage by number; none if it has no folder modes. Throws IoError.
 std::vector<ListedMode> list_modes(const std::filesystem::path& folder);
 
-/// Removes what an earlier start has written for this stage. Throws IoError.
-void remove_mode_frames(const std::filesystem::path& folder, const std::string& stage);
+/// Removes what an earlier start has written for this stage; without one, for any. The lists go first, so
+/// that none ever names a frame that is gone. Throws IoError.
+void remove_mode_frames(const std::filesystem::path& folder, const std::string& stage = {});
 
 }  // namespace vbond

@@ -277,9 +277,14 @@ FileObservers open_output(const OutputPlan& plan, Watch::Tell tell, const std::s
   std::optional<std::int64_t> step;
   if (resume) step = resume->state.clock.step;
   FileObservers o;
-  o.watch = std::make_shared<WatchObserver>(plan, std::move(tell), resume ? resume->watch : WatchRecord{});
   o.history = std::make_shared<HistoryObserver>(plan, step);
-  if (plan.frames_every) o.frames = std::make_shared<FrameObserver>(plan, step);
+  if (o.history->begun_anew() && tell)
+    tell((plan.folder / "history.csv").string() + " is not there any more: a new one begins here");
+  o.watch = std::make_shared<WatchObserver>(plan, std::move(tell), resume ? resume->watch : WatchRecord{});
+  if (plan.frames_every)
+    o.frames = std::make_shared<FrameObserver>(plan, step);
+  else if (std::error_code e; step && std::filesystem::exists(plan.folder / "particles.pvd", e))
+    FrameWriter(plan.folder, false, step);  // no more are wanted, but late ones of a killed run go
   o.checkpoint = std::make_shared<CheckpointObserver>(plan, o.watch, program_version);
   return o;
 }

@@ -79,6 +79,7 @@ class HistoryObserver : public TimedObserver {
   void finish(const Simulation& run, StopReason why) override;
   void write(const Model& model, const StaticPoint& point);
   double largest_balance_error() const { return writer_.largest_balance_error(); }
+  bool begun_anew() const { return writer_.begun_anew(); }
 
  private:
   void write(const Simulation& run);

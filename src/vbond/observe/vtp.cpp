@@ -5,10 +5,8 @@
 #include <bit>
 #include <cstring>
 #include <numeric>
-#include <system_error>
 #include <type_traits>
 
-#include "vbond/core/error.hpp"
 #include "vbond/observe/files.hpp"
 
 namespace vbond {
@@ -121,22 +119,17 @@ std::string VtpFile::head(double time, std::int64_t step, std::optional<double> 
 
 void VtpFile::write(const std::filesystem::path& path, double time, std::int64_t step,
                     std::optional<double> load_factor) const {
-  const std::filesystem::path part = temporary_name(path);
-  {
-    const File f = open_file(part, "wb");
-    write_all(f.get(), head(time, step, load_factor), part);
-    for (const Array* a : in_file_order()) {
-      const std::uint64_t size = a->bytes.size();
-      char header[sizeof size];
-      std::memcpy(header, &size, sizeof size);
-      write_all(f.get(), {header, sizeof header}, part);
-      write_all(f.get(), a->bytes, part);
-    }
-    write_all(f.get(), "\n  </AppendedData>\n</VTKFile>\n", part);
+  Replacement file(path);
+  file.write(head(time, step, load_factor));
+  for (const Array* a : in_file_order()) {
+    const std::uint64_t size = a->bytes.size();
+    char header[sizeof size];
+    std::memcpy(header, &size, sizeof size);
+    file.write({header, sizeof header});
+    file.write(a->bytes);
   }
-  std::error_code error;
-  std::filesystem::rename(part, path, error);
-  if (error) throw IoError("cannot write " + path.string() + ": " + error.message());
+  file.write("\n  </AppendedData>\n</VTKFile>\n");
+  file.publish(Sync::none);
 }
 
 }  // namespace vbond

@@ -1,12 +1,13 @@
 #include "vbond/statics/detail/newton.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <Eigen/IterativeLinearSolvers>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "vbond/core/memory.hpp"
 
 namespace vbond {
 namespace {
@@ -37,10 +38,6 @@ class FactorPreconditioner {
  private:
   const Factor* factor_ = nullptr;
 };
-
-double physical_memory() {
-  return static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-}
 
 /// A linear step turns bonds by angles; beyond this it is no guide.  [rad]
 constexpr double largest_change = 0.5;
@@ -81,7 +78,7 @@ void TangentSolver::prepare(const StaticBody& body) {
   bool fits = wanted_ != LinearSolver::iterative;
   if (fits) {
     factor_.analyse(body.tangent());
-    fits = wanted_ == LinearSolver::direct || factor_.bytes() <= share_of_memory * physical_memory();
+    fits = wanted_ == LinearSolver::direct || factor_.bytes() <= share_of_memory * memory_limit();
   }
   if (!fits && !iterative_) iterative_ = std::make_unique<ConjugateGradients>();
   if (fits) iterative_.reset();

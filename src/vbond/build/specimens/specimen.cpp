@@ -3,6 +3,40 @@
 #include "vbond/build/text_file.hpp"
 
 namespace vbond {
+namespace {
+
+template <class Counts>
+double product(const Counts& counts) {
+  double n = 1.0;
+  for (const std::int64_t count : counts) n *= static_cast<double>(count);
+  return n;
+}
+
+double count(const BlockSpecimen& s) {
+  return (s.lattice == Lattice::simple_cubic ? 1.0 : 4.0) * product(s.cells);
+}
+double count(const SheetSpecimen& s) {
+  return product(s.particles);
+}
+double count(const ListedSpecimen& s) {
+  return static_cast<double>(s.positions.size());
+}
+double count(const CsvSpecimen&) {
+  return 0.0;
+}
+double count(const LammpsSpecimen&) {
+  return 0.0;
+}
+template <class Curve>
+double count(const Curve& s) {
+  return static_cast<double>(s.particles);
+}
+
+}  // namespace
+
+double count_points(const SpecimenSpec& spec) {
+  return std::visit([](const auto& shape) { return count(shape); }, spec.shape);
+}
 
 SpecimenPoints make_specimen(const SpecimenSpec& spec, const std::string& case_file) {
   return std::visit(

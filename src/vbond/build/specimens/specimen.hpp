@@ -23,6 +23,9 @@ struct SpecimenPoints {
 /// whose folder files are named. Throws CaseError.
 SpecimenPoints make_specimen(const SpecimenSpec& spec, const std::string& case_file);
 
+/// How many particles that makes; 0 if they come from a file.
+double count_points(const SpecimenSpec& spec);
+
 SpecimenPoints make_points(const RodSpecimen& s, const SourcePlace& place);
 SpecimenPoints make_points(const RingSpecimen& s, const SourcePlace& place);
 SpecimenPoints make_points(const HelixSpecimen& s, const SourcePlace& place);

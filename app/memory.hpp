@@ -1,0 +1,22 @@
+#pragma once
+#include <string>
+
+#include "vbond/case/case.hpp"
+#include "vbond/model/model.hpp"
+#include "vbond/model/state.hpp"
+
+namespace vbond::app {
+
+/// 1536 is "1.5 KiB".
+std::string in_units(double bytes);
+
+/// Throws CaseError if the particles that the case makes cannot fit into memory: before any is made.
+void require_memory(const Case& c);
+
+/// The same for a body with its bonds, as the time loop will hold it.
+void require_memory(const Case& c, const Model& model, const State& state);
+
+/// What there is to say when memory has run out all the same.
+std::string out_of_memory();
+
+}  // namespace vbond::app

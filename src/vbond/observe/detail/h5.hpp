@@ -1,0 +1,132 @@
+#pragma once
+#include <hdf5.h>
+
+#include <bit>
+#include <cstdint>
+#include <utility>
+
+#include "vbond/core/column.hpp"
+#include "vbond/core/error.hpp"
+#include "vbond/core/quat.hpp"
+#include "vbond/core/vec3.hpp"
+#include "vbond/model/bond.hpp"
+#include "vbond/model/model.hpp"
+#include "vbond/physics/range.hpp"
+
+/// What checkpoints need of HDF5: its handles, its silence, and how each type lies in a file.
+namespace vbond {
+
+/// Owns one HDF5 handle of any kind and closes it with the function of its kind.
+class H5Handle {
+ public:
+  H5Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
+  ~H5Handle() { reset(); }
+  H5Handle(H5Handle&& o) noexcept : id_(std::exchange(o.id_, -1)), close_(o.close_) {}
+  H5Handle(const H5Handle&) = delete;
+  H5Handle& operator=(const H5Handle&) = delete;
+  H5Handle& operator=(H5Handle&&) = delete;
+
+  hid_t get() const { return id_; }
+  explicit operator bool() const { return id_ >= 0; }
+
+  /// Closes now and says if that worked: closing a file writes what is still buffered.
+  bool reset() { return id_ < 0 || close_(std::exchange(id_, -1)) >= 0; }
+
+ private:
+  hid_t id_;
+  herr_t (*close_)(hid_t);
+};
+
+/// Keeps HDF5 from printing its error stack while it lives: errors are thrown, never printed.
+class H5Silence {
+ public:
+  H5Silence() {
+    H5Eget_auto2(H5E_DEFAULT, &function_, &data_);
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  }
+  ~H5Silence() { H5Eset_auto2(H5E_DEFAULT, function_, data_); }
+  H5Silence(const H5Silence&) = delete;
+  H5Silence& operator=(const H5Silence&) = delete;
+
+ private:
+  H5E_auto2_t function_ = nullptr;
+  void* data_ = nullptr;
+};
+
+// ---- how each type lies in the file: `count` numbers of one type ------------------------------------
+
+static_assert(std::endian::native == std::endian::little,
+              "numbers are passed to HDF5 as they lie in the file");
+
+template <class N>
+hid_t file_type();
+template <>
+inline hid_t file_type<double>() {
+  return H5T_IEEE_F64LE;
+}
+template <>
+inline hid_t file_type<std::int64_t>() {
+  return H5T_STD_I64LE;
+}
+template <>
+inline hid_t file_type<std::int32_t>() {
+  return H5T_STD_I32LE;
+}
+template <>
+inline hid_t file_type<std::uint32_t>() {
+  return H5T_STD_U32LE;
+}
+template <>
+inline hid_t file_type<std::uint8_t>() {
+  return H5T_STD_U8LE;
+}
+
+template <class T>
+struct Stored {
+  using Number = T;
+  static constexpr std::size_t count = 1;
+  static void put(const T& x, Number* to) { *to = x; }
+  static void take(const Number* from, T& x) { x = *from; }
+};
+template <>
+struct Stored<Vec3d> {
+  using Number = double;
+  static constexpr std::size_t count = 3;
+  static void put(const Vec3d& x, double* to) { to[0] = x.x, to[1] = x.y, to[2] = x.z; }
+  static void take(const double* from, Vec3d& x) { x = {from[0], from[1], from[2]}; }
+};
+template <>
+struct Stored<Quatd> {
+  using Number = double;
+  static constexpr std::size_t count = 4;
+  static void put(const Quatd& x, double* to) { to[0] = x.w, to[1] = x.x, to[2] = x.y, to[3] = x.z; }
+  static void take(const double* from, Quatd& x) { x = {from[0], from[1], from[2], from[3]}; }
+};
+template <>
+struct Stored<ParticleId> {
+  using Number = std::uint32_t;
+  static constexpr std::size_t count = 1;
+  static void put(const ParticleId& x, Number* to) { *to = x.value; }
+  static void take(const Number* from, ParticleId& x) { x = ParticleId{*from}; }
+};
+/// Enumerations and bool: one byte, checked against the largest valid value.
+template <class E, std::uint8_t largest>
+struct StoredByte {
+  using Number = std::uint8_t;
+  static constexpr std::size_t count = 1;
+  static void put(const E& x, Number* to) { *to = static_cast<Number>(x); }
+  static void take(const Number* from, E& x) {
+    if (*from > largest) throw IoError("holds an unknown option");
+    x = static_cast<E>(*from);
+  }
+};
+template <>
+struct Stored<bool> : StoredByte<bool, 1> {};
+template <>
+struct Stored<UnitSystem> : StoredByte<UnitSystem, static_cast<std::uint8_t>(UnitSystem::si)> {};
+template <>
+struct Stored<BondLaw> : StoredByte<BondLaw, static_cast<std::uint8_t>(BondLaw::evm)> {};
+template <>
+struct Stored<BondRange> : StoredByte<BondRange, static_cast<std::uint8_t>(BondRange::snapped)> {};
+
+}  // namespace vbond

@@ -1,0 +1,118 @@
+#include "vbond/observe/files.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <csignal>
+
+#include "specimen.hpp"
+#include "vbond/core/error.hpp"
+#include "vbond/observe/checkpoint.hpp"
+#include "vbond/observe/vtp.hpp"
+
+namespace vbond {
+namespace {
+
+using test::Chain;
+using test::content_of;
+using test::Folder;
+using test::put_content;
+
+/// While it lives no file can grow beyond so many bytes, which takes the same path as a full disk.
+class FileLimit {
+ public:
+  explicit FileLimit(rlim_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit small{bytes, before_.rlim_max};
+    setrlimit(RLIMIT_FSIZE, &small);
+  }
+  ~FileLimit() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+  FileLimit(const FileLimit&) = delete;
+  FileLimit& operator=(const FileLimit&) = delete;
+
+ private:
+  rlimit before_{};
+  void (*handler_)(int);
+};
+
+template <class Write>
+std::string error_of(Write&& write) {
+  try {
+    write();
+  } catch (const IoError& e) {
+    return e.what();
+  }
+  return "no error";
+}
+
+void expect_in(const std::string& text, const std::string& part) {
+  EXPECT_NE(text.find(part), std::string::npos) << text;
+}
+
+TEST(FullDisk, OlderFileStaysAndNoHalfOneIsLeft) {
+  const Folder folder;
+  Chain chain;
+  const auto write_all_kinds = [&](std::int64_t step) {
+    chain.at_step(step);
+    std::string errors =
+        error_of([&] { replace_file(folder / "a", std::string(5000, 'x') + std::to_string(step)); });
+    errors += error_of([&] { write_checkpoint(folder / "b", chain.model, {chain.state, {}}, "1.2.3"); });
+    VtpFile vtp = VtpFile::of_points(std::vector<Vec3d>(100));
+    errors += error_of([&] { vtp.write(folder / "c", 0.0, step); });
+    return errors;
+  };
+  write_all_kinds(1);
+  std::vector<std::string> before;
+  for (const char* name : {"a", "b", "c"}) before.push_back(content_of(folder / name));
+  for (const rlim_t bytes : {0, 1, 511, 512, 513, 4000}) {
+    const FileLimit limit(bytes);
+    const std::string errors = write_all_kinds(2);
+    for (const char* name : {"a.part: File too large", "b.part: File too large", "c.part: File too large"})
+      expect_in(errors, name);
+  }
+  std::size_t k = 0;
+  for (const char* name : {"a", "b", "c"}) {
+    EXPECT_EQ(content_of(folder / name), before[k++]);
+    EXPECT_FALSE(std::filesystem::exists(temporary_name(folder / name)));
+  }
+}
+
+TEST(GrowingFile, GrowsWhileNobodyTouchesIt) {
+  const Folder folder;
+  const auto path = folder / "rows";
+  put_content(path, "old");
+  {
+    GrowingFile file(path, GrowingFile::Begin::anew);
+    file.append("one\n");
+    file.append("two\n");
+  }
+  GrowingFile file(path, GrowingFile::Begin::at_end);
+  file.append("three\n");
+  EXPECT_EQ(content_of(path), "one\ntwo\nthree\n");
+}
+
+TEST(GrowingFile, NoticesWhatOthersDoToIt) {
+  const Folder folder;
+  const auto path = folder / "rows";
+  const auto after = [&](auto&& touch) {
+    GrowingFile file(path, GrowingFile::Begin::anew);
+    file.append("one\n");
+    touch();
+    return error_of([&] { file.append("two\n"); });
+  };
+  expect_in(after([] {}), "no error");
+  expect_in(after([&] { std::filesystem::remove(path); }), path.string() + ": was removed");
+  expect_in(after([&] {
+              put_content(folder / "copy", content_of(path));
+              std::filesystem::rename(folder / "copy", path);
+            }),
+            "was replaced");
+  expect_in(after([&] { put_content(path, ""); }), "was changed");
+  expect_in(after([&] { put_content(path, content_of(path) + "more\n"); }), "was changed");
+}
+
+}  // namespace
+}  // namespace vbond
