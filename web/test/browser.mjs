@@ -4,7 +4,7 @@
 // (skipped) where there is no chromium or no puppeteer-core.
 import assert from "node:assert/strict";
 import { existsSync } from "node:fs";
-import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
+import { mkdtemp, readFile, readdir, rm, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { dirname, join, resolve } from "node:path";
 import { fileURLToPath, pathToFileURL } from "node:url";
@@ -118,19 +118,86 @@ async function click_first_plot(page) {
 async function saves_files(browser, file) {
   const { page, complaints } = await open(browser, file);
   const saved = await page.evaluate(async () => {
-    const files = [];
-    HTMLAnchorElement.prototype.click = function () {
-      files.push(fetch(this.href).then((reply) => reply.blob()).then((blob) => ({ name: this.download, type: blob.type, size: blob.size })));
+    const files = [], blobs = new Map(), address_of = URL.createObjectURL;
+    URL.createObjectURL = (blob) => { const address = address_of.call(URL, blob); blobs.set(address, blob); return address; };
+    HTMLAnchorElement.prototype.click = function () {   // the page may not fetch, not even its own blobs
+      const { type, size } = blobs.get(this.href);
+      files.push({ name: this.download, type, size });
     };
     const buttons = [...document.querySelectorAll(".settings button, .plot:not([hidden]) button")].filter((b) => ["PNG", "CSV"].includes(b.textContent));
     buttons.forEach((button) => button.click());
     while (files.length < buttons.length) await new Promise(requestAnimationFrame);
-    return Promise.all(files);
+    return files;
   });
   assert.deepEqual(saved.map(({ name }) => name).sort(), ["a_rod_that_bends_run_59.png", "energies.csv", "energies.png", "error_of_the_energy_balance.csv",
     "error_of_the_energy_balance.png", "force_against_shortening.csv", "force_against_shortening.png"]);
   assert.ok(saved.every(({ type, size }) => size > 1000 && (type === "image/png" || type === "text/csv")));
   assert.deepEqual(complaints, []);
+  await page.close();
+}
+
+/** The policy of the page lets a file out that the reader asks for. */
+async function downloads(browser, file) {
+  const { page, complaints } = await open(browser, file);
+  const session = await page.createCDPSession(), folder = await mkdtemp(join(scratch, "downloads-"));
+  await session.send("Browser.setDownloadBehavior", { behavior: "allow", downloadPath: folder });
+  await page.$$eval(".plot button", (buttons) => buttons.find((b) => b.textContent === "CSV").click());
+  assert.ok(await soon(async () => (await readdir(folder)).join() === "force_against_shortening.csv"), "a file is saved");
+  assert.deepEqual(complaints, []);
+  await page.close();
+}
+
+/** What is not of the page can neither run nor send: a script, a handler, a style in an attribute, a request. */
+async function the_policy_allows_the_page_alone(browser, file) {
+  const { page } = await open(browser, file);
+  const refused = await page.evaluate(async () => {
+    const seen = [];
+    document.addEventListener("securitypolicyviolation", (event) => seen.push(event.effectiveDirective));
+    document.body.append(Object.assign(document.createElement("script"), { textContent: "document.title = 'run'" }));
+    const image = document.createElement("img");
+    image.setAttribute("onerror", "document.title = 'run'");
+    image.setAttribute("style", "color: red");
+    image.src = "https://example.invalid/a.png";
+    await fetch("https://example.invalid/").catch(() => {});
+    for (const end = performance.now() + 10_000; seen.length < 5 && performance.now() < end;) await new Promise((done) => setTimeout(done, 50));
+    return seen;
+  });
+  assert.deepEqual(refused.sort(), ["connect-src", "img-src", "script-src-attr", "script-src-elem", "style-src-attr"]);
+  assert.equal(await page.title(), "A rod that bends");
+  await page.close();
+}
+
+const box_of = (page, selector) => page.$eval(selector, (element) => { const { top, bottom, height } = element.getBoundingClientRect(); return { top, bottom, height }; });
+
+/** Caption and legend stand above and below the picture of the body, whatever the quantity and the width. */
+async function no_words_on_the_body(browser, file) {
+  const { page, complaints } = await open(browser, file);
+  for (const width of [1300, 360]) {
+    await page.setViewport({ width, height: 700 });
+    for (const quantity of ["displacement", "U_B", "range"]) {
+      await page.select("#quantity", quantity);
+      await two_pictures(page);
+      const [canvas, legend, caption, stage] = await Promise.all([".stage canvas", ".legend", ".caption", ".stage"].map((s) => box_of(page, s)));
+      assert.ok(legend.top >= canvas.bottom && legend.bottom <= stage.bottom && caption.bottom <= canvas.top, `${quantity} at ${width} px`);
+      assert.ok(canvas.height > 0.6 * stage.height);
+    }
+    assert.ok(await fits(page));
+  }
+  assert.deepEqual(complaints, []);
+  await page.close();
+}
+
+/** Two long warnings leave a small screen to the body; all of their text is a tap away, and errors are whole. */
+async function warnings_leave_room(browser, file) {
+  const { page } = await open(browser, file, { width: 360 });
+  await page.setViewport({ width: 360, height: 640 });
+  assert.ok((await box_of(page, "#messages")).height < 640 / 4, "two warnings take less than a quarter");
+  const text = await page.$(".message.warning p"), hidden = () => text.evaluate((p) => p.scrollHeight > p.clientHeight);
+  assert.ok(await hidden());
+  await page.click(".message.warning .more");
+  assert.ok(!await hidden(), "More shows all of it");
+  await page.setViewport({ width: 1300, height: 640 });
+  assert.equal(await page.$eval(".more", (button) => button.offsetHeight), 0, "a wide screen has room");
   await page.close();
 }
 
@@ -142,6 +209,12 @@ async function text_stays_text(browser, file) {
   assert.ok((await page.$eval('[role="alert"]', (alert) => alert.textContent)).includes("bonds have snapped"), "an error is an alert");
   assert.ok(await page.evaluate(() => document.querySelector("main").firstElementChild.contains(document.querySelector("[role=alert]"))), "on top");
   assert.deepEqual(complaints, []);
+  await page.close();
+}
+
+async function untitled_has_a_heading(browser, file) {
+  const { page } = await open(browser, file);
+  assert.deepEqual([await page.$eval("h1", (h1) => h1.textContent), await page.title()], ["Run without a title", "Run without a title"]);
   await page.close();
 }
 
@@ -283,6 +356,12 @@ try {
   if (!given.length) {
     await text_stays_text(browser, await made("snapped", snapped()));
     await modes_swing(browser, pages[0]);
+    await no_words_on_the_body(browser, pages[0]);
+    const long = "12 pairs of particles without a bond between them overlapped by more than watch.overlap of the smaller radius, the first of them at t = 3.5 s; the terminal named the first ten. ";
+    await warnings_leave_room(browser, await made("warned", rod({ warnings: [{ level: "warning", text: long.repeat(2) }, { level: "warning", text: long }] })));
+    await the_policy_allows_the_page_alone(browser, pages[0]);
+    await downloads(browser, pages[0]);
+    await untitled_has_a_heading(browser, await made("untitled", rod({ title: "" })));
     await saves_files(browser, pages[0]);
     await plots_take_any_choice(browser, pages[0]);
     await plots_take_any_choice(browser, await made("wide", wide()));
