@@ -4,6 +4,7 @@
 #include <hdf5.h>
 
 #include <chrono>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <random>
@@ -183,6 +184,22 @@ TEST(Checkpoint, ErrorsOfHdf5AreNotPrinted) {
   testing::internal::CaptureStderr();
   EXPECT_NE(error_of(folder / "c.h5", Chain().model), "no error");
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+TEST(Checkpoint, StatesThatNoRunIsInAreRefused) {
+  const Folder folder;
+  const auto refused = [&](const std::string& words, auto forge) {
+    Chain chain;
+    Checkpoint c = busy_checkpoint(chain);
+    forge(c);
+    write_checkpoint(folder / "c.h5", chain.model, c, "1.2.3");
+    expect_error(folder / "c.h5", chain.model, words);
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  refused("particle 1 is in no place", [nan](Checkpoint& c) { c.state.r[ParticleId{1}].y = nan; });
+  refused("particle 2 is in no place", [](Checkpoint& c) { c.state.v[ParticleId{2}].z = INFINITY; });
+  refused("particle 0 is in no place", [](Checkpoint& c) { c.state.q[ParticleId{0}] = {2, 0, 0, 0}; });
+  refused("watches missing bonds", [](Checkpoint& c) { c.watch.bonds.resize(3); });
 }
 
 }  // namespace
