@@ -64,10 +64,10 @@ export class Plot {
 
   /** Names of the curves that are shown and the axes with their values; sums in a stack. */
   curves() {
-    const of = (name, axis = "y") => this.history.column(name).values.map((v) => this.turned(v, axis));
+    const of = (axis) => (name) => this.history.column(name).values.map((v) => this.turned(v, axis));
     const names = this.preset.y.filter((name) => !this.hidden.has(name));
     this.stacks = !!this.preset.stacked && !this.log.y;
-    const x_axis = (this.log.x ? log_axis : linear_axis)([of(this.preset.x, "x")]), ys = names.map(of);
+    const x_axis = (this.log.x ? log_axis : linear_axis)([this.preset.x].map(of("x"))), ys = names.map(of("y"));
     const y_axis = this.log.y ? log_axis(ys) : linear_axis(this.stacks ? stack(ys) : ys, this.stacks);
     return { names, x_axis, y_axis, x: x_axis.values[0], ys: y_axis.values };
   }

@@ -6,6 +6,7 @@ import { from_base64, inflate, stored, undelta } from "../src/decode.js";
 import { name_of } from "../src/head.js";
 import { linear_axis, log_axis, log_ticks } from "../src/axis.js";
 import { History, extent, nearest, stack } from "../src/history.js";
+import { Plot } from "../src/plot.js";
 import { Player } from "../src/player.js";
 import { Run } from "../src/run.js";
 import { file_name, number, with_unit } from "../src/text.js";
@@ -135,6 +136,17 @@ test("History.CurvesOfCompressionGoForward", () => {
   assert.deepEqual(turned("u", ["F", "G"]), { x: true, y: false }, "the larger one decides");
   assert.deepEqual(turned("G", ["F"]), { x: false, y: true });
   for (const clock of ["time", "step"]) assert.equal(turned(clock, ["u"]), undefined, "what happens over time keeps its sign");
+});
+
+test("Plot.AxesAreTurnedAsTheirNamesSay", () => {
+  const columns = { columns: [{ name: "time" }, { name: "u" }, { name: "F" }, { name: "G" }], values: [[0, 1, 2], [0, -1, -2], [0, -5, -3], [0, null, 1]] };
+  const history = new History(columns), [preset] = history.presets([{ title: "", x: "u", y: ["G", "F"] }]);
+  const plot = Object.assign(Object.create(Plot.prototype), { history, preset, hidden: new Set(), log: {} });
+  const { x_axis, y_axis, x, ys } = plot.curves(), read = (axis, values) => values.map((v) => (v == null ? v : axis.words([v])[0]));
+  assert.deepEqual([read(x_axis, x), read(y_axis, ys[0]), read(y_axis, ys[1])], [["0", "1", "2"], ["0", null, "−1"], ["0", "5", "3"]]);
+  assert.deepEqual([plot.axis_words(["u"], "x"), plot.axis_words(["F"], "y"), plot.turned(-5, "y")], ["−u", "−F", 5]);
+  plot.preset = { ...preset, turned: undefined };
+  assert.deepEqual([plot.axis_words(["u"], "x"), plot.curves().x.at(-1) < 0, plot.turned(-5, "y")], ["u", true, -5]);
 });
 
 test("Run.AModeHasNoSize", () => {
