@@ -202,5 +202,20 @@ TEST(Checkpoint, StatesThatNoRunIsInAreRefused) {
   refused("watches missing bonds", [](Checkpoint& c) { c.watch.bonds.resize(3); });
 }
 
+TEST(Checkpoint, NumbersOfAnotherFileAreRefused) {
+  const Folder folder;
+  Chain chain;
+  const Checkpoint c = busy_checkpoint(chain);
+  for (const char* name : {"c.h5", "other.h5"}) write_checkpoint(folder / name, chain.model, c, "1.2.3");
+  const hid_t file = H5Fopen((folder / "c.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  ASSERT_GE(H5Ldelete(file, "/books/at_start", H5P_DEFAULT), 0);
+  ASSERT_GE(
+      H5Lcreate_external("other.h5", "/books/at_start", file, "/books/at_start", H5P_DEFAULT, H5P_DEFAULT),
+      0);
+  H5Fclose(file);
+  write_seal(folder / "c.h5", 2, "1.2.3");
+  expect_error(folder / "c.h5", chain.model, "/books/at_start is missing or not as expected");
+}
+
 }  // namespace
 }  // namespace vbond

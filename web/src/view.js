@@ -99,7 +99,7 @@ export class View {
     this.choose(this.key);
     this.player.open(this.sequence);
     this.reset();
-    const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    const calm = matchMedia("(prefers-reduced-motion: reduce)").matches || document.documentElement.dataset.still != null;
     if (this.player.swings && !calm) this.player.play();
   }
 

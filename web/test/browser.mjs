@@ -303,6 +303,15 @@ async function a_finger_scrolls_until_the_body_is_tapped(browser, file) {
   await page.close();
 }
 
+/** A picture of a mode is one of its shape: taken where it swings most, whenever it is taken. */
+async function a_still_of_a_mode_stands_still(browser, file) {
+  const { page } = await open(browser, file, { hash: "#still", reduced: "no-preference" });
+  const frame = () => page.$eval(".scrub", (scrub) => Number(scrub.value));
+  for (let k = 0; k < 20; ++k) await two_pictures(page);
+  assert.equal(await frame(), 10, "a quarter of 40 frames");
+  await page.close();
+}
+
 /** Without a picture `#still` has the message alone. */
 async function still_says_why_there_is_no_picture(browser, file, ready, words) {
   const { page } = await open(browser, file, { hash: "#still", ready });
@@ -368,6 +377,7 @@ try {
     await keys_belong_to_the_focus(browser, pages[0]);
     await a_finger_scrolls_until_the_body_is_tapped(browser, pages[0]);
     await classes_are_words(browser, pages[0]);
+    await a_still_of_a_mode_stands_still(browser, await made("mode", rod({ first_shown: 1 })));
     const none = { sequences: [], first_shown: 0 };
     await still_says_why_there_is_no_picture(browser, await made("no_frames", rod(none)), "no-frames", "Give [output] frames");
     await still_says_why_there_is_no_picture(browser, await made("too_large", rod({ ...none, no_frames: "No frame fits." })), "no-frames", "No frame fits.");

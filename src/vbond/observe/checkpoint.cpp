@@ -312,9 +312,12 @@ class Reader {
     return size;
   }
   /// As the writer makes them: not unpacked by a filter, and in this file.
-  static bool is_plain(const H5Handle& set) {
+  bool is_plain(const H5Handle& set) const {
     const H5Handle made(H5Dget_create_plist(set.get()), H5Pclose);
-    return made && H5Pget_layout(made.get()) == H5D_CONTIGUOUS && H5Pget_nfilters(made.get()) == 0 &&
+    H5O_info_t here, there;  // another number of the file: behind a link that leads out of it
+    return made && H5Oget_info2(file_.get(), &here, H5O_INFO_BASIC) >= 0 &&
+           H5Oget_info2(set.get(), &there, H5O_INFO_BASIC) >= 0 && here.fileno == there.fileno &&
+           H5Pget_layout(made.get()) == H5D_CONTIGUOUS && H5Pget_nfilters(made.get()) == 0 &&
            H5Pget_external_count(made.get()) == 0;
   }
   template <class N>
