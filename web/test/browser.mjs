@@ -3,73 +3,15 @@
 // Without pages it makes them up from TEMPLATE (VBOND_PAGE, else build/page/report.html). Ends with 77
 // (skipped) where there is no chromium or no puppeteer-core.
 import assert from "node:assert/strict";
-import { existsSync } from "node:fs";
 import { mkdtemp, readFile, readdir, rm, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { dirname, join, resolve } from "node:path";
-import { fileURLToPath, pathToFileURL } from "node:url";
-import { choose, launch, patience } from "./chromium.mjs";
+import { fileURLToPath } from "node:url";
+import { choose, launch } from "./chromium.mjs";
+import { colours, fits, open, picture, soon, steady_picture, two_pictures } from "./opened.mjs";
 import { page as filled, rod, snapped, wide } from "./sample.mjs";
 
 const here = dirname(fileURLToPath(import.meta.url));
-
-/** Opens a page and waits for its first picture; whatever it complains of or fetches is in `complaints`. */
-async function open(browser, file, { width = 1300, reduced = "reduce", ready = "drawn", hash = "", touch = false } = {}) {
-  const page = await browser.newPage();
-  page.setDefaultTimeout(patience);
-  const complaints = [];
-  const address = pathToFileURL(file).href + hash;
-  page.on("console", (message) => complaints.push(`console: ${message.text()}`));
-  page.on("pageerror", (error) => complaints.push(`error: ${error.message}`));
-  page.on("request", (request) => {
-    if (request.url() !== pathToFileURL(file).href && !/^(data|blob):/.test(request.url())) complaints.push(`request: ${request.url()}`);
-  });
-  await page.emulateMediaFeatures([{ name: "prefers-reduced-motion", value: reduced }]);
-  await page.setViewport({ width, height: 900, hasTouch: touch });
-  const start = performance.now();
-  await page.goto(address);
-  await page.waitForSelector("[data-ready]");
-  assert.equal(await page.evaluate(() => document.documentElement.dataset.ready), ready);
-  return { page, complaints, first_picture: performance.now() - start };
-}
-
-const two_pictures = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
-
-/** The next picture on the screen, after what was asked for has been drawn. */
-async function picture(page) {
-  await two_pictures(page);
-  return (await page.$(".stage")).screenshot({ encoding: "base64" });
-}
-
-/** Waits until `found()`, which may take a busy browser a while, holds; whether it did. */
-async function soon(found) {
-  for (const end = performance.now() + patience; performance.now() < end;) if (await found()) return true;
-  return false;
-}
-
-/** The picture when two in a row are the same. */
-async function steady_picture(page) {
-  let last = await picture(page);
-  assert.ok(await soon(async () => { const before = last; last = await picture(page); return last === before; }), "the picture comes to rest");
-  return last;
-}
-
-/** How many different colours the middle of a picture has; counted in `page`, which does not show it. */
-function colours(page, png) {
-  return page.evaluate(async (data) => {
-    const image = new Image();
-    image.src = `data:image/png;base64,${data}`;
-    await image.decode();
-    const pen = Object.assign(document.createElement("canvas"), { width: image.width, height: image.height }).getContext("2d");
-    pen.drawImage(image, 0, 0);
-    const { data: rgba } = pen.getImageData(0, image.height * 0.15, image.width, image.height * 0.65);   // neither caption nor legend
-    const seen = new Set();
-    for (let k = 0; k < rgba.length; k += 4) if (Math.max(...rgba.slice(k, k + 3)) - Math.min(...rgba.slice(k, k + 3)) > 40) seen.add(rgba.slice(k, k + 3).join());
-    return seen.size;
-  }, png);
-}
-
-const fits = (page) => page.evaluate(() => document.documentElement.scrollWidth <= innerWidth);
 
 /** What must hold for the page of any run with frames and a history. */
 async function shows_the_run(browser, file) {
