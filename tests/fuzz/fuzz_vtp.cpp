@@ -5,6 +5,7 @@
 #include "vbond/core/error.hpp"
 #include "vbond/observe/frames.hpp"
 #include "vbond/observe/page/page.hpp"
+#include "vbond/observe/vtp.hpp"
 
 namespace {
 
@@ -54,5 +55,12 @@ extern "C" int LLVMFuzzerInitialize(int*, char***) {
         "frame_" + std::to_string(which),
         std::string(1, static_cast<char>(which)) + fuzz::content_of((which & 1U) ? f.bonds : f.particles));
   }
+  VtpFile elsewhere = VtpFile::of_lines(std::vector<Vec3d>(3), {0, 1, 1, 2});
+  elsewhere.add_point_data("U_T", std::vector<double>(3));  // three values for two bonds
+  for (const char* name : {"elongation", "length_at_rest", "bend", "twist", "U_L", "U_B"})
+    elsewhere.add_cell_data(name, std::vector<double>(2));
+  elsewhere.add_cell_data("range", std::vector<std::uint8_t>(2));
+  elsewhere.write(folder() / "elsewhere.vtp", 0.4, 4);
+  fuzz::add_seed("elsewhere", '\3' + fuzz::content_of(folder() / "elsewhere.vtp"));
   std::exit(0);
 }

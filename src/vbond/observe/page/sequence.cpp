@@ -63,7 +63,7 @@ std::size_t count_without_length(const VtpInput& bonds) {
   return static_cast<std::size_t>(std::count(at_rest.begin(), at_rest.end(), 0.0));
 }
 
-/// The bonds that were there before must be there still.
+/// The bonds that were there in the frames before must be there still.
 void add_bonds(const VtpInput& file, const std::filesystem::path& path, Body& body) {
   const std::vector<std::int64_t> ends = file.integers(Per::end, "connectivity");
   const auto particles = static_cast<std::int64_t>(body.radius.size());
