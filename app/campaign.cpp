@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "vbond/core/printable.hpp"
 #include "vbond/dynamics/kernel.hpp"
 
 namespace vbond::app {
@@ -35,7 +36,8 @@ double seconds_since(WallClock::time_point start) {
 }
 
 void say(const std::string& text, std::FILE* out) {
-  std::fwrite(text.data(), 1, text.size(), out);
+  const std::string shown = printable(text);
+  std::fwrite(shown.data(), 1, shown.size(), out);
   std::fflush(out);
 }
 

@@ -16,6 +16,7 @@
 #include "vbond/case/read.hpp"
 #include "vbond/core/bounding_box.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/core/printable.hpp"
 #include "vbond/dynamics/memory.hpp"
 #include "vbond/dynamics/simulation.hpp"
 #include "vbond/model/step_bound.hpp"
@@ -114,11 +115,11 @@ std::int64_t print_stages(const Case& c, const Model& model, double dt, bool dt_
   for (std::size_t k = 0; k < steps.size(); ++k) {
     const StageSpec& stage = c.stages[k];
     if (is_static(stage.kind))
-      fmt::print("stage {:<10} {}, {} unknowns\n", stage.name, to_text(stage.kind),
+      fmt::print("stage {:<10} {}, {} unknowns\n", printable(stage.name), to_text(stage.kind),
                  unknowns_of(stage, model));
     else
-      fmt::print("stage {:<10} at most {}{} steps{}\n", stage.name, dt_is_known ? "" : "about ", steps[k],
-                 steps[k] < few_steps ? ": so few; is a unit missing, such as T0?" : "");
+      fmt::print("stage {:<10} at most {}{} steps{}\n", printable(stage.name), dt_is_known ? "" : "about ",
+                 steps[k], steps[k] < few_steps ? ": so few; is a unit missing, such as T0?" : "");
   }
   return std::accumulate(steps.begin(), steps.end(), std::int64_t{0});
 }
@@ -164,7 +165,7 @@ int check(const std::filesystem::path& case_file, int threads) {
     fmt::print("solver           {}\n",
                solver_in_words(*statics, solver_of(built.model, *statics, built.state)));
   if (dynamics) print_wall_time(steps, built.model, *dynamics, built.state, threads);
-  fmt::print("{}: no mistakes found\n", case_file.string());
+  fmt::print("{}: no mistakes found\n", printable(case_file.string()));
   return done;
 }
 

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "vbond/build/build.hpp"
+#include "vbond/core/printable.hpp"
 #include "vbond/dynamics/kernel.hpp"
 #include "vbond/model/step_bound.hpp"
 
@@ -61,7 +62,7 @@ std::vector<std::int64_t> steps_of_stages(const Case& c, const Model& model, dou
 
 void print_overview(const Case& c, const Model& model, const State& state) {
   const auto n = static_cast<double>(model.particles()), bonds = static_cast<double>(state.bonds.size());
-  if (!c.title.empty()) fmt::print("{}\n", c.title);
+  if (!c.title.empty()) fmt::print("{}\n", printable(c.title));
   fmt::print("particles        {}\n", model.particles());
   fmt::print("bonds            {}, {:.3g} per particle\n", state.bonds.size(), n > 0 ? 2 * bonds / n : 0.0);
   fmt::print("contacts         {}\n", contacts_in_words(model));

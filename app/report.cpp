@@ -155,9 +155,12 @@ Written write_report(const fs::path& folder) {
   r.title = c.title;
   r.units = c.units;
   r.command = "vbond run resolved.toml";
-  r.case_text = read_all(folder / "resolved.toml");
+  CaseOfPage of_page = case_of_page(c, folder / "resolved.toml");
+  r.case_text = std::move(of_page.text);
+  if (!of_page.left_out.empty()) r.left_out.push_back(std::move(of_page.left_out));
   if (is_there(folder / "history.csv")) r.history = page::read_history(folder / "history.csv");
-  const std::vector<page::Warning> trouble = add_sequences(folder, c, summary, r);
+  std::vector<page::Warning> trouble = add_sequences(folder, c, summary, r);
+  for (page::Warning& w : trouble) w.text = without_folder(std::move(w.text), folder);
   const page::StepFacts step = step_of(c, built, summary);
   r.facts = facts_of(c, built, summary, step);
   if (summary) r.results = results_of(*summary);

@@ -30,4 +30,16 @@ page::Lines results_of(const RunSummary& summary);
 /// The step of the first stage of dynamics, as far as it is known.
 page::StepFacts step_of(const Case& c, const Built& built, const std::optional<RunSummary>& summary);
 
+/// A case as its page shows it, which tells nothing of the machine it was run on.
+struct CaseOfPage {
+  std::string text;
+  std::string left_out;  ///< what it tells no more; empty if it is the file itself
+};
+
+/// The text of resolved.toml, or, where it names files, the case with their names alone. Throws IoError.
+CaseOfPage case_of_page(Case c, const std::filesystem::path& resolved);
+
+/// A text in which files of this folder are named without it.
+std::string without_folder(std::string text, const std::filesystem::path& folder);
+
 }  // namespace vbond::app

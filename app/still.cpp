@@ -121,9 +121,7 @@ void take_still(const fs::path& html, const fs::path& png) {
   std::error_code e;
   if (!wait_for(*pid) || !fs::exists(picture, e))
     throw IoError(html.string() + " is written, but chromium did not make a picture of it");
-  fs::copy_file(picture, temporary_name(png), fs::copy_options::overwrite_existing, e);
-  if (e) throw IoError("cannot write " + png.string() + ": " + e.message());
-  publish(png, Sync::none);
+  replace_file(png, read_all(picture), Sync::none);
 }
 
 }  // namespace vbond::app

@@ -1,5 +1,6 @@
 // Writes the page, with style and script inside: node build.mjs [OUTPUT]
 import { build } from "esbuild";
+import { createHash } from "node:crypto";
 import { mkdir, readFile, rename, writeFile } from "node:fs/promises";
 import { dirname, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
@@ -19,16 +20,30 @@ async function bundled(entry) {
   return outputFiles[0].text.trim();
 }
 
-/** Replaces a line once; text that could end the element it stands in is an error. */
-function put(page, line, open, text, close) {
+function replaced(page, line, text) {
   if (page.split(line).length !== 2) throw new Error(`page.html: "${line}" must stand there once`);
-  if (text.includes(close) || text.includes("<!-- run -->")) throw new Error(`"${close}" in the text for ${line}`);
-  return page.replace(line, () => `${open}\n${text}\n${close}`);
+  return page.replace(line, () => text);
 }
 
+/** Replaces a line once; text that could end the element it stands in is an error. */
+function put(page, line, open, text, close) {
+  if (text.includes(close) || text.includes("<!-- run -->")) throw new Error(`"${close}" in the text for ${line}`);
+  return replaced(page, line, `${open}\n${text}\n${close}`);
+}
+
+/** What the page may do: run this one script, with this one style. It loads nothing and sends nothing. */
+function policy(style, script) {
+  const hash = (text) => `'sha256-${createHash("sha256").update(`\n${text}\n`).digest("base64")}'`;   // as put() writes it
+  const rules = ["default-src 'none'", `script-src ${hash(script)}`, `style-src ${hash(style)}`, "img-src data:",   // the icon
+                 "connect-src 'none'", "base-uri 'none'", "form-action 'none'"];
+  return `<meta http-equiv="Content-Security-Policy" content="${rules.join("; ")}">`;
+}
+
+const style = await bundled("page.css"), script = await bundled("src/main.js");
 let page = await readFile(`${here}/page.html`, "utf8");
-page = put(page, "<!-- style -->", "<style>", await bundled("page.css"), "</style>");
-page = put(page, "<!-- script -->", "<script>", await bundled("src/main.js"), "</script>");
+page = replaced(page, "<!-- policy -->", policy(style, script));   // before what it allows
+page = put(page, "<!-- style -->", "<style>", style, "</style>");
+page = put(page, "<!-- script -->", "<script>", script, "</script>");
 /** Their licences ask for their notices wherever they go. */
 async function notices() {
   const texts = await Promise.all([...packages].sort().map(async (name) => `${name}\n\n${await readFile(`${here}/node_modules/${name}/LICENSE`, "utf8")}`));

@@ -4,6 +4,7 @@
 #include <hdf5.h>
 
 #include <chrono>
+#include <cmath>
 #include <cstring>
 #include <limits>
 #include <random>
@@ -183,6 +184,37 @@ TEST(Checkpoint, ErrorsOfHdf5AreNotPrinted) {
   testing::internal::CaptureStderr();
   EXPECT_NE(error_of(folder / "c.h5", Chain().model), "no error");
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+TEST(Checkpoint, StatesThatNoRunIsInAreRefused) {
+  const Folder folder;
+  const auto refused = [&](const std::string& words, auto forge) {
+    Chain chain;
+    Checkpoint c = busy_checkpoint(chain);
+    forge(c);
+    write_checkpoint(folder / "c.h5", chain.model, c, "1.2.3");
+    expect_error(folder / "c.h5", chain.model, words);
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  refused("particle 1 is in no place", [nan](Checkpoint& c) { c.state.r[ParticleId{1}].y = nan; });
+  refused("particle 2 is in no place", [](Checkpoint& c) { c.state.v[ParticleId{2}].z = INFINITY; });
+  refused("particle 0 is in no place", [](Checkpoint& c) { c.state.q[ParticleId{0}] = {2, 0, 0, 0}; });
+  refused("watches missing bonds", [](Checkpoint& c) { c.watch.bonds.resize(3); });
+}
+
+TEST(Checkpoint, NumbersOfAnotherFileAreRefused) {
+  const Folder folder;
+  Chain chain;
+  const Checkpoint c = busy_checkpoint(chain);
+  for (const char* name : {"c.h5", "other.h5"}) write_checkpoint(folder / name, chain.model, c, "1.2.3");
+  const hid_t file = H5Fopen((folder / "c.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  ASSERT_GE(H5Ldelete(file, "/books/at_start", H5P_DEFAULT), 0);
+  ASSERT_GE(
+      H5Lcreate_external("other.h5", "/books/at_start", file, "/books/at_start", H5P_DEFAULT, H5P_DEFAULT),
+      0);
+  H5Fclose(file);
+  write_seal(folder / "c.h5", 2, "1.2.3");
+  expect_error(folder / "c.h5", chain.model, "/books/at_start is missing or not as expected");
 }
 
 }  // namespace

@@ -83,8 +83,7 @@ inline std::vector<double> array_of(const std::string& html, const nlohmann::jso
   const auto all = [](const nlohmann::json& x) {
     return x.is_array() ? x.get<std::vector<double>>() : std::vector<double>{x.get<double>()};
   };
-  a.low = all(j.at("low"));
-  a.step = all(j.at("step"));
+  if (j.contains("low")) a.low = all(j.at("low")), a.step = all(j.at("step"));
   a.delta = j.value("delta", std::size_t{0});
   const std::string block = gunzipped(base64_decoded(element(html, "data")));
   if (type == "f32" || type == "u32") {

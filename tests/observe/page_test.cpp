@@ -8,6 +8,7 @@
 #include "specimen.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/observe/frames.hpp"
+#include "vbond/observe/vtp.hpp"
 #include "vbond/observe/vtp_read.hpp"
 
 namespace vbond::page {
@@ -63,7 +64,8 @@ TEST(Page, FramesComeBackWithinHalfAStep) {
   EXPECT_EQ(s["frames"][4]["bonds"], 2);
   EXPECT_EQ(s["frames"][4]["step"], 40);
   EXPECT_EQ(s["frames"][4]["stage"], "push");
-  const std::vector<double> start = array_of(html, s["reference"]);
+  std::vector<double> start = array_of(html, s["reference"]);
+  for (std::size_t k = 0; k < start.size(); ++k) start[k] += s["origin"][k % 3].get<double>();
   const std::vector<double> moved = array_of(html, s["displacement"]);
   const auto steps = s["displacement"]["step"].get<std::vector<double>>();
   ASSERT_EQ(moved.size(), 5U * 3 * 3);
@@ -89,16 +91,17 @@ TEST(Page, BondFieldsAreThoseOfTheFrames) {
     for (std::size_t b = 0; b < values.size(); ++b)
       EXPECT_NEAR(back[4 * 2 + b], values[b], 0.51 * field["array"]["step"].get<double>()) << key;
   };
-  std::vector<double> strain = last.scalars("elongation"), bend = last.scalars("bend");
+  std::vector<double> strain = last.scalars(VtpInput::Per::cell, "elongation"),
+                      bend = last.scalars(VtpInput::Per::cell, "bend");
   for (std::size_t b = 0; b < strain.size(); ++b) {
-    strain[b] /= last.scalars("length_at_rest")[b];
+    strain[b] /= last.scalars(VtpInput::Per::cell, "length_at_rest")[b];
     bend[b] *= 3.14159265358979 / 180.0;
   }
   expect_field(0, "elongation", strain);
   expect_field(1, "bend", bend);
-  expect_field(4, "U_B", last.scalars("U_B"));
-  EXPECT_EQ(array_of(html, sequence["bond_range"])[8], last.bytes("range")[0]);
-  EXPECT_EQ(last.bytes("range")[0], 1);  // tilted by 1.2 rad: strained
+  expect_field(4, "U_B", last.scalars(VtpInput::Per::cell, "U_B"));
+  EXPECT_EQ(array_of(html, sequence["bond_range"])[8], last.bytes(VtpInput::Per::cell, "range")[0]);
+  EXPECT_EQ(last.bytes(VtpInput::Per::cell, "range")[0], 1);  // tilted by 1.2 rad: strained
   EXPECT_EQ(film.report.body.first_strained.bond, 0);
   EXPECT_DOUBLE_EQ(film.report.body.first_strained.time, 3.0);  // 0.9 rad is past 45 degrees
 }
@@ -267,7 +270,7 @@ TEST(Page, ModesSwingAboutTheirFirstFrame) {
   mode.frames.erase(mode.frames.begin());
   Body body;
   const Sequence s = read_sequence(mode, body);
-  EXPECT_NEAR(s.reference[1], -0.02, 1e-7);  // y of the second frame
+  EXPECT_NEAR(s.origin[1] + s.reference[1], -0.02, 1e-7);  // y of the second frame
   for (std::size_t c = 0; c < 3; ++c)
     EXPECT_NEAR(s.displacement[c].low + s.displacement[c].step * s.frames[0].displacement[3 * c], 0.0, 1e-6);
   EXPECT_EQ(body.first_strained.bond, -1);
@@ -280,6 +283,88 @@ TEST(Page, FramesOfAnotherBodyAreRefused) {
   write_bonds_vtp(frames[2].bonds, other.state);
   Body body;
   EXPECT_THROW(read_sequence({SequenceKind::run, "Run", "", "", frames}, body), IoError);
+}
+
+/// What reading the frames of this film says of its last frame after a change to its files.
+std::string refusal(const Film& film) {
+  Body body;
+  try {
+    read_sequence({SequenceKind::run, "Run", "", "",
+                   listed_frames(film.folder / "particles.pvd", film.folder / "bonds.pvd")},
+                  body);
+  } catch (const IoError& e) {
+    return e.what();
+  }
+  return "accepted";
+}
+
+/// The fields of bonds, of which `per_point` has a value for each point instead of each bond.
+VtpFile forged_bonds(std::size_t points, const std::string& per_point) {
+  VtpFile f = VtpFile::of_lines(std::vector<Vec3d>(points), {0, 1, 1, 2});
+  for (const std::string name : {"elongation", "length_at_rest", "bend", "twist", "U_L", "U_B", "U_T"})
+    if (name == per_point)
+      f.add_point_data(name, std::vector<double>(points, 1.0));
+    else
+      f.add_cell_data(name, std::vector<double>{1.0, 1.0});
+  f.add_cell_data("range", std::vector<std::uint8_t>{0, 0});
+  return f;
+}
+
+TEST(Page, ArraysOfAnotherLengthAreRefused) {
+  const Film film(2, 1000);
+  const auto frames = listed_frames(film.folder / "particles.pvd", film.folder / "bonds.pvd");
+  const auto forge = [&](const VtpFile& file) { file.write(frames[1].bonds, 10.0, 10); };
+  forge(forged_bonds(1000, "U_T"));  // 1000 values where there are two bonds
+  EXPECT_NE(refusal(film).find("has no array \"U_T\" of type Float64 for each cell"), std::string::npos)
+      << refusal(film);
+  forge(forged_bonds(1000, "length_at_rest"));
+  EXPECT_NE(refusal(film).find("length_at_rest"), std::string::npos);
+}
+
+TEST(Page, FramesThatContradictThemselvesAreRefused) {
+  const Film film(2);
+  const auto frames = listed_frames(film.folder / "particles.pvd", film.folder / "bonds.pvd");
+  const std::string good = test::content_of(frames[1].bonds);
+  const auto edited = [&](const std::string& from, const std::string& to) {
+    std::string text = good;
+    text.replace(text.find(from), from.size(), to);
+    test::put_content(frames[1].bonds, text);
+    return refusal(film);
+  };
+  EXPECT_EQ(refusal(film), "accepted");
+  EXPECT_NE(edited("NumberOfPoints=\"3\"", "NumberOfPoints=\"6148914691236517208\"").find("its size is not"),
+            std::string::npos);  // 24 bytes for each of them are 64 in 64 bits
+  const std::string two_ends("\1\0\0\0\0\0\0\0\2\0\0\0\0\0\0\0", 16);
+  EXPECT_NE(edited(two_ends, std::string("\1\0\0\0\1\0\0\0\2\0\0\0\0\0\0\0", 16)).find("impossible ends"),
+            std::string::npos);  // 2^32 + 1 is not 1
+  test::put_content(frames[1].bonds, good);
+  test::put_content(film.folder / "particles.pvd",
+                    pvd_list(pvd_entry(0.0, "frames/particles_000000000010.vtp") +
+                             pvd_entry(1.0, "frames/particles_000000000000.vtp")));
+  test::put_content(film.folder / "bonds.pvd", pvd_list(pvd_entry(0.0, "frames/bonds_000000000010.vtp") +
+                                                        pvd_entry(1.0, "frames/bonds_000000000000.vtp")));
+  EXPECT_NE(refusal(film).find("earlier step"), std::string::npos);
+}
+
+TEST(Page, ABodyFarFromZeroKeepsItsShape) {
+  const Folder folder;
+  Chain chain(3);
+  const Vec3d far{1e8, -1e8, 3e12};
+  for (const ParticleId p : chain.state.r.ids()) {
+    chain.model.r_0[p] = chain.model.r_0[p] + far;
+    chain.state.r[p] = chain.state.r[p] + far;
+  }
+  FrameWriter writer(folder.path(), false, {});
+  writer.write(chain.model, chain.state);
+  Report report;
+  report.sequences.push_back(read_sequence(
+      {SequenceKind::run, "Run", "", "", listed_frames(folder / "particles.pvd", folder / "bonds.pvd")},
+      report.body));
+  report.stage_of_frame = {"push"};
+  const std::string html = report_page(one_line, report, {});
+  const auto s = json_of(html)["sequences"][0];
+  EXPECT_EQ(s["origin"], (std::vector<double>{1e8 + 1, -1e8, 3e12}));
+  EXPECT_EQ(array_of(html, s["reference"]), (std::vector<double>{-1, 0, 0, 0, 0, 0, 1, 0, 0}));
 }
 
 }  // namespace

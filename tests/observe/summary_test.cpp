@@ -52,6 +52,52 @@ TEST(RunSummary, ComesBackWithTheReasonOfAFailure) {
   EXPECT_THROW(read_summary(folder / "run.json"), IoError);
 }
 
+/// A run.json with one stage of each kind, in which `edit` forges something; what reading it says.
+template <class Edit>
+std::string refusal(Edit edit) {
+  const Folder folder;
+  RunSummary s = buckling();
+  StaticResult r;
+  r.ended = "found";
+  r.critical_loads.resize(2);
+  r.critical_loads[0].force = 1.0;
+  r.modes.resize(2);
+  r.modes[0].rigid = true;
+  for (const StageKind kind : {StageKind::buckling, StageKind::modes}) {
+    StageSummary stage;
+    stage.name = to_text(kind);
+    stage.statics = StaticSummary{kind, r, ""};
+    s.stages.push_back(stage);
+  }
+  auto j = nlohmann::json::parse(to_json(s));
+  edit(j, j["stages"]);
+  put_content(folder / "run.json", j.dump());
+  try {
+    read_summary(folder / "run.json");
+  } catch (const IoError& e) {
+    return e.what();
+  }
+  return "accepted";
+}
+
+TEST(RunSummary, NumbersThatContradictEachOtherAreRefused) {
+  using Json = nlohmann::json;
+  const auto refused = [](const std::string& text) {
+    return text.find("run.json: is not a run.json of vbond: ") != std::string::npos;
+  };
+  EXPECT_EQ(refusal([](Json&, Json&) {}), "accepted");
+  for (const char* list : {"critical_kinds", "critical_gaps", "linear_estimates", "critical_forces"})
+    EXPECT_TRUE(refused(refusal([list](Json&, Json& stages) { stages[2][list].push_back(1.0); }))) << list;
+  EXPECT_TRUE(refused(refusal([](Json&, Json& stages) { stages[3]["omega_squared"].push_back(1.0); })));
+  EXPECT_TRUE(refused(refusal([](Json&, Json& stages) { stages[3]["rigid_modes"] = 4000000000000; })));
+  EXPECT_TRUE(refused(refusal([](Json&, Json& stages) { stages[3]["kind"] = "mode"; })));
+  EXPECT_TRUE(refused(refusal([](Json&, Json& stages) { stages[3]["points"] = 1e300; })));
+  EXPECT_TRUE(refused(refusal([](Json&, Json& stages) { stages[3]["points"] = 3000000000; })));
+  EXPECT_TRUE(refused(refusal([](Json&, Json& stages) { stages[0]["steps"] = -1; })));
+  EXPECT_TRUE(refused(refusal([](Json&, Json& stages) { stages[0]["stop"] = "peace"; })));
+  EXPECT_TRUE(refused(refusal([](Json& j, Json&) { j["particles"] = -1; })));
+}
+
 TEST(RunSummary, JsonHoldsEveryResultUnderItsName) {
   const Folder folder;
   write_summary(folder / "run.json", buckling());

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "specimen.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/observe/frames.hpp"
@@ -10,6 +12,7 @@
 namespace vbond {
 namespace {
 
+using Per = VtpInput::Per;
 using test::Chain;
 using test::content_of;
 using test::Folder;
@@ -30,12 +33,12 @@ TEST(VtpInput, GivesBackWhatVtpFileWrote) {
   EXPECT_FALSE(in.load_factor());
   EXPECT_EQ(in.points(), 3U);
   EXPECT_EQ(in.cells(), 2U);
-  EXPECT_EQ(in.vectors("Points"), points);
-  EXPECT_EQ(in.vectors("velocity"), points);
-  EXPECT_EQ(in.scalars("radius"), (std::vector<double>{0.1, 0.2, 0.3}));
-  EXPECT_EQ(in.bytes("range"), (std::vector<std::uint8_t>{2, 0}));
-  EXPECT_EQ(in.integers("set"), (std::vector<std::int64_t>{5, -6}));
-  EXPECT_EQ(in.integers("connectivity"), (std::vector<std::int64_t>{0, 1, 1, 2}));
+  EXPECT_EQ(in.vectors(Per::point, "Points"), points);
+  EXPECT_EQ(in.vectors(Per::point, "velocity"), points);
+  EXPECT_EQ(in.scalars(Per::point, "radius"), (std::vector<double>{0.1, 0.2, 0.3}));
+  EXPECT_EQ(in.bytes(Per::cell, "range"), (std::vector<std::uint8_t>{2, 0}));
+  EXPECT_EQ(in.integers(Per::cell, "set"), (std::vector<std::int64_t>{5, -6}));
+  EXPECT_EQ(in.integers(Per::end, "connectivity"), (std::vector<std::int64_t>{0, 1, 1, 2}));
 }
 
 TEST(VtpInput, KnowsTheLoadFactorOfABalance) {
@@ -54,7 +57,7 @@ TEST(VtpInput, ReadsFramesWithoutBonds) {
   write_bonds_vtp(folder / "b.vtp", chain.state);
   const VtpInput in(folder / "b.vtp");
   EXPECT_EQ(in.cells(), 0U);
-  EXPECT_TRUE(in.scalars("bend").empty());
+  EXPECT_TRUE(in.scalars(Per::cell, "bend").empty());
 }
 
 /// The message of the IoError that f throws.
@@ -75,7 +78,7 @@ TEST(VtpInput, RefusesWhatVtpFileDidNotWrite) {
   const std::string good = content_of(folder / "good.vtp");
   const auto with = [&](const std::string& content) {
     put_content(folder / "bad.vtp", content);
-    return error_of([&] { VtpInput(folder / "bad.vtp").vectors("velocity"); });
+    return error_of([&] { VtpInput(folder / "bad.vtp").vectors(Per::point, "velocity"); });
   };
   const auto edited = [&](const std::string& from, const std::string& to) {
     std::string text = good;
@@ -103,6 +106,36 @@ TEST(Pvd, ListComesBackWithItsFolder) {
   EXPECT_EQ(frames[1].file, folder / "frames/p_1.vtp");
   put_content(folder / "b.pvd", pvd_list("").substr(0, 100));
   EXPECT_THROW(read_pvd(folder / "b.pvd"), IoError);
+}
+
+TEST(Pvd, FilesOutsideOfItsFolderAreRefused) {
+  const Folder folder;
+  const auto refused = [&](const std::string& entry) {
+    put_content(folder / "a.pvd", pvd_list(entry));
+    EXPECT_THROW(read_pvd(folder / "a.pvd"), IoError) << entry;
+  };
+  refused(pvd_entry(0.1, "/etc/p_0.vtp"));
+  refused(pvd_entry(0.1, "../p_0.vtp"));
+  refused(pvd_entry(0.1, "frames/../../p_0.vtp"));
+  refused(pvd_entry(std::numeric_limits<double>::quiet_NaN(), "p_0.vtp"));
+}
+
+TEST(VtpInput, ArraysAreGivenForWhatTheyAreOf) {
+  const Folder folder;
+  VtpFile out = VtpFile::of_lines(std::vector<Vec3d>(4), {0, 1});
+  out.add_point_data("radius", std::vector<double>(4));
+  out.add_cell_data("bend", std::vector<double>(1));
+  out.add_cell_data("twice", std::vector<double>(1));
+  out.add_point_data("twice", std::vector<double>(4));
+  out.write(folder / "a.vtp", 0.1, 42);
+  const VtpInput in(folder / "a.vtp");
+  EXPECT_TRUE(in.lines());
+  EXPECT_EQ(in.scalars(Per::point, "radius").size(), 4U);
+  EXPECT_EQ(in.scalars(Per::cell, "bend").size(), 1U);
+  EXPECT_THROW(in.scalars(Per::cell, "radius"), IoError);
+  EXPECT_THROW(in.scalars(Per::point, "bend"), IoError);
+  EXPECT_THROW(in.scalars(Per::cell, "twice"), IoError);
+  EXPECT_THROW(in.scalars(Per::point, "twice"), IoError);
 }
 
 }  // namespace

@@ -1,11 +1,30 @@
 // The words of the page: what was run, what came out, what to worry about, how to run it again.
 import { element } from "./text.js";
 
+/** What the run is called, also where its case has no title. */
+export function name_of({ title }) { return title?.trim() || "Run without a title"; }
+
 const names = { error: "Error", warning: "Warning", note: "Note" };
 
+const two_lines = 90;   // characters that a narrow screen has room for in two lines
+
+/** On a narrow screen all but errors have two lines, and a button for the rest (page.css). */
 export function warnings(list) {
-  return list.map(({ level, text }) => element("p", { class: `message ${level}`, role: level === "error" ? "alert" : null },
-    element("strong", {}, names[level] ?? "Note"), " ", text));
+  return list.map(({ level, text }) => {
+    const message = element("div", { class: `message ${level}`, role: level === "error" ? "alert" : null },
+      element("p", {}, element("strong", {}, names[level] ?? "Note"), " ", text));
+    if (level !== "error" && text.length > two_lines) message.append(more(message));
+    return message;
+  });
+}
+
+function more(message) {
+  const button = element("button", { type: "button", class: "more", "aria-expanded": "false", onclick: () => {
+    const whole = message.classList.toggle("whole");
+    button.setAttribute("aria-expanded", String(whole));
+    button.textContent = whole ? "Less" : "More";
+  } }, "More");
+  return button;
 }
 
 function table(rows) {
@@ -13,12 +32,13 @@ function table(rows) {
 }
 
 /** Short, so that the figures stand high on the page: all facts are at its foot. */
-export function head({ title, program, facts, results }, theme_button) {
+export function head(json, theme_button) {
+  const { program, facts, results } = json;
   const cards = results.map(([name, value]) => element("div", {}, element("dt", {}, name), element("dd", {}, value)));
   const step = facts.find(([name]) => name === "Time step");
   const words = [...facts.slice(0, 3).map(([, value]) => value), step && `time step ${step[1]}`, program].filter(Boolean);
   return [
-    element("div", { class: "top" }, element("h1", {}, title), theme_button),
+    element("div", { class: "top" }, element("h1", {}, name_of(json)), theme_button),
     element("p", { class: "made" }, words.join(" · ")),
     cards.length ? element("dl", { "aria-label": "Results" }, ...cards) : "",
   ];

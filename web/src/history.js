@@ -16,11 +16,18 @@ export class History {
 
   /** Presets of the data whose columns are all there, then energies and their balance. */
   presets(plots) {
-    const list = plots.filter(({ x, y }) => [x, ...y].every((name) => this.has(name)));
+    const list = plots.filter(({ x, y }) => [x, ...y].every((name) => this.has(name))).map((preset) => this.turned(preset));
     const energies = stacked.filter((name) => this.has(name));
     if (energies.length) list.push({ title: "Energies", x: this.clock, y: energies, stacked: true, added: true });
     if (this.column("balance_error")?.values.some((v) => v)) list.push({ title: "Error of the energy balance", x: this.clock, y: ["balance_error"], added: true });
     return list;
+  }
+
+  /** A curve against anything but time goes to the right and up, as a shortening and the force that makes it are drawn. */
+  turned(preset) {
+    const backwards = (names) => mostly_negative(names.map((name) => this.column(name).values));
+    if ([this.clock, "step", "time"].includes(preset.x)) return preset;
+    return { ...preset, turned: { x: backwards([preset.x]), y: backwards(preset.y) } };
   }
 
   /** The row whose step is nearest to `step`; the first of equals. */
@@ -59,6 +66,12 @@ export function stack(columns) {
     return v == null || below == null ? null : below + v;
   })));
   return sums;
+}
+
+/** Whether the value of largest size is below zero. */
+function mostly_negative(columns) {
+  const [low, high] = extent(columns) ?? [0, 0];
+  return -low > high;
 }
 
 export function extent(arrays) {

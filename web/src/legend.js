@@ -11,14 +11,14 @@ export function legend(quantity, scale) {
   const title = element("p", { class: "legend-title" }, capital(quantity.unit ? `${quantity.label} [${quantity.unit}]` : quantity.label));
   if (scale.classes) {
     const words = scale.classes.map((name, k) => element("li", {},
-      element("span", { class: "swatch", style: `background: rgb(${class_colours[k].join(" ")})` }), meaning[name]));
+      element("span", { class: "swatch", style: { background: `rgb(${class_colours[k].join(" ")})` } }), meaning[name]));
     return element("div", { class: "legend classes" }, title, element("ul", {}, ...words));
   }
   const [low, high] = scale.ends;
-  const bar = element("div", { class: "bar", style: `background: ${css_gradient(scale.table)}` });
+  const bar = element("div", { class: "bar", style: { background: css_gradient(scale.table) } });
   const marks = low === high ? [low] : [low, (low + high) / 2, high];
-  return element("div", { class: "legend" }, title, bar,
-    element("div", { class: "marks" }, ...marks.map((v) => element("span", {}, number(v, 3)))));
+  return element("div", { class: "legend" }, title, element("div", { class: "scale" }, bar,
+    element("div", { class: "marks" }, ...marks.map((v) => element("span", {}, number(v, 3))))));
 }
 
 const svg = "http://www.w3.org/2000/svg";

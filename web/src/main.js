@@ -1,7 +1,7 @@
 // Puts the page together. `data-ready` of the document says how far it is: "drawn" after the first
 // picture, "no-frames", "no-webgl" or "failed" where there will be none.
 import { from_base64, inflate } from "./decode.js";
-import { foot, head, warnings } from "./head.js";
+import { foot, head, name_of, warnings } from "./head.js";
 import { History } from "./history.js";
 import { Plots } from "./plots.js";
 import { Run } from "./run.js";
@@ -53,7 +53,7 @@ function start_view(view, why_none = "There are no frames, so there is no 3D vie
 
 async function show() {
   const json = JSON.parse(place("run").textContent);
-  document.title = json.title;
+  document.title = name_of(json);
   const history = new History(json.history, json.clock);
   let plots, view;
   place("head").append(...head(json, theme_button(() => { plots?.draw(); view?.set_ground(); })));

@@ -1,4 +1,5 @@
 // PNG of the 3D view and of plots, with what is needed to read them without the page.
+import { name_of } from "./head.js";
 import { download, file_name, number } from "./text.js";
 
 export function colour_of(name) {
@@ -41,7 +42,7 @@ export function save_picture(view) {
   const { canvas, pen } = framed(source, 2 * line, 3 * line);
   const small = `${Math.round(0.6 * line)}px system-ui, sans-serif`;
   pen.font = `600 ${Math.round(0.7 * line)}px system-ui, sans-serif`;
-  pen.fillText(`${view.run.json.title}: ${view.words()}`, line, line, canvas.width - 2 * line);
+  pen.fillText(`${name_of(view.run.json)}: ${view.words()}`, line, line, canvas.width - 2 * line);
   pen.font = small;
   const y = canvas.height - 2 * line;
   if (view.scale.classes) {
@@ -50,5 +51,5 @@ export function save_picture(view) {
     pen.fillText(view.quantity.label, line, y, canvas.width / 3);
     draw_scale(pen, view.scale, view.quantity.unit, 0.5 * canvas.width, y - 0.3 * line, canvas.width / 4, 0.6 * line);
   }
-  save(canvas, `${view.run.json.title} ${view.sequence.json.name} ${view.player.frame}`);
+  save(canvas, `${name_of(view.run.json)} ${view.sequence.json.name} ${view.player.frame}`);
 }

@@ -37,6 +37,7 @@ export class Player {
   pause() {
     if (!this.playing) return;
     this.playing = false;
+    this.ask();
     this.changed(this);
   }
 
@@ -46,7 +47,13 @@ export class Player {
     if (!this.swings && this.frame === this.count - 1) this.frame = 0;
     this.start_clock();
     this.changed(this);
-    requestAnimationFrame((now) => this.tick(now));
+    this.ask();
+  }
+
+  /** Asks for the next tick while playing; what was asked for before is called off, so that there is one loop at most. */
+  ask() {
+    cancelAnimationFrame(this.asked);
+    this.asked = this.playing ? requestAnimationFrame((now) => this.tick(now)) : null;
   }
 
   start_clock() {
@@ -55,12 +62,11 @@ export class Player {
 
   /** The frame that is due; a slow machine leaves frames out instead of playing slowly. */
   tick(now) {
-    if (!this.playing) return;
     const rate = this.speed * (this.swings ? this.count / seconds_per_swing : frames_per_second);
     const due = this.start.frame + Math.floor(Math.max(0, now - this.start.time) * 1e-3 * rate);
     if (!this.swings && due >= this.count - 1) this.playing = false;
     const frame = this.swings ? due % this.count : Math.min(due, this.count - 1);
     if (frame !== this.frame || !this.playing) this.show(frame);
-    if (this.playing) requestAnimationFrame((later) => this.tick(later));
+    this.ask();
   }
 }

@@ -57,21 +57,26 @@ export class Plot {
     this.build();
   }
 
+  /** A value, and the name of its column, as they are drawn: History.turned says where the sign is the other one. */
+  turned(value, axis) { return value && this.preset.turned?.[axis] ? -value : value; }
+
+  words(name, axis) { return this.preset.turned?.[axis] ? `−${name}` : name; }
+
   /** Names of the curves that are shown and the axes with their values; sums in a stack. */
   curves() {
-    const of = (name) => this.history.column(name).values;
+    const of = (axis) => (name) => this.history.column(name).values.map((v) => this.turned(v, axis));
     const names = this.preset.y.filter((name) => !this.hidden.has(name));
     this.stacks = !!this.preset.stacked && !this.log.y;
-    const x_axis = (this.log.x ? log_axis : linear_axis)([of(this.preset.x)]), ys = names.map(of);
+    const x_axis = (this.log.x ? log_axis : linear_axis)([this.preset.x].map(of("x"))), ys = names.map(of("y"));
     const y_axis = this.log.y ? log_axis(ys) : linear_axis(this.stacks ? stack(ys) : ys, this.stacks);
     return { names, x_axis, y_axis, x: x_axis.values[0], ys: y_axis.values };
   }
 
-  axis_words(names, log) {
+  axis_words(names, axis) {
     const units = new Set(names.map((name) => this.history.column(name).unit));
     const unit = units.size === 1 && [...units][0] ? ` [${[...units][0]}]` : "";
     const name = names.length === 1 ? names[0] : this.preset.stacked ? "energy" : "";
-    return `${log && name ? `|${name}|` : name}${unit}`;
+    return `${this.log[axis] && name ? `|${name}|` : this.words(name, axis)}${unit}`;
   }
 
   /** (Re)draws everything; a change of theme, width, axes or curves comes here. */
@@ -98,8 +103,8 @@ export class Plot {
       mode: 2, width: this.place.clientWidth || 400, height, padding: [8, 22, 0, 0],
       cursor: { show: false }, legend: { show: false }, hooks: { ready: [(made) => { if (made === this.plot) this.ready(); }] },
       scales: { x: { time: false, auto: false, range: () => x_axis.ends }, y: { auto: false, range: () => y_axis.ends } },
-      axes: [axis("x", x_axis, this.axis_words([this.preset.x], this.log.x)),
-             axis("y", y_axis, this.axis_words(this.preset.y, this.log.y))],
+      axes: [axis("x", x_axis, this.axis_words([this.preset.x], "x")),
+             axis("y", y_axis, this.axis_words(this.preset.y, "y"))],
       series: [{}, ...series],
     }, [null, ...data], this.place);
   }
@@ -150,7 +155,7 @@ export class Plot {
   /** The curves with their values in that row; a click hides or shows one. */
   list(row) {
     if (!this.keys.childElementCount || this.keys.dataset.names !== this.preset.y.join()) this.make_keys();
-    const value = (name) => (row == null ? "" : number(this.history.column(name).values[row]));
+    const value = (name) => (row == null ? "" : number(this.turned(this.history.column(name).values[row], "y")));
     [...this.keys.children].forEach((key, k) => {
       key.lastChild.textContent = value(this.preset.y[k]);
       key.firstChild.style.background = this.colours.get(this.preset.y[k]);
@@ -164,7 +169,7 @@ export class Plot {
         this.hidden.has(name) ? this.hidden.delete(name) : this.hidden.add(name);
         key.setAttribute("aria-pressed", String(!this.hidden.has(name)));
         this.build();
-      } }, element("span", { class: "swatch" }), element("span", {}, name), element("output", {}));
+      } }, element("span", { class: "swatch" }), element("span", {}, this.words(name, "y")), element("output", {}));
       return key;
     }));
   }
@@ -180,14 +185,14 @@ export class Plot {
     pen.font = `600 ${0.6 * line}px system-ui, sans-serif`;
     pen.fillText(this.preset.title, line, 0.5 * line);
     pen.font = `${0.5 * line}px system-ui, sans-serif`;
-    const room = canvas.width - 2 * line, words = names.join("  "), wide = pen.measureText(words).width + names.length * 0.4 * line;
+    const room = canvas.width - 2 * line, shown = names.map((name) => this.words(name, "y")), words = shown.join("  "), wide = pen.measureText(words).width + names.length * 0.4 * line;
     if (wide > room) pen.font = `${(0.5 * line * room) / wide}px system-ui, sans-serif`;
     let x = line;
-    for (const name of names) {
+    names.forEach((name, k) => {
       pen.fillStyle = this.colours.get(name);
-      pen.fillText(name, x, canvas.height - 0.5 * line);
-      x += pen.measureText(name).width + 0.6 * line;
-    }
+      pen.fillText(shown[k], x, canvas.height - 0.5 * line);
+      x += pen.measureText(shown[k]).width + 0.6 * line;
+    });
     save(canvas, this.preset.title);
   }
 }

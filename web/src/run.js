@@ -22,6 +22,13 @@ function extremes(frames, count, value) {
   return low <= high ? [low, high] : [0, 0];
 }
 
+/** A mode has a shape and no size, so its values have none: parts of the largest instead of metres or joules. */
+function relative(quantity) {
+  const most = once(() => Math.max(...quantity.extremes().map(Math.abs)) || 1);
+  return { ...quantity, label: `${quantity.label}, relative to the largest`, unit: "",
+           value: (f, k) => quantity.value(f, k) / most(), extremes: once(() => quantity.extremes().map((v) => v / most())) };
+}
+
 /** One animation: the run, or the swing of a mode. Positions in the unit of length of the run. */
 export class Sequence {
   constructor(json, block, particles, bonds, length_unit) {
@@ -62,8 +69,9 @@ export class Sequence {
     list.push(...fields.filter((f) => !parts.includes(f)));
     if (parts.length === energy_keys.length) list.push(this.total_energy(parts));
     list.push(...parts);
-    if (this.json.bond_range) list.push(this.range_quantity());
-    return list;
+    const shown = this.json.kind === "mode" ? list.map(relative) : list;
+    if (this.json.bond_range) shown.push(this.range_quantity());
+    return shown;
   }
 
   displacement_quantity() {

@@ -1,10 +1,11 @@
 // Elements and numbers. Data reach the document as text nodes and attributes only, never as HTML.
 
-/** Makes an element: element("p", { class: "note" }, "text", child, ...). */
+/** Makes an element: element("p", { class: "note", style: { color: "red" } }, "text", child, ...). */
 export function element(name, attributes = {}, ...children) {
   const made = document.createElement(name);
   for (const [key, value] of Object.entries(attributes)) {
-    if (key.startsWith("on")) made.addEventListener(key.slice(2), value);
+    if (key === "style") Object.assign(made.style, value);   // the page allows no style in attributes
+    else if (key.startsWith("on")) made.addEventListener(key.slice(2), value);
     else if (value !== false && value != null) made.setAttribute(key, value === true ? "" : value);
   }
   made.append(...children.filter((c) => c != null));

@@ -27,7 +27,8 @@ export class View {
     this.axes.setAttribute("class", "axes");
     this.axes.setAttribute("viewBox", "0 0 80 80");
     this.axes.setAttribute("aria-hidden", "true");
-    this.stage = element("div", { class: "stage" }, this.canvas, this.caption, this.legend_place, this.axes);
+    this.picture = element("div", { class: "picture" }, this.canvas, this.axes);
+    this.stage = element("div", { class: "stage" }, this.caption, this.picture, this.legend_place);   // words beside the body, not on it
     this.note = element("p", { class: "note" });
     this.root = element("section", { class: "view", "aria-label": "The body in 3D" }, this.stage, this.timeline(), this.settings(), this.note);
   }
@@ -38,14 +39,14 @@ export class View {
     this.set_ground();
     this.fit();
     this.open(this.run.json.first_shown ?? 0);
-    new ResizeObserver(() => this.fit()).observe(this.stage);
+    new ResizeObserver(() => this.fit()).observe(this.picture);
   }
 
   /** After a change of theme, too. */
   set_ground() { this.scene?.set_ground(colour_of("--stage")); }
 
   fit() {
-    const { clientWidth, clientHeight } = this.stage;
+    const { clientWidth, clientHeight } = this.picture;
     if (!clientWidth || !clientHeight) return;
     this.scene.resize(clientWidth, clientHeight);
     if (this.viewpoint && !this.scene.turned) this.look(this.viewpoint);
@@ -98,7 +99,7 @@ export class View {
     this.choose(this.key);
     this.player.open(this.sequence);
     this.reset();
-    const calm = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    const calm = matchMedia("(prefers-reduced-motion: reduce)").matches || document.documentElement.dataset.still != null;
     if (this.player.swings && !calm) this.player.play();
   }
 

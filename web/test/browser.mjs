@@ -3,73 +3,15 @@
 // Without pages it makes them up from TEMPLATE (VBOND_PAGE, else build/page/report.html). Ends with 77
 // (skipped) where there is no chromium or no puppeteer-core.
 import assert from "node:assert/strict";
-import { existsSync } from "node:fs";
-import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
+import { mkdtemp, readFile, readdir, rm, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { dirname, join, resolve } from "node:path";
-import { fileURLToPath, pathToFileURL } from "node:url";
-import { choose, launch, patience } from "./chromium.mjs";
+import { fileURLToPath } from "node:url";
+import { choose, launch } from "./chromium.mjs";
+import { colours, fits, open, picture, soon, steady_picture, two_pictures } from "./opened.mjs";
 import { page as filled, rod, snapped, wide } from "./sample.mjs";
 
 const here = dirname(fileURLToPath(import.meta.url));
-
-/** Opens a page and waits for its first picture; whatever it complains of or fetches is in `complaints`. */
-async function open(browser, file, { width = 1300, reduced = "reduce", ready = "drawn", hash = "", touch = false } = {}) {
-  const page = await browser.newPage();
-  page.setDefaultTimeout(patience);
-  const complaints = [];
-  const address = pathToFileURL(file).href + hash;
-  page.on("console", (message) => complaints.push(`console: ${message.text()}`));
-  page.on("pageerror", (error) => complaints.push(`error: ${error.message}`));
-  page.on("request", (request) => {
-    if (request.url() !== pathToFileURL(file).href && !/^(data|blob):/.test(request.url())) complaints.push(`request: ${request.url()}`);
-  });
-  await page.emulateMediaFeatures([{ name: "prefers-reduced-motion", value: reduced }]);
-  await page.setViewport({ width, height: 900, hasTouch: touch });
-  const start = performance.now();
-  await page.goto(address);
-  await page.waitForSelector("[data-ready]");
-  assert.equal(await page.evaluate(() => document.documentElement.dataset.ready), ready);
-  return { page, complaints, first_picture: performance.now() - start };
-}
-
-const two_pictures = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
-
-/** The next picture on the screen, after what was asked for has been drawn. */
-async function picture(page) {
-  await two_pictures(page);
-  return (await page.$(".stage")).screenshot({ encoding: "base64" });
-}
-
-/** Waits until `found()`, which may take a busy browser a while, holds; whether it did. */
-async function soon(found) {
-  for (const end = performance.now() + patience; performance.now() < end;) if (await found()) return true;
-  return false;
-}
-
-/** The picture when two in a row are the same. */
-async function steady_picture(page) {
-  let last = await picture(page);
-  assert.ok(await soon(async () => { const before = last; last = await picture(page); return last === before; }), "the picture comes to rest");
-  return last;
-}
-
-/** How many different colours the middle of a picture has; counted in `page`, which does not show it. */
-function colours(page, png) {
-  return page.evaluate(async (data) => {
-    const image = new Image();
-    image.src = `data:image/png;base64,${data}`;
-    await image.decode();
-    const pen = Object.assign(document.createElement("canvas"), { width: image.width, height: image.height }).getContext("2d");
-    pen.drawImage(image, 0, 0);
-    const { data: rgba } = pen.getImageData(0, image.height * 0.15, image.width, image.height * 0.65);   // neither caption nor legend
-    const seen = new Set();
-    for (let k = 0; k < rgba.length; k += 4) if (Math.max(...rgba.slice(k, k + 3)) - Math.min(...rgba.slice(k, k + 3)) > 40) seen.add(rgba.slice(k, k + 3).join());
-    return seen.size;
-  }, png);
-}
-
-const fits = (page) => page.evaluate(() => document.documentElement.scrollWidth <= innerWidth);
 
 /** What must hold for the page of any run with frames and a history. */
 async function shows_the_run(browser, file) {
@@ -118,19 +60,86 @@ async function click_first_plot(page) {
 async function saves_files(browser, file) {
   const { page, complaints } = await open(browser, file);
   const saved = await page.evaluate(async () => {
-    const files = [];
-    HTMLAnchorElement.prototype.click = function () {
-      files.push(fetch(this.href).then((reply) => reply.blob()).then((blob) => ({ name: this.download, type: blob.type, size: blob.size })));
+    const files = [], blobs = new Map(), address_of = URL.createObjectURL;
+    URL.createObjectURL = (blob) => { const address = address_of.call(URL, blob); blobs.set(address, blob); return address; };
+    HTMLAnchorElement.prototype.click = function () {   // the page may not fetch, not even its own blobs
+      const { type, size } = blobs.get(this.href);
+      files.push({ name: this.download, type, size });
     };
     const buttons = [...document.querySelectorAll(".settings button, .plot:not([hidden]) button")].filter((b) => ["PNG", "CSV"].includes(b.textContent));
     buttons.forEach((button) => button.click());
     while (files.length < buttons.length) await new Promise(requestAnimationFrame);
-    return Promise.all(files);
+    return files;
   });
   assert.deepEqual(saved.map(({ name }) => name).sort(), ["a_rod_that_bends_run_59.png", "energies.csv", "energies.png", "error_of_the_energy_balance.csv",
     "error_of_the_energy_balance.png", "force_against_shortening.csv", "force_against_shortening.png"]);
   assert.ok(saved.every(({ type, size }) => size > 1000 && (type === "image/png" || type === "text/csv")));
   assert.deepEqual(complaints, []);
+  await page.close();
+}
+
+/** The policy of the page lets a file out that the reader asks for. */
+async function downloads(browser, file) {
+  const { page, complaints } = await open(browser, file);
+  const session = await page.createCDPSession(), folder = await mkdtemp(join(scratch, "downloads-"));
+  await session.send("Browser.setDownloadBehavior", { behavior: "allow", downloadPath: folder });
+  await page.$$eval(".plot button", (buttons) => buttons.find((b) => b.textContent === "CSV").click());
+  assert.ok(await soon(async () => (await readdir(folder)).join() === "force_against_shortening.csv"), "a file is saved");
+  assert.deepEqual(complaints, []);
+  await page.close();
+}
+
+/** What is not of the page can neither run nor send: a script, a handler, a style in an attribute, a request. */
+async function the_policy_allows_the_page_alone(browser, file) {
+  const { page } = await open(browser, file);
+  const refused = await page.evaluate(async () => {
+    const seen = [];
+    document.addEventListener("securitypolicyviolation", (event) => seen.push(event.effectiveDirective));
+    document.body.append(Object.assign(document.createElement("script"), { textContent: "document.title = 'run'" }));
+    const image = document.createElement("img");
+    image.setAttribute("onerror", "document.title = 'run'");
+    image.setAttribute("style", "color: red");
+    image.src = "https://example.invalid/a.png";
+    await fetch("https://example.invalid/").catch(() => {});
+    for (const end = performance.now() + 10_000; seen.length < 5 && performance.now() < end;) await new Promise((done) => setTimeout(done, 50));
+    return seen;
+  });
+  assert.deepEqual(refused.sort(), ["connect-src", "img-src", "script-src-attr", "script-src-elem", "style-src-attr"]);
+  assert.equal(await page.title(), "A rod that bends");
+  await page.close();
+}
+
+const box_of = (page, selector) => page.$eval(selector, (element) => { const { top, bottom, height } = element.getBoundingClientRect(); return { top, bottom, height }; });
+
+/** Caption and legend stand above and below the picture of the body, whatever the quantity and the width. */
+async function no_words_on_the_body(browser, file) {
+  const { page, complaints } = await open(browser, file);
+  for (const width of [1300, 360]) {
+    await page.setViewport({ width, height: 700 });
+    for (const quantity of ["displacement", "U_B", "range"]) {
+      await page.select("#quantity", quantity);
+      await two_pictures(page);
+      const [canvas, legend, caption, stage] = await Promise.all([".stage canvas", ".legend", ".caption", ".stage"].map((s) => box_of(page, s)));
+      assert.ok(legend.top >= canvas.bottom && legend.bottom <= stage.bottom && caption.bottom <= canvas.top, `${quantity} at ${width} px`);
+      assert.ok(canvas.height > 0.6 * stage.height);
+    }
+    assert.ok(await fits(page));
+  }
+  assert.deepEqual(complaints, []);
+  await page.close();
+}
+
+/** Two long warnings leave a small screen to the body; all of their text is a tap away, and errors are whole. */
+async function warnings_leave_room(browser, file) {
+  const { page } = await open(browser, file, { width: 360 });
+  await page.setViewport({ width: 360, height: 640 });
+  assert.ok((await box_of(page, "#messages")).height < 640 / 4, "two warnings take less than a quarter");
+  const text = await page.$(".message.warning p"), hidden = () => text.evaluate((p) => p.scrollHeight > p.clientHeight);
+  assert.ok(await hidden());
+  await page.click(".message.warning .more");
+  assert.ok(!await hidden(), "More shows all of it");
+  await page.setViewport({ width: 1300, height: 640 });
+  assert.equal(await page.$eval(".more", (button) => button.offsetHeight), 0, "a wide screen has room");
   await page.close();
 }
 
@@ -142,6 +151,12 @@ async function text_stays_text(browser, file) {
   assert.ok((await page.$eval('[role="alert"]', (alert) => alert.textContent)).includes("bonds have snapped"), "an error is an alert");
   assert.ok(await page.evaluate(() => document.querySelector("main").firstElementChild.contains(document.querySelector("[role=alert]"))), "on top");
   assert.deepEqual(complaints, []);
+  await page.close();
+}
+
+async function untitled_has_a_heading(browser, file) {
+  const { page } = await open(browser, file);
+  assert.deepEqual([await page.$eval("h1", (h1) => h1.textContent), await page.title()], ["Run without a title", "Run without a title"]);
   await page.close();
 }
 
@@ -230,6 +245,15 @@ async function a_finger_scrolls_until_the_body_is_tapped(browser, file) {
   await page.close();
 }
 
+/** A picture of a mode is one of its shape: taken where it swings most, whenever it is taken. */
+async function a_still_of_a_mode_stands_still(browser, file) {
+  const { page } = await open(browser, file, { hash: "#still", reduced: "no-preference" });
+  const frame = () => page.$eval(".scrub", (scrub) => Number(scrub.value));
+  for (let k = 0; k < 20; ++k) await two_pictures(page);
+  assert.equal(await frame(), 10, "a quarter of 40 frames");
+  await page.close();
+}
+
 /** Without a picture `#still` has the message alone. */
 async function still_says_why_there_is_no_picture(browser, file, ready, words) {
   const { page } = await open(browser, file, { hash: "#still", ready });
@@ -283,12 +307,19 @@ try {
   if (!given.length) {
     await text_stays_text(browser, await made("snapped", snapped()));
     await modes_swing(browser, pages[0]);
+    await no_words_on_the_body(browser, pages[0]);
+    const long = "12 pairs of particles without a bond between them overlapped by more than watch.overlap of the smaller radius, the first of them at t = 3.5 s; the terminal named the first ten. ";
+    await warnings_leave_room(browser, await made("warned", rod({ warnings: [{ level: "warning", text: long.repeat(2) }, { level: "warning", text: long }] })));
+    await the_policy_allows_the_page_alone(browser, pages[0]);
+    await downloads(browser, pages[0]);
+    await untitled_has_a_heading(browser, await made("untitled", rod({ title: "" })));
     await saves_files(browser, pages[0]);
     await plots_take_any_choice(browser, pages[0]);
     await plots_take_any_choice(browser, await made("wide", wide()));
     await keys_belong_to_the_focus(browser, pages[0]);
     await a_finger_scrolls_until_the_body_is_tapped(browser, pages[0]);
     await classes_are_words(browser, pages[0]);
+    await a_still_of_a_mode_stands_still(browser, await made("mode", rod({ first_shown: 1 })));
     const none = { sequences: [], first_shown: 0 };
     await still_says_why_there_is_no_picture(browser, await made("no_frames", rod(none)), "no-frames", "Give [output] frames");
     await still_says_why_there_is_no_picture(browser, await made("too_large", rod({ ...none, no_frames: "No frame fits." })), "no-frames", "No frame fits.");

@@ -3,12 +3,14 @@ import { test } from "node:test";
 import { gunzipSync } from "node:zlib";
 import { maps, scale_ends, shade } from "../src/colours.js";
 import { from_base64, inflate, stored, undelta } from "../src/decode.js";
+import { name_of } from "../src/head.js";
 import { linear_axis, log_axis, log_ticks } from "../src/axis.js";
 import { History, extent, nearest, stack } from "../src/history.js";
+import { Plot } from "../src/plot.js";
 import { Player } from "../src/player.js";
 import { Run } from "../src/run.js";
 import { file_name, number, with_unit } from "../src/text.js";
-import { Block, page, rod, snapped } from "./sample.mjs";
+import { Block, rod } from "./sample.mjs";
 
 test("Decoding.DifferencesBetweenFramesWrapAround", () => {
   assert.deepEqual([...undelta(Uint8Array.of(250, 3, 10, 255, 1, 0), 2)], [250, 3, 4, 2, 5, 2]);
@@ -78,13 +80,6 @@ test("Run.AnotherFormatIsRefused", () => {
   assert.throws(() => new Run({ format: 2 }, new Uint8Array(0)), /format 1.*format 2/);
 });
 
-test("Page.NoTextEndsTheElement", () => {
-  const { json, base64 } = snapped();
-  const filled = page("<main>\n<!-- run -->\n</main>", json, base64);
-  assert.equal(filled.split("</script>").length, 3, "the two of the page");
-  assert.equal(JSON.parse(filled.match(/id="run">(.*?)<\/script>/)[1]).title, json.title);
-});
-
 test("Colours.MapsBeginAndEndAsPublished", () => {
   const ends = (map) => [[...map.slice(0, 3)], [...map.slice(-3)]];
   assert.deepEqual(ends(maps.viridis), [[0x44, 0x01, 0x54], [0xfd, 0xe7, 0x25]]);   // matplotlib
@@ -133,6 +128,44 @@ test("History.PresetsWithoutTheirColumnsAreLeftOut", () => {
   assert.equal(history.csv(["time", "U_L"]), "time,U_L\n0,0\n1,2\n");
 });
 
+test("History.CurvesOfCompressionGoForward", () => {
+  const columns = { columns: ["step", "time", "u", "F", "G"].map((name) => ({ name })),
+                    values: [[0, 1, 2], [0, 1, 2], [0, -1, -2], [0, -5, -3], [0, 4, 5.5]] };
+  const turned = (x, y) => new History(columns).presets([{ title: "", x, y }])[0].turned;
+  assert.deepEqual(turned("u", ["F"]), { x: true, y: true });
+  assert.deepEqual(turned("u", ["F", "G"]), { x: true, y: false }, "the larger one decides");
+  assert.deepEqual(turned("G", ["F"]), { x: false, y: true });
+  for (const clock of ["time", "step"]) assert.equal(turned(clock, ["u"]), undefined, "what happens over time keeps its sign");
+});
+
+test("Plot.AxesAreTurnedAsTheirNamesSay", () => {
+  const columns = { columns: [{ name: "time" }, { name: "u" }, { name: "F" }, { name: "G" }], values: [[0, 1, 2], [0, -1, -2], [0, -5, -3], [0, null, 1]] };
+  const history = new History(columns), [preset] = history.presets([{ title: "", x: "u", y: ["G", "F"] }]);
+  const plot = Object.assign(Object.create(Plot.prototype), { history, preset, hidden: new Set(), log: {} });
+  const { x_axis, y_axis, x, ys } = plot.curves(), read = (axis, values) => values.map((v) => (v == null ? v : axis.words([v])[0]));
+  assert.deepEqual([read(x_axis, x), read(y_axis, ys[0]), read(y_axis, ys[1])], [["0", "1", "2"], ["0", null, "−1"], ["0", "5", "3"]]);
+  assert.deepEqual([plot.axis_words(["u"], "x"), plot.axis_words(["F"], "y"), plot.turned(-5, "y")], ["−u", "−F", 5]);
+  plot.preset = { ...preset, turned: undefined };
+  assert.deepEqual([plot.axis_words(["u"], "x"), plot.curves().x.at(-1) < 0, plot.turned(-5, "y")], ["u", true, -5]);
+});
+
+test("Run.AModeHasNoSize", () => {
+  const { json, base64 } = rod();
+  json.units = "SI";
+  const { sequences: [run, mode] } = new Run(json, new Uint8Array(gunzipSync(Buffer.from(base64, "base64"))));
+  const of = (sequence, key) => sequence.quantities.find((q) => q.key === key);
+  assert.equal(of(run, "displacement").unit, "m");
+  for (const { key, unit, extremes, label } of mode.quantities.filter((q) => q.key !== "range")) {
+    assert.equal(unit, "", key);
+    assert.ok(label.endsWith("relative to the largest"));
+    assert.equal(Math.max(...extremes().map(Math.abs)), 1, key);
+  }
+  // the wave sin(2 pi k / 9) swings most at k = 2 and 7; k = 1 has sin(40 deg) / sin(80 deg) of it
+  const shape = of(mode, "displacement");
+  assert.ok(Math.abs(shape.value(10, 2) - 1) < 1e-4);
+  assert.ok(Math.abs(shape.value(10, 1) - Math.sin(Math.PI / 4.5) / Math.sin(Math.PI / 2.25)) < 1e-4);
+});
+
 test("Axis.LogarithmsSkipZerosAndSigns", () => {
   assert.deepEqual(log_axis([[-100, 0, null, 0.1]]).values, [[2, null, null, -1]]);
   assert.deepEqual(log_axis([[null, 0]]).ends, [0, 1]);
@@ -176,6 +209,41 @@ test("Player.MovesStayWithinTheFrames", () => {
   assert.equal(player.frame, 4);
   player.move(-Infinity);
   assert.equal(player.frame, 0);
+});
+
+/** Time that a test moves on by hand: what asks for a picture gets it at the next tick. */
+function with_clock(body) {
+  const asked = new Map(), kept = [globalThis.requestAnimationFrame, globalThis.cancelAnimationFrame, performance.now];
+  let number = 0, now = 0;
+  globalThis.requestAnimationFrame = (callback) => { asked.set(++number, callback); return number; };
+  globalThis.cancelAnimationFrame = (k) => asked.delete(k);
+  performance.now = () => now;
+  const tick = (ms) => { now += ms; const due = [...asked.values()]; asked.clear(); due.forEach((callback) => callback(now)); };
+  try { body(asked, tick); } finally { [globalThis.requestAnimationFrame, globalThis.cancelAnimationFrame, performance.now] = kept; }
+}
+
+test("Player.PauseAndPlayLeaveOneLoop", () => with_clock((asked, tick) => {
+  const player = new Player(() => {});
+  player.open({ frames: new Array(100), json: { loop: true } });
+  for (let k = 0; k < 7; ++k) { player.toggle(); tick(1); player.toggle(); player.toggle(); }   // paused and played within a picture, too
+  assert.equal(player.playing, true);
+  for (let k = 0; k < 5; ++k) { tick(20); assert.equal(asked.size, 1, "one tick a picture"); }
+  player.pause();
+  assert.equal(asked.size, 0, "and none when paused");
+}));
+
+test("Player.PlaysToTheEndAndStops", () => with_clock((asked, tick) => {
+  const shown = [], player = new Player(({ frame }) => shown.push(frame));
+  player.open({ frames: new Array(5), json: { loop: false } });
+  player.play();
+  for (let k = 0; k < 10; ++k) tick(50);   // 20 frames a second
+  assert.deepEqual([...new Set(shown)].slice(-5), [4, 0, 1, 2, 3]);
+  assert.deepEqual([shown.at(-1), player.playing, asked.size], [4, false, 0]);
+}));
+
+test("Head.ARunAlwaysHasAName", () => {
+  assert.equal(name_of({ title: "A rod" }), "A rod");
+  for (const title of ["", "  ", undefined]) assert.equal(name_of({ title }), "Run without a title");
 });
 
 test("Text.NumbersAreShortAndKeepTheirSize", () => {

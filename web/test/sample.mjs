@@ -82,7 +82,7 @@ function sequence(block, { frames, points, bonds, bonds_at, move, ...about }) {
   const by_key = { elongation: stretch, bend: turn, twist: stretch.map((s, k) => 3 * s - turn[k] / 9), U_L: stretch.map((s) => s * s),
                    U_B: turn.map((t) => 0.01 * t * t), U_T: turn.map((t) => 0.001 * t * t) };
   return {
-    kind: "run", name: "Run", note: "", loop: false, ...about,
+    kind: "run", name: "Run", note: "", loop: false, origin: [0, 0, 0], ...about,
     frames: Array.from({ length: frames }, (_, f) => ({ step: 100 * f, time: 0.5 * f, stage: f < frames / 2 ? "push" : "hold", bonds: bonds_at(f) })),
     reference: block.plain("f32", points.flat()),
     displacement: block.displacement(moved, n, frames),

@@ -15,7 +15,7 @@ std::string to_text(const std::vector<Problem>& problems) {
     if (!p.rule.empty()) text += "\n  " + p.rule;
     if (!p.way_out.empty()) text += "\n  " + p.way_out;
   }
-  return text;
+  return printable(text);
 }
 
 }  // namespace vbond

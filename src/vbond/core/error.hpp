@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "vbond/core/column.hpp"
+#include "vbond/core/printable.hpp"
 
 namespace vbond {
 
@@ -44,8 +45,8 @@ class Diverged : public std::runtime_error {
   /// subject: e.g. "bond 17 (particles 4, 9)"; finding: what is wrong, with its value.
   Diverged(std::int64_t at_step, double at_time, const std::string& subject, const std::string& finding,
            const std::string& advice)
-      : std::runtime_error("step " + std::to_string(at_step) + ": " + subject + ": " + finding + "\n  " +
-                           advice),
+      : std::runtime_error(
+            printable("step " + std::to_string(at_step) + ": " + subject + ": " + finding + "\n  " + advice)),
         step(at_step),
         time(at_time) {}
   std::int64_t step;
@@ -57,7 +58,7 @@ class NoEquilibrium : public std::runtime_error {
  public:
   /// finding: what stood in the way, naming the load factor reached or the degrees of freedom.
   NoEquilibrium(const std::string& stage, const std::string& finding, const std::string& advice)
-      : std::runtime_error("stage \"" + stage + "\": " + finding + "\n  " + advice) {}
+      : std::runtime_error(printable("stage \"" + stage + "\": " + finding + "\n  " + advice)) {}
 };
 
 /// Eigenvalues could not be found: no matrix near by can be factored, or iteration does not end.
@@ -69,7 +70,7 @@ class NoConvergence : public std::runtime_error {
 /// A file or folder could not be read or written. Exit status 3.
 class IoError : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  explicit IoError(const std::string& text) : std::runtime_error(printable(text)) {}
 };
 
 }  // namespace vbond

@@ -4,6 +4,8 @@
 #include <hdf5.h>
 
 #include <array>
+#include <bit>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <string_view>
@@ -205,11 +207,21 @@ class Reader {
     if (rank > 0) H5Sget_simple_extent_dims(space.get(), size.data(), nullptr);
     return size;
   }
+  /// As the writer makes them: not unpacked by a filter, and in this file.
+  bool is_plain(const H5Handle& set) const {
+    const H5Handle made(H5Dget_create_plist(set.get()), H5Pclose);
+    H5O_info_t here, there;  // another number of the file: behind a link that leads out of it
+    return made && H5Oget_info2(file_.get(), &here, H5O_INFO_BASIC) >= 0 &&
+           H5Oget_info2(set.get(), &there, H5O_INFO_BASIC) >= 0 && here.fileno == there.fileno &&
+           H5Pget_layout(made.get()) == H5D_CONTIGUOUS && H5Pget_nfilters(made.get()) == 0 &&
+           H5Pget_external_count(made.get()) == 0;
+  }
   template <class N>
   void read(const char* path, const std::vector<hsize_t>& size, N* numbers) {
     const H5Handle set = open(path);
     const H5Handle type(H5Dget_type(set.get()), H5Tclose);
-    if (!type || H5Tequal(type.get(), file_type<N>()) <= 0 || size_of(set) != size) damaged(path);
+    if (!type || H5Tequal(type.get(), file_type<N>()) <= 0 || size_of(set) != size || !is_plain(set))
+      damaged(path);
     if (H5Dread(set.get(), file_type<N>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers) < 0) damaged(path);
   }
 
@@ -259,12 +271,25 @@ void read_overlapping(Reader& reader, WatchRecord& watch, std::size_t particles)
   }
 }
 
-void check_sense(const State& s) {
+bool finite(const Vec3d& x) {
+  return std::isfinite(x.x) && std::isfinite(x.y) && std::isfinite(x.z);
+}
+
+/// What no run can have been in, so that it is not found later and far away.
+void check_sense(const Checkpoint& checkpoint) {
+  const State& s = checkpoint.state;
   const Clock& c = s.clock;
   if (c.stage < 0 || c.stage_step < 0 || c.step < c.stage_step) throw IoError("is damaged: impossible clock");
   for (const Bond& b : s.bonds)
     if (b.i.value >= s.r.size() || b.j.value >= s.r.size() || b.i == b.j)
       throw IoError("is damaged: a bond has impossible ends");
+  if (checkpoint.watch.bonds.size() > s.bonds.size()) throw IoError("is damaged: it watches missing bonds");
+  for (const ParticleId p : s.r.ids()) {
+    const Quatd& q = s.q[p];
+    const double length = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
+    if (!finite(s.r[p]) || !finite(s.v[p]) || !finite(s.omega[p]) || !(std::abs(length - 1.0) < 1e-6))
+      throw IoError(fmt::format("is damaged: particle {} is in no place or turned by no rotation", p.value));
+  }
 }
 
 }  // namespace
@@ -300,7 +325,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const Model& model
     c.watch.bonds.resize(reader.rows("/watch/worst"));
     visit_fields(reader, c);
     read_overlapping(reader, c.watch, n);
-    check_sense(c.state);
+    check_sense(c);
     return c;
   } catch (const IoError& e) {
     throw IoError(path.string() + ": " + e.what());

@@ -34,9 +34,22 @@ void sync_to_disk(const std::filesystem::path& path, int flags) {
 }  // namespace
 
 File open_file(const std::filesystem::path& path, const char* mode) {
-  File f(std::fopen(path.c_str(), mode));
-  if (!f) fail(mode[0] == 'r' ? "read" : "write", path, errno);
-  return f;
+  const bool writes = mode[0] != 'r' || std::strchr(mode, '+');
+  if (mode[0] == 'w') remove_file(path);
+  const int flags = !writes          ? O_RDONLY
+                    : mode[0] == 'w' ? O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW
+                    : mode[0] == 'a' ? O_WRONLY | O_CREAT | O_APPEND | O_NOFOLLOW
+                                     : O_RDWR | O_NOFOLLOW;
+  const int fd = ::open(path.c_str(), flags | O_CLOEXEC, 0666);
+  File f(fd < 0 ? nullptr : ::fdopen(fd, mode));
+  if (f) return f;
+  const int error = errno;
+  if (fd >= 0) ::close(fd);
+  fail(writes ? "write" : "read", path, error);
+}
+
+void remove_file(const std::filesystem::path& path) {
+  if (::unlink(path.c_str()) != 0 && errno != ENOENT) fail("replace", path, errno);
 }
 
 void write_all(std::FILE* f, std::string_view bytes, const std::filesystem::path& path) {
@@ -54,9 +67,8 @@ std::string read_all(const std::filesystem::path& path) {
 }
 
 void cut_file(const std::filesystem::path& path, std::uintmax_t size) {
-  std::error_code error;
-  std::filesystem::resize_file(path, size, error);
-  if (error) fail("shorten", path, error.value());
+  const File f = open_file(path, "r+b");
+  if (::ftruncate(::fileno(f.get()), static_cast<off_t>(size)) != 0) fail("shorten", path, errno);
 }
 
 void make_folder(const std::filesystem::path& path) {

@@ -13,7 +13,8 @@ struct CloseFile {
 };
 using File = std::unique_ptr<std::FILE, CloseFile>;
 
-/// Opens a file with the modes of std::fopen. Throws IoError with the system's reason.
+/// Opens a file with the modes "rb", "wb", "ab" and "r+b" of std::fopen. What is written is never a link:
+/// "wb" removes what has the name and makes a new file. Throws IoError with the system's reason.
 File open_file(const std::filesystem::path& path, const char* mode);
 
 /// Writes all bytes and hands them to the system. Throws IoError, as when the disk is full.
@@ -21,6 +22,9 @@ void write_all(std::FILE* f, std::string_view bytes, const std::filesystem::path
 
 /// The whole file as bytes. Throws IoError.
 std::string read_all(const std::filesystem::path& path);
+
+/// Removes a file, or a link to one; nothing if there is none. Throws IoError.
+void remove_file(const std::filesystem::path& path);
 
 /// Cuts a file to its first `size` bytes. Throws IoError.
 void cut_file(const std::filesystem::path& path, std::uintmax_t size);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "vbond/core/printable.hpp"
+
 namespace vbond {
 
 std::string table_header() {
@@ -36,7 +38,7 @@ std::string progress_line(const std::string& stage, std::int64_t step, std::int6
                           std::int64_t total_steps, double seconds) {
   const double part =
       total_steps > 0 ? std::min(1.0, static_cast<double>(step) / static_cast<double>(total_steps)) : 0.0;
-  std::string line = fmt::format("stage {}: step {}, {:.1f} %", stage, step, 100.0 * part);
+  std::string line = fmt::format("stage {}: step {}, {:.1f} %", printable(stage), step, 100.0 * part);
   const double speed = seconds > 0.0 ? static_cast<double>(step - first_step) / seconds : 0.0;
   if (speed > 0.0)
     line += fmt::format(", {:.3g} steps/s, at most {} left", speed,

@@ -65,14 +65,22 @@ void add_frequencies(const StaticResult& r, Json& j) {
 }
 
 std::optional<int> count_if_known(const Json& j, const char* key) {
-  return j.contains(key) ? std::optional<int>(j.at(key).get<int>()) : std::nullopt;
+  return j.contains(key) ? std::optional<int>(small_number(j.at(key))) : std::nullopt;
+}
+
+/// The list of this name, which must have n members.
+const Json& list_of_length(const Json& j, const char* key, std::size_t n) {
+  const Json& list = j.at(key);
+  if (!list.is_array() || list.size() != n)
+    throw IoError(std::string(key) + " is not a list of " + std::to_string(n));
+  return list;
 }
 
 std::vector<SpecialPoint> special_points(const Json& j) {
   std::vector<SpecialPoint> points;
   for (const PointKind kind : {PointKind::limit_point, PointKind::bifurcation})
     for (const Json& s : j.at(list_of(kind)))
-      points.push_back({kind, s.at("load_factor").get<double>(), s.at("point").get<int>(),
+      points.push_back({kind, s.at("load_factor").get<double>(), small_number(s.at("point")),
                         count_if_known(s, "unstable_before"), count_if_known(s, "unstable_after"),
                         s.value("gap", 0.0)});
   std::stable_sort(points.begin(), points.end(),
@@ -82,24 +90,30 @@ std::vector<SpecialPoint> special_points(const Json& j) {
 
 std::vector<CriticalLoad> critical_loads(const Json& j) {
   std::vector<CriticalLoad> loads;
-  const Json &factors = j.at("critical_load_factors"), &kinds = j.at("critical_kinds"),
-             &estimates = j.at("linear_estimates");
-  for (std::size_t k = 0; k < factors.size(); ++k) {
+  const Json& factors = j.at("critical_load_factors");
+  const std::size_t n = factors.size();
+  const Json &kinds = list_of_length(j, "critical_kinds", n), &gaps = list_of_length(j, "critical_gaps", n),
+             &estimates = list_of_length(j, "linear_estimates", n);
+  const Json* forces = j.contains("critical_forces") ? &list_of_length(j, "critical_forces", n) : nullptr;
+  for (std::size_t k = 0; k < n; ++k) {
     CriticalLoad c;
     c.load_factor = factors.at(k).get<double>();
     if (kinds.at(k) == "limit point") c.kind = PointKind::limit_point;
-    c.gap = j.at("critical_gaps").at(k).get<double>();
+    c.gap = gaps.at(k).get<double>();
     if (!estimates.at(k).is_null()) c.estimate = estimates.at(k).get<double>();
-    if (j.contains("critical_forces")) c.force = j["critical_forces"].at(k).get<double>();
+    if (forces) c.force = forces->at(k).get<double>();
     loads.push_back(c);
   }
   return loads;
 }
 
 std::vector<NaturalMode> natural_modes(const Json& j) {
-  std::vector<NaturalMode> modes(j.at("rigid_modes").get<std::size_t>());
+  constexpr std::int64_t most_rigid =
+      1'000'000;  // a mode is searched for with all degrees of freedom at once
+  std::vector<NaturalMode> modes(static_cast<std::size_t>(whole_number(j.at("rigid_modes"), most_rigid)));
   for (NaturalMode& m : modes) m.rigid = true;
-  const Json &omega = j.at("omega"), &omega2 = j.at("omega_squared");
+  const Json& omega = j.at("omega");
+  const Json& omega2 = list_of_length(j, "omega_squared", omega.size());
   for (std::size_t k = 0; k < omega.size(); ++k) {
     NaturalMode m;
     m.omega = omega.at(k).get<double>();
@@ -141,20 +155,19 @@ Json to_json(const StaticSummary& s) {
 
 StaticSummary static_summary(const Json& j) {
   StaticSummary s;
-  const auto kind = j.at("kind").get<std::string>();
-  for (const StageKind k : {StageKind::equilibrium, StageKind::path, StageKind::buckling, StageKind::modes})
-    if (kind == to_text(k)) s.kind = k;
+  s.kind = named(j.at("kind"),
+                 std::array{StageKind::equilibrium, StageKind::path, StageKind::buckling, StageKind::modes});
   StaticResult& r = s.result;
   r.ended = j.at("ended").get<std::string>();
   r.load_factor = j.at("load_factor").get<double>();
-  r.points = j.at("points").get<int>();
-  r.iterations = j.at("iterations").get<int>();
-  r.factors = j.value("factors", 0);
+  r.points = small_number(j.at("points"));
+  r.iterations = small_number(j.at("iterations"));
+  if (j.contains("factors")) r.factors = small_number(j["factors"]);
   r.solver = j.at("solver").get<std::string>();
   r.neutral = j.value("neutral", false);
   r.jumped = j.value("jumped", false);
   r.left_saddle = j.at("left_saddle").get<bool>();
-  if (j.contains("unstable")) r.unstable = j["unstable"].get<int>();
+  r.unstable = count_if_known(j, "unstable");
   if (j.contains("smallest_eigenvalue")) r.smallest_eigenvalue = j["smallest_eigenvalue"].get<double>();
   if (j.contains("failure")) s.failure = j["failure"].get<std::string>();
   if (s.kind == StageKind::path) r.special_points = special_points(j);

@@ -37,10 +37,8 @@ StageSummary stage_from(const Json& j) {
     s.statics = static_summary(j);
     return s;
   }
-  const auto stop = j.at("stop").get<std::string>();
-  for (const StopReason reason : all_reasons)
-    if (stop == to_text(reason)) s.stop = reason;
-  s.steps = j.at("steps").get<std::int64_t>();
+  s.stop = named(j.at("stop"), all_reasons);
+  s.steps = whole_number(j.at("steps"));
   s.dt = j.at("dt").get<double>();
   if (j.contains("critical_force")) s.critical_force = j["critical_force"].get<double>();
   if (j.contains("peak_time")) s.peak_time = j["peak_time"].get<double>();
@@ -126,18 +124,21 @@ RunSummary read_summary(const std::filesystem::path& path) {
     r.title = j.at("title").get<std::string>();
     r.version = j.at("version").get<std::string>();
     r.units = j.at("units").get<std::string>() == "SI" ? UnitSystem::si : UnitSystem::reduced;
-    r.particles = j.at("particles").get<std::int64_t>();
-    r.bonds = j.at("bonds").get<std::int64_t>();
+    r.particles = whole_number(j.at("particles"));
+    r.bonds = whole_number(j.at("bonds"));
     r.T_0 = j.at("T0").get<double>();
     for (const Json& stage : j.at("stages")) r.stages.push_back(stage_from(stage));
     r.energy_balance_error = j.at("energy_balance_error").get<double>();
-    r.strained = j.at("strained").get<std::int64_t>();
-    r.snapped = j.at("snapped").get<std::int64_t>();
-    r.ever_strained = j.at("ever_strained").get<std::int64_t>();
-    r.ever_snapped = j.at("ever_snapped").get<std::int64_t>();
-    r.ever_overlapping = j.value("ever_overlapping", std::int64_t{0});  // runs of 0.1 have none
+    r.strained = whole_number(j.at("strained"));
+    r.snapped = whole_number(j.at("snapped"));
+    r.ever_strained = whole_number(j.at("ever_strained"));
+    r.ever_snapped = whole_number(j.at("ever_snapped"));
+    if (j.contains("ever_overlapping"))  // runs of 0.1 have none
+      r.ever_overlapping = whole_number(j["ever_overlapping"]);
     return r;
   } catch (const Json::exception& e) {
+    throw IoError(path.string() + ": is not a run.json of vbond: " + e.what());
+  } catch (const IoError& e) {
     throw IoError(path.string() + ": is not a run.json of vbond: " + e.what());
   }
 }

@@ -1,5 +1,7 @@
 #include "vbond/observe/vtp_read.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <string_view>
 #include <system_error>
@@ -57,11 +59,11 @@ class VtpInput::Head {
       s_.expect("</DataArray>\n");
     }
     s_.expect("    </FieldData>\n    <Piece NumberOfPoints=\"");
-    f_.points_ = s_.number<std::size_t>();
+    f_.points_ = count();
     s_.expect("\" NumberOfVerts=\"");
-    const auto verts = s_.number<std::size_t>();
+    const std::size_t verts = count();
     s_.expect("\" NumberOfLines=\"");
-    const auto lines = s_.number<std::size_t>();
+    const std::size_t lines = count();
     s_.expect("\" NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n      <PointData>\n");
     if (verts > 0 && lines > 0) s_.refuse();
     f_.cells_ = verts + lines;
@@ -70,32 +72,43 @@ class VtpInput::Head {
   }
 
  private:
+  /// Each of them takes a byte at least: more than that the file cannot have.
+  std::size_t count() {
+    const auto n = s_.number<std::size_t>();
+    if (n > f_.size_) f_.refuse_size();
+    return n;
+  }
+
   void read_arrays() {
-    while (!s_.take("      </PointData>\n      <CellData>\n")) array(f_.points_);
-    while (!s_.take("      </CellData>\n      <Points>\n")) array(f_.cells_);
-    array(f_.points_);
+    while (!s_.take("      </PointData>\n      <CellData>\n")) array(Per::point, f_.points_);
+    while (!s_.take("      </CellData>\n      <Points>\n")) array(Per::cell, f_.cells_);
+    array(Per::point, f_.points_);
     s_.expect("      </Points>\n");
-    const bool lines = s_.take("      <Lines>\n");
-    if (!lines) s_.expect("      <Verts>\n");
-    array(lines ? 2 * f_.cells_ : f_.cells_);
-    array(f_.cells_);
-    s_.expect(lines ? "      </Lines>\n" : "      </Verts>\n");
+    f_.lines_ = s_.take("      <Lines>\n");
+    if (!f_.lines_) s_.expect("      <Verts>\n");
+    array(Per::end, f_.lines_ ? 2 * f_.cells_ : f_.cells_);
+    array(Per::end, f_.cells_);
+    s_.expect(f_.lines_ ? "      </Lines>\n" : "      </Verts>\n");
     s_.expect("    </Piece>\n  </PolyData>\n  <AppendedData encoding=\"raw\">\n   _");
     if (s_.at() != text_size_) s_.refuse();
   }
 
-  void array(std::size_t tuples) {
+  void array(Per per, std::size_t tuples) {
     Array a;
+    a.per = per;
     s_.expect("        <DataArray type=\"");
     a.type = s_.until('"');
     s_.expect(" Name=\"");
     a.name = s_.until('"');
     s_.expect(" NumberOfComponents=\"");
-    a.components = s_.number<std::size_t>();
+    a.components = count();
     s_.expect("\" format=\"appended\" offset=\"");
     if (s_.number<std::size_t>() != offset_) s_.refuse();
     s_.expect("\"/>\n");
-    a.size = tuples * a.components * size_of(a.type, s_);
+    const std::size_t bytes_of_one = size_of(a.type, s_);
+    if (a.components == 0) s_.refuse();
+    if (tuples > f_.size_ / bytes_of_one / a.components) f_.refuse_size();
+    a.size = tuples * a.components * bytes_of_one;
     a.offset = text_size_ + offset_;
     offset_ += sizeof(std::uint64_t) + a.size;
     f_.arrays_.push_back(std::move(a));
@@ -107,44 +120,50 @@ class VtpInput::Head {
 };
 
 VtpInput::VtpInput(const fs::path& path) : path_(path), file_(open_file(path, "rb")) {
+  std::error_code e;
+  size_ = fs::file_size(path_, e);
+  if (e) throw IoError("cannot read " + path_.string() + ": " + e.message());
   const std::string head = read_head(file_.get(), path_);
-  check_size(Head(head, *this).read());
+  if (Head(head, *this).read() + tail.size() != size_) refuse_size();
 }
 
-void VtpInput::check_size(std::size_t end_of_arrays) const {
-  std::error_code e;
-  if (fs::file_size(path_, e) != end_of_arrays + tail.size() || e)
-    throw IoError(path_.string() + ": is cut short or damaged: its size is not what its head says");
+void VtpInput::refuse_size() const {
+  throw IoError(path_.string() + ": is cut short or damaged: its size is not what its head says");
 }
 
 template <class T>
-std::vector<T> VtpInput::read(const std::string& name, const char* type, std::size_t components) const {
-  for (const Array& a : arrays_) {
-    if (a.name != name) continue;
-    if (a.type != type || a.components != components) break;
+std::vector<T> VtpInput::read(Per per, const std::string& name, const char* type,
+                              std::size_t components) const {
+  const auto is_it = [&name](const Array& a) { return a.name == name; };
+  const auto at = std::find_if(arrays_.begin(), arrays_.end(), is_it);
+  if (at != arrays_.end() && at->per == per && at->type == type && at->components == components &&
+      std::none_of(at + 1, arrays_.end(), is_it)) {
     std::uint64_t size = 0;
-    std::vector<T> values(a.size / sizeof(T));
-    if (std::fseek(file_.get(), static_cast<long>(a.offset), SEEK_SET) != 0 ||
-        std::fread(&size, sizeof size, 1, file_.get()) != 1 || size != a.size ||
-        std::fread(values.data(), 1, a.size, file_.get()) != a.size)
+    std::vector<T> values(at->size / sizeof(T));
+    if (std::fseek(file_.get(), static_cast<long>(at->offset), SEEK_SET) != 0 ||
+        std::fread(&size, sizeof size, 1, file_.get()) != 1 || size != at->size ||
+        std::fread(values.data(), 1, at->size, file_.get()) != at->size)
       throw IoError(path_.string() + ": is damaged at array \"" + name + '"');
     return values;
   }
-  throw IoError(path_.string() + ": has no array \"" + name + "\" of type " + type +
+  throw IoError(path_.string() + ": has no array \"" + name + "\" of type " + type + " for each " +
+                (per == Per::point  ? "point"
+                 : per == Per::cell ? "cell"
+                                    : "end of a cell") +
                 "; was it written by another version of vbond?");
 }
 
-std::vector<double> VtpInput::scalars(const std::string& name) const {
-  return read<double>(name, "Float64", 1);
+std::vector<double> VtpInput::scalars(Per per, const std::string& name) const {
+  return read<double>(per, name, "Float64", 1);
 }
-std::vector<Vec3d> VtpInput::vectors(const std::string& name) const {
-  return read<Vec3d>(name, "Float64", 3);
+std::vector<Vec3d> VtpInput::vectors(Per per, const std::string& name) const {
+  return read<Vec3d>(per, name, "Float64", 3);
 }
-std::vector<std::int64_t> VtpInput::integers(const std::string& name) const {
-  return read<std::int64_t>(name, "Int64", 1);
+std::vector<std::int64_t> VtpInput::integers(Per per, const std::string& name) const {
+  return read<std::int64_t>(per, name, "Int64", 1);
 }
-std::vector<std::uint8_t> VtpInput::bytes(const std::string& name) const {
-  return read<std::uint8_t>(name, "UInt8", 1);
+std::vector<std::uint8_t> VtpInput::bytes(Per per, const std::string& name) const {
+  return read<std::uint8_t>(per, name, "UInt8", 1);
 }
 
 std::vector<ListedFrame> read_pvd(const fs::path& path) {
@@ -156,8 +175,11 @@ std::vector<ListedFrame> read_pvd(const fs::path& path) {
   while (s.take("    <DataSet timestep=\"")) {
     ListedFrame frame;
     frame.time = s.number<double>();
+    if (!std::isfinite(frame.time)) s.refuse();
     s.expect("\" part=\"0\" file=\"");
-    frame.file = path.parent_path() / s.until('"');
+    const fs::path file = s.until('"');
+    if (file.is_absolute() || std::find(file.begin(), file.end(), "..") != file.end()) s.refuse();
+    frame.file = path.parent_path() / file;
     s.expect("/>\n");
     frames.push_back(std::move(frame));
   }

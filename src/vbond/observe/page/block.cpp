@@ -13,7 +13,8 @@ namespace vbond::page {
 static_assert(std::endian::native == std::endian::little, "f32 and u32 are written as they lie in memory");
 
 void Span::add(double x) {
-  if (!std::isfinite(x)) throw std::domain_error("a number is not finite");
+  if (!(std::abs(x) <= largest_shown))
+    throw std::domain_error("a number that is not finite or too large to be shown");
   low = any ? std::min(low, x) : x;
   high = any ? std::max(high, x) : x;
   any = true;

@@ -8,13 +8,13 @@
 /// byte. web/FORMAT.md has the other side.
 namespace vbond::page {
 
-/// Where an array lies in the block and how its numbers are got back: value = low + step * q.
+/// Where an array lies in the block and how its numbers are got back: value = low + step * q for u8 and u16.
 struct PackedArray {
   std::size_t offset = 0;  ///< bytes, a multiple of 4
   const char* type = "u8";
   std::size_t count = 0;
-  std::vector<double> low{0.0}, step{1.0};  ///< one, or one per component
-  std::size_t delta = 0;  ///< elements of one frame, from which differences are taken; 0: none are
+  std::vector<double> low, step;  ///< one, or one per component; none of f32 and u32
+  std::size_t delta = 0;          ///< elements of one frame, from which differences are taken; 0: none are
 };
 
 /// Numbers from low to high as the integers 0 to levels. All equal: step 0.
@@ -22,11 +22,14 @@ struct Range {
   double low = 0, step = 0;
 };
 
+/// Differences of numbers up to this are numbers.
+constexpr double largest_shown = 1e300;
+
 /// The span of numbers seen so far.
 struct Span {
   double low = 0, high = 0;
   bool any = false;
-  /// Throws std::domain_error for a number that is not finite.
+  /// Throws std::domain_error for a number that is not finite or above largest_shown, with words for it.
   void add(double x);
 };
 

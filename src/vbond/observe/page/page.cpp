@@ -18,11 +18,8 @@ using Json = nlohmann::ordered_json;
 
 Json to_json(const PackedArray& a) {
   const auto one_or_all = [](const std::vector<double>& x) { return x.size() == 1 ? Json(x[0]) : Json(x); };
-  Json j{{"offset", a.offset},
-         {"type", a.type},
-         {"count", a.count},
-         {"low", one_or_all(a.low)},
-         {"step", one_or_all(a.step)}};
+  Json j{{"offset", a.offset}, {"type", a.type}, {"count", a.count}};
+  if (!a.low.empty()) j["low"] = one_or_all(a.low), j["step"] = one_or_all(a.step);
   if (a.delta > 0) j["delta"] = a.delta;
   return j;
 }
@@ -120,6 +117,7 @@ Json sequence_json(const Sequence& s, const Report& report, const Cut& cut, Bloc
          {"note", s.note},
          {"loop", !is_run},
          {"frames", std::move(frames)}};
+  j["origin"] = s.origin;
   j["reference"] = to_json(block.add(s.reference));
   j["displacement"] = to_json(block.add(displacement, s.displacement, 3 * particles));
   j["particle_fields"] = speed_json(s, kept, si, block);

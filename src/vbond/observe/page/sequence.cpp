@@ -1,6 +1,8 @@
 #include "vbond/observe/page/sequence.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 
@@ -9,6 +11,8 @@
 
 namespace vbond::page {
 namespace {
+
+using Per = VtpInput::Per;
 
 constexpr double radians = std::numbers::pi / 180.0;
 constexpr double levels_of_8_bits = 255.0, levels_of_16_bits = 65535.0;
@@ -28,17 +32,17 @@ struct RawFrame {
 
 /// Displacements of a mode are from its first frame.
 std::vector<Vec3d> displacement_in(const VtpInput& particles, const std::vector<Vec3d>* about) {
-  if (!about) return particles.vectors("displacement");
-  std::vector<Vec3d> d = particles.vectors("Points");
+  if (!about) return particles.vectors(Per::point, "displacement");
+  std::vector<Vec3d> d = particles.vectors(Per::point, "Points");
   for (std::size_t p = 0; p < d.size(); ++p) d[p] = d[p] - (*about)[p];
   return d;
 }
 
 std::vector<double> field_in(const VtpInput& bonds, const BondField& field) {
-  std::vector<double> values = bonds.scalars(field.array);
+  std::vector<double> values = bonds.scalars(Per::cell, field.array);
   for (double& x : values) x *= field.scale;
   if (std::string_view(field.key) != "elongation") return values;
-  const std::vector<double> at_rest = bonds.scalars("length_at_rest");
+  const std::vector<double> at_rest = bonds.scalars(Per::cell, "length_at_rest");
   for (std::size_t k = 0; k < values.size(); ++k) values[k] = at_rest[k] > 0.0 ? values[k] / at_rest[k] : 0.0;
   return values;
 }
@@ -47,25 +51,27 @@ RawFrame read_frame(const VtpInput& particles, const VtpInput& bonds, const std:
   RawFrame f;
   f.step = particles.step();
   f.displacement = displacement_in(particles, about);
-  for (const Vec3d& v : particles.vectors("velocity")) f.speed.push_back(norm(v));
+  for (const Vec3d& v : particles.vectors(Per::point, "velocity")) f.speed.push_back(norm(v));
   for (std::size_t k = 0; k < bond_field_count; ++k) f.fields[k] = field_in(bonds, bond_fields[k]);
-  f.range = bonds.bytes("range");
+  f.range = bonds.bytes(Per::cell, "range");
   return f;
 }
 
 /// Bonds whose elongation has no length to be relative to.
 std::size_t count_without_length(const VtpInput& bonds) {
-  const std::vector<double> at_rest = bonds.scalars("length_at_rest");
+  const std::vector<double> at_rest = bonds.scalars(Per::cell, "length_at_rest");
   return static_cast<std::size_t>(std::count(at_rest.begin(), at_rest.end(), 0.0));
 }
 
-/// The bonds that were there before must be there still.
+/// The bonds that were there in the frames before must be there still.
 void add_bonds(const VtpInput& file, const std::filesystem::path& path, Body& body) {
-  const std::vector<std::int64_t> ends = file.integers("connectivity");
+  const std::vector<std::int64_t> ends = file.integers(Per::end, "connectivity");
+  const auto particles = static_cast<std::int64_t>(body.radius.size());
   for (std::size_t k = 0; k < ends.size(); ++k) {
-    const auto end = static_cast<std::uint32_t>(ends[k]);
-    if (k == body.bonds.size()) body.bonds.push_back(end);
-    if (body.bonds[k] != end || end >= body.radius.size())
+    if (ends[k] < 0 || ends[k] >= particles)
+      throw IoError(path.string() + ": is damaged: a bond has impossible ends");
+    if (k == body.bonds.size()) body.bonds.push_back(static_cast<std::uint32_t>(ends[k]));
+    if (body.bonds[k] != static_cast<std::uint32_t>(ends[k]))
       throw IoError(path.string() + ": its bonds are not those of the frames before it");
   }
 }
@@ -119,37 +125,67 @@ struct OpenFrame {
         particles.step() != bonds.step())
       throw IoError(files.bonds.string() + ": is not of the same body and step as " +
                     files.particles.string());
+    if (!bonds.lines()) throw IoError(files.bonds.string() + ": is damaged: its cells are not bonds");
   }
 };
 
 /// The positions that displacements are from; the first frame tells them.
 std::vector<Vec3d> start_of(const SequenceFiles& files) {
   const VtpInput first(files.frames[0].particles);
-  std::vector<Vec3d> r = first.vectors("Points");
+  std::vector<Vec3d> r = first.vectors(Per::point, "Points");
   if (files.kind == SequenceKind::mode) return r;
-  const std::vector<Vec3d> moved = first.vectors("displacement");
+  const std::vector<Vec3d> moved = first.vectors(Per::point, "displacement");
   for (std::size_t p = 0; p < r.size(); ++p) r[p] = r[p] - moved[p];
   return r;
 }
 
 Spans look_through(const SequenceFiles& files, const std::vector<Vec3d>* about, Body& body) {
   Spans spans;
+  std::int64_t last_step = std::numeric_limits<std::int64_t>::min();
   for (const FrameFiles& f : files.frames) {
     const OpenFrame open(f, body);
+    if (open.particles.step() < last_step)
+      throw IoError(f.particles.string() + ": is of an earlier step than the frame before it");
+    last_step = open.particles.step();
     add_bonds(open.bonds, f.bonds, body);
     body.bonds_without_length = std::max(body.bonds_without_length, count_without_length(open.bonds));
     const RawFrame raw = read_frame(open.particles, open.bonds, about);
+    if (std::any_of(raw.range.begin(), raw.range.end(), [](std::uint8_t r) { return r > 2; }))
+      throw IoError(f.bonds.string() + ": is damaged: a bond is in no range");
     try {
       spans.add(raw);
-    } catch (const std::domain_error&) {
-      throw IoError(f.particles.string() + " or " + f.bonds.filename().string() +
-                    ": holds a number that is not finite");
+    } catch (const std::domain_error& e) {
+      throw IoError(f.particles.string() + " or " + f.bonds.filename().string() + ": holds " + e.what());
     }
     if (files.kind == SequenceKind::mode) continue;  // says nothing about the run
     note_first(raw, f.time, body, 1, body.first_strained);
     note_first(raw, f.time, body, 2, body.first_snapped);
   }
   return spans;
+}
+
+float as_float(double x, const std::filesystem::path& file) {
+  if (!(std::abs(x) <= std::numeric_limits<float>::max()))
+    throw IoError(file.string() + ": holds a number that is not finite or too large to be shown");
+  return static_cast<float>(x);
+}
+
+void read_radii(const std::filesystem::path& file, Body& body) {
+  for (const double R : VtpInput(file).scalars(Per::point, "radius"))
+    body.radius.push_back(as_float(R, file));
+  if (body.radius.empty()) throw IoError(file.string() + ": has no particles");
+}
+
+/// Positions as floats from the middle of the body: far from zero floats have no digits left for its shape.
+void put_reference(const std::vector<Vec3d>& start, const std::filesystem::path& file, Sequence& s) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    Span span;
+    for (const Vec3d& r : start) span.add(component(r, c));
+    s.origin[c] = span.low + 0.5 * (span.high - span.low);
+  }
+  s.reference.reserve(3 * start.size());
+  for (const Vec3d& r : start)
+    for (std::size_t c = 0; c < 3; ++c) s.reference.push_back(as_float(component(r, c) - s.origin[c], file));
 }
 
 }  // namespace
@@ -187,18 +223,21 @@ Sequence read_sequence(const SequenceFiles& files, Body& body) {
   Sequence s{.kind = files.kind,
              .name = files.name,
              .note = files.note,
+             .origin = {},
              .reference = {},
              .displacement = {},
              .speed = {},
              .fields = {},
              .frames = {}};
   if (files.frames.empty()) return s;
-  if (body.radius.empty())
-    for (const double R : VtpInput(files.frames[0].particles).scalars("radius"))
-      body.radius.push_back(static_cast<float>(R));
+  const std::filesystem::path& first = files.frames[0].particles;
+  if (body.radius.empty()) read_radii(first, body);
   const std::vector<Vec3d> start = start_of(files);
-  for (const Vec3d& r : start)
-    for (std::size_t c = 0; c < 3; ++c) s.reference.push_back(static_cast<float>(component(r, c)));
+  try {
+    put_reference(start, first, s);
+  } catch (const std::domain_error& e) {
+    throw IoError(first.string() + ": holds " + e.what());
+  }
 
   const std::vector<Vec3d>* about = files.kind == SequenceKind::mode ? &start : nullptr;
   const Spans spans = look_through(files, about, body);

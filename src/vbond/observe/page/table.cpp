@@ -163,10 +163,13 @@ std::vector<std::size_t> rows_to_keep(const History& history, const std::vector<
   std::vector<std::size_t> fixed;
   const std::size_t n = history.rows();
   const HistoryColumn* step = history.find("step");
+  const auto of_a_frame = [&](std::size_t r) {
+    const double x = step ? step->values[r] : none;
+    return x >= 0.0 && x < 0x1p63 &&
+           std::binary_search(steps.begin(), steps.end(), static_cast<std::int64_t>(x));
+  };
   for (std::size_t r = 0; r < n; ++r)
-    if (n <= most || r == 0 || r + 1 == n ||
-        (step && std::binary_search(steps.begin(), steps.end(), static_cast<std::int64_t>(step->values[r]))))
-      fixed.push_back(r);
+    if (n <= most || r == 0 || r + 1 == n || of_a_frame(r)) fixed.push_back(r);
   if (n <= most) return fixed;
   std::vector<std::size_t> best = fixed;
   for (std::size_t low = 0, high = most; low < high;) {  // the most stretches that fit

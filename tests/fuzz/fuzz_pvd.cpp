@@ -1,0 +1,34 @@
+#include <cstdint>
+
+#include "input.hpp"
+#include "vbond/core/error.hpp"
+#include "vbond/observe/frames.hpp"
+#include "vbond/observe/vtp_read.hpp"
+
+/// A list of frames, read for the page and to be continued by a resumed run.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace vbond;
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  const auto list = fuzz::put(fuzz::folder() / "particles.pvd", text);
+  fuzz::put(fuzz::folder() / "bonds.pvd", text);
+  try {
+    for (const ListedFrame& frame : read_pvd(list))
+      if (frame.file.string().find("..") == 0) std::abort();  // below the folder of the list, always
+  } catch (const IoError&) {
+  }
+  try {
+    const FrameWriter writer(fuzz::folder().path(), false, 50);
+    read_pvd(list);  // what it has kept is a list again
+  } catch (const IoError&) {
+  }
+  return 0;
+}
+
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+  if (!vbond::fuzz::seeds()) return 0;
+  const std::string two = vbond::pvd_entry(0.5, "frames/particles_000000000000.vtp") +
+                          vbond::pvd_entry(1e-9, "frames/particles_000000000070.vtp");
+  vbond::fuzz::add_seed("list", vbond::pvd_list(two));
+  vbond::fuzz::add_seed("empty", vbond::pvd_list(""));
+  std::exit(0);
+}

@@ -1,0 +1,62 @@
+// A page in a browser: opened, looked at, waited for.
+import assert from "node:assert/strict";
+import { pathToFileURL } from "node:url";
+import { patience } from "./chromium.mjs";
+
+/** Opens a page and waits for its first picture; whatever it complains of or fetches is in `complaints`. */
+export async function open(browser, file, { width = 1300, reduced = "reduce", ready = "drawn", hash = "", touch = false } = {}) {
+  const page = await browser.newPage();
+  page.setDefaultTimeout(patience);
+  const complaints = [];
+  const address = pathToFileURL(file).href + hash;
+  page.on("console", (message) => complaints.push(`console: ${message.text()}`));
+  page.on("pageerror", (error) => complaints.push(`error: ${error.message}`));
+  page.on("request", (request) => {
+    if (request.url() !== pathToFileURL(file).href && !/^(data|blob):/.test(request.url())) complaints.push(`request: ${request.url()}`);
+  });
+  await page.emulateMediaFeatures([{ name: "prefers-reduced-motion", value: reduced }]);
+  await page.setViewport({ width, height: 900, hasTouch: touch });
+  const start = performance.now();
+  await page.goto(address);
+  await page.waitForSelector("[data-ready]");
+  assert.equal(await page.evaluate(() => document.documentElement.dataset.ready), ready);
+  return { page, complaints, first_picture: performance.now() - start };
+}
+
+export const two_pictures = (page) => page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
+
+/** The next picture on the screen, after what was asked for has been drawn. */
+export async function picture(page) {
+  await two_pictures(page);
+  return (await page.$(".stage")).screenshot({ encoding: "base64" });
+}
+
+/** Waits until `found()`, which may take a busy browser a while, holds; whether it did. */
+export async function soon(found) {
+  for (const end = performance.now() + patience; performance.now() < end;) if (await found()) return true;
+  return false;
+}
+
+/** The picture when two in a row are the same. */
+export async function steady_picture(page) {
+  let last = await picture(page);
+  assert.ok(await soon(async () => { const before = last; last = await picture(page); return last === before; }), "the picture comes to rest");
+  return last;
+}
+
+/** How many different colours the middle of a picture has; counted in `page`, which does not show it. */
+export function colours(page, png) {
+  return page.evaluate(async (data) => {
+    const image = new Image();
+    image.src = `data:image/png;base64,${data}`;
+    await image.decode();
+    const pen = Object.assign(document.createElement("canvas"), { width: image.width, height: image.height }).getContext("2d");
+    pen.drawImage(image, 0, 0);
+    const { data: rgba } = pen.getImageData(0, image.height * 0.15, image.width, image.height * 0.65);   // neither caption nor legend
+    const seen = new Set();
+    for (let k = 0; k < rgba.length; k += 4) if (Math.max(...rgba.slice(k, k + 3)) - Math.min(...rgba.slice(k, k + 3)) > 40) seen.add(rgba.slice(k, k + 3).join());
+    return seen.size;
+  }, png);
+}
+
+export const fits = (page) => page.evaluate(() => document.documentElement.scrollWidth <= innerWidth);
