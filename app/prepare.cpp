@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "vbond/build/build.hpp"
+#include "vbond/build/times.hpp"
 #include "vbond/dynamics/kernel.hpp"
 #include "vbond/model/step_bound.hpp"
 
@@ -54,9 +55,21 @@ OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem:
 
 std::vector<std::int64_t> steps_of_stages(const Case& c, const Model& model, double dt) {
   std::vector<std::int64_t> steps;
-  for (const StageSpec& s : c.stages)
-    steps.push_back(is_static(s.kind) ? 0 : steps_in(s.duration.resolve(model.T_0), dt));
+  for (const StageSpec& s : c.stages) {
+    if (is_static(s.kind)) {
+      steps.push_back(0);
+      continue;
+    }
+    const double duration = s.duration.resolve(model.T_0),
+                 every = s.strain ? s.strain->every.resolve(model.T_0) : 0.0;
+    steps.push_back(steps_in(duration, fitting_step(dt, duration, every)));
+  }
   return steps;
+}
+
+void print_notes(const std::vector<std::string>& notes) {
+  for (const std::string& note : notes) fmt::print("note             {}\n", note);
+  std::fflush(stdout);
 }
 
 void print_overview(const Case& c, const Model& model, const State& state) {
@@ -73,7 +86,7 @@ void print_step(const Case& c, const Model& model, const State& state, const Sta
   const StepBound bound = step_bound(model, state, stage.bonding);
   const char* time = time_unit(model);
   const bool exact = c.time.step && !c.time.given();
-  const double critical = exact ? stage.dt / c.time.fraction : bound.dt;
+  const double critical = exact ? stage.critical : bound.dt;
   if (exact)
     fmt::print("critical step    {:.6g}{}, exact; bound {:.6g}{}, from {}\n", critical, time, bound.dt, time,
                bound.source);
@@ -82,7 +95,10 @@ void print_step(const Case& c, const Model& model, const State& state, const Sta
   fmt::print("time step        {:.6g}{}, {:.3g} of the critical step{}\n", stage.dt, time,
              stage.dt / critical,
              stage.dt > critical ? ": ABOVE it, as the case insists; the run will probably blow up" : "");
-  std::fflush(stdout);
+  if (const CaseTime* given = c.time.given(); given && stage.dt < given->resolve(model.T_0))
+    fmt::print("                 below the {:.6g}{} of the case, so that its times are whole numbers of steps\n",
+               given->resolve(model.T_0), time);
+  print_notes(times_not_met(stage));
 }
 
 void print_machine(int threads) {

@@ -22,8 +22,10 @@ void describe(Table& t, Case& c) {
   t.tables("velocities", c.velocities, optional,
            "initial velocities; without it all particles start at rest");
   t.table("time", optional, "the time step", [&c](Table& k) { describe(k, c.time); });
-  t.tables("stage", c.stages, required, "the stages of the run, one after another");
-  t.table("output", optional, "what is written", [&c](Table& k) { describe(k, c.output, c.any_dynamics()); });
+  bool any_unknown = false;
+  t.tables("stage", c.stages, required, "the stages of the run, one after another",
+           [&](Table& k, StageSpec& s) { any_unknown = !describe(k, s) || any_unknown; });
+  t.table("output", optional, "what is written", [&](Table& k) { describe(k, c.output, c.any_dynamics() && !any_unknown); });
   t.table("watch", optional, "when the run is looked at and stopped",
           [&c](Table& k) { describe(k, c.watch); });
 }
