@@ -132,9 +132,10 @@ void print_loads(const Case& c, const Model& model) {
       const std::size_t n = resolve_groups({load.group}, model).front().particles.size();
       const auto print = [&](const char* what, double each, const char* unit) {
         if (n > 1 && each > 0.0)
-          fmt::print("load             stage {}: {} of {:.6g}{} on each of {} particles of {}, total {:.6g}{}\n",
-                     stage.name, what, each, si ? unit : "", n, load.group.value,
-                     static_cast<double>(n) * each, si ? unit : "");
+          fmt::print(
+              "load             stage {}: {} of {:.6g}{} on each of {} particles of {}, total {:.6g}{}\n",
+              stage.name, what, each, si ? unit : "", n, load.group.value, static_cast<double>(n) * each,
+              si ? unit : "");
       };
       print("force", norm(load.force), " N");
       print("moment", norm(load.moment), " N*m");
@@ -150,8 +151,9 @@ void print_output_remarks(const Case& c, const OutputPlan& plan, const Model& mo
   const char* unit = model.units == UnitSystem::si ? " s" : "";
   const auto look = [&](const char* key, double every) {
     if (std::isfinite(every) && every > total)
-      fmt::print("output           {} = {:.6g}{} is longer than the run, {:.6g}{}: is a unit missing, such as T0?\n",
-                 key, every, unit, total, unit);
+      fmt::print(
+          "output           {} = {:.6g}{} is longer than the run, {:.6g}{}: is a unit missing, such as T0?\n",
+          key, every, unit, total, unit);
   };
   look("history.every", plan.history_every);
   if (plan.frames_every) look("frames.every", *plan.frames_every);

@@ -56,8 +56,8 @@ void add_plot(CLI::App& app, app::PlotOptions& o, CLI::App*& command) {
                     "Write DIR/report.png, the report with its last frame as a picture; needs chromium");
 }
 
-[[noreturn]] void refuse(const std::string& what, const std::string& wrong, const std::vector<std::string>& right,
-                         const std::string& list) {
+[[noreturn]] void refuse(const std::string& what, const std::string& wrong,
+                         const std::vector<std::string>& right, const std::string& list) {
   const auto meant = nearest_name(wrong, right);
   std::string text = what + "\n  " + list;
   for (const std::string& name : right) text += " " + name;
@@ -92,8 +92,8 @@ void refuse_unknown(const CLI::App& program, int argc, char** argv) {
     const std::string name = word[1] == '-' ? word.substr(0, word.find('=')) : word.substr(0, 2);
     if (command->get_option_no_throw(name) != nullptr) continue;
     const bool before = command == &program;
-    refuse(name + " is no option of vbond" + (before ? " before its command" : " " + command->get_name()), name,
-           options, before ? "options stand behind the command; before it" : "its options are");
+    refuse(name + " is no option of vbond" + (before ? " before its command" : " " + command->get_name()),
+           name, options, before ? "options stand behind the command; before it" : "its options are");
   }
 }
 

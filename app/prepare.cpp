@@ -96,8 +96,9 @@ void print_step(const Case& c, const Model& model, const State& state, const Sta
              stage.dt / critical,
              stage.dt > critical ? ": ABOVE it, as the case insists; the run will probably blow up" : "");
   if (const CaseTime* given = c.time.given(); given && stage.dt < given->resolve(model.T_0))
-    fmt::print("                 below the {:.6g}{} of the case, so that its times are whole numbers of steps\n",
-               given->resolve(model.T_0), time);
+    fmt::print(
+        "                 below the {:.6g}{} of the case, so that its times are whole numbers of steps\n",
+        given->resolve(model.T_0), time);
   print_notes(times_not_met(stage));
 }
 

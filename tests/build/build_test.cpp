@@ -113,7 +113,8 @@ TEST(Particles, CannotBeAtTheSamePlace) {
 // All pairs of these are 2e10: the count ends at a thousand, and the test with it.
 TEST(Build, TellsOfManyParticlesAtOnePlaceWithoutCountingAllPairs) {
   Case c = case_of(ListedSpecimen{std::vector<Vec3d>(200'000, Vec3d{1, 2, 3})});
-  EXPECT_TRUE(contains(text_of_error(c), "particles 0 and 1 are at the same place (1000 such pairs at least)"));
+  EXPECT_TRUE(
+      contains(text_of_error(c), "particles 0 and 1 are at the same place (1000 such pairs at least)"));
 }
 
 TEST(NaturalTime, OutOfRangeIsRefusedWithItsNumbers) {

@@ -133,7 +133,8 @@ TEST(LammpsSpecimen, PassesOverVelocities) {
   for (const Vec3d& v : b.state.v) EXPECT_EQ(v, (Vec3d{0, 0, 0}));
 }
 
-// As the command write_data of LAMMPS leaves it: coefficients unless it is told not to, and angles for most molecules.
+// As the command write_data of LAMMPS leaves it: coefficients unless it is told not to, and angles for most
+// molecules.
 const char* const written = R"(LAMMPS data file via write_data, version 2 Aug 2023, timestep = 0
 
 4 atoms
@@ -201,8 +202,9 @@ TEST(LammpsSpecimen, PassesOverWhatWriteDataWritesWithAWord) {
   std::string notes;
   for (const std::string& note : b.notes) notes += note + "\n";
   for (const char* part :
-       {"written.data:19: section Pair Coeffs is passed over: the case gives", "section Bond Coeffs is passed over",
-        "section Angle Coeffs is", "section PairIJ Coeffs is", "section Velocities is passed over: [[velocities]]",
+       {"written.data:19: section Pair Coeffs is passed over: the case gives",
+        "section Bond Coeffs is passed over", "section Angle Coeffs is", "section PairIJ Coeffs is",
+        "section Velocities is passed over: [[velocities]]",
         "section Angles is passed over: bonds join two particles",
         "bonds \"bonds\": the bond types 1, 2 of the file are made alike; bond_type takes one of them"})
     EXPECT_TRUE(contains(notes, part)) << part << "\nnot in\n" << notes;
@@ -233,7 +235,8 @@ TEST(LammpsSpecimen, BondsOfOneTypeMayBeChosen) {
 
   c.bonds[1].select.value = SpecimenPairs{3};
   const std::string error = text_of_error(c);
-  EXPECT_TRUE(contains(error, "no bond of type 3\n  between these groups the files have none; they have the bond types 1, 2"))
+  EXPECT_TRUE(contains(
+      error, "no bond of type 3\n  between these groups the files have none; they have the bond types 1, 2"))
       << error;
 }
 

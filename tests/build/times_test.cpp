@@ -23,7 +23,7 @@ TEST(FittingStep, IsTheLongestBelowOfWhichTheDurationIsAWholeNumber) {
 }
 
 TEST(FittingStep, MeetsTheStrainFirstAndTheDurationIfTheirRatioIsSimple) {
-  EXPECT_DOUBLE_EQ(fitting_step(0.3, 1.0, 0.6), 0.2);    // 3 and 5 steps
+  EXPECT_DOUBLE_EQ(fitting_step(0.3, 1.0, 0.6), 0.2);     // 3 and 5 steps
   EXPECT_DOUBLE_EQ(fitting_step(0.1, 10.0, 0.15), 0.05);  // 3 and 200
   EXPECT_DOUBLE_EQ(fitting_step(0.3, 3.0, 0.5), 0.25);    // the strain alone asks: 2 and 12
   const double every = std::sqrt(2.0);
@@ -63,13 +63,13 @@ TEST(OnSteps, KeepsTheIntegralOfRampsJumpsAndPulses) {
     TimeFunction f;
     double integral, low, high;
   } rows[] = {
-      {{{{0.0, 0.0}, {0.37, 1.0}}}, 0.5 * 0.37 + 0.63, 0.0, 1.0},                     // a ramp
-      {{{{0.0, 1.0}, {0.43, 1.0}, {0.43000001, 0.0}}}, 0.43 + 0.5e-8, 0.0, 1.0},      // a jump between steps
-      {{{{0.0, 1.0}, {0.4, 1.0}, {0.40000001, 0.0}}}, 0.4 + 0.5e-8, 0.0, 1.0},        // a jump on a step
-      {{{{0.0, 0.0}, {1e-9, 1.0}}}, 1.0 - 0.5e-9, 0.0, 1.0},                          // a jump at the start
-      {{{{0.0, 1.0}, {1.0, 1.0}, {1.00000001, 0.0}}}, 1.0, 0.0, 1.0},                 // a jump at the end
-      {{{{0.51, 0.0}, {0.52, 8.0}, {0.56, 0.0}}}, 0.5 * 8.0 * 0.05, 0.0, 8.0},        // a pulse between two steps
-      {{{{0.0, 0.0}, {0.33, 1.0}, {2.0, -4.0}}}, 0.0, -4.0, 1.0},                     // goes on after the end
+      {{{{0.0, 0.0}, {0.37, 1.0}}}, 0.5 * 0.37 + 0.63, 0.0, 1.0},                 // a ramp
+      {{{{0.0, 1.0}, {0.43, 1.0}, {0.43000001, 0.0}}}, 0.43 + 0.5e-8, 0.0, 1.0},  // a jump between steps
+      {{{{0.0, 1.0}, {0.4, 1.0}, {0.40000001, 0.0}}}, 0.4 + 0.5e-8, 0.0, 1.0},    // a jump on a step
+      {{{{0.0, 0.0}, {1e-9, 1.0}}}, 1.0 - 0.5e-9, 0.0, 1.0},                      // a jump at the start
+      {{{{0.0, 1.0}, {1.0, 1.0}, {1.00000001, 0.0}}}, 1.0, 0.0, 1.0},             // a jump at the end
+      {{{{0.51, 0.0}, {0.52, 8.0}, {0.56, 0.0}}}, 0.5 * 8.0 * 0.05, 0.0, 8.0},    // a pulse between two steps
+      {{{{0.0, 0.0}, {0.33, 1.0}, {2.0, -4.0}}}, 0.0, -4.0, 1.0},                 // goes on after the end
   };
   for (const auto& row : rows) {
     const TimeFunction g = on_steps(row.f, 0.1, 10);
@@ -92,14 +92,16 @@ TEST(OnSteps, KeepsTheIntegralOfAnyTable) {
   for (int table = 0; table < 200; ++table) {
     TimeFunction f;
     for (double t = gap(random); t < 1.0; t += gap(random)) f.points.push_back({t, value(random)});
-    double integral = f.points.front().t * f.points.front().factor + (1.0 - f.points.back().t) * f.points.back().factor;
+    double integral =
+        f.points.front().t * f.points.front().factor + (1.0 - f.points.back().t) * f.points.back().factor;
     for (std::size_t k = 1; k < f.points.size(); ++k)
       integral += 0.5 * (f.points[k].factor + f.points[k - 1].factor) * (f.points[k].t - f.points[k - 1].t);
     EXPECT_NEAR(sum_over_steps(on_steps(f, 0.125, 8), 0.125, 8), integral, 1e-14) << "table " << table;
   }
 }
 
-// ---- the same in a run -------------------------------------------------------------------------------------
+// ---- the same in a run
+// -------------------------------------------------------------------------------------
 
 Case free_particle(double step, double duration) {
   Case c = case_of(ListedSpecimen{{{0, 0, 0}}});

@@ -126,8 +126,8 @@ TEST(Units, OfAngularVelocityNameAnAngle) {
 TEST(Units, OfAnAngleAreRefusedForANumber) {
   const auto report = [](const std::string& nu, const std::string& c_B) {
     try {
-      parse_case(rod("SI", "1", "1") + "[[bonds]]\ndistance = 1.1\nstiffness = { c_A = 1, c_D = 1, c_B = " + c_B +
-                     ", c_T = 1 }\n[contact]\nlaw = \"hertz\"\nE = 1\nnu = " + nu + "\n",
+      parse_case(rod("SI", "1", "1") + "[[bonds]]\ndistance = 1.1\nstiffness = { c_A = 1, c_D = 1, c_B = " +
+                     c_B + ", c_T = 1 }\n[contact]\nlaw = \"hertz\"\nE = 1\nnu = " + nu + "\n",
                  "rod.toml");
     } catch (const CaseError& e) {
       return std::string(e.what());

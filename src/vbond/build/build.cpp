@@ -122,9 +122,9 @@ void note_bond_types(const Case& c, const std::vector<PlacedSpecimen>& specimens
   if (types.size() < 2) return;
   for (const BondSpec& b : c.bonds)
     if (const auto* pairs = std::get_if<SpecimenPairs>(&b.select.value); pairs && !pairs->bond_type)
-      built.notes.push_back(
-          fmt::format("bonds \"{}\": the bond types {} of the file are made alike; bond_type takes one of them",
-                      b.name, fmt::join(types, ", ")));
+      built.notes.push_back(fmt::format(
+          "bonds \"{}\": the bond types {} of the file are made alike; bond_type takes one of them", b.name,
+          fmt::join(types, ", ")));
 }
 
 /// Two centres closer than 1e-9 of the body's size are one place: no direction could be told from them.
@@ -161,11 +161,12 @@ double natural_time(const Case& c, const Built& built, Problems& problems) {
   const double m = built.model.mass[ParticleId{0}], T_0 = two_pi * std::sqrt(m / *c_A);
   constexpr double largest = 1e60;  // as of the numbers of a case
   if (!(T_0 > 1.0 / largest && T_0 < largest))
-    problems.add(c.bonds.front().place, fmt::format("T0 = {:.6g}", T_0),
-                 fmt::format("T0 = 2 pi sqrt(m / c_A) must lie between 1e-60 and 1e60; here m = {:.6g} and the "
-                             "first bond has c_A = {:.6g}",
-                             m, *c_A),
-                 "look for a missing or misplaced unit in mass, E or the section");
+    problems.add(
+        c.bonds.front().place, fmt::format("T0 = {:.6g}", T_0),
+        fmt::format("T0 = 2 pi sqrt(m / c_A) must lie between 1e-60 and 1e60; here m = {:.6g} and the "
+                    "first bond has c_A = {:.6g}",
+                    m, *c_A),
+        "look for a missing or misplaced unit in mass, E or the section");
   return T_0;
 }
 

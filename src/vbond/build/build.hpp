@@ -34,8 +34,8 @@ using ExactCriticalStep = std::function<double(const Model&, const State&, const
 /// model's unit. If state.clock.stage_step == 0, makes the stage's bonds (when = stage) in `state` and
 /// chooses the step: the given one, or the fraction of step_bound(), or of exact_step() if the case wants it
 /// exact, or less where the times of the stage need it (fitting_step). Factors over time bend on steps
-/// (on_steps). A stage that is under way keeps state.clock.dt. Throws CaseError, also for a given step above the
-/// bound unless the case insists; std::logic_error if the stage is static.
+/// (on_steps). A stage that is under way keeps state.clock.dt. Throws CaseError, also for a given step above
+/// the bound unless the case insists; std::logic_error if the stage is static.
 Stage build_stage(const Case& c, const Model& model, int k, State& state,
                   const ExactCriticalStep& exact_step = {});
 

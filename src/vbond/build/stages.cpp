@@ -245,9 +245,10 @@ double expected_step(const Case& c, const Model& model, const State& state) {
 void check_number_of_steps(const StageSpec& spec, double duration, double dt, Problems& problems) {
   constexpr double most = 1e15;  // three years of ten million steps a second; counts are exact as doubles
   if (duration <= most * dt) return;
-  problems.add(spec.place, fmt::format("stage \"{}\": duration = {:.6g}", spec.name, duration),
-               fmt::format("that is {:.2g} steps of {:.6g}; {:.0e} are the most", duration / dt, dt, most),
-               "look for a missing or misplaced unit; with a stop condition, too, give a duration within reach");
+  problems.add(
+      spec.place, fmt::format("stage \"{}\": duration = {:.6g}", spec.name, duration),
+      fmt::format("that is {:.2g} steps of {:.6g}; {:.0e} are the most", duration / dt, dt, most),
+      "look for a missing or misplaced unit; with a stop condition, too, give a duration within reach");
 }
 
 Stage resolve_stage(const Case& c, const Model& model, std::size_t k, Problems& problems) {

@@ -114,8 +114,8 @@ std::vector<std::string> times_not_met(const Stage& stage) {
     const std::int64_t steps = steps_in(time, stage.dt);
     const double is = static_cast<double>(steps) * stage.dt;
     if (std::isfinite(time) && std::abs(is - time) > tolerance * time)
-      lines.push_back(fmt::format("stage {}: {} = {:.6g} becomes {:.6g}, {} steps of {:.6g}", stage.name, key, time,
-                                  is, steps, stage.dt));
+      lines.push_back(fmt::format("stage {}: {} = {:.6g} becomes {:.6g}, {} steps of {:.6g}", stage.name, key,
+                                  time, is, steps, stage.dt));
   };
   constexpr double of_an_average = 0.01;  // what is looked at over a time does not hang on the last step
   look("duration", stage.stops.duration, rounding);

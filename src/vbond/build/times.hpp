@@ -14,9 +14,10 @@ namespace vbond {
 /// is one.  [time]
 double fitting_step(double wanted, double duration, double every = 0.0);
 
-/// The factor with all its bends on steps, equal to `f` wherever `f` has none between two steps. Beside a bend
-/// between steps, or a jump, a step has the mean of `f` over half a step to either side, so that the sums that
-/// leap-frog makes over the steps 0 to `last` are the integral of `f`: impulses and ways come out right.
+/// The factor with all its bends on steps, equal to `f` wherever `f` has none between two steps. Beside a
+/// bend between steps, or a jump, a step has the mean of `f` over half a step to either side, so that the
+/// sums that leap-frog makes over the steps 0 to `last` are the integral of `f`: impulses and ways come out
+/// right.
 TimeFunction on_steps(const TimeFunction& f, double dt, std::int64_t last);
 
 /// What the stage's step could not meet, a line each: the key, what was wanted and what it is.

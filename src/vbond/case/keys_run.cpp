@@ -25,7 +25,8 @@ void describe(Table& t, Case& c) {
   bool any_unknown = false;
   t.tables("stage", c.stages, required, "the stages of the run, one after another",
            [&](Table& k, StageSpec& s) { any_unknown = !describe(k, s) || any_unknown; });
-  t.table("output", optional, "what is written", [&](Table& k) { describe(k, c.output, c.any_dynamics() && !any_unknown); });
+  t.table("output", optional, "what is written",
+          [&](Table& k) { describe(k, c.output, c.any_dynamics() && !any_unknown); });
   t.table("watch", optional, "when the run is looked at and stopped",
           [&c](Table& k) { describe(k, c.watch); });
 }

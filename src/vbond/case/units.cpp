@@ -72,10 +72,10 @@ std::string_view trim(std::string_view s) {
 }
 
 UnitMistake no_such_unit(std::string_view name) {
-  return {
-      "\"" + std::string(name) + "\" is not a unit",
-      "units are m, g, s, N, Pa, J, W, Hz, eV with SI prefixes, and rad, deg, rev, min, h, angstrom, %; join them "
-      "with * and /, raise with ^, as in \"7800 kg/m^3\""};
+  return {"\"" + std::string(name) + "\" is not a unit",
+          "units are m, g, s, N, Pa, J, W, Hz, eV with SI prefixes, and rad, deg, rev, min, h, angstrom, %; "
+          "join them "
+          "with * and /, raise with ^, as in \"7800 kg/m^3\""};
 }
 
 /// name or name^power
@@ -155,7 +155,8 @@ std::variant<Quantity, UnitMistake> parse_quantity(std::string_view text) {
   const UnitMistake too_large{"must be a number that fits into double precision", "choose another unit"};
   if (unit_text == "T0" || unit_text == "T_0" || unit_text.empty()) {
     if (error != std::errc{} || !std::isfinite(number)) return too_large;
-    return Quantity{number, unit_text.empty() ? Dimension{} : Dimension{0, 0, 1}, !unit_text.empty(), !unit_text.empty()};
+    return Quantity{number, unit_text.empty() ? Dimension{} : Dimension{0, 0, 1}, !unit_text.empty(),
+                    !unit_text.empty()};
   }
   const auto unit = parse_unit(unit_text);
   if (const auto* mistake = std::get_if<UnitMistake>(&unit)) return *mistake;
@@ -166,9 +167,8 @@ std::variant<Quantity, UnitMistake> parse_quantity(std::string_view text) {
 }
 
 std::string to_text(const Dimension& d) {
-  const std::array known{length,       area,  mass,   density, duration,  velocity,
-                         acceleration, force, moment, stress,  stiffness, angle,
-                         angular_velocity, frequency};
+  const std::array known{length, area,   mass,   density,   duration, velocity,         acceleration,
+                         force,  moment, stress, stiffness, angle,    angular_velocity, frequency};
   std::string text;
   const auto add = [&text](const char* base, int power) {
     if (power == 0) return;

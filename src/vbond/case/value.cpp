@@ -15,8 +15,7 @@ std::string with_article(const std::string& noun) {
 
 /// The unit string `text` for a value of dimension d, or nothing after a report.
 std::optional<Quantity> read_quantity(const std::string& text, const Dimension& d, const Node& n,
-                                      ReadContext& in, const std::string& path,
-                                      const std::string& example) {
+                                      ReadContext& in, const std::string& path, const std::string& example) {
   const bool is_time = d == duration;
   const auto refuse = [&](std::string rule, std::string way_out) -> std::optional<Quantity> {
     in.refuse(n, path, std::move(rule), std::move(way_out));
@@ -32,11 +31,11 @@ std::optional<Quantity> read_quantity(const std::string& text, const Dimension& 
                       ", or choose [units] system = \"SI\"");
   if (const auto* mistake = std::get_if<UnitMistake>(&parsed)) return refuse(mistake->rule, mistake->way_out);
   if (!fits(q->dimension, d) || (q->in_T_0 && !is_time))
-    return refuse(
-        "must be " + with_article(to_text(d)) + "; this is " +
-            (q->in_T_0 ? "a multiple of T0" : with_article(to_text(q->dimension))),
-        d == angular_velocity ? "say what turns, in rad/s, deg/s or rev/s: " + such_as(path, "\"10 rev/s\"")
-                              : such_as(path, example));
+    return refuse("must be " + with_article(to_text(d)) + "; this is " +
+                      (q->in_T_0 ? "a multiple of T0" : with_article(to_text(q->dimension))),
+                  d == angular_velocity
+                      ? "say what turns, in rad/s, deg/s or rev/s: " + such_as(path, "\"10 rev/s\"")
+                      : such_as(path, example));
   return *q;
 }
 
@@ -237,9 +236,10 @@ bool refuse_subset(const Node& n, ReadContext& in, const std::string& path,
   const std::string all = "[" + join(names, "\"") + "]";
   const auto* word = std::get_if<std::string>(&n.value);
   const bool known = word && std::find(names.begin(), names.end(), *word) != names.end();
-  return in.refuse(n, path, "must be a list of " + join(names, "\"") + "; this is " + kind_name(n),
-                   "write " + last_name(path) + " = " +
-                       (known ? "[\"" + *word + "\"]" : all + (word && *word == "all" ? "" : ", or some of these")));
+  return in.refuse(
+      n, path, "must be a list of " + join(names, "\"") + "; this is " + kind_name(n),
+      "write " + last_name(path) + " = " +
+          (known ? "[\"" + *word + "\"]" : all + (word && *word == "all" ? "" : ", or some of these")));
 }
 
 bool refuse_length(const Node& n, ReadContext& in, const std::string& path, std::size_t is,

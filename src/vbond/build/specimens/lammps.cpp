@@ -269,7 +269,8 @@ class LammpsReader {
       else
         points.bonds.push_back({{i->second, j->second}, bond.type});
     }
-    for (auto& [type, atoms] : of_type) points.parts.emplace_back(fmt::format("type-{}", type), std::move(atoms));
+    for (auto& [type, atoms] : of_type)
+      points.parts.emplace_back(fmt::format("type-{}", type), std::move(atoms));
     problems_.throw_if_any();
     return points;
   }
