@@ -12,6 +12,7 @@
 #include "prepare.hpp"
 #include "statics.hpp"
 #include "vbond/build/build.hpp"
+#include "vbond/build/times.hpp"
 #include "vbond/case/read.hpp"
 #include "vbond/core/bounding_box.hpp"
 #include "vbond/core/error.hpp"
@@ -120,6 +121,8 @@ std::int64_t print_stages(const Case& c, const Model& model, double dt, bool dt_
     else
       fmt::print("stage {:<10} at most {}{} steps{}\n", stage.name, dt_is_known ? "" : "about ", steps[k],
                  steps[k] < few_steps ? ": so few; is a unit missing, such as T0?" : "");
+    if (k > 0 && !is_static(stage.kind) && c.time.given())  // of the first stage it is told with its step
+      print_notes(times_not_met(expected_times(stage, model, dt)));
   }
   return std::accumulate(steps.begin(), steps.end(), std::int64_t{0});
 }
@@ -215,7 +218,8 @@ int check(const std::filesystem::path& case_file, int threads) {
   print_body(built.model, built.state);
   print_overlaps(built.model, built.state);
 
-  const double dt = dynamics ? dynamics->dt : expected_step(c, built.model, built.state);
+  const bool fitted = dynamics && !c.time.given();  // other stages may have another step of their own
+  const double dt = fitted ? dynamics->dt : expected_step(c, built.model, built.state);
   const std::int64_t steps = print_stages(c, built.model, dt, dynamics || c.time.given());
   print_loads(c, built.model);
   print_output_remarks(c, plan, built.model);

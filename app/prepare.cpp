@@ -53,16 +53,20 @@ OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem:
   return plan;
 }
 
+Stage expected_times(const StageSpec& spec, const Model& model, double dt) {
+  Stage stage;
+  stage.name = spec.name;
+  stage.stops.duration = spec.duration.resolve(model.T_0);
+  if (spec.strain) stage.strain.emplace().every = spec.strain->every.resolve(model.T_0);
+  stage.dt = fitting_step(dt, stage.stops.duration, stage.strain ? stage.strain->every : 0.0);
+  return stage;
+}
+
 std::vector<std::int64_t> steps_of_stages(const Case& c, const Model& model, double dt) {
   std::vector<std::int64_t> steps;
   for (const StageSpec& s : c.stages) {
-    if (is_static(s.kind)) {
-      steps.push_back(0);
-      continue;
-    }
-    const double duration = s.duration.resolve(model.T_0),
-                 every = s.strain ? s.strain->every.resolve(model.T_0) : 0.0;
-    steps.push_back(steps_in(duration, fitting_step(dt, duration, every)));
+    const Stage stage = is_static(s.kind) ? Stage{} : expected_times(s, model, dt);
+    steps.push_back(is_static(s.kind) ? 0 : steps_in(stage.stops.duration, stage.dt));
   }
   return steps;
 }

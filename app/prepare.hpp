@@ -15,6 +15,10 @@ namespace vbond::app {
 /// What the case wants written, with names and times resolved. Throws CaseError.
 OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem::path& folder);
 
+/// Duration and strain of a dynamics stage, with the step that they make of dt: what is known of its times
+/// before it begins.
+Stage expected_times(const StageSpec& spec, const Model& model, double dt);
+
 /// Steps of each stage if none ends early, all with the same step dt but for what their times need; of static
 /// ones none.
 std::vector<std::int64_t> steps_of_stages(const Case& c, const Model& model, double dt);
