@@ -210,6 +210,11 @@ TEST(LammpsSpecimen, PassesOverWhatWriteDataWritesWithAWord) {
     EXPECT_TRUE(contains(notes, part)) << part << "\nnot in\n" << notes;
 }
 
+TEST(LammpsSpecimen, PassesOverNoSectionOfAStrangeName) {
+  const TemporaryFile file("strange.data", std::string(chain) + "\nB\x1b[2J Coeffs\n\n1 1\n");
+  EXPECT_TRUE(contains(text_of_error(lammps_case(file.path(), "bond")), "is not supported"));
+}
+
 TEST(LammpsSpecimen, MakesGroupsOfAtomTypes) {
   const TemporaryFile file("written.data", written);
   const Built b = build(lammps_case(file.path(), "bond"));

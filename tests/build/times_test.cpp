@@ -66,6 +66,7 @@ TEST(OnSteps, KeepsTheIntegralOfRampsJumpsAndPulses) {
       {{{{0.0, 0.0}, {0.37, 1.0}}}, 0.5 * 0.37 + 0.63, 0.0, 1.0},                 // a ramp
       {{{{0.0, 1.0}, {0.43, 1.0}, {0.43000001, 0.0}}}, 0.43 + 0.5e-8, 0.0, 1.0},  // a jump between steps
       {{{{0.0, 1.0}, {0.4, 1.0}, {0.40000001, 0.0}}}, 0.4 + 0.5e-8, 0.0, 1.0},    // a jump on a step
+      {{{{0.0, 1.0}, {0.39999999, 1.0}, {0.4, 0.0}}}, 0.4 - 0.5e-8, 0.0, 1.0},    // just before one
       {{{{0.0, 0.0}, {1e-9, 1.0}}}, 1.0 - 0.5e-9, 0.0, 1.0},                      // a jump at the start
       {{{{0.0, 1.0}, {1.0, 1.0}, {1.00000001, 0.0}}}, 1.0, 0.0, 1.0},             // a jump at the end
       {{{{0.51, 0.0}, {0.52, 8.0}, {0.56, 0.0}}}, 0.5 * 8.0 * 0.05, 0.0, 8.0},    // a pulse between two steps
@@ -152,6 +153,23 @@ TEST(TimeTable, GivesItsImpulseAndItsWay) {
   support.factor = pulse;
   c.stages[0].supports = {support};
   EXPECT_NEAR(after_run(c).r[ParticleId{0}].x, 2.0 * on, 1e-13);
+}
+
+TEST(TimeTable, OfAStageUnderWayIsWhatItWas) {
+  Case c = free_particle(0.1, 1.0);
+  c.stages[0].loads.push_back(
+      {{}, {"all", {}}, {5.0, 0, 0}, {}, {{{{0.0, false}, 0.0}, {{0.37, false}, 1.0}}}});
+  Built b = build(c);
+  const TimeFunction fresh = build_stage(c, b.model, 0, b.state).loads[0].factor;
+  ASSERT_GT(fresh.points.size(), 2u);  // bends beside 0.37
+  b.state.clock.stage_step = 3;
+  b.state.clock.dt = 0.1;
+  const TimeFunction again = build_stage(c, b.model, 0, b.state).loads[0].factor;
+  ASSERT_EQ(again.points.size(), fresh.points.size());
+  for (std::size_t k = 0; k < fresh.points.size(); ++k) {
+    EXPECT_EQ(again.points[k].t, fresh.points[k].t);
+    EXPECT_EQ(again.points[k].factor, fresh.points[k].factor);
+  }
 }
 
 // Three particles in a row, the middle one at the centre: 10 applications of 1 % in 10 times `every`.

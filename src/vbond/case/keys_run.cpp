@@ -58,8 +58,8 @@ void describe(Table& t, VelocitySpec& v) {
 
 void describe(Table& t, TimeSpec& s) {
   t.key("step", s.step, StepCodec{}, default_is("automatic"),
-        "the time step of dynamics; \"exact\": from the highest frequency of the body as each stage begins, "
-        "where automatic takes a bound from single bonds");
+        "the time step of dynamics, or less where the times of a stage need it; \"exact\": from the highest "
+        "frequency of the body as each stage begins, where automatic takes a bound from single bonds");
   t.when(!s.given(), "no step given, or step = \"exact\"", [&] {
     t.key("fraction", s.fraction, NumberCodec{pure, {0, 1, true, false}}, optional,
           "the step, as a part of the critical one");

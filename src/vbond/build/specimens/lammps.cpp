@@ -58,6 +58,8 @@ struct BondLine {
 /// What a section is for; nothing for one that cannot be passed over. `write_data` writes coefficients unless
 /// told not to, and lists of angles and the like for most molecules.
 std::optional<std::string> use_of_passed_section(const std::string& name) {
+  const auto usual = [](unsigned char c) { return std::isalnum(c) != 0 || c == ' '; };
+  if (!std::all_of(name.begin(), name.end(), usual)) return std::nullopt;
   const auto ends_with = [&name](std::string_view end) {
     return name.size() > end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0;
   };
