@@ -46,8 +46,7 @@ class Arguments {
       return NAN;
     }
     const auto& quantity = std::get<keys::Quantity>(parsed);
-    const bool bare = quantity.dimension == keys::pure;
-    if (bare || quantity.dimension == dimension) return quantity.value;
+    if (!quantity.has_unit || keys::fits(quantity.dimension, dimension)) return quantity.value;
     problem(option, text, std::string("must be a ") + dimension.name,
             std::string("e.g. ") + dimension.example);
     return NAN;

@@ -13,6 +13,7 @@
 #include "prepare.hpp"
 #include "statics.hpp"
 #include "vbond/build/build.hpp"
+#include "vbond/build/times.hpp"
 #include "vbond/case/read.hpp"
 #include "vbond/core/bounding_box.hpp"
 #include "vbond/core/error.hpp"
@@ -94,12 +95,6 @@ void print_overlaps(const Model& model, const State& state) {
                model.units == UnitSystem::si ? " J" : "", pairs);
 }
 
-/// The step that dynamics will have, if it begins as the body stands now: an estimate after static stages.
-double expected_step(const Case& c, const Model& model, const State& state) {
-  const CaseTime* given = c.time.given();
-  return given ? given->resolve(model.T_0) : c.time.fraction * step_bound(model, state, {}).dt;
-}
-
 /// Degrees of freedom that a static stage leaves free; each is held once at most.
 std::int64_t unknowns_of(const StageSpec& stage, const Model& model) {
   auto free = 6 * static_cast<std::int64_t>(model.particles());
@@ -120,8 +115,67 @@ std::int64_t print_stages(const Case& c, const Model& model, double dt, bool dt_
     else
       fmt::print("stage {:<10} at most {}{} steps{}\n", printable(stage.name), dt_is_known ? "" : "about ",
                  steps[k], steps[k] < few_steps ? ": so few; is a unit missing, such as T0?" : "");
+    if (k > 0 && !is_static(stage.kind) && c.time.given())  // of the first stage it is told with its step
+      print_notes(times_not_met(expected_times(stage, model, dt)));
   }
   return std::accumulate(steps.begin(), steps.end(), std::int64_t{0});
+}
+
+/// A load is given for each particle, and easily taken for that on the group.
+void print_loads(const Case& c, const Model& model) {
+  const bool si = model.units == UnitSystem::si;
+  for (const StageSpec& stage : c.stages)
+    for (const LoadSpec& load : stage.loads) {
+      const std::size_t n = resolve_groups({load.group}, model).front().particles.size();
+      const auto print = [&](const char* what, double each, const char* unit) {
+        if (n > 1 && each > 0.0)
+          fmt::print(
+              "load             stage {}: {} of {:.6g}{} on each of {} particles of {}, total {:.6g}{}\n",
+              stage.name, what, each, si ? unit : "", n, load.group.value, static_cast<double>(n) * each,
+              si ? unit : "");
+      };
+      print("force", norm(load.force), " N");
+      print("moment", norm(load.moment), " N*m");
+    }
+}
+
+/// Intervals of output that no stage lasts for: mostly a time without its unit.
+void print_output_remarks(const Case& c, const OutputPlan& plan, const Model& model) {
+  double total = 0.0;
+  for (const StageSpec& s : c.stages)
+    if (!is_static(s.kind)) total += s.duration.resolve(model.T_0);
+  if (total == 0.0) return;
+  const char* unit = model.units == UnitSystem::si ? " s" : "";
+  const auto look = [&](const char* key, double every) {
+    if (std::isfinite(every) && every > total)
+      fmt::print(
+          "output           {} = {:.6g}{} is longer than the run, {:.6g}{}: is a unit missing, such as T0?\n",
+          key, every, unit, total, unit);
+  };
+  look("history.every", plan.history_every);
+  if (plan.frames_every) look("frames.every", *plan.frames_every);
+  if (plan.checkpoint_every) look("checkpoint.every", *plan.checkpoint_every);
+}
+
+/// Static stages whose bodies can move freely, which `run` would refuse as they begin: of later stages as the
+/// body stands now, where neither bonds nor contacts are to come.
+void check_held(const Case& c, const Model& model, const State& state) {
+  const bool all_known = c.contact.law == ContactLaw::none &&
+                         std::all_of(c.bonds.begin(), c.bonds.end(),
+                                     [](const BondSpec& b) { return b.when == BondTime::start; });
+  std::vector<Problem> problems;
+  for (std::size_t k = 0; k < c.stages.size(); ++k) {
+    if (!is_static(c.stages[k].kind) || (k > 0 && !all_known)) continue;
+    State at_start = state;
+    const StaticStage stage = build_static_stage(c, model, static_cast<int>(k), at_start);
+    const auto refusal = refusal_of(model, stage, at_start);
+    if (!refusal) continue;
+    const std::string text = refusal->what();  // the finding, and on a line of its own a way out
+    const std::size_t end = text.find("\n  ");
+    problems.push_back({c.stages[k].place, text.substr(0, end), "run will refuse the stage as it begins",
+                        end == std::string::npos ? "hold the body" : text.substr(end + 3)});
+  }
+  if (!problems.empty()) throw CaseError(problems);
 }
 
 void print_wall_time(std::int64_t steps, const Model& model, const Stage& first, const State& state,
@@ -145,21 +199,26 @@ int check(const std::filesystem::path& case_file, int threads) {
   require_memory(c);
   Built built = build(c);
   require_memory(c, built.model, built.state);
+  check_held(c, built.model, built.state);
   std::optional<Stage> dynamics;  // the first stage, if it is that
   std::optional<StaticStage> statics;
   if (is_static(c.stages[0].kind))
     statics = build_static_stage(c, built.model, 0, built.state);
   else
     dynamics = build_stage(c, built.model, 0, built.state, exact_step());
-  plan_output(c, built.model, {});
+  const OutputPlan plan = plan_output(c, built.model, {});
   print_overview(c, built.model, built.state);
+  print_notes(built.notes);
   if (dynamics) print_step(c, built.model, built.state, *dynamics);
   print_machine(threads);
   print_body(built.model, built.state);
   print_overlaps(built.model, built.state);
 
-  const double dt = dynamics ? dynamics->dt : expected_step(c, built.model, built.state);
+  const bool fitted = dynamics && !c.time.given();  // other stages may have another step of their own
+  const double dt = fitted ? dynamics->dt : expected_step(c, built.model, built.state);
   const std::int64_t steps = print_stages(c, built.model, dt, dynamics || c.time.given());
+  print_loads(c, built.model);
+  print_output_remarks(c, plan, built.model);
   print_memory(built.model, built.state);
   if (statics)
     fmt::print("solver           {}\n",

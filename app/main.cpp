@@ -1,15 +1,20 @@
 #include <fcntl.h>
 
 #include <CLI/CLI.hpp>
+#include <cctype>
 #include <csignal>
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <stdexcept>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "commands.hpp"
 #include "memory.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/core/nearest.hpp"
 #include "vbond/dynamics/kernel.hpp"
 
 namespace {
@@ -54,6 +59,47 @@ void add_plot(CLI::App& app, app::PlotOptions& o, CLI::App*& command) {
   command->add_option("--x", o.x, "Column to plot against")->capture_default_str();
   command->add_flag("--png", o.still,
                     "Write DIR/report.png, the report with its last frame as a picture; needs chromium");
+}
+
+[[noreturn]] void refuse(const std::string& what, const std::string& wrong,
+                         const std::vector<std::string>& right, const std::string& list) {
+  const auto meant = nearest_name(wrong, right);
+  std::string text = what + "\n  " + list;
+  for (const std::string& name : right) text += " " + name;
+  throw std::invalid_argument(meant ? what + "\n  did you mean " + *meant + "?" : text);
+}
+
+bool is_option(const std::string& word) {
+  return word.size() > 1 && word[0] == '-' && std::isdigit(static_cast<unsigned char>(word[1])) == 0 &&
+         word[1] != '.';
+}
+
+/// Throws std::invalid_argument for a command or an option that does not exist: the parser would blame the
+/// word behind it, such as the case file.
+void refuse_unknown(const CLI::App& program, int argc, char** argv) {
+  const std::vector<std::string> words(argv + 1, argv + argc);
+  const CLI::App* command = &program;
+  if (!words.empty() && !is_option(words[0])) {
+    std::vector<std::string> names;
+    for (const CLI::App* c : program.get_subcommands([](const CLI::App*) { return true; })) {
+      names.push_back(c->get_name());
+      if (names.back() == words[0]) command = c;
+    }
+    if (command == &program)
+      refuse("\"" + words[0] + "\" is no command of vbond", words[0], names, "the commands are");
+  }
+  std::vector<std::string> options;
+  for (const CLI::Option* o : command->get_options())
+    for (const std::string& name : o->get_lnames()) options.push_back("--" + name);
+  for (const std::string& word : words) {
+    if (!is_option(word)) continue;
+    if (word == "--") return;
+    const std::string name = word[1] == '-' ? word.substr(0, word.find('=')) : word.substr(0, 2);
+    if (command->get_option_no_throw(name) != nullptr) continue;
+    const bool before = command == &program;
+    refuse(name + " is no option of vbond" + (before ? " before its command" : " " + command->get_name()),
+           name, options, before ? "options stand behind the command; before it" : "its options are");
+  }
 }
 
 int dispatch(int argc, char** argv) {
@@ -102,6 +148,7 @@ int dispatch(int argc, char** argv) {
     std::fputs(program.help().c_str(), stderr);
     return app::bad_input;
   }
+  refuse_unknown(program, argc, argv);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
@@ -134,7 +181,7 @@ int main(int argc, char** argv) {
   } catch (const CaseError& e) {
     std::fprintf(stderr, "%s\n", e.what());
     return app::bad_input;
-  } catch (const std::invalid_argument& e) {  // the environment: VBOND_SIMD
+  } catch (const std::invalid_argument& e) {  // the command line, or the environment: VBOND_SIMD
     std::fprintf(stderr, "%s\n", e.what());
     return app::bad_input;
   } catch (const Diverged& e) {

@@ -25,8 +25,12 @@ ExactCriticalStep exact_step() {
   return {};
 }
 
-SolverChoice solver_of(const Model&, const StaticStage&, const State&) {
+std::optional<NoEquilibrium> refusal_of(const Model&, const StaticStage&, const State&) {
   return {};  // not reached: require_statics has refused the case
+}
+
+SolverChoice solver_of(const Model&, const StaticStage&, const State&) {
+  return {};  // not reached
 }
 
 bool run_static_leg(Campaign& campaign, const StaticStage& stage, const State&, State& state) {

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "vbond/build/build.hpp"
+#include "vbond/build/times.hpp"
 #include "vbond/core/printable.hpp"
 #include "vbond/dynamics/kernel.hpp"
 #include "vbond/model/step_bound.hpp"
@@ -53,11 +54,27 @@ OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem:
   return plan;
 }
 
+Stage expected_times(const StageSpec& spec, const Model& model, double dt) {
+  Stage stage;
+  stage.name = spec.name;
+  stage.stops.duration = spec.duration.resolve(model.T_0);
+  if (spec.strain) stage.strain.emplace().every = spec.strain->every.resolve(model.T_0);
+  stage.dt = fitting_step(dt, stage.stops.duration, stage.strain ? stage.strain->every : 0.0);
+  return stage;
+}
+
 std::vector<std::int64_t> steps_of_stages(const Case& c, const Model& model, double dt) {
   std::vector<std::int64_t> steps;
-  for (const StageSpec& s : c.stages)
-    steps.push_back(is_static(s.kind) ? 0 : steps_in(s.duration.resolve(model.T_0), dt));
+  for (const StageSpec& s : c.stages) {
+    const Stage stage = is_static(s.kind) ? Stage{} : expected_times(s, model, dt);
+    steps.push_back(is_static(s.kind) ? 0 : steps_in(stage.stops.duration, stage.dt));
+  }
   return steps;
+}
+
+void print_notes(const std::vector<std::string>& notes) {
+  for (const std::string& note : notes) fmt::print("note             {}\n", note);
+  std::fflush(stdout);
 }
 
 void print_overview(const Case& c, const Model& model, const State& state) {
@@ -74,7 +91,7 @@ void print_step(const Case& c, const Model& model, const State& state, const Sta
   const StepBound bound = step_bound(model, state, stage.bonding);
   const char* time = time_unit(model);
   const bool exact = c.time.step && !c.time.given();
-  const double critical = exact ? stage.dt / c.time.fraction : bound.dt;
+  const double critical = exact ? stage.critical : bound.dt;
   if (exact)
     fmt::print("critical step    {:.6g}{}, exact; bound {:.6g}{}, from {}\n", critical, time, bound.dt, time,
                bound.source);
@@ -83,7 +100,11 @@ void print_step(const Case& c, const Model& model, const State& state, const Sta
   fmt::print("time step        {:.6g}{}, {:.3g} of the critical step{}\n", stage.dt, time,
              stage.dt / critical,
              stage.dt > critical ? ": ABOVE it, as the case insists; the run will probably blow up" : "");
-  std::fflush(stdout);
+  if (const CaseTime* given = c.time.given(); given && stage.dt < given->resolve(model.T_0))
+    fmt::print(
+        "                 below the {:.6g}{} of the case, so that its times are whole numbers of steps\n",
+        given->resolve(model.T_0), time);
+  print_notes(times_not_met(stage));
 }
 
 void print_machine(int threads) {

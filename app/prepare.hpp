@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "vbond/case/case.hpp"
@@ -14,16 +15,24 @@ namespace vbond::app {
 /// What the case wants written, with names and times resolved. Throws CaseError.
 OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem::path& folder);
 
-/// Steps of each stage if none ends early, all with the same step dt; of static ones none.
+/// Duration and strain of a dynamics stage, with the step that they make of dt: what is known of its times
+/// before it begins.
+Stage expected_times(const StageSpec& spec, const Model& model, double dt);
+
+/// Steps of each stage if none ends early, all with the same step dt but for what their times need; of static
+/// ones none.
 std::vector<std::int64_t> steps_of_stages(const Case& c, const Model& model, double dt);
 
 /// Between which pairs there are contacts.
 const char* contacts_in_words(const Model& model);
 
+/// Prints what the run leaves aside or does not do to the letter, a line each.
+void print_notes(const std::vector<std::string>& notes);
+
 /// Prints title, particles, bonds, coordination, contacts and T_0.
 void print_overview(const Case& c, const Model& model, const State& state);
 
-/// Prints the step of a stage, the critical one and where it comes from.
+/// Prints the step of a stage, the critical one and where it comes from, and what the step does not meet.
 void print_step(const Case& c, const Model& model, const State& state, const Stage& stage);
 
 /// Prints what the run computes with: the instruction set of the bonds and the number of threads.

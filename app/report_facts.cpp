@@ -158,7 +158,8 @@ page::StepFacts step_of(const Case& c, const Built& built, const std::optional<R
     bound = step_bound(built.model, built.state);
     if (step.dt == 0.0) step.dt = c.time.given()->resolve(built.model.T_0);
   }
-  step.critical = c.time.given() ? bound.dt : step.dt / c.time.fraction;
+  // of a body that is not at hand: as if the step had not been fitted to the stage's times
+  step.critical = bound.dt > 0.0 ? bound.dt : step.dt / c.time.fraction;
   return step;
 }
 

@@ -19,6 +19,7 @@
 #include "signals.hpp"
 #include "statics.hpp"
 #include "vbond/build/build.hpp"
+#include "vbond/build/times.hpp"
 #include "vbond/case/read.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/dynamics/simulation.hpp"
@@ -65,12 +66,14 @@ void add_stage(RunSummary& s, const Simulation& run, StopReason why, std::int64_
   s.stages.back().failure = failure;
 }
 
-/// Says what step the run has, once it is known.
+/// Says what step the run has, once it is known, and of every stage which times it does not meet.
 void begin_dynamics(Campaign& campaign, const Stage& stage, const State& state) {
-  if (std::exchange(campaign.step_known, true)) return;
-  if (campaign.progress) campaign.progress->expect(steps_of_stages(campaign.c, campaign.model, stage.dt));
-  if (state.clock.stage > 0 && state.clock.stage_step == 0)  // with the first stage it is told beforehand
-    print_step(campaign.c, campaign.model, state, stage);
+  const bool known = std::exchange(campaign.step_known, true), begins = state.clock.stage_step == 0;
+  if (!known && campaign.progress)
+    campaign.progress->expect(steps_of_stages(campaign.c, campaign.model, stage.dt));
+  if (begins && state.clock.stage == 0) return;  // told before the run
+  if (begins && !known) return print_step(campaign.c, campaign.model, state, stage);
+  for (const std::string& line : times_not_met(stage)) campaign.tell(line);
 }
 
 /// Runs a stage of dynamics from this state, which is moved on. Returns true if it has come to its end: the
@@ -258,6 +261,7 @@ int run(const RunOptions& options) {
   replace_file(plan.folder / "resolved.toml", to_toml(c));
   say("output folder    " + plan.folder.string() + "\n");
   print_overview(c, built.model, built.state);
+  print_notes(built.notes);
   if (const Stage* dynamics = std::get_if<Stage>(&first.stage))
     print_step(c, built.model, built.state, *dynamics);
   print_machine(options.threads);

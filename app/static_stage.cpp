@@ -161,6 +161,15 @@ ExactCriticalStep exact_step() {
   };
 }
 
+std::optional<NoEquilibrium> refusal_of(const Model& model, const StaticStage& stage, const State& state) {
+  try {
+    refuse_free_bodies(model, stage, state);
+  } catch (const NoEquilibrium& e) {
+    return e;
+  }
+  return std::nullopt;
+}
+
 SolverChoice solver_of(const Model& model, const StaticStage& stage, const State& state) {
   return choose_solver(model, stage, state);
 }

@@ -1,7 +1,10 @@
 #pragma once
+#include <optional>
+
 #include "campaign.hpp"
 #include "vbond/build/build.hpp"
 #include "vbond/case/case.hpp"
+#include "vbond/core/error.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/model/static_stage.hpp"
 #include "vbond/statics/statics.hpp"
@@ -15,6 +18,9 @@ void require_statics(const Case& c);
 
 /// The exact critical step for build_stage; empty if this program cannot tell.
 ExactCriticalStep exact_step();
+
+/// Why a stage that begins in this state would be refused: its bodies can move freely.
+std::optional<NoEquilibrium> refusal_of(const Model& model, const StaticStage& stage, const State& state);
 
 /// How a stage that begins in this state will be solved.
 SolverChoice solver_of(const Model& model, const StaticStage& stage, const State& state);

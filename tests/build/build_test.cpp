@@ -110,6 +110,21 @@ TEST(Particles, CannotBeAtTheSamePlace) {
   EXPECT_TRUE(contains(text_of_error(c), "particles 3 and 11 are at the same place (1 such pairs)"));
 }
 
+// All pairs of these are 2e10: the count ends at a thousand, and the test with it.
+TEST(Build, TellsOfManyParticlesAtOnePlaceWithoutCountingAllPairs) {
+  Case c = case_of(ListedSpecimen{std::vector<Vec3d>(200'000, Vec3d{1, 2, 3})});
+  EXPECT_TRUE(
+      contains(text_of_error(c), "particles 0 and 1 are at the same place (1000 such pairs at least)"));
+}
+
+TEST(NaturalTime, OutOfRangeIsRefusedWithItsNumbers) {
+  Case c = paper_rod();
+  std::get<TheoryParameters>(c.bonds[0].recipe.parameters).material.E = 1e-320;
+  const std::string error = text_of_error(c);
+  EXPECT_TRUE(contains(error, "case.toml:10:1: T0 = inf")) << error;
+  EXPECT_TRUE(contains(error, "here m = 1 and the first bond has c_A = ")) << error;
+}
+
 TEST(Particles, NeedMassInertiaAndFinitePositions) {
   Case c = paper_rod();
   c.specimens[0].radius = 0.0;

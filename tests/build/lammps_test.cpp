@@ -133,13 +133,125 @@ TEST(LammpsSpecimen, PassesOverVelocities) {
   for (const Vec3d& v : b.state.v) EXPECT_EQ(v, (Vec3d{0, 0, 0}));
 }
 
+// As the command write_data of LAMMPS leaves it: coefficients unless it is told not to, and angles for most
+// molecules.
+const char* const written = R"(LAMMPS data file via write_data, version 2 Aug 2023, timestep = 0
+
+4 atoms
+2 atom types
+3 bonds
+2 bond types
+2 angles
+1 angle types
+
+-1 9 xlo xhi
+-1 1 ylo yhi
+-1 1 zlo zhi
+
+Masses
+
+1 2.5
+2 5
+
+Pair Coeffs # lj/cut
+
+1 1 1
+2 1 1
+
+Bond Coeffs # harmonic
+
+1 80 1.2
+2 40 1.2
+
+Angle Coeffs # harmonic
+
+1 10 180
+
+PairIJ Coeffs # lj/cut
+
+1 2 1 1
+
+Atoms # bond
+
+1 1 1 0 0 0 0 0 0
+2 1 2 1 0 0 0 0 0
+3 1 2 2 0 0 0 0 0
+4 1 1 3 0 0 0 0 0
+
+Velocities
+
+1 0 0 0
+
+Bonds
+
+1 1 1 2
+2 2 2 3
+3 1 3 4
+
+Angles
+
+1 1 1 2 3
+2 1 2 3 4
+)";
+
+TEST(LammpsSpecimen, PassesOverWhatWriteDataWritesWithAWord) {
+  const TemporaryFile file("written.data", written);
+  const Built b = build(lammps_case(file.path(), "bond"));
+  EXPECT_EQ(b.model.particles(), 4u);
+  EXPECT_EQ(b.state.bonds.size(), 3u);
+  std::string notes;
+  for (const std::string& note : b.notes) notes += note + "\n";
+  for (const char* part :
+       {"written.data:19: section Pair Coeffs is passed over: the case gives",
+        "section Bond Coeffs is passed over", "section Angle Coeffs is", "section PairIJ Coeffs is",
+        "section Velocities is passed over: [[velocities]]",
+        "section Angles is passed over: bonds join two particles",
+        "bonds \"bonds\": the bond types 1, 2 of the file are made alike; bond_type takes one of them"})
+    EXPECT_TRUE(contains(notes, part)) << part << "\nnot in\n" << notes;
+}
+
+TEST(LammpsSpecimen, PassesOverNoSectionOfAStrangeName) {
+  const TemporaryFile file("strange.data", std::string(chain) + "\nB\x1b[2J Coeffs\n\n1 1\n");
+  EXPECT_TRUE(contains(text_of_error(lammps_case(file.path(), "bond")), "is not supported"));
+}
+
+TEST(LammpsSpecimen, MakesGroupsOfAtomTypes) {
+  const TemporaryFile file("written.data", written);
+  const Built b = build(lammps_case(file.path(), "bond"));
+  EXPECT_EQ(numbers(b.model, "type-1"), (std::vector<std::size_t>{0, 3}));
+  EXPECT_EQ(numbers(b.model, "body.type-2"), (std::vector<std::size_t>{1, 2}));
+}
+
+TEST(LammpsSpecimen, BondsOfOneTypeMayBeChosen) {
+  const TemporaryFile file("written.data", written);
+  Case c = lammps_case(file.path(), "bond");
+  c.bonds[0].select.value = SpecimenPairs{1};
+  BondSpec others = c.bonds[0];
+  others.name = "others";
+  others.select.value = SpecimenPairs{2};
+  c.bonds.push_back(others);
+  const Built b = build(c);
+  ASSERT_EQ(b.state.bonds.size(), 3u);
+  EXPECT_EQ(b.state.bonds[BondId{0}].j.value, 1u);
+  EXPECT_EQ(b.state.bonds[BondId{1}].i.value, 2u);
+  EXPECT_EQ(b.state.bonds[BondId{2}].i.value, 1u);
+  EXPECT_EQ(b.state.bonds[BondId{2}].set, 1u);
+  for (const std::string& note : b.notes) EXPECT_FALSE(contains(note, "made alike"));
+
+  c.bonds[1].select.value = SpecimenPairs{3};
+  const std::string error = text_of_error(c);
+  EXPECT_TRUE(contains(
+      error, "no bond of type 3\n  between these groups the files have none; they have the bond types 1, 2"))
+      << error;
+}
+
 TEST(LammpsSpecimen, RefusesWhatItDoesNotSupportWithLineNumbers) {
   const TemporaryFile file("bad.data",
-                           "title\n\n2 atoms\n1 bonds\n3 dihedrals\n1 elephants\n\nAtoms # full\n\n"
+                           "title\n\n2 atoms\n1 bonds\n3 ellipsoids\n1 elephants\n\nAtoms # full\n\n"
                            "1 1 1 0 0 0\n2 1 1 1 0\n\nEllipsoids\n\n1 1 1 1\n\nBonds\n\n1 1 1\n");
   const std::string error = text_of_error(lammps_case(file.path(), "bond"));
   for (const char* part :
-       {"bad.data:5:1: the file has dihedrals", "bad.data:6:1: \"1 elephants\"",
+       {"bad.data:5:1: \"3 ellipsoids\" is not understood", "bad.data:6:1: \"1 elephants\"",
         "bad.data:8:1: the file says atom style \"full\"", "bad.data:11:1: the line is not",
         "bad.data:13:1: section \"Ellipsoids\"", "bad.data:19:1: the line is not"})
     EXPECT_TRUE(contains(error, part)) << part << "\nnot in\n" << error;

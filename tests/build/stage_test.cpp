@@ -36,6 +36,7 @@ TEST(Stage, TimesAreInTheModelsUnit) {
 TEST(Stage, StepIsTheAskedFractionOfTheBound) {
   Case c = paper_rod();
   c.time.fraction = 0.25;
+  c.stages[0].duration = {100.0, false};
   EXPECT_DOUBLE_EQ(first_stage(c).dt, 0.25);  // the rod's bound is 1: see StepBound
 }
 
@@ -50,6 +51,7 @@ TEST(Stage, GivenStepAboveTheBoundIsRefusedUnlessInsisted) {
   EXPECT_DOUBLE_EQ(first_stage(c).dt, 0.16 * 2.0 * std::numbers::pi);
   c.time.insist = false;
   c.time.step->value = CaseTime{0.159, true};
+  c.stages[0].duration = {159.0, true};
   EXPECT_DOUBLE_EQ(first_stage(c).dt, 0.159 * 2.0 * std::numbers::pi);
 }
 
@@ -69,6 +71,7 @@ TEST(Stage, WithNothingElasticNeedsAGivenStep) {
   Case c = case_of(RodSpecimen{3, 1.0, {}, {1, 0, 0}});
   EXPECT_TRUE(contains(text_of_stage_error(c), "give time.step"));
   c.time.step = Placed<std::variant<CaseTime, ExactStep>>{CaseTime{0.5, false}, {}};
+  c.stages[0].duration = {100.0, false};
   EXPECT_EQ(first_stage(c).dt, 0.5);
 }
 

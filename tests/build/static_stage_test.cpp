@@ -168,6 +168,7 @@ TEST(StaticStageOfACase, HasNoBondingRules) {
 Case exact_rod() {
   Case c = paper_rod();
   c.time.step = Placed<std::variant<CaseTime, ExactStep>>{ExactStep{}, {"case.toml", 50, 8}};
+  c.stages[0].duration = {100.0, false};
   return c;
 }
 
@@ -188,7 +189,8 @@ TEST(ExactStepOfACase, IsAFractionOfWhatIsAskedForAboveTheBoundToo) {
 }
 
 TEST(ExactStepOfACase, IsNotAskedForByOthers) {
-  const Case c = paper_rod();
+  Case c = paper_rod();
+  c.stages[0].duration = {100.0, false};
   Built b = build(c);
   const auto never = [](const Model&, const State&, const Stage&) -> double {
     throw std::logic_error("asked");

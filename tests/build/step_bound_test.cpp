@@ -114,7 +114,7 @@ TEST(StepBound, BondingRulesLeaveRoomForBondsToCome) {
   c.time.fraction = 1.0;
   Built b = build(c);
   const Stage s = build_stage(c, b.model, 0, b.state);
-  const double lambda = 4.0 / (s.dt * s.dt);
+  const double lambda = 4.0 / (s.critical * s.critical);
   EXPECT_NEAR(lambda, 24.0, 1e-12);
   EXPECT_TRUE(
       contains(step_bound(b.model, b.state, s.bonding).source, '"' + c.bonds[0].name + "\" may still make"));

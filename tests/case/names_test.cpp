@@ -15,6 +15,14 @@ TEST(NearestName, IsFoundThroughSwapsSlipsAndLetterCase) {
   EXPECT_EQ(nearest_name("dir", names), "direction");
 }
 
+TEST(NearestName, OfThreeLettersIsNoWordWithAnotherLetter) {
+  const std::vector<std::string> lattices{"simple-cubic", "fcc", "hcp"};
+  EXPECT_EQ(nearest_name("bcc", lattices), std::nullopt);
+  EXPECT_EQ(nearest_name("hpc", lattices), "hcp");
+  EXPECT_EQ(nearest_name("FCC", lattices), "fcc");
+  EXPECT_EQ(nearest_name("fc", lattices), "fcc");
+}
+
 TEST(NearestName, IsNothingForAnotherWord) {
   EXPECT_EQ(nearest_name("velocity", names), std::nullopt);
   EXPECT_EQ(nearest_name("mass", names), std::nullopt);

@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "vbond/case/node.hpp"
 #include "vbond/case/read.hpp"
 
 namespace vbond::keys {
@@ -28,13 +29,15 @@ TEST(Quantity, IsReadInBaseUnits) {
       {"3mm^4", 3e-12, area_moment},
       {"-1.5e+2 m/s", -150, velocity},
       {"+9.81 m/s^2", 9.81, acceleration},
-      {"10 deg", 10 * (std::numbers::pi / 180), pure},
+      {"10 deg", 10 * (std::numbers::pi / 180), angle},
+      {"2 rev/s", 4 * std::numbers::pi, angular_velocity},
+      {"1e-3 N*m/rad", 1e-3, {2, 1, -2, -1}},
       {"2 min", 120, duration},
       {"1 kPa*mm^2", 1e-3, force},
       {"3 m*s^-1", 3, velocity},
       {"13.56 angstrom", 13.56e-10, length},
       {"50 %", 0.5, pure},
-      {"1 kHz", 1e3, angular_velocity},
+      {"1 kHz", 1e3, {0, 0, -1}},
       {"42", 42, pure},
   };
   for (const Row& row : rows) {
@@ -95,6 +98,48 @@ TEST(Units, MultiplesOfT0AreTimesInBothSystems) {
 TEST(Units, AreRefusedWithReducedNumbers) {
   EXPECT_THROW(parse_case(rod("reduced", "\"0.5 mm\"", "1"), "rod.toml"), CaseError);
   EXPECT_THROW(parse_case(rod("reduced", "1", "\"20 us\""), "rod.toml"), CaseError);
+}
+
+/// What a case with an SI support that turns like this is met with.
+std::string turning(const std::string& rate) {
+  try {
+    const Case c = parse_case(rod("SI", "1", "1") + "supports = [{ group = \"first\", fix = [\"rx\"], " +
+                                  "angular_velocity = [" + rate + ", 0, 0] }]\n",
+                              "rod.toml");
+    return number_text(c.stages[0].supports[0].angular_velocity.x);
+  } catch (const CaseError& e) {
+    return e.what();
+  }
+}
+
+// A frequency may count radians or turns.
+TEST(Units, OfAngularVelocityNameAnAngle) {
+  EXPECT_EQ(turning("\"3 rad/s\""), "3.0");
+  EXPECT_EQ(turning("\"2 rev/s\""), number_text(4.0 * std::numbers::pi));
+  EXPECT_EQ(turning("3"), "3.0");
+  for (const char* frequency : {"\"10 Hz\"", "\"10 s^-1\"", "\"10 1/s\"", "\"10 kHz*m/m\""}) {
+    const std::string report = turning(frequency);
+    EXPECT_NE(report.find("in rad/s, deg/s or rev/s"), std::string::npos) << frequency << ": " << report;
+  }
+}
+
+TEST(Units, OfAnAngleAreRefusedForANumber) {
+  const auto report = [](const std::string& nu, const std::string& c_B) {
+    try {
+      parse_case(rod("SI", "1", "1") + "[[bonds]]\ndistance = 1.1\nstiffness = { c_A = 1, c_D = 1, c_B = " +
+                     c_B + ", c_T = 1 }\n[contact]\nlaw = \"hertz\"\nE = 1\nnu = " + nu + "\n",
+                 "rod.toml");
+    } catch (const CaseError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(report("\"20 %\"", "\"1 N*m\""), "");
+  EXPECT_EQ(report("0.2", "\"1 N*m/rad\""), "");  // as stiffnesses in bending are given
+  EXPECT_NE(report("\"20 deg\"", "1").find("must be a number without a unit; this is an angle (rad)"),
+            std::string::npos)
+      << report("\"20 deg\"", "1");
+  EXPECT_NE(report("0.2", "\"1 N*m*rad\""), "");
 }
 
 }  // namespace

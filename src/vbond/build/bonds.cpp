@@ -1,9 +1,11 @@
 #include "vbond/build/bonds.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <stdexcept>
 #include <unordered_map>
 
@@ -107,17 +109,27 @@ struct Selection {
   }
 
   /// The file is read again: bonds of a later stage come from it too, and the model does not keep them.
-  std::vector<Pair> operator()(const SpecimenPairs&) {
+  std::vector<Pair> operator()(const SpecimenPairs& wanted) {
     std::vector<Pair> pairs;
+    std::set<std::int64_t> types;
     for (const SpecimenSpec& specimen : c.specimens) {
       if (!std::holds_alternative<LammpsSpecimen>(specimen.shape)) continue;
       const auto first = model.find_group(specimen.name)->particles.front().value;
-      for (const auto& [i, j] : make_specimen(specimen, c.file).bonds) {
-        const ParticleId p{first + static_cast<std::size_t>(i)}, q{first + static_cast<std::size_t>(j)};
+      for (const FileBond& bond : make_specimen(specimen, c.file).bonds) {
+        types.insert(bond.type);
+        if (wanted.bond_type && bond.type != *wanted.bond_type) continue;
+        const ParticleId p{first + static_cast<std::size_t>(bond.pair[0])},
+            q{first + static_cast<std::size_t>(bond.pair[1])};
         if (joins_groups(p, q)) take(p.value, q.value, place_of_selection(spec), pairs);
       }
     }
-    if (pairs.empty() && problems.none())
+    if (pairs.empty() && wanted.bond_type && !types.empty())
+      problems.add(place_of_selection(spec),
+                   fmt::format("bonds \"{}\": no bond of type {}", spec.name, *wanted.bond_type),
+                   fmt::format("between these groups the files have none; they have the bond types {}",
+                               fmt::join(types, ", ")),
+                   "choose one of these, or other groups");
+    else if (pairs.empty() && problems.none())
       problems.add(place_of_selection(spec), fmt::format("bonds \"{}\": no specimen brings bonds", spec.name),
                    "only LAMMPS data files with a Bonds section do", "select by distance or by pairs");
     return ordered(std::move(pairs));

@@ -1,9 +1,11 @@
 #include "vbond/build/build.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "vbond/build/bonds.hpp"
 #include "vbond/build/groups.hpp"
@@ -112,18 +114,34 @@ void add_particles(const PlacedSpecimen& s, std::uint32_t number, Built& built, 
   }
 }
 
+/// Bonds that a file tells apart and the case does not are made alike.
+void note_bond_types(const Case& c, const std::vector<PlacedSpecimen>& specimens, Built& built) {
+  std::set<std::int64_t> types;
+  for (const PlacedSpecimen& s : specimens)
+    for (const FileBond& bond : s.points.bonds) types.insert(bond.type);
+  if (types.size() < 2) return;
+  for (const BondSpec& b : c.bonds)
+    if (const auto* pairs = std::get_if<SpecimenPairs>(&b.select.value); pairs && !pairs->bond_type)
+      built.notes.push_back(fmt::format(
+          "bonds \"{}\": the bond types {} of the file are made alike; bond_type takes one of them", b.name,
+          fmt::join(types, ", ")));
+}
+
 /// Two centres closer than 1e-9 of the body's size are one place: no direction could be told from them.
 void check_distinct(const Case& c, const Model& model, Problems& problems) {
+  constexpr std::size_t enough = 1000;  // of many particles at one place all pairs would take hours
   std::size_t found = 0, first_i = 0, first_j = 0;
   for_near_pairs(model.r_0.values(), 1e-9 * box_around(model.r_0).diagonal(),
                  [&](std::size_t i, std::size_t j, double) {
                    if (found++ == 0) first_i = i, first_j = j;
+                   return found < enough;
                  });
   if (found > 0)
-    problems.add(
-        {c.file, 0, 0},
-        fmt::format("particles {} and {} are at the same place ({} such pairs)", first_i, first_j, found),
-        "no bond or contact can be set up between them", "move a specimen or remove the double particles");
+    problems.add({c.file, 0, 0},
+                 fmt::format("particles {} and {} are at the same place ({} such pairs{})", first_i, first_j,
+                             found, found < enough ? "" : " at least"),
+                 "no bond or contact can be set up between them",
+                 "move a specimen or remove the double particles");
 }
 
 void check_contact(const Case& c, const Model& model, Problems& problems) {
@@ -136,11 +154,28 @@ void check_contact(const Case& c, const Model& model, Problems& problems) {
 }
 
 /// 2 pi sqrt(m / c_A); 0 if there is none, and then no time may be given in it.
-double natural_time(const Case& c, const Built& built) {
+double natural_time(const Case& c, const Built& built, Problems& problems) {
   const double two_pi = 2.0 * std::numbers::pi;
-  if (const auto c_A = first_c_A(c, built.model, built.state); c_A && *c_A > 0.0)
-    return two_pi * std::sqrt(built.model.mass[ParticleId{0}] / *c_A);
-  return c.units == UnitSystem::reduced ? two_pi : 0.0;
+  const auto c_A = first_c_A(c, built.model, built.state);
+  if (!c_A || !(*c_A > 0.0)) return c.units == UnitSystem::reduced ? two_pi : 0.0;
+  const double m = built.model.mass[ParticleId{0}], T_0 = two_pi * std::sqrt(m / *c_A);
+  constexpr double largest = 1e60;  // as of the numbers of a case
+  if (!(T_0 > 1.0 / largest && T_0 < largest))
+    problems.add(
+        c.bonds.front().place, fmt::format("T0 = {:.6g}", T_0),
+        fmt::format("T0 = 2 pi sqrt(m / c_A) must lie between 1e-60 and 1e60; here m = {:.6g} and the "
+                    "first bond has c_A = {:.6g}",
+                    m, *c_A),
+        "look for a missing or misplaced unit in mass, E or the section");
+  return T_0;
+}
+
+/// With the step as far as it is known before a stage begins; told again then.
+void check_durations(const Case& c, const Built& built, Problems& problems) {
+  const double dt = expected_step(c, built.model, built.state);
+  if (!(dt > 0.0)) return;
+  for (const StageSpec& s : c.stages)
+    if (!is_static(s.kind)) check_number_of_steps(s, s.duration.resolve(built.model.T_0), dt, problems);
 }
 
 void check_output(const Case& c, const Model& model, Problems& problems) {
@@ -174,7 +209,11 @@ Built build(const Case& c) {
 
   const std::vector<PlacedSpecimen> specimens = place_specimens(c);
   std::uint32_t number = 0;
-  for (const PlacedSpecimen& s : specimens) add_particles(s, number++, built, problems);
+  for (const PlacedSpecimen& s : specimens) {
+    add_particles(s, number++, built, problems);
+    built.notes.insert(built.notes.end(), s.points.notes.begin(), s.points.notes.end());
+  }
+  note_bond_types(c, specimens, built);
   problems.throw_if_any();
   const std::size_t n = model.particles();
   state.r = model.r_0;
@@ -188,10 +227,12 @@ Built build(const Case& c) {
 
   for (std::size_t set = 0; set < c.bonds.size(); ++set)
     if (c.bonds[set].when == BondTime::start) add_bonds(c, set, model, state, problems);
-  model.T_0 = natural_time(c, built);
+  model.T_0 = natural_time(c, built, problems);
   add_velocities(c, model, state, problems);
   check_stages(c, model, problems);
   check_output(c, model, problems);
+  problems.throw_if_any();
+  check_durations(c, built, problems);
   problems.throw_if_any();
   return built;
 }

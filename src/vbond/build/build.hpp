@@ -17,6 +17,7 @@ namespace vbond {
 struct Built {
   Model model;
   State state;
+  std::vector<std::string> notes;  ///< what of the specimens' files is not used, a line each
 };
 
 /// Particles that the case makes itself; those that it reads from files are not counted.
@@ -35,10 +36,15 @@ using ExactCriticalStep = std::function<double(const Model&, const State&, const
 /// Stage k of the case, 0 <= k < stages.size(), of kind dynamics, with names looked up and times in the
 /// model's unit. If state.clock.stage_step == 0, makes the stage's bonds (when = stage) in `state` and
 /// chooses the step: the given one, or the fraction of step_bound(), or of exact_step() if the case wants it
-/// exact. A stage that is under way keeps state.clock.dt. Throws CaseError, also for a given step above the
-/// bound unless the case insists; std::logic_error if the stage is static.
+/// exact, or less where the times of the stage need it (fitting_step). Factors over time bend on steps
+/// (on_steps). A stage that is under way keeps state.clock.dt. Throws CaseError, also for a given step above
+/// the bound unless the case insists; std::logic_error if the stage is static.
 Stage build_stage(const Case& c, const Model& model, int k, State& state,
                   const ExactCriticalStep& exact_step = {});
+
+/// The step that a stage of dynamics would have in this state, before it is fitted to the stage's times;
+/// infinite if nothing is elastic.  [time]
+double expected_step(const Case& c, const Model& model, const State& state);
 
 /// The same for a stage of any static kind; the clock of `state` is left alone.
 StaticStage build_static_stage(const Case& c, const Model& model, int k, State& state);

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <unordered_map>
+#include <unordered_set>
 
 #include "vbond/build/build.hpp"
 #include "vbond/build/text_file.hpp"
@@ -20,14 +22,25 @@ std::vector<std::string> names_of(const std::vector<Group>& groups) {
   return names;
 }
 
-void add_group(Group group, const SourcePlace& place, Model& model, Problems& problems) {
-  if (model.find_group(group.name) != nullptr)
-    problems.add(place, fmt::format("a second group of the name \"{}\"", group.name),
-                 "\"all\", specimens, their parts and groups have different names",
-                 fmt::format("rename it; taken: {}", fmt::join(names_of(model.groups), ", ")));
-  else
-    model.groups.push_back(std::move(group));
-}
+/// Adds groups of different names to the model.
+class Adder {
+ public:
+  Adder(Model& model, Problems& problems) : model_(model), problems_(problems) {}
+
+  void operator()(Group group, const SourcePlace& place) {
+    if (taken_.insert(group.name).second)
+      model_.groups.push_back(std::move(group));
+    else
+      problems_.add(place, fmt::format("a second group of the name \"{}\"", group.name),
+                    "\"all\", specimens, their parts and groups have different names",
+                    fmt::format("rename it; taken: {}", fmt::join(names_of(model_.groups), ", ")));
+  }
+
+ private:
+  Model& model_;
+  Problems& problems_;
+  std::unordered_set<std::string> taken_;
+};
 
 Group consecutive(std::string name, std::size_t first, std::size_t count) {
   Group g{std::move(name), {}};
@@ -42,20 +55,18 @@ Group part_of(const PlacedSpecimen& s, std::size_t part, std::string name) {
   return g;
 }
 
-void add_parts(const std::vector<PlacedSpecimen>& specimens, Model& model, Problems& problems) {
-  for (const PlacedSpecimen& s : specimens)
-    for (std::size_t part = 0; part < s.points.parts.size(); ++part)
-      add_group(part_of(s, part, s.spec->name + "." + s.points.parts[part].first), s.spec->place, model,
-                problems);
+void add_parts(const std::vector<PlacedSpecimen>& specimens, Adder& add) {
+  std::unordered_map<std::string, int> specimens_with;
   for (const PlacedSpecimen& s : specimens)
     for (std::size_t part = 0; part < s.points.parts.size(); ++part) {
       const std::string& name = s.points.parts[part].first;
-      const auto has_it = [&](const PlacedSpecimen& other) {
-        const auto& parts = other.points.parts;
-        return std::any_of(parts.begin(), parts.end(), [&](const auto& p) { return p.first == name; });
-      };
-      if (std::count_if(specimens.begin(), specimens.end(), has_it) == 1)
-        add_group(part_of(s, part, name), s.spec->place, model, problems);
+      ++specimens_with[name];
+      add(part_of(s, part, s.spec->name + "." + name), s.spec->place);
+    }
+  for (const PlacedSpecimen& s : specimens)
+    for (std::size_t part = 0; part < s.points.parts.size(); ++part) {
+      const std::string& name = s.points.parts[part].first;
+      if (specimens_with[name] == 1) add(part_of(s, part, name), s.spec->place);
     }
 }
 
@@ -110,10 +121,11 @@ struct Members {
 
 void add_groups(const Case& c, const std::vector<PlacedSpecimen>& specimens, Model& model,
                 Problems& problems) {
-  model.groups.push_back(consecutive("all", 0, model.particles()));
+  Adder add(model, problems);
+  add(consecutive("all", 0, model.particles()), {});
   for (const PlacedSpecimen& s : specimens)
-    add_group(consecutive(s.spec->name, s.first, s.points.r.size()), s.spec->place, model, problems);
-  add_parts(specimens, model, problems);
+    add(consecutive(s.spec->name, s.first, s.points.r.size()), s.spec->place);
+  add_parts(specimens, add);
   for (const GroupSpec& spec : c.groups) {
     const std::size_t before = problems.count();
     Group group{spec.name, std::visit(Members{model, spec, problems}, spec.region)};
@@ -121,7 +133,7 @@ void add_groups(const Case& c, const std::vector<PlacedSpecimen>& specimens, Mod
       problems.add(spec.place, fmt::format("group \"{}\" has no particles", spec.name),
                    "a group has at least one; regions include their boundary, without any tolerance",
                    "make the region larger");
-    add_group(std::move(group), spec.place, model, problems);
+    add(std::move(group), spec.place);
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include "vbond/build/groups.hpp"
 #include "vbond/build/stage_resolver.hpp"
+#include "vbond/build/times.hpp"
 #include "vbond/model/make_bond.hpp"
 
 namespace vbond {
@@ -188,6 +189,7 @@ void choose_step(const Case& c, const Model& model, const State& state, const Ex
   const bool exact = c.time.step && !c.time.given();
   const StepBound critical = exact ? exact_bound(c, model, state, stage, exact_step, problems)
                                    : step_bound(model, state, stage.bonding);
+  stage.critical = critical.dt;
   if (!(critical.dt > 0.0))
     problems.add(
         {c.file, 0, 0}, fmt::format("stage \"{}\" has the critical step {}", stage.name, critical.dt),
@@ -221,7 +223,33 @@ void check_against_step(const StageSpec& spec, const State& state, const Stage& 
                  "its mean force is taken over the bonds with both ends in the group", "name a bonded group");
 }
 
+/// Takes the step down to one that the times of the stage are whole numbers of.
+void fit_step(const StageSpec& spec, Stage& stage, Problems& problems) {
+  stage.dt = fitting_step(stage.dt, stage.stops.duration, stage.strain ? stage.strain->every : 0.0);
+  check_number_of_steps(spec, stage.stops.duration, stage.dt, problems);
+}
+
+void put_on_steps(Stage& stage) {
+  const std::int64_t last = steps_in(stage.stops.duration, stage.dt);
+  for (Support& s : stage.supports) s.factor = on_steps(s.factor, stage.dt, last);
+  for (PointLoad& l : stage.loads) l.factor = on_steps(l.factor, stage.dt, last);
+}
+
 }  // namespace
+
+double expected_step(const Case& c, const Model& model, const State& state) {
+  const CaseTime* given = c.time.given();
+  return given ? given->resolve(model.T_0) : c.time.fraction * step_bound(model, state, {}).dt;
+}
+
+void check_number_of_steps(const StageSpec& spec, double duration, double dt, Problems& problems) {
+  constexpr double most = 1e15;  // three years of ten million steps a second; counts are exact as doubles
+  if (duration <= most * dt) return;
+  problems.add(
+      spec.place, fmt::format("stage \"{}\": duration = {:.6g}", spec.name, duration),
+      fmt::format("that is {:.2g} steps of {:.6g}; {:.0e} are the most", duration / dt, dt, most),
+      "look for a missing or misplaced unit; with a stop condition, too, give a duration within reach");
+}
 
 Stage resolve_stage(const Case& c, const Model& model, std::size_t k, Problems& problems) {
   const StageSpec& spec = c.stages.at(k);
@@ -255,6 +283,7 @@ Stage build_stage(const Case& c, const Model& model, int k, State& state,
   problems.throw_if_any();
   if (state.clock.stage_step > 0) {  // under way: bonds made since must not change its step
     stage.dt = state.clock.dt;
+    put_on_steps(stage);
     return stage;
   }
   add_stage_bonds(c, index, model, state, problems);
@@ -262,7 +291,9 @@ Stage build_stage(const Case& c, const Model& model, int k, State& state,
   choose_step(c, model, state, exact_step, stage, problems);
   problems.throw_if_any();
   check_against_step(c.stages[index], state, stage, problems);
+  fit_step(c.stages[index], stage, problems);
   problems.throw_if_any();
+  put_on_steps(stage);
   return stage;
 }
 

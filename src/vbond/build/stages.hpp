@@ -17,4 +17,7 @@ void check_stages(const Case& c, const Model& model, Problems& problems);
 double look_up_time(const CaseTime& time, const Model& model, const std::string& what,
                     const SourcePlace& place, Problems& problems);
 
+/// Refuses a duration of more steps of dt than any run will take.
+void check_number_of_steps(const StageSpec& spec, double duration, double dt, Problems& problems);
+
 }  // namespace vbond

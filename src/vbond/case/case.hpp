@@ -143,8 +143,10 @@ struct ListedPairs {
 };
 struct PairsFile {
   std::filesystem::path file;
-};                        ///< CSV with header i,j
-struct SpecimenPairs {};  ///< the bonds of a LAMMPS data file
+};                                        ///< CSV with header i,j
+struct SpecimenPairs {                    ///< the bonds of a LAMMPS data file
+  std::optional<std::int64_t> bond_type;  ///< only those of this type of the file
+};
 enum class BondTime : std::uint8_t { start, stage, approach };
 
 struct BondSpec {

@@ -39,7 +39,8 @@ void describe(Table& t, ContactModel& c);
 
 void describe(Table& t, VelocitySpec& v);
 void describe(Table& t, TimeSpec& s);
-void describe(Table& t, StageSpec& s);
+/// False if its kind could not be read; it is then taken for dynamics.
+bool describe(Table& t, StageSpec& s);
 void describe(Table& t, TimeFunctionSpec& f);
 void describe(Table& t, StrainSpec& s);
 void describe(Table& t, DistanceStopSpec& s);

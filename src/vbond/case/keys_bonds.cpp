@@ -164,10 +164,12 @@ void describe(Table& t, PairsFile& s) {
         "CSV file with header i,j and a pair of particle numbers per line");
 }
 
-void describe(Table& t, SpecimenPairs&) {
+void describe(Table& t, SpecimenPairs& s) {
   bool yes = true;
   t.key("from_specimen", yes, FlagCodec{}, required, "true: the bonds that the specimens' files bring along");
   t.check(yes, {"from_specimen"}, "can only be true", "leave it out and select by distance, pairs or file");
+  t.key("bond_type", s.bond_type, CountCodec{1}, default_is("bonds of all types"),
+        "only those of this bond type of the file");
 }
 
 void describe(Table& t, GivenCoefficients& p) {
@@ -183,8 +185,8 @@ void describe(Table& t, BondStiffness<double>& p) {
   t.table("stiffness", required, "four stiffnesses, for bonds of any length", [&p](Table& c) {
     c.key("c_A", p.c_A, positive(stiffness), required, "longitudinal");
     c.key("c_D", p.c_D, positive(stiffness), required, "shear");
-    c.key("c_B", p.c_B, positive(moment), required, "bending, per radian");
-    c.key("c_T", p.c_T, positive(moment), required, "torsion, per radian");
+    c.key("c_B", p.c_B, positive(turning_stiffness), required, "bending, per radian");
+    c.key("c_T", p.c_T, positive(turning_stiffness), required, "torsion, per radian");
   });
 }
 

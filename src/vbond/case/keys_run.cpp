@@ -22,8 +22,11 @@ void describe(Table& t, Case& c) {
   t.tables("velocities", c.velocities, optional,
            "initial velocities; without it all particles start at rest");
   t.table("time", optional, "the time step", [&c](Table& k) { describe(k, c.time); });
-  t.tables("stage", c.stages, required, "the stages of the run, one after another");
-  t.table("output", optional, "what is written", [&c](Table& k) { describe(k, c.output, c.any_dynamics()); });
+  bool any_unknown = false;
+  t.tables("stage", c.stages, required, "the stages of the run, one after another",
+           [&](Table& k, StageSpec& s) { any_unknown = !describe(k, s) || any_unknown; });
+  t.table("output", optional, "what is written",
+          [&](Table& k) { describe(k, c.output, c.any_dynamics() && !any_unknown); });
   t.table("watch", optional, "when the run is looked at and stopped",
           [&c](Table& k) { describe(k, c.watch); });
 }
@@ -55,8 +58,8 @@ void describe(Table& t, VelocitySpec& v) {
 
 void describe(Table& t, TimeSpec& s) {
   t.key("step", s.step, StepCodec{}, default_is("automatic"),
-        "the time step of dynamics; \"exact\": from the highest frequency of the body as each stage begins, "
-        "where automatic takes a bound from single bonds");
+        "the time step of dynamics, or less where the times of a stage need it; \"exact\": from the highest "
+        "frequency of the body as each stage begins, where automatic takes a bound from single bonds");
   t.when(!s.given(), "no step given, or step = \"exact\"", [&] {
     t.key("fraction", s.fraction, NumberCodec{pure, {0, 1, true, false}}, optional,
           "the step, as a part of the critical one");

@@ -186,7 +186,7 @@ Kind describe_kind(Table& t, StageSpec& s) {
 
 }  // namespace
 
-void describe(Table& t, StageSpec& s) {
+bool describe(Table& t, StageSpec& s) {
   t.locate(s.place);
   t.key("name", s.name, NameCodec{}, default_is("`\"stage-1\"`, `\"stage-2\"`, ..."), "name of the stage");
   const Kind kind = describe_kind(t, s);
@@ -206,6 +206,7 @@ void describe(Table& t, StageSpec& s) {
   });
   if (t.reading() && kind == StageKind::path && !s.stop_distance && !s.path.above && !s.path.below)
     (s.path.first_step > 0 ? s.path.above : s.path.below) = s.path.first_step > 0 ? 1.0 : -1.0;
+  return kind.has_value();
 }
 
 void describe(Table& t, TimeFunctionSpec& f) {

@@ -30,8 +30,9 @@ constexpr std::array units{
     Unit{"J", 1, 0, {2, 1, -2}, true},
     Unit{"W", 1, 0, {2, 1, -3}, true},
     Unit{"Hz", 1, 0, {0, 0, -1}, true},
-    Unit{"rad", 1, 0, {0, 0, 0}, false},
-    Unit{"deg", std::numbers::pi / 180.0, 0, {0, 0, 0}, false},
+    Unit{"rad", 1, 0, {0, 0, 0, 1}, false},
+    Unit{"deg", std::numbers::pi / 180.0, 0, {0, 0, 0, 1}, false},
+    Unit{"rev", 2.0 * std::numbers::pi, 0, {0, 0, 0, 1}, false},
     Unit{"min", 60, 0, {0, 0, 1}, false},
     Unit{"h", 3600, 0, {0, 0, 1}, false},
     Unit{"angstrom", 1, -10, {1, 0, 0}, false},
@@ -71,10 +72,10 @@ std::string_view trim(std::string_view s) {
 }
 
 UnitMistake no_such_unit(std::string_view name) {
-  return {
-      "\"" + std::string(name) + "\" is not a unit",
-      "units are m, g, s, N, Pa, J, W, Hz, eV with SI prefixes, and rad, deg, min, h, angstrom, %; join them "
-      "with * and /, raise with ^, as in \"7800 kg/m^3\""};
+  return {"\"" + std::string(name) + "\" is not a unit",
+          "units are m, g, s, N, Pa, J, W, Hz, eV with SI prefixes, and rad, deg, rev, min, h, angstrom, %; "
+          "join them "
+          "with * and /, raise with ^, as in \"7800 kg/m^3\""};
 }
 
 /// name or name^power
@@ -95,7 +96,7 @@ std::variant<Unit, UnitMistake> parse_factor(std::string_view factor) {
   return Unit{found->name,
               std::pow(found->factor, power),
               found->exponent * power,
-              {d.length * power, d.mass * power, d.time * power},
+              {d.length * power, d.mass * power, d.time * power, d.angle * power},
               false};
 }
 
@@ -111,6 +112,7 @@ std::variant<Unit, UnitMistake> parse_unit(std::string_view text) {
     total.dimension.length += sign * u.dimension.length;
     total.dimension.mass += sign * u.dimension.mass;
     total.dimension.time += sign * u.dimension.time;
+    total.dimension.angle += sign * u.dimension.angle;
     if (end == std::string_view::npos) return total;
     sign = text[end] == '*' ? 1 : -1;
     text.remove_prefix(end + 1);
@@ -153,19 +155,20 @@ std::variant<Quantity, UnitMistake> parse_quantity(std::string_view text) {
   const UnitMistake too_large{"must be a number that fits into double precision", "choose another unit"};
   if (unit_text == "T0" || unit_text == "T_0" || unit_text.empty()) {
     if (error != std::errc{} || !std::isfinite(number)) return too_large;
-    return Quantity{number, unit_text.empty() ? Dimension{} : Dimension{0, 0, 1}, !unit_text.empty()};
+    return Quantity{number, unit_text.empty() ? Dimension{} : Dimension{0, 0, 1}, !unit_text.empty(),
+                    !unit_text.empty()};
   }
   const auto unit = parse_unit(unit_text);
   if (const auto* mistake = std::get_if<UnitMistake>(&unit)) return *mistake;
   const Unit& u = std::get<Unit>(unit);
   const std::optional<double> value = scaled(digits, u.exponent);
   if (!value || !std::isfinite(*value * u.factor)) return too_large;
-  return Quantity{*value * u.factor, u.dimension};
+  return Quantity{*value * u.factor, u.dimension, false, true};
 }
 
 std::string to_text(const Dimension& d) {
-  const std::array known{length,       area,  mass,   density, duration, velocity,
-                         acceleration, force, moment, stress,  stiffness};
+  const std::array known{length, area,   mass,   density,   duration, velocity,         acceleration,
+                         force,  moment, stress, stiffness, angle,    angular_velocity, frequency};
   std::string text;
   const auto add = [&text](const char* base, int power) {
     if (power == 0) return;
@@ -176,7 +179,8 @@ std::string to_text(const Dimension& d) {
   add("kg", d.mass);
   add("m", d.length);
   add("s", d.time);
-  if (text.empty()) return "a number without a unit";
+  add("rad", d.angle);
+  if (text.empty()) return "number without a unit";
   for (const Dimension& k : known)
     if (k == d) return std::string(k.name) + " (" + text + ")";
   return text;

@@ -9,9 +9,13 @@
 namespace vbond::keys {
 namespace {
 
+std::string with_article(const std::string& noun) {
+  return (std::string("aeiou").find(noun[0]) == std::string::npos ? "a " : "an ") + noun;
+}
+
 /// The unit string `text` for a value of dimension d, or nothing after a report.
 std::optional<Quantity> read_quantity(const std::string& text, const Dimension& d, const Node& n,
-                                      ReadContext& in, const std::string& path) {
+                                      ReadContext& in, const std::string& path, const std::string& example) {
   const bool is_time = d == duration;
   const auto refuse = [&](std::string rule, std::string way_out) -> std::optional<Quantity> {
     in.refuse(n, path, std::move(rule), std::move(way_out));
@@ -26,10 +30,12 @@ std::optional<Quantity> read_quantity(const std::string& text, const Dimension& 
                   "write " + last_name(path) + (is_time ? " = \"10 T0\"" : " = 1.0") +
                       ", or choose [units] system = \"SI\"");
   if (const auto* mistake = std::get_if<UnitMistake>(&parsed)) return refuse(mistake->rule, mistake->way_out);
-  if (!(q->dimension == d) || (q->in_T_0 && !is_time))
-    return refuse(
-        "must be a " + to_text(d) + "; this is a " + (q->in_T_0 ? "multiple of T0" : to_text(q->dimension)),
-        such_as(path, toml_string(d.example)));
+  if (!fits(q->dimension, d) || (q->in_T_0 && !is_time))
+    return refuse("must be " + with_article(to_text(d)) + "; this is " +
+                      (q->in_T_0 ? "a multiple of T0" : with_article(to_text(q->dimension))),
+                  d == angular_velocity
+                      ? "say what turns, in rad/s, deg/s or rev/s: " + such_as(path, "\"10 rev/s\"")
+                      : such_as(path, example));
   return *q;
 }
 
@@ -49,7 +55,7 @@ bool read_number(const Node& n, const Dimension& d, ReadContext& in, const std::
   } else if (const auto* f = std::get_if<double>(&n.value)) {
     x = *f;
   } else if (const auto* s = std::get_if<std::string>(&n.value)) {
-    const std::optional<Quantity> q = read_quantity(*s, d, n, in, path);
+    const std::optional<Quantity> q = read_quantity(*s, d, n, in, path, example);
     if (!q) return false;
     x = q->value;
     if (in_T_0) *in_T_0 = q->in_T_0;
@@ -223,6 +229,17 @@ bool read_word(const Node& n, ReadContext& in, const std::string& path, const st
   }
   index = static_cast<std::size_t>(found - names.begin());
   return true;
+}
+
+bool refuse_subset(const Node& n, ReadContext& in, const std::string& path,
+                   const std::vector<std::string>& names) {
+  const std::string all = "[" + join(names, "\"") + "]";
+  const auto* word = std::get_if<std::string>(&n.value);
+  const bool known = word && std::find(names.begin(), names.end(), *word) != names.end();
+  return in.refuse(
+      n, path, "must be a list of " + join(names, "\"") + "; this is " + kind_name(n),
+      "write " + last_name(path) + " = " +
+          (known ? "[\"" + *word + "\"]" : all + (word && *word == "all" ? "" : ", or some of these")));
 }
 
 bool refuse_length(const Node& n, ReadContext& in, const std::string& path, std::size_t is,

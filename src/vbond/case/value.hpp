@@ -210,18 +210,25 @@ struct TimeTableCodec {
   std::string example(UnitSystem) const { return "[[0, 0.0], [\"10 T0\", 1.0]]"; }
 };
 
+/// Reports a value that is no list of some of `names`, with how it is written.
+bool refuse_subset(const Node& n, ReadContext& in, const std::string& path,
+                   const std::vector<std::string>& names);
+
 /// Which of N named things are meant: a list of their names.
 template <std::size_t N>
 struct SubsetCodec {
   std::vector<std::string> names;
   bool read(const Node& n, ReadContext& in, const std::string& path, std::array<bool, N>& out) const {
     const auto* items = std::get_if<NodeList>(&n.value);
-    if (!items) return in.refuse_kind(n, path, type(), example(in.units));
+    if (!items) return refuse_subset(n, in, path, names);
     std::array<bool, N> chosen{};
     bool good = true;
     for (std::size_t k = 0; k < items->size(); ++k) {
       std::size_t index = 0;
-      if (read_word((*items)[k], in, path + "[" + std::to_string(k) + "]", names, index))
+      const auto* word = std::get_if<std::string>(&(*items)[k].value);
+      if (word && *word == "all")
+        good = refuse_subset((*items)[k], in, path, names);
+      else if (read_word((*items)[k], in, path + "[" + std::to_string(k) + "]", names, index))
         chosen[index] = true;
       else
         good = false;

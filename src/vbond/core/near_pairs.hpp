@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "vbond/core/bounding_box.hpp"
@@ -117,16 +118,23 @@ class CellGrid {
 };
 
 /// Calls visit(i, j, |r_j - r_i|^2), i < j, once for every pair of finite positions within `distance` >= 0,
-/// in increasing order of i.
+/// in increasing order of i. A visit that returns false ends it.
 template <class Visit>
 void for_near_pairs(std::span<const Vec3d> positions, double distance, Visit&& visit) {
   const CellGrid grid(positions, distance);
-  for (std::size_t i = 0; i < positions.size(); ++i)
+  bool going_on = true;
+  const auto visited = [&](std::size_t i, std::size_t j, double d2) {
+    if constexpr (std::is_same_v<decltype(visit(i, j, d2)), bool>)
+      going_on = visit(i, j, d2);
+    else
+      visit(i, j, d2);
+  };
+  for (std::size_t i = 0; i < positions.size() && going_on; ++i)
     grid.scan_near(i, [&](const CellGrid::Point* first, const CellGrid::Point* last) {
-      for (const CellGrid::Point* p = first; p != last; ++p) {
+      for (const CellGrid::Point* p = first; p != last && going_on; ++p) {
         if (p->i <= i) continue;
         const double d2 = norm2(p->r - positions[i]);
-        if (d2 <= sq(distance)) visit(i, p->i, d2);
+        if (d2 <= sq(distance)) visited(i, p->i, d2);
       }
     });
 }

@@ -6,6 +6,7 @@
 namespace vbond {
 namespace {
 
+constexpr std::size_t short_word = 3;         // up to this length another letter makes another word
 constexpr std::size_t longest_compared = 64;  // the distance costs length^2, and no key is longer
 
 char lower(char c) {
@@ -31,6 +32,17 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return last[b.size()];
 }
 
+/// True if the two differ in letters and not in their order or number, as "bcc" and "fcc" do.
+bool has_other_letters(std::string_view a, std::string_view b) {
+  const auto sorted = [](std::string_view word) {
+    std::string letters;
+    for (const char c : word) letters += lower(c);
+    std::sort(letters.begin(), letters.end());
+    return letters;
+  };
+  return a.size() == b.size() && sorted(a) != sorted(b);
+}
+
 }  // namespace
 
 std::optional<std::string> nearest_name(std::string_view wrong, const std::vector<std::string>& names) {
@@ -44,7 +56,8 @@ std::optional<std::string> nearest_name(std::string_view wrong, const std::vecto
     const bool abbreviation = wrong.size() >= 3 && name.compare(0, wrong.size(), wrong) == 0;
     const bool close =
         distance <= std::max<std::size_t>(1, std::max(wrong.size(), name.size()) / 3) || abbreviation;
-    if (close && distance < least) {
+    const bool another_word = wrong.size() <= short_word && has_other_letters(wrong, name);
+    if (close && !another_word && distance < least) {
       least = distance;
       best = name;
     }

@@ -111,6 +111,7 @@ struct Stops {
 struct Stage {
   std::string name;
   double dt = 0;             ///< [time]
+  double critical = 0;       ///< the critical step that dt was chosen by; 0: not looked for  [time]
   bool insist = false;       ///< dt may be above the critical step
   Vec3d gravity;             ///< [length/time^2]
   double b_translation = 0;  ///< viscous force -b v  [force*time/length]

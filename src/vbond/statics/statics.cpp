@@ -34,6 +34,10 @@ StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, Sta
   }
 }
 
+void refuse_free_bodies(const Model& model, const StaticStage& stage, const State& state) {
+  if (stage.kind != StageKind::modes) refuse_rigid_motions(StaticBody(model, stage, state));
+}
+
 SolverChoice choose_solver(const Model& model, const StaticStage& stage, const State& state) {
   const StaticBody body(model, stage, state);
   const bool modes = stage.kind == StageKind::modes;  // they are not asked

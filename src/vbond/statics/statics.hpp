@@ -27,6 +27,10 @@ struct StaticOutcome {
 StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, State state,
                                const StaticHooks& hooks);
 
+/// Throws NoEquilibrium, naming them, if parts of the body can move freely, as run_static_stage does when a
+/// stage of balance, path or buckling begins. Modes take free bodies.
+void refuse_free_bodies(const Model& model, const StaticStage& stage, const State& state);
+
 /// With what a static stage solves its linear equations.
 struct SolverChoice {
   bool direct = true;       ///< otherwise conjugate gradients, with which only an equilibrium can be found

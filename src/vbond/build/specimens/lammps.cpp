@@ -7,6 +7,7 @@
 #include <map>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "vbond/build/problems.hpp"
 #include "vbond/build/specimens/specimen.hpp"
@@ -50,9 +51,25 @@ struct Atom {
 };
 
 struct BondLine {
-  std::int64_t first, second;
+  std::int64_t type, first, second;
   SourcePlace place;
 };
+
+/// What a section is for; nothing for one that cannot be passed over. `write_data` writes coefficients unless
+/// told not to, and lists of angles and the like for most molecules.
+std::optional<std::string> use_of_passed_section(const std::string& name) {
+  const auto usual = [](unsigned char c) { return std::isalnum(c) != 0 || c == ' '; };
+  if (!std::all_of(name.begin(), name.end(), usual)) return std::nullopt;
+  const auto ends_with = [&name](std::string_view end) {
+    return name.size() > end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0;
+  };
+  if (ends_with(" Coeffs")) return "the case gives the laws of bonds and contacts";
+  if (ends_with(" Type Labels")) return "types are told apart by their numbers";
+  if (name == "Angles" || name == "Dihedrals" || name == "Impropers")
+    return "bonds join two particles here, and resist bending and torsion themselves";
+  if (name == "Velocities") return "[[velocities]] of the case says how bodies move";
+  return std::nullopt;
+}
 
 class LammpsReader {
  public:
@@ -84,15 +101,13 @@ class LammpsReader {
   }
 
  private:
-  enum class Section { header, masses, atoms, bonds, velocities, unsupported };
+  enum class Section { header, masses, atoms, bonds, passed_over };
 
   void begin_section(const std::string& name, std::string_view comment) {
     if (name == "Masses") {
       section_ = Section::masses;
     } else if (name == "Bonds") {
       section_ = Section::bonds;
-    } else if (name == "Velocities") {
-      section_ = Section::velocities;
     } else if (name == "Atoms") {
       section_ = Section::atoms;
       const auto words = words_of(comment);
@@ -100,10 +115,14 @@ class LammpsReader {
         problems_.add(at_, fmt::format("the file says atom style \"{}\"", words[0]),
                       fmt::format("the case says atom_style = \"{}\"", columns_.style), "make them agree");
     } else {
-      section_ = Section::unsupported;
-      problems_.add(at_, fmt::format("section \"{}\" is not supported", name),
-                    "read are the sections Masses, Atoms and Bonds, and Velocities is passed over",
-                    "remove the section and describe in the case what it is for");
+      section_ = Section::passed_over;
+      if (const auto use = use_of_passed_section(name))
+        notes_.push_back(fmt::format("{}:{}: section {} is passed over: {}", at_.file, at_.line, name, *use));
+      else
+        problems_.add(at_, fmt::format("section \"{}\" is not supported", name),
+                      "read are the sections Masses, Atoms and Bonds; coefficients, type labels, velocities, "
+                      "angles, dihedrals and impropers are passed over",
+                      "remove the section and describe in the case what it is for");
     }
   }
 
@@ -113,8 +132,7 @@ class LammpsReader {
       case Section::masses: return mass_line(words);
       case Section::atoms: return atom_line(words);
       case Section::bonds: return bond_line(words);
-      case Section::velocities:  // the case says how its bodies move
-      case Section::unsupported: return;
+      case Section::passed_over: return;
     }
   }
 
@@ -125,10 +143,6 @@ class LammpsReader {
       declared_atoms_ = *count;
     } else if (what == "bonds" && count) {
       declared_bonds_ = *count;
-    } else if ((what == "angles" || what == "dihedrals" || what == "impropers") && count) {
-      if (*count != 0)
-        problems_.add(at_, fmt::format("the file has {}", what), "bonds join two particles here",
-                      "remove them from the file");
     } else if (what.find("xy xz yz") != std::string::npos) {
       tilted_ = std::any_of(words.begin(), words.end() - 3,
                             [](std::string_view word) { return to_number(word) != 0.0; });
@@ -140,9 +154,10 @@ class LammpsReader {
     }
   }
 
-  /// Counts of types and room for more are of no use here.
+  /// Counts of types and of what is passed over, and room for more, are of no use here.
   static bool is_passive_header(std::string_view last, const std::string& what) {
-    return last == "types" || what.find("extra") == 0;
+    return last == "types" || what.find("extra") == 0 || what == "angles" || what == "dihedrals" ||
+           what == "impropers";
   }
 
   static std::optional<std::size_t> axis_of_box(const std::vector<std::string_view>& words) {
@@ -214,10 +229,12 @@ class LammpsReader {
   }
 
   void bond_line(const std::vector<std::string_view>& words) {
-    const auto first = words.size() == 4 ? to_integer(words[2]) : std::nullopt;
-    const auto second = words.size() == 4 ? to_integer(words[3]) : std::nullopt;
-    if (!first || !second) return malformed("bond-number type atom atom");
-    bonds_.push_back({*first, *second, at_});
+    const auto number = [&words](std::size_t k) {
+      return words.size() == 4 ? to_integer(words[k]) : std::nullopt;
+    };
+    const auto type = number(1), first = number(2), second = number(3);
+    if (!type || !first || !second) return malformed("bond-number type atom atom");
+    bonds_.push_back({*type, *first, *second, at_});
   }
 
   void malformed(const std::string& form) {
@@ -234,8 +251,11 @@ class LammpsReader {
   SpecimenPoints points() {
     std::sort(atoms_.begin(), atoms_.end(), [](const Atom& a, const Atom& b) { return a.id < b.id; });
     SpecimenPoints points;
+    points.notes = std::move(notes_);
     std::map<std::int64_t, std::int64_t> index;
+    std::map<std::int64_t, std::vector<std::int64_t>> of_type;
     for (const Atom& atom : atoms_) {
+      of_type[atom.type].push_back(static_cast<std::int64_t>(points.r.size()));
       if (!index.emplace(atom.id, static_cast<std::int64_t>(index.size())).second)
         problems_.add(atom.place, fmt::format("a second atom of number {}", atom.id),
                       "atom numbers are all different", "renumber it");
@@ -249,8 +269,10 @@ class LammpsReader {
                       fmt::format("a bond to atom {}", i == index.end() ? bond.first : bond.second),
                       "there is no such atom in the file", "correct the line");
       else
-        points.bonds.push_back({i->second, j->second});
+        points.bonds.push_back({{i->second, j->second}, bond.type});
     }
+    for (auto& [type, atoms] : of_type)
+      points.parts.emplace_back(fmt::format("type-{}", type), std::move(atoms));
     problems_.throw_if_any();
     return points;
   }
@@ -286,6 +308,7 @@ class LammpsReader {
   std::map<std::int64_t, double> masses_;
   std::vector<Atom> atoms_;
   std::vector<BondLine> bonds_;
+  std::vector<std::string> notes_;
 };
 
 }  // namespace

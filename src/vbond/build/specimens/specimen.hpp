@@ -10,13 +10,20 @@
 
 namespace vbond {
 
+/// A bond of a LAMMPS file: two particles and the bond type of the file.
+struct FileBond {
+  std::array<std::int64_t, 2> pair;
+  std::int64_t type;
+};
+
 /// The particles of one specimen, numbered from 0 within it. Properties that the specimen's file does
 /// not give are empty.
 struct SpecimenPoints {
   std::vector<Vec3d> r;                                                  ///< [length]
   std::vector<double> radius, mass, inertia;                             ///< per particle, or empty
-  std::vector<std::array<std::int64_t, 2>> bonds;                        ///< pairs of a LAMMPS file
+  std::vector<FileBond> bonds;                                           ///< of a LAMMPS file
   std::vector<std::pair<std::string, std::vector<std::int64_t>>> parts;  ///< such as "ends", "rim"
+  std::vector<std::string> notes;                                        ///< what of the file is not used
 };
 
 /// Places the particles of a specimen. `place` is where the case describes it, `case_file` its path, from
