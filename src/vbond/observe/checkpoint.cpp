@@ -109,12 +109,12 @@ struct Stored<Quatd> {
   static void put(const Quatd& x, double* to) { to[0] = x.w, to[1] = x.x, to[2] = x.y, to[3] = x.z; }
   static void take(const double* from, Quatd& x) { x = {from[0], from[1], from[2], from[3]}; }
 };
-template <>
-struct Stored<ParticleId> {
+template <class Tag>
+struct Stored<Id<Tag>> {
   using Number = std::uint32_t;
   static constexpr std::size_t count = 1;
-  static void put(const ParticleId& x, Number* to) { *to = x.value; }
-  static void take(const Number* from, ParticleId& x) { x = ParticleId{*from}; }
+  static void put(const Id<Tag>& x, Number* to) { *to = x.value; }
+  static void take(const Number* from, Id<Tag>& x) { x = Id<Tag>{*from}; }
 };
 /// Enumerations and bool: one byte, checked against the largest valid value.
 template <class E, std::uint8_t largest>
@@ -362,6 +362,50 @@ void read_overlapping(Reader& reader, WatchRecord& watch, std::size_t particles)
   }
 }
 
+/// The same for the rest of the watch's record that few runs have.
+void write_rare(Writer& writer, const WatchRecord& watch) {
+  PerBond<BondId> stretched;
+  for (const BondId k : watch.stretched) stretched.push_back(k);
+  if (!stretched.empty()) writer.of_each("/watch/stretched", stretched, std::identity{});
+  if (watch.fastest != WatchRecord{}.fastest) writer("/watch/fastest", watch.fastest);
+  if (watch.deep.empty()) return;
+  Ends i, j;
+  PerBond<DeepPair> deep;
+  for (const auto& [pair, d] : watch.deep)
+    i.push_back(pair.first), j.push_back(pair.second), deep.push_back(d);
+  writer.of_each("/watch/deep_i", i, std::identity{});
+  writer.of_each("/watch/deep_j", j, std::identity{});
+  writer.of_each("/watch/deep_entered", deep, &DeepPair::entered);
+  writer.of_each("/watch/deep_last_step", deep, &DeepPair::last_step);
+}
+
+void read_rare(Reader& reader, WatchRecord& watch, const State& state) {
+  if (reader.has("/watch/stretched")) {
+    PerBond<BondId> stretched;
+    stretched.resize(reader.rows("/watch/stretched"));
+    reader.of_each("/watch/stretched", stretched, std::identity{});
+    for (const BondId k : stretched) {
+      if (k.value >= state.bonds.size()) throw IoError("is damaged: a stretched bond is none of its bonds");
+      watch.stretched.insert(k);
+    }
+  }
+  if (reader.has("/watch/fastest")) reader("/watch/fastest", watch.fastest);
+  if (!reader.has("/watch/deep_i")) return;
+  Ends i, j;
+  PerBond<DeepPair> deep;
+  const std::size_t n = reader.rows("/watch/deep_i");
+  i.resize(n), j.resize(n), deep.resize(n);
+  reader.of_each("/watch/deep_i", i, std::identity{});
+  reader.of_each("/watch/deep_j", j, std::identity{});
+  reader.of_each("/watch/deep_entered", deep, &DeepPair::entered);
+  reader.of_each("/watch/deep_last_step", deep, &DeepPair::last_step);
+  for (const BondId k : i.ids()) {
+    if (!(i[k] < j[k]) || j[k].value >= state.r.size())
+      throw IoError("is damaged: a deep pair has impossible ends");
+    watch.deep[{i[k], j[k]}] = deep[k];
+  }
+}
+
 void check_sense(const State& s) {
   const Clock& c = s.clock;
   if (c.stage < 0 || c.stage_step < 0 || c.step < c.stage_step) throw IoError("is damaged: impossible clock");
@@ -381,6 +425,7 @@ void write_checkpoint(const std::filesystem::path& path, const Model& model, con
     visit_fingerprint(writer, model);
     visit_fields(writer, checkpoint);
     write_overlapping(writer, checkpoint.watch);
+    write_rare(writer, checkpoint.watch);
     writer.close();
     write_seal(part, format_version, program_version);
   } catch (const IoError& e) {
@@ -405,6 +450,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const Model& model
     c.watch.bonds.resize(reader.rows("/watch/worst"));
     visit_fields(reader, c);
     read_overlapping(reader, c.watch, n);
+    read_rare(reader, c.watch, c.state);
     check_sense(c.state);
     return c;
   } catch (const IoError& e) {

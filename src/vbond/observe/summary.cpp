@@ -103,6 +103,8 @@ std::string to_json(const RunSummary& r) {
   j["ever_strained"] = r.ever_strained;
   j["ever_snapped"] = r.ever_snapped;
   j["ever_overlapping"] = r.ever_overlapping;
+  j["ever_stretched"] = r.ever_stretched;
+  j["too_fast"] = r.too_fast;
   j["bond_steps_per_second"] =
       r.stepping_seconds > 0.0 ? static_cast<double>(r.bond_steps) / r.stepping_seconds : 0.0;
   j["instruction_set"] = r.instruction_set;
@@ -136,6 +138,8 @@ RunSummary read_summary(const std::filesystem::path& path) {
     r.ever_strained = j.at("ever_strained").get<std::int64_t>();
     r.ever_snapped = j.at("ever_snapped").get<std::int64_t>();
     r.ever_overlapping = j.value("ever_overlapping", std::int64_t{0});  // runs of 0.1 have none
+    r.ever_stretched = j.value("ever_stretched", std::int64_t{0});      // nor have they these
+    r.too_fast = j.value("too_fast", 0.0);
     return r;
   } catch (const Json::exception& e) {
     throw IoError(path.string() + ": is not a run.json of vbond: " + e.what());
