@@ -376,6 +376,7 @@ void write_rare(Writer& writer, const WatchRecord& watch) {
   writer.of_each("/watch/deep_i", i, std::identity{});
   writer.of_each("/watch/deep_j", j, std::identity{});
   writer.of_each("/watch/deep_entered", deep, &DeepPair::entered);
+  writer.of_each("/watch/deep_nearest", deep, &DeepPair::nearest);
   writer.of_each("/watch/deep_last_step", deep, &DeepPair::last_step);
 }
 
@@ -398,6 +399,7 @@ void read_rare(Reader& reader, WatchRecord& watch, const State& state) {
   reader.of_each("/watch/deep_i", i, std::identity{});
   reader.of_each("/watch/deep_j", j, std::identity{});
   reader.of_each("/watch/deep_entered", deep, &DeepPair::entered);
+  reader.of_each("/watch/deep_nearest", deep, &DeepPair::nearest);
   reader.of_each("/watch/deep_last_step", deep, &DeepPair::last_step);
   for (const BondId k : i.ids()) {
     if (!(i[k] < j[k]) || j[k].value >= state.r.size())

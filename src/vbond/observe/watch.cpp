@@ -128,25 +128,27 @@ EndsOfStay ends_of_stay(const Encounter& e, double distance) {
 }
 
 /// What contacts can do about a pair depends on its energy: no step helps where that is too large.
-Diverged passed(const Model& m, const Encounter& e, const State& s) {
+Diverged passed(const Model& m, const Encounter& e, double nearest, const State& s) {
   const double R_i = m.radius[e.i], R_j = m.radius[e.j], reach = R_i + R_j;
   const double speed_now = norm(s.v[e.j] - s.v[e.i]);
   const double speed = std::max(speed_now, norm(e.to - e.from) / s.clock.dt);
   const double reduced_mass = m.mass[e.i] * m.mass[e.j] / (m.mass[e.i] + m.mass[e.j]);
   const double motion = 0.5 * reduced_mass * sq(speed_now) + contact_pair_energy(m, s, e.i, e.j);
   const double most = contact_energy(contact_law(m.contact, R_i, R_j), reach);
-  const std::string way_out =
-      motion > most ? fmt::format(
-                          "this contact stores {:.3g} at most, and their motion holds {:.3g}: use a "
-                          "stiffer contact or lower velocities",
-                          most, motion)
-                    : fmt::format("use time.step = {:.3g} or less, or a stiffer contact",
-                                  0.5 * longest_approach * reach / speed);
+  const double step = 0.5 * longest_approach * reach / speed;
+  std::string way_out = "the step is small enough: use a stiffer contact, or lower velocities and loads";
+  if (motion > most)
+    way_out = fmt::format(
+        "this contact stores {:.3g} at most, and their motion holds {:.3g}: use a stiffer "
+        "contact or lower velocities",
+        most, motion);
+  else if (step < s.clock.dt)
+    way_out = fmt::format("use time.step = {:.3g} or less, or a stiffer contact", step);
   return {
       s.clock.step, s.clock.time(), fmt::format("particles {} and {}", e.i.value, e.j.value),
       fmt::format("they have passed through one another: their centres came within {:.3g}, their radii are "
                   "{:.3g} and {:.3g}, their relative speed is {:.4g}",
-                  norm(nearest_point(e)), R_i, R_j, speed),
+                  nearest, R_i, R_j, speed),
       way_out + "; watch.overlap = 0 lets particles pass"};
 }
 
@@ -210,12 +212,13 @@ void Watch::look_at_encounters(const Model& model, const std::vector<Encounter>&
     const EndsOfStay stay = ends_of_stay(e, deep_part * reach);
     const auto before = record_.deep.find({e.i, e.j});
     const bool goes_on = before != record_.deep.end() && before->second.last_step + 1 >= clock.step;
-    const Vec3d entered = goes_on ? before->second.entered : stay.first;
-    if (dot(entered, stay.last) < 0.0) throw passed(model, e, collect());
-    if (norm(e.to) < deep_part * reach) still_deep[{e.i, e.j}] = {entered, clock.step};
-    const double depth = reach - norm(nearest_point(e));
-    if (depth > part * std::min(model.radius[e.i], model.radius[e.j]))
-      report_overlap(model, e.i, e.j, depth, time_of(clock));
+    const double distance = norm(nearest_point(e));
+    const DeepPair pair{goes_on ? before->second.entered : stay.first,
+                        goes_on ? std::min(before->second.nearest, distance) : distance, clock.step};
+    if (dot(pair.entered, stay.last) < 0.0) throw passed(model, e, pair.nearest, collect());
+    if (norm(e.to) < deep_part * reach) still_deep[{e.i, e.j}] = pair;
+    if (reach - distance > part * std::min(model.radius[e.i], model.radius[e.j]))
+      report_overlap(model, e.i, e.j, reach - distance, time_of(clock));
   }
   if (!encounters.empty()) record_.deep = std::move(still_deep);
 }

@@ -25,7 +25,8 @@ struct BondRecord {
 
 /// Where two particles, i < j, came deep in one another, and the last step at which they still were.
 struct DeepPair {
-  Vec3d entered;  ///< along r_j - r_i
+  Vec3d entered;       ///< along r_j - r_i
+  double nearest = 0;  ///< distance of their centres since  [length]
   std::int64_t last_step = 0;
   friend bool operator==(const DeepPair&, const DeepPair&) = default;
 };
