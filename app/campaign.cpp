@@ -80,9 +80,12 @@ Campaign open_campaign(const Case& c, const Model& model, OutputPlan plan, int t
 void save_summary(Campaign& campaign) {
   RunSummary& s = campaign.summary;
   s.energy_balance_error = campaign.files.history->largest_balance_error();
-  s.ever_strained = campaign.files.watch->watch().record().strained;
-  s.ever_snapped = campaign.files.watch->watch().record().snapped;
-  s.ever_overlapping = static_cast<std::int64_t>(campaign.files.watch->watch().record().overlapping.size());
+  const WatchRecord& watched = campaign.files.watch->watch().record();
+  s.ever_strained = watched.strained;
+  s.ever_snapped = watched.snapped;
+  s.ever_overlapping = static_cast<std::int64_t>(watched.overlapping.size());
+  s.ever_stretched = static_cast<std::int64_t>(watched.stretched.size());
+  s.too_fast = watched.fastest > WatchRecord{}.fastest ? watched.fastest : 0.0;
   s.stepping_seconds = std::max(0.0, campaign.stepping);
   s.wall_time = {{"build", campaign.building}};
   if (campaign.plan.statics) s.wall_time.push_back({"statics", std::max(0.0, campaign.balancing)});

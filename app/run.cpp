@@ -130,6 +130,9 @@ void say_end(const Campaign& campaign, bool interrupted) {
   if (s.ever_snapped > 0)
     text += fmt::format("{} bonds snapped on the way, {} are at the end: see docs/theory.md\n",
                         s.ever_snapped, s.snapped);
+  if (s.ever_stretched > 0)
+    text += fmt::format("{} bond{} longer than twice the length at rest on the way: see docs/theory.md\n",
+                        s.ever_stretched, s.ever_stretched == 1 ? " was" : "s were");
   if (s.ever_overlapping > 0)
     text += fmt::format("{} pair{} of particles without a bond overlapped: see docs/theory.md\n",
                         s.ever_overlapping, s.ever_overlapping == 1 ? "" : "s");

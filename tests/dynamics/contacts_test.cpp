@@ -156,7 +156,8 @@ TEST(Contacts, WithoutALawThereAreNone) {
   contacts.refresh(heap.pose);
   EXPECT_EQ(heap.in_pieces(contacts, 128)[0].F, Vec3d{});
   EXPECT_EQ(contacts.energy(heap.pose), 0.0);
-  EXPECT_TRUE(Contacts(Heap(papers, 0.4).model, heap.order, heap.no_bonds).any());
+  const Heap touching(papers, 0.4);
+  EXPECT_TRUE(Contacts(touching.model, touching.order, touching.no_bonds).any());
 }
 
 }  // namespace

@@ -55,6 +55,24 @@ TEST(Reaction, CarriesTheWeightAtRest) {
   EXPECT_NEAR(run.mean_axial_force(s.model.groups[0].particles), 5e-6, 1e-15);  // mean of 9 ... 1 weights
 }
 
+// The drag of a held particle is borne by its support: b v for one that is drawn along steadily, alone, and
+// b omega about its axis. Without drag nothing would be left.
+TEST(Reaction, BearsTheDragOfWhatItMoves) {
+  testing::Specimen s = testing::particles_at({{0, 0, 0}, {5, 0, 0}});
+  Stage stage = testing::plain_stage(0.1, 10);
+  stage.b_translation = 0.3;
+  stage.b_rotation = 0.7;
+  stage.supports = {testing::held({ParticleId{0}}, testing::clamped, {0.02, 0, -0.01})};
+  stage.supports[0].angular_velocity = {0, 0.05, 0};
+  Simulation run(s.model, stage, s.state);
+  run.run();
+  const Reaction r = run.reaction({ParticleId{0}});
+  EXPECT_NEAR(r.force.x, 0.3 * 0.02, 1e-17);
+  EXPECT_NEAR(r.force.z, 0.3 * -0.01, 1e-17);
+  const Vec3d arm = run.state().r[ParticleId{0}];  // moments are about the origin
+  EXPECT_NEAR(norm(r.moment - (Vec3d{0, 0.7 * 0.05, 0} + cross(arm, r.force))), 0.0, 1e-17);
+}
+
 TEST(Gravity, GivesAFreeParticleTheParabola) {
   testing::Specimen s = testing::particles_at({{0, 0, 0}});
   Stage stage = testing::plain_stage(0.01, 2.0);

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <stdexcept>
+#include <string>
 #include <thread>
 
 #include "vbond/dynamics/team.hpp"
@@ -46,6 +48,33 @@ TEST(Team, WaitsForEveryPartOfEveryRound) {
       ++rounds[p.index];
     });
     ASSERT_EQ(rounds, std::vector<int>(4, round));
+  }
+}
+
+// Memory may run out in any thread: the caller hears of it once all are done, and the team works on.
+TEST(Team, HandsOnWhatIsThrownInAnyThread) {
+  const std::vector<std::size_t> work(8, least_part);
+  const Team team(8 * block_rows, work, 4);
+  ASSERT_EQ(team.parts().size(), 4u);
+  for (std::size_t bad = 0; bad < 4; ++bad) {
+    std::vector<int> done(4);
+    const auto work_badly = [&] {
+      team.for_parts([&](const Part& p) {
+        if (p.index >= bad) throw std::runtime_error("part " + std::to_string(p.index));
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        done[p.index] = 1;
+      });
+    };
+    try {
+      work_badly();
+      ADD_FAILURE() << "nothing was thrown";
+    } catch (const std::runtime_error& e) {
+      EXPECT_EQ(e.what(), "part " + std::to_string(bad));  // the lowest of them
+    }
+    for (std::size_t p = 0; p < bad; ++p) EXPECT_EQ(done[p], 1);
+    std::vector<int> visits(8);
+    team.for_blocks([&](const Block& b) { ++visits[b.index]; });
+    EXPECT_EQ(visits, std::vector<int>(8, 1));
   }
 }
 

@@ -36,6 +36,9 @@ Checkpoint busy_checkpoint(Chain& chain) {
   watch.bonds = {{BondRange::snapped, false}, {BondRange::strained, true}};
   watch.strained = 3, watch.snapped = 2, watch.shortened = 1;
   watch.overlapping = {{ParticleId{0}, ParticleId{2}}, {ParticleId{1}, ParticleId{2}}};
+  watch.stretched = {BondId{1}};
+  watch.fastest = 3.5;
+  watch.deep[{ParticleId{0}, ParticleId{2}}] = {{0.1, -0.2, 0.3}, 0.25, 1199};
   return {chain.state, watch};
 }
 

@@ -108,6 +108,18 @@ TEST(PageWarnings, TellOverlapsOfWhatIsNotBonded) {
   expect_text(w[0], {"3 pairs of particles that are not bonded overlapped"});
 }
 
+TEST(PageWarnings, TellStretchedBondsAndParticlesThatAreTooFast) {
+  Known run;
+  run.summary->ever_stretched = 1;
+  run.summary->too_fast = 4.0;
+  const std::vector<Warning> w = run.look();
+  ASSERT_EQ(w.size(), 2U);
+  EXPECT_EQ(w[0].level, Level::warning);
+  expect_text(w[0], {"1 bond was longer than twice the length at rest"});
+  EXPECT_EQ(w[1].level, Level::warning);
+  expect_text(w[1], {"up to 4 times as far in a step"});
+}
+
 TEST(PageWarnings, WorseComesFirst) {
   Known run;
   run.summary->stages[0].stop = StopReason::interrupted;

@@ -28,7 +28,7 @@ RunSummary buckling() {
               {"squeeze", StopReason::peak, 3000000, 0.0628, 188405.0, 3.18e-4, 188300.0, {}, {}}};
   s.energy_balance_error = 1.5e-5;
   s.strained = 2, s.snapped = 1, s.ever_strained = 4, s.ever_snapped = 3;
-  s.ever_overlapping = 7;
+  s.ever_overlapping = 7, s.ever_stretched = 6, s.too_fast = 1.5;
   s.bond_steps = 27000000;
   s.stepping_seconds = 2.0;
   s.wall_time = {{"build", 0.25}, {"steps", 2.0}};
@@ -47,6 +47,8 @@ TEST(RunSummary, ComesBackWithTheReasonOfAFailure) {
   EXPECT_EQ(read.bonds, written.bonds);
   EXPECT_EQ(read.ever_snapped, written.ever_snapped);
   EXPECT_EQ(read.ever_overlapping, 7);
+  EXPECT_EQ(read.ever_stretched, 6);
+  EXPECT_EQ(read.too_fast, 1.5);
   EXPECT_EQ(read.energy_balance_error, written.energy_balance_error);
   put_content(folder / "run.json", "{}");
   EXPECT_THROW(read_summary(folder / "run.json"), IoError);
@@ -125,6 +127,8 @@ TEST(RunSummary, JsonHoldsEveryResultUnderItsName) {
   EXPECT_EQ(j["ever_strained"], 4);
   EXPECT_EQ(j["ever_snapped"], 3);
   EXPECT_EQ(j["ever_overlapping"], 7);
+  EXPECT_EQ(j["ever_stretched"], 6);
+  EXPECT_EQ(j["too_fast"], 1.5);
   EXPECT_EQ(j["bond_steps_per_second"], 13500000.0);
   EXPECT_EQ(j["instruction_set"], "avx2");
   EXPECT_EQ(j["threads"], 4);

@@ -192,6 +192,26 @@ TEST(Watch, ShortBondIsAWarningAndAClosedOneStopsTheRun) {
   EXPECT_TRUE(contains(failure(l, chain), "bond 0 (particles 0, 1)")) << failure(l, chain);
 }
 
+TEST(Watch, BondLongerThanTwiceItsLengthIsReportedOnceAndCounted) {
+  Chain chain(3);
+  chain.state.r[ParticleId{2}].x = 2.99;
+  Listener l;
+  l.look(chain);
+  EXPECT_TRUE(l.told.empty());
+  chain.state.r[ParticleId{2}].x = 3.01;
+  EXPECT_EQ(deformed_bonds(chain.state), std::vector<BondId>{BondId{1}});
+  l.look(chain);
+  l.look(chain);
+  ASSERT_EQ(l.told.size(), 1u);
+  EXPECT_TRUE(
+      contains(l.told[0], "bond 1 (particles 1, 2) is longer than twice its length at rest: 2.01 of 1"))
+      << l.told[0];
+  EXPECT_EQ(l.watch.record().stretched, std::set<BondId>{BondId{1}});
+  Listener resumed(l.watch.record());
+  resumed.look(chain);
+  EXPECT_TRUE(resumed.told.empty());
+}
+
 TEST(Watch, NotANumberNamesTheParticle) {
   Chain chain;
   chain.state.v[ParticleId{1}].y = std::numeric_limits<double>::quiet_NaN();

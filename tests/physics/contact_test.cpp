@@ -25,6 +25,14 @@ TEST(HertzContact, OfTwoEqualSpheresHasTheTextbookStiffness) {
   EXPECT_NEAR(hertz(3.0, 0.25, 0.5, 0.5).k, 4.0 / 3.0 * 1.6 * 0.5, 1e-15);
 }
 
+TEST(HertzContact, OfASmallSphereOnALargeOneHasTheTextbookStiffness) {
+  // 1/R* = 1/R_i + 1/R_j: R* = 3/4 for radii 1 and 3 (their mean over two would be 1), R for R against a
+  // plane
+  EXPECT_NEAR(hertz(3.0, 0.25, 1.0, 3.0).k, 4.0 / 3.0 * 1.6 * std::sqrt(0.75), 1e-15);
+  EXPECT_EQ(hertz(3.0, 0.25, 3.0, 1.0).k, hertz(3.0, 0.25, 1.0, 3.0).k);
+  EXPECT_NEAR(hertz(3.0, 0.25, 0.25, 1e16).k, 4.0 / 3.0 * 1.6 * 0.5, 1e-15);
+}
+
 TEST(PapersHertz, HasThePapersForm) {
   // F = c_H / sqrt(a) (2R - r)^(3/2) with c_H = 2, a = 4, overlap 0.25
   EXPECT_NEAR(contact_force(paper_hertz(2.0, std::sqrt(4.0)), 0.25), 2.0 / 2.0 * 0.125, 1e-16);

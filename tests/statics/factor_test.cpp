@@ -9,6 +9,9 @@
 
 #include "statics/matrices.hpp"
 
+extern "C" void openblas_set_num_threads(int);
+extern "C" int openblas_get_num_threads();
+
 namespace vbond {
 namespace {
 
@@ -132,6 +135,24 @@ TEST(Factor, GivesTheSameBitsTwice) {
 TEST(Factor, KnowsItsSizeBeforehand) {
   const SparseMatrix A = lattice(50, 1, 1, true);  // a chain fills nothing: 50 + 49 entries
   EXPECT_EQ(analysed(A).bytes(), 99.0 * (sizeof(double) + sizeof(int)));
+}
+
+// The number of threads is the whole process's, which may have other work for OpenBLAS.
+TEST(Factor, LeavesTheProcessItsBlasThreads) {
+  const int before = openblas_get_num_threads();
+  openblas_set_num_threads(2);
+  if (openblas_get_num_threads() != 2) GTEST_SKIP() << "this OpenBLAS has one thread only";
+  {
+    const SparseMatrix A = lattice(14, 14, 14, true);
+    Factor f = analysed(A);
+    EXPECT_EQ(openblas_get_num_threads(), 2);
+    ASSERT_TRUE(f.factor_definite(A, 0.0));
+    EXPECT_EQ(openblas_get_num_threads(), 2);
+    f.solve(random_vector(static_cast<int>(A.rows()), 1));
+    EXPECT_EQ(openblas_get_num_threads(), 2);
+  }
+  EXPECT_EQ(openblas_get_num_threads(), 2);
+  openblas_set_num_threads(before);
 }
 
 }  // namespace

@@ -107,8 +107,7 @@ void describe(Table& t, WatchSpec& w) {
         "relative error of the energy balance at which the run stops");
   t.key("overlap", w.overlap, not_negative(pure), optional,
         "part of the smaller radius; particles without a bond that overlap by more than at the start and "
-        "this are "
-        "reported; 0: never");
+        "this are reported, and a run ends where contacts let two pass; 0: never");
 }
 
 }  // namespace vbond::keys

@@ -16,6 +16,10 @@ class Bonding {
  public:
   /// Keeps references to all four; `index` is asked when a list is rebuilt, so it may be replaced in place.
   Bonding(const Model& model, const Stage& stage, const Order& order, const BondIndex& index);
+  Bonding(const Model&&, const Stage&, const Order&, const BondIndex&) = delete;
+  Bonding(const Model&, const Stage&&, const Order&, const BondIndex&) = delete;
+  Bonding(const Model&, const Stage&, const Order&&, const BondIndex&) = delete;
+  Bonding(const Model&, const Stage&, const Order&, const BondIndex&&) = delete;
 
   /// A pair to be bonded, i < j.
   struct Pair {

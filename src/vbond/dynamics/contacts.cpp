@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "vbond/dynamics/encounters.hpp"
+
 namespace vbond {
 namespace {
 
@@ -29,16 +31,18 @@ void collect(Row i, std::span<const Row> near, const PoseRow* pose, const PerRow
   t.count = n;
 }
 
-/// Adds to the loads of each i what its j does to it, pair by pair.
-void push_apart(Touching& t, const PoseRow* pose, const PerRow<double>& radius, LoadRow* load) {
+/// Adds to the loads of each i what its j does to it, pair by pair. Returns whether one of the pairs is deep.
+bool push_apart(Touching& t, const PoseRow* pose, const PerRow<double>& radius, LoadRow* load) {
   std::array<double, Touching::most> distance2, reach, scale;
   for (std::size_t l = 0; l < t.count; ++l) {
     distance2[l] = norm2(pose[t.j[l].value].r - pose[t.i[l].value].r);
     reach[l] = radius[t.i[l]] + radius[t.j[l]];
   }
-#pragma omp simd
+  double deepest = 0.0;
+#pragma omp simd reduction(max : deepest)
   for (std::size_t l = 0; l < t.count; ++l) {
-    const double distance = std::sqrt(distance2[l]);
+    const double distance = std::sqrt(distance2[l]), beyond = deep_part * reach[l] - distance;
+    deepest = beyond > deepest ? beyond : deepest;
     scale[l] = contact_force(t.law[l], reach[l] - distance) / distance;
   }
   for (std::size_t l = 0; l < t.count;) {
@@ -49,6 +53,7 @@ void push_apart(Touching& t, const PoseRow* pose, const PerRow<double>& radius, 
     load[i.value].F = F;
   }
   t.count = 0;
+  return deepest > 0.0;
 }
 
 }  // namespace
@@ -82,14 +87,15 @@ HertzContact<double> Contacts::law(Row i, Row j) const {
   return one_law_ ? *one_law_ : contact_law(model_.contact, radius_[i], radius_[j]);
 }
 
-void Contacts::add_loads(RowRange rows, const PoseRow* pose, LoadRow* load) const {
-  if (!list_ || list_->count(rows) == 0) return;
+bool Contacts::add_loads(RowRange rows, const PoseRow* pose, LoadRow* load) const {
+  if (!list_ || list_->count(rows) == 0) return false;
   Touching t;
+  bool deep = false;
   if (one_law_) t.law.fill(*one_law_);
   const auto push = [&] {
     if (!one_law_)
       for (std::size_t l = 0; l < t.count; ++l) t.law[l] = law(t.i[l], t.j[l]);
-    push_apart(t, pose, radius_, load);
+    deep |= push_apart(t, pose, radius_, load);
   };
   for (std::size_t k = rows.first; k < rows.last; ++k)
     for (std::span<const Row> near = list_->of(Row{k}); !near.empty();) {
@@ -99,6 +105,16 @@ void Contacts::add_loads(RowRange rows, const PoseRow* pose, LoadRow* load) cons
       if (t.count > Touching::most / 2) push();
     }
   push();
+  return deep;
+}
+
+std::vector<std::pair<Row, Row>> Contacts::deep_pairs(RowRange rows, std::span<const PoseRow> pose) const {
+  std::vector<std::pair<Row, Row>> deep;
+  for (std::size_t k = rows.first; k < rows.last; ++k)
+    for (const Row j : list_->of(Row{k}))
+      if (k < j.value && norm2(pose[j.value].r - pose[k].r) < sq(deep_part * (radius_[Row{k}] + radius_[j])))
+        deep.emplace_back(Row{k}, j);
+  return deep;
 }
 
 double Contacts::energy(std::span<const PoseRow> pose) const {

@@ -1,6 +1,8 @@
 #pragma once
 #include <optional>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "vbond/dynamics/bond_index.hpp"
 #include "vbond/dynamics/neighbours.hpp"
@@ -15,6 +17,9 @@ class Contacts {
  public:
   /// Keeps references to all three; `index` is asked at a rebuild, so it may be replaced in place.
   Contacts(const Model& model, const Order& order, const BondIndex& index);
+  Contacts(const Model&&, const Order&, const BondIndex&) = delete;
+  Contacts(const Model&, const Order&&, const BondIndex&) = delete;
+  Contacts(const Model&, const Order&, const BondIndex&&) = delete;
 
   /// Is there anything to do at all?
   bool any() const { return list_.has_value(); }
@@ -25,7 +30,10 @@ class Contacts {
   /// Adds to the loads of these rows, and to no others, the forces of all that touch them, in increasing
   /// order of rows: the bits do not depend on how rows are shared out, nor on when the list was built. `pose`
   /// and `load` are those of all rows.  [force]
-  void add_loads(RowRange rows, const PoseRow* pose, LoadRow* load) const;
+  /// Returns whether two of them are nearer than deep_part of the sum of their radii.
+  bool add_loads(RowRange rows, const PoseRow* pose, LoadRow* load) const;
+  /// The pairs of these rows that are so near, each from the side of its lower row.
+  std::vector<std::pair<Row, Row>> deep_pairs(RowRange rows, std::span<const PoseRow> pose) const;
   /// Each pair once.  [energy]
   double energy(std::span<const PoseRow> pose) const;
 

@@ -186,9 +186,9 @@ double kick(RowRange rows, double h, const InverseInertia* inverse, const LoadRo
   return sum_of_row(poison);
 }
 
-/// Whether no particle of these rows turns by more than small_rotation can; may say no for one that could.
-/// A NaN is as good as a small number: it stays one either way.
-VBOND_HD bool turn_little(RowRange rows, double h, const MotionRow* motion) {
+/// The largest square of each component of v and omega in these rows. A NaN counts as a small number: it
+/// stays one whatever is done with it.
+VBOND_HD MotionRow largest_squares(RowRange rows, const MotionRow* motion) {
   Real largest[8 / lanes];  // square of each number of a row
   for (Real& x : largest) x = Real(0.0);
   for (std::size_t k = rows.first; k < rows.last; k += 2)  // two at once: a shorter chain of waiting
@@ -200,11 +200,20 @@ VBOND_HD bool turn_little(RowRange rows, double h, const MotionRow* motion) {
     }
   MotionRow squares;
   for (std::size_t part = 0; part < 8; part += lanes) largest[part / lanes].store(numbers(&squares) + part);
-  return h * h * (squares.omega.x + squares.omega.y + squares.omega.z) < small_rotation_limit2;
+  return squares;
 }
 
-void drift(RowRange rows, double h, const MotionRow* motion, PoseRow* pose) {
-  if (!turn_little(rows, h, motion)) return drift_by_any_angle(rows, h, motion, pose);
+VBOND_HD double sum_of(const Vec3d& x) {
+  return x.x + x.y + x.z;
+}
+
+double drift(RowRange rows, double h, const MotionRow* motion, PoseRow* pose) {
+  const MotionRow most = largest_squares(rows, motion);
+  const double way2 = h * h * sum_of(most.v);
+  if (!(h * h * sum_of(most.omega) < small_rotation_limit2)) {  // too much for small_rotation, or nearly so
+    drift_by_any_angle(rows, h, motion, pose);
+    return way2;
+  }
   const Real step(h);
   for (std::size_t k = rows.first; k < rows.last; k += lanes) {
     Real p[8], m[8];
@@ -217,6 +226,7 @@ void drift(RowRange rows, double h, const MotionRow* motion, PoseRow* pose) {
     for (std::size_t l = 0; l < lanes; ++l)
       for (std::size_t part = 0; part < 8; part += lanes) moved[part + l].store(numbers(pose + k + l) + part);
   }
+  return way2;
 }
 
 double slow_down(RowRange rows, const Decay* decay, MotionRow* motion) {

@@ -34,8 +34,9 @@ struct StepKernel {
   PackLoops<FullPack> full;
   /// v += h F/m, omega += h M/Theta. Returns 0, or NaN if a load is not finite.
   double (*kick)(RowRange, double h, const InverseInertia*, const LoadRow*, MotionRow*);
-  /// r += h v; q is turned exactly by the angle vector h omega. Rows are taken by eights.
-  void (*drift)(RowRange, double h, const MotionRow*, PoseRow*);
+  /// r += h v; q is turned exactly by the angle vector h omega. Rows are taken by eights. Returns a bound of
+  /// the largest |h v|^2 that is at most three times too large.
+  double (*drift)(RowRange, double h, const MotionRow*, PoseRow*);
   /// Slows down by the factors and returns the kinetic energy that this takes away.
   double (*slow_down)(RowRange, const Decay*, MotionRow*);
 };

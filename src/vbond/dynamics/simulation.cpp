@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "vbond/core/error.hpp"
+#include "vbond/dynamics/consistent.hpp"
 #include "vbond/dynamics/kernel.hpp"
 #include "vbond/model/bond_sums.hpp"
 
@@ -30,12 +31,13 @@ std::vector<std::size_t> work_of_blocks(const Bodies& bodies, const PerBond<Bond
 }  // namespace
 
 Simulation::Simulation(const Model& model, Stage stage, State state, int threads)
-    : model_(model),
+    : model_(consistent(model, stage, state)),
       stage_(std::move(stage)),
       state_(std::move(state)),
       bodies_(model),
       team_(model.particles(), work_of_blocks(bodies_, state_.bonds), threads),
       contacts_(model, bodies_.order, bond_index_),
+      encounters_(model, bond_index_),
       supports_(stage_, bodies_, team_),
       applied_(stage_, bodies_, team_),
       damping_(stage_, bodies_),
@@ -80,13 +82,14 @@ void Simulation::step() {
     books.work_supports += supports_.hold(b, Instant::start);
     kick(b, dt / 2);  // v, omega : t -> t + dt/2
     books.work_supports += supports_.hold_after_kick(b, Instant::start, Instant::middle, dt / 2);
-    drift(b, dt);  // r, q     : t -> t + dt
+    books.way2 = drift(b, dt);  // r, q     : t -> t + dt
     books.work_loads += applied_.work(b, dt);
     clear_loads(b);
   });
   lap.add_to(times_.integrate);
   if (contacts_.any()) {
     contacts_.refresh(bodies_.poses());  // the list of near pairs, made anew only when it is stale
+    look_at_drift();
     lap.add_to(times_.contacts);
   }
   team_.for_parts([&](const Part& part) {
@@ -107,8 +110,9 @@ void Simulation::step() {
   bodies_ahead_ = true;
   survey_.reset();
   close_books();
+  look_at_deep_contacts();
   keep_records();
-  if (--steps_to_look_ == 0) notify_observers();
+  if (--steps_to_look_ == 0 || !encounters().empty() || fastest()) notify_observers();
 }
 
 StopReason Simulation::run(const std::function<bool()>& interrupted) {
@@ -156,8 +160,8 @@ void Simulation::kick(const Block& b, double h) {
       kernel_.kick(b.rows, h, bodies_.inverse.data(), bodies_.load.data(), bodies_.motion.data());
 }
 
-void Simulation::drift(const Block& b, double h) {
-  kernel_.drift(b.rows, h, bodies_.motion.data(), bodies_.pose.data());
+double Simulation::drift(const Block& b, double h) {
+  return kernel_.drift(b.rows, h, bodies_.motion.data(), bodies_.pose.data());
 }
 
 void Simulation::clear_loads(const Block& b) {
@@ -173,7 +177,8 @@ void Simulation::complete_loads(const Part& part, const Block& b, Instant at, St
   bonds_.add_loads(b, part, pose, load);
   lap.add_to(times_.bonds);
   if (contacts_.any()) {
-    contacts_.add_loads({b.rows.first, std::min(b.rows.last, model_.particles())}, pose, load);
+    books_[b.index].deep =
+        contacts_.add_loads({b.rows.first, std::min(b.rows.last, model_.particles())}, pose, load);
     lap.add_to(times_.contacts);
   }
   applied_.add(b, at);
@@ -204,6 +209,23 @@ void Simulation::close_books() {
   state_.books.work_loads += sum.work_loads;
   state_.books.work_supports += sum.work_supports;
   if (sum.poison != 0.0) check_finite();
+}
+
+/// To be called when all particles have moved and none is kicked yet.
+void Simulation::look_at_drift() {
+  double way2 = 0.0;
+  for (const BlockBooks& b : books_) way2 = std::max(way2, b.way2);
+  encounters_.look_at_drift(bodies_, stage_.dt, way2);
+}
+
+void Simulation::look_at_deep_contacts() {
+  for (std::size_t b = 0; b < books_.size(); ++b)
+    if (books_[b].deep) {
+      const RowRange rows = team_.block(b).rows;
+      encounters_.add_deep(
+          bodies_,
+          contacts_.deep_pairs({rows.first, std::min(rows.last, model_.particles())}, bodies_.poses()));
+    }
 }
 
 /// Throws for the first particle whose load is NaN or infinite.

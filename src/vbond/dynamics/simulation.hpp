@@ -12,6 +12,7 @@
 #include "vbond/dynamics/bonding.hpp"
 #include "vbond/dynamics/contacts.hpp"
 #include "vbond/dynamics/damping.hpp"
+#include "vbond/dynamics/encounters.hpp"
 #include "vbond/dynamics/kernel.hpp"
 #include "vbond/dynamics/observer.hpp"
 #include "vbond/dynamics/step_times.hpp"
@@ -27,8 +28,8 @@ namespace vbond {
 /// Where the energy is, and which bonds need a closer look.
 struct Survey {
   Energies energies;
-  /// Every bond that is strained or snapped, or shorter than half its length at rest, and perhaps a few
-  /// that are close to it, in increasing order.
+  /// Every bond that is strained or snapped, shorter than half or longer than twice its length at rest, and
+  /// perhaps a few that are close to it, in increasing order.
   std::vector<BondId> deformed;
 };
 
@@ -38,8 +39,10 @@ class Simulation {
  public:
   /// Takes over the state and keeps a reference to the model. A state with stage_step = 0 begins the
   /// stage (supports take their given velocities); any other continues it, as after a checkpoint.
-  /// stage.dt > 0, threads >= 1.
+  /// stage.dt > 0, threads >= 1. Throws std::invalid_argument if dt is not, if a column of model or state has
+  /// not one entry per particle, or if a bond, support or load names a particle that there is not.
   Simulation(const Model& model, Stage stage, State state, int threads = 1);
+  Simulation(const Model&&, Stage, State, int = 1) = delete;  // a temporary would be gone at the first step
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
 
@@ -67,6 +70,10 @@ class Simulation {
     state();
     return std::move(state_);
   }
+  /// Pairs that were deep in one another in the last step, as far as contacts are to keep them apart, and the
+  /// fastest particle if it was too fast for that: observers look at every step that has any.
+  const std::vector<Encounter>& encounters() const { return encounters_.found(); }
+  const std::optional<FastParticle>& fastest() const { return encounters_.fastest(); }
   /// Forces and moments at the present positions, in the numbering of the model; collected at each call.
   Loads loads() const { return bodies_.loads(); }
   /// Threads at work: fewer than asked for if there is too little for them to do.
@@ -95,6 +102,8 @@ class Simulation {
   struct BlockBooks {
     double dissipated = 0, work_loads = 0, work_supports = 0;
     double poison = 0;
+    double way2 = 0;    // bound of the largest |v dt|^2
+    bool deep = false;  // some contact of its particles is
   };
 
   void begin_stage();
@@ -103,10 +112,12 @@ class Simulation {
   void apply_strain();
   void evaluate_loads();
   void kick(const Block& block, double h);
-  void drift(const Block& block, double h);
+  double drift(const Block& block, double h);
   void clear_loads(const Block& block);
   void complete_loads(const Part& part, const Block& block, Instant at, StepTimes::Lap& lap);
   void close_books();
+  void look_at_drift();
+  void look_at_deep_contacts();
   void check_finite() const;
   void keep_records();
   double peak_quantity() const;
@@ -126,6 +137,7 @@ class Simulation {
   BondPacks bonds_;
   BondIndex bond_index_;
   Contacts contacts_;
+  Encounters encounters_;
   Supports supports_;
   AppliedLoads applied_;
   Damping damping_;

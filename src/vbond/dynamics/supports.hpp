@@ -54,6 +54,7 @@ class Supports {
  public:
   /// Keeps references to stage and bodies.
   Supports(const Stage& stage, Bodies& bodies, const Team& team);
+  Supports(const Stage&&, Bodies&, const Team&) = delete;
 
   void set_times(std::int64_t stage_step, double dt) { factors_.set_times(stage_step, dt); }
 
@@ -81,6 +82,7 @@ class Supports {
 class AppliedLoads {
  public:
   AppliedLoads(const Stage& stage, Bodies& bodies, const Team& team);
+  AppliedLoads(const Stage&&, Bodies&, const Team&) = delete;
 
   void set_times(std::int64_t stage_step, double dt) { factors_.set_times(stage_step, dt); }
   /// Adds them to the loads of a block.

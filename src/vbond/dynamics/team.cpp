@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <exception>
 #include <numeric>
 #include <thread>
 
@@ -12,7 +13,7 @@ namespace vbond {
 /// from the core, on a busy machine the very one that it waits for.
 class Crew {
  public:
-  explicit Crew(const std::vector<Part>& parts) : parts_(parts) {
+  explicit Crew(const std::vector<Part>& parts) : parts_(parts), failures_(parts.size()) {
     try {
       for (std::size_t p = 1; p < parts.size(); ++p) threads_.emplace_back([this, p] { serve(p); });
     } catch (...) {  // no more threads to be had
@@ -24,11 +25,18 @@ class Crew {
   Crew(const Crew&) = delete;
   Crew& operator=(const Crew&) = delete;
 
-  /// The call must not throw: the program ends if it does, in whichever thread.
-  void run(void (*call)(void* work, const Part&), void* work) noexcept {
+  /// If the call throws, in whichever thread, it is thrown here once all have ended: of several the one of
+  /// the lowest part.
+  void run(void (*call)(void* work, const Part&), void* work) {
     hand_out(call, work);
-    call(work, parts_.front());
+    try_to_call(call, work, parts_.front());
     for (unsigned busy; (busy = busy_.load(std::memory_order_acquire)) != 0;) wait_for_change(busy_, busy);
+    for (std::exception_ptr& failure : failures_)
+      if (failure) {
+        const std::exception_ptr first = failure;
+        std::fill(failures_.begin(), failures_.end(), nullptr);
+        std::rethrow_exception(first);
+      }
   }
 
  private:
@@ -41,6 +49,14 @@ class Crew {
 #endif
     }
     value.wait(from, std::memory_order_acquire);
+  }
+
+  void try_to_call(void (*call)(void* work, const Part&), void* work, const Part& part) noexcept {
+    try {
+      call(work, part);
+    } catch (...) {
+      failures_[part.index] = std::current_exception();
+    }
   }
 
   /// Work without a call ends the threads.
@@ -58,12 +74,13 @@ class Crew {
       if (round_.load(std::memory_order_acquire) == seen) continue;
       ++seen;
       if (call_ == nullptr) return;
-      call_(work_, parts_[part]);
+      try_to_call(call_, work_, parts_[part]);
       if (busy_.fetch_sub(1, std::memory_order_acq_rel) == 1) busy_.notify_one();
     }
   }
 
   const std::vector<Part>& parts_;
+  std::vector<std::exception_ptr> failures_;  // of each part
   void (*call_)(void* work, const Part&) = nullptr;
   void* work_ = nullptr;
   std::atomic<unsigned> round_ = 0;  // of work handed out; wraps around

@@ -34,7 +34,8 @@ class Team {
   Block block(std::size_t b) const { return {b, {b * block_rows, std::min(rows_, (b + 1) * block_rows)}}; }
   const Part& part_of_row(std::size_t row) const;
 
-  /// Calls f(part) for all parts at once, each in a thread; f must write only what belongs to its part.
+  /// Calls f(part) for all parts at once, each in a thread; f must write only what belongs to its part. What
+  /// f throws is thrown here, after all parts have ended.
   template <class F>
   void for_parts(F f) const {
     if (!crew_) return f(parts_.front());

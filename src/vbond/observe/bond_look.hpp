@@ -14,8 +14,8 @@ inline BondShape bond_shape(const Bond& b, const State& s) {
   return bond_shape(bond_pose(b, s), b.R_i, b.R_j);
 }
 
-/// Every bond that is strained or snapped, or shorter than half its length at rest, and perhaps a few that
-/// are close to it, in increasing order.
+/// Every bond that is strained or snapped, shorter than half or longer than twice its length at rest, and
+/// perhaps a few that are close to it, in increasing order.
 inline std::vector<BondId> deformed_bonds(const State& s) {
   std::vector<BondId> deformed;
   for (const BondId k : s.bonds.ids()) {

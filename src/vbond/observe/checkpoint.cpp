@@ -271,6 +271,52 @@ void read_overlapping(Reader& reader, WatchRecord& watch, std::size_t particles)
   }
 }
 
+/// The same for the rest of the watch's record that few runs have.
+void write_rare(Writer& writer, const WatchRecord& watch) {
+  PerBond<BondId> stretched;
+  for (const BondId k : watch.stretched) stretched.push_back(k);
+  if (!stretched.empty()) writer.of_each("/watch/stretched", stretched, std::identity{});
+  if (watch.fastest != WatchRecord{}.fastest) writer("/watch/fastest", watch.fastest);
+  if (watch.deep.empty()) return;
+  Ends i, j;
+  PerBond<DeepPair> deep;
+  for (const auto& [pair, d] : watch.deep)
+    i.push_back(pair.first), j.push_back(pair.second), deep.push_back(d);
+  writer.of_each("/watch/deep_i", i, std::identity{});
+  writer.of_each("/watch/deep_j", j, std::identity{});
+  writer.of_each("/watch/deep_entered", deep, &DeepPair::entered);
+  writer.of_each("/watch/deep_nearest", deep, &DeepPair::nearest);
+  writer.of_each("/watch/deep_last_step", deep, &DeepPair::last_step);
+}
+
+void read_rare(Reader& reader, WatchRecord& watch, const State& state) {
+  if (reader.has("/watch/stretched")) {
+    PerBond<BondId> stretched;
+    stretched.resize(reader.rows("/watch/stretched"));
+    reader.of_each("/watch/stretched", stretched, std::identity{});
+    for (const BondId k : stretched) {
+      if (k.value >= state.bonds.size()) throw IoError("is damaged: a stretched bond is none of its bonds");
+      watch.stretched.insert(k);
+    }
+  }
+  if (reader.has("/watch/fastest")) reader("/watch/fastest", watch.fastest);
+  if (!reader.has("/watch/deep_i")) return;
+  Ends i, j;
+  PerBond<DeepPair> deep;
+  const std::size_t n = reader.rows("/watch/deep_i");
+  i.resize(n), j.resize(n), deep.resize(n);
+  reader.of_each("/watch/deep_i", i, std::identity{});
+  reader.of_each("/watch/deep_j", j, std::identity{});
+  reader.of_each("/watch/deep_entered", deep, &DeepPair::entered);
+  reader.of_each("/watch/deep_nearest", deep, &DeepPair::nearest);
+  reader.of_each("/watch/deep_last_step", deep, &DeepPair::last_step);
+  for (const BondId k : i.ids()) {
+    if (!(i[k] < j[k]) || j[k].value >= state.r.size())
+      throw IoError("is damaged: a deep pair has impossible ends");
+    watch.deep[{i[k], j[k]}] = deep[k];
+  }
+}
+
 bool finite(const Vec3d& x) {
   return std::isfinite(x.x) && std::isfinite(x.y) && std::isfinite(x.z);
 }
@@ -302,6 +348,7 @@ void write_checkpoint(const std::filesystem::path& path, const Model& model, con
     visit_fingerprint(writer, model);
     visit_fields(writer, checkpoint);
     write_overlapping(writer, checkpoint.watch);
+    write_rare(writer, checkpoint.watch);
     Replacement file(path);
     file.write(writer.bytes());
     write_seal(file.part(), format_version, program_version);
@@ -325,6 +372,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const Model& model
     c.watch.bonds.resize(reader.rows("/watch/worst"));
     visit_fields(reader, c);
     read_overlapping(reader, c.watch, n);
+    read_rare(reader, c.watch, c.state);
     check_sense(c);
     return c;
   } catch (const IoError& e) {

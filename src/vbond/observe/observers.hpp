@@ -47,7 +47,9 @@ class TimedObserver : public Observer {
 };
 
 /// Watches the run every OutputPlan::watch_every steps and at every row of the history, before it is
-/// written: a row of an unphysical state is never written. Throws Diverged, see Watch.
+/// written: a row of an unphysical state is never written. Pairs deep in one another and particles that are
+/// too fast it looks at in every step that has any, unless OutputPlan::overlap is 0. Throws Diverged, see
+/// Watch.
 class WatchObserver : public TimedObserver {
  public:
   WatchObserver(const OutputPlan& plan, Watch::Tell tell, WatchRecord record = {});
@@ -62,6 +64,7 @@ class WatchObserver : public TimedObserver {
  private:
   void look(const Simulation& run);
   void look_at_overlaps(const Simulation& run);
+  void look_at_contacts(const Simulation& run);
   /// Looks at energies and bonds per look at overlaps, which takes about as long as ten steps.
   static constexpr std::int64_t looks_per_overlaps = 10;
   std::int64_t every_;

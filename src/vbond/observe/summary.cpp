@@ -101,6 +101,8 @@ std::string to_json(const RunSummary& r) {
   j["ever_strained"] = r.ever_strained;
   j["ever_snapped"] = r.ever_snapped;
   j["ever_overlapping"] = r.ever_overlapping;
+  j["ever_stretched"] = r.ever_stretched;
+  j["too_fast"] = r.too_fast;
   j["bond_steps_per_second"] =
       r.stepping_seconds > 0.0 ? static_cast<double>(r.bond_steps) / r.stepping_seconds : 0.0;
   j["instruction_set"] = r.instruction_set;
@@ -135,6 +137,9 @@ RunSummary read_summary(const std::filesystem::path& path) {
     r.ever_snapped = whole_number(j.at("ever_snapped"));
     if (j.contains("ever_overlapping"))  // runs of 0.1 have none
       r.ever_overlapping = whole_number(j["ever_overlapping"]);
+    if (j.contains("ever_stretched"))  // nor have they these
+      r.ever_stretched = whole_number(j["ever_stretched"]);
+    r.too_fast = j.value("too_fast", 0.0);
     return r;
   } catch (const Json::exception& e) {
     throw IoError(path.string() + ": is not a run.json of vbond: " + e.what());

@@ -113,6 +113,45 @@ std::vector<Overlap> new_overlaps(const Model& m, const State& s, double part) {
   return found;
 }
 
+/// Line of centres where a stay within a distance of one another begins and ends, as far as this step knows.
+struct EndsOfStay {
+  Vec3d first, last;
+};
+
+EndsOfStay ends_of_stay(const Encounter& e, double distance) {
+  const Vec3d nearest = nearest_point(e), way = e.to - e.from;
+  const double half = std::sqrt(std::max(0.0, sq(distance) - norm2(nearest)));  // of the way inside
+  const auto edge = [&](const Vec3d& end, double sign) {
+    return norm(end) < distance ? end : nearest + (sign * half / norm(way)) * way;
+  };
+  return {edge(e.from, -1.0), edge(e.to, 1.0)};
+}
+
+/// What contacts can do about a pair depends on its energy: no step helps where that is too large.
+Diverged passed(const Model& m, const Encounter& e, double nearest, const State& s) {
+  const double R_i = m.radius[e.i], R_j = m.radius[e.j], reach = R_i + R_j;
+  const double speed_now = norm(s.v[e.j] - s.v[e.i]);
+  const double speed = std::max(speed_now, norm(e.to - e.from) / s.clock.dt);
+  const double reduced_mass = m.mass[e.i] * m.mass[e.j] / (m.mass[e.i] + m.mass[e.j]);
+  const double motion = 0.5 * reduced_mass * sq(speed_now) + contact_pair_energy(m, s, e.i, e.j);
+  const double most = contact_energy(contact_law(m.contact, R_i, R_j), reach);
+  const double step = 0.5 * longest_approach * reach / speed;
+  std::string way_out = "the step is small enough: use a stiffer contact, or lower velocities and loads";
+  if (motion > most)
+    way_out = fmt::format(
+        "this contact stores {:.3g} at most, and their motion holds {:.3g}: use a stiffer "
+        "contact or lower velocities",
+        most, motion);
+  else if (step < s.clock.dt)
+    way_out = fmt::format("use time.step = {:.3g} or less, or a stiffer contact", step);
+  return {
+      s.clock.step, s.clock.time(), fmt::format("particles {} and {}", e.i.value, e.j.value),
+      fmt::format("they have passed through one another: their centres came within {:.3g}, their radii are "
+                  "{:.3g} and {:.3g}, their relative speed is {:.4g}",
+                  nearest, R_i, R_j, speed),
+      way_out + "; watch.overlap = 0 lets particles pass"};
+}
+
 }  // namespace
 
 Watch::Watch(double energy_error, Tell tell, WatchRecord record)
@@ -152,15 +191,49 @@ void Watch::look_at_overlaps(const Model& model, const StaticPoint& point, doubl
 }
 
 void Watch::look_at_overlaps(const Model& model, const State& state, double part, const std::string& when) {
-  for (const Overlap& o : new_overlaps(model, state, part)) {
-    if (!record_.overlapping.insert({o.i, o.j}).second) continue;
-    auto count = static_cast<std::int64_t>(record_.overlapping.size()) - 1;
-    report(count, untold_overlapping_,
-           fmt::format("{}: particles {} and {} are not bonded and overlap by {:.4g}, {:.3g} of the smaller "
-                       "radius: they may slip through one another",
-                       when, o.i.value, o.j.value, o.depth,
-                       o.depth / std::min(model.radius[o.i], model.radius[o.j])));
+  for (const Overlap& o : new_overlaps(model, state, part)) report_overlap(model, o.i, o.j, o.depth, when);
+}
+
+void Watch::report_overlap(const Model& model, ParticleId i, ParticleId j, double depth,
+                           const std::string& when) {
+  if (!record_.overlapping.insert({i, j}).second) return;
+  auto count = static_cast<std::int64_t>(record_.overlapping.size()) - 1;
+  report(count, untold_overlapping_,
+         fmt::format("{}: particles {} and {} are not bonded and overlap by {:.4g}, {:.3g} of the smaller "
+                     "radius: they may slip through one another",
+                     when, i.value, j.value, depth, depth / std::min(model.radius[i], model.radius[j])));
+}
+
+void Watch::look_at_encounters(const Model& model, const std::vector<Encounter>& encounters,
+                               const Clock& clock, double part, const CollectState& collect) {
+  std::map<std::pair<ParticleId, ParticleId>, DeepPair> still_deep;
+  for (const Encounter& e : encounters) {
+    const double reach = model.radius[e.i] + model.radius[e.j];
+    const EndsOfStay stay = ends_of_stay(e, deep_part * reach);
+    const auto before = record_.deep.find({e.i, e.j});
+    const bool goes_on = before != record_.deep.end() && before->second.last_step + 1 >= clock.step;
+    const double distance = norm(nearest_point(e));
+    const DeepPair pair{goes_on ? before->second.entered : stay.first,
+                        goes_on ? std::min(before->second.nearest, distance) : distance, clock.step};
+    if (dot(pair.entered, stay.last) < 0.0) throw passed(model, e, pair.nearest, collect());
+    if (norm(e.to) < deep_part * reach) still_deep[{e.i, e.j}] = pair;
+    if (reach - distance > part * std::min(model.radius[e.i], model.radius[e.j]))
+      report_overlap(model, e.i, e.j, reach - distance, time_of(clock));
   }
+  if (!encounters.empty()) record_.deep = std::move(still_deep);
+}
+
+void Watch::look_at_speed(const FastParticle& fastest, const Clock& clock) {
+  const double ratio = fastest.way / fastest.limit;
+  if (!(ratio >= 2.0 * record_.fastest)) return;
+  record_.fastest = ratio;
+  if (tell_)
+    tell_(fmt::format(
+        "{}: step {}: particle {} moves by {:.3g} in a step, at a speed of {:.4g} against the mean "
+        "of all: from {:.3g} on, an eighth of the least sum of two radii, particles may pass "
+        "through one another before contacts push them apart; time.step = {:.3g} would do",
+        time_of(clock), clock.step, fastest.p.value, fastest.way, fastest.way / clock.dt, fastest.limit,
+        0.9 * clock.dt / ratio));
 }
 
 void Watch::look_at_bond(BondId k, const State& state, const std::string& when) {
@@ -173,6 +246,12 @@ void Watch::look_at_bond(BondId k, const State& state, const std::string& when) 
                                shape.length, b.a),
                    "use smaller loads or velocities, a stiffer bond or a contact law; a smaller time.step "
                    "if the energy balance was already off");
+  if (shape.length > 2.0 * b.a && record_.stretched.insert(k).second) {
+    auto count = static_cast<std::int64_t>(record_.stretched.size()) - 1;
+    report(count, untold_stretched_,
+           fmt::format("{}: {} is longer than twice its length at rest: {:.4g} of {:.4g}", when,
+                       name_of(k, b), shape.length, b.a));
+  }
   const bool is_short = shape.length < 0.5 * b.a;
   const BondRange range = bond_range(b, shape);
   if (!is_short && range == BondRange::good) return;
@@ -208,6 +287,8 @@ void Watch::summarise() {
   sum_up(untold_strained_, record_.strained, "bonds were strained");
   sum_up(untold_snapped_, record_.snapped, "bonds have snapped");
   sum_up(untold_shortened_, record_.shortened, "bonds were shorter than half their length at rest");
+  sum_up(untold_stretched_, static_cast<std::int64_t>(record_.stretched.size()),
+         "bonds were longer than twice their length at rest");
   sum_up(untold_overlapping_, static_cast<std::int64_t>(record_.overlapping.size()),
          "pairs of particles that are not bonded overlapped");
 }

@@ -1,12 +1,14 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "vbond/core/column.hpp"
+#include "vbond/dynamics/encounters.hpp"
 #include "vbond/dynamics/simulation.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/physics/range.hpp"
@@ -21,13 +23,24 @@ struct BondRecord {
   friend bool operator==(const BondRecord&, const BondRecord&) = default;
 };
 
+/// Where two particles, i < j, came deep in one another, and the last step at which they still were.
+struct DeepPair {
+  Vec3d entered;       ///< along r_j - r_i
+  double nearest = 0;  ///< distance of their centres since  [length]
+  std::int64_t last_step = 0;
+  friend bool operator==(const DeepPair&, const DeepPair&) = default;
+};
+
 /// What the watch has seen so far; kept in checkpoints so that a resumed run reports nothing twice.
 struct WatchRecord {
   PerBond<BondRecord> bonds;  ///< up to the last one that there was something to say about
   std::int64_t strained = 0;  ///< bonds reported or counted as strained
   std::int64_t snapped = 0;
   std::int64_t shortened = 0;
-  std::set<std::pair<ParticleId, ParticleId>> overlapping;  ///< pairs that were reported or counted, i < j
+  std::set<BondId> stretched;  ///< bonds reported or counted as longer than twice their length at rest
+  std::set<std::pair<ParticleId, ParticleId>> overlapping;     ///< pairs that were reported or counted, i < j
+  std::map<std::pair<ParticleId, ParticleId>, DeepPair> deep;  ///< pairs as of the last step that had any
+  double fastest = 0.5;  ///< way in a step over FastParticle::limit, as last reported; 0.5: not yet
   friend bool operator==(const WatchRecord&, const WatchRecord&) = default;
 };
 
@@ -38,8 +51,8 @@ class Watch {
   using Tell = std::function<void(const std::string&)>;
   using CollectState = std::function<const State&()>;
 
-  /// Reports of one kind (strained, snapped, shortened, overlapping) given in full; later ones are only
-  /// counted.
+  /// Reports of one kind (strained, snapped, shortened, stretched, overlapping) given in full; later ones are
+  /// only counted.
   static constexpr std::int64_t told_in_full = 10;
 
   /// energy_error: relative error of the energy balance that stops the run, > 0.
@@ -63,6 +76,15 @@ class Watch {
   }
   void look_at_overlaps(const Model& model, const StaticPoint& point, double part);
 
+  /// Throws Diverged for a pair that has passed through: whose line of centres has turned by more than a
+  /// right angle while it was deep in one another. Reports the others as overlaps, as look_at_overlaps does.
+  /// Asks for the state only if there is something to tell. To be called after every step with encounters.
+  void look_at_encounters(const Model& model, const std::vector<Encounter>& encounters, const Clock& clock,
+                          double part, const CollectState& state);
+
+  /// Reports a particle that is too fast for its contacts to be seen, again when it is twice as fast.
+  void look_at_speed(const FastParticle& fastest, const Clock& clock);
+
   /// Sums up the reports that were not given in full since the last summary.
   void summarise();
 
@@ -74,6 +96,7 @@ class Watch {
             const std::function<std::string(const Clock&)>& when);
   void look_at_bond(BondId k, const State& state, const std::string& when);
   void look_at_overlaps(const Model& model, const State& state, double part, const std::string& when);
+  void report_overlap(const Model& model, ParticleId i, ParticleId j, double depth, const std::string& when);
   static std::string time_of(const Clock& clock);
   void report(std::int64_t& count, std::int64_t& untold, const std::string& text);
 
@@ -81,7 +104,7 @@ class Watch {
   Tell tell_;
   WatchRecord record_;
   std::int64_t untold_strained_ = 0, untold_snapped_ = 0, untold_shortened_ = 0;
-  std::int64_t untold_overlapping_ = 0;
+  std::int64_t untold_stretched_ = 0, untold_overlapping_ = 0;
 };
 
 }  // namespace vbond

@@ -47,13 +47,13 @@ inline BondShape bond_shape(const BondPose<double>& b, double R_i, double R_j) {
           std::atan2(norm(cross(b.n_i[0], b.n_j[0])), -dot(b.n_i[0], b.n_j[0]))};
 }
 
-/// False only if the bond is longer than half its length at rest and in the good range of every law, with
-/// room to spare; a NaN needs a look.
+/// False only if the bond is longer than half its length at rest, shorter than twice that, and in the good
+/// range of every law, with room to spare; a NaN needs a look.
 template <std::floating_point T>
 VBOND_HD bool needs_look(const BondTilt<T>& t, T a) {
   constexpr T c_least = 0.71;     // cos 45 degrees = 0.7071
   constexpr T sin_to_cos = 0.99;  // tan 45 degrees = 1
-  return !(t.length > 0.51 * a && t.c_i > c_least && t.c_j > c_least &&
+  return !(t.length > T(0.51) * a && t.length < T(1.99) * a && t.c_i > c_least && t.c_j > c_least &&
            std::abs(t.sin_twist) < sin_to_cos * t.cos_twist);
 }
 

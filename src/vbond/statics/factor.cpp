@@ -7,19 +7,44 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <new>
 #include <stdexcept>
 #include <vector>
 
 // OpenBLAS's own, declared here since <cblas.h> may be that of another BLAS.
 extern "C" void openblas_set_num_threads(int);
+extern "C" int openblas_get_num_threads();
 
 namespace vbond {
 namespace {
 
-/// As long as it lives, CHOLMOD does its loops alone. It would share out every small front of a matrix among
-/// four threads of OpenMP, whose waiting takes longer than the work: a shell of 2,700 unknowns took three
-/// times as long. The runtime is the one that CHOLMOD was built with, so it is asked for by name.
+/// As long as one lives, in whichever thread of the process, OpenBLAS works with one thread; after the last
+/// it has as many as before the first. The number is one for the whole process, which may be somebody else's.
+class OneBlasThread {
+ public:
+  OneBlasThread() {
+    const std::lock_guard lock(mutex_);
+    if (users_++ > 0) return;
+    before_ = openblas_get_num_threads();
+    openblas_set_num_threads(1);
+  }
+  ~OneBlasThread() {
+    const std::lock_guard lock(mutex_);
+    if (--users_ == 0) openblas_set_num_threads(before_);
+  }
+  OneBlasThread(const OneBlasThread&) = delete;
+  OneBlasThread& operator=(const OneBlasThread&) = delete;
+
+ private:
+  static inline std::mutex mutex_;
+  static inline int users_ = 0, before_ = 1;
+};
+
+/// As long as it lives, CHOLMOD and OpenBLAS do their loops alone. CHOLMOD would share out every small front
+/// of a matrix among four threads of OpenMP, whose waiting takes longer than the work: a shell of 2,700
+/// unknowns took three times as long. The runtime is the one that CHOLMOD was built with, so it is asked for
+/// by name.
 class WithoutThreads {
  public:
   WithoutThreads() {
@@ -40,6 +65,7 @@ class WithoutThreads {
   }
   int (*get_)() = found<int()>("omp_get_max_active_levels");
   void (*set_)(int) = found<void(int)>("omp_set_max_active_levels");
+  OneBlasThread blas_;
   int before_ = 0;
 };
 
@@ -146,7 +172,6 @@ struct Factor::Cholmod {
     cholmod_start(&common);
     common.print = 0;
     common.quick_return_if_not_posdef = 1;
-    openblas_set_num_threads(1);
   }
   ~Cholmod() {
     symbolic.reset();

@@ -139,6 +139,26 @@ void add_strained(const RunFacts& run, Warnings& all) {
                    first_seen(run, run.body.first_strained, "strained"))});
 }
 
+void add_stretched(const RunFacts& run, Warnings& all) {
+  const std::int64_t bonds = run.summary ? run.summary->ever_stretched : 0;
+  if (bonds == 0) return;
+  all.push_back(
+      {Level::warning,
+       fmt::format("{} bond{} longer than twice the length at rest at some time, and bonds do not break: "
+                   "what they hold together is not to be trusted. The terminal named the first ones.",
+                   bonds, bonds == 1 ? " was" : "s were")});
+}
+
+void add_too_fast(const RunFacts& run, Warnings& all) {
+  const double ratio = run.summary ? run.summary->too_fast : 0.0;
+  if (ratio == 0.0) return;
+  all.push_back(
+      {Level::warning,
+       fmt::format("Particles moved up to {:.2g} times as far in a step as contacts can follow: they may "
+                   "have passed through one another. Use a time.step smaller by that factor.",
+                   ratio)});
+}
+
 void add_overlapping(const RunFacts& run, Warnings& all) {
   const std::int64_t pairs = run.summary ? run.summary->ever_overlapping : 0;
   if (pairs == 0) return;
@@ -225,6 +245,8 @@ Warnings warnings(const RunFacts& run) {
   add_step(run, all);
   add_energy(run, all);
   add_strained(run, all);
+  add_stretched(run, all);
+  add_too_fast(run, all);
   add_overlapping(run, all);
   add_unstable(run, all);
   std::stable_sort(all.begin(), all.end(),

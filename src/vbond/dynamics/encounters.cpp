@@ -1,0 +1,80 @@
+#include "vbond/dynamics/encounters.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace vbond {
+
+Vec3d nearest_point(const Encounter& e) {
+  const Vec3d way = e.to - e.from;
+  const double way2 = norm2(way);
+  if (!(way2 > 0.0)) return e.to;
+  return e.from + std::clamp(-dot(e.from, way) / way2, 0.0, 1.0) * way;
+}
+
+Encounters::Encounters(const Model& model, const BondIndex& index) : model_(model), index_(index) {
+  if (model.particles() == 0) return;
+  const auto [min, max] = std::minmax_element(model.radius.begin(), model.radius.end());
+  max_radius_ = *max;
+  // a point may touch a ball, so that the least sum of two radii is not always twice the least one
+  limit_ = 0.5 * longest_approach * (*min > 0.0 ? *min + *min : *max);
+}
+
+void Encounters::look_at_drift(const Bodies& bodies, double dt, double largest_way2) {
+  found_.clear();
+  fastest_.reset();
+  if (largest_way2 > sq(limit_) && find_fast(bodies, dt)) find_passing(bodies, dt);
+}
+
+void Encounters::add_deep(const Bodies& bodies, const std::vector<std::pair<Row, Row>>& pairs) {
+  for (const auto& [i, j] : pairs) {
+    const Vec3d r = bodies.pose[j.value].r - bodies.pose[i.value].r;
+    add(bodies.order, i, j, r, r);
+  }
+}
+
+/// Takes down the particles that move too far against the mean of all: a body may fly as fast as it likes.
+bool Encounters::find_fast(const Bodies& bodies, double dt) {
+  const std::size_t n = bodies.order.particle.size();
+  Vec3d mean;
+  for (std::size_t k = 0; k < n; ++k) mean += bodies.motion[k].v / static_cast<double>(n);
+  fast_.clear();
+  is_fast_.assign(n, 0);
+  r_.clear();
+  for (std::size_t k = 0; k < n; ++k) {
+    const double way = dt * norm(bodies.motion[k].v - mean);
+    if (!std::isfinite(way) || !is_finite(bodies.pose[k].r)) return false;  // the check of loads will tell
+    r_.push_back(bodies.pose[k].r);
+    if (!(way > limit_)) continue;
+    fast_.push_back(Row{k});
+    is_fast_[k] = 1;
+    if (!fastest_ || way > fastest_->way) fastest_ = {bodies.order.particle[Row{k}], way, limit_};
+  }
+  return !fast_.empty();
+}
+
+/// All pairs of which one is fast, however far the step has taken it: no list of near pairs would have them.
+void Encounters::find_passing(const Bodies& bodies, double dt) {
+  grid_.sort(r_, 2.0 * (max_radius_ + fastest_->way));
+  for (const Row i : fast_)
+    grid_.scan_near(i.value, [&](const CellGrid::Point* first, const CellGrid::Point* last) {
+      for (; first != last && found_.size() < most; ++first) {
+        const Row j{first->i};
+        if (j == i || (is_fast_[j.value] && j < i)) continue;
+        const Vec3d to = r_[j.value] - r_[i.value];
+        add(bodies.order, i, j, to - dt * (bodies.motion[j.value].v - bodies.motion[i.value].v), to);
+      }
+    });
+}
+
+void Encounters::add(const Order& order, Row row_i, Row row_j, const Vec3d& from, const Vec3d& to) {
+  Encounter e{order.particle[row_i], order.particle[row_j], from, to};
+  if (e.j < e.i) e = {e.j, e.i, -from, -to};
+  const double deep2 = sq(deep_part * (model_.radius[e.i] + model_.radius[e.j]));
+  if (!(norm2(nearest_point(e)) < deep2)) return;
+  if (norm2(model_.r_0[e.j] - model_.r_0[e.i]) < deep2 || index_.bonded(e.i, e.j)) return;  // it is meant
+  const auto same = [&e](const Encounter& f) { return f.i == e.i && f.j == e.j; };
+  if (found_.size() < most && std::none_of(found_.begin(), found_.end(), same)) found_.push_back(e);
+}
+
+}  // namespace vbond
