@@ -102,12 +102,12 @@ struct Stored<Quatd> {
   static void put(const Quatd& x, double* to) { to[0] = x.w, to[1] = x.x, to[2] = x.y, to[3] = x.z; }
   static void take(const double* from, Quatd& x) { x = {from[0], from[1], from[2], from[3]}; }
 };
-template <>
-struct Stored<ParticleId> {
+template <class Tag>
+struct Stored<Id<Tag>> {
   using Number = std::uint32_t;
   static constexpr std::size_t count = 1;
-  static void put(const ParticleId& x, Number* to) { *to = x.value; }
-  static void take(const Number* from, ParticleId& x) { x = ParticleId{*from}; }
+  static void put(const Id<Tag>& x, Number* to) { *to = x.value; }
+  static void take(const Number* from, Id<Tag>& x) { x = Id<Tag>{*from}; }
 };
 /// Enumerations and bool: one byte, checked against the largest valid value.
 template <class E, std::uint8_t largest>
