@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "vbond/statics/detail/deflated.hpp"
 #include "vbond/statics/detail/eigen.hpp"
 #include "vbond/statics/detail/rounding.hpp"
 
@@ -209,16 +210,19 @@ double PathStep::gap_of_turn(const PathNode& lo, const PathNode& node, const Pat
   return gap;
 }
 
-/// How many eigenvalues lie below a bound, or one close by.
+/// How many eigenvalues lie below a bound, or one close by. A factor without pivoting may meet a zero pivot
+/// at any bound near zero: then the eigenvalues near zero are taken out one by one.
 int PathStep::number_below(const SparseMatrix& A, double bound) {
   Factor factor;
   factor.analyse(A);
-  for (int k = 0; k < 8; ++k, bound *= 1.5) {
-    const std::optional<int> number = factor.factor_indefinite(A, -bound);
+  for (int k = 0; k < 8; ++k) {
+    const std::optional<int> number = factor.factor_indefinite(A, -std::pow(1.5, k) * bound);
     arc_->add_factors(1);
     if (number) return *number;
   }
-  throw NoConvergence("eigenvalues near zero cannot be counted");
+  const Deflated near(A);
+  arc_->add_factors(near.factors());
+  return near.negative() + static_cast<int>((near.null_values().array() < bound).count());
 }
 
 /// The eigenvalue with this number in increasing order, from 0. One that is within rounding of zero may count
