@@ -7,39 +7,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <mutex>
 #include <new>
 #include <stdexcept>
 #include <vector>
 
-// OpenBLAS's own, declared here since <cblas.h> may be that of another BLAS.
-extern "C" void openblas_set_num_threads(int);
-extern "C" int openblas_get_num_threads();
+#include "vbond/statics/detail/one_blas_thread.hpp"
 
 namespace vbond {
 namespace {
-
-/// As long as one lives, in whichever thread of the process, OpenBLAS works with one thread; after the last
-/// it has as many as before the first. The number is one for the whole process, which may be somebody else's.
-class OneBlasThread {
- public:
-  OneBlasThread() {
-    const std::lock_guard lock(mutex_);
-    if (users_++ > 0) return;
-    before_ = openblas_get_num_threads();
-    openblas_set_num_threads(1);
-  }
-  ~OneBlasThread() {
-    const std::lock_guard lock(mutex_);
-    if (--users_ == 0) openblas_set_num_threads(before_);
-  }
-  OneBlasThread(const OneBlasThread&) = delete;
-  OneBlasThread& operator=(const OneBlasThread&) = delete;
-
- private:
-  static inline std::mutex mutex_;
-  static inline int users_ = 0, before_ = 1;
-};
 
 /// As long as it lives, CHOLMOD and OpenBLAS do their loops alone. CHOLMOD would share out every small front
 /// of a matrix among four threads of OpenMP, whose waiting takes longer than the work: a shell of 2,700

@@ -6,6 +6,7 @@
 #include "vbond/core/error.hpp"
 #include "vbond/statics/detail/kinds.hpp"
 #include "vbond/statics/detail/newton.hpp"
+#include "vbond/statics/detail/one_blas_thread.hpp"
 
 namespace vbond {
 namespace {
@@ -25,6 +26,7 @@ StaticOutcome run_kind(const Model& model, const StaticStage& stage, State state
 
 StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, State state,
                                const StaticHooks& hooks) {
+  const OneBlasThread alone;
   try {
     return run_kind(model, stage, std::move(state), hooks);
   } catch (const NoEquilibrium&) {
