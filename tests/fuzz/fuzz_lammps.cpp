@@ -17,8 +17,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const SpecimenPoints points =
         read_lammps_specimen(file, styles[data[0] % styles.size()], {"fuzz.toml", 1, 1});
     const auto n = static_cast<std::int64_t>(points.r.size());
-    for (const auto& [i, j] : points.bonds)
-      if (i < 0 || j < 0 || i >= n || j >= n) std::abort();
+    for (const FileBond& bond : points.bonds)
+      for (const std::int64_t end : bond.pair)
+        if (end < 0 || end >= n) std::abort();
   } catch (const CaseError&) {
   }
   return 0;

@@ -7,30 +7,16 @@
 
 #include <unistd.h>
 
+#include "temporary_folder.hpp"
+
 /// What the fuzzers of files share: a folder to put them in, and seeds.
 namespace vbond::fuzz {
 
-/// A folder of this process, gone at its end. Give it memory to live in: TMPDIR=/dev/shm.
-class Folder {
- public:
-  Folder() : path_(std::filesystem::temp_directory_path() / ("vbond_fuzz_" + std::to_string(getpid()))) {
-    std::filesystem::create_directories(path_);
-  }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-  const std::filesystem::path& path() const { return path_; }
+using Folder = test::TemporaryFolder;
 
- private:
-  std::filesystem::path path_;
-};
-
+/// A folder of this process. Give it memory to live in: TMPDIR=/dev/shm.
 inline const Folder& folder() {
-  static const Folder made;
+  static const Folder made("vbond_fuzz_" + std::to_string(getpid()));
   return made;
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "temporary_folder.hpp"
 #include "vbond/model/make_bond.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
@@ -14,26 +15,15 @@
 namespace vbond::test {
 
 /// A folder of its own for a test, gone when the test is over.
-class Folder {
+class Folder : public TemporaryFolder {
  public:
-  Folder() {
-    const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-    path_ = std::filesystem::temp_directory_path() /
-            (std::string("vbond_observe_") + test->test_suite_name() + "_" + test->name());
-    std::filesystem::remove_all(path_);
-    std::filesystem::create_directories(path_);
-  }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
-  const std::filesystem::path& path() const { return path_; }
+  Folder() : TemporaryFolder(name()) {}
 
  private:
-  std::filesystem::path path_;
+  static std::string name() {
+    const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
+    return std::string("vbond_observe_") + test->test_suite_name() + "_" + test->name();
+  }
 };
 
 inline std::string content_of(const std::filesystem::path& path) {
