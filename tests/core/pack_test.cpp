@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <random>
 
@@ -33,20 +34,26 @@ TYPED_TEST(PackOf, IsAScalar) {
   static_assert(Scalar<TypeParam>);
 }
 
-TYPED_TEST(PackOf, TransposesASquare) {
+// W rows of four numbers as they come from memory, to four columns and back.
+TYPED_TEST(PackOf, TransposesHalfRows) {
   constexpr std::size_t W = sizeof(TypeParam) / sizeof(double);
-  std::array<TypeParam, W> square;
-  for (std::size_t k = 0; k < W; ++k) {
-    std::array<double, W> row;
-    for (std::size_t l = 0; l < W; ++l) row[l] = static_cast<double>(10 * k + l);
-    square[k] = TypeParam::load(row.data());
+  const auto number = [](std::size_t row, std::size_t k) { return static_cast<double>(10 * row + k); };
+  TypeParam x[4];
+  for (std::size_t k = 0; k < 4; ++k) {
+    std::array<double, W> part;
+    for (std::size_t l = 0; l < W; ++l)
+      part[l] = W == 2 ? number(k % 2, k / 2 * 2 + l) : number(k + l / 4 * 4, l % 4);
+    x[k] = TypeParam::load(part.data());
   }
-  transpose(square.data());
-  for (std::size_t k = 0; k < W; ++k) {
-    std::array<double, W> row;
-    square[k].store(row.data());
-    for (std::size_t l = 0; l < W; ++l) EXPECT_EQ(row[l], static_cast<double>(10 * l + k));
+  const auto rows = std::to_array(x);
+  transpose_halves(x);
+  for (std::size_t k = 0; k < 4; ++k) {
+    std::array<double, W> column;
+    x[k].store(column.data());
+    for (std::size_t l = 0; l < W; ++l) EXPECT_EQ(column[l], number(l, k));
   }
+  transpose_halves(x);
+  EXPECT_EQ(std::memcmp(x, rows.data(), sizeof x), 0);
 }
 
 // Every lane rounds as a double does: numbers of all sizes, zeros of both signs, subnormal and infinite ones.
@@ -79,6 +86,7 @@ TYPED_TEST(PackOf, RoundsAsDoublesDo) {
     expect(x / y, [](double p, double q) { return p / q; });
     expect(-x, [](double p, double) { return -p; });
     expect(sqrt(x), [](double p, double) { return std::sqrt(p); });
+    expect(TypeParam(-0.0), [](double, double) { return -0.0; });
     expect(TypeParam(0.1) * x, [](double p, double) { return 0.1 * p; });
   }
 }

@@ -32,7 +32,7 @@ struct Pack {
   Native v;
 
   Pack() = default;
-  VBOND_HD explicit Pack(double s) : v(Native{} + s) {}
+  VBOND_HD explicit Pack(double s) : v(s - Native{}) {}  // no operation: s - 0 is s, also of -0
   VBOND_HD explicit Pack(Native lanes) : v(lanes) {}
 
   static VBOND_HD Pack load(const double* from) {
@@ -64,13 +64,17 @@ VBOND_HD void exchange_blocks(Pack<W>& upper, Pack<W>& lower, std::index_sequenc
   lower.v = __builtin_shufflevector(u, l, ((Lane & S) == 0 ? Lane + S : W + Lane)...);
 }
 
-/// Transposes a square of W x W numbers.
-template <std::size_t S = 1, std::size_t W>
-VBOND_HD void transpose(Pack<W>* row) {
-  if constexpr (S < W) {
-    for (std::size_t k = 0; k < W; ++k)
-      if ((k & S) == 0) exchange_blocks<S>(row[k], row[k + S], std::make_index_sequence<W>());
-    transpose<2 * S>(row);
+/// From W rows of four numbers to four columns of W numbers, and back. Rows lie in the registers as they come
+/// from memory: with four lanes x[k] is row k; with eight, rows k and k + 4 side by side; with two, x[k] is
+/// row k, and x[2 + k] its other two numbers. Columns: number k of row l is lane l of x[k].
+template <std::size_t W>
+VBOND_HD void transpose_halves(Pack<W> (&x)[4]) {
+  constexpr auto all = std::make_index_sequence<W>();
+  exchange_blocks<1>(x[0], x[1], all);
+  exchange_blocks<1>(x[2], x[3], all);
+  if constexpr (W > 2) {
+    exchange_blocks<2>(x[0], x[2], all);
+    exchange_blocks<2>(x[1], x[3], all);
   }
 }
 

@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "vbond/dynamics/rows.hpp"
 #include "vbond/model/bond.hpp"
 
 namespace vbond {
@@ -42,6 +43,15 @@ struct PackLanes {
   bool crossing = false;
 };
 
+/// Rows that the step comes to after some bonds. Bonds wait for arithmetic, rows for memory: so the loop over
+/// these bonds asks for those rows on its way.
+struct RowsAhead {
+  const PoseRow* pose = nullptr;
+  const MotionRow* motion = nullptr;
+  const LoadRow* load = nullptr;
+  std::size_t count = 0;
+};
+
 /// Consecutive packs of one kind, as the kernel takes them.
 template <class P>
 struct PackRun {
@@ -49,6 +59,7 @@ struct PackRun {
   const PackLanes* lanes;
   std::size_t count;
   BondType type;  ///< of full packs only the law counts
+  RowsAhead ahead{};
 };
 
 }  // namespace vbond

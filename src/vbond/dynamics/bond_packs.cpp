@@ -106,6 +106,15 @@ void BondPacks::arrange(const PerBond<Bond>& bonds, const Order& order, const Te
   });
   while (first_run_.size() <= team.blocks()) first_run_.push_back(runs_.size());
 
+  at_border_.assign(team.blocks(), 0);
+  for (std::size_t k = 0; k < team.blocks(); ++k) reach_.push_back(k + 1);
+  for (const Sorted& s : sorted) {
+    const std::size_t upper = upper_row(bonds[s.bond], order), block = upper / block_rows;
+    reach_[s.block()] = std::max(reach_[s.block()], block + 1);
+    if (!team.part_of_row(s.row).rows.contains(upper)) at_border_[s.block()] = at_border_[block] = 1;
+  }
+  for (std::size_t k = 1; k < reach_.size(); ++k) reach_[k] = std::max(reach_[k], reach_[k - 1]);
+
   for (const Part& part : team.parts()) {
     std::vector<Sorted> below;
     for (const Sorted& s : sorted)
@@ -161,9 +170,12 @@ void BondPacks::add_loads_from_below(const Part& part, const PoseRow* pose, Load
     });
 }
 
-void BondPacks::add_loads(const Block& block, const Part& part, const PoseRow* pose, LoadRow* load) const {
-  for (std::size_t r = first_run_[block.index]; r < first_run_[block.index + 1]; ++r)
-    visit(runs_[r], [&](const auto& kernel, const auto& run, const auto&) {
+void BondPacks::add_loads(const Block& block, const Part& part, const PoseRow* pose, LoadRow* load,
+                          const RowsAhead& ahead) const {
+  const std::size_t first = first_run_[block.index];
+  for (std::size_t r = first; r < first_run_[block.index + 1]; ++r)
+    visit(runs_[r], [&](const auto& kernel, auto run, const auto&) {
+      if (r == first) run.ahead = ahead;
       kernel.add_loads(run, part.rows, pose, load);
     });
 }

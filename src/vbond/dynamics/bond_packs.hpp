@@ -29,7 +29,13 @@ class BondPacks {
   /// Adds what the bonds of lower parts do to the particles of this part: first of all in a part.
   void add_loads_from_below(const Part& part, const PoseRow* pose, LoadRow* load) const;
   /// Adds the loads of the bonds of a block to the particles of its part.
-  void add_loads(const Block& block, const Part& part, const PoseRow* pose, LoadRow* load) const;
+  void add_loads(const Block& block, const Part& part, const PoseRow* pose, LoadRow* load,
+                 const RowsAhead& ahead) const;
+
+  /// The bonds of this block and of all before it join only rows of blocks before the one returned.
+  std::size_t reach(std::size_t block) const { return reach_[block]; }
+  /// Whether a bond joins this block to another part.
+  bool at_border(std::size_t block) const { return at_border_[block] != 0; }
 
   /// Energy of all bonds, and those that need a closer look, in increasing order.
   Energies survey(const Team& team, const PoseRow* pose, std::vector<BondId>& deformed) const;
@@ -71,6 +77,8 @@ class BondPacks {
   Store<FullPack> full_;
   std::vector<Run> runs_;
   std::vector<std::size_t> first_run_;        // of each block, and the end
+  std::vector<std::size_t> reach_;            // of each block
+  std::vector<std::uint8_t> at_border_;       // of each block
   std::vector<std::vector<Run>> from_below_;  // of each part
 };
 

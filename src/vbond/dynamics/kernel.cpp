@@ -4,63 +4,13 @@
 // the rest of the program may not be running.
 #include "vbond/dynamics/kernel.hpp"
 
-#include "vbond/core/pack.hpp"
+#include "vbond/dynamics/kernel_rows.hpp"
 #include "vbond/physics/evm.hpp"
 #include "vbond/physics/range.hpp"
 #include "vbond/physics/vmodel.hpp"
 
 namespace vbond::VBOND_KERNEL {
 namespace {
-
-constexpr std::size_t lanes = VBOND_LANES;
-constexpr std::uint32_t one_after_another[rows_at_once] = {0, 1, 2, 3, 4, 5, 6, 7};
-using Real = Pack<lanes>;
-
-// ---- rows and lanes ---------------------------------------------------------------------------------
-
-template <class R>
-VBOND_HD const double* numbers(const R* row) {
-  return reinterpret_cast<const double*>(row);
-}
-template <class R>
-VBOND_HD double* numbers(R* row) {
-  return reinterpret_cast<double*>(row);
-}
-
-/// Number k of row[l] in lane l of column[k].
-template <class R>
-VBOND_HD void load_columns(const R* rows, const std::uint32_t* row, Real (&column)[8]) {
-  for (std::size_t part = 0; part < 8; part += lanes) {
-    for (std::size_t l = 0; l < lanes; ++l) column[part + l] = Real::load(numbers(rows + row[l]) + part);
-    transpose(column + part);
-  }
-}
-
-/// The other way about: afterwards row l is column[l], column[lanes + l] and so on.
-VBOND_HD void make_rows(Real (&column)[8]) {
-  for (std::size_t part = 0; part < 8; part += lanes) transpose(column + part);
-}
-
-VBOND_HD void add_row(const Real (&rows)[8], std::size_t l, double* to) {
-  for (std::size_t part = 0; part < 8; part += lanes)
-    (Real::load(to + part) + rows[part + l]).store(to + part);
-}
-
-/// This part of a row of eight that holds x four times, then y.
-template <std::size_t W = lanes>
-VBOND_HD Pack<W> halves(double x, double y, std::size_t part) {
-  if constexpr (W == 8)
-    return Pack<W>(__builtin_shufflevector(Pack<W>(x).v, Pack<W>(y).v, 0, 0, 0, 0, W, W, W, W));
-  else
-    return Pack<W>(part < 4 ? x : y);
-}
-
-/// The sum of a row's numbers, always in this order.
-VBOND_HD double sum_of_row(const Real (&row)[8 / lanes]) {
-  double x[8];
-  for (std::size_t part = 0; part < 8; part += lanes) row[part / lanes].store(x + part);
-  return ((x[0] + x[1]) + (x[2] + x[3])) + ((x[4] + x[5]) + (x[6] + x[7]));
-}
 
 // ---- bonds ------------------------------------------------------------------------------------------
 
@@ -91,33 +41,102 @@ VBOND_HD BondFrames<Real> frames_of(const FullPack& p, std::size_t l) {
 /// The bonds in lanes l, l + 1 .. of a pack as their particles stand.
 template <class P>
 VBOND_HD BondPose<Real> pose_of(const P& p, const PoseRow* pose, std::size_t l) {
-  Real i[8], j[8];
-  load_columns(pose, p.i + l, i);
-  load_columns(pose, p.j + l, j);
-  return bond_pose(frames_of(p, l), {i[0], i[1], i[2]}, {i[4], i[5], i[6], i[7]}, {j[0], j[1], j[2]},
-                   {j[4], j[5], j[6], j[7]});
+  Halves i, r;
+  load_halves(pose, p.i + l, Half::first, i);
+  load_halves(pose, p.j + l, Half::first, r);
+  for (std::size_t k = 0; k < 4; ++k) r[k] = r[k] - i[k];
+  transpose_halves(r);
+  return bond_pose(frames_of(p, l), {r[0], r[1], r[2]}, load_quats(pose, p.i + l), load_quats(pose, p.j + l));
+}
+
+/// Adds the loads of the bonds in lanes l, l + 1 .. of a pack to their rows.
+template <class P>
+VBOND_HD void add_lanes(const P& p, PackLanes in_use, std::size_t l, const BondLoads<Real>& b, RowRange own,
+                        LoadRow* load) {
+  const Real zero(0.0);
+  Halves F = {b.F.x, b.F.y, b.F.z, zero}, minus_F;
+  Halves M_ij = {b.M_ij.x, b.M_ij.y, b.M_ij.z, zero}, M_ji = {b.M_ji.x, b.M_ji.y, b.M_ji.z, zero};
+  transpose_halves(F);
+  transpose_halves(M_ij);
+  transpose_halves(M_ji);
+  for (std::size_t k = 0; k < 4; ++k) minus_F[k] = -F[k];
+  const std::uint32_t *i = p.i + l, *j = p.j + l;
+  if (in_use.count == pack_bonds && !in_use.crossing) {
+    for (std::size_t k = 0; k < lanes; ++k) {  // bond after bond: two of them may share a particle
+      add_row(F, M_ij, k, numbers(load + i[k]));
+      add_row(minus_F, M_ji, k, numbers(load + j[k]));
+    }
+    return;
+  }
+  for (std::size_t k = 0; k < lanes && l + k < in_use.count; ++k) {
+    if (own.contains(i[k])) add_row(F, M_ij, k, numbers(load + i[k]));
+    if (own.contains(j[k])) add_row(minus_F, M_ji, k, numbers(load + j[k]));
+  }
+}
+
+/// What is known of some bonds halfway, number by number: compilers copy structs of packs badly.
+struct Halfway {
+  Real r_ij[3], n_i[3][3], n_j[3][3], D, per_D, d[3];
+};
+VBOND_HD void put(const Vec3<Real>& v, Real (&to)[3]) {
+  to[0] = v.x, to[1] = v.y, to[2] = v.z;
+}
+VBOND_HD Vec3<Real> vec(const Real (&v)[3]) {
+  return {v[0], v[1], v[2]};
 }
 
 template <template <class> class Law, class P>
-VBOND_HD void add_pack(const P& p, const BondType& type, PackLanes in_use, RowRange own, const PoseRow* pose,
-                       LoadRow* load) {
-  for (std::size_t first = 0; first < pack_bonds; first += lanes) {
-    const BondLoads<Real> b = bond_loads(law_of<Law>(p, type, first), pose_of(p, pose, first));
-    const Real zero(0.0);
-    Real on_i[8] = {b.F.x, b.F.y, b.F.z, zero, b.M_ij.x, b.M_ij.y, b.M_ij.z, zero};
-    Real on_j[8] = {-b.F.x, -b.F.y, -b.F.z, zero, b.M_ji.x, b.M_ji.y, b.M_ji.z, zero};
-    make_rows(on_i);
-    make_rows(on_j);
-    if (in_use.count == pack_bonds && !in_use.crossing) {
-      for (std::size_t l = 0; l < lanes; ++l) {  // bond after bond: two of them may share a particle
-        add_row(on_i, l, numbers(load + p.i[first + l]));
-        add_row(on_j, l, numbers(load + p.j[first + l]));
+VBOND_HD void first_half(const P& p, const BondType& type, const PoseRow* pose, std::size_t l, Halfway& to) {
+  const Law<Real> law = law_of<Law>(p, type, l);
+  const BondPose<Real> b = pose_of(p, pose, l);
+  const BondAxis<Real> axis = bond_axis(b, law.R_i, law.R_j);
+  put(b.r_ij, to.r_ij);
+  for (std::size_t k = 0; k < 3; ++k) put(b.n_i[k], to.n_i[k]), put(b.n_j[k], to.n_j[k]);
+  to.D = axis.D, to.per_D = axis.per_D;
+  put(axis.d, to.d);
+}
+template <template <class> class Law, class P>
+VBOND_HD BondLoads<Real> second_half(const P& p, const BondType& type, std::size_t l, const Halfway& h) {
+  const BondPose<Real> b{vec(h.r_ij),
+                         {vec(h.n_i[0]), vec(h.n_i[1]), vec(h.n_i[2])},
+                         {vec(h.n_j[0]), vec(h.n_j[1]), vec(h.n_j[2])}};
+  return bond_loads(law_of<Law>(p, type, l), b, BondAxis<Real>{h.D, h.per_D, vec(h.d)});
+}
+
+/// Asks for those rows ahead that are due with packs [first, last) of all these.
+VBOND_HD void fetch(const RowsAhead& ahead, std::size_t first, std::size_t last, std::size_t packs) {
+  for (std::size_t k = ahead.count * first / packs; k < ahead.count * last / packs; ++k) {
+    __builtin_prefetch(ahead.pose + k, 0, 2);  // into the second-level cache
+    __builtin_prefetch(ahead.motion + k, 0, 2);
+    __builtin_prefetch(ahead.load + k, 0, 2);
+  }
+}
+
+/// Packs that are worked out together: first all poses with their root and quotient, then all loads. A core
+/// that looks only some hundred instructions ahead gains by it, for it can begin a pack while the one before
+/// waits for its root; one that looks further, or has few registers, loses: docs/decisions/data-layout.md.
+constexpr std::size_t packs_together = VBOND_PACKS_TOGETHER;
+
+template <template <class> class Law, class P>
+VBOND_HD void add_run(const PackRun<P>& run, RowRange own, const PoseRow* pose, LoadRow* load) {
+  constexpr std::size_t parts = pack_bonds / lanes;
+  for (std::size_t k = 0; k < run.count; k += packs_together) {
+    const std::size_t last = k + packs_together < run.count ? k + packs_together : run.count;
+    if (run.ahead.count != 0) fetch(run.ahead, k, last, run.count);
+    if constexpr (packs_together == 1) {
+      for (std::size_t l = 0; l < pack_bonds; l += lanes)
+        add_lanes(run.packs[k], run.lanes[k], l,
+                  bond_loads(law_of<Law>(run.packs[k], run.type, l), pose_of(run.packs[k], pose, l)), own,
+                  load);
+    } else {
+      Halfway halfway[packs_together * parts];
+      for (std::size_t n = 0; n < (last - k) * parts; ++n)
+        first_half<Law>(run.packs[k + n / parts], run.type, pose, n % parts * lanes, halfway[n]);
+      for (std::size_t n = 0; n < (last - k) * parts; ++n) {
+        const std::size_t pack = k + n / parts, l = n % parts * lanes;
+        add_lanes(run.packs[pack], run.lanes[pack], l,
+                  second_half<Law>(run.packs[pack], run.type, l, halfway[n]), own, load);
       }
-      continue;
-    }
-    for (std::size_t l = 0; l < lanes && first + l < in_use.count; ++l) {
-      if (own.contains(p.i[first + l])) add_row(on_i, l, numbers(load + p.i[first + l]));
-      if (own.contains(p.j[first + l])) add_row(on_j, l, numbers(load + p.j[first + l]));
     }
   }
 }
@@ -125,14 +144,8 @@ VBOND_HD void add_pack(const P& p, const BondType& type, PackLanes in_use, RowRa
 template <class P>
 void add_loads(const PackRun<P>& run, RowRange own, const PoseRow* pose, LoadRow* load) {
   switch (run.type.law) {
-    case BondLaw::v_model:
-      for (std::size_t k = 0; k < run.count; ++k)
-        add_pack<VModel>(run.packs[k], run.type, run.lanes[k], own, pose, load);
-      break;
-    case BondLaw::evm:
-      for (std::size_t k = 0; k < run.count; ++k)
-        add_pack<Evm>(run.packs[k], run.type, run.lanes[k], own, pose, load);
-      break;
+    case BondLaw::v_model: return add_run<VModel>(run, own, pose, load);
+    case BondLaw::evm: return add_run<Evm>(run, own, pose, load);
   }
 }
 
@@ -174,16 +187,20 @@ void survey(const PackRun<P>& run, const PoseRow* pose, BondEnergies& sum, std::
 // ---- particles --------------------------------------------------------------------------------------
 
 double kick(RowRange rows, double h, const InverseInertia* inverse, const LoadRow* load, MotionRow* motion) {
-  Real poison[8 / lanes];  // 0 * x is 0 for every finite x and NaN for any other
-  for (Real& p : poison) p = Real(0.0);
-  for (std::size_t k = rows.first; k < rows.last; ++k)
-    for (std::size_t part = 0; part < 8; part += lanes) {
-      const Real F = Real::load(numbers(load + k) + part);
-      double* v = numbers(motion + k) + part;
-      (Real::load(v) + halves(h * inverse[k].per_m, h * inverse[k].per_Theta, part) * F).store(v);
-      poison[part / lanes] = poison[part / lanes] + Real(0.0) * F;
-    }
-  return sum_of_row(poison);
+  const Real step(h);
+  Real sum[2][8 / lanes];  // of all loads: not finite if one of them is not
+  for (auto& row : sum)
+    for (Real& x : row) x = Real(0.0);
+  for (std::size_t k = rows.first; k < rows.last; k += 2)  // two at once: a shorter chain of waiting
+    for (std::size_t n = 0; n < 2; ++n)
+      for (std::size_t part = 0; part < 8; part += lanes) {
+        const Real F = Real::load(numbers(load + k + n) + part);
+        double* v = numbers(motion + k + n) + part;
+        const Real per_inertia = halves_of(inverse[k + n].per_m, inverse[k + n].per_Theta, part);
+        (Real::load(v) + step * per_inertia * F).store(v);
+        sum[n][part / lanes] = sum[n][part / lanes] + F;
+      }
+  return 0.0 * (sum_of_row(sum[0]) + sum_of_row(sum[1]));
 }
 
 /// The largest square of each component of v and omega in these rows. A NaN counts as a small number: it
@@ -207,6 +224,29 @@ VBOND_HD double sum_of(const Vec3d& x) {
   return x.x + x.y + x.z;
 }
 
+/// Moves G times `lanes` rows by small rotations: turns first, for they wait for one another the longest.
+template <std::size_t G>
+VBOND_HD void move(std::size_t k, double h, const MotionRow* motion, PoseRow* pose) {
+  const Real step(h);
+  Quat<Real> turn[G];
+  for (std::size_t g = 0; g < G; ++g) {
+    Halves omega;
+    load_columns(motion + k + g * lanes, one_after_another, Half::second, omega);
+    turn[g] = small_rotation(step * Vec3<Real>{omega[0], omega[1], omega[2]});
+  }
+  for (std::size_t g = 0; g < G; ++g) {
+    PoseRow* const rows = pose + k + g * lanes;
+    Halves r, v;
+    load_halves(motion + k + g * lanes, one_after_another, Half::first, v);
+    load_halves(rows, one_after_another, Half::first, r);
+    for (std::size_t n = 0; n < 4; ++n) r[n] = r[n] + step * v[n];
+    const Quat<Real> turned = renormalised(turn[g] * load_quats(rows, one_after_another));
+    Halves q = {turned.w, turned.x, turned.y, turned.z};
+    transpose_halves(q);
+    for (std::size_t l = 0; l < lanes; ++l) store_row(r, q, l, numbers(rows + l));
+  }
+}
+
 double drift(RowRange rows, double h, const MotionRow* motion, PoseRow* pose) {
   const MotionRow most = largest_squares(rows, motion);
   const double way2 = h * h * sum_of(most.v);
@@ -214,18 +254,9 @@ double drift(RowRange rows, double h, const MotionRow* motion, PoseRow* pose) {
     drift_by_any_angle(rows, h, motion, pose);
     return way2;
   }
-  const Real step(h);
-  for (std::size_t k = rows.first; k < rows.last; k += lanes) {
-    Real p[8], m[8];
-    load_columns(pose + k, one_after_another, p);
-    load_columns(motion + k, one_after_another, m);
-    const Quat<Real> turn = small_rotation(step * Vec3<Real>{m[4], m[5], m[6]});
-    const Quat<Real> q = renormalised(turn * Quat<Real>{p[4], p[5], p[6], p[7]});
-    Real moved[8] = {p[0] + step * m[0], p[1] + step * m[1], p[2] + step * m[2], p[3], q.w, q.x, q.y, q.z};
-    make_rows(moved);
-    for (std::size_t l = 0; l < lanes; ++l)
-      for (std::size_t part = 0; part < 8; part += lanes) moved[part + l].store(numbers(pose + k + l) + part);
-  }
+  std::size_t k = rows.first;
+  for (; k + 2 * lanes <= rows.last; k += 2 * lanes) move<2>(k, h, motion, pose);
+  for (; k < rows.last; k += lanes) move<1>(k, h, motion, pose);
   return way2;
 }
 
@@ -237,8 +268,8 @@ double slow_down(RowRange rows, const Decay* decay, MotionRow* motion) {
       double* v = numbers(motion + k) + part;
       const Real rate = Real::load(v);
       lost[part / lanes] =
-          lost[part / lanes] + halves(decay[k].of_v, decay[k].of_omega, part) * (rate * rate);
-      (halves(decay[k].v, decay[k].omega, part) * rate).store(v);
+          lost[part / lanes] + halves_of(decay[k].of_v, decay[k].of_omega, part) * (rate * rate);
+      (halves_of(decay[k].v, decay[k].omega, part) * rate).store(v);
     }
   return sum_of_row(lost);
 }

@@ -29,10 +29,11 @@ struct PackLoops {
 
 /// The loops of a step that must be fast, compiled once per instruction set. All sets give the same bits.
 struct StepKernel {
-  const char* name;
+  const char* name;  ///< of the instruction set
   PackLoops<CompactPack> compact;
   PackLoops<FullPack> full;
-  /// v += h F/m, omega += h M/Theta. Returns 0, or NaN if a load is not finite.
+  /// v += h F/m, omega += h M/Theta. Returns 0, or NaN if a load is not finite or their sum is too large for
+  /// a double.
   double (*kick)(RowRange, double h, const InverseInertia*, const LoadRow*, MotionRow*);
   /// r += h v; q is turned exactly by the angle vector h omega. Rows are taken by eights. Returns a bound of
   /// the largest |h v|^2 that is at most three times too large.
@@ -41,7 +42,8 @@ struct StepKernel {
   double (*slow_down)(RowRange, const Decay*, MotionRow*);
 };
 
-/// The kernels that this machine can execute, the best one last.
+/// The kernels that this machine can execute, the best one last. AVX-512 has two: with pairs of packs for
+/// Intel's processors, pack by pack for others.
 std::vector<const StepKernel*> available_kernels();
 
 /// The kernel that runs use: the best one, or the one that the environment variable VBOND_SIMD names. Chosen

@@ -1,6 +1,7 @@
 #include <cstdlib>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "vbond/dynamics/kernel.hpp"
 
@@ -16,6 +17,9 @@ extern const StepKernel kernel;
 namespace avx512 {
 extern const StepKernel kernel;
 }
+namespace avx512_pairs {
+extern const StepKernel kernel;
+}
 #endif
 
 std::vector<const StepKernel*> available_kernels() {
@@ -23,8 +27,10 @@ std::vector<const StepKernel*> available_kernels() {
 #if defined(__x86_64__)  // each set asks for what CMakeLists.txt compiles it with
   if (__builtin_cpu_supports("avx2")) kernels.push_back(&avx2::kernel);
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-      __builtin_cpu_supports("avx512vl"))
-    kernels.push_back(&avx512::kernel);
+      __builtin_cpu_supports("avx512vl")) {
+    kernels.insert(kernels.end(), {&avx512::kernel, &avx512_pairs::kernel});
+    if (!__builtin_cpu_is("intel")) std::swap(kernels.back(), kernels.rbegin()[1]);
+  }
 #endif
   return kernels;
 }
@@ -36,9 +42,10 @@ const StepKernel& chosen_kernel() {
   const char* wanted = std::getenv("VBOND_SIMD");
   if (wanted == nullptr) return *kernels.back();
   std::string names;
-  for (const StepKernel* k : kernels) {
-    if (k->name == std::string(wanted)) return *k;
-    names += std::string(names.empty() ? "" : ", ") + k->name;
+  for (auto k = kernels.rbegin(); k != kernels.rend(); ++k) {
+    if ((*k)->name == std::string(wanted)) return **k;
+    if (names.find((*k)->name) == std::string::npos)
+      names.insert(0, (*k)->name + std::string(names.empty() ? "" : ", "));
   }
   throw std::invalid_argument("VBOND_SIMD = " + std::string(wanted) + ": this machine can execute " + names +
                               "; without VBOND_SIMD the best of them is used");

@@ -68,23 +68,15 @@ void Simulation::begin_stage() {
 }
 
 void Simulation::step() {
-  const double dt = stage_.dt;
   const bool timed = state_.clock.stage_step % StepTimes::one_in == 0;
   make_bonds();    // between particles that came close
   apply_strain();  // r jumps, if it is due
-  supports_.set_times(state_.clock.stage_step, dt);
-  applied_.set_times(state_.clock.stage_step, dt);
+  supports_.set_times(state_.clock.stage_step, stage_.dt);
+  applied_.set_times(state_.clock.stage_step, stage_.dt);
 
   StepTimes::Lap lap(timed);
   team_.for_blocks([&](const Block& b) {
-    BlockBooks& books = books_[b.index] = {};
-    books.dissipated += damping_.slow_down(b.rows);  // v, omega over dt / 2
-    books.work_supports += supports_.hold(b, Instant::start);
-    kick(b, dt / 2);  // v, omega : t -> t + dt/2
-    books.work_supports += supports_.hold_after_kick(b, Instant::start, Instant::middle, dt / 2);
-    books.way2 = drift(b, dt);  // r, q     : t -> t + dt
-    books.work_loads += applied_.work(b, dt);
-    clear_loads(b);
+    if (moves_first(b)) begin_step(b);
   });
   lap.add_to(times_.integrate);
   if (contacts_.any()) {
@@ -94,14 +86,14 @@ void Simulation::step() {
   }
   team_.for_parts([&](const Part& part) {
     StepTimes::Lap lap_of_part(timed && part.index == 0);
+    std::size_t begun = part.first_block;  // blocks before this one have moved
     for (std::size_t k = part.first_block; k < part.last_block; ++k) {
-      const Block b = team_.block(k);
-      BlockBooks& books = books_[k];
-      complete_loads(part, b, Instant::end, lap_of_part);  // F, M     : at t + dt
-      kick(b, dt / 2);                                     // v, omega : t + dt/2 -> t + dt
-      books.work_supports += supports_.hold_after_kick(b, Instant::middle, Instant::end, dt / 2);
-      books.dissipated += damping_.slow_down(b.rows);
-      books.work_supports += supports_.hold(b, Instant::end);
+      for (; begun < std::min(bonds_.reach(k), part.last_block); ++begun)
+        if (!moves_first(team_.block(begun))) begin_step(team_.block(begun));
+      lap_of_part.add_to(times_.integrate);
+      const RowsAhead ahead = begun < part.last_block ? rows_of(team_.block(begun)) : RowsAhead{};
+      complete_loads(part, team_.block(k), Instant::end, ahead, lap_of_part);  // F, M : at t + dt
+      end_step(team_.block(k));
       lap_of_part.add_to(times_.integrate);
     }
   });
@@ -113,6 +105,41 @@ void Simulation::step() {
   look_at_deep_contacts();
   keep_records();
   if (--steps_to_look_ == 0 || !encounters().empty() || fastest()) notify_observers();
+}
+
+/// Bonds need the new places of both their particles. A block is moved just before the first bonds that reach
+/// it, and stays in the cache until then; but before all others if another thread may look at it: at the
+/// border of a part, or anywhere where there are contacts.
+bool Simulation::moves_first(const Block& b) const {
+  return contacts_.any() || bonds_.at_border(b.index);
+}
+
+/// The half of a step before the loads.
+void Simulation::begin_step(const Block& b) {
+  const double dt = stage_.dt;
+  BlockBooks& books = books_[b.index] = {};
+  books.dissipated += damping_.slow_down(b.rows);  // v, omega over dt / 2
+  books.work_supports += supports_.hold(b, Instant::start);
+  kick(b, dt / 2);  // v, omega : t -> t + dt/2
+  books.work_supports += supports_.hold_after_kick(b, Instant::start, Instant::middle, dt / 2);
+  books.way2 = drift(b, dt);  // r, q     : t -> t + dt
+  books.work_loads += applied_.work(b, dt);
+  clear_loads(b);
+}
+
+/// The half of a step after the loads.
+void Simulation::end_step(const Block& b) {
+  const double dt = stage_.dt;
+  BlockBooks& books = books_[b.index];
+  kick(b, dt / 2);  // v, omega : t + dt/2 -> t + dt
+  books.work_supports += supports_.hold_after_kick(b, Instant::middle, Instant::end, dt / 2);
+  books.dissipated += damping_.slow_down(b.rows);
+  books.work_supports += supports_.hold(b, Instant::end);
+}
+
+RowsAhead Simulation::rows_of(const Block& b) const {
+  const std::size_t k = b.rows.first;
+  return {&bodies_.pose[k], &bodies_.motion[k], &bodies_.load[k], b.rows.last - k};
 }
 
 StopReason Simulation::run(const std::function<bool()>& interrupted) {
@@ -170,11 +197,12 @@ void Simulation::clear_loads(const Block& b) {
 }
 
 /// To be called block by block in the order of a part: bonds add to blocks further on.
-void Simulation::complete_loads(const Part& part, const Block& b, Instant at, StepTimes::Lap& lap) {
+void Simulation::complete_loads(const Part& part, const Block& b, Instant at, const RowsAhead& ahead,
+                                StepTimes::Lap& lap) {
   const PoseRow* pose = bodies_.pose.data();
   LoadRow* load = bodies_.load.data();
   if (b.index == part.first_block) bonds_.add_loads_from_below(part, pose, load);
-  bonds_.add_loads(b, part, pose, load);
+  bonds_.add_loads(b, part, pose, load, ahead);
   lap.add_to(times_.bonds);
   if (contacts_.any()) {
     books_[b.index].deep =
@@ -192,7 +220,7 @@ void Simulation::evaluate_loads() {
   team_.for_parts([&](const Part& part) {
     StepTimes::Lap untimed(false);
     for (std::size_t b = part.first_block; b < part.last_block; ++b)
-      complete_loads(part, team_.block(b), Instant::start, untimed);
+      complete_loads(part, team_.block(b), Instant::start, {}, untimed);
   });
   check_finite();
 }

@@ -111,10 +111,15 @@ class Simulation {
   void make_bonds();
   void apply_strain();
   void evaluate_loads();
+  bool moves_first(const Block& block) const;
+  void begin_step(const Block& block);
+  void end_step(const Block& block);
+  RowsAhead rows_of(const Block& block) const;
   void kick(const Block& block, double h);
   double drift(const Block& block, double h);
   void clear_loads(const Block& block);
-  void complete_loads(const Part& part, const Block& block, Instant at, StepTimes::Lap& lap);
+  void complete_loads(const Part& part, const Block& block, Instant at, const RowsAhead& ahead,
+                      StepTimes::Lap& lap);
   void close_books();
   void look_at_drift();
   void look_at_deep_contacts();

@@ -30,11 +30,8 @@ VBOND_HD BondEnergy<T> bond_energy(const Evm<T>& m, const BondPose<T>& b) {
 
 /// Force and moments of a bond: the gradient of bond_energy.
 template <Scalar T>
-VBOND_HD BondLoads<T> bond_loads(const Evm<T>& m, const BondPose<T>& b) {
-  const Vec3<T> D_ij = bonded_points(b, m.R_i, m.R_j);
-  const T D = norm(D_ij);
-  const T per_D = T(1.0) / D;
-  const Vec3<T> d = per_D * D_ij;
+VBOND_HD BondLoads<T> bond_loads(const Evm<T>& m, const BondPose<T>& b, const BondAxis<T>& axis) {
+  const auto& [D, per_D, d] = axis;
   const T half(0.5);
 
   const Vec3<T> n = b.n_j[0] - b.n_i[0];

@@ -20,12 +20,20 @@ struct BondFrames {
   Quat<T> i, j;
 };
 
-/// The pose of a bond whose particles stand at r_i, r_j and are turned by the unit quaternions q_i, q_j.
+/// The pose of a bond whose particles stand at r_i and r_i + r_ij and are turned by the unit quaternions q_i,
+/// q_j.
+template <Scalar T>
+VBOND_HD BondPose<T> bond_pose(const BondFrames<T>& frame, const Vec3<T>& r_ij, const Quat<T>& q_i,
+                               const Quat<T>& q_j) {
+  const Axes<T> i = axes(q_i * frame.i), j = axes(q_j * frame.j);
+  return {r_ij, {i.x, i.y, i.z}, {-j.x, j.y, j.z}};
+}
+
+/// The same for particles that stand at r_i and r_j.
 template <Scalar T>
 VBOND_HD BondPose<T> bond_pose(const BondFrames<T>& frame, const Vec3<T>& r_i, const Quat<T>& q_i,
                                const Vec3<T>& r_j, const Quat<T>& q_j) {
-  const Axes<T> i = axes(q_i * frame.i), j = axes(q_j * frame.j);
-  return {r_j - r_i, {i.x, i.y, i.z}, {-j.x, j.y, j.z}};
+  return bond_pose(frame, r_j - r_i, q_i, q_j);
 }
 
 /// Energy of one bond by channel, relative to rest.  [energy]
@@ -49,6 +57,27 @@ struct BondLoads {
 template <Scalar T>
 VBOND_HD Vec3<T> bonded_points(const BondPose<T>& b, const T& R_i, const T& R_j) {
   return b.r_ij + R_j * b.n_j[0] - R_i * b.n_i[0];
+}
+
+/// The line between the two bonded points, D_ij = D d.
+template <Scalar T>
+struct BondAxis {
+  T D;        ///< [length]
+  T per_D;    ///< 1/D
+  Vec3<T> d;  ///< unit vector from i to j
+};
+
+template <Scalar T>
+VBOND_HD BondAxis<T> bond_axis(const BondPose<T>& b, const T& R_i, const T& R_j) {
+  const Vec3<T> D_ij = bonded_points(b, R_i, R_j);
+  const T D = norm(D_ij), per_D = T(1.0) / D;
+  return {D, per_D, per_D * D_ij};
+}
+
+/// Force and moments of a bond of any law: the gradient of its bond_energy.
+template <class Law, Scalar T>
+VBOND_HD BondLoads<T> bond_loads(const Law& law, const BondPose<T>& b) {
+  return bond_loads(law, b, bond_axis(b, law.R_i, law.R_j));
 }
 
 }  // namespace vbond

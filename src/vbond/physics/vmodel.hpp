@@ -40,11 +40,8 @@ VBOND_HD BondEnergy<T> bond_energy(const VModel<T>& m, const BondPose<T>& b) {
 /// Force and moments of a bond: the gradient of bond_energy.  [KA12] eqs. (9), (10). M_ji, which the paper
 /// omits, follows from the balance of moments, M_ij + M_ji = r_ij x F.
 template <Scalar T>
-VBOND_HD BondLoads<T> bond_loads(const VModel<T>& m, const BondPose<T>& b) {
-  const Vec3<T> D_ij = bonded_points(b, m.R_i, m.R_j);
-  const T D = norm(D_ij);
-  const T per_D = T(1.0) / D;
-  const Vec3<T> d = per_D * D_ij;
+VBOND_HD BondLoads<T> bond_loads(const VModel<T>& m, const BondPose<T>& b, const BondAxis<T>& axis) {
+  const auto& [D, per_D, d] = axis;
   const T half(0.5), one(1.0);
 
   const T c_i = dot(d, b.n_i[0]), c_j = dot(d, b.n_j[0]);
