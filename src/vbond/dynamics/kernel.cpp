@@ -4,7 +4,7 @@
 // the rest of the program may not be running.
 #include "vbond/dynamics/kernel.hpp"
 
-#include "vbond/dynamics/kernel_rows.hpp"
+#include "vbond/dynamics/detail/kernel_rows.hpp"
 #include "vbond/physics/evm.hpp"
 #include "vbond/physics/range.hpp"
 #include "vbond/physics/vmodel.hpp"
