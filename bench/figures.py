@@ -26,7 +26,8 @@ def figures(key, runs):
             "ns_per_step": spread([1e9 * r["seconds_steps"] / steps for r in runs]),
             "ns_per_bond_step_with_output": spread([1e9 * r["seconds_with_output"] / steps / bonds for r in runs]),
             "seconds_whole_process": spread([r["seconds_whole_process"] for r in runs]),
-            "wall_time": {phase: statistics.median(r["wall_time"][phase] for r in runs) for phase in last["wall_time"]},
+            "wall_time": {phase: statistics.median(r["wall_time"][phase] for r in runs)
+                          for phase in last["wall_time"]},
             "doubts": sorted({doubt for r in runs for doubt in r["doubts"]})}
 
 

@@ -74,8 +74,8 @@ def processor_name(about):
 
 
 def cache_sizes(about):
-    sizes = about["caches_KiB"].items()
-    return ", ".join(f"{name} {size // 1024} MiB" if size % 1024 == 0 else f"{name} {size} KiB" for name, size in sizes)
+    return ", ".join(f"{name} {size // 1024} MiB" if size % 1024 == 0 else f"{name} {size} KiB"
+                     for name, size in about["caches_KiB"].items())
 
 
 def machine():

@@ -62,9 +62,9 @@ def read_lammps(text):
     start, end = found(r"^ *Step .*\n *\d+ +(\S+).*\n *\d+ +(\S+)", "temperatures")
     doubts = []
     if float(cpu_use) < QUIET_CPU_USE:
-        doubts.append(f"LAMMPS had its processors for {cpu_use} % of a run only: its figure is too high.")
+        doubts.append(f"LAMMPS had its processors for less than {QUIET_CPU_USE} % of a run: its figure is too high.")
     if not 0.4 < float(end) / float(start) < 0.6:  # half of the motion's energy goes to bonds and rotation
-        doubts.append(f"LAMMPS' temperature went from {start} to {end}, not to about half: is it the same body?")
+        doubts.append("LAMMPS' temperature did not fall to about a half: is it the same body?")
     return {"version": version, "threads_used": int(processes), "particles": int(particles), "bonds": int(bonds),
             "steps": int(steps), "seconds_steps": float(seconds), "seconds_with_output": float(seconds),
             "wall_time": {}, "instruction_set_used": None, "doubts": doubts}
