@@ -11,7 +11,7 @@ BODIES = {"block_22": "simple cubic block", "block_100": "the same, larger", "sh
 def figure_of(run, threads):
     """Of the steps alone; per bond but for the chain of ten, where bonds are too few to divide by."""
     if run["threads_used"] != threads:
-        return f"steps on {run['threads_used']}"
+        return f"uses {run['threads_used']} only"
     return figures.cell(run["ns_per_step" if run["case"] == "chain_10" else "ns_per_bond_step"])
 
 
