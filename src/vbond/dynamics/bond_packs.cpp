@@ -113,7 +113,6 @@ void BondPacks::arrange(const PerBond<Bond>& bonds, const Order& order, const Te
     reach_[s.block()] = std::max(reach_[s.block()], block + 1);
     if (!team.part_of_row(s.row).rows.contains(upper)) at_border_[s.block()] = at_border_[block] = 1;
   }
-  for (std::size_t k = 1; k < reach_.size(); ++k) reach_[k] = std::max(reach_[k], reach_[k - 1]);
 
   for (const Part& part : team.parts()) {
     std::vector<Sorted> below;

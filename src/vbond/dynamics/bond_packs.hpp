@@ -32,7 +32,7 @@ class BondPacks {
   void add_loads(const Block& block, const Part& part, const PoseRow* pose, LoadRow* load,
                  const RowsAhead& ahead) const;
 
-  /// The bonds of this block and of all before it join only rows of blocks before the one returned.
+  /// The bonds of this block join only rows of blocks before the one returned.
   std::size_t reach(std::size_t block) const { return reach_[block]; }
   /// Whether a bond joins this block to another part.
   bool at_border(std::size_t block) const { return at_border_[block] != 0; }

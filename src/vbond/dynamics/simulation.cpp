@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
+#include <type_traits>
 #include <utility>
 
 #include "vbond/core/error.hpp"
@@ -191,9 +193,10 @@ double Simulation::drift(const Block& b, double h) {
   return kernel_.drift(b.rows, h, bodies_.motion.data(), bodies_.pose.data());
 }
 
-void Simulation::clear_loads(const Block& b) {
-  std::fill(bodies_.load.begin() + static_cast<std::ptrdiff_t>(b.rows.first),
-            bodies_.load.begin() + static_cast<std::ptrdiff_t>(b.rows.last), LoadRow{});
+void Simulation::clear_loads(const Block& b) {  // all at once: std::fill goes row by row
+  static_assert(std::is_trivially_copyable_v<LoadRow>);
+  std::memset(static_cast<void*>(&bodies_.load[b.rows.first]), 0,
+              (b.rows.last - b.rows.first) * sizeof(LoadRow));
 }
 
 /// To be called block by block in the order of a part: bonds add to blocks further on.

@@ -69,8 +69,10 @@ struct BondAxis {
 
 template <Scalar T>
 VBOND_HD BondAxis<T> bond_axis(const BondPose<T>& b, const T& R_i, const T& R_j) {
+  using std::sqrt;
   const Vec3<T> D_ij = bonded_points(b, R_i, R_j);
-  const T D = norm(D_ij), per_D = T(1.0) / D;
+  const T D2 = norm2(D_ij), D = sqrt(D2), per_D2 = T(1.0) / D2;  // neither waits for the other
+  const T per_D = per_D2 * D;
   return {D, per_D, per_D * D_ij};
 }
 

@@ -42,27 +42,25 @@ VBOND_HD BondEnergy<T> bond_energy(const VModel<T>& m, const BondPose<T>& b) {
 template <Scalar T>
 VBOND_HD BondLoads<T> bond_loads(const VModel<T>& m, const BondPose<T>& b, const BondAxis<T>& axis) {
   const auto& [D, per_D, d] = axis;
-  const T half(0.5), one(1.0);
+  const T one(1.0), half_B4 = T(0.5) * m.B4;
+  const T c_i = dot(d, b.n_i[0]), c_j = dot(d, b.n_j[0]), s1 = dot(b.n_i[0], b.n_j[0]);
 
-  const T c_i = dot(d, b.n_i[0]), c_j = dot(d, b.n_j[0]);
-  const T s1 = dot(b.n_i[0], b.n_j[0]);
-
-  // stretching, bending and shear
-  const Vec3<T> n_i1_across = b.n_i[0] - c_i * d, n_j1_across = b.n_j[0] - c_j * d;
-  Vec3<T> F = m.B1 * (D - m.a) * d - (m.B3 * per_D) * (c_i * n_i1_across + c_j * n_j1_across);
-  Vec3<T> M_ij = cross(b.n_i[0], m.B2 * s1 * b.n_j[0] + m.B3 * c_i * d);
+  // bending and shear; dU/dd has a part from the vectors of i and one from those of j
+  Vec3<T> from_i = -(m.B3 * c_i) * b.n_i[0], from_j = -(m.B3 * c_j) * b.n_j[0];
+  Vec3<T> M_ij = cross(b.n_i[0], m.B2 * s1 * b.n_j[0]);
 
   // torsion
   for (int k = 1; k < 3; ++k) {  // the paper's k = 2, 3
     const T s1k = dot(b.n_i[k], b.n_j[k]), s2k = dot(d, b.n_i[k]), s3k = -dot(d, b.n_j[k]);
     const T p = s1k + s2k * s3k, q2 = one + sq(s2k), q3 = one + sq(s3k);
-    const T U1k = -half * m.B4 * p * q2 * q3;
-    const T U2k = -half * m.B4 * p * q3 * (s3k * q2 + p * s2k);
-    const T U3k = -half * m.B4 * p * q2 * (s2k * q3 + p * s3k);
-    F += per_D * (U2k * (b.n_i[k] - s2k * d) - U3k * (b.n_j[k] + s3k * d));
-    M_ij += cross(U1k * b.n_j[k] + U2k * d, b.n_i[k]);
+    const T B4_p = half_B4 * p, B4_p_q2 = B4_p * q2, B4_p_q3 = B4_p * q3;
+    from_i -= B4_p_q3 * (s3k * q2 + p * s2k) * b.n_i[k];  // U_2k n_ik
+    from_j += B4_p_q2 * (s2k * q3 + p * s3k) * b.n_j[k];  // -U_3k n_jk
+    M_ij += cross(b.n_i[k], B4_p_q2 * q3 * b.n_j[k]);     // U_1k n_jk x n_ik
   }
-  M_ij += m.R_i * cross(b.n_i[0], F);
+  const Vec3<T> dU_dd = from_i + from_j;
+  const Vec3<T> F = (m.B1 * (D - m.a) - per_D * dot(dU_dd, d)) * d + per_D * dU_dd;
+  M_ij += cross(d, from_i) + m.R_i * cross(b.n_i[0], F);
   return {F, M_ij, cross(b.r_ij, F) - M_ij};
 }
 
