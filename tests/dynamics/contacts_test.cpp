@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "rods.hpp"
+#include "teams.hpp"
 #include "vbond/dynamics/contacts.hpp"
 
 namespace vbond {
@@ -19,6 +20,7 @@ struct Heap {
   Order order;
   std::vector<PoseRow> pose;
   BondIndex no_bonds;
+  Team team = testing::team_of(1, 216);
 
   Heap(const ContactModel& contact, double R_min, unsigned seed = 1) {
     Dice dice(seed);
@@ -76,7 +78,7 @@ TEST(Contacts, HaveTheBitsOfTheSumOverAllPairsInAnyPieces) {
     for (const double R_min : {0.55, 0.4}) {
       const Heap heap(contact, R_min);
       Contacts contacts(heap.model, heap.order, heap.no_bonds);
-      contacts.refresh(heap.pose);
+      contacts.refresh(heap.pose, heap.team);
       for (const std::size_t rows : {1u, 7u, 128u, 1000u})
         expect_same_bits(heap.in_pieces(contacts, rows), heap.by_brute_force());
     }
@@ -88,7 +90,7 @@ TEST(Contacts, HaveBitsThatDoNotTellWhenTheListWasBuilt) {
   Contacts contacts(heap.model, heap.order, heap.no_bonds);
   Dice dice(3);
   for (int move = 0; move < 20; ++move) {
-    contacts.refresh(heap.pose);
+    contacts.refresh(heap.pose, heap.team);
     expect_same_bits(heap.in_pieces(contacts, 50), heap.by_brute_force());
     for (PoseRow& p : heap.pose) p.r += Vec3d{dice(-0.02, 0.02), dice(-0.02, 0.02), dice(-0.02, 0.02)};
   }
@@ -99,7 +101,7 @@ TEST(Contacts, CountEveryNeighbourInACrowd) {
   Heap heap(elastic, 0.4);
   for (PoseRow& p : heap.pose) p.r = 0.05 * p.r;
   Contacts contacts(heap.model, heap.order, heap.no_bonds);
-  contacts.refresh(heap.pose);
+  contacts.refresh(heap.pose, heap.team);
   expect_same_bits(heap.in_pieces(contacts, 128), heap.by_brute_force());
 }
 
@@ -108,7 +110,7 @@ TEST(Contacts, CountEveryNeighbourInACrowd) {
 TEST(Contacts, ForceIsTheGradientOfTheEnergy) {
   Heap heap(elastic, 0.4);
   Contacts contacts(heap.model, heap.order, heap.no_bonds);
-  contacts.refresh(heap.pose);
+  contacts.refresh(heap.pose, heap.team);
   const std::vector<LoadRow> load = heap.in_pieces(contacts, 128);
   const double h = 1e-6;
   for (std::size_t k = 0; k < heap.pose.size(); k += 11)
@@ -129,7 +131,7 @@ TEST(Contacts, LeaveOutBondedPairsIfToldSo) {
   heap.model.contact.pairs = ContactPairs::unbonded;
   BondIndex index = heap.no_bonds;
   Contacts contacts(heap.model, heap.order, index);
-  contacts.refresh(heap.pose);
+  contacts.refresh(heap.pose, heap.team);
   const std::vector<LoadRow> before = heap.in_pieces(contacts, 128);
   expect_same_bits(before, heap.by_brute_force());
 
@@ -141,7 +143,7 @@ TEST(Contacts, LeaveOutBondedPairsIfToldSo) {
   ASSERT_NE(bond.i, bond.j);
   index = BondIndex(heap.pose.size(), {bond});
   contacts.bonds_changed();
-  contacts.refresh(heap.pose);
+  contacts.refresh(heap.pose, heap.team);
   const std::vector<LoadRow> after = heap.in_pieces(contacts, 128);
   for (const Row k : heap.order.particle.ids()) {
     const ParticleId p = heap.order.particle[k];
@@ -153,7 +155,7 @@ TEST(Contacts, WithoutALawThereAreNone) {
   const Heap heap({}, 0.4);
   Contacts contacts(heap.model, heap.order, heap.no_bonds);
   EXPECT_FALSE(contacts.any());
-  contacts.refresh(heap.pose);
+  contacts.refresh(heap.pose, heap.team);
   EXPECT_EQ(heap.in_pieces(contacts, 128)[0].F, Vec3d{});
   EXPECT_EQ(contacts.energy(heap.pose), 0.0);
   const Heap touching(papers, 0.4);

@@ -75,8 +75,8 @@ Contacts::Contacts(const Model& model, const Order& order, const BondIndex& inde
   list_.emplace(radius_, skin, std::move(keep));
 }
 
-void Contacts::refresh(std::span<const PoseRow> pose) {
-  if (list_) list_->refresh(pose);
+void Contacts::refresh(std::span<const PoseRow> pose, const Team& team, double way) {
+  if (list_) list_->refresh(pose, team, way);
 }
 
 void Contacts::bonds_changed() {

@@ -1,4 +1,5 @@
 #pragma once
+#include <limits>
 #include <optional>
 #include <span>
 #include <utility>
@@ -24,7 +25,8 @@ class Contacts {
   /// Is there anything to do at all?
   bool any() const { return list_.has_value(); }
   /// Brings the list up to date; to be called whenever positions have changed. One pose per row.
-  void refresh(std::span<const PoseRow> pose);
+  void refresh(std::span<const PoseRow> pose, const Team& team,
+               double way = std::numeric_limits<double>::infinity());
   /// The set of bonded pairs is no longer the same.
   void bonds_changed();
   /// Adds to the loads of these rows, and to no others, the forces of all that touch them, in increasing

@@ -116,7 +116,7 @@ class Simulation {
   void clear_loads(const Block& block);
   void complete_loads(const Part& part, const Block& block, Instant at, StepTimes::Lap& lap);
   void close_books();
-  void look_at_drift();
+  double largest_way2() const;
   void look_at_deep_contacts();
   void check_finite() const;
   void keep_records();
