@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "vbond/dynamics/bond_index.hpp"
+#include "vbond/dynamics/kernel.hpp"
 #include "vbond/dynamics/neighbours.hpp"
 #include "vbond/dynamics/order.hpp"
 #include "vbond/model/model.hpp"
@@ -17,7 +18,8 @@ namespace vbond {
 class Contacts {
  public:
   /// Keeps references to all three; `index` is asked at a rebuild, so it may be replaced in place.
-  Contacts(const Model& model, const Order& order, const BondIndex& index);
+  Contacts(const Model& model, const Order& order, const BondIndex& index,
+           const StepKernel& kernel = step_kernel());
   Contacts(const Model&&, const Order&, const BondIndex&) = delete;
   Contacts(const Model&, const Order&&, const BondIndex&) = delete;
   Contacts(const Model&, const Order&, const BondIndex&&) = delete;
@@ -43,9 +45,10 @@ class Contacts {
   HertzContact<double> law(Row i, Row j) const;
 
   const Model& model_;
-  PerRow<double> radius_;                        // [length]
-  std::optional<HertzContact<double>> one_law_;  // of all pairs, if they are alike
-  std::optional<NeighbourList> list_;            // none without contacts
+  const StepKernel& kernel_;
+  PerRow<double> radius_;  // [length]
+  ContactRule rule_{};
+  std::optional<NeighbourList> list_;  // none without contacts
 };
 
 }  // namespace vbond

@@ -96,7 +96,7 @@ void NeighbourList::rebuild(std::span<const PoseRow> pose, const Team& team) {
     const RowRange rows = rows_of(part);
     if (rows.first < rows.last) all += near_end_[rows.last - 1];
   }
-  neighbours_.resize(all);
+  neighbours_.resize(all + rows_at_once);  // any rows, to be read and not used
   start_[n] = all;
   team.for_parts([&](const Part& part) { sort_found(team, part); });
   valid_ = true;
@@ -139,8 +139,8 @@ void NeighbourList::sort_found(const Team& team, const Part& part) {
   if (rows.first == rows.last) return;
   for (std::size_t i = rows.first; i < rows.last; ++i)
     start_[i] = own.before + near_end_[i];  // ends, to be counted down to beginnings
-  const std::size_t count = near_end_[rows.last - 1];
-  Row low{rows.last}, high{rows.first};
+  const std::size_t count = team.parts().size() > 1 ? near_end_[rows.last - 1] : 0;
+  Row low{rows.first}, high{rows.last - 1};  // all rows that this part has neighbours in, and its own
   for (std::size_t k = 0; k < count; ++k)
     low = std::min(low, own.near[k]), high = std::max(high, own.near[k]);
   for (std::size_t p = team.parts().size(); p-- > 0;) {

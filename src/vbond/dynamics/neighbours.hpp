@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "vbond/core/near_pairs.hpp"
+#include "vbond/dynamics/contact_kernel.hpp"
 #include "vbond/dynamics/rows.hpp"
 #include "vbond/dynamics/team.hpp"
 
@@ -38,6 +39,8 @@ class NeighbourList {
   std::span<const Row> of(Row i) const {
     return {neighbours_.data() + start_[i.value], neighbours_.data() + start_[i.value + 1]};
   }
+  /// All of them.
+  NearRows rows() const { return {start_.data(), neighbours_.data()}; }
   /// Neighbours of these rows, all together.
   std::size_t count(RowRange rows) const { return start_[rows.last] - start_[rows.first]; }
   std::int64_t rebuilds() const { return rebuilds_; }
