@@ -19,12 +19,12 @@ def is_wide(s):
 def figures(key, runs):
     """What several runs of one combination say; key: what was asked for, runs: as programs.py makes them."""
     last = runs[-1]
-    bonds, steps = last["bonds"], last["steps"]
+    steps, pieces = last["steps"], last["bonds"] or last["particles"]
     told = ("threads_used", "instruction_set_used", "version", "particles", "bonds", "steps")
     return {**key, **{k: last[k] for k in told},
-            "ns_per_bond_step": spread([1e9 * r["seconds_steps"] / steps / bonds for r in runs]),
+            "ns_per_bond_step": spread([1e9 * r["seconds_steps"] / steps / pieces for r in runs]),
             "ns_per_step": spread([1e9 * r["seconds_steps"] / steps for r in runs]),
-            "ns_per_bond_step_with_output": spread([1e9 * r["seconds_with_output"] / steps / bonds for r in runs]),
+            "ns_per_bond_step_with_output": spread([1e9 * r["seconds_with_output"] / steps / pieces for r in runs]),
             "seconds_whole_process": spread([r["seconds_whole_process"] for r in runs]),
             "wall_time": {phase: statistics.median(r["wall_time"][phase] for r in runs)
                           for phase in last["wall_time"]},

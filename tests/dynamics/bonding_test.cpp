@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "rods.hpp"
+#include "teams.hpp"
 #include "vbond/core/error.hpp"
 
 namespace vbond {
@@ -96,7 +97,8 @@ TEST(Bonding, FindsPairsInTheOrderOfRulesAndParticles) {
 
   BondIndex index(5, s.state.bonds);
   Bonding bonding(s.model, stage, backwards, index);
-  const std::vector<Bonding::Pair> pairs = bonding.find(pose);
+  const Team team = testing::team_of(1, 5);
+  const std::vector<Bonding::Pair> pairs = bonding.find(pose, team);
   ASSERT_EQ(pairs.size(), 4u);
   const std::size_t wanted[4][3] = {{0, 1, 2}, {0, 2, 3}, {1, 0, 1}, {1, 0, 3}};  // rule, i, j
   for (std::size_t k = 0; k < 4; ++k) {
@@ -109,7 +111,7 @@ TEST(Bonding, FindsPairsInTheOrderOfRulesAndParticles) {
   ASSERT_EQ(s.state.bonds.size(), 4u);
   EXPECT_EQ(s.state.bonds[BondId{3}].j, ParticleId{3});
   index = BondIndex(5, s.state.bonds);
-  EXPECT_TRUE(bonding.find(pose).empty());  // bonded pairs are not found again
+  EXPECT_TRUE(bonding.find(pose, team).empty());  // bonded pairs are not found again
 }
 
 }  // namespace

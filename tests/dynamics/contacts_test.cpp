@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 
 #include "rods.hpp"
+#include "teams.hpp"
 #include "vbond/dynamics/contacts.hpp"
 
 namespace vbond {
@@ -19,6 +21,7 @@ struct Heap {
   Order order;
   std::vector<PoseRow> pose;
   BondIndex no_bonds;
+  Team team = testing::team_of(1, 216);
 
   Heap(const ContactModel& contact, double R_min, unsigned seed = 1) {
     Dice dice(seed);
@@ -70,16 +73,67 @@ void expect_same_bits(const std::vector<LoadRow>& a, const std::vector<LoadRow>&
 }
 
 // Equal radii, one law for all pairs although radii differ, and a law for each pair: to the bit, however rows
-// are shared out.
+// are shared out, with every instruction set.
 TEST(Contacts, HaveTheBitsOfTheSumOverAllPairsInAnyPieces) {
-  for (const ContactModel& contact : {elastic, papers})
-    for (const double R_min : {0.55, 0.4}) {
-      const Heap heap(contact, R_min);
-      Contacts contacts(heap.model, heap.order, heap.no_bonds);
-      contacts.refresh(heap.pose);
-      for (const std::size_t rows : {1u, 7u, 128u, 1000u})
-        expect_same_bits(heap.in_pieces(contacts, rows), heap.by_brute_force());
+  for (const StepKernel* kernel : available_kernels())
+    for (const ContactModel& contact : {elastic, papers})
+      for (const double R_min : {0.55, 0.4}) {
+        SCOPED_TRACE(kernel->name);
+        const Heap heap(contact, R_min);
+        Contacts contacts(heap.model, heap.order, heap.no_bonds, *kernel);
+        contacts.refresh(heap.pose, heap.team);
+        for (const std::size_t rows : {1u, 7u, 128u, 1000u})
+          expect_same_bits(heap.in_pieces(contacts, rows), heap.by_brute_force());
+      }
+}
+
+// A row's list may fill its lanes or leave any number of them to rows that are not its neighbours.
+TEST(Contacts, AreThoseOfTheListWithAnyNumberOfNeighbours) {
+  for (const StepKernel* kernel : available_kernels())
+    for (std::size_t n = 2; n < 22; ++n) {
+      SCOPED_TRACE(kernel->name + std::string(", particles: ") + std::to_string(n));
+      Heap heap(elastic, 0.4);
+      for (std::size_t k = 0; k < heap.pose.size(); ++k)  // one crowd, the others beside it in threes
+        heap.pose[k].r = k < n
+                             ? 0.05 * heap.pose[k].r
+                             : Vec3d{100.0 + static_cast<double>(k / 3), 0.3 * static_cast<double>(k % 3), 0};
+      Contacts contacts(heap.model, heap.order, heap.no_bonds, *kernel);
+      contacts.refresh(heap.pose, heap.team);
+      expect_same_bits(heap.in_pieces(contacts, 128), heap.by_brute_force());
     }
+}
+
+// Deep is said of rows that have such a pair, and of no others, whatever their neighbours' lists hold.
+TEST(Contacts, SayWhichRowsAreDeep) {
+  for (const StepKernel* kernel : available_kernels())
+    for (const double R_min : {0.55, 0.4}) {
+      const Heap heap(elastic, R_min);
+      Contacts contacts(heap.model, heap.order, heap.no_bonds, *kernel);
+      contacts.refresh(heap.pose, heap.team);
+      std::vector<LoadRow> load(heap.pose.size());
+      std::size_t deep_rows = 0;
+      for (std::size_t i = 0; i < heap.pose.size(); ++i) {
+        bool deep = false;
+        for (std::size_t j = 0; j < heap.pose.size(); ++j)
+          deep |= j != i && norm(heap.pose[j].r - heap.pose[i].r) < deep_part * (heap.R(i) + heap.R(j));
+        EXPECT_EQ(contacts.add_loads({i, i + 1}, heap.pose.data(), load.data()), deep) << kernel->name << i;
+        deep_rows += deep;
+      }
+      EXPECT_GT(deep_rows, 3u);
+      EXPECT_LT(deep_rows, heap.pose.size() - 3);
+    }
+}
+
+// What is not a number is not left out: the load check must see it.
+TEST(Contacts, PassOnWhatIsNotANumber) {
+  for (const StepKernel* kernel : available_kernels()) {
+    Heap heap(elastic, 0.4);
+    Contacts contacts(heap.model, heap.order, heap.no_bonds, *kernel);
+    contacts.refresh(heap.pose, heap.team);
+    heap.pose[100].r.y = NAN;
+    const std::vector<LoadRow> load = heap.in_pieces(contacts, 128);
+    EXPECT_TRUE(std::isnan(load[100].F.y)) << kernel->name;
+  }
 }
 
 // A resumed run builds its list elsewhere than the undisturbed one.
@@ -88,7 +142,7 @@ TEST(Contacts, HaveBitsThatDoNotTellWhenTheListWasBuilt) {
   Contacts contacts(heap.model, heap.order, heap.no_bonds);
   Dice dice(3);
   for (int move = 0; move < 20; ++move) {
-    contacts.refresh(heap.pose);
+    contacts.refresh(heap.pose, heap.team);
     expect_same_bits(heap.in_pieces(contacts, 50), heap.by_brute_force());
     for (PoseRow& p : heap.pose) p.r += Vec3d{dice(-0.02, 0.02), dice(-0.02, 0.02), dice(-0.02, 0.02)};
   }
@@ -96,11 +150,13 @@ TEST(Contacts, HaveBitsThatDoNotTellWhenTheListWasBuilt) {
 
 // More neighbours than are evaluated together: everybody in one place but for a little.
 TEST(Contacts, CountEveryNeighbourInACrowd) {
-  Heap heap(elastic, 0.4);
-  for (PoseRow& p : heap.pose) p.r = 0.05 * p.r;
-  Contacts contacts(heap.model, heap.order, heap.no_bonds);
-  contacts.refresh(heap.pose);
-  expect_same_bits(heap.in_pieces(contacts, 128), heap.by_brute_force());
+  for (const StepKernel* kernel : available_kernels()) {
+    Heap heap(elastic, 0.4);
+    for (PoseRow& p : heap.pose) p.r = 0.05 * p.r;
+    Contacts contacts(heap.model, heap.order, heap.no_bonds, *kernel);
+    contacts.refresh(heap.pose, heap.team);
+    expect_same_bits(heap.in_pieces(contacts, 128), heap.by_brute_force());
+  }
 }
 
 // F = -dU/dr. Central differences of step h are wrong by h^2/6 U''' and by 1e-16 U/h; the third derivative
@@ -108,7 +164,7 @@ TEST(Contacts, CountEveryNeighbourInACrowd) {
 TEST(Contacts, ForceIsTheGradientOfTheEnergy) {
   Heap heap(elastic, 0.4);
   Contacts contacts(heap.model, heap.order, heap.no_bonds);
-  contacts.refresh(heap.pose);
+  contacts.refresh(heap.pose, heap.team);
   const std::vector<LoadRow> load = heap.in_pieces(contacts, 128);
   const double h = 1e-6;
   for (std::size_t k = 0; k < heap.pose.size(); k += 11)
@@ -129,7 +185,7 @@ TEST(Contacts, LeaveOutBondedPairsIfToldSo) {
   heap.model.contact.pairs = ContactPairs::unbonded;
   BondIndex index = heap.no_bonds;
   Contacts contacts(heap.model, heap.order, index);
-  contacts.refresh(heap.pose);
+  contacts.refresh(heap.pose, heap.team);
   const std::vector<LoadRow> before = heap.in_pieces(contacts, 128);
   expect_same_bits(before, heap.by_brute_force());
 
@@ -141,7 +197,7 @@ TEST(Contacts, LeaveOutBondedPairsIfToldSo) {
   ASSERT_NE(bond.i, bond.j);
   index = BondIndex(heap.pose.size(), {bond});
   contacts.bonds_changed();
-  contacts.refresh(heap.pose);
+  contacts.refresh(heap.pose, heap.team);
   const std::vector<LoadRow> after = heap.in_pieces(contacts, 128);
   for (const Row k : heap.order.particle.ids()) {
     const ParticleId p = heap.order.particle[k];
@@ -153,7 +209,7 @@ TEST(Contacts, WithoutALawThereAreNone) {
   const Heap heap({}, 0.4);
   Contacts contacts(heap.model, heap.order, heap.no_bonds);
   EXPECT_FALSE(contacts.any());
-  contacts.refresh(heap.pose);
+  contacts.refresh(heap.pose, heap.team);
   EXPECT_EQ(heap.in_pieces(contacts, 128)[0].F, Vec3d{});
   EXPECT_EQ(contacts.energy(heap.pose), 0.0);
   const Heap touching(papers, 0.4);

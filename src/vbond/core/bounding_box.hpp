@@ -16,6 +16,11 @@ struct BoundingBox {
     low = {std::min(low.x, r.x - radius), std::min(low.y, r.y - radius), std::min(low.z, r.z - radius)};
     high = {std::max(high.x, r.x + radius), std::max(high.y, r.y + radius), std::max(high.z, r.z + radius)};
   }
+  /// With all that is in another box.
+  void join(const BoundingBox& b) {
+    low = {std::min(low.x, b.low.x), std::min(low.y, b.low.y), std::min(low.z, b.low.z)};
+    high = {std::max(high.x, b.high.x), std::max(high.y, b.high.y), std::max(high.z, b.high.z)};
+  }
   double diagonal() const { return norm(high - low); }
 };
 

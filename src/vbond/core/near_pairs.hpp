@@ -4,14 +4,26 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <span>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "vbond/core/bounding_box.hpp"
 #include "vbond/core/vec3.hpp"
 
 namespace vbond {
+
+/// Does work(k) for all k < count(), here one after the other. Others, of the same form, do so at once: each
+/// call writes only what is its own.
+struct OneWorker {
+  std::size_t count() const { return 1; }
+  template <class Work>
+  void for_each(Work work) const {
+    work(std::size_t{0});
+  }
+};
 
 /// Points sorted into cubic cells, for finding all pairs within a distance in a time that grows with the
 /// number of points and pairs. Cells lie in a table of a few entries per point, whatever the extent of the
@@ -26,18 +38,47 @@ class CellGrid {
   CellGrid() = default;
   CellGrid(std::span<const Vec3d> positions, double distance) { sort(positions, distance); }
 
-  /// Sorts fewer than 2^28 finite positions; cells are a little wider than `distance` >= 0. Memory is kept
-  /// from one call to the next.
-  void sort(std::span<const Vec3d> positions, double distance) {
-    lay_out(positions, distance);
-    cell_.clear();
-    for (const Vec3d& p : positions) cell_.push_back(cell_of(p));
-    first_.assign(std::size_t{mask_} + 2, 0);
-    for (const Cell& c : cell_) ++first_[entry(c)];
-    std::uint32_t end = 0;
-    for (std::uint32_t& f : first_) f = end += f;
-    points_.resize(positions.size());
-    for (std::size_t i = positions.size(); i-- > 0;) points_[--first_[entry(cell_[i])]] = {positions[i], i};
+  /// Sorts fewer than 2^28 finite positions; cells are a little wider than `distance` >= 0. The result does
+  /// not depend on the workers. Memory is kept from one call to the next.
+  template <class Workers = OneWorker>
+  void sort(std::span<const Vec3d> positions, double distance, const Workers& workers = {}) {
+    const std::size_t n = positions.size(), shares = workers.count();
+    std::vector<BoundingBox> box(shares);
+    workers.for_each([&](std::size_t k) {
+      box[k] = box_around(positions.subspan(n * k / shares, n * (k + 1) / shares - n * k / shares));
+    });
+    lay_out(positions, box, distance);
+    entry_.resize(n);
+    workers.for_each([&](std::size_t k) {
+      for (std::size_t i = n * k / shares; i < n * (k + 1) / shares; ++i)
+        entry_[i] = entry(cell_of(positions[i]));
+    });
+
+    // Each worker counts and takes up all points of some entries, in order.
+    first_.resize(std::size_t{mask_} + 2);
+    points_.resize(n);
+    std::vector<std::uint32_t> points(shares);  // before each share
+    const auto entries = [&](std::size_t k) {
+      const auto bound = [&](std::size_t at) { return at == shares ? first_.size() : in_use_ * at / shares; };
+      return std::pair(bound(k), bound(k + 1));
+    };
+    workers.for_each([&](std::size_t k) {
+      const auto [begin, end] = entries(k);
+      std::fill(first_.begin() + static_cast<std::ptrdiff_t>(begin),
+                first_.begin() + static_cast<std::ptrdiff_t>(end), 0u);
+      std::uint32_t own = 0;
+      for (const std::uint32_t e : entry_)
+        if (e - begin < end - begin) ++first_[e], ++own;
+      points[k] = own;
+    });
+    std::exclusive_scan(points.begin(), points.end(), points.begin(), 0u);
+    workers.for_each([&](std::size_t k) {
+      const auto [begin, end] = entries(k);
+      std::uint32_t last = points[k];
+      for (std::size_t e = begin; e < end; ++e) first_[e] = last += first_[e];
+      for (std::size_t i = n; i-- > 0;)
+        if (entry_[i] - begin < end - begin) points_[--first_[entry_[i]]] = {positions[i], i};
+    });
   }
 
   /// Calls scan(first, last) for ranges of points which together hold every point within the distance of
@@ -45,10 +86,10 @@ class CellGrid {
   template <class Scan>
   void scan_near(std::size_t i, Scan&& scan) const {
     const Point* const p = points_.data();
-    const Cell& c = cell_[i];
-    for (std::int64_t dz = -1; dz <= 1; ++dz)
-      for (std::int64_t dy = -1; dy <= 1; ++dy) {
-        const std::size_t from = entry({c.x - 1, c.y + dy, c.z + dz}), to = from + 3;
+    for (std::uint32_t z = 0; z < 3; ++z)
+      for (std::uint32_t y = 0; y < 3; ++y) {
+        const std::size_t from = (entry_[i] - 1 + stride_y_ * (y - 1) + stride_z_ * (z - 1)) & mask_,
+                          to = from + 3;
         if (to < first_.size()) {  // three cells next to each other along x are neighbours in the table
           scan(p + first_[from], p + first_[to]);
         } else {
@@ -74,8 +115,9 @@ class CellGrid {
 
   /// Cells are wider than the distance by more than rounding may move two points in units of cells: no pair
   /// gets two cells apart.
-  void lay_out(std::span<const Vec3d> r, double distance) {
-    BoundingBox box = box_around(r);
+  void lay_out(std::span<const Vec3d> r, const std::vector<BoundingBox>& parts, double distance) {
+    BoundingBox box;
+    for (const BoundingBox& part : parts) box.join(part);
     if (r.empty()) box.add({});
     const Vec3d extent = box.high - box.low;
     origin_ = box.low;
@@ -96,11 +138,13 @@ class CellGrid {
     if (nx * ny * nz <= 8.0 * points) {  // a compact body: every cell has its own entry, in order
       stride_y_ = static_cast<std::uint32_t>(nx);
       stride_z_ = static_cast<std::uint32_t>(nx * ny);
-      mask_ = std::bit_ceil(static_cast<std::uint32_t>(nx * ny * nz)) - 1;
+      in_use_ = static_cast<std::size_t>(nx * ny * nz);
+      mask_ = std::bit_ceil(static_cast<std::uint32_t>(in_use_)) - 1;
     } else {  // rows of cells at places as if thrown at random; modulo 64 the strides are 5 and 25
       stride_y_ = 0x9E3779B9u / 64 * 64 + 5;
       stride_z_ = 0x85EBCA6Bu / 64 * 64 + 25;
       mask_ = std::bit_ceil(static_cast<std::uint32_t>(std::max(64.0, 2.0 * points))) - 1;
+      in_use_ = std::size_t{mask_} + 1;
     }
   }
   std::uint32_t entry(const Cell& c) const {
@@ -112,7 +156,8 @@ class CellGrid {
   double width_ = 1.0;
   Vec3d origin_;
   std::uint32_t stride_y_ = 0, stride_z_ = 0, mask_ = 0;
-  std::vector<Cell> cell_;            // of each position
+  std::size_t in_use_ = 0;            // entries below which nearly all points are
+  std::vector<std::uint32_t> entry_;  // of each position
   std::vector<std::uint32_t> first_;  // of each entry of the table, into points_
   std::vector<Point> points_;
 };

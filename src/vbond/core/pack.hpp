@@ -78,4 +78,10 @@ VBOND_HD void transpose_halves(Pack<W> (&x)[4]) {
   }
 }
 
+/// Transposes a square of W x W numbers.
+template <std::size_t W>
+VBOND_HD void transpose(Pack<W>* row) {
+  transpose_parts<W>(row);
+}
+
 }  // namespace vbond

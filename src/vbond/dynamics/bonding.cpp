@@ -54,11 +54,11 @@ void Bonding::check_step(const State& state) const {
                  "choose a smaller time.step or time.fraction");
 }
 
-std::vector<Bonding::Pair> Bonding::find(std::span<const PoseRow> pose) {
+std::vector<Bonding::Pair> Bonding::find(std::span<const PoseRow> pose, const Team& team) {
   std::vector<Pair> found;
   std::set<std::pair<ParticleId, ParticleId>> taken;  // by this rule or an earlier one
   for (RuleList& list : rules_) {
-    list.near.refresh(pose);
+    list.near.refresh(pose, team);
     const auto earlier = static_cast<std::ptrdiff_t>(found.size());
     for (std::size_t k = 0; k < pose.size(); ++k)
       for (const Row j : list.near.of(Row{k})) {

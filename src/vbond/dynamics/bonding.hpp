@@ -28,7 +28,7 @@ class Bonding {
   };
   /// Every pair without a bond that a rule joins and that is close enough, once, in the order of rules, then
   /// (i, j). One pose per row.
-  std::vector<Pair> find(std::span<const PoseRow> pose);
+  std::vector<Pair> find(std::span<const PoseRow> pose, const Team& team);
   /// Bonds these pairs; the state is that of the poses in which they were found.
   /// Contact energy that a pair gives up because bonded pairs do not touch is booked as dissipated.
   /// Throws Diverged if a bond would have no length, or if the new bonds make the step too large and the case

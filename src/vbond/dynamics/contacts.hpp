@@ -1,10 +1,12 @@
 #pragma once
+#include <limits>
 #include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "vbond/dynamics/bond_index.hpp"
+#include "vbond/dynamics/kernel.hpp"
 #include "vbond/dynamics/neighbours.hpp"
 #include "vbond/dynamics/order.hpp"
 #include "vbond/model/model.hpp"
@@ -16,7 +18,8 @@ namespace vbond {
 class Contacts {
  public:
   /// Keeps references to all three; `index` is asked at a rebuild, so it may be replaced in place.
-  Contacts(const Model& model, const Order& order, const BondIndex& index);
+  Contacts(const Model& model, const Order& order, const BondIndex& index,
+           const StepKernel& kernel = step_kernel());
   Contacts(const Model&&, const Order&, const BondIndex&) = delete;
   Contacts(const Model&, const Order&&, const BondIndex&) = delete;
   Contacts(const Model&, const Order&, const BondIndex&&) = delete;
@@ -24,7 +27,8 @@ class Contacts {
   /// Is there anything to do at all?
   bool any() const { return list_.has_value(); }
   /// Brings the list up to date; to be called whenever positions have changed. One pose per row.
-  void refresh(std::span<const PoseRow> pose);
+  void refresh(std::span<const PoseRow> pose, const Team& team,
+               double way = std::numeric_limits<double>::infinity());
   /// The set of bonded pairs is no longer the same.
   void bonds_changed();
   /// Adds to the loads of these rows, and to no others, the forces of all that touch them, in increasing
@@ -41,9 +45,10 @@ class Contacts {
   HertzContact<double> law(Row i, Row j) const;
 
   const Model& model_;
-  PerRow<double> radius_;                        // [length]
-  std::optional<HertzContact<double>> one_law_;  // of all pairs, if they are alike
-  std::optional<NeighbourList> list_;            // none without contacts
+  const StepKernel& kernel_;
+  PerRow<double> radius_;  // [length]
+  ContactRule rule_{};
+  std::optional<NeighbourList> list_;  // none without contacts
 };
 
 }  // namespace vbond

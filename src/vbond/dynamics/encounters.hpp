@@ -7,13 +7,10 @@
 #include "vbond/core/near_pairs.hpp"
 #include "vbond/dynamics/bodies.hpp"
 #include "vbond/dynamics/bond_index.hpp"
+#include "vbond/dynamics/contact_kernel.hpp"
 #include "vbond/model/model.hpp"
 
 namespace vbond {
-
-/// Two particles are deep in one another when their centres are nearer than this part of the sum of their
-/// radii: for equal ones, when they overlap by half a radius.
-inline constexpr double deep_part = 0.75;
 
 /// Two particles that do not approach by more than this part of the smallest sum of two radii in a step
 /// cannot pass each other without being found deep at the end of a step.

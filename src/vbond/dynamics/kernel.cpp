@@ -276,12 +276,15 @@ double slow_down(RowRange rows, const Decay* decay, MotionRow* motion) {
 
 }  // namespace
 
+ContactLoop add_contact_loads;  // contact_kernel.cpp
+
 extern const StepKernel kernel;
 const StepKernel kernel{VBOND_KERNEL_NAME,
                         {add_loads<CompactPack>, survey<CompactPack>},
                         {add_loads<FullPack>, survey<FullPack>},
                         kick,
                         drift,
-                        slow_down};
+                        slow_down,
+                        add_contact_loads};
 
 }  // namespace vbond::VBOND_KERNEL

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "vbond/dynamics/bond_pack.hpp"
+#include "vbond/dynamics/contact_kernel.hpp"
 #include "vbond/dynamics/rows.hpp"
 
 namespace vbond {
@@ -40,6 +41,7 @@ struct StepKernel {
   double (*drift)(RowRange, double h, const MotionRow*, PoseRow*);
   /// Slows down by the factors and returns the kinetic energy that this takes away.
   double (*slow_down)(RowRange, const Decay*, MotionRow*);
+  ContactLoop* add_contact_loads;
 };
 
 /// The kernels that this machine can execute, the best one last. AVX-512 has two: with pairs of packs for

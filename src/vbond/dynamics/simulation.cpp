@@ -82,8 +82,9 @@ void Simulation::step() {
   });
   lap.add_to(times_.integrate);
   if (contacts_.any()) {
-    contacts_.refresh(bodies_.poses());  // the list of near pairs, made anew only when it is stale
-    look_at_drift();
+    const double way2 = largest_way2();
+    contacts_.refresh(bodies_.poses(), team_, std::sqrt(way2));  // near pairs, listed anew only when stale
+    encounters_.look_at_drift(bodies_, stage_.dt, way2);
     lap.add_to(times_.contacts);
   }
   team_.for_parts([&](const Part& part) {
@@ -176,7 +177,7 @@ void Simulation::bonds_changed() {
 
 void Simulation::make_bonds() {
   if (stage_.bonding.empty()) return;
-  const std::vector<Bonding::Pair> pairs = bonding_.find(bodies_.poses());
+  const std::vector<Bonding::Pair> pairs = bonding_.find(bodies_.poses(), team_);
   if (pairs.empty()) return;
   state();  // brought up to date
   bonding_.make(pairs, state_);
@@ -217,7 +218,7 @@ void Simulation::complete_loads(const Part& part, const Block& b, Instant at, co
 
 void Simulation::evaluate_loads() {
   survey_.reset();
-  contacts_.refresh(bodies_.poses());
+  contacts_.refresh(bodies_.poses(), team_);
   applied_.set_times(state_.clock.stage_step, stage_.dt);
   team_.for_blocks([&](const Block& b) { clear_loads(b); });
   team_.for_parts([&](const Part& part) {
@@ -242,11 +243,10 @@ void Simulation::close_books() {
   if (sum.poison != 0.0) check_finite();
 }
 
-/// To be called when all particles have moved and none is kicked yet.
-void Simulation::look_at_drift() {
+double Simulation::largest_way2() const {
   double way2 = 0.0;
   for (const BlockBooks& b : books_) way2 = std::max(way2, b.way2);
-  encounters_.look_at_drift(bodies_, stage_.dt, way2);
+  return way2;
 }
 
 void Simulation::look_at_deep_contacts() {

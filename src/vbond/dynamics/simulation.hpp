@@ -121,7 +121,7 @@ class Simulation {
   void complete_loads(const Part& part, const Block& block, Instant at, const RowsAhead& ahead,
                       StepTimes::Lap& lap);
   void close_books();
-  void look_at_drift();
+  double largest_way2() const;
   void look_at_deep_contacts();
   void check_finite() const;
   void keep_records();

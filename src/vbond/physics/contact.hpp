@@ -38,12 +38,20 @@ constexpr HertzContact<double> paper_hertz(double c_H, double sqrt_a) {
   return {c_H / sqrt_a};
 }
 
-/// Hertz for two equal elastic spheres' materials E, nu and radii R_i, R_j:
-/// k = 4/3 E* sqrt(R*), E* = E / (2 (1 - nu^2)), R* = R_i R_j / (R_i + R_j)  (Johnson, Contact Mechanics, ch.
-/// 4).
+/// E* = E / (2 (1 - nu^2)) of two bodies of one material  (Johnson, Contact Mechanics, ch. 4).
+constexpr double effective_modulus(double E, double nu) {
+  return E / (2.0 * (1.0 - sq(nu)));
+}
+
+/// Hertz for two elastic spheres of radii R_i, R_j: k = 4/3 E* sqrt(R*), R* = R_i R_j / (R_i + R_j)  (the
+/// same).
+template <Scalar T>
+VBOND_HD HertzContact<T> hertz(double E_star, const T& R_i, const T& R_j) {
+  using std::sqrt;
+  return {T(4.0 / 3.0 * E_star) * sqrt(R_i * R_j / (R_i + R_j))};
+}
 inline HertzContact<double> hertz(double E, double nu, double R_i, double R_j) {
-  const double E_star = E / (2.0 * (1.0 - sq(nu)));
-  return {4.0 / 3.0 * E_star * std::sqrt(R_i * R_j / (R_i + R_j))};
+  return hertz(effective_modulus(E, nu), R_i, R_j);
 }
 
 }  // namespace vbond
