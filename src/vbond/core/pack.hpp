@@ -64,20 +64,14 @@ VBOND_HD void exchange_blocks(Pack<W>& upper, Pack<W>& lower, std::index_sequenc
   lower.v = __builtin_shufflevector(u, l, ((Lane & S) == 0 ? Lane + S : W + Lane)...);
 }
 
-/// Transposes squares of N x N numbers that lie side by side in N packs.
-template <std::size_t N, std::size_t S = 1, std::size_t W>
-VBOND_HD void transpose_parts(Pack<W>* row) {
-  if constexpr (S < N) {
-    for (std::size_t k = 0; k < N; ++k)
-      if ((k & S) == 0) exchange_blocks<S>(row[k], row[k + S], std::make_index_sequence<W>());
-    transpose_parts<N, 2 * S>(row);
-  }
-}
-
 /// Transposes a square of W x W numbers.
-template <std::size_t W>
+template <std::size_t S = 1, std::size_t W>
 VBOND_HD void transpose(Pack<W>* row) {
-  transpose_parts<W>(row);
+  if constexpr (S < W) {
+    for (std::size_t k = 0; k < W; ++k)
+      if ((k & S) == 0) exchange_blocks<S>(row[k], row[k + S], std::make_index_sequence<W>());
+    transpose<2 * S>(row);
+  }
 }
 
 }  // namespace vbond

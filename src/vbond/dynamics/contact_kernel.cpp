@@ -6,20 +6,15 @@
 namespace vbond::VBOND_KERNEL {
 namespace {
 
-constexpr std::size_t lanes = VBOND_LANES;
+/// At most four: with eight too many lanes stay empty, since lists are short (docs/decisions/data-layout.md).
+constexpr std::size_t lanes = VBOND_LANES < 4 ? VBOND_LANES : 4;
 using Real = Pack<lanes>;
 using Mask = decltype(Real::Native{} < Real::Native{});  // -1 or 0 in each lane
 
-template <std::size_t S, std::size_t... Lane>
-VBOND_HD void fold(Mask& mask, std::index_sequence<Lane...>) {
-  mask |= __builtin_shufflevector(mask, mask, (Lane ^ S)...);
-}
-
-VBOND_HD bool any(Mask mask) {
-  constexpr std::make_index_sequence<lanes> all;
-  if constexpr (lanes > 4) fold<4>(mask, all);
-  if constexpr (lanes > 2) fold<2>(mask, all);
-  return (mask[0] | mask[1]) != 0;
+VBOND_HD bool any(const Mask& mask) {
+  std::int64_t found = 0;
+  for (std::size_t l = 0; l < lanes; ++l) found |= mask[l];
+  return found != 0;
 }
 
 /// x where the mask is set, else 0.
@@ -29,7 +24,7 @@ VBOND_HD Real only(const Mask& mask, const Real& x) {
 
 /// The first lanes, so many of them.
 VBOND_HD Mask first_lanes(std::size_t count) {
-  constexpr std::int64_t indices[8] = {0, 1, 2, 3, 4, 5, 6, 7};
+  constexpr std::int64_t indices[4] = {0, 1, 2, 3};
   Mask index;
   std::memcpy(&index, indices, sizeof index);
   return index < static_cast<std::int64_t>(count);
@@ -37,46 +32,30 @@ VBOND_HD Mask first_lanes(std::size_t count) {
 
 // ---- rows and lanes ---------------------------------------------------------------------------------
 
-constexpr std::size_t width = lanes < 4 ? lanes : 4;
-using Part = Pack<width>;
-
 /// The first half of a row: a vector and a number that is not used.
 struct Half {
-  Part part[4 / width];
+  Real part[4 / lanes];
 };
 
 VBOND_HD Half half(const Vec3d& r) {
   Half h;
-  const double* const from = &r.x;
-  for (std::size_t k = 0; k < 4; k += width) h.part[k / width] = Part::load(from + k);
+  for (std::size_t k = 0; k < 4; k += lanes) h.part[k / lanes] = Real::load(&r.x + k);
   return h;
 }
 
 /// F -= s (r_j - r_i)
 VBOND_HD void subtract(Half& F, double s, const Half& r_j, const Half& r_i) {
-  Part all_s;  // not by way of a sum with 0, as Part(s) would be: this is done for every contact
-  for (std::size_t l = 0; l < width; ++l) all_s.v[l] = s;
-  for (std::size_t k = 0; k < 4 / width; ++k) F.part[k] = F.part[k] - all_s * (r_j.part[k] - r_i.part[k]);
-}
-
-/// Numbers of a row; in eight lanes the first half of one and the first half of another.
-template <std::size_t W>
-VBOND_HD Pack<W> load_from(const double* one, const double* other) {
-  if constexpr (W == 8)
-    return Pack<W>(__builtin_shufflevector(Pack<W>::load(one).v, Pack<W>::load(other).v, 0, 1, 2, 3, W, W + 1,
-                                           W + 2, W + 3));
-  else
-    return Pack<W>::load(one);
+  Real all_s;  // not by way of a sum with 0, as Real(s) would be: this is done for every contact
+  for (std::size_t l = 0; l < lanes; ++l) all_s.v[l] = s;
+  for (std::size_t k = 0; k < 4 / lanes; ++k) F.part[k] = F.part[k] - all_s * (r_j.part[k] - r_i.part[k]);
 }
 
 /// Where these rows are, one in each lane.
 VBOND_HD Vec3<Real> places(const PoseRow* pose, const Row* row) {
   Real column[4];
-  for (std::size_t k = 0; k < 4; k += width) {
-    for (std::size_t l = 0; l < width; ++l)
-      column[k + l] =
-          load_from<lanes>(&pose[row[l].value].r.x + k, &pose[row[(l + 4) % lanes].value].r.x + k);
-    transpose_parts<width>(column + k);
+  for (std::size_t k = 0; k < 4; k += lanes) {
+    for (std::size_t l = 0; l < lanes; ++l) column[k + l] = Real::load(&pose[row[l].value].r.x + k);
+    transpose(column + k);
   }
   return {column[0], column[1], column[2]};
 }
@@ -116,7 +95,7 @@ bool add_contacts(const ContactRule& rule, const NearRows& near, RowRange rows, 
       for (std::size_t l = 0; l < lanes; ++l)  // one after the other; what does not touch adds 0
         subtract(F, scale[l], half(pose[j[l].value].r), half_i);
     }
-    for (std::size_t k = 0; k < 4; k += width) F.part[k / width].store(&load[i].F.x + k);
+    for (std::size_t k = 0; k < 4; k += lanes) F.part[k / lanes].store(&load[i].F.x + k);
   }
   return any(deepest.v > Real(0.0).v);
 }
