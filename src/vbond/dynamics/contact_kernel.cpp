@@ -1,23 +1,20 @@
 // The loop over contacts, compiled as kernel.cpp is and by the same rules.
 #include "vbond/dynamics/contact_kernel.hpp"
 
-#include "vbond/dynamics/detail/kernel_rows.hpp"
+#include "vbond/core/pack.hpp"
 
 namespace vbond::VBOND_KERNEL {
 namespace {
 
+/// At most four: with eight too many lanes stay empty, since lists are short (docs/decisions/data-layout.md).
+constexpr std::size_t lanes = VBOND_LANES < 4 ? VBOND_LANES : 4;
+using Real = Pack<lanes>;
 using Mask = decltype(Real::Native{} < Real::Native{});  // -1 or 0 in each lane
 
-template <std::size_t S, std::size_t... Lane>
-VBOND_HD void fold(Mask& mask, std::index_sequence<Lane...>) {
-  mask |= __builtin_shufflevector(mask, mask, (Lane ^ S)...);
-}
-
-VBOND_HD bool any(Mask mask) {
-  constexpr std::make_index_sequence<lanes> all;
-  if constexpr (lanes > 4) fold<4>(mask, all);
-  if constexpr (lanes > 2) fold<2>(mask, all);
-  return (mask[0] | mask[1]) != 0;
+VBOND_HD bool any(const Mask& mask) {
+  std::int64_t found = 0;
+  for (std::size_t l = 0; l < lanes; ++l) found |= mask[l];
+  return found != 0;
 }
 
 /// x where the mask is set, else 0.
@@ -27,7 +24,7 @@ VBOND_HD Real only(const Mask& mask, const Real& x) {
 
 /// The first lanes, so many of them.
 VBOND_HD Mask first_lanes(std::size_t count) {
-  constexpr std::int64_t indices[8] = {0, 1, 2, 3, 4, 5, 6, 7};
+  constexpr std::int64_t indices[4] = {0, 1, 2, 3};
   Mask index;
   std::memcpy(&index, indices, sizeof index);
   return index < static_cast<std::int64_t>(count);
@@ -35,32 +32,27 @@ VBOND_HD Mask first_lanes(std::size_t count) {
 
 // ---- rows and lanes ---------------------------------------------------------------------------------
 
-constexpr std::size_t width = lanes < 4 ? lanes : 4;
-using Part = Pack<width>;
-
 /// r or F of one row, and the number behind it, which is not used.
 struct HalfRow {
-  Part part[4 / width];
+  Real part[4 / lanes];
 };
 
 VBOND_HD HalfRow half_row(const Vec3d& r) {
   HalfRow h;
-  const double* const from = &r.x;
-  for (std::size_t k = 0; k < 4; k += width) h.part[k / width] = Part::load(from + k);
+  for (std::size_t k = 0; k < 4; k += lanes) h.part[k / lanes] = Real::load(&r.x + k);
   return h;
 }
 
 /// F -= s (r_j - r_i)
 VBOND_HD void subtract(HalfRow& F, double s, const HalfRow& r_j, const HalfRow& r_i) {
-  for (std::size_t k = 0; k < 4 / width; ++k) F.part[k] = F.part[k] - Part(s) * (r_j.part[k] - r_i.part[k]);
+  for (std::size_t k = 0; k < 4 / lanes; ++k) F.part[k] = F.part[k] - Real(s) * (r_j.part[k] - r_i.part[k]);
 }
 
 /// Where these rows are, one in each lane.
 VBOND_HD Vec3<Real> places(const PoseRow* pose, const Row* row) {
-  std::uint32_t index[lanes];
-  for (std::size_t l = 0; l < lanes; ++l) index[l] = row[l].value;
-  Halves r;
-  load_columns(pose, index, Half::first, r);
+  Real r[4];
+  for (std::size_t k = 0; k < 4; ++k) r[k] = Real::load(&pose[row[k % lanes].value].r.x + k / lanes * lanes);
+  transpose_halves(r);
   return {r[0], r[1], r[2]};
 }
 
@@ -99,7 +91,7 @@ bool add_contacts(const ContactRule& rule, const NearRows& near, RowRange rows, 
       for (std::size_t l = 0; l < lanes; ++l)  // one after the other; what does not touch adds 0
         subtract(F, scale[l], half_row(pose[j[l].value].r), half_i);
     }
-    for (std::size_t k = 0; k < 4; k += width) F.part[k / width].store(&load[i].F.x + k);
+    for (std::size_t k = 0; k < 4; k += lanes) F.part[k / lanes].store(&load[i].F.x + k);
   }
   return any(deepest.v > Real(0.0).v);
 }
