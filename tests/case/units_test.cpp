@@ -38,6 +38,10 @@ TEST(Quantity, IsReadInBaseUnits) {
       {"13.56 angstrom", 13.56e-10, length},
       {"50 %", 0.5, pure},
       {"1 kHz", 1e3, {0, 0, -1}},
+      {"1 eV", 1.602176634 * 1e-19, {2, 1, -2}},
+      {"3 J", 3, {2, 1, -2}},
+      {"2 kW", 2e3, {2, 1, -3}},
+      {"0.5 h", 1800, duration},
       {"42", 42, pure},
   };
   for (const Row& row : rows) {

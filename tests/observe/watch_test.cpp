@@ -212,6 +212,21 @@ TEST(Watch, BondLongerThanTwiceItsLengthIsReportedOnceAndCounted) {
   EXPECT_TRUE(resumed.told.empty());
 }
 
+TEST(Watch, TwiceTheLengthIsThatOfTheBondAtRest) {
+  Chain chain(3);
+  chain.state.bonds[BondId{1}].a = 0.5;
+  chain.state.r[ParticleId{2}].x = 1.99;
+  Listener l;
+  l.look(chain);
+  EXPECT_TRUE(l.told.empty());
+  chain.state.r[ParticleId{2}].x = 2.01;
+  l.look(chain);
+  ASSERT_EQ(l.told.size(), 1u);
+  EXPECT_TRUE(
+      contains(l.told[0], "bond 1 (particles 1, 2) is longer than twice its length at rest: 1.01 of 0.5"))
+      << l.told[0];
+}
+
 TEST(Watch, NotANumberNamesTheParticle) {
   Chain chain;
   chain.state.v[ParticleId{1}].y = std::numeric_limits<double>::quiet_NaN();
