@@ -53,6 +53,18 @@ TEST(Quantity, IsReadInBaseUnits) {
   }
 }
 
+TEST(Quantity, KnowsThePrefixesOfSi) {
+  const std::pair<const char*, double> prefixes[] = {
+      {"a", 1e-18}, {"f", 1e-15}, {"p", 1e-12}, {"n", 1e-9},       {"u", 1e-6}, {"m", 1e-3},
+      {"c", 1e-2},  {"d", 1e-1},  {"da", 1e1},  {"h", 1e2},        {"k", 1e3},  {"M", 1e6},
+      {"G", 1e9},   {"T", 1e12},  {"P", 1e15},  {"\xCE\xBC", 1e-6}};
+  for (const auto& [prefix, value] : prefixes) {
+    const auto q = parse_quantity(std::string("1 ") + prefix + "m");
+    ASSERT_TRUE(std::holds_alternative<Quantity>(q)) << prefix;
+    EXPECT_EQ(std::get<Quantity>(q).value, value) << prefix;
+  }
+}
+
 TEST(Quantity, MayBeAMultipleOfT0) {
   for (const char* text : {"10 T0", "10T0", "10 T_0"}) {
     const auto q = parse_quantity(text);
