@@ -107,7 +107,8 @@ TEST(Groups, MistakesAreReportedTogether) {
 TEST(Particles, CannotBeAtTheSamePlace) {
   Case c = paper_rod();
   c.specimens.push_back(specimen(ListedSpecimen{{{20, 0, 0}, {3, 0, 0}}}, "probe"));
-  EXPECT_TRUE(contains(text_of_error(c), "particles 3 and 11 are at the same place (1 such pairs)"));
+  EXPECT_TRUE(
+      contains(text_of_error(c), "case.toml: particles 3 and 11 are at the same place (1 such pairs)"));
 }
 
 // All pairs of these are 2e10: the count ends at a thousand, and the test with it.
@@ -145,14 +146,17 @@ TEST(Particles, NeedARadiusForContactsAndSurfaceBonds) {
   c.specimens[0].radius = 0.0;
   c.specimens[0].inertia = 0.064;
   c.contact.law = ContactLaw::paper_hertz;
-  EXPECT_TRUE(contains(text_of_error(c), "contacts need radii > 0"));
+  EXPECT_TRUE(
+      contains(text_of_error(c), "case.toml: contact: particle 0 has radius 0\n  contacts need radii > 0"));
   c.contact.law = ContactLaw::none;
   c.bonds[0].recipe.attachment = Attachment::surfaces;
   EXPECT_TRUE(contains(text_of_error(c), "a bond between surfaces needs radii > 0"));
 }
 
 TEST(Case, WithoutSpecimenIsRefused) {
-  EXPECT_TRUE(contains(text_of_error(Case{}), "the case has no specimen"));
+  Case c;
+  c.file = "case.toml";
+  EXPECT_EQ(text_of_error(c).rfind("case.toml: the case has no specimen\n", 0), 0u) << text_of_error(c);
 }
 
 }  // namespace

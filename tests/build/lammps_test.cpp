@@ -257,6 +257,20 @@ TEST(LammpsSpecimen, RefusesWhatItDoesNotSupportWithLineNumbers) {
     EXPECT_TRUE(contains(error, part)) << part << "\nnot in\n" << error;
 }
 
+TEST(LammpsSpecimen, RefusesAnAtomWithAFieldThatIsNoNumber) {
+  const std::string good[] = {"1", "7", "1", "0.8", "3.0", "0.5", "1.5", "2.5", "0", "0", "0"};
+  for (std::size_t bad = 0; bad < std::size(good); ++bad) {
+    if (bad == 1) continue;  // the molecule is passed over
+    std::string text = "title\n\n1 atoms\n\nAtoms\n\n";
+    for (std::size_t k = 0; k < std::size(good); ++k) text += (k == bad ? "1e" : good[k]) + " ";
+    const TemporaryFile file("bad.data", text + "\n");
+    Case c = lammps_case(file.path(), "bpm/sphere");
+    c.bonds.clear();
+    c.specimens[0].radius = 0.0;
+    EXPECT_TRUE(contains(text_of_error(c), "bad.data:7:1: the line is not understood")) << text;
+  }
+}
+
 TEST(LammpsSpecimen, RefusesBondsToMissingAtomsAndDoubleNumbers) {
   const TemporaryFile file("bad.data", "title\n\nAtoms\n\n1 1 1 0 0 0\n1 1 1 1 0 0\n\nBonds\n\n1 1 1 9\n");
   const std::string error = text_of_error(lammps_case(file.path(), "bond"));

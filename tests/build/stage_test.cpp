@@ -132,6 +132,22 @@ TEST(Stage, PeakNeedsBondsOrASupportToWatch) {
   EXPECT_EQ(first_stage(c).stops.peak->particles.size(), 2u);
 }
 
+TEST(Stage, PeakOfAReactionNeedsASupportThatHoldsATranslation) {
+  Case c = paper_rod();
+  PeakStopSpec peak;
+  peak.quantity = PeakQuantity::reaction;
+  peak.group = {"ends", {}};
+  peak.direction = {1, 0, 0};
+  peak.average_over = {10.0, true};
+  c.stages[0].stop_peak = peak;
+  for (std::size_t k = 0; k < 6; ++k) {
+    HeldDofs only{};
+    only[k] = true;
+    c.stages[0].supports = {support("first", only)};
+    EXPECT_EQ(contains(text_of_error(c), "the reaction of group \"ends\" is always zero"), k >= 3) << k;
+  }
+}
+
 TEST(Stage, StrainMoreOftenThanStepsIsRefused) {
   Case c = paper_rod();
   c.stages[0].strain = StrainSpec{{"case.toml", 40, 1}, {"all", {}}, {1, 0, 0}, -1e-7, {0.01, false}};
@@ -178,6 +194,12 @@ TEST(Resolution, OfGroupsAndParticlesReportsAllMistakes) {
     FAIL();
   } catch (const CaseError& e) {
     EXPECT_EQ(e.problems().size(), 2u);
+  }
+  try {
+    resolve_groups_or_particles({{"99999999999999999999", {}}}, b.model);  // beyond 64 bits
+    FAIL();
+  } catch (const CaseError& e) {
+    EXPECT_TRUE(contains(e.what(), "displacements: there is no particle 99999999999999999999\n")) << e.what();
   }
   EXPECT_THROW(resolve_groups({{"nobody", {}}}, b.model), CaseError);
 }

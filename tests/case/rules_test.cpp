@@ -219,6 +219,9 @@ TEST(CaseRules, DeepNestingIsRefusedBeforeItIsParsed) {
   // a string may end with two quotes of its own; what follows must not be taken for a string
   expect_refused("a = [\"\"\"x\"\"\"\"\", { " + dotted + " = 1 }]\n", "nested 32 deep");
   expect_refused("a = ['''x''''', { " + dotted + " = 1 }]\n", "nested 32 deep");
+  // nor after an empty one
+  expect_refused("a = [\"\"\"\"\"\", { " + dotted + " = 1 }]\n", "nested 32 deep");
+  expect_refused("a = ['''''', { " + dotted + " = 1 }]\n", "nested 32 deep");
   expect_refused(std::string((std::size_t{16} << 20) + 1, '\n'), "must not be over 16 MiB");
 }
 

@@ -38,6 +38,10 @@ TEST(Quantity, IsReadInBaseUnits) {
       {"13.56 angstrom", 13.56e-10, length},
       {"50 %", 0.5, pure},
       {"1 kHz", 1e3, {0, 0, -1}},
+      {"1 eV", 1.602176634 * 1e-19, {2, 1, -2}},
+      {"3 J", 3, {2, 1, -2}},
+      {"2 kW", 2e3, {2, 1, -3}},
+      {"0.5 h", 1800, duration},
       {"42", 42, pure},
   };
   for (const Row& row : rows) {
@@ -46,6 +50,18 @@ TEST(Quantity, IsReadInBaseUnits) {
     EXPECT_EQ(std::get<Quantity>(q).value, row.value) << row.text;
     EXPECT_TRUE(std::get<Quantity>(q).dimension == row.dimension) << row.text;
     EXPECT_FALSE(std::get<Quantity>(q).in_T_0) << row.text;
+  }
+}
+
+TEST(Quantity, KnowsThePrefixesOfSi) {
+  const std::pair<const char*, double> prefixes[] = {
+      {"a", 1e-18}, {"f", 1e-15}, {"p", 1e-12}, {"n", 1e-9},       {"u", 1e-6}, {"m", 1e-3},
+      {"c", 1e-2},  {"d", 1e-1},  {"da", 1e1},  {"h", 1e2},        {"k", 1e3},  {"M", 1e6},
+      {"G", 1e9},   {"T", 1e12},  {"P", 1e15},  {"\xCE\xBC", 1e-6}};
+  for (const auto& [prefix, value] : prefixes) {
+    const auto q = parse_quantity(std::string("1 ") + prefix + "m");
+    ASSERT_TRUE(std::holds_alternative<Quantity>(q)) << prefix;
+    EXPECT_EQ(std::get<Quantity>(q).value, value) << prefix;
   }
 }
 

@@ -29,6 +29,24 @@ TEST(Team, SharesOutEveryBlockOnce) {
   }
 }
 
+// A part ends where the work done is nearest to its share: half the heaviest block away at most.
+TEST(Team, SharesOutEvenly) {
+  for (const int threads : {2, 3, 5, 8}) {
+    std::vector<std::size_t> work, before{0};
+    for (std::size_t b = 0; b < 50; ++b) {
+      work.push_back(2000 + 37 * b % 400);
+      before.push_back(before.back() + work.back());
+    }
+    const Team team(50 * block_rows, work, threads);
+    ASSERT_EQ(team.parts().size(), static_cast<std::size_t>(threads));
+    for (const Part& p : team.parts()) {
+      const auto share = static_cast<double>(before.back() * (p.index + 1)) / threads;
+      EXPECT_NEAR(static_cast<double>(before[p.last_block]), share, 0.5 * 2400)
+          << p.index << " of " << threads;
+    }
+  }
+}
+
 TEST(Team, IsOneThreadForLittleWork) {
   EXPECT_EQ(Team(100, {2 * least_part - 1}, 8).parts().size(), 1u);
   EXPECT_EQ(Team(0, {}, 8).parts().size(), 1u);

@@ -238,6 +238,42 @@ TEST(TableObserver, IsAskedOnlyForItsRows) {
   EXPECT_EQ(bystander->steps, rows);
 }
 
+/// The second stage, of 2400 steps, from its step 1250 on.
+struct Resumed {
+  Chain chain;
+  Stage stage = two_stages()[1];
+  State state = at_rest(chain);
+  Resumed() {
+    stage.stops.duration = 2400 * dt;
+    state.clock = {.step = 1275, .stage_step = 1250, .stage = 1, .stage_start = 25 * dt, .dt = dt};
+  }
+};
+
+TEST(TableObserver, OfAResumedStageHasTheRowsOfTheWholeOne) {
+  Resumed r;
+  std::FILE* out = std::tmpfile();
+  ASSERT_NE(out, nullptr);
+  Simulation run(r.chain.model, r.stage, r.state);
+  const auto bystander = std::make_shared<Bystander>();
+  run.add_observer(std::make_shared<TableObserver>(out));
+  run.add_observer(bystander);
+  run.run();
+  std::fclose(out);
+  std::vector<std::int64_t> rows{1276};  // after the first step all are asked
+  for (std::int64_t k = 1300; k <= 2400; k += 100) rows.push_back(25 + k);
+  EXPECT_EQ(bystander->steps, rows);
+}
+
+TEST(ProgressObserver, SaysNothingOfAResumedStageAtItsFirstLook) {
+  Resumed r;
+  std::FILE* out = std::tmpfile();
+  ASSERT_NE(out, nullptr);
+  const Simulation run(r.chain.model, r.stage, r.state);
+  ProgressObserver(out, {25, 2400}).observe(run);  // no step made, no speed known
+  EXPECT_EQ(std::ftell(out), 0);
+  std::fclose(out);
+}
+
 TEST(ProgressObserver, SeldomAsksOnFastSteps) {
   const Chain chain(2);
   std::FILE* out = std::tmpfile();

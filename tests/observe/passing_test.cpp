@@ -191,6 +191,17 @@ TEST(Passing, CanBeSwitchedOff) {
   }
 }
 
+// Without a contact law nothing is deep: only the look at overlaps after a thousand steps finds it.
+TEST(Passing, AnOverlapWithoutAContactLawIsToldUnlessSwitchedOff) {
+  const auto told = [](double overlap) {
+    return Flight{.step = 0.0015, .overlap = overlap, .contact = {}, .duration = 1.5}.fly().told;
+  };
+  ASSERT_EQ(told(0.1).size(), 1u);
+  EXPECT_TRUE(contains(told(0.1)[0], "t = 1.5: particles 0 and 1 are not bonded and overlap by 0.3, 0.75 of"))
+      << told(0.1)[0];
+  EXPECT_EQ(told(0.0).size(), 0u);
+}
+
 // Whatever passes: many others stand around, in other blocks of rows.
 TEST(Passing, IsSeenAmongMany) {
   std::vector<Vec3d> crowd;
@@ -206,7 +217,9 @@ TEST(Passing, ALineOfCentresThatTurnsByMoreThanARightAngleHasPassed) {
   s.show(7, {0.5, 0.1, 0});
   s.show(8, {0.1, 0.4, 0});
   s.show(9, {-0.05, 0.4, 0});
-  EXPECT_EQ(s.told.size(), 1u);  // one overlap, once
+  ASSERT_EQ(s.told.size(), 1u);  // one overlap, once: at step 7 centres are sqrt(0.26) apart
+  EXPECT_TRUE(contains(s.told[0], "particles 0 and 1 are not bonded and overlap by 0.2901, 0.725 of the"))
+      << s.told[0];
   try {
     s.show(10, {-0.1, 0.45, 0});
     ADD_FAILURE() << "nobody was stopped";

@@ -33,6 +33,8 @@ TEST(Progress, RemainingTimeFollowsFromTheSpeed) {
   EXPECT_EQ(progress_line("squeeze", 6000, 5000, 10000, 10.0),
             "stage squeeze: step 6000, 60.0 %, 100 steps/s, at most 40 s left");
   EXPECT_EQ(progress_line("squeeze", 5000, 5000, 10000, 0.0), "stage squeeze: step 5000, 50.0 %");
+  EXPECT_EQ(progress_line("squeeze", 6000, 5000, 10000, 0.0),
+            "stage squeeze: step 6000, 60.0 %");  // no speed
 }
 
 TEST(Progress, ClockIsReadTenTimesASecondAtAnySpeed) {

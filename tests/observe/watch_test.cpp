@@ -157,6 +157,31 @@ TEST(Watch, ManyReportsAreCutAndSummedUpOnce) {
   EXPECT_TRUE(contains(l.told.back(), "4 more bonds were strained: 14 in all")) << l.told.back();
 }
 
+TEST(Watch, ManyStretchedBondsAreCutAndSummedUp) {
+  Chain chain(15);
+  for (Vec3d& r : chain.state.r) r = 2.01 * r;
+  Listener l;
+  l.look(chain);
+  EXPECT_EQ(l.told.size(), static_cast<std::size_t>(Watch::told_in_full));
+  l.watch.summarise();
+  ASSERT_EQ(l.told.size(), static_cast<std::size_t>(Watch::told_in_full) + 1);
+  EXPECT_TRUE(contains(l.told.back(), "4 more bonds were longer than twice their length at rest: 14 in all"))
+      << l.told.back();
+}
+
+TEST(Watch, ManyOverlapsAreCutAndSummedUp) {
+  Chain chain(28);
+  chain.state.bonds = {};
+  for (std::size_t k = 1; k < 28; k += 2) chain.state.r[ParticleId{k}].x -= 0.6;  // 14 pairs, 0.4 apart
+  Listener l;
+  l.watch.look_at_overlaps(chain.model, chain.state, 0.1);
+  EXPECT_EQ(l.told.size(), static_cast<std::size_t>(Watch::told_in_full));
+  l.watch.summarise();
+  ASSERT_EQ(l.told.size(), static_cast<std::size_t>(Watch::told_in_full) + 1);
+  EXPECT_TRUE(contains(l.told.back(), "4 more pairs of particles that are not bonded overlapped: 14 in all"))
+      << l.told.back();
+}
+
 TEST(Watch, GoesOnFromItsRecordWithoutRepeatingItself) {
   Chain chain(2);
   chain.turn(1, {1, 0, 0}, 91 * degree);
@@ -210,6 +235,21 @@ TEST(Watch, BondLongerThanTwiceItsLengthIsReportedOnceAndCounted) {
   Listener resumed(l.watch.record());
   resumed.look(chain);
   EXPECT_TRUE(resumed.told.empty());
+}
+
+TEST(Watch, TwiceTheLengthIsThatOfTheBondAtRest) {
+  Chain chain(3);
+  chain.state.bonds[BondId{1}].a = 0.5;
+  chain.state.r[ParticleId{2}].x = 1.99;
+  Listener l;
+  l.look(chain);
+  EXPECT_TRUE(l.told.empty());
+  chain.state.r[ParticleId{2}].x = 2.01;
+  l.look(chain);
+  ASSERT_EQ(l.told.size(), 1u);
+  EXPECT_TRUE(
+      contains(l.told[0], "bond 1 (particles 1, 2) is longer than twice its length at rest: 1.01 of 0.5"))
+      << l.told[0];
 }
 
 TEST(Watch, NotANumberNamesTheParticle) {

@@ -117,6 +117,14 @@ struct Members {
   }
 };
 
+/// Records that there is no particle of this number, however it was written.
+void refuse_particle(const std::string& number, const Model& model, const std::string& what,
+                     const SourcePlace& place, Problems& problems) {
+  problems.add(place, fmt::format("{}: there is no particle {}", what, number),
+               fmt::format("particles are numbered 0 to {}", model.particles() - 1),
+               "use a number in that range");
+}
+
 }  // namespace
 
 void add_groups(const Case& c, const std::vector<PlacedSpecimen>& specimens, Model& model,
@@ -154,9 +162,7 @@ std::optional<ParticleId> look_up_particle(std::int64_t number, const Model& mod
                                            const SourcePlace& place, Problems& problems) {
   if (number >= 0 && static_cast<std::size_t>(number) < model.particles())
     return ParticleId{static_cast<std::size_t>(number)};
-  problems.add(place, fmt::format("{}: there is no particle {}", what, number),
-               fmt::format("particles are numbered 0 to {}", model.particles() - 1),
-               "use a number in that range");
+  refuse_particle(std::to_string(number), model, what, place, problems);
   return std::nullopt;
 }
 
@@ -182,8 +188,9 @@ std::vector<Group> look_up_groups_or_particles(const std::vector<Placed<std::str
     const std::string& text = name.value;
     if (text.empty() || text.find_first_not_of("0123456789") != std::string::npos) {
       if (const Group* g = look_up_group(name, model, problems)) groups.push_back(*g);
-    } else if (const auto id = look_up_particle(to_integer(text).value_or(-1), model, "displacements",
-                                                name.place, problems)) {
+    } else if (const auto number = to_integer(text); !number) {  // too large
+      refuse_particle(text, model, "displacements", name.place, problems);
+    } else if (const auto id = look_up_particle(*number, model, "displacements", name.place, problems)) {
       groups.push_back({text, {*id}});
     }
   }

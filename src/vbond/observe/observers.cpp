@@ -218,10 +218,10 @@ ProgressObserver::ProgressObserver(std::FILE* terminal, std::vector<std::int64_t
 void ProgressObserver::observe(const Simulation& run) {
   constexpr std::chrono::milliseconds refresh(500);
   const Clock& clock = run.clock();
-  const bool begins = first_step_ < 0 || clock.stage_step == 0;  // its steps may be slower than those before
-  if (!begins && clock.step < next_look_) return;                // this step was asked for by others
+  const bool begins = !first_step_ || clock.stage_step == 0;  // its steps may be slower than those before
+  if (!begins && clock.step < next_look_) return;             // this step was asked for by others
   const auto now = WallClock::now();
-  if (first_step_ < 0) {
+  if (!first_step_) {
     first_step_ = clock.step;
     start_ = shown_ = now;
   }
@@ -244,7 +244,7 @@ void ProgressObserver::show_line(const Simulation& run, WallClock::time_point no
   const auto stage = std::min(static_cast<std::size_t>(clock.stage), stage_steps_.size());
   const std::int64_t left = std::accumulate(stage_steps_.begin() + static_cast<std::ptrdiff_t>(stage),
                                             stage_steps_.end(), -clock.stage_step);
-  const std::string line = progress_line(run.stage().name, clock.step, first_step_, clock.step + left,
+  const std::string line = progress_line(run.stage().name, clock.step, *first_step_, clock.step + left,
                                          std::chrono::duration<double>(now - start_).count());
   show(clear_line + line, out_);
   visible_ = true;

@@ -139,9 +139,9 @@ class TableObserver : public TimedObserver {
   enum class Header : std::uint8_t { none, dynamics, statics };
   void print(const Simulation& run);
   std::FILE* out_;
-  Header header_ = Header::none;  // the last one printed
-  std::int32_t stage_ = -1;
-  std::int64_t interval_ = 1;  // in that stage, in steps
+  Header header_ = Header::none;       // the last one printed
+  std::optional<std::int32_t> stage_;  // the last one seen
+  std::int64_t interval_ = 1;          // in that stage, in steps
   std::int64_t last_step_ = -1;
 };
 
@@ -163,7 +163,8 @@ class ProgressObserver : public TimedObserver {
   void show_line(const Simulation& run, WallClock::time_point now);
   std::FILE* out_;
   std::vector<std::int64_t> stage_steps_;
-  std::int64_t first_step_ = -1, last_look_ = -1, next_look_ = 0;  // steps of the run
+  std::optional<std::int64_t> first_step_;  // of the run, that was looked at
+  std::int64_t last_look_ = 0, next_look_ = 0;
   WallClock::time_point start_, shown_, looked_;
   bool visible_ = false;
 };

@@ -190,13 +190,13 @@ class LammpsReader {
                                          columns_.count, columns_.style);
     if (n != columns_.count && n != columns_.count + 3) return malformed(form);
     const auto id = to_integer(words[0]), type = to_integer(words[columns_.type]);
-    std::optional<double> values[5];  // x y z, diameter, density
+    std::array<std::optional<double>, 5> values;  // x y z, diameter, density
     for (std::size_t k = 0; k < 3; ++k) values[k] = to_number(words[columns_.x + k]);
     const bool sphere = columns_.diameter > 0;
     for (std::size_t k = 0; k < 2; ++k)
       values[3 + k] = sphere ? to_number(words[columns_.diameter + k]) : 0.0;
-    if (!id || !type || !std::all_of(values, values + 5, [](const auto& v) { return v.has_value(); }))
-      return malformed(form);
+    const auto known = [](const std::optional<double>& value) { return value.has_value(); };
+    if (!id || !type || !std::all_of(values.begin(), values.end(), known)) return malformed(form);
     Atom atom{*id, *type, {*values[0], *values[1], *values[2]}, *values[3], *values[4], {}, at_};
     for (std::size_t k = 0; n > columns_.count && k < 3; ++k) {
       const auto flag = to_integer(words[columns_.count + k]);

@@ -21,7 +21,7 @@ class H5Handle {
  public:
   H5Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
   ~H5Handle() { reset(); }
-  H5Handle(H5Handle&& o) noexcept : id_(std::exchange(o.id_, -1)), close_(o.close_) {}
+  H5Handle(H5Handle&& o) noexcept : id_(std::exchange(o.id_, H5I_INVALID_HID)), close_(o.close_) {}
   H5Handle(const H5Handle&) = delete;
   H5Handle& operator=(const H5Handle&) = delete;
   H5Handle& operator=(H5Handle&&) = delete;
@@ -30,7 +30,7 @@ class H5Handle {
   explicit operator bool() const { return id_ >= 0; }
 
   /// Closes now and says if that worked: closing a file writes what is still buffered.
-  bool reset() { return id_ < 0 || close_(std::exchange(id_, -1)) >= 0; }
+  bool reset() { return id_ < 0 || close_(std::exchange(id_, H5I_INVALID_HID)) >= 0; }
 
  private:
   hid_t id_;

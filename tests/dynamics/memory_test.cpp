@@ -1,0 +1,49 @@
+#include "vbond/dynamics/memory.hpp"
+
+#include <gtest/gtest.h>
+#include <malloc.h>
+
+#include "rods.hpp"
+
+namespace vbond {
+namespace {
+
+using testing::plain_stage;
+using testing::Specimen;
+using testing::straight_rod;
+
+/// What this program has from the allocator at present; 0 if that is one that does not tell.  [bytes]
+double in_use() {
+  const auto m = mallinfo2();
+  return static_cast<double>(m.uordblks + m.hblkhd);
+}
+
+struct Measured {
+  double bytes, estimate;
+};
+
+/// What model, state and simulation of a rod take beside what is said of them. Columns that have grown to a
+/// power of two have no room to spare.
+Measured memory_of_a_rod(std::size_t N, bool bonded) {
+  const double before = in_use();
+  Specimen s = straight_rod(N);
+  if (!bonded) s.state.bonds = {};
+  s.model.specimen.assign(N, 0);
+  const MemoryUse use = memory_use(s.state);
+  const auto n = static_cast<double>(N), bonds = static_cast<double>(s.state.bonds.size());
+  const Simulation run(s.model, plain_stage(0.1, 1.0), std::move(s.state));
+  return {in_use() - before, n * use.per_particle + bonds * use.per_bond};
+}
+
+// Blocks, groups and the like take less than a hundredth of it.
+TEST(MemoryUse, IsWhatARunTakes) {
+  for (const bool bonded : {false, true}) {
+    const Measured m = memory_of_a_rod(std::size_t{1} << 16, bonded);
+    if (m.bytes == 0.0) GTEST_SKIP() << "this allocator does not tell, as under a sanitizer";
+    EXPECT_NEAR(m.estimate / m.bytes, 1.0, 0.01) << (bonded ? "bonded" : "particles alone");
+    EXPECT_LE(m.estimate, m.bytes) << (bonded ? "bonded" : "particles alone");
+  }
+}
+
+}  // namespace
+}  // namespace vbond

@@ -1,0 +1,42 @@
+#include "vbond/dynamics/order.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <random>
+#include <vector>
+
+namespace vbond {
+namespace {
+
+/// 7 x 5 x 3 points at a spacing of 1.3, longest along y and shortest along x: by layers along y, then z,
+/// then x. They fill their box at a mean spacing of 1.0, so that no two layers fall into one.
+std::vector<Vec3d> layered(const Vec3d& corner) {
+  std::vector<Vec3d> r;
+  for (int y = 0; y < 7; ++y)
+    for (int z = 0; z < 5; ++z)
+      for (int x = 0; x < 3; ++x) r.push_back(corner + 1.3 * Vec3d{1.0 * x, 1.0 * y, 1.0 * z});
+  return r;
+}
+
+TEST(SpatialOrder, IsByLayersWhereverTheBodyLies) {
+  std::vector<std::size_t> shuffled(7 * 5 * 3);
+  std::iota(shuffled.begin(), shuffled.end(), std::size_t{0});
+  std::shuffle(shuffled.begin(), shuffled.end(), std::mt19937(1));
+  for (const Vec3d& corner : {Vec3d{0, 0, 0}, Vec3d{-0.5, -0.5, -0.5}, Vec3d{-3.9, 40.0, -200.0}}) {
+    const std::vector<Vec3d> r = layered(corner);
+    PerParticle<Vec3d> mixed;
+    for (const std::size_t k : shuffled) mixed.push_back(r[k]);
+    const Order order = spatial_order(mixed);
+    ASSERT_EQ(order.particle.size(), r.size());
+    for (std::size_t k = 0; k < r.size(); ++k) {
+      const ParticleId p = order.particle[Row{k}];
+      EXPECT_EQ(mixed[p], r[k]) << "row " << k << ", corner " << corner.x;
+      EXPECT_EQ(order.row[p], Row{k});
+    }
+  }
+}
+
+}  // namespace
+}  // namespace vbond
