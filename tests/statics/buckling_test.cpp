@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <regex>
 
 #include "bodies.hpp"
 #include "validation/cases.hpp"
@@ -235,8 +236,9 @@ TEST(CriticalLoads, AreRefusedWithTheNameOfWhatGivesWayWhereTheConstantLoadsAreA
     critical_loads(testing::straight_rod(10), pinned(10), {before, pushed(9, {-1, 0, 0})}, 1);
     FAIL() << "not refused";
   } catch (const NoEquilibrium& e) {
-    const std::string text = e.what();
-    EXPECT_NE(text.find("not stable, first of all in: translation along y of particle"), std::string::npos)
+    const std::string text = e.what();  // a round rod: y and z are alike
+    EXPECT_TRUE(std::regex_search(
+        text, std::regex("not stable, first of all in: translation along [yz] of particle")))
         << text;
   }
 }

@@ -38,7 +38,7 @@ VBOND_HD BondEnergy<T> bond_energy(const VModel<T>& m, const BondPose<T>& b) {
 }
 
 /// Force and moments of a bond: the gradient of bond_energy.  [KA12] eqs. (9), (10). M_ji, which the paper
-/// omits, follows from the balance of moments, M_ij + M_ji = r_ij x F.
+/// omits, follows from the balance of moments, M_ij + M_ji = r_ij x F, worked out so that nothing cancels.
 template <Scalar T>
 VBOND_HD BondLoads<T> bond_loads(const VModel<T>& m, const BondPose<T>& b, const BondAxis<T>& axis) {
   const auto& [D, per_D, d] = axis;
@@ -47,7 +47,7 @@ VBOND_HD BondLoads<T> bond_loads(const VModel<T>& m, const BondPose<T>& b, const
 
   // bending and shear; dU/dd has a part from the vectors of i and one from those of j
   Vec3<T> from_i = -(m.B3 * c_i) * b.n_i[0], from_j = -(m.B3 * c_j) * b.n_j[0];
-  Vec3<T> M_ij = cross(b.n_i[0], m.B2 * s1 * b.n_j[0]);
+  Vec3<T> couple = cross(b.n_i[0], m.B2 * s1 * b.n_j[0]);
 
   // torsion
   for (int k = 1; k < 3; ++k) {  // the paper's k = 2, 3
@@ -56,12 +56,12 @@ VBOND_HD BondLoads<T> bond_loads(const VModel<T>& m, const BondPose<T>& b, const
     const T B4_p = half_B4 * p, B4_p_q2 = B4_p * q2, B4_p_q3 = B4_p * q3;
     from_i -= B4_p_q3 * (s3k * q2 + p * s2k) * b.n_i[k];  // U_2k n_ik
     from_j += B4_p_q2 * (s2k * q3 + p * s3k) * b.n_j[k];  // -U_3k n_jk
-    M_ij += cross(b.n_i[k], B4_p_q2 * q3 * b.n_j[k]);     // U_1k n_jk x n_ik
+    couple += cross(b.n_i[k], B4_p_q2 * q3 * b.n_j[k]);   // U_1k n_jk x n_ik
   }
   const Vec3<T> dU_dd = from_i + from_j;
   const Vec3<T> F = (m.B1 * (D - m.a) - per_D * dot(dU_dd, d)) * d + per_D * dU_dd;
-  M_ij += cross(d, from_i) + m.R_i * cross(b.n_i[0], F);
-  return {F, M_ij, cross(b.r_ij, F) - M_ij};
+  return {F, cross(d, from_i) + couple + m.R_i * cross(b.n_i[0], F),
+          cross(d, from_j) - couple - m.R_j * cross(b.n_j[0], F)};
 }
 
 /// Parameters that match four stiffnesses exactly: the inverse of [KA12] eq. (19).
