@@ -1,7 +1,7 @@
 // The loops of a step. This file is compiled once per instruction set, with its own namespace VBOND_KERNEL,
-// the number of lanes VBOND_LANES, and VBOND_HD forcing the physics inline. It must define nothing but that
-// namespace's table of functions: an inline function emitted here would be compiled for a machine on which
-// the rest of the program may not be running.
+// the number of lanes VBOND_LANES, of packs worked out together VBOND_PACKS_TOGETHER, and VBOND_HD forcing
+// the physics inline. It must define nothing but that namespace's table of functions: an inline function
+// emitted here would be compiled for a machine on which the rest of the program may not be running.
 #include "vbond/dynamics/kernel.hpp"
 
 #include "vbond/dynamics/detail/kernel_rows.hpp"
