@@ -114,15 +114,17 @@ void print_theory(const Theory& t, const TheoryParameters& p, double a) {
   BondRecipe recipe;
   recipe.parameters = p;
   const BondStiffness<double> c = stiffness_of(recipe, a);
-  const VModel<double> v = vmodel_from(c, a, 0.0, 0.0);
-  const Evm<double> e = evm_from(c, a, 0.0, 0.0);
   fmt::print("\n{}  ({})\n", t.name, t.limits);
   fmt::print("  stiffness  c_A {:<14.8g} c_D {:<14.8g} c_B {:<14.8g} c_T {:<14.8g}\n", c.c_A, c.c_D, c.c_B,
              c.c_T);
-  fmt::print("  v-model    B1  {:<14.8g} B2  {:<14.8g} B3  {:<14.8g} B4  {:<14.8g}\n", v.B1, v.B2, v.B3,
-             v.B4);
-  fmt::print("  evm        B1  {:<14.8g} B2  {:<14.8g} B3  {:<14.8g} B4  {:<14.8g}\n", e.B1, e.B2, e.B3,
-             e.B4);
+  for (const BondLaw* law : bond_laws()) {
+    const Coefficients values = law->from_stiffness(c, a, {});
+    std::string text = fmt::format("  {:<10}", law->name);
+    for (std::size_t k = 0; k < law->fields.size(); ++k)
+      if (law->fields[k].input == LawInput::from_stiffness)
+        text += fmt::format(" {:<3} {:<14.8g}", law->fields[k].name, values[k]);
+    fmt::print("{}\n", text);
+  }
 }
 
 }  // namespace

@@ -39,19 +39,15 @@ const char* name_of(BondTheory theory) {
   return "";
 }
 
-const char* name_of(BondLaw law) {
-  switch (law) {
-    case BondLaw::v_model: return "V-model";
-    case BondLaw::evm: return "enhanced vector model (EVM)";
-  }
-  return "";
-}
-
 struct ParametersInWords {
+  const BondLaw& law;
   std::string stress_unit;
-  std::string operator()(const GivenCoefficients& b) const {
-    return fmt::format("coefficients B1 = {:.6g}, B2 = {:.6g}, B3 = {:.6g}, B4 = {:.6g}", b.B1, b.B2, b.B3,
-                       b.B4);
+  std::string operator()(const GivenCoefficients& given) const {
+    std::string text;
+    for (std::size_t k = 0; k < law.fields.size(); ++k)
+      text += fmt::format("{} {} = {:.6g}", text.empty() ? "coefficients" : ",", law.fields[k].name,
+                          given.values[k]);
+    return text;
   }
   std::string operator()(const BondStiffness<double>& c) const {
     return fmt::format("stiffnesses c_A = {:.6g}, c_D = {:.6g}, c_B = {:.6g}, c_T = {:.6g}", c.c_A, c.c_D,
@@ -71,11 +67,11 @@ std::string specimen_in_words(const Case& c) {
 }
 
 std::string bonds_in_words(const Case& c) {
-  const ParametersInWords words{c.units == UnitSystem::si ? " Pa" : ""};
   std::string text;
   for (const BondSpec& b : c.bonds)
-    text += fmt::format("{}\"{}\": {}, {}", text.empty() ? "" : "; ", b.name, name_of(b.recipe.law),
-                        std::visit(words, b.recipe.parameters));
+    text += fmt::format("{}\"{}\": {}, {}", text.empty() ? "" : "; ", b.name, b.recipe.law->title,
+                        std::visit(ParametersInWords{*b.recipe.law, c.units == UnitSystem::si ? " Pa" : ""},
+                                   b.recipe.parameters));
   return text.empty() ? "none" : text;
 }
 

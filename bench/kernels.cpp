@@ -61,8 +61,8 @@ std::vector<Sample> samples() {
 }
 
 constexpr vbond::BondStiffness<double> slender = {.c_A = 1.0, .c_D = 0.03, .c_B = 0.0025, .c_T = 0.0020833};
-const auto v_model = vbond::vmodel_from<double>(slender, 1.0, 0.0, 0.0);
-const auto evm = vbond::evm_from<double>(slender, 1.0, 0.0, 0.0);
+const auto v_model = vbond::VModel<double>::from(slender, 1.0, 0.0, 0.0);
+const auto evm = vbond::Evm<double>::from(slender, 1.0, 0.0, 0.0);
 
 void report(benchmark::State& state) {
   state.counters["per_bond"] =

@@ -60,7 +60,7 @@ std::string text_of(const HeldDofs& held) {
 std::string toml_of(const BondSet& set) {
   const auto& c = set.stiffness;
   std::string text =
-      fmt::format("\n[[bonds]]\nlaw = \"{}\"\npairs = [", set.law == BondLaw::evm ? "evm" : "v-model");
+      fmt::format("\n[[bonds]]\nlaw = \"{}\"\npairs = [", set.law == &bond_law<Evm> ? "evm" : "v-model");
   for (const auto& [i, j] : set.pairs) text += fmt::format("[{}, {}], ", i, j);
   text += fmt::format("]\nstiffness = {{c_A = {:.17g}, c_D = {:.17g}, c_B = {:.17g}, c_T = {:.17g}}}\n",
                       c.c_A, c.c_D, c.c_B, c.c_T);

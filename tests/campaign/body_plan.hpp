@@ -15,7 +15,7 @@ using Particles = std::vector<std::size_t>;
 
 /// Bonds with the same four stiffnesses, fastened at the centres.
 struct BondSet {
-  BondLaw law = BondLaw::v_model;
+  const BondLaw* law = &bond_law<VModel>;
   BondStiffness<double> stiffness{};
   std::optional<Vec3d> n_2;
   std::vector<std::array<std::size_t, 2>> pairs;

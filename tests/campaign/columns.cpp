@@ -49,7 +49,7 @@ void push(BodyPlan& plan, Push how, Ends ends, std::size_t N) {
 std::optional<double> closed_form_of(const BodyPlan& plan, Push how, Ends ends, std::size_t N,
                                      double before) {
   const BondSet& set = plan.sets[0];
-  if (set.law != BondLaw::v_model || how == Push::weight || how == Push::pull) return {};
+  if (set.law != &bond_law<VModel> || how == Push::weight || how == Push::pull) return {};
   if (ends == Ends::fixed_pinned || (how == Push::displacement && before != 0.0)) return {};
   const double n = static_cast<double>(N) * (ends == Ends::clamped      ? 0.5
                                              : ends == Ends::cantilever ? 2.0

@@ -34,7 +34,7 @@ T one_of(Dice& dice, std::initializer_list<T> values) {
 
 /// A rod of which bonds are cut: EI = 1.
 struct Rod {
-  BondLaw law = BondLaw::v_model;
+  const BondLaw* law = &bond_law<VModel>;
   double EA = 1e4, GJ = 0.8;
   double shear = 0;  ///< 24 (1 + nu) / kappa of Timoshenko's rod; 0: Bernoulli and Euler's
   BondStiffness<double> stiffness(double a) const {
@@ -45,7 +45,7 @@ struct Rod {
 /// EA between these for a body of size 1.
 inline Rod random_rod(Dice& dice, double EA_least, double EA_most) {
   Rod rod;
-  rod.law = chance(dice, 0.35) ? BondLaw::evm : BondLaw::v_model;
+  rod.law = chance(dice, 0.35) ? &bond_law<Evm> : &bond_law<VModel>;
   rod.EA = ratio(dice, EA_least, EA_most);
   rod.GJ = ratio(dice, 0.3, 1.2);
   if (chance(dice, 0.25)) rod.shear = 24.0 * 1.2 / 0.85;
@@ -53,7 +53,7 @@ inline Rod random_rod(Dice& dice, double EA_least, double EA_most) {
 }
 
 inline std::string words(const Rod& rod) {
-  return std::string(rod.law == BondLaw::evm ? "EVM" : "V-model") + (rod.shear > 0 ? ", Timoshenko" : "");
+  return std::string(rod.law == &bond_law<Evm> ? "EVM" : "V-model") + (rod.shear > 0 ? ", Timoshenko" : "");
 }
 
 inline constexpr HeldDofs plane_only{false, false, true, true, true, false};

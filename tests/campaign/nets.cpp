@@ -59,7 +59,7 @@ BodyPlan ribbon(Dice& dice) {
   const std::size_t rows = count_of(dice, 2, 5), columns = count_of(dice, 10, rows > 3 ? 40 : 70) + 1;
   add_rows(plan, columns, rows, true);
   plan.radius = 0.3;
-  BondSet set{chance(dice, 0.35) ? BondLaw::evm : BondLaw::v_model,
+  BondSet set{chance(dice, 0.35) ? &bond_law<Evm> : &bond_law<VModel>,
               {1.0, ratio(dice, 0.03, 0.5), ratio(dice, 1e-4, 0.05), ratio(dice, 1e-4, 0.03)},
               Vec3d{0, 0, 1},
               {}};
@@ -79,7 +79,7 @@ BodyPlan ribbon(Dice& dice) {
       how <= 2   ? "tip aside"
       : how == 3 ? "pressed"
                  : "end moved",
-      set.stiffness.c_D, set.stiffness.c_B, set.stiffness.c_T, set.law == BondLaw::evm ? "EVM" : "V-model");
+      set.stiffness.c_D, set.stiffness.c_B, set.stiffness.c_T, set.law == &bond_law<Evm> ? "EVM" : "V-model");
   return plan;
 }
 

@@ -119,7 +119,7 @@ TEST(EnergyBooks, DoNotTakeRoundingForEnergy) {
     for (int k = 0; k < 40; ++k) r.push_back(k * normalised(Vec3d{1, -2, 0.5}));
     testing::Specimen s = testing::particles_at(r);
     for (std::size_t k = 0; k + 1 < 40; ++k)
-      testing::bond(s, k, k + 1, testing::papers_bond(k % 2 ? BondLaw::evm : BondLaw::v_model));
+      testing::bond(s, k, k + 1, testing::papers_bond(k % 2 ? &bond_law<Evm> : &bond_law<VModel>));
     Stage stage = testing::plain_stage(0.1, 1e9);
     stage.supports = {testing::held({ParticleId{0}}, testing::clamped)};
     PointLoad tip;

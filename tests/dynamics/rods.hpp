@@ -16,7 +16,7 @@ struct Specimen {
 };
 
 /// The paper's bond: d_b / a = 0.2, nu = 0.2, Bernoulli-Euler, between the centres.  [KA12] eq. (42)
-inline BondRecipe papers_bond(BondLaw law = BondLaw::v_model) {
+inline BondRecipe papers_bond(const BondLaw* law = &bond_law<VModel>) {
   BondRecipe recipe;
   recipe.law = law;
   recipe.parameters = TheoryParameters{BondTheory::bernoulli_euler, {4.0 / M_PI * 25.0, 0.2}, circle(0.2), 0};

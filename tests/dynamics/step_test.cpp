@@ -21,8 +21,8 @@ namespace {
 /// A bond set that differs from the paper's in every number.
 BondRecipe other_bond() {
   BondRecipe recipe;
-  recipe.law = BondLaw::evm;
-  recipe.parameters = GivenCoefficients{0.7, 0.05, 0.03, 0.02};
+  recipe.law = &bond_law<Evm>;
+  recipe.parameters = GivenCoefficients{{0.7, 0.05, 0.03, 0.02}};
   recipe.attachment = Attachment::given;
   recipe.R_i = 0.2;
   recipe.R_j = 0.1;
@@ -49,7 +49,7 @@ testing::Specimen crumpled_sheet(std::size_t n, unsigned seed) {
     const double kind = random.uniform(0, 1);
     testing::bond(s, i, j,
                   kind < 0.2   ? other_bond()
-                  : kind < 0.3 ? testing::papers_bond(BondLaw::evm)
+                  : kind < 0.3 ? testing::papers_bond(&bond_law<Evm>)
                                : testing::papers_bond());
   }
   for (const ParticleId p : s.state.r.ids()) {
@@ -231,8 +231,7 @@ std::vector<P> random_packs(std::size_t count, std::size_t rows, unsigned seed) 
       p.a[l] = random.uniform(0.5, 2);
       if constexpr (std::is_same_v<P, FullPack>) {
         p.R_i[l] = random.uniform(0, 0.3), p.R_j[l] = random.uniform(0, 0.3);
-        p.B1[l] = random.uniform(0, 1), p.B2[l] = random.uniform(-1, 1);
-        p.B3[l] = random.uniform(0, 1), p.B4[l] = random.uniform(0, 1);
+        for (auto& B : p.coefficients) B[l] = random.uniform(0, 1);
         put(p.frame_i), put(p.frame_j);
       } else {
         p.scale[l] = random.uniform(0.5, 2);
@@ -243,23 +242,24 @@ std::vector<P> random_packs(std::size_t count, std::size_t rows, unsigned seed) 
 }
 
 template <class P>
-void expect_same_bonds(PackLoops<P> StepKernel::*loops, BondLaw law) {
+void expect_same_bonds(PackLoops<P> BondLoops::*loops, const BondLaw& law) {
   constexpr std::size_t n = 40;
   const RandomRows rows = random_rows(n, 1.0, 5);
   const std::vector<P> packs = random_packs<P>(9, n, 6);
   std::vector<PackLanes> lanes(packs.size(), PackLanes{8, false});
   lanes[3].crossing = true;
   lanes[8].count = 5;
-  const PackRun<P> run{packs.data(), lanes.data(), packs.size(), {law, 1.0, 0.1, 0.2, 1.0, -0.1, 0.3, 0.2}};
+  const PackRun<P> run{
+      packs.data(), lanes.data(), packs.size(), {&law, 1.0, 0.1, 0.2, {1.0, -0.1, 0.3, 0.2, 0.1, 0.4}}};
   std::vector<LoadRow> first_load;
   BondEnergies first;
   std::vector<std::uint8_t> first_look;
   for (const StepKernel* kernel : available_kernels()) {
     std::vector<LoadRow> load = rows.load;
-    (kernel->*loops).add_loads(run, {10, 30}, rows.pose.data(), load.data());
+    (bond_loops(law, *kernel).*loops).add_loads(run, {10, 30}, rows.pose.data(), load.data());
     BondEnergies sum;
     std::vector<std::uint8_t> look(packs.size());
-    (kernel->*loops).survey(run, rows.pose.data(), sum, look.data());
+    (bond_loops(law, *kernel).*loops).survey(run, rows.pose.data(), sum, look.data());
     if (first_load.empty()) {
       first_load = load, first = sum, first_look = look;
       continue;
@@ -278,9 +278,9 @@ TEST(StepKernel, GivesTheSameBitsWithEveryInstructionSet) {
   if (kernels.size() < 2)
     GTEST_SKIP() << "nothing to compare: this machine can execute " << kernels.front()->name << " only";
   for (const StepKernel* k : kernels) std::printf("compared: %s\n", k->name);
-  for (const BondLaw law : {BondLaw::v_model, BondLaw::evm}) {
-    expect_same_bonds<CompactPack>(&StepKernel::compact, law);
-    expect_same_bonds<FullPack>(&StepKernel::full, law);
+  for (const BondLaw* law : bond_laws()) {
+    expect_same_bonds<CompactPack>(&BondLoops::compact, *law);
+    expect_same_bonds<FullPack>(&BondLoops::full, *law);
   }
   for (const double fastest : {0.1, 100.0}) {  // turning little, and by more than the series is good for; 24
                                                // rows: an odd number of eights
@@ -440,7 +440,7 @@ static_assert(!std::is_constructible_v<Contacts, const Model&, Order, const Bond
 static_assert(!std::is_constructible_v<Contacts, const Model&, const Order&, BondIndex>);
 
 TEST(Survey, FindsBondsThatAreStretchedBeyondTwiceTheirLength) {
-  for (const BondLaw law : {BondLaw::v_model, BondLaw::evm})
+  for (const BondLaw* law : bond_laws())
     for (const double length : {1.98, 2.01}) {
       testing::Specimen s = testing::straight_rod(20, testing::papers_bond(law));
       for (std::size_t k = 13; k < 20; ++k) s.state.r[ParticleId{k}].x += length - 1.0;

@@ -26,7 +26,7 @@ double trajectory_error(const nlohmann::json& t, std::size_t which, double dt) {
   for (const auto& p : t["r0"]) r.push_back(vector(p));
   testing::Specimen s = testing::particles_at(r, 0.4, t["Theta"]);
   BondRecipe recipe;
-  recipe.parameters = GivenCoefficients{t["B"][0], t["B"][1], t["B"][2], t["B"][3]};
+  recipe.parameters = GivenCoefficients{{t["B"][0], t["B"][1], t["B"][2], t["B"][3]}};
   for (std::size_t k = 0; k + 1 < r.size(); ++k) testing::bond(s, k, k + 1, recipe);
   for (const ParticleId p : s.state.r.ids()) {
     s.state.v[p] = vector(t["v0"][p.value]);
@@ -133,11 +133,11 @@ TEST(EvmNanotube, AgreesWithTheEnergiesThatWaLBerlaRecords) {
   testing::Specimen s = testing::particles_at(r, 6.78, 12710889.73352396);
   s.model.mass.assign(10, 276527.22462059004);
   BondRecipe recipe;
-  recipe.law = BondLaw::evm;
+  recipe.law = &bond_law<Evm>;
   recipe.parameters =
       TheoryParameters{BondTheory::bernoulli_euler, {E, E / (2 * G) - 1.0}, {142.7, 3480.0, 6960.0}, 0};
   for (std::size_t k = 0; k < 9; ++k) testing::bond(s, k, k + 1, recipe);
-  EXPECT_NEAR(s.state.bonds[BondId{0}].B2, 19780.621805309736, 1e-8);
+  EXPECT_NEAR(s.state.bonds[BondId{0}].coefficients[1], 19780.621805309736, 1e-8);
   Stage stage = testing::plain_stage(20.0, 500 * 20.0);
   stage.supports = {testing::held({ParticleId{0}}, testing::clamped)};
   PointLoad tip;

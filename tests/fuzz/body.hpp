@@ -24,7 +24,7 @@ struct SmallBody {
       state.omega.push_back({});
     }
     BondRecipe recipe;
-    recipe.parameters = GivenCoefficients{1.0, -0.005, 0.015, 0.002};
+    recipe.parameters = GivenCoefficients{{1.0, -0.005, 0.015, 0.002}};
     for (std::size_t k = 0; k < 2; ++k) {
       const ParticleId i{k}, j{k + 1};
       state.bonds.push_back(*make_bond(recipe, {i, state.r[i], state.q[i], model.radius[i]},

@@ -65,11 +65,11 @@ struct Chain {
     model.groups.push_back({"all", {}});
     for (const ParticleId p : model.mass.ids()) model.groups[0].particles.push_back(p);
     BondRecipe recipe;
-    recipe.parameters = GivenCoefficients{1.0, -0.005, 0.015, 0.00208333};
+    recipe.parameters = GivenCoefficients{{1.0, -0.005, 0.015, 0.00208333}};
     for (std::size_t k = 0; k + 1 < n; ++k) {
       const ParticleId i{k}, j{k + 1};
       recipe.set = static_cast<std::uint32_t>(k);
-      recipe.law = k % 2 == 0 ? BondLaw::v_model : BondLaw::evm;
+      recipe.law = k % 2 == 0 ? &bond_law<VModel> : &bond_law<Evm>;
       state.bonds.push_back(*make_bond(recipe, {i, state.r[i], state.q[i], model.radius[i]},
                                        {j, state.r[j], state.q[j], model.radius[j]}));
     }

@@ -19,7 +19,7 @@ const Section round_bond = circle(0.2);
 // Both sides are a dozen operations: 1e-14 relative is rounding.
 TEST(Calibration, BernoulliEulerGivesThePapersClosedForm) {
   for (const double a : {0.3, 1.0, 2.5}) {
-    const VModel<double> m = vmodel_from(bernoulli_euler(glue, round_bond, a), a, 0.0, 0.0);
+    const VModel<double> m = VModel<double>::from(bernoulli_euler(glue, round_bond, a), a, 0.0, 0.0);
     const double EJ = glue.E * round_bond.J;
     EXPECT_NEAR(m.B1, glue.E * round_bond.A / a, 1e-14 * m.B1);
     EXPECT_NEAR(m.B2, -2.0 * EJ / a, 1e-14 * std::abs(m.B2));
@@ -31,7 +31,7 @@ TEST(Calibration, BernoulliEulerGivesThePapersClosedForm) {
 TEST(Calibration, TimoshenkoGivesThePapersClosedForm) {
   const double kappa = hutchinson_circle(glue.nu), EJ = glue.E * round_bond.J;
   for (const double a : {0.1, 0.3, 1.0}) {
-    const VModel<double> m = vmodel_from(timoshenko(glue, round_bond, a, kappa), a, 0.1, 0.2);
+    const VModel<double> m = VModel<double>::from(timoshenko(glue, round_bond, a, kappa), a, 0.1, 0.2);
     const double kAa2 = kappa * round_bond.A * a * a, J12 = 12.0 * round_bond.J * (1.0 + glue.nu);
     EXPECT_NEAR(m.B2, -2.0 * EJ * (kAa2 - J12) / (a * (kAa2 + 2.0 * J12)), 1e-13 * m.B3);
     EXPECT_NEAR(m.B3, 6.0 * kappa * round_bond.A * EJ * a / (kAa2 + 2.0 * J12), 1e-14 * m.B3);
@@ -40,7 +40,7 @@ TEST(Calibration, TimoshenkoGivesThePapersClosedForm) {
 
 TEST(Calibration, ShortCylinderGivesThePapersClosedForm) {
   const double a = 0.1, nu = glue.nu;
-  const VModel<double> m = vmodel_from(short_cylinder(glue, round_bond, a), a, 0.0, 0.0);
+  const VModel<double> m = VModel<double>::from(short_cylinder(glue, round_bond, a), a, 0.0, 0.0);
   EXPECT_NEAR(m.B1, (1 - nu) * glue.E * round_bond.A / ((1 + nu) * (1 - 2 * nu) * a), 1e-14 * m.B1);
   EXPECT_NEAR(m.B2, glue.G() * (2 * (1 - nu) / (1 - 2 * nu) * round_bond.J / a - round_bond.A * a / 4),
               1e-14 * m.B3);
@@ -50,7 +50,7 @@ TEST(Calibration, ShortCylinderGivesThePapersClosedForm) {
 TEST(Calibration, PapersRodHasThePapersParameters) {
   // E a / c_A = 4 / pi (a / d_b)^2, [KA12] eq. (42)
   const Material m{4.0 / M_PI * 25.0, 0.2};
-  const VModel<double> b = vmodel_from(bernoulli_euler(m, circle(0.2), 1.0), 1.0, 0.0, 0.0);
+  const VModel<double> b = VModel<double>::from(bernoulli_euler(m, circle(0.2), 1.0), 1.0, 0.0, 0.0);
   EXPECT_NEAR(b.B1, 1.0, 1e-15);
   EXPECT_NEAR(b.B2, -0.005, 1e-16);
   EXPECT_NEAR(b.B3, 0.015, 1e-16);
@@ -122,11 +122,11 @@ void expect_any_stiffness_is_matched(Make make) {
 
 TEST(VModelCalibration, MatchesAnyFourStiffnessesExactly) {
   expect_any_stiffness_is_matched<VModel<double>>(
-      [](const auto& c, double a, double R_i, double R_j) { return vmodel_from(c, a, R_i, R_j); });
+      [](const auto& c, double a, double R_i, double R_j) { return VModel<double>::from(c, a, R_i, R_j); });
 }
 TEST(EvmCalibration, MatchesAnyFourStiffnessesExactly) {
   expect_any_stiffness_is_matched<Evm<double>>(
-      [](const auto& c, double a, double R_i, double R_j) { return evm_from(c, a, R_i, R_j); });
+      [](const auto& c, double a, double R_i, double R_j) { return Evm<double>::from(c, a, R_i, R_j); });
 }
 
 TEST(ElementBound, OfThePapersRodIsTheReferenceValue) {

@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "random_pose.hpp"
+#include "random_law.hpp"
 #include "vbond/core/dual.hpp"
-#include "vbond/physics/evm.hpp"
-#include "vbond/physics/vmodel.hpp"
 
 namespace vbond {
 namespace {
@@ -38,13 +36,7 @@ Vec3d slope(const D12& U, std::size_t first) {
 /// loads.
 template <class Law>
 double gradient_error(const Law& law, const BondPose<double>& pose, const BondLoads<double>& l) {
-  const auto dual_law = [&] {
-    if constexpr (std::is_same_v<Law, VModel<double>>)
-      return VModel<D12>{law.a, law.R_i, law.R_j, law.B1, law.B2, law.B3, law.B4};
-    else
-      return Evm<D12>{law.a, law.R_i, law.R_j, law.B1, law.B2, law.B3, law.B4};
-  }();
-  const BondEnergy<D12> e = bond_energy(dual_law, perturbed(pose));
+  const BondEnergy<D12> e = bond_energy(with_scalar<D12>(law), perturbed(pose));
   const D12 U = e.U_L + e.U_B + e.U_T;
   const double wrong = std::max({norm(l.F + slope(U, 0)), norm(l.M_ij + slope(U, 3)),
                                  norm(-l.F + slope(U, 6)), norm(l.M_ji + slope(U, 9))});
@@ -52,27 +44,21 @@ double gradient_error(const Law& law, const BondPose<double>& pose, const BondLo
 }
 
 template <class Law>
-void expect_loads_are_minus_the_gradient() {
+class LawsOfBonds : public ::testing::Test {};
+TYPED_TEST_SUITE(LawsOfBonds, testing::Laws);
+
+// Both sides are exact derivatives; what is left is rounding, about 100 operations of 1e-16 each,
+// magnified by at most 1/|D| <= 20.
+TYPED_TEST(LawsOfBonds, HaveLoadsThatAreMinusTheGradientOfTheEnergy) {
   testing::PoseSource random(2012);
   for (int trial = 0; trial < 1000; ++trial) {
-    const Law law{random.uniform(0.2, 1.5), random.uniform(0.0, 0.6),  random.uniform(0.0, 0.6),
-                  random.uniform(0.5, 2.0), random.uniform(-0.5, 0.5), random.uniform(0.1, 1.0),
-                  random.uniform(0.1, 1.0)};
+    const TypeParam law = testing::random_law<TypeParam>(random);
     // Bonded points that nearly meet are drawn again: 1/|D| magnifies rounding beyond the bound.
     BondPose<double> pose;
     do pose = random.pair(law.a + law.R_i + law.R_j, 0.1, 3.1).pose();
     while (norm(bonded_points(pose, law.R_i, law.R_j)) < 0.05);
     EXPECT_LT(gradient_error(law, pose, bond_loads(law, pose)), 1e-11) << "trial " << trial;
   }
-}
-
-// Both sides are exact derivatives; what is left is rounding, about 100 operations of 1e-16 each,
-// magnified by at most 1/|D| <= 20.
-TEST(VModelLoads, AreMinusTheGradientOfTheEnergy) {
-  expect_loads_are_minus_the_gradient<VModel<double>>();
-}
-TEST(EvmLoads, AreMinusTheGradientOfTheEnergy) {
-  expect_loads_are_minus_the_gradient<Evm<double>>();
 }
 
 // The measure itself: loads of coefficients that are off by 1e-9 do not pass.

@@ -2,28 +2,22 @@
 
 #include <cmath>
 
-#include "random_pose.hpp"
-#include "vbond/physics/evm.hpp"
-#include "vbond/physics/vmodel.hpp"
+#include "random_law.hpp"
+#include "vbond/core/dual.hpp"
 
 namespace vbond {
 namespace {
 
 template <class Law>
-class BondLaws : public ::testing::Test {
+class InvariantLaws : public ::testing::Test {
  protected:
-  Law random_law() {
-    return {random.uniform(0.2, 1.5), random.uniform(0.0, 0.6),  random.uniform(0.0, 0.6),
-            random.uniform(0.5, 2.0), random.uniform(-0.2, 0.5), random.uniform(0.5, 1.0),
-            random.uniform(0.1, 1.0)};
-  }
+  Law random_law() { return testing::random_law<Law>(random); }
   BondPose<double> random_pose(const Law& law) {
     return random.pair(law.a + law.R_i + law.R_j, 0.1 * law.a, 1.0).pose();
   }
   testing::PoseSource random{1966};
 };
-using Laws = ::testing::Types<VModel<double>, Evm<double>>;
-TYPED_TEST_SUITE(BondLaws, Laws);
+TYPED_TEST_SUITE(InvariantLaws, testing::Laws);
 
 template <class T>
 double total(const BondEnergy<T>& e) {
@@ -36,7 +30,7 @@ double size(const BondLoads<double>& l) {
 constexpr int trials = 300;
 constexpr double rounding = 1e-13;  // some hundred operations of 1e-16 on terms of order one
 
-TYPED_TEST(BondLaws, MomentsBalance) {
+TYPED_TEST(InvariantLaws, MomentsBalance) {
   for (int t = 0; t < trials; ++t) {
     const TypeParam law = this->random_law();
     const BondPose<double> pose = this->random_pose(law);
@@ -45,7 +39,7 @@ TYPED_TEST(BondLaws, MomentsBalance) {
   }
 }
 
-TYPED_TEST(BondLaws, AreObjective) {
+TYPED_TEST(InvariantLaws, AreObjective) {
   for (int t = 0; t < trials; ++t) {
     const TypeParam law = this->random_law();
     const BondPose<double> pose = this->random_pose(law);
@@ -61,7 +55,7 @@ TYPED_TEST(BondLaws, AreObjective) {
   }
 }
 
-TYPED_TEST(BondLaws, DoNotDependOnWhichEndIsCalledI) {
+TYPED_TEST(InvariantLaws, DoNotDependOnWhichEndIsCalledI) {
   for (int t = 0; t < trials; ++t) {
     const TypeParam law = this->random_law();
     const BondPose<double> pose = this->random_pose(law);
@@ -77,12 +71,44 @@ TYPED_TEST(BondLaws, DoNotDependOnWhichEndIsCalledI) {
   }
 }
 
-TYPED_TEST(BondLaws, AreWithoutEnergyAndLoadsAtRest) {
+TYPED_TEST(InvariantLaws, AreWithoutEnergyAndLoadsAtRest) {
   for (int t = 0; t < trials; ++t) {
     const TypeParam law = this->random_law();
     const BondPose<double> rest = this->random.pair(law.a + law.R_i + law.R_j, 0.0, 0.0).pose();
     EXPECT_NEAR(total(bond_energy(law, rest)), 0.0, rounding);
     EXPECT_LT(size(bond_loads(law, rest)), rounding);
+  }
+}
+
+// What a law says of itself agrees: coefficients from stiffnesses give these back, the derivative of the
+// energy of stretching is the tension, and about rest it grows with c_A.
+TYPED_TEST(InvariantLaws, GiveTheStiffnessesTheyWereMadeFrom) {
+  for (int t = 0; t < trials; ++t) {
+    const BondStiffness<double> c{this->random.uniform(0.5, 2.0), this->random.uniform(0.2, 2.0),
+                                  this->random.uniform(0.1, 1.0), this->random.uniform(0.1, 1.0)};
+    const double a = this->random.uniform(0.2, 1.5);
+    const BondStiffness<double> back = stiffness(TypeParam::from(c, a, 0.1, 0.2));
+    EXPECT_NEAR(back.c_A, c.c_A, rounding);
+    EXPECT_NEAR(back.c_D, c.c_D, rounding);
+    EXPECT_NEAR(back.c_B, c.c_B, rounding);
+    EXPECT_NEAR(back.c_T, c.c_T, rounding);
+  }
+}
+
+TYPED_TEST(InvariantLaws, HaveTheTensionOfTheirStretching) {
+  for (int t = 0; t < trials; ++t) {
+    const TypeParam law = this->random_law();
+    const BondStiffness<double> c = stiffness(law);
+    const double D = law.a * this->random.uniform(0.5, 1.5);
+    const Dual<1> U = stretch_energy(with_scalar<Dual<1>>(law), Dual<1>::variable(D, 0));
+    EXPECT_NEAR(tension(law, D), U.d[0], rounding);
+    const Dual<1> N = tension(with_scalar<Dual<1>>(law), Dual<1>::variable(law.a, 0));
+    EXPECT_NEAR(N.value, 0.0, rounding);
+    EXPECT_NEAR(N.d[0], c.c_A, rounding);
+    const BondPose<double> pose = this->random_pose(law);
+    const Vec3d D_ij = bonded_points(pose, law.R_i, law.R_j);
+    const BondLoads<double> l = bond_loads(law, pose);
+    EXPECT_NEAR(dot(l.F, normalised(D_ij)), tension(law, norm(D_ij)), rounding * (1 + size(l)) / norm(D_ij));
   }
 }
 

@@ -42,7 +42,7 @@ TEST(VModelBending, SymmetricMomentFollowsTheClosedForm) {
 
 TEST(EvmMoments, AreTheVModelsAtHalfTheAngleRelativeToLinear) {
   const BondStiffness<double> c = stiffness(slender);
-  const Evm<double> evm = evm_from(c, 1.0, 0.0, 0.0);
+  const Evm<double> evm = Evm<double>::from(c, 1.0, 0.0, 0.0);
   for (const double t : {10.0, 45.0, 90.0}) {
     const double twist = degrees(t);
     const BondLoads<double> e = bond_loads(evm, turned({}, {twist, 0, 0}));
@@ -59,7 +59,7 @@ TEST(VModel, IsBlindToHalfTurnsOfEitherParticle) {
     const BondEnergy<double> u = bond_energy(slender, pose);
     EXPECT_NEAR(u.U_L + u.U_B + u.U_T, 0.0, 1e-17);
     EXPECT_EQ(bond_range(slender, bond_shape(pose, 0, 0)), BondRange::snapped);
-    const BondEnergy<double> w = bond_energy(evm_from(stiffness(slender), 1.0, 0.0, 0.0), pose);
+    const BondEnergy<double> w = bond_energy(Evm<double>::from(stiffness(slender), 1.0, 0.0, 0.0), pose);
     EXPECT_GT(w.U_L + w.U_B + w.U_T, 1e-3);  // the EVM is not
   }
 }
@@ -75,7 +75,7 @@ TEST(BondShape, GivesTwistAndBendWithTheirSigns) {
 }
 
 TEST(BondRange, OfTheEvmHasOneLimitAt90Degrees) {
-  const Evm<double> evm = evm_from(stiffness(slender), 1.0, 0.0, 0.0);
+  const Evm<double> evm = Evm<double>::from(stiffness(slender), 1.0, 0.0, 0.0);
   EXPECT_EQ(bond_range(evm, bond_shape(turned({}, {degrees(89.9), 0, 0}), 0, 0)), BondRange::good);
   EXPECT_EQ(bond_range(evm, bond_shape(turned({}, {degrees(-90.1), 0, 0}), 0, 0)), BondRange::strained);
   EXPECT_EQ(bond_range(evm, bond_shape(turned({0, 0, degrees(89.9)}, {}), 0, 0)), BondRange::good);

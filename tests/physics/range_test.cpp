@@ -1,5 +1,5 @@
 // Which bonds are looked at, and what their range is then: at both ends, either way round.
-#include "vbond/physics/range.hpp"
+#include "vbond/physics/laws.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@ namespace vbond {
 namespace {
 
 const VModel<double> v_model{1.0, 0.0, 0.0, 1.0, -0.005, 0.015, 1.0 / 480};
-const Evm<double> evm = evm_from(stiffness(v_model), 1.0, 0.0, 0.0);
+const Evm<double> evm = Evm<double>::from(stiffness(v_model), 1.0, 0.0, 0.0);
 
 /// A bond of this length along x, its ends turned.
 BondPose<double> bond(double length, const Vec3d& turn_i, const Vec3d& turn_j) {

@@ -30,7 +30,7 @@ class LooseBar : public ::testing::Test {
   static testing::Specimen bar() {
     testing::Specimen s = testing::particles_at({{0, 0, 0}, {1, 0, 0}});
     BondRecipe recipe;
-    recipe.parameters = GivenCoefficients{1.0, 0.0, 0.0, 0.0};
+    recipe.parameters = GivenCoefficients{{1.0, 0.0, 0.0, 0.0}};
     testing::bond(s, 0, 1, recipe);
     return s;
   }

@@ -206,7 +206,7 @@ TEST(StaticBody, EnergiesAreThoseOfBondsAndContacts) {
   const StaticStage stage = testing::static_stage(StageKind::equilibrium, {});
   const Energies e = StaticBody(s.model, stage, s.state).energies();
   EXPECT_NEAR(e.contact, 0.4 * 3.0 * std::pow(0.1, 2.5), 1e-14);
-  EXPECT_NEAR(e.potential() - e.contact, 0.5 * s.state.bonds[BondId{0}].B1 * sq(0.02), 1e-15);
+  EXPECT_NEAR(e.potential() - e.contact, 0.5 * s.state.bonds[BondId{0}].coefficients[0] * sq(0.02), 1e-15);
 }
 
 }  // namespace

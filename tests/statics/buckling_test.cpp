@@ -43,7 +43,7 @@ testing::Specimen rod_of(const nlohmann::json& rod) {
   testing::Specimen s = testing::particles_at(r, R);
   BondRecipe recipe;
   const auto& B = rod.at("B");
-  recipe.parameters = GivenCoefficients{number(B[0]), number(B[1]), number(B[2]), number(B[3])};
+  recipe.parameters = GivenCoefficients{{number(B[0]), number(B[1]), number(B[2]), number(B[3])}};
   recipe.attachment = Attachment::given;
   recipe.R_i = recipe.R_j = R;
   for (std::size_t k = 0; k + 1 < N; ++k) testing::bond(s, k, k + 1, recipe);

@@ -447,7 +447,7 @@ TEST(Equilibrium, IsNotFoundFromWhereBondedParticlesLieOnEachOther) {
 // Forces up to 1e308, and a way of 1e200 on a bond of 1e300.
 TEST(Equilibrium, OfForcesThatOverflowIsNone) {
   testing::Specimen rod = testing::straight_rod(3);
-  rod.state.bonds[BondId{0}].B1 = 1e300;
+  rod.state.bonds[BondId{0}].coefficients[0] = 1e300;
   const std::string why = refusal(rod, closing({1e200, 0, 0}));
   EXPECT_TRUE(holds(why, "bond 0 (particles 0, 1): its")) << why;
   EXPECT_TRUE(holds(why, "not finite")) << why;
@@ -485,7 +485,7 @@ TEST(Equilibrium, NamesWhatCanMoveFreely) {
 // A bond in torsion carries B4 / 2 at most: no balance beyond, and the last one is kept.
 TEST(Equilibrium, SaysHowFarTheLoadCouldGo) {
   const testing::Specimen rod = testing::straight_rod(2);
-  const double most = 0.5 * rod.state.bonds[BondId{0}].B4;
+  const double most = 0.5 * rod.state.bonds[BondId{0}].coefficients[3];
   double reached = 0.0;
   StaticHooks hooks;
   hooks.point = [&](const StaticPoint& p) { reached = p.load_factor; };

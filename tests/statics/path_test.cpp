@@ -43,7 +43,7 @@ constexpr double B1 = 1.0, B3 = 1e-5, B4 = 1e-5;
 Specimen truss(double high = height, double b3 = B3) {
   Specimen s = testing::particles_at({{-half_span, 0, 0}, {0, high, 0}, {half_span, 0, 0}});
   BondRecipe recipe;
-  recipe.parameters = GivenCoefficients{B1, 0.0, b3, B4};
+  recipe.parameters = GivenCoefficients{{B1, 0.0, b3, B4}};
   recipe.n_2 = Vec3d{0, 0, 1};
   testing::bond(s, 0, 1, recipe);
   testing::bond(s, 1, 2, recipe);
@@ -294,7 +294,7 @@ TEST(Path, RefusesAStageInWhichNothingGrows) {
 TEST(Path, NamesWhatIsSingularAtTheStart) {
   Specimen s = testing::particles_at({{-half_span, 0, 0}, {0, height, 0}, {half_span, 0, 0}});
   BondRecipe recipe;
-  recipe.parameters = GivenCoefficients{B1, 0.0, 0.0, 0.0};
+  recipe.parameters = GivenCoefficients{{B1, 0.0, 0.0, 0.0}};
   testing::bond(s, 0, 1, recipe);
   testing::bond(s, 1, 2, recipe);
   StaticStage stage = truss_stage();

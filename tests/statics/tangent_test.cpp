@@ -24,7 +24,7 @@ struct Heap {
     s = testing::particles_at(r, 0.7);
     s.model.contact = {ContactLaw::hertz, ContactPairs::all, 0, 1, 0.5, 0.3};
     for (std::size_t k = 0; k + 1 < 6; ++k) {
-      BondRecipe recipe = testing::papers_bond(k % 2 == 0 ? BondLaw::v_model : BondLaw::evm);
+      BondRecipe recipe = testing::papers_bond(k % 2 == 0 ? &bond_law<VModel> : &bond_law<Evm>);
       recipe.parameters = BondStiffness<double>{1.0, 0.5, 0.2, 0.1};
       if (k > 2) recipe.attachment = Attachment::given, recipe.R_i = 0.2, recipe.R_j = 0.1;
       testing::bond(s, k, k + 1, recipe);

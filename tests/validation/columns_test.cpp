@@ -67,7 +67,7 @@ Column pinned_rod(const nlohmann::json& rod, double f, double slowest) {
   for (std::size_t k = 0; k < N; ++k) r.push_back({spacing * static_cast<double>(k), 0, 0});
   Column c{testing::particles_at(r, R, 0.5), {}};
   BondRecipe recipe;
-  recipe.parameters = GivenCoefficients{number(B[0]), number(B[1]), number(B[2]), number(B[3])};
+  recipe.parameters = GivenCoefficients{{number(B[0]), number(B[1]), number(B[2]), number(B[3])}};
   recipe.attachment = Attachment::given;
   recipe.R_i = recipe.R_j = R;
   for (std::size_t k = 0; k + 1 < N; ++k) testing::bond(c.specimen, k, k + 1, recipe);

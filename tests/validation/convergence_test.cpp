@@ -81,7 +81,8 @@ double greenhill(std::size_t N) {
       s, static_stage(
              StageKind::buckling,
              {root()[0], fixed({ParticleId{N}}, {false, true, true, true, true, true}, {}, {1, 0, 0})}));
-  const double torque = 0.5 * s.state.bonds[BondId{0}].B4 * std::sin(2 * twist / static_cast<double>(N));
+  const double torque =
+      0.5 * s.state.bonds[BondId{0}].coefficients[3] * std::sin(2 * twist / static_cast<double>(N));
   return torque / number(validation_case("K3").at("expected").at("continuum_torque")) - 1;
 }
 

@@ -274,7 +274,7 @@ Case twisted_ring() {
     return r;
   }());
   BondRecipe recipe;
-  recipe.parameters = GivenCoefficients{9.765625, -2.0, 6.0, 5.0 / 6};
+  recipe.parameters = GivenCoefficients{{9.765625, -2.0, 6.0, 5.0 / 6}};
   recipe.n_2 = Vec3d{0, 1, 0};
   for (std::size_t k = 0; k < N; ++k) testing::bond(s, k, k + 1, recipe);
   // a polygon whose bonds all turn by 2 pi / N: balanced and at rest but for its bending

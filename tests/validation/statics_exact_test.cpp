@@ -37,7 +37,7 @@ TEST(SurfaceBondedCantilever, HasTheExactDiscreteTip) {
   recipe.attachment = Attachment::surfaces;
   const testing::Specimen s = testing::straight_rod(6, recipe);
   const auto& expected = validation_case("B5").at("expected");
-  EXPECT_NEAR(s.state.bonds[BondId{0}].B2, expected.at("B")[1], 1e-15);
+  EXPECT_NEAR(s.state.bonds[BondId{0}].coefficients[1], expected.at("B")[1], 1e-15);
   for (const auto& [P, row] : expected.at("results").items()) {
     const Vec3d tip = solved(s, cantilever(5, {0, std::stod(P), 0})).state.r[ParticleId{5}];
     EXPECT_NEAR(tip.x, row.at("tip")[0], 1e-9) << "P = " << P;

@@ -32,7 +32,6 @@ void describe(Table& t, WithinDistance& s);
 void describe(Table& t, ListedPairs& s);
 void describe(Table& t, PairsFile& s);
 void describe(Table& t, SpecimenPairs& s);
-void describe(Table& t, GivenCoefficients& p);
 void describe(Table& t, BondStiffness<double>& p);
 void describe(Table& t, TheoryParameters& p);
 void describe(Table& t, ContactModel& c);

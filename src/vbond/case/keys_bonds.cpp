@@ -1,4 +1,8 @@
-#include <cmath>
+#include <algorithm>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
 
 #include "vbond/case/keys.hpp"
 
@@ -78,17 +82,122 @@ void check_poisson(Table& t, const TheoryParameters& p) {
             "use for example nu = 0.3");
 }
 
-void check_coefficients(Table& t, BondLaw law, const GivenCoefficients& B) {
-  if (law == BondLaw::v_model)
-    t.check(B.B3 > 0 && B.B2 > -0.5 * B.B3, {"coefficients", "law"},
-            "v-model must have B3 > 0 and B2 > -B3/2 (here B2 = " + number_text(B.B2) +
-                ", B3 = " + number_text(B.B3) + "): else rest is not the least energy",
-            "take B3 = c_D a^2/2 and B2 = c_B - B3/2, or give stiffness = { c_A, c_D, c_B, c_T }");
-  else
-    t.check(B.B2 > 0 && 0.25 * B.B2 + B.B3 + 0.5 * B.B4 > 0, {"coefficients", "law"},
-            "evm must have B2 > 0 and B2/4 + B3 + B4/2 > 0 (here B2 = " + number_text(B.B2) + ", B3 = " +
-                number_text(B.B3) + ", B4 = " + number_text(B.B4) + "): these are c_D a^2 and c_B",
-            "take B2 = c_D a^2 and B3 = c_B - B2/4 - B4/2, or give stiffness = { c_A, c_D, c_B, c_T }");
+/// The bond laws by name.
+ChoiceCodec<const BondLaw*> law_codec() {
+  ChoiceCodec<const BondLaw*> codec;
+  for (const BondLaw* law : bond_laws()) {
+    codec.names.emplace_back(law->name);
+    codec.values.push_back(law);
+  }
+  return codec;
+}
+
+Dimension dimension_of(const LawDimension& d) {
+  for (const Dimension& known : {stiffness, moment, stress, stiffness_per_area, force})
+    if (known == Dimension{d.length + d.force, d.force, -2 * d.force, 0}) return known;
+  return {d.length + d.force, d.force, -2 * d.force, 0, "number in SI base units", "1"};
+}
+
+/// A coefficient as the laws that have it name it, those with the same words for it together.
+struct CoefficientKey {
+  LawFieldInfo info;  // of the first of them
+  std::vector<const BondLaw*> laws;
+  std::string meaning;
+
+  bool of(const BondLaw& law) const { return std::find(laws.begin(), laws.end(), &law) != laws.end(); }
+  bool of_all() const { return laws.size() == bond_laws().size(); }
+};
+
+/// Place of that name among the law's fields, or their number.
+std::size_t place_in(const BondLaw& law, std::string_view name) {
+  const auto at = std::find_if(law.fields.begin(), law.fields.end(),
+                               [&](const LawFieldInfo& field) { return field.name == name; });
+  return static_cast<std::size_t>(at - law.fields.begin());
+}
+
+std::string names_of(const std::vector<const BondLaw*>& laws, const char* between) {
+  std::string names;
+  for (const BondLaw* law : laws) names += (names.empty() ? "" : between) + std::string(law->name);
+  return names;
+}
+
+std::string meaning_of(std::string_view name, const std::vector<const BondLaw*>& laws) {
+  std::vector<std::pair<std::string_view, std::vector<const BondLaw*>>> meanings;
+  for (const BondLaw* law : laws) {
+    const std::string_view meaning = law->fields[place_in(*law, name)].meaning;
+    const auto same = [&](const auto& m) { return m.first == meaning; };
+    const auto at = std::find_if(meanings.begin(), meanings.end(), same);
+    if (at == meanings.end())
+      meanings.push_back({meaning, {law}});
+    else
+      at->second.push_back(law);
+  }
+  if (meanings.size() == 1) return std::string(meanings[0].first);
+  std::string text;
+  for (const auto& [meaning, of] : meanings)
+    text += (text.empty() ? "" : "; ") + names_of(of, ", ") + ": " + std::string(meaning);
+  return text;
+}
+
+/// Every coefficient of any law, once.
+std::vector<CoefficientKey> coefficient_keys() {
+  std::vector<CoefficientKey> keys;
+  for (const BondLaw* first : bond_laws())
+    for (const LawFieldInfo& field : first->fields) {
+      const auto known = [&](const CoefficientKey& k) { return k.info.name == field.name; };
+      if (std::any_of(keys.begin(), keys.end(), known)) continue;
+      CoefficientKey key{field, {}, {}};
+      for (const BondLaw* law : bond_laws())
+        if (place_in(*law, field.name) < law->fields.size()) key.laws.push_back(law);
+      key.meaning = meaning_of(field.name, key.laws);
+      keys.push_back(std::move(key));
+    }
+  return keys;
+}
+
+void describe_coefficient(Table& t, const CoefficientKey& key, const BondLaw& law, Coefficients& values) {
+  double unused = 0.0;
+  double& value = key.of(law) ? values[place_in(law, key.info.name)] : unused;
+  const Dimension d = dimension_of(key.info.dimension);
+  t.key(key.info.name.data(), value, key.info.bound == LawBound::positive ? positive(d) : number(d), required,
+        key.meaning.c_str());
+}
+
+/// Those of the coefficients that `wanted` says, each where the law has it.
+template <class Wanted>
+void describe_coefficients(Table& t, const BondLaw& law, Coefficients& values, Wanted wanted) {
+  for (const CoefficientKey& key : coefficient_keys()) {
+    if (!wanted(key)) continue;
+    if (key.of_all())
+      describe_coefficient(t, key, law, values);
+    else
+      t.when(key.of(law), "law = \"" + names_of(key.laws, "\" or \"") + "\"",
+             [&] { describe_coefficient(t, key, law, values); });
+  }
+}
+
+void describe_given(Table& t, const BondLaw& law, GivenCoefficients& given) {
+  t.table("coefficients", required, "the law's own coefficients, for bonds of any length", [&](Table& c) {
+    describe_coefficients(c, law, given.values, [](const CoefficientKey&) { return true; });
+  });
+}
+
+/// Rest is the least energy at every length if it is at one.
+bool has_stable_rest(const BondLaw& law, const Coefficients& values) {
+  Bond b;
+  b.law = &law, b.a = 1.0, b.coefficients = values;
+  const BondStiffness<double> c = law.stiffness(b);
+  return c.c_A > 0 && c.c_D > 0 && c.c_B > 0 && c.c_T > 0;
+}
+
+void check_coefficients(Table& t, const BondLaw& law, const Coefficients& values) {
+  std::string here;
+  for (std::size_t k = 0; k < law.fields.size(); ++k)
+    here += (here.empty() ? "" : ", ") + std::string(law.fields[k].name) + " = " + number_text(values[k]);
+  t.check(has_stable_rest(law, values), {"coefficients", "law"},
+          std::string(law.name) + " must have " + std::string(law.rest_condition) + " (here " + here +
+              "): else rest is not the least energy",
+          std::string(law.rest_way_out) + ", or give stiffness = { c_A, c_D, c_B, c_T }");
 }
 
 void describe_time(Table& t, BondSpec& b) {
@@ -107,11 +216,13 @@ void describe_time(Table& t, BondSpec& b) {
 }  // namespace
 
 void describe(Table& t, BondSpec& b) {
+  std::string law_titles;
+  for (const BondLaw* law : bond_laws())
+    law_titles += (law_titles.empty() ? "" : ", ") + std::string(law->title);
   t.locate(b.place);
   t.key("name", b.name, NameCodec{}, default_is("`\"bonds-1\"`, `\"bonds-2\"`, ..."),
         "name of this set of bonds");
-  t.key("law", b.recipe.law, ChoiceCodec<BondLaw>{{"v-model", "evm"}, {BondLaw::v_model, BondLaw::evm}},
-        optional, "the vector-based model of Kuzkin & Asonov, or the enhanced vector model");
+  t.key("law", b.recipe.law, law_codec(), optional, law_titles.c_str());
   for (auto& group : b.between) {
     if (group.value.empty()) group.value = "all";
     t.locate(group.place);
@@ -135,13 +246,21 @@ void describe(Table& t, BondSpec& b) {
 
   const std::vector<std::string> forms{"coefficients", "stiffness", "theory"};
   const std::size_t form = t.exactly_one(forms, b.recipe.parameters.index());
-  t.alternatives(b.recipe.parameters, form, forms);
-  if (const auto* B = std::get_if<GivenCoefficients>(&b.recipe.parameters); B && form == 0)
-    check_coefficients(t, b.recipe.law, *B);
+  const BondLaw& law = *b.recipe.law;
+  t.alternatives(b.recipe.parameters, form, forms, [&law](Table& inner, auto& parameters) {
+    if constexpr (std::is_same_v<std::remove_cvref_t<decltype(parameters)>, GivenCoefficients>)
+      describe_given(inner, law, parameters);
+    else
+      describe(inner, parameters);
+  });
+  if (const auto* given = std::get_if<GivenCoefficients>(&b.recipe.parameters); given && form == 0)
+    check_coefficients(t, law, given->values);
   t.when(form != 0, "stiffness or theory", [&] {
+    describe_coefficients(t, law, b.recipe.given,
+                          [](const CoefficientKey& key) { return key.info.input == LawInput::given; });
     t.key("reference_length", b.recipe.reference_length, positive(length),
           default_is("each bond's own length"),
-          "B1..B4 are worked out at this length and are the same for all bonds of the set");
+          "the law's coefficients are worked out at this length and are the same for all bonds of the set");
   });
 }
 
@@ -170,15 +289,6 @@ void describe(Table& t, SpecimenPairs& s) {
   t.check(yes, {"from_specimen"}, "can only be true", "leave it out and select by distance, pairs or file");
   t.key("bond_type", s.bond_type, CountCodec{1}, default_is("bonds of all types"),
         "only those of this bond type of the file");
-}
-
-void describe(Table& t, GivenCoefficients& p) {
-  t.table("coefficients", required, "the law's own coefficients, for bonds of any length", [&p](Table& c) {
-    c.key("B1", p.B1, positive(stiffness), required, "longitudinal");
-    c.key("B2", p.B2, number(moment), required, "v-model: > -B3/2; evm: > 0");
-    c.key("B3", p.B3, number(moment), required, "v-model: > 0; evm: > -B2/4 - B4/2");
-    c.key("B4", p.B4, positive(moment), required, "torsion");
-  });
 }
 
 void describe(Table& t, BondStiffness<double>& p) {

@@ -159,7 +159,16 @@ class Table {
   /// One struct of a variant for each name in turn, those that are not chosen as fresh objects.
   template <class Variant>
   void alternatives(Variant& v, std::size_t chosen, const std::vector<std::string>& conditions) {
-    alternatives(v, chosen, conditions, std::make_index_sequence<std::variant_size_v<Variant>>{});
+    alternatives(v, chosen, conditions, [](Table& t, auto& item) { describe(t, item); });
+  }
+
+  /// The same, where what they may hold depends on the table around them: described by describe_item(t,
+  /// item).
+  template <class Variant, class F>
+  void alternatives(Variant& v, std::size_t chosen, const std::vector<std::string>& conditions,
+                    F describe_item) {
+    alternatives(v, chosen, conditions, describe_item,
+                 std::make_index_sequence<std::variant_size_v<Variant>>{});
   }
 
  protected:
@@ -202,20 +211,20 @@ class Table {
     Describe describe_;
   };
 
-  template <class Variant, std::size_t... I>
+  template <class Variant, class F, std::size_t... I>
   void alternatives(Variant& v, std::size_t chosen, const std::vector<std::string>& conditions,
-                    std::index_sequence<I...>) {
-    (alternative<I>(v, chosen, conditions[I]), ...);
+                    F describe_item, std::index_sequence<I...>) {
+    (alternative<I>(v, chosen, conditions[I], describe_item), ...);
   }
-  template <std::size_t I, class Variant>
-  void alternative(Variant& v, std::size_t chosen, const std::string& condition) {
+  template <std::size_t I, class Variant, class F>
+  void alternative(Variant& v, std::size_t chosen, const std::string& condition, F describe_item) {
     if (I == chosen && v.index() != I) v.template emplace<I>();
     when(I == chosen, condition, [&] {
       if (v.index() == I) {
-        describe(*this, std::get<I>(v));
+        describe_item(*this, std::get<I>(v));
       } else {
         std::variant_alternative_t<I, Variant> fresh{};
-        describe(*this, fresh);
+        describe_item(*this, fresh);
       }
     });
   }

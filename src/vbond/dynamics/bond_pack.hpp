@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "vbond/dynamics/rows.hpp"
-#include "vbond/model/bond.hpp"
+#include "vbond/model/bond_law.hpp"
 
 namespace vbond {
 
@@ -12,10 +12,10 @@ inline constexpr std::size_t pack_bonds = 8;
 
 /// What many bonds share: a law with these coefficients times a factor of the bond's own.
 struct BondType {
-  BondLaw law = BondLaw::v_model;
-  double a = 0;                           ///< of the bond that it was made from  [length]
-  double R_i = 0, R_j = 0;                ///< [length]
-  double B1 = 0, B2 = 0, B3 = 0, B4 = 0;  ///< [force/length], then [force*length]
+  const BondLaw* law = nullptr;
+  double a = 0;                 ///< of the bond that it was made from  [length]
+  double R_i = 0, R_j = 0;      ///< [length]
+  Coefficients coefficients{};  ///< in the order and units of the law's fields
 };
 
 /// Eight bonds of a type between particles that were not turned when they were bonded, so that one frame
@@ -24,16 +24,18 @@ struct alignas(64) CompactPack {
   using Lanes = double[pack_bonds];
   std::uint32_t i[pack_bonds], j[pack_bonds];  ///< rows
   Lanes a;                                     ///< [length]
-  Lanes scale;                                 ///< of B1 .. B4; 1/a in proportion for a rod of one section
+  Lanes scale;                                 ///< of all coefficients; as 1/a for a rod of one section
   Lanes frame[4];                              ///< w, x, y, z
 };
 
-/// Eight bonds of a law with all that is theirs: 128 bytes a bond.
+/// Eight bonds of a law with all that is theirs: 160 bytes a bond, of which the loop reads the coefficients
+/// that the law has.
 struct alignas(64) FullPack {
   using Lanes = double[pack_bonds];
   std::uint32_t i[pack_bonds], j[pack_bonds];
-  Lanes a, R_i, R_j, B1, B2, B3, B4;
+  Lanes a, R_i, R_j;
   Lanes frame_i[4], frame_j[4];
+  Lanes coefficients[most_coefficients];
 };
 
 /// What is to be known of a pack besides: how many lanes are bonds, and whether the loads of one may belong
@@ -58,7 +60,7 @@ struct PackRun {
   const P* packs;
   const PackLanes* lanes;
   std::size_t count;
-  BondType type;  ///< of full packs only the law counts
+  BondType type;  ///< not used for full packs
   RowsAhead ahead{};
 };
 

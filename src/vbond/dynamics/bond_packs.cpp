@@ -18,8 +18,9 @@ bool close(double x, double y) {
 }
 
 bool is_scaled(const Bond& b, const BondType& t, double scale) {
-  return close(scale * t.B1, b.B1) && close(scale * t.B2, b.B2) && close(scale * t.B3, b.B3) &&
-         close(scale * t.B4, b.B4);
+  for (std::size_t k = 0; k < most_coefficients; ++k)
+    if (!close(scale * t.coefficients[k], b.coefficients[k])) return false;
+  return true;
 }
 
 std::size_t upper_row(const Bond& b, const Order& order) {
@@ -37,7 +38,7 @@ void fill_lane(CompactPack& p, std::size_t l, const Bond& b, double scale) {
 }
 void fill_lane(FullPack& p, std::size_t l, const Bond& b, double /*scale*/) {
   p.a[l] = b.a, p.R_i[l] = b.R_i, p.R_j[l] = b.R_j;
-  p.B1[l] = b.B1, p.B2[l] = b.B2, p.B3[l] = b.B3, p.B4[l] = b.B4;
+  for (std::size_t k = 0; k < most_coefficients; ++k) p.coefficients[k][l] = b.coefficients[k];
   put(b.frame_i, l, p.frame_i);
   put(b.frame_j, l, p.frame_j);
 }
@@ -71,15 +72,23 @@ BondPacks::Kind BondPacks::kind_of(const Bond& b) {
         if (is_scaled(b, type, scale)) return {true, static_cast<std::uint32_t>(t), scale};
     }
     if (types_.size() < most_types) {
-      types_.push_back({b.law, b.a, b.R_i, b.R_j, b.B1, b.B2, b.B3, b.B4});
+      types_.push_back({b.law, b.a, b.R_i, b.R_j, b.coefficients});
       return {true, static_cast<std::uint32_t>(types_.size() - 1), 1.0};
     }
   }
-  return {false, static_cast<std::uint32_t>(b.law), 1.0};
+  return {false, number_of(*b.law), 1.0};
+}
+
+/// The law's place among those that occur: first the library's, then others as they come.
+std::uint32_t BondPacks::number_of(const BondLaw& law) {
+  const auto at = std::find(laws_.begin(), laws_.end(), &law);
+  if (at == laws_.end()) laws_.push_back(&law);
+  return static_cast<std::uint32_t>(at - laws_.begin());
 }
 
 void BondPacks::arrange(const PerBond<Bond>& bonds, const Order& order, const Team& team) {
   *this = {};
+  laws_.assign(bond_laws().begin(), bond_laws().end());
   std::vector<Sorted> sorted;
   sorted.reserve(bonds.size());
   for (const BondId b : bonds.ids()) sorted.push_back({lower_row(bonds[b], order), kind_of(bonds[b]), b});
@@ -132,7 +141,9 @@ BondPacks::Run BondPacks::add_run(const Sorted* sorted, std::size_t count, const
                                   const Order& order, RowRange own) {
   const Kind kind = sorted->kind;
   const auto add = [&](auto& store) {
-    const Run run{kind.compact, kind.type, store.packs.size(), (count + pack_bonds - 1) / pack_bonds};
+    const BondLaw& law = *bonds[sorted->bond].law;
+    const Run run{kind.compact, kind.type, &bond_loops(law, step_kernel()), store.packs.size(),
+                  (count + pack_bonds - 1) / pack_bonds};
     for (std::size_t first = 0; first < count; first += pack_bonds) {
       auto& pack = store.packs.emplace_back();
       PackLanes& lanes = store.lanes.emplace_back();
@@ -155,11 +166,10 @@ BondPacks::Run BondPacks::add_run(const Sorted* sorted, std::size_t count, const
 /// Calls f(the kernel's functions for its packs, run as they take it, where it lies).
 template <class F>
 void BondPacks::visit(const Run& run, F f) const {
-  const StepKernel& kernel = step_kernel();
   if (run.compact)
-    f(kernel.compact, compact_.run(run, types_[run.type]), compact_);
+    f(run.loops->compact, compact_.run(run, types_[run.type]), compact_);
   else
-    f(kernel.full, full_.run(run, {.law = static_cast<BondLaw>(run.type)}), full_);
+    f(run.loops->full, full_.run(run, {}), full_);
 }
 
 void BondPacks::add_loads_from_below(const Part& part, const PoseRow* pose, LoadRow* load) const {

@@ -8,6 +8,7 @@
 #include "vbond/dynamics/order.hpp"
 #include "vbond/dynamics/rows.hpp"
 #include "vbond/dynamics/team.hpp"
+#include "vbond/model/bond.hpp"
 #include "vbond/model/loads.hpp"
 
 namespace vbond {
@@ -43,7 +44,7 @@ class BondPacks {
  private:
   struct Kind {
     bool compact = false;
-    std::uint32_t type = 0;  // compact: index into types_, else the law
+    std::uint32_t type = 0;  // compact: index into types_, else into laws_
     double scale = 1.0;
     friend bool operator==(const Kind& a, const Kind& b) {
       return a.compact == b.compact && a.type == b.type;
@@ -53,6 +54,7 @@ class BondPacks {
   struct Run {
     bool compact;
     std::uint32_t type;
+    const BondLoops* loops;
     std::size_t first, count;
   };
   template <class P>
@@ -67,11 +69,13 @@ class BondPacks {
   };
 
   Kind kind_of(const Bond& bond);
+  std::uint32_t number_of(const BondLaw& law);
   Run add_run(const Sorted* sorted, std::size_t count, const PerBond<Bond>& bonds, const Order& order,
               RowRange own);
   template <class F>
   void visit(const Run& run, F f) const;
 
+  std::vector<const BondLaw*> laws_;
   std::vector<BondType> types_;
   Store<CompactPack> compact_;
   Store<FullPack> full_;

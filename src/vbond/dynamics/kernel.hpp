@@ -28,11 +28,16 @@ struct PackLoops {
   void (*survey)(const PackRun<P>&, const PoseRow*, BondEnergies&, std::uint8_t* look);
 };
 
-/// The loops of a step that must be fast, compiled once per instruction set. All sets give the same bits.
-struct StepKernel {
-  const char* name;  ///< of the instruction set
+/// The loops over bonds of one law.
+struct BondLoops {
   PackLoops<CompactPack> compact;
   PackLoops<FullPack> full;
+};
+
+/// The loops of a step that must be fast, compiled once per instruction set. All sets give the same bits.
+struct StepKernel {
+  const char* name;        ///< of the instruction set
+  const BondLoops* bonds;  ///< of each law in BondLaws, in that order
   /// v += h F/m, omega += h M/Theta. Returns 0, or NaN if a load is not finite or their sum is too large for
   /// a double.
   double (*kick)(RowRange, double h, const InverseInertia*, const LoadRow*, MotionRow*);
@@ -54,6 +59,9 @@ const StepKernel& step_kernel();
 
 /// Its instruction set: "baseline", "avx2" or "avx512".
 const char* instruction_set();
+
+/// The loops of a law in this kernel. Throws std::invalid_argument for a law that was compiled without them.
+const BondLoops& bond_loops(const BondLaw& law, const StepKernel& kernel);
 
 /// StepKernel::drift for particles that may turn by any angle: plain code for every machine, since no kernel
 /// may contain a copy of the library's sine.

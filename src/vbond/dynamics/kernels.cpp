@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdlib>
 #include <stdexcept>
 #include <string>
@@ -60,6 +61,17 @@ const StepKernel& step_kernel() {
 
 const char* instruction_set() {
   return step_kernel().name;
+}
+
+const BondLoops& bond_loops(const BondLaw& law, const StepKernel& kernel) {
+  const auto laws = bond_laws();
+  const auto at = std::find(laws.begin(), laws.end(), &law);
+  if (at != laws.end()) return kernel.bonds[at - laws.begin()];
+  if (law.loops != nullptr)
+    if (const BondLoops* loops = law.loops(kernel.name)) return *loops;
+  throw std::invalid_argument("the bond law \"" + std::string(law.name) +
+                              "\" has no loops for the instruction set " + kernel.name +
+                              ": see CONTRIBUTING.md on laws of a program's own");
 }
 
 void drift_by_any_angle(RowRange rows, double h, const MotionRow* motion, PoseRow* pose) {

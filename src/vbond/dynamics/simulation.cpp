@@ -19,7 +19,7 @@ namespace {
 /// them: an energy a thousand roundings large is the least that an error can sensibly be compared with.
 double scale_of_rounding(const PerBond<Bond>& bonds) {
   double sum = 0.0;
-  for (const Bond& b : bonds) sum += std::abs(b.B2) + std::abs(b.B3) + std::abs(b.B4);
+  for (const Bond& b : bonds) sum += angular_scale(b);
   return 1e3 * std::numeric_limits<double>::epsilon() * sum;
 }
 

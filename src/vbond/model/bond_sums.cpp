@@ -23,7 +23,7 @@ double mean_axial_force(const State& state, const std::vector<ParticleId>& parti
 void add_bond_loads(const State& state, Loads& loads) {
   for (const Bond& b : state.bonds) {
     const BondPose<double> pose = bond_pose(b, state);
-    const BondLoads<double> l = visit_law(b, [&pose](const auto& law) { return bond_loads(law, pose); });
+    const BondLoads<double> l = b.law->loads(b, pose);
     loads.F[b.i] += l.F;
     loads.F[b.j] -= l.F;
     loads.M[b.i] += l.M_ij;
@@ -35,7 +35,7 @@ Energies bond_energies(const State& state) {
   Energies e;
   for (const Bond& b : state.bonds) {
     const BondPose<double> pose = bond_pose(b, state);
-    const BondEnergy<double> u = visit_law(b, [&pose](const auto& law) { return bond_energy(law, pose); });
+    const BondEnergy<double> u = b.law->energy(b, pose);
     e.U_L += u.U_L;
     e.U_B += u.U_B;
     e.U_T += u.U_T;

@@ -6,12 +6,12 @@
 
 namespace vbond {
 
-/// F.d of a bond between particles that stand like this, tension positive: both laws' other terms are normal
-/// to d.  [force]
+/// F.d of a bond between particles that stand like this, tension positive: the other terms of a law are
+/// normal to d.  [force]
 inline double axial_force(const Bond& b, const Vec3d& r_i, const Quatd& q_i, const Vec3d& r_j,
                           const Quatd& q_j) {
-  if (b.R_i == 0.0 && b.R_j == 0.0) return b.B1 * (norm(r_j - r_i) - b.a);  // no need of the axes
-  return b.B1 * (norm(bonded_points(bond_pose(b, r_i, q_i, r_j, q_j), b.R_i, b.R_j)) - b.a);
+  if (b.R_i == 0.0 && b.R_j == 0.0) return b.law->tension(b, norm(r_j - r_i));  // no need of the axes
+  return b.law->tension(b, norm(bonded_points(bond_pose(b, r_i, q_i, r_j, q_j), b.R_i, b.R_j)));
 }
 
 /// Mean of F.d over these bonds, tension positive; 0 without any. pose(p): something with the position r and

@@ -22,24 +22,18 @@ Bond with_coefficients(const BondRecipe& recipe, double a, double R_i, double R_
   b.a = a;
   b.R_i = R_i;
   b.R_j = R_j;
-  const auto take = [&b](const auto& m) { b.B1 = m.B1, b.B2 = m.B2, b.B3 = m.B3, b.B4 = m.B4; };
-  const double a_ref = recipe.reference_length.value_or(a);
-  if (const auto* given = std::get_if<GivenCoefficients>(&recipe.parameters)) {
-    take(*given);
-  } else {
-    const BondStiffness<double> c = stiffness_of(recipe, a);
-    switch (recipe.law) {
-      case BondLaw::v_model: take(vmodel_from(c, a_ref, R_i, R_j)); break;
-      case BondLaw::evm: take(evm_from(c, a_ref, R_i, R_j)); break;
-    }
-  }
+  if (const auto* given = std::get_if<GivenCoefficients>(&recipe.parameters))
+    b.coefficients = given->values;
+  else
+    b.coefficients = recipe.law->from_stiffness(stiffness_of(recipe, a), recipe.reference_length.value_or(a),
+                                                recipe.given);
   return b;
 }
 
 }  // namespace
 
 BondStiffness<double> stiffness_of(const Bond& bond) {
-  return visit_law(bond, [](const auto& law) { return stiffness(law); });
+  return bond.law->stiffness(bond);
 }
 
 BondStiffness<double> stiffness_of(const BondRecipe& recipe, double a) {

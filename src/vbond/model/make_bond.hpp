@@ -28,7 +28,7 @@ std::optional<Bond> make_bond(const BondRecipe& recipe, const BondSite& i, const
 /// The stiffnesses a recipe gives to a bond of length a > 0 (of its reference length, if it has one).
 BondStiffness<double> stiffness_of(const BondRecipe& recipe, double a);
 
-/// The stiffnesses of a bond about rest, from its B1..B4.
+/// The stiffnesses of a bond about rest, from its coefficients.
 BondStiffness<double> stiffness_of(const Bond& bond);
 
 /// The direction n_2 of a new bond along the unit vector e_ij; see BondRecipe::n_2.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <hdf5.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -21,7 +22,7 @@
 namespace vbond {
 namespace {
 
-constexpr std::int32_t format_version = 2;
+constexpr std::int32_t format_version = 3;
 
 // ---- the fields, listed once for writing and reading --------------------------------------------------
 
@@ -40,14 +41,10 @@ void visit_fields(Archive& archive, C& c) {
   archive.of_each("/particles/omega", s.omega, std::identity{});
   archive.of_each("/bonds/i", s.bonds, &Bond::i);
   archive.of_each("/bonds/j", s.bonds, &Bond::j);
-  archive.of_each("/bonds/law", s.bonds, &Bond::law);
   archive.of_each("/bonds/a", s.bonds, &Bond::a);
   archive.of_each("/bonds/R_i", s.bonds, &Bond::R_i);
   archive.of_each("/bonds/R_j", s.bonds, &Bond::R_j);
-  archive.of_each("/bonds/B1", s.bonds, &Bond::B1);
-  archive.of_each("/bonds/B2", s.bonds, &Bond::B2);
-  archive.of_each("/bonds/B3", s.bonds, &Bond::B3);
-  archive.of_each("/bonds/B4", s.bonds, &Bond::B4);
+  archive.of_each("/bonds/coefficients", s.bonds, &Bond::coefficients);
   archive.of_each("/bonds/frame_i", s.bonds, &Bond::frame_i);
   archive.of_each("/bonds/frame_j", s.bonds, &Bond::frame_j);
   archive.of_each("/bonds/set", s.bonds, &Bond::set);
@@ -246,6 +243,44 @@ void check_fingerprint(Reader& reader, const Model& model) {
     throw IoError(fmt::format("belongs to another case, or the case was changed: its {} differ", differs));
 }
 
+/// Laws by name, and for each bond the number of its law among them.
+using LawNames = PerLaw<LawName>;
+using LawNumbers = PerBond<std::uint8_t>;
+
+void write_laws(Writer& writer, const State& state) {
+  LawNames names;
+  LawNumbers law;
+  std::vector<const BondLaw*> seen;
+  for (const Bond& b : state.bonds) {
+    const auto at = std::find(seen.begin(), seen.end(), b.law);
+    law.push_back(static_cast<std::uint8_t>(at - seen.begin()));
+    if (at != seen.end()) continue;
+    seen.push_back(b.law);
+    names.push_back(law_name(b.law->name));
+  }
+  writer.of_each("/laws/name", names, std::identity{});
+  writer.of_each("/bonds/law", law, std::identity{});
+}
+
+void read_laws(Reader& reader, State& state, std::span<const BondLaw* const> others) {
+  LawNames names;
+  LawNumbers law;
+  names.resize(reader.rows("/laws/name"));
+  law.resize(state.bonds.size());
+  reader.of_each("/laws/name", names, std::identity{});
+  reader.of_each("/bonds/law", law, std::identity{});
+  PerLaw<const BondLaw*> laws;
+  for (const LawName& name : names) {
+    laws.push_back(find_law(text_of(name), others));
+    if (laws[LawId{laws.size() - 1}] == nullptr)
+      throw IoError(fmt::format("has bonds of a law \"{}\" that this program does not know", text_of(name)));
+  }
+  for (const BondId k : law.ids()) {
+    if (law[k] >= laws.size()) throw IoError("is damaged: a bond is of no law");
+    state.bonds[k].law = laws[LawId{law[k]}];
+  }
+}
+
 using Ends = PerBond<ParticleId>;  // one end of each pair
 
 /// Files have these columns only where there are such pairs, so that the format is the one before them.
@@ -347,6 +382,7 @@ void write_checkpoint(const std::filesystem::path& path, const Model& model, con
     Writer writer;
     visit_fingerprint(writer, model);
     visit_fields(writer, checkpoint);
+    write_laws(writer, checkpoint.state);
     write_overlapping(writer, checkpoint.watch);
     write_rare(writer, checkpoint.watch);
     Replacement file(path);
@@ -358,7 +394,8 @@ void write_checkpoint(const std::filesystem::path& path, const Model& model, con
   }
 }
 
-Checkpoint read_checkpoint(const std::filesystem::path& path, const Model& model) {
+Checkpoint read_checkpoint(const std::filesystem::path& path, const Model& model,
+                           std::span<const BondLaw* const> laws) {
   open_file(path, "rb");  // a missing or forbidden file is told in the system's words
   const H5Silence silence;
   try {
@@ -371,6 +408,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const Model& model
     c.state.bonds.resize(reader.rows("/bonds/i"));
     c.watch.bonds.resize(reader.rows("/watch/worst"));
     visit_fields(reader, c);
+    read_laws(reader, c.state, laws);
     read_overlapping(reader, c.watch, n);
     read_rare(reader, c.watch, c.state);
     check_sense(c);

@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <span>
 #include <string>
 
 #include "vbond/model/model.hpp"
@@ -23,7 +24,9 @@ void write_checkpoint(const std::filesystem::path& path, const Model& model, con
                       const std::string& program_version);
 
 /// Reads a checkpoint back. Throws IoError if the file is missing, damaged, not a checkpoint of vbond
-/// or of another format, or if it belongs to a model with other particles than this one.
-Checkpoint read_checkpoint(const std::filesystem::path& path, const Model& model);
+/// or of another format, or if it belongs to a model with other particles than this one, or if its bonds are
+/// of a law that is neither the library's nor one of `laws`.
+Checkpoint read_checkpoint(const std::filesystem::path& path, const Model& model,
+                           std::span<const BondLaw* const> laws = {});
 
 }  // namespace vbond

@@ -29,7 +29,7 @@ bool is_finite(const State& s, ParticleId p) {
 }
 
 double energy_of(const Bond& b, const State& s) {
-  const auto U = visit_law(b, [&](const auto& law) { return bond_energy(law, bond_pose(b, s)); });
+  const auto U = b.law->energy(b, bond_pose(b, s));
   return U.U_L + U.U_B + U.U_T;
 }
 
@@ -266,9 +266,8 @@ void Watch::look_at_bond(BondId k, const State& state, const std::string& when) 
   const bool snapped = range == BondRange::snapped;
   report(snapped ? record_.snapped : record_.strained, snapped ? untold_snapped_ : untold_strained_,
          fmt::format("{}: {} {}: {}", when, name_of(k, b),
-                     snapped                     ? "has snapped, past 90 degrees"
-                     : b.law == BondLaw::v_model ? "is strained, past 45 degrees"
-                                                 : "is strained, past 90 degrees",
+                     snapped ? "has snapped, past 90 degrees"
+                             : fmt::format("is strained, past {} degrees", b.law->strained_past),
                      angles_of(b, state)));
 }
 

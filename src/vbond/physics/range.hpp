@@ -1,12 +1,9 @@
 #pragma once
-#include <algorithm>
 #include <cmath>
 #include <concepts>
 #include <cstdint>
-#include <numbers>
 
-#include "vbond/physics/evm.hpp"
-#include "vbond/physics/vmodel.hpp"
+#include "vbond/physics/pose.hpp"
 
 namespace vbond {
 
@@ -55,22 +52,6 @@ VBOND_HD bool needs_look(const BondTilt<T>& t, T a) {
   constexpr T sin_to_cos = 0.99;  // tan 45 degrees = 1
   return !(t.length > T(0.51) * a && t.length < T(1.99) * a && t.c_i > c_least && t.c_j > c_least &&
            std::abs(t.sin_twist) < sin_to_cos * t.cos_twist);
-}
-
-/// V-model. Strained: an end tilted or the bond twisted past 45 degrees, where the moment, a sine of twice
-/// the angle, has peaked. Snapped: past 90 degrees, in the basin of a wrong rest state.
-inline BondRange bond_range(const VModel<double>&, const BondShape& s) {
-  const double c = std::min(s.c_i, s.c_j), twist = std::abs(s.twist);
-  if (c <= 0.0 || twist > std::numbers::pi / 2) return BondRange::snapped;
-  if (c < std::numbers::sqrt2 / 2 || twist > std::numbers::pi / 4) return BondRange::strained;
-  return BondRange::good;
-}
-
-/// EVM. Strained: past 90 degrees, where its moment, a sine of the angle, has peaked. It has no wrong rest
-/// state.
-inline BondRange bond_range(const Evm<double>&, const BondShape& s) {
-  const bool past = std::min(s.c_i, s.c_j) < 0.0 || std::abs(s.twist) > std::numbers::pi / 2;
-  return past ? BondRange::strained : BondRange::good;
 }
 
 }  // namespace vbond

@@ -4,8 +4,7 @@
 
 #include "vbond/core/dual.hpp"
 #include "vbond/physics/contact.hpp"
-#include "vbond/physics/evm.hpp"
-#include "vbond/physics/vmodel.hpp"
+#include "vbond/physics/law.hpp"
 
 namespace vbond {
 
@@ -16,16 +15,6 @@ struct PairTangent {
   BondLoads<double> loads;
   std::array<std::array<double, N>, N> d{};
 };
-
-/// The same law with constants that carry derivatives, all zero.
-template <Scalar T>
-VModel<T> with_scalar(const VModel<double>& m) {
-  return {m.a, m.R_i, m.R_j, m.B1, m.B2, m.B3, m.B4};
-}
-template <Scalar T>
-Evm<T> with_scalar(const Evm<double>& m) {
-  return {m.a, m.R_i, m.R_j, m.B1, m.B2, m.B3, m.B4};
-}
 
 /// A vector moved along three variables, from number `first`.
 template <std::size_t N>

@@ -1,6 +1,12 @@
 #pragma once
-#include "vbond/physics/pose.hpp"
-#include "vbond/physics/stiffness.hpp"
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string_view>
+
+#include "vbond/physics/law.hpp"
+#include "vbond/physics/range.hpp"
 
 namespace vbond {
 
@@ -9,22 +15,53 @@ namespace vbond {
 /// Limits: 16 equal minima (either particle turned by 180 degrees about a bond axis); see docs/theory.md.
 template <Scalar T>
 struct VModel {
+  using Number = T;
   T a;           ///< length at rest between the bonded points  [length], > 0
   T R_i, R_j;    ///< bonded points' distances from the centres  [length]
   T B1;          ///< [force/length]
   T B2, B3, B4;  ///< [force*length]
+
+  static constexpr std::string_view name = "v-model", title = "V-model";
+  static constexpr double strained_past = 45;  ///< tilt or twist  [degrees]
+  static constexpr std::string_view rest_condition = "B3 > 0 and B2 > -B3/2",
+                                    rest_way_out = "take B3 = c_D a^2/2 and B2 = c_B - B3/2";
+  static constexpr auto fields() {
+    return std::array<LawField<VModel>, 4>{
+        {{&VModel::B1,
+          {"B1", force_per_length, "longitudinal", LawInput::from_stiffness, LawBound::positive}},
+         {&VModel::B2, {"B2", force_times_length, "> -B3/2"}},
+         {&VModel::B3, {"B3", force_times_length, "> 0"}},
+         {&VModel::B4, {"B4", force_times_length, "torsion", LawInput::from_stiffness, LawBound::positive}}}};
+  }
+
+  /// Coefficients that match four stiffnesses exactly: the inverse of [KA12] eq. (19).
+  static constexpr VModel from(const BondStiffness<T>& c, const T& a, const T& R_i, const T& R_j) {
+    const T B3 = T(0.5) * c.c_D * sq(a);
+    return {a, R_i, R_j, c.c_A, c.c_B - T(0.5) * B3, B3, c.c_T};
+  }
 };
 
-/// Energy of a bond relative to rest, where U(undeformed) = -B2/2 - B3 - B4/2.  [KA12] eqs. (6), (7)
-/// The printed eq. for the arguments of U_T lacks a square on its first factor; eq. (7) has it.
+/// Energy of stretching to the length D, and its derivative, positive in tension.  [energy], [force]
 template <Scalar T>
-VBOND_HD BondEnergy<T> bond_energy(const VModel<T>& m, const BondPose<T>& b) {
+VBOND_HD T stretch_energy(const VModel<T>& m, const T& D) {
+  return T(0.5) * m.B1 * sq(D - m.a);
+}
+template <Scalar T>
+VBOND_HD T tension(const VModel<T>& m, const T& D) {
+  return m.B1 * (D - m.a);
+}
+
+/// Energy of a bond with the V-model's bending, shear and torsion and the law's own stretching, relative to
+/// rest, where U(undeformed) = -B2/2 - B3 - B4/2.  [KA12] eqs. (6), (7)
+/// The printed eq. for the arguments of U_T lacks a square on its first factor; eq. (7) has it.
+template <class Law, Scalar T>
+VBOND_HD BondEnergy<T> vmodel_energy(const Law& m, const BondPose<T>& b) {
   const Vec3<T> D_ij = bonded_points(b, m.R_i, m.R_j);
   const T D = norm(D_ij);
   const Vec3<T> d_ij = D_ij / D;
   const T half(0.5), quarter(0.25), one(1.0);
 
-  const T U_L = half * m.B1 * sq(D - m.a);
+  const T U_L = stretch_energy(m, D);
 
   const T s1 = dot(b.n_i[0], b.n_j[0]), s2 = dot(d_ij, b.n_i[0]), s3 = -dot(d_ij, b.n_j[0]);
   const T U_B = half * m.B2 * (one - sq(s1)) + half * m.B3 * ((one - sq(s2)) + (one - sq(s3)));
@@ -37,10 +74,11 @@ VBOND_HD BondEnergy<T> bond_energy(const VModel<T>& m, const BondPose<T>& b) {
   return {U_L, U_B, U_T};
 }
 
-/// Force and moments of a bond: the gradient of bond_energy.  [KA12] eqs. (9), (10). M_ji, which the paper
-/// omits, follows from the balance of moments, M_ij + M_ji = r_ij x F, worked out so that nothing cancels.
-template <Scalar T>
-VBOND_HD BondLoads<T> bond_loads(const VModel<T>& m, const BondPose<T>& b, const BondAxis<T>& axis) {
+/// Force and moments of such a bond: the gradient of vmodel_energy.  [KA12] eqs. (9), (10). M_ji, which the
+/// paper omits, follows from the balance of moments, M_ij + M_ji = r_ij x F, worked out so that nothing
+/// cancels.
+template <class Law, Scalar T>
+VBOND_HD BondLoads<T> vmodel_loads(const Law& m, const BondPose<T>& b, const BondAxis<T>& axis) {
   const auto& [D, per_D, d] = axis;
   const T one(1.0), half_B4 = T(0.5) * m.B4;
   const T c_i = dot(d, b.n_i[0]), c_j = dot(d, b.n_j[0]), s1 = dot(b.n_i[0], b.n_j[0]);
@@ -59,22 +97,36 @@ VBOND_HD BondLoads<T> bond_loads(const VModel<T>& m, const BondPose<T>& b, const
     couple += cross(b.n_i[k], B4_p_q2 * q3 * b.n_j[k]);   // U_1k n_jk x n_ik
   }
   const Vec3<T> dU_dd = from_i + from_j;
-  const Vec3<T> F = (m.B1 * (D - m.a) - per_D * dot(dU_dd, d)) * d + per_D * dU_dd;
+  const Vec3<T> F = (tension(m, D) - per_D * dot(dU_dd, d)) * d + per_D * dU_dd;
   return {F, cross(d, from_i) + couple + m.R_i * cross(b.n_i[0], F),
           cross(d, from_j) - couple - m.R_j * cross(b.n_j[0], F)};
 }
 
-/// Parameters that match four stiffnesses exactly: the inverse of [KA12] eq. (19).
 template <Scalar T>
-constexpr VModel<T> vmodel_from(const BondStiffness<T>& c, const T& a, const T& R_i, const T& R_j) {
-  const T B3 = T(0.5) * c.c_D * sq(a);
-  return {a, R_i, R_j, c.c_A, c.c_B - T(0.5) * B3, B3, c.c_T};
+VBOND_HD BondEnergy<T> bond_energy(const VModel<T>& m, const BondPose<T>& b) {
+  return vmodel_energy(m, b);
+}
+template <Scalar T>
+VBOND_HD BondLoads<T> bond_loads(const VModel<T>& m, const BondPose<T>& b, const BondAxis<T>& axis) {
+  return vmodel_loads(m, b, axis);
 }
 
 /// Stiffnesses about rest, [KA12] eq. (19).
 template <Scalar T>
 constexpr BondStiffness<T> stiffness(const VModel<T>& m) {
   return {m.B1, T(2.0) * m.B3 / sq(m.a), m.B2 + T(0.5) * m.B3, m.B4};
+}
+
+/// Strained: an end tilted or the bond twisted past 45 degrees, where the moment, a sine of twice the angle,
+/// has peaked. Snapped: past 90 degrees, in the basin of a wrong rest state.
+inline BondRange vmodel_range(const BondShape& s) {
+  const double c = std::min(s.c_i, s.c_j), twist = std::abs(s.twist);
+  if (c <= 0.0 || twist > std::numbers::pi / 2) return BondRange::snapped;
+  if (c < std::numbers::sqrt2 / 2 || twist > std::numbers::pi / 4) return BondRange::strained;
+  return BondRange::good;
+}
+inline BondRange bond_range(const VModel<double>&, const BondShape& s) {
+  return vmodel_range(s);
 }
 
 }  // namespace vbond

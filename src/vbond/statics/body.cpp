@@ -108,9 +108,9 @@ StaticBody::StaticBody(const Model& model, const StaticStage& stage, State state
   constexpr double eps = std::numeric_limits<double>::epsilon();
   for (const Bond& b : state_.bonds) {
     bonded_[b.i] = bonded_[b.j] = true;
-    const double B = std::abs(b.B2) + std::abs(b.B3) + std::abs(b.B4);
+    const double B = angular_scale(b), c_A = b.law->stiffness(b).c_A;
     rounding_of_force_ =
-        std::max(rounding_of_force_, eps * (b.B1 * (norm(state_.r[b.i]) + b.a) + B / unknowns_.length()));
+        std::max(rounding_of_force_, eps * (c_A * (norm(state_.r[b.i]) + b.a) + B / unknowns_.length()));
     rounding_of_potential_ += eps * B;
   }
 }
@@ -180,7 +180,7 @@ const StaticBody::Loaded& StaticBody::loads_at_hand() const {
   l.largest = max_norm(on_unknowns(l.loads));
   for (const Bond& b : state_.bonds) {
     const BondPose<double> pose = bond_pose(b, state_);
-    const BondLoads<double> f = visit_law(b, [&pose](const auto& law) { return bond_loads(law, pose); });
+    const BondLoads<double> f = b.law->loads(b, pose);
     l.loads.F[b.i] += f.F, l.loads.F[b.j] -= f.F;
     l.loads.M[b.i] += f.M_ij, l.loads.M[b.j] += f.M_ji;
     for (const double force :
@@ -256,7 +256,7 @@ const StaticBody::Stiffness& StaticBody::stiffness_at_hand() const {
   if (relief_.size() > 0) stiffness_.load_direction += relief_;
   for (const Bond& b : state_.bonds) {
     const BondPose<double> pose = bond_pose(b, state_);
-    const auto t = visit_law(b, [&pose](const auto& law) { return bond_tangent(law, pose); });
+    const auto t = b.law->tangent(b, pose);
     add_pair(b.i, b.j, block_of(t, unknowns_.length()));
   }
   for (const auto& [i, j] : touching) add_pair(i, j, block_of(touch(model_, state_, i, j)));
@@ -329,8 +329,8 @@ std::string StaticBody::first_not_finite() const {
   for (const BondId k : state_.bonds.ids()) {
     const Bond& b = state_.bonds[k];
     const BondPose<double> pose = bond_pose(b, state_);
-    const BondLoads<double> f = visit_law(b, [&pose](const auto& law) { return bond_loads(law, pose); });
-    const auto U = visit_law(b, [&pose](const auto& law) { return bond_energy(law, pose); });
+    const BondLoads<double> f = b.law->loads(b, pose);
+    const auto U = b.law->energy(b, pose);
     const bool finite_loads = is_finite(f.F) && is_finite(f.M_ij) && is_finite(f.M_ji);
     if (finite_loads && std::isfinite(U.U_L + U.U_B + U.U_T)) continue;
     return fmt::format("bond {} (particles {}, {}): its {} not finite, its bonded points are {:.3g} apart",

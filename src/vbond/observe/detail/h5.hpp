@@ -1,8 +1,12 @@
 #pragma once
 #include <hdf5.h>
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "vbond/core/column.hpp"
@@ -125,7 +129,36 @@ struct Stored<bool> : StoredByte<bool, 1> {};
 template <>
 struct Stored<UnitSystem> : StoredByte<UnitSystem, static_cast<std::uint8_t>(UnitSystem::si)> {};
 template <>
-struct Stored<BondLaw> : StoredByte<BondLaw, static_cast<std::uint8_t>(BondLaw::evm)> {};
+struct Stored<Coefficients> {
+  using Number = double;
+  static constexpr std::size_t count = most_coefficients;
+  static void put(const Coefficients& c, double* to) { std::copy(c.begin(), c.end(), to); }
+  static void take(const double* from, Coefficients& c) { std::copy_n(from, count, c.begin()); }
+};
+
+/// The name of a bond law, filled up with zeros.
+using LawName = std::array<char, 32>;
+using LawId = Id<struct LawTagOfFile>;
+template <class T>
+using PerLaw = Column<LawId, T>;
+inline LawName law_name(std::string_view name) {
+  LawName n{};
+  if (name.size() >= n.size()) throw IoError("has a bond law whose name is too long");
+  std::copy(name.begin(), name.end(), n.begin());
+  return n;
+}
+inline std::string text_of(const LawName& name) {
+  return {name.begin(), std::find(name.begin(), name.end(), '\0')};
+}
+template <>
+struct Stored<LawName> {
+  using Number = std::uint8_t;
+  static constexpr std::size_t count = 32;
+  static void put(const LawName& n, Number* to) { std::copy(n.begin(), n.end(), to); }
+  static void take(const Number* from, LawName& n) {
+    std::transform(from, from + count, n.begin(), [](Number c) { return static_cast<char>(c); });
+  }
+};
 template <>
 struct Stored<BondRange> : StoredByte<BondRange, static_cast<std::uint8_t>(BondRange::snapped)> {};
 

@@ -1,0 +1,29 @@
+#include "vbond/model/bond_law.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "vbond/model/define_law.hpp"
+#include "vbond/physics/laws.hpp"
+
+namespace vbond {
+
+std::span<const BondLaw* const> bond_laws() {
+  static const auto laws = [] {
+    std::array<const BondLaw*, BondLaws::size> all{};
+    std::size_t k = 0;
+    BondLaws::for_each([&]<template <class> class Law>(LawTag<Law>) { all[k++] = &bond_law<Law>; });
+    return all;
+  }();
+  return laws;
+}
+
+const BondLaw* find_law(std::string_view name, std::span<const BondLaw* const> others) {
+  for (const std::span<const BondLaw* const> laws : {bond_laws(), others}) {
+    const auto at = std::find_if(laws.begin(), laws.end(), [&](const BondLaw* l) { return l->name == name; });
+    if (at != laws.end()) return *at;
+  }
+  return nullptr;
+}
+
+}  // namespace vbond

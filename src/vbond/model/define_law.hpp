@@ -1,0 +1,74 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <utility>
+
+#include "vbond/model/bond.hpp"
+#include "vbond/physics/tangent.hpp"
+
+/// What makes a BondLaw of a law's template. A law of the library is in BondLaws and needs no more; a law of
+/// a program's own is made by including this header where &bond_law<Law> is used.
+namespace vbond {
+
+/// The law of a bond, with its constants.
+template <template <class> class Law>
+Law<double> law_of(const Bond& b) {
+  Law<double> law{};
+  law.a = b.a, law.R_i = b.R_i, law.R_j = b.R_j;
+  [&]<std::size_t... k>(std::index_sequence<k...>) {
+    ((law.*coefficient<Law<double>, k> = b.coefficients[k]), ...);
+  }
+  (std::make_index_sequence<coefficients_of<Law<double>>>());
+  return law;
+}
+
+/// The coefficients of a law, in the order of its fields.
+template <class Law>
+Coefficients coefficients_in(const Law& law) {
+  Coefficients c{};
+  [&]<std::size_t... k>(std::index_sequence<k...>) {
+    ((c[k] = law.*coefficient<Law, k>), ...);
+  }
+  (std::make_index_sequence<coefficients_of<Law>>());
+  return c;
+}
+
+namespace detail {
+
+template <class Law>
+constexpr auto field_infos() {
+  std::array<LawFieldInfo, coefficients_of<Law>> infos;
+  for (std::size_t k = 0; k < infos.size(); ++k) infos[k] = Law::fields()[k].info;
+  return infos;
+}
+template <class Law>
+inline constexpr auto fields_of = field_infos<Law>();
+
+template <template <class> class Law>
+Coefficients from_stiffness(const BondStiffness<double>& c, double a, const Coefficients& given) {
+  Coefficients found = coefficients_in(Law<double>::from(c, a, 0.0, 0.0));
+  for (std::size_t k = 0; k < coefficients_of<Law<double>>; ++k)
+    if (fields_of<Law<double>>[k].input == LawInput::given) found[k] = given[k];
+  return found;
+}
+
+}  // namespace detail
+
+template <template <class> class Law>
+constinit const BondLaw LawObject<Law>::object{
+    .name = Law<double>::name,
+    .title = Law<double>::title,
+    .fields = detail::fields_of<Law<double>>,
+    .strained_past = Law<double>::strained_past,
+    .rest_condition = Law<double>::rest_condition,
+    .rest_way_out = Law<double>::rest_way_out,
+    .energy = [](const Bond& b, const BondPose<double>& pose) { return bond_energy(law_of<Law>(b), pose); },
+    .loads = [](const Bond& b, const BondPose<double>& pose) { return bond_loads(law_of<Law>(b), pose); },
+    .tangent = [](const Bond& b, const BondPose<double>& pose) { return bond_tangent(law_of<Law>(b), pose); },
+    .tension = [](const Bond& b, double D) { return tension(law_of<Law>(b), D); },
+    .stiffness = [](const Bond& b) { return stiffness(law_of<Law>(b)); },
+    .range = [](const Bond& b, const BondShape& s) { return bond_range(law_of<Law>(b), s); },
+    .from_stiffness = detail::from_stiffness<Law>,
+};
+
+}  // namespace vbond

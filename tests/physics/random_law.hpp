@@ -1,0 +1,30 @@
+#pragma once
+#include <gtest/gtest.h>
+
+#include "random_pose.hpp"
+#include "vbond/physics/laws.hpp"
+
+namespace vbond::testing {
+
+/// The laws of the library as types of a typed test.
+template <class List>
+struct TypesOf;
+template <template <class> class... L>
+struct TypesOf<LawList<L...>> {
+  using Types = ::testing::Types<L<double>...>;
+};
+using Laws = TypesOf<BondLaws>::Types;
+
+/// A law with any stiffnesses of order one and, where they do not follow from these, coefficients up to one.
+template <class Law>
+Law random_law(PoseSource& random) {
+  const double a = random.uniform(0.2, 1.5), R_i = random.uniform(0.0, 0.6), R_j = random.uniform(0.0, 0.6);
+  const BondStiffness<double> c{random.uniform(0.5, 2.0), random.uniform(0.2, 2.0), random.uniform(0.1, 1.0),
+                                random.uniform(0.1, 1.0)};
+  Law law = Law::from(c, a, R_i, R_j);
+  for (const LawField<Law>& field : Law::fields())
+    if (field.info.input == LawInput::given) law.*field.at = random.uniform(-1.0, 1.0);
+  return law;
+}
+
+}  // namespace vbond::testing
