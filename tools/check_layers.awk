@@ -69,7 +69,7 @@ function check_include(line,   name, parts) {
   } else if (quoted && (layer != "app" || name ~ /\.\./)) {
     bad("write \"vbond/LAYER/NAME.hpp\", not \"" name "\": the layer must be visible")
   } else if (!quoted && in_library && FILENAME ~ /\.hpp$/ && FILENAME !~ /\/detail\// &&
-             name !~ /^[a-z0-9_]+$/) {
+             name !~ /^[a-z0-9_]+$/ && name != "immintrin.h") {  # the compiler's own
     bad("<" name "> in a header of the library: users would need it too; include it in a .cpp")
   }
 }

@@ -108,9 +108,9 @@ TEST(Bonds, MadeBetweenTurnedParticlesAreUnstressed) {
           bond_pose(bond, b.state.r[bond.i], b.state.q[bond.i], b.state.r[bond.j], b.state.q[bond.j]);
       // products of unit vectors are off by a few 1e-16, and c_A = 1: energies are second order in that
       // except for the constant, loads first order
-      const BondEnergy<double> U = law->energy(bond, pose);
+      const BondEnergy<double> U = law->energy(bond, pose, no_history);
       EXPECT_NEAR(U.U_L + U.U_B + U.U_T, 0.0, 1e-16);
-      const BondLoads<double> loads = law->loads(bond, pose);
+      const BondLoads<double> loads = law->loads(bond, pose, no_history);
       EXPECT_LT(norm(loads.F) + norm(loads.M_ij) + norm(loads.M_ji), 5e-15);
     }
   }

@@ -246,9 +246,9 @@ void expect_same_bonds(PackLoops<P> BondLoops::*loops, const BondLaw& law) {
   constexpr std::size_t n = 40;
   const RandomRows rows = random_rows(n, 1.0, 5);
   const std::vector<P> packs = random_packs<P>(9, n, 6);
-  std::vector<PackLanes> lanes(packs.size(), PackLanes{8, false});
+  std::vector<PackLanes> lanes(packs.size(), PackLanes{all_lanes, false});
   lanes[3].crossing = true;
-  lanes[8].count = 5;
+  lanes[8].active = 0x1f;
   const PackRun<P> run{
       packs.data(), lanes.data(), packs.size(), {&law, 1.0, 0.1, 0.2, {1.0, -0.1, 0.3, 0.2, 0.1, 0.4}}};
   std::vector<LoadRow> first_load;
@@ -256,7 +256,8 @@ void expect_same_bonds(PackLoops<P> BondLoops::*loops, const BondLaw& law) {
   std::vector<std::uint8_t> first_look;
   for (const StepKernel* kernel : available_kernels()) {
     std::vector<LoadRow> load = rows.load;
-    (bond_loops(law, *kernel).*loops).add_loads(run, {10, 30}, rows.pose.data(), load.data());
+    BondSweep sweep{{10, 30}, rows.pose.data(), load.data()};
+    (bond_loops(law, *kernel).*loops).add_loads(run, sweep);
     BondEnergies sum;
     std::vector<std::uint8_t> look(packs.size());
     (bond_loops(law, *kernel).*loops).survey(run, rows.pose.data(), sum, look.data());

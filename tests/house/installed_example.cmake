@@ -24,6 +24,31 @@ if(NOT output MATCHES "tip deflection 0\\.013333,")
   message(FATAL_ERROR "expected a tip deflection of 0.013333, the example printed:\n${output}")
 endif()
 
+# A law of the program's own: the same bits with every instruction set of this machine and any number of threads.
+foreach(set baseline avx2 avx512)
+  foreach(threads 1 2 4)
+    execute_process(COMMAND ${CMAKE_COMMAND} -E env VBOND_SIMD=${set} ${work}/build/own_law ${threads}
+                    RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE errors)
+    if(NOT status EQUAL 0 AND errors MATCHES "this machine can execute")
+      continue()
+    elseif(NOT status EQUAL 0)
+      message(FATAL_ERROR "own_law ${threads} with ${set} failed: ${status}\n${output}${errors}")
+    endif()
+    if(NOT DEFINED first)
+      set(first "${output}")
+    elseif(NOT output STREQUAL first)
+      message(FATAL_ERROR "own_law ${threads} with ${set} printed\n${output}instead of\n${first}")
+    endif()
+  endforeach()
+endforeach()
+if(NOT first MATCHES "broken [1-9]")
+  message(FATAL_ERROR "no bond of own_law broke:\n${first}")
+endif()
+# EVM's small motions are those of the V-model: the same first mode as below, and the stretching of E A.
+if(statics AND NOT first MATCHES "critical force 0\\.00030781[0-9]*")
+  message(FATAL_ERROR "expected a critical force of 3.0781e-4, own_law printed:\n${first}")
+endif()
+
 # Mode 1 of the paper's rod: 3.07817634631e-4.
 if(statics)
   step(${work}/build/buckling)

@@ -28,10 +28,19 @@ Checkpoint busy_checkpoint(Chain& chain) {
   chain.state.r[ParticleId{0}] = {-0.0, std::numeric_limits<double>::denorm_min(), 1e308};
   chain.state.clock = {
       .step = 5000000000, .stage_step = 4999999999, .stage = 2, .stage_start = 0.1, .dt = 1e-9};
-  chain.state.books = {
-      .at_start = 1.1, .dissipated = 2.2, .work_loads = 3.3, .work_supports = 4.4, .largest = 5.5};
+  chain.state.books = {.at_start = 1.1,
+                       .dissipated = 2.2,
+                       .released = 7.7,
+                       .work_loads = 3.3,
+                       .work_supports = 4.4,
+                       .largest = 5.5};
   chain.state.peak = {.sum = 0.1, .samples = 7, .last = 0.2, .peak = 0.3, .peak_time = 0.4, .blocks = 8};
   chain.state.rest = {.quiet_steps = 9};
+  chain.state.bonds[BondId{1}].law = &bond_law<Evm>;
+  chain.state.bonds[BondId{1}].broken = true;
+  chain.state.bond_history = {{0.1, 0.2}, {0.3}};
+  chain.state.damping = {{{1, 1, 3}, {4, 1, 6}, {7, 1, 9}}, {{3, 1, 1}, {6, 1, 4}, {9, 1, 7}}};
+  chain.state.loads = {{{1, 2, 3}, {4, 5, 6}, {7, 8, 9}}, {{3, 2, 1}, {6, 5, 4}, {9, 8, 7}}};
   WatchRecord watch;
   watch.bonds = {{BondRange::snapped, false}, {BondRange::strained, true}};
   watch.strained = 3, watch.snapped = 2, watch.shortened = 1;
@@ -148,7 +157,7 @@ TEST(Checkpoint, OtherFormatNamesTheVersionToUse) {
   Chain chain;
   write_checkpoint(folder / "c.h5", chain.model, {chain.state, {}}, "9.8.7");
   std::string newer = content_of(folder / "c.h5");
-  newer.replace(newer.find("format 2\n"), 9, "format 7\n");
+  newer.replace(newer.find("format 3\n"), 9, "format 7\n");
   put_content(folder / "c.h5", newer);
   expect_error(folder / "c.h5", chain.model, "vbond 9.8.7, in format 7");
 }
@@ -216,7 +225,7 @@ TEST(Checkpoint, NumbersOfAnotherFileAreRefused) {
       H5Lcreate_external("other.h5", "/books/at_start", file, "/books/at_start", H5P_DEFAULT, H5P_DEFAULT),
       0);
   H5Fclose(file);
-  write_seal(folder / "c.h5", 2, "1.2.3");
+  write_seal(folder / "c.h5", 3, "1.2.3");
   expect_error(folder / "c.h5", chain.model, "/books/at_start is missing or not as expected");
 }
 

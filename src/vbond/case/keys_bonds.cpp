@@ -163,16 +163,20 @@ void describe_coefficient(Table& t, const CoefficientKey& key, const BondLaw& la
         key.meaning.c_str());
 }
 
-/// Those of the coefficients that `wanted` says, each where the law has it.
+/// Those of the coefficients that `wanted` says, each where the law has it; those of the same laws together.
 template <class Wanted>
 void describe_coefficients(Table& t, const BondLaw& law, Coefficients& values, Wanted wanted) {
-  for (const CoefficientKey& key : coefficient_keys()) {
-    if (!wanted(key)) continue;
-    if (key.of_all())
-      describe_coefficient(t, key, law, values);
+  std::vector<CoefficientKey> keys = coefficient_keys();
+  std::erase_if(keys, [&](const CoefficientKey& key) { return !wanted(key); });
+  for (auto first = keys.begin(), last = first; first != keys.end(); first = last) {
+    last = std::find_if(first, keys.end(), [&](const CoefficientKey& k) { return k.laws != first->laws; });
+    const auto all = [&, first, last] {
+      for (auto key = first; key != last; ++key) describe_coefficient(t, *key, law, values);
+    };
+    if (first->of_all())
+      all();
     else
-      t.when(key.of(law), "law = \"" + names_of(key.laws, "\" or \"") + "\"",
-             [&] { describe_coefficient(t, key, law, values); });
+      t.when(first->of(law), "law = \"" + names_of(first->laws, "\" or \"") + "\"", all);
   }
 }
 

@@ -39,14 +39,21 @@ void Bodies::write(State& s) const {
   }
 }
 
-Loads Bodies::loads() const {
+Loads Bodies::collect(const std::vector<LoadRow>& from) const {
   const std::size_t n = order.particle.size();
   Loads l{PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)};
   for (const Row k : order.particle.ids()) {
-    l.F[order.particle[k]] = load[k.value].F;
-    l.M[order.particle[k]] = load[k.value].M;
+    l.F[order.particle[k]] = from[k.value].F;
+    l.M[order.particle[k]] = from[k.value].M;
   }
   return l;
+}
+
+void Bodies::spread(const Loads& l, std::vector<LoadRow>& to) const {
+  for (const Row k : order.particle.ids()) {
+    to[k.value].F = l.F[order.particle[k]];
+    to[k.value].M = l.M[order.particle[k]];
+  }
 }
 
 Energies Bodies::kinetic_energy(const Team& team) const {

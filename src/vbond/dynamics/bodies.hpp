@@ -19,7 +19,8 @@ struct Bodies {
   /// Takes positions and velocities over from a state, and gives them back.
   void read(const State& state);
   void write(State& state) const;
-  Loads loads() const;
+  Loads collect(const std::vector<LoadRow>& loads) const;
+  void spread(const Loads& loads, std::vector<LoadRow>& to) const;
 
   /// Poses of the particles alone, without those that fill up the rows.
   std::span<const PoseRow> poses() const { return {pose.data(), order.particle.size()}; }
@@ -29,6 +30,8 @@ struct Bodies {
   std::vector<PoseRow> pose;
   std::vector<MotionRow> motion;
   std::vector<LoadRow> load;
+  std::vector<MotionRow> rates;  ///< motion half a step ago, for bonds that read it; else empty
+  std::vector<LoadRow> damping;  ///< the part of the loads that damps, if any bond does; else empty
   std::vector<InverseInertia> inverse;
   std::vector<double> mass;     ///< [mass]
   std::vector<double> inertia;  ///< [mass*length^2]

@@ -1,21 +1,35 @@
 #include "vbond/dynamics/bond_index.hpp"
 
+#include <algorithm>
 #include <numeric>
 
 namespace vbond {
 
-BondIndex::BondIndex(std::size_t particles, const PerBond<Bond>& bonds)
-    : start_(particles + 1, 0), entries_(2 * bonds.size()) {
+BondIndex::BondIndex(std::size_t particles, const PerBond<Bond>& bonds) : start_(particles + 1, 0) {
   for (const Bond& b : bonds) {
+    if (b.broken) continue;
     ++start_[b.i.value + 1];
     ++start_[b.j.value + 1];
   }
   std::partial_sum(start_.begin(), start_.end(), start_.begin());
-  std::vector<std::size_t> next(start_.begin(), start_.end() - 1);
+  entries_.resize(start_.back());
+  end_.assign(start_.begin(), start_.end() - 1);
   for (const BondId b : bonds.ids()) {
     const Bond& bond = bonds[b];
-    entries_[next[bond.i.value]++] = {b, bond.j, true};
-    entries_[next[bond.j.value]++] = {b, bond.i, false};
+    if (bond.broken) continue;
+    entries_[end_[bond.i.value]++] = {b, bond.j, true};
+    entries_[end_[bond.j.value]++] = {b, bond.i, false};
+  }
+}
+
+void BondIndex::remove(BondId bond, ParticleId i, ParticleId j) {
+  for (const ParticleId p : {i, j}) {
+    Entry* const last = entries_.data() + end_[p.value];
+    Entry* const at = std::find_if(entries_.data() + start_[p.value], last,
+                                   [bond](const Entry& e) { return e.bond == bond; });
+    if (at == last) continue;
+    std::move(at + 1, last, at);
+    --end_[p.value];
   }
 }
 

@@ -6,7 +6,7 @@
 
 namespace vbond {
 
-/// The bonds of each particle in order of creation: for summing loads and for asking who is bonded.
+/// The unbroken bonds of each particle in order of creation: for summing loads and for asking who is bonded.
 class BondIndex {
  public:
   struct Entry {
@@ -24,8 +24,11 @@ class BondIndex {
   BondIndex() = default;
   BondIndex(std::size_t particles, const PerBond<Bond>& bonds);
 
+  /// This bond between i and j is broken.
+  void remove(BondId bond, ParticleId i, ParticleId j);
+
   Range of(ParticleId p) const {
-    return {entries_.data() + start_[p.value], entries_.data() + start_[p.value + 1]};
+    return {entries_.data() + start_[p.value], entries_.data() + end_[p.value]};
   }
   bool bonded(ParticleId p, ParticleId o) const {
     for (const Entry& e : of(p))
@@ -34,7 +37,7 @@ class BondIndex {
   }
 
  private:
-  std::vector<std::size_t> start_;
+  std::vector<std::size_t> start_, end_;  // of each particle's entries
   std::vector<Entry> entries_;
 };
 

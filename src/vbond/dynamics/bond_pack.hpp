@@ -38,12 +38,14 @@ struct alignas(64) FullPack {
   Lanes coefficients[most_coefficients];
 };
 
-/// What is to be known of a pack besides: how many lanes are bonds, and whether the loads of one may belong
-/// to particles of another thread.
+/// What is to be known of a pack besides: which lanes are unbroken bonds, a bit each, and whether the loads
+/// of one may belong to particles of another thread.
 struct PackLanes {
-  std::uint8_t count = 0;
+  std::uint8_t active = 0;
   bool crossing = false;
+  bool has(std::size_t lane) const { return (active >> lane & 1) != 0; }
 };
+inline constexpr std::uint8_t all_lanes = 0xff;
 
 /// Rows that the step comes to after some bonds. Bonds wait for arithmetic, rows for memory: so the loop over
 /// these bonds asks for those rows on its way.
@@ -60,8 +62,21 @@ struct PackRun {
   const P* packs;
   const PackLanes* lanes;
   std::size_t count;
-  BondType type;  ///< not used for full packs
+  BondType type;              ///< not used for full packs
+  double* history = nullptr;  ///< of laws that remember: per pack and number, one per lane
   RowsAhead ahead{};
+};
+
+/// What the loop over bonds reads and writes besides the packs.
+struct BondSweep {
+  RowRange own;  ///< rows that loads are added to
+  const PoseRow* pose;
+  LoadRow* load;
+  const MotionRow* rates = nullptr;  ///< of the last half step; for laws that read rates only
+  LoadRow* damping = nullptr;        ///< the part of the loads that damps, for laws that do
+  double dt = 0;                     ///< for laws that remember: their history advances by it; 0: it stays
+  double dissipated = 0;             ///< by what bonds remember, added to  [energy]
+  std::uint8_t* broken = nullptr;    ///< of each pack of the run: lanes that break, a bit each
 };
 
 }  // namespace vbond

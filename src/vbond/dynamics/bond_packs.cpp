@@ -86,12 +86,19 @@ std::uint32_t BondPacks::number_of(const BondLaw& law) {
   return static_cast<std::uint32_t>(at - laws_.begin());
 }
 
-void BondPacks::arrange(const PerBond<Bond>& bonds, const Order& order, const Team& team) {
+void BondPacks::arrange(const PerBond<Bond>& bonds, const PerBond<BondHistory>& history, const Order& order,
+                        const Team& team) {
   *this = {};
   laws_.assign(bond_laws().begin(), bond_laws().end());
   std::vector<Sorted> sorted;
   sorted.reserve(bonds.size());
-  for (const BondId b : bonds.ids()) sorted.push_back({lower_row(bonds[b], order), kind_of(bonds[b]), b});
+  for (const BondId b : bonds.ids()) {
+    const Kind kind = kind_of(bonds[b]);  // asked of broken ones too: kinds are numbered as they come
+    if (bonds[b].broken) continue;
+    note(*bonds[b].law);
+    sorted.push_back({lower_row(bonds[b], order), kind, b});
+  }
+  bonds_ = sorted.size();
   std::sort(sorted.begin(), sorted.end(), [](const Sorted& a, const Sorted& b) {
     return std::tuple(a.block(), a.kind.compact, a.kind.type, a.row, a.bond) <
            std::tuple(b.block(), b.kind.compact, b.kind.type, b.row, b.bond);
@@ -111,7 +118,7 @@ void BondPacks::arrange(const PerBond<Bond>& bonds, const Order& order, const Te
     const std::size_t block = sorted[first].block();
     while (first_run_.size() <= block) first_run_.push_back(runs_.size());
     const RowRange own = team.part_of_row(block * block_rows).rows;
-    runs_.push_back(add_run(sorted.data() + first, last - first, bonds, order, own));
+    runs_.push_back(add_run(sorted.data() + first, last - first, bonds, history, order, own));
   });
   while (first_run_.size() <= team.blocks()) first_run_.push_back(runs_.size());
 
@@ -132,28 +139,49 @@ void BondPacks::arrange(const PerBond<Bond>& bonds, const Order& order, const Te
     for_stretches(
         below, [](const Sorted& a, const Sorted& b) { return a.kind == b.kind; },
         [&](std::size_t first, std::size_t last) {
-          from_below_.back().push_back(add_run(below.data() + first, last - first, bonds, order, part.rows));
+          from_below_.back().push_back(
+              add_run(below.data() + first, last - first, bonds, history, order, part.rows));
         });
   }
+  std::stable_sort(breakable_.begin(), breakable_.end());
+}
+
+void BondPacks::note(const BondLaw& law) {
+  reads_rates_ |= law.reads_rates();
+  damp_ |= law.damped;
+  remembers_ |= law.remembers();
+  all_elastic_ &= law.is_elastic();
 }
 
 BondPacks::Run BondPacks::add_run(const Sorted* sorted, std::size_t count, const PerBond<Bond>& bonds,
-                                  const Order& order, RowRange own) {
+                                  const PerBond<BondHistory>& history, const Order& order, RowRange own) {
   const Kind kind = sorted->kind;
   const auto add = [&](auto& store) {
     const BondLaw& law = *bonds[sorted->bond].law;
-    const Run run{kind.compact, kind.type, &bond_loops(law, step_kernel()), store.packs.size(),
-                  (count + pack_bonds - 1) / pack_bonds};
+    const Run run{kind.compact,
+                  kind.type,
+                  &bond_loops(law, step_kernel()),
+                  &law,
+                  store.packs.size(),
+                  (count + pack_bonds - 1) / pack_bonds,
+                  store.history.size()};
+    const std::size_t remembered = law.history.size();
     for (std::size_t first = 0; first < count; first += pack_bonds) {
       auto& pack = store.packs.emplace_back();
       PackLanes& lanes = store.lanes.emplace_back();
-      lanes.count = static_cast<std::uint8_t>(std::min(pack_bonds, count - first));
+      lanes.active = static_cast<std::uint8_t>((1u << std::min(pack_bonds, count - first)) - 1);
+      const std::size_t at = store.history.size();
+      store.history.resize(at + remembered * pack_bonds);
       for (std::size_t l = 0; l < pack_bonds; ++l) {
         const Sorted& s = sorted[std::min(first + l, count - 1)];  // lanes past the last bond repeat it
         const Bond& b = bonds[s.bond];
         pack.i[l] = order.row[b.i].value;
         pack.j[l] = order.row[b.j].value;
         fill_lane(pack, l, b, s.kind.scale);
+        for (std::size_t n = 0; n < remembered && s.bond.value < history.size(); ++n)
+          store.history[at + n * pack_bonds + l] = history[s.bond][n];
+        if (law.breakable && first + l < count)
+          breakable_.push_back({s.bond, kind.compact, store.bond.size(), at + l, &law});
         store.bond.push_back(s.bond);
         lanes.crossing |= !own.contains(pack.i[l]) || !own.contains(pack.j[l]);
       }
@@ -172,21 +200,61 @@ void BondPacks::visit(const Run& run, F f) const {
     f(run.loops->full, full_.run(run, {}), full_);
 }
 
-void BondPacks::add_loads_from_below(const Part& part, const PoseRow* pose, LoadRow* load) const {
+void BondPacks::add_loads_from_below(const Part& part, BondSweep sweep) {
+  sweep.own = part.rows;
   for (const Run& r : from_below_[part.index])
-    visit(r, [&](const auto& kernel, const auto& run, const auto&) {
-      kernel.add_loads(run, part.rows, pose, load);
-    });
+    visit(r, [&](const auto& kernel, const auto& run, const auto&) { kernel.add_loads(run, sweep); });
 }
 
-void BondPacks::add_loads(const Block& block, const Part& part, const PoseRow* pose, LoadRow* load,
-                          const RowsAhead& ahead) const {
+double BondPacks::add_loads(const Block& block, const Part& part, BondSweep sweep, const RowsAhead& ahead,
+                            std::vector<BondId>* broken) {
+  sweep.own = part.rows;
+  std::vector<std::uint8_t> breaking;  // without memory as long as no law of the block breaks
   const std::size_t first = first_run_[block.index];
   for (std::size_t r = first; r < first_run_[block.index + 1]; ++r)
-    visit(runs_[r], [&](const auto& kernel, auto run, const auto&) {
+    visit(runs_[r], [&](const auto& kernel, auto run, const auto& store) {
       if (r == first) run.ahead = ahead;
-      kernel.add_loads(run, part.rows, pose, load);
+      if (broken == nullptr || !runs_[r].law->breakable) return kernel.add_loads(run, sweep);
+      breaking.assign(run.count, 0);
+      sweep.broken = breaking.data();
+      kernel.add_loads(run, sweep);
+      for (std::size_t k = 0; k < run.count; ++k)
+        for (std::size_t l = 0; breaking[k] >> l != 0; ++l)
+          if ((breaking[k] >> l & 1) != 0)
+            broken->push_back(store.bond[(runs_[r].first + k) * pack_bonds + l]);
     });
+  return sweep.dissipated;
+}
+
+void BondPacks::remove(BondId bond) {
+  const auto [first, last] = std::equal_range(breakable_.begin(), breakable_.end(), Lane{bond});
+  for (auto at = first; at != last; ++at) {
+    std::vector<PackLanes>& lanes = at->compact ? compact_.lanes : full_.lanes;
+    lanes[at->lane / pack_bonds].active &= static_cast<std::uint8_t>(~(1u << at->lane % pack_bonds));
+  }
+  ++removed_;
+}
+
+BondHistory BondPacks::history(BondId bond) const {
+  BondHistory history{};
+  const auto at = std::lower_bound(breakable_.begin(), breakable_.end(), Lane{bond});
+  const std::vector<double>& numbers = at->compact ? compact_.history : full_.history;
+  for (std::size_t n = 0; n < at->law->history.size(); ++n)
+    history[n] = numbers[at->history + n * pack_bonds];
+  return history;
+}
+
+void BondPacks::collect(PerBond<BondHistory>& history) const {
+  const auto collect_run = [&](const Run& run, const auto& store) {
+    const std::size_t n = run.law->history.size();
+    for (std::size_t k = 0; k < run.count * pack_bonds; ++k)
+      for (std::size_t number = 0; number < n && store.lanes[run.first + k / pack_bonds].has(k % pack_bonds);
+           ++number)
+        history[store.bond[run.first * pack_bonds + k]][number] =
+            store.history[run.first_history + (k / pack_bonds * n + number) * pack_bonds + k % pack_bonds];
+  };
+  for (const Run& run : runs_)
+    if (run.law->remembers()) run.compact ? collect_run(run, compact_) : collect_run(run, full_);
 }
 
 Energies BondPacks::survey(const Team& team, const PoseRow* pose, std::vector<BondId>& deformed) const {

@@ -24,14 +24,30 @@ inline std::size_t lower_row(const Bond& b, const Order& order) {
 /// block and all before it are done, the loads of that block's particles are complete.
 class BondPacks {
  public:
-  /// To be called whenever bonds were made.
-  void arrange(const PerBond<Bond>& bonds, const Order& order, const Team& team);
+  /// To be called whenever bonds were made. Broken bonds are left out.
+  void arrange(const PerBond<Bond>& bonds, const PerBond<BondHistory>& history, const Order& order,
+               const Team& team);
 
-  /// Adds what the bonds of lower parts do to the particles of this part: first of all in a part.
-  void add_loads_from_below(const Part& part, const PoseRow* pose, LoadRow* load) const;
-  /// Adds the loads of the bonds of a block to the particles of its part.
-  void add_loads(const Block& block, const Part& part, const PoseRow* pose, LoadRow* load,
-                 const RowsAhead& ahead) const;
+  /// Adds what the bonds of lower parts do to the particles of this part: first of all in a part. Like
+  /// add_loads(), takes sweep.own from the part.
+  void add_loads_from_below(const Part& part, BondSweep sweep);
+  /// Adds the loads of the bonds of a block to the particles of its part. Bonds that break are added to
+  /// `broken`, in no order. Returns the energy that what bonds remember takes out in this step.
+  double add_loads(const Block& block, const Part& part, BondSweep sweep, const RowsAhead& ahead,
+                   std::vector<BondId>* broken);
+
+  /// This bond does nothing any more. Its lane stays empty until the next arrange().
+  void remove(BondId bond);
+  /// Whether so many lanes are empty that arranging anew pays.
+  bool is_sparse() const { return removed_ > bonds_ / 8; }
+  bool reads_rates() const { return reads_rates_; }
+  bool damp() const { return damp_; }
+  bool remembers() const { return remembers_; }
+  /// What a bond that may break remembers now.
+  BondHistory history(BondId bond) const;
+  bool all_elastic() const { return all_elastic_; }
+  /// What each bond remembers now; those that are broken are left as they are.
+  void collect(PerBond<BondHistory>& history) const;
 
   /// The bonds of this block join only rows of blocks before the one returned.
   std::size_t reach(std::size_t block) const { return reach_[block]; }
@@ -55,23 +71,36 @@ class BondPacks {
     bool compact;
     std::uint32_t type;
     const BondLoops* loops;
+    const BondLaw* law;
     std::size_t first, count;
+    std::size_t first_history;
   };
   template <class P>
   struct Store {
     std::vector<P> packs;
     std::vector<PackLanes> lanes;
-    std::vector<BondId> bond;  // of each lane
+    std::vector<BondId> bond;             // of each lane
+    mutable std::vector<double> history;  // run by run, of those whose law remembers; moved on by a sweep
     void reserve(std::size_t n) { packs.reserve(n), lanes.reserve(n), bond.reserve(n * pack_bonds); }
     PackRun<P> run(const Run& r, const BondType& type) const {
-      return {&packs[r.first], &lanes[r.first], r.count, type};
+      return {&packs[r.first], &lanes[r.first], r.count, type, history.data() + r.first_history};
     }
+  };
+  /// Where a bond is worked on: once, or in a second place for the other part.
+  struct Lane {
+    BondId bond;
+    bool compact = false;
+    std::size_t lane = 0;
+    std::size_t history = 0;  // where its first number stands
+    const BondLaw* law = nullptr;
+    friend bool operator<(const Lane& a, const Lane& b) { return a.bond < b.bond; }
   };
 
   Kind kind_of(const Bond& bond);
   std::uint32_t number_of(const BondLaw& law);
-  Run add_run(const Sorted* sorted, std::size_t count, const PerBond<Bond>& bonds, const Order& order,
-              RowRange own);
+  Run add_run(const Sorted* sorted, std::size_t count, const PerBond<Bond>& bonds,
+              const PerBond<BondHistory>& history, const Order& order, RowRange own);
+  void note(const BondLaw& law);
   template <class F>
   void visit(const Run& run, F f) const;
 
@@ -84,6 +113,9 @@ class BondPacks {
   std::vector<std::size_t> reach_;            // of each block
   std::vector<std::uint8_t> at_border_;       // of each block
   std::vector<std::vector<Run>> from_below_;  // of each part
+  std::vector<Lane> breakable_;               // in order of bonds, a bond at most twice
+  bool reads_rates_ = false, damp_ = false, remembers_ = false, all_elastic_ = true;
+  std::size_t bonds_ = 0, removed_ = 0;
 };
 
 }  // namespace vbond

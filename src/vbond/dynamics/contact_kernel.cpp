@@ -69,7 +69,7 @@ bool add_contacts(const ContactRule& rule, const NearRows& near, RowRange rows, 
                   LoadRow* load) {
   Real deepest(0.0);
   for (std::size_t i = rows.first; i < rows.last; ++i) {
-    const std::size_t begin = near.start[i], end = near.start[i + 1];
+    const std::size_t begin = near.start[i], end = near.end[i];
     if (begin == end) continue;
     const Vec3d place = pose[i].r;
     const Vec3<Real> r_i{Real(place.x), Real(place.y), Real(place.z)};

@@ -10,10 +10,10 @@ namespace vbond {
 /// radii: for equal ones, when they overlap by half a radius.
 inline constexpr double deep_part = 0.75;
 
-/// Which rows are near which: those of row i are rows[start[i]], ... up to start[i + 1]. Behind the last of
-/// all, rows_at_once more can be read and are rows.
+/// Which rows are near which: those of row i are rows[start[i]], ... up to end[i]. Behind the last of all,
+/// rows_at_once more can be read and are rows.
 struct NearRows {
-  const std::size_t* start;
+  const std::size_t *start, *end;
   const Row* rows;
 };
 

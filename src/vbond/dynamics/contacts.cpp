@@ -43,6 +43,16 @@ void Contacts::bonds_changed() {
   if (list_ && model_.contact.pairs == ContactPairs::unbonded) list_->invalidate();
 }
 
+Contacts::Touch Contacts::unbonded(Row i, Row j, std::span<const PoseRow> pose) {
+  if (!list_ || model_.contact.pairs != ContactPairs::unbonded) return {};
+  list_->add(i, j);
+  const Vec3d r_ij = pose[j.value].r - pose[i.value].r;
+  const double distance = norm(r_ij), overlap = radius_[i] + radius_[j] - distance;
+  if (!(overlap > 0.0)) return {};
+  const HertzContact<double> h = law(i, j);
+  return {contact_energy(h, overlap), -(contact_force(h, overlap) / distance) * r_ij};
+}
+
 HertzContact<double> Contacts::law(Row i, Row j) const {
   return contact_law(model_.contact, radius_[i], radius_[j]);
 }

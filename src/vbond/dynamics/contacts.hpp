@@ -29,8 +29,16 @@ class Contacts {
   /// Brings the list up to date; to be called whenever positions have changed. One pose per row.
   void refresh(std::span<const PoseRow> pose, const Team& team,
                double way = std::numeric_limits<double>::infinity());
-  /// The set of bonded pairs is no longer the same.
+  /// Bonds were made: the set of bonded pairs is no longer the same.
   void bonds_changed();
+  /// The contact of two particles.
+  struct Touch {
+    double energy = 0;  ///< [energy]
+    Vec3d force;        ///< on i  [force]
+  };
+  /// The last bond between these two is broken. Returns what contact this makes of them: nothing if they do
+  /// not touch, or did so before.
+  Touch unbonded(Row i, Row j, std::span<const PoseRow> pose);
   /// Adds to the loads of these rows, and to no others, the forces of all that touch them, in increasing
   /// order of rows: the bits do not depend on how rows are shared out, nor on when the list was built. `pose`
   /// and `load` are those of all rows.  [force]

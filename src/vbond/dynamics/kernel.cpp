@@ -4,8 +4,8 @@
 // emitted here would be compiled for a machine on which the rest of the program may not be running.
 #include "vbond/dynamics/kernel.hpp"
 
-#include "vbond/dynamics/detail/bond_loops.hpp"
-#include "vbond/dynamics/detail/kernel_rows.hpp"
+#include "vbond/dynamics/bond_loops.hpp"
+#include "vbond/dynamics/kernel_rows.hpp"
 #include "vbond/physics/laws.hpp"
 
 namespace vbond::VBOND_KERNEL {
@@ -111,7 +111,7 @@ template <class Laws>
 struct LoopsOf;
 template <template <class> class... Laws>
 struct LoopsOf<LawList<Laws...>> {
-  static constexpr BondLoops loops[] = {bond_loops<Laws>...};
+  static constexpr BondLoops loops[] = {loops_of_law<Laws>...};
 };
 
 }  // namespace

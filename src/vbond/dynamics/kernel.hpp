@@ -23,7 +23,7 @@ struct BondEnergies {
 template <class P>
 struct PackLoops {
   /// Adds the loads of these bonds to their particles; of a pack that crosses, only to rows of `own`.
-  void (*add_loads)(const PackRun<P>&, RowRange own, const PoseRow*, LoadRow*);
+  void (*add_loads)(const PackRun<P>&, BondSweep&);
   /// Adds the energies of these bonds, and tells of each pack the lanes that needs_look(), a bit each.
   void (*survey)(const PackRun<P>&, const PoseRow*, BondEnergies&, std::uint8_t* look);
 };

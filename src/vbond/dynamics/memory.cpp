@@ -17,7 +17,7 @@ MemoryUse memory_use(const State& state) {
   return {.per_particle = 4 * sizeof(double) + sizeof(Vec3d) +  // model
                           3 * sizeof(Vec3d) + sizeof(Quatd) +   // state
                           sizeof(PoseRow) + sizeof(MotionRow) + sizeof(LoadRow) + sizeof(InverseInertia) +
-                          2 * sizeof(double) + sizeof(Row) + sizeof(ParticleId) + sizeof(std::size_t),
+                          2 * sizeof(double) + sizeof(Row) + sizeof(ParticleId) + 2 * sizeof(std::size_t),
           .per_bond = sizeof(Bond) + pack + sizeof(BondId) + 2 * sizeof(BondIndex::Entry)};
 }
 

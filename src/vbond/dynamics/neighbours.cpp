@@ -67,7 +67,8 @@ void NeighbourList::rebuild(std::span<const PoseRow> pose, const Team& team) {
   valid_ = false;  // should memory run out
   const std::size_t n = radius_.size();
   r_built_.resize(n);
-  start_.resize(n + 1);
+  start_.resize(n);
+  end_.resize(n);
   near_end_.resize(n);
   of_part_.resize(team.parts().size());
   team.for_parts([&](const Part& part) {
@@ -82,6 +83,7 @@ void NeighbourList::rebuild(std::span<const PoseRow> pose, const Team& team) {
   // No cell for a point at infinity: the load check refuses the step that made it.
   if (std::any_of(of_part_.begin(), of_part_.end(), [](const OfPart& p) { return p.nowhere; })) {
     std::fill(start_.begin(), start_.end(), std::size_t{0});
+    end_ = start_;
     valid_ = true;
     room_ = 0.0;
     return;
@@ -97,7 +99,6 @@ void NeighbourList::rebuild(std::span<const PoseRow> pose, const Team& team) {
     if (rows.first < rows.last) all += near_end_[rows.last - 1];
   }
   neighbours_.resize(all + rows_at_once);  // any rows, to be read and not used
-  start_[n] = all;
   team.for_parts([&](const Part& part) { sort_found(team, part); });
   valid_ = true;
   room_ = 0.5 * skin_;
@@ -138,7 +139,7 @@ void NeighbourList::sort_found(const Team& team, const Part& part) {
   const RowRange rows = rows_of(part);
   if (rows.first == rows.last) return;
   for (std::size_t i = rows.first; i < rows.last; ++i)
-    start_[i] = own.before + near_end_[i];  // ends, to be counted down to beginnings
+    start_[i] = end_[i] = own.before + near_end_[i];  // starts are to be counted down
   const std::size_t count = team.parts().size() > 1 ? near_end_[rows.last - 1] : 0;
   Row low{rows.first}, high{rows.last - 1};  // all rows that this part has neighbours in, and its own
   for (std::size_t k = 0; k < count; ++k)
@@ -151,6 +152,30 @@ void NeighbourList::sort_found(const Team& team, const Part& part) {
       for (std::size_t k = j == others.first ? 0 : near_end_[j - 1]; k < near_end_[j]; ++k)
         if (rows.contains(near[k].value)) neighbours_[--start_[near[k].value]] = Row{j};
   }
+}
+
+void NeighbourList::add(Row i, Row j) {
+  if (!valid_) return;
+  if (!(norm2(r_built_[j.value] - r_built_[i.value]) < sq(radius_[i] + radius_[j] + skin_))) return;
+  add_to(i, j);
+  add_to(j, i);
+}
+
+/// The row's neighbours move to the end of all, with room for one more; their old place is lost until the
+/// next rebuild.
+void NeighbourList::add_to(Row i, Row j) {
+  const std::span<const Row> near = of(i);
+  if (std::binary_search(near.begin(), near.end(), j)) return;
+  const std::size_t from = start_[i.value], count = near.size(), to = neighbours_.size() - rows_at_once;
+  neighbours_.resize(to + count + 1 + rows_at_once);
+  Row* const old = neighbours_.data() + from;
+  Row* const now = neighbours_.data() + to;
+  Row* const at = std::upper_bound(old, old + count, j);
+  Row* const place = std::copy(old, at, now);
+  *place = j;
+  std::copy(at, old + count, place + 1);
+  start_[i.value] = to;
+  end_[i.value] = to + count + 1;
 }
 
 }  // namespace vbond

@@ -37,12 +37,13 @@ class NeighbourList {
 
   /// The neighbours of i in increasing order; every pair is listed from both sides.
   std::span<const Row> of(Row i) const {
-    return {neighbours_.data() + start_[i.value], neighbours_.data() + start_[i.value + 1]};
+    return {neighbours_.data() + start_[i.value], neighbours_.data() + end_[i.value]};
   }
   /// All of them.
-  NearRows rows() const { return {start_.data(), neighbours_.data()}; }
-  /// Neighbours of these rows, all together.
-  std::size_t count(RowRange rows) const { return start_[rows.last] - start_[rows.first]; }
+  NearRows rows() const { return {start_.data(), end_.data(), neighbours_.data()}; }
+  /// Lists a pair that Keep had left out, as a rebuild would, at the cost of two rows; nothing while the list
+  /// is to be rebuilt.
+  void add(Row i, Row j);
   std::int64_t rebuilds() const { return rebuilds_; }
 
  private:
@@ -59,6 +60,7 @@ class NeighbourList {
   void find_near(RowRange rows, double largest_reach, std::vector<Row>& near);
   void sort_found(const Team& team, const Part& part);
   RowRange rows_of(const Part& part) const;
+  void add_to(Row i, Row j);
 
   PerRow<double> radius_;
   double skin_, max_radius_;
@@ -67,7 +69,7 @@ class NeighbourList {
   bool valid_ = false;
   double room_ = 0;             // no particle has moved half the skin before one has moved so far  [length]
   std::vector<Vec3d> r_built_;  // positions at the last rebuild  [length]
-  std::vector<std::size_t> start_;
+  std::vector<std::size_t> start_, end_;  // of each row, in neighbours_
   std::vector<Row> neighbours_;
   std::int64_t rebuilds_ = 0;
 

@@ -15,14 +15,6 @@
 namespace vbond {
 namespace {
 
-/// Energies of bonds near rest are differences of terms of the size of B2, B3 and B4, known to some 1e-16 of
-/// them: an energy a thousand roundings large is the least that an error can sensibly be compared with.
-double scale_of_rounding(const PerBond<Bond>& bonds) {
-  double sum = 0.0;
-  for (const Bond& b : bonds) sum += angular_scale(b);
-  return 1e3 * std::numeric_limits<double>::epsilon() * sum;
-}
-
 /// The particles of each block and the bonds that are worked on with it.
 std::vector<std::size_t> work_of_blocks(const Bodies& bodies, const PerBond<Bond>& bonds) {
   std::vector<std::size_t> work((bodies.pose.size() + block_rows - 1) / block_rows, block_rows);
@@ -48,12 +40,13 @@ Simulation::Simulation(const Model& model, Stage stage, State state, int threads
       last_stage_step_(std::isfinite(stage_.stops.duration) ? steps_in(stage_.stops.duration, stage_.dt)
                                                             : std::numeric_limits<std::int64_t>::max()) {
   bodies_.read(state_);
+  breaking_.resize(team_.parts().size());
   bonds_changed();
   state_.clock.dt = stage_.dt;
   if (state_.clock.stage_step == 0)
     begin_stage();
   else
-    evaluate_loads();
+    take_up_loads();
 }
 
 void Simulation::begin_stage() {
@@ -105,6 +98,7 @@ void Simulation::step() {
   bodies_ahead_ = true;
   survey_.reset();
   close_books();
+  break_bonds();
   look_at_deep_contacts();
   keep_records();
   if (--steps_to_look_ == 0 || !encounters().empty() || fastest()) notify_observers();
@@ -123,8 +117,13 @@ void Simulation::begin_step(const Block& b) {
   BlockBooks& books = books_[b.index] = {};
   books.dissipated += damping_.slow_down(b.rows);  // v, omega over dt / 2
   books.work_supports += supports_.hold(b, Instant::start);
+  if (inelastic()) keep_rates(b);
   kick(b, dt / 2);  // v, omega : t -> t + dt/2
   books.work_supports += supports_.hold_after_kick(b, Instant::start, Instant::middle, dt / 2);
+  if (inelastic()) {
+    books.dissipated -= damping_work(b, dt / 2);
+    keep_rates(b);
+  }
   books.way2 = drift(b, dt);  // r, q     : t -> t + dt
   books.work_loads += applied_.work(b, dt);
   clear_loads(b);
@@ -136,6 +135,7 @@ void Simulation::end_step(const Block& b) {
   BlockBooks& books = books_[b.index];
   kick(b, dt / 2);  // v, omega : t + dt/2 -> t + dt
   books.work_supports += supports_.hold_after_kick(b, Instant::middle, Instant::end, dt / 2);
+  if (inelastic()) books.dissipated -= damping_work(b, dt / 2);
   books.dissipated += damping_.slow_down(b.rows);
   books.work_supports += supports_.hold(b, Instant::end);
 }
@@ -165,26 +165,6 @@ void Simulation::notify_observers() {
   }
 }
 
-void Simulation::bonds_changed() {
-  bonds_.arrange(state_.bonds, bodies_.order, team_);
-  bond_index_ = BondIndex(model_.particles(), state_.bonds);
-  rounding_scale_ = scale_of_rounding(state_.bonds);
-  contacts_.bonds_changed();
-  peak_bonds_.clear();
-  if (stage_.stops.peak && stage_.stops.peak->quantity == PeakQuantity::compressive_force)
-    peak_bonds_ = bonds_inside(stage_.stops.peak->particles);
-}
-
-void Simulation::make_bonds() {
-  if (stage_.bonding.empty()) return;
-  const std::vector<Bonding::Pair> pairs = bonding_.find(bodies_.poses(), team_);
-  if (pairs.empty()) return;
-  state();  // brought up to date
-  bonding_.make(pairs, state_);
-  bonds_changed();
-  evaluate_loads();
-}
-
 void Simulation::kick(const Block& b, double h) {
   books_[b.index].poison +=
       kernel_.kick(b.rows, h, bodies_.inverse.data(), bodies_.load.data(), bodies_.motion.data());
@@ -196,8 +176,11 @@ double Simulation::drift(const Block& b, double h) {
 
 void Simulation::clear_loads(const Block& b) {  // all at once: std::fill goes row by row
   static_assert(std::is_trivially_copyable_v<LoadRow>);
-  std::memset(static_cast<void*>(&bodies_.load[b.rows.first]), 0,
-              (b.rows.last - b.rows.first) * sizeof(LoadRow));
+  const auto clear = [&b](std::vector<LoadRow>& rows) {
+    std::memset(static_cast<void*>(&rows[b.rows.first]), 0, (b.rows.last - b.rows.first) * sizeof(LoadRow));
+  };
+  clear(bodies_.load);
+  if (!bodies_.damping.empty()) clear(bodies_.damping);
 }
 
 /// To be called block by block in the order of a part: bonds add to blocks further on.
@@ -205,8 +188,12 @@ void Simulation::complete_loads(const Part& part, const Block& b, Instant at, co
                                 StepTimes::Lap& lap) {
   const PoseRow* pose = bodies_.pose.data();
   LoadRow* load = bodies_.load.data();
-  if (b.index == part.first_block) bonds_.add_loads_from_below(part, pose, load);
-  bonds_.add_loads(b, part, pose, load, ahead);
+  const bool in_step = at == Instant::end;
+  const BondSweep sweep{
+      {}, pose, load, bodies_.rates.data(), bodies_.damping.data(), in_step ? stage_.dt : 0.0};
+  if (b.index == part.first_block) bonds_.add_loads_from_below(part, sweep);
+  books_[b.index].dissipated +=
+      bonds_.add_loads(b, part, sweep, ahead, in_step ? &breaking_[part.index] : nullptr);
   lap.add_to(times_.bonds);
   if (contacts_.any()) {
     books_[b.index].deep =
@@ -216,8 +203,10 @@ void Simulation::complete_loads(const Part& part, const Block& b, Instant at, co
   applied_.add(b, at);
 }
 
+/// Between steps: what reads rates reads the present ones, and nothing is remembered or broken.
 void Simulation::evaluate_loads() {
   survey_.reset();
+  if (bonds_.reads_rates()) bodies_.rates = bodies_.motion;
   contacts_.refresh(bodies_.poses(), team_);
   applied_.set_times(state_.clock.stage_step, stage_.dt);
   team_.for_blocks([&](const Block& b) { clear_loads(b); });
@@ -271,7 +260,11 @@ void Simulation::check_finite() const {
 }
 
 const State& Simulation::state() const {
-  if (std::exchange(bodies_ahead_, false)) bodies_.write(state_);
+  if (!std::exchange(bodies_ahead_, false)) return state_;
+  bodies_.write(state_);
+  if (bonds_.remembers()) bonds_.collect(state_.bond_history);
+  state_.loads = bonds_.all_elastic() ? Loads{} : loads();
+  state_.damping = bonds_.damp() ? bodies_.collect(bodies_.damping) : Loads{};
   return state_;
 }
 
@@ -362,7 +355,8 @@ const Survey& Simulation::survey() const {
 
 double Simulation::balance_error(const Energies& e) const {
   const EnergyBooks& b = state_.books;
-  const double imbalance = e.total() + b.dissipated - b.work_loads - b.work_supports - b.at_start;
+  const double imbalance =
+      e.total() + b.dissipated + b.released - b.work_loads - b.work_supports - b.at_start;
   return imbalance / std::max({b.largest, b.at_start, rounding_scale_, std::numeric_limits<double>::min()});
 }
 
@@ -397,7 +391,8 @@ std::vector<BondId> Simulation::bonds_inside(const std::vector<ParticleId>& part
 }
 
 double Simulation::mean_axial_force(const std::vector<BondId>& bonds) const {
-  return vbond::mean_axial_force(state_.bonds, bonds,
+  if (bonds_.remembers()) bonds_.collect(state_.bond_history);
+  return vbond::mean_axial_force(state_, bonds,
                                  [this](ParticleId p) -> const PoseRow& { return pose_of(p); });
 }
 

@@ -33,6 +33,15 @@ struct Survey {
   std::vector<BondId> deformed;
 };
 
+/// What happened to a bond.
+struct BondEvent {
+  enum class Kind : std::uint8_t { made, broken };
+  Kind kind;
+  BondId bond;
+  std::int64_t step;  ///< at the end of which it happened
+  double energy = 0;  ///< of the bond when it broke, above rest  [energy]
+};
+
 /// One stage of a run: a const Model, a Stage, and the State that the step loop moves.
 /// Observers see it read-only. Results are bitwise the same for any number of threads.
 class Simulation {
@@ -74,8 +83,11 @@ class Simulation {
   /// fastest particle if it was too fast for that: observers look at every step that has any.
   const std::vector<Encounter>& encounters() const { return encounters_.found(); }
   const std::optional<FastParticle>& fastest() const { return encounters_.fastest(); }
+  /// Bonds made and broken since observers looked last, in the order in which it happened, those of a step in
+  /// the order of bonds.
+  const std::vector<BondEvent>& events() const { return events_; }
   /// Forces and moments at the present positions, in the numbering of the model; collected at each call.
-  Loads loads() const { return bodies_.loads(); }
+  Loads loads() const { return bodies_.collect(bodies_.load); }
   /// Threads at work: fewer than asked for if there is too little for them to do.
   int threads() const { return static_cast<int>(team_.parts().size()); }
   /// Where the wall time of the steps has gone.
@@ -108,7 +120,11 @@ class Simulation {
 
   void begin_stage();
   void bonds_changed();
+  void arrange_bonds();
   void make_bonds();
+  void break_bonds();
+  void break_bond(BondId bond);
+  void take_up_loads();
   void apply_strain();
   void evaluate_loads();
   bool moves_first(const Block& block) const;
@@ -120,6 +136,9 @@ class Simulation {
   void clear_loads(const Block& block);
   void complete_loads(const Part& part, const Block& block, Instant at, const RowsAhead& ahead,
                       StepTimes::Lap& lap);
+  bool inelastic() const { return !bodies_.rates.empty(); }
+  void keep_rates(const Block& block);
+  double damping_work(const Block& block, double h) const;
   void close_books();
   double largest_way2() const;
   void look_at_deep_contacts();
@@ -148,6 +167,8 @@ class Simulation {
   Damping damping_;
   Bonding bonding_;
   std::vector<BlockBooks> books_;
+  std::vector<std::vector<BondId>> breaking_;  // of each part, in the step under way
+  std::vector<BondEvent> events_;
   double rounding_scale_ = 0;         // least energy that the balance error is compared with
   std::vector<BondId> peak_bonds_;    // inside the group that a peak is looked for in
   std::int64_t last_stage_step_ = 0;  // of the stage's duration

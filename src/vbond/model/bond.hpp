@@ -14,7 +14,7 @@
 
 namespace vbond {
 
-/// One elastic bond. It has no history: these constants and the particles' state say everything.
+/// One bond: its constants, and whether it is broken. What it remembers, if anything, is in State.
 struct Bond {
   ParticleId i, j;
   const BondLaw* law = &bond_law<VModel>;  ///< never null
@@ -22,13 +22,14 @@ struct Bond {
   Coefficients coefficients{};             ///< of the law, in the order of its fields, in their units
   Quatd frame_i, frame_j;                  ///< the bond's frame in the body frames of i and j, see BondFrames
   std::uint32_t set = 0;                   ///< which bond set of the case made it
+  bool broken = false;                     ///< keeps its id, and does nothing any more
 
   friend bool operator==(const Bond&, const Bond&) = default;
 };
 
-/// Where a bond of this shape stands in the range of its law.
+/// Where a bond of this shape stands in the range of its law; a broken one has none to leave.
 inline BondRange bond_range(const Bond& b, const BondShape& s) {
-  return b.law->range(b, s);
+  return b.broken ? BondRange::good : b.law->range(b, s);
 }
 
 /// The sum of the coefficients that are energies, without signs: the energy of a bond near rest is a

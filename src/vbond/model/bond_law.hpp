@@ -18,6 +18,10 @@ struct PairTangent;
 /// The coefficients of a law in the order of its fields; those it does not have are zero.
 using Coefficients = std::array<double, most_coefficients>;
 
+/// What a bond remembers, in the order of its law's history; the rest is zero.
+using BondHistory = std::array<double, most_history>;
+inline constexpr BondHistory no_history{};
+
 /// A bond law as loops over bonds and files see it, where the law is known at run time only. One object per
 /// law, bond_law<Law>: a bond points to it.
 struct BondLaw {
@@ -26,11 +30,20 @@ struct BondLaw {
   std::span<const LawFieldInfo> fields;
   double strained_past;                           ///< tilt or twist from which a bond is strained  [degrees]
   std::string_view rest_condition, rest_way_out;  ///< when rest is the least energy, and how to get there
-  BondEnergy<double> (*energy)(const Bond&, const BondPose<double>&);
-  BondLoads<double> (*loads)(const Bond&, const BondPose<double>&);
+  std::span<const std::string_view> history;      ///< names of what a bond remembers
+  bool damped, breakable;
+  /// The loads that damping adds.
+  BondLoads<double> (*damping_loads)(const Bond&, const BondPose<double>&, const BondRates<double>&);
+  BondEnergy<double> (*energy)(const Bond&, const BondPose<double>&, const BondHistory&);
+  BondLoads<double> (*loads)(const Bond&, const BondPose<double>&, const BondHistory&);  ///< without damping
+  /// Derivative of the loads, at rest: nothing for laws that remember, whose loads depend on the way.
   PairTangent<9> (*tangent)(const Bond&, const BondPose<double>&);
-  double (*tension)(const Bond&, double D);  ///< force of stretching at the length D  [force]
+  /// How near the bond is to breaking, at 1; 0 for laws that do not break.
+  double (*utilisation)(const Bond&, const BondPose<double>&, const BondHistory&);
+  /// Force of stretching at the length D.  [force]
+  double (*tension)(const Bond&, double D, const BondHistory&);
   BondStiffness<double> (*stiffness)(const Bond&);
+  BondStiffness<double> (*damping)(const Bond&);  ///< slopes of the damping at rest: stiffness times time
   BondRange (*range)(const Bond&, const BondShape&);
   /// The coefficients of a bond of length a with these stiffnesses; those that are always given stay as in
   /// `given`.
@@ -38,6 +51,10 @@ struct BondLaw {
   /// The loops of the step for this law in a kernel of that name, or nullptr; not set for the library's own
   /// laws, whose loops are in the kernels.
   const BondLoops* (*loops)(std::string_view kernel) = nullptr;
+
+  bool remembers() const { return !history.empty(); }
+  bool reads_rates() const { return damped || remembers(); }
+  bool is_elastic() const { return !reads_rates() && !breakable; }
 };
 
 /// The law as an object, for laws of the library and others alike; define_law.hpp says how it is made.

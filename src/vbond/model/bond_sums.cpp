@@ -14,16 +14,14 @@ double mean_axial_force(const State& state, const std::vector<ParticleId>& parti
   };
   std::vector<BondId> bonds;
   for (const BondId k : state.bonds.ids())
-    if (inside(state.bonds[k].i) && inside(state.bonds[k].j)) bonds.push_back(k);
-  return mean_axial_force(state.bonds, bonds, [&state](ParticleId p) {
-    return Pose{state.r[p], state.q[p]};
-  });
+    if (!state.bonds[k].broken && inside(state.bonds[k].i) && inside(state.bonds[k].j)) bonds.push_back(k);
+  return mean_axial_force(state, bonds, [&state](ParticleId p) { return Pose{state.r[p], state.q[p]}; });
 }
 
 void add_bond_loads(const State& state, Loads& loads) {
-  for (const Bond& b : state.bonds) {
-    const BondPose<double> pose = bond_pose(b, state);
-    const BondLoads<double> l = b.law->loads(b, pose);
+  for (const BondId k : state.bonds.ids()) {
+    const Bond& b = state.bonds[k];
+    const BondLoads<double> l = bond_loads(state, k);
     loads.F[b.i] += l.F;
     loads.F[b.j] -= l.F;
     loads.M[b.i] += l.M_ij;
@@ -33,9 +31,8 @@ void add_bond_loads(const State& state, Loads& loads) {
 
 Energies bond_energies(const State& state) {
   Energies e;
-  for (const Bond& b : state.bonds) {
-    const BondPose<double> pose = bond_pose(b, state);
-    const BondEnergy<double> u = b.law->energy(b, pose);
+  for (const BondId k : state.bonds.ids()) {
+    const BondEnergy<double> u = bond_energy(state, k);
     e.U_L += u.U_L;
     e.U_B += u.U_B;
     e.U_T += u.U_T;

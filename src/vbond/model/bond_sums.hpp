@@ -6,23 +6,25 @@
 
 namespace vbond {
 
-/// F.d of a bond between particles that stand like this, tension positive: the other terms of a law are
-/// normal to d.  [force]
-inline double axial_force(const Bond& b, const Vec3d& r_i, const Quatd& q_i, const Vec3d& r_j,
-                          const Quatd& q_j) {
-  if (b.R_i == 0.0 && b.R_j == 0.0) return b.law->tension(b, norm(r_j - r_i));  // no need of the axes
-  return b.law->tension(b, norm(bonded_points(bond_pose(b, r_i, q_i, r_j, q_j), b.R_i, b.R_j)));
+/// F.d of a bond between particles that stand like this, tension positive, damping left out: the other terms
+/// of a law are normal to d.  [force]
+inline double axial_force(const Bond& b, const BondHistory& history, const Vec3d& r_i, const Quatd& q_i,
+                          const Vec3d& r_j, const Quatd& q_j) {
+  const bool at_centres = b.R_i == 0.0 && b.R_j == 0.0;  // no need of the axes
+  const double D =
+      at_centres ? norm(r_j - r_i) : norm(bonded_points(bond_pose(b, r_i, q_i, r_j, q_j), b.R_i, b.R_j));
+  return b.law->tension(b, D, history);
 }
 
-/// Mean of F.d over these bonds, tension positive; 0 without any. pose(p): something with the position r and
-/// the orientation q of particle p.  [force]
+/// Mean of F.d over these bonds of a state, tension positive; 0 without any. pose(p): something with the
+/// position r and the orientation q of particle p, in place of the state's.  [force]
 template <class PoseOf>
-double mean_axial_force(const PerBond<Bond>& bonds, const std::vector<BondId>& of, PoseOf pose) {
+double mean_axial_force(const State& state, const std::vector<BondId>& of, PoseOf pose) {
   double sum = 0.0;
   for (const BondId k : of) {
-    const Bond& b = bonds[k];
+    const Bond& b = state.bonds[k];
     const auto &i = pose(b.i), &j = pose(b.j);
-    sum += axial_force(b, i.r, i.q, j.r, j.q);
+    sum += axial_force(b, history_of_bond(state, k), i.r, i.q, j.r, j.q);
   }
   return of.empty() ? 0.0 : sum / static_cast<double>(of.size());
 }

@@ -33,7 +33,20 @@ Coefficients coefficients_in(const Law& law) {
   return c;
 }
 
+template <template <class> class Law>
+LawHistory<Law<double>> history_of_bond(const BondHistory& h) {
+  LawHistory<Law<double>> history;
+  for (std::size_t k = 0; k < history_of<Law<double>>; ++k) history.value[k] = h[k];
+  return history;
+}
+
 namespace detail {
+
+template <class Law>
+constexpr std::span<const std::string_view> history_names() {
+  if constexpr (Remembering<Law>) return Law::history;
+  return {};
+}
 
 template <class Law>
 constexpr auto field_infos() {
@@ -62,11 +75,50 @@ constinit const BondLaw LawObject<Law>::object{
     .strained_past = Law<double>::strained_past,
     .rest_condition = Law<double>::rest_condition,
     .rest_way_out = Law<double>::rest_way_out,
-    .energy = [](const Bond& b, const BondPose<double>& pose) { return bond_energy(law_of<Law>(b), pose); },
-    .loads = [](const Bond& b, const BondPose<double>& pose) { return bond_loads(law_of<Law>(b), pose); },
-    .tangent = [](const Bond& b, const BondPose<double>& pose) { return bond_tangent(law_of<Law>(b), pose); },
-    .tension = [](const Bond& b, double D) { return tension(law_of<Law>(b), D); },
+    .history = detail::history_names<Law<double>>(),
+    .damped = Damped<Law<double>>,
+    .breakable = Breakable<Law<double>>,
+    .damping_loads =
+        [](const Bond& b, const BondPose<double>& pose, const BondRates<double>& rates) {
+          if constexpr (Damped<Law<double>>)
+            return bond_damping(law_of<Law>(b), pose, bond_axis(pose, b.R_i, b.R_j), rates);
+          else
+            return BondLoads<double>{};
+        },
+    .energy = [](const Bond& b, const BondPose<double>& pose,
+                 const BondHistory& h) { return energy_with(law_of<Law>(b), pose, history_of_bond<Law>(h)); },
+    .loads =
+        [](const Bond& b, const BondPose<double>& pose, const BondHistory& h) {
+          return loads_with(law_of<Law>(b), pose, bond_axis(pose, b.R_i, b.R_j), history_of_bond<Law>(h));
+        },
+    .tangent =
+        [](const Bond& b, const BondPose<double>& pose) {
+          if constexpr (Remembering<Law<double>>)
+            return PairTangent<9>{};
+          else
+            return bond_tangent(law_of<Law>(b), pose);
+        },
+    .utilisation =
+        [](const Bond& b, const BondPose<double>& pose, const BondHistory& h) {
+          const auto history = history_of_bond<Law>(h);
+          if constexpr (Breakable<Law<double>>) {
+            const Law<double> law = law_of<Law>(b);
+            const BondAxis<double> axis = bond_axis(pose, b.R_i, b.R_j);
+            return utilisation_with(law, pose, axis, loads_with(law, pose, axis, history), history);
+          } else {
+            return 0.0;
+          }
+        },
+    .tension = [](const Bond& b, double D,
+                  const BondHistory& h) { return tension_with(law_of<Law>(b), D, history_of_bond<Law>(h)); },
     .stiffness = [](const Bond& b) { return stiffness(law_of<Law>(b)); },
+    .damping =
+        [](const Bond& b) {
+          if constexpr (Damped<Law<double>>)
+            return damping(law_of<Law>(b));
+          else
+            return BondStiffness<double>{};
+        },
     .range = [](const Bond& b, const BondShape& s) { return bond_range(law_of<Law>(b), s); },
     .from_stiffness = detail::from_stiffness<Law>,
 };

@@ -4,10 +4,11 @@
 
 namespace vbond {
 
-/// Forces and moments on the particles at the present positions: scratch, never stored.
+/// Forces and moments on the particles at the present positions.
 struct Loads {
-  PerParticle<Vec3d> F;  ///< bonds, contacts and applied loads, without damping  [force]
+  PerParticle<Vec3d> F;  ///< bonds, contacts and applied loads, without viscous drag  [force]
   PerParticle<Vec3d> M;  ///< about each particle's own centre  [force*length]
+  friend bool operator==(const Loads&, const Loads&) = default;
 };
 
 /// Total force and moment (about the origin of coordinates) that supports exert.

@@ -4,6 +4,7 @@
 #include "vbond/core/column.hpp"
 #include "vbond/core/quat.hpp"
 #include "vbond/model/bond.hpp"
+#include "vbond/model/loads.hpp"
 #include "vbond/model/model.hpp"
 
 namespace vbond {
@@ -24,6 +25,7 @@ struct Clock {
 struct EnergyBooks {
   double at_start = 0;       ///< kinetic + potential when the run began
   double dissipated = 0;     ///< by damping, and contact energy given up when a pair is bonded
+  double released = 0;       ///< energy of bonds at the time they broke, less that of contacts it switched on
   double work_loads = 0;     ///< by point forces, moments and gravity
   double work_supports = 0;  ///< by supports, prescribed velocities and imposed strain
   double largest = 0;        ///< largest at_start + work so far: the scale of the balance error
@@ -50,11 +52,16 @@ struct RestRecord {
 /// Everything that changes, and exactly what a checkpoint holds.
 struct State {
   Clock clock;
-  PerParticle<Vec3d> r;      ///< positions of the centres  [length]
-  PerParticle<Vec3d> v;      ///< velocities  [length/time]
-  PerParticle<Quatd> q;      ///< orientations, body to world
-  PerParticle<Vec3d> omega;  ///< angular velocities, world frame  [rad/time]
-  PerBond<Bond> bonds;       ///< in order of creation
+  PerParticle<Vec3d> r;               ///< positions of the centres  [length]
+  PerParticle<Vec3d> v;               ///< velocities  [length/time]
+  PerParticle<Quatd> q;               ///< orientations, body to world
+  PerParticle<Vec3d> omega;           ///< angular velocities, world frame  [rad/time]
+  PerBond<Bond> bonds;                ///< in order of creation
+  PerBond<BondHistory> bond_history;  ///< empty where no bond remembers anything
+  /// Forces and moments at the present positions, where they do not follow from these: with bonds that damp,
+  /// remember or break. Empty for elastic bodies.
+  Loads loads;
+  Loads damping;  ///< the part of these that damps; empty if no bond does
   EnergyBooks books;
   PeakRecord peak;
   RestRecord rest;
@@ -91,6 +98,21 @@ inline void add_bond(const Model& model, const Bond& bond, State& s) {
 /// The pose of a bond as its particles stand now.
 inline BondPose<double> bond_pose(const Bond& b, const State& s) {
   return bond_pose(b, s.r[b.i], s.q[b.i], s.r[b.j], s.q[b.j]);
+}
+
+/// What a bond remembers.
+inline const BondHistory& history_of_bond(const State& s, BondId k) {
+  return k.value < s.bond_history.size() ? s.bond_history[k] : no_history;
+}
+
+/// Energy and loads of a bond as its particles stand now, damping left out; nothing if it is broken.
+inline BondEnergy<double> bond_energy(const State& s, BondId k) {
+  const Bond& b = s.bonds[k];
+  return b.broken ? BondEnergy<double>{} : b.law->energy(b, bond_pose(b, s), history_of_bond(s, k));
+}
+inline BondLoads<double> bond_loads(const State& s, BondId k) {
+  const Bond& b = s.bonds[k];
+  return b.broken ? BondLoads<double>{} : b.law->loads(b, bond_pose(b, s), history_of_bond(s, k));
 }
 
 }  // namespace vbond

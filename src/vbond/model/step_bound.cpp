@@ -30,7 +30,8 @@ std::string motion_of(const BondStiffness<double>& c, const BondEnd& i, const Bo
 PerParticle<double> bonds_of_particles(const Model& model, const State& state,
                                        const std::vector<BondingRule>& rules) {
   PerParticle<double> n(model.particles(), 0.0);
-  for (const Bond& b : state.bonds) n[b.i] += 1.0, n[b.j] += 1.0;
+  for (const Bond& b : state.bonds)
+    if (!b.broken) n[b.i] += 1.0, n[b.j] += 1.0;
   for (const BondingRule& rule : rules)
     for (const ParticleId p : n.ids())
       if (rule.in_a[p.value] || rule.in_b[p.value]) n[p] = std::max(n[p], bonds_of_close_packing);
@@ -44,7 +45,9 @@ Largest largest_of_bonds(const Model& model, const State& state, const PerPartic
   };
   for (const BondId id : state.bonds.ids()) {
     const Bond& b = state.bonds[id];
-    const double lambda = element_bound(stiffness_of(b), end(b.i, b.R_i, b.a), end(b.j, b.R_j, b.a));
+    if (b.broken) continue;
+    const double lambda =
+        element_bound(stiffness_of(b), b.law->damping(b), end(b.i, b.R_i, b.a), end(b.j, b.R_j, b.a));
     if (!(lambda <= largest.lambda)) largest.lambda = lambda, largest.bond = id;
   }
   if (largest.bond) {

@@ -20,7 +20,8 @@ void for_touching_pairs(const Model& model, const State& state, Visit&& visit) {
   const auto key = [](std::uint64_t i, std::uint64_t j) { return std::min(i, j) << 32 | std::max(i, j); };
   std::unordered_set<std::uint64_t> exempt;
   if (model.contact.pairs == ContactPairs::unbonded)
-    for (const Bond& b : state.bonds) exempt.insert(key(b.i.value, b.j.value));
+    for (const Bond& b : state.bonds)
+      if (!b.broken) exempt.insert(key(b.i.value, b.j.value));
   for_near_pairs(state.r.values(), 2.0 * R_max, [&](std::size_t i, std::size_t j, double distance2) {
     const ParticleId p{i}, q{j};
     const double overlap = model.radius[p] + model.radius[q] - std::sqrt(distance2);

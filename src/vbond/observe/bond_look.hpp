@@ -14,13 +14,13 @@ inline BondShape bond_shape(const Bond& b, const State& s) {
   return bond_shape(bond_pose(b, s), b.R_i, b.R_j);
 }
 
-/// Every bond that is strained or snapped, shorter than half or longer than twice its length at rest, and
-/// perhaps a few that are close to it, in increasing order.
+/// Every unbroken bond that is strained or snapped, shorter than half or longer than twice its length at
+/// rest, and perhaps a few that are close to it, in increasing order.
 inline std::vector<BondId> deformed_bonds(const State& s) {
   std::vector<BondId> deformed;
   for (const BondId k : s.bonds.ids()) {
     const Bond& b = s.bonds[k];
-    if (needs_look(bond_tilt(bond_pose(b, s), b.R_i, b.R_j), b.a)) deformed.push_back(k);
+    if (!b.broken && needs_look(bond_tilt(bond_pose(b, s), b.R_i, b.R_j), b.a)) deformed.push_back(k);
   }
   return deformed;
 }

@@ -48,8 +48,10 @@ void visit_fields(Archive& archive, C& c) {
   archive.of_each("/bonds/frame_i", s.bonds, &Bond::frame_i);
   archive.of_each("/bonds/frame_j", s.bonds, &Bond::frame_j);
   archive.of_each("/bonds/set", s.bonds, &Bond::set);
+  archive.of_each("/bonds/broken", s.bonds, &Bond::broken);
   archive("/books/at_start", s.books.at_start);
   archive("/books/dissipated", s.books.dissipated);
+  archive("/books/released", s.books.released);
   archive("/books/work_loads", s.books.work_loads);
   archive("/books/work_supports", s.books.work_supports);
   archive("/books/largest", s.books.largest);
@@ -281,6 +283,34 @@ void read_laws(Reader& reader, State& state, std::span<const BondLaw* const> oth
   }
 }
 
+/// Files have these only where bonds are more than elastic.
+void write_inelastic(Writer& writer, const State& state) {
+  if (!state.bond_history.empty()) writer.of_each("/bonds/history", state.bond_history, std::identity{});
+  const auto write = [&writer](const char* F, const char* M, const Loads& loads) {
+    if (loads.F.empty()) return;
+    writer.of_each(F, loads.F, std::identity{});
+    writer.of_each(M, loads.M, std::identity{});
+  };
+  write("/loads/F", "/loads/M", state.loads);
+  write("/loads/damping_F", "/loads/damping_M", state.damping);
+}
+
+void read_inelastic(Reader& reader, State& state) {
+  if (reader.has("/bonds/history")) {
+    state.bond_history.resize(state.bonds.size());
+    reader.of_each("/bonds/history", state.bond_history, std::identity{});
+  }
+  const auto read = [&](const char* F, const char* M, Loads& loads) {
+    if (!reader.has(F)) return;
+    loads.F.resize(state.r.size());
+    loads.M.resize(state.r.size());
+    reader.of_each(F, loads.F, std::identity{});
+    reader.of_each(M, loads.M, std::identity{});
+  };
+  read("/loads/F", "/loads/M", state.loads);
+  read("/loads/damping_F", "/loads/damping_M", state.damping);
+}
+
 using Ends = PerBond<ParticleId>;  // one end of each pair
 
 /// Files have these columns only where there are such pairs, so that the format is the one before them.
@@ -383,6 +413,7 @@ void write_checkpoint(const std::filesystem::path& path, const Model& model, con
     visit_fingerprint(writer, model);
     visit_fields(writer, checkpoint);
     write_laws(writer, checkpoint.state);
+    write_inelastic(writer, checkpoint.state);
     write_overlapping(writer, checkpoint.watch);
     write_rare(writer, checkpoint.watch);
     Replacement file(path);
@@ -409,6 +440,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const Model& model
     c.watch.bonds.resize(reader.rows("/watch/worst"));
     visit_fields(reader, c);
     read_laws(reader, c.state, laws);
+    read_inelastic(reader, c.state);
     read_overlapping(reader, c.watch, n);
     read_rare(reader, c.watch, c.state);
     check_sense(c);

@@ -166,8 +166,8 @@ void write_bonds_vtp(const fs::path& path, const State& state, std::optional<dou
     const Bond& b = state.bonds[k];
     const BondPose<double> pose = bond_pose(b, state);
     const BondShape shape = bond_shape(pose, b.R_i, b.R_j);
-    const auto U = b.law->energy(b, pose);
-    const auto loads = b.law->loads(b, pose);
+    const BondEnergy<double> U = bond_energy(state, k);
+    const BondLoads<double> loads = bond_loads(state, k);
     const Vec3d d = normalised(bonded_points(pose, b.R_i, b.R_j));
     const double F_d = dot(loads.F, d);
     ends.push_back(b.i.value), ends.push_back(b.j.value);

@@ -28,8 +28,8 @@ bool is_finite(const State& s, ParticleId p) {
          std::isfinite(q.w + q.x + q.y + q.z);
 }
 
-double energy_of(const Bond& b, const State& s) {
-  const auto U = b.law->energy(b, bond_pose(b, s));
+double energy_of(BondId k, const State& s) {
+  const BondEnergy<double> U = bond_energy(s, k);
   return U.U_L + U.U_B + U.U_T;
 }
 
@@ -62,7 +62,7 @@ std::string angles_of(const Bond& b, const State& s) {
                     fmt::format("position ({}, {}, {}), velocity ({}, {}, {}): not finite", s.r[p].x,
                                 s.r[p].y, s.r[p].z, s.v[p].x, s.v[p].y, s.v[p].z));
   for (const BondId k : s.bonds.ids())
-    if (const double U = energy_of(s.bonds[k], s); !std::isfinite(U))
+    if (const double U = energy_of(k, s); !std::isfinite(U))
       throw unsound(name_of(k, s.bonds[k]), fmt::format("energy {}", U));
   throw unsound("all particles", "the energy is not finite although each particle and bond is: it overflows");
 }
@@ -72,7 +72,7 @@ std::string most_loaded(const State& s) {
   std::string name = "all particles";
   double most = 0.0;
   for (const BondId k : s.bonds.ids()) {
-    const double U = energy_of(s.bonds[k], s);
+    const double U = energy_of(k, s);
     if (U > most) most = U, name = "most loaded is " + name_of(k, s.bonds[k]);
   }
   return name;
@@ -104,7 +104,8 @@ std::vector<Overlap> new_overlaps(const Model& m, const State& s, double part) {
   });
   if (found.empty()) return found;
   std::set<std::pair<ParticleId, ParticleId>> bonded;
-  for (const Bond& b : s.bonds) bonded.insert(std::minmax(b.i, b.j));
+  for (const Bond& b : s.bonds)
+    if (!b.broken) bonded.insert(std::minmax(b.i, b.j));
   found.erase(std::remove_if(found.begin(), found.end(),
                              [&bonded](const Overlap& o) {
                                return bonded.count({o.i, o.j}) > 0;

@@ -44,11 +44,21 @@ struct LawField {
 ///     T a, R_i, R_j;                     length at rest, attachment distances
 ///     T ...;                             its coefficients, at most most_coefficients
 ///     static constexpr std::string_view name, title, rest_condition, rest_way_out;
+///     static constexpr double strained_past;
 ///     static constexpr auto fields();    std::array of LawField: the one list of its coefficients
 ///     static constexpr Law from(stiffness, a, R_i, R_j);     coefficients that give these stiffnesses
-/// and the functions bond_energy, tension, bond_loads, stiffness and bond_range. Everything else follows from
-/// these: packs of the step loop, checkpoint, keys of case files and their reference, tangents by dual
-/// numbers, and the tests that every law must pass. docs/theory.md says what the functions must fulfil.
+/// and the functions bond_energy, stretch_energy, tension, bond_loads, stiffness and bond_range. Everything
+/// else follows from these: packs of the step loop, checkpoint, keys of case files and their reference,
+/// tangents by dual numbers, and the tests that every law must pass.
+///
+/// A law may have more:
+///     bond_damping(law, pose, axis, rates)     loads that never give energy: power_taken() >= 0
+///     damping(law)                             the slopes of these at rest, by channel, as a BondStiffness
+///     static constexpr std::array history{names}, at most most_history: what the bond remembers, zero at
+///     first.
+///         bond_energy, tension and bond_loads then have a LawHistory as last argument, as those below
+///     advance(law, pose, axis, rates, dt, history)           the new history, before the loads of a step
+///     utilisation(law, pose, axis, loads[, history])         by its elastic loads; the bond breaks at 1
 inline constexpr std::size_t most_coefficients = 8;
 
 template <class Law>
@@ -57,6 +67,79 @@ inline constexpr std::size_t coefficients_of = Law::fields().size();
 /// Coefficient number k of a law, as a pointer to its member.
 template <class Law, std::size_t k>
 inline constexpr auto coefficient = Law::fields()[k].at;
+
+/// The most that a bond may remember.
+inline constexpr std::size_t most_history = 8;
+
+template <class Law>
+inline constexpr std::size_t history_of = 0;
+template <class Law>
+requires requires {
+  Law::history.size();
+}
+inline constexpr std::size_t history_of<Law> = Law::history.size();
+
+/// What a bond of this law remembers, number by number.
+template <class Law>
+struct LawHistory {
+  typename Law::Number value[history_of<Law> > 0 ? history_of<Law> : 1]{};
+};
+
+template <class Law>
+concept Damped = requires(const Law& law, const BondPose<typename Law::Number>& b,
+                          const BondAxis<typename Law::Number>& axis,
+                          const BondRates<typename Law::Number>& rates) {
+  bond_damping(law, b, axis, rates);
+};
+template <class Law>
+concept Remembering = history_of<Law> >
+0;
+template <class Law>
+concept Breakable = requires(const Law& law, const BondPose<typename Law::Number>& b,
+                             const BondAxis<typename Law::Number>& axis,
+                             const BondLoads<typename Law::Number>& loads) {
+  utilisation(law, b, axis, loads);
+}
+|| requires(const Law& law, const BondPose<typename Law::Number>& b,
+            const BondAxis<typename Law::Number>& axis, const BondLoads<typename Law::Number>& loads,
+            const LawHistory<Law>& history) {
+  utilisation(law, b, axis, loads, history);
+};
+/// Laws whose loads need the rates of their particles.
+template <class Law>
+concept ReadsRates = Damped<Law> || Remembering<Law>;
+
+/// Energy, tension, elastic loads and utilisation of a bond, whether its law remembers anything or not.
+template <class Law, Scalar T>
+VBOND_HD BondEnergy<T> energy_with(const Law& law, const BondPose<T>& b, const LawHistory<Law>& history) {
+  if constexpr (Remembering<Law>)
+    return bond_energy(law, b, history);
+  else
+    return bond_energy(law, b);
+}
+template <class Law, Scalar T>
+VBOND_HD T tension_with(const Law& law, const T& D, const LawHistory<Law>& history) {
+  if constexpr (Remembering<Law>)
+    return tension(law, D, history);
+  else
+    return tension(law, D);
+}
+template <class Law, Scalar T>
+VBOND_HD BondLoads<T> loads_with(const Law& law, const BondPose<T>& b, const BondAxis<T>& axis,
+                                 const LawHistory<Law>& history) {
+  if constexpr (Remembering<Law>)
+    return bond_loads(law, b, axis, history);
+  else
+    return bond_loads(law, b, axis);
+}
+template <class Law, Scalar T>
+VBOND_HD T utilisation_with(const Law& law, const BondPose<T>& b, const BondAxis<T>& axis,
+                            const BondLoads<T>& loads, const LawHistory<Law>& history) {
+  if constexpr (Remembering<Law>)
+    return utilisation(law, b, axis, loads, history);
+  else
+    return utilisation(law, b, axis, loads);
+}
 
 /// The same law with constants of another scalar type, which carry no derivatives.
 template <Scalar To, template <class> class Law, Scalar From>

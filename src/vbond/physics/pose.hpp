@@ -76,6 +76,19 @@ VBOND_HD BondAxis<T> bond_axis(const BondPose<T>& b, const T& R_i, const T& R_j)
   return {D, per_D, per_D * D_ij};
 }
 
+/// The rates of two bonded particles at one instant; all vectors in the world frame.
+template <Scalar T>
+struct BondRates {
+  Vec3<T> v_ij;      ///< v_j - v_i, of the centres  [length/time]
+  Vec3<T> w_i, w_j;  ///< angular velocities  [rad/time]
+};
+
+/// The power that these loads take out of the motion of their two particles.  [energy/time]
+template <Scalar T>
+VBOND_HD T power_taken(const BondLoads<T>& l, const BondRates<T>& rates) {
+  return dot(l.F, rates.v_ij) - dot(l.M_ij, rates.w_i) - dot(l.M_ji, rates.w_j);
+}
+
 /// Force and moments of a bond of any law: the gradient of its bond_energy.
 template <class Law, Scalar T>
 VBOND_HD BondLoads<T> bond_loads(const Law& law, const BondPose<T>& b) {

@@ -254,6 +254,7 @@ Softest ArcLength::softest(const PathDirection& tangent) {
 double largest_bond_turn(const State& now, const Placement& before) {
   double largest = 0.0;
   for (const Bond& b : now.bonds) {
+    if (b.broken) continue;
     const Quatd seen_now = conjugate(now.q[b.i]) * now.q[b.j];
     const Quatd seen_before = conjugate(before.q[b.i]) * before.q[b.j];
     const BondPose<double> pose_now = bond_pose(b, now);

@@ -16,9 +16,10 @@ namespace {
 
 /// The mean distance of bonded particles; without bonds the mean radius; 1 if that is 0 as well.
 double length_scale(const Model& model, const State& s) {
-  double sum = 0.0;
-  for (const Bond& b : s.bonds) sum += norm(s.r[b.j] - s.r[b.i]);
-  if (sum > 0.0) return sum / static_cast<double>(s.bonds.size());
+  double sum = 0.0, bonds = 0.0;
+  for (const Bond& b : s.bonds)
+    if (!b.broken) sum += norm(s.r[b.j] - s.r[b.i]), bonds += 1.0;
+  if (sum > 0.0) return sum / bonds;
   sum = std::accumulate(model.radius.begin(), model.radius.end(), 0.0);
   return sum > 0.0 ? sum / static_cast<double>(model.particles()) : 1.0;
 }
@@ -107,6 +108,7 @@ StaticBody::StaticBody(const Model& model, const StaticStage& stage, State state
   // positions are rounded to eps |r|, unit vectors to eps
   constexpr double eps = std::numeric_limits<double>::epsilon();
   for (const Bond& b : state_.bonds) {
+    if (b.broken) continue;
     bonded_[b.i] = bonded_[b.j] = true;
     const double B = angular_scale(b), c_A = b.law->stiffness(b).c_A;
     rounding_of_force_ =
@@ -178,9 +180,9 @@ const StaticBody::Loaded& StaticBody::loads_at_hand() const {
   Loaded l{{PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)}, {}, 0.0};
   add_applied(load_factor_, l.loads);
   l.largest = max_norm(on_unknowns(l.loads));
-  for (const Bond& b : state_.bonds) {
-    const BondPose<double> pose = bond_pose(b, state_);
-    const BondLoads<double> f = b.law->loads(b, pose);
+  for (const BondId k : state_.bonds.ids()) {
+    const Bond& b = state_.bonds[k];
+    const BondLoads<double> f = bond_loads(state_, k);
     l.loads.F[b.i] += f.F, l.loads.F[b.j] -= f.F;
     l.loads.M[b.i] += f.M_ij, l.loads.M[b.j] += f.M_ji;
     for (const double force :
@@ -219,7 +221,8 @@ double StaticBody::residual_of_rounding() const {
 
 void StaticBody::lay_out(const std::vector<Assembly::Pair>& touching) const {
   std::vector<Assembly::Pair> pairs = touching;
-  for (const Bond& b : state_.bonds) pairs.push_back({b.i, b.j});
+  for (const Bond& b : state_.bonds)
+    if (!b.broken) pairs.push_back({b.i, b.j});
   stiffness_.assembly.lay_out(model_.particles(), pairs);
 }
 
@@ -254,11 +257,8 @@ const StaticBody::Stiffness& StaticBody::stiffness_at_hand() const {
   add_applied(0.0, constant);
   stiffness_.load_direction = on_unknowns(with_factor) - on_unknowns(constant);
   if (relief_.size() > 0) stiffness_.load_direction += relief_;
-  for (const Bond& b : state_.bonds) {
-    const BondPose<double> pose = bond_pose(b, state_);
-    const auto t = b.law->tangent(b, pose);
-    add_pair(b.i, b.j, block_of(t, unknowns_.length()));
-  }
+  for (const Bond& b : state_.bonds)
+    if (!b.broken) add_pair(b.i, b.j, block_of(b.law->tangent(b, bond_pose(b, state_)), unknowns_.length()));
   for (const auto& [i, j] : touching) add_pair(i, j, block_of(touch(model_, state_, i, j)));
   stiffness_.current = true;
   return stiffness_;
@@ -329,8 +329,8 @@ std::string StaticBody::first_not_finite() const {
   for (const BondId k : state_.bonds.ids()) {
     const Bond& b = state_.bonds[k];
     const BondPose<double> pose = bond_pose(b, state_);
-    const BondLoads<double> f = b.law->loads(b, pose);
-    const auto U = b.law->energy(b, pose);
+    const BondLoads<double> f = bond_loads(state_, k);
+    const BondEnergy<double> U = bond_energy(state_, k);
     const bool finite_loads = is_finite(f.F) && is_finite(f.M_ij) && is_finite(f.M_ji);
     if (finite_loads && std::isfinite(U.U_L + U.U_B + U.U_T)) continue;
     return fmt::format("bond {} (particles {}, {}): its {} not finite, its bonded points are {:.3g} apart",
@@ -392,6 +392,7 @@ double StaticBody::largest_bond_change(const Vector& x, double load_factor_chang
   };
   double largest = 0.0;
   for (const Bond& b : state_.bonds) {
+    if (b.broken) continue;
     const double stretch = norm(movement(b.j, 0) - movement(b.i, 0)) / span(b, state_);
     const double turn = norm(movement(b.j, 3) - movement(b.i, 3)) / unknowns_.length();
     largest = larger(larger(largest, stretch), turn);

@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "vbond/model/step_bound.hpp"
 #include "vbond/physics/stability.hpp"
 #include "vbond/statics/detail/body.hpp"
 #include "vbond/statics/detail/eigen.hpp"
@@ -19,7 +21,10 @@ double exact_critical_step(const Model& model, const State& state, const std::ve
     throw NoConvergence("the stiffness is not finite: " + body.first_not_finite());
   const double lambda =
       largest_eigenvalue(mass_scaled(body.tangent(), roots_of_mass(model, body.unknowns())));
-  return lambda > 0.0 ? critical_step(lambda) : nothing_swings;
+  const double elastic = lambda > 0.0 ? critical_step(lambda) : nothing_swings;
+  const bool damped = std::any_of(state.bonds.begin(), state.bonds.end(),
+                                  [](const Bond& b) { return !b.broken && b.law->damped; });
+  return damped ? std::min(elastic, step_bound(model, state).dt) : elastic;
 }
 
 }  // namespace vbond

@@ -36,7 +36,8 @@ std::vector<Part> connected_parts(const Model& model, const State& state) {
     const ParticleId a = root(i), b = root(j);
     parent[std::max(a, b)] = std::min(a, b);
   };
-  for (const Bond& b : state.bonds) join(b.i, b.j);
+  for (const Bond& b : state.bonds)
+    if (!b.broken) join(b.i, b.j);
   for_touching_pairs(model, state, [&](ParticleId i, ParticleId j, double) { join(i, j); });
 
   PerParticle<std::size_t> number(model.particles());

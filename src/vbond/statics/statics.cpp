@@ -1,5 +1,7 @@
 #include "vbond/statics/statics.hpp"
 
+#include <fmt/format.h>
+
 #include <stdexcept>
 #include <utility>
 
@@ -22,12 +24,27 @@ StaticOutcome run_kind(const Model& model, const StaticStage& stage, State state
   throw std::invalid_argument("run_static_stage: a dynamic stage is run by a Simulation");
 }
 
+/// Loads that depend on the way there have no potential, so that no balance follows from positions alone.
+void refuse_bonds_that_remember(const StaticStage& stage, const State& state) {
+  for (const BondId k : state.bonds.ids()) {
+    const Bond& b = state.bonds[k];
+    if (b.broken || !b.law->remembers()) continue;
+    throw NoEquilibrium(
+        stage.name,
+        fmt::format("bond {} (particles {}, {}) is of the law \"{}\", which remembers its past: "
+                    "its loads have no potential",
+                    k.value, b.i.value, b.j.value, b.law->name),
+        "bring the body to rest in a stage of dynamics, with damping");
+  }
+}
+
 }  // namespace
 
 StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, State state,
                                const StaticHooks& hooks) {
   const OneBlasThread alone;
   try {
+    refuse_bonds_that_remember(stage, state);
     return run_kind(model, stage, std::move(state), hooks);
   } catch (const NoEquilibrium&) {
     throw;
@@ -37,6 +54,7 @@ StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, Sta
 }
 
 void refuse_free_bodies(const Model& model, const StaticStage& stage, const State& state) {
+  refuse_bonds_that_remember(stage, state);
   if (stage.kind != StageKind::modes) refuse_rigid_motions(StaticBody(model, stage, state));
 }
 

@@ -43,8 +43,9 @@ struct SolverChoice {
 SolverChoice choose_solver(const Model& model, const StaticStage& stage, const State& state);
 
 /// The largest stable step of leap-frog for small motions about this state, 2 / omega_max of the assembled
-/// body with present contacts and these held degrees of freedom.  [time] Infinite if nothing is elastic;
-/// throws NoConvergence.
+/// body with present contacts and these held degrees of freedom; where bonds damp, which takes smaller steps,
+/// the bound of the single bonds if that is less.  [time] Infinite if nothing is elastic; throws
+/// NoConvergence.
 double exact_critical_step(const Model& model, const State& state, const std::vector<Support>& supports);
 
 }  // namespace vbond

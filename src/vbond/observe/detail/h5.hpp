@@ -128,12 +128,12 @@ template <>
 struct Stored<bool> : StoredByte<bool, 1> {};
 template <>
 struct Stored<UnitSystem> : StoredByte<UnitSystem, static_cast<std::uint8_t>(UnitSystem::si)> {};
-template <>
-struct Stored<Coefficients> {
+template <std::size_t N>
+struct Stored<std::array<double, N>> {
   using Number = double;
-  static constexpr std::size_t count = most_coefficients;
-  static void put(const Coefficients& c, double* to) { std::copy(c.begin(), c.end(), to); }
-  static void take(const double* from, Coefficients& c) { std::copy_n(from, count, c.begin()); }
+  static constexpr std::size_t count = N;
+  static void put(const std::array<double, N>& x, double* to) { std::copy(x.begin(), x.end(), to); }
+  static void take(const double* from, std::array<double, N>& x) { std::copy_n(from, N, x.begin()); }
 };
 
 /// The name of a bond law, filled up with zeros.

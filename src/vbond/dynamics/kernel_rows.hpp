@@ -92,7 +92,8 @@ VBOND_HD void whole_row(const Pack<W> (&first)[4], const Pack<W> (&second)[4], s
   }
 }
 
-VBOND_HD void store_row(const Halves& first, const Halves& second, std::size_t l, double* to) {
+[[maybe_unused]] VBOND_HD void store_row(const Halves& first, const Halves& second, std::size_t l,
+                                         double* to) {
   Real row[8 / lanes];
   whole_row(first, second, l, row);
   for (std::size_t part = 0; part < 8 / lanes; ++part) row[part].store(to + part * lanes);
@@ -116,7 +117,7 @@ VBOND_HD Pack<W> halves_of(double x, double y, std::size_t part) {
 }
 
 /// The sum of a row's numbers, always in this order.
-VBOND_HD double sum_of_row(const Real (&row)[8 / lanes]) {
+[[maybe_unused]] VBOND_HD double sum_of_row(const Real (&row)[8 / lanes]) {
   double x[8];
   for (std::size_t part = 0; part < 8; part += lanes) row[part / lanes].store(x + part);
   return ((x[0] + x[1]) + (x[2] + x[3])) + ((x[4] + x[5]) + (x[6] + x[7]));

@@ -1,0 +1,162 @@
+// A bond law of a program's own: the EVM with a force of stretching that hardens, N = B1 u (1 + (u/s)^2), and
+// a strength at which the bond breaks. A sheet of such bonds is torn; a rod of them is pressed until it
+// buckles.
+#include <cstdio>
+#include <cstdlib>
+#include <numeric>
+
+#include "vbond/dynamics/law_with_loops.hpp"
+#include "vbond/dynamics/simulation.hpp"
+#include "vbond/model/make_bond.hpp"
+#if HAS_STATICS
+#include "vbond/statics/statics.hpp"
+#endif
+
+namespace own {
+
+using namespace vbond;
+
+template <Scalar T>
+struct Tendon {
+  using Number = T;
+  T a, R_i, R_j;     // length at rest, attachment distances
+  T B1, B2, B3, B4;  // of the EVM
+  T per_s2;          // 1/s^2  [1/length^2]
+  T per_strength;    // [1/force]
+
+  static constexpr std::string_view name = "tendon", title = "hardening EVM with a strength";
+  static constexpr double strained_past = 90;  // degrees
+  static constexpr std::string_view rest_condition = Evm<T>::rest_condition,
+                                    rest_way_out = Evm<T>::rest_way_out;
+  static constexpr auto fields() {
+    constexpr auto evm = Evm<double>::fields();
+    using Field = LawField<Tendon>;
+    return std::array{Field{&Tendon::B1, evm[0].info},
+                      Field{&Tendon::B2, evm[1].info},
+                      Field{&Tendon::B3, evm[2].info},
+                      Field{&Tendon::B4, evm[3].info},
+                      Field{&Tendon::per_s2, {"per_s2", {0, -2}, "hardening", LawInput::given}},
+                      Field{&Tendon::per_strength, {"per_strength", {-1, 0}, "strength", LawInput::given}}};
+  }
+  static constexpr Tendon from(const BondStiffness<T>& c, const T& a, const T& R_i, const T& R_j) {
+    const Evm<T> m = Evm<T>::from(c, a, R_i, R_j);
+    return {a, R_i, R_j, m.B1, m.B2, m.B3, m.B4, T(0.0), T(0.0)};
+  }
+  constexpr Evm<T> evm() const { return {a, R_i, R_j, B1, B2, B3, B4}; }
+};
+
+/// What the hardening adds to the EVM.
+template <Scalar T>
+T stretch_energy(const Tendon<T>& m, const T& D) {
+  const T u = D - m.a;
+  return stretch_energy(m.evm(), D) + T(0.25) * m.B1 * m.per_s2 * sq(sq(u));
+}
+template <Scalar T>
+T tension(const Tendon<T>& m, const T& D) {
+  const T u = D - m.a;
+  return m.B1 * u * (T(1.0) + m.per_s2 * sq(u));
+}
+template <Scalar T>
+BondEnergy<T> bond_energy(const Tendon<T>& m, const BondPose<T>& b) {
+  BondEnergy<T> U = bond_energy(m.evm(), b);
+  U.U_L = stretch_energy(m, norm(bonded_points(b, m.R_i, m.R_j)));
+  return U;
+}
+template <Scalar T>
+BondLoads<T> bond_loads(const Tendon<T>& m, const BondPose<T>& b, const BondAxis<T>& axis) {
+  BondLoads<T> l = bond_loads(m.evm(), b, axis);
+  const Vec3<T> more = (tension(m, axis.D) - tension(m.evm(), axis.D)) * axis.d;
+  return {l.F + more, l.M_ij + m.R_i * cross(b.n_i[0], more), l.M_ji - m.R_j * cross(b.n_j[0], more)};
+}
+template <Scalar T>
+T utilisation(const Tendon<T>& m, const BondPose<T>&, const BondAxis<T>& axis, const BondLoads<T>&) {
+  return m.per_strength * tension(m, axis.D);
+}
+template <Scalar T>
+constexpr BondStiffness<T> stiffness(const Tendon<T>& m) {
+  return stiffness(m.evm());
+}
+inline BondRange bond_range(const Tendon<double>& m, const BondShape& s) {
+  return bond_range(m.evm(), s);
+}
+
+const BondLaw tendon = law_with_loops<Tendon>();
+
+/// Particles in a sheet of nx x ny, one apart, bonded to their neighbours. Units: a = m = c_A = 1.
+struct Body {
+  Model model;
+  State state;
+};
+Body sheet(std::size_t nx, std::size_t ny, double strength) {
+  BondRecipe recipe;
+  recipe.law = &tendon;
+  recipe.parameters = TheoryParameters{BondTheory::bernoulli_euler, {1 / circle(0.2).A, 0.2}, circle(0.2)};
+  recipe.given = {0, 0, 0, 0, 4.0, 1 / strength};
+  std::vector<Vec3d> r;
+  for (std::size_t k = 0; k < nx * ny; ++k)
+    r.push_back({static_cast<double>(k % nx), static_cast<double>(k / nx), 0});
+  Body b{equal_particles(r, 1.0, 0.064, 0.4), {}};
+  b.state = at_rest(b.model);
+  const auto bond = [&](std::size_t i, std::size_t j) {
+    b.state.bonds.push_back(*make_bond(recipe, bond_site(b.model, b.state, ParticleId{i}),
+                                       bond_site(b.model, b.state, ParticleId{j})));
+  };
+  for (std::size_t k = 0; k < nx * ny; ++k) {
+    if (k % nx + 1 < nx) bond(k, k + 1);
+    if (k + nx < nx * ny) bond(k, k + nx);
+  }
+  return b;
+}
+
+/// The sheet flies apart from its middle on.
+void tear(int threads) {
+  Body b = sheet(110, 110, 0.05);
+  for (const ParticleId p : b.state.r.ids())
+    b.state.v[p] = 0.004 * (b.state.r[p] - Vec3d{54.5, 54.5, 0}) + Vec3d{0, 0, 1e-3 * (p.value % 7)};
+  Stage stage;
+  stage.dt = 0.2;
+  stage.stops.duration = 20;
+  Simulation run(b.model, stage, b.state, threads);
+  run.run();
+  const State& end = run.state();
+  const auto sum = std::accumulate(end.r.begin(), end.r.end(), Vec3d{}, [](Vec3d s, const Vec3d& r) {
+    return s + Vec3d{r.x * r.x, r.y * r.z, r.z};
+  });
+  std::size_t broken = 0;
+  for (const Bond& bond : end.bonds) broken += bond.broken;
+  std::printf("broken %zu of %zu bonds, released %.17g, sums %.17g %.17g %.17g\n", broken, end.bonds.size(),
+              run.books().released, sum.x, sum.y, sum.z);
+}
+
+#if HAS_STATICS
+void press() {
+  const Body rod = sheet(10, 1, 1.0);
+  StaticStage stage;
+  stage.name = "press";
+  for (const ParticleId p : rod.model.mass.ids()) {
+    const bool first = p.value == 0, last = p.value == 9;  // the x-y plane, and the pins
+    stage.supports.push_back({"pins", {p}, {first, first || last, true, true, true, false}, {}, {}});
+  }
+  stage.loads = {{"end", {ParticleId{9}}, {-1e-4, 0, 0}, {}, false}};
+  stage.count = 1;
+  stage.kind = StageKind::equilibrium;
+  std::printf("shortened by %.9g\n",
+              9.0 - run_static_stage(rod.model, stage, rod.state, {}).state.r[ParticleId{9}].x);
+  stage.kind = StageKind::modes;
+  std::printf("lowest frequency %.9g\n",
+              run_static_stage(rod.model, stage, rod.state, {}).result.modes.at(0).omega);
+  stage.kind = StageKind::buckling;
+  stage.loads[0].force = {-1, 0, 0};
+  std::printf("critical force %.9g\n",
+              run_static_stage(rod.model, stage, rod.state, {}).result.critical_loads.at(0).force);
+}
+#endif
+
+}  // namespace own
+
+int main(int count, char** arguments) {
+  own::tear(count > 1 ? std::atoi(arguments[1]) : 1);
+#if HAS_STATICS
+  own::press();
+#endif
+}

@@ -1,0 +1,286 @@
+// The loops over bonds of one law, for the sources that are compiled once per instruction set: see kernel.cpp
+// on what they may contain.
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+#include "vbond/dynamics/kernel.hpp"
+#include "vbond/dynamics/kernel_rows.hpp"
+#include "vbond/physics/law.hpp"
+#include "vbond/physics/range.hpp"
+
+namespace vbond::VBOND_KERNEL {
+namespace {
+
+VBOND_HD Quat<Real> quat(const double (&q)[4][pack_bonds], std::size_t l) {
+  return {Real::load(q[0] + l), Real::load(q[1] + l), Real::load(q[2] + l), Real::load(q[3] + l)};
+}
+
+/// The laws of the bonds in lanes l, l + 1 .. of a pack.
+template <template <class> class Law, std::size_t... k>
+VBOND_HD Law<Real> law_of(const CompactPack& p, const BondType& t, std::size_t l, std::index_sequence<k...>) {
+  const Real scale = Real::load(p.scale + l);
+  Law<Real> law;
+  law.a = Real::load(p.a + l), law.R_i = Real(t.R_i), law.R_j = Real(t.R_j);
+  ((law.*coefficient<Law<Real>, k> = scale * Real(t.coefficients[k])), ...);
+  return law;
+}
+template <template <class> class Law, std::size_t... k>
+VBOND_HD Law<Real> law_of(const FullPack& p, const BondType&, std::size_t l, std::index_sequence<k...>) {
+  Law<Real> law;
+  law.a = Real::load(p.a + l), law.R_i = Real::load(p.R_i + l), law.R_j = Real::load(p.R_j + l);
+  ((law.*coefficient<Law<Real>, k> = Real::load(p.coefficients[k] + l)), ...);
+  return law;
+}
+template <template <class> class Law, class P>
+VBOND_HD Law<Real> law_of(const P& p, const BondType& t, std::size_t l) {
+  return law_of<Law>(p, t, l, std::make_index_sequence<coefficients_of<Law<Real>>>());
+}
+
+VBOND_HD BondFrames<Real> frames_of(const CompactPack& p, std::size_t l) {
+  const Quat<Real> frame = quat(p.frame, l);
+  return {frame, frame};
+}
+VBOND_HD BondFrames<Real> frames_of(const FullPack& p, std::size_t l) {
+  return {quat(p.frame_i, l), quat(p.frame_j, l)};
+}
+
+/// The bonds in lanes l, l + 1 .. of a pack as their particles stand.
+template <class P>
+VBOND_HD BondPose<Real> pose_of(const P& p, const PoseRow* pose, std::size_t l) {
+  Halves i, r;
+  load_halves(pose, p.i + l, Half::first, i);
+  load_halves(pose, p.j + l, Half::first, r);
+  for (std::size_t k = 0; k < 4; ++k) r[k] = r[k] - i[k];
+  transpose_halves(r);
+  return bond_pose(frames_of(p, l), {r[0], r[1], r[2]}, load_quats(pose, p.i + l), load_quats(pose, p.j + l));
+}
+
+/// Adds the loads of the bonds in lanes l, l + 1 .. of a pack to their rows.
+template <class P>
+VBOND_HD void add_lanes(const P& p, PackLanes in_use, std::size_t l, const BondLoads<Real>& b, RowRange own,
+                        LoadRow* load) {
+  const Real zero(0.0);
+  Halves F = {b.F.x, b.F.y, b.F.z, zero}, minus_F;
+  Halves M_ij = {b.M_ij.x, b.M_ij.y, b.M_ij.z, zero}, M_ji = {b.M_ji.x, b.M_ji.y, b.M_ji.z, zero};
+  transpose_halves(F);
+  transpose_halves(M_ij);
+  transpose_halves(M_ji);
+  for (std::size_t k = 0; k < 4; ++k) minus_F[k] = -F[k];
+  const std::uint32_t *i = p.i + l, *j = p.j + l;
+  if (in_use.active == all_lanes && !in_use.crossing) {
+    for (std::size_t k = 0; k < lanes; ++k) {  // bond after bond: two of them may share a particle
+      add_row(F, M_ij, k, numbers(load + i[k]));
+      add_row(minus_F, M_ji, k, numbers(load + j[k]));
+    }
+    return;
+  }
+  for (std::size_t k = 0; k < lanes; ++k) {
+    if (!in_use.has(l + k)) continue;
+    if (own.contains(i[k])) add_row(F, M_ij, k, numbers(load + i[k]));
+    if (own.contains(j[k])) add_row(minus_F, M_ji, k, numbers(load + j[k]));
+  }
+}
+
+/// What is known of some bonds halfway, number by number: compilers copy structs of packs badly.
+struct Halfway {
+  Real r_ij[3], n_i[3][3], n_j[3][3], D, per_D, d[3];
+};
+VBOND_HD void put(const Vec3<Real>& v, Real (&to)[3]) {
+  to[0] = v.x, to[1] = v.y, to[2] = v.z;
+}
+VBOND_HD Vec3<Real> vec(const Real (&v)[3]) {
+  return {v[0], v[1], v[2]};
+}
+
+template <template <class> class Law, class P>
+VBOND_HD void first_half(const P& p, const BondType& type, const PoseRow* pose, std::size_t l, Halfway& to) {
+  const Law<Real> law = law_of<Law>(p, type, l);
+  const BondPose<Real> b = pose_of(p, pose, l);
+  const BondAxis<Real> axis = bond_axis(b, law.R_i, law.R_j);
+  put(b.r_ij, to.r_ij);
+  for (std::size_t k = 0; k < 3; ++k) put(b.n_i[k], to.n_i[k]), put(b.n_j[k], to.n_j[k]);
+  to.D = axis.D, to.per_D = axis.per_D;
+  put(axis.d, to.d);
+}
+template <template <class> class Law, class P>
+VBOND_HD BondLoads<Real> second_half(const P& p, const BondType& type, std::size_t l, const Halfway& h) {
+  const BondPose<Real> b{vec(h.r_ij),
+                         {vec(h.n_i[0]), vec(h.n_i[1]), vec(h.n_i[2])},
+                         {vec(h.n_j[0]), vec(h.n_j[1]), vec(h.n_j[2])}};
+  return bond_loads(law_of<Law>(p, type, l), b, BondAxis<Real>{h.D, h.per_D, vec(h.d)});
+}
+
+/// Asks for those rows ahead that are due with packs [first, last) of all these.
+VBOND_HD void fetch(const RowsAhead& ahead, std::size_t first, std::size_t last, std::size_t packs) {
+  for (std::size_t k = ahead.count * first / packs; k < ahead.count * last / packs; ++k) {
+    __builtin_prefetch(ahead.pose + k, 0, 2);  // into the second-level cache
+    __builtin_prefetch(ahead.motion + k, 0, 2);
+    __builtin_prefetch(ahead.load + k, 0, 2);
+  }
+}
+
+/// Packs that are worked out together: first all poses with their root and quotient, then all loads. A core
+/// that looks only some hundred instructions ahead gains by it, for it can begin a pack while the one before
+/// waits for its root; one that looks further, or has few registers, loses: docs/decisions/data-layout.md.
+constexpr std::size_t packs_together = VBOND_PACKS_TOGETHER;
+
+template <template <class> class Law, class P>
+VBOND_HD void add_elastic(const PackRun<P>& run, std::size_t first, std::size_t last,
+                          const BondSweep& sweep) {
+  constexpr std::size_t parts = pack_bonds / lanes;
+  if constexpr (packs_together == 1) {
+    for (std::size_t l = 0; l < pack_bonds; l += lanes)
+      add_lanes(
+          run.packs[first], run.lanes[first], l,
+          bond_loads(law_of<Law>(run.packs[first], run.type, l), pose_of(run.packs[first], sweep.pose, l)),
+          sweep.own, sweep.load);
+  } else {
+    Halfway halfway[packs_together * parts];
+    for (std::size_t n = 0; n < (last - first) * parts; ++n)
+      first_half<Law>(run.packs[first + n / parts], run.type, sweep.pose, n % parts * lanes, halfway[n]);
+    for (std::size_t n = 0; n < (last - first) * parts; ++n) {
+      const std::size_t pack = first + n / parts, l = n % parts * lanes;
+      add_lanes(run.packs[pack], run.lanes[pack], l,
+                second_half<Law>(run.packs[pack], run.type, l, halfway[n]), sweep.own, sweep.load);
+    }
+  }
+}
+
+// ---- laws that are more than elastic ----------------------------------------------------------------
+
+/// The rates of the bonds in lanes l, l + 1 .. of a pack.
+template <class P>
+VBOND_HD BondRates<Real> rates_of(const P& p, const MotionRow* rates, std::size_t l) {
+  Halves v_i, v_j, w_i, w_j;
+  load_columns(rates, p.i + l, Half::first, v_i);
+  load_columns(rates, p.j + l, Half::first, v_j);
+  load_columns(rates, p.i + l, Half::second, w_i);
+  load_columns(rates, p.j + l, Half::second, w_j);
+  return {{v_j[0] - v_i[0], v_j[1] - v_i[1], v_j[2] - v_i[2]},
+          {w_i[0], w_i[1], w_i[2]},
+          {w_j[0], w_j[1], w_j[2]}};
+}
+
+/// The sum over unbroken bonds, always in this order.
+VBOND_HD void add_active(const Real& x, PackLanes in_use, std::size_t l, double& sum) {
+  for (std::size_t k = 0; k < lanes; ++k)
+    if (in_use.has(l + k)) sum += x.v[k];
+}
+
+/// Numbers of what the bonds of a pack remember, lanes side by side.
+template <class L, class P>
+VBOND_HD double* remembered(const PackRun<P>& run, std::size_t pack, std::size_t number, std::size_t l) {
+  return run.history + (pack * history_of<L> + number) * pack_bonds + l;
+}
+
+/// What the bonds in lanes l, l + 1 .. remember, without a step between.
+template <class L, class P>
+VBOND_HD LawHistory<L> history_of_lanes(const PackRun<P>& run, std::size_t pack, std::size_t l) {
+  LawHistory<L> history;
+  for (std::size_t n = 0; n < history_of<L>; ++n)
+    history.value[n] = Real::load(remembered<L>(run, pack, n, l));
+  return history;
+}
+
+VBOND_HD Real total(const BondEnergy<Real>& U) {
+  return U.U_L + U.U_B + U.U_T;
+}
+
+/// The same after a step, kept in the pack. What this takes from the energy of the bonds is dissipated.
+template <class L, class P>
+VBOND_HD LawHistory<L> history_after(const PackRun<P>& run, std::size_t pack, std::size_t l, const L& law,
+                                     const BondPose<Real>& b, const BondAxis<Real>& axis,
+                                     const BondRates<Real>& rates, BondSweep& sweep) {
+  const LawHistory<L> before = history_of_lanes<L>(run, pack, l);
+  if constexpr (Remembering<L>) {
+    if (sweep.dt == 0.0) return before;
+    const LawHistory<L> now = advance(law, b, axis, rates, Real(sweep.dt), before);
+    for (std::size_t n = 0; n < history_of<L>; ++n) now.value[n].store(remembered<L>(run, pack, n, l));
+    add_active(total(bond_energy(law, b, before)) - total(bond_energy(law, b, now)), run.lanes[pack], l,
+               sweep.dissipated);
+    return now;
+  }
+  return before;
+}
+
+template <template <class> class Law, class P>
+VBOND_HD void add_inelastic(const PackRun<P>& run, std::size_t pack, BondSweep& sweep) {
+  using L = Law<Real>;
+  const P& p = run.packs[pack];
+  const PackLanes in_use = run.lanes[pack];
+  unsigned broken = 0;
+  for (std::size_t l = 0; l < pack_bonds; l += lanes) {
+    const L law = law_of<Law>(p, run.type, l);
+    const BondPose<Real> b = pose_of(p, sweep.pose, l);
+    const BondAxis<Real> axis = bond_axis(b, law.R_i, law.R_j);
+    BondRates<Real> rates{};
+    if constexpr (ReadsRates<L>) rates = rates_of(p, sweep.rates, l);
+    const LawHistory<L> history = history_after(run, pack, l, law, b, axis, rates, sweep);
+    BondLoads<Real> loads = loads_with(law, b, axis, history);
+    if constexpr (Breakable<L>) {
+      const Real u = utilisation_with(law, b, axis, loads, history);
+      for (std::size_t k = 0; k < lanes; ++k)
+        if (in_use.has(l + k) && u.v[k] >= 1.0) broken |= 1u << (l + k);
+    }
+    if constexpr (Damped<L>) {
+      const BondLoads<Real> damping = bond_damping(law, b, axis, rates);
+      add_lanes(p, in_use, l, damping, sweep.own, sweep.damping);
+      loads = {loads.F + damping.F, loads.M_ij + damping.M_ij, loads.M_ji + damping.M_ji};
+    }
+    add_lanes(p, in_use, l, loads, sweep.own, sweep.load);
+  }
+  if (sweep.broken != nullptr) sweep.broken[pack] = static_cast<std::uint8_t>(broken);
+}
+
+template <template <class> class Law, class P>
+void add_loads(const PackRun<P>& run, BondSweep& sweep) {
+  constexpr bool elastic = !ReadsRates<Law<Real>> && !Breakable<Law<Real>>;
+  constexpr std::size_t at_once = elastic ? packs_together : 1;
+  for (std::size_t k = 0; k < run.count; k += at_once) {
+    const std::size_t last = k + at_once < run.count ? k + at_once : run.count;
+    if (run.ahead.count != 0) fetch(run.ahead, k, last, run.count);
+    if constexpr (elastic)
+      add_elastic<Law>(run, k, last, sweep);
+    else
+      add_inelastic<Law>(run, k, sweep);
+  }
+}
+
+template <template <class> class Law, class P>
+VBOND_HD std::uint8_t survey_pack(const PackRun<P>& run, std::size_t pack, const PoseRow* pose,
+                                  BondEnergies& sum) {
+  const P& p = run.packs[pack];
+  const PackLanes in_use = run.lanes[pack];
+  unsigned look = 0;
+  for (std::size_t first = 0; first < pack_bonds; first += lanes) {
+    if (in_use.active >> first == 0) break;
+    const BondPose<Real> b = pose_of(p, pose, first);
+    const Law<Real> law = law_of<Law>(p, run.type, first);
+    const BondEnergy<Real> U = energy_with(law, b, history_of_lanes<Law<Real>>(run, pack, first));
+    const BondTilt<Real> tilt = bond_tilt(b, law.R_i, law.R_j);
+    for (std::size_t l = 0; l < lanes; ++l) {
+      if (!in_use.has(first + l)) continue;
+      sum.U_L += U.U_L.v[l];
+      sum.U_B += U.U_B.v[l];
+      sum.U_T += U.U_T.v[l];
+      const BondTilt<double> t{tilt.length.v[l], tilt.c_i.v[l], tilt.c_j.v[l], tilt.cos_twist.v[l],
+                               tilt.sin_twist.v[l]};
+      if (needs_look(t, p.a[first + l])) look |= 1u << (first + l);
+    }
+  }
+  return static_cast<std::uint8_t>(look);
+}
+
+template <template <class> class Law, class P>
+void survey(const PackRun<P>& run, const PoseRow* pose, BondEnergies& sum, std::uint8_t* look) {
+  for (std::size_t k = 0; k < run.count; ++k) look[k] = survey_pack<Law>(run, k, pose, sum);
+}
+
+template <template <class> class Law>
+constexpr BondLoops loops_of_law{{add_loads<Law, CompactPack>, survey<Law, CompactPack>},
+                                 {add_loads<Law, FullPack>, survey<Law, FullPack>}};
+
+}  // namespace
+}  // namespace vbond::VBOND_KERNEL

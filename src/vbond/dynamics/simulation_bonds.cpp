@@ -1,0 +1,140 @@
+// The part of a simulation that bonds change by, and what those that damp take out.
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "vbond/dynamics/simulation.hpp"
+
+namespace vbond {
+namespace {
+
+/// Energies of bonds near rest are differences of terms of the size of B2, B3 and B4, known to some 1e-16 of
+/// them: an energy a thousand roundings large is the least that an error can sensibly be compared with.
+double scale_of_rounding(const PerBond<Bond>& bonds) {
+  double sum = 0.0;
+  for (const Bond& b : bonds) sum += angular_scale(b);
+  return 1e3 * std::numeric_limits<double>::epsilon() * sum;
+}
+
+void take_away(const BondLoads<double>& l, LoadRow& i, LoadRow& j) {
+  i.F -= l.F;
+  j.F += l.F;
+  i.M -= l.M_ij;
+  j.M -= l.M_ji;
+}
+
+}  // namespace
+
+/// The order of bonds in packs, what is known of them, and what they remember.
+void Simulation::arrange_bonds() {
+  bonds_.arrange(state_.bonds, state_.bond_history, bodies_.order, team_);
+  if (bonds_.remembers()) state_.bond_history.resize(state_.bonds.size());
+  if (!bonds_.reads_rates())
+    bodies_.rates.clear();
+  else if (bodies_.rates.empty())
+    bodies_.rates = bodies_.motion;
+  bodies_.damping.resize(bonds_.damp() ? bodies_.load.size() : 0);
+}
+
+void Simulation::bonds_changed() {
+  arrange_bonds();
+  bond_index_ = BondIndex(model_.particles(), state_.bonds);
+  rounding_scale_ = scale_of_rounding(state_.bonds);
+  contacts_.bonds_changed();
+  peak_bonds_.clear();
+  if (stage_.stops.peak && stage_.stops.peak->quantity == PeakQuantity::compressive_force)
+    peak_bonds_ = bonds_inside(stage_.stops.peak->particles);
+}
+
+void Simulation::make_bonds() {
+  if (stage_.bonding.empty()) return;
+  const std::vector<Bonding::Pair> pairs = bonding_.find(bodies_.poses(), team_);
+  if (pairs.empty()) return;
+  state();  // brought up to date
+  const std::size_t before = state_.bonds.size();
+  bonding_.make(pairs, state_);
+  for (std::size_t k = before; k < state_.bonds.size(); ++k)
+    events_.push_back({BondEvent::Kind::made, BondId{k}, state_.clock.step});
+  bonds_changed();
+  evaluate_loads();
+}
+
+/// Takes up the loads that the state brings along; for elastic bonds they follow from positions.
+void Simulation::take_up_loads() {
+  evaluate_loads();
+  if (state_.loads.F.size() == model_.particles()) bodies_.spread(state_.loads, bodies_.load);
+  if (state_.damping.F.size() == model_.particles() && bonds_.damp())
+    bodies_.spread(state_.damping, bodies_.damping);
+  check_finite();
+}
+
+/// The bonds that the loads of this step have broken, in the order of bonds: a bond's force ends with the
+/// step in which it reached the limit, and so does its share of the energy.
+void Simulation::break_bonds() {
+  std::vector<BondId> broken;
+  for (std::vector<BondId>& of_part : breaking_) {
+    broken.insert(broken.end(), of_part.begin(), of_part.end());
+    of_part.clear();
+  }
+  if (broken.empty()) return;
+  std::sort(broken.begin(), broken.end());
+  for (const BondId k : broken) break_bond(k);
+  if (!bonds_.is_sparse()) return;
+  if (bonds_.remembers()) bonds_.collect(state_.bond_history);
+  arrange_bonds();
+}
+
+void Simulation::break_bond(BondId k) {
+  Bond& b = state_.bonds[k];
+  const Row i = bodies_.order.row[b.i], j = bodies_.order.row[b.j];
+  const PoseRow &at_i = bodies_.pose[i.value], &at_j = bodies_.pose[j.value];
+  const BondPose<double> pose = bond_pose(b, at_i.r, at_i.q, at_j.r, at_j.q);
+  BondHistory history = no_history;
+  if (b.law->remembers()) history = state_.bond_history[k] = bonds_.history(k);
+
+  BondLoads<double> loads = b.law->loads(b, pose, history);
+  if (b.law->damped) {
+    const MotionRow &rate_i = bodies_.rates[i.value], &rate_j = bodies_.rates[j.value];
+    const BondRates<double> rates{rate_j.v - rate_i.v, rate_i.omega, rate_j.omega};
+    const BondLoads<double> damping = b.law->damping_loads(b, pose, rates);
+    loads = {loads.F + damping.F, loads.M_ij + damping.M_ij, loads.M_ji + damping.M_ji};
+    take_away(damping, bodies_.damping[i.value], bodies_.damping[j.value]);
+  }
+  b.broken = true;
+  bonds_.remove(k);
+  bond_index_.remove(k, b.i, b.j);
+  std::erase(peak_bonds_, k);
+
+  Contacts::Touch touch;
+  if (!bond_index_.bonded(b.i, b.j)) touch = contacts_.unbonded(i, j, bodies_.poses());
+  loads.F -= touch.force;
+  take_away(loads, bodies_.load[i.value], bodies_.load[j.value]);
+  const BondEnergy<double> U = b.law->energy(b, pose, history);
+  const double energy = U.U_L + U.U_B + U.U_T;
+  state_.books.released += energy - touch.energy;
+  events_.push_back({BondEvent::Kind::broken, k, state_.clock.step, energy});
+  survey_.reset();
+}
+
+/// The work that damping does on a block in a kick by h: its part of the loads, along the mean of the
+/// velocities before, which are kept as rates, and after.
+double Simulation::damping_work(const Block& b, double h) const {
+  if (bodies_.damping.empty()) return 0.0;
+  double work = 0.0;
+  for (std::size_t k = b.rows.first; k < b.rows.last; ++k) {
+    const MotionRow &before = bodies_.rates[k], &after = bodies_.motion[k];
+    const LoadRow& damping = bodies_.damping[k];
+    work += dot(damping.F, before.v + after.v) + dot(damping.M, before.omega + after.omega);
+  }
+  return 0.5 * h * work;
+}
+
+/// Keeps the velocities of this moment while the block moves on: those of the half step for bonds that read
+/// them.
+void Simulation::keep_rates(const Block& b) {
+  std::copy(bodies_.motion.begin() + static_cast<std::ptrdiff_t>(b.rows.first),
+            bodies_.motion.begin() + static_cast<std::ptrdiff_t>(b.rows.last),
+            bodies_.rates.begin() + static_cast<std::ptrdiff_t>(b.rows.first));
+}
+
+}  // namespace vbond
