@@ -2,18 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "vbond/core/error.hpp"
 #include "vbond/statics/detail/dense.hpp"
 
 namespace vbond {
-namespace {
-
-constexpr double epsilon = std::numeric_limits<double>::epsilon();
-
-}  // namespace
 
 DenseMatrix any_orthonormal_columns(Eigen::Index rows, Eigen::Index columns) {
   DenseMatrix X(rows, columns);
