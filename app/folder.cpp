@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
   throw IoError(std::string("cannot ") + what + " " + path.string() + ": " + e.message());
 }
 
-bool is_there(const fs::path& path) {
+bool is_present(const fs::path& path) {
   std::error_code e;
   const fs::file_status status = fs::symlink_status(path, e);
   if (status.type() == fs::file_type::none) fail("look at", path, e);
@@ -96,7 +96,7 @@ bool is_occupied(const fs::path& folder) {
 fs::path first_free(const std::string& stem) {
   for (int k = 1;; ++k) {
     const fs::path folder = stem + (k == 1 ? "" : "-" + std::to_string(k)) + ".out";
-    if (is_there(folder)) continue;
+    if (is_present(folder)) continue;
     std::error_code e;
     if (fs::create_directory(folder, e)) return folder;  // not so if another run was faster
     if (e) fail("make the folder", folder, e);
@@ -111,7 +111,7 @@ ClaimedFolder claim_folder(const fs::path& case_file, const std::optional<fs::pa
     return {folder, FolderLock(folder, run_lock)};
   }
   fs::path folder = wish.value_or(case_file.stem().string() + ".out");
-  if (is_there(folder)) {
+  if (is_present(folder)) {
     std::error_code e;
     if (!fs::is_directory(folder, e))
       throw IoError(folder.string() + ": is not a folder, so a run cannot write into it");

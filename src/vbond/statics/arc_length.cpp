@@ -2,11 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+
+#include "vbond/statics/detail/dense.hpp"
 
 namespace vbond {
 
@@ -136,9 +135,9 @@ PathDirection ArcLength::tangent(const PathDirection& along) {
 PathDirection ArcLength::singular_tangent(const PathDirection& along) {
   const NullSpaceEquations s(*singular_, body_);
   if (s.unknowns() == 1) return s.direction(Vector::Ones(1));
-  const Eigen::JacobiSVD<DenseMatrix> svd(s.rows(), Eigen::ComputeFullV);
-  const auto rank = (svd.singularValues().array() > zero_singular_value).count();
-  const DenseMatrix solutions = svd.matrixV().rightCols(s.unknowns() - rank);
+  const DenseSingular svd = singular_values(s.rows());
+  const auto rank = (svd.values.array() > zero_singular_value).count();
+  const DenseMatrix solutions = svd.V.rightCols(s.unknowns() - rank);
   DenseMatrix metric(solutions.cols(), solutions.cols());
   Vector rhs(solutions.cols());
   for (Eigen::Index i = 0; i < solutions.cols(); ++i) {
@@ -147,7 +146,7 @@ PathDirection ArcLength::singular_tangent(const PathDirection& along) {
     for (Eigen::Index j = 0; j < solutions.cols(); ++j)
       metric(i, j) = dot(d_i, s.direction(solutions.col(j)));
   }
-  return s.direction(solutions * metric.completeOrthogonalDecomposition().solve(rhs));
+  return s.direction(solutions * solve_shortest(metric, rhs));
 }
 
 // Newton's step on R = 0 that stays on the plane, by two solves with one factor:
@@ -173,11 +172,11 @@ PathDirection ArcLength::singular_correction(const PathDirection& normal) {
   Vector rhs(s.unknowns());
   rhs << s.along_null_vectors(R), -normal.u.dot(a);
   // the shortest solution: nothing along a mode that nothing drives
-  const Eigen::JacobiSVD<DenseMatrix> svd(A, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  Vector y = svd.matrixU().transpose() * rhs;
+  const DenseSingular svd = singular_values(A);
+  Vector y = svd.U.transpose() * rhs;
   for (Eigen::Index k = 0; k < y.size(); ++k)
-    y[k] = svd.singularValues()[k] > zero_singular_value ? y[k] / svd.singularValues()[k] : 0.0;
-  PathDirection d = s.direction(svd.matrixV() * y);
+    y[k] = svd.values[k] > zero_singular_value ? y[k] / svd.values[k] : 0.0;
+  PathDirection d = s.direction(svd.V * y);
   d.u += a;
   return d;
 }
@@ -233,12 +232,12 @@ Softest ArcLength::softest(const PathDirection& tangent) {
       X.col(c) = singular_ ? singular_->solve_beside(X.col(c)) : solver_.solve(X.col(c));
     X = orthonormal(X);
   }
-  const Eigen::SelfAdjointEigenSolver<DenseMatrix> ritz(X.transpose() * (K * X));
+  const DenseEigen ritz = dense_eigenpairs(X.transpose() * (K * X));
   Eigen::Index nearest = 0;
-  ritz.eigenvalues().cwiseAbs().minCoeff(&nearest);
-  const Vector mode = X * ritz.eigenvectors().col(nearest);
+  ritz.values.cwiseAbs().minCoeff(&nearest);
+  const Vector mode = X * ritz.vectors.col(nearest);
   const double change = body_.largest_bond_change(tangent.u, tangent.f);
-  if (!(change > 0.0)) return {ritz.eigenvalues()[nearest], 0.0};
+  if (!(change > 0.0)) return {ritz.values[nearest], 0.0};
   const double h = small_bond_change / change;
   const Placement here = body_.placement();
   const auto beside = [&](double s) {
@@ -248,7 +247,7 @@ Softest ArcLength::softest(const PathDirection& tangent) {
   };
   const double rate = (beside(h) - beside(-h)) / (2.0 * h);
   body_.restore(here);
-  return {ritz.eigenvalues()[nearest], rate};
+  return {ritz.values[nearest], rate};
 }
 
 double largest_bond_turn(const State& now, const Placement& before) {

@@ -1,10 +1,10 @@
-#include <Spectra/SymGEigsSolver.h>
-
-#include <Eigen/Eigenvalues>
 #include <cmath>
+#include <functional>
 #include <optional>
 
+#include "vbond/statics/detail/dense.hpp"
 #include "vbond/statics/detail/eigen_search.hpp"
+#include "vbond/statics/detail/lanczos.hpp"
 
 namespace vbond {
 namespace {
@@ -14,10 +14,7 @@ constexpr double factor_range = 1e4;
 
 /// x -> -scale (B + A X Theta X^T A) x: pairs (theta, X) of -B x = theta A x that are known get theta = 0.
 struct LoadOperator {
-  using Scalar = double;
-  Eigen::Index rows() const { return B.rows(); }
-  Eigen::Index cols() const { return B.rows(); }
-  void perform_op(const double* in, double* out) const {
+  void operator()(const double* in, double* out) const {
     const Eigen::Map<const Vector> x(in, B.rows());
     Vector y = B * x;
     if (AX.cols() > 0) y += AX * theta.cwiseProduct(AX.transpose() * x);
@@ -29,32 +26,24 @@ struct LoadOperator {
   Vector theta;
 };
 
-struct StiffnessOperator {
-  using Scalar = double;
-  Eigen::Index rows() const { return A.rows(); }
-  Eigen::Index cols() const { return A.rows(); }
-  void solve(const double* in, double* out) const {
-    Eigen::Map<Vector>(out, A.rows()) = factor.solve(Eigen::Map<const Vector>(in, A.rows()));
-  }
-  void perform_op(const double* in, double* out) const {
-    Eigen::Map<Vector>(out, A.rows()) = A * Eigen::Map<const Vector>(in, A.rows());
-  }
-  const SparseMatrix& A;
-  const Factor& factor;
-};
+/// Products with A and with its inverse.
+DefiniteOperator stiffness_operator(const SparseMatrix& A, const Factor& factor) {
+  const Eigen::Index n = A.rows();
+  return {[&A, n](const double* in, double* out) {
+            Eigen::Map<Vector>(out, n) = A * Eigen::Map<const Vector>(in, n);
+          },
+          [&factor, n](const double* in, double* out) {
+            Eigen::Map<Vector>(out, n) = factor.solve(Eigen::Map<const Vector>(in, n));
+          }};
+}
 
 /// Largest theta, or largest in size, of -B x = theta A x, as pairs (mu = 1 / theta, x).
-void look_for_factors(StiffnessOperator& stiffness, const SparseMatrix& B, double scale,
-                      Spectra::SortRule rule, int count, Found& found) {
-  const SparseMatrix& A = stiffness.A;
+void look_for_factors(const SparseMatrix& A, const DefiniteOperator& stiffness, const SparseMatrix& B,
+                      double scale, Largest which, int count, Found& found) {
   LoadOperator load{B, scale, {}, Vector(found.size())};
   if (found.size() > 0) load.AX = A * found.vectors;
   for (int k = 0; k < found.size(); ++k) load.theta[k] = 1.0 / found.value[static_cast<std::size_t>(k)];
-  Spectra::SymGEigsSolver<LoadOperator, StiffnessOperator, Spectra::GEigsMode::RegularInverse> solver(
-      load, stiffness, count, basis_size(count, A.rows()));
-  iterate(solver, rule, count, A.rows());
-  const Vector theta = solver.eigenvalues();
-  const DenseMatrix x = solver.eigenvectors();
+  const auto [theta, x] = lanczos(A.rows(), std::cref(load), stiffness, which, count);
   for (Eigen::Index k = 0; k < theta.size(); ++k) {
     const Vector v = x.col(k);
     const double mu = scale / theta[k];
@@ -63,12 +52,12 @@ void look_for_factors(StiffnessOperator& stiffness, const SparseMatrix& B, doubl
 }
 
 EigenPairs dense_factors(const SparseMatrix& A, const SparseMatrix& B, int count) {
-  const Eigen::GeneralizedSelfAdjointEigenSolver<DenseMatrix> all(-DenseMatrix(B), DenseMatrix(A));
-  const Vector theta = all.eigenvalues();
+  const DenseEigen all = dense_eigenpairs(-DenseMatrix(B), DenseMatrix(A));
+  const Vector& theta = all.values;
   const double smallest = theta.cwiseAbs().maxCoeff() / factor_range;
   Found found;
   for (Eigen::Index k = theta.size() - 1; k >= 0 && theta[k] > smallest; --k)
-    found.add(1.0 / theta[k], 1.0 / theta[k], all.eigenvectors().col(k));
+    found.add(1.0 / theta[k], 1.0 / theta[k], all.vectors.col(k));
   return found.part(0, count);
 }
 
@@ -84,13 +73,13 @@ EigenPairs critical_factors(const SparseMatrix& A, const SparseMatrix& B, int co
     throw NoConvergence("critical factors: the matrix is not positive definite to rounding");
   if (!(largest_B > 0.0)) return {Vector(0), DenseMatrix(n, 0)};
   if (solve_densely(n, count)) return dense_factors(A, B, count);
-  StiffnessOperator stiffness{A, factor};
+  const DefiniteOperator stiffness = stiffness_operator(A, factor);
   // Some |theta| is at least max |B_ij| over the largest eigenvalue of A: scaled it is not far below 1.
   const double scale = largest_diagonal(A) / largest_B;
   Found nearest;
-  look_for_factors(stiffness, B, scale, Spectra::SortRule::LargestMagn, 1, nearest);
+  look_for_factors(A, stiffness, B, scale, Largest::size, 1, nearest);
   const auto look = [&](int k, Found& found) {
-    look_for_factors(stiffness, B, scale, Spectra::SortRule::LargestAlge, k, found);
+    look_for_factors(A, stiffness, B, scale, Largest::value, k, found);
   };
   const double largest = factor_range * std::abs(nearest.value[0]);
   Factor counter;

@@ -1,24 +1,13 @@
 #include "vbond/statics/detail/deflated.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "vbond/core/error.hpp"
+#include "vbond/statics/detail/dense.hpp"
 
 namespace vbond {
-namespace {
-
-constexpr double epsilon = std::numeric_limits<double>::epsilon();
-
-}  // namespace
-
-DenseMatrix orthonormal(const DenseMatrix& X) {
-  return Eigen::HouseholderQR<DenseMatrix>(X).householderQ() * DenseMatrix::Identity(X.rows(), X.cols());
-}
 
 DenseMatrix any_orthonormal_columns(Eigen::Index rows, Eigen::Index columns) {
   DenseMatrix X(rows, columns);
@@ -49,11 +38,11 @@ void Deflated::find_null_vectors(double bound) {
       for (Eigen::Index k = 0; k < size; ++k) X.col(k) = factor_.solve(X.col(k));
       X = orthonormal(X);
     }
-    const Eigen::SelfAdjointEigenSolver<DenseMatrix> ritz(X.transpose() * (A_ * X));
-    const Vector& values = ritz.eigenvalues();  // in increasing order
+    const DenseEigen ritz = dense_eigenpairs(X.transpose() * (A_ * X));
+    const Vector& values = ritz.values;
     const Eigen::Index first = (values.array() < -bound).count();
     const Eigen::Index number = (values.array() <= bound).count() - first;
-    null_ = X * ritz.eigenvectors().middleCols(first, number);
+    null_ = X * ritz.vectors.middleCols(first, number);
     values_ = values.segment(first, number);
     if (number < size || size == n) return;
   }

@@ -1,14 +1,14 @@
 #include "vbond/statics/detail/eigen.hpp"
 
-#include <Spectra/SymEigsSolver.h>
-
-#include <Eigen/Eigenvalues>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <stdexcept>
 
+#include "vbond/statics/detail/dense.hpp"
 #include "vbond/statics/detail/eigen_search.hpp"
+#include "vbond/statics/detail/lanczos.hpp"
 
 namespace vbond {
 namespace {
@@ -19,7 +19,7 @@ namespace {
 constexpr double first_step = 1e-8;
 // Eigenvalues are known to some eps times the largest diagonal entry.
 constexpr double known_to = 1e-12;
-// Vectors are found to lanczos_tolerance of the largest eigenvalue of the inverse, so to seven digits where
+// Vectors are found to 1e-11 of the largest eigenvalue of the inverse, so to seven digits where
 // their own is this part of it.
 constexpr double least_share = 1e-4;
 
@@ -35,14 +35,11 @@ EigenPairs find_all(const Factor& factor, const Wanted& w, Look&& look, Number&&
 
 /// x -> scale P (A - sigma I)^-1 P x, P the projection normal to `without` and `found`.
 struct ShiftedInverse {
-  using Scalar = double;
-  Eigen::Index rows() const { return n; }
-  Eigen::Index cols() const { return n; }
   void project(Vector& x) const {
     if (without.cols() > 0) x -= without * Vector(without.transpose() * x);
     if (found.cols() > 0) x -= found * (found.transpose() * x);
   }
-  void perform_op(const double* in, double* out) const {
+  void operator()(const double* in, double* out) const {
     Vector x = Eigen::Map<const Vector>(in, n);
     project(x);
     x = scale * factor.solve(x);
@@ -89,10 +86,9 @@ void approach(const SparseMatrix& A, const SparseMatrix& without, Shifted& at) {
   Vector nu;
   while (true) {
     for (int iterations = 0; iterations < 3; ++iterations) {
-      const DenseMatrix Q =
-          Eigen::HouseholderQR<DenseMatrix>(X).householderQ() * DenseMatrix::Identity(A.rows(), 4);
-      for (Eigen::Index k = 0; k < 4; ++k) op.perform_op(Q.col(k).data(), X.col(k).data());
-      nu = Eigen::SelfAdjointEigenSolver<DenseMatrix>(Q.transpose() * X).eigenvalues();
+      const DenseMatrix Q = orthonormal(X);
+      for (Eigen::Index k = 0; k < 4; ++k) op(Q.col(k).data(), X.col(k).data());
+      nu = dense_eigenpairs(Q.transpose() * X).values;
     }
     const double distance = at.scale / nu[3];
     if (nu[3] > 1.5 * nu[0] || distance < 1e2 * known_to * at.scale) return;
@@ -103,19 +99,16 @@ void approach(const SparseMatrix& A, const SparseMatrix& without, Shifted& at) {
   at.factor.factor_definite(A, -at.sigma);
 }
 
-/// Adds up to `count` eigenpairs nearest to sigma (above it, with LargestAlge) that are not among those
+/// Adds up to `count` eigenpairs nearest to sigma (above it, with Largest::value) that are not among those
 /// known; `factor` is that of A - sigma I. Those much further off than the nearest wait for the next look.
 template <class Key>
-void look_near(const SparseMatrix& A, const Factor& factor, Spectra::SortRule rule,
-               const SparseMatrix& without, int count, Found& found, Key&& key) {
+void look_near(const SparseMatrix& A, const Factor& factor, Largest which, const SparseMatrix& without,
+               int count, Found& found, Key&& key) {
   const Eigen::Index n = A.rows();
   const DenseMatrix known = found.vectors;
   const double scale = largest_diagonal(A);
-  ShiftedInverse op{n, factor, scale > 0.0 ? scale : 1.0, without, known};
-  Spectra::SymEigsSolver<ShiftedInverse> solver(op, count, basis_size(count, n));
-  iterate(solver, rule, count, n);
-  const Vector nu = solver.eigenvalues();
-  const DenseMatrix x = solver.eigenvectors();
+  const ShiftedInverse op{n, factor, scale > 0.0 ? scale : 1.0, without, known};
+  const auto [nu, x] = lanczos(n, std::cref(op), which, count);
   for (Eigen::Index k = 0; k < x.cols(); ++k) {
     if (std::abs(nu[k]) < least_share * nu.cwiseAbs().maxCoeff()) continue;
     Vector v = x.col(k);
@@ -126,9 +119,8 @@ void look_near(const SparseMatrix& A, const Factor& factor, Spectra::SortRule ru
   }
 }
 
-void check(const Eigen::SelfAdjointEigenSolver<DenseMatrix>& all) {
-  if (all.info() != Eigen::Success || !all.eigenvalues().allFinite())
-    throw NoConvergence("eigenvalues: the matrix is not finite");
+void check(const DenseEigen& all) {
+  if (!all.found || !all.values.allFinite()) throw NoConvergence("eigenvalues: the matrix is not finite");
 }
 
 /// How many of these eigenvectors have eigenvalues between the two.
@@ -156,12 +148,12 @@ EigenPairs smallest_eigenpairs(const SparseMatrix& A, int count, double bound, c
   const Eigen::Index n = A.rows();
   if (n == 0 || count <= 0) return {Vector(0), DenseMatrix(n, 0)};
   if (solve_densely(n, count)) {
-    const Eigen::SelfAdjointEigenSolver<DenseMatrix> all(dense_without(A, without));
+    const DenseEigen all = dense_eigenpairs(dense_without(A, without));
     check(all);
     Found found;
     for (Eigen::Index k = 0; k < n - without.cols(); ++k)
-      if (all.eigenvalues()[k] >= bound - known_to * largest_diagonal(A))
-        found.add(all.eigenvalues()[k], all.eigenvalues()[k], all.eigenvectors().col(k));
+      if (all.values[k] >= bound - known_to * largest_diagonal(A))
+        found.add(all.values[k], all.values[k], all.vectors.col(k));
     return found.part(0, count);
   }
   Shifted at(A, bound);
@@ -174,7 +166,7 @@ EigenPairs smallest_eigenpairs(const SparseMatrix& A, int count, double bound, c
   return find_all(
       at.factor, Wanted{count, available, bound - at.sigma - resolution, resolution},
       [&](int k, Found& found) {
-        look_near(A, at.factor, Spectra::SortRule::LargestAlge, without, k, found,
+        look_near(A, at.factor, Largest::value, without, k, found,
                   [&](double value) { return value - at.sigma; });
       },
       [&](double key) -> std::optional<int> {
@@ -195,13 +187,13 @@ EigenPairs near_zero(const SparseMatrix& A, int count, double shift, double too_
   std::optional<Shifted> at;
   at.emplace(A, shift);
   Found nearest;
-  look_near(A, at->factor, Spectra::SortRule::LargestMagn, {}, 1, nearest, size_of);
+  look_near(A, at->factor, Largest::size, {}, 1, nearest, size_of);
   if (nearest.key[0] < too_near) at.emplace(A, -too_near);
   Factor counter;
   counter.analyse(A);
   EigenPairs found = find_all(
       at->factor, Wanted{count, static_cast<int>(A.rows()), 0.0, known_to * at->scale},
-      [&](int k, Found& f) { look_near(A, at->factor, Spectra::SortRule::LargestMagn, {}, k, f, size_of); },
+      [&](int k, Found& f) { look_near(A, at->factor, Largest::size, {}, k, f, size_of); },
       [&](double key) -> std::optional<int> {
         const auto below = counter.factor_indefinite(A, -key), far_below = counter.factor_indefinite(A, key);
         if (!below || !far_below) return std::nullopt;
@@ -217,11 +209,11 @@ EigenPairs eigenpairs_near_zero(const SparseMatrix& A, int count) {
   const Eigen::Index n = A.rows();
   if (n == 0 || count <= 0) return {Vector(0), DenseMatrix(n, 0)};
   if (solve_densely(n, count)) {
-    const Eigen::SelfAdjointEigenSolver<DenseMatrix> all((DenseMatrix(A)));
+    const DenseEigen all = dense_eigenpairs(DenseMatrix(A));
     check(all);
     Found found;
     for (Eigen::Index k = 0; k < n; ++k) {
-      const Vector v = all.eigenvectors().col(k);
+      const Vector v = all.vectors.col(k);
       const double value = v.dot(A * v);  // free of the rounding of the method
       found.add(std::abs(value), value, v);
     }
@@ -242,46 +234,28 @@ EigenPairs eigenpairs_near_zero(const SparseMatrix& A, int count) {
 double eigenvalue_near_zero(const SparseMatrix& A, const Factor& factor) {
   if (solve_densely(A.rows(), 1)) return eigenpairs_near_zero(A, 1).values[0];
   Found found;
-  look_near(A, factor, Spectra::SortRule::LargestMagn, {}, 1, found,
-            [](double value) { return std::abs(value); });
+  look_near(A, factor, Largest::size, {}, 1, found, [](double value) { return std::abs(value); });
   return found.value[0];
 }
-
-namespace {
-
-struct Product {
-  using Scalar = double;
-  Eigen::Index rows() const { return A.rows(); }
-  Eigen::Index cols() const { return A.rows(); }
-  void perform_op(const double* in, double* out) const {
-    Eigen::Map<Vector>(out, A.rows()) = scale * (A * Eigen::Map<const Vector>(in, A.rows()));
-  }
-  const SparseMatrix& A;
-  double scale;
-};
-
-}  // namespace
 
 double largest_eigenvalue(const SparseMatrix& A) {
   const Eigen::Index n = A.rows();
   if (n == 0) throw std::invalid_argument("largest eigenvalue of an empty matrix");
   if (n <= largest_dense) {
-    const Eigen::SelfAdjointEigenSolver<DenseMatrix> all(DenseMatrix(A), Eigen::EigenvaluesOnly);
+    const DenseEigen all = dense_eigenvalues(DenseMatrix(A));
     check(all);
-    const double radius = all.eigenvalues().cwiseAbs().maxCoeff();
-    return all.eigenvalues()[n - 1] + 1e-12 * radius;  // rounding of some n eps
+    const double radius = all.values.cwiseAbs().maxCoeff();
+    return all.values[n - 1] + 1e-12 * radius;  // rounding of some n eps
   }
   const double diagonal = largest_diagonal(A), scale = diagonal > 0.0 ? 1.0 / diagonal : 1.0;
-  Product op{A, scale};
-  Spectra::SymEigsSolver<Product> solver(op, 1, basis_size(1, n));
-  solver.init();
-  for (const double tolerance : {1e-10, 1e-8, 1e-6}) {
-    if (solver.compute(Spectra::SortRule::LargestAlge, 200, tolerance) < 1) continue;
-    const Vector x = solver.eigenvectors().col(0).normalized();
-    const double theta = x.dot(A * x);
-    return theta + (A * x - theta * x).norm();  // an eigenvalue lies within the residual of theta
-  }
-  throw NoConvergence(fmt::format("largest eigenvalue of a matrix of {} unknowns: no convergence", n));
+  const auto product = [&](const double* in, double* out) {
+    Eigen::Map<Vector>(out, n) = scale * (A * Eigen::Map<const Vector>(in, n));
+  };
+  const std::optional<Vector> x = lanczos_largest(n, product, {1e-10, 1e-8, 1e-6});
+  if (!x)
+    throw NoConvergence(fmt::format("largest eigenvalue of a matrix of {} unknowns: no convergence", n));
+  const double theta = x->dot(A * *x);
+  return theta + (A * *x - theta * *x).norm();  // an eigenvalue lies within the residual of theta
 }
 
 Vector mode_of_cluster(DenseMatrix columns, int mode) {

@@ -1,12 +1,12 @@
 #include <fmt/format.h>
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include "vbond/core/error.hpp"
+#include "vbond/statics/detail/dense.hpp"
 #include "vbond/statics/detail/eigen.hpp"
 #include "vbond/statics/detail/kinds.hpp"
 #include "vbond/statics/detail/stability.hpp"
@@ -27,9 +27,8 @@ int snapped_bonds(const State& s) {
 /// An orthonormal basis of what these orthonormal columns span, and x, which is nearly among them: x first.
 DenseMatrix with_first(const Vector& x, const DenseMatrix& columns) {
   const DenseMatrix rest = columns - x * (x.transpose() * columns);
-  const Eigen::JacobiSVD<DenseMatrix> svd(rest, Eigen::ComputeThinU);
   DenseMatrix all(x.size(), std::max<Eigen::Index>(1, columns.cols()));
-  all << x, svd.matrixU().leftCols(all.cols() - 1);
+  all << x, singular_values(rest).U.leftCols(all.cols() - 1);
   return all;
 }
 

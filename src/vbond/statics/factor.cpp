@@ -44,8 +44,6 @@ class WithoutThreads {
   int before_ = 0;
 };
 
-constexpr double epsilon = std::numeric_limits<double>::epsilon();
-
 /// A matrix as CHOLMOD sees it: the same arrays, of which it reads the lower triangle.
 cholmod_sparse view(const SparseMatrix& A) {
   cholmod_sparse v{};

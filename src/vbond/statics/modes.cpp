@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +9,7 @@
 
 #include "vbond/core/bounding_box.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/statics/detail/dense.hpp"
 #include "vbond/statics/detail/eigen.hpp"
 #include "vbond/statics/detail/kinds.hpp"
 #include "vbond/statics/detail/mass_scaled.hpp"
@@ -57,9 +57,9 @@ DenseMatrix rows_with_entries(const SparseMatrix& columns) {
 DenseMatrix without_forces(const SparseMatrix& forces, double zero) {
   const DenseMatrix F = rows_with_entries(forces);
   if (F.rows() == 0) return DenseMatrix::Identity(F.cols(), F.cols());
-  const Eigen::JacobiSVD<DenseMatrix, Eigen::FullPivHouseholderQRPreconditioner> svd(F, Eigen::ComputeFullV);
-  const auto stiff = (svd.singularValues().array() > zero).count();
-  return svd.matrixV().rightCols(F.cols() - stiff);
+  const DenseSingular svd = singular_values_pivoted(F);
+  const auto stiff = (svd.values.array() > zero).count();
+  return svd.V.rightCols(F.cols() - stiff);
 }
 
 /// Orthonormal, mass-scaled columns: the free rigid motions that meet no stiffness. Under load not all are: a

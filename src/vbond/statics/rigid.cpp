@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -12,6 +10,7 @@
 #include <vector>
 
 #include "vbond/model/touching.hpp"
+#include "vbond/statics/detail/dense.hpp"
 
 namespace vbond {
 namespace {
@@ -90,10 +89,9 @@ class RigidPart {
     DenseMatrix H = DenseMatrix::Zero(std::max<Eigen::Index>(6, static_cast<Eigen::Index>(held.size())), 6);
     for (std::size_t k = 0; k < held.size(); ++k)
       H.row(static_cast<Eigen::Index>(k)) = row(held[k].first, held[k].second);
-    const DenseMatrix R = H.householderQr().matrixQR().topRows(6).triangularView<Eigen::Upper>();
-    const Eigen::JacobiSVD<DenseMatrix> svd(R, Eigen::ComputeFullV);
-    const Eigen::Index holding = (svd.singularValues().array() > smallest_lever).count();
-    return svd.matrixV().rightCols(6 - holding);
+    const DenseSingular svd = singular_values(upper_factor(H));
+    const Eigen::Index holding = (svd.values.array() > smallest_lever).count();
+    return svd.V.rightCols(6 - holding);
   }
 
  private:

@@ -1,9 +1,10 @@
 #include "vbond/statics/detail/valley.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <optional>
+
+#include "vbond/statics/detail/dense.hpp"
 
 namespace vbond {
 namespace {
@@ -98,7 +99,7 @@ class Valley {
   std::optional<Vector> along_mode(double change) {
     if (!solver_.factor(body_)) return {};
     const DenseMatrix B = responses();
-    return Vector(B * (modes_.transpose() * B).fullPivLu().solve(change * Vector::Unit(modes_.cols(), 0)));
+    return Vector(B * solve_dense(modes_.transpose() * B, change * Vector::Unit(modes_.cols(), 0)));
   }
 
   /// Newton's step that does not move the body along the modes.
@@ -106,7 +107,7 @@ class Valley {
     if (!solver_.factor(body_)) return {};
     const Vector a = solver_.solve_full(body_, body_.unbalanced());
     const DenseMatrix B = responses();
-    return Vector(a - B * (modes_.transpose() * B).fullPivLu().solve(modes_.transpose() * a));
+    return Vector(a - B * solve_dense(modes_.transpose() * B, modes_.transpose() * a));
   }
 
   /// To a force along each mode.

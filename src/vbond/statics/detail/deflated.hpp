@@ -4,8 +4,6 @@
 
 namespace vbond {
 
-/// An orthonormal basis of what the columns span.
-DenseMatrix orthonormal(const DenseMatrix& X);
 /// Orthonormal columns in which no eigenvector is missing: to begin an iteration with.
 DenseMatrix any_orthonormal_columns(Eigen::Index rows, Eigen::Index columns);
 

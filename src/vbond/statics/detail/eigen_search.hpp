@@ -10,8 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include <Spectra/Util/SelectionRule.h>
-
 #include "vbond/statics/detail/eigen.hpp"
 
 /// How eigenpairs are looked for until none is missing: what eigen.cpp and critical_factors.cpp share.
@@ -19,14 +17,8 @@ namespace vbond {
 
 // Up to here all eigenpairs are found faster densely than a few by iteration (measured).
 inline constexpr int largest_dense = 120;
-inline constexpr double lanczos_tolerance = 1e-11;  // of vectors; eigenvalues are good to its square
-inline constexpr int lanczos_restarts = 1000;
 inline bool solve_densely(Eigen::Index n, int count) {
   return n <= largest_dense || 3 * count > n;
-}
-
-inline int basis_size(int count, Eigen::Index n) {
-  return static_cast<int>(std::min<Eigen::Index>(n, std::max(2 * count + 20, 40)));
 }
 
 /// Eigenpairs and the order in which they are wanted: by increasing key.
@@ -117,21 +109,6 @@ EigenPairs find_searched(const Wanted& w, Look&& look) {
   }
   found.sort();
   return found.part(found.below(w.from), w.count);
-}
-
-template <class Solver>
-void iterate(Solver& solver, Spectra::SortRule rule, int count, Eigen::Index n) {
-  int converged = 0;
-  try {
-    solver.init();
-    converged = static_cast<int>(solver.compute(rule, lanczos_restarts, lanczos_tolerance));
-  } catch (const std::exception& e) {  // Spectra's: of vectors of length 0, or of numbers that are not finite
-    throw NoConvergence(fmt::format("eigenvalues of a matrix of {} unknowns: {}", n, e.what()));
-  }
-  if (converged < count)
-    throw NoConvergence(
-        fmt::format("eigenvalues of a matrix of {} unknowns: {} of {} converged within {} restarts", n,
-                    converged, count, lanczos_restarts));
 }
 
 inline double largest_diagonal(const SparseMatrix& A) {

@@ -2,6 +2,7 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 #include <cmath>
+#include <limits>
 
 namespace vbond {
 
@@ -9,6 +10,8 @@ using Vector = Eigen::VectorXd;
 using DenseMatrix = Eigen::MatrixXd;
 /// Compressed columns; symmetric matrices are stored whole, both triangles.
 using SparseMatrix = Eigen::SparseMatrix<double>;
+
+inline constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
 /// The largest |x_k|, 0 of none; NaN if there is one among them, which Eigen's maxCoeff() may drop.
 inline double max_norm(const Vector& x) {
