@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "inputs.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/observe/files.hpp"
 #include "vbond/observe/mode_frames.hpp"
@@ -65,8 +66,9 @@ void take_away_if_empty(const fs::path& folder) {
 /// Lists of frames go before the frames that they name.
 void remove_output(const fs::path& folder) {
   const FolderLock nobody_reports(folder, report_lock);
-  for (const char* name : {"history.csv", "run.json", "resolved.toml", "checkpoint.h5", "particles.pvd",
-                           "bonds.pvd", "dump.lammpstrj", "last_balance.h5", "report.html", "report.png"}) {
+  for (const char* name :
+       {"history.csv", "history.columns.json", "run.json", "resolved.toml", "checkpoint.h5", "particles.pvd",
+        "bonds.pvd", "dump.lammpstrj", "last_balance.h5", "report.html", "report.png"}) {
     take_away(folder / name);
     take_away(temporary_name(folder / name));
   }
@@ -108,7 +110,7 @@ fs::path first_free(const std::string& stem) {
 ClaimedFolder claim_folder(const fs::path& case_file, const std::optional<fs::path>& wish, bool force) {
   if (!wish && !force) {
     const fs::path folder = first_free(case_file.stem().string());
-    return {folder, FolderLock(folder, run_lock)};
+    return {folder, FolderLock(folder, run_lock), {}};
   }
   fs::path folder = wish.value_or(case_file.stem().string() + ".out");
   if (is_present(folder)) {
@@ -123,8 +125,9 @@ ClaimedFolder claim_folder(const fs::path& case_file, const std::optional<fs::pa
   make_folder(folder);
   FolderLock lock(folder, run_lock);
   if (!force && is_occupied(folder)) refuse_occupied(folder);  // another run was faster, and has ended
+  std::vector<fs::path> old_inputs = copies_in(folder);
   if (force) remove_output(folder);
-  return {std::move(folder), std::move(lock)};
+  return {std::move(folder), std::move(lock), std::move(old_inputs)};
 }
 
 }  // namespace vbond::app

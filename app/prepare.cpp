@@ -36,6 +36,7 @@ OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem:
   const OutputSpec& o = c.output;
   OutputPlan plan;
   plan.folder = folder;
+  plan.units = model.units;
   plan.history_every = output_time(o.history_every, model, "output.history.every", c);
   plan.reactions = resolve_groups(o.reactions, model);
   plan.axial_force = resolve_groups(o.axial_force, model);
@@ -43,6 +44,7 @@ OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem:
   if (o.frames)
     plan.frames_every = o.frames->every ? output_time(*o.frames->every, model, "output.frames.every", c)
                                         : std::numeric_limits<double>::infinity();
+  if (o.frames) plan.frame_format = {o.frames->single_precision, o.frames->compressed};
   plan.lammps_dump = o.lammps_dump;
   if (o.checkpoint_every)
     plan.checkpoint_every = output_time(*o.checkpoint_every, model, "output.checkpoint.every", c);

@@ -36,7 +36,8 @@ struct CaseOfPage {
   std::string left_out;  ///< what it tells no more; empty if it is the file itself
 };
 
-/// The text of resolved.toml, or, where it names files, the case with their names alone. Throws IoError.
+/// The text of resolved.toml, or, where it names files, the case with their names in its folder, or their
+/// names alone. Throws IoError.
 CaseOfPage case_of_page(Case c, const std::filesystem::path& resolved);
 
 /// A text in which files of this folder are named without it.

@@ -3,7 +3,6 @@
 
 #include <set>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "report.hpp"
@@ -15,20 +14,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Where the case names its files.
-std::vector<fs::path*> files_of(Case& c) {
-  std::vector<fs::path*> files;
-  for (SpecimenSpec& s : c.specimens) {
-    if (auto* csv = std::get_if<CsvSpecimen>(&s.shape)) files.push_back(&csv->file.value);
-    if (auto* lammps = std::get_if<LammpsSpecimen>(&s.shape)) files.push_back(&lammps->file.value);
-  }
-  for (BondSpec& b : c.bonds)
-    if (auto* pairs = std::get_if<PairsFile>(&b.select.value)) files.push_back(&pairs->file);
-  return files;
-}
-
-/// The name of a file without its folder; one that is taken by another file gets a number.
-fs::path free_name(const fs::path& file, const std::set<std::string>& taken) {
+/// A file as it is named from the folder; one that lies elsewhere by its name alone, with a number if another
+/// file has taken that.
+fs::path name_in(const fs::path& folder, const fs::path& file, const std::set<std::string>& taken) {
+  const fs::path relative = file.lexically_relative(folder);
+  if (!relative.empty() && *relative.begin() != "..") return relative;
   std::string name = file.filename().string();
   for (int k = 2; taken.count(name) > 0; ++k)
     name = fmt::format("{}_{}{}", file.stem().string(), k, file.extension().string());
@@ -40,17 +30,18 @@ fs::path free_name(const fs::path& file, const std::set<std::string>& taken) {
 CaseOfPage case_of_page(Case c, const fs::path& resolved) {
   const std::vector<fs::path*> files = files_of(c);
   if (files.empty()) return {read_all(resolved), {}};
+  const fs::path folder = fs::absolute(resolved).lexically_normal().parent_path();
   std::set<std::string> names;
   std::vector<std::pair<fs::path, fs::path>> named;  // the same file may stand in several places
   for (fs::path* file : files) {
     auto known = named.begin();
     while (known != named.end() && known->first != *file) ++known;
-    if (known == named.end()) known = named.insert(known, {*file, free_name(*file, names)});
+    if (known == named.end()) known = named.insert(known, {*file, name_in(folder, *file, names)});
     *file = known->second;
     names.insert(file->string());
   }
-  return {to_toml(c), fmt::format("The case reads {}, of which the page gives neither the content nor the "
-                                  "folder: to run it again, put it beside resolved.toml.",
+  return {to_toml(c), fmt::format("The case reads {}, whose content is not in the page: to run it again, put "
+                                  "it beside resolved.toml under that name.",
                                   fmt::join(names, ", "))};
 }
 

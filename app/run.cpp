@@ -11,6 +11,7 @@
 #include "campaign.hpp"
 #include "commands.hpp"
 #include "folder.hpp"
+#include "inputs.hpp"
 #include "lock.hpp"
 #include "memory.hpp"
 #include "prepare.hpp"
@@ -249,7 +250,7 @@ FolderLock lock_old_output(const fs::path& folder) {
 
 int run(const RunOptions& options) {
   const auto start = WallClock::now();
-  const Case c = read_case(options.case_file);
+  Case c = read_case(options.case_file);
   require_statics(c);
   require_memory(c);
   Built built = build(c);
@@ -261,7 +262,7 @@ int run(const RunOptions& options) {
   const ClaimedFolder claimed = claim_folder(options.case_file, options.folder, options.force);
   plan.folder = claimed.path;
   catch_broken_pipe();
-  replace_file(plan.folder / "resolved.toml", to_toml(c));
+  replace_file(plan.folder / "resolved.toml", to_toml(keep_inputs(c, plan.folder, claimed.old_inputs)));
   say("output folder    " + plan.folder.string() + "\n");
   print_overview(c, built.model, built.state);
   print_notes(built.notes);

@@ -109,7 +109,8 @@ void write_modes(const Campaign& campaign, const StaticStage& stage, const Stati
     const double factor = swing_factor(campaign.model, outcome.state, shape, stage.amplitude);
     if (factor > 0.0)
       write_mode_frames(campaign.plan.folder, stage.name, static_cast<int>(k) + 1, stage.frames_per_mode,
-                        factor, campaign.model, outcome.state, shape, load_factor);
+                        factor, campaign.model, outcome.state, shape, load_factor,
+                        campaign.plan.frame_format);
   };
   const StaticResult& r = outcome.result;
   for (std::size_t k = 0; k < r.critical_loads.size(); ++k)

@@ -32,6 +32,22 @@ TEST(ResolvedCase, OfEveryExampleMeansTheSame) {
   }
 }
 
+// The output folder holds a copy of each.
+TEST(FilesOfACase, AreAllValuesOfKeysThatNameAFile) {
+  std::size_t files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(corpus)) {
+    Case c = read_case(entry.path());
+    const std::string before = to_toml(c);
+    std::size_t lines = 0;
+    for (std::size_t at = 0; (at = before.find("\nfile = ", at)) != std::string::npos; ++at) ++lines;
+    EXPECT_EQ(files_of(c).size(), lines) << entry.path();
+    EXPECT_EQ(to_toml(c), before) << "looking changes nothing: " << entry.path();
+    for (std::filesystem::path* file : files_of(c)) *file = "elsewhere/" + std::to_string(files++);
+    EXPECT_EQ(to_toml(c) == before, lines == 0) << entry.path();
+  }
+  EXPECT_GE(files, 3U);  // a CSV file, a LAMMPS file, a file of pairs
+}
+
 TEST(ResolvedCase, KeepsEveryBitOfANumber) {
   Case c = read_case(corpus / "rod.toml");
   for (const double x : {1.0 / 3.0, 0.1, 1e-300, 4e59, 3.0, 2.2250738585072014e-308}) {

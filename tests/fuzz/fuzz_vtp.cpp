@@ -18,7 +18,7 @@ page::FrameFiles good_frame(std::int64_t step) {
   page::FrameFiles f{0.1 * static_cast<double>(step), folder() / ("p" + std::to_string(step) + ".vtp"),
                      folder() / ("b" + std::to_string(step) + ".vtp")};
   write_particles_vtp(f.particles, body.model, body.state);
-  write_bonds_vtp(f.bonds, body.state);
+  write_bonds_vtp(f.bonds, body.state, UnitSystem::reduced);
   return f;
 }
 

@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <numbers>
 #include <sstream>
 
 #include "specimen.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/observe/quantities.hpp"
 #include "vtp_reader.hpp"
 
 namespace vbond {
@@ -30,12 +32,14 @@ std::vector<double> flat(const PerParticle<Vec3d>& column) {
 void expect_well_formed(const VtpReader& f) {
   const std::size_t cells = f.verts + f.lines;
   for (const auto& [name, array] : f.arrays) {
-    const std::size_t item = array.type == "UInt8" ? 1 : 8;
+    const std::map<std::string, std::size_t> sizes{
+        {"UInt8", 1}, {"Float32", 4}, {"Int32", 4}, {"Float64", 8}, {"Int64", 8}};
+    ASSERT_EQ(sizes.count(array.type), 1u) << array.type;
+    const std::size_t item = sizes.at(array.type);
     const std::size_t tuples = array.section == "PointData" || array.section == "Points" ? f.points
                                : name == "connectivity" ? f.verts + 2 * f.lines
                                                         : cells;
     EXPECT_EQ(array.bytes.size(), tuples * array.components * item) << name;
-    EXPECT_TRUE(array.type == "Float64" || array.type == "Int64" || array.type == "UInt8") << name;
   }
   EXPECT_EQ(f.after_arrays.find("\n  </AppendedData>\n</VTKFile>"), 0u);
 }
@@ -56,13 +60,13 @@ TEST(ParticleFrame, ReadsBackBitForBit) {
   EXPECT_EQ(std::stod(f.in_text.at("TimeValue")), chain.state.clock.time());
   EXPECT_EQ(f.in_text.at("Step"), "1200");
   EXPECT_EQ(f.arrays.at("Points").as<double>(), flat(chain.state.r));
-  EXPECT_EQ(f.arrays.at("connectivity").as<std::int64_t>(), (std::vector<std::int64_t>{0, 1, 2}));
-  EXPECT_EQ(f.arrays.at("offsets").as<std::int64_t>(), (std::vector<std::int64_t>{1, 2, 3}));
+  EXPECT_EQ(f.arrays.at("connectivity").integers(), (std::vector<std::int64_t>{0, 1, 2}));
+  EXPECT_EQ(f.arrays.at("offsets").integers(), (std::vector<std::int64_t>{1, 2, 3}));
   EXPECT_EQ(f.arrays.at("radius").as<double>(), chain.model.radius.values());
   EXPECT_EQ(f.arrays.at("velocity").as<double>(), flat(chain.state.v));
   EXPECT_EQ(f.arrays.at("angular_velocity").as<double>(), flat(chain.state.omega));
-  EXPECT_EQ(f.arrays.at("id").as<std::int64_t>(), (std::vector<std::int64_t>{0, 1, 2}));
-  EXPECT_EQ(f.arrays.at("specimen").as<std::int64_t>(), (std::vector<std::int64_t>{0, 0, 1}));
+  EXPECT_EQ(f.arrays.at("id").integers(), (std::vector<std::int64_t>{0, 1, 2}));
+  EXPECT_EQ(f.arrays.at("specimen").integers(), (std::vector<std::int64_t>{0, 0, 1}));
   const auto rotation = f.arrays.at("rotation").as<double>();
   EXPECT_EQ(rotation[5], 0.0);
   EXPECT_NEAR(rotation[8], 0.3, 1e-15);  // sine, cosine and arctangent, each good to an ulp of 0.3
@@ -76,16 +80,16 @@ TEST(BondFrame, ShowsStretchTwistAndBendOfEachBond) {
   Chain chain(4);
   chain.state.r[ParticleId{0}].x -= 0.01;  // bond 0: stretched
   chain.turn(2, {1, 0, 0}, pi / 3);        // bonds 1 and 2: twisted by 60 degrees, there and back
-  write_bonds_vtp(folder / "b.vtp", chain.state);
+  write_bonds_vtp(folder / "b.vtp", chain.state, UnitSystem::reduced);
   const VtpReader f(content_of(folder / "b.vtp"));
 
   expect_well_formed(f);
   EXPECT_EQ(f.points, 4u);
   EXPECT_EQ(f.verts, 0u);
   EXPECT_EQ(f.lines, 3u);
-  EXPECT_EQ(f.arrays.at("connectivity").as<std::int64_t>(), (std::vector<std::int64_t>{0, 1, 1, 2, 2, 3}));
-  EXPECT_EQ(f.arrays.at("offsets").as<std::int64_t>(), (std::vector<std::int64_t>{2, 4, 6}));
-  EXPECT_EQ(f.arrays.at("set").as<std::int64_t>(), (std::vector<std::int64_t>{0, 1, 2}));
+  EXPECT_EQ(f.arrays.at("connectivity").integers(), (std::vector<std::int64_t>{0, 1, 1, 2, 2, 3}));
+  EXPECT_EQ(f.arrays.at("offsets").integers(), (std::vector<std::int64_t>{2, 4, 6}));
+  EXPECT_EQ(f.arrays.at("set").integers(), (std::vector<std::int64_t>{0, 1, 2}));
   const auto value = [&f](const char* name, std::size_t bond) {
     return f.arrays.at(name).as<double>()[bond];
   };
@@ -108,11 +112,102 @@ TEST(BondFrame, ShowsStretchTwistAndBendOfEachBond) {
 TEST(BondFrame, BodyWithoutBondsIsAValidFile) {
   const Folder folder;
   Chain chain(1);
-  write_bonds_vtp(folder / "b.vtp", chain.state);
+  write_bonds_vtp(folder / "b.vtp", chain.state, UnitSystem::reduced);
   const VtpReader f(content_of(folder / "b.vtp"));
   expect_well_formed(f);
   EXPECT_EQ(f.lines, 0u);
   EXPECT_TRUE(f.arrays.at("elongation").bytes.empty());
+}
+
+/// A body whose numbers partly compress: positions on a line, random velocities, more than one block of 2^18
+/// bytes.
+Chain long_chain() {
+  Chain chain(40'000);
+  for (double& R : chain.model.radius) R = 0.3;
+  std::uint64_t x = 1;
+  for (const ParticleId p : chain.state.v.ids()) {
+    x = x * 6364136223846793005u + 1442695040888963407u;
+    chain.state.v[p] = {static_cast<double>(x >> 11) * 0x1p-53, 0.0, -0.0};
+  }
+  return chain;
+}
+
+TEST(FrameFormat, CompressedArraysAreTheSameNumbers) {
+  const Folder folder;
+  const Chain chain = long_chain();
+  const FrameFormat plain{.compressed = false};
+  write_particles_vtp(folder / "p.vtp", chain.model, chain.state);
+  write_particles_vtp(folder / "p_plain.vtp", chain.model, chain.state, {}, plain);
+  write_bonds_vtp(folder / "b.vtp", chain.state, UnitSystem::reduced);
+  write_bonds_vtp(folder / "b_plain.vtp", chain.state, UnitSystem::reduced, {}, plain);
+  for (const std::string name : {"p", "b"}) {
+    const VtpReader zlib(content_of(folder / (name + ".vtp"))),
+        none(content_of(folder / (name + "_plain.vtp")));
+    expect_well_formed(zlib);
+    expect_well_formed(none);
+    EXPECT_TRUE(zlib.compressed);
+    EXPECT_FALSE(none.compressed);
+    ASSERT_EQ(zlib.arrays.size(), none.arrays.size());
+    for (const auto& [key, array] : none.arrays) {
+      EXPECT_EQ(zlib.arrays.at(key).bytes, array.bytes) << key;
+      EXPECT_EQ(zlib.arrays.at(key).type, array.type) << key;
+      EXPECT_LT(zlib.arrays.at(key).stored, array.stored + 200) << key;  // also of one that does not shrink
+    }
+    const auto part = [&](const std::string& key) {
+      return static_cast<double>(zlib.arrays.at(key).stored) /
+             static_cast<double>(none.arrays.at(key).stored);
+    };
+    // what is the same in each frame: deflate at its fastest needs a match of 3 bytes and a literal for each
+    // of these 4-byte numbers, 1.4 bytes
+    for (const char* key : {"connectivity", "offsets", "id"}) EXPECT_LT(part(key), 0.5) << key;
+    const std::vector<std::string> alike = name == "p" ? std::vector<std::string>{"radius", "specimen"}
+                                                       : std::vector<std::string>{"length_at_rest"};
+    for (const std::string& key : alike) EXPECT_LT(part(key), 0.02) << key;
+  }
+}
+
+TEST(FrameFormat, SinglePrecisionHalvesRealNumbersAndSaysSo) {
+  const Folder folder;
+  Chain chain;
+  chain.state.r[ParticleId{1}] += Vec3d{1e-17, 0.25, -1.0 / 3.0};
+  const FrameFormat single{.single_precision = true, .compressed = false};
+  write_particles_vtp(folder / "p.vtp", chain.model, chain.state, {}, single);
+  write_bonds_vtp(folder / "b.vtp", chain.state, UnitSystem::reduced, {}, single);
+  for (const char* file : {"p.vtp", "b.vtp"}) {
+    const VtpReader f(content_of(folder / file));
+    expect_well_formed(f);
+    for (const auto& [name, array] : f.arrays) EXPECT_NE(array.type, "Float64") << name;
+  }
+  const VtpReader f(content_of(folder / "p.vtp"));
+  EXPECT_EQ(f.arrays.at("Points").as<float>()[5], static_cast<float>(-1.0 / 3.0));
+  chain.state.v[ParticleId{0}].x = 1e39;
+  try {
+    write_particles_vtp(folder / "p.vtp", chain.model, chain.state, {}, single);
+    ADD_FAILURE() << "a number became infinite";
+  } catch (const IoError& e) {
+    EXPECT_NE(std::string(e.what()).find("1e+39 of array \"velocity\""), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("precision = \"float64\""), std::string::npos) << e.what();
+  }
+}
+
+TEST(FrameFormat, EveryArrayOfAQuantityWithAUnitSaysIt) {
+  const Folder folder;
+  Chain chain;
+  for (const UnitSystem units : {UnitSystem::reduced, UnitSystem::si}) {
+    chain.model.units = units;
+    write_particles_vtp(folder / "p.vtp", chain.model, chain.state);
+    write_bonds_vtp(folder / "b.vtp", chain.state, units);
+    const VtpReader p(content_of(folder / "p.vtp")), b(content_of(folder / "b.vtp"));
+    for (const ParticleQuantity& q : particle_quantities())
+      EXPECT_EQ(p.arrays.at(q.name).unit, q.unit.in(units)) << q.name;
+    for (const BondQuantity& q : bond_quantities())
+      EXPECT_EQ(b.arrays.at(q.name).unit, q.unit.in(units)) << q.name;
+    EXPECT_EQ(p.arrays.at("Points").unit, unit::length.in(units));
+    EXPECT_EQ(p.arrays.at("velocity").unit, units == UnitSystem::si ? "m/s" : "a sqrt(c_A/m)");
+    EXPECT_EQ(b.arrays.at("axial_force").unit, units == UnitSystem::si ? "N" : "a c_A");
+    EXPECT_EQ(b.arrays.at("bend").unit, "deg");
+    EXPECT_EQ(p.arrays.at("id").unit, "");
+  }
 }
 
 /// (time, file) of every entry of a .pvd.

@@ -129,8 +129,9 @@ TEST(Observers, InterruptionAddsNoRowAndNoFrame) {
   EXPECT_EQ(read_checkpoint(folder / "checkpoint.h5", chain.model).state.clock.step, 13);
 }
 
-void expect_same_files(const std::filesystem::path& a, const std::filesystem::path& b,
-                       std::size_t expected = 2 * 5 + 5) {  // frames; history, dump, two lists, checkpoint
+void expect_same_files(
+    const std::filesystem::path& a, const std::filesystem::path& b,
+    std::size_t expected = 2 * 5 + 6) {  // frames; history, its columns, dump, two lists, checkpoint
   std::size_t files = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(a)) {
     if (!entry.is_regular_file()) continue;
@@ -186,7 +187,7 @@ TEST(Observers, FilesAreThoseOfDecidingAtEveryStepAlsoWhenResumed) {
             (std::vector<std::int64_t>{0, 17, 34, 51, 68, 85, 101, 126, 151, 176, 198}));
   std::filesystem::create_directories(folder / "asked");
   run_in(folder / "asked", at_rest(chain), nullptr, never);
-  expect_same_files(folder / "every_step", folder / "asked", 2 * 6 + 5);  // frames 0, 42, 84, 101, 160, 198
+  expect_same_files(folder / "every_step", folder / "asked", 2 * 6 + 6);  // frames 0, 42, 84, 101, 160, 198
   for (const std::int64_t step : {1, 16, 17, 18, 46, 100, 102, 125, 126, 197}) {
     SCOPED_TRACE(step);
     const auto cut = folder / ("cut_" + std::to_string(step));
@@ -195,7 +196,7 @@ TEST(Observers, FilesAreThoseOfDecidingAtEveryStepAlsoWhenResumed) {
     const Checkpoint c = read_checkpoint(cut / "checkpoint.h5", chain.model);
     EXPECT_EQ(c.state.clock.step, step);
     EXPECT_EQ(run_in(cut, c.state, &c, never), StopReason::duration);
-    expect_same_files(folder / "every_step", cut, 2 * 6 + 5);
+    expect_same_files(folder / "every_step", cut, 2 * 6 + 6);
   }
 }
 

@@ -280,7 +280,7 @@ TEST(Page, FramesOfAnotherBodyAreRefused) {
   const Film film;
   const Chain other(4);
   const auto frames = listed_frames(film.folder / "particles.pvd", film.folder / "bonds.pvd");
-  write_bonds_vtp(frames[2].bonds, other.state);
+  write_bonds_vtp(frames[2].bonds, other.state, UnitSystem::reduced);
   Body body;
   EXPECT_THROW(read_sequence({SequenceKind::run, "Run", "", "", frames}, body), IoError);
 }
@@ -299,8 +299,9 @@ std::string refusal(const Film& film) {
 }
 
 /// The fields of bonds, of which `per_point` has a value for each point instead of each bond.
-VtpFile forged_bonds(std::size_t points, const std::string& per_point) {
-  VtpFile f = VtpFile::of_lines(std::vector<Vec3d>(points), {0, 1, 1, 2});
+VtpFile forged_bonds(std::size_t points, const std::string& per_point,
+                     const std::vector<std::int64_t>& ends = {0, 1, 1, 2}) {
+  VtpFile f = VtpFile::of_lines(std::vector<Vec3d>(points), ends);
   for (const std::string name : {"elongation", "length_at_rest", "bend", "twist", "U_L", "U_B", "U_T"})
     if (name == per_point)
       f.add_point_data(name, std::vector<double>(points, 1.0));
@@ -315,7 +316,8 @@ TEST(Page, ArraysOfAnotherLengthAreRefused) {
   const auto frames = listed_frames(film.folder / "particles.pvd", film.folder / "bonds.pvd");
   const auto forge = [&](const VtpFile& file) { file.write(frames[1].bonds, 10.0, 10); };
   forge(forged_bonds(1000, "U_T"));  // 1000 values where there are two bonds
-  EXPECT_NE(refusal(film).find("has no array \"U_T\" of type Float64 for each cell"), std::string::npos)
+  EXPECT_NE(refusal(film).find("has no array \"U_T\" of type Float64 or Float32 for each cell"),
+            std::string::npos)
       << refusal(film);
   forge(forged_bonds(1000, "length_at_rest"));
   EXPECT_NE(refusal(film).find("length_at_rest"), std::string::npos);
@@ -334,9 +336,8 @@ TEST(Page, FramesThatContradictThemselvesAreRefused) {
   EXPECT_EQ(refusal(film), "accepted");
   EXPECT_NE(edited("NumberOfPoints=\"3\"", "NumberOfPoints=\"6148914691236517208\"").find("its size is not"),
             std::string::npos);  // 24 bytes for each of them are 64 in 64 bits
-  const std::string two_ends("\1\0\0\0\0\0\0\0\2\0\0\0\0\0\0\0", 16);
-  EXPECT_NE(edited(two_ends, std::string("\1\0\0\0\1\0\0\0\2\0\0\0\0\0\0\0", 16)).find("impossible ends"),
-            std::string::npos);  // 2^32 + 1 is not 1
+  forged_bonds(3, "", {0, 1, (std::int64_t{1} << 32) + 1, 2}).write(frames[1].bonds, 10.0, 10);
+  EXPECT_NE(refusal(film).find("impossible ends"), std::string::npos) << refusal(film);  // 2^32 + 1 is not 1
   test::put_content(frames[1].bonds, good);
   test::put_content(film.folder / "particles.pvd",
                     pvd_list(pvd_entry(0.0, "frames/particles_000000000010.vtp") +

@@ -54,14 +54,18 @@ void check_header(const CsvTable& table, const SourcePlace& header, const std::v
 }  // namespace
 
 std::vector<std::string> read_lines(const std::filesystem::path& file, const SourcePlace& place) {
-  std::error_code ignored;
-  std::ifstream in(file, std::ios::binary);
-  if (!in || std::filesystem::is_directory(file, ignored)) {
-    const std::string reason = in ? "it is a folder" : std::strerror(errno);
+  const auto refuse = [&](const std::string& reason) {
     throw CaseError({place, fmt::format("\"{}\" cannot be read: {}", file.string(), reason),
                      "file names are taken from the folder of the case file",
                      "check the name and the rights"});
-  }
+  };
+  std::error_code ignored;
+  const auto status = std::filesystem::status(file, ignored);
+  if (std::filesystem::is_directory(status)) refuse("it is a folder");
+  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status))
+    refuse("it is not a regular file, of which the output folder could hold a copy");
+  std::ifstream in(file, std::ios::binary);
+  if (!in) refuse(std::strerror(errno));
   std::vector<std::string> lines;
   for (std::string line; std::getline(in, line);) {
     if (!line.empty() && line.back() == '\r') line.pop_back();

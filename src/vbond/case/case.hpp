@@ -266,6 +266,8 @@ struct TimeSpec {
 
 struct FramesSpec {
   std::optional<CaseTime> every;  ///< of dynamics stages, which need it; static stages write every point
+  bool single_precision = false;  ///< real numbers of 32 bits, not 64
+  bool compressed = true;
 };
 
 struct OutputSpec {

@@ -86,6 +86,11 @@ void describe(Table& t, OutputSpec& o, bool any_dynamics) {
         f.key("every", o.frames->every, TimeCodec{},
               any_dynamics ? required : default_is("required if a stage has kind = \"dynamics\""),
               "time between frames; static stages write one at each point, modes and critical loads theirs");
+        f.key("precision", o.frames->single_precision,
+              ChoiceCodec<bool>{{"float64", "float32"}, {false, true}}, optional,
+              "of real numbers; float32: half the size, 7 digits");
+        f.key("compression", o.frames->compressed, ChoiceCodec<bool>{{"zlib", "none"}, {true, false}},
+              optional, "of the arrays; none: as they lie in memory");
       },
       o.frames.has_value());
   t.key("lammps_dump", o.lammps_dump, FlagCodec{}, optional, "with each frame also a LAMMPS dump, for OVITO");

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "vbond/case/case.hpp"
 
@@ -15,8 +16,12 @@ Case read_case(const std::filesystem::path& file);
 Case parse_case(std::string_view text, const std::filesystem::path& file);
 
 /// The case with every default written out, as TOML that read_case accepts and that means the same
-/// bit for bit (numbers with 17 digits, times in T0 kept as such, file names absolute).
+/// bit for bit (numbers with 17 digits, times in T0 kept as such, file names as they stand in the Case:
+/// absolute after reading).
 std::string to_toml(const Case& c);
+
+/// Where the case names the files that it reads: every key whose value is a file name, in order of the keys.
+std::vector<std::filesystem::path*> files_of(Case& c);
 
 /// The reference of all keys as Markdown, from the same table that validates them.
 std::string key_reference();

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -43,7 +44,8 @@ class Value {
   virtual std::string write() const = 0;                 ///< empty: not there
   virtual std::string type() const = 0;
   virtual std::string example(UnitSystem u) const = 0;
-  virtual bool is_choice() const = 0;  ///< other keys may depend on it
+  virtual bool is_choice() const = 0;         ///< other keys may depend on it
+  virtual std::filesystem::path* file() = 0;  ///< a file that the case reads; nullptr: the value is none
 
  protected:
   ~Value() = default;
@@ -66,6 +68,14 @@ class BoundValue final : public Value {
     return requires {
       codec_.values;
     };
+  }
+  std::filesystem::path* file() override {
+    if constexpr (!std::is_same_v<Codec, FileCodec>)
+      return nullptr;
+    else if constexpr (requires { value_.place; })
+      return &value_.value;
+    else
+      return &value_;
   }
 
  private:

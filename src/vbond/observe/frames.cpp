@@ -7,16 +7,16 @@
 #include <charconv>
 #include <cmath>
 #include <iterator>
-#include <numbers>
-#include <numeric>
 #include <string_view>
 #include <system_error>
+#include <variant>
 #include <vector>
 
 #include "vbond/core/bounding_box.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/observe/bond_look.hpp"
 #include "vbond/observe/files.hpp"
+#include "vbond/observe/quantities.hpp"
 #include "vbond/observe/vtp.hpp"
 
 namespace vbond {
@@ -133,67 +133,65 @@ void cut_dump(const fs::path& dump, std::int64_t resume_step) {
   if (const std::uintmax_t end = end_of_dump(dump, size, resume_step); end < size) cut_file(dump, end);
 }
 
+BondView bond_view(BondId id, const State& state) {
+  const Bond& b = state.bonds[id];
+  const BondPose<double> pose = bond_pose(b, state);
+  const BondLoads<double> loads = bond_loads(state, id);
+  const Vec3d d = normalised(bonded_points(pose, b.R_i, b.R_j));
+  const double F_d = dot(loads.F, d);
+  return {.bond = b,
+          .id = id,
+          .shape = bond_shape(pose, b.R_i, b.R_j),
+          .U = bond_energy(state, id),
+          .axial_force = F_d,
+          .shear_force = norm(loads.F - F_d * d),
+          .moment_i = norm(loads.M_ij),
+          .moment_j = norm(loads.M_ji)};
+}
+
+/// A quantity of each of n things.
+template <class View, class Value>
+auto values_of(std::size_t n, const View& view, const Value value) {
+  std::vector<decltype(value(view(0)))> values;
+  values.reserve(n);
+  for (std::size_t k = 0; k < n; ++k) values.push_back(value(view(k)));
+  return values;
+}
+
 }  // namespace
 
 void write_particles_vtp(const fs::path& path, const Model& model, const State& state,
-                         std::optional<double> load_factor) {
-  const std::size_t n = model.particles();
-  std::vector<std::int64_t> id(n), specimen(n);
-  std::iota(id.begin(), id.end(), 0);
-  std::vector<Vec3d> rotation(n), displacement(n);
-  for (const ParticleId p : model.mass.ids()) {
-    specimen[p.value] = model.specimen_of(p);
-    rotation[p.value] = rotation_vector(state.q[p]);
-    displacement[p.value] = state.r[p] - model.r_0[p];
-  }
-  VtpFile f = VtpFile::of_points(state.r.values());
-  f.add_point_data("radius", model.radius.values());
-  f.add_point_data("velocity", state.v.values());
-  f.add_point_data("angular_velocity", state.omega.values());
-  f.add_point_data("rotation", rotation);
-  f.add_point_data("displacement", displacement);
-  f.add_point_data("id", id);
-  f.add_point_data("specimen", specimen);
+                         std::optional<double> load_factor, FrameFormat format) {
+  VtpFile f = VtpFile::of_points(state.r.values(), format);
+  f.set_unit_of_points(unit::length.in(model.units));
+  const auto view = [&](std::size_t k) { return ParticleView{model, state, ParticleId{k}}; };
+  for (const ParticleQuantity& q : particle_quantities())
+    std::visit(
+        [&](const auto value) {
+          f.add_point_data(q.name, values_of(model.particles(), view, value), q.unit.in(model.units));
+        },
+        q.value);
   f.write(path, state.clock.time(), state.clock.step, load_factor);
 }
 
-void write_bonds_vtp(const fs::path& path, const State& state, std::optional<double> load_factor) {
-  constexpr double degrees = 180.0 / std::numbers::pi;
-  std::vector<std::int64_t> ends, id, set;
-  std::vector<double> elongation, at_rest, bend, twist, U_L, U_B, U_T, axial, shear, moment_i, moment_j;
-  std::vector<std::uint8_t> range;
+void write_bonds_vtp(const fs::path& path, const State& state, UnitSystem units,
+                     std::optional<double> load_factor, FrameFormat format) {
+  std::vector<std::int64_t> ends;
+  std::vector<BondView> views;
+  ends.reserve(2 * state.bonds.size()), views.reserve(state.bonds.size());
   for (const BondId k : state.bonds.ids()) {
-    const Bond& b = state.bonds[k];
-    const BondPose<double> pose = bond_pose(b, state);
-    const BondShape shape = bond_shape(pose, b.R_i, b.R_j);
-    const BondEnergy<double> U = bond_energy(state, k);
-    const BondLoads<double> loads = bond_loads(state, k);
-    const Vec3d d = normalised(bonded_points(pose, b.R_i, b.R_j));
-    const double F_d = dot(loads.F, d);
-    ends.push_back(b.i.value), ends.push_back(b.j.value);
-    id.push_back(k.value), set.push_back(b.set);
-    elongation.push_back(shape.length - b.a), at_rest.push_back(b.a);
-    bend.push_back(degrees * shape.bend), twist.push_back(degrees * shape.twist);
-    U_L.push_back(U.U_L), U_B.push_back(U.U_B), U_T.push_back(U.U_T);
-    axial.push_back(F_d), shear.push_back(norm(loads.F - F_d * d));
-    moment_i.push_back(norm(loads.M_ij)), moment_j.push_back(norm(loads.M_ji));
-    range.push_back(static_cast<std::uint8_t>(bond_range(b, shape)));
+    views.push_back(bond_view(k, state));
+    ends.push_back(views.back().bond.i.value), ends.push_back(views.back().bond.j.value);
   }
-  VtpFile f = VtpFile::of_lines(state.r.values(), ends);
-  f.add_cell_data("elongation", elongation);
-  f.add_cell_data("length_at_rest", at_rest);
-  f.add_cell_data("bend", bend);
-  f.add_cell_data("twist", twist);
-  f.add_cell_data("U_L", U_L);
-  f.add_cell_data("U_B", U_B);
-  f.add_cell_data("U_T", U_T);
-  f.add_cell_data("axial_force", axial);
-  f.add_cell_data("shear_force", shear);
-  f.add_cell_data("moment_i", moment_i);
-  f.add_cell_data("moment_j", moment_j);
-  f.add_cell_data("range", range);
-  f.add_cell_data("id", id);
-  f.add_cell_data("set", set);
+  VtpFile f = VtpFile::of_lines(state.r.values(), ends, format);
+  f.set_unit_of_points(unit::length.in(units));
+  const auto view = [&views](std::size_t k) -> const BondView& { return views[k]; };
+  for (const BondQuantity& q : bond_quantities())
+    std::visit(
+        [&](const auto value) {
+          f.add_cell_data(q.name, values_of(views.size(), view, value), q.unit.in(units));
+        },
+        q.value);
   f.write(path, state.clock.time(), state.clock.step, load_factor);
 }
 
@@ -225,8 +223,9 @@ std::string lammps_frame(const Model& model, const State& state) {
   return fmt::to_string(out);
 }
 
-FrameWriter::FrameWriter(const fs::path& folder, bool lammps_dump, std::optional<std::int64_t> resume_step)
-    : folder_(folder) {
+FrameWriter::FrameWriter(const fs::path& folder, bool lammps_dump, std::optional<std::int64_t> resume_step,
+                         FrameFormat format)
+    : folder_(folder), format_(format) {
   const fs::path dump = folder_ / "dump.lammpstrj";
   std::error_code e;
   make_folder(folder_ / "frames");
@@ -258,8 +257,8 @@ void FrameWriter::write_lists() const {
 
 void FrameWriter::write(const Model& model, const State& state, std::optional<double> load_factor) {
   const Clock& clock = state.clock;
-  write_particles_vtp(folder_ / frame_name("particles", clock.step), model, state, load_factor);
-  write_bonds_vtp(folder_ / frame_name("bonds", clock.step), state, load_factor);
+  write_particles_vtp(folder_ / frame_name("particles", clock.step), model, state, load_factor, format_);
+  write_bonds_vtp(folder_ / frame_name("bonds", clock.step), state, model.units, load_factor, format_);
   if (dump_) dump_->append(lammps_frame(model, state));
   particle_entries_ += pvd_entry(clock.time(), frame_name("particles", clock.step));
   bond_entries_ += pvd_entry(clock.time(), frame_name("bonds", clock.step));

@@ -7,17 +7,18 @@
 #include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/observe/files.hpp"
+#include "vbond/observe/frame_format.hpp"
 
 namespace vbond {
 
-/// The particles as points, with radius, velocity, rotation and displacement; see docs/output.md.
+/// The particles as points with particle_quantities(); see docs/output.md.
 /// load_factor: of a balance.
 void write_particles_vtp(const std::filesystem::path& path, const Model& model, const State& state,
-                         std::optional<double> load_factor = {});
+                         std::optional<double> load_factor = {}, FrameFormat format = {});
 
-/// The bonds as lines between the particles' centres, with their deformation, energies and loads.
-void write_bonds_vtp(const std::filesystem::path& path, const State& state,
-                     std::optional<double> load_factor = {});
+/// The bonds as lines between the particles' centres with bond_quantities().
+void write_bonds_vtp(const std::filesystem::path& path, const State& state, UnitSystem units,
+                     std::optional<double> load_factor = {}, FrameFormat format = {});
 
 /// The text of a list for ParaView with these entries.
 std::string pvd_list(const std::string& entries);
@@ -34,7 +35,8 @@ class FrameWriter {
  public:
   /// Begins new lists, or with resume_step continues those that there are: later frames, which a killed run
   /// may have written past its checkpoint, are taken off the lists and removed. Throws IoError.
-  FrameWriter(const std::filesystem::path& folder, bool lammps_dump, std::optional<std::int64_t> resume_step);
+  FrameWriter(const std::filesystem::path& folder, bool lammps_dump, std::optional<std::int64_t> resume_step,
+              FrameFormat format = {});
 
   /// Throws IoError, also if dump.lammpstrj was removed, replaced or changed by others.
   void write(const Model& model, const State& state, std::optional<double> load_factor = {});
@@ -47,6 +49,7 @@ class FrameWriter {
   void write_lists() const;
 
   std::filesystem::path folder_;
+  FrameFormat format_;
   std::optional<GrowingFile> dump_;
   std::string particle_entries_, bond_entries_;  ///< lines of the two .pvd files
   std::int64_t last_step_ = -1;

@@ -9,20 +9,18 @@
 #include <cmath>
 #include <cstdlib>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <string_view>
 #include <system_error>
 #include <utility>
+#include <variant>
 
 #include "vbond/core/error.hpp"
 #include "vbond/model/bond_sums.hpp"
+#include "vbond/observe/quantities.hpp"
 
 namespace vbond {
 namespace {
-
-constexpr int balance_error_column = 12;
-constexpr const char* fixed_columns =
-    "step,time,kinetic_translation,kinetic_rotation,U_L,U_B,U_T,contact,dissipated,work_loads,"
-    "work_supports,total,balance_error,bonds,strained,snapped,peak_average";
 
 /// A column name as CSV wants it: quoted if it holds a comma, a quote or a line end.
 std::string csv(const std::string& name) {
@@ -56,18 +54,56 @@ std::string line_of(const std::vector<std::string>& cells) {
   return fmt::format("{}\n", fmt::join(cells, ","));
 }
 
-/// The names of the columns, each as it stands in the file.
-std::vector<std::string> columns_of(const OutputPlan& plan) {
-  std::vector<std::string> names = cells_of(fixed_columns);
-  if (plan.statics) names.insert(names.end(), {"load_factor", "unstable"});
-  for (const Group& g : plan.reactions)
-    for (const char* c : {"fx", "fy", "fz", "mx", "my", "mz"})
-      names.push_back(csv(fmt::format("reaction.{}.{}", g.name, c)));
-  for (const Group& g : plan.axial_force) names.push_back(csv("axial_force." + g.name));
-  for (const Group& g : plan.displacements)
-    for (const char* c : {"x", "y", "z"}) names.push_back(csv(fmt::format("displacement.{}.{}", g.name, c)));
+/// The columns of a group, without quotes.
+std::vector<std::string> names_of(const GroupQuantity& q, const Group& g) {
+  std::vector<std::string> names;
+  for (const GroupQuantity::Component& c : q.components)
+    names.push_back(fmt::format("{}.{}{}{}", q.name, g.name, *c.name != '\0' ? "." : "", c.name));
   return names;
 }
+
+/// The names of the columns, without quotes.
+std::vector<std::string> names_of(const OutputPlan& plan) {
+  std::vector<std::string> names;
+  for (const HistoryQuantity& q : history_quantities())
+    if (!q.statics_only || plan.statics) names.emplace_back(q.name);
+  for (const GroupQuantity& q : group_quantities())
+    for (const Group& g : plan.*q.groups)
+      for (std::string& name : names_of(q, g)) names.push_back(std::move(name));
+  return names;
+}
+
+/// The names of the columns, each as it stands in the file.
+std::vector<std::string> columns_of(const OutputPlan& plan) {
+  std::vector<std::string> names = names_of(plan);
+  for (std::string& name : names) name = csv(name);
+  return names;
+}
+
+/// What csv() was given.
+std::string plain(const std::string& cell) {
+  if (cell.empty() || cell.front() != '"') return cell;
+  std::string name;
+  for (std::size_t k = 1; k + 1 < cell.size(); ++k) {
+    name += cell[k];
+    if (cell[k] == '"') ++k;
+  }
+  return name;
+}
+
+/// Where a column stands; nothing if there is none of this name.
+std::optional<std::size_t> index_of(const std::vector<std::string>& columns, std::string_view name) {
+  const auto at = std::find(columns.begin(), columns.end(), name);
+  if (at == columns.end()) return std::nullopt;
+  return static_cast<std::size_t>(at - columns.begin());
+}
+
+struct WriteCell {
+  fmt::memory_buffer& row;
+  void operator()(std::monostate) const {}
+  void operator()(std::int64_t x) const { fmt::format_to(std::back_inserter(row), "{}", x); }
+  void operator()(double x) const { fmt::format_to(std::back_inserter(row), "{:.17g}", x); }
+};
 
 template <class T>
 std::optional<T> number_in(const std::string& cell) {
@@ -119,7 +155,8 @@ HistoryValues history_values(const OutputPlan& plan, const Simulation& run) {
                        .unstable = {},
                        .reactions = {},
                        .axial_force = {},
-                       .displacements = {}};
+                       .displacements = {},
+                       .run = &run};
   for (const Group& g : plan.reactions) values.reactions.push_back(run.reaction(g.particles));
   for (const Group& g : plan.axial_force) values.axial_force.push_back(run.mean_axial_force(g.particles));
   for (const Group& g : plan.displacements)
@@ -140,7 +177,8 @@ HistoryValues history_values(const OutputPlan& plan, const Model& model, const S
                        .unstable = point.unstable,
                        .reactions = {},
                        .axial_force = {},
-                       .displacements = {}};
+                       .displacements = {},
+                       .point = &point};
   for (const Group& g : plan.reactions) values.reactions.push_back(point.reaction(g.particles));
   for (const Group& g : plan.axial_force) values.axial_force.push_back(mean_axial_force(state, g.particles));
   for (const Group& g : plan.displacements)
@@ -148,31 +186,28 @@ HistoryValues history_values(const OutputPlan& plan, const Model& model, const S
   return values;
 }
 
-std::string history_row(const HistoryValues& values, bool statics) {
+std::string history_row(const OutputPlan& plan, const HistoryValues& values) {
+  std::vector<Cell> cells;
+  for (const HistoryQuantity& q : history_quantities())
+    if (!q.statics_only || plan.statics) cells.push_back(q.value(values));
+  for (const GroupQuantity& q : group_quantities())
+    for (std::size_t k = 0; k < (plan.*q.groups).size(); ++k) q.add(values, k, cells);
   fmt::memory_buffer row;
-  const auto to = std::back_inserter(row);
-  const auto add = [&to](double x) { fmt::format_to(to, ",{:.17g}", x); };
-  const auto add3 = [&add](const Vec3d& x) { add(x.x), add(x.y), add(x.z); };
-  const Energies& e = values.energies;
-  const EnergyBooks& b = values.books;
-
-  fmt::format_to(to, "{}", values.clock.step);
-  for (const double x :
-       {values.clock.time(), e.kinetic_translation, e.kinetic_rotation, e.U_L, e.U_B, e.U_T, e.contact,
-        b.dissipated, b.work_loads, b.work_supports, e.total(), values.balance_error})
-    add(x);
-  fmt::format_to(to, ",{},{},{}", values.bonds, values.ranges.strained, values.ranges.snapped);
-  add(values.peak_average);
-  if (statics) {
-    values.load_factor ? add(*values.load_factor) : row.push_back(',');
-    row.push_back(',');
-    if (values.unstable) fmt::format_to(to, "{}", *values.unstable);
+  for (const Cell& cell : cells) {
+    if (row.size() > 0) row.push_back(',');
+    std::visit(WriteCell{row}, cell);
   }
-  for (const Reaction& x : values.reactions) add3(x.force), add3(x.moment);
-  for (const double x : values.axial_force) add(x);
-  for (const Vec3d& x : values.displacements) add3(x);
   row.push_back('\n');
   return fmt::to_string(row);
+}
+
+std::string history_columns_json(const std::vector<std::string>& names, UnitSystem units) {
+  nlohmann::ordered_json columns;
+  for (const std::string& name : names) {
+    const auto facts = facts_of_column(name);
+    columns[name] = {{"unit", facts ? facts->unit.in(units) : ""}, {"meaning", facts ? facts->meaning : ""}};
+  }
+  return columns.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
 }
 
 HistoryWriter::HistoryWriter(const OutputPlan& plan, std::optional<std::int64_t> resume_step)
@@ -186,18 +221,22 @@ HistoryWriter::HistoryWriter(const OutputPlan& plan, std::optional<std::int64_t>
     file_.emplace(path_, GrowingFile::Begin::anew);
     file_->append(line_of(columns_));
   }
+  std::vector<std::string> names;
+  for (const std::string& column : columns_) names.push_back(plain(column));
+  replace_file(plan.folder / "history.columns.json", history_columns_json(names, plan.units), Sync::none);
 }
 
 void HistoryWriter::keep_until(std::int64_t resume_step) {
   LineReader in(path_);
   const std::string header = std::string(in.next().value_or(""));
-  if (header.rfind(fixed_columns, 0) != 0)
-    throw IoError(path_.string() +
-                  ": its first columns are not those of a history, so it cannot be continued\n"
-                  "  move it away, and resume begins a new one");
   const std::vector<std::string> old = cells_of(header), wanted = std::exchange(columns_, old);
+  const auto balance_error = index_of(old, "balance_error");
+  if (old.front() != "step" || !index_of(old, "time") || !balance_error)
+    throw IoError(path_.string() +
+                  ": its columns are not those of a history, so it cannot be continued\n"
+                  "  move it away, and resume begins a new one");
   for (const std::string& name : wanted)
-    if (std::find(old.begin(), old.end(), name) == old.end()) columns_.push_back(name);
+    if (!index_of(old, name)) columns_.push_back(name);
 
   std::uintmax_t kept = header.size() + 1;
   std::optional<Replacement> wider;
@@ -206,8 +245,7 @@ void HistoryWriter::keep_until(std::int64_t resume_step) {
   while (const auto row = in.next()) {
     const std::vector<std::string> cells = cells_of(*row);
     const auto step = number_in<std::int64_t>(cells[0]);
-    const auto error =
-        cells.size() == old.size() ? number_in<double>(cells[balance_error_column]) : std::nullopt;
+    const auto error = cells.size() == old.size() ? number_in<double>(cells[*balance_error]) : std::nullopt;
     if (!step || !error)
       throw IoError(path_.string() + ": is damaged at \"" + std::string(row->substr(0, 60)) + '"');
     if (*step > resume_step) break;
@@ -228,14 +266,14 @@ std::string HistoryWriter::in_columns_of_file(const std::string& row) const {
   const std::vector<std::string> cells = cells_of(std::string_view(row).substr(0, row.size() - 1));
   std::vector<std::string> placed;
   for (const std::string& name : columns_) {
-    const auto at = std::find(names.begin(), names.end(), name);
-    placed.push_back(at == names.end() ? "" : cells[static_cast<std::size_t>(at - names.begin())]);
+    const auto at = index_of(names, name);
+    placed.push_back(at ? cells[*at] : "");
   }
   return line_of(placed);
 }
 
 void HistoryWriter::write(const HistoryValues& values) {
-  file_->append(in_columns_of_file(history_row(values, plan_.statics)));
+  file_->append(in_columns_of_file(history_row(plan_, values)));
   last_step_ = values.clock.step;
   largest_balance_error_ = std::max(largest_balance_error_, std::abs(values.balance_error));
 }

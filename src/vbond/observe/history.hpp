@@ -5,44 +5,23 @@
 #include <string>
 #include <vector>
 
-#include "vbond/dynamics/simulation.hpp"
-#include "vbond/model/state.hpp"
-#include "vbond/observe/bond_look.hpp"
 #include "vbond/observe/files.hpp"
+#include "vbond/observe/history_values.hpp"
 #include "vbond/observe/plan.hpp"
-#include "vbond/statics/results.hpp"
 
 namespace vbond {
 
-/// What stands in a row of history.csv.
-struct HistoryValues {
-  Clock clock;
-  EnergyBooks books;
-  Energies energies;
-  double balance_error = 0;  ///< relative
-  std::int64_t bonds = 0;
-  RangeCounts ranges;
-  double peak_average = 0;            ///< last block average of the quantity watched for a peak  [force]
-  std::optional<double> load_factor;  ///< static points
-  std::optional<int> unstable;        ///< static points: negative eigenvalues of the tangent, if counted
-  std::vector<Reaction> reactions;    ///< one per OutputPlan::reactions
-  std::vector<double> axial_force;    ///< one per OutputPlan::axial_force, tension positive  [force]
-  std::vector<Vec3d> displacements;   ///< one per OutputPlan::displacements, mean of r - r_0  [length]
-};
-
-/// The values of a run as it stands. Collects the particles only if the plan asks for displacements.
-HistoryValues history_values(const OutputPlan& plan, const Simulation& run);
-
-/// The values of a static point. Its energy books begin with the point: its own energy, nothing else.
-HistoryValues history_values(const OutputPlan& plan, const Model& model, const StaticPoint& point);
-
-/// The first line of history.csv: the names of the columns; see docs/output.md.
+/// The first line of history.csv: the names of the columns, which are those of quantities.hpp.
 std::string history_header(const OutputPlan& plan);
 
-/// One row with 17 significant digits, enough to give back every double. statics: with their columns.
-std::string history_row(const HistoryValues& values, bool statics);
+/// One row with 17 significant digits, enough to give back every double.
+std::string history_row(const OutputPlan& plan, const HistoryValues& values);
 
-/// Writes history.csv row by row; what is written is readable at once and stays so if the run dies.
+/// history.columns.json: unit and meaning of each column, since the header of history.csv has its name alone.
+std::string history_columns_json(const std::vector<std::string>& names, UnitSystem units);
+
+/// Writes history.csv row by row, and history.columns.json beside it; what is written is readable at once and
+/// stays so if the run dies.
 class HistoryWriter {
  public:
   /// Begins a new file, or with resume_step continues one: rows after that step, which a killed run

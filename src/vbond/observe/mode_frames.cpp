@@ -71,7 +71,7 @@ double swing_factor(const Model& model, const State& balance, const Shape& shape
 
 void write_mode_frames(const fs::path& folder, const std::string& stage, int mode, int frames, double factor,
                        const Model& model, const State& balance, const Shape& shape,
-                       std::optional<double> load_factor) {
+                       std::optional<double> load_factor, FrameFormat format) {
   const fs::path modes = folder / "modes";
   make_folder(modes);
   const std::string name = fmt::format("{}{}", stage + "_mode_", mode);
@@ -82,8 +82,8 @@ void write_mode_frames(const fs::path& folder, const std::string& stage, int mod
         .step = k, .stage_step = k, .stage = balance.clock.stage, .stage_start = 0, .dt = 1.0 / frames};
     const std::string of_particles = fmt::format("{}_{:04}.vtp", name, k);
     const std::string of_bonds = fmt::format("{}_bonds_{:04}.vtp", name, k);
-    write_particles_vtp(modes / of_particles, model, s, load_factor);
-    write_bonds_vtp(modes / of_bonds, s, load_factor);
+    write_particles_vtp(modes / of_particles, model, s, load_factor, format);
+    write_bonds_vtp(modes / of_bonds, s, model.units, load_factor, format);
     particles += pvd_entry(s.clock.time(), of_particles);
     bonds += pvd_entry(s.clock.time(), of_bonds);
   }

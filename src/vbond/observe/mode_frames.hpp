@@ -7,6 +7,7 @@
 
 #include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
+#include "vbond/observe/frame_format.hpp"
 #include "vbond/statics/results.hpp"
 
 namespace vbond {
@@ -26,7 +27,7 @@ double swing_factor(const Model& model, const State& balance, const Shape& shape
 /// which the mode is critical. Throws IoError.
 void write_mode_frames(const std::filesystem::path& folder, const std::string& stage, int mode, int frames,
                        double factor, const Model& model, const State& balance, const Shape& shape,
-                       std::optional<double> load_factor = {});
+                       std::optional<double> load_factor = {}, FrameFormat format = {});
 
 /// True for the name of a file that write_mode_frames has written for this stage, or half of it; without a
 /// stage, for any.

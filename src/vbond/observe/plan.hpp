@@ -6,18 +6,21 @@
 
 #include "vbond/core/column.hpp"
 #include "vbond/model/model.hpp"
+#include "vbond/observe/frame_format.hpp"
 
 namespace vbond {
 
 /// What a run writes, where, and how often; groups looked up and times in the units of the model.
 struct OutputPlan {
-  std::filesystem::path folder;      ///< exists and may be written to
-  double history_every = 0;          ///< between rows of history.csv  [time], > 0
-  std::vector<Group> reactions;      ///< total support force and moment, in history.csv
-  std::vector<Group> axial_force;    ///< mean tension of the bonds inside, in history.csv
-  std::vector<Group> displacements;  ///< mean of r - r_0, in history.csv
+  std::filesystem::path folder;            ///< exists and may be written to
+  UnitSystem units = UnitSystem::reduced;  ///< of the model, for the names of units
+  double history_every = 0;                ///< between rows of history.csv  [time], > 0
+  std::vector<Group> reactions;            ///< total support force and moment, in history.csv
+  std::vector<Group> axial_force;          ///< mean tension of the bonds inside, in history.csv
+  std::vector<Group> displacements;        ///< mean of r - r_0, in history.csv
   /// Between frames of dynamics  [time], > 0, infinite if there is none; absent: no frames at all.
   std::optional<double> frames_every;
+  FrameFormat frame_format;                ///< of those frames, and of those of modes
   bool lammps_dump = false;                ///< dump.lammpstrj with the frames
   std::optional<double> checkpoint_every;  ///< [time], > 0; absent: only at the end and on a signal
   std::int64_t watch_every = 100;          ///< steps between looks at bonds and energy, > 0

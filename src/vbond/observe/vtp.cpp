@@ -2,68 +2,128 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
+#include <limits>
 #include <numeric>
 #include <type_traits>
 
+#include "vbond/core/error.hpp"
 #include "vbond/observe/files.hpp"
+#include "vbond/observe/zlib_blocks.hpp"
 
 namespace vbond {
 
 static_assert(std::endian::native == std::endian::little, "arrays are written as they lie in memory");
 static_assert(sizeof(Vec3d) == 3 * sizeof(double), "a Vec3d is written as three doubles");
 
-template <class T>
-VtpFile::Array VtpFile::array(const std::string& name, const char* type, int components,
-                              const std::vector<T>& values) {
-  static_assert(std::is_trivially_copyable_v<T>);
-  const auto* bytes = reinterpret_cast<const char*>(values.data());
-  return {name, type, components, std::string(bytes, bytes + values.size() * sizeof(T))};
+namespace {
+
+/// The bytes of an array as they stand in a file: their number, then themselves; or in blocks.
+std::string stored(std::string_view bytes, bool compressed) {
+  if (compressed) return in_zlib_blocks(bytes);
+  const std::uint64_t size = bytes.size();
+  std::string out(sizeof size, '\0');
+  std::memcpy(out.data(), &size, sizeof size);
+  return out.append(bytes);
 }
 
-VtpFile VtpFile::of_points(const std::vector<Vec3d>& points) {
+/// Throws IoError for a number that is too large: it would become infinite without a word.
+std::vector<float> in_single_precision(const std::string& name, const double* values, std::size_t count) {
+  std::vector<float> single(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    if (std::isfinite(values[k]) && std::abs(values[k]) > std::numeric_limits<float>::max())
+      throw IoError(
+          fmt::format("frames: {:g} of array \"{}\" is too large for single precision\n"
+                      "  set output.frames.precision = \"float64\" in the case",
+                      values[k], name));
+    single[k] = static_cast<float>(values[k]);
+  }
+  return single;
+}
+
+const double* numbers_of(const std::vector<Vec3d>& vectors) {
+  return reinterpret_cast<const double*>(vectors.data());
+}
+
+}  // namespace
+
+template <class T>
+VtpFile::Array VtpFile::array(const std::string& name, const char* type, int components,
+                              const std::vector<T>& values, const std::string& unit) const {
+  static_assert(std::is_trivially_copyable_v<T>);
+  const std::string_view bytes(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
+  return {name, type, components, unit, stored(bytes, format_.compressed)};
+}
+
+VtpFile::Array VtpFile::reals(const std::string& name, int components, const double* values,
+                              std::size_t count, const std::string& unit) const {
+  if (format_.single_precision)
+    return array(name, "Float32", components, in_single_precision(name, values, count), unit);
+  const std::string_view bytes(reinterpret_cast<const char*>(values), count * sizeof(double));
+  return {name, "Float64", components, unit, stored(bytes, format_.compressed)};
+}
+
+VtpFile::Array VtpFile::integers(const std::string& name, const std::vector<std::int64_t>& values,
+                                 const std::string& unit) const {
+  const bool fit = std::all_of(values.begin(), values.end(), [](std::int64_t x) {
+    return x == static_cast<std::int64_t>(static_cast<std::int32_t>(x));
+  });
+  if (!fit) return array(name, "Int64", 1, values, unit);
+  return array(name, "Int32", 1, std::vector<std::int32_t>(values.begin(), values.end()), unit);
+}
+
+VtpFile VtpFile::of_points(const std::vector<Vec3d>& points, FrameFormat format) {
   std::vector<std::int64_t> each(points.size()), ends(points.size());
   std::iota(each.begin(), each.end(), 0);
   std::iota(ends.begin(), ends.end(), 1);
-  VtpFile f;
+  VtpFile f(format);
   f.points_ = f.cells_ = points.size();
-  f.coordinates_ = array("Points", "Float64", 3, points);
-  f.connectivity_ = array("connectivity", "Int64", 1, each);
-  f.offsets_ = array("offsets", "Int64", 1, ends);
+  f.coordinates_ = f.reals("Points", 3, numbers_of(points), 3 * points.size());
+  f.connectivity_ = f.integers("connectivity", each);
+  f.offsets_ = f.integers("offsets", ends);
   return f;
 }
 
-VtpFile VtpFile::of_lines(const std::vector<Vec3d>& points, const std::vector<std::int64_t>& ends) {
+VtpFile VtpFile::of_lines(const std::vector<Vec3d>& points, const std::vector<std::int64_t>& ends,
+                          FrameFormat format) {
   std::vector<std::int64_t> offsets(ends.size() / 2);
   for (std::size_t k = 0; k < offsets.size(); ++k) offsets[k] = static_cast<std::int64_t>(2 * (k + 1));
-  VtpFile f;
+  VtpFile f(format);
   f.topology_ = Topology::lines;
   f.points_ = points.size();
   f.cells_ = offsets.size();
-  f.coordinates_ = array("Points", "Float64", 3, points);
-  f.connectivity_ = array("connectivity", "Int64", 1, ends);
-  f.offsets_ = array("offsets", "Int64", 1, offsets);
+  f.coordinates_ = f.reals("Points", 3, numbers_of(points), 3 * points.size());
+  f.connectivity_ = f.integers("connectivity", ends);
+  f.offsets_ = f.integers("offsets", offsets);
   return f;
 }
 
-void VtpFile::add_point_data(const std::string& name, const std::vector<double>& values) {
-  point_data_.push_back(array(name, "Float64", 1, values));
+void VtpFile::add_point_data(const std::string& name, const std::vector<double>& values,
+                             const std::string& unit) {
+  point_data_.push_back(reals(name, 1, values.data(), values.size(), unit));
 }
-void VtpFile::add_point_data(const std::string& name, const std::vector<Vec3d>& values) {
-  point_data_.push_back(array(name, "Float64", 3, values));
+void VtpFile::add_point_data(const std::string& name, const std::vector<Vec3d>& values,
+                             const std::string& unit) {
+  point_data_.push_back(reals(name, 3, numbers_of(values), 3 * values.size(), unit));
 }
-void VtpFile::add_point_data(const std::string& name, const std::vector<std::int64_t>& values) {
-  point_data_.push_back(array(name, "Int64", 1, values));
+void VtpFile::add_point_data(const std::string& name, const std::vector<std::int64_t>& values,
+                             const std::string& unit) {
+  point_data_.push_back(integers(name, values, unit));
 }
-void VtpFile::add_cell_data(const std::string& name, const std::vector<double>& values) {
-  cell_data_.push_back(array(name, "Float64", 1, values));
+void VtpFile::add_cell_data(const std::string& name, const std::vector<double>& values,
+                            const std::string& unit) {
+  cell_data_.push_back(reals(name, 1, values.data(), values.size(), unit));
 }
-void VtpFile::add_cell_data(const std::string& name, const std::vector<std::int64_t>& values) {
-  cell_data_.push_back(array(name, "Int64", 1, values));
+void VtpFile::add_cell_data(const std::string& name, const std::vector<std::int64_t>& values,
+                            const std::string& unit) {
+  cell_data_.push_back(integers(name, values, unit));
 }
-void VtpFile::add_cell_data(const std::string& name, const std::vector<std::uint8_t>& values) {
-  cell_data_.push_back(array(name, "UInt8", 1, values));
+void VtpFile::add_cell_data(const std::string& name, const std::vector<std::uint8_t>& values,
+                            const std::string& unit) {
+  cell_data_.push_back(array(name, "UInt8", 1, values, unit));
 }
 
 std::vector<const VtpFile::Array*> VtpFile::in_file_order() const {
@@ -79,16 +139,21 @@ std::string VtpFile::head(double time, std::int64_t step, std::optional<double> 
   const auto declare = [&offset](const Array& a) {
     const std::string tag = fmt::format(
         "        <DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" "
-        "offset=\"{}\"/>\n",
+        "offset=\"{}\"",
         a.type, a.name, a.components, offset);
-    offset += sizeof(std::uint64_t) + a.bytes.size();
-    return tag;
+    offset += a.stored.size();
+    if (a.unit.empty()) return tag + "/>\n";
+    return tag + fmt::format(
+                     ">\n          <InformationKey name=\"UNITS_LABEL\" location=\"vtkDataArray\">{}"
+                     "</InformationKey>\n        </DataArray>\n",
+                     a.unit);
   };
   const char* cells = topology_ == Topology::verts ? "Verts" : "Lines";
-  std::string x =
+  std::string x = fmt::format(
       "<?xml version=\"1.0\"?>\n"
-      "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
-      "  <PolyData>\n    <FieldData>\n";
+      "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\"{}>\n"
+      "  <PolyData>\n    <FieldData>\n",
+      format_.compressed ? " compressor=\"vtkZLibDataCompressor\"" : "");
   x += fmt::format(
       "      <DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">"
       "{}</DataArray>\n"
@@ -121,13 +186,7 @@ void VtpFile::write(const std::filesystem::path& path, double time, std::int64_t
                     std::optional<double> load_factor) const {
   Replacement file(path);
   file.write(head(time, step, load_factor));
-  for (const Array* a : in_file_order()) {
-    const std::uint64_t size = a->bytes.size();
-    char header[sizeof size];
-    std::memcpy(header, &size, sizeof size);
-    file.write({header, sizeof header});
-    file.write(a->bytes);
-  }
+  for (const Array* a : in_file_order()) file.write(a->stored);
   file.write("\n  </AppendedData>\n</VTKFile>\n");
   file.publish(Sync::none);
 }

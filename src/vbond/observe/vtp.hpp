@@ -7,28 +7,41 @@
 #include <vector>
 
 #include "vbond/core/vec3.hpp"
+#include "vbond/observe/frame_format.hpp"
 
 namespace vbond {
 
-/// A VTK XML PolyData file (.vtp) with its arrays appended as raw little-endian binary, 64-bit headers.
-/// Format: "VTK file formats", XML section, of the VTK user's guide; ParaView 5.11 reads it.
+/// A VTK XML PolyData file (.vtp) with its arrays appended as raw little-endian binary, 64-bit headers;
+/// integers take 32 bits where they fit. Format: "VTK file formats", XML section, of the VTK user's guide;
+/// ParaView 5.11 reads it. All that adds an array throws IoError for a number that is finite, but not in
+/// single precision.
 class VtpFile {
  public:
   enum class Topology : std::uint8_t { verts, lines };
 
   /// One vertex cell per point.
-  static VtpFile of_points(const std::vector<Vec3d>& points);
+  static VtpFile of_points(const std::vector<Vec3d>& points, FrameFormat format = {});
   /// One line cell per pair of point indices; ends holds i, j, i, j, ...
-  static VtpFile of_lines(const std::vector<Vec3d>& points, const std::vector<std::int64_t>& ends);
+  static VtpFile of_lines(const std::vector<Vec3d>& points, const std::vector<std::int64_t>& ends,
+                          FrameFormat format = {});
+
+  /// The unit of the positions: its label becomes VTK's key UNITS_LABEL. An empty one is left out.
+  void set_unit_of_points(const std::string& unit) { coordinates_.unit = unit; }
 
   /// Per point.
-  void add_point_data(const std::string& name, const std::vector<double>& values);
-  void add_point_data(const std::string& name, const std::vector<Vec3d>& values);
-  void add_point_data(const std::string& name, const std::vector<std::int64_t>& values);
+  void add_point_data(const std::string& name, const std::vector<double>& values,
+                      const std::string& unit = {});
+  void add_point_data(const std::string& name, const std::vector<Vec3d>& values,
+                      const std::string& unit = {});
+  void add_point_data(const std::string& name, const std::vector<std::int64_t>& values,
+                      const std::string& unit = {});
   /// Per cell.
-  void add_cell_data(const std::string& name, const std::vector<double>& values);
-  void add_cell_data(const std::string& name, const std::vector<std::int64_t>& values);
-  void add_cell_data(const std::string& name, const std::vector<std::uint8_t>& values);
+  void add_cell_data(const std::string& name, const std::vector<double>& values,
+                     const std::string& unit = {});
+  void add_cell_data(const std::string& name, const std::vector<std::int64_t>& values,
+                     const std::string& unit = {});
+  void add_cell_data(const std::string& name, const std::vector<std::uint8_t>& values,
+                     const std::string& unit = {});
 
   /// Writes the file under a temporary name and renames it. time goes to TimeValue, step to Step, and the
   /// load factor of a balance to load_factor. Throws IoError.
@@ -38,15 +51,23 @@ class VtpFile {
  private:
   struct Array {
     std::string name;
-    const char* type;
-    int components;
-    std::string bytes;
+    const char* type = "";
+    int components = 1;
+    std::string unit;
+    std::string stored;  ///< as it stands in the file: sizes and bytes
   };
+  explicit VtpFile(FrameFormat format) : format_(format) {}
   template <class T>
-  static Array array(const std::string& name, const char* type, int components, const std::vector<T>& values);
+  Array array(const std::string& name, const char* type, int components, const std::vector<T>& values,
+              const std::string& unit = {}) const;
+  Array reals(const std::string& name, int components, const double* values, std::size_t count,
+              const std::string& unit = {}) const;
+  Array integers(const std::string& name, const std::vector<std::int64_t>& values,
+                 const std::string& unit = {}) const;
   std::string head(double time, std::int64_t step, std::optional<double> load_factor) const;
   std::vector<const Array*> in_file_order() const;
 
+  FrameFormat format_;
   std::size_t points_ = 0, cells_ = 0;
   Topology topology_ = Topology::verts;
   Array coordinates_, connectivity_, offsets_;

@@ -5,10 +5,12 @@
 #include <cstring>
 #include <string_view>
 #include <system_error>
+#include <type_traits>
 
 #include "vbond/core/error.hpp"
 #include "vbond/observe/detail/scanner.hpp"
 #include "vbond/observe/frames.hpp"
+#include "vbond/observe/zlib_blocks.hpp"
 
 namespace vbond {
 namespace {
@@ -17,13 +19,16 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view tail = "\n  </AppendedData>\n</VTKFile>\n";
 
+constexpr std::size_t most_inflated = 1032;  // times its size can deflate shrink a text, and no more
+
 std::size_t size_of(std::string_view type, const Scanner& s) {
   if (type == "Float64" || type == "Int64") return 8;
+  if (type == "Float32" || type == "Int32") return 4;
   if (type == "UInt8") return 1;
   s.refuse();
 }
 
-/// The text before the arrays: some 3000 bytes.
+/// The text before the arrays: some 5000 bytes.
 std::string read_head(std::FILE* f, const fs::path& path) {
   constexpr std::string_view marker = "<AppendedData encoding=\"raw\">\n   _";
   std::string text(1 << 14, '\0');
@@ -41,12 +46,13 @@ class VtpInput::Head {
  public:
   Head(const std::string& text, VtpInput& file) : s_(text, file.path_), text_size_(text.size()), f_(file) {}
 
-  /// Returns where the last array ends.
-  std::size_t read() {
+  void read() {
     s_.expect(
         "<?xml version=\"1.0\"?>\n"
-        "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
-        "  <PolyData>\n    <FieldData>\n"
+        "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\"");
+    f_.compressed_ = s_.take(" compressor=\"vtkZLibDataCompressor\"");
+    s_.expect(
+        ">\n  <PolyData>\n    <FieldData>\n"
         "      <DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">");
     f_.time_ = s_.number<double>();
     s_.expect(
@@ -68,15 +74,30 @@ class VtpInput::Head {
     if (verts > 0 && lines > 0) s_.refuse();
     f_.cells_ = verts + lines;
     read_arrays();
-    return text_size_ + offset_;
+    set_stored_sizes();
   }
 
  private:
+  /// As many bytes the arrays of the file can have at most.
+  std::size_t most_bytes() const { return f_.compressed_ ? most_inflated * f_.size_ : f_.size_; }
+
   /// Each of them takes a byte at least: more than that the file cannot have.
   std::size_t count() {
     const auto n = s_.number<std::size_t>();
-    if (n > f_.size_) f_.refuse_size();
+    if (n > most_bytes()) f_.refuse_size();
     return n;
+  }
+
+  /// Each array reaches to the next one, the last to the tail. Of one that is not compressed that is known.
+  void set_stored_sizes() {
+    const std::size_t end = f_.size_ - tail.size();
+    for (std::size_t k = 0; k < f_.arrays_.size(); ++k) {
+      Array& a = f_.arrays_[k];
+      const std::size_t next = k + 1 < f_.arrays_.size() ? f_.arrays_[k + 1].offset : end;
+      if (next <= a.offset) f_.refuse_size();
+      a.stored = next - a.offset;
+      if (!f_.compressed_ && a.stored != sizeof(std::uint64_t) + a.size) f_.refuse_size();
+    }
   }
 
   void read_arrays() {
@@ -103,19 +124,25 @@ class VtpInput::Head {
     s_.expect(" NumberOfComponents=\"");
     a.components = count();
     s_.expect("\" format=\"appended\" offset=\"");
-    if (s_.number<std::size_t>() != offset_) s_.refuse();
-    s_.expect("\"/>\n");
+    const auto offset = s_.number<std::size_t>();
+    if (offset > f_.size_ || (f_.arrays_.empty() && offset != 0)) s_.refuse();
+    a.offset = text_size_ + offset;
+    s_.expect("\"");
+    if (s_.take(">\n          <InformationKey name=\"UNITS_LABEL\" location=\"vtkDataArray\">")) {
+      a.unit = s_.until('<');
+      s_.expect("/InformationKey>\n        </DataArray>\n");
+    } else {
+      s_.expect("/>\n");
+    }
     const std::size_t bytes_of_one = size_of(a.type, s_);
     if (a.components == 0) s_.refuse();
-    if (tuples > f_.size_ / bytes_of_one / a.components) f_.refuse_size();
+    if (tuples > most_bytes() / bytes_of_one / a.components) f_.refuse_size();
     a.size = tuples * a.components * bytes_of_one;
-    a.offset = text_size_ + offset_;
-    offset_ += sizeof(std::uint64_t) + a.size;
     f_.arrays_.push_back(std::move(a));
   }
 
   Scanner s_;
-  std::size_t text_size_, offset_ = 0;
+  std::size_t text_size_;
   VtpInput& f_;
 };
 
@@ -124,28 +151,23 @@ VtpInput::VtpInput(const fs::path& path) : path_(path), file_(open_file(path, "r
   size_ = fs::file_size(path_, e);
   if (e) throw IoError("cannot read " + path_.string() + ": " + e.message());
   const std::string head = read_head(file_.get(), path_);
-  if (Head(head, *this).read() + tail.size() != size_) refuse_size();
+  if (size_ < head.size() + tail.size()) refuse_size();
+  Head(head, *this).read();
+  std::string end(tail.size(), '\0');
+  if (std::fseek(file_.get(), -static_cast<long>(tail.size()), SEEK_END) != 0 ||
+      std::fread(end.data(), 1, end.size(), file_.get()) != end.size() || end != tail)
+    refuse_size();
 }
 
 void VtpInput::refuse_size() const {
   throw IoError(path_.string() + ": is cut short or damaged: its size is not what its head says");
 }
 
-template <class T>
-std::vector<T> VtpInput::read(Per per, const std::string& name, const char* type,
-                              std::size_t components) const {
-  const auto is_it = [&name](const Array& a) { return a.name == name; };
-  const auto at = std::find_if(arrays_.begin(), arrays_.end(), is_it);
-  if (at != arrays_.end() && at->per == per && at->type == type && at->components == components &&
-      std::none_of(at + 1, arrays_.end(), is_it)) {
-    std::uint64_t size = 0;
-    std::vector<T> values(at->size / sizeof(T));
-    if (std::fseek(file_.get(), static_cast<long>(at->offset), SEEK_SET) != 0 ||
-        std::fread(&size, sizeof size, 1, file_.get()) != 1 || size != at->size ||
-        std::fread(values.data(), 1, at->size, file_.get()) != at->size)
-      throw IoError(path_.string() + ": is damaged at array \"" + name + '"');
-    return values;
-  }
+void VtpInput::refuse_damaged(const Array& a) const {
+  throw IoError(path_.string() + ": is damaged at array \"" + a.name + '"');
+}
+
+void VtpInput::refuse_array(Per per, const std::string& name, const char* type) const {
   throw IoError(path_.string() + ": has no array \"" + name + "\" of type " + type + " for each " +
                 (per == Per::point  ? "point"
                  : per == Per::cell ? "cell"
@@ -153,17 +175,98 @@ std::vector<T> VtpInput::read(Per per, const std::string& name, const char* type
                 "; was it written by another version of vbond?");
 }
 
+const VtpInput::Array* VtpInput::find(Per per, const std::string& name, std::size_t components) const {
+  const auto is_it = [&name](const Array& a) { return a.name == name; };
+  const auto at = std::find_if(arrays_.begin(), arrays_.end(), is_it);
+  const bool found = at != arrays_.end() && at->per == per && at->components == components &&
+                     std::none_of(at + 1, arrays_.end(), is_it);
+  return found ? &*at : nullptr;
+}
+
+/// What stands in the file, counted from the beginning of the array's own bytes.
+std::string VtpInput::bytes_at(const Array& a, std::size_t from, std::size_t size) const {
+  if (from > a.stored || size > a.stored - from) refuse_damaged(a);
+  std::string bytes(size, '\0');
+  if (std::fseek(file_.get(), static_cast<long>(a.offset + from), SEEK_SET) != 0 ||
+      std::fread(bytes.data(), 1, size, file_.get()) != size)
+    refuse_damaged(a);
+  return bytes;
+}
+
+void VtpInput::read_plain(const Array& a, std::vector<char>& to) const {
+  std::uint64_t size = 0;
+  std::memcpy(&size, bytes_at(a, 0, sizeof size).data(), sizeof size);
+  if (size != a.size) refuse_damaged(a);
+  to.resize(a.size);
+  if (std::fread(to.data(), 1, a.size, file_.get()) != a.size) refuse_damaged(a);
+}
+
+/// Block by block, so that a forged size takes no more memory than there are blocks for.
+void VtpInput::read_blocks(const Array& a, std::vector<char>& to) const {
+  ZlibHead head;
+  const std::string numbers = bytes_at(a, 0, ZlibHead::fixed);
+  for (std::size_t k = 0; std::uint64_t * x : {&head.blocks, &head.block_size, &head.last_size})
+    std::memcpy(x, numbers.data() + sizeof *x * k++, sizeof *x);
+  if (!fits(head, a.size, a.stored)) refuse_damaged(a);
+  head.compressed.resize(head.blocks);
+  const std::string sizes = bytes_at(a, ZlibHead::fixed, head.blocks * sizeof(std::uint64_t));
+  if (!sizes.empty()) std::memcpy(head.compressed.data(), sizes.data(), sizes.size());
+  std::size_t from = head.head_size();
+  for (std::uint64_t k = 0; k < head.blocks; ++k) {
+    const std::string block = bytes_at(a, from, head.compressed[k]);
+    const std::size_t done = to.size(), size = head.size_of(k);
+    if (size > most_inflated * block.size()) refuse_damaged(a);
+    to.resize(done + size);
+    if (!inflate_block(block, to.data() + done, size)) refuse_damaged(a);
+    from += block.size();
+  }
+  if (from != a.stored) refuse_damaged(a);
+}
+
+template <class T, class Stored>
+std::vector<T> VtpInput::values_of(const Array& a) const {
+  std::vector<char> bytes;
+  compressed_ ? read_blocks(a, bytes) : read_plain(a, bytes);
+  std::vector<Stored> values(a.size / sizeof(Stored));
+  if (!bytes.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
+  if constexpr (std::is_same_v<T, Stored>)
+    return values;
+  else
+    return std::vector<T>(values.begin(), values.end());
+}
+
+std::vector<double> VtpInput::reals(Per per, const std::string& name, std::size_t components) const {
+  const Array* a = find(per, name, components);
+  if (a && a->type == "Float64") return values_of<double, double>(*a);
+  if (a && a->type == "Float32") return values_of<double, float>(*a);
+  refuse_array(per, name, "Float64 or Float32");
+}
+
 std::vector<double> VtpInput::scalars(Per per, const std::string& name) const {
-  return read<double>(per, name, "Float64", 1);
+  return reals(per, name, 1);
 }
 std::vector<Vec3d> VtpInput::vectors(Per per, const std::string& name) const {
-  return read<Vec3d>(per, name, "Float64", 3);
+  const std::vector<double> x = reals(per, name, 3);
+  std::vector<Vec3d> vectors(x.size() / 3);
+  for (std::size_t k = 0; k < vectors.size(); ++k) vectors[k] = {x[3 * k], x[3 * k + 1], x[3 * k + 2]};
+  return vectors;
 }
 std::vector<std::int64_t> VtpInput::integers(Per per, const std::string& name) const {
-  return read<std::int64_t>(per, name, "Int64", 1);
+  const Array* a = find(per, name, 1);
+  if (a && a->type == "Int64") return values_of<std::int64_t, std::int64_t>(*a);
+  if (a && a->type == "Int32") return values_of<std::int64_t, std::int32_t>(*a);
+  refuse_array(per, name, "Int64 or Int32");
 }
 std::vector<std::uint8_t> VtpInput::bytes(Per per, const std::string& name) const {
-  return read<std::uint8_t>(per, name, "UInt8", 1);
+  const Array* a = find(per, name, 1);
+  if (a && a->type == "UInt8") return values_of<std::uint8_t, std::uint8_t>(*a);
+  refuse_array(per, name, "UInt8");
+}
+
+std::string VtpInput::unit(const std::string& name) const {
+  for (const Array& a : arrays_)
+    if (a.name == name) return a.unit;
+  return {};
 }
 
 std::vector<ListedFrame> read_pvd(const fs::path& path) {

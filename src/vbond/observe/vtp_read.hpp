@@ -10,8 +10,8 @@
 
 namespace vbond {
 
-/// A .vtp file that VtpFile has written, its arrays read one by one. Anything else is refused: every function
-/// throws IoError naming the file.
+/// A .vtp file that VtpFile has written, now or in an earlier version, its arrays read one by one. Anything
+/// else is refused: every function throws IoError naming the file.
 class VtpInput {
  public:
   explicit VtpInput(const std::filesystem::path& path);
@@ -27,28 +27,40 @@ class VtpInput {
   /// What an array has a value for: so many values come back. Ends of cells: two for each line.
   enum class Per : std::uint8_t { point, cell, end };
 
-  /// The array of this name; it must be there once, with this type and for each of these.
+  /// The array of this name; it must be there once, for each of these, as numbers of this kind: reals and
+  /// integers may take 32 or 64 bits.
   std::vector<double> scalars(Per per, const std::string& name) const;
   std::vector<Vec3d> vectors(Per per, const std::string& name) const;
   std::vector<std::int64_t> integers(Per per, const std::string& name) const;
   std::vector<std::uint8_t> bytes(Per per, const std::string& name) const;
+  /// The label of its unit; empty if it has none, or if there is no such array.
+  std::string unit(const std::string& name) const;
 
  private:
   struct Array {
     Per per = Per::point;
-    std::string type, name;
-    std::size_t components = 0, size = 0;  ///< size in bytes
+    std::string type, name, unit;
+    std::size_t components = 0, size = 0;  ///< size in bytes, of the numbers
     std::size_t offset = 0;                ///< into the file
+    std::size_t stored = 0;                ///< bytes that it takes there
   };
   class Head;
 
-  template <class T>
-  std::vector<T> read(Per per, const std::string& name, const char* type, std::size_t components) const;
+  const Array* find(Per per, const std::string& name, std::size_t components) const;
+  [[noreturn]] void refuse_array(Per per, const std::string& name, const char* type) const;
+  template <class T, class Stored>
+  std::vector<T> values_of(const Array& a) const;
+  std::vector<double> reals(Per per, const std::string& name, std::size_t components) const;
+  void read_plain(const Array& a, std::vector<char>& to) const;
+  void read_blocks(const Array& a, std::vector<char>& to) const;
+  std::string bytes_at(const Array& a, std::size_t from, std::size_t size) const;
+  [[noreturn]] void refuse_damaged(const Array& a) const;
   [[noreturn]] void refuse_size() const;
 
   std::filesystem::path path_;
   File file_;
-  std::size_t size_ = 0;  ///< of the file in bytes
+  std::size_t size_ = 0;     ///< of the file in bytes
+  bool compressed_ = false;  ///< arrays stand in blocks
   double time_ = 0;
   std::int64_t step_ = 0;
   std::optional<double> load_factor_;

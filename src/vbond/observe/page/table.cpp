@@ -8,6 +8,7 @@
 
 #include "vbond/core/error.hpp"
 #include "vbond/observe/files.hpp"
+#include "vbond/observe/quantities.hpp"
 
 namespace vbond::page {
 namespace {
@@ -186,14 +187,8 @@ std::vector<std::size_t> rows_to_keep(const History& history, const std::vector<
 }
 
 std::string unit_of_column(std::string_view name) {
-  if (name == "time") return "s";
-  if (starts_with(name, "displacement.")) return "m";
-  if (starts_with(name, "reaction.")) return name[name.rfind('.') + 1] == 'm' ? "N m" : "N";
-  if (starts_with(name, "axial_force.") || name == "peak_average") return "N";
-  for (const char* energy : {"kinetic_translation", "kinetic_rotation", "U_L", "U_B", "U_T", "contact",
-                             "dissipated", "work_loads", "work_supports", "total"})
-    if (name == energy) return "J";
-  return {};
+  const auto facts = facts_of_column(name);
+  return facts ? facts->unit.si : "";
 }
 
 std::string clock_of(const History& h) {

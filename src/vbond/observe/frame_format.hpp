@@ -1,0 +1,12 @@
+#pragma once
+
+namespace vbond {
+
+/// How the numbers of a frame are stored.
+struct FrameFormat {
+  bool single_precision = false;  ///< 32 bits for each real number, not 64
+  bool compressed = true;         ///< by zlib, array by array
+  friend bool operator==(const FrameFormat&, const FrameFormat&) = default;
+};
+
+}  // namespace vbond

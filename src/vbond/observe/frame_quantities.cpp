@@ -1,0 +1,66 @@
+#include <numbers>
+
+#include "vbond/observe/quantities.hpp"
+
+namespace vbond {
+namespace {
+
+using Particle = ParticleView;
+using View = BondView;
+
+constexpr double degrees = 180.0 / std::numbers::pi;
+
+// In the order of the arrays.
+constexpr ParticleQuantity of_particles[] = {
+    {"radius", unit::length, "of the particle; use it as the scale of sphere glyphs (diameter 2 x radius)",
+     [](const Particle& p) { return p.model.radius[p.id]; }},
+    {"velocity", unit::velocity, "of the centre", [](const Particle& p) { return p.state.v[p.id]; }},
+    {"angular_velocity", unit::angular_velocity, "in the world frame",
+     [](const Particle& p) { return p.state.omega[p.id]; }},
+    {"rotation", unit::angle,
+     "rotation vector since the start: direction is the axis, length the angle, 0 to pi",
+     [](const Particle& p) { return rotation_vector(p.state.q[p.id]); }},
+    {"displacement", unit::length, "position less position at the start",
+     [](const Particle& p) { return p.state.r[p.id] - p.model.r_0[p.id]; }},
+    {"id", unit::none, "number of the particle", [](const Particle& p) { return std::int64_t{p.id.value}; }},
+    {"specimen", unit::none, "which `[[specimen]]` made it, from 0",
+     [](const Particle& p) { return std::int64_t{p.model.specimen_of(p.id)}; }},
+};
+
+constexpr BondQuantity of_bonds[] = {
+    {"elongation", unit::length, "distance of the bonded points less the length at rest",
+     [](const View& b) { return b.shape.length - b.bond.a; }},
+    {"length_at_rest", unit::length, "of the bond: elongation / length_at_rest is its strain",
+     [](const View& b) { return b.bond.a; }},
+    {"bend", unit::degrees, "angle between n_i1 and -n_j1, 0 to 180",
+     [](const View& b) { return degrees * b.shape.bend; }},
+    {"twist", unit::degrees, "about the line between the bonded points, -180 to 180",
+     [](const View& b) { return degrees * b.shape.twist; }},
+    {"U_L", unit::energy, "energy of stretching, as in history.csv", [](const View& b) { return b.U.U_L; }},
+    {"U_B", unit::energy, "energy of bending and shear", [](const View& b) { return b.U.U_B; }},
+    {"U_T", unit::energy, "energy of torsion", [](const View& b) { return b.U.U_T; }},
+    {"axial_force", unit::force, "F.d, tension is positive", [](const View& b) { return b.axial_force; }},
+    {"shear_force", unit::force, "size of F across d", [](const View& b) { return b.shear_force; }},
+    {"moment_i", unit::moment, "size of the moment on particle i about its own centre",
+     [](const View& b) { return b.moment_i; }},
+    {"moment_j", unit::moment, "size of the moment on particle j about its own centre",
+     [](const View& b) { return b.moment_j; }},
+    {"range", unit::none, "0 good, 1 strained, 2 snapped",
+     [](const View& b) { return static_cast<std::uint8_t>(bond_range(b.bond, b.shape)); }},
+    {"id", unit::none, "number of the bond in order of creation",
+     [](const View& b) { return std::int64_t{b.id.value}; }},
+    {"set", unit::none, "which bond set of the case made it",
+     [](const View& b) { return std::int64_t{b.bond.set}; }},
+};
+
+}  // namespace
+
+std::span<const ParticleQuantity> particle_quantities() {
+  return of_particles;
+}
+
+std::span<const BondQuantity> bond_quantities() {
+  return of_bonds;
+}
+
+}  // namespace vbond

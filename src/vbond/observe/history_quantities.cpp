@@ -1,0 +1,126 @@
+#include <algorithm>
+
+#include "vbond/observe/quantities.hpp"
+
+namespace vbond {
+namespace {
+
+using Values = HistoryValues;
+
+template <class T>
+Cell cell_of(const std::optional<T>& x) {
+  if constexpr (std::is_integral_v<T>)
+    return x ? Cell(std::int64_t{*x}) : Cell();
+  else
+    return x ? Cell(*x) : Cell();
+}
+
+void add3(const Vec3d& x, std::vector<Cell>& to) {
+  to.insert(to.end(), {x.x, x.y, x.z});
+}
+
+// In the order of the columns. New ones stand behind the others: a file of an earlier version gets them there
+// too.
+constexpr HistoryQuantity columns[] = {
+    {"step", unit::none, "steps since the start of the run",
+     [](const Values& v) -> Cell { return v.clock.step; }},
+    {"time", unit::time, "time since the start of the run",
+     [](const Values& v) -> Cell { return v.clock.time(); }},
+    {"kinetic_translation", unit::energy, "kinetic energy of translation",
+     [](const Values& v) -> Cell { return v.energies.kinetic_translation; }},
+    {"kinetic_rotation", unit::energy, "kinetic energy of rotation",
+     [](const Values& v) -> Cell { return v.energies.kinetic_rotation; }},
+    {"U_L", unit::energy, "energy of the bonds: stretching",
+     [](const Values& v) -> Cell { return v.energies.U_L; }},
+    {"U_B", unit::energy, "energy of the bonds: bending and shear",
+     [](const Values& v) -> Cell { return v.energies.U_B; }},
+    {"U_T", unit::energy, "energy of the bonds: torsion",
+     [](const Values& v) -> Cell { return v.energies.U_T; }},
+    {"contact", unit::energy, "energy of the contacts",
+     [](const Values& v) -> Cell { return v.energies.contact; }},
+    {"dissipated", unit::energy,
+     "taken out by damping so far, and contact energy given up when a pair is bonded",
+     [](const Values& v) -> Cell { return v.books.dissipated; }},
+    {"work_loads", unit::energy, "work of point forces, moments and gravity so far",
+     [](const Values& v) -> Cell { return v.books.work_loads; }},
+    {"work_supports", unit::energy, "work of supports, prescribed velocities and imposed strain so far",
+     [](const Values& v) -> Cell { return v.books.work_supports; }},
+    {"total", unit::energy, "kinetic + bonds + contact",
+     [](const Values& v) -> Cell { return v.energies.total(); }},
+    {"balance_error", unit::none,
+     "(total + dissipated - work - total at the start) / largest energy brought in so far; 0 while there is "
+     "none",
+     [](const Values& v) -> Cell { return v.balance_error; }},
+    {"bonds", unit::none, "number of bonds", [](const Values& v) -> Cell { return v.bonds; }},
+    {"strained", unit::none, "bonds that are now past 45 degrees but not past 90; see below",
+     [](const Values& v) -> Cell { return v.ranges.strained; }},
+    {"snapped", unit::none, "bonds that are now past 90 degrees; see below",
+     [](const Values& v) -> Cell { return v.ranges.snapped; }},
+    {"peak_average", unit::force,
+     "last block average of the quantity a peak is watched in; 0 without such a stop or before the first "
+     "block",
+     [](const Values& v) -> Cell { return v.peak_average; }},
+    {"load_factor", unit::none, "of a static point; empty in dynamics",
+     [](const Values& v) { return cell_of(v.load_factor); }, true},
+    {"unstable", unit::none,
+     "negative eigenvalues of the tangent at a static point, 0 if it is stable; empty where they were not "
+     "counted, "
+     "and in dynamics",
+     [](const Values& v) { return cell_of(v.unstable); }, true},
+};
+
+const std::vector<GroupQuantity>& of_groups() {
+  static const std::vector<GroupQuantity> all{
+      {"reaction",
+       {{"fx", unit::force},
+        {"fy", unit::force},
+        {"fz", unit::force},
+        {"mx", unit::moment},
+        {"my", unit::moment},
+        {"mz", unit::moment}},
+       "force and moment (about the origin) that supports exert on the group",
+       &OutputPlan::reactions,
+       [](const Values& v, std::size_t k, std::vector<Cell>& to) {
+         add3(v.reactions[k].force, to), add3(v.reactions[k].moment, to);
+       }},
+      {"axial_force",
+       {{"", unit::force}},
+       "mean of F.d over the bonds with both ends in the group; tension is positive",
+       &OutputPlan::axial_force,
+       [](const Values& v, std::size_t k, std::vector<Cell>& to) { to.emplace_back(v.axial_force[k]); }},
+      {"displacement",
+       {{"x", unit::length}, {"y", unit::length}, {"z", unit::length}},
+       "position less position at the start: of a particle, or the mean over a group",
+       &OutputPlan::displacements,
+       [](const Values& v, std::size_t k, std::vector<Cell>& to) { add3(v.displacements[k], to); }},
+  };
+  return all;
+}
+
+/// Whether a column is one of NAME.GROUP.COMPONENT.
+bool is_column_of(std::string_view column, const GroupQuantity& q, std::string_view component) {
+  const std::string begin = std::string(q.name) + '.',
+                    end = component.empty() ? "" : '.' + std::string(component);
+  return column.size() > begin.size() + end.size() && column.starts_with(begin) && column.ends_with(end);
+}
+
+}  // namespace
+
+std::span<const HistoryQuantity> history_quantities() {
+  return columns;
+}
+
+std::span<const GroupQuantity> group_quantities() {
+  return of_groups();
+}
+
+std::optional<ColumnFacts> facts_of_column(std::string_view name) {
+  for (const HistoryQuantity& q : columns)
+    if (name == q.name) return ColumnFacts{q.unit, q.meaning};
+  for (const GroupQuantity& q : of_groups())
+    for (const GroupQuantity::Component& c : q.components)
+      if (is_column_of(name, q, c.name)) return ColumnFacts{c.unit, q.meaning};
+  return std::nullopt;
+}
+
+}  // namespace vbond

@@ -1,0 +1,40 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "vbond/dynamics/simulation.hpp"
+#include "vbond/model/state.hpp"
+#include "vbond/observe/bond_look.hpp"
+#include "vbond/observe/plan.hpp"
+#include "vbond/statics/results.hpp"
+
+namespace vbond {
+
+/// What a row of history.csv is made of: see quantities.hpp for its columns.
+struct HistoryValues {
+  Clock clock;
+  EnergyBooks books;
+  Energies energies;
+  double balance_error = 0;  ///< relative
+  std::int64_t bonds = 0;
+  RangeCounts ranges;
+  double peak_average = 0;            ///< last block average of the quantity watched for a peak  [force]
+  std::optional<double> load_factor;  ///< static points
+  std::optional<int> unstable;        ///< static points: negative eigenvalues of the tangent, if counted
+  std::vector<Reaction> reactions;    ///< one per OutputPlan::reactions
+  std::vector<double> axial_force;    ///< one per OutputPlan::axial_force, tension positive  [force]
+  std::vector<Vec3d> displacements;   ///< one per OutputPlan::displacements, mean of r - r_0  [length]
+  /// What the row is of, for columns that need more: one of the two.
+  const Simulation* run = nullptr;
+  const StaticPoint* point = nullptr;
+};
+
+/// The values of a run as it stands, which must live as long. Collects the particles only if the plan asks
+/// for displacements.
+HistoryValues history_values(const OutputPlan& plan, const Simulation& run);
+
+/// The values of a static point. Its energy books begin with the point: its own energy, nothing else.
+HistoryValues history_values(const OutputPlan& plan, const Model& model, const StaticPoint& point);
+
+}  // namespace vbond

@@ -1,0 +1,52 @@
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+#include "vbond/observe/quantities.hpp"
+
+namespace vbond {
+namespace {
+
+std::string row(const std::string& name, const Unit& unit, const std::string& meaning) {
+  if (*unit.si == '\0') return fmt::format("| `{}` | | {} |\n", name, meaning);
+  return fmt::format("| `{}` | {}; {} | {} |\n", name, unit.si, unit.reduced, meaning);
+}
+
+constexpr fmt::string_view head = "| {} | unit: SI; reduced | meaning |\n|---|---|---|\n";
+
+std::string columns_of_history() {
+  std::string text;
+  for (const HistoryQuantity& q : history_quantities())
+    text += row(q.name, q.unit,
+                std::string(q.meaning) + (q.statics_only ? ". Only in cases with static stages" : ""));
+  for (const GroupQuantity& q : group_quantities())
+    for (const GroupQuantity::Component& c : q.components)
+      text += row(fmt::format("{}.GROUP{}{}", q.name, *c.name == '\0' ? "" : ".", c.name), c.unit,
+                  &c == &q.components.front() ? q.meaning : "the same");
+  return text;
+}
+
+template <class Quantities>
+std::string rows_of(const Quantities& quantities) {
+  std::string text;
+  for (const auto& q : quantities) text += row(q.name, q.unit, q.meaning);
+  return text;
+}
+
+std::string data_sets() {
+  std::string text;
+  for (const CheckpointQuantity& q : checkpoint_quantities()) text += row(q.path, q.unit, q.meaning);
+  return text;
+}
+
+}  // namespace
+
+std::string quantity_table(std::string_view where) {
+  if (where == "history") return fmt::format(fmt::runtime(head), "column") + columns_of_history();
+  if (where == "particles") return fmt::format(fmt::runtime(head), "array") + rows_of(particle_quantities());
+  if (where == "bonds") return fmt::format(fmt::runtime(head), "array") + rows_of(bond_quantities());
+  if (where == "checkpoint") return fmt::format(fmt::runtime(head), "data set") + data_sets();
+  throw std::invalid_argument("no table of quantities for " + std::string(where));
+}
+
+}  // namespace vbond
