@@ -4,6 +4,7 @@ include(CMakePackageConfigHelpers)
 
 set(vbond_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/vbond)
 
+install(TARGETS vbond_physics EXPORT vbondPhysicsTargets)
 install(TARGETS vbond EXPORT vbondTargets)
 if(VBOND_STATICS)
   install(TARGETS vbond_statics EXPORT vbondTargets)
@@ -12,6 +13,7 @@ install(DIRECTORY src/vbond TYPE INCLUDE FILES_MATCHING PATTERN "*.hpp" PATTERN 
 install(FILES LICENSE TYPE DOC)
 # The page of `vbond report`, made by the set-up from web/; a program installed without it says what is missing.
 install(FILES ${PROJECT_SOURCE_DIR}/build/page/report.html DESTINATION ${CMAKE_INSTALL_DATADIR}/vbond OPTIONAL)
+install(EXPORT vbondPhysicsTargets NAMESPACE vbond:: DESTINATION ${vbond_package_dir})
 install(EXPORT vbondTargets NAMESPACE vbond:: DESTINATION ${vbond_package_dir})
 
 configure_package_config_file(cmake/vbondConfig.cmake.in ${PROJECT_BINARY_DIR}/vbondConfig.cmake

@@ -17,6 +17,21 @@ step(${CMAKE_COMMAND} -S ${example} -B ${work}/build -G Ninja -D CMAKE_BUILD_TYP
      -D CMAKE_PREFIX_PATH=${work}/prefix)
 step(${CMAKE_COMMAND} --build ${work}/build)
 step(${work}/build/rod)
+set(rod_output "${output}")
+
+# The physics alone, for a program that has none of the library's dependencies.
+step(${CMAKE_COMMAND} -S ${example}/physics -B ${work}/physics -G Ninja -D CMAKE_CXX_COMPILER=${compiler}
+     -D CMAKE_PREFIX_PATH=${work}/prefix
+     -D CMAKE_DISABLE_FIND_PACKAGE_fmt=ON -D CMAKE_DISABLE_FIND_PACKAGE_HDF5=ON -D CMAKE_DISABLE_FIND_PACKAGE_ZLIB=ON
+     -D CMAKE_DISABLE_FIND_PACKAGE_tomlplusplus=ON -D CMAKE_DISABLE_FIND_PACKAGE_nlohmann_json=ON
+     -D CMAKE_DISABLE_FIND_PACKAGE_Threads=ON)
+step(${CMAKE_COMMAND} --build ${work}/physics)
+step(${work}/physics/bond)
+# a bond of c_A = 1 stretched by 0.01
+if(NOT output MATCHES "energy 5e-05, force 0\\.01[^0-9]")
+  message(FATAL_ERROR "expected the energy 5e-05 and the force 0.01, the example printed:\n${output}")
+endif()
+set(output "${rod_output}")
 
 # P L^3 / (3 E J) with P = 1e-7, L = 10, E J = d^2/16 = 0.0025, exact for Bernoulli-Euler bonds; the
 # correction for finite deflection is 1.09 (w/L)^2 = 2e-6 of it, below the digits printed.
