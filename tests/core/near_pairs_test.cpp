@@ -49,9 +49,9 @@ RC_GTEST_PROP(NearPairs, AreThoseOfBruteForce, (unsigned seed)) {
 TEST(NearPairs, IncludeThoseAtTheDistance) {
   for (const Vec3d& corner : {Vec3d{0, 0, 0}, Vec3d{-3, 7, 1e6}}) {
     std::vector<Vec3d> r;
-    for (int x = 0; x < 6; ++x)
-      for (int y = 0; y < 6; ++y)
-        for (int z = 0; z < 6; ++z) r.push_back(corner + Vec3d(x, y, z));
+    for (double x = 0; x < 6; ++x)
+      for (double y = 0; y < 6; ++y)
+        for (double z = 0; z < 6; ++z) r.push_back(corner + Vec3d{x, y, z});
     EXPECT_EQ(by_cells(r, 1.0).size(), 3u * 5u * 6u * 6u);
   }
 }

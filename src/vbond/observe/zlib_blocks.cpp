@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t block_size = 1 << 18;   // a multiple of every number's size
 constexpr std::size_t sample_size = 1 << 13;  // 3 % of the time that the whole block would take
-constexpr int fast = 1, stored = 0;           // levels of deflate
+constexpr int fast = 1, uncompressed = 0;     // levels of deflate
 
 std::size_t deflated(std::string_view bytes, int level, std::string& to) {
   uLongf size = compressBound(bytes.size());
@@ -45,7 +45,7 @@ std::string in_zlib_blocks(std::string_view bytes) {
   put(head.last_size, out, 2 * sizeof(std::uint64_t));
   for (std::uint64_t k = 0; k < blocks; ++k) {
     const std::string_view part = bytes.substr(k * block_size, block_size);
-    const int level = is_worth_it(part, block) ? fast : stored;
+    const int level = is_worth_it(part, block) ? fast : uncompressed;
     put(deflated(part, level, block), out, ZlibHead::fixed + k * sizeof(std::uint64_t));
     out += block;
   }
