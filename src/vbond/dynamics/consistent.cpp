@@ -21,6 +21,8 @@ const Model& consistent(const Model& model, const Stage& stage, const State& sta
           "the model must have a mass, inertia, radius and first position for each particle");
   require(state.r.size() == n && state.v.size() == n && state.q.size() == n && state.omega.size() == n,
           "the state must have r, v, q and omega for each particle of the model: begin with at_rest(model)");
+  require(model.contact.inelastic == nullptr || model.contact.law != ContactLaw::none,
+          "contact.inelastic is for particles that repel each other: choose a contact.law");
   require(stage.dt > 0.0 && std::isfinite(stage.dt), "stage.dt must be above zero and finite");
   const auto known = [n](ParticleId p) { return p.value < n; };
   const auto all_known = [&](const auto& of) { return std::all_of(of.begin(), of.end(), known); };

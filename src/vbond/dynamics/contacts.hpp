@@ -5,10 +5,12 @@
 #include <utility>
 #include <vector>
 
+#include "vbond/dynamics/bodies.hpp"
 #include "vbond/dynamics/bond_index.hpp"
 #include "vbond/dynamics/kernel.hpp"
 #include "vbond/dynamics/neighbours.hpp"
 #include "vbond/dynamics/order.hpp"
+#include "vbond/dynamics/pair_loops.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/physics/contact.hpp"
 
@@ -38,25 +40,41 @@ class Contacts {
   };
   /// The last bond between these two is broken. Returns what contact this makes of them: nothing if they do
   /// not touch, or did so before.
-  Touch unbonded(Row i, Row j, std::span<const PoseRow> pose);
+  Touch unbonded(Row i, Row j, const Bodies& bodies);
   /// Adds to the loads of these rows, and to no others, the forces of all that touch them, in increasing
   /// order of rows: the bits do not depend on how rows are shared out, nor on when the list was built. `pose`
   /// and `load` are those of all rows.  [force]
   /// Returns whether two of them are nearer than deep_part of the sum of their radii.
   bool add_loads(RowRange rows, const PoseRow* pose, LoadRow* load) const;
+  /// The law of what touching pairs do besides, or nullptr.
+  const PairLaw* inelastic() const { return list_ ? model_.contact.inelastic : nullptr; }
+  /// Adds its loads to these rows, of all touching pairs in the same order; dt as in PairSweep. Returns what
+  /// the pairs' histories have dissipated.
+  double add_inelastic(RowRange rows, const Bodies& bodies, LoadRow* load, LoadRow* damping, double dt);
+  /// What pairs remember, in order of particles.
+  std::vector<PairMemory> collect() const;
+  /// Takes it up again, after refresh().
+  void restore(const std::vector<PairMemory>& memories);
   /// The pairs of these rows that are so near, each from the side of its lower row.
   std::vector<std::pair<Row, Row>> deep_pairs(RowRange rows, std::span<const PoseRow> pose) const;
   /// Each pair once.  [energy]
   double energy(std::span<const PoseRow> pose) const;
+  /// What touching pairs store besides: all, or these two.  [energy]
+  double inelastic_energy(const Bodies& bodies) const;
+  double inelastic_energy(Row i, Row j, const Bodies& bodies) const;
 
  private:
   HertzContact<double> law(Row i, Row j) const;
+  PairSweep sweep(RowRange rows, const Bodies& bodies) const;
+  bool remembers() const { return inelastic() != nullptr && !inelastic()->history.empty(); }
 
   const Model& model_;
+  const Order& order_;
   const StepKernel& kernel_;
   PerRow<double> radius_;  // [length]
   ContactRule rule_{};
   std::optional<NeighbourList> list_;  // none without contacts
+  std::vector<PairHistory> history_;   // of each place in the list, if pairs remember
 };
 
 }  // namespace vbond

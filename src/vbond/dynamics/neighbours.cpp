@@ -26,10 +26,12 @@ NeighbourList::NeighbourList(PerRow<double> radius, double skin, Keep keep)
   equal_radii_ = radius_.empty() || *min == *max;
 }
 
-bool NeighbourList::refresh(std::span<const PoseRow> pose, const Team& team, double way) {
+bool NeighbourList::refresh(std::span<const PoseRow> pose, const Team& team, double way,
+                            const std::function<void()>& before_rebuild) {
   room_ -= 2.0 * way;  // as far as a small step may take a particle that is far from the origin: r rounds
   if (valid_ && room_ > 0.0) return false;
   if (!stale(pose, team)) return false;
+  if (before_rebuild) before_rebuild();
   rebuild(pose, team);
   return true;
 }
@@ -152,6 +154,13 @@ void NeighbourList::sort_found(const Team& team, const Part& part) {
       for (std::size_t k = j == others.first ? 0 : near_end_[j - 1]; k < near_end_[j]; ++k)
         if (rows.contains(near[k].value)) neighbours_[--start_[near[k].value]] = Row{j};
   }
+}
+
+std::optional<std::size_t> NeighbourList::place_of(Row i, Row j) const {
+  const std::span<const Row> near = of(i);
+  const auto at = std::lower_bound(near.begin(), near.end(), j);
+  if (at == near.end() || *at != j) return std::nullopt;
+  return start_[i.value] + static_cast<std::size_t>(at - near.begin());
 }
 
 void NeighbourList::add(Row i, Row j) {

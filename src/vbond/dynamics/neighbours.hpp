@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -30,8 +31,10 @@ class NeighbourList {
   /// Rebuilds if a particle has moved more than half the skin, or after invalidate(). Returns whether it did.
   /// One pose per row; the team is one for these rows. way: no particle has moved farther since the last
   /// call, by which most calls need not look at them.  [length]
+  /// before_rebuild: called while the old list is still there; may be empty.
   bool refresh(std::span<const PoseRow> pose, const Team& team,
-               double way = std::numeric_limits<double>::infinity());
+               double way = std::numeric_limits<double>::infinity(),
+               const std::function<void()>& before_rebuild = {});
   /// The answers of Keep have changed.
   void invalidate() { valid_ = false; }
 
@@ -39,6 +42,10 @@ class NeighbourList {
   std::span<const Row> of(Row i) const {
     return {neighbours_.data() + start_[i.value], neighbours_.data() + end_[i.value]};
   }
+  /// The place of j among the neighbours of i in the list of all, if it is there.
+  std::optional<std::size_t> place_of(Row i, Row j) const;
+  /// Places in the list of all.
+  std::size_t places() const { return neighbours_.size(); }
   /// All of them.
   NearRows rows() const { return {start_.data(), end_.data(), neighbours_.data()}; }
   /// Lists a pair that Keep had left out, as a rebuild would, at the cost of two rows; nothing while the list

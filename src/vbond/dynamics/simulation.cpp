@@ -42,6 +42,8 @@ Simulation::Simulation(const Model& model, Stage stage, State state, int threads
   bodies_.read(state_);
   breaking_.resize(team_.parts().size());
   bonds_changed();
+  contacts_.refresh(bodies_.poses(), team_);
+  contacts_.restore(state_.contact_history);
   state_.clock.dt = stage_.dt;
   if (state_.clock.stage_step == 0)
     begin_stage();
@@ -198,6 +200,10 @@ void Simulation::complete_loads(const Part& part, const Block& b, Instant at, co
   if (contacts_.any()) {
     books_[b.index].deep =
         contacts_.add_loads({b.rows.first, std::min(b.rows.last, model_.particles())}, pose, load);
+    if (contacts_.inelastic() != nullptr)
+      books_[b.index].dissipated +=
+          contacts_.add_inelastic({b.rows.first, std::min(b.rows.last, model_.particles())}, bodies_, load,
+                                  bodies_.damping.data(), sweep.dt);
     lap.add_to(times_.contacts);
   }
   applied_.add(b, at);
@@ -206,7 +212,7 @@ void Simulation::complete_loads(const Part& part, const Block& b, Instant at, co
 /// Between steps: what reads rates reads the present ones, and nothing is remembered or broken.
 void Simulation::evaluate_loads() {
   survey_.reset();
-  if (bonds_.reads_rates()) bodies_.rates = bodies_.motion;
+  if (inelastic()) bodies_.rates = bodies_.motion;
   contacts_.refresh(bodies_.poses(), team_);
   applied_.set_times(state_.clock.stage_step, stage_.dt);
   team_.for_blocks([&](const Block& b) { clear_loads(b); });
@@ -263,8 +269,9 @@ const State& Simulation::state() const {
   if (!std::exchange(bodies_ahead_, false)) return state_;
   bodies_.write(state_);
   if (bonds_.remembers()) bonds_.collect(state_.bond_history);
-  state_.loads = bonds_.all_elastic() ? Loads{} : loads();
-  state_.damping = bonds_.damp() ? bodies_.collect(bodies_.damping) : Loads{};
+  state_.contact_history = contacts_.inelastic() != nullptr ? contacts_.collect() : std::vector<PairMemory>{};
+  state_.loads = bonds_.all_elastic() && !contacts_.inelastic() ? Loads{} : loads();
+  state_.damping = bodies_.damping.empty() ? Loads{} : bodies_.collect(bodies_.damping);
   return state_;
 }
 
@@ -349,7 +356,7 @@ const Survey& Simulation::survey() const {
   const Energies kinetic = bodies_.kinetic_energy(team_);
   e.kinetic_translation = kinetic.kinetic_translation;
   e.kinetic_rotation = kinetic.kinetic_rotation;
-  e.contact = contacts_.energy(bodies_.poses());
+  e.contact = contacts_.energy(bodies_.poses()) + contacts_.inelastic_energy(bodies_);
   return survey_.emplace(std::move(survey));
 }
 

@@ -29,11 +29,12 @@ void take_away(const BondLoads<double>& l, LoadRow& i, LoadRow& j) {
 void Simulation::arrange_bonds() {
   bonds_.arrange(state_.bonds, state_.bond_history, bodies_.order, team_);
   if (bonds_.remembers()) state_.bond_history.resize(state_.bonds.size());
-  if (!bonds_.reads_rates())
+  const bool pairs = contacts_.inelastic() != nullptr;
+  if (!bonds_.reads_rates() && !pairs)
     bodies_.rates.clear();
   else if (bodies_.rates.empty())
     bodies_.rates = bodies_.motion;
-  bodies_.damping.resize(bonds_.damp() ? bodies_.load.size() : 0);
+  bodies_.damping.resize(bonds_.damp() || pairs ? bodies_.load.size() : 0);
 }
 
 void Simulation::bonds_changed() {
@@ -52,6 +53,10 @@ void Simulation::make_bonds() {
   if (pairs.empty()) return;
   state();  // brought up to date
   const std::size_t before = state_.bonds.size();
+  if (model_.contact.pairs == ContactPairs::unbonded)  // add_bond() books the energy of their repulsion
+    for (const auto& [rule, i, j] : pairs)
+      state_.books.dissipated +=
+          contacts_.inelastic_energy(bodies_.order.row[i], bodies_.order.row[j], bodies_);
   bonding_.make(pairs, state_);
   for (std::size_t k = before; k < state_.bonds.size(); ++k)
     events_.push_back({BondEvent::Kind::made, BondId{k}, state_.clock.step});
@@ -63,7 +68,7 @@ void Simulation::make_bonds() {
 void Simulation::take_up_loads() {
   evaluate_loads();
   if (state_.loads.F.size() == model_.particles()) bodies_.spread(state_.loads, bodies_.load);
-  if (state_.damping.F.size() == model_.particles() && bonds_.damp())
+  if (state_.damping.F.size() == model_.particles() && !bodies_.damping.empty())
     bodies_.spread(state_.damping, bodies_.damping);
   check_finite();
 }
@@ -106,7 +111,7 @@ void Simulation::break_bond(BondId k) {
   std::erase(peak_bonds_, k);
 
   Contacts::Touch touch;
-  if (!bond_index_.bonded(b.i, b.j)) touch = contacts_.unbonded(i, j, bodies_.poses());
+  if (!bond_index_.bonded(b.i, b.j)) touch = contacts_.unbonded(i, j, bodies_);
   loads.F -= touch.force;
   take_away(loads, bodies_.load[i.value], bodies_.load[j.value]);
   const BondEnergy<double> U = b.law->energy(b, pose, history);

@@ -7,6 +7,7 @@
 
 #include "vbond/core/column.hpp"
 #include "vbond/core/vec3.hpp"
+#include "vbond/model/pair_law.hpp"
 #include "vbond/physics/contact.hpp"
 
 namespace vbond {
@@ -30,6 +31,8 @@ struct ContactModel {
   double length = 1.0;  ///< paper_hertz: the length scale a  [length]
   double E = 0;         ///< hertz: [force/area]
   double nu = 0;        ///< hertz
+  /// What touching pairs do besides, nullptr: nothing. Stays with the caller. In dynamics only.
+  const PairLaw* inelastic = nullptr;
 };
 
 /// The contact law of two particles with these radii; stiffness 0 for `none`.

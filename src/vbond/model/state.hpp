@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <vector>
 
 #include "vbond/core/column.hpp"
 #include "vbond/core/quat.hpp"
@@ -61,7 +62,8 @@ struct State {
   /// Forces and moments at the present positions, where they do not follow from these: with bonds that damp,
   /// remember or break. Empty for elastic bodies.
   Loads loads;
-  Loads damping;  ///< the part of these that damps; empty if no bond does
+  std::vector<PairMemory> contact_history;  ///< of touching pairs that remember something, in order of (i, j)
+  Loads damping;                            ///< the part of these that damps; empty if no bond does
   EnergyBooks books;
   PeakRecord peak;
   RestRecord rest;

@@ -114,8 +114,20 @@ double lambda_of_contacts(const Model& model, const State& state) {
   for (const ParticleId p : model.mass.ids()) {
     const double R = model.radius[p];
     const HertzContact<double> h = contact_law(law, R, R_max);
-    const double k_c = contact_stiffness(h, std::max(present.overlap, 0.1 * (R + R_max)));
-    lambda = std::max(lambda, present.most * k_c * 2.0 / model.mass[p]);
+    const double overlap = std::max(present.overlap, 0.1 * (R + R_max)), k_c = contact_stiffness(h, overlap);
+    PairSlopes more{0.0, 0.0};
+    if (law.inelastic != nullptr)
+      more = law.inelastic->slopes(law.inelastic->law, {.r_ij = {R + R_max - overlap, 0, 0},
+                                                        .R_i = R,
+                                                        .R_j = R_max,
+                                                        .overlap = overlap,
+                                                        .m_i = model.mass[p],
+                                                        .m_j = model.mass[p],
+                                                        .v_ij = {},
+                                                        .w_i = {},
+                                                        .w_j = {}});
+    lambda = std::max(lambda, damped_bound(present.most * (k_c + more.stiffness) * 2.0 / model.mass[p],
+                                           present.most * more.damping * 2.0 / model.mass[p]));
   }
   return lambda;
 }

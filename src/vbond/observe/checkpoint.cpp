@@ -283,7 +283,9 @@ void read_laws(Reader& reader, State& state, std::span<const BondLaw* const> oth
   }
 }
 
-/// Files have these only where bonds are more than elastic.
+using PairMemories = Column<Id<struct PairOfFile>, PairMemory>;
+
+/// Files have these only where bonds or contacts are more than elastic.
 void write_inelastic(Writer& writer, const State& state) {
   if (!state.bond_history.empty()) writer.of_each("/bonds/history", state.bond_history, std::identity{});
   const auto write = [&writer](const char* F, const char* M, const Loads& loads) {
@@ -291,6 +293,12 @@ void write_inelastic(Writer& writer, const State& state) {
     writer.of_each(F, loads.F, std::identity{});
     writer.of_each(M, loads.M, std::identity{});
   };
+  if (!state.contact_history.empty()) {
+    const PairMemories memories(state.contact_history);
+    writer.of_each("/contacts/i", memories, &PairMemory::i);
+    writer.of_each("/contacts/j", memories, &PairMemory::j);
+    writer.of_each("/contacts/history", memories, &PairMemory::history);
+  }
   write("/loads/F", "/loads/M", state.loads);
   write("/loads/damping_F", "/loads/damping_M", state.damping);
 }
@@ -307,6 +315,18 @@ void read_inelastic(Reader& reader, State& state) {
     reader.of_each(F, loads.F, std::identity{});
     reader.of_each(M, loads.M, std::identity{});
   };
+  if (reader.has("/contacts/i")) {
+    PairMemories memories;
+    memories.resize(reader.rows("/contacts/i"));
+    reader.of_each("/contacts/i", memories, &PairMemory::i);
+    reader.of_each("/contacts/j", memories, &PairMemory::j);
+    reader.of_each("/contacts/history", memories, &PairMemory::history);
+    for (const PairMemory& m : memories) {
+      if (!(m.i < m.j) || m.j.value >= state.r.size())
+        throw IoError("is damaged: a contact has impossible ends");
+      state.contact_history.push_back(m);
+    }
+  }
   read("/loads/F", "/loads/M", state.loads);
   read("/loads/damping_F", "/loads/damping_M", state.damping);
 }

@@ -27,6 +27,13 @@ inline double element_bound(const BondStiffness<double>& c, const BondEnd& i, co
   return std::max({c.c_A * per_m, c.c_T * per_Theta, shear_bending});
 }
 
+/// 4/dt^2 at the largest dt with dt^2 (k + 2 g/dt) <= 4: the bound of a motion of squared frequency k > 0
+/// that is damped at the rate g >= 0 by rates of the last half step.  [1/time^2], [1/time]
+inline double damped_bound(double k, double g) {
+  const double dt = 4.0 / (g + std::sqrt(sq(g) + 4.0 * k));
+  return g == 0.0 ? k : 4.0 / sq(dt);
+}
+
 /// The same for a bond that damps by rates of the last half step, g its slopes at rest: 4/dt^2 at the largest
 /// dt with dt^2 lambda(c + 2 g/dt) <= 4, which keeps 4 M - 2 dt C - dt^2 K positive.  [1/time^2]
 inline double element_bound(const BondStiffness<double>& c, const BondStiffness<double>& g, const BondEnd& i,

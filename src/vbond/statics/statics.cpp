@@ -38,6 +38,14 @@ void refuse_bonds_that_remember(const StaticStage& stage, const State& state) {
   }
 }
 
+void refuse_inelastic_contacts(const Model& model, const StaticStage& stage) {
+  if (model.contact.inelastic == nullptr) return;
+  throw NoEquilibrium(stage.name,
+                      fmt::format("contacts are of the law \"{}\": its loads have no potential",
+                                  model.contact.inelastic->name),
+                      "leave that law out for static stages: they take frictionless contacts");
+}
+
 }  // namespace
 
 StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, State state,
@@ -45,6 +53,7 @@ StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, Sta
   const OneBlasThread alone;
   try {
     refuse_bonds_that_remember(stage, state);
+    refuse_inelastic_contacts(model, stage);
     return run_kind(model, stage, std::move(state), hooks);
   } catch (const NoEquilibrium&) {
     throw;
@@ -55,6 +64,7 @@ StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, Sta
 
 void refuse_free_bodies(const Model& model, const StaticStage& stage, const State& state) {
   refuse_bonds_that_remember(stage, state);
+  refuse_inelastic_contacts(model, stage);
   if (stage.kind != StageKind::modes) refuse_rigid_motions(StaticBody(model, stage, state));
 }
 
