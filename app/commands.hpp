@@ -47,5 +47,9 @@ int calibrate(const CalibrateOptions& options);
 /// Writes report.html into the folder of a run.
 int report(const std::filesystem::path& folder);
 int plot(const PlotOptions& options);
+/// Prints what case files may hold: a key, a table, or with an empty text everything.
+int reference(const std::string& key);
+/// Prints a JSON Schema of case files.
+int schema();
 
 }  // namespace vbond::app

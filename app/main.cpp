@@ -140,6 +140,14 @@ int dispatch(int argc, char** argv) {
   CLI::App* plot_command = nullptr;
   add_plot(program, plot, plot_command);
 
+  std::string key;
+  CLI::App* reference_command =
+      program.add_subcommand("reference", "Print what a key of case files means, or all keys of a table");
+  reference_command->add_option("KEY", key, "e.g. bonds.theory, stage.stop, fix; without it: all keys");
+
+  CLI::App* schema_command =
+      program.add_subcommand("schema", "Print a JSON Schema of case files, for completion in an editor");
+
   app::CalibrateOptions calibrate;
   CLI::App* calibrate_command = nullptr;
   add_calibrate(program, calibrate, calibrate_command);
@@ -161,6 +169,8 @@ int dispatch(int argc, char** argv) {
   if (resume_command->parsed()) return app::resume(folder, run.threads, run.program);
   if (report_command->parsed()) return app::report(folder);
   if (plot_command->parsed()) return app::plot(plot);
+  if (reference_command->parsed()) return app::reference(key);
+  if (schema_command->parsed()) return app::schema();
   return app::calibrate(calibrate);
 }
 

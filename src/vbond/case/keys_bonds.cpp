@@ -42,6 +42,7 @@ struct KappaCodec {
   }
   std::string write(const Kappa& k) const { return number_text(k.value); }
   std::string type() const { return "number > 0, or \"hutchinson\""; }
+  std::string schema() const { return any_of({above_zero.schema(), enum_schema({"hutchinson"})}); }
   std::string example(UnitSystem) const { return "0.9"; }
 };
 

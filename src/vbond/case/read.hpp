@@ -26,4 +26,19 @@ std::vector<std::filesystem::path*> files_of(Case& c);
 /// The reference of all keys as Markdown, from the same table that validates them.
 std::string key_reference();
 
+/// One key or table of the reference.
+struct KeyEntry {
+  std::string path;          ///< as in stage.supports.fix; names of tables are left out, as in groups.box
+  std::string type;          ///< of its value
+  std::string default_text;  ///< "required", the default, or empty
+  std::string meaning;
+  std::string condition;  ///< the choice that it belongs to, as in kind = "rod"; empty: any
+};
+/// All keys, in the order of the reference.
+std::vector<KeyEntry> list_keys();
+
+/// A JSON Schema (draft 07) of case files, from the same table: for completion and first checks in an editor.
+/// What it refuses read_case refuses as well, not the other way round.
+std::string case_schema();
+
 }  // namespace vbond

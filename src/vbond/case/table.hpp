@@ -43,6 +43,7 @@ class Value {
   virtual void set_place(const SourcePlace& place) = 0;  ///< of a default
   virtual std::string write() const = 0;                 ///< empty: not there
   virtual std::string type() const = 0;
+  virtual std::string schema() const = 0;  ///< JSON
   virtual std::string example(UnitSystem u) const = 0;
   virtual bool is_choice() const = 0;         ///< other keys may depend on it
   virtual std::filesystem::path* file() = 0;  ///< a file that the case reads; nullptr: the value is none
@@ -63,6 +64,7 @@ class BoundValue final : public Value {
   }
   std::string write() const override { return write_value(codec_, value_); }
   std::string type() const override { return codec_.type(); }
+  std::string schema() const override { return codec_.schema(); }
   std::string example(UnitSystem u) const override { return codec_.example(u); }
   bool is_choice() const override {
     return requires {

@@ -1,6 +1,7 @@
 #include "vbond/case/value.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -81,6 +82,37 @@ std::string last_name(const std::string& path) {
 std::string such_as(const std::string& path, const std::string& example) {
   if (path.back() == ']') return "write for example " + example + " there";
   return "write for example " + last_name(path) + " = " + example;
+}
+
+std::string any_of(const std::vector<std::string>& schemas) {
+  return fmt::format(R"({{"anyOf": [{}]}})", fmt::join(schemas, ", "));
+}
+
+std::string list_schema(const std::string& element, std::size_t min, std::size_t max) {
+  std::string text = fmt::format(R"({{"type": "array", "items": {}, "minItems": {})", element, min);
+  if (max != SIZE_MAX) text += fmt::format(R"(, "maxItems": {})", max);
+  return text + '}';
+}
+
+std::string enum_schema(const std::vector<std::string>& words) {
+  return fmt::format(R"({{"enum": [{}]}})", join(words, "\""));
+}
+
+// An open bound as a number that is not allowed: exclusiveMinimum is not the same in all drafts of JSON
+// Schema.
+std::string Range::schema() const {
+  std::string number = R"({"type": "number")";
+  if (min > -largest_number) number += fmt::format(R"(, "minimum": {})", min);
+  if (max < largest_number) number += fmt::format(R"(, "maximum": {})", max);
+  if (min_open || max_open)
+    number += fmt::format(R"(, "not": {{"enum": [{}]}})", min_open && max_open
+                                                              ? fmt::format("{}, {}", min, max)
+                                                              : fmt::format("{}", min_open ? min : max));
+  return any_of({number + '}', R"({"type": "string", "pattern": "^ *[-+]?[0-9.]"})"});
+}
+
+std::string CountCodec::schema() const {
+  return fmt::format(R"({{"type": "integer", "minimum": {}, "maximum": {}}})", min, max);
 }
 
 std::string Range::rule(const std::string& name) const {

@@ -16,7 +16,8 @@
 #include "vbond/case/units.hpp"
 
 /// Codecs: how one kind of value is read from a file, checked, written and described.
-/// A codec has read, write, type (for the key reference) and example (for the way out of a mistake).
+/// A codec has read, write, type (for the key reference), schema (a JSON Schema, for editors; it may accept
+/// more) and example (for the way out of a mistake).
 namespace vbond::keys {
 
 /// What is the same for all values of one file, and the mistakes found so far.
@@ -45,6 +46,13 @@ std::string last_name(const std::string& path);
 /// `write for example key = example`, or, for an element of a list, what to put there.
 std::string such_as(const std::string& path, const std::string& example);
 
+/// A schema of what is one of these.
+std::string any_of(const std::vector<std::string>& schemas);
+/// A list of so many elements of this kind.
+std::string list_schema(const std::string& element, std::size_t min, std::size_t max = SIZE_MAX);
+/// One of a few words.
+std::string enum_schema(const std::vector<std::string>& words);
+
 constexpr double largest_number = 1e60;  // so that the fourth power of a length is still a double
 constexpr std::int64_t most_particles = 100'000'000;
 
@@ -57,6 +65,8 @@ struct Range {
   std::string rule(const std::string& name) const;
   /// The rule in the short form of the key reference, such as `> 0`; empty if there is none.
   std::string text() const;
+  /// A JSON Schema of numbers in it, or of text with a number and a unit, of which the number is not checked.
+  std::string schema() const;
 };
 
 inline constexpr Range any_number{};
@@ -69,6 +79,7 @@ struct NumberCodec {
   bool read(const Node& n, ReadContext& in, const std::string& path, double& out) const;
   std::string write(double x) const { return number_text(x); }
   std::string type() const;
+  std::string schema() const { return range.schema(); }
   std::string example(UnitSystem u) const;
 };
 constexpr NumberCodec number(const Dimension& d, const Range& r = any_number) {
@@ -91,6 +102,7 @@ struct CountCodec {
   std::string write(std::int64_t x) const { return std::to_string(x); }
   std::string write(std::uint64_t x) const { return std::to_string(x); }
   std::string type() const;
+  std::string schema() const;
   std::string example(UnitSystem) const { return std::to_string(min > 0 ? min : 1); }
 };
 inline constexpr CountCodec particle_number{0, most_particles - 1};
@@ -100,6 +112,7 @@ struct FlagCodec {
   bool read(const Node& n, ReadContext& in, const std::string& path, bool& out) const;
   std::string write(bool x) const { return x ? "true" : "false"; }
   std::string type() const { return "true or false"; }
+  std::string schema() const { return R"({"type": "boolean"})"; }
   std::string example(UnitSystem) const { return "true"; }
 };
 
@@ -107,6 +120,7 @@ struct TextCodec {
   bool read(const Node& n, ReadContext& in, const std::string& path, std::string& out) const;
   std::string write(const std::string& x) const { return toml_string(x); }
   std::string type() const { return "text"; }
+  std::string schema() const { return R"({"type": "string"})"; }
   std::string example(UnitSystem) const { return "\"...\""; }
 };
 
@@ -119,6 +133,7 @@ struct NameCodec : TextCodec {
   bool read(const Node& n, ReadContext& in, const std::string& path, std::string& out) const;
   std::string write(const std::string& x) const { return x.empty() ? std::string{} : toml_string(x); }
   std::string type() const { return "name"; }
+  std::string schema() const { return R"({"type": "string", "pattern": "^[A-Za-z0-9_-]{1,64}$"})"; }
 };
 
 /// A name that is defined elsewhere.
@@ -127,6 +142,7 @@ struct ReferenceCodec : TextCodec {
   constexpr explicit ReferenceCodec(const char* to_what) : to(to_what) {}
   bool read(const Node& n, ReadContext& in, const std::string& path, std::string& out) const;
   std::string type() const { return std::string("name of a ") + to; }
+  std::string schema() const { return R"({"type": "string", "minLength": 1})"; }
 };
 inline constexpr ReferenceCodec group_name{"group"}, stage_name{"stage"};
 
@@ -136,12 +152,14 @@ struct ParticlesCodec : ReferenceCodec {
   bool read(const Node& n, ReadContext& in, const std::string& path, std::string& out) const;
   std::string write(const std::string& x) const;
   std::string type() const { return "name of a group or number of a particle"; }
+  std::string schema() const { return any_of({ReferenceCodec::schema(), particle_number.schema()}); }
 };
 
 struct FileCodec {
   bool read(const Node& n, ReadContext& in, const std::string& path, std::filesystem::path& out) const;
   std::string write(const std::filesystem::path& p) const { return toml_string(p.string()); }
   std::string type() const { return "file name, relative to the case file"; }
+  std::string schema() const { return R"({"type": "string", "minLength": 1})"; }
   std::string example(UnitSystem) const { return "\"points.csv\""; }
 };
 
@@ -167,6 +185,7 @@ struct ChoiceCodec {
     return {};
   }
   std::string type() const { return "one of " + join(names, "\""); }
+  std::string schema() const { return enum_schema(names); }
   std::string example(UnitSystem) const { return toml_string(names.front()); }
 };
 
@@ -176,6 +195,7 @@ struct VectorCodec {
   bool read(const Node& n, ReadContext& in, const std::string& path, Vec3d& out) const;
   std::string write(const Vec3d& v) const;
   std::string type() const;
+  std::string schema() const { return list_schema(any_number.schema(), 3, 3); }
   std::string example(UnitSystem u) const;
 };
 constexpr VectorCodec vector_of(const Dimension& d) {
@@ -189,6 +209,7 @@ struct TimeCodec {
   bool read(const Node& n, ReadContext& in, const std::string& path, CaseTime& out) const;
   std::string write(const CaseTime& t) const;
   std::string type() const;
+  std::string schema() const { return range.schema(); }
   std::string example(UnitSystem) const { return "\"10 T0\""; }
 };
 
@@ -198,6 +219,7 @@ struct StepCodec {
             std::variant<CaseTime, ExactStep>& out) const;
   std::string write(const std::variant<CaseTime, ExactStep>& step) const;
   std::string type() const { return TimeCodec{}.type() + ", or \"exact\""; }
+  std::string schema() const { return any_of({TimeCodec{}.schema(), enum_schema({"exact"})}); }
   std::string example(UnitSystem u) const { return TimeCodec{}.example(u); }
 };
 
@@ -207,6 +229,7 @@ struct TimeTableCodec {
             std::vector<std::pair<CaseTime, double>>& out) const;
   std::string write(const std::vector<std::pair<CaseTime, double>>& points) const;
   std::string type() const { return "list of [time, factor]"; }
+  std::string schema() const { return list_schema(list_schema(any_number.schema(), 2, 2), 1); }
   std::string example(UnitSystem) const { return "[[0, 0.0], [\"10 T0\", 1.0]]"; }
 };
 
@@ -243,6 +266,7 @@ struct SubsetCodec {
     return "[" + join(words, "\"") + "]";
   }
   std::string type() const { return "list of " + join(names, "\""); }
+  std::string schema() const { return list_schema(enum_schema(names), 0); }
   std::string example(UnitSystem) const { return "[" + toml_string(names.front()) + "]"; }
 };
 
@@ -251,6 +275,10 @@ struct AttachCodec {
   bool read(const Node& n, ReadContext& in, const std::string& path, BondRecipe& out) const;
   std::string write(const BondRecipe& r) const;
   std::string type() const { return "\"centres\", \"surfaces\", length >= 0, or [R_i, R_j]"; }
+  std::string schema() const {
+    return any_of(
+        {enum_schema({"centres", "surfaces"}), from_zero.schema(), list_schema(from_zero.schema(), 2, 2)});
+  }
   std::string example(UnitSystem) const { return "\"centres\""; }
 };
 
@@ -326,6 +354,7 @@ struct ListCodec {
     return text + "]";
   }
   std::string type() const { return "list of " + element.type(); }
+  std::string schema() const { return list_schema(element.schema(), min); }
   std::string example(UnitSystem u) const { return "[" + element.example(u) + "]"; }
 };
 template <class Codec>
@@ -361,6 +390,7 @@ struct TupleCodec {
     return text + "]";
   }
   std::string type() const { return std::to_string(N) + " x " + element.type(); }
+  std::string schema() const { return list_schema(element.schema(), N, N); }
   std::string example(UnitSystem u) const {
     std::string text = "[";
     for (std::size_t k = 0; k < N; ++k) text += (k > 0 ? ", " : "") + element.example(u);

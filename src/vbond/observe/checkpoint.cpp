@@ -16,6 +16,7 @@
 
 #include "vbond/core/error.hpp"
 #include "vbond/observe/detail/h5.hpp"
+#include "vbond/observe/detail/h5_units.hpp"
 #include "vbond/observe/files.hpp"
 #include "vbond/observe/seal.hpp"
 
@@ -112,6 +113,8 @@ class Writer {
     const H5Handle space(H5Screate_simple(count > 1 ? 2 : 1, size.data(), nullptr), H5Sclose);
     write(path, space, numbers.data());
   }
+
+  hid_t file() const { return file_.get(); }
 
   /// All bytes of the file, with room for the seal in front; they live as long as the writer.
   std::string_view bytes() {
@@ -436,6 +439,7 @@ void write_checkpoint(const std::filesystem::path& path, const Model& model, con
     write_inelastic(writer, checkpoint.state);
     write_overlapping(writer, checkpoint.watch);
     write_rare(writer, checkpoint.watch);
+    write_units(writer.file(), model.units);
     Replacement file(path);
     file.write(writer.bytes());
     write_seal(file.part(), format_version, program_version);

@@ -1,0 +1,154 @@
+#include "vbond/observe/quantities.hpp"
+
+#include <gtest/gtest.h>
+#include <hdf5.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+
+#include "specimen.hpp"
+#include "vbond/observe/checkpoint.hpp"
+#include "vbond/observe/history.hpp"
+#include "vbond/observe/page/table.hpp"
+
+namespace vbond {
+namespace {
+
+using test::Chain;
+using test::content_of;
+using test::Folder;
+
+// docs/output.md holds the tables between marks; the message says how to write them anew.
+TEST(OutputReference, TablesOfThePageAreThoseOfTheCode) {
+  const std::string path = std::string(VBOND_DOCS) + "/output.md";
+  std::string page = content_of(path);
+  const std::string as_it_was = page;
+  for (const std::string where : {"history", "particles", "bonds", "checkpoint"}) {
+    const std::string begin = "<!-- quantities: " + where + " -->\n", end = "<!-- end of quantities -->";
+    const std::size_t from = page.find(begin), to = page.find(end, from);
+    ASSERT_NE(from, std::string::npos) << where;
+    ASSERT_NE(to, std::string::npos) << where;
+    page.replace(from + begin.size(), to - from - begin.size(), quantity_table(where));
+  }
+  if (std::getenv("VBOND_UPDATE_REFERENCE") != nullptr)
+    std::ofstream(path, std::ios::binary) << page;
+  else
+    EXPECT_TRUE(page == as_it_was) << path << " is stale; to write it anew:\n"
+                                   << "  VBOND_UPDATE_REFERENCE=1 build/dev/test_observe "
+                                      "--gtest_filter='OutputReference.*'";
+}
+
+TEST(Quantities, NamesStandForOneThingEach) {
+  const auto expect_different = [](const auto& quantities) {
+    std::set<std::string> names;
+    for (const auto& q : quantities) EXPECT_TRUE(names.insert(q.name).second) << q.name;
+  };
+  expect_different(history_quantities());
+  expect_different(group_quantities());
+  expect_different(particle_quantities());
+  expect_different(bond_quantities());
+}
+
+TEST(Quantities, EveryColumnHasItsFacts) {
+  OutputPlan plan;
+  plan.statics = true;
+  plan.reactions = {{"a.b", {}}};
+  plan.axial_force = {{"rod", {}}};
+  plan.displacements = {{"7", {}}};
+  std::istringstream header(history_header(plan));
+  std::string name;
+  for (; std::getline(header, name, ',');) {
+    if (name.back() == '\n') name.pop_back();
+    EXPECT_TRUE(facts_of_column(name)) << name;
+  }
+  EXPECT_STREQ(facts_of_column("reaction.a.b.fx")->unit.si, "N");
+  EXPECT_STREQ(facts_of_column("reaction.a.b.mx")->unit.si, "N m");
+  EXPECT_STREQ(facts_of_column("axial_force.rod")->unit.reduced, "a c_A");
+  EXPECT_EQ(page::unit_of_column("displacement.7.z"), "m");
+  for (const char* other : {"reaction.fx", "reaction.a.b.fw", "axial_force.", "displacement.7", "U_X", ""})
+    EXPECT_FALSE(facts_of_column(other)) << other;
+}
+
+TEST(Quantities, UnitsOfColumnsStandBesideTheHistory) {
+  const Folder folder;
+  OutputPlan plan;
+  plan.folder = folder.path();
+  plan.units = UnitSystem::si;
+  plan.axial_force = {{"a,\"b\"", {ParticleId{0}}}};
+  const auto columns = [&] {
+    return nlohmann::ordered_json::parse(content_of(folder / "history.columns.json"));
+  };
+  {
+    HistoryWriter writer(plan, {});
+    EXPECT_EQ(columns()["time"]["unit"], "s");
+    EXPECT_EQ(columns()["step"]["unit"], "");
+    EXPECT_EQ(columns()["axial_force.a,\"b\""]["unit"], "N");
+    EXPECT_EQ(columns()["U_T"]["meaning"], "energy of the bonds: torsion");
+    EXPECT_EQ(columns().begin().key(), "step");
+  }
+  plan.displacements = {{"0", {ParticleId{0}}}};  // asked for as the run goes on: behind the others
+  plan.axial_force.clear();
+  const HistoryWriter writer(plan, 0);
+  EXPECT_EQ(columns().size(), history_quantities().size() - 2 + 1 + 3);
+  EXPECT_EQ(columns()["axial_force.a,\"b\""]["unit"], "N");
+  EXPECT_EQ(columns()["displacement.0.y"]["unit"], "m");
+  EXPECT_EQ((--columns().end()).key(), "displacement.0.z");
+}
+
+std::string text_of(hid_t set, const char* name) {
+  if (H5Aexists(set, name) <= 0) return "no attribute";
+  const hid_t attribute = H5Aopen(set, name, H5P_DEFAULT), type = H5Aget_type(attribute);
+  std::string text(H5Tget_size(type), '\0');
+  EXPECT_GE(H5Aread(attribute, type, text.data()), 0);
+  H5Tclose(type), H5Aclose(attribute);
+  return text.c_str();
+}
+
+/// The attributes of every data set: its path, unit and meaning.
+std::vector<std::array<std::string, 3>> data_sets_of(const std::filesystem::path& file) {
+  std::vector<std::array<std::string, 3>> all;
+  const hid_t f = H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  const auto visit = [](hid_t at, const char* name, const H5O_info_t* info, void* to) -> herr_t {
+    if (info->type != H5O_TYPE_DATASET) return 0;
+    const hid_t set = H5Dopen2(at, name, H5P_DEFAULT);
+    static_cast<decltype(&all)>(to)->push_back(
+        {'/' + std::string(name), text_of(set, "unit"), text_of(set, "meaning")});
+    return H5Dclose(set);
+  };
+  EXPECT_GE(H5Ovisit2(f, H5_INDEX_NAME, H5_ITER_INC, visit, &all, H5O_INFO_BASIC), 0);
+  H5Fclose(f);
+  return all;
+}
+
+TEST(Quantities, EveryDataSetOfACheckpointHasItsUnitAndMeaning) {
+  const Folder folder;
+  Chain chain;
+  chain.model.units = UnitSystem::si;
+  WatchRecord watch;  // with all that few runs have
+  watch.overlapping.insert({ParticleId{0}, ParticleId{2}});
+  watch.stretched.insert(BondId{0});
+  watch.fastest = 2.0;
+  watch.deep[{ParticleId{0}, ParticleId{1}}] = {};
+  write_checkpoint(folder / "c.h5", chain.model, {chain.state, watch}, "1.0");
+  std::set<std::string> described;
+  for (const auto& [path, unit, meaning] : data_sets_of(folder / "c.h5")) {
+    const auto all = checkpoint_quantities();
+    const auto q =
+        std::find_if(all.begin(), all.end(), [&p = path](const auto& one) { return p == one.path; });
+    ASSERT_NE(q, all.end()) << path << " is not in checkpoint_quantities()";
+    EXPECT_EQ(unit, q->unit.si) << path;
+    EXPECT_EQ(meaning, q->meaning) << path;
+    described.insert(path);
+  }
+  for (const CheckpointQuantity& q : checkpoint_quantities())
+    EXPECT_EQ(described.count(q.path), 1U) << q.path;
+  EXPECT_TRUE(read_checkpoint(folder / "c.h5", chain.model).state == chain.state);
+}
+
+}  // namespace
+}  // namespace vbond
