@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "vbond/core/error.hpp"
+#include "vbond/model/mistakes.hpp"
 #include "vbond/statics/detail/kinds.hpp"
 #include "vbond/statics/detail/newton.hpp"
 #include "vbond/statics/detail/one_blas_thread.hpp"
@@ -26,6 +27,7 @@ StaticOutcome run_kind(const Model& model, const StaticStage& stage, State state
 
 StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, State state,
                                const StaticHooks& hooks) {
+  require_consistent("run_static_stage", model, stage, state);
   const OneBlasThread alone;
   try {
     return run_kind(model, stage, std::move(state), hooks);
@@ -37,10 +39,14 @@ StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, Sta
 }
 
 void refuse_free_bodies(const Model& model, const StaticStage& stage, const State& state) {
-  if (stage.kind != StageKind::modes) refuse_rigid_motions(StaticBody(model, stage, state));
+  require_consistent("refuse_free_bodies", model, stage, state);
+  const StaticBody body(model, stage, state);
+  if (stage.kind != StageKind::equilibrium) refuse_nothing_free(body);
+  if (stage.kind != StageKind::modes) refuse_rigid_motions(body);
 }
 
 SolverChoice choose_solver(const Model& model, const StaticStage& stage, const State& state) {
+  require_consistent("choose_solver", model, stage, state);
   const StaticBody body(model, stage, state);
   const bool modes = stage.kind == StageKind::modes;  // they are not asked
   TangentSolver solver(modes ? LinearSolver::direct : stage.newton.solver);
