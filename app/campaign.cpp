@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "signals.hpp"
 #include "vbond/core/printable.hpp"
 #include "vbond/dynamics/kernel.hpp"
 
@@ -55,18 +56,19 @@ double Campaign::output_seconds() const {
   return sum;
 }
 
-Campaign open_campaign(const Case& c, const Model& model, OutputPlan plan, int threads,
-                       const std::string& program, const Checkpoint* resume) {
+Campaign open_campaign(const Case& c, Run& run, OutputPlan plan, int threads, const std::string& program,
+                       const Checkpoint* resume) {
   Campaign campaign{.c = c,
-                    .model = model,
+                    .run = run,
                     .plan = std::move(plan),
                     .threads = threads,
                     .program = program,
                     .files = {},
                     .table = {},
                     .progress = {},
-                    .summary = first_summary(c, model, threads),
-                    .times = {}};
+                    .summary = first_summary(c, run.model(), threads),
+                    .times = {},
+                    .stage_end = {}};
   if (isatty(STDERR_FILENO))
     campaign.progress = std::make_shared<ProgressObserver>(stderr, std::vector<std::int64_t>{});
   const auto tell = [progress = campaign.progress](const std::string& report) {
@@ -74,7 +76,24 @@ Campaign open_campaign(const Case& c, const Model& model, OutputPlan plan, int t
   };
   campaign.files = open_output(campaign.plan, tell, VBOND_VERSION, resume);
   campaign.table = std::make_shared<TableObserver>(stdout);
+  for (const auto& o : campaign.files.all()) run.add_observer(o);
+  run.add_observer(campaign.table);
+  if (campaign.progress) run.add_observer(campaign.progress);
   return campaign;
+}
+
+void listen(Campaign& campaign) {
+  RunHooks hooks;
+  hooks.point = [&campaign](const StaticPoint& point) {
+    campaign.files.record(campaign.run.model(), point);
+    campaign.table->print(point);
+  };
+  hooks.tell = [&campaign](const std::string& report) { campaign.tell(report); };
+  hooks.interrupted = [] { return caught_signal() != 0; };
+  hooks.stage_end = [&campaign](const Simulation& stage, StopReason why, const std::string& failure) {
+    campaign.stage_end(stage, why, failure);
+  };
+  campaign.run.set_hooks(std::move(hooks));
 }
 
 void save_summary(Campaign& campaign) {
@@ -95,11 +114,6 @@ void save_summary(Campaign& campaign) {
   const double progress = campaign.progress ? campaign.progress->seconds() : 0.0;
   s.wall_time.push_back({"terminal", campaign.table->seconds() + progress});
   write_summary(campaign.plan.folder / "run.json", s);
-}
-
-void begin_next_stage(Clock& clock) {
-  clock = {
-      .step = clock.step, .stage_step = 0, .stage = clock.stage + 1, .stage_start = clock.time(), .dt = 0};
 }
 
 }  // namespace vbond::app

@@ -1,14 +1,15 @@
 #pragma once
 #include <chrono>
 #include <cstdio>
+#include <functional>
 #include <memory>
 #include <string>
 
 #include "vbond/case/case.hpp"
-#include "vbond/model/model.hpp"
 #include "vbond/observe/observers.hpp"
 #include "vbond/observe/plan.hpp"
 #include "vbond/observe/summary.hpp"
+#include "vbond/run/run.hpp"
 
 namespace vbond::app {
 
@@ -22,7 +23,7 @@ void say(const std::string& text, std::FILE* out = stdout);
 /// Everything a run in progress has at hand.
 struct Campaign {
   const Case& c;
-  const Model& model;
+  Run& run;
   OutputPlan plan;
   int threads = 1;
   std::string program;  ///< as it was called
@@ -35,6 +36,8 @@ struct Campaign {
   double balancing = 0;  ///< seconds of static stages and their modes, without what observers did
   StepTimes times;
   bool step_known = false;  ///< a dynamics stage has begun
+  /// What is done at the end of the dynamics stage under way.
+  std::function<void(const Simulation&, StopReason, const std::string& failure)> stage_end;
 
   /// Prints a report on stderr.
   void tell(const std::string& report) const;
@@ -45,13 +48,13 @@ struct Campaign {
 };
 
 /// Opens the output, new or, with a checkpoint, continued, and sets up the terminal.
-Campaign open_campaign(const Case& c, const Model& model, OutputPlan plan, int threads,
-                       const std::string& program, const Checkpoint* resume);
+Campaign open_campaign(const Case& c, Run& run, OutputPlan plan, int threads, const std::string& program,
+                       const Checkpoint* resume);
+
+/// Hands all that the run tells to the campaign, which must stay where it is.
+void listen(Campaign& campaign);
 
 /// Writes run.json as the campaign stands, with its wall time by phase.
 void save_summary(Campaign& campaign);
-
-/// The clock of a stage that has come to its end moves on to the next one.
-void begin_next_stage(Clock& clock);
 
 }  // namespace vbond::app

@@ -3,15 +3,16 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <numeric>
-#include <optional>
 #include <string>
 #include <utility>
+#include <variant>
+#include <vector>
 
 #include "commands.hpp"
 #include "memory.hpp"
 #include "prepare.hpp"
-#include "statics.hpp"
 #include "vbond/build/build.hpp"
 #include "vbond/build/times.hpp"
 #include "vbond/case/read.hpp"
@@ -19,11 +20,12 @@
 #include "vbond/core/error.hpp"
 #include "vbond/core/printable.hpp"
 #include "vbond/dynamics/memory.hpp"
-#include "vbond/dynamics/simulation.hpp"
 #include "vbond/model/step_bound.hpp"
 #include "vbond/model/touching.hpp"
 #include "vbond/observe/report.hpp"
 #include "vbond/observe/summary.hpp"
+#include "vbond/run/run.hpp"
+#include "vbond/run/statics.hpp"
 
 namespace vbond::app {
 namespace {
@@ -50,17 +52,20 @@ std::string solver_in_words(const StaticStage& stage, const SolverChoice& choice
 }
 
 /// Wall time of one step, measured on the case itself for a quarter of a second. Throws Diverged.
-double seconds_per_step(const Model& model, const Stage& stage, const State& state, int threads) {
-  using Clock = std::chrono::steady_clock;
-  Simulation trial(model, stage, state, threads);
+double seconds_per_step(const Run& run, const Stage& stage, int threads) {
+  using WallClock = std::chrono::steady_clock;
+  Stage endless = stage;
+  endless.insist = true;  // known to be what its author wants
+  endless.stops.duration = std::numeric_limits<double>::infinity();
+  endless.stops.distance.reset();
+  Run trial(run.model(), run.current(), {endless}, threads);
   trial.step();  // neighbour lists and threads are set up
-  const auto start = Clock::now();
+  const auto start = WallClock::now();
   double seconds = 0.0;
   std::int64_t steps = 0;
-  while (seconds < 0.25 && steps < 10000) {
-    trial.step();
-    ++steps;
-    seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  while (seconds < 0.25 && steps < 10000 && !trial.complete()) {
+    steps += trial.step();
+    seconds = std::chrono::duration<double>(WallClock::now() - start).count();
   }
   return seconds / static_cast<double>(steps);
 }
@@ -157,31 +162,16 @@ void print_output_remarks(const Case& c, const OutputPlan& plan, const Model& mo
   if (plan.checkpoint_every) look("checkpoint.every", *plan.checkpoint_every);
 }
 
-/// Static stages whose bodies can move freely, which `run` would refuse as they begin: of later stages as the
-/// body stands now, where neither bonds nor contacts are to come.
-void check_held(const Case& c, const Model& model, const State& state) {
-  const bool all_known = c.contact.law == ContactLaw::none &&
-                         std::all_of(c.bonds.begin(), c.bonds.end(),
-                                     [](const BondSpec& b) { return b.when == BondTime::start; });
+/// Everything that `run` would refuse, as mistakes of the case.
+void refuse_all(Run& run) {
   std::vector<Problem> problems;
-  for (std::size_t k = 0; k < c.stages.size(); ++k) {
-    if (!is_static(c.stages[k].kind) || (k > 0 && !all_known)) continue;
-    State at_start = state;
-    const StaticStage stage = build_static_stage(c, model, static_cast<int>(k), at_start);
-    const auto refusal = refusal_of(model, stage, at_start);
-    if (!refusal) continue;
-    const std::string text = refusal->what();  // the finding, and on a line of its own a way out
-    const std::size_t end = text.find("\n  ");
-    problems.push_back({c.stages[k].place, text.substr(0, end), "run will refuse the stage as it begins",
-                        end == std::string::npos ? "hold the body" : text.substr(end + 3)});
-  }
+  for (const StageRefusal& r : run.refusals()) problems.push_back(r.problem);
   if (!problems.empty()) throw CaseError(problems);
 }
 
-void print_wall_time(std::int64_t steps, const Model& model, const Stage& first, const State& state,
-                     int threads) {
+void print_wall_time(std::int64_t steps, const Run& run, const Stage& first, int threads) {
   try {
-    const double seconds = static_cast<double>(steps) * seconds_per_step(model, first, state, threads);
+    const double seconds = static_cast<double>(steps) * seconds_per_step(run, first, threads);
     fmt::print("wall time        about {} without output, if no stage ends early (a few steps were timed)\n",
                hours(seconds));
   } catch (const Diverged& e) {  // the case is as its author wants it: whether to run it is not for us to say
@@ -199,31 +189,30 @@ int check(const std::filesystem::path& case_file, int threads) {
   require_memory(c);
   Built built = build(c);
   require_memory(c, built.model, built.state);
-  check_held(c, built.model, built.state);
-  std::optional<Stage> dynamics;  // the first stage, if it is that
-  std::optional<StaticStage> statics;
-  if (is_static(c.stages[0].kind))
-    statics = build_static_stage(c, built.model, 0, built.state);
-  else
-    dynamics = build_stage(c, built.model, 0, built.state, exact_step());
-  const OutputPlan plan = plan_output(c, built.model, {});
-  print_overview(c, built.model, built.state);
+  Run run(std::move(built.model), std::move(built.state), stages_of(c), threads);
+  refuse_all(run);
+  const Model& model = run.model();
+  const AnyStage& first = run.prepare();
+  const State& state = run.current();
+  const auto* dynamics = std::get_if<Stage>(&first);
+  const auto* statics = std::get_if<StaticStage>(&first);
+  const OutputPlan plan = plan_output(c, model, {});
+  print_overview(c, model, state);
   print_notes(built.notes);
-  if (dynamics) print_step(c, built.model, built.state, *dynamics);
+  if (dynamics) print_step(c, model, state, *dynamics);
   print_machine(threads);
-  print_body(built.model, built.state);
-  print_overlaps(built.model, built.state);
+  print_body(model, state);
+  print_overlaps(model, state);
 
   const bool fitted = dynamics && !c.time.given();  // other stages may have another step of their own
-  const double dt = fitted ? dynamics->dt : expected_step(c, built.model, built.state);
-  const std::int64_t steps = print_stages(c, built.model, dt, dynamics || c.time.given());
-  print_loads(c, built.model);
-  print_output_remarks(c, plan, built.model);
-  print_memory(built.model, built.state);
+  const double dt = fitted ? dynamics->dt : expected_step(c, model, state);
+  const std::int64_t steps = print_stages(c, model, dt, dynamics || c.time.given());
+  print_loads(c, model);
+  print_output_remarks(c, plan, model);
+  print_memory(model, state);
   if (statics)
-    fmt::print("solver           {}\n",
-               solver_in_words(*statics, solver_of(built.model, *statics, built.state)));
-  if (dynamics) print_wall_time(steps, built.model, *dynamics, built.state, threads);
+    fmt::print("solver           {}\n", solver_in_words(*statics, solver_of(model, *statics, state)));
+  if (dynamics) print_wall_time(steps, run, *dynamics, threads);
   fmt::print("{}: no mistakes found\n", printable(case_file.string()));
   return done;
 }

@@ -6,7 +6,6 @@
 #include <string>
 #include <system_error>
 #include <utility>
-#include <variant>
 
 #include "campaign.hpp"
 #include "commands.hpp"
@@ -18,41 +17,22 @@
 #include "report.hpp"
 #include "shell.hpp"
 #include "signals.hpp"
-#include "statics.hpp"
+#include "static_stage.hpp"
 #include "vbond/build/build.hpp"
 #include "vbond/build/times.hpp"
 #include "vbond/case/read.hpp"
 #include "vbond/core/error.hpp"
-#include "vbond/dynamics/simulation.hpp"
 #include "vbond/observe/bond_look.hpp"
 #include "vbond/observe/checkpoint.hpp"
 #include "vbond/observe/files.hpp"
 #include "vbond/observe/report.hpp"
 #include "vbond/observe/summary.hpp"
+#include "vbond/run/run.hpp"
 
 namespace vbond::app {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A stage that is about to begin, or to go on.
-struct Leg {
-  std::variant<Stage, StaticStage> stage;
-  State start;  // of a static stage: before its bonds were made; dynamics: empty
-};
-
-bool is_static(const Leg& leg) {
-  return std::holds_alternative<StaticStage>(leg.stage);
-}
-
-/// Builds the stage that the state's clock stands in.
-Leg prepare(const Case& c, const Model& model, State& state) {
-  const std::int32_t k = state.clock.stage;
-  if (!is_static(c.stages[static_cast<std::size_t>(k)].kind))
-    return {build_stage(c, model, k, state, exact_step()), {}};
-  State start = state;
-  return {build_static_stage(c, model, k, state), std::move(start)};
-}
 
 /// Adds a stage that has come to an end, whichever way, to the summary.
 void add_stage(RunSummary& s, const Simulation& run, StopReason why, std::int64_t first_step,
@@ -71,49 +51,42 @@ void add_stage(RunSummary& s, const Simulation& run, StopReason why, std::int64_
 void begin_dynamics(Campaign& campaign, const Stage& stage, const State& state) {
   const bool known = std::exchange(campaign.step_known, true), begins = state.clock.stage_step == 0;
   if (!known && campaign.progress)
-    campaign.progress->expect(steps_of_stages(campaign.c, campaign.model, stage.dt));
+    campaign.progress->expect(steps_of_stages(campaign.c, campaign.run.model(), stage.dt));
   if (begins && state.clock.stage == 0) return;  // told before the run
-  if (begins && !known) return print_step(campaign.c, campaign.model, state, stage);
+  if (begins && !known) return print_step(campaign.c, campaign.run.model(), state, stage);
   for (const std::string& line : times_not_met(stage)) campaign.tell(line);
 }
 
-/// Runs a stage of dynamics from this state, which is moved on. Returns true if it has come to its end: the
-/// clock is then that of the next stage; false if it was interrupted.
-bool run_dynamics_leg(Campaign& campaign, Stage stage, State& state) {
-  begin_dynamics(campaign, stage, state);
+/// Runs the stage of dynamics that was prepared. Returns true if it has come to its end, false if it was
+/// interrupted.
+bool run_dynamics_leg(Campaign& campaign) {
+  Run& run = campaign.run;
+  begin_dynamics(campaign, std::get<Stage>(run.prepare()), run.current());
   const auto entered = WallClock::now();
-  Simulation run(campaign.model, std::move(stage), std::move(state), campaign.threads);
+  run.begin();
   campaign.building += seconds_since(entered);
-  for (const auto& o : campaign.files.all()) run.add_observer(o);
-  run.add_observer(campaign.table);
-  if (campaign.progress) run.add_observer(campaign.progress);
 
   const std::int64_t first = run.clock().step;
   const auto start = WallClock::now();
   const double output_before = campaign.output_seconds();
-  const auto stopped = [&](StopReason why, const std::string& failure) {
+  campaign.stage_end = [&](const Simulation& stage, StopReason why, const std::string& failure) {
+    if (why == StopReason::diverged) {
+      campaign.clear_progress();
+      campaign.files.watch->watch().summarise();
+    }
     campaign.stepping += seconds_since(start) - (campaign.output_seconds() - output_before);
-    campaign.times.bonds += run.times().bonds;
-    campaign.times.contacts += run.times().contacts;
-    campaign.times.integrate += run.times().integrate;
-    add_stage(campaign.summary, run, why, first, failure);
+    campaign.times.bonds += stage.times().bonds;
+    campaign.times.contacts += stage.times().contacts;
+    campaign.times.integrate += stage.times().integrate;
+    add_stage(campaign.summary, stage, why, first, failure);
     save_summary(campaign);
   };
-  StopReason why = StopReason::running;
   try {
-    why = run.run([] { return caught_signal() != 0; });
-  } catch (const Diverged& e) {
-    campaign.clear_progress();
-    campaign.files.watch->watch().summarise();
-    stopped(StopReason::diverged, e.what());
+    return !run.run_stage().interrupted();
+  } catch (const Diverged&) {
     say(fmt::format("results up to there in {}\n", campaign.plan.folder.string()));
     throw;
   }
-  stopped(why, {});
-  state = std::move(run).take_state();
-  if (why == StopReason::interrupted) return false;
-  begin_next_stage(state.clock);
-  return true;
 }
 
 std::string resume_command(const Campaign& campaign) {
@@ -142,8 +115,8 @@ void say_end(const Campaign& campaign, bool interrupted) {
 }
 
 /// A signal that came between two stages: the checkpoint is that of the state before the next one's bonds.
-void stop_before_stage(Campaign& campaign, const State& state) {
-  campaign.files.checkpoint->write(campaign.model, state);
+void stop_before_stage(Campaign& campaign) {
+  campaign.files.checkpoint->write(campaign.run.model(), campaign.run.current());
   save_summary(campaign);
   say_end(campaign, true);
 }
@@ -157,27 +130,27 @@ int status_of_signal() {
   }
 }
 
-/// Runs from the state's stage to the last one. `leg` is the stage the state is in.
-int run_stages(Campaign& campaign, Leg leg, State state) {
+/// Runs from the stage that was prepared to the last one.
+int run_stages(Campaign& campaign) {
   catch_signals();
-  const auto stages = static_cast<std::int32_t>(campaign.c.stages.size());
+  Run& run = campaign.run;
+  listen(campaign);
   while (true) {
-    if (stages > 1)
-      say("stage " + campaign.c.stages[static_cast<std::size_t>(state.clock.stage)].name + "\n");
-    const bool ended = is_static(leg)
-                           ? run_static_leg(campaign, std::get<StaticStage>(leg.stage), leg.start, state)
-                           : run_dynamics_leg(campaign, std::get<Stage>(std::move(leg.stage)), state);
-    if (!ended || state.clock.stage == stages) {
+    const std::size_t k = run.stage_index();
+    if (run.stages().size() > 1) say("stage " + run.stages().name(k) + "\n");
+    const bool ended =
+        is_static(run.stages().kind(k)) ? run_static_leg(campaign) : run_dynamics_leg(campaign);
+    if (!ended || run.complete()) {
       say_end(campaign, !ended);
       if (ended) return done;
       return status_of_signal();
     }
     if (caught_signal() != 0) {
-      stop_before_stage(campaign, state);
+      stop_before_stage(campaign);
       return status_of_signal();
     }
     const auto start = WallClock::now();
-    leg = prepare(campaign.c, campaign.model, state);
+    run.prepare();
     campaign.building += seconds_since(start);
   }
 }
@@ -255,8 +228,9 @@ int run(const RunOptions& options) {
   require_memory(c);
   Built built = build(c);
   require_memory(c, built.model, built.state);
-  Leg first = prepare(c, built.model, built.state);
-  OutputPlan plan = plan_output(c, built.model, {});  // all that may be wrong with the case is known by now
+  Run run(std::move(built.model), std::move(built.state), stages_of(c), options.threads);
+  run.check();
+  OutputPlan plan = plan_output(c, run.model(), {});  // all that may be wrong with the case is known by now
 
   if (options.report) warn_if_no_page();
   const ClaimedFolder claimed = claim_folder(options.case_file, options.folder, options.force);
@@ -264,16 +238,15 @@ int run(const RunOptions& options) {
   catch_broken_pipe();
   replace_file(plan.folder / "resolved.toml", to_toml(keep_inputs(c, plan.folder, claimed.old_inputs)));
   say("output folder    " + plan.folder.string() + "\n");
-  print_overview(c, built.model, built.state);
+  print_overview(c, run.model(), run.current());
   print_notes(built.notes);
-  if (const Stage* dynamics = std::get_if<Stage>(&first.stage))
-    print_step(c, built.model, built.state, *dynamics);
+  if (const Stage* dynamics = std::get_if<Stage>(&run.prepare()))
+    print_step(c, run.model(), run.current(), *dynamics);
   print_machine(options.threads);
-  Campaign campaign =
-      open_campaign(c, built.model, std::move(plan), options.threads, options.program, nullptr);
+  Campaign campaign = open_campaign(c, run, std::move(plan), options.threads, options.program, nullptr);
   campaign.building = seconds_since(start);
   try {
-    const int status = run_stages(campaign, std::move(first), std::move(built.state));
+    const int status = run_stages(campaign);
     if (options.report && status == done) report_on(campaign.plan.folder);
     return status;
   } catch (const IoError& e) {  // no more can be written
@@ -291,26 +264,26 @@ int resume(const fs::path& folder, int threads, const std::string& program) {
   const Case c = read_case(folder / "resolved.toml");
   require_statics(c);
   require_memory(c);
-  const Built built = build(c);
+  Built built = build(c);
   Checkpoint checkpoint = read_checkpoint(folder / "checkpoint.h5", built.model);
-  State& state = checkpoint.state;
-  check_edits(c, built.state, state, folder / "resolved.toml");
-  if (static_cast<std::size_t>(state.clock.stage) == c.stages.size()) {
+  check_edits(c, built.state, checkpoint.state, folder / "resolved.toml");
+  Run run(std::move(built.model), checkpoint.state, stages_of(c), threads);
+  if (run.complete()) {
     say("the run is complete, results in " + folder.string() + "\n");
     return done;
   }
-  Leg leg = prepare(c, built.model, state);
+  run.check();
 
   Campaign campaign =
-      open_campaign(c, built.model, plan_output(c, built.model, folder), threads, program, &checkpoint);
+      open_campaign(c, run, plan_output(c, run.model(), folder), threads, program, &checkpoint);
   if (fs::exists(folder / "run.json"))
-    campaign.summary.stages = read_stages_before(folder / "run.json", state.clock.stage);
+    campaign.summary.stages = read_stages_before(folder / "run.json", run.clock().stage);
   campaign.building = seconds_since(start);
-  say(fmt::format("resumed at step {} of stage {}, output folder {}\n", state.clock.stage_step,
-                  c.stages[static_cast<std::size_t>(state.clock.stage)].name, folder.string()));
+  say(fmt::format("resumed at step {} of stage {}, output folder {}\n", run.clock().stage_step,
+                  run.stages().name(run.stage_index()), folder.string()));
   print_machine(threads);
   try {
-    return run_stages(campaign, std::move(leg), std::move(state));
+    return run_stages(campaign);
   } catch (const IoError& e) {
     throw with_way_on(campaign, e);
   }

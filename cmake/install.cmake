@@ -5,7 +5,7 @@ include(CMakePackageConfigHelpers)
 set(vbond_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/vbond)
 
 install(TARGETS vbond_physics EXPORT vbondPhysicsTargets)
-install(TARGETS vbond EXPORT vbondTargets)
+install(TARGETS vbond vbond_run EXPORT vbondTargets)
 if(VBOND_STATICS)
   install(TARGETS vbond_statics EXPORT vbondTargets)
 endif()

@@ -252,6 +252,21 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
          "for the V-model B2 > -B3/2; give other parameters");
 }
 
+bool expect_bonds(const Case& c, std::size_t set, const Model& model, State& state, Problems& problems) {
+  const BondSpec& spec = c.bonds[set];
+  if (std::holds_alternative<WithinDistance>(spec.select.value)) return false;
+  BondRecipe recipe = spec.recipe;
+  recipe.set = static_cast<std::uint32_t>(set);
+  bool all = true;
+  for (const Pair& pair : select_pairs(c, set, model, state, problems))
+    if (const auto bond =
+            make_bond(recipe, bond_site(model, state, pair[0]), bond_site(model, state, pair[1])))
+      state.bonds.push_back(*bond);
+    else
+      all = false;
+  return all;
+}
+
 std::optional<double> first_c_A(const Case& c, const Model& model, const State& state) {
   if (!state.bonds.empty()) return stiffness_of(state.bonds[BondId{0}]).c_A;
   if (c.bonds.empty() || model.particles() == 0) return std::nullopt;

@@ -26,6 +26,11 @@ std::vector<Pair> pairs_within(const std::vector<Vec3d>& r, double distance, con
 /// set, and a mistake otherwise.
 void add_bonds(const Case& c, std::size_t set, const Model& model, State& state, Problems& problems);
 
+/// Looks ahead at a set that makes its bonds when particles have moved on from where they stand in `state`.
+/// Pairs that are listed are bonded as they stand, and what is wrong with them wherever they stand is
+/// recorded. False if it is not known which bonds it will make, as it is for a selection by distance.
+bool expect_bonds(const Case& c, std::size_t set, const Model& model, State& state, Problems& problems);
+
 /// Longitudinal stiffness of the first bond of the body, or of the one that the first bond set would make;
 /// nothing if the case has no bonds.  [force/length]
 std::optional<double> first_c_A(const Case& c, const Model& model, const State& state);

@@ -109,13 +109,14 @@ void check_stages(const Case& c, const Model& model, Problems& problems) {
       resolve_stage(c, model, k, problems);
 }
 
+bool makes_bonds_as_it_begins(const BondSpec& set, const StageSpec& stage) {
+  const auto here = [&](const Placed<std::string>& name) { return name.value == stage.name; };
+  return set.when == BondTime::stage && std::any_of(set.stages.begin(), set.stages.end(), here);
+}
+
 void add_stage_bonds(const Case& c, std::size_t k, const Model& model, State& state, Problems& problems) {
-  for (std::size_t set = 0; set < c.bonds.size(); ++set) {
-    const BondSpec& b = c.bonds[set];
-    const auto here = [&](const Placed<std::string>& name) { return name.value == c.stages[k].name; };
-    if (b.when == BondTime::stage && std::any_of(b.stages.begin(), b.stages.end(), here))
-      add_bonds(c, set, model, state, problems);
-  }
+  for (std::size_t set = 0; set < c.bonds.size(); ++set)
+    if (makes_bonds_as_it_begins(c.bonds[set], c.stages[k])) add_bonds(c, set, model, state, problems);
 }
 
 }  // namespace vbond

@@ -27,6 +27,9 @@ struct StageResolver {
   bool anything_is_free() const;
 };
 
+/// Whether this bond set makes its bonds (when = stage) as this stage begins.
+bool makes_bonds_as_it_begins(const BondSpec& set, const StageSpec& stage);
+
 /// Makes the bonds (when = stage) of stage k, which begins.
 void add_stage_bonds(const Case& c, std::size_t k, const Model& model, State& state, Problems& problems);
 

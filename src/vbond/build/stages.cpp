@@ -161,15 +161,11 @@ void take_fraction(const Case& c, const StepBound& critical, Stage& stage, Probl
     stage.dt = c.time.fraction * critical.dt;
 }
 
-/// The critical step of the body as it stands. Bonds to come are not in it, so none may be expected.
+/// The critical step of the body as it stands.
 StepBound exact_bound(const Case& c, const Model& model, const State& state, const Stage& stage,
                       const ExactCriticalStep& exact_step, Problems& problems) {
   const SourcePlace& place = c.time.step->place;
-  if (!stage.bonding.empty())
-    problems.add(place, fmt::format("time.step = \"exact\" in stage \"{}\"", stage.name),
-                 fmt::format("bonds \"{}\" may still be made in it, which the exact step does not know",
-                             stage.bonding.front().name),
-                 "leave step out: the automatic one leaves room for them");
+  refuse_exact_with_bonding(c, stage, problems);
   if (!exact_step)
     problems.add(place, "time.step = \"exact\"", "this vbond was built without statics",
                  "leave step out, or give a time");
@@ -186,9 +182,8 @@ StepBound exact_bound(const Case& c, const Model& model, const State& state, con
 
 void choose_step(const Case& c, const Model& model, const State& state, const ExactCriticalStep& exact_step,
                  Stage& stage, Problems& problems) {
-  const bool exact = c.time.step && !c.time.given();
-  const StepBound critical = exact ? exact_bound(c, model, state, stage, exact_step, problems)
-                                   : step_bound(model, state, stage.bonding);
+  const StepBound critical = step_is_exact(c) ? exact_bound(c, model, state, stage, exact_step, problems)
+                                              : step_bound(model, state, stage.bonding);
   stage.critical = critical.dt;
   if (!(critical.dt > 0.0))
     problems.add(
@@ -274,6 +269,28 @@ Stage resolve_stage(const Case& c, const Model& model, std::size_t k, Problems& 
   return stage;
 }
 
+bool step_is_exact(const Case& c) {
+  return c.time.step && !c.time.given();
+}
+
+void refuse_exact_with_bonding(const Case& c, const Stage& stage, Problems& problems) {
+  if (!step_is_exact(c) || stage.bonding.empty()) return;
+  problems.add(c.time.step->place, fmt::format("time.step = \"exact\" in stage \"{}\"", stage.name),
+               fmt::format("bonds \"{}\" may still be made in it, which the exact step does not know",
+                           stage.bonding.front().name),
+               "leave step out: the automatic one leaves room for them");
+}
+
+void choose_fitting_step(const Case& c, std::size_t k, const Model& model, const State& state,
+                         const ExactCriticalStep& exact_step, Stage& stage) {
+  Problems problems;
+  choose_step(c, model, state, exact_step, stage, problems);
+  problems.throw_if_any();
+  check_against_step(c.stages[k], state, stage, problems);
+  fit_step(c.stages[k], stage, problems);
+  problems.throw_if_any();
+}
+
 Stage build_stage(const Case& c, const Model& model, int k, State& state,
                   const ExactCriticalStep& exact_step) {
   Problems problems;
@@ -288,11 +305,7 @@ Stage build_stage(const Case& c, const Model& model, int k, State& state,
   }
   add_stage_bonds(c, index, model, state, problems);
   problems.throw_if_any();
-  choose_step(c, model, state, exact_step, stage, problems);
-  problems.throw_if_any();
-  check_against_step(c.stages[index], state, stage, problems);
-  fit_step(c.stages[index], stage, problems);
-  problems.throw_if_any();
+  choose_fitting_step(c, index, model, state, exact_step, stage);
   put_on_steps(stage);
   return stage;
 }

@@ -56,6 +56,14 @@ StaticStage resolve_static_stage(const Case& c, const Model& model, std::size_t 
   return stage;
 }
 
+void refuse_nothing_elastic(const StageSpec& spec, const Model& model, const State& state,
+                            Problems& problems) {
+  if (state.bonds.empty() && model.contact.law == ContactLaw::none)
+    problems.add(spec.place, fmt::format("stage \"{}\": nothing is elastic", spec.name),
+                 "there are no bonds and no contacts, so no load is in balance with anything",
+                 "add a table [[bonds]] or [contact]");
+}
+
 StaticStage build_static_stage(const Case& c, const Model& model, int k, State& state) {
   Problems problems;
   const auto index = static_cast<std::size_t>(k);
@@ -65,10 +73,7 @@ StaticStage build_static_stage(const Case& c, const Model& model, int k, State& 
   problems.throw_if_any();
   if (state.clock.stage_step > 0) return stage;  // under way: its bonds have been made
   add_stage_bonds(c, index, model, state, problems);
-  if (problems.none() && state.bonds.empty() && model.contact.law == ContactLaw::none)
-    problems.add(c.stages[index].place, fmt::format("stage \"{}\": nothing is elastic", stage.name),
-                 "there are no bonds and no contacts, so no load is in balance with anything",
-                 "add a table [[bonds]] or [contact]");
+  if (problems.none()) refuse_nothing_elastic(c.stages[index], model, state, problems);
   problems.throw_if_any();
   return stage;
 }

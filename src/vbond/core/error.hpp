@@ -59,6 +59,8 @@ class NoEquilibrium : public std::runtime_error {
   /// finding: what stood in the way, naming the load factor reached or the degrees of freedom.
   NoEquilibrium(const std::string& stage, const std::string& finding, const std::string& advice)
       : std::runtime_error(printable("stage \"" + stage + "\": " + finding + "\n  " + advice)) {}
+  /// Of several stages: their texts.
+  explicit NoEquilibrium(const std::string& texts) : std::runtime_error(texts) {}
 };
 
 /// Eigenvalues could not be found: no matrix near by can be factored, or iteration does not end.

@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "vbond/core/error.hpp"
-#include "vbond/dynamics/consistent.hpp"
 #include "vbond/dynamics/kernel.hpp"
 #include "vbond/model/bond_sums.hpp"
+#include "vbond/model/mistakes.hpp"
 
 namespace vbond {
 namespace {
@@ -22,12 +22,18 @@ std::vector<std::size_t> work_of_blocks(const Bodies& bodies, const PerBond<Bond
   return work;
 }
 
+/// The model, if the three belong together.
+const Model& consistent(const Model& model, const Stage& stage, const State& state) {
+  require_consistent("Simulation", model, stage, state);
+  return model;
+}
+
 }  // namespace
 
-Simulation::Simulation(const Model& model, Stage stage, State state, int threads)
-    : model_(consistent(model, stage, state)),
+Simulation::Simulation(const Model& model, Stage stage, State* state, int threads)
+    : model_(consistent(model, stage, *state)),
       stage_(std::move(stage)),
-      state_(std::move(state)),
+      state_(std::move(*state)),
       bodies_(model),
       team_(model.particles(), work_of_blocks(bodies_, state_.bonds), threads),
       contacts_(model, bodies_.order, bond_index_),
@@ -39,16 +45,21 @@ Simulation::Simulation(const Model& model, Stage stage, State state, int threads
       books_(team_.blocks()),
       last_stage_step_(std::isfinite(stage_.stops.duration) ? steps_in(stage_.stops.duration, stage_.dt)
                                                             : std::numeric_limits<std::int64_t>::max()) {
-  bodies_.read(state_);
-  breaking_.resize(team_.parts().size());
-  bonds_changed();
-  contacts_.refresh(bodies_.poses(), team_);
-  contacts_.restore(state_.contact_history);
-  state_.clock.dt = stage_.dt;
-  if (state_.clock.stage_step == 0)
-    begin_stage();
-  else
-    take_up_loads();
+  try {
+    bodies_.read(state_);
+    breaking_.resize(team_.parts().size());
+    bonds_changed();
+    contacts_.refresh(bodies_.poses(), team_);
+    contacts_.restore(state_.contact_history);
+    state_.clock.dt = stage_.dt;
+    if (state_.clock.stage_step == 0)
+      begin_stage();
+    else
+      take_up_loads();
+  } catch (...) {
+    *state = std::move(state_);
+    throw;
+  }
 }
 
 void Simulation::begin_stage() {
@@ -147,16 +158,20 @@ RowsAhead Simulation::rows_of(const Block& b) const {
   return {&bodies_.pose[k], &bodies_.motion[k], &bodies_.load[k], b.rows.last - k};
 }
 
-StopReason Simulation::run(const std::function<bool()>& interrupted) {
+StopReason Simulation::run(const std::function<bool()>& interrupted, std::int64_t most) {
   if (state_.clock.stage_step == 0) notify_observers();
   StopReason why = stop_reason();
-  while (why == StopReason::running) {  // asked after a step: a stage is never interrupted before its first
+  while (why == StopReason::running && most-- > 0) {  // never interrupted before the first step
     step();
     why = stop_reason();
     if (why == StopReason::running && interrupted && interrupted()) why = StopReason::interrupted;
   }
-  for (const auto& o : observers_) o->finish(*this, why);
+  if (why != StopReason::running) finish(why);
   return why;
+}
+
+void Simulation::finish(StopReason why) {
+  for (const auto& o : observers_) o->finish(*this, why);
 }
 
 void Simulation::notify_observers() {

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -44,14 +45,18 @@ struct BondEvent {
 
 /// One stage of a run: a const Model, a Stage, and the State that the step loop moves.
 /// Observers see it read-only. Results are bitwise the same for any number of threads.
+/// Programs use a Run (run/run.hpp), which makes one for each of its stages.
 class Simulation {
  public:
   /// Takes over the state and keeps a reference to the model. A state with stage_step = 0 begins the
   /// stage (supports take their given velocities); any other continues it, as after a checkpoint.
-  /// stage.dt > 0, threads >= 1. Throws std::invalid_argument if dt is not, if a column of model or state has
-  /// not one entry per particle, or if a bond, support or load names a particle that there is not.
-  Simulation(const Model& model, Stage stage, State state, int threads = 1);
+  /// threads >= 1. Throws std::invalid_argument if model, stage or state have a mistake (model/mistakes.hpp).
+  Simulation(const Model& model, Stage stage, State state, int threads = 1)
+      : Simulation(model, std::move(stage), &state, threads) {}
+  /// The same, and gives the state back if a stage cannot begin in it.
+  Simulation(const Model& model, Stage stage, State* state, int threads = 1);
   Simulation(const Model&&, Stage, State, int = 1) = delete;  // a temporary would be gone at the first step
+  Simulation(const Model&&, Stage, State*, int = 1) = delete;
   Simulation(const Simulation&) = delete;
   Simulation& operator=(const Simulation&) = delete;
 
@@ -63,8 +68,12 @@ class Simulation {
   /// One time step of stage().dt. Throws Diverged if a load is not finite or a new bond is impossible.
   void step();
 
-  /// Steps until a stop condition holds or `interrupted` (asked after every step) says so.
-  StopReason run(const std::function<bool()>& interrupted = {});
+  /// Steps until a stop condition holds or `interrupted` (asked after every step) says so, or until `most`
+  /// steps are made: StopReason::running. Observers are told of the end, and of an interruption.
+  StopReason run(const std::function<bool()>& interrupted = {},
+                 std::int64_t most = std::numeric_limits<std::int64_t>::max());
+  /// Tells the observers that the stage ends here.
+  void finish(StopReason why);
 
   const Model& model() const { return model_; }
   const Stage& stage() const { return stage_; }
@@ -72,7 +81,8 @@ class Simulation {
   const EnergyBooks& books() const { return state_.books; }
   const PeakRecord& peak() const { return state_.peak; }
   const PerBond<Bond>& bonds() const { return state_.bonds; }
-  /// The whole state, in the numbering of the model. Collecting it takes time: not for every step.
+  /// The whole state, in the numbering of the model, good until the next step: copy it to keep it. Collecting
+  /// it takes time: not for every step.
   const State& state() const;
   /// The same at the end, without a copy: nothing else may be asked of the simulation afterwards.
   State take_state() && {

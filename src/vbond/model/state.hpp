@@ -22,6 +22,12 @@ struct Clock {
   friend bool operator==(const Clock&, const Clock&) = default;
 };
 
+/// The clock of a stage that has come to its end moves on to the next one.
+inline void begin_next_stage(Clock& clock) {
+  clock = {
+      .step = clock.step, .stage_step = 0, .stage = clock.stage + 1, .stage_start = clock.time(), .dt = 0};
+}
+
 /// Energy that has entered or left since the start of the run.  [energy]
 struct EnergyBooks {
   double at_start = 0;       ///< kinetic + potential when the run began

@@ -8,7 +8,7 @@
 #include <numeric>
 #include <utility>
 
-#include "vbond/model/bond_sums.hpp"
+#include "vbond/model/energies.hpp"
 #include "vbond/model/touching.hpp"
 
 namespace vbond {
@@ -353,11 +353,7 @@ std::string StaticBody::first_not_finite() const {
 }
 
 Energies StaticBody::energies() const {
-  Energies e = bond_energies(state_);
-  for_touching_pairs(model_, state_, [&](ParticleId i, ParticleId j, double overlap) {
-    e.contact += contact_energy(contact_law(model_.contact, model_.radius[i], model_.radius[j]), overlap);
-  });
-  return e;
+  return potential_energies(model_, state_);
 }
 
 double StaticBody::potential_change(const Placement& from, double energy_from) const {

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 
+#include "vbond/model/mistakes.hpp"
 #include "vbond/model/step_bound.hpp"
 #include "vbond/physics/stability.hpp"
 #include "vbond/statics/detail/body.hpp"
@@ -14,6 +15,7 @@ namespace vbond {
 double exact_critical_step(const Model& model, const State& state, const std::vector<Support>& supports) {
   StaticStage stage;
   for (const Support& s : supports) stage.supports.push_back({s.group, s.particles, s.held, {}, {}});
+  require_consistent("exact_critical_step", model, stage, state);
   const StaticBody body(model, stage, state);
   const double nothing_swings = std::numeric_limits<double>::infinity();
   if (body.unknowns().size() == 0) return nothing_swings;

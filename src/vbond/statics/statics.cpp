@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "vbond/core/error.hpp"
+#include "vbond/model/mistakes.hpp"
 #include "vbond/statics/detail/kinds.hpp"
 #include "vbond/statics/detail/newton.hpp"
 #include "vbond/statics/detail/one_blas_thread.hpp"
@@ -50,6 +51,7 @@ void refuse_inelastic_contacts(const Model& model, const StaticStage& stage) {
 
 StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, State state,
                                const StaticHooks& hooks) {
+  require_consistent("run_static_stage", model, stage, state);
   const OneBlasThread alone;
   try {
     refuse_bonds_that_remember(stage, state);
@@ -63,12 +65,16 @@ StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, Sta
 }
 
 void refuse_free_bodies(const Model& model, const StaticStage& stage, const State& state) {
+  require_consistent("refuse_free_bodies", model, stage, state);
   refuse_bonds_that_remember(stage, state);
   refuse_inelastic_contacts(model, stage);
-  if (stage.kind != StageKind::modes) refuse_rigid_motions(StaticBody(model, stage, state));
+  const StaticBody body(model, stage, state);
+  if (stage.kind != StageKind::equilibrium) refuse_nothing_free(body);
+  if (stage.kind != StageKind::modes) refuse_rigid_motions(body);
 }
 
 SolverChoice choose_solver(const Model& model, const StaticStage& stage, const State& state) {
+  require_consistent("choose_solver", model, stage, state);
   const StaticBody body(model, stage, state);
   const bool modes = stage.kind == StageKind::modes;  // they are not asked
   TangentSolver solver(modes ? LinearSolver::direct : stage.newton.solver);

@@ -23,12 +23,15 @@ struct StaticOutcome {
 /// Runs a static stage of any kind from this state. On return the state is the last balance found: of an
 /// equilibrium the one at load factor 1, of a path its last point, of buckling and modes the one they started
 /// from. The clock counts one step per point. Throws NoEquilibrium, which names the load factor reached and
-/// what stood in the way; every balance up to there has been handed to hooks.point.
+/// what stood in the way; every balance up to there has been handed to hooks.point. Throws
+/// std::invalid_argument if model, stage or state have a mistake (model/mistakes.hpp). The energy books of
+/// the state are left alone; a Run (run/run.hpp) opens them anew.
 StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, State state,
                                const StaticHooks& hooks);
 
 /// Throws NoEquilibrium, naming them, if parts of the body can move freely, as run_static_stage does when a
-/// stage of balance, path or buckling begins. Modes take free bodies.
+/// stage of balance, path or buckling begins, or if supports hold everything, which only a balance takes.
+/// Modes take free bodies.
 void refuse_free_bodies(const Model& model, const StaticStage& stage, const State& state);
 
 /// With what a static stage solves its linear equations.
@@ -45,7 +48,7 @@ SolverChoice choose_solver(const Model& model, const StaticStage& stage, const S
 /// The largest stable step of leap-frog for small motions about this state, 2 / omega_max of the assembled
 /// body with present contacts and these held degrees of freedom; where bonds damp, which takes smaller steps,
 /// the bound of the single bonds if that is less.  [time] Infinite if nothing is elastic; throws
-/// NoConvergence.
+/// NoConvergence, and std::invalid_argument as run_static_stage does.
 double exact_critical_step(const Model& model, const State& state, const std::vector<Support>& supports);
 
 }  // namespace vbond

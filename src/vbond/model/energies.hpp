@@ -1,0 +1,25 @@
+#pragma once
+#include "vbond/model/bond_sums.hpp"
+#include "vbond/model/touching.hpp"
+
+namespace vbond {
+
+/// Energies of bonds and contacts as the particles stand, pair by pair; kinetic ones are left at zero.
+/// [energy]
+inline Energies potential_energies(const Model& model, const State& state) {
+  Energies e = bond_energies(state);
+  for_touching_pairs(model, state, [&](ParticleId i, ParticleId j, double overlap) {
+    e.contact += contact_energy(contact_law(model.contact, model.radius[i], model.radius[j]), overlap);
+  });
+  return e;
+}
+
+/// Kinetic energy, particle by particle.  [energy]
+inline double kinetic_energy(const Model& model, const State& state) {
+  double sum = 0.0;
+  for (const ParticleId p : model.mass.ids())
+    sum += 0.5 * (model.mass[p] * norm2(state.v[p]) + model.inertia[p] * norm2(state.omega[p]));
+  return sum;
+}
+
+}  // namespace vbond

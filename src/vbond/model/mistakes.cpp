@@ -1,0 +1,340 @@
+#include "vbond/model/mistakes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+namespace vbond {
+namespace {
+
+bool is_finite_quat(const Quatd& q) {
+  return std::isfinite(q.w + q.x + q.y + q.z);
+}
+
+/// Rotations written with single precision pass; the first drift normalises them.
+bool is_unit(const Quatd& q) {
+  constexpr double tolerance = 1e-6;
+  return std::abs(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - 1.0) <= tolerance;
+}
+
+bool is_unit(const Vec3d& e) {
+  constexpr double tolerance = 1e-6;
+  return std::abs(norm(e) - 1.0) <= tolerance;
+}
+
+bool at_least_zero(double x) {
+  return x >= 0.0 && std::isfinite(x);
+}
+
+bool above_zero(double x) {
+  return x > 0.0 && std::isfinite(x);
+}
+
+std::string text(const Vec3d& x) {
+  return fmt::format("({}, {}, {})", x.x, x.y, x.z);
+}
+
+/// Gathers mistakes.
+class Mistakes {
+ public:
+  explicit Mistakes(const Model& model) : n_(model.particles()) {}
+  std::vector<std::string> take() && { return std::move(list_); }
+
+  void require(bool holds, const std::string& mistake) {
+    if (!holds) list_.push_back(mistake);
+  }
+
+  /// The first entry of a column for which the rule does not hold; `told(value)` is how it is shown.
+  template <class T, class Rule, class Told>
+  void require_all(const PerParticle<T>& column, const char* name, const char* rule, Rule holds, Told told) {
+    const auto wrong = std::find_if_not(column.begin(), column.end(), holds);
+    if (wrong != column.end())
+      list_.push_back(fmt::format("{} of particle {} is {}: it must be {}", name, wrong - column.begin(),
+                                  told(*wrong), rule));
+  }
+
+  void require_sizes(const std::string& whose, const char* rule,
+                     std::initializer_list<std::pair<const char*, std::size_t>> columns) {
+    for (const auto& [name, size] : columns)
+      require(size == n_,
+              fmt::format("{} has {} entries in {} for {} particles: {}", whose, size, name, n_, rule));
+  }
+
+  bool knows(ParticleId p) const { return p.value < n_; }
+
+  void require_known(const std::vector<ParticleId>& particles, const std::string& who,
+                     const std::string& group = {}) {
+    for (const ParticleId p : particles)
+      if (!knows(p))
+        return require(false, fmt::format("{} names particle {}{}, and there are {}, counted from 0", who,
+                                          p.value, group.empty() ? "" : " (group \"" + group + "\")", n_));
+  }
+
+  /// Groups are looked up by bisection.
+  void require_increasing(const std::vector<ParticleId>& particles, const std::string& who) {
+    require(std::adjacent_find(particles.begin(), particles.end(), std::greater_equal<>()) == particles.end(),
+            who + " does not name its particles in increasing order, each once");
+  }
+
+  void require_finite(const Vec3d& x, const std::string& who, const char* what) {
+    require(is_finite(x), fmt::format("{} of {} is {}: it must be finite", what, who, text(x)));
+  }
+
+  void look_at(const std::optional<DistanceStop>& stop) {
+    if (!stop) return;
+    require_known({stop->i, stop->j}, "the stop at a distance");
+    require(stop->i != stop->j, "the stop at a distance is between a particle and itself");
+    require(std::isfinite(stop->value), fmt::format("the stop at a distance has the value {}", stop->value));
+  }
+
+  void look_at(const TimeFunction& f, const std::string& who) {
+    for (const TimeFunction::Point& p : f.points)
+      if (!std::isfinite(p.t) || !std::isfinite(p.factor))
+        return require(false, fmt::format("the factor of {} has the point ({}, {})", who, p.t, p.factor));
+    const auto not_after = [](const auto& a, const auto& b) { return !(b.t > a.t); };
+    require(std::adjacent_find(f.points.begin(), f.points.end(), not_after) == f.points.end(),
+            "the factor of " + who + " does not have its points in increasing time");
+  }
+
+  /// A degree of freedom has one support at most.
+  template <class AnySupport>
+  void require_held_once(const std::vector<AnySupport>& supports) {
+    static constexpr const char* names[6] = {"x", "y", "z", "turn about x", "turn about y", "turn about z"};
+    PerParticle<HeldDofs> held(n_, HeldDofs{});
+    for (const AnySupport& s : supports)
+      for (const ParticleId p : s.particles)
+        for (std::size_t dof = 0; dof < 6 && knows(p); ++dof)
+          if (s.held[dof] && std::exchange(held[p][dof], true))
+            return require(false, fmt::format("{} of particle {} is held twice: a degree of freedom has one "
+                                              "support at most",
+                                              names[dof], p.value));
+  }
+
+ private:
+  std::size_t n_;
+  std::vector<std::string> list_;
+};
+
+template <class Named>
+std::string who(const std::string& what, const Named& of) {
+  return of.group.empty() ? what : fmt::format("{} on \"{}\"", what, of.group);
+}
+
+void look_at_contact(const ContactModel& c, Mistakes& found) {
+  found.require(c.inelastic == nullptr || c.law != ContactLaw::none,
+                "contact.inelastic is for particles that repel each other: contact.law is none");
+  switch (c.law) {
+    case ContactLaw::none: break;
+    case ContactLaw::paper_hertz:
+      found.require(at_least_zero(c.c_H), fmt::format("contact.c_H is {}: it must be >= 0", c.c_H));
+      found.require(above_zero(c.length), fmt::format("contact.length is {}: it must be > 0", c.length));
+      break;
+    case ContactLaw::hertz:
+      found.require(at_least_zero(c.E), fmt::format("contact.E is {}: it must be >= 0", c.E));
+      found.require(c.nu > -1.0 && c.nu <= 0.5, fmt::format("contact.nu is {}: -1 < nu <= 0.5", c.nu));
+      break;
+  }
+}
+
+void look_at_stops(const Stops& stops, Mistakes& found) {
+  found.require(stops.duration > 0.0, fmt::format("the duration is {}: it must be > 0", stops.duration));
+  found.look_at(stops.distance);
+  if (stops.peak) {
+    const PeakStop& peak = *stops.peak;
+    found.require_known(peak.particles, "the stop at a peak");
+    found.require_increasing(peak.particles, "the stop at a peak");
+    found.require(peak.drop > 0.0 && peak.drop < 1.0,
+                  fmt::format("the stop at a peak has drop = {}: 0 < drop < 1", peak.drop));
+    found.require(above_zero(peak.average_over),
+                  fmt::format("the stop at a peak averages over {}: it must be > 0", peak.average_over));
+    found.require(
+        peak.quantity != PeakQuantity::reaction || is_unit(peak.direction),
+        "the direction of the stop at a peak is " + text(peak.direction) + ": it must be a unit vector");
+  }
+  if (stops.rest) {
+    found.require(
+        above_zero(stops.rest->kinetic_energy_below),
+        fmt::format("the stop at rest is below {}: it must be > 0", stops.rest->kinetic_energy_below));
+    found.require(above_zero(stops.rest->during),
+                  fmt::format("the stop at rest is during {}: it must be > 0", stops.rest->during));
+  }
+}
+
+void look_at_strain(const StrainProgram& strain, Mistakes& found) {
+  found.require_known(strain.particles, "the imposed strain");
+  found.require_finite(strain.centre, "the imposed strain", "the centre");
+  found.require(is_unit(strain.direction), "the direction of the imposed strain is " +
+                                               text(strain.direction) + ": it must be a unit vector");
+  found.require(std::isfinite(strain.increment),
+                fmt::format("the increment of the imposed strain is {}", strain.increment));
+  found.require(above_zero(strain.every),
+                fmt::format("the strain is imposed every {}: it must be > 0", strain.every));
+}
+
+}  // namespace
+
+std::vector<std::string> mistakes_in(const Model& model) {
+  Mistakes found(model);
+  const char* rule = "it must have a mass, inertia, radius and first position for each particle";
+  found.require_sizes("the model", rule,
+                      {{"inertia", model.inertia.size()},
+                       {"radius", model.radius.size()},
+                       {"r_0", model.r_0.size()},
+                       {"specimen", model.specimen.empty() ? model.particles() : model.specimen.size()}});
+  const auto number = [](double x) { return fmt::format("{}", x); };
+  found.require_all(model.mass, "the mass", "> 0 and finite", above_zero, number);
+  found.require_all(model.inertia, "the inertia", "> 0 and finite", above_zero, number);
+  found.require_all(model.radius, "the radius", ">= 0 and finite", at_least_zero, number);
+  found.require_all(
+      model.r_0, "r_0", "finite", [](const Vec3d& r) { return is_finite(r); }, text);
+  for (const Group& g : model.groups) {
+    found.require_known(g.particles, "group \"" + g.name + "\"");
+    found.require_increasing(g.particles, "group \"" + g.name + "\"");
+  }
+  look_at_contact(model.contact, found);
+  return std::move(found).take();
+}
+
+std::vector<std::string> mistakes_in(const Model& model, const State& s) {
+  Mistakes found(model);
+  found.require_sizes(
+      "the state", "it must have r, v, q and omega for each particle of the model: begin with at_rest(model)",
+      {{"r", s.r.size()}, {"v", s.v.size()}, {"q", s.q.size()}, {"omega", s.omega.size()}});
+  found.require(s.bond_history.empty() || s.bond_history.size() == s.bonds.size(),
+                fmt::format("bond_history has {} entries for {} bonds: it must have one for each, or none",
+                            s.bond_history.size(), s.bonds.size()));
+  for (const Loads* l : {&s.loads, &s.damping})
+    found.require(
+        (l->F.empty() && l->M.empty()) ||
+            (l->F.size() == model.particles() && l->M.size() == model.particles()),
+        fmt::format("loads of the state have {} and {} entries for {} particles: one for each, or none",
+                    l->F.size(), l->M.size(), model.particles()));
+  for (const PairMemory& m : s.contact_history)
+    if (!found.knows(m.i) || !found.knows(m.j) || m.i == m.j) {
+      found.require(false, fmt::format("contact_history has a pair of particles {} and {} of {}", m.i.value,
+                                       m.j.value, model.particles()));
+      break;
+    }
+  for (const BondId k : s.bonds.ids()) {
+    const Bond& b = s.bonds[k];
+    if (b.law == nullptr) {
+      found.require(false, fmt::format("bond {} has no law", k.value));
+      break;
+    }
+    if (found.knows(b.i) && found.knows(b.j) && b.i != b.j) continue;
+    found.require(false,
+                  fmt::format("bond {} joins particles {} and {} of {}: a bond must join two particles "
+                              "of the model",
+                              k.value, b.i.value, b.j.value, model.particles()));
+    break;
+  }
+  const Clock& c = s.clock;
+  found.require(
+      c.step >= 0 && c.stage_step >= 0 && c.stage >= 0 && at_least_zero(c.dt) && std::isfinite(c.stage_start),
+      fmt::format("the clock is at step {}, stage {}, its step {}, dt = {}: none may be below zero", c.step,
+                  c.stage, c.stage_step, c.dt));
+  return std::move(found).take();
+}
+
+std::vector<std::string> mistakes_in_values(const Model& model, const State& s) {
+  Mistakes found(model);
+  const auto finite = [](const Vec3d& x) { return is_finite(x); };
+  const auto quat = [](const Quatd& q) { return fmt::format("({}, {}, {}, {})", q.w, q.x, q.y, q.z); };
+  found.require_all(s.r, "the position", "finite", finite, text);
+  found.require_all(s.v, "the velocity", "finite", finite, text);
+  found.require_all(s.omega, "the angular velocity", "finite", finite, text);
+  found.require_all(
+      s.q, "the orientation", "a unit quaternion",
+      [](const Quatd& q) { return is_finite_quat(q) && is_unit(q); }, quat);
+  return std::move(found).take();
+}
+
+std::vector<std::string> mistakes_in(const Model& model, const Stage& stage) {
+  Mistakes found(model);
+  found.require(above_zero(stage.dt),
+                fmt::format("dt is {}: stage.dt must be above zero and finite", stage.dt));
+  found.require_finite(stage.gravity, "the stage", "gravity");
+  found.require(
+      at_least_zero(stage.b_translation) && at_least_zero(stage.b_rotation),
+      fmt::format("the damping is {} and {}: it must be >= 0", stage.b_translation, stage.b_rotation));
+  for (const Support& s : stage.supports) {
+    found.require_known(s.particles, "a support", s.group);
+    found.require_finite(s.velocity, who("a support", s), "the velocity");
+    found.require_finite(s.angular_velocity, who("a support", s), "the angular velocity");
+    found.look_at(s.factor, who("a support", s));
+  }
+  found.require_held_once(stage.supports);
+  for (const PointLoad& l : stage.loads) {
+    found.require_known(l.particles, "a load", l.group);
+    found.require_finite(l.force, who("a load", l), "the force");
+    found.require_finite(l.moment, who("a load", l), "the moment");
+    found.look_at(l.factor, who("a load", l));
+  }
+  if (stage.strain) look_at_strain(*stage.strain, found);
+  for (const BondingRule& r : stage.bonding) {
+    const std::string rule = "bonding rule \"" + r.name + "\"";
+    found.require_sizes(rule, "a bonding rule must say of each particle if it is meant",
+                        {{"in_a", r.in_a.size()}, {"in_b", r.in_b.size()}});
+    found.require(above_zero(r.distance),
+                  fmt::format("{} has distance = {}: it must be > 0", rule, r.distance));
+  }
+  look_at_stops(stage.stops, found);
+  return std::move(found).take();
+}
+
+std::vector<std::string> mistakes_in(const Model& model, const StaticStage& stage) {
+  Mistakes found(model);
+  found.require(is_static(stage.kind), "kind = dynamics: a stage of dynamics is a Stage, not a StaticStage");
+  found.require_finite(stage.gravity, "the stage", "gravity");
+  for (const StaticSupport& s : stage.supports) {
+    found.require_known(s.particles, "a support", s.group);
+    found.require_finite(s.displacement, who("a support", s), "the displacement");
+    found.require_finite(s.rotation, who("a support", s), "the rotation");
+  }
+  found.require_held_once(stage.supports);
+  for (const StaticLoad& l : stage.loads) {
+    found.require_known(l.particles, "a load", l.group);
+    found.require_finite(l.force, who("a load", l), "the force");
+    found.require_finite(l.moment, who("a load", l), "the moment");
+  }
+  const auto at_least = [&](const char* what, double value, double least) {
+    found.require(value >= least && std::isfinite(value),
+                  fmt::format("{} is {}: it must be >= {} and finite", what, value, least));
+  };
+  found.require(above_zero(stage.newton.tolerance),
+                fmt::format("newton.tolerance is {}: it must be > 0", stage.newton.tolerance));
+  at_least("newton.iterations", stage.newton.iterations, 1);
+  if (stage.kind == StageKind::equilibrium) at_least("steps", stage.steps, 1);
+  if (stage.kind == StageKind::buckling || stage.kind == StageKind::modes) at_least("count", stage.count, 1);
+  at_least("frames_per_mode", stage.frames_per_mode, 0);
+  at_least("amplitude", stage.amplitude, 0);
+  at_least("search_to", stage.search_to, 0);
+  const PathSettings& path = stage.path;
+  found.require(stage.kind != StageKind::path || (std::isfinite(path.first_step) && path.first_step != 0.0),
+                fmt::format("path.first_step is {}: it must be finite, and not 0", path.first_step));
+  at_least("path.largest_step", path.largest_step, 0);
+  at_least("path.most_points", path.most_points, 1);
+  for (const auto& [name, value] : {std::pair{"path.above", path.above}, {"path.below", path.below}})
+    found.require(!value || std::isfinite(*value), fmt::format("{} is {}", name, value.value_or(0.0)));
+  found.look_at(path.distance);
+  if (path.branch) {
+    at_least("path.branch.bifurcation", path.branch->bifurcation, 1);
+    at_least("path.branch.mode", path.branch->mode, 1);
+    found.require(std::abs(path.branch->sense) == 1.0,
+                  fmt::format("path.branch.sense is {}: it must be 1 or -1", path.branch->sense));
+  }
+  return std::move(found).take();
+}
+
+void refuse(const std::string& who, const std::vector<std::string>& mistakes) {
+  if (mistakes.empty()) return;
+  std::string text = who;
+  for (const std::string& m : mistakes) text += (mistakes.size() == 1 ? ": " : "\n  ") + m;
+  throw std::invalid_argument(text);
+}
+
+}  // namespace vbond

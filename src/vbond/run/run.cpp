@@ -1,0 +1,312 @@
+#include "vbond/run/run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+#include "vbond/model/energies.hpp"
+#include "vbond/model/mistakes.hpp"
+#include "vbond/run/statics.hpp"
+
+namespace vbond {
+namespace {
+
+void require(bool holds, const std::string& rule) {
+  if (!holds) throw std::invalid_argument("Run: " + rule);
+}
+
+bool is_zero(const Vec3d& x) {
+  return x == Vec3d{};
+}
+
+bool moves(const State& s) {
+  return !std::all_of(s.v.begin(), s.v.end(), is_zero) ||
+         !std::all_of(s.omega.begin(), s.omega.end(), is_zero);
+}
+
+}  // namespace
+
+Run::Run(Model model, State state, std::vector<AnyStage> stages, int threads)
+    : Run(std::move(model), std::move(state), given_stages(std::move(stages)), threads) {}
+
+Run::Run(Model model, State state, std::unique_ptr<const Stages> stages, int threads)
+    : model_(std::move(model)), state_(std::move(state)), stages_(std::move(stages)), threads_(threads) {
+  require(threads >= 1, fmt::format("threads = {}: it must be >= 1", threads));
+  require(stages_ && stages_->size() > 0, "there is no stage to run");
+  require(model_.particles() > 0, "the model has no particles");
+  refuse("Run", mistakes_in(model_));
+  refuse("Run", mistakes_in(model_, state_));
+  refuse("Run", mistakes_in_values(model_, state_));
+  require(stage_index() <= stages_->size() && !(complete() && state_.clock.stage_step > 0),
+          fmt::format("the state is in stage {} (counted from 0), and there are {} stages",
+                      state_.clock.stage, stages_->size()));
+}
+
+void Run::add_observer(std::shared_ptr<Observer> observer) {
+  require(observer != nullptr, "the observer is null");
+  if (simulation_) simulation_->add_observer(observer);
+  observers_.push_back(std::move(observer));
+}
+
+void Run::require_able() const {
+  require(failure_.empty(),
+          "it has failed and cannot go on; begin a new one from an earlier state: " + failure_);
+  require(!complete(), "all its stages are behind it");
+}
+
+bool Run::any_dynamics() const {
+  for (std::size_t k = 0; k < stages_->size(); ++k)
+    if (!is_static(stages_->kind(k))) return true;
+  return false;
+}
+
+const AnyStage& Run::prepare() {
+  require_able();
+  if (stage_) return *stage_;
+  bonds_before_ = state_.bonds.size();
+  books_before_ = state_.books;
+  try {
+    stage_ = stages_->make(stage_index(), model_, state_);
+  } catch (...) {  // as if nothing had been tried
+    state_.bonds.resize(bonds_before_);
+    state_.books = books_before_;
+    throw;
+  }
+  return *stage_;
+}
+
+State Run::start_of_stage() const {
+  require(!simulation_ && (restart_ || state_.clock.stage_step == 0), "the stage is under way");
+  State start = restart_ ? *restart_ : state_;
+  if (!stage_) return start;
+  start.bonds.resize(bonds_before_);
+  start.books = books_before_;
+  return start;
+}
+
+void Run::begin() {
+  if (!checked_) check();
+  const AnyStage& stage = prepare();
+  if (simulation_ || !std::holds_alternative<Stage>(stage)) return;
+  simulation_ = std::make_unique<Simulation>(model_, std::get<Stage>(stage), &state_, threads_);
+  for (const auto& o : observers_) simulation_->add_observer(o);
+}
+
+const std::vector<StageResult>& Run::run() {
+  require_able();
+  while (!complete())
+    if (run_stage().interrupted()) break;
+  return results_;
+}
+
+StageResult Run::run_stage() {
+  require_able();
+  begin();
+  if (std::holds_alternative<StaticStage>(*stage_)) return run_static();
+  const StopReason why = advance(std::numeric_limits<std::int64_t>::max());
+  return why == StopReason::interrupted ? result_of_dynamics(why) : results_.back();
+}
+
+std::int64_t Run::step(std::int64_t n) {
+  require(n >= 0, fmt::format("step({}): the number of steps must be >= 0", n));
+  require_able();
+  const auto* statics = std::get_if<StaticStage>(&prepare());
+  require(statics == nullptr, "stage \"" + name_of(*stage_) + "\" is static: run_stage() runs it as a whole");
+  begin();
+  const std::int64_t before = clock().step;
+  if (n > 0) advance(n);
+  return clock().step - before;
+}
+
+void Run::end_stage() {
+  require_able();
+  require(simulation_ != nullptr, "no stage of dynamics is under way");
+  simulation_->finish(StopReason::duration);
+  close_stage(StopReason::duration);
+}
+
+/// Steps until the stage ends, is interrupted, or `most` steps are made.
+StopReason Run::advance(std::int64_t most) {
+  StopReason why = StopReason::running;
+  try {
+    why = simulation_->run(hooks_.interrupted, most);
+  } catch (const Diverged& e) {
+    fail(e.what());
+    results_.push_back(result_of_dynamics(StopReason::diverged));
+    if (hooks_.stage_end) hooks_.stage_end(*simulation_, StopReason::diverged, e.what());
+    throw;
+  } catch (const std::exception& e) {
+    fail(e.what());
+    throw;
+  }
+  if (why == StopReason::interrupted && hooks_.stage_end) hooks_.stage_end(*simulation_, why, {});
+  if (why != StopReason::running && why != StopReason::interrupted) close_stage(why);
+  return why;
+}
+
+void Run::close_stage(StopReason why) {
+  if (hooks_.stage_end) hooks_.stage_end(*simulation_, why, {});
+  results_.push_back(result_of_dynamics(why));
+  state_ = std::move(*simulation_).take_state();
+  simulation_.reset();
+  stage_.reset();
+  begin_next_stage(state_.clock);
+}
+
+StageResult Run::result_of_dynamics(StopReason why) const {
+  StageResult result;
+  result.name = simulation_->stage().name;
+  result.stop = why;
+  result.steps = clock().stage_step;
+  result.time = clock().time();
+  result.peak = simulation_->peak();
+  result.failure = failure_;
+  return result;
+}
+
+void Run::fail(const std::string& why) {
+  failure_ = why.empty() ? "unknown" : why;
+}
+
+/// The clock counts points; books and records begin anew. A point takes 1, so that time is its number, or
+/// where there are stages of dynamics one T_0, so that it is of the size of their times.
+StageResult Run::run_static() {
+  const auto& stage = std::get<StaticStage>(*stage_);
+  if (restart_) state_ = *std::exchange(restart_, {});
+  if (moves(state_) && hooks_.tell)
+    hooks_.tell(
+        fmt::format("stage \"{}\": the body was moving; a static stage begins and ends at rest", stage.name));
+  state_.clock.dt = any_dynamics() && model_.T_0 > 0.0 ? model_.T_0 : 1.0;
+  state_.books = {};
+  state_.peak = {};
+  state_.rest = {};
+  StageResult result = find_balance(stage);
+  if (result.interrupted()) return result;
+  state_.books.at_start = potential_energies(model_, state_).total();
+  stage_.reset();
+  begin_next_stage(state_.clock);
+  results_.push_back(result);
+  return result;
+}
+
+/// Solves the stage and leaves its state, whichever way it ends; keeps what a stage that fails has found.
+StageResult Run::find_balance(const StaticStage& stage) {
+  StageResult result;
+  result.name = stage.name;
+  result.kind = stage.kind;
+  StaticResult found;
+  const State start = state_;
+  const std::int64_t first = state_.clock.stage_step;
+  const auto leave = [&] {
+    result.steps = state_.clock.stage_step - first;
+    result.time = state_.clock.time();
+    result.statics = std::move(found);
+  };
+  double load_factor = 0.0;
+  StaticHooks hooks{{}, hooks_.tell, hooks_.interrupted};
+  hooks.point = [&](const StaticPoint& point) {
+    if (hooks_.point) hooks_.point(point);
+    state_ = point.state;  // the last balance that is sound
+    load_factor = point.load_factor;
+  };
+  const auto failed = [&](const std::string& why) {
+    fail(why);
+    leave();
+    result.failure = failure_;
+    result.statics->ended = "failed";
+    if (result.steps > 0) {
+      result.statics->load_factor = load_factor;
+      result.statics->points = static_cast<int>(result.steps);
+    }
+    results_.push_back(std::move(result));
+  };
+  try {
+    StaticOutcome outcome = solve_static_stage(model_, stage, start, hooks);
+    found = std::move(outcome.result);
+    state_ = std::move(outcome.state);
+    leave();
+    if (result.statics->ended == "interrupted") {
+      result.stop = StopReason::interrupted;
+      restart_ = start;
+    } else if (result.steps == 0) {
+      throw std::logic_error("stage \"" + stage.name + "\" ended without a point of balance");
+    }
+    return result;
+  } catch (const StaticStageFailed& e) {
+    found = e.found;
+    failed(e.what());
+    throw;
+  } catch (const std::exception& e) {  // no balance, a bond has closed up, memory has run out, a full disk
+    failed(e.what());
+    throw;
+  }
+}
+
+void Run::set_velocities(const PerParticle<Vec3d>& v, const PerParticle<Vec3d>& omega) {
+  require_able();
+  State moved = at_rest(model_);
+  moved.v = v;
+  moved.omega = omega;
+  refuse("Run::set_velocities", mistakes_in(model_, moved));
+  refuse("Run::set_velocities", mistakes_in_values(model_, moved));
+  change_motion(std::move(moved.v), std::move(moved.omega));
+}
+
+void Run::set_velocity(const std::vector<ParticleId>& particles, const Vec3d& v, const Vec3d& omega) {
+  require_able();
+  require(is_finite(v) && is_finite(omega), "set_velocity: velocities must be finite");
+  for (const ParticleId p : particles)
+    require(p.value < model_.particles(),
+            fmt::format("set_velocity: particle {} of {}, from 0", p.value, model_.particles()));
+  PerParticle<Vec3d> all_v = current().v, all_omega = current().omega;
+  for (const ParticleId p : particles) all_v[p] = v, all_omega[p] = omega;
+  change_motion(std::move(all_v), std::move(all_omega));
+}
+
+void Run::change_motion(PerParticle<Vec3d> v, PerParticle<Vec3d> omega) {
+  require(!restart_, "a static stage was interrupted: it begins and ends at rest");
+  if (simulation_) state_ = std::move(*simulation_).take_state();
+  const double before = kinetic_energy(model_, state_);
+  state_.v = std::move(v);
+  state_.omega = std::move(omega);
+  if (state_.clock.step > 0) {  // else the books are opened as the run begins
+    const double change = kinetic_energy(model_, state_) - before;
+    state_.books.work_loads += change;
+    books_before_.work_loads += change;
+  }
+  begin_again();
+}
+
+/// The time loop anew, after a change.
+void Run::begin_again() {
+  if (!simulation_) return;
+  simulation_.reset();
+  begin();
+}
+
+template <class AnyLoad, class LoadedStage>
+void Run::add_load_to(AnyLoad load) {
+  auto* stage = std::get_if<LoadedStage>(&prepare());
+  require(stage != nullptr, "add_load: stage \"" + name_of(*stage_) + "\" is " +
+                                (is_static(kind_of(*stage_)) ? "static: it takes a StaticLoad"
+                                                             : "of dynamics: it takes a PointLoad"));
+  LoadedStage loaded = *stage;
+  loaded.loads.push_back(std::move(load));
+  refuse("Run::add_load", mistakes_in(model_, loaded));
+  stage_ = std::move(loaded);
+  if (simulation_) state_ = std::move(*simulation_).take_state();
+  begin_again();
+}
+
+void Run::add_load(PointLoad load) {
+  add_load_to<PointLoad, Stage>(std::move(load));
+}
+
+void Run::add_load(StaticLoad load) {
+  add_load_to<StaticLoad, StaticStage>(std::move(load));
+}
+
+}  // namespace vbond

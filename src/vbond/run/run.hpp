@@ -1,0 +1,155 @@
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "vbond/core/error.hpp"
+#include "vbond/dynamics/observer.hpp"
+#include "vbond/dynamics/simulation.hpp"
+#include "vbond/model/model.hpp"
+#include "vbond/model/state.hpp"
+#include "vbond/run/stages.hpp"
+#include "vbond/statics/results.hpp"
+
+namespace vbond {
+
+/// How a stage went.
+struct StageResult {
+  std::string name;
+  StageKind kind = StageKind::dynamics;
+  StopReason stop = StopReason::running;  ///< of dynamics; of a static stage only `interrupted`
+  std::int64_t steps = 0;                 ///< of the stage so far; of a static one: points of balance
+  double time = 0;                        ///< of the run at its end  [time]
+  PeakRecord peak;                        ///< of dynamics with a stop at a peak
+  std::optional<StaticResult> statics;    ///< of a static stage; of a failed one what it had found
+  std::string failure;                    ///< what went wrong; empty: nothing
+  bool interrupted() const { return stop == StopReason::interrupted; }
+};
+
+/// What a program may listen to and answer while a run goes on; each may be empty.
+struct RunHooks {
+  std::function<void(const StaticPoint&)> point;  ///< each balance of a static stage
+  std::function<void(const std::string&)> tell;   ///< one report, without a line end
+  std::function<bool()> interrupted;              ///< asked between steps: true stops the run there
+  /// A stage of dynamics has ended, was interrupted or has diverged (`failure` says why).
+  std::function<void(const Simulation&, StopReason, const std::string& failure)> stage_end;
+};
+
+/// Why a stage cannot be run.
+struct StageRefusal {
+  std::size_t stage = 0;
+  Problem problem;
+  std::optional<NoEquilibrium> no_equilibrium;  ///< the body cannot be in balance: the error that it ends in
+};
+
+/// A run from a state through its stages, dynamic and static in any order. It owns model, state and clock.
+/// A state that a checkpoint or state() gave goes on where it was: results are bitwise those of a run that
+/// was never stopped, as they are for any number of threads.
+///
+/// What is asked of it in the wrong way, here and below: std::invalid_argument, and nothing has happened.
+/// What goes wrong in a stage: Diverged or NoEquilibrium. state() is then the last that was sound in a static
+/// stage, the one in which it was noticed in dynamics, results() has what was found, and the run cannot go
+/// on.
+class Run {
+ public:
+  /// `stages` are all of the run, those that the state has behind it, too. threads >= 1. Throws if model or
+  /// state have a mistake (model/mistakes.hpp), or if state.clock.stage is not one of the stages.
+  Run(Model model, State state, std::vector<AnyStage> stages, int threads = 1);
+  Run(Model model, State state, std::unique_ptr<const Stages> stages, int threads = 1);
+  Run(const Run&) = delete;
+  Run& operator=(const Run&) = delete;
+
+  /// Observers of dynamics: they are asked in this order, in every stage.
+  void add_observer(std::shared_ptr<Observer> observer);
+  void set_hooks(RunHooks hooks) { hooks_ = std::move(hooks); }
+
+  // ---- before it begins --------------------------------------------------------------------------
+  /// What is wrong with the stages still to come, as far as it can be told before they run: nothing that the
+  /// stages before them could mend. Makes the first of them (prepare).
+  std::vector<StageRefusal> refusals();
+  /// Throws CaseError or std::invalid_argument with all refusals, NoEquilibrium if there are no others. Done
+  /// by itself before the first stage begins.
+  void check();
+
+  // ---- going on ----------------------------------------------------------------------------------
+  /// All stages to come, or up to an interruption. Returns results().
+  const std::vector<StageResult>& run();
+  /// The stage under way, or the next one, to its end.
+  StageResult run_stage();
+  /// At most n steps of the dynamic stage under way, or of the next stage; fewer if the stage ends. Returns
+  /// how many were made. Throws if the stage is static: it is run as a whole.
+  std::int64_t step(std::int64_t n = 1);
+  /// Ends the dynamic stage under way here, as if its duration were over.
+  void end_stage();
+  bool complete() const { return stage_index() == stages_->size(); }
+
+  /// The two parts of beginning a stage, for those who look between them; run_stage and step do both. prepare
+  /// makes the stage, with its bonds; begin sets up the time loop.
+  const AnyStage& prepare();
+  void begin();
+  /// The state before prepare() has made the stage's bonds, which a run that begins in it makes again; of a
+  /// static stage that was interrupted the one to begin it again from.
+  State start_of_stage() const;
+
+  // ---- looking -----------------------------------------------------------------------------------
+  const Model& model() const { return model_; }
+  const Stages& stages() const { return *stages_; }
+  std::size_t stage_index() const { return static_cast<std::size_t>(clock().stage); }
+  /// Where the run is. A stage that has ended is behind it: stage_step is then 0.
+  const Clock& clock() const { return simulation_ ? simulation_->clock() : state_.clock; }
+  /// A copy of all that changes: what a checkpoint holds, and a Run goes on from.
+  State state() const { return current(); }
+  /// The same without a copy, good until the run goes on or is changed.
+  const State& current() const { return simulation_ ? simulation_->state() : state_; }
+  /// The time loop of the dynamic stage under way, for energies, reactions and times; null without one.
+  const Simulation* simulation() const { return simulation_.get(); }
+  /// Of each stage that has ended or failed here, in order.
+  const std::vector<StageResult>& results() const { return results_; }
+
+  // ---- changing, between steps or stages ---------------------------------------------------------
+  /// New velocities and angular velocities, one for each particle. The kinetic energy that comes in is booked
+  /// as work of loads. Held degrees of freedom keep theirs.
+  void set_velocities(const PerParticle<Vec3d>& v, const PerParticle<Vec3d>& omega);
+  /// The same for these particles alone.
+  void set_velocity(const std::vector<ParticleId>& particles, const Vec3d& v, const Vec3d& omega = {});
+  /// Adds a load to the stage under way, or to the next one, for the rest of it. Not part of a checkpoint.
+  void add_load(PointLoad load);
+  void add_load(StaticLoad load);
+
+ private:
+  void require_able() const;
+  bool any_dynamics() const;
+  StopReason advance(std::int64_t most);
+  void close_stage(StopReason why);
+  StageResult run_static();
+  StageResult find_balance(const StaticStage& stage);
+  StageResult result_of_dynamics(StopReason why) const;
+  void fail(const std::string& why);
+  void expect_bonds_of_first(Outlook& outlook) const;
+  void look_at_balance(std::size_t k, const StaticStage& stage, const Outlook& outlook,
+                       std::vector<StageRefusal>& found) const;
+  template <class AnyLoad, class LoadedStage>
+  void add_load_to(AnyLoad load);
+  void change_motion(PerParticle<Vec3d> v, PerParticle<Vec3d> omega);
+  void begin_again();
+
+  Model model_;
+  State state_;  // of no meaning while there is a simulation
+  std::unique_ptr<const Stages> stages_;
+  int threads_;
+  std::vector<std::shared_ptr<Observer>> observers_;
+  RunHooks hooks_;
+  std::optional<AnyStage> stage_;  // that was prepared
+  std::size_t bonds_before_ = 0;   // prepare()
+  EnergyBooks books_before_;
+  std::unique_ptr<Simulation> simulation_;  // of the dynamic stage that has begun
+  std::optional<State> restart_;            // where a static stage that was interrupted begins again
+  std::vector<StageResult> results_;
+  bool checked_ = false;
+  std::string failure_;
+};
+
+}  // namespace vbond

@@ -1,0 +1,27 @@
+#pragma once
+#include <optional>
+
+#include "vbond/build/build.hpp"
+#include "vbond/core/error.hpp"
+#include "vbond/statics/statics.hpp"
+
+/// Static stages as far as this library was built with them: with_statics.cpp or no_statics.cpp. Without,
+/// has_statics() is false and the others throw std::invalid_argument.
+namespace vbond {
+
+bool has_statics();
+
+/// run_static_stage().
+StaticOutcome solve_static_stage(const Model& model, const StaticStage& stage, State state,
+                                 const StaticHooks& hooks);
+
+/// Why a stage that begins in this state is refused: its bodies can move freely, or nothing is free.
+std::optional<NoEquilibrium> refusal_of(const Model& model, const StaticStage& stage, const State& state);
+
+/// How a stage that begins in this state will be solved.
+SolverChoice solver_of(const Model& model, const StaticStage& stage, const State& state);
+
+/// The exact critical step for build_stage(); empty without statics.
+ExactCriticalStep exact_step();
+
+}  // namespace vbond

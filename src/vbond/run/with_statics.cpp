@@ -1,0 +1,35 @@
+#include <utility>
+
+#include "vbond/run/statics.hpp"
+
+namespace vbond {
+
+bool has_statics() {
+  return true;
+}
+
+StaticOutcome solve_static_stage(const Model& model, const StaticStage& stage, State state,
+                                 const StaticHooks& hooks) {
+  return run_static_stage(model, stage, std::move(state), hooks);
+}
+
+std::optional<NoEquilibrium> refusal_of(const Model& model, const StaticStage& stage, const State& state) {
+  try {
+    refuse_free_bodies(model, stage, state);
+  } catch (const NoEquilibrium& e) {
+    return e;
+  }
+  return std::nullopt;
+}
+
+SolverChoice solver_of(const Model& model, const StaticStage& stage, const State& state) {
+  return choose_solver(model, stage, state);
+}
+
+ExactCriticalStep exact_step() {
+  return [](const Model& model, const State& state, const Stage& stage) {
+    return exact_critical_step(model, state, stage.supports);
+  };
+}
+
+}  // namespace vbond

@@ -1,0 +1,229 @@
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "vbond/build/build.hpp"
+#include "vbond/case/read.hpp"
+#include "vbond/run/run.hpp"
+#include "vbond/run/statics.hpp"
+
+/// What a run tells of all stages of a case before the first begins.
+namespace vbond {
+namespace {
+
+/// A rod of five; each test adds its stages. Lines are counted from the first of this text.
+const std::string rod = R"(
+[[specimen]]
+kind = "rod"
+particles = 5
+radius = 0.4
+mass = 1
+[[bonds]]
+distance = 1.1
+stiffness = {c_A = 1, c_D = 0.03, c_B = 0.0025, c_T = 0.002}
+[[stage]]
+name = "first"
+duration = "1 T0"
+)";
+
+std::string static_stage(const std::string& name, const std::string& fix, const std::string& more = "") {
+  return "[[stage]]\nname = \"" + name +
+         "\"\nkind = \"equilibrium\"\nsupports = [{group = \"first\", fix = [" + fix + "]}]\n" + more;
+}
+
+const std::string clamped = R"("x", "y", "z", "rx", "ry", "rz")", pinned = R"("x", "y", "z")";
+
+std::vector<StageRefusal> refusals(const std::string& text) {
+  const Case c = parse_case(text, "case.toml");
+  Built b = build(c);
+  return vbond::Run(std::move(b.model), std::move(b.state), stages_of(c)).refusals();
+}
+
+std::string text_of(const std::vector<StageRefusal>& refusals) {
+  std::vector<Problem> problems;
+  for (const StageRefusal& r : refusals) problems.push_back(r.problem);
+  return to_text(problems);
+}
+
+void expect_refused(const std::string& text, const std::vector<std::string>& parts) {
+  const std::vector<StageRefusal> found = refusals(text);
+  EXPECT_EQ(found.size(), parts.size()) << text_of(found);
+  for (const std::string& part : parts)
+    EXPECT_NE(text_of(found).find(part), std::string::npos) << text_of(found);
+}
+
+void expect_silence(const std::string& text) {
+  EXPECT_TRUE(refusals(text).empty()) << text_of(refusals(text));
+}
+
+TEST(Check, SaysNothingOfACaseThatRuns) {
+  expect_silence(rod + "[[stage]]\nname = \"second\"\nduration = \"1 T0\"\n");
+}
+
+TEST(Check, FindsALaterStageWithoutBondsForItsPeak) {
+  const std::string later =
+      "[[stage]]\nname = \"second\"\nduration = \"9 T0\"\n"
+      "stop = {peak = {group = \"first\", average_over = \"1 T0\"}}\n";
+  expect_refused(rod + later, {"case.toml:16:9: group \"first\" has no bonds"});
+}
+
+// The step of a later stage is known if its bonds are: what it does not fit is told.
+TEST(Check, FindsATimeOfALaterStageThatIsShorterThanItsStep) {
+  const std::string later = "[[stage]]\nname = \"second\"\nduration = 1e-3\n";
+  expect_refused("[time]\nstep = 0.1\n" + rod + later,
+                 {"case.toml:15:1: duration = 0.001\n  the time step is 0.1"});
+  // with contacts the step may be smaller then
+  expect_silence("[time]\nfraction = 0.1\n[contact]\nlaw = \"paper-hertz\"\nc_H = 1\n" + rod + later);
+}
+
+// A rule that bonds particles more closely lowers the bound of its stage.
+TEST(Check, FindsAStepAboveTheBoundOfALaterStage) {
+  const std::string approach =
+      "[[bonds]]\nname = \"glue\"\nwhen = \"approach\"\nstages = [\"second\"]\ndistance = 1.2\n"
+      "stiffness = {c_A = 100, c_D = 3, c_B = 0.25, c_T = 0.2}\n"
+      "[[stage]]\nname = \"second\"\nduration = \"1 T0\"\n";
+  expect_refused("[time]\nstep = 0.5\n" + rod + approach,
+                 {"case.toml:2:1: time.step = 0.5 (0.07958 T0) in stage \"second\"\n  above "});
+  expect_silence("[time]\nstep = 0.01\n" + rod + approach);
+}
+
+// One step for all stages: it is told once.
+TEST(Check, TellsOneMistakeOnce) {
+  const std::string text =
+      "[time]\nstep = 9.0\n" + rod + "[[stage]]\nname = \"second\"\nduration = \"20 T0\"\n";
+  expect_refused(text, {"time.step = 9"});
+}
+
+TEST(Check, FindsPairsOfALaterStageThatAreBondedAlready) {
+  const std::string glue =
+      "[[bonds]]\nname = \"glue\"\nwhen = \"stage\"\nstages = [\"second\"]\npairs = [[1, 2], [0, 4]]\n"
+      "stiffness = {c_A = 1, c_D = 0.03, c_B = 0.0025, c_T = 0.002}\n"
+      "[[stage]]\nname = \"second\"\nduration = \"1 T0\"\n";
+  expect_refused(rod + glue, {"case.toml:17:1: bonds \"glue\": pair 1, 2\n  the pair is bonded already"});
+}
+
+TEST(Check, FindsMistakesOfSeveralStagesAtOnce) {
+  const std::string peak = "stop = {peak = {group = \"first\", average_over = \"1 T0\"}}\n";
+  expect_refused(
+      rod + peak + "[[stage]]\nname = \"second\"\nduration = \"9 T0\"\n" + peak,
+      {"case.toml:13:9: group \"first\" has no bonds", "case.toml:17:9: group \"first\" has no bonds"});
+}
+
+TEST(Check, WithoutStaticsRefusesStaticStagesByName) {
+  const std::string text = rod + static_stage("bend", clamped);
+  if (has_statics()) return expect_silence(text);
+  try {
+    refusals(text);
+    ADD_FAILURE() << "not refused";
+  } catch (const CaseError& e) {
+    EXPECT_NE(std::string(e.what()).find("case.toml:13:1: stage \"bend\" is static"), std::string::npos)
+        << e.what();
+  }
+}
+
+class StaticCheck : public ::testing::Test {
+  void SetUp() override {
+    if (!has_statics()) GTEST_SKIP() << "built without statics";
+  }
+};
+
+TEST_F(StaticCheck, FindsFreeBodiesInEveryStage) {
+  expect_refused(
+      rod + static_stage("one", pinned) + static_stage("two", clamped) + static_stage("three", pinned),
+      {"case.toml:13:1: stage \"one\": parts of the body can move freely",
+       "case.toml:21:1: stage \"three\": parts of the body can move freely"});
+}
+
+// Whatever may hold the body by then keeps it silent: contacts, bonds by distance or on approach.
+TEST_F(StaticCheck, IsSilentOfWhatIsNotKnownYet) {
+  const std::string loose = static_stage("loose", pinned);
+  const std::string bonds = "distance = 1.2\nstiffness = {c_A = 1, c_D = 0.03, c_B = 0.0025, c_T = 0.002}\n";
+  expect_silence(rod + "[contact]\nlaw = \"paper-hertz\"\nc_H = 1\n" + loose);
+  expect_silence(rod + "[[bonds]]\nname = \"b\"\nwhen = \"approach\"\n" + bonds + loose);
+  expect_silence(rod + "[[bonds]]\nname = \"b\"\nwhen = \"stage\"\nstages = [\"loose\"]\n" + bonds + loose);
+  // a rule of a stage that comes after cannot help
+  expect_refused(rod + "[[bonds]]\nname = \"b\"\nwhen = \"stage\"\nstages = [\"last\"]\n" + bonds + loose +
+                     static_stage("last", clamped),
+                 {"stage \"loose\": parts of the body can move freely"});
+}
+
+// Pairs that are listed are certain: one part of the body hangs on the other.
+TEST_F(StaticCheck, KnowsBondsOfListedPairs) {
+  const std::string two = R"(
+[[specimen]]
+kind = "list"
+positions = [[0, 0, 0], [1, 0, 0], [5, 0, 0]]
+radius = 0.4
+mass = 1
+[groups]
+root = {indices = [0]}
+[[bonds]]
+name = "early"
+pairs = [[0, 1]]
+stiffness = {c_A = 1, c_D = 0.03, c_B = 0.0025, c_T = 0.002}
+[[bonds]]
+name = "late"
+when = "stage"
+stages = ["joined"]
+pairs = [[1, 2]]
+stiffness = {c_A = 1, c_D = 0.03, c_B = 0.0025, c_T = 0.002}
+[[stage]]
+name = "first"
+duration = "1 T0"
+)";
+  const std::string hold =
+      "kind = \"equilibrium\"\nsupports = [{group = \"root\", fix = [" + clamped + "]}]\n";
+  expect_silence(two + "[[stage]]\nname = \"joined\"\n" + hold);
+  expect_refused(two + "[[stage]]\nname = \"apart\"\n" + hold + "[[stage]]\nname = \"joined\"\n" + hold,
+                 {"stage \"apart\": parts of the body can move freely"});
+}
+
+TEST_F(StaticCheck, FindsALaterStageWithNothingElastic) {
+  const std::string dust = R"(
+[[specimen]]
+kind = "list"
+positions = [[0, 0, 0], [1, 0, 0]]
+radius = 0.4
+mass = 1
+[time]
+step = 0.1
+[[stage]]
+name = "fly"
+duration = 1
+)";
+  const std::vector<StageRefusal> found =
+      refusals(dust + "[[stage]]\nname = \"bend\"\nkind = \"equilibrium\"\n");
+  ASSERT_EQ(found.size(), 1u) << text_of(found);
+  EXPECT_EQ(found[0].stage, 1u);
+  EXPECT_NE(text_of(found).find("case.toml:12:1: stage \"bend\": nothing is elastic"), std::string::npos);
+}
+
+TEST_F(StaticCheck, FindsTheExactStepWithBondsToComeInALaterStage) {
+  const std::string approach =
+      "[[bonds]]\nname = \"glue\"\nwhen = \"approach\"\nstages = [\"second\"]\ndistance = 1.2\n"
+      "stiffness = {c_A = 1, c_D = 0.03, c_B = 0.0025, c_T = 0.002}\n"
+      "[[stage]]\nname = \"second\"\nduration = \"1 T0\"\n";
+  expect_refused("[time]\nstep = \"exact\"\n" + rod + approach,
+                 {"case.toml:2:1: time.step = \"exact\" in stage \"second\""});
+}
+
+// Mistakes of the case outrank a body that is free: status 2 of the program, with both in the text.
+TEST_F(StaticCheck, TellsMistakesAndFreeBodiesTogether) {
+  const Case c = parse_case(
+      rod + "stop = {peak = {group = \"first\", average_over = \"1 T0\"}}\n" + static_stage("loose", pinned),
+      "case.toml");
+  Built b = build(c);
+  vbond::Run run(std::move(b.model), std::move(b.state), stages_of(c));
+  try {
+    run.check();
+    ADD_FAILURE() << "not refused";
+  } catch (const CaseError& e) {
+    ASSERT_EQ(e.problems().size(), 2u) << e.what();
+    EXPECT_EQ(e.problems()[1].place.line, 14u);
+  }
+  EXPECT_EQ(run.clock().step, 0);
+}
+
+}  // namespace
+}  // namespace vbond

@@ -1,0 +1,454 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <map>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "dynamics/rods.hpp"
+#include "vbond/core/error.hpp"
+#include "vbond/run/run.hpp"
+#include "vbond/run/statics.hpp"
+
+/// What a program may do wrong with a Run.
+namespace vbond {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinite = std::numeric_limits<double>::infinity();
+
+/// All that a Run is made of.
+struct Parts {
+  testing::Specimen body = testing::straight_rod(4);
+  Stage first = testing::plain_stage(0.05, 1.0), second = testing::plain_stage(0.05, 1.0);
+  int threads = 1;
+
+  Parts() {
+    second.name = "second";
+    second.supports = {testing::held({ParticleId{0}}, testing::clamped)};
+    second.loads = {PointLoad{"end", {ParticleId{3}}, {0, 1e-3, 0}, {}, {}}};
+  }
+  std::unique_ptr<vbond::Run> run() const {
+    return std::make_unique<vbond::Run>(body.model, body.state, std::vector<AnyStage>{first, second},
+                                        threads);
+  }
+};
+
+/// What std::invalid_argument says to what is done with a Run.
+std::string refusal(const std::function<void()>& misuse) {
+  try {
+    misuse();
+  } catch (const std::invalid_argument& e) {
+    return e.what();
+  }
+  return "not refused";
+}
+
+void expect_refusal(const std::function<void()>& misuse, const std::string& part) {
+  const std::string text = refusal(misuse);
+  EXPECT_NE(text.find(part), std::string::npos) << "'" << text << "', not '" << part << "'";
+}
+
+/// Refused as the run is made or as it begins, before any step.
+template <class Change>
+void refuses(Change change, const std::string& part) {
+  Parts parts;
+  change(parts);
+  expect_refusal([&parts] { parts.run()->run(); }, part);
+}
+
+TEST(Misuse, NothingIsRefusedThatIsRight) {
+  EXPECT_EQ(Parts().run()->run().size(), 2u);
+}
+
+TEST(Misuse, ColumnsOfAnotherSize) {
+  refuses([](Parts& p) { p.body.state = {}; }, "begin with at_rest(model)");
+  refuses([](Parts& p) { p.body.state.r.resize(3); }, "the state has 3 entries in r for 4 particles");
+  refuses([](Parts& p) { p.body.state.v.resize(5); }, "5 entries in v");
+  refuses([](Parts& p) { p.body.state.q.resize(0); }, "0 entries in q");
+  refuses([](Parts& p) { p.body.state.omega.resize(3); }, "3 entries in omega");
+  refuses([](Parts& p) { p.body.model.mass.resize(3, 1.0); }, "the model has 4 entries in inertia");
+  refuses([](Parts& p) { p.body.model.radius.resize(3); }, "3 entries in radius");
+  refuses([](Parts& p) { p.body.model.r_0.resize(3); }, "3 entries in r_0");
+  refuses([](Parts& p) { p.body.model.specimen.resize(3); }, "3 entries in specimen");
+}
+
+TEST(Misuse, AnEmptyModelOrNoStage) {
+  expect_refusal([] { vbond::Run(Model{}, State{}, {Stage{}}); }, "the model has no particles");
+  const Parts p;
+  expect_refusal([&p] { vbond::Run(p.body.model, p.body.state, std::vector<AnyStage>{}); },
+                 "there is no stage to run");
+  expect_refusal([&p] { vbond::Run(p.body.model, p.body.state, std::unique_ptr<const Stages>{}); },
+                 "there is no stage");
+}
+
+TEST(Misuse, NumbersThatAreNone) {
+  for (const double bad : {nan, infinite, -infinite}) {
+    refuses([bad](Parts& p) { p.body.state.r[ParticleId{2}].y = bad; }, "the position of particle 2 is (");
+    refuses([bad](Parts& p) { p.body.state.v[ParticleId{1}].z = bad; }, "the velocity of particle 1");
+    refuses([bad](Parts& p) { p.body.state.omega[ParticleId{3}].x = bad; },
+            "the angular velocity of particle 3");
+    refuses([bad](Parts& p) { p.body.state.q[ParticleId{0}].w = bad; }, "the orientation of particle 0");
+    refuses([bad](Parts& p) { p.body.model.mass[ParticleId{2}] = bad; }, "the mass of particle 2");
+    refuses([bad](Parts& p) { p.body.model.inertia[ParticleId{2}] = bad; }, "the inertia of particle 2");
+    refuses([bad](Parts& p) { p.body.model.radius[ParticleId{2}] = bad; }, "the radius of particle 2");
+    refuses([bad](Parts& p) { p.body.model.r_0[ParticleId{2}].x = bad; }, "r_0 of particle 2");
+    refuses([bad](Parts& p) { p.second.gravity.x = bad; }, "stage 1 \"second\": gravity");
+    refuses([bad](Parts& p) { p.second.loads[0].force.x = bad; }, "the force of a load on \"end\"");
+    refuses([bad](Parts& p) { p.second.loads[0].moment.x = bad; }, "the moment of a load");
+    refuses([bad](Parts& p) { p.second.supports[0].velocity.x = bad; }, "the velocity of a support");
+    refuses([bad](Parts& p) { p.second.supports[0].angular_velocity.x = bad; },
+            "the angular velocity of a support");
+    refuses([bad](Parts& p) { p.second.b_translation = bad; }, "the damping is");
+  }
+}
+
+TEST(Misuse, MassesAndDampingOutOfRange) {
+  for (const double bad : {0.0, -1.0}) {
+    refuses([bad](Parts& p) { p.body.model.mass[ParticleId{2}] = bad; }, "must be > 0 and finite");
+    refuses([bad](Parts& p) { p.body.model.inertia[ParticleId{2}] = bad; }, "must be > 0 and finite");
+  }
+  refuses([](Parts& p) { p.body.model.radius[ParticleId{2}] = -0.1; }, "must be >= 0 and finite");
+  refuses([](Parts& p) { p.second.b_rotation = -1e-3; }, "the damping is");
+}
+
+TEST(Misuse, OrientationsThatAreNotRotations) {
+  refuses([](Parts& p) { p.body.state.q[ParticleId{1}] = {0, 0, 0, 0}; }, "must be a unit quaternion");
+  refuses([](Parts& p) { p.body.state.q[ParticleId{1}] = {1, 0.1, 0, 0}; }, "must be a unit quaternion");
+}
+
+TEST(Misuse, StepsOutOfRange) {
+  for (const double bad : {0.0, -0.1, nan, infinite})
+    refuses([bad](Parts& p) { p.second.dt = bad; }, "stage.dt must be above zero");
+  refuses([](Parts& p) { p.second.dt = 5.0; }, "above 1 the run may blow up");
+  Parts insisting;
+  insisting.first.dt = 1.01, insisting.first.insist = true;
+  EXPECT_EQ(insisting.run()->step(), 1);
+}
+
+TEST(Misuse, TimesOutOfRange) {
+  for (const double bad : {0.0, -1.0, nan})
+    refuses([bad](Parts& p) { p.second.stops.duration = bad; }, "the duration is");
+  refuses([](Parts& p) { p.second.stops.rest = RestStop{1e-9, 0.0}; }, "the stop at rest is during 0");
+  refuses([](Parts& p) { p.second.stops.rest = RestStop{nan, 1.0}; }, "the stop at rest is below nan");
+  refuses([](Parts& p) { p.second.loads[0].factor.points = {{1, 0}, {0, 1}}; }, "points in increasing time");
+  refuses([](Parts& p) { p.second.loads[0].factor.points = {{nan, 0}}; }, "has the point (nan, 0)");
+}
+
+TEST(Misuse, ParticlesThatThereAreNot) {
+  const ParticleId fifth{4};
+  refuses([=](Parts& p) { p.body.state.bonds[BondId{0}].j = fifth; }, "bond 0 joins particles 0 and 4 of 4");
+  refuses([](Parts& p) { p.body.state.bonds[BondId{1}].j = p.body.state.bonds[BondId{1}].i; },
+          "bond 1 joins");
+  refuses([=](Parts& p) { p.second.supports[0].particles = {fifth}; }, "a support names particle 4");
+  refuses([=](Parts& p) { p.second.loads[0].particles.push_back(fifth); }, "a load names particle 4");
+  refuses([=](Parts& p) { p.body.model.groups[0].particles = {fifth}; }, "group \"all\" names particle 4");
+  refuses(
+      [](Parts& p) {
+        p.body.model.groups[0].particles = {ParticleId{1}, ParticleId{0}};
+      },
+      "in increasing order");
+  refuses(
+      [=](Parts& p) {
+        p.second.stops.distance = {ParticleId{0}, fifth, 1.0, true};
+      },
+      "the stop at a distance");
+  refuses(
+      [](Parts& p) {
+        p.second.stops.distance = {ParticleId{1}, ParticleId{1}, 1.0, true};
+      },
+      "and itself");
+  refuses(
+      [=](Parts& p) {
+        p.second.strain = StrainProgram{{fifth}, {1, 0, 0}, {}, 1e-3, 0.1};
+      },
+      "the imposed strain names");
+  refuses([](Parts& p) { p.second.strain = StrainProgram{{}, {2, 0, 0}, {}, 1e-3, 0.1}; }, "a unit vector");
+  refuses(
+      [](Parts& p) {
+        p.second.bonding = {{"glue", {1}, {1}, 1.0, testing::papers_bond()}};
+      },
+      "a bonding rule must say of each particle");
+}
+
+TEST(Misuse, PeaksThatAreNone) {
+  const auto peak = [](std::vector<ParticleId> of, double drop, double over) {
+    return PeakStop{PeakQuantity::compressive_force, std::move(of), {}, drop, over};
+  };
+  refuses([&](Parts& p) { p.second.stops.peak = peak({ParticleId{9}}, 0.1, 1); }, "the stop at a peak names");
+  refuses(
+      [&](Parts& p) {
+        p.second.stops.peak = peak({ParticleId{1}, ParticleId{0}}, 0.1, 1);
+      },
+      "the stop at a peak does not name its particles in increasing order");
+  refuses([&](Parts& p) { p.second.stops.peak = peak({}, 1.0, 1); }, "drop = 1");
+  refuses([&](Parts& p) { p.second.stops.peak = peak({}, 0.1, 0); }, "averages over 0");
+}
+
+TEST(Misuse, DegreesOfFreedomHeldTwice) {
+  refuses([](Parts& p) { p.second.supports.push_back(p.second.supports[0]); },
+          "x of particle 0 is held twice");
+  refuses([](Parts& p) { p.second.supports[0].particles.push_back(ParticleId{0}); }, "is held twice");
+}
+
+TEST(Misuse, AllMistakesOfAllStagesAtOnce) {
+  Parts p;
+  p.first.dt = 0;
+  p.second.dt = nan;
+  p.second.loads[0].particles = {ParticleId{7}};
+  const std::string text = refusal([&p] { p.run()->check(); });
+  for (const char* part :
+       {"stage 0 \"test\": dt is 0", "stage 1 \"second\"", "dt is nan", "a load names particle 7"})
+    EXPECT_NE(text.find(part), std::string::npos) << text;
+}
+
+TEST(Misuse, AStateOfAnotherRun) {
+  refuses([](Parts& p) { p.body.state.clock.stage = 3; }, "the state is in stage 3");
+  refuses([](Parts& p) { p.body.state.clock.stage = -1; }, "none may be below zero");
+  refuses([](Parts& p) { p.body.state.clock.step = -5; }, "none may be below zero");
+  refuses([](Parts& p) { p.body.state.clock.dt = nan; }, "none may be below zero");
+  refuses([](Parts& p) { p.body.state = testing::straight_rod(5).state; }, "5 entries in r for 4 particles");
+  // under way with another step
+  const Parts p;
+  const auto run = p.run();
+  run->step(3);
+  Parts other;
+  other.body.state = run->state();
+  other.first.dt = 0.04;
+  expect_refusal([&other] { other.run()->step(); }, "under way in this stage with dt = 0.05");
+}
+
+TEST(Misuse, ThreadsStepsAndObserversThatAreNone) {
+  refuses([](Parts& p) { p.threads = 0; }, "threads = 0");
+  refuses([](Parts& p) { p.threads = -3; }, "threads = -3");
+  const auto run = Parts().run();
+  expect_refusal([&run] { run->step(-1); }, "step(-1)");
+  expect_refusal([&run] { run->add_observer(nullptr); }, "the observer is null");
+  EXPECT_EQ(run->step(2), 2);
+}
+
+TEST(Misuse, GoingOnBehindTheEnd) {
+  const auto run = Parts().run();
+  run->run();
+  for (const std::function<void()>& misuse : {std::function<void()>([&run] { run->run(); }),
+                                              {[&run] { run->step(); }},
+                                              {[&run] { run->run_stage(); }},
+                                              {[&run] { run->end_stage(); }},
+                                              {[&run] { run->prepare(); }},
+                                              {[&run] { run->begin(); }},
+                                              {[&run] { run->set_velocity({}, {}); }},
+                                              {[&run] { run->add_load(PointLoad{}); }}})
+    expect_refusal(misuse, "all its stages are behind it");
+  EXPECT_EQ(run->state().clock.stage, 2);
+}
+
+TEST(Misuse, ChangesThatDoNotFit) {
+  const auto run = Parts().run();
+  run->step(5);
+  const State before = run->state();
+  expect_refusal([&run] { run->set_velocities(PerParticle<Vec3d>(3), PerParticle<Vec3d>(4)); },
+                 "3 entries in v");
+  expect_refusal(
+      [&run] {
+        run->set_velocities(PerParticle<Vec3d>(4, {nan, 0, 0}), PerParticle<Vec3d>(4));
+      },
+      "the velocity of particle 0");
+  expect_refusal([&run] { run->set_velocity({ParticleId{4}}, {}); }, "particle 4 of 4");
+  expect_refusal([&run] { run->set_velocity({}, {nan, 0, 0}); }, "must be finite");
+  expect_refusal(
+      [&run] {
+        run->add_load(PointLoad{"x", {ParticleId{4}}, {}, {}, {}});
+      },
+      "a load names particle 4");
+  expect_refusal([&run] { run->add_load(PointLoad{"x", {}, {nan, 0, 0}, {}, {}}); }, "the force of a load");
+  expect_refusal([&run] { run->add_load(StaticLoad{}); }, "is of dynamics: it takes a PointLoad");
+  EXPECT_TRUE(run->state() == before);
+  EXPECT_EQ(run->run().size(), 2u);
+}
+
+TEST(Misuse, StartOfAStageThatIsUnderWay) {
+  const auto run = Parts().run();
+  EXPECT_EQ(run->start_of_stage().clock.step, 0);
+  run->step();
+  expect_refusal([&run] { run->start_of_stage(); }, "the stage is under way");
+}
+
+// Two bonded particles in one place: the bond has no direction. Nothing is lost, and nothing goes on.
+TEST(Misuse, AStageThatCannotBeginLeavesTheState) {
+  Parts p;
+  p.body.state.r[ParticleId{1}] = p.body.state.r[ParticleId{0}];
+  const auto run = p.run();
+  EXPECT_THROW(run->step(), Diverged);
+  EXPECT_TRUE(run->state().r == p.body.state.r);
+  EXPECT_EQ(run->state().bonds.size(), 3u);
+}
+
+TEST(Misuse, AfterAFailureNothingGoesOn) {
+  Parts p;
+  p.first.dt = 3.0, p.first.insist = true, p.first.stops.duration = 1e6;
+  p.body.state.v[ParticleId{0}] = {0.5, 0.1, 0};
+  const auto run = p.run();
+  EXPECT_THROW(run->run(), Diverged);
+  ASSERT_EQ(run->results().size(), 1u);
+  EXPECT_EQ(run->results()[0].stop, StopReason::diverged);
+  EXPECT_FALSE(run->results()[0].failure.empty());
+  EXPECT_EQ(run->state().r.size(), 4u);
+  for (const std::function<void()>& misuse : {std::function<void()>([&run] { run->run(); }),
+                                              {[&run] { run->step(); }},
+                                              {[&run] { run->set_velocity({}, {}); }},
+                                              {[&run] { run->end_stage(); }}})
+    expect_refusal(misuse, "has failed and cannot go on");
+}
+
+TEST(Misuse, StaticStagesOfALibraryWithoutStatics) {
+  if (has_statics()) GTEST_SKIP() << "built with statics";
+  const Parts p;
+  StaticStage bend;
+  bend.name = "bend";
+  expect_refusal(
+      [&] {
+        vbond::Run(p.body.model, p.body.state, {p.first, bend}).run();
+      },
+      "stage 1 \"bend\": it is static: this vbond was built without statics");
+}
+
+static_assert(!std::is_copy_constructible_v<vbond::Run> && !std::is_copy_assignable_v<vbond::Run>);
+static_assert(std::is_constructible_v<vbond::Run, Model, State, std::vector<AnyStage>>);
+
+/// Wrong inputs at random; each is refused or ends in an error of the library, and none is taken silently.
+class RandomMisuse {
+ public:
+  explicit RandomMisuse(unsigned seed) : dice_(seed) {}
+
+  /// How a run with one to three wrong values went: "refused", "Diverged", "accepted", or what else it threw.
+  std::string outcome() {
+    Parts p;
+    p.body = testing::straight_rod(2 + pick(30));
+    n_ = p.body.model.particles();
+    p.second.loads[0].particles = {any()};
+    for (std::size_t k = 1 + pick(3); k > 0; --k) spoil(p);
+    try {
+      const auto run = p.run();
+      run->run();
+    } catch (const std::invalid_argument&) {
+      return "refused";
+    } catch (const Diverged&) {
+      return "Diverged";
+    } catch (const std::exception& e) {
+      return e.what();
+    }
+    return "accepted: " + last_;
+  }
+
+ private:
+  std::size_t pick(std::size_t n) {
+    return static_cast<std::size_t>(dice_(0.0, 0.999999) * static_cast<double>(n));
+  }
+  ParticleId any() { return ParticleId{pick(n_)}; }
+  template <class T>
+  ParticleId any_of(PerParticle<T>& column) {  // another mistake may have changed its size
+    if (column.empty()) column.resize(1);
+    return ParticleId{pick(column.size())};
+  }
+  ParticleId none() { return ParticleId{n_ + pick(3) * pick(1000000000)}; }
+  double bad() {
+    const double values[] = {nan, infinite, -infinite};
+    return values[pick(3)];
+  }
+  double below() {
+    const double values[] = {nan, infinite, -infinite, 0.0, -1.0, -1e300};
+    return values[pick(6)];
+  }
+  std::size_t other_size() { return pick(2) == 0 ? pick(n_) : n_ + 1 + pick(50); }
+  Vec3d bad_vector() {
+    Vec3d x{1, 2, 3};
+    component(x, static_cast<int>(pick(3))) = bad();
+    return x;
+  }
+
+  void spoil(Parts& p) {
+    State& s = p.body.state;
+    Model& m = p.body.model;
+    Stage& stage = pick(2) == 0 ? p.first : p.second;
+    const std::size_t kind = pick(33);
+    last_ = std::to_string(kind);
+    switch (kind) {
+      case 0: return s.r.resize(other_size());
+      case 1: return s.v.resize(other_size());
+      case 2: return s.q.resize(other_size());
+      case 3: return s.omega.resize(other_size());
+      case 4: return m.mass.resize(other_size(), 1.0);
+      case 5: return m.inertia.resize(other_size(), 1.0);
+      case 6: return m.radius.resize(other_size());
+      case 7: return m.r_0.resize(other_size());
+      case 8: return m.specimen.resize(1 + other_size() + n_);
+      case 9: s.bonds[BondId{0}].i = none(); return;
+      case 10: s.bonds[BondId{0}].j = s.bonds[BondId{0}].i; return;
+      case 11: m.groups[0].particles.push_back(none()); return;
+      case 12: s.clock.stage = pick(2) == 0 ? -1 : static_cast<std::int32_t>(3 + pick(1000000)); return;
+      case 13: s.clock.stage_step = -1; return;
+      case 14: s.clock.dt = bad(); return;
+      case 15: stage.dt = below(); return;
+      case 16: stage.stops.duration = pick(2) == 0 ? nan : 0.0; return;
+      case 17: stage.gravity = bad_vector(); return;
+      case 18: stage.b_rotation = bad(); return;
+      case 19: stage.supports.push_back(testing::held({none()}, testing::clamped)); return;
+      case 20: stage.supports.push_back(testing::held({any()}, testing::clamped, bad_vector())); return;
+      case 21: stage.loads.push_back({"", {any(), none()}, {}, {}, {}}); return;
+      case 22: stage.loads.push_back({"", {any()}, bad_vector(), {}, {}}); return;
+      case 23: stage.loads.push_back({"", {any()}, {}, {}, {{{bad(), 1.0}, {0.0, 1.0}}}}); return;
+      case 24: stage.strain = StrainProgram{{none()}, {1, 0, 0}, {}, 1e-3, 0.1}; return;
+      case 25: stage.strain = StrainProgram{{any()}, {1, 0, 0}, {}, 1e-3, below()}; return;
+      case 26: stage.stops.distance = {any(), none(), 1.0, true}; return;
+      case 27: stage.stops.peak = PeakStop{PeakQuantity::reaction, {any()}, {0, 0, 0}, 0.1, 1.0}; return;
+      case 28: stage.stops.rest = RestStop{below(), 1.0}; return;
+      case 29:
+        stage.bonding = {{"", std::vector<char>(other_size()), std::vector<char>(n_), 1.0, {}}};
+        return;
+      case 30: s.r[any_of(s.r)] = bad_vector(); return;
+      case 31: s.v[any_of(s.v)] = bad_vector(); return;
+      case 32: s.q[any_of(s.q)] = {1, dice_(0.01, 1.0), 0, bad()}; return;
+    }
+  }
+
+  testing::Dice dice_;
+  std::size_t n_ = 0;
+  std::string last_;
+};
+
+TEST(Misuse, AtRandomIsNeverTakenSilently) {
+  std::map<std::string, int> outcomes;
+  for (unsigned seed = 0; seed < 600; ++seed) ++outcomes[RandomMisuse(seed).outcome()];
+  for (const auto& [outcome, count] : outcomes)
+    EXPECT_TRUE(outcome == "refused" || outcome == "Diverged") << count << " times: " << outcome;
+  EXPECT_GT(outcomes["refused"], 550);
+}
+
+TEST(Misuse, WhatBondsAndContactsRememberFitsTheBody) {
+  const testing::Specimen good = testing::straight_rod(3);
+  const auto refused = [&](auto spoil, const char* part) {
+    testing::Specimen s = good;
+    spoil(s);
+    try {
+      const Run run(s.model, s.state, {testing::plain_stage(0.1, 1.0)});
+      ADD_FAILURE() << "taken: " << part;
+    } catch (const std::invalid_argument& e) {
+      EXPECT_NE(std::string(e.what()).find(part), std::string::npos) << e.what();
+    }
+  };
+  using S = testing::Specimen;
+  refused([](S& s) { s.state.bond_history.resize(1); }, "bond_history has 1 entries for 2 bonds");
+  refused([](S& s) { s.state.loads.F.resize(3); }, "loads of the state have 3 and 0 entries");
+  refused([](S& s) { s.state.damping = {PerParticle<Vec3d>(2), PerParticle<Vec3d>(2)}; }, "2 and 2 entries");
+  refused([](S& s) { s.state.contact_history = {{ParticleId{0}, ParticleId{7}}}; }, "particles 0 and 7 of 3");
+  refused([](S& s) { s.state.bonds[BondId{1}].law = nullptr; }, "bond 1 has no law");
+  const PairLaw any{};
+  refused([&](S& s) { s.model.contact.inelastic = &any; }, "contact.law is none");
+}
+
+}  // namespace
+}  // namespace vbond
