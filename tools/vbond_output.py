@@ -10,12 +10,29 @@ import pathlib
 import re
 import struct
 import sys
+import zlib
 
 T_0 = 2 * math.pi  # in the reduced units of all examples
 
 _DECLARED = re.compile(r'<DataArray type="(\w+)" Name="(\w+)" NumberOfComponents="(\d+)" '
-                       r'format="appended" offset="(\d+)"/>')
-_CODES = {"Float64": "d", "Int64": "q", "UInt8": "B"}
+                       r'format="appended" offset="(\d+)"/?>')
+_CODES = {"Float64": "d", "Float32": "f", "Int64": "q", "Int32": "i", "UInt8": "B"}
+
+
+def _plain(data, at):
+    size, = struct.unpack_from("<Q", data, at)
+    return data[at + 8:at + 8 + size]
+
+
+def _from_blocks(data, at):
+    """Numbers of blocks, of bytes in each and in a last one; the compressed size of each; the blocks."""
+    blocks, = struct.unpack_from("<Q", data, at)
+    sizes = struct.unpack_from(f"<{blocks}Q", data, at + 24)
+    content, at = bytearray(), at + 24 + 8 * blocks
+    for size in sizes:
+        content += zlib.decompress(data[at:at + size])
+        at += size
+    return bytes(content)
 
 
 def read_vtp(path):
@@ -26,10 +43,10 @@ def read_vtp(path):
     start = data.index(b"_", data.index(b"<AppendedData")) + 1
     head = data[:start].decode("ascii")
     arrays = {"time": float(re.search(r'Name="TimeValue"[^>]*>([^<]+)<', head)[1])}
+    content = _from_blocks if 'compressor="vtkZLibDataCompressor"' in head else _plain
     for kind, name, components, offset in _DECLARED.findall(head):
-        at, n = start + int(offset), int(components)
-        size, = struct.unpack_from("<Q", data, at)
-        values = array.array(_CODES[kind], data[at + 8:at + 8 + size])
+        n = int(components)
+        values = array.array(_CODES[kind], content(data, start + int(offset)))
         arrays[name] = [values[k:k + n] for k in range(0, len(values), n)] if n > 1 else values
     return arrays
 

@@ -1,5 +1,5 @@
-"""Reads frames of vbond with VTK, as ParaView does, and holds the folders of one run in three formats against another:
-vtk_frames.py ZLIB NONE FLOAT32. Exit status 77 if there is no VTK."""
+"""Reads frames of vbond with VTK, as ParaView does, and holds the folders of one run in three formats against another,
+and against the reader in tools/: vtk_frames.py TOOLS ZLIB NONE FLOAT32. Exit status 77 if there is no VTK."""
 import glob
 import os
 import struct
@@ -10,6 +10,8 @@ try:
     from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 except ImportError:
     sys.exit(77)
+sys.path.insert(0, sys.argv[1])
+from vbond_output import read_vtp  # noqa: E402
 
 
 class Errors:
@@ -72,6 +74,11 @@ def compare(zlib, none, single):
                 assert [as_float32(x) for x in values(a[key])] == values(c[key]), f"{name}: {key} is not rounded"
             else:
                 assert values(a[key]) == values(c[key]), f"{name}: {key}"
+        for folder, seen in ((zlib, a), (none, b), (single, c)):
+            ours = read_vtp(os.path.join(folder, name))
+            for key in a.keys() - {"TimeValue", "Step"}:
+                flat = [x for row in ours[key] for x in row] if a[key].GetNumberOfComponents() > 1 else list(ours[key])
+                assert flat == values(seen[key]), f"{name}: {key} of tools/vbond_output.py"
         unit = lambda key: a[key].GetInformation().Get(vtkDataArray.UNITS_LABEL())
         assert unit("Points") == "m" and unit("id") is None, f"{name}: {unit('Points')}, {unit('id')}"
         assert unit("axial_force" if "bonds" in name else "velocity") in ("N", "m/s"), name
@@ -79,4 +86,4 @@ def compare(zlib, none, single):
     print(f"VTK {vtkVersion.GetVTKVersion()} reads {len(names)} frames in each of three formats")
 
 
-compare(*sys.argv[1:])
+compare(*sys.argv[2:])

@@ -25,9 +25,11 @@ struct HistoryValues {
   std::vector<Reaction> reactions;    ///< one per OutputPlan::reactions
   std::vector<double> axial_force;    ///< one per OutputPlan::axial_force, tension positive  [force]
   std::vector<Vec3d> displacements;   ///< one per OutputPlan::displacements, mean of r - r_0  [length]
-  /// What the row is of, for columns that need more: one of the two.
+  /// What the row is of, for columns that need more: one of the two, or neither of values made by hand.
   const Simulation* run = nullptr;
   const StaticPoint* point = nullptr;
+  /// Collects the particles of a run. Nullptr where there is none: a column is then empty.
+  const State* state() const { return run ? &run->state() : point ? &point->state : nullptr; }
 };
 
 /// The values of a run as it stands, which must live as long. Collects the particles only if the plan asks

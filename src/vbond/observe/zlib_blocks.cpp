@@ -52,11 +52,11 @@ std::string in_zlib_blocks(std::string_view bytes) {
   return out;
 }
 
-bool fits(const ZlibHead& head, std::uint64_t bytes, std::uint64_t stored) {
+bool fits(const ZlibHead& head, std::uint64_t bytes, std::uint64_t in_file) {
   if (bytes == 0) return head.blocks == 0;
   return head.block_size > 0 && head.blocks == (bytes - 1) / head.block_size + 1 &&
-         head.last_size == bytes % head.block_size && head.blocks <= stored / sizeof(std::uint64_t) &&
-         head.head_size() <= stored;
+         head.last_size == bytes % head.block_size && head.blocks <= in_file / sizeof(std::uint64_t) &&
+         head.head_size() <= in_file;
 }
 
 bool inflate_block(std::string_view block, char* to, std::size_t size) {

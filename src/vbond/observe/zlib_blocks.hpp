@@ -27,9 +27,9 @@ struct ZlibHead {
   }
 };
 
-/// Whether the first three numbers can be those of so many bytes in all, compressed into no more than
-/// `stored`.
-bool fits(const ZlibHead& head, std::uint64_t bytes, std::uint64_t stored);
+/// Whether the first three numbers can be those of so many bytes in all, which take `in_file` bytes
+/// compressed.
+bool fits(const ZlibHead& head, std::uint64_t bytes, std::uint64_t in_file);
 
 /// Writes the content of one block to `to`, which has room for `size` bytes. False if it does not have
 /// exactly so many, or is no zlib stream.
