@@ -189,10 +189,13 @@ TEST(Misuse, PeaksThatAreNone) {
   refuses([&](Parts& p) { p.second.stops.peak = peak({}, 0.1, 0); }, "averages over 0");
 }
 
-TEST(Misuse, DegreesOfFreedomHeldTwice) {
-  refuses([](Parts& p) { p.second.supports.push_back(p.second.supports[0]); },
-          "x of particle 0 is held twice");
-  refuses([](Parts& p) { p.second.supports[0].particles.push_back(ParticleId{0}); }, "is held twice");
+TEST(Misuse, DegreesOfFreedomHeldInTwoWays) {
+  refuses(
+      [](Parts& p) {
+        p.second.supports.push_back(p.second.supports[0]);
+        p.second.supports.back().velocity.x += 1.0;
+      },
+      "x of particle 0 is held twice, in two ways");
 }
 
 TEST(Misuse, AllMistakesOfAllStagesAtOnce) {
@@ -434,7 +437,7 @@ TEST(Misuse, WhatBondsAndContactsRememberFitsTheBody) {
     testing::Specimen s = good;
     spoil(s);
     try {
-      const Run run(s.model, s.state, {testing::plain_stage(0.1, 1.0)});
+      const vbond::Run run(s.model, s.state, {testing::plain_stage(0.1, 1.0)});
       ADD_FAILURE() << "taken: " << part;
     } catch (const std::invalid_argument& e) {
       EXPECT_NE(std::string(e.what()).find(part), std::string::npos) << e.what();

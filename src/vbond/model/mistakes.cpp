@@ -38,6 +38,25 @@ std::string text(const Vec3d& x) {
   return fmt::format("({}, {}, {})", x.x, x.y, x.z);
 }
 
+double rate_of(const Support& s, std::size_t dof) {
+  return component(dof < 3 ? s.velocity : s.angular_velocity, static_cast<int>(dof % 3));
+}
+double rate_of(const StaticSupport& s, std::size_t dof) {
+  return component(dof < 3 ? s.displacement : s.rotation, static_cast<int>(dof % 3));
+}
+bool same_times(const Support& a, const Support& b) {
+  const auto same = [](const auto& x, const auto& y) { return x.t == y.t && x.factor == y.factor; };
+  return std::equal(a.factor.points.begin(), a.factor.points.end(), b.factor.points.begin(),
+                    b.factor.points.end(), same);
+}
+bool same_times(const StaticSupport&, const StaticSupport&) {
+  return true;
+}
+template <class AnySupport>
+bool moves_alike(const AnySupport& a, const AnySupport& b, std::size_t dof) {
+  return rate_of(a, dof) == rate_of(b, dof) && (rate_of(a, dof) == 0.0 || same_times(a, b));
+}
+
 /// Gathers mistakes.
 class Mistakes {
  public:
@@ -95,23 +114,27 @@ class Mistakes {
     for (const TimeFunction::Point& p : f.points)
       if (!std::isfinite(p.t) || !std::isfinite(p.factor))
         return require(false, fmt::format("the factor of {} has the point ({}, {})", who, p.t, p.factor));
-    const auto not_after = [](const auto& a, const auto& b) { return !(b.t > a.t); };
-    require(std::adjacent_find(f.points.begin(), f.points.end(), not_after) == f.points.end(),
+    const auto before = [](const auto& a, const auto& b) { return b.t < a.t; };  // equal times: a jump
+    require(std::adjacent_find(f.points.begin(), f.points.end(), before) == f.points.end(),
             "the factor of " + who + " does not have its points in increasing time");
   }
 
-  /// A degree of freedom has one support at most.
+  /// Supports that hold the same degree of freedom must agree on how it moves.
   template <class AnySupport>
-  void require_held_once(const std::vector<AnySupport>& supports) {
+  void require_agreement(const std::vector<AnySupport>& supports) {
     static constexpr const char* names[6] = {"x", "y", "z", "turn about x", "turn about y", "turn about z"};
-    PerParticle<HeldDofs> held(n_, HeldDofs{});
+    PerParticle<std::array<const AnySupport*, 6>> held(n_, std::array<const AnySupport*, 6>{});
     for (const AnySupport& s : supports)
       for (const ParticleId p : s.particles)
-        for (std::size_t dof = 0; dof < 6 && knows(p); ++dof)
-          if (s.held[dof] && std::exchange(held[p][dof], true))
-            return require(false, fmt::format("{} of particle {} is held twice: a degree of freedom has one "
-                                              "support at most",
-                                              names[dof], p.value));
+        for (std::size_t dof = 0; dof < 6 && knows(p); ++dof) {
+          if (!s.held[dof]) continue;
+          const AnySupport* const other = std::exchange(held[p][dof], &s);
+          if (other == nullptr || moves_alike(*other, s, dof)) continue;
+          return require(false,
+                         fmt::format("{} of particle {} is held twice, in two ways: supports that overlap "
+                                     "must move it alike",
+                                     names[dof], p.value));
+        }
   }
 
  private:
@@ -267,7 +290,7 @@ std::vector<std::string> mistakes_in(const Model& model, const Stage& stage) {
     found.require_finite(s.angular_velocity, who("a support", s), "the angular velocity");
     found.look_at(s.factor, who("a support", s));
   }
-  found.require_held_once(stage.supports);
+  found.require_agreement(stage.supports);
   for (const PointLoad& l : stage.loads) {
     found.require_known(l.particles, "a load", l.group);
     found.require_finite(l.force, who("a load", l), "the force");
@@ -295,7 +318,7 @@ std::vector<std::string> mistakes_in(const Model& model, const StaticStage& stag
     found.require_finite(s.displacement, who("a support", s), "the displacement");
     found.require_finite(s.rotation, who("a support", s), "the rotation");
   }
-  found.require_held_once(stage.supports);
+  found.require_agreement(stage.supports);
   for (const StaticLoad& l : stage.loads) {
     found.require_known(l.particles, "a load", l.group);
     found.require_finite(l.force, who("a load", l), "the force");

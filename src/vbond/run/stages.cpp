@@ -73,7 +73,7 @@ class GivenStages : public Stages {
 
 class CaseStages : public Stages {
  public:
-  explicit CaseStages(Case c) : c_(std::move(c)) {}
+  explicit CaseStages(const Case& c) : c_(c) {}
   std::size_t size() const override { return c_.stages.size(); }
   StageKind kind(std::size_t k) const override { return c_.stages.at(k).kind; }
   std::string name(std::size_t k) const override { return c_.stages.at(k).name; }
@@ -90,7 +90,7 @@ class CaseStages : public Stages {
   }
 
  private:
-  Case c_;
+  const Case& c_;
 };
 
 }  // namespace
@@ -108,9 +108,9 @@ std::unique_ptr<const Stages> given_stages(std::vector<AnyStage> stages) {
   return std::make_unique<GivenStages>(std::move(stages));
 }
 
-std::unique_ptr<const Stages> stages_of(Case c) {
+std::unique_ptr<const Stages> stages_of(const Case& c) {
   require_statics(c);
-  return std::make_unique<CaseStages>(std::move(c));
+  return std::make_unique<CaseStages>(c);
 }
 
 void require_statics(const Case& c) {

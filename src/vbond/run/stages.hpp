@@ -41,8 +41,10 @@ class Stages {
 /// Stages that a program has made. A step above the critical one is refused unless the stage insists.
 std::unique_ptr<const Stages> given_stages(std::vector<AnyStage> stages);
 
-/// The stages of a case. Throws CaseError as require_statics does.
-std::unique_ptr<const Stages> stages_of(Case c);
+/// The stages of a case, made as it is then: keeps a reference to it. Throws CaseError as require_statics
+/// does.
+std::unique_ptr<const Stages> stages_of(const Case& c);
+std::unique_ptr<const Stages> stages_of(const Case&&) = delete;
 
 /// Throws CaseError if the case needs statics and this library was built without.
 void require_statics(const Case& c);
