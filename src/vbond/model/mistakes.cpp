@@ -95,8 +95,8 @@ class Mistakes {
     for (const TimeFunction::Point& p : f.points)
       if (!std::isfinite(p.t) || !std::isfinite(p.factor))
         return require(false, fmt::format("the factor of {} has the point ({}, {})", who, p.t, p.factor));
-    const auto not_after = [](const auto& a, const auto& b) { return !(b.t > a.t); };
-    require(std::adjacent_find(f.points.begin(), f.points.end(), not_after) == f.points.end(),
+    const auto turns_back = [](const auto& a, const auto& b) { return b.t < a.t; };  // equal times are a jump
+    require(std::adjacent_find(f.points.begin(), f.points.end(), turns_back) == f.points.end(),
             "the factor of " + who + " does not have its points in increasing time");
   }
 
@@ -274,7 +274,6 @@ std::vector<std::string> mistakes_in(const Model& model, const StaticStage& stag
     found.require_finite(s.displacement, who("a support", s), "the displacement");
     found.require_finite(s.rotation, who("a support", s), "the rotation");
   }
-  found.require_held_once(stage.supports);
   for (const StaticLoad& l : stage.loads) {
     found.require_known(l.particles, "a load", l.group);
     found.require_finite(l.force, who("a load", l), "the force");
@@ -306,6 +305,12 @@ std::vector<std::string> mistakes_in(const Model& model, const StaticStage& stag
     found.require(std::abs(path.branch->sense) == 1.0,
                   fmt::format("path.branch.sense is {}: it must be 1 or -1", path.branch->sense));
   }
+  return std::move(found).take();
+}
+
+std::vector<std::string> held_twice(const Model& model, const StaticStage& stage) {
+  Mistakes found(model);
+  found.require_held_once(stage.supports);
   return std::move(found).take();
 }
 
