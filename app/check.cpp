@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -40,13 +39,22 @@ void print_memory(const Model& model, const State& state) {
              in_units(total), use.per_particle, use.per_bond);
 }
 
+/// The stage needs a factor that does not fit.
+bool will_be_refused(const StaticStage& stage, const SolverChoice& choice) {
+  return choice.direct ? std::isinf(choice.factor_bytes) : stage.kind != StageKind::equilibrium;
+}
+
+bool any_later_static(const Stages& stages) {
+  for (std::size_t k = 1; k < stages.size(); ++k)
+    if (is_static(stages.kind(k))) return true;
+  return false;
+}
+
 std::string solver_in_words(const StaticStage& stage, const SolverChoice& choice) {
   const std::string factor = in_units(choice.factor_bytes);
-  const bool too_large = std::isinf(choice.factor_bytes);
-  if (choice.direct && !too_large)
-    return fmt::format("direct, with a factor of {} in stage {}", factor, stage.name);
-  if (choice.direct || stage.kind != StageKind::equilibrium)
+  if (will_be_refused(stage, choice))
     return fmt::format("none: stage {} will be refused, its factor of {} does not fit", stage.name, factor);
+  if (choice.direct) return fmt::format("direct, with a factor of {} in stage {}", factor, stage.name);
   if (choice.factor_bytes > 0.0) return fmt::format("iterative: a factor of {} would not fit", factor);
   return "iterative";
 }
@@ -54,16 +62,20 @@ std::string solver_in_words(const StaticStage& stage, const SolverChoice& choice
 /// Wall time of one step, measured on the case itself for a quarter of a second. Throws Diverged.
 double seconds_per_step(const Run& run, const Stage& stage, int threads) {
   using WallClock = std::chrono::steady_clock;
+  constexpr double long_time = 1e300;
   Stage endless = stage;
   endless.insist = true;  // known to be what its author wants
-  endless.stops.duration = std::numeric_limits<double>::infinity();
+  endless.stops.duration = long_time;
   endless.stops.distance.reset();
+  if (endless.stops.peak)
+    endless.stops.peak->average_over = long_time;  // what they look at is part of a step
+  if (endless.stops.rest) endless.stops.rest->during = long_time;
   Run trial(run.model(), run.current(), {endless}, threads);
   trial.step();  // neighbour lists and threads are set up
   const auto start = WallClock::now();
   double seconds = 0.0;
   std::int64_t steps = 0;
-  while (seconds < 0.25 && steps < 10000 && !trial.complete()) {
+  while (seconds < 0.25 && steps < 10000) {
     steps += trial.step();
     seconds = std::chrono::duration<double>(WallClock::now() - start).count();
   }
@@ -162,6 +174,25 @@ void print_output_remarks(const Case& c, const OutputPlan& plan, const Model& mo
   if (plan.checkpoint_every) look("checkpoint.every", *plan.checkpoint_every);
 }
 
+/// How the first stage is solved if it is static, and which later ones will be refused, as far as their bonds
+/// are known.
+void print_solvers(Run& run) {
+  const auto print = [](const StaticStage& stage, const SolverChoice& choice) {
+    fmt::print("solver           {}\n", solver_in_words(stage, choice));
+  };
+  if (const auto* first = std::get_if<StaticStage>(&run.prepare()))
+    print(*first, solver_of(run.model(), *first, run.current()));
+  if (!any_later_static(run.stages())) return;
+  Outlook outlook{run.current()};
+  for (std::size_t k = 1; k < run.stages().size(); ++k) {
+    const AnyStage stage = run.stages().look_ahead(k, run.model(), outlook);
+    const auto* later = std::get_if<StaticStage>(&stage);
+    if (!later || !outlook.pairs_known) continue;
+    const SolverChoice choice = solver_of(run.model(), *later, outlook.state);
+    if (will_be_refused(*later, choice)) print(*later, choice);
+  }
+}
+
 /// Everything that `run` would refuse, as mistakes of the case.
 void refuse_all(Run& run) {
   std::vector<Problem> problems;
@@ -195,7 +226,6 @@ int check(const std::filesystem::path& case_file, int threads) {
   const AnyStage& first = run.prepare();
   const State& state = run.current();
   const auto* dynamics = std::get_if<Stage>(&first);
-  const auto* statics = std::get_if<StaticStage>(&first);
   const OutputPlan plan = plan_output(c, model, {});
   print_overview(c, model, state);
   print_notes(built.notes);
@@ -210,8 +240,7 @@ int check(const std::filesystem::path& case_file, int threads) {
   print_loads(c, model);
   print_output_remarks(c, plan, model);
   print_memory(model, state);
-  if (statics)
-    fmt::print("solver           {}\n", solver_in_words(*statics, solver_of(model, *statics, state)));
+  print_solvers(run);
   if (dynamics) print_wall_time(steps, run, *dynamics, threads);
   fmt::print("{}: no mistakes found\n", printable(case_file.string()));
   return done;

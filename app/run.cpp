@@ -267,7 +267,9 @@ int resume(const fs::path& folder, int threads, const std::string& program) {
   Built built = build(c);
   Checkpoint checkpoint = read_checkpoint(folder / "checkpoint.h5", built.model);
   check_edits(c, built.state, checkpoint.state, folder / "resolved.toml");
-  Run run(std::move(built.model), checkpoint.state, stages_of(c), threads);
+  const Clock clock = checkpoint.state.clock;  // all of the state that observers go on from
+  Run run(std::move(built.model), std::move(checkpoint.state), stages_of(c), threads);
+  checkpoint.state.clock = clock;
   if (run.complete()) {
     say("the run is complete, results in " + folder.string() + "\n");
     return done;

@@ -119,9 +119,9 @@ class Mistakes {
             "the factor of " + who + " does not have its points in increasing time");
   }
 
-  /// Supports that hold the same degree of freedom must agree on how it moves.
+  /// Supports that hold the same degree of freedom must agree on how it moves, or there may be none such.
   template <class AnySupport>
-  void require_agreement(const std::vector<AnySupport>& supports) {
+  void require_agreement(const std::vector<AnySupport>& supports, bool may_overlap = true) {
     static constexpr const char* names[6] = {"x", "y", "z", "turn about x", "turn about y", "turn about z"};
     PerParticle<std::array<const AnySupport*, 6>> held(n_, std::array<const AnySupport*, 6>{});
     for (const AnySupport& s : supports)
@@ -129,11 +129,9 @@ class Mistakes {
         for (std::size_t dof = 0; dof < 6 && knows(p); ++dof) {
           if (!s.held[dof]) continue;
           const AnySupport* const other = std::exchange(held[p][dof], &s);
-          if (other == nullptr || moves_alike(*other, s, dof)) continue;
-          return require(false,
-                         fmt::format("{} of particle {} is held twice, in two ways: supports that overlap "
-                                     "must move it alike",
-                                     names[dof], p.value));
+          if (other == nullptr || (may_overlap && moves_alike(*other, s, dof))) continue;
+          return require(false, fmt::format("{} of particle {} is held twice{}", names[dof], p.value,
+                                            may_overlap ? ", in two ways" : ": one support is enough"));
         }
   }
 
@@ -351,6 +349,20 @@ std::vector<std::string> mistakes_in(const Model& model, const StaticStage& stag
                   fmt::format("path.branch.sense is {}: it must be 1 or -1", path.branch->sense));
   }
   return std::move(found).take();
+}
+
+template <class AnyStage>
+std::vector<std::string> held_twice_in(const Model& model, const AnyStage& stage) {
+  Mistakes found(model);
+  found.require_agreement(stage.supports, false);
+  return std::move(found).take();
+}
+
+std::vector<std::string> held_twice(const Model& model, const Stage& stage) {
+  return held_twice_in(model, stage);
+}
+std::vector<std::string> held_twice(const Model& model, const StaticStage& stage) {
+  return held_twice_in(model, stage);
 }
 
 void refuse(const std::string& who, const std::vector<std::string>& mistakes) {
