@@ -134,6 +134,10 @@ TEST(Quantities, EveryDataSetOfACheckpointHasItsUnitAndMeaning) {
   watch.stretched.insert(BondId{0});
   watch.fastest = 2.0;
   watch.deep[{ParticleId{0}, ParticleId{1}}] = {};
+  chain.state.bond_history.resize(chain.state.bonds.size());
+  chain.state.contact_history = {{ParticleId{0}, ParticleId{2}, {1.0}}};
+  for (Loads* loads : {&chain.state.loads, &chain.state.damping})
+    *loads = {PerParticle<Vec3d>(chain.state.r.size()), PerParticle<Vec3d>(chain.state.r.size())};
   write_checkpoint(folder / "c.h5", chain.model, {chain.state, watch}, "1.0");
   std::set<std::string> described;
   for (const auto& [path, unit, meaning] : data_sets_of(folder / "c.h5")) {
