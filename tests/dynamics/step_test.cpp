@@ -249,8 +249,8 @@ void expect_same_bonds(PackLoops<P> BondLoops::*loops, const BondLaw& law) {
   std::vector<PackLanes> lanes(packs.size(), PackLanes{all_lanes, false});
   lanes[3].crossing = true;
   lanes[8].active = 0x1f;
-  const PackRun<P> run{
-      packs.data(), lanes.data(), packs.size(), {&law, 1.0, 0.1, 0.2, {1.0, -0.1, 0.3, 0.2, 0.1, 0.4}}};
+  const BondType type{&law, 1.0, 0.1, 0.2, {1.0, -0.1, 0.3, 0.2, 0.1, 0.4}};
+  const PackRun<P> run{packs.data(), lanes.data(), packs.size(), &type};
   std::vector<LoadRow> first_load;
   BondEnergies first;
   std::vector<std::uint8_t> first_look;

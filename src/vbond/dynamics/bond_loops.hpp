@@ -76,7 +76,7 @@ VBOND_HD void add_lanes(const P& p, PackLanes in_use, std::size_t l, const BondL
     }
     return;
   }
-  for (std::size_t k = 0; k < lanes; ++k) {
+  for (std::size_t k = 0; k < lanes && in_use.active >> (l + k) != 0; ++k) {
     if (!in_use.has(l + k)) continue;
     if (own.contains(i[k])) add_row(F, M_ij, k, numbers(load + i[k]));
     if (own.contains(j[k])) add_row(minus_F, M_ji, k, numbers(load + j[k]));
@@ -134,16 +134,16 @@ VBOND_HD void add_elastic(const PackRun<P>& run, std::size_t first, std::size_t 
     for (std::size_t l = 0; l < pack_bonds; l += lanes)
       add_lanes(
           run.packs[first], run.lanes[first], l,
-          bond_loads(law_of<Law>(run.packs[first], run.type, l), pose_of(run.packs[first], sweep.pose, l)),
+          bond_loads(law_of<Law>(run.packs[first], *run.type, l), pose_of(run.packs[first], sweep.pose, l)),
           sweep.own, sweep.load);
   } else {
     Halfway halfway[packs_together * parts];
     for (std::size_t n = 0; n < (last - first) * parts; ++n)
-      first_half<Law>(run.packs[first + n / parts], run.type, sweep.pose, n % parts * lanes, halfway[n]);
+      first_half<Law>(run.packs[first + n / parts], *run.type, sweep.pose, n % parts * lanes, halfway[n]);
     for (std::size_t n = 0; n < (last - first) * parts; ++n) {
       const std::size_t pack = first + n / parts, l = n % parts * lanes;
       add_lanes(run.packs[pack], run.lanes[pack], l,
-                second_half<Law>(run.packs[pack], run.type, l, halfway[n]), sweep.own, sweep.load);
+                second_half<Law>(run.packs[pack], *run.type, l, halfway[n]), sweep.own, sweep.load);
     }
   }
 }
@@ -212,7 +212,7 @@ VBOND_HD void add_inelastic(const PackRun<P>& run, std::size_t pack, BondSweep& 
   const PackLanes in_use = run.lanes[pack];
   unsigned broken = 0;
   for (std::size_t l = 0; l < pack_bonds; l += lanes) {
-    const L law = law_of<Law>(p, run.type, l);
+    const L law = law_of<Law>(p, *run.type, l);
     const BondPose<Real> b = pose_of(p, sweep.pose, l);
     const BondAxis<Real> axis = bond_axis(b, law.R_i, law.R_j);
     BondRates<Real> rates{};
@@ -257,7 +257,7 @@ VBOND_HD std::uint8_t survey_pack(const PackRun<P>& run, std::size_t pack, const
   for (std::size_t first = 0; first < pack_bonds; first += lanes) {
     if (in_use.active >> first == 0) break;
     const BondPose<Real> b = pose_of(p, pose, first);
-    const Law<Real> law = law_of<Law>(p, run.type, first);
+    const Law<Real> law = law_of<Law>(p, *run.type, first);
     const BondEnergy<Real> U = energy_with(law, b, history_of_lanes<Law<Real>>(run, pack, first));
     const BondTilt<Real> tilt = bond_tilt(b, law.R_i, law.R_j);
     for (std::size_t l = 0; l < lanes; ++l) {

@@ -62,7 +62,7 @@ struct PackRun {
   const P* packs;
   const PackLanes* lanes;
   std::size_t count;
-  BondType type;              ///< not used for full packs
+  const BondType* type;       ///< not used for full packs
   double* history = nullptr;  ///< of laws that remember: per pack and number, one per lane
   RowsAhead ahead{};
 };

@@ -195,35 +195,32 @@ BondPacks::Run BondPacks::add_run(const Sorted* sorted, std::size_t count, const
 template <class F>
 void BondPacks::visit(const Run& run, F f) const {
   if (run.compact)
-    f(run.loops->compact, compact_.run(run, types_[run.type]), compact_);
+    f(run.loops->compact, compact_.run(run, &types_[run.type]), compact_);
   else
-    f(run.loops->full, full_.run(run, {}), full_);
+    f(run.loops->full, full_.run(run, nullptr), full_);
 }
 
-void BondPacks::add_loads_from_below(const Part& part, BondSweep sweep) {
-  sweep.own = part.rows;
+void BondPacks::add_loads_from_below(const Part& part, BondSweep& sweep) {
   for (const Run& r : from_below_[part.index])
     visit(r, [&](const auto& kernel, const auto& run, const auto&) { kernel.add_loads(run, sweep); });
 }
 
-double BondPacks::add_loads(const Block& block, const Part& part, BondSweep sweep, const RowsAhead& ahead,
-                            std::vector<BondId>* broken) {
-  sweep.own = part.rows;
-  std::vector<std::uint8_t> breaking;  // without memory as long as no law of the block breaks
+void BondPacks::add_loads(const Block& block, BondSweep& sweep, const RowsAhead& ahead,
+                          std::vector<BondId>* broken) {
   const std::size_t first = first_run_[block.index];
   for (std::size_t r = first; r < first_run_[block.index + 1]; ++r)
-    visit(runs_[r], [&](const auto& kernel, auto run, const auto& store) {
+    visit(runs_[r], [&](const auto& kernel, auto&& run, const auto& store) {
       if (r == first) run.ahead = ahead;
       if (broken == nullptr || !runs_[r].law->breakable) return kernel.add_loads(run, sweep);
-      breaking.assign(run.count, 0);
+      std::vector<std::uint8_t> breaking(run.count);
       sweep.broken = breaking.data();
       kernel.add_loads(run, sweep);
+      sweep.broken = nullptr;
       for (std::size_t k = 0; k < run.count; ++k)
         for (std::size_t l = 0; breaking[k] >> l != 0; ++l)
           if ((breaking[k] >> l & 1) != 0)
             broken->push_back(store.bond[(runs_[r].first + k) * pack_bonds + l]);
     });
-  return sweep.dissipated;
 }
 
 void BondPacks::remove(BondId bond) {

@@ -28,13 +28,11 @@ class BondPacks {
   void arrange(const PerBond<Bond>& bonds, const PerBond<BondHistory>& history, const Order& order,
                const Team& team);
 
-  /// Adds what the bonds of lower parts do to the particles of this part: first of all in a part. Like
-  /// add_loads(), takes sweep.own from the part.
-  void add_loads_from_below(const Part& part, BondSweep sweep);
-  /// Adds the loads of the bonds of a block to the particles of its part. Bonds that break are added to
-  /// `broken`, in no order. Returns the energy that what bonds remember takes out in this step.
-  double add_loads(const Block& block, const Part& part, BondSweep sweep, const RowsAhead& ahead,
-                   std::vector<BondId>* broken);
+  /// Adds what the bonds of lower parts do to the particles of this part, sweep.own: first of all in a part.
+  void add_loads_from_below(const Part& part, BondSweep& sweep);
+  /// Adds the loads of the bonds of a block to the particles of its part, sweep.own. Bonds that break are
+  /// added to `broken`, in no order.
+  void add_loads(const Block& block, BondSweep& sweep, const RowsAhead& ahead, std::vector<BondId>* broken);
 
   /// This bond does nothing any more. Its lane stays empty until the next arrange().
   void remove(BondId bond);
@@ -82,8 +80,8 @@ class BondPacks {
     std::vector<BondId> bond;             // of each lane
     mutable std::vector<double> history;  // run by run, of those whose law remembers; moved on by a sweep
     void reserve(std::size_t n) { packs.reserve(n), lanes.reserve(n), bond.reserve(n * pack_bonds); }
-    PackRun<P> run(const Run& r, const BondType& type) const {
-      return {&packs[r.first], &lanes[r.first], r.count, type, history.data() + r.first_history};
+    PackRun<P> run(const Run& r, const BondType* type) const {
+      return {&packs[r.first], &lanes[r.first], r.count, type, history.data() + r.first_history, {}};
     }
   };
   /// Where a bond is worked on: once, or in a second place for the other part.

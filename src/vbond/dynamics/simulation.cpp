@@ -206,11 +206,14 @@ void Simulation::complete_loads(const Part& part, const Block& b, Instant at, co
   const PoseRow* pose = bodies_.pose.data();
   LoadRow* load = bodies_.load.data();
   const bool in_step = at == Instant::end;
-  const BondSweep sweep{
-      {}, pose, load, bodies_.rates.data(), bodies_.damping.data(), in_step ? stage_.dt : 0.0};
-  if (b.index == part.first_block) bonds_.add_loads_from_below(part, sweep);
-  books_[b.index].dissipated +=
-      bonds_.add_loads(b, part, sweep, ahead, in_step ? &breaking_[part.index] : nullptr);
+  BondSweep sweep{
+      part.rows, pose, load, bodies_.rates.data(), bodies_.damping.data(), in_step ? stage_.dt : 0.0};
+  if (b.index == part.first_block) {
+    bonds_.add_loads_from_below(part, sweep);
+    sweep.dissipated = 0.0;  // that of the parts below
+  }
+  bonds_.add_loads(b, sweep, ahead, in_step ? &breaking_[part.index] : nullptr);
+  books_[b.index].dissipated += sweep.dissipated;
   lap.add_to(times_.bonds);
   if (contacts_.any()) {
     books_[b.index].deep =

@@ -76,6 +76,7 @@ void Simulation::take_up_loads() {
 /// The bonds that the loads of this step have broken, in the order of bonds: a bond's force ends with the
 /// step in which it reached the limit, and so does its share of the energy.
 void Simulation::break_bonds() {
+  if (bonds_.all_elastic()) return;
   std::vector<BondId> broken;
   for (std::vector<BondId>& of_part : breaking_) {
     broken.insert(broken.end(), of_part.begin(), of_part.end());
