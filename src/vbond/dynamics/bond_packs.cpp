@@ -13,6 +13,8 @@ namespace {
 /// Types beyond these are not looked for: each bond is compared with all.
 constexpr std::size_t most_types = 16;
 
+const BondType no_type;  // of full packs, which have all that is theirs
+
 bool close(double x, double y) {
   return std::abs(x - y) <= 4.0 * std::numeric_limits<double>::epsilon() * std::abs(y);
 }
@@ -197,7 +199,7 @@ void BondPacks::visit(const Run& run, F f) const {
   if (run.compact)
     f(run.loops->compact, compact_.run(run, &types_[run.type]), compact_);
   else
-    f(run.loops->full, full_.run(run, nullptr), full_);
+    f(run.loops->full, full_.run(run, &no_type), full_);
 }
 
 void BondPacks::add_loads_from_below(const Part& part, BondSweep& sweep) {
