@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <fstream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -251,6 +252,25 @@ TEST(BreakingBond, LeavesItsEnergyInTheBooksAndIsReported) {
   EXPECT_NEAR(run.events()[0].energy, 0.5 * 0.01 * 0.01, 0.01 * 0.001 * 0.01 * 2);
   EXPECT_EQ(run.books().released, run.events()[0].energy);
   EXPECT_LT(std::abs(run.balance_error(run.energies())), 1e-5);  // leap-frog's own, dt^2
+}
+
+// Each observer sees each event once, whenever it looks.
+TEST(BreakingBond, IsAnEventThatObserversSeeOnce) {
+  struct Counter : Observer {
+    std::vector<BondId> seen;
+    void observe(const Simulation& run) override {
+      for (const BondEvent& e : run.events()) seen.push_back(e.bond);
+    }
+    std::int64_t steps_to_next_look(const Clock&) const override { return 7; }
+  };
+  Specimen s = testing::straight_rod(9, brittle(0.0, 1e-3));
+  for (const ParticleId p : s.state.r.ids()) s.state.v[p].x = 1e-3 * static_cast<double>(p.value * p.value);
+  Simulation run(s.model, testing::plain_stage(0.05, 1e9), s.state);
+  const auto counter = std::make_shared<Counter>();
+  run.add_observer(counter);
+  for (int k = 0; k < 7 * 100; ++k) run.step();
+  EXPECT_GT(broken_in(run.state()), 2u);
+  EXPECT_EQ(counter->seen.size(), broken_in(run.state()));
 }
 
 // What breaks in a step acts no more in the next: a body whose bonds are all broken flies apart straight on.

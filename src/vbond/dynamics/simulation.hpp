@@ -93,8 +93,8 @@ class Simulation {
   /// fastest particle if it was too fast for that: observers look at every step that has any.
   const std::vector<Encounter>& encounters() const { return encounters_.found(); }
   const std::optional<FastParticle>& fastest() const { return encounters_.fastest(); }
-  /// Bonds made and broken since observers looked last, in the order in which it happened, those of a step in
-  /// the order of bonds.
+  /// Bonds made and broken since observers looked last, all of them if there is no observer, in the order in
+  /// which it happened, those of a step in the order of bonds.
   const std::vector<BondEvent>& events() const { return events_; }
   /// Forces and moments at the present positions, in the numbering of the model; collected at each call.
   Loads loads() const { return bodies_.collect(bodies_.load); }
