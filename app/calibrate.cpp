@@ -117,7 +117,7 @@ void print_theory(const Theory& t, const TheoryParameters& p, double a) {
   fmt::print("\n{}  ({})\n", t.name, t.limits);
   fmt::print("  stiffness  c_A {:<14.8g} c_D {:<14.8g} c_B {:<14.8g} c_T {:<14.8g}\n", c.c_A, c.c_D, c.c_B,
              c.c_T);
-  for (const BondLaw* law : bond_laws()) {
+  for (const BondLaw* law : named_laws()) {
     const Coefficients values = law->from_stiffness(c, a, {});
     std::string text = fmt::format("  {:<10}", law->name);
     for (std::size_t k = 0; k < law->fields.size(); ++k)

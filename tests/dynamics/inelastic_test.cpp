@@ -460,9 +460,10 @@ class PlainLoop {
     kick(), kick_turns();
     std::vector<BondId> breaking;
     for (const BondId k : state.bonds.ids())
-      if (!state.bonds[k].broken && state.bonds[k].law->breakable &&
-          state.bonds[k].law->utilisation(state.bonds[k], bond_pose(state.bonds[k], state),
-                                          history[k.value]) >= 1.0)
+      if (!state.bonds[k].broken && can_break(state.bonds[k]) &&
+          state.bonds[k]
+                  .law->failure(state.bonds[k], bond_pose(state.bonds[k], state), history[k.value])
+                  .utilisation >= 1.0)
         breaking.push_back(k);
     for (const BondId k : breaking) state.bonds[k].broken = true;
     if (!breaking.empty()) evaluate(v, w, false);

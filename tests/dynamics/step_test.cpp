@@ -1,6 +1,7 @@
 // The step loop against the plain loop, against itself with other threads and instruction sets, and with NaN.
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
+#include <deque>
 
 #include <algorithm>
 #include <cmath>
@@ -241,28 +242,44 @@ std::vector<P> random_packs(std::size_t count, std::size_t rows, unsigned seed) 
   return packs;
 }
 
+/// With rules: Morse's stretching, damping, and a strength that some bonds are past.
+BondType type_with_rules(const BondLaw& law, Criterion criterion) {
+  static std::deque<BondRules> rules;
+  BondRules& r = rules.emplace_back();
+  r.stretch.form = StretchForm::morse;
+  r.stretch.alpha = 0.7;
+  r.strength = linear_strength(0.02, 0.03, 0.01, 0.02);
+  r.strength.criterion = criterion;
+  r.strength.friction = r.strength.compression = 0.1;
+  r.damped = true;
+  return {&law, &r, true, true, 1.0, 0.1, 0.2, {1.0, -0.1, 0.3, 0.2, 0.1, 0.4, 0.3, 0.2, 0.1}};
+}
+
 template <class P>
-void expect_same_bonds(PackLoops<P> BondLoops::*loops, const BondLaw& law) {
+void expect_same_bonds(PackLoops<P> BondLoops::*loops, const BondType& type) {
+  const BondLaw& law = *type.law;
   constexpr std::size_t n = 40;
   const RandomRows rows = random_rows(n, 1.0, 5);
   const std::vector<P> packs = random_packs<P>(9, n, 6);
   std::vector<PackLanes> lanes(packs.size(), PackLanes{all_lanes, false});
   lanes[3].crossing = true;
   lanes[8].active = 0x1f;
-  const BondType type{&law, 1.0, 0.1, 0.2, {1.0, -0.1, 0.3, 0.2, 0.1, 0.4}};
   const PackRun<P> run{packs.data(), lanes.data(), packs.size(), &type};
   std::vector<LoadRow> first_load;
+  std::vector<std::uint8_t> first_broken;
   BondEnergies first;
   std::vector<std::uint8_t> first_look;
   for (const StepKernel* kernel : available_kernels()) {
-    std::vector<LoadRow> load = rows.load;
-    BondSweep sweep{{10, 30}, rows.pose.data(), load.data()};
+    std::vector<LoadRow> load = rows.load, damping = rows.load;
+    std::vector<std::uint8_t> broken(packs.size());
+    BondSweep sweep{{10, 30}, rows.pose.data(), load.data(), rows.motion.data(), damping.data()};
+    sweep.broken = broken.data();
     (bond_loops(law, *kernel).*loops).add_loads(run, sweep);
     BondEnergies sum;
     std::vector<std::uint8_t> look(packs.size());
     (bond_loops(law, *kernel).*loops).survey(run, rows.pose.data(), sum, look.data());
     if (first_load.empty()) {
-      first_load = load, first = sum, first_look = look;
+      first_load = load, first = sum, first_look = look, first_broken = broken;
       continue;
     }
     for (std::size_t k = 0; k < n; ++k)
@@ -270,7 +287,11 @@ void expect_same_bonds(PackLoops<P> BondLoops::*loops, const BondLaw& law) {
           << kernel->name << ", row " << k;
     EXPECT_TRUE(sum.U_L == first.U_L && sum.U_B == first.U_B && sum.U_T == first.U_T) << kernel->name;
     EXPECT_EQ(look, first_look) << kernel->name;
+    EXPECT_EQ(broken, first_broken) << kernel->name;
   }
+  if (!type.breakable) return;
+  const auto any = [](std::uint8_t lanes_broken) { return lanes_broken != 0; };
+  EXPECT_TRUE(std::any_of(first_broken.begin(), first_broken.end(), any)) << "no bond broke";
 }
 
 // Every lane rounds as a scalar does, and no kernel fuses a multiplication with an addition.
@@ -279,9 +300,14 @@ TEST(StepKernel, GivesTheSameBitsWithEveryInstructionSet) {
   if (kernels.size() < 2)
     GTEST_SKIP() << "nothing to compare: this machine can execute " << kernels.front()->name << " only";
   for (const StepKernel* k : kernels) std::printf("compared: %s\n", k->name);
+  const auto expect_same = [](const BondType& type) {
+    expect_same_bonds<CompactPack>(&BondLoops::compact, type);
+    expect_same_bonds<FullPack>(&BondLoops::full, type);
+  };
   for (const BondLaw* law : bond_laws()) {
-    expect_same_bonds<CompactPack>(&BondLoops::compact, *law);
-    expect_same_bonds<FullPack>(&BondLoops::full, *law);
+    expect_same({law, &no_rules, false, false, 1.0, 0.1, 0.2, {1.0, -0.1, 0.3, 0.2, 0.1, 0.4}});
+    for (int c = 1; c <= static_cast<int>(Criterion::elongation) && law->has_rules; ++c)
+      expect_same(type_with_rules(*law, static_cast<Criterion>(c)));
   }
   for (const double fastest : {0.1, 100.0}) {  // turning little, and by more than the series is good for; 24
                                                // rows: an odd number of eights

@@ -149,6 +149,19 @@ struct SpecimenPairs {                    ///< the bonds of a LAMMPS data file
 };
 enum class BondTime : std::uint8_t { start, stage, approach };
 
+/// Limits as the case names them; which of them count, the criterion says. recipe.rules has what follows.
+struct StrengthSpec {
+  Criterion criterion = Criterion::stress;
+  double tension = 0, shear = 0, compression = 0;  ///< stresses; compression 0: none
+  double moment_share = 1;
+  double cohesion = 0, friction_angle = 0;  ///< mohr-coulomb; the angle in rad
+  double axial_force = 0, shear_force = 0, bending_moment = 0, torque = 0;  ///< linear, quadratic
+  bool compression_relieves = false;                                        ///< linear
+  double tension_energy = 0, other_energy = 0;                              ///< energy
+  double elongation = 0;
+  std::optional<Section> section;  ///< where no theory has one
+};
+
 struct BondSpec {
   SourcePlace place;
   std::string name;
@@ -156,7 +169,8 @@ struct BondSpec {
   Placed<std::variant<WithinDistance, ListedPairs, PairsFile, SpecimenPairs>> select;
   BondTime when = BondTime::start;
   std::vector<Placed<std::string>> stages;  ///< for `stage` and `approach`; approach: none means all
-  BondRecipe recipe;
+  std::optional<StrengthSpec> strength;
+  BondRecipe recipe;  ///< its law is one without rules
 };
 
 // ---- the run -------------------------------------------------------------------------------------

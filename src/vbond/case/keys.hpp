@@ -35,6 +35,10 @@ void describe(Table& t, SpecimenPairs& s);
 void describe(Table& t, BondStiffness<double>& p);
 void describe(Table& t, TheoryParameters& p);
 void describe(Table& t, ContactModel& c);
+/// Stretching, damping and strength of a bond set: what makes its bonds more than harmonic.
+void describe_rules(Table& t, BondSpec& b);
+/// A cross-section, in one of the forms that the file may name.
+void describe_section(Table& t, Section& section);
 
 void describe(Table& t, VelocitySpec& v);
 void describe(Table& t, TimeSpec& s);

@@ -46,7 +46,7 @@ struct KappaCodec {
   std::string example(UnitSystem) const { return "0.9"; }
 };
 
-void describe_section(Table& t, SectionForm& form, Section& section) {
+void describe_form(Table& t, SectionForm& form, Section& section) {
   t.key("shape", form.shape,
         ChoiceCodec<Shape>{{"circle", "annulus", "square", "given"},
                            {Shape::circle, Shape::annulus, Shape::square, Shape::given}},
@@ -65,6 +65,8 @@ void describe_section(Table& t, SectionForm& form, Section& section) {
     t.key("A", section.A, positive(area), required, "area");
     t.key("J", section.J, positive(area_moment), required, "second moment of area, the same about all axes");
     t.key("J_p", section.J_p, positive(area_moment), required, "torsion constant");
+    t.key("radius", section.r, not_negative(length), default_is("required for strengths in stresses"),
+          "distance of the outermost fibre from the axis");
   });
   section = resolve(form, section);
   t.check(section.A > 0 && section.J > 0 && section.J_p > 0, {"shape", "diameter", "inner_diameter", "side"},
@@ -86,7 +88,7 @@ void check_poisson(Table& t, const TheoryParameters& p) {
 /// The bond laws by name.
 ChoiceCodec<const BondLaw*> law_codec() {
   ChoiceCodec<const BondLaw*> codec;
-  for (const BondLaw* law : bond_laws()) {
+  for (const BondLaw* law : named_laws()) {
     codec.names.emplace_back(law->name);
     codec.values.push_back(law);
   }
@@ -106,7 +108,7 @@ struct CoefficientKey {
   std::string meaning;
 
   bool of(const BondLaw& law) const { return std::find(laws.begin(), laws.end(), &law) != laws.end(); }
-  bool of_all() const { return laws.size() == bond_laws().size(); }
+  bool of_all() const { return laws.size() == named_laws().size(); }
 };
 
 /// Place of that name among the law's fields, or their number.
@@ -143,12 +145,12 @@ std::string meaning_of(std::string_view name, const std::vector<const BondLaw*>&
 /// Every coefficient of any law, once.
 std::vector<CoefficientKey> coefficient_keys() {
   std::vector<CoefficientKey> keys;
-  for (const BondLaw* first : bond_laws())
+  for (const BondLaw* first : named_laws())
     for (const LawFieldInfo& field : first->fields) {
       const auto known = [&](const CoefficientKey& k) { return k.info.name == field.name; };
       if (std::any_of(keys.begin(), keys.end(), known)) continue;
       CoefficientKey key{field, {}, {}};
-      for (const BondLaw* law : bond_laws())
+      for (const BondLaw* law : named_laws())
         if (place_in(*law, field.name) < law->fields.size()) key.laws.push_back(law);
       key.meaning = meaning_of(field.name, key.laws);
       keys.push_back(std::move(key));
@@ -220,9 +222,14 @@ void describe_time(Table& t, BondSpec& b) {
 
 }  // namespace
 
+void describe_section(Table& t, Section& section) {
+  SectionForm form;
+  describe_form(t, form, section);
+}
+
 void describe(Table& t, BondSpec& b) {
   std::string law_titles;
-  for (const BondLaw* law : bond_laws())
+  for (const BondLaw* law : named_laws())
     law_titles += (law_titles.empty() ? "" : ", ") + std::string(law->title);
   t.locate(b.place);
   t.key("name", b.name, NameCodec{}, default_is("`\"bonds-1\"`, `\"bonds-2\"`, ..."),
@@ -267,6 +274,7 @@ void describe(Table& t, BondSpec& b) {
           default_is("each bond's own length"),
           "the law's coefficients are worked out at this length and are the same for all bonds of the set");
   });
+  describe_rules(t, b);
 }
 
 void describe(Table& t, WithinDistance& s) {
@@ -317,7 +325,7 @@ void describe(Table& t, TheoryParameters& p) {
   check_poisson(t, p);
   SectionForm form;
   t.table("section", required, "cross-section of the bond",
-          [&](Table& s) { describe_section(s, form, p.section); });
+          [&](Table& s) { describe_form(s, form, p.section); });
   t.when(p.theory == BondTheory::timoshenko, "theory = \"timoshenko\"", [&] {
     std::optional<Kappa> kappa;
     if (p.kappa > 0) kappa = Kappa{p.kappa, false};

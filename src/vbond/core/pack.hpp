@@ -48,7 +48,10 @@ struct Pack {
   friend VBOND_HD Pack operator/(const Pack& a, const Pack& b) { return Pack(a.v / b.v); }
   friend VBOND_HD Pack operator-(const Pack& a) { return Pack(-a.v); }
   /// Lane by lane; b where a lane is NaN in either.
-  friend VBOND_HD Pack max(const Pack& a, const Pack& b) { return Pack(a.v > b.v ? a.v : b.v); }
+  friend VBOND_HD Pack larger(const Pack& a, const Pack& b) { return Pack(a.v > b.v ? a.v : b.v); }
+  friend VBOND_HD Pack where_greater(const Pack& a, const Pack& b, const Pack& x, const Pack& y) {
+    return Pack(a.v > b.v ? x.v : y.v);
+  }
   friend VBOND_HD Pack sqrt(const Pack& a) {
     Native root;
     for (std::size_t l = 0; l < W; ++l) root[l] = __builtin_sqrt(a.v[l]);

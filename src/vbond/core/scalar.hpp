@@ -23,4 +23,15 @@ VBOND_HD constexpr T sq(const T& x) {
   return x * x;
 }
 
+/// The larger of two, and x or y as a > b or not: what laws may do that need no derivatives. Packs of doubles
+/// have the same, lane by lane.
+template <std::floating_point T>
+VBOND_HD constexpr T larger(T a, T b) {
+  return a > b ? a : b;
+}
+template <std::floating_point T>
+VBOND_HD constexpr T where_greater(T a, T b, T x, T y) {
+  return a > b ? x : y;
+}
+
 }  // namespace vbond

@@ -7,6 +7,7 @@
 
 #include "vbond/dynamics/kernel.hpp"
 #include "vbond/dynamics/kernel_rows.hpp"
+#include "vbond/dynamics/stretch_lanes.hpp"
 #include "vbond/physics/law.hpp"
 #include "vbond/physics/range.hpp"
 
@@ -24,13 +25,15 @@ VBOND_HD Law<Real> law_of(const CompactPack& p, const BondType& t, std::size_t l
   Law<Real> law;
   law.a = Real::load(p.a + l), law.R_i = Real(t.R_i), law.R_j = Real(t.R_j);
   ((law.*coefficient<Law<Real>, k> = scale * Real(t.coefficients[k])), ...);
+  if constexpr (HasRules<Law<Real>>) law.rules = t.rules;
   return law;
 }
 template <template <class> class Law, std::size_t... k>
-VBOND_HD Law<Real> law_of(const FullPack& p, const BondType&, std::size_t l, std::index_sequence<k...>) {
+VBOND_HD Law<Real> law_of(const FullPack& p, const BondType& t, std::size_t l, std::index_sequence<k...>) {
   Law<Real> law;
   law.a = Real::load(p.a + l), law.R_i = Real::load(p.R_i + l), law.R_j = Real::load(p.R_j + l);
   ((law.*coefficient<Law<Real>, k> = Real::load(p.coefficients[k] + l)), ...);
+  if constexpr (HasRules<Law<Real>>) law.rules = t.rules;
   return law;
 }
 template <template <class> class Law, class P>
@@ -205,7 +208,7 @@ VBOND_HD LawHistory<L> history_after(const PackRun<P>& run, std::size_t pack, st
   return before;
 }
 
-template <template <class> class Law, class P>
+template <template <class> class Law, bool damped, class P>
 VBOND_HD void add_inelastic(const PackRun<P>& run, std::size_t pack, BondSweep& sweep) {
   using L = Law<Real>;
   const P& p = run.packs[pack];
@@ -216,15 +219,17 @@ VBOND_HD void add_inelastic(const PackRun<P>& run, std::size_t pack, BondSweep& 
     const BondPose<Real> b = pose_of(p, sweep.pose, l);
     const BondAxis<Real> axis = bond_axis(b, law.R_i, law.R_j);
     BondRates<Real> rates{};
-    if constexpr (ReadsRates<L>) rates = rates_of(p, sweep.rates, l);
+    if constexpr (damped || Remembering<L>) rates = rates_of(p, sweep.rates, l);
     const LawHistory<L> history = history_after(run, pack, l, law, b, axis, rates, sweep);
     BondLoads<Real> loads = loads_with(law, b, axis, history);
     if constexpr (Breakable<L>) {
-      const Real u = utilisation_with(law, b, axis, loads, history);
-      for (std::size_t k = 0; k < lanes; ++k)
-        if (in_use.has(l + k) && u.v[k] >= 1.0) broken |= 1u << (l + k);
+      if (run.type->breakable) {
+        const Real u = utilisation_with(law, b, axis, loads, history);
+        for (std::size_t k = 0; k < lanes; ++k)
+          if (in_use.has(l + k) && u.v[k] >= 1.0) broken |= 1u << (l + k);
+      }
     }
-    if constexpr (Damped<L>) {
+    if constexpr (damped) {
       const BondLoads<Real> damping = bond_damping(law, b, axis, rates);
       add_lanes(p, in_use, l, damping, sweep.own, sweep.damping);
       loads = {loads.F + damping.F, loads.M_ij + damping.M_ij, loads.M_ji + damping.M_ji};
@@ -243,8 +248,10 @@ void add_loads(const PackRun<P>& run, BondSweep& sweep) {
     if (run.ahead.count != 0) fetch(run.ahead, k, last, run.count);
     if constexpr (elastic)
       add_elastic<Law>(run, k, last, sweep);
+    else if (Damped<Law<Real>> && run.type->damped)
+      add_inelastic<Law, Damped<Law<Real>>>(run, k, sweep);
     else
-      add_inelastic<Law>(run, k, sweep);
+      add_inelastic<Law, false>(run, k, sweep);
   }
 }
 

@@ -13,6 +13,8 @@ inline constexpr std::size_t pack_bonds = 8;
 /// What many bonds share: a law with these coefficients times a factor of the bond's own.
 struct BondType {
   const BondLaw* law = nullptr;
+  const BondRules* rules = &no_rules;
+  bool damped = false, breakable = false;
   double a = 0;                 ///< of the bond that it was made from  [length]
   double R_i = 0, R_j = 0;      ///< [length]
   Coefficients coefficients{};  ///< in the order and units of the law's fields
@@ -62,7 +64,7 @@ struct PackRun {
   const P* packs;
   const PackLanes* lanes;
   std::size_t count;
-  const BondType* type;       ///< not used for full packs
+  const BondType* type;       ///< of full packs without lengths and coefficients
   double* history = nullptr;  ///< of laws that remember: per pack and number, one per lane
   RowsAhead ahead{};
 };

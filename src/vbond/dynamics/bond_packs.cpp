@@ -13,8 +13,6 @@ namespace {
 /// Types beyond these are not looked for: each bond is compared with all.
 constexpr std::size_t most_types = 16;
 
-const BondType no_type;  // of full packs, which have all that is theirs
-
 bool close(double x, double y) {
   return std::abs(x - y) <= 4.0 * std::numeric_limits<double>::epsilon() * std::abs(y);
 }
@@ -69,35 +67,38 @@ BondPacks::Kind BondPacks::kind_of(const Bond& b) {
   if (b.frame_i == b.frame_j) {
     for (std::size_t t = 0; t < types_.size(); ++t) {
       const BondType& type = types_[t];
-      if (type.law != b.law || type.R_i != b.R_i || type.R_j != b.R_j) continue;
+      if (type.law != b.law || type.rules != b.rules || type.R_i != b.R_i || type.R_j != b.R_j) continue;
       for (const double scale : {1.0, type.a / b.a})
         if (is_scaled(b, type, scale)) return {true, static_cast<std::uint32_t>(t), scale};
     }
     if (types_.size() < most_types) {
-      types_.push_back({b.law, b.a, b.R_i, b.R_j, b.coefficients});
+      types_.push_back({b.law, b.rules, is_damped(b), can_break(b), b.a, b.R_i, b.R_j, b.coefficients});
       return {true, static_cast<std::uint32_t>(types_.size() - 1), 1.0};
     }
   }
-  return {false, number_of(*b.law), 1.0};
+  return {false, number_of(b), 1.0};
 }
 
-/// The law's place among those that occur: first the library's, then others as they come.
-std::uint32_t BondPacks::number_of(const BondLaw& law) {
-  const auto at = std::find(laws_.begin(), laws_.end(), &law);
-  if (at == laws_.end()) laws_.push_back(&law);
-  return static_cast<std::uint32_t>(at - laws_.begin());
+/// The place of a bond's law and rules among those that occur: first the library's laws without rules, then
+/// others as they come.
+std::uint32_t BondPacks::number_of(const Bond& b) {
+  const auto at = std::find_if(full_types_.begin(), full_types_.end(),
+                               [&](const BondType& t) { return t.law == b.law && t.rules == b.rules; });
+  const auto number = static_cast<std::uint32_t>(at - full_types_.begin());
+  if (at == full_types_.end()) full_types_.push_back({b.law, b.rules, is_damped(b), can_break(b)});
+  return number;
 }
 
 void BondPacks::arrange(const PerBond<Bond>& bonds, const PerBond<BondHistory>& history, const Order& order,
                         const Team& team) {
   *this = {};
-  laws_.assign(bond_laws().begin(), bond_laws().end());
+  for (const BondLaw* law : named_laws()) full_types_.push_back({law});
   std::vector<Sorted> sorted;
   sorted.reserve(bonds.size());
   for (const BondId b : bonds.ids()) {
     const Kind kind = kind_of(bonds[b]);  // asked of broken ones too: kinds are numbered as they come
     if (bonds[b].broken) continue;
-    note(*bonds[b].law);
+    note(bonds[b]);
     sorted.push_back({lower_row(bonds[b], order), kind, b});
   }
   bonds_ = sorted.size();
@@ -148,11 +149,11 @@ void BondPacks::arrange(const PerBond<Bond>& bonds, const PerBond<BondHistory>& 
   std::stable_sort(breakable_.begin(), breakable_.end());
 }
 
-void BondPacks::note(const BondLaw& law) {
-  reads_rates_ |= law.reads_rates();
-  damp_ |= law.damped;
-  remembers_ |= law.remembers();
-  all_elastic_ &= law.is_elastic();
+void BondPacks::note(const Bond& b) {
+  reads_rates_ |= needs_rates(b);
+  damp_ |= is_damped(b);
+  remembers_ |= b.law->remembers();
+  all_elastic_ &= !needs_rates(b) && !can_break(b);
 }
 
 BondPacks::Run BondPacks::add_run(const Sorted* sorted, std::size_t count, const PerBond<Bond>& bonds,
@@ -182,7 +183,7 @@ BondPacks::Run BondPacks::add_run(const Sorted* sorted, std::size_t count, const
         fill_lane(pack, l, b, s.kind.scale);
         for (std::size_t n = 0; n < remembered && s.bond.value < history.size(); ++n)
           store.history[at + n * pack_bonds + l] = history[s.bond][n];
-        if (law.breakable && first + l < count)
+        if (can_break(b) && first + l < count)
           breakable_.push_back({s.bond, kind.compact, store.bond.size(), at + l, &law});
         store.bond.push_back(s.bond);
         lanes.crossing |= !own.contains(pack.i[l]) || !own.contains(pack.j[l]);
@@ -199,7 +200,7 @@ void BondPacks::visit(const Run& run, F f) const {
   if (run.compact)
     f(run.loops->compact, compact_.run(run, &types_[run.type]), compact_);
   else
-    f(run.loops->full, full_.run(run, &no_type), full_);
+    f(run.loops->full, full_.run(run, &full_types_[run.type]), full_);
 }
 
 void BondPacks::add_loads_from_below(const Part& part, BondSweep& sweep) {
@@ -213,7 +214,7 @@ void BondPacks::add_loads(const Block& block, BondSweep& sweep, const RowsAhead&
   for (std::size_t r = first; r < first_run_[block.index + 1]; ++r)
     visit(runs_[r], [&](const auto& kernel, auto&& run, const auto& store) {
       if (r == first) run.ahead = ahead;
-      if (broken == nullptr || !runs_[r].law->breakable) return kernel.add_loads(run, sweep);
+      if (broken == nullptr || !run.type->breakable) return kernel.add_loads(run, sweep);
       std::vector<std::uint8_t> breaking(run.count);
       sweep.broken = breaking.data();
       kernel.add_loads(run, sweep);

@@ -58,7 +58,7 @@ class BondPacks {
  private:
   struct Kind {
     bool compact = false;
-    std::uint32_t type = 0;  // compact: index into types_, else into laws_
+    std::uint32_t type = 0;  // compact: index into types_, else into full_types_
     double scale = 1.0;
     friend bool operator==(const Kind& a, const Kind& b) {
       return a.compact == b.compact && a.type == b.type;
@@ -95,15 +95,14 @@ class BondPacks {
   };
 
   Kind kind_of(const Bond& bond);
-  std::uint32_t number_of(const BondLaw& law);
+  std::uint32_t number_of(const Bond& bond);
   Run add_run(const Sorted* sorted, std::size_t count, const PerBond<Bond>& bonds,
               const PerBond<BondHistory>& history, const Order& order, RowRange own);
-  void note(const BondLaw& law);
+  void note(const Bond& bond);
   template <class F>
   void visit(const Run& run, F f) const;
 
-  std::vector<const BondLaw*> laws_;
-  std::vector<BondType> types_;
+  std::vector<BondType> types_, full_types_;  // of compact and of full packs
   Store<CompactPack> compact_;
   Store<FullPack> full_;
   std::vector<Run> runs_;

@@ -83,7 +83,7 @@ bool add_contacts(const ContactRule& rule, const NearRows& near, RowRange rows, 
       const Mask touch = first_lanes(end - k) & ~(distance2.v >= sq(reach).v);  // a distance that is NaN, too
       if (!any(touch)) continue;
       const Real distance = sqrt(distance2);
-      deepest = max(only(touch, Real(deep_part) * reach - distance), deepest);
+      deepest = larger(only(touch, Real(deep_part) * reach - distance), deepest);
       HertzContact<Real> law{Real(rule.law.k)};
       if constexpr (kind == ContactRule::Kind::by_radii) law = hertz(rule.E_star, R_i, R_j);
       double scale[lanes];

@@ -40,7 +40,7 @@ VBOND_HD MotionRow largest_squares(RowRange rows, const MotionRow* motion) {
       const Real first = Real::load(numbers(motion + k) + part),
                  second = Real::load(numbers(motion + k + 1) + part);
       Real& most = largest[part / lanes];
-      most = max(most, max(first * first, second * second));
+      most = larger(most, larger(first * first, second * second));
     }
   MotionRow squares;
   for (std::size_t part = 0; part < 8; part += lanes) largest[part / lanes].store(numbers(&squares) + part);

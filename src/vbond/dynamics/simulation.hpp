@@ -40,7 +40,11 @@ struct BondEvent {
   Kind kind;
   BondId bond;
   std::int64_t step;  ///< at the end of which it happened
-  double energy = 0;  ///< of the bond when it broke, above rest  [energy]
+  // broken only, as the bond was when it broke
+  double energy = 0;             ///< above rest  [energy]
+  Failure<double> failure{};     ///< what used up its strength
+  SectionLoads<double> loads{};  ///< elastic
+  Vec3d middle{}, direction{};   ///< between its bonded points: place [length] and unit vector from i to j
 };
 
 /// One stage of a run: a const Model, a Stage, and the State that the step loop moves.

@@ -99,7 +99,13 @@ void Simulation::break_bond(BondId k) {
   if (b.law->remembers()) history = state_.bond_history[k] = bonds_.history(k);
 
   BondLoads<double> loads = b.law->loads(b, pose, history);
-  if (b.law->damped) {
+  BondEvent event{BondEvent::Kind::broken, k, state_.clock.step};
+  const BondAxis<double> axis = bond_axis(pose, b.R_i, b.R_j);
+  event.failure = b.law->failure(b, pose, history);
+  event.loads = section_loads(section_moments(pose, b.R_i, b.R_j, loads), axis, loads);
+  event.middle = at_i.r + b.R_i * pose.n_i[0] + 0.5 * axis.D * axis.d;
+  event.direction = axis.d;
+  if (is_damped(b)) {
     const MotionRow &rate_i = bodies_.rates[i.value], &rate_j = bodies_.rates[j.value];
     const BondRates<double> rates{rate_j.v - rate_i.v, rate_i.omega, rate_j.omega};
     const BondLoads<double> damping = b.law->damping_loads(b, pose, rates);
@@ -116,9 +122,9 @@ void Simulation::break_bond(BondId k) {
   loads.F -= touch.force;
   take_away(loads, bodies_.load[i.value], bodies_.load[j.value]);
   const BondEnergy<double> U = b.law->energy(b, pose, history);
-  const double energy = U.U_L + U.U_B + U.U_T;
-  state_.books.released += energy - touch.energy;
-  events_.push_back({BondEvent::Kind::broken, k, state_.clock.step, energy});
+  event.energy = U.U_L + U.U_B + U.U_T;
+  state_.books.released += event.energy - touch.energy;
+  events_.push_back(event);
   survey_.reset();
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -20,12 +21,24 @@ struct Bond {
   const BondLaw* law = &bond_law<VModel>;  ///< never null
   double a = 0, R_i = 0, R_j = 0;          ///< length at rest, attachment distances  [length]
   Coefficients coefficients{};             ///< of the law, in the order of its fields, in their units
+  const BondRules* rules = &no_rules;      ///< never null; kept(), see model/rules.hpp
   Quatd frame_i, frame_j;                  ///< the bond's frame in the body frames of i and j, see BondFrames
   std::uint32_t set = 0;                   ///< which bond set of the case made it
   bool broken = false;                     ///< keeps its id, and does nothing any more
 
   friend bool operator==(const Bond&, const Bond&) = default;
 };
+
+/// Whether a bond adds loads of damping, and whether it may break.
+inline bool is_damped(const Bond& b) {
+  return b.law->damped && (!b.law->has_rules || b.rules->damped);
+}
+inline bool can_break(const Bond& b) {
+  return b.law->breakable && (!b.law->has_rules || b.rules->can_break());
+}
+inline bool needs_rates(const Bond& b) {
+  return is_damped(b) || b.law->remembers();
+}
 
 /// Where a bond of this shape stands in the range of its law; a broken one has none to leave.
 inline BondRange bond_range(const Bond& b, const BondShape& s) {
@@ -65,10 +78,34 @@ struct TheoryParameters {
 /// Where a bond is fastened: at the centres, at the surfaces, or at given distances from the centres.
 enum class Attachment : std::uint8_t { centres, surfaces, given };
 
+/// What is given of a bond's damping, for stretching, shear, bending and torsion in turn.
+enum class DampingBy : std::uint8_t {
+  none,
+  coefficients,  ///< g itself  [stiffness * time]
+  time,          ///< g = time * stiffness: Rayleigh's beta K; a mode has zeta = beta omega / 2
+  ratio,         ///< g = 2 ratio sqrt(stiffness * reduced mass or inertia of the two particles)
+};
+struct BondDamping {
+  DampingBy by = DampingBy::none;
+  std::array<double, 4> values{};
+};
+
+/// Weibull's distribution of strength: a bond of volume V = A a has the factor (V_0/V)^(1/m)
+/// (-ln(1-u))^(1/m), with u drawn from the seed and the two particles.
+struct Weibull {
+  double modulus = 0;  ///< m, > 0; 0: all bonds have the same strength
+  double volume = 0;   ///< V_0; 0: that of each bond, which leaves size out
+  double area = 0;     ///< A, with volume
+  std::uint64_t seed = 1;
+};
+
 /// How to make a bond between any two particles: everything but the particles.
 struct BondRecipe {
   const BondLaw* law = &bond_law<VModel>;  ///< never null
   std::variant<GivenCoefficients, BondStiffness<double>, TheoryParameters> parameters;
+  BondRules rules;  ///< for a law that has rules; whether it is damped follows from `damping`
+  BondDamping damping;
+  Weibull weibull;
   Coefficients given{};  ///< besides stiffnesses or theory: coefficients that do not follow from them
   Attachment attachment = Attachment::centres;
   double R_i = 0, R_j = 0;  ///< only with Attachment::given  [length]
@@ -79,6 +116,11 @@ struct BondRecipe {
   /// bond: the coordinate axis least aligned with the bond, the first of equals.
   std::optional<Vec3d> n_2;
   std::uint32_t set = 0;
+
+  /// Whether its bonds need the law with rules.
+  bool has_rules() const {
+    return rules != no_rules || damping.by != DampingBy::none || weibull.modulus > 0.0;
+  }
 };
 
 }  // namespace vbond

@@ -18,6 +18,17 @@ std::span<const BondLaw* const> bond_laws() {
   return laws;
 }
 
+std::span<const BondLaw* const> named_laws() {
+  static const std::array<const BondLaw*, 2> laws{&bond_law<VModel>, &bond_law<Evm>};
+  return laws;
+}
+
+const BondLaw* with_rules(const BondLaw& law) {
+  if (law.has_rules) return &law;
+  if (&law == &bond_law<VModel>) return &bond_law<RuledVModel>;
+  return &law == &bond_law<Evm> ? &bond_law<RuledEvm> : nullptr;
+}
+
 const BondLaw* find_law(std::string_view name, std::span<const BondLaw* const> others) {
   for (const std::span<const BondLaw* const> laws : {bond_laws(), others}) {
     const auto at = std::find_if(laws.begin(), laws.end(), [&](const BondLaw* l) { return l->name == name; });

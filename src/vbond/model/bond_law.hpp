@@ -7,6 +7,7 @@
 #include "vbond/core/column.hpp"
 #include "vbond/physics/laws.hpp"
 #include "vbond/physics/range.hpp"
+#include "vbond/physics/rules.hpp"
 
 namespace vbond {
 
@@ -32,18 +33,20 @@ struct BondLaw {
   std::string_view rest_condition, rest_way_out;  ///< when rest is the least energy, and how to get there
   std::span<const std::string_view> history;      ///< names of what a bond remembers
   bool damped, breakable;
+  bool has_rules;  ///< whether it reads the rules of a bond
   /// The loads that damping adds.
   BondLoads<double> (*damping_loads)(const Bond&, const BondPose<double>&, const BondRates<double>&);
   BondEnergy<double> (*energy)(const Bond&, const BondPose<double>&, const BondHistory&);
   BondLoads<double> (*loads)(const Bond&, const BondPose<double>&, const BondHistory&);  ///< without damping
   /// Derivative of the loads, at rest: nothing for laws that remember, whose loads depend on the way.
   PairTangent<9> (*tangent)(const Bond&, const BondPose<double>&);
-  /// How near the bond is to breaking, at 1; 0 for laws that do not break.
-  double (*utilisation)(const Bond&, const BondPose<double>&, const BondHistory&);
+  /// How near the bond is to breaking, at 1, and by what; zeros for laws that do not break.
+  Failure<double> (*failure)(const Bond&, const BondPose<double>&, const BondHistory&);
   /// Force of stretching at the length D.  [force]
   double (*tension)(const Bond&, double D, const BondHistory&);
   BondStiffness<double> (*stiffness)(const Bond&);
-  BondStiffness<double> (*damping)(const Bond&);  ///< slopes of the damping at rest: stiffness times time
+  BondStiffness<double> (*stiffest)(const Bond&);  ///< that the time step allows for
+  BondStiffness<double> (*damping)(const Bond&);   ///< slopes of the damping at rest: stiffness times time
   BondRange (*range)(const Bond&, const BondShape&);
   /// The coefficients of a bond of length a with these stiffnesses; those that are always given stay as in
   /// `given`.
@@ -53,8 +56,6 @@ struct BondLaw {
   const BondLoops* (*loops)(std::string_view kernel) = nullptr;
 
   bool remembers() const { return !history.empty(); }
-  bool reads_rates() const { return damped || remembers(); }
-  bool is_elastic() const { return !reads_rates() && !breakable; }
 };
 
 /// The law as an object, for laws of the library and others alike; define_law.hpp says how it is made.
@@ -65,8 +66,12 @@ struct LawObject {
 template <template <class> class Law>
 inline constexpr const BondLaw& bond_law = LawObject<Law>::object;
 
-/// The laws of the library, in the order of BondLaws.
+/// The laws of the library, in the order of BondLaws, and those of them that case files name: without rules.
 std::span<const BondLaw* const> bond_laws();
+std::span<const BondLaw* const> named_laws();
+
+/// The law with rules that bends, shears and twists as this one, or nullptr.
+const BondLaw* with_rules(const BondLaw& law);
 
 /// The one of that name among the library's laws and these, or nullptr.
 const BondLaw* find_law(std::string_view name, std::span<const BondLaw* const> others = {});

@@ -19,6 +19,7 @@ Law<double> law_of(const Bond& b) {
     ((law.*coefficient<Law<double>, k> = b.coefficients[k]), ...);
   }
   (std::make_index_sequence<coefficients_of<Law<double>>>());
+  if constexpr (HasRules<Law<double>>) law.rules = b.rules;
   return law;
 }
 
@@ -78,6 +79,7 @@ constinit const BondLaw LawObject<Law>::object{
     .history = detail::history_names<Law<double>>(),
     .damped = Damped<Law<double>>,
     .breakable = Breakable<Law<double>>,
+    .has_rules = HasRules<Law<double>>,
     .damping_loads =
         [](const Bond& b, const BondPose<double>& pose, const BondRates<double>& rates) {
           if constexpr (Damped<Law<double>>)
@@ -98,20 +100,31 @@ constinit const BondLaw LawObject<Law>::object{
           else
             return bond_tangent(law_of<Law>(b), pose);
         },
-    .utilisation =
+    .failure =
         [](const Bond& b, const BondPose<double>& pose, const BondHistory& h) {
-          const auto history = history_of_bond<Law>(h);
+          Failure<double> f{};
           if constexpr (Breakable<Law<double>>) {
             const Law<double> law = law_of<Law>(b);
+            const auto history = history_of_bond<Law>(h);
             const BondAxis<double> axis = bond_axis(pose, b.R_i, b.R_j);
-            return utilisation_with(law, pose, axis, loads_with(law, pose, axis, history), history);
-          } else {
-            return 0.0;
+            const BondLoads<double> loads = loads_with(law, pose, axis, history);
+            if constexpr (requires { bond_failure(law, pose, axis, loads); })
+              f = bond_failure(law, pose, axis, loads);
+            else
+              f.utilisation = utilisation_with(law, pose, axis, loads, history);
           }
+          return f;
         },
     .tension = [](const Bond& b, double D,
                   const BondHistory& h) { return tension_with(law_of<Law>(b), D, history_of_bond<Law>(h)); },
     .stiffness = [](const Bond& b) { return stiffness(law_of<Law>(b)); },
+    .stiffest =
+        [](const Bond& b) {
+          if constexpr (requires { stiffest(law_of<Law>(b)); })
+            return stiffest(law_of<Law>(b));
+          else
+            return stiffness(law_of<Law>(b));
+        },
     .damping =
         [](const Bond& b) {
           if constexpr (Damped<Law<double>>)

@@ -1,6 +1,12 @@
 #include "vbond/model/make_bond.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <string_view>
+#include <tuple>
+
+#include "vbond/model/rules.hpp"
 
 namespace vbond {
 namespace {
@@ -14,10 +20,67 @@ BondStiffness<double> stiffness_of(const TheoryParameters& t, double a) {
   return {};
 }
 
+/// Damping by ratio: reduced mass of stretching, inertia of bending and torsion, and for shear what the two
+/// particles, turning about the middle of the bond, put up against it.
+BondStiffness<double> reduced(const BondSite& i, const BondSite& j, const Bond& b) {
+  const double mass = 1.0 / (1.0 / i.mass + 1.0 / j.mass),
+               inertia = 1.0 / (1.0 / i.inertia + 1.0 / j.inertia);
+  const double l_i = b.R_i + 0.5 * b.a, l_j = b.R_j + 0.5 * b.a;
+  return {mass, 1.0 / (1.0 / mass + sq(l_i) / i.inertia + sq(l_j) / j.inertia), inertia, inertia};
+}
+
+std::array<double, 4> in_turn(const BondStiffness<double>& c) {
+  return {c.c_A, c.c_D, c.c_B, c.c_T};
+}
+
+/// g_A, g_D, g_B, g_T of a bond.
+std::array<double, 4> damping_of(const BondDamping& damping, const BondSite& i, const BondSite& j,
+                                 const Bond& b) {
+  std::array<double, 4> g = damping.values;
+  const std::array<double, 4> c = in_turn(stiffness_of(b)), M = in_turn(reduced(i, j, b));
+  for (std::size_t k = 0; k < g.size(); ++k) {
+    if (damping.by == DampingBy::time) g[k] *= c[k];
+    if (damping.by == DampingBy::ratio) g[k] *= 2.0 * std::sqrt(c[k] * M[k]);
+  }
+  return g;
+}
+
+/// A number of [0, 1) that depends on the seed and the two particles alone (SplitMix64, Steele et al. 2014).
+double variate(std::uint64_t seed, ParticleId i, ParticleId j) {
+  std::uint64_t x = seed;
+  for (const std::size_t more : {std::min(i, j).value, std::max(i, j).value}) {
+    x += 0x9e3779b97f4a7c15 + more;
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
+    x = (x ^ (x >> 27)) * 0x94d049bb133111eb;
+    x ^= x >> 31;
+  }
+  return static_cast<double>(x >> 11) * 0x1p-53;
+}
+
+/// What a bond of a law with rules has besides its stiffness.
+void add_rules(const BondRecipe& recipe, const BondSite& i, const BondSite& j, Bond& b) {
+  if (!b.law->has_rules) return;
+  BondRules rules = recipe.rules;
+  rules.damped = recipe.damping.by != DampingBy::none;
+  b.rules = &kept(rules);
+  const auto at = [&b](std::string_view name) -> double& {
+    std::size_t k = 0;
+    while (b.law->fields[k].name != name) ++k;
+    return b.coefficients[k];
+  };
+  if (rules.damped)
+    std::tie(at("g_A"), at("g_D"), at("g_B"), at("g_T")) =
+        std::tuple_cat(damping_of(recipe.damping, i, j, b));
+  if (recipe.weibull.modulus > 0.0) {
+    const double u = variate(recipe.weibull.seed, i.id, j.id);
+    at("weakness") = 1.0 / weibull_factor(recipe.weibull, u, recipe.weibull.area * b.a) - 1.0;
+  }
+}
+
 /// A bond with its coefficients and lengths; ends and axes are still to be filled in.
 Bond with_coefficients(const BondRecipe& recipe, double a, double R_i, double R_j) {
   Bond b{};
-  b.law = recipe.law;
+  b.law = recipe.has_rules() ? with_rules(*recipe.law) : recipe.law;
   b.set = recipe.set;
   b.a = a;
   b.R_i = R_i;
@@ -41,6 +104,11 @@ BondStiffness<double> stiffness_of(const BondRecipe& recipe, double a) {
   if (const auto* c = std::get_if<BondStiffness<double>>(&recipe.parameters)) return *c;
   if (const auto* t = std::get_if<TheoryParameters>(&recipe.parameters)) return stiffness_of(*t, a_ref);
   return stiffness_of(with_coefficients(recipe, a, 0.0, 0.0));
+}
+
+double weibull_factor(const Weibull& weibull, double u, double V) {
+  const double size = weibull.volume > 0.0 ? weibull.volume / V : 1.0;
+  return std::pow(-size * std::log1p(-u), 1.0 / weibull.modulus);
 }
 
 Vec3d bond_n_2(const Vec3d& e, const std::optional<Vec3d>& wanted) {
@@ -70,6 +138,7 @@ std::optional<Bond> make_bond(const BondRecipe& recipe, const BondSite& i, const
   const Quatd frame = rotation_to(e_ij, n_2);
   b.frame_i = conjugate(i.q) * frame;
   b.frame_j = conjugate(j.q) * frame;
+  add_rules(recipe, i, j, b);
   return b;
 }
 

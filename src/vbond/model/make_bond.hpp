@@ -12,12 +12,13 @@ struct BondSite {
   ParticleId id;
   Vec3d r;  ///< [length]
   Quatd q;
-  double radius;  ///< [length]
+  double radius;                 ///< [length]
+  double mass = 0, inertia = 0;  ///< for damping by ratio only
 };
 
 /// A particle as it stands in this state.
 inline BondSite bond_site(const Model& model, const State& s, ParticleId p) {
-  return {p, s.r[p], s.q[p], model.radius[p]};
+  return {p, s.r[p], s.q[p], model.radius[p], model.mass[p], model.inertia[p]};
 }
 
 /// An unstressed bond between two particles as they stand now, whatever their orientation: its axes
@@ -30,6 +31,9 @@ BondStiffness<double> stiffness_of(const BondRecipe& recipe, double a);
 
 /// The stiffnesses of a bond about rest, from its coefficients.
 BondStiffness<double> stiffness_of(const Bond& bond);
+
+/// Weibull's factor of strength for the uniform variate u of [0, 1) and a bond of volume V.
+double weibull_factor(const Weibull& weibull, double u, double V);
 
 /// The direction n_2 of a new bond along the unit vector e_ij; see BondRecipe::n_2.
 Vec3d bond_n_2(const Vec3d& e_ij, const std::optional<Vec3d>& wanted);

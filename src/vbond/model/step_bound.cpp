@@ -47,14 +47,15 @@ Largest largest_of_bonds(const Model& model, const State& state, const PerPartic
     const Bond& b = state.bonds[id];
     if (b.broken) continue;
     const double lambda =
-        element_bound(stiffness_of(b), b.law->damping(b), end(b.i, b.R_i, b.a), end(b.j, b.R_j, b.a));
+        element_bound(b.law->stiffest(b), b.law->damping(b), end(b.i, b.R_i, b.a), end(b.j, b.R_j, b.a));
     if (!(lambda <= largest.lambda)) largest.lambda = lambda, largest.bond = id;
   }
   if (largest.bond) {
     const Bond& b = state.bonds[*largest.bond];
-    largest.source = motion_of(stiffness_of(b), end(b.i, b.R_i, b.a), end(b.j, b.R_j, b.a), largest.lambda) +
-                     " of bond " + std::to_string(largest.bond->value) + " (particles " +
-                     std::to_string(b.i.value) + ", " + std::to_string(b.j.value) + ")";
+    largest.source =
+        motion_of(b.law->stiffest(b), end(b.i, b.R_i, b.a), end(b.j, b.R_j, b.a), largest.lambda) +
+        " of bond " + std::to_string(largest.bond->value) + " (particles " + std::to_string(b.i.value) +
+        ", " + std::to_string(b.j.value) + ")";
   }
   return largest;
 }

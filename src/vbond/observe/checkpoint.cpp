@@ -9,12 +9,14 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "vbond/core/error.hpp"
+#include "vbond/model/rules.hpp"
 #include "vbond/observe/detail/h5.hpp"
 #include "vbond/observe/detail/h5_units.hpp"
 #include "vbond/observe/files.hpp"
@@ -23,7 +25,7 @@
 namespace vbond {
 namespace {
 
-constexpr std::int32_t format_version = 3;
+constexpr std::int32_t format_version = 4;
 
 // ---- the fields, listed once for writing and reading --------------------------------------------------
 
@@ -286,6 +288,46 @@ void read_laws(Reader& reader, State& state, std::span<const BondLaw* const> oth
   }
 }
 
+/// Rules that bonds point to, and for each bond the number of its own. Files without rules have no such data.
+using Rules = Column<Id<struct RulesOfFile>, RuleNumbers>;
+using RulesOfBonds = PerBond<std::uint32_t>;
+
+void write_rules(Writer& writer, const State& state) {
+  Rules rules;
+  RulesOfBonds of_bond;
+  std::vector<const BondRules*> seen;
+  for (const Bond& b : state.bonds) {
+    const auto at = std::find(seen.begin(), seen.end(), b.rules);
+    of_bond.push_back(static_cast<std::uint32_t>(at - seen.begin()));
+    if (at != seen.end()) continue;
+    seen.push_back(b.rules);
+    rules.push_back(numbers_of(*b.rules));
+  }
+  if (seen.empty() || (seen.size() == 1 && seen[0] == &no_rules)) return;
+  writer.of_each("/rules/numbers", rules, std::identity{});
+  writer.of_each("/bonds/rules", of_bond, std::identity{});
+}
+
+void read_rules(Reader& reader, State& state) {
+  if (!reader.has("/rules/numbers")) return;
+  Rules numbers;
+  RulesOfBonds of_bond;
+  numbers.resize(reader.rows("/rules/numbers"));
+  of_bond.resize(state.bonds.size());
+  reader.of_each("/rules/numbers", numbers, std::identity{});
+  reader.of_each("/bonds/rules", of_bond, std::identity{});
+  std::vector<const BondRules*> rules;
+  for (const RuleNumbers& row : numbers) {
+    const std::optional<BondRules> read = rules_of(row);
+    if (!read) throw IoError("is damaged: rules of bonds that cannot be");
+    rules.push_back(&kept(*read));
+  }
+  for (const BondId k : of_bond.ids()) {
+    if (of_bond[k] >= rules.size()) throw IoError("is damaged: a bond has no rules");
+    state.bonds[k].rules = rules[of_bond[k]];
+  }
+}
+
 using PairMemories = Column<Id<struct PairOfFile>, PairMemory>;
 
 /// Files have these only where bonds or contacts are more than elastic.
@@ -436,6 +478,7 @@ void write_checkpoint(const std::filesystem::path& path, const Model& model, con
     visit_fingerprint(writer, model);
     visit_fields(writer, checkpoint);
     write_laws(writer, checkpoint.state);
+    write_rules(writer, checkpoint.state);
     write_inelastic(writer, checkpoint.state);
     write_overlapping(writer, checkpoint.watch);
     write_rare(writer, checkpoint.watch);
@@ -464,6 +507,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const Model& model
     c.watch.bonds.resize(reader.rows("/watch/worst"));
     visit_fields(reader, c);
     read_laws(reader, c.state, laws);
+    read_rules(reader, c.state);
     read_inelastic(reader, c.state);
     read_overlapping(reader, c.watch, n);
     read_rare(reader, c.watch, c.state);

@@ -18,6 +18,10 @@ constexpr CheckpointQuantity data_sets[] = {
     {"/bonds/j", unit::none, "number of the second particle"},
     {"/laws/name", unit::none, "names of the bond laws, 32 bytes each, filled up with zeros"},
     {"/bonds/law", unit::none, "number of the bond's law among these names"},
+    {"/rules/numbers", unit::none,
+     "stretching, strength and damping that bonds share, in the units of the case; "
+     "only where bonds have rules"},
+    {"/bonds/rules", unit::none, "number of the bond's rules among these"},
     {"/bonds/a", unit::length, "length at rest"},
     {"/bonds/R_i", unit::length, "distance of the bonded point from the centre of i"},
     {"/bonds/R_j", unit::length, "distance of the bonded point from the centre of j"},

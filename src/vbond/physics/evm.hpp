@@ -50,10 +50,11 @@ VBOND_HD T tension(const Evm<T>& m, const T& D) {
   return m.B1 * (D - m.a);
 }
 
-/// Energy of a bond relative to rest, where U(undeformed) = -B2 - B3 - B4.
+/// Energy of a bond with the EVM's bending, shear and torsion and the law's own stretching, relative to rest,
+/// where U(undeformed) = -B2 - B3 - B4.
 /// The B4 term is booked as torsion although it also resists bending (c_B contains B4/2).
-template <Scalar T>
-VBOND_HD BondEnergy<T> bond_energy(const Evm<T>& m, const BondPose<T>& b) {
+template <class Law, Scalar T>
+VBOND_HD BondEnergy<T> evm_energy(const Law& m, const BondPose<T>& b) {
   const Vec3<T> D_ij = bonded_points(b, m.R_i, m.R_j);
   const T D = norm(D_ij);
   const Vec3<T> d = D_ij / D;
@@ -63,9 +64,9 @@ VBOND_HD BondEnergy<T> bond_energy(const Evm<T>& m, const BondPose<T>& b) {
           half * m.B4 * (two - dot(b.n_i[1], b.n_j[1]) - dot(b.n_i[2], b.n_j[2]))};
 }
 
-/// Force and moments of a bond: the gradient of bond_energy.
-template <Scalar T>
-VBOND_HD BondLoads<T> bond_loads(const Evm<T>& m, const BondPose<T>& b, const BondAxis<T>& axis) {
+/// Force and moments of such a bond: the gradient of evm_energy.
+template <class Law, Scalar T>
+VBOND_HD BondLoads<T> evm_loads(const Law& m, const BondPose<T>& b, const BondAxis<T>& axis) {
   const auto& [D, per_D, d] = axis;
   const T half(0.5);
 
@@ -77,9 +78,18 @@ VBOND_HD BondLoads<T> bond_loads(const Evm<T>& m, const BondPose<T>& b, const Bo
           -couple - cross(b.n_j[0], m.R_j * F + half * m.B2 * d)};
 }
 
+template <Scalar T>
+VBOND_HD BondEnergy<T> bond_energy(const Evm<T>& m, const BondPose<T>& b) {
+  return evm_energy(m, b);
+}
+template <Scalar T>
+VBOND_HD BondLoads<T> bond_loads(const Evm<T>& m, const BondPose<T>& b, const BondAxis<T>& axis) {
+  return evm_loads(m, b, axis);
+}
+
 /// Stiffnesses about rest.
 template <Scalar T>
-constexpr BondStiffness<T> stiffness(const Evm<T>& m) {
+VBOND_HD constexpr BondStiffness<T> stiffness(const Evm<T>& m) {
   return {m.B1, m.B2 / sq(m.a), T(0.25) * m.B2 + m.B3 + T(0.5) * m.B4, m.B4};
 }
 

@@ -59,7 +59,9 @@ struct LawField {
 ///         bond_energy, tension and bond_loads then have a LawHistory as last argument, as those below
 ///     advance(law, pose, axis, rates, dt, history)           the new history, before the loads of a step
 ///     utilisation(law, pose, axis, loads[, history])         by its elastic loads; the bond breaks at 1
-inline constexpr std::size_t most_coefficients = 8;
+///     const BondRules* rules                                 what the bonds of a set share
+///     stiffest(law)                                          what the step allows for; else stiffness(law)
+inline constexpr std::size_t most_coefficients = 9;
 
 template <class Law>
 inline constexpr std::size_t coefficients_of = Law::fields().size();
@@ -150,6 +152,7 @@ constexpr Law<To> with_scalar(const Law<From>& m) {
     ((to.*coefficient<Law<To>, k> = To(m.*coefficient<Law<From>, k>)), ...);
   }
   (std::make_index_sequence<coefficients_of<Law<To>>>());
+  if constexpr (requires { to.rules; }) to.rules = m.rules;
   return to;
 }
 

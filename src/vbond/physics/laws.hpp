@@ -1,12 +1,13 @@
 #pragma once
 #include "vbond/physics/evm.hpp"
 #include "vbond/physics/law.hpp"
+#include "vbond/physics/ruled.hpp"
 #include "vbond/physics/vmodel.hpp"
-#include "vbond/physics/vmodel_cubic.hpp"
 
 namespace vbond {
 
 /// The bond laws of the library: the one list of them. Files keep laws by name, so that the order is free.
-using BondLaws = LawList<VModel, Evm, VModelCubic>;
+/// Case files name a law without rules; the one with rules is taken where a bond set has any.
+using BondLaws = LawList<VModel, Evm, RuledVModel, RuledEvm>;
 
 }  // namespace vbond

@@ -23,28 +23,29 @@ struct Material {
 
 /// Cross-section of a bond; bending stiffness is taken as isotropic.
 struct Section {
-  double A;    ///< area  [length^2]
-  double J;    ///< second moment of area  [length^4]
-  double J_p;  ///< torsion constant; the polar moment 2J for circle and annulus  [length^4]
+  double A;      ///< area  [length^2]
+  double J;      ///< second moment of area  [length^4]
+  double J_p;    ///< torsion constant; the polar moment 2J for circle and annulus  [length^4]
+  double r = 0;  ///< distance of the outermost fibre from the axis, for strengths  [length]
 };
 
 /// Full circle of diameter d.
 constexpr Section circle(double d) {
   const double J = std::numbers::pi / 64.0 * sq(sq(d));
-  return {0.25 * std::numbers::pi * sq(d), J, 2.0 * J};
+  return {0.25 * std::numbers::pi * sq(d), J, 2.0 * J, 0.5 * d};
 }
 
 /// Annulus of outer diameter d and inner diameter d_inner, 0 <= d_inner < d.
 constexpr Section annulus(double d, double d_inner) {
   const Section o = circle(d), i = circle(d_inner);
-  return {o.A - i.A, o.J - i.J, o.J_p - i.J_p};
+  return {o.A - i.A, o.J - i.J, o.J_p - i.J_p, o.r};
 }
 
 /// Square of side h; J_p is Saint-Venant's torsion constant 0.1405770 h^4 (Timoshenko & Goodier,
 /// Theory of Elasticity, torsion of rectangular bars), not the polar moment h^4/6.
 constexpr Section square(double h) {
   constexpr double saint_venant = 0.140577014955157;
-  return {sq(h), sq(sq(h)) / 12.0, saint_venant * sq(sq(h))};
+  return {sq(h), sq(sq(h)) / 12.0, saint_venant * sq(sq(h)), 0.5 * h};
 }
 
 /// Hutchinson's shear coefficient of a full circle, [KA12] eq. (25).

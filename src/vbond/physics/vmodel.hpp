@@ -113,7 +113,7 @@ VBOND_HD BondLoads<T> bond_loads(const VModel<T>& m, const BondPose<T>& b, const
 
 /// Stiffnesses about rest, [KA12] eq. (19).
 template <Scalar T>
-constexpr BondStiffness<T> stiffness(const VModel<T>& m) {
+VBOND_HD constexpr BondStiffness<T> stiffness(const VModel<T>& m) {
   return {m.B1, T(2.0) * m.B3 / sq(m.a), m.B2 + T(0.5) * m.B3, m.B4};
 }
 
