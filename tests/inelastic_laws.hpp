@@ -4,6 +4,7 @@
 
 #include "vbond/dynamics/law_with_loops.hpp"
 #include "vbond/dynamics/pair_loops.hpp"
+#include "vbond/physics/section.hpp"
 #include "vbond/physics/vmodel.hpp"
 
 /// Laws that damp, remember and break, for tests of what carries them.
@@ -80,17 +81,7 @@ inline BondRange bond_range(const Damped<double>&, const BondShape& s) {
 template <Scalar T>
 VBOND_HD BondLoads<T> bond_damping(const Damped<T>& m, const BondPose<T>& b, const BondAxis<T>& axis,
                                    const BondRates<T>& rates) {
-  const Vec3<T>& d = axis.d;
-  const Vec3<T> D_ij = axis.D * d;
-  const Vec3<T> rate = rates.v_ij + m.R_j * cross(rates.w_j, b.n_j[0]) - m.R_i * cross(rates.w_i, b.n_i[0]);
-  const T v_n = dot(d, rate);
-  const Vec3<T> v_s = rate - v_n * d - cross(T(0.5) * (rates.w_i + rates.w_j), D_ij);
-  const Vec3<T> w = rates.w_j - rates.w_i;
-  const T w_n = dot(d, w);
-  const Vec3<T> F = m.g_A * v_n * d + m.g_D * v_s;
-  const Vec3<T> half = T(0.5) * cross(D_ij, m.g_D * v_s);
-  const Vec3<T> couple = m.g_B * (w - w_n * d) + m.g_T * w_n * d;
-  return {F, m.R_i * cross(b.n_i[0], F) + half + couple, -(m.R_j * cross(b.n_j[0], F)) + half - couple};
+  return linear_damping(damping(m), b, m.R_i, m.R_j, axis, rates);
 }
 
 /// Flows along its axis like a dashpot in series, its length at rest growing by N/eta per time, and breaks at

@@ -1,4 +1,5 @@
 #include "vbond/observe/quantities.hpp"
+#include "vbond/model/rules.hpp"
 
 #include <gtest/gtest.h>
 #include <hdf5.h>
@@ -138,6 +139,10 @@ TEST(Quantities, EveryDataSetOfACheckpointHasItsUnitAndMeaning) {
   chain.state.contact_history = {{ParticleId{0}, ParticleId{2}, {1.0}}};
   for (Loads* loads : {&chain.state.loads, &chain.state.damping})
     *loads = {PerParticle<Vec3d>(chain.state.r.size()), PerParticle<Vec3d>(chain.state.r.size())};
+  chain.state.bonds[BondId{0}].law = &bond_law<RuledVModel>;
+  BondRules rules;
+  rules.strength = elongation_strength(0.1);
+  chain.state.bonds[BondId{0}].rules = &kept(rules);
   write_checkpoint(folder / "c.h5", chain.model, {chain.state, watch}, "1.0");
   std::set<std::string> described;
   for (const auto& [path, unit, meaning] : data_sets_of(folder / "c.h5")) {

@@ -180,7 +180,7 @@ void Simulation::notify_observers() {
     o->observe(*this);
     steps_to_look_ = std::min(steps_to_look_, std::max<std::int64_t>(1, o->steps_to_next_look(state_.clock)));
   }
-  events_.clear();
+  if (!observers_.empty()) events_.clear();  // without any, all are kept for the caller
 }
 
 void Simulation::kick(const Block& b, double h) {
