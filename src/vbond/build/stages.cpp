@@ -254,6 +254,7 @@ Stage resolve_stage(const Case& c, const Model& model, std::size_t k, Problems& 
   stage.insist = c.time.insist;
   stage.gravity = spec.gravity;
   stage.b_translation = spec.b_translation;
+  stage.local_damping = spec.local_damping;
   stage.b_rotation = spec.b_rotation;
   stage.supports = resolver.supports();
   stage.loads = resolver.loads();

@@ -251,7 +251,7 @@ struct StageSpec {
 
   // dynamics
   CaseTime duration;  ///< required, > 0: the longest the stage may take
-  double b_translation = 0, b_rotation = 0;
+  double b_translation = 0, b_rotation = 0, local_damping = 0;
   std::optional<StrainSpec> strain;
   std::optional<PeakStopSpec> stop_peak;
   std::optional<RestStopSpec> stop_rest;

@@ -87,9 +87,12 @@ void describe_stop(Table& t, StageSpec& s) {
 
 void describe_motion(Table& t, StageSpec& s) {
   t.key("duration", s.duration, TimeCodec{}, required, "the longest that the stage may take");
-  t.table("damping", optional, "viscous damping of all particles", [&s](Table& d) {
+  t.table("damping", optional, "damping of all particles", [&s](Table& d) {
     d.key("translation", s.b_translation, not_negative(damping), optional, "b of the force -b v");
     d.key("rotation", s.b_rotation, not_negative(rotary_damping), optional, "b of the moment -b omega");
+    d.key(
+        "local", s.local_damping, NumberCodec{pure, {0, 1, false, true}}, optional,
+        "Cundall's local damping, not physical: this part of the load left on a particle opposes its motion");
   });
   t.table("strain", s.strain, "affine strain, applied step by step");
 }

@@ -4,7 +4,13 @@
 
 namespace vbond {
 
-Damping::Damping(const Stage& stage, Bodies& bodies) : bodies_(bodies) {
+Damping::Damping(const Stage& stage, Bodies& bodies) : bodies_(bodies), local_(stage.local_damping) {
+  if (is_local()) {
+    held_.resize(bodies.pose.size());
+    for (const Support& s : stage.supports)
+      for (const ParticleId p : s.particles)
+        for (std::size_t k = 0; k < s.held.size(); ++k) held_[bodies.order.row[p].value][k] |= s.held[k];
+  }
   if (stage.b_translation == 0.0 && stage.b_rotation == 0.0) return;
   decay_.resize(bodies.pose.size());
   for (std::size_t k = 0; k < bodies.order.particle.size(); ++k) {
@@ -19,6 +25,23 @@ Damping::Damping(const Stage& stage, Bodies& bodies) : bodies_(bodies) {
 
 double Damping::slow_down(RowRange rows) const {
   return decay_.empty() ? 0.0 : step_kernel().slow_down(rows, decay_.data(), bodies_.motion.data());
+}
+
+void Damping::oppose_motion(RowRange rows) const {
+  const auto against = [this](double load, double rate, bool held) {
+    return held || rate == 0.0 ? 0.0 : -local_ * std::copysign(std::abs(load), rate);
+  };
+  const auto oppose = [&](const Vec3d& load, const Vec3d& rate, const HeldDofs& held, std::size_t k) {
+    return Vec3d{against(load.x, rate.x, held[k]), against(load.y, rate.y, held[k + 1]),
+                 against(load.z, rate.z, held[k + 2])};
+  };
+  for (std::size_t k = rows.first; k < rows.last; ++k) {
+    LoadRow &load = bodies_.load[k], &damping = bodies_.damping[k];
+    const MotionRow& rate = bodies_.rates[k];
+    const Vec3d F = oppose(load.F, rate.v, held_[k], 0), M = oppose(load.M, rate.omega, held_[k], 3);
+    load.F += F, damping.F += F;
+    load.M += M, damping.M += M;
+  }
 }
 
 }  // namespace vbond

@@ -7,18 +7,25 @@
 
 namespace vbond {
 
-/// Viscous drag -b v and -b omega over half a step, solved exactly (v decays by exp(-b dt / 2m)): stable
-/// for any b, and what it takes out of the kinetic energy is known to the last digit.
+/// Viscous drag and local damping. Drag is -b v and -b omega over half a step, solved exactly (v decays by
+/// exp(-b dt / 2m)): stable for any b, and what it takes out of the kinetic energy is known to the last
+/// digit.
 class Damping {
  public:
   /// Keeps a reference to the bodies.
   Damping(const Stage& stage, Bodies& bodies);
   /// Slows particles down and returns the energy that goes; supports put their own velocities back after it.
   double slow_down(RowRange rows) const;
+  /// Cundall's local damping: adds to complete loads, and to the part of them that damps, what opposes the
+  /// rates of the last half step. Held degrees of freedom are left out.
+  bool is_local() const { return local_ > 0.0; }
+  void oppose_motion(RowRange rows) const;
 
  private:
   Bodies& bodies_;
-  std::vector<Decay> decay_;  // of each row; empty: no damping
+  std::vector<Decay> decay_;  // of each row; empty: no drag
+  double local_;
+  std::vector<HeldDofs> held_;  // of each row, for local damping
 };
 
 }  // namespace vbond

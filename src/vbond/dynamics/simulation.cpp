@@ -226,6 +226,7 @@ void Simulation::complete_loads(const Part& part, const Block& b, Instant at, co
     lap.add_to(times_.contacts);
   }
   applied_.add(b, at);
+  if (damping_.is_local()) damping_.oppose_motion(b.rows);
 }
 
 /// Between steps: what reads rates reads the present ones, and nothing is remembered or broken.
@@ -289,7 +290,8 @@ const State& Simulation::state() const {
   bodies_.write(state_);
   if (bonds_.remembers()) bonds_.collect(state_.bond_history);
   state_.contact_history = contacts_.inelastic() != nullptr ? contacts_.collect() : std::vector<PairMemory>{};
-  state_.loads = bonds_.all_elastic() && !contacts_.inelastic() ? Loads{} : loads();
+  const bool loads_follow = bonds_.all_elastic() && !contacts_.inelastic() && !damping_.is_local();
+  state_.loads = loads_follow ? Loads{} : loads();
   state_.damping = bodies_.damping.empty() ? Loads{} : bodies_.collect(bodies_.damping);
   return state_;
 }

@@ -29,12 +29,12 @@ void take_away(const BondLoads<double>& l, LoadRow& i, LoadRow& j) {
 void Simulation::arrange_bonds() {
   bonds_.arrange(state_.bonds, state_.bond_history, bodies_.order, team_);
   if (bonds_.remembers()) state_.bond_history.resize(state_.bonds.size());
-  const bool pairs = contacts_.inelastic() != nullptr;
-  if (!bonds_.reads_rates() && !pairs)
+  const bool others = contacts_.inelastic() != nullptr || damping_.is_local();
+  if (!bonds_.reads_rates() && !others)
     bodies_.rates.clear();
   else if (bodies_.rates.empty())
     bodies_.rates = bodies_.motion;
-  bodies_.damping.resize(bonds_.damp() || pairs ? bodies_.load.size() : 0);
+  bodies_.damping.resize(bonds_.damp() || others ? bodies_.load.size() : 0);
 }
 
 void Simulation::bonds_changed() {

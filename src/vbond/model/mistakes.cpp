@@ -282,6 +282,8 @@ std::vector<std::string> mistakes_in(const Model& model, const Stage& stage) {
   found.require(
       at_least_zero(stage.b_translation) && at_least_zero(stage.b_rotation),
       fmt::format("the damping is {} and {}: it must be >= 0", stage.b_translation, stage.b_rotation));
+  found.require(stage.local_damping >= 0.0 && stage.local_damping < 1.0,
+                fmt::format("the local damping is {}: it must be >= 0 and below 1", stage.local_damping));
   for (const Support& s : stage.supports) {
     found.require_known(s.particles, "a support", s.group);
     found.require_finite(s.velocity, who("a support", s), "the velocity");
