@@ -115,10 +115,10 @@ struct Stage {
   bool insist = false;       ///< dt may be above the critical step
   Vec3d gravity;             ///< [length/time^2]
   double b_translation = 0;  ///< viscous force -b v  [force*time/length]
-  /// Cundall's local damping, 0 to below 1: this part of each component of the force and moment that is left on
-  /// a particle acts against its motion. Not physical: to come to rest with few steps.
+  /// Cundall's local damping, 0 to below 1: this part of each component of the force and moment that is left
+  /// on a particle acts against its motion. Not physical: to come to rest with few steps.
   double local_damping = 0;
-  double b_rotation = 0;     ///< viscous moment -b omega  [force*length*time]
+  double b_rotation = 0;  ///< viscous moment -b omega  [force*length*time]
   std::vector<Support> supports;
   std::vector<PointLoad> loads;
   std::optional<StrainProgram> strain;
