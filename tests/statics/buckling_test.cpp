@@ -69,6 +69,33 @@ double exact_force(double q, double bonds, double a, const BondStiffness<double>
   return 0.5 * c.c_A * (a - std::sqrt(a * a - 4 * X / c.c_A));
 }
 
+// TH1: the paper's rod of ten, its ends held, grows in length by a part x of it, as by heat: it buckles where
+// its smallest eigenvalue vanishes. Linear between 1e-5 to either side of the exact x, whose square is left.
+TEST(PinnedRods, BuckleByAnImposedGrowthAtTheExactOne) {
+  std::ifstream file(std::string(VBOND_TEST_DATA) + "/materials.json");
+  const auto all = nlohmann::json::parse(file);
+  double exact = 0.0;
+  for (const auto& c : all["cases"])
+    if (c["id"] == "TH1") exact = c["expected"]["alpha_dT_critical"];
+  const auto stiffness_at = [](double x) {
+    BondRecipe recipe = testing::papers_bond();
+    recipe.parameters = GivenCoefficients{{1.0, -0.005, 0.015, 1.0 / 480}};  // unchanged by the growth
+    recipe.prestrain = 1.0 / (1.0 + x) - 1.0;
+    const testing::Specimen s = testing::straight_rod(10, recipe);
+    EXPECT_NEAR(s.state.bonds[BondId{0}].a, 1.0 + x, 1e-15);
+    StaticStage stage = testing::static_stage(StageKind::equilibrium,
+                                              {fixed({ParticleId{0}}, {true, true, true, true, false, false}),
+                                               fixed({ParticleId{9}}, testing::translations)});
+    stage.at_saddle = AtSaddle::keep;
+    return run_static_stage(s.model, stage, s.state, {}).result.smallest_eigenvalue.value();
+  };
+  const double below = exact * (1 - 1e-5), above = exact * (1 + 1e-5);
+  const double k_below = stiffness_at(below), k_above = stiffness_at(above);
+  EXPECT_GT(k_below, 0.0);
+  EXPECT_LT(k_above, 0.0);
+  EXPECT_NEAR((below + (above - below) * k_below / (k_below - k_above)) / exact, 1.0, 1e-9);
+}
+
 // All 14 rods, among them Timoshenko bonds, short cylinders and bonds fastened at the surfaces. A round
 // section buckles in two planes at one load.
 TEST(PinnedRods, BuckleInTwoPlanesAtTheirExactStaticForce) {

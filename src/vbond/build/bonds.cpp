@@ -238,7 +238,7 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
     if (!has_stable_rest(k))
       unstable.note(fmt::format("particles {} and {}: c_A = {:.6g}, c_D = {:.6g}, c_B = {:.6g}, c_T = {:.6g}",
                                 pair[0].value, pair[1].value, k.c_A, k.c_D, k.c_B, k.c_T));
-    add_bond(model, *bond, state);
+    add_bond(model, *bond, recipe, state);
   }
   const auto report = [&](const FirstAndCount& found, const char* rule, const char* way_out) {
     if (found.count > 0)

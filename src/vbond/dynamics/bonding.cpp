@@ -74,7 +74,7 @@ std::vector<Bonding::Pair> Bonding::find(std::span<const PoseRow> pose, const Te
 
 void Bonding::make(const std::vector<Pair>& pairs, State& state) {
   for (const auto& [rule, i, j] : pairs)
-    add_bond(model_, bond_between(rule->recipe, model_, state, i, j), state);
+    add_bond(model_, bond_between(rule->recipe, model_, state, i, j), rule->recipe, state);
   for (RuleList& list : rules_) list.near.invalidate();
   check_step(state);
 }

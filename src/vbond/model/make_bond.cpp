@@ -127,7 +127,7 @@ std::optional<Bond> make_bond(const BondRecipe& recipe, const BondSite& i, const
   double R_i = recipe.R_i, R_j = recipe.R_j;
   if (recipe.attachment == Attachment::centres) R_i = R_j = 0.0;
   if (recipe.attachment == Attachment::surfaces) R_i = i.radius, R_j = j.radius;
-  const double a = distance - R_i - R_j;
+  const double a = (distance - R_i - R_j) / (1.0 + recipe.prestrain);
   if (!(a > 0.0)) return std::nullopt;
 
   const Vec3d e_ij = r_ij / distance;

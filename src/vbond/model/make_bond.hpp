@@ -21,9 +21,9 @@ inline BondSite bond_site(const Model& model, const State& s, ParticleId p) {
   return {p, s.r[p], s.q[p], model.radius[p], model.mass[p], model.inertia[p]};
 }
 
-/// An unstressed bond between two particles as they stand now, whatever their orientation: its axes
-/// are stored in each particle's own basis, [KA12] eq. (5). Nothing if the bonded points would be
-/// no apart or crossed over (a <= 0), as for touching particles bonded at their surfaces.
+/// A bond between two particles as they stand now, unstressed but for the recipe's prestrain, whatever their
+/// orientation: its axes are stored in each particle's own basis, [KA12] eq. (5). Nothing if the bonded
+/// points would be no apart or crossed over (a <= 0), as for touching particles bonded at their surfaces.
 std::optional<Bond> make_bond(const BondRecipe& recipe, const BondSite& i, const BondSite& j);
 
 /// The stiffnesses a recipe gives to a bond of length a > 0 (of its reference length, if it has one).

@@ -95,12 +95,16 @@ inline double contact_pair_energy(const Model& model, const State& s, ParticleId
   return contact_energy(contact_law(model.contact, model.radius[i], model.radius[j]), overlap);
 }
 
-/// Takes up a new bond. If bonded pairs do not touch, the pair's contact energy is given up and booked as
-/// dissipated.
-inline void add_bond(const Model& model, const Bond& bond, State& s) {
+/// Takes up a new bond, made by this recipe. If bonded pairs do not touch, the pair's contact energy is given
+/// up and booked as dissipated; the energy of a prestrain is booked as work of imposed strain.
+inline void add_bond(const Model& model, const Bond& bond, const BondRecipe& recipe, State& s) {
   s.bonds.push_back(bond);
   if (model.contact.pairs == ContactPairs::unbonded)
     s.books.dissipated += contact_pair_energy(model, s, bond.i, bond.j);
+  if (recipe.prestrain == 0.0) return;
+  const BondPose<double> pose = bond_pose(bond, s.r[bond.i], s.q[bond.i], s.r[bond.j], s.q[bond.j]);
+  const BondEnergy<double> U = bond.law->energy(bond, pose, no_history);
+  s.books.work_supports += U.U_L + U.U_B + U.U_T;
 }
 
 /// The pose of a bond as its particles stand now.
