@@ -116,6 +116,36 @@ TEST(Bonds, MadeBetweenTurnedParticlesAreUnstressed) {
   }
 }
 
+/// What building a rod of this spacing says, with bonds that soften from s_c = 1 on, E = 100, G_f = 0.01:
+/// they must be shorter than 2 E G_f/s_c^2 = 2.
+std::string softening_rod(double spacing, BondTime when) {
+  Case c = case_of(RodSpecimen{4, spacing, {}, {1, 0, 0}});
+  BondSpec bonds = bonds_within(1.1 * spacing);
+  bonds.when = when;
+  bonds.recipe.parameters = TheoryParameters{BondTheory::bernoulli_euler, {100.0, 0.2}, circle(0.2), 0};
+  bonds.softening = SofteningSpec{{"case.toml", 12, 1}, 1.0, 0.01, {}};
+  bonds.recipe.rules.softening = {circle(0.2).A * 1.0, 2.0 * 0.01 / 1.0};
+  c.bonds = {bonds};
+  try {
+    Built b = build(c);
+    build_stage(c, b.model, 0, b.state);
+  } catch (const CaseError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(Bonds, ThatSoftenMustNotSnapBack) {
+  EXPECT_EQ(softening_rod(1.9, BondTime::start), "");
+  EXPECT_EQ(softening_rod(1.8, BondTime::approach), "");
+  for (const BondTime when : {BondTime::start, BondTime::approach}) {
+    const std::string refused = softening_rod(2.1, when);
+    EXPECT_NE(refused.find("case.toml:12:1: "), std::string::npos) << refused;
+    EXPECT_NE(refused.find("2 E G_f/s_c^2"), std::string::npos) << refused;
+    EXPECT_NE(refused.find("bonds shorter than 2,"), std::string::npos) << refused;
+  }
+}
+
 TEST(Bonds, OfPairsComeInOrderWhateverTheOrderGiven) {
   Case c = case_of(RodSpecimen{4, 1.0, {}, {1, 0, 0}});
   BondSpec bonds = bonds_within(1.0);

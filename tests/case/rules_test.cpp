@@ -127,6 +127,40 @@ TEST(CaseRules, BondsAreMadeWhenTheCaseSays) {
                  "is used only with stiffness or theory");
 }
 
+TEST(CaseRules, BondsYieldCreepAndSoftenAsTheTablesSay) {
+  const std::string stiffness = "stiffness = { c_A = 1, c_D = 0.03, c_B = 0.0025, c_T = 0.002 }\n";
+  const BondRules yields =
+      recipe_of(
+          stiffness +
+          "yield = { axial_force = 2, shear_force = 3, torque = 4, isotropic = { axial = 0.1 }, kinematic = "
+          "{ bending = 0.2 } }\n")
+          .rules;
+  EXPECT_EQ(yields.yield.limit, (FlowLimits{2, 3, 0, 4}));
+  EXPECT_EQ(yields.yield.compression, 2.0);
+  EXPECT_EQ(yields.yield.isotropic, (FlowLimits{0.1, 0, 0, 0}));
+  EXPECT_EQ(yields.yield.kinematic, (FlowLimits{0, 0, 0.2, 0}));
+  EXPECT_EQ(
+      recipe_of(stiffness + "yield = { axial_force = 2, compression_force = 5 }\n").rules.yield.compression,
+      5.0);
+  EXPECT_EQ(recipe_of(stiffness + "creep = { viscosity = 8 }\n").rules.creep, (Creep{0.125, 1}));
+  EXPECT_EQ(
+      recipe_of(stiffness + "creep = { norton = { exponent = 3, speed = 16, force = 2 } }\n").rules.creep,
+      (Creep{2.0, 3}));
+  const std::string section = "section = { shape = \"given\", A = 0.5, J = 1, J_p = 1 }";
+  EXPECT_EQ(recipe_of(stiffness + "softening = { tension = 4, fracture_energy = 3, " + section + " }\n")
+                .rules.softening,
+            (Softening{2.0, 1.5}));
+  const std::string bonds = rod + stage + "[[bonds]]\ndistance = 1.1\n" + stiffness;
+  expect_refused(bonds + "yield = {}\n", "at least one load must have a limit");
+  expect_refused(bonds + "yield = { torque = 1, compression_force = 1 }\n", "yields in tension, too");
+  expect_refused(bonds + "yield = { axial_force = -1 }\n", "0 < axial_force");
+  expect_refused(bonds + "creep = { norton = { exponent = 2.5, speed = 1, force = 1 } }\n", "whole number");
+  expect_refused(bonds + "creep = {}\n", "exactly one of");
+  expect_refused(bonds + "creep = { viscosity = 1 }\nstretching = { form = \"morse\", alpha = 1 }\n",
+                 "stretch harmonically");
+  expect_refused(bonds + "softening = { tension = 1, fracture_energy = 1 }\n", "section is missing");
+}
+
 TEST(CaseRules, RampIsATableOfTwoPoints) {
   const auto factor = [](const std::string& text) {
     return parse_case(rod + stage + "loads = [{ group = \"all\", " + text + " }]\n", "case.toml")

@@ -4,6 +4,7 @@
 #include <deque>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -242,8 +243,9 @@ std::vector<P> random_packs(std::size_t count, std::size_t rows, unsigned seed) 
   return packs;
 }
 
-/// With rules: Morse's stretching, damping, and a strength that some bonds are past.
-BondType type_with_rules(const BondLaw& law, Criterion criterion) {
+/// With rules: Morse's stretching, damping, and a strength that some bonds are past; or bonds that flow in
+/// all ways.
+BondType type_with_rules(const BondLaw& law, Criterion criterion, bool flows) {
   static std::deque<BondRules> rules;
   BondRules& r = rules.emplace_back();
   r.stretch.form = StretchForm::morse;
@@ -252,6 +254,15 @@ BondType type_with_rules(const BondLaw& law, Criterion criterion) {
   r.strength.criterion = criterion;
   r.strength.friction = r.strength.compression = 0.1;
   r.damped = true;
+  if (flows) {
+    r.stretch = {};
+    r.yield.limit = {0.02, 0.03, 0.01, 0.02};
+    r.yield.compression = 0.03;
+    r.yield.isotropic = {0.1, 0.2, 0.1, 0.1};
+    r.yield.kinematic = {0.2, 0.0, 0.3, 0.1};
+    r.creep = {0.05, 3};
+    r.softening = {0.05, 3.0};
+  }
   return {&law, &r, true, true, 1.0, 0.1, 0.2, {1.0, -0.1, 0.3, 0.2, 0.1, 0.4, 0.3, 0.2, 0.1}};
 }
 
@@ -264,8 +275,10 @@ void expect_same_bonds(PackLoops<P> BondLoops::*loops, const BondType& type) {
   std::vector<PackLanes> lanes(packs.size(), PackLanes{all_lanes, false});
   lanes[3].crossing = true;
   lanes[8].active = 0x1f;
-  const PackRun<P> run{packs.data(), lanes.data(), packs.size(), &type};
+  PackRun<P> run{packs.data(), lanes.data(), packs.size(), &type};
   std::vector<LoadRow> first_load;
+  std::vector<double> first_history;
+  double first_dissipated = 0.0;
   std::vector<std::uint8_t> first_broken;
   BondEnergies first;
   std::vector<std::uint8_t> first_look;
@@ -274,12 +287,17 @@ void expect_same_bonds(PackLoops<P> BondLoops::*loops, const BondType& type) {
     std::vector<std::uint8_t> broken(packs.size());
     BondSweep sweep{{10, 30}, rows.pose.data(), load.data(), rows.motion.data(), damping.data()};
     sweep.broken = broken.data();
-    (bond_loops(law, *kernel).*loops).add_loads(run, sweep);
+    sweep.dt = 0.1;
+    std::vector<double> history(packs.size() * law.history.size() * pack_bonds);
+    run.history = history.data();
+    for (int step = 0; step < (law.remembers() ? 3 : 1); ++step)
+      (bond_loops(law, *kernel).*loops).add_loads(run, sweep);
     BondEnergies sum;
     std::vector<std::uint8_t> look(packs.size());
     (bond_loops(law, *kernel).*loops).survey(run, rows.pose.data(), sum, look.data());
     if (first_load.empty()) {
-      first_load = load, first = sum, first_look = look, first_broken = broken;
+      first_load = load, first = sum, first_look = look, first_broken = broken, first_history = history;
+      first_dissipated = sweep.dissipated;
       continue;
     }
     for (std::size_t k = 0; k < n; ++k)
@@ -288,6 +306,8 @@ void expect_same_bonds(PackLoops<P> BondLoops::*loops, const BondType& type) {
     EXPECT_TRUE(sum.U_L == first.U_L && sum.U_B == first.U_B && sum.U_T == first.U_T) << kernel->name;
     EXPECT_EQ(look, first_look) << kernel->name;
     EXPECT_EQ(broken, first_broken) << kernel->name;
+    EXPECT_EQ(history, first_history) << kernel->name;
+    EXPECT_EQ(std::bit_cast<std::uint64_t>(sweep.dissipated), std::bit_cast<std::uint64_t>(first_dissipated));
   }
   if (!type.breakable) return;
   const auto any = [](std::uint8_t lanes_broken) { return lanes_broken != 0; };
@@ -307,7 +327,7 @@ TEST(StepKernel, GivesTheSameBitsWithEveryInstructionSet) {
   for (const BondLaw* law : bond_laws()) {
     expect_same({law, &no_rules, false, false, 1.0, 0.1, 0.2, {1.0, -0.1, 0.3, 0.2, 0.1, 0.4}});
     for (int c = 1; c <= static_cast<int>(Criterion::elongation) && law->has_rules; ++c)
-      expect_same(type_with_rules(*law, static_cast<Criterion>(c)));
+      expect_same(type_with_rules(*law, static_cast<Criterion>(c), law->remembers()));
   }
   for (const double fastest : {0.1, 100.0}) {  // turning little, and by more than the series is good for; 24
                                                // rows: an odd number of eights

@@ -206,7 +206,25 @@ bool has_stable_rest(const BondStiffness<double>& c) {
          c.c_T >= 0.0;
 }
 
+/// 1 over the factor of a bond's own strength, less 1.
+double weakness_of(const Bond& b) {
+  for (std::size_t k = 0; k < b.law->fields.size(); ++k)
+    if (b.law->fields[k].name == "weakness") return b.coefficients[k];
+  return 0.0;
+}
+
 }  // namespace
+
+double longest_softening_bond(const Softening& s, double c_A, double a, double weakness) {
+  return s.any() ? a * c_A * s.length / s.force * sq(1.0 + weakness) : INFINITY;
+}
+
+void refuse_snap_back(const BondSpec& spec, const std::string& what, double longest, Problems& problems) {
+  problems.add(
+      spec.softening->place, fmt::format("bonds \"{}\": softening: {}", spec.name, what),
+      "its force would fall faster than the bond springs back: a < 2 E G_f/s_c^2 must hold",
+      fmt::format("use bonds shorter than {:.4g}, a larger fracture_energy or a smaller tension", longest));
+}
 
 std::vector<Pair> pairs_within(const std::vector<Vec3d>& r, double distance, const std::vector<char>& in_a,
                                const std::vector<char>& in_b, double most) {
@@ -224,7 +242,8 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
   const BondSpec& spec = c.bonds[set];
   BondRecipe recipe = spec.recipe;
   recipe.set = static_cast<std::uint32_t>(set);
-  FirstAndCount no_length, no_radius, unstable;
+  FirstAndCount no_length, no_radius, unstable, snapping;
+  double longest = INFINITY;  // of bonds that soften
   for (const Pair& pair : select_pairs(c, set, model, state, problems)) {
     const auto bond = make_bond(recipe, bond_site(model, state, pair[0]), bond_site(model, state, pair[1]));
     if (!bond) {
@@ -238,6 +257,13 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
     if (!has_stable_rest(k))
       unstable.note(fmt::format("particles {} and {}: c_A = {:.6g}, c_D = {:.6g}, c_B = {:.6g}, c_T = {:.6g}",
                                 pair[0].value, pair[1].value, k.c_A, k.c_D, k.c_B, k.c_T));
+    const double longest_now =
+        longest_softening_bond(recipe.rules.softening, k.c_A, bond->a, weakness_of(*bond));
+    if (!(bond->a < longest_now)) {
+      snapping.note(fmt::format("the bond of particles {} and {} is {:.6g} long", pair[0].value,
+                                pair[1].value, bond->a));
+      longest = std::min(longest, longest_now);
+    }
     add_bond(model, *bond, recipe, state);
   }
   const auto report = [&](const FirstAndCount& found, const char* rule, const char* way_out) {
@@ -250,6 +276,7 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
          "give the specimen a radius, or bond at the centres");
   report(unstable, "rest must be a minimum of the energy: c_A > 0 and c_D, c_B, c_T >= 0",
          "for the V-model B2 > -B3/2; give other parameters");
+  if (snapping.count > 0) refuse_snap_back(spec, snapping.text(), longest, problems);
 }
 
 bool expect_bonds(const Case& c, std::size_t set, const Model& model, State& state, Problems& problems) {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "vbond/build/problems.hpp"
@@ -30,6 +31,12 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
 /// Pairs that are listed are bonded as they stand, and what is wrong with them wherever they stand is
 /// recorded. False if it is not known which bonds it will make, as it is for a selection by distance.
 bool expect_bonds(const Case& c, std::size_t set, const Model& model, State& state, Problems& problems);
+
+/// The length below which a bond softens without snapping back, if c_A, which is that of length a, goes as
+/// 1/a: 2 E G_f/s_c^2. Infinite without softening. weakness: see Ruled.
+double longest_softening_bond(const Softening& softening, double c_A, double a, double weakness = 0.0);
+/// Records that bonds of a set are longer.
+void refuse_snap_back(const BondSpec& spec, const std::string& what, double longest, Problems& problems);
 
 /// Longitudinal stiffness of the first bond of the body, or of the one that the first bond set would make;
 /// nothing if the case has no bonds.  [force/length]

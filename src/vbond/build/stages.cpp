@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "vbond/build/bonds.hpp"
 #include "vbond/build/groups.hpp"
 #include "vbond/build/stage_resolver.hpp"
 #include "vbond/build/times.hpp"
@@ -131,6 +132,11 @@ struct DynamicsResolver : StageResolver {
                    fmt::format("bonds \"{}\": distance {} with R_i + R_j = {}", b.name, within.distance, R),
                    "no length is left for a bond: a = distance - R_i - R_j must be > 0",
                    "use a larger distance, or bond at the centres");
+    const double a = within.distance - R;
+    if (!(a > 0.0) || !b.softening) return;
+    const double longest = longest_softening_bond(b.recipe.rules.softening, stiffness_of(b.recipe, a).c_A, a);
+    if (!(a < longest))
+      refuse_snap_back(b, fmt::format("bonds at that distance are {:.6g} long", a), longest, problems);
   }
 };
 

@@ -162,6 +162,23 @@ struct StrengthSpec {
   std::optional<Section> section;  ///< where no theory has one
 };
 
+/// Loads at which bonds flow; those that are not given are never reached.
+struct YieldSpec {
+  std::optional<double> axial_force, compression_force, shear_force, bending_moment, torque;
+  FlowLimits isotropic, kinematic;
+};
+struct CreepSpec {
+  bool is_norton = false;
+  double viscosity = 0;         ///< Maxwell's
+  std::int64_t exponent = 1;    ///< Norton's
+  double speed = 0, force = 0;  ///< it creeps at this speed under this force
+};
+struct SofteningSpec {
+  SourcePlace place;
+  double tension = 0, fracture_energy = 0;
+  std::optional<Section> section;  ///< where no theory has one
+};
+
 struct BondSpec {
   SourcePlace place;
   std::string name;
@@ -170,6 +187,9 @@ struct BondSpec {
   BondTime when = BondTime::start;
   std::vector<Placed<std::string>> stages;  ///< for `stage` and `approach`; approach: none means all
   std::optional<StrengthSpec> strength;
+  std::optional<YieldSpec> yield;
+  std::optional<CreepSpec> creep;
+  std::optional<SofteningSpec> softening;
   BondRecipe recipe;  ///< its law is one without rules
 };
 

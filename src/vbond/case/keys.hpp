@@ -37,6 +37,8 @@ void describe(Table& t, TheoryParameters& p);
 void describe(Table& t, ContactModel& c);
 /// Stretching, damping and strength of a bond set: what makes its bonds more than harmonic.
 void describe_rules(Table& t, BondSpec& b);
+/// Yield, creep and softening, after the rules above.
+void describe_flow(Table& t, BondSpec& b);
 /// A cross-section, in one of the forms that the file may name.
 void describe_section(Table& t, Section& section);
 

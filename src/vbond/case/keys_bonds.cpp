@@ -275,6 +275,7 @@ void describe(Table& t, BondSpec& b) {
           "the law's coefficients are worked out at this length and are the same for all bonds of the set");
   });
   describe_rules(t, b);
+  describe_flow(t, b);
 }
 
 void describe(Table& t, WithinDistance& s) {

@@ -39,6 +39,11 @@ struct Dual {
     const double root = std::sqrt(a.value);
     return scaled(root, 0.5 / root, a);
   }
+  /// By the values: away from a = b the derivatives of these are those of x or y.
+  friend constexpr Dual larger(const Dual& a, const Dual& b) { return a.value > b.value ? a : b; }
+  friend constexpr Dual where_greater(const Dual& a, const Dual& b, const Dual& x, const Dual& y) {
+    return a.value > b.value ? x : y;
+  }
 
  private:
   static constexpr Dual scaled(double value, double s, const Dual& a) {

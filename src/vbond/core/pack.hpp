@@ -52,6 +52,11 @@ struct Pack {
   friend VBOND_HD Pack where_greater(const Pack& a, const Pack& b, const Pack& x, const Pack& y) {
     return Pack(a.v > b.v ? x.v : y.v);
   }
+  friend VBOND_HD bool any_greater(const Pack& a, const Pack& b) {
+    bool any = false;
+    for (std::size_t l = 0; l < W; ++l) any |= a.v[l] > b.v[l];
+    return any;
+  }
   friend VBOND_HD Pack sqrt(const Pack& a) {
     Native root;
     for (std::size_t l = 0; l < W; ++l) root[l] = __builtin_sqrt(a.v[l]);

@@ -33,5 +33,10 @@ template <std::floating_point T>
 VBOND_HD constexpr T where_greater(T a, T b, T x, T y) {
   return a > b ? x : y;
 }
+/// Whether a > b, in any lane of a pack: to leave out work that would change nothing.
+template <std::floating_point T>
+VBOND_HD constexpr bool any_greater(T a, T b) {
+  return a > b;
+}
 
 }  // namespace vbond

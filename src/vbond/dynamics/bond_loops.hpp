@@ -191,7 +191,17 @@ VBOND_HD Real total(const BondEnergy<Real>& U) {
   return U.U_L + U.U_B + U.U_T;
 }
 
-/// The same after a step, kept in the pack. What this takes from the energy of the bonds is dissipated.
+/// What a step of the history of bonds has dissipated.
+template <class L>
+VBOND_HD Real dissipated_between(const L& law, const BondPose<Real>& b, const LawHistory<L>& before,
+                                 const LawHistory<L>& now) {
+  if constexpr (requires { L::dissipated_at; })
+    return now.value[L::dissipated_at] - before.value[L::dissipated_at];
+  else
+    return total(bond_energy(law, b, before)) - total(bond_energy(law, b, now));
+}
+
+/// The same after a step, kept in the pack.
 template <class L, class P>
 VBOND_HD LawHistory<L> history_after(const PackRun<P>& run, std::size_t pack, std::size_t l, const L& law,
                                      const BondPose<Real>& b, const BondAxis<Real>& axis,
@@ -201,8 +211,7 @@ VBOND_HD LawHistory<L> history_after(const PackRun<P>& run, std::size_t pack, st
     if (sweep.dt == 0.0) return before;
     const LawHistory<L> now = advance(law, b, axis, rates, Real(sweep.dt), before);
     for (std::size_t n = 0; n < history_of<L>; ++n) now.value[n].store(remembered<L>(run, pack, n, l));
-    add_active(total(bond_energy(law, b, before)) - total(bond_energy(law, b, now)), run.lanes[pack], l,
-               sweep.dissipated);
+    add_active(dissipated_between(law, b, before, now), run.lanes[pack], l, sweep.dissipated);
     return now;
   }
   return before;
@@ -265,8 +274,9 @@ VBOND_HD std::uint8_t survey_pack(const PackRun<P>& run, std::size_t pack, const
     if (in_use.active >> first == 0) break;
     const BondPose<Real> b = pose_of(p, pose, first);
     const Law<Real> law = law_of<Law>(p, *run.type, first);
-    const BondEnergy<Real> U = energy_with(law, b, history_of_lanes<Law<Real>>(run, pack, first));
-    const BondTilt<Real> tilt = bond_tilt(b, law.R_i, law.R_j);
+    const LawHistory<Law<Real>> history = history_of_lanes<Law<Real>>(run, pack, first);
+    const BondEnergy<Real> U = energy_with(law, b, history);
+    const BondTilt<Real> tilt = bond_tilt(elastic_pose_with(law, b, history), Real(0.0), Real(0.0));
     for (std::size_t l = 0; l < lanes; ++l) {
       if (!in_use.has(first + l)) continue;
       sum.U_L += U.U_L.v[l];

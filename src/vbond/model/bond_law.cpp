@@ -23,10 +23,11 @@ std::span<const BondLaw* const> named_laws() {
   return laws;
 }
 
-const BondLaw* with_rules(const BondLaw& law) {
+const BondLaw* with_rules(const BondLaw& law, const BondRules& rules) {
   if (law.has_rules) return &law;
-  if (&law == &bond_law<VModel>) return &bond_law<RuledVModel>;
-  return &law == &bond_law<Evm> ? &bond_law<RuledEvm> : nullptr;
+  if (&law == &bond_law<VModel>) return rules.flow() ? &bond_law<FlowingVModel> : &bond_law<RuledVModel>;
+  if (&law == &bond_law<Evm>) return rules.flow() ? &bond_law<FlowingEvm> : &bond_law<RuledEvm>;
+  return nullptr;
 }
 
 const BondLaw* find_law(std::string_view name, std::span<const BondLaw* const> others) {

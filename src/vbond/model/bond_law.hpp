@@ -48,6 +48,8 @@ struct BondLaw {
   BondStiffness<double> (*stiffest)(const Bond&);  ///< that the time step allows for
   BondStiffness<double> (*damping)(const Bond&);   ///< slopes of the damping at rest: stiffness times time
   BondRange (*range)(const Bond&, const BondShape&);
+  /// The pose between the bonded points by which the range is judged: for R_i = R_j = 0.
+  BondPose<double> (*elastic_pose)(const Bond&, const BondPose<double>&, const BondHistory&);
   /// The coefficients of a bond of length a with these stiffnesses; those that are always given stay as in
   /// `given`.
   Coefficients (*from_stiffness)(const BondStiffness<double>&, double a, const Coefficients& given);
@@ -70,8 +72,8 @@ inline constexpr const BondLaw& bond_law = LawObject<Law>::object;
 std::span<const BondLaw* const> bond_laws();
 std::span<const BondLaw* const> named_laws();
 
-/// The law with rules that bends, shears and twists as this one, or nullptr.
-const BondLaw* with_rules(const BondLaw& law);
+/// The law with rules that bends, shears and twists as this one, and flows if the rules say so; or nullptr.
+const BondLaw* with_rules(const BondLaw& law, const BondRules& rules);
 
 /// The one of that name among the library's laws and these, or nullptr.
 const BondLaw* find_law(std::string_view name, std::span<const BondLaw* const> others = {});

@@ -108,7 +108,9 @@ constinit const BondLaw LawObject<Law>::object{
             const auto history = history_of_bond<Law>(h);
             const BondAxis<double> axis = bond_axis(pose, b.R_i, b.R_j);
             const BondLoads<double> loads = loads_with(law, pose, axis, history);
-            if constexpr (requires { bond_failure(law, pose, axis, loads); })
+            if constexpr (requires { bond_failure(law, pose, axis, loads, history); })
+              f = bond_failure(law, pose, axis, loads, history);
+            else if constexpr (requires { bond_failure(law, pose, axis, loads); })
               f = bond_failure(law, pose, axis, loads);
             else
               f.utilisation = utilisation_with(law, pose, axis, loads, history);
@@ -133,6 +135,10 @@ constinit const BondLaw LawObject<Law>::object{
             return BondStiffness<double>{};
         },
     .range = [](const Bond& b, const BondShape& s) { return bond_range(law_of<Law>(b), s); },
+    .elastic_pose =
+        [](const Bond& b, const BondPose<double>& pose, const BondHistory& h) {
+          return elastic_pose_with(law_of<Law>(b), pose, history_of_bond<Law>(h));
+        },
     .from_stiffness = detail::from_stiffness<Law>,
 };
 

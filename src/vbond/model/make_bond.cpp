@@ -80,7 +80,7 @@ void add_rules(const BondRecipe& recipe, const BondSite& i, const BondSite& j, B
 /// A bond with its coefficients and lengths; ends and axes are still to be filled in.
 Bond with_coefficients(const BondRecipe& recipe, double a, double R_i, double R_j) {
   Bond b{};
-  b.law = recipe.has_rules() ? with_rules(*recipe.law) : recipe.law;
+  b.law = recipe.has_rules() ? with_rules(*recipe.law, recipe.rules) : recipe.law;
   b.set = recipe.set;
   b.a = a;
   b.R_i = R_i;

@@ -22,13 +22,18 @@ namespace {
 /// Calls f with every number of the rules, in the order of files.
 template <class Rules, class F>
 void visit(Rules& r, F f) {
-  auto& [stretch, strength, damped] = r;
+  auto& [stretch, strength, damped, yield, creep, softening] = r;
   f(stretch.form), f(stretch.k3), f(stretch.k4), f(stretch.compression), f(stretch.largest), f(stretch.alpha);
   f(strength.criterion);
   f(strength.axial), f(strength.shear), f(strength.bending), f(strength.torsion), f(strength.friction);
   f(strength.compression), f(strength.compression_bending), f(strength.signed_axial);
   f(strength.tension_limit), f(strength.shear_limit), f(strength.compression_limit);
   f(damped);
+  for (auto* limits : {&yield.limit, &yield.isotropic, &yield.kinematic})
+    f(limits->axial), f(limits->shear), f(limits->bending), f(limits->torsion);
+  f(yield.compression);
+  f(creep.rate), f(creep.exponent);
+  f(softening.force), f(softening.length);
   f(stretch.table.count);
   for (std::size_t k = 0; k < StretchTable::most; ++k)
     f(stretch.table.D[k]), f(stretch.table.U[k]), f(stretch.table.curvature[k]);

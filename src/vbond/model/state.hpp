@@ -117,6 +117,15 @@ inline const BondHistory& history_of_bond(const State& s, BondId k) {
   return k.value < s.bond_history.size() ? s.bond_history[k] : no_history;
 }
 
+/// The elastic shape of a bond as its particles stand now: what has flowed is left out.
+inline BondPose<double> elastic_pose(const State& s, BondId k) {
+  const Bond& b = s.bonds[k];
+  return b.law->elastic_pose(b, bond_pose(b, s), history_of_bond(s, k));
+}
+inline BondShape bond_shape(const State& s, BondId k) {
+  return bond_shape(elastic_pose(s, k), 0.0, 0.0);
+}
+
 /// Energy and loads of a bond as its particles stand now, damping left out; nothing if it is broken.
 inline BondEnergy<double> bond_energy(const State& s, BondId k) {
   const Bond& b = s.bonds[k];

@@ -9,18 +9,13 @@
 
 namespace vbond {
 
-/// The shape of a bond as its particles stand now.
-inline BondShape bond_shape(const Bond& b, const State& s) {
-  return bond_shape(bond_pose(b, s), b.R_i, b.R_j);
-}
-
 /// Every unbroken bond that is strained or snapped, shorter than half or longer than twice its length at
 /// rest, and perhaps a few that are close to it, in increasing order.
 inline std::vector<BondId> deformed_bonds(const State& s) {
   std::vector<BondId> deformed;
   for (const BondId k : s.bonds.ids()) {
     const Bond& b = s.bonds[k];
-    if (!b.broken && needs_look(bond_tilt(bond_pose(b, s), b.R_i, b.R_j), b.a)) deformed.push_back(k);
+    if (!b.broken && needs_look(bond_tilt(elastic_pose(s, k), 0.0, 0.0), b.a)) deformed.push_back(k);
   }
   return deformed;
 }
@@ -36,7 +31,7 @@ struct RangeCounts {
 inline RangeCounts count_ranges(const State& s, const std::vector<BondId>& bonds) {
   RangeCounts n;
   for (const BondId k : bonds) {
-    const BondRange range = bond_range(s.bonds[k], bond_shape(s.bonds[k], s));
+    const BondRange range = bond_range(s.bonds[k], bond_shape(s, k));
     n.strained += range == BondRange::strained;
     n.snapped += range == BondRange::snapped;
   }

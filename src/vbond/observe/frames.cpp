@@ -141,7 +141,7 @@ BondView bond_view(BondId id, const State& state) {
   const double F_d = dot(loads.F, d);
   return {.bond = b,
           .id = id,
-          .shape = bond_shape(pose, b.R_i, b.R_j),
+          .shape = bond_shape(state, id),
           .U = bond_energy(state, id),
           .axial_force = F_d,
           .shear_force = norm(loads.F - F_d * d),

@@ -43,12 +43,12 @@ double angle(const Vec3d& a, const Vec3d& b) {
 }
 
 /// The angles that a bond is judged by, for a report.
-std::string angles_of(const Bond& b, const State& s) {
-  const BondPose<double> pose = bond_pose(b, s);
-  const Vec3d D = bonded_points(pose, b.R_i, b.R_j);
+std::string angles_of(BondId k, const State& s) {
+  const BondPose<double> pose = elastic_pose(s, k);
+  const Vec3d& D = pose.r_ij;
   return fmt::format("its ends are tilted by {:.1f} and {:.1f} degrees and twisted by {:.1f}",
                      angle(D, pose.n_i[0]), angle(-D, pose.n_j[0]),
-                     180.0 / std::numbers::pi * bond_shape(pose, b.R_i, b.R_j).twist);
+                     180.0 / std::numbers::pi * bond_shape(pose, 0.0, 0.0).twist);
 }
 
 /// Names the first thing that is not finite.
@@ -240,7 +240,7 @@ void Watch::look_at_speed(const FastParticle& fastest, const Clock& clock) {
 void Watch::look_at_bond(BondId k, const State& state, const std::string& when) {
   constexpr double closed_up = 1e-6;  // of a: d = D / |D| has lost its meaning
   const Bond& b = state.bonds[k];
-  const BondShape shape = bond_shape(b, state);
+  const BondShape shape = bond_shape(state, k);
   if (!(shape.length >= closed_up * b.a))
     throw Diverged(state.clock.step, state.clock.time(), name_of(k, b),
                    fmt::format("its bonded points are {:.3g} apart, it has closed up (length at rest {:.6g})",
@@ -269,7 +269,7 @@ void Watch::look_at_bond(BondId k, const State& state, const std::string& when) 
          fmt::format("{}: {} {}: {}", when, name_of(k, b),
                      snapped ? "has snapped, past 90 degrees"
                              : fmt::format("is strained, past {} degrees", b.law->strained_past),
-                     angles_of(b, state)));
+                     angles_of(k, state)));
 }
 
 void Watch::report(std::int64_t& count, std::int64_t& untold, const std::string& text) {

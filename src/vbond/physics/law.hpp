@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "vbond/physics/pose.hpp"
+#include "vbond/physics/range.hpp"
 #include "vbond/physics/stiffness.hpp"
 
 namespace vbond {
@@ -58,6 +59,9 @@ struct LawField {
 ///     first.
 ///         bond_energy, tension and bond_loads then have a LawHistory as last argument, as those below
 ///     advance(law, pose, axis, rates, dt, history)           the new history, before the loads of a step
+///     static constexpr std::size_t dissipated_at             which number of the history is the energy that
+///         it has dissipated; without it, what a new history takes from the energy of a bond is
+///     elastic_pose(law, pose, history)                       by which its range is judged, with R = 0
 ///     utilisation(law, pose, axis, loads[, history])         by its elastic loads; the bond breaks at 1
 ///     const BondRules* rules                                 what the bonds of a set share
 ///     stiffest(law)                                          what the step allows for; else stiffness(law)
@@ -71,7 +75,7 @@ template <class Law, std::size_t k>
 inline constexpr auto coefficient = Law::fields()[k].at;
 
 /// The most that a bond may remember.
-inline constexpr std::size_t most_history = 8;
+inline constexpr std::size_t most_history = 17;
 
 template <class Law>
 inline constexpr std::size_t history_of = 0;
@@ -141,6 +145,16 @@ VBOND_HD T utilisation_with(const Law& law, const BondPose<T>& b, const BondAxis
     return utilisation(law, b, axis, loads, history);
   else
     return utilisation(law, b, axis, loads);
+}
+
+/// The pose between the bonded points by which the range of a bond is judged: for R_i = R_j = 0.
+template <class Law, Scalar T>
+VBOND_HD BondPose<T> elastic_pose_with(const Law& law, const BondPose<T>& b, const LawHistory<Law>& history) {
+  if constexpr (requires { elastic_pose(law, b, history); })
+    return elastic_pose(law, b, history);
+  else
+    return {
+        bonded_points(b, law.R_i, law.R_j), {b.n_i[0], b.n_i[1], b.n_i[2]}, {b.n_j[0], b.n_j[1], b.n_j[2]}};
 }
 
 /// The same law with constants of another scalar type, which carry no derivatives.

@@ -100,22 +100,22 @@ VBOND_HD BondLoads<T> bond_loads(const RuledEvm<T>& m, const BondPose<T>& b, con
 }
 
 /// Stiffnesses about rest, and the stiffest that the step allows for.
-template <RuledLaw Law>
+template <HasRules Law>
 VBOND_HD constexpr auto stiffness(const Law& m) {
   return stiffness(m.elastic());
 }
-template <RuledLaw Law>
+template <HasRules Law>
 BondStiffness<double> stiffest(const Law& m) {
   BondStiffness<double> c = stiffness(m);
   c.c_A = stiffest(m.rules->stretch, m.B1, m.a);
   return c;
 }
 
-template <RuledLaw Law>
+template <HasRules Law>
 constexpr auto damping(const Law& m) {
   return BondStiffness<typename Law::Number>{m.g_A, m.g_D, m.g_B, m.g_T};
 }
-template <RuledLaw Law, Scalar T>
+template <HasRules Law, Scalar T>
 VBOND_HD BondLoads<T> bond_damping(const Law& m, const BondPose<T>& b, const BondAxis<T>& axis,
                                    const BondRates<T>& rates) {
   return linear_damping(BondStiffness<T>{m.g_A, m.g_D, m.g_B, m.g_T}, b, m.R_i, m.R_j, axis, rates);
@@ -134,7 +134,7 @@ VBOND_HD T utilisation(const Law& m, const BondPose<T>& b, const BondAxis<T>& ax
   return bond_failure(m, b, axis, loads).utilisation;
 }
 
-template <RuledLaw Law>
+template <HasRules Law>
 BondRange bond_range(const Law& m, const BondShape& s) {
   return bond_range(m.elastic(), s);
 }

@@ -1,17 +1,23 @@
 #pragma once
+#include "vbond/physics/flow.hpp"
 #include "vbond/physics/strength.hpp"
 #include "vbond/physics/stretch.hpp"
 
 namespace vbond {
 
-/// What the bonds of a set share besides being elastic: the form of their stretching, whether they damp, and
-/// what they break by.
+/// What the bonds of a set share besides being elastic: the form of their stretching, whether they damp, what
+/// they break by, and how they flow or soften.
 struct BondRules {
   Stretch stretch;
   Strength strength;
   bool damped = false;  ///< whether some coefficient of damping is not zero
+  Yield yield;
+  Creep creep;
+  Softening softening;
 
-  bool can_break() const { return strength.criterion != Criterion::none; }
+  bool can_break() const { return strength.criterion != Criterion::none || softening.any(); }
+  /// Whether bonds remember something.
+  bool flow() const { return yield != Yield{} || creep.rate > 0.0 || softening.any(); }
   friend constexpr bool operator==(const BondRules&, const BondRules&) = default;
 };
 
