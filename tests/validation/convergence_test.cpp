@@ -221,9 +221,8 @@ INSTANTIATE_TEST_SUITE_P(Of, Convergence,
 TEST(Elastica, ConvergesAtSecondOrderUnderAllSixteenLoads) {
   int loads = 0;
   for (const auto& [alpha, row] : validation_case("E1").at("expected").items()) {
-    const auto error = [&](std::size_t N) {
-      return std::abs(elastica_tip(N, std::stod(alpha), stiff) - number(row.at("w_over_L")));
-    };
+    const double load = std::stod(alpha), exact = number(row.at("w_over_L"));
+    const auto error = [=](std::size_t N) { return std::abs(elastica_tip(N, load, stiff) - exact); };
     const double coarse = error(20), fine = error(80), slope = 0.5 * std::log2(coarse / fine);
     EXPECT_GT(slope, 1.9) << "alpha = " << alpha;
     EXPECT_LT(slope, 2.1) << "alpha = " << alpha;
