@@ -473,7 +473,7 @@ Body random_body(unsigned seed) {
       recipe.parameters = BondStiffness<double>{b.c[0], b.c[1], b.c[2], b.c[3]};
       recipe.attachment = Attachment::given;
       recipe.R_i = b.R_i, recipe.R_j = b.R_j;
-      recipe.rules = {b.stretch, strength_of(b.criterion, b.limit), false};
+      recipe.rules.stretch = b.stretch, recipe.rules.strength = strength_of(b.criterion, b.limit);
       recipe.damping = {DampingBy::coefficients, b.g};
       if (dice(0, 1) < 0.5) recipe.weibull = {dice(3, 12), 0, 0, seed};
       testing::bond(s, i, j, recipe);
