@@ -124,8 +124,8 @@ TEST(FlowInMotion, TakesNothingFromARigidMotion) {
     }
     Simulation run(s.model, testing::plain_stage(0.05, 1e9), s.state);
     for (int k = 0; k < 400; ++k) run.step();
-    // the turning pulls with some 8 (1e-3)^2 at most, far from any limit; creep goes as its cube
-    EXPECT_LT(run.books().dissipated, 1e-18);
+    // the turning pulls with some 8 (1e-3)^2 at most, far from any limit; creep takes 50 N^4 = 2e-19 per time
+    EXPECT_LE(run.books().dissipated, rules == creeping() ? 1e-16 : 0.0);
     EXPECT_EQ(parted(run.state()), 0u);
   }
 }
@@ -153,14 +153,14 @@ TEST(FlowInMotion, RelaxesByCreepAsTheReferenceSays) {
     }
 }
 
-// SO1 with four bonds: pulled slowly enough, one bond takes up the fracture energy, and the others spring
-// back.
+// SO1 with four bonds, of which one is a little weaker: pulled slowly enough, one bond takes up the fracture
+// energy, and the others spring back.
 TEST(FlowInMotion, PartsABarWithItsFractureEnergy) {
   const nlohmann::json e = material_case("SO1")["expected"]["n4"];
-  const double u_f = e["u_f"], N_c = 0.02, speed = 2e-5;
+  const double u_f = e["u_f"], N_c = 0.02 * 0.99, speed = 2e-5;
   Specimen s = testing::particles_at({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {4, 0, 0}});
   for (std::size_t k = 0; k < 4; ++k)
-    testing::bond(s, k, k + 1, recipe_with(softening(k == 2 ? N_c * (1 - 1e-6) : N_c, u_f)));
+    testing::bond(s, k, k + 1, recipe_with(softening(k == 2 ? N_c : 0.02, u_f)));
   for (const ParticleId p : s.state.r.ids()) s.state.v[p].x = speed / 4.0 * static_cast<double>(p.value);
   Stage stage = testing::plain_stage(0.2, 0.21 / speed);
   stage.supports = {testing::held({ParticleId{0}}, testing::clamped),
@@ -182,7 +182,8 @@ TEST(FlowInMotion, PartsABarWithItsFractureEnergy) {
   EXPECT_LT(*std::max_element(wrong.begin(), wrong.end()), 0.01 * N_c);
   ASSERT_EQ(parted(run.state()), 1u);
   EXPECT_TRUE(run.state().bonds[BondId{2}].broken);
-  EXPECT_NEAR(run.state().bond_history[BondId{2}][memory::dissipated], e["energy_total"], 1e-8);
+  EXPECT_NEAR(run.state().bond_history[BondId{2}][memory::dissipated], 0.99 * e["energy_total"].get<double>(),
+              1e-8);
   EXPECT_LT(std::abs(run.balance_error(run.energies())), 1e-4);
 }
 
