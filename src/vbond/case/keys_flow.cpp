@@ -58,7 +58,6 @@ Creep resolve(const CreepSpec& s) {
 
 void describe_creep(Table& t, CreepSpec& s) {
   const std::size_t form = t.exactly_one({"viscosity", "norton"}, s.is_norton ? 1 : 0);
-  if (form > 1) return;
   s.is_norton = form == 1;
   t.when(form == 0, "viscosity", [&] {
     t.key("viscosity", s.viscosity, positive(damping), required,
