@@ -99,6 +99,34 @@ void print_body(const Model& model, const State& state) {
   fmt::print("bond lengths     {:.6g} to {:.6g}{}\n", shortest->a, longest->a, metre);
 }
 
+/// What the bonds of each set break by, and what compression does to them.
+void print_strengths(const Case& c) {
+  using enum Criterion;
+  const auto words = [](Criterion criterion) -> const char* {
+    switch (criterion) {
+      case none: return "";
+      case stress: return "stresses of the section, moments at the middle of the bond";
+      case fibre: return "the stress of the outermost fibre, larger moment of the two ends";
+      case mohr_coulomb: return "Mohr-Coulomb's shear stress with a tension cut-off";
+      case linear: return "the sum of loads over their limits";
+      case quadratic: return "the sum of squares of loads over their limits";
+      case energy: return "elastic energies";
+      case elongation: return "elongation";
+    }
+    return "";
+  };
+  for (const BondSpec& set : c.bonds) {
+    const Strength& s = set.recipe.rules.strength;
+    if (s.criterion == none) continue;
+    const char* compression = s.criterion == mohr_coulomb ? "compression adds to the shear strength"
+                              : s.signed_axial > 0.0      ? "compression relieves, and can hide shear"
+                              : s.compression > 0.0       ? "compression has a strength of its own"
+                                                          : "compression alone breaks nothing";
+    fmt::print("strength         bonds \"{}\" break by {}; {}\n", printable(set.name), words(s.criterion),
+               compression);
+  }
+}
+
 /// Overlaps that the case starts with: their energy flies the body apart if they were not meant.
 void print_overlaps(const Model& model, const State& state) {
   double U = 0.0;
@@ -233,6 +261,7 @@ int check(const std::filesystem::path& case_file, int threads) {
   print_machine(threads);
   print_body(model, state);
   print_overlaps(model, state);
+  print_strengths(c);
 
   const bool fitted = dynamics && !c.time.given();  // other stages may have another step of their own
   const double dt = fitted ? dynamics->dt : expected_step(c, model, state);

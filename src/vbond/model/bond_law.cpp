@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <vector>
 
 #include "vbond/model/define_law.hpp"
 #include "vbond/physics/laws.hpp"
@@ -19,7 +20,11 @@ std::span<const BondLaw* const> bond_laws() {
 }
 
 std::span<const BondLaw* const> named_laws() {
-  static const std::array<const BondLaw*, 2> laws{&bond_law<VModel>, &bond_law<Evm>};
+  static const auto laws = [] {
+    std::vector<const BondLaw*> named(bond_laws().begin(), bond_laws().end());
+    std::erase_if(named, [](const BondLaw* law) { return law->has_rules; });
+    return named;
+  }();
   return laws;
 }
 
