@@ -58,7 +58,6 @@ Creep resolve(const CreepSpec& s) {
 
 void describe_creep(Table& t, CreepSpec& s) {
   const std::size_t form = t.exactly_one({"viscosity", "norton"}, s.is_norton ? 1 : 0);
-  if (form > 1) return;
   s.is_norton = form == 1;
   t.when(form == 0, "viscosity", [&] {
     t.key("viscosity", s.viscosity, positive(damping), required,
@@ -67,7 +66,7 @@ void describe_creep(Table& t, CreepSpec& s) {
   t.when(form == 1, "norton", [&] {
     t.table("norton", required, "the length at rest grows at the speed speed * (N/force)^exponent",
             [&](Table& k) {
-              k.key("exponent", s.exponent, CountCodec{1, 9}, required, "whole number");
+              k.key("exponent", s.exponent, CountCodec{1, 9}, required, "1 to 9");
               k.key("speed", s.speed, positive(velocity), required, "under the force below");
               k.key("force", s.force, positive(force), required, "at which it creeps at that speed");
             });

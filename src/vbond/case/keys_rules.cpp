@@ -80,8 +80,7 @@ void describe_damping(Table& t, BondDamping& d) {
   constexpr std::array by{DampingBy::ratio, DampingBy::time, DampingBy::coefficients};
   const auto now = static_cast<std::size_t>(std::find(by.begin(), by.end(), d.by) - by.begin());
   const std::size_t form = t.exactly_one(forms, now % by.size());
-  if (form >= by.size()) return;
-  d.by = by[form];
+  if (form < by.size()) d.by = by[form];
   t.when(form == 0, "ratio", [&] {
     t.key("ratio", d.values, OneOrFourCodec{not_negative(pure)}, required,
           "of critical damping of the two particles alone: one number, or [stretching, shear, bending, "
