@@ -66,7 +66,7 @@ void describe_creep(Table& t, CreepSpec& s) {
   t.when(form == 1, "norton", [&] {
     t.table("norton", required, "the length at rest grows at the speed speed * (N/force)^exponent",
             [&](Table& k) {
-              k.key("exponent", s.exponent, CountCodec{1, 9}, required, "whole number");
+              k.key("exponent", s.exponent, CountCodec{1, 9}, required, "1 to 9");
               k.key("speed", s.speed, positive(velocity), required, "under the force below");
               k.key("force", s.force, positive(force), required, "at which it creeps at that speed");
             });
