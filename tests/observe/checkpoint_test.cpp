@@ -1,4 +1,5 @@
 #include "vbond/observe/checkpoint.hpp"
+#include "vbond/model/rules.hpp"
 
 #include <gtest/gtest.h>
 #include <hdf5.h>
@@ -36,8 +37,14 @@ Checkpoint busy_checkpoint(Chain& chain) {
                        .largest = 5.5};
   chain.state.peak = {.sum = 0.1, .samples = 7, .last = 0.2, .peak = 0.3, .peak_time = 0.4, .blocks = 8};
   chain.state.rest = {.quiet_steps = 9};
-  chain.state.bonds[BondId{1}].law = &bond_law<Evm>;
+  chain.state.breaks = 5;
+  chain.state.bonds[BondId{1}].law = &bond_law<RuledEvm>;
+  BondRules rules;
+  rules.stretch.form = StretchForm::morse, rules.stretch.alpha = 5.0;
+  rules.strength = elongation_strength(0.1);
+  chain.state.bonds[BondId{1}].rules = &kept(rules);
   chain.state.bonds[BondId{1}].broken = true;
+  chain.state.bonds[BondId{1}].mode = BreakMode::bending;
   chain.state.bond_history = {{0.1, 0.2}, {0.3}};
   chain.state.contact_history = {{ParticleId{0}, ParticleId{2}, {0.5, -0.25}}};
   chain.state.damping = {{{1, 1, 3}, {4, 1, 6}, {7, 1, 9}}, {{3, 1, 1}, {6, 1, 4}, {9, 1, 7}}};
@@ -158,7 +165,7 @@ TEST(Checkpoint, OtherFormatNamesTheVersionToUse) {
   Chain chain;
   write_checkpoint(folder / "c.h5", chain.model, {chain.state, {}}, "9.8.7");
   std::string newer = content_of(folder / "c.h5");
-  newer.replace(newer.find("format 3\n"), 9, "format 7\n");
+  newer.replace(newer.find("format 4\n"), 9, "format 7\n");
   put_content(folder / "c.h5", newer);
   expect_error(folder / "c.h5", chain.model, "vbond 9.8.7, in format 7");
 }
@@ -226,7 +233,7 @@ TEST(Checkpoint, NumbersOfAnotherFileAreRefused) {
       H5Lcreate_external("other.h5", "/books/at_start", file, "/books/at_start", H5P_DEFAULT, H5P_DEFAULT),
       0);
   H5Fclose(file);
-  write_seal(folder / "c.h5", 3, "1.2.3");
+  write_seal(folder / "c.h5", 4, "1.2.3");
   expect_error(folder / "c.h5", chain.model, "/books/at_start is missing or not as expected");
 }
 

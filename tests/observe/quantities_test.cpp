@@ -1,4 +1,5 @@
 #include "vbond/observe/quantities.hpp"
+#include "vbond/model/rules.hpp"
 
 #include <gtest/gtest.h>
 #include <hdf5.h>
@@ -28,7 +29,7 @@ TEST(OutputReference, TablesOfThePageAreThoseOfTheCode) {
   const std::string path = std::string(VBOND_DOCS) + "/output.md";
   std::string page = content_of(path);
   const std::string as_it_was = page;
-  for (const std::string where : {"history", "particles", "bonds", "checkpoint"}) {
+  for (const std::string where : {"history", "breaks", "fragments", "particles", "bonds", "checkpoint"}) {
     const std::string begin = "<!-- quantities: " + where + " -->\n", end = "<!-- end of quantities -->";
     const std::size_t from = page.find(begin), to = page.find(end, from);
     ASSERT_NE(from, std::string::npos) << where;
@@ -50,13 +51,15 @@ TEST(Quantities, NamesStandForOneThingEach) {
   };
   expect_different(history_quantities());
   expect_different(group_quantities());
+  expect_different(break_quantities());
+  expect_different(fragment_quantities());
   expect_different(particle_quantities());
   expect_different(bond_quantities());
 }
 
 TEST(Quantities, EveryColumnHasItsFacts) {
   OutputPlan plan;
-  plan.statics = true;
+  plan.statics = plan.breaks = true;
   plan.reactions = {{"a.b", {}}};
   plan.axial_force = {{"rod", {}}};
   plan.displacements = {{"7", {}}};
@@ -94,7 +97,10 @@ TEST(Quantities, UnitsOfColumnsStandBesideTheHistory) {
   plan.displacements = {{"0", {ParticleId{0}}}};  // asked for as the run goes on: behind the others
   plan.axial_force.clear();
   const HistoryWriter writer(plan, 0);
-  EXPECT_EQ(columns().size(), history_quantities().size() - 2 + 1 + 3);
+  const auto all = history_quantities();
+  const auto always = std::count_if(all.begin(), all.end(),
+                                    [](const HistoryQuantity& q) { return q.cases == Only::everywhere; });
+  EXPECT_EQ(static_cast<std::ptrdiff_t>(columns().size()), always + 1 + 3);
   EXPECT_EQ(columns()["axial_force.a,\"b\""]["unit"], "N");
   EXPECT_EQ(columns()["displacement.0.y"]["unit"], "m");
   EXPECT_EQ((--columns().end()).key(), "displacement.0.z");
@@ -138,6 +144,10 @@ TEST(Quantities, EveryDataSetOfACheckpointHasItsUnitAndMeaning) {
   chain.state.contact_history = {{ParticleId{0}, ParticleId{2}, {1.0}}};
   for (Loads* loads : {&chain.state.loads, &chain.state.damping})
     *loads = {PerParticle<Vec3d>(chain.state.r.size()), PerParticle<Vec3d>(chain.state.r.size())};
+  chain.state.bonds[BondId{0}].law = &bond_law<RuledVModel>;
+  BondRules rules;
+  rules.strength = elongation_strength(0.1);
+  chain.state.bonds[BondId{0}].rules = &kept(rules);
   write_checkpoint(folder / "c.h5", chain.model, {chain.state, watch}, "1.0");
   std::set<std::string> described;
   for (const auto& [path, unit, meaning] : data_sets_of(folder / "c.h5")) {

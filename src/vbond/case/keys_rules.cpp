@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,15 @@ struct OneOrFourCodec {
 };
 
 // ---- stretching ------------------------------------------------------------------------------------
+
+/// A number > 0 that may be left out, which is kept as 0.
+void describe_positive(Table& t, const char* name, double& value, const Dimension& d, const Need& need,
+                       const char* doc) {
+  std::optional<double> given;
+  if (value > 0.0) given = value;
+  t.key(name, given, positive(d), need, doc);
+  value = given.value_or(0.0);
+}
 
 void describe_stretch(Table& t, Stretch& s) {
   t.key("form", s.form,
@@ -80,8 +90,7 @@ void describe_damping(Table& t, BondDamping& d) {
   constexpr std::array by{DampingBy::ratio, DampingBy::time, DampingBy::coefficients};
   const auto now = static_cast<std::size_t>(std::find(by.begin(), by.end(), d.by) - by.begin());
   const std::size_t form = t.exactly_one(forms, now % by.size());
-  if (form >= by.size()) return;
-  d.by = by[form];
+  if (form < by.size()) d.by = by[form];
   t.when(form == 0, "ratio", [&] {
     t.key("ratio", d.values, OneOrFourCodec{not_negative(pure)}, required,
           "of critical damping of the two particles alone: one number, or [stretching, shear, bending, "
@@ -136,8 +145,8 @@ void describe_limits(Table& t, StrengthSpec& s) {
   t.when(s.criterion == stress || s.criterion == fibre, "criterion = \"stress\" or \"fibre\"", [&] {
     t.key("tension", s.tension, positive(keys::stress), required, "strength against tension and bending");
     t.key("shear", s.shear, positive(keys::stress), required, "strength against shear and torsion");
-    t.key("compression", s.compression, positive(keys::stress), default_is("compression breaks nothing"),
-          "strength against compression and bending");
+    describe_positive(t, "compression", s.compression, keys::stress, default_is("compression breaks nothing"),
+                      "strength against compression and bending");
   });
   t.when(s.criterion == stress, "criterion = \"stress\"", [&] {
     t.key("moment_share", s.moment_share, NumberCodec{pure, {0, 1, false, false}}, optional,
@@ -174,8 +183,9 @@ void describe_weibull(Table& t, Weibull& w) {
       "weibull", optional, "strengths scatter: one factor for all limits of a bond",
       [&](Table& k) {
         k.key("modulus", w.modulus, positive(pure), required, "m: the larger, the less they scatter");
-        k.key("volume", w.volume, positive(volume), default_is("size does not count"),
-              "V_0 of the given limits: a bond of volume V = A a has (V_0/V)^(1/m) times these on the scale");
+        describe_positive(
+            k, "volume", w.volume, volume, default_is("size does not count"),
+            "V_0 of the given limits: a bond of volume V = A a has (V_0/V)^(1/m) times these on the scale");
         k.key("seed", w.seed, seed_number, optional, "of the random factors");
       },
       w.modulus > 0.0);
