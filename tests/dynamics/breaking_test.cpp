@@ -138,40 +138,23 @@ TEST(StretchingForms, SwingWithThePeriodsOfTheReference) {
   expect("bilinear", period_of(two_slopes, 0.0, nl1["bilinear"]["v_rel"], 1e-9, dt));
 }
 
-// ---- breaking: WK1, FB1 ----------------------------------------------------------------------------
-
-// A chain whose end is pulled: the weak bond breaks at the time and place of the reference. A break is seen
-// at the end of a step; the wave is of second order in the step.
-TEST(BreakingBonds, BreakWhereAndWhenTheReferenceSays) {
-  const nlohmann::json wk1 = material_case("WK1")["expected"];
-  for (const double dt : {0.02, 0.01}) {
-    BondRules weak;
-    weak.strength = linear_strength(1.2e-3, 1e9, 1e9, 1e9);
-    Specimen s = testing::straight_rod(20, ruled(no_rules));
-    const BondId broken{6};
-    s.state.bonds[broken] = make_bond(ruled(weak), bond_site(s.model, s.state, ParticleId{6}),
-                                      bond_site(s.model, s.state, ParticleId{7}))
-                                .value();
-    Stage stage = testing::plain_stage(dt, 1e9);
-    stage.supports.push_back(testing::held({ParticleId{0}}, testing::clamped));
-    stage.supports.push_back(testing::held({ParticleId{19}}, testing::translations, {1e-3, 0, 0}));
-    Simulation run(s.model, stage, s.state);
-    while (run.events().empty()) {
-      run.step();
-      ASSERT_LT(run.clock().time(), 20.0);
-    }
-    EXPECT_EQ(run.events()[0].bond, broken);
-    const double t_break = wk1["t_break"];
-    EXPECT_GE(run.clock().time(), t_break - 0.1 * sq(dt));
-    EXPECT_LE(run.clock().time(), t_break + dt);
-    // at most one step later than in the reference, in which the bond's force grows by some 1e-3 each unit of
-    // time
-    EXPECT_NEAR(run.books().released, wk1["energy_released"], 2.0 * dt * 1e-3 * 1.2e-3);
-    double momentum = 0.0;
-    for (std::size_t k = 1; k <= 6; ++k) momentum += run.state().v[ParticleId{k}].x;
-    EXPECT_NEAR(momentum, wk1["momentum_left_part"], 2.0 * dt * 1.2e-3);
+// The force of a FENE bond has no limit as it nears its largest elongation; past it the run stops and names
+// it.
+TEST(StretchingForms, FenePastItsLargestElongationStopsTheRunByName) {
+  BondRules rules;
+  rules.stretch.form = StretchForm::fene, rules.stretch.largest = 0.3;
+  Specimen s = testing::straight_rod(4, ruled(rules));
+  s.state.r[ParticleId{3}].x += 0.31;
+  try {
+    const Simulation run(s.model, testing::plain_stage(1e-3, 1e9), s.state);
+    FAIL() << "began";
+  } catch (const Diverged& e) {
+    EXPECT_NE(std::string(e.what()).find("bond 2 (particles 2, 3)"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("largest elongation"), std::string::npos) << e.what();
   }
 }
+
+// ---- breaking: FB1 ----------------------------------------------------------------------------
 
 // FB1: twenty parallel bonds with given strengths, pulled at a constant rate, in one step of 1e-4 elongation
 // after another: which bond is next, the force before, and the energy released.

@@ -275,15 +275,31 @@ void Simulation::look_at_deep_contacts() {
     }
 }
 
-/// Throws for the first particle whose load is NaN or infinite.
+/// Throws for the first bond whose own force is not finite, or else the first particle.
 void Simulation::check_finite() const {
+  const auto stop = [this](const std::string& what, const char* which, const char* way_out) {
+    throw Diverged(state_.clock.step, state_.clock.time(), what, which, way_out);
+  };
   for (const ParticleId p : bodies_.order.row.ids()) {
     const LoadRow& load = bodies_.load[bodies_.order.row[p].value];
-    if (!is_finite(load.F) || !is_finite(load.M))
-      throw Diverged(state_.clock.step, state_.clock.time(), "particle " + std::to_string(p.value),
-                     "its force or moment is not a finite number",
-                     "reduce time.step (or time.fraction); look at the last frame for bonds that closed up");
+    if (is_finite(load.F) && is_finite(load.M)) continue;
+    for (const BondIndex::Entry& e : bond_index_.of(p)) {
+      const Bond& b = state_.bonds[e.bond];
+      if (b.rules->stretch.form == StretchForm::fene && past_largest(b))
+        stop("bond " + std::to_string(e.bond.value) + " (particles " + std::to_string(b.i.value) + ", " +
+                 std::to_string(b.j.value) + ")",
+             "it is stretched past its largest elongation (fene), where its force has no limit",
+             "reduce time.step (or time.fraction), pull more slowly, or give a larger stretching.largest");
+    }
+    stop("particle " + std::to_string(p.value), "its force or moment is not a finite number",
+         "reduce time.step (or time.fraction); look at the last frame for bonds that closed up");
   }
+}
+
+bool Simulation::past_largest(const Bond& b) const {
+  const PoseRow &i = pose_of(b.i), &j = pose_of(b.j);
+  const BondAxis<double> axis = bond_axis(bond_pose(b, i.r, i.q, j.r, j.q), b.R_i, b.R_j);
+  return !(std::abs(axis.D - b.a) < b.rules->stretch.largest);
 }
 
 const State& Simulation::state() const {

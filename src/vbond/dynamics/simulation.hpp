@@ -157,6 +157,7 @@ class Simulation {
   void add_held(const Support& support, Row row, const Vec3d& F, const Vec3d& M, Reaction& total) const;
   void look_at_deep_contacts();
   void check_finite() const;
+  bool past_largest(const Bond& bond) const;
   void keep_records();
   double peak_quantity() const;
   std::vector<BondId> bonds_inside(const std::vector<ParticleId>& particles) const;
