@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "rods.hpp"
+#include "vbond/core/error.hpp"
 #include "vbond/model/make_bond.hpp"
 #include "vbond/model/rules.hpp"
 #include "vbond/model/step_bound.hpp"
