@@ -9,6 +9,8 @@
 #include "signals.hpp"
 #include "vbond/core/printable.hpp"
 #include "vbond/dynamics/kernel.hpp"
+#include "vbond/observe/files.hpp"
+#include "vbond/observe/fracture_table.hpp"
 
 namespace vbond::app {
 namespace {
@@ -114,6 +116,8 @@ void save_summary(Campaign& campaign) {
   const double progress = campaign.progress ? campaign.progress->seconds() : 0.0;
   s.wall_time.push_back({"terminal", campaign.table->seconds() + progress});
   write_summary(campaign.plan.folder / "run.json", s);
+  if (const std::string table = fracture_table(s); !table.empty())
+    replace_file(campaign.plan.folder / "fracture.csv", table);
 }
 
 }  // namespace vbond::app
