@@ -133,9 +133,26 @@ bool BreakingBody::step_to(double load_factor) {
   Vector x = Vector::Zero(body_->unknowns().size());
   if (rate_.size() == x.size() && rate_.allFinite()) x = (load_factor - from.load_factor) * rate_;
   body_->move(x, load_factor);
-  if (correct_here()) return true;
+  const Placement predicted = body_->placement();
+  if (correct_here() && is_near(from, distance(from, predicted, body_->unknowns().length()))) return true;
   body_->restore(from);
   return false;
+}
+
+/// A smooth step goes as far as the tangent says, but for its curvature: twice as far is a jump.
+bool BreakingBody::is_near(const Placement& from, double expected) const {
+  constexpr double far = 2.0, rounding = 1e-9;
+  const double length = body_->unknowns().length();
+  return distance(from, body_->placement(), length) <= far * expected + rounding * length;
+}
+
+bool BreakingBody::came_smoothly(const Placement& from) {
+  if (rate_.size() == 0) return true;
+  const Placement here = body_->placement();
+  body_->move((from.load_factor - here.load_factor) * rate_, from.load_factor);
+  const double expected = distance(here, body_->placement(), body_->unknowns().length());
+  body_->restore(here);
+  return is_near(from, expected);
 }
 
 bool BreakingBody::balance_between(const Placement& a, const Placement& b, double load_factor) {
