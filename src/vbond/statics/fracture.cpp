@@ -95,7 +95,8 @@ class Fracture {
       const double wanted = std::min({limit, std::abs(expected_step()), walk_.longest_step()});
       const double step = std::min(std::max(wanted, smallest), std::abs(to - from));
       const double next = step < std::abs(to - from) ? from + (up ? step : -step) : to;
-      const bool arrived = walk_.step_to(next) && stop_at_strength() && walk_.is_stable();
+      const bool arrived =
+          walk_.step_to(next) && stop_at_strength() && walk_.is_stable() && walk_.came_smoothly(now_.at);
       if (!arrived) {
         if (hooks_.interrupted && hooks_.interrupted()) return void(result_.ended = "interrupted");
         walk_.restore(now_);

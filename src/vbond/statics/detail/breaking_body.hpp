@@ -42,6 +42,8 @@ class BreakingBody {
   /// On to a balance at another load factor, from the balance that is_stable() has judged. False, and back,
   /// if there is none close by.
   bool step_to(double load_factor);
+  /// After is_stable(): whether the way from there is as long as the tangent here says, and not a jump.
+  bool came_smoothly(const Placement& from);
   /// To a balance at a load factor between those of two that are close. False: anywhere.
   bool balance_between(const Placement& a, const Placement& b, double load_factor);
   /// Lets the body go, at this load factor. False, and back, if it comes to no balance.
@@ -61,6 +63,7 @@ class BreakingBody {
   double reaction(const StaticSupport& s) const;
   double trapezium(const Balance& a, const Balance& b) const;
   bool correct_here();
+  bool is_near(const Placement& from, double expected) const;
 
   const Model& model_;
   const StaticHooks& hooks_;
