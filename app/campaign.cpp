@@ -11,6 +11,8 @@
 #include "vbond/dynamics/kernel.hpp"
 #include "vbond/observe/bond_look.hpp"
 #include "vbond/observe/breaks_observer.hpp"
+#include "vbond/observe/files.hpp"
+#include "vbond/observe/fracture_table.hpp"
 
 namespace vbond::app {
 namespace {
@@ -126,6 +128,8 @@ void save_summary(Campaign& campaign) {
   const double progress = campaign.progress ? campaign.progress->seconds() : 0.0;
   s.wall_time.push_back({"terminal", campaign.table->seconds() + progress});
   write_summary(campaign.plan.folder / "run.json", s);
+  if (const std::string table = fracture_table(s); !table.empty())
+    replace_file(campaign.plan.folder / "fracture.csv", table);
 }
 
 }  // namespace vbond::app

@@ -122,6 +122,12 @@ void add_static_results(const StageSummary& s, bool si, page::Lines& lines) {
   add("Frequencies", frequencies, si ? " Hz" : "");
   add("Limit points, load factors,", limits, "");
   add("Bifurcations, load factors,", bifurcations, "");
+  if (s.statics->kind == StageKind::fracture)
+    lines.push_back({fmt::format("Fracture in stage \"{}\"", s.name),
+                     fmt::format("{} bonds broke in {} avalanches, peak load {:.6g} at load factor {:.6g}; "
+                                 "ended: {}",
+                                 r.fracture.breaks.size(), r.fracture.avalanches, r.fracture.peak_load,
+                                 r.fracture.peak_load_factor, r.ended)});
   if (s.statics->kind == StageKind::equilibrium && (r.unstable || r.neutral))
     lines.push_back({fmt::format("Balance of stage \"{}\"", s.name),
                      fmt::format("{}, load factor {:.6g}", balance_in_words(r), r.load_factor)});

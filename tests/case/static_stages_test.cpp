@@ -101,21 +101,21 @@ TEST(StaticStages, RefuseKeysOfOtherKinds) {
                  "is used only with");
   expect_refused("dynamics",
                  "duration = 1\nsupports = [{ group = \"all\", fix = [\"x\"], displacement = [1, 0, 0] }]\n",
-                 "only with kind = \"equilibrium\", \"path\" or \"buckling\"");
+                 "only with kind = \"equilibrium\", \"path\", \"buckling\" or \"fracture\"");
   for (const char* lines :
        {"duration = 1\n", "damping = { translation = 1 }\n", "strain = { increment = 1, every = 1 }\n",
         "loads = [{ group = \"all\", force = [1, 0, 0], ramp = 1 }]\n",
         "loads = [{ group = \"all\", force = [1, 0, 0], table = [[0, 1]] }]\n",
         "supports = [{ group = \"all\", fix = [\"rx\"], angular_velocity = [1, 0, 0] }]\n"})
     expect_refused("equilibrium", lines, "is used only with kind = \"dynamics\"");
-  expect_refused("equilibrium", "stop = {}\n", "only with kind = \"dynamics\" or \"path\"");
+  expect_refused("equilibrium", "stop = {}\n", "only with kind = \"dynamics\", \"path\" or \"fracture\"");
   expect_refused("equilibrium", "first_step = 0.1\n", "only with kind = \"path\"");
   expect_refused("modes", "steps = 2\n", "only with kind = \"equilibrium\"");
   expect_refused("path", load + "stop = { rest = { kinetic_energy_below = 1, during = 1 } }\n",
                  "only with kind = \"dynamics\"");
   // modes are about the supports as they stand: nothing would be moved
   expect_refused("modes", "supports = [{ group = \"all\", fix = [\"x\"], displacement = [1, 0, 0] }]\n",
-                 "only with kind = \"equilibrium\", \"path\" or \"buckling\"");
+                 "only with kind = \"equilibrium\", \"path\", \"buckling\" or \"fracture\"");
 }
 
 TEST(StaticStages, SupportsMoveOnlyWhatTheyHold) {
@@ -129,7 +129,7 @@ TEST(StaticStages, NeedSomethingThatGrowsWithTheLoadFactor) {
   const std::string constant = "loads = [{ group = \"last\", force = [1, 0, 0], constant = true }]\n";
   const std::string zero = "loads = [{ group = \"last\" }]\n";
   const std::string because = "nothing grows with the load factor";
-  for (const char* kind : {"path", "buckling"}) {
+  for (const char* kind : {"path", "buckling", "fracture"}) {
     for (const std::string& lines :
          {std::string{}, constant, zero, std::string("gravity = [0, 0, 1]\nconstant_gravity = true\n"),
           std::string("supports = [{ group = \"first\", fix = [\"x\"] }]\n")})
@@ -178,9 +178,33 @@ TEST(StaticStages, NumbersAreChecked) {
 TEST(StaticStages, IterativeSolverIsForEquilibriumOnly) {
   const std::string iterative = "newton = { solver = \"iterative\" }\n";
   expect_accepted("equilibrium", iterative);
-  for (const char* kind : {"path", "buckling"})
+  for (const char* kind : {"path", "buckling", "fracture"})
     expect_refused(kind, load + iterative, "need the factors of the tangent");
   expect_refused("modes", iterative, "need the factors of the tangent");
+}
+
+TEST(StaticStages, FractureHasItsEnds) {
+  const FractureSettings plain = stage("fracture", load).fracture;
+  EXPECT_EQ(plain.end, 1.0);
+  EXPECT_EQ(plain.control, FractureControl::load);
+  EXPECT_FALSE(plain.load_drop);
+  const StageSpec given = stage(
+      "fracture", load +
+                      "steps = 4\ncontrol = \"crack\"\n"
+                      "stop = { load_factor = { above = 2 }, breaks = { count = 7 }, load_drop = 0.3 }\n");
+  EXPECT_EQ(given.steps, 4);
+  EXPECT_EQ(given.fracture.control, FractureControl::crack);
+  EXPECT_EQ(given.fracture.end, 2.0);
+  EXPECT_EQ(given.stop_breaks->count, 7);
+  EXPECT_EQ(given.fracture.load_drop, 0.3);
+  const auto stop = [](const std::string& inside) { return load + "stop = { " + inside + " }\n"; };
+  expect_refused("fracture", stop("load_factor = { above = 0 }"), "above > 0");
+  expect_refused("fracture", stop("load_factor = { below = 0.5 }"), "below");
+  expect_refused("fracture", stop("breaks = { count = 0 }"), "1 <= count");
+  expect_refused("fracture", stop("load_drop = 1.5"), "load_drop <= 1");
+  expect_refused("fracture", load + "control = \"crck\"\n", "did you mean \"crack\"?");
+  expect_refused("path", load + "control = \"crack\"\n", "only with kind = \"fracture\"");
+  expect_refused("path", stop("breaks = 3"), "only with kind = \"fracture\"");
 }
 
 // A kind that makes no sense says nothing of the keys beside it.

@@ -225,7 +225,7 @@ RunSummary all_kinds() {
   s.stages.clear();
   StaticSummary equilibrium = statics(StageKind::equilibrium), path = statics(StageKind::path),
                 critical = statics(StageKind::buckling), modes = statics(StageKind::modes),
-                failed = statics(StageKind::modes);
+                failed = statics(StageKind::modes), fracture = statics(StageKind::fracture);
   equilibrium.result.left_saddle = equilibrium.result.jumped = equilibrium.result.neutral = true;
   path.result.special_points = {{PointKind::bifurcation, 0.25, 3, 0, 1, 1e-7},
                                 {PointKind::limit_point, 0.5, 4, 1, 2, 0.0},
@@ -234,10 +234,32 @@ RunSummary all_kinds() {
                                     {PointKind::limit_point, 1.2e-3, {}, 2.4e-3, {}, 0.0}};
   critical.result.searched_to = 1.2e-3;
   modes.result.modes = {{0, 0, true, {}}, {0, -4.0, false, {}}, {1.5, 2.25, false, {}}};
+  path.result.most_used = BondUse{BondId{7}, ParticleId{3}, ParticleId{4}, 1.25, 0.5};
+  BrokenBond broken{3,
+                    1,
+                    *path.result.most_used,
+                    {0.1, 0.2, 0.3, 0.4, 0.5},
+                    {1, 2, 3, 4},
+                    {5, 6, 7},
+                    {0, 0, 1},
+                    8.5,
+                    0.5,
+                    7.5,
+                    0.1,
+                    0.2,
+                    0.3};
+  FractureResult& f = fracture.result.fracture;
+  f.breaks = {broken, broken};
+  f.breaks[1].load_factor_after.reset();
+  f.breaks[1].load_after.reset();
+  f.reason = "it has parted";
+  f.avalanches = 1, f.largest_avalanche = 2, f.peak_load = 8.5, f.peak_load_factor = 0.5,
+  f.released_parts = 1;
+  f.books = {0.1, 0.2, 0.3, 0.0, 0.4};
   failed.result = {};
   failed.result.ended = "failed";
   failed.failure = "stage \"shake\": nothing to shake";
-  for (const StaticSummary& x : {equilibrium, path, critical, modes, failed}) {
+  for (const StaticSummary& x : {equilibrium, path, critical, modes, failed, fracture}) {
     StageSummary stage;
     stage.name = "stage " + std::to_string(s.stages.size());
     stage.time = 7.5;

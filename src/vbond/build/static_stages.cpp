@@ -49,6 +49,8 @@ StaticStage resolve_static_stage(const Case& c, const Model& model, std::size_t 
   stage.at_saddle = spec.at_saddle;
   stage.path = spec.path;
   if (spec.stop_distance) stage.path.distance = resolver.distance_stop(*spec.stop_distance);
+  stage.fracture = spec.fracture;
+  if (spec.stop_breaks) stage.fracture.most_breaks = static_cast<int>(spec.stop_breaks->count);
   stage.search_to = spec.search_to;
   stage.count = spec.count;
   stage.frames_per_mode = spec.frames_per_mode;

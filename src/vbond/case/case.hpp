@@ -285,13 +285,14 @@ struct StageSpec {
   // static stages; what these mean stands with StaticStage
   bool constant_gravity = false;
   NewtonSettings newton;
-  int steps = 1;                         ///< equilibrium
+  int steps = 1;                         ///< equilibrium, fracture
   AtSaddle at_saddle = AtSaddle::leave;  ///< equilibrium
-  PathSettings path;         ///< path; its distance comes from stop_distance; two keys of it: buckling
-  double search_to = 0;      ///< buckling
-  int count = 6;             ///< buckling, modes
-  int frames_per_mode = 16;  ///< buckling, modes
-  double amplitude = 0;      ///< buckling, modes
+  PathSettings path;          ///< path; its distance comes from stop_distance; two keys of it: buckling
+  FractureSettings fracture;  ///< fracture
+  double search_to = 0;       ///< buckling
+  int count = 6;              ///< buckling, modes
+  int frames_per_mode = 16;   ///< buckling, modes
+  double amplitude = 0;       ///< buckling, modes
 };
 
 struct ExactStep {};  ///< a fraction of the exact critical step of the assembled body

@@ -6,7 +6,7 @@ namespace vbond::keys {
 namespace {
 
 const char* const in_dynamics = "kind = \"dynamics\"";
-const char* const in_statics = "kind = \"equilibrium\", \"path\", \"buckling\" or \"modes\"";
+const char* const in_statics = "kind = \"equilibrium\", \"path\", \"buckling\", \"modes\" or \"fracture\"";
 
 /// Nothing if it is misspelt: then keys of every kind are right.
 using Kind = std::optional<StageKind>;
@@ -44,7 +44,7 @@ void describe_support(Table& t, SupportSpec& s, Kind kind) {
   });
   // about a balance at rest: modes take the supports as they are
   t.when(!kind || (is_static(*kind) && kind != StageKind::modes),
-         "kind = \"equilibrium\", \"path\" or \"buckling\"", [&] {
+         "kind = \"equilibrium\", \"path\", \"buckling\" or \"fracture\"", [&] {
            t.key("displacement", s.displacement, vector_of(length), optional,
                  "of the held translations, from where the stage finds them, at load factor 1");
            t.key("rotation", s.rotation, vector_of(angle), optional,
@@ -71,14 +71,30 @@ void describe_load_factor_stop(Table& t, PathSettings& p) {
   t.check(p.above || p.below, {"above", "below"}, "must have above, below or both", "add above = 1.0");
 }
 
+void describe_fracture_stop(Table& t, FractureSettings& f) {
+  t.table(
+      "load_factor", optional, "stop at a load factor",
+      [&f](Table& k) {
+        k.key("above", f.end, positive(pure), required, "end where the load factor rises to this");
+      },
+      f.end != FractureSettings{}.end);
+  t.key("load_drop", f.load_drop, NumberCodec{pure, {0, 1, true, false}}, optional,
+        "end when this part of the peak load is lost; the load is the reaction of the first support that "
+        "moves, along its motion, or the load factor");
+}
+
 void describe_stop(Table& t, StageSpec& s) {
   const bool dynamics = s.kind == StageKind::dynamics;
-  t.table("distance", s.stop_distance, "stop when two particles are near or far enough");
+  t.when(s.kind != StageKind::fracture, "kind = \"dynamics\" or \"path\"",
+         [&] { t.table("distance", s.stop_distance, "stop when two particles are near or far enough"); });
   t.when(dynamics, in_dynamics, [&] {
     t.table("peak", s.stop_peak, "stop when a quantity has fallen below its peak: buckling, load drop");
     t.table("rest", s.stop_rest, "stop when the body has come to rest");
-    t.table("breaks", s.stop_breaks, "stop when bonds have broken");
   });
+  t.when(dynamics || s.kind == StageKind::fracture, "kind = \"dynamics\" or \"fracture\"",
+         [&] { t.table("breaks", s.stop_breaks, "stop when bonds have broken"); });
+  t.when(s.kind == StageKind::fracture, "kind = \"fracture\"",
+         [&] { describe_fracture_stop(t, s.fracture); });
   t.when(s.kind == StageKind::path, "kind = \"path\"", [&] {
     t.table(
         "load_factor", optional, "stop at a load factor",
@@ -108,7 +124,7 @@ void describe_newton(Table& t, NewtonSettings& n, StageKind kind) {
         optional,
         "of the linear equations; iterative: equilibrium only, and whether it is stable is then not known");
   t.check(kind == StageKind::equilibrium || n.solver != LinearSolver::iterative, {"solver"},
-          "paths, critical loads and modes need the factors of the tangent",
+          "paths, critical loads, modes and fracture need the factors of the tangent",
           "use solver = \"automatic\" or \"direct\"");
 }
 
@@ -156,8 +172,18 @@ void describe_statics(Table& t, StageSpec& s) {
     t.table("newton", optional, "how far Newton's method goes",
             [&s](Table& n) { describe_newton(n, s.newton, s.kind); });
   });
-  t.when(s.kind == StageKind::equilibrium, "kind = \"equilibrium\"", [&] {
+  const bool fracture = s.kind == StageKind::fracture;
+  t.when(s.kind == StageKind::equilibrium || fracture, "kind = \"equilibrium\" or \"fracture\"", [&] {
     t.key("steps", s.steps, at_least_one, optional, "load steps at least; more if they are too large");
+  });
+  t.when(fracture, "kind = \"fracture\"", [&] {
+    t.key("control", s.fracture.control,
+          ChoiceCodec<FractureControl>{{"load", "crack"}, {FractureControl::load, FractureControl::crack}},
+          optional,
+          "while bonds break: loads and supports stay where they are, or go back until one bond alone is at "
+          "its strength");
+  });
+  t.when(s.kind == StageKind::equilibrium, "kind = \"equilibrium\"", [&] {
     t.key("at_saddle", s.at_saddle,
           ChoiceCodec<AtSaddle>{{"leave", "keep"}, {AtSaddle::leave, AtSaddle::keep}}, optional,
           "an unstable balance is left for a stable one, or kept");
@@ -171,19 +197,19 @@ void describe_statics(Table& t, StageSpec& s) {
   });
   t.when(s.kind == StageKind::buckling || s.kind == StageKind::modes, "kind = \"buckling\" or \"modes\"",
          [&] { describe_modes(t, s); });
-  if (path || s.kind == StageKind::buckling) check_proportional(t, s);
+  if (path || fracture || s.kind == StageKind::buckling) check_proportional(t, s);
 }
 
 Kind describe_kind(Table& t, StageSpec& s) {
   Kind kind = s.kind;
   if (t.reading() && t.is_given("kind")) kind.reset();
   t.key("kind", kind,
-        ChoiceCodec<StageKind>{{"dynamics", "equilibrium", "path", "buckling", "modes"},
+        ChoiceCodec<StageKind>{{"dynamics", "equilibrium", "path", "buckling", "modes", "fracture"},
                                {StageKind::dynamics, StageKind::equilibrium, StageKind::path,
-                                StageKind::buckling, StageKind::modes}},
+                                StageKind::buckling, StageKind::modes, StageKind::fracture}},
         optional,
         "motion in time, or static: balance under load, its path as the load changes, the loads at which it "
-        "becomes unstable, small vibrations about it");
+        "becomes unstable, small vibrations about it, bonds that break one by one");
   s.kind = kind.value_or(StageKind::dynamics);
   return kind;
 }
@@ -201,13 +227,17 @@ bool describe(Table& t, StageSpec& s) {
            [kind](Table& k, LoadSpec& load) { describe_load(k, load, kind); });
   t.when(kind == StageKind::dynamics, in_dynamics, [&] { describe_motion(t, s); });
   describe_statics(t, s);
-  t.when(kind == StageKind::dynamics || kind == StageKind::path, "kind = \"dynamics\" or \"path\"", [&] {
-    t.table(
-        "stop", optional,
-        "ends the stage early; a path without it ends at load factor 1 (-1 if it goes down)",
-        [&s](Table& k) { describe_stop(k, s); },
-        s.stop_distance || s.stop_peak || s.stop_rest || s.stop_breaks || s.path.above || s.path.below);
-  });
+  const bool breaks = kind == StageKind::fracture;
+  t.when(kind == StageKind::dynamics || kind == StageKind::path || breaks,
+         "kind = \"dynamics\", \"path\" or \"fracture\"", [&] {
+           t.table(
+               "stop", optional,
+               "ends the stage early; a path without it ends at load factor 1 (-1 if it goes down), fracture "
+               "without stop.load_factor at 1",
+               [&s](Table& k) { describe_stop(k, s); },
+               s.stop_distance || s.stop_peak || s.stop_rest || s.stop_breaks || s.path.above ||
+                   s.path.below || breaks);
+         });
   if (t.reading() && kind == StageKind::path && !s.stop_distance && !s.path.above && !s.path.below)
     (s.path.first_step > 0 ? s.path.above : s.path.below) = s.path.first_step > 0 ? 1.0 : -1.0;
   return kind.has_value();

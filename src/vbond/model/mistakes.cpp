@@ -334,7 +334,8 @@ std::vector<std::string> mistakes_in(const Model& model, const StaticStage& stag
   found.require(above_zero(stage.newton.tolerance),
                 fmt::format("newton.tolerance is {}: it must be > 0", stage.newton.tolerance));
   at_least("newton.iterations", stage.newton.iterations, 1);
-  if (stage.kind == StageKind::equilibrium) at_least("steps", stage.steps, 1);
+  if (stage.kind == StageKind::equilibrium || stage.kind == StageKind::fracture)
+    at_least("steps", stage.steps, 1);
   if (stage.kind == StageKind::buckling || stage.kind == StageKind::modes) at_least("count", stage.count, 1);
   at_least("frames_per_mode", stage.frames_per_mode, 0);
   at_least("amplitude", stage.amplitude, 0);
@@ -353,6 +354,12 @@ std::vector<std::string> mistakes_in(const Model& model, const StaticStage& stag
     found.require(std::abs(path.branch->sense) == 1.0,
                   fmt::format("path.branch.sense is {}: it must be 1 or -1", path.branch->sense));
   }
+  const FractureSettings& fracture = stage.fracture;
+  found.require(above_zero(fracture.end), fmt::format("fracture.end is {}: it must be > 0", fracture.end));
+  at_least("fracture.most_breaks", fracture.most_breaks, 1);
+  if (fracture.load_drop)
+    found.require(above_zero(*fracture.load_drop) && *fracture.load_drop <= 1.0,
+                  fmt::format("fracture.load_drop is {}: it must be > 0 and <= 1", *fracture.load_drop));
   return std::move(found).take();
 }
 

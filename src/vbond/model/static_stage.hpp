@@ -10,7 +10,7 @@
 namespace vbond {
 
 /// What a stage computes. All but the first are static: they look for balance, not for motion.
-enum class StageKind : std::uint8_t { dynamics, equilibrium, path, buckling, modes };
+enum class StageKind : std::uint8_t { dynamics, equilibrium, path, buckling, modes, fracture };
 constexpr bool is_static(StageKind kind) {
   return kind != StageKind::dynamics;
 }
@@ -65,6 +65,18 @@ struct PathSettings {
   std::optional<BranchSwitch> branch;
 };
 
+/// What happens to the load factor while bonds break: it stays, so that one break may bring on the next, or
+/// it is lowered until one bond alone is at its strength.
+enum class FractureControl : std::uint8_t { load, crack };
+
+/// Settings of a stage of fracture. The load factor begins at 0.
+struct FractureSettings {
+  FractureControl control = FractureControl::load;
+  double end = 1.0;                 ///< load factor at which the stage ends, > 0
+  int most_breaks = 1'000'000;      ///< > 0
+  std::optional<double> load_drop;  ///< ends when this part of the peak load is lost, > 0, <= 1
+};
+
 /// One static leg of the run, resolved: no names to look up, all in the units of the model.
 struct StaticStage {
   std::string name;
@@ -74,9 +86,10 @@ struct StaticStage {
   std::vector<StaticSupport> supports;
   std::vector<StaticLoad> loads;
   NewtonSettings newton;
-  int steps = 1;                         ///< equilibrium: load steps at least; more if they are too large
+  int steps = 1;  ///< equilibrium, fracture: load steps at least; more if they are too large
   AtSaddle at_saddle = AtSaddle::leave;  ///< equilibrium: what to do at an unstable balance
   PathSettings path;
+  FractureSettings fracture;
   double search_to =
       0;          ///< buckling: largest load factor at which critical loads are looked for; 0: no limit
   int count = 6;  ///< modes: frequencies besides those of rigid motions; buckling: critical loads

@@ -64,6 +64,105 @@ void add_frequencies(const StaticResult& r, Json& j) {
   j["omega_squared"] = omega2;
 }
 
+Json to_json(const Vec3d& v) {
+  return {v.x, v.y, v.z};
+}
+Vec3d vector_from(const Json& j) {
+  if (!j.is_array() || j.size() != 3) throw IoError("a vector is not a list of 3");
+  return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()};
+}
+
+Json to_json(const BondUse& u) {
+  return {{"bond", u.bond.value},
+          {"particles", {u.i.value, u.j.value}},
+          {"utilisation", u.utilisation},
+          {"load_factor", u.load_factor}};
+}
+
+BondUse bond_use(const Json& j) {
+  const auto number = [](const Json& n) { return static_cast<std::uint32_t>(small_number(n)); };
+  const Json& particles = j.at("particles");
+  return {BondId{number(j.at("bond"))}, ParticleId{number(particles.at(0))},
+          ParticleId{number(particles.at(1))}, j.at("utilisation").get<double>(),
+          j.at("load_factor").get<double>()};
+}
+
+Json to_json(const BrokenBond& b) {
+  Json j = to_json(b.use);
+  j["point"] = b.point;
+  j["avalanche"] = b.avalanche;
+  j["load"] = b.load;
+  if (b.load_factor_after) j["load_factor_after"] = *b.load_factor_after;
+  if (b.load_after) j["load_after"] = *b.load_after;
+  j["shares"] = {b.shares.tension, b.shares.shear, b.shares.bending, b.shares.torsion, b.shares.compression};
+  j["section"] = {b.section.N, b.section.V, b.section.M_b, b.section.M_t};
+  j["middle"] = to_json(b.middle);
+  j["direction"] = to_json(b.direction);
+  j["released"] = b.released;
+  j["work"] = b.work;
+  j["stored"] = b.stored;
+  return j;
+}
+
+BrokenBond broken_bond(const Json& j) {
+  BrokenBond b;
+  b.use = bond_use(j);
+  b.point = small_number(j.at("point"));
+  b.avalanche = small_number(j.at("avalanche"));
+  b.load = j.at("load").get<double>();
+  if (j.contains("load_factor_after")) b.load_factor_after = j["load_factor_after"].get<double>();
+  if (j.contains("load_after")) b.load_after = j["load_after"].get<double>();
+  const auto all = [&j](const char* key, std::initializer_list<double*> to) {
+    std::size_t k = 0;
+    for (double* x : to) *x = j.at(key).at(k++).get<double>();
+  };
+  StrengthShares& s = b.shares;
+  all("shares", {&s.tension, &s.shear, &s.bending, &s.torsion, &s.compression});
+  all("section", {&b.section.N, &b.section.V, &b.section.M_b, &b.section.M_t});
+  b.middle = vector_from(j.at("middle"));
+  b.direction = vector_from(j.at("direction"));
+  b.released = j.at("released").get<double>();
+  b.work = j.at("work").get<double>();
+  b.stored = j.at("stored").get<double>();
+  return b;
+}
+
+Json to_json(const FractureResult& f) {
+  Json j;
+  if (!f.reason.empty()) j["reason"] = f.reason;
+  j["breaks"] = f.breaks.size();
+  j["avalanches"] = f.avalanches;
+  j["largest_avalanche"] = f.largest_avalanche;
+  if (!f.breaks.empty()) {
+    j["first_break_load_factor"] = f.breaks.front().use.load_factor;
+    j["first_break_load"] = f.breaks.front().load;
+  }
+  j["peak_load"] = f.peak_load;
+  j["peak_load_factor"] = f.peak_load_factor;
+  j["released_parts"] = f.released_parts;
+  const FractureBooks& b = f.books;
+  j["energy"] = {{"initial", b.initial},   {"work", b.work},       {"stored", b.stored},
+                 {"released", b.released}, {"largest", b.largest}, {"balance_error", b.error()}};
+  j["broken_bonds"] = Json::array();
+  for (const BrokenBond& broken : f.breaks) j["broken_bonds"].push_back(to_json(broken));
+  return j;
+}
+
+FractureResult fracture_result(const Json& j) {
+  FractureResult f;
+  f.reason = j.value("reason", "");
+  f.avalanches = small_number(j.at("avalanches"));
+  f.largest_avalanche = small_number(j.at("largest_avalanche"));
+  f.peak_load = j.at("peak_load").get<double>();
+  f.peak_load_factor = j.at("peak_load_factor").get<double>();
+  f.released_parts = small_number(j.at("released_parts"));
+  const Json& b = j.at("energy");
+  f.books = {b.at("initial").get<double>(), b.at("work").get<double>(), b.at("stored").get<double>(),
+             b.at("released").get<double>(), b.at("largest").get<double>()};
+  for (const Json& broken : j.at("broken_bonds")) f.breaks.push_back(broken_bond(broken));
+  return f;
+}
+
 std::optional<int> count_if_known(const Json& j, const char* key) {
   return j.contains(key) ? std::optional<int>(small_number(j.at(key))) : std::nullopt;
 }
@@ -132,6 +231,7 @@ const char* to_text(StageKind kind) {
     case StageKind::path: return "path";
     case StageKind::buckling: return "buckling";
     case StageKind::modes: return "modes";
+    case StageKind::fracture: return "fracture";
   }
   return "dynamics";
 }
@@ -150,13 +250,15 @@ Json to_json(const StaticSummary& s) {
   if (s.kind == StageKind::path) add_special_points(r, j);
   if (s.kind == StageKind::buckling) add_critical_loads(r, j);
   if (s.kind == StageKind::modes) add_frequencies(r, j);
+  if (r.most_used) j["most_used_bond"] = to_json(*r.most_used);
+  if (s.kind == StageKind::fracture) j["fracture"] = to_json(r.fracture);
   return j;
 }
 
 StaticSummary static_summary(const Json& j) {
   StaticSummary s;
-  s.kind = named(j.at("kind"),
-                 std::array{StageKind::equilibrium, StageKind::path, StageKind::buckling, StageKind::modes});
+  s.kind = named(j.at("kind"), std::array{StageKind::equilibrium, StageKind::path, StageKind::buckling,
+                                          StageKind::modes, StageKind::fracture});
   StaticResult& r = s.result;
   r.ended = j.at("ended").get<std::string>();
   r.load_factor = j.at("load_factor").get<double>();
@@ -176,6 +278,8 @@ StaticSummary static_summary(const Json& j) {
     r.searched_to = j.value("searched_to", 0.0);
   }
   if (s.kind == StageKind::modes) r.modes = natural_modes(j);
+  if (j.contains("most_used_bond")) r.most_used = bond_use(j["most_used_bond"]);
+  if (s.kind == StageKind::fracture) r.fracture = fracture_result(j.at("fracture"));
   return s;
 }
 

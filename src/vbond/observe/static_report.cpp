@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <numbers>
 
@@ -13,6 +15,8 @@ const char* in_words(PointKind kind) {
     case PointKind::regular: return "";
     case PointKind::limit_point: return "limit point";
     case PointKind::bifurcation: return "bifurcation";
+    case PointKind::critical: return "critical";
+    case PointKind::broken: return "broken";
     case PointKind::end: return "end";
   }
   return "";
@@ -22,12 +26,57 @@ std::string count_or_dash(const std::optional<int>& n) {
   return n ? fmt::format("{}", *n) : "-";
 }
 
+/// A balance beyond the strength of a bond must not look like any other.
+std::string strength(const StaticResult& r) {
+  if (!r.most_used) return "";
+  const BondUse& u = *r.most_used;
+  return fmt::format("{}bond {} (particles {}, {}) used {:.6g} of its strength at load factor {:.6g}{}\n",
+                     u.utilisation >= 1.0 ? "BEYOND STRENGTH: " : "", u.bond.value, u.i.value, u.j.value,
+                     u.utilisation, u.load_factor,
+                     u.utilisation >= 1.0 ? ": bonds do not break in this kind of stage, but in "
+                                            "kind = \"fracture\""
+                                          : ", the most of all");
+}
+
+std::string or_dash(const std::optional<double>& x) {
+  return x ? fmt::format("{:.8g}", *x) : "-";
+}
+
+std::string breaks(const FractureResult& f) {
+  if (f.breaks.empty()) return fmt::format("no bond broke; largest load {:.8g}\n", f.peak_load);
+  constexpr std::size_t shown = 25;
+  std::string text =
+      fmt::format("{:>6} {:>9} {:>8} {:>15} {:>14} {:>14} {:>14} {:>12}\n", "break", "avalanche", "bond",
+                  "particles", "load factor", "load", "load after", "released");
+  for (std::size_t k = 0; k < std::min(shown, f.breaks.size()); ++k) {
+    const BrokenBond& b = f.breaks[k];
+    text += fmt::format("{:>6} {:>9} {:>8} {:>15} {:>14.8g} {:>14.8g} {:>14} {:>12.5e}\n", k + 1, b.avalanche,
+                        b.use.bond.value, fmt::format("{}-{}", b.use.i.value, b.use.j.value),
+                        b.use.load_factor, b.load, or_dash(b.load_after), b.released);
+  }
+  if (f.breaks.size() > shown)
+    text += fmt::format("{:>6} {} more in fracture.csv\n", "and", f.breaks.size() - shown);
+  text += fmt::format(
+      "{} bond{} broke in {} avalanche{}, {} in the largest; peak load {:.8g} at load factor "
+      "{:.8g}\n",
+      f.breaks.size(), f.breaks.size() == 1 ? "" : "s", f.avalanches, f.avalanches == 1 ? "" : "s",
+      f.largest_avalanche, f.peak_load, f.peak_load_factor);
+  if (f.released_parts > 0)
+    text += fmt::format("{} time{} a part came off that nothing held any more\n", f.released_parts,
+                        f.released_parts == 1 ? "" : "s");
+  return text + fmt::format(
+                    "energy: initial {:.6g} + work {:.6g} = stored {:.6g} + released {:.6g}, to "
+                    "{:.1e}\n",
+                    f.books.initial, f.books.work, f.books.stored, f.books.released,
+                    std::abs(f.books.error()));
+}
+
 std::string stability(const StaticResult& r) {
   std::string text = balance_in_words(r);
   if (r.smallest_eigenvalue) text += fmt::format(", smallest eigenvalue {:.6g}", *r.smallest_eigenvalue);
   if (r.jumped) text += "; the body jumped on the way";
   if (r.left_saddle) text += "; an unstable balance was left on the way";
-  return text + '\n';
+  return text + '\n' + strength(r);
 }
 
 std::string special_points(const StaticResult& r) {
@@ -91,7 +140,8 @@ std::string balance_in_words(const StaticResult& r) {
 }
 
 std::string static_report(StageKind kind, const StaticResult& r, const std::string& time_unit) {
-  const bool goes_to_a_load = kind == StageKind::equilibrium || kind == StageKind::path;
+  const bool goes_to_a_load =
+      kind == StageKind::equilibrium || kind == StageKind::path || kind == StageKind::fracture;
   std::string text =
       fmt::format("ended: {}{}; {} point{} of balance, {} Newton iterations, {} solver\n", r.ended,
                   goes_to_a_load ? fmt::format(", at load factor {:.8g}", r.load_factor) : "", r.points,
@@ -102,6 +152,8 @@ std::string static_report(StageKind kind, const StaticResult& r, const std::stri
     case StageKind::path: return text + special_points(r) + stability(r);
     case StageKind::buckling: return text + critical_loads(r);
     case StageKind::modes: return text + frequencies(r, time_unit);
+    case StageKind::fracture:
+      return text + (r.fracture.reason.empty() ? "" : r.fracture.reason + '\n') + breaks(r.fracture);
   }
   return text;
 }

@@ -80,7 +80,7 @@ StageSummary summarise_stage(const Simulation& run, StopReason stop);
 /// "duration", "distance", "peak", "rest", "breaks", "interrupted", "running": as in run.json.
 const char* to_text(StopReason reason);
 
-/// "dynamics", "equilibrium", "path", "buckling", "modes".
+/// "dynamics", "equilibrium", "path", "buckling", "modes", "fracture".
 const char* to_text(StageKind kind);
 
 /// The text of run.json. Critical force, critical forces and frequencies of the run are those of the last

@@ -356,10 +356,49 @@ Energies StaticBody::energies() const {
   return potential_energies(model_, state_);
 }
 
-double StaticBody::potential_change(const Placement& from, double energy_from) const {
+Loads StaticBody::applied_loads(double load_factor) const {
   const std::size_t n = model_.particles();
   Loads applied{PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)};
-  add_applied(load_factor_, applied);
+  add_applied(load_factor, applied);
+  return applied;
+}
+
+Vector StaticBody::applied(double load_factor) const {
+  return on_unknowns(applied_loads(load_factor));
+}
+
+double StaticBody::work_of_loads(const Placement& from, const Placement& to, double load_factor) const {
+  const Loads applied = applied_loads(load_factor);
+  double work = 0.0;
+  for (const ParticleId p : from.r.ids())
+    work += dot(applied.F[p], to.r[p] - from.r[p]) +
+            dot(applied.M[p], rotation_vector(to.q[p] * conjugate(from.q[p])));
+  return work;
+}
+
+double StaticBody::power_of(const StaticSupport& support) const {
+  const Loads& loads = loads_at_hand().loads;
+  double power = 0.0;
+  for (const ParticleId p : support.particles)
+    for (int k = 0; k < 3; ++k) {
+      const auto along = static_cast<std::size_t>(k);
+      if (support.held[along]) power -= component(loads.F[p], k) * component(support.displacement, k);
+      if (support.held[along + 3]) power -= component(loads.M[p], k) * component(support.rotation, k);
+    }
+  return power;
+}
+
+void StaticBody::break_bond(BondId k) {
+  Bond& broken = state_.bonds[k];
+  broken.broken = true;
+  bonded_[broken.i] = bonded_[broken.j] = false;
+  for (const Bond& b : state_.bonds)
+    if (!b.broken) bonded_[b.i] = bonded_[b.j] = true;
+  placed();
+}
+
+double StaticBody::potential_change(const Placement& from, double energy_from) const {
+  const Loads applied = applied_loads(load_factor_);
   double change = energies().potential() - energy_from;
   for (const ParticleId p : state_.r.ids()) {
     const Vec3d turn = rotation_vector(state_.q[p] * conjugate(from.q[p]));

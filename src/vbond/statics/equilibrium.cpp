@@ -132,16 +132,8 @@ class LoadSteps {
     return way;
   }
 
-  /// Downhill, or where outside moments have no potential to go down: straight on, if that leads anywhere.
   NewtonOutcome settle() {
-    if (body_.has_moment_part()) {
-      const Placement from = body_.placement();
-      const NewtonOutcome outcome = correct(body_, solver_, body_.stage().newton, hooks_.interrupted);
-      result_.iterations += outcome.iterations();
-      if (outcome.converged || outcome.interrupted) return outcome;
-      body_.restore(from);
-    }
-    return go_downhill();
+    return vbond::settle(body_, solver_, body_.stage().newton, hooks_.interrupted, result_.iterations);
   }
 
   NewtonOutcome go_downhill(int patience = 1) {

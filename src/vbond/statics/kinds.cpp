@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <new>
 #include <stdexcept>
 #include <utility>
@@ -12,6 +13,22 @@
 #include "vbond/statics/detail/rigid.hpp"
 
 namespace vbond {
+
+std::optional<BondUse> most_used_bond(const State& s, double load_factor) {
+  std::vector<std::pair<BondId, double>> uses;
+  double largest = -std::numeric_limits<double>::infinity();
+  for (const BondId k : s.bonds.ids()) {
+    const Bond& b = s.bonds[k];
+    if (b.broken || !can_break(b)) continue;
+    const double u = b.law->failure(b, bond_pose(b, s), history_of_bond(s, k)).utilisation;
+    uses.emplace_back(k, u);
+    largest = larger(largest, u);
+  }
+  for (const auto& [k, u] : uses)
+    if (u >= largest - same_use * std::abs(largest))
+      return BondUse{k, s.bonds[k].i, s.bonds[k].j, largest, load_factor};
+  return std::nullopt;
+}
 
 void refuse_nothing_free(const StaticBody& body) {
   if (body.unknowns().size() > 0) return;
@@ -42,9 +59,37 @@ void refuse_not_finite(const StaticBody& body) {
       "particles that are bonded must stand apart, and loads and stiffnesses be far from the largest number");
 }
 
+void refuse_iterative(const StaticBody& body, TangentSolver& solver, const std::string& who) {
+  solver.prepare(body);
+  if (!solver.iterative()) return;
+  throw NoEquilibrium(
+      body.stage().name,
+      who + (body.stage().newton.solver == LinearSolver::iterative
+                 ? " the direct solver"
+                 : " the direct solver, and its factor does not fit into memory"),
+      "use solver = \"direct\", with memory enough, or a coarser body; kind = \"equilibrium\" "
+      "does without");
+}
+
 void tell(const StaticStage& stage, const StaticHooks& hooks, const std::string& text) {
   if (hooks.tell) hooks.tell(fmt::format("stage \"{}\": {}", stage.name, text));
 }
+
+namespace {
+
+/// A balance beyond the strength of a bond must not pass for one that a real body could have.
+void watch_strength(const StaticBody& body, const StaticHooks& hooks, StaticResult& result) {
+  const std::optional<BondUse> here = most_used_bond(body.state(), body.load_factor());
+  if (!here || (result.most_used && here->utilisation <= result.most_used->utilisation)) return;
+  if (here->utilisation >= 1.0 && !(result.most_used && result.most_used->utilisation >= 1.0))
+    tell(body.stage(), hooks,
+         fmt::format("load factor {:.6g}: bond {} (particles {}, {}) is past its strength, at {:.4g} of it, "
+                     "and does not break here; kind = \"fracture\" breaks bonds",
+                     here->load_factor, here->bond.value, here->i.value, here->j.value, here->utilisation));
+  result.most_used = here;
+}
+
+}  // namespace
 
 void report_point(StaticBody& body, PointKind kind, std::optional<int> unstable, const StaticHooks& hooks,
                   StaticResult& result) {
@@ -53,6 +98,8 @@ void report_point(StaticBody& body, PointKind kind, std::optional<int> unstable,
   ++body.clock().stage_step;
   ++result.points;
   result.load_factor = body.load_factor();
+  if (body.stage().kind == StageKind::equilibrium || body.stage().kind == StageKind::path)
+    watch_strength(body, hooks, result);
   if (hooks.point)
     hooks.point({body.state(), body.load_factor(), kind, unstable, body.energies(),
                  [&body](const std::vector<ParticleId>& particles) { return body.reaction(particles); }});

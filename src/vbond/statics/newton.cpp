@@ -286,4 +286,18 @@ NewtonOutcome minimise(StaticBody& body, TangentSolver& solver, const NewtonSett
   return outcome;
 }
 
+NewtonOutcome settle(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings,
+                     const std::function<bool()>& interrupted, int& iterations) {
+  if (body.has_moment_part()) {
+    const Placement from = body.placement();
+    NewtonOutcome outcome = correct(body, solver, settings, interrupted);
+    iterations += outcome.iterations();
+    if (outcome.converged || outcome.interrupted) return outcome;
+    body.restore(from);
+  }
+  NewtonOutcome outcome = minimise(body, solver, settings, interrupted);
+  iterations += outcome.iterations();
+  return outcome;
+}
+
 }  // namespace vbond

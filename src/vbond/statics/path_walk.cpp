@@ -279,15 +279,7 @@ const PathPoint& start_walk(const StaticBody& body, TangentSolver& solver, PathW
   const std::string& name = body.stage().name;
   refuse_nothing_free(body);
   refuse_rigid_motions(body);
-  solver.prepare(body);
-  if (solver.iterative())
-    throw NoEquilibrium(
-        name,
-        who + (body.stage().newton.solver == LinearSolver::iterative
-                   ? " the direct solver"
-                   : " the direct solver, and its factor does not fit into memory"),
-        "use solver = \"direct\", with memory enough, or a coarser body; kind = \"equilibrium\" "
-        "does without");
+  refuse_iterative(body, solver, who);
   const PathPoint* here = walk.start(first_step);
   if (walk.is_singular())
     throw NoEquilibrium(

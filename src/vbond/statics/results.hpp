@@ -19,6 +19,8 @@ enum class PointKind : std::uint8_t {
   regular,
   limit_point,  ///< the load factor turns back
   bifurcation,  ///< another path crosses, or passes within `gap`; the load factor goes on
+  critical,     ///< a bond has reached its strength, and has not broken yet
+  broken,       ///< balance again after a bond has broken
   end
 };
 
@@ -73,11 +75,74 @@ struct NaturalMode {
   friend bool operator==(const NaturalMode&, const NaturalMode&) = default;
 };
 
+/// The bond that is nearest to breaking, and how near: 1 breaks.
+struct BondUse {
+  BondId bond{0};
+  ParticleId i{0}, j{0};
+  double utilisation = 0, load_factor = 0;
+  friend bool operator==(const BondUse&, const BondUse&) = default;
+};
+
+/// What used up the strength of a bond, as its criterion counts it.
+struct StrengthShares {
+  double tension = 0, shear = 0, bending = 0, torsion = 0, compression = 0;
+  friend bool operator==(const StrengthShares&, const StrengthShares&) = default;
+};
+
+/// Loads of a bond's section, as in physics/section.hpp.
+struct BondSection {
+  double N = 0, V = 0;      ///< axial force, tension positive; shear force  [force]
+  double M_b = 0, M_t = 0;  ///< bending moment at the middle, torque  [force*length]
+  friend bool operator==(const BondSection&, const BondSection&) = default;
+};
+
+/// A bond that broke at rest. The load is the reaction of the first support that moves, along its motion, or
+/// the load factor where none moves. What stands after the break is missing if no balance followed it.
+struct BrokenBond {
+  int point = 0;      ///< number of the point of balance before the break, from 1
+  int avalanche = 0;  ///< from 1; breaks of one need no load beyond that of its first
+  BondUse use;        ///< as it broke
+  StrengthShares shares;
+  BondSection section;
+  Vec3d middle, direction;  ///< of the bond: place [length] and unit vector from i to j
+  double load = 0;          ///< [force], of moments [force*length], or the load factor
+  std::optional<double> load_factor_after, load_after;
+  double released = 0;  ///< energy that the break took out of the body  [energy]
+  double work = 0;      ///< of loads and supports up to the balance after it, from the start  [energy]
+  double stored = 0;    ///< in bonds and contacts after it  [energy]
+  friend bool operator==(const BrokenBond&, const BrokenBond&) = default;
+};
+
+/// Energy of a stage of fracture: initial + work = stored + released.  [energy]
+struct FractureBooks {
+  double initial = 0;   ///< stored when the load factor was 0
+  double work = 0;      ///< of loads and supports: summed up along the way, not from the energies
+  double stored = 0;    ///< at the end
+  double released = 0;  ///< by all breaks
+  double largest = 0;   ///< of these amounts on the way
+  /// What is missing, as a part of the largest.
+  double error() const { return largest > 0.0 ? (initial + work - stored - released) / largest : 0.0; }
+  friend bool operator==(const FractureBooks&, const FractureBooks&) = default;
+};
+
+/// What a stage of fracture has found.
+struct FractureResult {
+  std::string reason;  ///< why it ended, in words; empty if `ended` says all
+  std::vector<BrokenBond> breaks;
+  int avalanches = 0;
+  int largest_avalanche = 0;  ///< most breaks in one
+  double peak_load = 0, peak_load_factor = 0;
+  int released_parts = 0;  ///< that nothing held any more, and that were held where they were
+  FractureBooks books;
+  friend bool operator==(const FractureResult&, const FractureResult&) = default;
+};
+
 /// How a static stage ended.
 struct StaticResult {
   /// "converged", "load factor", "distance", "points", "interrupted"; of buckling "converged" if as many
   /// critical loads were found as were wanted, else why the search ended: "limit point", "load factor",
-  /// "bond range", "points", "interrupted"
+  /// "bond range", "points", "interrupted"; of fracture "load factor", "breaks", "load drop", "parted",
+  /// "lost stability", "interrupted"
   std::string ended;
   double load_factor = 0;         ///< reached
   int points = 0;                 ///< of balance that were handed to the observers
@@ -95,6 +160,9 @@ struct StaticResult {
   std::vector<CriticalLoad> critical_loads;  ///< buckling, smallest first
   double searched_to = 0;  ///< buckling: there are no other critical loads on the path up to this load factor
   std::vector<NaturalMode> modes;  ///< modes, slowest first; rigid motions before all others
+  /// Equilibrium, path: the most that a bond has used of its strength at any point; absent: none can break.
+  std::optional<BondUse> most_used;
+  FractureResult fracture;  ///< fracture
   friend bool operator==(const StaticResult&, const StaticResult&) = default;
 };
 

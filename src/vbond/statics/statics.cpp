@@ -21,6 +21,7 @@ StaticOutcome run_kind(const Model& model, const StaticStage& stage, State state
     case StageKind::path: return follow_path(model, stage, std::move(state), hooks);
     case StageKind::buckling: return find_critical_loads(model, stage, std::move(state), hooks);
     case StageKind::modes: return find_modes(model, stage, std::move(state), hooks);
+    case StageKind::fracture: return break_at_rest(model, stage, std::move(state), hooks);
   }
   throw std::invalid_argument("run_static_stage: a dynamic stage is run by a Simulation");
 }

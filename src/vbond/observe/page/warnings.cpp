@@ -211,6 +211,14 @@ void add_unstable(const RunFacts& run, Warnings& all) {
           {Level::note, fmt::format("In stage \"{}\" the body lost its balance and jumped to another one: "
                                     "kind = \"path\" follows what lies between.",
                                     s.name)});
+    if (r.most_used && r.most_used->utilisation >= 1.0)
+      all.push_back(
+          {Level::warning,
+           fmt::format(
+               "In stage \"{}\" bond {} (particles {}, {}) is at {:.4g} of its strength at load factor "
+               "{:.6g}: it would have broken. kind = \"fracture\" breaks bonds at rest.",
+               s.name, r.most_used->bond.value, r.most_used->i.value, r.most_used->j.value,
+               r.most_used->utilisation, r.most_used->load_factor)});
     if (s.statics->kind == StageKind::path && r.unstable.value_or(0) > 0)
       all.push_back(
           {Level::note, fmt::format("The path of stage \"{}\" ends at an unstable balance: a real body "

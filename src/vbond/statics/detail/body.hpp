@@ -93,6 +93,15 @@ class StaticBody {
   /// Change of the potential of bonds, contacts and loads from a placement where energies() had this sum to
   /// the present one, at the present load factor. A moment works on the turn in between as on a small one.
   double potential_change(const Placement& from, double energy_from) const;
+  /// Work of the loads on the way between two placements, at this load factor; the relief is not among
+  /// them. A moment works on the turn in between as on a small one.  [energy]
+  double work_of_loads(const Placement& from, const Placement& to, double load_factor) const;
+  /// What a support does along its motion, per load factor.  [energy]
+  double power_of(const StaticSupport& support) const;
+  /// Loads at this load factor, on the free unknowns.  [force]
+  Vector applied(double load_factor) const;
+  /// The bond is there no more.
+  void break_bond(BondId k);
   /// What rounding may make of it.  [energy]
   double rounding_of_potential() const { return rounding_of_potential_; }
 
@@ -118,6 +127,7 @@ class StaticBody {
   const Loaded& loads_at_hand() const;
   const Stiffness& stiffness_at_hand() const;
   void add_applied(double load_factor, Loads& loads) const;
+  Loads applied_loads(double load_factor) const;
   void lay_out(const std::vector<Assembly::Pair>& touching) const;
   void add_pair(ParticleId i, ParticleId j, const Assembly::Block& d) const;
   Vector on_unknowns(const Loads& loads) const;

@@ -34,7 +34,19 @@ StaticOutcome find_critical_loads(const Model& model, const StaticStage& stage, 
 /// Natural frequencies and shapes about the balance of the stage's loads, all of them taken as constant.
 StaticOutcome find_modes(const Model& model, const StaticStage& stage, State state, const StaticHooks& hooks);
 
+// In fracture.cpp:
+/// Breaks bonds one by one, each where the balance along the load factor brings it to its strength.
+StaticOutcome break_at_rest(const Model& model, const StaticStage& stage, State state,
+                            const StaticHooks& hooks);
+
 // In kinds.cpp:
+/// Two utilisations no further apart than this part of them are taken as equal: a balance is exact to some
+/// 1e-10 of the largest force, and the loads of a bond may be smaller than that force.
+inline constexpr double same_use = 1e-8;
+
+/// The bond that uses up most of its strength, the first of equals; nothing if none can break.
+std::optional<BondUse> most_used_bond(const State& state, double load_factor);
+
 /// How a stage ends that was interrupted before its first point, in the state where it began, at rest.
 StaticOutcome interrupted_outcome(StaticResult result, State state);
 
@@ -47,6 +59,10 @@ void refuse_not_finite(const StaticBody& body);
 
 /// Throws NoEquilibrium, naming them, if parts of the body can move freely as rigid bodies.
 void refuse_rigid_motions(const StaticBody& body);
+
+/// Throws NoEquilibrium if the factor of the tangent does not fit, or is not wanted. who: how that begins, as
+/// in "a path needs".
+void refuse_iterative(const StaticBody& body, TangentSolver& solver, const std::string& who);
 
 /// Tells the user something about this stage, if anybody listens.
 void tell(const StaticStage& stage, const StaticHooks& hooks, const std::string& text);

@@ -65,6 +65,11 @@ bool balanced(const StaticBody& body, const NewtonSettings& settings, const std:
 NewtonOutcome correct(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings,
                       const std::function<bool()>& interrupted = {});
 
+/// The balance that a body comes to which is let go as it stands: downhill, or where outside moments have no
+/// potential to go down first straight on. Adds to iterations.
+NewtonOutcome settle(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings,
+                     const std::function<bool()>& interrupted, int& iterations);
+
 /// Newton with a line search downhill in the potential, the tangent shifted where it is not positive
 /// definite, so that it goes to a minimum and not to a saddle. It may still stop at a balance that is
 /// unstable, if it meets one exactly (a straight column): ask solver.factor().

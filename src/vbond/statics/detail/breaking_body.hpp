@@ -1,0 +1,78 @@
+#pragma once
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "vbond/statics/detail/kinds.hpp"
+
+namespace vbond {
+
+/// A balance on the way, and what the books need of it.
+struct Balance {
+  Placement at;
+  double power = 0;             ///< of the supports that move, per load factor  [energy]
+  double stored = 0;            ///< in bonds and contacts  [energy]
+  std::optional<BondUse> most;  ///< nothing if no bond can break
+};
+
+/// A body on its way along the load factor, from balance to balance, that loses bonds. Parts that nothing
+/// holds any more are held where they are, by as many of their degrees of freedom as can move freely, so that
+/// they come to rest without stress from outside and leave the tangent regular.
+class BreakingBody {
+ public:
+  BreakingBody(const Model& model, const StaticStage& stage, State balanced, const StaticHooks& hooks,
+               StaticResult& result);
+
+  StaticBody& body() { return *body_; }
+  State take_state() && { return std::move(*body_).take_state(); }
+  const TangentSolver& solver() const { return *solver_; }
+  double load_factor() const { return body_->load_factor(); }
+  /// The reaction of the first support that moves, along its motion; the load factor where none moves.
+  double load() const;
+  /// The largest such reaction in size of all supports that move; nothing where none moves.
+  std::optional<double> largest_reaction() const;
+  void refuse_iterative() { vbond::refuse_iterative(*body_, *solver_, "fracture needs"); }
+  Balance here() const;
+  void restore(const Balance& b) { body_->restore(b.at); }
+
+  /// Whether the balance is stable, as far as that is known; keeps how the body goes on from here.
+  bool is_stable();
+  /// The longest step of the load factor from the balance that is_stable() has judged.
+  double longest_step() const;
+  /// On to a balance at another load factor, from the balance that is_stable() has judged. False, and back,
+  /// if there is none close by.
+  bool step_to(double load_factor);
+  /// After is_stable(): whether the way from there is as long as the tangent here says, and not a jump.
+  bool came_smoothly(const Placement& from);
+  /// To a balance at a load factor between those of two that are close. False: anywhere.
+  bool balance_between(const Placement& a, const Placement& b, double load_factor);
+  /// Lets the body go, at this load factor. False, and back, if it comes to no balance.
+  bool settle();
+  /// Work of loads and supports from one balance to the other along the way between: Romberg's sums over
+  /// balances between them, more of them until the work is known as well as the books are to close, or they
+  /// do not close. Leaves the body at the second.  [energy]
+  double work_between(const Balance& a, const Balance& b, double scale);
+
+  void break_bond(BondId k) { body_->break_bond(k); }
+  /// Holds parts that can move freely now. Returns what moves freely under loads, in words, or nothing; then
+  /// nothing is held.
+  std::optional<std::string> hold_free_parts();
+
+ private:
+  void begin(State state, double load_factor);
+  double reaction(const StaticSupport& s) const;
+  double trapezium(const Balance& a, const Balance& b) const;
+  bool correct_here();
+  bool is_near(const Placement& from, double expected) const;
+
+  const Model& model_;
+  const StaticHooks& hooks_;
+  StaticResult& result_;
+  std::unique_ptr<StaticStage> stage_;  // with the supports that hold free parts
+  std::unique_ptr<StaticBody> body_;
+  std::unique_ptr<TangentSolver> solver_;
+  const StaticSupport* moved_ = nullptr;
+  Vector rate_;  // movement per load factor; empty: not known
+};
+
+}  // namespace vbond

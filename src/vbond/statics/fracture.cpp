@@ -1,0 +1,259 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "vbond/physics/section.hpp"
+#include "vbond/statics/detail/breaking_body.hpp"
+#include "vbond/statics/detail/crossing.hpp"
+
+namespace vbond {
+namespace {
+
+/// How near to 1 the utilisation is brought by the load factor.
+constexpr double critical_error = 1e-10;
+
+double use_of(const Balance& b) {
+  return b.most ? b.most->utilisation : 0.0;
+}
+bool is_past(const Balance& b) {
+  return use_of(b) >= 1.0 - same_use;
+}
+
+/// A bond as it stands at the moment of its break.
+BrokenBond broken_bond(const State& s, const BondUse& use) {
+  const Bond& b = s.bonds[use.bond];
+  const BondPose<double> pose = bond_pose(b, s);
+  const BondAxis<double> axis = bond_axis(pose, b.R_i, b.R_j);
+  const BondLoads<double> loads = bond_loads(s, use.bond);
+  const Failure<double> f = b.law->failure(b, pose, history_of_bond(s, use.bond));
+  const SectionLoads<double> l = section_loads(section_moments(pose, b.R_i, b.R_j, loads), axis, loads);
+  BrokenBond broken;
+  broken.use = use;
+  broken.shares = {f.tension, f.shear, f.bending, f.torsion, f.compression};
+  broken.section = {l.N, l.V, l.M_b, l.M_t};
+  broken.middle = s.r[b.i] + b.R_i * pose.n_i[0] + 0.5 * axis.D * axis.d;
+  broken.direction = axis.d;
+  return broken;
+}
+
+/// Goes along the load factor and breaks one bond at a time.
+class Fracture {
+ public:
+  Fracture(const Model& model, const StaticStage& stage, State balanced, const StaticHooks& hooks,
+           StaticResult& result)
+      : stage_(stage),
+        settings_(stage.fracture),
+        hooks_(hooks),
+        result_(result),
+        found_(result.fracture),
+        walk_(model, stage, std::move(balanced), hooks, result) {}
+
+  State run() {
+    refuse_nothing_free(walk_.body());
+    refuse_rigid_motions(walk_.body());
+    walk_.refuse_iterative();
+    now_ = walk_.here();
+    found_.books.initial = found_.books.stored = now_.stored;
+    note_balance(PointKind::regular);
+    while (result_.ended.empty()) {
+      if (hooks_.interrupted && hooks_.interrupted())
+        result_.ended = "interrupted";
+      else if (is_past(now_))
+        break_one();
+      else if (now_.at.load_factor >= settings_.end)
+        end("load factor", "");
+      else
+        go_on(settings_.end);
+    }
+    result_.solver = walk_.solver().name();
+    return std::move(walk_).take_state();
+  }
+
+ private:
+  void end(const std::string& how, const std::string& reason) {
+    result_.ended = how;
+    found_.reason = reason;
+    if (!reason.empty()) tell(stage_, hooks_, reason);
+  }
+
+  void lose_stability(const std::string& where) {
+    end("lost stability", fmt::format("load factor {:.9g}: {}", walk_.load_factor(), where));
+  }
+
+  /// Along the load factor towards `to`, until the largest utilisation is 1. A step begins at a stable
+  /// balance and ends at one.
+  void go_on(double to) {
+    const bool up = to > now_.at.load_factor;
+    const double largest = settings_.end / std::max(1, stage_.steps), smallest = 1e-7 * largest;
+    double limit = largest;
+    if (!walk_.is_stable()) return lose_stability("the balance is not stable any more");
+    while (now_.at.load_factor != to && result_.ended.empty()) {
+      if (hooks_.interrupted && hooks_.interrupted()) return void(result_.ended = "interrupted");
+      const double from = now_.at.load_factor;
+      const double wanted = std::min({limit, std::abs(expected_step()), walk_.longest_step()});
+      const double step = std::min(std::max(wanted, smallest), std::abs(to - from));
+      const double next = step < std::abs(to - from) ? from + (up ? step : -step) : to;
+      const bool arrived =
+          walk_.step_to(next) && stop_at_strength() && walk_.is_stable() && walk_.came_smoothly(now_.at);
+      if (!arrived) {
+        if (hooks_.interrupted && hooks_.interrupted()) return void(result_.ended = "interrupted");
+        walk_.restore(now_);
+        limit = 0.5 * step;
+        if (limit < smallest) return lose_stability("no stable balance is found beyond it");
+        if (!walk_.is_stable()) return lose_stability("the balance is not stable any more");
+        continue;
+      }
+      before_ = now_;
+      now_ = walk_.here();
+      add_work(walk_.work_between(before_, now_, found_.books.largest));
+      const bool critical = up ? is_past(now_) : use_of(now_) <= 1.0 + same_use;
+      note_balance(critical                               ? PointKind::critical
+                   : now_.at.load_factor == settings_.end ? PointKind::end
+                                                          : PointKind::regular);
+      if (critical) return;
+      limit = std::min(largest, 2.0 * limit);
+    }
+  }
+
+  /// The change of the load factor after which the largest utilisation is 1, if it goes on as in the last
+  /// step, or in proportion to the load factor if there was none.
+  double expected_step() const {
+    const double f = now_.at.load_factor, u = use_of(now_);
+    double slope = f > 0.0 ? u / f : 0.0;
+    if (before_.at.load_factor != f && !before_.at.r.empty())
+      slope = (u - use_of(before_)) / (f - before_.at.load_factor);
+    const double step = (1.0 - u) / slope;
+    const bool rising = slope > 0.0 && std::isfinite(step);
+    return rising ? step : settings_.end;
+  }
+
+  /// The body stands at a balance after now_. If the largest utilisation passes 1 between them, it is brought
+  /// to where it is 1. False if no balance is found there.
+  bool stop_at_strength() {
+    const Balance there = walk_.here();
+    const Sample first{now_.at.load_factor, use_of(now_) - 1.0},
+        last{there.at.load_factor, use_of(there) - 1.0};
+    if (std::abs(last.value) <= critical_error || std::signbit(first.value) == std::signbit(last.value))
+      return true;
+    const auto value = [&](double f) -> std::optional<double> {
+      if (!walk_.balance_between(now_.at, there.at, f)) return std::nullopt;
+      return use_of(walk_.here()) - 1.0;
+    };
+    const Crossed c = crossing(first, last, critical_error, value);
+    if (!c.found) return false;
+    const double f = c.s == c.lo.s ? c.hi.s : c.s;  // beyond rather than before, so that it gets there
+    return walk_.load_factor() == f || value(f).has_value();
+  }
+
+  /// The bond with the largest utilisation goes; then the balance without it.
+  void break_one() {
+    BrokenBond broken = broken_bond(walk_.body().state(), *now_.most);
+    broken.point = result_.points;
+    broken.load = walk_.load();
+    const double factor = now_.at.load_factor;
+    if (found_.avalanches == 0 || factor > avalanche_factor_ * (1.0 + same_use))
+      ++found_.avalanches, in_avalanche_ = 0, avalanche_factor_ = factor;
+    broken.avalanche = found_.avalanches;
+    found_.largest_avalanche = std::max(found_.largest_avalanche, ++in_avalanche_);
+    walk_.break_bond(broken.use.bond);
+    found_.breaks.push_back(std::move(broken));
+    find_balance_after();
+    if (result_.ended.empty() && settings_.control == FractureControl::crack &&
+        use_of(now_) > 1.0 + same_use && now_.at.load_factor > 0.0)
+      go_on(0.0);
+    BrokenBond& after = found_.breaks.back();
+    after.work = found_.books.work;
+    after.stored = now_.stored;
+    if (!result_.ended.empty()) return;
+    after.load_factor_after = now_.at.load_factor;
+    after.load_after = walk_.load();
+    constexpr double nothing = 1e-9;  // of the largest: rounding
+    const std::optional<double> left = walk_.largest_reaction();
+    if (left && now_.at.load_factor > 0.0 && *left <= nothing * largest_reaction_)
+      end("parted",
+          fmt::format("load factor {:.9g}: the body has parted, no load is left", walk_.load_factor()));
+    else if (static_cast<int>(found_.breaks.size()) >= settings_.most_breaks)
+      end("breaks", "");
+    else if (settings_.load_drop && *after.load_after <= (1.0 - *settings_.load_drop) * found_.peak_load)
+      end("load drop", "");
+  }
+
+  /// The balance that follows the break of a bond at the same load factor, and the energy it has released.
+  void find_balance_after() {
+    const double stored = now_.stored;
+    const Placement from = walk_.body().placement();
+    if (const std::optional<std::string> driven = walk_.hold_free_parts()) {
+      now_ = walk_.here();
+      book_release(stored - now_.stored);
+      return end("parted",
+                 fmt::format("load factor {:.9g}: the body has parted, loads drive off what nothing "
+                             "holds any more: {}",
+                             walk_.load_factor(), *driven));
+    }
+    if (!walk_.settle() || !walk_.is_stable()) {
+      if (hooks_.interrupted && hooks_.interrupted()) return void(result_.ended = "interrupted");
+      walk_.body().restore(from);
+      now_ = walk_.here();
+      book_release(stored - now_.stored);
+      return lose_stability(
+          fmt::format("no stable balance follows the break of bond {}", found_.breaks.back().use.bond.value));
+    }
+    now_ = walk_.here();
+    before_ = {};
+    const double work = walk_.body().work_of_loads(from, now_.at, now_.at.load_factor);
+    add_work(work);
+    book_release(stored + work - now_.stored);
+    note_balance(PointKind::broken);
+  }
+
+  void note_balance(PointKind kind) {
+    found_.books.stored = now_.stored;
+    found_.books.largest = std::max(found_.books.largest, std::abs(now_.stored));
+    note_peak(walk_.load());
+    report_point(walk_.body(), kind, 0, hooks_, result_);
+    result_.unstable = 0;
+  }
+
+  void note_peak(double load) {
+    largest_reaction_ = std::max(largest_reaction_, walk_.largest_reaction().value_or(0.0));
+    if (!(std::abs(load) > found_.peak_load)) return;
+    found_.peak_load = std::abs(load);
+    found_.peak_load_factor = walk_.load_factor();
+  }
+
+  void add_work(double work) {
+    found_.books.work += work;
+    found_.books.largest = std::max(found_.books.largest, std::abs(found_.books.work));
+  }
+
+  void book_release(double energy) {
+    found_.breaks.back().released = energy;
+    found_.books.released += energy;
+    found_.books.stored = now_.stored;
+  }
+
+  const StaticStage& stage_;
+  const FractureSettings& settings_;
+  const StaticHooks& hooks_;
+  StaticResult& result_;
+  FractureResult& found_;
+  BreakingBody walk_;
+  Balance now_, before_;  // this balance; the one before it, empty after a break
+  int in_avalanche_ = 0;
+  double avalanche_factor_ = 0;
+  double largest_reaction_ = 0;  // of any support
+};
+
+}  // namespace
+
+StaticOutcome break_at_rest(const Model& model, const StaticStage& stage, State state,
+                            const StaticHooks& hooks) {
+  return run_from_constant_loads(model, stage, std::move(state), hooks,
+                                 [&](State balanced, StaticResult& result) {
+                                   return Fracture(model, stage, std::move(balanced), hooks, result).run();
+                                 });
+}
+
+}  // namespace vbond

@@ -1,0 +1,66 @@
+#pragma once
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "statics/walks.hpp"
+#include "validation/cases.hpp"
+
+/// Bodies that break at rest.
+namespace vbond::testing {
+
+inline constexpr double unbreakable = 1e30;
+
+/// A bond of these stiffnesses that breaks by its tension alone.
+inline BondRecipe breakable(const BondStiffness<double>& c, double tension) {
+  BondRecipe recipe;
+  recipe.law = &bond_law<RuledVModel>;
+  recipe.parameters = c;
+  recipe.rules.strength = linear_strength(tension, unbreakable, unbreakable, unbreakable);
+  return recipe;
+}
+
+/// The case of materials.json; the file says where its numbers come from.
+inline nlohmann::json materials_case(const std::string& id) {
+  std::ifstream file(std::string(VBOND_TEST_DATA) + "/materials.json");
+  const nlohmann::json all = nlohmann::json::parse(file);
+  for (const auto& c : all["cases"])
+    if (c["id"] == id) return c;
+  return {};
+}
+
+/// Two particles one apart, joined by bonds of stiffness 1 with these strengths: a bundle between grips that
+/// do not turn.
+inline Specimen bundle(const std::vector<double>& strengths) {
+  Specimen s = particles_at({{0, 0, 0}, {1, 0, 0}}, 0.1);
+  for (const double tension : strengths) bond(s, 0, 1, breakable({1.0, 0.1, 0.01, 0.01}, tension));
+  return s;
+}
+
+inline StaticSupport clamp(std::size_t particle) {
+  return fixed({ParticleId{particle}}, clamped);
+}
+
+/// The second particle of a bundle pulled by a force along x, which is all that it is free to do.
+inline StaticStage pulled_bundle(double force) {
+  return static_stage(StageKind::fracture,
+                      {clamp(0), fixed({ParticleId{1}}, {false, true, true, true, true, true})},
+                      {pushed(1, {force, 0, 0})});
+}
+/// The same drawn out; free to twist.
+inline StaticStage drawn_bundle(double displacement) {
+  return static_stage(
+      StageKind::fracture,
+      {clamp(0), fixed({ParticleId{1}}, {true, true, true, false, true, true}, {displacement, 0, 0})});
+}
+
+inline const FractureResult& fracture(const Walked& w) {
+  return w.result.fracture;
+}
+inline std::vector<std::size_t> broken_bonds(const FractureResult& f) {
+  std::vector<std::size_t> all;
+  for (const BrokenBond& b : f.breaks) all.push_back(b.use.bond.value);
+  return all;
+}
+
+}  // namespace vbond::testing
