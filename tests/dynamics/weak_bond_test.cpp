@@ -31,7 +31,7 @@ nlohmann::json reference(const std::string& id) {
   return {};
 }
 
-/// WK1: a chain of 20, one end held, the other moved on at once; the weak bond is between particles 5 and 6.
+/// WK1: a chain of 20, one end held, the other moved on at once; the weak bond is between particles 6 and 7.
 struct WeakChain {
   double time, momentum;  // of the particles on the held side
   BondEvent event;
@@ -41,7 +41,7 @@ WeakChain break_chain(double dt) {
   for (std::size_t k = 0; k < 20; ++k) r.push_back({static_cast<double>(k), 0, 0});
   Specimen s = testing::particles_at(r);
   for (std::size_t k = 0; k + 1 < 20; ++k)
-    testing::bond(s, k, k + 1, bond_of_strength(k == 5 ? 1.2e-3 : 1e9));
+    testing::bond(s, k, k + 1, bond_of_strength(k == 6 ? 1.2e-3 : 1e9));
   Stage stage = testing::plain_stage(dt, 100.0);
   stage.supports = {testing::held({ParticleId{0}}, testing::clamped),
                     testing::held({ParticleId{19}}, testing::clamped, {1e-3, 0, 0})};
@@ -50,7 +50,7 @@ WeakChain break_chain(double dt) {
   EXPECT_EQ(run.run(), StopReason::breaks);
   EXPECT_EQ(run.breaks(), 1);
   double momentum = 0.0;
-  for (std::size_t k = 0; k <= 5; ++k) momentum += run.state().v[ParticleId{k}].x;
+  for (std::size_t k = 1; k <= 6; ++k) momentum += run.state().v[ParticleId{k}].x;
   return {run.clock().time(), momentum, run.events().at(0)};
 }
 
@@ -64,14 +64,15 @@ TEST(WeakBond, BreaksWhenAndWhereTheReferenceSays) {
     const double leap_frog = t * dt * dt / 6.0;
     EXPECT_GT(broken.time - t, -leap_frog) << dt;
     EXPECT_LT(broken.time - t, dt + leap_frog) << dt;
-    EXPECT_EQ(broken.event.bond, BondId{5});
+    EXPECT_EQ(broken.event.bond, BondId{6});
     EXPECT_EQ(broken.event.cause.mode, BreakMode::tension);
     // N grows by some 1.65e-4 in a time of one: of neighbours' velocities, 1.236e-3 - 1.072e-3
     EXPECT_NEAR(broken.event.loads.N, 1.2e-3, 2e-4 * dt);
     EXPECT_GE(broken.event.failure.utilisation, 1.0);
     EXPECT_NEAR(broken.event.energy, exact["energy_released"], 1.2e-3 * 2e-4 * dt);
     EXPECT_NEAR(broken.momentum, exact["momentum_left_part"], 2e-3 * dt);
-    EXPECT_NEAR(broken.event.middle.x, 0.5 * (6.001675972083354 + 5.000792103489898) + 0.5, 0.51);
+    const double middle = 0.5 * (exact["positions"][6].get<double>() + exact["positions"][7].get<double>());
+    EXPECT_NEAR(broken.event.middle.x, middle, 2e-3 * dt);
   }
 }
 
@@ -111,7 +112,8 @@ TEST(WeakBond, IsShownToObserversInTheStepOfItsBreak) {
   const auto sleeper = std::make_shared<Sleeper>();
   run.add_observer(sleeper);
   run.run();
-  EXPECT_EQ(sleeper->steps.size(), 8u);
+  EXPECT_EQ(sleeper->steps.size(), static_cast<std::size_t>(run.breaks()));
+  EXPECT_GE(run.breaks(), 5);
   EXPECT_GT(sleeper->steps.back(), sleeper->steps.front());
 }
 
@@ -120,27 +122,28 @@ TEST(WeakBond, StopCountsTheBreaksOfTheStage) {
   Specimen s = testing::straight_rod(9, bond_of_strength(1e-3));
   for (const ParticleId p : s.state.r.ids()) s.state.v[p].x = 1e-3 * static_cast<double>(p.value * p.value);
   Stage stage = testing::plain_stage(0.05, 50.0);
-  stage.stops.breaks = BreakStop{3};
+  stage.stops.breaks = BreakStop{5};
   const auto broken = [](const State& state) {
     return std::count_if(state.bonds.begin(), state.bonds.end(), [](const Bond& b) { return b.broken; });
   };
   Simulation whole(s.model, stage, s.state);
   ASSERT_EQ(whole.run(), StopReason::breaks);
-  EXPECT_GE(broken(whole.state()), 3);
+  EXPECT_GE(broken(whole.state()), 5);
 
   Simulation first(s.model, stage, s.state);
   while (broken(first.state()) < 1) first.step();
   State middle = std::move(first).take_state();
-  ASSERT_LT(broken(middle), 3);
+  ASSERT_LT(broken(middle), 5);
   Simulation rest(s.model, stage, middle);
   EXPECT_EQ(rest.run(), StopReason::breaks);
   EXPECT_TRUE(rest.state() == whole.state());
 
   State next = whole.state();
   begin_next_stage(next.clock);
+  stage.stops.breaks = BreakStop{1};
   Simulation second(s.model, stage, next);
   EXPECT_EQ(second.run(), StopReason::breaks);
-  EXPECT_GE(broken(second.state()), broken(whole.state()) + 3);
+  EXPECT_GE(broken(second.state()), broken(whole.state()) + 1);
 }
 
 }  // namespace

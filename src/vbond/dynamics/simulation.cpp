@@ -177,6 +177,7 @@ void Simulation::finish(StopReason why) {
 
 void Simulation::notify_observers() {
   steps_to_look_ = std::numeric_limits<std::int64_t>::max();
+  if (observers_.empty()) return;  // events are then kept
   for (const auto& o : observers_) {
     o->observe(*this);
     steps_to_look_ = std::min(steps_to_look_, std::max<std::int64_t>(1, o->steps_to_next_look(state_.clock)));
