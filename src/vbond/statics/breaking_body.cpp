@@ -15,8 +15,8 @@ namespace {
 
 /// Longest predictor: bonds turn by no more than this.  [rad]
 constexpr double largest_prediction = 0.3;
-/// As a part of the energy in the books; a tenth of what they are to close to.
-constexpr double work_error = 1e-10;
+/// Of the work of a step, as a part of it; and of what rounding may do, as a part of the energy in the books.
+constexpr double work_error = 1e-10, rounding_error = 1e-12;
 
 bool moves(const StaticSupport& s) {
   return !(s.displacement == Vec3d{} && s.rotation == Vec3d{});
@@ -184,7 +184,7 @@ double BreakingBody::work_between(const Balance& a, const Balance& b, double sca
   std::vector<double> sums{trapezium(a, b)};  // a row of Romberg's scheme, its best last
   const double stored = b.stored - a.stored;
   const auto known = [&] {
-    return std::abs(sums.back() - stored) <= work_error * std::max(scale, std::abs(stored));
+    return std::abs(sums.back() - stored) <= work_error * std::abs(stored) + rounding_error * scale;
   };
   for (int halvings = 0; halvings < most_halvings && !known(); ++halvings) {
     std::vector<Balance> finer{nodes.front()};
