@@ -96,7 +96,7 @@ TEST(StaticStages, RefuseKeysOfOtherKinds) {
   expect_refused("dynamics", "duration = 1\ncount = 3\n", "only with kind = \"buckling\" or \"modes\"");
   expect_refused("dynamics", "duration = 1\nconstant_gravity = true\n", "is used only with");
   expect_refused("dynamics", "duration = 1\nstop = { load_factor = { above = 1 } }\n",
-                 "only with kind = \"path\"");
+                 "only with kind = \"fracture\", or kind = \"path\"");
   expect_refused("dynamics", "duration = 1\nloads = [{ group = \"all\", constant = true }]\n",
                  "is used only with");
   expect_refused("dynamics",
@@ -198,13 +198,13 @@ TEST(StaticStages, FractureHasItsEnds) {
   EXPECT_EQ(given.stop_breaks->count, 7);
   EXPECT_EQ(given.fracture.load_drop, 0.3);
   const auto stop = [](const std::string& inside) { return load + "stop = { " + inside + " }\n"; };
-  expect_refused("fracture", stop("load_factor = { above = 0 }"), "above > 0");
+  expect_refused("fracture", stop("load_factor = { above = 0 }"), "0 < above");
   expect_refused("fracture", stop("load_factor = { below = 0.5 }"), "below");
   expect_refused("fracture", stop("breaks = { count = 0 }"), "1 <= count");
   expect_refused("fracture", stop("load_drop = 1.5"), "load_drop <= 1");
   expect_refused("fracture", load + "control = \"crck\"\n", "did you mean \"crack\"?");
   expect_refused("path", load + "control = \"crack\"\n", "only with kind = \"fracture\"");
-  expect_refused("path", stop("breaks = 3"), "only with kind = \"fracture\"");
+  expect_refused("path", stop("breaks = { count = 3 }"), "only with kind = \"dynamics\" or \"fracture\"");
 }
 
 // A kind that makes no sense says nothing of the keys beside it.
