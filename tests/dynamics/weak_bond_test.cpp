@@ -94,6 +94,20 @@ TEST(WeakBond, LoadBeforeItsBreakIsKnown) {
   EXPECT_EQ(run.reaction_before_breaks({}).force.x, 0.0);
 }
 
+// The fall of a load is a peak of the reaction: the stop looks at block averages of it.
+TEST(WeakBond, FallOfTheLoadEndsAStage) {
+  Specimen s = testing::particles_at({{0, 0, 0}, {1, 0, 0}});
+  testing::bond(s, 0, 1, bond_of_strength(0.01));
+  Stage stage = testing::plain_stage(0.01, 100.0);
+  stage.supports = {testing::held({ParticleId{0}}, testing::translations),
+                    testing::held({ParticleId{1}}, testing::translations, {1e-3, 0, 0})};
+  stage.stops.peak = PeakStop{PeakQuantity::reaction, {ParticleId{1}}, {1, 0, 0}, 0.5, 0.1};
+  Simulation run(s.model, stage, s.state);
+  EXPECT_EQ(run.run(), StopReason::peak);
+  EXPECT_NEAR(run.clock().time(), 10.0, 0.2);  // the block of the break, or that behind it
+  EXPECT_NEAR(run.peak().peak, 0.01, 1e-3 * 0.2);
+}
+
 // Observers see the run in each step that bonds broke in, whenever they wanted to look.
 TEST(WeakBond, IsShownToObserversInTheStepOfItsBreak) {
   struct Sleeper : Observer {
