@@ -96,7 +96,7 @@ TEST(StaticStages, RefuseKeysOfOtherKinds) {
   expect_refused("dynamics", "duration = 1\ncount = 3\n", "only with kind = \"buckling\" or \"modes\"");
   expect_refused("dynamics", "duration = 1\nconstant_gravity = true\n", "is used only with");
   expect_refused("dynamics", "duration = 1\nstop = { load_factor = { above = 1 } }\n",
-                 "only with kind = \"path\"");
+                 "only with kind = \"fracture\", or kind = \"path\"");
   expect_refused("dynamics", "duration = 1\nloads = [{ group = \"all\", constant = true }]\n",
                  "is used only with");
   expect_refused("dynamics",
@@ -198,7 +198,7 @@ TEST(StaticStages, FractureHasItsEnds) {
   EXPECT_EQ(given.fracture.most_breaks, 7);
   EXPECT_EQ(given.fracture.load_drop, 0.3);
   const auto stop = [](const std::string& inside) { return load + "stop = { " + inside + " }\n"; };
-  expect_refused("fracture", stop("load_factor = { above = 0 }"), "above > 0");
+  expect_refused("fracture", stop("load_factor = { above = 0 }"), "0 < above");
   expect_refused("fracture", stop("load_factor = { below = 0.5 }"), "below");
   expect_refused("fracture", stop("breaks = 0"), "1 <= breaks");
   expect_refused("fracture", stop("load_drop = 1.5"), "load_drop <= 1");
