@@ -55,6 +55,7 @@ class Fracture {
     refuse_rigid_motions(walk_.body());
     walk_.refuse_iterative();
     now_ = walk_.here();
+    if (!now_.most) tell(stage_, hooks_, "no bond has a strength: nothing can break");
     found_.books.initial = found_.books.stored = now_.stored;
     note_balance(PointKind::regular);
     while (result_.ended.empty()) {
