@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <string>
 #include <vector>
 
+#include "material_cases.hpp"
 #include "rods.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/model/make_bond.hpp"
@@ -21,15 +21,8 @@ namespace vbond {
 namespace {
 
 using testing::Dice;
+using testing::material_case;
 using testing::Specimen;
-
-nlohmann::json material_case(const std::string& id) {
-  std::ifstream file(VBOND_TEST_DATA "/materials.json");
-  const nlohmann::json all = nlohmann::json::parse(file);
-  for (const auto& c : all["cases"])
-    if (c["id"] == id) return c;
-  throw std::runtime_error("no case " + id);
-}
 
 constexpr BondStiffness<double> slender_bond{1.0, 0.03, 0.0025, 1.0 / 480};
 BondRecipe ruled(const BondRules& rules, const BondLaw* law = &bond_law<VModel>) {

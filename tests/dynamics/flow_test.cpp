@@ -3,12 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "material_cases.hpp"
 #include "rods.hpp"
 #include "vbond/model/rules.hpp"
 #include "vbond/physics/flowing.hpp"
@@ -16,15 +16,8 @@
 namespace vbond {
 namespace {
 
+using testing::material_case;
 using testing::Specimen;
-
-nlohmann::json material_case(const std::string& id) {
-  std::ifstream file(VBOND_TEST_DATA "/materials.json");
-  const nlohmann::json all = nlohmann::json::parse(file);
-  for (const auto& c : all["cases"])
-    if (c["id"] == id) return c;
-  return {};
-}
 
 BondRecipe recipe_with(const BondRules& rules, const BondLaw* law = &bond_law<VModel>) {
   BondRecipe recipe;

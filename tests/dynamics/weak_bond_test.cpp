@@ -2,12 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "material_cases.hpp"
 #include "rods.hpp"
 #include "vbond/model/rules.hpp"
 
@@ -21,14 +21,6 @@ BondRecipe bond_of_strength(double N_c) {
   BondRecipe recipe = testing::papers_bond();
   recipe.rules.strength = linear_strength(N_c, 1e9, 1e9, 1e9);
   return recipe;
-}
-
-nlohmann::json reference(const std::string& id) {
-  std::ifstream file(VBOND_TEST_DATA "/materials.json");
-  const nlohmann::json all = nlohmann::json::parse(file);
-  for (const auto& c : all["cases"])
-    if (c["id"] == id) return c["expected"];
-  return {};
 }
 
 /// WK1: a chain of 20, one end held, the other moved on at once; the weak bond is between particles 6 and 7.
@@ -57,7 +49,7 @@ WeakChain break_chain(double dt) {
 // A bond breaks at the end of the step in which it reaches its strength: as much as a step too late. The
 // chain itself is off by the phase of leap-frog, (omega dt)^2/24 of the time for its fastest wave, omega = 2.
 TEST(WeakBond, BreaksWhenAndWhereTheReferenceSays) {
-  const nlohmann::json exact = reference("WK1");
+  const nlohmann::json exact = testing::material_case("WK1")["expected"];
   const double t = exact["t_break"];
   for (const double dt : {0.04, 0.02, 0.01, 0.005, 0.0005}) {
     const WeakChain broken = break_chain(dt);

@@ -5,26 +5,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "material_cases.hpp"
 #include "random_pose.hpp"
 #include "vbond/core/dual.hpp"
 
 namespace vbond {
 namespace {
-
-nlohmann::json reference_case(const std::string& id) {
-  std::ifstream file(VBOND_TEST_DATA "/materials.json");
-  const nlohmann::json all = nlohmann::json::parse(file);
-  for (const auto& c : all["cases"])
-    if (c["id"] == id) return c;
-  return {};
-}
 
 constexpr BondStiffness<double> slender{1.0, 0.03, 0.0025, 1.0 / 480};
 const Vec3d unit_x{1, 0, 0}, unit_y{0, 1, 0}, unit_z{0, 0, 1};
@@ -74,7 +66,7 @@ Quatd about(const Vec3d& axis, double angle) {
 TYPED_TEST(FlowingBond, FollowsAxialCyclesExactlyInAnyNumberOfSteps) {
   for (const std::string id : {"PL1a", "PL1b", "PL1c"})
     for (const int steps : {1, 7, 100}) {
-      const nlohmann::json c = reference_case(id);
+      const nlohmann::json c = testing::material_case(id);
       const auto& setup = c["setup"];
       BondRules rules;
       rules.yield.limit.axial = rules.yield.compression = setup["N_y"];
@@ -134,7 +126,7 @@ double flowed_angle(const Driven<Law>& bond, const Vec3d& axis) {
 }
 
 TYPED_TEST(FlowingBond, BendsToAndFroAtItsYieldMoment) {
-  const nlohmann::json c = reference_case("PL2");
+  const nlohmann::json c = testing::material_case("PL2");
   const auto& expected = c["expected"][std::is_same_v<TypeParam, FlowingEvm<double>> ? "evm" : "vmodel"];
   BondRules rules;
   rules.yield.limit.bending = 8e-4;
@@ -153,7 +145,7 @@ TYPED_TEST(FlowingBond, BendsToAndFroAtItsYieldMoment) {
 
 TYPED_TEST(FlowingBond, TwistsFarPastARightAngleWithoutSnapping) {
   if constexpr (std::is_same_v<TypeParam, FlowingVModel<double>>) {
-    const nlohmann::json c = reference_case("PL2t");
+    const nlohmann::json c = testing::material_case("PL2t");
     BondRules rules;
     rules.yield.limit.torsion = 4e-4;
     Driven<TypeParam> bond(rules);
@@ -398,7 +390,7 @@ double relaxed(const BondRules& rules, double N_0, double t, int steps) {
 }
 
 TYPED_TEST(FlowingBond, RelaxesByCreepToSecondOrderInTheStep) {
-  const nlohmann::json c = reference_case("CR1");
+  const nlohmann::json c = testing::material_case("CR1");
   const auto& s = c["setup"];
   const double N_0 = s["N0"];
   BondRules maxwell, norton;
@@ -429,7 +421,7 @@ TYPED_TEST(FlowingBond, CreepsWithoutOscillationWhateverTheStep) {
 // ---- SO1: softening --------------------------------------------------------------------------------------
 
 TYPED_TEST(FlowingBond, SoftensAlongTheLineOfItsFractureEnergy) {
-  const nlohmann::json c = reference_case("SO1");
+  const nlohmann::json c = testing::material_case("SO1");
   for (const auto& [name, n] : {std::pair{"n4", 4}, {"n20", 20}}) {
     const auto& e = c["expected"][name];
     BondRules rules;
@@ -477,7 +469,7 @@ TYPED_TEST(FlowingBond, IsWeakenedByDamageInAllButCompression) {
 // ---- PL5: loads of a section ----------------------------------------------------------------------------
 
 TEST(PlasticSection, HasTheLoadsOfASolidCircle) {
-  const nlohmann::json e = reference_case("PL5")["expected"];
+  const nlohmann::json e = testing::material_case("PL5")["expected"];
   const FlowLimits first = first_yield_loads(circle(0.2), 1.0, 1.0),
                    all = plastic_loads_of_circle(0.2, 1.0, 1.0);
   EXPECT_NEAR(all.axial, e["N_y"], 1e-12);

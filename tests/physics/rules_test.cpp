@@ -3,11 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "material_cases.hpp"
 #include "random_law.hpp"
 #include "vbond/physics/ruled.hpp"
 #include "vbond/physics/tangent.hpp"
@@ -16,14 +16,8 @@ namespace vbond {
 namespace {
 
 using nlohmann::json;
+using testing::material_case;
 
-json case_of(const std::string& id) {
-  std::ifstream file(VBOND_TEST_DATA "/materials.json");
-  const json all = json::parse(file);
-  for (const json& c : all["cases"])
-    if (c["id"] == id) return c;
-  throw std::runtime_error("no case " + id);
-}
 Vec3d vec(const json& j) {
   return {j[0], j[1], j[2]};
 }
@@ -58,7 +52,7 @@ double utilisation_by(const StateOfBond& s, const Strength& strength) {
 }
 
 TEST(Strength, SectionLoadsAndAllCriteriaMatchTheReference) {
-  const json fr1 = case_of("FR1"), setup = fr1["setup"];
+  const json fr1 = material_case("FR1"), setup = fr1["setup"];
   const auto& c = setup["c"];
   const double tolerance = 1e-12;
   const Section section = circle(setup["d"]);
@@ -166,7 +160,7 @@ TEST(Strength, IsTheSameForEitherEndAndInEveryDirection) {
 }
 
 TEST(Strength, BondStressesAreThoseOfF1) {
-  const json e = case_of("F1")["expected"];
+  const json e = material_case("F1")["expected"];
   const Section s = circle(e["d_b"]);
   EXPECT_NEAR(s.A, e["A"], 1e-15);
   const double N = e["F_n_tension_positive"], V = e["F_s"];
@@ -250,7 +244,7 @@ TEST(Stretching, AllFormsButTheTableHaveTheStiffnessAtRest) {
 }
 
 TEST(Stretching, HasTheForcesAndSlopesOfTheReference) {
-  const json nl1 = case_of("NL1")["expected"];
+  const json nl1 = material_case("NL1")["expected"];
   const std::vector<Stretch> forms = every_form();
   const auto at = [&](std::size_t form, double u) { return stretched(forms[form], 1.0, 1.0, 1.0 + u); };
   const json &morse = nl1["morse"], &fene = nl1["fene"], &cubic = nl1["cubic"];
@@ -266,7 +260,7 @@ TEST(Stretching, HasTheForcesAndSlopesOfTheReference) {
 }
 
 TEST(Stretching, TableIsTheNaturalSplineOfTheReference) {
-  const json nl3 = case_of("NL3"), expected = nl3["expected"];
+  const json nl3 = material_case("NL3"), expected = nl3["expected"];
   Stretch form;
   form.form = StretchForm::table;
   form.table.count = nl3["setup"]["D"].size();

@@ -7,6 +7,7 @@
 #include <regex>
 
 #include "bodies.hpp"
+#include "material_cases.hpp"
 #include "validation/cases.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/statics/detail/newton.hpp"
@@ -72,11 +73,7 @@ double exact_force(double q, double bonds, double a, const BondStiffness<double>
 // TH1: the paper's rod of ten, its ends held, grows in length by a part x of it, as by heat: it buckles where
 // its smallest eigenvalue vanishes. Linear between 1e-5 to either side of the exact x, whose square is left.
 TEST(PinnedRods, BuckleByAnImposedGrowthAtTheExactOne) {
-  std::ifstream file(std::string(VBOND_TEST_DATA) + "/materials.json");
-  const auto all = nlohmann::json::parse(file);
-  double exact = 0.0;
-  for (const auto& c : all["cases"])
-    if (c["id"] == "TH1") exact = c["expected"]["alpha_dT_critical"];
+  const double exact = testing::material_case("TH1")["expected"]["alpha_dT_critical"];
   const auto stiffness_at = [](double x) {
     BondRecipe recipe = testing::papers_bond();
     recipe.parameters = GivenCoefficients{{1.0, -0.005, 0.015, 1.0 / 480}};  // unchanged by the growth

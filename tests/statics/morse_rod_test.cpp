@@ -1,10 +1,10 @@
 // Validation case NL2: a pulled rod of eight Morse bonds, its elongation and the largest force it carries.
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "material_cases.hpp"
 #include "walks.hpp"
 
 namespace vbond {
@@ -30,11 +30,7 @@ StaticStage pulled(StageKind kind, const testing::Specimen& s, double force) {
 }
 
 TEST(MorseRod, HasTheElongationAndTheLargestForceOfTheReference) {
-  std::ifstream file(std::string(VBOND_TEST_DATA) + "/materials.json");
-  const auto all = nlohmann::json::parse(file);
-  nlohmann::json nl2;
-  for (const auto& c : all["cases"])
-    if (c["id"] == "NL2") nl2 = c["expected"];
+  const nlohmann::json nl2 = testing::material_case("NL2")["expected"];
   const testing::Specimen s = morse_rod();
   for (const auto& row : nl2["rows"]) {
     const StaticOutcome rest =

@@ -3,6 +3,7 @@
 #include <utility>
 #include <vector>
 
+#include "material_cases.hpp"
 #include "statics/walks.hpp"
 #include "validation/cases.hpp"
 
@@ -18,15 +19,6 @@ inline BondRecipe breakable(const BondStiffness<double>& c, double tension) {
   recipe.parameters = c;
   recipe.rules.strength = linear_strength(tension, unbreakable, unbreakable, unbreakable);
   return recipe;
-}
-
-/// The case of materials.json; the file says where its numbers come from.
-inline nlohmann::json materials_case(const std::string& id) {
-  std::ifstream file(std::string(VBOND_TEST_DATA) + "/materials.json");
-  const nlohmann::json all = nlohmann::json::parse(file);
-  for (const auto& c : all["cases"])
-    if (c["id"] == id) return c;
-  return {};
 }
 
 /// Two particles one apart, joined by bonds of stiffness 1 with these strengths: a bundle between grips that

@@ -18,7 +18,7 @@ using testing::drawn_bundle;
 using testing::fixed;
 using testing::fracture;
 using testing::in_plane;
-using testing::materials_case;
+using testing::material_case;
 using testing::pulled_bundle;
 using testing::pushed;
 using testing::Specimen;
@@ -47,7 +47,7 @@ void expect_books_close(const FractureResult& f) {
 
 // The utilisation at a break is 1 to 1e-10.
 TEST(FibreBundle, DrawnOutBreaksAsListed) {
-  const auto e = materials_case("FB1")["expected"];
+  const auto e = material_case("FB1")["expected"];
   constexpr double most = 2.0;
   const Walked w = walk(bundle(numbers(e["thresholds"])), drawn_bundle(most));
   const FractureResult& f = fracture(w);
@@ -72,7 +72,7 @@ TEST(FibreBundle, DrawnOutBreaksAsListed) {
 }
 
 TEST(FibreBundle, UnderLoadGoesInAvalanches) {
-  const auto e = materials_case("FB1")["expected"];
+  const auto e = material_case("FB1")["expected"];
   constexpr double most = 20.0;
   const Walked w = walk(bundle(numbers(e["thresholds"])), pulled_bundle(most));
   const FractureResult& f = fracture(w);
@@ -96,7 +96,7 @@ TEST(FibreBundle, UnderLoadGoesInAvalanches) {
 // With the load lowered until one bond alone is at its strength the force goes through the list of the drawn
 // bundle.
 TEST(FibreBundle, UnderLoadThatIsLoweredGoesThroughTheListOfTheDrawnOne) {
-  const auto e = materials_case("FB1")["expected"];
+  const auto e = material_case("FB1")["expected"];
   constexpr double most = 20.0;
   StaticStage stage = pulled_bundle(most);
   stage.fracture.control = FractureControl::crack;
@@ -293,7 +293,7 @@ TEST(DoubleCantilever, TornOffTheGroundNeedsTheExactLoads) {
 
 // DB1: two chains joined by breakable bonds, their ends drawn apart.
 TEST(DoubleCantilever, OpensAsListed) {
-  const auto c = materials_case("DB1");
+  const auto c = material_case("DB1");
   constexpr std::size_t n = 30, c0 = 8;
   constexpr double most = 0.3;
   std::vector<Vec3d> r;
