@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -100,6 +101,11 @@ void describe_damping(Table& t, BondDamping& d) {
   });
 }
 
+/// A number that is above zero where it is given.
+std::optional<double> given(double x) {
+  return x > 0.0 ? std::optional(x) : std::nullopt;
+}
+
 // ---- strength --------------------------------------------------------------------------------------
 
 bool needs_section(Criterion c) {
@@ -135,8 +141,10 @@ void describe_limits(Table& t, StrengthSpec& s) {
   t.when(s.criterion == stress || s.criterion == fibre, "criterion = \"stress\" or \"fibre\"", [&] {
     t.key("tension", s.tension, positive(keys::stress), required, "strength against tension and bending");
     t.key("shear", s.shear, positive(keys::stress), required, "strength against shear and torsion");
-    t.key("compression", s.compression, positive(keys::stress), default_is("compression breaks nothing"),
+    std::optional<double> compression = given(s.compression);
+    t.key("compression", compression, positive(keys::stress), default_is("compression breaks nothing"),
           "strength against compression and bending");
+    s.compression = compression.value_or(0.0);
   });
   t.when(s.criterion == stress, "criterion = \"stress\"", [&] {
     t.key("moment_share", s.moment_share, NumberCodec{pure, {0, 1, false, false}}, optional,
@@ -173,8 +181,10 @@ void describe_weibull(Table& t, Weibull& w) {
       "weibull", optional, "strengths scatter: one factor for all limits of a bond",
       [&](Table& k) {
         k.key("modulus", w.modulus, positive(pure), required, "m: the larger, the less they scatter");
-        k.key("volume", w.volume, positive(volume), default_is("size does not count"),
+        std::optional<double> reference = given(w.volume);
+        k.key("volume", reference, positive(volume), default_is("size does not count"),
               "V_0 of the given limits: a bond of volume V = A a has (V_0/V)^(1/m) times these on the scale");
+        w.volume = reference.value_or(0.0);
         k.key("seed", w.seed, seed_number, optional, "of the random factors");
       },
       w.modulus > 0.0);
