@@ -161,6 +161,27 @@ TEST(CaseRules, BondsYieldCreepAndSoftenAsTheTablesSay) {
   expect_refused(bonds + "softening = { tension = 1, fracture_energy = 1 }\n", "section is missing");
 }
 
+// What a run writes down of its case is read again when it is resumed.
+TEST(CaseRules, BondsWithRulesAreWrittenAsTheyCanBeRead) {
+  const std::string stiffness = "stiffness = { c_A = 1, c_D = 0.03, c_B = 0.0025, c_T = 0.002 }\n";
+  const std::string section = "section = { shape = \"circle\", diameter = 0.2 }";
+  for (const std::string& lines :
+       {"strength = { criterion = \"stress\", tension = 2, shear = 3, weibull = { modulus = 4 }, " + section +
+            " }\n",
+        "strength = { criterion = \"stress\", tension = 2, shear = 3, compression = 5, " + section + " }\n",
+        std::string(
+            "damping = { time = 0.1 }\nyield = { bending_moment = 2, kinematic = { bending = 0.1 } }\n"),
+        std::string(
+            "creep = { norton = { exponent = 3, speed = 0.7, force = 0.3 } }\nyield = { torque = 1 }\n"),
+        std::string("creep = { viscosity = 0.3 }\n"),
+        "softening = { tension = 0.7, fracture_energy = 0.3, " + section + " }\n"}) {
+    const Case c = parse_case(rod + "[[bonds]]\ndistance = 1.1\n" + stiffness + lines + stage, "case.toml");
+    const Case again = parse_case(to_toml(c), "resolved.toml");
+    EXPECT_EQ(again.bonds[0].recipe.rules, c.bonds[0].recipe.rules) << to_toml(c);
+    EXPECT_EQ(to_toml(again), to_toml(c));
+  }
+}
+
 TEST(CaseRules, RampIsATableOfTwoPoints) {
   const auto factor = [](const std::string& text) {
     return parse_case(rod + stage + "loads = [{ group = \"all\", " + text + " }]\n", "case.toml")

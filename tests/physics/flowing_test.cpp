@@ -1,5 +1,5 @@
 // Bonds that yield, creep and soften, one at a time, driven by hand: against closed forms of materials.json.
-#include "vbond/physics/flowing.hpp"
+#include "vbond/physics/flow_step.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,6 @@
 #pragma once
 #include "vbond/physics/evm.hpp"
+#include "vbond/physics/flow_step.hpp"
 #include "vbond/physics/flowing.hpp"
 #include "vbond/physics/law.hpp"
 #include "vbond/physics/ruled.hpp"
