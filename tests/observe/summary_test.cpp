@@ -298,7 +298,7 @@ TEST(RunSummary, StaticStagesReadBack) {
   const Folder folder;
   const RunSummary s = all_kinds();
   write_summary(folder / "run.json", s);
-  EXPECT_EQ(read_stages_before(folder / "run.json", 5), s.stages);
+  EXPECT_EQ(read_stages_before(folder / "run.json", 6), s.stages);
 }
 
 }  // namespace
