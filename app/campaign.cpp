@@ -9,6 +9,8 @@
 #include "signals.hpp"
 #include "vbond/core/printable.hpp"
 #include "vbond/dynamics/kernel.hpp"
+#include "vbond/observe/bond_look.hpp"
+#include "vbond/observe/breaks_observer.hpp"
 
 namespace vbond::app {
 namespace {
@@ -74,8 +76,10 @@ Campaign open_campaign(const Case& c, Run& run, OutputPlan plan, int threads, co
   const auto tell = [progress = campaign.progress](const std::string& report) {
     tell_beside(progress, report);
   };
+  const auto& bonds = run.current().bonds;  // they keep a strength that the case has lost since
+  campaign.plan.breaks = campaign.plan.breaks || std::any_of(bonds.begin(), bonds.end(), can_break);
   campaign.files = open_output(campaign.plan, tell, VBOND_VERSION, resume);
-  campaign.table = std::make_shared<TableObserver>(stdout);
+  campaign.table = std::make_shared<TableObserver>(stdout, campaign.plan.breaks);
   for (const auto& o : campaign.files.all()) run.add_observer(o);
   run.add_observer(campaign.table);
   if (campaign.progress) run.add_observer(campaign.progress);
@@ -99,6 +103,14 @@ void listen(Campaign& campaign) {
 void save_summary(Campaign& campaign) {
   RunSummary& s = campaign.summary;
   s.energy_balance_error = campaign.files.history->largest_balance_error();
+  if (campaign.files.breaks) {
+    BreakSummary& breaks = s.breaks ? *s.breaks : s.breaks.emplace();
+    breaks.broken = count_broken(campaign.run.current().bonds);
+    breaks.first = campaign.files.breaks->record();
+    breaks.peak_load = campaign.files.history->largest_load();
+    if (const auto load = breaks.first.largest_load)
+      breaks.peak_load = std::max(breaks.peak_load.value_or(0.0), *load);
+  }
   const WatchRecord& watched = campaign.files.watch->watch().record();
   s.ever_strained = watched.strained;
   s.ever_snapped = watched.snapped;

@@ -67,6 +67,7 @@ double seconds_per_step(const Run& run, const Stage& stage, int threads) {
   endless.insist = true;  // known to be what its author wants
   endless.stops.duration = long_time;
   endless.stops.distance.reset();
+  endless.stops.breaks.reset();
   if (endless.stops.peak)
     endless.stops.peak->average_over = long_time;  // what they look at is part of a step
   if (endless.stops.rest) endless.stops.rest->during = long_time;

@@ -47,6 +47,8 @@ int calibrate(const CalibrateOptions& options);
 /// Writes report.html into the folder of a run.
 int report(const std::filesystem::path& folder);
 int plot(const PlotOptions& options);
+/// Says of each bond that broke in a run, or of the first hundred, when and why.
+int breaks(const std::filesystem::path& folder, bool all);
 /// Prints what case files may hold: a key, a table, or with an empty text everything.
 int reference(const std::string& key);
 /// Prints a JSON Schema of case files.

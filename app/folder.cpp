@@ -67,8 +67,9 @@ void take_away_if_empty(const fs::path& folder) {
 void remove_output(const fs::path& folder) {
   const FolderLock nobody_reports(folder, report_lock);
   for (const char* name :
-       {"history.csv", "history.columns.json", "run.json", "resolved.toml", "checkpoint.h5", "particles.pvd",
-        "bonds.pvd", "dump.lammpstrj", "last_balance.h5", "report.html", "report.png"}) {
+       {"history.csv", "history.columns.json", "breaks.csv", "breaks.columns.json", "fragments.csv",
+        "fragments.columns.json", "run.json", "resolved.toml", "checkpoint.h5", "particles.pvd", "bonds.pvd",
+        "dump.lammpstrj", "last_balance.h5", "report.html", "report.png"}) {
     take_away(folder / name);
     take_away(temporary_name(folder / name));
   }

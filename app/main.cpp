@@ -140,6 +140,11 @@ int dispatch(int argc, char** argv) {
   CLI::App* plot_command = nullptr;
   add_plot(program, plot, plot_command);
 
+  bool all_breaks = false;
+  CLI::App* breaks_command = program.add_subcommand("breaks", "Say which bonds of a run broke, when and why");
+  breaks_command->add_option("DIR", folder, "Output folder of a run, ended or not")->required();
+  breaks_command->add_flag("--all", all_breaks, "All of them, not the first 100");
+
   std::string key;
   CLI::App* reference_command =
       program.add_subcommand("reference", "Print what a key of case files means, or all keys of a table");
@@ -169,6 +174,7 @@ int dispatch(int argc, char** argv) {
   if (resume_command->parsed()) return app::resume(folder, run.threads, run.program);
   if (report_command->parsed()) return app::report(folder);
   if (plot_command->parsed()) return app::plot(plot);
+  if (breaks_command->parsed()) return app::breaks(folder, all_breaks);
   if (reference_command->parsed()) return app::reference(key);
   if (schema_command->parsed()) return app::schema();
   return app::calibrate(calibrate);

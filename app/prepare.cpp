@@ -50,6 +50,8 @@ OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem:
     plan.checkpoint_every = output_time(*o.checkpoint_every, model, "output.checkpoint.every", c);
   plan.statics =
       std::any_of(c.stages.begin(), c.stages.end(), [](const StageSpec& s) { return is_static(s.kind); });
+  plan.breaks = std::any_of(c.bonds.begin(), c.bonds.end(),
+                            [](const BondSpec& b) { return b.recipe.rules.can_break(); });
   plan.watch_every = c.watch.every;
   plan.overlap = c.watch.overlap;
   plan.energy_error = c.watch.energy_error;

@@ -101,6 +101,9 @@ void say_end(const Campaign& campaign, bool interrupted) {
     if (stage.critical_force)
       text += fmt::format("critical force of stage \"{}\": {:.6g}\n", stage.name, *stage.critical_force);
   text += fmt::format("largest error of the energy balance: {:.2g}\n", s.energy_balance_error);
+  if (s.breaks && s.breaks->broken > 0)
+    text += fmt::format("{} bond{} broke: vbond breaks {} says why\n", s.breaks->broken,
+                        s.breaks->broken == 1 ? "" : "s", shell_word(folder));
   if (s.ever_snapped > 0)
     text += fmt::format("{} bonds snapped on the way, {} are at the end: see docs/theory.md\n",
                         s.ever_snapped, s.snapped);
@@ -167,7 +170,11 @@ void check_edits(const Case& c, const State& start, const State& now, const fs::
          "stages that have begun cannot be left out",
          "undo the edit"});
   const auto &made = start.bonds, &kept = now.bonds;
-  if (made.size() <= kept.size() && std::equal(made.begin(), made.end(), kept.begin())) return;
+  const auto made_alike = [](const Bond& b, Bond kept_bond) {
+    kept_bond.broken = b.broken, kept_bond.mode = b.mode;
+    return b == kept_bond;
+  };
+  if (made.size() <= kept.size() && std::equal(made.begin(), made.end(), kept.begin(), made_alike)) return;
   throw CaseError(
       {{case_file.string(), 0, 0},
        "resolved.toml was edited: its bonds are not those of the checkpoint",

@@ -11,6 +11,7 @@
 
 #include "vbond/core/error.hpp"
 #include "vbond/observe/bond_look.hpp"
+#include "vbond/observe/breaks_observer.hpp"
 #include "vbond/observe/mode_frames.hpp"
 #include "vbond/observe/report.hpp"
 
@@ -68,7 +69,7 @@ void write_modes(const Campaign& campaign, const StaticStage& stage, const Stati
     const double factor = swing_factor(model, state, shape, stage.amplitude);
     if (factor > 0.0)
       write_mode_frames(campaign.plan.folder, stage.name, static_cast<int>(k) + 1, stage.frames_per_mode,
-                        factor, model, state, shape, load_factor, campaign.plan.frame_format);
+                        factor, model, state, shape, load_factor, campaign.plan.format_of_frames());
   };
   for (std::size_t k = 0; k < found.critical_loads.size(); ++k)
     write(k, found.critical_loads[k].mode, found.critical_loads[k].load_factor);
@@ -123,6 +124,8 @@ bool run_static_leg(Campaign& campaign) {
   }
   add_stage(campaign, result);
   if (result.interrupted()) return false;
+  if (campaign.files.breaks)
+    campaign.files.breaks->end_stage(run.model(), run.current(), run.clock().stage - 1);
   campaign.files.checkpoint->write(run.model(), run.current());
   return true;
 }

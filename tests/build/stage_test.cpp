@@ -132,6 +132,17 @@ TEST(Stage, PeakNeedsBondsOrASupportToWatch) {
   EXPECT_EQ(first_stage(c).stops.peak->particles.size(), 2u);
 }
 
+TEST(Stage, StopAtBreaksNeedsBondsThatMayBreak) {
+  Case c = paper_rod();
+  c.stages[0].stop_breaks = BreakStopSpec{{"case.toml", 46, 1}, 9};
+  EXPECT_TRUE(
+      contains(text_of_error(c), "case.toml:46:1: stop.breaks.count = 9\n  no bonds of this case break"));
+  c.bonds[0].recipe.rules.strength = elongation_strength(0.01);
+  EXPECT_EQ(first_stage(c).stops.breaks->count, 9);
+  c.stages[0].stop_breaks->count = 10;
+  EXPECT_TRUE(contains(text_of_stage_error(c), "only 9 bonds may break in stage \"run\""));
+}
+
 TEST(Stage, PeakOfAReactionNeedsASupportThatHoldsATranslation) {
   Case c = paper_rod();
   PeakStopSpec peak;

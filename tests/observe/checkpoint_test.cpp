@@ -37,12 +37,14 @@ Checkpoint busy_checkpoint(Chain& chain) {
                        .largest = 5.5};
   chain.state.peak = {.sum = 0.1, .samples = 7, .last = 0.2, .peak = 0.3, .peak_time = 0.4, .blocks = 8};
   chain.state.rest = {.quiet_steps = 9};
+  chain.state.breaks = 5;
   chain.state.bonds[BondId{1}].law = &bond_law<RuledEvm>;
   BondRules rules;
   rules.stretch.form = StretchForm::morse, rules.stretch.alpha = 5.0;
   rules.strength = elongation_strength(0.1);
   chain.state.bonds[BondId{1}].rules = &kept(rules);
   chain.state.bonds[BondId{1}].broken = true;
+  chain.state.bonds[BondId{1}].mode = BreakMode::bending;
   chain.state.bond_history = {{0.1, 0.2}, {0.3}};
   chain.state.contact_history = {{ParticleId{0}, ParticleId{2}, {0.5, -0.25}}};
   chain.state.damping = {{{1, 1, 3}, {4, 1, 6}, {7, 1, 9}}, {{3, 1, 1}, {6, 1, 4}, {9, 1, 7}}};

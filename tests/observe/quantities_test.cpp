@@ -29,7 +29,7 @@ TEST(OutputReference, TablesOfThePageAreThoseOfTheCode) {
   const std::string path = std::string(VBOND_DOCS) + "/output.md";
   std::string page = content_of(path);
   const std::string as_it_was = page;
-  for (const std::string where : {"history", "particles", "bonds", "checkpoint"}) {
+  for (const std::string where : {"history", "breaks", "fragments", "particles", "bonds", "checkpoint"}) {
     const std::string begin = "<!-- quantities: " + where + " -->\n", end = "<!-- end of quantities -->";
     const std::size_t from = page.find(begin), to = page.find(end, from);
     ASSERT_NE(from, std::string::npos) << where;
@@ -51,13 +51,15 @@ TEST(Quantities, NamesStandForOneThingEach) {
   };
   expect_different(history_quantities());
   expect_different(group_quantities());
+  expect_different(break_quantities());
+  expect_different(fragment_quantities());
   expect_different(particle_quantities());
   expect_different(bond_quantities());
 }
 
 TEST(Quantities, EveryColumnHasItsFacts) {
   OutputPlan plan;
-  plan.statics = true;
+  plan.statics = plan.breaks = true;
   plan.reactions = {{"a.b", {}}};
   plan.axial_force = {{"rod", {}}};
   plan.displacements = {{"7", {}}};
@@ -95,7 +97,10 @@ TEST(Quantities, UnitsOfColumnsStandBesideTheHistory) {
   plan.displacements = {{"0", {ParticleId{0}}}};  // asked for as the run goes on: behind the others
   plan.axial_force.clear();
   const HistoryWriter writer(plan, 0);
-  EXPECT_EQ(columns().size(), history_quantities().size() - 2 + 1 + 3);
+  const auto all = history_quantities();
+  const auto always = std::count_if(all.begin(), all.end(),
+                                    [](const HistoryQuantity& q) { return q.cases == Only::everywhere; });
+  EXPECT_EQ(static_cast<std::ptrdiff_t>(columns().size()), always + 1 + 3);
   EXPECT_EQ(columns()["axial_force.a,\"b\""]["unit"], "N");
   EXPECT_EQ(columns()["displacement.0.y"]["unit"], "m");
   EXPECT_EQ((--columns().end()).key(), "displacement.0.z");

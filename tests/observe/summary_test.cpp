@@ -100,6 +100,30 @@ TEST(RunSummary, NumbersThatContradictEachOtherAreRefused) {
   EXPECT_TRUE(refused(refusal([](Json& j, Json&) { j["particles"] = -1; })));
 }
 
+TEST(RunSummary, BreaksAreToldWhereBondsMayBreak) {
+  const Folder folder;
+  RunSummary s = buckling();
+  write_summary(folder / "run.json", s);
+  for (const char* key : {"broken", "first_break_time", "first_break_load", "peak_load"})
+    EXPECT_EQ(content_of(folder / "run.json").find(key), std::string::npos) << key;
+  EXPECT_FALSE(read_summary(folder / "run.json").breaks);
+  s.breaks = BreakSummary{3, {0.25, 7.5, 8.0}, 9.5};
+  s.stages[1].stop = StopReason::breaks;
+  write_summary(folder / "run.json", s);
+  const auto j = nlohmann::json::parse(content_of(folder / "run.json"));
+  EXPECT_EQ(j["broken"], 3);
+  EXPECT_EQ(j["first_break_time"], 0.25);
+  EXPECT_EQ(j["first_break_load"], 7.5);
+  EXPECT_EQ(j["peak_load"], 9.5);
+  EXPECT_EQ(j["stages"][1]["stop"], "breaks");
+  const RunSummary read = read_summary(folder / "run.json");
+  ASSERT_TRUE(read.breaks);
+  EXPECT_EQ(read.breaks->broken, 3);
+  EXPECT_EQ(read.breaks->first.first_load, 7.5);
+  EXPECT_EQ(read.breaks->peak_load, 9.5);
+  EXPECT_EQ(read.stages, s.stages);
+}
+
 TEST(RunSummary, JsonHoldsEveryResultUnderItsName) {
   const Folder folder;
   write_summary(folder / "run.json", buckling());

@@ -92,6 +92,14 @@ struct DynamicsResolver : StageResolver {
     return stop;
   }
 
+  BreakStop break_stop(const BreakStopSpec& s) const {
+    const auto may_break = [](const BondSpec& b) { return b.recipe.rules.can_break(); };
+    if (std::none_of(c.bonds.begin(), c.bonds.end(), may_break))
+      problems.add(s.place, fmt::format("stop.breaks.count = {}", s.count), "no bonds of this case break",
+                   "give some bonds a strength, or leave stop.breaks out");
+    return {s.count};
+  }
+
   std::vector<BondingRule> bonding(std::size_t k) const {
     std::vector<BondingRule> rules;
     for (std::size_t set = 0; set < c.bonds.size(); ++set) {
@@ -204,6 +212,14 @@ void check_against_step(const StageSpec& spec, const State& state, const Stage& 
                    fmt::format("the time step is {:.6g}", stage.dt), "use a longer time or a smaller step");
   };
   too_short(spec.place, "duration", stage.stops.duration);
+  if (stage.stops.breaks && stage.bonding.empty()) {
+    const auto left = std::count_if(state.bonds.begin(), state.bonds.end(),
+                                    [](const Bond& b) { return !b.broken && can_break(b); });
+    if (left < stage.stops.breaks->count)
+      problems.add(spec.stop_breaks->place, fmt::format("stop.breaks.count = {}", stage.stops.breaks->count),
+                   fmt::format("only {} bonds may break in stage \"{}\"", left, spec.name),
+                   "use a smaller count");
+  }
   if (stage.strain) too_short(spec.strain->place, "strain.every", stage.strain->every);
   if (!stage.stops.peak) return;
   const PeakStop& peak = *stage.stops.peak;
@@ -263,6 +279,7 @@ Stage resolve_stage(const Case& c, const Model& model, std::size_t k, Problems& 
   stage.stops.duration = resolver.positive_time(spec.duration, "duration", spec.place);
   if (spec.stop_distance) stage.stops.distance = resolver.distance_stop(*spec.stop_distance);
   if (spec.stop_peak) stage.stops.peak = resolver.peak_stop(*spec.stop_peak, stage.supports);
+  if (spec.stop_breaks) stage.stops.breaks = resolver.break_stop(*spec.stop_breaks);
   if (spec.stop_rest)
     stage.stops.rest =
         RestStop{spec.stop_rest->kinetic_energy_below,

@@ -231,6 +231,11 @@ struct RestStopSpec {
   CaseTime during;
 };
 
+struct BreakStopSpec {
+  SourcePlace place;
+  std::int64_t count = 1;
+};
+
 struct PeakStopSpec {
   SourcePlace place;
   PeakQuantity quantity = PeakQuantity::compressive_force;
@@ -255,6 +260,7 @@ struct StageSpec {
   std::optional<StrainSpec> strain;
   std::optional<PeakStopSpec> stop_peak;
   std::optional<RestStopSpec> stop_rest;
+  std::optional<BreakStopSpec> stop_breaks;
 
   // static stages; what these mean stands with StaticStage
   bool constant_gravity = false;

@@ -75,8 +75,9 @@ void describe_stop(Table& t, StageSpec& s) {
   const bool dynamics = s.kind == StageKind::dynamics;
   t.table("distance", s.stop_distance, "stop when two particles are near or far enough");
   t.when(dynamics, in_dynamics, [&] {
-    t.table("peak", s.stop_peak, "stop when a quantity has fallen below its peak: buckling");
+    t.table("peak", s.stop_peak, "stop when a quantity has fallen below its peak: buckling, load drop");
     t.table("rest", s.stop_rest, "stop when the body has come to rest");
+    t.table("breaks", s.stop_breaks, "stop when bonds have broken");
   });
   t.when(s.kind == StageKind::path, "kind = \"path\"", [&] {
     t.table(
@@ -205,7 +206,7 @@ bool describe(Table& t, StageSpec& s) {
         "stop", optional,
         "ends the stage early; a path without it ends at load factor 1 (-1 if it goes down)",
         [&s](Table& k) { describe_stop(k, s); },
-        s.stop_distance || s.stop_peak || s.stop_rest || s.path.above || s.path.below);
+        s.stop_distance || s.stop_peak || s.stop_rest || s.stop_breaks || s.path.above || s.path.below);
   });
   if (t.reading() && kind == StageKind::path && !s.stop_distance && !s.path.above && !s.path.below)
     (s.path.first_step > 0 ? s.path.above : s.path.below) = s.path.first_step > 0 ? 1.0 : -1.0;
@@ -253,6 +254,12 @@ void describe(Table& t, RestStopSpec& s) {
   t.key(
       "during", s.during, TimeCodec{}, required,
       "for this time: longer than half the slowest period, since a swing has no kinetic energy at its turns");
+}
+
+void describe(Table& t, BreakStopSpec& s) {
+  t.locate(s.place);
+  t.key("count", s.count, CountCodec{1, INT64_C(1'000'000'000)}, required,
+        "how many bonds must have broken since the stage began");
 }
 
 void describe(Table& t, PeakStopSpec& s) {

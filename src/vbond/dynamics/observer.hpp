@@ -8,7 +8,7 @@ namespace vbond {
 class Simulation;
 
 /// Why a stage ended. `diverged` is never returned by run(), which throws; it is for those who catch.
-enum class StopReason { running, duration, distance, peak, rest, interrupted, diverged };
+enum class StopReason { running, duration, distance, peak, rest, breaks, interrupted, diverged };
 
 /// Looks at a run at the start of each stage and after the steps it asks for; never changes it.
 class Observer {

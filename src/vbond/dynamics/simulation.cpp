@@ -65,6 +65,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
 void Simulation::begin_stage() {
   state_.peak = {};
   state_.rest = {};
+  state_.breaks = 0;
   evaluate_loads();
   if (state_.clock.stage == 0 && state_.clock.step == 0) state_.books = {.at_start = energies().total()};
   supports_.set_times(0, stage_.dt);
@@ -111,10 +112,10 @@ void Simulation::step() {
   bodies_ahead_ = true;
   survey_.reset();
   close_books();
-  break_bonds();
+  const bool broke = break_bonds();
   look_at_deep_contacts();
   keep_records();
-  if (--steps_to_look_ == 0 || !encounters().empty() || fastest()) notify_observers();
+  if (--steps_to_look_ == 0 || broke || !encounters().empty() || fastest()) notify_observers();
 }
 
 /// Bonds need the new places of both their particles. A block is moved just before the first bonds that reach
@@ -364,6 +365,7 @@ StopReason Simulation::stop_reason() const {
   if (stops.peak && state_.peak.blocks > 0 && state_.peak.peak > 0.0 && state_.peak.samples == 0 &&
       state_.peak.last < (1.0 - stops.peak->drop) * state_.peak.peak)
     return StopReason::peak;
+  if (stops.breaks && state_.breaks >= stops.breaks->count) return StopReason::breaks;
   if (stops.rest && state_.rest.quiet_steps >= steps_in(stops.rest->during, clock.dt))
     return StopReason::rest;
   if (clock.stage_step >= last_stage_step_) return StopReason::duration;
@@ -396,18 +398,22 @@ Reaction Simulation::reaction(const std::vector<ParticleId>& particles) const {
       const std::size_t row = bodies_.order.row[p].value;
       const MotionRow& motion = bodies_.motion[row];
       const LoadRow& load = bodies_.load[row];
-      const Vec3d F = stage_.b_translation * motion.v - load.F;
-      const Vec3d M = stage_.b_rotation * motion.omega - load.M;
-      Vec3d held_F, held_M;
-      for (int k = 0; k < 3; ++k) {
-        const auto axis = static_cast<std::size_t>(k);
-        if (s.held[axis]) component(held_F, k) = component(F, k);
-        if (s.held[axis + 3]) component(held_M, k) = component(M, k);
-      }
-      total.force += held_F;
-      total.moment += held_M + cross(bodies_.pose[row].r, held_F);
+      add_held(s, Row{row}, stage_.b_translation * motion.v - load.F,
+               stage_.b_rotation * motion.omega - load.M, total);
     }
   return total;
+}
+
+/// The part of a force and moment on a particle that its support exerts.
+void Simulation::add_held(const Support& s, Row row, const Vec3d& F, const Vec3d& M, Reaction& total) const {
+  Vec3d held_F, held_M;
+  for (int k = 0; k < 3; ++k) {
+    const auto axis = static_cast<std::size_t>(k);
+    if (s.held[axis]) component(held_F, k) = component(F, k);
+    if (s.held[axis + 3]) component(held_M, k) = component(M, k);
+  }
+  total.force += held_F;
+  total.moment += held_M + cross(bodies_.pose[row.value].r, held_F);
 }
 
 std::vector<BondId> Simulation::bonds_inside(const std::vector<ParticleId>& particles) const {

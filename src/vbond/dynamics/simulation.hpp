@@ -19,6 +19,7 @@
 #include "vbond/dynamics/step_times.hpp"
 #include "vbond/dynamics/supports.hpp"
 #include "vbond/dynamics/team.hpp"
+#include "vbond/model/bond_event.hpp"
 #include "vbond/model/loads.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/stage.hpp"
@@ -32,19 +33,6 @@ struct Survey {
   /// Every bond that is strained or snapped, shorter than half or longer than twice its length at rest, and
   /// perhaps a few that are close to it, in increasing order.
   std::vector<BondId> deformed;
-};
-
-/// What happened to a bond.
-struct BondEvent {
-  enum class Kind : std::uint8_t { made, broken };
-  Kind kind;
-  BondId bond;
-  std::int64_t step;  ///< at the end of which it happened
-  // broken only, as the bond was when it broke
-  double energy = 0;             ///< above rest  [energy]
-  Failure<double> failure{};     ///< what used up its strength
-  SectionLoads<double> loads{};  ///< elastic
-  Vec3d middle{}, direction{};   ///< between its bonded points: place [length] and unit vector from i to j
 };
 
 /// One stage of a run: a const Model, a Stage, and the State that the step loop moves.
@@ -84,6 +72,8 @@ class Simulation {
   const Clock& clock() const { return state_.clock; }
   const EnergyBooks& books() const { return state_.books; }
   const PeakRecord& peak() const { return state_.peak; }
+  /// Bonds that have broken in this stage.
+  std::int64_t breaks() const { return state_.breaks; }
   const PerBond<Bond>& bonds() const { return state_.bonds; }
   /// The whole state, in the numbering of the model, good until the next step: copy it to keep it. Collecting
   /// it takes time: not for every step.
@@ -98,7 +88,8 @@ class Simulation {
   const std::vector<Encounter>& encounters() const { return encounters_.found(); }
   const std::optional<FastParticle>& fastest() const { return encounters_.fastest(); }
   /// Bonds made and broken since observers looked last, all of them if there is no observer, in the order in
-  /// which it happened, those of a step in the order of bonds.
+  /// which it happened, those of a step in the order of bonds. Observers look at every step in which bonds
+  /// broke, after it.
   const std::vector<BondEvent>& events() const { return events_; }
   /// Forces and moments at the present positions, in the numbering of the model; collected at each call.
   Loads loads() const { return bodies_.collect(bodies_.load); }
@@ -118,6 +109,8 @@ class Simulation {
   /// What the supports exert on these particles along held degrees of freedom, drag included, the
   /// inertia of prescribed accelerations left out.
   Reaction reaction(const std::vector<ParticleId>& particles) const;
+  /// The same with the loads of the bonds that broke in the last step.
+  Reaction reaction_before_breaks(const std::vector<ParticleId>& particles) const;
   /// Mean over the bonds with both ends in the group of F.d, tension positive; 0 without such bonds.  [force]
   double mean_axial_force(const std::vector<ParticleId>& particles) const {
     return mean_axial_force(bonds_inside(particles));
@@ -132,11 +125,17 @@ class Simulation {
     bool deep = false;  // some contact of its particles is
   };
 
+  /// What was taken off two particles as a bond between them broke.
+  struct TakenLoads {
+    Row i, j;
+    BondLoads<double> loads;
+  };
+
   void begin_stage();
   void bonds_changed();
   void arrange_bonds();
   void make_bonds();
-  void break_bonds();
+  bool break_bonds();
   void break_bond(BondId bond);
   void take_up_loads();
   void apply_strain();
@@ -155,6 +154,7 @@ class Simulation {
   double damping_work(const Block& block, double h) const;
   void close_books();
   double largest_way2() const;
+  void add_held(const Support& support, Row row, const Vec3d& F, const Vec3d& M, Reaction& total) const;
   void look_at_deep_contacts();
   void check_finite() const;
   void keep_records();
@@ -183,6 +183,7 @@ class Simulation {
   std::vector<BlockBooks> books_;
   std::vector<std::vector<BondId>> breaking_;  // of each part, in the step under way
   std::vector<BondEvent> events_;
+  std::vector<TakenLoads> taken_;     // of the bonds that broke in the last step
   double rounding_scale_ = 0;         // least energy that the balance error is compared with
   std::vector<BondId> peak_bonds_;    // inside the group that a peak is looked for in
   std::int64_t last_stage_step_ = 0;  // of the stage's duration

@@ -75,19 +75,23 @@ void Simulation::take_up_loads() {
 
 /// The bonds that the loads of this step have broken, in the order of bonds: a bond's force ends with the
 /// step in which it reached the limit, and so does its share of the energy.
-void Simulation::break_bonds() {
-  if (bonds_.all_elastic()) return;
+/// Whether there are any.
+bool Simulation::break_bonds() {
+  if (bonds_.all_elastic()) return false;
+  taken_.clear();
   std::vector<BondId> broken;
   for (std::vector<BondId>& of_part : breaking_) {
     broken.insert(broken.end(), of_part.begin(), of_part.end());
     of_part.clear();
   }
-  if (broken.empty()) return;
+  if (broken.empty()) return false;
   std::sort(broken.begin(), broken.end());
   for (const BondId k : broken) break_bond(k);
-  if (!bonds_.is_sparse()) return;
+  state_.breaks += static_cast<std::int64_t>(broken.size());
+  if (!bonds_.is_sparse()) return true;
   if (bonds_.remembers()) bonds_.collect(state_.bond_history);
   arrange_bonds();
+  return true;
 }
 
 void Simulation::break_bond(BondId k) {
@@ -99,12 +103,7 @@ void Simulation::break_bond(BondId k) {
   if (b.law->remembers()) history = state_.bond_history[k] = bonds_.history(k);
 
   BondLoads<double> loads = b.law->loads(b, pose, history);
-  BondEvent event{BondEvent::Kind::broken, k, state_.clock.step};
-  const BondAxis<double> axis = bond_axis(pose, b.R_i, b.R_j);
-  event.failure = b.law->failure(b, pose, history);
-  event.loads = section_loads(section_moments(pose, b.R_i, b.R_j, loads), axis, loads);
-  event.middle = at_i.r + b.R_i * pose.n_i[0] + 0.5 * axis.D * axis.d;
-  event.direction = axis.d;
+  const BondEvent event = breaking_event(b, k, state_.clock.step, at_i.r, pose, history);
   if (is_damped(b)) {
     const MotionRow &rate_i = bodies_.rates[i.value], &rate_j = bodies_.rates[j.value];
     const BondRates<double> rates{rate_j.v - rate_i.v, rate_i.omega, rate_j.omega};
@@ -113,6 +112,7 @@ void Simulation::break_bond(BondId k) {
     take_away(damping, bodies_.damping[i.value], bodies_.damping[j.value]);
   }
   b.broken = true;
+  b.mode = event.cause.mode;
   bonds_.remove(k);
   bond_index_.remove(k, b.i, b.j);
   std::erase(peak_bonds_, k);
@@ -121,11 +121,24 @@ void Simulation::break_bond(BondId k) {
   if (!bond_index_.bonded(b.i, b.j)) touch = contacts_.unbonded(i, j, bodies_);
   loads.F -= touch.force;
   take_away(loads, bodies_.load[i.value], bodies_.load[j.value]);
-  const BondEnergy<double> U = b.law->energy(b, pose, history);
-  event.energy = U.U_L + U.U_B + U.U_T;
+  taken_.push_back({i, j, loads});
   state_.books.released += event.energy - touch.energy;
   events_.push_back(event);
   survey_.reset();
+}
+
+Reaction Simulation::reaction_before_breaks(const std::vector<ParticleId>& particles) const {
+  Reaction total = reaction(particles);
+  for (const Support& s : stage_.supports)
+    for (const ParticleId p : s.particles) {
+      if (!std::binary_search(particles.begin(), particles.end(), p)) continue;
+      const Row row = bodies_.order.row[p];
+      for (const TakenLoads& t : taken_) {
+        if (t.i == row) add_held(s, row, -t.loads.F, -t.loads.M_ij, total);
+        if (t.j == row) add_held(s, row, t.loads.F, -t.loads.M_ji, total);
+      }
+    }
+  return total;
 }
 
 /// The work that damping does on a block in a kick by h: its part of the loads, along the mean of the

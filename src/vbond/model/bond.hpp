@@ -10,6 +10,7 @@
 #include "vbond/core/column.hpp"
 #include "vbond/core/quat.hpp"
 #include "vbond/model/bond_law.hpp"
+#include "vbond/physics/break_mode.hpp"
 #include "vbond/physics/pose.hpp"
 #include "vbond/physics/range.hpp"
 
@@ -25,6 +26,7 @@ struct Bond {
   Quatd frame_i, frame_j;                  ///< the bond's frame in the body frames of i and j, see BondFrames
   std::uint32_t set = 0;                   ///< which bond set of the case made it
   bool broken = false;                     ///< keeps its id, and does nothing any more
+  BreakMode mode = BreakMode::none;        ///< by what it broke
 
   friend bool operator==(const Bond&, const Bond&) = default;
 };
@@ -38,6 +40,13 @@ inline bool can_break(const Bond& b) {
 }
 inline bool needs_rates(const Bond& b) {
   return is_damped(b) || b.law->remembers();
+}
+
+/// The factor of the bond's own strength; 1 for laws that have none.
+inline double strength_factor(const Bond& b) {
+  for (std::size_t k = 0; k < b.law->fields.size(); ++k)
+    if (b.law->fields[k].name == "weakness") return 1.0 / (1.0 + b.coefficients[k]);
+  return 1.0;
 }
 
 /// Where a bond of this shape stands in the range of its law; a broken one has none to leave.

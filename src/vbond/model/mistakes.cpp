@@ -176,6 +176,9 @@ void look_at_stops(const Stops& stops, Mistakes& found) {
         peak.quantity != PeakQuantity::reaction || is_unit(peak.direction),
         "the direction of the stop at a peak is " + text(peak.direction) + ": it must be a unit vector");
   }
+  if (stops.breaks)
+    found.require(stops.breaks->count > 0,
+                  fmt::format("the stop at breaks counts to {}: it must be > 0", stops.breaks->count));
   if (stops.rest) {
     found.require(
         above_zero(stops.rest->kinetic_energy_below),

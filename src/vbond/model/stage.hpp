@@ -99,12 +99,18 @@ struct RestStop {
   double during = 0;                ///< [time]
 };
 
+/// Stop when so many bonds have broken in the stage.
+struct BreakStop {
+  std::int64_t count = 1;  ///< > 0
+};
+
 /// When a stage ends: whichever comes first.
 struct Stops {
   double duration = std::numeric_limits<double>::infinity();  ///< [time]
   std::optional<DistanceStop> distance;
   std::optional<PeakStop> peak;
   std::optional<RestStop> rest;
+  std::optional<BreakStop> breaks;
 };
 
 /// One leg of the run, resolved: no names to look up, all in the units of the model.

@@ -73,6 +73,7 @@ struct State {
   EnergyBooks books;
   PeakRecord peak;
   RestRecord rest;
+  std::int64_t breaks = 0;  ///< bonds that have broken in this stage
 
   friend bool operator==(const State&, const State&) = default;
 };

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -54,7 +55,12 @@ inline RangeCounts count_ranges(const Simulation& run) {
   return deformed.empty() ? RangeCounts{} : count_ranges(run.state(), deformed);
 }
 
-/// How many bonds there are now.
+/// How many bonds have broken.
+inline std::int64_t count_broken(const PerBond<Bond>& bonds) {
+  return std::count_if(bonds.begin(), bonds.end(), [](const Bond& b) { return b.broken; });
+}
+
+/// How many bonds there are now, broken ones too.
 inline std::int64_t count_bonds(const Simulation& run) {
   return static_cast<std::int64_t>(run.bonds().size());
 }

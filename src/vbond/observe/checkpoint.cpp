@@ -52,6 +52,7 @@ void visit_fields(Archive& archive, C& c) {
   archive.of_each("/bonds/frame_j", s.bonds, &Bond::frame_j);
   archive.of_each("/bonds/set", s.bonds, &Bond::set);
   archive.of_each("/bonds/broken", s.bonds, &Bond::broken);
+  archive.of_each("/bonds/mode", s.bonds, &Bond::mode);
   archive("/books/at_start", s.books.at_start);
   archive("/books/dissipated", s.books.dissipated);
   archive("/books/released", s.books.released);
@@ -65,6 +66,7 @@ void visit_fields(Archive& archive, C& c) {
   archive("/peak/peak_time", s.peak.peak_time);
   archive("/peak/blocks", s.peak.blocks);
   archive("/rest/quiet_steps", s.rest.quiet_steps);
+  archive("/breaks/in_stage", s.breaks);
   archive.of_each("/watch/worst", c.watch.bonds, &BondRecord::worst);
   archive.of_each("/watch/was_short", c.watch.bonds, &BondRecord::was_short);
   archive("/watch/strained", c.watch.strained);

@@ -2,10 +2,11 @@
 
 namespace vbond {
 
-/// How the numbers of a frame are stored.
+/// How the numbers of a frame are stored, and which.
 struct FrameFormat {
   bool single_precision = false;  ///< 32 bits for each real number, not 64
   bool compressed = true;         ///< by zlib, array by array
+  bool breaks = false;            ///< with what tells of bonds that may break
   friend bool operator==(const FrameFormat&, const FrameFormat&) = default;
 };
 

@@ -10,6 +10,12 @@ using View = BondView;
 
 constexpr double degrees = 180.0 / std::numbers::pi;
 
+/// none: whole.
+BreakMode mode_of(const Bond& b) {
+  if (!b.broken) return BreakMode::none;
+  return b.mode == BreakMode::none ? BreakMode::other : b.mode;
+}
+
 // In the order of the arrays.
 constexpr ParticleQuantity of_particles[] = {
     {"radius", unit::length, "of the particle; use it as the scale of sphere glyphs (diameter 2 x radius)",
@@ -25,6 +31,9 @@ constexpr ParticleQuantity of_particles[] = {
     {"id", unit::none, "number of the particle", [](const Particle& p) { return std::int64_t{p.id.value}; }},
     {"specimen", unit::none, "which `[[specimen]]` made it, from 0",
      [](const Particle& p) { return std::int64_t{p.model.specimen_of(p.id)}; }},
+    {"fragment", unit::none, "number of its fragment: 0 is the heaviest, as in fragments.csv",
+     [](const Particle& p) { return p.fragments ? p.fragments->number[p.id] : std::int64_t{0}; },
+     Only::breaks},
 };
 
 constexpr BondQuantity of_bonds[] = {
@@ -51,6 +60,13 @@ constexpr BondQuantity of_bonds[] = {
      [](const View& b) { return std::int64_t{b.id.value}; }},
     {"set", unit::none, "which bond set of the case made it",
      [](const View& b) { return std::int64_t{b.bond.set}; }},
+    {"utilisation", unit::none,
+     "how near it is to breaking, at 1; 0 of a broken one, and of one without strength",
+     [](const View& b) { return b.utilisation; }, Only::breaks},
+    {"broken", unit::none,
+     "0 whole; broken by 1 tension, 2 shear, 3 bending, 4 torsion, 5 compression, 6 what its law does not "
+     "say",
+     [](const View& b) { return static_cast<std::uint8_t>(mode_of(b.bond)); }, Only::breaks},
 };
 
 }  // namespace

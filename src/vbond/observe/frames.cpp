@@ -133,10 +133,15 @@ void cut_dump(const fs::path& dump, std::int64_t resume_step) {
   if (const std::uintmax_t end = end_of_dump(dump, size, resume_step); end < size) cut_file(dump, end);
 }
 
-BondView bond_view(BondId id, const State& state) {
+bool is_in(Only cases, const FrameFormat& format) {
+  return cases == Only::everywhere || (cases == Only::breaks && format.breaks);
+}
+
+BondView bond_view(BondId id, const State& state, const FrameFormat& format) {
   const Bond& b = state.bonds[id];
   const BondPose<double> pose = bond_pose(b, state);
   const BondLoads<double> loads = bond_loads(state, id);
+  const bool may_break = format.breaks && !b.broken && can_break(b);
   const Vec3d d = normalised(bonded_points(pose, b.R_i, b.R_j));
   const double F_d = dot(loads.F, d);
   return {.bond = b,
@@ -146,7 +151,8 @@ BondView bond_view(BondId id, const State& state) {
           .axial_force = F_d,
           .shear_force = norm(loads.F - F_d * d),
           .moment_i = norm(loads.M_ij),
-          .moment_j = norm(loads.M_ji)};
+          .moment_j = norm(loads.M_ji),
+          .utilisation = may_break ? b.law->failure(b, pose, history_of_bond(state, id)).utilisation : 0.0};
 }
 
 /// A quantity of each of n things.
@@ -164,13 +170,19 @@ void write_particles_vtp(const fs::path& path, const Model& model, const State& 
                          std::optional<double> load_factor, FrameFormat format) {
   VtpFile f = VtpFile::of_points(state.r.values(), format);
   f.set_unit_of_points(unit::length.in(model.units));
-  const auto view = [&](std::size_t k) { return ParticleView{model, state, ParticleId{k}}; };
-  for (const ParticleQuantity& q : particle_quantities())
+  std::optional<Fragments> fragments;
+  if (format.breaks) fragments = find_fragments(model, state.bonds);
+  const auto view = [&](std::size_t k) {
+    return ParticleView{model, state, ParticleId{k}, fragments ? &*fragments : nullptr};
+  };
+  for (const ParticleQuantity& q : particle_quantities()) {
+    if (!is_in(q.cases, format)) continue;
     std::visit(
         [&](const auto value) {
           f.add_point_data(q.name, values_of(model.particles(), view, value), q.unit.in(model.units));
         },
         q.value);
+  }
   f.write(path, state.clock.time(), state.clock.step, load_factor);
 }
 
@@ -180,18 +192,20 @@ void write_bonds_vtp(const fs::path& path, const State& state, UnitSystem units,
   std::vector<BondView> views;
   ends.reserve(2 * state.bonds.size()), views.reserve(state.bonds.size());
   for (const BondId k : state.bonds.ids()) {
-    views.push_back(bond_view(k, state));
+    views.push_back(bond_view(k, state, format));
     ends.push_back(views.back().bond.i.value), ends.push_back(views.back().bond.j.value);
   }
   VtpFile f = VtpFile::of_lines(state.r.values(), ends, format);
   f.set_unit_of_points(unit::length.in(units));
   const auto view = [&views](std::size_t k) -> const BondView& { return views[k]; };
-  for (const BondQuantity& q : bond_quantities())
+  for (const BondQuantity& q : bond_quantities()) {
+    if (!is_in(q.cases, format)) continue;
     std::visit(
         [&](const auto value) {
           f.add_cell_data(q.name, values_of(views.size(), view, value), q.unit.in(units));
         },
         q.value);
+  }
   f.write(path, state.clock.time(), state.clock.step, load_factor);
 }
 

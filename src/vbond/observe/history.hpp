@@ -1,11 +1,10 @@
 #pragma once
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "vbond/observe/files.hpp"
+#include "vbond/observe/csv.hpp"
 #include "vbond/observe/history_values.hpp"
 #include "vbond/observe/plan.hpp"
 
@@ -14,21 +13,13 @@ namespace vbond {
 /// The first line of history.csv: the names of the columns, which are those of quantities.hpp.
 std::string history_header(const OutputPlan& plan);
 
-/// One row with 17 significant digits, enough to give back every double.
-std::string history_row(const OutputPlan& plan, const HistoryValues& values);
-
-/// history.columns.json: unit and meaning of each column, since the header of history.csv has its name alone.
-std::string history_columns_json(const std::vector<std::string>& names, UnitSystem units);
-
-/// Writes history.csv row by row, and history.columns.json beside it; what is written is readable at once and
-/// stays so if the run dies.
+/// Writes history.csv row by row, as CsvWriter does, and history.columns.json beside it.
 class HistoryWriter {
  public:
-  /// Begins a new file, or with resume_step continues one: rows after that step, which a killed run
-  /// may have written past its checkpoint, are dropped. A case that was edited meanwhile may ask for other
-  /// columns: new ones are added behind, empty so far; those that it no longer asks for stay, empty from now
-  /// on. A file that is missing is begun anew, see begun_anew(). Throws IoError.
+  /// Begins a new file, or with resume_step continues one. Throws IoError.
   HistoryWriter(const OutputPlan& plan, std::optional<std::int64_t> resume_step);
+  HistoryWriter(const HistoryWriter&) = delete;
+  HistoryWriter& operator=(const HistoryWriter&) = delete;
 
   /// Throws IoError, also if the file was removed, replaced or changed by others: its rows are then lost.
   void write(const HistoryValues& values);
@@ -37,21 +28,20 @@ class HistoryWriter {
   std::int64_t last_step() const { return last_step_; }
   /// Largest |balance_error| of the rows in the file.
   double largest_balance_error() const { return largest_balance_error_; }
+  /// Largest force that supports exert on the first group whose reaction is asked for, if one is.  [force]
+  std::optional<double> largest_load() const { return largest_load_; }
   /// A run goes on, but its history.csv was not there any more.
-  bool begun_anew() const { return begun_anew_; }
+  bool begun_anew() const { return file_.begun_anew(); }
 
  private:
-  void keep_until(std::int64_t resume_step);
-  /// The row of the plan in the columns of the file.
-  std::string in_columns_of_file(const std::string& row) const;
+  CsvWriter::Look looker(const std::vector<std::string>& columns);
+  void take_up_load(const Vec3d& force);
 
   OutputPlan plan_;
-  std::filesystem::path path_;
-  std::vector<std::string> columns_;  ///< of the file, as they stand there
-  std::optional<GrowingFile> file_;
   std::int64_t last_step_ = -1;
   double largest_balance_error_ = 0;
-  bool begun_anew_ = false;
+  std::optional<double> largest_load_;
+  CsvWriter file_;  // last: as it is opened it takes up the rows of an earlier run
 };
 
 }  // namespace vbond

@@ -48,7 +48,8 @@ constexpr HistoryQuantity columns[] = {
     {"total", unit::energy, "kinetic + bonds + contact",
      [](const Values& v) -> Cell { return v.energies.total(); }},
     {"balance_error", unit::none,
-     "(total + dissipated - work - total at the start) / largest energy brought in so far; 0 while there is "
+     "(total + dissipated + released - work - total at the start) / largest energy brought in so far; 0 "
+     "while there is "
      "none",
      [](const Values& v) -> Cell { return v.balance_error; }},
     {"bonds", unit::none, "number of bonds", [](const Values& v) -> Cell { return v.bonds; }},
@@ -61,12 +62,24 @@ constexpr HistoryQuantity columns[] = {
      "block",
      [](const Values& v) -> Cell { return v.peak_average; }},
     {"load_factor", unit::none, "of a static point; empty in dynamics",
-     [](const Values& v) { return cell_of(v.load_factor); }, true},
+     [](const Values& v) { return cell_of(v.load_factor); }, Only::statics},
     {"unstable", unit::none,
      "negative eigenvalues of the tangent at a static point, 0 if it is stable; empty where they were not "
      "counted, "
      "and in dynamics",
-     [](const Values& v) { return cell_of(v.unstable); }, true},
+     [](const Values& v) { return cell_of(v.unstable); }, Only::statics},
+    {"released", unit::energy,
+     "energy of bonds as they broke so far, less that of contacts that this switched on",
+     [](const Values& v) -> Cell { return v.books.released; }, Only::breaks},
+    {"broken", unit::none, "bonds that have broken so far", [](const Values& v) -> Cell { return v.broken; },
+     Only::breaks},
+    {"fragments", unit::none,
+     "parts of all bodies that unbroken bonds hold together; contacts do not count; a particle without bonds "
+     "is "
+     "one",
+     [](const Values& v) { return v.fragments ? Cell(v.fragments->number) : Cell(); }, Only::breaks},
+    {"largest_fragment", unit::none, "mass of the heaviest fragment over that of all particles",
+     [](const Values& v) { return v.fragments ? Cell(v.fragments->largest_share) : Cell(); }, Only::breaks},
 };
 
 const std::vector<GroupQuantity>& of_groups() {

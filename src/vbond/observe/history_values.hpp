@@ -6,6 +6,7 @@
 #include "vbond/dynamics/simulation.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/observe/bond_look.hpp"
+#include "vbond/observe/fragments.hpp"
 #include "vbond/observe/plan.hpp"
 #include "vbond/statics/results.hpp"
 
@@ -19,12 +20,14 @@ struct HistoryValues {
   double balance_error = 0;  ///< relative
   std::int64_t bonds = 0;
   RangeCounts ranges;
-  double peak_average = 0;            ///< last block average of the quantity watched for a peak  [force]
-  std::optional<double> load_factor;  ///< static points
-  std::optional<int> unstable;        ///< static points: negative eigenvalues of the tangent, if counted
-  std::vector<Reaction> reactions;    ///< one per OutputPlan::reactions
-  std::vector<double> axial_force;    ///< one per OutputPlan::axial_force, tension positive  [force]
-  std::vector<Vec3d> displacements;   ///< one per OutputPlan::displacements, mean of r - r_0  [length]
+  std::optional<FragmentCount> fragments;  ///< where bonds may break
+  std::int64_t broken = 0;                 ///< bonds
+  double peak_average = 0;                 ///< last block average of the quantity watched for a peak  [force]
+  std::optional<double> load_factor;       ///< static points
+  std::optional<int> unstable;             ///< static points: negative eigenvalues of the tangent, if counted
+  std::vector<Reaction> reactions;         ///< one per OutputPlan::reactions
+  std::vector<double> axial_force;         ///< one per OutputPlan::axial_force, tension positive  [force]
+  std::vector<Vec3d> displacements;        ///< one per OutputPlan::displacements, mean of r - r_0  [length]
   /// What the row is of, for columns that need more: one of the two, or neither of values made by hand.
   const Simulation* run = nullptr;
   const StaticPoint* point = nullptr;

@@ -6,6 +6,7 @@
 
 #include "vbond/dynamics/simulation.hpp"
 #include "vbond/observe/bond_look.hpp"
+#include "vbond/observe/breaks_observer.hpp"
 #include "vbond/observe/report.hpp"
 
 namespace vbond {
@@ -30,7 +31,8 @@ bool stage_done(StopReason why) {
     case StopReason::duration:
     case StopReason::distance:
     case StopReason::peak:
-    case StopReason::rest: return true;
+    case StopReason::rest:
+    case StopReason::breaks: return true;
     case StopReason::running:
     case StopReason::diverged:
     case StopReason::interrupted: return false;
@@ -126,7 +128,7 @@ void HistoryObserver::write(const HistoryValues& values) {
 // ---- frames -----------------------------------------------------------------------------------------
 
 FrameObserver::FrameObserver(const OutputPlan& plan, std::optional<std::int64_t> resume_step)
-    : writer_(plan.folder, plan.lammps_dump, resume_step, plan.frame_format),
+    : writer_(plan.folder, plan.lammps_dump, resume_step, plan.format_of_frames()),
       due_(plan.frames_every.value(), writer_.last_step()) {}
 
 void FrameObserver::observe(const Simulation& run) {
@@ -199,8 +201,12 @@ void TableObserver::print(const Simulation& run) {
   if (run.clock().step == last_step_) return;
   const Timing timing(*this);
   const Energies energies = run.energies();
-  std::string text = std::exchange(header_, Header::dynamics) == Header::dynamics ? "" : table_header();
-  text += table_row(run.clock(), run.books(), energies, run.balance_error(energies), count_ranges(run));
+  std::optional<std::int64_t> broken;
+  if (breaks_) broken = count_broken(run.bonds());
+  std::string text =
+      std::exchange(header_, Header::dynamics) == Header::dynamics ? "" : table_header(breaks_);
+  text +=
+      table_row(run.clock(), run.books(), energies, run.balance_error(energies), count_ranges(run), broken);
   show(text, out_);
   last_step_ = run.clock().step;
 }
@@ -263,6 +269,7 @@ void ProgressObserver::clear() {
 
 std::vector<std::shared_ptr<Observer>> FileObservers::all() const {
   std::vector<std::shared_ptr<Observer>> observers{watch, history};
+  if (breaks) observers.push_back(breaks);
   if (frames) observers.push_back(frames);
   observers.push_back(checkpoint);
   return observers;
@@ -276,7 +283,7 @@ void FileObservers::record(const Model& model, const StaticPoint& point) const {
 
 std::vector<std::pair<std::string, double>> FileObservers::seconds() const {
   return {{"watch", watch->seconds()},
-          {"history", history->seconds()},
+          {"history", history->seconds() + (breaks ? breaks->seconds() : 0.0)},
           {"frames", frames ? frames->seconds() : 0.0},
           {"checkpoint", checkpoint->seconds()}};
 }
@@ -287,8 +294,17 @@ FileObservers open_output(const OutputPlan& plan, Watch::Tell tell, const std::s
   if (resume) step = resume->state.clock.step;
   FileObservers o;
   o.history = std::make_shared<HistoryObserver>(plan, step);
-  if (o.history->begun_anew() && tell)
-    tell((plan.folder / "history.csv").string() + " is not there any more: a new one begins here");
+  std::optional<Clock> resumed;
+  if (resume) resumed = resume->state.clock;
+  if (plan.breaks)
+    o.breaks = std::make_shared<BreaksObserver>(plan, resumed);
+  else if (resumed)
+    cut_breaks(plan, *resumed);
+  const auto tell_anew = [&](bool anew, const char* name) {
+    if (anew && tell) tell((plan.folder / name).string() + " is not there any more: a new one begins here");
+  };
+  tell_anew(o.history->begun_anew(), "history.csv");
+  tell_anew(o.breaks && o.breaks->begun_anew(), "breaks.csv");
   o.watch = std::make_shared<WatchObserver>(plan, std::move(tell), resume ? resume->watch : WatchRecord{});
   if (plan.frames_every)
     o.frames = std::make_shared<FrameObserver>(plan, step);

@@ -17,6 +17,8 @@
 
 namespace vbond {
 
+class BreaksObserver;
+
 /// True if the stage came to its own end: the run goes on with the next stage.
 bool stage_done(StopReason why);
 
@@ -82,6 +84,7 @@ class HistoryObserver : public TimedObserver {
   void finish(const Simulation& run, StopReason why) override;
   void write(const Model& model, const StaticPoint& point);
   double largest_balance_error() const { return writer_.largest_balance_error(); }
+  std::optional<double> largest_load() const { return writer_.largest_load(); }
   bool begun_anew() const { return writer_.begun_anew(); }
 
  private:
@@ -129,7 +132,8 @@ class CheckpointObserver : public TimedObserver {
 /// which have their own.
 class TableObserver : public TimedObserver {
  public:
-  explicit TableObserver(std::FILE* out) : out_(out) {}
+  /// breaks: whether broken bonds have a column.
+  explicit TableObserver(std::FILE* out, bool breaks = false) : out_(out), breaks_(breaks) {}
   void observe(const Simulation& run) override;
   std::int64_t steps_to_next_look(const Clock& now) const override;
   void finish(const Simulation& run, StopReason why) override;
@@ -139,6 +143,7 @@ class TableObserver : public TimedObserver {
   enum class Header : std::uint8_t { none, dynamics, statics };
   void print(const Simulation& run);
   std::FILE* out_;
+  bool breaks_;
   Header header_ = Header::none;       // the last one printed
   std::optional<std::int32_t> stage_;  // the last one seen
   std::int64_t interval_ = 1;          // in that stage, in steps
@@ -174,7 +179,8 @@ class ProgressObserver : public TimedObserver {
 struct FileObservers {
   std::shared_ptr<WatchObserver> watch;
   std::shared_ptr<HistoryObserver> history;
-  std::shared_ptr<FrameObserver> frames;  ///< null without frames
+  std::shared_ptr<BreaksObserver> breaks;  ///< null where no bond may break
+  std::shared_ptr<FrameObserver> frames;   ///< null without frames
   std::shared_ptr<CheckpointObserver> checkpoint;
   std::vector<std::shared_ptr<Observer>> all() const;
   /// Looks at a point of a static stage and writes its row and frame. Throws Diverged, see Watch.

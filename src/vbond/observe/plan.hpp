@@ -26,7 +26,14 @@ struct OutputPlan {
   std::int64_t watch_every = 100;          ///< steps between looks at bonds and energy, > 0
   double overlap = 0.1;                    ///< of the smaller radius that is reported; 0: never looked at
   bool statics = false;                    ///< there are static stages, with columns of their own
+  bool breaks = false;                     ///< some bond may break: breaks.csv, fragments.csv, more columns
   double energy_error = 0.05;              ///< relative error of the energy balance that stops a run
+
+  FrameFormat format_of_frames() const {
+    FrameFormat format = frame_format;
+    format.breaks = breaks;
+    return format;
+  }
 };
 
 }  // namespace vbond

@@ -9,10 +9,14 @@
 
 #include "vbond/core/vec3.hpp"
 #include "vbond/model/bond.hpp"
+#include "vbond/model/bond_event.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
+#include "vbond/observe/csv.hpp"
+#include "vbond/observe/fragments.hpp"
 #include "vbond/observe/history_values.hpp"
 #include "vbond/observe/plan.hpp"
+#include "vbond/observe/units.hpp"
 #include "vbond/physics/range.hpp"
 
 /// The one table of what is written: every quantity with its name, unit, meaning and getter. The columns of
@@ -20,26 +24,20 @@
 /// and the tables of docs/output.md come from it. A new column or array is an entry here, and nothing else.
 namespace vbond {
 
-/// In SI, and in reduced units, where a = m = c_A = 1. Empty: a pure number, a count or a number of
-/// something.
-struct Unit {
-  const char* si;
-  const char* reduced;
-  const char* in(UnitSystem system) const { return system == UnitSystem::si ? si : reduced; }
-};
-
-namespace unit {
-inline constexpr Unit none{"", ""};
-inline constexpr Unit length{"m", "a"}, time{"s", "sqrt(m/c_A)"}, mass{"kg", "m"}, inertia{"kg m^2", "m a^2"};
-inline constexpr Unit velocity{"m/s", "a sqrt(c_A/m)"}, angular_velocity{"rad/s", "rad sqrt(c_A/m)"};
-inline constexpr Unit force{"N", "a c_A"}, moment{"N m", "a^2 c_A"}, energy{"J", "a^2 c_A"};
-inline constexpr Unit stiffness{"N/m", "c_A"}, angle{"rad", "rad"}, degrees{"deg", "deg"};
-}  // namespace unit
-
 // ---- history.csv ---------------------------------------------------------------------------------------
 
-/// What stands in one place of history.csv: nothing, a whole number, or a number.
-using Cell = std::variant<std::monostate, std::int64_t, double>;
+/// Which cases have a quantity.
+enum class Only : std::uint8_t { everywhere, statics, breaks };
+inline bool is_in(Only cases, const OutputPlan& plan) {
+  switch (cases) {
+    case Only::everywhere: return true;
+    case Only::statics: return plan.statics;
+    case Only::breaks: return plan.breaks;
+  }
+  return true;
+}
+/// For the tables of docs/output.md.
+const char* in_words(Only cases);
 
 /// A column of history.csv.
 struct HistoryQuantity {
@@ -47,7 +45,7 @@ struct HistoryQuantity {
   Unit unit;
   const char* meaning;
   Cell (*value)(const HistoryValues&);
-  bool statics_only = false;  ///< the column is there only in cases with static stages
+  Only cases = Only::everywhere;
 };
 std::span<const HistoryQuantity> history_quantities();
 
@@ -67,13 +65,42 @@ struct GroupQuantity {
 };
 std::span<const GroupQuantity> group_quantities();
 
-/// A column as others show it: with the unit and meaning of its quantity.
-struct ColumnFacts {
+/// A column of history.csv as others show it. Nothing if no quantity has a column of this name.
+std::optional<ColumnFacts> facts_of_column(std::string_view name);
+
+// ---- breaks.csv and fragments.csv ----------------------------------------------------------------------
+
+/// A bond that broke.
+struct BreakView {
+  const Clock& clock;
+  const Bond& bond;
+  const BondEvent& event;
+  std::optional<double> load;  ///< of the first group whose reaction is asked for  [force]
+};
+
+/// A fragment at the end of a stage.
+struct FragmentView {
+  const Clock& clock;
+  std::int64_t stage, number;
+  const Fragment& fragment;
+  Vec3d centre, velocity;  ///< [length], [length/time]
+};
+
+/// A column of breaks.csv or fragments.csv.
+template <class View>
+struct RowQuantity {
+  const char* name;
   Unit unit;
   const char* meaning;
+  Cell (*value)(const View&);
 };
-/// Nothing if no quantity has a column of this name.
-std::optional<ColumnFacts> facts_of_column(std::string_view name);
+std::span<const RowQuantity<BreakView>> break_quantities();
+std::span<const RowQuantity<FragmentView>> fragment_quantities();
+
+/// tension, shear, bending, torsion, compression, other.
+const char* to_text(BreakMode mode);
+/// The names of case files; none: of a law without criterion.
+const char* to_text(Criterion criterion);
 
 // ---- frames --------------------------------------------------------------------------------------------
 
@@ -82,6 +109,7 @@ struct ParticleView {
   const Model& model;
   const State& state;
   ParticleId id;
+  const Fragments* fragments = nullptr;  ///< of the body, where bonds may break
 };
 
 /// An array of the particles' frames, one value per particle.
@@ -92,6 +120,7 @@ struct ParticleQuantity {
   std::variant<double (*)(const ParticleView&), Vec3d (*)(const ParticleView&),
                std::int64_t (*)(const ParticleView&)>
       value;
+  Only cases = Only::everywhere;
 };
 std::span<const ParticleQuantity> particle_quantities();
 
@@ -103,6 +132,7 @@ struct BondView {
   BondEnergy<double> U;
   double axial_force, shear_force;  ///< [force]
   double moment_i, moment_j;        ///< sizes  [moment]
+  double utilisation;               ///< 0 of a broken one, and where no bond may break
 };
 
 /// An array of the bonds' frames, one value per bond.
@@ -113,6 +143,7 @@ struct BondQuantity {
   std::variant<double (*)(const BondView&), std::int64_t (*)(const BondView&),
                std::uint8_t (*)(const BondView&)>
       value;
+  Only cases = Only::everywhere;
 };
 std::span<const BondQuantity> bond_quantities();
 
@@ -128,7 +159,8 @@ std::span<const CheckpointQuantity> checkpoint_quantities();
 
 // ---- the reference -------------------------------------------------------------------------------------
 
-/// The tables of docs/output.md: where = "history", "particles", "bonds" or "checkpoint". Markdown.
+/// The tables of docs/output.md: where = "history", "breaks", "fragments", "particles", "bonds" or
+/// "checkpoint". Markdown.
 std::string quantity_table(std::string_view where);
 
 }  // namespace vbond

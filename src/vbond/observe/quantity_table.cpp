@@ -17,8 +17,7 @@ constexpr fmt::string_view head = "| {} | unit: SI; reduced | meaning |\n|---|--
 std::string columns_of_history() {
   std::string text;
   for (const HistoryQuantity& q : history_quantities())
-    text += row(q.name, q.unit,
-                std::string(q.meaning) + (q.statics_only ? ". Only in cases with static stages" : ""));
+    text += row(q.name, q.unit, std::string(q.meaning) + in_words(q.cases));
   for (const GroupQuantity& q : group_quantities())
     for (const GroupQuantity::Component& c : q.components)
       text += row(fmt::format("{}.GROUP{}{}", q.name, *c.name == '\0' ? "" : ".", c.name), c.unit,
@@ -26,10 +25,19 @@ std::string columns_of_history() {
   return text;
 }
 
+/// In which cases there is such a quantity.
+template <class Quantity>
+std::string words(const Quantity& q) {
+  if constexpr (requires { q.cases; })
+    return in_words(q.cases);
+  else
+    return "";
+}
+
 template <class Quantities>
 std::string rows_of(const Quantities& quantities) {
   std::string text;
-  for (const auto& q : quantities) text += row(q.name, q.unit, q.meaning);
+  for (const auto& q : quantities) text += row(q.name, q.unit, q.meaning + words(q));
   return text;
 }
 
@@ -41,8 +49,19 @@ std::string data_sets() {
 
 }  // namespace
 
+const char* in_words(Only cases) {
+  switch (cases) {
+    case Only::everywhere: return "";
+    case Only::statics: return ". Only in cases with static stages";
+    case Only::breaks: return ". Only where bonds may break";
+  }
+  return "";
+}
+
 std::string quantity_table(std::string_view where) {
   if (where == "history") return fmt::format(fmt::runtime(head), "column") + columns_of_history();
+  if (where == "breaks") return fmt::format(fmt::runtime(head), "column") + rows_of(break_quantities());
+  if (where == "fragments") return fmt::format(fmt::runtime(head), "column") + rows_of(fragment_quantities());
   if (where == "particles") return fmt::format(fmt::runtime(head), "array") + rows_of(particle_quantities());
   if (where == "bonds") return fmt::format(fmt::runtime(head), "array") + rows_of(bond_quantities());
   if (where == "checkpoint") return fmt::format(fmt::runtime(head), "data set") + data_sets();

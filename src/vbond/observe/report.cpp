@@ -9,17 +9,18 @@
 
 namespace vbond {
 
-std::string table_header() {
-  return fmt::format("{:>12} {:>12} {:>12} {:>12} {:>12} {:>12} {:>12} {:>10} {:>8} {:>8}\n", "step", "time",
-                     "kinetic", "potential", "dissipated", "work", "total", "balance", "strained", "snapped");
+std::string table_header(bool breaks) {
+  return fmt::format("{:>12} {:>12} {:>12} {:>12} {:>12} {:>12} {:>12} {:>10} {:>8} {:>8}{}\n", "step",
+                     "time", "kinetic", "potential", "dissipated", "work", "total", "balance", "strained",
+                     "snapped", breaks ? "   broken" : "");
 }
 
 std::string table_row(const Clock& clock, const EnergyBooks& b, const Energies& e, double balance_error,
-                      const RangeCounts& ranges) {
-  return fmt::format("{:12} {:12.6g} {:12.4e} {:12.4e} {:12.4e} {:12.4e} {:12.4e} {:10.2e} {:8} {:8}\n",
+                      const RangeCounts& ranges, std::optional<std::int64_t> broken) {
+  return fmt::format("{:12} {:12.6g} {:12.4e} {:12.4e} {:12.4e} {:12.4e} {:12.4e} {:10.2e} {:8} {:8}{}\n",
                      clock.step, clock.time(), e.kinetic(), e.potential(), b.dissipated,
                      b.work_loads + b.work_supports, e.total(), balance_error, ranges.strained,
-                     ranges.snapped);
+                     ranges.snapped, broken ? fmt::format(" {:8}", *broken) : "");
 }
 
 std::int64_t table_interval(std::int64_t stage_steps) {

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,12 +12,13 @@
 
 namespace vbond {
 
-/// The names of the columns of the terminal's table, one line.
-std::string table_header();
+/// The names of the columns of the terminal's table, one line. breaks: with that of broken bonds.
+std::string table_header(bool breaks = false);
 
 /// One line of the terminal's table, as wide as its header for every value.
 std::string table_row(const Clock& clock, const EnergyBooks& books, const Energies& energies,
-                      double balance_error, const RangeCounts& ranges);
+                      double balance_error, const RangeCounts& ranges,
+                      std::optional<std::int64_t> broken = {});
 
 /// The same for points of static stages.
 std::string static_table_header();

@@ -11,9 +11,9 @@
 namespace vbond {
 namespace {
 
-constexpr std::array all_reasons{StopReason::running, StopReason::duration, StopReason::distance,
-                                 StopReason::peak,    StopReason::rest,     StopReason::interrupted,
-                                 StopReason::diverged};
+constexpr std::array all_reasons{StopReason::running,     StopReason::duration, StopReason::distance,
+                                 StopReason::peak,        StopReason::rest,     StopReason::breaks,
+                                 StopReason::interrupted, StopReason::diverged};
 
 Json to_json(const StageSummary& s) {
   if (s.statics) {
@@ -46,6 +46,26 @@ StageSummary stage_from(const Json& j) {
   return s;
 }
 
+/// An absent number has no key.
+void add(Json& j, const char* key, const std::optional<double>& x) {
+  if (x) j[key] = *x;
+}
+std::optional<double> number_at(const Json& j, const char* key) {
+  return j.contains(key) ? std::optional(j[key].get<double>()) : std::nullopt;
+}
+
+void add(Json& j, const BreakSummary& b) {
+  j["broken"] = b.broken;
+  add(j, "first_break_time", b.first.first_time);
+  add(j, "first_break_load", b.first.first_load);
+  add(j, "peak_load", b.peak_load);
+}
+BreakSummary breaks_from(const Json& j) {
+  return {whole_number(j.at("broken")),
+          {number_at(j, "first_break_time"), number_at(j, "first_break_load"), {}},
+          number_at(j, "peak_load")};
+}
+
 }  // namespace
 
 std::vector<PhaseTime> split_steps(double seconds, const StepTimes& t) {
@@ -72,6 +92,7 @@ const char* to_text(StopReason reason) {
     case StopReason::distance: return "distance";
     case StopReason::peak: return "peak";
     case StopReason::rest: return "rest";
+    case StopReason::breaks: return "breaks";
     case StopReason::diverged: return "diverged";
     case StopReason::interrupted: return "interrupted";
   }
@@ -98,6 +119,7 @@ std::string to_json(const RunSummary& r) {
   j["energy_balance_error"] = r.energy_balance_error;
   j["strained"] = r.strained;
   j["snapped"] = r.snapped;
+  if (r.breaks) add(j, *r.breaks);
   j["ever_strained"] = r.ever_strained;
   j["ever_snapped"] = r.ever_snapped;
   j["ever_overlapping"] = r.ever_overlapping;
@@ -139,6 +161,7 @@ RunSummary read_summary(const std::filesystem::path& path) {
       r.ever_overlapping = whole_number(j["ever_overlapping"]);
     if (j.contains("ever_stretched"))  // nor have they these
       r.ever_stretched = whole_number(j["ever_stretched"]);
+    if (j.contains("broken")) r.breaks = breaks_from(j);
     r.too_fast = j.value("too_fast", 0.0);
     return r;
   } catch (const Json::exception& e) {

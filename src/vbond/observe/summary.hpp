@@ -8,6 +8,7 @@
 #include "vbond/dynamics/simulation.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/static_stage.hpp"
+#include "vbond/observe/breaks.hpp"
 #include "vbond/statics/results.hpp"
 
 namespace vbond {
@@ -40,6 +41,13 @@ struct PhaseTime {
   double seconds = 0;
 };
 
+/// What has broken, where bonds may break.
+struct BreakSummary {
+  std::int64_t broken = 0;  ///< bonds at the end
+  BreakRecord first;
+  std::optional<double> peak_load;  ///< of the rows of history.csv and of breaks  [force]
+};
+
 /// The results of a run, as run.json holds them.
 struct RunSummary {
   std::string title, version;
@@ -49,6 +57,7 @@ struct RunSummary {
   UnitSystem units = UnitSystem::reduced;
   std::int64_t particles = 0, bonds = 0;
   double T_0 = 0;                                    ///< [time]
+  std::optional<BreakSummary> breaks;                ///< absent where no bond may break
   std::vector<StageSummary> stages;                  ///< those that ended, or were interrupted last
   double energy_balance_error = 0;                   ///< largest |balance_error| of history.csv, relative
   std::int64_t strained = 0, snapped = 0;            ///< bonds as they stand at the end
@@ -68,7 +77,7 @@ std::vector<PhaseTime> split_steps(double seconds, const StepTimes& times);
 /// The stage of this simulation as it stands.
 StageSummary summarise_stage(const Simulation& run, StopReason stop);
 
-/// "duration", "distance", "peak", "rest", "interrupted", "running": as in run.json.
+/// "duration", "distance", "peak", "rest", "breaks", "interrupted", "running": as in run.json.
 const char* to_text(StopReason reason);
 
 /// "dynamics", "equilibrium", "path", "buckling", "modes".

@@ -183,6 +183,7 @@ StageResult Run::run_static() {
   state_.books = {};
   state_.peak = {};
   state_.rest = {};
+  state_.breaks = 0;
   StageResult result = find_balance(stage);
   if (result.interrupted()) return result;
   state_.books.at_start = potential_energies(model_, state_).total();

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "vbond/core/disjoint_sets.hpp"
 #include "vbond/model/touching.hpp"
 #include "vbond/statics/detail/dense.hpp"
 
@@ -25,24 +26,15 @@ constexpr double smallest_lever = 1.5e-8;
 
 /// The parts, each in increasing order, in the order of their first particles.
 std::vector<Part> connected_parts(const Model& model, const State& state) {
-  PerParticle<ParticleId> parent(model.particles());
-  for (const ParticleId p : parent.ids()) parent[p] = p;
-  const auto root = [&parent](ParticleId p) {
-    while (parent[p] != p) p = parent[p] = parent[parent[p]];
-    return p;
-  };
-  const auto join = [&](ParticleId i, ParticleId j) {
-    const ParticleId a = root(i), b = root(j);
-    parent[std::max(a, b)] = std::min(a, b);
-  };
+  DisjointSets<ParticleId> sets(model.particles());
   for (const Bond& b : state.bonds)
-    if (!b.broken) join(b.i, b.j);
-  for_touching_pairs(model, state, [&](ParticleId i, ParticleId j, double) { join(i, j); });
+    if (!b.broken) sets.join(b.i, b.j);
+  for_touching_pairs(model, state, [&](ParticleId i, ParticleId j, double) { sets.join(i, j); });
 
   PerParticle<std::size_t> number(model.particles());
   std::vector<Part> parts;
-  for (const ParticleId p : parent.ids()) {
-    const ParticleId first = root(p);  // the smallest of the part
+  for (const ParticleId p : model.mass.ids()) {
+    const ParticleId first = sets.smallest(p);
     if (first == p) {
       number[p] = parts.size();
       parts.emplace_back();

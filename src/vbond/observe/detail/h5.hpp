@@ -161,5 +161,7 @@ struct Stored<LawName> {
 };
 template <>
 struct Stored<BondRange> : StoredByte<BondRange, static_cast<std::uint8_t>(BondRange::snapped)> {};
+template <>
+struct Stored<BreakMode> : StoredByte<BreakMode, static_cast<std::uint8_t>(BreakMode::other)> {};
 
 }  // namespace vbond

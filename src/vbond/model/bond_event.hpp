@@ -1,0 +1,41 @@
+#pragma once
+#include <cstdint>
+
+#include "vbond/core/column.hpp"
+#include "vbond/model/bond.hpp"
+#include "vbond/physics/section.hpp"
+
+namespace vbond {
+
+/// What happened to a bond.
+struct BondEvent {
+  enum class Kind : std::uint8_t { made, broken };
+  Kind kind;
+  BondId bond;
+  std::int64_t step;  ///< at the end of which it happened
+  // broken only, as the bond was when it broke
+  double energy = 0;             ///< above rest  [energy]
+  Failure<double> failure{};     ///< what used up its strength
+  BreakCause cause{};            ///< what governed
+  SectionLoads<double> loads{};  ///< elastic
+  Vec3d middle{}, direction{};   ///< between its bonded points: place [length] and unit vector from i to j
+};
+
+/// What is to be told of a bond that breaks as it stands: particle i at r_i.
+inline BondEvent breaking_event(const Bond& b, BondId k, std::int64_t step, const Vec3d& r_i,
+                                const BondPose<double>& pose, const BondHistory& history) {
+  BondEvent e{BondEvent::Kind::broken, k, step};
+  const BondAxis<double> axis = bond_axis(pose, b.R_i, b.R_j);
+  const BondLoads<double> loads = b.law->loads(b, pose, history);
+  const BondEnergy<double> U = b.law->energy(b, pose, history);
+  e.energy = U.U_L + U.U_B + U.U_T;
+  e.failure = b.law->failure(b, pose, history);
+  e.loads = section_loads(section_moments(pose, b.R_i, b.R_j, loads), axis, loads);
+  e.cause = break_cause(b.law->has_rules ? b.rules->strength : Strength{}, e.failure, e.loads.N,
+                        strength_factor(b));
+  e.middle = r_i + b.R_i * pose.n_i[0] + 0.5 * axis.D * axis.d;
+  e.direction = axis.d;
+  return e;
+}
+
+}  // namespace vbond

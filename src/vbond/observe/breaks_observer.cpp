@@ -1,0 +1,39 @@
+#include "vbond/observe/breaks_observer.hpp"
+
+#include "vbond/dynamics/simulation.hpp"
+
+namespace vbond {
+
+BreaksObserver::BreaksObserver(const OutputPlan& plan, const std::optional<Clock>& resumed)
+    : breaks_(plan, resumed ? std::optional(resumed->step) : std::nullopt),
+      fragments_(plan, resumed ? std::optional<std::int64_t>(resumed->stage) : std::nullopt) {
+  if (!plan.reactions.empty()) loaded_ = plan.reactions.front();
+}
+
+void BreaksObserver::observe(const Simulation& run) {
+  std::optional<double> load;  // the same for all that broke in a step
+  for (const BondEvent& event : run.events()) {
+    if (event.kind != BondEvent::Kind::broken) continue;
+    const Timing timing(*this);
+    if (loaded_ && !load) load = norm(run.reaction_before_breaks(loaded_->particles).force);
+    Clock then = run.clock();
+    then.stage_step += event.step - then.step;
+    then.step = event.step;
+    breaks_.write(then, run.bonds()[event.bond], event, load);
+  }
+}
+
+std::int64_t BreaksObserver::steps_to_next_look(const Clock& /*now*/) const {
+  return no_next_look;  // it is shown every step in which bonds break
+}
+
+void BreaksObserver::finish(const Simulation& run, StopReason why) {
+  if (stage_done(why)) end_stage(run.model(), run.state(), run.clock().stage);
+}
+
+void BreaksObserver::end_stage(const Model& model, const State& state, std::int64_t stage) {
+  const Timing timing(*this);
+  fragments_.write(model, state, stage);
+}
+
+}  // namespace vbond

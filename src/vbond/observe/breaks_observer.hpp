@@ -1,0 +1,29 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+
+#include "vbond/observe/breaks.hpp"
+#include "vbond/observe/observers.hpp"
+
+namespace vbond {
+
+/// Writes breaks.csv and fragments.csv; made only if the plan says that bonds may break.
+class BreaksObserver : public TimedObserver {
+ public:
+  /// resumed: the clock of the checkpoint that a run goes on from.
+  BreaksObserver(const OutputPlan& plan, const std::optional<Clock>& resumed);
+  void observe(const Simulation& run) override;
+  std::int64_t steps_to_next_look(const Clock& now) const override;
+  void finish(const Simulation& run, StopReason why) override;
+  /// The fragments at the end of a stage that is not one of dynamics.
+  void end_stage(const Model& model, const State& state, std::int64_t stage);
+  const BreakRecord& record() const { return breaks_.record(); }
+  bool begun_anew() const { return breaks_.begun_anew(); }
+
+ private:
+  std::optional<Group> loaded_;  // the first group whose reaction is asked for
+  BreaksWriter breaks_;
+  FragmentsWriter fragments_;
+};
+
+}  // namespace vbond

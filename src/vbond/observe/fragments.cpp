@@ -1,0 +1,57 @@
+#include "vbond/observe/fragments.hpp"
+
+#include <algorithm>
+#include <cstddef>
+
+#include "vbond/core/disjoint_sets.hpp"
+
+namespace vbond {
+
+Fragments find_fragments(const Model& model, const PerBond<Bond>& bonds) {
+  DisjointSets<ParticleId> sets(model.particles());
+  for (const Bond& b : bonds)
+    if (!b.broken) sets.join(b.i, b.j);
+
+  std::vector<Fragment> found;  // in the order of their lowest particles
+  PerParticle<std::size_t> place(model.particles());
+  for (const ParticleId p : model.mass.ids()) {
+    const ParticleId lowest = sets.smallest(p);
+    if (lowest == p) place[p] = found.size(), found.push_back({p});
+    place[p] = place[lowest];
+    ++found[place[p]].particles;
+    found[place[p]].mass += model.mass[p];
+  }
+  std::vector<std::size_t> order(found.size());
+  for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
+  std::stable_sort(order.begin(), order.end(),
+                   [&found](std::size_t a, std::size_t b) { return found[a].mass > found[b].mass; });
+
+  Fragments fragments;
+  std::vector<std::int64_t> number(found.size());
+  for (const std::size_t k : order) {
+    number[k] = static_cast<std::int64_t>(fragments.all.size());
+    fragments.all.push_back(found[k]);
+  }
+  for (const std::size_t k : place) fragments.number.push_back(number[k]);
+  return fragments;
+}
+
+FragmentCount count_fragments(const Model& model, const PerBond<Bond>& bonds) {
+  const std::vector<Fragment> all = find_fragments(model, bonds).all;
+  double mass = 0.0;
+  for (const Fragment& f : all) mass += f.mass;
+  return {static_cast<std::int64_t>(all.size()), all.empty() ? 0.0 : all.front().mass / mass};
+}
+
+FragmentMotion motion_of(const Fragments& fragments, const Model& model, const State& state) {
+  FragmentMotion of{std::vector<Vec3d>(fragments.all.size()), std::vector<Vec3d>(fragments.all.size())};
+  for (const ParticleId p : model.mass.ids()) {
+    const auto k = static_cast<std::size_t>(fragments.number[p]);
+    const double share = model.mass[p] / fragments.all[k].mass;
+    of.centre[k] += share * state.r[p];
+    of.velocity[k] += share * state.v[p];
+  }
+  return of;
+}
+
+}  // namespace vbond

@@ -1,0 +1,39 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "vbond/core/column.hpp"
+#include "vbond/core/vec3.hpp"
+#include "vbond/model/model.hpp"
+#include "vbond/model/state.hpp"
+
+namespace vbond {
+
+/// Particles that unbroken bonds hold together; contacts do not count, and a particle without bonds is one.
+struct Fragment {
+  ParticleId lowest;           ///< the smallest number of its particles
+  std::int64_t particles = 0;  ///< how many
+  double mass = 0;             ///< [mass]
+};
+
+struct Fragments {
+  std::vector<Fragment> all;         ///< the heaviest first, of equal ones that with the lowest particle
+  PerParticle<std::int64_t> number;  ///< of each particle's fragment, among all
+};
+Fragments find_fragments(const Model& model, const PerBond<Bond>& bonds);
+
+/// What the history tells of them.
+struct FragmentCount {
+  std::int64_t number = 0;
+  double largest_share = 0;  ///< of the mass
+  friend bool operator==(const FragmentCount&, const FragmentCount&) = default;
+};
+FragmentCount count_fragments(const Model& model, const PerBond<Bond>& bonds);
+
+/// Centres of mass and their velocities, one of each for each fragment.  [length], [length/time]
+struct FragmentMotion {
+  std::vector<Vec3d> centre, velocity;
+};
+FragmentMotion motion_of(const Fragments& fragments, const Model& model, const State& state);
+
+}  // namespace vbond
