@@ -27,7 +27,7 @@ export const causes = ["", "tension", "shear", "bending", "torsion", "compressio
 export const cause_colours = ["#000000", "#d55e00", "#0072b2", "#e69f00", "#b5488e", "#009e73", "#5a6472"].map(channels);
 
 /** The heaviest fragment, then the others. */
-export const fragment_colours = ["#9aa9ba", "#e69f00", "#0072b2", "#009e73", "#d55e00", "#b5488e", "#56b4e9", "#f0e442", "#7a4fbf"].map(channels);
+export const fragment_colours = ["#9aa9ba", "#66c2a5", "#fc8d62", "#8da0cb", "#e78ac3", "#a6d854", "#ffd92f", "#c9a27e", "#6fc7e8"].map(channels);
 export const fragment_colour_count = fragment_colours.length;
 
 export const picked_colour = channels("#ff2bd6");   // in none of the maps
