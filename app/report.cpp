@@ -159,6 +159,7 @@ Written write_report(const fs::path& folder) {
   r.case_text = std::move(of_page.text);
   if (!of_page.left_out.empty()) r.left_out.push_back(std::move(of_page.left_out));
   if (is_there(folder / "history.csv")) r.history = page::read_history(folder / "history.csv");
+  if (is_there(folder / "breaks.csv")) r.breaks = read_breaks(folder / "breaks.csv", page::listed_breaks);
   std::vector<page::Warning> trouble = add_sequences(folder, c, summary, r);
   for (page::Warning& w : trouble) w.text = without_folder(std::move(w.text), folder);
   const page::StepFacts step = step_of(c, built, summary);

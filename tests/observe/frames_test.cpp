@@ -80,7 +80,7 @@ TEST(BondFrame, ShowsStretchTwistAndBendOfEachBond) {
   Chain chain(4);
   chain.state.r[ParticleId{0}].x -= 0.01;  // bond 0: stretched
   chain.turn(2, {1, 0, 0}, pi / 3);        // bonds 1 and 2: twisted by 60 degrees, there and back
-  write_bonds_vtp(folder / "b.vtp", chain.state, UnitSystem::reduced);
+  write_bonds_vtp(folder / "b.vtp", chain.state, UnitSystem::reduced, {}, {.breaks = true});
   const VtpReader f(content_of(folder / "b.vtp"));
 
   expect_well_formed(f);
@@ -104,9 +104,26 @@ TEST(BondFrame, ShowsStretchTwistAndBendOfEachBond) {
   // torque of the EVM (bond 1) is B4 sin t, of the V-model (bond 2) B4/2 sin 2t
   EXPECT_NEAR(value("moment_i", 1), 0.00208333 * std::sin(pi / 3), 1e-15);
   EXPECT_NEAR(value("moment_j", 2), 0.00208333 / 2 * std::sin(2 * pi / 3), 1e-15);
+  // particle 2 takes 1 along, 3 holds 2 back
+  EXPECT_NEAR(value("torque", 1), 0.00208333 * std::sin(pi / 3), 1e-15);
+  EXPECT_NEAR(value("torque", 2), -0.00208333 / 2 * std::sin(2 * pi / 3), 1e-15);
+  EXPECT_NEAR(value("bending_moment", 1), 0.0, 1e-15);
   EXPECT_NEAR(value("U_T", 1), 0.00208333 * (1 - std::cos(pi / 3)), 1e-15);
   // 60 degrees are past the limit of the V-model (bonds 0 and 2), not of the EVM (bond 1)
   EXPECT_EQ(f.arrays.at("range").as<std::uint8_t>(), (std::vector<std::uint8_t>{0, 0, 1}));
+}
+
+TEST(BondFrame, ABondBentEvenlyHasOneMoment) {
+  const Folder folder;
+  Chain chain(2);
+  chain.turn(0, {0, 0, 1}, -0.01);
+  chain.turn(1, {0, 0, 1}, 0.01);
+  write_bonds_vtp(folder / "b.vtp", chain.state, UnitSystem::reduced, {}, {.breaks = true});
+  const VtpReader f(content_of(folder / "b.vtp"));
+  const double end = f.arrays.at("moment_i").as<double>()[0];
+  EXPECT_GT(end, 1e-5);
+  EXPECT_NEAR(f.arrays.at("bending_moment").as<double>()[0], end, 1e-12 * end);
+  EXPECT_NEAR(f.arrays.at("torque").as<double>()[0], 0.0, 1e-12 * end);
 }
 
 TEST(BondFrame, BodyWithoutBondsIsAValidFile) {

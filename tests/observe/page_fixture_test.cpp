@@ -31,6 +31,7 @@ Sequence sequence(SequenceKind kind, std::size_t frames) {
              .displacement = {Range{-1.0, 0x1p-10}, Range{0.0, 0x1p-12}, Range{2.0, 0.0}},
              .speed = {0.0, 0x1p-3},
              .fields = {},
+             .may_break = kind == SequenceKind::run,
              .frames = {}};
   for (std::size_t k = 0; k < bond_field_count; ++k)
     s.fields[k] = {-static_cast<double>(k), std::ldexp(1.0, -static_cast<int>(k))};
@@ -43,9 +44,15 @@ Sequence sequence(SequenceKind kind, std::size_t frames) {
       for (std::size_t p = 0; p < particles; ++p) frame.displacement.push_back(displacement_of(f, c, p));
     if (kind == SequenceKind::run)
       for (std::size_t p = 0; p < particles; ++p) frame.speed.push_back(field_of(f, 7, p));
-    for (std::size_t k = 0; k < bond_field_count; ++k)
+    for (std::size_t k = 0; k < s.field_count(); ++k)
       for (std::size_t b = 0; b < exist; ++b) frame.fields[k].push_back(field_of(f, k, b));
     for (std::size_t b = 0; b < exist; ++b) frame.range.push_back(static_cast<std::uint8_t>((f + b) % 3));
+    if (s.may_break) {
+      for (std::size_t b = 0; b < exist; ++b)
+        frame.broken.push_back(static_cast<std::uint8_t>(b == 1 && f > 1 ? 5 : 0));
+      for (std::size_t p = 0; p < particles; ++p)
+        frame.fragment.push_back(static_cast<std::uint16_t>(300 * f * p));
+    }
     s.frames.push_back(frame);
   }
   return s;
@@ -65,6 +72,17 @@ std::string page_of_known_numbers() {
                 {"time", {0.0, 0.5, 1.0}},
                 {"displacement.1.x", {0.0, -0.5, -1.0}},
                 {"axial_force.all", {0.0, NAN, -3.0}}}};
+  r.breaks = {{{.bond = 1,
+                .i = 1,
+                .j = 2,
+                .time = 0.75,
+                .criterion = "stress",
+                .mode = "compression",
+                .failure = {-0.5, 0, 0, 0, 1.5, 1.5},
+                .limit = 2e6,
+                .energy = 0.25}},
+              1,
+              {{"compression", 1}}};
   r.body.radius = {0.25F, 0.5F, 0.75F};
   r.body.bonds = {0, 1, 1, 2};
   r.sequences = {sequence(SequenceKind::run, 4), sequence(SequenceKind::mode, 3)};

@@ -22,6 +22,18 @@ export const maps = {
 /** Small, strained, snapped: different in hue and in lightness. */
 export const class_colours = ["#7fa6c9", "#eda100", "#a3003f"].map(channels);
 
+/** By what a bond broke: numbers of `bond_broken`, 0 is whole. To be told from one another with common colour blindness. */
+export const causes = ["", "tension", "shear", "bending", "torsion", "compression", "its own law"];
+export const cause_colours = ["#000000", "#d55e00", "#0072b2", "#e69f00", "#b5488e", "#009e73", "#5a6472"].map(channels);
+
+/** The heaviest fragment, then the others. */
+export const fragment_colours = ["#9aa9ba", "#66c2a5", "#fc8d62", "#8da0cb", "#e78ac3", "#a6d854", "#ffd92f", "#c9a27e", "#6fc7e8"].map(channels);
+export const fragment_colour_count = fragment_colours.length;
+
+export const picked_colour = channels("#ff2bd6");   // in none of the maps
+
+export function css_colour(rgb) { return `rgb(${rgb.join(" ")})`; }
+
 const rounding = 1e-6;   // of the scale: what is below zero by less is zero, rounded
 
 /** The ends of the scale: from zero, or about zero if signed, so that zero has the colour of the middle. */

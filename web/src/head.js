@@ -75,7 +75,7 @@ export function foot({ facts, rerun, left_out }) {
   if (left_out.length) parts.push(element("h2", {}, "What this page leaves out"), element("ul", {}, ...left_out.map((s) => element("li", {}, s))));
   parts.push(element("p", { class: "made" },
     "Keys: space plays and pauses, left and right go one frame back or on; after a click on the body, Home and End go to the first and last frame. ",
-    "Drag to turn the body, scroll to come nearer, drag with the right button to move it. Click a plot to go to that time. ",
+    "Drag to turn the body, scroll to come nearer, drag with the right button to move it. Click a particle or a bond to see its numbers, a plot to go to that time. ",
     "On a touch screen tap the body first: then one finger turns it, two move it and come nearer; tap elsewhere to scroll again."));
   return parts;
 }

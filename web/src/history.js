@@ -1,6 +1,6 @@
 // The columns of history.csv and how their rows belong to frames. No elements, no drawing.
 
-const stacked = ["kinetic_translation", "kinetic_rotation", "U_L", "U_B", "U_T", "contact", "dissipated"];
+const stacked = ["kinetic_translation", "kinetic_rotation", "U_L", "U_B", "U_T", "contact", "dissipated", "released"];
 
 export class History {
   /** `clock` is the column along which the run goes on. */
@@ -14,9 +14,13 @@ export class History {
   has(name) { return this.columns.has(name); }
   column(name) { return this.columns.get(name); }
 
-  /** Presets of the data whose columns are all there, then energies and their balance. */
+  /** Presets of the data whose columns are all there, then breaks if there are any, energies and their balance. */
   presets(plots) {
     const list = plots.filter(({ x, y }) => [x, ...y].every((name) => this.has(name))).map((preset) => this.turned(preset));
+    if (this.column("broken")?.values.some((v) => v)) {
+      list.push({ title: "Bonds that broke, and fragments", x: this.clock, y: ["broken", "fragments"].filter((name) => this.has(name)), added: true });
+      if (this.has("released")) list.push({ title: "Energy released by breaks", x: this.clock, y: ["released"], added: true });
+    }
     const energies = stacked.filter((name) => this.has(name));
     if (energies.length) list.push({ title: "Energies", x: this.clock, y: energies, stacked: true, added: true });
     if (this.column("balance_error")?.values.some((v) => v)) list.push({ title: "Error of the energy balance", x: this.clock, y: ["balance_error"], added: true });

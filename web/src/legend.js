@@ -1,24 +1,35 @@
 // What the colours mean, with numbers and units; and the three axes.
 import { Vector3 } from "three";
-import { class_colours, css_gradient } from "./colours.js";
+import { cause_colours, causes, class_colours, css_colour, css_gradient, fragment_colours } from "./colours.js";
 import { capital, element, number } from "./text.js";
 
 const meaning = {
   small: "small", strained: "strained: moments no longer grow", snapped: "snapped: pulls towards a wrong shape",
+  heaviest: "the heaviest", others: "the others: colours repeat",
 };
+
+function swatch(rgb) { return element("span", { class: "swatch", style: { background: css_colour(rgb) } }); }
+
+function swatches(title, items) { return element("div", { class: "legend classes" }, title, element("ul", {}, ...items)); }
 
 export function legend(quantity, scale) {
   const title = element("p", { class: "legend-title" }, capital(quantity.unit ? `${quantity.label} [${quantity.unit}]` : quantity.label));
   if (scale.classes) {
-    const words = scale.classes.map((name, k) => element("li", {},
-      element("span", { class: "swatch", style: { background: `rgb(${class_colours[k].join(" ")})` } }), meaning[name]));
-    return element("div", { class: "legend classes" }, title, element("ul", {}, ...words));
+    const colours = quantity.on === "bonds" ? class_colours.map((rgb) => [rgb]) : [fragment_colours.slice(0, 1), fragment_colours.slice(1)];
+    return swatches(title, scale.classes.map((name, k) => element("li", {}, ...colours[k].map(swatch), meaning[name])));
   }
   const [low, high] = scale.ends;
   const bar = element("div", { class: "bar", style: { background: css_gradient(scale.table) } });
   const marks = low === high ? [low] : [low, (low + high) / 2, high];
   return element("div", { class: "legend" }, title, element("div", { class: "scale" }, bar,
     element("div", { class: "marks" }, ...marks.map((v) => element("span", {}, number(v, 3))))));
+}
+
+/** What the faces of broken bonds mean, of those that there are. */
+export function faces_legend({ list }) {
+  const there = [...new Set(list.map(({ cause }) => cause))].sort();
+  const words = there.map((cause) => element("li", {}, swatch(cause_colours[cause]), causes[cause]));
+  return there.length ? swatches(element("p", { class: "legend-title" }, "Faces of bonds that broke by"), words) : "";
 }
 
 const svg = "http://www.w3.org/2000/svg";

@@ -1,5 +1,6 @@
 // Puts the page together. `data-ready` of the document says how far it is: "drawn" after the first
 // picture, "no-frames", "no-webgl" or "failed" where there will be none.
+import { breaks_section } from "./breaks.js";
 import { from_base64, inflate } from "./decode.js";
 import { foot, head, name_of, warnings } from "./head.js";
 import { History } from "./history.js";
@@ -65,6 +66,7 @@ async function show() {
   place("waiting").remove();
   plots?.start();
   start_view(view, json.no_frames);
+  if (json.breaks) place("figures").after(breaks_section(json.breaks, json.units, view?.scene && ((row) => view.show_break(row))));
 }
 
 apply_theme();

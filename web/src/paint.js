@@ -1,5 +1,5 @@
 // Values of a quantity to colours of particles and bonds.
-import { channels, class_colours, maps, scale_ends, shade } from "./colours.js";
+import { channels, class_colours, fragment_colours, maps, picked_colour, scale_ends, shade } from "./colours.js";
 import { widest_bond } from "./scene.js";
 
 export const small_spheres = 0.45;   // of the true radius, when bonds carry the colour
@@ -16,17 +16,26 @@ function fill(colours, count, [r, g, b]) {
 /** How a quantity is shown: its table of colours and the ends of its scale, the same in all frames. */
 export function scale_of(quantity, map) {
   if (quantity.classes) return { classes: quantity.classes };
+  if (quantity.ends) return { table: maps[map], ends: quantity.ends };
   const extremes = quantity.extremes();
   const signed = quantity.signed && extremes[0] < 0;
   return { table: maps[signed ? "diverging" : map], ends: scale_ends(extremes, signed), signed };
 }
 
 function paint_classes(quantity, frame, colours, count) {
+  const table = quantity.on === "bonds" ? class_colours : fragment_colours;
   for (let k = 0; k < count; ++k) {
-    const c = quantity.value(frame, k);
-    colours.set(class_colours[c], 4 * k);
-    colours[4 * k + 3] = (255 * class_widths[c]) / widest_bond;
+    const c = quantity.class_of(frame, k);
+    colours.set(table[c], 4 * k);
+    if (quantity.on === "bonds") colours[4 * k + 3] = (255 * class_widths[c]) / widest_bond;
   }
+}
+
+/** Of a broken bond its two particles show where it was. */
+function paint_picked(scene, sequence, frame, { kind, number }) {
+  const broken = kind === "bond" && sequence.broken.cause(frame, number);
+  if (kind === "bond" && !broken) scene.bond_colours.array.set([...picked_colour, 255], 4 * number);
+  for (const k of kind === "particle" ? [number] : broken ? scene.run.ends_of(number) : []) scene.sphere_colours.array.set(picked_colour, 4 * k);
 }
 
 function paint_values(quantity, frame, colours, count, { table, ends }) {
@@ -38,7 +47,7 @@ function paint_values(quantity, frame, colours, count, { table, ends }) {
 }
 
 /** Writes the colours of a frame into the scene; `size` 0 lets the quantity choose the size of the spheres. */
-export function paint(scene, sequence, frame, quantity, scale, size) {
+export function paint(scene, sequence, frame, quantity, scale, size, picked) {
   const bonds = sequence.bonds_at(frame);
   const painted = quantity.on === "bonds" ? scene.bond_colours.array : scene.sphere_colours.array;
   fill(scene.sphere_colours.array, sequence.particles, neutral.particles);
@@ -46,5 +55,7 @@ export function paint(scene, sequence, frame, quantity, scale, size) {
   const count = quantity.on === "bonds" ? bonds : sequence.particles;
   if (quantity.classes) paint_classes(quantity, frame, painted, count);
   else paint_values(quantity, frame, painted, count, scale);
+  for (const { bond } of sequence.broken.until(frame)) scene.bond_colours.array[4 * bond + 3] = 0;   // no width
+  if (picked) paint_picked(scene, sequence, frame, picked);
   scene.colours_changed(size || (quantity.on === "bonds" ? small_spheres : 1));
 }

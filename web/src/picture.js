@@ -46,7 +46,8 @@ export function save_picture(view) {
   pen.font = small;
   const y = canvas.height - 2 * line;
   if (view.scale.classes) {
-    pen.fillText(`${view.quantity.label}: ${view.scale.classes.join(", ")} (blue, amber, crimson)`, line, y, canvas.width - 2 * line);
+    const words = view.quantity.on === "bonds" ? `${view.scale.classes.join(", ")} (blue, amber, crimson)` : "the heaviest is grey, the other colours repeat";
+    pen.fillText(`${view.quantity.label}: ${words}`, line, y, canvas.width - 2 * line);
   } else {
     pen.fillText(view.quantity.label, line, y, canvas.width / 3);
     draw_scale(pen, view.scale, view.quantity.unit, 0.5 * canvas.width, y - 0.3 * line, canvas.width / 4, 0.6 * line);

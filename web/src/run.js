@@ -1,5 +1,7 @@
 // A run as the page uses it: decoded when asked for, and only then.
 import { stored } from "./decode.js";
+import { Broken } from "./broken.js";
+import { fragment_colour_count } from "./colours.js";
 import { nearest } from "./history.js";
 
 const energy_keys = ["U_L", "U_B", "U_T"];
@@ -29,13 +31,26 @@ function relative(quantity) {
            value: (f, k) => quantity.value(f, k) / most(), extremes: once(() => quantity.extremes().map((v) => v / most())) };
 }
 
+/**
+ * 0 for particles of the heaviest fragment, else one of the other colours: by the lowest particle of the fragment, since
+ * numbers of fragments change from frame to frame.
+ */
+export function fragment_classes(fragment) {
+  const of_fragment = new Map([[0, 0]]);
+  return Uint8Array.from(fragment, (number, k) => {
+    if (!of_fragment.has(number)) of_fragment.set(number, 1 + ((Math.imul(k + 1, 0x9e3779b1) >>> 16) % (fragment_colour_count - 1)));
+    return of_fragment.get(number);
+  });
+}
+
 /** One animation: the run, or the swing of a mode. Positions in the unit of length of the run. */
 export class Sequence {
-  constructor(json, block, particles, bonds, length_unit) {
-    Object.assign(this, { json, block, particles, bonds, length_unit });
+  constructor(json, block, particles, ends, length_unit) {
+    Object.assign(this, { json, block, particles, ends, bonds: ends.length / 2, length_unit });
     this.frames = json.frames;
     this.reference = stored(block, json.reference);
     this.displaced = once(() => stored(block, json.displacement));
+    this.broken = new Broken(this, json.bond_broken && stored(block, json.bond_broken));
     this.quantities = this.list_quantities();
   }
 
@@ -71,6 +86,7 @@ export class Sequence {
     list.push(...parts);
     const shown = this.json.kind === "mode" ? list.map(relative) : list;
     if (this.json.bond_range) shown.push(this.range_quantity());
+    if (this.json.fragment) shown.push(this.fragment_quantity());
     return shown;
   }
 
@@ -100,7 +116,8 @@ export class Sequence {
     const degrees = unit === "rad";
     const factor = degrees ? 180 / Math.PI : 1;
     const value = (f, k) => factor * (array.low + array.step * q()[f * this.bonds + k]);
-    return this.on_bonds(key, label, degrees ? "°" : unit, signed, value);
+    const quantity = this.on_bonds(key, label, degrees ? "°" : unit, signed, value);
+    return key === "utilisation" ? { ...quantity, ends: [0, 1] } : quantity;   // of 1, where bonds break
   }
 
   total_energy(parts) {
@@ -111,7 +128,18 @@ export class Sequence {
   range_quantity() {
     const q = once(() => stored(this.block, this.json.bond_range));
     const quantity = this.on_bonds("range", "Range of the bond", "", false, (f, k) => q()[f * this.bonds + k]);
-    return { ...quantity, classes: ["small", "strained", "snapped"] };
+    return { ...quantity, classes: ["small", "strained", "snapped"], class_of: quantity.value };
+  }
+
+  fragment_quantity() {
+    const q = once(() => stored(this.block, this.json.fragment));
+    const quantity = this.on_particles("fragment", "Fragment", "", false, (f, k) => q()[f * this.particles + k]);
+    let known = { frame: -1 };
+    const classes_in = (frame) => {
+      if (known.frame !== frame) known = { frame, classes: fragment_classes(q().subarray(frame * this.particles, (frame + 1) * this.particles)) };
+      return known.classes;
+    };
+    return { ...quantity, classes: ["heaviest", "others"], class_of: (f, k) => classes_in(f)[k] };
   }
 }
 
@@ -124,6 +152,10 @@ export class Run {
     this.particles = reference ? reference.count / 3 : 0;
     this.radius = typeof json.radius === "number" ? new Float32Array(this.particles).fill(json.radius) : stored(block, json.radius);
     const length_unit = json.units === "SI" ? "m" : "";
-    this.sequences = json.sequences.map((s) => new Sequence(s, block, this.particles, this.ends.length / 2, length_unit));
+    this.length_unit = length_unit;
+    this.sequences = json.sequences.map((s) => new Sequence(s, block, this.particles, this.ends, length_unit));
   }
+
+  /** The two particles of a bond. */
+  ends_of(bond) { return [this.ends[2 * bond], this.ends[2 * bond + 1]]; }
 }

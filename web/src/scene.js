@@ -2,7 +2,8 @@
 import { BufferAttribute, BufferGeometry, DataTexture, DoubleSide, DynamicDrawUsage, FloatType, GLSL3, Mesh, NearestFilter, PerspectiveCamera,
          RawShaderMaterial, RGBAFormat, RGFormat, Scene, TOUCH, UnsignedByteType, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
-import { bond_fragment, bond_vertex, sphere_fragment, sphere_vertex } from "./shaders.js";
+import { cause_colours } from "./colours.js";
+import { bond_fragment, bond_vertex, face_fragment, face_vertex, sphere_fragment, sphere_vertex } from "./shaders.js";
 
 const smooth_up_to = 5000;      // particles; with more, pixels are not doubled, edges not smoothed, spheres flat in depth
 const texture_width = 1024;
@@ -77,6 +78,8 @@ export class BodyScene {
     this.scene = new Scene();
     this.make_spheres();
     this.make_bonds();
+    const most = Math.max(...run.sequences.map(({ broken }) => broken.list.length));
+    if (most) this.make_faces(most);
   }
 
   make_spheres() {
@@ -89,10 +92,39 @@ export class BodyScene {
 
   make_bonds() {
     const count = this.run.ends.length / 2, ends = table(Float32Array, 2, count);
+    this.bond_width = bond_width(this.run);
     ends.array.set(this.run.ends);
     this.bond_colours = table(Uint8Array, 4, count);
     this.bonds = this.add(quads(count), bond_vertex, bond_fragment,
-      { width: { value: widest_bond * bond_width(this.run) }, ends: { value: ends.texture }, paints: { value: this.bond_colours.texture } });
+      { width: { value: widest_bond * this.bond_width }, ends: { value: ends.texture }, paints: { value: this.bond_colours.texture } });
+  }
+
+  /** Two for each broken bond, one at each of its particles. */
+  make_faces(count) {
+    this.face_ends = table(Float32Array, 4, count);
+    this.face_colours = table(Uint8Array, 4, count);
+    this.faces = this.add(quads(2 * count), face_vertex, face_fragment,
+      { ends: { value: this.face_ends.texture }, paints: { value: this.face_colours.texture } });
+  }
+
+  /** A face nearly fills the section between the particles. */
+  face_radius([i, j]) { return 0.9 * Math.min(this.run.radius[i], this.run.radius[j]); }
+
+  fill_faces({ broken }) {
+    broken.list.forEach((lost, k) => {
+      const ends = this.run.ends_of(lost.bond);
+      this.face_ends.array.set([...ends, broken.half_length(lost), this.face_radius(ends)], 4 * k);
+      this.face_colours.array.set([...cause_colours[lost.cause], 255], 4 * k);
+    });
+    this.face_ends.texture.needsUpdate = this.face_colours.texture.needsUpdate = true;
+  }
+
+  place_faces(sequence, frame) {
+    if (!this.faces) return;
+    if (this.faces_of !== sequence) this.fill_faces(this.faces_of = sequence);
+    const count = sequence.broken.count(frame);
+    this.faces.geometry.setDrawRange(0, 2 * 6 * count);
+    this.faces.visible = count > 0;
   }
 
   add(geometry, vertexShader, fragmentShader, uniforms) {
@@ -117,13 +149,14 @@ export class BodyScene {
     this.bonds_shown = sequence.bonds_at(frame);
     this.bonds.geometry.setDrawRange(0, 6 * this.bonds_shown);
     this.bonds.visible = this.bonds_shown > 0;
+    this.place_faces(sequence, frame);
     this.request();
   }
 
   /** After the colour arrays were written. Spheres shrink to `size` so that bonds can be seen. */
   colours_changed(size) {
     this.sphere_colours.texture.needsUpdate = this.bond_colours.texture.needsUpdate = true;
-    this.spheres.material.uniforms.size.value = size;
+    this.sphere_size = this.spheres.material.uniforms.size.value = size;
     this.request();
   }
 

@@ -109,3 +109,44 @@ ${light}
 void main() {
   pixel = vec4(lit(paint, across * side + sqrt(max(1.0 - across * across, 0.0)) * front), 1.0);
 }`;
+
+/**
+ * A disc across the line of two particles that a broken bond held, at the distance from one of them that half the bond
+ * had, or between both if they are nearer. Seen from its side it still has a width.
+ */
+export const face_vertex = `
+precision highp float;
+uniform mat4 viewMatrix, projectionMatrix;
+const float thinnest = 0.15;   // of its radius
+${tables}
+out vec2 corner;
+flat out vec3 normal, paint;
+void main() {
+  vec4 face = of(ends, number() / 2);   // two particles, half length, radius
+  vec3 a = (viewMatrix * vec4(of(places, int(face.x)).xyz, 1.0)).xyz;
+  vec3 b = (viewMatrix * vec4(of(places, int(face.y)).xyz, 1.0)).xyz;
+  float apart = max(length(b - a), 1e-30), from_end = min(face.z, 0.5 * apart);
+  normal = (b - a) / apart;
+  vec3 centre = number() % 2 == 0 ? a + from_end * normal : b - from_end * normal;
+  vec3 sight = normalize(centre), u = cross(normal, sight);
+  u = length(u) > 1e-4 ? normalize(u) : normalize(cross(normal, abs(normal.x) < 0.7 ? vec3(1.0, 0.0, 0.0) : vec3(0.0, 1.0, 0.0)));
+  float facing = dot(normal, sight);
+  vec3 v = cross(normal, u), along = -sign(dot(v, sight) * facing + 1e-30) * normal;
+  v += max(0.0, thinnest - abs(facing)) * along;
+  if (facing > 0.0) normal = -normal;
+  corner = quad_corner();
+  paint = of(paints, number() / 2).rgb;
+  gl_Position = projectionMatrix * vec4(centre + face.w * (corner.x * u + corner.y * v), 1.0);
+}`;
+
+export const face_fragment = `
+precision highp float;
+in vec2 corner;
+flat in vec3 normal, paint;
+out vec4 pixel;
+${light}
+void main() {
+  float inside = 1.0 - dot(corner, corner);
+  if (inside <= 0.0) discard;
+  pixel = vec4(lit(paint, normalize(normal + vec3(0.0, 0.0, 1.0))), 1.0);   // its colour must be told seen from its side, too
+}`;

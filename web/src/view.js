@@ -1,12 +1,14 @@
 // The 3D view with all that belongs to it: controls, legend, caption, keys.
-import { draw_axes, legend } from "./legend.js";
+import { draw_axes, faces_legend, legend } from "./legend.js";
 import { paint, scale_of } from "./paint.js";
+import { numbers_box, numbers_of, picked_at } from "./pick.js";
 import { Player } from "./player.js";
 import { BodyScene } from "./scene.js";
 import { colour_of, save_picture } from "./picture.js";
 import { capital, element, number, with_unit } from "./text.js";
 import { along, bounds, first_view } from "./viewpoint.js";
 
+const most_moved = 4;   // pixels, of a pointer that clicks
 const speeds = [0.1, 0.25, 0.5, 1, 2, 4];
 
 function choice(label, options, value, chosen) {
@@ -18,9 +20,11 @@ function choice(label, options, value, chosen) {
 export class View {
   /** `frame_shown(frame, sequence)` is called after each change of the frame. */
   constructor(run, history, frame_shown) {
-    Object.assign(this, { run, history, frame_shown, factor: 1, map: "viridis", size: 0, key: null });
+    Object.assign(this, { run, history, frame_shown, factor: 1, map: "viridis", size: 0, key: null, picked: null });
     this.player = new Player(() => this.update());
-    this.canvas = element("canvas", { tabindex: 0, role: "img" });
+    this.canvas = element("canvas", { tabindex: 0, role: "img", onpointerdown: (event) => { this.pressed = [event.clientX, event.clientY]; },
+                                      onclick: (event) => this.clicked(event) });
+    this.picked_place = element("div", {});
     this.caption = element("p", { class: "caption" });
     this.legend_place = element("div", {});
     this.axes = document.createElementNS("http://www.w3.org/2000/svg", "svg");
@@ -30,7 +34,7 @@ export class View {
     this.picture = element("div", { class: "picture" }, this.canvas, this.axes);
     this.stage = element("div", { class: "stage" }, this.caption, this.picture, this.legend_place);   // words beside the body, not on it
     this.note = element("p", { class: "note" });
-    this.root = element("section", { class: "view", "aria-label": "The body in 3D" }, this.stage, this.timeline(), this.settings(), this.note);
+    this.root = element("section", { class: "view", "aria-label": "The body in 3D" }, this.stage, this.timeline(), this.picked_place, this.settings(), this.note);
   }
 
   /** Call when `root` is in the document. Throws if there is no WebGL2. */
@@ -107,7 +111,7 @@ export class View {
     this.key = key;
     this.quantity = this.sequence.quantities.find((q) => q.key === key);
     this.scale = scale_of(this.quantity, this.map);
-    this.legend_place.replaceChildren(legend(this.quantity, this.scale));
+    this.legend_place.replaceChildren(legend(this.quantity, this.scale), faces_legend(this.sequence.broken));
     this.update();
   }
 
@@ -134,7 +138,8 @@ export class View {
     const { frame, count, playing } = this.player;
     if (count !== this.sequence.frames.length) return;   // between two sequences
     this.scene.place_body(this.sequence, frame, this.factor);
-    paint(this.scene, this.sequence, frame, this.quantity, this.scale, this.size);
+    paint(this.scene, this.sequence, frame, this.quantity, this.scale, this.size, this.picked);
+    this.show_picked();
     this.play_button.textContent = playing ? "❚❚" : "▶";
     this.play_button.setAttribute("aria-label", playing ? "Pause" : "Play");
     this.scrub.value = frame;
@@ -143,6 +148,40 @@ export class View {
     this.scrub.setAttribute("aria-valuetext", this.words());
     this.canvas.setAttribute("aria-label", `${this.sequence.json.name}, ${this.words()}, coloured by ${this.quantity.label}`);
     this.frame_shown(frame, this.sequence);
+  }
+
+  /** A click on the picture that did not turn the body. */
+  clicked({ clientX, clientY }) {
+    if (Math.hypot(clientX - this.pressed?.[0], clientY - this.pressed?.[1]) > most_moved) return;
+    const { left, top, width, height } = this.canvas.getBoundingClientRect();
+    this.pick(picked_at(this.scene, this.sequence, this.player.frame, (2 * (clientX - left)) / width - 1, 1 - (2 * (clientY - top)) / height));
+  }
+
+  /** {kind, number} of what is looked at, or null. */
+  pick(picked) {
+    this.picked = picked;
+    this.update();
+  }
+
+  show_picked() {
+    const { picked, run, sequence } = this;
+    if (!picked) return this.picked_place.replaceChildren();
+    const told = picked.kind === "bond" && run.json.breaks?.first.find(({ bond }) => bond === picked.number);
+    const numbers = numbers_of(run, sequence, this.player.frame, picked);
+    const sentence = told && sequence.broken.cause(this.player.frame, picked.number) ? `${told.cause}, at time ${with_unit(told.time, run.time_unit, 6)}.` : "";
+    this.picked_place.replaceChildren(numbers_box(numbers, sentence, () => this.pick(null)));
+  }
+
+  /** Shows the run where a bond has just broken, and its numbers. */
+  show_break({ bond, time }) {
+    const run = this.run.sequences.findIndex(({ json }) => json.kind === "run");
+    if (run < 0) return;
+    if (this.sequence !== this.run.sequences[run]) this.open(run);
+    this.player.pause();
+    const { frames } = this.sequence, after = frames.findIndex((frame) => frame.time >= time);
+    this.player.show(after < 0 ? frames.length - 1 : after);
+    this.pick({ kind: "bond", number: bond });
+    this.stage.scrollIntoView({ block: "nearest" });
   }
 
   /** Where in the run we are. */

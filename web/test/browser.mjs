@@ -7,9 +7,10 @@ import { mkdtemp, readFile, readdir, rm, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { dirname, join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
+import { cause_colours, causes } from "../src/colours.js";
 import { choose, launch } from "./chromium.mjs";
-import { colours, fits, open, picture, soon, steady_picture, two_pictures } from "./opened.mjs";
-import { page as filled, rod, snapped, wide } from "./sample.mjs";
+import { colours, fits, open, picture, pixels, soon, steady_picture, two_pictures } from "./opened.mjs";
+import { breaking, page as filled, rod, snapped, wide } from "./sample.mjs";
 
 const here = dirname(fileURLToPath(import.meta.url));
 
@@ -272,6 +273,99 @@ async function classes_are_words(browser, file) {
   await page.close();
 }
 
+const show_frame = (page, frame) => page.$eval(".scrub", (scrub, frame) => { scrub.value = frame; scrub.dispatchEvent(new Event("input")); }, frame);
+
+/** How many pixels of the picture are of this colour, however it is shaded: the same parts of red, green and blue to 4 %. */
+async function pixels_of(page, png, rgb) {
+  return (await pixels(page, png)).evaluate(({ rgba }, rgb) => {
+    const most = Math.max(...rgb);
+    let count = 0;
+    for (let k = 0; k < 0.85 * rgba.length; k += 4) {   // without the legend
+      const light = Math.max(...rgba.slice(k, k + 3));
+      if (light > 60 && rgb.every((x, c) => Math.abs(rgba[k + c] / light - x / most) < 0.04)) ++count;
+    }
+    return count;
+  }, rgb);
+}
+
+/** Where the canvas is in the window, its green pixels, as viridis has them and faces have not, and the colour at a place. */
+async function canvas_pixels(page, place = { x: 0, y: 0 }) {
+  await two_pictures(page);
+  const canvas = await page.$(".stage canvas"), png = await canvas.screenshot({ encoding: "base64" }), { x, y } = await canvas.boundingBox();
+  const found = await (await pixels(page, png)).evaluate(({ rgba, width }, place) => {
+    const green = [], from = 4 * (place.y * width + place.x);
+    for (let k = 0; k < rgba.length; k += 4) {
+      const [r, g, b] = rgba.slice(k, k + 3), p = { x: (k / 4) % width, y: Math.floor(k / 4 / width) };
+      if (g > 1.3 * r && g > 1.1 * b && p.x < width - 90) green.push(p);   // nor the axes
+    }
+    return { green, at: [...rgba.slice(from, from + 3)] };
+  }, place);
+  return { x, y, ...found };
+}
+
+/** A bond that breaks leaves a face in the colour of its cause, from its frame on. */
+async function breaks_are_faces(browser, file, { json: { breaks }, lost }) {
+  const { page, complaints } = await open(browser, file);
+  await page.select("#quantity", "range");   // small spheres; its colours are other ones
+  assert.deepEqual(await page.$$eval(".legend:last-child li", (items) => items.map((item) => item.textContent)), ["tension", "shear", "bending"]);
+  assert.deepEqual(lost.map((b) => 1 + (b % 4)), breaks.first.map(({ mode }) => mode));
+  for (const [k, { mode }] of breaks.first.slice(0, 3).entries()) {
+    const same_before = breaks.first.slice(0, k).filter((other) => other.mode === mode).length, counts = [];
+    for (const frame of [9 + 5 * k, 10 + 5 * k]) {
+      await show_frame(page, frame);
+      counts.push(await pixels_of(page, await steady_picture(page), cause_colours[mode]));
+    }
+    assert.ok(same_before ? counts[1] > counts[0] : counts[0] === 0 && counts[1] > 20, `${causes[mode]}: ${counts}`);
+  }
+  assert.deepEqual(complaints, []);
+  await page.close();
+}
+
+/** The list says why bonds broke; its buttons go there; a click in the picture shows numbers, another one elsewhere none. */
+async function breaks_are_told_and_things_picked(browser, file, { json: { breaks: { first } }, lost }) {
+  const { page, complaints } = await open(browser, file);
+  const text = (selector) => page.$eval(selector, (found) => found.textContent);
+  assert.equal(await text(".breaks p"), "240 bonds broke: 200 in tension, 40 in shear. The first 4 are listed; breaks.csv has them all.");
+  assert.deepEqual(await page.$$eval(".breaks tbody tr", (rows) => rows.map((row) => row.children[4].textContent)), first.map(({ cause }) => cause));
+  await page.$$eval(".breaks tbody button", (buttons) => buttons[1].click());
+  assert.equal(await page.$eval(".scrub", (scrub) => scrub.value), "15", "the first frame without the second bond");
+  assert.ok((await text(".picked h3")).startsWith(`Bond ${lost[1]}, of particles`));
+  assert.ok((await text(".picked .note")).includes("12.1 of 12 MPa, and 1"));
+  await show_frame(page, 14);
+  assert.ok((await text(".picked dl")).includes("axial force") && !(await page.$(".picked .note")), "whole before");
+
+  for (const [quantity, kind] of [["displacement", "Particle "], ["utilisation", "Bond "]]) {
+    await page.click(".picked button");
+    await show_frame(page, 39);
+    await page.select("#quantity", quantity);
+    const seen = await canvas_pixels(page), place = seen.green[Math.floor(seen.green.length / 3)];
+    await page.mouse.click(seen.x + place.x, seen.y + place.y);
+    assert.ok((await text(".picked h3")).startsWith(kind), `${quantity}: ${await text(".picked h3")}`);
+    const [r, g, b] = (await canvas_pixels(page, place)).at;
+    assert.ok(r > 1.5 * g && b > 1.5 * g, `what is picked lies under the pointer: ${[r, g, b]}`);
+  }
+  const { x, y } = await canvas_pixels(page);
+  await page.mouse.click(x + 5, y + 5);
+  assert.equal(await page.$(".picked"), null, "nothing is there");
+  await page.setViewport({ width: 400, height: 800 });
+  await two_pictures(page);
+  assert.ok(await fits(page), "400 px are wide enough for the list");
+  assert.deepEqual(complaints, []);
+  await page.close();
+}
+
+/** Of a run in which nothing breaks the page is as if there were no breaks. */
+async function nothing_breaks(browser, file) {
+  const { page } = await open(browser, file);
+  assert.equal(await page.$(".breaks"), null);
+  assert.equal((await page.$$(".legend")).length, 1);
+  assert.deepEqual(await page.$$eval("#quantity option", (options) => options.map(({ value }) => value)),
+    ["displacement", "speed", "elongation", "bend", "twist", "U", "U_L", "U_B", "U_T", "range"]);
+  assert.deepEqual(await page.$$eval(".chips button", (chips) => chips.map(({ textContent }) => textContent)),
+    ["Force against shortening", "Energies", "Error of the energy balance", "Any columns"]);
+  await page.close();
+}
+
 /** Pictures per second while playing, in a window of 1300 x 900. */
 async function frame_rate(browser, file) {
   const { page } = await open(browser, file);
@@ -319,6 +413,12 @@ try {
     await keys_belong_to_the_focus(browser, pages[0]);
     await a_finger_scrolls_until_the_body_is_tapped(browser, pages[0]);
     await classes_are_words(browser, pages[0]);
+    await nothing_breaks(browser, pages[0]);
+    const parted = breaking(), parted_page = await made("breaking", parted);
+    await shows_the_run(browser, parted_page);
+    await plots_take_any_choice(browser, parted_page);
+    await breaks_are_faces(browser, parted_page, parted);
+    await breaks_are_told_and_things_picked(browser, parted_page, parted);
     await a_still_of_a_mode_stands_still(browser, await made("mode", rod({ first_shown: 1 })));
     const none = { sequences: [], first_shown: 0 };
     await still_says_why_there_is_no_picture(browser, await made("no_frames", rod(none)), "no-frames", "Give [output] frames");

@@ -42,7 +42,7 @@ test("Fixture.BondsAndTheirFieldsComeBackExactly", () => {
   assert.deepEqual([...run.ends], [0, 1, 1, 2]);
   assert.deepEqual(sequence.frames.map((f) => f.bonds), [1, 2, 2, 2]);
   assert.deepEqual(sequence.frames.map((f) => [f.step, f.time, f.stage]), [[0, 0, "push"], [10, 0.5, "push"], [20, 1, "hold"], [30, 1.5, "hold"]]);
-  const keys = ["elongation", "bend", "twist", "U_L", "U_B", "U_T"], degrees = 180 / Math.PI;
+  const keys = ["elongation", "bend", "twist", "U_L", "U_B", "U_T", "utilisation", "axial_force", "shear_force", "bending_moment", "torque"], degrees = 180 / Math.PI;
   keys.forEach((key, n) => {
     for (let f = 0; f < 4; ++f) {
       for (let b = 0; b < sequence.bonds_at(f); ++b) {
@@ -56,6 +56,15 @@ test("Fixture.BondsAndTheirFieldsComeBackExactly", () => {
   assert.deepEqual([0, 1, 2, 3].map((f) => of("range").value(f, 0)), [0, 1, 2, 0]);
   assert.deepEqual([mode.json.kind, mode.json.loop, mode.json.note, mode.last], ["mode", true, "frequency 2 Hz & more", 2]);
   assert.ok(!mode.quantities.some(({ key }) => key === "speed"));
+});
+
+test("Fixture.BreaksComeBackExactly", () => {
+  const [sequence, mode] = run.sequences, fragment = sequence.quantities.find(({ key }) => key === "fragment");
+  assert.deepEqual(sequence.broken.list, [{ bond: 1, cause: 5, frame: 2 }]);
+  for (let f = 0; f < 4; ++f) for (let k = 0; k < 3; ++k) assert.equal(fragment.value(f, k), 300 * f * k);
+  assert.deepEqual([mode.broken.list, mode.quantities.some(({ key }) => ["fragment", "utilisation", "torque"].includes(key))], [[], false]);
+  assert.deepEqual(json.breaks, { count: 1, words: "1 bond broke: 1 in compression",
+    first: [{ time: 0.75, bond: 1, i: 1, j: 2, mode: 5, cause: "-N/A + M_b r/J = 3 of 2 MPa", energy: 0.25 }] });
 });
 
 test("Fixture.HistoryAndPresetsComeBack", () => {
@@ -80,8 +89,9 @@ test("Fixture.ArraysAreWhatTheFormatSays", () => {
     assert.equal(array.offset % 4, 0);
     assert.equal(stored(block, array).length, array.count);
   }
-  const top = ["format", "program", "title", "units", "facts", "results", "warnings", "rerun", "plots", "clock", "left_out", "history", "radius", "bonds",
+  const top = ["format", "program", "title", "units", "facts", "results", "warnings", "rerun", "plots", "clock", "left_out", "history", "breaks", "radius", "bonds",
                "first_shown", "sequences"];
   const sequence = ["kind", "name", "note", "loop", "frames", "origin", "reference", "displacement", "particle_fields", "bond_fields", "bond_range"];
-  assert.deepEqual([Object.keys(json), Object.keys(json.sequences[0])], [top, sequence]);
+  const of_breaks = ["bond_broken", "fragment"];
+  assert.deepEqual([json, ...json.sequences].map(Object.keys), [top, [...sequence, ...of_breaks], sequence]);
 });

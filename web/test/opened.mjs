@@ -44,19 +44,25 @@ export async function steady_picture(page) {
   return last;
 }
 
-/** How many different colours the middle of a picture has; counted in `page`, which does not show it. */
-export function colours(page, png) {
-  return page.evaluate(async (data) => {
+/** A handle of {rgba, width, height} of a picture, decoded in `page`, which does not show it. */
+export function pixels(page, png) {
+  return page.evaluateHandle(async (data) => {
     const image = new Image();
     image.src = `data:image/png;base64,${data}`;
     await image.decode();
-    const pen = Object.assign(document.createElement("canvas"), { width: image.width, height: image.height }).getContext("2d");
+    const { width, height } = image, pen = Object.assign(document.createElement("canvas"), { width, height }).getContext("2d");
     pen.drawImage(image, 0, 0);
-    const { data: rgba } = pen.getImageData(0, image.height * 0.15, image.width, image.height * 0.65);   // neither caption nor legend
-    const seen = new Set();
-    for (let k = 0; k < rgba.length; k += 4) if (Math.max(...rgba.slice(k, k + 3)) - Math.min(...rgba.slice(k, k + 3)) > 40) seen.add(rgba.slice(k, k + 3).join());
-    return seen.size;
+    return { rgba: pen.getImageData(0, 0, width, height).data, width, height };
   }, png);
+}
+
+/** How many different colours the middle of a picture has. */
+export async function colours(page, png) {
+  return (await pixels(page, png)).evaluate(({ rgba, width, height }) => {
+    const seen = new Set(), row = (part) => 4 * width * Math.floor(part * height);   // neither caption nor legend
+    for (let k = row(0.15); k < row(0.8); k += 4) if (Math.max(...rgba.slice(k, k + 3)) - Math.min(...rgba.slice(k, k + 3)) > 40) seen.add(rgba.slice(k, k + 3).join());
+    return seen.size;
+  });
 }
 
 export const fits = (page) => page.evaluate(() => document.documentElement.scrollWidth <= innerWidth);

@@ -1,16 +1,19 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { gunzipSync } from "node:zlib";
-import { maps, scale_ends, shade } from "../src/colours.js";
+import { cause_colours, causes, fragment_colours, maps, scale_ends, shade } from "../src/colours.js";
 import { from_base64, inflate, stored, undelta } from "../src/decode.js";
 import { name_of } from "../src/head.js";
 import { linear_axis, log_axis, log_ticks } from "../src/axis.js";
 import { History, extent, nearest, stack } from "../src/history.js";
 import { Plot } from "../src/plot.js";
+import { scale_of } from "../src/paint.js";
 import { Player } from "../src/player.js";
-import { Run } from "../src/run.js";
+import { Vector3 } from "three";
+import { disc_hit, line_hit, numbers_of, sphere_hit } from "../src/pick.js";
+import { Run, fragment_classes } from "../src/run.js";
 import { file_name, number, with_unit } from "../src/text.js";
-import { Block, rod } from "./sample.mjs";
+import { Block, breaking, rod } from "./sample.mjs";
 
 test("Decoding.DifferencesBetweenFramesWrapAround", () => {
   assert.deepEqual([...undelta(Uint8Array.of(250, 3, 10, 255, 1, 0), 2)], [250, 3, 4, 2, 5, 2]);
@@ -164,6 +167,87 @@ test("Run.AModeHasNoSize", () => {
   const shape = of(mode, "displacement");
   assert.ok(Math.abs(shape.value(10, 2) - 1) < 1e-4);
   assert.ok(Math.abs(shape.value(10, 1) - Math.sin(Math.PI / 4.5) / Math.sin(Math.PI / 2.25)) < 1e-4);
+});
+
+const run_of = ({ json, base64 }) => new Run(json, new Uint8Array(gunzipSync(Buffer.from(base64, "base64"))));
+
+test("Broken.BondsAreListedInTheOrderOfTheirFrames", () => {
+  const made = breaking(), { lost, bonds } = made, run = run_of(made), [{ broken, displacement }] = run.sequences;
+  assert.deepEqual(broken.list, lost.map((bond, k) => ({ bond, cause: 1 + (bond % 4), frame: 10 + 5 * k })));
+  assert.deepEqual([0, 9, 10, 14, 15, 25, 39].map((f) => broken.count(f)), [0, 0, 1, 1, 2, 4, 4]);
+  assert.deepEqual(broken.until(20).map(({ bond }) => bond), lost.slice(0, 3));
+  assert.deepEqual([broken.cause(9, lost[0]), broken.cause(10, lost[0]), broken.cause(39, 0)], [0, 1 + (lost[0] % 4), 0]);
+  // at frame 9 both ends of the lowest bond have moved, +2 and -1, by (9/39)^2: 1 + 3 (9/39)^2 apart
+  assert.equal(bonds[lost[0]][0] % 4, 0);
+  assert.ok(Math.abs(broken.half_length(broken.list[0]) - 0.5 * (1 + 3 * (9 / 39) ** 2)) < 1e-4);
+});
+
+test("Broken.ARunInWhichNothingBreaksHasNone", () => {
+  const run = run_of(rod());
+  for (const { broken, quantities } of run.sequences) {
+    assert.deepEqual([broken.list, broken.count(3), broken.cause(3, 1), broken.until(3)], [[], 0, 0, []]);
+    assert.ok(!quantities.some(({ key }) => ["fragment", "utilisation", "axial_force"].includes(key)));
+  }
+});
+
+test("Run.UtilisationIsShownUpToOne", () => {
+  const [{ quantities }] = run_of(breaking()).sequences, of = (key) => quantities.find((q) => q.key === key);
+  assert.deepEqual(scale_of(of("utilisation"), "viridis").ends, [0, 1]);
+  assert.ok(of("utilisation").extremes()[1] < 0.999, "though none comes so far");
+  assert.deepEqual(scale_of(of("torque"), "viridis").ends.map((v) => Math.round(1e3 * v)), [-390, 390], "-0.4 * 39 / 40 of the last bond");
+  assert.deepEqual(["axial_force", "shear_force", "bending_moment", "torque"].map((key) => of(key).unit), ["N", "N", "N m", "N m"]);
+});
+
+test("Run.AFragmentKeepsItsColourWhenNumbersChange", () => {
+  const before = fragment_classes([0, 0, 2, 2, 1, 1]), after = fragment_classes([0, 0, 1, 1, 2, 2]);
+  assert.deepEqual([...before], [...after]);
+  assert.deepEqual([before[0], before[2] === before[3], before[2] > 0, before[4] > 0], [0, true, true, true]);
+  assert.ok(new Set(fragment_classes(Uint16Array.from({ length: 200 }, (_, k) => k))).size === fragment_colours.length, "all colours come up");
+  const [{ quantities }] = run_of(breaking()).sequences, fragment = quantities.find(({ key }) => key === "fragment");
+  assert.deepEqual([[24, 0], [24, 47], [25, 0], [25, 47]].map(([f, k]) => fragment.value(f, k)), [0, 0, 0, 1]);
+  assert.ok(fragment.class_of(25, 47) > 0 && fragment.class_of(25, 0) === 0 && fragment.class_of(24, 47) === 0);
+});
+
+test("Colours.EveryCauseHasOne", () => {
+  assert.equal(causes.length, cause_colours.length);
+  assert.equal(new Set(cause_colours.map(String)).size, cause_colours.length);
+});
+
+test("Pick.TheRayMeetsSpheresAndLinesWhereTheyAre", () => {
+  const eye = new Vector3(0, 0, 10), way = new Vector3(0, 0, -1), at = (...x) => new Vector3(...x);
+  assert.equal(sphere_hit(eye, way, at(0, 0, 0), 2), 8);
+  assert.ok(Math.abs(sphere_hit(eye, way, at(1.2, 0, 0), 2) - 8.4) < 1e-12, "3-4-5: 1.2 beside, 1.6 before");
+  assert.equal(sphere_hit(eye, way, at(2.01, 0, 0), 2), Infinity);
+  assert.equal(sphere_hit(eye, way, at(0, 0, 20), 2), Infinity, "behind the eye");
+  assert.equal(line_hit(eye, way, at(-1, 0.2, 0), at(1, 0.2, 0), 0.25, 0), 9.75);
+  assert.equal(line_hit(eye, way, at(-1, 0.3, 0), at(1, 0.3, 0), 0.25, 0), Infinity);
+  assert.equal(line_hit(eye, way, at(-1, 0.3, 0), at(1, 0.3, 0), 0.25, 0.01), 9.75, "wider by 0.1 at a distance of 10");
+  assert.equal(line_hit(eye, way, at(0.5, 0, 0), at(1, 0, 0), 0.25, 0), Infinity, "beyond its end");
+  assert.equal(line_hit(eye, way, at(0, 0, 0), at(0, 0, 2), 0.25, 0), 8.75, "along the ray");
+  assert.equal(disc_hit(eye, way, at(0.4, 0, 0), at(0, 0, 1), 0.5), 10);
+  assert.equal(disc_hit(eye, way, at(0.6, 0, 0), at(0, 0, 1), 0.5), Infinity);
+  assert.equal(disc_hit(eye, way, at(0, 0, 0), at(1, 0, 0), 0.5), Infinity, "from its side");
+});
+
+test("Pick.NumbersAreThoseOfTheFrame", () => {
+  const made = breaking(), run = run_of(made), [sequence] = run.sequences, of = (frame, picked) => {
+    const [title, numbers] = numbers_of(run, sequence, frame, picked);
+    return { title, ...Object.fromEntries(numbers) };
+  };
+  const bond = made.lost[0], whole = of(9, { kind: "bond", number: bond }), particle = of(39, { kind: "particle", number: 47 });
+  assert.equal(whole.title, `Bond ${bond}, of particles ${made.bonds[bond].join(" and ")}`);
+  assert.equal(whole["axial force, tension is positive"].split(" ")[1], "N");
+  assert.ok(Math.abs(parseFloat(whole["axial force, tension is positive"]) - (200 * (bond + 1) * 9) / (80 * 40)) < 0.5);
+  assert.equal(whole["Range of the bond"], "small");
+  assert.deepEqual(of(10, { kind: "bond", number: bond }), { title: whole.title, State: `broken by ${causes[1 + (bond % 4)]}` });
+  assert.equal(particle["Place x, y, z"], "11.5, 2.5, 0 m");
+  assert.equal(particle.Fragment, "1");
+});
+
+test("History.BreaksArePlottedWhereThereAreSome", () => {
+  const columns = (broken) => ({ columns: [{ name: "time" }, { name: "released" }, { name: "broken" }], values: [[0, 1], [0, 2], broken] });
+  assert.deepEqual(new History(columns([0, 3])).presets([]).map(({ y }) => y), [["broken"], ["released"], ["released"]]);
+  assert.deepEqual(new History(columns([0, 0])).presets([]).map(({ title }) => title), ["Energies"]);
 });
 
 test("Axis.LogarithmsSkipZerosAndSigns", () => {

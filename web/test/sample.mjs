@@ -1,5 +1,5 @@
 // Runs made up for tests, in the form that FORMAT.md describes:
-//   node test/sample.mjs rod|ball|snapped|wide|large TEMPLATE OUTPUT
+//   node test/sample.mjs rod|ball|snapped|wide|breaking|large TEMPLATE OUTPUT
 import { readFile, writeFile } from "node:fs/promises";
 import { pathToFileURL } from "node:url";
 import { gzipSync } from "node:zlib";
@@ -29,6 +29,9 @@ export class Block {
     const bytes = type === "u16" ? Buffer.concat([low, Uint8Array.from(coded, (v) => v >> 8)]) : low;
     return { offset: this.add(bytes), type, count: q.length, delta: frame };
   }
+
+  /** Whole numbers as they are. */
+  kinds(type, q, frame) { return { ...this.integers(type, q, frame), low: 0, step: 1 }; }
 
   /** Values of one field, low and step over all frames. */
   field(values, frame) {
@@ -147,6 +150,39 @@ export function wide() {
   return made;
 }
 
+const cause_of = (bond) => 1 + (bond % 4);
+
+/**
+ * A beam of 12 x 4 x 1 that parts in its middle, bond by bond from below: bond `lost[k]`, of the column of bonds there,
+ * is gone from frame 10 + 5 k on. `about`: other JSON.
+ */
+export function breaking(about = {}) {
+  const block = new Block(), [nx, ny] = [12, 4], n = nx * ny, frames = 40;
+  const points = Array.from({ length: n }, (_, k) => [Math.floor(k / ny), k % ny, 0]);
+  const bonds = near_pairs(points, 1.1), lost = bonds.flatMap(([i, j], b) => (points[i][0] === 5 && points[j][0] === 6 ? [b] : []));
+  const gone = (f, b) => lost.includes(b) && f >= 10 + 5 * lost.indexOf(b);
+  const parted = (f) => gone(f, lost.at(-1));
+  const move = (f, k) => { const t = f / (frames - 1), right = k >= 6 * ny; return [(right ? 2 : -1) * t * t * (4 - (points[k][1])) / 4, -0.5 * t, 0]; };
+  const made = sequence(block, { frames, points, bonds, bonds_at: () => bonds.length, move });
+  const of_bonds = (value) => Float64Array.from({ length: frames * bonds.length }, (_, k) => value(Math.floor(k / bonds.length), k % bonds.length));
+  const fields = [["utilisation", "utilisation of the strength", "", false, 1], ["axial_force", "axial force, tension is positive", "N", true, 200],
+                  ["shear_force", "shear force", "N", false, 20], ["bending_moment", "bending moment at the middle", "N m", false, 3],
+                  ["torque", "torque", "N m", true, -0.4]];
+  for (const [key, label, unit, signed, size] of fields) {
+    const values = of_bonds((f, b) => (gone(f, b) ? 0 : (size * (b + 1) * f) / (bonds.length * frames)));
+    made.bond_fields.push({ key, label, unit, signed, array: block.field(values, bonds.length) });
+  }
+  made.bond_broken = block.kinds("u8", [...of_bonds((f, b) => (gone(f, b) ? cause_of(b) : 0))], bonds.length);
+  made.fragment = block.kinds("u16", Array.from({ length: frames * n }, (_, k) => (parted(Math.floor(k / n)) && k % n >= 6 * ny ? 1 : 0)), n);
+  const first = lost.map((bond, k) => ({ time: 0.5 * (10 + 5 * k) - 0.2, bond, i: bonds[bond][0], j: bonds[bond][1], mode: cause_of(bond), energy: 0.01 * (k + 1),
+                                         cause: `N/A + M_b r/J = 9 + 3.1 = 12.1 of 12 MPa, and ${k}` }));
+  const json_of_run = json(block, { title: "A beam that parts", particles: n, ...about }, [made], bonds, 0.5, frames);
+  const { columns, values } = json_of_run.history, broken = values[0].map((step) => lost.filter((_, k) => step >= 1000 + 500 * k - 40).length);
+  columns.push({ name: "released", unit: "J" }, { name: "broken", unit: "" }, { name: "fragments", unit: "" }, { name: "largest_fragment", unit: "" });
+  values.push(broken.map((count) => 0.005 * count * (count + 1)), broken, broken.map((count) => (count === lost.length ? 2 : 1)), broken.map(() => 1));
+  return { json: { ...json_of_run, breaks: { count: 240, words: "240 bonds broke: 200 in tension, 40 in shear", first } }, base64: block.base64(), lost, bonds };
+}
+
 function near_pairs(points, distance) {
   const pairs = [];
   for (let i = 0; i < points.length; ++i) {
@@ -194,7 +230,7 @@ export function large() {
   return { json: json(block, { title: "A large beam", particles: points.length }, sequences, bonds, 0.48, frames), base64: block.base64() };
 }
 
-export const samples = { rod, ball, snapped, wide, large };
+export const samples = { rod, ball, snapped, wide, breaking, large };
 
 if (import.meta.url === pathToFileURL(process.argv[1] ?? "").href) {
   const [name, template, output] = process.argv.slice(2);

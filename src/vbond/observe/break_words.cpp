@@ -7,6 +7,7 @@
 
 #include "vbond/core/error.hpp"
 #include "vbond/observe/csv.hpp"
+#include "vbond/observe/quantities.hpp"
 
 namespace vbond {
 namespace {
@@ -47,20 +48,6 @@ std::string stress_in_words(const BreakTold& b, UnitSystem units) {
   if (mohr_coulomb)
     return fmt::format("N/A = {:.4g} of {:.4g}{}", f.tension * limit * scale, limit * scale, unit);
   return told(fibre ? "N/A + M_e r/J" : "N/A + M_b r/J", {f.tension, f.bending}, "");
-}
-
-std::string cause_in_words(const BreakTold& b, UnitSystem units) {
-  const Failure<double>& f = b.failure;
-  if (b.limit) return stress_in_words(b, units);
-  const std::vector<double> all{f.tension, f.shear, f.bending, f.torsion};
-  if (b.criterion == "linear") return "N/N_c + V/V_c + M_b/M_bc + |M_t|/M_tc = " + sum(all, 1.0) + " of 1";
-  if (b.criterion == "quadratic")
-    return "(N/N_c)^2 + (V/V_c)^2 + (M_b/M_bc)^2 + (M_t/M_tc)^2 = " + sum(all, 1.0) + " of 1";
-  if (b.criterion == "energy")
-    return "energy of tension/W_1 + of shear, bending and torsion/W_2 = " + sum(all, 1.0) + " of 1";
-  if (b.criterion == "elongation")
-    return fmt::format("its elongation D/a - 1 was {:.4g} of what it bears", f.utilisation);
-  return fmt::format("its law gave a utilisation of {:.4g} of 1", f.utilisation);
 }
 
 /// "by its own law" where the law does not say by what.
@@ -125,6 +112,27 @@ BreaksTold read_breaks(const std::filesystem::path& path, std::size_t most) {
     if (told.first.size() < most) told.first.push_back(std::move(row));
   }
   return told;
+}
+
+BreakMode break_mode(const std::string& name) {
+  using enum BreakMode;
+  for (const BreakMode mode : {tension, shear, bending, torsion, compression})
+    if (name == to_text(mode)) return mode;
+  return other;
+}
+
+std::string cause_in_words(const BreakTold& b, UnitSystem units) {
+  const Failure<double>& f = b.failure;
+  if (b.limit) return stress_in_words(b, units);
+  const std::vector<double> all{f.tension, f.shear, f.bending, f.torsion};
+  if (b.criterion == "linear") return "N/N_c + V/V_c + M_b/M_bc + |M_t|/M_tc = " + sum(all, 1.0) + " of 1";
+  if (b.criterion == "quadratic")
+    return "(N/N_c)^2 + (V/V_c)^2 + (M_b/M_bc)^2 + (M_t/M_tc)^2 = " + sum(all, 1.0) + " of 1";
+  if (b.criterion == "energy")
+    return "energy of tension/W_1 + of shear, bending and torsion/W_2 = " + sum(all, 1.0) + " of 1";
+  if (b.criterion == "elongation")
+    return fmt::format("its elongation D/a - 1 was {:.4g} of what it bears", f.utilisation);
+  return fmt::format("its law gave a utilisation of {:.4g} of 1", f.utilisation);
 }
 
 std::string in_words(const BreakTold& b, UnitSystem units) {

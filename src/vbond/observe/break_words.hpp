@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "vbond/model/model.hpp"
+#include "vbond/physics/break_mode.hpp"
 #include "vbond/physics/strength.hpp"
 
 namespace vbond {
@@ -29,6 +30,12 @@ struct BreaksTold {
 
 /// Reads breaks.csv, at most so many of its rows for words. Throws IoError if it is missing or damaged.
 BreaksTold read_breaks(const std::filesystem::path& path, std::size_t most);
+
+/// Of the names that breaks.csv has; other for those that it has not.
+BreakMode break_mode(const std::string& name);
+
+/// Why it broke: "N/A + M_b r/J = 9 + 3.1 = 12.1 of 12 MPa", without an end.
+std::string cause_in_words(const BreakTold& told, UnitSystem units);
 
 /// "bond 12 (particles 7, 8) broke at t = 0.12 s in tension: ...", one sentence without an end of line.
 std::string in_words(const BreakTold& told, UnitSystem units);

@@ -18,6 +18,7 @@
 #include "vbond/observe/files.hpp"
 #include "vbond/observe/quantities.hpp"
 #include "vbond/observe/vtp.hpp"
+#include "vbond/physics/section.hpp"
 
 namespace vbond {
 namespace {
@@ -142,16 +143,18 @@ BondView bond_view(BondId id, const State& state, const FrameFormat& format) {
   const BondPose<double> pose = bond_pose(b, state);
   const BondLoads<double> loads = bond_loads(state, id);
   const bool may_break = format.breaks && !b.broken && can_break(b);
-  const Vec3d d = normalised(bonded_points(pose, b.R_i, b.R_j));
-  const double F_d = dot(loads.F, d);
+  const SectionLoads<double> section =
+      section_loads(section_moments(pose, b.R_i, b.R_j, loads), bond_axis(pose, b.R_i, b.R_j), loads);
   return {.bond = b,
           .id = id,
           .shape = bond_shape(state, id),
           .U = bond_energy(state, id),
-          .axial_force = F_d,
-          .shear_force = norm(loads.F - F_d * d),
+          .axial_force = section.N,
+          .shear_force = section.V,
           .moment_i = norm(loads.M_ij),
           .moment_j = norm(loads.M_ji),
+          .bending_moment = section.M_b,
+          .torque = section.M_t,
           .utilisation = may_break ? b.law->failure(b, pose, history_of_bond(state, id)).utilisation : 0.0};
 }
 

@@ -132,6 +132,7 @@ struct BondView {
   BondEnergy<double> U;
   double axial_force, shear_force;  ///< [force]
   double moment_i, moment_j;        ///< sizes  [moment]
+  double bending_moment, torque;    ///< at the middle: size; positive if it turns i about d  [moment]
   double utilisation;               ///< 0 of a broken one, and where no bond may break
 };
 

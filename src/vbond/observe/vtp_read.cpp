@@ -263,6 +263,11 @@ std::vector<std::uint8_t> VtpInput::bytes(Per per, const std::string& name) cons
   refuse_array(per, name, "UInt8");
 }
 
+bool VtpInput::has(Per per, const std::string& name) const {
+  return std::any_of(arrays_.begin(), arrays_.end(),
+                     [&](const Array& a) { return a.per == per && a.name == name; });
+}
+
 std::string VtpInput::unit(const std::string& name) const {
   for (const Array& a : arrays_)
     if (a.name == name) return a.unit;

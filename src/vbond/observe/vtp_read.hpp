@@ -27,6 +27,7 @@ class VtpInput {
   /// What an array has a value for: so many values come back. Ends of cells: two for each line.
   enum class Per : std::uint8_t { point, cell, end };
 
+  bool has(Per per, const std::string& name) const;
   /// The array of this name; it must be there once, for each of these, as numbers of this kind: reals and
   /// integers may take 32 or 64 bits.
   std::vector<double> scalars(Per per, const std::string& name) const;

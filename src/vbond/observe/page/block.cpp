@@ -51,11 +51,10 @@ PackedArray Block::add(const std::vector<std::uint8_t>& q, const Range& range, s
   return a;
 }
 
-PackedArray Block::add(const std::vector<std::uint16_t>& q, const std::array<Range, 3>& ranges,
+PackedArray Block::add(const std::vector<std::uint16_t>& q, std::span<const Range> ranges,
                        std::size_t delta) {
   PackedArray a = begin("u16", q.size());
-  a.low = {ranges[0].low, ranges[1].low, ranges[2].low};
-  a.step = {ranges[0].step, ranges[1].step, ranges[2].step};
+  for (const Range& range : ranges) a.low.push_back(range.low), a.step.push_back(range.step);
   a.delta = delta;
   bytes_.resize(a.offset + 2 * q.size());
   for (std::size_t k = 0; k < q.size(); ++k) {

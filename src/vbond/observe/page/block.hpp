@@ -1,6 +1,6 @@
 #pragma once
-#include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -44,7 +44,7 @@ class Block {
   /// Elements k >= delta are stored as differences from element k - delta, modulo 2^8.
   PackedArray add(const std::vector<std::uint8_t>& q, const Range& range, std::size_t delta);
   /// The same modulo 2^16; all low bytes, then all high bytes. One range per component.
-  PackedArray add(const std::vector<std::uint16_t>& q, const std::array<Range, 3>& ranges, std::size_t delta);
+  PackedArray add(const std::vector<std::uint16_t>& q, std::span<const Range> ranges, std::size_t delta);
   PackedArray add(const std::vector<float>& values);
   PackedArray add(const std::vector<std::uint32_t>& values);
 

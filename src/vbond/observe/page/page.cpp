@@ -9,20 +9,11 @@
 #include <string_view>
 
 #include "vbond/core/error.hpp"
+#include "vbond/observe/detail/page_json.hpp"
 #include "vbond/observe/page/block.hpp"
 
 namespace vbond::page {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-Json to_json(const PackedArray& a) {
-  const auto one_or_all = [](const std::vector<double>& x) { return x.size() == 1 ? Json(x[0]) : Json(x); };
-  Json j{{"offset", a.offset}, {"type", a.type}, {"count", a.count}};
-  if (!a.low.empty()) j["low"] = one_or_all(a.low), j["step"] = one_or_all(a.step);
-  if (a.delta > 0) j["delta"] = a.delta;
-  return j;
-}
 
 /// Nine digits are more than a plot shows, and half the size. Null for what is not finite.
 Json to_json(double x) {
@@ -44,44 +35,17 @@ Json history_json(const History& h, bool si, const std::vector<std::size_t>& row
   return {{"columns", columns}, {"rows_in_file", h.rows()}, {"values", std::move(values)}};
 }
 
-/// The bytes of one field, frame after frame, each as long as all bonds there ever are.
-template <class Get>
-std::vector<std::uint8_t> of_bonds(const Sequence& s, const std::vector<std::size_t>& frames,
-                                   std::size_t bonds, Get get) {
-  std::vector<std::uint8_t> all(frames.size() * bonds);
-  for (std::size_t f = 0; f < frames.size(); ++f) {
-    const std::vector<std::uint8_t>& values = get(s.frames[frames[f]]);
-    std::copy(values.begin(), values.end(), all.begin() + static_cast<std::ptrdiff_t>(f * bonds));
-  }
-  return all;
-}
-
-Json bond_fields_json(const Sequence& s, const std::vector<std::size_t>& frames, std::size_t bonds, bool si,
-                      Block& block) {
-  Json fields = Json::array();
-  for (std::size_t k = 0; k < bond_field_count; ++k) {
-    const BondField& field = bond_fields[k];
-    const auto q = of_bonds(
-        s, frames, bonds, [k](const QuantisedFrame& f) -> const auto& { return f.fields[k]; });
-    const std::string_view key = field.key;
-    const char* unit = key == "bend" || key == "twist" ? "rad" : key == "elongation" || !si ? "" : "J";
-    fields.push_back({{"key", field.key},
-                      {"label", field.label},
-                      {"unit", unit},
-                      {"signed", field.is_signed},
-                      {"array", to_json(block.add(q, s.fields[k], bonds))}});
-  }
-  return fields;
-}
-
-Json speed_json(const Sequence& s, const std::vector<std::size_t>& frames, bool si, Block& block) {
-  if (s.frames.empty() || s.frames[0].speed.empty()) return Json::array();
-  std::vector<std::uint8_t> q;
-  for (const std::size_t f : frames) q.insert(q.end(), s.frames[f].speed.begin(), s.frames[f].speed.end());
-  return Json::array({{{"key", "speed"},
-                       {"label", "speed"},
-                       {"unit", si ? "m/s" : ""},
-                       {"array", to_json(block.add(q, s.speed, s.frames[0].speed.size()))}}});
+Json breaks_json(const BreaksTold& told, UnitSystem units) {
+  Json first = Json::array();
+  for (const BreakTold& b : told.first)
+    first.push_back({{"time", to_json(b.time)},
+                     {"bond", b.bond},
+                     {"i", b.i},
+                     {"j", b.j},
+                     {"mode", static_cast<int>(break_mode(b.mode))},
+                     {"cause", cause_in_words(b, units)},
+                     {"energy", to_json(b.energy)}});
+  return {{"count", told.count}, {"words", in_words(told)}, {"first", std::move(first)}};
 }
 
 /// What of the run's story goes into a page. Modes are shown whole or not at all.
@@ -94,36 +58,6 @@ struct Cut {
 
 std::vector<std::size_t> kept_frames(const Sequence& s, const Cut& cut) {
   return thinned(s.frames.size(), s.kind == SequenceKind::run ? cut.stride : 1);
-}
-
-Json sequence_json(const Sequence& s, const Report& report, const Cut& cut, Block& block) {
-  const std::vector<std::size_t> kept = kept_frames(s, cut);
-  const bool si = report.units == UnitSystem::si, is_run = s.kind == SequenceKind::run;
-  const std::size_t bonds = report.body.bonds.size() / 2, particles = report.body.radius.size();
-  Json frames = Json::array();
-  std::vector<std::uint16_t> displacement;
-  for (const std::size_t f : kept) {
-    const QuantisedFrame& frame = s.frames[f];
-    frames.push_back({{"step", frame.step},
-                      {"time", frame.time},
-                      {"stage", is_run ? report.stage_of_frame.at(f) : ""},
-                      {"bonds", frame.bonds()}});
-    displacement.insert(displacement.end(), frame.displacement.begin(), frame.displacement.end());
-  }
-  const auto range = of_bonds(
-      s, kept, bonds, [](const QuantisedFrame& f) -> const auto& { return f.range; });
-  Json j{{"kind", is_run ? "run" : "mode"},
-         {"name", s.name},
-         {"note", s.note},
-         {"loop", !is_run},
-         {"frames", std::move(frames)}};
-  j["origin"] = s.origin;
-  j["reference"] = to_json(block.add(s.reference));
-  j["displacement"] = to_json(block.add(displacement, s.displacement, 3 * particles));
-  j["particle_fields"] = speed_json(s, kept, si, block);
-  j["bond_fields"] = bond_fields_json(s, kept, bonds, si, block);
-  j["bond_range"] = to_json(block.add(range, {0.0, 1.0}, bonds));
-  return j;
 }
 
 Json radius_json(const std::vector<float>& radius, Block& block) {
@@ -231,9 +165,10 @@ Packed pack(const Report& report, const PageLimits& limits, const Cut& cut) {
   Json j = words_json(report, limits), sequences = Json::array();
   j["left_out"] = left_out(report, limits, cut, rows.size());
   j["history"] = history_json(report.history, report.units == UnitSystem::si, rows);
+  if (report.breaks.count > 0) j["breaks"] = breaks_json(report.breaks, report.units);
   j["radius"] = cut.frames ? radius_json(report.body.radius, block) : Json(0.0);
   j["bonds"] = to_json(block.add(cut.frames ? report.body.bonds : std::vector<std::uint32_t>{}));
-  for (const Sequence* s : shown) sequences.push_back(sequence_json(*s, report, cut, block));
+  for (const Sequence* s : shown) sequences.push_back(sequence_json(*s, report, kept_frames(*s, cut), block));
   j["first_shown"] = report.first_shown < shown.size() ? report.first_shown : 0;
   j["sequences"] = std::move(sequences);
   if (shown.empty()) j["no_frames"] = why_no_frames(report, limits);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "vbond/model/model.hpp"
+#include "vbond/observe/break_words.hpp"
 #include "vbond/observe/page/sequence.hpp"
 #include "vbond/observe/page/table.hpp"
 #include "vbond/observe/page/warnings.hpp"
@@ -24,12 +25,15 @@ struct Report {
   std::string command, case_text;     ///< how to run it again
   std::vector<std::string> left_out;  ///< known before the page is packed
   History history;
+  BreaksTold breaks;  ///< the first listed_breaks of them in words
   Body body;
   std::vector<Sequence> sequences;
   std::string no_frames;                    ///< why there are no sequences, if so
   std::size_t first_shown = 0;              ///< number of the sequence that the page begins with
   std::vector<std::string> stage_of_frame;  ///< of the run's frames, one each
 };
+
+constexpr std::size_t listed_breaks = 100;
 
 struct PageLimits {
   std::size_t bytes = 25'000'000;  ///< of the whole file

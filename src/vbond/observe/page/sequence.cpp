@@ -15,6 +15,7 @@ namespace {
 using Per = VtpInput::Per;
 
 constexpr double radians = std::numbers::pi / 180.0;
+constexpr std::uint8_t break_kinds = 6;
 constexpr double levels_of_8_bits = 255.0, levels_of_16_bits = 65535.0;
 
 double component(const Vec3d& x, std::size_t c) {
@@ -26,9 +27,17 @@ struct RawFrame {
   std::int64_t step = 0;
   std::vector<Vec3d> displacement;
   std::vector<double> speed;
-  std::array<std::vector<double>, bond_field_count> fields;
-  std::vector<std::uint8_t> range;
+  std::array<std::vector<double>, bond_field_count> fields;  ///< empty: not there
+  std::vector<std::uint8_t> range, broken;
+  std::vector<std::int64_t> fragment;
 };
+
+/// Whether a frame is of a run whose bonds may break.
+bool tells_of_breaks(const VtpInput& particles, const VtpInput& bonds) {
+  return particles.has(Per::point, "fragment") && bonds.has(Per::cell, "broken") &&
+         std::all_of(bond_fields.begin(), bond_fields.end(),
+                     [&bonds](const BondField& f) { return bonds.has(Per::cell, f.array); });
+}
 
 /// Displacements of a mode are from its first frame.
 std::vector<Vec3d> displacement_in(const VtpInput& particles, const std::vector<Vec3d>* about) {
@@ -47,13 +56,26 @@ std::vector<double> field_in(const VtpInput& bonds, const BondField& field) {
   return values;
 }
 
+/// The shape of a broken bond, whose ends fly apart, says nothing.
+void clear_bond(std::size_t b, RawFrame& f) {
+  for (std::vector<double>& values : f.fields) values[b] = 0.0;
+  f.range[b] = 0;
+}
+
 RawFrame read_frame(const VtpInput& particles, const VtpInput& bonds, const std::vector<Vec3d>* about) {
   RawFrame f;
   f.step = particles.step();
   f.displacement = displacement_in(particles, about);
   for (const Vec3d& v : particles.vectors(Per::point, "velocity")) f.speed.push_back(norm(v));
-  for (std::size_t k = 0; k < bond_field_count; ++k) f.fields[k] = field_in(bonds, bond_fields[k]);
+  const bool may_break = tells_of_breaks(particles, bonds);
+  for (std::size_t k = 0; k < (may_break ? bond_field_count : fields_of_all_runs); ++k)
+    f.fields[k] = field_in(bonds, bond_fields[k]);
   f.range = bonds.bytes(Per::cell, "range");
+  if (!may_break) return f;
+  f.fragment = particles.integers(Per::point, "fragment");
+  f.broken = bonds.bytes(Per::cell, "broken");
+  for (std::size_t b = 0; b < f.broken.size(); ++b)
+    if (f.broken[b] != 0) clear_bond(b, f);
   return f;
 }
 
@@ -112,8 +134,13 @@ QuantisedFrame quantise(const RawFrame& raw, double time, const Sequence& s) {
     return b;
   };
   if (s.speed.step > 0.0) q.speed = bytes(raw.speed, s.speed);
-  for (std::size_t k = 0; k < bond_field_count; ++k) q.fields[k] = bytes(raw.fields[k], s.fields[k]);
+  for (std::size_t k = 0; k < s.field_count(); ++k) q.fields[k] = bytes(raw.fields[k], s.fields[k]);
   q.range = raw.range;
+  if (!s.may_break) return q;
+  q.broken = raw.broken;
+  constexpr std::int64_t last = std::numeric_limits<std::uint16_t>::max();
+  for (const std::int64_t number : raw.fragment)
+    q.fragment.push_back(static_cast<std::uint16_t>(std::clamp<std::int64_t>(number, 0, last)));
   return q;
 }
 
@@ -139,8 +166,18 @@ std::vector<Vec3d> start_of(const SequenceFiles& files) {
   return r;
 }
 
-Spans look_through(const SequenceFiles& files, const std::vector<Vec3d>* about, Body& body) {
+void check_kinds(const RawFrame& raw, const std::filesystem::path& bonds) {
+  const auto above = [](std::uint8_t most) { return [most](std::uint8_t x) { return x > most; }; };
+  if (std::any_of(raw.range.begin(), raw.range.end(), above(2)))
+    throw IoError(bonds.string() + ": is damaged: a bond is in no range");
+  if (std::any_of(raw.broken.begin(), raw.broken.end(), above(break_kinds)))
+    throw IoError(bonds.string() + ": is damaged: a bond broke in no way");
+}
+
+/// Sets s.may_break.
+Spans look_through(const SequenceFiles& files, const std::vector<Vec3d>* about, Body& body, Sequence& s) {
   Spans spans;
+  s.may_break = true;
   std::int64_t last_step = std::numeric_limits<std::int64_t>::min();
   for (const FrameFiles& f : files.frames) {
     const OpenFrame open(f, body);
@@ -150,8 +187,8 @@ Spans look_through(const SequenceFiles& files, const std::vector<Vec3d>* about, 
     add_bonds(open.bonds, f.bonds, body);
     body.bonds_without_length = std::max(body.bonds_without_length, count_without_length(open.bonds));
     const RawFrame raw = read_frame(open.particles, open.bonds, about);
-    if (std::any_of(raw.range.begin(), raw.range.end(), [](std::uint8_t r) { return r > 2; }))
-      throw IoError(f.bonds.string() + ": is damaged: a bond is in no range");
+    check_kinds(raw, f.bonds);
+    s.may_break = s.may_break && tells_of_breaks(open.particles, open.bonds);
     try {
       spans.add(raw);
     } catch (const std::domain_error& e) {
@@ -191,12 +228,17 @@ void put_reference(const std::vector<Vec3d>& start, const std::filesystem::path&
 }  // namespace
 
 const std::array<BondField, bond_field_count> bond_fields{{
-    {"elongation", "elongation", "elongation", 1.0, true},
-    {"bend", "bend angle", "bend", radians, false},
-    {"twist", "twist angle", "twist", radians, true},
-    {"U_L", "energy of stretching", "U_L", 1.0, false},
-    {"U_B", "energy of bending and shear", "U_B", 1.0, false},
-    {"U_T", "energy of torsion", "U_T", 1.0, false},
+    {"elongation", "elongation", "elongation", 1.0, true, ""},
+    {"bend", "bend angle", "bend", radians, false, "rad"},
+    {"twist", "twist angle", "twist", radians, true, "rad"},
+    {"U_L", "energy of stretching", "U_L", 1.0, false, "J"},
+    {"U_B", "energy of bending and shear", "U_B", 1.0, false, "J"},
+    {"U_T", "energy of torsion", "U_T", 1.0, false, "J"},
+    {"utilisation", "utilisation of the strength", "utilisation", 1.0, false, ""},
+    {"axial_force", "axial force, tension is positive", "axial_force", 1.0, true, "N"},
+    {"shear_force", "shear force", "shear_force", 1.0, false, "N"},
+    {"bending_moment", "bending moment at the middle", "bending_moment", 1.0, false, "N m"},
+    {"torque", "torque", "torque", 1.0, true, "N m"},
 }};
 
 std::vector<FrameFiles> listed_frames(const std::filesystem::path& particles_pvd,
@@ -228,6 +270,7 @@ Sequence read_sequence(const SequenceFiles& files, Body& body) {
              .displacement = {},
              .speed = {},
              .fields = {},
+             .may_break = false,
              .frames = {}};
   if (files.frames.empty()) return s;
   const std::filesystem::path& first = files.frames[0].particles;
@@ -240,11 +283,11 @@ Sequence read_sequence(const SequenceFiles& files, Body& body) {
   }
 
   const std::vector<Vec3d>* about = files.kind == SequenceKind::mode ? &start : nullptr;
-  const Spans spans = look_through(files, about, body);
+  const Spans spans = look_through(files, about, body, s);
   for (std::size_t c = 0; c < 3; ++c)
     s.displacement[c] = range_of(spans.displacement[c], levels_of_16_bits, false);
   s.speed = range_of(spans.speed, levels_of_8_bits, false);
-  for (std::size_t k = 0; k < bond_field_count; ++k)
+  for (std::size_t k = 0; k < s.field_count(); ++k)
     s.fields[k] = range_of(spans.fields[k], levels_of_8_bits, bond_fields[k].is_signed);
   for (const FrameFiles& f : files.frames) {
     const OpenFrame open(f, body);
@@ -255,7 +298,9 @@ Sequence read_sequence(const SequenceFiles& files, Body& body) {
 
 std::size_t bytes_of_frame(const FrameFiles& files) {
   const VtpInput particles(files.particles), bonds(files.bonds);
-  return 7 * particles.points() + (bond_field_count + 1) * bonds.cells();
+  const bool may_break = tells_of_breaks(particles, bonds);
+  return (may_break ? 9 : 7) * particles.points() +
+         (may_break ? bond_field_count + 2 : fields_of_all_runs + 1) * bonds.cells();
 }
 
 }  // namespace vbond::page

@@ -33,13 +33,15 @@ std::vector<FrameFiles> listed_frames(const std::filesystem::path& particles_pvd
 /// Every stride-th of n frames, the last one as well.  Numbers in increasing order.
 std::vector<std::size_t> thinned(std::size_t n, std::size_t stride);
 
-/// What a bond feels, as the page shows it.
+/// What a bond feels, as the page shows it. Of a broken bond it is 0.
 struct BondField {
   const char *key, *label, *array;  ///< array: in the bonds' file
   double scale;                     ///< from the file's unit to the page's
   bool is_signed;
+  const char* unit;  ///< in SI, of the page; angles have theirs in reduced units too
 };
-constexpr std::size_t bond_field_count = 6;
+/// The last ones only in runs whose bonds may break.
+constexpr std::size_t bond_field_count = 11, fields_of_all_runs = 6;
 extern const std::array<BondField, bond_field_count> bond_fields;
 
 /// A frame as the page holds it. Bonds that do not exist yet are not in it.
@@ -49,7 +51,9 @@ struct QuantisedFrame {
   std::vector<std::uint16_t> displacement;  ///< [component][particle]
   std::vector<std::uint8_t> speed;          ///< empty if nothing moves
   std::array<std::vector<std::uint8_t>, bond_field_count> fields;
-  std::vector<std::uint8_t> range;  ///< 0 good, 1 strained, 2 snapped
+  std::vector<std::uint8_t> range;      ///< 0 good, 1 strained, 2 snapped
+  std::vector<std::uint8_t> broken;     ///< 0 whole, else by what; empty where bonds cannot break
+  std::vector<std::uint16_t> fragment;  ///< of each particle, the last number for all above; empty likewise
   std::size_t bonds() const { return range.size(); }
 };
 
@@ -61,7 +65,12 @@ struct Sequence {
   std::array<Range, 3> displacement;
   Range speed;
   std::array<Range, bond_field_count> fields;
+  bool may_break = false;  ///< every frame tells of breaks
   std::vector<QuantisedFrame> frames;
+  /// How many of bond_fields the frames have. That a mode uses up strength or carries loads means nothing.
+  std::size_t field_count() const {
+    return may_break && kind == SequenceKind::run ? bond_field_count : fields_of_all_runs;
+  }
 };
 
 /// A bond's first sight in the state given.

@@ -142,11 +142,10 @@ void add_strained(const RunFacts& run, Warnings& all) {
 void add_stretched(const RunFacts& run, Warnings& all) {
   const std::int64_t bonds = run.summary ? run.summary->ever_stretched : 0;
   if (bonds == 0) return;
-  all.push_back(
-      {Level::warning,
-       fmt::format("{} bond{} longer than twice the length at rest at some time, and bonds do not break: "
-                   "what they hold together is not to be trusted. The terminal named the first ones.",
-                   bonds, bonds == 1 ? " was" : "s were")});
+  all.push_back({Level::warning,
+                 fmt::format("{} bond{} longer than twice the length at rest at some time and held: no real "
+                             "bond does, so give it a strength. The terminal named the first ones.",
+                             bonds, bonds == 1 ? " was" : "s were")});
 }
 
 void add_too_fast(const RunFacts& run, Warnings& all) {

@@ -1,0 +1,118 @@
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "vbond/observe/detail/page_json.hpp"
+
+namespace vbond::page {
+
+Json to_json(const PackedArray& a) {
+  const auto one_or_all = [](const std::vector<double>& x) { return x.size() == 1 ? Json(x[0]) : Json(x); };
+  Json j{{"offset", a.offset}, {"type", a.type}, {"count", a.count}};
+  if (!a.low.empty()) j["low"] = one_or_all(a.low), j["step"] = one_or_all(a.step);
+  if (a.delta > 0) j["delta"] = a.delta;
+  return j;
+}
+
+namespace {
+
+/// The bytes of one field, frame after frame, each as long as all bonds there ever are.
+template <class Get>
+std::vector<std::uint8_t> of_bonds(const Sequence& s, const std::vector<std::size_t>& frames,
+                                   std::size_t bonds, Get get) {
+  std::vector<std::uint8_t> all(frames.size() * bonds);
+  for (std::size_t f = 0; f < frames.size(); ++f) {
+    const std::vector<std::uint8_t>& values = get(s.frames[frames[f]]);
+    std::copy(values.begin(), values.end(), all.begin() + static_cast<std::ptrdiff_t>(f * bonds));
+  }
+  return all;
+}
+
+Json bond_fields_json(const Sequence& s, const std::vector<std::size_t>& frames, std::size_t bonds, bool si,
+                      Block& block) {
+  Json fields = Json::array();
+  for (std::size_t k = 0; k < s.field_count(); ++k) {
+    const BondField& field = bond_fields[k];
+    const auto q = of_bonds(
+        s, frames, bonds, [k](const QuantisedFrame& f) -> const auto& { return f.fields[k]; });
+    const bool has_unit = si || std::string_view(field.unit) == "rad";
+    fields.push_back({{"key", field.key},
+                      {"label", field.label},
+                      {"unit", has_unit ? field.unit : ""},
+                      {"signed", field.is_signed},
+                      {"array", to_json(block.add(q, s.fields[k], bonds))}});
+  }
+  return fields;
+}
+
+/// The numbers of all particles, frame after frame.
+template <class Get>
+auto of_particles(const Sequence& s, const std::vector<std::size_t>& frames, Get get) {
+  std::decay_t<decltype(get(s.frames[0]))> all;
+  for (const std::size_t f : frames) all.insert(all.end(), get(s.frames[f]).begin(), get(s.frames[f]).end());
+  return all;
+}
+
+Json speed_json(const Sequence& s, const std::vector<std::size_t>& frames, bool si, Block& block) {
+  if (s.frames.empty() || s.frames[0].speed.empty()) return Json::array();
+  const auto q = of_particles(
+      s, frames, [](const QuantisedFrame& f) -> const auto& { return f.speed; });
+  return Json::array({{{"key", "speed"},
+                       {"label", "speed"},
+                       {"unit", si ? "m/s" : ""},
+                       {"array", to_json(block.add(q, s.speed, s.frames[0].speed.size()))}}});
+}
+
+template <class Values>
+bool any_not_zero(const Values& values) {
+  return std::any_of(values.begin(), values.end(), [](auto x) { return x != 0; });
+}
+
+/// What is broken, and what it has become; nothing where nothing breaks.
+void add_breaks(const Sequence& s, const std::vector<std::size_t>& frames, std::size_t bonds, Block& block,
+                Json& j) {
+  if (!s.may_break || s.frames.empty()) return;
+  const auto broken = of_bonds(
+      s, frames, bonds, [](const QuantisedFrame& f) -> const auto& { return f.broken; });
+  const auto fragment = of_particles(
+      s, frames, [](const QuantisedFrame& f) -> const auto& { return f.fragment; });
+  const std::array<Range, 1> as_they_are{{{0.0, 1.0}}};
+  if (any_not_zero(broken)) j["bond_broken"] = to_json(block.add(broken, as_they_are[0], bonds));
+  if (any_not_zero(fragment))
+    j["fragment"] = to_json(block.add(fragment, as_they_are, s.frames[0].fragment.size()));
+}
+
+}  // namespace
+
+Json sequence_json(const Sequence& s, const Report& report, const std::vector<std::size_t>& kept,
+                   Block& block) {
+  const bool si = report.units == UnitSystem::si, is_run = s.kind == SequenceKind::run;
+  const std::size_t bonds = report.body.bonds.size() / 2, particles = report.body.radius.size();
+  Json frames = Json::array();
+  std::vector<std::uint16_t> displacement;
+  for (const std::size_t f : kept) {
+    const QuantisedFrame& frame = s.frames[f];
+    frames.push_back({{"step", frame.step},
+                      {"time", frame.time},
+                      {"stage", is_run ? report.stage_of_frame.at(f) : ""},
+                      {"bonds", frame.bonds()}});
+    displacement.insert(displacement.end(), frame.displacement.begin(), frame.displacement.end());
+  }
+  const auto range = of_bonds(
+      s, kept, bonds, [](const QuantisedFrame& f) -> const auto& { return f.range; });
+  Json j{{"kind", is_run ? "run" : "mode"},
+         {"name", s.name},
+         {"note", s.note},
+         {"loop", !is_run},
+         {"frames", std::move(frames)}};
+  j["origin"] = s.origin;
+  j["reference"] = to_json(block.add(s.reference));
+  j["displacement"] = to_json(block.add(displacement, s.displacement, 3 * particles));
+  j["particle_fields"] = speed_json(s, kept, si, block);
+  j["bond_fields"] = bond_fields_json(s, kept, bonds, si, block);
+  j["bond_range"] = to_json(block.add(range, {0.0, 1.0}, bonds));
+  add_breaks(s, kept, bonds, block, j);
+  return j;
+}
+
+}  // namespace vbond::page
