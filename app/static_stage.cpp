@@ -61,6 +61,11 @@ void leave_failed(Campaign& campaign) {
   say(text);
 }
 
+void record_breaks(Campaign& campaign, const Clock& start, const StaticResult& found) {
+  if (campaign.files.breaks)
+    campaign.files.breaks->add_breaks_at_rest(start, campaign.run.current(), found.fracture.breaks);
+}
+
 void write_modes(const Campaign& campaign, const StaticStage& stage, const StaticResult& found) {
   if (stage.frames_per_mode == 0) return;
   const Model& model = campaign.run.model();
@@ -114,6 +119,7 @@ bool run_static_leg(Campaign& campaign) {
   remove_file(campaign.plan.folder / "last_balance.h5");
   remove_mode_frames(campaign.plan.folder, stage.name);
 
+  const Clock start = run.start_of_stage().clock;
   const StageResult result = solve_or_leave(campaign);
   campaign.files.watch->watch().summarise();
   if (!result.interrupted()) {
@@ -121,6 +127,7 @@ bool run_static_leg(Campaign& campaign) {
     const auto writing = WallClock::now();
     write_modes(campaign, stage, *result.statics);
     campaign.balancing += seconds_since(writing);
+    record_breaks(campaign, start, *result.statics);
   }
   add_stage(campaign, result);
   if (result.interrupted()) return false;

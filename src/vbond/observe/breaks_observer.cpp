@@ -1,5 +1,7 @@
 #include "vbond/observe/breaks_observer.hpp"
 
+#include <cmath>
+
 #include "vbond/dynamics/simulation.hpp"
 
 namespace vbond {
@@ -34,6 +36,25 @@ void BreaksObserver::finish(const Simulation& run, StopReason why) {
 void BreaksObserver::end_stage(const Model& model, const State& state, std::int64_t stage) {
   const Timing timing(*this);
   fragments_.write(model, state, stage);
+}
+
+void BreaksObserver::add_breaks_at_rest(const Clock& start, const State& state,
+                                        const std::vector<BrokenBond>& breaks) {
+  const Timing timing(*this);
+  for (const BrokenBond& b : breaks) {
+    const Bond& bond = state.bonds[b.use.bond];
+    Clock then = start;
+    then.step += b.point;
+    BondEvent e{BondEvent::Kind::broken, b.use.bond, then.step};
+    e.energy = b.held;
+    const StrengthShares& s = b.shares;
+    e.failure = {s.tension, s.shear, s.bending, s.torsion, s.compression, b.use.utilisation};
+    e.loads = {b.section.N, b.section.V, b.section.M_b, b.section.M_t};
+    e.middle = b.middle, e.direction = b.direction;
+    e.cause = break_cause(bond.law->has_rules ? bond.rules->strength : Strength{}, e.failure, e.loads.N,
+                          strength_factor(bond));
+    breaks_.write(then, bond, e, std::abs(b.load));
+  }
 }
 
 }  // namespace vbond

@@ -4,6 +4,7 @@
 
 #include "vbond/observe/breaks.hpp"
 #include "vbond/observe/observers.hpp"
+#include "vbond/statics/results.hpp"
 
 namespace vbond {
 
@@ -15,8 +16,11 @@ class BreaksObserver : public TimedObserver {
   void observe(const Simulation& run) override;
   std::int64_t steps_to_next_look(const Clock& now) const override;
   void finish(const Simulation& run, StopReason why) override;
-  /// The fragments at the end of a stage that is not one of dynamics.
+  /// The fragments at the end of a stage.
   void end_stage(const Model& model, const State& state, std::int64_t stage);
+  /// Bonds that a static stage broke, in the state after it; start: the clock as it began. Points are its
+  /// steps.
+  void add_breaks_at_rest(const Clock& start, const State& state, const std::vector<BrokenBond>& breaks);
   const BreakRecord& record() const { return breaks_.record(); }
   bool begun_anew() const { return breaks_.begun_anew(); }
 

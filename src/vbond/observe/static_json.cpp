@@ -98,6 +98,7 @@ Json to_json(const BrokenBond& b) {
   j["section"] = {b.section.N, b.section.V, b.section.M_b, b.section.M_t};
   j["middle"] = to_json(b.middle);
   j["direction"] = to_json(b.direction);
+  j["held"] = b.held;
   j["released"] = b.released;
   j["work"] = b.work;
   j["stored"] = b.stored;
@@ -121,6 +122,7 @@ BrokenBond broken_bond(const Json& j) {
   all("section", {&b.section.N, &b.section.V, &b.section.M_b, &b.section.M_t});
   b.middle = vector_from(j.at("middle"));
   b.direction = vector_from(j.at("direction"));
+  b.held = j.at("held").get<double>();
   b.released = j.at("released").get<double>();
   b.work = j.at("work").get<double>();
   b.stored = j.at("stored").get<double>();

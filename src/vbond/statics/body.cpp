@@ -388,9 +388,10 @@ double StaticBody::power_of(const StaticSupport& support) const {
   return power;
 }
 
-void StaticBody::break_bond(BondId k) {
+void StaticBody::break_bond(BondId k, BreakMode mode) {
   Bond& broken = state_.bonds[k];
   broken.broken = true;
+  broken.mode = mode;
   bonded_[broken.i] = bonded_[broken.j] = false;
   for (const Bond& b : state_.bonds)
     if (!b.broken) bonded_[b.i] = bonded_[b.j] = true;

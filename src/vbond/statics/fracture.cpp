@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "vbond/physics/section.hpp"
+#include "vbond/model/bond_event.hpp"
 #include "vbond/statics/detail/breaking_body.hpp"
 #include "vbond/statics/detail/crossing.hpp"
 
@@ -21,20 +21,15 @@ bool is_past(const Balance& b) {
   return use_of(b) >= 1.0 - same_use;
 }
 
-/// A bond as it stands at the moment of its break.
-BrokenBond broken_bond(const State& s, const BondUse& use) {
-  const Bond& b = s.bonds[use.bond];
-  const BondPose<double> pose = bond_pose(b, s);
-  const BondAxis<double> axis = bond_axis(pose, b.R_i, b.R_j);
-  const BondLoads<double> loads = bond_loads(s, use.bond);
-  const Failure<double> f = b.law->failure(b, pose, history_of_bond(s, use.bond));
-  const SectionLoads<double> l = section_loads(section_moments(pose, b.R_i, b.R_j, loads), axis, loads);
+BrokenBond broken_bond(const BondUse& use, const BondEvent& event) {
+  const Failure<double>& f = event.failure;
   BrokenBond broken;
   broken.use = use;
   broken.shares = {f.tension, f.shear, f.bending, f.torsion, f.compression};
-  broken.section = {l.N, l.V, l.M_b, l.M_t};
-  broken.middle = s.r[b.i] + b.R_i * pose.n_i[0] + 0.5 * axis.D * axis.d;
-  broken.direction = axis.d;
+  broken.section = {event.loads.N, event.loads.V, event.loads.M_b, event.loads.M_t};
+  broken.middle = event.middle;
+  broken.direction = event.direction;
+  broken.held = event.energy;
   return broken;
 }
 
@@ -150,7 +145,12 @@ class Fracture {
 
   /// The bond with the largest utilisation goes; then the balance without it.
   void break_one() {
-    BrokenBond broken = broken_bond(walk_.body().state(), *now_.most);
+    const BondId k = now_.most->bond;
+    const State& state = walk_.body().state();
+    const Bond& bond = state.bonds[k];
+    const BondEvent event = breaking_event(bond, k, state.clock.step, state.r[bond.i], bond_pose(bond, state),
+                                           history_of_bond(state, k));
+    BrokenBond broken = broken_bond(*now_.most, event);
     broken.point = result_.points;
     broken.load = walk_.load();
     const double factor = now_.at.load_factor;
@@ -158,7 +158,7 @@ class Fracture {
       ++found_.avalanches, in_avalanche_ = 0, avalanche_factor_ = factor;
     broken.avalanche = found_.avalanches;
     found_.largest_avalanche = std::max(found_.largest_avalanche, ++in_avalanche_);
-    walk_.break_bond(broken.use.bond);
+    walk_.break_bond(k, event.cause.mode);
     found_.breaks.push_back(std::move(broken));
     find_balance_after();
     if (result_.ended.empty() && settings_.control == FractureControl::crack &&

@@ -107,6 +107,7 @@ struct BrokenBond {
   Vec3d middle, direction;  ///< of the bond: place [length] and unit vector from i to j
   double load = 0;          ///< [force], of moments [force*length], or the load factor
   std::optional<double> load_factor_after, load_after;
+  double held = 0;      ///< energy of the bond itself, above rest  [energy]
   double released = 0;  ///< energy that the break took out of the body  [energy]
   double work = 0;      ///< of loads and supports up to the balance after it, from the start  [energy]
   double stored = 0;    ///< in bonds and contacts after it  [energy]

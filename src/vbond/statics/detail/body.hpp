@@ -101,7 +101,7 @@ class StaticBody {
   /// Loads at this load factor, on the free unknowns.  [force]
   Vector applied(double load_factor) const;
   /// The bond is there no more.
-  void break_bond(BondId k);
+  void break_bond(BondId k, BreakMode mode);
   /// What rounding may make of it.  [energy]
   double rounding_of_potential() const { return rounding_of_potential_; }
 

@@ -53,7 +53,7 @@ class BreakingBody {
   /// do not close. Leaves the body at the second.  [energy]
   double work_between(const Balance& a, const Balance& b, double scale);
 
-  void break_bond(BondId k) { body_->break_bond(k); }
+  void break_bond(BondId k, BreakMode mode) { body_->break_bond(k, mode); }
   /// Holds parts that can move freely now. Returns what moves freely under loads, in words, or nothing; then
   /// nothing is held.
   std::optional<std::string> hold_free_parts();
