@@ -36,7 +36,8 @@ BondRecipe ruled(const BondRules& rules, const BondLaw* law = &bond_law<VModel>)
 // ---- recipes ---------------------------------------------------------------------------------------
 
 TEST(Weibull, FactorsOfGivenVariatesMatchTheReference) {
-  for (const auto& c : material_case("WB2")["expected"]) {
+  const auto expected = material_case("WB2")["expected"];
+  for (const auto& c : expected) {
     Weibull w;
     w.modulus = 6.0, w.volume = 1.0;
     EXPECT_NEAR(2.0 * weibull_factor(w, c["u"], c["V_over_V0"]), c["s"], 1e-12);
