@@ -182,7 +182,8 @@ void describe_weibull(Table& t, Weibull& w) {
   t.table(
       "weibull", optional, "strengths scatter: one factor for all limits of a bond",
       [&](Table& k) {
-        k.key("modulus", w.modulus, positive(pure), required, "m: the larger, the less they scatter");
+        k.key("modulus", w.modulus, NumberCodec{pure, {0.1, 1e6, false, false}}, required,
+              "m: the larger, the less they scatter; below 0.1 factors would leave the range of doubles");
         describe_positive(
             k, "volume", w.volume, volume, default_is("size does not count"),
             "V_0 of the given limits: a bond of volume V = A a has (V_0/V)^(1/m) times these on the scale");
