@@ -1,0 +1,173 @@
+#pragma once
+#include <fmt/format.h>
+#include <hdf5.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "vbond/core/column.hpp"
+#include "vbond/core/error.hpp"
+#include "vbond/observe/detail/h5.hpp"
+#include "vbond/observe/seal.hpp"
+
+/// A checkpoint's HDF5 file as it is written and read, data set by data set.
+namespace vbond {
+
+// ---- writing ------------------------------------------------------------------------------------------
+
+/// Lays the file out in memory: HDF5 then has nothing to do with the disk, whose errors it survives badly.
+/// (With a full disk H5Fclose fails and leaves a file half closed, on which HDF5's exit handler crashes.)
+class H5Writer {
+ public:
+  H5Writer()
+      : file_(create()),
+        make_groups_(H5Pcreate(H5P_LINK_CREATE), H5Pclose),
+        no_times_(H5Pcreate(H5P_DATASET_CREATE), H5Pclose) {
+    must(H5Pset_create_intermediate_group(make_groups_.get(), 1));
+    must(H5Pset_obj_track_times(no_times_.get(), false));  // the same state gives the same bytes
+  }
+
+  template <class T>
+  void operator()(const char* path, const T& value) {
+    std::array<typename Stored<T>::Number, Stored<T>::count> numbers;
+    Stored<T>::put(value, numbers.data());
+    const H5Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+    write(path, space, numbers.data());
+  }
+
+  template <class IdType, class Row, class Member>
+  void of_each(const char* path, const Column<IdType, Row>& column, Member member) {
+    using T = std::remove_cvref_t<std::invoke_result_t<Member, const Row&>>;
+    constexpr std::size_t count = Stored<T>::count;
+    std::vector<typename Stored<T>::Number> numbers(column.size() * count);
+    std::size_t at = 0;
+    for (const Row& row : column) Stored<T>::put(std::invoke(member, row), &numbers[at]), at += count;
+    const std::array<hsize_t, 2> size{column.size(), count};
+    const H5Handle space(H5Screate_simple(count > 1 ? 2 : 1, size.data(), nullptr), H5Sclose);
+    write(path, space, numbers.data());
+  }
+
+  hid_t file() const { return file_.get(); }
+
+  /// All bytes of the file, with room for the seal in front; they live as long as the writer.
+  std::string_view bytes() {
+    must(H5Fflush(file_.get(), H5F_SCOPE_GLOBAL));
+    void** memory = nullptr;
+    must(H5Fget_vfd_handle(file_.get(), H5P_DEFAULT, reinterpret_cast<void**>(&memory)));
+    const ssize_t size = H5Fget_file_image(file_.get(), nullptr, 0);  // without the room for the seal
+    must(size);
+    return {static_cast<const char*>(*memory), seal_size + static_cast<std::size_t>(size)};
+  }
+
+ private:
+  static H5Handle create() {
+    constexpr std::size_t grows_by = std::size_t{1} << 20;
+    const H5Handle room_for_seal(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
+    must(H5Pset_userblock(room_for_seal.get(), seal_size));
+    const H5Handle in_memory(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+    must(H5Pset_fapl_core(in_memory.get(), grows_by, false));
+    // HDF5 looks for a file of this name, though it neither reads nor makes it: there is none in a device
+    H5Handle file(H5Fcreate("/dev/null/checkpoint", H5F_ACC_TRUNC, room_for_seal.get(), in_memory.get()),
+                  H5Fclose);
+    must(file.get());
+    return file;
+  }
+  template <class N>
+  void write(const char* path, const H5Handle& space, const N* numbers) {
+    const H5Handle set(H5Dcreate2(file_.get(), path, file_type<N>(), space.get(), make_groups_.get(),
+                                  no_times_.get(), H5P_DEFAULT),
+                       H5Dclose);
+    must(H5Dwrite(set.get(), file_type<N>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers));
+  }
+  static void must(std::int64_t result) {
+    if (result < 0) throw IoError("HDF5 could not lay it out in memory; is there enough of it?");
+  }
+
+  H5Handle file_, make_groups_, no_times_;
+};
+
+// ---- reading ------------------------------------------------------------------------------------------
+
+/// Reads what H5Writer lays out, and refuses anything else. Throws IoError.
+class H5Reader {
+ public:
+  explicit H5Reader(const std::filesystem::path& path)
+      : file_(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose) {
+    if (!file_) throw IoError("is damaged: HDF5 cannot open it");
+  }
+
+  template <class T>
+  void operator()(const char* path, T& value) {
+    std::array<typename Stored<T>::Number, Stored<T>::count> numbers;
+    read(path, {}, numbers.data());
+    Stored<T>::take(numbers.data(), value);
+  }
+
+  /// The column has its size already; the file must agree.
+  template <class IdType, class Row, class Member>
+  void of_each(const char* path, Column<IdType, Row>& column, Member member) {
+    using T = std::remove_cvref_t<std::invoke_result_t<Member, Row&>>;
+    constexpr std::size_t count = Stored<T>::count;
+    std::vector<typename Stored<T>::Number> numbers(column.size() * count);
+    std::vector<hsize_t> size{column.size()};
+    if (count > 1) size.push_back(count);
+    read(path, size, numbers.data());
+    std::size_t at = 0;
+    for (Row& row : column) Stored<T>::take(&numbers[at], std::invoke(member, row)), at += count;
+  }
+
+  bool has(const char* path) const { return H5Lexists(file_.get(), path, H5P_DEFAULT) > 0; }
+
+  /// Length of a column of bytes per row at least, so that a forged length cannot ask for more memory
+  /// than the file has data.
+  std::size_t rows(const char* path) {
+    const H5Handle set = open(path);
+    const std::vector<hsize_t> size = size_of(set);
+    if (size.empty() || H5Dget_storage_size(set.get()) < size[0]) damaged(path);
+    return static_cast<std::size_t>(size[0]);
+  }
+
+ private:
+  [[noreturn]] static void damaged(const char* path) {
+    throw IoError(fmt::format("is damaged: {} is missing or not as expected", path));
+  }
+  H5Handle open(const char* path) {
+    H5Handle set(H5Dopen2(file_.get(), path, H5P_DEFAULT), H5Dclose);
+    if (!set) damaged(path);
+    return set;
+  }
+  static std::vector<hsize_t> size_of(const H5Handle& set) {
+    const H5Handle space(H5Dget_space(set.get()), H5Sclose);
+    const int rank = H5Sget_simple_extent_ndims(space.get());
+    std::vector<hsize_t> size(static_cast<std::size_t>(rank > 0 ? rank : 0));
+    if (rank > 0) H5Sget_simple_extent_dims(space.get(), size.data(), nullptr);
+    return size;
+  }
+  /// As the writer makes them: not unpacked by a filter, and in this file.
+  bool is_plain(const H5Handle& set) const {
+    const H5Handle made(H5Dget_create_plist(set.get()), H5Pclose);
+    H5O_info_t here, there;  // another number of the file: behind a link that leads out of it
+    return made && H5Oget_info2(file_.get(), &here, H5O_INFO_BASIC) >= 0 &&
+           H5Oget_info2(set.get(), &there, H5O_INFO_BASIC) >= 0 && here.fileno == there.fileno &&
+           H5Pget_layout(made.get()) == H5D_CONTIGUOUS && H5Pget_nfilters(made.get()) == 0 &&
+           H5Pget_external_count(made.get()) == 0;
+  }
+  template <class N>
+  void read(const char* path, const std::vector<hsize_t>& size, N* numbers) {
+    const H5Handle set = open(path);
+    const H5Handle type(H5Dget_type(set.get()), H5Tclose);
+    if (!type || H5Tequal(type.get(), file_type<N>()) <= 0 || size_of(set) != size || !is_plain(set))
+      damaged(path);
+    if (H5Dread(set.get(), file_type<N>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers) < 0) damaged(path);
+  }
+
+  H5Handle file_;
+};
+
+}  // namespace vbond
