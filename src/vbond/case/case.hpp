@@ -151,7 +151,7 @@ enum class BondTime : std::uint8_t { start, stage, approach };
 
 /// Limits as the case names them; which of them count, the criterion says. recipe.rules has what follows.
 struct StrengthSpec {
-  Criterion criterion = Criterion::stress;
+  Criterion criterion = Criterion::none;           ///< not read yet
   double tension = 0, shear = 0, compression = 0;  ///< stresses; compression 0: none
   double moment_share = 1;
   double cohesion = 0, friction_angle = 0;  ///< mohr-coulomb; the angle in rad
