@@ -8,6 +8,7 @@
 #include "vbond/core/column.hpp"
 #include "vbond/core/vec3.hpp"
 #include "vbond/model/pair_law.hpp"
+#include "vbond/model/wall.hpp"
 #include "vbond/physics/contact.hpp"
 
 namespace vbond {
@@ -18,6 +19,13 @@ enum class UnitSystem : std::uint8_t { reduced, si };
 struct Group {
   std::string name;
   std::vector<ParticleId> particles;
+};
+
+/// What a particle or a wall is made of, as far as contacts ask.
+struct ContactMaterial {
+  std::string name;
+  double E = 0;   ///< [force/area]
+  double nu = 0;  ///< -1 < nu <= 0.5
 };
 
 enum class ContactLaw : std::uint8_t { none, paper_hertz, hertz };
@@ -58,9 +66,13 @@ struct Model {
   PerParticle<Vec3d> r_0;     ///< positions at the start; displacements are from here  [length]
   std::vector<Group> groups;  ///< "all" is the first
   ContactModel contact;
+  std::vector<ContactMaterial> materials;  ///< empty: one, that of ContactModel
+  PerParticle<std::uint32_t> material;     ///< of each particle, in materials; empty: the first for all
+  std::vector<Wall> walls;
 
   std::size_t particles() const { return mass.size(); }
   std::uint32_t specimen_of(ParticleId p) const { return specimen.empty() ? 0 : specimen[p]; }
+  std::uint32_t material_of(ParticleId p) const { return material.empty() ? 0 : material[p]; }
   /// The group of that name, or nullptr.
   const Group* find_group(const std::string& name) const {
     for (const Group& g : groups)

@@ -10,29 +10,10 @@
 #include "vbond/core/vec3.hpp"
 #include "vbond/model/bond.hpp"
 #include "vbond/model/model.hpp"
+#include "vbond/model/time_function.hpp"
+#include "vbond/model/wall.hpp"
 
 namespace vbond {
-
-/// A factor over the time since the stage began: straight lines between points, constant outside.
-/// No points: always 1.
-struct TimeFunction {
-  struct Point {
-    double t;  ///< [time]
-    double factor;
-  };
-  std::vector<Point> points;  ///< in increasing t
-
-  double operator()(double t) const {
-    if (points.empty()) return 1.0;
-    const auto after =
-        std::upper_bound(points.begin(), points.end(), t, [](double x, const Point& p) { return x < p.t; });
-    if (after == points.begin()) return points.front().factor;
-    if (after == points.end()) return points.back().factor;
-    const Point& a = *(after - 1);
-    const Point& b = *after;
-    return a.factor + (b.factor - a.factor) * (t - a.t) / (b.t - a.t);
-  }
-};
 
 /// Degrees of freedom of a particle: x, y, z, then rotation about x, y, z (world axes).
 using HeldDofs = std::array<bool, 6>;
@@ -129,6 +110,7 @@ struct Stage {
   std::vector<PointLoad> loads;
   std::optional<StrainProgram> strain;
   std::vector<BondingRule> bonding;
+  std::vector<WallDrive> walls;  ///< the others stand still
   Stops stops;
 };
 
