@@ -133,7 +133,8 @@ void print_overlaps(const Model& model, const State& state) {
   double U = 0.0;
   std::int64_t pairs = 0;
   for_touching_pairs(model, state, [&](ParticleId i, ParticleId j, double overlap) {
-    U += contact_energy(contact_law(model.contact, model.radius[i], model.radius[j]), overlap);
+    const double R = model.radius[i] * model.radius[j] / (model.radius[i] + model.radius[j]);
+    U += normal_energy(touch_forms(model.contact), touch_numbers(model, i, j), R, overlap);
     ++pairs;
   });
   if (pairs > 0)

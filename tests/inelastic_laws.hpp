@@ -3,7 +3,6 @@
 #include <string_view>
 
 #include "vbond/dynamics/law_with_loops.hpp"
-#include "vbond/dynamics/pair_loops.hpp"
 #include "vbond/physics/section.hpp"
 #include "vbond/physics/vmodel.hpp"
 
@@ -148,40 +147,6 @@ constexpr BondStiffness<T> stiffness(const Brittle<T>& m) {
 inline BondRange bond_range(const Brittle<double>&, const BondShape& s) {
   return vmodel_range(s);
 }
-
-/// Contacts that damp along their line and stick to each other: a spring across it, which slides at a part of
-/// a linear force. It remembers its elongation, in space.
-struct Sticky {
-  static constexpr std::string_view name = "sticky";
-  static constexpr std::array<std::string_view, 3> history{"x", "y", "z"};
-  double k = 0, friction = 0, g = 0;  ///< [force/length], [force/length] of overlap, [force*time/length]
-
-  static Vec3d elongation(const PairHistory& h) { return {h[0], h[1], h[2]}; }
-  /// Loads of a force on i at the middle of the overlap.
-  static PairLoads of_force(const TouchingPair& p, const Vec3d& F) {
-    const Vec3d e = normalised(p.r_ij);
-    return {F, (p.R_i - 0.5 * p.overlap) * cross(e, F), (p.R_j - 0.5 * p.overlap) * cross(e, F)};
-  }
-  double energy(const TouchingPair&, const PairHistory& h) const { return 0.5 * k * norm2(elongation(h)); }
-  PairLoads loads(const TouchingPair& p, const PairHistory& h) const {
-    return of_force(p, k * elongation(h));
-  }
-  PairLoads damping(const TouchingPair& p, const PairHistory&) const {
-    const Vec3d e = normalised(p.r_ij);
-    return {g * dot(p.v_ij, e) * e, {}, {}};
-  }
-  PairStep advance(const TouchingPair& p, double dt, const PairHistory& h) const {
-    const Vec3d e = normalised(p.r_ij);
-    const Vec3d v = p.v_ij - cross((p.R_i - 0.5 * p.overlap) * p.w_i + (p.R_j - 0.5 * p.overlap) * p.w_j, e);
-    Vec3d s = elongation(h) + dt * v;
-    s -= dot(s, e) * e;
-    const double most = friction * p.overlap / k, size = norm(s);
-    const double lost = size > most ? 0.5 * k * (sq(size) - sq(most)) : 0.0;
-    if (size > most) s = (most / size) * s;
-    return {{s.x, s.y, s.z}, lost};
-  }
-  PairSlopes slopes(const TouchingPair&) const { return {3.5 * k, g}; }
-};
 
 inline const BondLaw damped_law = law_with_loops<Damped>(), brittle_law = law_with_loops<Brittle>();
 

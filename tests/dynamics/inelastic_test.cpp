@@ -350,49 +350,6 @@ TEST(NeighbourList, WithPairsAddedIsTheOneARebuildMakes) {
     EXPECT_TRUE(std::ranges::equal(list.of(Row{i}), whole.of(Row{i}))) << i;
 }
 
-// ---- contacts ---------------------------------------------------------------------------------------
-
-const testing::Sticky sticky{.k = 0.05, .friction = 0.04, .g = 0.02};
-const PairLaw sticky_contacts = pair_law(sticky);
-
-/// Two balls that meet off centre, turning.
-struct Meeting {
-  Energies energies;
-  EnergyBooks books;
-  double balance, twist;
-  Vec3d P, L;
-};
-Meeting meet(double dt, const PairLaw& law) {
-  Specimen s = testing::particles_at({{0, 0, 0}, {1.3, 0.4, 0}}, 0.6);
-  s.model.contact = {.law = ContactLaw::paper_hertz, .c_H = 1.0, .inelastic = &law};
-  s.state.v = {{0.02, 0, 0.01}, {-0.05, 0, 0}};
-  s.state.omega = {{0.1, 0, 0.05}, {0, 0.02, 0}};
-  Simulation run(s.model, testing::plain_stage(dt, 4.8), s.state);
-  run.run();
-  Meeting m{run.energies(), run.books(), 0, 0, {}, {}};
-  m.balance = std::abs(m.energies.total() + m.books.dissipated - m.books.at_start);
-  for (const ParticleId p : s.state.r.ids()) {
-    m.P += run.state().v[p] - s.state.v[p];
-    m.L += cross(run.state().r[p], run.state().v[p]) - cross(s.state.r[p], s.state.v[p]) +
-           0.064 * (run.state().omega[p] - s.state.omega[p]);
-  }
-  m.twist = norm(run.state().omega[ParticleId{0}] - s.state.omega[ParticleId{0}]);
-  return m;
-}
-
-// They are together at the end: contact energy, what the spring stores, and the two losses add up. The
-// elongation of the spring is summed by rates, whose direction follows the pair to first order in dt.
-TEST(InelasticContact, KeepsTheBooksAndTheMomenta) {
-  const Meeting coarse = meet(0.04, sticky_contacts), fine = meet(0.02, sticky_contacts);
-  EXPECT_GT(fine.energies.contact, 0.0);
-  EXPECT_GT(fine.books.dissipated, 0.04 * fine.books.at_start);
-  EXPECT_GT(fine.twist, 1e-3);
-  EXPECT_LT(fine.balance, 1e-4 * fine.books.at_start);
-  EXPECT_GT(coarse.balance / fine.balance, 1.8);
-  EXPECT_LT(norm(fine.P), 1e-15);  // 800 steps of equal and opposite kicks
-  EXPECT_LT(norm(fine.L), 1e-14);
-}
-
 // ---- the same bits ----------------------------------------------------------------------------------
 
 /// Elastic, damped and brittle bonds in one body, some of which break on the way, and contacts with a memory.
@@ -401,7 +358,9 @@ Specimen mixed_body() {
   s.model.contact = {.law = ContactLaw::paper_hertz,
                      .pairs = ContactPairs::unbonded,
                      .c_H = 0.05,
-                     .inelastic = &sticky_contacts};
+                     .k_t = 0.05,
+                     .tangential = TangentialForm::linear,
+                     .surface = {.friction = 0.5, .restitution = 0.7}};
   return s;
 }
 Stage mixed_stage() {

@@ -449,8 +449,9 @@ TEST(Misuse, WhatBondsAndContactsRememberFitsTheBody) {
   refused([](S& s) { s.state.damping = {PerParticle<Vec3d>(2), PerParticle<Vec3d>(2)}; }, "2 and 2 entries");
   refused([](S& s) { s.state.contact_history = {{ParticleId{0}, ParticleId{7}}}; }, "particles 0 and 7 of 3");
   refused([](S& s) { s.state.bonds[BondId{1}].law = nullptr; }, "bond 1 has no law");
-  const PairLaw any{};
-  refused([&](S& s) { s.model.contact.inelastic = &any; }, "contact.law is none");
+  refused([](S& s) { s.model.contact.surface.friction = -0.1; }, "contact.friction is -0.1");
+  refused([](S& s) { s.model.contact.surface.restitution = 1.5; }, "contact.restitution is 1.5");
+  refused([](S& s) { s.model.material.assign(3, 4); }, "a particle is of material 4 of 1");
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 #include "vbond/dynamics/kernel.hpp"
 #include "vbond/dynamics/neighbours.hpp"
 #include "vbond/dynamics/order.hpp"
-#include "vbond/dynamics/pair_loops.hpp"
+#include "vbond/dynamics/touch_pairs.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/physics/contact.hpp"
 
@@ -46,35 +46,37 @@ class Contacts {
   /// and `load` are those of all rows.  [force]
   /// Returns whether two of them are nearer than deep_part of the sum of their radii.
   bool add_loads(RowRange rows, const PoseRow* pose, LoadRow* load) const;
-  /// The law of what touching pairs do besides, or nullptr.
-  const PairLaw* inelastic() const { return list_ ? model_.contact.inelastic : nullptr; }
-  /// Adds its loads to these rows, of all touching pairs in the same order; dt as in PairSweep. Returns what
-  /// the pairs' histories have dissipated.
-  double add_inelastic(RowRange rows, const Bodies& bodies, LoadRow* load, LoadRow* damping, double dt);
+  /// Whether pairs do more than repel each other elastically: then work_out() comes before add_loads().
+  bool are_touches() const { return touches_.has_value(); }
+  /// What touching pairs of these rows do, from poses and the motion of the half step before; dt = 0: between
+  /// steps. Once all rows are worked out, add_loads() adds it.
+  TouchSums work_out(RowRange rows, const Bodies& bodies, double dt) {
+    return touches_->work_out(rows, bodies, dt);
+  }
   /// What pairs remember, in order of particles.
-  std::vector<PairMemory> collect() const;
+  std::vector<PairMemory> collect() const {
+    return touches_ ? touches_->collect() : std::vector<PairMemory>{};
+  }
   /// Takes it up again, after refresh().
-  void restore(const std::vector<PairMemory>& memories);
+  void restore(const std::vector<PairMemory>& memories) {
+    if (touches_) touches_->restore(memories);
+  }
   /// The pairs of these rows that are so near, each from the side of its lower row.
   std::vector<std::pair<Row, Row>> deep_pairs(RowRange rows, std::span<const PoseRow> pose) const;
   /// Each pair once.  [energy]
-  double energy(std::span<const PoseRow> pose) const;
-  /// What touching pairs store besides: all, or these two.  [energy]
-  double inelastic_energy(const Bodies& bodies) const;
-  double inelastic_energy(Row i, Row j, const Bodies& bodies) const;
+  double energy(const Bodies& bodies) const;
+  /// Of these two.  [energy]
+  double energy(Row i, Row j, const Bodies& bodies) const;
 
  private:
-  HertzContact<double> law(Row i, Row j) const;
-  PairSweep sweep(RowRange rows, const Bodies& bodies) const;
-  bool remembers() const { return inelastic() != nullptr && !inelastic()->history.empty(); }
-
   const Model& model_;
   const Order& order_;
   const StepKernel& kernel_;
   PerRow<double> radius_;  // [length]
   ContactRule rule_{};
   std::optional<NeighbourList> list_;  // none without contacts
-  std::vector<PairHistory> history_;   // of each place in the list, if pairs remember
+  bool pairs_added_ = false;           // to the list, since the last refresh
+  std::optional<TouchPairs> touches_;  // if pairs do more than ContactRule says
 };
 
 }  // namespace vbond

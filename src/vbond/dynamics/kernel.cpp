@@ -104,6 +104,7 @@ double slow_down(RowRange rows, const Decay* decay, MotionRow* motion) {
 }  // namespace
 
 ContactLoop add_contact_loads;  // contact_kernel.cpp
+TouchLoop touch_pairs;          // touch_kernel.cpp
 
 namespace {
 
@@ -117,7 +118,7 @@ struct LoopsOf<LawList<Laws...>> {
 }  // namespace
 
 extern const StepKernel kernel;
-const StepKernel kernel{VBOND_KERNEL_NAME, LoopsOf<BondLaws>::loops, kick, drift,
-                        slow_down,         add_contact_loads};
+const StepKernel kernel{VBOND_KERNEL_NAME, LoopsOf<BondLaws>::loops, kick,       drift,
+                        slow_down,         add_contact_loads,        touch_pairs};
 
 }  // namespace vbond::VBOND_KERNEL

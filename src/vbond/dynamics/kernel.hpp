@@ -5,6 +5,7 @@
 #include "vbond/dynamics/bond_pack.hpp"
 #include "vbond/dynamics/contact_kernel.hpp"
 #include "vbond/dynamics/rows.hpp"
+#include "vbond/dynamics/touch_kernel.hpp"
 
 namespace vbond {
 
@@ -47,6 +48,7 @@ struct StepKernel {
   /// Slows down by the factors and returns the kinetic energy that this takes away.
   double (*slow_down)(RowRange, const Decay*, MotionRow*);
   ContactLoop* add_contact_loads;
+  TouchLoop* touch_pairs;
 };
 
 /// The kernels that this machine can execute, the best one last. AVX-512 has two: with pairs of packs for

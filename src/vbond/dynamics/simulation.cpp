@@ -41,6 +41,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
       supports_(stage_, bodies_, team_),
       applied_(stage_, bodies_, team_),
       damping_(stage_, bodies_),
+      walls_(model, stage_, bodies_, team_.blocks()),
       bonding_(model, stage_, bodies_.order, bond_index_),
       books_(team_.blocks()),
       last_stage_step_(std::isfinite(stage_.stops.duration) ? steps_in(stage_.stops.duration, stage_.dt)
@@ -51,6 +52,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
     bonds_changed();
     contacts_.refresh(bodies_.poses(), team_);
     contacts_.restore(state_.contact_history);
+    walls_.read(state_);
     state_.clock.dt = stage_.dt;
     if (state_.clock.stage_step == 0)
       begin_stage();
@@ -83,6 +85,8 @@ void Simulation::step() {
   supports_.set_times(state_.clock.stage_step, stage_.dt);
   applied_.set_times(state_.clock.stage_step, stage_.dt);
 
+  walls_.move(state_.clock.stage_step, stage_.dt);
+
   StepTimes::Lap lap(timed);
   team_.for_blocks([&](const Block& b) {
     if (moves_first(b)) begin_step(b);
@@ -91,6 +95,8 @@ void Simulation::step() {
   if (contacts_.any()) {
     const double way2 = largest_way2();
     contacts_.refresh(bodies_.poses(), team_, std::sqrt(way2));  // near pairs, listed anew only when stale
+    work_out_touches(stage_.dt);
+    walls_.refresh(team_, std::sqrt(way2));
     encounters_.look_at_drift(bodies_, stage_.dt, way2);
     lap.add_to(times_.contacts);
   }
@@ -111,6 +117,7 @@ void Simulation::step() {
   ++state_.clock.stage_step;  // time is counted, not summed
   bodies_ahead_ = true;
   survey_.reset();
+  close_walls(stage_.dt);
   close_books();
   const bool broke = break_bonds();
   look_at_deep_contacts();
@@ -219,16 +226,22 @@ void Simulation::complete_loads(const Part& part, const Block& b, Instant at, co
   books_[b.index].dissipated += sweep.dissipated;
   lap.add_to(times_.bonds);
   if (contacts_.any()) {
-    books_[b.index].deep =
-        contacts_.add_loads({b.rows.first, std::min(b.rows.last, model_.particles())}, pose, load);
-    if (contacts_.inelastic() != nullptr)
-      books_[b.index].dissipated +=
-          contacts_.add_inelastic({b.rows.first, std::min(b.rows.last, model_.particles())}, bodies_, load,
-                                  bodies_.damping.data(), sweep.dt);
+    books_[b.index].deep |= contacts_.add_loads(particles_of(b), pose, load);
+    if (walls_.any()) books_[b.index].dissipated += walls_.add_loads(b, load, sweep.dt);
     lap.add_to(times_.contacts);
   }
   applied_.add(b, at);
   if (damping_.is_local()) damping_.oppose_motion(b.rows);
+}
+
+/// What touching pairs do, before any of it is added: all particles have moved, and none has felt it yet.
+void Simulation::work_out_touches(double dt) {
+  if (!contacts_.are_touches()) return;
+  team_.for_blocks([&](const Block& b) {
+    const TouchSums found = contacts_.work_out(particles_of(b), bodies_, dt);
+    books_[b.index].dissipated += found.dissipated;
+    books_[b.index].deep = found.deep;
+  });
 }
 
 /// Between steps: what reads rates reads the present ones, and nothing is remembered or broken.
@@ -236,6 +249,8 @@ void Simulation::evaluate_loads() {
   survey_.reset();
   if (inelastic()) bodies_.rates = bodies_.motion;
   contacts_.refresh(bodies_.poses(), team_);
+  work_out_touches(0.0);
+  walls_.refresh(team_);
   applied_.set_times(state_.clock.stage_step, stage_.dt);
   team_.for_blocks([&](const Block& b) { clear_loads(b); });
   team_.for_parts([&](const Part& part) {
@@ -243,7 +258,19 @@ void Simulation::evaluate_loads() {
     for (std::size_t b = part.first_block; b < part.last_block; ++b)
       complete_loads(part, team_.block(b), Instant::start, {}, untimed);
   });
+  close_walls(0.0);
   check_finite();
+}
+
+/// What walls have done in the step. No particle passes through one unseen.
+void Simulation::close_walls(double dt) {
+  if (!walls_.any()) return;
+  state_.books.work_supports += walls_.close(dt);
+  const auto passed = walls_.passed();
+  if (!passed) return;
+  throw Diverged(state_.clock.step, state_.clock.time(), "particle " + std::to_string(passed->p.value),
+                 "its centre has passed through wall \"" + model_.walls[passed->wall].name + "\"",
+                 "use a stiffer contact, lower velocities and loads, or a smaller time.step");
 }
 
 void Simulation::close_books() {
@@ -269,10 +296,7 @@ double Simulation::largest_way2() const {
 void Simulation::look_at_deep_contacts() {
   for (std::size_t b = 0; b < books_.size(); ++b)
     if (books_[b].deep) {
-      const RowRange rows = team_.block(b).rows;
-      encounters_.add_deep(
-          bodies_,
-          contacts_.deep_pairs({rows.first, std::min(rows.last, model_.particles())}, bodies_.poses()));
+      encounters_.add_deep(bodies_, contacts_.deep_pairs(particles_of(team_.block(b)), bodies_.poses()));
     }
 }
 
@@ -307,8 +331,9 @@ const State& Simulation::state() const {
   if (!std::exchange(bodies_ahead_, false)) return state_;
   bodies_.write(state_);
   if (bonds_.remembers()) bonds_.collect(state_.bond_history);
-  state_.contact_history = contacts_.inelastic() != nullptr ? contacts_.collect() : std::vector<PairMemory>{};
-  const bool loads_follow = bonds_.all_elastic() && !contacts_.inelastic() && !damping_.is_local();
+  state_.contact_history = contacts_.collect();
+  if (walls_.any()) walls_.write(state_);
+  const bool loads_follow = bonds_.all_elastic() && !contacts_.are_touches() && !walls_.any() && !damping_.is_local();
   state_.loads = loads_follow ? Loads{} : loads();
   state_.damping = bodies_.damping.empty() ? Loads{} : bodies_.collect(bodies_.damping);
   return state_;
@@ -396,7 +421,7 @@ const Survey& Simulation::survey() const {
   const Energies kinetic = bodies_.kinetic_energy(team_);
   e.kinetic_translation = kinetic.kinetic_translation;
   e.kinetic_rotation = kinetic.kinetic_rotation;
-  e.contact = contacts_.energy(bodies_.poses()) + contacts_.inelastic_energy(bodies_);
+  e.contact = contacts_.energy(bodies_) + walls_.energy();
   return survey_.emplace(std::move(survey));
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -19,6 +20,7 @@
 #include "vbond/dynamics/step_times.hpp"
 #include "vbond/dynamics/supports.hpp"
 #include "vbond/dynamics/team.hpp"
+#include "vbond/dynamics/walls.hpp"
 #include "vbond/model/bond_event.hpp"
 #include "vbond/model/loads.hpp"
 #include "vbond/model/model.hpp"
@@ -109,6 +111,8 @@ class Simulation {
   /// What the supports exert on these particles along held degrees of freedom, drag included, the
   /// inertia of prescribed accelerations left out.
   Reaction reaction(const std::vector<ParticleId>& particles) const;
+  /// Where walls are, and what presses on them.
+  const std::vector<WallState>& walls() const { return walls_.states(); }
   /// The same with the loads of the bonds that broke in the last step.
   Reaction reaction_before_breaks(const std::vector<ParticleId>& particles) const;
   /// Mean over the bonds with both ends in the group of F.d, tension positive; 0 without such bonds.  [force]
@@ -140,6 +144,11 @@ class Simulation {
   void take_up_loads();
   void apply_strain();
   void evaluate_loads();
+  void work_out_touches(double dt);
+  /// The rows of a block without those that fill it up.
+  RowRange particles_of(const Block& b) const {
+    return {b.rows.first, std::min(b.rows.last, model_.particles())};
+  }
   bool moves_first(const Block& block) const;
   void begin_step(const Block& block);
   void end_step(const Block& block);
@@ -152,6 +161,7 @@ class Simulation {
   bool inelastic() const { return !bodies_.rates.empty(); }
   void keep_rates(const Block& block);
   double damping_work(const Block& block, double h) const;
+  void close_walls(double dt);
   void close_books();
   double largest_way2() const;
   void add_held(const Support& support, Row row, const Vec3d& F, const Vec3d& M, Reaction& total) const;
@@ -180,6 +190,7 @@ class Simulation {
   Supports supports_;
   AppliedLoads applied_;
   Damping damping_;
+  Walls walls_;
   Bonding bonding_;
   std::vector<BlockBooks> books_;
   std::vector<std::vector<BondId>> breaking_;  // of each part, in the step under way

@@ -29,7 +29,7 @@ void take_away(const BondLoads<double>& l, LoadRow& i, LoadRow& j) {
 void Simulation::arrange_bonds() {
   bonds_.arrange(state_.bonds, state_.bond_history, bodies_.order, team_);
   if (bonds_.remembers()) state_.bond_history.resize(state_.bonds.size());
-  const bool others = contacts_.inelastic() != nullptr || damping_.is_local();
+  const bool others = damping_.is_local();
   if (!bonds_.reads_rates() && !others)
     bodies_.rates.clear();
   else if (bodies_.rates.empty())
@@ -53,10 +53,10 @@ void Simulation::make_bonds() {
   if (pairs.empty()) return;
   state();  // brought up to date
   const std::size_t before = state_.bonds.size();
-  if (model_.contact.pairs == ContactPairs::unbonded)  // add_bond() books the energy of their repulsion
-    for (const auto& [rule, i, j] : pairs)
-      state_.books.dissipated +=
-          contacts_.inelastic_energy(bodies_.order.row[i], bodies_.order.row[j], bodies_);
+  if (contacts_.are_touches() && model_.contact.pairs == ContactPairs::unbonded)
+    for (const auto& [rule, i, j] : pairs)  // add_bond() books the energy of their repulsion alone
+      state_.books.dissipated += contacts_.energy(bodies_.order.row[i], bodies_.order.row[j], bodies_) -
+                                 contact_pair_energy(model_, state_, i, j);
   bonding_.make(pairs, state_);
   for (std::size_t k = before; k < state_.bonds.size(); ++k)
     events_.push_back({BondEvent::Kind::made, BondId{k}, state_.clock.step});
@@ -70,6 +70,7 @@ void Simulation::take_up_loads() {
   if (state_.loads.F.size() == model_.particles()) bodies_.spread(state_.loads, bodies_.load);
   if (state_.damping.F.size() == model_.particles() && !bodies_.damping.empty())
     bodies_.spread(state_.damping, bodies_.damping);
+  walls_.read_loads(state_);
   check_finite();
 }
 

@@ -9,7 +9,8 @@ namespace vbond {
 inline Energies potential_energies(const Model& model, const State& state) {
   Energies e = bond_energies(state);
   for_touching_pairs(model, state, [&](ParticleId i, ParticleId j, double overlap) {
-    e.contact += contact_energy(contact_law(model.contact, model.radius[i], model.radius[j]), overlap);
+    const double R = model.radius[i] * model.radius[j] / (model.radius[i] + model.radius[j]);
+    e.contact += normal_energy(touch_forms(model.contact), touch_numbers(model, i, j), R, overlap);
   });
   return e;
 }

@@ -145,20 +145,69 @@ std::string who(const std::string& what, const Named& of) {
   return of.group.empty() ? what : fmt::format("{} on \"{}\"", what, of.group);
 }
 
-void look_at_contact(const ContactModel& c, Mistakes& found) {
-  found.require(c.inelastic == nullptr || c.law != ContactLaw::none,
-                "contact.inelastic is for particles that repel each other: contact.law is none");
+void look_at_surface(const Surface& s, const std::string& of, Mistakes& found) {
+  const auto not_negative = [&](const std::optional<double>& x, const char* name) {
+    found.require(!x || at_least_zero(*x),
+                  fmt::format("{}.{} is {}: it must be >= 0", of, name, x.value_or(0)));
+  };
+  not_negative(s.friction, "friction");
+  not_negative(s.rolling_friction, "rolling_friction");
+  not_negative(s.twisting_friction, "twisting_friction");
+  not_negative(s.work_of_adhesion, "work_of_adhesion");
+  const double e = s.restitution.value_or(1.0);
+  found.require(e >= least_restitution && e <= 1.0,
+                fmt::format("{}.restitution is {}: {} <= e <= 1", of, e, least_restitution));
+}
+
+void look_at_elasticity(double E, double nu, const std::string& of, Mistakes& found) {
+  found.require(at_least_zero(E), fmt::format("{}.E is {}: it must be >= 0", of, E));
+  found.require(nu > -1.0 && nu <= 0.5, fmt::format("{}.nu is {}: -1 < nu <= 0.5", of, nu));
+}
+
+void look_at_contact(const Model& model, Mistakes& found) {
+  const ContactModel& c = model.contact;
+  const auto not_negative = [&](double x, const char* name) {
+    found.require(at_least_zero(x), fmt::format("contact.{} is {}: it must be >= 0", name, x));
+  };
   switch (c.law) {
     case ContactLaw::none: break;
     case ContactLaw::paper_hertz:
-      found.require(at_least_zero(c.c_H), fmt::format("contact.c_H is {}: it must be >= 0", c.c_H));
+      not_negative(c.c_H, "c_H");
       found.require(above_zero(c.length), fmt::format("contact.length is {}: it must be > 0", c.length));
       break;
     case ContactLaw::hertz:
-      found.require(at_least_zero(c.E), fmt::format("contact.E is {}: it must be >= 0", c.E));
-      found.require(c.nu > -1.0 && c.nu <= 0.5, fmt::format("contact.nu is {}: -1 < nu <= 0.5", c.nu));
+      if (model.materials.empty()) look_at_elasticity(c.E, c.nu, "contact", found);
       break;
+    case ContactLaw::linear: not_negative(c.k, "k"); break;
   }
+  found.require(c.adhesion == AdhesionForm::none || c.law == ContactLaw::hertz,
+                "contact.adhesion is for law hertz");
+  found.require(c.tangential != TangentialForm::mindlin || c.law == ContactLaw::hertz,
+                "contact.tangential = mindlin is for law hertz, which has E and nu");
+  found.require(
+      c.rolling != RollingForm::spring || c.rolling_stiffness > 0.0 || c.tangential != TangentialForm::none,
+      "contact.rolling = spring needs rolling_stiffness, or a tangential form that it follows from");
+  not_negative(c.k_t, "k_t");
+  not_negative(c.tangential_damping, "tangential_damping");
+  not_negative(c.rolling_stiffness, "rolling_stiffness");
+  look_at_surface(c.surface, "contact", found);
+  for (const ContactMaterial& m : model.materials) {
+    look_at_elasticity(m.E, m.nu, "material \"" + m.name + "\"", found);
+    look_at_surface(m.surface, "material \"" + m.name + "\"", found);
+  }
+  for (const ContactPair& p : c.between) look_at_surface(p.surface, "contact.between", found);
+  const std::size_t materials = std::max<std::size_t>(1, model.materials.size());
+  found.require(model.material.empty() || model.material.size() == model.particles(),
+                fmt::format("material has {} entries for {} particles: one for each, or none",
+                            model.material.size(), model.particles()));
+  for (const std::uint32_t m : model.material)
+    if (m >= materials) {
+      found.require(false, fmt::format("a particle is of material {} of {}", m, materials));
+      break;
+    }
+  for (const Wall& w : model.walls)
+    found.require(w.material < materials,
+                  fmt::format("wall \"{}\" is of material {} of {}", w.name, w.material, materials));
 }
 
 void look_at_stops(const Stops& stops, Mistakes& found) {
@@ -219,7 +268,7 @@ std::vector<std::string> mistakes_in(const Model& model) {
     found.require_known(g.particles, "group \"" + g.name + "\"");
     found.require_increasing(g.particles, "group \"" + g.name + "\"");
   }
-  look_at_contact(model.contact, found);
+  look_at_contact(model, found);
   return std::move(found).take();
 }
 

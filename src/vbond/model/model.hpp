@@ -7,9 +7,8 @@
 
 #include "vbond/core/column.hpp"
 #include "vbond/core/vec3.hpp"
-#include "vbond/model/pair_law.hpp"
+#include "vbond/model/contact.hpp"
 #include "vbond/model/wall.hpp"
-#include "vbond/physics/contact.hpp"
 
 namespace vbond {
 
@@ -20,38 +19,6 @@ struct Group {
   std::string name;
   std::vector<ParticleId> particles;
 };
-
-/// What a particle or a wall is made of, as far as contacts ask.
-struct ContactMaterial {
-  std::string name;
-  double E = 0;   ///< [force/area]
-  double nu = 0;  ///< -1 < nu <= 0.5
-};
-
-enum class ContactLaw : std::uint8_t { none, paper_hertz, hertz };
-enum class ContactPairs : std::uint8_t { all, unbonded };
-
-/// Repulsion of particles that overlap.
-struct ContactModel {
-  ContactLaw law = ContactLaw::none;
-  ContactPairs pairs = ContactPairs::unbonded;
-  double c_H = 0;       ///< paper_hertz: [force/length]
-  double length = 1.0;  ///< paper_hertz: the length scale a  [length]
-  double E = 0;         ///< hertz: [force/area]
-  double nu = 0;        ///< hertz
-  /// What touching pairs do besides, nullptr: nothing. Stays with the caller. In dynamics only.
-  const PairLaw* inelastic = nullptr;
-};
-
-/// The contact law of two particles with these radii; stiffness 0 for `none`.
-inline HertzContact<double> contact_law(const ContactModel& c, double R_i, double R_j) {
-  switch (c.law) {
-    case ContactLaw::none: break;
-    case ContactLaw::paper_hertz: return paper_hertz(c.c_H, std::sqrt(c.length));
-    case ContactLaw::hertz: return hertz(c.E, c.nu, R_i, R_j);
-  }
-  return {0.0};
-}
 
 /// What does not change during a run, except between stages. Units: those of the case
 /// (reduced: a = m = c_A = 1; SI: m, kg, s).
@@ -80,6 +47,11 @@ struct Model {
     return nullptr;
   }
 };
+
+/// What two particles do when they touch, by their materials.
+inline TouchNumbers<double> touch_numbers(const Model& m, ParticleId i, ParticleId j) {
+  return touch_numbers(m.contact, m.materials, m.material_of(i), m.material_of(j));
+}
 
 /// Equal particles at these positions, in one group "all", without contacts; T_0 is that of a bond with c_A
 /// = 1.

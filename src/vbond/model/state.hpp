@@ -69,6 +69,8 @@ struct State {
   /// remember or break. Empty for elastic bodies.
   Loads loads;
   std::vector<PairMemory> contact_history;  ///< of touching pairs that remember something, in order of (i, j)
+  std::vector<WallState> walls;          ///< of each wall; empty: as at the start, at rest
+  std::vector<WallMemory> wall_history;  ///< of touches that remember something, in order of (p, wall)
   Loads damping;                            ///< the part of these that damps; empty if no bond does
   EnergyBooks books;
   PeakRecord peak;
@@ -88,16 +90,17 @@ inline State at_rest(const Model& model) {
   return s;
 }
 
-/// Contact energy of two particles, bonded or not; 0 if they do not touch.  [energy]
+/// Energy of the repulsion of two particles, bonded or not; 0 if they do not touch.  [energy]
 inline double contact_pair_energy(const Model& model, const State& s, ParticleId i, ParticleId j) {
   if (model.contact.law == ContactLaw::none) return 0.0;
-  const double overlap = model.radius[i] + model.radius[j] - norm(s.r[j] - s.r[i]);
+  const double R_i = model.radius[i], R_j = model.radius[j], overlap = R_i + R_j - norm(s.r[j] - s.r[i]);
   if (!(overlap > 0.0)) return 0.0;
-  return contact_energy(contact_law(model.contact, model.radius[i], model.radius[j]), overlap);
+  return normal_energy(touch_forms(model.contact), touch_numbers(model, i, j), R_i * R_j / (R_i + R_j),
+                       overlap);
 }
 
-/// Takes up a new bond, made by this recipe. If bonded pairs do not touch, the pair's contact energy is given
-/// up and booked as dissipated; the energy of a prestrain is booked as work of imposed strain.
+/// Takes up a new bond, made by this recipe. If bonded pairs do not touch, the energy of the pair's repulsion
+/// is given up and booked as dissipated; the energy of a prestrain is booked as work of imposed strain.
 inline void add_bond(const Model& model, const Bond& bond, const BondRecipe& recipe, State& s) {
   s.bonds.push_back(bond);
   if (model.contact.pairs == ContactPairs::unbonded)

@@ -104,31 +104,50 @@ PresentContacts present_contacts(const Model& model, const State& state) {
   return found;
 }
 
-/// k_c (1/m_i + 1/m_j) <= 2/m_i times k_c of i against the largest particle, if i is the lighter one.
+/// Slope of the normal force, and of slip where that is larger in what it does to the step: a particle that
+/// rolls feels slip with (1/m + R^2/Theta).
+struct ContactSlopes {
+  double normal = 0, tangential = 0, damping = 0;  ///< [force/length], [force*time/length]
+};
+ContactSlopes slopes_of(const ContactModel& contact, const TouchNumbers<double>& numbers, double R, double m,
+                        double overlap) {
+  const TouchForms forms = touch_forms(contact);
+  TouchForms repulsion = forms;
+  repulsion.adhesion = AdhesionForm::none;
+  const NormalForce<double> n = normal_force(repulsion, numbers, R, overlap);
+  ContactSlopes to;
+  to.normal = (forms.normal == NormalForm::linear ? 1.0 : 1.5) * n.secant;
+  if (forms.tangential != TangentialForm::none) to.tangential = tangential_stiffness(forms, numbers, n.a);
+  to.damping = numbers.damping * std::sqrt(m * n.secant);
+  return to;
+}
+
+/// Of the stiffest pair of materials with each particle against the largest: k_c (1/m_i + 1/m_j) <= 2/m_i
+/// times k_c, if i is the lighter one.
 double lambda_of_contacts(const Model& model, const State& state) {
-  const ContactModel& law = model.contact;
-  if (law.law == ContactLaw::none || model.particles() < 2) return 0.0;
+  const ContactModel& contact = model.contact;
+  if (contact.law == ContactLaw::none || model.particles() == 0) return 0.0;
+  if (model.particles() < 2 && model.walls.empty()) return 0.0;
   const double R_max = *std::max_element(model.radius.begin(), model.radius.end());
   if (!(R_max > 0.0)) return 0.0;
   const PresentContacts present = present_contacts(model, state);
+  const auto materials = std::max<std::uint32_t>(1, static_cast<std::uint32_t>(model.materials.size()));
+  std::vector<TouchNumbers<double>> numbers;  // of all pairs of materials
+  for (std::uint32_t first = 0; first < materials; ++first)
+    for (std::uint32_t second = first; second < materials; ++second)
+      numbers.push_back(touch_numbers(contact, model.materials, first, second));
   double lambda = 0.0;
   for (const ParticleId p : model.mass.ids()) {
-    const double R = model.radius[p];
-    const HertzContact<double> h = contact_law(law, R, R_max);
-    const double overlap = std::max(present.overlap, 0.1 * (R + R_max)), k_c = contact_stiffness(h, overlap);
-    PairSlopes more{0.0, 0.0};
-    if (law.inelastic != nullptr)
-      more = law.inelastic->slopes(law.inelastic->law, {.r_ij = {R + R_max - overlap, 0, 0},
-                                                        .R_i = R,
-                                                        .R_j = R_max,
-                                                        .overlap = overlap,
-                                                        .m_i = model.mass[p],
-                                                        .m_j = model.mass[p],
-                                                        .v_ij = {},
-                                                        .w_i = {},
-                                                        .w_j = {}});
-    lambda = std::max(lambda, damped_bound(present.most * (k_c + more.stiffness) * 2.0 / model.mass[p],
-                                           present.most * more.damping * 2.0 / model.mass[p]));
+    const double R = model.radius[p], m = model.mass[p];
+    const double R_pair = model.walls.empty() ? R * R_max / (R + R_max) : R;
+    const double overlap = std::max(present.overlap, 0.1 * (R + R_max));
+    for (const TouchNumbers<double>& n : numbers) {
+      const ContactSlopes s = slopes_of(contact, n, R_pair, m, overlap);
+      const double per_m = 2.0 / m, per_slip = 2.0 * (1.0 / m + sq(R) / model.inertia[p]);
+      const double elastic = std::max(s.normal * per_m, s.tangential * per_slip);
+      const double damping = std::max(per_m, s.tangential > 0.0 ? n.tangential_damping * per_slip : 0.0);
+      lambda = std::max(lambda, damped_bound(present.most * elastic, present.most * s.damping * damping));
+    }
   }
   return lambda;
 }

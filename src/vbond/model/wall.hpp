@@ -8,6 +8,7 @@
 #include "vbond/core/quat.hpp"
 #include "vbond/core/triangle_mesh.hpp"
 #include "vbond/core/vec3.hpp"
+#include "vbond/model/contact.hpp"
 #include "vbond/model/time_function.hpp"
 
 namespace vbond {
@@ -50,14 +51,26 @@ struct Wall {
   Vec3d centre;                ///< what it turns about and moments refer to  [length]
 };
 
-/// Where a wall is and how it moves: a point x of its shape at the start is now at
+/// Where a wall is, how it moves and what presses on it: a point x of its shape at the start is now at
 /// centre + displacement + q (x - centre).
-struct WallPose {
+struct WallState {
   Vec3d displacement;      ///< [length]
   Quatd q;                 ///< orientation
   Vec3d velocity;          ///< of its centre  [length/time]
   Vec3d angular_velocity;  ///< [rad/time]
-  friend bool operator==(const WallPose&, const WallPose&) = default;
+  Vec3d force, moment;     ///< of particles on it, moment about its centre  [force], [force*length]
+  double servo = 0;        ///< its speed along the servo's direction  [length/time]
+  double work = 0;         ///< that it has done on particles  [energy]
+  friend bool operator==(const WallState&, const WallState&) = default;
+};
+
+/// What a particle remembers of a place where it touches a wall.
+struct WallMemory {
+  ParticleId p;
+  std::uint32_t wall = 0;
+  Vec3d normal;  ///< from the wall to the particle
+  PairHistory history{};
+  friend bool operator==(const WallMemory&, const WallMemory&) = default;
 };
 
 /// What moves a wall in a stage. Without one it stands still.

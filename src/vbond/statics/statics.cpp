@@ -41,11 +41,13 @@ void refuse_bonds_that_remember(const StaticStage& stage, const State& state) {
 }
 
 void refuse_inelastic_contacts(const Model& model, const StaticStage& stage) {
-  if (model.contact.inelastic == nullptr) return;
-  throw NoEquilibrium(stage.name,
-                      fmt::format("contacts are of the law \"{}\": its loads have no potential",
-                                  model.contact.inelastic->name),
-                      "leave that law out for static stages: they take frictionless contacts");
+  if (is_elastic(model.contact, model.materials)) return;
+  throw NoEquilibrium(
+      stage.name,
+      "contacts do more than repel elastically by Hertz's law: friction, damping and adhesion depend "
+      "on the way by which an equilibrium is reached",
+      "leave friction, restitution and adhesion out of [contact] for static stages, or bring the "
+      "body to rest in a stage of dynamics");
 }
 
 }  // namespace

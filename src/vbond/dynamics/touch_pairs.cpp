@@ -1,0 +1,201 @@
+#include "vbond/dynamics/touch_pairs.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace vbond {
+
+Touching<double> touching_of(const TouchRow& i, const TouchRow& j, const Vec3d& r_ij, const MotionRow& of_i,
+                             const MotionRow& of_j) {
+  const double distance = norm(r_ij), overlap = i.R + j.R - distance;
+  return {.n = r_ij / distance,
+          .overlap = overlap,
+          .R = i.R * j.R / (i.R + j.R),
+          .m = 1.0 / (i.per_m + j.per_m),
+          .Theta = 1.0 / (i.per_Theta + j.per_Theta),
+          .l_i = i.R - 0.5 * overlap,
+          .l_j = j.R - 0.5 * overlap,
+          .v = of_j.v - of_i.v,
+          .w_i = of_i.omega,
+          .w_j = of_j.omega};
+}
+
+TouchHistory<double> touch_history(const PairHistory& x) {
+  return {{x[0], x[1], x[2]}, x[3], {x[4], x[5], x[6]}, x[7], {x[8], x[9], x[10]}, x[11]};
+}
+
+PairHistory numbers_of(const TouchHistory<double>& h) {
+  return {h.F_t.x, h.F_t.y, h.F_t.z, h.a, h.F_d.x, h.F_d.y, h.F_d.z, h.k_r, h.M_r.x, h.M_r.y, h.M_r.z, h.M_t};
+}
+
+bool holds_on(const TouchForms& forms, const TouchNumbers<double>& numbers, double R, double overlap) {
+  return forms.adhesion == AdhesionForm::jkr &&
+         overlap > -reach_of_adhesion(numbers.stiffness, numbers.work, R);
+}
+
+double lost_on_parting(const TouchForms& forms, const TouchNumbers<double>& numbers,
+                       const Touching<double>& p, double dt, const TouchHistory<double>& history) {
+  double lost = history_energy(forms, numbers, history);
+  if (forms.adhesion == AdhesionForm::none) return lost;
+  const double before = p.overlap + dot(p.v, p.n) * dt;  // the overlap a step ago, when they still held on
+  lost += normal_energy(forms, numbers, p.R, before);
+  return lost + 0.5 * normal_force(forms, numbers, p.R, before).F * (p.overlap - before);
+}
+
+namespace {
+
+/// The same as the other one feels it.
+PairHistory seen_from_the_other(PairHistory h) {
+  for (const std::size_t k : {0, 1, 2, 4, 5, 6, 8, 9, 10}) h[k] = -h[k];
+  return h;
+}
+
+}  // namespace
+
+TouchPairs::TouchPairs(const Model& model, const Order& order, const StepKernel& kernel)
+    : order_(order), kernel_(kernel), forms_(touch_forms(model.contact)), start_(model.particles() + 1, 0) {
+  double R_max = 0.0;
+  for (const ParticleId p : order.particle) {
+    row_.push_back({model.radius[p], 1.0 / model.mass[p], 1.0 / model.inertia[p]});
+    R_max = std::max(R_max, model.radius[p]);
+    if (model.materials.size() > 1) material_.push_back(model.material_of(p));
+  }
+  materials_ = std::max<std::uint32_t>(1, static_cast<std::uint32_t>(model.materials.size()));
+  for (std::uint32_t first = 0; first < materials_; ++first)
+    for (std::uint32_t second = 0; second < materials_; ++second) {
+      numbers_.push_back(touch_numbers(model.contact, model.materials, first, second));
+      if (forms_.adhesion == AdhesionForm::jkr)
+        reach_ = std::max(reach_, reach_of_adhesion(numbers_.back().stiffness, numbers_.back().work, R_max));
+    }
+}
+
+TouchRule TouchPairs::rule() const {
+  return {forms_, numbers_.data(), materials_, material_.empty() ? nullptr : material_.data(), row_.data()};
+}
+
+TouchTable TouchPairs::table() {
+  return {start_.data(), second_.data(), history_.data(), load_.data(), touching_.data()};
+}
+
+const TouchNumbers<double>& TouchPairs::numbers(Row i, Row j) const {
+  return numbers_[material_.empty() ? 0 : material_[i.value] * materials_ + material_[j.value]];
+}
+
+Touching<double> TouchPairs::touching(Row i, Row j, const Bodies& b) const {
+  return touching_of(row_[i.value], row_[j.value], b.pose[j.value].r - b.pose[i.value].r, b.motion[i.value],
+                     b.motion[j.value]);
+}
+
+std::size_t TouchPairs::place(Row i, Row j) const {
+  const auto first = second_.begin() + static_cast<std::ptrdiff_t>(start_[i.value]);
+  const auto last = second_.begin() + static_cast<std::ptrdiff_t>(start_[i.value + 1]);
+  const auto at = std::lower_bound(first, last, j);
+  return at != last && *at == j ? static_cast<std::size_t>(at - second_.begin()) : pairs();
+}
+
+void TouchPairs::list(const NeighbourList& near) {
+  const std::size_t n = row_.size();
+  std::vector<std::size_t> start(n + 1, 0);
+  std::vector<Row> second;
+  second.reserve(near.places() / 2);
+  all_start_.assign(n + 1, 0);
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::span<const Row> of_i = near.of(Row{i});
+    const auto above = std::upper_bound(of_i.begin(), of_i.end(), Row{i});
+    second.insert(second.end(), above, of_i.end());
+    start[i + 1] = second.size();
+    all_start_[i + 1] = all_start_[i] + of_i.size();
+  }
+  std::vector<HistoryRow> history(second.size());
+  for (std::size_t i = 0; i < n; ++i)  // both are sorted
+    for (std::size_t k = start[i], old = start_[i]; k < start[i + 1]; ++k) {
+      while (old < start_[i + 1] && second_[old] < second[k]) ++old;
+      if (old < start_[i + 1] && second_[old] == second[k]) history[k] = history_[old];
+    }
+  start_ = std::move(start);
+  second_ = std::move(second);
+  history_ = std::move(history);
+  load_.assign(second_.size(), {});
+  touching_.assign(second_.size(), 0);
+
+  all_.resize(all_start_[n]);  // the lower rows first, in order, as pairs are gone through in theirs
+  std::vector<std::size_t> next(all_start_.begin(), all_start_.end() - 1);
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t k = start_[i]; k < start_[i + 1]; ++k) all_[next[second_[k].value]++] = 2 * k + 1;
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t k = start_[i]; k < start_[i + 1]; ++k) all_[next[i]++] = 2 * k;
+}
+
+TouchSums TouchPairs::work_out(RowRange rows, const Bodies& b, double dt) {
+  return kernel_.touch_pairs(rule(), table(), rows, b.pose.data(), b.motion.data(), dt);
+}
+
+void TouchPairs::add_loads(RowRange rows, LoadRow* load) const {
+  const bool rolls = forms_.rolling != RollingForm::none;
+  for (std::size_t i = rows.first; i < rows.last; ++i) {
+    Vec3d F = load[i].F, M = load[i].M;
+    for (std::size_t e = all_start_[i]; e < all_start_[i + 1]; ++e) {
+      const std::size_t k = all_[e] / 2;
+      if (touching_[k] == 0) continue;
+      const PairLoadRow& l = load_[k];
+      if (all_[e] % 2 == 0) {
+        F += l.F;
+        M += l.l_i * l.T;
+        if (rolls) M += l.M;
+      } else {
+        F -= l.F;
+        M += l.l_j * l.T;
+        if (rolls) M -= l.M;
+      }
+    }
+    load[i].F = F;
+    load[i].M = M;
+  }
+}
+
+double TouchPairs::energy(Row i, Row j, const Bodies& bodies) const {
+  const Touching<double> p = touching(i, j, bodies);
+  const std::size_t k = place(std::min(i, j), std::max(i, j));
+  const TouchHistory<double> h = touch_history(k < pairs() ? history_[k].x : PairHistory{});
+  const bool touch = p.overlap > 0.0 || (h.a > 0.0 && holds_on(forms_, numbers(i, j), p.R, p.overlap));
+  if (!touch) return 0.0;
+  return normal_energy(forms_, numbers(i, j), p.R, p.overlap) + history_energy(forms_, numbers(i, j), h);
+}
+
+double TouchPairs::energy(const Bodies& bodies) const {
+  double U = 0.0;
+  for (std::size_t i = 0; i < row_.size(); ++i)
+    for (std::size_t k = start_[i]; k < start_[i + 1]; ++k) U += energy(Row{i}, second_[k], bodies);
+  return U;
+}
+
+Vec3d TouchPairs::first_force(Row i, Row j, const Bodies& bodies) const {
+  const Touching<double> p = touching(i, j, bodies);
+  if (!(p.overlap > 0.0)) return {};
+  return -normal_force(forms_, numbers(i, j), p.R, p.overlap).F * p.n;
+}
+
+std::vector<PairMemory> TouchPairs::collect() const {
+  std::vector<PairMemory> memories;
+  for (std::size_t i = 0; i < row_.size(); ++i)
+    for (std::size_t k = start_[i]; k < start_[i + 1]; ++k) {
+      const PairHistory& h = history_[k].x;
+      if (h == PairHistory{}) continue;
+      const ParticleId p = order_.particle[Row{i}], o = order_.particle[second_[k]];
+      memories.push_back(p < o ? PairMemory{p, o, h} : PairMemory{o, p, seen_from_the_other(h)});
+    }
+  std::sort(memories.begin(), memories.end(), [](const PairMemory& a, const PairMemory& b) {
+    return std::pair(a.i, a.j) < std::pair(b.i, b.j);
+  });
+  return memories;
+}
+
+void TouchPairs::restore(const std::vector<PairMemory>& memories) {
+  for (const PairMemory& m : memories) {
+    const Row i = order_.row[m.i], j = order_.row[m.j];
+    const std::size_t k = place(std::min(i, j), std::max(i, j));
+    if (k < pairs()) history_[k].x = i < j ? m.history : seen_from_the_other(m.history);
+  }
+}
+
+}  // namespace vbond

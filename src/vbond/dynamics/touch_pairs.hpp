@@ -1,0 +1,69 @@
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "vbond/dynamics/bodies.hpp"
+#include "vbond/dynamics/kernel.hpp"
+#include "vbond/dynamics/neighbours.hpp"
+#include "vbond/model/model.hpp"
+
+namespace vbond {
+
+/// Near particles, what those that touch do to each other by physics/touch.hpp, and what they remember. Each
+/// pair is worked out once, in the block of its lower row; then both rows add its loads, in increasing order
+/// of the other row: the bits do not depend on how rows are shared out.
+class TouchPairs {
+ public:
+  /// Keeps references to both.
+  TouchPairs(const Model& model, const Order& order, const StepKernel& kernel);
+  TouchPairs(const Model&&, const Order&, const StepKernel&) = delete;
+  TouchPairs(const Model&, const Order&&, const StepKernel&) = delete;
+
+  /// The farthest that particles hold on to each other beyond touching.  [length]
+  double reach() const { return reach_; }
+  /// Takes over what is near what. Pairs that stay keep what they remember.
+  void list(const NeighbourList& near);
+  /// The loads of the pairs of these rows, as TouchLoop.
+  TouchSums work_out(RowRange rows, const Bodies& bodies, double dt);
+  /// Adds them to these rows, once all pairs are worked out.
+  void add_loads(RowRange rows, LoadRow* load) const;
+
+  /// What contacts store as the particles stand: all, or these two.  [energy]
+  double energy(const Bodies& bodies) const;
+  double energy(Row i, Row j, const Bodies& bodies) const;
+  /// The force on i of two that begin to touch.  [force]
+  Vec3d first_force(Row i, Row j, const Bodies& bodies) const;
+
+  /// What pairs remember, in order of particles; and takes it up again.
+  std::vector<PairMemory> collect() const;
+  void restore(const std::vector<PairMemory>& memories);
+
+ private:
+  TouchRule rule() const;
+  TouchTable table();
+  const TouchNumbers<double>& numbers(Row i, Row j) const;
+  Touching<double> touching(Row i, Row j, const Bodies& bodies) const;
+  /// The place of a pair in the table, i the lower row; or none: pairs().
+  std::size_t place(Row i, Row j) const;
+  std::size_t pairs() const { return second_.size(); }
+
+  const Order& order_;
+  const StepKernel& kernel_;
+  TouchForms forms_;
+  std::vector<TouchRow> row_;
+  std::vector<std::uint32_t> material_;  // of each row; empty: there is one
+  std::uint32_t materials_ = 1;
+  std::vector<TouchNumbers<double>> numbers_;  // of each pair of materials
+  double reach_ = 0;
+
+  std::vector<std::size_t> start_;  // of each row, in the pairs that it is first of
+  std::vector<Row> second_;
+  std::vector<HistoryRow> history_;
+  std::vector<PairLoadRow> load_;
+  std::vector<std::uint8_t> touching_;
+  std::vector<std::size_t> all_start_;  // of each row, in all its pairs
+  std::vector<std::size_t> all_;        // 2 times the pair, and 1 where the row is its second
+};
+
+}  // namespace vbond

@@ -1,0 +1,287 @@
+#include "vbond/dynamics/walls.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace vbond {
+namespace {
+
+/// Two normals farther apart than 60 degrees belong to two touches.
+constexpr double same_touch = 0.5;
+
+Vec3d velocity_at(const WallState& w, const Vec3d& centre, const Vec3d& x) {
+  return w.velocity + cross(w.angular_velocity, x - centre - w.displacement);
+}
+
+}  // namespace
+
+Walls::Walls(const Model& model, const Stage& stage, const Bodies& bodies, std::size_t blocks)
+    : model_(model),
+      bodies_(bodies),
+      drive_(model.walls.size(), nullptr),
+      walls_(model.walls.size()),
+      forms_(touch_forms(model.contact)) {
+  if (!any()) return;
+  for (const WallDrive& d : stage.walls) drive_[d.index] = &d;
+  const double R_max = model.radius.empty() ? 0.0 : *std::max_element(model.radius.begin(), model.radius.end());
+  const std::size_t materials = std::max<std::size_t>(1, model.materials.size());
+  for (const Wall& w : model.walls) {
+    surfaces_.emplace_back(w.shape);
+    numbers_.emplace_back();
+    for (std::uint32_t m = 0; m < materials; ++m) {
+      numbers_.back().push_back(touch_numbers(model.contact, model.materials, m, w.material));
+      const TouchNumbers<double>& n = numbers_.back().back();
+      if (forms_.adhesion == AdhesionForm::jkr)
+        reach_ = std::max(reach_, reach_of_adhesion(n.stiffness, n.work, R_max));
+    }
+  }
+  skin_ = 0.4 * R_max;
+  blocks_.resize(blocks);
+  for (OfBlock& b : blocks_) b.F.resize(walls_.size()), b.M.resize(walls_.size());
+}
+
+void Walls::read(const State& s) {
+  if (s.walls.size() == walls_.size()) walls_ = s.walls;
+  for (std::size_t w = 0; w < walls_.size(); ++w) {
+    if (s.clock.stage_step != 0) break;
+    walls_[w].velocity = walls_[w].angular_velocity = {};
+    walls_[w].servo = 0.0;
+  }
+  room_ = 0.0;
+  for (OfBlock& b : blocks_) b.near.clear();
+  for (const WallMemory& m : s.wall_history) {
+    const std::size_t row = bodies_.order.row[m.p].value;
+    std::vector<Near>& near = blocks_[row / block_rows].near;
+    auto at = std::find_if(near.begin(), near.end(), [&](const Near& n) { return n.row == row && n.wall == m.wall; });
+    if (at == near.end()) at = near.insert(near.end(), {row, m.wall, 0, 0, {}});
+    at->slots.push_back({m.normal, m.history});
+  }
+  for (OfBlock& b : blocks_)
+    std::sort(b.near.begin(), b.near.end(),
+              [](const Near& x, const Near& y) { return std::pair(x.row, x.wall) < std::pair(y.row, y.wall); });
+}
+
+void Walls::write(State& s) const {
+  s.walls = walls_;
+  s.wall_history.clear();
+  for (const OfBlock& b : blocks_)
+    for (const Near& n : b.near)
+      for (const Slot& slot : n.slots)
+        s.wall_history.push_back({bodies_.order.particle[Row{n.row}], n.wall, slot.normal, slot.history});
+  std::stable_sort(s.wall_history.begin(), s.wall_history.end(), [](const WallMemory& a, const WallMemory& b) {
+    return std::pair(a.p, a.wall) < std::pair(b.p, b.wall);
+  });
+}
+
+void Walls::read_loads(const State& s) {
+  for (std::size_t w = 0; w < walls_.size() && w < s.walls.size(); ++w)
+    walls_[w].force = s.walls[w].force, walls_[w].moment = s.walls[w].moment;
+}
+
+/// The mean velocity of the step that begins.
+void Walls::set_velocity(std::size_t w, std::int64_t stage_step, double dt) {
+  WallState& now = walls_[w];
+  now.velocity = now.angular_velocity = {};
+  if (drive_[w] == nullptr) return;
+  const WallDrive& d = *drive_[w];
+  const double t = static_cast<double>(stage_step) * dt, middle = t + 0.5 * dt;
+  const double factor = d.factor(middle);
+  now.velocity = factor * d.velocity;
+  now.angular_velocity = factor * d.angular_velocity;
+  now.velocity += cross(now.angular_velocity, model_.walls[w].centre + now.displacement - d.pivot);
+  if (d.frequency > 0.0) {
+    const double rate = 2.0 * std::numbers::pi * d.frequency;
+    now.velocity += (rate * std::cos(rate * middle)) * d.amplitude;
+  }
+  if (!d.servo) return;
+  const WallDrive::Servo& s = *d.servo;  // a body that is pushed, against what presses on it: kicked from step to step
+  const double h = stage_step == 0 ? 0.5 * dt : dt, force = s.factor(t) * s.force + dot(now.force, s.direction);
+  now.servo = (now.servo + h / s.mass * force) / (1.0 + h / s.mass * s.damping);
+  if (s.fastest > 0.0) now.servo = std::clamp(now.servo, -s.fastest, s.fastest);
+  now.velocity += now.servo * s.direction;
+}
+
+void Walls::move(std::int64_t stage_step, double dt) {
+  for (std::size_t w = 0; w < walls_.size(); ++w) {
+    set_velocity(w, stage_step, dt);
+    WallState& now = walls_[w];
+    now.displacement += dt * now.velocity;
+    if (now.angular_velocity != Vec3d{}) {
+      const Quatd turn = rotation_of(dt * now.angular_velocity);
+      const Vec3d from_pivot = model_.walls[w].centre + now.displacement - dt * now.velocity - drive_[w]->pivot;
+      // on the circle about the pivot, not on its tangent
+      now.displacement += rotate(turn, from_pivot) - from_pivot - dt * cross(now.angular_velocity, from_pivot);
+      now.q = renormalised(turn * now.q);
+    }
+    room_ -= dt * (norm(now.velocity) + extent_ * norm(now.angular_velocity));
+  }
+}
+
+Vec3d Walls::at_start(std::uint32_t w, const Vec3d& r) const {
+  const Vec3d centre = model_.walls[w].centre;
+  return centre + rotate(conjugate(walls_[w].q), r - centre - walls_[w].displacement);
+}
+
+void Walls::refresh(const Team& team, double way) {
+  if (!any()) return;
+  room_ -= way;
+  if (room_ > 0.0) return;
+  team.for_blocks([&](const Block& b) {
+    list(blocks_[b.index], {b.rows.first, std::min(b.rows.last, model_.particles())});
+  });
+  room_ = 0.5 * skin_;
+  extent_ = 0.0;
+  for (std::size_t k = 0; k < model_.particles(); ++k)
+    for (std::size_t w = 0; w < walls_.size(); ++w) {
+      const double distance = norm(bodies_.pose[k].r - model_.walls[w].centre - walls_[w].displacement);
+      if (std::isfinite(distance)) extent_ = std::max(extent_, distance + skin_);
+    }
+}
+
+/// Those that are still near keep what they remember.
+void Walls::list(OfBlock& block, RowRange rows) {
+  std::vector<Near> before = std::exchange(block.near, {});
+  auto old = before.begin();
+  block.triangles.clear();
+  for (std::size_t k = rows.first; k < rows.last; ++k) {
+    if (!is_finite(bodies_.pose[k].r)) continue;
+    const double reach = model_.radius[bodies_.order.particle[Row{k}]] + reach_ + skin_;
+    for (std::uint32_t w = 0; w < walls_.size(); ++w) {
+      const Vec3d r = at_start(w, bodies_.pose[k].r);
+      while (old != before.end() && std::pair(old->row, old->wall) < std::pair(k, w)) ++old;
+      const bool was_near = old != before.end() && old->row == k && old->wall == w;
+      if (!surfaces_[w].may_touch(r, reach) && !(was_near && !old->slots.empty())) continue;
+      Near near{k, w, static_cast<std::uint32_t>(block.triangles.size()), 0, {}};
+      surfaces_[w].near(r, reach, block.triangles);
+      near.last = static_cast<std::uint32_t>(block.triangles.size());
+      if (was_near) near.slots = std::move(old->slots);
+      block.near.push_back(std::move(near));
+    }
+  }
+}
+
+const TouchNumbers<double>& Walls::numbers(const Near& near) const {
+  return numbers_[near.wall][model_.material_of(bodies_.order.particle[Row{near.row}])];
+}
+
+Touching<double> Walls::touching(const Near& near, const WallTouch& touch) const {
+  const std::size_t k = near.row;
+  const double R = model_.radius[bodies_.order.particle[Row{k}]];
+  const WallState& wall = walls_[near.wall];
+  const MotionRow& motion = bodies_.motion[k];
+  Touching<double> p{};
+  p.n = -rotate(wall.q, touch.normal);
+  p.overlap = R - touch.distance;
+  p.R = effective_radius(R, touch);
+  p.m = bodies_.mass[k];
+  p.Theta = bodies_.inertia[k];
+  p.l_i = touch.distance;
+  p.v = velocity_at(wall, model_.walls[near.wall].centre, bodies_.pose[k].r + touch.distance * p.n) - motion.v;
+  p.w_i = motion.omega;
+  p.w_j = wall.angular_velocity;
+  return p;
+}
+
+double Walls::add_touches(OfBlock& block, Near& near, LoadRow& load, double dt) {
+  const Vec3d r = bodies_.pose[near.row].r;
+  const double R = model_.radius[bodies_.order.particle[Row{near.row}]];
+  std::vector<WallTouch>& touches = block.touches;
+  touches.clear();
+  surfaces_[near.wall].touches_of({block.triangles.data() + near.first, block.triangles.data() + near.last},
+                                  at_start(near.wall, r), R + reach_, touches);
+  const TouchNumbers<double>& c = numbers(near);
+  double dissipated = 0.0;
+  block.slots.clear();
+  std::vector<Slot> before = dt > 0.0 ? std::exchange(near.slots, {}) : near.slots;
+  for (const WallTouch& touch : touches) {
+    const Touching<double> p = touching(near, touch);
+    const Vec3d normal = -p.n;
+    auto same = before.end();
+    for (auto s = before.begin(); s != before.end(); ++s) {
+      const double likeness = dot(s->normal, normal);
+      if (likeness > (same == before.end() ? same_touch : dot(same->normal, normal))) same = s;
+      if (likeness < -same_touch && touches.size() == 1)
+        block.passed = Passed{bodies_.order.particle[Row{near.row}], near.wall};
+    }
+    Slot slot{normal, same == before.end() ? PairHistory{} : same->history};
+    if (!(p.overlap > 0.0) && !(slot.history[3] > 0.0 && holds_on(forms_, c, p.R, p.overlap))) continue;
+    if (same != before.end()) before.erase(same);
+    if (!(p.l_i > 0.0)) block.passed = Passed{bodies_.order.particle[Row{near.row}], near.wall};
+    const TouchLoads<double> l = vbond::touch(forms_, c, p, dt, touch_history(slot.history));
+    load.F += l.F;
+    load.M += p.l_i * cross(p.n, l.F) + l.M;
+    const Vec3d arm = r + p.l_i * p.n - model_.walls[near.wall].centre - walls_[near.wall].displacement;
+    block.F[near.wall] -= l.F;
+    block.M[near.wall] -= cross(arm, l.F) + l.M;
+    if (!(dt > 0.0)) continue;
+    dissipated += l.dissipated;
+    slot.history = numbers_of(l.history);
+    near.slots.push_back(slot);
+  }
+  if (dt > 0.0)
+    for (const Slot& s : before) {  // what it does not touch any more
+      Touching<double> p{};
+      p.n = -s.normal, p.R = R, p.overlap = 0.0;
+      p.v = velocity_at(walls_[near.wall], model_.walls[near.wall].centre, r + R * p.n) -
+            bodies_.motion[near.row].v;
+      dissipated += lost_on_parting(forms_, c, p, dt, touch_history(s.history));
+    }
+  return dissipated;
+}
+
+double Walls::add_loads(const Block& b, LoadRow* load, double dt) {
+  OfBlock& block = blocks_[b.index];
+  std::fill(block.F.begin(), block.F.end(), Vec3d{});
+  std::fill(block.M.begin(), block.M.end(), Vec3d{});
+  block.passed.reset();
+  double dissipated = 0.0;
+  for (Near& near : block.near) dissipated += add_touches(block, near, load[near.row], dt);
+  return dissipated;
+}
+
+double Walls::close(double dt) {
+  double work = 0.0;
+  for (std::size_t w = 0; w < walls_.size(); ++w) {
+    WallState& now = walls_[w];
+    const Vec3d F = now.force, M = now.moment;
+    now.force = now.moment = {};
+    for (const OfBlock& b : blocks_) now.force += b.F[w], now.moment += b.M[w];
+    const double done =
+        -0.5 * dt * (dot(F + now.force, now.velocity) + dot(M + now.moment, now.angular_velocity));
+    now.work += done;
+    work += done;
+  }
+  return work;
+}
+
+double Walls::energy() const {
+  double U = 0.0;
+  std::vector<WallTouch> touches;
+  for (const OfBlock& block : blocks_)
+    for (const Near& near : block.near) {
+      touches.clear();
+      const double R = model_.radius[bodies_.order.particle[Row{near.row}]];
+      surfaces_[near.wall].touches_of({block.triangles.data() + near.first, block.triangles.data() + near.last},
+                                      at_start(near.wall, bodies_.pose[near.row].r), R + reach_, touches);
+      for (const WallTouch& touch : touches) {
+        const Touching<double> p = touching(near, touch);
+        const bool held = std::any_of(near.slots.begin(), near.slots.end(), [&](const Slot& s) {
+          return dot(s.normal, p.n) < -same_touch && s.history[3] > 0.0;
+        });
+        if (p.overlap > 0.0 || (held && holds_on(forms_, numbers(near), p.R, p.overlap)))
+          U += normal_energy(forms_, numbers(near), p.R, p.overlap);
+      }
+      for (const Slot& s : near.slots) U += history_energy(forms_, numbers(near), touch_history(s.history));
+    }
+  return U;
+}
+
+std::optional<Walls::Passed> Walls::passed() const {
+  for (const OfBlock& b : blocks_)
+    if (b.passed) return b.passed;
+  return std::nullopt;
+}
+
+}  // namespace vbond

@@ -1,0 +1,74 @@
+#include "vbond/model/contact.hpp"
+
+#include <utility>
+
+namespace vbond {
+namespace {
+
+using Number = std::optional<double> Surface::*;
+
+/// A number of the pair by the rule of touch_numbers().
+double of_pair(const ContactModel& c, const std::vector<ContactMaterial>& materials, std::uint32_t first,
+               std::uint32_t second, Number number, double otherwise) {
+  for (const ContactPair& p : c.between) {
+    const bool is_it = (p.materials[0] == first && p.materials[1] == second) ||
+                       (p.materials[0] == second && p.materials[1] == first);
+    if (is_it && (p.surface.*number)) return *(p.surface.*number);
+  }
+  const auto of = [&](std::uint32_t m) {
+    if (m < materials.size() && (materials[m].surface.*number)) return *(materials[m].surface.*number);
+    return (c.surface.*number).value_or(otherwise);
+  };
+  const double x = of(first), y = of(second);
+  return x == y ? x : std::sqrt(x * y);
+}
+
+}  // namespace
+
+TouchNumbers<double> touch_numbers(const ContactModel& c, const std::vector<ContactMaterial>& materials,
+                                   std::uint32_t first, std::uint32_t second) {
+  const auto elastic = [&](std::uint32_t m) {
+    return m < materials.size() ? std::pair(materials[m].E, materials[m].nu) : std::pair(c.E, c.nu);
+  };
+  const auto [E_1, nu_1] = elastic(first);
+  const auto [E_2, nu_2] = elastic(second);
+  const TouchForms forms = touch_forms(c);
+  const auto of = [&](Number number, double otherwise) {
+    return of_pair(c, materials, first, second, number, otherwise);
+  };
+  TouchNumbers<double> to;
+  switch (forms.normal) {
+    case NormalForm::hertz: to.stiffness = effective_modulus(E_1, nu_1, E_2, nu_2); break;
+    case NormalForm::one_hertz: to.stiffness = c.c_H / std::sqrt(c.length); break;
+    case NormalForm::linear: to.stiffness = c.k; break;
+  }
+  switch (forms.tangential) {
+    case TangentialForm::none: break;
+    case TangentialForm::mindlin: to.tangential = mindlin_modulus(E_1, nu_1, E_2, nu_2); break;
+    case TangentialForm::linear: to.tangential = c.k_t; break;
+  }
+  const bool pulls = c.attraction || c.adhesion != AdhesionForm::none;
+  to.damping = damping_of_restitution(forms.normal, pulls, of(&Surface::restitution, 1.0));
+  to.tangential_damping = c.tangential_damping;
+  to.friction = of(&Surface::friction, 0.0);
+  to.rolling = of(&Surface::rolling_friction, 0.0);
+  to.twisting = of(&Surface::twisting_friction, 0.0);
+  to.rolling_stiffness = c.rolling_stiffness;
+  to.work = of(&Surface::work_of_adhesion, 0.0);
+  return to;
+}
+
+bool is_elastic(const ContactModel& c, const std::vector<ContactMaterial>& materials) {
+  if (c.law == ContactLaw::none) return true;
+  if (c.law == ContactLaw::linear || c.adhesion != AdhesionForm::none) return false;
+  if (c.tangential != TangentialForm::none || c.rolling != RollingForm::none) return false;
+  for (const ContactMaterial& m : materials)
+    if (c.law == ContactLaw::hertz && (m.E != c.E || m.nu != c.nu)) return false;
+  const auto damps = [](const Surface& s) { return s.restitution.value_or(1.0) < 1.0; };
+  bool any = damps(c.surface);
+  for (const ContactMaterial& m : materials) any = any || damps(m.surface);
+  for (const ContactPair& p : c.between) any = any || damps(p.surface);
+  return !any;
+}
+
+}  // namespace vbond

@@ -1,0 +1,101 @@
+#pragma once
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "vbond/core/column.hpp"
+#include "vbond/physics/contact.hpp"
+#include "vbond/physics/touch.hpp"
+
+namespace vbond {
+
+enum class ContactLaw : std::uint8_t { none, paper_hertz, hertz, linear };
+enum class ContactPairs : std::uint8_t { all, unbonded };
+
+/// What two surfaces do when they touch, besides repelling each other. Absent: see ContactModel.
+struct Surface {
+  std::optional<double> friction;           ///< mu >= 0
+  std::optional<double> restitution;        ///< e of a head-on impact, 0 < e <= 1
+  std::optional<double> rolling_friction;   ///< mu_r >= 0
+  std::optional<double> twisting_friction;  ///< mu_t >= 0
+  std::optional<double> work_of_adhesion;   ///< w >= 0  [energy/area]
+};
+
+/// What a particle or a wall is made of, as far as contacts ask.
+struct ContactMaterial {
+  std::string name;
+  double E = 0;   ///< [force/area]
+  double nu = 0;  ///< -1 < nu <= 0.5
+  Surface surface{};
+};
+
+/// What holds for one pair of materials, in place of what follows from the two.
+struct ContactPair {
+  std::array<std::uint32_t, 2> materials{};  ///< in Model::materials
+  Surface surface{};
+};
+
+/// What particles and walls do that overlap. E, nu, c_H and k are those of all, unless Model::materials says
+/// more.
+struct ContactModel {
+  ContactLaw law = ContactLaw::none;
+  ContactPairs pairs = ContactPairs::unbonded;
+  double c_H = 0;       ///< paper_hertz: [force/length]
+  double length = 1.0;  ///< paper_hertz: the length scale a  [length]
+  double E = 0;         ///< hertz: [force/area]
+  double nu = 0;        ///< hertz
+  double k = 0;         ///< linear: [force/length]
+  double k_t = 0;       ///< tangential = linear: [force/length]
+  TangentialForm tangential = TangentialForm::none;
+  RollingForm rolling = RollingForm::none;
+  AdhesionForm adhesion = AdhesionForm::none;  ///< hertz only
+  bool attraction = false;                     ///< TouchForms::attraction
+  double tangential_damping = 1;               ///< c_t / c_n
+  double rolling_stiffness = 0;                ///< [force*length]; 0: k_t R_r^2
+  Surface surface{};                           ///< absent numbers: friction 0, restitution 1, no adhesion
+  std::vector<ContactPair> between{};          ///< exceptions
+};
+
+/// The repulsion of two particles with these radii, if it is that of all materials and Hertz's; stiffness 0
+/// for `none`.
+inline HertzContact<double> contact_law(const ContactModel& c, double R_i, double R_j) {
+  switch (c.law) {
+    case ContactLaw::none:
+    case ContactLaw::linear: break;
+    case ContactLaw::paper_hertz: return paper_hertz(c.c_H, std::sqrt(c.length));
+    case ContactLaw::hertz: return hertz(c.E, c.nu, R_i, R_j);
+  }
+  return {0.0};
+}
+
+constexpr TouchForms touch_forms(const ContactModel& c) {
+  NormalForm normal = NormalForm::hertz;
+  if (c.law == ContactLaw::linear) normal = NormalForm::linear;
+  if (c.law == ContactLaw::paper_hertz) normal = NormalForm::one_hertz;
+  return {normal, c.adhesion, c.tangential, c.rolling, c.attraction};
+}
+
+/// What the pair of two materials does: an exception of ContactModel::between, else the geometric mean of
+/// what the two materials say, else what the model says for all.
+TouchNumbers<double> touch_numbers(const ContactModel& contact, const std::vector<ContactMaterial>& materials,
+                                   std::uint32_t first, std::uint32_t second);
+
+/// Whether contacts are no more than one elastic repulsion of the centres, which has loops of its own and is
+/// taken at rest.
+bool is_elastic(const ContactModel& contact, const std::vector<ContactMaterial>& materials);
+
+/// What two bodies remember of their contact: numbers of a TouchHistory, see physics/touch.hpp, as i feels
+/// it.
+using PairHistory = std::array<double, 12>;
+
+/// What the pair of two particles, i < j, remembers.
+struct PairMemory {
+  ParticleId i, j;
+  PairHistory history{};
+  friend bool operator==(const PairMemory&, const PairMemory&) = default;
+};
+
+}  // namespace vbond

@@ -1,0 +1,317 @@
+#pragma once
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+
+#include "vbond/core/scalar.hpp"
+#include "vbond/core/vec3.hpp"
+
+// What two bodies that touch do to each other: normal force with damping and adhesion, friction, resistance
+// to rolling and twisting. Formulas and sources: docs/contacts.md.
+namespace vbond {
+
+/// Normal force F of an overlap d >= 0.
+enum class NormalForm : std::uint8_t {
+  hertz,      ///< 4/3 E* sqrt(R*) d^(3/2)
+  one_hertz,  ///< k d^(3/2), one k for all radii: the paper's form
+  linear,     ///< k d
+};
+enum class AdhesionForm : std::uint8_t {
+  none,
+  jkr,  ///< Johnson, Kendall & Roberts 1971; the contact parts where no equilibrium is left: the least d
+  dmt,  ///< Hertz less 2 pi w R*, as long as d > 0
+};
+enum class TangentialForm : std::uint8_t {
+  none,
+  mindlin,  ///< k_t = 8 G* a, a = sqrt(R* d); the force falls with a when the contact is relieved
+  linear,   ///< one k_t
+};
+enum class RollingForm : std::uint8_t {
+  none,
+  constant,  ///< mu_r R_r F_n against the rolling; at rest as much as stops it within a step
+  spring,    ///< k_r theta, at most mu_r R_r F_n (type C of Ai et al. 2011)
+};
+
+/// The forms that all contacts of a run share.
+struct TouchForms {
+  NormalForm normal = NormalForm::hertz;
+  AdhesionForm adhesion = AdhesionForm::none;
+  TangentialForm tangential = TangentialForm::none;
+  RollingForm rolling = RollingForm::none;
+  bool attraction = false;  ///< damping may pull bodies together that part; with adhesion it may anyway
+  friend constexpr bool operator==(const TouchForms&, const TouchForms&) = default;
+};
+
+/// The numbers of two materials.
+template <Scalar T>
+struct TouchNumbers {
+  T stiffness{};           ///< E* [force/area]; one_hertz k [force/length^(3/2)]; linear k [force/length]
+  T tangential{};          ///< mindlin 8 G* [force/area]; linear k_t [force/length]
+  T damping{};             ///< g of c_n = g sqrt(m* F/d)
+  T tangential_damping{};  ///< c_t / c_n
+  T friction{};            ///< mu
+  T rolling{};             ///< mu_r
+  T twisting{};            ///< mu_t, of the moment about the normal
+  T rolling_stiffness{};   ///< k_r [force*length]; 0: k_t R_r^2
+  T work{};                ///< work of adhesion w  [energy/area]
+};
+
+/// Two bodies that touch, i and j; a wall is j, of infinite mass. Vectors in the world frame.
+template <Scalar T>
+struct Touching {
+  Vec3<T> n;         ///< unit normal, from i to j
+  T overlap;         ///< d  [length]
+  T R;               ///< R*: 1/R* = 1/R_i + 1/R_j; also R_r of rolling  [length]
+  T m;               ///< m*: 1/m* = 1/m_i + 1/m_j  [mass]
+  T Theta;           ///< of the moments of inertia, likewise  [mass*length^2]
+  T l_i, l_j;        ///< distances of the contact from the centres  [length]
+  Vec3<T> v;         ///< v_j - v_i of the centres, of a wall where it is touched  [length/time]
+  Vec3<T> w_i, w_j;  ///< angular velocities  [rad/time]
+};
+
+/// What two bodies remember of their contact. All zero: they did not touch.
+template <Scalar T>
+struct TouchHistory {
+  Vec3<T> F_t;  ///< elastic part of the tangential force on i  [force]
+  T a{};        ///< radius of the contact, > 0 while they touch; without a form that needs it 1  [length]
+  Vec3<T> F_d;  ///< the part of the force on i that damps  [force]
+  T k_r{};      ///< stiffness of rolling  [force*length]
+  Vec3<T> M_r;  ///< moment on i against rolling  [force*length]
+  T M_t{};      ///< and against twisting, about n  [force*length]
+};
+
+/// Loads: force on i (j feels -F) and the moment on i (on j -M) that comes on top of that of the force.
+template <Scalar T>
+struct TouchLoads {
+  Vec3<T> F;
+  Vec3<T> M;
+  TouchHistory<T> history;
+  T dissipated{};  ///< during the step, by damping and by slip: not less than 0 but for its error  [energy]
+};
+
+/// Radius a of the contact and normal force of an overlap, repulsion positive.
+template <Scalar T>
+struct NormalForce {
+  T a, F;
+  T secant;  ///< F/d of the repulsion alone, by which damping goes  [force/length]
+};
+
+/// a of JKR: a^2/R - sqrt(2 pi w a/E*) = d, the larger root, down to the least d that has one. Newton's
+/// method for sqrt(a), from above: it falls monotonically.
+template <Scalar T>
+VBOND_HD T jkr_radius(const T& E, const T& w, const T& R, const T& d) {
+  using std::sqrt;
+  const T c = sqrt(T(2.0 * std::numbers::pi) * w / E), zero(0.0);
+  // s^4/R - c s = d is exceeded at a^2 = 2 R max(d, 0) + (2 c^2 R^2)^(2/3)-like bounds; this one is safe:
+  const T a_0 = sqrt(T(2.0) * R * larger(d, zero));
+  const T a_w = sqrt(sqrt(T(4.0) * R * R * c * c * (a_0 + R)));
+  T s = sqrt(a_0 + a_w);
+  for (int k = 0; k < 40; ++k) {
+    const T s3 = s * s * s;
+    const T slope = T(4.0) * s3 / R - c, value = s3 * s / R - c * s - d;
+    s = where_greater(slope, zero, s - larger(value, zero) / where_greater(slope, zero, slope, T(1.0)), s);
+  }
+  return s * s;
+}
+
+/// How far apart, beyond d = 0, JKR still holds bodies together that have touched: until d' = 0, at
+/// a^3 = pi w R^2/(8 E*), where d = -3 a^2/R.  [length]
+inline double reach_of_adhesion(double E, double w, double R) {
+  return 3.0 * sq(std::cbrt(0.125 * std::numbers::pi * w * sq(R) / E)) / R;
+}
+
+template <Scalar T>
+VBOND_HD NormalForce<T> normal_force(const TouchForms& f, const TouchNumbers<T>& c, const T& R, const T& d) {
+  using std::sqrt;
+  const T positive = larger(d, T(0.0));
+  if (f.normal == NormalForm::linear) return {T(1.0), c.stiffness * d, c.stiffness};
+  if (f.normal == NormalForm::one_hertz) {
+    const T root = sqrt(positive);
+    return {sqrt(R) * root, c.stiffness * positive * root, c.stiffness * root};
+  }
+  if (f.adhesion == AdhesionForm::jkr) {
+    const T a = jkr_radius(c.stiffness, c.work, R, d), a3 = a * a * a;
+    return {a,
+            T(4.0 / 3.0) * c.stiffness * a3 / R - sqrt(T(8.0 * std::numbers::pi) * c.work * c.stiffness * a3),
+            T(4.0 / 3.0) * c.stiffness * a};
+  }
+  const T a = sqrt(R * positive), secant = T(4.0 / 3.0) * c.stiffness * a;
+  T F = secant * positive;
+  if (f.adhesion == AdhesionForm::dmt) F = F - T(2.0 * std::numbers::pi) * c.work * R;
+  return {a, F, secant};
+}
+
+/// Energy of the normal force, zero for bodies that do not touch.
+template <Scalar T>
+VBOND_HD T normal_energy(const TouchForms& f, const TouchNumbers<T>& c, const T& R, const T& d) {
+  const NormalForce<T> n = normal_force(f, c, R, d);
+  if (f.normal == NormalForm::linear) return T(0.5) * n.F * d;
+  if (f.adhesion == AdhesionForm::jkr) {  // K a^5/(15 R^2) + F^2/(3 K a) - pi w a^2, K = 4/3 E*
+    const T a2 = n.a * n.a, K = T(4.0 / 3.0) * c.stiffness;
+    return K * a2 * a2 * n.a / (T(15.0) * R * R) + n.F * n.F / (T(3.0) * K * n.a) -
+           T(std::numbers::pi) * c.work * a2;
+  }
+  T U = T(0.4) * n.secant * d * d;
+  if (f.adhesion == AdhesionForm::dmt) U = U - T(2.0 * std::numbers::pi) * c.work * R * d;
+  return U;
+}
+
+/// Stiffness of slip of a contact of radius a.  [force/length]
+template <Scalar T>
+VBOND_HD T tangential_stiffness(const TouchForms& f, const TouchNumbers<T>& c, const T& a) {
+  return f.tangential == TangentialForm::mindlin ? c.tangential * a : c.tangential;
+}
+
+namespace detail {
+
+/// 1/x, or 0 for x = 0.
+template <Scalar T>
+VBOND_HD T inverse(const T& x) {
+  const T zero(0.0);
+  return where_greater(x, zero, T(1.0) / where_greater(x, zero, x, T(1.0)), zero);
+}
+
+/// By what a vector of this size is multiplied so that it is not larger than the limit.
+template <Scalar T>
+VBOND_HD T scale_to(const T& size, const T& limit) {
+  return where_greater(size, limit, limit * inverse(size), T(1.0));
+}
+
+/// x at right angles to n, as long as before: what turns with the contact.
+template <Scalar T>
+VBOND_HD Vec3<T> turned_with(const Vec3<T>& x, const Vec3<T>& n, const T& spin) {
+  using std::sqrt;
+  const Vec3<T> y = across(x + spin * cross(n, x), n);
+  return sqrt(norm2(x) * inverse(norm2(y))) * y;
+}
+
+}  // namespace detail
+
+/// Energy that slip, rolling and twisting have stored.
+template <Scalar T>
+VBOND_HD T history_energy(const TouchForms& f, const TouchNumbers<T>& c, const TouchHistory<T>& h) {
+  T U(0.0);
+  if (f.tangential != TangentialForm::none)
+    U = T(0.5) * norm2(h.F_t) * detail::inverse(tangential_stiffness(f, c, h.a));
+  if (f.rolling == RollingForm::spring) U = U + T(0.5) * (norm2(h.M_r) + sq(h.M_t)) * detail::inverse(h.k_r);
+  return U;
+}
+
+/// One step of a contact: from what the bodies remember of the step before, and their motion of the half step
+/// between, to the loads now and what is to be remembered. dt = 0: the loads as the bodies stand, nothing is
+/// moved on. The history's forces turn with the contact: with its normal, and by the mean spin about it.
+/// The loads of the history are those of the energy; nothing a contact does makes energy (tests).
+template <Scalar T>
+VBOND_HD TouchLoads<T> touch(const TouchForms& f, const TouchNumbers<T>& c, const Touching<T>& p, const T& dt,
+                             const TouchHistory<T>& before) {
+  using std::sqrt;
+  const T zero(0.0), half(0.5), one(1.0);
+  const NormalForce<T> N = normal_force(f, c, p.R, p.overlap);
+  const T v_n = dot(p.v, p.n), c_n = c.damping * sqrt(p.m * N.secant);
+  T F_n = N.F - c_n * v_n;
+  if (!f.attraction && f.adhesion == AdhesionForm::none) F_n = larger(F_n, zero);
+  T pressing = larger(F_n, zero);  // what friction goes by
+  if (f.adhesion == AdhesionForm::jkr)
+    pressing = larger(N.F + T(3.0 * std::numbers::pi) * c.work * p.R, zero);
+  if (f.adhesion == AdhesionForm::dmt)
+    pressing = larger(N.F + T(2.0 * std::numbers::pi) * c.work * p.R, zero);
+
+  const Vec3<T> v = p.v - cross(p.l_i * p.w_i + p.l_j * p.w_j, p.n);  // of j's surface against i's
+  TouchLoads<T> to;
+  TouchHistory<T>& h = to.history;
+  h.a = N.a;
+  h.F_d = (N.F - F_n) * p.n;
+  const T spin = half * dt * dot(p.w_i + p.w_j, p.n);
+  if (f.tangential != TangentialForm::none) {
+    const Vec3<T> v_t = across(v, p.n), u = dt * v_t;
+    const T k_t = tangential_stiffness(f, c, N.a), k_before = tangential_stiffness(f, c, before.a);
+    const Vec3<T> turned = detail::turned_with(before.F_t, p.n, spin);
+    const T relief = where_greater(k_before, k_t, k_t * detail::inverse(k_before), one);
+    const Vec3<T> trial = relief * turned + k_t * u;
+    const T limit = c.friction * pressing, size = norm(trial);
+    h.F_t = detail::scale_to(size, limit) * trial;
+    const Vec3<T> damped = h.F_t + (c.tangential_damping * c_n) * v_t;
+    const Vec3<T> sticking = detail::scale_to(norm(damped), limit) * damped - h.F_t;
+    h.F_d = h.F_d + where_greater(size, limit, zero, one) * sticking;
+    to.dissipated = half * dot(turned + h.F_t, u) + half * (norm2(before.F_t) * detail::inverse(k_before) -
+                                                            norm2(h.F_t) * detail::inverse(k_t));
+  }
+  to.dissipated = to.dissipated + half * dt * dot(before.F_d + h.F_d, v);
+  to.F = h.F_t + h.F_d - N.F * p.n;
+  if (f.adhesion != AdhesionForm::none) {  // what surfaces gain as they meet does not come back
+    const T gained = normal_energy(f, c, p.R, p.overlap) + half * N.F * v_n * dt;
+    to.dissipated = to.dissipated - where_greater(before.a, zero, zero, gained);
+  }
+
+  if (f.rolling != RollingForm::none) {
+    const Vec3<T> w = p.w_j - p.w_i;
+    const T w_n = dot(w, p.n), limit_r = c.rolling * p.R * pressing, limit_t = c.twisting * p.R * pressing;
+    const Vec3<T> rolling = across(w, p.n);
+    if (f.rolling == RollingForm::constant) {
+      const T stop = p.Theta / larger(dt, T(1e-300));  // per angular velocity: stops within the step
+      h.M_r = detail::scale_to(stop * norm(rolling), limit_r) * (stop * rolling);
+      const T size = sqrt(sq(stop * w_n));
+      h.M_t = detail::scale_to(size, limit_t) * (stop * w_n);
+      to.dissipated =
+          to.dissipated + half * dt * (dot(before.M_r + h.M_r, rolling) + (before.M_t + h.M_t) * w_n);
+    } else {
+      h.k_r = where_greater(c.rolling_stiffness, zero, c.rolling_stiffness,
+                            tangential_stiffness(f, c, N.a) * sq(p.R));
+      const T relief = where_greater(before.k_r, h.k_r, h.k_r * detail::inverse(before.k_r), one);
+      const Vec3<T> turned = detail::turned_with(before.M_r, p.n, spin);
+      const Vec3<T> trial = relief * turned + (h.k_r * dt) * rolling;
+      h.M_r = detail::scale_to(norm(trial), limit_r) * trial;
+      const T twist = relief * before.M_t + h.k_r * dt * w_n;
+      h.M_t = detail::scale_to(sqrt(sq(twist)), limit_t) * twist;
+      to.dissipated = to.dissipated +
+                      half * dt * (dot(turned + h.M_r, rolling) + (before.M_t + h.M_t) * w_n) +
+                      half * ((norm2(before.M_r) + sq(before.M_t)) * detail::inverse(before.k_r) -
+                              (norm2(h.M_r) + sq(h.M_t)) * detail::inverse(h.k_r));
+    }
+    to.M = h.M_r + h.M_t * p.n;
+  }
+  return to;
+}
+
+/// The least restitution that damping_of_restitution() takes: what is stiffer damped hardly moves any more.
+inline constexpr double least_restitution = 0.01;
+
+/// The damping g of c_n = g sqrt(m* F/d) that gives a head-on impact the restitution e, least_restitution <=
+/// e <= 1, exactly and at every speed. With attraction: g = -f ln e / sqrt(pi^2 + ln^2 e), f = 2 for the
+/// linear form and sqrt 5 for Hertz's (Antypov & Elliott 2011). Without it contact ends when its force is
+/// zero, at t_c = (pi - atan2(2 b w, 1 - 2 b^2))/w, w = sqrt(1 - b^2), and e = exp(-b t_c) (Schwager &
+/// Poeschel 2007), for both forms at the same ratio b = g/f.
+inline double damping_of_restitution(NormalForm form, bool attraction, double e) {
+  const double factor = form == NormalForm::linear ? 2.0 : std::sqrt(5.0);
+  if (e >= 1.0) return 0.0;
+  const double log_e = std::log(e);
+  const double with_attraction = -log_e / std::hypot(std::numbers::pi, log_e);
+  if (attraction) return factor * with_attraction;
+  const auto log_of = [](double b) {  // -b t_c
+    if (b < 1.0) {
+      const double w = std::sqrt(1.0 - b * b);
+      return -b * (std::numbers::pi - std::atan2(2.0 * b * w, 1.0 - 2.0 * b * b)) / w;
+    }
+    const double w = std::sqrt(b * b - 1.0);
+    return w == 0.0 ? -2.0 : -b * std::log((b + w) / (b - w)) / w;
+  };
+  double low = 0.0, high = 1.0;
+  while (log_of(high) > log_e) high *= 2.0;
+  for (int k = 0; k < 200 && low < high; ++k) {
+    const double middle = 0.5 * (low + high);
+    if (middle == low || middle == high) break;
+    (log_of(middle) > log_e ? low : high) = middle;
+  }
+  return factor * 0.5 * (low + high);
+}
+
+/// 1/E* = (1 - nu_1^2)/E_1 + (1 - nu_2^2)/E_2.  [force/area]
+constexpr double effective_modulus(double E_1, double nu_1, double E_2, double nu_2) {
+  return 1.0 / ((1.0 - nu_1 * nu_1) / E_1 + (1.0 - nu_2 * nu_2) / E_2);
+}
+/// 8 G*, 1/G* = (2 - nu_1)/G_1 + (2 - nu_2)/G_2, G = E/(2 (1 + nu)).  [force/area]
+constexpr double mindlin_modulus(double E_1, double nu_1, double E_2, double nu_2) {
+  return 8.0 / ((2.0 - nu_1) * 2.0 * (1.0 + nu_1) / E_1 + (2.0 - nu_2) * 2.0 * (1.0 + nu_2) / E_2);
+}
+
+}  // namespace vbond
