@@ -49,7 +49,7 @@ class Contacts {
   /// Whether pairs do more than repel each other elastically: then work_out() comes before add_loads().
   bool are_touches() const { return touches_.has_value(); }
   /// What touching pairs of these rows do, from poses and the motion of the half step before; dt = 0: between
-  /// steps. Once all rows are worked out, add_loads() adds it.
+  /// steps, nothing is dissipated. Once all rows are worked out, add_loads() adds it.
   TouchSums work_out(RowRange rows, const Bodies& bodies, double dt) {
     return touches_->work_out(rows, bodies, dt);
   }

@@ -15,9 +15,12 @@
 namespace vbond {
 namespace {
 
-/// The particles of each block and the bonds that are worked on with it.
-std::vector<std::size_t> work_of_blocks(const Bodies& bodies, const PerBond<Bond>& bonds) {
-  std::vector<std::size_t> work((bodies.pose.size() + block_rows - 1) / block_rows, block_rows);
+/// The particles of each block, the bonds that are worked on with it, and contacts: some three to a particle,
+/// of twice the work of a bond.
+std::vector<std::size_t> work_of_blocks(const Model& model, const Bodies& bodies,
+                                        const PerBond<Bond>& bonds) {
+  const std::size_t of_row = is_elastic(model.contact, model.materials) ? 1 : 7;
+  std::vector<std::size_t> work((bodies.pose.size() + block_rows - 1) / block_rows, of_row * block_rows);
   for (const Bond& b : bonds) ++work[lower_row(b, bodies.order) / block_rows];
   return work;
 }
@@ -35,7 +38,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
       stage_(std::move(stage)),
       state_(std::move(*state)),
       bodies_(model),
-      team_(model.particles(), work_of_blocks(bodies_, state_.bonds), threads),
+      team_(model.particles(), work_of_blocks(model, bodies_, state_.bonds), threads),
       contacts_(model, bodies_.order, bond_index_),
       encounters_(model, bond_index_),
       supports_(stage_, bodies_, team_),
@@ -333,7 +336,8 @@ const State& Simulation::state() const {
   if (bonds_.remembers()) bonds_.collect(state_.bond_history);
   state_.contact_history = contacts_.collect();
   if (walls_.any()) walls_.write(state_);
-  const bool loads_follow = bonds_.all_elastic() && !contacts_.are_touches() && !walls_.any() && !damping_.is_local();
+  const bool loads_follow =
+      bonds_.all_elastic() && !contacts_.are_touches() && !walls_.any() && !damping_.is_local();
   state_.loads = loads_follow ? Loads{} : loads();
   state_.damping = bodies_.damping.empty() ? Loads{} : bodies_.collect(bodies_.damping);
   return state_;

@@ -70,7 +70,9 @@ void Simulation::take_up_loads() {
   if (state_.loads.F.size() == model_.particles()) bodies_.spread(state_.loads, bodies_.load);
   if (state_.damping.F.size() == model_.particles() && !bodies_.damping.empty())
     bodies_.spread(state_.damping, bodies_.damping);
-  walls_.read_loads(state_);
+  contacts_.restore(state_.contact_history);  // with what damped in the half step before
+  walls_.read(state_);
+  walls_.refresh(team_);
   check_finite();
 }
 

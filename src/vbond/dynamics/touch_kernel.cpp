@@ -130,8 +130,8 @@ VBOND_HD void work_out(const TouchRule& rule, const TouchTable& table, Together&
   double lost[lanes];
   loads.dissipated.store(lost);
   for (std::size_t l = 0; l < t.count; ++l) table.touching[t.pair[l]] = 1;
-  if (dt == 0.0) return;
-  for (std::size_t l = 0; l < t.count; ++l) sums.dissipated += lost[l];
+  if (dt > 0.0)
+    for (std::size_t l = 0; l < t.count; ++l) sums.dissipated += lost[l];
   const TouchHistory<Real>& h = loads.history;
   Halves now[3] = {{h.F_t.x, h.F_t.y, h.F_t.z, h.a},
                    {h.F_d.x, h.F_d.y, h.F_d.z, h.k_r},
@@ -150,8 +150,7 @@ bool still_touch(const TouchRule& rule, const TouchTable& table, std::size_t i, 
   const Touching<double> p =
       touching_of(rule.row[i], rule.row[j], pose[j].r - pose[i].r, motion[i], motion[j]);
   if (holds_on(rule.forms, numbers, p.R, p.overlap)) return true;
-  if (dt == 0.0) return false;
-  sums.dissipated += lost_on_parting(rule.forms, numbers, p, dt, touch_history(history));
+  if (dt > 0.0) sums.dissipated += lost_on_parting(rule.forms, numbers, p, dt, touch_history(history));
   for (double& x : history) x = 0.0;
   return false;
 }

@@ -34,8 +34,10 @@ bool holds_on(const TouchForms& forms, const TouchNumbers<double>& numbers, doub
 }
 
 double lost_on_parting(const TouchForms& forms, const TouchNumbers<double>& numbers,
-                       const Touching<double>& p, double dt, const TouchHistory<double>& history) {
-  double lost = history_energy(forms, numbers, history);
+                       const Touching<double>& p, double dt, const TouchHistory<double>& h) {
+  const Vec3d v = p.v - cross(p.l_i * p.w_i + p.l_j * p.w_j, p.n), w = p.w_j - p.w_i;
+  const double done = dot(h.F_t + h.F_d, v) + dot(h.M_r, across(w, p.n)) + h.M_t * dot(w, p.n);
+  double lost = history_energy(forms, numbers, h) + 0.5 * dt * done;
   if (forms.adhesion == AdhesionForm::none) return lost;
   const double before = p.overlap + dot(p.v, p.n) * dt;  // the overlap a step ago, when they still held on
   lost += normal_energy(forms, numbers, p.R, before);

@@ -25,7 +25,8 @@ Walls::Walls(const Model& model, const Stage& stage, const Bodies& bodies, std::
       forms_(touch_forms(model.contact)) {
   if (!any()) return;
   for (const WallDrive& d : stage.walls) drive_[d.index] = &d;
-  const double R_max = model.radius.empty() ? 0.0 : *std::max_element(model.radius.begin(), model.radius.end());
+  const double R_max =
+      model.radius.empty() ? 0.0 : *std::max_element(model.radius.begin(), model.radius.end());
   const std::size_t materials = std::max<std::size_t>(1, model.materials.size());
   for (const Wall& w : model.walls) {
     surfaces_.emplace_back(w.shape);
@@ -54,13 +55,15 @@ void Walls::read(const State& s) {
   for (const WallMemory& m : s.wall_history) {
     const std::size_t row = bodies_.order.row[m.p].value;
     std::vector<Near>& near = blocks_[row / block_rows].near;
-    auto at = std::find_if(near.begin(), near.end(), [&](const Near& n) { return n.row == row && n.wall == m.wall; });
+    auto at = std::find_if(near.begin(), near.end(),
+                           [&](const Near& n) { return n.row == row && n.wall == m.wall; });
     if (at == near.end()) at = near.insert(near.end(), {row, m.wall, 0, 0, {}});
     at->slots.push_back({m.normal, m.history});
   }
   for (OfBlock& b : blocks_)
-    std::sort(b.near.begin(), b.near.end(),
-              [](const Near& x, const Near& y) { return std::pair(x.row, x.wall) < std::pair(y.row, y.wall); });
+    std::sort(b.near.begin(), b.near.end(), [](const Near& x, const Near& y) {
+      return std::pair(x.row, x.wall) < std::pair(y.row, y.wall);
+    });
 }
 
 void Walls::write(State& s) const {
@@ -70,14 +73,10 @@ void Walls::write(State& s) const {
     for (const Near& n : b.near)
       for (const Slot& slot : n.slots)
         s.wall_history.push_back({bodies_.order.particle[Row{n.row}], n.wall, slot.normal, slot.history});
-  std::stable_sort(s.wall_history.begin(), s.wall_history.end(), [](const WallMemory& a, const WallMemory& b) {
-    return std::pair(a.p, a.wall) < std::pair(b.p, b.wall);
-  });
-}
-
-void Walls::read_loads(const State& s) {
-  for (std::size_t w = 0; w < walls_.size() && w < s.walls.size(); ++w)
-    walls_[w].force = s.walls[w].force, walls_[w].moment = s.walls[w].moment;
+  std::stable_sort(s.wall_history.begin(), s.wall_history.end(),
+                   [](const WallMemory& a, const WallMemory& b) {
+                     return std::pair(a.p, a.wall) < std::pair(b.p, b.wall);
+                   });
 }
 
 /// The mean velocity of the step that begins.
@@ -96,8 +95,10 @@ void Walls::set_velocity(std::size_t w, std::int64_t stage_step, double dt) {
     now.velocity += (rate * std::cos(rate * middle)) * d.amplitude;
   }
   if (!d.servo) return;
-  const WallDrive::Servo& s = *d.servo;  // a body that is pushed, against what presses on it: kicked from step to step
-  const double h = stage_step == 0 ? 0.5 * dt : dt, force = s.factor(t) * s.force + dot(now.force, s.direction);
+  const WallDrive::Servo& s =
+      *d.servo;  // a body that is pushed, against what presses on it: kicked from step to step
+  const double h = stage_step == 0 ? 0.5 * dt : dt,
+               force = s.factor(t) * s.force + dot(now.force, s.direction);
   now.servo = (now.servo + h / s.mass * force) / (1.0 + h / s.mass * s.damping);
   if (s.fastest > 0.0) now.servo = std::clamp(now.servo, -s.fastest, s.fastest);
   now.velocity += now.servo * s.direction;
@@ -110,9 +111,11 @@ void Walls::move(std::int64_t stage_step, double dt) {
     now.displacement += dt * now.velocity;
     if (now.angular_velocity != Vec3d{}) {
       const Quatd turn = rotation_of(dt * now.angular_velocity);
-      const Vec3d from_pivot = model_.walls[w].centre + now.displacement - dt * now.velocity - drive_[w]->pivot;
+      const Vec3d from_pivot =
+          model_.walls[w].centre + now.displacement - dt * now.velocity - drive_[w]->pivot;
       // on the circle about the pivot, not on its tangent
-      now.displacement += rotate(turn, from_pivot) - from_pivot - dt * cross(now.angular_velocity, from_pivot);
+      now.displacement +=
+          rotate(turn, from_pivot) - from_pivot - dt * cross(now.angular_velocity, from_pivot);
       now.q = renormalised(turn * now.q);
     }
     room_ -= dt * (norm(now.velocity) + extent_ * norm(now.angular_velocity));
@@ -178,7 +181,8 @@ Touching<double> Walls::touching(const Near& near, const WallTouch& touch) const
   p.m = bodies_.mass[k];
   p.Theta = bodies_.inertia[k];
   p.l_i = touch.distance;
-  p.v = velocity_at(wall, model_.walls[near.wall].centre, bodies_.pose[k].r + touch.distance * p.n) - motion.v;
+  p.v =
+      velocity_at(wall, model_.walls[near.wall].centre, bodies_.pose[k].r + touch.distance * p.n) - motion.v;
   p.w_i = motion.omega;
   p.w_j = wall.angular_velocity;
   return p;
@@ -193,8 +197,7 @@ double Walls::add_touches(OfBlock& block, Near& near, LoadRow& load, double dt) 
                                   at_start(near.wall, r), R + reach_, touches);
   const TouchNumbers<double>& c = numbers(near);
   double dissipated = 0.0;
-  block.slots.clear();
-  std::vector<Slot> before = dt > 0.0 ? std::exchange(near.slots, {}) : near.slots;
+  std::vector<Slot> before = std::exchange(near.slots, {});
   for (const WallTouch& touch : touches) {
     const Touching<double> p = touching(near, touch);
     const Vec3d normal = -p.n;
@@ -215,15 +218,15 @@ double Walls::add_touches(OfBlock& block, Near& near, LoadRow& load, double dt) 
     const Vec3d arm = r + p.l_i * p.n - model_.walls[near.wall].centre - walls_[near.wall].displacement;
     block.F[near.wall] -= l.F;
     block.M[near.wall] -= cross(arm, l.F) + l.M;
-    if (!(dt > 0.0)) continue;
-    dissipated += l.dissipated;
+    if (dt > 0.0) dissipated += l.dissipated;
     slot.history = numbers_of(l.history);
     near.slots.push_back(slot);
   }
   if (dt > 0.0)
     for (const Slot& s : before) {  // what it does not touch any more
       Touching<double> p{};
-      p.n = -s.normal, p.R = R, p.overlap = 0.0;
+      p.n = -s.normal, p.R = R, p.l_i = R;
+      p.w_i = bodies_.motion[near.row].omega, p.w_j = walls_[near.wall].angular_velocity;
       p.v = velocity_at(walls_[near.wall], model_.walls[near.wall].centre, r + R * p.n) -
             bodies_.motion[near.row].v;
       dissipated += lost_on_parting(forms_, c, p, dt, touch_history(s.history));
@@ -263,8 +266,9 @@ double Walls::energy() const {
     for (const Near& near : block.near) {
       touches.clear();
       const double R = model_.radius[bodies_.order.particle[Row{near.row}]];
-      surfaces_[near.wall].touches_of({block.triangles.data() + near.first, block.triangles.data() + near.last},
-                                      at_start(near.wall, bodies_.pose[near.row].r), R + reach_, touches);
+      surfaces_[near.wall].touches_of(
+          {block.triangles.data() + near.first, block.triangles.data() + near.last},
+          at_start(near.wall, bodies_.pose[near.row].r), R + reach_, touches);
       for (const WallTouch& touch : touches) {
         const Touching<double> p = touching(near, touch);
         const bool held = std::any_of(near.slots.begin(), near.slots.end(), [&](const Slot& s) {

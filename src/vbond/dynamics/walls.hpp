@@ -24,18 +24,17 @@ class Walls {
   Walls(const Model&, const Stage&&, const Bodies&, std::size_t) = delete;
 
   bool any() const { return !walls_.empty(); }
-  /// Takes over what the state says of walls, or of what presses on them alone, and gives it back.
+  /// Takes over what the state says of walls, and gives it back.
   void read(const State& state);
-  void read_loads(const State& state);
   void write(State& state) const;
 
   /// From t to t + dt, with the loads at t. The walls' velocities are then those of the half step.
   void move(std::int64_t stage_step, double dt);
-  /// Lists anew what is near which wall, if a particle or a wall may have moved by half the skin. way: the longest
-  /// of a particle since the last call.  [length]
+  /// Lists anew what is near which wall, if a particle or a wall may have moved by half the skin. way: the
+  /// longest of a particle since the last call.  [length]
   void refresh(const Team& team, double way = std::numeric_limits<double>::infinity());
-  /// Adds what walls do to the rows of a block, from poses and the motion of the half step before; dt = 0: between
-  /// steps, nothing is remembered of it. Returns what is dissipated.
+  /// Adds what walls do to the rows of a block, from poses and the motion of the half step before; dt = 0:
+  /// between steps, nothing is remembered of it. Returns what is dissipated.
   double add_loads(const Block& block, LoadRow* load, double dt);
   /// Adds up what presses on walls, and returns the work that they have done on particles in a step of dt.
   double close(double dt);
@@ -67,7 +66,6 @@ class Walls {
     std::vector<Near> near;
     std::vector<std::uint32_t> triangles;
     std::vector<WallTouch> touches;  // scratch
-    std::vector<Slot> slots;         // scratch
     std::vector<Vec3d> F, M;         // on each wall
     std::optional<Passed> passed;
   };
@@ -87,8 +85,8 @@ class Walls {
   TouchForms forms_;
   std::vector<std::vector<TouchNumbers<double>>> numbers_;  // of each wall, with each material
   double skin_ = 0, reach_ = 0;
-  double room_ = 0;      // no particle or wall has moved half the skin before they have moved so far  [length]
-  double extent_ = 0;    // no particle is farther from the centre of a wall  [length]
+  double room_ = 0;    // no particle or wall has moved half the skin before they have moved so far  [length]
+  double extent_ = 0;  // no particle is farther from the centre of a wall  [length]
   std::vector<OfBlock> blocks_;
 };
 

@@ -69,8 +69,8 @@ struct State {
   /// remember or break. Empty for elastic bodies.
   Loads loads;
   std::vector<PairMemory> contact_history;  ///< of touching pairs that remember something, in order of (i, j)
-  std::vector<WallState> walls;          ///< of each wall; empty: as at the start, at rest
-  std::vector<WallMemory> wall_history;  ///< of touches that remember something, in order of (p, wall)
+  std::vector<WallState> walls;             ///< of each wall; empty: as at the start, at rest
+  std::vector<WallMemory> wall_history;     ///< of touches that remember something, in order of (p, wall)
   Loads damping;                            ///< the part of these that damps; empty if no bond does
   EnergyBooks books;
   PeakRecord peak;

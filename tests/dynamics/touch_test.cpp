@@ -1,0 +1,187 @@
+// Particles that touch with friction, damping and adhesion, in the step loop: two bodies against exact
+// answers.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "rods.hpp"
+#include "vbond/model/step_bound.hpp"
+
+namespace vbond {
+namespace {
+
+using testing::Specimen;
+
+constexpr double pi = std::numbers::pi;
+
+/// Spheres of this radius and mass at these places.
+Specimen spheres(const std::vector<Vec3d>& r, double radius, double mass, const ContactModel& contact) {
+  Specimen s{equal_particles(r, mass, 0.4 * mass * sq(radius), radius), {}};
+  s.model.contact = contact;
+  s.state = at_rest(s.model);
+  return s;
+}
+
+constexpr ParticleId first{0}, second{1};
+
+// X1: LAMMPS' regression test of two Hertz spheres, d = 0.02, density 2800, which meet at 20 m/s.
+TEST(LammpsGranular, HertzTrajectory) {
+  const double R = 0.01, m = 4.0 / 3.0 * pi * R * R * R * 2800.0;
+  // K delta^1.5 with K = 3.33333e10 sqrt(R/2): 4/3 E* = 3.33333e10
+  ContactModel contact{.law = ContactLaw::paper_hertz, .pairs = ContactPairs::all};
+  contact.c_H = 3.33333e10 * std::sqrt(0.005);
+  Specimen s = spheres({{-0.0101, 0, 0}, {0.0101, 0, 0}}, R, m, contact);
+  s.state.v = {{10, 0, 0}, {-10, 0, 0}};
+  Simulation run(s.model, testing::plain_stage(2e-8, 1.0), s.state);
+  const struct {
+    int step;
+    double x, v;
+  } recorded[] = {{500, -0.009999999999999726, 10.0},
+                  {1508, -0.009862943621850457, 0.008877155328353505},
+                  {2508, -0.009998205337556671, -9.999901542518785}};
+  for (const auto& at : recorded) {
+    while (run.clock().step < at.step) run.step();
+    EXPECT_NEAR(run.state().r[first].x, at.x, 1e-13) << at.step;
+    EXPECT_NEAR(run.state().v[first].x, at.v, 1e-8) << at.step;  // the mass is rounded in the test's input
+  }
+}
+
+// X2: linear, e = 0.5 with attraction, density 2700; the force uses the half-step velocity, as here.
+TEST(LammpsGranular, HookeTrajectory) {
+  const double R = 0.0025, m = 4.0 / 3.0 * pi * R * R * R * 2700.0;
+  ContactModel contact{.law = ContactLaw::linear, .pairs = ContactPairs::all};
+  contact.k = 1e6, contact.attraction = true, contact.surface.restitution = 0.5;
+  Specimen s = spheres({{-0.00255, 0, 0}, {0.00255, 0, 0}}, R, m, contact);
+  s.state.v = {{2, 0, 0}, {-2, 0, 0}};
+  Simulation run(s.model, testing::plain_stage(3e-8, 1.0), s.state);
+  while (run.clock().step < 2068) run.step();
+  EXPECT_NEAR(run.state().r[first].x, -0.002506804594433399, 1e-13);
+  EXPECT_NEAR(run.state().v[first].x, -0.9993293792676254, 1e-9);
+  while (run.clock().step < 2795) run.step();
+  EXPECT_NEAR(run.state().r[first].x, -0.002528599968195357, 1e-13);
+}
+
+/// Steps until the two spheres part, the largest overlap and force on the way.
+struct Impact {
+  double deepest = 0, force = 0, duration = 0;
+};
+Impact collide(Simulation& run, double reach) {
+  Impact impact;
+  bool touched = false;
+  for (int k = 0; k < 2'000'000; ++k) {
+    run.step();
+    const double overlap = reach - norm(run.state().r[second] - run.state().r[first]);
+    if (overlap <= 0.0 && touched) break;
+    if (overlap <= 0.0) continue;
+    touched = true;
+    impact.deepest = std::max(impact.deepest, overlap);
+    impact.force = std::max(impact.force, norm(run.loads().F[first]));
+    impact.duration += run.stage().dt;
+  }
+  return impact;
+}
+
+// C2, test 1 of Chung & Ooi 2011: identical elastic spheres, glass and limestone, 10 m/s each. The reference
+// is Hertz's closed form; leap-frog with 800 steps per contact errs by less than 1e-5.
+TEST(ChungOoi, Test1ElasticImpactOfTwoSpheres) {
+  const struct {
+    double E, nu, m, deepest, force, duration;
+  } rows[] = {{4.8e10, 0.2, 0.0117286125734, 0.000274112702089, 10696.888984, 4.03394556884e-5},
+              {2e10, 0.25, 0.010471975512, 0.000368304025553, 7108.2412799, 5.42010049349e-5}};
+  for (const auto& row : rows) {
+    ContactModel contact{.law = ContactLaw::hertz, .pairs = ContactPairs::all, .E = row.E, .nu = row.nu};
+    contact.surface.friction = 0.35, contact.tangential = TangentialForm::mindlin;
+    Specimen s = spheres({{-0.0101, 0, 0}, {0.0101, 0, 0}}, 0.01, row.m, contact);
+    s.state.v = {{10, 0, 0}, {-10, 0, 0}};
+    const double dt = row.duration / 800;
+    Simulation run(s.model, testing::plain_stage(dt, 1.0), s.state);
+    const Impact got = collide(run, 0.02);
+    EXPECT_NEAR(got.deepest / row.deepest, 1.0, 1e-5);
+    EXPECT_NEAR(got.force / row.force, 1.0, 2e-5);
+    EXPECT_NEAR(got.duration / row.duration, 1.0, 2.0 / 800);
+    EXPECT_LT(std::abs(run.balance_error(run.energies())), 1e-5);
+  }
+}
+
+// C2, test 7: two equal spheres with opposite spins about parallel axes have no slip where they meet.
+TEST(ChungOoi, Test7OppositeSpinsChangeNothing) {
+  ContactModel contact{.law = ContactLaw::hertz, .pairs = ContactPairs::all, .E = 7e10, .nu = 0.33};
+  contact.surface = {.friction = 0.4, .restitution = 0.5};
+  contact.tangential = TangentialForm::mindlin;
+  Specimen s = spheres({{-0.11, 0, 0}, {0.11, 0, 0}}, 0.1, 11.3, contact);
+  s.state.v = {{0.2, 0, 0}, {-0.2, 0, 0}};
+  s.state.omega = {{0, 0, 3}, {0, 0, -3}};
+  Simulation run(s.model, testing::plain_stage(1e-6, 1.0), s.state);
+  collide(run, 0.2);
+  EXPECT_NEAR(run.state().v[first].x, -0.1, 1e-4);
+  EXPECT_NEAR(run.state().v[first].y, 0.0, 1e-13);
+  EXPECT_NEAR(run.state().omega[first].z, 3.0, 1e-12);
+}
+
+// An oblique impact of two spheres: momentum and angular momentum stay to rounding, and the books close to
+// second order.
+TEST(Friction, KeepsMomentumAngularMomentumAndTheBooks) {
+  const auto imbalance = [](double dt, double* twist) {
+    ContactModel contact{.law = ContactLaw::hertz, .pairs = ContactPairs::all, .E = 10, .nu = 0.3};
+    contact.tangential = TangentialForm::mindlin, contact.rolling = RollingForm::spring;
+    contact.surface = {
+        .friction = 0.3, .restitution = 0.6, .rolling_friction = 0.1, .twisting_friction = 0.1};
+    Specimen s = spheres({{0, 0, 0}, {1.01, 0.3, 0.1}}, 0.5, 1.0, contact);
+    s.model.radius[second] = 0.6, s.model.mass[second] = 1.7, s.model.inertia[second] = 0.3;
+    s.state.v = {{0.2, 0, 0.05}, {-0.2, 0.02, 0}};
+    s.state.omega = {{0.3, 0.1, -0.2}, {0.1, 0, 0.4}};
+    Simulation run(s.model, testing::plain_stage(dt, 2.4), s.state);
+    run.run();
+    Vec3d P, L;
+    for (const ParticleId p : s.state.r.ids()) {
+      const double m = s.model.mass[p], I = s.model.inertia[p];
+      P += m * (run.state().v[p] - s.state.v[p]);
+      L += m * (cross(run.state().r[p], run.state().v[p]) - cross(s.state.r[p], s.state.v[p])) +
+           I * (run.state().omega[p] - s.state.omega[p]);
+    }
+    EXPECT_LT(norm(P), 1e-13);
+    EXPECT_LT(norm(L), 1e-12);
+    EXPECT_GT(run.books().dissipated, 0.1 * run.books().at_start);
+    *twist = norm(run.state().omega[first] - s.state.omega[first]);
+    return run.balance_error(run.energies());
+  };
+  double twist = 0.0;
+  const double coarse = imbalance(4e-3, &twist), fine = imbalance(1e-3, &twist);
+  EXPECT_GT(twist, 1e-2);
+  EXPECT_LT(std::abs(fine), 1e-5);
+  EXPECT_LT(std::abs(fine), 0.3 * std::abs(coarse));  // first order, by the turning of friction
+}
+
+// Two spheres with JKR that are drawn apart part at the reach of adhesion, and what surfaces have gained is
+// dissipated: the books close.
+TEST(Adhesion, HoldsTwoSpheresUntilNoEquilibriumIsLeft) {
+  ContactModel contact{.law = ContactLaw::hertz, .pairs = ContactPairs::all, .E = 1000, .nu = 0.3};
+  contact.adhesion = AdhesionForm::jkr, contact.surface.work_of_adhesion = 0.2;
+  Specimen s = spheres({{0, 0, 0}, {1.0001, 0, 0}}, 0.5, 1.0, contact);
+  const double reach = reach_of_adhesion(effective_modulus(1000, 0.3), 0.2, 0.25);
+  s.state.v = {{0, 0, 0}, {-0.05, 0, 0}};  // they meet,
+  Stage stage = testing::plain_stage(2e-4, 100.0);
+  Support slow = testing::held({second}, testing::translations, {0.01, 0, 0});
+  Support rest = testing::held({first}, testing::clamped);
+  slow.factor.points = {{0.0, -5.0}, {0.1, -5.0}, {0.1001, 1.0}};  // and are drawn apart
+  stage.supports = {slow, rest};
+  Simulation run(s.model, stage, s.state);
+  double farthest = 0.0, most = 0.0;
+  bool held = false;
+  for (int k = 0; k < 100'000; ++k) {
+    run.step();
+    const double gap = run.state().r[second].x - run.state().r[first].x - 1.0;
+    if (k * 2e-4 < 0.1) continue;
+    const bool pulls = run.loads().F[first].x > 0.0;
+    if (pulls) farthest = gap, most = std::max(most, run.loads().F[first].x), held = true;
+    if (held && !pulls && gap > 0.0) break;
+  }
+  EXPECT_NEAR(most / (1.5 * pi * 0.2 * 0.25), 1.0, 1e-3);
+  EXPECT_NEAR(farthest / reach, 1.0, 1e-3);  // a step is 2e-6, the reach 1e-2
+  EXPECT_LT(std::abs(run.balance_error(run.energies())), 1e-3);
+}
+
+}  // namespace
+}  // namespace vbond

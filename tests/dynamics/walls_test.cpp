@@ -1,0 +1,304 @@
+// Walls in the step loop: one body against exact answers, moved and driven walls, and their books.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "rods.hpp"
+#include "vbond/core/error.hpp"
+
+namespace vbond {
+namespace {
+
+using testing::Specimen;
+
+constexpr double g = 9.81;
+constexpr ParticleId first{0};
+
+Wall floor_at(double z) {
+  return {"floor", PlaneWall{{0, 0, z}, {0, 0, 1}}, 0, {}};
+}
+Specimen sphere(const Vec3d& r, double radius, double mass, const ContactModel& contact,
+                const std::vector<Wall>& walls) {
+  Specimen s{equal_particles({r}, mass, 0.4 * mass * sq(radius), radius), {}};
+  s.model.contact = contact;
+  s.model.walls = walls;
+  s.state = at_rest(s.model);
+  return s;
+}
+ContactModel linear(double k, double mu, double e = 1.0) {
+  ContactModel c{.law = ContactLaw::linear, .pairs = ContactPairs::all};
+  c.k = k, c.k_t = 2.0 / 7.0 * k, c.tangential = TangentialForm::linear;
+  c.surface = {.friction = mu, .restitution = e};
+  return c;
+}
+
+// CT3 of the reference: m = R = v_n = 1, 4/3 E* sqrt(R) = 1, both bodies of nu = 0.3, mu = 0.3. The reference
+// takes the radius as lever; a radius that is large against the overlap does the same.
+TEST(Wall, ObliqueImpactsAreThoseOfTheReference) {
+  const struct {
+    double tan, v_t, surface;
+  } rows[] = {
+      {0.05, 0.04309205088684566, 0.025822178103963717}, {0.2, 0.17036351376073233, 0.09627229816257844},
+      {0.4, 0.31885579639708367, 0.11599528738974549},   {0.7, 0.4576791148246126, -0.1481230981140062},
+      {1.2, 0.7373159207377856, -0.4193942774176812},    {2.5, 1.9000000000000106, 0.4000000000002222}};
+  const double R = 1e6, E = 2.0 * (1.0 - 0.09) * 0.75 / std::sqrt(R);
+  for (const auto& row : rows) {
+    ContactModel contact{.law = ContactLaw::hertz, .E = E, .nu = 0.3};
+    contact.tangential = TangentialForm::mindlin, contact.surface.friction = 0.3;
+    Specimen s = sphere({0, 0, 0}, R, 1.0, contact, {floor_at(-R)});
+    s.state.v[first] = {row.tan, 0, -1};
+    Simulation run(s.model, testing::plain_stage(1e-3, 4.0), s.state);
+    run.run();
+    const State& after = run.state();
+    EXPECT_NEAR(after.v[first].z, 1.0, 1e-5) << row.tan;
+    EXPECT_NEAR(after.v[first].x, row.v_t, 1e-4) << row.tan;
+    EXPECT_NEAR(after.v[first].x - R * after.omega[first].y, row.surface, 3e-4) << row.tan;
+    EXPECT_LT(std::abs(run.balance_error(run.energies())), 1e-6) << row.tan;
+  }
+}
+
+// C3: a sphere that slides at u0 rolls at 5/7 u0 from 2 u0/(7 mu g) on; on an incline it rolls with 5/7 g
+// sin, or slides with g (sin - mu cos).
+TEST(Wall, ASphereSlidesThenRolls) {
+  const double R = 0.1, m = 1.0, k = 1e6, rest = m * g / k;
+  Specimen s = sphere({0, 0, R - rest}, R, m, linear(k, 0.3, 0.3), {floor_at(0)});
+  s.state.v[first] = {1.0, 0, 0};
+  Stage stage = testing::plain_stage(2e-5, 2.0 / (7.0 * 0.3 * g) + 0.05);
+  stage.gravity = {0, 0, -g};
+  Simulation run(s.model, stage, s.state);
+  run.run();
+  EXPECT_NEAR(run.state().v[first].x, 5.0 / 7.0, 1e-3);
+  EXPECT_NEAR(run.state().omega[first].y * R, 5.0 / 7.0, 1e-3);
+  EXPECT_LT(std::abs(run.balance_error(run.energies())), 1e-4);
+}
+TEST(Wall, ASphereOnAnInclineRollsOrSlides) {
+  const struct { double degrees, mu, a; } rows[] = {{30, 0.5, 3.50357142857}, {60, 0.3, 7.02420921113}};
+  for (const auto& row : rows) {
+    const double th = row.degrees * std::numbers::pi / 180, R = 0.1, k = 1e6, rest = g * std::cos(th) / k;
+    Specimen s = sphere({0, 0, R - rest}, R, 1.0, linear(k, row.mu, 0.3), {floor_at(0)});
+    Stage stage = testing::plain_stage(2e-5, 0.2);
+    stage.gravity = {g * std::sin(th), 0, -g * std::cos(th)};
+    Simulation run(s.model, stage, s.state);
+    while (run.clock().time() < 0.1) run.step();
+    const double early = run.state().v[first].x, from = run.clock().time();
+    run.run();
+    EXPECT_NEAR((run.state().v[first].x - early) / (run.clock().time() - from), row.a, 1e-3 * row.a)
+        << row.degrees;
+  }
+}
+
+// CT6: rolling friction of constant moment stops a sphere that rolls after v0^2/(2 a), a = 5/7 mu_r g.
+TEST(Wall, RollingFrictionStopsASphere) {
+  for (const RollingForm form : {RollingForm::constant, RollingForm::spring}) {
+    const double R = 0.05, m = 1.0, k = 1e7, rest = m * g / k;
+    ContactModel contact = linear(k, 100.0);
+    contact.rolling = form, contact.rolling_stiffness = 200.0, contact.surface.rolling_friction = 0.1;
+    Specimen s = sphere({0, 0, R - rest}, R, m, contact, {floor_at(0)});
+    s.state.v[first] = {0.3, 0, 0};
+    s.state.omega[first] = {0, 0.3 / R, 0};
+    Stage stage = testing::plain_stage(5e-6, form == RollingForm::constant ? 0.5 : 0.4281549942375294);
+    stage.gravity = {0, 0, -g};
+    Simulation run(s.model, stage, s.state);
+    run.run();
+    const double distance = form == RollingForm::constant ? 0.06422018348623852 : 0.06422631473623852;
+    EXPECT_NEAR(run.state().r[first].x, distance, 1e-4 * distance);
+    EXPECT_NEAR(run.state().v[first].x, 0.0, 1e-3);
+    EXPECT_LT(std::abs(run.balance_error(run.energies())), 1e-3);
+  }
+}
+
+// WL1: to and fro in a trough of radius 0.5, without slip and without friction; period from 0.5 rad.
+TEST(Wall, ASphereRollsToAndFroInATrough) {
+  const struct { double mu, period; } rows[] = {{1e3, 1.6175075124918568}, {0.0, 1.367043356237832}};
+  for (const auto& row : rows) {
+    const double R = 0.05, Rc = 0.5, k = 1e7, th = 0.5;
+    ContactModel contact = linear(k, row.mu);
+    CylinderWall trough{{0, 0, 0}, {0, 1, 0}, Rc, std::numeric_limits<double>::infinity(), WallSide::inside};
+    const double at = Rc - R + g * std::cos(th) / k;
+    Specimen s =
+        sphere({at * std::sin(th), 0, -at * std::cos(th)}, R, 1.0, contact, {{"trough", trough, 0, {}}});
+    Stage stage = testing::plain_stage(2e-5, 2.0);
+    stage.gravity = {0, 0, -g};
+    Simulation run(s.model, stage, s.state);
+    double before = th, crossed[2] = {0, 0};
+    int n = 0;
+    while (n < 2) {
+      run.step();
+      const Vec3d r = run.state().r[first];
+      if ((before > 0.0) != (r.x > 0.0)) crossed[n++] = run.clock().time();
+      before = r.x;
+    }
+    EXPECT_NEAR(2.0 * (crossed[1] - crossed[0]), row.period, 1e-3 * row.period) << row.mu;
+  }
+}
+
+// A wall that moves onto a sphere at rest: elastic, so the sphere leaves at twice the wall's speed, and the
+// wall's work is the sphere's energy.
+TEST(Wall, ThatMovesDoesWork) {
+  Specimen s = sphere({0, 0, 0.5}, 0.45, 1.0, linear(1e3, 0.0), {floor_at(0)});
+  Stage stage = testing::plain_stage(1e-4, 1.0);
+  stage.walls = {{.wall = "floor", .index = 0, .velocity = {0, 0, 0.3}}};
+  Simulation run(s.model, stage, s.state);
+  run.run();
+  EXPECT_NEAR(run.state().v[first].z, 0.6, 1e-4);
+  EXPECT_NEAR(run.walls()[0].work, 0.18, 1e-4);
+  EXPECT_NEAR(run.walls()[0].displacement.z, 0.3, 1e-12);
+  EXPECT_LT(std::abs(run.balance_error(run.energies())), 1e-5);
+}
+
+// A disc that turns under a sphere held in place drags it round: its torque is mu F r, and the work goes into
+// slip.
+TEST(Wall, ThatTurnsRubs) {
+  const double k = 1e4, press = 1e-3, mu = 0.2, arm = 0.3, omega = 2.0;
+  Specimen s = sphere({arm, 0, 0.1 - press}, 0.1, 1.0, linear(k, mu), {floor_at(0)});
+  Stage stage = testing::plain_stage(1e-4, 1.0);
+  stage.supports = {testing::held({first}, testing::clamped)};
+  stage.walls = {{.wall = "floor", .index = 0, .angular_velocity = {0, 0, omega}}};
+  Simulation run(s.model, stage, s.state);
+  run.run();
+  const double F = mu * k * press;
+  EXPECT_NEAR(run.walls()[0].moment.z, -F * arm,
+              1e-5 * F * arm);  // the spring turns with the wall, to first order
+  EXPECT_NEAR(run.walls()[0].work, F * arm * omega, 2e-2 * F * arm * omega);  // the spring is loaded first
+  EXPECT_NEAR(run.books().dissipated, run.walls()[0].work, 2e-2 * F * arm * omega);
+  EXPECT_LT(std::abs(run.balance_error(run.energies())), 1e-4);
+}
+
+// A servo presses a sphere against the floor: it comes to rest where the force is the one aimed at.
+TEST(Wall, ServoHoldsItsForce) {
+  const double k = 1e3, aim = 2.0;
+  Specimen s = sphere({0, 0, 0.5}, 0.5, 1.0, linear(k, 0.0, 0.3),
+                      {floor_at(0), {"top", PlaneWall{{0, 0, 1.0}, {0, 0, -1}}, 0, {}}});
+  Stage stage = testing::plain_stage(2e-4, 6.0);
+  WallDrive drive{.wall = "top", .index = 1};
+  drive.servo = WallDrive::Servo{{0, 0, -1}, aim, {}, 1.0, 20.0, 0.0};
+  stage.walls = {drive};
+  stage.b_translation = 2.0;
+  Simulation run(s.model, stage, s.state);
+  run.run();
+  EXPECT_NEAR(run.walls()[1].force.z, aim, 1e-6);
+  EXPECT_NEAR(run.walls()[0].force.z, -aim, 1e-6);
+  EXPECT_NEAR(run.walls()[1].displacement.z, -2.0 * aim / k, 1e-8);
+  EXPECT_LT(std::abs(run.balance_error(run.energies())), 1e-4);
+}
+
+// A sphere that rolls over a plate of triangles moves as on a plane; and along the edges between them.
+TEST(Wall, OfTrianglesIsAPlane) {
+  const auto roll = [](const WallShape& shape) {
+    Specimen s = sphere({-0.7, -0.31, 0.1}, 0.1, 1.0, linear(1e4, 0.4, 0.7), {{"floor", shape, 0, {}}});
+    s.state.v[first] = {0.6, 0.25, -0.1};
+    s.state.omega[first] = {1.0, 0.2, 0.7};
+    Stage stage = testing::plain_stage(1e-4, 2.0);
+    stage.gravity = {0, 0, -g};
+    Simulation run(s.model, stage, s.state);
+    run.run();
+    return run.state();
+  };
+  const State plane = roll(PlaneWall{{0, 0, 0}, {0, 0, 1}});
+  EXPECT_GT(plane.r[first].x, 0.1);
+  for (const std::uint32_t n : {1u, 10u, 100u}) {
+    TriangleMesh mesh;
+    for (std::uint32_t i = 0; i <= n; ++i)
+      for (std::uint32_t j = 0; j <= n; ++j)
+        mesh.corners.push_back({-2.0 + 4.0 * i / n, -2.0 + 4.0 * j / n, 0});
+    for (std::uint32_t i = 0; i < n; ++i)
+      for (std::uint32_t j = 0; j < n; ++j) {
+        const std::uint32_t a = i * (n + 1) + j, b = a + n + 1;
+        mesh.triangles.push_back({a, b, b + 1}), mesh.triangles.push_back({a, b + 1, a + 1});
+      }
+    const State on_mesh = roll(MeshWall{mesh});
+    EXPECT_LT(norm(on_mesh.r[first] - plane.r[first]), 1e-9) << 2 * n * n << " triangles";
+    EXPECT_LT(norm(on_mesh.omega[first] - plane.omega[first]), 1e-8);
+  }
+}
+
+TEST(Wall, ThatIsPassedThroughEndsTheRun) {
+  Specimen s = sphere({0, 0, 0.5}, 0.1, 1.0, linear(10.0, 0.0), {floor_at(0)});
+  s.state.v[first] = {0, 0, -5};
+  Simulation run(s.model, testing::plain_stage(1e-3, 2.0), s.state);
+  try {
+    run.run();
+    ADD_FAILURE() << "it went through unseen";
+  } catch (const Diverged& e) {
+    EXPECT_NE(std::string(e.what()).find("particle 0"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("\"floor\""), std::string::npos) << e.what();
+  }
+}
+
+/// Spheres with friction, two materials and rolling resistance fall into a box whose lid is a servo.
+Specimen heap(std::size_t n, double apart = 1.0) {
+  testing::Dice dice(3);
+  std::vector<Vec3d> r;
+  for (std::size_t x = 0; x < n; ++x)
+    for (std::size_t y = 0; y < n; ++y)
+      for (std::size_t z = 0; z < n; ++z)
+        r.push_back(Vec3d{1, 1, 1} + apart * Vec3d{double(x), double(y), double(z)} +
+                    Vec3d{dice(-0.05, 0.05), dice(-0.05, 0.05), dice(-0.05, 0.05)});
+  Specimen s{equal_particles(r, 1.0, 0.08, 0.45), {}};
+  for (const ParticleId p : s.model.radius.ids()) {
+    s.model.radius[p] = dice(0.35, 0.48);
+    s.model.material.push_back(static_cast<std::uint32_t>(p.value % 2));
+  }
+  s.model.materials = {{"soft", 500.0, 0.3, {.friction = 0.2}}, {"hard", 900.0, 0.2, {.friction = 0.6}}};
+  ContactModel& c = s.model.contact;
+  c = {.law = ContactLaw::hertz, .pairs = ContactPairs::all};
+  c.tangential = TangentialForm::mindlin, c.rolling = RollingForm::spring;
+  c.surface = {.friction = 0.4, .restitution = 0.4, .rolling_friction = 0.05, .twisting_friction = 0.02};
+  const double L = apart * double(n - 1) + 2.0;
+  s.model.walls = {{"floor", PlaneWall{{0, 0, 0.2}, {0, 0, 1}}, 0, {}},
+                   {"west", PlaneWall{{0.2, 0, 0}, {1, 0, 0}}, 1, {}},
+                   {"east", PlaneWall{{L - 0.2, 0, 0}, {-1, 0, 0}}, 1, {}},
+                   {"south", PlaneWall{{0, 0.2, 0}, {0, 1, 0}}, 1, {}},
+                   {"north", PlaneWall{{0, L - 0.2, 0}, {0, -1, 0}}, 1, {}},
+                   {"lid", PlaneWall{{0, 0, L + 0.5}, {0, 0, -1}}, 0, {}}};
+  s.state = at_rest(s.model);
+  return s;
+}
+Stage filling(double dt, double duration) {
+  Stage stage = testing::plain_stage(dt, duration);
+  stage.gravity = {0, 0, -1};
+  WallDrive lid{.wall = "lid", .index = 5};
+  lid.servo = WallDrive::Servo{{0, 0, -1}, 20.0, {}, 50.0, 10.0, 0.5};
+  stage.walls = {lid};
+  return stage;
+}
+
+TEST(Heap, ClosesItsBooks) {
+  const Specimen s = heap(6);
+  Simulation run(s.model, filling(2e-3, 8.0), s.state);
+  run.run();
+  EXPECT_GT(run.books().dissipated, 0.0);
+  EXPECT_GT(run.state().contact_history.size(), 200u);
+  EXPECT_LT(std::abs(run.balance_error(run.energies())), 1e-3);
+  for (const Vec3d& r : run.state().r) {
+    EXPECT_GT(r.z, 0.2);
+    EXPECT_GT(r.x, 0.2);
+    EXPECT_LT(r.x, 6.8);
+  }
+}
+
+// 10,648 spheres: parts for three threads. Also across an end and a resumption, by which lists are made anew.
+TEST(Heap, HasTheSameBitsWithAnyThreadsAndAfterAnyResumption) {
+  const Specimen s = heap(22, 0.9);
+  const auto run_on = [&](State state, int threads, int steps) {
+    Simulation run(s.model, filling(4e-3, 1e9), std::move(state), threads);
+    EXPECT_EQ(run.threads() > 1, threads > 1);
+    for (int k = 0; k < steps; ++k) run.step();
+    return std::move(run).take_state();
+  };
+  State falling = s.state;
+  testing::Dice dice(5);
+  for (Vec3d& v : falling.v) v = {dice(-1, 1), dice(-1, 1), dice(-1, 1)};
+  const State whole = run_on(falling, 1, 120);
+  EXPECT_GT(whole.contact_history.size(), 1000u);
+  EXPECT_GT(whole.wall_history.size(), 100u);
+  EXPECT_TRUE(run_on(falling, 3, 120) == whole);
+  for (const int at : {1, 61}) {
+    const State middle = run_on(falling, 2, at);
+    EXPECT_TRUE(run_on(middle, 3, 120 - at) == whole) << "resumed at step " << at;
+  }
+}
+
+}  // namespace
+}  // namespace vbond
