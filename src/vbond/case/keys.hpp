@@ -42,6 +42,18 @@ void describe_flow(Table& t, BondSpec& b);
 /// A cross-section, in one of the forms that the file may name.
 void describe_section(Table& t, Section& section);
 
+void describe(Table& t, MaterialSpec& m);
+void describe(Table& t, WallSpec& w);
+void describe(Table& t, PlaneWallSpec& w);
+void describe(Table& t, DiscWallSpec& w);
+void describe(Table& t, CylinderWallSpec& w);
+void describe(Table& t, SphereWallSpec& w);
+void describe(Table& t, BoxWallSpec& w);
+void describe(Table& t, MeshWallSpec& w);
+void describe(Table& t, WallDriveSpec& d);
+void describe(Table& t, WallOscillationSpec& o);
+void describe(Table& t, WallServoSpec& s);
+
 void describe(Table& t, VelocitySpec& v);
 void describe(Table& t, TimeSpec& s);
 /// False if its kind could not be read; it is then taken for dynamics.

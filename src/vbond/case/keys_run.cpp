@@ -17,6 +17,8 @@ void describe(Table& t, Case& c) {
   t.tables("specimen", c.specimens, required, "a body of particles; several are numbered one after another");
   t.named_tables("groups", c.groups, "a named set of particles: exactly one of the following");
   t.tables("bonds", c.bonds, optional, "a set of bonds that are made alike");
+  t.tables("material", c.materials, optional, "what particles and walls are made of");
+  t.tables("wall", c.walls, optional, "a rigid surface that particles touch");
   t.table("contact", optional, "repulsion of particles that overlap",
           [&c](Table& k) { describe(k, c.contact); });
   t.tables("velocities", c.velocities, optional,
