@@ -12,10 +12,6 @@ const ChoiceCodec<WallSide>& side_codec() {
   return codec;
 }
 
-bool any(const Vec3d& v) {
-  return !(v == Vec3d{});
-}
-
 }  // namespace
 
 void describe(Table& t, PlaneWallSpec& w) {
@@ -67,7 +63,8 @@ void describe(Table& t, WallOscillationSpec& o) {
   t.key("amplitude", o.amplitude, vector_of(length), required,
         "A of the displacement A sin(2 pi f t), t from the start of the stage");
   t.key("frequency", o.frequency, positive(frequency), required, "f");
-  t.check(any(o.amplitude), {"amplitude"}, "must not be zero: nothing would move", "leave oscillation out");
+  t.check(o.amplitude != Vec3d{}, {"amplitude"}, "must not be zero: nothing would move",
+          "leave oscillation out");
 }
 
 void describe(Table& t, WallServoSpec& s) {
@@ -113,7 +110,7 @@ void describe(Table& t, WallDriveSpec& d) {
   describe(t, d.factor);
   t.table("oscillation", d.oscillation, "a swing of the wall on top of its other motion");
   t.table("servo", d.servo, "the wall is driven until particles press back with a force");
-  t.check(any(d.velocity) || any(d.angular_velocity) || d.oscillation || d.servo,
+  t.check(d.velocity != Vec3d{} || d.angular_velocity != Vec3d{} || d.oscillation || d.servo,
           {"wall", "velocity", "angular_velocity", "oscillation", "servo"},
           "nothing moves the wall: no velocity, angular_velocity, oscillation or servo",
           "add one of them, or leave the wall out: it stands still then");
