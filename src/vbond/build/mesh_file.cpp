@@ -19,9 +19,6 @@ namespace {
 
 using Three = std::array<std::uint32_t, 3>;
 
-/// Twice the area over the square of the longest side below which three corners are on a line.
-constexpr double thinnest = 1e-12;
-
 MeshFormat format_of(const std::filesystem::path& file, const SourcePlace& place) {
   std::string extension = file.extension().string();
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -30,12 +27,6 @@ MeshFormat format_of(const std::filesystem::path& file, const SourcePlace& place
   if (extension == ".ply") return MeshFormat::ply;
   throw CaseError({place, fmt::format("\"{}\" is no file of triangles that is known", file.string()),
                    "the extension tells the format: .stl, .obj or .ply", "convert the file to one of them"});
-}
-
-bool is_degenerate(const TriangleMesh& mesh, const Three& t) {
-  const Vec3d &a = mesh.corners[t[0]], &b = mesh.corners[t[1]], &c = mesh.corners[t[2]];
-  const double longest2 = std::max({norm2(b - a), norm2(c - b), norm2(a - c)});
-  return !(norm(cross(b - a, c - a)) > thinnest * longest2);
 }
 
 /// Corners at the same place become one, in order of their first use.
@@ -68,8 +59,9 @@ void join_corners(TriangleMesh& mesh) {
 }
 
 void drop_degenerate(MeshFile& file) {
-  file.degenerate +=
-      std::erase_if(file.mesh.triangles, [&](const Three& t) { return is_degenerate(file.mesh, t); });
+  const std::vector<Vec3d>& r = file.mesh.corners;
+  file.degenerate += std::erase_if(file.mesh.triangles,
+                                   [&](const Three& t) { return !has_area(r[t[0]], r[t[1]], r[t[2]]); });
 }
 
 /// Of triangles with the same corners the first stays, whichever way they turn: both sides of it are felt.

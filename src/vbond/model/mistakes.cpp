@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "vbond/model/wall_mistakes.hpp"
+
 namespace vbond {
 namespace {
 
@@ -62,6 +64,10 @@ class Mistakes {
  public:
   explicit Mistakes(const Model& model) : n_(model.particles()) {}
   std::vector<std::string> take() && { return std::move(list_); }
+
+  void add(std::vector<std::string> mistakes) {
+    for (std::string& m : mistakes) list_.push_back(std::move(m));
+  }
 
   void require(bool holds, const std::string& mistake) {
     if (!holds) list_.push_back(mistake);
@@ -220,6 +226,7 @@ std::vector<std::string> mistakes_in(const Model& model) {
     found.require_increasing(g.particles, "group \"" + g.name + "\"");
   }
   look_at_contact(model.contact, found);
+  found.add(mistakes_in_walls(model));
   return std::move(found).take();
 }
 
@@ -308,6 +315,11 @@ std::vector<std::string> mistakes_in(const Model& model, const Stage& stage) {
     found.require(above_zero(r.distance),
                   fmt::format("{} has distance = {}: it must be > 0", rule, r.distance));
   }
+  found.add(mistakes_in_drives(model, stage.walls));
+  for (const WallDrive& d : stage.walls) {
+    found.look_at(d.factor, "the drive of wall \"" + d.wall + "\"");
+    if (d.servo) found.look_at(d.servo->factor, "the servo of wall \"" + d.wall + "\"");
+  }
   look_at_stops(stage.stops, found);
   return std::move(found).take();
 }
@@ -315,6 +327,7 @@ std::vector<std::string> mistakes_in(const Model& model, const Stage& stage) {
 std::vector<std::string> mistakes_in(const Model& model, const StaticStage& stage) {
   Mistakes found(model);
   found.require(is_static(stage.kind), "kind = dynamics: a stage of dynamics is a Stage, not a StaticStage");
+  found.require(model.walls.empty(), "the model has walls: they are for stages of dynamics");
   found.require_finite(stage.gravity, "the stage", "gravity");
   for (const StaticSupport& s : stage.supports) {
     found.require_known(s.particles, "a support", s.group);
