@@ -14,6 +14,7 @@ vbond_build_packages=(
   nlohmann-json3-dev    # run.json
   libhdf5-dev           # checkpoints
   zlib1g-dev            # the report page
+  libassimp-dev         # walls: STL, OBJ, PLY
   libsuitesparse-dev libopenblas-pthread-dev  # statics: sparse factors
   libeigen3-dev libspectra-dev                # statics: matrices, eigenvalues
 )

@@ -89,6 +89,9 @@ TEST(Friction, NeverReturnsEnergyOverLoops) {
     double in = 0.0, dissipated = 0.0;
     for (std::size_t k = 0; k < ways.size(); ++k) {
       constexpr int steps = 50;
+      const TouchLoads<double> pressed = touch(forms, n, on_plane(depths[k]), 1.0, h);
+      EXPECT_GE(pressed.dissipated, 0.0);
+      h = pressed.history, dissipated += pressed.dissipated;
       for (int s = 0; s < steps; ++s) {
         const Touching<double> p = on_plane(depths[k], ways[k], turns[k]);
         const TouchHistory<double> before = h;

@@ -11,6 +11,7 @@
 #include "vbond/build/groups.hpp"
 #include "vbond/build/stages.hpp"
 #include "vbond/build/velocities.hpp"
+#include "vbond/build/walls.hpp"
 #include "vbond/core/bounding_box.hpp"
 #include "vbond/core/near_pairs.hpp"
 
@@ -222,6 +223,8 @@ Built build(const Case& c) {
   state.omega.assign(n, {});
   check_distinct(c, model, problems);
   check_contact(c, model, problems);
+  add_materials(c, specimens, model, problems);
+  add_walls(c, built, problems);
   add_groups(c, specimens, model, problems);
   problems.throw_if_any();
 

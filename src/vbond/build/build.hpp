@@ -17,7 +17,8 @@ namespace vbond {
 struct Built {
   Model model;
   State state;
-  std::vector<std::string> notes;  ///< what of the specimens' files is not used, a line each
+  std::vector<std::string>
+      notes;  ///< what is made of the files that the case reads and what not, a line each
 };
 
 /// Particles that the case makes itself; those that it reads from files are not counted.

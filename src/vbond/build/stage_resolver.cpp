@@ -61,6 +61,19 @@ std::optional<DistanceStop> StageResolver::distance_stop(const DistanceStopSpec&
   return DistanceStop{*i, *j, s.value, s.below};
 }
 
+TimeFunction StageResolver::function(const TimeFunctionSpec& f, const SourcePlace& place) const {
+  TimeFunction resolved;
+  for (const auto& [t, factor] : f.points) {
+    const double at = look_up_time(t, model, "factor", place, problems);
+    if (!resolved.points.empty() && !(at > resolved.points.back().t))
+      problems.add(place,
+                   fmt::format("the factor's time {} does not come after {}", at, resolved.points.back().t),
+                   "the times of a table increase", "sort the points");
+    resolved.points.push_back({at, factor});
+  }
+  return resolved;
+}
+
 void StageResolver::check_held_once() const {
   static constexpr const char* dof_names[6] = {
       "x", "y", "z", "rotation about x", "rotation about y", "rotation about z"};

@@ -20,6 +20,7 @@ struct StageResolver {
 
   std::vector<ParticleId> particles(const Placed<std::string>& group) const;
   std::optional<DistanceStop> distance_stop(const DistanceStopSpec& s) const;
+  TimeFunction function(const TimeFunctionSpec& f, const SourcePlace& place) const;
 
   /// No degree of freedom has two supports.
   void check_held_once() const;

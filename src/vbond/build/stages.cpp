@@ -10,6 +10,7 @@
 #include "vbond/build/groups.hpp"
 #include "vbond/build/stage_resolver.hpp"
 #include "vbond/build/times.hpp"
+#include "vbond/build/walls.hpp"
 #include "vbond/model/make_bond.hpp"
 
 namespace vbond {
@@ -32,19 +33,6 @@ struct DynamicsResolver : StageResolver {
     problems.add(place, fmt::format("the direction of {} is zero", what), "it must point somewhere",
                  "use for instance direction = [1, 0, 0]");
     return d;
-  }
-
-  TimeFunction function(const TimeFunctionSpec& f, const SourcePlace& place) const {
-    TimeFunction resolved;
-    for (const auto& [t, factor] : f.points) {
-      const double at = time(t, "factor", place);
-      if (!resolved.points.empty() && !(at > resolved.points.back().t))
-        problems.add(place,
-                     fmt::format("the factor's time {} does not come after {}", at, resolved.points.back().t),
-                     "the times of a table increase", "sort the points");
-      resolved.points.push_back({at, factor});
-    }
-    return resolved;
   }
 
   std::vector<Support> supports() const {
@@ -250,6 +238,10 @@ void put_on_steps(Stage& stage) {
   const std::int64_t last = steps_in(stage.stops.duration, stage.dt);
   for (Support& s : stage.supports) s.factor = on_steps(s.factor, stage.dt, last);
   for (PointLoad& l : stage.loads) l.factor = on_steps(l.factor, stage.dt, last);
+  for (WallDrive& w : stage.walls) {
+    w.factor = on_steps(w.factor, stage.dt, last);
+    if (w.servo) w.servo->factor = on_steps(w.servo->factor, stage.dt, last);
+  }
 }
 
 }  // namespace
@@ -282,6 +274,7 @@ Stage resolve_stage(const Case& c, const Model& model, std::size_t k, Problems& 
   stage.loads = resolver.loads();
   if (spec.strain) stage.strain = resolver.strain(*spec.strain);
   stage.bonding = resolver.bonding(k);
+  stage.walls = resolve_wall_drives(resolver);
   stage.stops.duration = resolver.positive_time(spec.duration, "duration", spec.place);
   if (spec.stop_distance) stage.stops.distance = resolver.distance_stop(*spec.stop_distance);
   if (spec.stop_peak) stage.stops.peak = resolver.peak_stop(*spec.stop_peak, stage.supports);

@@ -4,6 +4,7 @@
 
 #include "vbond/build/stage_resolver.hpp"
 #include "vbond/build/stages.hpp"
+#include "vbond/build/walls.hpp"
 
 namespace vbond {
 namespace {
@@ -41,6 +42,7 @@ StaticStage resolve_static_stage(const Case& c, const Model& model, std::size_t 
   stage.kind = spec.kind;
   stage.gravity = spec.gravity;
   stage.constant_gravity = spec.constant_gravity;
+  refuse_walls(resolver);
   stage.supports = supports(resolver);
   check_something_is_free(resolver);
   stage.loads = loads(resolver);

@@ -53,7 +53,10 @@ void check_header(const CsvTable& table, const SourcePlace& header, const std::v
 
 }  // namespace
 
-std::vector<std::string> read_lines(const std::filesystem::path& file, const SourcePlace& place) {
+namespace {
+
+/// The file, open. Throws CaseError at `place` if it is no file or cannot be read.
+std::ifstream opened(const std::filesystem::path& file, const SourcePlace& place) {
   const auto refuse = [&](const std::string& reason) {
     throw CaseError({place, fmt::format("\"{}\" cannot be read: {}", file.string(), reason),
                      "file names are taken from the folder of the case file",
@@ -66,6 +69,18 @@ std::vector<std::string> read_lines(const std::filesystem::path& file, const Sou
     refuse("it is not a regular file, of which the output folder could hold a copy");
   std::ifstream in(file, std::ios::binary);
   if (!in) refuse(std::strerror(errno));
+  return in;
+}
+
+}  // namespace
+
+std::string read_bytes(const std::filesystem::path& file, const SourcePlace& place) {
+  std::ifstream in = opened(file, place);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+std::vector<std::string> read_lines(const std::filesystem::path& file, const SourcePlace& place) {
+  std::ifstream in = opened(file, place);
   std::vector<std::string> lines;
   for (std::string line; std::getline(in, line);) {
     if (!line.empty() && line.back() == '\r') line.pop_back();

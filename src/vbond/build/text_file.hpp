@@ -14,6 +14,9 @@ namespace vbond {
 /// Throws CaseError at `place`, where the case names it, if it cannot be read.
 std::vector<std::string> read_lines(const std::filesystem::path& file, const SourcePlace& place);
 
+/// All bytes of such a file. Throws like read_lines.
+std::string read_bytes(const std::filesystem::path& file, const SourcePlace& place);
+
 /// The file as seen from the folder of the case file.
 std::filesystem::path beside_case(const std::string& case_file, const std::filesystem::path& file);
 

@@ -9,7 +9,8 @@
 #include <variant>
 #include <vector>
 
-#include "vbond/core/error.hpp"
+#include "vbond/case/placed.hpp"
+#include "vbond/case/wall_spec.hpp"
 #include "vbond/core/vec3.hpp"
 #include "vbond/model/bond.hpp"
 #include "vbond/model/model.hpp"
@@ -17,22 +18,9 @@
 #include "vbond/model/static_stage.hpp"
 
 /// A case as the user wrote it, checked key by key and turned into the units of the model.
-/// Names of groups and stages are still names, and times may still be multiples of T_0: build/ resolves both.
+/// Names of groups, walls and stages are still names, and times may still be multiples of T_0: build/
+/// resolves both.
 namespace vbond {
-
-/// A value and where it stands in the case file, for errors that only build/ can find.
-template <class T>
-struct Placed {
-  T value{};
-  SourcePlace place;
-};
-
-/// A time: a number in the model's unit, or a multiple of T_0, which is known only after building.
-struct CaseTime {
-  double value = 0;
-  bool in_T_0 = false;
-  double resolve(double T_0) const { return in_T_0 ? value * T_0 : value; }
-};
 
 // ---- specimens -------------------------------------------------------------------------------
 
@@ -106,10 +94,11 @@ struct SpecimenSpec {
   std::variant<RodSpecimen, HemisphereSpecimen, BlockSpecimen, SheetSpecimen, RingSpecimen, HelixSpecimen,
                CsvSpecimen, LammpsSpecimen, ListedSpecimen>
       shape;
-  double radius = 0;              ///< >= 0; required > 0 for contacts, surface bonds, density
-  std::optional<double> mass;     ///< exactly one of mass, density (or a file column)
-  std::optional<double> density;  ///< m = 4/3 pi R^3 density
-  std::optional<double> inertia;  ///< default 2/5 m R^2
+  double radius = 0;                            ///< >= 0; required > 0 for contacts, surface bonds, density
+  std::optional<double> mass;                   ///< exactly one of mass, density (or a file column)
+  std::optional<double> density;                ///< m = 4/3 pi R^3 density
+  std::optional<double> inertia;                ///< default 2/5 m R^2
+  std::optional<Placed<std::string>> material;  ///< default: the first of the case
 };
 
 // ---- groups ------------------------------------------------------------------------------------
@@ -207,10 +196,6 @@ struct VelocitySpec {
   std::uint64_t seed = 1;
 };
 
-struct TimeFunctionSpec {
-  std::vector<std::pair<CaseTime, double>> points;  ///< empty: constant 1
-};
-
 struct SupportSpec {
   SourcePlace place;
   Placed<std::string> group;
@@ -278,6 +263,7 @@ struct StageSpec {
   CaseTime duration;  ///< required, > 0: the longest the stage may take
   double b_translation = 0, b_rotation = 0, local_damping = 0;
   std::optional<StrainSpec> strain;
+  std::vector<WallDriveSpec> walls;
   std::optional<PeakStopSpec> stop_peak;
   std::optional<RestStopSpec> stop_rest;
   std::optional<BreakStopSpec> stop_breaks;
@@ -334,7 +320,10 @@ struct Case {
   std::vector<SpecimenSpec> specimens;
   std::vector<GroupSpec> groups;
   std::vector<BondSpec> bonds;
+  std::vector<MaterialSpec> materials;
+  std::vector<WallSpec> walls;
   ContactModel contact;
+  std::vector<ContactPairSpec> contact_between;
   std::vector<VelocitySpec> velocities;
   TimeSpec time;
   std::vector<StageSpec> stages;

@@ -34,13 +34,27 @@ void describe(Table& t, PairsFile& s);
 void describe(Table& t, SpecimenPairs& s);
 void describe(Table& t, BondStiffness<double>& p);
 void describe(Table& t, TheoryParameters& p);
-void describe(Table& t, ContactModel& c);
+/// materials: the case has some.
+void describe(Table& t, ContactModel& c, std::vector<ContactPairSpec>& between, bool materials);
+void describe(Table& t, ContactPairSpec& p);
 /// Stretching, damping and strength of a bond set: what makes its bonds more than harmonic.
 void describe_rules(Table& t, BondSpec& b);
 /// Yield, creep and softening, after the rules above.
 void describe_flow(Table& t, BondSpec& b);
 /// A cross-section, in one of the forms that the file may name.
 void describe_section(Table& t, Section& section);
+
+void describe(Table& t, MaterialSpec& m);
+void describe(Table& t, WallSpec& w);
+void describe(Table& t, PlaneWallSpec& w);
+void describe(Table& t, DiscWallSpec& w);
+void describe(Table& t, CylinderWallSpec& w);
+void describe(Table& t, SphereWallSpec& w);
+void describe(Table& t, BoxWallSpec& w);
+void describe(Table& t, MeshWallSpec& w);
+void describe(Table& t, WallDriveSpec& d);
+void describe(Table& t, WallOscillationSpec& o);
+void describe(Table& t, WallServoSpec& s);
 
 void describe(Table& t, VelocitySpec& v);
 void describe(Table& t, TimeSpec& s);

@@ -345,25 +345,4 @@ void describe(Table& t, TheoryParameters& p) {
   });
 }
 
-void describe(Table& t, ContactModel& c) {
-  t.key("law", c.law,
-        ChoiceCodec<ContactLaw>{{"none", "paper-hertz", "hertz"},
-                                {ContactLaw::none, ContactLaw::paper_hertz, ContactLaw::hertz}},
-        optional, "repulsion c_H/sqrt(length) overlap^(3/2), or Hertz's from E, nu and the radii");
-  t.when(c.law != ContactLaw::none, "law = \"paper-hertz\" or \"hertz\"", [&] {
-    t.key("pairs", c.pairs,
-          ChoiceCodec<ContactPairs>{{"all", "unbonded"}, {ContactPairs::all, ContactPairs::unbonded}},
-          optional, "whether bonded particles repel each other too");
-  });
-  t.when(c.law == ContactLaw::paper_hertz, "law = \"paper-hertz\"", [&] {
-    t.key("c_H", c.c_H, positive(stiffness), required, "contact stiffness");
-    t.key("length", c.length, positive(length), required_in_si, "length scale a under the root");
-  });
-  t.when(c.law == ContactLaw::hertz, "law = \"hertz\"", [&] {
-    t.key("E", c.E, positive(stress), required, "Young's modulus of the particles");
-    t.key("nu", c.nu, NumberCodec{pure, {-1, 0.5, true, false}}, required,
-          "Poisson's ratio of the particles");
-  });
-}
-
 }  // namespace vbond::keys

@@ -17,8 +17,10 @@ void describe(Table& t, Case& c) {
   t.tables("specimen", c.specimens, required, "a body of particles; several are numbered one after another");
   t.named_tables("groups", c.groups, "a named set of particles: exactly one of the following");
   t.tables("bonds", c.bonds, optional, "a set of bonds that are made alike");
-  t.table("contact", optional, "repulsion of particles that overlap",
-          [&c](Table& k) { describe(k, c.contact); });
+  t.tables("material", c.materials, optional, "what particles and walls are made of");
+  t.tables("wall", c.walls, optional, "a rigid surface that particles touch");
+  t.table("contact", optional, "what particles and walls do that touch",
+          [&c](Table& k) { describe(k, c.contact, c.contact_between, !c.materials.empty()); });
   t.tables("velocities", c.velocities, optional,
            "initial velocities; without it all particles start at rest");
   t.table("time", optional, "the time step", [&c](Table& k) { describe(k, c.time); });

@@ -112,6 +112,7 @@ void describe_motion(Table& t, StageSpec& s) {
         "Cundall's local damping, not physical: this part of the load left on a particle opposes its motion");
   });
   t.table("strain", s.strain, "affine strain, applied step by step");
+  t.tables("walls", s.walls, optional, "what moves walls; the others stand still");
 }
 
 void describe_newton(Table& t, NewtonSettings& n, StageKind kind) {

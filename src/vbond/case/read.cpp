@@ -34,9 +34,11 @@ void check_twice(const std::vector<T>& items, const std::string& kind, std::set<
 
 /// Specimens and groups share one set of names, in which build/ adds some of its own.
 void check_names(const Case& c, ReadContext& in) {
-  std::set<std::string> stages, bonds, groups;
+  std::set<std::string> stages, bonds, groups, walls, materials;
   check_twice(c.stages, "stage", stages, in);
   check_twice(c.bonds, "bonds", bonds, in);
+  check_twice(c.walls, "wall", walls, in);
+  check_twice(c.materials, "material", materials, in);
   const std::vector<std::string> reserved{"all", "ends", "first", "last", "rim", "apex"};
   const auto check_reserved = [&](const auto& item, const char* kind) {
     if (std::find(reserved.begin(), reserved.end(), item.name) != reserved.end())
@@ -86,6 +88,7 @@ Case parse_case(std::string_view text, const std::filesystem::path& file) {
   reader.finish();
   number_nameless(c.stages, "stage");
   number_nameless(c.bonds, "bonds");
+  number_nameless(c.walls, "wall");
   check_names(c, in);
   check_stage_references(c, in);
 

@@ -6,22 +6,6 @@
 #include "vbond/core/nearest.hpp"
 
 namespace vbond::keys {
-namespace {
-
-/// What users of other programs look for and this one does not have yet.
-struct NotYet {
-  const char *key, *rule, *way_out;
-};
-constexpr std::array not_yet{
-    NotYet{"strength", "not there yet: bonds do not break",
-           "remove it; run.json counts the bonds beyond the range of their law: strained, snapped"},
-    NotYet{"friction", "not there yet: contacts push along the line of centres only", "remove it"},
-    NotYet{"restitution", "not there yet: contacts are elastic",
-           "remove it; damping = { translation = ... } of a stage slows all particles"},
-};
-
-}  // namespace
-
 Reader::Reader(const NodeTable& members, ReadContext& context, std::string path, SourcePlace header)
     : members_(members), in_(context), path_(std::move(path)), header_(std::move(header)) {}
 
@@ -193,12 +177,6 @@ void Reader::finish() {
       if (!unsure_)
         in_.report(place_of(m), what, "is used only with " + other->second,
                    "remove it, or change what it belongs to");
-      continue;
-    }
-    const auto later = std::find_if(not_yet.begin(), not_yet.end(),
-                                    [&m](const NotYet& wanted) { return m.key == wanted.key; });
-    if (later != not_yet.end()) {
-      in_.report(place_of(m), what, later->rule, later->way_out);
       continue;
     }
     const auto meant = nearest_name(m.key, names);

@@ -37,6 +37,7 @@ inline constexpr Dimension turning_stiffness{2, 1, -2, 0, "force*length", "1e-3 
 inline constexpr Dimension energy{2, 1, -2, 0, "energy", "1e-6 J"};
 inline constexpr Dimension stress{-1, 1, -2, 0, "force/length^2", "2 GPa"};
 inline constexpr Dimension stiffness{0, 1, -2, 0, "force/length", "5 N/m"};
+inline constexpr Dimension surface_energy{0, 1, -2, 0, "energy/length^2", "0.1 J/m^2"};
 inline constexpr Dimension stiffness_per_area{-2, 1, -2, 0, "force/length^3", "5 N/m^3"};
 inline constexpr Dimension damping{0, 1, -1, 0, "force*time/length", "0.1 N*s/m"};
 inline constexpr Dimension rotary_damping{2, 1, -1, 0, "force*length*time", "1e-6 N*m*s", true};

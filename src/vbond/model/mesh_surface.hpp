@@ -22,7 +22,7 @@ class MeshSurface {
  public:
   static constexpr double same_point = 1e-4;
 
-  /// Triangles whose area is not zero, with finite corners; no triangle twice.
+  /// Triangles with an area (has_area) and finite corners; no triangle twice.
   explicit MeshSurface(const TriangleMesh& mesh);
 
   bool may_touch(const Vec3d& centre, double reach) const { return tree_.may_be_near(centre, reach); }

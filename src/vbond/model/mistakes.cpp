@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "vbond/model/wall_mistakes.hpp"
+
 namespace vbond {
 namespace {
 
@@ -62,6 +64,10 @@ class Mistakes {
  public:
   explicit Mistakes(const Model& model) : n_(model.particles()) {}
   std::vector<std::string> take() && { return std::move(list_); }
+
+  void add(std::vector<std::string> mistakes) {
+    for (std::string& m : mistakes) list_.push_back(std::move(m));
+  }
 
   void require(bool holds, const std::string& mistake) {
     if (!holds) list_.push_back(mistake);
@@ -191,23 +197,9 @@ void look_at_contact(const Model& model, Mistakes& found) {
   not_negative(c.tangential_damping, "tangential_damping");
   not_negative(c.rolling_stiffness, "rolling_stiffness");
   look_at_surface(c.surface, "contact", found);
-  for (const ContactMaterial& m : model.materials) {
-    look_at_elasticity(m.E, m.nu, "material \"" + m.name + "\"", found);
+  for (const ContactMaterial& m : model.materials)
     look_at_surface(m.surface, "material \"" + m.name + "\"", found);
-  }
   for (const ContactPair& p : c.between) look_at_surface(p.surface, "contact.between", found);
-  const std::size_t materials = std::max<std::size_t>(1, model.materials.size());
-  found.require(model.material.empty() || model.material.size() == model.particles(),
-                fmt::format("material has {} entries for {} particles: one for each, or none",
-                            model.material.size(), model.particles()));
-  for (const std::uint32_t m : model.material)
-    if (m >= materials) {
-      found.require(false, fmt::format("a particle is of material {} of {}", m, materials));
-      break;
-    }
-  for (const Wall& w : model.walls)
-    found.require(w.material < materials,
-                  fmt::format("wall \"{}\" is of material {} of {}", w.name, w.material, materials));
 }
 
 void look_at_stops(const Stops& stops, Mistakes& found) {
@@ -269,6 +261,7 @@ std::vector<std::string> mistakes_in(const Model& model) {
     found.require_increasing(g.particles, "group \"" + g.name + "\"");
   }
   look_at_contact(model, found);
+  found.add(mistakes_in_walls(model));
   return std::move(found).take();
 }
 
@@ -357,6 +350,11 @@ std::vector<std::string> mistakes_in(const Model& model, const Stage& stage) {
     found.require(above_zero(r.distance),
                   fmt::format("{} has distance = {}: it must be > 0", rule, r.distance));
   }
+  found.add(mistakes_in_drives(model, stage.walls));
+  for (const WallDrive& d : stage.walls) {
+    found.look_at(d.factor, "the drive of wall \"" + d.wall + "\"");
+    if (d.servo) found.look_at(d.servo->factor, "the servo of wall \"" + d.wall + "\"");
+  }
   look_at_stops(stage.stops, found);
   return std::move(found).take();
 }
@@ -364,6 +362,7 @@ std::vector<std::string> mistakes_in(const Model& model, const Stage& stage) {
 std::vector<std::string> mistakes_in(const Model& model, const StaticStage& stage) {
   Mistakes found(model);
   found.require(is_static(stage.kind), "kind = dynamics: a stage of dynamics is a Stage, not a StaticStage");
+  found.require(model.walls.empty(), "the model has walls: they are for stages of dynamics");
   found.require_finite(stage.gravity, "the stage", "gravity");
   for (const StaticSupport& s : stage.supports) {
     found.require_known(s.particles, "a support", s.group);

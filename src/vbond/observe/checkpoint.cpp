@@ -17,6 +17,7 @@
 
 #include "vbond/core/error.hpp"
 #include "vbond/model/rules.hpp"
+#include "vbond/observe/detail/checkpoint_walls.hpp"
 #include "vbond/observe/detail/h5.hpp"
 #include "vbond/observe/detail/h5_file.hpp"
 #include "vbond/observe/detail/h5_units.hpp"
@@ -184,7 +185,6 @@ void read_rules(H5Reader& reader, State& state) {
 }
 
 using PairMemories = Column<Id<struct PairOfFile>, PairMemory>;
-
 /// Files have these only where bonds or contacts are more than elastic.
 void write_inelastic(H5Writer& writer, const State& state) {
   if (!state.bond_history.empty()) writer.of_each("/bonds/history", state.bond_history, std::identity{});
@@ -335,6 +335,7 @@ void write_checkpoint(const std::filesystem::path& path, const Model& model, con
     write_laws(writer, checkpoint.state);
     write_rules(writer, checkpoint.state);
     write_inelastic(writer, checkpoint.state);
+    write_walls(writer, checkpoint.state);
     write_overlapping(writer, checkpoint.watch);
     write_rare(writer, checkpoint.watch);
     write_units(writer.file(), model.units);
@@ -364,6 +365,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const Model& model
     read_laws(reader, c.state, laws);
     read_rules(reader, c.state);
     read_inelastic(reader, c.state);
+    read_walls(reader, c.state);
     read_overlapping(reader, c.watch, n);
     read_rare(reader, c.watch, c.state);
     check_sense(c);

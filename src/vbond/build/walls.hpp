@@ -1,0 +1,26 @@
+#pragma once
+#include <vector>
+
+#include "vbond/build/build.hpp"
+#include "vbond/build/groups.hpp"
+#include "vbond/build/problems.hpp"
+#include "vbond/build/stage_resolver.hpp"
+#include "vbond/model/wall.hpp"
+
+namespace vbond {
+
+/// The materials of the case and which one each particle has.
+void add_materials(const Case& c, const std::vector<PlacedSpecimen>& specimens, Model& model,
+                   Problems& problems);
+
+/// The walls of the case, meshes read from their files. Records walls without contacts and walls that stand
+/// in a specimen as it begins.
+void add_walls(const Case& c, Built& built, Problems& problems);
+
+/// What moves the walls in a stage of dynamics.
+std::vector<WallDrive> resolve_wall_drives(const StageResolver& resolver);
+
+/// Static stages know nothing of walls.
+void refuse_walls(const StageResolver& resolver);
+
+}  // namespace vbond

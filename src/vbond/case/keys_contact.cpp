@@ -1,0 +1,116 @@
+#include "vbond/case/keys.hpp"
+#include "vbond/physics/touch.hpp"
+
+namespace vbond::keys {
+namespace {
+
+constexpr ReferenceCodec material_name{"material"};
+
+/// What two surfaces do; otherwise says what holds for a number that is not given.
+void describe(Table& t, Surface& s, const char* mu, const char* e, const char* other) {
+  t.key("friction", s.friction, not_negative(pure), default_is(mu), "Coulomb's mu");
+  t.key("restitution", s.restitution, NumberCodec{pure, {least_restitution, 1.0}}, default_is(e),
+        "e of a head-on impact: speed after over speed before, at any speed");
+  t.key("rolling_friction", s.rolling_friction, not_negative(pure), default_is(other),
+        "mu_r of the largest moment mu_r R* F_n against rolling");
+  t.key("twisting_friction", s.twisting_friction, not_negative(pure), default_is(other),
+        "mu_t of the largest moment mu_t R* F_n against twisting about the normal");
+  t.key("work_of_adhesion", s.work_of_adhesion, not_negative(surface_energy), default_is(other),
+        "w, twice the surface energy of equal bodies");
+}
+
+const ChoiceCodec<TangentialForm>& tangential_codec() {
+  static const ChoiceCodec<TangentialForm> codec{
+      {"none", "mindlin", "linear"}, {TangentialForm::none, TangentialForm::mindlin, TangentialForm::linear}};
+  return codec;
+}
+
+}  // namespace
+
+void describe(Table& t, ContactPairSpec& p) {
+  t.locate(p.place);
+  t.key("material", p.material, material_name, required, "one material of the pair");
+  t.key("with", p.with, material_name, required, "the other one, or the same");
+  const char* const rule = "what follows from the two materials";
+  describe(t, p.surface, rule, rule, rule);
+}
+
+void describe(Table& t, MaterialSpec& m) {
+  t.locate(m.place);
+  t.key("name", m.name, NameCodec{}, required, "by which specimens and walls name it");
+  t.key("E", m.E, positive(stress), required, "Young's modulus");
+  t.key("nu", m.nu, NumberCodec{pure, {-1, 0.5, true, false}}, required, "Poisson's ratio");
+  const char* const rule = "that of [contact]";
+  describe(t, m.surface, rule, rule, rule);
+}
+
+void describe(Table& t, ContactModel& c, std::vector<ContactPairSpec>& between, bool materials) {
+  t.key("law", c.law,
+        ChoiceCodec<ContactLaw>{
+            {"none", "paper-hertz", "hertz", "linear"},
+            {ContactLaw::none, ContactLaw::paper_hertz, ContactLaw::hertz, ContactLaw::linear}},
+        optional,
+        "repulsion of an overlap d: c_H/sqrt(length) d^(3/2); Hertz's from E, nu and the radii; or k d");
+  t.when(c.law != ContactLaw::none, "law = \"paper-hertz\", \"hertz\" or \"linear\"", [&] {
+    t.key("pairs", c.pairs,
+          ChoiceCodec<ContactPairs>{{"all", "unbonded"}, {ContactPairs::all, ContactPairs::unbonded}},
+          optional, "whether bonded particles touch, too");
+  });
+  t.when(c.law == ContactLaw::paper_hertz, "law = \"paper-hertz\"", [&] {
+    t.key("c_H", c.c_H, positive(stiffness), required, "contact stiffness");
+    t.key("length", c.length, positive(length), required_in_si, "length scale a under the root");
+  });
+  t.when(c.law == ContactLaw::linear, "law = \"linear\"",
+         [&] { t.key("k", c.k, positive(stiffness), required, "contact stiffness"); });
+  t.when(c.law == ContactLaw::hertz, "law = \"hertz\"", [&] {
+    std::optional<double> E, nu;
+    if (c.E > 0.0) E = c.E, nu = c.nu;
+    t.key("E", E, positive(stress), default_is("those of [[material]], else required"),
+          "Young's modulus of the particles");
+    t.key("nu", nu, NumberCodec{pure, {-1, 0.5, true, false}},
+          default_is("those of [[material]], else required"), "Poisson's ratio of the particles");
+    t.check(materials || (E && nu), {"law", "E", "nu"}, "E and nu are required: the case has no [[material]]",
+            "add them here, or as [[material]] of specimens and walls");
+    t.check(!materials || (!E && !nu), {"E", "nu"}, "E and nu stand with [[material]] in this case",
+            "remove them here");
+    if (E && nu) c.E = *E, c.nu = *nu;
+    t.key("adhesion", c.adhesion,
+          ChoiceCodec<AdhesionForm>{{"none", "jkr", "dmt"},
+                                    {AdhesionForm::none, AdhesionForm::jkr, AdhesionForm::dmt}},
+          optional, "by the work of adhesion: of soft bodies (JKR) or of small and hard ones (DMT)");
+  });
+  t.when(c.law != ContactLaw::none, "law = \"paper-hertz\", \"hertz\" or \"linear\"", [&] {
+    describe(t, c.surface, "0", "1: elastic", "0");
+    t.key("tangential", c.tangential, tangential_codec(), optional,
+          "spring across the contact, up to friction: Mindlin's 8 G* sqrt(R* d), or k_t");
+    t.check(c.tangential != TangentialForm::mindlin || c.law == ContactLaw::hertz, {"tangential", "law"},
+            "Mindlin's stiffness follows from E and nu, which only law = \"hertz\" has",
+            "use tangential = \"linear\" with k_t, or law = \"hertz\"");
+    t.check(c.surface.friction.value_or(0.0) == 0.0 || c.tangential != TangentialForm::none,
+            {"friction", "tangential"}, "friction without a tangential spring does nothing",
+            "add tangential = \"mindlin\" (law hertz) or \"linear\" with k_t");
+    t.key("rolling", c.rolling,
+          ChoiceCodec<RollingForm>{{"none", "constant", "spring"},
+                                   {RollingForm::none, RollingForm::constant, RollingForm::spring}},
+          optional, "resistance to rolling and twisting: a constant moment, or a spring up to it (type C)");
+    t.key("attraction", c.attraction, FlagCodec{}, optional,
+          "whether damping may pull parting bodies together; restitution is met either way");
+    t.key("tangential_damping", c.tangential_damping, not_negative(pure), optional,
+          "damping across the contact over that along it, while it sticks");
+  });
+  t.when(c.tangential == TangentialForm::linear, "tangential = \"linear\"",
+         [&] { t.key("k_t", c.k_t, positive(stiffness), required, "stiffness across the contact"); });
+  t.when(c.rolling == RollingForm::spring, "rolling = \"spring\"", [&] {
+    std::optional<double> k_r;
+    if (c.rolling_stiffness > 0.0) k_r = c.rolling_stiffness;
+    t.key("rolling_stiffness", k_r, positive(turning_stiffness), default_is("k_t R*^2"),
+          "moment of the spring against rolling over its angle");
+    t.check(k_r || c.tangential != TangentialForm::none, {"rolling", "rolling_stiffness"},
+            "rolling_stiffness is required: there is no tangential stiffness that it follows from",
+            "add rolling_stiffness, or tangential");
+    c.rolling_stiffness = k_r.value_or(0.0);
+  });
+  t.tables("between", between, optional, "exceptions for pairs of materials");
+}
+
+}  // namespace vbond::keys

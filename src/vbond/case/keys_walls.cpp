@@ -1,0 +1,119 @@
+#include <cmath>
+
+#include "vbond/case/keys.hpp"
+
+namespace vbond::keys {
+namespace {
+
+constexpr ReferenceCodec material_name{"material"}, wall_name{"wall"};
+
+const ChoiceCodec<WallSide>& side_codec() {
+  static const ChoiceCodec<WallSide> codec{{"inside", "outside"}, {WallSide::inside, WallSide::outside}};
+  return codec;
+}
+
+}  // namespace
+
+void describe(Table& t, PlaneWallSpec& w) {
+  t.key("point", w.point, vector_of(length), optional, "a point of the plane");
+  t.key("normal", w.normal, direction_vector, required,
+        "points to the side of the particles; the length does not matter");
+}
+
+void describe(Table& t, DiscWallSpec& w) {
+  t.key("centre", w.centre, vector_of(length), optional, "its centre");
+  t.key("normal", w.normal, direction_vector, required,
+        "to one of its two sides; the length does not matter");
+  t.key("radius", w.radius, positive(length), required, "its radius");
+}
+
+void describe(Table& t, CylinderWallSpec& w) {
+  t.key("centre", w.centre, vector_of(length), optional, "the middle of its axis");
+  t.key("axis", w.axis, direction_vector, required, "along it; the length does not matter");
+  t.key("radius", w.radius, positive(length), required, "its radius");
+  t.key("length", w.length, positive(length), default_is("endless"),
+        "from rim to rim, without lids; such a cylinder is felt from inside and from outside");
+  t.when(!w.length, "no length", [&] {
+    t.key("side", w.side, side_codec(), optional, "on which side of the surface particles are");
+  });
+}
+
+void describe(Table& t, SphereWallSpec& w) {
+  t.key("centre", w.centre, vector_of(length), optional, "its centre");
+  t.key("radius", w.radius, positive(length), required, "its radius");
+  t.key("side", w.side, side_codec(), optional, "on which side of the surface particles are");
+}
+
+void describe(Table& t, BoxWallSpec& w) {
+  t.key("min", w.min, vector_of(length), required, "corner with the least coordinates");
+  t.key("max", w.max, vector_of(length), required, "corner with the largest coordinates");
+  t.check(w.min.x < w.max.x && w.min.y < w.max.y && w.min.z < w.max.z, {"min", "max"},
+          "each coordinate of max must be larger than that of min",
+          "exchange them; a flat wall is a disc or a mesh");
+}
+
+void describe(Table& t, MeshWallSpec& w) {
+  t.key("file", w.file, FileCodec{}, required, "triangles: STL (binary or ASCII), OBJ or PLY");
+  t.key("scale", w.scale, positive(pure), optional,
+        "lengths of the file times this are lengths of the case; 0.001 for a file in mm in SI units");
+  t.key("shift", w.shift, vector_of(length), optional, "added to all corners after scaling");
+}
+
+void describe(Table& t, WallOscillationSpec& o) {
+  t.key("amplitude", o.amplitude, vector_of(length), required,
+        "A of the displacement A sin(2 pi f t), t from the start of the stage");
+  t.key("frequency", o.frequency, positive(frequency), required, "f");
+  t.check(o.amplitude != Vec3d{}, {"amplitude"}, "must not be zero: nothing would move",
+          "leave oscillation out");
+}
+
+void describe(Table& t, WallServoSpec& s) {
+  t.key("direction", s.direction, direction_vector, required,
+        "in which the wall presses; its length does not matter");
+  t.key("force", s.force, positive(force), required, "with which it presses in the end");
+  describe(t, s.factor);
+  t.key("mass", s.mass, positive(mass), required, "of the wall, which moves as a body of this mass");
+  t.key("damping", s.damping, not_negative(damping), optional, "b of a force -b v on the wall");
+  t.key("fastest", s.fastest, positive(velocity), default_is("none"), "largest speed of the wall");
+}
+
+void describe(Table& t, WallSpec& w) {
+  t.locate(w.place);
+  t.key("name", w.name, NameCodec{}, default_is("`\"wall-1\"`, `\"wall-2\"`, ..."), "name of the wall");
+  static const std::vector<std::string> shapes{"plane", "disc", "cylinder", "sphere", "box", "mesh"};
+  std::size_t shape = t.reading() ? shapes.size() : w.shape.index();
+  t.key("shape", shape, ChoiceCodec<std::size_t>{shapes, {0, 1, 2, 3, 4, 5}}, required,
+        "plane: a half space; disc: a round plate; box: its six faces; mesh: triangles from a file");
+  std::vector<std::string> conditions;
+  for (const std::string& s : shapes) conditions.push_back("shape = \"" + s + "\"");
+  t.alternatives(w.shape, shape, conditions);
+  t.key("material", w.material, material_name, default_is("the first of the case"), "what it is made of");
+  t.key("moments_about", w.moments_about, vector_of(length), default_is("its point or centre"),
+        "point of the wall that the moment on it refers to");
+}
+
+void describe(Table& t, WallDriveSpec& d) {
+  t.locate(d.place);
+  t.key("wall", d.wall, wall_name, required, "which wall; those that are not named stand still");
+  t.key("velocity", d.velocity, vector_of(velocity), optional, "of the wall");
+  t.key("angular_velocity", d.angular_velocity, vector_of(angular_velocity), optional,
+        "of its rotation about the pivot");
+  t.key("pivot", d.pivot, vector_of(length), default_is("moments_about of the wall"),
+        "point in space about which it turns");
+  describe(t, d.factor);
+  t.table("oscillation", d.oscillation, "a swing of the wall on top of its other motion");
+  t.table("servo", d.servo, "the wall is driven until particles press back with a force");
+  t.check(d.velocity != Vec3d{} || d.angular_velocity != Vec3d{} || d.oscillation || d.servo,
+          {"wall", "velocity", "angular_velocity", "oscillation", "servo"},
+          "nothing moves the wall: no velocity, angular_velocity, oscillation or servo",
+          "add one of them, or leave the wall out: it stands still then");
+  const auto along = [&d](const Vec3d& v) {
+    return d.servo && std::abs(dot(v, d.servo->direction)) > 1e-12 * norm(v) * norm(d.servo->direction);
+  };
+  const char* const rule = "has a part along servo.direction, in which the wall moves as the servo has it";
+  t.check(!along(d.velocity), {"velocity", "servo"}, rule, "take that part away, or the servo");
+  t.check(!d.oscillation || !along(d.oscillation->amplitude), {"oscillation", "servo"}, rule,
+          "take that part of amplitude away, or the servo");
+}
+
+}  // namespace vbond::keys

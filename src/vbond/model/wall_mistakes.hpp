@@ -1,0 +1,15 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "vbond/model/model.hpp"
+#include "vbond/model/wall.hpp"
+
+namespace vbond {
+
+/// What a program may do wrong with materials and walls, as in mistakes.hpp.
+std::vector<std::string> mistakes_in_walls(const Model& model);
+/// The same for what moves them in a stage, but for the times of its factors.
+std::vector<std::string> mistakes_in_drives(const Model& model, const std::vector<WallDrive>& drives);
+
+}  // namespace vbond

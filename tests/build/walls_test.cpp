@@ -1,0 +1,147 @@
+#include "cases.hpp"
+#include "vbond/case/read.hpp"
+
+namespace vbond::test {
+namespace {
+
+/// What is given, three spheres with radius 0.4 along x at height 1, contacts, and lines of the one stage.
+Case walls_case(const std::string& text, const std::string& stage_lines = "") {
+  return parse_case(
+      text +
+          "\n[[specimen]]\nkind = \"rod\"\nparticles = 3\nmass = 1\nradius = 0.4\norigin = [0, 0, 1]\n"
+          "[contact]\nlaw = \"hertz\"\nE = 100\nnu = 0.3\n[time]\nstep = 0.01\n"
+          "[[stage]]\nduration = 1\n" +
+          stage_lines,
+      "case.toml");
+}
+
+Stage first_stage(const Case& c) {
+  Built b = build(c);
+  return build_stage(c, b.model, 0, b.state);
+}
+
+void expect_refused(const Case& c, const std::string& place, const std::vector<std::string>& parts) {
+  const std::string text = text_of_error(c);
+  EXPECT_TRUE(contains(text, place)) << text;
+  for (const std::string& part : parts) EXPECT_TRUE(contains(text, part)) << part << " is not in:\n" << text;
+}
+
+TEST(Walls, HaveTheShapesOfTheCase) {
+  const Model m = build(walls_case(R"(
+wall = [
+  { name = "floor", shape = "plane", point = [0, 0, 0.5], normal = [0, 0, 2] },
+  { name = "lid", shape = "disc", centre = [0, 3, 3], normal = [0, -3, 0], radius = 2 },
+  { name = "drum", shape = "cylinder", centre = [1, 1, 1], axis = [5, 0, 0], radius = 4, side = "inside" },
+  { name = "bar", shape = "cylinder", centre = [0, 9, 0], axis = [0, 0, 1], radius = 1, length = 2.5 },
+  { name = "ball", shape = "sphere", centre = [0, 0, -4], radius = 3, side = "outside", moments_about = [1, 2, 3] },
+  { shape = "box", min = [-2, -1, -3], max = [4, 5, 6] },
+]
+)"))
+                      .model;
+  ASSERT_EQ(m.walls.size(), 6u);
+  EXPECT_EQ(m.walls[0].name, "floor");
+  const auto& plane = std::get<PlaneWall>(m.walls[0].shape);
+  EXPECT_EQ(plane.normal, (Vec3d{0, 0, 1}));
+  EXPECT_EQ(m.walls[0].centre, (Vec3d{0, 0, 0.5}));
+  EXPECT_EQ(std::get<DiscWall>(m.walls[1].shape).normal, (Vec3d{0, -1, 0}));
+  EXPECT_EQ(std::get<DiscWall>(m.walls[1].shape).radius, 2.0);
+  const auto& drum = std::get<CylinderWall>(m.walls[2].shape);
+  EXPECT_TRUE(std::isinf(drum.length) && drum.axis == (Vec3d{1, 0, 0}) && drum.side == WallSide::inside);
+  EXPECT_EQ(std::get<CylinderWall>(m.walls[3].shape).length, 2.5);
+  EXPECT_EQ(std::get<SphereWall>(m.walls[4].shape).side, WallSide::outside);
+  EXPECT_EQ(m.walls[4].centre, (Vec3d{1, 2, 3}));
+  EXPECT_EQ(m.walls[5].name, "wall-6");
+  EXPECT_EQ(std::get<MeshWall>(m.walls[5].shape).mesh.triangles.size(), 12u);
+  EXPECT_EQ(m.walls[5].centre, (Vec3d{1, 2, 1.5}));
+}
+
+TEST(Materials, AreThoseThatSpecimensAndWallsName) {
+  const char* const two =
+      "material = [{ name = \"a\", E = 1, nu = 0.2 }, { name = \"b\", E = 2, nu = 0.5 }]\n";
+  const std::string floor = "[[wall]]\nname = \"floor\"\nshape = \"plane\"\nnormal = [0, 0, 1]\n";
+  Case c = parse_case(two + to_toml(walls_case(floor + "material = \"b\"\n")), "case.toml");
+  c.specimens.push_back(specimen(ListedSpecimen{{{0, 0, 5}}}, "other"));
+  c.specimens[1].material = Placed<std::string>{"b", {"case.toml", 5, 1}};
+  const Model m = build(c).model;
+  ASSERT_EQ(m.materials.size(), 2u);
+  EXPECT_EQ(m.materials[1].E, 2.0);
+  EXPECT_EQ(m.materials[1].nu, 0.5);
+  EXPECT_EQ(m.walls[0].material, 1u);
+  EXPECT_EQ(m.material_of(ParticleId{2}), 0u);
+  EXPECT_EQ(m.material_of(ParticleId{3}), 1u);
+  c.specimens[1].material->value = "c";
+  expect_refused(c, "case.toml:5:1", {"there is no material \"c\"", "a, b"});
+}
+
+TEST(Walls, NeedContacts) {
+  Case c = walls_case("[[wall]]\nshape = \"plane\"\nnormal = [0, 0, 1]\n");
+  c.contact.law = ContactLaw::none;
+  expect_refused(c, "case.toml:1:1", {"wall \"wall-1\" without contacts", "add [contact]"});
+}
+
+TEST(Walls, ThatStandInsideASpecimenAreRefusedWithTheWorstParticle) {
+  const auto floor_at = [](double z) {
+    return walls_case("[[wall]]\nname = \"floor\"\nshape = \"plane\"\nnormal = [0.2, 0, 1]\npoint = [0, 0, " +
+                      std::to_string(z) + "]\n");
+  };
+  EXPECT_EQ(text_of_error(floor_at(0.75)), "");  // by less than half a radius at the first particle
+  expect_refused(floor_at(0.85), "case.toml:1:1", {"wall \"floor\" stands inside a specimen", "particle 0 "});
+  expect_refused(floor_at(9), "case.toml:1:1", {"particle 0 ", "wrong way"});
+  expect_refused(walls_case("[[wall]]\nshape = \"box\"\nmin = [-1, -1, -1]\nmax = [2.1, 3, 3]\n"),
+                 "case.toml:1:1", {"particle 2 at (2, 0, 1) by 0.75 of its radius"});
+  expect_refused(
+      walls_case("[[wall]]\nshape = \"sphere\"\ncentre = [0, 0, 1]\nradius = 0.3\nside = \"inside\"\n"),
+      "case.toml:1:1", {"does not fit", "larger radius"});
+}
+
+TEST(WallDrives, AreResolved) {
+  const Stage s = first_stage(walls_case(R"(
+wall = [
+  { name = "floor", shape = "plane", normal = [0, 0, 1] },
+  { name = "lid", shape = "disc", centre = [0, 0, 3], normal = [0, 0, 1], radius = 2 },
+]
+)",
+                                         R"(
+walls = [
+  { wall = "lid", velocity = [1, 0, 0], servo = { direction = [0, 0, -2], force = 3, ramp = 0.5, mass = 4, damping = 5, fastest = 6 } },
+  { wall = "floor", angular_velocity = [0, 0, 1], pivot = [1, 0, 0], table = [[0, 0], [0.3, 2]], oscillation = { amplitude = [0, 1, 0], frequency = 7 } },
+]
+)"));
+  ASSERT_EQ(s.walls.size(), 2u);
+  const WallDrive &lid = s.walls[0], &floor = s.walls[1];
+  EXPECT_EQ(lid.index, 1u);
+  EXPECT_EQ(lid.velocity, (Vec3d{1, 0, 0}));
+  EXPECT_EQ(lid.pivot, (Vec3d{0, 0, 3}));
+  ASSERT_TRUE(lid.servo);
+  EXPECT_EQ(lid.servo->direction, (Vec3d{0, 0, -1}));
+  EXPECT_EQ(lid.servo->factor(0.25), 0.5);
+  EXPECT_EQ(lid.servo->force + 10 * lid.servo->mass + 100 * lid.servo->damping + 1000 * lid.servo->fastest,
+            6543.0);
+  EXPECT_EQ(floor.index, 0u);
+  EXPECT_EQ(floor.pivot, (Vec3d{1, 0, 0}));
+  EXPECT_EQ(floor.factor(0.3), 2.0);
+  EXPECT_EQ(floor.amplitude, (Vec3d{0, 1, 0}));
+  EXPECT_EQ(floor.frequency, 7.0);
+  EXPECT_FALSE(floor.servo);
+}
+
+TEST(WallDrives, OfWallsThatAreNotThereOrMovedTwiceAreRefused) {
+  const std::string floor = "[[wall]]\nname = \"floor\"\nshape = \"plane\"\nnormal = [0, 0, 1]\n";
+  expect_refused(walls_case(floor, "walls = [{ wall = \"flor\", velocity = [1, 0, 0] }]\n"),
+                 "case.toml:20:12", {"there is no wall \"flor\"", "did you mean \"floor\"?"});
+  expect_refused(walls_case("", "walls = [{ wall = \"floor\", velocity = [1, 0, 0] }]\n"),
+                 "case.toml:", {"the case has no [[wall]]"});
+  expect_refused(walls_case(floor,
+                            "walls = [{ wall = \"floor\", velocity = [1, 0, 0] },\n"
+                            "{ wall = \"floor\", angular_velocity = [1, 0, 0] }]\n"),
+                 "case.toml:21:", {"moved twice", "one entry"});
+}
+
+TEST(Walls, AreRefusedInStaticStages) {
+  Case c = walls_case("[[wall]]\nshape = \"plane\"\nnormal = [0, 0, 1]\n");
+  c.stages[0].kind = StageKind::modes;
+  expect_refused(c, "case.toml:17:1", {"static", "walls are for stages of kind = \"dynamics\""});
+}
+
+}  // namespace
+}  // namespace vbond::test
