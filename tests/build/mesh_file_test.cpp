@@ -184,6 +184,14 @@ TEST(MeshFiles, WithCoordinatesThatAreNotFiniteAreRefused) {
       contains(refusal("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n"), "no triangles with an area"));
 }
 
+TEST(MeshFiles, WithPolygonsHoldTheirTriangles) {
+  const std::string corners = "v 0 0 0\nv 2 0 0\nv 3 1 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
+  const MeshFile pentagon = read("convex.obj", corners + "f 1 2 3 4 5\n");
+  EXPECT_EQ(pentagon.mesh.triangles.size(), 3u);
+  EXPECT_EQ(pentagon.open_edges, 5u);
+  expect_refused("dented.obj", corners + "f 1 2 3 4 5 6\n", "a face of 6 corners is not convex");
+}
+
 TEST(MeshFiles, ThatAreMissingOrFoldersAreRefusedWhereTheCaseNamesThem) {
   const auto mesh_case = [](const std::string& file) {
     return parse_case(

@@ -1,13 +1,18 @@
 #include <assimp/MemoryIOWrapper.h>
-#include <assimp/config.h>
-#include <assimp/postprocess.h>
 #include <assimp/scene.h>
-#include <assimp/DefaultLogger.hpp>
+#include <fmt/format.h>
+
+#include <assimp/BaseImporter.h>
 #include <assimp/IOSystem.hpp>
 #include <assimp/Importer.hpp>
-
+#include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <span>
 #include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "vbond/build/mesh_file.hpp"
 
@@ -33,13 +38,24 @@ class OneFile final : public Assimp::IOSystem {
   std::string_view content_;
 };
 
-const char* name_of(MeshFormat format) {
+std::string extension_of(MeshFormat format) {
   switch (format) {
-    case MeshFormat::stl: return "mesh.stl";
-    case MeshFormat::obj: return "mesh.obj";
-    case MeshFormat::ply: return "mesh.ply";
+    case MeshFormat::stl: return ".stl";
+    case MeshFormat::obj: return ".obj";
+    case MeshFormat::ply: return ".ply";
   }
   return "";
+}
+
+/// True if the corners, in order, turn one way only, to rounding of 32 bits.
+bool is_convex(const std::vector<Vec3d>& corners, std::span<const std::uint32_t> polygon) {
+  const std::size_t n = polygon.size();
+  const auto at = [&](std::size_t k) { return corners[polygon[k % n]]; };
+  Vec3d area;
+  for (std::size_t k = 1; k + 1 < n; ++k) area += cross(at(k) - at(0), at(k + 1) - at(0));
+  for (std::size_t k = 0; k < n; ++k)
+    if (dot(cross(at(k + 1) - at(k), at(k + 2) - at(k + 1)), area) < -1e-6 * norm2(area)) return false;
+  return true;
 }
 
 void add(const aiMesh& from, MeshFile& to) {
@@ -47,19 +63,34 @@ void add(const aiMesh& from, MeshFile& to) {
   if (first + from.mNumVertices > 0xFFFFFFFFu) throw std::runtime_error("it has more than 2^32 corners");
   for (unsigned k = 0; k < from.mNumVertices; ++k)
     to.mesh.corners.push_back({from.mVertices[k].x, from.mVertices[k].y, from.mVertices[k].z});
+  std::vector<std::uint32_t> polygon;
   for (unsigned f = 0; f < from.mNumFaces; ++f) {
     const aiFace& face = from.mFaces[f];
-    if (face.mNumIndices != 3) {
+    polygon.clear();
+    for (unsigned k = 0; k < face.mNumIndices; ++k) {
+      if (face.mIndices[k] >= from.mNumVertices)
+        throw std::runtime_error("a face has a corner that is not there");
+      polygon.push_back(static_cast<std::uint32_t>(first + face.mIndices[k]));
+    }
+    if (polygon.size() < 3) {
       ++to.other;
       continue;
     }
-    std::array<std::uint32_t, 3> triangle;
-    for (unsigned k = 0; k < 3; ++k) {
-      if (face.mIndices[k] >= from.mNumVertices)
-        throw std::runtime_error("a face has a corner that is not there");
-      triangle[k] = static_cast<std::uint32_t>(first + face.mIndices[k]);
-    }
-    to.mesh.triangles.push_back(triangle);
+    if (polygon.size() > 3 && !is_convex(to.mesh.corners, polygon))
+      throw std::runtime_error(
+          fmt::format("a face of {} corners is not convex: cut it into triangles", polygon.size()));
+    for (std::size_t k = 1; k + 1 < polygon.size(); ++k)
+      to.mesh.triangles.push_back({polygon[0], polygon[k], polygon[k + 1]});
+  }
+}
+
+/// Leaves the reader of one format: Assimp would try its forty others on what this one refuses.
+void keep_only(const char* extension, Assimp::Importer& importer) {
+  const std::size_t kept = importer.GetImporterIndex(extension);
+  for (std::size_t k = importer.GetImporterCount(); k-- > 0;) {
+    if (k == kept) continue;
+    const std::unique_ptr<Assimp::BaseImporter> reader(importer.GetImporter(k));
+    importer.UnregisterLoader(reader.get());  // which does not delete it
   }
 }
 
@@ -69,9 +100,11 @@ MeshFile import_mesh(std::string_view content, MeshFormat format) {
   MeshFile file;
   try {
     Assimp::Importer importer;
-    importer.SetIOHandler(new OneFile(name_of(format), content));  // which deletes it
-    const aiScene* const scene =
-        importer.ReadFile(name_of(format), aiProcess_ValidateDataStructure | aiProcess_Triangulate);
+    const std::string name = "mesh" + extension_of(format);
+    keep_only(extension_of(format).c_str(), importer);
+    importer.SetIOHandler(new OneFile(name, content));  // which deletes it
+    // No steps after reading: in Debian's build some end the program where a file is wrong.
+    const aiScene* const scene = importer.ReadFile(name, 0);
     if (scene == nullptr) throw std::runtime_error(importer.GetErrorString());
     for (unsigned k = 0; k < scene->mNumMeshes; ++k) add(*scene->mMeshes[k], file);
   } catch (const std::runtime_error&) {
