@@ -256,7 +256,7 @@ RunSummary all_kinds() {
   f.reason = "it has parted";
   f.avalanches = 1, f.largest_avalanche = 2, f.peak_load = 8.5, f.peak_load_factor = 0.5,
   f.released_parts = 1;
-  f.books = {0.1, 0.2, 0.3, 0.0, 0.4};
+  f.books = {0.1, 0.2, 0.3, 0.05, 0.0, 0.4};
   failed.result = {};
   failed.result.ended = "failed";
   failed.failure = "stage \"shake\": nothing to shake";

@@ -44,6 +44,7 @@ struct Dual {
   friend constexpr Dual where_greater(const Dual& a, const Dual& b, const Dual& x, const Dual& y) {
     return a.value > b.value ? x : y;
   }
+  friend constexpr bool any_greater(const Dual& a, const Dual& b) { return a.value > b.value; }
 
  private:
   static constexpr Dual scaled(double value, double s, const Dual& a) {

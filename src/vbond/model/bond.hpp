@@ -42,6 +42,11 @@ inline bool needs_rates(const Bond& b) {
   return is_damped(b) || b.law->remembers();
 }
 
+/// Whether balances follow from positions and what the bond remembers, without time: nothing creeps.
+inline bool can_rest(const Bond& b) {
+  return !b.law->remembers() || (b.law->has_rules && b.rules->creep.rate == 0.0);
+}
+
 /// The factor of the bond's own strength; 1 for laws that have none.
 inline double strength_factor(const Bond& b) {
   for (std::size_t k = 0; k < b.law->fields.size(); ++k)

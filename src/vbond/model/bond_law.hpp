@@ -38,8 +38,12 @@ struct BondLaw {
   BondLoads<double> (*damping_loads)(const Bond&, const BondPose<double>&, const BondRates<double>&);
   BondEnergy<double> (*energy)(const Bond&, const BondPose<double>&, const BondHistory&);
   BondLoads<double> (*loads)(const Bond&, const BondPose<double>&, const BondHistory&);  ///< without damping
-  /// Derivative of the loads, at rest: nothing for laws that remember, whose loads depend on the way.
-  PairTangent<9> (*tangent)(const Bond&, const BondPose<double>&);
+  /// Derivative of the loads, at rest; of bonds that flow, that of the loads after the flow of an increment
+  /// from this history. Not for other laws that remember, whose loads depend on the way.
+  PairTangent<9> (*tangent)(const Bond&, const BondPose<double>&, const BondHistory& before);
+  /// What is remembered after a time dt at the end of which the pose and these rates hold.
+  BondHistory (*advance)(const Bond&, const BondPose<double>&, const BondRates<double>&, double dt,
+                         const BondHistory&);
   /// How near the bond is to breaking, at 1, and by what; zeros for laws that do not break.
   Failure<double> (*failure)(const Bond&, const BondPose<double>&, const BondHistory&);
   /// Force of stretching at the length D.  [force]

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "vbond/physics/flowing.hpp"
+
 namespace vbond {
 
 double mean_axial_force(const State& state, const std::vector<ParticleId>& particles) {
@@ -38,6 +40,13 @@ Energies bond_energies(const State& state) {
     e.U_T += u.U_T;
   }
   return e;
+}
+
+double dissipated_by_flow(const State& state) {
+  double sum = 0.0;
+  for (const BondId k : state.bond_history.ids())
+    if (state.bonds[k].law->has_rules) sum += state.bond_history[k][memory::dissipated];
+  return sum;
 }
 
 }  // namespace vbond

@@ -37,5 +37,7 @@ void add_bond_loads(const State& state, Loads& loads);
 
 /// Energy of all bonds by channel, bond by bond, relative to rest; other members are left at zero.  [energy]
 Energies bond_energies(const State& state);
+/// What bonds that yield, creep or soften have dissipated since they were made, broken ones too.  [energy]
+double dissipated_by_flow(const State& state);
 
 }  // namespace vbond

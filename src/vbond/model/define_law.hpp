@@ -1,10 +1,11 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <utility>
 
 #include "vbond/model/bond.hpp"
-#include "vbond/physics/tangent.hpp"
+#include "vbond/physics/flow_tangent.hpp"
 
 /// What makes a BondLaw of a law's template. A law of the library is in BondLaws and needs no more; a law of
 /// a program's own is made by including this header where &bond_law<Law> is used.
@@ -94,11 +95,26 @@ constinit const BondLaw LawObject<Law>::object{
           return loads_with(law_of<Law>(b), pose, bond_axis(pose, b.R_i, b.R_j), history_of_bond<Law>(h));
         },
     .tangent =
-        [](const Bond& b, const BondPose<double>& pose) {
-          if constexpr (Remembering<Law<double>>)
+        [](const Bond& b, const BondPose<double>& pose, [[maybe_unused]] const BondHistory& before) {
+          if constexpr (FlowingLaw<Law<double>>)
+            return flow_tangent(law_of<Law>(b), pose, history_of_bond<Law>(before));
+          else if constexpr (Remembering<Law<double>>)
             return PairTangent<9>{};
           else
             return bond_tangent(law_of<Law>(b), pose);
+        },
+    .advance =
+        [](const Bond& b, const BondPose<double>& pose, const BondRates<double>& rates, double dt,
+           const BondHistory& h) {
+          if constexpr (Remembering<Law<double>>) {
+            const auto now = advance(law_of<Law>(b), pose, bond_axis(pose, b.R_i, b.R_j), rates, dt,
+                                     history_of_bond<Law>(h));
+            BondHistory history{};
+            std::copy_n(now.value, history_of<Law<double>>, history.begin());
+            return history;
+          } else {
+            return h;
+          }
         },
     .failure =
         [](const Bond& b, const BondPose<double>& pose, const BondHistory& h) {

@@ -83,7 +83,7 @@ HistoryValues history_values(const OutputPlan& plan, const Model& model, const S
   const State& state = point.state;
   HistoryValues values{
       .clock = state.clock,
-      .books = {.at_start = point.energies.total()},
+      .books = {.at_start = point.energies.total(), .dissipated = dissipated_by_flow(state)},
       .energies = point.energies,
       .balance_error = 0.0,
       .bonds = static_cast<std::int64_t>(state.bonds.size()),

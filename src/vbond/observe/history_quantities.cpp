@@ -39,7 +39,9 @@ constexpr HistoryQuantity columns[] = {
     {"contact", unit::energy, "energy of the contacts",
      [](const Values& v) -> Cell { return v.energies.contact; }},
     {"dissipated", unit::energy,
-     "taken out by damping so far, and contact energy given up when a pair is bonded",
+     "taken out by damping and flow so far, and contact energy given up when a pair is bonded; at rest by "
+     "bonds "
+     "that yield or soften, since they were made",
      [](const Values& v) -> Cell { return v.books.dissipated; }},
     {"work_loads", unit::energy, "work of point forces, moments and gravity so far",
      [](const Values& v) -> Cell { return v.books.work_loads; }},

@@ -143,8 +143,9 @@ Json to_json(const FractureResult& f) {
   j["peak_load_factor"] = f.peak_load_factor;
   j["released_parts"] = f.released_parts;
   const FractureBooks& b = f.books;
-  j["energy"] = {{"initial", b.initial},   {"work", b.work},       {"stored", b.stored},
-                 {"released", b.released}, {"largest", b.largest}, {"balance_error", b.error()}};
+  j["energy"] = {{"initial", b.initial},       {"work", b.work},         {"stored", b.stored},
+                 {"dissipated", b.dissipated}, {"released", b.released}, {"largest", b.largest},
+                 {"balance_error", b.error()}};
   j["broken_bonds"] = Json::array();
   for (const BrokenBond& broken : f.breaks) j["broken_bonds"].push_back(to_json(broken));
   return j;
@@ -159,8 +160,8 @@ FractureResult fracture_result(const Json& j) {
   f.peak_load_factor = j.at("peak_load_factor").get<double>();
   f.released_parts = small_number(j.at("released_parts"));
   const Json& b = j.at("energy");
-  f.books = {b.at("initial").get<double>(), b.at("work").get<double>(), b.at("stored").get<double>(),
-             b.at("released").get<double>(), b.at("largest").get<double>()};
+  f.books = {b.at("initial").get<double>(), b.at("work").get<double>(),     b.at("stored").get<double>(),
+             b.value("dissipated", 0.0),    b.at("released").get<double>(), b.at("largest").get<double>()};
   for (const Json& broken : j.at("broken_bonds")) f.breaks.push_back(broken_bond(broken));
   return f;
 }

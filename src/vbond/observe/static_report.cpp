@@ -64,10 +64,12 @@ std::string breaks(const FractureResult& f) {
   if (f.released_parts > 0)
     text += fmt::format("{} time{} a part came off that nothing held any more\n", f.released_parts,
                         f.released_parts == 1 ? "" : "s");
+  const std::string dissipated =
+      f.books.dissipated != 0.0 ? fmt::format(" + dissipated {:.6g}", f.books.dissipated) : "";
   return text + fmt::format(
-                    "energy: initial {:.6g} + work {:.6g} = stored {:.6g} + released {:.6g}, to "
+                    "energy: initial {:.6g} + work {:.6g} = stored {:.6g}{} + released {:.6g}, to "
                     "{:.1e}\n",
-                    f.books.initial, f.books.work, f.books.stored, f.books.released,
+                    f.books.initial, f.books.work, f.books.stored, dissipated, f.books.released,
                     std::abs(f.books.error()));
 }
 

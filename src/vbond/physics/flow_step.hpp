@@ -36,24 +36,48 @@ VBOND_HD T dissipated_by(const T& limit, double growth, const T& x) {
   return (limit + T(0.5 * growth) * x) * x;
 }
 
+/// Flow along the axis in a step: how much, such that the tension is at its limit.
 template <FlowingLaw Law, Scalar T>
-VBOND_HD void yield_along_axis(const Law& m, const T& D, LawHistory<Law>& h) {
-  const Yield& rule = m.rules->yield;
-  const double grow = rule.isotropic.axial, back = rule.kinematic.axial;
-  const T zero(0.0), one(1.0), a = rest_length<Law, T>(m, h), shift = T(back) * h.value[memory::stretch];
-  const T over = tension(m.about(a), D) - shift, sign = where_greater(over, zero, one, -one);
-  const T limit =
-      where_greater(over, zero, T(rule.limit.axial), T(rule.compression)) + T(grow) * h.value[memory::axial];
-  FlowAmount<T> flow(m.B1 + T(grow + back), m.a);
-  for (int k = 0; k < most_flow_corrections; ++k) {
-    const T f = sign * (tension(m.about(a + sign * flow.x), D) - shift) - limit - T(grow + back) * flow.x;
-    if (!any_greater(flow.off(f), T(flow_tolerance) * limit)) break;
-    flow.correct(f, T(flow_tolerance) * limit);
+class FlowAlongAxis {
+ public:
+  VBOND_HD FlowAlongAxis(const Law& law, const T& D, const LawHistory<Law>& h)
+      : flow(T(0.0), law.a), law_(law), D_(D), rule_(law.rules->yield), a_(rest_length<Law, T>(law, h)) {
+    const T zero(0.0), one(1.0);
+    const double grow = rule_.isotropic.axial, back = rule_.kinematic.axial;
+    shift_ = T(back) * h.value[memory::stretch];
+    const T over = tension(law.about(a_), D) - shift_;
+    sign_ = where_greater(over, zero, one, -one);
+    limit_ = where_greater(over, zero, T(rule_.limit.axial), T(rule_.compression)) +
+             T(grow) * h.value[memory::axial];
+    flow = FlowAmount<T>(law.B1 + T(grow + back), law.a);
   }
-  add_to<Law>(h, memory::stretch, sign * flow.x);
-  add_to<Law>(h, memory::axial, flow.x);
-  add_to<Law>(h, memory::dissipated, dissipated_by(limit, grow, flow.x));
-}
+  /// By how much the tension is over its limit.
+  VBOND_HD T over() const {
+    return sign_ * (tension(law_.about(a_ + sign_ * flow.x), D_) - shift_) - limit_ -
+           T(rule_.isotropic.axial + rule_.kinematic.axial) * flow.x;
+  }
+  VBOND_HD void find() {
+    const T within = T(flow_tolerance) * limit_;
+    for (int k = 0; k < most_flow_corrections; ++k) {
+      const T f = over();
+      if (!any_greater(flow.off(f), within)) break;
+      flow.correct(f, within);
+    }
+  }
+  VBOND_HD void keep(LawHistory<Law>& h) const {
+    add_to<Law>(h, memory::stretch, sign_ * flow.x);
+    add_to<Law>(h, memory::axial, flow.x);
+    add_to<Law>(h, memory::dissipated, dissipated_by(limit_, rule_.isotropic.axial, flow.x));
+  }
+
+  FlowAmount<T> flow;
+
+ private:
+  const Law& law_;
+  T D_;
+  const Yield& rule_;
+  T a_, shift_, sign_, limit_;
+};
 
 /// Shear force, bending moment and torque at the middle of a bond, without damage.
 template <Scalar T>
@@ -72,14 +96,18 @@ VBOND_HD MiddleLoads<T> middle_loads(const Law& m, const BondPose<T>& b, const B
 /// a / |a|, or nothing of nothing.
 template <Scalar T>
 VBOND_HD Vec3<T> direction_of(const Vec3<T>& a) {
-  const T zero(0.0), size = norm(a);
-  return (T(1.0) / where_greater(size, zero, size, T(1.0))) * a;
+  using std::sqrt;
+  const T zero(0.0), one(1.0), size2 = norm2(a);  // where it is zero its root would have no derivative
+  return (one / sqrt(where_greater(size2, zero, size2, one))) * a;
 }
 
-/// A small rotation vector of the world, in these axes.
+/// A rotation vector of the world, in these axes, by its own angle: at 0.3 rad to 1e-8 of it, and far better
+/// if smaller, so that the plastic work is moment times angle.
 template <Scalar T>
 VBOND_HD Quat<T> small_turn(const Axes<T>& n, const Vec3<T>& turn) {
-  return rotation_by_quarter(T(0.25) * Vec3<T>{dot(n.x, turn), dot(n.y, turn), dot(n.z, turn)});
+  const Vec3<T> quarter = T(0.25) * Vec3<T>{dot(n.x, turn), dot(n.y, turn), dot(n.z, turn)};
+  const T t2 = norm2(quarter);  // tan t = t (1 + t^2/3 + 2 t^4/15 + ...)
+  return rotation_by_quarter((T(1.0) + t2 * (T(1.0 / 3.0) + T(2.0 / 15.0) * t2)) * quarter);
 }
 /// Frames turned on by s + k/2 (i) and s - k/2 (j).
 template <Scalar T>
@@ -126,51 +154,81 @@ VBOND_HD void keep_turn(LawHistory<Law>& h, std::size_t k, const T& flow, const 
   h.value[k + 2] = where_greater(flow, zero, turn.z, h.value[k + 2]);
 }
 
-/// Flow in bending, torsion and shear, each along the direction in which its load is over its limit at first.
+/// Flow in bending, torsion and shear in a step, each along the direction in which its load is over its limit
+/// at first: how much, such that each load is at its limit.
 template <FlowingLaw Law, Scalar T>
-VBOND_HD void yield_across_axis(const Law& m, const BondPose<T>& b, const BondAxis<T>& axis,
-                                LawHistory<Law>& h) {
-  const Yield& rule = m.rules->yield;
-  const T one(1.0), quarter(0.25);  // rad, in a correction
-  const FlowTurns<T> before = turns_of<Law>(h);
-  MiddleLoads<T> l = middle_loads(m, b, axis, before);
+class FlowAcrossAxis {
+ public:
+  VBOND_HD FlowAcrossAxis(const Law& law, const BondPose<T>& b, const BondAxis<T>& axis,
+                          const LawHistory<Law>& h)
+      : FlowAcrossAxis(law, b, axis, h, stiffness(law), T(0.25)) {
+    const Yield& rule = law.rules->yield;
+    l_ = middle_loads(law, b, axis, before_);
+    // moments that kinematic hardening has shifted the limits by; bending in axes that go with both particles
+    const BondPose<T> turned = turned_pose(b, axis.D * axis.d, before_);
+    e_2_ = direction_of(across(turned.n_i[1] + turned.n_j[1], axis.d)), e_3_ = cross(axis.d, e_2_);
+    shift_b_ = T(rule.kinematic.bending) * (h.value[memory::bent] * e_2_ + h.value[memory::bent + 1] * e_3_);
+    shift_t_ = T(rule.kinematic.torsion) * h.value[memory::twisted];
+    e_b_ = direction_of(l_.M_b - shift_b_), e_v_ = direction_of(l_.V);
+    sign_ = where_greater(l_.M_t, shift_t_, T(1.0), T(-1.0));
+  }
+  VBOND_HD T bending_over() const { return bend.over(dot(l_.M_b - shift_b_, e_b_)); }
+  VBOND_HD T torsion_over() const { return twist.over(sign_ * (l_.M_t - shift_t_)); }
+  VBOND_HD T shear_over() const { return slide.over(dot(l_.V, e_v_)); }
 
-  // moments that kinematic hardening has shifted the limits by; bending in axes that go with both particles
-  const BondPose<T> turned = turned_pose(b, axis.D * axis.d, before);
-  const Vec3<T> e_2 = direction_of(across(turned.n_i[1] + turned.n_j[1], axis.d)), e_3 = cross(axis.d, e_2);
-  const Vec3<T> shift_b =
-      T(rule.kinematic.bending) * (h.value[memory::bent] * e_2 + h.value[memory::bent + 1] * e_3);
-  const T shift_t = T(rule.kinematic.torsion) * h.value[memory::twisted];
-  const Vec3<T> e_b = direction_of(l.M_b - shift_b), e_v = direction_of(l.V);
-  const T sign = where_greater(l.M_t, shift_t, one, -one);
-
-  const BondStiffness<T> c = stiffness(m);
-  const FlowLimits &limit = rule.limit, &grow = rule.isotropic, &back = rule.kinematic;
-  FlowChannel<T> bend(limit.bending, grow.bending, back.bending, h.value[memory::bending], c.c_B, quarter);
-  FlowChannel<T> twist(limit.torsion, grow.torsion, back.torsion, h.value[memory::torsion], c.c_T, quarter);
-  FlowChannel<T> slide(limit.shear, grow.shear, 0.0, h.value[memory::shear], c.c_D, quarter * axis.D);
-  FlowTurns<T> now = before;
-  for (int k = 0; k < most_flow_corrections; ++k) {
-    const T f_b = bend.over(dot(l.M_b - shift_b, e_b)), f_t = twist.over(sign * (l.M_t - shift_t)),
-            f_v = slide.over(dot(l.V, e_v));
-    if (!bend.is_off(f_b) && !twist.is_off(f_t) && !slide.is_off(f_v)) break;
-    bend.correct(f_b), twist.correct(f_t), slide.correct(f_v);
-    now = turned_on(b, before, bend.flow.x * e_b + (sign * twist.flow.x) * axis.d,
-                    (slide.flow.x * axis.per_D) * cross(axis.d, e_v));
-    l = middle_loads(m, b, axis, now);
+  /// The loads with what flows now.
+  VBOND_HD void turn() {
+    now_ = turned_on(b_, before_, bend.flow.x * e_b_ + (sign_ * twist.flow.x) * axis_.d,
+                     (slide.flow.x * axis_.per_D) * cross(axis_.d, e_v_));
+    l_ = middle_loads(law_, b_, axis_, now_);
+  }
+  VBOND_HD void find() {
+    for (int k = 0; k < most_flow_corrections; ++k) {
+      const T f_b = bending_over(), f_t = torsion_over(), f_v = shear_over();
+      if (!bend.is_off(f_b) && !twist.is_off(f_t) && !slide.is_off(f_v)) break;
+      bend.correct(f_b), twist.correct(f_t), slide.correct(f_v);
+      turn();
+    }
+  }
+  VBOND_HD void keep(LawHistory<Law>& h) const {
+    const T x_b = bend.flow.x, x_t = twist.flow.x, x_v = slide.flow.x;
+    keep_turn<Law>(h, memory::turn_i, x_b + x_t + x_v, now_.i);
+    keep_turn<Law>(h, memory::turn_j, x_b + x_t + x_v, now_.j);
+    add_to<Law>(h, memory::bending, x_b);
+    add_to<Law>(h, memory::torsion, x_t);
+    add_to<Law>(h, memory::shear, x_v);
+    add_to<Law>(h, memory::bent, x_b * dot(e_b_, e_2_));
+    add_to<Law>(h, memory::bent + 1, x_b * dot(e_b_, e_3_));
+    add_to<Law>(h, memory::twisted, sign_ * x_t);
+    add_to<Law>(h, memory::dissipated, bend.dissipated() + twist.dissipated() + slide.dissipated());
   }
 
-  const T x_b = bend.flow.x, x_t = twist.flow.x, x_v = slide.flow.x;
-  keep_turn<Law>(h, memory::turn_i, x_b + x_t + x_v, now.i);
-  keep_turn<Law>(h, memory::turn_j, x_b + x_t + x_v, now.j);
-  add_to<Law>(h, memory::bending, x_b);
-  add_to<Law>(h, memory::torsion, x_t);
-  add_to<Law>(h, memory::shear, x_v);
-  add_to<Law>(h, memory::bent, x_b * dot(e_b, e_2));
-  add_to<Law>(h, memory::bent + 1, x_b * dot(e_b, e_3));
-  add_to<Law>(h, memory::twisted, sign * x_t);
-  add_to<Law>(h, memory::dissipated, bend.dissipated() + twist.dissipated() + slide.dissipated());
-}
+  FlowChannel<T> bend, twist, slide;
+
+ private:
+  /// quarter: the most by which a turn changes in a correction  [rad]
+  VBOND_HD FlowAcrossAxis(const Law& law, const BondPose<T>& b, const BondAxis<T>& axis,
+                          const LawHistory<Law>& h, const BondStiffness<T>& c, const T& quarter)
+      : bend(law.rules->yield.limit.bending, law.rules->yield.isotropic.bending,
+             law.rules->yield.kinematic.bending, h.value[memory::bending], c.c_B, quarter),
+        twist(law.rules->yield.limit.torsion, law.rules->yield.isotropic.torsion,
+              law.rules->yield.kinematic.torsion, h.value[memory::torsion], c.c_T, quarter),
+        slide(law.rules->yield.limit.shear, law.rules->yield.isotropic.shear, 0.0, h.value[memory::shear],
+              c.c_D, quarter * axis.D),
+        law_(law),
+        b_(b),
+        axis_(axis),
+        before_(turns_of<Law>(h)),
+        now_(before_) {}
+
+  const Law& law_;
+  const BondPose<T>& b_;
+  const BondAxis<T>& axis_;
+  FlowTurns<T> before_, now_;
+  MiddleLoads<T> l_;
+  Vec3<T> e_2_, e_3_, shift_b_, e_b_, e_v_;
+  T shift_t_, sign_;
+};
 
 /// Damage by stretching to the length axis.D. Along the axis it dissipates the triangle between the secants
 /// before and after; of the other energies what it takes of their mean over the step.
@@ -202,8 +260,16 @@ VBOND_HD LawHistory<Law> advance(const Law& m, const BondPose<T>& b, const BondA
   const BondRules& rules = *m.rules;
   if (rules.creep.rate > 0.0)
     creep(m, axis.D, axis.D - dt * section_rates(b, m.R_i, m.R_j, axis, rates).v_n, dt, h);
-  if (rules.yield.stretches()) yield_along_axis(m, axis.D, h);
-  if (rules.yield.turns()) yield_across_axis(m, b, axis, h);
+  if (rules.yield.stretches()) {
+    FlowAlongAxis<Law, T> flow(m, axis.D, h);
+    flow.find();
+    flow.keep(h);
+  }
+  if (rules.yield.turns()) {
+    FlowAcrossAxis<Law, T> flow(m, b, axis, h);
+    flow.find();
+    flow.keep(h);
+  }
   if (rules.softening.any()) soften(m, b, axis, rates, dt, h);
   return h;
 }

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstddef>
 
@@ -33,23 +34,34 @@ Vec3<Dual<N>> turned(const Vec3d& a, std::size_t first) {
   return n;
 }
 
-/// Loads of a bond and their exact derivatives, from the law itself run over dual numbers.
-template <class Law>
-PairTangent<9> bond_tangent(const Law& law, const BondPose<double>& pose) {
-  using D = Dual<9>;
-  BondPose<D> p{moved<9>(pose.r_ij, 0), {}, {}};
+/// The pose of a bond whose first nine variables are r_ij and the small turns of i and of j.
+template <std::size_t N>
+BondPose<Dual<N>> moved_pose(const BondPose<double>& pose) {
+  BondPose<Dual<N>> p{moved<N>(pose.r_ij, 0), {}, {}};
   for (int k = 0; k < 3; ++k) {
-    p.n_i[k] = turned<9>(pose.n_i[k], 3);
-    p.n_j[k] = turned<9>(pose.n_j[k], 6);
+    p.n_i[k] = turned<N>(pose.n_i[k], 3);
+    p.n_j[k] = turned<N>(pose.n_j[k], 6);
   }
-  const BondLoads<D> l = bond_loads(with_scalar<D>(law), p);
+  return p;
+}
+
+/// These loads and their derivatives with the first nine variables.
+template <std::size_t N>
+PairTangent<9> tangent_of(const BondLoads<Dual<N>>& l) {
+  using D = Dual<N>;
   const D* rows[9] = {&l.F.x,    &l.F.y,    &l.F.z,    &l.M_ij.x, &l.M_ij.y,
                       &l.M_ij.z, &l.M_ji.x, &l.M_ji.y, &l.M_ji.z};
   PairTangent<9> t;
-  for (std::size_t k = 0; k < 9; ++k) t.d[k] = rows[k]->d;
+  for (std::size_t k = 0; k < 9; ++k) std::copy_n(rows[k]->d.begin(), 9, t.d[k].begin());
   const auto values = [](const Vec3<D>& a) { return Vec3d{a.x.value, a.y.value, a.z.value}; };
   t.loads = {values(l.F), values(l.M_ij), values(l.M_ji)};
   return t;
+}
+
+/// Loads of a bond and their exact derivatives, from the law itself run over dual numbers.
+template <class Law>
+PairTangent<9> bond_tangent(const Law& law, const BondPose<double>& pose) {
+  return tangent_of(bond_loads(with_scalar<Dual<9>>(law), moved_pose<9>(pose)));
 }
 
 /// The same for two particles that overlap, R_i + R_j > |r_ij|: a force on i along -r_ij, no moments.

@@ -95,7 +95,7 @@ StaticBody::StaticBody(const Model& model, const StaticStage& stage, State state
       unknowns_(model.particles(), stage.supports, length_scale(model, state_)),
       bonded_(model.particles(), false),
       held_rate_(model.particles(), std::array<double, 6>{}),
-      stiffness_{Assembly(unknowns_), {}, false} {
+      stiffness_{Assembly(unknowns_), Assembly(unknowns_), {}, false} {
   state_.v.assign(model.particles(), {});
   state_.omega.assign(model.particles(), {});
   for (const StaticSupport& s : stage.supports)
@@ -115,11 +115,50 @@ StaticBody::StaticBody(const Model& model, const StaticStage& stage, State state
         std::max(rounding_of_force_, eps * (c_A * (norm(state_.r[b.i]) + b.a) + B / unknowns_.length()));
     rounding_of_potential_ += eps * B;
   }
+  const auto remembers = [](const Bond& b) { return !b.broken && b.law->remembers(); };
+  if (std::none_of(state_.bonds.begin(), state_.bonds.end(), remembers)) return;
+  state_.bond_history.resize(state_.bonds.size());
+  accept();
+}
+
+void StaticBody::accept() {
+  if (!flows() && state_.bond_history.empty()) return;
+  accepted_before_ = flows() ? accepted_ : state_.bond_history;
+  accepted_ = state_.bond_history;
+  accepted_at_ = placement();
+  at_accepted_ = true;
 }
 
 void StaticBody::placed() {
   loaded_.reset();
   stiffness_.current = false;
+  if (!flows()) return;
+  at_accepted_ = state_.r == accepted_at_.r && state_.q == accepted_at_.q;
+  flow();
+}
+
+/// What bonds remember here, after the way from the last accepted balance, taken as straight.
+void StaticBody::flow() {
+  for (const BondId k : state_.bonds.ids()) {
+    const Bond& b = state_.bonds[k];
+    if (b.broken || !b.law->remembers()) continue;
+    const auto moved = [&](ParticleId p) { return state_.r[p] - accepted_at_.r[p]; };
+    const auto turned = [&](ParticleId p) {
+      return rotation_vector(state_.q[p] * conjugate(accepted_at_.q[p]));
+    };
+    const BondRates<double> way{moved(b.j) - moved(b.i), turned(b.i), turned(b.j)};
+    state_.bond_history[k] =
+        at_accepted_ ? accepted_[k] : b.law->advance(b, bond_pose(b, state_), way, 1.0, accepted_[k]);
+  }
+}
+
+const BondHistory& StaticBody::history_before(BondId k) const {
+  if (!flows()) return no_history;
+  return at_accepted_ ? accepted_before_[k] : accepted_[k];
+}
+
+double StaticBody::dissipated() const {
+  return flows() ? dissipated_by_flow(state_) : 0.0;
 }
 
 void StaticBody::restore(const Placement& p) {
@@ -224,6 +263,7 @@ void StaticBody::lay_out(const std::vector<Assembly::Pair>& touching) const {
   for (const Bond& b : state_.bonds)
     if (!b.broken) pairs.push_back({b.i, b.j});
   stiffness_.assembly.lay_out(model_.particles(), pairs);
+  if (flows()) stiffness_.full.lay_out(model_.particles(), pairs);
 }
 
 /// Adds the symmetric part of a pair's block, and what held degrees of freedom that move do to free ones.
@@ -240,6 +280,7 @@ void StaticBody::add_pair(ParticleId i, ParticleId j, const Block& K) const {
         stiffness_.load_direction[k] -= pushed[dof];
   }
   stiffness_.assembly.add(i, j, 0.5 * (K + K.transpose()));
+  if (flows()) stiffness_.full.add(i, j, K);
 }
 
 const StaticBody::Stiffness& StaticBody::stiffness_at_hand() const {
@@ -251,14 +292,19 @@ const StaticBody::Stiffness& StaticBody::stiffness_at_hand() const {
   if (assembly.version() == 0 || std::any_of(touching.begin(), touching.end(), is_new)) lay_out(touching);
 
   assembly.clear();
+  if (flows()) stiffness_.full.clear();
   const std::size_t n = model_.particles();
   Loads with_factor{PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)}, constant = with_factor;
   add_applied(1.0, with_factor);
   add_applied(0.0, constant);
   stiffness_.load_direction = on_unknowns(with_factor) - on_unknowns(constant);
   if (relief_.size() > 0) stiffness_.load_direction += relief_;
-  for (const Bond& b : state_.bonds)
-    if (!b.broken) add_pair(b.i, b.j, block_of(b.law->tangent(b, bond_pose(b, state_)), unknowns_.length()));
+  for (const BondId k : state_.bonds.ids()) {
+    const Bond& b = state_.bonds[k];
+    if (b.broken) continue;
+    const PairTangent<9> t = b.law->tangent(b, bond_pose(b, state_), history_before(k));
+    add_pair(b.i, b.j, block_of(t, unknowns_.length()));
+  }
   for (const auto& [i, j] : touching) add_pair(i, j, block_of(touch(model_, state_, i, j)));
   stiffness_.current = true;
   return stiffness_;
@@ -298,6 +344,7 @@ double StaticBody::moment_part() const {
 }
 
 SparseMatrix StaticBody::full_tangent() const {
+  if (flows()) return stiffness_at_hand().full.matrix();  // moments from outside are what bonds leave
   SparseMatrix K = tangent();
   const std::size_t n = model_.particles();
   Loads applied{PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)};
@@ -400,7 +447,7 @@ void StaticBody::break_bond(BondId k, BreakMode mode) {
 
 double StaticBody::potential_change(const Placement& from, double energy_from) const {
   const Loads applied = applied_loads(load_factor_);
-  double change = energies().potential() - energy_from;
+  double change = potential() - energy_from;
   for (const ParticleId p : state_.r.ids()) {
     const Vec3d turn = rotation_vector(state_.q[p] * conjugate(from.q[p]));
     Vec3d F = applied.F[p], M = applied.M[p];

@@ -99,7 +99,7 @@ std::optional<double> BreakingBody::largest_reaction() const {
 }
 
 Balance BreakingBody::here() const {
-  Balance b{body_->placement(), 0.0, body_->energies().potential(),
+  Balance b{body_->placement(), 0.0, body_->energies().potential(), body_->dissipated(),
             most_used_bond(body_->state(), load_factor())};
   for (const StaticSupport& s : stage_->supports)
     if (moves(s)) b.power += body_->power_of(s);
@@ -178,7 +178,48 @@ double BreakingBody::trapezium(const Balance& a, const Balance& b) const {
   return body_->work_of_loads(a.at, b.at, 0.5 * (f_a + f_b)) + 0.5 * (a.power + b.power) * (f_b - f_a);
 }
 
+/// Where bonds begin to flow, or to unload, the reaction has a kink, at which sums of higher order are no
+/// better: the part of the way that closes worst is halved, until all do together.
+double BreakingBody::work_between_kinks(const Balance& a, const Balance& b, double scale) {
+  constexpr int most_balances = 100, at_least = 12;  // what does not fall by then is not the sum's to mend
+  struct Part {
+    Balance from, to;
+    double trapezium, work;
+    double open() const { return std::abs(work - (to.spent() - from.spent())); }
+  };
+  const auto part = [this](const Balance& from, const Balance& to) {
+    const double sum = trapezium(from, to);
+    return Part{from, to, sum, sum};
+  };
+  const double spent = b.spent() - a.spent();
+  const double within =
+      work_error * std::abs(spent) + rounding_error * scale + body_->rounding_of_potential();
+  std::vector<Part> parts{part(a, b)};
+  double open_before = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < most_balances; ++k) {
+    double open = 0.0;
+    for (const Part& p : parts) open += p.open();
+    if (open <= within) break;
+    if (k % at_least == 0 && open > 0.5 * std::exchange(open_before, open)) break;
+    const auto worst = std::max_element(parts.begin(), parts.end(),
+                                        [](const Part& x, const Part& y) { return x.open() < y.open(); });
+    if (!balance_between(worst->from.at, worst->to.at,
+                         0.5 * (worst->from.at.load_factor + worst->to.at.load_factor)))
+      break;
+    Part first = part(worst->from, here()), second = part(first.to, worst->to);
+    const double better = (first.trapezium + second.trapezium - worst->trapezium) / 3.0;
+    first.work += 0.5 * better, second.work += 0.5 * better;
+    *worst = std::move(first);
+    parts.push_back(std::move(second));
+  }
+  double work = 0.0;
+  for (const Part& p : parts) work += p.work;
+  restore(b);
+  return work;
+}
+
 double BreakingBody::work_between(const Balance& a, const Balance& b, double scale) {
+  if (body_->flows()) return work_between_kinks(a, b, scale);
   constexpr int most_halvings = 5;
   std::vector<Balance> nodes{a, b};
   std::vector<double> sums{trapezium(a, b)};  // a row of Romberg's scheme, its best last

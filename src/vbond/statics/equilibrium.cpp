@@ -19,9 +19,10 @@ namespace {
 constexpr double largest_prediction = 0.3;
 
 int snapped_bonds(const State& s) {
-  return static_cast<int>(std::count_if(s.bonds.begin(), s.bonds.end(), [&s](const Bond& b) {
-    return bond_range(b, bond_shape(bond_pose(b, s), b.R_i, b.R_j)) == BondRange::snapped;
-  }));
+  int snapped = 0;
+  for (const BondId k : s.bonds.ids())
+    snapped += bond_range(s.bonds[k], bond_shape(s, k)) == BondRange::snapped;
+  return snapped;
 }
 
 /// An orthonormal basis of what these orthonormal columns span, and x, which is nearly among them: x first.

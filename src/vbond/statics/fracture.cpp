@@ -52,6 +52,7 @@ class Fracture {
     now_ = walk_.here();
     if (!now_.most) tell(stage_, hooks_, "no bond has a strength: nothing can break");
     found_.books.initial = found_.books.stored = now_.stored;
+    dissipated_before_ = now_.dissipated;
     note_balance(PointKind::regular);
     while (result_.ended.empty()) {
       if (hooks_.interrupted && hooks_.interrupted())
@@ -183,11 +184,11 @@ class Fracture {
 
   /// The balance that follows the break of a bond at the same load factor, and the energy it has released.
   void find_balance_after() {
-    const double stored = now_.stored;
+    const double spent = now_.spent();
     const Placement from = walk_.body().placement();
     if (const std::optional<std::string> driven = walk_.hold_free_parts()) {
       now_ = walk_.here();
-      book_release(stored - now_.stored);
+      book_release(spent - now_.spent());
       return end("parted",
                  fmt::format("load factor {:.9g}: the body has parted, loads drive off what nothing "
                              "holds any more: {}",
@@ -197,7 +198,7 @@ class Fracture {
       if (hooks_.interrupted && hooks_.interrupted()) return void(result_.ended = "interrupted");
       walk_.body().restore(from);
       now_ = walk_.here();
-      book_release(stored - now_.stored);
+      book_release(spent - now_.spent());
       return lose_stability(
           fmt::format("no stable balance follows the break of bond {}", found_.breaks.back().use.bond.value));
     }
@@ -205,12 +206,17 @@ class Fracture {
     before_ = {};
     const double work = walk_.body().work_of_loads(from, now_.at, now_.at.load_factor);
     add_work(work);
-    book_release(stored + work - now_.stored);
+    book_release(spent + work - now_.spent());
     note_balance(PointKind::broken);
   }
 
-  void note_balance(PointKind kind) {
+  void book_energies() {
     found_.books.stored = now_.stored;
+    found_.books.dissipated = now_.dissipated - dissipated_before_;
+  }
+
+  void note_balance(PointKind kind) {
+    book_energies();
     found_.books.largest = std::max(found_.books.largest, std::abs(now_.stored));
     note_peak(walk_.load());
     report_point(walk_.body(), kind, 0, hooks_, result_);
@@ -232,7 +238,7 @@ class Fracture {
   void book_release(double energy) {
     found_.breaks.back().released = energy;
     found_.books.released += energy;
-    found_.books.stored = now_.stored;
+    book_energies();
   }
 
   const StaticStage& stage_;
@@ -244,7 +250,8 @@ class Fracture {
   Balance now_, before_;  // this balance; the one before it, empty after a break
   int in_avalanche_ = 0;
   double avalanche_factor_ = 0;
-  double largest_reaction_ = 0;  // of any support
+  double dissipated_before_ = 0;  // the stage
+  double largest_reaction_ = 0;   // of any support
 };
 
 }  // namespace

@@ -94,6 +94,7 @@ void watch_strength(const StaticBody& body, const StaticHooks& hooks, StaticResu
 void report_point(StaticBody& body, PointKind kind, std::optional<int> unstable, const StaticHooks& hooks,
                   StaticResult& result) {
   refuse_not_finite(body);
+  body.accept();
   ++body.clock().step;
   ++body.clock().stage_step;
   ++result.points;

@@ -112,7 +112,7 @@ Vector TangentSolver::solve(const Vector& b) const {
 }
 
 Vector TangentSolver::solve_full(const StaticBody& body, const Vector& b) const {
-  if (!body.has_moment_part() || iterative_) return solve(b);
+  if (!body.is_unsymmetric() || iterative_) return solve(b);
   const SparseMatrix K = body.full_tangent();
   Eigen::BiCGSTAB<SparseMatrix, FactorPreconditioner> method;
   method.preconditioner().use(factor_);
@@ -210,7 +210,7 @@ class Descent {
 
   bool search(const Vector& x) {
     const Placement from = body_.placement();
-    const double energy = body_.energies().potential(), rounding = body_.rounding_of_potential();
+    const double energy = body_.potential(), rounding = body_.rounding_of_potential();
     const double slope = x.dot(body_.unbalanced()), residual = body_.residual();
     double length = 1.0;
     for (int halvings = 0; halvings < 40; ++halvings, length *= 0.5) {
@@ -297,7 +297,11 @@ NewtonOutcome settle(StaticBody& body, TangentSolver& solver, const NewtonSettin
   }
   NewtonOutcome outcome = minimise(body, solver, settings, interrupted);
   iterations += outcome.iterations();
-  return outcome;
+  if (outcome.converged || outcome.interrupted || !body.flows()) return outcome;
+  // flow that has no potential of its own, as shear of bonds that stretching weakens: downhill is near only
+  NewtonOutcome last = correct(body, solver, settings, interrupted);
+  iterations += last.iterations();
+  return last.converged || last.interrupted ? last : outcome;
 }
 
 }  // namespace vbond

@@ -114,15 +114,18 @@ struct BrokenBond {
   friend bool operator==(const BrokenBond&, const BrokenBond&) = default;
 };
 
-/// Energy of a stage of fracture: initial + work = stored + released.  [energy]
+/// Energy of a stage of fracture: initial + work = stored + dissipated + released.  [energy]
 struct FractureBooks {
-  double initial = 0;   ///< stored when the load factor was 0
-  double work = 0;      ///< of loads and supports: summed up along the way, not from the energies
-  double stored = 0;    ///< at the end
-  double released = 0;  ///< by all breaks
-  double largest = 0;   ///< of these amounts on the way
+  double initial = 0;     ///< stored when the load factor was 0
+  double work = 0;        ///< of loads and supports: summed up along the way, not from the energies
+  double stored = 0;      ///< at the end
+  double dissipated = 0;  ///< by bonds that yield or soften
+  double released = 0;    ///< by all breaks
+  double largest = 0;     ///< of these amounts on the way
   /// What is missing, as a part of the largest.
-  double error() const { return largest > 0.0 ? (initial + work - stored - released) / largest : 0.0; }
+  double error() const {
+    return largest > 0.0 ? (initial + work - stored - dissipated - released) / largest : 0.0;
+  }
   friend bool operator==(const FractureBooks&, const FractureBooks&) = default;
 };
 

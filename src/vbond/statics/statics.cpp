@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <stdexcept>
+#include <string>
 #include <utility>
 
 #include "vbond/core/error.hpp"
@@ -26,17 +27,29 @@ StaticOutcome run_kind(const Model& model, const StaticStage& stage, State state
   throw std::invalid_argument("run_static_stage: a dynamic stage is run by a Simulation");
 }
 
-/// Loads that depend on the way there have no potential, so that no balance follows from positions alone.
+/// Loads that depend on time, or on the way there in a manner that statics does not know, have no balance
+/// that follows from positions. Bonds that yield or soften do, by increments; a path does not go by
+/// increments, and a critical load is one of a potential.
 void refuse_bonds_that_remember(const StaticStage& stage, const State& state) {
   for (const BondId k : state.bonds.ids()) {
     const Bond& b = state.bonds[k];
     if (b.broken || !b.law->remembers()) continue;
-    throw NoEquilibrium(
-        stage.name,
-        fmt::format("bond {} (particles {}, {}) is of the law \"{}\", which remembers its past: "
-                    "its loads have no potential",
-                    k.value, b.i.value, b.j.value, b.law->name),
-        "bring the body to rest in a stage of dynamics, with damping");
+    const std::string bond = fmt::format("bond {} (particles {}, {})", k.value, b.i.value, b.j.value);
+    if (!b.law->has_rules)
+      throw NoEquilibrium(
+          stage.name,
+          fmt::format("{} is of the law \"{}\", which remembers its past: its loads have no potential", bond,
+                      b.law->name),
+          "bring the body to rest in a stage of dynamics, with damping");
+    if (!can_rest(b))
+      throw NoEquilibrium(stage.name, bond + " creeps: its loads depend on time, of which a balance has none",
+                          "leave creep out, or run a stage of dynamics, with damping");
+    if (stage.kind == StageKind::path || stage.kind == StageKind::buckling)
+      throw NoEquilibrium(
+          stage.name,
+          fmt::format("{} yields or softens: a {} goes back and forth, which such a bond does not", bond,
+                      stage.kind == StageKind::path ? "path" : "search for critical loads"),
+          "kind = \"equilibrium\" and \"fracture\" take such bonds, load step by load step");
   }
 }
 

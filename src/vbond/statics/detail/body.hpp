@@ -58,6 +58,12 @@ class StaticBody {
   void restore(const Placement& p);
   /// Moves the unknowns by x, and held degrees of freedom by their share of the change of the load factor.
   void move(const Vector& x, double new_load_factor);
+  /// Whether bonds yield or soften here. They remember: what they have done until the last accepted balance
+  /// stands, and every placement is judged by what they do on the way from there, whatever lies between.
+  bool flows() const { return !accepted_.empty(); }
+  /// The body as it stands is the balance from which it goes on. Until it moves its tangent stays that of the
+  /// way that led here: what has flowed goes on flowing.
+  void accept();
   /// From now on what is out of balance at this moment fades in proportion to 1 - load factor.
   void relieve();
 
@@ -80,7 +86,10 @@ class StaticBody {
   /// The largest entry of the antisymmetric part that outside moments leave in balance, here.  [force/length]
   double moment_part() const;
   bool has_moment_part() const { return moment_part() > 0.0; }
-  /// tangent() with that part.
+  /// Whether full_tangent() is another matrix: with such moments, or where bonds flow. Those of which one
+  /// load's flow weakens another, as stretching does when a bond softens, have a tangent without symmetry.
+  bool is_unsymmetric() const { return flows() || has_moment_part(); }
+  /// tangent() with the antisymmetric part.
   SparseMatrix full_tangent() const;
 
   bool places_are_finite() const;
@@ -90,7 +99,12 @@ class StaticBody {
 
   /// Energy of bonds and contacts.
   Energies energies() const;
-  /// Change of the potential of bonds, contacts and loads from a placement where energies() had this sum to
+  /// What bonds have dissipated by flowing since they were made.  [energy]
+  double dissipated() const;
+  /// Potential of bonds and contacts for the way from the last accepted balance: what is stored, and what is
+  /// dissipated, which of bonds that yield is least where they are at their limits.
+  double potential() const { return energies().potential() + dissipated(); }
+  /// Change of the potential of bonds, contacts and loads from a placement where potential() was this to
   /// the present one, at the present load factor. A moment works on the turn in between as on a small one.
   double potential_change(const Placement& from, double energy_from) const;
   /// Work of the loads on the way between two placements, at this load factor; the relief is not among
@@ -121,6 +135,7 @@ class StaticBody {
   };
   struct Stiffness {
     Assembly assembly;
+    Assembly full;  // without symmetry, of bodies that flow
     Vector load_direction;
     bool current = false;
   };
@@ -132,6 +147,8 @@ class StaticBody {
   void add_pair(ParticleId i, ParticleId j, const Assembly::Block& d) const;
   Vector on_unknowns(const Loads& loads) const;
   void placed();
+  void flow();
+  const BondHistory& history_before(BondId k) const;
   Vec3d outside_moment(ParticleId p, const Loads& applied) const;
 
   const Model& model_;
@@ -141,6 +158,10 @@ class StaticBody {
   Unknowns unknowns_;
   Vector relief_;  // empty: none
   PerParticle<char> bonded_;
+  // of bodies that flow: what bonds remembered at the last accepted balance, and at the one before it
+  PerBond<BondHistory> accepted_, accepted_before_;
+  Placement accepted_at_;
+  bool at_accepted_ = false;
   PerParticle<std::array<double, 6>> held_rate_;  // movement of held degrees of freedom per load factor
   double rounding_of_force_ = 0, rounding_of_potential_ = 0;
   mutable std::optional<Loaded> loaded_;

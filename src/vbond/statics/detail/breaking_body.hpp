@@ -12,7 +12,9 @@ struct Balance {
   Placement at;
   double power = 0;             ///< of the supports that move, per load factor  [energy]
   double stored = 0;            ///< in bonds and contacts  [energy]
+  double dissipated = 0;        ///< by bonds that yield or soften, since they were made  [energy]
   std::optional<BondUse> most;  ///< nothing if no bond can break
+  double spent() const { return stored + dissipated; }
 };
 
 /// A body on its way along the load factor, from balance to balance, that loses bonds. Parts that nothing
@@ -62,6 +64,7 @@ class BreakingBody {
   void begin(State state, double load_factor);
   double reaction(const StaticSupport& s) const;
   double trapezium(const Balance& a, const Balance& b) const;
+  double work_between_kinks(const Balance& a, const Balance& b, double scale);
   bool correct_here();
   bool is_near(const Placement& from, double expected) const;
 
