@@ -47,6 +47,8 @@ struct StepKernel {
   /// Slows down by the factors and returns the kinetic energy that this takes away.
   double (*slow_down)(RowRange, const Decay*, MotionRow*);
   ContactLoop* add_contact_loads;
+  /// The sum of F . (v + v') + M . (omega + omega') with the rates before and after.
+  double (*twice_power)(RowRange, const LoadRow*, const MotionRow* before, const MotionRow* after);
 };
 
 /// The kernels that this machine can execute, the best one last. AVX-512 has two: with pairs of packs for
