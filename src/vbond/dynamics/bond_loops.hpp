@@ -8,6 +8,7 @@
 #include "vbond/dynamics/kernel.hpp"
 #include "vbond/dynamics/kernel_rows.hpp"
 #include "vbond/dynamics/stretch_lanes.hpp"
+#include "vbond/physics/far_from_breaking.hpp"
 #include "vbond/physics/law.hpp"
 #include "vbond/physics/range.hpp"
 
@@ -156,14 +157,14 @@ VBOND_HD void add_elastic(const PackRun<P>& run, std::size_t first, std::size_t 
 /// The rates of the bonds in lanes l, l + 1 .. of a pack.
 template <class P>
 VBOND_HD BondRates<Real> rates_of(const P& p, const MotionRow* rates, std::size_t l) {
-  Halves v_i, v_j, w_i, w_j;
-  load_columns(rates, p.i + l, Half::first, v_i);
-  load_columns(rates, p.j + l, Half::first, v_j);
+  Halves v_i, v, w_i, w_j;
+  load_halves(rates, p.i + l, Half::first, v_i);
+  load_halves(rates, p.j + l, Half::first, v);
+  for (std::size_t k = 0; k < 4; ++k) v[k] = v[k] - v_i[k];
+  transpose_halves(v);
   load_columns(rates, p.i + l, Half::second, w_i);
   load_columns(rates, p.j + l, Half::second, w_j);
-  return {{v_j[0] - v_i[0], v_j[1] - v_i[1], v_j[2] - v_i[2]},
-          {w_i[0], w_i[1], w_i[2]},
-          {w_j[0], w_j[1], w_j[2]}};
+  return {{v[0], v[1], v[2]}, {w_i[0], w_i[1], w_i[2]}, {w_j[0], w_j[1], w_j[2]}};
 }
 
 /// The sum over unbroken bonds, always in this order.
@@ -217,6 +218,17 @@ VBOND_HD LawHistory<L> history_after(const PackRun<P>& run, std::size_t pack, st
   return before;
 }
 
+/// The lanes of unbroken bonds that break by these elastic loads, a bit each.
+template <class L>
+VBOND_HD unsigned breaking_lanes(const L& law, const BondPose<Real>& b, const BondAxis<Real>& axis,
+                                 const BondLoads<Real>& loads, const LawHistory<L>& history,
+                                 unsigned active) {
+  const Real one(1.0);
+  if constexpr (requires { utilisation_bound(law, loads); })
+    if ((lanes_at_least(utilisation_bound(law, loads), one) & active) == 0) return 0;
+  return lanes_at_least(utilisation_with(law, b, axis, loads, history), one) & active;
+}
+
 template <template <class> class Law, bool damped, class P>
 VBOND_HD void add_inelastic(const PackRun<P>& run, std::size_t pack, BondSweep& sweep) {
   using L = Law<Real>;
@@ -232,11 +244,8 @@ VBOND_HD void add_inelastic(const PackRun<P>& run, std::size_t pack, BondSweep& 
     const LawHistory<L> history = history_after(run, pack, l, law, b, axis, rates, sweep);
     BondLoads<Real> loads = loads_with(law, b, axis, history);
     if constexpr (Breakable<L>) {
-      if (run.type->breakable) {
-        const Real u = utilisation_with(law, b, axis, loads, history);
-        for (std::size_t k = 0; k < lanes; ++k)
-          if (in_use.has(l + k) && u.v[k] >= 1.0) broken |= 1u << (l + k);
-      }
+      if (run.type->breakable)
+        broken |= breaking_lanes(law, b, axis, loads, history, unsigned{in_use.active} >> l) << l;
     }
     if constexpr (damped) {
       const BondLoads<Real> damping = bond_damping(law, b, axis, rates);

@@ -101,6 +101,17 @@ double slow_down(RowRange rows, const Decay* decay, MotionRow* motion) {
   return sum_of_row(lost);
 }
 
+double twice_power(RowRange rows, const LoadRow* load, const MotionRow* before, const MotionRow* after) {
+  Real sum[8 / lanes];
+  for (Real& x : sum) x = Real(0.0);
+  for (std::size_t k = rows.first; k < rows.last; ++k)
+    for (std::size_t part = 0; part < 8; part += lanes)
+      sum[part / lanes] =
+          sum[part / lanes] + Real::load(numbers(load + k) + part) * (Real::load(numbers(before + k) + part) +
+                                                                      Real::load(numbers(after + k) + part));
+  return sum_of_row(sum);
+}
+
 }  // namespace
 
 ContactLoop add_contact_loads;  // contact_kernel.cpp
@@ -118,7 +129,7 @@ struct LoopsOf<LawList<Laws...>> {
 }  // namespace
 
 extern const StepKernel kernel;
-const StepKernel kernel{VBOND_KERNEL_NAME, LoopsOf<BondLaws>::loops, kick,       drift,
-                        slow_down,         add_contact_loads,        touch_pairs};
+const StepKernel kernel{VBOND_KERNEL_NAME, LoopsOf<BondLaws>::loops, kick,        drift,
+                        slow_down,         add_contact_loads,        touch_pairs, twice_power};
 
 }  // namespace vbond::VBOND_KERNEL

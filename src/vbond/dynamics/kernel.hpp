@@ -49,6 +49,8 @@ struct StepKernel {
   double (*slow_down)(RowRange, const Decay*, MotionRow*);
   ContactLoop* add_contact_loads;
   TouchLoop* touch_pairs;
+  /// The sum of F . (v + v') + M . (omega + omega') with the rates before and after.
+  double (*twice_power)(RowRange, const LoadRow*, const MotionRow* before, const MotionRow* after);
 };
 
 /// The kernels that this machine can execute, the best one last. AVX-512 has two: with pairs of packs for

@@ -1,7 +1,7 @@
 // Rows of particles in vector registers, for the sources that are compiled once per instruction set: see
 // kernel.cpp on what they may contain.
 #pragma once
-#if VBOND_LANES == 8
+#if VBOND_LANES >= 4
 #include <immintrin.h>
 #endif
 
@@ -114,6 +114,19 @@ VBOND_HD Pack<W> halves_of(double x, double y, std::size_t part) {
         __builtin_shufflevector(Pack<W>(x).v, Pack<W>(y).v, 0, 1, 2, 3, W + 4, W + 5, W + 6, W + 7));
   else
     return Pack<W>(part < 4 ? x : y);
+}
+
+/// The lanes in which x >= y, a bit each. (By intrinsics, as compilers go through lanes one by one.)
+[[maybe_unused]] VBOND_HD unsigned lanes_at_least(const Real& x, const Real& y) {
+#if VBOND_LANES == 8
+  return _mm512_cmp_pd_mask(x.v, y.v, _CMP_GE_OQ);
+#elif VBOND_LANES == 4
+  return static_cast<unsigned>(_mm256_movemask_pd(_mm256_cmp_pd(x.v, y.v, _CMP_GE_OQ)));
+#else
+  unsigned mask = 0;
+  for (std::size_t l = 0; l < lanes; ++l) mask |= x.v[l] >= y.v[l] ? 1u << l : 0u;
+  return mask;
+#endif
 }
 
 /// The sum of a row's numbers, always in this order.

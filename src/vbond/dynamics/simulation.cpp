@@ -141,7 +141,7 @@ void Simulation::begin_step(const Block& b) {
   BlockBooks& books = books_[b.index] = {};
   books.dissipated += damping_.slow_down(b.rows);  // v, omega over dt / 2
   books.work_supports += supports_.hold(b, Instant::start);
-  if (inelastic()) keep_rates(b);
+  if (!bodies_.damping.empty()) keep_rates(b);
   kick(b, dt / 2);  // v, omega : t -> t + dt/2
   books.work_supports += supports_.hold_after_kick(b, Instant::start, Instant::middle, dt / 2);
   if (inelastic()) {

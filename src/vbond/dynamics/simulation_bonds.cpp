@@ -148,13 +148,8 @@ Reaction Simulation::reaction_before_breaks(const std::vector<ParticleId>& parti
 /// velocities before, which are kept as rates, and after.
 double Simulation::damping_work(const Block& b, double h) const {
   if (bodies_.damping.empty()) return 0.0;
-  double work = 0.0;
-  for (std::size_t k = b.rows.first; k < b.rows.last; ++k) {
-    const MotionRow &before = bodies_.rates[k], &after = bodies_.motion[k];
-    const LoadRow& damping = bodies_.damping[k];
-    work += dot(damping.F, before.v + after.v) + dot(damping.M, before.omega + after.omega);
-  }
-  return 0.5 * h * work;
+  return 0.5 * h *
+         kernel_.twice_power(b.rows, bodies_.damping.data(), bodies_.rates.data(), bodies_.motion.data());
 }
 
 /// Keeps the velocities of this moment while the block moves on: those of the half step for bonds that read
