@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -39,6 +40,11 @@ struct Heap {
     no_bonds = BondIndex(r.size(), {});
   }
 
+  Bodies bodies() const {
+    Bodies b(model);
+    std::copy(pose.begin(), pose.end(), b.pose.begin());
+    return b;
+  }
   double R(std::size_t k) const { return model.radius[order.particle[Row{k}]]; }
   /// Every pair, in increasing order of rows.
   std::vector<LoadRow> by_brute_force() const {
@@ -172,9 +178,9 @@ TEST(Contacts, ForceIsTheGradientOfTheEnergy) {
       double& x = component(heap.pose[k].r, c);
       const double x_0 = x;
       x = x_0 + h;
-      const double above = contacts.energy(heap.pose);
+      const double above = contacts.energy(heap.bodies());
       x = x_0 - h;
-      const double below = contacts.energy(heap.pose);
+      const double below = contacts.energy(heap.bodies());
       x = x_0;
       EXPECT_NEAR(component(load[k].F, c), -(above - below) / (2.0 * h), 1e-8) << k;
     }
@@ -211,7 +217,7 @@ TEST(Contacts, WithoutALawThereAreNone) {
   EXPECT_FALSE(contacts.any());
   contacts.refresh(heap.pose, heap.team);
   EXPECT_EQ(heap.in_pieces(contacts, 128)[0].F, Vec3d{});
-  EXPECT_EQ(contacts.energy(heap.pose), 0.0);
+  EXPECT_EQ(contacts.energy(heap.bodies()), 0.0);
   const Heap touching(papers, 0.4);
   EXPECT_TRUE(Contacts(touching.model, touching.order, touching.no_bonds).any());
 }

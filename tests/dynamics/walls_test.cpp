@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
+#include <string>
 #include <vector>
 
 #include "rods.hpp"
@@ -25,6 +27,11 @@ Specimen sphere(const Vec3d& r, double radius, double mass, const ContactModel& 
   s.model.walls = walls;
   s.state = at_rest(s.model);
   return s;
+}
+WallDrive drive(const std::string& wall, std::size_t index) {
+  WallDrive d;
+  d.wall = wall, d.index = index;
+  return d;
 }
 ContactModel linear(double k, double mu, double e = 1.0) {
   ContactModel c{.law = ContactLaw::linear, .pairs = ContactPairs::all};
@@ -138,7 +145,8 @@ TEST(Wall, ASphereRollsToAndFroInATrough) {
 TEST(Wall, ThatMovesDoesWork) {
   Specimen s = sphere({0, 0, 0.5}, 0.45, 1.0, linear(1e3, 0.0), {floor_at(0)});
   Stage stage = testing::plain_stage(1e-4, 1.0);
-  stage.walls = {{.wall = "floor", .index = 0, .velocity = {0, 0, 0.3}}};
+  stage.walls = {drive("floor", 0)};
+  stage.walls[0].velocity = {0, 0, 0.3};
   Simulation run(s.model, stage, s.state);
   run.run();
   EXPECT_NEAR(run.state().v[first].z, 0.6, 1e-4);
@@ -154,7 +162,8 @@ TEST(Wall, ThatTurnsRubs) {
   Specimen s = sphere({arm, 0, 0.1 - press}, 0.1, 1.0, linear(k, mu), {floor_at(0)});
   Stage stage = testing::plain_stage(1e-4, 1.0);
   stage.supports = {testing::held({first}, testing::clamped)};
-  stage.walls = {{.wall = "floor", .index = 0, .angular_velocity = {0, 0, omega}}};
+  stage.walls = {drive("floor", 0)};
+  stage.walls[0].angular_velocity = {0, 0, omega};
   Simulation run(s.model, stage, s.state);
   run.run();
   const double F = mu * k * press;
@@ -171,9 +180,8 @@ TEST(Wall, ServoHoldsItsForce) {
   Specimen s = sphere({0, 0, 0.5}, 0.5, 1.0, linear(k, 0.0, 0.3),
                       {floor_at(0), {"top", PlaneWall{{0, 0, 1.0}, {0, 0, -1}}, 0, {}}});
   Stage stage = testing::plain_stage(2e-4, 6.0);
-  WallDrive drive{.wall = "top", .index = 1};
-  drive.servo = WallDrive::Servo{{0, 0, -1}, aim, {}, 1.0, 20.0, 0.0};
-  stage.walls = {drive};
+  stage.walls = {drive("top", 1)};
+  stage.walls[0].servo = WallDrive::Servo{{0, 0, -1}, aim, {}, 1.0, 20.0, 0.0};
   stage.b_translation = 2.0;
   Simulation run(s.model, stage, s.state);
   run.run();
@@ -258,7 +266,7 @@ Specimen heap(std::size_t n, double apart = 1.0) {
 Stage filling(double dt, double duration) {
   Stage stage = testing::plain_stage(dt, duration);
   stage.gravity = {0, 0, -1};
-  WallDrive lid{.wall = "lid", .index = 5};
+  WallDrive lid = drive("lid", 5);
   lid.servo = WallDrive::Servo{{0, 0, -1}, 20.0, {}, 50.0, 10.0, 0.5};
   stage.walls = {lid};
   return stage;

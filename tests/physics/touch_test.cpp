@@ -27,7 +27,7 @@ Touching<double> on_plane(double overlap, const Vec3d& v = {}, const Vec3d& omeg
 }
 
 constexpr TouchForms slipping{.tangential = TangentialForm::mindlin};
-constexpr TouchNumbers<double> numbers{.stiffness = 0.75, .tangential = 1.2, .friction = 1e9};
+constexpr TouchNumbers<double> steady{.stiffness = 0.75, .tangential = 1.2, .friction = 1e9};
 
 /// Moves the body along x by `way` at this depth, from what is remembered; returns the work that this takes.
 double shear(double depth, double way, TouchHistory<double>& h) {
@@ -35,19 +35,19 @@ double shear(double depth, double way, TouchHistory<double>& h) {
   double work = 0.0;
   for (int k = 0; k < steps; ++k) {
     const double before = h.F_t.x;
-    h = touch(slipping, numbers, on_plane(depth, {way, 0, 0}), 1.0 / steps, h).history;
+    h = touch(slipping, steady, on_plane(depth, {way, 0, 0}), 1.0 / steps, h).history;
     work -= 0.5 * (before + h.F_t.x) * way / steps;
   }
   return work;
 }
 /// Moves it back until its force is zero; returns the work that it gives.
 double release(double depth, TouchHistory<double>& h) {
-  const double k_t = numbers.tangential * std::sqrt(depth);
+  const double k_t = steady.tangential * std::sqrt(depth);
   return -shear(depth, h.F_t.x / k_t, h);
 }
 /// To another depth without slip.
 void press(double depth, TouchHistory<double>& h) {
-  h = touch(slipping, numbers, on_plane(depth), 1.0, h).history;
+  h = touch(slipping, steady, on_plane(depth), 1.0, h).history;
 }
 
 // Case CT3e of the reference: shear at one depth, change the depth, release. Depths 4 : 1, so a factor 2 of
@@ -71,7 +71,7 @@ TEST(Friction, NeverReturnsEnergyOverLoops) {
   };
   for (int loop = 0; loop < 2000; ++loop) {
     TouchForms forms = slipping;
-    TouchNumbers<double> n = numbers;
+    TouchNumbers<double> n = steady;
     n.friction = dice(0.05, 1.0);
     if (loop % 2 == 0) forms.rolling = RollingForm::spring, n.rolling = dice(0.01, 0.5), n.twisting = 0.1;
     std::vector<double> depths;
@@ -115,7 +115,7 @@ TEST(Friction, NeverReturnsEnergyOverLoops) {
 // CT4: at a constant normal force the rule is linear and reaches mu F_n at 2/3 of Mindlin's s_max =
 // 3 mu F_n/(16 G* a).
 TEST(Friction, ReachesItsLimitAtTwoThirdsOfMindlinsSlip) {
-  TouchNumbers<double> n = numbers;
+  TouchNumbers<double> n = steady;
   n.friction = 0.3;
   const double depth = 0.01, a = std::sqrt(depth), F_n = 4.0 / 3.0 * n.stiffness * a * depth;
   const double G_star = n.tangential / 8.0, s_max = 3.0 * n.friction * F_n / (16.0 * G_star * a);

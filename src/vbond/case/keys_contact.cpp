@@ -53,8 +53,9 @@ void describe(Table& t, ContactModel& c, std::vector<ContactPairSpec>& between, 
         "repulsion of an overlap d: c_H/sqrt(length) d^(3/2); Hertz's from E, nu and the radii; or k d");
   t.when(c.law != ContactLaw::none, "law = \"paper-hertz\", \"hertz\" or \"linear\"", [&] {
     t.key("pairs", c.pairs,
-          ChoiceCodec<ContactPairs>{{"all", "unbonded"}, {ContactPairs::all, ContactPairs::unbonded}},
-          optional, "whether bonded particles touch, too");
+          ChoiceCodec<ContactPairs>{{"all", "unbonded", "none"},
+                                    {ContactPairs::all, ContactPairs::unbonded, ContactPairs::none}},
+          optional, "which particles touch each other; none: only walls are touched");
   });
   t.when(c.law == ContactLaw::paper_hertz, "law = \"paper-hertz\"", [&] {
     t.key("c_H", c.c_H, positive(stiffness), required, "contact stiffness");

@@ -20,7 +20,7 @@ ContactRule rule_of(const ContactModel& contact, const PerRow<double>& radius) {
 
 Contacts::Contacts(const Model& model, const Order& order, const BondIndex& index, const StepKernel& kernel)
     : model_(model), order_(order), kernel_(kernel) {
-  if (model.contact.law == ContactLaw::none || model.particles() == 0) return;
+  if (!particles_touch(model.contact) || model.particles() == 0) return;
   for (const ParticleId p : order.particle) radius_.push_back(model.radius[p]);
   const double R_max = *std::max_element(radius_.begin(), radius_.end());
   if (!(R_max > 0.0)) return;

@@ -95,12 +95,12 @@ void Simulation::step() {
     if (moves_first(b)) begin_step(b);
   });
   lap.add_to(times_.integrate);
-  if (contacts_.any()) {
+  if (contacts_.any() || walls_.any()) {
     const double way2 = largest_way2();
     contacts_.refresh(bodies_.poses(), team_, std::sqrt(way2));  // near pairs, listed anew only when stale
     work_out_touches(stage_.dt);
     walls_.refresh(team_, std::sqrt(way2));
-    encounters_.look_at_drift(bodies_, stage_.dt, way2);
+    if (contacts_.any()) encounters_.look_at_drift(bodies_, stage_.dt, way2);
     lap.add_to(times_.contacts);
   }
   team_.for_parts([&](const Part& part) {
@@ -132,7 +132,7 @@ void Simulation::step() {
 /// it, and stays in the cache until then; but before all others if another thread may look at it: at the
 /// border of a part, or anywhere where there are contacts.
 bool Simulation::moves_first(const Block& b) const {
-  return contacts_.any() || bonds_.at_border(b.index);
+  return contacts_.any() || walls_.any() || bonds_.at_border(b.index);
 }
 
 /// The half of a step before the loads.
@@ -228,8 +228,8 @@ void Simulation::complete_loads(const Part& part, const Block& b, Instant at, co
   bonds_.add_loads(b, sweep, ahead, in_step ? &breaking_[part.index] : nullptr);
   books_[b.index].dissipated += sweep.dissipated;
   lap.add_to(times_.bonds);
-  if (contacts_.any()) {
-    books_[b.index].deep |= contacts_.add_loads(particles_of(b), pose, load);
+  if (contacts_.any() || walls_.any()) {
+    if (contacts_.any()) books_[b.index].deep |= contacts_.add_loads(particles_of(b), pose, load);
     if (walls_.any()) books_[b.index].dissipated += walls_.add_loads(b, load, sweep.dt);
     lap.add_to(times_.contacts);
   }

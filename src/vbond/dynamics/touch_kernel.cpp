@@ -35,13 +35,12 @@ VBOND_HD void store_quads(Halves& x, std::size_t count, R* rows, const std::size
   transpose_halves(x);
   double all[4 * lanes];
   for (std::size_t k = 0; k < 4; ++k) x[k].store(all + k * lanes);
-  for (std::size_t l = 0; l < count; ++l) {
-    double* const to = numbers(rows + row[l]) + 4 * q;
-    for (std::size_t n = 0; n < 4; ++n)
-      to[n] = lanes == 8   ? all[l % 4 * 8 + l / 4 * 4 + n]
-              : lanes == 4 ? all[l * 4 + n]
-                           : all[(n / 2 * 2 + l) * 2 + n % 2];
-  }
+  constexpr std::size_t piece = lanes < 4 ? lanes : 4;  // of a quadruple that lies together
+  for (std::size_t l = 0; l < count; ++l)
+    for (std::size_t n = 0; n < 4; n += piece) {
+      const std::size_t from = lanes == 8 ? l % 4 * 8 + l / 4 * 4 : (n / piece * lanes + l) * piece;
+      std::memcpy(numbers(rows + row[l]) + 4 * q + n, all + from, piece * sizeof(double));
+    }
 }
 
 VBOND_HD Vec3<Real> vector(const Halves& x) {

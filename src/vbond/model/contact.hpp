@@ -13,15 +13,16 @@
 namespace vbond {
 
 enum class ContactLaw : std::uint8_t { none, paper_hertz, hertz, linear };
-enum class ContactPairs : std::uint8_t { all, unbonded };
+/// Which particles touch: all, those that are not bonded, or none: walls alone are touched.
+enum class ContactPairs : std::uint8_t { all, unbonded, none };
 
 /// What two surfaces do when they touch, besides repelling each other. Absent: see ContactModel.
 struct Surface {
-  std::optional<double> friction;           ///< mu >= 0
-  std::optional<double> restitution;        ///< e of a head-on impact, 0 < e <= 1
-  std::optional<double> rolling_friction;   ///< mu_r >= 0
-  std::optional<double> twisting_friction;  ///< mu_t >= 0
-  std::optional<double> work_of_adhesion;   ///< w >= 0  [energy/area]
+  std::optional<double> friction{};           ///< mu >= 0
+  std::optional<double> restitution{};        ///< e of a head-on impact, 0 < e <= 1
+  std::optional<double> rolling_friction{};   ///< mu_r >= 0
+  std::optional<double> twisting_friction{};  ///< mu_t >= 0
+  std::optional<double> work_of_adhesion{};   ///< w >= 0  [energy/area]
 };
 
 /// What a particle or a wall is made of, as far as contacts ask.
@@ -69,6 +70,11 @@ inline HertzContact<double> contact_law(const ContactModel& c, double R_i, doubl
     case ContactLaw::hertz: return hertz(c.E, c.nu, R_i, R_j);
   }
   return {0.0};
+}
+
+/// Whether particles touch each other.
+constexpr bool particles_touch(const ContactModel& c) {
+  return c.law != ContactLaw::none && c.pairs != ContactPairs::none;
 }
 
 constexpr TouchForms touch_forms(const ContactModel& c) {

@@ -92,7 +92,7 @@ inline State at_rest(const Model& model) {
 
 /// Energy of the repulsion of two particles, bonded or not; 0 if they do not touch.  [energy]
 inline double contact_pair_energy(const Model& model, const State& s, ParticleId i, ParticleId j) {
-  if (model.contact.law == ContactLaw::none) return 0.0;
+  if (!particles_touch(model.contact)) return 0.0;
   const double R_i = model.radius[i], R_j = model.radius[j], overlap = R_i + R_j - norm(s.r[j] - s.r[i]);
   if (!(overlap > 0.0)) return 0.0;
   return normal_energy(touch_forms(model.contact), touch_numbers(model, i, j), R_i * R_j / (R_i + R_j),

@@ -127,7 +127,7 @@ ContactSlopes slopes_of(const ContactModel& contact, const TouchNumbers<double>&
 double lambda_of_contacts(const Model& model, const State& state) {
   const ContactModel& contact = model.contact;
   if (contact.law == ContactLaw::none || model.particles() == 0) return 0.0;
-  if (model.particles() < 2 && model.walls.empty()) return 0.0;
+  if (model.walls.empty() && (model.particles() < 2 || !particles_touch(contact))) return 0.0;
   const double R_max = *std::max_element(model.radius.begin(), model.radius.end());
   if (!(R_max > 0.0)) return 0.0;
   const PresentContacts present = present_contacts(model, state);

@@ -14,7 +14,7 @@ namespace vbond {
 /// overlap > 0, and not bonded if only unbonded pairs touch. For looks now and then, not for a time loop.
 template <class Visit>
 void for_touching_pairs(const Model& model, const State& state, Visit&& visit) {
-  if (model.contact.law == ContactLaw::none || model.particles() < 2) return;
+  if (!particles_touch(model.contact) || model.particles() < 2) return;
   const double R_max = *std::max_element(model.radius.begin(), model.radius.end());
   if (!(R_max > 0.0)) return;
   const auto key = [](std::uint64_t i, std::uint64_t j) { return std::min(i, j) << 32 | std::max(i, j); };
