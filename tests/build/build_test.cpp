@@ -59,6 +59,26 @@ TEST(Velocities, AddUpAndChosenComponentsAreZeroed) {
   EXPECT_EQ(b.state.omega[ParticleId{9}], (Vec3d{0, 0, 10}));
 }
 
+// A body that turns about its centre of mass: the momentum is M V whatever the masses, the distances keep.
+TEST(Velocities, OfARigidBodyAreThoseOfItsCentreOfMassAndItsRotation) {
+  Case c = case_of(ListedSpecimen{{{1, 0, 0}, {0, 2, 0}, {0, 0, 3}, {1, 1, 1}}});
+  c.specimens.push_back(specimen(ListedSpecimen{{{5, 5, 5}}}, "heavy"));
+  c.specimens[1].mass = 7.0;
+  VelocitySpec rigid = velocity(VelocityKind::rigid, 0.0);
+  rigid.velocity = {1, -2, 3};
+  rigid.angular_velocity = {0.5, -0.25, 2};
+  c.velocities = {rigid};
+  const Built b = build(c);
+  Vec3d momentum;
+  for (const ParticleId p : b.model.mass.ids()) {
+    momentum += b.model.mass[p] * b.state.v[p];
+    EXPECT_EQ(b.state.omega[p], rigid.angular_velocity);
+    const Vec3d d = b.state.r[p] - b.state.r[ParticleId{0}], dv = b.state.v[p] - b.state.v[ParticleId{0}];
+    EXPECT_LT(norm(dv - cross(rigid.angular_velocity, d)), 1e-14) << "particle " << p.value;
+  }
+  EXPECT_LT(norm(momentum - 11.0 * rigid.velocity), 1e-13);  // roundings of a sum of five
+}
+
 TEST(Velocities, FollowTheirSeed) {
   Case c = paper_rod();
   c.velocities = {velocity(VelocityKind::ball, 1.0)};

@@ -1,4 +1,5 @@
 #include "cases.hpp"
+#include "vbond/case/read.hpp"
 
 namespace vbond::test {
 namespace {
@@ -125,12 +126,76 @@ TEST(LammpsSpecimen, TakesATiltedBoxWithoutImageFlags) {
   EXPECT_EQ(build(c).model.r_0[ParticleId{0}], (Vec3d{0.5, 1.5, 2.5}));
 }
 
-TEST(LammpsSpecimen, PassesOverVelocities) {
+TEST(LammpsSpecimen, BeginsWithTheVelocitiesOfItsFileUnlessTheCaseSaysNo) {
   const TemporaryFile file("moving.data",
                            std::string(chain) + "\nVelocities\n\n20 1 2 3\n3 4 5 6\n7 8 9 1\n");
-  const Built b = build(lammps_case(file.path(), "bond"));
+  Case c = lammps_case(file.path(), "bond");
+  VelocitySpec more;
+  more.velocity = {0, 0, 10};
+  c.velocities = {more};
+  const Built b = build(c);
   ASSERT_EQ(b.model.particles(), 3u);
-  for (const Vec3d& v : b.state.v) EXPECT_EQ(v, (Vec3d{0, 0, 0}));
+  EXPECT_EQ(b.state.v.values(), (std::vector<Vec3d>{{4, 5, 16}, {8, 9, 11}, {1, 2, 13}}));
+  c.velocities.clear();
+  std::get<LammpsSpecimen>(c.specimens[0].shape).velocities = false;
+  const Built at_rest = build(c);
+  for (const Vec3d& v : at_rest.state.v) EXPECT_EQ(v, (Vec3d{0, 0, 0}));
+  ASSERT_FALSE(at_rest.notes.empty());
+  EXPECT_TRUE(
+      contains(at_rest.notes[0], "section Velocities is passed over: the case says velocities = false"));
+}
+
+TEST(LammpsSpecimen, RefusesVelocitiesThatFitNoAtom) {
+  const auto error = [](const std::string& lines) {
+    const TemporaryFile file("moving.data", std::string(chain) + "\nVelocities\n\n" + lines);
+    return text_of_error(lammps_case(file.path(), "bond"));
+  };
+  EXPECT_TRUE(contains(error("20 1 2 3\n3 4 5 6\n"), "velocities of 2 of 3 atoms"));
+  EXPECT_TRUE(
+      contains(error("20 1 2 3\n3 4 5 6\n3 8 9 1\n"), "moving.data:32:1: a second velocity of atom 3"));
+  EXPECT_TRUE(contains(error("20 1 2 3\n3 4 5 6\n8 8 9 1\n"), "moving.data:32:1: a velocity of atom 8"));
+  EXPECT_TRUE(contains(error("20 1 2 3 4 5 6\n"), "expected: atom vx vy vz"));
+}
+
+// lammps_molecular.data and lammps_sphere.data were written by LAMMPS (29 Sep 2021, write_data, the first
+// with `pair ij`). Of the molecule the atoms 2 to 4 are one period of 4 farther along x than they stand in
+// the file.
+TEST(LammpsSpecimen, ReadsAMoleculeThatLammpsWrote) {
+  const Case c =
+      parse_case("[[specimen]]\nkind = \"lammps\"\natom_style = \"molecular\"\nfile = \"" VBOND_TEST_DATA
+                 "/lammps_molecular.data\"\nradius = 0.3\n[groups]\nheavy = { type = 2 }\n"
+                 "light = { difference = { of = \"all\", without = [\"heavy\"] } }\n"
+                 "[[bonds]]\nfrom_specimen = true\nbond_type = 1\n"
+                 "stiffness = { c_A = 1, c_D = 0.03, c_B = 0.0025, c_T = 0.002 }\n"
+                 "[[stage]]\nduration = 1\n",
+                 "case.toml");
+  const Built b = build(c);
+  EXPECT_EQ(b.model.r_0.values(),
+            (std::vector<Vec3d>{{3.5, 1, 0}, {4.5, 1, 0}, {5.5, 1, 0}, {6.5, 1.25, 0.5}}));
+  EXPECT_EQ(b.model.mass.values(), (std::vector<double>{2.5, 5, 5, 2.5}));
+  EXPECT_EQ(b.state.v.values(),
+            (std::vector<Vec3d>{{1.125, -1, 0.5}, {0.375, -1, 0.5}, {0.625, -1, 0.5}, {0.875, -1, 0.5}}));
+  EXPECT_EQ(numbers(b.model, "heavy"), (std::vector<std::size_t>{1, 2}));
+  EXPECT_EQ(numbers(b.model, "light"), numbers(b.model, "type-1"));
+  ASSERT_EQ(b.state.bonds.size(), 2u);
+  EXPECT_EQ(b.state.bonds[BondId{1}].i.value, 2u);
+  std::string notes;
+  for (const std::string& note : b.notes) notes += note + "\n";
+  for (const char* part :
+       {"molecular.data:19: section PairIJ Coeffs is passed over", "Bond Coeffs is passed over",
+        "Angle Coeffs is passed over", "Angles is passed over",
+        "molecular.data:41: section Velocities is where the run begins"})
+    EXPECT_TRUE(contains(notes, part)) << part << "\nnot in\n" << notes;
+}
+
+TEST(LammpsSpecimen, ReadsSpheresThatLammpsWrote) {
+  Case c = lammps_case(VBOND_TEST_DATA "/lammps_sphere.data", "sphere");
+  c.bonds.clear();
+  c.specimens[0].radius = 0.0;
+  const Built b = build(c);
+  EXPECT_EQ(b.state.v.values(), (std::vector<Vec3d>{{1, 2, 3}, {1, 2, 3}}));
+  EXPECT_EQ(b.state.omega.values(), (std::vector<Vec3d>{{0, 0, 0}, {0, 0, 6}}));
+  EXPECT_EQ(b.model.radius.values(), (std::vector<double>{0.25, 0.25}));
 }
 
 // As the command write_data of LAMMPS leaves it: coefficients unless it is told not to, and angles for most
@@ -181,6 +246,9 @@ Atoms # bond
 Velocities
 
 1 0 0 0
+2 0 0 0
+3 0 0 0
+4 0 0 0
 
 Bonds
 
@@ -204,7 +272,7 @@ TEST(LammpsSpecimen, PassesOverWhatWriteDataWritesWithAWord) {
   for (const char* part :
        {"written.data:19: section Pair Coeffs is passed over: the case gives",
         "section Bond Coeffs is passed over", "section Angle Coeffs is", "section PairIJ Coeffs is",
-        "section Velocities is passed over: [[velocities]]",
+        "section Velocities is where the run begins",
         "section Angles is passed over: bonds join two particles",
         "bonds \"bonds\": the bond types 1, 2 of the file are made alike; bond_type takes one of them"})
     EXPECT_TRUE(contains(notes, part)) << part << "\nnot in\n" << notes;

@@ -15,7 +15,7 @@ Case walls_case(const std::string& text, const std::string& stage_lines = "") {
       "case.toml");
 }
 
-Stage first_stage(const Case& c) {
+Stage first_stage_with_walls(const Case& c) {
   Built b = build(c);
   return build_stage(c, b.model, 0, b.state);
 }
@@ -95,13 +95,13 @@ TEST(Walls, ThatStandInsideASpecimenAreRefusedWithTheWorstParticle) {
 }
 
 TEST(WallDrives, AreResolved) {
-  const Stage s = first_stage(walls_case(R"(
+  const Stage s = first_stage_with_walls(walls_case(R"(
 wall = [
   { name = "floor", shape = "plane", normal = [0, 0, 1] },
   { name = "lid", shape = "disc", centre = [0, 0, 3], normal = [0, 0, 1], radius = 2 },
 ]
 )",
-                                         R"(
+                                                    R"(
 walls = [
   { wall = "lid", velocity = [1, 0, 0], servo = { direction = [0, 0, -2], force = 3, ramp = 0.5, mass = 4, damping = 5, fastest = 6 } },
   { wall = "floor", angular_velocity = [0, 0, 1], pivot = [1, 0, 0], table = [[0, 0], [0.3, 2]], oscillation = { amplitude = [0, 1, 0], frequency = 7 } },

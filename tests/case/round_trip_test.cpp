@@ -39,7 +39,7 @@ TEST(FilesOfACase, AreAllValuesOfKeysThatNameAFile) {
     Case c = read_case(entry.path());
     const std::string before = to_toml(c);
     std::size_t lines = 0;
-    for (std::size_t at = 0; (at = before.find("\nfile = ", at)) != std::string::npos; ++at) ++lines;
+    for (std::size_t at = 0; (at = before.find("file = \"", at)) != std::string::npos; ++at) ++lines;
     EXPECT_EQ(files_of(c).size(), lines) << entry.path();
     EXPECT_EQ(to_toml(c), before) << "looking changes nothing: " << entry.path();
     for (std::filesystem::path* file : files_of(c)) *file = "elsewhere/" + std::to_string(files++);

@@ -280,5 +280,34 @@ TEST(CaseRules, DeepNestingIsRefusedBeforeItIsParsed) {
   expect_refused(std::string((std::size_t{16} << 20) + 1, '\n'), "must not be over 16 MiB");
 }
 
+TEST(CaseRules, SpecimensAreArrangedBySensibleNumbers) {
+  expect_refused(rod + "array = [{ count = 2, step = [0, 0, 0] }]\n" + stage,
+                 "case.toml:6:23: specimen[0].array[0].step");
+  expect_accepted(rod + "array = [{ count = 1, step = [0, 0, 0] }]\n" + stage);
+  expect_refused(rod + "array = [{ count = 0, step = [1, 0, 0] }]\n" + stage, "1 <= count");
+  const std::string one = "{ count = 1000, step = [1, 0, 0] }";
+  expect_accepted(rod + "array = [" + one + ", " + one + "]\n" + stage);
+  expect_refused(rod + "array = [" + one + ", " + one + ", " + one + "]\n" + stage,
+                 "more than 1e8 particles");
+  const std::string few = "{ count = 1, step = [1, 0, 0] }";
+  expect_refused(rod + "array = [" + few + ", " + few + ", " + few + ", " + few + "]\n" + stage,
+                 "must have at most 3 tables");
+  expect_refused(rod + "turn = { axis = [0, 0, 0], angle = 1 }\n" + stage, "must not be the zero vector");
+  expect_refused(rod + "turn = { axis = [0, 0, 1] }\n" + stage, "angle is missing");
+  expect_refused(rod + "cut = [{ box = { min = [0, 0, 0], max = [1, 1, 1] }, keep = \"in\" }]\n" + stage,
+                 "did you mean \"inside\"?");
+}
+
+TEST(CaseRules, GroupsAreOfOneForm) {
+  const std::string groups = rod + stage + "[groups]\n";
+  expect_refused(groups + "g = { union = [\"a\"], type = 1 }\n", "exactly one of");
+  expect_refused(groups + "g = { union = [] }\n", "must have at least 1 element");
+  expect_refused(groups + "g = { difference = { of = \"a\" } }\n", "groups.g.difference.without is missing");
+  expect_refused(groups + "g = { type = 0 }\n", "1 <= type");
+  expect_refused(groups + "g = { cylinder = { from = [1, 0, 0], to = [1, 0, 0], radius = 1 } }\n",
+                 "the ends of the axis must differ");
+  expect_refused(rod + stage + "[[velocities]]\nkind = \"rigid\"\nmagnitude = 1\n", "is used only with");
+}
+
 }  // namespace
 }  // namespace vbond

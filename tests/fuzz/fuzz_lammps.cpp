@@ -30,11 +30,12 @@ extern "C" int LLVMFuzzerInitialize(int*, char***) {
   if (!vbond::fuzz::seeds()) return 0;
   const std::string head =
       "title\n\n2 atoms\n1 bonds\n1 atom types\n1 bond types\n\n-5 5 xlo xhi\n-5 5 ylo yhi\n0 1 zlo zhi\n";
-  const std::string tail = "\nVelocities\n\n1 0 0 0\n\nBonds\n\n1 1 1 2\n";
+  const std::string bonds = "\nBonds\n\n1 1 1 2\n";
   add_seed("bond", std::string(1, '\0') + head +
-                       "\nMasses\n\n1 2.5\n\nAtoms # bond\n\n1 1 1 0 0 0 0 0 1\n2 1 1 1 0 0 0 0 0\n" + tail);
-  add_seed(
-      "sphere",
-      "\x01" + head + "0 0 0 xy xz yz\n\nAtoms # sphere\n\n1 1 0.5 2 0 0 0\n2 1 0.5 2 1 0 0 # end\n" + tail);
+                       "\nMasses\n\n1 2.5\n\nAtoms # bond\n\n1 1 1 0 0 0 0 0 1\n2 1 1 1 0 0 0 0 0\n" +
+                       "\nVelocities\n\n1 0 0 0\n2 1 0 0\n" + bonds);
+  add_seed("sphere", "\x01" + head +
+                         "0 0 0 xy xz yz\n\nAtoms # sphere\n\n1 1 0.5 2 0 0 0\n2 1 0.5 2 1 0 0 # end\n" +
+                         "\nVelocities\n\n1 0 0 0 0 0 0\n2 1 0 0 0 0 1\n" + bonds);
   std::exit(0);
 }

@@ -112,6 +112,9 @@ void add_particles(const PlacedSpecimen& s, std::uint32_t number, Built& built, 
     built.model.radius.push_back(properties.radius(i));
     built.model.specimen.push_back(number);
     built.model.r_0.push_back(s.points.r[i]);
+    built.state.q.push_back(s.points.q);
+    built.state.v.push_back(s.points.v.empty() ? Vec3d{} : s.points.v[i]);
+    built.state.omega.push_back(s.points.omega.empty() ? Vec3d{} : s.points.omega[i]);
   }
 }
 
@@ -216,11 +219,7 @@ Built build(const Case& c) {
   }
   note_bond_types(c, specimens, built);
   problems.throw_if_any();
-  const std::size_t n = model.particles();
   state.r = model.r_0;
-  state.v.assign(n, {});
-  state.q.assign(n, {});
-  state.omega.assign(n, {});
   check_distinct(c, model, problems);
   check_contact(c, model, problems);
   add_materials(c, specimens, model, problems);

@@ -18,10 +18,10 @@ struct Built {
   Model model;
   State state;
   std::vector<std::string>
-      notes;  ///< what is made of the files that the case reads and what not, a line each
+      notes;  ///< what is made of the files that the case reads and what not, what cuts leave; a line each
 };
 
-/// Particles that the case makes itself; those that it reads from files are not counted.
+/// Particles that the case makes itself; those that it reads from files or cuts are not counted.
 double count_particles(const Case& c);
 
 /// Particles, groups, the bonds made at the start, initial velocities and T_0; the names and times of

@@ -4,12 +4,12 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <unordered_map>
 #include <unordered_set>
 
 #include "vbond/build/build.hpp"
+#include "vbond/build/group_members.hpp"
 #include "vbond/build/text_file.hpp"
 #include "vbond/core/nearest.hpp"
 
@@ -27,13 +27,16 @@ class Adder {
  public:
   Adder(Model& model, Problems& problems) : model_(model), problems_(problems) {}
 
-  void operator()(Group group, const SourcePlace& place) {
-    if (taken_.insert(group.name).second)
+  /// False if the name is taken, which is recorded.
+  bool operator()(Group group, const SourcePlace& place) {
+    const bool is_new = taken_.insert(group.name).second;
+    if (is_new)
       model_.groups.push_back(std::move(group));
     else
       problems_.add(place, fmt::format("a second group of the name \"{}\"", group.name),
                     "\"all\", specimens, their parts and groups have different names",
                     fmt::format("rename it; taken: {}", fmt::join(names_of(model_.groups), ", ")));
+    return is_new;
   }
 
  private:
@@ -70,53 +73,6 @@ void add_parts(const std::vector<PlacedSpecimen>& specimens, Adder& add) {
     }
 }
 
-/// Finds the particles of a group that the case describes.
-struct Members {
-  const Model& model;
-  const GroupSpec& spec;
-  Problems& problems;
-
-  std::vector<ParticleId> operator()(const IndexList& numbers) const {
-    std::vector<ParticleId> found;
-    for (const std::int64_t number : numbers)
-      if (const auto id =
-              look_up_particle(number, model, "group \"" + spec.name + "\"", spec.place, problems))
-        found.push_back(*id);
-    std::sort(found.begin(), found.end());
-    const auto twice = std::adjacent_find(found.begin(), found.end());
-    if (twice != found.end())
-      problems.add(spec.place, fmt::format("group \"{}\" lists particle {} twice", spec.name, twice->value),
-                   "a group is a set", "remove one of them");
-    return found;
-  }
-  std::vector<ParticleId> operator()(const BoxRegion& b) const {
-    return where([&](const Vec3d& r) {
-      return b.min.x <= r.x && r.x <= b.max.x && b.min.y <= r.y && r.y <= b.max.y && b.min.z <= r.z &&
-             r.z <= b.max.z;
-    });
-  }
-  std::vector<ParticleId> operator()(const SphereRegion& s) const {
-    return where([&](const Vec3d& r) { return norm(r - s.centre) <= s.radius; });
-  }
-  std::vector<ParticleId> operator()(const PlaneRegion& p) const {
-    if (!(norm(p.normal) > 0.0)) {
-      problems.add(spec.place, fmt::format("the normal of group \"{}\" is zero", spec.name),
-                   "it says which way the plane faces", "use for instance normal = [0, 0, 1]");
-      return {};
-    }
-    const Vec3d n = normalised(p.normal);
-    return where([&](const Vec3d& r) { return std::abs(dot(r - p.point, n)) <= p.within; });
-  }
-
-  template <class Inside>
-  std::vector<ParticleId> where(Inside&& inside) const {
-    std::vector<ParticleId> found;
-    for (const ParticleId p : model.r_0.ids())
-      if (inside(model.r_0[p])) found.push_back(p);
-    return found;
-  }
-};
-
 /// Records that there is no particle of this number, however it was written.
 void refuse_particle(const std::string& number, const Model& model, const std::string& what,
                      const SourcePlace& place, Problems& problems) {
@@ -134,15 +90,10 @@ void add_groups(const Case& c, const std::vector<PlacedSpecimen>& specimens, Mod
   for (const PlacedSpecimen& s : specimens)
     add(consecutive(s.spec->name, s.first, s.points.r.size()), s.spec->place);
   add_parts(specimens, add);
-  for (const GroupSpec& spec : c.groups) {
-    const std::size_t before = problems.count();
-    Group group{spec.name, std::visit(Members{model, spec, problems}, spec.region)};
-    if (group.particles.empty() && problems.count() == before)
-      problems.add(spec.place, fmt::format("group \"{}\" has no particles", spec.name),
-                   "a group has at least one; regions include their boundary, without any tolerance",
-                   "make the region larger");
-    add(std::move(group), spec.place);
-  }
+  std::vector<OpenGroup> open;
+  for (const GroupSpec& spec : c.groups)
+    if (add({spec.name, {}}, spec.place)) open.push_back({&spec, model.groups.size() - 1});
+  fill_groups(c, specimens, open, model, problems);
 }
 
 const Group* look_up_group(const Placed<std::string>& name, const Model& model, Problems& problems) {

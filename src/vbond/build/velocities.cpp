@@ -9,7 +9,8 @@ namespace {
 
 Vec3d draw(const VelocitySpec& spec, Random& random) {
   switch (spec.kind) {
-    case VelocityKind::given: return spec.velocity;
+    case VelocityKind::given:
+    case VelocityKind::rigid: return spec.velocity;
     case VelocityKind::circle: {
       const Vec3d n = normalised(spec.normal), e_1 = bond_n_2(n, std::nullopt), e_2 = cross(n, e_1);
       const Vec3d p = random.in_disc();
@@ -22,6 +23,13 @@ Vec3d draw(const VelocitySpec& spec, Random& random) {
     }
   }
   return {};
+}
+
+Vec3d centre_of_mass(const Group& group, const Model& model, const State& state) {
+  double total = 0.0;
+  Vec3d sum;
+  for (const ParticleId p : group.particles) total += model.mass[p], sum += model.mass[p] * state.r[p];
+  return sum / total;
 }
 
 }  // namespace
@@ -37,11 +45,14 @@ void add_velocities(const Case& c, const Model& model, State& state, Problems& p
       problems.add(spec.place, "the normal of the circle of velocities is zero",
                    "it says how the circle lies", "use for instance normal = [1, 0, 0]");
     if (group == nullptr || flat) continue;
+    const bool rigid = spec.kind == VelocityKind::rigid;
+    const Vec3d centre = rigid ? centre_of_mass(*group, model, state) : Vec3d{};
     for (const ParticleId p : group->particles) {
       Vec3d& v = state.v[p];
       v += draw(spec, random);
+      if (rigid) v += cross(spec.angular_velocity, state.r[p] - centre);
       v = {spec.zero[0] ? 0.0 : v.x, spec.zero[1] ? 0.0 : v.y, spec.zero[2] ? 0.0 : v.z};
-      if (spec.kind == VelocityKind::given) state.omega[p] += spec.angular_velocity;
+      if (rigid || spec.kind == VelocityKind::given) state.omega[p] += spec.angular_velocity;
     }
   }
 }

@@ -37,7 +37,7 @@ std::optional<std::size_t> look_up(const Placed<std::string>& name, const Items&
 std::uint32_t material_of(const std::optional<Placed<std::string>>& name, const Model& model,
                           Problems& problems) {
   if (!name) return 0;
-  return static_cast<std::uint32_t>(look_up(*name, model.materials, "material", problems).value_or(0));
+  return look_up_material(*name, model, problems).value_or(0);
 }
 
 /// The shape of a wall and the point that is its centre unless the case names another.
@@ -128,6 +128,12 @@ void check_stands_clear(const WallSpec& spec, const Wall& wall, const Model& mod
 }
 
 }  // namespace
+
+std::optional<std::uint32_t> look_up_material(const Placed<std::string>& name, const Model& model,
+                                              Problems& problems) {
+  const auto found = look_up(name, model.materials, "material", problems);
+  return found ? std::optional(static_cast<std::uint32_t>(*found)) : std::nullopt;
+}
 
 void add_materials(const Case& c, const std::vector<PlacedSpecimen>& specimens, Model& model,
                    Problems& problems) {

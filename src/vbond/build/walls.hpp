@@ -1,4 +1,7 @@
 #pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "vbond/build/build.hpp"
@@ -12,6 +15,10 @@ namespace vbond {
 /// The materials of the case and which one each particle has.
 void add_materials(const Case& c, const std::vector<PlacedSpecimen>& specimens, Model& model,
                    Problems& problems);
+
+/// The material of that name, in Model::materials; if there is none, records it.
+std::optional<std::uint32_t> look_up_material(const Placed<std::string>& name, const Model& model,
+                                              Problems& problems);
 
 /// The walls of the case, meshes read from their files. Records walls without contacts and walls that stand
 /// in a specimen as it begins.

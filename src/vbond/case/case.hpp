@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "vbond/case/placed.hpp"
+#include "vbond/case/region_spec.hpp"
 #include "vbond/case/wall_spec.hpp"
 #include "vbond/core/vec3.hpp"
 #include "vbond/model/bond.hpp"
@@ -82,6 +83,7 @@ struct LammpsSpecimen {  ///< `atom_style bond` / `molecular` / `full` / `bpm/sp
                          ///< Bonds section
   Placed<std::filesystem::path> file;
   std::string atom_style = "bond";
+  bool velocities = true;  ///< its Velocities section, if there is one, is where the run begins
 };
 
 struct ListedSpecimen {
@@ -99,27 +101,10 @@ struct SpecimenSpec {
   std::optional<double> density;                ///< m = 4/3 pi R^3 density
   std::optional<double> inertia;                ///< default 2/5 m R^2
   std::optional<Placed<std::string>> material;  ///< default: the first of the case
-};
-
-// ---- groups ------------------------------------------------------------------------------------
-
-struct BoxRegion {
-  Vec3d min, max;
-};
-struct SphereRegion {
-  Vec3d centre;
-  double radius;
-};
-struct PlaneRegion {
-  Vec3d point, normal;
-  double within;
-};                                            ///< |(r - point).n| <= within
-using IndexList = std::vector<std::int64_t>;  ///< particle numbers from 0
-
-struct GroupSpec {
-  SourcePlace place;
-  std::string name;
-  std::variant<IndexList, BoxRegion, SphereRegion, PlaneRegion> region;
+  std::vector<CutSpec> cut;
+  std::optional<TurnSpec> turn;
+  Vec3d move;
+  std::vector<CopiesSpec> array;  ///< 3 at most
 };
 
 // ---- bonds -------------------------------------------------------------------------------------
@@ -184,12 +169,12 @@ struct BondSpec {
 
 // ---- the run -------------------------------------------------------------------------------------
 
-enum class VelocityKind : std::uint8_t { given, circle, ball, gaussian };
+enum class VelocityKind : std::uint8_t { given, circle, ball, gaussian, rigid };
 struct VelocitySpec {
   SourcePlace place;
   Placed<std::string> group{"all", {}};
   VelocityKind kind = VelocityKind::given;
-  Vec3d velocity, angular_velocity;  ///< given
+  Vec3d velocity, angular_velocity;  ///< given: of each particle; rigid: of the group as one body
   double magnitude = 0;              ///< circle, ball: radius v_0; gaussian: standard deviation per component
   Vec3d normal{1, 0, 0};             ///< circle: the plane's normal
   std::array<bool, 3> zero{};        ///< components set to zero afterwards

@@ -20,12 +20,25 @@ void describe(Table& t, HelixSpecimen& s);
 void describe(Table& t, CsvSpecimen& s);
 void describe(Table& t, LammpsSpecimen& s);
 void describe(Table& t, ListedSpecimen& s);
+void describe(Table& t, CutSpec& c);
+void describe(Table& t, TurnSpec& turn);
+void describe(Table& t, CopiesSpec& c);
 
 void describe(Table& t, GroupSpec& g);
 void describe(Table& t, IndexList& indices);
 void describe(Table& t, BoxRegion& r);
 void describe(Table& t, SphereRegion& r);
+void describe(Table& t, CylinderRegion& r);
 void describe(Table& t, PlaneRegion& r);
+void describe(Table& t, HalfSpaceRegion& r);
+void describe(Table& t, MeshRegion& r);
+void describe(Table& t, MaterialGroup& g);
+void describe(Table& t, TypeGroup& g);
+void describe(Table& t, UnionGroup& g);
+void describe(Table& t, IntersectionGroup& g);
+void describe(Table& t, DifferenceGroup& g);
+/// What a mesh file needs to become a surface of the case: the same for walls and regions.
+void describe_mesh(Table& t, Placed<std::filesystem::path>& file, double& scale, Vec3d& shift);
 
 void describe(Table& t, BondSpec& b);
 void describe(Table& t, WithinDistance& s);

@@ -38,16 +38,20 @@ void describe(Table& t, VelocitySpec& v) {
   default_to_all(v.group);
   t.key("group", v.group, group_name, optional, "which particles");
   t.key("kind", v.kind,
-        ChoiceCodec<VelocityKind>{
-            {"given", "circle", "ball", "gaussian"},
-            {VelocityKind::given, VelocityKind::circle, VelocityKind::ball, VelocityKind::gaussian}},
-        optional, "one velocity for all, or random: uniform in a circle or ball, or normally distributed");
-  t.when(v.kind == VelocityKind::given, "kind = \"given\"", [&] {
-    t.key("velocity", v.velocity, vector_of(velocity), optional, "of the centres");
+        ChoiceCodec<VelocityKind>{{"given", "circle", "ball", "gaussian", "rigid"},
+                                  {VelocityKind::given, VelocityKind::circle, VelocityKind::ball,
+                                   VelocityKind::gaussian, VelocityKind::rigid}},
+        optional,
+        "one velocity for all; random: uniform in a circle or ball, or normally distributed; or that of a "
+        "rigid body");
+  const bool is_random = v.kind != VelocityKind::given && v.kind != VelocityKind::rigid;
+  t.when(!is_random, "kind = \"given\" or \"rigid\"", [&] {
+    t.key("velocity", v.velocity, vector_of(velocity), optional,
+          "of each centre; rigid: of the centre of mass of the group");
     t.key("angular_velocity", v.angular_velocity, vector_of(angular_velocity), optional,
-          "about the own centres");
+          "of each particle; rigid: and of the group about its centre of mass");
   });
-  t.when(v.kind != VelocityKind::given, "kind = \"circle\", \"ball\" or \"gaussian\"", [&] {
+  t.when(is_random, "kind = \"circle\", \"ball\" or \"gaussian\"", [&] {
     t.key("magnitude", v.magnitude, not_negative(velocity), required,
           "radius of the circle or ball; gaussian: standard deviation of each component");
     t.key("zero", v.zero, SubsetCodec<3>{{"x", "y", "z"}}, optional,

@@ -32,6 +32,19 @@ void check_mass(Table& t, const SpecimenSpec& s) {
           "add the radius, or the moment of inertia of a particle");
 }
 
+/// What is done with the points of any shape, in this order.
+void describe_arrangement(Table& t, SpecimenSpec& s) {
+  t.tables("cut", s.cut, optional, "regions that take particles away, one after another: first of all");
+  t.table("turn", s.turn, "turns places and orientations: after the cuts");
+  t.key("move", s.move, vector_of(length), optional, "added to all positions: after the turn");
+  t.tables("array", s.array, optional, "copies in a row; two or three tables make a grid: last of all");
+  double copies = 1.0;
+  for (const CopiesSpec& c : s.array) copies *= static_cast<double>(c.count);
+  t.check(s.array.size() <= 3, {"array"}, "must have at most 3 tables",
+          "put more rows into specimens of their own");
+  check_total(t, copies, {"array"});
+}
+
 }  // namespace
 
 void describe(Table& t, SpecimenSpec& s) {
@@ -55,6 +68,7 @@ void describe(Table& t, SpecimenSpec& s) {
   std::vector<std::string> conditions;
   for (const std::string& k : kinds) conditions.push_back("kind = \"" + k + "\"");
   t.alternatives(s.shape, kind, conditions);
+  describe_arrangement(t, s);
   check_mass(t, s);
 }
 
@@ -139,47 +153,36 @@ void describe(Table& t, LammpsSpecimen& s) {
                                                "molecular", "full",   "sphere", "bpm/sphere"};
   t.key("atom_style", s.atom_style, ChoiceCodec<std::string>{styles, styles}, optional,
         "LAMMPS atom_style of the file");
+  t.key("velocities", s.velocities, FlagCodec{}, optional,
+        "the particles begin with the Velocities section of the file, if it has one");
 }
 
 void describe(Table& t, ListedSpecimen& s) {
   t.key("positions", s.positions, list_of(vector_of(length), 1), required, "one position per particle");
 }
 
-// ---- groups ------------------------------------------------------------------------------------
+// ---- what is done with the points ---------------------------------------------------------------
 
-void describe(Table& t, GroupSpec& g) {
-  t.locate(g.place);
-  const std::vector<std::string> forms{"indices", "box", "sphere", "plane"};
-  t.alternatives(g.region, t.exactly_one(forms, g.region.index()), forms);
+void describe(Table& t, CutSpec& c) {
+  t.locate(c.place);
+  const std::vector<std::string> forms{"box", "sphere", "cylinder", "plane", "half_space", "mesh"};
+  t.alternatives(c.region, t.exactly_one(forms, c.region.index()), forms);
+  using enum CutSpec::Keep;
+  t.key("keep", c.keep, ChoiceCodec<CutSpec::Keep>{{"outside", "inside"}, {outside, inside}}, optional,
+        "the particles that stay: those outside of the region, or those in it");
 }
 
-void describe(Table& t, IndexList& indices) {
-  t.key("indices", indices, list_of(particle_number, 1), required, "particle numbers, counted from 0");
+void describe(Table& t, TurnSpec& turn) {
+  t.key("axis", turn.axis, direction_vector, optional, "of the rotation; its length does not matter");
+  t.key("angle", turn.angle, number(angle), required, "right-handed about the axis");
+  t.key("about", turn.about, vector_of(length), optional, "a point of the axis");
 }
 
-void describe(Table& t, BoxRegion& r) {
-  t.table("box", required, "the particles in a box with edges along the axes", [&r](Table& b) {
-    b.key("min", r.min, vector_of(length), required, "corner with the least coordinates");
-    b.key("max", r.max, vector_of(length), required, "corner with the largest coordinates");
-    b.check(r.min.x <= r.max.x && r.min.y <= r.max.y && r.min.z <= r.max.z, {"min", "max"},
-            "no coordinate of min may be larger than that of max", "exchange them");
-  });
-}
-
-void describe(Table& t, SphereRegion& r) {
-  t.table("sphere", required, "the particles in a ball", [&r](Table& b) {
-    b.key("centre", r.centre, vector_of(length), required, "its centre");
-    b.key("radius", r.radius, positive(length), required, "its radius");
-  });
-}
-
-void describe(Table& t, PlaneRegion& r) {
-  t.table("plane", required, "the particles near a plane", [&r](Table& b) {
-    b.key("point", r.point, vector_of(length), required, "a point of the plane");
-    b.key("normal", r.normal, direction_vector, required, "its normal; the length does not matter");
-    b.key("within", r.within, not_negative(length), required,
-          "largest distance from the plane, to either side");
-  });
+void describe(Table& t, CopiesSpec& c) {
+  t.key("count", c.count, one_or_more, required, "number of copies, the first one counted");
+  t.key("step", c.step, vector_of(length), required, "from one copy to the next");
+  t.check(c.count == 1 || c.step != Vec3d{}, {"step", "count"},
+          "must not be zero: copies would lie on one another", "write for example step = [10, 0, 0]");
 }
 
 }  // namespace vbond::keys

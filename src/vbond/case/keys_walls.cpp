@@ -52,11 +52,15 @@ void describe(Table& t, BoxWallSpec& w) {
           "exchange them; a flat wall is a disc or a mesh");
 }
 
-void describe(Table& t, MeshWallSpec& w) {
-  t.key("file", w.file, FileCodec{}, required, "triangles: STL (binary or ASCII), OBJ or PLY");
-  t.key("scale", w.scale, positive(pure), optional,
+void describe_mesh(Table& t, Placed<std::filesystem::path>& file, double& scale, Vec3d& shift) {
+  t.key("file", file, FileCodec{}, required, "triangles: STL (binary or ASCII), OBJ or PLY");
+  t.key("scale", scale, positive(pure), optional,
         "lengths of the file times this are lengths of the case; 0.001 for a file in mm in SI units");
-  t.key("shift", w.shift, vector_of(length), optional, "added to all corners after scaling");
+  t.key("shift", shift, vector_of(length), optional, "added to all corners after scaling");
+}
+
+void describe(Table& t, MeshWallSpec& w) {
+  describe_mesh(t, w.file, w.scale, w.shift);
 }
 
 void describe(Table& t, WallOscillationSpec& o) {

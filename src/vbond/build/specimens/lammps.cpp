@@ -50,6 +50,12 @@ struct Atom {
   SourcePlace place;
 };
 
+struct VelocityLine {
+  std::int64_t id;
+  Vec3d v, omega;
+  SourcePlace place;
+};
+
 struct BondLine {
   std::int64_t type, first, second;
   SourcePlace place;
@@ -67,14 +73,14 @@ std::optional<std::string> use_of_passed_section(const std::string& name) {
   if (ends_with(" Type Labels")) return "types are told apart by their numbers";
   if (name == "Angles" || name == "Dihedrals" || name == "Impropers")
     return "bonds join two particles here, and resist bending and torsion themselves";
-  if (name == "Velocities") return "[[velocities]] of the case says how bodies move";
+  if (name == "Velocities") return "the case says velocities = false";
   return std::nullopt;
 }
 
 class LammpsReader {
  public:
-  LammpsReader(const std::filesystem::path& file, const AtomColumns& columns)
-      : columns_(columns), at_{file.string(), 0, 1} {}
+  LammpsReader(const std::filesystem::path& file, const AtomColumns& columns, bool velocities)
+      : columns_(columns), takes_velocities_(velocities), at_{file.string(), 0, 1} {}
 
   SpecimenPoints read(const std::vector<std::string>& lines) {
     for (const std::string& line : lines) {
@@ -95,19 +101,25 @@ class LammpsReader {
       problems_.add(whole, "there is no Atoms section", "it holds the particles", "add the section");
     check_count("atoms", declared_atoms_, atoms_.size());
     check_count("bonds", declared_bonds_, bonds_.size());
+    if (!velocities_.empty() && velocities_.size() != atoms_.size() && problems_.none())
+      problems_.add(whole, fmt::format("velocities of {} of {} atoms", velocities_.size(), atoms_.size()),
+                    "a Velocities section has a line for each atom", "complete the section, or remove it");
     problems_.throw_if_any();
     unwrap();
     return points();
   }
 
  private:
-  enum class Section { header, masses, atoms, bonds, passed_over };
+  enum class Section { header, masses, atoms, velocities, bonds, passed_over };
 
   void begin_section(const std::string& name, std::string_view comment) {
     if (name == "Masses") {
       section_ = Section::masses;
     } else if (name == "Bonds") {
       section_ = Section::bonds;
+    } else if (name == "Velocities" && takes_velocities_) {
+      section_ = Section::velocities;
+      notes_.push_back(fmt::format("{}:{}: section Velocities is where the run begins", at_.file, at_.line));
     } else if (name == "Atoms") {
       section_ = Section::atoms;
       const auto words = words_of(comment);
@@ -120,7 +132,7 @@ class LammpsReader {
         notes_.push_back(fmt::format("{}:{}: section {} is passed over: {}", at_.file, at_.line, name, *use));
       else
         problems_.add(at_, fmt::format("section \"{}\" is not supported", name),
-                      "read are the sections Masses, Atoms and Bonds; coefficients, type labels, velocities, "
+                      "read are the sections Masses, Atoms, Velocities and Bonds; coefficients, type labels, "
                       "angles, dihedrals and impropers are passed over",
                       "remove the section and describe in the case what it is for");
     }
@@ -131,6 +143,7 @@ class LammpsReader {
       case Section::header: return header_line(words);
       case Section::masses: return mass_line(words);
       case Section::atoms: return atom_line(words);
+      case Section::velocities: return velocity_line(words);
       case Section::bonds: return bond_line(words);
       case Section::passed_over: return;
     }
@@ -206,6 +219,20 @@ class LammpsReader {
     atoms_.push_back(atom);
   }
 
+  void velocity_line(const std::vector<std::string_view>& words) {
+    const std::size_t count = columns_.diameter > 0 ? 6 : 3;  // spheres turn, points do not
+    const auto id = to_integer(words[0]);
+    std::array<double, 6> values{};
+    bool good = id && words.size() == 1 + count;
+    for (std::size_t k = 0; good && k < count; ++k) {
+      const auto value = to_number(words[1 + k]);
+      good = value.has_value();
+      values[k] = value.value_or(0.0);
+    }
+    if (!good) return malformed(count == 6 ? "atom vx vy vz wx wy wz" : "atom vx vy vz");
+    velocities_.push_back({*id, {values[0], values[1], values[2]}, {values[3], values[4], values[5]}, at_});
+  }
+
   /// Takes atoms to where they are without periods: in a file of LAMMPS's own they are put back into the box.
   void unwrap() {
     for (Atom& atom : atoms_) {
@@ -262,6 +289,7 @@ class LammpsReader {
       points.r.push_back(atom.r);
       add_properties(atom, points);
     }
+    add_velocities(index, points);
     for (const BondLine& bond : bonds_) {
       const auto i = index.find(bond.first), j = index.find(bond.second);
       if (i == index.end() || j == index.end())
@@ -275,6 +303,25 @@ class LammpsReader {
       points.parts.emplace_back(fmt::format("type-{}", type), std::move(atoms));
     problems_.throw_if_any();
     return points;
+  }
+
+  void add_velocities(const std::map<std::int64_t, std::int64_t>& index, SpecimenPoints& points) {
+    if (velocities_.empty()) return;
+    points.v.resize(points.r.size());
+    points.omega.resize(points.r.size());
+    std::vector<char> has(points.r.size(), 0);
+    for (const VelocityLine& line : velocities_) {
+      const auto found = index.find(line.id);
+      if (found == index.end() || has[static_cast<std::size_t>(found->second)]) {
+        const bool unknown = found == index.end();
+        problems_.add(line.place, fmt::format("a {}velocity of atom {}", unknown ? "" : "second ", line.id),
+                      unknown ? "there is no such atom in the file" : "each atom has one velocity",
+                      "correct the line");
+        continue;
+      }
+      const auto i = static_cast<std::size_t>(found->second);
+      has[i] = 1, points.v[i] = line.v, points.omega[i] = line.omega;
+    }
   }
 
   void add_properties(const Atom& atom, SpecimenPoints& points) {
@@ -299,6 +346,7 @@ class LammpsReader {
   static constexpr Axis axes[3] = {{"xlo", "xhi"}, {"ylo", "yhi"}, {"zlo", "zhi"}};
 
   const AtomColumns& columns_;
+  bool takes_velocities_;
   SourcePlace at_;
   Section section_ = Section::header;
   Problems problems_;
@@ -307,6 +355,7 @@ class LammpsReader {
   bool tilted_ = false;
   std::map<std::int64_t, double> masses_;
   std::vector<Atom> atoms_;
+  std::vector<VelocityLine> velocities_;
   std::vector<BondLine> bonds_;
   std::vector<std::string> notes_;
 };
@@ -314,9 +363,9 @@ class LammpsReader {
 }  // namespace
 
 SpecimenPoints read_lammps_specimen(const std::filesystem::path& file, const std::string& atom_style,
-                                    const SourcePlace& place) {
+                                    const SourcePlace& place, bool velocities) {
   const AtomColumns& columns = columns_of(atom_style, place);
-  return LammpsReader(file, columns).read(read_lines(file, place));
+  return LammpsReader(file, columns, velocities).read(read_lines(file, place));
 }
 
 }  // namespace vbond

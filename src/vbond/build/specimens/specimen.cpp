@@ -35,22 +35,25 @@ double count(const Curve& s) {
 }  // namespace
 
 double count_points(const SpecimenSpec& spec) {
-  return std::visit([](const auto& shape) { return count(shape); }, spec.shape);
+  if (!spec.cut.empty()) return 0.0;
+  return count_copies(spec) * std::visit([](const auto& shape) { return count(shape); }, spec.shape);
 }
 
 SpecimenPoints make_specimen(const SpecimenSpec& spec, const std::string& case_file) {
-  return std::visit(
+  SpecimenPoints points = std::visit(
       [&](const auto& shape) {
         using Shape = std::decay_t<decltype(shape)>;
         if constexpr (std::is_same_v<Shape, CsvSpecimen>)
           return read_csv_specimen(beside_case(case_file, shape.file.value), shape.file.place);
         else if constexpr (std::is_same_v<Shape, LammpsSpecimen>)
           return read_lammps_specimen(beside_case(case_file, shape.file.value), shape.atom_style,
-                                      shape.file.place);
+                                      shape.file.place, shape.velocities);
         else
           return make_points(shape, spec.place);
       },
       spec.shape);
+  arrange(spec, case_file, points);
+  return points;
 }
 
 }  // namespace vbond

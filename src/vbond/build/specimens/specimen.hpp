@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "vbond/case/case.hpp"
+#include "vbond/core/quat.hpp"
 #include "vbond/core/vec3.hpp"
 
 namespace vbond {
@@ -20,18 +21,27 @@ struct FileBond {
 /// not give are empty.
 struct SpecimenPoints {
   std::vector<Vec3d> r;                                                  ///< [length]
+  Quatd q;                                                               ///< orientation of all
+  std::vector<Vec3d> v, omega;                                           ///< per particle, or empty
   std::vector<double> radius, mass, inertia;                             ///< per particle, or empty
   std::vector<FileBond> bonds;                                           ///< of a LAMMPS file
   std::vector<std::pair<std::string, std::vector<std::int64_t>>> parts;  ///< such as "ends", "rim"
-  std::vector<std::string> notes;                                        ///< what of the file is not used
+  std::vector<std::string> notes;  ///< on cuts and unused parts of files
 };
 
-/// Places the particles of a specimen. `place` is where the case describes it, `case_file` its path, from
-/// whose folder files are named. Throws CaseError.
+/// Places the particles of a specimen, cut, turned, moved and copied. `place` is where the case describes it,
+/// `case_file` its path, from whose folder files are named. Throws CaseError.
 SpecimenPoints make_specimen(const SpecimenSpec& spec, const std::string& case_file);
 
-/// How many particles that makes; 0 if they come from a file.
+/// How many particles that makes; 0 if they come from a file or are cut, so that only making them tells.
 double count_points(const SpecimenSpec& spec);
+
+/// How many copies of its points the specimen has.
+double count_copies(const SpecimenSpec& spec);
+
+/// Cuts, turns, moves and copies points as the case says; their bonds and parts go with them. The copies
+/// follow one another in full, those along the first step first.
+void arrange(const SpecimenSpec& spec, const std::string& case_file, SpecimenPoints& points);
 
 SpecimenPoints make_points(const RodSpecimen& s, const SourcePlace& place);
 SpecimenPoints make_points(const RingSpecimen& s, const SourcePlace& place);
@@ -44,9 +54,9 @@ SpecimenPoints make_points(const ListedSpecimen& s, const SourcePlace& place);
 /// places under a repulsion. Particles 0 .. rim - 1 are the rim.
 SpecimenPoints make_points(const HemisphereSpecimen& s, const SourcePlace& place);
 
-/// `file`: already seen from the current folder.
+/// `file`: already seen from the current folder. `velocities`: whether those of the file count.
 SpecimenPoints read_csv_specimen(const std::filesystem::path& file, const SourcePlace& place);
 SpecimenPoints read_lammps_specimen(const std::filesystem::path& file, const std::string& atom_style,
-                                    const SourcePlace& place);
+                                    const SourcePlace& place, bool velocities = true);
 
 }  // namespace vbond
