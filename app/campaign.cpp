@@ -113,6 +113,11 @@ void save_summary(Campaign& campaign) {
     if (const auto load = breaks.first.largest_load)
       breaks.peak_load = std::max(breaks.peak_load.value_or(0.0), *load);
   }
+  s.walls.clear();
+  const std::vector<WallState>& walls = campaign.run.current().walls;
+  for (std::size_t w = 0; w < walls.size(); ++w)
+    s.walls.push_back({campaign.plan.walls[w], walls[w].force, walls[w].moment, walls[w].displacement,
+                       walls[w].work, campaign.files.history->largest_on_walls()[w]});
   const WatchRecord& watched = campaign.files.watch->watch().record();
   s.ever_strained = watched.strained;
   s.ever_snapped = watched.snapped;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "commands.hpp"
+#include "contacts.hpp"
 #include "memory.hpp"
 #include "prepare.hpp"
 #include "vbond/build/build.hpp"
@@ -258,6 +259,8 @@ int check(const std::filesystem::path& case_file, int threads) {
   const auto* dynamics = std::get_if<Stage>(&first);
   const OutputPlan plan = plan_output(c, model, {});
   print_overview(c, model, state);
+  print_contact_law(model);
+  print_walls(c, model);
   print_notes(built.notes);
   if (dynamics) print_step(c, model, state, *dynamics);
   print_machine(threads);

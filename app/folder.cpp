@@ -43,14 +43,14 @@ std::vector<fs::path> entries(const fs::path& folder) {
   return paths;
 }
 
-/// particles_DIGITS.vtp or bonds_DIGITS.vtp, or one of them half written.
+/// particles_DIGITS.vtp, bonds_DIGITS.vtp or walls_DIGITS.vtp, or one of them half written.
 bool is_frame(std::string_view name) {
   for (const std::string_view end : {".part", ".vtp"})
     if (name.size() > end.size() && name.substr(name.size() - end.size()) == end)
       name.remove_suffix(end.size());
     else if (end == ".vtp")
       return false;
-  for (const std::string_view kind : {"particles_", "bonds_"})
+  for (const std::string_view kind : {"particles_", "bonds_", "walls_"})
     if (name.substr(0, kind.size()) == kind) {
       const std::string_view step = name.substr(kind.size());
       return !step.empty() && step.find_first_not_of("0123456789") == std::string_view::npos;
@@ -66,10 +66,10 @@ void take_away_if_empty(const fs::path& folder) {
 /// Lists of frames go before the frames that they name.
 void remove_output(const fs::path& folder) {
   const FolderLock nobody_reports(folder, report_lock);
-  for (const char* name :
-       {"history.csv", "history.columns.json", "breaks.csv", "breaks.columns.json", "fragments.csv",
-        "fragments.columns.json", "fracture.csv", "run.json", "resolved.toml", "checkpoint.h5",
-        "particles.pvd", "bonds.pvd", "dump.lammpstrj", "last_balance.h5", "report.html", "report.png"}) {
+  for (const char* name : {"history.csv", "history.columns.json", "breaks.csv", "breaks.columns.json",
+                           "fragments.csv", "fragments.columns.json", "fracture.csv", "run.json",
+                           "resolved.toml", "checkpoint.h5", "particles.pvd", "bonds.pvd", "walls.pvd",
+                           "dump.lammpstrj", "last_balance.h5", "report.html", "report.png"}) {
     take_away(folder / name);
     take_away(temporary_name(folder / name));
   }

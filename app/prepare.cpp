@@ -41,6 +41,7 @@ OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem:
   plan.reactions = resolve_groups(o.reactions, model);
   plan.axial_force = resolve_groups(o.axial_force, model);
   plan.displacements = resolve_groups_or_particles(o.displacements, model);
+  for (const Wall& w : model.walls) plan.walls.push_back(w.name);
   if (o.frames)
     plan.frames_every = o.frames->every ? output_time(*o.frames->every, model, "output.frames.every", c)
                                         : std::numeric_limits<double>::infinity();

@@ -47,7 +47,7 @@ def arrays(body):
 
 
 def cells(body):
-    of = body.GetLines() if body.GetNumberOfLines() else body.GetVerts()
+    of = body.GetLines() if body.GetNumberOfLines() else body.GetPolys() if body.GetNumberOfPolys() else body.GetVerts()
     return values(of.GetConnectivityArray()) + values(of.GetOffsetsArray())
 
 

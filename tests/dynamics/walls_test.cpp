@@ -181,7 +181,7 @@ TEST(Wall, ServoHoldsItsForce) {
                       {floor_at(0), {"top", PlaneWall{{0, 0, 1.0}, {0, 0, -1}}, 0, {}}});
   Stage stage = testing::plain_stage(2e-4, 6.0);
   stage.walls = {drive("top", 1)};
-  stage.walls[0].servo = WallDrive::Servo{{0, 0, -1}, aim, {}, 1.0, 20.0, 0.0};
+  stage.walls[0].servo = WallDrive::Servo{{0, 0, -1}, aim, {}, 1.0, 20.0, 10.0};
   stage.b_translation = 2.0;
   Simulation run(s.model, stage, s.state);
   run.run();

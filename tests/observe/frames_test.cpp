@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <map>
 #include <numbers>
 #include <sstream>
@@ -9,6 +10,7 @@
 #include "specimen.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/observe/quantities.hpp"
+#include "vbond/observe/wall_triangles.hpp"
 #include "vtp_reader.hpp"
 
 namespace vbond {
@@ -30,14 +32,14 @@ std::vector<double> flat(const PerParticle<Vec3d>& column) {
 }
 
 void expect_well_formed(const VtpReader& f) {
-  const std::size_t cells = f.verts + f.lines;
+  const std::size_t cells = f.verts + f.lines + f.polys;
   for (const auto& [name, array] : f.arrays) {
     const std::map<std::string, std::size_t> sizes{
         {"UInt8", 1}, {"Float32", 4}, {"Int32", 4}, {"Float64", 8}, {"Int64", 8}};
     ASSERT_EQ(sizes.count(array.type), 1u) << array.type;
     const std::size_t item = sizes.at(array.type);
     const std::size_t tuples = array.section == "PointData" || array.section == "Points" ? f.points
-                               : name == "connectivity" ? f.verts + 2 * f.lines
+                               : name == "connectivity" ? f.verts + 2 * f.lines + 3 * f.polys
                                                         : cells;
     EXPECT_EQ(array.bytes.size(), tuples * array.components * item) << name;
   }
@@ -134,6 +136,89 @@ TEST(BondFrame, BodyWithoutBondsIsAValidFile) {
   expect_well_formed(f);
   EXPECT_EQ(f.lines, 0u);
   EXPECT_TRUE(f.arrays.at("elongation").bytes.empty());
+}
+
+/// A wall of each shape, after those of the chain: its centre is (4, 5, 6) and it has turned a quarter about
+/// z.
+struct Walled : Chain {
+  Walled() {
+    const double inf = std::numeric_limits<double>::infinity();
+    const Vec3d z{0, 0, 1}, c{4, 5, 6};
+    const TriangleMesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 1, 2}, {0, 1, 3}}};
+    model.walls = {{"table", PlaneWall{{9, 9, -2}, z}, 0, {}},   {"plate", DiscWall{c, z, 2.0}, 0, c},
+                   {"tube", CylinderWall{c, z, 2.0, inf}, 0, c}, {"ring", CylinderWall{c, z, 2.0, 3.0}, 0, c},
+                   {"ball", SphereWall{c, 2.0}, 0, c},           {"blade", MeshWall{mesh}, 0, {}}};
+  }
+  /// Points of the triangles of a wall.
+  std::vector<Vec3d> corners_of(std::size_t wall, const VtpReader& f) const {
+    const auto r = f.arrays.at("Points").as<double>();
+    const auto id = f.arrays.at("id").integers(), at = f.arrays.at("connectivity").integers();
+    std::vector<Vec3d> corners;
+    for (std::size_t k = 0; k < at.size(); ++k)
+      if (id[k / 3] == static_cast<std::int64_t>(wall)) {
+        const auto p = static_cast<std::size_t>(3 * at[k]);
+        corners.push_back({r[p], r[p + 1], r[p + 2]});
+      }
+    return corners;
+  }
+};
+
+// Round shapes have their corners on the surface that particles feel; planes and endless cylinders end.
+TEST(WallFrame, ShowsEveryShapeWhereItIs) {
+  const Folder folder;
+  Walled body;
+  write_walls_vtp(folder / "w.vtp", body.model, body.state);
+  const VtpReader f(content_of(folder / "w.vtp"));
+  expect_well_formed(f);
+  EXPECT_EQ(f.verts + f.lines, 0u);
+  const Vec3d c{4, 5, 6};
+  const auto radius = [&c](const Vec3d& x) { return std::hypot(x.x - c.x, x.y - c.y); };
+  const BoundingBox box = body_at_start(body.model), table = box_around(body.corners_of(0, f)),
+                    tube = box_around(body.corners_of(2, f)), ring = box_around(body.corners_of(3, f));
+  EXPECT_EQ(table.low.z, -2.0);
+  EXPECT_EQ(table.high.z, -2.0);
+  EXPECT_NEAR(table.high.x - table.low.x, box.diagonal(), 1e-14);
+  EXPECT_NEAR(table.high.y + table.low.y, box.high.y + box.low.y, 1e-14);  // below the middle of the body
+  for (const Vec3d& x : body.corners_of(1, f)) EXPECT_EQ(x.z, 6.0);
+  EXPECT_NEAR(box_around(body.corners_of(1, f)).high.x, 6.0, 1e-14);
+  for (const std::size_t cylinder : {2, 3})
+    for (const Vec3d& x : body.corners_of(cylinder, f)) EXPECT_NEAR(radius(x), 2.0, 1e-14);
+  EXPECT_NEAR(tube.high.z - tube.low.z, box.diagonal(), 1e-14);
+  EXPECT_NEAR(tube.high.z + tube.low.z, box.high.z + box.low.z, 1e-14);
+  EXPECT_EQ(ring.low.z, 4.5);
+  EXPECT_EQ(ring.high.z, 7.5);
+  double volume = 0.0;  // of a closed surface: every triangle is there once and faces one way
+  const auto ball = body.corners_of(4, f);
+  for (std::size_t k = 0; k < ball.size(); k += 3) {
+    EXPECT_NEAR(norm(ball[k] - c), 2.0, 1e-14);
+    volume += std::abs(dot(ball[k] - c, cross(ball[k + 1] - c, ball[k + 2] - c))) / 6.0;
+  }
+  EXPECT_NEAR(volume / (4.0 / 3.0 * pi * 8.0), 1.0, 0.01);  // corners on it: 0.4 % less
+  EXPECT_EQ(body.corners_of(5, f).size(), 6u);
+}
+
+TEST(WallFrame, MovesWithTheWallAndTellsItsLoads) {
+  const Folder folder;
+  Walled body;
+  body.state.walls.resize(6);
+  WallState& plate = body.state.walls[1];
+  plate.displacement = {0, 0, -1}, plate.q = rotation_of({pi / 2, 0, 0});
+  plate.force = {1, 2, 3}, plate.moment = {4, 5, 6}, plate.velocity = {0, 0, -0.5};
+  write_walls_vtp(folder / "w.vtp", body.model, body.state);
+  const VtpReader f(content_of(folder / "w.vtp"));
+  const BoundingBox box = box_around(body.corners_of(1, f));
+  EXPECT_NEAR(box.low.y, 5.0, 1e-14);  // its normal is along y now
+  EXPECT_NEAR(box.high.y, 5.0, 1e-14);
+  EXPECT_NEAR(box.low.z, 3.0, 1e-14);
+  EXPECT_NEAR(box.high.z, 7.0, 1e-14);
+  const auto of_first_triangle = [&f](const char* name) {  // of the plate: after the two of the table
+    const auto x = f.arrays.at(name).as<double>();
+    return std::vector<double>(x.begin() + 6, x.begin() + 9);
+  };
+  EXPECT_EQ(of_first_triangle("force"), (std::vector<double>{1, 2, 3}));
+  EXPECT_EQ(of_first_triangle("moment"), (std::vector<double>{4, 5, 6}));
+  EXPECT_EQ(of_first_triangle("velocity"), (std::vector<double>{0, 0, -0.5}));
+  EXPECT_EQ(of_first_triangle("displacement"), (std::vector<double>{0, 0, -1}));
 }
 
 /// A body whose numbers partly compress: positions on a line, random velocities, more than one block of 2^18
@@ -353,6 +438,25 @@ TEST(Frames, ListsNeverNameAFrameThatIsGone) {
   EXPECT_THROW(FrameWriter(folder.path(), false, 15), IoError);
   for (const char* list : {"particles.pvd", "bonds.pvd"})
     EXPECT_EQ(entries(content_of(folder / list)).size(), 2u) << list;
+}
+
+TEST(Frames, WallsAreListedAndGoOnWithTheOthers) {
+  const Folder folder;
+  Walled body;
+  const auto list = [&] { return entries(content_of(folder / "walls.pvd")); };
+  { FrameWriter(folder.path(), false, {}); }
+  EXPECT_FALSE(std::filesystem::exists(folder / "walls.pvd"));
+  {
+    FrameWriter writer(folder.path(), false, {}, {.walls = true});
+    write_frames(writer, body, {0, 10, 20});
+  }
+  EXPECT_EQ(list().size(), 3u);
+  FrameWriter writer(folder.path(), false, 10, {.walls = true});
+  EXPECT_EQ(list().size(), 2u);
+  EXPECT_FALSE(std::filesystem::exists(folder / "frames/walls_000000000020.vtp"));
+  write_frames(writer, body, {20});
+  EXPECT_EQ(list().size(), 3u);
+  EXPECT_TRUE(std::filesystem::exists(folder / "frames/walls_000000000020.vtp"));
 }
 
 TEST(Frames, MayBeAskedForLaterOn) {

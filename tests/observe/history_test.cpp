@@ -66,6 +66,37 @@ void write_rows(HistoryWriter& writer, const std::vector<std::int64_t>& steps) {
   }
 }
 
+TEST(History, WallsHaveColumnsAndTheirLargestForceGoesOn) {
+  const Folder folder;
+  OutputPlan plan = plan_in(folder);
+  plan.walls = {"lid", "floor"};
+  HistoryValues v = some_values();
+  v.walls.resize(2);
+  v.walls[0].force = {3, 0, -4}, v.walls[0].moment = {5, 6, 7}, v.walls[0].displacement = {8, 9, 10};
+  v.walls[0].work = 0.25, v.walls[1].force = {0, 0, -1};
+  {
+    HistoryWriter writer(plan, {});
+    writer.write(v);
+    v.clock.step = v.clock.stage_step = 1, v.walls[0].force = {0, 0, -1};
+    writer.write(v);
+    v.clock.step = v.clock.stage_step = 2, v.walls.clear();  // not known
+    writer.write(v);
+    EXPECT_EQ(writer.largest_on_walls(), (std::vector<double>{5, 1}));
+  }
+  const auto lines = lines_of(content_of(folder / "history.csv"));
+  ASSERT_EQ(lines.size(), 4u);
+  const std::string names =
+      "wall.lid.Fx,wall.lid.Fy,wall.lid.Fz,wall.lid.Mx,wall.lid.My,wall.lid.Mz,"
+      "wall.lid.x,wall.lid.y,wall.lid.z,wall.lid.work,wall.floor.Fx";
+  EXPECT_NE(lines[0].find(names), std::string::npos) << lines[0];
+  const auto row = cells(lines[1]);
+  EXPECT_EQ(std::vector<std::string>(row.end() - 20, row.end() - 10),
+            (std::vector<std::string>{"3", "0", "-4", "5", "6", "7", "8", "9", "10", "0.25"}));
+  EXPECT_EQ(cell(lines, 3, "wall.floor.work"), "");
+  const HistoryWriter resumed(plan, 2);
+  EXPECT_EQ(resumed.largest_on_walls(), (std::vector<double>{5, 1}));
+}
+
 TEST(History, EveryValueStandsUnderItsNameAndReadsBackBitForBit) {
   const Folder folder;
   HistoryWriter writer(plan_in(folder), {});

@@ -100,5 +100,21 @@ TEST(PageHistory, PresetsFollowTheColumns) {
   EXPECT_TRUE(preset_plots({{{"time", {0, 1}}, {"total", {1, 1}}}}).empty());
 }
 
+TEST(PageHistory, ForcesOnWallsAreOffered) {
+  const History h{{{"time", {0, 1, 2}},
+                   {"wall.a.b.Fx", {0, 0, 0}},
+                   {"wall.a.b.Fy", {0, 1, 1}},
+                   {"wall.a.b.Fz", {0, 5, 9}},
+                   {"wall.a.b.Mx", {0, 50, 90}},
+                   {"wall.a.b.z", {0, -1, -2}},
+                   {"wall.floor.Fx", {0, 0, 0}}}};
+  const std::vector<Plot> plots = preset_plots(h);
+  ASSERT_EQ(plots.size(), 2U);  // nothing ever presses on the floor
+  EXPECT_EQ(plots[0].x, "wall.a.b.z");
+  EXPECT_EQ(plots[0].y, std::vector<std::string>{"wall.a.b.Fz"});
+  EXPECT_EQ(plots[1].x, "time");
+  EXPECT_EQ(plots[1].y, (std::vector<std::string>{"wall.a.b.Fy", "wall.a.b.Fz"}));
+}
+
 }  // namespace
 }  // namespace vbond::page

@@ -29,7 +29,8 @@ TEST(OutputReference, TablesOfThePageAreThoseOfTheCode) {
   const std::string path = std::string(VBOND_DOCS) + "/output.md";
   std::string page = content_of(path);
   const std::string as_it_was = page;
-  for (const std::string where : {"history", "breaks", "fragments", "particles", "bonds", "checkpoint"}) {
+  for (const std::string where :
+       {"history", "breaks", "fragments", "particles", "bonds", "walls", "checkpoint"}) {
     const std::string begin = "<!-- quantities: " + where + " -->\n", end = "<!-- end of quantities -->";
     const std::size_t from = page.find(begin), to = page.find(end, from);
     ASSERT_NE(from, std::string::npos) << where;
@@ -51,6 +52,7 @@ TEST(Quantities, NamesStandForOneThingEach) {
   };
   expect_different(history_quantities());
   expect_different(group_quantities());
+  expect_different(wall_quantities());
   expect_different(break_quantities());
   expect_different(fragment_quantities());
   expect_different(particle_quantities());
@@ -63,6 +65,7 @@ TEST(Quantities, EveryColumnHasItsFacts) {
   plan.reactions = {{"a.b", {}}};
   plan.axial_force = {{"rod", {}}};
   plan.displacements = {{"7", {}}};
+  plan.walls = {"lid"};
   std::istringstream header(history_header(plan));
   std::string name;
   for (; std::getline(header, name, ',');) {
@@ -73,6 +76,9 @@ TEST(Quantities, EveryColumnHasItsFacts) {
   EXPECT_STREQ(facts_of_column("reaction.a.b.mx")->unit.si, "N m");
   EXPECT_STREQ(facts_of_column("axial_force.rod")->unit.reduced, "a c_A");
   EXPECT_EQ(page::unit_of_column("displacement.7.z"), "m");
+  EXPECT_STREQ(facts_of_column("wall.lid.Mz")->unit.si, "N m");
+  EXPECT_EQ(facts_of_column("wall.lid.Mz")->meaning, facts_of_column("wall.lid.Mx")->meaning);
+  EXPECT_NE(facts_of_column("wall.lid.Mx")->meaning, facts_of_column("wall.lid.Fx")->meaning);
   for (const char* other : {"reaction.fx", "reaction.a.b.fw", "axial_force.", "displacement.7", "U_X", ""})
     EXPECT_FALSE(facts_of_column(other)) << other;
 }
@@ -142,6 +148,9 @@ TEST(Quantities, EveryDataSetOfACheckpointHasItsUnitAndMeaning) {
   watch.deep[{ParticleId{0}, ParticleId{1}}] = {};
   chain.state.bond_history.resize(chain.state.bonds.size());
   chain.state.contact_history = {{ParticleId{0}, ParticleId{2}, {1.0}}};
+  chain.model.walls = {{"floor", PlaneWall{{}, {0, 0, 1}}, 0, {}}};
+  chain.state.walls.resize(1);
+  chain.state.wall_history = {{ParticleId{0}, 0, {0, 0, 1}, {1.0}}};
   for (Loads* loads : {&chain.state.loads, &chain.state.damping})
     *loads = {PerParticle<Vec3d>(chain.state.r.size()), PerParticle<Vec3d>(chain.state.r.size())};
   chain.state.bonds[BondId{0}].law = &bond_law<RuledVModel>;

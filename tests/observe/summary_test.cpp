@@ -124,6 +124,19 @@ TEST(RunSummary, BreaksAreToldWhereBondsMayBreak) {
   EXPECT_EQ(read.stages, s.stages);
 }
 
+TEST(RunSummary, WallsAreToldWhereThereAreAny) {
+  const Folder folder;
+  RunSummary s = buckling();
+  EXPECT_FALSE(nlohmann::json::parse(to_json(s)).contains("walls"));
+  s.walls = {{"lid", {1, 2, 3}, {4, 5, 6}, {7, 8, 9}, 0.5, 10.0}, {"floor", {}, {}, {}, 0, 0}};
+  write_summary(folder / "run.json", s);
+  const auto j = nlohmann::json::parse(content_of(folder / "run.json"));
+  ASSERT_EQ(j["walls"].size(), 2u);
+  EXPECT_EQ(j["walls"][0]["moment"], (std::vector<double>{4, 5, 6}));
+  EXPECT_EQ(j["walls"][0]["largest_force"], 10.0);
+  EXPECT_EQ(read_summary(folder / "run.json").walls, s.walls);
+}
+
 TEST(RunSummary, JsonHoldsEveryResultUnderItsName) {
   const Folder folder;
   write_summary(folder / "run.json", buckling());

@@ -60,11 +60,12 @@ class VtpReader {
     points = std::stoull(attribute(piece, "NumberOfPoints"));
     verts = std::stoull(attribute(piece, "NumberOfVerts"));
     lines = std::stoull(attribute(piece, "NumberOfLines"));
+    polys = std::stoull(attribute(piece, "NumberOfPolys"));
     read_arrays(xml, file, underscore + 1);
   }
 
   bool compressed = false;
-  std::size_t points = 0, verts = 0, lines = 0;
+  std::size_t points = 0, verts = 0, lines = 0, polys = 0;
   std::map<std::string, Array> arrays;         ///< appended, by name
   std::map<std::string, std::string> in_text;  ///< ascii, by name
   std::string after_arrays;                    ///< what follows the last appended array
@@ -82,7 +83,8 @@ class VtpReader {
   }
 
   void read_arrays(const std::string& xml, const std::string& file, std::size_t base) {
-    const std::vector<std::string> sections{"FieldData", "PointData", "CellData", "Points", "Verts", "Lines"};
+    const std::vector<std::string> sections{"FieldData", "PointData", "CellData", "Points",
+                                            "Verts",     "Lines",     "Polys"};
     std::string section;
     std::size_t next_offset = 0;
     for (std::size_t at = xml.find('<'); at != std::string::npos; at = xml.find('<', at + 1)) {

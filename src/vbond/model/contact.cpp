@@ -2,28 +2,29 @@
 
 #include <utility>
 
+#include "vbond/model/contact_number.hpp"
+
 namespace vbond {
-namespace {
 
 using Number = std::optional<double> Surface::*;
 
-/// A number of the pair by the rule of touch_numbers().
-double of_pair(const ContactModel& c, const std::vector<ContactMaterial>& materials, std::uint32_t first,
-               std::uint32_t second, Number number, double otherwise) {
+PairNumber number_of_pair(const ContactModel& c, const std::vector<ContactMaterial>& materials,
+                          std::uint32_t first, std::uint32_t second, Number number, double otherwise) {
   for (const ContactPair& p : c.between) {
     const bool is_it = (p.materials[0] == first && p.materials[1] == second) ||
                        (p.materials[0] == second && p.materials[1] == first);
-    if (is_it && (p.surface.*number)) return *(p.surface.*number);
+    if (is_it && (p.surface.*number)) return {*(p.surface.*number), SaidBy::pair};
   }
+  SaidBy said_by = c.surface.*number ? SaidBy::model : SaidBy::nobody;
   const auto of = [&](std::uint32_t m) {
-    if (m < materials.size() && (materials[m].surface.*number)) return *(materials[m].surface.*number);
-    return (c.surface.*number).value_or(otherwise);
+    if (m >= materials.size() || !(materials[m].surface.*number))
+      return (c.surface.*number).value_or(otherwise);
+    said_by = SaidBy::materials;
+    return *(materials[m].surface.*number);
   };
   const double x = of(first), y = of(second);
-  return x == y ? x : std::sqrt(x * y);
+  return {x == y ? x : std::sqrt(x * y), said_by};
 }
-
-}  // namespace
 
 TouchNumbers<double> touch_numbers(const ContactModel& c, const std::vector<ContactMaterial>& materials,
                                    std::uint32_t first, std::uint32_t second) {
@@ -34,7 +35,7 @@ TouchNumbers<double> touch_numbers(const ContactModel& c, const std::vector<Cont
   const auto [E_2, nu_2] = elastic(second);
   const TouchForms forms = touch_forms(c);
   const auto of = [&](Number number, double otherwise) {
-    return of_pair(c, materials, first, second, number, otherwise);
+    return number_of_pair(c, materials, first, second, number, otherwise).value;
   };
   TouchNumbers<double> to;
   switch (forms.normal) {

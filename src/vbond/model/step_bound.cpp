@@ -122,34 +122,51 @@ ContactSlopes slopes_of(const ContactModel& contact, const TouchNumbers<double>&
   return to;
 }
 
+struct LargestOfContacts {
+  double lambda = 0.0;
+  ParticleId p;
+  std::uint32_t first = 0, second = 0;  ///< materials
+  /// For reports.
+  std::string source(const Model& model) const {
+    const std::string of = "contacts of particle " + std::to_string(p.value);
+    if (model.materials.empty()) return of;
+    return of + ", " + model.materials[first].name + " with " + model.materials[second].name;
+  }
+};
+
 /// Of the stiffest pair of materials with each particle against the largest: k_c (1/m_i + 1/m_j) <= 2/m_i
 /// times k_c, if i is the lighter one.
-double lambda_of_contacts(const Model& model, const State& state) {
+LargestOfContacts largest_of_contacts(const Model& model, const State& state) {
   const ContactModel& contact = model.contact;
-  if (contact.law == ContactLaw::none || model.particles() == 0) return 0.0;
-  if (model.walls.empty() && (model.particles() < 2 || !particles_touch(contact))) return 0.0;
+  if (contact.law == ContactLaw::none || model.particles() == 0) return {};
+  if (model.walls.empty() && (model.particles() < 2 || !particles_touch(contact))) return {};
   const double R_max = *std::max_element(model.radius.begin(), model.radius.end());
-  if (!(R_max > 0.0)) return 0.0;
+  if (!(R_max > 0.0)) return {};
   const PresentContacts present = present_contacts(model, state);
   const auto materials = std::max<std::uint32_t>(1, static_cast<std::uint32_t>(model.materials.size()));
-  std::vector<TouchNumbers<double>> numbers;  // of all pairs of materials
+  struct Pair {
+    std::uint32_t first, second;
+    TouchNumbers<double> numbers;
+  };
+  std::vector<Pair> pairs;  // of all materials
   for (std::uint32_t first = 0; first < materials; ++first)
     for (std::uint32_t second = first; second < materials; ++second)
-      numbers.push_back(touch_numbers(contact, model.materials, first, second));
-  double lambda = 0.0;
+      pairs.push_back({first, second, touch_numbers(contact, model.materials, first, second)});
+  LargestOfContacts largest;
   for (const ParticleId p : model.mass.ids()) {
     const double R = model.radius[p], m = model.mass[p];
     const double R_pair = model.walls.empty() ? R * R_max / (R + R_max) : R;
     const double overlap = std::max(present.overlap, 0.1 * (R + R_max));
-    for (const TouchNumbers<double>& n : numbers) {
+    for (const auto& [first, second, n] : pairs) {
       const ContactSlopes s = slopes_of(contact, n, R_pair, m, overlap);
       const double per_m = 2.0 / m, per_slip = 2.0 * (1.0 / m + sq(R) / model.inertia[p]);
       const double elastic = std::max(s.normal * per_m, s.tangential * per_slip);
       const double damping = std::max(per_m, s.tangential > 0.0 ? n.tangential_damping * per_slip : 0.0);
-      lambda = std::max(lambda, damped_bound(present.most * elastic, present.most * s.damping * damping));
+      const double lambda = damped_bound(present.most * elastic, present.most * s.damping * damping);
+      if (lambda > largest.lambda) largest = {lambda, p, first, second};
     }
   }
-  return lambda;
+  return largest;
 }
 
 }  // namespace
@@ -162,13 +179,14 @@ StepBound step_bound(const Model& model, const State& state, const std::vector<B
     if (!(lambda <= largest.lambda))
       largest = {lambda, std::nullopt, motion + " of a bond that \"" + rule.name + "\" may still make"};
   }
-  const double contact = lambda_of_contacts(model, state);
-  if (contact > 0.0) {
-    if (contact > largest.lambda) largest.bond.reset();
-    largest.source = largest.source.empty()     ? "contacts"
-                     : contact > largest.lambda ? "contacts, and " + largest.source
-                                                : largest.source + ", and contacts";
-    largest.lambda += contact;
+  const LargestOfContacts contact = largest_of_contacts(model, state);
+  if (contact.lambda > 0.0) {
+    const std::string source = contact.source(model);
+    if (contact.lambda > largest.lambda) largest.bond.reset();
+    largest.source = largest.source.empty()            ? source
+                     : contact.lambda > largest.lambda ? source + ", and " + largest.source
+                                                       : largest.source + ", and " + source;
+    largest.lambda += contact.lambda;
   }
   if (largest.lambda == 0.0)
     return {std::numeric_limits<double>::infinity(), std::nullopt, "no bonds and no contacts"};

@@ -7,6 +7,7 @@ struct FrameFormat {
   bool single_precision = false;  ///< 32 bits for each real number, not 64
   bool compressed = true;         ///< by zlib, array by array
   bool breaks = false;            ///< with what tells of bonds that may break
+  bool walls = false;             ///< with a file for the walls
   friend bool operator==(const FrameFormat&, const FrameFormat&) = default;
 };
 

@@ -73,6 +73,17 @@ constexpr BondQuantity of_bonds[] = {
      [](const View& b) { return static_cast<std::uint8_t>(mode_of(b.bond)); }, Only::breaks},
 };
 
+constexpr WallQuantity of_walls[] = {
+    {"id", unit::none, "number of the wall in the order of the case, from 0",
+     [](const WallView& w) { return static_cast<std::int64_t>(w.index); }},
+    {"force", unit::force, "of particles on the wall", [](const WallView& w) { return w.now.force; }},
+    {"moment", unit::moment, "of particles on the wall, about its centre",
+     [](const WallView& w) { return w.now.moment; }},
+    {"velocity", unit::velocity, "of its centre", [](const WallView& w) { return w.now.velocity; }},
+    {"displacement", unit::length, "of its centre since the start",
+     [](const WallView& w) { return w.now.displacement; }},
+};
+
 }  // namespace
 
 std::span<const ParticleQuantity> particle_quantities() {
@@ -81,6 +92,10 @@ std::span<const ParticleQuantity> particle_quantities() {
 
 std::span<const BondQuantity> bond_quantities() {
   return of_bonds;
+}
+
+std::span<const WallQuantity> wall_quantities() {
+  return of_walls;
 }
 
 }  // namespace vbond

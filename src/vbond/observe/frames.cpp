@@ -4,6 +4,7 @@
 #include <sys/types.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <iterator>
@@ -18,6 +19,7 @@
 #include "vbond/observe/files.hpp"
 #include "vbond/observe/quantities.hpp"
 #include "vbond/observe/vtp.hpp"
+#include "vbond/observe/wall_triangles.hpp"
 #include "vbond/physics/section.hpp"
 
 namespace vbond {
@@ -212,6 +214,33 @@ void write_bonds_vtp(const fs::path& path, const State& state, UnitSystem units,
   f.write(path, state.clock.time(), state.clock.step, load_factor);
 }
 
+void write_walls_vtp(const fs::path& path, const Model& model, const State& state,
+                     std::optional<double> load_factor, FrameFormat format) {
+  const BoundingBox body = body_at_start(model);
+  const std::vector<WallState> at_start(state.walls.empty() ? model.walls.size() : 0);
+  std::vector<Vec3d> corners;
+  std::vector<std::array<std::int64_t, 3>> triangles;
+  std::vector<WallView> views;  // of each triangle
+  for (std::size_t w = 0; w < model.walls.size(); ++w) {
+    const WallState& now = state.walls.empty() ? at_start[w] : state.walls[w];
+    const TriangleMesh mesh = triangles_of(model.walls[w], body);
+    const auto first = static_cast<std::int64_t>(corners.size());
+    for (const Vec3d& x : mesh.corners) corners.push_back(moved(model.walls[w], now, x));
+    for (const auto& t : mesh.triangles) triangles.push_back({first + t[0], first + t[1], first + t[2]});
+    while (views.size() < triangles.size()) views.push_back({w, now});
+  }
+  VtpFile f = VtpFile::of_triangles(corners, triangles, format);
+  f.set_unit_of_points(unit::length.in(model.units));
+  const auto view = [&views](std::size_t k) -> const WallView& { return views[k]; };
+  for (const WallQuantity& q : wall_quantities())
+    std::visit(
+        [&](const auto value) {
+          f.add_cell_data(q.name, values_of(views.size(), view, value), q.unit.in(model.units));
+        },
+        q.value);
+  f.write(path, state.clock.time(), state.clock.step, load_factor);
+}
+
 std::string pvd_list(const std::string& entries) {
   return pvd_head + entries + pvd_tail;
 }
@@ -262,6 +291,9 @@ void FrameWriter::keep_until(std::int64_t resume_step) {
     throw IoError((folder_ / "particles.pvd").string() + " and bonds.pvd do not list the same frames");
   particle_entries_ = std::move(particles.lines);
   bond_entries_ = std::move(bonds.lines);
+  std::error_code e;  // a run of an earlier version has no list of walls
+  if (fs::exists(folder_ / "walls.pvd", e))
+    wall_entries_ = entries_until(folder_ / "walls.pvd", resume_step).lines;
   last_step_ = particles.last_step;
   write_lists();  // before the frames go: no list ever names a frame that is not there
   remove_frames_after(folder_ / "frames", resume_step);
@@ -270,15 +302,19 @@ void FrameWriter::keep_until(std::int64_t resume_step) {
 void FrameWriter::write_lists() const {
   replace_file(folder_ / "particles.pvd", pvd_list(particle_entries_), Sync::none);
   replace_file(folder_ / "bonds.pvd", pvd_list(bond_entries_), Sync::none);
+  if (format_.walls) replace_file(folder_ / "walls.pvd", pvd_list(wall_entries_), Sync::none);
 }
 
 void FrameWriter::write(const Model& model, const State& state, std::optional<double> load_factor) {
   const Clock& clock = state.clock;
   write_particles_vtp(folder_ / frame_name("particles", clock.step), model, state, load_factor, format_);
   write_bonds_vtp(folder_ / frame_name("bonds", clock.step), state, model.units, load_factor, format_);
+  if (format_.walls)
+    write_walls_vtp(folder_ / frame_name("walls", clock.step), model, state, load_factor, format_);
   if (dump_) dump_->append(lammps_frame(model, state));
   particle_entries_ += pvd_entry(clock.time(), frame_name("particles", clock.step));
   bond_entries_ += pvd_entry(clock.time(), frame_name("bonds", clock.step));
+  if (format_.walls) wall_entries_ += pvd_entry(clock.time(), frame_name("walls", clock.step));
   write_lists();
   last_step_ = clock.step;
 }

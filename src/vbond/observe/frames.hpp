@@ -20,6 +20,10 @@ void write_particles_vtp(const std::filesystem::path& path, const Model& model, 
 void write_bonds_vtp(const std::filesystem::path& path, const State& state, UnitSystem units,
                      std::optional<double> load_factor = {}, FrameFormat format = {});
 
+/// The walls as triangles where they are now, with wall_quantities().
+void write_walls_vtp(const std::filesystem::path& path, const Model& model, const State& state,
+                     std::optional<double> load_factor = {}, FrameFormat format = {});
+
 /// The text of a list for ParaView with these entries.
 std::string pvd_list(const std::string& entries);
 
@@ -30,7 +34,8 @@ std::string pvd_entry(double time, const std::string& file);
 std::string lammps_frame(const Model& model, const State& state);
 
 /// Writes the frames of a run: frames/particles_STEP.vtp and frames/bonds_STEP.vtp, listed for
-/// ParaView in particles.pvd and bonds.pvd, and dump.lammpstrj if wanted.
+/// ParaView in particles.pvd and bonds.pvd, those of walls likewise where there are walls, and dump.lammpstrj
+/// if wanted.
 class FrameWriter {
  public:
   /// Begins new lists, or with resume_step continues those that there are: later frames, which a killed run
@@ -51,7 +56,7 @@ class FrameWriter {
   std::filesystem::path folder_;
   FrameFormat format_;
   std::optional<GrowingFile> dump_;
-  std::string particle_entries_, bond_entries_;  ///< lines of the two .pvd files
+  std::string particle_entries_, bond_entries_, wall_entries_;  ///< lines of the .pvd files
   std::int64_t last_step_ = -1;
 };
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string_view>
 #include <utility>
@@ -19,11 +20,11 @@ Vec3d mean_displacement(const Group& group, const Model& model, const State& sta
   return sum / static_cast<double>(group.particles.size());
 }
 
-/// The columns of a group.
-std::vector<std::string> names_of(const GroupQuantity& q, const Group& g) {
+/// The columns of a group or a wall.
+std::vector<std::string> names_of(const GroupQuantity& q, const std::string& of) {
   std::vector<std::string> names;
   for (const GroupQuantity::Component& c : q.components)
-    names.push_back(fmt::format("{}.{}{}{}", q.name, g.name, *c.name != '\0' ? "." : "", c.name));
+    names.push_back(fmt::format("{}.{}{}{}", q.name, of, *c.name != '\0' ? "." : "", c.name));
   return names;
 }
 
@@ -33,8 +34,8 @@ std::vector<std::string> names_of(const OutputPlan& plan) {
   for (const HistoryQuantity& q : history_quantities())
     if (is_in(q.cases, plan)) names.emplace_back(q.name);
   for (const GroupQuantity& q : group_quantities())
-    for (const Group& g : plan.*q.groups)
-      for (std::string& name : names_of(q, g)) names.push_back(std::move(name));
+    for (const std::string& of : q.names(plan))
+      for (std::string& name : names_of(q, of)) names.push_back(std::move(name));
   return names;
 }
 
@@ -43,8 +44,35 @@ std::vector<Cell> cells_of(const OutputPlan& plan, const HistoryValues& values) 
   for (const HistoryQuantity& q : history_quantities())
     if (is_in(q.cases, plan)) cells.push_back(q.value(values));
   for (const GroupQuantity& q : group_quantities())
-    for (std::size_t k = 0; k < (plan.*q.groups).size(); ++k) q.add(values, k, cells);
+    for (std::size_t k = 0; k < q.names(plan).size(); ++k) q.add(values, k, cells);
   return cells;
+}
+
+/// Where the components of a vector stand in a row; nothing if a column is not there.
+using VectorColumns = std::optional<std::array<std::size_t, 3>>;
+VectorColumns vector_columns(const std::vector<std::string>& columns, const std::string& of,
+                             const std::array<const char*, 3>& components) {
+  std::array<std::size_t, 3> found{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto at = index_of(columns, of + '.' + components[k]);
+    if (!at) return std::nullopt;
+    found[k] = *at;
+  }
+  return found;
+}
+std::optional<Vec3d> vector_in(const std::vector<std::string>& cells, const VectorColumns& columns) {
+  if (!columns) return std::nullopt;
+  const auto number = [&](std::size_t k) { return csv_number<double>(cells[(*columns)[k]]); };
+  const auto x = number(0), y = number(1), z = number(2);
+  return x && y && z ? std::optional(Vec3d{*x, *y, *z}) : std::nullopt;
+}
+
+/// Takes the size of a force up in the largest one so far.
+void take_up(const Vec3d& force, double& largest) {
+  largest = std::max(largest, norm(force));
+}
+void take_up(const Vec3d& force, std::optional<double>& largest) {
+  take_up(force, largest ? *largest : largest.emplace(0.0));
 }
 
 }  // namespace
@@ -71,6 +99,7 @@ HistoryValues history_values(const OutputPlan& plan, const Simulation& run) {
       .reactions = {},
       .axial_force = {},
       .displacements = {},
+      .walls = run.walls(),
       .run = &run};
   for (const Group& g : plan.reactions) values.reactions.push_back(run.reaction(g.particles));
   for (const Group& g : plan.axial_force) values.axial_force.push_back(run.mean_axial_force(g.particles));
@@ -96,6 +125,7 @@ HistoryValues history_values(const OutputPlan& plan, const Model& model, const S
       .reactions = {},
       .axial_force = {},
       .displacements = {},
+      .walls = state.walls,
       .point = &point};
   for (const Group& g : plan.reactions) values.reactions.push_back(point.reaction(g.particles));
   for (const Group& g : plan.axial_force) values.axial_force.push_back(mean_axial_force(state, g.particles));
@@ -106,6 +136,7 @@ HistoryValues history_values(const OutputPlan& plan, const Model& model, const S
 
 HistoryWriter::HistoryWriter(const OutputPlan& plan, std::optional<std::int64_t> resume_step)
     : plan_(plan),
+      largest_on_walls_(plan.walls.size()),
       file_(plan.folder / "history.csv",
             {.what = "a history",
              .columns = names_of(plan),
@@ -119,33 +150,31 @@ HistoryWriter::HistoryWriter(const OutputPlan& plan, std::optional<std::int64_t>
 CsvWriter::Look HistoryWriter::looker(const std::vector<std::string>& columns) {
   const std::size_t step = index_of(columns, "step").value(),
                     error = index_of(columns, "balance_error").value();
-  std::vector<std::size_t> force;
+  VectorColumns force;
   if (!plan_.reactions.empty())
-    for (const char* component : {"fx", "fy", "fz"})
-      if (const auto at = index_of(columns, "reaction." + plan_.reactions[0].name + '.' + component))
-        force.push_back(*at);
-  return [this, step, error, force](const std::vector<std::string>& cells) {
+    force = vector_columns(columns, "reaction." + plan_.reactions[0].name, {"fx", "fy", "fz"});
+  std::vector<VectorColumns> on_walls;
+  for (const std::string& wall : plan_.walls)
+    on_walls.push_back(vector_columns(columns, "wall." + wall, {"Fx", "Fy", "Fz"}));
+  return [this, step, error, force, on_walls](const std::vector<std::string>& cells) {
     const auto balance_error = csv_number<double>(cells[error]);
     if (!balance_error) return false;
     last_step_ = csv_number<std::int64_t>(cells[step]).value();
     largest_balance_error_ = std::max(largest_balance_error_, std::abs(*balance_error));
-    std::vector<double> F;
-    for (const std::size_t k : force)
-      if (const auto component = csv_number<double>(cells[k])) F.push_back(*component);
-    if (F.size() == 3) take_up_load({F[0], F[1], F[2]});
+    if (const auto F = vector_in(cells, force)) take_up(*F, largest_load_);
+    for (std::size_t w = 0; w < on_walls.size(); ++w)
+      if (const auto F = vector_in(cells, on_walls[w])) take_up(*F, largest_on_walls_[w]);
     return true;
   };
-}
-
-void HistoryWriter::take_up_load(const Vec3d& force) {
-  largest_load_ = std::max(largest_load_.value_or(0.0), norm(force));
 }
 
 void HistoryWriter::write(const HistoryValues& values) {
   file_.write(cells_of(plan_, values));
   last_step_ = values.clock.step;
   largest_balance_error_ = std::max(largest_balance_error_, std::abs(values.balance_error));
-  if (!values.reactions.empty()) take_up_load(values.reactions[0].force);
+  if (!values.reactions.empty()) take_up(values.reactions[0].force, largest_load_);
+  for (std::size_t w = 0; w < std::min(values.walls.size(), largest_on_walls_.size()); ++w)
+    take_up(values.walls[w].force, largest_on_walls_[w]);
 }
 
 }  // namespace vbond

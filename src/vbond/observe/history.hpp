@@ -30,17 +30,19 @@ class HistoryWriter {
   double largest_balance_error() const { return largest_balance_error_; }
   /// Largest force that supports exert on the first group whose reaction is asked for, if one is.  [force]
   std::optional<double> largest_load() const { return largest_load_; }
+  /// Largest size of the force of particles on each wall of the plan, of the rows in the file.  [force]
+  const std::vector<double>& largest_on_walls() const { return largest_on_walls_; }
   /// A run goes on, but its history.csv was not there any more.
   bool begun_anew() const { return file_.begun_anew(); }
 
  private:
   CsvWriter::Look looker(const std::vector<std::string>& columns);
-  void take_up_load(const Vec3d& force);
 
   OutputPlan plan_;
   std::int64_t last_step_ = -1;
   double largest_balance_error_ = 0;
   std::optional<double> largest_load_;
+  std::vector<double> largest_on_walls_;
   CsvWriter file_;  // last: as it is opened it takes up the rows of an earlier run
 };
 

@@ -84,32 +84,66 @@ constexpr HistoryQuantity columns[] = {
      [](const Values& v) { return v.fragments ? Cell(v.fragments->largest_share) : Cell(); }, Only::breaks},
 };
 
+template <auto groups>
+std::vector<std::string> names_of(const OutputPlan& plan) {
+  std::vector<std::string> names;
+  for (const Group& g : plan.*groups) names.push_back(g.name);
+  return names;
+}
+
 const std::vector<GroupQuantity>& of_groups() {
   static const std::vector<GroupQuantity> all{
       {"reaction",
-       {{"fx", unit::force},
+       "GROUP",
+       {{"fx", unit::force, "force and moment (about the origin) that supports exert on the group"},
         {"fy", unit::force},
         {"fz", unit::force},
         {"mx", unit::moment},
         {"my", unit::moment},
         {"mz", unit::moment}},
-       "force and moment (about the origin) that supports exert on the group",
-       &OutputPlan::reactions,
+       names_of<&OutputPlan::reactions>,
        [](const Values& v, std::size_t k, std::vector<Cell>& to) {
          add3(v.reactions[k].force, to), add3(v.reactions[k].moment, to);
        }},
       {"axial_force",
-       {{"", unit::force}},
-       "mean of F.d over the bonds with both ends in the group; tension is positive",
-       &OutputPlan::axial_force,
+       "GROUP",
+       {{"", unit::force, "mean of F.d over the bonds with both ends in the group; tension is positive"}},
+       names_of<&OutputPlan::axial_force>,
        [](const Values& v, std::size_t k, std::vector<Cell>& to) { to.emplace_back(v.axial_force[k]); }},
       {"displacement",
-       {{"x", unit::length}, {"y", unit::length}, {"z", unit::length}},
-       "position less position at the start: of a particle, or the mean over a group",
-       &OutputPlan::displacements,
+       "GROUP",
+       {{"x", unit::length, "position less position at the start: of a particle, or the mean over a group"},
+        {"y", unit::length},
+        {"z", unit::length}},
+       names_of<&OutputPlan::displacements>,
        [](const Values& v, std::size_t k, std::vector<Cell>& to) { add3(v.displacements[k], to); }},
+      {"wall",
+       "WALL",
+       {{"Fx", unit::force, "force of particles on the wall"},
+        {"Fy", unit::force},
+        {"Fz", unit::force},
+        {"Mx", unit::moment, "moment of particles on the wall, about its centre (`moments_about`)"},
+        {"My", unit::moment},
+        {"Mz", unit::moment},
+        {"x", unit::length, "displacement of its centre since the start"},
+        {"y", unit::length},
+        {"z", unit::length},
+        {"work", unit::energy, "work that the wall has done on particles so far, a part of work_supports"}},
+       [](const OutputPlan& plan) { return plan.walls; },
+       [](const Values& v, std::size_t k, std::vector<Cell>& to) {
+         if (k >= v.walls.size()) return to.resize(to.size() + 10);
+         const WallState& w = v.walls[k];
+         add3(w.force, to), add3(w.moment, to), add3(w.displacement, to), to.emplace_back(w.work);
+       }},
   };
   return all;
+}
+
+/// Components without a meaning of their own share that of the last one before them that has one.
+const char* meaning_of(const GroupQuantity& q, const GroupQuantity::Component& c) {
+  const GroupQuantity::Component* with = &c;
+  while (with->meaning == nullptr && with != q.components.data()) --with;
+  return with->meaning;
 }
 
 /// Whether a column is one of NAME.GROUP.COMPONENT.
@@ -134,7 +168,7 @@ std::optional<ColumnFacts> facts_of_column(std::string_view name) {
     if (name == q.name) return ColumnFacts{q.unit, q.meaning};
   for (const GroupQuantity& q : of_groups())
     for (const GroupQuantity::Component& c : q.components)
-      if (is_column_of(name, q, c.name)) return ColumnFacts{c.unit, q.meaning};
+      if (is_column_of(name, q, c.name)) return ColumnFacts{c.unit, meaning_of(q, c)};
   return std::nullopt;
 }
 

@@ -309,7 +309,8 @@ FileObservers open_output(const OutputPlan& plan, Watch::Tell tell, const std::s
   if (plan.frames_every)
     o.frames = std::make_shared<FrameObserver>(plan, step);
   else if (std::error_code e; step && std::filesystem::exists(plan.folder / "particles.pvd", e))
-    FrameWriter(plan.folder, false, step);  // no more are wanted, but late ones of a killed run go
+    FrameWriter(plan.folder, false, step,
+                plan.format_of_frames());  // no more are wanted, but late ones of a killed run go
   o.checkpoint = std::make_shared<CheckpointObserver>(plan, o.watch, program_version);
   return o;
 }

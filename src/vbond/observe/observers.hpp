@@ -85,6 +85,7 @@ class HistoryObserver : public TimedObserver {
   void write(const Model& model, const StaticPoint& point);
   double largest_balance_error() const { return writer_.largest_balance_error(); }
   std::optional<double> largest_load() const { return writer_.largest_load(); }
+  const std::vector<double>& largest_on_walls() const { return writer_.largest_on_walls(); }
   bool begun_anew() const { return writer_.begun_anew(); }
 
  private:

@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "vbond/core/column.hpp"
@@ -18,6 +19,7 @@ struct OutputPlan {
   std::vector<Group> reactions;            ///< total support force and moment, in history.csv
   std::vector<Group> axial_force;          ///< mean tension of the bonds inside, in history.csv
   std::vector<Group> displacements;        ///< mean of r - r_0, in history.csv
+  std::vector<std::string> walls;          ///< names of those of the model, in history.csv and in frames
   /// Between frames of dynamics  [time], > 0, infinite if there is none; absent: no frames at all.
   std::optional<double> frames_every;
   FrameFormat frame_format;                ///< of those frames, and of those of modes
@@ -32,6 +34,7 @@ struct OutputPlan {
   FrameFormat format_of_frames() const {
     FrameFormat format = frame_format;
     format.breaks = breaks;
+    format.walls = !walls.empty();
     return format;
   }
 };

@@ -49,18 +49,20 @@ struct HistoryQuantity {
 };
 std::span<const HistoryQuantity> history_quantities();
 
-/// Columns for each group that the case asks for: NAME.GROUP.COMPONENT, or NAME.GROUP if there is one
-/// component without a name.
+/// Columns for each group that the case asks for, or each wall: NAME.GROUP.COMPONENT, or NAME.GROUP if there
+/// is one component without a name.
 struct GroupQuantity {
   struct Component {
     const char* name;
     Unit unit;
+    const char* meaning = nullptr;  ///< where it differs from that of the component before it
   };
   const char* name;
+  const char* of;  ///< GROUP or WALL: what the names are of, for the tables of docs/output.md
   std::vector<Component> components;
-  const char* meaning;
-  std::vector<Group> OutputPlan::*groups;
-  /// Adds the values of the components for the k-th of these groups.
+  /// Of these groups or walls.
+  std::vector<std::string> (*names)(const OutputPlan&);
+  /// Adds the values of the components for the k-th of them.
   void (*add)(const HistoryValues&, std::size_t k, std::vector<Cell>& to);
 };
 std::span<const GroupQuantity> group_quantities();
@@ -148,6 +150,21 @@ struct BondQuantity {
 };
 std::span<const BondQuantity> bond_quantities();
 
+/// A wall at the time of a frame.
+struct WallView {
+  std::size_t index;  ///< in Model::walls
+  const WallState& now;
+};
+
+/// An array of the walls' frames, one value per triangle: that of its wall.
+struct WallQuantity {
+  const char* name;
+  Unit unit;
+  const char* meaning;
+  std::variant<Vec3d (*)(const WallView&), std::int64_t (*)(const WallView&)> value;
+};
+std::span<const WallQuantity> wall_quantities();
+
 // ---- checkpoints ---------------------------------------------------------------------------------------
 
 /// A data set of checkpoint.h5; its unit and meaning are attributes.
@@ -160,8 +177,8 @@ std::span<const CheckpointQuantity> checkpoint_quantities();
 
 // ---- the reference -------------------------------------------------------------------------------------
 
-/// The tables of docs/output.md: where = "history", "breaks", "fragments", "particles", "bonds" or
-/// "checkpoint". Markdown.
+/// The tables of docs/output.md: where = "history", "breaks", "fragments", "particles", "bonds",
+/// "walls" or "checkpoint". Markdown.
 std::string quantity_table(std::string_view where);
 
 }  // namespace vbond

@@ -20,8 +20,8 @@ std::string columns_of_history() {
     text += row(q.name, q.unit, std::string(q.meaning) + in_words(q.cases));
   for (const GroupQuantity& q : group_quantities())
     for (const GroupQuantity::Component& c : q.components)
-      text += row(fmt::format("{}.GROUP{}{}", q.name, *c.name == '\0' ? "" : ".", c.name), c.unit,
-                  &c == &q.components.front() ? q.meaning : "the same");
+      text += row(fmt::format("{}.{}{}{}", q.name, q.of, *c.name == '\0' ? "" : ".", c.name), c.unit,
+                  c.meaning != nullptr ? c.meaning : "the same");
   return text;
 }
 
@@ -64,6 +64,7 @@ std::string quantity_table(std::string_view where) {
   if (where == "fragments") return fmt::format(fmt::runtime(head), "column") + rows_of(fragment_quantities());
   if (where == "particles") return fmt::format(fmt::runtime(head), "array") + rows_of(particle_quantities());
   if (where == "bonds") return fmt::format(fmt::runtime(head), "array") + rows_of(bond_quantities());
+  if (where == "walls") return fmt::format(fmt::runtime(head), "array") + rows_of(wall_quantities());
   if (where == "checkpoint") return fmt::format(fmt::runtime(head), "data set") + data_sets();
   throw std::invalid_argument("no table of quantities for " + std::string(where));
 }

@@ -66,6 +66,26 @@ BreakSummary breaks_from(const Json& j) {
           number_at(j, "peak_load")};
 }
 
+Json to_json(const Vec3d& x) {
+  return Json::array({x.x, x.y, x.z});
+}
+Vec3d vector_from(const Json& j) {
+  return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()};
+}
+
+Json to_json(const WallSummary& w) {
+  return {{"name", w.name},
+          {"force", to_json(w.force)},
+          {"moment", to_json(w.moment)},
+          {"displacement", to_json(w.displacement)},
+          {"work", w.work},
+          {"largest_force", w.largest_force}};
+}
+WallSummary wall_from(const Json& j) {
+  return {j.at("name").get<std::string>(),   vector_from(j.at("force")), vector_from(j.at("moment")),
+          vector_from(j.at("displacement")), j.at("work").get<double>(), j.at("largest_force").get<double>()};
+}
+
 }  // namespace
 
 std::vector<PhaseTime> split_steps(double seconds, const StepTimes& t) {
@@ -120,6 +140,7 @@ std::string to_json(const RunSummary& r) {
   j["strained"] = r.strained;
   j["snapped"] = r.snapped;
   if (r.breaks) add(j, *r.breaks);
+  for (const WallSummary& w : r.walls) j["walls"].push_back(to_json(w));
   j["ever_strained"] = r.ever_strained;
   j["ever_snapped"] = r.ever_snapped;
   j["ever_overlapping"] = r.ever_overlapping;
@@ -162,6 +183,8 @@ RunSummary read_summary(const std::filesystem::path& path) {
     if (j.contains("ever_stretched"))  // nor have they these
       r.ever_stretched = whole_number(j["ever_stretched"]);
     if (j.contains("broken")) r.breaks = breaks_from(j);
+    if (j.contains("walls"))
+      for (const Json& wall : j["walls"]) r.walls.push_back(wall_from(wall));
     r.too_fast = j.value("too_fast", 0.0);
     return r;
   } catch (const Json::exception& e) {

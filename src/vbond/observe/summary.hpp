@@ -48,6 +48,16 @@ struct BreakSummary {
   std::optional<double> peak_load;  ///< of the rows of history.csv and of breaks  [force]
 };
 
+/// A wall at the end of a run.
+struct WallSummary {
+  std::string name;
+  Vec3d force, moment;       ///< of particles on it, moment about its centre  [force], [moment]
+  Vec3d displacement;        ///< of its centre  [length]
+  double work = 0;           ///< that it has done on particles  [energy]
+  double largest_force = 0;  ///< size, of the rows of history.csv  [force]
+  friend bool operator==(const WallSummary&, const WallSummary&) = default;
+};
+
 /// The results of a run, as run.json holds them.
 struct RunSummary {
   std::string title, version;
@@ -58,6 +68,7 @@ struct RunSummary {
   std::int64_t particles = 0, bonds = 0;
   double T_0 = 0;                                    ///< [time]
   std::optional<BreakSummary> breaks;                ///< absent where no bond may break
+  std::vector<WallSummary> walls;                    ///< in the order of the case
   std::vector<StageSummary> stages;                  ///< those that ended, or were interrupted last
   double energy_balance_error = 0;                   ///< largest |balance_error| of history.csv, relative
   std::int64_t strained = 0, snapped = 0;            ///< bonds as they stand at the end

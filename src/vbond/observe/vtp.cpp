@@ -75,30 +75,37 @@ VtpFile::Array VtpFile::integers(const std::string& name, const std::vector<std:
   return array(name, "Int32", 1, std::vector<std::int32_t>(values.begin(), values.end()), unit);
 }
 
-VtpFile VtpFile::of_points(const std::vector<Vec3d>& points, FrameFormat format) {
-  std::vector<std::int64_t> each(points.size()), ends(points.size());
-  std::iota(each.begin(), each.end(), 0);
-  std::iota(ends.begin(), ends.end(), 1);
+VtpFile VtpFile::of_cells(Topology topology, const std::vector<Vec3d>& points,
+                          const std::vector<std::int64_t>& corners_of_cells, std::int64_t corners,
+                          FrameFormat format) {
+  std::vector<std::int64_t> offsets(corners_of_cells.size() / static_cast<std::size_t>(corners));
+  for (std::size_t k = 0; k < offsets.size(); ++k) offsets[k] = corners * static_cast<std::int64_t>(k + 1);
   VtpFile f(format);
-  f.points_ = f.cells_ = points.size();
+  f.topology_ = topology;
+  f.points_ = points.size();
+  f.cells_ = offsets.size();
   f.coordinates_ = f.reals("Points", 3, numbers_of(points), 3 * points.size());
-  f.connectivity_ = f.integers("connectivity", each);
-  f.offsets_ = f.integers("offsets", ends);
+  f.connectivity_ = f.integers("connectivity", corners_of_cells);
+  f.offsets_ = f.integers("offsets", offsets);
   return f;
+}
+
+VtpFile VtpFile::of_points(const std::vector<Vec3d>& points, FrameFormat format) {
+  std::vector<std::int64_t> each(points.size());
+  std::iota(each.begin(), each.end(), 0);
+  return of_cells(Topology::verts, points, each, 1, format);
 }
 
 VtpFile VtpFile::of_lines(const std::vector<Vec3d>& points, const std::vector<std::int64_t>& ends,
                           FrameFormat format) {
-  std::vector<std::int64_t> offsets(ends.size() / 2);
-  for (std::size_t k = 0; k < offsets.size(); ++k) offsets[k] = static_cast<std::int64_t>(2 * (k + 1));
-  VtpFile f(format);
-  f.topology_ = Topology::lines;
-  f.points_ = points.size();
-  f.cells_ = offsets.size();
-  f.coordinates_ = f.reals("Points", 3, numbers_of(points), 3 * points.size());
-  f.connectivity_ = f.integers("connectivity", ends);
-  f.offsets_ = f.integers("offsets", offsets);
-  return f;
+  return of_cells(Topology::lines, points, ends, 2, format);
+}
+
+VtpFile VtpFile::of_triangles(const std::vector<Vec3d>& points,
+                              const std::vector<std::array<std::int64_t, 3>>& triangles, FrameFormat format) {
+  std::vector<std::int64_t> corners;
+  for (const auto& t : triangles) corners.insert(corners.end(), t.begin(), t.end());
+  return of_cells(Topology::polys, points, corners, 3, format);
 }
 
 void VtpFile::add_point_data(const std::string& name, const std::vector<double>& values,
@@ -116,6 +123,10 @@ void VtpFile::add_point_data(const std::string& name, const std::vector<std::int
 void VtpFile::add_cell_data(const std::string& name, const std::vector<double>& values,
                             const std::string& unit) {
   cell_data_.push_back(reals(name, 1, values.data(), values.size(), unit));
+}
+void VtpFile::add_cell_data(const std::string& name, const std::vector<Vec3d>& values,
+                            const std::string& unit) {
+  cell_data_.push_back(reals(name, 3, numbers_of(values), 3 * values.size(), unit));
 }
 void VtpFile::add_cell_data(const std::string& name, const std::vector<std::int64_t>& values,
                             const std::string& unit) {
@@ -148,7 +159,10 @@ std::string VtpFile::head(double time, std::int64_t step, std::optional<double> 
                      "</InformationKey>\n        </DataArray>\n",
                      a.unit);
   };
-  const char* cells = topology_ == Topology::verts ? "Verts" : "Lines";
+  const auto count = [this](Topology topology) { return topology == topology_ ? cells_ : 0; };
+  const char* cells = topology_ == Topology::verts   ? "Verts"
+                      : topology_ == Topology::lines ? "Lines"
+                                                     : "Polys";
   std::string x = fmt::format(
       "<?xml version=\"1.0\"?>\n"
       "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\"{}>\n"
@@ -166,8 +180,8 @@ std::string VtpFile::head(double time, std::int64_t step, std::optional<double> 
         *load_factor);
   x += fmt::format(
       "    </FieldData>\n    <Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" NumberOfLines=\"{}\" "
-      "NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n",
-      points_, topology_ == Topology::verts ? cells_ : 0, topology_ == Topology::lines ? cells_ : 0);
+      "NumberOfStrips=\"0\" NumberOfPolys=\"{}\">\n",
+      points_, count(Topology::verts), count(Topology::lines), count(Topology::polys));
   x += "      <PointData>\n";
   for (const Array& a : point_data_) x += declare(a);
   x += "      </PointData>\n      <CellData>\n";

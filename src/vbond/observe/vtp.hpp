@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -17,13 +18,17 @@ namespace vbond {
 /// single precision.
 class VtpFile {
  public:
-  enum class Topology : std::uint8_t { verts, lines };
+  enum class Topology : std::uint8_t { verts, lines, polys };
 
   /// One vertex cell per point.
   static VtpFile of_points(const std::vector<Vec3d>& points, FrameFormat format = {});
   /// One line cell per pair of point indices; ends holds i, j, i, j, ...
   static VtpFile of_lines(const std::vector<Vec3d>& points, const std::vector<std::int64_t>& ends,
                           FrameFormat format = {});
+  /// One cell per triangle of point indices.
+  static VtpFile of_triangles(const std::vector<Vec3d>& points,
+                              const std::vector<std::array<std::int64_t, 3>>& triangles,
+                              FrameFormat format = {});
 
   /// The unit of the positions: its label becomes VTK's key UNITS_LABEL. An empty one is left out.
   void set_unit_of_points(const std::string& unit) { coordinates_.unit = unit; }
@@ -38,6 +43,7 @@ class VtpFile {
   /// Per cell.
   void add_cell_data(const std::string& name, const std::vector<double>& values,
                      const std::string& unit = {});
+  void add_cell_data(const std::string& name, const std::vector<Vec3d>& values, const std::string& unit = {});
   void add_cell_data(const std::string& name, const std::vector<std::int64_t>& values,
                      const std::string& unit = {});
   void add_cell_data(const std::string& name, const std::vector<std::uint8_t>& values,
@@ -64,6 +70,10 @@ class VtpFile {
               const std::string& unit = {}) const;
   Array integers(const std::string& name, const std::vector<std::int64_t>& values,
                  const std::string& unit = {}) const;
+  /// Cells of `corners` points each.
+  static VtpFile of_cells(Topology topology, const std::vector<Vec3d>& points,
+                          const std::vector<std::int64_t>& corners_of_cells, std::int64_t corners,
+                          FrameFormat format);
   std::string head(double time, std::int64_t step, std::optional<double> load_factor) const;
   std::vector<const Array*> in_file_order() const;
 

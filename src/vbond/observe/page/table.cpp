@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <initializer_list>
 #include <iterator>
 #include <limits>
 
@@ -116,6 +117,26 @@ std::vector<std::string> reaction_forces(const History& h) {
   return names;
 }
 
+/// Names of the walls that have columns.
+std::vector<std::string> walls_of(const History& h) {
+  constexpr std::string_view begin = "wall.", end = ".Fx";
+  std::vector<std::string> walls;
+  for (const HistoryColumn& c : h.columns)
+    if (starts_with(c.name, begin) && c.name.size() > begin.size() + end.size() && c.name.ends_with(end))
+      walls.push_back(c.name.substr(begin.size(), c.name.size() - begin.size() - end.size()));
+  return walls;
+}
+
+/// These components of a wall, without those that never change.
+std::vector<std::string> moving_components(const History& h, const std::string& wall,
+                                           std::initializer_list<const char*> components) {
+  std::vector<std::string> names;
+  for (const char* component : components)
+    if (const HistoryColumn* c = h.find("wall." + wall + '.' + component); c && span_of(*c) > 0.0)
+      names.push_back(c->name);
+  return names;
+}
+
 /// The one that changes most; nothing if none changes.
 std::vector<std::string> leading(const History& h, const std::vector<std::string>& names) {
   const std::string* most = nullptr;
@@ -216,6 +237,12 @@ std::vector<Plot> preset_plots(const History& h) {
   const std::string clock = clock_of(h), over = clock == "step" ? " at each point" : " against time";
   add("Axial force" + over, clock, axial);
   add("Reactions" + over, clock, reactions);
+  for (const std::string& wall : walls_of(h)) {
+    const std::vector<std::string> force = moving_components(h, wall, {"Fx", "Fy", "Fz"});
+    for (const std::string& x : leading(h, moving_components(h, wall, {"x", "y", "z"})))
+      add("Force on wall " + wall + " against its displacement", x, leading(h, force));
+    add("Force on wall " + wall + over, clock, force);
+  }
   add("Displacements" + over, clock, columns_that_begin(h, "displacement."));
   return plots;
 }
