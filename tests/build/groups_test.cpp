@@ -116,14 +116,55 @@ TEST(InsideOfAMesh, DoesNotDependOnRaysThroughEdgesAndCorners) {
   for (const std::uint32_t x : {0u, 1u})
     for (const std::uint32_t y : {2u, 3u})
       for (const std::uint32_t z : {4u, 5u}) octahedron.triangles.push_back({x, y, z});
+  const MeshInside inside(octahedron);
   for (int i = -10; i <= 10; ++i)
     for (int j = -10; j <= 10; ++j)
       for (int k = -10; k <= 10; ++k) {
         const int sum = std::abs(i) + std::abs(j) + std::abs(k);
         if (sum == 8) continue;  // on the surface
         const Vec3d r{0.5 * i, 0.5 * j, 0.5 * k};
-        ASSERT_EQ(is_inside(octahedron, r), sum < 8) << r.x << ' ' << r.y << ' ' << r.z;
+        ASSERT_EQ(inside(r), sum < 8) << r.x << ' ' << r.y << ' ' << r.z;
       }
+}
+
+// A ball of many triangles beside one large one, a tetrahedron: some strips along y hold many, some few.
+TEST(InsideOfAMesh, IsFoundAmongSmallAndLargeTriangles) {
+  TriangleMesh mesh;
+  constexpr std::uint32_t n = 60;
+  for (std::uint32_t i = 0; i <= n; ++i)
+    for (std::uint32_t j = 0; j < n; ++j) {
+      const double theta = std::numbers::pi * i / n, phi = 2.0 * std::numbers::pi * j / n;
+      const double rho = i == n ? 0.0 : std::sin(theta);  // the pole is one point, and the mesh closed
+      mesh.corners.push_back({rho * std::cos(phi), rho * std::sin(phi), std::cos(theta)});
+    }
+  for (std::uint32_t i = 0; i < n; ++i)
+    for (std::uint32_t j = 0; j < n; ++j) {
+      const std::uint32_t a = i * n + j, b = i * n + (j + 1) % n;
+      mesh.triangles.push_back({a, b, b + n});
+      mesh.triangles.push_back({a, b + n, a + n});
+    }
+  const auto first = static_cast<std::uint32_t>(mesh.corners.size());
+  for (const Vec3d& corner : {Vec3d{2, -9, -9}, {2, 9, -9}, {2, 0, 9}, {9, 0, 0}})
+    mesh.corners.push_back(corner);
+  for (const std::array<std::uint32_t, 3>& t :
+       {std::array<std::uint32_t, 3>{0, 1, 2}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}})
+    mesh.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+  const MeshInside inside(mesh);
+  int counted = 0;
+  for (int i = -5; i <= 5; ++i)
+    for (int j = -5; j <= 5; ++j)
+      for (int k = -5; k <= 5; ++k) {
+        const Vec3d r{0.23 * i, 0.23 * j, 0.23 * k};
+        // the polyhedron reaches into the unit ball by less than 1 - cos(pi/n)
+        if (norm(r) > 0.995 && norm(r) < 1.0) continue;
+        ASSERT_EQ(inside(r), norm(r) < 1.0) << r.x << ' ' << r.y << ' ' << r.z;
+        ++counted;
+      }
+  EXPECT_GT(counted, 1300);
+  EXPECT_TRUE(inside({2.5, 0, 0}));
+  EXPECT_TRUE(inside({2.1, 7, -8}));
+  EXPECT_FALSE(inside({8.9, 1, 0}));
+  EXPECT_FALSE(inside({1.9, 0, 0}));
 }
 
 }  // namespace

@@ -278,6 +278,18 @@ TEST(LammpsSpecimen, PassesOverWhatWriteDataWritesWithAWord) {
     EXPECT_TRUE(contains(notes, part)) << part << "\nnot in\n" << notes;
 }
 
+TEST(LammpsSpecimen, PassesOverMassesOfSpheresWhichHaveDensities) {
+  const TemporaryFile file("masses.data", "title\n\n1 atoms\n\nMasses\n\n1 7\n\nAtoms\n\n1 1 2 3 0 0 0\n");
+  Case c = lammps_case(file.path(), "sphere");
+  c.bonds.clear();
+  c.specimens[0].radius = 0.0;
+  const Built b = build(c);
+  EXPECT_DOUBLE_EQ(b.model.mass[ParticleId{0}], 4.0 * std::numbers::pi);
+  ASSERT_EQ(b.notes.size(), 1u);
+  EXPECT_TRUE(contains(b.notes[0], "masses.data:5: section Masses is passed over: diameters and densities"))
+      << b.notes[0];
+}
+
 TEST(LammpsSpecimen, PassesOverNoSectionOfAStrangeName) {
   const TemporaryFile file("strange.data", std::string(chain) + "\nB\x1b[2J Coeffs\n\n1 1\n");
   EXPECT_TRUE(contains(text_of_error(lammps_case(file.path(), "bond")), "is not supported"));

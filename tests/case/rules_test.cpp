@@ -294,7 +294,7 @@ TEST(CaseRules, SpecimensAreArrangedBySensibleNumbers) {
                  "must have at most 3 tables");
   expect_refused(rod + "turn = { axis = [0, 0, 0], angle = 1 }\n" + stage, "must not be the zero vector");
   expect_refused(rod + "turn = { axis = [0, 0, 1] }\n" + stage, "angle is missing");
-  expect_refused(rod + "cut = [{ box = { min = [0, 0, 0], max = [1, 1, 1] }, keep = \"in\" }]\n" + stage,
+  expect_refused(rod + "cut = [{ box = { min = [0, 0, 0], max = [1, 1, 1] }, keep = \"insid\" }]\n" + stage,
                  "did you mean \"inside\"?");
 }
 

@@ -2,12 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
+#include <utility>
 
 #include "vbond/build/mesh_file.hpp"
 #include "vbond/build/text_file.hpp"
-#include "vbond/core/bounding_box.hpp"
 
 namespace vbond {
 namespace {
@@ -33,10 +34,39 @@ bool crosses(const Vec3d& r, const Vec3d& a, const Vec3d& b) {
 
 }  // namespace
 
-bool is_inside(const TriangleMesh& mesh, const Vec3d& r) {
+MeshInside::MeshInside(TriangleMesh mesh) : mesh_(std::move(mesh)), box_(box_around(mesh_.corners)) {
+  const std::size_t triangles = mesh_.triangles.size();
+  std::size_t count = triangles, entries = 0;
+  do {  // as many strips as leave a triangle in four of them at most, on average
+    count = std::max<std::size_t>(count / 2, 1);
+    strips_.assign(count, {});
+    entries = 0;
+    for (const auto& t : mesh_.triangles) entries += strips_of(t)[1] - strips_of(t)[0] + 1;
+  } while (count > 1 && entries > 4 * triangles);
+  for (std::size_t k = 0; k < triangles; ++k) {
+    const auto [first, last] = strips_of(mesh_.triangles[k]);
+    for (std::size_t s = first; s <= last; ++s) strips_[s].push_back(static_cast<std::uint32_t>(k));
+  }
+}
+
+/// The first one for a mesh without width, of which y makes no part.
+std::size_t MeshInside::strip_of(double y) const {
+  const double part = (y - box_.low.y) / (box_.high.y - box_.low.y), n = static_cast<double>(strips_.size());
+  return static_cast<std::size_t>(std::min(std::max(0.0, part * n), n - 1.0));
+}
+
+std::array<std::size_t, 2> MeshInside::strips_of(const std::array<std::uint32_t, 3>& triangle) const {
+  const auto [low, high] =
+      std::minmax({mesh_.corners[triangle[0]].y, mesh_.corners[triangle[1]].y, mesh_.corners[triangle[2]].y});
+  return {strip_of(low), strip_of(high)};
+}
+
+bool MeshInside::operator()(const Vec3d& r) const {
+  if (!is_between(box_.low, r, box_.high)) return false;
   bool inside = false;
-  for (const auto& t : mesh.triangles) {
-    const Vec3d &a = mesh.corners[t[0]], &b = mesh.corners[t[1]], &c = mesh.corners[t[2]];
+  for (const std::uint32_t k : strips_[strip_of(r.y)]) {
+    const auto& t = mesh_.triangles[k];
+    const Vec3d &a = mesh_.corners[t[0]], &b = mesh_.corners[t[1]], &c = mesh_.corners[t[2]];
     const bool above_or_below = crosses(r, a, b) ^ crosses(r, b, c) ^ crosses(r, c, a);
     if (!above_or_below) continue;
     const Vec3d n = cross(b - a, c - a);
@@ -87,10 +117,7 @@ Inside inside_of(const MeshRegion& region, const RegionOwner& owner) {
         {region.file.place,
          fmt::format("{}: \"{}\" has {} open edges", owner.name, region.file.value.string(), read.open_edges),
          "only closed surfaces have an inside", "close the holes of the mesh, or use another region"});
-  const BoundingBox box = box_around(read.mesh.corners);
-  return [mesh = std::make_shared<const TriangleMesh>(read.mesh), box](const Vec3d& r) {
-    return is_between(box.low, r, box.high) && is_inside(*mesh, r);
-  };
+  return [inside = std::make_shared<const MeshInside>(read.mesh)](const Vec3d& r) { return (*inside)(r); };
 }
 
 }  // namespace vbond

@@ -1,8 +1,13 @@
 #pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "vbond/case/case.hpp"
+#include "vbond/core/bounding_box.hpp"
 #include "vbond/core/triangle_mesh.hpp"
 #include "vbond/core/vec3.hpp"
 
@@ -27,9 +32,22 @@ Inside inside_of(const PlaneRegion& region, const RegionOwner& owner);
 Inside inside_of(const HalfSpaceRegion& region, const RegionOwner& owner);
 Inside inside_of(const MeshRegion& region, const RegionOwner& owner);
 
-/// Whether a point lies in closed surfaces: a ray from it along +z goes through them an odd number of times.
+/// Tells whether points lie in closed surfaces: a ray along +z goes out through them an odd number of times.
 /// Which way triangles face does not matter, nor whether the ray meets edges or corners. A point on the
 /// surface may be told to be on either side.
-bool is_inside(const TriangleMesh& mesh, const Vec3d& r);
+class MeshInside {
+ public:
+  explicit MeshInside(TriangleMesh mesh);
+  bool operator()(const Vec3d& r) const;
+
+ private:
+  /// The strips, first and last, that a triangle reaches into.
+  std::array<std::size_t, 2> strips_of(const std::array<std::uint32_t, 3>& triangle) const;
+  std::size_t strip_of(double y) const;
+
+  TriangleMesh mesh_;
+  BoundingBox box_;
+  std::vector<std::vector<std::uint32_t>> strips_;  // equal parts of the box along y: the triangles of each
+};
 
 }  // namespace vbond

@@ -73,6 +73,7 @@ std::optional<std::string> use_of_passed_section(const std::string& name) {
   if (ends_with(" Type Labels")) return "types are told apart by their numbers";
   if (name == "Angles" || name == "Dihedrals" || name == "Impropers")
     return "bonds join two particles here, and resist bending and torsion themselves";
+  if (name == "Masses") return "diameters and densities of the atoms give their masses";
   if (name == "Velocities") return "the case says velocities = false";
   return std::nullopt;
 }
@@ -113,7 +114,7 @@ class LammpsReader {
   enum class Section { header, masses, atoms, velocities, bonds, passed_over };
 
   void begin_section(const std::string& name, std::string_view comment) {
-    if (name == "Masses") {
+    if (name == "Masses" && columns_.diameter == 0) {
       section_ = Section::masses;
     } else if (name == "Bonds") {
       section_ = Section::bonds;
