@@ -134,6 +134,25 @@ struct LargestOfContacts {
   }
 };
 
+/// A particle of the first material may touch a particle or a wall of the second.
+struct MaterialPair {
+  std::uint32_t first, second;
+  TouchNumbers<double> numbers;
+};
+std::vector<MaterialPair> pairs_that_may_meet(const Model& model) {
+  const std::size_t materials = std::max<std::size_t>(1, model.materials.size());
+  std::vector<char> of_particles(materials, 0), of_any(materials, 0);
+  for (const ParticleId p : model.mass.ids()) of_particles[model.material_of(p)] = 1;
+  if (particles_touch(model.contact)) of_any = of_particles;
+  for (const Wall& w : model.walls) of_any[w.material] = 1;
+  std::vector<MaterialPair> pairs;
+  for (std::uint32_t first = 0; first < materials; ++first)
+    for (std::uint32_t second = 0; second < materials; ++second)
+      if (of_particles[first] != 0 && of_any[second] != 0)
+        pairs.push_back({first, second, touch_numbers(model.contact, model.materials, first, second)});
+  return pairs;
+}
+
 /// Of the stiffest pair of materials with each particle against the largest: k_c (1/m_i + 1/m_j) <= 2/m_i
 /// times k_c, if i is the lighter one.
 LargestOfContacts largest_of_contacts(const Model& model, const State& state) {
@@ -143,21 +162,14 @@ LargestOfContacts largest_of_contacts(const Model& model, const State& state) {
   const double R_max = *std::max_element(model.radius.begin(), model.radius.end());
   if (!(R_max > 0.0)) return {};
   const PresentContacts present = present_contacts(model, state);
-  const auto materials = std::max<std::uint32_t>(1, static_cast<std::uint32_t>(model.materials.size()));
-  struct Pair {
-    std::uint32_t first, second;
-    TouchNumbers<double> numbers;
-  };
-  std::vector<Pair> pairs;  // of all materials
-  for (std::uint32_t first = 0; first < materials; ++first)
-    for (std::uint32_t second = first; second < materials; ++second)
-      pairs.push_back({first, second, touch_numbers(contact, model.materials, first, second)});
+  const std::vector<MaterialPair> pairs = pairs_that_may_meet(model);
   LargestOfContacts largest;
   for (const ParticleId p : model.mass.ids()) {
     const double R = model.radius[p], m = model.mass[p];
     const double R_pair = model.walls.empty() ? R * R_max / (R + R_max) : R;
     const double overlap = std::max(present.overlap, 0.1 * (R + R_max));
     for (const auto& [first, second, n] : pairs) {
+      if (first != model.material_of(p)) continue;
       const ContactSlopes s = slopes_of(contact, n, R_pair, m, overlap);
       const double per_m = 2.0 / m, per_slip = 2.0 * (1.0 / m + sq(R) / model.inertia[p]);
       const double elastic = std::max(s.normal * per_m, s.tangential * per_slip);
