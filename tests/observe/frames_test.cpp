@@ -219,6 +219,7 @@ TEST(WallFrame, MovesWithTheWallAndTellsItsLoads) {
   EXPECT_EQ(of_first_triangle("moment"), (std::vector<double>{4, 5, 6}));
   EXPECT_EQ(of_first_triangle("velocity"), (std::vector<double>{0, 0, -0.5}));
   EXPECT_EQ(of_first_triangle("displacement"), (std::vector<double>{0, 0, -1}));
+  EXPECT_NEAR(of_first_triangle("rotation")[0], pi / 2, 1e-15);
 }
 
 /// A body whose numbers partly compress: positions on a line, random velocities, more than one block of 2^18

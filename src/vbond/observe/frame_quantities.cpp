@@ -82,6 +82,9 @@ constexpr WallQuantity of_walls[] = {
     {"velocity", unit::velocity, "of its centre", [](const WallView& w) { return w.now.velocity; }},
     {"displacement", unit::length, "of its centre since the start",
      [](const WallView& w) { return w.now.displacement; }},
+    {"rotation", unit::angle,
+     "rotation vector since the start: direction is the axis, length the angle, 0 to pi",
+     [](const WallView& w) { return rotation_vector(w.now.q); }},
 };
 
 }  // namespace

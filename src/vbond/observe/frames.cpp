@@ -4,7 +4,6 @@
 #include <sys/types.h>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <iterator>
@@ -16,10 +15,10 @@
 #include "vbond/core/bounding_box.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/observe/bond_look.hpp"
+#include "vbond/observe/detail/values_of.hpp"
 #include "vbond/observe/files.hpp"
 #include "vbond/observe/quantities.hpp"
 #include "vbond/observe/vtp.hpp"
-#include "vbond/observe/wall_triangles.hpp"
 #include "vbond/physics/section.hpp"
 
 namespace vbond {
@@ -160,15 +159,6 @@ BondView bond_view(BondId id, const State& state, const FrameFormat& format) {
           .utilisation = may_break ? b.law->failure(b, pose, history_of_bond(state, id)).utilisation : 0.0};
 }
 
-/// A quantity of each of n things.
-template <class View, class Value>
-auto values_of(std::size_t n, const View& view, const Value value) {
-  std::vector<decltype(value(view(0)))> values;
-  values.reserve(n);
-  for (std::size_t k = 0; k < n; ++k) values.push_back(value(view(k)));
-  return values;
-}
-
 }  // namespace
 
 void write_particles_vtp(const fs::path& path, const Model& model, const State& state,
@@ -211,33 +201,6 @@ void write_bonds_vtp(const fs::path& path, const State& state, UnitSystem units,
         },
         q.value);
   }
-  f.write(path, state.clock.time(), state.clock.step, load_factor);
-}
-
-void write_walls_vtp(const fs::path& path, const Model& model, const State& state,
-                     std::optional<double> load_factor, FrameFormat format) {
-  const BoundingBox body = body_at_start(model);
-  const std::vector<WallState> at_start(state.walls.empty() ? model.walls.size() : 0);
-  std::vector<Vec3d> corners;
-  std::vector<std::array<std::int64_t, 3>> triangles;
-  std::vector<WallView> views;  // of each triangle
-  for (std::size_t w = 0; w < model.walls.size(); ++w) {
-    const WallState& now = state.walls.empty() ? at_start[w] : state.walls[w];
-    const TriangleMesh mesh = triangles_of(model.walls[w], body);
-    const auto first = static_cast<std::int64_t>(corners.size());
-    for (const Vec3d& x : mesh.corners) corners.push_back(moved(model.walls[w], now, x));
-    for (const auto& t : mesh.triangles) triangles.push_back({first + t[0], first + t[1], first + t[2]});
-    while (views.size() < triangles.size()) views.push_back({w, now});
-  }
-  VtpFile f = VtpFile::of_triangles(corners, triangles, format);
-  f.set_unit_of_points(unit::length.in(model.units));
-  const auto view = [&views](std::size_t k) -> const WallView& { return views[k]; };
-  for (const WallQuantity& q : wall_quantities())
-    std::visit(
-        [&](const auto value) {
-          f.add_cell_data(q.name, values_of(views.size(), view, value), q.unit.in(model.units));
-        },
-        q.value);
   f.write(path, state.clock.time(), state.clock.step, load_factor);
 }
 
