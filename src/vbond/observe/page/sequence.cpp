@@ -201,12 +201,6 @@ Spans look_through(const SequenceFiles& files, const std::vector<Vec3d>* about, 
   return spans;
 }
 
-float as_float(double x, const std::filesystem::path& file) {
-  if (!(std::abs(x) <= std::numeric_limits<float>::max()))
-    throw IoError(file.string() + ": holds a number that is not finite or too large to be shown");
-  return static_cast<float>(x);
-}
-
 void read_radii(const std::filesystem::path& file, Body& body) {
   for (const double R : VtpInput(file).scalars(Per::point, "radius"))
     body.radius.push_back(as_float(R, file));

@@ -1,11 +1,10 @@
 #include "vbond/observe/page/walls.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 #include "vbond/core/error.hpp"
 #include "vbond/core/quat.hpp"
+#include "vbond/observe/page/block.hpp"
 #include "vbond/observe/vtp_read.hpp"
 
 namespace vbond::page {
@@ -15,12 +14,6 @@ using Per = VtpInput::Per;
 
 [[noreturn]] void refuse(const std::filesystem::path& file, const char* why) {
   throw IoError(file.string() + ": is damaged: " + why);
-}
-
-float shown(double x, const std::filesystem::path& file) {
-  if (!(std::abs(x) <= std::numeric_limits<float>::max()))
-    throw IoError(file.string() + ": holds a number that is not finite or too large to be shown");
-  return static_cast<float>(x);
 }
 
 /// Where a wall is in a frame: one of its corners, and its rotation since the start.
@@ -66,7 +59,7 @@ Anchors read_shapes(const VtpInput& in, const std::filesystem::path& file, const
   }
   for (const Vec3d& x : points)
     for (const double c : {x.x - origin.x, x.y - origin.y, x.z - origin.z})
-      walls.corners.push_back(shown(c, file));
+      walls.corners.push_back(as_float(c, file));
   return anchors;
 }
 
@@ -102,7 +95,7 @@ Walls read_walls(const std::vector<std::filesystem::path>& files, const std::arr
       const Axes<double> R = axes(turned);
       const Vec3d t = now[w].corner - o - rotate(turned, start[w].corner - o);
       for (const double x : {R.x.x, R.y.x, R.z.x, R.x.y, R.y.y, R.z.y, R.x.z, R.y.z, R.z.z, t.x, t.y, t.z})
-        motion.push_back(shown(x, file));
+        motion.push_back(as_float(x, file));
     }
   }
   return walls;
