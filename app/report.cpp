@@ -69,8 +69,11 @@ std::vector<page::SequenceFiles> sequence_files(const fs::path& folder, const Ca
                                                 const std::optional<RunSummary>& summary) {
   std::vector<page::SequenceFiles> all;
   if (is_there(folder / "particles.pvd") && is_there(folder / "bonds.pvd")) {
-    page::SequenceFiles run{page::SequenceKind::run, "Run", "", "",
-                            page::listed_frames(folder / "particles.pvd", folder / "bonds.pvd")};
+    page::SequenceFiles run{
+        page::SequenceKind::run, "Run", "", "",
+        is_there(folder / "walls.pvd")
+            ? page::listed_frames(folder / "particles.pvd", folder / "bonds.pvd", folder / "walls.pvd")
+            : page::listed_frames(folder / "particles.pvd", folder / "bonds.pvd")};
     if (!run.frames.empty()) all.push_back(std::move(run));
   }
   const std::vector<ListedMode> modes = list_modes(folder);
@@ -116,6 +119,12 @@ std::vector<page::Warning> add_sequences(const fs::path& folder, const Case& c,
   if (!files.empty() && files[0].kind == page::SequenceKind::run)
     for (const page::FrameFiles& f : files[0].frames)
       r.stage_of_frame.push_back(stage_at(f.time, c, summary));
+  for (const page::Sequence& s : r.sequences)
+    if (s.walls.left_out > 0)
+      r.left_out.push_back(
+          fmt::format("The walls: their {} triangles are too many for a page, which shows {}. "
+                      "ParaView shows them.",
+                      s.walls.left_out, page::most_wall_triangles));
   if (r.body.bonds_without_length > 0)
     r.left_out.push_back(
         fmt::format("{} of the bonds have no length at rest: their elongation relative to it is shown as 0.",

@@ -54,6 +54,46 @@ struct Film {
   }
 };
 
+// A plate that moves and turns about a point far from it: R x + t of its first corners is where its file has
+// them.
+TEST(Page, WallsMoveAsInTheirFiles) {
+  const test::Folder folder;
+  Chain chain(3);
+  chain.model.walls = {{"plate", DiscWall{{5, 0, 0}, {0, 0, 1}, 1.0}, 0, {1, 2, 3}},
+                       {"table", PlaneWall{{0, 0, -1}, {0, 0, 1}}, 0, {0, 0, -1}}};
+  chain.state.walls.resize(2);
+  FrameWriter writer(folder.path(), false, {}, {.walls = true});
+  for (int f = 0; f < 3; ++f) {
+    chain.at_step(10 * f);
+    chain.state.walls[0].displacement = {0.1 * f, 0, -0.2 * f};
+    chain.state.walls[0].q = rotation_of({0.3 + f, 0.2 * f, 0});
+    writer.write(chain.model, chain.state);
+  }
+  const auto files = listed_frames(folder / "particles.pvd", folder / "bonds.pvd", folder / "walls.pvd");
+  Report report;
+  report.sequences.push_back(read_sequence({SequenceKind::run, "Run", "", "", files}, report.body));
+  report.stage_of_frame.assign(3, "push");
+  const std::string html = report_page(one_line, report, {});
+  const auto s = json_of(html)["sequences"][0];
+  const auto x = array_of(html, s["walls"]["corners"]), motion = array_of(html, s["walls"]["motion"]),
+             wall = array_of(html, s["walls"]["wall"]);
+  EXPECT_EQ(s["walls"]["triangles"]["count"], 3 * (64 + 2));
+  ASSERT_EQ(motion.size(), 3u * 2u * numbers_of_motion);
+  for (std::size_t f = 0; f < 3; ++f) {
+    const auto exact = VtpInput(files[f].walls).vectors(VtpInput::Per::point, "Points");
+    ASSERT_EQ(3 * exact.size(), x.size());
+    for (std::size_t k = 0; k < exact.size(); ++k) {
+      const double* m = &motion[numbers_of_motion * (2 * f + static_cast<std::size_t>(wall[k]))];
+      const double there[] = {exact[k].x, exact[k].y, exact[k].z};
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double here =
+            m[3 * c] * x[3 * k] + m[3 * c + 1] * x[3 * k + 1] + m[3 * c + 2] * x[3 * k + 2] + m[9 + c];
+        EXPECT_NEAR(here + s["origin"][c].get<double>(), there[c], 1e-5);  // numbers below 20 in 32 bits
+      }
+    }
+  }
+}
+
 TEST(Page, FramesComeBackWithinHalfAStep) {
   const Film film;
   const std::string html = report_page(one_line, film.report, {});

@@ -3,6 +3,7 @@ import { stored } from "./decode.js";
 import { Broken } from "./broken.js";
 import { fragment_colour_count } from "./colours.js";
 import { nearest } from "./history.js";
+import { Walls } from "./walls.js";
 
 const energy_keys = ["U_L", "U_B", "U_T"];
 
@@ -51,6 +52,7 @@ export class Sequence {
     this.reference = stored(block, json.reference);
     this.displaced = once(() => stored(block, json.displacement));
     this.broken = new Broken(this, json.bond_broken && stored(block, json.bond_broken));
+    this.walls = json.walls && new Walls(json.walls, block, json.frames.length);
     this.quantities = this.list_quantities();
   }
 

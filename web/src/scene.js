@@ -1,5 +1,5 @@
 // The body in 3D. Draws only when asked to; knows nothing of time, playing or the page around it.
-import { BufferAttribute, BufferGeometry, DataTexture, DoubleSide, DynamicDrawUsage, FloatType, GLSL3, Mesh, NearestFilter, PerspectiveCamera,
+import { BufferAttribute, BufferGeometry, DataTexture, DoubleSide, DynamicDrawUsage, FloatType, GLSL3, Mesh, MeshBasicMaterial, NearestFilter, PerspectiveCamera,
          RawShaderMaterial, RGBAFormat, RGFormat, Scene, TOUCH, UnsignedByteType, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { cause_colours } from "./colours.js";
@@ -80,6 +80,27 @@ export class BodyScene {
     this.make_bonds();
     const most = Math.max(...run.sequences.map(({ broken }) => broken.list.length));
     if (most) this.make_faces(most);
+    const walled = run.sequences.find(({ walls }) => walls);
+    if (walled) this.make_walls(walled.walls);
+  }
+
+  /** Triangles that the body is seen through; modes have none. */
+  make_walls({ corners, triangles }) {
+    const geometry = new BufferGeometry();
+    geometry.setIndex(new BufferAttribute(triangles, 1));
+    geometry.setAttribute("position", new BufferAttribute(new Float32Array(corners.length), 3).setUsage(DynamicDrawUsage));
+    this.walls = new Mesh(geometry, new MeshBasicMaterial({ color: 0x8090a0, transparent: true, opacity: 0.25, depthWrite: false, side: DoubleSide }));
+    this.walls.frustumCulled = false;
+    this.scene.add(this.walls);
+  }
+
+  place_walls({ walls }, frame) {
+    if (!this.walls) return;
+    this.walls.visible = !!walls;
+    if (!walls) return;
+    const { position } = this.walls.geometry.attributes;
+    walls.positions(frame, position.array);
+    position.needsUpdate = true;
   }
 
   make_spheres() {
@@ -150,6 +171,7 @@ export class BodyScene {
     this.bonds.geometry.setDrawRange(0, 6 * this.bonds_shown);
     this.bonds.visible = this.bonds_shown > 0;
     this.place_faces(sequence, frame);
+    this.place_walls(sequence, frame);
     this.request();
   }
 

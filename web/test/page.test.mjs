@@ -13,6 +13,7 @@ import { Vector3 } from "three";
 import { disc_hit, line_hit, numbers_of, sphere_hit } from "../src/pick.js";
 import { Run, fragment_classes } from "../src/run.js";
 import { file_name, number, with_unit } from "../src/text.js";
+import { Walls } from "../src/walls.js";
 import { Block, breaking, rod } from "./sample.mjs";
 
 test("Decoding.DifferencesBetweenFramesWrapAround", () => {
@@ -337,4 +338,15 @@ test("Text.NumbersAreShortAndKeepTheirSize", () => {
   assert.equal(number(null), "–");
   assert.equal(with_unit(12, "°"), "12°");
   assert.equal(file_name("../a <b>", "csv"), "a_b.csv");
+});
+
+test("Walls.TurnAndMoveEachByItsOwnMotion", () => {
+  const floats = [1, 2, 3, 4, 5, 6,                                // two corners of two walls
+                  1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0,     // as they were
+                  1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, -7, 0, -1, 0, 1, 0, 0, 0, 0, 1, 10, 0, 0];  // down; a quarter about z, and along x
+  const block = new Uint8Array([...new Uint8Array(Float32Array.from(floats).buffer), ...new Uint8Array(Uint32Array.of(0, 1, 1, 0, 1).buffer)]);
+  const walls = new Walls({ corners: { offset: 0, type: "f32", count: 6 }, motion: { offset: 24, type: "f32", count: 48 },
+                            triangles: { offset: 216, type: "u32", count: 3 }, wall: { offset: 228, type: "u32", count: 2 } }, block, 2);
+  assert.deepEqual([...walls.positions(0, new Float32Array(6))], [1, 2, 3, 4, 5, 6]);
+  assert.deepEqual([...walls.positions(1, new Float32Array(6))], [1, 2, -4, 5, 4, 6]);
 });

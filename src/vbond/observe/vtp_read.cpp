@@ -70,9 +70,11 @@ class VtpInput::Head {
     const std::size_t verts = count();
     s_.expect("\" NumberOfLines=\"");
     const std::size_t lines = count();
-    s_.expect("\" NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n      <PointData>\n");
-    if (verts > 0 && lines > 0) s_.refuse();
-    f_.cells_ = verts + lines;
+    s_.expect("\" NumberOfStrips=\"0\" NumberOfPolys=\"");
+    const std::size_t polys = count();
+    s_.expect("\">\n      <PointData>\n");
+    if ((verts > 0) + (lines > 0) + (polys > 0) > 1) s_.refuse();
+    f_.cells_ = verts + lines + polys;
     read_arrays();
     set_stored_sizes();
   }
@@ -105,11 +107,12 @@ class VtpInput::Head {
     while (!s_.take("      </CellData>\n      <Points>\n")) array(Per::cell, f_.cells_);
     array(Per::point, f_.points_);
     s_.expect("      </Points>\n");
-    f_.lines_ = s_.take("      <Lines>\n");
-    if (!f_.lines_) s_.expect("      <Verts>\n");
-    array(Per::end, f_.lines_ ? 2 * f_.cells_ : f_.cells_);
+    f_.corners_ = s_.take("      <Lines>\n") ? 2 : s_.take("      <Polys>\n") ? 3 : 1;
+    if (f_.corners_ == 1) s_.expect("      <Verts>\n");
+    array(Per::end, f_.corners_ * f_.cells_);
     array(Per::end, f_.cells_);
-    s_.expect(f_.lines_ ? "      </Lines>\n" : "      </Verts>\n");
+    constexpr const char* ends[] = {"      </Verts>\n", "      </Lines>\n", "      </Polys>\n"};
+    s_.expect(ends[f_.corners_ - 1]);
     s_.expect("    </Piece>\n  </PolyData>\n  <AppendedData encoding=\"raw\">\n   _");
     if (s_.at() != text_size_) s_.refuse();
   }

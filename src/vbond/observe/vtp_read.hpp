@@ -22,9 +22,11 @@ class VtpInput {
   std::size_t points() const { return points_; }
   std::size_t cells() const { return cells_; }
 
-  bool lines() const { return lines_; }  ///< cells join two points each; else each is a point
+  bool lines() const { return corners_ == 2; }      ///< cells join two points each
+  bool triangles() const { return corners_ == 3; }  ///< or three; else each is a point
 
-  /// What an array has a value for: so many values come back. Ends of cells: two for each line.
+  /// What an array has a value for: so many values come back. Ends of cells: two for each line, three for
+  /// each triangle.
   enum class Per : std::uint8_t { point, cell, end };
 
   bool has(Per per, const std::string& name) const;
@@ -66,7 +68,7 @@ class VtpInput {
   std::int64_t step_ = 0;
   std::optional<double> load_factor_;
   std::size_t points_ = 0, cells_ = 0;
-  bool lines_ = false;
+  std::size_t corners_ = 1;  ///< of each cell
   std::vector<Array> arrays_;
 };
 

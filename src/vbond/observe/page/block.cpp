@@ -8,6 +8,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "vbond/core/error.hpp"
+
 namespace vbond::page {
 
 static_assert(std::endian::native == std::endian::little, "f32 and u32 are written as they lie in memory");
@@ -118,6 +120,12 @@ std::string base64(const std::string& bytes) {
     text += k + 2 < bytes.size() ? digits[three & 63U] : '=';
   }
   return text;
+}
+
+float as_float(double x, const std::filesystem::path& file) {
+  if (!(std::abs(x) <= std::numeric_limits<float>::max()))
+    throw IoError(file.string() + ": holds a number that is not finite or too large to be shown");
+  return static_cast<float>(x);
 }
 
 }  // namespace vbond::page

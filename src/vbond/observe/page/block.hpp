@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <filesystem>
 #include <span>
 #include <string>
 #include <vector>
@@ -59,5 +60,8 @@ class Block {
 std::string gzip(const std::string& bytes);
 
 std::string base64(const std::string& bytes);
+
+/// A number of this file as a block holds it. Throws IoError if it is not finite, or too large.
+float as_float(double x, const std::filesystem::path& file);
 
 }  // namespace vbond::page

@@ -14,6 +14,7 @@ namespace {
 std::string trouble_with(const FrameFiles& files) {
   try {
     const VtpInput particles(files.particles), bonds(files.bonds);
+    if (!files.walls.empty()) VtpInput walls(files.walls);
     return {};
   } catch (const IoError& e) {
     return e.what();

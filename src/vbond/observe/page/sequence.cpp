@@ -201,12 +201,6 @@ Spans look_through(const SequenceFiles& files, const std::vector<Vec3d>* about, 
   return spans;
 }
 
-float as_float(double x, const std::filesystem::path& file) {
-  if (!(std::abs(x) <= std::numeric_limits<float>::max()))
-    throw IoError(file.string() + ": holds a number that is not finite or too large to be shown");
-  return static_cast<float>(x);
-}
-
 void read_radii(const std::filesystem::path& file, Body& body) {
   for (const double R : VtpInput(file).scalars(Per::point, "radius"))
     body.radius.push_back(as_float(R, file));
@@ -249,8 +243,18 @@ std::vector<FrameFiles> listed_frames(const std::filesystem::path& particles_pvd
     if (particles[k].time != bonds[k].time)
       throw IoError(particles_pvd.string() + " and " + bonds_pvd.filename().string() +
                     " do not list the same frames");
-    frames.push_back({particles[k].time, particles[k].file, bonds[k].file});
+    frames.push_back({particles[k].time, particles[k].file, bonds[k].file, {}});
   }
+  return frames;
+}
+
+std::vector<FrameFiles> listed_frames(const std::filesystem::path& particles_pvd,
+                                      const std::filesystem::path& bonds_pvd,
+                                      const std::filesystem::path& walls_pvd) {
+  std::vector<FrameFiles> frames = listed_frames(particles_pvd, bonds_pvd);
+  const std::vector<ListedFrame> walls = read_pvd(walls_pvd);
+  for (std::size_t k = 0; k < std::min(frames.size(), walls.size()); ++k)
+    if (walls[k].time == frames[k].time) frames[k].walls = walls[k].file;
   return frames;
 }
 
@@ -293,6 +297,9 @@ Sequence read_sequence(const SequenceFiles& files, Body& body) {
     const OpenFrame open(f, body);
     s.frames.push_back(quantise(read_frame(open.particles, open.bonds, about), f.time, s));
   }
+  std::vector<std::filesystem::path> walls;
+  for (const FrameFiles& f : files.frames) walls.push_back(f.walls);
+  s.walls = read_walls(walls, s.origin);
   return s;
 }
 

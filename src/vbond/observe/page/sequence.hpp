@@ -7,14 +7,15 @@
 #include <vector>
 
 #include "vbond/observe/page/block.hpp"
+#include "vbond/observe/page/walls.hpp"
 
 /// Moving pictures of the report page: frames of a run or of a mode, read back from .vtp files and quantised.
 namespace vbond::page {
 
-/// The two files of a frame.
+/// The files of a frame.
 struct FrameFiles {
   double time = 0;
-  std::filesystem::path particles, bonds;
+  std::filesystem::path particles, bonds, walls{};  ///< walls: empty if there are none
 };
 
 enum class SequenceKind : std::uint8_t { run, mode };
@@ -29,6 +30,10 @@ struct SequenceFiles {
 /// Frames that two lists have in common: while a run is writing, one may be longer. Throws IoError.
 std::vector<FrameFiles> listed_frames(const std::filesystem::path& particles_pvd,
                                       const std::filesystem::path& bonds_pvd);
+/// The same with the walls of a third list, where it has the frame.
+std::vector<FrameFiles> listed_frames(const std::filesystem::path& particles_pvd,
+                                      const std::filesystem::path& bonds_pvd,
+                                      const std::filesystem::path& walls_pvd);
 
 /// Every stride-th of n frames, the last one as well.  Numbers in increasing order.
 std::vector<std::size_t> thinned(std::size_t n, std::size_t stride);
@@ -67,6 +72,7 @@ struct Sequence {
   std::array<Range, bond_field_count> fields;
   bool may_break = false;  ///< every frame tells of breaks
   std::vector<QuantisedFrame> frames;
+  Walls walls{};
   /// How many of bond_fields the frames have. That a mode uses up strength or carries loads means nothing.
   std::size_t field_count() const {
     return may_break && kind == SequenceKind::run ? bond_field_count : fields_of_all_runs;

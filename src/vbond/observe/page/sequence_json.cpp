@@ -82,6 +82,18 @@ void add_breaks(const Sequence& s, const std::vector<std::size_t>& frames, std::
     j["fragment"] = to_json(block.add(fragment, as_they_are, s.frames[0].fragment.size()));
 }
 
+/// Nothing where there are no walls.
+void add_walls(const Walls& walls, const std::vector<std::size_t>& frames, Block& block, Json& j) {
+  if (walls.triangles.empty()) return;
+  std::vector<float> motion;
+  for (const std::size_t f : frames)
+    motion.insert(motion.end(), walls.motion[f].begin(), walls.motion[f].end());
+  j["walls"] = {{"corners", to_json(block.add(walls.corners))},
+                {"triangles", to_json(block.add(walls.triangles))},
+                {"wall", to_json(block.add(walls.wall))},
+                {"motion", to_json(block.add(motion))}};
+}
+
 }  // namespace
 
 Json sequence_json(const Sequence& s, const Report& report, const std::vector<std::size_t>& kept,
@@ -112,6 +124,7 @@ Json sequence_json(const Sequence& s, const Report& report, const std::vector<st
   j["bond_fields"] = bond_fields_json(s, kept, bonds, si, block);
   j["bond_range"] = to_json(block.add(range, {0.0, 1.0}, bonds));
   add_breaks(s, kept, bonds, block, j);
+  add_walls(s.walls, kept, block, j);
   return j;
 }
 
