@@ -451,7 +451,7 @@ TEST(Misuse, WhatBondsAndContactsRememberFitsTheBody) {
   refused([](S& s) { s.state.bonds[BondId{1}].law = nullptr; }, "bond 1 has no law");
   refused([](S& s) { s.model.contact.surface.friction = -0.1; }, "contact.friction is -0.1");
   refused([](S& s) { s.model.contact.surface.restitution = 1.5; }, "contact.restitution is 1.5");
-  refused([](S& s) { s.model.material.assign(3, 4); }, "a particle is of material 4 of 1");
+  refused([](S& s) { s.model.material.assign(3, 4); }, "one is number 4, and there are 1");
 }
 
 }  // namespace
