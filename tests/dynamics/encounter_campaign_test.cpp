@@ -288,7 +288,7 @@ Verdict judge(Partner partner, unsigned seed, double* worst) {
 }
 
 // Both err by a part of a step in when contact begins, slips and ends: 1/400 of the duration, and the rest by
-// the order of the method. The worst of 360 was 1.5e-3 of the momentum.
+// the order of the method. The worst of 1020 was 1.5e-3 of the momentum.
 TEST(Encounters, AreThoseOfAnotherIntegrator) {
   const char* const given = std::getenv("VBOND_CAMPAIGN");
   const unsigned count = given != nullptr ? static_cast<unsigned>(std::atoi(given)) : 8;
