@@ -8,6 +8,7 @@
 
 #include "rods.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/physics/strength.hpp"
 
 namespace vbond {
 namespace {
@@ -155,6 +156,19 @@ TEST(Wall, ThatMovesDoesWork) {
   EXPECT_LT(std::abs(run.balance_error(run.energies())), 1e-5);
 }
 
+TEST(Wall, ThatSwingsIsWhereItsSineIs) {
+  Specimen s = sphere({0, 0, 5}, 0.1, 1.0, linear(1e3, 0.0), {floor_at(0)});
+  Stage stage = testing::plain_stage(1e-2, 10.0);
+  stage.walls = {drive("floor", 0)};
+  stage.walls[0].amplitude = {0, 0, 0.1}, stage.walls[0].frequency = 30.0;
+  Simulation run(s.model, stage, s.state);
+  for (int k = 0; k < 700; ++k) {
+    run.step();
+    EXPECT_NEAR(run.walls()[0].displacement.z,
+                0.1 * std::sin(2 * std::numbers::pi * 30.0 * run.clock().time()), 1e-12);
+  }
+}
+
 // A disc that turns under a sphere held in place drags it round: its torque is mu F r, and the work goes into
 // slip.
 TEST(Wall, ThatTurnsRubs) {
@@ -232,6 +246,66 @@ TEST(Wall, ThatIsPassedThroughEndsTheRun) {
     EXPECT_NE(std::string(e.what()).find("particle 0"), std::string::npos) << e.what();
     EXPECT_NE(std::string(e.what()).find("\"floor\""), std::string::npos) << e.what();
   }
+}
+
+// A groove of two steep faces: a sphere rests on both, is drawn off one of them, and that is no passage.
+TEST(Wall, OfASteepGrooveMayBeLeftOnOneSide) {
+  const double h = 4.0, w = h * std::tan(0.2);  // faces at 0.2 rad from the vertical
+  const TriangleMesh groove{{{0, -9, 0}, {0, 9, 0}, {w, -9, h}, {w, 9, h}, {-w, -9, h}, {-w, 9, h}},
+                            {{0, 2, 1}, {1, 2, 3}, {0, 1, 4}, {1, 5, 4}}};
+  const double R = 0.2;
+  Specimen s = sphere({0, 0, R / std::sin(0.2) - 1e-3}, R, 1.0, linear(1e4, 0.0, 0.5),
+                      {{"groove", MeshWall{groove}, 0, {}}});
+  s.state.v[first] = {0.02, 0, 0.1};
+  Simulation run(s.model, testing::plain_stage(1e-4, 2.0), s.state);
+  EXPECT_EQ(run.run(), StopReason::duration);
+  EXPECT_LT(std::abs(run.balance_error(run.energies())), 1e-3);
+}
+
+// A sphere sticks to a wall by JKR and is drawn off: the books close over the parting.
+TEST(Wall, ThatSticksIsLeftAtTheReachOfAdhesion) {
+  ContactModel contact{.law = ContactLaw::hertz, .pairs = ContactPairs::all, .E = 1000, .nu = 0.3};
+  contact.adhesion = AdhesionForm::jkr, contact.surface.work_of_adhesion = 0.2;
+  Specimen s = sphere({0, 0, 0.5001}, 0.5, 1.0, contact, {floor_at(0)});
+  Stage stage = testing::plain_stage(2e-4, 4.0);
+  Support grip = testing::held({first}, testing::clamped, {0, 0, 0.01});
+  grip.factor.points = {{0.0, -1.0}, {0.1, -1.0}, {0.1001, 1.0}};
+  stage.supports = {grip};
+  Simulation run(s.model, stage, s.state);
+  const double reach = reach_of_adhesion(effective_modulus(1000, 0.3), 0.2, 0.5);
+  double farthest = 0.0;
+  for (int k = 0; k < 19'000; ++k) {
+    run.step();
+    if (run.walls()[0].force.z > 0.0) farthest = run.state().r[first].z - 0.5;
+  }
+  EXPECT_NEAR(farthest / reach, 1.0, 1e-3);
+  EXPECT_EQ(run.walls()[0].force.z, 0.0);
+  EXPECT_LT(std::abs(run.balance_error(run.energies())), 1e-3);
+}
+
+// A bond whose particles overlap breaks, and the pair becomes a contact: taken up again at any step, the run
+// goes on with the same bits.
+TEST(Touches, OfABrokenBondAreTheSameAfterAnyResumption) {
+  Specimen s = testing::particles_at({{0, 0, 0}, {1, 0, 0}}, 0.55);
+  BondRecipe brittle = testing::papers_bond();
+  brittle.rules.strength = linear_strength(1.0, 1.0, 1e-4, 1e-4);
+  testing::bond(s, 0, 1, brittle);
+  s.model.contact = linear(0.5, 0.3, 0.5);
+  s.model.contact.pairs = ContactPairs::unbonded;
+  s.state.omega = {{0.02, 0, 0.03}, {-0.02, 0.01, 0}};
+  Simulation whole(s.model, testing::plain_stage(0.05, 1e9), s.state);
+  bool broke = false;
+  for (int k = 0; k < 60; ++k) {
+    whole.step();
+    Simulation resumed(s.model, testing::plain_stage(0.05, 1e9), whole.state());
+    resumed.step();
+    Simulation twin(s.model, testing::plain_stage(0.05, 1e9), s.state);
+    for (int n = 0; n < k + 2; ++n) twin.step();
+    EXPECT_TRUE(resumed.state() == twin.state()) << k;
+    broke = broke || whole.breaks() > 0;
+  }
+  EXPECT_TRUE(broke);
+  EXPECT_GT(whole.books().dissipated, 0.0);
 }
 
 /// Spheres with friction, two materials and rolling resistance fall into a box whose lid is a servo.

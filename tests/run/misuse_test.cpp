@@ -448,6 +448,8 @@ TEST(Misuse, WhatBondsAndContactsRememberFitsTheBody) {
   refused([](S& s) { s.state.loads.F.resize(3); }, "loads of the state have 3 and 0 entries");
   refused([](S& s) { s.state.damping = {PerParticle<Vec3d>(2), PerParticle<Vec3d>(2)}; }, "2 and 2 entries");
   refused([](S& s) { s.state.contact_history = {{ParticleId{0}, ParticleId{7}}}; }, "particles 0 and 7 of 3");
+  refused([](S& s) { s.state.wall_history = {{ParticleId{0}, 2, {}, {}}}; }, "wall 2 of 0");
+  refused([](S& s) { s.state.walls.resize(2); }, "2 walls for 0 of the model");
   refused([](S& s) { s.state.bonds[BondId{1}].law = nullptr; }, "bond 1 has no law");
   refused([](S& s) { s.model.contact.surface.friction = -0.1; }, "contact.friction is -0.1");
   refused([](S& s) { s.model.contact.surface.restitution = 1.5; }, "contact.restitution is 1.5");

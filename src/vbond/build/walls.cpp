@@ -127,6 +127,21 @@ void check_stands_clear(const WallSpec& spec, const Wall& wall, const Model& mod
         "move the wall or the specimen; a plane, cylinder or sphere may face the wrong way");
 }
 
+/// Numbers of a material or pair for which the contacts of the case have no form would do nothing.
+void check_surface(const Surface& s, const ContactModel& c, const SourcePlace& place, const std::string& who,
+                   Problems& problems) {
+  const auto check = [&](bool used, const std::optional<double>& number, const char* name, const char* form) {
+    if (!used && number.value_or(0.0) > 0.0)
+      problems.add(place, fmt::format("{} of {} does nothing", name, who),
+                   fmt::format("[contact] has no {}", form),
+                   fmt::format("add {} to [contact], or remove it", form));
+  };
+  check(c.tangential != TangentialForm::none, s.friction, "friction", "tangential");
+  check(c.rolling != RollingForm::none, s.rolling_friction, "rolling_friction", "rolling");
+  check(c.rolling != RollingForm::none, s.twisting_friction, "twisting_friction", "rolling");
+  check(c.adhesion != AdhesionForm::none, s.work_of_adhesion, "work_of_adhesion", "adhesion");
+}
+
 }  // namespace
 
 std::optional<std::uint32_t> look_up_material(const Placed<std::string>& name, const Model& model,
@@ -139,7 +154,10 @@ void add_materials(const Case& c, const std::vector<PlacedSpecimen>& specimens, 
                    Problems& problems) {
   for (const MaterialSpec& m : c.materials) model.materials.push_back({m.name, m.E, m.nu, m.surface});
   if (!model.materials.empty()) model.contact.E = c.materials[0].E, model.contact.nu = c.materials[0].nu;
+  for (const MaterialSpec& m : c.materials)
+    check_surface(m.surface, c.contact, m.place, "material \"" + m.name + "\"", problems);
   for (const ContactPairSpec& p : c.contact_between) {
+    check_surface(p.surface, c.contact, p.place, "a pair of materials", problems);
     ContactPair pair{{0, 0}, p.surface};
     pair.materials[0] = material_of(p.material, model, problems);
     pair.materials[1] = material_of(p.with, model, problems);

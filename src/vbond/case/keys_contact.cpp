@@ -94,6 +94,13 @@ void describe(Table& t, ContactModel& c, std::vector<ContactPairSpec>& between, 
           ChoiceCodec<RollingForm>{{"none", "constant", "spring"},
                                    {RollingForm::none, RollingForm::constant, RollingForm::spring}},
           optional, "resistance to rolling and twisting: a constant moment, or a spring up to it (type C)");
+    t.check(c.rolling != RollingForm::none || (c.surface.rolling_friction.value_or(0.0) == 0.0 &&
+                                               c.surface.twisting_friction.value_or(0.0) == 0.0),
+            {"rolling", "rolling_friction", "twisting_friction"}, "without rolling they do nothing",
+            "add rolling = \"spring\" or \"constant\"");
+    t.check(c.adhesion != AdhesionForm::none || c.surface.work_of_adhesion.value_or(0.0) == 0.0,
+            {"work_of_adhesion", "adhesion"}, "without adhesion it does nothing",
+            "add adhesion = \"jkr\" or \"dmt\" (law hertz)");
     t.key("attraction", c.attraction, FlagCodec{}, optional,
           "whether damping may pull parting bodies together; restitution is met either way");
     t.key("tangential_damping", c.tangential_damping, not_negative(pure), optional,

@@ -60,6 +60,7 @@ Contacts::Touch Contacts::unbonded(Row i, Row j, const Bodies& bodies) {
   const Vec3d r_ij = bodies.pose[j.value].r - bodies.pose[i.value].r;
   const double distance = norm(r_ij), overlap = radius_[i] + radius_[j] - distance;
   if (!(overlap > 0.0)) return {};
+  if (model_.contact.adhesion != AdhesionForm::none) return {};  // surfaces that meet in the next step
   if (touches_) return {touches_->energy(i, j, bodies), touches_->first_force(i, j, bodies)};
   const HertzContact<double> h = contact_law(model_.contact, radius_[i], radius_[j]);
   return {contact_energy(h, overlap), -(contact_force(h, overlap) / distance) * r_ij};

@@ -149,7 +149,7 @@ bool still_touch(const TouchRule& rule, const TouchTable& table, std::size_t i, 
   const Touching<double> p =
       touching_of(rule.row[i], rule.row[j], pose[j].r - pose[i].r, motion[i], motion[j]);
   if (holds_on(rule.forms, numbers, p.R, p.overlap)) return true;
-  if (dt > 0.0) sums.dissipated += lost_on_parting(rule.forms, numbers, p, dt, touch_history(history));
+  if (dt > 0.0) sums.parted += lost_on_parting(rule.forms, numbers, p, dt, touch_history(history));
   for (double& x : history) x = 0.0;
   return false;
 }
@@ -182,6 +182,7 @@ TouchSums touch_pairs(const TouchRule& rule, const TouchTable& table, RowRange r
     }
   }
   if (together.count > 0) work_out(rule, table, together, pose, motion, dt, sums);
+  sums.dissipated += sums.parted;
   return sums;
 }
 

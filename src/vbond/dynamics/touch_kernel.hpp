@@ -51,7 +51,9 @@ struct TouchTable {
 /// What a loop over pairs has found.
 struct TouchSums {
   double dissipated = 0;  ///< [energy]
-  bool deep = false;      ///< two are nearer than deep_part of the sum of their radii
+  double parted =
+      0;  ///< the same, of pairs that have parted: summed by itself, in the order of pairs  [energy]
+  bool deep = false;  ///< two are nearer than deep_part of the sum of their radii
 };
 
 /// The loads of all pairs whose first is in these rows, from where their particles stand and how they moved

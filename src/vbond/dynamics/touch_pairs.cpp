@@ -193,6 +193,7 @@ std::vector<PairMemory> TouchPairs::collect() const {
 }
 
 void TouchPairs::restore(const std::vector<PairMemory>& memories) {
+  std::fill(history_.begin(), history_.end(), HistoryRow{});
   for (const PairMemory& m : memories) {
     const Row i = order_.row[m.i], j = order_.row[m.j];
     const std::size_t k = place(std::min(i, j), std::max(i, j));

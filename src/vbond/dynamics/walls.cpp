@@ -47,8 +47,8 @@ void Walls::read(const State& s) {
   if (s.walls.size() == walls_.size()) walls_ = s.walls;
   for (std::size_t w = 0; w < walls_.size(); ++w) {
     if (s.clock.stage_step != 0) break;
-    walls_[w].velocity = walls_[w].angular_velocity = {};
     walls_[w].servo = 0.0;
+    prescribe(w, 0.0, 0.0);
   }
   room_ = 0.0;
   for (OfBlock& b : blocks_) b.near.clear();
@@ -79,22 +79,31 @@ void Walls::write(State& s) const {
                    });
 }
 
-/// The mean velocity of the step that begins.
-void Walls::set_velocity(std::size_t w, std::int64_t stage_step, double dt) {
+/// The mean velocity from t to t + dt of the stage, without a servo's; dt = 0: that at t.
+void Walls::prescribe(std::size_t w, double t, double dt) {
   WallState& now = walls_[w];
   now.velocity = now.angular_velocity = {};
   if (drive_[w] == nullptr) return;
   const WallDrive& d = *drive_[w];
-  const double t = static_cast<double>(stage_step) * dt, middle = t + 0.5 * dt;
-  const double factor = d.factor(middle);
+  const double factor = d.factor(t + 0.5 * dt);
   now.velocity = factor * d.velocity;
   now.angular_velocity = factor * d.angular_velocity;
   now.velocity += cross(now.angular_velocity, model_.walls[w].centre + now.displacement - d.pivot);
   if (d.frequency > 0.0) {
     const double rate = 2.0 * std::numbers::pi * d.frequency;
-    now.velocity += (rate * std::cos(rate * middle)) * d.amplitude;
+    const double mean =
+        dt > 0.0 ? (std::sin(rate * (t + dt)) - std::sin(rate * t)) / dt : rate * std::cos(rate * t);
+    now.velocity += mean * d.amplitude;
   }
-  if (!d.servo) return;
+}
+
+/// The mean velocity of the step that begins.
+void Walls::set_velocity(std::size_t w, std::int64_t stage_step, double dt) {
+  const double t = static_cast<double>(stage_step) * dt;
+  prescribe(w, t, dt);
+  if (drive_[w] == nullptr || !drive_[w]->servo) return;
+  WallState& now = walls_[w];
+  const WallDrive& d = *drive_[w];
   const WallDrive::Servo& s =
       *d.servo;  // a body that is pushed, against what presses on it: kicked from step to step
   const double h = stage_step == 0 ? 0.5 * dt : dt,
@@ -194,7 +203,8 @@ double Walls::add_touches(OfBlock& block, Near& near, LoadRow& load, double dt) 
   std::vector<WallTouch>& touches = block.touches;
   touches.clear();
   surfaces_[near.wall].touches_of({block.triangles.data() + near.first, block.triangles.data() + near.last},
-                                  at_start(near.wall, r), R + reach_, touches);
+                                  at_start(near.wall, r), reach_ > 0.0 ? R + reach_ + 0.5 * skin_ : R,
+                                  touches);
   const TouchNumbers<double>& c = numbers(near);
   double dissipated = 0.0;
   std::vector<Slot> before = std::exchange(near.slots, {});
@@ -205,13 +215,18 @@ double Walls::add_touches(OfBlock& block, Near& near, LoadRow& load, double dt) 
     for (auto s = before.begin(); s != before.end(); ++s) {
       const double likeness = dot(s->normal, normal);
       if (likeness > (same == before.end() ? same_touch : dot(same->normal, normal))) same = s;
-      if (likeness < -same_touch && touches.size() == 1)
-        block.passed = Passed{bodies_.order.particle[Row{near.row}], near.wall};
     }
     Slot slot{normal, same == before.end() ? PairHistory{} : same->history};
-    if (!(p.overlap > 0.0) && !(slot.history[3] > 0.0 && holds_on(forms_, c, p.R, p.overlap))) continue;
+    const bool touches_now =
+        p.overlap > 0.0 || (slot.history[3] > 0.0 && holds_on(forms_, c, p.R, p.overlap));
+    if (!touches_now && same == before.end()) continue;
     if (same != before.end()) before.erase(same);
-    if (!(p.l_i > 0.0)) block.passed = Passed{bodies_.order.particle[Row{near.row}], near.wall};
+    if (!touches_now) {
+      if (dt > 0.0) dissipated += lost_on_parting(forms_, c, p, dt, touch_history(slot.history));
+      continue;
+    }
+    if (!(p.l_i > 0.0) || p.l_i < dt * dot(p.v, p.n))  // the centre was on the other side
+      block.passed = Passed{bodies_.order.particle[Row{near.row}], near.wall};
     const TouchLoads<double> l = vbond::touch(forms_, c, p, dt, touch_history(slot.history));
     load.F += l.F;
     load.M += p.l_i * cross(p.n, l.F) + l.M;

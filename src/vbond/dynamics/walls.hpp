@@ -75,6 +75,7 @@ class Walls {
   double add_touches(OfBlock& block, Near& near, LoadRow& load, double dt);
   Vec3d at_start(std::uint32_t wall, const Vec3d& r) const;
   const TouchNumbers<double>& numbers(const Near& near) const;
+  void prescribe(std::size_t wall, double t, double dt);
   void set_velocity(std::size_t wall, std::int64_t stage_step, double dt);
 
   const Model& model_;

@@ -279,6 +279,15 @@ std::vector<std::string> mistakes_in(const Model& model, const State& s) {
             (l->F.size() == model.particles() && l->M.size() == model.particles()),
         fmt::format("loads of the state have {} and {} entries for {} particles: one for each, or none",
                     l->F.size(), l->M.size(), model.particles()));
+  found.require(s.walls.empty() || s.walls.size() == model.walls.size(),
+                fmt::format("the state has {} walls for {} of the model: one for each, or none",
+                            s.walls.size(), model.walls.size()));
+  for (const WallMemory& m : s.wall_history)
+    if (!found.knows(m.p) || m.wall >= model.walls.size()) {
+      found.require(false, fmt::format("wall_history has particle {} of {} and wall {} of {}", m.p.value,
+                                       model.particles(), m.wall, model.walls.size()));
+      break;
+    }
   for (const PairMemory& m : s.contact_history)
     if (!found.knows(m.i) || !found.knows(m.j) || m.i == m.j) {
       found.require(false, fmt::format("contact_history has a pair of particles {} and {} of {}", m.i.value,

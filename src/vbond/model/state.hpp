@@ -30,10 +30,10 @@ inline void begin_next_stage(Clock& clock) {
 
 /// Energy that has entered or left since the start of the run.  [energy]
 struct EnergyBooks {
-  double at_start = 0;       ///< kinetic + potential when the run began
-  double dissipated = 0;     ///< by damping, and contact energy given up when a pair is bonded
-  double released = 0;       ///< energy of bonds at the time they broke, less that of contacts it switched on
-  double work_loads = 0;     ///< by point forces, moments and gravity
+  double at_start = 0;    ///< kinetic + potential when the run began
+  double dissipated = 0;  ///< by damping, flow, friction and adhesion, and of contacts whose pair is bonded
+  double released = 0;    ///< energy of bonds at the time they broke, less that of contacts it switched on
+  double work_loads = 0;  ///< by point forces, moments and gravity
   double work_supports = 0;  ///< by supports, prescribed velocities and imposed strain
   double largest = 0;        ///< largest at_start + work so far: the scale of the balance error
   friend bool operator==(const EnergyBooks&, const EnergyBooks&) = default;
@@ -66,7 +66,7 @@ struct State {
   PerBond<Bond> bonds;                ///< in order of creation
   PerBond<BondHistory> bond_history;  ///< empty where no bond remembers anything
   /// Forces and moments at the present positions, where they do not follow from these: with bonds that damp,
-  /// remember or break. Empty for elastic bodies.
+  /// remember or break, with walls, and with contacts that are not elastic. Else empty.
   Loads loads;
   std::vector<PairMemory> contact_history;  ///< of touching pairs that remember something, in order of (i, j)
   std::vector<WallState> walls;             ///< of each wall; empty: as at the start, at rest

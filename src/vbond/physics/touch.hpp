@@ -114,6 +114,17 @@ VBOND_HD T jkr_radius(const T& E, const T& w, const T& R, const T& d) {
   return s * s;
 }
 
+namespace detail {
+
+/// 1/x, or 0 for x = 0.
+template <Scalar T>
+VBOND_HD T inverse(const T& x) {
+  const T zero(0.0);
+  return where_greater(x, zero, T(1.0) / where_greater(x, zero, x, T(1.0)), zero);
+}
+
+}  // namespace detail
+
 /// How far apart, beyond d = 0, JKR still holds bodies together that have touched: until d' = 0, at
 /// a^3 = pi w R^2/(8 E*), where d = -3 a^2/R.  [length]
 inline double reach_of_adhesion(double E, double w, double R) {
@@ -148,7 +159,7 @@ VBOND_HD T normal_energy(const TouchForms& f, const TouchNumbers<T>& c, const T&
   if (f.normal == NormalForm::linear) return T(0.5) * n.F * d;
   if (f.adhesion == AdhesionForm::jkr) {  // K a^5/(15 R^2) + F^2/(3 K a) - pi w a^2, K = 4/3 E*
     const T a2 = n.a * n.a, K = T(4.0 / 3.0) * c.stiffness;
-    return K * a2 * a2 * n.a / (T(15.0) * R * R) + n.F * n.F / (T(3.0) * K * n.a) -
+    return K * a2 * a2 * n.a / (T(15.0) * R * R) + n.F * n.F * detail::inverse(T(3.0) * K * n.a) -
            T(std::numbers::pi) * c.work * a2;
   }
   T U = T(0.4) * n.secant * d * d;
@@ -163,13 +174,6 @@ VBOND_HD T tangential_stiffness(const TouchForms& f, const TouchNumbers<T>& c, c
 }
 
 namespace detail {
-
-/// 1/x, or 0 for x = 0.
-template <Scalar T>
-VBOND_HD T inverse(const T& x) {
-  const T zero(0.0);
-  return where_greater(x, zero, T(1.0) / where_greater(x, zero, x, T(1.0)), zero);
-}
 
 /// By what a vector of this size is multiplied so that it is not larger than the limit.
 template <Scalar T>
@@ -197,79 +201,103 @@ VBOND_HD T history_energy(const TouchForms& f, const TouchNumbers<T>& c, const T
   return U;
 }
 
+/// What friction goes by: the force that presses the bodies together, without what adhesion takes from it.
+template <Scalar T>
+VBOND_HD T pressing_force(const TouchForms& f, const TouchNumbers<T>& c, const T& R, const T& elastic,
+                          const T& damped) {
+  const T zero(0.0), pull = T(std::numbers::pi) * c.work * R;
+  if (f.adhesion == AdhesionForm::jkr)
+    return larger(elastic + T(3.0) * pull, zero);  // twice the pull-off force
+  if (f.adhesion == AdhesionForm::dmt) return larger(elastic + T(2.0) * pull, zero);
+  return larger(damped, zero);
+}
+
+/// Slip over u = v_t dt: the force of a spring that turns with the contact, falls with its stiffness and
+/// slides at the limit, and damping as long as it sticks. Adds to the history and to what is dissipated.
+template <Scalar T>
+VBOND_HD void slip(const TouchForms& f, const TouchNumbers<T>& c, const Vec3<T>& n, const Vec3<T>& v_t,
+                   const T& c_n, const T& limit, const T& spin, const T& dt, const TouchHistory<T>& before,
+                   TouchLoads<T>& to) {
+  const T half(0.5), one(1.0), zero(0.0);
+  TouchHistory<T>& h = to.history;
+  const Vec3<T> u = dt * v_t;
+  const T k_t = tangential_stiffness(f, c, h.a), k_before = tangential_stiffness(f, c, before.a);
+  const Vec3<T> turned = detail::turned_with(before.F_t, n, spin);
+  const T relief = where_greater(k_before, k_t, k_t * detail::inverse(k_before), one);
+  const Vec3<T> trial = relief * turned + k_t * u;
+  const T size = norm(trial);
+  h.F_t = detail::scale_to(size, limit) * trial;
+  const Vec3<T> damped = h.F_t + (c.tangential_damping * c_n) * v_t;
+  const Vec3<T> sticking = detail::scale_to(norm(damped), limit) * damped - h.F_t;
+  h.F_d = h.F_d + where_greater(size, limit, zero, one) * sticking;
+  to.dissipated = half * dot(turned + h.F_t, u) + half * (norm2(before.F_t) * detail::inverse(k_before) -
+                                                          norm2(h.F_t) * detail::inverse(k_t));
+}
+
+/// Rolling at w = w_j - w_i: moments against its parts across the normal and along it.
+template <Scalar T>
+VBOND_HD void roll(const TouchForms& f, const TouchNumbers<T>& c, const Touching<T>& p, const T& pressing,
+                   const T& spin, const T& dt, const TouchHistory<T>& before, TouchLoads<T>& to) {
+  const T half(0.5), one(1.0), zero(0.0);
+  TouchHistory<T>& h = to.history;
+  const Vec3<T> w = p.w_j - p.w_i;
+  const T w_n = dot(w, p.n), limit_r = c.rolling * p.R * pressing, limit_t = c.twisting * p.R * pressing;
+  const Vec3<T> rolling = across(w, p.n);
+  if (f.rolling == RollingForm::constant) {
+    const T stop = p.Theta / where_greater(dt, zero, dt, one);  // per angular velocity: stops within the step
+    const Vec3<T> M = detail::scale_to(stop * norm(rolling), limit_r) * (stop * rolling);
+    const T M_n = stop * w_n, M_t = detail::scale_to(larger(M_n, -M_n), limit_t) * M_n;
+    const auto in_step = [&](const T& now, const T& then) { return where_greater(dt, zero, now, then); };
+    h.M_r = {in_step(M.x, before.M_r.x), in_step(M.y, before.M_r.y), in_step(M.z, before.M_r.z)};
+    h.M_t = in_step(M_t, before.M_t);
+    to.dissipated =
+        to.dissipated + half * dt * (dot(before.M_r + h.M_r, rolling) + (before.M_t + h.M_t) * w_n);
+  } else {
+    h.k_r = where_greater(c.rolling_stiffness, zero, c.rolling_stiffness,
+                          tangential_stiffness(f, c, h.a) * sq(p.R));
+    const T relief = where_greater(before.k_r, h.k_r, h.k_r * detail::inverse(before.k_r), one);
+    const Vec3<T> turned = detail::turned_with(before.M_r, p.n, spin);
+    const Vec3<T> trial = relief * turned + (h.k_r * dt) * rolling;
+    h.M_r = detail::scale_to(norm(trial), limit_r) * trial;
+    const T twist = relief * before.M_t + h.k_r * dt * w_n;
+    h.M_t = detail::scale_to(larger(twist, -twist), limit_t) * twist;
+    to.dissipated = to.dissipated + half * dt * (dot(turned + h.M_r, rolling) + (before.M_t + h.M_t) * w_n) +
+                    half * ((norm2(before.M_r) + sq(before.M_t)) * detail::inverse(before.k_r) -
+                            (norm2(h.M_r) + sq(h.M_t)) * detail::inverse(h.k_r));
+  }
+  to.M = h.M_r + h.M_t * p.n;
+}
+
 /// One step of a contact: from what the bodies remember of the step before, and their motion of the half step
-/// between, to the loads now and what is to be remembered. dt = 0: the loads as the bodies stand, nothing is
-/// moved on. The history's forces turn with the contact: with its normal, and by the mean spin about it.
-/// The loads of the history are those of the energy; nothing a contact does makes energy (tests).
+/// between, to the loads now and what is to be remembered. dt = 0: the loads as the bodies stand. The
+/// history's forces turn with the contact: with its normal, and by the mean spin about it. Nothing a contact
+/// does makes energy (tests).
 template <Scalar T>
 VBOND_HD TouchLoads<T> touch(const TouchForms& f, const TouchNumbers<T>& c, const Touching<T>& p, const T& dt,
                              const TouchHistory<T>& before) {
   using std::sqrt;
-  const T zero(0.0), half(0.5), one(1.0);
+  const T zero(0.0), half(0.5);
   const NormalForce<T> N = normal_force(f, c, p.R, p.overlap);
   const T v_n = dot(p.v, p.n), c_n = c.damping * sqrt(p.m * N.secant);
   T F_n = N.F - c_n * v_n;
   if (!f.attraction && f.adhesion == AdhesionForm::none) F_n = larger(F_n, zero);
-  T pressing = larger(F_n, zero);  // what friction goes by
-  if (f.adhesion == AdhesionForm::jkr)
-    pressing = larger(N.F + T(3.0 * std::numbers::pi) * c.work * p.R, zero);
-  if (f.adhesion == AdhesionForm::dmt)
-    pressing = larger(N.F + T(2.0 * std::numbers::pi) * c.work * p.R, zero);
+  const T pressing = pressing_force(f, c, p.R, N.F, F_n);
 
   const Vec3<T> v = p.v - cross(p.l_i * p.w_i + p.l_j * p.w_j, p.n);  // of j's surface against i's
+  const T spin = half * dt * dot(p.w_i + p.w_j, p.n);
   TouchLoads<T> to;
   TouchHistory<T>& h = to.history;
   h.a = N.a;
   h.F_d = (N.F - F_n) * p.n;
-  const T spin = half * dt * dot(p.w_i + p.w_j, p.n);
-  if (f.tangential != TangentialForm::none) {
-    const Vec3<T> v_t = across(v, p.n), u = dt * v_t;
-    const T k_t = tangential_stiffness(f, c, N.a), k_before = tangential_stiffness(f, c, before.a);
-    const Vec3<T> turned = detail::turned_with(before.F_t, p.n, spin);
-    const T relief = where_greater(k_before, k_t, k_t * detail::inverse(k_before), one);
-    const Vec3<T> trial = relief * turned + k_t * u;
-    const T limit = c.friction * pressing, size = norm(trial);
-    h.F_t = detail::scale_to(size, limit) * trial;
-    const Vec3<T> damped = h.F_t + (c.tangential_damping * c_n) * v_t;
-    const Vec3<T> sticking = detail::scale_to(norm(damped), limit) * damped - h.F_t;
-    h.F_d = h.F_d + where_greater(size, limit, zero, one) * sticking;
-    to.dissipated = half * dot(turned + h.F_t, u) + half * (norm2(before.F_t) * detail::inverse(k_before) -
-                                                            norm2(h.F_t) * detail::inverse(k_t));
-  }
+  if (f.tangential != TangentialForm::none)
+    slip(f, c, p.n, across(v, p.n), c_n, c.friction * pressing, spin, dt, before, to);
   to.dissipated = to.dissipated + half * dt * dot(before.F_d + h.F_d, v);
   to.F = h.F_t + h.F_d - N.F * p.n;
   if (f.adhesion != AdhesionForm::none) {  // what surfaces gain as they meet does not come back
     const T gained = normal_energy(f, c, p.R, p.overlap) + half * N.F * v_n * dt;
     to.dissipated = to.dissipated - where_greater(before.a, zero, zero, gained);
   }
-
-  if (f.rolling != RollingForm::none) {
-    const Vec3<T> w = p.w_j - p.w_i;
-    const T w_n = dot(w, p.n), limit_r = c.rolling * p.R * pressing, limit_t = c.twisting * p.R * pressing;
-    const Vec3<T> rolling = across(w, p.n);
-    if (f.rolling == RollingForm::constant) {
-      const T stop = p.Theta / larger(dt, T(1e-300));  // per angular velocity: stops within the step
-      h.M_r = detail::scale_to(stop * norm(rolling), limit_r) * (stop * rolling);
-      const T size = sqrt(sq(stop * w_n));
-      h.M_t = detail::scale_to(size, limit_t) * (stop * w_n);
-      to.dissipated =
-          to.dissipated + half * dt * (dot(before.M_r + h.M_r, rolling) + (before.M_t + h.M_t) * w_n);
-    } else {
-      h.k_r = where_greater(c.rolling_stiffness, zero, c.rolling_stiffness,
-                            tangential_stiffness(f, c, N.a) * sq(p.R));
-      const T relief = where_greater(before.k_r, h.k_r, h.k_r * detail::inverse(before.k_r), one);
-      const Vec3<T> turned = detail::turned_with(before.M_r, p.n, spin);
-      const Vec3<T> trial = relief * turned + (h.k_r * dt) * rolling;
-      h.M_r = detail::scale_to(norm(trial), limit_r) * trial;
-      const T twist = relief * before.M_t + h.k_r * dt * w_n;
-      h.M_t = detail::scale_to(sqrt(sq(twist)), limit_t) * twist;
-      to.dissipated = to.dissipated +
-                      half * dt * (dot(turned + h.M_r, rolling) + (before.M_t + h.M_t) * w_n) +
-                      half * ((norm2(before.M_r) + sq(before.M_t)) * detail::inverse(before.k_r) -
-                              (norm2(h.M_r) + sq(h.M_t)) * detail::inverse(h.k_r));
-    }
-    to.M = h.M_r + h.M_t * p.n;
-  }
+  if (f.rolling != RollingForm::none) roll(f, c, p, pressing, spin, dt, before, to);
   return to;
 }
 
