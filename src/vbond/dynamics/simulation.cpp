@@ -265,7 +265,8 @@ void Simulation::evaluate_loads() {
   check_finite();
 }
 
-/// What walls have done in the step. The run ends if the centre of a particle that touches one has come through.
+/// What walls have done in the step. The run ends if the centre of a particle that touches one has come
+/// through.
 void Simulation::close_walls(double dt) {
   if (!walls_.any()) return;
   state_.books.work_supports += walls_.close(dt);
