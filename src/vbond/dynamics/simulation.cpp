@@ -9,7 +9,6 @@
 
 #include "vbond/core/error.hpp"
 #include "vbond/dynamics/kernel.hpp"
-#include "vbond/model/bond_sums.hpp"
 #include "vbond/model/mistakes.hpp"
 
 namespace vbond {
@@ -365,116 +364,6 @@ void Simulation::apply_strain() {
   evaluate_loads();
   state_.books.work_loads += work_applied;
   state_.books.work_supports += energies().potential() - U_before - work_applied;
-}
-
-void Simulation::keep_records() {
-  EnergyBooks& books = state_.books;
-  books.largest = std::max(books.largest, books.at_start + books.work_loads + books.work_supports);
-
-  if (stage_.stops.peak) {
-    PeakRecord& peak = state_.peak;
-    peak.sum += peak_quantity();
-    if (++peak.samples == steps_in(stage_.stops.peak->average_over, stage_.dt)) {
-      peak.last = peak.sum / static_cast<double>(peak.samples);
-      if (peak.blocks == 0 || peak.last > peak.peak) {
-        peak.peak = peak.last;
-        peak.peak_time = state_.clock.time();
-      }
-      ++peak.blocks;
-      peak.sum = 0.0;
-      peak.samples = 0;
-    }
-  }
-  if (stage_.stops.rest) {
-    const double kinetic = bodies_.kinetic_energy(team_).kinetic();
-    std::int64_t& quiet = state_.rest.quiet_steps;
-    quiet = kinetic < stage_.stops.rest->kinetic_energy_below ? quiet + 1 : 0;
-  }
-}
-
-double Simulation::peak_quantity() const {
-  const PeakStop& stop = *stage_.stops.peak;
-  switch (stop.quantity) {
-    case PeakQuantity::compressive_force: return -mean_axial_force(peak_bonds_);
-    case PeakQuantity::reaction: return dot(reaction(stop.particles).force, stop.direction);
-  }
-  return 0.0;
-}
-
-StopReason Simulation::stop_reason() const {
-  const Stops& stops = stage_.stops;
-  const Clock& clock = state_.clock;
-  if (stops.distance) {
-    const double distance = norm(pose_of(stops.distance->j).r - pose_of(stops.distance->i).r);
-    if (stops.distance->below ? distance <= stops.distance->value : distance >= stops.distance->value)
-      return StopReason::distance;
-  }
-  if (stops.peak && state_.peak.blocks > 0 && state_.peak.peak > 0.0 && state_.peak.samples == 0 &&
-      state_.peak.last < (1.0 - stops.peak->drop) * state_.peak.peak)
-    return StopReason::peak;
-  if (stops.breaks && state_.breaks >= stops.breaks->count) return StopReason::breaks;
-  if (stops.rest && state_.rest.quiet_steps >= steps_in(stops.rest->during, clock.dt))
-    return StopReason::rest;
-  if (clock.stage_step >= last_stage_step_) return StopReason::duration;
-  return StopReason::running;
-}
-
-const Survey& Simulation::survey() const {
-  if (survey_) return *survey_;
-  Survey survey;
-  Energies& e = survey.energies = bonds_.survey(team_, bodies_.pose.data(), survey.deformed);
-  const Energies kinetic = bodies_.kinetic_energy(team_);
-  e.kinetic_translation = kinetic.kinetic_translation;
-  e.kinetic_rotation = kinetic.kinetic_rotation;
-  e.contact = contacts_.energy(bodies_) + walls_.energy();
-  return survey_.emplace(std::move(survey));
-}
-
-double Simulation::balance_error(const Energies& e) const {
-  const EnergyBooks& b = state_.books;
-  const double imbalance =
-      e.total() + b.dissipated + b.released - b.work_loads - b.work_supports - b.at_start;
-  return imbalance / std::max({b.largest, b.at_start, rounding_scale_, std::numeric_limits<double>::min()});
-}
-
-Reaction Simulation::reaction(const std::vector<ParticleId>& particles) const {
-  Reaction total;
-  for (const Support& s : stage_.supports)
-    for (const ParticleId p : s.particles) {
-      if (!std::binary_search(particles.begin(), particles.end(), p)) continue;
-      const std::size_t row = bodies_.order.row[p].value;
-      const MotionRow& motion = bodies_.motion[row];
-      const LoadRow& load = bodies_.load[row];
-      add_held(s, Row{row}, stage_.b_translation * motion.v - load.F,
-               stage_.b_rotation * motion.omega - load.M, total);
-    }
-  return total;
-}
-
-/// The part of a force and moment on a particle that its support exerts.
-void Simulation::add_held(const Support& s, Row row, const Vec3d& F, const Vec3d& M, Reaction& total) const {
-  Vec3d held_F, held_M;
-  for (int k = 0; k < 3; ++k) {
-    const auto axis = static_cast<std::size_t>(k);
-    if (s.held[axis]) component(held_F, k) = component(F, k);
-    if (s.held[axis + 3]) component(held_M, k) = component(M, k);
-  }
-  total.force += held_F;
-  total.moment += held_M + cross(bodies_.pose[row.value].r, held_F);
-}
-
-std::vector<BondId> Simulation::bonds_inside(const std::vector<ParticleId>& particles) const {
-  std::vector<BondId> inside;
-  for (const ParticleId p : particles)
-    for (const BondIndex::Entry& e : bond_index_.of(p))
-      if (e.is_i && std::binary_search(particles.begin(), particles.end(), e.other)) inside.push_back(e.bond);
-  return inside;
-}
-
-double Simulation::mean_axial_force(const std::vector<BondId>& bonds) const {
-  if (bonds_.remembers()) bonds_.collect(state_.bond_history);
-  return vbond::mean_axial_force(state_, bonds,
-                                 [this](ParticleId p) -> const PoseRow& { return pose_of(p); });
 }
 
 }  // namespace vbond
