@@ -93,7 +93,7 @@ void print_overview(const Case& c, const Model& model, const State& state) {
 }
 
 void print_step(const Case& c, const Model& model, const State& state, const Stage& stage) {
-  const StepBound bound = step_bound(model, state, stage.bonding);
+  const StepBound bound = step_bound(model, state, stage);
   const char* time = time_unit(model);
   const bool exact = c.time.step && !c.time.given();
   const double critical = exact ? stage.critical : bound.dt;

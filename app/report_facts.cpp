@@ -154,7 +154,7 @@ page::StepFacts step_of(const Case& c, const Built& built, const std::optional<R
   if (!exact && first_is_dynamics) {
     State state = built.state;
     const Stage stage = build_stage(c, built.model, 0, state);
-    bound = step_bound(built.model, state, stage.bonding);
+    bound = step_bound(built.model, state, stage);
     if (step.dt == 0.0) step.dt = stage.dt;
   } else if (c.time.given()) {
     bound = step_bound(built.model, built.state);

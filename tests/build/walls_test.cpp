@@ -1,4 +1,7 @@
+#include <fstream>
+
 #include "cases.hpp"
+#include "temporary_folder.hpp"
 #include "vbond/case/read.hpp"
 
 namespace vbond::test {
@@ -137,6 +140,63 @@ TEST(WallDrives, OfWallsThatAreNotThereOrMovedTwiceAreRefused) {
                             "walls = [{ wall = \"floor\", velocity = [1, 0, 0] },\n"
                             "{ wall = \"floor\", angular_velocity = [1, 0, 0] }]\n"),
                  "case.toml:21:", {"moved twice", "one entry"});
+}
+
+TEST(WallDrives, MayNotTurnAWallAlongItsServo) {
+  const std::string lid =
+      "[[wall]]\nname = \"lid\"\nshape = \"plane\"\npoint = [0, 0, 3]\nnormal = [0, 0, -1]\n";
+  const auto drive = [&](const std::string& pivot, const std::string& axis) {
+    return walls_case(lid, "walls = [{ wall = \"lid\", angular_velocity = " + axis + ", pivot = " + pivot +
+                               ", servo = { direction = [0, 0, -1], force = 1, mass = 1 } }]\n");
+  };
+  expect_refused(drive("[1, 0, 3]", "[0, 1, 0]"),
+                 "case.toml:", {"turns about a pivot that is not its centre"});
+  EXPECT_EQ(text_of_error(drive("[0, 0, 3]", "[0, 1, 0]")), "");
+  EXPECT_EQ(text_of_error(drive("[1, 0, 3]", "[0, 0, 1]")), "");
+}
+
+TEST(Contacts, HaveANumberForEachForm) {
+  const auto with = [](void (*change)(Case&)) {
+    Case c = walls_case("");
+    change(c);
+    return c;
+  };
+  expect_refused(with([](Case& c) { c.contact.tangential = TangentialForm::mindlin; }), "case.toml",
+                 {"contact.tangential does nothing", "no friction", "remove tangential"});
+  expect_refused(with([](Case& c) { c.contact.rolling = RollingForm::constant; }), "case.toml",
+                 {"contact.rolling does nothing", "rolling_friction or twisting_friction"});
+  expect_refused(with([](Case& c) { c.contact.adhesion = AdhesionForm::jkr; }), "case.toml",
+                 {"contact.adhesion does nothing", "work_of_adhesion"});
+  EXPECT_EQ(text_of_error(with([](Case& c) {
+              c.contact.tangential = TangentialForm::mindlin;
+              c.contact.surface.friction = 0.0;  // on purpose
+            })),
+            "");
+}
+
+TEST(Contacts, OfAPairOfMaterialsAreSaidOnce) {
+  std::string text = to_toml(walls_case(""));
+  for (const char* key : {"E = 100.0\n", "nu = 0.3\n"}) text.erase(text.find(key), std::string(key).size());
+  const std::string materials =
+      "material = [{ name = \"a\", E = 1, nu = 0.2 }, { name = \"b\", E = 2, nu = 0.5 }]\n";
+  const std::string once = "[[contact.between]]\nmaterial = \"a\"\nwith = \"b\"\nrestitution = 0.5\n";
+  const std::string again = "[[contact.between]]\nmaterial = \"b\"\nwith = \"a\"\nrestitution = 0.6\n";
+  EXPECT_EQ(text_of_error(parse_case(materials + text + once, "case.toml")), "");
+  expect_refused(parse_case(materials + text + once + again, "case.toml"),
+                 "case.toml:", {"a pair of contact.between twice", "put what both say into one"});
+}
+
+TEST(Walls, OfAMeshAThousandTimesTooSmallAreRefused) {
+  const TemporaryFolder folder("vbond_small_mesh");
+  std::ofstream(folder.path() / "plate.stl") << "solid p\nfacet normal 0 0 1\nouter loop\nvertex 0 0 "
+                                                "0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
+                                                "endsolid p\n";
+  const auto plate = [&](const std::string& scale) {
+    return walls_case("[[wall]]\nshape = \"mesh\"\nfile = \"" + (folder.path() / "plate.stl").string() +
+                      "\"\nscale = " + scale + "\nshift = [0, 0, -3]\n");
+  };
+  expect_refused(plate("1e-30"), "case.toml:3:", {"the mesh is 1.41e-30 long", "give scale"});
+  EXPECT_EQ(text_of_error(plate("1")), "");
 }
 
 TEST(Walls, AreRefusedInStaticStages) {

@@ -185,7 +185,7 @@ StepBound exact_bound(const Case& c, const Model& model, const State& state, con
 void choose_step(const Case& c, const Model& model, const State& state, const ExactCriticalStep& exact_step,
                  Stage& stage, Problems& problems) {
   const StepBound critical = step_is_exact(c) ? exact_bound(c, model, state, stage, exact_step, problems)
-                                              : step_bound(model, state, stage.bonding);
+                                              : step_bound(model, state, stage);
   stage.critical = critical.dt;
   if (!(critical.dt > 0.0))
     problems.add(
@@ -248,7 +248,7 @@ void put_on_steps(Stage& stage) {
 
 double expected_step(const Case& c, const Model& model, const State& state) {
   const CaseTime* given = c.time.given();
-  return given ? given->resolve(model.T_0) : c.time.fraction * step_bound(model, state, {}).dt;
+  return given ? given->resolve(model.T_0) : c.time.fraction * step_bound(model, state).dt;
 }
 
 void check_number_of_steps(const StageSpec& spec, double duration, double dt, Problems& problems) {

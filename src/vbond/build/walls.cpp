@@ -54,6 +54,19 @@ struct ShapeMaker {
                  "it must point somewhere", fmt::format("use for instance {} = [0, 0, 1]", what));
     return {0, 0, 1};
   }
+  /// Files do not say what unit their lengths have.
+  void check_size(double size, const SourcePlace& place) const {
+    constexpr double least = 1e-3;  // of the smallest particle
+    const PerParticle<double>& R = built.model.radius;
+    const double smallest = R.empty() ? 0.0 : *std::min_element(R.begin(), R.end());
+    if (size < least * smallest)
+      problems.add(
+          place,
+          fmt::format("wall \"{}\": the mesh is {:.3g} long, and the smallest particle has radius {:.3g}",
+                      spec.name, size, smallest),
+          "a mesh is not a thousand times smaller than a particle",
+          "look at the unit of the file, and give scale");
+  }
   WallShape operator()(const PlaneWallSpec& w) {
     centre = w.point;
     return PlaneWall{w.point, unit(w.normal, "normal")};
@@ -81,6 +94,7 @@ struct ShapeMaker {
         fmt::format("wall \"{}\": {}: {}", spec.name, w.file.value.filename().string(), file.text()));
     const BoundingBox box = box_around(file.mesh.corners);
     centre = 0.5 * (box.low + box.high);
+    check_size(box.diagonal(), w.file.place);
     return MeshWall{std::move(file.mesh)};
   }
 };
@@ -142,6 +156,27 @@ void check_surface(const Surface& s, const ContactModel& c, const SourcePlace& p
   check(c.adhesion != AdhesionForm::none, s.work_of_adhesion, "work_of_adhesion", "adhesion");
 }
 
+/// Forms of the contacts for which neither the case nor a material nor a pair has a number.
+void check_forms(const Case& c, Problems& problems) {
+  const auto given = [&c](std::optional<double> Surface::*number) {
+    const auto has = [&](const auto& x) { return (x.surface.*number).has_value(); };
+    return has(c.contact) || std::any_of(c.materials.begin(), c.materials.end(), has) ||
+           std::any_of(c.contact_between.begin(), c.contact_between.end(), has);
+  };
+  const auto check = [&](bool used, bool number, const char* form, const char* name) {
+    if (used && !number)
+      problems.add({c.file, 0, 0}, fmt::format("contact.{} does nothing", form),
+                   fmt::format("no {} is given in [contact], [[material]] or contact.between", name),
+                   fmt::format("give {} (0 to go without it on purpose), or remove {}", name, form));
+  };
+  check(c.contact.tangential != TangentialForm::none, given(&Surface::friction), "tangential", "friction");
+  check(c.contact.rolling != RollingForm::none,
+        given(&Surface::rolling_friction) || given(&Surface::twisting_friction), "rolling",
+        "rolling_friction or twisting_friction");
+  check(c.contact.adhesion != AdhesionForm::none, given(&Surface::work_of_adhesion), "adhesion",
+        "work_of_adhesion");
+}
+
 }  // namespace
 
 std::optional<std::uint32_t> look_up_material(const Placed<std::string>& name, const Model& model,
@@ -156,11 +191,20 @@ void add_materials(const Case& c, const std::vector<PlacedSpecimen>& specimens, 
   if (!model.materials.empty()) model.contact.E = c.materials[0].E, model.contact.nu = c.materials[0].nu;
   for (const MaterialSpec& m : c.materials)
     check_surface(m.surface, c.contact, m.place, "material \"" + m.name + "\"", problems);
+  check_forms(c, problems);
   for (const ContactPairSpec& p : c.contact_between) {
     check_surface(p.surface, c.contact, p.place, "a pair of materials", problems);
     ContactPair pair{{0, 0}, p.surface};
     pair.materials[0] = material_of(p.material, model, problems);
     pair.materials[1] = material_of(p.with, model, problems);
+    const auto same = [&pair](const ContactPair& other) {
+      return std::is_permutation(pair.materials.begin(), pair.materials.end(), other.materials.begin());
+    };
+    if (std::any_of(model.contact.between.begin(), model.contact.between.end(), same))
+      problems.add(p.place,
+                   fmt::format("\"{}\" and \"{}\" are a pair of contact.between twice", p.material.value,
+                               p.with.value),
+                   "a pair has one entry", "put what both say into one");
     model.contact.between.push_back(pair);
   }
   for (const PlacedSpecimen& s : specimens) {
@@ -192,6 +236,26 @@ void add_walls(const Case& c, Built& built, Problems& problems) {
   }
 }
 
+namespace {
+
+/// Turning about a pivot beside the wall's centre moves the centre: not along a servo, which has its own say.
+void check_servo_turns(const WallDriveSpec& d, const StageResolver& resolver, const WallDrive& drive) {
+  const Vec3d axis = d.angular_velocity, e = normalised(d.servo->direction);
+  if (axis == Vec3d{}) return;
+  const Vec3d arm = cross(axis, resolver.model.walls[drive.index].centre - drive.pivot);
+  constexpr double rounding = 1e-9;
+  if (norm(arm) <= rounding * norm(axis) * norm(drive.pivot) || norm(cross(axis, e)) <= rounding * norm(axis))
+    return;
+  resolver.problems.add(d.place,
+                        fmt::format("wall \"{}\" turns about a pivot that is not its centre, across the "
+                                    "direction of its servo",
+                                    d.wall.value),
+                        "the rotation would move it along servo.direction, in which the servo alone does",
+                        "let the pivot be moments_about of the wall, or turn about servo.direction");
+}
+
+}  // namespace
+
 std::vector<WallDrive> resolve_wall_drives(const StageResolver& resolver) {
   std::vector<WallDrive> drives;
   for (const WallDriveSpec& d : resolver.spec.walls) {
@@ -211,6 +275,7 @@ std::vector<WallDrive> resolve_wall_drives(const StageResolver& resolver) {
     drive.pivot = d.pivot.value_or(resolver.model.walls[*index].centre);
     drive.factor = resolver.function(d.factor, d.place);
     if (d.oscillation) drive.amplitude = d.oscillation->amplitude, drive.frequency = d.oscillation->frequency;
+    if (d.servo) check_servo_turns(d, resolver, drive);
     if (d.servo)
       drive.servo = {normalised(d.servo->direction),
                      d.servo->force,

@@ -111,6 +111,13 @@ void describe(Table& t, WallDriveSpec& d) {
           {"wall", "velocity", "angular_velocity", "oscillation", "servo"},
           "nothing moves the wall: no velocity, angular_velocity, oscillation or servo",
           "add one of them, or leave the wall out: it stands still then");
+  t.check(!d.pivot || d.angular_velocity != Vec3d{}, {"pivot", "angular_velocity"},
+          "nothing turns about the pivot: there is no angular_velocity",
+          "add angular_velocity, or remove pivot");
+  t.check(d.factor.points.empty() || d.velocity != Vec3d{} || d.angular_velocity != Vec3d{},
+          {"ramp", "table", "velocity", "angular_velocity"},
+          "it does nothing: it is the factor of velocity and angular_velocity, and there are none",
+          "remove it; a servo has a ramp or table of its own, an oscillation none");
   const auto along = [&d](const Vec3d& v) {
     return d.servo && std::abs(dot(v, d.servo->direction)) > 1e-12 * norm(v) * norm(d.servo->direction);
   };

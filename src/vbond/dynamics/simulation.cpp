@@ -1,5 +1,7 @@
 #include "vbond/dynamics/simulation.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -99,6 +101,7 @@ void Simulation::step() {
     contacts_.refresh(bodies_.poses(), team_, std::sqrt(way2));  // near pairs, listed anew only when stale
     work_out_touches(stage_.dt);
     walls_.refresh(team_, std::sqrt(way2));
+    walls_.look_at_drift(stage_.dt, std::sqrt(way2));
     if (contacts_.any()) encounters_.look_at_drift(bodies_, stage_.dt, way2);
     lap.add_to(times_.contacts);
   }
@@ -264,16 +267,40 @@ void Simulation::evaluate_loads() {
   check_finite();
 }
 
-/// What walls have done in the step. The run ends if the centre of a particle that touches one has come
-/// through.
+/// What walls have done in the step. The run ends if it cannot go on with them.
 void Simulation::close_walls(double dt) {
   if (!walls_.any()) return;
   state_.books.work_supports += walls_.close(dt);
-  const auto passed = walls_.passed();
-  if (!passed) return;
-  throw Diverged(state_.clock.step, state_.clock.time(), "particle " + std::to_string(passed->p.value),
-                 "its centre has passed through wall \"" + model_.walls[passed->wall].name + "\"",
-                 "use a stiffer contact, lower velocities and loads, or a smaller time.step");
+  const auto found = walls_.fault();
+  if (!found) return;
+  const std::string particle = "particle " + std::to_string(found->p.value),
+                    wall = "wall \"" + model_.walls[found->wall].name + '"';
+  const auto stop = [this](const std::string& who, const std::string& what, const std::string& way_out) {
+    throw Diverged(state_.clock.step, state_.clock.time(), who, what, way_out);
+  };
+  switch (found->fault) {
+    case Walls::Fault::passed:
+      stop(particle, "its centre has passed through " + wall,
+           "use a stiffer contact, lower velocities and loads, or a smaller time.step");
+      break;
+    case Walls::Fault::fast:
+      stop(particle,
+           fmt::format("it moves by {:.3g} of its radius in a step near {}, which it could pass unseen",
+                       found->is / found->limit, wall),
+           fmt::format("use a time.step below {:.3g}, or lower velocities", dt * found->limit / found->is));
+      break;
+    case Walls::Fault::too_wide:
+      stop(particle, "it is not smaller than the hollow " + wall + " that it touches",
+           "use a larger radius of the wall, or keep the particle out of it");
+      break;
+    case Walls::Fault::light:
+      stop(wall,
+           fmt::format("its servo has the mass {:.4g}: too little for the time step and what it touches",
+                       found->is),
+           fmt::format("give it at least {:.3g}, better four times that, or a smaller time.step",
+                       found->limit));
+      break;
+  }
 }
 
 void Simulation::close_books() {

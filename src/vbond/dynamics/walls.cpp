@@ -5,6 +5,8 @@
 #include <numbers>
 #include <utility>
 
+#include "vbond/model/contact_bound.hpp"
+
 namespace vbond {
 namespace {
 
@@ -25,8 +27,9 @@ Walls::Walls(const Model& model, const Stage& stage, const Bodies& bodies, std::
       forms_(touch_forms(model.contact)) {
   if (!any()) return;
   for (const WallDrive& d : stage.walls) drive_[d.index] = &d;
-  const double R_max =
-      model.radius.empty() ? 0.0 : *std::max_element(model.radius.begin(), model.radius.end());
+  double R_max = 0.0;
+  least_radius_ = std::numeric_limits<double>::infinity();
+  for (const double R : model.radius) R_max = std::max(R_max, R), least_radius_ = std::min(least_radius_, R);
   const std::size_t materials = std::max<std::size_t>(1, model.materials.size());
   for (const Wall& w : model.walls) {
     surfaces_.emplace_back(w.shape);
@@ -40,7 +43,8 @@ Walls::Walls(const Model& model, const Stage& stage, const Bodies& bodies, std::
   }
   skin_ = 0.4 * R_max;
   blocks_.resize(blocks);
-  for (OfBlock& b : blocks_) b.F.resize(walls_.size()), b.M.resize(walls_.size());
+  for (OfBlock& b : blocks_)
+    b.F.resize(walls_.size()), b.M.resize(walls_.size()), b.slopes.resize(walls_.size());
 }
 
 void Walls::read(const State& s) {
@@ -101,11 +105,11 @@ void Walls::prescribe(std::size_t w, double t, double dt) {
 void Walls::set_velocity(std::size_t w, std::int64_t stage_step, double dt) {
   const double t = static_cast<double>(stage_step) * dt;
   prescribe(w, t, dt);
-  if (drive_[w] == nullptr || !drive_[w]->servo) return;
+  if (!has_servo(w)) return;
   WallState& now = walls_[w];
   const WallDrive& d = *drive_[w];
-  const WallDrive::Servo& s =
-      *d.servo;  // a body that is pushed, against what presses on it: kicked from step to step
+  const WallDrive::Servo& s = *d.servo;
+  // a body that is pushed, against what presses on it: kicked from step to step
   const double h = stage_step == 0 ? 0.5 * dt : dt,
                force = s.factor(t) * s.force + dot(now.force, s.direction);
   now.servo = (now.servo + h / s.mass * force) / (1.0 + h / s.mass * s.damping);
@@ -131,11 +135,6 @@ void Walls::move(std::int64_t stage_step, double dt) {
   }
 }
 
-Vec3d Walls::at_start(std::uint32_t w, const Vec3d& r) const {
-  const Vec3d centre = model_.walls[w].centre;
-  return centre + rotate(conjugate(walls_[w].q), r - centre - walls_[w].displacement);
-}
-
 void Walls::refresh(const Team& team, double way) {
   if (!any()) return;
   room_ -= way;
@@ -150,6 +149,25 @@ void Walls::refresh(const Team& team, double way) {
       const double distance = norm(bodies_.pose[k].r - model_.walls[w].centre - walls_[w].displacement);
       if (std::isfinite(distance)) extent_ = std::max(extent_, distance + skin_);
     }
+}
+
+void Walls::look_at_drift(double dt, double way) {
+  fault_.reset();
+  if (!any()) return;
+  for (std::size_t w = 0; w < walls_.size(); ++w) {
+    const double of_wall = dt * (norm(walls_[w].velocity) + extent_ * norm(walls_[w].angular_velocity));
+    if (way + of_wall <= least_radius_ || !surfaces_[w].has_two_sides()) continue;
+    for (const ParticleId p : model_.radius.ids()) {
+      const std::size_t k = bodies_.order.row[p].value;
+      const double R = model_.radius[p];
+      const Vec3d r = bodies_.pose[k].r;
+      const double moved = dt * norm(bodies_.motion[k].v - velocity_at(walls_[w], model_.walls[w].centre, r));
+      if (!(moved > R) || !surfaces_[w].may_touch(at_start(static_cast<std::uint32_t>(w), r), R + moved))
+        continue;
+      fault_ = {Fault::fast, static_cast<std::uint32_t>(w), p, moved, R};
+      return;
+    }
+  }
 }
 
 /// Those that are still near keep what they remember.
@@ -207,8 +225,14 @@ double Walls::add_touches(OfBlock& block, Near& near, LoadRow& load, double dt) 
                                   touches);
   const TouchNumbers<double>& c = numbers(near);
   double dissipated = 0.0;
-  std::vector<Slot> before = std::exchange(near.slots, {});
+  std::vector<Slot>& before = block.slots;
+  before.clear();
+  std::swap(before, near.slots);
   for (const WallTouch& touch : touches) {
+    if (R * std::min(touch.curvature_1, touch.curvature_2) <= -1.0) {
+      block.fault = {Fault::too_wide, near.wall, bodies_.order.particle[Row{near.row}]};
+      continue;
+    }
     const Touching<double> p = touching(near, touch);
     const Vec3d normal = -p.n;
     auto same = before.end();
@@ -226,7 +250,12 @@ double Walls::add_touches(OfBlock& block, Near& near, LoadRow& load, double dt) 
       continue;
     }
     if (!(p.l_i > 0.0) || p.l_i < dt * dot(p.v, p.n))  // the centre was on the other side
-      block.passed = Passed{bodies_.order.particle[Row{near.row}], near.wall};
+      block.fault = {Fault::passed, near.wall, bodies_.order.particle[Row{near.row}]};
+    if (has_servo(near.wall)) {
+      const ContactSlopes slopes = contact_slopes(forms_, c, p.R, p.m, std::max(p.overlap, 0.0));
+      block.slopes[near.wall].k += std::max(slopes.normal, slopes.tangential);
+      block.slopes[near.wall].g += slopes.damping;
+    }
     const TouchLoads<double> l = vbond::touch(forms_, c, p, dt, touch_history(slot.history));
     load.F += l.F;
     load.M += p.l_i * cross(p.n, l.F) + l.M;
@@ -253,7 +282,8 @@ double Walls::add_loads(const Block& b, LoadRow* load, double dt) {
   OfBlock& block = blocks_[b.index];
   std::fill(block.F.begin(), block.F.end(), Vec3d{});
   std::fill(block.M.begin(), block.M.end(), Vec3d{});
-  block.passed.reset();
+  std::fill(block.slopes.begin(), block.slopes.end(), Slopes{});
+  block.fault.reset();
   double dissipated = 0.0;
   for (Near& near : block.near) dissipated += add_touches(block, near, load[near.row], dt);
   return dissipated;
@@ -270,8 +300,17 @@ double Walls::close(double dt) {
         -0.5 * dt * (dot(F + now.force, now.velocity) + dot(M + now.moment, now.angular_velocity));
     now.work += done;
     work += done;
+    if (dt > 0.0 && has_servo(w)) look_at_servo(w, dt);
   }
   return work;
+}
+
+/// A body of this mass between springs that are fixed at their other ends.
+void Walls::look_at_servo(std::size_t w, double dt) {
+  Slopes sum;
+  for (const OfBlock& b : blocks_) sum.k += b.slopes[w].k, sum.g += b.slopes[w].g;
+  const double mass = drive_[w]->servo->mass, least = 0.25 * sq(dt) * sum.k + 0.5 * dt * sum.g;
+  if (mass < least) fault_ = {Fault::light, static_cast<std::uint32_t>(w), {}, mass, least};
 }
 
 double Walls::energy() const {
@@ -297,10 +336,10 @@ double Walls::energy() const {
   return U;
 }
 
-std::optional<Walls::Passed> Walls::passed() const {
+std::optional<Walls::FaultyTouch> Walls::fault() const {
   for (const OfBlock& b : blocks_)
-    if (b.passed) return b.passed;
-  return std::nullopt;
+    if (b.fault) return b.fault;
+  return fault_;
 }
 
 }  // namespace vbond

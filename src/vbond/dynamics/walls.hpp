@@ -33,6 +33,9 @@ class Walls {
   /// Lists anew what is near which wall, if a particle or a wall may have moved by half the skin. way: the
   /// longest of a particle since the last call.  [length]
   void refresh(const Team& team, double way = std::numeric_limits<double>::infinity());
+  /// Looks for particles that moved so far in the step of dt just made, by `way` at most, that they may have
+  /// passed a wall that they touch neither before nor after it.
+  void look_at_drift(double dt, double way);
   /// Adds what walls do to the rows of a block, from poses and the motion of the half step before; dt = 0:
   /// between steps, nothing is remembered of it. Returns what is dissipated.
   double add_loads(const Block& block, LoadRow* load, double dt);
@@ -43,14 +46,26 @@ class Walls {
   double energy() const;
   const std::vector<WallState>& states() const { return walls_; }
 
-  /// A particle that has passed through a wall in the last step.
-  struct Passed {
-    ParticleId p;
-    std::uint32_t wall;
+  /// What ends a run.
+  enum class Fault : std::uint8_t {
+    passed,    ///< the particle's centre has come through the wall
+    fast,      ///< the particle moves by more than its radius in a step near the wall
+    too_wide,  ///< the particle is as large as the hollow wall that it touches, or larger
+    light      ///< the servo's mass is too small for what the wall touches
   };
-  std::optional<Passed> passed() const;
+  struct FaultyTouch {
+    Fault fault;
+    std::uint32_t wall;
+    ParticleId p;              ///< not of light
+    double is = 0, limit = 0;  ///< fast: way and radius [length]; light: mass and least mass [mass]
+  };
+  /// Of the last step.
+  std::optional<FaultyTouch> fault() const;
 
  private:
+  struct Slopes {
+    double k = 0, g = 0;  // [force/length], [force*time/length]
+  };
   struct Slot {
     Vec3d normal;
     PairHistory history{};
@@ -66,17 +81,23 @@ class Walls {
     std::vector<Near> near;
     std::vector<std::uint32_t> triangles;
     std::vector<WallTouch> touches;  // scratch
+    std::vector<Slot> slots;         // scratch
     std::vector<Vec3d> F, M;         // on each wall
-    std::optional<Passed> passed;
+    std::vector<Slopes> slopes;      // of its touches, of walls with servos
+    std::optional<FaultyTouch> fault;
   };
 
   void list(OfBlock& block, RowRange rows);
   Touching<double> touching(const Near& near, const WallTouch& touch) const;
   double add_touches(OfBlock& block, Near& near, LoadRow& load, double dt);
-  Vec3d at_start(std::uint32_t wall, const Vec3d& r) const;
+  Vec3d at_start(std::uint32_t wall, const Vec3d& r) const {
+    return vbond::at_start(model_.walls[wall], walls_[wall], r);
+  }
   const TouchNumbers<double>& numbers(const Near& near) const;
   void prescribe(std::size_t wall, double t, double dt);
   void set_velocity(std::size_t wall, std::int64_t stage_step, double dt);
+  bool has_servo(std::size_t wall) const { return drive_[wall] != nullptr && drive_[wall]->servo; }
+  void look_at_servo(std::size_t wall, double dt);
 
   const Model& model_;
   const Bodies& bodies_;
@@ -88,7 +109,9 @@ class Walls {
   double skin_ = 0, reach_ = 0;
   double room_ = 0;    // no particle or wall has moved half the skin before they have moved so far  [length]
   double extent_ = 0;  // no particle is farther from the centre of a wall  [length]
+  double least_radius_ = 0;  // [length]
   std::vector<OfBlock> blocks_;
+  std::optional<FaultyTouch> fault_;
 };
 
 }  // namespace vbond

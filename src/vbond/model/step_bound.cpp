@@ -4,9 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "vbond/model/contact_bound.hpp"
 #include "vbond/model/make_bond.hpp"
-#include "vbond/model/touching.hpp"
-#include "vbond/physics/contact.hpp"
 #include "vbond/physics/stability.hpp"
 
 namespace vbond {
@@ -88,102 +87,10 @@ double lambda_of_rule(const Model& model, const BondingRule& rule, std::string& 
   return lambda;
 }
 
-struct PresentContacts {
-  double overlap = 0.0;  ///< largest
-  double most = 1.0;     ///< of one particle, at least 1
-};
-
-PresentContacts present_contacts(const Model& model, const State& state) {
-  PresentContacts found;
-  PerParticle<double> n(model.particles(), 0.0);
-  for_touching_pairs(model, state, [&](ParticleId i, ParticleId j, double overlap) {
-    found.overlap = std::max(found.overlap, overlap);
-    n[i] += 1.0, n[j] += 1.0;
-  });
-  for (const double count : n) found.most = std::max(found.most, count);
-  return found;
-}
-
-/// Slope of the normal force, and of slip where that is larger in what it does to the step: a particle that
-/// rolls feels slip with (1/m + R^2/Theta).
-struct ContactSlopes {
-  double normal = 0, tangential = 0, damping = 0;  ///< [force/length], [force*time/length]
-};
-ContactSlopes slopes_of(const ContactModel& contact, const TouchNumbers<double>& numbers, double R, double m,
-                        double overlap) {
-  const TouchForms forms = touch_forms(contact);
-  TouchForms repulsion = forms;
-  repulsion.adhesion = AdhesionForm::none;
-  const NormalForce<double> n = normal_force(repulsion, numbers, R, overlap);
-  ContactSlopes to;
-  to.normal = (forms.normal == NormalForm::linear ? 1.0 : 1.5) * n.secant;
-  if (forms.tangential != TangentialForm::none) to.tangential = tangential_stiffness(forms, numbers, n.a);
-  to.damping = numbers.damping * std::sqrt(m * n.secant);
-  return to;
-}
-
-struct LargestOfContacts {
-  double lambda = 0.0;
-  ParticleId p;
-  std::uint32_t first = 0, second = 0;  ///< materials
-  /// For reports.
-  std::string source(const Model& model) const {
-    const std::string of = "contacts of particle " + std::to_string(p.value);
-    if (model.materials.empty()) return of;
-    return of + ", " + model.materials[first].name + " with " + model.materials[second].name;
-  }
-};
-
-/// A particle of the first material may touch a particle or a wall of the second.
-struct MaterialPair {
-  std::uint32_t first, second;
-  TouchNumbers<double> numbers;
-};
-std::vector<MaterialPair> pairs_that_may_meet(const Model& model) {
-  const std::size_t materials = std::max<std::size_t>(1, model.materials.size());
-  std::vector<char> of_particles(materials, 0), of_any(materials, 0);
-  for (const ParticleId p : model.mass.ids()) of_particles[model.material_of(p)] = 1;
-  if (particles_touch(model.contact)) of_any = of_particles;
-  for (const Wall& w : model.walls) of_any[w.material] = 1;
-  std::vector<MaterialPair> pairs;
-  for (std::uint32_t first = 0; first < materials; ++first)
-    for (std::uint32_t second = 0; second < materials; ++second)
-      if (of_particles[first] != 0 && of_any[second] != 0)
-        pairs.push_back({first, second, touch_numbers(model.contact, model.materials, first, second)});
-  return pairs;
-}
-
-/// Of the stiffest pair of materials with each particle against the largest: k_c (1/m_i + 1/m_j) <= 2/m_i
-/// times k_c, if i is the lighter one.
-LargestOfContacts largest_of_contacts(const Model& model, const State& state) {
-  const ContactModel& contact = model.contact;
-  if (contact.law == ContactLaw::none || model.particles() == 0) return {};
-  if (model.walls.empty() && (model.particles() < 2 || !particles_touch(contact))) return {};
-  const double R_max = *std::max_element(model.radius.begin(), model.radius.end());
-  if (!(R_max > 0.0)) return {};
-  const PresentContacts present = present_contacts(model, state);
-  const std::vector<MaterialPair> pairs = pairs_that_may_meet(model);
-  LargestOfContacts largest;
-  for (const ParticleId p : model.mass.ids()) {
-    const double R = model.radius[p], m = model.mass[p];
-    const double R_pair = model.walls.empty() ? R * R_max / (R + R_max) : R;
-    const double overlap = std::max(present.overlap, 0.1 * (R + R_max));
-    for (const auto& [first, second, n] : pairs) {
-      if (first != model.material_of(p)) continue;
-      const ContactSlopes s = slopes_of(contact, n, R_pair, m, overlap);
-      const double per_m = 2.0 / m, per_slip = 2.0 * (1.0 / m + sq(R) / model.inertia[p]);
-      const double elastic = std::max(s.normal * per_m, s.tangential * per_slip);
-      const double damping = std::max(per_m, s.tangential > 0.0 ? n.tangential_damping * per_slip : 0.0);
-      const double lambda = damped_bound(present.most * elastic, present.most * s.damping * damping);
-      if (lambda > largest.lambda) largest = {lambda, p, first, second};
-    }
-  }
-  return largest;
-}
-
 }  // namespace
 
-StepBound step_bound(const Model& model, const State& state, const std::vector<BondingRule>& rules) {
+StepBound step_bound(const Model& model, const State& state, const std::vector<BondingRule>& rules,
+                     const std::vector<WallDrive>& drives) {
   Largest largest = largest_of_bonds(model, state, bonds_of_particles(model, state, rules));
   for (const BondingRule& rule : rules) {
     std::string motion;
@@ -191,7 +98,7 @@ StepBound step_bound(const Model& model, const State& state, const std::vector<B
     if (!(lambda <= largest.lambda))
       largest = {lambda, std::nullopt, motion + " of a bond that \"" + rule.name + "\" may still make"};
   }
-  const LargestOfContacts contact = largest_of_contacts(model, state);
+  const ContactBound contact = contact_bound(model, state, drives);
   if (contact.lambda > 0.0) {
     const std::string source = contact.source(model);
     if (contact.lambda > largest.lambda) largest.bond.reset();

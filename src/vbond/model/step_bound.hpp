@@ -20,11 +20,16 @@ struct StepBound {
 /// critical step of the undeformed body, a few per cent below it. Each particle's mass is shared
 /// evenly among its n bonds.
 ///
-/// What is not there yet is estimated. Contacts: one more pair, an overlap of 10 % of the sum of the
-/// radii (the present largest, if that is more), the lightest particle twice against the largest; its
-/// lambda is added to that of the bonds, times the present number of contacts if a particle has
-/// several. Bonding rules: particles that a rule can bond count as having at least 12 bonds, and a
-/// bond as long as the rule's distance between the lightest of them is included.
-StepBound step_bound(const Model& model, const State& state, const std::vector<BondingRule>& rules = {});
+/// What is not there yet is estimated. Contacts: an overlap of 10 % of the sum of the radii (the present
+/// largest, if that is more), each particle against the largest and against each wall, as often as a particle
+/// has contacts now (contact_bound.hpp); their lambda is added to that of the bonds. Bonding rules: particles
+/// that a rule can bond count as having at least 12 bonds, and a bond as long as the rule's distance between
+/// the lightest of them is included.
+StepBound step_bound(const Model& model, const State& state, const std::vector<BondingRule>& rules = {},
+                     const std::vector<WallDrive>& drives = {});
+/// With the bonding rules and walls of a stage.
+inline StepBound step_bound(const Model& model, const State& state, const Stage& stage) {
+  return step_bound(model, state, stage.bonding, stage.walls);
+}
 
 }  // namespace vbond

@@ -64,6 +64,11 @@ struct WallState {
   friend bool operator==(const WallState&, const WallState&) = default;
 };
 
+/// Where a point in space would be if the wall stood as at the start.
+inline Vec3d at_start(const Wall& wall, const WallState& now, const Vec3d& r) {
+  return wall.centre + rotate(conjugate(now.q), r - wall.centre - now.displacement);
+}
+
 /// What a particle remembers of a place where it touches a wall.
 struct WallMemory {
   ParticleId p;

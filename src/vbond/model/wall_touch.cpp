@@ -77,6 +77,11 @@ WallSurface::WallSurface(const WallShape& shape)
                                    [](const auto& w) -> decltype(shape_) { return w; }},
                         shape)) {}
 
+bool WallSurface::has_two_sides() const {
+  if (const auto* cylinder = std::get_if<CylinderWall>(&shape_)) return std::isfinite(cylinder->length);
+  return is_mesh() || std::holds_alternative<DiscWall>(shape_);
+}
+
 bool WallSurface::may_touch(const Vec3d& centre, double reach) const {
   return std::visit(Overloaded{[&](const MeshSurface& mesh) { return mesh.may_touch(centre, reach); },
                                [&](const auto& w) { return touch(w, centre).distance < reach; }},

@@ -36,6 +36,8 @@ class WallSurface {
                   std::vector<WallTouch>& out) const;
 
   bool is_mesh() const { return std::holds_alternative<MeshSurface>(shape_); }
+  /// Whether both sides are felt: nothing tells that a particle behind it has come through.
+  bool has_two_sides() const;
 
  private:
   std::variant<PlaneWall, DiscWall, CylinderWall, SphereWall, MeshSurface> shape_;

@@ -1,0 +1,181 @@
+#include "vbond/model/contact_bound.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "vbond/core/bounding_box.hpp"
+#include "vbond/model/touching.hpp"
+#include "vbond/model/wall_touch.hpp"
+#include "vbond/physics/stability.hpp"
+
+namespace vbond {
+namespace {
+
+constexpr double part_of_overlap = 0.1;  // of the sum of two radii, which contacts to come may reach
+
+/// A wall as the step bound sees it.
+struct BoundWall {
+  WallSurface surface;
+  std::uint32_t material;
+  double touches = 0;   ///< now
+  double per_mass = 0;  ///< of a servo's, for one of its touches  [1/mass]
+};
+
+struct PresentContacts {
+  double overlap = 0.0;  ///< largest
+  double most = 1.0;     ///< of one particle, at least 1
+};
+
+PresentContacts present_contacts(const Model& model, const State& state, std::vector<BoundWall>& walls) {
+  PresentContacts found;
+  PerParticle<double> n(model.particles(), 0.0);
+  for_touching_pairs(model, state, [&](ParticleId i, ParticleId j, double overlap) {
+    found.overlap = std::max(found.overlap, overlap);
+    n[i] += 1.0, n[j] += 1.0;
+  });
+  std::vector<WallTouch> touches;
+  for (std::size_t w = 0; w < walls.size(); ++w)
+    for (const ParticleId p : model.radius.ids()) {
+      const double R = model.radius[p];
+      Vec3d r = state.r[p];
+      if (w < state.walls.size()) r = at_start(model.walls[w], state.walls[w], r);
+      if (!walls[w].surface.may_touch(r, R)) continue;
+      touches.clear();
+      walls[w].surface.touches(r, R, touches);
+      for (const WallTouch& t : touches) found.overlap = std::max(found.overlap, R - t.distance);
+      n[p] += static_cast<double>(touches.size());
+      walls[w].touches += static_cast<double>(touches.size());
+    }
+  for (const double count : n) found.most = std::max(found.most, count);
+  return found;
+}
+
+/// Particles that may touch a wall at once as it comes along a direction: one layer of them, closely packed
+/// in squares over the shadow of the body.
+double particles_of_a_layer(const Model& model, const State& state, const Vec3d& direction) {
+  const double n = static_cast<double>(model.particles());
+  const double R = std::accumulate(model.radius.begin(), model.radius.end(), 0.0) / n;
+  const BoundingBox box = box_around(state.r);
+  const Vec3d size = box.high - box.low + Vec3d{2.0 * R, 2.0 * R, 2.0 * R};
+  const double shadow = std::abs(direction.x) * size.y * size.z + std::abs(direction.y) * size.z * size.x +
+                        std::abs(direction.z) * size.x * size.y;
+  return std::clamp(shadow / (4.0 * R * R), 1.0, n);
+}
+
+std::vector<BoundWall> bound_walls(const Model& model) {
+  std::vector<BoundWall> walls;
+  for (const Wall& w : model.walls) walls.push_back({WallSurface(w.shape), w.material});
+  return walls;
+}
+
+void share_masses(const Model& model, const State& state, const std::vector<WallDrive>& drives,
+                  std::vector<BoundWall>& walls) {
+  for (const WallDrive& d : drives)
+    if (d.servo)
+      walls[d.index].per_mass =
+          std::max(walls[d.index].touches, particles_of_a_layer(model, state, d.servo->direction)) /
+          d.servo->mass;
+}
+
+/// The radius R* of a particle that touches a wall, the stiffest there is: hollow walls are larger than flat
+/// ones.
+double radius_at_wall(const WallShape& shape, double R) {
+  double curvature_1 = 0.0, curvature_2 = 0.0;
+  if (const auto* cylinder = std::get_if<CylinderWall>(&shape);
+      cylinder && (cylinder->side == WallSide::inside || std::isfinite(cylinder->length)))
+    curvature_1 = -1.0 / cylinder->radius;
+  if (const auto* sphere = std::get_if<SphereWall>(&shape); sphere && sphere->side == WallSide::inside)
+    curvature_1 = curvature_2 = -1.0 / sphere->radius;
+  const WallTouch hollow{{}, 0.0, curvature_1, curvature_2};
+  return R * curvature_1 > -1.0 ? effective_radius(R, hollow) : R;  // larger particles stay outside
+}
+
+/// One kind of touch that a particle of the first material may have.
+struct PossibleTouch {
+  std::uint32_t first, second;
+  TouchNumbers<double> numbers;
+  std::optional<std::size_t> wall;
+};
+
+std::vector<PossibleTouch> possible_touches(const Model& model) {
+  const auto materials = static_cast<std::uint32_t>(std::max<std::size_t>(1, model.materials.size()));
+  std::vector<char> of_particles(materials, 0);
+  for (const ParticleId p : model.mass.ids()) of_particles[model.material_of(p)] = 1;
+  std::vector<PossibleTouch> all;
+  const auto add = [&](std::uint32_t first, std::uint32_t second, std::optional<std::size_t> wall) {
+    all.push_back({first, second, touch_numbers(model.contact, model.materials, first, second), wall});
+  };
+  for (std::uint32_t first = 0; first < materials; ++first) {
+    if (of_particles[first] == 0) continue;
+    for (std::uint32_t second = 0; second < materials; ++second)
+      if (particles_touch(model.contact) && model.particles() > 1 && of_particles[second] != 0)
+        add(first, second, std::nullopt);
+    for (std::size_t w = 0; w < model.walls.size(); ++w) add(first, model.walls[w].material, w);
+  }
+  return all;
+}
+
+}  // namespace
+
+ContactSlopes contact_slopes(const TouchForms& forms, const TouchNumbers<double>& numbers, double R, double m,
+                             double overlap) {
+  TouchForms repulsion = forms;
+  repulsion.adhesion = AdhesionForm::none;
+  const NormalForce<double> n = normal_force(repulsion, numbers, R, overlap);
+  ContactSlopes to;
+  to.normal = (forms.normal == NormalForm::linear ? 1.0 : 1.5) * n.secant;
+  if (forms.tangential != TangentialForm::none) to.tangential = tangential_stiffness(forms, numbers, n.a);
+  if (forms.rolling == RollingForm::spring)
+    to.rolling = numbers.rolling_stiffness > 0.0 ? numbers.rolling_stiffness : to.tangential * sq(R);
+  to.damping = numbers.damping * std::sqrt(m * n.secant);
+  return to;
+}
+
+std::string ContactBound::source(const Model& model) const {
+  std::string of = "contacts of particle " + std::to_string(p.value);
+  if (wall) of += " and others with wall \"" + model.walls[*wall].name + "\", by the mass of its servo";
+  if (model.materials.empty()) return of;
+  return of + ", " + model.materials[first].name + " with " + model.materials[second].name;
+}
+
+ContactBound contact_bound(const Model& model, const State& state, const std::vector<WallDrive>& drives) {
+  if (model.contact.law == ContactLaw::none || model.particles() == 0) return {};
+  const double R_max = *std::max_element(model.radius.begin(), model.radius.end());
+  if (!(R_max > 0.0)) return {};
+  const std::vector<PossibleTouch> touches = possible_touches(model);
+  if (touches.empty()) return {};
+  std::vector<BoundWall> walls = bound_walls(model);
+  const PresentContacts present = present_contacts(model, state, walls);
+  share_masses(model, state, drives, walls);
+
+  const TouchForms forms = touch_forms(model.contact);
+  ContactBound largest;
+  for (const ParticleId p : model.mass.ids()) {
+    const double R = model.radius[p], m = model.mass[p], per_Theta = 2.0 / model.inertia[p];
+    const double overlap = std::max(present.overlap, part_of_overlap * (R + R_max));
+    for (const PossibleTouch& t : touches) {
+      if (t.first != model.material_of(p)) continue;
+      const double R_pair = t.wall ? radius_at_wall(model.walls[*t.wall].shape, R) : R * R_max / (R + R_max);
+      const ContactSlopes s = contact_slopes(forms, t.numbers, R_pair, m, overlap);
+      const double per_wall = t.wall ? walls[*t.wall].per_mass : 0.0;
+      const double per_m = 2.0 / m, per_slip = per_m + sq(R) * per_Theta;
+      const auto lambda = [&](double share_of_wall) {  // of each of the particle's contacts
+        const double n = present.most;
+        const double elastic =
+            std::max(s.normal * (n * per_m + share_of_wall),
+                     s.tangential * (n * per_slip + share_of_wall) + s.rolling * n * per_Theta);
+        const double c_t = s.tangential > 0.0 ? t.numbers.tangential_damping : 0.0;
+        return damped_bound(
+            elastic, s.damping * std::max(n * per_m + share_of_wall, c_t * (n * per_slip + share_of_wall)));
+      };
+      const double of_this = lambda(per_wall);
+      if (!(of_this > largest.lambda)) continue;
+      largest = {of_this, p, t.first, t.second, {}};
+      if (of_this > 2.0 * lambda(0.0)) largest.wall = t.wall;
+    }
+  }
+  return largest;
+}
+
+}  // namespace vbond

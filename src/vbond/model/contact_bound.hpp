@@ -1,0 +1,35 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "vbond/model/model.hpp"
+#include "vbond/model/state.hpp"
+#include "vbond/model/wall.hpp"
+
+namespace vbond {
+
+/// What contacts, present and to come, add to the largest squared frequency of a body, and which of them.
+struct ContactBound {
+  double lambda = 0.0;                           ///< [1/time^2]
+  ParticleId p;                                  ///< the particle
+  std::uint32_t first = 0, second = 0;           ///< materials
+  std::optional<std::size_t> wall;               ///< the wall with a servo that it touches, if that counts
+  std::string source(const Model& model) const;  ///< for reports
+};
+
+/// docs/contacts.md has the formulas.
+ContactBound contact_bound(const Model& model, const State& state, const std::vector<WallDrive>& drives);
+
+/// Slopes of the forces of a contact: what a step bound goes by.
+struct ContactSlopes {
+  double normal = 0, tangential = 0;  ///< [force/length]
+  double rolling = 0;                 ///< [force*length]
+  double damping = 0;                 ///< along the normal  [force*time/length]
+};
+/// R, m: effective ones of the pair.
+ContactSlopes contact_slopes(const TouchForms& forms, const TouchNumbers<double>& numbers, double R, double m,
+                             double overlap);
+
+}  // namespace vbond
