@@ -116,8 +116,7 @@ TEST(StepBound, BondingRulesLeaveRoomForBondsToCome) {
   const Stage s = build_stage(c, b.model, 0, b.state);
   const double lambda = 4.0 / (s.critical * s.critical);
   EXPECT_NEAR(lambda, 24.0, 1e-12);
-  EXPECT_TRUE(
-      contains(step_bound(b.model, b.state, s).source, '"' + c.bonds[0].name + "\" may still make"));
+  EXPECT_TRUE(contains(step_bound(b.model, b.state, s).source, '"' + c.bonds[0].name + "\" may still make"));
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "random_pose.hpp"
-#include "vbond/core/near_pairs.hpp"
+#include "vbond/core/sized_points.hpp"
 
 namespace vbond {
 namespace {
@@ -43,6 +43,32 @@ RC_GTEST_PROP(NearPairs, AreThoseOfBruteForce, (unsigned seed)) {
     r.push_back(corner + Vec3d{u.x * box.x, u.y * box.y, u.z * box.z});
   }
   RC_ASSERT(by_cells(r, 1.0) == by_brute_force(r, 1.0));
+}
+
+// Sizes from equal to 1 : 1000, of a few classes and of all: in compact bodies and in thin clouds.
+RC_GTEST_PROP(SizedPoints, FindThePairsOfBruteForceOnce, (unsigned seed)) {
+  testing::PoseSource random(seed);
+  const double spread = random.uniform(0.0, 3.0), width = std::pow(10.0, random.uniform(-1.0, 2.0));
+  const Vec3d corner = std::pow(10.0, random.uniform(0.0, 4.0)) * random.vector(1.0);
+  const std::size_t n = 1 + static_cast<std::size_t>(random.uniform(0.0, 300.0));
+  const bool two_sizes = random.uniform(0.0, 1.0) < 0.3;
+  std::vector<Vec3d> r;
+  std::vector<double> size;
+  for (std::size_t k = 0; k < n; ++k) {
+    const double u = random.uniform(0.0, 1.0);
+    r.push_back(corner + random.vector(width));
+    size.push_back(std::pow(10.0, -spread * (two_sizes ? std::round(u) : u)));
+    if (random.uniform(0.0, 1.0) < 0.02) size.back() = 0.0;
+  }
+  Pairs found, expected;
+  for_overlapping_pairs(r, size, [&](std::size_t i, std::size_t j, double d2) {
+    RC_ASSERT(d2 == norm2(r[j] - r[i]));
+    found.insert({i, j});
+  });
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = i + 1; j < n; ++j)
+      if (norm2(r[j] - r[i]) < sq(size[i] + size[j])) expected.insert({i, j});
+  RC_ASSERT(found == expected);
 }
 
 // A lattice is all ties: neighbours at exactly the distance, on the faces of cells.

@@ -61,7 +61,7 @@ RC_GTEST_PROP(NeighbourList, NeverMissesAPair, (unsigned seed, bool equal)) {
   PerRow<double> R;
   std::vector<Vec3d> r;
   for (int k = 0; k < 60; ++k) {
-    R.push_back(equal ? R_max : random.uniform(0.3, 1.0) * R_max);
+    R.push_back(equal ? R_max : std::pow(random.uniform(0.2, 1.0), 2.0) * R_max);
     r.push_back(random.vector(box));
   }
   std::vector<PoseRow> pose = poses_at(r);

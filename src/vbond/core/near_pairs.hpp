@@ -32,16 +32,18 @@ class CellGrid {
  public:
   struct Point {
     Vec3d r;
-    std::size_t i;  ///< its place among the positions
+    std::size_t i;  ///< its place among the positions, or its name
   };
 
   CellGrid() = default;
   CellGrid(std::span<const Vec3d> positions, double distance) { sort(positions, distance); }
 
   /// Sorts fewer than 2^28 finite positions; cells are a little wider than `distance` >= 0. The result does
-  /// not depend on the workers. Memory is kept from one call to the next.
+  /// not depend on the workers. Memory is kept from one call to the next. names: of the points, in place of
+  /// their numbers; empty or one each.
   template <class Workers = OneWorker>
-  void sort(std::span<const Vec3d> positions, double distance, const Workers& workers = {}) {
+  void sort(std::span<const Vec3d> positions, double distance, const Workers& workers = {},
+            std::span<const std::size_t> names = {}) {
     const std::size_t n = positions.size(), shares = workers.count();
     std::vector<BoundingBox> box(shares);
     workers.for_each([&](std::size_t k) {
@@ -77,7 +79,8 @@ class CellGrid {
       std::uint32_t last = points[k];
       for (std::size_t e = begin; e < end; ++e) first_[e] = last += first_[e];
       for (std::size_t i = n; i-- > 0;)
-        if (entry_[i] - begin < end - begin) points_[--first_[entry_[i]]] = {positions[i], i};
+        if (entry_[i] - begin < end - begin)
+          points_[--first_[entry_[i]]] = {positions[i], names.empty() ? i : names[i]};
     });
   }
 
@@ -85,11 +88,49 @@ class CellGrid {
   /// position i, itself among them, each once, and others.
   template <class Scan>
   void scan_near(std::size_t i, Scan&& scan) const {
+    scan_around(entry_[i], scan);
+  }
+  /// The same for any finite point in space.
+  template <class Scan>
+  void scan_near(const Vec3d& r, Scan&& scan) const {
+    scan_around(entry(cell_of(r)), scan);
+  }
+  /// The same for all points within `reach` >= 0 of a finite point in space, which may be many cells.
+  template <class Scan>
+  void scan_within(const Vec3d& r, double reach, Scan&& scan) const {
+    const Vec3d d{reach, reach, reach};
+    const Cell low = clamped(cell_of(r - d)), high = clamped(cell_of(r + d));
+    const auto cells = [](std::int64_t from, std::int64_t to) { return static_cast<double>(to - from + 1); };
+    const double count = cells(low.x, high.x) * cells(low.y, high.y) * cells(low.z, high.z);
+    const Point* const p = points_.data();
+    if (count > static_cast<double>(in_use_)) return scan(p, p + points_.size());
+    for (std::int64_t z = low.z; z <= high.z; ++z)
+      for (std::int64_t y = low.y; y <= high.y; ++y) {
+        if (own_entries_) {
+          const std::uint32_t from = entry({low.x, y, z});
+          scan(p + first_[from], p + first_[from + static_cast<std::size_t>(high.x - low.x) + 1]);
+          continue;
+        }
+        for (std::int64_t x = low.x; x <= high.x; ++x) {  // cells may share entries
+          const std::uint32_t from = entry({x, y, z});
+          for (const Point* q = p + first_[from]; q != p + first_[from + 1]; ++q)
+            if (cell_of(q->r) == Cell{x, y, z}) scan(q, q + 1);
+        }
+      }
+  }
+
+ private:
+  struct Cell {
+    std::int64_t x, y, z;
+    friend bool operator==(const Cell&, const Cell&) = default;
+  };
+
+  template <class Scan>
+  void scan_around(std::uint32_t at, Scan&& scan) const {
     const Point* const p = points_.data();
     for (std::uint32_t z = 0; z < 3; ++z)
       for (std::uint32_t y = 0; y < 3; ++y) {
-        const std::size_t from = (entry_[i] - 1 + stride_y_ * (y - 1) + stride_z_ * (z - 1)) & mask_,
-                          to = from + 3;
+        const std::size_t from = (at - 1 + stride_y_ * (y - 1) + stride_z_ * (z - 1)) & mask_, to = from + 3;
         if (to < first_.size()) {  // three cells next to each other along x are neighbours in the table
           scan(p + first_[from], p + first_[to]);
         } else {
@@ -99,10 +140,12 @@ class CellGrid {
       }
   }
 
- private:
-  struct Cell {
-    std::int64_t x, y, z;
-  };
+  /// To the cells of the body, if each has its own entry: beside it there are no points.
+  Cell clamped(const Cell& c) const {
+    if (!own_entries_) return c;
+    return {std::clamp<std::int64_t>(c.x, 0, cells_.x - 1), std::clamp<std::int64_t>(c.y, 0, cells_.y - 1),
+            std::clamp<std::int64_t>(c.z, 0, cells_.z - 1)};
+  }
   /// To either side of the origin; what is farther out shares the last cell.
   static constexpr double most_cells = 0x1p40;
 
@@ -135,7 +178,9 @@ class CellGrid {
   void choose_strides(const Vec3d& extent, double points) {
     const auto cells = [this](double x) { return std::max(std::floor(x / width_) + 2.0, 5.0); };
     const double nx = cells(extent.x), ny = cells(extent.y), nz = cells(extent.z);
-    if (nx * ny * nz <= 8.0 * points) {  // a compact body: every cell has its own entry, in order
+    own_entries_ = nx * ny * nz <= 8.0 * points;
+    if (own_entries_) {  // a compact body, entries in order
+      cells_ = {static_cast<std::int64_t>(nx), static_cast<std::int64_t>(ny), static_cast<std::int64_t>(nz)};
       stride_y_ = static_cast<std::uint32_t>(nx);
       stride_z_ = static_cast<std::uint32_t>(nx * ny);
       in_use_ = static_cast<std::size_t>(nx * ny * nz);
@@ -156,6 +201,8 @@ class CellGrid {
   double width_ = 1.0;
   Vec3d origin_;
   std::uint32_t stride_y_ = 0, stride_z_ = 0, mask_ = 0;
+  bool own_entries_ = false;          // every cell of the body has one
+  Cell cells_{};                      // if so: how many
   std::size_t in_use_ = 0;            // entries below which nearly all points are
   std::vector<std::uint32_t> entry_;  // of each position
   std::vector<std::uint32_t> first_;  // of each entry of the table, into points_

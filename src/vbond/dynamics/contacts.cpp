@@ -1,6 +1,7 @@
 #include "vbond/dynamics/contacts.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 namespace vbond {
@@ -35,7 +36,11 @@ Contacts::Contacts(const Model& model, const Order& order, const BondIndex& inde
       return std::remove_if(first, last,
                             [&, p = order.particle[i]](Row j) { return index.bonded(p, order.particle[j]); });
     };
-  const double skin = 0.4 * R_max;  // a fifth of the reach: rebuilds are rare, lists stay short
+  // For equal radii a fifth of the reach: rebuilds are rare, lists stay short. Where sizes differ small
+  // particles are many, and a skin of the large ones would fill their lists.
+  const double R_mean =
+      std::accumulate(radius_.begin(), radius_.end(), 0.0) / static_cast<double>(radius_.size());
+  const double skin = 0.4 * R_mean;
   PerRow<double> reaching = radius_;
   if (touches_)
     for (const Row k : reaching.ids()) reaching[k] += 0.5 * touches_->reach();
@@ -45,7 +50,7 @@ Contacts::Contacts(const Model& model, const Order& order, const BondIndex& inde
 void Contacts::refresh(std::span<const PoseRow> pose, const Team& team, double way) {
   if (!list_) return;
   const bool anew = list_->refresh(pose, team, way);
-  if (touches_ && (anew || pairs_added_)) touches_->list(*list_);
+  if (touches_ && (anew || pairs_added_)) touches_->list(*list_, team);
   pairs_added_ = false;
 }
 

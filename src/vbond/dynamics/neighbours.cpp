@@ -24,6 +24,7 @@ NeighbourList::NeighbourList(PerRow<double> radius, double skin, Keep keep)
   const auto [min, max] = std::minmax_element(radius_.begin(), radius_.end());
   max_radius_ = radius_.empty() ? 0.0 : *max;
   equal_radii_ = radius_.empty() || *min == *max;
+  grid_ = SizedPoints(radius_.values(), skin);
 }
 
 bool NeighbourList::refresh(std::span<const PoseRow> pose, const Team& team, double way,
@@ -90,10 +91,8 @@ void NeighbourList::rebuild(std::span<const PoseRow> pose, const Team& team) {
     room_ = 0.0;
     return;
   }
-  const double largest_reach = 2.0 * max_radius_ + skin_;
-  grid_.sort(r_built_, largest_reach, Workers{team});
-  team.for_parts(
-      [&](const Part& part) { find_near(rows_of(part), largest_reach, of_part_[part.index].near); });
+  grid_.sort(r_built_, Workers{team});
+  team.for_parts([&](const Part& part) { find_near(rows_of(part), of_part_[part.index].near); });
   std::size_t all = 0;
   for (const Part& part : team.parts()) {
     of_part_[part.index].before = all;
@@ -107,11 +106,11 @@ void NeighbourList::rebuild(std::span<const PoseRow> pose, const Team& team) {
 }
 
 /// Fills `near` row by row, in no order, up to near_end_[i] for row i.
-void NeighbourList::find_near(RowRange rows, double largest_reach, std::vector<Row>& near) {
-  const double limit = sq(largest_reach);
+void NeighbourList::find_near(RowRange rows, std::vector<Row>& near) {
   std::size_t end = 0;
   for (std::size_t i = rows.first; i < rows.last; ++i) {
     const Vec3d r_i = r_built_[i];
+    const double limit = sq(radius_[Row{i}] + max_radius_ + skin_);  // the own reach of each pair comes below
     const std::size_t begin = end;
     grid_.scan_near(i, [&](const CellGrid::Point* first, const CellGrid::Point* last) {
       const std::size_t most = end + static_cast<std::size_t>(last - first);

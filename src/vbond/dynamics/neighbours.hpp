@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "vbond/core/near_pairs.hpp"
+#include "vbond/core/sized_points.hpp"
 #include "vbond/dynamics/contact_kernel.hpp"
 #include "vbond/dynamics/rows.hpp"
 #include "vbond/dynamics/team.hpp"
@@ -64,7 +64,7 @@ class NeighbourList {
 
   bool stale(std::span<const PoseRow> pose, const Team& team);
   void rebuild(std::span<const PoseRow> pose, const Team& team);
-  void find_near(RowRange rows, double largest_reach, std::vector<Row>& near);
+  void find_near(RowRange rows, std::vector<Row>& near);
   void sort_found(const Team& team, const Part& part);
   RowRange rows_of(const Part& part) const;
   void add_to(Row i, Row j);
@@ -81,7 +81,7 @@ class NeighbourList {
   std::int64_t rebuilds_ = 0;
 
   // Used by a rebuild only, kept for its memory.
-  CellGrid grid_;
+  SizedPoints grid_;
   std::vector<OfPart> of_part_;
   std::vector<std::size_t> near_end_;  // of each row, in what its part has found
 };

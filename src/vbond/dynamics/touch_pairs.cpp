@@ -1,6 +1,7 @@
 #include "vbond/dynamics/touch_pairs.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 namespace vbond {
@@ -55,7 +56,11 @@ PairHistory seen_from_the_other(PairHistory h) {
 }  // namespace
 
 TouchPairs::TouchPairs(const Model& model, const Order& order, const StepKernel& kernel)
-    : order_(order), kernel_(kernel), forms_(touch_forms(model.contact)), start_(model.particles() + 1, 0) {
+    : order_(order),
+      kernel_(kernel),
+      forms_(touch_forms(model.contact)),
+      start_(model.particles() + 1, 0),
+      old_start_(start_) {
   double R_max = 0.0;
   for (const ParticleId p : order.particle) {
     row_.push_back({model.radius[p], 1.0 / model.mass[p], 1.0 / model.inertia[p]});
@@ -95,37 +100,47 @@ std::size_t TouchPairs::place(Row i, Row j) const {
   return at != last && *at == j ? static_cast<std::size_t>(at - second_.begin()) : pairs();
 }
 
-void TouchPairs::list(const NeighbourList& near) {
+void TouchPairs::list(const NeighbourList& near, const Team& team) {
   const std::size_t n = row_.size();
-  std::vector<std::size_t> start(n + 1, 0);
-  std::vector<Row> second;
-  second.reserve(near.places() / 2);
-  all_start_.assign(n + 1, 0);
-  for (std::size_t i = 0; i < n; ++i) {
+  const auto for_rows = [&](auto work) {
+    team.for_parts([&](const Part& part) {
+      for (std::size_t i = part.rows.first; i < std::min(part.rows.last, n); ++i) work(i);
+    });
+  };
+  const auto above = [&near](std::size_t i) {  // both lists are sorted
     const std::span<const Row> of_i = near.of(Row{i});
-    const auto above = std::upper_bound(of_i.begin(), of_i.end(), Row{i});
-    second.insert(second.end(), above, of_i.end());
-    start[i + 1] = second.size();
-    all_start_[i + 1] = all_start_[i] + of_i.size();
-  }
-  std::vector<HistoryRow> history(second.size());
-  for (std::size_t i = 0; i < n; ++i)  // both are sorted
-    for (std::size_t k = start[i], old = start_[i]; k < start[i + 1]; ++k) {
-      while (old < start_[i + 1] && second_[old] < second[k]) ++old;
-      if (old < start_[i + 1] && second_[old] == second[k]) history[k] = history_[old];
+    return of_i.last(
+        static_cast<std::size_t>(of_i.end() - std::upper_bound(of_i.begin(), of_i.end(), Row{i})));
+  };
+  std::swap(start_, old_start_);
+  std::swap(second_, old_second_);
+  std::swap(history_, old_history_);
+  start_.assign(n + 1, 0);
+  all_start_.assign(n + 1, 0);
+  for_rows([&](std::size_t i) {
+    start_[i + 1] = above(i).size();
+    all_start_[i + 1] = near.of(Row{i}).size();
+  });
+  std::inclusive_scan(start_.begin(), start_.end(), start_.begin());
+  std::inclusive_scan(all_start_.begin(), all_start_.end(), all_start_.begin());
+  second_.resize(start_[n]);
+  history_.resize(start_[n]);
+  load_.resize(start_[n]);
+  touching_.assign(start_[n], 0);
+  all_.resize(all_start_[n]);
+  for_rows([&](std::size_t i) {
+    std::size_t k = start_[i], old = old_start_[i];
+    for (const Row j : above(i)) {
+      while (old < old_start_[i + 1] && old_second_[old] < j) ++old;
+      const bool was_near = old < old_start_[i + 1] && old_second_[old] == j;
+      history_[k] = was_near ? old_history_[old] : HistoryRow{};
+      second_[k++] = j;
     }
-  start_ = std::move(start);
-  second_ = std::move(second);
-  history_ = std::move(history);
-  load_.assign(second_.size(), {});
-  touching_.assign(second_.size(), 0);
-
-  all_.resize(all_start_[n]);  // the lower rows first, in order, as pairs are gone through in theirs
-  std::vector<std::size_t> next(all_start_.begin(), all_start_.end() - 1);
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t k = start_[i]; k < start_[i + 1]; ++k) all_[next[second_[k].value]++] = 2 * k + 1;
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t k = start_[i]; k < start_[i + 1]; ++k) all_[next[i]++] = 2 * k;
+  });
+  for_rows([&](std::size_t i) {  // lower rows first, in order, as pairs are gone through in theirs
+    std::size_t e = all_start_[i], own = start_[i];
+    for (const Row j : near.of(Row{i})) all_[e++] = j.value < i ? 2 * place(j, Row{i}) + 1 : 2 * own++;
+  });
 }
 
 TouchSums TouchPairs::work_out(RowRange rows, const Bodies& b, double dt) {

@@ -6,6 +6,7 @@
 #include "vbond/dynamics/bodies.hpp"
 #include "vbond/dynamics/kernel.hpp"
 #include "vbond/dynamics/neighbours.hpp"
+#include "vbond/dynamics/team.hpp"
 #include "vbond/model/model.hpp"
 
 namespace vbond {
@@ -23,7 +24,7 @@ class TouchPairs {
   /// The farthest that particles hold on to each other beyond touching.  [length]
   double reach() const { return reach_; }
   /// Takes over what is near what. Pairs that stay keep what they remember.
-  void list(const NeighbourList& near);
+  void list(const NeighbourList& near, const Team& team);
   /// The loads of the pairs of these rows, as TouchLoop.
   TouchSums work_out(RowRange rows, const Bodies& bodies, double dt);
   /// Adds them to these rows, once all pairs are worked out.
@@ -64,6 +65,10 @@ class TouchPairs {
   std::vector<std::uint8_t> touching_;
   std::vector<std::size_t> all_start_;  // of each row, in all its pairs
   std::vector<std::size_t> all_;        // 2 times the pair, and 1 where the row is its second
+  // Before the last listing, kept for their memory.
+  std::vector<std::size_t> old_start_;
+  std::vector<Row> old_second_;
+  std::vector<HistoryRow> old_history_;
 };
 
 }  // namespace vbond

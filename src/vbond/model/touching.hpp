@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <unordered_set>
 
-#include "vbond/core/near_pairs.hpp"
+#include "vbond/core/sized_points.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
 
@@ -15,18 +15,17 @@ namespace vbond {
 template <class Visit>
 void for_touching_pairs(const Model& model, const State& state, Visit&& visit) {
   if (!particles_touch(model.contact) || model.particles() < 2) return;
-  const double R_max = *std::max_element(model.radius.begin(), model.radius.end());
-  if (!(R_max > 0.0)) return;
   const auto key = [](std::uint64_t i, std::uint64_t j) { return std::min(i, j) << 32 | std::max(i, j); };
   std::unordered_set<std::uint64_t> exempt;
   if (model.contact.pairs == ContactPairs::unbonded)
     for (const Bond& b : state.bonds)
       if (!b.broken) exempt.insert(key(b.i.value, b.j.value));
-  for_near_pairs(state.r.values(), 2.0 * R_max, [&](std::size_t i, std::size_t j, double distance2) {
-    const ParticleId p{i}, q{j};
-    const double overlap = model.radius[p] + model.radius[q] - std::sqrt(distance2);
-    if (overlap > 0.0 && exempt.count(key(i, j)) == 0) visit(p, q, overlap);
-  });
+  for_overlapping_pairs(state.r.values(), model.radius.values(),
+                        [&](std::size_t i, std::size_t j, double d2) {
+                          const ParticleId p{i}, q{j};
+                          if (exempt.count(key(i, j)) == 0)
+                            visit(p, q, model.radius[p] + model.radius[q] - std::sqrt(d2));
+                        });
 }
 
 }  // namespace vbond

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "vbond/core/error.hpp"
-#include "vbond/core/near_pairs.hpp"
+#include "vbond/core/sized_points.hpp"
 #include "vbond/observe/bond_look.hpp"
 
 namespace vbond {
@@ -92,9 +92,7 @@ struct Overlap {
 std::vector<Overlap> new_overlaps(const Model& m, const State& s, double part) {
   std::vector<Overlap> found;
   if (m.particles() < 2) return found;
-  const double R_max = *std::max_element(m.radius.begin(), m.radius.end());
-  if (!(R_max > 0.0)) return found;
-  for_near_pairs(s.r.values(), 2.0 * R_max, [&](std::size_t a, std::size_t b, double distance2) {
+  for_overlapping_pairs(s.r.values(), m.radius.values(), [&](std::size_t a, std::size_t b, double distance2) {
     const ParticleId i{a}, j{b};
     const double R_i = m.radius[i], R_j = m.radius[j], allowed = part * std::min(R_i, R_j);
     const double depth = R_i + R_j - std::sqrt(distance2);
