@@ -24,7 +24,7 @@ struct BoundWall {
 
 struct PresentContacts {
   double overlap = 0.0;  ///< largest
-  double most = 1.0;     ///< of one particle, at least 1
+  double most = 0.0;     ///< of one particle
 };
 
 PresentContacts present_contacts(const Model& model, const State& state, std::vector<BoundWall>& walls) {
@@ -151,30 +151,27 @@ ContactBound contact_bound(const Model& model, const State& state, const std::ve
 
   const TouchForms forms = touch_forms(model.contact);
   ContactBound largest;
-  for (const ParticleId p : model.mass.ids()) {
-    const double R = model.radius[p], m = model.mass[p], per_Theta = 2.0 / model.inertia[p];
-    const double overlap = std::max(present.overlap, part_of_overlap * (R + R_max));
+  const auto look_at = [&](ParticleId p, const PossibleTouch& t, double n, double overlap) {
+    const double R = model.radius[p], m = model.mass[p], per_m = 2.0 / m, per_Theta = 2.0 / model.inertia[p];
+    const double R_pair = t.wall ? radius_at_wall(model.walls[*t.wall].shape, R) : R * R_max / (R + R_max);
+    const ContactSlopes s = contact_slopes(forms, t.numbers, R_pair, m, overlap);
+    const auto lambda = [&](double share_of_wall) {  // of each of the particle's n contacts
+      const double along = n * per_m + share_of_wall, across = along + n * sq(R) * per_Theta;
+      const double c_t = s.tangential > 0.0 ? t.numbers.tangential_damping : 0.0;
+      return damped_bound(std::max(s.normal * along, s.tangential * across + s.rolling * n * per_Theta),
+                          s.damping * std::max(along, c_t * across));
+    };
+    const double share = t.wall ? walls[*t.wall].per_mass : 0.0, of_this = lambda(share);
+    if (!(of_this > largest.lambda)) return;
+    largest = {of_this, p, t.first, t.second, {}};
+    if (of_this > 2.0 * lambda(0.0)) largest.wall = t.wall;
+  };
+  for (const ParticleId p : model.mass.ids())
     for (const PossibleTouch& t : touches) {
       if (t.first != model.material_of(p)) continue;
-      const double R_pair = t.wall ? radius_at_wall(model.walls[*t.wall].shape, R) : R * R_max / (R + R_max);
-      const ContactSlopes s = contact_slopes(forms, t.numbers, R_pair, m, overlap);
-      const double per_wall = t.wall ? walls[*t.wall].per_mass : 0.0;
-      const double per_m = 2.0 / m, per_slip = per_m + sq(R) * per_Theta;
-      const auto lambda = [&](double share_of_wall) {  // of each of the particle's contacts
-        const double n = present.most;
-        const double elastic =
-            std::max(s.normal * (n * per_m + share_of_wall),
-                     s.tangential * (n * per_slip + share_of_wall) + s.rolling * n * per_Theta);
-        const double c_t = s.tangential > 0.0 ? t.numbers.tangential_damping : 0.0;
-        return damped_bound(
-            elastic, s.damping * std::max(n * per_m + share_of_wall, c_t * (n * per_slip + share_of_wall)));
-      };
-      const double of_this = lambda(per_wall);
-      if (!(of_this > largest.lambda)) continue;
-      largest = {of_this, p, t.first, t.second, {}};
-      if (of_this > 2.0 * lambda(0.0)) largest.wall = t.wall;
+      look_at(p, t, 1.0, part_of_overlap * (model.radius[p] + R_max));  // one that comes
+      if (present.most > 0.0) look_at(p, t, present.most, present.overlap);
     }
-  }
   return largest;
 }
 

@@ -20,11 +20,10 @@ struct StepBound {
 /// critical step of the undeformed body, a few per cent below it. Each particle's mass is shared
 /// evenly among its n bonds.
 ///
-/// What is not there yet is estimated. Contacts: an overlap of 10 % of the sum of the radii (the present
-/// largest, if that is more), each particle against the largest and against each wall, as often as a particle
-/// has contacts now (contact_bound.hpp); their lambda is added to that of the bonds. Bonding rules: particles
-/// that a rule can bond count as having at least 12 bonds, and a bond as long as the rule's distance between
-/// the lightest of them is included.
+/// What is not there yet is estimated. Contacts: one more, with an overlap of 10 % of the sum of the radii,
+/// or as many as a particle has now, with the largest present overlap (contact_bound.hpp); their lambda is
+/// added to that of the bonds. Bonding rules: particles that a rule can bond count as having at least 12
+/// bonds, and a bond as long as the rule's distance between the lightest of them is included.
 StepBound step_bound(const Model& model, const State& state, const std::vector<BondingRule>& rules = {},
                      const std::vector<WallDrive>& drives = {});
 /// With the bonding rules and walls of a stage.
