@@ -118,6 +118,14 @@ void describe(Table& t, ContactModel& c, std::vector<ContactPairSpec>& between, 
             "add rolling_stiffness, or tangential");
     c.rolling_stiffness = k_r.value_or(0.0);
   });
+  t.when(c.pairs == ContactPairs::unbonded && c.law != ContactLaw::none, "pairs = \"unbonded\"", [&] {
+    t.key("overlap_at_break", c.keeps_overlap, ChoiceCodec<bool>{{"felt", "kept"}, {false, true}}, optional,
+          "of a pair whose bond breaks: felt, its energy being taken from what the bond releases; or kept: "
+          "only what goes beyond it is felt, until the two have parted");
+    t.check(!c.keeps_overlap || c.adhesion == AdhesionForm::none, {"overlap_at_break", "adhesion"},
+            "adhesion acts where surfaces meet, and an overlap that is kept has no such place",
+            "use overlap_at_break = \"felt\", or no adhesion");
+  });
   t.tables("between", between, optional, "exceptions for pairs of materials");
 }
 

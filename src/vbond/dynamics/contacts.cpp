@@ -50,8 +50,7 @@ Contacts::Contacts(const Model& model, const Order& order, const BondIndex& inde
 void Contacts::refresh(std::span<const PoseRow> pose, const Team& team, double way) {
   if (!list_) return;
   const bool anew = list_->refresh(pose, team, way);
-  if (touches_ && (anew || pairs_added_)) touches_->list(*list_, team);
-  pairs_added_ = false;
+  if (touches_ && anew) touches_->list(*list_, team);
 }
 
 void Contacts::bonds_changed() {
@@ -61,14 +60,24 @@ void Contacts::bonds_changed() {
 Contacts::Touch Contacts::unbonded(Row i, Row j, const Bodies& bodies) {
   if (!list_ || model_.contact.pairs != ContactPairs::unbonded) return {};
   list_->add(i, j);
-  pairs_added_ = true;
+  if (touches_) unbonded_.emplace_back(i, j);
   const Vec3d r_ij = bodies.pose[j.value].r - bodies.pose[i.value].r;
   const double distance = norm(r_ij), overlap = radius_[i] + radius_[j] - distance;
-  if (!(overlap > 0.0)) return {};
+  if (!(overlap > 0.0) || model_.contact.keeps_overlap) return {};
   if (model_.contact.adhesion != AdhesionForm::none) return {};  // surfaces that meet in the next step
   if (touches_) return {touches_->energy(i, j, bodies), touches_->first_force(i, j, bodies)};
   const HertzContact<double> h = contact_law(model_.contact, radius_[i], radius_[j]);
   return {contact_energy(h, overlap), -(contact_force(h, overlap) / distance) * r_ij};
+}
+
+void Contacts::list_unbonded(const Bodies& bodies, const Team& team) {
+  if (unbonded_.empty()) return;
+  touches_->list(*list_, team);
+  for (const auto& [i, j] : unbonded_) {
+    const double distance = norm(bodies.pose[j.value].r - bodies.pose[i.value].r);
+    touches_->keep_overlap(i, j, std::max(0.0, radius_[i] + radius_[j] - distance));
+  }
+  unbonded_.clear();
 }
 
 bool Contacts::add_loads(RowRange rows, const PoseRow* pose, LoadRow* load) const {

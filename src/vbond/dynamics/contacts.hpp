@@ -41,6 +41,8 @@ class Contacts {
   /// The last bond between these two is broken. Returns what contact this makes of them: nothing if they do
   /// not touch, or did so before.
   Touch unbonded(Row i, Row j, const Bodies& bodies);
+  /// Lists the pairs that unbonded() has named, once all bonds that broke in a step have been told.
+  void list_unbonded(const Bodies& bodies, const Team& team);
   /// Adds to the loads of these rows, and to no others, the forces of all that touch them, in increasing
   /// order of rows: the bits do not depend on how rows are shared out, nor on when the list was built. `pose`
   /// and `load` are those of all rows.  [force]
@@ -74,9 +76,9 @@ class Contacts {
   const StepKernel& kernel_;
   PerRow<double> radius_;  // [length]
   ContactRule rule_{};
-  std::optional<NeighbourList> list_;  // none without contacts
-  bool pairs_added_ = false;           // to the list, since the last refresh
-  std::optional<TouchPairs> touches_;  // if pairs do more than ContactRule says
+  std::optional<NeighbourList> list_;          // none without contacts
+  std::vector<std::pair<Row, Row>> unbonded_;  // to be listed
+  std::optional<TouchPairs> touches_;          // if pairs do more than ContactRule says
 };
 
 }  // namespace vbond

@@ -90,6 +90,7 @@ bool Simulation::break_bonds() {
   if (broken.empty()) return false;
   std::sort(broken.begin(), broken.end());
   for (const BondId k : broken) break_bond(k);
+  contacts_.list_unbonded(bodies_, team_);
   state_.breaks += static_cast<std::int64_t>(broken.size());
   if (!bonds_.is_sparse()) return true;
   if (bonds_.remembers()) bonds_.collect(state_.bond_history);

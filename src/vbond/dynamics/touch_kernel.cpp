@@ -97,6 +97,12 @@ VBOND_HD void work_out(const TouchRule& rule, const TouchTable& table, Together&
 
   const Vec3<Real> r_ij = vector(b);
   const Real distance = norm(r_ij), R_i = row_i[0], R_j = row_j[0], one(1.0), half(0.5);
+  Real kept(0.0);
+  if (table.kept != nullptr) {
+    double of[lanes];
+    for (std::size_t l = 0; l < lanes; ++l) of[l] = table.kept[t.pair[l]];
+    kept = Real::load(of);
+  }
   Touching<Real> p;
   p.n = r_ij / distance;
   p.overlap = R_i + R_j - distance;
@@ -105,6 +111,7 @@ VBOND_HD void work_out(const TouchRule& rule, const TouchTable& table, Together&
   p.Theta = one / (row_i[2] + row_j[2]);
   p.l_i = R_i - half * p.overlap;
   p.l_j = R_j - half * p.overlap;
+  p.overlap = p.overlap - kept;
   p.v = vector(v_j);
   p.w_i = vector(w_i);
   p.w_j = vector(w_j);
@@ -170,8 +177,11 @@ TouchSums touch_pairs(const TouchRule& rule, const TouchTable& table, RowRange r
       const double distance2 = r_ij.x * r_ij.x + r_ij.y * r_ij.y + r_ij.z * r_ij.z,
                    reach = R_i + rule.row[j].R;
       table.touching[k] = 0;
+      double felt = reach;
+      if (table.kept != nullptr && table.kept[k] > 0.0)
+        felt -= table.kept[k] = still_kept(table.kept[k], reach - std::sqrt(distance2));
       // a distance that is NaN counts as touching: the load check finds it
-      if (distance2 >= reach * reach && !still_touch(rule, table, i, k, pose, motion, dt, sums)) continue;
+      if (distance2 >= felt * felt && !still_touch(rule, table, i, k, pose, motion, dt, sums)) continue;
       sums.deep |= distance2 < deep_part * reach * (deep_part * reach);
       together.i[together.count] = static_cast<std::uint32_t>(i);
       together.j[together.count] = j;

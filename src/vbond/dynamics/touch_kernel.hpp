@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -46,6 +47,7 @@ struct TouchTable {
   HistoryRow* history;
   PairLoadRow* load;
   std::uint8_t* touching;  ///< whether the loads are of now
+  double* kept;            ///< overlap that is not felt  [length]; nullptr: none
 };
 
 /// What a loop over pairs has found.
@@ -64,6 +66,10 @@ using TouchLoop = TouchSums(const TouchRule&, const TouchTable&, RowRange, const
 /// The touching of two rows as a law sees it.
 Touching<double> touching_of(const TouchRow& i, const TouchRow& j, const Vec3d& r_ij, const MotionRow& of_i,
                              const MotionRow& of_j);
+/// What is left of an overlap that is not felt: it goes as the particles part.  [length]
+inline double still_kept(double kept, double overlap) {
+  return overlap > 0.0 ? std::min(kept, overlap) : 0.0;
+}
 /// A history as numbers, and back.
 TouchHistory<double> touch_history(const PairHistory& x);
 PairHistory numbers_of(const TouchHistory<double>& h);

@@ -59,6 +59,7 @@ TouchPairs::TouchPairs(const Model& model, const Order& order, const StepKernel&
     : order_(order),
       kernel_(kernel),
       forms_(touch_forms(model.contact)),
+      keeps_overlap_(model.contact.keeps_overlap),
       start_(model.particles() + 1, 0),
       old_start_(start_) {
   double R_max = 0.0;
@@ -81,7 +82,8 @@ TouchRule TouchPairs::rule() const {
 }
 
 TouchTable TouchPairs::table() {
-  return {start_.data(), second_.data(), history_.data(), load_.data(), touching_.data()};
+  return {start_.data(), second_.data(),   history_.data(),
+          load_.data(),  touching_.data(), keeps_overlap_ ? kept_.data() : nullptr};
 }
 
 const TouchNumbers<double>& TouchPairs::numbers(Row i, Row j) const {
@@ -89,8 +91,11 @@ const TouchNumbers<double>& TouchPairs::numbers(Row i, Row j) const {
 }
 
 Touching<double> TouchPairs::touching(Row i, Row j, const Bodies& b) const {
-  return touching_of(row_[i.value], row_[j.value], b.pose[j.value].r - b.pose[i.value].r, b.motion[i.value],
-                     b.motion[j.value]);
+  Touching<double> p = touching_of(row_[i.value], row_[j.value], b.pose[j.value].r - b.pose[i.value].r,
+                                   b.motion[i.value], b.motion[j.value]);
+  const std::size_t k = keeps_overlap_ ? place(std::min(i, j), std::max(i, j)) : pairs();
+  if (k < pairs()) p.overlap -= still_kept(kept_[k], p.overlap);
+  return p;
 }
 
 std::size_t TouchPairs::place(Row i, Row j) const {
@@ -115,6 +120,7 @@ void TouchPairs::list(const NeighbourList& near, const Team& team) {
   std::swap(start_, old_start_);
   std::swap(second_, old_second_);
   std::swap(history_, old_history_);
+  std::swap(kept_, old_kept_);
   start_.assign(n + 1, 0);
   all_start_.assign(n + 1, 0);
   for_rows([&](std::size_t i) {
@@ -127,6 +133,7 @@ void TouchPairs::list(const NeighbourList& near, const Team& team) {
   history_.resize(start_[n]);
   load_.resize(start_[n]);
   touching_.assign(start_[n], 0);
+  if (keeps_overlap_) kept_.resize(start_[n]);
   all_.resize(all_start_[n]);
   for_rows([&](std::size_t i) {
     std::size_t k = start_[i], old = old_start_[i];
@@ -134,6 +141,7 @@ void TouchPairs::list(const NeighbourList& near, const Team& team) {
       while (old < old_start_[i + 1] && old_second_[old] < j) ++old;
       const bool was_near = old < old_start_[i + 1] && old_second_[old] == j;
       history_[k] = was_near ? old_history_[old] : HistoryRow{};
+      if (keeps_overlap_) kept_[k] = was_near ? old_kept_[old] : 0.0;
       second_[k++] = j;
     }
   });
@@ -192,14 +200,20 @@ Vec3d TouchPairs::first_force(Row i, Row j, const Bodies& bodies) const {
   return -normal_force(forms_, numbers(i, j), p.R, p.overlap).F * p.n;
 }
 
+void TouchPairs::keep_overlap(Row i, Row j, double overlap) {
+  const std::size_t k = place(std::min(i, j), std::max(i, j));
+  if (keeps_overlap_ && k < pairs()) kept_[k] = overlap;
+}
+
 std::vector<PairMemory> TouchPairs::collect() const {
   std::vector<PairMemory> memories;
   for (std::size_t i = 0; i < row_.size(); ++i)
     for (std::size_t k = start_[i]; k < start_[i + 1]; ++k) {
       const PairHistory& h = history_[k].x;
-      if (h == PairHistory{}) continue;
+      const double kept = keeps_overlap_ ? kept_[k] : 0.0;
+      if (h == PairHistory{} && kept == 0.0) continue;
       const ParticleId p = order_.particle[Row{i}], o = order_.particle[second_[k]];
-      memories.push_back(p < o ? PairMemory{p, o, h} : PairMemory{o, p, seen_from_the_other(h)});
+      memories.push_back(p < o ? PairMemory{p, o, h, kept} : PairMemory{o, p, seen_from_the_other(h), kept});
     }
   std::sort(memories.begin(), memories.end(), [](const PairMemory& a, const PairMemory& b) {
     return std::pair(a.i, a.j) < std::pair(b.i, b.j);
@@ -209,10 +223,13 @@ std::vector<PairMemory> TouchPairs::collect() const {
 
 void TouchPairs::restore(const std::vector<PairMemory>& memories) {
   std::fill(history_.begin(), history_.end(), HistoryRow{});
+  std::fill(kept_.begin(), kept_.end(), 0.0);
   for (const PairMemory& m : memories) {
     const Row i = order_.row[m.i], j = order_.row[m.j];
     const std::size_t k = place(std::min(i, j), std::max(i, j));
-    if (k < pairs()) history_[k].x = i < j ? m.history : seen_from_the_other(m.history);
+    if (k >= pairs()) continue;
+    history_[k].x = i < j ? m.history : seen_from_the_other(m.history);
+    if (keeps_overlap_) kept_[k] = m.kept;
   }
 }
 

@@ -21,6 +21,8 @@ class TouchPairs {
   TouchPairs(const Model&&, const Order&, const StepKernel&) = delete;
   TouchPairs(const Model&, const Order&&, const StepKernel&) = delete;
 
+  /// The bond of two that overlap has broken, and contacts keep such overlaps.
+  void keep_overlap(Row i, Row j, double overlap);
   /// The farthest that particles hold on to each other beyond touching.  [length]
   double reach() const { return reach_; }
   /// Takes over what is near what. Pairs that stay keep what they remember.
@@ -57,18 +59,21 @@ class TouchPairs {
   std::uint32_t materials_ = 1;
   std::vector<TouchNumbers<double>> numbers_;  // of each pair of materials
   double reach_ = 0;
+  bool keeps_overlap_;
 
   std::vector<std::size_t> start_;  // of each row, in the pairs that it is first of
   std::vector<Row> second_;
   std::vector<HistoryRow> history_;
   std::vector<PairLoadRow> load_;
   std::vector<std::uint8_t> touching_;
+  std::vector<double> kept_;            // overlap that is not felt; empty: contacts feel all
   std::vector<std::size_t> all_start_;  // of each row, in all its pairs
   std::vector<std::size_t> all_;        // 2 times the pair, and 1 where the row is its second
   // Before the last listing, kept for their memory.
   std::vector<std::size_t> old_start_;
   std::vector<Row> old_second_;
   std::vector<HistoryRow> old_history_;
+  std::vector<double> old_kept_;
 };
 
 }  // namespace vbond

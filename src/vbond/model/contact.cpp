@@ -61,7 +61,7 @@ TouchNumbers<double> touch_numbers(const ContactModel& c, const std::vector<Cont
 
 bool is_elastic(const ContactModel& c, const std::vector<ContactMaterial>& materials) {
   if (c.law == ContactLaw::none) return true;
-  if (c.law == ContactLaw::linear || c.adhesion != AdhesionForm::none) return false;
+  if (c.keeps_overlap || c.law == ContactLaw::linear || c.adhesion != AdhesionForm::none) return false;
   if (c.tangential != TangentialForm::none || c.rolling != RollingForm::none) return false;
   for (const ContactMaterial& m : materials)
     if (c.law == ContactLaw::hertz && (m.E != c.E || m.nu != c.nu)) return false;

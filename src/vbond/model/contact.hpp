@@ -54,10 +54,13 @@ struct ContactModel {
   RollingForm rolling = RollingForm::none;
   AdhesionForm adhesion = AdhesionForm::none;  ///< hertz only
   bool attraction = false;                     ///< TouchForms::attraction
-  double tangential_damping = 1;               ///< c_t / c_n
-  double rolling_stiffness = 0;                ///< [force*length]; 0: k_t R_r^2
-  Surface surface{};                           ///< absent numbers: friction 0, restitution 1, no adhesion
-  std::vector<ContactPair> between{};          ///< exceptions
+  /// Pairs that are not bonded touch, and the bond of two breaks that overlap: they feel what their overlap
+  /// grows beyond that, until they have parted. Else they feel all of it from then on.
+  bool keeps_overlap = false;
+  double tangential_damping = 1;       ///< c_t / c_n
+  double rolling_stiffness = 0;        ///< [force*length]; 0: k_t R_r^2
+  Surface surface{};                   ///< absent numbers: friction 0, restitution 1, no adhesion
+  std::vector<ContactPair> between{};  ///< exceptions
 };
 
 /// The repulsion of two particles with these radii, if it is that of all materials and Hertz's; stiffness 0
@@ -101,6 +104,7 @@ using PairHistory = std::array<double, 12>;
 struct PairMemory {
   ParticleId i, j;
   PairHistory history{};
+  double kept = 0;  ///< the part of the overlap that is not felt  [length]
   friend bool operator==(const PairMemory&, const PairMemory&) = default;
 };
 

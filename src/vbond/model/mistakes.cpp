@@ -289,9 +289,10 @@ std::vector<std::string> mistakes_in(const Model& model, const State& s) {
       break;
     }
   for (const PairMemory& m : s.contact_history)
-    if (!found.knows(m.i) || !found.knows(m.j) || m.i == m.j) {
-      found.require(false, fmt::format("contact_history has a pair of particles {} and {} of {}", m.i.value,
-                                       m.j.value, model.particles()));
+    if (!found.knows(m.i) || !found.knows(m.j) || m.i == m.j || !(m.kept >= 0.0)) {
+      found.require(false,
+                    fmt::format("contact_history has a pair of particles {} and {} of {} that keeps {}",
+                                m.i.value, m.j.value, model.particles(), m.kept));
       break;
     }
   for (const BondId k : s.bonds.ids()) {

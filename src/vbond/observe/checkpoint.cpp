@@ -198,6 +198,7 @@ void write_inelastic(H5Writer& writer, const State& state) {
     writer.of_each("/contacts/i", memories, &PairMemory::i);
     writer.of_each("/contacts/j", memories, &PairMemory::j);
     writer.of_each("/contacts/history", memories, &PairMemory::history);
+    writer.of_each("/contacts/kept", memories, &PairMemory::kept);
   }
   write("/loads/F", "/loads/M", state.loads);
   write("/loads/damping_F", "/loads/damping_M", state.damping);
@@ -221,6 +222,7 @@ void read_inelastic(H5Reader& reader, State& state) {
     reader.of_each("/contacts/i", memories, &PairMemory::i);
     reader.of_each("/contacts/j", memories, &PairMemory::j);
     reader.of_each("/contacts/history", memories, &PairMemory::history);
+    reader.of_each("/contacts/kept", memories, &PairMemory::kept);
     for (const PairMemory& m : memories) {
       if (!(m.i < m.j) || m.j.value >= state.r.size())
         throw IoError("is damaged: a contact has impossible ends");

@@ -41,6 +41,7 @@ constexpr CheckpointQuantity data_sets[] = {
      "what they remember: force across the contact (3), its radius, the force that damps (3), stiffness of "
      "rolling, "
      "moment against rolling (3) and about the normal; on the first particle"},
+    {"/contacts/kept", unit::length, "the part of their overlap that they do not feel"},
     {"/walls/displacement", unit::length,
      "of the walls' centres since the start; only where there are walls"},
     {"/walls/q", unit::none, "orientations of walls, quaternions w, x, y, z"},
