@@ -66,6 +66,7 @@ TEST(Quantities, EveryColumnHasItsFacts) {
   plan.axial_force = {{"rod", {}}};
   plan.displacements = {{"7", {}}};
   plan.walls = {"lid"};
+  plan.grips = {"upper"};
   std::istringstream header(history_header(plan));
   std::string name;
   for (; std::getline(header, name, ',');) {
