@@ -152,6 +152,8 @@ TEST(Quantities, EveryDataSetOfACheckpointHasItsUnitAndMeaning) {
   chain.model.walls = {{"floor", PlaneWall{{}, {0, 0, 1}}, 0, {}}};
   chain.state.walls.resize(1);
   chain.state.wall_history = {{ParticleId{0}, 0, {0, 0, 1}, {1.0}}};
+  chain.state.grips = {{{1, 0, 0}, 0.0, 2.0, 1}};
+  chain.state.gripped = {{{0, 1, 0}, {}}};
   for (Loads* loads : {&chain.state.loads, &chain.state.damping})
     *loads = {PerParticle<Vec3d>(chain.state.r.size()), PerParticle<Vec3d>(chain.state.r.size())};
   chain.state.bonds[BondId{0}].law = &bond_law<RuledVModel>;

@@ -39,8 +39,8 @@ void describe_support(Table& t, SupportSpec& s, Kind kind) {
           "which degrees of freedom are held: translation along, rotation about the world's axes");
     t.check(s.held != HeldDofs{}, {"fix"}, "must hold something", "name a direction, as in fix = [\"x\"]");
   });
+  if (s.rigid) s.held = all_held;
   t.when(s.rigid, "rigid = true", [&] {
-    s.held = all_held;
     t.key("pivot", s.pivot, vector_of(length), default_is("middle of the group"),
           "a point of the axis as the stage begins; the middle is the mean of the positions then");
   });
