@@ -20,6 +20,7 @@
 #include "vbond/core/error.hpp"
 #include "vbond/core/printable.hpp"
 #include "vbond/dynamics/memory.hpp"
+#include "vbond/model/holds.hpp"
 #include "vbond/model/step_bound.hpp"
 #include "vbond/model/touching.hpp"
 #include "vbond/observe/report.hpp"
@@ -143,12 +144,13 @@ void print_overlaps(const Model& model, const State& state) {
                model.units == UnitSystem::si ? " J" : "", pairs);
 }
 
-/// Degrees of freedom that a static stage leaves free; each is held once at most.
+/// Degrees of freedom that a static stage leaves free.
 std::int64_t unknowns_of(const StageSpec& stage, const Model& model) {
-  auto free = 6 * static_cast<std::int64_t>(model.particles());
+  std::vector<StaticSupport> supports;
   for (const SupportSpec& s : stage.supports)
-    for (const Group& g : resolve_groups({s.group}, model))
-      free -= static_cast<std::int64_t>(g.particles.size()) * std::count(s.held.begin(), s.held.end(), true);
+    supports.push_back({s.group.value, resolve_groups({s.group}, model).front().particles, s.held, {}, {}});
+  auto free = 6 * static_cast<std::int64_t>(model.particles());
+  for (const Hold& h : holds_of(supports)) free -= std::count(h.held.begin(), h.held.end(), true);
   return free;
 }
 
@@ -184,6 +186,13 @@ void print_loads(const Case& c, const Model& model) {
       };
       print("force", norm(load.force), " N");
       print("moment", norm(load.moment), " N*m");
+      const auto print_total = [&](const char* what, double total, const char* unit) {
+        if (total > 0.0)
+          fmt::print("load             stage {}: {} of {:.6g}{} on {}, shared by mass by its {} particles\n",
+                     stage.name, what, total, si ? unit : "", load.group.value, n);
+      };
+      print_total("force", norm(load.total_force), " N");
+      print_total("moment", norm(load.total_moment), " N*m");
     }
 }
 

@@ -42,6 +42,10 @@ OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem:
   plan.axial_force = resolve_groups(o.axial_force, model);
   plan.displacements = resolve_groups_or_particles(o.displacements, model);
   for (const Wall& w : model.walls) plan.walls.push_back(w.name);
+  for (const StageSpec& stage : c.stages)
+    for (const SupportSpec& s : stage.supports)
+      if (s.rigid && std::find(plan.grips.begin(), plan.grips.end(), s.group.value) == plan.grips.end())
+        plan.grips.push_back(s.group.value);
   if (o.frames)
     plan.frames_every = o.frames->every ? output_time(*o.frames->every, model, "output.frames.every", c)
                                         : std::numeric_limits<double>::infinity();

@@ -99,6 +99,7 @@ TEST(Stage, MistakesOfLaterStagesAreFoundWhenTheCaseIsBuilt) {
   c.stages.push_back(stage("later"));
   c.stages[1].supports = {support("edns", {true}), support("ends", {true, true}),
                           support("first", {false, true})};
+  c.stages[1].supports[2].velocity = {0, 1, 0};
   c.stages[1].loads.push_back({{"case.toml", 60, 1}, {"tip", {"case.toml", 61, 9}}, {1, 0, 0}, {}, {}});
   c.stages[1].stop_distance = DistanceStopSpec{{"case.toml", 62, 1}, {0, 10}, 1.0, true};
   c.bonds[0].stages = {{"latter", {"case.toml", 13, 11}}};
@@ -109,13 +110,69 @@ TEST(Stage, MistakesOfLaterStagesAreFoundWhenTheCaseIsBuilt) {
        {"case.toml:31:9: there is no group \"edns\"\n  known groups: all, body, body.ends, body.first, "
         "body.last, "
         "ends, first, last\n  did you mean \"ends\"?",
-        "y of particle 0 is held by two supports (groups \"ends\" and \"first\")",
+        "y of particle 0 is held by two supports (groups \"ends\" and \"first\") that do not move it alike",
         "case.toml:61:9: there is no group \"tip\"", "case.toml:62:1: stop.distance: there is no particle 10",
         "case.toml:13:11: there is no stage \"latter\"\n  known stages: run, later\n  did you mean "
         "\"later\"?",
         "case.toml:70:14: there is no group \"bodi\"",
         "case.toml:71:3: displacements: there is no particle 1000"})
     EXPECT_TRUE(contains(error, part)) << part << "\nnot in\n" << error;
+}
+
+SupportSpec grip(const std::string& group) {
+  SupportSpec s = support(group, all_held);
+  s.rigid = true;
+  s.angular_velocity = {0.1, 0, 0};
+  return s;
+}
+
+TEST(Stage, GripsKeepTheirMotionAndPivot) {
+  Case c = paper_rod();
+  SupportSpec s = grip("ends");
+  s.velocity = {1, 2, 3};
+  s.pivot = Vec3d{4, 5, 6};
+  c.stages[0].supports = {s};
+  const Support resolved = first_stage(c).supports.at(0);
+  EXPECT_TRUE(resolved.rigid);
+  EXPECT_EQ(resolved.held, all_held);
+  EXPECT_EQ(resolved.velocity, (Vec3d{1, 2, 3}));
+  EXPECT_EQ(resolved.angular_velocity, (Vec3d{0.1, 0, 0}));
+  EXPECT_EQ(resolved.pivot, (Vec3d{4, 5, 6}));
+}
+
+TEST(Stage, GripsThatCannotBeAreLocated) {
+  Case c = paper_rod();
+  c.stages[0].supports = {grip("ends"), grip("first")};  // about other pivots
+  std::string error = text_of_error(c);
+  EXPECT_TRUE(
+      contains(error,
+               "case.toml:30:1: x of particle 0 is held by two supports (groups \"ends\" and \"first\") "
+               "that do not move it alike"))
+      << error;
+  EXPECT_TRUE(contains(error, "rigid ones the same pivot")) << error;
+  c.stages[0].supports[0].pivot = Vec3d{3, 0, 0};
+  c.stages[0].supports[1].pivot = Vec3d{-2, 0, 0};  // the same axis
+  EXPECT_EQ(text_of_error(c), "");
+  c.stages[0].supports[1].angular_velocity.x = 0.2;
+  EXPECT_TRUE(contains(text_of_error(c), "do not move it alike"));
+  c.stages[0].supports.pop_back();
+  c.stages[0].strain = StrainSpec{{"case.toml", 40, 1}, {"all", {}}, {1, 0, 0}, -1e-7, {10.0, true}};
+  error = text_of_error(c);
+  EXPECT_TRUE(contains(error, "case.toml:40:1: strain moves particle 0, which is in a rigid support"))
+      << error;
+}
+
+// Totals are shared by mass, whatever the group.
+TEST(Stage, TotalLoadsAreSharedByMass) {
+  Case c = paper_rod();
+  c.specimens[0].mass = 4.0;
+  LoadSpec load{{"case.toml", 60, 1}, {"all", {}}, {1, 0, 0}, {}, {}};
+  load.total_force = {0, 20, 0};
+  load.total_moment = {0, 0, 10};
+  c.stages[0].loads = {load};
+  const PointLoad resolved = first_stage(c).loads.at(0);
+  EXPECT_LE(norm(resolved.force_on(4.0) - Vec3d{1, 2, 0}), 1e-15);  // on each of ten
+  EXPECT_LE(norm(resolved.moment_on(4.0) - Vec3d{0, 0, 1}), 1e-15);
 }
 
 TEST(Stage, PeakNeedsBondsOrASupportToWatch) {

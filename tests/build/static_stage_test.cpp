@@ -113,6 +113,7 @@ TEST(StaticStageOfACase, IsLookedAtWhenTheCaseIsBuilt) {
   Case c = paper_rod();
   c.stages.push_back(static_stage(StageKind::path, "later"));
   c.stages[1].supports = {clamp("edns"), clamp("ends"), clamp("first")};
+  c.stages[1].supports[2].displacement = {0.1, 0, 0};
   c.stages[1].loads.push_back({{"case.toml", 60, 1}, {"tip", {"case.toml", 61, 9}}, {1, 0, 0}, {}, {}});
   c.stages[1].stop_distance = DistanceStopSpec{{"case.toml", 62, 1}, {0, 10}, 1.0, true};
   const std::string error = text_of_error(c);

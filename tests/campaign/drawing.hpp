@@ -67,7 +67,7 @@ inline BondSet chain_of(const BodyPlan& plan, const Particles& chain, const Rod&
   return set;
 }
 
-/// No degree of freedom is held twice: case files refuse that of supports that move.
+/// No degree of freedom is held twice: case files refuse supports that move one differently.
 inline void hold(BodyPlan& plan, Particles particles, HeldDofs held, const Vec3d& displacement = {}) {
   for (std::size_t k = 0; plan.in_plane && k < 6; ++k) held[k] = held[k] && !plane_only[k];
   if (held != HeldDofs{}) plan.supports.push_back({std::move(particles), held, displacement, {}});

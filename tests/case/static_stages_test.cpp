@@ -46,6 +46,37 @@ TEST(StaticStages, AreDynamicsUnlessTheCaseSaysOtherwise) {
   EXPECT_EQ(stage("modes", "").kind, StageKind::modes);
 }
 
+TEST(Stages, RigidSupportsAndTotalLoadsKeepTheirKeys) {
+  const StageSpec s =
+      stage("dynamics",
+            "duration = 1\nsupports = [{ group = \"last\", rigid = true, pivot = [1, 2, 3], "
+            "velocity = [0, 0, 1], angular_velocity = [4, 5, 6], ramp = 0.5 }]\n"
+            "loads = [{ group = \"first\", total_force = [1, 2, 3], total_moment = [4, 5, 6] }]\n");
+  EXPECT_TRUE(s.supports[0].rigid);
+  EXPECT_EQ(s.supports[0].held, all_held);
+  EXPECT_EQ(s.supports[0].pivot, (Vec3d{1, 2, 3}));
+  EXPECT_EQ(s.supports[0].angular_velocity, (Vec3d{4, 5, 6}));
+  EXPECT_EQ(s.loads[0].total_force, (Vec3d{1, 2, 3}));
+  EXPECT_EQ(s.loads[0].total_moment, (Vec3d{4, 5, 6}));
+  const StageSpec e = stage("equilibrium",
+                            "supports = [{ group = \"last\", rigid = true, displacement = [0, 0, 1], "
+                            "rotation = [4, 5, 6] }]\n");
+  EXPECT_TRUE(e.supports[0].rigid);
+  EXPECT_FALSE(e.supports[0].pivot);
+  EXPECT_EQ(e.supports[0].rotation, (Vec3d{4, 5, 6}));
+}
+
+TEST(Stages, RefuseWhatGripsHaveNot) {
+  expect_refused("dynamics", "duration = 1\nsupports = [{ group = \"last\", rigid = true, fix = [\"x\"] }]\n",
+                 "fix");
+  expect_refused("dynamics",
+                 "duration = 1\nsupports = [{ group = \"last\", fix = [\"x\"], pivot = [0, 0, 0] }]\n",
+                 "pivot");
+  expect_refused("dynamics", "duration = 1\nsupports = [{ group = \"last\" }]\n", "fix");
+  expect_accepted("path", "supports = [{ group = \"last\", rigid = true, rotation = [0, 0, 1] }]\n");
+  expect_accepted("path", "loads = [{ group = \"last\", total_moment = [0, 0, 1] }]\n");
+}
+
 TEST(StaticStages, KeepEveryValueOfTheirKeys) {
   const StageSpec s =
       stage("path",

@@ -97,6 +97,31 @@ TEST(History, WallsHaveColumnsAndTheirLargestForceGoesOn) {
   EXPECT_EQ(resumed.largest_on_walls(), (std::vector<double>{5, 1}));
 }
 
+TEST(History, GripsHaveColumnsThatAreEmptyWhereTheyAreNot) {
+  const Folder folder;
+  OutputPlan plan = plan_in(folder);
+  plan.grips = {"upper", "lower"};
+  HistoryValues v = some_values();
+  v.grips = {GripView{"upper", {1, 2, 3}, {4, 5, 6}, 7, 8}, std::nullopt};
+  {
+    HistoryWriter writer(plan, {});
+    writer.write(v);
+    v.clock.step = v.clock.stage_step = 1;
+    v.grips = {std::nullopt, GripView{"lower", {}, {0, 0, -1}, 0.5, {}}};  // at rest work is not known
+    writer.write(v);
+  }
+  const auto lines = lines_of(content_of(folder / "history.csv"));
+  ASSERT_EQ(lines.size(), 3u);
+  const auto row = cells(lines[1]);
+  EXPECT_EQ(
+      std::vector<std::string>(row.end() - 16, row.end()),
+      (std::vector<std::string>{"1", "2", "3", "4", "5", "6", "7", "8", "", "", "", "", "", "", "", ""}));
+  EXPECT_EQ(cell(lines, 1, "grip.upper.angle"), "7");
+  EXPECT_EQ(cell(lines, 2, "grip.upper.Fx"), "");
+  EXPECT_EQ(cell(lines, 2, "grip.lower.Mz"), "-1");
+  EXPECT_EQ(cell(lines, 2, "grip.lower.work"), "");
+}
+
 TEST(History, EveryValueStandsUnderItsNameAndReadsBackBitForBit) {
   const Folder folder;
   HistoryWriter writer(plan_in(folder), {});

@@ -66,6 +66,7 @@ TEST(Quantities, EveryColumnHasItsFacts) {
   plan.axial_force = {{"rod", {}}};
   plan.displacements = {{"7", {}}};
   plan.walls = {"lid"};
+  plan.grips = {"upper"};
   std::istringstream header(history_header(plan));
   std::string name;
   for (; std::getline(header, name, ',');) {
@@ -151,6 +152,8 @@ TEST(Quantities, EveryDataSetOfACheckpointHasItsUnitAndMeaning) {
   chain.model.walls = {{"floor", PlaneWall{{}, {0, 0, 1}}, 0, {}}};
   chain.state.walls.resize(1);
   chain.state.wall_history = {{ParticleId{0}, 0, {0, 0, 1}, {1.0}}};
+  chain.state.grips = {{{1, 0, 0}, 0.0, 2.0, 1}};
+  chain.state.gripped = {{{0, 1, 0}, {}}};
   for (Loads* loads : {&chain.state.loads, &chain.state.damping})
     *loads = {PerParticle<Vec3d>(chain.state.r.size()), PerParticle<Vec3d>(chain.state.r.size())};
   chain.state.bonds[BondId{0}].law = &bond_law<RuledVModel>;

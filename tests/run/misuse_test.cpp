@@ -11,6 +11,7 @@
 
 #include "dynamics/rods.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/model/mistakes.hpp"
 #include "vbond/run/run.hpp"
 #include "vbond/run/statics.hpp"
 
@@ -196,6 +197,44 @@ TEST(Misuse, DegreesOfFreedomHeldInTwoWays) {
         p.second.supports.back().velocity.x += 1.0;
       },
       "x of particle 0 is held twice, in two ways");
+}
+
+TEST(Misuse, GripsThatAreNone) {
+  const auto rigid = [](Parts& p) -> Support& {
+    Support& s = p.second.supports[0];
+    s.rigid = true;
+    s.held = all_held;
+    return s;
+  };
+  refuses([&](Parts& p) { rigid(p).held[4] = false; },
+          "is rigid and does not hold all six degrees of freedom");
+  refuses([&](Parts& p) { rigid(p).particles.clear(); }, "is rigid and has no particles");
+  refuses([&](Parts& p) { rigid(p).pivot = Vec3d{nan, 0, 0}; }, "the pivot of a support");
+  refuses([&](Parts& p) { p.second.supports[0].pivot = Vec3d{}; }, "has a pivot: that is for rigid ones");
+  refuses(
+      [&](Parts& p) {
+        p.second.strain = StrainProgram{rigid(p).particles, {1, 0, 0}, {}, 0.1, 1.0};
+      },
+      "the imposed strain moves particles of a rigid support");
+  // a grip that turns agrees with a grip that turns alike about the same axis, and with nothing else
+  const auto turning = [&](Parts& p, const Vec3d& pivot) {
+    Support& s = rigid(p);
+    s.angular_velocity = {0, 0, 0.1};
+    s.pivot = pivot;
+    Support other = s;
+    other.pivot = Vec3d{1, 0, 3};
+    p.second.supports.push_back(other);
+  };
+  refuses([&](Parts& p) { turning(p, {0, 0, 0}); }, "x of particle 0 is held twice, in two ways");
+  refuses(
+      [&](Parts& p) {
+        turning(p, {1, 0, 0});
+        p.second.supports[1].factor.points = {{0, 0}, {1, 1}};
+      },
+      "x of particle 0 is held twice, in two ways");
+  Parts p;
+  turning(p, {1, 0, 0});
+  EXPECT_TRUE(mistakes_in(p.body.model, p.second).empty());
 }
 
 TEST(Misuse, AllMistakesOfAllStagesAtOnce) {

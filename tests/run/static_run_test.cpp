@@ -206,13 +206,19 @@ TEST(Run, StaticMistakesAreRefusedByStageAndField) {
       EXPECT_NE(text.find("stage 1 \"bend\""), std::string::npos) << text;
       EXPECT_NE(text.find(part), std::string::npos) << text;
     }
-    if (part.find("held twice") == std::string::npos) {
-      EXPECT_THROW(run_static_stage(s.model, stage, s.state, {}), std::invalid_argument) << part;
-    }
+    EXPECT_THROW(run_static_stage(s.model, stage, s.state, {}), std::invalid_argument) << part;
   };
   const double nan = std::nan("");
   refuses([](StaticStage& t) { t.supports[0].particles = {ParticleId{5}}; }, "a support names particle 5");
-  refuses([](StaticStage& t) { t.supports.push_back(t.supports[0]); }, "x of particle 0 is held twice");
+  refuses(
+      [](StaticStage& t) {
+        t.supports.push_back(t.supports[0]);
+        t.supports.back().displacement.x += 0.1;
+      },
+      "x of particle 0 is held twice, in two ways");
+  refuses([](StaticStage& t) { t.supports[0].rigid = true, t.supports[0].held = {}; },
+          "is rigid and does not hold all six degrees of freedom");
+  refuses([](StaticStage& t) { t.supports[0].pivot = Vec3d{}; }, "has a pivot: that is for rigid ones");
   refuses([nan](StaticStage& t) { t.supports[0].displacement.y = nan; }, "the displacement of a support");
   refuses([](StaticStage& t) { t.loads[0].particles = {ParticleId{99}}; }, "a load names particle 99");
   refuses([nan](StaticStage& t) { t.loads[0].force.x = nan; }, "the force of a load");

@@ -10,6 +10,7 @@
 #include "vbond/build/groups.hpp"
 #include "vbond/build/stages.hpp"
 #include "vbond/core/nearest.hpp"
+#include "vbond/model/agreement.hpp"
 
 namespace vbond {
 namespace {
@@ -74,31 +75,30 @@ TimeFunction StageResolver::function(const TimeFunctionSpec& f, const SourcePlac
   return resolved;
 }
 
-void StageResolver::check_held_once() const {
-  static constexpr const char* dof_names[6] = {
-      "x", "y", "z", "rotation about x", "rotation about y", "rotation about z"};
-  std::vector<std::array<int, 6>> holder(model.particles(), {-1, -1, -1, -1, -1, -1});
-  for (std::size_t s = 0; s < spec.supports.size(); ++s) {
-    const SupportSpec& support = spec.supports[s];
-    const Group* group = model.find_group(support.group.value);
-    if (group == nullptr) continue;  // reported by particles()
-    bool reported = false;           // one pair of supports, one report
-    for (const ParticleId p : group->particles)
-      for (std::size_t dof = 0; dof < 6; ++dof) {
-        if (!support.held[dof]) continue;
-        int& by = holder[p.value][dof];
-        if (by >= 0 && !reported) {
-          reported = true;
-          problems.add(
-              support.place,
-              fmt::format("{} of particle {} is held by two supports (groups \"{}\" and \"{}\")",
-                          dof_names[dof], p.value, spec.supports[static_cast<std::size_t>(by)].group.value,
-                          support.group.value),
-              "a degree of freedom has one support at most", "take it out of one of them");
-        }
-        by = static_cast<int>(s);
-      }
-  }
+template <class AnySupport>
+void StageResolver::check_supports(const std::vector<AnySupport>& supports) const {
+  for (std::size_t k = 0; k < supports.size(); ++k)
+    if (supports[k].rigid && supports[k].particles.empty() && model.find_group(supports[k].group) != nullptr)
+      problems.add(spec.supports[k].place,
+                   fmt::format("the rigid support of group \"{}\" has no particles", supports[k].group),
+                   "it moves particles as one rigid body", "name a group with particles, or leave it out");
+  for (const Disagreement& d : disagreements(supports, model.particles()))
+    problems.add(
+        spec.supports[d.second].place,
+        fmt::format("{} of particle {} is held by two supports (groups \"{}\" and \"{}\") that do "
+                    "not move it alike",
+                    name_of_dof(d.dof), d.particle.value, supports[d.first].group, supports[d.second].group),
+        "supports may overlap where they agree: at rest, or with the same motion, factor and, of "
+        "rigid ones that turn, axis",
+        "take it out of one of them, or give both the same motion (and rigid ones the same pivot)");
+}
+template void StageResolver::check_supports(const std::vector<Support>&) const;
+template void StageResolver::check_supports(const std::vector<StaticSupport>&) const;
+
+double StageResolver::mass_of(const std::vector<ParticleId>& particles) const {
+  double mass = 0.0;
+  for (const ParticleId p : particles) mass += model.mass[p];
+  return mass > 0.0 ? mass : 1.0;  // of no particles: nothing takes a share
 }
 
 bool StageResolver::anything_is_free() const {

@@ -22,8 +22,11 @@ struct StageResolver {
   std::optional<DistanceStop> distance_stop(const DistanceStopSpec& s) const;
   TimeFunction function(const TimeFunctionSpec& f, const SourcePlace& place) const;
 
-  /// No degree of freedom has two supports.
-  void check_held_once() const;
+  /// Supports, one for each of the case, that overlap must agree; grips need particles.
+  template <class AnySupport>
+  void check_supports(const std::vector<AnySupport>& supports) const;
+  /// What a total of a load is shared in proportion to: the mass of its group.
+  double mass_of(const std::vector<ParticleId>& particles) const;
   /// Whether supports leave any degree of freedom.
   bool anything_is_free() const;
 };

@@ -39,15 +39,19 @@ struct DynamicsResolver : StageResolver {
     std::vector<Support> resolved;
     for (const SupportSpec& s : spec.supports)
       resolved.push_back({s.group.value, particles(s.group), s.held, s.velocity, s.angular_velocity,
-                          function(s.factor, s.place)});
-    check_held_once();
+                          function(s.factor, s.place), s.rigid, s.pivot});
+    check_supports(resolved);
     return resolved;
   }
 
   std::vector<PointLoad> loads() const {
     std::vector<PointLoad> resolved;
-    for (const LoadSpec& l : spec.loads)
-      resolved.push_back({l.group.value, particles(l.group), l.force, l.moment, function(l.factor, l.place)});
+    for (const LoadSpec& l : spec.loads) {
+      PointLoad load{l.group.value, particles(l.group), l.force, l.moment, function(l.factor, l.place)};
+      load.force_by_mass = l.total_force / mass_of(load.particles);
+      load.moment_by_mass = l.total_moment / mass_of(load.particles);
+      resolved.push_back(std::move(load));
+    }
     return resolved;
   }
 
@@ -273,6 +277,11 @@ Stage resolve_stage(const Case& c, const Model& model, std::size_t k, Problems& 
   stage.supports = resolver.supports();
   stage.loads = resolver.loads();
   if (spec.strain) stage.strain = resolver.strain(*spec.strain);
+  if (const auto p = strained_and_gripped(stage))
+    problems.add(spec.strain->place,
+                 fmt::format("strain moves particle {}, which is in a rigid support", p->value),
+                 "a rigid support takes its particles where it goes, and would take back any strain",
+                 "strain a group without it, or leave rigid out");
   stage.bonding = resolver.bonding(k);
   stage.walls = resolve_wall_drives(resolver);
   stage.stops.duration = resolver.positive_time(spec.duration, "duration", spec.place);

@@ -12,15 +12,20 @@ namespace {
 std::vector<StaticSupport> supports(const StageResolver& resolver) {
   std::vector<StaticSupport> resolved;
   for (const SupportSpec& s : resolver.spec.supports)
-    resolved.push_back({s.group.value, resolver.particles(s.group), s.held, s.displacement, s.rotation});
-  resolver.check_held_once();
+    resolved.push_back(
+        {s.group.value, resolver.particles(s.group), s.held, s.displacement, s.rotation, s.rigid, s.pivot});
+  resolver.check_supports(resolved);
   return resolved;
 }
 
 std::vector<StaticLoad> loads(const StageResolver& resolver) {
   std::vector<StaticLoad> resolved;
-  for (const LoadSpec& l : resolver.spec.loads)
-    resolved.push_back({l.group.value, resolver.particles(l.group), l.force, l.moment, l.constant});
+  for (const LoadSpec& l : resolver.spec.loads) {
+    StaticLoad load{l.group.value, resolver.particles(l.group), l.force, l.moment, l.constant};
+    load.force_by_mass = l.total_force / resolver.mass_of(load.particles);
+    load.moment_by_mass = l.total_moment / resolver.mass_of(load.particles);
+    resolved.push_back(std::move(load));
+  }
   return resolved;
 }
 

@@ -190,14 +190,17 @@ struct SupportSpec {
   TimeFunctionSpec factor;
   // static stages: at load factor 1
   Vec3d displacement, rotation;
+  bool rigid = false;
+  std::optional<Vec3d> pivot = {};  ///< rigid
 };
 
 struct LoadSpec {
   SourcePlace place;
   Placed<std::string> group;
-  Vec3d force, moment;
-  TimeFunctionSpec factor;  ///< dynamics
-  bool constant = false;    ///< static stages: not in proportion to the load factor
+  Vec3d force, moment;                        ///< on each particle
+  TimeFunctionSpec factor;                    ///< dynamics
+  bool constant = false;                      ///< static stages: not in proportion to the load factor
+  Vec3d total_force = {}, total_moment = {};  ///< on the group, shared by mass
 };
 
 struct StrainSpec {

@@ -32,25 +32,40 @@ void check_moves_are_held(Table& t, const HeldDofs& held, const char* along, con
 void describe_support(Table& t, SupportSpec& s, Kind kind) {
   t.locate(s.place);
   t.key("group", s.group, group_name, required, "which particles");
-  t.key("fix", s.held, SubsetCodec<6>{{"x", "y", "z", "rx", "ry", "rz"}}, required,
-        "which degrees of freedom are held: translation along, rotation about the world's axes");
-  t.check(s.held != HeldDofs{}, {"fix"}, "must hold something", "name a direction, as in fix = [\"x\"]");
+  t.key("rigid", s.rigid, FlagCodec{}, optional,
+        "a grip: the group moves as one rigid body, positions and orientations, all of them held");
+  t.when(!s.rigid, "rigid = false", [&] {
+    t.key("fix", s.held, SubsetCodec<6>{{"x", "y", "z", "rx", "ry", "rz"}}, required,
+          "which degrees of freedom are held: translation along, rotation about the world's axes");
+    t.check(s.held != HeldDofs{}, {"fix"}, "must hold something", "name a direction, as in fix = [\"x\"]");
+  });
+  if (s.rigid) s.held = all_held;
+  t.when(s.rigid, "rigid = true", [&] {
+    t.key("pivot", s.pivot, vector_of(length), default_is("middle of the group"),
+          "a point of the axis as the stage begins; the middle is the mean of the positions then");
+  });
   t.when(!kind || !is_static(*kind), in_dynamics, [&] {
-    t.key("velocity", s.velocity, vector_of(velocity), optional, "of the held translations");
+    t.key("velocity", s.velocity, vector_of(velocity), optional,
+          "of the held translations; of a rigid group's pivot");
     t.key("angular_velocity", s.angular_velocity, vector_of(angular_velocity), optional,
-          "of the held rotations");
+          "of the held rotations; of a rigid group about its pivot");
     describe(t, s.factor);
     check_moves_are_held(t, s.held, "velocity", s.velocity, "angular_velocity", s.angular_velocity);
   });
   // about a balance at rest: modes take the supports as they are
-  t.when(!kind || (is_static(*kind) && kind != StageKind::modes),
-         "kind = \"equilibrium\", \"path\", \"buckling\" or \"fracture\"", [&] {
-           t.key("displacement", s.displacement, vector_of(length), optional,
-                 "of the held translations, from where the stage finds them, at load factor 1");
-           t.key("rotation", s.rotation, vector_of(angle), optional,
-                 "of the held rotations at load factor 1; with all three held a rotation vector");
-           check_moves_are_held(t, s.held, "displacement", s.displacement, "rotation", s.rotation);
-         });
+  t.when(
+      !kind || (is_static(*kind) && kind != StageKind::modes),
+      "kind = \"equilibrium\", \"path\", \"buckling\" or \"fracture\"", [&] {
+        t.key(
+            "displacement", s.displacement, vector_of(length), optional,
+            "of the held translations, from where the stage finds them, at load factor 1; of a rigid group's "
+            "pivot");
+        t.key(
+            "rotation", s.rotation, vector_of(angle), optional,
+            "of the held rotations at load factor 1; with all three held a rotation vector, of a rigid group "
+            "about its pivot");
+        check_moves_are_held(t, s.held, "displacement", s.displacement, "rotation", s.rotation);
+      });
 }
 
 void describe_load(Table& t, LoadSpec& s, Kind kind) {
@@ -58,6 +73,10 @@ void describe_load(Table& t, LoadSpec& s, Kind kind) {
   t.key("group", s.group, group_name, required, "which particles");
   t.key("force", s.force, vector_of(force), optional, "on each particle, fixed in direction");
   t.key("moment", s.moment, vector_of(moment), optional, "on each particle, fixed in direction");
+  t.key("total_force", s.total_force, vector_of(force), optional,
+        "on the whole group, shared by mass: through its centre of mass");
+  t.key("total_moment", s.total_moment, vector_of(moment), optional,
+        "on the whole group, as moments on its particles, shared by mass: a torque about any axis along it");
   t.when(!kind || !is_static(*kind), in_dynamics, [&] { describe(t, s.factor); });
   t.when(!kind || is_static(*kind), in_statics, [&] {
     t.key("constant", s.constant, FlagCodec{}, optional,
@@ -154,7 +173,9 @@ void describe_modes(Table& t, StageSpec& s) {
 
 /// Without a proportional part the load factor would change nothing.
 void check_proportional(Table& t, const StageSpec& s) {
-  const auto grows = [](const LoadSpec& l) { return !l.constant && (any(l.force) || any(l.moment)); };
+  const auto grows = [](const LoadSpec& l) {
+    return !l.constant && (any(l.force) || any(l.moment) || any(l.total_force) || any(l.total_moment));
+  };
   const auto moves = [](const SupportSpec& p) { return any(p.displacement) || any(p.rotation); };
   const bool proportional = (any(s.gravity) && !s.constant_gravity) ||
                             std::any_of(s.loads.begin(), s.loads.end(), grows) ||
@@ -224,7 +245,7 @@ bool describe(Table& t, StageSpec& s) {
   t.key("gravity", s.gravity, vector_of(acceleration), optional, "acceleration of all particles");
   t.tables("supports", s.supports, optional, "degrees of freedom that are held or moved",
            [kind](Table& k, SupportSpec& support) { describe_support(k, support, kind); });
-  t.tables("loads", s.loads, optional, "forces and moments on each particle of a group",
+  t.tables("loads", s.loads, optional, "forces and moments on the particles of a group",
            [kind](Table& k, LoadSpec& load) { describe_load(k, load, kind); });
   t.when(kind == StageKind::dynamics, in_dynamics, [&] { describe_motion(t, s); });
   describe_statics(t, s);

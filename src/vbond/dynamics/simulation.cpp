@@ -57,6 +57,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
     contacts_.refresh(bodies_.poses(), team_);
     contacts_.restore(state_.contact_history);
     walls_.read(state_);
+    supports_.grips().read(state_);
     state_.clock.dt = stage_.dt;
     if (state_.clock.stage_step == 0)
       begin_stage();
@@ -151,6 +152,7 @@ void Simulation::begin_step(const Block& b) {
     keep_rates(b);
   }
   books.way2 = drift(b, dt);  // r, q     : t -> t + dt
+  if (supports_.grips().any()) supports_.grips().carry(b);
   books.work_loads += applied_.work(b, dt);
   clear_loads(b);
 }
@@ -314,6 +316,7 @@ void Simulation::close_books() {
   state_.books.dissipated += sum.dissipated;
   state_.books.work_loads += sum.work_loads;
   state_.books.work_supports += sum.work_supports;
+  supports_.grips().close();
   if (sum.poison != 0.0) check_finite();
 }
 
@@ -363,6 +366,7 @@ const State& Simulation::state() const {
   if (bonds_.remembers()) bonds_.collect(state_.bond_history);
   state_.contact_history = contacts_.collect();
   if (walls_.any()) walls_.write(state_);
+  supports_.grips().write(state_);
   const bool loads_follow =
       bonds_.all_elastic() && !contacts_.are_touches() && !walls_.any() && !damping_.is_local();
   state_.loads = loads_follow ? Loads{} : loads();

@@ -113,6 +113,8 @@ class Simulation {
   Reaction reaction(const std::vector<ParticleId>& particles) const;
   /// Where walls are, and what presses on them.
   const std::vector<WallState>& walls() const { return walls_.states(); }
+  /// The grips of the stage, in the order of its supports.
+  std::vector<GripView> grips() const { return supports_.grips().views(state_.clock.stage_step); }
   /// The same with the loads of the bonds that broke in the last step.
   Reaction reaction_before_breaks(const std::vector<ParticleId>& particles) const;
   /// Mean over the bonds with both ends in the group of F.d, tension positive; 0 without such bonds.  [force]
@@ -164,7 +166,7 @@ class Simulation {
   void close_walls(double dt);
   void close_books();
   double largest_way2() const;
-  void add_held(const Support& support, Row row, const Vec3d& F, const Vec3d& M, Reaction& total) const;
+  void add_held(const HeldDofs& held, Row row, const Vec3d& F, const Vec3d& M, Reaction& total) const;
   void look_at_deep_contacts();
   void check_finite() const;
   bool past_largest(const Bond& bond) const;

@@ -133,15 +133,14 @@ void Simulation::break_bond(BondId k) {
 
 Reaction Simulation::reaction_before_breaks(const std::vector<ParticleId>& particles) const {
   Reaction total = reaction(particles);
-  for (const Support& s : stage_.supports)
-    for (const ParticleId p : s.particles) {
-      if (!std::binary_search(particles.begin(), particles.end(), p)) continue;
-      const Row row = bodies_.order.row[p];
-      for (const TakenLoads& t : taken_) {
-        if (t.i == row) add_held(s, row, -t.loads.F, -t.loads.M_ij, total);
-        if (t.j == row) add_held(s, row, t.loads.F, -t.loads.M_ji, total);
-      }
+  for (const Hold& h : supports_.holds()) {
+    if (!std::binary_search(particles.begin(), particles.end(), h.particle)) continue;
+    const Row row = bodies_.order.row[h.particle];
+    for (const TakenLoads& t : taken_) {
+      if (t.i == row) add_held(h.held, row, -t.loads.F, -t.loads.M_ij, total);
+      if (t.j == row) add_held(h.held, row, t.loads.F, -t.loads.M_ji, total);
     }
+  }
   return total;
 }
 

@@ -80,25 +80,25 @@ double Simulation::balance_error(const Energies& e) const {
 
 Reaction Simulation::reaction(const std::vector<ParticleId>& particles) const {
   Reaction total;
-  for (const Support& s : stage_.supports)
-    for (const ParticleId p : s.particles) {
-      if (!std::binary_search(particles.begin(), particles.end(), p)) continue;
-      const std::size_t row = bodies_.order.row[p].value;
-      const MotionRow& motion = bodies_.motion[row];
-      const LoadRow& load = bodies_.load[row];
-      add_held(s, Row{row}, stage_.b_translation * motion.v - load.F,
-               stage_.b_rotation * motion.omega - load.M, total);
-    }
+  for (const Hold& h : supports_.holds()) {
+    if (!std::binary_search(particles.begin(), particles.end(), h.particle)) continue;
+    const std::size_t row = bodies_.order.row[h.particle].value;
+    const MotionRow& motion = bodies_.motion[row];
+    const LoadRow& load = bodies_.load[row];
+    add_held(h.held, Row{row}, stage_.b_translation * motion.v - load.F,
+             stage_.b_rotation * motion.omega - load.M, total);
+  }
   return total;
 }
 
 /// The part of a force and moment on a particle that its support exerts.
-void Simulation::add_held(const Support& s, Row row, const Vec3d& F, const Vec3d& M, Reaction& total) const {
+void Simulation::add_held(const HeldDofs& held, Row row, const Vec3d& F, const Vec3d& M,
+                          Reaction& total) const {
   Vec3d held_F, held_M;
   for (int k = 0; k < 3; ++k) {
     const auto axis = static_cast<std::size_t>(k);
-    if (s.held[axis]) component(held_F, k) = component(F, k);
-    if (s.held[axis + 3]) component(held_M, k) = component(M, k);
+    if (held[axis]) component(held_F, k) = component(F, k);
+    if (held[axis + 3]) component(held_M, k) = component(M, k);
   }
   total.force += held_F;
   total.moment += held_M + cross(bodies_.pose[row.value].r, held_F);

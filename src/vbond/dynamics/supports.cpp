@@ -6,12 +6,19 @@
 namespace vbond {
 namespace {
 
-/// The particles of all supports or all loads.
-template <class Groups>
-ByBlock by_block(const Groups& groups, const Order& order, std::size_t blocks) {
+/// The particles of all loads.
+ByBlock by_block(const std::vector<PointLoad>& loads, const Order& order, std::size_t blocks) {
   std::vector<ByBlock::Entry> entries;
-  for (std::size_t k = 0; k < groups.size(); ++k)
-    for (const ParticleId p : groups[k].particles) entries.push_back({order.row[p].value, k});
+  for (std::size_t k = 0; k < loads.size(); ++k)
+    for (const ParticleId p : loads[k].particles) entries.push_back({order.row[p].value, k});
+  return {std::move(entries), blocks};
+}
+
+/// What supports hold that are not rigid.
+ByBlock by_block(const std::vector<Hold>& holds, const Stage& stage, const Order& order, std::size_t blocks) {
+  std::vector<ByBlock::Entry> entries;
+  for (std::size_t k = 0; k < holds.size(); ++k)
+    if (!stage.supports[holds[k].support].rigid) entries.push_back({order.row[holds[k].particle].value, k});
   return {std::move(entries), blocks};
 }
 
@@ -28,7 +35,11 @@ ByBlock::ByBlock(std::vector<Entry> entries, std::size_t blocks)
 }
 
 Supports::Supports(const Stage& stage, Bodies& bodies, const Team& team)
-    : stage_(stage), bodies_(bodies), held_(by_block(stage.supports, bodies.order, team.blocks())) {
+    : stage_(stage),
+      bodies_(bodies),
+      holds_(holds_of(stage.supports)),
+      held_(by_block(holds_, stage, bodies.order, team.blocks())),
+      grips_(stage, bodies, team) {
   for (const Support& s : stage.supports) factors_.add(s.factor);
 }
 
@@ -37,16 +48,17 @@ Supports::Supports(const Stage& stage, Bodies& bodies, const Team& team)
 template <class F>
 void Supports::for_each_held(const Block& block, F f) const {
   for (const ByBlock::Entry* e = held_.begin_of(block.index); e != held_.end_of(block.index); ++e) {
-    const Support& s = stage_.supports[e->index];
+    const Hold& hold = holds_[e->index];
+    const Support& s = stage_.supports[hold.support];
     MotionRow& motion = bodies_.motion[e->row];
     const LoadRow& load = bodies_.load[e->row];
     for (int k = 0; k < 3; ++k) {
       const auto axis = static_cast<std::size_t>(k);
-      if (s.held[axis])
-        f(e->index, component(motion.v, k), bodies_.mass[e->row], component(load.F, k),
+      if (hold.held[axis])
+        f(hold.support, component(motion.v, k), bodies_.mass[e->row], component(load.F, k),
           component(s.velocity, k));
-      if (s.held[axis + 3])
-        f(e->index, component(motion.omega, k), bodies_.inertia[e->row], component(load.M, k),
+      if (hold.held[axis + 3])
+        f(hold.support, component(motion.omega, k), bodies_.inertia[e->row], component(load.M, k),
           component(s.angular_velocity, k));
     }
   }
@@ -85,8 +97,8 @@ void AppliedLoads::do_add(const Block& block, Instant at) const {
   for (const ByBlock::Entry* e = loaded_.begin_of(block.index); e != loaded_.end_of(block.index); ++e) {
     const PointLoad& l = stage_.loads[e->index];
     const double factor = factors_.at(e->index, at);
-    bodies_.load[e->row].F += factor * l.force;
-    bodies_.load[e->row].M += factor * l.moment;
+    bodies_.load[e->row].F += factor * l.force_on(bodies_.mass[e->row]);
+    bodies_.load[e->row].M += factor * l.moment_on(bodies_.mass[e->row]);
   }
   if (stage_.gravity == Vec3d{}) return;
   for (std::size_t k = block.rows.first; k < block.rows.last; ++k)
@@ -99,7 +111,8 @@ double AppliedLoads::do_work(const Block& block, double dt) const {
     const PointLoad& l = stage_.loads[e->index];
     const MotionRow& m = bodies_.motion[e->row];
     const double mean = 0.5 * (factors_.at(e->index, Instant::start) + factors_.at(e->index, Instant::end));
-    work += mean * dt * (dot(l.force, m.v) + dot(l.moment, m.omega));
+    const double mass = bodies_.mass[e->row];
+    work += mean * dt * (dot(l.force_on(mass), m.v) + dot(l.moment_on(mass), m.omega));
   }
   if (stage_.gravity == Vec3d{}) return work;
   double momentum_along = 0.0;

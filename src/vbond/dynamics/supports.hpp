@@ -5,12 +5,12 @@
 #include <vector>
 
 #include "vbond/dynamics/bodies.hpp"
+#include "vbond/dynamics/by_block.hpp"
+#include "vbond/dynamics/grips.hpp"
+#include "vbond/model/holds.hpp"
 #include "vbond/model/stage.hpp"
 
 namespace vbond {
-
-/// The instants of a step at which velocities and loads are asked for.
-enum class Instant : std::uint8_t { start, middle, end };
 
 /// The value of a stage's time functions at the three instants of a step.
 class Factors {
@@ -30,24 +30,6 @@ class Factors {
   std::vector<std::array<double, 3>> values_;
 };
 
-/// Particles of supports or loads, block by block.
-class ByBlock {
- public:
-  struct Entry {
-    std::size_t row;
-    std::size_t index;  ///< of the support or load
-  };
-  ByBlock() = default;
-  ByBlock(std::vector<Entry> entries, std::size_t blocks);
-  const Entry* begin_of(std::size_t block) const { return entries_.data() + start_[block]; }
-  const Entry* end_of(std::size_t block) const { return entries_.data() + start_[block + 1]; }
-  bool empty() const { return entries_.empty(); }
-
- private:
-  std::vector<Entry> entries_;
-  std::vector<std::size_t> start_;
-};
-
 /// Degrees of freedom held at rest or at a prescribed velocity, and the work that this takes: kinetic energy
 /// changes by no other hand than theirs and the loads'. Each function returns that work.  [energy]
 class Supports {
@@ -56,15 +38,26 @@ class Supports {
   Supports(const Stage& stage, Bodies& bodies, const Team& team);
   Supports(const Stage&&, Bodies&, const Team&) = delete;
 
-  void set_times(std::int64_t stage_step, double dt) { factors_.set_times(stage_step, dt); }
+  void set_times(std::int64_t stage_step, double dt) {
+    factors_.set_times(stage_step, dt);
+    grips_.set_times(stage_step);
+  }
 
   /// Gives held rates their prescribed value of that instant.
-  double hold(const Block& block, Instant at) const { return held_.empty() ? 0.0 : do_hold(block, at); }
+  double hold(const Block& block, Instant at) {
+    return (held_.empty() ? 0.0 : do_hold(block, at)) + (grips_.any() ? grips_.hold(block, at) : 0.0);
+  }
   /// The same after a kick over h, which the supports have borne: the impulse that they add, times the mean
   /// prescribed velocity, is their work.
-  double hold_after_kick(const Block& block, Instant from, Instant to, double h) const {
-    return held_.empty() ? 0.0 : do_hold_after_kick(block, from, to, h);
+  double hold_after_kick(const Block& block, Instant from, Instant to, double h) {
+    return (held_.empty() ? 0.0 : do_hold_after_kick(block, from, to, h)) +
+           (grips_.any() ? grips_.hold_after_kick(block, from, to, h) : 0.0);
   }
+
+  /// Each degree of freedom that is held, once.
+  const std::vector<Hold>& holds() const { return holds_; }
+  Grips& grips() { return grips_; }
+  const Grips& grips() const { return grips_; }
 
  private:
   double do_hold(const Block& block, Instant at) const;
@@ -75,7 +68,9 @@ class Supports {
   const Stage& stage_;
   Bodies& bodies_;
   Factors factors_;
-  ByBlock held_;
+  std::vector<Hold> holds_;
+  ByBlock held_;  // indices of those in holds_ that grips do not move
+  Grips grips_;
 };
 
 /// Point loads and gravity.

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "vbond/core/rigid_motion.hpp"
 #include "vbond/model/contact_bound.hpp"
 
 namespace vbond {
@@ -127,8 +128,7 @@ void Walls::move(std::int64_t stage_step, double dt) {
       const Vec3d from_pivot =
           model_.walls[w].centre + now.displacement - dt * now.velocity - drive_[w]->pivot;
       // on the circle about the pivot, not on its tangent
-      now.displacement +=
-          rotate(turn, from_pivot) - from_pivot - dt * cross(now.angular_velocity, from_pivot);
+      now.displacement += swing(turn, from_pivot) - dt * cross(now.angular_velocity, from_pivot);
       now.q = renormalised(turn * now.q);
     }
     room_ -= dt * (norm(now.velocity) + extent_ * norm(now.angular_velocity));

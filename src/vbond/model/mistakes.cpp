@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "vbond/model/agreement.hpp"
 #include "vbond/model/wall_mistakes.hpp"
 
 namespace vbond {
@@ -38,25 +39,6 @@ bool above_zero(double x) {
 
 std::string text(const Vec3d& x) {
   return fmt::format("({}, {}, {})", x.x, x.y, x.z);
-}
-
-double rate_of(const Support& s, std::size_t dof) {
-  return component(dof < 3 ? s.velocity : s.angular_velocity, static_cast<int>(dof % 3));
-}
-double rate_of(const StaticSupport& s, std::size_t dof) {
-  return component(dof < 3 ? s.displacement : s.rotation, static_cast<int>(dof % 3));
-}
-bool same_times(const Support& a, const Support& b) {
-  const auto same = [](const auto& x, const auto& y) { return x.t == y.t && x.factor == y.factor; };
-  return std::equal(a.factor.points.begin(), a.factor.points.end(), b.factor.points.begin(),
-                    b.factor.points.end(), same);
-}
-bool same_times(const StaticSupport&, const StaticSupport&) {
-  return true;
-}
-template <class AnySupport>
-bool moves_alike(const AnySupport& a, const AnySupport& b, std::size_t dof) {
-  return rate_of(a, dof) == rate_of(b, dof) && (rate_of(a, dof) == 0.0 || same_times(a, b));
 }
 
 /// Gathers mistakes.
@@ -125,20 +107,22 @@ class Mistakes {
             "the factor of " + who + " does not have its points in increasing time");
   }
 
-  /// Supports that hold the same degree of freedom must agree on how it moves, or there may be none such.
+  /// Grips hold everything, and only grips have a pivot; supports that overlap must agree.
   template <class AnySupport>
-  void require_agreement(const std::vector<AnySupport>& supports, bool may_overlap = true) {
-    static constexpr const char* names[6] = {"x", "y", "z", "turn about x", "turn about y", "turn about z"};
-    PerParticle<std::array<const AnySupport*, 6>> held(n_, std::array<const AnySupport*, 6>{});
-    for (const AnySupport& s : supports)
-      for (const ParticleId p : s.particles)
-        for (std::size_t dof = 0; dof < 6 && knows(p); ++dof) {
-          if (!s.held[dof]) continue;
-          const AnySupport* const other = std::exchange(held[p][dof], &s);
-          if (other == nullptr || (may_overlap && moves_alike(*other, s, dof))) continue;
-          return require(false, fmt::format("{} of particle {} is held twice{}", names[dof], p.value,
-                                            may_overlap ? ", in two ways" : ": one support is enough"));
-        }
+  void look_at_supports(const std::vector<AnySupport>& supports) {
+    for (const AnySupport& s : supports) {
+      const std::string who = s.group.empty() ? "a support" : "a support on \"" + s.group + "\"";
+      require(!s.rigid || s.held == all_held, who + " is rigid and does not hold all six degrees of freedom");
+      require(!s.rigid || !s.particles.empty(), who + " is rigid and has no particles");
+      require(s.rigid || !s.pivot, who + " has a pivot: that is for rigid ones");
+      if (s.pivot) require_finite(*s.pivot, who, "the pivot");
+    }
+    for (const Disagreement& d : disagreements(supports, n_))
+      require(false,
+              fmt::format("{} of particle {} is held twice, in two ways, by the supports on \"{}\" and "
+                          "\"{}\"",
+                          name_of_dof(d.dof), d.particle.value, supports[d.first].group,
+                          supports[d.second].group));
   }
 
  private:
@@ -345,14 +329,20 @@ std::vector<std::string> mistakes_in(const Model& model, const Stage& stage) {
     found.require_finite(s.angular_velocity, who("a support", s), "the angular velocity");
     found.look_at(s.factor, who("a support", s));
   }
-  found.require_agreement(stage.supports);
+  found.look_at_supports(stage.supports);
   for (const PointLoad& l : stage.loads) {
     found.require_known(l.particles, "a load", l.group);
     found.require_finite(l.force, who("a load", l), "the force");
     found.require_finite(l.moment, who("a load", l), "the moment");
+    found.require_finite(l.force_by_mass, who("a load", l), "the force by mass");
+    found.require_finite(l.moment_by_mass, who("a load", l), "the moment by mass");
     found.look_at(l.factor, who("a load", l));
   }
-  if (stage.strain) look_at_strain(*stage.strain, found);
+  if (stage.strain) {
+    look_at_strain(*stage.strain, found);
+    found.require(!strained_and_gripped(stage),
+                  "the imposed strain moves particles of a rigid support, which would take them back");
+  }
   for (const BondingRule& r : stage.bonding) {
     const std::string rule = "bonding rule \"" + r.name + "\"";
     found.require_sizes(rule, "a bonding rule must say of each particle if it is meant",
@@ -379,11 +369,13 @@ std::vector<std::string> mistakes_in(const Model& model, const StaticStage& stag
     found.require_finite(s.displacement, who("a support", s), "the displacement");
     found.require_finite(s.rotation, who("a support", s), "the rotation");
   }
-  found.require_agreement(stage.supports);
+  found.look_at_supports(stage.supports);
   for (const StaticLoad& l : stage.loads) {
     found.require_known(l.particles, "a load", l.group);
     found.require_finite(l.force, who("a load", l), "the force");
     found.require_finite(l.moment, who("a load", l), "the moment");
+    found.require_finite(l.force_by_mass, who("a load", l), "the force by mass");
+    found.require_finite(l.moment_by_mass, who("a load", l), "the moment by mass");
   }
   const auto at_least = [&](const char* what, double value, double least) {
     found.require(value >= least && std::isfinite(value),
@@ -419,20 +411,6 @@ std::vector<std::string> mistakes_in(const Model& model, const StaticStage& stag
     found.require(above_zero(*fracture.load_drop) && *fracture.load_drop <= 1.0,
                   fmt::format("fracture.load_drop is {}: it must be > 0 and <= 1", *fracture.load_drop));
   return std::move(found).take();
-}
-
-template <class AnyStage>
-std::vector<std::string> held_twice_in(const Model& model, const AnyStage& stage) {
-  Mistakes found(model);
-  found.require_agreement(stage.supports, false);
-  return std::move(found).take();
-}
-
-std::vector<std::string> held_twice(const Model& model, const Stage& stage) {
-  return held_twice_in(model, stage);
-}
-std::vector<std::string> held_twice(const Model& model, const StaticStage& stage) {
-  return held_twice_in(model, stage);
 }
 
 void refuse(const std::string& who, const std::vector<std::string>& mistakes) {

@@ -22,11 +22,6 @@ std::vector<std::string> mistakes_in_values(const Model& model, const State& sta
 std::vector<std::string> mistakes_in(const Model& model, const Stage& stage);
 std::vector<std::string> mistakes_in(const Model& model, const StaticStage& stage);
 
-/// Degrees of freedom with several supports. Where these move alike the motion is the same, and only their
-/// reactions are counted twice: a Run refuses them, Simulation and run_static_stage do not.
-std::vector<std::string> held_twice(const Model& model, const Stage& stage);
-std::vector<std::string> held_twice(const Model& model, const StaticStage& stage);
-
 /// Throws std::invalid_argument with all of them, a line each, after `who`; does nothing without any.
 void refuse(const std::string& who, const std::vector<std::string>& mistakes);
 

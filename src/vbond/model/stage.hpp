@@ -18,23 +18,37 @@ namespace vbond {
 /// Degrees of freedom of a particle: x, y, z, then rotation about x, y, z (world axes).
 using HeldDofs = std::array<bool, 6>;
 
-/// Degrees of freedom that are held, at rest or at a prescribed velocity.
+/// All of them.
+inline constexpr HeldDofs all_held{true, true, true, true, true, true};
+
+/// Degrees of freedom that are held, at rest or at a prescribed velocity. A rigid one is a grip: its
+/// particles move as one rigid body, positions and orientations, on circles about a pivot that itself moves
+/// at `velocity`; it holds all degrees of freedom.
 struct Support {
   std::string group;  ///< name, for reports
   std::vector<ParticleId> particles;
   HeldDofs held{};
-  Vec3d velocity;          ///< of held translations  [length/time]
-  Vec3d angular_velocity;  ///< of held rotations  [rad/time]
+  Vec3d velocity;          ///< of held translations, or of the pivot  [length/time]
+  Vec3d angular_velocity;  ///< of held rotations, or of the grip  [rad/time]
   TimeFunction factor;     ///< of both
+  bool rigid = false;
+  /// Rigid: at the start of the stage; absent: the mean of its particles' positions then  [length].
+  std::optional<Vec3d> pivot = {};
 };
 
-/// The same force and moment on each particle of a group, fixed in direction.
+/// Force and moment on each particle of a group, fixed in direction: the same on each, and a part in
+/// proportion to mass, as totals of a group are shared.
 struct PointLoad {
   std::string group;
   std::vector<ParticleId> particles;
   Vec3d force;   ///< [force]
   Vec3d moment;  ///< [force*length]
   TimeFunction factor;
+  Vec3d force_by_mass = {};   ///< [force/mass]
+  Vec3d moment_by_mass = {};  ///< [force*length/mass]
+
+  Vec3d force_on(double mass) const { return force + mass * force_by_mass; }
+  Vec3d moment_on(double mass) const { return moment + mass * moment_by_mass; }
 };
 
 /// Every `every` time units, x -> x + increment e (e . (x - c)), c the group's centroid at the start;
@@ -113,6 +127,16 @@ struct Stage {
   std::vector<WallDrive> walls;  ///< the others stand still
   Stops stops;
 };
+
+/// A particle that the imposed strain would move and a rigid support carries.
+inline std::optional<ParticleId> strained_and_gripped(const Stage& stage) {
+  if (!stage.strain) return std::nullopt;
+  const std::vector<ParticleId>& strained = stage.strain->particles;
+  for (const Support& s : stage.supports)
+    for (const ParticleId p : s.particles)
+      if (s.rigid && std::find(strained.begin(), strained.end(), p) != strained.end()) return p;
+  return std::nullopt;
+}
 
 /// How many steps make up a time, at least one; at most 2^62, so that counts of steps can be added.
 inline std::int64_t steps_in(double time, double dt) {

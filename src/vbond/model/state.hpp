@@ -5,6 +5,7 @@
 #include "vbond/core/column.hpp"
 #include "vbond/core/quat.hpp"
 #include "vbond/model/bond.hpp"
+#include "vbond/model/grip.hpp"
 #include "vbond/model/loads.hpp"
 #include "vbond/model/model.hpp"
 
@@ -71,6 +72,8 @@ struct State {
   std::vector<PairMemory> contact_history;  ///< of touching pairs that remember something, in order of (i, j)
   std::vector<WallState> walls;             ///< of each wall; empty: as at the start, at rest
   std::vector<WallMemory> wall_history;     ///< of touches that remember something, in order of (p, wall)
+  std::vector<GripState> grips;             ///< of the stage under way, in the order of its supports
+  std::vector<GrippedPose> gripped;         ///< their particles, grip by grip
   Loads damping;                            ///< the part of these that damps; empty if no bond does
   EnergyBooks books;
   PeakRecord peak;

@@ -17,22 +17,30 @@ constexpr bool is_static(StageKind kind) {
 
 /// Degrees of freedom that are held in a static stage, and moved from where the stage found them in
 /// proportion to the load factor. A turn about an axis of the world is that of the held components alone;
-/// if all three are held it is the rotation by the vector, exactly.
+/// if all three are held it is the rotation by the vector, exactly. A rigid one is a grip, as in Support.
 struct StaticSupport {
   std::string group;  ///< name, for reports
   std::vector<ParticleId> particles;
   HeldDofs held{};
   Vec3d displacement;  ///< of held translations at load factor 1  [length]
   Vec3d rotation;      ///< of held turns at load factor 1  [rad]
+  bool rigid = false;
+  /// Rigid: at load factor 0; absent: the mean of its particles' positions there  [length].
+  std::optional<Vec3d> pivot = {};
 };
 
-/// The same force and moment on each particle of a group, fixed in direction.
+/// Force and moment on each particle of a group, as in PointLoad.
 struct StaticLoad {
   std::string group;
   std::vector<ParticleId> particles;
-  Vec3d force;            ///< [force]
-  Vec3d moment;           ///< [force*length]
-  bool constant = false;  ///< at full size from the start, not in proportion to the load factor
+  Vec3d force;                ///< [force]
+  Vec3d moment;               ///< [force*length]
+  bool constant = false;      ///< at full size from the start, not in proportion to the load factor
+  Vec3d force_by_mass = {};   ///< [force/mass]
+  Vec3d moment_by_mass = {};  ///< [force*length/mass]
+
+  Vec3d force_on(double mass) const { return force + mass * force_by_mass; }
+  Vec3d moment_on(double mass) const { return moment + mass * moment_by_mass; }
 };
 
 enum class LinearSolver : std::uint8_t { automatic, direct, iterative };

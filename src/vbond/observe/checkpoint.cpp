@@ -17,6 +17,7 @@
 
 #include "vbond/core/error.hpp"
 #include "vbond/model/rules.hpp"
+#include "vbond/observe/detail/checkpoint_grips.hpp"
 #include "vbond/observe/detail/checkpoint_walls.hpp"
 #include "vbond/observe/detail/h5.hpp"
 #include "vbond/observe/detail/h5_file.hpp"
@@ -338,6 +339,7 @@ void write_checkpoint(const std::filesystem::path& path, const Model& model, con
     write_rules(writer, checkpoint.state);
     write_inelastic(writer, checkpoint.state);
     write_walls(writer, checkpoint.state);
+    write_grips(writer, checkpoint.state);
     write_overlapping(writer, checkpoint.watch);
     write_rare(writer, checkpoint.watch);
     write_units(writer.file(), model.units);
@@ -368,6 +370,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const Model& model
     read_rules(reader, c.state);
     read_inelastic(reader, c.state);
     read_walls(reader, c.state);
+    read_grips(reader, c.state);
     read_overlapping(reader, c.watch, n);
     read_rare(reader, c.watch, c.state);
     check_sense(c);

@@ -48,6 +48,17 @@ std::vector<Cell> cells_of(const OutputPlan& plan, const HistoryValues& values) 
   return cells;
 }
 
+/// Those of the plan; nothing for one that this stage has not.
+std::vector<std::optional<GripView>> grips_of(const OutputPlan& plan, const std::vector<GripView>& now) {
+  std::vector<std::optional<GripView>> grips;
+  for (const std::string& group : plan.grips) {
+    const auto grip =
+        std::find_if(now.begin(), now.end(), [&](const GripView& g) { return g.group == group; });
+    grips.push_back(grip != now.end() ? std::optional(*grip) : std::nullopt);
+  }
+  return grips;
+}
+
 /// Where the components of a vector stand in a row; nothing if a column is not there.
 using VectorColumns = std::optional<std::array<std::size_t, 3>>;
 VectorColumns vector_columns(const std::vector<std::string>& columns, const std::string& of,
@@ -100,6 +111,7 @@ HistoryValues history_values(const OutputPlan& plan, const Simulation& run) {
       .axial_force = {},
       .displacements = {},
       .walls = run.walls(),
+      .grips = grips_of(plan, plan.grips.empty() ? std::vector<GripView>{} : run.grips()),
       .run = &run};
   for (const Group& g : plan.reactions) values.reactions.push_back(run.reaction(g.particles));
   for (const Group& g : plan.axial_force) values.axial_force.push_back(run.mean_axial_force(g.particles));
@@ -126,6 +138,7 @@ HistoryValues history_values(const OutputPlan& plan, const Model& model, const S
       .axial_force = {},
       .displacements = {},
       .walls = state.walls,
+      .grips = grips_of(plan, point.grips),
       .point = &point};
   for (const Group& g : plan.reactions) values.reactions.push_back(point.reaction(g.particles));
   for (const Group& g : plan.axial_force) values.axial_force.push_back(mean_axial_force(state, g.particles));

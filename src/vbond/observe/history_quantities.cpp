@@ -135,6 +135,23 @@ const std::vector<GroupQuantity>& of_groups() {
          const WallState& w = v.walls[k];
          add3(w.force, to), add3(w.moment, to), add3(w.displacement, to), to.emplace_back(w.work);
        }},
+      {"grip",
+       "GROUP",
+       {{"Fx", unit::force, "force that a rigid support exerts on its group, inertia left out"},
+        {"Fy", unit::force},
+        {"Fz", unit::force},
+        {"Mx", unit::moment, "the same moment, about the pivot where it is now"},
+        {"My", unit::moment},
+        {"Mz", unit::moment},
+        {"angle", unit::angle, "that it has turned about its axis since the stage began"},
+        {"work", unit::energy,
+         "that it has done in the stage, a part of work_supports; empty in static stages"}},
+       [](const OutputPlan& plan) { return plan.grips; },
+       [](const Values& v, std::size_t k, std::vector<Cell>& to) {
+         if (k >= v.grips.size() || !v.grips[k]) return to.resize(to.size() + 8);
+         const GripView& g = *v.grips[k];
+         add3(g.force, to), add3(g.moment, to), to.emplace_back(g.angle), to.push_back(cell_of(g.work));
+       }},
   };
   return all;
 }

@@ -29,6 +29,7 @@ struct HistoryValues {
   std::vector<double> axial_force;         ///< one per OutputPlan::axial_force, tension positive  [force]
   std::vector<Vec3d> displacements;        ///< one per OutputPlan::displacements, mean of r - r_0  [length]
   std::vector<WallState> walls;            ///< one per OutputPlan::walls; empty: not known
+  std::vector<std::optional<GripView>> grips;  ///< one per OutputPlan::grips; nothing: not in this stage
   /// What the row is of, for columns that need more: one of the two, or neither of values made by hand.
   const Simulation* run = nullptr;
   const StaticPoint* point = nullptr;

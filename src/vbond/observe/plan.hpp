@@ -20,6 +20,7 @@ struct OutputPlan {
   std::vector<Group> axial_force;          ///< mean tension of the bonds inside, in history.csv
   std::vector<Group> displacements;        ///< mean of r - r_0, in history.csv
   std::vector<std::string> walls;          ///< names of those of the model, in history.csv and in frames
+  std::vector<std::string> grips;          ///< groups that some stage moves as rigid bodies, in history.csv
   /// Between frames of dynamics  [time], > 0, infinite if there is none; absent: no frames at all.
   std::optional<double> frames_every;
   FrameFormat frame_format;                ///< of those frames, and of those of modes

@@ -54,13 +54,7 @@ class GivenStages : public Stages {
   std::vector<std::string> mistakes_in_stage(std::size_t k, const Model& model) const {
     if (is_static(kind(k)) && !has_statics())
       return {fmt::format("it is static: {}; {}", without_statics, way_to_statics)};
-    return std::visit(
-        [&model](const auto& stage) {
-          std::vector<std::string> mistakes = mistakes_in(model, stage);
-          for (std::string& m : held_twice(model, stage)) mistakes.push_back(std::move(m));
-          return mistakes;
-        },
-        stages_.at(k));
+    return std::visit([&model](const auto& stage) { return mistakes_in(model, stage); }, stages_.at(k));
   }
 
   static void look_at_step(const Stage& stage, const Model& model, const State& state,

@@ -66,10 +66,14 @@ double held_movement(const StaticBody& body) {
   for (const StaticSupport& support : body.stage().supports)
     for (int k = 0; k < 3; ++k) {
       const auto count = static_cast<double>(support.particles.size());
-      if (support.held[static_cast<std::size_t>(k)]) sum += count * sq(component(support.displacement, k));
+      if (support.held[static_cast<std::size_t>(k)] && !support.rigid)
+        sum += count * sq(component(support.displacement, k));
       if (support.held[static_cast<std::size_t>(k + 3)])
         sum += count * sq(body.unknowns().length() * component(support.rotation, k));
     }
+  for (const StaticSupport& support : body.stage().supports)
+    for (const ParticleId p : support.particles)
+      if (support.rigid) sum += norm2(body.rate_of(support, p));
   return sum;
 }
 

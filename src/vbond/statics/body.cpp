@@ -88,23 +88,22 @@ double distance(const Placement& a, const Placement& b, double length) {
   return largest;
 }
 
-StaticBody::StaticBody(const Model& model, const StaticStage& stage, State state)
+StaticBody::StaticBody(const Model& model, const StaticStage& stage, State state, double load_factor)
     : model_(model),
       stage_(stage),
       state_(std::move(state)),
+      load_factor_(load_factor),
+      held_at_(load_factor),
+      holds_(holds_of(stage.supports)),
       unknowns_(model.particles(), stage.supports, length_scale(model, state_)),
       bonded_(model.particles(), false),
       held_rate_(model.particles(), std::array<double, 6>{}),
       stiffness_{Assembly(unknowns_), Assembly(unknowns_), {}, false} {
   state_.v.assign(model.particles(), {});
   state_.omega.assign(model.particles(), {});
-  for (const StaticSupport& s : stage.supports)
-    for (const ParticleId p : s.particles)
-      for (int k = 0; k < 3; ++k) {
-        const auto along = static_cast<std::size_t>(k);
-        if (s.held[along]) held_rate_[p][along] = component(s.displacement, k);
-        if (s.held[along + 3]) held_rate_[p][along + 3] = unknowns_.length() * component(s.rotation, k);
-      }
+  state_.grips.clear(), state_.gripped.clear();  // of a stage of dynamics before
+  take_hold();
+  set_held_rates();
   // positions are rounded to eps |r|, unit vectors to eps
   constexpr double eps = std::numeric_limits<double>::epsilon();
   for (const Bond& b : state_.bonds) {
@@ -129,8 +128,56 @@ void StaticBody::accept() {
   at_accepted_ = true;
 }
 
+void StaticBody::take_hold() {
+  for (const StaticSupport& s : stage_.supports) {
+    if (!s.rigid) continue;
+    Vec3d pivot;
+    for (const ParticleId p : s.particles) pivot += state_.r[p];
+    pivot =
+        s.pivot ? *s.pivot + load_factor_ * s.displacement : pivot / static_cast<double>(s.particles.size());
+    Grip grip{&s, {pivot, s.displacement, s.rotation}, {}};
+    for (const ParticleId p : s.particles) grip.as_held.push_back({state_.r[p] - pivot, state_.q[p]});
+    grips_.push_back(std::move(grip));
+  }
+}
+
+/// Particles of grips to where these are at the load factor.
+void StaticBody::carry() {
+  const double since = load_factor_ - held_at_;
+  for (const Grip& g : grips_) {
+    const Vec3d pivot = g.motion.pivot_at(since);
+    const Quatd turn = g.motion.turn(since);
+    for (std::size_t k = 0; k < g.as_held.size(); ++k) {
+      const ParticleId p = g.support->particles[k];
+      state_.r[p] = pivot + rotate(turn, g.as_held[k].arm);
+      state_.q[p] = normalised(turn * g.as_held[k].q);
+    }
+  }
+}
+
+void StaticBody::set_held_rates() {
+  for (const Hold& h : holds_) {
+    const StaticSupport& s = stage_.supports[h.support];
+    const Vec3d rate = rate_of(s, h.particle);
+    for (int k = 0; k < 3; ++k) {
+      const auto along = static_cast<std::size_t>(k);
+      if (h.held[along]) held_rate_[h.particle][along] = component(rate, k);
+      if (h.held[along + 3])
+        held_rate_[h.particle][along + 3] = unknowns_.length() * component(s.rotation, k);
+    }
+  }
+}
+
+Vec3d StaticBody::rate_of(const StaticSupport& s, ParticleId p) const {
+  if (!s.rigid) return s.displacement;
+  const auto grip =
+      std::find_if(grips_.begin(), grips_.end(), [&](const Grip& g) { return g.support == &s; });
+  return grip->motion.rate_at(load_factor_ - held_at_, state_.r[p]);
+}
+
 void StaticBody::placed() {
   loaded_.reset();
+  if (!grips_.empty()) set_held_rates();
   stiffness_.current = false;
   if (!flows()) return;
   at_accepted_ = state_.r == accepted_at_.r && state_.q == accepted_at_.q;
@@ -182,6 +229,7 @@ void StaticBody::move(const Vector& x, double new_load_factor) {
     state_.q[p] = normalised(rotation_of((1.0 / unknowns_.length()) * turn) * state_.q[p]);
   }
   load_factor_ = new_load_factor;
+  carry();
   placed();
 }
 
@@ -197,8 +245,8 @@ void StaticBody::add_applied(double load_factor, Loads& loads) const {
   for (const StaticLoad& l : stage_.loads)
     for (const ParticleId p : l.particles) {
       const double factor = l.constant ? 1.0 : load_factor;
-      loads.F[p] += factor * l.force;
-      loads.M[p] += factor * l.moment;
+      loads.F[p] += factor * l.force_on(model_.mass[p]);
+      loads.M[p] += factor * l.moment_on(model_.mass[p]);
     }
   const double gravity = stage_.constant_gravity ? 1.0 : load_factor;
   for (const ParticleId p : loads.F.ids()) loads.F[p] += gravity * model_.mass[p] * stage_.gravity;
@@ -423,16 +471,42 @@ double StaticBody::work_of_loads(const Placement& from, const Placement& to, dou
   return work;
 }
 
-double StaticBody::power_of(const StaticSupport& support) const {
+void StaticBody::add_power(const StaticSupport& support, ParticleId p, const HeldDofs& held,
+                           double& power) const {
   const Loads& loads = loads_at_hand().loads;
+  const Vec3d rate = rate_of(support, p);
+  for (int k = 0; k < 3; ++k) {
+    const auto along = static_cast<std::size_t>(k);
+    if (held[along]) power -= component(loads.F[p], k) * component(rate, k);
+    if (held[along + 3]) power -= component(loads.M[p], k) * component(support.rotation, k);
+  }
+}
+
+double StaticBody::power_of(const StaticSupport& support) const {
   double power = 0.0;
-  for (const ParticleId p : support.particles)
-    for (int k = 0; k < 3; ++k) {
-      const auto along = static_cast<std::size_t>(k);
-      if (support.held[along]) power -= component(loads.F[p], k) * component(support.displacement, k);
-      if (support.held[along + 3]) power -= component(loads.M[p], k) * component(support.rotation, k);
-    }
+  for (const ParticleId p : support.particles) add_power(support, p, support.held, power);
   return power;
+}
+
+double StaticBody::power_of_supports() const {
+  std::vector<double> power(stage_.supports.size(), 0.0);
+  for (const Hold& h : holds_) add_power(stage_.supports[h.support], h.particle, h.held, power[h.support]);
+  return std::accumulate(power.begin(), power.end(), 0.0);
+}
+
+std::vector<GripView> StaticBody::grips() const {
+  const Loads& loads = loads_at_hand().loads;
+  std::vector<GripView> all;
+  for (const Grip& g : grips_) {
+    const Vec3d pivot = g.motion.pivot_at(load_factor_ - held_at_);
+    GripView view{g.support->group, {}, {}, load_factor_ * norm(g.support->rotation), std::nullopt};
+    for (const ParticleId p : g.support->particles) {
+      view.force -= loads.F[p];
+      view.moment -= loads.M[p] + cross(state_.r[p] - pivot, loads.F[p]);
+    }
+    all.push_back(std::move(view));
+  }
+  return all;
 }
 
 void StaticBody::break_bond(BondId k, BreakMode mode) {

@@ -71,10 +71,7 @@ BreakingBody::BreakingBody(const Model& model, const StaticStage& stage, State b
 }
 
 void BreakingBody::begin(State state, double load_factor) {
-  body_ = std::make_unique<StaticBody>(model_, *stage_, std::move(state));
-  Placement here = body_->placement();
-  here.load_factor = load_factor;
-  body_->restore(here);
+  body_ = std::make_unique<StaticBody>(model_, *stage_, std::move(state), load_factor);
   solver_ = std::make_unique<TangentSolver>(stage_->newton.solver);
   const auto first = std::find_if(stage_->supports.begin(), stage_->supports.end(), moves);
   moved_ = first != stage_->supports.end() ? &*first : nullptr;
@@ -99,11 +96,8 @@ std::optional<double> BreakingBody::largest_reaction() const {
 }
 
 Balance BreakingBody::here() const {
-  Balance b{body_->placement(), 0.0, body_->energies().potential(), body_->dissipated(),
-            most_used_bond(body_->state(), load_factor())};
-  for (const StaticSupport& s : stage_->supports)
-    if (moves(s)) b.power += body_->power_of(s);
-  return b;
+  return {body_->placement(), moved_ ? body_->power_of_supports() : 0.0, body_->energies().potential(),
+          body_->dissipated(), most_used_bond(body_->state(), load_factor())};
 }
 
 bool BreakingBody::is_stable() {

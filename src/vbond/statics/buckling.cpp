@@ -25,10 +25,14 @@ constexpr double first_part = 0.5;
 /// Bonds longer or shorter than this times their length at rest are beyond any law.
 constexpr double longest_bond = 2.0, shortest_bond = 0.5;
 
-double largest_proportional_force(const StaticStage& stage) {
+double largest_proportional_force(const Model& model, const StaticStage& stage) {
   double largest = 0.0;
-  for (const StaticLoad& l : stage.loads)
-    if (!l.constant) largest = std::max(largest, static_cast<double>(l.particles.size()) * norm(l.force));
+  for (const StaticLoad& l : stage.loads) {
+    if (l.constant) continue;
+    Vec3d total = static_cast<double>(l.particles.size()) * l.force;
+    for (const ParticleId p : l.particles) total += model.mass[p] * l.force_by_mass;
+    largest = std::max(largest, norm(total));
+  }
   return largest;
 }
 
@@ -164,7 +168,7 @@ void CriticalLoads::add(const CriticalPoint& c) {
       result_.critical_loads.push_back({c.kind,
                                         c.load_factor,
                                         {},
-                                        c.load_factor * largest_proportional_force(stage_),
+                                        c.load_factor * largest_proportional_force(body_.model(), stage_),
                                         body_.unknowns().shape(mode_of_cluster(near.vectors, k)),
                                         c.gap});
   }

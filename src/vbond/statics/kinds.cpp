@@ -103,7 +103,8 @@ void report_point(StaticBody& body, PointKind kind, std::optional<int> unstable,
     watch_strength(body, hooks, result);
   if (hooks.point)
     hooks.point({body.state(), body.load_factor(), kind, unstable, body.energies(),
-                 [&body](const std::vector<ParticleId>& particles) { return body.reaction(particles); }});
+                 [&body](const std::vector<ParticleId>& particles) { return body.reaction(particles); },
+                 body.grips()});
 }
 
 StaticOutcome interrupted_outcome(StaticResult result, State state) {

@@ -268,9 +268,12 @@ double PathWalk::longest(const PathDirection& d) const {
         if (const int at = unknowns.of(p, first + k); at != Unknowns::held) component(m, k) = d.u[at];
       largest2 = std::max(largest2, norm2(m));
     }
-  for (const StaticSupport& support : body_.stage().supports)
+  for (const StaticSupport& support : body_.stage().supports) {
     largest2 = std::max({largest2, sq(d.f) * norm2(support.displacement),
                          sq(d.f * unknowns.length()) * norm2(support.rotation)});
+    for (const ParticleId p : support.particles)
+      if (support.rigid) largest2 = std::max(largest2, sq(d.f) * norm2(body_.rate_of(support, p)));
+  }
   return most / std::max(std::sqrt(largest2), 1e-3);
 }
 

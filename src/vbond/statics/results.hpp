@@ -33,6 +33,7 @@ struct StaticPoint {
   Energies energies;            ///< of bonds and contacts
   /// What supports exert on these particles.
   std::function<Reaction(const std::vector<ParticleId>&)> reaction;
+  std::vector<GripView> grips = {};  ///< in the order of the stage's supports
 };
 
 /// A small movement of all particles: how a mode looks. Scaled so that the largest translation is 1, or if

@@ -3,6 +3,9 @@
 #include <string>
 #include <vector>
 
+#include "vbond/core/rigid_motion.hpp"
+#include "vbond/model/grip.hpp"
+#include "vbond/model/holds.hpp"
 #include "vbond/model/loads.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
@@ -40,8 +43,8 @@ double distance(const Placement& a, const Placement& b, double length);
 /// of any potential: its part stays, and full_tangent() has it.
 class StaticBody {
  public:
-  /// Keeps references to model and stage. All particles come to rest.
-  StaticBody(const Model& model, const StaticStage& stage, State state);
+  /// Keeps references to model and stage. All particles come to rest. The state is that at this load factor.
+  StaticBody(const Model& model, const StaticStage& stage, State state, double load_factor = 0.0);
   StaticBody(const StaticBody&) = delete;
   StaticBody& operator=(const StaticBody&) = delete;
 
@@ -112,6 +115,12 @@ class StaticBody {
   double work_of_loads(const Placement& from, const Placement& to, double load_factor) const;
   /// What a support does along its motion, per load factor.  [energy]
   double power_of(const StaticSupport& support) const;
+  /// The same of all supports, where several hold a degree of freedom that of one.
+  double power_of_supports() const;
+  /// How the held translations of one of a support's particles go, per load factor.  [length]
+  Vec3d rate_of(const StaticSupport& support, ParticleId p) const;
+  /// Grips of the stage, without their work.
+  std::vector<GripView> grips() const;
   /// Loads at this load factor, on the free unknowns.  [force]
   Vector applied(double load_factor) const;
   /// The bond is there no more.
@@ -133,6 +142,12 @@ class StaticBody {
     Vector unbalanced;
     double largest = 0;  // force in the body
   };
+  /// A rigid support: its pose is that in which it took hold, moved with the load factor since then.
+  struct Grip {
+    const StaticSupport* support;
+    RigidMotion motion;
+    std::vector<GrippedPose> as_held;
+  };
   struct Stiffness {
     Assembly assembly;
     Assembly full;  // without symmetry, of bodies that flow
@@ -150,11 +165,18 @@ class StaticBody {
   void flow();
   const BondHistory& history_before(BondId k) const;
   Vec3d outside_moment(ParticleId p, const Loads& applied) const;
+  void add_power(const StaticSupport& support, ParticleId p, const HeldDofs& held, double& power) const;
+  void take_hold();
+  void carry();
+  void set_held_rates();
 
   const Model& model_;
   const StaticStage& stage_;
   State state_;
   double load_factor_ = 0;
+  double held_at_ = 0;  // load factor at which grips took hold
+  std::vector<Grip> grips_;
+  std::vector<Hold> holds_;
   Unknowns unknowns_;
   Vector relief_;  // empty: none
   PerParticle<char> bonded_;

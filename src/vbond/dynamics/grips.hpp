@@ -1,0 +1,79 @@
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "vbond/core/rigid_motion.hpp"
+#include "vbond/dynamics/bodies.hpp"
+#include "vbond/dynamics/by_block.hpp"
+#include "vbond/model/grip.hpp"
+#include "vbond/model/stage.hpp"
+#include "vbond/model/state.hpp"
+
+namespace vbond {
+
+/// The grips of a stage: rigid supports. A particle of one is where the grip has taken it: its pose follows
+/// from that in which the grip took hold and the integral of the stage's factor, so that nothing adds up from
+/// step to step. In a step it goes along the chord between two such places; at the ends of the step its
+/// velocity is that of the circle.
+class Grips {
+ public:
+  /// Keeps references to stage and bodies.
+  Grips(const Stage& stage, Bodies& bodies, const Team& team);
+  Grips(const Stage&&, Bodies&, const Team&) = delete;
+
+  bool any() const { return !grips_.empty(); }
+  /// Takes hold as the stage begins, or goes on as the state says; anew if it has been given another motion.
+  void read(const State& state);
+  void write(State& state) const;
+
+  void set_times(std::int64_t stage_step);
+  /// As of Supports.
+  double hold(const Block& block, Instant at);
+  double hold_after_kick(const Block& block, Instant from, Instant to, double h);
+  /// After the drift, which has gone along the chord but for rounding: exactly where and how they belong.
+  void carry(const Block& block);
+  /// Adds up what they have done in the step.
+  void close();
+
+  /// As they are at this step of the stage.
+  std::vector<GripView> views(std::int64_t stage_step) const;
+
+ private:
+  struct Place {
+    double s = 0;  ///< the integral of the factor
+    Vec3d pivot;
+    Quatd turn;  ///< since it took hold
+  };
+  struct Grip {
+    const Support* support;
+    TimeIntegral path;
+    GripState state;
+    std::size_t first = 0;  ///< of its particles in members_
+    double factor_start = 1, factor_end = 1;
+    Place start = {}, end = {};  ///< of the step
+    Quatd turn = {};             ///< in the step
+  };
+  struct Member {
+    std::size_t row;
+    std::size_t grip;
+    GrippedPose as_held;
+  };
+  struct Rates {
+    Vec3d v, omega;
+  };
+  Place place_of(const Grip& grip, double s) const;
+  static PoseRow pose_at(const Member& m, const Place& at);
+  bool stands_at(const Grip& grip, const Place& now) const;
+  void take_hold(Grip& grip, double s);
+  Rates rates(const Member& m, Instant at) const;
+  double time_of(std::int64_t stage_step) const { return static_cast<double>(stage_step) * stage_.dt; }
+
+  const Stage& stage_;
+  Bodies& bodies_;
+  std::vector<Grip> grips_;
+  std::vector<Member> members_;  // grip by grip, each in the order of its support
+  ByBlock held_;                 // indices of members_
+  std::vector<double> work_;     // of the step: of each grip in each block
+};
+
+}  // namespace vbond
