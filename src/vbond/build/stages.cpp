@@ -12,6 +12,7 @@
 #include "vbond/build/times.hpp"
 #include "vbond/build/walls.hpp"
 #include "vbond/model/make_bond.hpp"
+#include "vbond/model/mistakes.hpp"
 
 namespace vbond {
 namespace {
@@ -41,6 +42,10 @@ struct DynamicsResolver : StageResolver {
       resolved.push_back({s.group.value, particles(s.group), s.held, s.velocity, s.angular_velocity,
                           function(s.factor, s.place)});
     check_held_once();
+    if (const auto top = partly_held_top(model, resolved))
+      problems.add(spec.supports[top->support].place,
+                   fmt::format("particle {} of group \"{}\"", top->p.value, resolved[top->support].group),
+                   partly_held_top_rule, "hold rotation x, y and z, or leave rotations out");
     return resolved;
   }
 

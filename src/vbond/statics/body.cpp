@@ -98,6 +98,7 @@ StaticBody::StaticBody(const Model& model, const StaticStage& stage, State state
       stiffness_{Assembly(unknowns_), Assembly(unknowns_), {}, false} {
   state_.v.assign(model.particles(), {});
   state_.omega.assign(model.particles(), {});
+  state_.spin = {};
   for (const StaticSupport& s : stage.supports)
     for (const ParticleId p : s.particles)
       for (int k = 0; k < 3; ++k) {

@@ -1,0 +1,435 @@
+// Particles whose moments of inertia differ: free motion, loads, supports, books, what must not change.
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <functional>
+
+#include "dynamics/tops.hpp"
+#include "material_cases.hpp"
+#include "vbond/model/energies.hpp"
+#include "vbond/model/mistakes.hpp"
+#include "vbond/model/step_bound.hpp"
+
+namespace vbond {
+namespace {
+
+using testing::angular_momentum_of_all;
+using testing::apart;
+using testing::body_rates;
+using testing::Dice;
+using testing::free_top;
+using testing::plain_stage;
+using testing::spin;
+
+const ParticleId one{0};
+
+Vec3d vector(const nlohmann::json& j) {
+  return {j[0], j[1], j[2]};
+}
+Quatd quat(const nlohmann::json& j) {
+  return {j[0], j[1], j[2], j[3]};
+}
+
+State after(const testing::Specimen& s, double dt, double t) {
+  Simulation run(s.model, plain_stage(dt, t), s.state);
+  run.run();
+  return run.state();
+}
+
+testing::Specimen asymmetric_top() {
+  const auto setup = testing::material_case("RB1").at("setup");
+  return free_top({vector(setup.at("I_body")), {}}, {}, vector(setup.at("w_body")));
+}
+
+// RB1: errors of second order; L kept to the rounding of 60,000 steps, 1e-16 each.
+TEST(FreeTop, HasTheStatesOfJacobisFunctionsToSecondOrder) {
+  const auto expected = testing::material_case("RB1").at("expected");
+  const testing::Specimen s = asymmetric_top();
+  for (const auto& state : expected.at("states")) {
+    const double t = state.at("t");
+    std::array<double, 2> of_q{}, of_rates{};
+    for (const std::size_t k : {0u, 1u}) {
+      const State end = after(s, k == 0 ? 2e-3 : 1e-3, t);
+      of_q[k] = apart(end.q[one], quat(state.at("q_wxyz")));
+      of_rates[k] = norm(body_rates(s.model, end) - vector(state.at("body_rates")));
+      EXPECT_LT(norm(spin(s.model, end) - vector(expected.at("L_space"))), 1e-12) << t;
+      EXPECT_NEAR(kinetic_energy(s.model, end), expected.at("energy").get<double>(), 1e-5);
+    }
+    EXPECT_LT(of_q[1], 2e-5) << t;
+    EXPECT_NEAR(of_q[0] / of_q[1], 4.0, 0.02) << t;
+    EXPECT_NEAR(of_rates[0] / of_rates[1], 4.0, 0.02) << t;
+  }
+}
+
+/// Time between the first and the last of four changes of sign of the body's omega_y, over three.
+double time_between_flips(const testing::Specimen& s, double dt) {
+  Simulation run(s.model, plain_stage(dt, 1e9), s.state);
+  double first = 0.0, last = 0.0;
+  for (int flips = 0; flips < 4;) {
+    const double before = body_rates(s.model, run.state()).y;
+    run.step();
+    const double now = body_rates(s.model, run.state()).y;
+    if ((before > 0.0) == (now > 0.0)) continue;
+    last = run.clock().time() - dt * now / (now - before);
+    if (++flips == 1) first = last;
+  }
+  return (last - first) / 3.0;
+}
+
+TEST(FreeTop, FlipsInTheTimeOfDzhanibekovsTop) {
+  const double T = testing::material_case("RB1").at("expected").at("time_between_flips");
+  EXPECT_NEAR(time_between_flips(asymmetric_top(), 2e-3) / T, 1.0, 1e-6);
+}
+
+// D8 as one particle: the period of the seven bonded ones, 41.881206192397.
+TEST(FreeTop, OfTheBondedTopsInertiaHasItsPeriod) {
+  const testing::Specimen s = free_top({{0.97, 2.25, 2.79}, {}}, {}, {0.02, 1, 0.01});
+  EXPECT_NEAR(2 * time_between_flips(s, 2e-3) / 41.881206192397, 1.0, 1e-6);
+}
+
+TEST(FreeTop, SymmetricPrecessesAboutItsAngularMomentum) {
+  const auto expected = testing::material_case("RB2").at("expected");
+  const testing::Specimen s = free_top({{1, 1, 2}, {}}, {}, {0.3, 0, 1});
+  std::array<double, 2> error{};
+  for (const std::size_t k : {0u, 1u}) {
+    const State end = after(s, k == 0 ? 2e-3 : 1e-3, 7.0);
+    error[k] = norm(rotate(end.q[one], Vec3d{0, 0, 1}) - vector(expected.at("axis_at_t7")));
+    EXPECT_LT(norm(spin(s.model, end) - vector(expected.at("L"))), 1e-13);
+  }
+  EXPECT_LT(error[1], 1e-6);
+  EXPECT_NEAR(error[0] / error[1], 4.0, 0.05);
+}
+
+// The sequence of turns is the same backwards; 2000 steps of rounding.
+TEST(FreeTop, ComesBackWhenItsSpinIsReversed) {
+  const testing::Specimen s = asymmetric_top();
+  testing::Specimen back = s;
+  back.state = after(s, 0.05, 50.0);
+  back.state.clock = {};
+  back.state.omega[one] = -back.state.omega[one];
+  const State end = after(back, 0.05, 50.0);
+  EXPECT_LT(apart(end.q[one], s.state.q[one]), 1e-10);
+  EXPECT_LT(norm(end.omega[one] + s.state.omega[one]), 1e-10);
+}
+
+/// The rotation of a body by Euler's equations under a moment that is constant in space: L = L_0 + M t, and
+/// q' = omega q / 2, by Runge and Kutta's fourth order with steps that make its error rounding.
+struct Euler {
+  Vec3d moments, L_0, M;
+  Quatd q;
+
+  Quatd rate(const Quatd& at, double t) const {
+    const Vec3d L_body = rotate(conjugate(at), L_0 + t * M);
+    const Vec3d w{L_body.x / moments.x, L_body.y / moments.y, L_body.z / moments.z};
+    return at * Quatd{0.0, 0.5 * w.x, 0.5 * w.y, 0.5 * w.z};
+  }
+  static Quatd plus(const Quatd& a, double h, const Quatd& b) {
+    return {a.w + h * b.w, a.x + h * b.x, a.y + h * b.y, a.z + h * b.z};
+  }
+  Quatd at(double end) const {
+    const int steps = 20000;
+    const double h = end / steps;
+    Quatd p = q;
+    for (int k = 0; k < steps; ++k) {
+      const double t = k * h;
+      const Quatd k1 = rate(p, t), k2 = rate(plus(p, h / 2, k1), t + h / 2),
+                  k3 = rate(plus(p, h / 2, k2), t + h / 2), k4 = rate(plus(p, h, k3), t + h);
+      p = normalised(plus(plus(plus(plus(p, h / 6, k1), h / 3, k2), h / 3, k3), h / 6, k4));
+    }
+    return p;
+  }
+};
+
+// 200 tops with random moments, axes, orientation, spin and constant moment against Euler's equations, over 2
+// to 20 radians. The error falls by 4 with the step, and is below (omega dt)^2 per radian.
+TEST(RandomTops, MoveAsEulersEquationsSay) {
+  Dice dice(16);
+  double worst = 0.0;
+  for (int k = 0; k < 200; ++k) {
+    const PrincipalInertia inertia{testing::drawn_moments(dice), testing::drawn_rotation(dice)};
+    testing::Specimen s =
+        free_top(inertia, testing::drawn_rotation(dice), testing::drawn_vector(dice, k % 2 == 0 ? 1.0 : 3.0));
+    const Vec3d M = k % 4 < 2 ? Vec3d{} : testing::drawn_vector(dice, 0.5);
+    const double end = 4.0;
+    const Euler euler{inertia.moments, spin(s.model, s.state), M,
+                      testing::principal_axes(s.model, s.state, one)};
+    const Quatd expected = euler.at(end);
+    std::array<double, 2> error{};
+    double fastest = 0.0;
+    for (const std::size_t n : {0u, 1u}) {
+      Stage stage = plain_stage(n == 0 ? 0.004 : 0.002, end);
+      PointLoad load;
+      load.particles = {one};
+      load.moment = M;
+      stage.loads = {load};
+      Simulation run(s.model, stage, s.state);
+      run.run();
+      error[n] = apart(testing::principal_axes(s.model, run.state(), one), expected);
+      fastest = std::max({fastest, norm(s.state.omega[one]), norm(run.state().omega[one])});
+      EXPECT_LT(norm(spin(s.model, run.state()) - euler.L_0 - end * M), 1e-12) << k;
+    }
+    worst = std::max(worst, error[1] / (sq(fastest * 0.002) * fastest * end));
+    EXPECT_LT(error[1], 2.0 * sq(fastest * 0.002) * fastest * end) << k;
+    EXPECT_NEAR(error[0] / error[1], 4.0, 0.2) << k;
+  }
+  RecordProperty("worst_error_over_bound", std::to_string(worst));
+}
+
+// Whatever frame of the body its principal axes are told in.
+TEST(Tops, MoveAlikeWhateverTheirBodyAxesAre) {
+  Dice dice(5);
+  const Quatd turn = testing::drawn_rotation(dice);
+  const testing::Specimen plain = asymmetric_top();
+  const testing::Specimen turned =
+      free_top({plain.model.principal[one].moments, turn}, conjugate(turn), plain.state.omega[one]);
+  const State a = after(plain, 0.01, 60.0), b = after(turned, 0.01, 60.0);
+  EXPECT_LT(norm(a.omega[one] - b.omega[one]), 1e-10);
+  EXPECT_LT(apart(a.q[one], b.q[one] * turn), 1e-10);
+}
+
+TEST(Tops, OfEqualMomentsAreSpheresToTheLastBit) {
+  const testing::Specimen spheres = testing::straight_rod(8);
+  testing::Specimen tops = spheres;
+  for (const ParticleId p : tops.state.r.ids()) make_top(tops.model, p, {{0.064, 0.064, 0.064}, {}});
+  testing::Specimen moved = spheres;
+  for (testing::Specimen* s : {&tops, &moved})
+    for (const ParticleId p : s->state.r.ids()) s->state.omega[p] = {0.01 * p.value, 0.02, -0.03};
+  Stage stage = plain_stage(0.05, 10.0);
+  stage.b_rotation = 1e-3;
+  Simulation a(tops.model, stage, tops.state), b(moved.model, stage, moved.state);
+  a.run(), b.run();
+  EXPECT_EQ(a.state(), b.state());
+}
+
+// The splitting is not exact for equal moments, but of second order.
+TEST(Tops, OfNearlyEqualMomentsMoveLikeSpheres) {
+  testing::Specimen sphere = testing::particles_at({{0, 0, 0}}, 0.4, 1.0);
+  sphere.state.omega[one] = {0.3, -0.7, 0.5};
+  const testing::Specimen top = free_top({{1, 1, 1 + 1e-13}, {}}, {}, {0.3, -0.7, 0.5});
+  const State exact = after(sphere, 0.01, 20.0);
+  const double coarse = apart(exact.q[one], after(top, 0.01, 20.0).q[one]),
+               fine = apart(exact.q[one], after(top, 0.005, 20.0).q[one]);
+  EXPECT_LT(coarse, 1e-4);
+  EXPECT_NEAR(coarse / fine, 4.0, 0.1);
+}
+
+// 1e5 steps of rounding near 1e-16 of momenta near 1.
+TEST(BondedTops, KeepMomentumAndAngularMomentum) {
+  for (const BondLaw* law : bond_laws()) {
+    const testing::Specimen s = testing::rod_of_tops(2, law, 7);
+    const Vec3d before = angular_momentum_of_all(s.model, s.state);
+    Simulation run(s.model, plain_stage(0.02, 1e9), s.state);
+    for (int k = 0; k < 100000; ++k) run.step();
+    EXPECT_LT(norm(angular_momentum_of_all(s.model, run.state()) - before), 1e-11 * norm(before));
+    EXPECT_GT(norm(before), 1e-3);
+  }
+}
+
+double largest_error(const testing::Specimen& s, Stage stage, double dt) {
+  stage.dt = dt;
+  Simulation run(s.model, stage, s.state);
+  double largest = 0.0;
+  while (run.clock().time() < 40.0) {
+    run.step();
+    largest = std::max(largest, std::abs(run.balance_error(run.energies())));
+  }
+  return largest;
+}
+
+// Free; under moments that act on tops; damped by drag and by the bonds; held: at rest, turned at a rate that
+// changes, about one axis.
+TEST(BondedTops, CloseTheirBooksToSecondOrder) {
+  testing::Specimen elastic = testing::rod_of_tops(7, &bond_law<VModel>, 9);
+  testing::Specimen damped = elastic;
+  BondRecipe recipe = testing::papers_bond();
+  recipe.damping = {DampingBy::ratio, {0.05, 0.05, 0.05, 0.05}};
+  damped.state.bonds = {};
+  for (std::size_t k = 0; k + 1 < 7; ++k) testing::bond(damped, k, k + 1, recipe);
+  const Stage plain = plain_stage(1.0, 1e9);
+  Stage loaded = plain, drag = plain, held = plain, turned = plain, axis = plain, local = plain;
+  loaded.loads.resize(1);
+  loaded.loads[0].particles = {ParticleId{2}, ParticleId{5}};
+  loaded.loads[0].moment = {1e-3, -2e-3, 5e-4};
+  drag.b_translation = drag.b_rotation = 0.02;
+  local.local_damping = 0.3;
+  held.supports = {testing::held({ParticleId{0}}, testing::clamped)};
+  turned.supports = {testing::held({ParticleId{0}}, testing::clamped)};
+  turned.supports[0].angular_velocity = {0.02, -0.01, 0.03};
+  turned.supports[0].factor.points = {{0, 0}, {10, 1}, {20, -1}, {60, 0.5}};
+  axis.supports = {testing::held({ParticleId{0}, ParticleId{3}}, {true, true, true, true, false, true})};
+  const auto expect_order = [](const char* what, const testing::Specimen& s, const Stage& stage,
+                               double least) {
+    const double coarse = largest_error(s, stage, 0.04), fine = largest_error(s, stage, 0.02);
+    EXPECT_LT(fine, 0.02) << what;
+    EXPECT_GT(coarse / fine, least) << what;
+  };
+  expect_order("free", elastic, plain, 3.6);
+  expect_order("loaded", elastic, loaded, 3.6);
+  expect_order("drag", elastic, drag, 3.6);
+  expect_order("held", elastic, held, 3.6);
+  expect_order("turned", elastic, turned, 3.6);
+  expect_order("about an axis", elastic, axis, 3.6);
+  expect_order("damped bonds", damped, plain, 3.0);
+  expect_order("local damping", elastic, local, 3.0);
+}
+
+// Drag alone takes what the books say: nothing else changes the energy but the drift's own, of second order.
+TEST(FreeTop, SlowsDownByDragAsEachPrincipalAxisDoes) {
+  Stage stage = plain_stage(1e-3, 5.0);
+  stage.b_rotation = 0.4;
+  const Vec3d w{0, 0, 1.5};  // about a principal axis it stays there
+  const testing::Specimen s = free_top({{1, 2, 2.5}, {}}, {}, w);
+  Simulation run(s.model, stage, s.state);
+  run.run();
+  EXPECT_LT(norm(run.state().omega[one] - std::exp(-0.4 * 5.0 / 2.5) * w), 1e-12);
+  EXPECT_NEAR(run.books().dissipated + run.energies().kinetic_rotation, 0.5 * 2.5 * sq(1.5), 1e-12);
+}
+
+// About an axis through the world a top turns with its moment about that axis, however it stands.
+TEST(HeldTop, TurnsAboutOneAxisByItsMomentAboutIt) {
+  const Vec3d moments{1, 2, 2.5};
+  const Quatd q = rotation_of({0.4, -0.9, 0.3});
+  testing::Specimen s = free_top({moments, rotation_of({1, 0.2, -0.5})}, q, {0.3, -0.2, 0.5});
+  const Vec3d L = spin(s.model, s.state);
+  const Quatd principal = testing::principal_axes(s.model, s.state, one);
+  const Vec3d z{0, 0, 1}, in_body = rotate(conjugate(principal), z);
+  const double I = moments.x * sq(in_body.x) + moments.y * sq(in_body.y) + moments.z * sq(in_body.z);
+  const double before = kinetic_energy(s.model, s.state), M = 0.7, t = 3.0;
+  Stage stage = plain_stage(0.01, t);
+  stage.supports = {testing::held({one}, {false, false, false, true, true, false})};
+  stage.loads.resize(1);
+  stage.loads[0].particles = {one};
+  stage.loads[0].moment = {5.0, -3.0, M};
+  Simulation run(s.model, stage, s.state);
+  run.run();
+  const double w_0 = L.z / I, w = w_0 + M * t / I, angle = w_0 * t + 0.5 * M * t * t / I;
+  EXPECT_LT(norm(run.state().omega[one] - w * z), 1e-12);
+  EXPECT_LT(apart(run.state().q[one], rotation_of(angle * z) * q), 1e-12);
+  EXPECT_NEAR(run.books().work_supports, 0.5 * I * sq(w_0) - before, 1e-12);  // as the axis takes hold
+  EXPECT_NEAR(run.books().work_loads, M * angle, 1e-12);
+  EXPECT_NEAR(run.energies().kinetic_rotation, 0.5 * I * sq(w), 1e-12);
+}
+
+// Turned at a constant rate it keeps its energy; what speeds it up is the support's work.
+TEST(HeldTop, TurnsAsItsSupportsSay) {
+  testing::Specimen s = free_top({{1, 2, 2.5}, rotation_of({1, 0.2, -0.5})}, {}, {});
+  const Vec3d w{0.3, -0.6, 0.2};
+  Stage stage = plain_stage(0.01, 4.0);
+  stage.supports = {testing::held({one}, {false, false, false, true, true, true})};
+  stage.supports[0].angular_velocity = w;
+  stage.supports[0].factor.points = {{0, 0}, {1, 1}};
+  Simulation run(s.model, stage, s.state);
+  run.run();
+  EXPECT_LT(apart(run.state().q[one], rotation_of(3.5 * w)), 1e-12);
+  const double E = run.energies().kinetic_rotation;
+  EXPECT_NEAR(run.books().work_supports / E, 1.0, 1e-12);
+  EXPECT_NEAR(E, rotation_energy({1, 2, 2.5}, run.state().q[one] * s.model.principal[one].axes, w), 1e-13);
+}
+
+Stage everything(const testing::Specimen& s) {
+  Stage stage = plain_stage(0.05, 1e9);
+  stage.b_rotation = 1e-3;
+  stage.supports = {testing::held({ParticleId{0}}, testing::clamped),
+                    testing::held({ParticleId{2}}, {false, false, false, true, true, false})};
+  stage.loads.resize(1);
+  stage.loads[0].particles = s.model.groups[0].particles;
+  stage.loads[0].moment = {1e-4, 2e-4, -1e-4};
+  return stage;
+}
+
+testing::Specimen damped_tops(std::size_t N) {
+  testing::Specimen s = testing::rod_of_tops(N, &bond_law<VModel>, 3);
+  BondRecipe recipe = testing::papers_bond();
+  recipe.damping = {DampingBy::ratio, {0.05, 0.05, 0.05, 0.05}};
+  s.state.bonds = {};
+  for (std::size_t k = 0; k + 1 < N; ++k) testing::bond(s, k, k + 1, recipe);
+  return s;
+}
+
+TEST(Tops, ContinueFromTheirStateBitForBit) {
+  for (const testing::Specimen& s : {testing::rod_of_tops(9, &bond_law<VModel>, 3), damped_tops(9)}) {
+    const Stage stage = everything(s);
+    Simulation whole(s.model, stage, s.state);
+    for (int k = 0; k < 300; ++k) whole.step();
+    for (const int cut : {1, 133, 299}) {
+      Simulation first(s.model, stage, s.state);
+      for (int k = 0; k < cut; ++k) first.step();
+      Simulation second(s.model, stage, first.state());
+      for (int k = cut; k < 300; ++k) second.step();
+      EXPECT_EQ(second.state(), whole.state()) << cut;
+    }
+  }
+}
+
+TEST(Tops, MoveAlikeWithAnyNumberOfThreads) {
+  const testing::Specimen s = damped_tops(4 * least_part);
+  const Stage stage = everything(s);
+  Simulation serial(s.model, stage, s.state, 1);
+  for (int k = 0; k < 20; ++k) serial.step();
+  for (const int threads : {2, 4}) {
+    Simulation parallel(s.model, stage, s.state, threads);
+    ASSERT_EQ(parallel.threads(), threads);
+    for (int k = 0; k < 20; ++k) parallel.step();
+    EXPECT_EQ(parallel.state(), serial.state());
+  }
+}
+
+TEST(Tops, AreGivenStepsByTheirLeastMoment) {
+  testing::Specimen s = testing::straight_rod(4);
+  const double spheres = step_bound(s.model, s.state).dt;
+  for (const ParticleId p : s.state.r.ids()) make_top(s.model, p, {{0.5, 1e-4, 0.5}, {}});
+  testing::Specimen least = testing::particles_at(s.model.r_0.values(), 0.4, 1e-4);
+  least.state.bonds = s.state.bonds;
+  EXPECT_EQ(step_bound(s.model, s.state).dt, step_bound(least.model, least.state).dt);
+  EXPECT_LT(step_bound(s.model, s.state).dt, spheres);
+}
+
+// New velocities count, whatever L a state still has.
+TEST(Tops, TurnAsTheirOmegaSaysWhereItWasChanged) {
+  testing::Specimen s = asymmetric_top();
+  s.state = after(s, 0.01, 1.0);
+  EXPECT_EQ(s.state.spin[one], (Vec3d{0.01, 2, 0.06}));
+  testing::Specimen fresh = s;
+  s.state.clock = fresh.state.clock = {};
+  s.state.omega[one] = fresh.state.omega[one] = {0.5, -0.3, 0.1};
+  fresh.state.spin = {};
+  EXPECT_EQ(after(s, 0.01, 1.0), after(fresh, 0.01, 1.0));
+}
+
+TEST(Tops, AreRefusedIfTheirInertiaIsThatOfNoMass) {
+  const auto mistake = [](const PrincipalInertia& inertia) {
+    const testing::Specimen s = free_top(inertia, {}, {});
+    const auto found = mistakes_in(s.model);
+    return found.empty() ? std::string{} : found.front();
+  };
+  const auto has = [](const std::string& text, const char* part) {
+    return text.find(part) != std::string::npos;
+  };
+  EXPECT_EQ(mistake({{1, 2, 3}, {}}), "");  // a plate
+  EXPECT_TRUE(has(mistake({{1, 2, 3.1}, {}}), "none above the sum of the other two"));
+  EXPECT_TRUE(has(mistake({{0, 2, 2}, {}}), "> 0"));
+  EXPECT_TRUE(has(mistake({{1, NAN, 2}, {}}), "> 0"));
+  EXPECT_TRUE(has(mistake({{1, 2, 2}, {2, 0, 0, 0}}), "a unit quaternion"));
+  testing::Specimen s = free_top({{1, 2, 2}, {}}, {}, {});
+  s.model.inertia[one] = 1.5;
+  EXPECT_TRUE(has(mistakes_in(s.model).front(), "make_top"));
+}
+
+TEST(Tops, AreNotHeldInPart) {
+  const testing::Specimen s = free_top({{1, 2, 2}, {}}, {}, {});
+  const auto mistakes = [&s](HeldDofs dofs, const Vec3d& rate) {
+    Stage stage = plain_stage(0.1, 1.0);
+    stage.supports = {testing::held({one}, dofs)};
+    stage.supports[0].angular_velocity = rate;
+    return mistakes_in(s.model, stage).size();
+  };
+  EXPECT_EQ(mistakes({true, true, true, false, false, false}, {}), 0u);
+  EXPECT_EQ(mistakes({false, false, false, true, true, true}, {1, 2, 3}), 0u);
+  EXPECT_EQ(mistakes({false, false, false, true, false, true}, {}), 0u);
+  EXPECT_EQ(mistakes({false, false, false, true, false, true}, {0, 0, 1}), 1u);
+  EXPECT_EQ(mistakes({false, false, false, false, true, false}, {}), 1u);
+}
+
+}  // namespace
+}  // namespace vbond
