@@ -16,16 +16,16 @@ Tops::Tops(const Model& model, const Order& order) {
   for (const Top& t : tops_) row_is_top_[t.row] = 1;
 }
 
+void Tops::hold(std::size_t row, const HeldDofs& held) {
+  if (!has(row)) return;
+  Top& top = *std::lower_bound(tops_.begin(), tops_.end(), row,
+                               [](const Top& t, std::size_t wanted) { return t.row < wanted; });
+  for (std::size_t k = 0; k < 3; ++k) top.held[k] |= held[k + 3];
+}
+
 void Tops::hold(const std::vector<Support>& supports, const Order& order) {
-  if (!any()) return;
   for (const Support& s : supports)
-    for (const ParticleId p : s.particles) {
-      const std::size_t row = order.row[p].value;
-      if (!has(row)) continue;
-      Top& top = *std::lower_bound(tops_.begin(), tops_.end(), row,
-                                   [](const Top& t, std::size_t wanted) { return t.row < wanted; });
-      for (std::size_t k = 0; k < 3; ++k) top.held[k] |= s.held[k + 3];
-    }
+    for (const ParticleId p : s.particles) hold(order.row[p].value, s.held);
 }
 
 void Tops::read(const State& state, const Order& order) {

@@ -32,7 +32,8 @@ class Tops {
   /// rows.
   void read(const State& state, const Order& order);
   void write(State& state, const Order& order) const;
-  /// What the supports of a stage hold, from now on.
+  /// What supports hold of a particle, from now on, besides what they did.
+  void hold(std::size_t row, const HeldDofs& held);
   void hold(const std::vector<Support>& supports, const Order& order);
 
   /// L += h M, and omega with it.
