@@ -169,7 +169,9 @@ TEST(RandomTops, MoveAsEulersEquationsSay) {
       error[n] = apart(testing::principal_axes(s.model, run.state(), one), expected);
       fastest = std::max({fastest, norm(s.state.omega[one]), norm(run.state().omega[one])});
       EXPECT_LT(norm(spin(s.model, run.state()) - euler.L_0 - end * M), 1e-11) << k;  // 4000 roundings of 10
-      if (M == Vec3d{}) EXPECT_EQ(run.state().spin[one], euler.L_0) << k;
+      if (M == Vec3d{}) {
+        EXPECT_EQ(run.state().spin[one], euler.L_0) << k;
+      }
     }
     worst = std::max(worst, error[1] / (sq(fastest * 0.002) * fastest * end));
     EXPECT_LT(error[1], 2.0 * sq(fastest * 0.002) * fastest * end) << k;

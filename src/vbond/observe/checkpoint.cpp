@@ -331,7 +331,9 @@ void check_sense(const Checkpoint& checkpoint) {
   for (const ParticleId p : s.r.ids()) {
     const Quatd& q = s.q[p];
     const double length = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
-    if (!finite(s.r[p]) || !finite(s.v[p]) || !finite(s.omega[p]) || !(std::abs(length - 1.0) < 1e-6))
+    const bool spin_is_finite = s.spin.empty() || finite(s.spin[p]);
+    if (!finite(s.r[p]) || !finite(s.v[p]) || !finite(s.omega[p]) || !spin_is_finite ||
+        !(std::abs(length - 1.0) < 1e-6))
       throw IoError(fmt::format("is damaged: particle {} is in no place or turned by no rotation", p.value));
   }
 }
