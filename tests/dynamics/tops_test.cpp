@@ -331,6 +331,37 @@ TEST(HeldTop, TurnsAsItsSupportsSay) {
   EXPECT_NEAR(E, rotation_energy({1, 2, 2.5}, run.state().q[one] * s.model.principal[one].axes, w), 1e-13);
 }
 
+// Two spheres with the inertia of other bodies hit each other off centre, with friction, resistance to
+// rolling and restitution. Rates of contacts are those of the last half step: books are of first order.
+TEST(TouchingTops, KeepMomentaAndCloseTheirBooks) {
+  testing::Specimen s = testing::particles_at({{0, 0, 0}, {0.9, 0.25, 0.1}}, 0.5);
+  s.model.mass[ParticleId{1}] = 2.0;
+  make_top(s.model, ParticleId{0}, {{0.06, 0.1, 0.12}, rotation_of({0.3, 0.2, -0.9})});
+  make_top(s.model, ParticleId{1}, {{0.3, 0.15, 0.2}, rotation_of({-1.3, 0.4, 0.2})});
+  ContactModel& c = s.model.contact;
+  c.law = ContactLaw::linear, c.pairs = ContactPairs::all, c.k = 1e3, c.k_t = 500;
+  c.tangential = TangentialForm::linear, c.rolling = RollingForm::spring;
+  c.surface = {.friction = 0.4, .restitution = 0.7, .rolling_friction = 0.05, .twisting_friction = 0.03};
+  s.state.r[ParticleId{1}] = {0.98, 0.25, 0.1};
+  s.state.v = {{1, 0.1, 0}, {-0.5, 0, 0.2}};
+  s.state.omega = {{1, -2, 3}, {0.5, 1, -2}};
+  const auto momentum = [&](const State& state) {
+    return s.model.mass[one] * state.v[one] + 2.0 * state.v[ParticleId{1}];
+  };
+  const auto error = [&](double dt) {
+    Simulation run(s.model, plain_stage(dt, 0.4), s.state);
+    run.run();
+    EXPECT_LT(norm(momentum(run.state()) - momentum(s.state)), 1e-12);
+    EXPECT_LT(norm(angular_momentum_of_all(s.model, run.state()) - angular_momentum_of_all(s.model, s.state)),
+              1e-12);
+    EXPECT_GT(norm(run.state().spin[one] - spin(s.model, s.state)), 0.01);
+    EXPECT_GT(run.books().dissipated, 0.1);
+    return std::abs(run.balance_error(run.energies()));
+  };
+  EXPECT_LT(error(2e-4), 1e-3);
+  EXPECT_LT(error(2e-5), 1e-4);
+}
+
 Stage everything(const testing::Specimen& s) {
   Stage stage = plain_stage(0.05, 1e9);
   stage.b_rotation = 1e-3;
