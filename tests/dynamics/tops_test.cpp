@@ -290,6 +290,31 @@ TEST(FreeTop, SlowsDownByDragAsEachPrincipalAxisDoes) {
   EXPECT_NEAR(run.books().dissipated + run.energies().kinetic_rotation, 0.5 * 2.5 * sq(1.5), 1e-12);
 }
 
+// In the drift omega changes: work and what damping takes are those of both ends of it.
+TEST(Tops, ThatSpinFastCloseTheirBooksToSecondOrder) {
+  const auto error = [](const testing::Specimen& s, const Vec3d& moment, double dt) {
+    Stage stage = plain_stage(dt, 8.0);
+    stage.loads.resize(1);
+    stage.loads[0].particles = {one};
+    stage.loads[0].moment = moment;
+    Simulation run(s.model, stage, s.state);
+    run.run();
+    EXPECT_GT(std::abs(run.books().work_loads) + run.books().dissipated, 0.01);
+    return std::abs(run.balance_error(run.energies()));
+  };
+  const testing::Specimen loaded = free_top({{1, 2, 2.5}, {}}, {}, {0.5, 1, -0.7});
+  EXPECT_NEAR(error(loaded, {0.3, -0.2, 0.5}, 0.02) / error(loaded, {0.3, -0.2, 0.5}, 0.01), 4.0, 0.2);
+
+  testing::Specimen damped = testing::particles_at({{0, 0, 0}, {1, 0, 0}});
+  BondRecipe recipe;
+  recipe.parameters = BondStiffness<double>{5, 5, 5, 5};
+  recipe.damping = {DampingBy::coefficients, {1, 1, 1, 1}};
+  testing::bond(damped, 0, 1, recipe);
+  make_top(damped.model, one, {{1, 2, 2.5}, rotation_of({0.3, 0.2, -0.9})});
+  damped.state.omega = {{0.3, 1, -0.5}, {-0.2, 0.5, 0.3}};
+  EXPECT_NEAR(error(damped, {}, 0.02) / error(damped, {}, 0.01), 4.0, 0.5);
+}
+
 // About an axis through the world a top turns with its moment about that axis, however it stands.
 TEST(HeldTop, TurnsAboutOneAxisByItsMomentAboutIt) {
   const Vec3d moments{1, 2, 2.5};
