@@ -17,6 +17,13 @@ inline Specimen free_top(const PrincipalInertia& inertia, const Quatd& q, const 
 inline Quatd principal_axes(const Model& m, const State& s, ParticleId p) {
   return m.principal.empty() ? s.q[p] : s.q[p] * m.principal[p].axes;
 }
+/// The state of a free body at time t.
+inline State after(const Specimen& s, double dt, double t) {
+  Simulation run(s.model, plain_stage(dt, t), s.state);
+  run.run();
+  return run.state();
+}
+
 /// Angular velocity about the principal axes.
 inline Vec3d body_rates(const Model& m, const State& s, ParticleId p = ParticleId{0}) {
   return rotate(conjugate(principal_axes(m, s, p)), s.omega[p]);

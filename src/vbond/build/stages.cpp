@@ -11,8 +11,8 @@
 #include "vbond/build/stage_resolver.hpp"
 #include "vbond/build/times.hpp"
 #include "vbond/build/walls.hpp"
+#include "vbond/model/held_tops.hpp"
 #include "vbond/model/make_bond.hpp"
-#include "vbond/model/mistakes.hpp"
 
 namespace vbond {
 namespace {

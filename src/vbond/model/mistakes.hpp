@@ -1,5 +1,4 @@
 #pragma once
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -27,16 +26,6 @@ std::vector<std::string> mistakes_in(const Model& model, const StaticStage& stag
 /// reactions are counted twice: a Run refuses them, Simulation and run_static_stage do not.
 std::vector<std::string> held_twice(const Model& model, const Stage& stage);
 std::vector<std::string> held_twice(const Model& model, const StaticStage& stage);
-
-/// A top of which supports hold some turns, but neither all three nor two of them at rest: then no motion of
-/// dynamics is known that keeps what is held. With the first support that does.
-struct PartlyHeldTop {
-  ParticleId p;
-  std::size_t support;
-};
-std::optional<PartlyHeldTop> partly_held_top(const Model& model, const std::vector<Support>& supports);
-inline constexpr const char* partly_held_top_rule =
-    "of a particle whose moments of inertia differ a support holds no turn, all three, or two at rest";
 
 /// Throws std::invalid_argument with all of them, a line each, after `who`; does nothing without any.
 void refuse(const std::string& who, const std::vector<std::string>& mistakes);
