@@ -64,9 +64,8 @@ Energies Bodies::kinetic_energy(const Team& team) const {
     Energies& e = of_block[b.index];
     for (std::size_t k = b.rows.first; k < b.rows.last; ++k) {
       e.kinetic_translation += 0.5 * mass[k] * norm2(motion[k].v);
-      if (!tops.has(k)) e.kinetic_rotation += 0.5 * inertia[k] * norm2(motion[k].omega);
+      e.kinetic_rotation += rotation_energy(k, motion[k].omega);
     }
-    e.kinetic_rotation += tops.energy(b.rows, Tops::Turns::freely, pose, motion);
   });
   Energies sum;
   for (const Energies& e : of_block) {

@@ -26,6 +26,10 @@ struct Bodies {
   /// Poses of the particles alone, without those that fill up the rows.
   std::span<const PoseRow> poses() const { return {pose.data(), order.particle.size()}; }
   Energies kinetic_energy(const Team& team) const;
+  /// Kinetic energy of the rotation of a particle, if it turned with omega as it stands.
+  double rotation_energy(std::size_t row, const Vec3d& omega) const {
+    return tops.has(row) ? tops.energy_with(row, pose[row], omega) : 0.5 * inertia[row] * norm2(omega);
+  }
   Tops::Rows turning() { return {pose, motion}; }
 
   Order order;

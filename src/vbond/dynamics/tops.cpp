@@ -12,14 +12,14 @@ Tops::Tops(const Model& model, const Order& order) {
       tops_.push_back({.row = k.value, .inertia = model.principal[p], .L = {}, .q = {}, .omega = {}});
   }
   if (tops_.empty()) return;
-  row_is_top_.assign(filled_up(order.particle.size()), 0);
-  for (const Top& t : tops_) row_is_top_[t.row] = 1;
+  top_of_row_.assign(filled_up(order.particle.size()), 0);
+  for (std::size_t k = 0; k < tops_.size(); ++k)
+    top_of_row_[tops_[k].row] = static_cast<std::uint32_t>(k + 1);
 }
 
 void Tops::hold(std::size_t row, const HeldDofs& held) {
   if (!has(row)) return;
-  Top& top = *std::lower_bound(tops_.begin(), tops_.end(), row,
-                               [](const Top& t, std::size_t wanted) { return t.row < wanted; });
+  Top& top = tops_[top_of_row_[row] - 1];
   for (std::size_t k = 0; k < 3; ++k) top.held[k] |= held[k + 3];
 }
 
@@ -130,6 +130,11 @@ void Tops::turn_about_free_axes(RowRange rows, const Rows& bodies) const {
     const double L = dot(angular_momentum(top.inertia.moments, principal, omega), axis);
     omega = L / moment_about(top.inertia.moments, principal, axis) * axis;
   });
+}
+
+double Tops::energy_with(std::size_t row, const PoseRow& pose, const Vec3d& omega) const {
+  const Top& top = tops_[top_of_row_[row] - 1];
+  return rotation_energy(top.inertia.moments, top.principal(pose.q), omega);
 }
 
 double Tops::energy(RowRange rows, Turns least, const std::vector<PoseRow>& pose,

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "vbond/dynamics/order.hpp"
@@ -27,7 +28,7 @@ class Tops {
   Tops(const Model& model, const Order& order);
 
   bool any() const { return !tops_.empty(); }
-  bool has(std::size_t row) const { return !row_is_top_.empty() && row_is_top_[row] != 0; }
+  bool has(std::size_t row) const { return !top_of_row_.empty() && top_of_row_[row] != 0; }
   /// L from a state, or from its omega where that is not the one that follows from L; and back, with its
   /// rows.
   void read(const State& state, const Order& order);
@@ -46,6 +47,9 @@ class Tops {
 
   /// Tops that are held about two axes lose what they turn about these; L about the third stays.
   void turn_about_free_axes(RowRange rows, const Rows& bodies) const;
+
+  /// Kinetic energy of the rotation of a top, if it turned with omega as it stands.
+  double energy_with(std::size_t row, const PoseRow& pose, const Vec3d& omega) const;
 
   enum class Turns { freely, about_one_axis, as_held };
   /// Kinetic energy of the rotation of tops that are held at least so much.
@@ -74,8 +78,8 @@ class Tops {
   template <class SomeTops, class F>
   static void for_each(SomeTops& tops, RowRange rows, F f);
 
-  std::vector<Top> tops_;  // by rows
-  std::vector<char> row_is_top_;
+  std::vector<Top> tops_;                  // by rows
+  std::vector<std::uint32_t> top_of_row_;  // in tops_, from 1; 0: none. Empty without tops
 };
 
 }  // namespace vbond
