@@ -95,6 +95,10 @@ void print_body(const Model& model, const State& state) {
              box.low.x, box.high.x, box.low.y, box.high.y, box.low.z, box.high.z, metre);
   fmt::print("total mass       {:.6g}{}\n", std::accumulate(model.mass.begin(), model.mass.end(), 0.0),
              kilogram);
+  const auto tops = std::count_if(model.principal.begin(), model.principal.end(),
+                                  [](const PrincipalInertia& I) { return !all_equal(I.moments); });
+  if (tops > 0)
+    fmt::print("inertia          {} of {} particles have unequal moments\n", tops, model.particles());
   if (state.bonds.empty()) return;
   const auto [shortest, longest] =
       std::minmax_element(state.bonds.begin(), state.bonds.end(),

@@ -1,5 +1,8 @@
+#include <functional>
+
 #include "cases.hpp"
 #include "vbond/build/random.hpp"
+#include "vbond/model/mistakes.hpp"
 
 namespace vbond::test {
 namespace {
@@ -159,6 +162,74 @@ TEST(Particles, NeedMassInertiaAndFinitePositions) {
   c.specimens[0].mass = 1.0;
   EXPECT_TRUE(contains(text_of_error(c), "mass is given more than once"));
   EXPECT_TRUE(contains(text_of_error(case_of(ListedSpecimen{{{0, NAN, 0}}})), "its position is not finite"));
+}
+
+// m/5 (b^2 + c^2), m/12 (b^2 + c^2), m/12 (3 R^2 + l^2) and m/2 R^2.
+TEST(Particles, HaveTheInertiaOfSolidsOrATensor) {
+  const ParticleId p{1};
+  const auto principal = [&](const std::function<void(SpecimenSpec&)>& change) {
+    Case c = case_of(ListedSpecimen{{{0, 0, 0}, {9, 0, 0}}});
+    c.specimens[0].mass = 6.0;
+    change(c.specimens[0]);
+    const Model model = build(c).model;
+    EXPECT_TRUE(mistakes_in(model).empty());
+    EXPECT_EQ(model.is_top(p), !model.principal.empty());
+    return model.principal.empty() ? PrincipalInertia{Vec3d{1, 1, 1} * model.inertia[p], {}}
+                                   : model.principal[p];
+  };
+  const auto solid = [&](const auto& shape) {
+    return principal([&](SpecimenSpec& s) { s.solid = SolidSpec{shape}; }).moments;
+  };
+  const auto expect_near = [](const Vec3d& found, const Vec3d& expected) {
+    EXPECT_LT(norm(found - expected), 1e-13) << found.x << " " << found.y << " " << found.z;
+  };
+  expect_near(solid(EllipsoidSolid{{1, 2, 3}}), 1.2 * Vec3d{13, 10, 5});
+  expect_near(solid(BoxSolid{{1, 2, 3}}), 0.5 * Vec3d{13, 10, 5});
+  expect_near(solid(CylinderSolid{{2, 3}}), {10.5, 10.5, 12});
+  expect_near(solid(EllipsoidSolid{{0.5, 0.5, 0.5}}), Vec3d{1, 1, 1} * 0.6);
+  expect_near(principal([](SpecimenSpec& s) { s.principal_inertia = {3, 4, 5}; }).moments, {3, 4, 5});
+
+  // a tensor that was turned: columns of R diag(3, 4, 5) R^T
+  const Quatd R = rotation_of({0.3, -1.2, 0.7});
+  const auto column = [&](const Vec3d& e) { return angular_momentum({3, 4, 5}, R, e); };
+  const Vec3d x = column({1, 0, 0}), y = column({0, 1, 0}), z = column({0, 0, 1});
+  const PrincipalInertia found =
+      principal([&](SpecimenSpec& s) { s.inertia_tensor = {x.x, y.y, z.z, x.y, x.z, y.z}; });
+  for (const Vec3d& e : {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}})
+    expect_near(angular_momentum(found.moments, found.axes, e), column(e));
+  expect_near(principal([](SpecimenSpec& s) { s.inertia_tensor = {2, 2, 2, 0, 0, 0}; }).moments, {2, 2, 2});
+}
+
+TEST(Particles, OfAFileMayHaveThreeMomentsEach) {
+  const TemporaryFile file("points.csv", "x,y,z,inertia_x,inertia_y,inertia_z\n0,0,0,2,2,2\n1,0,0,2,3,4\n");
+  Case c = case_of(CsvSpecimen{{file.path(), {"case.toml", 4, 1}}});
+  c.specimens[0].array = {{2, {10, 0, 0}}};
+  const Model model = build(c).model;
+  for (const std::size_t k : {0u, 1u, 2u, 3u}) EXPECT_EQ(model.is_top(ParticleId{k}), k % 2 == 1) << k;
+  EXPECT_EQ(model.principal[ParticleId{3}].moments, (Vec3d{2, 3, 4}));
+  c.specimens[0].inertia = 1.0;
+  EXPECT_TRUE(contains(text_of_error(c), "inertia is given more than once")) << text_of_error(c);
+  const TemporaryFile flat("flat.csv", "x,y,z,inertia_x,inertia_y,inertia_z\n1,0,0,2,3,6\n");
+  const std::string error = text_of_error(case_of(CsvSpecimen{{flat.path(), {"case.toml", 4, 1}}}));
+  EXPECT_TRUE(contains(error, "its particle 0: moments of inertia 2, 3, 6")) << error;
+  const TemporaryFile two("two.csv", "x,y,z,inertia_x,inertia_y\n1,0,0,2,3\n");
+  EXPECT_TRUE(contains(text_of_error(case_of(CsvSpecimen{{two.path(), {"case.toml", 4, 1}}})),
+                       "inertia_x, inertia_y and inertia_z are not all there"));
+}
+
+TEST(Supports, OfTopsHoldTheirTurnsInWhole) {
+  Case c = case_of(ListedSpecimen{{{0, 0, 0}}});
+  c.specimens[0].principal_inertia = {3, 4, 5};
+  c.time.step = {CaseTime{0.1, false}, {}};
+  SupportSpec support;
+  support.place = {"case.toml", 30, 1};
+  support.group = {"all", {}};
+  support.held = {true, true, true, true, false, false};
+  c.stages[0].supports = {support};
+  const std::string error = text_of_error(c);
+  EXPECT_TRUE(contains(error, "case.toml:30:1: particle 0 of group \"all\"")) << error;
+  c.stages[0].supports[0].held = {true, true, true, true, true, false};
+  EXPECT_EQ(text_of_error(c), "");
 }
 
 TEST(Particles, NeedARadiusForContactsAndSurfaceBonds) {

@@ -180,6 +180,16 @@ TEST(Checkpoint, OtherModelIsRefused) {
   Model heavier = chain.model;
   heavier.mass[ParticleId{1}] *= 1.0 + 1e-15;
   expect_error(folder / "c.h5", heavier, "masses differ");
+  Model top = chain.model;
+  make_top(top, ParticleId{1}, {{0.1, 0.2, 0.25}, {}});
+  top.inertia = chain.model.inertia;
+  expect_error(folder / "c.h5", top, "moments of inertia differ");
+  write_checkpoint(folder / "top.h5", top, {chain.state, {}}, "1.2.3");
+  EXPECT_TRUE(read_checkpoint(folder / "top.h5", top).state == chain.state);
+  expect_error(folder / "top.h5", chain.model, "moments of inertia differ");
+  Model turned = top;
+  turned.principal[ParticleId{1}].axes = {0, 1, 0, 0};
+  expect_error(folder / "top.h5", turned, "moments of inertia differ");
   Model moved = chain.model;
   moved.r_0[ParticleId{1}].z += 1e-300;
   expect_error(folder / "c.h5", moved, "first positions differ");

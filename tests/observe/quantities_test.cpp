@@ -149,6 +149,8 @@ TEST(Quantities, EveryDataSetOfACheckpointHasItsUnitAndMeaning) {
   watch.deep[{ParticleId{0}, ParticleId{1}}] = {};
   chain.state.bond_history.resize(chain.state.bonds.size());
   chain.state.contact_history = {{ParticleId{0}, ParticleId{2}, {1.0}}};
+  make_top(chain.model, ParticleId{1}, {{1, 2, 2}, {}});
+  chain.state.spin.resize(chain.state.r.size());
   chain.model.walls = {{"floor", PlaneWall{{}, {0, 0, 1}}, 0, {}}};
   chain.state.walls.resize(1);
   chain.state.wall_history = {{ParticleId{0}, 0, {0, 0, 1}, {1.0}}};

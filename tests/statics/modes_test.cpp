@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "bodies.hpp"
+#include "dynamics/tops.hpp"
 #include "validation/cases.hpp"
 #include "validation/rings.hpp"
 #include "vbond/core/error.hpp"
@@ -58,10 +59,21 @@ void expect_six_rigid(const testing::Specimen& s, const char* name) {
   }
 }
 
+/// The block with random moments of inertia of two of three particles, stood at random about random axes.
+testing::Specimen block_of_tops() {
+  testing::Specimen s = block(4, 3, 2);
+  testing::Dice dice(11);
+  for (const ParticleId p : s.state.r.ids())
+    if (p.value % 3 != 0)
+      make_top(s.model, p, {0.064 * testing::drawn_moments(dice), testing::drawn_rotation(dice)});
+  return s;
+}
+
 TEST(Modes, OfAFreeBodyBeginWithSixRigidMotions) {
   expect_six_rigid(testing::straight_rod(10), "rod");
   expect_six_rigid(testing::ring(24, 1e6), "ring");
   expect_six_rigid(block(4, 3, 2), "block");
+  expect_six_rigid(block_of_tops(), "block of tops");
 }
 
 // Nothing is left that could swing.
@@ -80,7 +92,10 @@ double along(const NaturalMode& mode, const Model& model, const State& s) {
   double sum = 0.0;
   for (const ParticleId p : model.mass.ids())
     sum += model.mass[p] * dot(mode.shape.translation[p], s.r[p] - model.r_0[p]) +
-           model.inertia[p] * dot(mode.shape.rotation[p], rotation_vector(s.q[p]));
+           (model.is_top(p) ? dot(angular_momentum(model.principal[p].moments, model.principal[p].axes,
+                                                   mode.shape.rotation[p]),
+                                  rotation_vector(s.q[p]))
+                            : model.inertia[p] * dot(mode.shape.rotation[p], rotation_vector(s.q[p])));
   return sum;
 }
 
@@ -89,8 +104,7 @@ double along(const NaturalMode& mode, const Model& model, const State& s) {
 // the frequency by 1e-12; even ones excite other modes to 1e-6 of the swing. Rounding of positions, 1e-15, is
 // 1e-9 of it. Near a zero of the cosine that is the phase: 1e-5 in about 300 radians is 3e-8 of W, where
 // omega in place of W would be off by (omega dt)^2 / 24, up to 4e-3.
-TEST(Modes, AreWhatTheTimeStepSwingsIn) {
-  const testing::Specimen s = block(4, 3, 2);
+void expect_swings(const testing::Specimen& s) {
   const std::vector<NaturalMode> modes = modes_of(s, 100);
   const double dt = 0.5 * exact_critical_step(s.model, s.state, {});
   for (const std::size_t k : {6u, 9u, 30u, 100u}) {
@@ -111,6 +125,37 @@ TEST(Modes, AreWhatTheTimeStepSwingsIn) {
     EXPECT_GT(std::abs(std::cos(phase) - std::cos(phase * mode.omega / W)),
               k == 6 ? 1e-6 : 1e-4);  // the shift can be told
   }
+}
+TEST(Modes, AreWhatTheTimeStepSwingsIn) {
+  expect_swings(block(4, 3, 2));
+  expect_swings(block_of_tops());
+}
+
+// A top at the end of a bond, whose other end is clamped, free to turn about the bond and about one axis
+// across it alone: omega^2 are the eigenvalues of diag(c_T, c_B + ...) against that part of its inertia.
+TEST(Modes, OfATopHaveThatPartOfItsInertiaThatIsFree) {
+  testing::Specimen s = testing::straight_rod(2);
+  const ParticleId end{1};
+  const Quatd q = rotation_of({0.4, 0.7, -1.1}), axes = rotation_of({-0.2, 0.5, 0.3});
+  const auto modes = [&](HeldDofs held) {
+    return modes_of(s, 2, {fixed({ParticleId{0}}, testing::clamped), fixed({end}, held)});
+  };
+  const HeldDofs x_only{true, true, true, false, true, true}, y_only{true, true, true, true, false, true};
+  const HeldDofs both{true, true, true, false, false, true};
+  const double c_T = modes(x_only).at(0).omega2 * 0.064, k = modes(y_only).at(0).omega2 * 0.064;
+  const Vec3d moments{0.1, 0.2, 0.25}, x{1, 0, 0}, y{0, 1, 0};
+  make_top(s.model, end, {moments, conjugate(q) * axes});
+  s.state.q[end] = q;
+  s.state.bonds = {};
+  testing::bond(s, 0, 1, testing::papers_bond());
+  const Vec3d I_x = angular_momentum(moments, axes, x), I_y = angular_momentum(moments, axes, y);
+  EXPECT_NEAR(modes(x_only).at(0).omega2, c_T / I_x.x, 1e-12);
+  EXPECT_NEAR(modes(y_only).at(0).omega2, k / I_y.y, 1e-12);
+  const auto found = modes(both);
+  ASSERT_EQ(found.size(), 2u);
+  const double det = I_x.x * I_y.y - sq(I_x.y);
+  EXPECT_NEAR(found[0].omega2 * found[1].omega2, c_T * k / det, 1e-12);
+  EXPECT_NEAR(found[0].omega2 + found[1].omega2, (c_T * I_y.y + k * I_x.x) / det, 1e-12);
 }
 
 // Turned and moved away the body is no longer exactly balanced in the arithmetic.

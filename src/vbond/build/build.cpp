@@ -9,6 +9,7 @@
 
 #include "vbond/build/bonds.hpp"
 #include "vbond/build/groups.hpp"
+#include "vbond/build/inertia.hpp"
 #include "vbond/build/stages.hpp"
 #include "vbond/build/velocities.hpp"
 #include "vbond/build/walls.hpp"
@@ -44,7 +45,7 @@ class Properties {
     const SpecimenSpec& spec = *s.spec;
     given_once("radius", (spec.radius != 0.0) + !s.points.radius.empty(), false);
     given_once("mass", spec.mass.has_value() + spec.density.has_value() + !s.points.mass.empty(), true);
-    given_once("inertia", spec.inertia.has_value() + !s.points.inertia.empty(), false);
+    given_once("inertia", times_inertia_is_given(spec, s.points), false);
   }
 
   double radius(std::size_t i) const {
@@ -58,9 +59,8 @@ class Properties {
     return 4.0 / 3.0 * std::numbers::pi * R * R * R * s_.spec->density.value_or(0.0);
   }
 
-  double inertia(std::size_t i) const {
-    if (!s_.points.inertia.empty()) return s_.points.inertia[i];
-    return s_.spec->inertia.value_or(0.4 * mass(i) * sq(radius(i)));
+  PrincipalInertia inertia(std::size_t i) const {
+    return inertia_of(*s_.spec, s_.points, i, mass(i), radius(i));
   }
 
   /// True if particle i can move; else the reason is recorded.
@@ -73,10 +73,14 @@ class Properties {
     if (!finite_positive(mass(i)))
       return refuse(i, fmt::format("mass = {}", mass(i)), "must be > 0 and finite",
                     s_.spec->density ? "a density needs a positive radius" : "give a positive mass");
-    if (!finite_positive(inertia(i)))
-      return refuse(i, fmt::format("inertia = {}", inertia(i)),
+    const Vec3d I = inertia(i).moments;
+    if (!finite_positive(least_of(I)) || !finite_positive(largest_of(I)))
+      return refuse(i, fmt::format("inertia = {}", least_of(I)),
                     "must be > 0 and finite; by default 2/5 m R^2",
                     "give the specimen an inertia, or a positive radius");
+    if (!keep_the_triangle_inequality(I))
+      return refuse(i, fmt::format("moments of inertia {}, {}, {}", I.x, I.y, I.z),
+                    "none may be above the sum of the other two: no mass has such ones", "correct them");
     return true;
   }
 
@@ -105,13 +109,18 @@ void add_particles(const PlacedSpecimen& s, std::uint32_t number, Built& built, 
   const std::size_t before = problems.count();
   const Properties properties(s, problems);
   if (problems.count() > before) return;
+  Model& model = built.model;
   for (std::size_t i = 0; i < s.points.r.size(); ++i) {
     if (!properties.check(i)) return;  // one report per specimen
-    built.model.mass.push_back(properties.mass(i));
-    built.model.inertia.push_back(properties.inertia(i));
-    built.model.radius.push_back(properties.radius(i));
-    built.model.specimen.push_back(number);
-    built.model.r_0.push_back(s.points.r[i]);
+    model.mass.push_back(properties.mass(i));
+    const PrincipalInertia inertia = properties.inertia(i);
+    const ParticleId p{model.inertia.size()};
+    model.inertia.push_back(least_of(inertia.moments));
+    if (!model.principal.empty()) model.principal.push_back(inertia);
+    if (!all_equal(inertia.moments)) make_top(model, p, inertia);
+    model.radius.push_back(properties.radius(i));
+    model.specimen.push_back(number);
+    model.r_0.push_back(s.points.r[i]);
     built.state.q.push_back(s.points.q);
     built.state.v.push_back(s.points.v.empty() ? Vec3d{} : s.points.v[i]);
     built.state.omega.push_back(s.points.omega.empty() ? Vec3d{} : s.points.omega[i]);

@@ -11,6 +11,7 @@
 #include "vbond/build/stage_resolver.hpp"
 #include "vbond/build/times.hpp"
 #include "vbond/build/walls.hpp"
+#include "vbond/model/held_tops.hpp"
 #include "vbond/model/make_bond.hpp"
 
 namespace vbond {
@@ -41,6 +42,10 @@ struct DynamicsResolver : StageResolver {
       resolved.push_back({s.group.value, particles(s.group), s.held, s.velocity, s.angular_velocity,
                           function(s.factor, s.place), s.rigid, s.pivot});
     check_supports(resolved);
+    if (const auto top = partly_held_top(model, resolved))
+      problems.add(spec.supports[top->support].place,
+                   fmt::format("particle {} of group \"{}\"", top->p.value, resolved[top->support].group),
+                   partly_held_top_rule, "hold rotation x, y and z, or leave rotations out");
     return resolved;
   }
 

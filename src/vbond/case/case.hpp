@@ -75,7 +75,7 @@ struct HelixSpecimen {         ///< about z, starting on +x
   Vec3d origin;  ///< centre of the first turn's circle
 };
 
-struct CsvSpecimen {  ///< header line names columns x, y, z and optionally radius, mass, inertia
+struct CsvSpecimen {  ///< header line names columns x, y, z and optionally radius, mass, inertia or its three
   Placed<std::filesystem::path> file;  ///< relative to the case file
 };
 
@@ -90,16 +90,33 @@ struct ListedSpecimen {
   std::vector<Vec3d> positions;
 };
 
+struct EllipsoidSolid {
+  std::array<double, 3> semi_axes{};
+};
+struct BoxSolid {
+  std::array<double, 3> edges{};
+};
+struct CylinderSolid {           ///< about z
+  std::array<double, 2> size{};  ///< radius, length
+};
+/// A homogeneous body whose moments of inertia, with its particle's mass, a particle has.
+struct SolidSpec {
+  std::variant<EllipsoidSolid, BoxSolid, CylinderSolid> shape;
+};
+
 struct SpecimenSpec {
   SourcePlace place;
   std::string name = "body";  ///< becomes a group
   std::variant<RodSpecimen, HemisphereSpecimen, BlockSpecimen, SheetSpecimen, RingSpecimen, HelixSpecimen,
                CsvSpecimen, LammpsSpecimen, ListedSpecimen>
       shape;
-  double radius = 0;                            ///< >= 0; required > 0 for contacts, surface bonds, density
-  std::optional<double> mass;                   ///< exactly one of mass, density (or a file column)
-  std::optional<double> density;                ///< m = 4/3 pi R^3 density
-  std::optional<double> inertia;                ///< default 2/5 m R^2
+  double radius = 0;              ///< >= 0; required > 0 for contacts, surface bonds, density
+  std::optional<double> mass;     ///< exactly one of mass, density (or a file column)
+  std::optional<double> density;  ///< m = 4/3 pi R^3 density
+  std::optional<double> inertia;  ///< default 2/5 m R^2
+  std::optional<std::array<double, 3>> principal_inertia;  ///< about the axes of the body
+  std::optional<std::array<double, 6>> inertia_tensor;     ///< xx, yy, zz, xy, xz, yz
+  std::optional<SolidSpec> solid;
   std::optional<Placed<std::string>> material;  ///< default: the first of the case
   std::vector<CutSpec> cut;
   std::optional<TurnSpec> turn;

@@ -2,6 +2,7 @@
 #include <numbers>
 
 #include "vbond/case/keys.hpp"
+#include "vbond/physics/top.hpp"
 
 namespace vbond::keys {
 namespace {
@@ -26,10 +27,43 @@ void check_mass(Table& t, const SpecimenSpec& s) {
   t.check(from_file || !s.density || s.radius > 0, {"density", "radius", "kind"},
           "density needs a radius: m = 4/3 pi radius^3 density",
           "add radius, or give mass instead of density");
-  t.check(from_file || s.inertia || s.radius > 0, {"radius", "inertia", "kind"},
+  const int forms = s.inertia.has_value() + s.principal_inertia.has_value() + s.inertia_tensor.has_value() +
+                    s.solid.has_value();
+  t.check(forms <= 1, {"inertia", "principal_inertia", "inertia_tensor", "solid"},
+          "only one of inertia, principal_inertia, inertia_tensor and solid may be given",
+          "keep one of them");
+  t.check(from_file || forms > 0 || s.radius > 0, {"radius", "inertia", "kind"},
           "inertia or a radius > 0 is required: the default 2/5 m radius^2 would be zero and a particle "
           "could not turn",
           "add the radius, or the moment of inertia of a particle");
+}
+
+/// Moments of inertia that differ, in one of three forms.
+void describe_principal_inertia(Table& t, SpecimenSpec& s) {
+  t.key("principal_inertia", s.principal_inertia, tuple_of<3>(positive(inertia)), optional,
+        "instead of inertia: its three moments about the x, y and z axes of each particle");
+  t.key("inertia_tensor", s.inertia_tensor, tuple_of<6>(number(inertia)), optional,
+        "instead of inertia: the tensor xx, yy, zz, xy, xz, yz in the axes of each particle (xy = -sum of m "
+        "x y)");
+  t.table("solid", s.solid,
+          "instead of inertia: moments of a homogeneous solid of the particle's mass; for "
+          "contacts and bonds the particle stays a sphere");
+  constexpr const char* rule =
+      "no moment of inertia may be above the sum of the other two: no mass has such ones";
+  const char* way_out = "correct them; a box has m/12 (b^2 + c^2), ... : see solid";
+  if (s.principal_inertia) {
+    const auto& I = *s.principal_inertia;
+    t.check(keep_the_triangle_inequality({I[0], I[1], I[2]}), {"principal_inertia"}, rule, way_out);
+  }
+  if (s.inertia_tensor) {
+    const auto& I = *s.inertia_tensor;
+    const auto principal = principal_inertia({I[0], I[1], I[2], I[3], I[4], I[5]});
+    const bool positive_definite = principal && least_of(principal->moments) > 0.0;
+    t.check(positive_definite, {"inertia_tensor"}, "its principal moments must be > 0",
+            "correct it: xx, yy, zz are its diagonal, xy, xz, yz stand beside it");
+    t.check(!positive_definite || keep_the_triangle_inequality(principal->moments), {"inertia_tensor"}, rule,
+            way_out);
+  }
 }
 
 /// What is done with the points of any shape, in this order.
@@ -65,6 +99,7 @@ void describe(Table& t, SpecimenSpec& s) {
         "moment of inertia of each particle, the same about all axes");
   t.key("material", s.material, ReferenceCodec{"material"}, default_is("the first of the case"),
         "what its particles are made of, as far as contacts ask");
+  describe_principal_inertia(t, s);
   std::vector<std::string> conditions;
   for (const std::string& k : kinds) conditions.push_back("kind = \"" + k + "\"");
   t.alternatives(s.shape, kind, conditions);
@@ -144,7 +179,7 @@ void describe(Table& t, HelixSpecimen& s) {
 
 void describe(Table& t, CsvSpecimen& s) {
   t.key("file", s.file, FileCodec{}, required,
-        "header line with x, y, z and optionally radius, mass, inertia");
+        "header line with x, y, z and optionally radius, mass, inertia, or inertia_x, inertia_y, inertia_z");
 }
 
 void describe(Table& t, LammpsSpecimen& s) {
@@ -159,6 +194,27 @@ void describe(Table& t, LammpsSpecimen& s) {
 
 void describe(Table& t, ListedSpecimen& s) {
   t.key("positions", s.positions, list_of(vector_of(length), 1), required, "one position per particle");
+}
+
+// ---- solids that particles have the inertia of ----------------------------------------------------
+
+void describe(Table& t, SolidSpec& s) {
+  const std::vector<std::string> forms{"ellipsoid", "box", "cylinder"};
+  t.alternatives(s.shape, t.exactly_one(forms, s.shape.index()), forms);
+}
+
+void describe(Table& t, EllipsoidSolid& s) {
+  t.key("ellipsoid", s.semi_axes, tuple_of<3>(positive(length)), required,
+        "its semi-axes along x, y, z of the particle");
+}
+
+void describe(Table& t, BoxSolid& s) {
+  t.key("box", s.edges, tuple_of<3>(positive(length)), required, "its edges along x, y, z of the particle");
+}
+
+void describe(Table& t, CylinderSolid& s) {
+  t.key("cylinder", s.size, tuple_of<2>(positive(length)), required,
+        "its radius and its length, along z of the particle");
 }
 
 // ---- what is done with the points ---------------------------------------------------------------

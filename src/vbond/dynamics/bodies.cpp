@@ -2,7 +2,7 @@
 
 namespace vbond {
 
-Bodies::Bodies(const Model& model) : order(spatial_order(model.r_0)) {
+Bodies::Bodies(const Model& model) : order(spatial_order(model.r_0)), tops(model, order) {
   const std::size_t rows = filled_up(model.particles());
   pose.resize(rows);
   motion.resize(rows);
@@ -15,7 +15,7 @@ Bodies::Bodies(const Model& model) : order(spatial_order(model.r_0)) {
     pose[k.value].r = model.r_0[p];
     mass[k.value] = model.mass[p];
     inertia[k.value] = model.inertia[p];
-    inverse[k.value] = {1.0 / model.mass[p], 1.0 / model.inertia[p]};
+    inverse[k.value] = {1.0 / model.mass[p], tops.has(k.value) ? 0.0 : 1.0 / model.inertia[p]};
   }
 }
 
@@ -27,6 +27,7 @@ void Bodies::read(const State& s) {
     motion[k.value].v = s.v[p];
     motion[k.value].omega = s.omega[p];
   }
+  tops.read(s, order);
 }
 
 void Bodies::write(State& s) const {
@@ -37,6 +38,7 @@ void Bodies::write(State& s) const {
     s.v[p] = motion[k.value].v;
     s.omega[p] = motion[k.value].omega;
   }
+  tops.write(s, order);
 }
 
 Loads Bodies::collect(const std::vector<LoadRow>& from) const {
@@ -62,7 +64,7 @@ Energies Bodies::kinetic_energy(const Team& team) const {
     Energies& e = of_block[b.index];
     for (std::size_t k = b.rows.first; k < b.rows.last; ++k) {
       e.kinetic_translation += 0.5 * mass[k] * norm2(motion[k].v);
-      e.kinetic_rotation += 0.5 * inertia[k] * norm2(motion[k].omega);
+      e.kinetic_rotation += rotation_energy(k, motion[k].omega);
     }
   });
   Energies sum;

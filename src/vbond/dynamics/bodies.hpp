@@ -5,6 +5,7 @@
 #include "vbond/dynamics/order.hpp"
 #include "vbond/dynamics/rows.hpp"
 #include "vbond/dynamics/team.hpp"
+#include "vbond/dynamics/tops.hpp"
 #include "vbond/model/loads.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
@@ -25,6 +26,11 @@ struct Bodies {
   /// Poses of the particles alone, without those that fill up the rows.
   std::span<const PoseRow> poses() const { return {pose.data(), order.particle.size()}; }
   Energies kinetic_energy(const Team& team) const;
+  /// Kinetic energy of the rotation of a particle, if it turned with omega as it stands.
+  double rotation_energy(std::size_t row, const Vec3d& omega) const {
+    return tops.has(row) ? tops.energy_with(row, pose[row], omega) : 0.5 * inertia[row] * norm2(omega);
+  }
+  Tops::Rows turning() { return {pose, motion}; }
 
   Order order;
   std::vector<PoseRow> pose;
@@ -34,7 +40,8 @@ struct Bodies {
   std::vector<LoadRow> damping;  ///< the part of the loads that damps, if any bond does; else empty
   std::vector<InverseInertia> inverse;
   std::vector<double> mass;     ///< [mass]
-  std::vector<double> inertia;  ///< [mass*length^2]
+  std::vector<double> inertia;  ///< of a top the least of its three  [mass*length^2]
+  Tops tops;
 };
 
 }  // namespace vbond

@@ -4,7 +4,11 @@
 
 namespace vbond {
 
-Damping::Damping(const Stage& stage, Bodies& bodies) : bodies_(bodies), local_(stage.local_damping) {
+Damping::Damping(const Stage& stage, Bodies& bodies)
+    : bodies_(bodies),
+      half_step_(0.5 * stage.dt),
+      b_rotation_(stage.b_rotation),
+      local_(stage.local_damping) {
   if (is_local()) {
     held_.resize(bodies.pose.size());
     for (const Support& s : stage.supports)
@@ -17,14 +21,16 @@ Damping::Damping(const Stage& stage, Bodies& bodies) : bodies_(bodies), local_(s
     const double m = bodies.mass[k], theta = bodies.inertia[k], half = -0.5 * stage.dt;
     Decay& d = decay_[k];
     d.v = std::exp(half * stage.b_translation / m);
-    d.omega = std::exp(half * stage.b_rotation / theta);
+    d.omega = bodies.tops.has(k) ? 1.0 : std::exp(half * stage.b_rotation / theta);
     d.of_v = 0.5 * m * (1.0 - d.v * d.v);
     d.of_omega = 0.5 * theta * (1.0 - d.omega * d.omega);
   }
 }
 
 double Damping::slow_down(RowRange rows) const {
-  return decay_.empty() ? 0.0 : step_kernel().slow_down(rows, decay_.data(), bodies_.motion.data());
+  if (decay_.empty()) return 0.0;
+  return step_kernel().slow_down(rows, decay_.data(), bodies_.motion.data()) +
+         bodies_.tops.slow_down(rows, half_step_, b_rotation_, bodies_.turning());
 }
 
 void Damping::oppose_motion(RowRange rows) const {

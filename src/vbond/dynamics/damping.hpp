@@ -24,6 +24,7 @@ class Damping {
  private:
   Bodies& bodies_;
   std::vector<Decay> decay_;  // of each row; empty: no drag
+  double half_step_, b_rotation_;
   double local_;
   std::vector<HeldDofs> held_;  // of each row, for local damping
 };

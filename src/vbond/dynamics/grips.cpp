@@ -114,7 +114,8 @@ double Grips::hold(const Block& block, Instant at) {
     const Rates given = rates(m, at);
     MotionRow& motion = bodies_.motion[m.row];
     const double work = 0.5 * bodies_.mass[m.row] * (norm2(given.v) - norm2(motion.v)) +
-                        0.5 * bodies_.inertia[m.row] * (norm2(given.omega) - norm2(motion.omega));
+                        bodies_.rotation_energy(m.row, given.omega) -
+                        bodies_.rotation_energy(m.row, motion.omega);
     motion.v = given.v, motion.omega = given.omega;
     work_[block.index * grips_.size() + m.grip] += work;
     total += work;
@@ -129,8 +130,10 @@ double Grips::hold_after_kick(const Block& block, Instant from, Instant to, doub
     const Rates before = rates(m, from), after = rates(m, to);
     const LoadRow& load = bodies_.load[m.row];
     const Vec3d impulse = bodies_.mass[m.row] * (after.v - before.v) - h * load.F;
-    const Vec3d turning = bodies_.inertia[m.row] * (after.omega - before.omega) - h * load.M;
-    const double work = 0.5 * (dot(impulse, before.v + after.v) + dot(turning, before.omega + after.omega));
+    const double turning = bodies_.rotation_energy(m.row, after.omega) -
+                           bodies_.rotation_energy(m.row, before.omega) -
+                           0.5 * h * dot(load.M, before.omega + after.omega);
+    const double work = 0.5 * dot(impulse, before.v + after.v) + turning;
     MotionRow& motion = bodies_.motion[m.row];
     motion.v = after.v, motion.omega = after.omega;
     work_[block.index * grips_.size() + m.grip] += work;

@@ -52,6 +52,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
                                                             : std::numeric_limits<std::int64_t>::max()) {
   try {
     bodies_.read(state_);
+    bodies_.tops.hold(stage_.supports, bodies_.order);
     breaking_.resize(team_.parts().size());
     bonds_changed();
     contacts_.refresh(bodies_.poses(), team_);
@@ -151,9 +152,11 @@ void Simulation::begin_step(const Block& b) {
     books.dissipated -= damping_work(b, dt / 2);
     keep_rates(b);
   }
+  const double before_drift = bodies_.tops.any() ? dt / 2 : 0.0;  // omega of tops changes in the drift
+  if (before_drift > 0.0) books.work_loads += applied_.work(b, before_drift);
   books.way2 = drift(b, dt);  // r, q     : t -> t + dt
   if (supports_.grips().any()) supports_.grips().carry(b);
-  books.work_loads += applied_.work(b, dt);
+  books.work_loads += applied_.work(b, dt - before_drift);
   clear_loads(b);
 }
 
@@ -202,10 +205,15 @@ void Simulation::notify_observers() {
 void Simulation::kick(const Block& b, double h) {
   books_[b.index].poison +=
       kernel_.kick(b.rows, h, bodies_.inverse.data(), bodies_.load.data(), bodies_.motion.data());
+  bodies_.tops.kick(b.rows, h, bodies_.load, bodies_.turning());
 }
 
 double Simulation::drift(const Block& b, double h) {
-  return kernel_.drift(b.rows, h, bodies_.motion.data(), bodies_.pose.data());
+  bodies_.tops.turn(b.rows, h, bodies_.turning());
+  const double way2 = kernel_.drift(b.rows, h, bodies_.motion.data(), bodies_.pose.data());
+  bodies_.tops.put_turned(b.rows, bodies_.turning());
+  if (inelastic() && bodies_.tops.any()) keep_rates(b);  // omega at the new orientations
+  return way2;
 }
 
 void Simulation::clear_loads(const Block& b) {  // all at once: std::fill goes row by row

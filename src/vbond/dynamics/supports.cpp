@@ -44,7 +44,8 @@ Supports::Supports(const Stage& stage, Bodies& bodies, const Team& team)
 }
 
 /// Calls f(support, rate, inertia, load, prescribed) for every held degree of freedom: rate is the velocity
-/// or angular velocity component, which f may change; prescribed is at factor 1.
+/// or angular velocity component, which f may change; prescribed is at factor 1. The inertia of a top's
+/// rotation is given as 0: its energy is no sum over components, and is looked at before and after.
 template <class F>
 void Supports::for_each_held(const Block& block, F f) const {
   for (const ByBlock::Entry* e = held_.begin_of(block.index); e != held_.end_of(block.index); ++e) {
@@ -58,31 +59,36 @@ void Supports::for_each_held(const Block& block, F f) const {
         f(hold.support, component(motion.v, k), bodies_.mass[e->row], component(load.F, k),
           component(s.velocity, k));
       if (hold.held[axis + 3])
-        f(hold.support, component(motion.omega, k), bodies_.inertia[e->row], component(load.M, k),
-          component(s.angular_velocity, k));
+        f(hold.support, component(motion.omega, k), bodies_.tops.has(e->row) ? 0.0 : bodies_.inertia[e->row],
+          component(load.M, k), component(s.angular_velocity, k));
     }
   }
 }
 
+double Supports::energy_of_tops(const Block& block, Tops::Turns least) const {
+  return bodies_.tops.energy(block.rows, least, bodies_.pose, bodies_.motion);
+}
+
 double Supports::do_hold(const Block& block, Instant at) const {
-  double work = 0.0;
+  double work = -energy_of_tops(block, Tops::Turns::about_one_axis);
+  bodies_.tops.turn_about_free_axes(block.rows, bodies_.turning());
   for_each_held(block, [&](std::size_t support, double& rate, double m, double, double prescribed) {
     const double given = factors_.at(support, at) * prescribed;
     work += 0.5 * m * (given * given - rate * rate);
     rate = given;
   });
-  return work;
+  return work + energy_of_tops(block, Tops::Turns::about_one_axis);
 }
 
 double Supports::do_hold_after_kick(const Block& block, Instant from, Instant to, double h) const {
-  double work = 0.0;
+  double work = -energy_of_tops(block, Tops::Turns::as_held);
   for_each_held(block, [&](std::size_t support, double& rate, double m, double load, double prescribed) {
     const double before = factors_.at(support, from), after = factors_.at(support, to);
     const double impulse = m * (after - before) * prescribed - h * load;
     work += impulse * 0.5 * (before + after) * prescribed;
     rate = after * prescribed;
   });
-  return work;
+  return work + energy_of_tops(block, Tops::Turns::as_held);
 }
 
 AppliedLoads::AppliedLoads(const Stage& stage, Bodies& bodies, const Team& team)

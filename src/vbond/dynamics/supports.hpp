@@ -60,6 +60,7 @@ class Supports {
   const Grips& grips() const { return grips_; }
 
  private:
+  double energy_of_tops(const Block& block, Tops::Turns least) const;
   double do_hold(const Block& block, Instant at) const;
   double do_hold_after_kick(const Block& block, Instant from, Instant to, double h) const;
   template <class F>

@@ -18,8 +18,13 @@ inline Energies potential_energies(const Model& model, const State& state) {
 /// Kinetic energy, particle by particle.  [energy]
 inline double kinetic_energy(const Model& model, const State& state) {
   double sum = 0.0;
-  for (const ParticleId p : model.mass.ids())
-    sum += 0.5 * (model.mass[p] * norm2(state.v[p]) + model.inertia[p] * norm2(state.omega[p]));
+  for (const ParticleId p : model.mass.ids()) {
+    const bool top = model.is_top(p);
+    sum += 0.5 * (model.mass[p] * norm2(state.v[p]) + (top ? 0.0 : model.inertia[p]) * norm2(state.omega[p]));
+    if (top)
+      sum +=
+          rotation_energy(model.principal[p].moments, state.q[p] * model.principal[p].axes, state.omega[p]);
+  }
   return sum;
 }
 

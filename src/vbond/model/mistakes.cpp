@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "vbond/model/agreement.hpp"
+#include "vbond/model/held_tops.hpp"
 #include "vbond/model/wall_mistakes.hpp"
 
 namespace vbond {
@@ -224,6 +225,29 @@ void look_at_strain(const StrainProgram& strain, Mistakes& found) {
                 fmt::format("the strain is imposed every {}: it must be > 0", strain.every));
 }
 
+void look_at_principal_inertia(const Model& model, Mistakes& found) {
+  if (model.principal.empty()) return;
+  found.require_sizes("the model", "principal is empty, or has an entry for each particle",
+                      {{"principal", model.principal.size()}});
+  const auto told = [](const PrincipalInertia& I) { return text(I.moments); };
+  found.require_all(
+      model.principal, "the principal moments of inertia", "> 0, finite, none above the sum of the other two",
+      [](const PrincipalInertia& I) {
+        return above_zero(I.moments.x) && above_zero(I.moments.y) && above_zero(I.moments.z) &&
+               keep_the_triangle_inequality(I.moments);
+      },
+      told);
+  found.require_all(
+      model.principal, "the principal axes", "a unit quaternion",
+      [](const PrincipalInertia& I) { return is_finite_quat(I.axes) && is_unit(I.axes); }, told);
+  for (const ParticleId p : model.principal.ids())
+    if (found.knows(p) && p.value < model.inertia.size() &&
+        model.inertia[p] != least_of(model.principal[p].moments))
+      return found.require(false, fmt::format("the inertia of particle {} is {}: it must be the least of its "
+                                              "principal moments: use make_top()",
+                                              p.value, model.inertia[p]));
+}
+
 }  // namespace
 
 std::vector<std::string> mistakes_in(const Model& model) {
@@ -240,6 +264,7 @@ std::vector<std::string> mistakes_in(const Model& model) {
   found.require_all(model.radius, "the radius", ">= 0 and finite", at_least_zero, number);
   found.require_all(
       model.r_0, "r_0", "finite", [](const Vec3d& r) { return is_finite(r); }, text);
+  look_at_principal_inertia(model, found);
   for (const Group& g : model.groups) {
     found.require_known(g.particles, "group \"" + g.name + "\"");
     found.require_increasing(g.particles, "group \"" + g.name + "\"");
@@ -254,6 +279,9 @@ std::vector<std::string> mistakes_in(const Model& model, const State& s) {
   found.require_sizes(
       "the state", "it must have r, v, q and omega for each particle of the model: begin with at_rest(model)",
       {{"r", s.r.size()}, {"v", s.v.size()}, {"q", s.q.size()}, {"omega", s.omega.size()}});
+  found.require(s.spin.empty() || s.spin.size() == model.particles(),
+                fmt::format("spin has {} entries for {} particles: it must have one for each, or none",
+                            s.spin.size(), model.particles()));
   found.require(s.bond_history.empty() || s.bond_history.size() == s.bonds.size(),
                 fmt::format("bond_history has {} entries for {} bonds: it must have one for each, or none",
                             s.bond_history.size(), s.bonds.size()));
@@ -330,6 +358,8 @@ std::vector<std::string> mistakes_in(const Model& model, const Stage& stage) {
     found.look_at(s.factor, who("a support", s));
   }
   found.look_at_supports(stage.supports);
+  if (const auto top = partly_held_top(model, stage.supports))
+    found.require(false, fmt::format("particle {} is held in part: {}", top->p.value, partly_held_top_rule));
   for (const PointLoad& l : stage.loads) {
     found.require_known(l.particles, "a load", l.group);
     found.require_finite(l.force, who("a load", l), "the force");

@@ -9,6 +9,7 @@
 #include "vbond/core/vec3.hpp"
 #include "vbond/model/contact.hpp"
 #include "vbond/model/wall.hpp"
+#include "vbond/physics/top.hpp"
 
 namespace vbond {
 
@@ -26,8 +27,10 @@ struct Model {
   UnitSystem units = UnitSystem::reduced;
   double T_0 = 0;               ///< 2 pi sqrt(m / c_A), of the first particle and first bond  [time]
   PerParticle<double> mass;     ///< [mass]
-  PerParticle<double> inertia;  ///< moment of inertia, spherical  [mass*length^2]
+  PerParticle<double> inertia;  ///< moment of inertia; of a top the least of its three  [mass*length^2]
   PerParticle<double> radius;   ///< [length]
+  /// Moments and principal axes; empty: they are the same about all axes, for all particles. See make_top().
+  PerParticle<PrincipalInertia> principal;
   /// Which specimen of the case made the particle, from 0, for pictures only; empty: all one body.
   PerParticle<std::uint32_t> specimen;
   PerParticle<Vec3d> r_0;     ///< positions at the start; displacements are from here  [length]
@@ -40,6 +43,8 @@ struct Model {
   std::size_t particles() const { return mass.size(); }
   std::uint32_t specimen_of(ParticleId p) const { return specimen.empty() ? 0 : specimen[p]; }
   std::uint32_t material_of(ParticleId p) const { return material.empty() ? 0 : material[p]; }
+  /// Whether the moments of inertia of a particle differ from each other.
+  bool is_top(ParticleId p) const { return !principal.empty() && !all_equal(principal[p].moments); }
   /// The group of that name, or nullptr.
   const Group* find_group(const std::string& name) const {
     for (const Group& g : groups)
@@ -65,6 +70,15 @@ inline Model equal_particles(const std::vector<Vec3d>& r, double mass, double in
   m.groups = {{"all", {}}};
   for (const ParticleId p : m.mass.ids()) m.groups[0].particles.push_back(p);
   return m;
+}
+
+/// Gives a particle three moments of inertia. Bounds of time steps, contacts and damping by ratio use the
+/// least.
+inline void make_top(Model& m, ParticleId p, const PrincipalInertia& inertia) {
+  if (m.principal.empty())
+    for (const double I : m.inertia) m.principal.push_back({{I, I, I}, {}});
+  m.principal[p] = inertia;
+  m.inertia[p] = least_of(inertia.moments);
 }
 
 }  // namespace vbond

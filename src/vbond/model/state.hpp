@@ -60,10 +60,14 @@ struct RestRecord {
 /// Everything that changes, and exactly what a checkpoint holds.
 struct State {
   Clock clock;
-  PerParticle<Vec3d> r;               ///< positions of the centres  [length]
-  PerParticle<Vec3d> v;               ///< velocities  [length/time]
-  PerParticle<Quatd> q;               ///< orientations, body to world
-  PerParticle<Vec3d> omega;           ///< angular velocities, world frame  [rad/time]
+  PerParticle<Vec3d> r;      ///< positions of the centres  [length]
+  PerParticle<Vec3d> v;      ///< velocities  [length/time]
+  PerParticle<Quatd> q;      ///< orientations, body to world
+  PerParticle<Vec3d> omega;  ///< angular velocities, world frame  [rad/time]
+  /// Angular momenta of the rotation of tops, world frame, others zero: omega follows from them, and would
+  /// give them back with a rounding error at each step. Empty, or where omega was changed: they follow from
+  /// omega.
+  PerParticle<Vec3d> spin;            ///< [mass*length^2/time]
   PerBond<Bond> bonds;                ///< in order of creation
   PerBond<BondHistory> bond_history;  ///< empty where no bond remembers anything
   /// Forces and moments at the present positions, where they do not follow from these: with bonds that damp,

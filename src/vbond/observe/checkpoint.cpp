@@ -89,6 +89,13 @@ void visit_fingerprint(Archive& archive, M& m) {
 
 // ---- parts that few runs have, and what must fit -----------------------------------------------------
 
+/// Files have these columns only where moments of inertia differ.
+template <class Archive, class M>
+void visit_principal_inertia(Archive& archive, M& m) {
+  archive.of_each("/model/principal_moments", m.principal, &PrincipalInertia::moments);
+  archive.of_each("/model/principal_axes", m.principal, &PrincipalInertia::axes);
+}
+
 void check_fingerprint(H5Reader& reader, const Model& model) {
   const std::size_t n = reader.rows("/model/mass");
   if (n != model.particles())
@@ -97,12 +104,13 @@ void check_fingerprint(H5Reader& reader, const Model& model) {
   Model m;
   m.mass.resize(n), m.inertia.resize(n), m.radius.resize(n), m.r_0.resize(n);
   visit_fingerprint(reader, m);
-  const char* differs = m.units != model.units       ? "units"
-                        : m.mass != model.mass       ? "masses"
-                        : m.inertia != model.inertia ? "moments of inertia"
-                        : m.radius != model.radius   ? "radii"
-                        : m.r_0 != model.r_0         ? "first positions"
-                                                     : nullptr;
+  if (reader.has("/model/principal_moments")) m.principal.resize(n), visit_principal_inertia(reader, m);
+  const char* differs = m.units != model.units                                         ? "units"
+                        : m.mass != model.mass                                         ? "masses"
+                        : m.inertia != model.inertia || m.principal != model.principal ? "moments of inertia"
+                        : m.radius != model.radius                                     ? "radii"
+                        : m.r_0 != model.r_0                                           ? "first positions"
+                                                                                       : nullptr;
   if (differs)
     throw IoError(fmt::format("belongs to another case, or the case was changed: its {} differ", differs));
 }
@@ -186,8 +194,9 @@ void read_rules(H5Reader& reader, State& state) {
 }
 
 using PairMemories = Column<Id<struct PairOfFile>, PairMemory>;
-/// Files have these only where bonds or contacts are more than elastic.
+/// Files have these only where bonds or contacts are more than elastic, or moments of inertia differ.
 void write_inelastic(H5Writer& writer, const State& state) {
+  if (!state.spin.empty()) writer.of_each("/particles/spin", state.spin, std::identity{});
   if (!state.bond_history.empty()) writer.of_each("/bonds/history", state.bond_history, std::identity{});
   const auto write = [&writer](const char* F, const char* M, const Loads& loads) {
     if (loads.F.empty()) return;
@@ -206,6 +215,10 @@ void write_inelastic(H5Writer& writer, const State& state) {
 }
 
 void read_inelastic(H5Reader& reader, State& state) {
+  if (reader.has("/particles/spin")) {
+    state.spin.resize(state.r.size());
+    reader.of_each("/particles/spin", state.spin, std::identity{});
+  }
   if (reader.has("/bonds/history")) {
     state.bond_history.resize(state.bonds.size());
     reader.of_each("/bonds/history", state.bond_history, std::identity{});
@@ -321,7 +334,9 @@ void check_sense(const Checkpoint& checkpoint) {
   for (const ParticleId p : s.r.ids()) {
     const Quatd& q = s.q[p];
     const double length = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
-    if (!finite(s.r[p]) || !finite(s.v[p]) || !finite(s.omega[p]) || !(std::abs(length - 1.0) < 1e-6))
+    const bool spin_is_finite = s.spin.empty() || finite(s.spin[p]);
+    if (!finite(s.r[p]) || !finite(s.v[p]) || !finite(s.omega[p]) || !spin_is_finite ||
+        !(std::abs(length - 1.0) < 1e-6))
       throw IoError(fmt::format("is damaged: particle {} is in no place or turned by no rotation", p.value));
   }
 }
@@ -334,6 +349,7 @@ void write_checkpoint(const std::filesystem::path& path, const Model& model, con
   try {
     H5Writer writer;
     visit_fingerprint(writer, model);
+    if (!model.principal.empty()) visit_principal_inertia(writer, model);
     visit_fields(writer, checkpoint);
     write_laws(writer, checkpoint.state);
     write_rules(writer, checkpoint.state);

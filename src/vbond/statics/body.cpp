@@ -101,6 +101,7 @@ StaticBody::StaticBody(const Model& model, const StaticStage& stage, State state
       stiffness_{Assembly(unknowns_), Assembly(unknowns_), {}, false} {
   state_.v.assign(model.particles(), {});
   state_.omega.assign(model.particles(), {});
+  state_.spin = {};
   state_.grips.clear(), state_.gripped.clear();  // of a stage of dynamics before
   take_hold();
   set_held_rates();

@@ -22,7 +22,7 @@ double exact_critical_step(const Model& model, const State& state, const std::ve
   if (!std::isfinite(max_norm(body.tangent().diagonal())))
     throw NoConvergence("the stiffness is not finite: " + body.first_not_finite());
   const double lambda =
-      largest_eigenvalue(mass_scaled(body.tangent(), roots_of_mass(model, body.unknowns())));
+      largest_eigenvalue(MassRoot(model, body.state(), body.unknowns()).scaled(body.tangent()));
   const double elastic = lambda > 0.0 ? critical_step(lambda) : nothing_swings;
   const bool damped = std::any_of(state.bonds.begin(), state.bonds.end(),
                                   [](const Bond& b) { return !b.broken && is_damped(b); });

@@ -111,6 +111,7 @@ StaticOutcome interrupted_outcome(StaticResult result, State state) {
   result.ended = "interrupted";
   state.v.assign(state.r.size(), {});
   state.omega.assign(state.r.size(), {});
+  state.spin = {};
   return {std::move(result), std::move(state)};
 }
 

@@ -64,7 +64,7 @@ DenseMatrix without_forces(const SparseMatrix& forces, double zero) {
 
 /// Orthonormal, mass-scaled columns: the free rigid motions that meet no stiffness. Under load not all are: a
 /// body that hangs swings. Motions of different parts share no forces, and are looked at apart.
-SparseMatrix motions_without_stiffness(const StaticBody& body, const Vector& roots) {
+SparseMatrix motions_without_stiffness(const StaticBody& body, const MassRoot& root) {
   const SparseMatrix motions = free_rigid_motions(body.model(), body.state(), body.unknowns()).basis;
   const SparseMatrix forces = body.tangent() * motions, shared = forces.transpose() * forces;
   const double zero = zero_stiffness(body);
@@ -81,12 +81,12 @@ SparseMatrix motions_without_stiffness(const StaticBody& body, const Vector& roo
       for (Eigen::Index column = k; column < end; ++column)
         for (SparseMatrix::InnerIterator it(motions, column); it; ++it)
           entries.emplace_back(static_cast<int>(it.row()), found,
-                               it.value() * free(column - k, j) * roots[it.row()]);
+                               it.value() * free(column - k, j) * root.diagonal()[it.row()]);
     end = reach = k;
   }
   SparseMatrix columns(motions.rows(), found);
   columns.setFromTriplets(entries.begin(), entries.end());
-  return orthonormalised(columns);
+  return orthonormalised(root.times_factor(columns));
 }
 
 double largest_column_sum(const SparseMatrix& A) {
@@ -114,13 +114,13 @@ Below below_spectrum(const SparseMatrix& A) {
   throw NoConvergence("modes: the stiffness over the mass is not finite");
 }
 
-NaturalMode mode(double omega2, bool rigid, const Vector& x, const Vector& roots, const Unknowns& unknowns) {
-  return {std::sqrt(std::max(omega2, 0.0)), omega2, rigid, unknowns.shape(x.cwiseQuotient(roots))};
+NaturalMode mode(double omega2, bool rigid, const Vector& y, const MassRoot& root, const Unknowns& unknowns) {
+  return {std::sqrt(std::max(omega2, 0.0)), omega2, rigid, unknowns.shape(root.motion(y))};
 }
 
 }  // namespace
 
-// K phi = omega^2 M phi as an ordinary eigenvalue problem for M^1/2 phi; M is diagonal.
+// K phi = omega^2 M phi as an ordinary eigenvalue problem for S^T phi, M = S S^T.
 StaticOutcome find_modes(const Model& model, const StaticStage& stage, State state,
                          const StaticHooks& hooks) {
   const StaticStage loaded = under_full_loads(stage);
@@ -134,11 +134,11 @@ StaticOutcome find_modes(const Model& model, const StaticStage& stage, State sta
                     "the symmetric part of the tangent",
                     stage.name));
   const Unknowns& unknowns = body.unknowns();
-  const Vector roots = roots_of_mass(model, unknowns);
-  const SparseMatrix A = mass_scaled(body.tangent(), roots);
-  const SparseMatrix rigid = motions_without_stiffness(body, roots);
+  const MassRoot root(model, body.state(), unknowns);
+  const SparseMatrix A = root.scaled(body.tangent());
+  const SparseMatrix rigid = motions_without_stiffness(body, root);
   for (Eigen::Index k = 0; k < rigid.cols(); ++k)
-    result.modes.push_back(mode(0.0, true, Vector(rigid.col(k)), roots, unknowns));
+    result.modes.push_back(mode(0.0, true, Vector(rigid.col(k)), root, unknowns));
 
   result.unstable = 0;
   EigenPairs found;
@@ -148,7 +148,7 @@ StaticOutcome find_modes(const Model& model, const StaticStage& stage, State sta
     result.unstable = below.unstable;
   }
   for (Eigen::Index k = 0; k < found.values.size(); ++k)
-    result.modes.push_back(mode(found.values[k], false, found.vectors.col(k), roots, unknowns));
+    result.modes.push_back(mode(found.values[k], false, found.vectors.col(k), root, unknowns));
   if (found.values.size() < stage.count && hooks.tell)
     hooks.tell(
         fmt::format("stage \"{}\": the body has {} frequencies only", stage.name, found.values.size()));

@@ -60,6 +60,7 @@ std::string keep_only(const std::vector<char>& kept, SpecimenPoints& points) {
   filter(kept, points.radius);
   filter(kept, points.mass);
   filter(kept, points.inertia);
+  filter(kept, points.moments);
   renumber_bonds(number, points.bonds);
   return renumber_parts(number, points);
 }
@@ -116,6 +117,7 @@ void copy(const CopiesSpec& row, SpecimenPoints& points) {
   repeat(times, points.radius);
   repeat(times, points.mass);
   repeat(times, points.inertia);
+  repeat(times, points.moments);
   const auto shift = static_cast<std::int64_t>(n);
   const std::size_t bonds = points.bonds.size();
   repeat(times, points.bonds);

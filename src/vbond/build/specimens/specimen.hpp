@@ -24,6 +24,7 @@ struct SpecimenPoints {
   Quatd q;                                                               ///< orientation of all
   std::vector<Vec3d> v, omega;                                           ///< per particle, or empty
   std::vector<double> radius, mass, inertia;                             ///< per particle, or empty
+  std::vector<Vec3d> moments;                                            ///< of inertia; likewise
   std::vector<FileBond> bonds;                                           ///< of a LAMMPS file
   std::vector<std::pair<std::string, std::vector<std::int64_t>>> parts;  ///< such as "ends", "rim"
   std::vector<std::string> notes;  ///< on cuts and unused parts of files

@@ -1,14 +1,35 @@
 #pragma once
+#include <optional>
+
 #include "vbond/model/model.hpp"
+#include "vbond/model/state.hpp"
 #include "vbond/statics/detail/matrix.hpp"
 #include "vbond/statics/detail/unknowns.hpp"
 
 namespace vbond {
 
-/// Square roots of the mass that goes with each unknown: mass, or inertia / length^2 of a turn.
-Vector roots_of_mass(const Model& model, const Unknowns& unknowns);
+/// A root S = D C of the mass matrix, M = S S^T. D has the square root of the mass that goes with each
+/// unknown: mass, or inertia / length^2 of a turn. C is 1 but for the turns of particles whose moments of
+/// inertia differ: the lower triangle of Cholesky's factor of their inertia, in world axes and as the
+/// particle stands, over the least moment, which D has.
+class MassRoot {
+ public:
+  MassRoot(const Model& model, const State& state, const Unknowns& unknowns);
 
-/// M^-1/2 K M^-1/2, whose eigenvalues are the squares of angular frequencies.  [1/time^2]
-SparseMatrix mass_scaled(const SparseMatrix& K, const Vector& roots_of_mass);
+  /// S^-1 K S^-T, whose eigenvalues are the squares of angular frequencies.  [1/time^2]
+  SparseMatrix scaled(const SparseMatrix& K) const;
+  /// The motion S^-T y of an eigenvector y of that.
+  Vector motion(const Vector& y) const;
+  /// D, and C^T x: S^T = C^T D.
+  const Vector& diagonal() const { return diagonal_; }
+  SparseMatrix times_factor(const SparseMatrix& x) const;
+
+ private:
+  struct OfTops {
+    SparseMatrix factor, inverse;  // C, C^-1
+  };
+  Vector diagonal_;
+  std::optional<OfTops> tops_;  // empty: C is 1
+};
 
 }  // namespace vbond
