@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "vbond/model/capsules.hpp"
 #include "vbond/model/make_bond.hpp"
 #include "vbond/model/touching.hpp"
 #include "vbond/physics/contact.hpp"
@@ -100,8 +101,24 @@ PresentContacts present_contacts(const Model& model, const State& state) {
     found.overlap = std::max(found.overlap, overlap);
     n[i] += 1.0, n[j] += 1.0;
   });
+  for (const FibreContact& c : fibre_contacts(model, state.bonds, state.r)) {
+    if (!c.body) continue;
+    const auto at = [&state](ParticleId p) { return MovingPoint{state.r[p], {}, {}}; };
+    found.overlap = std::max(found.overlap, touching_of(model, c, at).overlap);
+    for (const FibrePlace& place : {c.a, c.b}) for_shares(place, [&n](ParticleId p, double) { n[p] += 1.0; });
+  }
   for (const double count : n) found.most = std::max(found.most, count);
   return found;
+}
+
+/// The radii by which particles are touched: their own, or that of a capsule that is thicker.
+PerParticle<double> touched_radii(const Model& model, const State& state) {
+  PerParticle<double> R = model.radius;
+  if (!any_capsules(model.contact, state.bonds)) return R;
+  for (const Bond& b : state.bonds)
+    for (const ParticleId p : {b.i, b.j})
+      if (!b.broken) R[p] = std::max(R[p], b.capsule);
+  return R;
 }
 
 /// Slope of the normal force, and of slip where that is larger in what it does to the step: a particle that
@@ -159,13 +176,14 @@ LargestOfContacts largest_of_contacts(const Model& model, const State& state) {
   const ContactModel& contact = model.contact;
   if (contact.law == ContactLaw::none || model.particles() == 0) return {};
   if (model.walls.empty() && (model.particles() < 2 || !particles_touch(contact))) return {};
-  const double R_max = *std::max_element(model.radius.begin(), model.radius.end());
+  const PerParticle<double> radius = touched_radii(model, state);
+  const double R_max = *std::max_element(radius.begin(), radius.end());
   if (!(R_max > 0.0)) return {};
   const PresentContacts present = present_contacts(model, state);
   const std::vector<MaterialPair> pairs = pairs_that_may_meet(model);
   LargestOfContacts largest;
   for (const ParticleId p : model.mass.ids()) {
-    const double R = model.radius[p], m = model.mass[p];
+    const double R = radius[p], m = model.mass[p];
     const double R_pair = model.walls.empty() ? R * R_max / (R + R_max) : R;
     const double overlap = std::max(present.overlap, 0.1 * (R + R_max));
     for (const auto& [first, second, n] : pairs) {

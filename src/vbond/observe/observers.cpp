@@ -83,6 +83,7 @@ void WatchObserver::look_at_overlaps(const Simulation& run) {
   if (overlap_ == 0.0) return;
   const Timing timing(*this);
   watch_.look_at_overlaps(run.model(), run.state(), overlap_);
+  watch_.look_at_capsules(run.deep_capsules(overlap_), run.clock());
 }
 
 void WatchObserver::look_at_contacts(const Simulation& run) {
