@@ -4,9 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "rods.hpp"
+#include "vbond/core/error.hpp"
 #include "vbond/model/capsules.hpp"
 #include "vbond/model/energies.hpp"
 #include "vbond/model/step_bound.hpp"
@@ -64,15 +68,6 @@ Loads loads_of(const Specimen& s) {
 }
 double energy_of(const Specimen& s) {
   return fibre_energy(s.model, s.state.bonds, s.state.r);
-}
-/// Bonds unstressed however the particles stand.
-void bond_anew(Specimen& s) {
-  PerBond<Bond> bonds;
-  for (const Bond& b : s.state.bonds)
-    bonds.push_back(
-        make_bond(capsules(b.capsule), bond_site(s.model, s.state, b.i), bond_site(s.model, s.state, b.j))
-            .value());
-  s.state.bonds = bonds;
 }
 Vec3d total_moment(const Specimen& s, const State& state, const Loads& loads) {
   Vec3d sum;
@@ -251,7 +246,7 @@ TEST(Capsules, PartWithTheirRestitution) {
     contact.surface.restitution = e;
     Specimen s = crossed_bars(contact, 0.05);
     Simulation run(s.model, testing::plain_stage(2e-4, 1.0), s.state);
-    for (int step = 0; step < 8000; ++step) run.step();
+    for (int step = 0; step < 20000; ++step) run.step();
     EXPECT_TRUE(run.state().fibre_history.empty());
     EXPECT_NEAR(run.state().v[ParticleId{2}].z / 0.05, e, 1e-3);
     EXPECT_LT(std::abs(run.balance_error(run.energies())), 1e-3);
@@ -282,7 +277,7 @@ TEST(Capsules, KeepFrictionFromBondToBond) {
     ASSERT_NEAR(F.z, N, 1e-9) << step;
   }
   EXPECT_GT(run.state().r[moved[0]].x, 0.8);
-  EXPECT_NEAR(run.books().dissipated, run.books().work_supports, 1e-2 * run.books().dissipated);
+  EXPECT_LT(std::abs(run.balance_error(run.energies())), 1e-5);
 }
 
 // Along closed paths over the particles of bent fibres friction takes energy and never gives any.
@@ -301,6 +296,7 @@ TEST(Capsules, FrictionNeverMakesEnergyOnClosedPaths) {
     std::vector<Vec3d> corners{{}};
     for (int c = 0; c < 5; ++c) corners.push_back({dice(-0.4, 0.4), dice(-0.1, 0.1), dice(-0.08, 0.02)});
     corners.push_back({});
+    corners.push_back({});  // and rests there
     for (std::size_t c = 0; c + 1 < corners.size(); ++c) {
       Simulation run(s.model, moving(still, moved, corners[c + 1] - corners[c], 2e-3, 1.0), s.state);
       const double start = run.books().dissipated;
@@ -311,7 +307,6 @@ TEST(Capsules, FrictionNeverMakesEnergyOnClosedPaths) {
                 2e-3 * std::max(run.books().dissipated, 1e-3));
       s.state = std::move(run).take_state();
       s.state.clock = {.step = s.state.clock.step, .stage = s.state.clock.stage + 1};
-      s.state.v.assign(8, {}), s.state.omega.assign(8, {});
     }
     EXPECT_GE(s.state.books.work_supports, -1e-6);
     slid += s.state.books.dissipated > 1e-3 ? 1 : 0;
@@ -447,7 +442,9 @@ BondRecipe weak(double elongation) {
 
 // A fibre that breaks under another one lets it through, and the books close.
 TEST(Capsules, OfBrokenBondsAreGone) {
-  Specimen s = fibres({line({0, 0, 0}, {0.8, 0, 0}, 3), line({0.1, 0, 0.41}, {0, 0.8, 0}, 2)}, rough());
+  ContactModel contact = rough();
+  contact.E = 2000.0;
+  Specimen s = fibres({line({0, 0, 0}, {0.8, 0, 0}, 3), line({0.1, 0, 0.41}, {0, 0.8, 0}, 2)}, contact);
   for (Bond& b : s.state.bonds)
     if (b.i.value < 2)
       b = make_bond(weak(0.02), bond_site(s.model, s.state, b.i), bond_site(s.model, s.state, b.j)).value();
