@@ -5,6 +5,8 @@
 #include <tuple>
 #include <utility>
 
+#include "vbond/core/disjoint_sets.hpp"
+
 namespace vbond {
 namespace {
 
@@ -30,7 +32,15 @@ constexpr double same_side = 0.5;
 }  // namespace
 
 Capsules::Capsules(const Model& model, const Bodies& bodies)
-    : model_(model), bodies_(bodies), forms_(fibre_forms(model.contact)) {}
+    : model_(model),
+      bodies_(bodies),
+      forms_(fibre_forms(model.contact)),
+      materials_(std::max<std::uint32_t>(1, static_cast<std::uint32_t>(model.materials.size()))) {
+  if (!particles_touch(model.contact)) return;
+  for (std::uint32_t first = 0; first < materials_; ++first)
+    for (std::uint32_t second = 0; second < materials_; ++second)
+      numbers_.push_back(touch_numbers(model.contact, model.materials, first, second));
+}
 
 void Capsules::bonds_changed(const PerBond<Bond>& bonds) {
   any_ = any_capsules(model_.contact, bonds);
@@ -63,8 +73,8 @@ Touching<double> Capsules::touching(const FibreContact& c) const {
   });
 }
 
-TouchNumbers<double> Capsules::numbers(const FibreContact& c) const {
-  return touch_numbers(model_, c.a.i, c.b.i);
+const TouchNumbers<double>& Capsules::numbers(const FibreContact& c) const {
+  return numbers_[model_.material_of(c.a.i) * materials_ + model_.material_of(c.b.i)];
 }
 
 /// All that overlap now, each thread looking at its share of near pairs.
@@ -122,10 +132,42 @@ std::vector<Capsules::Contact> Capsules::with_history(const std::vector<FibreCon
   return now;
 }
 
+/// In a region of overlap that reaches over several bonds, contacts of bodies press more than what is left
+/// when the others have made up for it. Friction goes by the latter: its limit is this part of mu times the
+/// force.
+std::vector<double> Capsules::friction_shares() const {
+  std::vector<double> share(contacts_.size(), 1.0);
+  if (std::all_of(contacts_.begin(), contacts_.end(), [](const Contact& c) { return c.body; })) return share;
+  std::vector<std::tuple<ParticleId, ParticleId, std::uint32_t>> at;  // particles of both fibres, and contact
+  for (std::uint32_t k = 0; k < contacts_.size(); ++k)
+    for_shares(contacts_[k].a, [&](ParticleId p, double) {
+      for_shares(contacts_[k].b, [&](ParticleId q, double) { at.emplace_back(p, q, k); });
+    });
+  std::sort(at.begin(), at.end());
+  using Index = Id<struct FibreContactTag>;
+  DisjointSets<Index> regions(contacts_.size());
+  const auto ends = [](const auto& x) { return std::pair(std::get<0>(x), std::get<1>(x)); };
+  for (std::size_t k = 1; k < at.size(); ++k)
+    if (ends(at[k - 1]) == ends(at[k]))
+      regions.join(Index{std::get<2>(at[k - 1])}, Index{std::get<2>(at[k])});
+  std::vector<double> left(contacts_.size(), 0.0), bodies = left;
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const Touching<double> p = touching(contacts_[k]);
+    const double N = normal_force(forms_, numbers(contacts_[k]), p.R, p.overlap).F;
+    left[regions.smallest(Index{k}).value] += contacts_[k].weight * N;
+    if (contacts_[k].body) bodies[regions.smallest(Index{k}).value] += N;
+  }
+  for (std::size_t k = 0; k < contacts_.size(); ++k)
+    if (const std::size_t r = regions.smallest(Index{k}).value; bodies[r] > 0.0)
+      share[k] = std::clamp(left[r] / bodies[r], 0.0, 1.0);
+  return share;
+}
+
 /// The loads of one contact, to shares_.
-double Capsules::work_out(Contact& c, double dt) {
+double Capsules::work_out(Contact& c, double friction_share, double dt) {
   const Touching<double> p = touching(c);
-  const TouchNumbers<double> n = numbers(c);
+  TouchNumbers<double> n = numbers(c);
+  n.friction *= friction_share;
   Vec3d F;
   double dissipated = 0.0;
   int elastic = c.weight;  // so often the elastic force, along the normal
@@ -152,7 +194,8 @@ double Capsules::work_out(const Team& team, double dt) {
   shares_.clear();
   passed_.reset();
   double dissipated = 0.0;
-  for (Contact& c : contacts_) dissipated += work_out(c, dt);
+  const std::vector<double> share = friction_shares();
+  for (std::size_t k = 0; k < contacts_.size(); ++k) dissipated += work_out(contacts_[k], share[k], dt);
   std::stable_sort(shares_.begin(), shares_.end(),
                    [](const Share& a, const Share& b) { return a.row < b.row; });
   if (dt > 0.0)
@@ -175,7 +218,7 @@ double Capsules::energy() const {
   double U = 0.0;
   for (const Contact& c : contacts_) {
     const Touching<double> p = touching(c);
-    const TouchNumbers<double> n = numbers(c);
+    const TouchNumbers<double>& n = numbers(c);
     U += c.weight * normal_energy(forms_, n, p.R, p.overlap);
     if (c.body) U += history_energy(forms_, n, touch_history(c.history));
   }

@@ -69,15 +69,18 @@ class Capsules {
 
   std::size_t row(ParticleId p) const { return bodies_.order.row[p].value; }
   Touching<double> touching(const FibreContact& c) const;
-  TouchNumbers<double> numbers(const FibreContact& c) const;
+  const TouchNumbers<double>& numbers(const FibreContact& c) const;
   std::vector<FibreContact> find(const Team& team);
   std::vector<Contact> with_history(const std::vector<FibreContact>& found, std::vector<Contact>& parted);
-  double work_out(Contact& c, double dt);
+  std::vector<double> friction_shares() const;
+  double work_out(Contact& c, double friction_share, double dt);
   DeepCapsules told(const FibreContact& c, double overlap) const;
 
   const Model& model_;
   const Bodies& bodies_;
   TouchForms forms_;
+  std::uint32_t materials_ = 1;
+  std::vector<TouchNumbers<double>> numbers_;  // of each pair of materials
   FibreParts fibres_;
   bool any_ = false, listed_ = false;
   double skin_ = 0, room_ = 0;  // no particle has moved half the skin before one has moved so far  [length]
