@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cctype>
 #include <string_view>
 #include <type_traits>
 #include <utility>
@@ -92,10 +93,12 @@ struct CapsuleRadius {
 
 struct CapsuleRadiusCodec {
   bool read(const Node& n, ReadContext& in, const std::string& path, CapsuleRadius& out) const {
-    const bool is_word =
-        std::holds_alternative<std::string>(n.value) && std::get<std::string>(n.value) == word;
+    const auto* text = std::get_if<std::string>(&n.value);  // a word, or a length with its unit
     out.value = 0.0;
-    return is_word || positive(length).read(n, in, path, out.value);
+    std::size_t index = 0;
+    if (text && !text->empty() && std::isalpha(static_cast<unsigned char>(text->front())))
+      return read_word(n, in, path, {word}, index);
+    return positive(length).read(n, in, path, out.value);
   }
   std::string write(const CapsuleRadius& r) const {
     return r.value > 0.0 ? positive(length).write(r.value) : "\"" + std::string(word) + "\"";
