@@ -123,13 +123,13 @@ struct DynamicsResolver : StageResolver {
   void check_capsule(const BondSpec& b, const WithinDistance& within, const Group& first,
                      const Group& second) const {
     if (!b.recipe.capsule) return;
-    const double R = b.recipe.capsule_radius > 0.0 ? b.recipe.capsule_radius
-                                                   : std::min(smallest(first), smallest(second));
+    const double R =
+        b.recipe.capsule_radius > 0.0 ? b.recipe.capsule_radius : std::min(smallest(first), smallest(second));
     if (const auto mistake = capsule_mistake(model.contact, R, within.distance))
-      problems.add(b.place,
-                   fmt::format("bonds \"{}\": capsules of radius {} at a distance of {}", b.name, R,
-                               within.distance),
-                   mistake->rule, mistake->way_out);
+      problems.add(
+          b.place,
+          fmt::format("bonds \"{}\": capsules of radius {} at a distance of {}", b.name, R, within.distance),
+          mistake->rule, mistake->way_out);
   }
 
   /// A rule whose bonds would have no length even at its full distance can never make one.

@@ -234,6 +234,7 @@ std::vector<FibreMemory> Capsules::collect() const {
 }
 
 void Capsules::restore(const std::vector<FibreMemory>& memories) {
+  if (!any_) return;
   for (const FibreMemory& m : memories) {
     Contact c;
     c.a = {m.a_i, m.a_j, m.s, m.R_a}, c.b = {m.b_i, m.b_j, m.t, m.R_b};
