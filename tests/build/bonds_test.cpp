@@ -136,10 +136,8 @@ std::string softening_rod(double spacing, BondTime when) {
 }
 
 /// What is said of a rod, 1 between particles of radius 0.4, whose bonds touch as capsules.
-std::string capsule_rod(double radius, const ContactModel& contact, BondTime when,
-                        double of_particles = 0.4) {
+std::string capsule_rod(double radius, const ContactModel& contact, BondTime when) {
   Case c = paper_rod();
-  c.specimens[0].radius = of_particles;
   c.contact = contact;
   BondSpec bonds = c.bonds[0];
   bonds.recipe.capsule = true, bonds.recipe.capsule_radius = radius;
@@ -159,15 +157,14 @@ TEST(Capsules, ThatCannotBeAreRefusedWithAWayOut) {
   ContactModel hertz{.law = ContactLaw::hertz, .E = 100.0, .nu = 0.2};
   for (const BondTime when : {BondTime::start, BondTime::approach}) {
     const auto says = [when](double radius, const ContactModel& contact, const char* rule,
-                             const char* way_out, double of_particles = 0.4) {
-      const std::string said = capsule_rod(radius, contact, when, of_particles);
+                             const char* way_out) {
+      const std::string said = capsule_rod(radius, contact, when);
       EXPECT_NE(said.find(rule), std::string::npos) << said;
       EXPECT_NE(said.find(way_out), std::string::npos) << said;
     };
     EXPECT_EQ(capsule_rod(0.3, hertz, when), "");
     EXPECT_EQ(capsule_rod(0.0, hertz, when), "");  // that of the particles
     says(1.2, hertz, "smaller than the distance of its two particles", "use capsule_radius below");
-    says(0.0, hertz, "must be > 0", "give the specimen a radius", 0.0);
     says(0.3, {}, "nothing touches in this case", "add [contact]");
     ContactModel walls_only = hertz, sticky = hertz;
     walls_only.pairs = ContactPairs::none;

@@ -33,9 +33,6 @@ std::optional<CapsuleMistake> capsule_mistake(const ContactModel& contact, doubl
   if (contact.adhesion != AdhesionForm::none)
     return CapsuleMistake{"capsules do not adhere: their contacts take no adhesion",
                           "leave contact.adhesion out, or capsule_radius"};
-  if (!(capsule > 0.0))
-    return CapsuleMistake{"the radius of a capsule must be > 0, and a particle has no radius",
-                          "give the specimen a radius, or capsule_radius as a length"};
   if (!(capsule < distance))
     return CapsuleMistake{
         "the radius of a capsule must be smaller than the distance of its two particles: a bent fibre would "
