@@ -99,7 +99,7 @@ TEST(NearestOnSegments, IsTheLeastOfAllPoints) {
   }
 }
 
-/// Two bent fibres and a ball, at random, that overlap at some places.
+/// Two bent fibres, one with a branch, and a ball, at random, that overlap at some places.
 Specimen tangle(Dice& dice, const ContactModel& contact) {
   const auto bent = [&](const Vec3d& middle, const Vec3d& along, double by) {
     std::vector<Vec3d> r = line(middle, along, 5);
@@ -110,8 +110,10 @@ Specimen tangle(Dice& dice, const ContactModel& contact) {
   Specimen s = fibres({bent({0, 0, 0}, {0.7, 0, 0}, 0.1),
                        bent({dice(-2, 2), dice(-0.5, 0.5), dice(0.2, 0.45)},
                             {0.7 * std::cos(angle), 0.7 * std::sin(angle), 0}, 0.1),
-                       {{dice(-1.5, 1.5), dice(-0.4, 0.4), dice(-0.45, -0.2)}}},
+                       {{dice(-1.5, 1.5), dice(-0.4, 0.4), dice(-0.45, -0.2)}},
+                       {{dice(-0.3, 0.3), 0.7, dice(-0.2, 0.2)}}},
                       contact);
+  testing::bond(s, 2, 11, capsules(0.2));  // a branch of the first
   return s;
 }
 
@@ -184,6 +186,38 @@ TEST(Capsules, OnAStraightFibreCountOnce) {
     const Specimen ball = fibres({line({0, 0, 0}, {0.5, 0, 0}, 7), {{x, 0, 0.4 - d}}}, hertz());
     EXPECT_NEAR(energy_of(ball), 0.4 * K * std::sqrt(0.1) * std::pow(d, 2.5), 1e-15) << x;
   }
+}
+
+// Where four fibres meet a ball is held by one contact, too.
+TEST(Capsules, WhereFibresMeetCountOnce) {
+  const double d = 0.03;
+  for (double x = -0.3; x <= 0.3; x += 0.01) {
+    Specimen s =
+        fibres({line({0, 0, 0}, {0.7, 0, 0}, 3), {{0, 0.7, 0}}, {{0, -0.7, 0}}, {{x, 0, 0.4 - d}}}, hertz());
+    testing::bond(s, 1, 3, capsules(0.2));
+    testing::bond(s, 4, 1, capsules(0.2));
+    EXPECT_NEAR(energy_of(s), 0.4 * K * std::sqrt(0.1) * std::pow(d, 2.5), 1e-15) << x;
+  }
+}
+
+// Bonds thicker than they are long, 0.3 between particles of radius 0.2: neighbours of neighbours overlap.
+TEST(Capsules, OfThickFibresDoNotTouchTheirNeighbours) {
+  std::vector<Vec3d> bent;
+  for (int k = 0; k < 10; ++k) bent.push_back({std::sin(0.2 * k) * 1.5, std::cos(0.2 * k) * 1.5, 0});
+  EXPECT_EQ(energy_of(fibres({line({0, 0, 3}, {0.3, 0, 0}, 10), bent}, hertz())), 0.0);
+}
+
+// A fibre touches itself where it comes back, not where it bends.
+TEST(Capsules, OfOneFibreTouchWhereItCrossesItself) {
+  const std::vector<Vec3d> loop{{0, 0, 0},        {0.5, 0, 0},      {1, 0, 0},
+                                {1.4, 0.3, 0.05}, {1.3, 0.8, 0.1},  {0.9, 1, 0.2},
+                                {0.6, 0.7, 0.3},  {0.6, 0.2, 0.35}, {0.6, -0.3, 0.35}};
+  const Specimen s = fibres({loop}, hertz());
+  const std::vector<FibreContact> contacts = fibre_contacts(s.model, s.state.bonds, s.state.r);
+  ASSERT_EQ(contacts.size(), 1u);
+  EXPECT_EQ(contacts[0].a.i, ParticleId{1});
+  EXPECT_EQ(contacts[0].b.i, ParticleId{7});
+  EXPECT_NEAR(energy_of(s), 0.4 * K * std::sqrt(0.1) * std::pow(0.05, 2.5), 1e-15);
 }
 
 // Over a fibre bent to either side, and over its end, force goes on without a jump: its change from place to

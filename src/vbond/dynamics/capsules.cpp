@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "vbond/core/disjoint_sets.hpp"
+#include "vbond/dynamics/contact_kernel.hpp"
 
 namespace vbond {
 namespace {
@@ -175,6 +176,7 @@ double Capsules::work_out(Contact& c, double friction_share, double dt) {
     const TouchLoads<double> l = touch(forms_, n, p, dt, touch_history(c.history));
     if (c.history[3] > 0.0 && dot(c.normal, p.n) < -same_side) passed_ = told(c, p.overlap);
     F = l.F;
+    deep_ = deep_ || p.overlap > (1.0 - deep_part) * (c.a.R + c.b.R);
     if (dt > 0.0) dissipated = l.dissipated;
     c.history = numbers_of(l.history);
     c.normal = p.n;
@@ -193,6 +195,7 @@ double Capsules::work_out(const Team& team, double dt) {
   contacts_ = with_history(find(team), parted);
   shares_.clear();
   passed_.reset();
+  deep_ = false;
   double dissipated = 0.0;
   const std::vector<double> share = friction_shares();
   for (std::size_t k = 0; k < contacts_.size(); ++k) dissipated += work_out(contacts_[k], share[k], dt);

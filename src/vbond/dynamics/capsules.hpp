@@ -52,7 +52,8 @@ class Capsules {
 
   /// Those that overlap by more than this part of the smaller radius.
   std::vector<DeepCapsules> deeper_than(double part) const;
-  bool touching() const { return !contacts_.empty(); }
+  /// Whether any two axes are nearer than deep_part of the sum of the radii.
+  bool deep() const { return deep_; }
   /// Two whose axes have passed through each other in the last step.
   const std::optional<DeepCapsules>& passed() const { return passed_; }
 
@@ -82,7 +83,7 @@ class Capsules {
   std::uint32_t materials_ = 1;
   std::vector<TouchNumbers<double>> numbers_;  // of each pair of materials
   FibreParts fibres_;
-  bool any_ = false, listed_ = false;
+  bool any_ = false, listed_ = false, deep_ = false;
   double skin_ = 0, room_ = 0;  // no particle has moved half the skin before one has moved so far  [length]
   std::vector<FibrePair> near_;
   std::vector<std::vector<FibreContact>> of_part_;  // of a team

@@ -128,7 +128,8 @@ void Simulation::step() {
   const bool broke = break_bonds();
   look_at_deep_contacts();
   keep_records();
-  if (--steps_to_look_ == 0 || broke || !encounters().empty() || fastest()) notify_observers();
+  const bool told = broke || !encounters().empty() || fastest() || any_deep_capsules();
+  if (--steps_to_look_ == 0 || told) notify_observers();
 }
 
 /// Bonds need the new places of both their particles. A block is moved just before the first bonds that reach

@@ -92,6 +92,8 @@ class Simulation {
   const std::optional<FastParticle>& fastest() const { return encounters_.fastest(); }
   /// Capsules that overlap each other or particles by more than this part of the smaller radius.
   std::vector<DeepCapsules> deep_capsules(double part) const { return capsules_.deeper_than(part); }
+  /// Whether some are so deep that observers look at once.
+  bool any_deep_capsules() const { return capsules_.deep(); }
   /// Bonds made and broken since observers looked last, all of them if there is no observer, in the order in
   /// which it happened, those of a step in the order of bonds. Observers look at every step in which bonds
   /// broke, after it.
