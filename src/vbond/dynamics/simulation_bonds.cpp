@@ -56,7 +56,10 @@ void Simulation::make_bonds() {
   if (pairs.empty()) return;
   state();  // brought up to date
   const std::size_t before = state_.bonds.size();
-  const double dissipated = state_.books.dissipated, U = contact_energy();
+  const bool capsules =
+      capsules_.any() ||
+      std::any_of(pairs.begin(), pairs.end(), [](const Bonding::Pair& p) { return p.rule->recipe.capsule; });
+  const double dissipated = state_.books.dissipated, U = capsules ? contact_energy() : 0.0;
   if (contacts_.are_touches() && model_.contact.pairs == ContactPairs::unbonded)
     for (const auto& [rule, i, j] : pairs)  // add_bond() books the energy of their repulsion alone
       state_.books.dissipated += contacts_.energy(bodies_.order.row[i], bodies_.order.row[j], bodies_) -
@@ -66,8 +69,8 @@ void Simulation::make_bonds() {
     events_.push_back({BondEvent::Kind::made, BondId{k}, state_.clock.step});
   bonds_changed();
   evaluate_loads();
-  // with capsules a new bond also changes what others touch
-  if (capsules_.any()) state_.books.dissipated = dissipated + U - contact_energy();
+  // a new bond then also changes what others touch
+  if (capsules) state_.books.dissipated = dissipated + U - contact_energy();
 }
 
 /// Takes up the loads that the state brings along; for elastic bonds they follow from positions.
