@@ -20,6 +20,7 @@
 #include "vbond/core/error.hpp"
 #include "vbond/core/printable.hpp"
 #include "vbond/dynamics/memory.hpp"
+#include "vbond/model/capsules.hpp"
 #include "vbond/model/holds.hpp"
 #include "vbond/model/step_bound.hpp"
 #include "vbond/model/touching.hpp"
@@ -143,6 +144,9 @@ void print_overlaps(const Model& model, const State& state) {
     U += normal_energy(touch_forms(model.contact), touch_numbers(model, i, j), R, overlap);
     ++pairs;
   });
+  for (const FibreContact& contact : fibre_contacts(model, state.bonds, state.r))
+    pairs += contact.body ? 1 : 0;
+  U += fibre_energy(model, state.bonds, state.r);
   if (pairs > 0)
     fmt::print("contact energy   at the start {:.6g}{} from {} overlapping pairs\n", U,
                model.units == UnitSystem::si ? " J" : "", pairs);
@@ -273,6 +277,7 @@ int check(const std::filesystem::path& case_file, int threads) {
   const OutputPlan plan = plan_output(c, model, {});
   print_overview(c, model, state);
   print_contact_law(model);
+  print_capsules(c, model);
   print_walls(c, model);
   print_notes(built.notes);
   if (dynamics) print_step(c, model, state, *dynamics);

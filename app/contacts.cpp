@@ -156,6 +156,15 @@ void print_contact_law(const Model& model) {
     fmt::print("contact          contacts are not elastic: static stages refuse them\n");
 }
 
+void print_capsules(const Case& c, const Model& model) {
+  for (const BondSpec& set : c.bonds)
+    if (set.recipe.capsule)
+      fmt::print("contact          bonds \"{}\" touch as capsules, {}\n", printable(set.name),
+                 set.recipe.capsule_radius > 0.0
+                     ? fmt::format("radius {:.6g}{}", set.recipe.capsule_radius, in_si(model) ? " m" : "")
+                     : "of the smaller radius of their particles");
+}
+
 void print_walls(const Case& c, const Model& model) {
   for (std::size_t w = 0; w < std::min(c.walls.size(), model.walls.size()); ++w) {
     const Wall& wall = model.walls[w];

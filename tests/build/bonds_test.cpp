@@ -135,6 +135,54 @@ std::string softening_rod(double spacing, BondTime when) {
   return "";
 }
 
+/// What is said of a rod, 1 between particles of radius 0.4, whose bonds touch as capsules.
+std::string capsule_rod(double radius, const ContactModel& contact, BondTime when) {
+  Case c = paper_rod();
+  c.contact = contact;
+  BondSpec bonds = c.bonds[0];
+  bonds.recipe.capsule = true, bonds.recipe.capsule_radius = radius;
+  bonds.when = when;
+  c.bonds = {bonds};
+  try {
+    Built b = build(c);
+    build_stage(c, b.model, 0, b.state);
+  } catch (const CaseError& e) {
+    EXPECT_EQ(e.problems()[0].place.line, bonds.place.line);
+    return e.what();
+  }
+  return "";
+}
+
+TEST(Capsules, ThatCannotBeAreRefusedWithAWayOut) {
+  ContactModel hertz{.law = ContactLaw::hertz, .E = 100.0, .nu = 0.2};
+  for (const BondTime when : {BondTime::start, BondTime::approach}) {
+    const auto says = [when](double radius, const ContactModel& contact, const char* rule,
+                             const char* way_out) {
+      const std::string said = capsule_rod(radius, contact, when);
+      EXPECT_NE(said.find(rule), std::string::npos) << said;
+      EXPECT_NE(said.find(way_out), std::string::npos) << said;
+    };
+    EXPECT_EQ(capsule_rod(0.3, hertz, when), "");
+    EXPECT_EQ(capsule_rod(0.0, hertz, when), "");  // that of the particles
+    says(1.2, hertz, "smaller than the distance of its two particles", "use capsule_radius below");
+    says(0.3, {}, "nothing touches in this case", "add [contact]");
+    ContactModel walls_only = hertz, sticky = hertz;
+    walls_only.pairs = ContactPairs::none;
+    says(0.3, walls_only, "nothing touches in this case", "pairs = \"unbonded\"");
+    sticky.adhesion = AdhesionForm::jkr;
+    says(0.3, sticky, "capsules do not adhere", "leave contact.adhesion out");
+  }
+}
+
+TEST(Capsules, HaveTheSmallerRadiusOfTheirParticlesUnlessItIsGiven) {
+  Case c = paper_rod();
+  c.contact = {.law = ContactLaw::hertz, .E = 100.0, .nu = 0.2};
+  c.bonds[0].recipe.capsule = true;
+  EXPECT_EQ(build(c).state.bonds[BondId{0}].capsule, c.specimens[0].radius);
+  c.bonds[0].recipe.capsule_radius = 0.25;
+  EXPECT_EQ(build(c).state.bonds[BondId{8}].capsule, 0.25);
+}
+
 TEST(Bonds, ThatSoftenMustNotSnapBack) {
   EXPECT_EQ(softening_rod(1.9, BondTime::start), "");
   EXPECT_EQ(softening_rod(1.8, BondTime::approach), "");

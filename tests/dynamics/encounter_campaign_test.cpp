@@ -1,6 +1,7 @@
 // Random encounters of two spheres, or of a sphere with a plane, a ridge of two triangles, a sphere or a
-// cylinder from inside or outside, against an integrator of its own: other formulas of geometry, other code,
-// a much smaller step. VBOND_CAMPAIGN=N: so many of each; each failure names its seed.
+// cylinder from inside or outside, or a bond that touches as a capsule, with and without adhesion, against an
+// integrator of its own: other formulas of geometry, other code, a much smaller step. VBOND_CAMPAIGN=N: so
+// many of each; each failure names its seed.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,7 +23,7 @@ using testing::Specimen;
 
 constexpr double slope = 0.36397023426620234;  // tan 20 degrees
 
-enum class Partner { particle, plane, ridge, hollow_sphere, ball, trough };
+enum class Partner { particle, plane, ridge, hollow_sphere, ball, trough, fibre };
 
 struct Body {
   Vec3d r, v, w;
@@ -35,6 +36,8 @@ struct Encounter {
   Body i, j;  // j: the particle, or a wall, which nothing moves
   double E = 100, nu = 0.3, mu = 0, e = 1, mu_r = 0, k_r = 0;
   bool attraction = false;
+  AdhesionForm adhesion = AdhesionForm::none;
+  double work = 0;  // of adhesion
   double wall_radius = 1;
   double dt = 1e-3;
 };
@@ -72,6 +75,10 @@ Near near_of(const Encounter& c, const Body& i, const Body& j) {
       return {inside ? out : -out, inside ? c.wall_radius - l : l - c.wall_radius,
               1.0 / i.R + (inside ? -1.0 : 1.0) / c.wall_radius};
     }
+    case Partner::fibre: {  // a capsule along y
+      const double l = std::hypot(x, z);
+      return {{-x / l, 0, -z / l}, l - c.wall_radius, 1.0 / i.R + 1.0 / c.wall_radius};
+    }
     case Partner::trough: {  // a cylinder along y, from inside
       const double l = std::hypot(x, z), flat = 1.0 / i.R, round = 1.0 / i.R - 1.0 / c.wall_radius;
       return {{x / l, 0, z / l}, c.wall_radius - l, std::sqrt(flat * round)};
@@ -98,29 +105,61 @@ struct OwnIntegrator {
     const double k = length(y);
     return k > 0.0 ? (l / k) * y : y;
   }
+  /// Where the distance at which JKR still holds is least, and what is there.
+  static double jkr_overlap(double a, double R, double w, double E_star) {
+    return a * a / R - std::sqrt(2.0 * M_PI * w * a / E_star);
+  }
+  static double least_jkr_radius(double R, double w, double E_star) {
+    return std::cbrt(M_PI * w * R * R / (8.0 * E_star));
+  }
+  /// The radius of the contact, by bisection.
+  static double jkr_radius(double d, double R, double w, double E_star) {
+    double low = least_jkr_radius(R, w, E_star), high = low + std::sqrt(R * std::max(d, 0.0)) + low;
+    while (jkr_overlap(high, R, w, E_star) < d) high *= 2.0;
+    for (int k = 0; k < 100 && high - low > 1e-15 * high; ++k) {
+      const double a = 0.5 * (low + high);
+      (jkr_overlap(a, R, w, E_star) < d ? low : high) = a;
+    }
+    return 0.5 * (low + high);
+  }
   /// Loads on i: force, and moments on i and j.
   void loads(double dt, Vec3d& F, Vec3d& M_i, Vec3d& M_j) {
     F = M_i = M_j = {};
     const Near near = near_of(c, i, j);
     const double d = i.R - near.distance;
-    if (d <= 0.0) {
+    const double E_star = c.E / (2.0 * (1.0 - c.nu * c.nu)), R = 1.0 / near.per_R;
+    const bool jkr = c.adhesion == AdhesionForm::jkr;
+    const double holds_to =
+        jkr && touched ? jkr_overlap(least_jkr_radius(R, c.work, E_star), R, c.work, E_star) : 0.0;
+    if (d <= holds_to) {
       if (touched) over = true;
       return;
     }
     touched = true;
     const bool pair = c.partner == Partner::particle;
-    const double R = 1.0 / near.per_R, m = pair ? i.m * j.m / (i.m + j.m) : i.m;
-    const double l_i = pair ? i.R - 0.5 * d : near.distance, l_j = pair ? j.R - 0.5 * d : 0.0;
+    const double m = pair ? i.m * j.m / (i.m + j.m) : i.m;
+    const bool two = pair || c.partner == Partner::fibre;  // the contact is in the middle of the overlap
+    const double l_i = two ? i.R - 0.5 * d : near.distance, l_j = pair ? j.R - 0.5 * d : 0.0;
     const Vec3d n = near.n, zero{};
     const Vec3d w_j = pair ? j.w : zero, v_j = pair ? j.v : zero;
-    const double E_star = c.E / (2.0 * (1.0 - c.nu * c.nu)), G = c.E / (2.0 * (1.0 + c.nu));
+    const double G = c.E / (2.0 * (1.0 + c.nu));
     const double G_star = G / (2.0 * (2.0 - c.nu));
-    const double a = std::sqrt(R * d), k_n = 4.0 / 3.0 * E_star * a;  // F/d
+    const double a = jkr ? jkr_radius(d, R, c.work, E_star) : std::sqrt(R * d);
+    const double k_n = 4.0 / 3.0 * E_star * a;  // F/d of Hertz
+    double elastic = k_n * d, pressed = 0.0;    // and what friction counts besides
+    if (jkr) {
+      elastic = k_n * a * a / R - std::sqrt(8.0 * M_PI * c.work * E_star * a * a * a);
+      pressed = 3.0 * M_PI * c.work * R;
+    } else if (c.adhesion == AdhesionForm::dmt) {
+      pressed = 2.0 * M_PI * c.work * R;
+      elastic -= pressed;
+    }
+    const bool adheres = c.adhesion != AdhesionForm::none;
     const double v_n = dot(v_j - i.v, n);
-    const double g = damping_of_restitution(NormalForm::hertz, c.attraction, c.e);
-    double F_n = k_n * d - g * std::sqrt(m * k_n) * v_n;
-    if (!c.attraction) F_n = std::max(F_n, 0.0);
-    const double limit = c.mu * std::max(F_n, 0.0);
+    const double g = damping_of_restitution(NormalForm::hertz, c.attraction || adheres, c.e);
+    double F_n = elastic - g * std::sqrt(m * k_n) * v_n;
+    if (!c.attraction && !adheres) F_n = std::max(F_n, 0.0);
+    const double pressing = std::max(adheres ? elastic + pressed : F_n, 0.0), limit = c.mu * pressing;
     const Vec3d v_c = v_j - i.v - cross(l_i * i.w + l_j * w_j, n);
     const Vec3d v_t = v_c - dot(v_c, n) * n;
     const double k_t = 8.0 * G_star * a;
@@ -142,7 +181,7 @@ struct OwnIntegrator {
     if (c.mu_r > 0.0) {
       const Vec3d w = w_j - i.w;
       M_r = plane_part(M_r + spin * cross(n, M_r), n) + (c.k_r * dt) * (w - dot(w, n) * n);
-      const double most = c.mu_r * R * std::max(F_n, 0.0);
+      const double most = c.mu_r * R * pressing;
       if (length(M_r) > most) M_r = (most / length(M_r)) * M_r;
       M_i = M_i + M_r, M_j = M_j - M_r;
     }
@@ -198,6 +237,11 @@ Encounter random_encounter(Partner partner, unsigned seed) {
       c.wall_radius = dice(1.5, 20.0);
       c.i.r = {0, 0, -(c.wall_radius - 1.0 - gap)};
       break;
+    case Partner::fibre:
+      c.wall_radius = std::exp(dice(-std::log(20.0), std::log(5.0)));
+      c.i.r = {0, 0, c.wall_radius + 1.0 + gap};
+      c.mu_r = 0.0;
+      break;
     case Partner::ball:
       c.wall_radius = std::exp(dice(-std::log(20.0), std::log(20.0)));
       c.i.r = {0, 0, c.wall_radius + 1.0 + gap};
@@ -207,6 +251,13 @@ Encounter random_encounter(Partner partner, unsigned seed) {
   const double R = partner == Partner::particle ? c.j.R / (1.0 + c.j.R) : 1.0;
   const double k = 4.0 / 3.0 * c.E / (2.0 * (1.0 - c.nu * c.nu)) * std::sqrt(R);
   const double v_n = std::max(std::cos(lean) * v, 0.05 * v);
+  // an adhesion that takes a part of the energy of the impact: they part again
+  const double kind = dice(0, 1), part = dice(0.01, 0.1);
+  if (kind < 0.4) {
+    c.adhesion = kind < 0.2 ? AdhesionForm::jkr : AdhesionForm::dmt;
+    const double overlap = std::pow(1.25 * m * v_n * v_n / k, 0.4);
+    c.work = part * m * sq(v_n * c.e) / (R * overlap);
+  }
   c.k_r = 0.2 * k * std::sqrt(0.01);
   c.dt = 2.94 * std::pow(m * m / (k * k * v_n), 0.2) / 400;  // 400 steps of a head-on impact
   return c;
@@ -214,9 +265,14 @@ Encounter random_encounter(Partner partner, unsigned seed) {
 
 Specimen specimen_of(const Encounter& c) {
   const bool pair = c.partner == Partner::particle;
-  Specimen s =
-      testing::particles_at(pair ? std::vector<Vec3d>{c.i.r, c.j.r} : std::vector<Vec3d>{c.i.r}, 1.0);
-  const Body* bodies[] = {&c.i, &c.j};
+  const double far = 200.0;
+  std::vector<Vec3d> places{c.i.r};
+  if (pair) places.push_back(c.j.r);
+  if (c.partner == Partner::fibre) places.insert(places.end(), {{0, -far, 0}, {0, far, 0}});
+  Specimen s = testing::particles_at(places, 1.0);
+  Body heavy;
+  heavy.m = heavy.I = 1e12, heavy.R = c.wall_radius;
+  const Body* bodies[] = {&c.i, pair ? &c.j : &heavy, &heavy};
   for (const ParticleId p : s.state.r.ids()) {
     const Body& b = *bodies[p.value];
     s.model.mass[p] = b.m, s.model.inertia[p] = b.I, s.model.radius[p] = b.R;
@@ -226,10 +282,15 @@ Specimen specimen_of(const Encounter& c) {
   m = {.law = ContactLaw::hertz, .pairs = ContactPairs::all, .E = c.E, .nu = c.nu};
   m.tangential = TangentialForm::mindlin, m.attraction = c.attraction;
   m.surface.friction = c.mu, m.surface.restitution = c.e;
+  m.adhesion = c.adhesion, m.surface.work_of_adhesion = c.work;
+  if (c.partner == Partner::fibre) {
+    BondRecipe recipe = testing::papers_bond();
+    recipe.capsule = true, recipe.capsule_radius = c.wall_radius;
+    testing::bond(s, 1, 2, recipe);
+  }
   if (c.mu_r > 0.0)
     m.rolling = RollingForm::spring, m.rolling_stiffness = c.k_r, m.surface.rolling_friction = c.mu_r;
   Wall wall{"wall", PlaneWall{{0, 0, 0}, {0, 0, 1}}, 0, {}};
-  const double far = 200.0;
   if (c.partner == Partner::ridge)
     wall.shape = MeshWall{{{{0, -far, 0},
                             {0, far, 0},
@@ -244,7 +305,7 @@ Specimen specimen_of(const Encounter& c) {
   if (c.partner == Partner::trough)
     wall.shape =
         CylinderWall{{}, {0, 1, 0}, c.wall_radius, std::numeric_limits<double>::infinity(), WallSide::inside};
-  if (!pair) s.model.walls = {wall};
+  if (!pair && c.partner != Partner::fibre) s.model.walls = {wall};
   return s;
 }
 
@@ -263,7 +324,7 @@ Verdict judge(Partner partner, unsigned seed, double* worst) {
     for (int k = 0; k < 6000; ++k) {
       run.step();
       const bool touches = norm(run.loads().F[ParticleId{0}]) > 0.0 || !run.state().contact_history.empty() ||
-                           !run.state().wall_history.empty();
+                           !run.state().wall_history.empty() || !run.state().fibre_history.empty();
       if (touched && !touches) break;
       touched = touched || touches;
     }
@@ -295,7 +356,7 @@ TEST(Encounters, AreThoseOfAnotherIntegrator) {
   int of[5] = {0, 0, 0, 0, 0};
   double worst = 0.0;
   for (const Partner partner : {Partner::particle, Partner::plane, Partner::ridge, Partner::hollow_sphere,
-                                Partner::ball, Partner::trough})
+                                Partner::ball, Partner::trough, Partner::fibre})
     for (unsigned seed = 1; seed <= count; ++seed) {
       const Verdict v = judge(partner, seed, &worst);
       ++of[static_cast<int>(v)];

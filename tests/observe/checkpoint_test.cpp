@@ -49,6 +49,17 @@ Checkpoint busy_checkpoint(Chain& chain) {
   chain.state.contact_history = {{ParticleId{0}, ParticleId{2}, {0.5, -0.25}}};
   chain.state.grips = {{{1, 2, 3}, 0.5, 0.25, 1}, {{4, 5, 6}, 1.5, 0.75, 1}};
   chain.state.gripped = {{{0.1, 0.2, 0.3}, rotation_of({0.1, 0, 0})}, {{-1, 0, 1}, rotation_of({0, 0.2, 1})}};
+  chain.state.bonds[BondId{0}].capsule = 0.3;
+  chain.state.fibre_history = {{ParticleId{0},
+                                ParticleId{1},
+                                ParticleId{2},
+                                ParticleId{2},
+                                0.25,
+                                0.0,
+                                0.3,
+                                0.2,
+                                {0, 0, 1},
+                                {0.5, -0.25, 0.125}}};
   chain.state.damping = {{{1, 1, 3}, {4, 1, 6}, {7, 1, 9}}, {{3, 1, 1}, {6, 1, 4}, {9, 1, 7}}};
   chain.state.loads = {{{1, 2, 3}, {4, 5, 6}, {7, 8, 9}}, {{3, 2, 1}, {6, 5, 4}, {9, 8, 7}}};
   WatchRecord watch;

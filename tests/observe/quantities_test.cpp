@@ -151,6 +151,9 @@ TEST(Quantities, EveryDataSetOfACheckpointHasItsUnitAndMeaning) {
   chain.state.contact_history = {{ParticleId{0}, ParticleId{2}, {1.0}}};
   make_top(chain.model, ParticleId{1}, {{1, 2, 2}, {}});
   chain.state.spin.resize(chain.state.r.size());
+  chain.state.bonds[BondId{0}].capsule = 0.3;
+  chain.state.fibre_history = {
+      {ParticleId{0}, ParticleId{1}, ParticleId{2}, ParticleId{2}, 0.5, 0.0, 0.3, 0.2, {}, {}}};
   chain.model.walls = {{"floor", PlaneWall{{}, {0, 0, 1}}, 0, {}}};
   chain.state.walls.resize(1);
   chain.state.wall_history = {{ParticleId{0}, 0, {0, 0, 1}, {1.0}}};

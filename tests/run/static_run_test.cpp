@@ -140,6 +140,20 @@ TEST(Run, AStaticLoadIsAddedToTheNextStage) {
   EXPECT_NEAR(run.state().r[ParticleId{end}].y, twice.state().r[ParticleId{end}].y, 1e-12);
 }
 
+TEST(Run, RefusesCapsulesInStaticStages) {
+  Specimen s = testing::straight_rod(5);
+  s.model.contact = {.law = ContactLaw::hertz, .E = 10.0, .nu = 0.2};
+  for (Bond& b : s.state.bonds) b.capsule = 0.2;
+  vbond::Run run(s.model, s.state, {bend()});
+  try {
+    run.run();
+    ADD_FAILURE() << "not refused";
+  } catch (const NoEquilibrium& e) {
+    EXPECT_NE(std::string(e.what()).find("bonds touch as capsules"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("leave capsule_radius out"), std::string::npos) << e.what();
+  }
+}
+
 // A bond carries a torque of B4 / 2 = 0.05: of 0.1 that is load factor 0.5.
 TEST(Run, AFailedStaticStageKeepsWhatItFound) {
   Specimen s = testing::particles_at({{0, 0, 0}, {1, 0, 0}});

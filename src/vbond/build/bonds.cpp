@@ -13,6 +13,8 @@
 #include "vbond/build/text_file.hpp"
 #include "vbond/core/memory.hpp"
 #include "vbond/core/near_pairs.hpp"
+#include "vbond/model/capsules.hpp"
+#include "vbond/model/energies.hpp"
 #include "vbond/model/make_bond.hpp"
 
 namespace vbond {
@@ -242,7 +244,10 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
   const BondSpec& spec = c.bonds[set];
   BondRecipe recipe = spec.recipe;
   recipe.set = static_cast<std::uint32_t>(set);
-  FirstAndCount no_length, no_radius, unstable, snapping;
+  FirstAndCount no_length, no_radius, unstable, snapping, no_capsule;
+  CapsuleMistake of_capsule;
+  const double dissipated = state.books.dissipated,
+               U = recipe.capsule ? potential_energies(model, state).contact : 0.0;
   double longest = INFINITY;  // of bonds that soften
   for (const Pair& pair : select_pairs(c, set, model, state, problems)) {
     const auto bond = make_bond(recipe, bond_site(model, state, pair[0]), bond_site(model, state, pair[1]));
@@ -264,8 +269,17 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
                                 pair[1].value, bond->a));
       longest = std::min(longest, longest_now);
     }
+    const double distance = norm(state.r[pair[1]] - state.r[pair[0]]);
+    if (const auto mistake = capsule_mistake(model.contact, bond->capsule, distance);
+        recipe.capsule && mistake) {
+      no_capsule.note(fmt::format("particles {} and {} are {:.6g} apart, the capsule's radius is {:.6g}",
+                                  pair[0].value, pair[1].value, distance, bond->capsule));
+      of_capsule = *mistake;
+    }
     add_bond(model, *bond, recipe, state);
   }
+  if (recipe.capsule)  // what others touch changes, too
+    state.books.dissipated = dissipated + U - potential_energies(model, state).contact;
   const auto report = [&](const FirstAndCount& found, const char* rule, const char* way_out) {
     if (found.count > 0)
       problems.add(spec.place, fmt::format("bonds \"{}\": {}", spec.name, found.text()), rule, way_out);
@@ -276,6 +290,7 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
          "give the specimen a radius, or bond at the centres");
   report(unstable, "rest must be a minimum of the energy: c_A > 0 and c_D, c_B, c_T >= 0",
          "for the V-model B2 > -B3/2; give other parameters");
+  report(no_capsule, of_capsule.rule.c_str(), of_capsule.way_out.c_str());
   if (snapping.count > 0) refuse_snap_back(spec, snapping.text(), longest, problems);
 }
 

@@ -11,6 +11,7 @@
 #include "vbond/build/stage_resolver.hpp"
 #include "vbond/build/times.hpp"
 #include "vbond/build/walls.hpp"
+#include "vbond/model/capsules.hpp"
 #include "vbond/model/held_tops.hpp"
 #include "vbond/model/make_bond.hpp"
 
@@ -116,19 +117,33 @@ struct DynamicsResolver : StageResolver {
                        b.recipe};
       rule.recipe.set = static_cast<std::uint32_t>(set);
       check_length(b, *within, *first, *second);
+      check_capsule(b, *within, *first, *second);
       rules.push_back(std::move(rule));
     }
     return rules;
   }
 
+  double smallest(const Group& g) const {
+    double R = INFINITY;
+    for (const ParticleId p : g.particles) R = std::min(R, model.radius[p]);
+    return R;
+  }
+
+  void check_capsule(const BondSpec& b, const WithinDistance& within, const Group& first,
+                     const Group& second) const {
+    if (!b.recipe.capsule) return;
+    const double R =
+        b.recipe.capsule_radius > 0.0 ? b.recipe.capsule_radius : std::min(smallest(first), smallest(second));
+    if (const auto mistake = capsule_mistake(model.contact, R, within.distance))
+      problems.add(
+          b.place,
+          fmt::format("bonds \"{}\": capsules of radius {} at a distance of {}", b.name, R, within.distance),
+          mistake->rule, mistake->way_out);
+  }
+
   /// A rule whose bonds would have no length even at its full distance can never make one.
   void check_length(const BondSpec& b, const WithinDistance& within, const Group& first,
                     const Group& second) const {
-    const auto smallest = [&](const Group& g) {
-      double R = INFINITY;
-      for (const ParticleId p : g.particles) R = std::min(R, model.radius[p]);
-      return R;
-    };
     double R = 0.0;
     if (b.recipe.attachment == Attachment::surfaces) R = smallest(first) + smallest(second);
     if (b.recipe.attachment == Attachment::given) R = b.recipe.R_i + b.recipe.R_j;

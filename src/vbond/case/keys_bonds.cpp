@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cctype>
 #include <string_view>
 #include <type_traits>
 #include <utility>
@@ -83,6 +84,39 @@ void check_poisson(Table& t, const TheoryParameters& p) {
     t.check(p.material.nu > -1 && p.material.nu <= 0.5, {"nu"},
             "must satisfy -1 < nu <= 0.5: outside, an isotropic material is not stable",
             "use for example nu = 0.3");
+}
+
+/// The radius of capsules: a length, or that of the particles.
+struct CapsuleRadius {
+  double value = 0;  // 0: of the particles
+};
+
+struct CapsuleRadiusCodec {
+  bool read(const Node& n, ReadContext& in, const std::string& path, CapsuleRadius& out) const {
+    const auto* text = std::get_if<std::string>(&n.value);  // a word, or a length with its unit
+    out.value = 0.0;
+    std::size_t index = 0;
+    if (text && !text->empty() && std::isalpha(static_cast<unsigned char>(text->front())))
+      return read_word(n, in, path, {word}, index);
+    return positive(length).read(n, in, path, out.value);
+  }
+  std::string write(const CapsuleRadius& r) const {
+    return r.value > 0.0 ? positive(length).write(r.value) : "\"" + std::string(word) + "\"";
+  }
+  std::string type() const { return "length > 0, or \"particles\""; }
+  std::string schema() const { return any_of({positive(length).schema(), enum_schema({word})}); }
+  std::string example(UnitSystem) const { return "\"particles\""; }
+  static constexpr const char* word = "particles";
+};
+
+void describe_capsule(Table& t, BondRecipe& recipe) {
+  std::optional<CapsuleRadius> radius;
+  if (recipe.capsule) radius = CapsuleRadius{recipe.capsule_radius};
+  t.key("capsule_radius", radius, CapsuleRadiusCodec{}, default_is("only particles touch"),
+        "bonds touch each other and particles as capsules, their axes swept by this radius, so that fibres "
+        "cannot pass through one another; \"particles\": the smaller radius of each bond's particles");
+  recipe.capsule = radius.has_value();
+  recipe.capsule_radius = radius.value_or(CapsuleRadius{}).value;
 }
 
 /// The bond laws by name.
@@ -245,6 +279,7 @@ void describe(Table& t, BondSpec& b) {
         "bonded points: the centres, the surfaces, or at this distance from the centres");
   t.key("n_2", b.recipe.n_2, direction_vector, default_is("the axis least aligned with the bond"),
         "n_2 is this direction, made normal to the bond");
+  describe_capsule(t, b.recipe);
   describe_time(t, b);
 
   const std::vector<std::string> selections{"distance", "pairs", "file", "from_specimen"};

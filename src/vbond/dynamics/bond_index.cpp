@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <numeric>
 
+#include "vbond/model/capsules.hpp"
+
 namespace vbond {
 
-BondIndex::BondIndex(std::size_t particles, const PerBond<Bond>& bonds) : start_(particles + 1, 0) {
+BondIndex::BondIndex(std::size_t particles, const PerBond<Bond>& bonds)
+    : start_(particles + 1, 0), of_fibre_(particles_of_fibres(particles, bonds)) {
   for (const Bond& b : bonds) {
     if (b.broken) continue;
     ++start_[b.i.value + 1];

@@ -30,6 +30,9 @@ class BondIndex {
   Range of(ParticleId p) const {
     return {entries_.data() + start_[p.value], entries_.data() + end_[p.value]};
   }
+  /// Whether a bond that touches as a capsule was ever made there.
+  bool of_fibre(ParticleId p) const { return !of_fibre_.empty() && of_fibre_[p.value] != 0; }
+  bool any_fibres() const { return !of_fibre_.empty(); }
   bool bonded(ParticleId p, ParticleId o) const {
     for (const Entry& e : of(p))
       if (e.other == o) return true;
@@ -39,6 +42,7 @@ class BondIndex {
  private:
   std::vector<std::size_t> start_, end_;  // of each particle's entries
   std::vector<Entry> entries_;
+  std::vector<char> of_fibre_;
 };
 
 }  // namespace vbond

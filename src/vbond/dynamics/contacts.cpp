@@ -20,7 +20,7 @@ ContactRule rule_of(const ContactModel& contact, const PerRow<double>& radius) {
 }  // namespace
 
 Contacts::Contacts(const Model& model, const Order& order, const BondIndex& index, const StepKernel& kernel)
-    : model_(model), order_(order), kernel_(kernel) {
+    : model_(model), order_(order), index_(index), kernel_(kernel) {
   if (!particles_touch(model.contact) || model.particles() == 0) return;
   for (const ParticleId p : order.particle) radius_.push_back(model.radius[p]);
   const double R_max = *std::max_element(radius_.begin(), radius_.end());
@@ -30,12 +30,15 @@ Contacts::Contacts(const Model& model, const Order& order, const BondIndex& inde
   else
     touches_.emplace(model, order, kernel);
 
-  NeighbourList::Keep keep;
-  if (model.contact.pairs == ContactPairs::unbonded)
-    keep = [&order, &index](Row i, Row* first, Row* last) {
-      return std::remove_if(first, last,
-                            [&, p = order.particle[i]](Row j) { return index.bonded(p, order.particle[j]); });
-    };
+  const auto keep = [&order, &index, unbonded = model.contact.pairs == ContactPairs::unbonded](
+                        Row i, Row* first, Row* last) {
+    const ParticleId p = order.particle[i];
+    if (index.of_fibre(p)) return first;  // Capsules sees to it
+    if (index.any_fibres())
+      last = std::remove_if(first, last, [&](Row j) { return index.of_fibre(order.particle[j]); });
+    if (!unbonded) return last;
+    return std::remove_if(first, last, [&](Row j) { return index.bonded(p, order.particle[j]); });
+  };
   // For equal radii a fifth of the reach: rebuilds are rare, lists stay short. Where sizes differ small
   // particles are many, and a skin of the large ones would fill their lists.
   const double R_mean =
@@ -44,7 +47,7 @@ Contacts::Contacts(const Model& model, const Order& order, const BondIndex& inde
   PerRow<double> reaching = radius_;
   if (touches_)
     for (const Row k : reaching.ids()) reaching[k] += 0.5 * touches_->reach();
-  list_.emplace(std::move(reaching), skin, std::move(keep));
+  list_.emplace(std::move(reaching), skin, keep);
 }
 
 void Contacts::refresh(std::span<const PoseRow> pose, const Team& team, double way) {
@@ -54,11 +57,12 @@ void Contacts::refresh(std::span<const PoseRow> pose, const Team& team, double w
 }
 
 void Contacts::bonds_changed() {
-  if (list_ && model_.contact.pairs == ContactPairs::unbonded) list_->invalidate();
+  if (list_ && (model_.contact.pairs == ContactPairs::unbonded || index_.any_fibres())) list_->invalidate();
 }
 
 Contacts::Touch Contacts::unbonded(Row i, Row j, const Bodies& bodies) {
   if (!list_ || model_.contact.pairs != ContactPairs::unbonded) return {};
+  if (index_.of_fibre(order_.particle[i]) || index_.of_fibre(order_.particle[j])) return {};
   list_->add(i, j);
   if (touches_) unbonded_.emplace_back(i, j);
   const Vec3d r_ij = bodies.pose[j.value].r - bodies.pose[i.value].r;

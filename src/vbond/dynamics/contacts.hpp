@@ -73,6 +73,7 @@ class Contacts {
  private:
   const Model& model_;
   const Order& order_;
+  const BondIndex& index_;
   const StepKernel& kernel_;
   PerRow<double> radius_;  // [length]
   ContactRule rule_{};

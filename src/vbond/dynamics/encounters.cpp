@@ -20,6 +20,10 @@ Encounters::Encounters(const Model& model, const BondIndex& index) : model_(mode
   limit_ = 0.5 * longest_approach * (*min > 0.0 ? *min + *min : *max);
 }
 
+void Encounters::count_capsules(double radius) {
+  limit_ = std::min(limit_, longest_approach * radius);
+}
+
 void Encounters::look_at_drift(const Bodies& bodies, double dt, double largest_way2) {
   found_.clear();
   fastest_.reset();
@@ -73,6 +77,7 @@ void Encounters::add(const Order& order, Row row_i, Row row_j, const Vec3d& from
   const double deep2 = sq(deep_part * (model_.radius[e.i] + model_.radius[e.j]));
   if (!(norm2(nearest_point(e)) < deep2)) return;
   if (norm2(model_.r_0[e.j] - model_.r_0[e.i]) < deep2 || index_.bonded(e.i, e.j)) return;  // it is meant
+  if (index_.of_fibre(e.i) || index_.of_fibre(e.j)) return;  // as part of a fibre, not as a ball
   const auto same = [&e](const Encounter& f) { return f.i == e.i && f.j == e.j; };
   if (found_.size() < most && std::none_of(found_.begin(), found_.end(), same)) found_.push_back(e);
 }

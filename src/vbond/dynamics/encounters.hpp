@@ -39,6 +39,8 @@ class Encounters {
   Encounters(const Model&&, const BondIndex&) = delete;
   Encounters(const Model&, const BondIndex&&) = delete;
 
+  /// Capsules of this radius and more touch, too.
+  void count_capsules(double radius);
   /// Forgets the last step and looks at the one that has just moved the particles: r by dt v.
   /// largest_way2: a bound of |dt v|^2 over all particles.
   void look_at_drift(const Bodies& bodies, double dt, double largest_way2);

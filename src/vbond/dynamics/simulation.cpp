@@ -41,6 +41,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
       bodies_(model),
       team_(model.particles(), work_of_blocks(model, bodies_, state_.bonds), threads),
       contacts_(model, bodies_.order, bond_index_),
+      capsules_(model, bodies_),
       encounters_(model, bond_index_),
       supports_(stage_, bodies_, team_),
       applied_(stage_, bodies_, team_),
@@ -57,6 +58,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
     bonds_changed();
     contacts_.refresh(bodies_.poses(), team_);
     contacts_.restore(state_.contact_history);
+    capsules_.restore(state_.fibre_history);
     walls_.read(state_);
     supports_.grips().read(state_);
     state_.clock.dt = stage_.dt;
@@ -98,13 +100,14 @@ void Simulation::step() {
     if (moves_first(b)) begin_step(b);
   });
   lap.add_to(times_.integrate);
-  if (contacts_.any() || walls_.any()) {
+  if (anything_touches()) {
     const double way2 = largest_way2();
     contacts_.refresh(bodies_.poses(), team_, std::sqrt(way2));  // near pairs, listed anew only when stale
+    capsules_.refresh(std::sqrt(way2));
     work_out_touches(stage_.dt);
     walls_.refresh(team_, std::sqrt(way2));
     walls_.look_at_drift(stage_.dt, std::sqrt(way2));
-    if (contacts_.any()) encounters_.look_at_drift(bodies_, stage_.dt, way2);
+    if (contacts_.any() || capsules_.any()) encounters_.look_at_drift(bodies_, stage_.dt, way2);
     lap.add_to(times_.contacts);
   }
   team_.for_parts([&](const Part& part) {
@@ -126,17 +129,19 @@ void Simulation::step() {
   survey_.reset();
   close_walls(stage_.dt);
   close_books();
+  look_at_capsules();
   const bool broke = break_bonds();
   look_at_deep_contacts();
   keep_records();
-  if (--steps_to_look_ == 0 || broke || !encounters().empty() || fastest()) notify_observers();
+  const bool told = broke || !encounters().empty() || fastest() || any_deep_capsules();
+  if (--steps_to_look_ == 0 || told) notify_observers();
 }
 
 /// Bonds need the new places of both their particles. A block is moved just before the first bonds that reach
 /// it, and stays in the cache until then; but before all others if another thread may look at it: at the
 /// border of a part, or anywhere where there are contacts.
 bool Simulation::moves_first(const Block& b) const {
-  return contacts_.any() || walls_.any() || bonds_.at_border(b.index);
+  return anything_touches() || bonds_.at_border(b.index);
 }
 
 /// The half of a step before the loads.
@@ -240,8 +245,9 @@ void Simulation::complete_loads(const Part& part, const Block& b, Instant at, co
   bonds_.add_loads(b, sweep, ahead, in_step ? &breaking_[part.index] : nullptr);
   books_[b.index].dissipated += sweep.dissipated;
   lap.add_to(times_.bonds);
-  if (contacts_.any() || walls_.any()) {
+  if (anything_touches()) {
     if (contacts_.any()) books_[b.index].deep |= contacts_.add_loads(particles_of(b), pose, load);
+    if (capsules_.any()) capsules_.add_loads(particles_of(b), load);
     if (walls_.any()) books_[b.index].dissipated += walls_.add_loads(b, load, sweep.dt);
     lap.add_to(times_.contacts);
   }
@@ -251,6 +257,7 @@ void Simulation::complete_loads(const Part& part, const Block& b, Instant at, co
 
 /// What touching pairs do, before any of it is added: all particles have moved, and none has felt it yet.
 void Simulation::work_out_touches(double dt) {
+  if (capsules_.any()) books_.front().dissipated += capsules_.work_out(team_, dt);
   if (!contacts_.are_touches()) return;
   team_.for_blocks([&](const Block& b) {
     const TouchSums found = contacts_.work_out(particles_of(b), bodies_, dt);
@@ -264,6 +271,7 @@ void Simulation::evaluate_loads() {
   survey_.reset();
   if (inelastic()) bodies_.rates = bodies_.motion;
   contacts_.refresh(bodies_.poses(), team_);
+  capsules_.refresh();
   work_out_touches(0.0);
   walls_.refresh(team_);
   applied_.set_times(state_.clock.stage_step, stage_.dt);
@@ -311,6 +319,15 @@ void Simulation::close_walls(double dt) {
                        found->limit));
       break;
   }
+}
+
+/// The run ends if capsules have passed through each other: their contact would push them on.
+void Simulation::look_at_capsules() const {
+  if (!capsules_.passed()) return;
+  const DeepCapsules& p = *capsules_.passed();
+  throw Diverged(state_.clock.step, state_.clock.time(), p.first + " and " + p.second,
+                 "the axes of their capsules have passed through one another",
+                 "use a stiffer contact, lower velocities and loads, or a smaller time.step");
 }
 
 void Simulation::close_books() {
@@ -373,10 +390,11 @@ const State& Simulation::state() const {
   bodies_.write(state_);
   if (bonds_.remembers()) bonds_.collect(state_.bond_history);
   state_.contact_history = contacts_.collect();
+  state_.fibre_history = capsules_.collect();
   if (walls_.any()) walls_.write(state_);
   supports_.grips().write(state_);
-  const bool loads_follow =
-      bonds_.all_elastic() && !contacts_.are_touches() && !walls_.any() && !damping_.is_local();
+  const bool loads_follow = bonds_.all_elastic() && !contacts_.are_touches() && !capsules_.any() &&
+                            !walls_.any() && !damping_.is_local();
   state_.loads = loads_follow ? Loads{} : loads();
   state_.damping = bodies_.damping.empty() ? Loads{} : bodies_.collect(bodies_.damping);
   return state_;

@@ -12,6 +12,7 @@
 #include "vbond/dynamics/bond_index.hpp"
 #include "vbond/dynamics/bond_packs.hpp"
 #include "vbond/dynamics/bonding.hpp"
+#include "vbond/dynamics/capsules.hpp"
 #include "vbond/dynamics/contacts.hpp"
 #include "vbond/dynamics/damping.hpp"
 #include "vbond/dynamics/encounters.hpp"
@@ -89,6 +90,10 @@ class Simulation {
   /// fastest particle if it was too fast for that: observers look at every step that has any.
   const std::vector<Encounter>& encounters() const { return encounters_.found(); }
   const std::optional<FastParticle>& fastest() const { return encounters_.fastest(); }
+  /// Capsules that overlap each other or particles by more than this part of the smaller radius.
+  std::vector<DeepCapsules> deep_capsules(double part) const { return capsules_.deeper_than(part); }
+  /// Whether some are so deep that observers look at once.
+  bool any_deep_capsules() const { return capsules_.deep(); }
   /// Bonds made and broken since observers looked last, all of them if there is no observer, in the order in
   /// which it happened, those of a step in the order of bonds. Observers look at every step in which bonds
   /// broke, after it.
@@ -164,6 +169,10 @@ class Simulation {
   void keep_rates(const Block& block);
   double damping_work(const Block& block, double h) const;
   void close_walls(double dt);
+  void look_at_capsules() const;
+  void exchange_capsules();
+  double contact_energy() const { return contacts_.energy(bodies_) + capsules_.energy(); }
+  bool anything_touches() const { return contacts_.any() || walls_.any() || capsules_.any(); }
   void close_books();
   double largest_way2() const;
   void add_held(const HeldDofs& held, Row row, const Vec3d& F, const Vec3d& M, Reaction& total) const;
@@ -188,6 +197,7 @@ class Simulation {
   BondPacks bonds_;
   BondIndex bond_index_;
   Contacts contacts_;
+  Capsules capsules_;
   Encounters encounters_;
   Supports supports_;
   AppliedLoads applied_;

@@ -42,6 +42,9 @@ void Simulation::bonds_changed() {
   bond_index_ = BondIndex(model_.particles(), state_.bonds);
   rounding_scale_ = scale_of_rounding(state_.bonds);
   contacts_.bonds_changed();
+  capsules_.bonds_changed(state_.bonds);
+  for (const Bond& b : state_.bonds)
+    if (capsules_.any() && b.capsule > 0.0) encounters_.count_capsules(b.capsule);
   peak_bonds_.clear();
   if (stage_.stops.peak && stage_.stops.peak->quantity == PeakQuantity::compressive_force)
     peak_bonds_ = bonds_inside(stage_.stops.peak->particles);
@@ -53,6 +56,10 @@ void Simulation::make_bonds() {
   if (pairs.empty()) return;
   state();  // brought up to date
   const std::size_t before = state_.bonds.size();
+  const bool capsules =
+      capsules_.any() ||
+      std::any_of(pairs.begin(), pairs.end(), [](const Bonding::Pair& p) { return p.rule->recipe.capsule; });
+  const double dissipated = state_.books.dissipated, U = capsules ? contact_energy() : 0.0;
   if (contacts_.are_touches() && model_.contact.pairs == ContactPairs::unbonded)
     for (const auto& [rule, i, j] : pairs)  // add_bond() books the energy of their repulsion alone
       state_.books.dissipated += contacts_.energy(bodies_.order.row[i], bodies_.order.row[j], bodies_) -
@@ -62,6 +69,8 @@ void Simulation::make_bonds() {
     events_.push_back({BondEvent::Kind::made, BondId{k}, state_.clock.step});
   bonds_changed();
   evaluate_loads();
+  // a new bond then also changes what others touch
+  if (capsules) state_.books.dissipated = dissipated + U - contact_energy();
 }
 
 /// Takes up the loads that the state brings along; for elastic bonds they follow from positions.
@@ -71,6 +80,7 @@ void Simulation::take_up_loads() {
   if (state_.damping.F.size() == model_.particles() && !bodies_.damping.empty())
     bodies_.spread(state_.damping, bodies_.damping);
   contacts_.restore(state_.contact_history);  // with what damped in the half step before
+  capsules_.restore(state_.fibre_history);
   walls_.read(state_);
   walls_.refresh(team_);
   check_finite();
@@ -91,11 +101,24 @@ bool Simulation::break_bonds() {
   std::sort(broken.begin(), broken.end());
   for (const BondId k : broken) break_bond(k);
   contacts_.list_unbonded(bodies_, team_);
+  exchange_capsules();
   state_.breaks += static_cast<std::int64_t>(broken.size());
   if (!bonds_.is_sparse()) return true;
   if (bonds_.remembers()) bonds_.collect(state_.bond_history);
   arrange_bonds();
   return true;
+}
+
+/// Bonds have broken: their capsules are gone, and what was bonded may touch.
+void Simulation::exchange_capsules() {
+  if (!capsules_.any()) return;
+  const double U = capsules_.energy();
+  capsules_.take_loads(bodies_.load.data());
+  capsules_.bonds_changed(state_.bonds);
+  capsules_.refresh();
+  capsules_.work_out(team_, 0.0);
+  capsules_.add_loads({0, model_.particles()}, bodies_.load.data());
+  state_.books.released += U - capsules_.energy();
 }
 
 void Simulation::break_bond(BondId k) {

@@ -67,7 +67,7 @@ const Survey& Simulation::survey() const {
   const Energies kinetic = bodies_.kinetic_energy(team_);
   e.kinetic_translation = kinetic.kinetic_translation;
   e.kinetic_rotation = kinetic.kinetic_rotation;
-  e.contact = contacts_.energy(bodies_) + walls_.energy();
+  e.contact = contact_energy() + walls_.energy();
   return survey_.emplace(std::move(survey));
 }
 

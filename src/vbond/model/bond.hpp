@@ -27,6 +27,7 @@ struct Bond {
   std::uint32_t set = 0;                   ///< which bond set of the case made it
   bool broken = false;                     ///< keeps its id, and does nothing any more
   BreakMode mode = BreakMode::none;        ///< by what it broke
+  double capsule = 0;                      ///< radius by which its axis is touched; 0: it is not  [length]
 
   friend bool operator==(const Bond&, const Bond&) = default;
 };
@@ -132,6 +133,8 @@ struct BondRecipe {
   /// bond: the coordinate axis least aligned with the bond, the first of equals.
   std::optional<Vec3d> n_2;
   std::uint32_t set = 0;
+  bool capsule = false;       ///< its bonds touch as capsules
+  double capsule_radius = 0;  ///< of these; 0: the smaller radius of each bond's particles  [length]
 
   /// Whether its bonds need the law with rules.
   bool has_rules() const {

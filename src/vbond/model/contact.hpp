@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "vbond/core/column.hpp"
+#include "vbond/core/vec3.hpp"
 #include "vbond/physics/contact.hpp"
 #include "vbond/physics/touch.hpp"
 
@@ -106,6 +107,17 @@ struct PairMemory {
   PairHistory history{};
   double kept = 0;  ///< the part of the overlap that is not felt  [length]
   friend bool operator==(const PairMemory&, const PairMemory&) = default;
+};
+
+/// What a contact of fibres remembers, of the places a and b, a before b, as in FibreContact: on the axis of
+/// the bond of two particles, or at one of them (a_i == a_j).
+struct FibreMemory {
+  ParticleId a_i, a_j, b_i, b_j;
+  double s = 0, t = 0;      ///< where on the axes
+  double R_a = 0, R_b = 0;  ///< [length]
+  Vec3d normal;             ///< unit vector from a to b
+  PairHistory history{};
+  friend bool operator==(const FibreMemory&, const FibreMemory&) = default;
 };
 
 }  // namespace vbond

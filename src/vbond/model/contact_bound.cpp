@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "vbond/core/bounding_box.hpp"
+#include "vbond/model/capsules.hpp"
 #include "vbond/model/touching.hpp"
 #include "vbond/model/wall_touch.hpp"
 #include "vbond/physics/stability.hpp"
@@ -34,6 +35,12 @@ PresentContacts present_contacts(const Model& model, const State& state, std::ve
     found.overlap = std::max(found.overlap, overlap);
     n[i] += 1.0, n[j] += 1.0;
   });
+  for (const FibreContact& c : fibre_contacts(model, state.bonds, state.r)) {
+    if (!c.body) continue;
+    const auto at = [&state](ParticleId p) { return MovingPoint{state.r[p], {}, {}}; };
+    found.overlap = std::max(found.overlap, touching_of(model, c, at).overlap);
+    for (const FibrePlace& place : {c.a, c.b}) for_shares(place, [&n](ParticleId p, double) { n[p] += 1.0; });
+  }
   std::vector<WallTouch> touches;
   for (std::size_t w = 0; w < walls.size(); ++w)
     for (const ParticleId p : model.radius.ids()) {
@@ -49,6 +56,16 @@ PresentContacts present_contacts(const Model& model, const State& state, std::ve
     }
   for (const double count : n) found.most = std::max(found.most, count);
   return found;
+}
+
+/// The radii by which particles are touched: their own, or that of a capsule that is thicker.
+PerParticle<double> touched_radii(const Model& model, const State& state) {
+  PerParticle<double> R = model.radius;
+  if (!any_capsules(model.contact, state.bonds)) return R;
+  for (const Bond& b : state.bonds)
+    for (const ParticleId p : {b.i, b.j})
+      if (!b.broken) R[p] = std::max(R[p], b.capsule);
+  return R;
 }
 
 /// Particles that may touch a wall at once as it comes along a direction: one layer of them, closely packed
@@ -141,7 +158,8 @@ std::string ContactBound::source(const Model& model) const {
 
 ContactBound contact_bound(const Model& model, const State& state, const std::vector<WallDrive>& drives) {
   if (model.contact.law == ContactLaw::none || model.particles() == 0) return {};
-  const double R_max = *std::max_element(model.radius.begin(), model.radius.end());
+  const PerParticle<double> radius = touched_radii(model, state);
+  const double R_max = *std::max_element(radius.begin(), radius.end());
   if (!(R_max > 0.0)) return {};
   const std::vector<PossibleTouch> touches = possible_touches(model);
   if (touches.empty()) return {};
@@ -152,7 +170,7 @@ ContactBound contact_bound(const Model& model, const State& state, const std::ve
   const TouchForms forms = touch_forms(model.contact);
   ContactBound largest;
   const auto look_at = [&](ParticleId p, const PossibleTouch& t, double n, double overlap) {
-    const double R = model.radius[p], m = model.mass[p], per_m = 2.0 / m, per_Theta = 2.0 / model.inertia[p];
+    const double R = radius[p], m = model.mass[p], per_m = 2.0 / m, per_Theta = 2.0 / model.inertia[p];
     const double R_pair = t.wall ? radius_at_wall(model.walls[*t.wall].shape, R) : R * R_max / (R + R_max);
     const ContactSlopes s = contact_slopes(forms, t.numbers, R_pair, m, overlap);
     const auto lambda = [&](double share_of_wall) {  // of each of the particle's n contacts
@@ -169,7 +187,7 @@ ContactBound contact_bound(const Model& model, const State& state, const std::ve
   for (const ParticleId p : model.mass.ids())
     for (const PossibleTouch& t : touches) {
       if (t.first != model.material_of(p)) continue;
-      look_at(p, t, 1.0, part_of_overlap * (model.radius[p] + R_max));  // one that comes
+      look_at(p, t, 1.0, part_of_overlap * (radius[p] + R_max));  // one that comes
       if (present.most > 0.0) look_at(p, t, present.most, present.overlap);
     }
   return largest;

@@ -1,5 +1,6 @@
 #pragma once
 #include "vbond/model/bond_sums.hpp"
+#include "vbond/model/capsules.hpp"
 #include "vbond/model/touching.hpp"
 
 namespace vbond {
@@ -12,6 +13,7 @@ inline Energies potential_energies(const Model& model, const State& state) {
     const double R = model.radius[i] * model.radius[j] / (model.radius[i] + model.radius[j]);
     e.contact += normal_energy(touch_forms(model.contact), touch_numbers(model, i, j), R, overlap);
   });
+  e.contact += fibre_energy(model, state.bonds, state.r);
   return e;
 }
 

@@ -138,6 +138,8 @@ std::optional<Bond> make_bond(const BondRecipe& recipe, const BondSite& i, const
   const Quatd frame = rotation_to(e_ij, n_2);
   b.frame_i = conjugate(i.q) * frame;
   b.frame_j = conjugate(j.q) * frame;
+  if (recipe.capsule)
+    b.capsule = recipe.capsule_radius > 0.0 ? recipe.capsule_radius : std::min(i.radius, j.radius);
   add_rules(recipe, i, j, b);
   return b;
 }

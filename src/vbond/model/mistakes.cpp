@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "vbond/model/agreement.hpp"
+#include "vbond/model/capsules.hpp"
 #include "vbond/model/held_tops.hpp"
 #include "vbond/model/wall_mistakes.hpp"
 
@@ -300,6 +301,10 @@ std::vector<std::string> mistakes_in(const Model& model, const State& s) {
                                        model.particles(), m.wall, model.walls.size()));
       break;
     }
+  for (const FibreMemory& m : s.fibre_history)
+    for (const ParticleId p : {m.a_i, m.a_j, m.b_i, m.b_j})
+      found.require(found.knows(p),
+                    fmt::format("fibre_history has particle {} of {}", p.value, model.particles()));
   for (const PairMemory& m : s.contact_history)
     if (!found.knows(m.i) || !found.knows(m.j) || m.i == m.j || !(m.kept >= 0.0)) {
       found.require(false,
@@ -313,6 +318,9 @@ std::vector<std::string> mistakes_in(const Model& model, const State& s) {
       found.require(false, fmt::format("bond {} has no law", k.value));
       break;
     }
+    found.require(
+        at_least_zero(b.capsule),
+        fmt::format("the capsule of bond {} has the radius {}: it must be >= 0", k.value, b.capsule));
     if (found.knows(b.i) && found.knows(b.j) && b.i != b.j) continue;
     found.require(false,
                   fmt::format("bond {} joins particles {} and {} of {}: a bond must join two particles "
@@ -320,6 +328,8 @@ std::vector<std::string> mistakes_in(const Model& model, const State& s) {
                               k.value, b.i.value, b.j.value, model.particles()));
     break;
   }
+  found.require(model.contact.adhesion == AdhesionForm::none || !any_capsules(model.contact, s.bonds),
+                "bonds touch as capsules, which take no adhesion: contact.adhesion must be none");
   const Clock& c = s.clock;
   found.require(
       c.step >= 0 && c.stage_step >= 0 && c.stage >= 0 && at_least_zero(c.dt) && std::isfinite(c.stage_start),

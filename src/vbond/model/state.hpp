@@ -74,6 +74,7 @@ struct State {
   /// remember or break, with walls, and with contacts that are not elastic. Else empty.
   Loads loads;
   std::vector<PairMemory> contact_history;  ///< of touching pairs that remember something, in order of (i, j)
+  std::vector<FibreMemory> fibre_history;   ///< of the contacts of capsules, in order of their places
   std::vector<WallState> walls;             ///< of each wall; empty: as at the start, at rest
   std::vector<WallMemory> wall_history;     ///< of touches that remember something, in order of (p, wall)
   std::vector<GripState> grips;             ///< of the stage under way, in the order of its supports

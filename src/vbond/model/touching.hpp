@@ -5,13 +5,15 @@
 #include <unordered_set>
 
 #include "vbond/core/sized_points.hpp"
+#include "vbond/model/capsules.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
 
 namespace vbond {
 
 /// Calls visit(i, j, overlap), i < j, once for every pair that repels each other as the particles stand:
-/// overlap > 0, and not bonded if only unbonded pairs touch. For looks now and then, not for a time loop.
+/// overlap > 0, and not bonded if only unbonded pairs touch; those of fibres
+/// (model/capsules.hpp) apart. For looks now and then, not for a time loop.
 template <class Visit>
 void for_touching_pairs(const Model& model, const State& state, Visit&& visit) {
   if (!particles_touch(model.contact) || model.particles() < 2) return;
@@ -20,10 +22,12 @@ void for_touching_pairs(const Model& model, const State& state, Visit&& visit) {
   if (model.contact.pairs == ContactPairs::unbonded)
     for (const Bond& b : state.bonds)
       if (!b.broken) exempt.insert(key(b.i.value, b.j.value));
+  const std::vector<char> of_fibre = particles_of_fibres(model.particles(), state.bonds);
+  const auto in_fibre = [&of_fibre](std::size_t p) { return !of_fibre.empty() && of_fibre[p] != 0; };
   for_overlapping_pairs(state.r.values(), model.radius.values(),
                         [&](std::size_t i, std::size_t j, double d2) {
                           const ParticleId p{i}, q{j};
-                          if (exempt.count(key(i, j)) == 0)
+                          if (!in_fibre(i) && !in_fibre(j) && exempt.count(key(i, j)) == 0)
                             visit(p, q, model.radius[p] + model.radius[q] - std::sqrt(d2));
                         });
 }

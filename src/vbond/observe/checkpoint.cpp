@@ -17,6 +17,7 @@
 
 #include "vbond/core/error.hpp"
 #include "vbond/model/rules.hpp"
+#include "vbond/observe/detail/checkpoint_fibres.hpp"
 #include "vbond/observe/detail/checkpoint_grips.hpp"
 #include "vbond/observe/detail/checkpoint_walls.hpp"
 #include "vbond/observe/detail/h5.hpp"
@@ -210,6 +211,7 @@ void write_inelastic(H5Writer& writer, const State& state) {
     writer.of_each("/contacts/history", memories, &PairMemory::history);
     writer.of_each("/contacts/kept", memories, &PairMemory::kept);
   }
+  write_fibres(writer, state);
   write("/loads/F", "/loads/M", state.loads);
   write("/loads/damping_F", "/loads/damping_M", state.damping);
 }
@@ -243,6 +245,7 @@ void read_inelastic(H5Reader& reader, State& state) {
       state.contact_history.push_back(m);
     }
   }
+  read_fibres(reader, state);
   read("/loads/F", "/loads/M", state.loads);
   read("/loads/damping_F", "/loads/damping_M", state.damping);
 }

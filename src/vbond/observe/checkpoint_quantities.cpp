@@ -44,6 +44,20 @@ constexpr CheckpointQuantity data_sets[] = {
      "rolling, "
      "moment against rolling (3) and about the normal; on the first particle"},
     {"/contacts/kept", unit::length, "the part of their overlap that they do not feel"},
+    {"/bonds/capsule", unit::length, "radius by which the bond touches, 0: not; only where bonds do"},
+    {"/fibres/a_i", unit::none,
+     "first place of contacts of capsules, on the axis between this particle and a_j, or at it if they are "
+     "the "
+     "same; only if there are any"},
+    {"/fibres/a_j", unit::none, "the other particle"},
+    {"/fibres/b_i", unit::none, "second place of these contacts, likewise"},
+    {"/fibres/b_j", unit::none, "the other particle"},
+    {"/fibres/s", unit::none, "where on the axis of the first place, 0 at a_i, 1 at a_j"},
+    {"/fibres/t", unit::none, "where on the axis of the second place"},
+    {"/fibres/R_a", unit::length, "radius at the first place"},
+    {"/fibres/R_b", unit::length, "radius at the second place"},
+    {"/fibres/normal", unit::none, "unit vectors from the first to the second place"},
+    {"/fibres/history", unit::none, "what is remembered of the contact, as /contacts/history"},
     {"/walls/displacement", unit::length,
      "of the walls' centres since the start; only where there are walls"},
     {"/walls/q", unit::none, "orientations of walls, quaternions w, x, y, z"},

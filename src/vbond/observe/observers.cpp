@@ -52,7 +52,7 @@ void WatchObserver::observe(const Simulation& run) {
   const Clock& clock = run.clock();
   if (clock.stage_step % every_ == 0 || history_due_.now(clock)) look(run);
   if (clock.stage_step % (looks_per_overlaps * every_) == 0) look_at_overlaps(run);
-  if (!run.encounters().empty() || run.fastest()) look_at_contacts(run);
+  if (!run.encounters().empty() || run.fastest() || run.any_deep_capsules()) look_at_contacts(run);
 }
 
 std::int64_t WatchObserver::steps_to_next_look(const Clock& now) const {
@@ -83,12 +83,14 @@ void WatchObserver::look_at_overlaps(const Simulation& run) {
   if (overlap_ == 0.0) return;
   const Timing timing(*this);
   watch_.look_at_overlaps(run.model(), run.state(), overlap_);
+  watch_.look_at_capsules(run.deep_capsules(overlap_), run.clock());
 }
 
 void WatchObserver::look_at_contacts(const Simulation& run) {
   if (overlap_ == 0.0) return;
   const Timing timing(*this);
   if (run.fastest()) watch_.look_at_speed(*run.fastest(), run.clock());
+  watch_.look_at_capsules(run.deep_capsules(overlap_), run.clock());
   watch_.look_at_encounters(run.model(), run.encounters(), run.clock(), overlap_,
                             [&run]() -> const State& { return run.state(); });
 }

@@ -9,6 +9,7 @@
 
 #include "vbond/core/error.hpp"
 #include "vbond/core/sized_points.hpp"
+#include "vbond/model/capsules.hpp"
 #include "vbond/observe/bond_look.hpp"
 
 namespace vbond {
@@ -104,8 +105,11 @@ std::vector<Overlap> new_overlaps(const Model& m, const State& s, double part) {
   std::set<std::pair<ParticleId, ParticleId>> bonded;
   for (const Bond& b : s.bonds)
     if (!b.broken) bonded.insert(std::minmax(b.i, b.j));
+  const std::vector<char> of_fibre = particles_of_fibres(m.particles(), s.bonds);  // looked at as capsules
   found.erase(std::remove_if(found.begin(), found.end(),
-                             [&bonded](const Overlap& o) {
+                             [&](const Overlap& o) {
+                               if (!of_fibre.empty() && (of_fibre[o.i.value] || of_fibre[o.j.value]))
+                                 return true;
                                return bonded.count({o.i, o.j}) > 0;
                              }),
               found.end());
@@ -192,6 +196,18 @@ void Watch::look_at_overlaps(const Model& model, const StaticPoint& point, doubl
 
 void Watch::look_at_overlaps(const Model& model, const State& state, double part, const std::string& when) {
   for (const Overlap& o : new_overlaps(model, state, part)) report_overlap(model, o.i, o.j, o.depth, when);
+}
+
+void Watch::look_at_capsules(const std::vector<DeepCapsules>& deep, const Clock& clock) {
+  for (const DeepCapsules& d : deep) {
+    if (!record_.overlapping.insert(std::minmax(d.i, d.j)).second) continue;
+    auto count = static_cast<std::int64_t>(record_.overlapping.size()) - 1;
+    report(count, untold_overlapping_,
+           fmt::format(
+               "{}: {} and {} overlap as capsules by {:.4g}, {:.3g} of the smaller radius: they may slip "
+               "through one another",
+               time_of(clock), d.first, d.second, d.overlap, d.overlap / d.radius));
+  }
 }
 
 void Watch::report_overlap(const Model& model, ParticleId i, ParticleId j, double depth,

@@ -75,6 +75,8 @@ class Watch {
     look_at_overlaps(model, state, part, time_of(state.clock));
   }
   void look_at_overlaps(const Model& model, const StaticPoint& point, double part);
+  /// The same of capsules.
+  void look_at_capsules(const std::vector<DeepCapsules>& deep, const Clock& clock);
 
   /// Throws Diverged for a pair that has passed through: whose line of centres has turned by more than a
   /// right angle while it was deep in one another. Reports the others as overlaps, as look_at_overlaps does.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "vbond/core/error.hpp"
+#include "vbond/model/capsules.hpp"
 #include "vbond/model/mistakes.hpp"
 #include "vbond/statics/detail/kinds.hpp"
 #include "vbond/statics/detail/newton.hpp"
@@ -53,7 +54,11 @@ void refuse_bonds_that_remember(const StaticStage& stage, const State& state) {
   }
 }
 
-void refuse_inelastic_contacts(const Model& model, const StaticStage& stage) {
+void refuse_contacts(const Model& model, const StaticStage& stage, const State& state) {
+  if (any_capsules(model.contact, state.bonds))
+    throw NoEquilibrium(stage.name,
+                        "bonds touch as capsules: static stages take the contacts of spheres only",
+                        "leave capsule_radius out, or bring the body to rest in a stage of dynamics");
   if (is_elastic(model.contact, model.materials)) return;
   throw NoEquilibrium(
       stage.name,
@@ -71,7 +76,7 @@ StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, Sta
   const OneBlasThread alone;
   try {
     refuse_bonds_that_remember(stage, state);
-    refuse_inelastic_contacts(model, stage);
+    refuse_contacts(model, stage, state);
     return run_kind(model, stage, std::move(state), hooks);
   } catch (const NoEquilibrium&) {
     throw;
@@ -83,7 +88,7 @@ StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, Sta
 void refuse_free_bodies(const Model& model, const StaticStage& stage, const State& state) {
   require_consistent("refuse_free_bodies", model, stage, state);
   refuse_bonds_that_remember(stage, state);
-  refuse_inelastic_contacts(model, stage);
+  refuse_contacts(model, stage, state);
   const StaticBody body(model, stage, state);
   if (stage.kind != StageKind::equilibrium) refuse_nothing_free(body);
   if (stage.kind != StageKind::modes) refuse_rigid_motions(body);

@@ -1,0 +1,273 @@
+#include "vbond/dynamics/capsules.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+#include "vbond/core/disjoint_sets.hpp"
+#include "vbond/dynamics/contact_kernel.hpp"
+
+namespace vbond {
+namespace {
+
+bool same_place(const FibrePlace& a, const FibrePlace& b) {
+  return a.i == b.i && a.j == b.j && a.R == b.R;
+}
+bool same_places(const FibreContact& x, const FibreContact& y) {
+  return same_place(x.a, y.a) && same_place(x.b, y.b);
+}
+/// Places that have a particle in common: a contact may have slid from one to the other within a step.
+bool joined(const FibrePlace& a, const FibrePlace& b) {
+  return a.i == b.i || a.i == b.j || a.j == b.i || a.j == b.j;
+}
+/// The order in which merge() leaves contacts.
+bool comes_before(const FibreContact& x, const FibreContact& y) {
+  const auto key = [](const FibreContact& c) { return std::tuple(c.a.i, c.a.j, c.b.i, c.b.j, c.a.R, c.b.R); };
+  return key(x) < key(y);
+}
+
+/// Normals within 60 degrees: of a contact that has slid on, not of one on another side.
+constexpr double same_side = 0.5;
+
+}  // namespace
+
+Capsules::Capsules(const Model& model, const Bodies& bodies)
+    : model_(model),
+      bodies_(bodies),
+      forms_(fibre_forms(model.contact)),
+      materials_(std::max<std::uint32_t>(1, static_cast<std::uint32_t>(model.materials.size()))) {
+  if (!particles_touch(model.contact)) return;
+  for (std::uint32_t first = 0; first < materials_; ++first)
+    for (std::uint32_t second = 0; second < materials_; ++second)
+      numbers_.push_back(touch_numbers(model.contact, model.materials, first, second));
+}
+
+void Capsules::bonds_changed(const PerBond<Bond>& bonds) {
+  any_ = any_capsules(model_.contact, bonds);
+  listed_ = false;
+  if (!any_) return;
+  fibres_ = FibreParts(model_, bonds);
+  double thickest = 0.0;
+  for (const FibrePart& p : fibres_.parts()) thickest = std::max(thickest, p.R);
+  skin_ = 0.4 * thickest;
+}
+
+void Capsules::refresh(double way) {
+  if (!any_) return;
+  room_ -= way;
+  if (listed_ && room_ > 0.0) return;
+  PerParticle<Vec3d> r(model_.particles());
+  for (const ParticleId p : r.ids()) {
+    r[p] = bodies_.pose[row(p)].r;
+    if (!is_finite(r[p])) return near_.clear();  // the check of loads will tell
+  }
+  near_ = fibres_.near_pairs(r, skin_);
+  room_ = 0.5 * skin_;
+  listed_ = true;
+}
+
+Touching<double> Capsules::touching(const FibreContact& c) const {
+  return touching_of(model_, c, [this](ParticleId p) {
+    const std::size_t k = row(p);
+    return MovingPoint{bodies_.pose[k].r, bodies_.motion[k].v, bodies_.motion[k].omega};
+  });
+}
+
+const TouchNumbers<double>& Capsules::numbers(const FibreContact& c) const {
+  return numbers_[model_.material_of(c.a.i) * materials_ + model_.material_of(c.b.i)];
+}
+
+/// All that overlap now, each thread looking at its share of near pairs.
+std::vector<FibreContact> Capsules::find(const Team& team) {
+  of_part_.resize(team.parts().size());
+  team.for_parts([&](const Part& part) {
+    std::vector<FibreContact>& found = of_part_[part.index];
+    found.clear();
+    const std::size_t n = near_.size(), shares = of_part_.size();
+    for (std::size_t k = n * part.index / shares; k < n * (part.index + 1) / shares; ++k)
+      if (const auto c =
+              contact_of(fibres_.parts(), near_[k], [this](ParticleId p) { return bodies_.pose[row(p)].r; }))
+        found.push_back(*c);
+  });
+  std::vector<FibreContact> all;
+  for (const auto& found : of_part_) all.insert(all.end(), found.begin(), found.end());
+  merge(all);
+  return all;
+}
+
+/// What was remembered goes to the contact at the same places; else to one that it may have slid to, by which
+/// it is the likest. What nobody takes has parted. Only contacts of bodies remember.
+std::vector<Capsules::Contact> Capsules::with_history(const std::vector<FibreContact>& found,
+                                                      std::vector<Contact>& parted) {
+  std::vector<Contact> now(found.size());
+  std::vector<std::size_t> fresh;
+  auto old = contacts_.begin();
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    static_cast<FibreContact&>(now[k]) = found[k];
+    while (old != contacts_.end() && comes_before(*old, found[k])) {
+      if (old->body) parted.push_back(*old);
+      ++old;
+    }
+    const bool same = old != contacts_.end() && same_places(*old, found[k]);
+    if (same && old->body && found[k].body) {
+      now[k].normal = old->normal, now[k].history = old->history;
+      ++old;
+    } else if (found[k].body) {
+      fresh.push_back(k);
+    }
+  }
+  for (; old != contacts_.end(); ++old)
+    if (old->body) parted.push_back(*old);
+  for (const std::size_t k : fresh) {
+    const Vec3d n = touching(now[k]).n;
+    auto best = parted.end();
+    for (auto c = parted.begin(); c != parted.end(); ++c) {
+      const bool slid = joined(c->a, now[k].a) && joined(c->b, now[k].b) && dot(c->normal, n) > same_side;
+      if (slid && (best == parted.end() || dot(best->normal, n) < dot(c->normal, n))) best = c;
+    }
+    if (best == parted.end()) continue;
+    now[k].normal = best->normal, now[k].history = best->history;
+    parted.erase(best);
+  }
+  return now;
+}
+
+/// In a region of overlap that reaches over several bonds, contacts of bodies press more than what is left
+/// when the others have made up for it. Friction goes by the latter: its limit is this part of mu times the
+/// force.
+std::vector<double> Capsules::friction_shares() const {
+  std::vector<double> share(contacts_.size(), 1.0);
+  if (std::all_of(contacts_.begin(), contacts_.end(), [](const Contact& c) { return c.body; })) return share;
+  std::vector<std::tuple<ParticleId, ParticleId, std::uint32_t>> at;  // particles of both fibres, and contact
+  for (std::uint32_t k = 0; k < contacts_.size(); ++k)
+    for_shares(contacts_[k].a, [&](ParticleId p, double) {
+      for_shares(contacts_[k].b, [&](ParticleId q, double) { at.emplace_back(p, q, k); });
+    });
+  std::sort(at.begin(), at.end());
+  using Index = Id<struct FibreContactTag>;
+  DisjointSets<Index> regions(contacts_.size());
+  const auto ends = [](const auto& x) { return std::pair(std::get<0>(x), std::get<1>(x)); };
+  for (std::size_t k = 1; k < at.size(); ++k)
+    if (ends(at[k - 1]) == ends(at[k]))
+      regions.join(Index{std::get<2>(at[k - 1])}, Index{std::get<2>(at[k])});
+  std::vector<double> left(contacts_.size(), 0.0), bodies = left;
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const Touching<double> p = touching(contacts_[k]);
+    const double N = normal_force(forms_, numbers(contacts_[k]), p.R, p.overlap).F;
+    left[regions.smallest(Index{k}).value] += contacts_[k].weight * N;
+    if (contacts_[k].body) bodies[regions.smallest(Index{k}).value] += N;
+  }
+  for (std::size_t k = 0; k < contacts_.size(); ++k)
+    if (const std::size_t r = regions.smallest(Index{k}).value; bodies[r] > 0.0)
+      share[k] = std::clamp(left[r] / bodies[r], 0.0, 1.0);
+  return share;
+}
+
+/// The loads of one contact, to shares_.
+double Capsules::work_out(Contact& c, double friction_share, double dt) {
+  const Touching<double> p = touching(c);
+  TouchNumbers<double> n = numbers(c);
+  n.friction *= friction_share;
+  Vec3d F;
+  double dissipated = 0.0;
+  int elastic = c.weight;  // so often the elastic force, along the normal
+  if (c.body) {
+    const TouchLoads<double> l = touch(forms_, n, p, dt, touch_history(c.history));
+    if (c.history[3] > 0.0 && dot(c.normal, p.n) < -same_side) passed_ = told(c, p.overlap);
+    F = l.F;
+    deep_ = deep_ || p.overlap > (1.0 - deep_part) * (c.a.R + c.b.R);
+    if (dt > 0.0) dissipated = l.dissipated;
+    c.history = numbers_of(l.history);
+    c.normal = p.n;
+    --elastic;
+  }
+  if (elastic != 0) F -= (elastic * normal_force(forms_, n, p.R, p.overlap).F) * p.n;
+  share_loads(c, p, F, [this](ParticleId q, const Vec3d& force, const Vec3d& moment) {
+    shares_.push_back({row(q), force, moment});
+  });
+  return dissipated;
+}
+
+double Capsules::work_out(const Team& team, double dt) {
+  if (!any_) return 0.0;
+  std::vector<Contact> parted;
+  contacts_ = with_history(find(team), parted);
+  shares_.clear();
+  passed_.reset();
+  deep_ = false;
+  double dissipated = 0.0;
+  const std::vector<double> share = friction_shares();
+  for (std::size_t k = 0; k < contacts_.size(); ++k) dissipated += work_out(contacts_[k], share[k], dt);
+  std::stable_sort(shares_.begin(), shares_.end(),
+                   [](const Share& a, const Share& b) { return a.row < b.row; });
+  if (dt > 0.0)
+    for (const Contact& c : parted)
+      dissipated += lost_on_parting(forms_, numbers(c), touching(c), dt, touch_history(c.history));
+  return dissipated;
+}
+
+void Capsules::add_loads(RowRange rows, LoadRow* load) const {
+  auto s = std::lower_bound(shares_.begin(), shares_.end(), rows.first,
+                            [](const Share& x, std::size_t first) { return x.row < first; });
+  for (; s != shares_.end() && s->row < rows.last; ++s) load[s->row].F += s->F, load[s->row].M += s->M;
+}
+
+void Capsules::take_loads(LoadRow* load) const {
+  for (const Share& s : shares_) load[s.row].F -= s.F, load[s.row].M -= s.M;
+}
+
+double Capsules::energy() const {
+  double U = 0.0;
+  for (const Contact& c : contacts_) {
+    const Touching<double> p = touching(c);
+    const TouchNumbers<double>& n = numbers(c);
+    U += c.weight * normal_energy(forms_, n, p.R, p.overlap);
+    if (c.body) U += history_energy(forms_, n, touch_history(c.history));
+  }
+  return U;
+}
+
+std::vector<FibreMemory> Capsules::collect() const {
+  std::vector<FibreMemory> memories;
+  for (const Contact& c : contacts_)
+    if (c.body)
+      memories.push_back({c.a.i, c.a.j, c.b.i, c.b.j, c.a.s, c.b.s, c.a.R, c.b.R, c.normal, c.history});
+  return memories;
+}
+
+void Capsules::restore(const std::vector<FibreMemory>& memories) {
+  if (!any_) return;
+  for (const FibreMemory& m : memories) {
+    Contact c;
+    c.a = {m.a_i, m.a_j, m.s, m.R_a}, c.b = {m.b_i, m.b_j, m.t, m.R_b};
+    c.first = c.second = 0, c.weight = 1, c.body = true;
+    c.normal = m.normal, c.history = m.history;
+    auto at = std::lower_bound(contacts_.begin(), contacts_.end(), c, comes_before);
+    if (at == contacts_.end() || !same_places(*at, c))
+      contacts_.insert(at, c);
+    else
+      at->normal = m.normal, at->history = m.history;
+  }
+}
+
+DeepCapsules Capsules::told(const FibreContact& c, double overlap) const {
+  return {fibres_.name_of(c.first),
+          fibres_.name_of(c.second),
+          fibres_.parts()[c.first].i,
+          fibres_.parts()[c.second].i,
+          overlap,
+          std::min(c.a.R, c.b.R)};
+}
+
+std::vector<DeepCapsules> Capsules::deeper_than(double part) const {
+  std::vector<DeepCapsules> deep;
+  for (const Contact& c : contacts_) {
+    if (!c.body) continue;
+    const double overlap = touching(c).overlap;
+    if (overlap > part * std::min(c.a.R, c.b.R)) deep.push_back(told(c, overlap));
+  }
+  return deep;
+}
+
+}  // namespace vbond

@@ -1,0 +1,95 @@
+#pragma once
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "vbond/dynamics/bodies.hpp"
+#include "vbond/dynamics/team.hpp"
+#include "vbond/dynamics/touch_kernel.hpp"
+#include "vbond/model/capsules.hpp"
+#include "vbond/model/state.hpp"
+
+namespace vbond {
+
+/// Two capsules, or a capsule and a particle, that are deep in one another.
+struct DeepCapsules {
+  std::string first, second;  ///< names
+  ParticleId i, j;            ///< the first particles of both
+  double overlap, radius;     ///< the smaller radius  [length]
+};
+
+/// What bonds that touch as capsules do to each other and to particles: physics/touch.hpp where their axes
+/// are nearest, by model/capsules.hpp. Contacts are worked out in the order of their places, whatever the
+/// threads and whenever near pairs were listed.
+class Capsules {
+ public:
+  /// Keeps references to both.
+  Capsules(const Model& model, const Bodies& bodies);
+  Capsules(const Model&&, const Bodies&) = delete;
+  Capsules(const Model&, const Bodies&&) = delete;
+
+  bool any() const { return any_; }
+  /// The bonds are these now; refresh() and work_out() come next.
+  void bonds_changed(const PerBond<Bond>& bonds);
+  /// Lists near pairs anew if a particle may have moved by half the skin. way: the longest of a particle
+  /// since the last call.  [length]
+  void refresh(double way = std::numeric_limits<double>::infinity());
+  /// Contacts and their loads, from poses and the motion of the half step before; dt = 0: between steps,
+  /// nothing is dissipated. Returns what is.  [energy]
+  double work_out(const Team& team, double dt);
+  /// Adds the loads of these rows.
+  void add_loads(RowRange rows, LoadRow* load) const;
+  /// Takes all of them away again.
+  void take_loads(LoadRow* load) const;
+
+  /// What contacts store as worked out last.  [energy]
+  double energy() const;
+  std::vector<FibreMemory> collect() const;
+  /// Takes it up again: before the next work_out(), or after it in place of what it remembers.
+  void restore(const std::vector<FibreMemory>& memories);
+
+  /// Those that overlap by more than this part of the smaller radius.
+  std::vector<DeepCapsules> deeper_than(double part) const;
+  /// Whether any two axes are nearer than deep_part of the sum of the radii.
+  bool deep() const { return deep_; }
+  /// Two whose axes have passed through each other in the last step.
+  const std::optional<DeepCapsules>& passed() const { return passed_; }
+
+ private:
+  struct Contact : FibreContact {
+    Vec3d normal;
+    PairHistory history{};
+  };
+  /// What a particle feels of a contact.
+  struct Share {
+    std::size_t row;
+    Vec3d F, M;
+  };
+
+  std::size_t row(ParticleId p) const { return bodies_.order.row[p].value; }
+  Touching<double> touching(const FibreContact& c) const;
+  const TouchNumbers<double>& numbers(const FibreContact& c) const;
+  std::vector<FibreContact> find(const Team& team);
+  std::vector<Contact> with_history(const std::vector<FibreContact>& found, std::vector<Contact>& parted);
+  std::vector<double> friction_shares() const;
+  double work_out(Contact& c, double friction_share, double dt);
+  DeepCapsules told(const FibreContact& c, double overlap) const;
+
+  const Model& model_;
+  const Bodies& bodies_;
+  TouchForms forms_;
+  std::uint32_t materials_ = 1;
+  std::vector<TouchNumbers<double>> numbers_;  // of each pair of materials
+  FibreParts fibres_;
+  bool any_ = false, listed_ = false, deep_ = false;
+  double skin_ = 0, room_ = 0;  // no particle has moved half the skin before one has moved so far  [length]
+  std::vector<FibrePair> near_;
+  std::vector<std::vector<FibreContact>> of_part_;  // of a team
+  std::vector<Contact> contacts_;
+  std::vector<Share> shares_;  // in order of rows, those of a row in order of contacts
+  std::optional<DeepCapsules> passed_;
+};
+
+}  // namespace vbond

@@ -1,0 +1,181 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "vbond/core/segments.hpp"
+#include "vbond/model/bond.hpp"
+#include "vbond/model/model.hpp"
+
+// Bonds that touch as capsules: which touch, and where. Derivation: docs/contacts.md, "Fibres".
+namespace vbond {
+
+/// Where a fibre is touched: on the axis of a bond, at r_i + s (r_j - r_i), i < j; or at a particle, i == j.
+struct FibrePlace {
+  ParticleId i, j;
+  double s = 0;
+  double R = 0;  ///< radius of the fibre there  [length]
+};
+
+/// What touches: the capsule of a bond, i < j, or a particle, i == j.
+struct FibrePart {
+  ParticleId i, j;
+  double R = 0;  ///< of a particle with capsules that of the thinnest  [length]
+  BondId bond{};
+  bool is_capsule() const { return i != j; }
+};
+
+/// Two parts and how often their nearest points count, see docs/contacts.md: 1 for two bodies (a capsule, or
+/// a particle without one), and for the particles within fibres what makes up for counting them with each of
+/// their capsules.
+struct FibrePair {
+  std::uint32_t first, second;  ///< parts
+  int weight;
+  bool bodies;
+};
+
+/// A pair of nearest points, counted `weight` times. It has friction and damping if it is a `body` contact:
+/// two bodies are nearest there, and nothing else makes up for it.
+struct FibreContact {
+  FibrePlace a, b;              ///< a before b: in order of particles
+  std::uint32_t first, second;  ///< parts, bodies if it is one
+  int weight;
+  bool body;
+};
+
+/// Whether bonds touch as capsules at all.
+bool any_capsules(const ContactModel& contact, const PerBond<Bond>& bonds);
+/// Of each particle, whether a bond with a capsule was ever made there: it touches as part of a fibre, not as
+/// other particles do. Empty if there is none.
+std::vector<char> particles_of_fibres(std::size_t particles, const PerBond<Bond>& bonds);
+
+/// Why this bond cannot have its capsule, and the way out; nothing if it can.
+struct CapsuleMistake {
+  std::string rule, way_out;
+};
+std::optional<CapsuleMistake> capsule_mistake(const ContactModel& contact, double capsule, double distance);
+
+/// The parts of all fibres, and the other particles, which they may touch.
+class FibreParts {
+ public:
+  FibreParts() = default;
+  FibreParts(const Model& model, const PerBond<Bond>& bonds);
+
+  const std::vector<FibrePart>& parts() const { return parts_; }
+  /// All pairs that are less than `margin` from touching, in no special order, for finite positions.
+  std::vector<FibrePair> near_pairs(const PerParticle<Vec3d>& r, double margin) const;
+  /// "bond 3 (particles 4, 5)" or "particle 7".
+  std::string name_of(std::uint32_t part) const;
+
+ private:
+  struct Entry {
+    ParticleId other;
+    std::uint32_t capsule;  // its part, or none
+  };
+  static constexpr std::uint32_t none = 0xffffffff;
+
+  template <class Visit>
+  void for_capsules_of(ParticleId p, Visit visit) const;
+  bool bonded(ParticleId p, ParticleId o) const;
+  bool is_body(const FibrePart& part) const { return part.is_capsule() || capsules_[part.i] == 0; }
+  bool may_touch(const FibrePart& x, const FibrePart& y) const;
+  int weight(const FibrePart& x, const FibrePart& y) const;
+  int weight_of_line(const FibrePart& body, ParticleId p) const;
+
+  bool bonded_balls_touch_ = false;
+  std::vector<FibrePart> parts_;
+  PerParticle<std::uint32_t> capsules_;  // how many there are now
+  std::vector<char> of_fibre_;
+  std::vector<std::size_t> start_;  // of each particle, in entries_
+  std::vector<Entry> entries_;      // its bonds
+};
+
+/// Where two parts are nearest, if they overlap; r(p) is the position of a particle.
+template <class PositionOf>
+std::optional<FibreContact> contact_of(const std::vector<FibrePart>& parts, const FibrePair& pair,
+                                       PositionOf r) {
+  std::uint32_t first = pair.first, second = pair.second;
+  const auto before = [](const FibrePart& x, const FibrePart& y) {
+    return x.i != y.i ? x.i < y.i : x.j < y.j;
+  };
+  if (before(parts[second], parts[first])) std::swap(first, second);
+  const FibrePart &x = parts[first], &y = parts[second];
+  const NearestOnSegments at = nearest_on_segments(r(x.i), r(x.j), r(y.i), r(y.j));
+  if (at.distance2 >= (x.R + y.R) * (x.R + y.R)) return std::nullopt;  // NaN goes on: the load check finds it
+  const auto place = [](const FibrePart& part, double s) {
+    if (s == 0.0 || !part.is_capsule()) return FibrePlace{part.i, part.i, 0.0, part.R};
+    return s == 1.0 ? FibrePlace{part.j, part.j, 0.0, part.R} : FibrePlace{part.i, part.j, s, part.R};
+  };
+  return FibreContact{place(x, at.s), place(y, at.t), first, second, pair.weight, pair.bodies};
+}
+
+/// Puts contacts at the same places together and in order; those whose weights cancel are left out.
+void merge(std::vector<FibreContact>& contacts);
+
+/// A particle as a contact sees it.
+struct MovingPoint {
+  Vec3d r, v, omega;
+};
+
+/// Calls visit(particle, share) for the one or two particles of a place: position, velocity, angular velocity
+/// and loads are shared linearly.
+template <class Visit>
+void for_shares(const FibrePlace& p, Visit visit) {
+  if (p.i == p.j) return visit(p.i, 1.0);
+  visit(p.i, 1.0 - p.s);
+  visit(p.j, p.s);
+}
+
+/// The touching at a contact; at(p) is a MovingPoint. m* is that of the shares: 1/m* = sum of share^2/m.
+template <class PointOf>
+Touching<double> touching_of(const Model& model, const FibreContact& c, PointOf at) {
+  MovingPoint of[2];
+  double per_m = 0.0, per_Theta = 0.0;
+  for (const int k : {0, 1}) {
+    const FibrePlace& p = k == 0 ? c.a : c.b;
+    for_shares(p, [&](ParticleId q, double share) {
+      const MovingPoint m = at(q);
+      of[k].v += share * m.v, of[k].omega += share * m.omega;
+      per_m += share * share / model.mass[q], per_Theta += share * share / model.inertia[q];
+    });
+    of[k].r = on_segment(at(p.i).r, at(p.j).r, p.s);
+  }
+  const Vec3d r_ab = of[1].r - of[0].r;
+  const double distance = norm(r_ab), overlap = c.a.R + c.b.R - distance;
+  return {.n = r_ab / distance,
+          .overlap = overlap,
+          .R = c.a.R * c.b.R / (c.a.R + c.b.R),
+          .m = 1.0 / per_m,
+          .Theta = 1.0 / per_Theta,
+          .l_i = c.a.R - 0.5 * overlap,
+          .l_j = c.b.R - 0.5 * overlap,
+          .v = of[1].v - of[0].v,
+          .w_i = of[0].omega,
+          .w_j = of[1].omega};
+}
+
+/// Calls add(particle, force, moment) for what the force F on a does to all particles.
+template <class Add>
+void share_loads(const FibreContact& c, const Touching<double>& p, const Vec3d& F, Add add) {
+  const Vec3d T = cross(p.n, F);
+  for_shares(c.a, [&](ParticleId q, double share) { add(q, share * F, (share * p.l_i) * T); });
+  for_shares(c.b, [&](ParticleId q, double share) { add(q, -share * F, (share * p.l_j) * T); });
+}
+
+/// The forms of contacts of fibres: without resistance to rolling.
+inline TouchForms fibre_forms(const ContactModel& contact) {
+  TouchForms forms = touch_forms(contact);
+  forms.rolling = RollingForm::none;
+  return forms;
+}
+
+/// The contacts of fibres as particles stand at r. For looks now and then, not for a time loop.
+std::vector<FibreContact> fibre_contacts(const Model& model, const PerBond<Bond>& bonds,
+                                         const PerParticle<Vec3d>& r);
+/// What they store, friction left out.  [energy]
+double fibre_energy(const Model& model, const PerBond<Bond>& bonds, const PerParticle<Vec3d>& r);
+
+}  // namespace vbond
