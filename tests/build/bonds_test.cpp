@@ -169,7 +169,7 @@ TEST(Capsules, ThatCannotBeAreRefusedWithAWayOut) {
     ContactModel walls_only = hertz, sticky = hertz;
     walls_only.pairs = ContactPairs::none;
     says(0.3, walls_only, "nothing touches in this case", "pairs = \"unbonded\"");
-    sticky.adhesion = AdhesionForm::jkr;
+    sticky.adhesion = AdhesionForm::jkr, sticky.surface.work_of_adhesion = 0.1;
     says(0.3, sticky, "capsules do not adhere", "leave contact.adhesion out");
   }
 }

@@ -253,7 +253,7 @@ Encounter random_encounter(Partner partner, unsigned seed) {
   const double v_n = std::max(std::cos(lean) * v, 0.05 * v);
   // an adhesion that takes a part of the energy of the impact: they part again
   const double kind = dice(0, 1), part = dice(0.01, 0.1);
-  if (kind < 0.4) {
+  if (kind < 0.4 && partner != Partner::fibre) {  // capsules take none
     c.adhesion = kind < 0.2 ? AdhesionForm::jkr : AdhesionForm::dmt;
     const double overlap = std::pow(1.25 * m * v_n * v_n / k, 0.4);
     c.work = part * m * sq(v_n * c.e) / (R * overlap);
@@ -309,7 +309,7 @@ Specimen specimen_of(const Encounter& c) {
   return s;
 }
 
-enum class Verdict { right, wrong, energy_made, passed_through, given_up };
+enum class Verdict { right, wrong, energy_made, passed_through, both_stick };
 
 Verdict judge(Partner partner, unsigned seed, double* worst) {
   const Encounter c = random_encounter(partner, seed);
@@ -317,20 +317,21 @@ Verdict judge(Partner partner, unsigned seed, double* worst) {
   constexpr int finer = 40;
   OwnIntegrator own(c);
   own.run(c.dt / finer, finer * 6000);
-  if (!own.over) return Verdict::given_up;
   Simulation run(s.model, testing::plain_stage(c.dt, 1e9), s.state);
-  bool touched = false;
+  bool touched = false, parted = false;
   try {
     for (int k = 0; k < 6000; ++k) {
       run.step();
       const bool touches = norm(run.loads().F[ParticleId{0}]) > 0.0 || !run.state().contact_history.empty() ||
                            !run.state().wall_history.empty() || !run.state().fibre_history.empty();
-      if (touched && !touches) break;
+      parted = touched && !touches;
+      if (parted) break;
       touched = touched || touches;
     }
   } catch (const Diverged&) {
     return Verdict::passed_through;
   }
+  if (!own.over || !parted) return own.over == parted ? Verdict::both_stick : Verdict::wrong;
   const double v_0 = norm(c.i.v), scale = v_0 * c.i.m;
   const State& state = run.state();
   double error = norm(state.v[ParticleId{0}] - own.i.v) * c.i.m;
@@ -342,14 +343,19 @@ Verdict judge(Partner partner, unsigned seed, double* worst) {
   *worst = std::max(*worst, error / scale);
   const Energies e = run.energies();
   const double made = e.total() - run.books().at_start;
-  if (made > 1e-3 * run.books().at_start || run.books().dissipated < -1e-4 * run.books().at_start ||
-      std::abs(run.balance_error(e)) > 3e-3)
+  // DMT's pull of 2 pi w R begins and ends with a jump somewhere in a step, of 1/136 of the overlap: up to
+  // 2 pi 0.1/136 of the energy
+  const double jump = c.adhesion == AdhesionForm::dmt ? 5e-3 : 0.0;
+  if (made > (1e-3 + jump) * run.books().at_start ||
+      run.books().dissipated < -(1e-4 + jump) * run.books().at_start ||
+      std::abs(run.balance_error(e)) > std::max(3e-3, jump))
     return Verdict::energy_made;
   return error < 5e-3 * scale ? Verdict::right : Verdict::wrong;
 }
 
 // Both err by a part of a step in when contact begins, slips and ends: 1/400 of the duration, and the rest by
-// the order of the method. The worst of 1020 was 1.5e-3 of the momentum.
+// the order of the method. Of 2800 (VBOND_CAMPAIGN=400) none was wrong, 3
+// stuck with both; the worst was 4.1e-3 of the momentum.
 TEST(Encounters, AreThoseOfAnotherIntegrator) {
   const char* const given = std::getenv("VBOND_CAMPAIGN");
   const unsigned count = given != nullptr ? static_cast<unsigned>(std::atoi(given)) : 8;
@@ -360,11 +366,11 @@ TEST(Encounters, AreThoseOfAnotherIntegrator) {
     for (unsigned seed = 1; seed <= count; ++seed) {
       const Verdict v = judge(partner, seed, &worst);
       ++of[static_cast<int>(v)];
-      EXPECT_EQ(v, Verdict::right) << "partner " << static_cast<int>(partner) << ", seed " << seed << ": "
-                                   << static_cast<int>(v);
+      EXPECT_TRUE(v == Verdict::right || v == Verdict::both_stick)
+          << "partner " << static_cast<int>(partner) << ", seed " << seed << ": " << static_cast<int>(v);
     }
   std::printf(
-      "right %d, wrong %d, energy made %d, passed through %d, given up %d; worst error %.2e of the "
+      "right %d, wrong %d, energy made %d, passed through %d, both stick %d; worst error %.2e of the "
       "momentum\n",
       of[0], of[1], of[2], of[3], of[4], worst);
 }

@@ -110,8 +110,8 @@ TEST(StepBoundOfContacts, CountsRollingHollowWallsAndTouchedWalls) {
   const double plane = dt(hertz, {floor_at(-1)});
   const double tube = dt(hertz, {{"tube", SphereWall{{0, 0, 0.45}, 0.9, WallSide::inside}, 0, {}}});
   EXPECT_NEAR(tube, plane / std::sqrt(1.5), 1e-12 * plane);  // R* = 2.25 R, and k goes by its root
-  const Wall left{"left", PlaneWall{{-0.49, 0, 0}, {1, 0, 0}}, 0, {}};
-  const Wall right{"right", PlaneWall{{0.49, 0, 0}, {-1, 0, 0}}, 0, {}};
+  const Wall left{"left", PlaneWall{{-0.4, 0, 0}, {1, 0, 0}}, 0, {}};
+  const Wall right{"right", PlaneWall{{0.4, 0, 0}, {-1, 0, 0}}, 0, {}};
   EXPECT_NEAR(dt(hertz, {left, right}), plane / std::sqrt(2.0), 1e-12 * plane);
   ContactModel rolling = hertz;
   rolling.rolling = RollingForm::spring, rolling.surface.rolling_friction = 0.1;
