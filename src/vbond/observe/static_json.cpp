@@ -64,14 +64,6 @@ void add_frequencies(const StaticResult& r, Json& j) {
   j["omega_squared"] = omega2;
 }
 
-Json to_json(const Vec3d& v) {
-  return {v.x, v.y, v.z};
-}
-Vec3d vector_from(const Json& j) {
-  if (!j.is_array() || j.size() != 3) throw IoError("a vector is not a list of 3");
-  return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()};
-}
-
 Json to_json(const BondUse& u) {
   return {{"bond", u.bond.value},
           {"particles", {u.i.value, u.j.value}},

@@ -66,13 +66,6 @@ BreakSummary breaks_from(const Json& j) {
           number_at(j, "peak_load")};
 }
 
-Json to_json(const Vec3d& x) {
-  return Json::array({x.x, x.y, x.z});
-}
-Vec3d vector_from(const Json& j) {
-  return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()};
-}
-
 Json to_json(const WallSummary& w) {
   return {{"name", w.name},
           {"force", to_json(w.force)},

@@ -129,53 +129,6 @@ void StaticBody::accept() {
   at_accepted_ = true;
 }
 
-void StaticBody::take_hold() {
-  for (const StaticSupport& s : stage_.supports) {
-    if (!s.rigid) continue;
-    Vec3d pivot;
-    for (const ParticleId p : s.particles) pivot += state_.r[p];
-    pivot =
-        s.pivot ? *s.pivot + load_factor_ * s.displacement : pivot / static_cast<double>(s.particles.size());
-    Grip grip{&s, {pivot, s.displacement, s.rotation}, {}};
-    for (const ParticleId p : s.particles) grip.as_held.push_back({state_.r[p] - pivot, state_.q[p]});
-    grips_.push_back(std::move(grip));
-  }
-}
-
-/// Particles of grips to where these are at the load factor.
-void StaticBody::carry() {
-  const double since = load_factor_ - held_at_;
-  for (const Grip& g : grips_) {
-    const Vec3d pivot = g.motion.pivot_at(since);
-    const Quatd turn = g.motion.turn(since);
-    for (std::size_t k = 0; k < g.as_held.size(); ++k) {
-      const ParticleId p = g.support->particles[k];
-      state_.r[p] = pivot + rotate(turn, g.as_held[k].arm);
-      state_.q[p] = normalised(turn * g.as_held[k].q);
-    }
-  }
-}
-
-void StaticBody::set_held_rates() {
-  for (const Hold& h : holds_) {
-    const StaticSupport& s = stage_.supports[h.support];
-    const Vec3d rate = rate_of(s, h.particle);
-    for (int k = 0; k < 3; ++k) {
-      const auto along = static_cast<std::size_t>(k);
-      if (h.held[along]) held_rate_[h.particle][along] = component(rate, k);
-      if (h.held[along + 3])
-        held_rate_[h.particle][along + 3] = unknowns_.length() * component(s.rotation, k);
-    }
-  }
-}
-
-Vec3d StaticBody::rate_of(const StaticSupport& s, ParticleId p) const {
-  if (!s.rigid) return s.displacement;
-  const auto grip =
-      std::find_if(grips_.begin(), grips_.end(), [&](const Grip& g) { return g.support == &s; });
-  return grip->motion.rate_at(load_factor_ - held_at_, state_.r[p]);
-}
-
 void StaticBody::placed() {
   loaded_.reset();
   if (!grips_.empty()) set_held_rates();
@@ -240,17 +193,6 @@ void StaticBody::relieve() {
   if (load_factor_ == 1.0) return;
   relief_ = unbalanced() / (1.0 - load_factor_);
   placed();
-}
-
-void StaticBody::add_applied(double load_factor, Loads& loads) const {
-  for (const StaticLoad& l : stage_.loads)
-    for (const ParticleId p : l.particles) {
-      const double factor = l.constant ? 1.0 : load_factor;
-      loads.F[p] += factor * l.force_on(model_.mass[p]);
-      loads.M[p] += factor * l.moment_on(model_.mass[p]);
-    }
-  const double gravity = stage_.constant_gravity ? 1.0 : load_factor;
-  for (const ParticleId p : loads.F.ids()) loads.F[p] += gravity * model_.mass[p] * stage_.gravity;
 }
 
 Vector StaticBody::on_unknowns(const Loads& loads) const {
@@ -359,23 +301,6 @@ const StaticBody::Stiffness& StaticBody::stiffness_at_hand() const {
   return stiffness_;
 }
 
-/// The moment that acts on a particle from outside and has no potential: applied, or the reaction of a held
-/// turn. Zero with fewer than two free turns, which then have nothing to be antisymmetric with.
-Vec3d StaticBody::outside_moment(ParticleId p, const Loads& applied) const {
-  int free = 0;
-  for (int dof = 3; dof < 6; ++dof) free += unknowns_.of(p, dof) != Unknowns::held;
-  if (free < 2) return {};
-  Vec3d m = applied.M[p];
-  if (free == 3) return m;
-  const Loaded& l = loads_at_hand();
-  for (int k = 0; k < 3; ++k) {
-    const double reaction = component(l.loads.M[p], k);
-    const bool more_than_rounding = std::abs(reaction) > 1e-9 * l.largest * unknowns_.length();
-    if (unknowns_.of(p, 3 + k) == Unknowns::held && more_than_rounding) component(m, k) -= reaction;
-  }
-  return m;
-}
-
 double StaticBody::moment_part() const {
   const std::size_t n = model_.particles();
   Loads applied{PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)};
@@ -452,64 +377,6 @@ Energies StaticBody::energies() const {
   return potential_energies(model_, state_);
 }
 
-Loads StaticBody::applied_loads(double load_factor) const {
-  const std::size_t n = model_.particles();
-  Loads applied{PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)};
-  add_applied(load_factor, applied);
-  return applied;
-}
-
-Vector StaticBody::applied(double load_factor) const {
-  return on_unknowns(applied_loads(load_factor));
-}
-
-double StaticBody::work_of_loads(const Placement& from, const Placement& to, double load_factor) const {
-  const Loads applied = applied_loads(load_factor);
-  double work = 0.0;
-  for (const ParticleId p : from.r.ids())
-    work += dot(applied.F[p], to.r[p] - from.r[p]) +
-            dot(applied.M[p], rotation_vector(to.q[p] * conjugate(from.q[p])));
-  return work;
-}
-
-void StaticBody::add_power(const StaticSupport& support, ParticleId p, const HeldDofs& held,
-                           double& power) const {
-  const Loads& loads = loads_at_hand().loads;
-  const Vec3d rate = rate_of(support, p);
-  for (int k = 0; k < 3; ++k) {
-    const auto along = static_cast<std::size_t>(k);
-    if (held[along]) power -= component(loads.F[p], k) * component(rate, k);
-    if (held[along + 3]) power -= component(loads.M[p], k) * component(support.rotation, k);
-  }
-}
-
-double StaticBody::power_of(const StaticSupport& support) const {
-  double power = 0.0;
-  for (const ParticleId p : support.particles) add_power(support, p, support.held, power);
-  return power;
-}
-
-double StaticBody::power_of_supports() const {
-  std::vector<double> power(stage_.supports.size(), 0.0);
-  for (const Hold& h : holds_) add_power(stage_.supports[h.support], h.particle, h.held, power[h.support]);
-  return std::accumulate(power.begin(), power.end(), 0.0);
-}
-
-std::vector<GripView> StaticBody::grips() const {
-  const Loads& loads = loads_at_hand().loads;
-  std::vector<GripView> all;
-  for (const Grip& g : grips_) {
-    const Vec3d pivot = g.motion.pivot_at(load_factor_ - held_at_);
-    GripView view{g.support->group, {}, {}, load_factor_ * norm(g.support->rotation), std::nullopt};
-    for (const ParticleId p : g.support->particles) {
-      view.force -= loads.F[p];
-      view.moment -= loads.M[p] + cross(state_.r[p] - pivot, loads.F[p]);
-    }
-    all.push_back(std::move(view));
-  }
-  return all;
-}
-
 void StaticBody::break_bond(BondId k, BreakMode mode) {
   Bond& broken = state_.bonds[k];
   broken.broken = true;
@@ -559,21 +426,6 @@ double StaticBody::largest_bond_change(const Vector& x, double load_factor_chang
     if (!bonded_[p])
       for (const int first : {0, 3}) largest = larger(largest, norm(movement(p, first)) / unknowns_.length());
   return largest;
-}
-
-Reaction StaticBody::reaction(const std::vector<ParticleId>& particles) const {
-  const Loads& loads = loads_at_hand().loads;
-  Reaction r;
-  for (const ParticleId p : particles) {
-    Vec3d F, M;
-    for (int k = 0; k < 3; ++k) {
-      if (unknowns_.of(p, k) == Unknowns::held) component(F, k) = -component(loads.F[p], k);
-      if (unknowns_.of(p, 3 + k) == Unknowns::held) component(M, k) = -component(loads.M[p], k);
-    }
-    r.force += F;
-    r.moment += M + cross(state_.r[p], F);
-  }
-  return r;
 }
 
 }  // namespace vbond

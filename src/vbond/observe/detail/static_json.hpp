@@ -17,6 +17,15 @@ Json to_json(const StaticSummary& s);
 /// The same back, without shapes and residuals. Throws Json::exception or IoError, without the file's name.
 StaticSummary static_summary(const Json& j);
 
+/// A vector as a list of three numbers, and back. Throws Json::exception or IoError.
+inline Json to_json(const Vec3d& x) {
+  return Json::array({x.x, x.y, x.z});
+}
+inline Vec3d vector_from(const Json& j) {
+  if (!j.is_array() || j.size() != 3) throw IoError("a vector is not a list of 3");
+  return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()};
+}
+
 /// A whole number from 0 to `most`. Throws IoError: Json's own way turns 1e300 and -1 into any number.
 inline std::int64_t whole_number(const Json& j,
                                  std::int64_t most = std::numeric_limits<std::int64_t>::max()) {
