@@ -246,8 +246,7 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
   recipe.set = static_cast<std::uint32_t>(set);
   FirstAndCount no_length, no_radius, unstable, snapping, no_capsule;
   CapsuleMistake of_capsule;
-  const double dissipated = state.books.dissipated,
-               U = recipe.capsule ? potential_energies(model, state).contact : 0.0;
+  const double dissipated = state.books.dissipated, U = potential_energies(model, state).contact;
   double longest = INFINITY;  // of bonds that soften
   for (const Pair& pair : select_pairs(c, set, model, state, problems)) {
     const auto bond = make_bond(recipe, bond_site(model, state, pair[0]), bond_site(model, state, pair[1]));
@@ -270,15 +269,14 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
       longest = std::min(longest, longest_now);
     }
     const double distance = norm(state.r[pair[1]] - state.r[pair[0]]);
-    if (const auto mistake = capsule_mistake(model.contact, bond->capsule, distance);
-        recipe.capsule && mistake) {
+    if (const auto mistake = capsule_mistake(model, *bond, distance)) {
+      if (no_capsule.count == 0) of_capsule = *mistake;
       no_capsule.note(fmt::format("particles {} and {} are {:.6g} apart, the capsule's radius is {:.6g}",
                                   pair[0].value, pair[1].value, distance, bond->capsule));
-      of_capsule = *mistake;
     }
     add_bond(model, *bond, recipe, state);
   }
-  if (recipe.capsule)  // what others touch changes, too
+  if (any_capsules(model.contact, state.bonds))  // what others touch changes, too
     state.books.dissipated = dissipated + U - potential_energies(model, state).contact;
   const auto report = [&](const FirstAndCount& found, const char* rule, const char* way_out) {
     if (found.count > 0)

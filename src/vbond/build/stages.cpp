@@ -192,6 +192,12 @@ StepBound exact_bound(const Case& c, const Model& model, const State& state, con
                       const ExactCriticalStep& exact_step, Problems& problems) {
   const SourcePlace& place = c.time.step->place;
   refuse_exact_with_bonding(c, stage, problems);
+  const bool capsules = any_capsules(model.contact, state.bonds);
+  if (capsules || !model.walls.empty())
+    problems.add(place, "time.step = \"exact\"",
+                 capsules ? "bonds touch as capsules, which the exact step does not know"
+                          : "the case has walls, which the exact step does not know",
+                 "leave step out: the automatic one counts them");
   if (!exact_step)
     problems.add(place, "time.step = \"exact\"", "this vbond was built without statics",
                  "leave step out, or give a time");

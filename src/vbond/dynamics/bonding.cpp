@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "vbond/core/error.hpp"
+#include "vbond/model/capsules.hpp"
 #include "vbond/model/make_bond.hpp"
 #include "vbond/model/step_bound.hpp"
 
@@ -23,7 +24,12 @@ std::string pair_name(ParticleId i, ParticleId j) {
 }
 
 Bond bond_between(const BondRecipe& recipe, const Model& model, const State& s, ParticleId i, ParticleId j) {
-  if (const auto bond = make_bond(recipe, bond_site(model, s, i), bond_site(model, s, j))) return *bond;
+  if (const auto bond = make_bond(recipe, bond_site(model, s, i), bond_site(model, s, j))) {
+    if (const auto mistake = capsule_mistake(model, *bond, norm(s.r[j] - s.r[i])))
+      throw Diverged(s.clock.step, s.clock.time(), pair_name(i, j) + ", whose bond is to touch as a capsule",
+                     mistake->rule, mistake->way_out);
+    return *bond;
+  }
   throw Diverged(s.clock.step, s.clock.time(), pair_name(i, j),
                  "came within bonding distance, but their bonded points are no apart (a <= 0)",
                  "attach the bonds at the centres, or bond at a larger distance than R_i + R_j");
@@ -32,7 +38,7 @@ Bond bond_between(const BondRecipe& recipe, const Model& model, const State& s, 
 }  // namespace
 
 Bonding::Bonding(const Model& model, const Stage& stage, const Order& order, const BondIndex& index)
-    : model_(model), order_(order), insist_(stage.insist) {
+    : model_(model), order_(order), walls_(stage.walls), insist_(stage.insist) {
   for (const BondingRule& rule : stage.bonding) {
     const auto keep = [&rule, &order, &index](Row i, Row* first, Row* last) {
       return std::remove_if(first, last, [&, p = order.particle[i]](Row j) {
@@ -46,7 +52,7 @@ Bonding::Bonding(const Model& model, const Stage& stage, const Order& order, con
 }
 
 void Bonding::check_step(const State& state) const {
-  const StepBound bound = step_bound(model_, state);
+  const StepBound bound = step_bound(model_, state, {}, walls_);
   if (insist_ || state.clock.dt <= bound.dt) return;
   throw Diverged(state.clock.step, state.clock.time(), "new bonds",
                  fmt::format("the time step {:.6g} is above the critical step {:.6g}, from {}",

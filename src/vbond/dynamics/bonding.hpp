@@ -44,6 +44,7 @@ class Bonding {
 
   const Model& model_;
   const Order& order_;
+  const std::vector<WallDrive>& walls_;
   const bool insist_;
   std::vector<RuleList> rules_;
 };

@@ -122,12 +122,17 @@ std::vector<Capsules::Contact> Capsules::with_history(const std::vector<FibreCon
   for (const std::size_t k : fresh) {
     const Vec3d n = touching(now[k]).n;
     auto best = parted.end();
+    double likeness = same_side;
     for (auto c = parted.begin(); c != parted.end(); ++c) {
-      const bool slid = joined(c->a, now[k].a) && joined(c->b, now[k].b) && dot(c->normal, n) > same_side;
-      if (slid && (best == parted.end() || dot(best->normal, n) < dot(c->normal, n))) best = c;
+      const double of_c = dot(c->normal, n);
+      const bool slid = of_c > 0.0 ? joined(c->a, now[k].a) && joined(c->b, now[k].b)
+                                   : joined(c->a, now[k].b) && joined(c->b, now[k].a);  // seen from the other
+      if (slid && std::abs(of_c) > likeness) likeness = std::abs(of_c), best = c;
     }
     if (best == parted.end()) continue;
-    now[k].normal = best->normal, now[k].history = best->history;
+    const bool turned = dot(best->normal, n) < 0.0;
+    now[k].normal = turned ? -best->normal : best->normal;
+    now[k].history = turned ? seen_from_the_other(best->history) : best->history;
     parted.erase(best);
   }
   return now;
@@ -142,7 +147,8 @@ std::vector<double> Capsules::friction_shares() const {
   std::vector<std::tuple<ParticleId, ParticleId, std::uint32_t>> at;  // particles of both fibres, and contact
   for (std::uint32_t k = 0; k < contacts_.size(); ++k)
     for_shares(contacts_[k].a, [&](ParticleId p, double) {
-      for_shares(contacts_[k].b, [&](ParticleId q, double) { at.emplace_back(p, q, k); });
+      for_shares(contacts_[k].b,
+                 [&](ParticleId q, double) { at.emplace_back(std::min(p, q), std::max(p, q), k); });
     });
   std::sort(at.begin(), at.end());
   using Index = Id<struct FibreContactTag>;

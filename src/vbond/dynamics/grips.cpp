@@ -15,7 +15,8 @@ Grips::Grips(const Stage& stage, Bodies& bodies, const Team& team) : stage_(stag
   }
   std::vector<ByBlock::Entry> entries;
   for (std::size_t k = 0; k < members_.size(); ++k)
-    if (!std::exchange(taken[members_[k].row], 1)) entries.push_back({members_[k].row, k});
+    if (!std::exchange(taken[members_[k].row], 1))
+      entries.push_back({members_[k].row, k}), members_[k].moved = true;
   held_ = ByBlock(std::move(entries), team.blocks());
   work_.resize(team.blocks() * grips_.size());
 }
@@ -35,6 +36,7 @@ PoseRow Grips::pose_at(const Member& m, const Place& at) {
 
 bool Grips::stands_at(const Grip& grip, const Place& now) const {
   for (std::size_t k = grip.first; k < grip.first + grip.support->particles.size(); ++k) {
+    if (!members_[k].moved) continue;
     const PoseRow &is = bodies_.pose[members_[k].row], belongs = pose_at(members_[k], now);
     if (!(is.r == belongs.r && is.q == belongs.q)) return false;
   }

@@ -57,6 +57,7 @@ class Grips {
     std::size_t row;
     std::size_t grip;
     GrippedPose as_held;
+    bool moved = false;  ///< by its grip; else by another one that agrees
   };
   struct Rates {
     Vec3d v, omega;

@@ -110,8 +110,8 @@ class Simulation {
   /// Energies at the present positions and velocities.
   const Energies& energies() const { return survey().energies; }
   /// Relative error of the energy balance for these energies: kinetic + potential + dissipated - work -
-  /// start, over the largest energy that start and work have brought in so far, at least a thousand
-  /// roundings.
+  /// start, over the largest energy that start and work have brought in so far, at least what moves and what
+  /// contacts hold now, and a thousand roundings.
   double balance_error(const Energies& e) const;
   /// What the supports exert on these particles along held degrees of freedom, drag included, the
   /// inertia of prescribed accelerations left out.

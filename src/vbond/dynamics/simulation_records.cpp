@@ -1,5 +1,6 @@
 // What a simulation is asked for: its records, when it stops, energies, reactions.
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -75,7 +76,8 @@ double Simulation::balance_error(const Energies& e) const {
   const EnergyBooks& b = state_.books;
   const double imbalance =
       e.total() + b.dissipated + b.released - b.work_loads - b.work_supports - b.at_start;
-  return imbalance / std::max({b.largest, b.at_start, rounding_scale_, std::numeric_limits<double>::min()});
+  return imbalance / std::max({b.largest, std::abs(b.at_start), e.kinetic(), std::abs(e.contact),
+                               rounding_scale_, std::numeric_limits<double>::min()});
 }
 
 Reaction Simulation::reaction(const std::vector<ParticleId>& particles) const {

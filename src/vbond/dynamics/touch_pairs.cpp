@@ -45,16 +45,6 @@ double lost_on_parting(const TouchForms& forms, const TouchNumbers<double>& numb
   return lost + 0.5 * normal_force(forms, numbers, p.R, before).F * (p.overlap - before);
 }
 
-namespace {
-
-/// The same as the other one feels it.
-PairHistory seen_from_the_other(PairHistory h) {
-  for (const std::size_t k : {0, 1, 2, 4, 5, 6, 8, 9, 10}) h[k] = -h[k];
-  return h;
-}
-
-}  // namespace
-
 TouchPairs::TouchPairs(const Model& model, const Order& order, const StepKernel& kernel)
     : order_(order),
       kernel_(kernel),

@@ -30,7 +30,8 @@ Walls::Walls(const Model& model, const Stage& stage, const Bodies& bodies, std::
   for (const WallDrive& d : stage.walls) drive_[d.index] = &d;
   double R_max = 0.0;
   least_radius_ = std::numeric_limits<double>::infinity();
-  for (const double R : model.radius) R_max = std::max(R_max, R), least_radius_ = std::min(least_radius_, R);
+  for (const double R : model.radius)
+    if (R > 0.0) R_max = std::max(R_max, R), least_radius_ = std::min(least_radius_, R);
   const std::size_t materials = std::max<std::size_t>(1, model.materials.size());
   for (const Wall& w : model.walls) {
     surfaces_.emplace_back(w.shape);
@@ -162,7 +163,8 @@ void Walls::look_at_drift(double dt, double way) {
       const double R = model_.radius[p];
       const Vec3d r = bodies_.pose[k].r;
       const double moved = dt * norm(bodies_.motion[k].v - velocity_at(walls_[w], model_.walls[w].centre, r));
-      if (!(moved > R) || !surfaces_[w].may_touch(at_start(static_cast<std::uint32_t>(w), r), R + moved))
+      if (!(R > 0.0) || !(moved > R) ||
+          !surfaces_[w].may_touch(at_start(static_cast<std::uint32_t>(w), r), R + moved))
         continue;
       fault_ = {Fault::fast, static_cast<std::uint32_t>(w), p, moved, R};
       return;
@@ -253,8 +255,10 @@ double Walls::add_touches(OfBlock& block, Near& near, LoadRow& load, double dt) 
       block.fault = {Fault::passed, near.wall, bodies_.order.particle[Row{near.row}]};
     if (has_servo(near.wall)) {
       const ContactSlopes slopes = contact_slopes(forms_, c, p.R, p.m, std::max(p.overlap, 0.0));
-      block.slopes[near.wall].k += std::max(slopes.normal, slopes.tangential);
-      block.slopes[near.wall].g += slopes.damping;
+      const double along = sq(dot(p.n, drive_[near.wall]->servo->direction)), across = 1.0 - along;
+      const double c_t = slopes.tangential > 0.0 ? c.tangential_damping : 0.0;
+      block.slopes[near.wall].k += along * slopes.normal + across * slopes.tangential;
+      block.slopes[near.wall].g += (along + across * c_t) * slopes.damping;
     }
     const TouchLoads<double> l = vbond::touch(forms_, c, p, dt, touch_history(slot.history));
     load.F += l.F;

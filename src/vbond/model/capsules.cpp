@@ -33,12 +33,23 @@ std::optional<CapsuleMistake> capsule_mistake(const ContactModel& contact, doubl
   if (contact.adhesion != AdhesionForm::none)
     return CapsuleMistake{"capsules do not adhere: their contacts take no adhesion",
                           "leave contact.adhesion out, or capsule_radius"};
+  if (contact.keeps_overlap)
+    return CapsuleMistake{"capsules that a bond leaves as it breaks keep no overlap",
+                          "use contact.overlap_at_break = \"felt\", or no capsule_radius"};
   if (!(capsule < distance))
     return CapsuleMistake{
         "the radius of a capsule must be smaller than the distance of its two particles: a bent fibre would "
         "touch itself",
         fmt::format("use capsule_radius below {:.6g}, better half of it, or longer bonds", distance)};
   return std::nullopt;
+}
+
+std::optional<CapsuleMistake> capsule_mistake(const Model& model, const Bond& bond, double distance) {
+  if (!(bond.capsule > 0.0)) return std::nullopt;
+  if (model.material_of(bond.i) != model.material_of(bond.j))
+    return CapsuleMistake{"a capsule is of one material, and its two particles are of two",
+                          "give both particles one material, or the bond no capsule_radius"};
+  return capsule_mistake(model.contact, bond.capsule, distance);
 }
 
 FibreParts::FibreParts(const Model& model, const PerBond<Bond>& bonds)

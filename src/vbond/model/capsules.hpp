@@ -1,9 +1,9 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "vbond/core/segments.hpp"
@@ -40,7 +40,7 @@ struct FibrePair {
 /// A pair of nearest points, counted `weight` times. It has friction and damping if it is a `body` contact:
 /// two bodies are nearest there, and nothing else makes up for it.
 struct FibreContact {
-  FibrePlace a, b;              ///< a before b: in order of particles
+  FibrePlace a, b;              ///< a before b: in order of the particles of the two places
   std::uint32_t first, second;  ///< parts, bodies if it is one
   int weight;
   bool body;
@@ -57,6 +57,8 @@ struct CapsuleMistake {
   std::string rule, way_out;
 };
 std::optional<CapsuleMistake> capsule_mistake(const ContactModel& contact, double capsule, double distance);
+/// The same of a bond between particles where they stand.
+std::optional<CapsuleMistake> capsule_mistake(const Model& model, const Bond& bond, double distance);
 
 /// The parts of all fibres, and the other particles, which they may touch.
 class FibreParts {
@@ -97,19 +99,16 @@ class FibreParts {
 template <class PositionOf>
 std::optional<FibreContact> contact_of(const std::vector<FibrePart>& parts, const FibrePair& pair,
                                        PositionOf r) {
-  std::uint32_t first = pair.first, second = pair.second;
-  const auto before = [](const FibrePart& x, const FibrePart& y) {
-    return x.i != y.i ? x.i < y.i : x.j < y.j;
-  };
-  if (before(parts[second], parts[first])) std::swap(first, second);
-  const FibrePart &x = parts[first], &y = parts[second];
+  const FibrePart &x = parts[pair.first], &y = parts[pair.second];
   const NearestOnSegments at = nearest_on_segments(r(x.i), r(x.j), r(y.i), r(y.j));
   if (at.distance2 >= (x.R + y.R) * (x.R + y.R)) return std::nullopt;  // NaN goes on: the load check finds it
   const auto place = [](const FibrePart& part, double s) {
     if (s == 0.0 || !part.is_capsule()) return FibrePlace{part.i, part.i, 0.0, part.R};
     return s == 1.0 ? FibrePlace{part.j, part.j, 0.0, part.R} : FibrePlace{part.i, part.j, s, part.R};
   };
-  return FibreContact{place(x, at.s), place(y, at.t), first, second, pair.weight, pair.bodies};
+  FibreContact c{place(x, at.s), place(y, at.t), pair.first, pair.second, pair.weight, pair.bodies};
+  if (std::pair(c.b.i, c.b.j) < std::pair(c.a.i, c.a.j)) std::swap(c.a, c.b), std::swap(c.first, c.second);
+  return c;
 }
 
 /// Puts contacts at the same places together and in order; those whose weights cancel are left out.

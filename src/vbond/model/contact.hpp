@@ -101,6 +101,12 @@ bool is_elastic(const ContactModel& contact, const std::vector<ContactMaterial>&
 /// it.
 using PairHistory = std::array<double, 12>;
 
+/// The same as the other of the two feels it.
+inline PairHistory seen_from_the_other(PairHistory h) {
+  for (const std::size_t k : {0, 1, 2, 4, 5, 6, 8, 9, 10}) h[k] = -h[k];  // the vectors
+  return h;
+}
+
 /// What the pair of two particles, i < j, remembers.
 struct PairMemory {
   ParticleId i, j;

@@ -328,8 +328,11 @@ std::vector<std::string> mistakes_in(const Model& model, const State& s) {
                               k.value, b.i.value, b.j.value, model.particles()));
     break;
   }
-  found.require(model.contact.adhesion == AdhesionForm::none || !any_capsules(model.contact, s.bonds),
+  const bool capsules = any_capsules(model.contact, s.bonds);
+  found.require(model.contact.adhesion == AdhesionForm::none || !capsules,
                 "bonds touch as capsules, which take no adhesion: contact.adhesion must be none");
+  found.require(!model.contact.keeps_overlap || !capsules,
+                "bonds touch as capsules, which keep no overlap: contact.keeps_overlap must be false");
   const Clock& c = s.clock;
   found.require(
       c.step >= 0 && c.stage_step >= 0 && c.stage >= 0 && at_least_zero(c.dt) && std::isfinite(c.stage_start),

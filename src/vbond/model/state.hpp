@@ -1,5 +1,7 @@
 #pragma once
+#include <algorithm>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "vbond/core/column.hpp"
@@ -71,7 +73,8 @@ struct State {
   PerBond<Bond> bonds;                ///< in order of creation
   PerBond<BondHistory> bond_history;  ///< empty where no bond remembers anything
   /// Forces and moments at the present positions, where they do not follow from these: with bonds that damp,
-  /// remember or break, with walls, and with contacts that are not elastic. Else empty.
+  /// remember or break, with walls, with local damping, and with contacts that are not elastic or of
+  /// capsules. Else empty.
   Loads loads;
   std::vector<PairMemory> contact_history;  ///< of touching pairs that remember something, in order of (i, j)
   std::vector<FibreMemory> fibre_history;   ///< of the contacts of capsules, in order of their places
@@ -98,10 +101,20 @@ inline State at_rest(const Model& model) {
   return s;
 }
 
+/// The part of their overlap that two particles do not feel.  [length]
+inline double kept_overlap(const State& s, ParticleId i, ParticleId j) {
+  const std::pair<ParticleId, ParticleId> pair = std::minmax(i, j);
+  const auto at =
+      std::lower_bound(s.contact_history.begin(), s.contact_history.end(), pair,
+                       [](const PairMemory& m, const auto& p) { return std::pair(m.i, m.j) < p; });
+  return at != s.contact_history.end() && std::pair(at->i, at->j) == pair ? at->kept : 0.0;
+}
+
 /// Energy of the repulsion of two particles, bonded or not; 0 if they do not touch.  [energy]
 inline double contact_pair_energy(const Model& model, const State& s, ParticleId i, ParticleId j) {
   if (!particles_touch(model.contact)) return 0.0;
-  const double R_i = model.radius[i], R_j = model.radius[j], overlap = R_i + R_j - norm(s.r[j] - s.r[i]);
+  const double R_i = model.radius[i], R_j = model.radius[j];
+  const double overlap = R_i + R_j - norm(s.r[j] - s.r[i]) - kept_overlap(s, i, j);
   if (!(overlap > 0.0)) return 0.0;
   return normal_energy(touch_forms(model.contact), touch_numbers(model, i, j), R_i * R_j / (R_i + R_j),
                        overlap);

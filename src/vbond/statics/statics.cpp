@@ -60,12 +60,13 @@ void refuse_contacts(const Model& model, const StaticStage& stage, const State& 
                         "bonds touch as capsules: static stages take the contacts of spheres only",
                         "leave capsule_radius out, or bring the body to rest in a stage of dynamics");
   if (is_elastic(model.contact, model.materials)) return;
-  throw NoEquilibrium(
-      stage.name,
-      "contacts do more than repel elastically by Hertz's law: friction, damping and adhesion depend "
-      "on the way by which an equilibrium is reached",
-      "leave friction, restitution and adhesion out of [contact] for static stages, or bring the "
-      "body to rest in a stage of dynamics");
+  throw NoEquilibrium(stage.name,
+                      "contacts do more than repel elastically by Hertz's law: friction, damping, adhesion "
+                      "and overlaps that are "
+                      "kept depend on the way by which an equilibrium is reached",
+                      "leave friction, restitution, adhesion and overlap_at_break out of [contact] for "
+                      "static stages, or bring the "
+                      "body to rest in a stage of dynamics");
 }
 
 }  // namespace
