@@ -73,7 +73,8 @@ class Run:
 
     def history(self):
         """Columns of history.csv by name; an empty cell is NaN."""
-        return {name: [float(cell or "nan") for cell in column] for name, column in self._columns("history.csv").items()}
+        return {name: [float(cell or "nan") for cell in column]
+                for name, column in self._columns("history.csv").items()}
 
     def breaks(self):
         """Columns of breaks.csv by name, `mode` and `criterion` as text; an empty cell is NaN."""
@@ -125,6 +126,7 @@ def cone_of_fines(balls):
 
 
 def fines_by_depth(sizes, places):
-    """Of each particle of a ball about the origin: is it of the fines, distance from the axis z, depth below its pole."""
+    """Of each particle of a ball about the origin: is it of the fines, distance from the axis z, depth below its pole.
+    """
     radius = max(math.hypot(*p) for p in places)
     return [(n < 0.01 * len(sizes), math.hypot(p[0], p[1]), radius - abs(p[2])) for n, p in zip(sizes, places)]
