@@ -73,6 +73,60 @@ class Run:
 
     def history(self):
         """Columns of history.csv by name; an empty cell is NaN."""
-        with open(self.folder / "history.csv", newline="") as file:
-            rows = list(csv.reader(file))
-        return {name: [float(row[k] or "nan") for row in rows[1:]] for k, name in enumerate(rows[0])}
+        return {name: [float(cell or "nan") for cell in column]
+                for name, column in self._columns("history.csv").items()}
+
+    def breaks(self):
+        """Columns of breaks.csv by name, `mode` and `criterion` as text; an empty cell is NaN."""
+        return {name: column if name in ("mode", "criterion") else [float(cell or "nan") for cell in column]
+                for name, column in self._columns("breaks.csv").items()}
+
+    def last_fragments(self):
+        """Columns of fragments.csv by name, as text, at the end of the last stage."""
+        columns = self._columns("fragments.csv")
+        kept = [k for k, stage in enumerate(columns["stage"]) if stage == columns["stage"][-1]]
+        return {name: [column[k] for k in kept] for name, column in columns.items()}
+
+    def _columns(self, name):
+        with open(self.folder / name, newline="") as file:
+            head, *rows = csv.reader(file)
+        return {title: [row[k] for row in rows] for k, title in enumerate(head)}
+
+
+def peak_of(history):
+    """The row of the largest force on the wall "upper"."""
+    force = history["wall.upper.Fz"]
+    return max(range(len(force)), key=lambda k: force[k])
+
+
+def sizes_and_places(run):
+    """Of each particle: how many hold together with it in the last frame, and where it was at the start."""
+    last = read_vtp(run.files["particles"][-1])
+    count = {}
+    for fragment in last["fragment"]:
+        count[fragment] = count.get(fragment, 0) + 1
+    places = [[p - u for p, u in zip(*pair)] for pair in zip(last["Points"], last["displacement"])]
+    return [count[fragment] for fragment in last["fragment"]], places
+
+
+def cone_of_fines(balls):
+    """The two equal cones about z, bases under the plates and tips inwards, that hold the fines of balls about the
+    origin best. balls: for each, what sizes_and_places gives; fines are in fragments of less than 1 % of the particles.
+    Best has the largest 2 x / (fines + particles in the cones), where x is the number of fines in the cones; base
+    radius and depth go in steps of a quarter.
+    """
+    where = [found for sizes, places in balls for found in fines_by_depth(sizes, places)]
+    fines = sum(is_fine for is_fine, _, _ in where)
+    best = (-1.0,)
+    for base in (0.25 * k for k in range(4, 25)):
+        for depth in (0.25 * k for k in range(4, 29)):
+            inside = [is_fine for is_fine, r, down in where if r <= base * (1 - down / depth)]
+            best = max(best, (2 * sum(inside) / (fines + len(inside)), base, depth))
+    return best[1:]
+
+
+def fines_by_depth(sizes, places):
+    """Of each particle of a ball about the origin: is it of the fines, distance from the axis z, depth below its pole.
+    """
+    radius = max(math.hypot(*p) for p in places)
+    return [(n < 0.01 * len(sizes), math.hypot(p[0], p[1]), radius - abs(p[2])) for n, p in zip(sizes, places)]
