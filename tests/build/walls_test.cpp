@@ -174,6 +174,19 @@ TEST(Contacts, HaveANumberForEachForm) {
             "");
 }
 
+TEST(Contacts, ThatOverlapByHalfAtTheStartAreRefused) {
+  const auto pair = [](double x) {
+    return parse_case("[[specimen]]\nkind = \"list\"\npositions = [[0, 0, 0], [" + std::to_string(x) +
+                          ", 0, 0]]\nmass = 1\nradius = 0.5\n[contact]\nlaw = \"hertz\"\nE = 100\nnu = 0.3\n"
+                          "[[stage]]\nduration = 1\n",
+                      "case.toml");
+  };
+  expect_refused(
+      pair(0.7), "case.toml:1:1",
+      {"particles 0 and 1, which are not bonded, overlap by 0.6", "1 such pairs", "smaller radii"});
+  EXPECT_EQ(text_of_error(pair(0.76)), "");
+}
+
 TEST(Contacts, OfAPairOfMaterialsAreSaidOnce) {
   std::string text = to_toml(walls_case(""));
   for (const char* key : {"E = 100.0\n", "nu = 0.3\n"}) text.erase(text.find(key), std::string(key).size());

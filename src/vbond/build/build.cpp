@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <set>
+#include <utility>
 
 #include "vbond/build/bonds.hpp"
 #include "vbond/build/groups.hpp"
@@ -15,6 +17,7 @@
 #include "vbond/build/walls.hpp"
 #include "vbond/core/bounding_box.hpp"
 #include "vbond/core/near_pairs.hpp"
+#include "vbond/model/touching.hpp"
 
 namespace vbond {
 namespace {
@@ -166,6 +169,36 @@ void check_contact(const Case& c, const Model& model, Problems& problems) {
                           "contacts need radii > 0", "give every specimen a radius, or leave out [contact]");
 }
 
+/// Particles that are not bonded and lie half in one another would fly apart. Bonds that are made later may
+/// be meant for them.
+void check_overlaps(const Case& c, const Built& built, Problems& problems) {
+  constexpr double most = 0.5;  // of the smaller radius, as for walls
+  const auto later = [](const BondSpec& b) { return b.when != BondTime::start; };
+  if (std::any_of(c.bonds.begin(), c.bonds.end(), later)) return;
+  std::set<std::pair<ParticleId, ParticleId>> bonded;
+  for (const Bond& b : built.state.bonds) bonded.insert(std::minmax(b.i, b.j));
+  const PerParticle<double>& R = built.model.radius;
+  struct {
+    double part = 0;
+    ParticleId i, j;
+    std::size_t count = 0;
+  } worst;
+  for_touching_pairs(built.model, built.state, [&](ParticleId i, ParticleId j, double overlap) {
+    const double part = overlap / std::min(R[i], R[j]);
+    if (part <= most * (1.0 + 1e-9) || bonded.count({i, j}) > 0) return;
+    ++worst.count;
+    if (part > worst.part) worst.part = part, worst.i = i, worst.j = j;
+  });
+  if (worst.count == 0) return;
+  problems.add(
+      c.specimens[built.model.specimen[worst.j]].place,
+      fmt::format("particles {} and {}, which are not bonded, overlap by {:.3g} of the smaller radius "
+                  "({} such pairs)",
+                  worst.i.value, worst.j.value, worst.part, worst.count),
+      fmt::format("at the start particles that touch overlap by at most {} of it", most),
+      "move a specimen, use smaller radii, bond them, or contact.pairs = \"none\"");
+}
+
 /// 2 pi sqrt(m / c_A); 0 if there is none, and then no time may be given in it.
 double natural_time(const Case& c, const Built& built, Problems& problems) {
   const double two_pi = 2.0 * std::numbers::pi;
@@ -238,6 +271,7 @@ Built build(const Case& c) {
 
   for (std::size_t set = 0; set < c.bonds.size(); ++set)
     if (c.bonds[set].when == BondTime::start) add_bonds(c, set, model, state, problems);
+  check_overlaps(c, built, problems);
   model.T_0 = natural_time(c, built, problems);
   add_velocities(c, model, state, problems);
   check_stages(c, model, problems);
