@@ -27,8 +27,7 @@ Damping::Damping(const Stage& stage, Bodies& bodies)
   }
 }
 
-double Damping::slow_down(RowRange rows) const {
-  if (decay_.empty()) return 0.0;
+double Damping::do_slow_down(RowRange rows) const {
   return step_kernel().slow_down(rows, decay_.data(), bodies_.motion.data()) +
          bodies_.tops.slow_down(rows, half_step_, b_rotation_, bodies_.turning());
 }

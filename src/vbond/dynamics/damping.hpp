@@ -15,13 +15,15 @@ class Damping {
   /// Keeps a reference to the bodies.
   Damping(const Stage& stage, Bodies& bodies);
   /// Slows particles down and returns the energy that goes; supports put their own velocities back after it.
-  double slow_down(RowRange rows) const;
+  double slow_down(RowRange rows) const { return decay_.empty() ? 0.0 : do_slow_down(rows); }
   /// Cundall's local damping: adds to complete loads, and to the part of them that damps, what opposes the
   /// rates of the last half step. Held degrees of freedom are left out.
   bool is_local() const { return local_ > 0.0; }
   void oppose_motion(RowRange rows) const;
 
  private:
+  double do_slow_down(RowRange rows) const;
+
   Bodies& bodies_;
   std::vector<Decay> decay_;  // of each row; empty: no drag
   double half_step_, b_rotation_;

@@ -88,12 +88,13 @@ void Simulation::begin_stage() {
 
 void Simulation::step() {
   const bool timed = state_.clock.stage_step % StepTimes::one_in == 0;
+  taken_.clear();
   make_bonds();    // between particles that came close
   apply_strain();  // r jumps, if it is due
   supports_.set_times(state_.clock.stage_step, stage_.dt);
   applied_.set_times(state_.clock.stage_step, stage_.dt);
 
-  walls_.move(state_.clock.stage_step, stage_.dt);
+  if (walls_.any()) walls_.move(state_.clock.stage_step, stage_.dt);
 
   StepTimes::Lap lap(timed);
   team_.for_blocks([&](const Block& b) {
@@ -127,11 +128,11 @@ void Simulation::step() {
   ++state_.clock.stage_step;  // time is counted, not summed
   bodies_ahead_ = true;
   survey_.reset();
-  close_walls(stage_.dt);
+  if (walls_.any()) close_walls(stage_.dt);
   close_books();
-  look_at_capsules();
-  const bool broke = break_bonds();
-  look_at_deep_contacts();
+  if (capsules_.any()) look_at_capsules();
+  const bool broke = !bonds_.all_elastic() && break_bonds();
+  if (contacts_.any()) look_at_deep_contacts();
   keep_records();
   const bool told = broke || !encounters().empty() || fastest() || any_deep_capsules();
   if (--steps_to_look_ == 0 || told) notify_observers();
@@ -210,14 +211,15 @@ void Simulation::notify_observers() {
 void Simulation::kick(const Block& b, double h) {
   books_[b.index].poison +=
       kernel_.kick(b.rows, h, bodies_.inverse.data(), bodies_.load.data(), bodies_.motion.data());
-  bodies_.tops.kick(b.rows, h, bodies_.load, bodies_.turning());
+  if (bodies_.tops.any()) bodies_.tops.kick(b.rows, h, bodies_.load, bodies_.turning());
 }
 
 double Simulation::drift(const Block& b, double h) {
-  bodies_.tops.turn(b.rows, h, bodies_.turning());
+  if (bodies_.tops.any()) bodies_.tops.turn(b.rows, h, bodies_.turning());
   const double way2 = kernel_.drift(b.rows, h, bodies_.motion.data(), bodies_.pose.data());
+  if (!bodies_.tops.any()) return way2;
   bodies_.tops.put_turned(b.rows, bodies_.turning());
-  if (inelastic() && bodies_.tops.any()) keep_rates(b);  // omega at the new orientations
+  if (inelastic()) keep_rates(b);  // omega at the new orientations
   return way2;
 }
 
@@ -281,13 +283,12 @@ void Simulation::evaluate_loads() {
     for (std::size_t b = part.first_block; b < part.last_block; ++b)
       complete_loads(part, team_.block(b), Instant::start, {}, untimed);
   });
-  close_walls(0.0);
+  if (walls_.any()) close_walls(0.0);
   check_finite();
 }
 
 /// What walls have done in the step. The run ends if it cannot go on with them.
 void Simulation::close_walls(double dt) {
-  if (!walls_.any()) return;
   state_.books.work_supports += walls_.close(dt);
   const auto found = walls_.fault();
   if (!found) return;
@@ -341,7 +342,7 @@ void Simulation::close_books() {
   state_.books.dissipated += sum.dissipated;
   state_.books.work_loads += sum.work_loads;
   state_.books.work_supports += sum.work_supports;
-  supports_.grips().close();
+  if (supports_.grips().any()) supports_.grips().close();
   if (sum.poison != 0.0) check_finite();
 }
 

@@ -91,8 +91,6 @@ void Simulation::take_up_loads() {
 /// step in which it reached the limit, and so does its share of the energy.
 /// Whether there are any.
 bool Simulation::break_bonds() {
-  if (bonds_.all_elastic()) return false;
-  taken_.clear();
   std::vector<BondId> broken;
   for (std::vector<BondId>& of_part : breaking_) {
     broken.insert(broken.end(), of_part.begin(), of_part.end());

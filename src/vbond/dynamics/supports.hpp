@@ -40,7 +40,7 @@ class Supports {
 
   void set_times(std::int64_t stage_step, double dt) {
     factors_.set_times(stage_step, dt);
-    grips_.set_times(stage_step);
+    if (grips_.any()) grips_.set_times(stage_step);
   }
 
   /// Gives held rates their prescribed value of that instant.
