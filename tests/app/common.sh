@@ -57,3 +57,21 @@ expect_same() {
   diff -rq --exclude=run.json "${@:3}" "$1" "$2" || fail "$2 differs from $1"
   diff <(without_times "$1") <(without_times "$2") || fail "$2/run.json differs from $1/run.json"
 }
+
+# run_example PROGRAM CASE: as it is shipped it has no mistakes and runs to its end, into NAME.out; where it moves the
+# energy balance error stays below 1e-3.
+run_example() {
+  local out error stages static moves
+  out=$(basename "$2" .toml).out
+  expect 0 "$1" check "$2"
+  says out "no mistakes found"
+  expect 0 "$1" run "$2" -o "$out"
+  error=$(number "$out/run.json" energy_balance_error)
+  stages=$(grep -c '^\[\[stage\]\]' "$2")
+  static=$(grep -cE '^kind = "(equilibrium|path|buckling|modes|fracture)"' "$2") || true
+  moves=$((stages > static))
+  holds "($error > 0) == $moves && $error < 1e-3" || fail "$2: energy balance error '$error', expected below 1e-3"
+  [[ $(grep -cE '"(stop|ended)"' "$out/run.json") == "$stages" ]] || fail "$2: a stage is missing"
+  ! grep -q '"failed"' "$out/run.json" || fail "$2: a stage has failed"
+  echo "$2: largest error of the energy balance: $error"
+}

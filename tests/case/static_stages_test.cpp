@@ -4,7 +4,7 @@
 
 #include "vbond/case/read.hpp"
 
-namespace vbond {
+namespace vbond::static_stages_test {
 namespace {
 
 const std::string rod = "[[specimen]]\nkind = \"rod\"\nparticles = 10\nmass = 1\ninertia = 0.064\n";
@@ -293,4 +293,4 @@ TEST(TimeStep, MayBeAPartOfTheExactCriticalStep) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::static_stages_test

@@ -16,7 +16,7 @@
 #include "vbond/model/rules.hpp"
 #include "vbond/model/step_bound.hpp"
 
-namespace vbond {
+namespace vbond::breaking_test {
 namespace {
 
 using testing::Dice;
@@ -234,4 +234,4 @@ TEST(StepBoundOfRules, CountsDampingAndTheStiffestSlope) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::breaking_test

@@ -9,7 +9,7 @@
 
 #include "rods.hpp"
 
-namespace vbond {
+namespace vbond::chung_ooi_test {
 namespace {
 
 using testing::Specimen;
@@ -173,4 +173,4 @@ TEST(Sled, SticksOrSlides) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::chung_ooi_test

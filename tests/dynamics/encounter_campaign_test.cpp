@@ -15,7 +15,7 @@
 #include "rods.hpp"
 #include "vbond/core/error.hpp"
 
-namespace vbond {
+namespace vbond::encounter_campaign_test {
 namespace {
 
 using testing::Dice;
@@ -376,4 +376,4 @@ TEST(Encounters, AreThoseOfAnotherIntegrator) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::encounter_campaign_test

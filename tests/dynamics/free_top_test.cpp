@@ -8,7 +8,7 @@
 #include "material_cases.hpp"
 #include "vbond/model/energies.hpp"
 
-namespace vbond {
+namespace vbond::free_top_test {
 namespace {
 
 using testing::after;
@@ -172,4 +172,4 @@ TEST(RandomTops, MoveAsEulersEquationsSay) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::free_top_test

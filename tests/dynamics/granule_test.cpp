@@ -13,7 +13,7 @@
 #include "material_cases.hpp"
 #include "rods.hpp"
 
-namespace vbond {
+namespace vbond::granule_test {
 namespace {
 
 using testing::Specimen;
@@ -129,4 +129,4 @@ TEST(Granule, BreaksOnAWallAsTheReferenceSays) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::granule_test

@@ -16,7 +16,7 @@
 #include "vbond/model/step_bound.hpp"
 #include "vbond/physics/far_from_breaking.hpp"
 
-namespace vbond {
+namespace vbond::ruled_bonds_test {
 namespace {
 
 using testing::Dice;
@@ -424,4 +424,4 @@ TEST(RuledBonds, BreakAlikeHoweverTheBodyIsNumberedAndTurned) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::ruled_bonds_test

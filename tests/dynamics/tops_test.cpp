@@ -9,7 +9,7 @@
 #include "vbond/model/mistakes.hpp"
 #include "vbond/model/step_bound.hpp"
 
-namespace vbond {
+namespace vbond::tops_test {
 namespace {
 
 using testing::after;
@@ -338,4 +338,4 @@ TEST(Tops, AreNotHeldInPart) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::tops_test

@@ -9,7 +9,7 @@
 #include "rods.hpp"
 #include "vbond/model/step_bound.hpp"
 
-namespace vbond {
+namespace vbond::touch_test {
 namespace {
 
 using testing::Specimen;
@@ -184,4 +184,4 @@ TEST(Adhesion, HoldsTwoSpheresUntilNoEquilibriumIsLeft) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::touch_test

@@ -8,7 +8,7 @@
 
 #include "rods.hpp"
 
-namespace vbond {
+namespace vbond::trajectories_test {
 namespace {
 
 nlohmann::json read(const std::string& name) {
@@ -154,4 +154,4 @@ TEST(EvmNanotube, AgreesWithTheEnergiesThatWaLBerlaRecords) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::trajectories_test

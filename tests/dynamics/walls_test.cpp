@@ -11,7 +11,7 @@
 #include "vbond/core/error.hpp"
 #include "vbond/physics/strength.hpp"
 
-namespace vbond {
+namespace vbond::walls_test {
 namespace {
 
 using testing::drive;
@@ -396,4 +396,4 @@ TEST(Heap, HasTheSameBitsWithAnyThreadsAndAfterAnyResumption) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::walls_test

@@ -11,7 +11,7 @@
 #include "rods.hpp"
 #include "vbond/model/rules.hpp"
 
-namespace vbond {
+namespace vbond::weak_bond_test {
 namespace {
 
 using testing::Specimen;
@@ -153,4 +153,4 @@ TEST(WeakBond, StopCountsTheBreaksOfTheStage) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::weak_bond_test

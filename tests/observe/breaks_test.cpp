@@ -18,7 +18,7 @@
 #include "vbond/observe/report.hpp"
 #include "vtp_reader.hpp"
 
-namespace vbond {
+namespace vbond::breaks_test {
 namespace {
 
 using test::Chain;
@@ -353,4 +353,4 @@ TEST(BreaksInWords, AreReadFromTheFile) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::breaks_test

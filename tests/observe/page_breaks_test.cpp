@@ -12,7 +12,7 @@
 #include "vbond/observe/vtp.hpp"
 #include "vbond/observe/vtp_read.hpp"
 
-namespace vbond::page {
+namespace vbond::page::page_breaks_test {
 namespace {
 
 using test::array_of;
@@ -198,4 +198,4 @@ TEST(PageBreaks, CausesHaveTheNumbersOfTheFrames) {
 }
 
 }  // namespace
-}  // namespace vbond::page
+}  // namespace vbond::page::page_breaks_test

@@ -11,7 +11,7 @@
 #include "vbond/observe/vtp.hpp"
 #include "vbond/observe/vtp_read.hpp"
 
-namespace vbond::page {
+namespace vbond::page::page_test {
 namespace {
 
 using test::array_of;
@@ -409,4 +409,4 @@ TEST(Page, ABodyFarFromZeroKeepsItsShape) {
 }
 
 }  // namespace
-}  // namespace vbond::page
+}  // namespace vbond::page::page_test

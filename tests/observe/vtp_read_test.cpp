@@ -9,7 +9,7 @@
 #include "vbond/observe/frames.hpp"
 #include "vbond/observe/vtp.hpp"
 
-namespace vbond {
+namespace vbond::vtp_read_test {
 namespace {
 
 using Per = VtpInput::Per;
@@ -226,4 +226,4 @@ TEST(VtpInput, ArraysAreGivenForWhatTheyAreOf) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::vtp_read_test

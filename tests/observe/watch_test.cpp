@@ -10,7 +10,7 @@
 #include "vbond/core/error.hpp"
 #include "vbond/observe/bond_look.hpp"
 
-namespace vbond {
+namespace vbond::watch_test {
 namespace {
 
 using test::Chain;
@@ -371,4 +371,4 @@ TEST(Watch, TellsTheLoadFactorOfAnOverlap) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::watch_test

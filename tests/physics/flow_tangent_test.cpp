@@ -11,7 +11,7 @@
 
 #include "random_pose.hpp"
 
-namespace vbond {
+namespace vbond::flow_tangent_test {
 namespace {
 
 using Numbers = std::array<double, 9>;
@@ -129,4 +129,4 @@ TYPED_TEST(FlowTangent, OfABondThatDoesNotFlowIsThatOfTheLawWithRules) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::flow_tangent_test

@@ -15,7 +15,7 @@
 #include "random_pose.hpp"
 #include "vbond/core/dual.hpp"
 
-namespace vbond {
+namespace vbond::flowing_test {
 namespace {
 
 constexpr BondStiffness<double> slender{1.0, 0.03, 0.0025, 1.0 / 480};
@@ -493,4 +493,4 @@ TEST(RotationByQuarter, HoldsAnyRotation) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::flowing_test

@@ -9,7 +9,7 @@
 #include "vbond/core/quat.hpp"
 #include "vbond/physics/vmodel.hpp"
 
-namespace vbond {
+namespace vbond::pairs_test {
 namespace {
 
 double number(const nlohmann::json& j) {
@@ -61,4 +61,4 @@ TEST(Pairs, EnergyForceAndMomentsMatchSixtyDigitReference) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::pairs_test

@@ -7,7 +7,7 @@
 
 #include "random_pose.hpp"
 
-namespace vbond {
+namespace vbond::range_test {
 namespace {
 
 const VModel<double> v_model{1.0, 0.0, 0.0, 1.0, -0.005, 0.015, 1.0 / 480};
@@ -93,4 +93,4 @@ TEST(NeedsLook, MissesNoBondThatIsOutOfTheGoodRange) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::range_test

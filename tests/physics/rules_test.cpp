@@ -12,7 +12,7 @@
 #include "vbond/physics/ruled.hpp"
 #include "vbond/physics/tangent.hpp"
 
-namespace vbond {
+namespace vbond::rules_test {
 namespace {
 
 using nlohmann::json;
@@ -276,4 +276,4 @@ TEST(Stretching, TableIsTheNaturalSplineOfTheReference) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::rules_test

@@ -9,7 +9,7 @@
 #include "vbond/physics/contact.hpp"
 #include "vbond/physics/touch.hpp"
 
-namespace vbond {
+namespace vbond::touch_test {
 namespace {
 
 /// A body on a plane that faces up, at this overlap and velocity; the plane is the second.
@@ -253,4 +253,4 @@ TEST(Pairs, HaveTheModuliOfTheirMaterials) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::touch_test

@@ -12,7 +12,7 @@
 #include "vbond/core/error.hpp"
 #include "vbond/statics/detail/newton.hpp"
 
-namespace vbond {
+namespace vbond::buckling_test {
 namespace {
 
 using testing::fixed;
@@ -472,4 +472,4 @@ TEST(CriticalLoads, EndWithTheLimitPoint) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::buckling_test

@@ -12,7 +12,7 @@
 extern "C" void openblas_set_num_threads(int);
 extern "C" int openblas_get_num_threads();
 
-namespace vbond {
+namespace vbond::factor_test {
 namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
@@ -156,4 +156,4 @@ TEST(Factor, LeavesTheProcessItsBlasThreads) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::factor_test

@@ -10,7 +10,7 @@
 #include "validation/rings.hpp"
 #include "vbond/core/error.hpp"
 
-namespace vbond {
+namespace vbond::modes_test {
 namespace {
 
 using testing::fixed;
@@ -380,4 +380,4 @@ TEST(Modes, ThatCannotBeFoundAreAFailureOfTheirStage) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::modes_test

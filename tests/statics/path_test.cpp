@@ -10,7 +10,7 @@
 #include "vbond/statics/detail/crossing.hpp"
 #include "walks.hpp"
 
-namespace vbond {
+namespace vbond::path_test {
 namespace {
 
 using testing::fixed;
@@ -306,4 +306,4 @@ TEST(Path, NamesWhatIsSingularAtTheStart) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::path_test

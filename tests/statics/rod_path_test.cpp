@@ -9,7 +9,7 @@
 #include "vbond/model/bond_sums.hpp"
 #include "walks.hpp"
 
-namespace vbond {
+namespace vbond::rod_path_test {
 namespace {
 
 using testing::fixed;
@@ -353,4 +353,4 @@ TEST(Cantilever, IsFollowedToAPolygonUnderTheClosingEndMoment) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::rod_path_test

@@ -5,7 +5,7 @@
 #include "bodies.hpp"
 #include "vbond/statics/detail/body.hpp"
 
-namespace vbond {
+namespace vbond::tangent_test {
 namespace {
 
 /// Six particles in a heap, turned anyhow, bonded by both laws between centres and between surfaces; some
@@ -226,4 +226,4 @@ TEST(StaticBody, ReactionsBalanceLoadsOfABodyInBalance) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::tangent_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace vbond {
+namespace vbond::unknowns_test {
 namespace {
 
 const ParticleId first{0}, second{1};
@@ -70,4 +70,4 @@ TEST(Shapes, OfTurnsAloneAreScaledToTheLargestTurn) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::unknowns_test

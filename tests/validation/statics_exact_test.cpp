@@ -8,7 +8,7 @@
 #include "static_bodies.hpp"
 #include "vbond/model/bond_sums.hpp"
 
-namespace vbond {
+namespace vbond::statics_exact_test {
 namespace {
 
 using testing::everybody;
@@ -168,4 +168,4 @@ TEST(Portal, SwaysAsSlopeDeflectionSays) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::statics_exact_test

@@ -7,7 +7,7 @@
 #include "cases.hpp"
 #include "rests.hpp"
 
-namespace vbond {
+namespace vbond::statics_test {
 namespace {
 
 using testing::load_on;
@@ -116,4 +116,4 @@ TEST(LeesFrame, SnapsThroughAtTheExactDiscreteLimitLoad) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::statics_test

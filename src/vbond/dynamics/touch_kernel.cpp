@@ -29,18 +29,19 @@ VBOND_HD void load_quads(const R* rows, const std::size_t* row, std::size_t q, H
   transpose_halves(x);
 }
 
-/// The reverse, for the first rows of the lanes.
+/// The reverse. Lanes that hold the same row write the same.
 template <class R>
-VBOND_HD void store_quads(Halves& x, std::size_t count, R* rows, const std::size_t* row, std::size_t q) {
+VBOND_HD void store_quads(Halves& x, R* rows, const std::size_t* row, std::size_t q) {
   transpose_halves(x);
-  double all[4 * lanes];
-  for (std::size_t k = 0; k < 4; ++k) x[k].store(all + k * lanes);
-  constexpr std::size_t piece = lanes < 4 ? lanes : 4;  // of a quadruple that lies together
-  for (std::size_t l = 0; l < count; ++l)
-    for (std::size_t n = 0; n < 4; n += piece) {
-      const std::size_t from = lanes == 8 ? l % 4 * 8 + l / 4 * 4 : (n / piece * lanes + l) * piece;
-      std::memcpy(numbers(rows + row[l]) + 4 * q + n, all + from, piece * sizeof(double));
-    }
+  for (std::size_t k = 0; k < 4; ++k) {
+#if VBOND_LANES == 8
+    constexpr std::size_t quad = 4 * sizeof(double);
+    std::memcpy(numbers(rows + row[k]) + 4 * q, &x[k].v, quad);
+    std::memcpy(numbers(rows + row[k + 4]) + 4 * q, reinterpret_cast<const char*>(&x[k].v) + quad, quad);
+#else
+    x[k].store(numbers(rows + row[k % lanes]) + 4 * q + k / lanes * lanes);
+#endif
+  }
 }
 
 VBOND_HD Vec3<Real> vector(const Halves& x) {
@@ -95,26 +96,14 @@ VBOND_HD void work_out(const TouchRule& rule, const TouchTable& table, Together&
   load_quads(rule.row, of_i, 0, row_i);
   load_quads(rule.row, of_j, 0, row_j);
 
-  const Vec3<Real> r_ij = vector(b);
-  const Real distance = norm(r_ij), R_i = row_i[0], R_j = row_j[0], one(1.0), half(0.5);
-  Real kept(0.0);
+  Touching<Real> p =
+      round_bodies<Real>(vector(b), {row_i[0], row_i[1], row_i[2]}, {row_j[0], row_j[1], row_j[2]},
+                         vector(v_j), vector(w_i), vector(w_j));
   if (table.kept != nullptr) {
     double of[lanes];
     for (std::size_t l = 0; l < lanes; ++l) of[l] = table.kept[t.pair[l]];
-    kept = Real::load(of);
+    p.overlap = p.overlap - Real::load(of);
   }
-  Touching<Real> p;
-  p.n = r_ij / distance;
-  p.overlap = R_i + R_j - distance;
-  p.R = R_i * R_j / (R_i + R_j);
-  p.m = one / (row_i[1] + row_j[1]);
-  p.Theta = one / (row_i[2] + row_j[2]);
-  p.l_i = R_i - half * p.overlap;
-  p.l_j = R_j - half * p.overlap;
-  p.overlap = p.overlap - kept;
-  p.v = vector(v_j);
-  p.w_i = vector(w_i);
-  p.w_j = vector(w_j);
 
   Halves q[3];
   const bool rolls = rule.forms.rolling != RollingForm::none;
@@ -132,7 +121,7 @@ VBOND_HD void work_out(const TouchRule& rule, const TouchTable& table, Together&
   Halves out[3] = {{loads.F.x, loads.F.y, loads.F.z, p.l_i},
                    {T.x, T.y, T.z, p.l_j},
                    {loads.M.x, loads.M.y, loads.M.z, Real(0.0)}};
-  for (std::size_t k = 0; k < (rolls ? 3 : 2); ++k) store_quads(out[k], t.count, table.load, t.pair, k);
+  for (std::size_t k = 0; k < (rolls ? 3 : 2); ++k) store_quads(out[k], table.load, t.pair, k);
   double lost[lanes];
   loads.dissipated.store(lost);
   for (std::size_t l = 0; l < t.count; ++l) table.touching[t.pair[l]] = 1;
@@ -142,7 +131,7 @@ VBOND_HD void work_out(const TouchRule& rule, const TouchTable& table, Together&
   Halves now[3] = {{h.F_t.x, h.F_t.y, h.F_t.z, h.a},
                    {h.F_d.x, h.F_d.y, h.F_d.z, h.k_r},
                    {h.M_r.x, h.M_r.y, h.M_r.z, h.M_t}};
-  for (std::size_t k = 0; k < (rolls ? 3 : 2); ++k) store_quads(now[k], t.count, table.history, t.pair, k);
+  for (std::size_t k = 0; k < (rolls ? 3 : 2); ++k) store_quads(now[k], table.history, t.pair, k);
 }
 
 /// Two that do not touch: whether they hold on to each other. What they remember is lost if not.

@@ -8,17 +8,8 @@ namespace vbond {
 
 Touching<double> touching_of(const TouchRow& i, const TouchRow& j, const Vec3d& r_ij, const MotionRow& of_i,
                              const MotionRow& of_j) {
-  const double distance = norm(r_ij), overlap = i.R + j.R - distance;
-  return {.n = r_ij / distance,
-          .overlap = overlap,
-          .R = i.R * j.R / (i.R + j.R),
-          .m = 1.0 / (i.per_m + j.per_m),
-          .Theta = 1.0 / (i.per_Theta + j.per_Theta),
-          .l_i = i.R - 0.5 * overlap,
-          .l_j = j.R - 0.5 * overlap,
-          .v = of_j.v - of_i.v,
-          .w_i = of_i.omega,
-          .w_j = of_j.omega};
+  return round_bodies<double>(r_ij, {i.R, i.per_m, i.per_Theta}, {j.R, j.per_m, j.per_Theta}, of_j.v - of_i.v,
+                              of_i.omega, of_j.omega);
 }
 
 TouchHistory<double> touch_history(const PairHistory& x) {

@@ -132,28 +132,18 @@ void for_shares(const FibrePlace& p, Visit visit) {
 template <class PointOf>
 Touching<double> touching_of(const Model& model, const FibreContact& c, PointOf at) {
   MovingPoint of[2];
-  double per_m = 0.0, per_Theta = 0.0;
+  double per_m[2] = {}, per_Theta[2] = {};
   for (const int k : {0, 1}) {
     const FibrePlace& p = k == 0 ? c.a : c.b;
     for_shares(p, [&](ParticleId q, double share) {
       const MovingPoint m = at(q);
       of[k].v += share * m.v, of[k].omega += share * m.omega;
-      per_m += share * share / model.mass[q], per_Theta += share * share / model.inertia[q];
+      per_m[k] += share * share / model.mass[q], per_Theta[k] += share * share / model.inertia[q];
     });
     of[k].r = on_segment(at(p.i).r, at(p.j).r, p.s);
   }
-  const Vec3d r_ab = of[1].r - of[0].r;
-  const double distance = norm(r_ab), overlap = c.a.R + c.b.R - distance;
-  return {.n = r_ab / distance,
-          .overlap = overlap,
-          .R = c.a.R * c.b.R / (c.a.R + c.b.R),
-          .m = 1.0 / per_m,
-          .Theta = 1.0 / per_Theta,
-          .l_i = c.a.R - 0.5 * overlap,
-          .l_j = c.b.R - 0.5 * overlap,
-          .v = of[1].v - of[0].v,
-          .w_i = of[0].omega,
-          .w_j = of[1].omega};
+  return round_bodies<double>(of[1].r - of[0].r, {c.a.R, per_m[0], per_Theta[0]},
+                              {c.b.R, per_m[1], per_Theta[1]}, of[1].v - of[0].v, of[0].omega, of[1].omega);
 }
 
 /// Calls add(particle, force, moment) for what the force F on a does to all particles.

@@ -69,6 +69,32 @@ struct Touching {
   Vec3<T> w_i, w_j;  ///< angular velocities  [rad/time]
 };
 
+/// What a contact takes of a body.
+template <Scalar T>
+struct TouchedBody {
+  T R;          ///< radius where it is touched  [length]
+  T per_m;      ///< 1/m
+  T per_Theta;  ///< 1/Theta
+};
+
+/// Two round bodies of which the points r_ij from one another are nearest: the centres of spheres, or points
+/// on the axes of capsules. The contact lies in the middle of the overlap.
+template <Scalar T>
+VBOND_HD Touching<T> round_bodies(const Vec3<T>& r_ij, const TouchedBody<T>& i, const TouchedBody<T>& j,
+                                  const Vec3<T>& v, const Vec3<T>& w_i, const Vec3<T>& w_j) {
+  const T one(1.0), half(0.5), distance = norm(r_ij), overlap = i.R + j.R - distance;
+  return {r_ij / distance,
+          overlap,
+          i.R * j.R / (i.R + j.R),
+          one / (i.per_m + j.per_m),
+          one / (i.per_Theta + j.per_Theta),
+          i.R - half * overlap,
+          j.R - half * overlap,
+          v,
+          w_i,
+          w_j};
+}
+
 /// What two bodies remember of their contact. All zero: they did not touch.
 template <Scalar T>
 struct TouchHistory {
