@@ -8,6 +8,7 @@
 
 #include "vbond/build/problems.hpp"
 #include "vbond/case/case.hpp"
+#include "vbond/model/make_bond.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
 
@@ -37,6 +38,11 @@ bool expect_bonds(const Case& c, std::size_t set, const Model& model, State& sta
 double longest_softening_bond(const Softening& softening, double c_A, double a, double weakness = 0.0);
 /// Records that bonds of a set are longer.
 void refuse_snap_back(const BondSpec& spec, const std::string& what, double longest, Problems& problems);
+
+/// Whether a bond of mean strength, made by this recipe between two particles, would break at once by its
+/// prestrain; and the refusal of a set with such bonds.
+bool breaks_by_prestrain(const BondRecipe& recipe, const BondSite& i, const BondSite& j);
+void refuse_broken_by_prestrain(const BondSpec& spec, const std::string& what, Problems& problems);
 
 /// Longitudinal stiffness of the first bond of the body, or of the one that the first bond set would make;
 /// nothing if the case has no bonds.  [force/length]

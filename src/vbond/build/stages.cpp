@@ -117,6 +117,7 @@ struct DynamicsResolver : StageResolver {
                        b.recipe};
       rule.recipe.set = static_cast<std::uint32_t>(set);
       check_length(b, *within, *first, *second);
+      check_prestrain(b, *within, *first, *second);
       check_capsule(b, *within, *first, *second);
       rules.push_back(std::move(rule));
     }
@@ -127,6 +128,15 @@ struct DynamicsResolver : StageResolver {
     double R = INFINITY;
     for (const ParticleId p : g.particles) R = std::min(R, model.radius[p]);
     return R;
+  }
+
+  /// Of the longest bond that the rule makes, which its prestrain pulls most.
+  void check_prestrain(const BondSpec& b, const WithinDistance& within, const Group& first,
+                       const Group& second) const {
+    const BondSite i{ParticleId{0}, {}, {}, smallest(first), 1.0, 1.0},
+        j{ParticleId{1}, {within.distance, 0, 0}, {}, smallest(second), 1.0, 1.0};
+    if (breaks_by_prestrain(b.recipe, i, j))
+      refuse_broken_by_prestrain(b, fmt::format("a bond made at the distance {}", within.distance), problems);
   }
 
   void check_capsule(const BondSpec& b, const WithinDistance& within, const Group& first,

@@ -144,4 +144,10 @@ std::optional<Bond> make_bond(const BondRecipe& recipe, const BondSite& i, const
   return b;
 }
 
+bool breaks_as_made(const Bond& bond, const BondSite& i, const BondSite& j) {
+  if (!can_break(bond)) return false;
+  const BondPose<double> pose = bond_pose(bond, i.r, i.q, j.r, j.q);
+  return bond.law->failure(bond, pose, first_history(bond, pose)).utilisation >= 1.0;
+}
+
 }  // namespace vbond

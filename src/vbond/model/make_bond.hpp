@@ -26,6 +26,9 @@ inline BondSite bond_site(const Model& model, const State& s, ParticleId p) {
 /// points would be no apart or crossed over (a <= 0), as for touching particles bonded at their surfaces.
 std::optional<Bond> make_bond(const BondRecipe& recipe, const BondSite& i, const BondSite& j);
 
+/// Whether a bond has no strength left beside its prestrain: it would break in the step in which it is made.
+bool breaks_as_made(const Bond& bond, const BondSite& i, const BondSite& j);
+
 /// The stiffnesses a recipe gives to a bond of length a > 0 (of its reference length, if it has one).
 BondStiffness<double> stiffness_of(const BondRecipe& recipe, double a);
 
