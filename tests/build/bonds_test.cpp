@@ -236,6 +236,25 @@ TEST(Bonds, ThatTheirPrestrainBreaksAreRefused) {
     }
 }
 
+TEST(Capsules, OfARuleAreThoseOfItsLargestPair) {
+  const auto said = [](double larger) {
+    Case c = case_of(ListedSpecimen{{{0, 0, 0}, {3, 0, 0}}});
+    c.specimens.push_back(specimen(ListedSpecimen{{{30, 0, 0}, {33, 0, 0}}}, "large"));
+    c.specimens[1].radius = larger;
+    c.specimens.push_back(specimen(ListedSpecimen{{{60, 0, 0}}}, "huge"));
+    c.specimens[2].radius = 5.0;
+    c.contact = {.law = ContactLaw::hertz, .E = 100.0, .nu = 0.2};
+    c.bonds = {bonds_within(1.5)};
+    c.bonds[0].when = BondTime::approach;
+    c.bonds[0].recipe.capsule = true;
+    return text_of_error(c);
+  };
+  EXPECT_EQ(said(1.4), "");  // one particle alone may be thicker: its capsules have the smaller radius
+  const std::string error = said(1.6);
+  EXPECT_TRUE(contains(error, "case.toml:10:1: bonds \"bonds\": capsules of radius 1.6 at a distance of 1.5"))
+      << error;
+}
+
 TEST(Bonds, OfPairsComeInOrderWhateverTheOrderGiven) {
   Case c = case_of(RodSpecimen{4, 1.0, {}, {1, 0, 0}});
   BondSpec bonds = bonds_within(1.0);

@@ -1,4 +1,5 @@
 #include "cases.hpp"
+#include "vbond/model/contact_bound.hpp"
 #include "vbond/physics/contact.hpp"
 #include "vbond/physics/stability.hpp"
 
@@ -117,6 +118,26 @@ TEST(StepBound, BondingRulesLeaveRoomForBondsToCome) {
   const double lambda = 4.0 / (s.critical * s.critical);
   EXPECT_NEAR(lambda, 24.0, 1e-12);
   EXPECT_TRUE(contains(step_bound(b.model, b.state, s).source, '"' + c.bonds[0].name + "\" may still make"));
+}
+
+// Capsules that a rule may still make count like those that are there: of radius 1.5 between particles of
+// 0.4.
+TEST(StepBound, CountsThickCapsulesToCome) {
+  Case c = paper_rod();
+  c.specimens[0].shape = RodSpecimen{4, 3.0, {}, {1, 0, 0}};
+  c.contact = {.law = ContactLaw::hertz, .E = 1e4, .nu = 0.2};
+  c.bonds[0].select.value = WithinDistance{3.1};
+  c.bonds[0].recipe.capsule = true, c.bonds[0].recipe.capsule_radius = 1.5;
+  const Built now = build(c);
+  c.bonds[0].when = BondTime::approach;
+  Built later = build(c);
+  const Stage stage = build_stage(c, later.model, 0, later.state);
+  ASSERT_EQ(stage.bonding.size(), 1u);
+  const auto of_contacts = [](const Built& b, const std::vector<BondingRule>& rules) {
+    return contact_bound(b.model, b.state, {}, rules).lambda;
+  };
+  EXPECT_DOUBLE_EQ(of_contacts(later, stage.bonding), of_contacts(now, {}));
+  EXPECT_GT(of_contacts(now, {}), 3.0 * of_contacts(later, {}));
 }
 
 }  // namespace

@@ -98,7 +98,7 @@ StepBound step_bound(const Model& model, const State& state, const std::vector<B
     if (!(lambda <= largest.lambda))
       largest = {lambda, std::nullopt, motion + " of a bond that \"" + rule.name + "\" may still make"};
   }
-  const ContactBound contact = contact_bound(model, state, drives);
+  const ContactBound contact = contact_bound(model, state, drives, rules);
   if (contact.lambda > 0.0) {
     const std::string source = contact.source(model);
     if (contact.lambda > largest.lambda) largest.bond.reset();
