@@ -552,5 +552,30 @@ TEST(Capsules, OfBondsMadeInTheRunTouch) {
   EXPECT_LT(std::abs(run.balance_error(run.energies())), 1e-5);
 }
 
+// Few large balls among thin fibres make neither the cells nor the lists of these larger: as many pairs are
+// near as without them, but for their own.
+TEST(CapsulesNear, ListsOfFibresDoNotGrowWithTheLargestBall) {
+  Dice dice(5);
+  std::vector<std::vector<Vec3d>> chains;
+  for (int k = 0; k < 60; ++k)
+    chains.push_back(line({dice(-20, 20), dice(-20, 20), dice(0, 10)}, {0.7, 0, 0}, 8));
+  const Specimen thin = fibres(chains, hertz());
+  chains.push_back({{0, 0, -60}});
+  Specimen with_ball = fibres(chains, hertz());
+  with_ball.model.radius[ParticleId{with_ball.model.particles() - 1}] = 50.0;
+  const auto pairs = [](const Specimen& s, double margin) {
+    return FibreParts(s.model, s.state.bonds).near_pairs(s.state.r, margin).size();
+  };
+  EXPECT_EQ(pairs(thin, 0.08), pairs(with_ball, 0.08));
+  const auto listed = [](const Specimen& s) {
+    const Bodies bodies(s.model);
+    Capsules of(s.model, bodies);
+    of.bonds_changed(s.state.bonds);
+    of.refresh();
+    return of.near_pairs();
+  };
+  EXPECT_LT(listed(with_ball), 3 * listed(thin));
+}
+
 }  // namespace
 }  // namespace vbond

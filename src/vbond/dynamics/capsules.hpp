@@ -51,6 +51,8 @@ class Capsules {
   void restore(const std::vector<FibreMemory>& memories);
 
   /// Those that overlap by more than this part of the smaller radius.
+  /// How many pairs are looked at in each step.
+  std::size_t near_pairs() const { return near_.size(); }
   std::vector<DeepCapsules> deeper_than(double part) const;
   /// Whether any two axes are nearer than deep_part of the sum of the radii.
   bool deep() const { return deep_; }
