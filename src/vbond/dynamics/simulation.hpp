@@ -207,10 +207,11 @@ class Simulation {
   std::vector<BlockBooks> books_;
   std::vector<std::vector<BondId>> breaking_;  // of each part, in the step under way
   std::vector<BondEvent> events_;
-  std::vector<TakenLoads> taken_;     // of the bonds that broke in the last step
-  double rounding_scale_ = 0;         // least energy that the balance error is compared with
-  std::vector<BondId> peak_bonds_;    // inside the group that a peak is looked for in
-  std::int64_t last_stage_step_ = 0;  // of the stage's duration
+  std::vector<TakenLoads> taken_;              // of the bonds that broke in the last step
+  std::vector<Capsules::Share> taken_shares_;  // of their capsules, less those of what touches instead
+  double rounding_scale_ = 0;                  // least energy that the balance error is compared with
+  std::vector<BondId> peak_bonds_;             // inside the group that a peak is looked for in
+  std::int64_t last_stage_step_ = 0;           // of the stage's duration
   std::vector<std::shared_ptr<Observer>> observers_;
   std::int64_t steps_to_look_ = 1;
   StepTimes times_;
