@@ -94,6 +94,22 @@ TEST(Stage, WithBrokenBondsAloneGoesOnByTheNaturalTime) {
   EXPECT_DOUBLE_EQ(first_stage(c).dt, 0.5);
 }
 
+// A body that spins is stepped finely enough, and a given step that is not is refused.
+TEST(Stage, ChoosesItsStepBySpinToo) {
+  Case c = paper_rod();
+  VelocitySpec spin;
+  spin.kind = VelocityKind::rigid, spin.angular_velocity = {0, 0, 5};
+  c.velocities = {spin};
+  c.stages[0].duration = {100.0, false};
+  EXPECT_NEAR(first_stage(c).dt, 0.1 * 0.5 / 5.0, 1e-15);
+  c.time.step = Placed<std::variant<CaseTime, ExactStep>>{CaseTime{0.125, false}, {"case.toml", 50, 8}};
+  const std::string error = text_of_stage_error(c);
+  EXPECT_TRUE(contains(error, "case.toml:50:8: time.step = 0.125")) << error;
+  EXPECT_TRUE(contains(error, "the turning of particle")) << error;
+  c.time.insist = true;
+  EXPECT_EQ(first_stage(c).dt, 0.125);
+}
+
 TEST(Stage, BondingRulesApplyToTheirStagesOnly) {
   Case c = paper_rod();
   c.stages.push_back(stage("second"));

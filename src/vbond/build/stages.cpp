@@ -251,7 +251,7 @@ StepBound exact_bound(const Case& c, const Model& model, const State& state, con
     problems.add(place, "time.step = \"exact\"", e.what(), "leave step out, or give a time");
     problems.throw_if_any();
   }
-  return bound;
+  return within_turns(bound, model, state, stage);
 }
 
 void choose_step(const Case& c, const StageSpec& spec, const Model& model, const State& state,
