@@ -90,6 +90,11 @@ class Simulation {
   /// fastest particle if it was too fast for that: observers look at every step that has any.
   const std::vector<Encounter>& encounters() const { return encounters_.found(); }
   const std::optional<FastParticle>& fastest() const { return encounters_.fastest(); }
+  /// The particle that turns by more than longest_turn in a step, and farthest of all whose bonds or unequal
+  /// moments of inertia feel it (model/turn_bound.hpp). Looks at all of them, so not for every step.
+  std::optional<FastTurn> fastest_turn() const;
+  /// Particles that are deeper in a wall than this part of their radius, beyond what they were at r_0.
+  std::vector<DeepInWall> deep_in_walls(double part) const { return walls_.deeper_than(part); }
   /// Capsules that overlap each other or particles by more than this part of the smaller radius.
   std::vector<DeepCapsules> deep_capsules(double part) const { return capsules_.deeper_than(part); }
   /// Whether some are so deep that observers look at once.

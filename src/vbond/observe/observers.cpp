@@ -69,8 +69,11 @@ void WatchObserver::finish(const Simulation& run, StopReason why) {
 
 void WatchObserver::look(const Simulation& run) {
   const Timing timing(*this);
-  watch_.look(run.survey(), run.balance_error(run.energies()),
-              [&run]() -> const State& { return run.state(); });
+  if (const auto turn = run.fastest_turn()) watch_.look_at_turns(*turn, run.clock(), run.stage().insist);
+  constexpr double deep = 0.1;  // of the radius: much more than a step that follows the contact lets happen
+  watch_.look(
+      run.survey(), run.balance_error(run.energies()), [&run]() -> const State& { return run.state(); },
+      [&run] { return Watch::in_wall(run.model(), run.deep_in_walls(deep)); });
 }
 
 void WatchObserver::look(const Model& model, const StaticPoint& point) {
@@ -83,6 +86,7 @@ void WatchObserver::look_at_overlaps(const Simulation& run) {
   if (overlap_ == 0.0) return;
   const Timing timing(*this);
   watch_.look_at_overlaps(run.model(), run.state(), overlap_);
+  watch_.look_at_walls(run.model(), run.deep_in_walls(overlap_), run.clock());
   watch_.look_at_capsules(run.deep_capsules(overlap_), run.clock());
 }
 
