@@ -178,8 +178,8 @@ GripErrors errors_of_grips(unsigned seed) {
 }
 
 // The work of a grip is the integral of force and torque times its rates and the kinetic energy of its own
-// particles; sums over steps of both err by the square of the step. Places err by the own integral of a factor
-// with bends. Of 400 none was wrong; the worst were 1e-8, 4.3e-5 and 4.4e-4.
+// particles; sums over steps of both err by the square of the step. Places err by the own integral of a
+// factor with bends. Of 400 none was wrong; the worst were 1e-8, 4.3e-5 and 4.4e-4.
 TEST(BodyCampaign, GripsMoveAndWorkAsTheirRatesSay) {
   GripErrors worst;
   int wrong = 0;
@@ -297,8 +297,8 @@ KeptErrors errors_of_kept(unsigned seed) {
   return e;
 }
 
-// Forces are of order one and sums of few terms. The books err by the step alone, and a break adds nothing. Of
-// 400, with 987 breaks, none was wrong; the worst were 4.7e-16, a jump of 2.4e-5 and books of 2.1e-4.
+// Forces are of order one and sums of few terms. The books err by the step alone, and a break adds nothing.
+// Of 400, with 987 breaks, none was wrong; the worst were 4.7e-16, a jump of 2.4e-5 and books of 2.1e-4.
 TEST(BodyCampaign, KeptOverlapsAreFeltAsTheirFormulaSays) {
   KeptErrors worst;
   int wrong = 0;
