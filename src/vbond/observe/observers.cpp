@@ -49,10 +49,10 @@ WatchObserver::WatchObserver(const OutputPlan& plan, Watch::Tell tell, WatchReco
       watch_(plan.energy_error, std::move(tell), std::move(record)) {}
 
 void WatchObserver::observe(const Simulation& run) {
-  const Clock& clock = run.clock();
+  const Clock& clock = run.clock();  // a pair that has passed is the cause of a balance that is off
+  if (!run.encounters().empty() || run.fastest() || run.any_deep_capsules()) look_at_contacts(run);
   if (clock.stage_step % every_ == 0 || history_due_.now(clock)) look(run);
   if (clock.stage_step % (looks_per_overlaps * every_) == 0) look_at_overlaps(run);
-  if (!run.encounters().empty() || run.fastest() || run.any_deep_capsules()) look_at_contacts(run);
 }
 
 std::int64_t WatchObserver::steps_to_next_look(const Clock& now) const {
