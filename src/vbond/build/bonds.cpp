@@ -228,14 +228,6 @@ void refuse_snap_back(const BondSpec& spec, const std::string& what, double long
       fmt::format("use bonds shorter than {:.4g}, a larger fracture_energy or a smaller tension", longest));
 }
 
-bool breaks_by_prestrain(const BondRecipe& recipe, const BondSite& i, const BondSite& j) {
-  if (recipe.prestrain == 0.0) return false;
-  BondRecipe mean = recipe;
-  mean.weibull = {};
-  const auto bond = make_bond(mean, i, j);
-  return bond && breaks_as_made(*bond, i, j);
-}
-
 void refuse_broken_by_prestrain(const BondSpec& spec, const std::string& what, Problems& problems) {
   problems.add(spec.place,
                fmt::format("bonds \"{}\": prestrain = {}: {}", spec.name, spec.recipe.prestrain, what),

@@ -8,7 +8,6 @@
 
 #include "vbond/build/problems.hpp"
 #include "vbond/case/case.hpp"
-#include "vbond/model/make_bond.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
 
@@ -39,9 +38,7 @@ double longest_softening_bond(const Softening& softening, double c_A, double a, 
 /// Records that bonds of a set are longer.
 void refuse_snap_back(const BondSpec& spec, const std::string& what, double longest, Problems& problems);
 
-/// Whether a bond of mean strength, made by this recipe between two particles, would break at once by its
-/// prestrain; and the refusal of a set with such bonds.
-bool breaks_by_prestrain(const BondRecipe& recipe, const BondSite& i, const BondSite& j);
+/// Records that bonds of a set would break by their prestrain as they are made.
 void refuse_broken_by_prestrain(const BondSpec& spec, const std::string& what, Problems& problems);
 
 /// Longitudinal stiffness of the first bond of the body, or of the one that the first bond set would make;

@@ -121,7 +121,8 @@ struct DynamicsResolver : StageResolver {
                        b.recipe};
       rule.recipe.set = static_cast<std::uint32_t>(set);
       check_length(b, *within, *first, *second);
-      check_prestrain(b, *within, *first, *second);
+      if (breaks_by_prestrain(rule, model))
+        refuse_broken_by_prestrain(b, fmt::format("a bond made at the distance {}", rule.distance), problems);
       check_capsule(b, *within, *first, *second);
       rules.push_back(std::move(rule));
     }
@@ -132,15 +133,6 @@ struct DynamicsResolver : StageResolver {
     double R = INFINITY;
     for (const ParticleId p : g.particles) R = std::min(R, model.radius[p]);
     return R;
-  }
-
-  /// Of the longest bond that the rule makes, which its prestrain pulls most.
-  void check_prestrain(const BondSpec& b, const WithinDistance& within, const Group& first,
-                       const Group& second) const {
-    const BondSite i{ParticleId{0}, {}, {}, smallest(first), 1.0, 1.0},
-        j{ParticleId{1}, {within.distance, 0, 0}, {}, smallest(second), 1.0, 1.0};
-    if (breaks_by_prestrain(b.recipe, i, j))
-      refuse_broken_by_prestrain(b, fmt::format("a bond made at the distance {}", within.distance), problems);
   }
 
   /// The largest that the smaller radius of a pair of the two groups may be.
