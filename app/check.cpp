@@ -35,7 +35,7 @@ namespace {
 constexpr std::int64_t few_steps = 10;
 
 void print_memory(const Model& model, const State& state) {
-  const MemoryUse use = memory_use(state);
+  const MemoryUse use = memory_use(model, state);
   const double total = use.per_particle * static_cast<double>(model.particles()) +
                        use.per_bond * static_cast<double>(state.bonds.size());
   fmt::print("memory           {}: {:.0f} bytes per particle, {:.0f} per bond; neighbour lists are extra\n",

@@ -35,11 +35,11 @@ std::string in_units(double bytes) {
 
 void require_memory(const Case& c) {
   const double n = count_particles(c);
-  require(n * memory_use({}).per_particle, fmt::format("{:.0f} particles", n), c);
+  require(n * memory_use({}, {}).per_particle, fmt::format("{:.0f} particles", n), c);
 }
 
 void require_memory(const Case& c, const Model& model, const State& state) {
-  const MemoryUse use = memory_use(state);
+  const MemoryUse use = memory_use(model, state);
   const auto n = static_cast<double>(model.particles()), bonds = static_cast<double>(state.bonds.size());
   require(n * use.per_particle + bonds * use.per_bond,
           fmt::format("{:.0f} particles and {:.0f} bonds", n, bonds), c);

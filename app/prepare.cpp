@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "vbond/build/build.hpp"
@@ -100,8 +101,12 @@ void print_step(const Case& c, const Model& model, const State& state, const Sta
   const StepBound bound = step_bound(model, state, stage);
   const char* time = time_unit(model);
   const bool exact = c.time.step && !c.time.given();
-  const double critical = exact ? stage.critical : bound.dt;
-  if (exact)
+  const bool flies = !exact && std::isinf(bound.dt) && !c.time.given();
+  const double critical = exact || flies ? stage.critical : bound.dt;
+  if (flies)
+    fmt::print("critical step    none, nothing is elastic as the stage begins; T0/pi = {:.6g}{} is taken\n",
+               critical, time);
+  else if (exact)
     fmt::print("critical step    {:.6g}{}, exact; bound {:.6g}{}, from {}\n", critical, time, bound.dt, time,
                bound.source);
   else

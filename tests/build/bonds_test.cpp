@@ -2,6 +2,8 @@
 // after gtest.h, which it needs
 #include <rapidcheck/gtest.h>
 
+#include <functional>
+
 #include "cases.hpp"
 #include "vbond/build/bonds.hpp"
 #include "vbond/build/random.hpp"
@@ -192,6 +194,65 @@ TEST(Bonds, ThatSoftenMustNotSnapBack) {
     EXPECT_NE(refused.find("2 E G_f/s_c^2"), std::string::npos) << refused;
     EXPECT_NE(refused.find("bonds shorter than 2,"), std::string::npos) << refused;
   }
+}
+
+/// What is said of a rod whose bonds have this prestrain and may break or flow.
+std::string prestrained_rod(double prestrain, const BondRules& rules, BondTime when) {
+  Case c = paper_rod();
+  c.bonds[0].when = when;
+  c.bonds[0].recipe.prestrain = prestrain, c.bonds[0].recipe.rules = rules;
+  return text_of_error(c);
+}
+
+// With c_A = 1 the loads of a prestrain e are N = e/(1 + e) at a distance of 1. Half of what breaks the bond
+// is taken, twice as much refused, whatever the criterion; a bond that flows may be strong enough.
+TEST(Bonds, ThatTheirPrestrainBreaksAreRefused) {
+  const Section s = circle(0.2);
+  const double e = 0.02, N = e / (1.0 + e), sigma = N / s.A;
+  using Make = std::function<Strength(double)>;  // of a strength this many times what the prestrain takes
+  const std::vector<std::pair<double, Make>> criteria{
+      {e, [&](double x) { return stress_strength(s, x * sigma, 1e9); }},
+      {e, [&](double x) { return fibre_strength(s, x * sigma, 1e9); }},
+      {e, [&](double x) { return mohr_coulomb_strength(s, 1e9, 0.1, x * sigma); }},
+      {e, [&](double x) { return linear_strength(x * N, 1.0, 1.0, 1.0); }},
+      {e, [&](double x) { return quadratic_strength(x * N, 1.0, 1.0, 1.0); }},
+      {e, [&](double x) { return energy_strength(x * 0.5 * N * N, 1.0); }},
+      {e, [&](double x) { return elongation_strength(x * e); }},
+      {-e, [&](double x) { return stress_strength(s, 1e9, 1e9, 1.0, x * sigma); }},
+      {-e, [&](double x) { return fibre_strength(s, 1e9, 1e9, x * sigma); }}};
+  for (const BondTime when : {BondTime::start, BondTime::approach})
+    for (std::size_t k = 0; k < criteria.size(); ++k) {
+      const auto& [prestrain, strength] = criteria[k];
+      BondRules rules;
+      rules.strength = strength(2.0);
+      EXPECT_EQ(prestrained_rod(prestrain, rules, when), "") << k;
+      rules.strength = strength(0.5);
+      const std::string error = prestrained_rod(prestrain, rules, when);
+      EXPECT_TRUE(contains(error, "case.toml:10:1: bonds \"bonds\": prestrain = ")) << k << error;
+      EXPECT_TRUE(contains(error, "broken as it is made\n  use a prestrain nearer to 0")) << k << error;
+      if (k > 3) continue;
+      rules.yield.limit.axial = rules.yield.compression = 0.25 * N;
+      EXPECT_EQ(prestrained_rod(prestrain, rules, when), "") << k;
+    }
+}
+
+TEST(Capsules, OfARuleAreThoseOfItsLargestPair) {
+  const auto said = [](double larger) {
+    Case c = case_of(ListedSpecimen{{{0, 0, 0}, {3, 0, 0}}});
+    c.specimens.push_back(specimen(ListedSpecimen{{{30, 0, 0}, {33, 0, 0}}}, "large"));
+    c.specimens[1].radius = larger;
+    c.specimens.push_back(specimen(ListedSpecimen{{{60, 0, 0}}}, "huge"));
+    c.specimens[2].radius = 5.0;
+    c.contact = {.law = ContactLaw::hertz, .E = 100.0, .nu = 0.2};
+    c.bonds = {bonds_within(1.5)};
+    c.bonds[0].when = BondTime::approach;
+    c.bonds[0].recipe.capsule = true;
+    return text_of_error(c);
+  };
+  EXPECT_EQ(said(1.4), "");  // one particle alone may be thicker: its capsules have the smaller radius
+  const std::string error = said(1.6);
+  EXPECT_TRUE(contains(error, "case.toml:10:1: bonds \"bonds\": capsules of radius 1.6 at a distance of 1.5"))
+      << error;
 }
 
 TEST(Bonds, OfPairsComeInOrderWhateverTheOrderGiven) {

@@ -131,7 +131,7 @@ TEST(Particles, CannotBeAtTheSamePlace) {
   Case c = paper_rod();
   c.specimens.push_back(specimen(ListedSpecimen{{{20, 0, 0}, {3, 0, 0}}}, "probe"));
   EXPECT_TRUE(
-      contains(text_of_error(c), "case.toml: particles 3 and 11 are at the same place (1 such pairs)"));
+      contains(text_of_error(c), "case.toml:3:1: particles 3 and 11 are at the same place (1 such pairs)"));
 }
 
 // All pairs of these are 2e10: the count ends at a thousand, and the test with it.
@@ -237,8 +237,8 @@ TEST(Particles, NeedARadiusForContactsAndSurfaceBonds) {
   c.specimens[0].radius = 0.0;
   c.specimens[0].inertia = 0.064;
   c.contact.law = ContactLaw::paper_hertz;
-  EXPECT_TRUE(
-      contains(text_of_error(c), "case.toml: contact: particle 0 has radius 0\n  contacts need radii > 0"));
+  EXPECT_TRUE(contains(text_of_error(c),
+                       "case.toml:3:1: contact: particle 0 has radius 0\n  contacts need radii > 0"));
   c.contact.law = ContactLaw::none;
   c.bonds[0].recipe.attachment = Attachment::surfaces;
   EXPECT_TRUE(contains(text_of_error(c), "a bond between surfaces needs radii > 0"));

@@ -69,10 +69,45 @@ TEST(Stage, UnderWayKeepsItsStepAndMakesNoBonds) {
 
 TEST(Stage, WithNothingElasticNeedsAGivenStep) {
   Case c = case_of(RodSpecimen{3, 1.0, {}, {1, 0, 0}});
+  EXPECT_TRUE(contains(text_of_stage_error(c), "case.toml:20:1: stage \"run\" has no natural time step"));
   EXPECT_TRUE(contains(text_of_stage_error(c), "give time.step"));
   c.time.step = Placed<std::variant<CaseTime, ExactStep>>{CaseTime{0.5, false}, {}};
   c.stages[0].duration = {100.0, false};
   EXPECT_EQ(first_stage(c).dt, 0.5);
+}
+
+// What is left when all bonds have broken flies on with a step of the first bond's T0.
+TEST(Stage, WithBrokenBondsAloneGoesOnByTheNaturalTime) {
+  Case c = paper_rod();
+  c.time.fraction = 0.25;
+  c.stages.push_back(stage("later"));
+  c.stages[1].duration = {100.0, false};
+  Built b = build(c);
+  for (Bond& bond : b.state.bonds) bond.broken = true;
+  const Stage later = build_stage(c, b.model, 1, b.state);
+  EXPECT_DOUBLE_EQ(later.dt, 0.5);  // T0/pi = 2
+  EXPECT_DOUBLE_EQ(later.critical, 2.0);
+  c.bonds[0].when = BondTime::stage;  // and before the first are made
+  c.bonds[0].select.value = WithinDistance{1.0};
+  c.bonds[0].stages = {{"later", {"case.toml", 13, 1}}};
+  c.stages[0].duration = {100.0, false};
+  EXPECT_DOUBLE_EQ(first_stage(c).dt, 0.5);
+}
+
+// A body that spins is stepped finely enough, and a given step that is not is refused.
+TEST(Stage, ChoosesItsStepBySpinToo) {
+  Case c = paper_rod();
+  VelocitySpec spin;
+  spin.kind = VelocityKind::rigid, spin.angular_velocity = {0, 0, 5};
+  c.velocities = {spin};
+  c.stages[0].duration = {100.0, false};
+  EXPECT_NEAR(first_stage(c).dt, 0.1 * 0.5 / 5.0, 1e-15);
+  c.time.step = Placed<std::variant<CaseTime, ExactStep>>{CaseTime{0.125, false}, {"case.toml", 50, 8}};
+  const std::string error = text_of_stage_error(c);
+  EXPECT_TRUE(contains(error, "case.toml:50:8: time.step = 0.125")) << error;
+  EXPECT_TRUE(contains(error, "the turning of particle")) << error;
+  c.time.insist = true;
+  EXPECT_EQ(first_stage(c).dt, 0.125);
 }
 
 TEST(Stage, BondingRulesApplyToTheirStagesOnly) {

@@ -1,4 +1,6 @@
 #include "cases.hpp"
+#include "vbond/model/contact_bound.hpp"
+#include "vbond/model/turn_bound.hpp"
 #include "vbond/physics/contact.hpp"
 #include "vbond/physics/stability.hpp"
 
@@ -117,6 +119,61 @@ TEST(StepBound, BondingRulesLeaveRoomForBondsToCome) {
   const double lambda = 4.0 / (s.critical * s.critical);
   EXPECT_NEAR(lambda, 24.0, 1e-12);
   EXPECT_TRUE(contains(step_bound(b.model, b.state, s).source, '"' + c.bonds[0].name + "\" may still make"));
+}
+
+// Capsules that a rule may still make count like those that are there: of radius 1.5 between particles of
+// 0.4.
+TEST(StepBound, CountsThickCapsulesToCome) {
+  Case c = paper_rod();
+  c.specimens[0].shape = RodSpecimen{4, 3.0, {}, {1, 0, 0}};
+  c.contact = {.law = ContactLaw::hertz, .E = 1e4, .nu = 0.2};
+  c.bonds[0].select.value = WithinDistance{3.1};
+  c.bonds[0].recipe.capsule = true, c.bonds[0].recipe.capsule_radius = 1.5;
+  const Built now = build(c);
+  c.bonds[0].when = BondTime::approach;
+  Built later = build(c);
+  const Stage stage = build_stage(c, later.model, 0, later.state);
+  ASSERT_EQ(stage.bonding.size(), 1u);
+  const auto of_contacts = [](const Built& b, const std::vector<BondingRule>& rules) {
+    return contact_bound(b.model, b.state, {}, rules).lambda;
+  };
+  EXPECT_DOUBLE_EQ(of_contacts(later, stage.bonding), of_contacts(now, {}));
+  EXPECT_GT(of_contacts(now, {}), 3.0 * of_contacts(later, {}));
+}
+
+// What turns fastest turns by at most half a radian in a step: bonded particles, tops, supports and walls,
+// not particles that only touch.
+TEST(StepBound, KeepsTurnsBelowHalfARadian) {
+  Case c = paper_rod();
+  Built b = build(c);
+  Stage stage;
+  const double elastic = step_bound(b.model, b.state, stage).dt;
+  b.state.omega[ParticleId{4}] = {0, 3.0, 4.0};
+  const StepBound bound = step_bound(b.model, b.state, stage);
+  EXPECT_DOUBLE_EQ(bound.dt, longest_turn / 5.0);
+  EXPECT_TRUE(contains(bound.source, "the turning of particle 4")) << bound.source;
+  b.state.omega[ParticleId{4}] = {0, 0, 0.4};
+  EXPECT_EQ(step_bound(b.model, b.state, stage).dt, elastic);
+
+  Support grip;
+  grip.group = "ends", grip.angular_velocity = {0, 2, 0}, grip.factor.points = {{0, 1}, {2, -5}};
+  stage.supports = {grip};
+  EXPECT_DOUBLE_EQ(step_bound(b.model, b.state, stage).dt, longest_turn / 10.0);
+  EXPECT_TRUE(contains(step_bound(b.model, b.state, stage).source, "the support of group \"ends\""));
+  WallDrive drum;
+  drum.wall = "drum", drum.angular_velocity = {20, 0, 0};
+  stage.walls = {drum};
+  EXPECT_TRUE(contains(fastest_turn(b.model, b.state, stage).source, "wall \"drum\""));
+
+  Case alone = case_of(RodSpecimen{2, 3.0, {}, {1, 0, 0}});
+  alone.specimens[0].inertia.reset();
+  Built free = build(alone);
+  free.state.omega[ParticleId{1}] = {0, 0, 100};
+  EXPECT_EQ(fastest_turn(free.model, free.state, {}).rate, 0.0);
+  alone.specimens[0].principal_inertia = std::array<double, 3>{0.05, 0.06, 0.07};
+  free = build(alone);
+  free.state.omega[ParticleId{1}] = {0, 0, 100};
+  EXPECT_DOUBLE_EQ(step_bound(free.model, free.state, Stage{}).dt, longest_turn / 100.0);
 }
 
 }  // namespace

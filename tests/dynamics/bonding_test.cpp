@@ -79,6 +79,26 @@ TEST(Bonding, NamesTheParticlesWhenABondWouldHaveNoLength) {
   }
 }
 
+// Pairs whose own strength does not bear the prestrain are left unbonded, and not made and broken for ever.
+TEST(Bonding, LeavesPairsTooWeakForThePrestrain) {
+  std::vector<Vec3d> r;
+  for (int k = 0; k < 40; ++k) r.push_back({10.0 * (k / 2) + 0.9 * (k % 2), 0, 0});
+  testing::Specimen s = testing::particles_at(r);
+  BondRecipe recipe = testing::papers_bond();
+  recipe.prestrain = 0.01;
+  recipe.rules.strength = elongation_strength(0.02);
+  recipe.weibull.modulus = 2.0;
+  Stage stage = testing::plain_stage(0.05, 1e9);
+  stage.bonding = {any_pair_within(1.0, 40, recipe)};
+  Simulation run(s.model, stage, s.state);
+  for (int k = 0; k < 50; ++k) run.step();
+  const std::size_t made = run.bonds().size();
+  EXPECT_GT(made, 10u);  // exp(-(1/2)^2) = 0.78 of 20
+  EXPECT_LT(made, 20u);
+  EXPECT_EQ(run.breaks(), 0);
+  for (const Bond& b : run.bonds()) EXPECT_GT(strength_factor(b), 0.5);
+}
+
 // Bonds are numbered as they are made, so the order is part of the result: rules one after another, pairs of
 // a rule by their particles, whatever rows these stand in; a pair that two rules join is bonded by the first.
 TEST(Bonding, FindsPairsInTheOrderOfRulesAndParticles) {

@@ -552,5 +552,54 @@ TEST(Capsules, OfBondsMadeInTheRunTouch) {
   EXPECT_LT(std::abs(run.balance_error(run.energies())), 1e-5);
 }
 
+// A fibre that lies on a held one breaks: the support's load before that counts the capsules that were there.
+TEST(CapsulesBreak, LoadBeforeTheBreakCountsTheirContacts) {
+  Specimen s = fibres({line({0, 0, 0}, {1, 0, 0}, 2), line({0.1, 0.2, 0.35}, {0, 1, 0}, 2)}, hertz());
+  BondRecipe weak = capsules(0.2);
+  weak.rules.strength = elongation_strength(0.01);
+  s.state.bonds[BondId{1}] =
+      make_bond(weak, bond_site(s.model, s.state, ParticleId{2}), bond_site(s.model, s.state, ParticleId{3}))
+          .value();
+  const std::vector<ParticleId> lower{ParticleId{0}, ParticleId{1}};
+  Stage stage = testing::plain_stage(1e-3, 100.0);
+  stage.supports = {testing::held(lower, testing::clamped), testing::held({ParticleId{2}}, testing::clamped),
+                    testing::held({ParticleId{3}}, testing::clamped, {0, 0.1, 0})};
+  stage.stops.breaks = BreakStop{1};
+  Simulation run(s.model, stage, s.state);
+  Reaction before;
+  for (int k = 0; run.breaks() == 0 && k < 1000; ++k) before = run.reaction(lower), run.step();
+  ASSERT_EQ(run.breaks(), 1);
+  EXPECT_GT(before.force.z, 0.1);  // the upper one pushes down: K sqrt(R) d^1.5 with d = 0.05
+  const Reaction told = run.reaction_before_breaks(lower);
+  EXPECT_NEAR(norm(told.force - before.force), 0.0, 1e-3 * norm(before.force));
+  EXPECT_NEAR(norm(told.moment - before.moment), 0.0, 1e-3 * norm(before.moment));
+  EXPECT_EQ(norm(run.reaction(lower).force), 0.0);
+}
+
+// Few large balls among thin fibres make neither the cells nor the lists of these larger: as many pairs are
+// near as without them, but for their own.
+TEST(CapsulesNear, ListsOfFibresDoNotGrowWithTheLargestBall) {
+  Dice dice(5);
+  std::vector<std::vector<Vec3d>> chains;
+  for (int k = 0; k < 60; ++k)
+    chains.push_back(line({dice(-20, 20), dice(-20, 20), dice(0, 10)}, {0.7, 0, 0}, 8));
+  const Specimen thin = fibres(chains, hertz());
+  chains.push_back({{0, 0, -60}});
+  Specimen with_ball = fibres(chains, hertz());
+  with_ball.model.radius[ParticleId{with_ball.model.particles() - 1}] = 50.0;
+  const auto pairs = [](const Specimen& s, double margin) {
+    return FibreParts(s.model, s.state.bonds).near_pairs(s.state.r, margin).size();
+  };
+  EXPECT_EQ(pairs(thin, 0.08), pairs(with_ball, 0.08));
+  const auto listed = [](const Specimen& s) {
+    const Bodies bodies(s.model);
+    Capsules of(s.model, bodies);
+    of.bonds_changed(s.state.bonds);
+    of.refresh();
+    return of.near_pairs();
+  };
+  EXPECT_LT(listed(with_ball), 3 * listed(thin));
+}
+
 }  // namespace
 }  // namespace vbond

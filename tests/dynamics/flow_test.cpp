@@ -204,6 +204,62 @@ TEST(FlowInMotion, IsWatchedByItsElasticAngles) {
   }
 }
 
+/// Two particles one apart, with a bond that is booked as one of a run is.
+Specimen prestrained(const BondRules& rules, double prestrain, const BondLaw* law) {
+  BondRecipe recipe = recipe_with(rules, law);
+  recipe.prestrain = prestrain;
+  Specimen s = testing::particles_at({{0, 0, 0}, {1, 0, 0}});
+  const BondSite i = bond_site(s.model, s.state, ParticleId{0}),
+                 j = bond_site(s.model, s.state, ParticleId{1});
+  add_bond(s.model, make_bond(recipe, i, j).value(), recipe, s.state);
+  return s;
+}
+
+// A prestrain beyond the limit has flowed before the run: the bond begins at its limit, N(1 + h) = c u - ...,
+// and moves on from there without a jump in the books.
+TEST(FlowInMotion, BeginsAtTheLimitThatAPrestrainIsBeyond) {
+  BondRules plastic;
+  plastic.yield.limit.axial = plastic.yield.compression = 0.05;
+  plastic.yield.isotropic.axial = 0.25;
+  for (const BondLaw* law : {&bond_law<VModel>, &bond_law<Evm>})
+    for (const double prestrain : {-0.1, -0.07, -0.05, 0.03, 0.08}) {
+      Specimen s = prestrained(plastic, prestrain, law);
+      const double u = prestrain / (1.0 + prestrain);  // D - a of D = 1, with c_A = 1
+      const double flowed = std::max(0.0, (std::abs(u) - 0.05) / 1.25);
+      const double N = std::copysign(std::abs(u) - flowed, u), lost = (0.05 + 0.125 * flowed) * flowed;
+      EXPECT_NEAR(s.state.books.dissipated, lost, 1e-15) << prestrain;
+      EXPECT_NEAR(s.state.books.work_supports, 0.5 * N * N + lost, 1e-15) << prestrain;
+      Simulation run(s.model, testing::plain_stage(0.05, 1e9), s.state);
+      EXPECT_NEAR(run.mean_axial_force(s.model.groups[0].particles), N, 1e-14) << prestrain;
+      EXPECT_NEAR(run.energies().total(), 0.5 * N * N, 1e-15) << prestrain;
+      for (int k = 0; k < 1000; ++k) {
+        run.step();
+        ASSERT_LT(std::abs(run.balance_error(run.energies())), 3e-3) << prestrain << " at step " << k;
+      }
+      EXPECT_GT(run.energies().kinetic() + run.energies().potential(), 0.9 * 0.5 * N * N);
+    }
+}
+
+// The same of bonds made on the way, after others that remember nothing yet, and of damage.
+TEST(FlowInMotion, BeginsAtTheLimitWhenABondIsMadeOnTheWay) {
+  for (const BondRules& rules : {yielding(), softening(0.02, 0.2)}) {
+    Specimen s = testing::particles_at({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}});
+    testing::bond(s, 0, 1, testing::papers_bond());
+    BondRecipe recipe = recipe_with(rules);
+    recipe.prestrain = 0.05;
+    Stage stage = testing::plain_stage(0.05, 1e9);
+    stage.bonding = {{"glue", {1, 1, 1}, {1, 1, 1}, 1.5, recipe}};
+    Simulation run(s.model, stage, s.state);
+    for (int k = 0; k < 400; ++k) {
+      run.step();
+      ASSERT_LT(std::abs(run.balance_error(run.energies())), 3e-3) << k;
+    }
+    ASSERT_EQ(run.bonds().size(), 2u);
+    EXPECT_GT(run.books().dissipated, 1e-4);
+    EXPECT_EQ(run.state().bond_history.size(), 2u);
+  }
+}
+
 // ---- the same bits --------------------------------------------------------------------------------------
 
 // 10,000 particles: parts for three threads. Also across an end and a resumption at any step, with another

@@ -24,12 +24,14 @@ struct Measured {
 
 /// What model, state and simulation of a rod take beside what is said of them. Columns that have grown to a
 /// power of two have no room to spare.
-Measured memory_of_a_rod(std::size_t N, bool bonded) {
+Measured memory_of_a_rod(std::size_t N, bool bonded, std::size_t tops = 0) {
   const double before = in_use();
   Specimen s = straight_rod(N);
   if (!bonded) s.state.bonds = {};
   s.model.specimen.assign(N, 0);
-  const MemoryUse use = memory_use(s.state);
+  for (std::size_t k = 0; k < tops; ++k) make_top(s.model, ParticleId{k}, {{0.064, 0.07, 0.08}, {}});
+  if (tops > 0) s.state.spin.assign(N, {});
+  const MemoryUse use = memory_use(s.model, s.state);
   const auto n = static_cast<double>(N), bonds = static_cast<double>(s.state.bonds.size());
   const Simulation run(s.model, plain_stage(0.1, 1.0), std::move(s.state));
   return {in_use() - before, n * use.per_particle + bonds * use.per_bond};
@@ -42,6 +44,16 @@ TEST(MemoryUse, IsWhatARunTakes) {
     if (m.bytes == 0.0) GTEST_SKIP() << "this allocator does not tell, as under a sanitizer";
     EXPECT_NEAR(m.estimate / m.bytes, 1.0, 0.01) << (bonded ? "bonded" : "particles alone");
     EXPECT_LE(m.estimate, m.bytes) << (bonded ? "bonded" : "particles alone");
+  }
+}
+
+// The same with particles whose moments of inertia differ: one of them, and all.
+TEST(MemoryUse, CountsTops) {
+  constexpr std::size_t N = std::size_t{1} << 16;
+  for (const std::size_t tops : {std::size_t{1}, N}) {
+    const Measured m = memory_of_a_rod(N, true, tops);
+    if (m.bytes == 0.0) GTEST_SKIP() << "this allocator does not tell, as under a sanitizer";
+    EXPECT_NEAR(m.estimate / m.bytes, 1.0, 0.01) << tops;
   }
 }
 

@@ -497,5 +497,21 @@ TEST(Survey, FindsBondsThatAreStretchedBeyondTwiceTheirLength) {
     }
 }
 
+// Of those that turn too far in a step the farthest is told, if bonds or unequal moments of inertia feel it.
+TEST(Step, TellsWhoTurnsTooFar) {
+  testing::Specimen s = testing::straight_rod(3);
+  s.state.bonds.resize(1);  // the third particle is free
+  Stage stage = testing::plain_stage(0.1, 1.0);
+  const auto fastest = [&] { return Simulation(s.model, stage, s.state).fastest_turn(); };
+  s.state.omega = {{0, 0, 4.9}, {}, {0, 60, 0}};
+  EXPECT_FALSE(fastest());
+  s.state.omega = {{0, 0, 6}, {0, 7, 0}, {0, 60, 0}};
+  ASSERT_TRUE(fastest());
+  EXPECT_EQ(fastest()->p, ParticleId{1});
+  EXPECT_NEAR(fastest()->angle, 0.7, 1e-15);
+  make_top(s.model, ParticleId{2}, {{0.05, 0.06, 0.07}, {}});
+  EXPECT_EQ(fastest()->p, ParticleId{2});
+}
+
 }  // namespace
 }  // namespace vbond

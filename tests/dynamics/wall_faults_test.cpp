@@ -100,6 +100,24 @@ TEST(WallFault, IsAvoidedByTheStepBound) {
   }
 }
 
+// Told deep in a wall: more than a part of the radius, beyond what it was at the first places of both.
+TEST(WallFault, IsForeseenByTheDepthInWalls) {
+  Specimen s = sphere({0, 0, 0.5}, 0.5, 1.0, linear(10.0, 0.0), {floor_at(0), floor_at(-1)});
+  const auto deep = [&](double z) {
+    s.state.r[first].z = z;
+    return Simulation(s.model, testing::plain_stage(1e-3, 1.0), s.state).deep_in_walls(0.1);
+  };
+  EXPECT_TRUE(deep(0.451).empty());
+  const std::vector<DeepInWall> found = deep(0.4);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].p, first);
+  EXPECT_EQ(found[0].wall, 0u);
+  EXPECT_NEAR(found[0].overlap, 0.1, 1e-15);
+  s.model.r_0[first].z = 0.4;
+  EXPECT_TRUE(deep(0.36).empty());
+  EXPECT_EQ(deep(0.34).size(), 1u);
+}
+
 // A stiff rolling spring, hollow walls and walls that are touched already make the step smaller.
 TEST(StepBoundOfContacts, CountsRollingHollowWallsAndTouchedWalls) {
   ContactModel hertz{.law = ContactLaw::hertz, .E = 1e4, .nu = 0.3};

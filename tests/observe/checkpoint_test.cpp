@@ -68,6 +68,8 @@ Checkpoint busy_checkpoint(Chain& chain) {
   watch.overlapping = {{ParticleId{0}, ParticleId{2}}, {ParticleId{1}, ParticleId{2}}};
   watch.stretched = {BondId{1}};
   watch.fastest = 3.5;
+  watch.farthest_turn = 0.75;
+  watch.in_walls = {{ParticleId{1}, 0}, {ParticleId{1}, 1}};
   watch.deep[{ParticleId{0}, ParticleId{2}}] = {{0.1, -0.2, 0.3}, 0.25, 1199};
   return {chain.state, watch};
 }

@@ -19,7 +19,8 @@ struct Flight {
   double overlap = 0.1;
   ContactModel contact{ContactLaw::paper_hertz, ContactPairs::unbonded, 1.0, 1.0, 0, 0};
   std::vector<Vec3d> others{};
-  double duration = 0.0;  ///< 0: until they have met
+  double duration = 0.0;     ///< 0: until they have met
+  std::int64_t every = 100;  ///< steps between looks at the balance
 
   std::vector<std::string> told{};
   std::string failure{};
@@ -44,6 +45,7 @@ struct Flight {
     OutputPlan plan;
     plan.history_every = 1e9;
     plan.overlap = overlap;
+    plan.watch_every = every;
     if (watched)
       run.add_observer(
           std::make_shared<WatchObserver>(plan, [this](const std::string& text) { told.push_back(text); }));
@@ -241,6 +243,17 @@ TEST(Passing, IsRememberedAcrossACheckpoint) {
   Shown resumed(before.watch.record());
   EXPECT_THROW(resumed.show(8, {-0.5, 0.1, 0}), Diverged);
   EXPECT_TRUE(resumed.told.empty());
+}
+
+// Two that jump through one another into a stiff contact: in the same step the balance is off, too.
+TEST(Passing, IsNamedBeforeTheBalanceThatItBreaks) {
+  Flight f{.speed = 12.0, .apart = 0.9, .step = 0.1, .duration = 1.0, .every = 1};
+  f.contact.c_H = 1e4;
+  f.fly();
+  EXPECT_TRUE(contains(f.failure, "particles 0 and 1: they have passed through one another")) << f.failure;
+  f.overlap = 0.0;
+  f.fly();
+  EXPECT_TRUE(contains(f.failure, "the energy balance is off")) << f.failure;
 }
 
 }  // namespace

@@ -146,6 +146,8 @@ TEST(Quantities, EveryDataSetOfACheckpointHasItsUnitAndMeaning) {
   watch.overlapping.insert({ParticleId{0}, ParticleId{2}});
   watch.stretched.insert(BondId{0});
   watch.fastest = 2.0;
+  watch.farthest_turn = 1.0;
+  watch.in_walls.insert({ParticleId{0}, 0});
   watch.deep[{ParticleId{0}, ParticleId{1}}] = {};
   chain.state.bond_history.resize(chain.state.bonds.size());
   chain.state.contact_history = {{ParticleId{0}, ParticleId{2}, {1.0}}};

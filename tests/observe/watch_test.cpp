@@ -370,5 +370,67 @@ TEST(Watch, TellsTheLoadFactorOfAnOverlap) {
   EXPECT_TRUE(contains(l.told[0], "load factor 0.75: particles 1 and 4")) << l.told[0];
 }
 
+TEST(Watch, TellsOfTurnsThatAreTooFarAndEndsARunAtHalfATurn) {
+  Listener l;
+  Clock clock;
+  clock.step = 1200, clock.stage_step = 1200, clock.dt = 0.1;
+  const auto look = [&](double angle, bool insist = false) {
+    l.watch.look_at_turns({ParticleId{3}, angle}, clock, insist);
+  };
+  look(0.6), look(1.1);
+  ASSERT_EQ(l.told.size(), 1u);
+  EXPECT_TRUE(contains(l.told[0], "t = 120: step 1200: particle 3 turns by 0.6 rad in a step")) << l.told[0];
+  EXPECT_TRUE(contains(l.told[0], "time.step = 0.075 would do")) << l.told[0];
+  look(1.3);
+  EXPECT_EQ(l.told.size(), 2u);
+  look(4.0, true);
+  EXPECT_EQ(l.told.size(), 3u);
+  try {
+    look(4.0);
+    FAIL() << "no error";
+  } catch (const Diverged& e) {
+    EXPECT_TRUE(contains(e.what(), "step 1200: particle 3: it turns by 4 rad in a step")) << e.what();
+  }
+}
+
+/// A sphere of radius 0.5 that stands 0.3 above a floor.
+Chain on_a_floor() {
+  Chain c(1);
+  c.model.radius[ParticleId{0}] = 0.5;
+  c.model.walls = {{"floor", PlaneWall{{0, 0, 0}, {0, 0, 1}}, 0, {}}};
+  return c;
+}
+
+TEST(Watch, TellsOfParticlesDeepInWallsOnce) {
+  Listener l;
+  const Chain c = on_a_floor();
+  l.watch.look_at_walls(c.model, {{ParticleId{0}, 0, 0.2}}, c.state.clock);
+  l.watch.look_at_walls(c.model, {{ParticleId{0}, 0, 0.3}}, c.state.clock);
+  ASSERT_EQ(l.told.size(), 1u);
+  EXPECT_TRUE(contains(l.told[0], "t = 120: particle 0 overlaps wall \"floor\" by 0.2, 0.4 of its radius"))
+      << l.told[0];
+}
+
+TEST(Watch, NamesTheWallThatAParticlePassesWhenTheBalanceIsOff) {
+  Listener l;
+  const Chain c = on_a_floor();
+  const auto said = [&](const std::vector<DeepInWall>& deep) -> std::string {
+    try {
+      l.watch.look(
+          {{}, {}}, 0.2, [&c]() -> const State& { return c.state; },
+          [&] { return Watch::in_wall(c.model, deep); });
+    } catch (const Diverged& e) {
+      return e.what();
+    }
+    return "";
+  };
+  const std::string with_wall = said({{ParticleId{0}, 0, 0.3}});
+  EXPECT_TRUE(
+      contains(with_wall, "particle 0 is on its way through wall \"floor\", which it overlaps by 0.6 of"))
+      << with_wall;
+  EXPECT_TRUE(contains(with_wall, "use a stiffer contact")) << with_wall;
+  EXPECT_TRUE(contains(said({}), "all particles: the energy balance is off by 0.2")) << said({});
+}
+
 }  // namespace
 }  // namespace vbond::watch_test

@@ -174,6 +174,14 @@ TEST(Misuse, ParticlesThatThereAreNot) {
         p.second.bonding = {{"glue", {1}, {1}, 1.0, testing::papers_bond()}};
       },
       "a bonding rule must say of each particle");
+  refuses(
+      [](Parts& p) {
+        const std::vector<char> all(4, 1);
+        p.second.bonding = {{"glue", all, all, 1.0, testing::papers_bond()}};
+        p.second.bonding[0].recipe.prestrain = 0.02;
+        p.second.bonding[0].recipe.rules.strength = elongation_strength(0.01);
+      },
+      "bonding rule \"glue\": its prestrain alone breaks its bonds");
 }
 
 TEST(Misuse, PeaksThatAreNone) {

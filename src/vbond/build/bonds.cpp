@@ -228,6 +228,13 @@ void refuse_snap_back(const BondSpec& spec, const std::string& what, double long
       fmt::format("use bonds shorter than {:.4g}, a larger fracture_energy or a smaller tension", longest));
 }
 
+void refuse_broken_by_prestrain(const BondSpec& spec, const std::string& what, Problems& problems) {
+  problems.add(spec.place,
+               fmt::format("bonds \"{}\": prestrain = {}: {}", spec.name, spec.recipe.prestrain, what),
+               "its prestrain alone uses up the strength, so that it is broken as it is made",
+               "use a prestrain nearer to 0, or a larger strength");
+}
+
 std::vector<Pair> pairs_within(const std::vector<Vec3d>& r, double distance, const std::vector<char>& in_a,
                                const std::vector<char>& in_b, double most) {
   std::vector<Pair> pairs;
@@ -244,16 +251,19 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
   const BondSpec& spec = c.bonds[set];
   BondRecipe recipe = spec.recipe;
   recipe.set = static_cast<std::uint32_t>(set);
-  FirstAndCount no_length, no_radius, unstable, snapping, no_capsule;
+  FirstAndCount no_length, no_radius, unstable, snapping, no_capsule, broken;
   CapsuleMistake of_capsule;
   const double dissipated = state.books.dissipated, U = potential_energies(model, state).contact;
   double longest = INFINITY;  // of bonds that soften
   for (const Pair& pair : select_pairs(c, set, model, state, problems)) {
-    const auto bond = make_bond(recipe, bond_site(model, state, pair[0]), bond_site(model, state, pair[1]));
+    const BondSite site_i = bond_site(model, state, pair[0]), site_j = bond_site(model, state, pair[1]);
+    const auto bond = make_bond(recipe, site_i, site_j);
     if (!bond) {
       no_length.note(length_left(recipe, model, state, pair));
       continue;
     }
+    if (breaks_by_prestrain(recipe, site_i, site_j))
+      broken.note(fmt::format("the bond of particles {} and {}", pair[0].value, pair[1].value));
     for (const ParticleId p : pair)
       if (recipe.attachment == Attachment::surfaces && !(model.radius[p] > 0.0))
         no_radius.note(fmt::format("particle {} has radius {}", p.value, model.radius[p]));
@@ -290,6 +300,7 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
          "for the V-model B2 > -B3/2; give other parameters");
   report(no_capsule, of_capsule.rule.c_str(), of_capsule.way_out.c_str());
   if (snapping.count > 0) refuse_snap_back(spec, snapping.text(), longest, problems);
+  if (broken.count > 0) refuse_broken_by_prestrain(spec, broken.text(), problems);
 }
 
 bool expect_bonds(const Case& c, std::size_t set, const Model& model, State& state, Problems& problems) {
@@ -304,6 +315,7 @@ bool expect_bonds(const Case& c, std::size_t set, const Model& model, State& sta
       state.bonds.push_back(*bond);
     else
       all = false;
+  if (!state.bond_history.empty()) state.bond_history.resize(state.bonds.size());
   return all;
 }
 

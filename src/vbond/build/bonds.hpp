@@ -38,6 +38,9 @@ double longest_softening_bond(const Softening& softening, double c_A, double a, 
 /// Records that bonds of a set are longer.
 void refuse_snap_back(const BondSpec& spec, const std::string& what, double longest, Problems& problems);
 
+/// Records that bonds of a set would break by their prestrain as they are made.
+void refuse_broken_by_prestrain(const BondSpec& spec, const std::string& what, Problems& problems);
+
 /// Longitudinal stiffness of the first bond of the body, or of the one that the first bond set would make;
 /// nothing if the case has no bonds.  [force/length]
 std::optional<double> first_c_A(const Case& c, const Model& model, const State& state);

@@ -153,7 +153,7 @@ void check_distinct(const Case& c, const Model& model, Problems& problems) {
                    return found < enough;
                  });
   if (found > 0)
-    problems.add({c.file, 0, 0},
+    problems.add(c.specimens[model.specimen[ParticleId{first_j}]].place,
                  fmt::format("particles {} and {} are at the same place ({} such pairs{})", first_i, first_j,
                              found, found < enough ? "" : " at least"),
                  "no bond or contact can be set up between them",
@@ -164,7 +164,7 @@ void check_contact(const Case& c, const Model& model, Problems& problems) {
   if (c.contact.law == ContactLaw::none) return;
   for (const ParticleId p : model.radius.ids())
     if (!(model.radius[p] > 0.0))
-      return problems.add({c.file, 0, 0},
+      return problems.add(c.specimens[model.specimen[p]].place,
                           fmt::format("contact: particle {} has radius {}", p.value, model.radius[p]),
                           "contacts need radii > 0", "give every specimen a radius, or leave out [contact]");
 }

@@ -3,8 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numbers>
+#include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "vbond/build/bonds.hpp"
 #include "vbond/build/groups.hpp"
@@ -117,6 +121,8 @@ struct DynamicsResolver : StageResolver {
                        b.recipe};
       rule.recipe.set = static_cast<std::uint32_t>(set);
       check_length(b, *within, *first, *second);
+      if (breaks_by_prestrain(rule, model))
+        refuse_broken_by_prestrain(b, fmt::format("a bond made at the distance {}", rule.distance), problems);
       check_capsule(b, *within, *first, *second);
       rules.push_back(std::move(rule));
     }
@@ -129,11 +135,31 @@ struct DynamicsResolver : StageResolver {
     return R;
   }
 
+  /// The largest that the smaller radius of a pair of the two groups may be.
+  double largest_of_pairs(const Group& first, const Group& second) const {
+    const auto largest_two = [this](const Group& g) {
+      std::array<std::pair<double, ParticleId>, 2> two{};
+      for (const ParticleId p : g.particles) {
+        const std::pair<double, ParticleId> next{model.radius[p], p};
+        if (next.first > two[0].first)
+          two[1] = std::exchange(two[0], next);
+        else if (next.first > two[1].first)
+          two[1] = next;
+      }
+      return two;
+    };
+    double R = 0.0;
+    for (const auto& [R_i, i] : largest_two(first))
+      for (const auto& [R_j, j] : largest_two(second))
+        if (i != j) R = std::max(R, std::min(R_i, R_j));
+    return R;
+  }
+
   void check_capsule(const BondSpec& b, const WithinDistance& within, const Group& first,
                      const Group& second) const {
     if (!b.recipe.capsule) return;
     const double R =
-        b.recipe.capsule_radius > 0.0 ? b.recipe.capsule_radius : std::min(smallest(first), smallest(second));
+        b.recipe.capsule_radius > 0.0 ? b.recipe.capsule_radius : largest_of_pairs(first, second);
     if (const auto mistake = capsule_mistake(model.contact, R, within.distance))
       problems.add(
           b.place,
@@ -179,9 +205,17 @@ void take_given_step(const Case& c, const Model& model, const CaseTime& given, c
         fmt::format("use at most {}, better 0.2 of it; or insist = true", in_words(bound.dt, model)));
 }
 
-void take_fraction(const Case& c, const StepBound& critical, Stage& stage, Problems& problems) {
+/// Whether nothing is elastic because bonds have all broken or are still to come: for the flight of such
+/// particles the step of the first bond does, 2 / omega of omega = 2 pi / T0.
+bool flies_freely(const Case& c, const Model& model, const State& state) {
+  const auto holds = [](const Bond& b) { return !b.broken; };
+  return !c.bonds.empty() && model.T_0 > 0.0 && std::none_of(state.bonds.begin(), state.bonds.end(), holds);
+}
+
+void take_fraction(const Case& c, const StageSpec& spec, const StepBound& critical, Stage& stage,
+                   Problems& problems) {
   if (std::isinf(critical.dt))
-    problems.add({c.file, 0, 0}, fmt::format("stage \"{}\" has no natural time step", stage.name),
+    problems.add(spec.place, fmt::format("stage \"{}\" has no natural time step", stage.name),
                  critical.source, "give time.step");
   else
     stage.dt = c.time.fraction * critical.dt;
@@ -209,23 +243,25 @@ StepBound exact_bound(const Case& c, const Model& model, const State& state, con
     problems.add(place, "time.step = \"exact\"", e.what(), "leave step out, or give a time");
     problems.throw_if_any();
   }
-  return bound;
+  return within_turns(bound, model, state, stage);
 }
 
-void choose_step(const Case& c, const Model& model, const State& state, const ExactCriticalStep& exact_step,
-                 Stage& stage, Problems& problems) {
-  const StepBound critical = step_is_exact(c) ? exact_bound(c, model, state, stage, exact_step, problems)
-                                              : step_bound(model, state, stage);
+void choose_step(const Case& c, const StageSpec& spec, const Model& model, const State& state,
+                 const ExactCriticalStep& exact_step, Stage& stage, Problems& problems) {
+  StepBound critical = step_is_exact(c) ? exact_bound(c, model, state, stage, exact_step, problems)
+                                        : step_bound(model, state, stage);
+  if (std::isinf(critical.dt) && !c.time.given() && flies_freely(c, model, state))
+    critical = {model.T_0 / std::numbers::pi, std::nullopt, "T0/pi: nothing is elastic as the stage begins"};
   stage.critical = critical.dt;
   if (!(critical.dt > 0.0))
     problems.add(
-        {c.file, 0, 0}, fmt::format("stage \"{}\" has the critical step {}", stage.name, critical.dt),
+        spec.place, fmt::format("stage \"{}\" has the critical step {}", stage.name, critical.dt),
         "a mass, an inertia or a stiffness is so far out of range that no step is left: " + critical.source,
         "look for a missing or misplaced unit");
   else if (const CaseTime* given = c.time.given())
     take_given_step(c, model, *given, critical, stage, problems);
   else
-    take_fraction(c, critical, stage, problems);
+    take_fraction(c, spec, critical, stage, problems);
 }
 
 /// Times that must span a step, and a mean force that needs bonds: known only when the step and bonds are.
@@ -336,7 +372,7 @@ void refuse_exact_with_bonding(const Case& c, const Stage& stage, Problems& prob
 void choose_fitting_step(const Case& c, std::size_t k, const Model& model, const State& state,
                          const ExactCriticalStep& exact_step, Stage& stage) {
   Problems problems;
-  choose_step(c, model, state, exact_step, stage, problems);
+  choose_step(c, c.stages[k], model, state, exact_step, stage, problems);
   problems.throw_if_any();
   check_against_step(c.stages[k], state, stage, problems);
   fit_step(c.stages[k], stage, problems);

@@ -220,7 +220,8 @@ void describe_strength(Table& t, BondSpec& b) {
 void describe_rules(Table& t, BondSpec& b) {
   BondRecipe& recipe = b.recipe;
   t.key("prestrain", recipe.prestrain, NumberCodec{pure, {-0.5, 1, false, false}}, optional,
-        "length over length at rest, less 1, when the bond is made: 0.01 pulls from the start");
+        "length over length at rest, less 1, when the bond is made: 0.01 pulls from the start"
+        "; what that is beyond a yield limit has then flowed already, and beyond the strength is refused");
   t.table(
       "stretching", optional, "a force of stretching that is not c_A u",
       [&](Table& k) { describe_stretch(k, recipe.rules.stretch); },

@@ -86,19 +86,24 @@ class SizedPoints {
 };
 
 /// Calls visit(i, j, |r_j - r_i|^2), i < j, once for every pair of finite positions nearer than the sum of
-/// their sizes, one each, in increasing order of i.
+/// their sizes, one each, and the margin >= 0, in increasing order of i.
 template <class Visit>
-void for_overlapping_pairs(std::span<const Vec3d> positions, std::span<const double> sizes, Visit&& visit) {
-  SizedPoints points(sizes);
+void for_overlapping_pairs(std::span<const Vec3d> positions, std::span<const double> sizes, double margin,
+                           Visit&& visit) {
+  SizedPoints points(sizes, margin);
   points.sort(positions);
   for (std::size_t i = 0; i < positions.size(); ++i)
     points.scan_near(i, [&](const CellGrid::Point* first, const CellGrid::Point* last) {
       for (const CellGrid::Point* p = first; p != last; ++p) {
         if (p->i <= i) continue;
         const double d2 = norm2(p->r - positions[i]);
-        if (d2 < sq(sizes[i] + sizes[p->i])) visit(i, p->i, d2);
+        if (d2 < sq(sizes[i] + sizes[p->i] + margin)) visit(i, p->i, d2);
       }
     });
+}
+template <class Visit>
+void for_overlapping_pairs(std::span<const Vec3d> positions, std::span<const double> sizes, Visit&& visit) {
+  for_overlapping_pairs(positions, sizes, 0.0, visit);
 }
 
 }  // namespace vbond

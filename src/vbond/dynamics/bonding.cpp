@@ -60,6 +60,17 @@ void Bonding::check_step(const State& state) const {
                  "choose a smaller time.step or time.fraction");
 }
 
+/// Not broken as it is made: it would be made and break for ever.
+bool Bonding::holds(const BondRecipe& recipe, const PoseRow& at_p, const PoseRow& at_o, ParticleId p,
+                    ParticleId o) const {
+  const auto site = [this](ParticleId q, const PoseRow& at) {
+    return BondSite{q, at.r, at.q, model_.radius[q], model_.mass[q], model_.inertia[q]};
+  };
+  const BondSite i = site(p, at_p), j = site(o, at_o);
+  const auto bond = make_bond(recipe, i, j);
+  return !bond || !breaks_as_made(*bond, i, j);
+}
+
 std::vector<Bonding::Pair> Bonding::find(std::span<const PoseRow> pose, const Team& team) {
   std::vector<Pair> found;
   std::set<std::pair<ParticleId, ParticleId>> taken;  // by this rule or an earlier one
@@ -70,6 +81,10 @@ std::vector<Bonding::Pair> Bonding::find(std::span<const PoseRow> pose, const Te
       for (const Row j : list.near.of(Row{k})) {
         if (j.value < k || norm2(pose[j.value].r - pose[k].r) > sq(list.rule->distance)) continue;
         const auto [p, o] = std::minmax(order_.particle[Row{k}], order_.particle[j]);
+        const BondRecipe& recipe = list.rule->recipe;
+        if (recipe.prestrain != 0.0 &&
+            !holds(recipe, pose[order_.row[p].value], pose[order_.row[o].value], p, o))
+          continue;
         if (taken.insert({p, o}).second) found.push_back({list.rule, p, o});
       }
     std::sort(found.begin() + earlier, found.end(),

@@ -27,7 +27,8 @@ class Bonding {
     ParticleId i, j;
   };
   /// Every pair without a bond that a rule joins and that is close enough, once, in the order of rules, then
-  /// (i, j). One pose per row.
+  /// (i, j). A pair whose own strength (Weibull's) does not bear the prestrain of the rule is left unbonded.
+  /// One pose per row.
   std::vector<Pair> find(std::span<const PoseRow> pose, const Team& team);
   /// Bonds these pairs; the state is that of the poses in which they were found.
   /// Contact energy that a pair gives up because bonded pairs do not touch is booked as dissipated.
@@ -41,6 +42,8 @@ class Bonding {
     NeighbourList near;
   };
   void check_step(const State& state) const;
+  bool holds(const BondRecipe& recipe, const PoseRow& at_p, const PoseRow& at_o, ParticleId p,
+             ParticleId o) const;
 
   const Model& model_;
   const Order& order_;

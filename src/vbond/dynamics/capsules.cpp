@@ -48,9 +48,9 @@ void Capsules::bonds_changed(const PerBond<Bond>& bonds) {
   listed_ = false;
   if (!any_) return;
   fibres_ = FibreParts(model_, bonds);
-  double thickest = 0.0;
-  for (const FibrePart& p : fibres_.parts()) thickest = std::max(thickest, p.R);
-  skin_ = 0.4 * thickest;
+  double sum = 0.0;  // as of other contacts: few large balls must not fill the lists of many thin fibres
+  for (const FibrePart& p : fibres_.parts()) sum += p.R;
+  skin_ = 0.4 * sum / static_cast<double>(fibres_.parts().size());
 }
 
 void Capsules::refresh(double way) {

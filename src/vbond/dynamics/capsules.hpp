@@ -43,7 +43,16 @@ class Capsules {
   void add_loads(RowRange rows, LoadRow* load) const;
   /// Takes all of them away again.
   void take_loads(LoadRow* load) const;
+  /// What a particle feels of a contact.
+  struct Share {
+    std::size_t row;
+    Vec3d F, M;
+  };
+  /// All of them, as worked out last.
+  const std::vector<Share>& shares() const { return shares_; }
 
+  /// How many pairs are looked at in each step.
+  std::size_t near_pairs() const { return near_.size(); }
   /// What contacts store as worked out last.  [energy]
   double energy() const;
   std::vector<FibreMemory> collect() const;
@@ -61,11 +70,6 @@ class Capsules {
   struct Contact : FibreContact {
     Vec3d normal;
     PairHistory history{};
-  };
-  /// What a particle feels of a contact.
-  struct Share {
-    std::size_t row;
-    Vec3d F, M;
   };
 
   std::size_t row(ParticleId p) const { return bodies_.order.row[p].value; }

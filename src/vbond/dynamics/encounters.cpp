@@ -15,7 +15,6 @@ Vec3d nearest_point(const Encounter& e) {
 Encounters::Encounters(const Model& model, const BondIndex& index) : model_(model), index_(index) {
   if (model.particles() == 0) return;
   const auto [min, max] = std::minmax_element(model.radius.begin(), model.radius.end());
-  max_radius_ = *max;
   // a point may touch a ball, so that the least sum of two radii is not always twice the least one
   limit_ = 0.5 * longest_approach * (*min > 0.0 ? *min + *min : *max);
 }
@@ -59,9 +58,12 @@ bool Encounters::find_fast(const Bodies& bodies, double dt) {
 
 /// All pairs of which one is fast, however far the step has taken it: no list of near pairs would have them.
 void Encounters::find_passing(const Bodies& bodies, double dt) {
-  grid_.sort(r_, 2.0 * (max_radius_ + fastest_->way));
+  std::vector<double> radius;
+  for (std::size_t k = 0; k < r_.size(); ++k) radius.push_back(model_.radius[bodies.order.particle[Row{k}]]);
+  SizedPoints points(radius, 2.0 * fastest_->way);
+  points.sort(r_);
   for (const Row i : fast_)
-    grid_.scan_near(i.value, [&](const CellGrid::Point* first, const CellGrid::Point* last) {
+    points.scan_near(i.value, [&](const CellGrid::Point* first, const CellGrid::Point* last) {
       for (; first != last && found_.size() < most; ++first) {
         const Row j{first->i};
         if (j == i || (is_fast_[j.value] && j < i)) continue;

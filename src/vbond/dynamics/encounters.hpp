@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "vbond/core/near_pairs.hpp"
+#include "vbond/core/sized_points.hpp"
 #include "vbond/dynamics/bodies.hpp"
 #include "vbond/dynamics/bond_index.hpp"
 #include "vbond/dynamics/contact_kernel.hpp"
@@ -27,6 +27,12 @@ struct FastParticle {
   ParticleId p;
   double way;    ///< in this step, against the mean of all particles  [length]
   double limit;  ///< the longest way at which no pair can pass unseen  [length]
+};
+
+/// The particle that turns farthest in a step, of those that should not.
+struct FastTurn {
+  ParticleId p;
+  double angle;  ///< in this step  [rad]
 };
 
 /// Finds particles that pass through each other, which contact forces, evaluated once per step, may not see.
@@ -59,7 +65,6 @@ class Encounters {
 
   const Model& model_;
   const BondIndex& index_;
-  double max_radius_ = 0;
   double limit_ = 0;  // of a particle's way in a step  [length]
   std::vector<Encounter> found_;
   std::optional<FastParticle> fastest_;
@@ -67,7 +72,6 @@ class Encounters {
   std::vector<Row> fast_;
   std::vector<char> is_fast_;
   std::vector<Vec3d> r_;
-  CellGrid grid_;
 };
 
 /// The point nearest to the origin on the way of an encounter.

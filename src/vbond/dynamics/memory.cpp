@@ -6,7 +6,20 @@
 
 namespace vbond {
 
-MemoryUse memory_use(const State& state) {
+namespace {
+
+/// What there is besides if the moments of inertia of some particles differ.
+double of_tops_per_particle(const Model& model) {
+  if (model.principal.empty()) return 0.0;
+  double tops = 0.0;
+  for (const ParticleId p : model.mass.ids()) tops += model.is_top(p) ? 1.0 : 0.0;
+  return sizeof(PrincipalInertia) + sizeof(Vec3d) + sizeof(std::uint32_t) +
+         tops / static_cast<double>(model.particles()) * Tops::bytes_each;
+}
+
+}  // namespace
+
+MemoryUse memory_use(const Model& model, const State& state) {
   std::size_t compact = 0;
   for (const Bond& b : state.bonds) compact += b.frame_i == b.frame_j;
   const double part =
@@ -17,7 +30,8 @@ MemoryUse memory_use(const State& state) {
   return {.per_particle = 4 * sizeof(double) + sizeof(Vec3d) +  // model
                           3 * sizeof(Vec3d) + sizeof(Quatd) +   // state
                           sizeof(PoseRow) + sizeof(MotionRow) + sizeof(LoadRow) + sizeof(InverseInertia) +
-                          2 * sizeof(double) + sizeof(Row) + sizeof(ParticleId) + 2 * sizeof(std::size_t),
+                          2 * sizeof(double) + sizeof(Row) + sizeof(ParticleId) + 2 * sizeof(std::size_t) +
+                          of_tops_per_particle(model),
           .per_bond = sizeof(Bond) + pack + sizeof(BondId) + 2 * sizeof(BondIndex::Entry)};
 }
 

@@ -10,7 +10,7 @@ struct MemoryUse {
   double per_bond = 0;
 };
 
-/// Constants, state and scratch of a run of this body.
-MemoryUse memory_use(const State& state);
+/// Constants, state and scratch of a run of this body; tops count per particle, as a mean over all.
+MemoryUse memory_use(const Model& model, const State& state);
 
 }  // namespace vbond

@@ -89,6 +89,7 @@ void Simulation::begin_stage() {
 void Simulation::step() {
   const bool timed = state_.clock.stage_step % StepTimes::one_in == 0;
   taken_.clear();
+  taken_shares_.clear();
   make_bonds();    // between particles that came close
   apply_strain();  // r jumps, if it is due
   supports_.set_times(state_.clock.stage_step, stage_.dt);

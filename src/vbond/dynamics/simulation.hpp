@@ -90,6 +90,11 @@ class Simulation {
   /// fastest particle if it was too fast for that: observers look at every step that has any.
   const std::vector<Encounter>& encounters() const { return encounters_.found(); }
   const std::optional<FastParticle>& fastest() const { return encounters_.fastest(); }
+  /// The particle that turns by more than longest_turn in a step, and farthest of all whose bonds or unequal
+  /// moments of inertia feel it (model/turn_bound.hpp). Looks at all of them, so not for every step.
+  std::optional<FastTurn> fastest_turn() const;
+  /// Particles that are deeper in a wall than this part of their radius, beyond what they were at r_0.
+  std::vector<DeepInWall> deep_in_walls(double part) const { return walls_.deeper_than(part); }
   /// Capsules that overlap each other or particles by more than this part of the smaller radius.
   std::vector<DeepCapsules> deep_capsules(double part) const { return capsules_.deeper_than(part); }
   /// Whether some are so deep that observers look at once.
@@ -207,10 +212,11 @@ class Simulation {
   std::vector<BlockBooks> books_;
   std::vector<std::vector<BondId>> breaking_;  // of each part, in the step under way
   std::vector<BondEvent> events_;
-  std::vector<TakenLoads> taken_;     // of the bonds that broke in the last step
-  double rounding_scale_ = 0;         // least energy that the balance error is compared with
-  std::vector<BondId> peak_bonds_;    // inside the group that a peak is looked for in
-  std::int64_t last_stage_step_ = 0;  // of the stage's duration
+  std::vector<TakenLoads> taken_;              // of the bonds that broke in the last step
+  std::vector<Capsules::Share> taken_shares_;  // of their capsules, less those of what touches instead
+  double rounding_scale_ = 0;                  // least energy that the balance error is compared with
+  std::vector<BondId> peak_bonds_;             // inside the group that a peak is looked for in
+  std::int64_t last_stage_step_ = 0;           // of the stage's duration
   std::vector<std::shared_ptr<Observer>> observers_;
   std::int64_t steps_to_look_ = 1;
   StepTimes times_;

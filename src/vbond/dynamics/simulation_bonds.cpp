@@ -112,11 +112,15 @@ bool Simulation::break_bonds() {
 void Simulation::exchange_capsules() {
   if (!capsules_.any()) return;
   const double U = capsules_.energy();
+  taken_shares_ = capsules_.shares();
   capsules_.take_loads(bodies_.load.data());
   capsules_.bonds_changed(state_.bonds);
   capsules_.refresh();
   capsules_.work_out(team_, 0.0);
   capsules_.add_loads({0, model_.particles()}, bodies_.load.data());
+  for (const Capsules::Share& s : capsules_.shares()) taken_shares_.push_back({s.row, -s.F, -s.M});
+  std::stable_sort(taken_shares_.begin(), taken_shares_.end(),
+                   [](const Capsules::Share& a, const Capsules::Share& b) { return a.row < b.row; });
   state_.books.released += U - capsules_.energy();
 }
 
@@ -162,6 +166,9 @@ Reaction Simulation::reaction_before_breaks(const std::vector<ParticleId>& parti
       if (t.i == row) add_held(h.held, row, -t.loads.F, -t.loads.M_ij, total);
       if (t.j == row) add_held(h.held, row, t.loads.F, -t.loads.M_ji, total);
     }
+    auto s = std::lower_bound(taken_shares_.begin(), taken_shares_.end(), row.value,
+                              [](const Capsules::Share& x, std::size_t first) { return x.row < first; });
+    for (; s != taken_shares_.end() && s->row == row.value; ++s) add_held(h.held, row, -s->F, -s->M, total);
   }
   return total;
 }

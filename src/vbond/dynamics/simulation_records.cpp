@@ -6,6 +6,7 @@
 
 #include "vbond/dynamics/simulation.hpp"
 #include "vbond/model/bond_sums.hpp"
+#include "vbond/model/turn_bound.hpp"
 
 namespace vbond {
 
@@ -59,6 +60,21 @@ StopReason Simulation::stop_reason() const {
     return StopReason::rest;
   if (clock.stage_step >= last_stage_step_) return StopReason::duration;
   return StopReason::running;
+}
+
+std::optional<FastTurn> Simulation::fastest_turn() const {
+  std::optional<FastTurn> fastest;
+  double most2 = sq(longest_turn / stage_.dt);
+  for (const ParticleId p : bodies_.order.row.ids()) {
+    const std::size_t row = bodies_.order.row[p].value;
+    const double rate2 = norm2(bodies_.motion[row].omega);
+    if (!(rate2 > most2)) continue;
+    const BondIndex::Range bonds = bond_index_.of(p);
+    if (bonds.begin() == bonds.end() && !bodies_.tops.has(row)) continue;
+    most2 = rate2;
+    fastest = {p, stage_.dt * std::sqrt(rate2)};
+  }
+  return fastest;
 }
 
 const Survey& Simulation::survey() const {

@@ -74,6 +74,11 @@ class Tops {
       return angular_velocity(inertia.moments, principal(q_body), L);
     }
   };
+
+ public:
+  static constexpr std::size_t bytes_each = sizeof(Top);  ///< [bytes]
+
+ private:
   /// f(top) for those of `tops` in these rows.
   template <class SomeTops, class F>
   static void for_each(SomeTops& tops, RowRange rows, F f);

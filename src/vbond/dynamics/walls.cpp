@@ -340,6 +340,30 @@ double Walls::energy() const {
   return U;
 }
 
+std::vector<DeepInWall> Walls::deeper_than(double part) const {
+  std::vector<DeepInWall> deep;
+  std::vector<WallTouch> touches;
+  const auto overlap_with = [&](std::uint32_t w, const Vec3d& r, double R) {
+    touches.clear();
+    if (surfaces_[w].may_touch(r, R)) surfaces_[w].touches(r, R, touches);
+    double overlap = 0.0;
+    for (const WallTouch& t : touches) overlap = std::max(overlap, R - t.distance);
+    return overlap;
+  };
+  for (const OfBlock& block : blocks_)
+    for (const Near& near : block.near) {
+      const ParticleId p = bodies_.order.particle[Row{near.row}];
+      const double R = model_.radius[p];
+      const double overlap = overlap_with(near.wall, at_start(near.wall, bodies_.pose[near.row].r), R);
+      if (overlap > part * R && overlap > part * R + overlap_with(near.wall, model_.r_0[p], R))
+        deep.push_back({p, near.wall, overlap});
+    }
+  std::sort(deep.begin(), deep.end(), [](const DeepInWall& x, const DeepInWall& y) {
+    return std::pair(x.p, x.wall) < std::pair(y.p, y.wall);
+  });
+  return deep;
+}
+
 std::optional<Walls::FaultyTouch> Walls::fault() const {
   for (const OfBlock& b : blocks_)
     if (b.fault) return b.fault;

@@ -14,6 +14,13 @@
 
 namespace vbond {
 
+/// A particle that is deep in a wall.
+struct DeepInWall {
+  ParticleId p;
+  std::uint32_t wall;
+  double overlap;  ///< [length]
+};
+
 /// The walls of a model: how they move, what they do to particles that touch them, and what these do to them.
 /// A block adds the loads of walls to its own rows only; loads on walls are added up block by block.
 class Walls {
@@ -45,6 +52,10 @@ class Walls {
   /// What touches of walls store.  [energy]
   double energy() const;
   const std::vector<WallState>& states() const { return walls_; }
+
+  /// Particles that overlap a wall by more than this part of their radius beyond what they did at the first
+  /// places of both, in order of particles and walls.
+  std::vector<DeepInWall> deeper_than(double part) const;
 
   /// What ends a run.
   enum class Fault : std::uint8_t {

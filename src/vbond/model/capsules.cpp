@@ -6,7 +6,7 @@
 #include <numeric>
 #include <tuple>
 
-#include "vbond/core/near_pairs.hpp"
+#include "vbond/core/sized_points.hpp"
 
 namespace vbond {
 
@@ -126,15 +126,12 @@ int FibreParts::weight(const FibrePart& x, const FibrePart& y) const {
 std::vector<FibrePair> FibreParts::near_pairs(const PerParticle<Vec3d>& r, double margin) const {
   std::vector<Vec3d> middle;
   std::vector<double> reach;
-  double largest = 0.0;
   for (const FibrePart& p : parts_) {
     middle.push_back(0.5 * (r[p.i] + r[p.j]));
     reach.push_back(0.5 * norm(r[p.j] - r[p.i]) + p.R);
-    largest = std::max(largest, reach.back());
   }
   std::vector<FibrePair> pairs;
-  for_near_pairs(middle, 2.0 * largest + margin, [&](std::size_t k, std::size_t l, double distance2) {
-    if (distance2 > sq(reach[k] + reach[l] + margin)) return;
+  for_overlapping_pairs(middle, reach, margin, [&](std::size_t k, std::size_t l, double) {
     const FibrePart &x = parts_[k], &y = parts_[l];
     if (!x.is_capsule() && !y.is_capsule() && of_fibre_[x.i.value] == 0 && of_fibre_[y.i.value] == 0) return;
     const NearestOnSegments at = nearest_on_segments(r[x.i], r[x.j], r[y.i], r[y.j]);

@@ -58,13 +58,19 @@ PresentContacts present_contacts(const Model& model, const State& state, std::ve
   return found;
 }
 
-/// The radii by which particles are touched: their own, or that of a capsule that is thicker.
-PerParticle<double> touched_radii(const Model& model, const State& state) {
+/// The radii by which particles are touched: their own, or that of a capsule that is thicker, present or to
+/// come.
+PerParticle<double> touched_radii(const Model& model, const State& state,
+                                  const std::vector<BondingRule>& rules) {
   PerParticle<double> R = model.radius;
-  if (!any_capsules(model.contact, state.bonds)) return R;
+  if (!particles_touch(model.contact)) return R;
   for (const Bond& b : state.bonds)
     for (const ParticleId p : {b.i, b.j})
       if (!b.broken) R[p] = std::max(R[p], b.capsule);
+  for (const BondingRule& rule : rules)
+    for (const ParticleId p : R.ids())
+      if (rule.recipe.capsule && (rule.in_a[p.value] || rule.in_b[p.value]))
+        R[p] = std::max(R[p], rule.recipe.capsule_radius);
   return R;
 }
 
@@ -156,9 +162,10 @@ std::string ContactBound::source(const Model& model) const {
   return of + ", " + model.materials[first].name + " with " + model.materials[second].name;
 }
 
-ContactBound contact_bound(const Model& model, const State& state, const std::vector<WallDrive>& drives) {
+ContactBound contact_bound(const Model& model, const State& state, const std::vector<WallDrive>& drives,
+                           const std::vector<BondingRule>& rules) {
   if (model.contact.law == ContactLaw::none || model.particles() == 0) return {};
-  const PerParticle<double> radius = touched_radii(model, state);
+  const PerParticle<double> radius = touched_radii(model, state, rules);
   const double R_max = *std::max_element(radius.begin(), radius.end());
   if (!(R_max > 0.0)) return {};
   const std::vector<PossibleTouch> touches = possible_touches(model);

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "vbond/model/model.hpp"
+#include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"
-#include "vbond/model/wall.hpp"
 
 namespace vbond {
 
@@ -20,7 +20,8 @@ struct ContactBound {
 };
 
 /// docs/contacts.md has the formulas.
-ContactBound contact_bound(const Model& model, const State& state, const std::vector<WallDrive>& drives);
+ContactBound contact_bound(const Model& model, const State& state, const std::vector<WallDrive>& drives,
+                           const std::vector<BondingRule>& rules = {});
 
 /// Slopes of the forces of a contact: what a step bound goes by.
 struct ContactSlopes {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <string_view>
 #include <tuple>
 
@@ -142,6 +143,32 @@ std::optional<Bond> make_bond(const BondRecipe& recipe, const BondSite& i, const
     b.capsule = recipe.capsule_radius > 0.0 ? recipe.capsule_radius : std::min(i.radius, j.radius);
   add_rules(recipe, i, j, b);
   return b;
+}
+
+bool breaks_as_made(const Bond& bond, const BondSite& i, const BondSite& j) {
+  if (!can_break(bond)) return false;
+  const BondPose<double> pose = bond_pose(bond, i.r, i.q, j.r, j.q);
+  return bond.law->failure(bond, pose, first_history(bond, pose)).utilisation >= 1.0;
+}
+
+bool breaks_by_prestrain(const BondRecipe& recipe, const BondSite& i, const BondSite& j) {
+  if (recipe.prestrain == 0.0) return false;
+  BondRecipe mean = recipe;
+  mean.weibull = {};
+  const auto bond = make_bond(mean, i, j);
+  return bond && breaks_as_made(*bond, i, j);
+}
+
+bool breaks_by_prestrain(const BondingRule& rule, const Model& model) {
+  const auto smallest = [&model](const std::vector<char>& in) {
+    double R = std::numeric_limits<double>::infinity();
+    for (const ParticleId p : model.radius.ids())
+      if (in[p.value]) R = std::min(R, model.radius[p]);
+    return R;
+  };
+  const BondSite i{ParticleId{0}, {}, {}, smallest(rule.in_a), 1.0, 1.0},
+      j{ParticleId{1}, {rule.distance, 0, 0}, {}, smallest(rule.in_b), 1.0, 1.0};
+  return breaks_by_prestrain(rule.recipe, i, j);
 }
 
 }  // namespace vbond

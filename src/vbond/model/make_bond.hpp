@@ -3,6 +3,7 @@
 
 #include "vbond/core/quat.hpp"
 #include "vbond/model/bond.hpp"
+#include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"
 
 namespace vbond {
@@ -24,7 +25,15 @@ inline BondSite bond_site(const Model& model, const State& s, ParticleId p) {
 /// A bond between two particles as they stand now, unstressed but for the recipe's prestrain, whatever their
 /// orientation: its axes are stored in each particle's own basis, [KA12] eq. (5). Nothing if the bonded
 /// points would be no apart or crossed over (a <= 0), as for touching particles bonded at their surfaces.
+/// A state takes it up by add_bond(), which sees to what it remembers of a prestrain.
 std::optional<Bond> make_bond(const BondRecipe& recipe, const BondSite& i, const BondSite& j);
+
+/// Whether a bond has no strength left beside its prestrain: it would break in the step in which it is made.
+bool breaks_as_made(const Bond& bond, const BondSite& i, const BondSite& j);
+/// The same of a bond of mean strength, made by this recipe between two particles.
+bool breaks_by_prestrain(const BondRecipe& recipe, const BondSite& i, const BondSite& j);
+/// The same of the longest bond that a rule makes, which its prestrain pulls most.
+bool breaks_by_prestrain(const BondingRule& rule, const Model& model);
 
 /// The stiffnesses a recipe gives to a bond of length a > 0 (of its reference length, if it has one).
 BondStiffness<double> stiffness_of(const BondRecipe& recipe, double a);

@@ -11,6 +11,7 @@
 #include "vbond/model/agreement.hpp"
 #include "vbond/model/capsules.hpp"
 #include "vbond/model/held_tops.hpp"
+#include "vbond/model/make_bond.hpp"
 #include "vbond/model/wall_mistakes.hpp"
 
 namespace vbond {
@@ -392,6 +393,9 @@ std::vector<std::string> mistakes_in(const Model& model, const Stage& stage) {
                         {{"in_a", r.in_a.size()}, {"in_b", r.in_b.size()}});
     found.require(above_zero(r.distance),
                   fmt::format("{} has distance = {}: it must be > 0", rule, r.distance));
+    const std::size_t n = model.particles();
+    found.require(r.in_a.size() != n || r.in_b.size() != n || !breaks_by_prestrain(r, model),
+                  rule + ": its prestrain alone breaks its bonds as they are made");
   }
   found.add(mistakes_in_drives(model, stage.walls));
   for (const WallDrive& d : stage.walls) {

@@ -120,16 +120,30 @@ inline double contact_pair_energy(const Model& model, const State& s, ParticleId
                        overlap);
 }
 
+/// What a bond remembers of its prestrain as it is made in this pose: beyond its limits it has flowed, or is
+/// damaged.
+inline BondHistory first_history(const Bond& b, const BondPose<double>& pose) {
+  return b.law->has_rules ? b.law->advance(b, pose, {}, 0.0, no_history) : no_history;
+}
+
 /// Takes up a new bond, made by this recipe. If bonded pairs do not touch, the energy of the pair's repulsion
-/// is given up and booked as dissipated; the energy of a prestrain is booked as work of imposed strain.
+/// is given up and booked as dissipated; the energy of a prestrain, with what has flowed of it, is booked as
+/// work of imposed strain.
 inline void add_bond(const Model& model, const Bond& bond, const BondRecipe& recipe, State& s) {
   s.bonds.push_back(bond);
+  if (!s.bond_history.empty()) s.bond_history.resize(s.bonds.size());
   if (model.contact.pairs == ContactPairs::unbonded)
     s.books.dissipated += contact_pair_energy(model, s, bond.i, bond.j);
   if (recipe.prestrain == 0.0) return;
   const BondPose<double> pose = bond_pose(bond, s.r[bond.i], s.q[bond.i], s.r[bond.j], s.q[bond.j]);
-  const BondEnergy<double> U = bond.law->energy(bond, pose, no_history);
+  const BondHistory history = first_history(bond, pose);
+  const BondEnergy<double> U = bond.law->energy(bond, pose, history);
   s.books.work_supports += U.U_L + U.U_B + U.U_T;
+  if (history == no_history) return;
+  s.bond_history.resize(s.bonds.size());
+  s.bond_history[BondId{s.bonds.size() - 1}] = history;
+  s.books.work_supports += history[memory::dissipated];
+  s.books.dissipated += history[memory::dissipated];
 }
 
 /// The pose of a bond as its particles stand now.

@@ -6,6 +6,7 @@
 
 #include "vbond/model/contact_bound.hpp"
 #include "vbond/model/make_bond.hpp"
+#include "vbond/model/turn_bound.hpp"
 #include "vbond/physics/stability.hpp"
 
 namespace vbond {
@@ -98,7 +99,7 @@ StepBound step_bound(const Model& model, const State& state, const std::vector<B
     if (!(lambda <= largest.lambda))
       largest = {lambda, std::nullopt, motion + " of a bond that \"" + rule.name + "\" may still make"};
   }
-  const ContactBound contact = contact_bound(model, state, drives);
+  const ContactBound contact = contact_bound(model, state, drives, rules);
   if (contact.lambda > 0.0) {
     const std::string source = contact.source(model);
     if (contact.lambda > largest.lambda) largest.bond.reset();
@@ -110,6 +111,16 @@ StepBound step_bound(const Model& model, const State& state, const std::vector<B
   if (largest.lambda == 0.0)
     return {std::numeric_limits<double>::infinity(), std::nullopt, "no bonds and no contacts"};
   return {critical_step(largest.lambda), largest.bond, largest.source};
+}
+
+StepBound step_bound(const Model& model, const State& state, const Stage& stage) {
+  return within_turns(step_bound(model, state, stage.bonding, stage.walls), model, state, stage);
+}
+
+StepBound within_turns(StepBound bound, const Model& model, const State& state, const Stage& stage) {
+  const FastestTurn turn = fastest_turn(model, state, stage);
+  if (!(turn.rate * bound.dt > longest_turn)) return bound;
+  return {longest_turn / turn.rate, std::nullopt, turn.source + ", which has to be below 0.5 rad in a step"};
 }
 
 }  // namespace vbond

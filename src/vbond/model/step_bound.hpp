@@ -26,9 +26,10 @@ struct StepBound {
 /// bonds, and a bond as long as the rule's distance between the lightest of them is included.
 StepBound step_bound(const Model& model, const State& state, const std::vector<BondingRule>& rules = {},
                      const std::vector<WallDrive>& drives = {});
-/// With the bonding rules and walls of a stage.
-inline StepBound step_bound(const Model& model, const State& state, const Stage& stage) {
-  return step_bound(model, state, stage.bonding, stage.walls);
-}
+/// With the bonding rules and walls of a stage, and no more than turns may take (within_turns).
+StepBound step_bound(const Model& model, const State& state, const Stage& stage);
+
+/// The bound, or the step in which what turns fastest in the stage turns by longest_turn if that is shorter.
+StepBound within_turns(StepBound bound, const Model& model, const State& state, const Stage& stage);
 
 }  // namespace vbond

@@ -281,6 +281,14 @@ void write_rare(H5Writer& writer, const WatchRecord& watch) {
   for (const BondId k : watch.stretched) stretched.push_back(k);
   if (!stretched.empty()) writer.of_each("/watch/stretched", stretched, std::identity{});
   if (watch.fastest != WatchRecord{}.fastest) writer("/watch/fastest", watch.fastest);
+  if (watch.farthest_turn > 0.0) writer("/watch/farthest_turn", watch.farthest_turn);
+  if (!watch.in_walls.empty()) {
+    Ends particle;
+    PerBond<std::uint32_t> wall;
+    for (const auto& [p, w] : watch.in_walls) particle.push_back(p), wall.push_back(w);
+    writer.of_each("/watch/in_wall_particle", particle, std::identity{});
+    writer.of_each("/watch/in_wall_wall", wall, std::identity{});
+  }
   if (watch.deep.empty()) return;
   Ends i, j;
   PerBond<DeepPair> deep;
@@ -291,6 +299,20 @@ void write_rare(H5Writer& writer, const WatchRecord& watch) {
   writer.of_each("/watch/deep_entered", deep, &DeepPair::entered);
   writer.of_each("/watch/deep_nearest", deep, &DeepPair::nearest);
   writer.of_each("/watch/deep_last_step", deep, &DeepPair::last_step);
+}
+
+void read_in_walls(H5Reader& reader, WatchRecord& watch, std::size_t particles) {
+  if (!reader.has("/watch/in_wall_particle")) return;
+  Ends particle;
+  PerBond<std::uint32_t> wall;
+  particle.resize(reader.rows("/watch/in_wall_particle"));
+  wall.resize(particle.size());
+  reader.of_each("/watch/in_wall_particle", particle, std::identity{});
+  reader.of_each("/watch/in_wall_wall", wall, std::identity{});
+  for (const BondId k : particle.ids()) {
+    if (particle[k].value >= particles) throw IoError("is damaged: a wall is overlapped by no particle");
+    watch.in_walls.insert({particle[k], wall[k]});
+  }
 }
 
 void read_rare(H5Reader& reader, WatchRecord& watch, const State& state) {
@@ -304,6 +326,8 @@ void read_rare(H5Reader& reader, WatchRecord& watch, const State& state) {
     }
   }
   if (reader.has("/watch/fastest")) reader("/watch/fastest", watch.fastest);
+  if (reader.has("/watch/farthest_turn")) reader("/watch/farthest_turn", watch.farthest_turn);
+  read_in_walls(reader, watch, state.r.size());
   if (!reader.has("/watch/deep_i")) return;
   Ends i, j;
   PerBond<DeepPair> deep;

@@ -109,6 +109,11 @@ constexpr CheckpointQuantity data_sets[] = {
     {"/watch/fastest", unit::none,
      "largest way of a particle in a step over the longest that contacts can follow; only if one was too "
      "fast"},
+    {"/watch/farthest_turn", unit::angle,
+     "largest angle by which a particle turned in a step; only if one turned too far"},
+    {"/watch/in_wall_particle", unit::none,
+     "particles that were found to overlap walls; only if there are any"},
+    {"/watch/in_wall_wall", unit::none, "number of the wall of each"},
     {"/watch/deep_i", unit::none,
      "first particles of pairs that are deep in one another; only if there are any"},
     {"/watch/deep_j", unit::none, "second particles of these pairs"},

@@ -49,10 +49,10 @@ WatchObserver::WatchObserver(const OutputPlan& plan, Watch::Tell tell, WatchReco
       watch_(plan.energy_error, std::move(tell), std::move(record)) {}
 
 void WatchObserver::observe(const Simulation& run) {
-  const Clock& clock = run.clock();
+  const Clock& clock = run.clock();  // a pair that has passed is the cause of a balance that is off
+  if (!run.encounters().empty() || run.fastest() || run.any_deep_capsules()) look_at_contacts(run);
   if (clock.stage_step % every_ == 0 || history_due_.now(clock)) look(run);
   if (clock.stage_step % (looks_per_overlaps * every_) == 0) look_at_overlaps(run);
-  if (!run.encounters().empty() || run.fastest() || run.any_deep_capsules()) look_at_contacts(run);
 }
 
 std::int64_t WatchObserver::steps_to_next_look(const Clock& now) const {
@@ -69,8 +69,11 @@ void WatchObserver::finish(const Simulation& run, StopReason why) {
 
 void WatchObserver::look(const Simulation& run) {
   const Timing timing(*this);
-  watch_.look(run.survey(), run.balance_error(run.energies()),
-              [&run]() -> const State& { return run.state(); });
+  if (const auto turn = run.fastest_turn()) watch_.look_at_turns(*turn, run.clock(), run.stage().insist);
+  constexpr double deep = 0.1;  // of the radius: much more than a step that follows the contact lets happen
+  watch_.look(
+      run.survey(), run.balance_error(run.energies()), [&run]() -> const State& { return run.state(); },
+      [&run] { return Watch::in_wall(run.model(), run.deep_in_walls(deep)); });
 }
 
 void WatchObserver::look(const Model& model, const StaticPoint& point) {
@@ -83,6 +86,7 @@ void WatchObserver::look_at_overlaps(const Simulation& run) {
   if (overlap_ == 0.0) return;
   const Timing timing(*this);
   watch_.look_at_overlaps(run.model(), run.state(), overlap_);
+  watch_.look_at_walls(run.model(), run.deep_in_walls(overlap_), run.clock());
   watch_.look_at_capsules(run.deep_capsules(overlap_), run.clock());
 }
 

@@ -10,6 +10,7 @@
 #include "vbond/core/error.hpp"
 #include "vbond/core/sized_points.hpp"
 #include "vbond/model/capsules.hpp"
+#include "vbond/model/turn_bound.hpp"
 #include "vbond/observe/bond_look.hpp"
 
 namespace vbond {
@@ -161,8 +162,19 @@ Diverged passed(const Model& m, const Encounter& e, double nearest, const State&
 Watch::Watch(double energy_error, Tell tell, WatchRecord record)
     : energy_error_(energy_error), tell_(std::move(tell)), record_(std::move(record)) {}
 
-void Watch::look(const Survey& survey, double balance_error, const CollectState& collect) {
-  look(survey, balance_error, collect, time_of);
+void Watch::look(const Survey& survey, double balance_error, const CollectState& collect,
+                 const std::function<std::string()>& suspect) {
+  look(survey, balance_error, collect, time_of, suspect);
+}
+
+std::string Watch::in_wall(const Model& model, const std::vector<DeepInWall>& deep) {
+  const auto part = [&](const DeepInWall& d) { return d.overlap / model.radius[d.p]; };
+  const auto worst = std::max_element(
+      deep.begin(), deep.end(), [&](const DeepInWall& x, const DeepInWall& y) { return part(x) < part(y); });
+  if (worst == deep.end()) return {};
+  return fmt::format(
+      "particle {} is on its way through wall \"{}\", which it overlaps by {:.3g} of its radius",
+      worst->p.value, model.walls[worst->wall].name, part(*worst));
 }
 
 std::string Watch::time_of(const Clock& clock) {
@@ -170,24 +182,29 @@ std::string Watch::time_of(const Clock& clock) {
 }
 
 void Watch::look(const Survey& survey, double balance_error, const CollectState& collect,
-                 const std::function<std::string(const Clock&)>& when) {
+                 const std::function<std::string(const Clock&)>& when,
+                 const std::function<std::string()>& suspect) {
   const bool finite = is_finite(survey.energies), balanced = std::abs(balance_error) <= energy_error_;
   if (finite && balanced && survey.deformed.empty()) return;
   const State& state = collect();
   if (!finite) blame_not_finite(state);
-  if (!balanced)
-    throw Diverged(state.clock.step, state.clock.time(), most_loaded(state),
+  if (!balanced) {
+    const std::string cause = suspect ? suspect() : "";
+    throw Diverged(state.clock.step, state.clock.time(), cause.empty() ? most_loaded(state) : cause,
                    fmt::format("the energy balance is off by {:.3g} of the energy in the run, more than "
                                "watch.energy_error = {:g}",
                                balance_error, energy_error_),
-                   std::string(smaller_step) + "; raise watch.energy_error only if the jump is expected");
+                   cause.empty()
+                       ? smaller_step + std::string("; raise watch.energy_error only if the jump is expected")
+                       : "use a stiffer contact, lower velocities and loads, or a smaller time.step");
+  }
   for (const BondId k : survey.deformed) look_at_bond(k, state, when(state.clock));
 }
 
 void Watch::look(const StaticPoint& point) {
   look(
       {point.energies, deformed_bonds(point.state)}, 0.0, [&point]() -> const State& { return point.state; },
-      [&point](const Clock&) { return load_factor_of(point); });
+      [&point](const Clock&) { return load_factor_of(point); }, {});
 }
 
 void Watch::look_at_overlaps(const Model& model, const StaticPoint& point, double part) {
@@ -252,6 +269,36 @@ void Watch::look_at_speed(const FastParticle& fastest, const Clock& clock) {
         0.9 * clock.dt / ratio));
 }
 
+void Watch::look_at_turns(const FastTurn& fastest, const Clock& clock, bool insist) {
+  const std::string particle = fmt::format("particle {}", fastest.p.value);
+  const double would_do = 0.9 * clock.dt * longest_turn / fastest.angle;
+  if (fastest.angle > std::numbers::pi && !insist)
+    throw Diverged(clock.step, clock.time(), particle,
+                   fmt::format("it turns by {:.3g} rad in a step, more than half a turn: its bonds see no "
+                               "more which way",
+                               fastest.angle),
+                   fmt::format("use time.step = {:.3g} or less, or turn it more slowly", would_do));
+  if (!(fastest.angle >= 2.0 * record_.farthest_turn)) return;
+  record_.farthest_turn = fastest.angle;
+  if (tell_)
+    tell_(
+        fmt::format("{}: step {}: {} turns by {:.3g} rad in a step: from {} rad on the moments that turn "
+                    "with it are off by 2 % and more; time.step = {:.3g} would do",
+                    time_of(clock), clock.step, particle, fastest.angle, longest_turn, would_do));
+}
+
+void Watch::look_at_walls(const Model& model, const std::vector<DeepInWall>& deep, const Clock& clock) {
+  for (const DeepInWall& d : deep) {
+    if (!record_.in_walls.insert({d.p, d.wall}).second) continue;
+    auto count = static_cast<std::int64_t>(record_.in_walls.size()) - 1;
+    report(count, untold_in_walls_,
+           fmt::format("{}: particle {} overlaps wall \"{}\" by {:.4g}, {:.3g} of its radius: it may come "
+                       "through",
+                       time_of(clock), d.p.value, model.walls[d.wall].name, d.overlap,
+                       d.overlap / model.radius[d.p]));
+  }
+}
+
 void Watch::look_at_bond(BondId k, const State& state, const std::string& when) {
   constexpr double closed_up = 1e-6;  // of a: d = D / |D| has lost its meaning
   const Bond& b = state.bonds[k];
@@ -306,6 +353,7 @@ void Watch::summarise() {
          "bonds were longer than twice their length at rest");
   sum_up(untold_overlapping_, static_cast<std::int64_t>(record_.overlapping.size()),
          "pairs of particles that are not bonded overlapped");
+  sum_up(untold_in_walls_, static_cast<std::int64_t>(record_.in_walls.size()), "particles overlapped walls");
 }
 
 }  // namespace vbond

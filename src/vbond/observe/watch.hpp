@@ -40,7 +40,9 @@ struct WatchRecord {
   std::set<BondId> stretched;  ///< bonds reported or counted as longer than twice their length at rest
   std::set<std::pair<ParticleId, ParticleId>> overlapping;     ///< pairs that were reported or counted, i < j
   std::map<std::pair<ParticleId, ParticleId>, DeepPair> deep;  ///< pairs as of the last step that had any
-  double fastest = 0.5;  ///< way in a step over FastParticle::limit, as last reported; 0.5: not yet
+  double fastest = 0.5;      ///< way in a step over FastParticle::limit, as last reported; 0.5: not yet
+  double farthest_turn = 0;  ///< of a particle in a step, as last reported; 0: not yet  [rad]
+  std::set<std::pair<ParticleId, std::uint32_t>> in_walls;  ///< particles and walls, reported or counted
   friend bool operator==(const WatchRecord&, const WatchRecord&) = default;
 };
 
@@ -51,8 +53,8 @@ class Watch {
   using Tell = std::function<void(const std::string&)>;
   using CollectState = std::function<const State&()>;
 
-  /// Reports of one kind (strained, snapped, shortened, stretched, overlapping) given in full; later ones are
-  /// only counted.
+  /// Reports of one kind (strained, snapped, shortened, stretched, overlapping, in walls) given in full;
+  /// later ones are only counted.
   static constexpr std::int64_t told_in_full = 10;
 
   /// energy_error: relative error of the energy balance that stops the run, > 0.
@@ -62,7 +64,11 @@ class Watch {
   /// Throws Diverged if an energy is not finite, the balance is off by more than energy_error, or a
   /// bond has closed up (|D| < 1e-6 a); then reports bonds that are worse than ever before.
   /// state: gives the state surveyed; called only if a bond is deformed or something is wrong.
-  void look(const Survey& survey, double balance_error, const CollectState& state);
+  /// suspect: asked if the balance is off, for what may be the cause (in_wall); empty: nothing is known.
+  void look(const Survey& survey, double balance_error, const CollectState& state,
+            const std::function<std::string()>& suspect = {});
+  /// The particle that is deepest in a wall, in words; empty if there is none.
+  static std::string in_wall(const Model& model, const std::vector<DeepInWall>& deep);
 
   /// The same for a point of balance, which has no balance of energies to be off; its reports say which load
   /// factor, not when.
@@ -87,6 +93,13 @@ class Watch {
   /// Reports a particle that is too fast for its contacts to be seen, again when it is twice as fast.
   void look_at_speed(const FastParticle& fastest, const Clock& clock);
 
+  /// Throws Diverged for a particle that turns by more than half a turn in a step, unless the stage insists
+  /// on it; reports it if it turns less, again when it turns twice as far.
+  void look_at_turns(const FastTurn& fastest, const Clock& clock, bool insist);
+
+  /// Reports particles that are deep in walls, each once.
+  void look_at_walls(const Model& model, const std::vector<DeepInWall>& deep, const Clock& clock);
+
   /// Sums up the reports that were not given in full since the last summary.
   void summarise();
 
@@ -95,7 +108,8 @@ class Watch {
  private:
   /// when: how a report begins, e.g. "t = 120".
   void look(const Survey& survey, double balance_error, const CollectState& state,
-            const std::function<std::string(const Clock&)>& when);
+            const std::function<std::string(const Clock&)>& when,
+            const std::function<std::string()>& suspect);
   void look_at_bond(BondId k, const State& state, const std::string& when);
   void look_at_overlaps(const Model& model, const State& state, double part, const std::string& when);
   void report_overlap(const Model& model, ParticleId i, ParticleId j, double depth, const std::string& when);
@@ -106,7 +120,7 @@ class Watch {
   Tell tell_;
   WatchRecord record_;
   std::int64_t untold_strained_ = 0, untold_snapped_ = 0, untold_shortened_ = 0;
-  std::int64_t untold_stretched_ = 0, untold_overlapping_ = 0;
+  std::int64_t untold_stretched_ = 0, untold_overlapping_ = 0, untold_in_walls_ = 0;
 };
 
 }  // namespace vbond

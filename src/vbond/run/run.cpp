@@ -63,16 +63,23 @@ bool Run::any_dynamics() const {
   return false;
 }
 
+/// Those that prepare() has made.
+void Run::take_back_bonds(State& state) const {
+  state.bonds.resize(bonds_before_);
+  state.bond_history.resize(std::min(state.bond_history.size(), histories_before_));
+  state.books = books_before_;
+}
+
 const AnyStage& Run::prepare() {
   require_able();
   if (stage_) return *stage_;
   bonds_before_ = state_.bonds.size();
+  histories_before_ = state_.bond_history.size();
   books_before_ = state_.books;
   try {
     stage_ = stages_->make(stage_index(), model_, state_);
   } catch (...) {  // as if nothing had been tried
-    state_.bonds.resize(bonds_before_);
-    state_.books = books_before_;
+    take_back_bonds(state_);
     throw;
   }
   return *stage_;
@@ -82,8 +89,7 @@ State Run::start_of_stage() const {
   require(!simulation_ && (restart_ || state_.clock.stage_step == 0), "the stage is under way");
   State start = restart_ ? *restart_ : state_;
   if (!stage_) return start;
-  start.bonds.resize(bonds_before_);
-  start.books = books_before_;
+  take_back_bonds(start);
   return start;
 }
 

@@ -128,6 +128,7 @@ class Run {
   StageResult find_balance(const StaticStage& stage);
   StageResult result_of_dynamics(StopReason why) const;
   void fail(const std::string& why);
+  void take_back_bonds(State& state) const;
   void expect_bonds_of_first(Outlook& outlook) const;
   void look_at_balance(std::size_t k, const StaticStage& stage, const Outlook& outlook,
                        std::vector<StageRefusal>& found) const;
@@ -142,8 +143,8 @@ class Run {
   int threads_;
   std::vector<std::shared_ptr<Observer>> observers_;
   RunHooks hooks_;
-  std::optional<AnyStage> stage_;  // that was prepared
-  std::size_t bonds_before_ = 0;   // prepare()
+  std::optional<AnyStage> stage_;                        // that was prepared
+  std::size_t bonds_before_ = 0, histories_before_ = 0;  // prepare()
   EnergyBooks books_before_;
   std::unique_ptr<Simulation> simulation_;  // of the dynamic stage that has begun
   std::optional<State> restart_;            // where a static stage that was interrupted begins again

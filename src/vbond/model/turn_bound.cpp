@@ -1,0 +1,47 @@
+#include "vbond/model/turn_bound.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace vbond {
+namespace {
+
+double largest_factor(const TimeFunction& f) {
+  double largest = f.points.empty() ? 1.0 : 0.0;
+  for (const TimeFunction::Point& p : f.points) largest = std::max(largest, std::abs(p.factor));
+  return largest;
+}
+
+/// Of each particle, whether its orientation is felt: by bonds, present or to come, or by its own inertia.
+std::vector<char> feel_turns(const Model& model, const State& state, const Stage& stage) {
+  std::vector<char> feels(model.particles(), 0);
+  for (const Bond& b : state.bonds)
+    if (!b.broken) feels[b.i.value] = feels[b.j.value] = 1;
+  for (const ParticleId p : model.mass.ids()) {
+    if (model.is_top(p)) feels[p.value] = 1;
+    for (const BondingRule& rule : stage.bonding)
+      if (rule.in_a[p.value] || rule.in_b[p.value]) feels[p.value] = 1;
+  }
+  return feels;
+}
+
+}  // namespace
+
+FastestTurn fastest_turn(const Model& model, const State& state, const Stage& stage) {
+  FastestTurn fastest;
+  const auto look = [&](double rate, const auto& name) {
+    if (rate > fastest.rate) fastest = {rate, "the turning of " + name()};
+  };
+  const std::vector<char> feels = feel_turns(model, state, stage);
+  for (const ParticleId p : state.omega.ids())
+    if (feels[p.value]) look(norm(state.omega[p]), [p] { return "particle " + std::to_string(p.value); });
+  for (const Support& s : stage.supports)
+    look(norm(s.angular_velocity) * largest_factor(s.factor),
+         [&s] { return "the support of group \"" + s.group + '"'; });
+  for (const WallDrive& w : stage.walls)
+    look(norm(w.angular_velocity) * largest_factor(w.factor), [&w] { return "wall \"" + w.wall + '"'; });
+  return fastest;
+}
+
+}  // namespace vbond

@@ -1,0 +1,27 @@
+#pragma once
+#include <string>
+
+#include "vbond/model/model.hpp"
+#include "vbond/model/stage.hpp"
+#include "vbond/model/state.hpp"
+
+namespace vbond {
+
+/// The farthest that anything whose orientation is felt may turn in a step.  [rad]
+///
+/// Leap-frog takes forces and moments at the ends of a step only. Those that turn with a body, by theta in
+/// the step, then come out (theta/2)/tan(theta/2) = 1 - theta^2/12 - ... of what they are (the trapezoidal
+/// rule on a circle), and the way along a chord is 1 - theta^2/24 of that along the arc: half a radian is an
+/// error of 2 per cent.
+inline constexpr double longest_turn = 0.5;
+
+/// What turns fastest as a stage begins, or by its supports and walls at any time of it: particles with bonds
+/// or with bonds to come, particles whose moments of inertia differ, supports, walls. Particles that only
+/// touch others feel no orientation.
+struct FastestTurn {
+  double rate = 0;     ///< [rad/time]; 0: nothing turns
+  std::string source;  ///< e.g. "the turning of particle 3"
+};
+FastestTurn fastest_turn(const Model& model, const State& state, const Stage& stage);
+
+}  // namespace vbond
