@@ -286,7 +286,7 @@ std::vector<std::string> mistakes_in(const Model& model, const State& s) {
   found.require(s.bond_history.empty() || s.bond_history.size() == s.bonds.size(),
                 fmt::format("bond_history has {} entries for {} bonds: it must have one for each, or none",
                             s.bond_history.size(), s.bonds.size()));
-  for (const Loads* l : {&s.loads, &s.damping})
+  for (const Loads* l : {&s.loads, &s.damping, &s.local_damping})
     found.require(
         (l->F.empty() && l->M.empty()) ||
             (l->F.size() == model.particles() && l->M.size() == model.particles()),

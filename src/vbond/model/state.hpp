@@ -9,6 +9,7 @@
 #include "vbond/model/bond.hpp"
 #include "vbond/model/grip.hpp"
 #include "vbond/model/loads.hpp"
+#include "vbond/model/losses.hpp"
 #include "vbond/model/model.hpp"
 
 namespace vbond {
@@ -39,6 +40,11 @@ struct EnergyBooks {
   double work_loads = 0;  ///< by point forces, moments and gravity
   double work_supports = 0;  ///< by supports, prescribed velocities and imposed strain
   double largest = 0;        ///< largest at_start + work so far: the scale of the balance error
+  /// `dissipated` by cause. What bonds lose by flow their memory counts: here is, as a negative number, what
+  /// they had lost when the books began. See losses_of().
+  Losses lost{};
+
+  void lose(Loss cause, double energy) { dissipated += energy, lost[cause] += energy; }
   friend bool operator==(const EnergyBooks&, const EnergyBooks&) = default;
 };
 
@@ -83,6 +89,7 @@ struct State {
   std::vector<GripState> grips;             ///< of the stage under way, in the order of its supports
   std::vector<GrippedPose> gripped;         ///< their particles, grip by grip
   Loads damping;                            ///< the part of these that damps; empty if no bond does
+  Loads local_damping;  ///< the part of these that is local damping, where bonds damp as well; else empty
   EnergyBooks books;
   PeakRecord peak;
   RestRecord rest;
@@ -125,7 +132,7 @@ inline double contact_pair_energy(const Model& model, const State& s, ParticleId
 inline void add_bond(const Model& model, const Bond& bond, const BondRecipe& recipe, State& s) {
   s.bonds.push_back(bond);
   if (model.contact.pairs == ContactPairs::unbonded)
-    s.books.dissipated += contact_pair_energy(model, s, bond.i, bond.j);
+    s.books.lose(Loss::bonding, contact_pair_energy(model, s, bond.i, bond.j));
   if (recipe.prestrain == 0.0) return;
   const BondPose<double> pose = bond_pose(bond, s.r[bond.i], s.q[bond.i], s.r[bond.j], s.q[bond.j]);
   const BondEnergy<double> U = bond.law->energy(bond, pose, no_history);

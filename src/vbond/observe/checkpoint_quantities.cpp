@@ -81,8 +81,15 @@ constexpr CheckpointQuantity data_sets[] = {
     {"/loads/M", unit::moment, "moments on the particles, about their centres; as /loads/F"},
     {"/loads/damping_F", unit::force, "the part of these forces that damps; only where pairs damp"},
     {"/loads/damping_M", unit::moment, "the part of these moments that damps"},
+    {"/loads/local_damping_F", unit::force,
+     "the part of these forces that is local damping; only where bonds damp as well"},
+    {"/loads/local_damping_M", unit::moment, "the part of these moments that is local damping"},
     {"/books/at_start", unit::energy, "kinetic + potential energy when the run began"},
     {"/books/dissipated", unit::energy, "taken out by damping, and given up when a pair is bonded"},
+    {"/books/lost", unit::energy,
+     "dissipated by cause: damping of bonds, yield (axial, shear, bending, torsion), creep, softening, other "
+     "laws, drag, local damping, damping of contacts, friction, rolling, adhesion, bonding; of yield, creep "
+     "and softening what bonds had lost when the books began, as a negative number; only if there is any"},
     {"/books/released", unit::energy,
      "of bonds at the time they broke, less that of contacts it switched on"},
     {"/books/work_loads", unit::energy, "work of point forces, moments and gravity"},

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "vbond/model/bond_sums.hpp"
 #include "vbond/model/energies.hpp"
 #include "vbond/model/mistakes.hpp"
 #include "vbond/run/statics.hpp"
@@ -186,7 +187,7 @@ StageResult Run::run_static() {
   state_.breaks = 0;
   StageResult result = find_balance(stage);
   if (result.interrupted()) return result;
-  state_.books.at_start = potential_energies(model_, state_).total();
+  state_.books = opened_books(state_, potential_energies(model_, state_).total());
   stage_.reset();
   begin_next_stage(state_.clock);
   results_.push_back(result);
