@@ -80,6 +80,7 @@ void Simulation::begin_stage() {
   evaluate_loads();
   if (state_.clock.stage == 0 && state_.clock.step == 0)
     state_.books = opened_books(state_, energies().total());
+  heat_at_start();
   supports_.set_times(0, stage_.dt);
   team_.for_blocks(
       [&](const Block& b) { books_[b.index] = {.work_supports = supports_.hold(b, Instant::start)}; });
@@ -91,6 +92,7 @@ void Simulation::begin_stage() {
 void Simulation::step() {
   const bool timed = state_.clock.stage_step % StepTimes::one_in == 0;
   make_bonds();    // between particles that came close
+  heat();          // bonds get their lengths at the end of the step
   apply_strain();  // r jumps, if it is due
   supports_.set_times(state_.clock.stage_step, stage_.dt);
   applied_.set_times(state_.clock.stage_step, stage_.dt);
@@ -131,6 +133,7 @@ void Simulation::step() {
   survey_.reset();
   close_walls(stage_.dt);
   close_books();
+  book_heat();
   look_at_capsules();
   const bool broke = break_bonds();
   look_at_deep_contacts();

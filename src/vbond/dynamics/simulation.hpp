@@ -154,10 +154,20 @@ class Simulation {
     BondLoads<double> loads;
   };
 
+  /// A bond that grows by this part of its lengths at temperature 0, in the step under way.
+  struct Growing {
+    std::size_t warm_bond;
+    double growth;
+  };
+
   void begin_stage();
   void bonds_changed();
   void arrange_bonds();
   void make_bonds();
+  bool set_temperatures(double time);
+  void heat_at_start();
+  void heat();
+  void book_heat();
   bool break_bonds();
   void break_bond(BondId bond);
   void take_up_loads();
@@ -220,6 +230,7 @@ class Simulation {
   std::vector<BlockBooks> books_;
   std::vector<std::vector<BondId>> breaking_;  // of each part, in the step under way
   std::vector<BondEvent> events_;
+  std::vector<Growing> growing_;      // bonds whose lengths change in the step under way
   std::vector<TakenLoads> taken_;     // of the bonds that broke in the last step
   double rounding_scale_ = 0;         // least energy that the balance error is compared with
   std::vector<BondId> peak_bonds_;    // inside the group that a peak is looked for in

@@ -27,7 +27,7 @@ void take_away(const BondLoads<double>& l, LoadRow& i, LoadRow& j) {
 
 /// The order of bonds in packs, what is known of them, and what they remember.
 void Simulation::arrange_bonds() {
-  bonds_.arrange(state_.bonds, state_.bond_history, bodies_.order, team_);
+  bonds_.arrange(state_, bodies_.order, team_);
   if (bonds_.remembers() || !state_.bond_history.empty())  // those that are broken keep theirs
     state_.bond_history.resize(state_.bonds.size());
   const bool others = damping_.is_local();

@@ -38,7 +38,7 @@ struct EnergyBooks {
   double dissipated = 0;  ///< by damping, flow, friction and adhesion, and of contacts whose pair is bonded
   double released = 0;    ///< energy of bonds at the time they broke, less that of contacts it switched on
   double work_loads = 0;  ///< by point forces, moments and gravity
-  double work_supports = 0;  ///< by supports, prescribed velocities and imposed strain
+  double work_supports = 0;  ///< by supports, prescribed velocities, imposed strain, changes of temperature
   double largest = 0;        ///< largest at_start + work so far: the scale of the balance error
   /// `dissipated` by cause. What bonds lose by flow their memory counts: here is, as a negative number, what
   /// they had lost when the books began. See losses_of().
@@ -65,6 +65,14 @@ struct RestRecord {
   friend bool operator==(const RestRecord&, const RestRecord&) = default;
 };
 
+/// A bond that grows with temperature, and its lengths where that is 0: see heat.hpp.
+struct WarmBond {
+  BondId bond;
+  double expansion = 0;            ///< growth per temperature  [1/temperature]
+  double a = 0, R_i = 0, R_j = 0;  ///< [length]
+  friend bool operator==(const WarmBond&, const WarmBond&) = default;
+};
+
 /// Everything that changes, and exactly what a checkpoint holds.
 struct State {
   Clock clock;
@@ -78,6 +86,8 @@ struct State {
   PerParticle<Vec3d> spin;            ///< [mass*length^2/time]
   PerBond<Bond> bonds;                ///< in order of creation
   PerBond<BondHistory> bond_history;  ///< empty where no bond remembers anything
+  PerParticle<double> temperature;    ///< of particles  [temperature]; empty: 0 everywhere
+  std::vector<WarmBond> warm_bonds;   ///< in order of bonds, which have the lengths of now
   /// Forces and moments at the present positions, where they do not follow from these: with bonds that damp,
   /// remember or break, with walls, with local damping, and with contacts that are not elastic or of
   /// capsules. Else empty.
@@ -127,10 +137,22 @@ inline double contact_pair_energy(const Model& model, const State& s, ParticleId
                        overlap);
 }
 
-/// Takes up a new bond, made by this recipe. If bonded pairs do not touch, the energy of the pair's repulsion
-/// is given up and booked as dissipated; the energy of a prestrain is booked as work of imposed strain.
+/// By what part of its lengths at temperature 0 a bond with this expansion has grown.
+inline double growth_of(const State& s, const Bond& b, double expansion) {
+  if (s.temperature.empty()) return 0.0;
+  return expansion * 0.5 * (s.temperature[b.i] + s.temperature[b.j]);
+}
+
+/// Takes up a new bond, made by this recipe; one that expands is at rest at the temperature of now. If bonded
+/// pairs do not touch, the energy of the pair's repulsion is given up and booked as dissipated; the energy of
+/// a prestrain is booked as work of imposed strain.
 inline void add_bond(const Model& model, const Bond& bond, const BondRecipe& recipe, State& s) {
   s.bonds.push_back(bond);
+  if (recipe.expansion != 0.0) {
+    const double factor = 1.0 + growth_of(s, bond, recipe.expansion);
+    s.warm_bonds.push_back({BondId{s.bonds.size() - 1}, recipe.expansion, bond.a / factor, bond.R_i / factor,
+                            bond.R_j / factor});
+  }
   if (model.contact.pairs == ContactPairs::unbonded)
     s.books.lose(Loss::bonding, contact_pair_energy(model, s, bond.i, bond.j));
   if (recipe.prestrain == 0.0) return;

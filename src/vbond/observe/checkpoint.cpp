@@ -19,6 +19,7 @@
 #include "vbond/model/rules.hpp"
 #include "vbond/observe/detail/checkpoint_fibres.hpp"
 #include "vbond/observe/detail/checkpoint_grips.hpp"
+#include "vbond/observe/detail/checkpoint_heat.hpp"
 #include "vbond/observe/detail/checkpoint_walls.hpp"
 #include "vbond/observe/detail/h5.hpp"
 #include "vbond/observe/detail/h5_file.hpp"
@@ -378,6 +379,7 @@ void write_checkpoint(const std::filesystem::path& path, const Model& model, con
     write_laws(writer, checkpoint.state);
     write_rules(writer, checkpoint.state);
     write_inelastic(writer, checkpoint.state);
+    write_heat(writer, checkpoint.state);
     write_walls(writer, checkpoint.state);
     write_grips(writer, checkpoint.state);
     write_overlapping(writer, checkpoint.watch);
@@ -409,6 +411,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const Model& model
     read_laws(reader, c.state, laws);
     read_rules(reader, c.state);
     read_inelastic(reader, c.state);
+    read_heat(reader, c.state);
     read_walls(reader, c.state);
     read_grips(reader, c.state);
     read_overlapping(reader, c.watch, n);

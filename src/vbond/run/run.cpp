@@ -9,6 +9,7 @@
 
 #include "vbond/model/bond_sums.hpp"
 #include "vbond/model/energies.hpp"
+#include "vbond/model/heat.hpp"
 #include "vbond/model/mistakes.hpp"
 #include "vbond/run/statics.hpp"
 
@@ -72,7 +73,7 @@ const AnyStage& Run::prepare() {
   try {
     stage_ = stages_->make(stage_index(), model_, state_);
   } catch (...) {  // as if nothing had been tried
-    state_.bonds.resize(bonds_before_);
+    keep_bonds(state_, bonds_before_);
     state_.books = books_before_;
     throw;
   }
@@ -83,7 +84,7 @@ State Run::start_of_stage() const {
   require(!simulation_ && (restart_ || state_.clock.stage_step == 0), "the stage is under way");
   State start = restart_ ? *restart_ : state_;
   if (!stage_) return start;
-  start.bonds.resize(bonds_before_);
+  keep_bonds(start, bonds_before_);
   start.books = books_before_;
   return start;
 }
