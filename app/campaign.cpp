@@ -9,10 +9,12 @@
 #include "signals.hpp"
 #include "vbond/core/printable.hpp"
 #include "vbond/dynamics/kernel.hpp"
+#include "vbond/model/bond_sums.hpp"
 #include "vbond/observe/bond_look.hpp"
 #include "vbond/observe/breaks_observer.hpp"
 #include "vbond/observe/files.hpp"
 #include "vbond/observe/fracture_table.hpp"
+#include "vbond/observe/quantities.hpp"
 
 namespace vbond::app {
 namespace {
@@ -118,6 +120,13 @@ void save_summary(Campaign& campaign) {
   for (std::size_t w = 0; w < walls.size(); ++w)
     s.walls.push_back({campaign.plan.walls[w], walls[w].force, walls[w].moment, walls[w].displacement,
                        walls[w].work, campaign.files.history->largest_on_walls()[w]});
+  s.dissipated.clear();
+  if (!campaign.plan.losses.empty()) {
+    const State& state = campaign.run.current();
+    const bool at_rest = !s.stages.empty() && s.stages.back().statics;
+    const Losses lost = at_rest ? losses_by_flow(state) : losses_of(state);
+    for (const Loss cause : campaign.plan.losses) s.dissipated.emplace_back(to_text(cause), lost[cause]);
+  }
   const WatchRecord& watched = campaign.files.watch->watch().record();
   s.ever_strained = watched.strained;
   s.ever_snapped = watched.snapped;

@@ -21,6 +21,36 @@ double output_time(const CaseTime& time, const Model& model, const char* key, co
   return resolve_time(time, model, key, {c.file, 0, 0});
 }
 
+/// What may dissipate energy in this case.
+std::vector<Loss> possible_losses(const Case& c, const Model& model) {
+  const auto bonds = [&c](auto has) { return std::any_of(c.bonds.begin(), c.bonds.end(), has); };
+  const auto rules = [&](auto has) { return bonds([&](const BondSpec& b) { return has(b.recipe.rules); }); };
+  const auto stages = [&c](auto has) { return std::any_of(c.stages.begin(), c.stages.end(), has); };
+  const ContactModel& contact = model.contact;
+  const bool touches = contact.law != ContactLaw::none && c.any_dynamics() &&
+                       (!is_elastic(contact, model.materials) || !model.walls.empty());
+  const std::pair<Loss, bool> all[] = {
+      {Loss::bond_damping, bonds([](const BondSpec& b) { return b.recipe.damping.by != DampingBy::none; })},
+      {Loss::yield_axial, rules([](const BondRules& r) { return r.yield.limit.axial > 0.0; })},
+      {Loss::yield_shear, rules([](const BondRules& r) { return r.yield.limit.shear > 0.0; })},
+      {Loss::yield_bending, rules([](const BondRules& r) { return r.yield.limit.bending > 0.0; })},
+      {Loss::yield_torsion, rules([](const BondRules& r) { return r.yield.limit.torsion > 0.0; })},
+      {Loss::creep, rules([](const BondRules& r) { return r.creep.rate > 0.0; })},
+      {Loss::softening, rules([](const BondRules& r) { return r.softening.any(); })},
+      {Loss::drag, stages([](const StageSpec& s) { return s.b_translation > 0.0 || s.b_rotation > 0.0; })},
+      {Loss::local_damping, stages([](const StageSpec& s) { return s.local_damping > 0.0; })},
+      {Loss::contact_damping, touches},
+      {Loss::friction, touches && contact.tangential != TangentialForm::none},
+      {Loss::rolling, touches && contact.rolling != RollingForm::none},
+      {Loss::adhesion, touches && contact.adhesion != AdhesionForm::none},
+      {Loss::bonding, particles_touch(contact) && contact.pairs == ContactPairs::unbonded &&
+                          bonds([](const BondSpec& b) { return b.when != BondTime::start; })}};
+  std::vector<Loss> possible;
+  for (const auto& [cause, may_be] : all)
+    if (may_be) possible.push_back(cause);
+  return possible;
+}
+
 const char* time_unit(const Model& model) {
   return model.units == UnitSystem::si ? " s" : "";
 }
@@ -58,6 +88,7 @@ OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem:
       std::any_of(c.stages.begin(), c.stages.end(), [](const StageSpec& s) { return is_static(s.kind); });
   plan.breaks = std::any_of(c.bonds.begin(), c.bonds.end(),
                             [](const BondSpec& b) { return b.recipe.rules.can_break(); });
+  plan.losses = possible_losses(c, model);
   plan.watch_every = c.watch.every;
   plan.overlap = c.watch.overlap;
   plan.energy_error = c.watch.energy_error;

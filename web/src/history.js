@@ -23,6 +23,8 @@ export class History {
     }
     const energies = stacked.filter((name) => this.has(name));
     if (energies.length) list.push({ title: "Energies", x: this.clock, y: energies, stacked: true, added: true });
+    const causes = this.names.filter((name) => name.startsWith("dissipated.") && this.column(name).values.some((v) => v));
+    if (causes.length > 1) list.push({ title: "Energy dissipated, by cause", x: this.clock, y: causes, stacked: true, added: true });
     if (this.column("balance_error")?.values.some((v) => v)) list.push({ title: "Error of the energy balance", x: this.clock, y: ["balance_error"], added: true });
     return list;
   }

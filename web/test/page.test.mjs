@@ -251,6 +251,12 @@ test("History.BreaksArePlottedWhereThereAreSome", () => {
   assert.deepEqual(new History(columns([0, 0])).presets([]).map(({ title }) => title), ["Energies"]);
 });
 
+test("History.LossesArePlottedByCauseWhereThereIsMoreThanOne", () => {
+  const columns = (drag) => ({ columns: [{ name: "time" }, { name: "dissipated.friction" }, { name: "dissipated.drag" }, { name: "dissipated.creep" }], values: [[0, 1], [0, 2], drag, [0, 0]] });
+  assert.deepEqual(new History(columns([0, 3])).presets([]).map(({ y }) => y), [["dissipated.friction", "dissipated.drag"]]);
+  assert.deepEqual(new History(columns([0, 0])).presets([]), []);
+});
+
 test("Axis.LogarithmsSkipZerosAndSigns", () => {
   assert.deepEqual(log_axis([[-100, 0, null, 0.1]]).values, [[2, null, null, -1]]);
   assert.deepEqual(log_axis([[null, 0]]).ends, [0, 1]);

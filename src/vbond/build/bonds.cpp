@@ -253,7 +253,8 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
   recipe.set = static_cast<std::uint32_t>(set);
   FirstAndCount no_length, no_radius, unstable, snapping, no_capsule, broken;
   CapsuleMistake of_capsule;
-  const double dissipated = state.books.dissipated, U = potential_energies(model, state).contact;
+  const EnergyBooks books = state.books;
+  const double U = potential_energies(model, state).contact;
   double longest = INFINITY;  // of bonds that soften
   for (const Pair& pair : select_pairs(c, set, model, state, problems)) {
     const BondSite site_i = bond_site(model, state, pair[0]), site_j = bond_site(model, state, pair[1]);
@@ -286,8 +287,10 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
     }
     add_bond(model, *bond, recipe, state);
   }
-  if (any_capsules(model.contact, state.bonds))  // what others touch changes, too
-    state.books.dissipated = dissipated + U - potential_energies(model, state).contact;
+  if (any_capsules(model.contact, state.bonds)) {  // what others touch changes, too
+    state.books.dissipated = books.dissipated, state.books.lost = books.lost;
+    state.books.lose(Loss::bonding, U - potential_energies(model, state).contact);
+  }
   const auto report = [&](const FirstAndCount& found, const char* rule, const char* way_out) {
     if (found.count > 0)
       problems.add(spec.place, fmt::format("bonds \"{}\": {}", spec.name, found.text()), rule, way_out);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "vbond/build/bonds.hpp"
 #include "vbond/build/groups.hpp"
@@ -94,6 +95,29 @@ void StageResolver::check_supports(const std::vector<AnySupport>& supports) cons
 }
 template void StageResolver::check_supports(const std::vector<Support>&) const;
 template void StageResolver::check_supports(const std::vector<StaticSupport>&) const;
+
+void StageResolver::check_temperatures() const {
+  for (const TemperatureSpec& t : spec.temperatures) {
+    if (std::none_of(c.bonds.begin(), c.bonds.end(),
+                     [](const BondSpec& b) { return b.recipe.expansion != 0.0; })) {
+      problems.add(t.place, "no bonds feel a temperature: none has an expansion",
+                   "temperature makes bonds grow by expansion times temperature",
+                   "give a set of bonds an expansion, as expansion = 1.2e-5, or leave temperatures out");
+      return;
+    }
+    double largest = std::abs(t.change);
+    if (t.factor.points.empty()) largest = std::max(largest, std::abs(t.temperature));
+    for (const auto& [time, factor] : t.factor.points)
+      largest = std::max(largest, std::abs(t.temperature * factor));
+    for (const BondSpec& b : c.bonds)
+      if (!(std::abs(b.recipe.expansion) * largest < 1.0))
+        problems.add(t.place,
+                     fmt::format("bonds \"{}\" would grow by {:.3g} of their lengths", b.name,
+                                 std::abs(b.recipe.expansion) * largest),
+                     "a bond may grow or shrink by less than its length",
+                     "look for a missing power of ten in expansion or temperature");
+  }
+}
 
 double StageResolver::mass_of(const std::vector<ParticleId>& particles) const {
   double mass = 0.0;

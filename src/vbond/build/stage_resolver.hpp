@@ -25,6 +25,8 @@ struct StageResolver {
   /// Supports, one for each of the case, that overlap must agree; grips need particles.
   template <class AnySupport>
   void check_supports(const std::vector<AnySupport>& supports) const;
+  /// Reports temperatures at which a bond set would have no length left, or that nothing feels.
+  void check_temperatures() const;
   /// What a total of a load is shared in proportion to: the mass of its group.
   double mass_of(const std::vector<ParticleId>& particles) const;
   /// Whether supports leave any degree of freedom.

@@ -304,6 +304,7 @@ void put_on_steps(Stage& stage) {
   const std::int64_t last = steps_in(stage.stops.duration, stage.dt);
   for (Support& s : stage.supports) s.factor = on_steps(s.factor, stage.dt, last);
   for (PointLoad& l : stage.loads) l.factor = on_steps(l.factor, stage.dt, last);
+  for (Heating& h : stage.heating) h.factor = on_steps(h.factor, stage.dt, last);
   for (WallDrive& w : stage.walls) {
     w.factor = on_steps(w.factor, stage.dt, last);
     if (w.servo) w.servo->factor = on_steps(w.servo->factor, stage.dt, last);
@@ -338,6 +339,10 @@ Stage resolve_stage(const Case& c, const Model& model, std::size_t k, Problems& 
   stage.b_rotation = spec.b_rotation;
   stage.supports = resolver.supports();
   stage.loads = resolver.loads();
+  resolver.check_temperatures();
+  for (const TemperatureSpec& t : spec.temperatures)
+    stage.heating.push_back(
+        {resolver.particles(t.group), t.temperature, resolver.function(t.factor, t.place)});
   if (spec.strain) stage.strain = resolver.strain(*spec.strain);
   if (const auto p = strained_and_gripped(stage))
     problems.add(spec.strain->place,

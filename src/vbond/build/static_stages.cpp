@@ -51,6 +51,9 @@ StaticStage resolve_static_stage(const Case& c, const Model& model, std::size_t 
   stage.supports = supports(resolver);
   check_something_is_free(resolver);
   stage.loads = loads(resolver);
+  resolver.check_temperatures();
+  for (const TemperatureSpec& t : spec.temperatures)
+    stage.heating.push_back({resolver.particles(t.group), t.change});
   stage.newton = spec.newton;
   stage.steps = spec.steps;
   stage.at_saddle = spec.at_saddle;

@@ -220,6 +220,14 @@ struct LoadSpec {
   Vec3d total_force = {}, total_moment = {};  ///< on the group, shared by mass
 };
 
+struct TemperatureSpec {
+  SourcePlace place;
+  Placed<std::string> group;
+  double temperature = 0;   ///< dynamics, times the factor
+  TimeFunctionSpec factor;  ///< dynamics
+  double change = 0;        ///< static stages: at load factor 1
+};
+
 struct StrainSpec {
   SourcePlace place;
   Placed<std::string> group;
@@ -262,6 +270,7 @@ struct StageSpec {
   Vec3d gravity;
   std::vector<SupportSpec> supports;
   std::vector<LoadSpec> loads;
+  std::vector<TemperatureSpec> temperatures;      ///< all kinds but modes
   std::optional<DistanceStopSpec> stop_distance;  ///< dynamics, path
 
   // dynamics

@@ -116,7 +116,11 @@ void describe_flow(Table& t, BondSpec& b) {
   t.check(!b.softening || (!b.yield && !b.creep), {"softening", "yield", "creep"},
           "bonds that soften do not flow as well: their fracture energy would not be G_f",
           "leave out softening, or yield and creep");
+  t.key("expansion", b.recipe.expansion, number(pure), optional,
+        "by what part the bonds' lengths grow per temperature, as 1.2e-5 for steel and kelvin");
   const StretchForm form = rules.stretch.form;
+  t.check(form != StretchForm::table || b.recipe.expansion == 0.0, {"expansion", "stretching"},
+          "a table of energies has no length at rest that could grow", "choose another form of stretching");
   t.check(form == StretchForm::harmonic || (!b.softening && !b.creep), {"softening", "creep", "stretching"},
           "bonds that soften or creep stretch harmonically", "leave out stretching");
   t.check(form != StretchForm::table || !b.yield, {"yield", "stretching"},

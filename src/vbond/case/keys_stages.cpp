@@ -84,6 +84,22 @@ void describe_load(Table& t, LoadSpec& s, Kind kind) {
   });
 }
 
+void describe_temperature(Table& t, TemperatureSpec& s, Kind kind) {
+  t.locate(s.place);
+  default_to_all(s.group);
+  t.key("group", s.group, group_name, optional, "which particles; a bond has the mean of its two");
+  t.when(!kind || !is_static(*kind), in_dynamics, [&] {
+    t.key("temperature", s.temperature, number(pure), required,
+          "above that at which bonds have their lengths, in the unit of 1/expansion");
+    describe(t, s.factor);
+  });
+  t.when(!kind || (is_static(*kind) && kind != StageKind::modes),
+         "kind = \"equilibrium\", \"path\", \"buckling\" or \"fracture\"", [&] {
+           t.key("change", s.change, number(pure), required,
+                 "of the temperature that the stage finds, at load factor 1");
+         });
+}
+
 void describe_load_factor_stop(Table& t, PathSettings& p) {
   t.key("above", p.above, number(pure), optional, "end where the load factor rises to this");
   t.key("below", p.below, number(pure), optional, "end where the load factor falls to this");
@@ -179,10 +195,13 @@ void check_proportional(Table& t, const StageSpec& s) {
   const auto moves = [](const SupportSpec& p) { return any(p.displacement) || any(p.rotation); };
   const bool proportional = (any(s.gravity) && !s.constant_gravity) ||
                             std::any_of(s.loads.begin(), s.loads.end(), grows) ||
-                            std::any_of(s.supports.begin(), s.supports.end(), moves);
+                            std::any_of(s.supports.begin(), s.supports.end(), moves) ||
+                            std::any_of(s.temperatures.begin(), s.temperatures.end(),
+                                        [](const TemperatureSpec& heat) { return heat.change != 0.0; });
   t.check(
-      proportional, {"kind", "loads", "supports", "gravity", "constant_gravity"},
-      "nothing grows with the load factor: no load or gravity that is not constant, no support that moves",
+      proportional, {"kind", "loads", "supports", "gravity", "constant_gravity", "temperatures"},
+      "nothing grows with the load factor: no load or gravity that is not constant, no support that moves, "
+      "no temperature that changes",
       "add a load without constant = true, or a displacement to a support");
 }
 
@@ -247,6 +266,10 @@ bool describe(Table& t, StageSpec& s) {
            [kind](Table& k, SupportSpec& support) { describe_support(k, support, kind); });
   t.tables("loads", s.loads, optional, "forces and moments on the particles of a group",
            [kind](Table& k, LoadSpec& load) { describe_load(k, load, kind); });
+  t.when(!kind || kind != StageKind::modes, "every kind but \"modes\"", [&] {
+    t.tables("temperatures", s.temperatures, optional, "what heats bonds that expand",
+             [kind](Table& k, TemperatureSpec& heat) { describe_temperature(k, heat, kind); });
+  });
   t.when(kind == StageKind::dynamics, in_dynamics, [&] { describe_motion(t, s); });
   describe_statics(t, s);
   const bool breaks = kind == StageKind::fracture;

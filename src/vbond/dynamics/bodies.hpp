@@ -36,8 +36,9 @@ struct Bodies {
   std::vector<PoseRow> pose;
   std::vector<MotionRow> motion;
   std::vector<LoadRow> load;
-  std::vector<MotionRow> rates;  ///< motion half a step ago, for bonds that read it; else empty
-  std::vector<LoadRow> damping;  ///< the part of the loads that damps, if any bond does; else empty
+  std::vector<MotionRow> rates;        ///< motion half a step ago, for bonds that read it; else empty
+  std::vector<LoadRow> damping;        ///< the part of the loads that damps, if any bond does; else empty
+  std::vector<LoadRow> local_damping;  ///< the part of these that is local, if bonds damp as well; else empty
   std::vector<InverseInertia> inverse;
   std::vector<double> mass;     ///< [mass]
   std::vector<double> inertia;  ///< of a top the least of its three  [mass*length^2]

@@ -9,6 +9,7 @@
 #include "vbond/dynamics/kernel_rows.hpp"
 #include "vbond/dynamics/stretch_lanes.hpp"
 #include "vbond/physics/far_from_breaking.hpp"
+#include "vbond/physics/flowing.hpp"
 #include "vbond/physics/law.hpp"
 #include "vbond/physics/range.hpp"
 
@@ -212,7 +213,9 @@ VBOND_HD LawHistory<L> history_after(const PackRun<P>& run, std::size_t pack, st
     if (sweep.dt == 0.0) return before;
     const LawHistory<L> now = advance(law, b, axis, rates, Real(sweep.dt), before);
     for (std::size_t n = 0; n < history_of<L>; ++n) now.value[n].store(remembered<L>(run, pack, n, l));
-    add_active(dissipated_between(law, b, before, now), run.lanes[pack], l, sweep.dissipated);
+    const Real lost = dissipated_between(law, b, before, now);
+    add_active(lost, run.lanes[pack], l, sweep.dissipated);
+    if constexpr (!FlowingLaw<L>) add_active(lost, run.lanes[pack], l, sweep.by_other_laws);
     return now;
   }
   return before;

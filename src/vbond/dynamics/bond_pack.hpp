@@ -78,6 +78,7 @@ struct BondSweep {
   LoadRow* damping = nullptr;        ///< the part of the loads that damps, for laws that do
   double dt = 0;                     ///< for laws that remember: their history advances by it; 0: it stays
   double dissipated = 0;             ///< by what bonds remember, added to  [energy]
+  double by_other_laws = 0;          ///< the part of it whose laws are not the library's
   std::uint8_t* broken = nullptr;    ///< of each pack of the run: lanes that break, a bit each
 };
 

@@ -60,11 +60,12 @@ struct BondPacks::Sorted {
   std::size_t row;  // the lower one
   Kind kind;
   BondId bond;
+  bool expands;
   std::size_t block() const { return row / block_rows; }
 };
 
-BondPacks::Kind BondPacks::kind_of(const Bond& b) {
-  if (b.frame_i == b.frame_j) {
+BondPacks::Kind BondPacks::kind_of(const Bond& b, bool expands) {
+  if (b.frame_i == b.frame_j && !expands) {
     for (std::size_t t = 0; t < types_.size(); ++t) {
       const BondType& type = types_[t];
       if (type.law != b.law || type.rules != b.rules || type.R_i != b.R_i || type.R_j != b.R_j) continue;
@@ -89,17 +90,21 @@ std::uint32_t BondPacks::number_of(const Bond& b) {
   return number;
 }
 
-void BondPacks::arrange(const PerBond<Bond>& bonds, const PerBond<BondHistory>& history, const Order& order,
-                        const Team& team) {
+void BondPacks::arrange(const State& state, const Order& order, const Team& team) {
   *this = {};
+  const PerBond<Bond>& bonds = state.bonds;
   for (const BondLaw* law : named_laws()) full_types_.push_back({law});
   std::vector<Sorted> sorted;
   sorted.reserve(bonds.size());
+  auto warm = state.warm_bonds.begin();
   for (const BondId b : bonds.ids()) {
-    const Kind kind = kind_of(bonds[b]);  // asked of broken ones too: kinds are numbered as they come
+    const bool expands = warm != state.warm_bonds.end() && warm->bond == b;
+    if (expands) ++warm;
+    const Kind kind =
+        kind_of(bonds[b], expands);  // asked of broken ones too: kinds are numbered as they come
     if (bonds[b].broken) continue;
     note(bonds[b]);
-    sorted.push_back({lower_row(bonds[b], order), kind, b});
+    sorted.push_back({lower_row(bonds[b], order), kind, b, expands});
   }
   bonds_ = sorted.size();
   std::sort(sorted.begin(), sorted.end(), [](const Sorted& a, const Sorted& b) {
@@ -121,7 +126,7 @@ void BondPacks::arrange(const PerBond<Bond>& bonds, const PerBond<BondHistory>& 
     const std::size_t block = sorted[first].block();
     while (first_run_.size() <= block) first_run_.push_back(runs_.size());
     const RowRange own = team.part_of_row(block * block_rows).rows;
-    runs_.push_back(add_run(sorted.data() + first, last - first, bonds, history, order, own));
+    runs_.push_back(add_run(sorted.data() + first, last - first, state, order, own));
   });
   while (first_run_.size() <= team.blocks()) first_run_.push_back(runs_.size());
 
@@ -142,11 +147,10 @@ void BondPacks::arrange(const PerBond<Bond>& bonds, const PerBond<BondHistory>& 
     for_stretches(
         below, [](const Sorted& a, const Sorted& b) { return a.kind == b.kind; },
         [&](std::size_t first, std::size_t last) {
-          from_below_.back().push_back(
-              add_run(below.data() + first, last - first, bonds, history, order, part.rows));
+          from_below_.back().push_back(add_run(below.data() + first, last - first, state, order, part.rows));
         });
   }
-  std::stable_sort(breakable_.begin(), breakable_.end());
+  std::stable_sort(known_.begin(), known_.end());
 }
 
 void BondPacks::note(const Bond& b) {
@@ -156,8 +160,10 @@ void BondPacks::note(const Bond& b) {
   all_elastic_ &= !needs_rates(b) && !can_break(b);
 }
 
-BondPacks::Run BondPacks::add_run(const Sorted* sorted, std::size_t count, const PerBond<Bond>& bonds,
-                                  const PerBond<BondHistory>& history, const Order& order, RowRange own) {
+BondPacks::Run BondPacks::add_run(const Sorted* sorted, std::size_t count, const State& state,
+                                  const Order& order, RowRange own) {
+  const PerBond<Bond>& bonds = state.bonds;
+  const PerBond<BondHistory>& history = state.bond_history;
   const Kind kind = sorted->kind;
   const auto add = [&](auto& store) {
     const BondLaw& law = *bonds[sorted->bond].law;
@@ -183,8 +189,8 @@ BondPacks::Run BondPacks::add_run(const Sorted* sorted, std::size_t count, const
         fill_lane(pack, l, b, s.kind.scale);
         for (std::size_t n = 0; n < remembered && s.bond.value < history.size(); ++n)
           store.history[at + n * pack_bonds + l] = history[s.bond][n];
-        if (can_break(b) && first + l < count)
-          breakable_.push_back({s.bond, kind.compact, store.bond.size(), at + l, &law});
+        if ((can_break(b) || s.expands) && first + l < count)
+          known_.push_back({s.bond, kind.compact, store.bond.size(), at + l, &law});
         store.bond.push_back(s.bond);
         lanes.crossing |= !own.contains(pack.i[l]) || !own.contains(pack.j[l]);
       }
@@ -226,8 +232,17 @@ void BondPacks::add_loads(const Block& block, BondSweep& sweep, const RowsAhead&
     });
 }
 
+void BondPacks::take_lengths(BondId bond, const Bond& b) {
+  const auto [first, last] = std::equal_range(known_.begin(), known_.end(), Lane{bond});
+  for (auto at = first; at != last; ++at) {
+    FullPack& pack = full_.packs[at->lane / pack_bonds];
+    const std::size_t l = at->lane % pack_bonds;
+    pack.a[l] = b.a, pack.R_i[l] = b.R_i, pack.R_j[l] = b.R_j;
+  }
+}
+
 void BondPacks::remove(BondId bond) {
-  const auto [first, last] = std::equal_range(breakable_.begin(), breakable_.end(), Lane{bond});
+  const auto [first, last] = std::equal_range(known_.begin(), known_.end(), Lane{bond});
   for (auto at = first; at != last; ++at) {
     std::vector<PackLanes>& lanes = at->compact ? compact_.lanes : full_.lanes;
     lanes[at->lane / pack_bonds].active &= static_cast<std::uint8_t>(~(1u << at->lane % pack_bonds));
@@ -237,7 +252,7 @@ void BondPacks::remove(BondId bond) {
 
 BondHistory BondPacks::history(BondId bond) const {
   BondHistory history{};
-  const auto at = std::lower_bound(breakable_.begin(), breakable_.end(), Lane{bond});
+  const auto at = std::lower_bound(known_.begin(), known_.end(), Lane{bond});
   const std::vector<double>& numbers = at->compact ? compact_.history : full_.history;
   for (std::size_t n = 0; n < at->law->history.size(); ++n)
     history[n] = numbers[at->history + n * pack_bonds];

@@ -10,6 +10,7 @@
 #include "vbond/dynamics/team.hpp"
 #include "vbond/model/bond.hpp"
 #include "vbond/model/loads.hpp"
+#include "vbond/model/state.hpp"
 
 namespace vbond {
 
@@ -25,8 +26,7 @@ inline std::size_t lower_row(const Bond& b, const Order& order) {
 class BondPacks {
  public:
   /// To be called whenever bonds were made. Broken bonds are left out.
-  void arrange(const PerBond<Bond>& bonds, const PerBond<BondHistory>& history, const Order& order,
-               const Team& team);
+  void arrange(const State& state, const Order& order, const Team& team);
 
   /// Adds what the bonds of lower parts do to the particles of this part, sweep.own: first of all in a part.
   void add_loads_from_below(const Part& part, BondSweep& sweep);
@@ -34,6 +34,8 @@ class BondPacks {
   /// added to `broken`, in no order.
   void add_loads(const Block& block, BondSweep& sweep, const RowsAhead& ahead, std::vector<BondId>* broken);
 
+  /// The bond, which expands, has other lengths now.
+  void take_lengths(BondId bond, const Bond& as_it_is);
   /// This bond does nothing any more. Its lane stays empty until the next arrange().
   void remove(BondId bond);
   /// Whether so many lanes are empty that arranging anew pays.
@@ -41,7 +43,7 @@ class BondPacks {
   bool reads_rates() const { return reads_rates_; }
   bool damp() const { return damp_; }
   bool remembers() const { return remembers_; }
-  /// What a bond that may break remembers now.
+  /// What a bond that may break or expands remembers now.
   BondHistory history(BondId bond) const;
   bool all_elastic() const { return all_elastic_; }
   /// What each bond remembers now; those that are broken are left as they are.
@@ -94,10 +96,9 @@ class BondPacks {
     friend bool operator<(const Lane& a, const Lane& b) { return a.bond < b.bond; }
   };
 
-  Kind kind_of(const Bond& bond);
+  Kind kind_of(const Bond& bond, bool expands);
   std::uint32_t number_of(const Bond& bond);
-  Run add_run(const Sorted* sorted, std::size_t count, const PerBond<Bond>& bonds,
-              const PerBond<BondHistory>& history, const Order& order, RowRange own);
+  Run add_run(const Sorted* sorted, std::size_t count, const State& state, const Order& order, RowRange own);
   void note(const Bond& bond);
   template <class F>
   void visit(const Run& run, F f) const;
@@ -110,7 +111,7 @@ class BondPacks {
   std::vector<std::size_t> reach_;            // of each block
   std::vector<std::uint8_t> at_border_;       // of each block
   std::vector<std::vector<Run>> from_below_;  // of each part
-  std::vector<Lane> breakable_;               // in order of bonds, a bond at most twice
+  std::vector<Lane> known_;  // those that may break or expand, in order of bonds, a bond at most twice
   bool reads_rates_ = false, damp_ = false, remembers_ = false, all_elastic_ = true;
   std::size_t bonds_ = 0, removed_ = 0;
 };

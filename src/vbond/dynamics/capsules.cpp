@@ -171,19 +171,19 @@ std::vector<double> Capsules::friction_shares() const {
 }
 
 /// The loads of one contact, to shares_.
-double Capsules::work_out(Contact& c, double friction_share, double dt) {
+TouchLosses<double> Capsules::work_out(Contact& c, double friction_share, double dt) {
   const Touching<double> p = touching(c);
   TouchNumbers<double> n = numbers(c);
   n.friction *= friction_share;
   Vec3d F;
-  double dissipated = 0.0;
+  TouchLosses<double> lost;
   int elastic = c.weight;  // so often the elastic force, along the normal
   if (c.body) {
     const TouchLoads<double> l = touch(forms_, n, p, dt, touch_history(c.history));
     if (c.history[3] > 0.0 && dot(c.normal, p.n) < -same_side) passed_ = told(c, p.overlap);
     F = l.F;
     deep_ = deep_ || p.overlap > (1.0 - deep_part) * (c.a.R + c.b.R);
-    if (dt > 0.0) dissipated = l.dissipated;
+    if (dt > 0.0) lost = l.lost;
     c.history = numbers_of(l.history);
     c.normal = p.n;
     --elastic;
@@ -192,25 +192,25 @@ double Capsules::work_out(Contact& c, double friction_share, double dt) {
   share_loads(c, p, F, [this](ParticleId q, const Vec3d& force, const Vec3d& moment) {
     shares_.push_back({row(q), force, moment});
   });
-  return dissipated;
+  return lost;
 }
 
-double Capsules::work_out(const Team& team, double dt) {
-  if (!any_) return 0.0;
+TouchLosses<double> Capsules::work_out(const Team& team, double dt) {
+  if (!any_) return {};
   std::vector<Contact> parted;
   contacts_ = with_history(find(team), parted);
   shares_.clear();
   passed_.reset();
   deep_ = false;
-  double dissipated = 0.0;
+  TouchLosses<double> lost;
   const std::vector<double> share = friction_shares();
-  for (std::size_t k = 0; k < contacts_.size(); ++k) dissipated += work_out(contacts_[k], share[k], dt);
+  for (std::size_t k = 0; k < contacts_.size(); ++k) lost += work_out(contacts_[k], share[k], dt);
   std::stable_sort(shares_.begin(), shares_.end(),
                    [](const Share& a, const Share& b) { return a.row < b.row; });
   if (dt > 0.0)
     for (const Contact& c : parted)
-      dissipated += lost_on_parting(forms_, numbers(c), touching(c), dt, touch_history(c.history));
-  return dissipated;
+      lost += lost_on_parting(forms_, numbers(c), touching(c), dt, touch_history(c.history));
+  return lost;
 }
 
 void Capsules::add_loads(RowRange rows, LoadRow* load) const {

@@ -37,8 +37,8 @@ class Capsules {
   /// since the last call.  [length]
   void refresh(double way = std::numeric_limits<double>::infinity());
   /// Contacts and their loads, from poses and the motion of the half step before; dt = 0: between steps,
-  /// nothing is dissipated. Returns what is.  [energy]
-  double work_out(const Team& team, double dt);
+  /// nothing is lost. Returns what is.
+  TouchLosses<double> work_out(const Team& team, double dt);
   /// Adds the loads of these rows.
   void add_loads(RowRange rows, LoadRow* load) const;
   /// Takes all of them away again.
@@ -78,7 +78,7 @@ class Capsules {
   std::vector<FibreContact> find(const Team& team);
   std::vector<Contact> with_history(const std::vector<FibreContact>& found, std::vector<Contact>& parted);
   std::vector<double> friction_shares() const;
-  double work_out(Contact& c, double friction_share, double dt);
+  TouchLosses<double> work_out(Contact& c, double friction_share, double dt);
   DeepCapsules told(const FibreContact& c, double overlap) const;
 
   const Model& model_;

@@ -46,6 +46,8 @@ void Damping::oppose_motion(RowRange rows) const {
     const Vec3d F = oppose(load.F, rate.v, held_[k], 0), M = oppose(load.M, rate.omega, held_[k], 3);
     load.F += F, damping.F += F;
     load.M += M, damping.M += M;
+    if (bodies_.local_damping.empty()) continue;
+    bodies_.local_damping[k].F = F, bodies_.local_damping[k].M = M;
   }
 }
 

@@ -16,9 +16,11 @@ class Damping {
   Damping(const Stage& stage, Bodies& bodies);
   /// Slows particles down and returns the energy that goes; supports put their own velocities back after it.
   double slow_down(RowRange rows) const { return decay_.empty() ? 0.0 : do_slow_down(rows); }
-  /// Cundall's local damping: adds to complete loads, and to the part of them that damps, what opposes the
-  /// rates of the last half step. Held degrees of freedom are left out.
+  /// Cundall's local damping: adds to complete loads, and to the part of them that damps (and to that of
+  /// local damping alone, where it is kept), what opposes the rates of the last half step. Held degrees of
+  /// freedom are left out.
   bool is_local() const { return local_ > 0.0; }
+  bool is_drag() const { return !decay_.empty(); }
   void oppose_motion(RowRange rows) const;
 
  private:

@@ -11,6 +11,7 @@
 
 #include "vbond/core/error.hpp"
 #include "vbond/dynamics/kernel.hpp"
+#include "vbond/model/bond_sums.hpp"
 #include "vbond/model/mistakes.hpp"
 
 namespace vbond {
@@ -77,7 +78,9 @@ void Simulation::begin_stage() {
   state_.rest = {};
   state_.breaks = 0;
   evaluate_loads();
-  if (state_.clock.stage == 0 && state_.clock.step == 0) state_.books = {.at_start = energies().total()};
+  if (state_.clock.stage == 0 && state_.clock.step == 0)
+    state_.books = opened_books(state_, energies().total());
+  heat_at_start();
   supports_.set_times(0, stage_.dt);
   team_.for_blocks(
       [&](const Block& b) { books_[b.index] = {.work_supports = supports_.hold(b, Instant::start)}; });
@@ -90,8 +93,9 @@ void Simulation::step() {
   const bool timed = state_.clock.stage_step % StepTimes::one_in == 0;
   taken_.clear();
   taken_shares_.clear();
-  make_bonds();    // between particles that came close
-  apply_strain();  // r jumps, if it is due
+  make_bonds();                         // between particles that came close
+  if (!stage_.heating.empty()) heat();  // bonds get their lengths at the end of the step
+  apply_strain();                       // r jumps, if it is due
   supports_.set_times(state_.clock.stage_step, stage_.dt);
   applied_.set_times(state_.clock.stage_step, stage_.dt);
 
@@ -131,6 +135,7 @@ void Simulation::step() {
   survey_.reset();
   if (walls_.any()) close_walls(stage_.dt);
   close_books();
+  if (!growing_.empty()) book_heat();
   if (capsules_.any()) look_at_capsules();
   const bool broke = !bonds_.all_elastic() && break_bonds();
   if (contacts_.any()) look_at_deep_contacts();
@@ -150,13 +155,13 @@ bool Simulation::moves_first(const Block& b) const {
 void Simulation::begin_step(const Block& b) {
   const double dt = stage_.dt;
   BlockBooks& books = books_[b.index] = {};
-  books.dissipated += damping_.slow_down(b.rows);  // v, omega over dt / 2
+  books.lose(Loss::drag, damping_.slow_down(b.rows));  // v, omega over dt / 2
   books.work_supports += supports_.hold(b, Instant::start);
   if (!bodies_.damping.empty()) keep_rates(b);
   kick(b, dt / 2);  // v, omega : t -> t + dt/2
   books.work_supports += supports_.hold_after_kick(b, Instant::start, Instant::middle, dt / 2);
   if (inelastic()) {
-    books.dissipated -= damping_work(b, dt / 2);
+    book_damping(b, dt / 2);
     keep_rates(b);
   }
   const double before_drift = bodies_.tops.any() ? dt / 2 : 0.0;  // omega of tops changes in the drift
@@ -173,8 +178,8 @@ void Simulation::end_step(const Block& b) {
   BlockBooks& books = books_[b.index];
   kick(b, dt / 2);  // v, omega : t + dt/2 -> t + dt
   books.work_supports += supports_.hold_after_kick(b, Instant::middle, Instant::end, dt / 2);
-  if (inelastic()) books.dissipated -= damping_work(b, dt / 2);
-  books.dissipated += damping_.slow_down(b.rows);
+  if (inelastic()) book_damping(b, dt / 2);
+  books.lose(Loss::drag, damping_.slow_down(b.rows));
   books.work_supports += supports_.hold(b, Instant::end);
 }
 
@@ -243,15 +248,16 @@ void Simulation::complete_loads(const Part& part, const Block& b, Instant at, co
       part.rows, pose, load, bodies_.rates.data(), bodies_.damping.data(), in_step ? stage_.dt : 0.0};
   if (b.index == part.first_block) {
     bonds_.add_loads_from_below(part, sweep);
-    sweep.dissipated = 0.0;  // that of the parts below
+    sweep.dissipated = sweep.by_other_laws = 0.0;  // that of the parts below
   }
   bonds_.add_loads(b, sweep, ahead, in_step ? &breaking_[part.index] : nullptr);
   books_[b.index].dissipated += sweep.dissipated;
+  books_[b.index].lost[Loss::other_laws] += sweep.by_other_laws;
   lap.add_to(times_.bonds);
   if (anything_touches()) {
     if (contacts_.any()) books_[b.index].deep |= contacts_.add_loads(particles_of(b), pose, load);
     if (capsules_.any()) capsules_.add_loads(particles_of(b), load);
-    if (walls_.any()) books_[b.index].dissipated += walls_.add_loads(b, load, sweep.dt);
+    if (walls_.any()) books_[b.index].lose(walls_.add_loads(b, load, sweep.dt));
     lap.add_to(times_.contacts);
   }
   applied_.add(b, at);
@@ -260,11 +266,11 @@ void Simulation::complete_loads(const Part& part, const Block& b, Instant at, co
 
 /// What touching pairs do, before any of it is added: all particles have moved, and none has felt it yet.
 void Simulation::work_out_touches(double dt) {
-  if (capsules_.any()) books_.front().dissipated += capsules_.work_out(team_, dt);
+  if (capsules_.any()) books_.front().lose(capsules_.work_out(team_, dt));
   if (!contacts_.are_touches()) return;
   team_.for_blocks([&](const Block& b) {
     const TouchSums found = contacts_.work_out(particles_of(b), bodies_, dt);
-    books_[b.index].dissipated += found.dissipated;
+    books_[b.index].lose(found.lost);
     books_[b.index].deep = found.deep;
   });
 }
@@ -334,13 +340,16 @@ void Simulation::look_at_capsules() const {
 
 void Simulation::close_books() {
   BlockBooks sum;
+  const bool lossy = anything_dissipates();
   for (const BlockBooks& b : books_) {
+    if (lossy) sum.lost += b.lost;
     sum.dissipated += b.dissipated;
     sum.work_loads += b.work_loads;
     sum.work_supports += b.work_supports;
     sum.poison += b.poison;
   }
   state_.books.dissipated += sum.dissipated;
+  if (lossy) state_.books.lost += sum.lost;
   state_.books.work_loads += sum.work_loads;
   state_.books.work_supports += sum.work_supports;
   if (supports_.grips().any()) supports_.grips().close();
@@ -399,6 +408,7 @@ const State& Simulation::state() const {
                             !walls_.any() && !damping_.is_local();
   state_.loads = loads_follow ? Loads{} : loads();
   state_.damping = bodies_.damping.empty() ? Loads{} : bodies_.collect(bodies_.damping);
+  state_.local_damping = bodies_.local_damping.empty() ? Loads{} : bodies_.collect(bodies_.local_damping);
   return state_;
 }
 

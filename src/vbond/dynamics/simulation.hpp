@@ -74,6 +74,8 @@ class Simulation {
   const Stage& stage() const { return stage_; }
   const Clock& clock() const { return state_.clock; }
   const EnergyBooks& books() const { return state_.books; }
+  /// What they count as dissipated, by cause. Looks at every bond that remembers something.
+  Losses losses() const;
   const PeakRecord& peak() const { return state_.peak; }
   /// Bonds that have broken in this stage.
   std::int64_t breaks() const { return state_.breaks; }
@@ -136,9 +138,19 @@ class Simulation {
   /// What a block's particles add to the energy books in a step, and NaN if one of their loads is not finite.
   struct BlockBooks {
     double dissipated = 0, work_loads = 0, work_supports = 0;
+    Losses lost{};  // what is dissipated, by cause
     double poison = 0;
     double way2 = 0;    // bound of the largest |v dt|^2
     bool deep = false;  // some contact of its particles is
+
+    void lose(Loss cause, double energy) { dissipated += energy, lost[cause] += energy; }
+    void lose(const TouchLosses<double>& in_contacts) {
+      dissipated += in_contacts.sum();
+      lost[Loss::contact_damping] += in_contacts.damping;
+      lost[Loss::friction] += in_contacts.friction;
+      lost[Loss::rolling] += in_contacts.rolling;
+      lost[Loss::adhesion] += in_contacts.adhesion;
+    }
   };
 
   /// What was taken off two particles as a bond between them broke.
@@ -147,10 +159,20 @@ class Simulation {
     BondLoads<double> loads;
   };
 
+  /// A bond that grows by this part of its lengths at temperature 0, in the step under way.
+  struct Growing {
+    std::size_t warm_bond;
+    double growth;
+  };
+
   void begin_stage();
   void bonds_changed();
   void arrange_bonds();
   void make_bonds();
+  bool set_temperatures(double time);
+  void heat_at_start();
+  void heat();
+  void book_heat();
   bool break_bonds();
   void break_bond(BondId bond);
   void take_up_loads();
@@ -172,7 +194,8 @@ class Simulation {
                       StepTimes::Lap& lap);
   bool inelastic() const { return !bodies_.rates.empty(); }
   void keep_rates(const Block& block);
-  double damping_work(const Block& block, double h) const;
+  void book_damping(const Block& block, double h);
+  bool anything_dissipates() const { return inelastic() || anything_touches() || damping_.is_drag(); }
   void close_walls(double dt);
   void look_at_capsules() const;
   void exchange_capsules();
@@ -212,6 +235,7 @@ class Simulation {
   std::vector<BlockBooks> books_;
   std::vector<std::vector<BondId>> breaking_;  // of each part, in the step under way
   std::vector<BondEvent> events_;
+  std::vector<Growing> growing_;               // bonds whose lengths change in the step under way
   std::vector<TakenLoads> taken_;              // of the bonds that broke in the last step
   std::vector<Capsules::Share> taken_shares_;  // of their capsules, less those of what touches instead
   double rounding_scale_ = 0;                  // least energy that the balance error is compared with

@@ -27,7 +27,7 @@ void take_away(const BondLoads<double>& l, LoadRow& i, LoadRow& j) {
 
 /// The order of bonds in packs, what is known of them, and what they remember.
 void Simulation::arrange_bonds() {
-  bonds_.arrange(state_.bonds, state_.bond_history, bodies_.order, team_);
+  bonds_.arrange(state_, bodies_.order, team_);
   if (bonds_.remembers() || !state_.bond_history.empty())  // those that are broken keep theirs
     state_.bond_history.resize(state_.bonds.size());
   const bool others = damping_.is_local();
@@ -36,6 +36,7 @@ void Simulation::arrange_bonds() {
   else if (bodies_.rates.empty())
     bodies_.rates = bodies_.motion;
   bodies_.damping.resize(bonds_.damp() || others ? bodies_.load.size() : 0);
+  bodies_.local_damping.resize(bonds_.damp() && others ? bodies_.load.size() : 0);
 }
 
 void Simulation::bonds_changed() {
@@ -60,18 +61,21 @@ void Simulation::make_bonds() {
   const bool capsules =
       capsules_.any() ||
       std::any_of(pairs.begin(), pairs.end(), [](const Bonding::Pair& p) { return p.rule->recipe.capsule; });
-  const double dissipated = state_.books.dissipated, U = capsules ? contact_energy() : 0.0;
+  const EnergyBooks books = state_.books;
+  const double U = capsules ? contact_energy() : 0.0;
   if (contacts_.are_touches() && model_.contact.pairs == ContactPairs::unbonded)
     for (const auto& [rule, i, j] : pairs)  // add_bond() books the energy of their repulsion alone
-      state_.books.dissipated += contacts_.energy(bodies_.order.row[i], bodies_.order.row[j], bodies_) -
-                                 contact_pair_energy(model_, state_, i, j);
+      state_.books.lose(Loss::bonding, contacts_.energy(bodies_.order.row[i], bodies_.order.row[j], bodies_) -
+                                           contact_pair_energy(model_, state_, i, j));
   bonding_.make(pairs, state_);
   for (std::size_t k = before; k < state_.bonds.size(); ++k)
     events_.push_back({BondEvent::Kind::made, BondId{k}, state_.clock.step});
   bonds_changed();
   evaluate_loads();
   // a new bond then also changes what others touch
-  if (capsules) state_.books.dissipated = dissipated + U - contact_energy();
+  if (!capsules) return;
+  state_.books.dissipated = books.dissipated, state_.books.lost = books.lost;
+  state_.books.lose(Loss::bonding, U - contact_energy());
 }
 
 /// Takes up the loads that the state brings along; for elastic bonds they follow from positions.
@@ -80,6 +84,8 @@ void Simulation::take_up_loads() {
   if (state_.loads.F.size() == model_.particles()) bodies_.spread(state_.loads, bodies_.load);
   if (state_.damping.F.size() == model_.particles() && !bodies_.damping.empty())
     bodies_.spread(state_.damping, bodies_.damping);
+  if (state_.local_damping.F.size() == model_.particles() && !bodies_.local_damping.empty())
+    bodies_.spread(state_.local_damping, bodies_.local_damping);
   contacts_.restore(state_.contact_history);  // with what damped in the half step before
   capsules_.restore(state_.fibre_history);
   walls_.read(state_);
@@ -173,12 +179,19 @@ Reaction Simulation::reaction_before_breaks(const std::vector<ParticleId>& parti
   return total;
 }
 
-/// The work that damping does on a block in a kick by h: its part of the loads, along the mean of the
+/// Books the work that damping does on a block in a kick by h: its part of the loads, along the mean of the
 /// velocities before, which are kept as rates, and after.
-double Simulation::damping_work(const Block& b, double h) const {
-  if (bodies_.damping.empty()) return 0.0;
-  return 0.5 * h *
-         kernel_.twice_power(b.rows, bodies_.damping.data(), bodies_.rates.data(), bodies_.motion.data());
+void Simulation::book_damping(const Block& b, double h) {
+  const auto taken_by = [&](const std::vector<LoadRow>& loads) {
+    if (loads.empty()) return 0.0;
+    return -0.5 * h * kernel_.twice_power(b.rows, loads.data(), bodies_.rates.data(), bodies_.motion.data());
+  };
+  const double all = taken_by(bodies_.damping);
+  const double local = !damping_.is_local() ? 0.0 : bonds_.damp() ? taken_by(bodies_.local_damping) : all;
+  BlockBooks& books = books_[b.index];
+  books.dissipated += all;
+  books.lost[Loss::local_damping] += local;
+  books.lost[Loss::bond_damping] += all - local;
 }
 
 /// Keeps the velocities of this moment while the block moves on: those of the half step for bonds that read

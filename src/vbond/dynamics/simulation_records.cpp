@@ -130,6 +130,11 @@ std::vector<BondId> Simulation::bonds_inside(const std::vector<ParticleId>& part
   return inside;
 }
 
+Losses Simulation::losses() const {
+  if (bonds_.remembers()) bonds_.collect(state_.bond_history);
+  return losses_of(state_);
+}
+
 double Simulation::mean_axial_force(const std::vector<BondId>& bonds) const {
   if (bonds_.remembers()) bonds_.collect(state_.bond_history);
   return vbond::mean_axial_force(state_, bonds,

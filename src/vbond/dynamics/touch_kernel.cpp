@@ -77,6 +77,13 @@ VBOND_HD TouchNumbers<Real> numbers_of_pairs(const TouchRule& rule, const Togeth
   return to;
 }
 
+/// Adds the first lanes in their order.
+VBOND_HD void add_first(const Real& x, std::size_t count, double& sum) {
+  double of[lanes];
+  x.store(of);
+  for (std::size_t l = 0; l < count; ++l) sum += of[l];
+}
+
 VBOND_HD void work_out(const TouchRule& rule, const TouchTable& table, Together& t, const PoseRow* pose,
                        const MotionRow* motion, double dt, TouchSums& sums) {
   for (std::size_t l = t.count; l < lanes; ++l) t.i[l] = t.i[0], t.j[l] = t.j[0], t.pair[l] = t.pair[0];
@@ -122,11 +129,15 @@ VBOND_HD void work_out(const TouchRule& rule, const TouchTable& table, Together&
                    {T.x, T.y, T.z, p.l_j},
                    {loads.M.x, loads.M.y, loads.M.z, Real(0.0)}};
   for (std::size_t k = 0; k < (rolls ? 3 : 2); ++k) store_quads(out[k], table.load, t.pair, k);
-  double lost[lanes];
-  loads.dissipated.store(lost);
   for (std::size_t l = 0; l < t.count; ++l) table.touching[t.pair[l]] = 1;
-  if (dt > 0.0)
-    for (std::size_t l = 0; l < t.count; ++l) sums.dissipated += lost[l];
+  if (dt > 0.0) {
+    add_first(loads.lost.damping, t.count, sums.lost.damping);
+    if (rule.forms.tangential != TangentialForm::none)
+      add_first(loads.lost.friction, t.count, sums.lost.friction);
+    if (rolls) add_first(loads.lost.rolling, t.count, sums.lost.rolling);
+    if (rule.forms.adhesion != AdhesionForm::none)
+      add_first(loads.lost.adhesion, t.count, sums.lost.adhesion);
+  }
   const TouchHistory<Real>& h = loads.history;
   Halves now[3] = {{h.F_t.x, h.F_t.y, h.F_t.z, h.a},
                    {h.F_d.x, h.F_d.y, h.F_d.z, h.k_r},
@@ -181,7 +192,7 @@ TouchSums touch_pairs(const TouchRule& rule, const TouchTable& table, RowRange r
     }
   }
   if (together.count > 0) work_out(rule, table, together, pose, motion, dt, sums);
-  sums.dissipated += sums.parted;
+  sums.lost += sums.parted;
   return sums;
 }
 

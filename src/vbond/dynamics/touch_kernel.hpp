@@ -52,10 +52,9 @@ struct TouchTable {
 
 /// What a loop over pairs has found.
 struct TouchSums {
-  double dissipated = 0;  ///< [energy]
-  double parted =
-      0;  ///< the same, of pairs that have parted: summed by itself, in the order of pairs  [energy]
-  bool deep = false;  ///< two are nearer than deep_part of the sum of their radii
+  TouchLosses<double> lost;
+  TouchLosses<double> parted;  ///< of pairs that have parted: summed by itself, in the order of pairs
+  bool deep = false;           ///< two are nearer than deep_part of the sum of their radii
 };
 
 /// The loads of all pairs whose first is in these rows, from where their particles stand and how they moved
@@ -75,8 +74,9 @@ TouchHistory<double> touch_history(const PairHistory& x);
 PairHistory numbers_of(const TouchHistory<double>& h);
 /// Whether two that touched before, and whose surfaces are now apart, still hold together.
 bool holds_on(const TouchForms& forms, const TouchNumbers<double>& numbers, double R, double overlap);
-/// What is lost as two part.  [energy]
-double lost_on_parting(const TouchForms& forms, const TouchNumbers<double>& numbers,
-                       const Touching<double>& p, double dt, const TouchHistory<double>& history);
+/// What is lost as two part.
+TouchLosses<double> lost_on_parting(const TouchForms& forms, const TouchNumbers<double>& numbers,
+                                    const Touching<double>& p, double dt,
+                                    const TouchHistory<double>& history);
 
 }  // namespace vbond

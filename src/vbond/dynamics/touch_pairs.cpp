@@ -25,15 +25,18 @@ bool holds_on(const TouchForms& forms, const TouchNumbers<double>& numbers, doub
          overlap > -reach_of_adhesion(numbers.stiffness, numbers.work, R);
 }
 
-double lost_on_parting(const TouchForms& forms, const TouchNumbers<double>& numbers,
-                       const Touching<double>& p, double dt, const TouchHistory<double>& h) {
+TouchLosses<double> lost_on_parting(const TouchForms& forms, const TouchNumbers<double>& numbers,
+                                    const Touching<double>& p, double dt, const TouchHistory<double>& h) {
   const Vec3d v = p.v - cross(p.l_i * p.w_i + p.l_j * p.w_j, p.n), w = p.w_j - p.w_i;
-  const double done = dot(h.F_t + h.F_d, v) + dot(h.M_r, across(w, p.n)) + h.M_t * dot(w, p.n);
-  double lost = history_energy(forms, numbers, h) + 0.5 * dt * done;
+  TouchLosses<double> lost;
+  lost.damping = 0.5 * dt * dot(h.F_d, v);
+  lost.friction = slip_energy(forms, numbers, h) + 0.5 * dt * dot(h.F_t, v);
+  lost.rolling = rolling_energy(forms, h) + 0.5 * dt * (dot(h.M_r, across(w, p.n)) + h.M_t * dot(w, p.n));
   if (forms.adhesion == AdhesionForm::none) return lost;
   const double before = p.overlap + dot(p.v, p.n) * dt;  // the overlap a step ago, when they still held on
-  lost += normal_energy(forms, numbers, p.R, before);
-  return lost + 0.5 * normal_force(forms, numbers, p.R, before).F * (p.overlap - before);
+  lost.adhesion = normal_energy(forms, numbers, p.R, before) +
+                  0.5 * normal_force(forms, numbers, p.R, before).F * (p.overlap - before);
+  return lost;
 }
 
 TouchPairs::TouchPairs(const Model& model, const Order& order, const StepKernel& kernel)

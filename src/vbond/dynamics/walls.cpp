@@ -217,7 +217,7 @@ Touching<double> Walls::touching(const Near& near, const WallTouch& touch) const
   return p;
 }
 
-double Walls::add_touches(OfBlock& block, Near& near, LoadRow& load, double dt) {
+TouchLosses<double> Walls::add_touches(OfBlock& block, Near& near, LoadRow& load, double dt) {
   const Vec3d r = bodies_.pose[near.row].r;
   const double R = model_.radius[bodies_.order.particle[Row{near.row}]];
   std::vector<WallTouch>& touches = block.touches;
@@ -226,7 +226,7 @@ double Walls::add_touches(OfBlock& block, Near& near, LoadRow& load, double dt) 
                                   at_start(near.wall, r), reach_ > 0.0 ? R + reach_ + 0.5 * skin_ : R,
                                   touches);
   const TouchNumbers<double>& c = numbers(near);
-  double dissipated = 0.0;
+  TouchLosses<double> lost;
   std::vector<Slot>& before = block.slots;
   before.clear();
   std::swap(before, near.slots);
@@ -248,7 +248,7 @@ double Walls::add_touches(OfBlock& block, Near& near, LoadRow& load, double dt) 
     if (!touches_now && same == before.end()) continue;
     if (same != before.end()) before.erase(same);
     if (!touches_now) {
-      if (dt > 0.0) dissipated += lost_on_parting(forms_, c, p, dt, touch_history(slot.history));
+      if (dt > 0.0) lost += lost_on_parting(forms_, c, p, dt, touch_history(slot.history));
       continue;
     }
     if (!(p.l_i > 0.0) || p.l_i < dt * dot(p.v, p.n))  // the centre was on the other side
@@ -266,7 +266,7 @@ double Walls::add_touches(OfBlock& block, Near& near, LoadRow& load, double dt) 
     const Vec3d arm = r + p.l_i * p.n - model_.walls[near.wall].centre - walls_[near.wall].displacement;
     block.F[near.wall] -= l.F;
     block.M[near.wall] -= cross(arm, l.F) + l.M;
-    if (dt > 0.0) dissipated += l.dissipated;
+    if (dt > 0.0) lost += l.lost;
     slot.history = numbers_of(l.history);
     near.slots.push_back(slot);
   }
@@ -277,20 +277,20 @@ double Walls::add_touches(OfBlock& block, Near& near, LoadRow& load, double dt) 
       p.w_i = bodies_.motion[near.row].omega, p.w_j = walls_[near.wall].angular_velocity;
       p.v = velocity_at(walls_[near.wall], model_.walls[near.wall].centre, r + R * p.n) -
             bodies_.motion[near.row].v;
-      dissipated += lost_on_parting(forms_, c, p, dt, touch_history(s.history));
+      lost += lost_on_parting(forms_, c, p, dt, touch_history(s.history));
     }
-  return dissipated;
+  return lost;
 }
 
-double Walls::add_loads(const Block& b, LoadRow* load, double dt) {
+TouchLosses<double> Walls::add_loads(const Block& b, LoadRow* load, double dt) {
   OfBlock& block = blocks_[b.index];
   std::fill(block.F.begin(), block.F.end(), Vec3d{});
   std::fill(block.M.begin(), block.M.end(), Vec3d{});
   std::fill(block.slopes.begin(), block.slopes.end(), Slopes{});
   block.fault.reset();
-  double dissipated = 0.0;
-  for (Near& near : block.near) dissipated += add_touches(block, near, load[near.row], dt);
-  return dissipated;
+  TouchLosses<double> lost;
+  for (Near& near : block.near) lost += add_touches(block, near, load[near.row], dt);
+  return lost;
 }
 
 double Walls::close(double dt) {

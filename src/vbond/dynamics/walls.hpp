@@ -44,8 +44,8 @@ class Walls {
   /// passed a wall that they touch neither before nor after it.
   void look_at_drift(double dt, double way);
   /// Adds what walls do to the rows of a block, from poses and the motion of the half step before; dt = 0:
-  /// between steps, nothing is remembered of it. Returns what is dissipated.
-  double add_loads(const Block& block, LoadRow* load, double dt);
+  /// between steps, nothing is remembered of it. Returns what is lost.
+  TouchLosses<double> add_loads(const Block& block, LoadRow* load, double dt);
   /// Adds up what presses on walls, and returns the work that they have done on particles in a step of dt.
   double close(double dt);
 
@@ -100,7 +100,7 @@ class Walls {
 
   void list(OfBlock& block, RowRange rows);
   Touching<double> touching(const Near& near, const WallTouch& touch) const;
-  double add_touches(OfBlock& block, Near& near, LoadRow& load, double dt);
+  TouchLosses<double> add_touches(OfBlock& block, Near& near, LoadRow& load, double dt);
   Vec3d at_start(std::uint32_t wall, const Vec3d& r) const {
     return vbond::at_start(model_.walls[wall], walls_[wall], r);
   }

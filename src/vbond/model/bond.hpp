@@ -126,6 +126,7 @@ struct BondRecipe {
   double R_i = 0, R_j = 0;  ///< only with Attachment::given  [length]
   /// The bond is longer than its length at rest by this part of it when it is made, > -1: (D - a)/a.
   double prestrain = 0;
+  double expansion = 0;  ///< by what part its bonds grow per temperature: see heat.hpp  [1/temperature]
   /// If set, coefficients are worked out once at this length and are the same for all bonds of the set
   /// (the paper's shell); if not, at each bond's own length.  [length]
   std::optional<double> reference_length;

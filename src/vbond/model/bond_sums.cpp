@@ -49,4 +49,36 @@ double dissipated_by_flow(const State& state) {
   return sum;
 }
 
+Losses losses_by_flow(const State& state) {
+  Losses lost;
+  for (const BondId k : state.bond_history.ids()) {
+    if (!state.bonds[k].law->has_rules) continue;
+    const BondRules& rules = *state.bonds[k].rules;
+    const BondHistory& history = state.bond_history[k];
+    const FlowLimits yield = lost_by_yield(rules.yield, history);
+    lost[Loss::yield_axial] += yield.axial;
+    lost[Loss::yield_shear] += yield.shear;
+    lost[Loss::yield_bending] += yield.bending;
+    lost[Loss::yield_torsion] += yield.torsion;
+    const double others =
+        history[memory::dissipated] - (yield.axial + yield.shear + yield.bending + yield.torsion);
+    if (rules.softening.any())
+      lost[Loss::softening] += others;
+    else if (rules.creep.rate > 0.0)
+      lost[Loss::creep] += others;
+  }
+  return lost;
+}
+
+EnergyBooks opened_books(const State& state, double energy) {
+  EnergyBooks books{.at_start = energy};
+  books.lost -= losses_by_flow(state);
+  return books;
+}
+
+Losses losses_of(const State& state) {
+  Losses lost = state.books.lost;
+  return lost += losses_by_flow(state);
+}
+
 }  // namespace vbond

@@ -39,5 +39,11 @@ void add_bond_loads(const State& state, Loads& loads);
 Energies bond_energies(const State& state);
 /// What bonds that yield, creep or soften have dissipated since they were made, broken ones too.  [energy]
 double dissipated_by_flow(const State& state);
+/// The same by cause.
+Losses losses_by_flow(const State& state);
+/// Books that begin with this state, which holds so much energy.
+EnergyBooks opened_books(const State& state, double energy);
+/// What the books count as dissipated, by cause; the sum differs from it by rounding.
+Losses losses_of(const State& state);
 
 }  // namespace vbond

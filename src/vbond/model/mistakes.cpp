@@ -287,12 +287,25 @@ std::vector<std::string> mistakes_in(const Model& model, const State& s) {
   found.require(s.bond_history.empty() || s.bond_history.size() == s.bonds.size(),
                 fmt::format("bond_history has {} entries for {} bonds: it must have one for each, or none",
                             s.bond_history.size(), s.bonds.size()));
-  for (const Loads* l : {&s.loads, &s.damping})
+  for (const Loads* l : {&s.loads, &s.damping, &s.local_damping})
     found.require(
         (l->F.empty() && l->M.empty()) ||
             (l->F.size() == model.particles() && l->M.size() == model.particles()),
         fmt::format("loads of the state have {} and {} entries for {} particles: one for each, or none",
                     l->F.size(), l->M.size(), model.particles()));
+  found.require(
+      s.temperature.empty() || s.temperature.size() == model.particles(),
+      fmt::format("the state has {} temperatures for {} particles: it must have one for each, or none",
+                  s.temperature.size(), model.particles()));
+  for (std::size_t k = 0; k < s.warm_bonds.size(); ++k) {
+    const WarmBond& w = s.warm_bonds[k];
+    if (w.bond.value < s.bonds.size() && above_zero(w.a) && (k == 0 || s.warm_bonds[k - 1].bond < w.bond))
+      continue;
+    found.require(false, fmt::format("warm_bonds has bond {} of {} with the length {}: they are bonds of the "
+                                     "state in their order, with lengths above zero",
+                                     w.bond.value, s.bonds.size(), w.a));
+    break;
+  }
   found.require(s.walls.empty() || s.walls.size() == model.walls.size(),
                 fmt::format("the state has {} walls for {} of the model: one for each, or none",
                             s.walls.size(), model.walls.size()));
@@ -382,6 +395,11 @@ std::vector<std::string> mistakes_in(const Model& model, const Stage& stage) {
     found.require_finite(l.moment_by_mass, who("a load", l), "the moment by mass");
     found.look_at(l.factor, who("a load", l));
   }
+  for (const Heating& h : stage.heating) {
+    found.require_known(h.particles, "a temperature", "");
+    found.require(std::isfinite(h.temperature), "a temperature is not finite");
+    found.look_at(h.factor, "a temperature");
+  }
   if (stage.strain) {
     look_at_strain(*stage.strain, found);
     found.require(!strained_and_gripped(stage),
@@ -423,6 +441,10 @@ std::vector<std::string> mistakes_in(const Model& model, const StaticStage& stag
     found.require_finite(l.moment, who("a load", l), "the moment");
     found.require_finite(l.force_by_mass, who("a load", l), "the force by mass");
     found.require_finite(l.moment_by_mass, who("a load", l), "the moment by mass");
+  }
+  for (const StaticHeating& h : stage.heating) {
+    found.require_known(h.particles, "a temperature", "");
+    found.require(std::isfinite(h.change), "the change of a temperature is not finite");
   }
   const auto at_least = [&](const char* what, double value, double least) {
     found.require(value >= least && std::isfinite(value),

@@ -61,6 +61,13 @@ struct StrainProgram {
   double every = 0;      ///< [time]
 };
 
+/// The temperature of particles, times a factor; those that no stage heats have 0.
+struct Heating {
+  std::vector<ParticleId> particles;
+  double temperature = 0;  ///< [temperature]
+  TimeFunction factor;
+};
+
 /// Bonds made during the run: a pair of the two groups that comes within `distance` is bonded.
 struct BondingRule {
   std::string name;              ///< of the bond set, for reports
@@ -125,6 +132,7 @@ struct Stage {
   std::optional<StrainProgram> strain;
   std::vector<BondingRule> bonding;
   std::vector<WallDrive> walls;  ///< the others stand still
+  std::vector<Heating> heating;  ///< in this order, where groups overlap
   Stops stops;
 };
 

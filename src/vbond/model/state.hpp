@@ -9,6 +9,7 @@
 #include "vbond/model/bond.hpp"
 #include "vbond/model/grip.hpp"
 #include "vbond/model/loads.hpp"
+#include "vbond/model/losses.hpp"
 #include "vbond/model/model.hpp"
 
 namespace vbond {
@@ -37,8 +38,13 @@ struct EnergyBooks {
   double dissipated = 0;  ///< by damping, flow, friction and adhesion, and of contacts whose pair is bonded
   double released = 0;    ///< energy of bonds at the time they broke, less that of contacts it switched on
   double work_loads = 0;  ///< by point forces, moments and gravity
-  double work_supports = 0;  ///< by supports, prescribed velocities and imposed strain
+  double work_supports = 0;  ///< by supports, prescribed velocities, imposed strain, changes of temperature
   double largest = 0;        ///< largest at_start + work so far: the scale of the balance error
+  /// `dissipated` by cause. What bonds lose by flow their memory counts: here is, as a negative number, what
+  /// they had lost when the books began. See losses_of().
+  Losses lost{};
+
+  void lose(Loss cause, double energy) { dissipated += energy, lost[cause] += energy; }
   friend bool operator==(const EnergyBooks&, const EnergyBooks&) = default;
 };
 
@@ -59,6 +65,14 @@ struct RestRecord {
   friend bool operator==(const RestRecord&, const RestRecord&) = default;
 };
 
+/// A bond that grows with temperature, and its lengths where that is 0: see heat.hpp.
+struct WarmBond {
+  BondId bond;
+  double expansion = 0;            ///< growth per temperature  [1/temperature]
+  double a = 0, R_i = 0, R_j = 0;  ///< [length]
+  friend bool operator==(const WarmBond&, const WarmBond&) = default;
+};
+
 /// Everything that changes, and exactly what a checkpoint holds.
 struct State {
   Clock clock;
@@ -72,6 +86,8 @@ struct State {
   PerParticle<Vec3d> spin;            ///< [mass*length^2/time]
   PerBond<Bond> bonds;                ///< in order of creation
   PerBond<BondHistory> bond_history;  ///< empty where no bond remembers anything
+  PerParticle<double> temperature;    ///< of particles  [temperature]; empty: 0 everywhere
+  std::vector<WarmBond> warm_bonds;   ///< in order of bonds, which have the lengths of now
   /// Forces and moments at the present positions, where they do not follow from these: with bonds that damp,
   /// remember or break, with walls, with local damping, and with contacts that are not elastic or of
   /// capsules. Else empty.
@@ -83,6 +99,7 @@ struct State {
   std::vector<GripState> grips;             ///< of the stage under way, in the order of its supports
   std::vector<GrippedPose> gripped;         ///< their particles, grip by grip
   Loads damping;                            ///< the part of these that damps; empty if no bond does
+  Loads local_damping;  ///< the part of these that is local damping, where bonds damp as well; else empty
   EnergyBooks books;
   PeakRecord peak;
   RestRecord rest;
@@ -126,14 +143,25 @@ inline BondHistory first_history(const Bond& b, const BondPose<double>& pose) {
   return b.law->has_rules ? b.law->advance(b, pose, {}, 0.0, no_history) : no_history;
 }
 
-/// Takes up a new bond, made by this recipe. If bonded pairs do not touch, the energy of the pair's repulsion
-/// is given up and booked as dissipated; the energy of a prestrain, with what has flowed of it, is booked as
-/// work of imposed strain.
+/// By what part of its lengths at temperature 0 a bond with this expansion has grown.
+inline double growth_of(const State& s, const Bond& b, double expansion) {
+  if (s.temperature.empty()) return 0.0;
+  return expansion * 0.5 * (s.temperature[b.i] + s.temperature[b.j]);
+}
+
+/// Takes up a new bond, made by this recipe; one that expands is at rest at the temperature of now. If bonded
+/// pairs do not touch, the energy of the pair's repulsion is given up and booked as dissipated; the energy of
+/// a prestrain, with what has flowed of it, is booked as work of imposed strain.
 inline void add_bond(const Model& model, const Bond& bond, const BondRecipe& recipe, State& s) {
   s.bonds.push_back(bond);
   if (!s.bond_history.empty()) s.bond_history.resize(s.bonds.size());
+  if (recipe.expansion != 0.0) {
+    const double factor = 1.0 + growth_of(s, bond, recipe.expansion);
+    s.warm_bonds.push_back({BondId{s.bonds.size() - 1}, recipe.expansion, bond.a / factor, bond.R_i / factor,
+                            bond.R_j / factor});
+  }
   if (model.contact.pairs == ContactPairs::unbonded)
-    s.books.dissipated += contact_pair_energy(model, s, bond.i, bond.j);
+    s.books.lose(Loss::bonding, contact_pair_energy(model, s, bond.i, bond.j));
   if (recipe.prestrain == 0.0) return;
   const BondPose<double> pose = bond_pose(bond, s.r[bond.i], s.q[bond.i], s.r[bond.j], s.q[bond.j]);
   const BondHistory history = first_history(bond, pose);

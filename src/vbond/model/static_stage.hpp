@@ -43,6 +43,13 @@ struct StaticLoad {
   Vec3d moment_on(double mass) const { return moment + mass * moment_by_mass; }
 };
 
+/// A change of temperature in proportion to the load factor, from what the stage finds. Changes of groups
+/// that overlap add up.
+struct StaticHeating {
+  std::vector<ParticleId> particles;
+  double change = 0;  ///< at load factor 1  [temperature]
+};
+
 enum class LinearSolver : std::uint8_t { automatic, direct, iterative };
 enum class AtSaddle : std::uint8_t { leave, keep };
 
@@ -93,6 +100,7 @@ struct StaticStage {
   bool constant_gravity = false;  ///< at full size from the start
   std::vector<StaticSupport> supports;
   std::vector<StaticLoad> loads;
+  std::vector<StaticHeating> heating;
   NewtonSettings newton;
   int steps = 1;  ///< equilibrium, fracture: load steps at least; more if they are too large
   AtSaddle at_saddle = AtSaddle::leave;  ///< equilibrium: what to do at an unstable balance

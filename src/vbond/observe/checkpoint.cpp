@@ -19,6 +19,7 @@
 #include "vbond/model/rules.hpp"
 #include "vbond/observe/detail/checkpoint_fibres.hpp"
 #include "vbond/observe/detail/checkpoint_grips.hpp"
+#include "vbond/observe/detail/checkpoint_heat.hpp"
 #include "vbond/observe/detail/checkpoint_walls.hpp"
 #include "vbond/observe/detail/h5.hpp"
 #include "vbond/observe/detail/h5_file.hpp"
@@ -194,6 +195,23 @@ void read_rules(H5Reader& reader, State& state) {
   }
 }
 
+/// What is dissipated by cause, in the order of Loss; only if it is not all zero.
+using LossesOfFile = Column<Id<struct LossOfFile>, double>;
+
+void write_losses(H5Writer& writer, const State& state) {
+  const Losses& lost = state.books.lost;
+  if (lost == Losses{}) return;
+  writer.of_each("/books/lost", LossesOfFile({lost.of.begin(), lost.of.end()}), std::identity{});
+}
+
+void read_losses(H5Reader& reader, State& state) {
+  if (!reader.has("/books/lost")) return;
+  LossesOfFile lost;
+  lost.resize(loss_count);
+  reader.of_each("/books/lost", lost, std::identity{});
+  std::copy(lost.begin(), lost.end(), state.books.lost.of.begin());
+}
+
 using PairMemories = Column<Id<struct PairOfFile>, PairMemory>;
 /// Files have these only where bonds or contacts are more than elastic, or moments of inertia differ.
 void write_inelastic(H5Writer& writer, const State& state) {
@@ -214,6 +232,8 @@ void write_inelastic(H5Writer& writer, const State& state) {
   write_fibres(writer, state);
   write("/loads/F", "/loads/M", state.loads);
   write("/loads/damping_F", "/loads/damping_M", state.damping);
+  write("/loads/local_damping_F", "/loads/local_damping_M", state.local_damping);
+  write_losses(writer, state);
 }
 
 void read_inelastic(H5Reader& reader, State& state) {
@@ -248,6 +268,8 @@ void read_inelastic(H5Reader& reader, State& state) {
   read_fibres(reader, state);
   read("/loads/F", "/loads/M", state.loads);
   read("/loads/damping_F", "/loads/damping_M", state.damping);
+  read("/loads/local_damping_F", "/loads/local_damping_M", state.local_damping);
+  read_losses(reader, state);
 }
 
 using Ends = PerBond<ParticleId>;  // one end of each pair
@@ -381,6 +403,7 @@ void write_checkpoint(const std::filesystem::path& path, const Model& model, con
     write_laws(writer, checkpoint.state);
     write_rules(writer, checkpoint.state);
     write_inelastic(writer, checkpoint.state);
+    write_heat(writer, checkpoint.state);
     write_walls(writer, checkpoint.state);
     write_grips(writer, checkpoint.state);
     write_overlapping(writer, checkpoint.watch);
@@ -412,6 +435,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const Model& model
     read_laws(reader, c.state, laws);
     read_rules(reader, c.state);
     read_inelastic(reader, c.state);
+    read_heat(reader, c.state);
     read_walls(reader, c.state);
     read_grips(reader, c.state);
     read_overlapping(reader, c.watch, n);

@@ -59,6 +59,16 @@ std::vector<std::optional<GripView>> grips_of(const OutputPlan& plan, const std:
   return grips;
 }
 
+/// What went by the causes of the plan; not worked out without any.
+template <class F>
+std::vector<double> of_causes(const OutputPlan& plan, F losses) {
+  std::vector<double> parts;
+  if (plan.losses.empty()) return parts;
+  const Losses lost = losses();
+  for (const Loss cause : plan.losses) parts.push_back(lost[cause]);
+  return parts;
+}
+
 /// Where the components of a vector stand in a row; nothing if a column is not there.
 using VectorColumns = std::optional<std::array<std::size_t, 3>>;
 VectorColumns vector_columns(const std::vector<std::string>& columns, const std::string& of,
@@ -100,6 +110,7 @@ HistoryValues history_values(const OutputPlan& plan, const Simulation& run) {
       .books = run.books(),
       .energies = run.energies(),
       .balance_error = run.balance_error(run.energies()),
+      .losses = of_causes(plan, [&] { return run.losses(); }),
       .bonds = count_bonds(run),
       .ranges = count_ranges(run),
       .fragments = plan.breaks ? std::optional(count_fragments(run.model(), run.bonds())) : std::nullopt,
@@ -127,6 +138,7 @@ HistoryValues history_values(const OutputPlan& plan, const Model& model, const S
       .books = {.at_start = point.energies.total(), .dissipated = dissipated_by_flow(state)},
       .energies = point.energies,
       .balance_error = 0.0,
+      .losses = of_causes(plan, [&] { return losses_by_flow(state); }),
       .bonds = static_cast<std::int64_t>(state.bonds.size()),
       .ranges = count_ranges(state),
       .fragments = plan.breaks ? std::optional(count_fragments(model, state.bonds)) : std::nullopt,

@@ -45,7 +45,8 @@ constexpr HistoryQuantity columns[] = {
      [](const Values& v) -> Cell { return v.books.dissipated; }},
     {"work_loads", unit::energy, "work of point forces, moments and gravity so far",
      [](const Values& v) -> Cell { return v.books.work_loads; }},
-    {"work_supports", unit::energy, "work of supports, prescribed velocities and imposed strain so far",
+    {"work_supports", unit::energy,
+     "work of supports, prescribed velocities, imposed strain and changes of temperature so far",
      [](const Values& v) -> Cell { return v.books.work_supports; }},
     {"total", unit::energy, "kinetic + bonds + contact",
      [](const Values& v) -> Cell { return v.energies.total(); }},
@@ -83,6 +84,12 @@ constexpr HistoryQuantity columns[] = {
     {"largest_fragment", unit::none, "mass of the heaviest fragment over that of all particles",
      [](const Values& v) { return v.fragments ? Cell(v.fragments->largest_share) : Cell(); }, Only::breaks},
 };
+
+std::vector<std::string> names_of_losses(const OutputPlan& plan) {
+  std::vector<std::string> names;
+  for (const Loss cause : plan.losses) names.emplace_back(to_text(cause));
+  return names;
+}
 
 template <auto groups>
 std::vector<std::string> names_of(const OutputPlan& plan) {
@@ -152,6 +159,17 @@ const std::vector<GroupQuantity>& of_groups() {
          const GripView& g = *v.grips[k];
          add3(g.force, to), add3(g.moment, to), to.emplace_back(g.angle), to.push_back(cell_of(g.work));
        }},
+      {"dissipated",
+       "CAUSE",
+       {{"", unit::energy,
+         "the part of `dissipated` that went this way, for each cause that the case may have: "
+         "`bond_damping`; "
+         "`yield_axial`, `yield_shear`, `yield_bending`, `yield_torsion`; `creep`; `softening`; `other_laws` "
+         "(bonds of a program's own law that remember something); `drag` and `local_damping` of particles; "
+         "`contact_damping`; `friction`; `rolling` (and twisting); `adhesion`; `bonding` (contacts that end "
+         "because the pair is bonded)"}},
+       names_of_losses,
+       [](const Values& v, std::size_t k, std::vector<Cell>& to) { to.emplace_back(v.losses[k]); }},
   };
   return all;
 }
@@ -171,6 +189,27 @@ bool is_column_of(std::string_view column, const GroupQuantity& q, std::string_v
 }
 
 }  // namespace
+
+const char* to_text(Loss cause) {
+  switch (cause) {
+    case Loss::bond_damping: return "bond_damping";
+    case Loss::yield_axial: return "yield_axial";
+    case Loss::yield_shear: return "yield_shear";
+    case Loss::yield_bending: return "yield_bending";
+    case Loss::yield_torsion: return "yield_torsion";
+    case Loss::creep: return "creep";
+    case Loss::softening: return "softening";
+    case Loss::other_laws: return "other_laws";
+    case Loss::drag: return "drag";
+    case Loss::local_damping: return "local_damping";
+    case Loss::contact_damping: return "contact_damping";
+    case Loss::friction: return "friction";
+    case Loss::rolling: return "rolling";
+    case Loss::adhesion: return "adhesion";
+    case Loss::bonding: return "bonding";
+  }
+  return "";
+}
 
 std::span<const HistoryQuantity> history_quantities() {
   return columns;

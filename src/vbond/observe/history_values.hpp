@@ -17,7 +17,8 @@ struct HistoryValues {
   Clock clock;
   EnergyBooks books;
   Energies energies;
-  double balance_error = 0;  ///< relative
+  double balance_error = 0;    ///< relative
+  std::vector<double> losses;  ///< one per OutputPlan::losses: that part of books.dissipated  [energy]
   std::int64_t bonds = 0;
   RangeCounts ranges;
   std::optional<FragmentCount> fragments;  ///< where bonds may break

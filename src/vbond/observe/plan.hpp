@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "vbond/core/column.hpp"
+#include "vbond/model/losses.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/observe/frame_format.hpp"
 
@@ -30,6 +31,7 @@ struct OutputPlan {
   double overlap = 0.1;                    ///< of the smaller radius that is reported; 0: never looked at
   bool statics = false;                    ///< there are static stages, with columns of their own
   bool breaks = false;                     ///< some bond may break: breaks.csv, fragments.csv, more columns
+  std::vector<Loss> losses;                ///< what may dissipate energy, in history.csv and run.json
   double energy_error = 0.05;              ///< relative error of the energy balance that stops a run
 
   FrameFormat format_of_frames() const {

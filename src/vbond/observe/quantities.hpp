@@ -99,6 +99,8 @@ struct RowQuantity {
 std::span<const RowQuantity<BreakView>> break_quantities();
 std::span<const RowQuantity<FragmentView>> fragment_quantities();
 
+/// bond_damping, yield_axial ...: as in columns of history.csv and in run.json.
+const char* to_text(Loss cause);
 /// tension, shear, bending, torsion, compression, other.
 const char* to_text(BreakMode mode);
 /// The names of case files; none: of a law without criterion.

@@ -134,6 +134,7 @@ std::string to_json(const RunSummary& r) {
   j["snapped"] = r.snapped;
   if (r.breaks) add(j, *r.breaks);
   for (const WallSummary& w : r.walls) j["walls"].push_back(to_json(w));
+  for (const auto& [cause, energy] : r.dissipated) j["dissipated"][cause] = energy;
   j["ever_strained"] = r.ever_strained;
   j["ever_snapped"] = r.ever_snapped;
   j["ever_overlapping"] = r.ever_overlapping;
@@ -178,6 +179,9 @@ RunSummary read_summary(const std::filesystem::path& path) {
     if (j.contains("broken")) r.breaks = breaks_from(j);
     if (j.contains("walls"))
       for (const Json& wall : j["walls"]) r.walls.push_back(wall_from(wall));
+    if (j.contains("dissipated"))
+      for (const auto& [cause, energy] : j["dissipated"].items())
+        r.dissipated.emplace_back(cause, energy.get<double>());
     r.too_fast = j.value("too_fast", 0.0);
     return r;
   } catch (const Json::exception& e) {

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "vbond/dynamics/simulation.hpp"
@@ -66,9 +67,11 @@ struct RunSummary {
   int threads_used = 1;         ///< in the last stage; a small body is not shared out
   UnitSystem units = UnitSystem::reduced;
   std::int64_t particles = 0, bonds = 0;
-  double T_0 = 0;                                    ///< [time]
-  std::optional<BreakSummary> breaks;                ///< absent where no bond may break
-  std::vector<WallSummary> walls;                    ///< in the order of the case
+  double T_0 = 0;                      ///< [time]
+  std::optional<BreakSummary> breaks;  ///< absent where no bond may break
+  std::vector<WallSummary> walls;      ///< in the order of the case
+  /// What is dissipated at the end, by the causes that the case may have.  [energy]
+  std::vector<std::pair<std::string, double>> dissipated;
   std::vector<StageSummary> stages;                  ///< those that ended, or were interrupted last
   double energy_balance_error = 0;                   ///< largest |balance_error| of history.csv, relative
   std::int64_t strained = 0, snapped = 0;            ///< bonds as they stand at the end

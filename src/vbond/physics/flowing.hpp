@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstddef>
+#include <span>
 #include <string_view>
 
 #include "vbond/physics/flow.hpp"
@@ -156,6 +157,19 @@ VBOND_HD BondLoads<T> bond_loads(const Law& m, const BondPose<T>& b, const BondA
   const T N = dot(l.F, axis.d);
   const Vec3<T> F = whole * l.F + where_greater(zero, N, damage * N, zero) * axis.d;
   return {F, whole * l.M_ij + m.R_i * cross(b.n_i[0], F), whole * l.M_ji - m.R_j * cross(b.n_j[0], F)};
+}
+
+/// What a bond has dissipated by yielding in each way: the limits, which grow linearly, times the flow.
+inline FlowLimits lost_by_yield(const Yield& rule, std::span<const double> history) {
+  const auto lost = [](double limit, double growth, double flow) {
+    return (limit + 0.5 * growth * flow) * flow;
+  };
+  const double all = history[memory::axial], longer = 0.5 * (all + history[memory::stretch]);
+  return {lost(rule.limit.axial, rule.isotropic.axial, all) +
+              (rule.compression - rule.limit.axial) * (all - longer),
+          lost(rule.limit.shear, rule.isotropic.shear, history[memory::shear]),
+          lost(rule.limit.bending, rule.isotropic.bending, history[memory::bending]),
+          lost(rule.limit.torsion, rule.isotropic.torsion, history[memory::torsion])};
 }
 
 // the same for a bond that remembers nothing yet

@@ -106,13 +106,26 @@ struct TouchHistory {
   T M_t{};      ///< and against twisting, about n  [force*length]
 };
 
+/// Energy that a contact has dissipated, by cause.  [energy]
+template <Scalar T>
+struct TouchLosses {
+  T damping{}, friction{}, rolling{}, adhesion{};
+
+  VBOND_HD T sum() const { return friction + damping + adhesion + rolling; }
+  VBOND_HD TouchLosses& operator+=(const TouchLosses& more) {
+    damping = damping + more.damping, friction = friction + more.friction;
+    rolling = rolling + more.rolling, adhesion = adhesion + more.adhesion;
+    return *this;
+  }
+};
+
 /// Loads: force on i (j feels -F) and the moment on i (on j -M) that comes on top of that of the force.
 template <Scalar T>
 struct TouchLoads {
   Vec3<T> F;
   Vec3<T> M;
   TouchHistory<T> history;
-  T dissipated{};  ///< during the step, by damping and by slip: not less than 0 but for its error  [energy]
+  TouchLosses<T> lost;  ///< during the step: not less than 0 but for its error
 };
 
 /// Radius a of the contact and normal force of an overlap, repulsion positive.
@@ -217,14 +230,20 @@ VBOND_HD Vec3<T> turned_with(const Vec3<T>& x, const Vec3<T>& n, const T& spin) 
 
 }  // namespace detail
 
-/// Energy that slip, rolling and twisting have stored.
+/// Energy that slip has stored, and what rolling and twisting have.
+template <Scalar T>
+VBOND_HD T slip_energy(const TouchForms& f, const TouchNumbers<T>& c, const TouchHistory<T>& h) {
+  if (f.tangential == TangentialForm::none) return T(0.0);
+  return T(0.5) * norm2(h.F_t) * detail::inverse(tangential_stiffness(f, c, h.a));
+}
+template <Scalar T>
+VBOND_HD T rolling_energy(const TouchForms& f, const TouchHistory<T>& h) {
+  if (f.rolling != RollingForm::spring) return T(0.0);
+  return T(0.5) * (norm2(h.M_r) + sq(h.M_t)) * detail::inverse(h.k_r);
+}
 template <Scalar T>
 VBOND_HD T history_energy(const TouchForms& f, const TouchNumbers<T>& c, const TouchHistory<T>& h) {
-  T U(0.0);
-  if (f.tangential != TangentialForm::none)
-    U = T(0.5) * norm2(h.F_t) * detail::inverse(tangential_stiffness(f, c, h.a));
-  if (f.rolling == RollingForm::spring) U = U + T(0.5) * (norm2(h.M_r) + sq(h.M_t)) * detail::inverse(h.k_r);
-  return U;
+  return slip_energy(f, c, h) + rolling_energy(f, h);
 }
 
 /// What friction goes by: the force that presses the bodies together, without what adhesion takes from it.
@@ -239,7 +258,7 @@ VBOND_HD T pressing_force(const TouchForms& f, const TouchNumbers<T>& c, const T
 }
 
 /// Slip over u = v_t dt: the force of a spring that turns with the contact, falls with its stiffness and
-/// slides at the limit, and damping as long as it sticks. Adds to the history and to what is dissipated.
+/// slides at the limit, and damping as long as it sticks. Adds to the history and to what is lost.
 template <Scalar T>
 VBOND_HD void slip(const TouchForms& f, const TouchNumbers<T>& c, const Vec3<T>& n, const Vec3<T>& v_t,
                    const T& c_n, const T& limit, const T& spin, const T& dt, const TouchHistory<T>& before,
@@ -256,8 +275,8 @@ VBOND_HD void slip(const TouchForms& f, const TouchNumbers<T>& c, const Vec3<T>&
   const Vec3<T> damped = h.F_t + (c.tangential_damping * c_n) * v_t;
   const Vec3<T> sticking = detail::scale_to(norm(damped), limit) * damped - h.F_t;
   h.F_d = h.F_d + where_greater(size, limit, zero, one) * sticking;
-  to.dissipated = half * dot(turned + h.F_t, u) + half * (norm2(before.F_t) * detail::inverse(k_before) -
-                                                          norm2(h.F_t) * detail::inverse(k_t));
+  to.lost.friction = half * dot(turned + h.F_t, u) + half * (norm2(before.F_t) * detail::inverse(k_before) -
+                                                             norm2(h.F_t) * detail::inverse(k_t));
 }
 
 /// Rolling at w = w_j - w_i: moments against its parts across the normal and along it.
@@ -276,8 +295,7 @@ VBOND_HD void roll(const TouchForms& f, const TouchNumbers<T>& c, const Touching
     const auto in_step = [&](const T& now, const T& then) { return where_greater(dt, zero, now, then); };
     h.M_r = {in_step(M.x, before.M_r.x), in_step(M.y, before.M_r.y), in_step(M.z, before.M_r.z)};
     h.M_t = in_step(M_t, before.M_t);
-    to.dissipated =
-        to.dissipated + half * dt * (dot(before.M_r + h.M_r, rolling) + (before.M_t + h.M_t) * w_n);
+    to.lost.rolling = half * dt * (dot(before.M_r + h.M_r, rolling) + (before.M_t + h.M_t) * w_n);
   } else {
     h.k_r = where_greater(c.rolling_stiffness, zero, c.rolling_stiffness,
                           tangential_stiffness(f, c, h.a) * sq(p.R));
@@ -287,9 +305,9 @@ VBOND_HD void roll(const TouchForms& f, const TouchNumbers<T>& c, const Touching
     h.M_r = detail::scale_to(norm(trial), limit_r) * trial;
     const T twist = relief * before.M_t + h.k_r * dt * w_n;
     h.M_t = detail::scale_to(larger(twist, -twist), limit_t) * twist;
-    to.dissipated = to.dissipated + half * dt * (dot(turned + h.M_r, rolling) + (before.M_t + h.M_t) * w_n) +
-                    half * ((norm2(before.M_r) + sq(before.M_t)) * detail::inverse(before.k_r) -
-                            (norm2(h.M_r) + sq(h.M_t)) * detail::inverse(h.k_r));
+    to.lost.rolling = half * dt * (dot(turned + h.M_r, rolling) + (before.M_t + h.M_t) * w_n) +
+                      half * ((norm2(before.M_r) + sq(before.M_t)) * detail::inverse(before.k_r) -
+                              (norm2(h.M_r) + sq(h.M_t)) * detail::inverse(h.k_r));
   }
   to.M = h.M_r + h.M_t * p.n;
 }
@@ -317,11 +335,11 @@ VBOND_HD TouchLoads<T> touch(const TouchForms& f, const TouchNumbers<T>& c, cons
   h.F_d = (N.F - F_n) * p.n;
   if (f.tangential != TangentialForm::none)
     slip(f, c, p.n, across(v, p.n), c_n, c.friction * pressing, spin, dt, before, to);
-  to.dissipated = to.dissipated + half * dt * dot(before.F_d + h.F_d, v);
+  to.lost.damping = half * dt * dot(before.F_d + h.F_d, v);
   to.F = h.F_t + h.F_d - N.F * p.n;
   if (f.adhesion != AdhesionForm::none) {  // what surfaces gain as they meet does not come back
     const T gained = normal_energy(f, c, p.R, p.overlap) + half * N.F * v_n * dt;
-    to.dissipated = to.dissipated - where_greater(before.a, zero, zero, gained);
+    to.lost.adhesion = -where_greater(before.a, zero, zero, gained);
   }
   if (f.rolling != RollingForm::none) roll(f, c, p, pressing, spin, dt, before, to);
   return to;

@@ -7,7 +7,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "vbond/model/bond_sums.hpp"
 #include "vbond/model/energies.hpp"
+#include "vbond/model/heat.hpp"
 #include "vbond/model/mistakes.hpp"
 #include "vbond/run/statics.hpp"
 
@@ -65,7 +67,7 @@ bool Run::any_dynamics() const {
 
 /// Those that prepare() has made.
 void Run::take_back_bonds(State& state) const {
-  state.bonds.resize(bonds_before_);
+  keep_bonds(state, bonds_before_);
   state.bond_history.resize(std::min(state.bond_history.size(), histories_before_));
   state.books = books_before_;
 }
@@ -192,7 +194,7 @@ StageResult Run::run_static() {
   state_.breaks = 0;
   StageResult result = find_balance(stage);
   if (result.interrupted()) return result;
-  state_.books.at_start = potential_energies(model_, state_).total();
+  state_.books = opened_books(state_, potential_energies(model_, state_).total());
   stage_.reset();
   begin_next_stage(state_.clock);
   results_.push_back(result);

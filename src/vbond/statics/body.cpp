@@ -105,6 +105,7 @@ StaticBody::StaticBody(const Model& model, const StaticStage& stage, State state
   state_.grips.clear(), state_.gripped.clear();  // of a stage of dynamics before
   take_hold();
   set_held_rates();
+  begin_heating();
   // positions are rounded to eps |r|, unit vectors to eps
   constexpr double eps = std::numeric_limits<double>::epsilon();
   for (const Bond& b : state_.bonds) {
@@ -131,10 +132,12 @@ void StaticBody::accept() {
 
 void StaticBody::placed() {
   loaded_.reset();
+  take_temperatures();
   if (!grips_.empty()) set_held_rates();
   stiffness_.current = false;
   if (!flows()) return;
-  at_accepted_ = state_.r == accepted_at_.r && state_.q == accepted_at_.q;
+  at_accepted_ = state_.r == accepted_at_.r && state_.q == accepted_at_.q &&
+                 (growth_rate_.empty() || load_factor_ == accepted_at_.load_factor);
   flow();
 }
 
@@ -290,6 +293,11 @@ const StaticBody::Stiffness& StaticBody::stiffness_at_hand() const {
   add_applied(0.0, constant);
   stiffness_.load_direction = on_unknowns(with_factor) - on_unknowns(constant);
   if (relief_.size() > 0) stiffness_.load_direction += relief_;
+  if (!growth_rate_.empty()) {
+    Loads grown{PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)};
+    add_growth(grown);
+    stiffness_.load_direction += on_unknowns(grown);
+  }
   for (const BondId k : state_.bonds.ids()) {
     const Bond& b = state_.bonds[k];
     if (b.broken) continue;

@@ -96,8 +96,9 @@ std::optional<double> BreakingBody::largest_reaction() const {
 }
 
 Balance BreakingBody::here() const {
-  return {body_->placement(), moved_ ? body_->power_of_supports() : 0.0, body_->energies().potential(),
-          body_->dissipated(), most_used_bond(body_->state(), load_factor())};
+  const double power = (moved_ ? body_->power_of_supports() : 0.0) + body_->power_of_heating();
+  return {body_->placement(), power, body_->energies().potential(), body_->dissipated(),
+          most_used_bond(body_->state(), load_factor())};
 }
 
 bool BreakingBody::is_stable() {

@@ -113,6 +113,8 @@ class StaticBody {
   /// Work of the loads on the way between two placements, at this load factor; the relief is not among
   /// them. A moment works on the turn in between as on a small one.  [energy]
   double work_of_loads(const Placement& from, const Placement& to, double load_factor) const;
+  /// What the change of temperature does to bonds that expand, per load factor.  [energy]
+  double power_of_heating() const;
   /// What a support does along its motion, per load factor.  [energy]
   double power_of(const StaticSupport& support) const;
   /// The same of all supports, where several hold a degree of freedom that of one.
@@ -163,6 +165,9 @@ class StaticBody {
   Vector on_unknowns(const Loads& loads) const;
   void placed();
   void flow();
+  void begin_heating();
+  void take_temperatures();
+  void add_growth(Loads& loads) const;
   const BondHistory& history_before(BondId k) const;
   Vec3d outside_moment(ParticleId p, const Loads& applied) const;
   void add_power(const StaticSupport& support, ParticleId p, const HeldDofs& held, double& power) const;
@@ -174,7 +179,9 @@ class StaticBody {
   const StaticStage& stage_;
   State state_;
   double load_factor_ = 0;
-  double held_at_ = 0;  // load factor at which grips took hold
+  double held_at_ = 0;                      // load factor at which grips took hold
+  PerParticle<double> temperature_before_;  // at that load factor; empty: the stage changes none
+  std::vector<double> growth_rate_;         // of each bond that expands, per load factor; empty likewise
   std::vector<Grip> grips_;
   std::vector<Hold> holds_;
   Unknowns unknowns_;

@@ -1,0 +1,69 @@
+// The part of a simulation that temperatures change: bonds that expand get other lengths at the start of a
+// step, so that its loads belong to the temperatures at its end. What this does to the energy of the bonds is
+// work of imposed strain: dU/dg times the change of the growth g, the mean of before and after the step.
+#include <algorithm>
+#include <utility>
+
+#include "vbond/dynamics/simulation.hpp"
+#include "vbond/model/heat.hpp"
+
+namespace vbond {
+
+/// Whether any has changed.
+bool Simulation::set_temperatures(double time) {
+  bool changed = false;
+  for (const Heating& h : stage_.heating) {
+    const double now = h.temperature * h.factor(time);
+    if (state_.temperature.empty()) state_.temperature.resize(model_.particles());
+    for (const ParticleId p : h.particles) changed |= std::exchange(state_.temperature[p], now) != now;
+  }
+  return changed;
+}
+
+/// The temperatures with which the stage begins: the energy changes while nothing moves.
+void Simulation::heat_at_start() {
+  if (!set_temperatures(0.0)) return;
+  const double U_before = energies().potential();
+  take_lengths(state_);
+  for (const WarmBond& w : state_.warm_bonds) bonds_.take_lengths(w.bond, state_.bonds[w.bond]);
+  evaluate_loads();
+  state_.books.work_supports += energies().potential() - U_before;
+}
+
+void Simulation::heat() {
+  growing_.clear();
+  const double now = static_cast<double>(state_.clock.stage_step) * stage_.dt;
+  const double then = static_cast<double>(state_.clock.stage_step + 1) * stage_.dt;
+  if (std::all_of(stage_.heating.begin(), stage_.heating.end(),
+                  [&](const Heating& h) { return h.factor(then) == h.factor(now); }))
+    return;
+  std::vector<double> before;
+  for (const WarmBond& w : state_.warm_bonds) before.push_back(growth_of(state_, w));
+  set_temperatures(then);
+  for (std::size_t k = 0; k < before.size(); ++k) {
+    const WarmBond& w = state_.warm_bonds[k];
+    const double growth = growth_of(state_, w) - before[k];
+    if (growth != 0.0 && !state_.bonds[w.bond].broken) growing_.push_back({k, growth});
+  }
+  book_heat();
+  for (const Growing& grows : growing_) {
+    const WarmBond& w = state_.warm_bonds[grows.warm_bond];
+    Bond& b = state_.bonds[w.bond];
+    b = with_growth(state_, w, growth_of(state_, w));
+    bonds_.take_lengths(w.bond, b);
+  }
+}
+
+/// Half of the work of growing: once before the step, and once after it.
+void Simulation::book_heat() {
+  for (const Growing& grows : growing_) {
+    const WarmBond& w = state_.warm_bonds[grows.warm_bond];
+    const Bond& b = state_.bonds[w.bond];
+    const PoseRow &i = pose_of(b.i), &j = pose_of(b.j);
+    const BondHistory history = b.law->remembers() ? bonds_.history(w.bond) : no_history;
+    state_.books.work_supports +=
+        0.5 * grows.growth * power_of_growth(b, w, bond_pose(b, i.r, i.q, j.r, j.q), history);
+  }
+}
+
+}  // namespace vbond

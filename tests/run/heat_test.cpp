@@ -1,0 +1,215 @@
+// Bonds that grow with temperature, in motion and at rest.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "dynamics/rods.hpp"
+#include "material_cases.hpp"
+#include "statics/bodies.hpp"
+#include "vbond/model/bond_sums.hpp"
+#include "vbond/model/energies.hpp"
+#include "vbond/model/heat.hpp"
+#include "vbond/run/run.hpp"
+
+namespace vbond {
+namespace {
+
+using testing::Specimen;
+
+constexpr double alpha = 1e-3;
+
+BondRecipe warm(BondRecipe recipe = testing::papers_bond()) {
+  recipe.expansion = alpha;
+  return recipe;
+}
+
+/// A straight rod of N particles whose bonds expand.
+Specimen warm_rod(std::size_t N, const BondRecipe& recipe) {
+  std::vector<Vec3d> r;
+  for (std::size_t k = 0; k < N; ++k) r.push_back({static_cast<double>(k), 0, 0});
+  Specimen s = testing::particles_at(r);
+  for (std::size_t k = 0; k + 1 < N; ++k)
+    add_bond(s.model,
+             make_bond(recipe, bond_site(s.model, s.state, ParticleId{k}),
+                       bond_site(s.model, s.state, ParticleId{k + 1}))
+                 .value(),
+             recipe, s.state);
+  return s;
+}
+
+StaticStage heated(StageKind kind, const Specimen& s, double change, std::vector<StaticSupport> supports) {
+  StaticStage stage = testing::static_stage(kind, std::move(supports));
+  stage.heating = {{s.model.groups[0].particles, change}};
+  return stage;
+}
+StaticSupport clamp(std::size_t p) {
+  return testing::fixed({ParticleId{p}}, testing::clamped);
+}
+ParticleId last(const Specimen& s) {
+  return ParticleId{s.model.particles() - 1};
+}
+
+TEST(Heat, LetsAFreeRodGrowAndAHeldOnePush) {
+  for (const BondLaw* law : {&bond_law<VModel>, &bond_law<Evm>})
+    for (const double R : {0.0, 0.2}) {
+      BondRecipe recipe = warm();
+      recipe.law = law;
+      recipe.attachment = Attachment::given, recipe.R_i = R, recipe.R_j = 0.5 * R;
+      const Specimen s = warm_rod(6, recipe);
+      const double c_A = stiffness_of(s.state.bonds[BondId{0}]).c_A, T = 0.1;  // it buckles at 0.3 and more
+      vbond::Run free(s.model, s.state, {heated(StageKind::equilibrium, s, T, {clamp(0)})});
+      free.run();
+      EXPECT_NEAR(free.state().r[last(s)].x, 5.0 * (1.0 + alpha * T), 1e-12);
+      EXPECT_NEAR(potential_energies(s.model, free.state()).total(), 0.0, 1e-15);
+      // held at both ends: the whole distance grows, and the bond alone gives way
+      vbond::Run held(s.model, s.state, {heated(StageKind::equilibrium, s, T, {clamp(0), clamp(5)})});
+      held.run();
+      EXPECT_NEAR(mean_axial_force(held.state(), s.model.groups[0].particles), -c_A * alpha * T, 1e-12 * c_A);
+      EXPECT_EQ(held.state().temperature[last(s)], T);
+      // and back again: nothing is left of it
+      vbond::Run cycle(s.model, s.state,
+                       {heated(StageKind::equilibrium, s, T, {clamp(0), clamp(5)}),
+                        heated(StageKind::equilibrium, s, -T, {clamp(0), clamp(5)})});
+      cycle.run();
+      EXPECT_EQ(cycle.state().bonds[BondId{2}].a, s.state.bonds[BondId{2}].a);
+      EXPECT_NEAR(mean_axial_force(cycle.state(), s.model.groups[0].particles), 0.0, 1e-14);
+    }
+}
+
+// TH1: ends' translations held; one particle may not turn about the axis, which nothing else would hold. The
+// smallest eigenvalue vanishes between 1e-5 to either side of the exact growth; it is linear there but for
+// the square of that.
+TEST(Heat, BucklesAPinnedRodAtTheTemperatureOfTheReference) {
+  const double exact = testing::material_case("TH1")["expected"]["alpha_dT_critical"];
+  const Specimen s = warm_rod(10, warm());
+  const auto stiffness_at = [&](double growth) {
+    StaticStage stage = heated(StageKind::equilibrium, s, growth / alpha,
+                               {testing::fixed({ParticleId{0}}, {true, true, true, true, false, false}),
+                                testing::fixed({ParticleId{9}}, testing::translations)});
+    stage.at_saddle = AtSaddle::keep;
+    return run_static_stage(s.model, stage, s.state, {}).result.smallest_eigenvalue.value();
+  };
+  const double below = exact * (1 - 1e-5), above = exact * (1 + 1e-5);
+  const double k_below = stiffness_at(below), k_above = stiffness_at(above);
+  EXPECT_GT(k_below, 0.0);
+  EXPECT_LT(k_above, 0.0);
+  EXPECT_NEAR((below + (above - below) * k_below / (k_below - k_above)) / exact, 1.0, 1e-9);
+}
+
+/// The largest error of the energy balance of a rod that is heated and cooled while it swings.
+double largest_imbalance(const BondRecipe& recipe, double dt, double* work = nullptr) {
+  const Specimen made = warm_rod(8, recipe);
+  Specimen s = made;
+  testing::Dice dice(5);
+  for (const ParticleId p : s.state.r.ids()) {
+    s.state.v[p] = {dice(-.02, .02), dice(-.02, .02), dice(-.02, .02)};
+    s.state.omega[p] = {dice(-.02, .02), dice(-.02, .02), dice(-.02, .02)};
+  }
+  Stage stage = testing::plain_stage(dt, 1e9);
+  stage.heating = {{s.model.groups[0].particles, 30.0, {{{0, 0}, {8, 1}, {16, -0.5}, {24, 0.25}}}},
+                   {{ParticleId{2}}, 20.0, {{{0, 0}, {24, 1}}}}};
+  stage.supports = {testing::held({ParticleId{0}, ParticleId{7}}, testing::clamped)};
+  Simulation run(s.model, stage, s.state);
+  double largest = 0.0;
+  while (run.clock().time() < 24.0 - 0.5 * dt) {
+    run.step();
+    const EnergyBooks& b = run.books();
+    largest =
+        std::max(largest, std::abs(run.energies().total() + b.dissipated - b.at_start - b.work_supports));
+  }
+  if (work != nullptr) *work = run.books().work_supports;
+  return largest;
+}
+
+TEST(Heat, ClosesTheBooksInMotionToSecondOrder) {
+  BondRules yielding;
+  yielding.yield.limit = {0.02, 2e-3, 4e-4, 2e-4};
+  yielding.yield.compression = 0.02;
+  BondRules fene;
+  fene.stretch.form = StretchForm::fene, fene.stretch.largest = 0.4;
+  for (const BondLaw* law : {&bond_law<VModel>, &bond_law<Evm>})
+    for (const BondRules& rules : {BondRules{}, yielding, fene}) {
+      BondRecipe recipe = warm();
+      recipe.law = law;
+      recipe.parameters = BondStiffness<double>{1.0, 0.03, 0.0025, 1.0 / 480};
+      recipe.rules = rules;
+      recipe.attachment = Attachment::given, recipe.R_i = 0.1, recipe.R_j = 0.2;
+      const double coarse = largest_imbalance(recipe, 0.04), fine = largest_imbalance(recipe, 0.02);
+      EXPECT_LT(fine, 1e-6) << law->name;  // of some 1e-3 that heating stores
+      EXPECT_GT(coarse / fine, 3.0) << law->name;
+    }
+}
+
+// The temperature of the start of a stage comes at once, with all its energy.
+TEST(Heat, OfTheStartOfAStageIsWorkOfImposedStrain) {
+  const Specimen s = warm_rod(4, warm());
+  Stage stage = testing::plain_stage(0.05, 1e9);
+  stage.heating = {{s.model.groups[0].particles, 10.0, {}}};
+  Simulation run(s.model, stage, s.state);
+  const double u = alpha * 10.0;
+  EXPECT_NEAR(run.books().work_supports, 3 * 0.5 * u * u, 1e-16);
+  EXPECT_NEAR(run.energies().total(), 3 * 0.5 * u * u, 1e-16);
+  for (int k = 0; k < 200; ++k) run.step();
+  EXPECT_LT(std::abs(run.balance_error(run.energies())), 1e-3);
+}
+
+TEST(Heat, IsTheSameBitsAfterAnyResumption) {
+  const Specimen s = warm_rod(8, warm());
+  Stage stage = testing::plain_stage(0.05, 1e9);
+  stage.heating = {{s.model.groups[0].particles, 30.0, {{{0, 0.2}, {3, 1}, {4, -1}}}}};
+  const auto go_on = [&](State state, int steps) {
+    Simulation run(s.model, stage, std::move(state));
+    for (int k = 0; k < steps; ++k) run.step();
+    return std::move(run).take_state();
+  };
+  const State whole = go_on(s.state, 100);
+  EXPECT_NE(whole.bonds[BondId{0}].a, s.state.bonds[BondId{0}].a);
+  for (const int at : {1, 33, 90}) EXPECT_TRUE(go_on(go_on(s.state, at), 100 - at) == whole) << at;
+}
+
+// A bond that is held yields as it is heated, and pulls when it is cold again: in motion and at rest.
+TEST(Heat, LeavesATensionWhereABondHasYielded) {
+  BondRecipe recipe = warm();
+  recipe.parameters = BondStiffness<double>{1.0, 0.03, 0.0025, 1.0 / 480};
+  recipe.rules.yield.limit.axial = recipe.rules.yield.compression = 0.01;
+  const Specimen s = warm_rod(2, recipe);
+  const double T = 15.0, left = alpha * T - 0.01;
+  vbond::Run rest(s.model, s.state,
+                  {heated(StageKind::equilibrium, s, T, {clamp(0), clamp(1)}),
+                   heated(StageKind::equilibrium, s, -T, {clamp(0), clamp(1)})});
+  rest.run();
+  EXPECT_NEAR(mean_axial_force(rest.state(), s.model.groups[0].particles), left, 1e-14);
+  Stage stage = testing::plain_stage(0.05, 20.0);
+  stage.supports = {testing::held({ParticleId{0}, ParticleId{1}}, testing::clamped)};
+  stage.heating = {{s.model.groups[0].particles, T, {{{0, 0}, {10, 1}, {20, 0}}}}};
+  Simulation motion(s.model, stage, s.state);
+  motion.run();
+  EXPECT_NEAR(motion.mean_axial_force(s.model.groups[0].particles), left, 1e-14);
+  EXPECT_NEAR(motion.losses()[Loss::yield_axial], 0.01 * left, 1e-14);
+}
+
+// A rod that is held breaks as it is cooled, the weakest bond first; the books of fracture close.
+TEST(Heat, BreaksAHeldRodThatIsCooled) {
+  BondRecipe strong = warm();
+  strong.parameters = BondStiffness<double>{1.0, 0.03, 0.0025, 1.0 / 480};
+  strong.rules.strength = linear_strength(0.02, 1.0, 1.0, 1.0);
+  Specimen s = warm_rod(5, strong);
+  BondRecipe weak = strong;
+  weak.rules.strength = linear_strength(0.015, 1.0, 1.0, 1.0);
+  const Specimen w = warm_rod(5, weak);
+  s.state.bonds[BondId{2}] = w.state.bonds[BondId{2}];
+  StaticStage stage = heated(StageKind::fracture, s, -30.0, {clamp(0), clamp(4)});
+  vbond::Run run(s.model, s.state, {stage});
+  const StageResult result = run.run().front();
+  const FractureResult& f = result.statics->fracture;
+  ASSERT_EQ(f.breaks.size(), 1u);
+  EXPECT_TRUE(run.state().bonds[BondId{2}].broken);
+  EXPECT_NEAR(f.breaks[0].use.load_factor * 30.0 * alpha, 0.015, 1e-12);
+  EXPECT_LT(std::abs(f.books.error()), 1e-9);
+  EXPECT_GT(f.books.work, 0.0);
+}
+
+}  // namespace
+}  // namespace vbond
