@@ -106,6 +106,9 @@ TEST(Stage, ChoosesItsStepBySpinToo) {
   const std::string error = text_of_stage_error(c);
   EXPECT_TRUE(contains(error, "case.toml:50:8: time.step = 0.125")) << error;
   EXPECT_TRUE(contains(error, "the turning of particle")) << error;
+  Built later = build(c);
+  later.state.clock.step = 100;  // it has come to spin so fast by itself: the watch tells
+  EXPECT_EQ(build_stage(c, later.model, 0, later.state).dt, 0.125);
   c.time.insist = true;
   EXPECT_EQ(first_stage(c).dt, 0.125);
 }

@@ -248,8 +248,9 @@ StepBound exact_bound(const Case& c, const Model& model, const State& state, con
 
 void choose_step(const Case& c, const StageSpec& spec, const Model& model, const State& state,
                  const ExactCriticalStep& exact_step, Stage& stage, Problems& problems) {
+  const Spins spins = c.time.given() ? spins_against_given_step(state) : Spins::counted;
   StepBound critical = step_is_exact(c) ? exact_bound(c, model, state, stage, exact_step, problems)
-                                        : step_bound(model, state, stage);
+                                        : step_bound(model, state, stage, spins);
   if (std::isinf(critical.dt) && !c.time.given() && flies_freely(c, model, state))
     critical = {model.T_0 / std::numbers::pi, std::nullopt, "T0/pi: nothing is elastic as the stage begins"};
   stage.critical = critical.dt;

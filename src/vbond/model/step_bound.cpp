@@ -6,7 +6,6 @@
 
 #include "vbond/model/contact_bound.hpp"
 #include "vbond/model/make_bond.hpp"
-#include "vbond/model/turn_bound.hpp"
 #include "vbond/physics/stability.hpp"
 
 namespace vbond {
@@ -113,12 +112,13 @@ StepBound step_bound(const Model& model, const State& state, const std::vector<B
   return {critical_step(largest.lambda), largest.bond, largest.source};
 }
 
-StepBound step_bound(const Model& model, const State& state, const Stage& stage) {
-  return within_turns(step_bound(model, state, stage.bonding, stage.walls), model, state, stage);
+StepBound step_bound(const Model& model, const State& state, const Stage& stage, Spins spins) {
+  return within_turns(step_bound(model, state, stage.bonding, stage.walls), model, state, stage, spins);
 }
 
-StepBound within_turns(StepBound bound, const Model& model, const State& state, const Stage& stage) {
-  const FastestTurn turn = fastest_turn(model, state, stage);
+StepBound within_turns(StepBound bound, const Model& model, const State& state, const Stage& stage,
+                       Spins spins) {
+  const FastestTurn turn = fastest_turn(model, state, stage, spins);
   if (!(turn.rate * bound.dt > longest_turn)) return bound;
   return {longest_turn / turn.rate, std::nullopt, turn.source + ", which has to be below 0.5 rad in a step"};
 }

@@ -6,6 +6,7 @@
 #include "vbond/model/model.hpp"
 #include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"
+#include "vbond/model/turn_bound.hpp"
 
 namespace vbond {
 
@@ -27,9 +28,11 @@ struct StepBound {
 StepBound step_bound(const Model& model, const State& state, const std::vector<BondingRule>& rules = {},
                      const std::vector<WallDrive>& drives = {});
 /// With the bonding rules and walls of a stage, and no more than turns may take (within_turns).
-StepBound step_bound(const Model& model, const State& state, const Stage& stage);
+StepBound step_bound(const Model& model, const State& state, const Stage& stage,
+                     Spins spins = Spins::counted);
 
 /// The bound, or the step in which what turns fastest in the stage turns by longest_turn if that is shorter.
-StepBound within_turns(StepBound bound, const Model& model, const State& state, const Stage& stage);
+StepBound within_turns(StepBound bound, const Model& model, const State& state, const Stage& stage,
+                       Spins spins = Spins::counted);
 
 }  // namespace vbond

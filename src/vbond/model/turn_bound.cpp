@@ -28,14 +28,16 @@ std::vector<char> feel_turns(const Model& model, const State& state, const Stage
 
 }  // namespace
 
-FastestTurn fastest_turn(const Model& model, const State& state, const Stage& stage) {
+FastestTurn fastest_turn(const Model& model, const State& state, const Stage& stage, Spins spins) {
   FastestTurn fastest;
   const auto look = [&](double rate, const auto& name) {
     if (rate > fastest.rate) fastest = {rate, "the turning of " + name()};
   };
-  const std::vector<char> feels = feel_turns(model, state, stage);
-  for (const ParticleId p : state.omega.ids())
-    if (feels[p.value]) look(norm(state.omega[p]), [p] { return "particle " + std::to_string(p.value); });
+  if (spins == Spins::counted) {
+    const std::vector<char> feels = feel_turns(model, state, stage);
+    for (const ParticleId p : state.omega.ids())
+      if (feels[p.value]) look(norm(state.omega[p]), [p] { return "particle " + std::to_string(p.value); });
+  }
   for (const Support& s : stage.supports)
     look(norm(s.angular_velocity) * largest_factor(s.factor),
          [&s] { return "the support of group \"" + s.group + '"'; });

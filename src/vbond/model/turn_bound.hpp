@@ -22,6 +22,13 @@ struct FastestTurn {
   double rate = 0;     ///< [rad/time]; 0: nothing turns
   std::string source;  ///< e.g. "the turning of particle 3"
 };
-FastestTurn fastest_turn(const Model& model, const State& state, const Stage& stage);
+/// Whether the spins that particles have in a state count, besides what the stage turns. They do not against
+/// a step that was given where the run has come to a state by itself: the watch tells of them.
+enum class Spins : bool { left_out, counted };
+inline Spins spins_against_given_step(const State& state) {
+  return state.clock.step == 0 ? Spins::counted : Spins::left_out;
+}
+FastestTurn fastest_turn(const Model& model, const State& state, const Stage& stage,
+                         Spins spins = Spins::counted);
 
 }  // namespace vbond

@@ -60,7 +60,7 @@ class GivenStages : public Stages {
   static void look_at_step(const Stage& stage, const Model& model, const State& state,
                            std::vector<std::string>& mistakes) {
     if (stage.insist || (stage.critical > 0.0 && stage.dt <= stage.critical)) return;
-    const StepBound bound = step_bound(model, state, stage);
+    const StepBound bound = step_bound(model, state, stage, spins_against_given_step(state));
     if (stage.dt > bound.dt)
       mistakes.push_back(fmt::format(
           "dt is {}: above {:.6g} the run may blow up, from {}; use at most that, better 0.2 of it, "
