@@ -2,6 +2,7 @@
 // at rest, against an evaluation of the tests' own (dynamics/plain_flow.hpp). How many: VBOND_CAMPAIGN.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <optional>
@@ -217,20 +218,27 @@ Heating heating_of(const Specimen& s, double duration) {
   return {s.model.groups[0].particles, 40.0, {{{0, 0}, {0.5 * duration, 1}, {duration, -0.5}}}};
 }
 
-Verdict in_motion(unsigned seed) {
-  const Body body = random_body(seed, true, true);
+/// How far the two are apart at the end: places, and losses as a part of the energy.
+struct Motion {
+  Verdict verdict;
+  double off = 0;
+};
+
+/// 200 steps, or `finer` times as many in the same time.
+Motion move(const Body& body, int finer, double in_doubt) {
   const Specimen& s = body.specimen;
-  const double dt = 0.1 * step_bound(s.model, s.state).dt;
-  constexpr int steps = 200;
+  const double dt = 0.1 * step_bound(s.model, s.state).dt / finer;
+  const int steps = 200 * finer;
   Stage stage = testing::plain_stage(dt, 1e9);
   stage.heating = {heating_of(s, steps * dt)};
   Simulation run(s.model, stage, s.state);
   OwnMotion own(body);
-  Verdict verdict;
+  Motion found;
+  Verdict& verdict = found.verdict;
   const auto wrong = [&](const std::string& what) {
-    verdict.undecided = own.nearest < 1e-8;
+    verdict.undecided = own.nearest < in_doubt;
     verdict.wrong = what;
-    return verdict;
+    return found;
   };
   for (int k = 0; k < steps; ++k) {
     run.step();
@@ -243,17 +251,32 @@ Verdict in_motion(unsigned seed) {
       if (run.events()[verdict.breaks + b].bond.value != broken[b]) return wrong("order of breaks");
     verdict.breaks += broken.size();
   }
-  double away = 0.0;
-  for (std::size_t p = 0; p < own.r.size(); ++p)
-    away = std::max(away, norm(run.state().r[ParticleId{p}] - own.r[p]));
   verdict.lost = run.losses();
-  const double losses = largest_difference(verdict.lost, own.bonds), scale = run.books().largest;
-  char text[200];
-  std::snprintf(text, sizeof text, "away by %.1e, losses off by %.1e of %.1e", away, losses, scale);
-  if (away > 1e-6 || losses > 1e-5 * scale) return wrong(text);
+  const double scale = run.books().largest;
+  found.off = largest_difference(verdict.lost, own.bonds) / scale;
+  for (std::size_t p = 0; p < own.r.size(); ++p)
+    found.off = std::max(found.off, norm(run.state().r[ParticleId{p}] - own.r[p]));
   const double sum = std::abs(verdict.lost.sum() - run.books().dissipated);
   if (sum > 1e-12 * std::max(scale, 1e-3)) return wrong("losses do not add up");
   if (std::abs(run.balance_error(run.energies())) > 0.02) return wrong("the books do not close");
+  return found;
+}
+
+// Both find the limits of yield to 1e-12 of these, which 200 steps of such motion let grow to well below
+// 1e-8. Creep is taken by a scheme of second order here, and exactly there: a difference above 1e-7 must fall
+// as the step is halved.
+Verdict in_motion(unsigned seed) {
+  const Body body = random_body(seed, true, true);
+  const bool creeps =
+      std::any_of(body.bonds.begin(), body.bonds.end(), [](const PlainBond& b) { return b.creep > 0.0; });
+  Motion coarse = move(body, 1, creeps ? 1e-5 : 1e-8);
+  Verdict& verdict = coarse.verdict;
+  if (!verdict.wrong.empty() || coarse.off <= (creeps ? 1e-7 : 1e-8)) return verdict;
+  const Motion fine = creeps ? move(body, 2, 1e-5) : coarse;
+  char text[200];
+  std::snprintf(text, sizeof text, "off by %.1e, with half the step by %.1e", coarse.off, fine.off);
+  if (!fine.verdict.wrong.empty() || coarse.off < 1.5 * fine.off) verdict.wrong = text;
+  verdict.undecided = fine.verdict.undecided;
   return verdict;
 }
 
@@ -306,7 +329,7 @@ Verdict at_rest_by_own_words(unsigned seed) {
 
 unsigned bodies_wanted() {
   const char* wanted = std::getenv("VBOND_CAMPAIGN");
-  return wanted ? static_cast<unsigned>(std::atoi(wanted)) : 100;
+  return wanted ? static_cast<unsigned>(std::atoi(wanted)) : 60;
 }
 
 /// Runs the bodies and counts.
