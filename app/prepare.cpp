@@ -21,6 +21,14 @@ double output_time(const CaseTime& time, const Model& model, const char* key, co
   return resolve_time(time, model, key, {c.file, 0, 0});
 }
 
+/// Groups with the volumes that they take up.
+std::vector<StressedGroup> stressed_groups(const Case& c, const Model& model) {
+  std::vector<StressedGroup> groups;
+  for (const StressSpec& s : c.output.stresses)
+    groups.push_back({resolve_groups({s.group}, model).front(), resolve_volume(s, model)});
+  return groups;
+}
+
 /// What may dissipate energy in this case.
 std::vector<Loss> possible_losses(const Case& c, const Model& model) {
   const auto bonds = [&c](auto has) { return std::any_of(c.bonds.begin(), c.bonds.end(), has); };
@@ -72,6 +80,7 @@ OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem:
   plan.reactions = resolve_groups(o.reactions, model);
   plan.axial_force = resolve_groups(o.axial_force, model);
   plan.displacements = resolve_groups_or_particles(o.displacements, model);
+  plan.stresses = stressed_groups(c, model);
   for (const Wall& w : model.walls) plan.walls.push_back(w.name);
   for (const StageSpec& stage : c.stages)
     for (const SupportSpec& s : stage.supports)
@@ -80,7 +89,7 @@ OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem:
   if (o.frames)
     plan.frames_every = o.frames->every ? output_time(*o.frames->every, model, "output.frames.every", c)
                                         : std::numeric_limits<double>::infinity();
-  if (o.frames) plan.frame_format = {o.frames->single_precision, o.frames->compressed};
+  if (o.frames) plan.frame_format = {o.frames->single_precision, o.frames->compressed, o.frames->stress};
   plan.lammps_dump = o.lammps_dump;
   if (o.checkpoint_every)
     plan.checkpoint_every = output_time(*o.checkpoint_every, model, "output.checkpoint.every", c);

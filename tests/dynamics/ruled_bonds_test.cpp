@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "plain_bonds.hpp"
 #include "rods.hpp"
 #include "vbond/model/make_bond.hpp"
 #include "vbond/model/step_bound.hpp"
@@ -20,11 +21,9 @@ namespace vbond::ruled_bonds_test {
 namespace {
 
 using testing::Dice;
+using testing::draw_limits;
 using testing::Specimen;
-
-struct Section6 {
-  double N, V, M_b, M_t, M_e;
-};
+using testing::strength_of;
 
 /// What the reference of these tests knows of a bond, in words of materials.md and model.md.
 struct PlainBond {
@@ -34,7 +33,7 @@ struct PlainBond {
   std::array<double, 4> c{}, g{};
   Stretch stretch;
   Criterion criterion = Criterion::none;
-  double limit[4] = {1, 1, 1, 1};  // by criterion: stresses, loads, energies or an elongation
+  testing::PlainLimits limit{1, 1, 1, 1};
   double factor = 1;
   Vec3d axes_i[3], axes_j[3];  // in the bodies
 };
@@ -98,31 +97,10 @@ class OwnLoop {
       const Vec3d D = r[b.j] - r[b.i] + b.R_j * m[0] - b.R_i * n[0];
       const double length = std::sqrt(dot(D, D)), N = axial_force(b.stretch, b.c[0], length - b.a);
       const Vec3d d = (1 / length) * D;
-      const auto across_d = [&](const Vec3d& x) { return x - dot(x, d) * d; };
-      Vec3d F = N * d, M_i{}, M_j{};  // model.md, sections 1 and 3
-      if (b.evm) {
-        const double B2 = b.a * b.a * b.c[1], B4 = b.c[3], B3 = b.c[2] - B2 / 4 - B4 / 2;
-        F += (B2 / (2 * length)) * across_d(m[0] - n[0]);
-        M_i = -(B2 / 2) * cross(d, n[0]) + B3 * cross(m[0], n[0]) -
-              (B4 / 2) * (cross(m[1], n[1]) + cross(m[2], n[2]));
-        M_j = (B2 / 2) * cross(d, m[0]) - B3 * cross(m[0], n[0]) +
-              (B4 / 2) * (cross(m[1], n[1]) + cross(m[2], n[2]));
-      } else {
-        const double B3 = b.c[1] * b.a * b.a / 2, B2 = b.c[2] - B3 / 2, B4 = b.c[3], s1 = dot(n[0], m[0]);
-        F += -(B3 / length) * (dot(d, n[0]) * across_d(n[0]) + dot(d, m[0]) * across_d(m[0]));
-        M_i = -1.0 * cross(B2 * s1 * m[0] + B3 * dot(d, n[0]) * d, n[0]);
-        M_j = -1.0 * cross(B2 * s1 * n[0] + B3 * dot(d, m[0]) * d, m[0]);
-        for (int x = 1; x < 3; ++x) {
-          const double s1k = dot(n[x], m[x]), s2k = dot(d, n[x]), s3k = -dot(d, m[x]);
-          const double p = s1k + s2k * s3k, q2 = 1 + s2k * s2k, q3 = 1 + s3k * s3k;
-          const double U1 = -B4 / 2 * p * q2 * q3, U2 = -B4 / 2 * p * q3 * (s3k * q2 + p * s2k),
-                       U3 = -B4 / 2 * p * q2 * (s2k * q3 + p * s3k);
-          F += (1 / length) * (U2 * across_d(n[x]) - U3 * across_d(m[x]));
-          M_i += cross(U1 * m[x] + U2 * d, n[x]);
-          M_j += cross(U1 * n[x] - U3 * d, m[x]);
-        }
-      }
-      used[k] = utilisation_of(b, section(b, D, d, F, M_i, M_j), length);  // M_i, M_j without F's own arm
+      auto [F, M_i, M_j] = testing::plain_loads({b.evm, b.a, b.c}, N, D, n, m);
+      // M_i, M_j are without F's own arm
+      used[k] = testing::plain_utilisation(b.criterion, b.limit, b.factor, b.c,
+                                           testing::plain_section(d, F, M_i, M_j), length / b.a - 1);
       const Vec3d rate =
           v_at[b.j] - v_at[b.i] + b.R_j * cross(w_at[b.j], m[0]) - b.R_i * cross(w_at[b.i], n[0]);
       const Vec3d turn = w_at[b.j] - w_at[b.i];
@@ -136,70 +114,7 @@ class OwnLoop {
     }
     return used;
   }
-  /// Moments about the bonded points are those without the arms R n x F.
-  static Section6 section(const PlainBond&, const Vec3d&, const Vec3d& d, const Vec3d& F, const Vec3d& m_i,
-                          const Vec3d& m_j) {
-    const Vec3d M_c = 0.5 * (m_i - m_j);
-    const auto size_across = [&](const Vec3d& x) { return norm(x - dot(x, d) * d); };
-    return {dot(F, d), size_across(F), size_across(M_c), dot(M_c, d),
-            std::max(size_across(m_i), size_across(m_j))};
-  }
-  static double utilisation_of(const PlainBond& b, const Section6& l, double length) {
-    const double A = std::numbers::pi * 0.01, J = std::numbers::pi * 0.0016 / 64, r = 0.1,
-                 N = std::max(l.N, 0.0);
-    const double* x = b.limit;
-    const double f = b.factor;
-    switch (b.criterion) {
-      case Criterion::none: return 0;
-      case Criterion::stress:
-        return std::max((l.N / A + l.M_b * r / J) / (f * x[0]),
-                        (l.V / A + std::abs(l.M_t) * r / (2 * J)) / (f * x[1]));
-      case Criterion::fibre:
-        return std::max((l.N / A + l.M_e * r / J) / (f * x[0]),
-                        (4 * l.V / (3 * A) + std::abs(l.M_t) * r / (2 * J)) / (f * x[1]));
-      case Criterion::mohr_coulomb: {
-        const double tau = l.V / A + std::abs(l.M_t) * r / (2 * J), strength = f * x[1] - l.N / A * x[2];
-        return std::max(N / A / (f * x[0]), strength > 0 ? tau / strength : 1e300);
-      }
-      case Criterion::linear: return (N / x[0] + l.V / x[1] + l.M_b / x[2] + std::abs(l.M_t) / x[3]) / f;
-      case Criterion::quadratic:
-        return (sq(N / x[0]) + sq(l.V / x[1]) + sq(l.M_b / x[2]) + sq(l.M_t / x[3])) / (f * f);
-      case Criterion::energy:
-        return (N * N / (2 * b.c[0] * x[0]) +
-                (sq(l.V) / b.c[1] + sq(l.M_b) / b.c[2] + sq(l.M_t) / b.c[3]) / (2 * x[1])) /
-               (f * f);
-      case Criterion::elongation: return (length / b.a - 1) / (f * x[0]);
-    }
-    return 0;
-  }
 };
-
-Strength strength_of(Criterion criterion, const double (&x)[4]) {
-  const Section s = circle(0.2);
-  switch (criterion) {
-    case Criterion::none: return {};
-    case Criterion::stress: return stress_strength(s, x[0], x[1]);
-    case Criterion::fibre: return fibre_strength(s, x[0], x[1]);
-    case Criterion::mohr_coulomb: return mohr_coulomb_strength(s, x[1], x[2], x[0]);
-    case Criterion::linear: return linear_strength(x[0], x[1], x[2], x[3]);
-    case Criterion::quadratic: return quadratic_strength(x[0], x[1], x[2], x[3]);
-    case Criterion::energy: return energy_strength(x[0], x[1]);
-    case Criterion::elongation: return elongation_strength(x[0]);
-  }
-  return {};
-}
-
-/// Limits that bodies of the campaign reach now and then.
-void draw_limits(Criterion criterion, Dice& dice, double (&x)[4]) {
-  switch (criterion) {
-    case Criterion::stress:
-    case Criterion::fibre: x[0] = dice(2, 20), x[1] = dice(1, 10); break;
-    case Criterion::mohr_coulomb: x[0] = dice(1, 5), x[1] = dice(0.5, 3), x[2] = dice(0, 1); break;
-    case Criterion::energy: x[0] = dice(5e-4, 5e-3), x[1] = dice(2e-4, 2e-3); break;
-    case Criterion::elongation: x[0] = dice(0.03, 0.15); break;
-    default: x[0] = dice(0.05, 0.3), x[1] = dice(0.01, 0.1), x[2] = dice(2e-3, 2e-2), x[3] = dice(1e-3, 1e-2);
-  }
-}
 
 struct Body {
   Specimen specimen;
@@ -320,7 +235,7 @@ TEST(RuledBonds, AreNearBreakingWhereverTheQuickBoundSaysThatTheyAreNot) {
   unsigned reached = 0, left_out = 0;
   for (int trial = 0; trial < 4000; ++trial) {
     BondRules rules;
-    double limits[4] = {1, 1, 1, 1};
+    testing::PlainLimits limits{1, 1, 1, 1};
     const auto criterion = static_cast<Criterion>(1 + trial % 7);
     draw_limits(criterion, dice, limits);
     rules.strength = strength_of(criterion, limits);

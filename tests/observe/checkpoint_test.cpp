@@ -35,6 +35,10 @@ Checkpoint busy_checkpoint(Chain& chain) {
                        .work_loads = 3.3,
                        .work_supports = 4.4,
                        .largest = 5.5};
+  for (std::size_t k = 0; k < loss_count; ++k)
+    chain.state.books.lost[static_cast<Loss>(k)] = 0.01 * static_cast<double>(k + 1);
+  chain.state.temperature = {10.5, -3.0, 0.25};
+  chain.state.warm_bonds = {{BondId{1}, 1e-3, 0.5, 0.1, 0.2}};
   chain.state.peak = {.sum = 0.1, .samples = 7, .last = 0.2, .peak = 0.3, .peak_time = 0.4, .blocks = 8};
   chain.state.rest = {.quiet_steps = 9};
   chain.state.breaks = 5;
@@ -61,6 +65,7 @@ Checkpoint busy_checkpoint(Chain& chain) {
                                 {0, 0, 1},
                                 {0.5, -0.25, 0.125}}};
   chain.state.damping = {{{1, 1, 3}, {4, 1, 6}, {7, 1, 9}}, {{3, 1, 1}, {6, 1, 4}, {9, 1, 7}}};
+  chain.state.local_damping = {{{0, 1, 3}, {4, 0, 6}, {7, 1, 0}}, {{3, 0, 1}, {6, 0, 4}, {0, 1, 7}}};
   chain.state.loads = {{{1, 2, 3}, {4, 5, 6}, {7, 8, 9}}, {{3, 2, 1}, {6, 5, 4}, {9, 8, 7}}};
   WatchRecord watch;
   watch.bonds = {{BondRange::snapped, false}, {BondRange::strained, true}};

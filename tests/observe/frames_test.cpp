@@ -298,7 +298,7 @@ TEST(FrameFormat, EveryArrayOfAQuantityWithAUnitSaysIt) {
   Chain chain;
   for (const UnitSystem units : {UnitSystem::reduced, UnitSystem::si}) {
     chain.model.units = units;
-    write_particles_vtp(folder / "p.vtp", chain.model, chain.state, {}, {.breaks = true});
+    write_particles_vtp(folder / "p.vtp", chain.model, chain.state, {}, {.stress = true, .breaks = true});
     write_bonds_vtp(folder / "b.vtp", chain.state, units, {}, {.breaks = true});
     const VtpReader p(content_of(folder / "p.vtp")), b(content_of(folder / "b.vtp"));
     for (const ParticleQuantity& q : particle_quantities())
@@ -311,6 +311,23 @@ TEST(FrameFormat, EveryArrayOfAQuantityWithAUnitSaysIt) {
     EXPECT_EQ(b.arrays.at("bend").unit, "deg");
     EXPECT_EQ(p.arrays.at("id").unit, "");
   }
+}
+
+// The particle in the middle has two bonds, each of which pulls at it with N at half its length.
+TEST(Frames, HaveTheStressOfEachParticleWhereItIsAskedFor) {
+  const Folder folder;
+  Chain chain;
+  for (const ParticleId p : chain.state.r.ids()) chain.state.r[p].x *= 1.01;
+  write_particles_vtp(folder / "p.vtp", chain.model, chain.state, {}, {.stress = true});
+  const VtpReader p(content_of(folder / "p.vtp"));
+  const std::vector<double> normal = p.arrays.at("stress_normal").as<double>();
+  ASSERT_EQ(normal.size(), 9u);
+  EXPECT_NEAR(normal[3] * sphere_volume(chain.model, ParticleId{1}), 0.01 * 1.01, 1e-15);
+  EXPECT_NEAR(normal[0] * sphere_volume(chain.model, ParticleId{0}), 0.5 * 0.01 * 1.01, 1e-15);
+  EXPECT_NEAR(normal[4], 0.0, 1e-15);
+  for (const double x : p.arrays.at("stress_shear").as<double>()) EXPECT_NEAR(x, 0.0, 1e-15);
+  write_particles_vtp(folder / "q.vtp", chain.model, chain.state, {}, {});
+  EXPECT_EQ(VtpReader(content_of(folder / "q.vtp")).arrays.count("stress_normal"), 0u);
 }
 
 /// (time, file) of every entry of a .pvd.

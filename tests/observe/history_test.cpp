@@ -66,6 +66,25 @@ void write_rows(HistoryWriter& writer, const std::vector<std::int64_t>& steps) {
   }
 }
 
+TEST(History, HasStressesStrainsAndLossesThatThePlanAsksFor) {
+  const Folder folder;
+  OutputPlan plan = plan_in(folder);
+  plan.stresses = {{{"core", {ParticleId{1}}}, 2.0}};
+  plan.losses = {Loss::yield_bending, Loss::friction};
+  HistoryValues v = some_values();
+  v.stresses = {{1, 2, 3, 4, 5, 6}};
+  v.strains = {{7, 8, 9, 10, std::nan(""), 12}};
+  v.losses = {0.25, 0.5};
+  HistoryWriter(plan, {}).write(v);
+  const auto lines = lines_of(content_of(folder / "history.csv"));
+  EXPECT_EQ(cell(lines, 1, "stress.core.xx"), "1");
+  EXPECT_EQ(cell(lines, 1, "stress.core.xy"), "6");
+  EXPECT_EQ(cell(lines, 1, "strain.core.yy"), "8");
+  EXPECT_EQ(cell(lines, 1, "strain.core.zx"), "");  // a body in one plane has none
+  EXPECT_EQ(cell(lines, 1, "dissipated.yield_bending"), "0.25");
+  EXPECT_EQ(cell(lines, 1, "dissipated.friction"), "0.5");
+}
+
 TEST(History, WallsHaveColumnsAndTheirLargestForceGoesOn) {
   const Folder folder;
   OutputPlan plan = plan_in(folder);

@@ -161,7 +161,10 @@ TEST(Quantities, EveryDataSetOfACheckpointHasItsUnitAndMeaning) {
   chain.state.wall_history = {{ParticleId{0}, 0, {0, 0, 1}, {1.0}}};
   chain.state.grips = {{{1, 0, 0}, 0.0, 2.0, 1}};
   chain.state.gripped = {{{0, 1, 0}, {}}};
-  for (Loads* loads : {&chain.state.loads, &chain.state.damping})
+  chain.state.temperature.resize(chain.state.r.size());
+  chain.state.warm_bonds = {{BondId{1}, 1e-3, 0.5, 0.1, 0.2}};
+  chain.state.books.lost[Loss::drag] = 0.5;
+  for (Loads* loads : {&chain.state.loads, &chain.state.damping, &chain.state.local_damping})
     *loads = {PerParticle<Vec3d>(chain.state.r.size()), PerParticle<Vec3d>(chain.state.r.size())};
   chain.state.bonds[BondId{0}].law = &bond_law<RuledVModel>;
   BondRules rules;

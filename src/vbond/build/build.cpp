@@ -228,6 +228,7 @@ void check_output(const Case& c, const Model& model, Problems& problems) {
   for (const auto& name : c.output.reactions) look_up_group(name, model, problems);
   for (const auto& name : c.output.axial_force) look_up_group(name, model, problems);
   look_up_groups_or_particles(c.output.displacements, model, problems);
+  for (const StressSpec& s : c.output.stresses) look_up_volume(s, model, problems);
   const SourcePlace place{c.file, 0, 0};
   if (!c.any_dynamics()) return;  // no stage has intervals
   look_up_time(c.output.history_every, model, "output.history.every", place, problems);

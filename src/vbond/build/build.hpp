@@ -52,6 +52,8 @@ StaticStage build_static_stage(const Case& c, const Model& model, int k, State& 
 
 /// The groups of these names. Throws CaseError naming the nearest and all known groups.
 std::vector<Group> resolve_groups(const std::vector<Placed<std::string>>& names, const Model& model);
+/// The volume that a group of output.history.stress takes up. Throws CaseError.
+double resolve_volume(const StressSpec& s, const Model& model);
 
 /// The same, where digits stand for the group of that one particle.
 std::vector<Group> resolve_groups_or_particles(const std::vector<Placed<std::string>>& names,

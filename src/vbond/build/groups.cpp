@@ -12,6 +12,7 @@
 #include "vbond/build/group_members.hpp"
 #include "vbond/build/text_file.hpp"
 #include "vbond/core/nearest.hpp"
+#include "vbond/model/stress.hpp"
 
 namespace vbond {
 namespace {
@@ -123,6 +124,17 @@ std::vector<char> membership(const Group& group, const Model& model) {
   return in;
 }
 
+double look_up_volume(const StressSpec& s, const Model& model, Problems& problems) {
+  const Group* group = look_up_group(s.group, model, problems);
+  if (s.volume || group == nullptr) return s.volume.value_or(0.0);
+  double volume = 0.0;
+  for (const ParticleId p : group->particles) volume += sphere_volume(model, p);
+  if (!(volume > 0.0))
+    problems.add(s.place, fmt::format("stress of group \"{}\"", group->name),
+                 "its particles have no volume to divide by", "give a volume, or the particles a radius");
+  return volume;
+}
+
 std::vector<Group> resolve_groups(const std::vector<Placed<std::string>>& names, const Model& model) {
   Problems problems;
   std::vector<Group> groups;
@@ -130,6 +142,13 @@ std::vector<Group> resolve_groups(const std::vector<Placed<std::string>>& names,
     if (const Group* g = look_up_group(name, model, problems)) groups.push_back(*g);
   problems.throw_if_any();
   return groups;
+}
+
+double resolve_volume(const StressSpec& s, const Model& model) {
+  Problems problems;
+  const double volume = look_up_volume(s, model, problems);
+  problems.throw_if_any();
+  return volume;
 }
 
 std::vector<Group> look_up_groups_or_particles(const std::vector<Placed<std::string>>& names,

@@ -29,6 +29,9 @@ const Group* look_up_group(const Placed<std::string>& name, const Model& model, 
 std::optional<ParticleId> look_up_particle(std::int64_t number, const Model& model, const std::string& what,
                                            const SourcePlace& place, Problems& problems);
 
+/// The volume that a group of output.history.stress takes up; if it has none, records it.
+double look_up_volume(const StressSpec& s, const Model& model, Problems& problems);
+
 /// For each particle, whether the group has it.
 std::vector<char> membership(const Group& group, const Model& model);
 

@@ -305,10 +305,18 @@ struct TimeSpec {
   const CaseTime* given() const { return step ? std::get_if<CaseTime>(&step->value) : nullptr; }
 };
 
+/// A group whose mean stress and strain are written.
+struct StressSpec {
+  SourcePlace place;
+  Placed<std::string> group;
+  std::optional<double> volume;  ///< that it takes up; absent: that of its particles as spheres
+};
+
 struct FramesSpec {
   std::optional<CaseTime> every;  ///< of dynamics stages, which need it; static stages write every point
   bool single_precision = false;  ///< real numbers of 32 bits, not 64
   bool compressed = true;
+  bool stress = false;  ///< of each particle
 };
 
 struct OutputSpec {
@@ -316,6 +324,7 @@ struct OutputSpec {
   std::vector<Placed<std::string>> reactions;      ///< groups: total support force and moment
   std::vector<Placed<std::string>> axial_force;    ///< groups: mean tension over the bonds inside
   std::vector<Placed<std::string>> displacements;  ///< groups, or particle numbers as text
+  std::vector<StressSpec> stresses;                ///< of groups
   std::optional<FramesSpec> frames;                ///< absent: none
   bool lammps_dump = false;                        ///< with the frames
   std::optional<CaseTime> checkpoint_every;        ///< absent: only at the end and on a signal

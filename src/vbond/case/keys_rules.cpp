@@ -11,7 +11,7 @@ namespace vbond::keys {
 namespace {
 
 constexpr Dimension force_per_area{-1, 1, -2, 0, "force/length^2", "5 N/m^2"},
-    per_length{-1, 0, 0, 0, "1/length", "5 1/m"}, volume{3, 0, 0, 0, "length^3", "1 mm^3"};
+    per_length{-1, 0, 0, 0, "1/length", "5 1/m"};
 
 /// One number for stretching, shear, bending and torsion alike, or a list of the four.
 struct OneOrFourCodec {

@@ -76,6 +76,14 @@ void describe(Table& t, TimeSpec& s) {
 
 // ---- output ------------------------------------------------------------------------------------
 
+void describe_stress(Table& t, StressSpec& s) {
+  t.locate(s.place);
+  default_to_all(s.group);
+  t.key("group", s.group, group_name, optional, "which particles");
+  t.key("volume", s.volume, positive(volume), default_is("that of its particles as spheres"),
+        "that the group takes up");
+}
+
 void describe(Table& t, OutputSpec& o, bool any_dynamics) {
   t.table("history", optional, "history.csv", [&o](Table& h) {
     h.key("every", o.history_every, TimeCodec{}, optional, "time between rows");
@@ -84,6 +92,8 @@ void describe(Table& t, OutputSpec& o, bool any_dynamics) {
           "groups: mean tension of the bonds inside");
     h.key("displacements", o.displacements, list_of(ParticlesCodec{}), optional,
           "groups (their mean) or particle numbers: displacement since the start");
+    h.tables("stress", o.stresses, optional, "mean stress and strain of groups",
+             [](Table& k, StressSpec& s) { describe_stress(k, s); });
   });
   t.table(
       "frames", optional, "frames for ParaView; none without this table",
@@ -97,6 +107,8 @@ void describe(Table& t, OutputSpec& o, bool any_dynamics) {
               "of real numbers; float32: half the size, 7 digits");
         f.key("compression", o.frames->compressed, ChoiceCodec<bool>{{"zlib", "none"}, {true, false}},
               optional, "of the arrays; none: as they lie in memory");
+        f.key("stress", o.frames->stress, FlagCodec{}, optional,
+              "the stress of each particle, in its volume as a sphere");
       },
       o.frames.has_value());
   t.key("lammps_dump", o.lammps_dump, FlagCodec{}, optional, "with each frame also a LAMMPS dump, for OVITO");

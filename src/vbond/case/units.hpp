@@ -22,6 +22,7 @@ inline constexpr Dimension pure{0, 0, 0, 0, "number", "1"};
 inline constexpr Dimension angle{0, 0, 0, 1, "angle", "10 deg"};
 inline constexpr Dimension length{1, 0, 0, 0, "length", "0.5 mm"};
 inline constexpr Dimension area{2, 0, 0, 0, "area", "2 mm^2"};
+inline constexpr Dimension volume{3, 0, 0, 0, "length^3", "1 mm^3"};
 inline constexpr Dimension area_moment{4, 0, 0, 0, "length^4", "3 mm^4"};
 inline constexpr Dimension mass{0, 1, 0, 0, "mass", "2 g"};
 inline constexpr Dimension density{-3, 1, 0, 0, "mass/length^3", "7800 kg/m^3"};

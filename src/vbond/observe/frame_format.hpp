@@ -6,6 +6,7 @@ namespace vbond {
 struct FrameFormat {
   bool single_precision = false;  ///< 32 bits for each real number, not 64
   bool compressed = true;         ///< by zlib, array by array
+  bool stress = false;            ///< of each particle
   bool breaks = false;            ///< with what tells of bonds that may break
   bool walls = false;             ///< with a file for the walls
   friend bool operator==(const FrameFormat&, const FrameFormat&) = default;

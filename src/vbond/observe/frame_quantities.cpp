@@ -34,6 +34,19 @@ constexpr ParticleQuantity of_particles[] = {
     {"fragment", unit::none, "number of its fragment: 0 is the heaviest, as in fragments.csv",
      [](const Particle& p) { return p.fragments ? p.fragments->number[p.id] : std::int64_t{0}; },
      Only::breaks},
+    {"stress_normal", unit::stress,
+     "xx, yy, zz of its stress, tension positive: the sum of x f over its bonds and contacts, where f acts "
+     "at "
+     "x from its centre, over its volume as a sphere",
+     [](const Particle& p) {
+       return Vec3d{p.stress[0], p.stress[1], p.stress[2]};
+     },
+     Only::stress},
+    {"stress_shear", unit::stress, "yz, zx, xy of its stress; the part that is symmetric",
+     [](const Particle& p) {
+       return Vec3d{p.stress[3], p.stress[4], p.stress[5]};
+     },
+     Only::stress},
 };
 
 constexpr BondQuantity of_bonds[] = {

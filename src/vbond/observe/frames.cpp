@@ -136,7 +136,8 @@ void cut_dump(const fs::path& dump, std::int64_t resume_step) {
 }
 
 bool is_in(Only cases, const FrameFormat& format) {
-  return cases == Only::everywhere || (cases == Only::breaks && format.breaks);
+  return cases == Only::everywhere || (cases == Only::breaks && format.breaks) ||
+         (cases == Only::stress && format.stress);
 }
 
 BondView bond_view(BondId id, const State& state, const FrameFormat& format) {
@@ -167,8 +168,12 @@ void write_particles_vtp(const fs::path& path, const Model& model, const State& 
   f.set_unit_of_points(unit::length.in(model.units));
   std::optional<Fragments> fragments;
   if (format.breaks) fragments = find_fragments(model, state.bonds);
+  PerParticle<Tensor> stress;
+  if (format.stress) stress = stress_times_volume(model, state);
   const auto view = [&](std::size_t k) {
-    return ParticleView{model, state, ParticleId{k}, fragments ? &*fragments : nullptr};
+    ParticleView of{model, state, ParticleId{k}, fragments ? &*fragments : nullptr};
+    if (format.stress) of.stress = symmetric_part(1.0 / sphere_volume(model, of.id) * stress[of.id]);
+    return of;
   };
   for (const ParticleQuantity& q : particle_quantities()) {
     if (!is_in(q.cases, format)) continue;

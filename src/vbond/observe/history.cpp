@@ -20,6 +20,14 @@ Vec3d mean_displacement(const Group& group, const Model& model, const State& sta
   return sum / static_cast<double>(group.particles.size());
 }
 
+void add_stresses(const OutputPlan& plan, const Model& model, const State& state, HistoryValues& to) {
+  const PerParticle<Tensor> stress = stress_times_volume(model, state);
+  for (const StressedGroup& g : plan.stresses) {
+    to.stresses.push_back(symmetric_part(mean_stress(stress, g.group.particles, g.volume)));
+    to.strains.push_back(symmetric_part(mean_strain(model, state, g.group.particles)));
+  }
+}
+
 /// The columns of a group or a wall.
 std::vector<std::string> names_of(const GroupQuantity& q, const std::string& of) {
   std::vector<std::string> names;
@@ -121,6 +129,8 @@ HistoryValues history_values(const OutputPlan& plan, const Simulation& run) {
       .reactions = {},
       .axial_force = {},
       .displacements = {},
+      .stresses = {},
+      .strains = {},
       .walls = run.walls(),
       .grips = grips_of(plan, plan.grips.empty() ? std::vector<GripView>{} : run.grips()),
       .run = &run};
@@ -128,6 +138,7 @@ HistoryValues history_values(const OutputPlan& plan, const Simulation& run) {
   for (const Group& g : plan.axial_force) values.axial_force.push_back(run.mean_axial_force(g.particles));
   for (const Group& g : plan.displacements)
     values.displacements.push_back(mean_displacement(g, run.model(), run.state()));
+  if (!plan.stresses.empty()) add_stresses(plan, run.model(), run.state(), values);
   return values;
 }
 
@@ -149,6 +160,8 @@ HistoryValues history_values(const OutputPlan& plan, const Model& model, const S
       .reactions = {},
       .axial_force = {},
       .displacements = {},
+      .stresses = {},
+      .strains = {},
       .walls = state.walls,
       .grips = grips_of(plan, point.grips),
       .point = &point};
@@ -156,6 +169,7 @@ HistoryValues history_values(const OutputPlan& plan, const Model& model, const S
   for (const Group& g : plan.axial_force) values.axial_force.push_back(mean_axial_force(state, g.particles));
   for (const Group& g : plan.displacements)
     values.displacements.push_back(mean_displacement(g, model, state));
+  if (!plan.stresses.empty()) add_stresses(plan, model, state, values);
   return values;
 }
 

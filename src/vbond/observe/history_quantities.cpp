@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "vbond/observe/quantities.hpp"
 
@@ -85,6 +86,12 @@ constexpr HistoryQuantity columns[] = {
      [](const Values& v) { return v.fragments ? Cell(v.fragments->largest_share) : Cell(); }, Only::breaks},
 };
 
+std::vector<std::string> names_of_stressed(const OutputPlan& plan) {
+  std::vector<std::string> names;
+  for (const StressedGroup& g : plan.stresses) names.push_back(g.group.name);
+  return names;
+}
+
 std::vector<std::string> names_of_losses(const OutputPlan& plan) {
   std::vector<std::string> names;
   for (const Loss cause : plan.losses) names.emplace_back(to_text(cause));
@@ -158,6 +165,35 @@ const std::vector<GroupQuantity>& of_groups() {
          if (k >= v.grips.size() || !v.grips[k]) return to.resize(to.size() + 8);
          const GripView& g = *v.grips[k];
          add3(g.force, to), add3(g.moment, to), to.emplace_back(g.angle), to.push_back(cell_of(g.work));
+       }},
+      {"stress",
+       "GROUP",
+       {{"xx", unit::stress,
+         "mean stress of the group, tension positive: the sum of x f over its particles' bonds and contacts, "
+         "where f acts on a particle at x from its centre, over the volume that is given; the symmetric "
+         "part"},
+        {"yy", unit::stress},
+        {"zz", unit::stress},
+        {"yz", unit::stress},
+        {"zx", unit::stress},
+        {"xy", unit::stress}},
+       names_of_stressed,
+       [](const Values& v, std::size_t k, std::vector<Cell>& to) {
+         to.insert(to.end(), v.stresses[k].begin(), v.stresses[k].end());
+       }},
+      {"strain",
+       "GROUP",
+       {{"xx", unit::none,
+         "mean strain of the group since the start: Green's, of the deformation that fits its particles' "
+         "displacements best; empty if they are in one plane"},
+        {"yy", unit::none},
+        {"zz", unit::none},
+        {"yz", unit::none},
+        {"zx", unit::none},
+        {"xy", unit::none}},
+       names_of_stressed,
+       [](const Values& v, std::size_t k, std::vector<Cell>& to) {
+         for (const double x : v.strains[k]) to.push_back(std::isfinite(x) ? Cell(x) : Cell());
        }},
       {"dissipated",
        "CAUSE",

@@ -5,6 +5,7 @@
 
 #include "vbond/dynamics/simulation.hpp"
 #include "vbond/model/state.hpp"
+#include "vbond/model/stress.hpp"
 #include "vbond/observe/bond_look.hpp"
 #include "vbond/observe/fragments.hpp"
 #include "vbond/observe/plan.hpp"
@@ -29,6 +30,8 @@ struct HistoryValues {
   std::vector<Reaction> reactions;         ///< one per OutputPlan::reactions
   std::vector<double> axial_force;         ///< one per OutputPlan::axial_force, tension positive  [force]
   std::vector<Vec3d> displacements;        ///< one per OutputPlan::displacements, mean of r - r_0  [length]
+  std::vector<SymmetricParts> stresses;    ///< one per OutputPlan::stresses  [stress]
+  std::vector<SymmetricParts> strains;     ///< likewise
   std::vector<WallState> walls;            ///< one per OutputPlan::walls; empty: not known
   std::vector<std::optional<GripView>> grips;  ///< one per OutputPlan::grips; nothing: not in this stage
   /// What the row is of, for columns that need more: one of the two, or neither of values made by hand.

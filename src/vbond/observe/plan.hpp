@@ -12,6 +12,12 @@
 
 namespace vbond {
 
+/// A group whose mean stress and strain are written, and the volume that it takes up.
+struct StressedGroup {
+  Group group;
+  double volume = 0;
+};
+
 /// What a run writes, where, and how often; groups looked up and times in the units of the model.
 struct OutputPlan {
   std::filesystem::path folder;            ///< exists and may be written to
@@ -20,6 +26,7 @@ struct OutputPlan {
   std::vector<Group> reactions;            ///< total support force and moment, in history.csv
   std::vector<Group> axial_force;          ///< mean tension of the bonds inside, in history.csv
   std::vector<Group> displacements;        ///< mean of r - r_0, in history.csv
+  std::vector<StressedGroup> stresses;     ///< mean stress and strain, in history.csv
   std::vector<std::string> walls;          ///< names of those of the model, in history.csv and in frames
   std::vector<std::string> grips;          ///< groups that some stage moves as rigid bodies, in history.csv
   /// Between frames of dynamics  [time], > 0, infinite if there is none; absent: no frames at all.

@@ -12,6 +12,7 @@
 #include "vbond/model/bond_event.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
+#include "vbond/model/stress.hpp"
 #include "vbond/observe/csv.hpp"
 #include "vbond/observe/fragments.hpp"
 #include "vbond/observe/history_values.hpp"
@@ -27,12 +28,13 @@ namespace vbond {
 // ---- history.csv ---------------------------------------------------------------------------------------
 
 /// Which cases have a quantity.
-enum class Only : std::uint8_t { everywhere, statics, breaks };
+enum class Only : std::uint8_t { everywhere, statics, breaks, stress };
 inline bool is_in(Only cases, const OutputPlan& plan) {
   switch (cases) {
     case Only::everywhere: return true;
     case Only::statics: return plan.statics;
     case Only::breaks: return plan.breaks;
+    case Only::stress: return plan.frame_format.stress;
   }
   return true;
 }
@@ -114,6 +116,7 @@ struct ParticleView {
   const State& state;
   ParticleId id;
   const Fragments* fragments = nullptr;  ///< of the body, where bonds may break
+  SymmetricParts stress{};               ///< of the particle as a sphere, if it is asked for
 };
 
 /// An array of the particles' frames, one value per particle.

@@ -54,6 +54,7 @@ const char* in_words(Only cases) {
     case Only::everywhere: return "";
     case Only::statics: return ". Only in cases with static stages";
     case Only::breaks: return ". Only where bonds may break";
+    case Only::stress: return ". Only with `frames.stress`";
   }
   return "";
 }

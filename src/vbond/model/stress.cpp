@@ -1,0 +1,101 @@
+#include "vbond/model/stress.hpp"
+
+#include <numbers>
+
+#include "vbond/model/touching.hpp"
+
+namespace vbond {
+namespace {
+
+/// Adds the force on i of a pair, which acts at this point.
+void add_force(ParticleId i, ParticleId j, const Vec3d& F, const Vec3d& at, const State& s,
+               PerParticle<Tensor>& sum) {
+  sum[i] += dyad(at - s.r[i], F);
+  sum[j] += dyad(at - s.r[j], -F);
+}
+
+/// What touching particles remember of slip.
+Vec3d friction_on(const State& s, ParticleId i, ParticleId j) {
+  const auto at =
+      std::lower_bound(s.contact_history.begin(), s.contact_history.end(), std::pair(i, j),
+                       [](const PairMemory& m, const auto& pair) { return std::pair(m.i, m.j) < pair; });
+  if (at == s.contact_history.end() || at->i != i || at->j != j) return {};
+  return {at->history[0], at->history[1], at->history[2]};
+}
+
+Vec3d times(const Tensor& t, const Vec3d& x) {
+  return {dot(t.row[0], x), dot(t.row[1], x), dot(t.row[2], x)};
+}
+Tensor transposed(const Tensor& t) {
+  const auto& [x, y, z] = t.row;
+  return {{Vec3d{x.x, y.x, z.x}, Vec3d{x.y, y.y, z.y}, Vec3d{x.z, y.z, z.z}}};
+}
+/// The inverse of a symmetric tensor.
+Tensor inverse(const Tensor& t) {
+  const auto& [x, y, z] = t.row;
+  const double per_det = 1.0 / dot(x, cross(y, z));
+  return {{per_det * cross(y, z), per_det * cross(z, x), per_det * cross(x, y)}};
+}
+
+}  // namespace
+
+SymmetricParts symmetric_part(const Tensor& t) {
+  const auto& [x, y, z] = t.row;
+  return {x.x, y.y, z.z, 0.5 * (y.z + z.y), 0.5 * (z.x + x.z), 0.5 * (x.y + y.x)};
+}
+
+PerParticle<Tensor> stress_times_volume(const Model& model, const State& s) {
+  PerParticle<Tensor> sum(model.particles());
+  for (const BondId k : s.bonds.ids()) {
+    const Bond& b = s.bonds[k];
+    if (b.broken) continue;
+    const BondPose<double> pose = bond_pose(b, s);
+    const Vec3d D_ij = bonded_points(pose, b.R_i, b.R_j);
+    add_force(b.i, b.j, bond_loads(s, k).F, s.r[b.i] + b.R_i * pose.n_i[0] + 0.5 * D_ij, s, sum);
+  }
+  for_touching_pairs(model, s, [&](ParticleId i, ParticleId j, double overlap) {
+    const double R_i = model.radius[i], R_j = model.radius[j];
+    const Vec3d n = normalised(s.r[j] - s.r[i]);
+    const double F_n =
+        normal_force(touch_forms(model.contact), touch_numbers(model, i, j), R_i * R_j / (R_i + R_j), overlap)
+            .F;
+    add_force(i, j, friction_on(s, i, j) - F_n * n, s.r[i] + (R_i - 0.5 * overlap) * n, s, sum);
+  });
+  return sum;
+}
+
+double sphere_volume(const Model& model, ParticleId p) {
+  const double R = model.radius[p];
+  return 4.0 / 3.0 * std::numbers::pi * R * R * R;
+}
+
+Tensor mean_stress(const PerParticle<Tensor>& of_particles, const std::vector<ParticleId>& group,
+                   double volume) {
+  Tensor sum;
+  for (const ParticleId p : group) sum += of_particles[p];
+  return (1.0 / volume) * sum;
+}
+
+Tensor mean_strain(const Model& model, const State& s, const std::vector<ParticleId>& group) {
+  Vec3d before, now;
+  for (const ParticleId p : group) before += model.r_0[p], now += s.r[p];
+  before = before / static_cast<double>(group.size()), now = now / static_cast<double>(group.size());
+  Tensor of_start, across;
+  for (const ParticleId p : group) {
+    const Vec3d X = model.r_0[p] - before;
+    of_start += dyad(X, X);
+    across += dyad(X, s.r[p] - now);
+  }
+  // across = of_start F^T; rows of F^T are those of inverse(of_start) across
+  const Tensor columns = transposed(across), inverted = inverse(of_start);
+  Tensor F;  // row a: F_ab
+  for (std::size_t a = 0; a < 3; ++a) F.row[a] = times(inverted, columns.row[a]);
+  const Tensor of = transposed(F);  // row b: column b of F
+  Tensor E;
+  for (std::size_t a = 0; a < 3; ++a)
+    E.row[a] = 0.5 * Vec3d{dot(of.row[a], of.row[0]), dot(of.row[a], of.row[1]), dot(of.row[a], of.row[2])};
+  E.row[0].x -= 0.5, E.row[1].y -= 0.5, E.row[2].z -= 0.5;
+  return E;
+}
+
+}  // namespace vbond

@@ -1,0 +1,50 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "vbond/core/vec3.hpp"
+#include "vbond/model/model.hpp"
+#include "vbond/model/state.hpp"
+
+/// Stress and strain of bodies of particles, from the forces between them and their displacements.
+namespace vbond {
+
+/// T_ab, row by row.
+struct Tensor {
+  std::array<Vec3d, 3> row{};
+
+  Tensor& operator+=(const Tensor& more) {
+    for (std::size_t a = 0; a < 3; ++a) row[a] += more.row[a];
+    return *this;
+  }
+  friend Tensor operator*(double x, const Tensor& t) { return {{x * t.row[0], x * t.row[1], x * t.row[2]}}; }
+};
+/// a_a b_b.
+inline Tensor dyad(const Vec3d& a, const Vec3d& b) {
+  return {{a.x * b, a.y * b, a.z * b}};
+}
+/// xx, yy, zz, yz, zx, xy of the symmetric part.
+using SymmetricParts = std::array<double, 6>;
+SymmetricParts symmetric_part(const Tensor& t);
+
+/// V times the stress of each particle: the sum of x f over bonds and contacts, where f is the force on the
+/// particle and x the way from its centre to where it acts, which for a bond is the middle between its bonded
+/// points and for a contact the middle of the overlap (Love 1927, Weber 1966; Bagi 1996). Tension is
+/// positive. Elastic forces and friction, no damping of bonds, no walls and no capsules. Moments make it
+/// unsymmetric, by no more than the moment on the particle that its neighbours leave.  [energy]
+PerParticle<Tensor> stress_times_volume(const Model& model, const State& state);
+
+/// Volume of a particle as a sphere, for the stress in the particle itself.  [volume]
+double sphere_volume(const Model& model, ParticleId p);
+
+/// Mean stress of a group that takes up this volume: the sum over its particles over the volume.
+Tensor mean_stress(const PerParticle<Tensor>& stress_times_volume, const std::vector<ParticleId>& group,
+                   double volume);
+
+/// Green's strain (F^T F - 1)/2 of a group since the start, with the F that fits the displacements of its
+/// particles best (least squares, Falk & Langer 1998 without masses): zero for any rigid motion. Not a number
+/// for particles of one plane, line or point.
+Tensor mean_strain(const Model& model, const State& state, const std::vector<ParticleId>& group);
+
+}  // namespace vbond
