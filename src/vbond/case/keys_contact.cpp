@@ -4,8 +4,6 @@
 namespace vbond::keys {
 namespace {
 
-constexpr ReferenceCodec material_name{"material"};
-
 /// What two surfaces do; otherwise says what holds for a number that is not given.
 void describe(Table& t, Surface& s, const char* mu, const char* e, const char* other) {
   t.key("friction", s.friction, not_negative(pure), default_is(mu), "Coulomb's mu");

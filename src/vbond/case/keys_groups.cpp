@@ -63,7 +63,7 @@ void describe(Table& t, MeshRegion& r) {
 }
 
 void describe(Table& t, MaterialGroup& g) {
-  t.key("material", g.material, ReferenceCodec{"material"}, required, "the particles of this material");
+  t.key("material", g.material, material_name, required, "the particles of this material");
 }
 
 void describe(Table& t, TypeGroup& g) {

@@ -97,7 +97,7 @@ void describe(Table& t, SpecimenSpec& s) {
   t.key("density", s.density, positive(density), optional, "instead of mass: m = 4/3 pi radius^3 density");
   t.key("inertia", s.inertia, positive(inertia), default_is("2/5 m radius^2"),
         "moment of inertia of each particle, the same about all axes");
-  t.key("material", s.material, ReferenceCodec{"material"}, default_is("the first of the case"),
+  t.key("material", s.material, material_name, default_is("the first of the case"),
         "what its particles are made of, as far as contacts ask");
   describe_principal_inertia(t, s);
   std::vector<std::string> conditions;

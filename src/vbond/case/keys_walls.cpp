@@ -5,7 +5,7 @@
 namespace vbond::keys {
 namespace {
 
-constexpr ReferenceCodec material_name{"material"}, wall_name{"wall"};
+constexpr ReferenceCodec wall_name{"wall"};
 
 const ChoiceCodec<WallSide>& side_codec() {
   static const ChoiceCodec<WallSide> codec{{"inside", "outside"}, {WallSide::inside, WallSide::outside}};
