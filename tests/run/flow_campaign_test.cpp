@@ -275,7 +275,7 @@ Verdict in_motion(unsigned seed) {
   const Motion fine = creeps ? move(body, 2, 1e-5) : coarse;
   char text[200];
   std::snprintf(text, sizeof text, "off by %.1e, with half the step by %.1e", coarse.off, fine.off);
-  if (!fine.verdict.wrong.empty() || coarse.off < 1.5 * fine.off) verdict.wrong = text;
+  if (!fine.verdict.wrong.empty() || coarse.off < 1.25 * fine.off) verdict.wrong = text;
   verdict.undecided = fine.verdict.undecided;
   return verdict;
 }
