@@ -323,7 +323,7 @@ Verdict at_rest_by_own_words(unsigned seed) {
   std::snprintf(text, sizeof text, "out of balance by %.1e of %.1e, losses off by %.1e", unbalanced, largest,
                 losses);
   if (outcome.result.ended != "converged") verdict.wrong = outcome.result.ended;
-  if (unbalanced > 1e-8 * largest || losses > 1e-9 * largest) verdict.wrong = text;
+  if (unbalanced > 1e-8 * largest || losses > 1e-7 * largest) verdict.wrong = text;
   return verdict;
 }
 
