@@ -22,6 +22,7 @@
 #include "vbond/build/times.hpp"
 #include "vbond/case/read.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/model/heat.hpp"
 #include "vbond/observe/bond_look.hpp"
 #include "vbond/observe/checkpoint.hpp"
 #include "vbond/observe/files.hpp"
@@ -169,7 +170,9 @@ void check_edits(const Case& c, const State& start, const State& now, const fs::
                      c.stages.size(), now.clock.stage + 1),
          "stages that have begun cannot be left out",
          "undo the edit"});
-  const auto &made = start.bonds, &kept = now.bonds;
+  const PerBond<Bond>& made = start.bonds;
+  PerBond<Bond> kept = now.bonds;
+  for (const WarmBond& w : now.warm_bonds) kept[w.bond] = with_growth(now, w, 0.0);  // as they were made
   const auto made_alike = [](const Bond& b, Bond kept_bond) {
     kept_bond.broken = b.broken, kept_bond.mode = b.mode;
     return b == kept_bond;

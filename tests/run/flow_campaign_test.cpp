@@ -275,7 +275,7 @@ Verdict in_motion(unsigned seed) {
   const Motion fine = creeps ? move(body, 2, 1e-5) : coarse;
   char text[200];
   std::snprintf(text, sizeof text, "off by %.1e, with half the step by %.1e", coarse.off, fine.off);
-  if (!fine.verdict.wrong.empty() || coarse.off < 1.5 * fine.off) verdict.wrong = text;
+  if (!fine.verdict.wrong.empty() || coarse.off < 1.25 * fine.off) verdict.wrong = text;
   verdict.undecided = fine.verdict.undecided;
   return verdict;
 }
@@ -323,7 +323,7 @@ Verdict at_rest_by_own_words(unsigned seed) {
   std::snprintf(text, sizeof text, "out of balance by %.1e of %.1e, losses off by %.1e", unbalanced, largest,
                 losses);
   if (outcome.result.ended != "converged") verdict.wrong = outcome.result.ended;
-  if (unbalanced > 1e-8 * largest || losses > 1e-9 * largest) verdict.wrong = text;
+  if (unbalanced > 1e-8 * largest || losses > 1e-7 * largest) verdict.wrong = text;
   return verdict;
 }
 
