@@ -131,7 +131,6 @@ void describe_motion(Table& t, StageSpec& s) {
         "Cundall's local damping, not physical: this part of the load left on a particle opposes its motion");
   });
   t.table("strain", s.strain, "affine strain, applied step by step");
-  t.tables("walls", s.walls, optional, "what moves walls; the others stand still");
 }
 
 void describe_newton(Table& t, NewtonSettings& n, StageKind kind) {
@@ -179,10 +178,11 @@ void check_proportional(Table& t, const StageSpec& s) {
   const auto moves = [](const SupportSpec& p) { return any(p.displacement) || any(p.rotation); };
   const bool proportional = (any(s.gravity) && !s.constant_gravity) ||
                             std::any_of(s.loads.begin(), s.loads.end(), grows) ||
-                            std::any_of(s.supports.begin(), s.supports.end(), moves);
+                            std::any_of(s.supports.begin(), s.supports.end(), moves) || !s.walls.empty();
   t.check(
       proportional, {"kind", "loads", "supports", "gravity", "constant_gravity"},
-      "nothing grows with the load factor: no load or gravity that is not constant, no support that moves",
+      "nothing grows with the load factor: no load or gravity that is not constant, no support or wall that "
+      "moves",
       "add a load without constant = true, or a displacement to a support");
 }
 
@@ -247,9 +247,14 @@ bool describe(Table& t, StageSpec& s) {
            [kind](Table& k, SupportSpec& support) { describe_support(k, support, kind); });
   t.tables("loads", s.loads, optional, "forces and moments on the particles of a group",
            [kind](Table& k, LoadSpec& load) { describe_load(k, load, kind); });
+  const bool breaks = kind == StageKind::fracture;
+  t.when(!kind || kind == StageKind::dynamics || kind == StageKind::equilibrium || breaks,
+         "kind = \"dynamics\", \"equilibrium\" or \"fracture\"", [&] {
+           t.tables("walls", s.walls, optional, "what moves walls; the others stand still",
+                    [kind](Table& k, WallDriveSpec& drive) { describe(k, drive, kind); });
+         });
   t.when(kind == StageKind::dynamics, in_dynamics, [&] { describe_motion(t, s); });
   describe_statics(t, s);
-  const bool breaks = kind == StageKind::fracture;
   t.when(kind == StageKind::dynamics || kind == StageKind::path || breaks,
          "kind = \"dynamics\", \"path\" or \"fracture\"", [&] {
            t.table(
