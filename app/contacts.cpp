@@ -128,6 +128,10 @@ std::string motion_in_words(const WallDriveSpec& d, const Model& model) {
   if (d.angular_velocity != Vec3d{})
     add(fmt::format("turns at {}{}", in_words(d.angular_velocity), si ? " rad/s" : ""));
   if (!words.empty() && !d.factor.points.empty()) words += " times a factor of time";
+  if (d.displacement != Vec3d{})
+    add(fmt::format("goes by {}{} as the load factor grows to 1", in_words(d.displacement), si ? " m" : ""));
+  if (d.rotation != Vec3d{})
+    add(fmt::format("turns by {} rad as the load factor grows to 1", in_words(d.rotation)));
   if (d.oscillation)
     add(fmt::format("swings by {}{} at {:.6g}{}", in_words(d.oscillation->amplitude), si ? " m" : "",
                     d.oscillation->frequency, si ? " Hz" : ""));
@@ -152,8 +156,8 @@ void print_contact_law(const Model& model) {
       fmt::print("contact          {} with {}: {}\n", printable(model.materials[first].name),
                  printable(model.materials[second].name), numbers_in_words(model, first, second));
   if (printed < pairs) fmt::print("contact          and {} more pairs of materials\n", pairs - printed);
-  if (!is_elastic(c, model.materials))
-    fmt::print("contact          contacts are not elastic: static stages refuse them\n");
+  if (const std::string key = key_beyond_repulsion(c, model.materials); !key.empty())
+    fmt::print("contact          static stages refuse these contacts, which do more than repel: {}\n", key);
 }
 
 void print_capsules(const Case& c, const Model& model) {

@@ -212,10 +212,75 @@ TEST(Walls, OfAMeshAThousandTimesTooSmallAreRefused) {
   EXPECT_EQ(text_of_error(plate("1")), "");
 }
 
-TEST(Walls, AreRefusedInStaticStages) {
-  Case c = walls_case("[[wall]]\nshape = \"plane\"\nnormal = [0, 0, 1]\n");
-  c.stages[0].kind = StageKind::modes;
-  expect_refused(c, "case.toml:17:1", {"static", "walls are for stages of kind = \"dynamics\""});
+const char* const floor_and_lid =
+    "[[wall]]\nname = \"floor\"\nshape = \"plane\"\nnormal = [0, 0, 1]\n"
+    "[[wall]]\nname = \"lid\"\nshape = \"disc\"\ncentre = [1, 0, 3]\nnormal = [0, 0, 1]\nradius = 5\n";
+
+Case static_case(const std::string& stage,
+                 const std::string& contact = "law = \"hertz\"\nE = 100\nnu = 0.3") {
+  return parse_case(
+      std::string(floor_and_lid) +
+          "[[specimen]]\nkind = \"rod\"\nparticles = 3\nmass = 1\nradius = 0.4\norigin = [0, 0, 1]\n"
+          "[contact]\n" +
+          contact + "\n[[stage]]\n" + stage,
+      "case.toml");
+}
+
+TEST(Walls, MoveInStaticStagesByTheLoadFactor) {
+  const Case c = static_case(
+      "kind = \"equilibrium\"\nwalls = [{ wall = \"lid\", displacement = [0, 0, -1], rotation = [0, 0.5, 0], "
+      "pivot = [1, 2, 3] }]\n");
+  Built b = build(c);
+  const StaticStage stage = build_static_stage(c, b.model, 0, b.state);
+  ASSERT_EQ(stage.walls.size(), 1u);
+  EXPECT_EQ(stage.walls[0].wall, "lid");
+  EXPECT_EQ(stage.walls[0].index, 1u);
+  EXPECT_EQ(stage.walls[0].displacement, (Vec3d{0, 0, -1}));
+  EXPECT_EQ(stage.walls[0].rotation, (Vec3d{0, 0.5, 0}));
+  EXPECT_EQ(stage.walls[0].pivot, (Vec3d{1, 2, 3}));
+}
+
+TEST(Walls, OfStaticStagesAreToldWhatTheyMayDo) {
+  const auto text = [](const std::string& stage) -> std::string {
+    try {
+      const Case c = static_case(stage);
+      Built b = build(c);
+      build_static_stage(c, b.model, 0, b.state);
+    } catch (const CaseError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  const std::string servo =
+      "walls = [{ wall = \"lid\", servo = { direction = [0, 0, -1], force = 1, mass = 1 } }]";
+  const std::string pushed = "walls = [{ wall = \"lid\", displacement = [0, 0, -1] }]";
+  for (const auto& [stage, parts] : std::vector<std::pair<std::string, std::vector<std::string>>>{
+           {"kind = \"equilibrium\"\n" + servo,
+            {"case.toml:22:10", "no displacement or rotation",
+             "a force moves it (servo) in stages of kind = "
+             "\"dynamics\" only",
+             "servo"}},
+           {"kind = \"path\"\n" + pushed, {"case.toml:22:1", "\"equilibrium\" or \"fracture\""}},
+           {"kind = \"equilibrium\"\nwalls = [{ wall = \"lid\", displacement = [0, 0, -1], pivot = [1, 0, 0] "
+            "}]",
+            {"case.toml:22:10", "nothing turns about the pivot"}},
+           {"kind = \"equilibrium\"\nwalls = [{ wall = \"lud\", displacement = [0, 0, -1] }]",
+            {"case.toml:22:", "there is no wall \"lud\"", "did you mean \"lid\"?"}}})
+    for (const std::string& part : parts)
+      EXPECT_TRUE(contains(text(stage), part)) << part << " is not in:\n" << text(stage);
+}
+
+TEST(Contacts, ThatDoMoreThanRepelAreRefusedInStaticStages) {
+  const std::string hertz = "law = \"hertz\"\nE = 100\nnu = 0.3\n";
+  for (const auto& [lines, key] : std::vector<std::pair<std::string, std::string>>{
+           {"tangential = \"mindlin\"\nfriction = 0.3\n", "contact.tangential"},
+           {"restitution = 0.5\n", "restitution"},
+           {"adhesion = \"dmt\"\nwork_of_adhesion = 1\n", "contact.adhesion"},
+           {"overlap_at_break = \"kept\"\n", "contact.overlap_at_break"}}) {
+    const Case c = static_case("kind = \"equilibrium\"\n", hertz + lines);
+    expect_refused(c, "case.toml:", {"contacts do more than repel: " + key, "kind = \"dynamics\""});
+  }
+  EXPECT_EQ(text_of_error(static_case("kind = \"equilibrium\"\n", "law = \"linear\"\nk = 3\n")), "");
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -113,16 +114,32 @@ TEST(MistakesInWalls, AreToldEachByItself) {
   }
 }
 
-TEST(MistakesInWalls, AreWallsInStaticStages) {
+TEST(MistakesInWalls, AreFoundInStaticStages) {
   Body body;
-  const std::string text = "the model has walls: they are for stages of dynamics";
-  const auto told = [&] {
-    const std::vector<std::string> all = mistakes_in(body.model, StaticStage{});
-    return std::count(all.begin(), all.end(), text);
+  StaticStage stage;
+  const auto told = [&](const std::string& text) {
+    const std::vector<std::string> all = mistakes_in(body.model, stage);
+    return std::count(all.begin(), all.end(), "the drive of wall \"w\": " + text);
   };
-  EXPECT_EQ(told(), 1);
-  body.model.walls.clear();
-  EXPECT_EQ(told(), 0);
+  stage.walls = {{"w", 0, {0, 0, 1}, {}}};
+  const std::vector<std::string> none = mistakes_in(body.model, stage);
+  EXPECT_TRUE(std::none_of(none.begin(), none.end(),
+                           [](const std::string& m) { return m.find("wall") != std::string::npos; }));
+  stage.walls.push_back(stage.walls[0]);
+  EXPECT_EQ(told("the wall has another drive in this stage"), 1);
+  stage.walls[1].index = 99;
+  EXPECT_EQ(told(fmt::format("it is for wall 99, and there are {}, counted from 0", body.model.walls.size())),
+            1);
+  stage.walls.pop_back();
+  for (const auto vector : {&StaticWallDrive::displacement, &StaticWallDrive::rotation}) {
+    stage.walls[0] = {"w", 0, {0, 0, 1}, {}};
+    (stage.walls[0].*vector).x = std::numeric_limits<double>::infinity();
+    EXPECT_EQ(told("displacement, rotation and pivot must be finite"), 1);
+  }
+  for (const StageKind kind : {StageKind::path, StageKind::buckling, StageKind::modes}) {
+    stage.kind = kind;
+    EXPECT_EQ(told("walls move in stages of equilibrium and of fracture"), 1);
+  }
 }
 
 }  // namespace

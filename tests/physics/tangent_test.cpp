@@ -1,5 +1,6 @@
 // Tangents of one pair against differences of its loads, and poses against the frames that they are made of.
 #include "vbond/physics/tangent.hpp"
+#include "vbond/physics/contact.hpp"
 #include "vbond/physics/laws.hpp"
 
 #include <gtest/gtest.h>
@@ -62,22 +63,28 @@ TEST(BondTangent, IsTheDerivativeOfTheLoads) {
 
 // The contact pushes i away from j. Hertz's second derivative grows as 1 / sqrt(overlap), which is 0.3 here.
 TEST(ContactTangent, IsTheDerivativeOfAForceThatPushesApart) {
-  const HertzContact<double> law{2.0};
   const Vec3d r_ij{0.3, -0.5, 0.6};
-  const double reach = norm(r_ij) + 0.3;
-  const PairTangent<3> t = contact_tangent(law, r_ij, reach);
-  EXPECT_LE(norm(t.loads.F + contact_force(law, 0.3) / norm(r_ij) * r_ij), 1e-15);
-  EXPECT_EQ(t.loads.M_ij, Vec3d{});
-  EXPECT_EQ(t.loads.M_ji, Vec3d{});
-  for (int k = 0; k < 3; ++k) {
-    Vec3d step;
-    component(step, k) = h;
-    const Vec3d slope = (contact_tangent(law, r_ij + step, reach).loads.F -
-                         contact_tangent(law, r_ij - step, reach).loads.F) /
-                        (2.0 * h);
-    for (int row = 0; row < 3; ++row)
-      EXPECT_NEAR(t.d[static_cast<std::size_t>(row)][static_cast<std::size_t>(k)], component(slope, row),
-                  tolerance);
+  const double R_j = 0.6, R_i = norm(r_ij) + 0.3 - R_j;
+  TouchNumbers<double> numbers;
+  numbers.stiffness = 2.0;
+  for (const NormalForm form : {NormalForm::hertz, NormalForm::one_hertz, NormalForm::linear}) {
+    const TouchForms forms{form};
+    const auto at = [&](const Vec3d& r) { return contact_tangent(forms, numbers, r, R_i, R_j); };
+    const double repulsion = form == NormalForm::linear      ? 2.0 * 0.3
+                             : form == NormalForm::one_hertz ? contact_force(HertzContact<double>{2.0}, 0.3)
+                                                             : contact_force(hertz(2.0, R_i, R_j), 0.3);
+    const PairTangent<3> t = at(r_ij);
+    EXPECT_LE(norm(t.loads.F + repulsion / norm(r_ij) * r_ij), 1e-15);
+    EXPECT_EQ(t.loads.M_ij, Vec3d{});
+    EXPECT_EQ(t.loads.M_ji, Vec3d{});
+    for (int k = 0; k < 3; ++k) {
+      Vec3d step;
+      component(step, k) = h;
+      const Vec3d slope = (at(r_ij + step).loads.F - at(r_ij - step).loads.F) / (2.0 * h);
+      for (int row = 0; row < 3; ++row)
+        EXPECT_NEAR(t.d[static_cast<std::size_t>(row)][static_cast<std::size_t>(k)], component(slope, row),
+                    tolerance);
+    }
   }
 }
 

@@ -29,6 +29,17 @@ std::vector<StaticLoad> loads(const StageResolver& resolver) {
   return resolved;
 }
 
+/// What depends on the way by which an equilibrium is reached has no balance of its own.
+void refuse_contacts(const StageResolver& resolver) {
+  const std::string key = key_beyond_repulsion(resolver.model.contact, resolver.model.materials);
+  if (key.empty()) return;
+  resolver.problems.add(
+      resolver.spec.place,
+      fmt::format("stage \"{}\" is static, and contacts do more than repel: {}", resolver.spec.name, key),
+      "static stages take contacts that repel along the normal, without friction, damping and adhesion",
+      "leave it out, or use kind = \"dynamics\" with damping");
+}
+
 /// A body that is held altogether has no modes, and no load makes it unstable.
 void check_something_is_free(const StageResolver& resolver) {
   if (resolver.spec.kind == StageKind::equilibrium || resolver.anything_is_free()) return;
@@ -47,8 +58,9 @@ StaticStage resolve_static_stage(const Case& c, const Model& model, std::size_t 
   stage.kind = spec.kind;
   stage.gravity = spec.gravity;
   stage.constant_gravity = spec.constant_gravity;
-  refuse_walls(resolver);
+  refuse_contacts(resolver);
   stage.supports = supports(resolver);
+  stage.walls = resolve_static_wall_drives(resolver);
   check_something_is_free(resolver);
   stage.loads = loads(resolver);
   resolver.check_temperatures();

@@ -185,6 +185,11 @@ std::optional<std::uint32_t> look_up_material(const Placed<std::string>& name, c
   return found ? std::optional(static_cast<std::uint32_t>(*found)) : std::nullopt;
 }
 
+std::optional<std::size_t> look_up_wall(const Placed<std::string>& name, const Model& model,
+                                        Problems& problems) {
+  return look_up(name, model.walls, "wall", problems);
+}
+
 void add_materials(const Case& c, const std::vector<PlacedSpecimen>& specimens, Model& model,
                    Problems& problems) {
   for (const MaterialSpec& m : c.materials) model.materials.push_back({m.name, m.E, m.nu, m.surface});
@@ -234,66 +239,6 @@ void add_walls(const Case& c, Built& built, Problems& problems) {
       problems.add(e);
     }
   }
-}
-
-namespace {
-
-/// Turning about a pivot beside the wall's centre moves the centre: not along a servo, which has its own say.
-void check_servo_turns(const WallDriveSpec& d, const StageResolver& resolver, const WallDrive& drive) {
-  const Vec3d axis = d.angular_velocity, e = normalised(d.servo->direction);
-  if (axis == Vec3d{}) return;
-  const Vec3d arm = cross(axis, resolver.model.walls[drive.index].centre - drive.pivot);
-  constexpr double rounding = 1e-9;
-  if (norm(arm) <= rounding * norm(axis) * norm(drive.pivot) || norm(cross(axis, e)) <= rounding * norm(axis))
-    return;
-  resolver.problems.add(d.place,
-                        fmt::format("wall \"{}\" turns about a pivot that is not its centre, across the "
-                                    "direction of its servo",
-                                    d.wall.value),
-                        "the rotation would move it along servo.direction, in which the servo alone does",
-                        "let the pivot be moments_about of the wall, or turn about servo.direction");
-}
-
-}  // namespace
-
-std::vector<WallDrive> resolve_wall_drives(const StageResolver& resolver) {
-  std::vector<WallDrive> drives;
-  for (const WallDriveSpec& d : resolver.spec.walls) {
-    const auto index = look_up(d.wall, resolver.model.walls, "wall", resolver.problems);
-    if (!index) continue;
-    const auto same = [&](const WallDrive& other) { return other.index == *index; };
-    if (std::any_of(drives.begin(), drives.end(), same))
-      resolver.problems.add(
-          d.wall.place,
-          fmt::format("wall \"{}\" is moved twice in stage \"{}\"", d.wall.value, resolver.spec.name),
-          "a stage has one entry for a wall", "put both motions into one entry");
-    WallDrive drive;
-    drive.wall = d.wall.value;
-    drive.index = *index;
-    drive.velocity = d.velocity;
-    drive.angular_velocity = d.angular_velocity;
-    drive.pivot = d.pivot.value_or(resolver.model.walls[*index].centre);
-    drive.factor = resolver.function(d.factor, d.place);
-    if (d.oscillation) drive.amplitude = d.oscillation->amplitude, drive.frequency = d.oscillation->frequency;
-    if (d.servo) check_servo_turns(d, resolver, drive);
-    if (d.servo)
-      drive.servo = {normalised(d.servo->direction),
-                     d.servo->force,
-                     resolver.function(d.servo->factor, d.place),
-                     d.servo->mass,
-                     d.servo->damping,
-                     d.servo->fastest.value_or(std::numeric_limits<double>::infinity())};
-    drives.push_back(std::move(drive));
-  }
-  return drives;
-}
-
-void refuse_walls(const StageResolver& resolver) {
-  if (resolver.model.walls.empty()) return;
-  resolver.problems.add(resolver.spec.place,
-                        fmt::format("stage \"{}\" is static, and the case has walls", resolver.spec.name),
-                        "walls are for stages of kind = \"dynamics\"",
-                        "take the walls out, or use kind = \"dynamics\" with damping");
 }
 
 }  // namespace vbond

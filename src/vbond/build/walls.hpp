@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -8,6 +9,7 @@
 #include "vbond/build/groups.hpp"
 #include "vbond/build/problems.hpp"
 #include "vbond/build/stage_resolver.hpp"
+#include "vbond/model/static_stage.hpp"
 #include "vbond/model/wall.hpp"
 
 namespace vbond {
@@ -24,10 +26,12 @@ std::optional<std::uint32_t> look_up_material(const Placed<std::string>& name, c
 /// in a specimen as it begins.
 void add_walls(const Case& c, Built& built, Problems& problems);
 
-/// What moves the walls in a stage of dynamics.
-std::vector<WallDrive> resolve_wall_drives(const StageResolver& resolver);
+/// The place of that wall in Model::walls; if there is none, records it.
+std::optional<std::size_t> look_up_wall(const Placed<std::string>& name, const Model& model,
+                                        Problems& problems);
 
-/// Static stages know nothing of walls.
-void refuse_walls(const StageResolver& resolver);
+/// What moves the walls in a stage of dynamics, and in a static one.
+std::vector<WallDrive> resolve_wall_drives(const StageResolver& resolver);
+std::vector<StaticWallDrive> resolve_static_wall_drives(const StageResolver& resolver);
 
 }  // namespace vbond

@@ -271,13 +271,13 @@ struct StageSpec {
   std::vector<SupportSpec> supports;
   std::vector<LoadSpec> loads;
   std::vector<TemperatureSpec> temperatures;      ///< all kinds but modes
+  std::vector<WallDriveSpec> walls;               ///< dynamics, equilibrium, fracture
   std::optional<DistanceStopSpec> stop_distance;  ///< dynamics, path
 
   // dynamics
   CaseTime duration;  ///< required, > 0: the longest the stage may take
   double b_translation = 0, b_rotation = 0, local_damping = 0;
   std::optional<StrainSpec> strain;
-  std::vector<WallDriveSpec> walls;
   std::optional<PeakStopSpec> stop_peak;
   std::optional<RestStopSpec> stop_rest;
   std::optional<BreakStopSpec> stop_breaks;

@@ -69,7 +69,8 @@ void describe(Table& t, CylinderWallSpec& w);
 void describe(Table& t, SphereWallSpec& w);
 void describe(Table& t, BoxWallSpec& w);
 void describe(Table& t, MeshWallSpec& w);
-void describe(Table& t, WallDriveSpec& d);
+/// What moves a wall in a stage of this kind; nothing if the kind is not known: keys of every kind are right.
+void describe(Table& t, WallDriveSpec& d, std::optional<StageKind> kind);
 void describe(Table& t, WallOscillationSpec& o);
 void describe(Table& t, WallServoSpec& s);
 

@@ -147,7 +147,6 @@ void describe_motion(Table& t, StageSpec& s) {
         "Cundall's local damping, not physical: this part of the load left on a particle opposes its motion");
   });
   t.table("strain", s.strain, "affine strain, applied step by step");
-  t.tables("walls", s.walls, optional, "what moves walls; the others stand still");
 }
 
 void describe_newton(Table& t, NewtonSettings& n, StageKind kind) {
@@ -195,13 +194,13 @@ void check_proportional(Table& t, const StageSpec& s) {
   const auto moves = [](const SupportSpec& p) { return any(p.displacement) || any(p.rotation); };
   const bool proportional = (any(s.gravity) && !s.constant_gravity) ||
                             std::any_of(s.loads.begin(), s.loads.end(), grows) ||
-                            std::any_of(s.supports.begin(), s.supports.end(), moves) ||
+                            std::any_of(s.supports.begin(), s.supports.end(), moves) || !s.walls.empty() ||
                             std::any_of(s.temperatures.begin(), s.temperatures.end(),
                                         [](const TemperatureSpec& heat) { return heat.change != 0.0; });
   t.check(
       proportional, {"kind", "loads", "supports", "gravity", "constant_gravity", "temperatures"},
-      "nothing grows with the load factor: no load or gravity that is not constant, no support that moves, "
-      "no temperature that changes",
+      "nothing grows with the load factor: no load or gravity that is not constant, no support or wall that "
+      "moves, no temperature that changes",
       "add a load without constant = true, or a displacement to a support");
 }
 
@@ -270,9 +269,14 @@ bool describe(Table& t, StageSpec& s) {
     t.tables("temperatures", s.temperatures, optional, "what heats bonds that expand",
              [kind](Table& k, TemperatureSpec& heat) { describe_temperature(k, heat, kind); });
   });
+  const bool breaks = kind == StageKind::fracture;
+  t.when(!kind || kind == StageKind::dynamics || kind == StageKind::equilibrium || breaks,
+         "kind = \"dynamics\", \"equilibrium\" or \"fracture\"", [&] {
+           t.tables("walls", s.walls, optional, "what moves walls; the others stand still",
+                    [kind](Table& k, WallDriveSpec& drive) { describe(k, drive, kind); });
+         });
   t.when(kind == StageKind::dynamics, in_dynamics, [&] { describe_motion(t, s); });
   describe_statics(t, s);
-  const bool breaks = kind == StageKind::fracture;
   t.when(kind == StageKind::dynamics || kind == StageKind::path || breaks,
          "kind = \"dynamics\", \"path\" or \"fracture\"", [&] {
            t.table(

@@ -96,17 +96,18 @@ void describe(Table& t, WallSpec& w) {
         "point of the wall that the moment on it refers to");
 }
 
-void describe(Table& t, WallDriveSpec& d) {
-  t.locate(d.place);
-  t.key("wall", d.wall, wall_name, required, "which wall; those that are not named stand still");
+namespace {
+
+void describe_motion(Table& t, WallDriveSpec& d) {
   t.key("velocity", d.velocity, vector_of(velocity), optional, "of the wall");
   t.key("angular_velocity", d.angular_velocity, vector_of(angular_velocity), optional,
         "of its rotation about the pivot");
-  t.key("pivot", d.pivot, vector_of(length), default_is("moments_about of the wall"),
-        "point in space about which it turns");
   describe(t, d.factor);
   t.table("oscillation", d.oscillation, "a swing of the wall on top of its other motion");
   t.table("servo", d.servo, "the wall is driven until particles press back with a force");
+}
+
+void check_motion(Table& t, const WallDriveSpec& d) {
   t.check(d.velocity != Vec3d{} || d.angular_velocity != Vec3d{} || d.oscillation || d.servo,
           {"wall", "velocity", "angular_velocity", "oscillation", "servo"},
           "nothing moves the wall: no velocity, angular_velocity, oscillation or servo",
@@ -125,6 +126,33 @@ void describe(Table& t, WallDriveSpec& d) {
   t.check(!along(d.velocity), {"velocity", "servo"}, rule, "take that part away, or the servo");
   t.check(!d.oscillation || !along(d.oscillation->amplitude), {"oscillation", "servo"}, rule,
           "take that part of amplitude away, or the servo");
+}
+
+void check_displacement(Table& t, const WallDriveSpec& d) {
+  t.check(d.displacement != Vec3d{} || d.rotation != Vec3d{}, {"wall", "displacement", "rotation"},
+          "nothing moves the wall: no displacement or rotation",
+          "add one of them, or leave the wall out: it stands still then; a force moves it (servo) in stages "
+          "of kind = \"dynamics\" only");
+  t.check(!d.pivot || d.rotation != Vec3d{}, {"pivot", "rotation"},
+          "nothing turns about the pivot: there is no rotation", "add rotation, or remove pivot");
+}
+
+}  // namespace
+
+void describe(Table& t, WallDriveSpec& d, std::optional<StageKind> kind) {
+  t.locate(d.place);
+  t.key("wall", d.wall, wall_name, required, "which wall; those that are not named stand still");
+  t.key("pivot", d.pivot, vector_of(length), default_is("moments_about of the wall"),
+        "point about which it turns: in dynamics fixed in space, in a static stage where it is at load "
+        "factor 0, from where it goes along with displacement");
+  t.when(!kind || !is_static(*kind), "kind = \"dynamics\"", [&] { describe_motion(t, d); });
+  t.when(!kind || is_static(*kind), "kind = \"equilibrium\" or \"fracture\"", [&] {
+    t.key("displacement", d.displacement, vector_of(length), optional,
+          "of the wall, from where the stage finds it, at load factor 1");
+    t.key("rotation", d.rotation, vector_of(angle), optional,
+          "rotation vector about the pivot at load factor 1");
+  });
+  if (kind) is_static(*kind) ? check_displacement(t, d) : check_motion(t, d);
 }
 
 }  // namespace vbond::keys

@@ -80,9 +80,14 @@ struct WallServoSpec {
 struct WallDriveSpec {
   SourcePlace place;
   Placed<std::string> wall;
-  Vec3d velocity, angular_velocity;
   std::optional<Vec3d> pivot;  ///< default: what its moments are about
-  TimeFunctionSpec factor;     ///< of both velocities
+
+  // static stages
+  Vec3d displacement, rotation;
+
+  // dynamics
+  Vec3d velocity, angular_velocity;
+  TimeFunctionSpec factor;  ///< of both velocities
   std::optional<WallOscillationSpec> oscillation;
   std::optional<WallServoSpec> servo;
 };

@@ -231,7 +231,7 @@ TouchLosses<double> Walls::add_touches(OfBlock& block, Near& near, LoadRow& load
   before.clear();
   std::swap(before, near.slots);
   for (const WallTouch& touch : touches) {
-    if (R * std::min(touch.curvature_1, touch.curvature_2) <= -1.0) {
+    if (is_too_wide(R, touch.curvature_1, touch.curvature_2)) {
       block.fault = {Fault::too_wide, near.wall, bodies_.order.particle[Row{near.row}]};
       continue;
     }

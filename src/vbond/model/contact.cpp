@@ -1,5 +1,6 @@
 #include "vbond/model/contact.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "vbond/model/contact_number.hpp"
@@ -59,17 +60,24 @@ TouchNumbers<double> touch_numbers(const ContactModel& c, const std::vector<Cont
   return to;
 }
 
-bool is_elastic(const ContactModel& c, const std::vector<ContactMaterial>& materials) {
-  if (c.law == ContactLaw::none) return true;
-  if (c.keeps_overlap || c.law == ContactLaw::linear || c.adhesion != AdhesionForm::none) return false;
-  if (c.tangential != TangentialForm::none || c.rolling != RollingForm::none) return false;
-  for (const ContactMaterial& m : materials)
-    if (c.law == ContactLaw::hertz && (m.E != c.E || m.nu != c.nu)) return false;
+std::string key_beyond_repulsion(const ContactModel& c, const std::vector<ContactMaterial>& materials) {
+  if (c.law == ContactLaw::none) return {};
+  if (c.tangential != TangentialForm::none) return "contact.tangential";
+  if (c.rolling != RollingForm::none) return "contact.rolling";
+  if (c.adhesion != AdhesionForm::none) return "contact.adhesion";
+  if (c.keeps_overlap) return "contact.overlap_at_break = \"kept\"";
   const auto damps = [](const Surface& s) { return s.restitution.value_or(1.0) < 1.0; };
   bool any = damps(c.surface);
   for (const ContactMaterial& m : materials) any = any || damps(m.surface);
   for (const ContactPair& p : c.between) any = any || damps(p.surface);
-  return !any;
+  return any ? "restitution below 1" : "";
+}
+
+bool is_elastic(const ContactModel& c, const std::vector<ContactMaterial>& materials) {
+  if (c.law == ContactLaw::linear || !key_beyond_repulsion(c, materials).empty()) return false;
+  return c.law != ContactLaw::hertz ||
+         std::all_of(materials.begin(), materials.end(),
+                     [&c](const ContactMaterial& m) { return m.E == c.E && m.nu == c.nu; });
 }
 
 }  // namespace vbond

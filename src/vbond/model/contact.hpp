@@ -93,8 +93,10 @@ constexpr TouchForms touch_forms(const ContactModel& c) {
 TouchNumbers<double> touch_numbers(const ContactModel& contact, const std::vector<ContactMaterial>& materials,
                                    std::uint32_t first, std::uint32_t second);
 
-/// Whether contacts are no more than one elastic repulsion of the centres, which has loops of its own and is
-/// taken at rest.
+/// The key of what contacts do besides repelling along the normal, the first of several, e.g.
+/// "contact.tangential". Empty: nothing, which is what is taken at rest, by any law and of any materials.
+std::string key_beyond_repulsion(const ContactModel& contact, const std::vector<ContactMaterial>& materials);
+/// Whether they are no more than one elastic repulsion of the centres, which has loops of its own.
 bool is_elastic(const ContactModel& contact, const std::vector<ContactMaterial>& materials);
 
 /// What two bodies remember of their contact: numbers of a TouchHistory, see physics/touch.hpp, as i feels

@@ -1,20 +1,25 @@
 #pragma once
 #include "vbond/model/bond_sums.hpp"
 #include "vbond/model/capsules.hpp"
+#include "vbond/model/resting_walls.hpp"
 #include "vbond/model/touching.hpp"
 
 namespace vbond {
 
 /// Energies of bonds and contacts as the particles stand, pair by pair; kinetic ones are left at zero.
 /// [energy]
-inline Energies potential_energies(const Model& model, const State& state) {
+inline Energies potential_energies(const Model& model, const State& state, const RestingWalls& walls) {
   Energies e = bond_energies(state);
   for_touching_pairs(model, state, [&](ParticleId i, ParticleId j, double overlap) {
     const double R = model.radius[i] * model.radius[j] / (model.radius[i] + model.radius[j]);
     e.contact += normal_energy(touch_forms(model.contact), touch_numbers(model, i, j), R, overlap);
   });
   e.contact += fibre_energy(model, state.bonds, state.r);
+  if (walls.any()) e.contact += walls.energy(state);
   return e;
+}
+inline Energies potential_energies(const Model& model, const State& state) {
+  return potential_energies(model, state, RestingWalls(model));
 }
 
 /// Kinetic energy, particle by particle.  [energy]

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include "vbond/core/scalar.hpp"
@@ -88,36 +89,60 @@ bool MeshSurface::is_nearest_of_its_part(std::uint32_t triangle, const TriangleP
   });
 }
 
-WallTouch MeshSurface::touch(std::uint32_t triangle, const TrianglePoint& p, const Vec3d& centre) const {
-  const Vec3d away = centre - p.r;
-  const double height = dot(normal_[triangle], centre - corners_[triangle].a);
-  if (p.part == TrianglePart::face || norm2(away) == 0.0)
-    return {height < 0.0 ? -normal_[triangle] : normal_[triangle], std::abs(height)};
-  const double distance = norm(away);
+/// The closest point, which goes along its edge as the centre moves.
+template <Scalar T>
+Vec3<T> MeshSurface::foot(std::uint32_t triangle, const TrianglePoint& p, const Vec3<T>& centre) const {
+  const Vec3<T> there = constant<T>(p.r);
+  const auto part = static_cast<std::size_t>(p.part);
+  if (std::is_same_v<T, double> || part < 3 || p.part == TrianglePart::face) return there;
+  const Corners& t = corners_[triangle];
+  const Vec3d corners[] = {t.a, t.b, t.c};
+  const Vec3<T> along = constant<T>(normalised(corners[(part - 2) % 3] - corners[part - 3]));
+  return there + dot(centre - constant<T>(plain(centre)), along) * along;
+}
+
+template <Scalar T>
+WallTouchOf<T> MeshSurface::touch(std::uint32_t triangle, const TrianglePoint& p,
+                                  const Vec3<T>& centre) const {
+  const Vec3<T> away = centre - foot(triangle, p, centre), normal = constant<T>(normal_[triangle]);
+  const T height = dot(normal, centre - constant<T>(corners_[triangle].a));
+  if (p.part == TrianglePart::face || plain(norm2(away)) == 0.0) {
+    const bool behind = plain(height) < 0.0;
+    return {behind ? -normal : normal, behind ? -height : height};
+  }
+  const T distance = norm(away);
   return {away / distance, distance};
 }
 
-void MeshSurface::touches_of(std::span<const std::uint32_t> triangles, const Vec3d& centre, double reach,
-                             std::vector<WallTouch>& out) const {
+template <Scalar T>
+void MeshSurface::touches_of(std::span<const std::uint32_t> triangles, const Vec3<T>& centre, double reach,
+                             std::vector<WallTouchOf<T>>& out) const {
   const auto first = static_cast<std::ptrdiff_t>(out.size());
-  WallTouch nearest;
-  nearest.distance = std::numeric_limits<double>::infinity();
+  const Vec3d here = plain(centre);
+  const auto arm = [](const WallTouchOf<T>& t) { return plain(t.distance) * plain(t.normal); };
+  WallTouchOf<T> nearest;
+  nearest.distance = T(std::numeric_limits<double>::infinity());
   for (const std::uint32_t triangle : triangles) {
-    const TrianglePoint p = closest(triangle, centre);
-    const WallTouch t = touch(triangle, p, centre);
-    if (!(t.distance < reach)) continue;
-    if (t.distance < nearest.distance) nearest = t;
-    if (!is_nearest_of_its_part(triangle, p, centre)) continue;
-    const auto same = std::find_if(out.begin() + first, out.end(), [&](const WallTouch& other) {
-      return norm2(other.distance * other.normal - t.distance * t.normal) < sq(same_point * reach);
+    const TrianglePoint p = closest(triangle, here);
+    const WallTouchOf<T> t = touch(triangle, p, centre);
+    if (!(plain(t.distance) < reach)) continue;
+    if (plain(t.distance) < plain(nearest.distance)) nearest = t;
+    if (!is_nearest_of_its_part(triangle, p, here)) continue;
+    const auto same = std::find_if(out.begin() + first, out.end(), [&](const WallTouchOf<T>& other) {
+      return norm2(arm(other) - arm(t)) < sq(same_point * reach);
     });
     if (same == out.end())
       out.push_back(t);
-    else if (t.distance < same->distance)
+    else if (plain(t.distance) < plain(same->distance))
       *same = t;
   }
   // The nearest of all counts by the rule, also where needles of triangles disagree on what is nearer.
-  if (out.begin() + first == out.end() && nearest.distance < reach) out.push_back(nearest);
+  if (out.begin() + first == out.end() && plain(nearest.distance) < reach) out.push_back(nearest);
 }
+
+template void MeshSurface::touches_of(std::span<const std::uint32_t>, const Vec3d&, double,
+                                      std::vector<WallTouch>&) const;
+template void MeshSurface::touches_of(std::span<const std::uint32_t>, const Vec3<Dual<3>>&, double,
+                                      std::vector<MovedWallTouch>&) const;
 
 }  // namespace vbond

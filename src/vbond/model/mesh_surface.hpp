@@ -29,8 +29,10 @@ class MeshSurface {
   void near(const Vec3d& centre, double reach, std::vector<std::uint32_t>& triangles) const {
     tree_.near(centre, reach, triangles);
   }
-  void touches_of(std::span<const std::uint32_t> triangles, const Vec3d& centre, double reach,
-                  std::vector<WallTouch>& out) const;
+  /// Of double and of Dual<3>: see WallTouchOf.
+  template <Scalar T>
+  void touches_of(std::span<const std::uint32_t> triangles, const Vec3<T>& centre, double reach,
+                  std::vector<WallTouchOf<T>>& out) const;
 
  private:
   struct Corners {
@@ -45,7 +47,10 @@ class MeshSurface {
   };
   TrianglePoint closest(std::uint32_t triangle, const Vec3d& r) const;
   bool is_nearest_of_its_part(std::uint32_t triangle, const TrianglePoint& p, const Vec3d& centre) const;
-  WallTouch touch(std::uint32_t triangle, const TrianglePoint& p, const Vec3d& centre) const;
+  template <Scalar T>
+  Vec3<T> foot(std::uint32_t triangle, const TrianglePoint& p, const Vec3<T>& centre) const;
+  template <Scalar T>
+  WallTouchOf<T> touch(std::uint32_t triangle, const TrianglePoint& p, const Vec3<T>& centre) const;
 
   TriangleTree tree_;
   std::vector<Corners> corners_;                         // of each triangle

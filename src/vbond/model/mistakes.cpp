@@ -427,7 +427,7 @@ std::vector<std::string> mistakes_in(const Model& model, const Stage& stage) {
 std::vector<std::string> mistakes_in(const Model& model, const StaticStage& stage) {
   Mistakes found(model);
   found.require(is_static(stage.kind), "kind = dynamics: a stage of dynamics is a Stage, not a StaticStage");
-  found.require(model.walls.empty(), "the model has walls: they are for stages of dynamics");
+  found.add(mistakes_in_drives(model, stage));
   found.require_finite(stage.gravity, "the stage", "gravity");
   for (const StaticSupport& s : stage.supports) {
     found.require_known(s.particles, "a support", s.group);

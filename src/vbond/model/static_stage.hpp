@@ -29,6 +29,16 @@ struct StaticSupport {
   std::optional<Vec3d> pivot = {};
 };
 
+/// A wall that moves from where the stage found it in proportion to the load factor. Others stand still.
+struct StaticWallDrive {
+  std::string wall;       ///< name, for reports
+  std::size_t index = 0;  ///< in Model::walls
+  Vec3d displacement;     ///< of its centre, or of the pivot, at load factor 1  [length]
+  Vec3d rotation;         ///< rotation vector about the pivot at load factor 1  [rad]
+  /// At load factor 0; absent: the wall's centre there  [length].
+  std::optional<Vec3d> pivot = {};
+};
+
 /// Force and moment on each particle of a group, as in PointLoad.
 struct StaticLoad {
   std::string group;
@@ -101,6 +111,7 @@ struct StaticStage {
   std::vector<StaticSupport> supports;
   std::vector<StaticLoad> loads;
   std::vector<StaticHeating> heating;
+  std::vector<StaticWallDrive> walls;  ///< equilibrium, fracture
   NewtonSettings newton;
   int steps = 1;  ///< equilibrium, fracture: load steps at least; more if they are too large
   AtSaddle at_saddle = AtSaddle::leave;  ///< equilibrium: what to do at an unstable balance

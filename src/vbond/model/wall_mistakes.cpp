@@ -96,10 +96,14 @@ std::vector<std::string> mistakes_in_walls(const Model& model) {
   return std::move(found).take();
 }
 
-std::vector<std::string> mistakes_in_drives(const Model& model, const std::vector<WallDrive>& drives) {
+namespace {
+
+/// Calls look(drive, who, found) for each that is of a wall of the model.
+template <class Drives, class Look>
+std::vector<std::string> look_at_drives(const Model& model, const Drives& drives, Look&& look) {
   Lines found;
   std::vector<char> driven(model.walls.size(), 0);
-  for (const WallDrive& d : drives) {
+  for (const auto& d : drives) {
     const std::string who = "the drive of wall \"" + d.wall + "\"";
     if (d.index >= driven.size()) {
       found.require(
@@ -108,11 +112,31 @@ std::vector<std::string> mistakes_in_drives(const Model& model, const std::vecto
       continue;
     }
     found.require(!std::exchange(driven[d.index], char{1}), who, "the wall has another drive in this stage");
+    look(d, who, found);
+  }
+  return std::move(found).take();
+}
+
+}  // namespace
+
+std::vector<std::string> mistakes_in_drives(const Model& model, const StaticStage& stage) {
+  const bool moves = stage.kind == StageKind::equilibrium || stage.kind == StageKind::fracture;
+  return look_at_drives(
+      model, stage.walls, [&](const StaticWallDrive& d, const std::string& who, Lines& found) {
+        found.require(moves, who, "walls move in stages of equilibrium and of fracture");
+        found.require(
+            is_finite(d.displacement) && is_finite(d.rotation) && is_finite(d.pivot.value_or(Vec3d{})), who,
+            "displacement, rotation and pivot must be finite");
+      });
+}
+
+std::vector<std::string> mistakes_in_drives(const Model& model, const std::vector<WallDrive>& drives) {
+  return look_at_drives(model, drives, [](const WallDrive& d, const std::string& who, Lines& found) {
     for (const Vec3d& x : {d.velocity, d.angular_velocity, d.pivot, d.amplitude})
       found.require(is_finite(x), who, "velocities, pivot and amplitude must be finite");
     found.require(d.frequency >= 0.0 && std::isfinite(d.frequency), who,
                   fmt::format("the frequency is {}: it must be >= 0", d.frequency));
-    if (!d.servo) continue;
+    if (!d.servo) return;
     const WallDrive::Servo& s = *d.servo;
     found.require(is_direction(s.direction), who, "the direction of the servo must be a unit vector");
     found.require(std::isfinite(s.force), who, "the force of the servo must be finite");
@@ -120,8 +144,7 @@ std::vector<std::string> mistakes_in_drives(const Model& model, const std::vecto
     found.require(s.damping >= 0.0 && std::isfinite(s.damping), who,
                   fmt::format("the damping of the servo is {}: it must be >= 0", s.damping));
     found.require(s.fastest > 0.0, who, fmt::format("the largest speed is {}: it must be > 0", s.fastest));
-  }
-  return std::move(found).take();
+  });
 }
 
 }  // namespace vbond

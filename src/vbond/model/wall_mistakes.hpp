@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "vbond/model/model.hpp"
+#include "vbond/model/static_stage.hpp"
 #include "vbond/model/wall.hpp"
 
 namespace vbond {
@@ -11,5 +12,8 @@ namespace vbond {
 std::vector<std::string> mistakes_in_walls(const Model& model);
 /// The same for what moves them in a stage, but for the times of its factors.
 std::vector<std::string> mistakes_in_drives(const Model& model, const std::vector<WallDrive>& drives);
+
+/// The same for a static stage.
+std::vector<std::string> mistakes_in_drives(const Model& model, const StaticStage& stage);
 
 }  // namespace vbond

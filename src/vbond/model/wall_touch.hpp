@@ -26,6 +26,8 @@ class WallSurface {
   bool may_touch(const Vec3d& centre, double reach) const;
   /// Appends the touches whose distance is less than `reach`. Their order depends on the shape only.
   void touches(const Vec3d& centre, double reach, std::vector<WallTouch>& out) const;
+  /// The same with their derivatives by the centre.
+  void touches(const Vec3<Dual<3>>& centre, double reach, std::vector<MovedWallTouch>& out) const;
 
   /// Appends the triangles of a mesh near the point, in increasing order: all nearer than `reach` and some
   /// others. Nothing for other shapes.
@@ -40,6 +42,10 @@ class WallSurface {
   bool has_two_sides() const;
 
  private:
+  template <Scalar T>
+  void append(std::span<const std::uint32_t> triangles, const Vec3<T>& centre, double reach,
+              std::vector<WallTouchOf<T>>& out) const;
+
   std::variant<PlaneWall, DiscWall, CylinderWall, SphereWall, MeshSurface> shape_;
 };
 

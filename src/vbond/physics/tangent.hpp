@@ -4,8 +4,8 @@
 #include <cstddef>
 
 #include "vbond/core/dual.hpp"
-#include "vbond/physics/contact.hpp"
 #include "vbond/physics/law.hpp"
+#include "vbond/physics/touch.hpp"
 
 namespace vbond {
 
@@ -64,12 +64,23 @@ PairTangent<9> bond_tangent(const Law& law, const BondPose<double>& pose) {
   return tangent_of(bond_loads(with_scalar<Dual<9>>(law), moved_pose<9>(pose)));
 }
 
-/// The same for two particles that overlap, R_i + R_j > |r_ij|: a force on i along -r_ij, no moments.
-inline PairTangent<3> contact_tangent(const HertzContact<double>& h, const Vec3d& r_ij, double reach) {
+/// The numbers that a repulsion asks for, as duals.
+inline TouchNumbers<Dual<3>> repulsion(const TouchNumbers<double>& numbers) {
+  TouchNumbers<Dual<3>> c;
+  c.stiffness = numbers.stiffness;
+  return c;
+}
+
+/// The same for two particles that overlap, R_i + R_j > |r_ij|, and repel each other: a force on i along
+/// -r_ij, no moments.
+inline PairTangent<3> contact_tangent(const TouchForms& forms, const TouchNumbers<double>& numbers,
+                                      const Vec3d& r_ij, double R_i, double R_j) {
   using D = Dual<3>;
   const Vec3<D> r = moved<3>(r_ij, 0);
   const D distance = norm(r);
-  const Vec3<D> F = -(contact_force(HertzContact<D>{h.k}, D(reach) - distance) / distance) * r;
+  const D force =
+      normal_force(forms, repulsion(numbers), D(R_i * R_j / (R_i + R_j)), D(R_i + R_j) - distance).F;
+  const Vec3<D> F = -(force / distance) * r;
   return {{{F.x.value, F.y.value, F.z.value}, {}, {}}, {F.x.d, F.y.d, F.z.d}};
 }
 

@@ -73,8 +73,8 @@ double span(const Bond& b, const State& s) {
 }
 
 PairTangent<3> touch(const Model& m, const State& s, ParticleId i, ParticleId j) {
-  return contact_tangent(contact_law(m.contact, m.radius[i], m.radius[j]), s.r[j] - s.r[i],
-                         m.radius[i] + m.radius[j]);
+  return contact_tangent(touch_forms(m.contact), touch_numbers(m, i, j), s.r[j] - s.r[i], m.radius[i],
+                         m.radius[j]);
 }
 
 }  // namespace
@@ -96,6 +96,7 @@ StaticBody::StaticBody(const Model& model, const StaticStage& stage, State state
       held_at_(load_factor),
       holds_(holds_of(stage.supports)),
       unknowns_(model.particles(), stage.supports, length_scale(model, state_)),
+      walls_(model),
       bonded_(model.particles(), false),
       held_rate_(model.particles(), std::array<double, 6>{}),
       stiffness_{Assembly(unknowns_), Assembly(unknowns_), {}, false} {
@@ -104,6 +105,7 @@ StaticBody::StaticBody(const Model& model, const StaticStage& stage, State state
   state_.spin = {};
   state_.grips.clear(), state_.gripped.clear();  // of a stage of dynamics before
   take_hold();
+  take_hold_of_walls();
   set_held_rates();
   begin_heating();
   // positions are rounded to eps |r|, unit vectors to eps
@@ -123,6 +125,7 @@ StaticBody::StaticBody(const Model& model, const StaticStage& stage, State state
 }
 
 void StaticBody::accept() {
+  note_walls();
   if (!flows() && state_.bond_history.empty()) return;
   accepted_before_ = flows() ? accepted_ : state_.bond_history;
   accepted_ = state_.bond_history;
@@ -169,6 +172,7 @@ void StaticBody::restore(const Placement& p) {
   state_.r = p.r;
   state_.q = p.q;
   load_factor_ = p.load_factor;
+  carry_walls();
   placed();
 }
 
@@ -187,6 +191,7 @@ void StaticBody::move(const Vector& x, double new_load_factor) {
   }
   load_factor_ = new_load_factor;
   carry();
+  carry_walls();
   placed();
 }
 
@@ -210,7 +215,8 @@ Vector StaticBody::on_unknowns(const Loads& loads) const {
 const StaticBody::Loaded& StaticBody::loads_at_hand() const {
   if (loaded_) return *loaded_;
   const std::size_t n = model_.particles();
-  Loaded l{{PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)}, {}, 0.0};
+  Loaded l;
+  l.loads = {PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)};
   add_applied(load_factor_, l.loads);
   l.largest = max_norm(on_unknowns(l.loads));
   for (const BondId k : state_.bonds.ids()) {
@@ -227,6 +233,7 @@ const StaticBody::Loaded& StaticBody::loads_at_hand() const {
     l.loads.F[i] += F, l.loads.F[j] -= F;
     l.largest = larger(l.largest, norm(F));
   });
+  if (walls_.any()) add_walls(l);
   l.unbalanced = on_unknowns(l.loads);
   if (relief_.size() > 0) l.unbalanced -= (1.0 - load_factor_) * relief_;
   loaded_ = std::move(l);
@@ -249,7 +256,7 @@ double StaticBody::residual_beside(const DenseMatrix& columns) const {
 
 double StaticBody::residual_of_rounding() const {
   const Loaded& l = loads_at_hand();
-  return l.largest > 0.0 ? rounding_of_force_ / l.largest : 0.0;
+  return l.largest > 0.0 ? std::max(rounding_of_force_, l.rounding_of_force) / l.largest : 0.0;
 }
 
 void StaticBody::lay_out(const std::vector<Assembly::Pair>& touching) const {
@@ -305,6 +312,7 @@ const StaticBody::Stiffness& StaticBody::stiffness_at_hand() const {
     add_pair(b.i, b.j, block_of(t, unknowns_.length()));
   }
   for (const auto& [i, j] : touching) add_pair(i, j, block_of(touch(model_, state_, i, j)));
+  if (walls_.any()) add_walls(stiffness_);
   stiffness_.current = true;
   return stiffness_;
 }
@@ -373,6 +381,7 @@ std::string StaticBody::first_not_finite() const {
                           i.value, j.value, overlap);
   });
   if (!found.empty()) return found;
+  if (const auto fault = fault_at_walls()) return *fault;
   const Loads& loads = loads_at_hand().loads;
   for (const ParticleId p : loads.F.ids())
     if (!is_finite(loads.F[p]) || !is_finite(loads.M[p]))
@@ -382,7 +391,7 @@ std::string StaticBody::first_not_finite() const {
 }
 
 Energies StaticBody::energies() const {
-  return potential_energies(model_, state_);
+  return potential_energies(model_, state_, walls_);
 }
 
 void StaticBody::break_bond(BondId k, BreakMode mode) {

@@ -102,6 +102,19 @@ double StaticBody::work_of_loads(const Placement& from, const Placement& to, dou
   return work;
 }
 
+double StaticBody::work_of_relief(const Placement& from, const Placement& to, double load_factor) const {
+  if (relief_.size() == 0) return 0.0;
+  double work = 0.0;
+  for (int k = 0; k < unknowns_.size(); ++k) {
+    const auto [p, dof] = unknowns_.place(k);
+    const double went =
+        dof < 3 ? component(to.r[p] - from.r[p], dof)
+                : unknowns_.length() * component(rotation_vector(to.q[p] * conjugate(from.q[p])), dof - 3);
+    work -= (1.0 - load_factor) * relief_[k] * went;
+  }
+  return work;
+}
+
 void StaticBody::add_power(const StaticSupport& support, ParticleId p, const HeldDofs& held,
                            double& power) const {
   const Loads& loads = loads_at_hand().loads;

@@ -11,6 +11,7 @@
 #include "vbond/statics/detail/kinds.hpp"
 #include "vbond/statics/detail/stability.hpp"
 #include "vbond/statics/detail/valley.hpp"
+#include "vbond/statics/detail/work.hpp"
 
 namespace vbond {
 namespace {
@@ -54,14 +55,17 @@ class LoadSteps {
     while (body_.load_factor() < 1.0) {
       const int snapped = snapped_bonds(body_.state());
       const Way way = advance(step);
-      const NewtonOutcome outcome = settle();
+      NewtonOutcome outcome = settle();
+      if (const auto fault = body_.fault_at_walls()) outcome.converged = false, outcome.why = *fault;
       const bool last_resort = step < 1e-4 * longest;
       if (outcome.interrupted) return interrupted(way.from);
       if (!outcome.converged || (snapped_bonds(body_.state()) > snapped && !last_resort)) {
         retry(way, step);
-        if (last_resort)
-          give_up(fmt::format("no balance found beyond load factor {:.6g}: {}", way.from.load_factor,
-                              outcome.why));
+        if (last_resort) {
+          const std::string loose = free_motions_in_words(body_);
+          give_up(fmt::format("no balance found beyond load factor {:.6g}: {}{}", way.from.load_factor,
+                              outcome.why, loose.empty() ? "" : "; " + loose));
+        }
         continue;
       }
       judge();
@@ -97,6 +101,18 @@ class LoadSteps {
       stability_.unstable.reset();
     }
     report_point(body_, PointKind::regular, stability_.unstable, hooks_, result_);
+    if (body_.walls_move()) before_ = stand_of(body_);
+  }
+
+  /// What walls have done since the last balance.
+  void add_work_of_walls() {
+    if (!body_.walls_move()) return;
+    Stand now = stand_of(body_);
+    largest_energy_ = std::max({largest_energy_, std::abs(before_.stored), std::abs(now.stored)});
+    const Vector work = WorkOnTheWay(body_, solver_, hooks_, result_).between(before_, now, largest_energy_);
+    factored_here_ = false;
+    body_.add_work_of_walls(work.tail(now.power_of_walls.size()));
+    before_ = std::move(now);
   }
 
   void interrupted(const Placement& last_balance) {
@@ -126,6 +142,7 @@ class LoadSteps {
     }
     const double change = body_.largest_bond_change(x);
     if (std::isfinite(change) && change * step > largest_prediction) step = largest_prediction / change;
+    while (body_.largest_wall_change(step * x, step) > largest_prediction) step *= 0.5;
     const double next = now + step > mark - 1e-12 ? mark : now + step;
     body_.move(step * x, next);
     way.predicted = body_.placement();
@@ -155,6 +172,7 @@ class LoadSteps {
       outcome = leave_saddle();
       if (outcome.interrupted) return false;
     }
+    add_work_of_walls();
     result_.residuals = outcome.residuals;
     result_.unstable = stability_.unstable;
     result_.neutral = stability_.neutral;
@@ -303,6 +321,8 @@ class LoadSteps {
   StaticResult& result_;
   TangentSolver solver_;
   bool jumped_ = false;         // so far
+  Stand before_;                // the last balance, where walls move
+  double largest_energy_ = 0;   // so far
   Stability stability_;         // of the last balance
   bool factored_here_ = false;  // the solver's factor is still that of its tangent
 };
@@ -334,6 +354,7 @@ std::optional<State> balance_of_constant_loads(const Model& model, const StaticS
                        constant.loads.end());
   if (!stage.constant_gravity) constant.gravity = {};
   for (StaticSupport& s : constant.supports) s.displacement = s.rotation = {};
+  constant.walls.clear();
   StaticBody body(model, constant, std::move(state));
   refuse_nothing_free(body);
   refuse_not_finite(body);

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "vbond/model/mistakes.hpp"
 #include "vbond/model/step_bound.hpp"
@@ -13,6 +14,9 @@
 namespace vbond {
 
 double exact_critical_step(const Model& model, const State& state, const std::vector<Support>& supports) {
+  if (!model.walls.empty())
+    throw std::invalid_argument(
+        "exact_critical_step: the model has walls, which the exact step does not know");
   StaticStage stage;
   for (const Support& s : supports) stage.supports.push_back({s.group, s.particles, s.held, {}, {}});
   require_consistent("exact_critical_step", model, stage, state);

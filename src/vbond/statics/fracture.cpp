@@ -76,7 +76,11 @@ class Fracture {
   }
 
   void lose_stability(const std::string& where) {
-    end("lost stability", fmt::format("load factor {:.9g}: {}", walk_.load_factor(), where));
+    const bool untouched = walk_.load_factor() == 0.0 && !walk_.body().model().walls.empty();
+    end("lost stability", fmt::format("load factor {:.9g}: {}{}", walk_.load_factor(), where,
+                                      untouched ? "; walls that just touch have no stiffness yet: press the "
+                                                  "body first by a stage of kind = \"equilibrium\""
+                                                : ""));
   }
 
   /// Along the load factor towards `to`, until the largest utilisation is 1. A step begins at a stable
@@ -182,6 +186,14 @@ class Fracture {
       end("load drop", "");
   }
 
+  /// A part that a wall has pushed off as it settled is held where it has come to lie.
+  bool come_to_rest() {
+    if (!walk_.settle()) return false;
+    if (walk_.is_stable()) return true;
+    if (walk_.body().model().walls.empty()) return false;
+    return !walk_.hold_free_parts() && walk_.settle() && walk_.is_stable();
+  }
+
   /// The balance that follows the break of a bond at the same load factor, and the energy it has released.
   void find_balance_after() {
     const double spent = now_.spent();
@@ -194,7 +206,7 @@ class Fracture {
                              "holds any more: {}",
                              walk_.load_factor(), *driven));
     }
-    if (!walk_.settle() || !walk_.is_stable()) {
+    if (!come_to_rest()) {
       if (hooks_.interrupted && hooks_.interrupted()) return void(result_.ended = "interrupted");
       walk_.body().restore(from);
       now_ = walk_.here();

@@ -36,16 +36,25 @@ void refuse_nothing_free(const StaticBody& body) {
                       "paths, critical loads and modes are of degrees of freedom that are free: hold fewer");
 }
 
-void refuse_rigid_motions(const StaticBody& body) {
-  const RigidMotions free = free_rigid_motions(body.model(), body.state(), body.unknowns());
-  if (free.names.empty()) return;
-  std::string text;
+std::string free_motions_in_words(const StaticBody& body) {
+  const RigidMotions free =
+      free_rigid_motions(body.model(), body.state(), body.unknowns(), body.wall_holds(true));
+  if (free.names.empty()) return {};
+  std::string text = "parts of the body can move freely: ";
   constexpr std::size_t named = 6;
   for (std::size_t k = 0; k < std::min(named, free.names.size()); ++k)
     text += (k > 0 ? ", " : "") + free.names[k];
   if (free.names.size() > named) text += fmt::format(" and {} more", free.names.size() - named);
+  if (!body.model().walls.empty())
+    text += "; walls have no friction here and hold only what they touch, along the normal";
+  return text;
+}
+
+void refuse_rigid_motions(const StaticBody& body) {
+  const std::string text = free_motions_in_words(body);
+  if (text.empty()) return;
   throw NoEquilibrium(
-      body.stage().name, "parts of the body can move freely: " + text,
+      body.stage().name, text,
       "a support may be missing; a motion that no load drives can be held on one particle, such "
       "as the spin of a rod along x by fix = [\"rx\"]; kind = \"modes\" takes free bodies as they are");
 }
@@ -94,6 +103,9 @@ void watch_strength(const StaticBody& body, const StaticHooks& hooks, StaticResu
 void report_point(StaticBody& body, PointKind kind, std::optional<int> unstable, const StaticHooks& hooks,
                   StaticResult& result) {
   refuse_not_finite(body);
+  if (const auto fault = body.fault_at_walls())
+    throw NoEquilibrium(body.stage().name, fmt::format("load factor {:.6g}: {}", body.load_factor(), *fault),
+                        "use more steps, a stiffer contact, or a wider wall");
   body.accept();
   ++body.clock().step;
   ++body.clock().stage_step;

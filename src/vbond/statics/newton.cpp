@@ -42,8 +42,13 @@ class FactorPreconditioner {
 /// A linear step turns bonds by angles; beyond this it is no guide.  [rad]
 constexpr double largest_change = 0.5;
 
+/// Walls likewise: half a radius, and nothing comes through one unseen.
+double change_of(const StaticBody& body, const Vector& x) {
+  return larger(body.largest_bond_change(x), body.largest_wall_change(x));
+}
+
 Vector limited(const StaticBody& body, Vector x) {
-  const double change = body.largest_bond_change(x);
+  const double change = change_of(body, x);
   if (change > largest_change) x *= largest_change / change;
   return x;
 }
@@ -156,7 +161,7 @@ NewtonOutcome correct(StaticBody& body, TangentSolver& solver, const NewtonSetti
       return outcome;
     }
     const Vector x = solver.solve_full(body, body.unbalanced());
-    if (x.size() == 0 || !x.allFinite() || !(body.largest_bond_change(x) <= largest_change)) {
+    if (x.size() == 0 || !x.allFinite() || !(change_of(body, x) <= largest_change)) {
       outcome.why = "a correction turns bonds too far";
       return outcome;
     }
@@ -174,6 +179,8 @@ class Descent {
   Descent(StaticBody& body, TangentSolver& solver) : body_(body), solver_(solver) {
     const SparseMatrix& K = body.tangent();
     mean_stiffness_ = K.rows() > 0 ? K.diagonal().cwiseAbs().mean() : 1.0;
+    // of contacts alone that just begin to touch: none, and steps of the length scale will do
+    if (mean_stiffness_ == 0.0) mean_stiffness_ = max_norm(body.unbalanced()) / body.unknowns().length();
   }
 
   /// False if nothing lower, or better balanced, was found in the direction.
@@ -237,7 +244,7 @@ class Descent {
 
   /// The shift makes steps short, along a mode that softens above all: twice as far as long as that is lower.
   void go_farther(const Vector& x, const Placement& from, double energy, double change) {
-    const double most = largest_change / body_.largest_bond_change(x);
+    const double most = largest_change / change_of(body_, x);
     double length = 1.0;
     while (2.0 * length <= most && length < 0x1p20) {
       const double farther = try_at(2.0 * length, x, from, energy);

@@ -71,16 +71,17 @@ class RigidPart {
     return h;
   }
 
-  /// Combinations that move no held degree of freedom.
-  Motions free_motions(const Unknowns& unknowns) const {
-    std::vector<std::pair<ParticleId, int>> held;
-    for (const ParticleId p : part_)
+  /// Combinations that move no held degree of freedom, and no particle along the normal of a wall.
+  Motions free_motions(const Unknowns& unknowns, const PerParticle<std::vector<Vec3d>>& normals) const {
+    std::vector<Eigen::Matrix<double, 1, 6>> held;
+    for (const ParticleId p : part_) {
       for (int dof = 0; dof < 6; ++dof)
-        if (unknowns.of(p, dof) == Unknowns::held) held.emplace_back(p, dof);
+        if (unknowns.of(p, dof) == Unknowns::held) held.push_back(row(p, dof));
+      for (const Vec3d& n : normals[p]) held.push_back(n.x * row(p, 0) + n.y * row(p, 1) + n.z * row(p, 2));
+    }
     if (held.empty()) return Motions::Identity(6, 6);
     DenseMatrix H = DenseMatrix::Zero(std::max<Eigen::Index>(6, static_cast<Eigen::Index>(held.size())), 6);
-    for (std::size_t k = 0; k < held.size(); ++k)
-      H.row(static_cast<Eigen::Index>(k)) = row(held[k].first, held[k].second);
+    for (std::size_t k = 0; k < held.size(); ++k) H.row(static_cast<Eigen::Index>(k)) = held[k];
     const DenseSingular svd = singular_values(upper_factor(H));
     const Eigen::Index holding = (svd.values.array() > smallest_lever).count();
     return svd.V.rightCols(6 - holding);
@@ -144,12 +145,15 @@ std::string motion_name(const Motion& m, const Part& part) {
 
 }  // namespace
 
-RigidMotions free_rigid_motions(const Model& model, const State& state, const Unknowns& unknowns) {
+RigidMotions free_rigid_motions(const Model& model, const State& state, const Unknowns& unknowns,
+                                const std::vector<WallHold>& holds) {
   RigidMotions result;
+  PerParticle<std::vector<Vec3d>> normals(model.particles());
+  for (const WallHold& h : holds) normals[h.p].push_back(h.normal);
   std::vector<Eigen::Triplet<double>> entries;
   for (const Part& part : connected_parts(model, state)) {
     const RigidPart body(part, state, unknowns.length());
-    const Motions free = along_axes(body.free_motions(unknowns));
+    const Motions free = along_axes(body.free_motions(unknowns, normals));
     const int first = static_cast<int>(result.names.size());
     for (Eigen::Index k = 0; k < free.cols(); ++k) result.names.push_back(motion_name(free.col(k), part));
     if (free.cols() == 0) continue;

@@ -59,14 +59,13 @@ void refuse_contacts(const Model& model, const StaticStage& stage, const State& 
     throw NoEquilibrium(stage.name,
                         "bonds touch as capsules: static stages take the contacts of spheres only",
                         "leave capsule_radius out, or bring the body to rest in a stage of dynamics");
-  if (is_elastic(model.contact, model.materials)) return;
+  const std::string beyond = key_beyond_repulsion(model.contact, model.materials);
+  if (beyond.empty()) return;
   throw NoEquilibrium(stage.name,
-                      "contacts do more than repel elastically by Hertz's law: friction, damping, adhesion "
-                      "and overlaps that are "
-                      "kept depend on the way by which an equilibrium is reached",
+                      fmt::format("contacts do more than repel along the normal, {}: {}", beyond,
+                                  "what that adds depends on the way by which an equilibrium is reached"),
                       "leave friction, restitution, adhesion and overlap_at_break out of [contact] for "
-                      "static stages, or bring the "
-                      "body to rest in a stage of dynamics");
+                      "static stages, or bring the body to rest in a stage of dynamics");
 }
 
 }  // namespace

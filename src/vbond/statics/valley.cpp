@@ -11,7 +11,7 @@ namespace {
 
 /// Balanced at a given amplitude of the mode: how far that is, and what drives the body on along the mode
 /// over the amplitude.
-struct Stand {
+struct ValleyPoint {
   Placement at;
   double amplitude = 0;  // [length]
   double drive = 0;      // [force/length]
@@ -25,19 +25,19 @@ class Valley {
 
   ValleyWalk walk(double eigenvalue, double first) {
     const double depth = -eigenvalue;
-    Stand in{body_.placement(), 0.0, depth};
-    const std::optional<Stand> out = pass_the_lowest(in, first);
+    ValleyPoint in{body_.placement(), 0.0, depth};
+    const std::optional<ValleyPoint> out = pass_the_lowest(in, first);
     result_.found = out && narrow(in, *out, 1e-4 * depth);
     return result_;
   }
 
  private:
   /// On until the body is driven back: that place, and in `in` the one before. Nothing if there is none.
-  std::optional<Stand> pass_the_lowest(Stand& in, double step) {
+  std::optional<ValleyPoint> pass_the_lowest(ValleyPoint& in, double step) {
     constexpr int most_steps = 60;
     const double shortest = 1e-3 * std::abs(step);
     for (int k = 0; k < most_steps && std::abs(step) > shortest; ++k) {
-      const std::optional<Stand> next = stand_at(in, in.amplitude + step);
+      const std::optional<ValleyPoint> next = stand_at(in, in.amplitude + step);
       if (result_.interrupted) break;
       if (!next) {
         step *= 0.5;
@@ -52,13 +52,13 @@ class Valley {
   }
 
   /// Regula falsi (Illinois) in the square of the amplitude, of which the drive is nearly a linear function.
-  bool narrow(Stand in, Stand out, double small) {
+  bool narrow(ValleyPoint in, ValleyPoint out, double small) {
     double drive_in = in.drive, drive_out = out.drive;
     int side = 0;  // on which the last one was
     for (int k = 0; k < 40; ++k) {
       const double from = in.amplitude * in.amplitude, to = out.amplitude * out.amplitude;
       const double there = std::sqrt(from + (to - from) * drive_in / (drive_in - drive_out));
-      const std::optional<Stand> next = stand_at(in, std::copysign(there, out.amplitude));
+      const std::optional<ValleyPoint> next = stand_at(in, std::copysign(there, out.amplitude));
       if (!next) break;
       const double width = std::abs(out.amplitude - in.amplitude);
       if (std::abs(next->drive) <= small || width < 1e-6 * std::abs(out.amplitude)) return true;
@@ -73,7 +73,7 @@ class Valley {
   }
 
   /// The body balanced at this amplitude but for the modes, from a place near by.
-  std::optional<Stand> stand_at(const Stand& from, double amplitude) {
+  std::optional<ValleyPoint> stand_at(const ValleyPoint& from, double amplitude) {
     constexpr int most_corrections = 12, fewest = 2;
     constexpr double longest = 0.2;  // of bonds: a linear step is then off by some hundredths
     body_.restore(from.at);
@@ -85,7 +85,7 @@ class Valley {
       const double left = body_.residual_beside(modes_), rounding = body_.residual_of_rounding();
       const bool stalled = left > 0.3 * before && left <= 100.0 * rounding;
       if (k >= fewest && (left <= std::max(1e-10, rounding) || stalled))
-        return Stand{body_.placement(), amplitude, modes_.col(0).dot(body_.unbalanced()) / amplitude};
+        return ValleyPoint{body_.placement(), amplitude, modes_.col(0).dot(body_.unbalanced()) / amplitude};
       before = left;
       result_.interrupted = interrupted_ && interrupted_();
       if (k == most_corrections || result_.interrupted) break;

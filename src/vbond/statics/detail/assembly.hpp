@@ -35,6 +35,8 @@ class Assembly {
   void clear();
   /// Adds the rows and columns of free unknowns.
   void add(ParticleId i, ParticleId j, const Block& K);
+  /// The same of one particle: the upper left quarter of a block.
+  void add_own(ParticleId i, const Block& K) { add_block(i, i, own_offset_[i], K, 0, 0); }
   const SparseMatrix& matrix() const { return matrix_; }
 
  private:

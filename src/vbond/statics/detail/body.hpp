@@ -8,11 +8,13 @@
 #include "vbond/model/holds.hpp"
 #include "vbond/model/loads.hpp"
 #include "vbond/model/model.hpp"
+#include "vbond/model/resting_walls.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/model/static_stage.hpp"
 #include "vbond/physics/tangent.hpp"
 #include "vbond/statics/detail/assembly.hpp"
 #include "vbond/statics/detail/matrix.hpp"
+#include "vbond/statics/detail/rigid.hpp"
 #include "vbond/statics/detail/unknowns.hpp"
 
 namespace vbond {
@@ -30,10 +32,11 @@ double distance(const Placement& a, const Placement& b, double length);
 /// A body under the supports and loads of a static stage: where it is, what is out of balance there, and how
 /// that changes with the unknowns and with the load factor f.
 ///
-/// unbalanced = bonds + contacts + constant loads + f * proportional loads - (1 - f) * relief
+/// unbalanced = bonds + contacts + walls + constant loads + f * proportional loads - (1 - f) * relief
 ///
-/// on the free unknowns. The relief, set by relieve(), is what was out of balance at f = 0: with it the
-/// body starts in balance whatever its history, and at f = 1 it has gone.
+/// on the free unknowns. Walls have places of their own, which follow from f. The relief, set by relieve(),
+/// is what was out of balance at f = 0: with it the body starts in balance whatever its history, and at f = 1
+/// it has gone.
 ///
 /// The tangent is the derivative of -unbalanced. Turns do not commute, so its block of a particle's three
 /// turns has an antisymmetric part, half the cross product with the moment that bonds leave unbalanced there.
@@ -113,6 +116,8 @@ class StaticBody {
   /// Work of the loads on the way between two placements, at this load factor; the relief is not among
   /// them. A moment works on the turn in between as on a small one.  [energy]
   double work_of_loads(const Placement& from, const Placement& to, double load_factor) const;
+  /// The same of the relief.
+  double work_of_relief(const Placement& from, const Placement& to, double load_factor) const;
   /// What the change of temperature does to bonds that expand, per load factor.  [energy]
   double power_of_heating() const;
   /// What a support does along its motion, per load factor.  [energy]
@@ -123,12 +128,28 @@ class StaticBody {
   Vec3d rate_of(const StaticSupport& support, ParticleId p) const;
   /// Grips of the stage, without their work.
   std::vector<GripView> grips() const;
+  /// Whether walls move with the load factor.
+  bool walls_move() const { return !driven_.empty(); }
+  /// What each wall does along its motion, per load factor.  [energy]
+  Vector power_of_walls() const;
+  void add_work_of_walls(const Vector& work);
+  /// Where walls hold particles along the normal, hollow ones also across it: all touches; to come: also
+  /// places that are no farther from a particle than walls come in the stage.
+  std::vector<WallHold> wall_holds(bool to_come) const;
+  /// How far x would carry particles at most towards or along walls: the way over the radius, of those that
+  /// do not touch over the radius and twice the gap. Nothing passes a wall by less than 1.
+  double largest_wall_change(const Vector& x, double load_factor_change = 0.0) const;
+  /// The first particle whose centre has come through a wall since the last accepted balance, or that does
+  /// not fit into a hollow one, and what to do; nothing if there is none.
+  std::optional<std::string> fault_at_walls() const;
   /// Loads at this load factor, on the free unknowns.  [force]
   Vector applied(double load_factor) const;
   /// The bond is there no more.
   void break_bond(BondId k, BreakMode mode);
   /// What rounding may make of it.  [energy]
-  double rounding_of_potential() const { return rounding_of_potential_; }
+  double rounding_of_potential() const {
+    return rounding_of_potential_ + (walls_.any() ? loads_at_hand().rounding_of_potential : 0.0);
+  }
 
   /// How far x would turn or stretch bonds at most: |change of the vector between centres| / its length, and
   /// the angle between the turns of its ends; of particles without bonds the movement over the length scale,
@@ -142,13 +163,22 @@ class StaticBody {
   struct Loaded {
     Loads loads;  // all forces and moments, also on held degrees of freedom; without relief
     Vector unbalanced;
-    double largest = 0;  // force in the body
+    double largest = 0;                 // force in the body
+    std::vector<RestingTouch> touches;  // of walls
+    std::vector<Reaction> on_walls;     // of particles, moments about the walls' centres
+    double rounding_of_force = 0, rounding_of_potential = 0;  // of touches
   };
   /// A rigid support: its pose is that in which it took hold, moved with the load factor since then.
   struct Grip {
     const StaticSupport* support;
     RigidMotion motion;
     std::vector<GrippedPose> as_held;
+  };
+  /// A wall that moves: as it was when the stage took hold of it, and how it goes on from there.
+  struct DrivenWall {
+    const StaticWallDrive* drive;
+    RigidMotion motion;
+    WallState as_held;
   };
   struct Stiffness {
     Assembly assembly;
@@ -174,6 +204,13 @@ class StaticBody {
   void take_hold();
   void carry();
   void set_held_rates();
+  void take_hold_of_walls();
+  void carry_walls();
+  void add_walls(Loaded& to) const;
+  void add_walls(Stiffness& to) const;
+  Vec3d rate_of_wall(std::size_t wall, const Vec3d& r) const;
+  double farthest_wall_way() const;
+  void note_walls();
 
   const Model& model_;
   const StaticStage& stage_;
@@ -185,7 +222,11 @@ class StaticBody {
   std::vector<Grip> grips_;
   std::vector<Hold> holds_;
   Unknowns unknowns_;
-  Vector relief_;  // empty: none
+  RestingWalls walls_;
+  std::vector<DrivenWall> driven_;
+  PerParticle<Vec3d> seen_at_;         // particles at the last accepted balance, where there are walls
+  std::vector<WallState> seen_walls_;  // and the walls
+  Vector relief_;                      // empty: none
   PerParticle<char> bonded_;
   // of bodies that flow: what bonds remembered at the last accepted balance, and at the one before it
   PerBond<BondHistory> accepted_, accepted_before_;

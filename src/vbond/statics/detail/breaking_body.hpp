@@ -4,17 +4,13 @@
 #include <string>
 
 #include "vbond/statics/detail/kinds.hpp"
+#include "vbond/statics/detail/work.hpp"
 
 namespace vbond {
 
 /// A balance on the way, and what the books need of it.
-struct Balance {
-  Placement at;
-  double power = 0;             ///< of the supports that move, per load factor  [energy]
-  double stored = 0;            ///< in bonds and contacts  [energy]
-  double dissipated = 0;        ///< by bonds that yield or soften, since they were made  [energy]
+struct Balance : Stand {
   std::optional<BondUse> most;  ///< nothing if no bond can break
-  double spent() const { return stored + dissipated; }
 };
 
 /// A body on its way along the load factor, from balance to balance, that loses bonds. Parts that nothing
@@ -29,9 +25,10 @@ class BreakingBody {
   State take_state() && { return std::move(*body_).take_state(); }
   const TangentSolver& solver() const { return *solver_; }
   double load_factor() const { return body_->load_factor(); }
-  /// The reaction of the first support that moves, along its motion; the load factor where none moves.
+  /// The reaction of the first support that moves, along its motion, or else of the first wall that does; the
+  /// load factor where none moves.
   double load() const;
-  /// The largest such reaction in size of all supports that move; nothing where none moves.
+  /// The largest such reaction in size of all supports and walls that move; nothing where none moves.
   std::optional<double> largest_reaction() const;
   void refuse_iterative() { vbond::refuse_iterative(*body_, *solver_, "fracture needs"); }
   Balance here() const;
@@ -47,12 +44,13 @@ class BreakingBody {
   /// After is_stable(): whether the way from there is as long as the tangent here says, and not a jump.
   bool came_smoothly(const Placement& from);
   /// To a balance at a load factor between those of two that are close. False: anywhere.
-  bool balance_between(const Placement& a, const Placement& b, double load_factor);
+  bool balance_between(const Placement& a, const Placement& b, double load_factor) {
+    return way_here().balance_between(a, b, load_factor);
+  }
   /// Lets the body go, at this load factor. False, and back, if it comes to no balance.
   bool settle();
-  /// Work of loads and supports from one balance to the other along the way between: Romberg's sums over
-  /// balances between them, more of them until the work is known as well as the books are to close, or they
-  /// do not close. Leaves the body at the second.  [energy]
+  /// Work of loads, supports and walls from one balance to the other: WorkOnTheWay. Adds that of walls to
+  /// theirs. Leaves the body at the second.  [energy]
   double work_between(const Balance& a, const Balance& b, double scale);
 
   void break_bond(BondId k, BreakMode mode) { body_->break_bond(k, mode); }
@@ -63,10 +61,10 @@ class BreakingBody {
  private:
   void begin(State state, double load_factor);
   double reaction(const StaticSupport& s) const;
-  double trapezium(const Balance& a, const Balance& b) const;
-  double work_between_kinks(const Balance& a, const Balance& b, double scale);
-  bool correct_here();
+  double reaction(const StaticWallDrive& d) const;
+  WorkOnTheWay way_here() { return {*body_, *solver_, hooks_, result_}; }
   bool is_near(const Placement& from, double expected) const;
+  bool is_no_jump(const Placement& from, double expected);
 
   const Model& model_;
   const StaticHooks& hooks_;

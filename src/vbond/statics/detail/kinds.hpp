@@ -57,6 +57,9 @@ void refuse_nothing_free(const StaticBody& body);
 /// those at hand, and the energy is summed up: in proportion to the body, nothing beside a factor.
 void refuse_not_finite(const StaticBody& body);
 
+/// Which parts of the body neither supports nor walls hold; empty if there are none.
+std::string free_motions_in_words(const StaticBody& body);
+
 /// Throws NoEquilibrium, naming them, if parts of the body can move freely as rigid bodies.
 void refuse_rigid_motions(const StaticBody& body);
 

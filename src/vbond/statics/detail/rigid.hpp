@@ -9,7 +9,14 @@
 
 namespace vbond {
 
-/// The motions as a rigid body, of each connected part (by bonds and contacts), that supports do not hold.
+/// A wall that keeps a particle from moving along its normal.
+struct WallHold {
+  ParticleId p;
+  Vec3d normal;
+};
+
+/// The motions as a rigid body, of each connected part (by bonds and contacts), that neither supports nor
+/// walls hold.
 struct RigidMotions {
   /// Orthonormal columns over the unknowns; those of one part, six at most, follow each other and have
   /// entries at its unknowns only.
@@ -21,7 +28,8 @@ struct RigidMotions {
 
 /// Takes time in proportion to the particles, however many parts there are. Particles of a part that is
 /// joined by contacts alone can move against each other besides; that is not looked for.
-RigidMotions free_rigid_motions(const Model& model, const State& state, const Unknowns& unknowns);
+RigidMotions free_rigid_motions(const Model& model, const State& state, const Unknowns& unknowns,
+                                const std::vector<WallHold>& holds = {});
 
 /// Columns that span the same, orthonormal, if those more than five apart have no row in common: the motions
 /// of a RigidMotions after their rows have been scaled. Throws std::invalid_argument if columns depend on

@@ -1,0 +1,44 @@
+#pragma once
+#include "vbond/statics/detail/newton.hpp"
+#include "vbond/statics/statics.hpp"
+
+namespace vbond {
+
+/// What the books need of a balance.
+struct Stand {
+  Placement at;
+  double power = 0;       ///< of the supports that move and of heating, per load factor  [energy]
+  Vector power_of_walls;  ///< of each wall, per load factor  [energy]
+  double stored = 0;      ///< in bonds and contacts  [energy]
+  double dissipated = 0;  ///< by bonds that yield or soften, since they were made  [energy]
+  double spent() const { return stored + dissipated; }
+};
+Stand stand_of(const StaticBody& body);
+
+/// Work of loads, supports and walls between balances that are close.
+class WorkOnTheWay {
+ public:
+  /// Keeps references.
+  WorkOnTheWay(StaticBody& body, TangentSolver& solver, const StaticHooks& hooks, StaticResult& result)
+      : body_(body), solver_(solver), hooks_(hooks), result_(result) {}
+
+  /// From one balance to the other along the way between: first that of all, then of each wall. Sums over
+  /// balances between them, more of them until the work is known as well as the books are to close, or they
+  /// do not close. scale: the largest energy in the books. Leaves the body at the second.  [energy]
+  Vector between(const Stand& a, const Stand& b, double scale);
+  /// To a balance at a load factor between those of two that are close. False: anywhere.
+  bool balance_between(const Placement& a, const Placement& b, double load_factor);
+  /// Newton's method from where the body stands.
+  bool correct_here();
+
+ private:
+  Vector trapezium(const Stand& a, const Stand& b) const;
+  Vector between_kinks(const Stand& a, const Stand& b, double scale);
+
+  StaticBody& body_;
+  TangentSolver& solver_;
+  const StaticHooks& hooks_;
+  StaticResult& result_;
+};
+
+}  // namespace vbond

@@ -1,0 +1,137 @@
+#include "vbond/statics/detail/work.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+namespace vbond {
+namespace {
+
+/// Of the work of a step, as a part of it; and of what rounding may do, as a part of the energy in the books.
+constexpr double work_error = 1e-10, rounding_error = 1e-12;
+
+/// The unknowns that lead from one placement to another.
+Vector way(const StaticBody& body, const Placement& from, const Placement& to) {
+  const Unknowns& unknowns = body.unknowns();
+  Vector x(unknowns.size());
+  for (int k = 0; k < unknowns.size(); ++k) {
+    const auto [p, dof] = unknowns.place(k);
+    x[k] = dof < 3 ? component(to.r[p] - from.r[p], dof)
+                   : unknowns.length() * component(rotation_vector(to.q[p] * conjugate(from.q[p])), dof - 3);
+  }
+  return x;
+}
+
+}  // namespace
+
+Stand stand_of(const StaticBody& body) {
+  return {body.placement(), body.power_of_supports() + body.power_of_heating(), body.power_of_walls(),
+          body.energies().potential(), body.dissipated()};
+}
+
+bool WorkOnTheWay::correct_here() {
+  const NewtonOutcome outcome = correct(body_, solver_, body_.stage().newton, hooks_.interrupted);
+  result_.iterations += outcome.iterations();
+  result_.residuals = outcome.residuals;
+  return outcome.converged;
+}
+
+bool WorkOnTheWay::balance_between(const Placement& a, const Placement& b, double load_factor) {
+  const double part = (load_factor - a.load_factor) / (b.load_factor - a.load_factor);
+  const Vector x = part * way(body_, a, b);
+  body_.restore(a);
+  body_.move(x, load_factor);
+  if (correct_here()) return true;
+  if (body_.model().walls.empty()) return false;
+  body_.restore(a);  // plain steps may go back and forth over a wall that is just touched
+  body_.move(x, load_factor);
+  return settle(body_, solver_, body_.stage().newton, hooks_.interrupted, result_.iterations).converged;
+}
+
+/// Supports and walls by the mean of their powers, loads and the relief by that of their sizes.
+Vector WorkOnTheWay::trapezium(const Stand& a, const Stand& b) const {
+  const double f_a = a.at.load_factor, f_b = b.at.load_factor;
+  Vector work(1 + a.power_of_walls.size());
+  work.tail(a.power_of_walls.size()) = 0.5 * (f_b - f_a) * (a.power_of_walls + b.power_of_walls);
+  work[0] = body_.work_of_loads(a.at, b.at, 0.5 * (f_a + f_b)) + 0.5 * (a.power + b.power) * (f_b - f_a);
+  if (a.power_of_walls.size() > 0)
+    work[0] += work.tail(a.power_of_walls.size()).sum() + body_.work_of_relief(a.at, b.at, 0.5 * (f_a + f_b));
+  return work;
+}
+
+/// Where bonds begin to flow, or to unload, and where walls begin to be touched, the reaction has a kink, at
+/// which sums of higher order are no better: the part of the way that closes worst is halved, until all do
+/// together.
+Vector WorkOnTheWay::between_kinks(const Stand& a, const Stand& b, double scale) {
+  constexpr std::size_t most_balances = 100, at_least = 12;  // what has not fallen by then no sum will mend
+  struct Part {
+    Stand from, to;
+    Vector trapezium, work;
+    double open() const { return std::abs(work[0] - (to.spent() - from.spent())); }
+  };
+  const auto part = [this](const Stand& from, const Stand& to) {
+    const Vector sum = trapezium(from, to);
+    return Part{from, to, sum, sum};
+  };
+  const double spent = b.spent() - a.spent();
+  const double within = work_error * std::abs(spent) + rounding_error * scale + body_.rounding_of_potential();
+  std::vector<Part> parts{part(a, b)};
+  double open_before = std::numeric_limits<double>::infinity();
+  std::size_t look = 0;
+  for (std::size_t k = 0; k < most_balances; ++k) {
+    double open = 0.0;
+    for (const Part& p : parts) open += p.open();
+    if (open <= within) break;
+    if (k == look) {  // after as many halvings as there are parts, each of which may need one
+      if (open > 0.5 * std::exchange(open_before, open)) break;
+      look += std::max(at_least, parts.size());
+    }
+    const auto worst = std::max_element(parts.begin(), parts.end(),
+                                        [](const Part& x, const Part& y) { return x.open() < y.open(); });
+    if (!balance_between(worst->from.at, worst->to.at,
+                         0.5 * (worst->from.at.load_factor + worst->to.at.load_factor)))
+      break;
+    Part first = part(worst->from, stand_of(body_)), second = part(first.to, worst->to);
+    const Vector better = (first.trapezium + second.trapezium - worst->trapezium) / 3.0;
+    first.work += 0.5 * better, second.work += 0.5 * better;
+    *worst = std::move(first);
+    parts.push_back(std::move(second));
+  }
+  Vector work = Vector::Zero(parts.front().work.size());
+  for (const Part& p : parts) work += p.work;
+  body_.restore(b.at);
+  return work;
+}
+
+Vector WorkOnTheWay::between(const Stand& a, const Stand& b, double scale) {
+  if (body_.flows() || b.power_of_walls.size() > 0) return between_kinks(a, b, scale);
+  constexpr int most_halvings = 5;
+  std::vector<Stand> nodes{a, b};
+  std::vector<double> sums{trapezium(a, b)[0]};  // a row of Romberg's scheme, its best last
+  const double stored = b.stored - a.stored;
+  const auto known = [&] {
+    return std::abs(sums.back() - stored) <= work_error * std::abs(stored) + rounding_error * scale;
+  };
+  for (int halvings = 0; halvings < most_halvings && !known(); ++halvings) {
+    std::vector<Stand> finer{nodes.front()};
+    for (std::size_t k = 1; k < nodes.size(); ++k) {
+      const Placement &from = nodes[k - 1].at, &to = nodes[k].at;
+      if (!balance_between(from, to, 0.5 * (from.load_factor + to.load_factor))) break;
+      finer.push_back(stand_of(body_));
+      finer.push_back(nodes[k]);
+    }
+    if (finer.size() != 2 * nodes.size() - 1) break;
+    nodes = std::move(finer);
+    std::vector<double> row{0.0};
+    for (std::size_t k = 1; k < nodes.size(); ++k) row[0] += trapezium(nodes[k - 1], nodes[k])[0];
+    for (double power = 4.0; row.size() <= sums.size(); power *= 4.0)
+      row.push_back(row.back() + (row.back() - sums[row.size() - 1]) / (power - 1.0));
+    sums = std::move(row);
+  }
+  body_.restore(b.at);
+  return Vector::Constant(1, sums.back());
+}
+
+}  // namespace vbond
