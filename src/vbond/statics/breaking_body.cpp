@@ -13,8 +13,6 @@
 namespace vbond {
 namespace {
 
-/// Longest predictor: bonds turn by no more than this.  [rad]
-constexpr double largest_prediction = 0.3;
 bool moves(const StaticSupport& s) {
   return !(s.displacement == Vec3d{} && s.rotation == Vec3d{});
 }

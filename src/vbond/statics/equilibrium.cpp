@@ -16,9 +16,6 @@
 namespace vbond {
 namespace {
 
-/// Longest predictor: bonds turn by no more than this.  [rad]
-constexpr double largest_prediction = 0.3;
-
 int snapped_bonds(const State& s) {
   int snapped = 0;
   for (const BondId k : s.bonds.ids())

@@ -44,6 +44,9 @@ class TangentSolver {
   std::unique_ptr<ConjugateGradients> iterative_;
 };
 
+/// A predicted step along the load factor turns bonds by no more than this.  [rad]
+inline constexpr double largest_prediction = 0.3;
+
 /// How Newton's method went at one load factor.
 struct NewtonOutcome {
   bool converged = false;
