@@ -39,12 +39,13 @@ struct PlainBond {
   Losses lost{};
 };
 
-/// x >= 0 at which f, which falls, is zero; 0 if it is not above zero there.
+/// The first x >= 0 at which f, which falls, is zero; 0 if it is not above zero there. Small steps out: at large
+/// angles f rises again, and falls to other zeros.
 inline double root(const std::function<double(double)>& f, double slope) {
   double low = 0.0, f_low = f(0.0);
   if (!(f_low > 0.0)) return 0.0;
-  double high = 1.5 * f_low / slope, f_high = f(high);
-  for (int k = 0; k < 60 && f_high > 0.0; ++k) low = high, f_low = f_high, high *= 2.0, f_high = f(high);
+  double high = 0.5 * f_low / slope, f_high = f(high);
+  for (int k = 0; k < 100 && f_high > 0.0; ++k) low = high, f_low = f_high, high *= 1.25, f_high = f(high);
   int side = 0;
   for (int k = 0; k < 100 && high - low > 1e-16 * high; ++k) {  // Illinois
     const double x = (low * f_high - high * f_low) / (f_high - f_low), f_x = f(x);
@@ -142,7 +143,7 @@ inline void flow_across(PlainBond& b, const Quatd& q_i, const Quatd& q_j, const 
     const auto n = static_cast<std::size_t>(k);
     return load - rules[k]->limit - rules[k]->isotropic * (b.flow[n + 1] + x[n]) - rules[k]->kinematic * x[n];
   };
-  for (int sweep = 0; sweep < 200; ++sweep) {  // one after the other, until none changes
+  for (int sweep = 0; sweep < 5000; ++sweep) {  // one after the other, until none changes
     double change = 0.0;
     for (int k = 0; k < 3; ++k) {
       if (rules[k]->limit == 0.0) continue;
