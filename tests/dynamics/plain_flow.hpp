@@ -39,8 +39,8 @@ struct PlainBond {
   Losses lost{};
 };
 
-/// The first x >= 0 at which f, which falls, is zero; 0 if it is not above zero there. Small steps out: at large
-/// angles f rises again, and falls to other zeros.
+/// The first x >= 0 at which f, which falls, is zero; 0 if it is not above zero there. Small steps out: at
+/// large angles f rises again, and falls to other zeros.
 inline double root(const std::function<double(double)>& f, double slope) {
   double low = 0.0, f_low = f(0.0);
   if (!(f_low > 0.0)) return 0.0;

@@ -99,6 +99,14 @@ TEST(Strain, IsThatOfADeformationThatIsTheSameEverywhere) {
   EXPECT_NEAR(E[1], 0.005, 1e-13);
 }
 
+TEST(Strain, OfParticlesInOnePlaneIsNotANumber) {
+  std::vector<Vec3d> r;
+  for (int k = 0; k < 9; ++k)
+    r.push_back(rotate(rotation_of({0.3, 0.4, 0.5}), Vec3d{k % 3 * 1.1, k / 3 * 0.9, 0.1}));
+  const Specimen s = testing::particles_at(r);
+  EXPECT_TRUE(std::isnan(symmetric_part(mean_strain(s.model, s.state, s.model.groups[0].particles))[0]));
+}
+
 // Two balls that press on each other: force times distance of the centres, compression negative; and what
 // they remember of slip comes on top.
 TEST(Stress, OfTouchingBallsIsTheirForceTimesTheDistance) {
@@ -111,6 +119,9 @@ TEST(Stress, OfTouchingBallsIsTheirForceTimesTheDistance) {
   sum = stress_of(s, 1.0);
   EXPECT_NEAR(sum[0], -10.0 * 0.1 * 0.7, 1e-15);
   EXPECT_NEAR(sum[5], 0.5 * 0.3 * 0.7, 1e-15);
+  s.model.contact.keeps_overlap = true;  // of an overlap of which a part is not felt
+  s.state.contact_history = {{ParticleId{0}, ParticleId{1}, {}, 0.04}};
+  EXPECT_NEAR(stress_of(s, 1.0)[0], -10.0 * 0.06 * 0.7, 1e-15);
 }
 
 // Bonds that bend leave moments: the tensor is then not symmetric, by the moment that is left.

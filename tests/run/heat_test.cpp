@@ -81,6 +81,21 @@ TEST(Heat, LetsAFreeRodGrowAndAHeldOnePush) {
 // TH1: ends' translations held; one particle may not turn about the axis, which nothing else would hold. The
 // smallest eigenvalue vanishes between 1e-5 to either side of the exact growth; it is linear there but for
 // the square of that.
+// Heated at once far beyond the limit: the bond has flowed before it moves, and only N^2/2 is left to swing.
+TEST(Heat, ThatComesAtOnceFlowsAtOnce) {
+  BondRecipe recipe = warm();
+  recipe.rules.yield.limit.axial = recipe.rules.yield.compression = 0.002;
+  const Specimen s = warm_rod(2, recipe);
+  const double c_A = stiffness_of(s.state.bonds[BondId{0}]).c_A, limit = 0.002, growth = 15 * alpha;
+  Stage stage = testing::plain_stage(1e-3 / std::sqrt(c_A), 1e9);
+  stage.heating = {{s.model.groups[0].particles, 15.0, {}}};
+  Simulation run(s.model, stage, s.state);
+  const double slip = growth - limit / c_A;
+  EXPECT_NEAR(run.books().dissipated, limit * slip, 1e-3 * limit * slip);  // the bond is longer by the growth
+  EXPECT_NEAR(run.energies().potential(), 0.5 * limit * limit / c_A, 1e-3 * limit * limit / c_A);
+  for (int k = 0; k < 2000; ++k) run.step();
+  EXPECT_LT(std::abs(run.balance_error(run.energies())), 1e-5);
+}
 TEST(Heat, BucklesAPinnedRodAtTheTemperatureOfTheReference) {
   const double exact = testing::material_case("TH1")["expected"]["alpha_dT_critical"];
   const Specimen s = warm_rod(10, warm());

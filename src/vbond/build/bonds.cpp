@@ -13,6 +13,7 @@
 #include "vbond/build/text_file.hpp"
 #include "vbond/core/memory.hpp"
 #include "vbond/core/near_pairs.hpp"
+#include "vbond/model/bond_sums.hpp"
 #include "vbond/model/capsules.hpp"
 #include "vbond/model/energies.hpp"
 #include "vbond/model/make_bond.hpp"
@@ -254,7 +255,7 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
   FirstAndCount no_length, no_radius, unstable, snapping, no_capsule, broken;
   CapsuleMistake of_capsule;
   const EnergyBooks books = state.books;
-  const double U = potential_energies(model, state).contact;
+  const double U = potential_energies(model, state).contact, flowed = dissipated_by_flow(state);
   double longest = INFINITY;  // of bonds that soften
   for (const Pair& pair : select_pairs(c, set, model, state, problems)) {
     const BondSite site_i = bond_site(model, state, pair[0]), site_j = bond_site(model, state, pair[1]);
@@ -288,7 +289,8 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
     add_bond(model, *bond, recipe, state);
   }
   if (any_capsules(model.contact, state.bonds)) {  // what others touch changes, too
-    state.books.dissipated = books.dissipated, state.books.lost = books.lost;
+    state.books.dissipated = books.dissipated + (dissipated_by_flow(state) - flowed);
+    state.books.lost = books.lost;
     state.books.lose(Loss::bonding, U - potential_energies(model, state).contact);
   }
   const auto report = [&](const FirstAndCount& found, const char* rule, const char* way_out) {

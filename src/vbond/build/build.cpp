@@ -230,6 +230,15 @@ void check_output(const Case& c, const Model& model, Problems& problems) {
   look_up_groups_or_particles(c.output.displacements, model, problems);
   for (const StressSpec& s : c.output.stresses) look_up_volume(s, model, problems);
   const SourcePlace place{c.file, 0, 0};
+  if (c.output.frames && c.output.frames->stress)
+    for (const ParticleId p : model.radius.ids())
+      if (!(model.radius[p] > 0.0)) {
+        problems.add(c.specimens[model.specimen[p]].place,
+                     fmt::format("output.frames.stress: particle {} has no radius", p.value),
+                     "its stress has no volume to divide by",
+                     "give the particles a radius, or write history.stress of a group with a volume");
+        break;
+      }
   if (!c.any_dynamics()) return;  // no stage has intervals
   look_up_time(c.output.history_every, model, "output.history.every", place, problems);
   if (c.output.frames && c.output.frames->every)

@@ -251,8 +251,11 @@ void choose_step(const Case& c, const StageSpec& spec, const Model& model, const
   const Spins spins = c.time.given() ? spins_against_given_step(state) : Spins::counted;
   StepBound critical = step_is_exact(c) ? exact_bound(c, model, state, stage, exact_step, problems)
                                         : step_bound(model, state, stage, spins);
-  if (std::isinf(critical.dt) && !c.time.given() && flies_freely(c, model, state))
-    critical = {model.T_0 / std::numbers::pi, std::nullopt, "T0/pi: nothing is elastic as the stage begins"};
+  if (!c.time.given() && flies_freely(c, model, state) &&
+      std::isinf(step_bound(model, state, stage.bonding, stage.walls).dt))
+    critical = within_turns(
+        {model.T_0 / std::numbers::pi, std::nullopt, "T0/pi: nothing is elastic as the stage begins"}, model,
+        state, stage, spins);
   stage.critical = critical.dt;
   if (!(critical.dt > 0.0))
     problems.add(

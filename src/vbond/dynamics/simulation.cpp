@@ -50,6 +50,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
       walls_(model, stage_, bodies_, team_.blocks()),
       bonding_(model, stage_, bodies_.order, bond_index_),
       books_(team_.blocks()),
+      lost_(team_.blocks()),
       last_stage_step_(std::isfinite(stage_.stops.duration) ? steps_in(stage_.stops.duration, stage_.dt)
                                                             : std::numeric_limits<std::int64_t>::max()) {
   try {
@@ -155,7 +156,8 @@ bool Simulation::moves_first(const Block& b) const {
 void Simulation::begin_step(const Block& b) {
   const double dt = stage_.dt;
   BlockBooks& books = books_[b.index] = {};
-  books.lose(Loss::drag, damping_.slow_down(b.rows));  // v, omega over dt / 2
+  if (anything_dissipates()) lost_[b.index] = {};
+  if (damping_.is_drag()) lose(b.index, Loss::drag, damping_.slow_down(b.rows));  // v, omega over dt / 2
   books.work_supports += supports_.hold(b, Instant::start);
   if (!bodies_.damping.empty()) keep_rates(b);
   kick(b, dt / 2);  // v, omega : t -> t + dt/2
@@ -179,7 +181,7 @@ void Simulation::end_step(const Block& b) {
   kick(b, dt / 2);  // v, omega : t + dt/2 -> t + dt
   books.work_supports += supports_.hold_after_kick(b, Instant::middle, Instant::end, dt / 2);
   if (inelastic()) book_damping(b, dt / 2);
-  books.lose(Loss::drag, damping_.slow_down(b.rows));
+  if (damping_.is_drag()) lose(b.index, Loss::drag, damping_.slow_down(b.rows));
   books.work_supports += supports_.hold(b, Instant::end);
 }
 
@@ -252,12 +254,12 @@ void Simulation::complete_loads(const Part& part, const Block& b, Instant at, co
   }
   bonds_.add_loads(b, sweep, ahead, in_step ? &breaking_[part.index] : nullptr);
   books_[b.index].dissipated += sweep.dissipated;
-  books_[b.index].lost[Loss::other_laws] += sweep.by_other_laws;
+  lost_[b.index][Loss::other_laws] += sweep.by_other_laws;
   lap.add_to(times_.bonds);
   if (anything_touches()) {
     if (contacts_.any()) books_[b.index].deep |= contacts_.add_loads(particles_of(b), pose, load);
     if (capsules_.any()) capsules_.add_loads(particles_of(b), load);
-    if (walls_.any()) books_[b.index].lose(walls_.add_loads(b, load, sweep.dt));
+    if (walls_.any()) lose(b.index, walls_.add_loads(b, load, sweep.dt));
     lap.add_to(times_.contacts);
   }
   applied_.add(b, at);
@@ -266,11 +268,11 @@ void Simulation::complete_loads(const Part& part, const Block& b, Instant at, co
 
 /// What touching pairs do, before any of it is added: all particles have moved, and none has felt it yet.
 void Simulation::work_out_touches(double dt) {
-  if (capsules_.any()) books_.front().lose(capsules_.work_out(team_, dt));
+  if (capsules_.any()) lose(0, capsules_.work_out(team_, dt));
   if (!contacts_.are_touches()) return;
   team_.for_blocks([&](const Block& b) {
     const TouchSums found = contacts_.work_out(particles_of(b), bodies_, dt);
-    books_[b.index].lose(found.lost);
+    lose(b.index, found.lost);
     books_[b.index].deep = found.deep;
   });
 }
@@ -338,18 +340,27 @@ void Simulation::look_at_capsules() const {
                  "use a stiffer contact, lower velocities and loads, or a smaller time.step");
 }
 
+void Simulation::lose(std::size_t block, const TouchLosses<double>& in_contacts) {
+  lose(block, Loss::contact_damping, in_contacts.damping);
+  lose(block, Loss::friction, in_contacts.friction);
+  lose(block, Loss::rolling, in_contacts.rolling);
+  lose(block, Loss::adhesion, in_contacts.adhesion);
+}
+
 void Simulation::close_books() {
   BlockBooks sum;
-  const bool lossy = anything_dissipates();
   for (const BlockBooks& b : books_) {
-    if (lossy) sum.lost += b.lost;
     sum.dissipated += b.dissipated;
     sum.work_loads += b.work_loads;
     sum.work_supports += b.work_supports;
     sum.poison += b.poison;
   }
   state_.books.dissipated += sum.dissipated;
-  if (lossy) state_.books.lost += sum.lost;
+  if (anything_dissipates()) {
+    Losses lost;
+    for (const Losses& of_block : lost_) lost += of_block;
+    state_.books.lost += lost;
+  }
   state_.books.work_loads += sum.work_loads;
   state_.books.work_supports += sum.work_supports;
   if (supports_.grips().any()) supports_.grips().close();

@@ -138,19 +138,9 @@ class Simulation {
   /// What a block's particles add to the energy books in a step, and NaN if one of their loads is not finite.
   struct BlockBooks {
     double dissipated = 0, work_loads = 0, work_supports = 0;
-    Losses lost{};  // what is dissipated, by cause
     double poison = 0;
     double way2 = 0;    // bound of the largest |v dt|^2
     bool deep = false;  // some contact of its particles is
-
-    void lose(Loss cause, double energy) { dissipated += energy, lost[cause] += energy; }
-    void lose(const TouchLosses<double>& in_contacts) {
-      dissipated += in_contacts.sum();
-      lost[Loss::contact_damping] += in_contacts.damping;
-      lost[Loss::friction] += in_contacts.friction;
-      lost[Loss::rolling] += in_contacts.rolling;
-      lost[Loss::adhesion] += in_contacts.adhesion;
-    }
   };
 
   /// What was taken off two particles as a bond between them broke.
@@ -195,6 +185,10 @@ class Simulation {
   bool inelastic() const { return !bodies_.rates.empty(); }
   void keep_rates(const Block& block);
   void book_damping(const Block& block, double h);
+  void lose(std::size_t block, Loss cause, double energy) {
+    books_[block].dissipated += energy, lost_[block][cause] += energy;
+  }
+  void lose(std::size_t block, const TouchLosses<double>& in_contacts);
   bool anything_dissipates() const { return inelastic() || anything_touches() || damping_.is_drag(); }
   void close_walls(double dt);
   void look_at_capsules() const;
@@ -233,6 +227,7 @@ class Simulation {
   Walls walls_;
   Bonding bonding_;
   std::vector<BlockBooks> books_;
+  std::vector<Losses> lost_;                   // of what books_ count as dissipated, by cause
   std::vector<std::vector<BondId>> breaking_;  // of each part, in the step under way
   std::vector<BondEvent> events_;
   std::vector<Growing> growing_;               // bonds whose lengths change in the step under way

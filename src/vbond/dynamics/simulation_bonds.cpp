@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "vbond/dynamics/simulation.hpp"
+#include "vbond/model/bond_sums.hpp"
 
 namespace vbond {
 namespace {
@@ -62,19 +63,20 @@ void Simulation::make_bonds() {
       capsules_.any() ||
       std::any_of(pairs.begin(), pairs.end(), [](const Bonding::Pair& p) { return p.rule->recipe.capsule; });
   const EnergyBooks books = state_.books;
-  const double U = capsules ? contact_energy() : 0.0;
+  const double U = capsules ? contact_energy() : 0.0, flowed = capsules ? dissipated_by_flow(state_) : 0.0;
   if (contacts_.are_touches() && model_.contact.pairs == ContactPairs::unbonded)
     for (const auto& [rule, i, j] : pairs)  // add_bond() books the energy of their repulsion alone
       state_.books.lose(Loss::bonding, contacts_.energy(bodies_.order.row[i], bodies_.order.row[j], bodies_) -
                                            contact_pair_energy(model_, state_, i, j));
   bonding_.make(pairs, state_);
+  const double flowed_now = capsules ? dissipated_by_flow(state_) - flowed : 0.0;  // by their prestrain
   for (std::size_t k = before; k < state_.bonds.size(); ++k)
     events_.push_back({BondEvent::Kind::made, BondId{k}, state_.clock.step});
   bonds_changed();
   evaluate_loads();
   // a new bond then also changes what others touch
   if (!capsules) return;
-  state_.books.dissipated = books.dissipated, state_.books.lost = books.lost;
+  state_.books.dissipated = books.dissipated + flowed_now, state_.books.lost = books.lost;
   state_.books.lose(Loss::bonding, U - contact_energy());
 }
 
@@ -188,10 +190,8 @@ void Simulation::book_damping(const Block& b, double h) {
   };
   const double all = taken_by(bodies_.damping);
   const double local = !damping_.is_local() ? 0.0 : bonds_.damp() ? taken_by(bodies_.local_damping) : all;
-  BlockBooks& books = books_[b.index];
-  books.dissipated += all;
-  books.lost[Loss::local_damping] += local;
-  books.lost[Loss::bond_damping] += all - local;
+  lose(b.index, Loss::local_damping, local);
+  lose(b.index, Loss::bond_damping, all - local);
 }
 
 /// Keeps the velocities of this moment while the block moves on: those of the half step for bonds that read

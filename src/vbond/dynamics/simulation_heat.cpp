@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "vbond/dynamics/simulation.hpp"
+#include "vbond/model/bond_sums.hpp"
 #include "vbond/model/heat.hpp"
 
 namespace vbond {
@@ -20,14 +21,24 @@ bool Simulation::set_temperatures(double time) {
   return changed;
 }
 
-/// The temperatures with which the stage begins: the energy changes while nothing moves.
+/// The temperatures with which the stage begins: the energy changes while nothing moves, and bonds flow that
+/// this brings beyond their limits.
 void Simulation::heat_at_start() {
   if (!set_temperatures(0.0)) return;
-  const double U_before = energies().potential();
+  const double U_before = energies().potential(), flowed_before = dissipated_by_flow(state_);
   take_lengths(state_);
-  for (const WarmBond& w : state_.warm_bonds) bonds_.take_lengths(w.bond, state_.bonds[w.bond]);
+  for (const WarmBond& w : state_.warm_bonds) {
+    const Bond& b = state_.bonds[w.bond];
+    bonds_.take_lengths(w.bond, b);
+    if (b.broken || !b.law->has_rules || state_.bond_history.empty()) continue;
+    BondHistory& history = state_.bond_history[w.bond];
+    history = b.law->advance(b, bond_pose(b, state_), {}, 0.0, history);
+  }
+  if (bonds_.remembers()) arrange_bonds();
   evaluate_loads();
-  state_.books.work_supports += energies().potential() - U_before;
+  const double flowed = dissipated_by_flow(state_) - flowed_before;
+  state_.books.dissipated += flowed;
+  state_.books.work_supports += energies().potential() - U_before + flowed;
 }
 
 void Simulation::heat() {
@@ -52,6 +63,7 @@ void Simulation::heat() {
     b = with_growth(state_, w, growth_of(state_, w));
     bonds_.take_lengths(w.bond, b);
   }
+  survey_.reset();
 }
 
 /// Half of the work of growing: once before the step, and once after it.

@@ -118,7 +118,9 @@ StepBound step_bound(const Model& model, const State& state, const Stage& stage,
 
 StepBound within_turns(StepBound bound, const Model& model, const State& state, const Stage& stage,
                        Spins spins) {
-  const FastestTurn turn = fastest_turn(model, state, stage, spins);
+  // where nothing is elastic, supports and walls that turn set no step: nothing feels it
+  const Stage none;
+  const FastestTurn turn = fastest_turn(model, state, std::isinf(bound.dt) ? none : stage, spins);
   if (!(turn.rate * bound.dt > longest_turn)) return bound;
   return {longest_turn / turn.rate, std::nullopt, turn.source + ", which has to be below 0.5 rad in a step"};
 }

@@ -1,5 +1,6 @@
 #include "vbond/model/stress.hpp"
 
+#include <cmath>
 #include <numbers>
 
 #include "vbond/model/touching.hpp"
@@ -30,10 +31,11 @@ Tensor transposed(const Tensor& t) {
   const auto& [x, y, z] = t.row;
   return {{Vec3d{x.x, y.x, z.x}, Vec3d{x.y, y.y, z.y}, Vec3d{x.z, y.z, z.z}}};
 }
-/// The inverse of a symmetric tensor.
+/// The inverse of a symmetric tensor; not a number if that is singular but for rounding.
 Tensor inverse(const Tensor& t) {
   const auto& [x, y, z] = t.row;
-  const double per_det = 1.0 / dot(x, cross(y, z));
+  const double det = dot(x, cross(y, z)), mean = (x.x + y.y + z.z) / 3.0;
+  const double per_det = det > 1e-12 * mean * mean * mean ? 1.0 / det : std::nan("");
   return {{per_det * cross(y, z), per_det * cross(z, x), per_det * cross(x, y)}};
 }
 
@@ -55,11 +57,13 @@ PerParticle<Tensor> stress_times_volume(const Model& model, const State& s) {
   }
   for_touching_pairs(model, s, [&](ParticleId i, ParticleId j, double overlap) {
     const double R_i = model.radius[i], R_j = model.radius[j];
-    const Vec3d n = normalised(s.r[j] - s.r[i]);
+    const Vec3d r_ij = s.r[j] - s.r[i];
+    const double distance = norm(r_ij);
+    const Vec3d n = r_ij / distance;
     const double F_n =
         normal_force(touch_forms(model.contact), touch_numbers(model, i, j), R_i * R_j / (R_i + R_j), overlap)
             .F;
-    add_force(i, j, friction_on(s, i, j) - F_n * n, s.r[i] + (R_i - 0.5 * overlap) * n, s, sum);
+    add_force(i, j, friction_on(s, i, j) - F_n * n, s.r[i] + 0.5 * (R_i - R_j + distance) * n, s, sum);
   });
   return sum;
 }

@@ -106,7 +106,7 @@ class LoadSteps {
     if (!body_.walls_move()) return;
     Stand now = stand_of(body_);
     largest_energy_ = std::max({largest_energy_, std::abs(before_.stored), std::abs(now.stored)});
-    const Vector work = WorkOnTheWay(body_, solver_, hooks_, result_).between(before_, now, largest_energy_);
+    const Vector work = WorkOnTheWay(body_, solver_, result_).between(before_, now, largest_energy_);
     factored_here_ = false;
     body_.add_work_of_walls(work.tail(now.power_of_walls.size()));
     before_ = std::move(now);

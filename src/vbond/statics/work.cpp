@@ -32,7 +32,7 @@ Stand stand_of(const StaticBody& body) {
 }
 
 bool WorkOnTheWay::correct_here() {
-  const NewtonOutcome outcome = correct(body_, solver_, body_.stage().newton, hooks_.interrupted);
+  const NewtonOutcome outcome = correct(body_, solver_, body_.stage().newton);
   result_.iterations += outcome.iterations();
   result_.residuals = outcome.residuals;
   return outcome.converged;
@@ -47,7 +47,7 @@ bool WorkOnTheWay::balance_between(const Placement& a, const Placement& b, doubl
   if (body_.model().walls.empty()) return false;
   body_.restore(a);  // plain steps may go back and forth over a wall that is just touched
   body_.move(x, load_factor);
-  return settle(body_, solver_, body_.stage().newton, hooks_.interrupted, result_.iterations).converged;
+  return settle(body_, solver_, body_.stage().newton, {}, result_.iterations).converged;
 }
 
 /// Supports and walls by the mean of their powers, loads and the relief by that of their sizes.

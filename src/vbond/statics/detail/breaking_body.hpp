@@ -62,7 +62,7 @@ class BreakingBody {
   void begin(State state, double load_factor);
   double reaction(const StaticSupport& s) const;
   double reaction(const StaticWallDrive& d) const;
-  WorkOnTheWay way_here() { return {*body_, *solver_, hooks_, result_}; }
+  WorkOnTheWay way_here() { return {*body_, *solver_, result_}; }
   bool is_near(const Placement& from, double expected) const;
   bool is_no_jump(const Placement& from, double expected);
 

@@ -15,12 +15,13 @@ struct Stand {
 };
 Stand stand_of(const StaticBody& body);
 
-/// Work of loads, supports and walls between balances that are close.
+/// Work of loads, supports and walls between balances that are close. A sum that has begun is not
+/// interrupted: half of it would stand in the books for good.
 class WorkOnTheWay {
  public:
   /// Keeps references.
-  WorkOnTheWay(StaticBody& body, TangentSolver& solver, const StaticHooks& hooks, StaticResult& result)
-      : body_(body), solver_(solver), hooks_(hooks), result_(result) {}
+  WorkOnTheWay(StaticBody& body, TangentSolver& solver, StaticResult& result)
+      : body_(body), solver_(solver), result_(result) {}
 
   /// From one balance to the other along the way between: first that of all, then of each wall. Sums over
   /// balances between them, more of them until the work is known as well as the books are to close, or they
@@ -37,7 +38,6 @@ class WorkOnTheWay {
 
   StaticBody& body_;
   TangentSolver& solver_;
-  const StaticHooks& hooks_;
   StaticResult& result_;
 };
 
