@@ -16,14 +16,15 @@ struct Together {
   std::size_t count = 0;
 };
 
-/// Numbers from 4 q on of `lanes` rows of so many, transposed: number k of row l in lane l of x[k].
-template <class R>
-VBOND_HD void load_quads(const R* rows, const std::size_t* row, std::size_t q, Halves& x) {
+/// Four numbers of `lanes` rows, transposed: number k of row l in lane l of x[k].
+template <class R, class Index>
+VBOND_HD void load_quads(const R* rows, const Index* row, Half half, Halves& x) {
+  const auto at = static_cast<std::size_t>(half);
   for (std::size_t k = 0; k < 4; ++k) {
 #if VBOND_LANES == 8
-    x[k].v = side_by_side(numbers(rows + row[k]) + 4 * q, numbers(rows + row[k + 4]) + 4 * q);
+    x[k].v = side_by_side(numbers(rows + row[k]) + at, numbers(rows + row[k + 4]) + at);
 #else
-    x[k] = Real::load(numbers(rows + row[k % lanes]) + 4 * q + k / lanes * lanes);
+    x[k] = Real::load(numbers(rows + row[k % lanes]) + at + k / lanes * lanes);
 #endif
   }
   transpose_halves(x);
@@ -31,15 +32,16 @@ VBOND_HD void load_quads(const R* rows, const std::size_t* row, std::size_t q, H
 
 /// The reverse. Lanes that hold the same row write the same.
 template <class R>
-VBOND_HD void store_quads(Halves& x, R* rows, const std::size_t* row, std::size_t q) {
+VBOND_HD void store_quads(Halves& x, R* rows, const std::size_t* row, Half half) {
+  const auto at = static_cast<std::size_t>(half);
   transpose_halves(x);
   for (std::size_t k = 0; k < 4; ++k) {
 #if VBOND_LANES == 8
     constexpr std::size_t quad = 4 * sizeof(double);
-    std::memcpy(numbers(rows + row[k]) + 4 * q, &x[k].v, quad);
-    std::memcpy(numbers(rows + row[k + 4]) + 4 * q, reinterpret_cast<const char*>(&x[k].v) + quad, quad);
+    std::memcpy(numbers(rows + row[k]) + at, &x[k].v, quad);
+    std::memcpy(numbers(rows + row[k + 4]) + at, reinterpret_cast<const char*>(&x[k].v) + quad, quad);
 #else
-    x[k].store(numbers(rows + row[k % lanes]) + 4 * q + k / lanes * lanes);
+    x[k].store(numbers(rows + row[k % lanes]) + at + k / lanes * lanes);
 #endif
   }
 }
@@ -77,19 +79,35 @@ VBOND_HD TouchNumbers<Real> numbers_of_pairs(const TouchRule& rule, const Togeth
   return to;
 }
 
-/// Adds the first lanes in their order.
-VBOND_HD void add_first(const Real& x, std::size_t count, double& sum) {
-  double of[lanes];
-  x.store(of);
-  for (std::size_t l = 0; l < count; ++l) sum += of[l];
-}
+/// A sum over pairs in rows_at_once parts, every so many pairs in the same one: the bits do not depend on the
+/// number of lanes, and no addition waits for the one before.
+struct SumOfPairs {
+  double part[rows_at_once] = {};
+
+  /// Adds the first `count` lanes; `before` pairs, a multiple of the lanes, came before.
+  VBOND_HD void add(const Real& x, std::size_t count, std::size_t before) {
+    double* const at = part + before % rows_at_once;
+    double of[lanes];
+    (Real::load(at) + x).store(of);
+    std::memcpy(at, of, count * sizeof(double));
+  }
+  VBOND_HD double sum() const {
+    double all = 0.0;
+    for (const double x : part) all += x;
+    return all;
+  }
+};
+
+/// TouchLosses of all pairs that touch.
+struct LossesOfPairs {
+  SumOfPairs damping, friction, rolling, adhesion;
+  std::size_t pairs = 0;
+};
 
 VBOND_HD void work_out(const TouchRule& rule, const TouchTable& table, Together& t, const PoseRow* pose,
-                       const MotionRow* motion, double dt, TouchSums& sums) {
+                       const MotionRow* motion, double dt, LossesOfPairs& lost) {
   for (std::size_t l = t.count; l < lanes; ++l) t.i[l] = t.i[0], t.j[l] = t.j[0], t.pair[l] = t.pair[0];
   Halves a, b, v_i, v_j, w_i, w_j;
-  std::size_t of_i[lanes], of_j[lanes];
-  for (std::size_t l = 0; l < lanes; ++l) of_i[l] = t.i[l], of_j[l] = t.j[l];
   load_halves(pose, t.i, Half::first, a);
   load_halves(pose, t.j, Half::first, b);
   load_halves(motion, t.i, Half::first, v_i);
@@ -100,8 +118,8 @@ VBOND_HD void work_out(const TouchRule& rule, const TouchTable& table, Together&
   load_columns(motion, t.i, Half::second, w_i);
   load_columns(motion, t.j, Half::second, w_j);
   Halves row_i, row_j;
-  load_quads(rule.row, of_i, 0, row_i);
-  load_quads(rule.row, of_j, 0, row_j);
+  load_quads(rule.row, t.i, Half::first, row_i);
+  load_quads(rule.row, t.j, Half::first, row_j);
 
   Touching<Real> p =
       round_bodies<Real>(vector(b), {row_i[0], row_i[1], row_i[2]}, {row_j[0], row_j[1], row_j[2]},
@@ -112,52 +130,57 @@ VBOND_HD void work_out(const TouchRule& rule, const TouchTable& table, Together&
     p.overlap = p.overlap - Real::load(of);
   }
 
-  Halves q[3];
   const bool rolls = rule.forms.rolling != RollingForm::none;
-  for (std::size_t k = 0; k < (rolls ? 3 : 2); ++k) load_quads(table.history, t.pair, k, q[k]);
-  TouchHistory<Real> before;
-  before.F_t = vector(q[0]), before.a = q[0][3];
-  before.F_d = vector(q[1]), before.k_r = q[1][3];
-  if (rolls)
-    before.M_r = vector(q[2]), before.M_t = q[2][3];
-  else
-    before.M_r = {Real(0.0), Real(0.0), Real(0.0)}, before.M_t = Real(0.0);
+  const Real zero(0.0);
+  Halves of_slip, of_damping, of_rolling = {zero, zero, zero, zero};
+  load_quads(table.slip, t.pair, Half::first, of_slip);
+  load_quads(table.slip, t.pair, Half::second, of_damping);
+  if (rolls) load_quads(table.rolling, t.pair, Half::first, of_rolling);
+  const TouchHistory<Real> before{vector(of_slip), of_slip[3],         vector(of_damping),
+                                  of_damping[3],   vector(of_rolling), of_rolling[3]};
 
   const TouchLoads<Real> loads = touch(rule.forms, numbers_of_pairs(rule, t), p, Real(dt), before);
   const Vec3<Real> T = cross(p.n, loads.F);
-  Halves out[3] = {{loads.F.x, loads.F.y, loads.F.z, p.l_i},
-                   {T.x, T.y, T.z, p.l_j},
-                   {loads.M.x, loads.M.y, loads.M.z, Real(0.0)}};
-  for (std::size_t k = 0; k < (rolls ? 3 : 2); ++k) store_quads(out[k], table.load, t.pair, k);
+  Halves of_F = {loads.F.x, loads.F.y, loads.F.z, p.l_i}, of_T = {T.x, T.y, T.z, p.l_j};
+  store_quads(of_F, table.load, t.pair, Half::first);
+  store_quads(of_T, table.load, t.pair, Half::second);
   for (std::size_t l = 0; l < t.count; ++l) table.touching[t.pair[l]] = 1;
-  if (dt > 0.0) {
-    add_first(loads.lost.damping, t.count, sums.lost.damping);
-    if (rule.forms.tangential != TangentialForm::none)
-      add_first(loads.lost.friction, t.count, sums.lost.friction);
-    if (rolls) add_first(loads.lost.rolling, t.count, sums.lost.rolling);
-    if (rule.forms.adhesion != AdhesionForm::none)
-      add_first(loads.lost.adhesion, t.count, sums.lost.adhesion);
-  }
   const TouchHistory<Real>& h = loads.history;
-  Halves now[3] = {{h.F_t.x, h.F_t.y, h.F_t.z, h.a},
-                   {h.F_d.x, h.F_d.y, h.F_d.z, h.k_r},
-                   {h.M_r.x, h.M_r.y, h.M_r.z, h.M_t}};
-  for (std::size_t k = 0; k < (rolls ? 3 : 2); ++k) store_quads(now[k], table.history, t.pair, k);
+  Halves now_slip = {h.F_t.x, h.F_t.y, h.F_t.z, h.a}, now_damping = {h.F_d.x, h.F_d.y, h.F_d.z, h.k_r};
+  store_quads(now_slip, table.slip, t.pair, Half::first);
+  store_quads(now_damping, table.slip, t.pair, Half::second);
+  if (rolls) {
+    Halves of_M = {loads.M.x, loads.M.y, loads.M.z, zero}, now_rolling = {h.M_r.x, h.M_r.y, h.M_r.z, h.M_t};
+    store_quads(of_M, table.moment, t.pair, Half::first);
+    store_quads(now_rolling, table.rolling, t.pair, Half::first);
+  }
+  if (dt > 0.0) {
+    lost.damping.add(loads.lost.damping, t.count, lost.pairs);
+    if (rule.forms.tangential != TangentialForm::none)
+      lost.friction.add(loads.lost.friction, t.count, lost.pairs);
+    if (rolls) lost.rolling.add(loads.lost.rolling, t.count, lost.pairs);
+    if (rule.forms.adhesion != AdhesionForm::none)
+      lost.adhesion.add(loads.lost.adhesion, t.count, lost.pairs);
+    lost.pairs += lanes;
+  }
 }
 
 /// Two that do not touch: whether they hold on to each other. What they remember is lost if not.
 bool still_touch(const TouchRule& rule, const TouchTable& table, std::size_t i, std::size_t k,
-                 const PoseRow* pose, const MotionRow* motion, double dt, TouchSums& sums) {
+                 const PoseRow* pose, const MotionRow* motion, double dt, TouchLosses<double>& parted) {
   const std::size_t j = table.second[k].value;
-  PairHistory& history = table.history[k].x;
-  if (history[3] == 0.0) return false;
+  if (table.slip[k].a == 0.0) return false;
   const TouchNumbers<double>& numbers =
       rule.numbers[rule.material == nullptr ? 0 : rule.material[i] * rule.materials + rule.material[j]];
   const Touching<double> p =
       touching_of(rule.row[i], rule.row[j], pose[j].r - pose[i].r, motion[i], motion[j]);
   if (holds_on(rule.forms, numbers, p.R, p.overlap)) return true;
-  if (dt > 0.0) sums.parted += lost_on_parting(rule.forms, numbers, p, dt, touch_history(history));
-  for (double& x : history) x = 0.0;
+  const bool rolls = rule.forms.rolling != RollingForm::none;
+  if (dt > 0.0)
+    parted += lost_on_parting(rule.forms, numbers, p, dt,
+                              touch_history(table.slip[k], rolls ? table.rolling[k] : MomentRow{}));
+  table.slip[k] = {};
+  if (rolls) table.rolling[k] = {};
   return false;
 }
 
@@ -167,6 +190,8 @@ TouchLoop touch_pairs;
 TouchSums touch_pairs(const TouchRule& rule, const TouchTable& table, RowRange rows, const PoseRow* pose,
                       const MotionRow* motion, double dt) {
   TouchSums sums;
+  LossesOfPairs lost;
+  TouchLosses<double> parted;
   Together together;
   for (std::size_t i = rows.first; i < rows.last; ++i) {
     const Vec3d r_i = pose[i].r;
@@ -181,18 +206,19 @@ TouchSums touch_pairs(const TouchRule& rule, const TouchTable& table, RowRange r
       if (table.kept != nullptr && table.kept[k] > 0.0)
         felt -= table.kept[k] = still_kept(table.kept[k], reach - std::sqrt(distance2));
       // a distance that is NaN counts as touching: the load check finds it
-      if (distance2 >= felt * felt && !still_touch(rule, table, i, k, pose, motion, dt, sums)) continue;
+      if (distance2 >= felt * felt && !still_touch(rule, table, i, k, pose, motion, dt, parted)) continue;
       sums.deep |= distance2 < deep_part * reach * (deep_part * reach);
       together.i[together.count] = static_cast<std::uint32_t>(i);
       together.j[together.count] = j;
       together.pair[together.count] = k;
       if (++together.count < lanes) continue;
-      work_out(rule, table, together, pose, motion, dt, sums);
+      work_out(rule, table, together, pose, motion, dt, lost);
       together.count = 0;
     }
   }
-  if (together.count > 0) work_out(rule, table, together, pose, motion, dt, sums);
-  sums.lost += sums.parted;
+  if (together.count > 0) work_out(rule, table, together, pose, motion, dt, lost);
+  sums.lost = {lost.damping.sum(), lost.friction.sum(), lost.rolling.sum(), lost.adhesion.sum()};
+  sums.lost += parted;
   return sums;
 }
 

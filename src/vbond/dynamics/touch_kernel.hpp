@@ -16,19 +16,29 @@ struct alignas(32) TouchRow {
   double unused = 0;
 };
 
+// What each pair has is read and written in every step, so that its size is its cost: a cache line, and what
+// only rolling needs by itself.
+
 /// What a pair does to its particles, in quadruples for the vector unit.
-struct alignas(32) PairLoadRow {
+struct alignas(64) PairLoadRow {
   Vec3d F;         ///< on the first  [force]
   double l_i = 0;  ///< its lever  [length]
   Vec3d T;         ///< n x F  [force]
   double l_j = 0;  ///< lever of the second  [length]
-  Vec3d M;         ///< against rolling and twisting, on the first  [force*length]
-  double unused = 0;
 };
 
-/// Numbers of a TouchHistory, in quadruples.
-struct alignas(32) HistoryRow {
-  PairHistory x{};
+/// A TouchHistory but for rolling, likewise.
+struct alignas(64) SlipRow {
+  Vec3d F_t;
+  double a = 0;
+  Vec3d F_d;
+  double k_r = 0;
+};
+
+/// Moments against rolling, and against twisting about the normal, on the first.  [force*length]
+struct alignas(32) MomentRow {
+  Vec3d M_r;
+  double M_t = 0;
 };
 
 /// What particles do that touch.
@@ -44,8 +54,10 @@ struct TouchRule {
 struct TouchTable {
   const std::size_t* start;
   const Row* second;
-  HistoryRow* history;
+  SlipRow* slip;
+  MomentRow* rolling;  ///< as remembered; unused without a form of rolling
   PairLoadRow* load;
+  MomentRow* moment;       ///< M_r + M_t n, and 0; likewise
   std::uint8_t* touching;  ///< whether the loads are of now
   double* kept;            ///< overlap that is not felt  [length]; nullptr: none
 };
@@ -53,8 +65,7 @@ struct TouchTable {
 /// What a loop over pairs has found.
 struct TouchSums {
   TouchLosses<double> lost;
-  TouchLosses<double> parted;  ///< of pairs that have parted: summed by itself, in the order of pairs
-  bool deep = false;           ///< two are nearer than deep_part of the sum of their radii
+  bool deep = false;  ///< two are nearer than deep_part of the sum of their radii
 };
 
 /// The loads of all pairs whose first is in these rows, from where their particles stand and how they moved
@@ -69,7 +80,8 @@ Touching<double> touching_of(const TouchRow& i, const TouchRow& j, const Vec3d& 
 inline double still_kept(double kept, double overlap) {
   return overlap > 0.0 ? std::min(kept, overlap) : 0.0;
 }
-/// A history as numbers, and back.
+/// A history from its rows, and from numbers; and as numbers.
+TouchHistory<double> touch_history(const SlipRow& slip, const MomentRow& rolling);
 TouchHistory<double> touch_history(const PairHistory& x);
 PairHistory numbers_of(const TouchHistory<double>& h);
 /// Whether two that touched before, and whose surfaces are now apart, still hold together.

@@ -12,6 +12,10 @@ Touching<double> touching_of(const TouchRow& i, const TouchRow& j, const Vec3d& 
                               of_i.omega, of_j.omega);
 }
 
+TouchHistory<double> touch_history(const SlipRow& slip, const MomentRow& rolling) {
+  return {slip.F_t, slip.a, slip.F_d, slip.k_r, rolling.M_r, rolling.M_t};
+}
+
 TouchHistory<double> touch_history(const PairHistory& x) {
   return {{x[0], x[1], x[2]}, x[3], {x[4], x[5], x[6]}, x[7], {x[8], x[9], x[10]}, x[11]};
 }
@@ -66,8 +70,8 @@ TouchRule TouchPairs::rule() const {
 }
 
 TouchTable TouchPairs::table() {
-  return {start_.data(), second_.data(),   history_.data(),
-          load_.data(),  touching_.data(), keeps_overlap_ ? kept_.data() : nullptr};
+  return {start_.data(), second_.data(), slip_.data(),     rolling_.data(),
+          load_.data(),  moment_.data(), touching_.data(), keeps_overlap_ ? kept_.data() : nullptr};
 }
 
 const TouchNumbers<double>& TouchPairs::numbers(Row i, Row j) const {
@@ -103,35 +107,41 @@ void TouchPairs::list(const NeighbourList& near, const Team& team) {
   };
   std::swap(start_, old_start_);
   std::swap(second_, old_second_);
-  std::swap(history_, old_history_);
+  std::swap(slip_, old_slip_);
+  std::swap(rolling_, old_rolling_);
   std::swap(kept_, old_kept_);
   start_.assign(n + 1, 0);
-  all_start_.assign(n + 1, 0);
+  as_second_start_.assign(n + 1, 0);
   for_rows([&](std::size_t i) {
     start_[i + 1] = above(i).size();
-    all_start_[i + 1] = near.of(Row{i}).size();
+    as_second_start_[i + 1] = near.of(Row{i}).size() - above(i).size();
   });
   std::inclusive_scan(start_.begin(), start_.end(), start_.begin());
-  std::inclusive_scan(all_start_.begin(), all_start_.end(), all_start_.begin());
+  std::inclusive_scan(as_second_start_.begin(), as_second_start_.end(), as_second_start_.begin());
   second_.resize(start_[n]);
-  history_.resize(start_[n]);
+  slip_.resize(start_[n]);
   load_.resize(start_[n]);
+  if (rolls()) rolling_.resize(start_[n]), moment_.resize(start_[n]);
   touching_.assign(start_[n], 0);
   if (keeps_overlap_) kept_.resize(start_[n]);
-  all_.resize(all_start_[n]);
+  as_second_.resize(start_[n]);
   for_rows([&](std::size_t i) {
     std::size_t k = start_[i], old = old_start_[i];
     for (const Row j : above(i)) {
       while (old < old_start_[i + 1] && old_second_[old] < j) ++old;
       const bool was_near = old < old_start_[i + 1] && old_second_[old] == j;
-      history_[k] = was_near ? old_history_[old] : HistoryRow{};
+      slip_[k] = was_near ? old_slip_[old] : SlipRow{};
+      if (rolls()) rolling_[k] = was_near ? old_rolling_[old] : MomentRow{};
       if (keeps_overlap_) kept_[k] = was_near ? old_kept_[old] : 0.0;
       second_[k++] = j;
     }
   });
-  for_rows([&](std::size_t i) {  // lower rows first, in order, as pairs are gone through in theirs
-    std::size_t e = all_start_[i], own = start_[i];
-    for (const Row j : near.of(Row{i})) all_[e++] = j.value < i ? 2 * place(j, Row{i}) + 1 : 2 * own++;
+  for_rows([&](std::size_t i) {
+    std::size_t e = as_second_start_[i];
+    for (const Row j : near.of(Row{i})) {
+      if (j.value > i) break;
+      as_second_[e++] = place(j, Row{i});
+    }
   });
 }
 
@@ -140,32 +150,37 @@ TouchSums TouchPairs::work_out(RowRange rows, const Bodies& b, double dt) {
 }
 
 void TouchPairs::add_loads(RowRange rows, LoadRow* load) const {
-  const bool rolls = forms_.rolling != RollingForm::none;
+  const bool moments = rolls();
   for (std::size_t i = rows.first; i < rows.last; ++i) {
     Vec3d F = load[i].F, M = load[i].M;
-    for (std::size_t e = all_start_[i]; e < all_start_[i + 1]; ++e) {
-      const std::size_t k = all_[e] / 2;
+    for (std::size_t e = as_second_start_[i]; e < as_second_start_[i + 1]; ++e) {
+      const std::size_t k = as_second_[e];
       if (touching_[k] == 0) continue;
       const PairLoadRow& l = load_[k];
-      if (all_[e] % 2 == 0) {
-        F += l.F;
-        M += l.l_i * l.T;
-        if (rolls) M += l.M;
-      } else {
-        F -= l.F;
-        M += l.l_j * l.T;
-        if (rolls) M -= l.M;
-      }
+      F -= l.F;
+      M += l.l_j * l.T;
+      if (moments) M -= moment_[k].M_r;
+    }
+    for (std::size_t k = start_[i]; k < start_[i + 1]; ++k) {
+      if (touching_[k] == 0) continue;
+      const PairLoadRow& l = load_[k];
+      F += l.F;
+      M += l.l_i * l.T;
+      if (moments) M += moment_[k].M_r;
     }
     load[i].F = F;
     load[i].M = M;
   }
 }
 
+TouchHistory<double> TouchPairs::history(std::size_t pair) const {
+  return touch_history(slip_[pair], rolls() ? rolling_[pair] : MomentRow{});
+}
+
 double TouchPairs::energy(Row i, Row j, const Bodies& bodies) const {
   const Touching<double> p = touching(i, j, bodies);
   const std::size_t k = place(std::min(i, j), std::max(i, j));
-  const TouchHistory<double> h = touch_history(k < pairs() ? history_[k].x : PairHistory{});
+  const TouchHistory<double> h = k < pairs() ? history(k) : TouchHistory<double>{};
   const bool touch = p.overlap > 0.0 || (h.a > 0.0 && holds_on(forms_, numbers(i, j), p.R, p.overlap));
   if (!touch) return 0.0;
   return normal_energy(forms_, numbers(i, j), p.R, p.overlap) + history_energy(forms_, numbers(i, j), h);
@@ -193,7 +208,7 @@ std::vector<PairMemory> TouchPairs::collect() const {
   std::vector<PairMemory> memories;
   for (std::size_t i = 0; i < row_.size(); ++i)
     for (std::size_t k = start_[i]; k < start_[i + 1]; ++k) {
-      const PairHistory& h = history_[k].x;
+      const PairHistory h = numbers_of(history(k));
       const double kept = keeps_overlap_ ? kept_[k] : 0.0;
       if (h == PairHistory{} && kept == 0.0) continue;
       const ParticleId p = order_.particle[Row{i}], o = order_.particle[second_[k]];
@@ -206,13 +221,16 @@ std::vector<PairMemory> TouchPairs::collect() const {
 }
 
 void TouchPairs::restore(const std::vector<PairMemory>& memories) {
-  std::fill(history_.begin(), history_.end(), HistoryRow{});
+  std::fill(slip_.begin(), slip_.end(), SlipRow{});
+  std::fill(rolling_.begin(), rolling_.end(), MomentRow{});
   std::fill(kept_.begin(), kept_.end(), 0.0);
   for (const PairMemory& m : memories) {
     const Row i = order_.row[m.i], j = order_.row[m.j];
     const std::size_t k = place(std::min(i, j), std::max(i, j));
     if (k >= pairs()) continue;
-    history_[k].x = i < j ? m.history : seen_from_the_other(m.history);
+    const TouchHistory<double> h = touch_history(i < j ? m.history : seen_from_the_other(m.history));
+    slip_[k] = {h.F_t, h.a, h.F_d, h.k_r};
+    if (rolls()) rolling_[k] = {h.M_r, h.M_t};
     if (keeps_overlap_) kept_[k] = m.kept;
   }
 }

@@ -50,6 +50,8 @@ class TouchPairs {
   /// The place of a pair in the table, i the lower row; or none: pairs().
   std::size_t place(Row i, Row j) const;
   std::size_t pairs() const { return second_.size(); }
+  bool rolls() const { return forms_.rolling != RollingForm::none; }
+  TouchHistory<double> history(std::size_t pair) const;
 
   const Order& order_;
   const StepKernel& kernel_;
@@ -63,16 +65,19 @@ class TouchPairs {
 
   std::vector<std::size_t> start_;  // of each row, in the pairs that it is first of
   std::vector<Row> second_;
-  std::vector<HistoryRow> history_;
+  std::vector<SlipRow> slip_;
+  std::vector<MomentRow> rolling_;  // as moment_ empty without a form of rolling
   std::vector<PairLoadRow> load_;
+  std::vector<MomentRow> moment_;
   std::vector<std::uint8_t> touching_;
-  std::vector<double> kept_;            // overlap that is not felt; empty: contacts feel all
-  std::vector<std::size_t> all_start_;  // of each row, in all its pairs
-  std::vector<std::size_t> all_;        // 2 times the pair, and 1 where the row is its second
+  std::vector<double> kept_;                  // overlap that is not felt; empty: contacts feel all
+  std::vector<std::size_t> as_second_start_;  // of each row, in the pairs that it is second of
+  std::vector<std::size_t> as_second_;        // those, in order of their first rows
   // Before the last listing, kept for their memory.
   std::vector<std::size_t> old_start_;
   std::vector<Row> old_second_;
-  std::vector<HistoryRow> old_history_;
+  std::vector<SlipRow> old_slip_;
+  std::vector<MomentRow> old_rolling_;
   std::vector<double> old_kept_;
 };
 
