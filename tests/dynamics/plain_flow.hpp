@@ -98,6 +98,13 @@ inline PlainLoads loads_of(const PlainBond& b, const PlainPose& p) {
   return l;
 }
 
+/// x as the shortest rotation turns it that turns `from` into `to`.
+inline Vec3d carried(const Vec3d& x, const Vec3d& from, const Vec3d& to) {
+  const Vec3d axis = cross(from, to);
+  const double s = norm(axis);
+  return s > 0.0 ? rotate(rotation_of(std::atan2(s, dot(from, to)) / s * axis), x) : x;
+}
+
 /// What a load dissipates that flows by x against a limit that grows.
 inline double work_of(const PlainLimit& rule, double before, double x) {
   return (rule.limit + rule.isotropic * (before + 0.5 * x)) * x;
@@ -121,7 +128,8 @@ inline void flow_across(PlainBond& b, const Quatd& q_i, const Quatd& q_j, const 
   if (b.shear.limit == 0.0 && b.bending.limit == 0.0 && b.torsion.limit == 0.0) return;
   const auto moment = [&](const PlainLoads& l) { return 0.5 * (l.M_i - l.M_j); };
   const PlainLoads first = plain_loads(b.law, 0.0, at.D, at.n, at.m);
-  const Vec3d M = moment(first), e_2 = unit(part_across(at.n[1] + at.m[1], at.d)), e_3 = cross(at.d, e_2);
+  const Vec3d e_2 = unit(carried(at.n[1], at.n[0], at.d) + carried(at.m[1], -at.m[0], at.d));
+  const Vec3d M = moment(first), e_3 = cross(at.d, e_2);
   const Vec3d shift = b.bending.kinematic * (b.bent_2 * e_2 + b.bent_3 * e_3);
   const double shift_t = b.torsion.kinematic * b.twisted;
   const Vec3d e_b = unit(part_across(M, at.d) - shift), e_v = unit(part_across(first.F, at.d));

@@ -212,6 +212,30 @@ TYPED_TEST(FlowingBond, HardensInBendingAndTorsion) {
 
 // ---- what holds for any memory -----------------------------------------------------------------------
 
+/// One end held, the other turned by 4 rad where it is: the bond is sheared far, and its two ends do not lie
+/// opposite. The work, by the trapezium rule, is what is stored and dissipated, with an error of its second
+/// order.
+TYPED_TEST(FlowingBond, KeepsItsBooksWhereItHardensAndIsTurnedFar) {
+  BondRules rules;
+  rules.yield.limit.bending = 2e-4, rules.yield.kinematic.bending = 5e-4;
+  double error[2];
+  for (const int steps : {1000, 4000}) {
+    Driven<TypeParam> bond(rules);
+    double work = 0.0, moment = 0.0;
+    BondPose<double> b;
+    for (int k = 1; k <= steps; ++k) {
+      b = pose_of(1.0, {}, about(unit_z, 4.0 * k / steps));
+      bond.move_to(b);
+      const double before = std::exchange(moment, bond.loads(b).M_ji.z);
+      work -= 0.5 * (before + moment) * 4.0 / steps;
+    }
+    error[steps == 4000] = (bond.energy(b) + bond[memory::dissipated]) / work - 1.0;
+    EXPECT_GT(bond[memory::bending], 1.0);
+  }
+  EXPECT_LT(std::abs(error[0]), 1e-5);
+  EXPECT_LT(std::abs(error[1]), 1e-6);
+}
+
 /// A flowing bond with attachments and a memory of any kind, between ends that stand anywhere.
 template <class Law>
 struct AnyBond {

@@ -101,6 +101,15 @@ VBOND_HD Vec3<T> direction_of(const Vec3<T>& a) {
   return (one / sqrt(where_greater(size2, zero, size2, one))) * a;
 }
 
+/// x, at right angles to `from`, turned as the shortest way turns `from` into `to`; both of length one.
+/// Nothing is added where these are opposite, which no bond reaches.
+template <Scalar T>
+VBOND_HD Vec3<T> carried(const Vec3<T>& x, const Vec3<T>& from, const Vec3<T>& to) {
+  const T tiny(1e-12), one(1.0), s = one + dot(from, to);
+  return x -
+         (dot(x, to) * (where_greater(s, tiny, one / where_greater(s, tiny, s, one), T(0.0)))) * (from + to);
+}
+
 /// A rotation vector of the world, in these axes, by its own angle: at 0.3 rad to 1e-8 of it, and far better
 /// if smaller, so that the plastic work is moment times angle.
 template <Scalar T>
@@ -166,7 +175,9 @@ class FlowAcrossAxis {
     l_ = middle_loads(law, b, axis, before_);
     // moments that kinematic hardening has shifted the limits by; bending in axes that go with both particles
     const BondPose<T> turned = turned_pose(b, axis.D * axis.d, before_);
-    e_2_ = direction_of(across(turned.n_i[1] + turned.n_j[1], axis.d)), e_3_ = cross(axis.d, e_2_);
+    e_2_ = direction_of(carried(turned.n_i[1], turned.n_i[0], axis.d) +
+                        carried(turned.n_j[1], -turned.n_j[0], axis.d));
+    e_3_ = cross(axis.d, e_2_);
     shift_b_ = T(rule.kinematic.bending) * (h.value[memory::bent] * e_2_ + h.value[memory::bent + 1] * e_3_);
     shift_t_ = T(rule.kinematic.torsion) * h.value[memory::twisted];
     e_b_ = direction_of(l_.M_b - shift_b_), e_v_ = direction_of(l_.V);
