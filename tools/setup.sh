@@ -62,8 +62,9 @@ need() {
   fi
 }
 
-# build PRESET [TARGET...]: configures when needed and builds into build/PRESET.
+# build PRESET [TARGET...]: configures when needed, with $configure_options, and builds into build/PRESET.
 # Silent on success; on failure the output is shown. Two calls at once take turns.
+configure_options=()
 build() {
   local preset=$1
   shift
@@ -76,10 +77,11 @@ build() {
     flock "$lock"
   fi
   discard_build_of_other_tree "$dir"
-  if [[ ! -e $stamp || $vbond_root/CMakePresets.json -nt $stamp ]]; then
+  local options=${configure_options[*]-}
+  if [[ ! -e $stamp || $vbond_root/CMakePresets.json -nt $stamp || $(cat "$stamp") != *"$options"* ]]; then
     say "configuring $dir"
-    (cd "$vbond_root" && cmake --preset "$preset") >"$log" 2>&1 || build_failed "$log"
-    touch "$stamp"
+    (cd "$vbond_root" && cmake --preset "$preset" "${configure_options[@]}") >"$log" 2>&1 || build_failed "$log"
+    printf '%s\n' "$options" >"$stamp"
   fi
   local ninja=(cmake --build "$dir" ${1:+--target "$@"})
   if ! "${ninja[@]}" -- -n 2>&1 | grep -q 'no work to do'; then

@@ -132,23 +132,22 @@ VBOND_HD void fetch(const RowsAhead& ahead, std::size_t first, std::size_t last,
 constexpr std::size_t packs_together = VBOND_PACKS_TOGETHER;
 
 template <template <class> class Law, class P>
-VBOND_HD void add_elastic(const PackRun<P>& run, std::size_t first, std::size_t last,
-                          const BondSweep& sweep) {
+VBOND_HD void add_elastic(const PackRun<P>& run, std::size_t first, std::size_t last, RowRange own,
+                          const PoseRow* pose, LoadRow* load) {
   constexpr std::size_t parts = pack_bonds / lanes;
   if constexpr (packs_together == 1) {
     for (std::size_t l = 0; l < pack_bonds; l += lanes)
-      add_lanes(
-          run.packs[first], run.lanes[first], l,
-          bond_loads(law_of<Law>(run.packs[first], *run.type, l), pose_of(run.packs[first], sweep.pose, l)),
-          sweep.own, sweep.load);
+      add_lanes(run.packs[first], run.lanes[first], l,
+                bond_loads(law_of<Law>(run.packs[first], *run.type, l), pose_of(run.packs[first], pose, l)),
+                own, load);
   } else {
     Halfway halfway[packs_together * parts];
     for (std::size_t n = 0; n < (last - first) * parts; ++n)
-      first_half<Law>(run.packs[first + n / parts], *run.type, sweep.pose, n % parts * lanes, halfway[n]);
+      first_half<Law>(run.packs[first + n / parts], *run.type, pose, n % parts * lanes, halfway[n]);
     for (std::size_t n = 0; n < (last - first) * parts; ++n) {
       const std::size_t pack = first + n / parts, l = n % parts * lanes;
       add_lanes(run.packs[pack], run.lanes[pack], l,
-                second_half<Law>(run.packs[pack], *run.type, l, halfway[n]), sweep.own, sweep.load);
+                second_half<Law>(run.packs[pack], *run.type, l, halfway[n]), own, load);
     }
   }
 }
@@ -262,13 +261,16 @@ VBOND_HD void add_inelastic(const PackRun<P>& run, std::size_t pack, BondSweep& 
 
 template <template <class> class Law, class P>
 void add_loads(const PackRun<P>& run, BondSweep& sweep) {
+  const RowRange own = sweep.own;  // copies: in place they would be read again after each store of loads
+  const PoseRow* const pose = sweep.pose;
+  LoadRow* const load = sweep.load;
   constexpr bool elastic = !ReadsRates<Law<Real>> && !Breakable<Law<Real>>;
   constexpr std::size_t at_once = elastic ? packs_together : 1;
   for (std::size_t k = 0; k < run.count; k += at_once) {
     const std::size_t last = k + at_once < run.count ? k + at_once : run.count;
     if (run.ahead.count != 0) fetch(run.ahead, k, last, run.count);
     if constexpr (elastic)
-      add_elastic<Law>(run, k, last, sweep);
+      add_elastic<Law>(run, k, last, own, pose, load);
     else if (Damped<Law<Real>> && run.type->damped)
       add_inelastic<Law, Damped<Law<Real>>>(run, k, sweep);
     else
