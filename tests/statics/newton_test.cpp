@@ -53,5 +53,34 @@ TEST(TangentSolver, TellsByTheFactorWhetherAShiftIsEnough) {
   EXPECT_GT(solver.factor(body).value(), 0);
 }
 
+// Pressed step by step beyond its critical load: a kept factor says so where a new one does, and solves
+// alike.
+TEST(TangentSolver, WithAKeptFactorNoticesWhereTheTangentIsDefiniteNoMore) {
+  ClampedRod rod;
+  StaticBody body(rod.s.model, rod.stage, rod.s.state);
+  TangentSolver kept(LinearSolver::direct, FactorUse::kept), anew(LinearSolver::direct);
+  const Vector b = random_vector(body.unknowns().size(), 4);
+  const Placement straight = body.placement();
+  constexpr int steps = 400;
+  int stable = 0;
+  for (int k = 0; k < steps; ++k) {
+    Placement pressed = straight;
+    for (const ParticleId p : pressed.r.ids()) pressed.r[p].x *= 1.0 - 0.2 * k / steps;
+    body.restore(pressed);
+    const bool definite = anew.factor_definite(body);
+    ASSERT_EQ(kept.is_definite(body), definite) << k;
+    if (!definite) break;
+    ++stable;
+    ASSERT_TRUE(kept.take_definite(body));
+    const Vector x = kept.solve(b);
+    ASSERT_EQ(x.size(), b.size());
+    // to 1e-12 of b in the norm of M^-1; the tangent's eigenvalues differ by 1e4 near the critical load
+    EXPECT_LE((body.tangent() * x - b).norm(), 1e-10 * b.norm()) << k;
+  }
+  EXPECT_GT(stable, 5);
+  EXPECT_LT(stable, steps);
+  EXPECT_LT(kept.last_factor().made(), 2 + stable / 2);
+}
+
 }  // namespace
 }  // namespace vbond

@@ -339,7 +339,7 @@ TEST(WallsAtRest, LeaveABodyWhereSlowDampedMotionDoes) {
 
 // ---- what holds a body --------------------------------------------------------------------------------
 
-std::string refusal(const Specimen& s, const StaticStage& stage) {
+std::string refused(const Specimen& s, const StaticStage& stage) {
   try {
     run_static_stage(s.model, stage, s.state, {});
   } catch (const NoEquilibrium& e) {
@@ -357,7 +357,7 @@ TEST(WallsAtRest, AloneDoNotHoldABody) {
   s.model.walls = {plane({-0.4, 0, 0}, {1, 0, 0}), plane({3.4, 0, 0}, {-1, 0, 0})};
   StaticStage stage = testing::static_stage(StageKind::equilibrium, {});
   stage.walls = {{"plane", 1, {-0.01, 0, 0}, {}}};
-  const std::string text = refusal(s, stage);
+  const std::string text = refused(s, stage);
   EXPECT_TRUE(contains(text, "translation along y of particles 0 to 3")) << text;
   EXPECT_TRUE(contains(text, "rotation about x of particles 0 to 3")) << text;
   EXPECT_FALSE(contains(text, "translation along x")) << text;
@@ -370,7 +370,7 @@ TEST(WallsAtRest, FarFromABodyDoNotHoldIt) {
       testing::sphere({0, 0, 2}, 0.5, 1.0, contact_of(ContactLaw::hertz), {testing::floor_at(0)});
   StaticStage stage = pressed(s, {true, true, false, true, true, true}, {});
   stage.gravity = {0, 0, -0.01};
-  const std::string text = refusal(s, stage);
+  const std::string text = refused(s, stage);
   EXPECT_TRUE(contains(text, "translation along z of particle 0")) << text;
 }
 
@@ -381,7 +381,7 @@ TEST(WallsAtRest, AreNotPassed) {
     StaticStage stage = pressed(s, {true, true, false, true, true, true}, {});
     stage.loads = {testing::pushed(0, {0, 0, -2.0})};  // k R = 0.85
     stage.steps = 4;
-    const std::string text = refusal(s, stage);
+    const std::string text = refused(s, stage);
     EXPECT_TRUE(contains(text, "particle 0: its centre has come through wall \"w\"")) << text;
   }
 }
@@ -389,7 +389,7 @@ TEST(WallsAtRest, AreNotPassed) {
 TEST(WallsAtRest, AreNotTouchedByWhatDoesNotFitIntoThem) {
   Specimen s = testing::sphere({0, 0, 0.1}, 0.5, 1.0, contact_of(ContactLaw::linear),
                                {wall(SphereWall{{}, 0.4, WallSide::inside})});
-  const std::string text = refusal(s, pressed(s, no_spin, {}));
+  const std::string text = refused(s, pressed(s, no_spin, {}));
   EXPECT_TRUE(contains(text, "particle 0: it is not smaller than the hollow wall \"w\"")) << text;
 }
 

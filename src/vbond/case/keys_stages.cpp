@@ -157,7 +157,8 @@ void describe_newton(Table& t, NewtonSettings& n, StageKind kind) {
         ChoiceCodec<LinearSolver>{{"automatic", "direct", "iterative"},
                                   {LinearSolver::automatic, LinearSolver::direct, LinearSolver::iterative}},
         optional,
-        "of the linear equations; iterative: equilibrium only, and whether it is stable is then not known");
+        "of the linear equations; iterative: equilibrium only, and whether it is stable is then not known; "
+        "direct: fracture keeps no factors");
   t.check(kind == StageKind::equilibrium || n.solver != LinearSolver::iterative, {"solver"},
           "paths, critical loads, modes and fracture need the factors of the tangent",
           "use solver = \"automatic\" or \"direct\"");

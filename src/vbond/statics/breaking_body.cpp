@@ -37,6 +37,10 @@ std::vector<int> holding_unknowns(const SparseMatrix& columns) {
   return chosen;
 }
 
+bool same_place(const Placement& a, const Placement& b) {
+  return a.load_factor == b.load_factor && a.r == b.r && a.q == b.q;
+}
+
 std::string first_of(const std::vector<std::string>& names) {
   std::string text;
   constexpr std::size_t named = 6;
@@ -55,10 +59,14 @@ BreakingBody::BreakingBody(const Model& model, const StaticStage& stage, State b
 
 void BreakingBody::begin(State state, double load_factor) {
   body_ = std::make_unique<StaticBody>(model_, *stage_, std::move(state), load_factor);
-  solver_ = std::make_unique<TangentSolver>(stage_->newton.solver);
+  if (solver_) factors_before_ = factors();
+  solver_ = std::make_unique<TangentSolver>(
+      stage_->newton.solver, stage_->newton.solver == LinearSolver::automatic ? FactorUse::kept_if_cheaper
+                                                                              : FactorUse::new_each_time);
   const auto first = std::find_if(stage_->supports.begin(), stage_->supports.end(), moves);
   moved_ = first != stage_->supports.end() ? &*first : nullptr;
   rate_.resize(0);
+  stable_at_.reset();
 }
 
 double BreakingBody::reaction(const StaticSupport& s) const {
@@ -91,12 +99,28 @@ Balance BreakingBody::here() const {
 }
 
 bool BreakingBody::is_stable() {
+  constexpr double accuracy = 1e-7;  // of a prediction, which curvature makes no better
+  if (stable_at_ && !body_->flows() && same_place(*stable_at_, body_->placement())) return true;
+  stable_at_.reset();
   rate_.resize(0);
   if (body_->unknowns().size() == 0) return true;
-  const bool definite = solver_->factor_definite(*body_);
+  const bool definite = solver_->is_definite(*body_);
   if (definite || (body_->has_moment_part() && solver_->factor(*body_)))
-    rate_ = solver_->solve_full(*body_, body_->load_direction());
-  return definite || body_->has_moment_part();
+    rate_ = solver_->solve_full(*body_, body_->load_direction(), accuracy);
+  const bool stable = definite || body_->has_moment_part();
+  if (stable) stable_at_ = body_->placement();
+  return stable;
+}
+
+void BreakingBody::break_bond(BondId k, BreakMode mode) {
+  const Bond& bond = body_->state().bonds[k];
+  std::vector<int> unknowns;
+  for (const ParticleId p : {bond.i, bond.j})
+    for (int dof = 0; dof < 6; ++dof)
+      if (const int u = body_->unknowns().of(p, dof); u != Unknowns::held) unknowns.push_back(u);
+  solver_->note_break(std::move(unknowns));
+  stable_at_.reset();
+  body_->break_bond(k, mode);
 }
 
 double BreakingBody::longest_step() const {

@@ -63,10 +63,11 @@ cholmod_sparse view(const SparseMatrix& A) {
   return v;
 }
 
-cholmod_dense view(const Vector& b) {
+cholmod_dense view(const Eigen::Ref<const DenseMatrix>& b) {
   cholmod_dense v{};
-  v.nrow = v.nzmax = v.d = static_cast<std::size_t>(b.size());
-  v.ncol = 1;
+  v.nrow = v.d = static_cast<std::size_t>(b.rows());
+  v.ncol = static_cast<std::size_t>(b.cols());
+  v.nzmax = static_cast<std::size_t>(b.size());
   v.x = const_cast<double*>(b.data());
   v.xtype = CHOLMOD_REAL;
   v.dtype = CHOLMOD_DOUBLE;
@@ -191,12 +192,12 @@ struct Factor::Cholmod {
 
   int original(int k) const { return static_cast<const int*>(numeric->Perm)[k]; }
 
-  Vector solve_once(const Vector& b) {
+  DenseMatrix solve_once(const Eigen::Ref<const DenseMatrix>& b) {
     const WithoutThreads alone;
     cholmod_dense rhs = view(b);
     cholmod_dense* x = cholmod_solve(CHOLMOD_A, numeric.get(), &rhs, &common);
     check("solving");
-    Vector result = Eigen::Map<const Vector>(static_cast<const double*>(x->x), b.size());
+    DenseMatrix result = Eigen::Map<const DenseMatrix>(static_cast<const double*>(x->x), b.rows(), b.cols());
     cholmod_free_dense(&x, &common);
     return result;
   }
@@ -276,6 +277,10 @@ std::optional<int> Factor::factor_indefinite(const SparseMatrix& A, double shift
   return negative;
 }
 
+double Factor::cost_in_solutions() const {
+  return c_->common.fl / (35.0 * std::max(1.0, c_->common.lnz));
+}
+
 int Factor::made() const {
   return c_->made;
 }
@@ -293,6 +298,10 @@ Vector Factor::solve(const Vector& b) const {
     x += c.solve_once(left);
   }
   return x;
+}
+
+DenseMatrix Factor::solve_columns(const DenseMatrix& B) const {
+  return c_->empty ? B : c_->solve_once(B);
 }
 
 }  // namespace vbond

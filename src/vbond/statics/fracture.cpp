@@ -65,6 +65,7 @@ class Fracture {
         go_on(settings_.end);
     }
     result_.solver = walk_.solver().name();
+    result_.factors = walk_.factors();
     return std::move(walk_).take_state();
   }
 
@@ -206,7 +207,14 @@ class Fracture {
                              "holds any more: {}",
                              walk_.load_factor(), *driven));
     }
-    if (!come_to_rest()) {
+    // with a kept factor the way down may have ended at a saddle that a new one would have shown
+    const auto come_to_rest_anew = [&] {
+      walk_.body().restore(from);
+      walk_.drop_kept_factor();
+      return come_to_rest();
+    };
+    const bool kept = walk_.has_kept_factor();
+    if (!come_to_rest() && !(kept && come_to_rest_anew())) {
       if (hooks_.interrupted && hooks_.interrupted()) return void(result_.ended = "interrupted");
       walk_.body().restore(from);
       now_ = walk_.here();

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "vbond/core/memory.hpp"
 
@@ -53,6 +54,12 @@ Vector limited(const StaticBody& body, Vector x) {
   return x;
 }
 
+/// To what part of what is unbalanced a correction is worth solving for: to a hundredth of what is accepted,
+/// and not beyond what curvature is likely to leave.
+double accuracy_for(const StaticBody& body, const NewtonSettings& settings) {
+  return std::clamp(1e-2 * settings.tolerance / body.residual(), 1e-6, 1e-2);
+}
+
 }  // namespace
 
 bool in_balance(const StaticBody& body, const NewtonSettings& settings) {
@@ -73,13 +80,14 @@ struct TangentSolver::ConjugateGradients {
       method;
 };
 
-TangentSolver::TangentSolver(LinearSolver wanted) : wanted_(wanted) {}
+TangentSolver::TangentSolver(LinearSolver wanted, FactorUse factors) : wanted_(wanted), factors_(factors) {}
 TangentSolver::~TangentSolver() = default;
 
 void TangentSolver::prepare(const StaticBody& body) {
   if (body.pattern_version() == analysed_) return;
   constexpr double share_of_memory = 0.6;  // the rest: the matrix, the state, and everybody else
   analysed_ = body.pattern_version();
+  drop_kept();
   bool fits = wanted_ != LinearSolver::iterative;
   if (fits) {
     factor_.analyse(body.tangent());
@@ -91,7 +99,13 @@ void TangentSolver::prepare(const StaticBody& body) {
 
 bool TangentSolver::factor_definite(const StaticBody& body, double shift) {
   prepare(body);
-  if (!iterative_) return factor_.factor_definite(body.tangent(), shift);
+  lost_ = false;
+  if (!iterative_) {
+    drop_kept();
+    const bool definite = factor_.factor_definite(body.tangent(), shift);
+    if (definite && shift == 0.0 && may_keep() && !body.is_unsymmetric()) kept_.begin(body.tangent());
+    return definite;
+  }
   SparseMatrix& A = iterative_->A = body.tangent();
   if (shift > 0.0) A.diagonal().array() += shift;
   iterative_->method.setTolerance(1e-12);
@@ -106,18 +120,72 @@ std::optional<int> TangentSolver::factor(const StaticBody& body) {
     factor_definite(body);
     return std::nullopt;
   }
-  if (factor_.factor_definite(body.tangent())) return 0;
+  if (TangentSolver::factor_definite(body)) return 0;
   return factor_.factor_indefinite(body.tangent());
 }
 
-Vector TangentSolver::solve(const Vector& b) const {
-  if (!iterative_) return factor_.solve(b);
+bool TangentSolver::may_keep() const {
+  constexpr double least = 5.0;  // below that a factor costs no more than one equation solved by iteration
+  return factors_ == FactorUse::kept ||
+         (factors_ == FactorUse::kept_if_cheaper && factor_.cost_in_solutions() >= least);
+}
+
+void TangentSolver::note_break(std::vector<int> unknowns) {
+  if (kept_.at_hand()) breaks_.push_back(std::move(unknowns));
+}
+
+void TangentSolver::drop_kept() {
+  kept_.drop();
+  breaks_.clear();
+  present_ = nullptr;
+}
+
+bool TangentSolver::kept_for(const StaticBody& body) {
+  prepare(body);
+  lost_ = false;
+  if (!kept_.at_hand() || body.is_unsymmetric()) return false;
+  present_ = &body.tangent();
+  for (const std::vector<int>& unknowns : std::exchange(breaks_, {}))
+    if (kept_.at_hand()) kept_.follow(*present_, unknowns);
+  return kept_.at_hand();
+}
+
+bool TangentSolver::take_definite(const StaticBody& body) {
+  any_signs_ = false;
+  return kept_for(body) || factor_definite(body);
+}
+
+bool TangentSolver::take(const StaticBody& body) {
+  any_signs_ = true;
+  return kept_for(body) || factor(body) || iterative();
+}
+
+bool TangentSolver::is_definite(const StaticBody& body) {
+  any_signs_ = false;
+  if (kept_for(body) && !kept_.is_due() && kept_.shows_definite(*present_)) return true;
+  return factor_definite(body);
+}
+
+Vector TangentSolver::solve(const Vector& b, double accuracy) {
+  if (lost_) return {};
+  if (!iterative_ && !present_) return factor_.solve(b);
+  if (!iterative_) {
+    if (std::optional<Vector> x = kept_.solve(*present_, b, accuracy)) return std::move(*x);
+    const SparseMatrix& A = *std::exchange(present_, nullptr);
+    drop_kept();
+    if (factor_.factor_definite(A)) {
+      kept_.begin(A);
+      return factor_.solve(b);
+    }
+    lost_ = !any_signs_ || !factor_.factor_indefinite(A);
+    return lost_ ? Vector() : factor_.solve(b);
+  }
   const Vector x = iterative_->method.solve(b);
   return iterative_->method.info() == Eigen::Success ? x : Vector();
 }
 
-Vector TangentSolver::solve_full(const StaticBody& body, const Vector& b) const {
-  if (!body.is_unsymmetric() || iterative_) return solve(b);
+Vector TangentSolver::solve_full(const StaticBody& body, const Vector& b, double accuracy) {
+  if (!body.is_unsymmetric() || iterative_) return solve(b, accuracy);
   const SparseMatrix K = body.full_tangent();
   Eigen::BiCGSTAB<SparseMatrix, FactorPreconditioner> method;
   method.preconditioner().use(factor_);
@@ -155,12 +223,14 @@ NewtonOutcome correct(StaticBody& body, TangentSolver& solver, const NewtonSetti
       outcome.why = fmt::format("the unbalanced force grows, to {:.2g} of the largest", residuals.back());
       return outcome;
     }
-    if (!solver.factor(body) && !solver.iterative()) {
+    const auto singular = [&] {
       outcome.why =
           "the tangent is singular: " + body.unknowns().name(solver.last_factor().singular_unknown());
       return outcome;
-    }
-    const Vector x = solver.solve_full(body, body.unbalanced());
+    };
+    if (!solver.take(body)) return singular();
+    const Vector x = solver.solve_full(body, body.unbalanced(), accuracy_for(body, settings));
+    if (x.size() == 0 && !solver.iterative()) return singular();
     if (x.size() == 0 || !x.allFinite() || !(change_of(body, x) <= largest_change)) {
       outcome.why = "a correction turns bonds too far";
       return outcome;
@@ -176,7 +246,8 @@ namespace {
 /// One iteration of minimise: a direction that goes downhill, and how far.
 class Descent {
  public:
-  Descent(StaticBody& body, TangentSolver& solver) : body_(body), solver_(solver) {
+  Descent(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings)
+      : body_(body), solver_(solver), settings_(settings) {
     const SparseMatrix& K = body.tangent();
     mean_stiffness_ = K.rows() > 0 ? K.diagonal().cwiseAbs().mean() : 1.0;
     // of contacts alone that just begin to touch: none, and steps of the length scale will do
@@ -193,9 +264,11 @@ class Descent {
   Vector direction() {
     const Vector& g = body_.unbalanced();
     const auto downhill = [&g](const Vector& x) { return x.size() > 0 && x.allFinite() && x.dot(g) > 0.0; };
-    if (!solver_.factor_definite(body_, shift_) && !find_shift()) return {};
+    const bool ready = shift_ == 0.0 ? solver_.take_definite(body_) : solver_.factor_definite(body_, shift_);
+    if (!ready && !find_shift()) return {};
     if (shift_ == 0.0)
-      if (const Vector x = solver_.solve_full(body_, g); downhill(x)) return limited(body_, x);
+      if (const Vector x = solver_.solve_full(body_, g, accuracy_for(body_, settings_)); downhill(x))
+        return limited(body_, x);
     Vector x = solver_.solve(g);
     while (!downhill(x) && find_shift()) x = solver_.solve(g);  // conjugate gradients tell only now
     return downhill(x) ? limited(body_, x) : Vector();
@@ -257,6 +330,7 @@ class Descent {
 
   StaticBody& body_;
   TangentSolver& solver_;
+  const NewtonSettings& settings_;
   double mean_stiffness_ = 1.0;
   double shift_ = 0.0;
 };
@@ -266,7 +340,7 @@ class Descent {
 NewtonOutcome minimise(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings,
                        const std::function<bool()>& interrupted) {
   NewtonOutcome outcome;
-  Descent descent(body, solver);
+  Descent descent(body, solver, settings);
   for (int k = 0; k <= settings.iterations; ++k) {
     outcome.residuals.push_back(body.residual());
     if (balanced(body, settings, outcome.residuals)) {

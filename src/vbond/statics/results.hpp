@@ -152,7 +152,7 @@ struct StaticResult {
   double load_factor = 0;         ///< reached
   int points = 0;                 ///< of balance that were handed to the observers
   int iterations = 0;             ///< of Newton's method, all together
-  int factors = 0;                ///< of the tangent that were made, all together; path and buckling
+  int factors = 0;                ///< of the tangent that were made, all together; path, buckling, fracture
   std::string solver;             ///< "direct" or "iterative"
   std::optional<int> unstable;    ///< negative eigenvalues of the tangent at the end; absent: not counted
   bool neutral = false;           ///< not unstable, but a motion meets no stiffness at the end

@@ -31,6 +31,10 @@ class BreakingBody {
   /// The largest such reaction in size of all supports and walls that move; nothing where none moves.
   std::optional<double> largest_reaction() const;
   void refuse_iterative() { vbond::refuse_iterative(*body_, *solver_, "fracture needs"); }
+  /// Of the tangent that were made.
+  int factors() const { return factors_before_ + solver_->last_factor().made(); }
+  bool has_kept_factor() const { return solver_->has_kept(); }
+  void drop_kept_factor() { solver_->drop_kept(); }
   Balance here() const;
   void restore(const Balance& b) { body_->restore(b.at); }
 
@@ -53,7 +57,7 @@ class BreakingBody {
   /// theirs. Leaves the body at the second.  [energy]
   double work_between(const Balance& a, const Balance& b, double scale);
 
-  void break_bond(BondId k, BreakMode mode) { body_->break_bond(k, mode); }
+  void break_bond(BondId k, BreakMode mode);
   /// Holds parts that can move freely now. Returns what moves freely under loads, in words, or nothing; then
   /// nothing is held.
   std::optional<std::string> hold_free_parts();
@@ -72,8 +76,10 @@ class BreakingBody {
   std::unique_ptr<StaticStage> stage_;  // with the supports that hold free parts
   std::unique_ptr<StaticBody> body_;
   std::unique_ptr<TangentSolver> solver_;
+  int factors_before_ = 0;  // of former solvers
   const StaticSupport* moved_ = nullptr;
-  Vector rate_;  // movement per load factor; empty: not known
+  Vector rate_;                         // movement per load factor; empty: not known
+  std::optional<Placement> stable_at_;  // where is_stable() was last, if it was: rate_ is that of this place
 };
 
 }  // namespace vbond

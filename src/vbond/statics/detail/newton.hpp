@@ -7,15 +7,19 @@
 
 #include "vbond/statics/detail/body.hpp"
 #include "vbond/statics/detail/factor.hpp"
+#include "vbond/statics/detail/kept_factor.hpp"
 #include "vbond/statics/results.hpp"
 
 namespace vbond {
+
+/// Whether a factor is kept while the body moves, always or where that is cheaper: KeptFactor.
+enum class FactorUse { new_each_time, kept_if_cheaper, kept };
 
 /// Solves with the tangent of a body as it stands. Factors are made anew at each call of a factor function;
 /// the order of elimination only when the pattern has changed.
 class TangentSolver {
  public:
-  explicit TangentSolver(LinearSolver wanted);
+  explicit TangentSolver(LinearSolver wanted, FactorUse factors = FactorUse::new_each_time);
   ~TangentSolver();
 
   /// Chooses between factor and conjugate gradients, by memory where both would do, and finds the order of
@@ -27,10 +31,25 @@ class TangentSolver {
   /// Factors tangent() whatever its signs; returns the number of negative eigenvalues, nothing if singular
   /// (or if it is solved by conjugate gradients, which do not tell).
   std::optional<int> factor(const StaticBody& body);
-  /// After either: (tangent() + shift I)^-1 b. Empty if conjugate gradients do not converge.
-  Vector solve(const Vector& b) const;
-  /// After either, without a shift: the same with full_tangent(), which differs where moments act.
-  Vector solve_full(const StaticBody& body, const Vector& b) const;
+  /// Makes ready to solve with tangent() and no more: by the kept factor if there is one, else
+  /// factor_definite(). That the tangent is not definite may then show only in solve(), if at all.
+  bool take_definite(const StaticBody& body);
+  /// The same whatever its signs; false if it is known to be singular.
+  bool take(const StaticBody& body);
+  /// Whether tangent() is positive definite: by a kept factor if that shows it, else by a new one.
+  bool is_definite(const StaticBody& body);
+  /// From now on the tangent lacks what bonds these unknowns: a kept factor follows.
+  void note_break(std::vector<int> unknowns);
+  bool has_kept() const { return kept_.at_hand(); }
+  /// No kept factor until another is made.
+  void drop_kept();
+
+  /// After any of these: (tangent() + shift I)^-1 b, with a kept factor to this part of b. Empty if conjugate
+  /// gradients do not converge, or the tangent turns out not to be what was asked for. The body stands where
+  /// it stood.
+  Vector solve(const Vector& b, double accuracy = 1e-12);
+  /// After any, without a shift: the same with full_tangent(), which differs where moments act.
+  Vector solve_full(const StaticBody& body, const Vector& b, double accuracy = 1e-12);
   /// True if the factor does not fit into memory, or was not wanted: conjugate gradients are used.
   bool iterative() const { return iterative_ != nullptr; }
   const char* name() const { return iterative() ? "iterative" : "direct"; }
@@ -38,10 +57,19 @@ class TangentSolver {
 
  private:
   struct ConjugateGradients;
+  bool kept_for(const StaticBody& body);
+  bool may_keep() const;
+
   LinearSolver wanted_;
+  FactorUse factors_;
   Factor factor_;
   int analysed_ = 0;  // pattern_version
   std::unique_ptr<ConjugateGradients> iterative_;
+  KeptFactor kept_{factor_};
+  std::vector<std::vector<int>> breaks_;   // that the kept factor does not know yet
+  const SparseMatrix* present_ = nullptr;  // the tangent, where the kept factor is used
+  bool any_signs_ = false;                 // it need not be definite
+  bool lost_ = false;                      // it turned out not to be what was asked for
 };
 
 /// A predicted step along the load factor turns bonds by no more than this.  [rad]

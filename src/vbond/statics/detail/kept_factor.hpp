@@ -1,0 +1,79 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <random>
+#include <vector>
+
+#include "vbond/statics/detail/factor.hpp"
+#include "vbond/statics/detail/matrix.hpp"
+
+namespace vbond {
+
+/// The factor of a positive definite matrix M that is kept while the body changes: it preconditions conjugate
+/// gradients on the present matrix A. Where a bond breaks, M changes with it, by a matrix of rank 6
+/// (Woodbury's formula), so that it differs from A by the small movements since the factor was made.
+///
+/// That A is positive definite is shown by conjugate gradients too, on a random right-hand side r. Let
+/// A u = mu M u, u^T M u = 1, mu <= 0. Step m leaves of r along u the part p_m(mu) u^T r. If p^T A p has been
+/// positive for all directions p, the roots of p_m are positive and p_m(0) = 1, so p_m(mu) >= 1: what is
+/// left, sqrt(r_m^T M^-1 r_m), is no less than |u^T r|. With components of r uniform, of variance D_kk =
+/// M_kk, u^T r has a variance u^T D u of at least 1/kappa, kappa the largest eigenvalue of D^-1/2 M D^-1/2,
+/// and a density of at most 0.41 over its root (K. Ball, Proc. Am. Math. Soc. 97 (1986) 465). When no more
+/// than delta / sqrt(kappa) is left there is such a mu with a chance below 0.82 delta.
+class KeptFactor {
+ public:
+  /// Keeps a reference.
+  explicit KeptFactor(Factor& factor) : factor_(factor) {}
+
+  /// The factor has just been made, of this matrix.
+  void begin(const SparseMatrix& A);
+  void drop();
+  bool at_hand() const { return at_hand_; }
+  /// A new factor would be the cheaper way on: from proof to proof more solutions are needed of late than on
+  /// average since the factor was made, its own cost among them.
+  bool is_due() const;
+  /// Solutions since the factor was made, in those with it alone.
+  double spent() const { return spent_ + in_cycle_; }
+  /// The matrix has changed much in the rows and columns of these unknowns: so does M.
+  void follow(const SparseMatrix& A, const std::vector<int>& unknowns);
+
+  /// x with A x = b, to this part of b in the norm of M^-1; nothing if A is not positive definite along the
+  /// way, or it takes longer than a new factor.
+  std::optional<Vector> solve(const SparseMatrix& A, const Vector& b, double accuracy);
+  /// True: A is positive definite, but for a chance of 1e-9. False: not known.
+  bool shows_definite(const SparseMatrix& A);
+
+ private:
+  /// M with Q diag(values) Q^T more, Q orthonormal columns that have entries for a few unknowns only: its
+  /// inverse is M^-1 - Z inner Q^T M^-1.
+  struct Change {
+    std::vector<int> unknowns;
+    DenseMatrix Q;      // those rows
+    DenseMatrix Z;      // M^-1 Q
+    DenseMatrix inner;  // (diag(values)^-1 + Q^T M^-1 Q)^-1
+  };
+  struct Coefficients {
+    std::vector<double> alpha, beta;
+  };
+  struct Enough {
+    double norm, part;
+  };
+  std::optional<Vector> gradients(const SparseMatrix& A, Vector r, const Enough& enough, Coefficients* kept);
+  /// M^-1 B, all changes included.
+  DenseMatrix solve_kept(const DenseMatrix& B) const;
+  Vector random_side();
+  double smallest_ritz_value(const Coefficients& c) const;
+
+  Factor& factor_;
+  SparseMatrix M_;
+  std::vector<Change> changes_;  // in their order
+  double kappa_ = 0;
+  bool at_hand_ = false;
+  std::mt19937_64 random_;
+  int proofs_ = 0;                   // since the factor was made
+  double price_ = 1;                 // of one solution, in those with the factor alone
+  double spent_ = 0, in_cycle_ = 0;  // such solutions since the factor was made; since the last proof
+  double recent_ = 0;                // from one proof to the next, of late
+};
+
+}  // namespace vbond

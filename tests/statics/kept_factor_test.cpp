@@ -1,0 +1,112 @@
+#include "vbond/statics/detail/kept_factor.hpp"
+
+#include <gtest/gtest.h>
+
+#include "statics/matrices.hpp"
+
+namespace vbond::kept_factor_test {
+namespace {
+
+/// A lattice of n^3 points whose factor is kept.
+struct Kept {
+  SparseMatrix A;
+  Factor factor;
+  KeptFactor kept{factor};
+
+  explicit Kept(int n) : A(lattice(n, n, n, true)) {
+    factor.analyse(A);
+    EXPECT_TRUE(factor.factor_definite(A));
+    kept.begin(A);
+  }
+  /// (A^-1)_pp
+  double softness(int p) const { return factor.solve(Vector::Unit(A.rows(), p))[p]; }
+};
+
+void take_spring_out(SparseMatrix& A, int p, int q) {
+  A.coeffRef(p, p) -= 1.0, A.coeffRef(q, q) -= 1.0;
+  A.coeffRef(p, q) += 1.0, A.coeffRef(q, p) += 1.0;
+}
+
+// Without one spring after the other M stays the matrix itself: conjugate gradients then take one iteration,
+// two solutions, each of hardly more than its price. Residuals in the norm of M^-1 are as small in size but
+// for the root of its condition number, some 30.
+TEST(KeptFactor, FollowsSpringsThatBreak) {
+  Kept k(10);
+  SparseMatrix A = k.A;
+  const Vector b = random_vector(static_cast<int>(A.rows()), 3);
+  for (const int p : {0, 1, 555, 556, 700}) {
+    take_spring_out(A, p, p + 1);
+    k.kept.follow(A, {p, p + 1});
+    ASSERT_TRUE(k.kept.at_hand());
+    const double before = k.kept.spent();
+    const auto x = k.kept.solve(A, b, 1e-10);
+    ASSERT_TRUE(x);
+    EXPECT_LE((A * *x - b).norm(), 30e-10 * b.norm());
+    EXPECT_LT(k.kept.spent() - before, 2.5);
+    EXPECT_TRUE(k.kept.shows_definite(A));
+  }
+}
+
+// A matrix that has moved away everywhere is solved with, and is shown to be definite as long as it is: the
+// smallest eigenvalue of M^-1 (A - s I) is 1 - s / lambda_1.
+TEST(KeptFactor, TellsByRandomSidesWhatIsDefinite) {
+  Kept k(8);
+  const double lowest = held_lattice_eigenvalues(8, 8, 8).front();
+  const auto shifted = [&](double part) {
+    SparseMatrix A = k.A;
+    A.diagonal().array() -= part * lowest;
+    return A;
+  };
+  for (const double part : {-1.0, 0.5, 0.9, 0.99}) EXPECT_TRUE(k.kept.shows_definite(shifted(part))) << part;
+  for (const double part : {0.9999, 1.0, 1.0001, 1.01, 1.5})  // the first: too soft to be known
+    EXPECT_FALSE(k.kept.shows_definite(shifted(part))) << part;
+  const Vector b = random_vector(static_cast<int>(k.A.rows()), 5);
+  const auto x = k.kept.solve(shifted(0.9), b, 1e-10);
+  ASSERT_TRUE(x);
+  EXPECT_LE((shifted(0.9) * *x - b).norm(), 30e-10 * b.norm());
+  EXPECT_FALSE(k.kept.solve(shifted(1.5), b, 1e-10));
+}
+
+// A - c e e^T has one eigenvalue below zero if c (A^-1)_pp > 1, of a mode that no other point need take part
+// in: random sides meet every one of them. A side that has no part in it meets none.
+TEST(KeptFactor, MissesNoLocalMode) {
+  Kept k(8);
+  for (int p = 0; p < k.A.rows(); ++p) {
+    const double critical = 1.0 / k.softness(p);
+    SparseMatrix A = k.A;
+    A.coeffRef(p, p) -= 0.99 * critical;
+    EXPECT_TRUE(k.kept.shows_definite(A)) << p;
+    A.coeffRef(p, p) -= 0.02 * critical;
+    EXPECT_FALSE(k.kept.shows_definite(A)) << p;
+  }
+}
+
+// When a spring goes that alone held a point, no factor follows it.
+TEST(KeptFactor, IsDroppedWhenWhatIsLeftIsNotDefinite) {
+  Kept k(1);  // held by six springs
+  SparseMatrix A = k.A;
+  A.coeffRef(0, 0) = -1.0;
+  k.kept.follow(A, {0});
+  EXPECT_FALSE(k.kept.at_hand());
+}
+
+// Each proof takes more than the ones before, as the matrix goes away from its factor: in the end a new one
+// pays.
+TEST(KeptFactor, IsDueWhenSolutionsBecomeMany) {
+  Kept k(12);
+  const double lowest = held_lattice_eigenvalues(12, 12, 12).front();
+  SparseMatrix A = k.A;
+  int proofs = 0;
+  for (; proofs < 200 && !k.kept.is_due(); ++proofs) {
+    EXPECT_TRUE(k.kept.shows_definite(A));
+    A.diagonal().array() -= 0.01 * std::max(0.0, 0.9 - 0.01 * proofs) * lowest;
+    for (int repeat = 0; repeat < proofs; ++repeat) k.kept.solve(A, Vector::Ones(A.rows()), 1e-10);
+  }
+  EXPECT_GT(proofs, 1);
+  EXPECT_LT(proofs, 200);
+  k.kept.begin(A);
+  EXPECT_FALSE(k.kept.is_due());
+}
+
+}  // namespace
+}  // namespace vbond::kept_factor_test
