@@ -2,6 +2,7 @@
 // after gtest.h, which it needs
 #include <rapidcheck/gtest.h>
 
+#include <cstdio>
 #include <functional>
 
 #include "cases.hpp"
@@ -234,6 +235,33 @@ TEST(Bonds, ThatTheirPrestrainBreaksAreRefused) {
       rules.yield.limit.axial = rules.yield.compression = 0.25 * N;
       EXPECT_EQ(prestrained_rod(prestrain, rules, when), "") << k;
     }
+}
+
+// Of Weibull strengths the part 1 - exp(-(1/4)^2) = 6.06 % is below a quarter of their scale, to four
+// standard errors of a thousand.
+TEST(Bonds, ThatAreByChanceWeakerThanTheirPrestrainAreTold) {
+  const double e = 0.02, N = e / (1.0 + e);
+  Case c = paper_rod();
+  std::get<RodSpecimen>(c.specimens[0].shape).particles = 1001;
+  c.bonds[0].recipe.prestrain = e;
+  c.bonds[0].recipe.rules.strength = linear_strength(4.0 * N, 1.0, 1.0, 1.0);
+  EXPECT_TRUE(build(c).notes.empty());
+  c.bonds[0].recipe.weibull = {2.0, 0, 0, 1};
+  for (const BondTime when : {BondTime::start, BondTime::approach}) {
+    c.bonds[0].when = when;
+    if (when == BondTime::approach) c.bonds[0].select.value = WithinDistance{1.0};
+    const std::vector<std::string> notes = build(c).notes;
+    ASSERT_EQ(notes.size(), 1u);
+    int weak = 0;
+    double part = 0;
+    if (when == BondTime::start)
+      EXPECT_EQ(std::sscanf(notes[0].c_str(), "bonds \"bonds\": %d of 1000 are weaker", &weak), 1)
+          << notes[0];
+    else
+      EXPECT_EQ(std::sscanf(notes[0].c_str(), "bonds \"bonds\": some %lf %% at the distance", &part), 1)
+          << notes[0];
+    EXPECT_NEAR(0.1 * weak + part, 6.06, 3.02);
+  }
 }
 
 TEST(Capsules, OfARuleAreThoseOfItsLargestPair) {

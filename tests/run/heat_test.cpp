@@ -1,7 +1,10 @@
 // Bonds that grow with temperature, in motion and at rest.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -11,6 +14,7 @@
 #include "vbond/model/bond_sums.hpp"
 #include "vbond/model/energies.hpp"
 #include "vbond/model/heat.hpp"
+#include "vbond/model/step_bound.hpp"
 #include "vbond/run/run.hpp"
 
 namespace vbond {
@@ -78,9 +82,71 @@ TEST(Heat, LetsAFreeRodGrowAndAHeldOnePush) {
     }
 }
 
-// TH1: ends' translations held; one particle may not turn about the axis, which nothing else would hold. The
-// smallest eigenvalue vanishes between 1e-5 to either side of the exact growth; it is linear there but for
-// the square of that.
+// A stage that begins with the balance of its constant loads is not heated on the way to it.
+TEST(Heat, BeginsAfterTheConstantLoads) {
+  BondRecipe recipe = warm();
+  recipe.rules.strength = linear_strength(1.0, 1.0, 1.0, 1.0);
+  const Specimen s = warm_rod(4, recipe);
+  const double c_A = stiffness_of(s.state.bonds[BondId{0}]).c_A, T = 0.1, F = 1e-3;
+  StaticStage stage = heated(StageKind::fracture, s, T, {clamp(0)});
+  stage.loads = {testing::pushed(3, {F, 0, 0})};
+  stage.loads[0].constant = true;
+  const State end = run_static_stage(s.model, stage, s.state, {}).state;
+  EXPECT_EQ(end.temperature[last(s)], T);
+  EXPECT_NEAR(end.r[last(s)].x, 3.0 * (1.0 + alpha * T + F / c_A), 1e-12);
+}
+
+// Changes at rest add up: what no stage takes alone, three do, and are refused before the first.
+TEST(Heat, LeavesEveryBondALength) {
+  const Specimen s = warm_rod(4, warm());
+  const double half = -0.4 / alpha;
+  const auto cooled = [&](int times) {
+    std::vector<AnyStage> stages;
+    for (int k = 0; k < times; ++k) stages.push_back(heated(StageKind::equilibrium, s, half, {clamp(0)}));
+    return stages;
+  };
+  vbond::Run twice(s.model, s.state, cooled(2)), thrice(s.model, s.state, cooled(3));
+  EXPECT_NO_THROW(twice.run());
+  EXPECT_NEAR(twice.state().bonds[BondId{0}].a, 0.2, 1e-12);
+  try {
+    thrice.check();
+    ADD_FAILURE() << "not refused";
+  } catch (const NoEquilibrium& e) {
+    EXPECT_NE(std::string(e.what()).find("no length left: temperature takes 1.2 of it"), std::string::npos)
+        << e.what();
+  }
+  EXPECT_THROW(
+      run_static_stage(s.model, heated(StageKind::equilibrium, s, half, {clamp(0)}), twice.state(), {}),
+      NoEquilibrium);
+  Stage stage = testing::plain_stage(0.01, 1.0);
+  stage.heating = {{s.model.groups[0].particles, -1.1 / alpha, {{{0, 0}, {0.5, 1}}}}};
+  EXPECT_THROW(Simulation(s.model, stage, s.state), std::invalid_argument);
+  stage.heating[0].factor.points[1].t = 2.0;  // the stage ends before
+  stage.heating[0].factor.points[1].factor = 1.5;
+  EXPECT_NO_THROW(Simulation(s.model, stage, s.state));
+}
+
+// The coefficients stay, so that bonds that shrink to half resist shear more: the bound is that of the
+// stage's worst temperature.
+TEST(Heat, CountsForTheLargestStep) {
+  BondRecipe recipe = warm();
+  recipe.parameters = BondStiffness<double>{1e-3, 1.0, 0.5, 0.1};
+  recipe.attachment = Attachment::given, recipe.R_i = 0.3, recipe.R_j = 0.1;
+  const Specimen s = warm_rod(4, recipe);
+  Stage stage = testing::plain_stage(0.01, 1.0);
+  for (const double growth : {-0.5, 0.5}) {
+    stage.heating = {{s.model.groups[0].particles, growth / alpha, {{{0, 0}, {0.5, 1}, {1, 0}}}}};
+    Specimen then = s;
+    then.state.temperature.assign(4, growth / alpha);
+    take_lengths(then.state);
+    const double least = std::min(step_bound(s.model, s.state).dt, step_bound(then.model, then.state).dt);
+    if (growth < 0.0) {
+      EXPECT_LT(least, 0.96 * step_bound(s.model, s.state).dt);
+    }
+    EXPECT_EQ(step_bound(s.model, s.state, stage).dt, least);
+  }
+}
+
 // Heated at once far beyond the limit: the bond has flowed before it moves, and only N^2/2 is left to swing.
 TEST(Heat, ThatComesAtOnceFlowsAtOnce) {
   BondRecipe recipe = warm();
@@ -96,6 +162,9 @@ TEST(Heat, ThatComesAtOnceFlowsAtOnce) {
   for (int k = 0; k < 2000; ++k) run.step();
   EXPECT_LT(std::abs(run.balance_error(run.energies())), 1e-5);
 }
+// TH1: ends' translations held; one particle may not turn about the axis, which nothing else would hold. The
+// smallest eigenvalue vanishes between 1e-5 to either side of the exact growth; it is linear there but for
+// the square of that.
 TEST(Heat, BucklesAPinnedRodAtTheTemperatureOfTheReference) {
   const double exact = testing::material_case("TH1")["expected"]["alpha_dT_critical"];
   const Specimen s = warm_rod(10, warm());

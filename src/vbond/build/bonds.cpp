@@ -324,6 +324,44 @@ bool expect_bonds(const Case& c, std::size_t set, const Model& model, State& sta
   return all;
 }
 
+std::vector<std::string> notes_on_prestrain(const Case& c, const Model& model, const State& state) {
+  constexpr std::uint32_t sample = 1000;
+  std::vector<std::string> notes;
+  for (std::size_t set = 0; set < c.bonds.size(); ++set) {
+    const BondSpec& spec = c.bonds[set];
+    if (spec.recipe.prestrain == 0.0 || !(spec.recipe.weibull.modulus > 0.0)) continue;
+    if (spec.when == BondTime::start) {
+      const auto all =
+          std::count_if(state.bonds.begin(), state.bonds.end(), [&](const Bond& b) { return b.set == set; });
+      const auto weak = std::count_if(state.bonds.begin(), state.bonds.end(), [&](const Bond& b) {
+        return b.set == set && breaks_as_made(b, bond_site(model, state, b.i), bond_site(model, state, b.j));
+      });
+      if (weak > 0)
+        notes.push_back(
+            fmt::format("bonds \"{}\": {} of {} are weaker than what their prestrain brings, and "
+                        "break in the first step",
+                        spec.name, weak, all));
+      continue;
+    }
+    const auto* within = std::get_if<WithinDistance>(&spec.select.value);
+    if (within == nullptr || model.particles() == 0) continue;
+    const double R = *std::min_element(model.radius.begin(), model.radius.end());
+    std::uint32_t weak = 0;
+    for (std::uint32_t k = 0; k < sample; ++k) {
+      const BondSite i{ParticleId{2 * k}, {}, {}, R, 1.0, 1.0},
+          j{ParticleId{2 * k + 1}, {within->distance, 0, 0}, {}, R, 1.0, 1.0};
+      if (const auto bond = make_bond(spec.recipe, i, j)) weak += breaks_as_made(*bond, i, j);
+    }
+    if (weak > 0)
+      notes.push_back(
+          fmt::format("bonds \"{}\": some {:.2g} % at the distance {:.6g} are weaker than what their "
+                      "prestrain brings, and {}",
+                      spec.name, 100.0 * weak / sample, within->distance,
+                      spec.when == BondTime::approach ? "are not made" : "break as they are made"));
+  }
+  return notes;
+}
+
 std::optional<double> first_c_A(const Case& c, const Model& model, const State& state) {
   if (!state.bonds.empty()) return stiffness_of(state.bonds[BondId{0}]).c_A;
   if (c.bonds.empty() || model.particles() == 0) return std::nullopt;

@@ -41,6 +41,10 @@ void refuse_snap_back(const BondSpec& spec, const std::string& what, double long
 /// Records that bonds of a set would break by their prestrain as they are made.
 void refuse_broken_by_prestrain(const BondSpec& spec, const std::string& what, Problems& problems);
 
+/// Which sets have bonds that are by chance weaker than what their prestrain brings, and how many; of bonds
+/// made on approach about how many, from a thousand at their distance.
+std::vector<std::string> notes_on_prestrain(const Case& c, const Model& model, const State& state);
+
 /// Longitudinal stiffness of the first bond of the body, or of the one that the first bond set would make;
 /// nothing if the case has no bonds.  [force/length]
 std::optional<double> first_c_A(const Case& c, const Model& model, const State& state);

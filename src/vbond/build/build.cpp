@@ -289,6 +289,7 @@ Built build(const Case& c) {
   problems.throw_if_any();
   check_durations(c, built, problems);
   problems.throw_if_any();
+  for (std::string& note : notes_on_prestrain(c, model, state)) built.notes.push_back(std::move(note));
   return built;
 }
 

@@ -17,8 +17,8 @@ namespace vbond {
 struct Built {
   Model model;
   State state;
-  std::vector<std::string>
-      notes;  ///< what is made of the files that the case reads and what not, what cuts leave; a line each
+  std::vector<std::string> notes;  ///< what is made of the files that the case reads and what not, what cuts
+                                   ///< leave, bonds that break at once; a line each
 };
 
 /// Particles that the case makes itself; those that it reads from files or cuts are not counted.

@@ -12,6 +12,7 @@
 #include "vbond/core/error.hpp"
 #include "vbond/dynamics/kernel.hpp"
 #include "vbond/model/bond_sums.hpp"
+#include "vbond/model/heat.hpp"
 #include "vbond/model/mistakes.hpp"
 
 namespace vbond {
@@ -30,6 +31,7 @@ std::vector<std::size_t> work_of_blocks(const Model& model, const Bodies& bodies
 /// The model, if the three belong together.
 const Model& consistent(const Model& model, const Stage& stage, const State& state) {
   require_consistent("Simulation", model, stage, state);
+  if (const auto bond = bond_without_length(state, growth_in(state, stage))) refuse("Simulation", {*bond});
   return model;
 }
 

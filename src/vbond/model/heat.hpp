@@ -1,7 +1,12 @@
 #pragma once
 #include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
 
+#include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"
+#include "vbond/model/static_stage.hpp"
 
 /// Bonds that grow with temperature: a = a_0 (1 + g), g = alpha T, and so do the attachment distances, with T
 /// the mean of the two particles' temperatures. The coefficients stay.
@@ -20,6 +25,17 @@ void take_lengths(State& s);
 /// with the R at g = 0. For laws whose energy depends on the length at rest by D - a alone.  [energy]
 double power_of_growth(const Bond& b, const WarmBond& w, const BondPose<double>& pose,
                        const BondHistory& history);
+
+/// Between which growths the temperatures of a stage take a bond that expands, where those of one particle
+/// may come at any time of another's; at rest up to load factor 1, or the largest of the stage.
+struct GrowthRange {
+  double least = 0, largest = 0;
+};
+/// Of each bond that expands, in the order of State::warm_bonds.
+std::vector<GrowthRange> growth_in(const State& s, const Stage& stage);
+std::vector<GrowthRange> growth_in(const State& s, const StaticStage& stage);
+/// The first bond that the stage would take all length from, in words; nothing if there is none.
+std::optional<std::string> bond_without_length(const State& s, const std::vector<GrowthRange>& growth);
 
 /// The first n bonds stay, those after them are taken back.
 void keep_bonds(State& s, std::size_t n);

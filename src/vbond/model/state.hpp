@@ -133,7 +133,7 @@ inline double contact_pair_energy(const Model& model, const State& s, ParticleId
   const double R_i = model.radius[i], R_j = model.radius[j];
   const double overlap = R_i + R_j - norm(s.r[j] - s.r[i]) - kept_overlap(s, i, j);
   if (!(overlap > 0.0)) return 0.0;
-  return normal_energy(touch_forms(model.contact), touch_numbers(model, i, j), R_i * R_j / (R_i + R_j),
+  return normal_energy(touch_forms(model.contact), touch_numbers(model, i, j), reduced_radius(R_i, R_j),
                        overlap);
 }
 

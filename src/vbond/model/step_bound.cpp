@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "vbond/model/contact_bound.hpp"
+#include "vbond/model/heat.hpp"
 #include "vbond/model/make_bond.hpp"
 #include "vbond/physics/stability.hpp"
 
@@ -112,8 +114,22 @@ StepBound step_bound(const Model& model, const State& state, const std::vector<B
   return {critical_step(largest.lambda), largest.bond, largest.source};
 }
 
+/// Where temperatures change lengths: the smaller bound of the shortest bonds and of the longest.
 StepBound step_bound(const Model& model, const State& state, const Stage& stage, Spins spins) {
-  return within_turns(step_bound(model, state, stage.bonding, stage.walls), model, state, stage, spins);
+  StepBound bound = step_bound(model, state, stage.bonding, stage.walls);
+  if (!stage.heating.empty() && !state.warm_bonds.empty()) {
+    const std::vector<GrowthRange> growth = growth_in(state, stage);
+    for (const auto end : {&GrowthRange::least, &GrowthRange::largest}) {
+      State grown = state;
+      for (std::size_t k = 0; k < growth.size(); ++k) {
+        const WarmBond& w = state.warm_bonds[k];
+        if (!state.bonds[w.bond].broken) grown.bonds[w.bond] = with_growth(state, w, growth[k].*end);
+      }
+      StepBound then = step_bound(model, grown, stage.bonding, stage.walls);
+      if (then.dt < bound.dt) bound = std::move(then);
+    }
+  }
+  return within_turns(std::move(bound), model, state, stage, spins);
 }
 
 StepBound within_turns(StepBound bound, const Model& model, const State& state, const Stage& stage,

@@ -27,7 +27,7 @@ struct StepBound {
 /// bonds, and a bond as long as the rule's distance between the lightest of them is included.
 StepBound step_bound(const Model& model, const State& state, const std::vector<BondingRule>& rules = {},
                      const std::vector<WallDrive>& drives = {});
-/// With the bonding rules and walls of a stage, and no more than turns may take (within_turns).
+/// With the bonding rules, walls and temperatures of a stage, and no more than turns may take (within_turns).
 StepBound step_bound(const Model& model, const State& state, const Stage& stage,
                      Spins spins = Spins::counted);
 

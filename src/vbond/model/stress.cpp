@@ -60,9 +60,9 @@ PerParticle<Tensor> stress_times_volume(const Model& model, const State& s) {
     const Vec3d r_ij = s.r[j] - s.r[i];
     const double distance = norm(r_ij);
     const Vec3d n = r_ij / distance;
-    const double F_n =
-        normal_force(touch_forms(model.contact), touch_numbers(model, i, j), R_i * R_j / (R_i + R_j), overlap)
-            .F;
+    const double F_n = normal_force(touch_forms(model.contact), touch_numbers(model, i, j),
+                                    reduced_radius(R_i, R_j), overlap)
+                           .F;
     add_force(i, j, friction_on(s, i, j) - F_n * n, s.r[i] + 0.5 * (R_i - R_j + distance) * n, s, sum);
   });
   return sum;

@@ -139,7 +139,7 @@ Diverged passed(const Model& m, const Encounter& e, double nearest, const State&
   const double reduced_mass = m.mass[e.i] * m.mass[e.j] / (m.mass[e.i] + m.mass[e.j]);
   const double motion = 0.5 * reduced_mass * sq(speed_now) + contact_pair_energy(m, s, e.i, e.j);
   const double most =
-      normal_energy(touch_forms(m.contact), touch_numbers(m, e.i, e.j), R_i * R_j / reach, reach);
+      normal_energy(touch_forms(m.contact), touch_numbers(m, e.i, e.j), reduced_radius(R_i, R_j), reach);
   const double step = 0.5 * longest_approach * reach / speed;
   std::string way_out = "the step is small enough: use a stiffer contact, or lower velocities and loads";
   if (motion > most)

@@ -43,12 +43,17 @@ constexpr double effective_modulus(double E, double nu) {
   return E / (2.0 * (1.0 - sq(nu)));
 }
 
-/// Hertz for two elastic spheres of radii R_i, R_j: k = 4/3 E* sqrt(R*), R* = R_i R_j / (R_i + R_j)  (the
-/// same).
+/// R* of two spheres: 1/R* = 1/R_i + 1/R_j.  [length]
+template <Scalar T>
+VBOND_HD T reduced_radius(const T& R_i, const T& R_j) {
+  return R_i * R_j / (R_i + R_j);
+}
+
+/// Hertz for two elastic spheres of radii R_i, R_j: k = 4/3 E* sqrt(R*)  (the same).
 template <Scalar T>
 VBOND_HD HertzContact<T> hertz(double E_star, const T& R_i, const T& R_j) {
   using std::sqrt;
-  return {T(4.0 / 3.0 * E_star) * sqrt(R_i * R_j / (R_i + R_j))};
+  return {T(4.0 / 3.0 * E_star) * sqrt(reduced_radius(R_i, R_j))};
 }
 inline HertzContact<double> hertz(double E, double nu, double R_i, double R_j) {
   return hertz(effective_modulus(E, nu), R_i, R_j);

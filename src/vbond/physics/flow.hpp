@@ -109,9 +109,15 @@ class FlowAmount {
   T guess_, longest_, last_x_, last_f_;
 };
 
+/// What is dissipated by an amount x of flow: the mean of a limit, which grows by `growth` per flow, times x.
+template <Scalar T>
+VBOND_HD T dissipated_by(const T& limit, double growth, const T& x) {
+  return (limit + T(0.5 * growth) * x) * x;
+}
+
 /// Corrections after which a flow is taken as it is, and how far from its limit a load may stay, as a part of
 /// the limit. Two or three do unless the limit is close to the largest moment that the law has.
-inline constexpr int most_flow_corrections = 20;
+inline constexpr int most_flow_corrections = 100;
 inline constexpr double flow_tolerance = 1e-12;
 
 /// What creep does in a step by a linear law u' = g N: the elongation that is added, exact to second order

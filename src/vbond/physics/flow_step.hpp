@@ -30,12 +30,6 @@ VBOND_HD void creep(const Law& m, const T& D, const T& D_before, const T& dt, La
   add_to<Law>(h, memory::dissipated, half * (N_0 + tension(m, D, h)) * u);
 }
 
-/// The mean of a limit while it grows, times the amount of flow: what is dissipated.
-template <Scalar T>
-VBOND_HD T dissipated_by(const T& limit, double growth, const T& x) {
-  return (limit + T(0.5 * growth) * x) * x;
-}
-
 /// Flow along the axis in a step: how much, such that the tension is at its limit.
 template <FlowingLaw Law, Scalar T>
 class FlowAlongAxis {

@@ -159,17 +159,14 @@ VBOND_HD BondLoads<T> bond_loads(const Law& m, const BondPose<T>& b, const BondA
   return {F, whole * l.M_ij + m.R_i * cross(b.n_i[0], F), whole * l.M_ji - m.R_j * cross(b.n_j[0], F)};
 }
 
-/// What a bond has dissipated by yielding in each way: the limits, which grow linearly, times the flow.
+/// What a bond has dissipated by yielding in each way.
 inline FlowLimits lost_by_yield(const Yield& rule, std::span<const double> history) {
-  const auto lost = [](double limit, double growth, double flow) {
-    return (limit + 0.5 * growth * flow) * flow;
-  };
+  const FlowLimits &limit = rule.limit, &grow = rule.isotropic;
   const double all = history[memory::axial], longer = 0.5 * (all + history[memory::stretch]);
-  return {lost(rule.limit.axial, rule.isotropic.axial, all) +
-              (rule.compression - rule.limit.axial) * (all - longer),
-          lost(rule.limit.shear, rule.isotropic.shear, history[memory::shear]),
-          lost(rule.limit.bending, rule.isotropic.bending, history[memory::bending]),
-          lost(rule.limit.torsion, rule.isotropic.torsion, history[memory::torsion])};
+  return {dissipated_by(limit.axial, grow.axial, all) + (rule.compression - limit.axial) * (all - longer),
+          dissipated_by(limit.shear, grow.shear, history[memory::shear]),
+          dissipated_by(limit.bending, grow.bending, history[memory::bending]),
+          dissipated_by(limit.torsion, grow.torsion, history[memory::torsion])};
 }
 
 // the same for a bond that remembers nothing yet

@@ -79,7 +79,7 @@ inline PairTangent<3> contact_tangent(const TouchForms& forms, const TouchNumber
   const Vec3<D> r = moved<3>(r_ij, 0);
   const D distance = norm(r);
   const D force =
-      normal_force(forms, repulsion(numbers), D(R_i * R_j / (R_i + R_j)), D(R_i + R_j) - distance).F;
+      normal_force(forms, repulsion(numbers), D(reduced_radius(R_i, R_j)), D(R_i + R_j) - distance).F;
   const Vec3<D> F = -(force / distance) * r;
   return {{{F.x.value, F.y.value, F.z.value}, {}, {}}, {F.x.d, F.y.d, F.z.d}};
 }

@@ -5,6 +5,7 @@
 
 #include "vbond/core/scalar.hpp"
 #include "vbond/core/vec3.hpp"
+#include "vbond/physics/contact.hpp"
 
 // What two bodies that touch do to each other: normal force with damping and adhesion, friction, resistance
 // to rolling and twisting. Formulas and sources: docs/contacts.md.
@@ -61,7 +62,7 @@ template <Scalar T>
 struct Touching {
   Vec3<T> n;         ///< unit normal, from i to j
   T overlap;         ///< d  [length]
-  T R;               ///< R*: 1/R* = 1/R_i + 1/R_j; also R_r of rolling  [length]
+  T R;               ///< R*: reduced_radius(); also R_r of rolling  [length]
   T m;               ///< m*: 1/m* = 1/m_i + 1/m_j  [mass]
   T Theta;           ///< of the moments of inertia, likewise  [mass*length^2]
   T l_i, l_j;        ///< distances of the contact from the centres  [length]
@@ -85,7 +86,7 @@ VBOND_HD Touching<T> round_bodies(const Vec3<T>& r_ij, const TouchedBody<T>& i, 
   const T one(1.0), half(0.5), distance = norm(r_ij), overlap = i.R + j.R - distance;
   return {r_ij / distance,
           overlap,
-          i.R * j.R / (i.R + j.R),
+          reduced_radius(i.R, j.R),
           one / (i.per_m + j.per_m),
           one / (i.per_Theta + j.per_Theta),
           i.R - half * overlap,

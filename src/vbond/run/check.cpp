@@ -31,6 +31,22 @@ Problem problem_of(const NoEquilibrium& refusal, const SourcePlace& place) {
           end == std::string::npos ? "hold the body" : text.substr(end + 3)};
 }
 
+/// Takes the temperatures of particles from the start of a stage to its end. False: they depend on when it
+/// ends.
+bool go_on(PerParticle<double>& temperature, const AnyStage& stage) {
+  if (const auto* statics = std::get_if<StaticStage>(&stage)) {
+    for (const StaticHeating& h : statics->heating)
+      for (const ParticleId p : h.particles) temperature[p] += h.change;
+    return statics->kind == StageKind::equilibrium || statics->heating.empty();
+  }
+  bool known = true;
+  for (const Heating& h : std::get<Stage>(stage).heating) {
+    for (const ParticleId p : h.particles) temperature[p] = h.temperature * h.factor(0.0);
+    known &= h.factor.points.size() < 2;
+  }
+  return known;
+}
+
 /// One mistake of the case can stand in the way of several stages.
 bool is_told(const std::vector<StageRefusal>& found, const Problem& p) {
   const auto same = [&p](const StageRefusal& f) {
@@ -67,15 +83,21 @@ std::vector<StageRefusal> Run::refusals() {
   std::vector<StageRefusal> found;
   if (complete() || simulation_) return found;
   Outlook outlook;
+  PerParticle<double> temperature = state_.temperature;
+  temperature.resize(state_.r.size());
+  bool temperature_known = true;
   for (std::size_t k = stage_index(); k < stages_->size(); ++k) {
     try {
       const bool now = k == stage_index();
       if (!now && outlook.state.r.empty()) outlook.state = state_;
+      if (!now) outlook.state.temperature = temperature;
       const AnyStage stage = now ? prepare() : stages_->look_ahead(k, model_, outlook);
       if (now && std::holds_alternative<Stage>(stage) && !std::get<Stage>(stage).bonding.empty())
         outlook.pairs_known = outlook.bonds_known = false;
+      if (!temperature_known) outlook.state.warm_bonds.clear();  // what they have grown by
       if (const auto* statics = std::get_if<StaticStage>(&stage))
         look_at_balance(k, *statics, outlook, found);
+      temperature_known = go_on(temperature, stage) && temperature_known;
     } catch (const CaseError& e) {
       for (const Problem& p : e.problems())
         if (!is_told(found, p)) found.push_back({k, p, {}});

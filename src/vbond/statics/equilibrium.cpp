@@ -60,8 +60,10 @@ class LoadSteps {
         retry(way, step);
         if (last_resort) {
           const std::string loose = free_motions_in_words(body_);
-          give_up(fmt::format("no balance found beyond load factor {:.6g}: {}{}", way.from.load_factor,
-                              outcome.why, loose.empty() ? "" : "; " + loose));
+          give_up(fmt::format(
+              "no balance found beyond load factor {:.6g}: {}{}", way.from.load_factor,
+              outcome.converged ? "bonds would snap over, beyond the range of their law" : outcome.why,
+              loose.empty() ? "" : "; " + loose));
         }
         continue;
       }
@@ -351,6 +353,7 @@ std::optional<State> balance_of_constant_loads(const Model& model, const StaticS
                        constant.loads.end());
   if (!stage.constant_gravity) constant.gravity = {};
   for (StaticSupport& s : constant.supports) s.displacement = s.rotation = {};
+  constant.heating.clear();
   constant.walls.clear();
   StaticBody body(model, constant, std::move(state));
   refuse_nothing_free(body);

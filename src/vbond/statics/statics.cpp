@@ -8,6 +8,7 @@
 
 #include "vbond/core/error.hpp"
 #include "vbond/model/capsules.hpp"
+#include "vbond/model/heat.hpp"
 #include "vbond/model/mistakes.hpp"
 #include "vbond/statics/detail/kinds.hpp"
 #include "vbond/statics/detail/newton.hpp"
@@ -68,6 +69,14 @@ void refuse_contacts(const Model& model, const StaticStage& stage, const State& 
                       "static stages, or bring the body to rest in a stage of dynamics");
 }
 
+void refuse_bonds_without_length(const StaticStage& stage, const State& state) {
+  if (const auto bond = bond_without_length(state, growth_in(state, stage)))
+    throw NoEquilibrium(
+        stage.name, *bond + ", with what earlier stages have left",
+        "changes of temperature add up from stage to stage: look for a missing power of ten, or "
+        "a change that should go back");
+}
+
 }  // namespace
 
 StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, State state,
@@ -77,6 +86,7 @@ StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, Sta
   try {
     refuse_bonds_that_remember(stage, state);
     refuse_contacts(model, stage, state);
+    refuse_bonds_without_length(stage, state);
     return run_kind(model, stage, std::move(state), hooks);
   } catch (const NoEquilibrium&) {
     throw;
@@ -89,6 +99,7 @@ void refuse_free_bodies(const Model& model, const StaticStage& stage, const Stat
   require_consistent("refuse_free_bodies", model, stage, state);
   refuse_bonds_that_remember(stage, state);
   refuse_contacts(model, stage, state);
+  refuse_bonds_without_length(stage, state);
   const StaticBody body(model, stage, state);
   if (stage.kind != StageKind::equilibrium) refuse_nothing_free(body);
   if (stage.kind != StageKind::modes) refuse_rigid_motions(body);

@@ -44,8 +44,7 @@ bool WorkOnTheWay::balance_between(const Placement& a, const Placement& b, doubl
   body_.restore(a);
   body_.move(x, load_factor);
   if (correct_here()) return true;
-  if (body_.model().walls.empty()) return false;
-  body_.restore(a);  // plain steps may go back and forth over a wall that is just touched
+  body_.restore(a);  // plain steps may go back and forth over a wall that is just touched, or lead too far
   body_.move(x, load_factor);
   return settle(body_, solver_, body_.stage().newton, {}, result_.iterations).converged;
 }
@@ -129,6 +128,10 @@ Vector WorkOnTheWay::between(const Stand& a, const Stand& b, double scale) {
     for (double power = 4.0; row.size() <= sums.size(); power *= 4.0)
       row.push_back(row.back() + (row.back() - sums[row.size() - 1]) / (power - 1.0));
     sums = std::move(row);
+  }
+  if (!known()) {  // a long way may be strongly curved in a small part
+    const Vector in_parts = between_kinks(a, b, scale);
+    if (std::abs(in_parts[0] - stored) < std::abs(sums.back() - stored)) return in_parts;
   }
   body_.restore(b.at);
   return Vector::Constant(1, sums.back());
