@@ -186,6 +186,7 @@ void campaign(const char* name, Try one, std::initializer_list<Loss> must_occur)
   if (adopted > 0) std::printf("  balances after a break taken from the program: %zu\n", adopted);
   EXPECT_LE(undecided, 1 + bodies_wanted() / 100);
   EXPECT_LE(given_up, bodies_wanted() / 20);
+  if (bodies_wanted() < 60) return;  // fewer need not have all
   for (const Loss cause : must_occur) EXPECT_GT(lost[cause], 0.0) << static_cast<int>(cause);
 }
 
