@@ -308,10 +308,6 @@ TYPED_TEST(FlowingBond, HasLoadsThatAreMinusTheGradientWhateverItRemembers) {
 }
 
 TYPED_TEST(FlowingBond, FlowsAlikeInAnyTurnedWorld) {
-  // Loads are within flow_tolerance of their limits; but of these bonds, bent and sheared at random by
-  // radians, a few cannot come to all of them, and each correction multiplies what rounding has done: 1.2e-10
-  // has been seen.
-  constexpr double alike = 1e-8;
   testing::PoseSource random(16);
   for (int trial = 0; trial < 300; ++trial) {
     AnyBond<TypeParam> bond(random);
@@ -332,8 +328,8 @@ TYPED_TEST(FlowingBond, FlowsAlikeInAnyTurnedWorld) {
     const BondLoads<double> m = bond.loads();
     EXPECT_LT(
         norm(rotate(Q, l.F) - m.F) + norm(rotate(Q, l.M_ij) - m.M_ij) + norm(rotate(Q, l.M_ji) - m.M_ji),
-        alike);
-    for (std::size_t k = 0; k < memory::count; ++k) EXPECT_NEAR(bond.h.value[k], now.value[k], alike) << k;
+        1e-10);  // loads are within flow_tolerance of their limits
+    for (std::size_t k = 0; k < memory::count; ++k) EXPECT_NEAR(bond.h.value[k], now.value[k], 1e-10) << k;
   }
 }
 

@@ -119,7 +119,7 @@ VBOND_HD T dissipated_by(const T& limit, double growth, const T& x) {
 /// the limit. Two or three do unless the limit is close to the largest moment that the law has, or flow in
 /// one way takes much from another; where none brings all loads to their limits, more would only add
 /// rounding.
-inline constexpr int most_flow_corrections = 40;
+inline constexpr int most_flow_corrections = 30;
 inline constexpr double flow_tolerance = 1e-12;
 
 /// What creep does in a step by a linear law u' = g N: the elongation that is added, exact to second order
