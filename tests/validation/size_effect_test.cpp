@@ -108,12 +108,15 @@ TEST(SizeEffect, OfBrittleBondsGoesToTheSquareRoot) {
 
 // With bonds that soften down to five times their elongation at the peak stress the zone that softens is a
 // part of the small plates: they carry more than brittle ones, and the power comes to -1/2 later. Measured:
-// -0.360, -0.427.
+// -0.3599, -0.4270, -0.4657; -0.4175 over the factor of 8. What is missing falls by half here, too.
 TEST(SizeEffect, OfSofteningBondsComesLater) {
-  const std::vector<double> p = powers(soft(1.0, 5e-3), 40, {8, 16, 32});
-  ASSERT_EQ(p.size(), 2u);
+  const std::vector<double> p = powers(soft(1.0, 5e-3), 40, {8, 16, 32, 64});
+  ASSERT_EQ(p.size(), 3u);
   EXPECT_NEAR(p[0], -0.36, 0.01);
-  EXPECT_NEAR(p[1], -0.427, 0.01);
+  for (std::size_t k = 1; k < p.size(); ++k) {
+    EXPECT_LT(p[k], p[k - 1]);
+    EXPECT_LT(std::abs(p[k] + 0.5), 0.65 * std::abs(p[k - 1] + 0.5));
+  }
 }
 
 // ---- one softening plate, three spacings ----------------------------------------------------------------

@@ -11,7 +11,7 @@ namespace vbond {
 namespace baseline {
 extern const StepKernel kernel;
 }
-#if defined(__x86_64__)
+#if defined(VBOND_VECTOR_KERNELS)
 namespace avx2 {
 extern const StepKernel kernel;
 }
@@ -25,7 +25,7 @@ extern const StepKernel kernel;
 
 std::vector<const StepKernel*> available_kernels() {
   std::vector<const StepKernel*> kernels{&baseline::kernel};
-#if defined(__x86_64__)  // each set asks for what CMakeLists.txt compiles it with
+#if defined(VBOND_VECTOR_KERNELS)  // each set asks for what CMakeLists.txt compiles it with
   if (__builtin_cpu_supports("avx2")) kernels.push_back(&avx2::kernel);
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
       __builtin_cpu_supports("avx512vl")) {

@@ -39,7 +39,11 @@ void KeptFactor::drop() {
 }
 
 bool KeptFactor::is_due() const {
-  return proofs_ > 0 && recent_ * proofs_ > factor_.cost_in_solutions() + spent_;
+  return in_cycle_ > patience() || (proofs_ > 0 && recent_ * proofs_ > factor_.cost_in_solutions() + spent_);
+}
+
+double KeptFactor::patience() const {
+  return std::max(30.0, factor_.cost_in_solutions());
 }
 
 void KeptFactor::follow(const SparseMatrix& A, const std::vector<int>& unknowns) {
@@ -92,7 +96,7 @@ DenseMatrix KeptFactor::solve_kept(const DenseMatrix& B) const {
 /// what it was.
 std::optional<Vector> KeptFactor::gradients(const SparseMatrix& A, Vector r, const Enough& enough,
                                             Coefficients* kept) {
-  const double most = std::max(30.0, factor_.cost_in_solutions());
+  const double most = patience();
   Vector x = Vector::Zero(r.size());
   Vector z = solve_kept(r);
   Vector p = z;

@@ -147,7 +147,7 @@ bool TangentSolver::kept_for(const StaticBody& body) {
   present_ = &body.tangent();
   for (const std::vector<int>& unknowns : std::exchange(breaks_, {}))
     if (kept_.at_hand()) kept_.follow(*present_, unknowns);
-  return kept_.at_hand();
+  return kept_.at_hand() && !kept_.is_due();
 }
 
 bool TangentSolver::take_definite(const StaticBody& body) {
@@ -162,7 +162,7 @@ bool TangentSolver::take(const StaticBody& body) {
 
 bool TangentSolver::is_definite(const StaticBody& body) {
   any_signs_ = false;
-  if (kept_for(body) && !kept_.is_due() && kept_.shows_definite(*present_)) return true;
+  if (kept_for(body) && kept_.shows_definite(*present_)) return true;
   return factor_definite(body);
 }
 

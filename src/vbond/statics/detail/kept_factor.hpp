@@ -29,7 +29,8 @@ class KeptFactor {
   void begin(const SparseMatrix& A);
   void drop();
   bool at_hand() const { return at_hand_; }
-  /// A new factor would be the cheaper way on: from proof to proof more solutions are needed of late than on
+  /// A new factor would be the cheaper way on: since the last proof as many solutions were needed as one
+  /// matrix may take, as where the body moves far; or from proof to proof more are needed of late than on
   /// average since the factor was made, its own cost among them.
   bool is_due() const;
   /// Solutions since the factor was made, in those with it alone.
@@ -59,6 +60,8 @@ class KeptFactor {
     double norm, part;
   };
   std::optional<Vector> gradients(const SparseMatrix& A, Vector r, const Enough& enough, Coefficients* kept);
+  /// Solutions that are spent on one matrix before a new factor is made.
+  double patience() const;
   /// M^-1 B, all changes included.
   DenseMatrix solve_kept(const DenseMatrix& B) const;
   Vector random_side();
