@@ -115,7 +115,12 @@ void say_end(const Campaign& campaign, bool interrupted) {
     text += fmt::format("{} pair{} of particles without a bond overlapped: see docs/theory.md\n",
                         s.ever_overlapping, s.ever_overlapping == 1 ? "" : "s");
   say(text + timing_table(s.wall_time) + "results in " + folder + "\n");
-  if (interrupted) say("stopped by a signal; go on with: " + resume_command(campaign) + "\n", stderr);
+  if (!interrupted) return;
+  const Run& run = campaign.run;
+  const bool at_rest = is_static(run.stages().kind(run.stage_index()));
+  say(std::string("stopped by a signal; ") + (at_rest ? "a static stage begins from its start; " : "") +
+          "go on with: " + resume_command(campaign) + "\n",
+      stderr);
 }
 
 /// A signal that came between two stages: the checkpoint is that of the state before the next one's bonds.
