@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
@@ -10,6 +11,7 @@
 
 #include "material_cases.hpp"
 #include "rods.hpp"
+#include "vbond/core/error.hpp"
 #include "vbond/model/rules.hpp"
 #include "vbond/physics/flowing.hpp"
 
@@ -181,6 +183,19 @@ TEST(FlowInMotion, PartsABarWithItsFractureEnergy) {
 }
 
 // PL2t: particles that turn against each other by more than a right angle, while their bond does not.
+// The memory of a bond whose loads could not be brought to their limits is not a number, and so are they.
+TEST(FlowInMotion, StopsAndNamesTheBondWhoseFlowIsLost) {
+  Specimen s = lively_chain(yielding(), &bond_law<VModel>, 0.05);
+  s.state.bond_history.resize(s.state.bonds.size());
+  s.state.bond_history[BondId{3}][memory::turn_i] = std::numeric_limits<double>::quiet_NaN();
+  try {
+    Simulation run(s.model, testing::plain_stage(0.1, 1e9), s.state);
+    ADD_FAILURE() << "it runs";
+  } catch (const Diverged& e) {
+    EXPECT_NE(std::string(e.what()).find("bond 3 (particles 3, 4): its flow"), std::string::npos) << e.what();
+  }
+}
+
 TEST(FlowInMotion, IsWatchedByItsElasticAngles) {
   const nlohmann::json row = material_case("PL2t")["expected"]["rows"][0];
   for (const bool yields : {true, false}) {

@@ -256,8 +256,8 @@ BondType type_with_rules(const BondLaw& law, Criterion criterion, bool flows) {
   r.damped = true;
   if (flows) {
     r.stretch = {};
-    r.yield.limit = {0.02, 0.03, 0.01, 0.02};
-    r.yield.compression = 0.03;
+    r.yield.limit = {0.1, 0.06, 0.05, 0.06};  // flow far past lower limits may be lost
+    r.yield.compression = 0.3;
     r.yield.isotropic = {0.1, 0.2, 0.1, 0.1};
     r.yield.kinematic = {0.2, 0.0, 0.3, 0.1};
     r.creep = {0.05, 3};

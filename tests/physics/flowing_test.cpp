@@ -1,5 +1,5 @@
 // Bonds that yield, creep and soften, one at a time, driven by hand: against closed forms of materials.json.
-#include "vbond/physics/flow_step.hpp"
+#include "vbond/physics/flow_tangent.hpp"
 
 #include <gtest/gtest.h>
 
@@ -331,6 +331,38 @@ TYPED_TEST(FlowingBond, FlowsAlikeInAnyTurnedWorld) {
         1e-10);  // loads are within flow_tolerance of their limits
     for (std::size_t k = 0; k < memory::count; ++k) EXPECT_NEAR(bond.h.value[k], now.value[k], 1e-10) << k;
   }
+}
+
+// Bent, twisted and sheared at random by radians, up to 20 times past their limits, where one way of flowing
+// takes much from another. What does not come to its limits must not go on with loads that are wrong.
+TYPED_TEST(FlowingBond, ComesToAllItsLimitsOrHasNoLoads) {
+  testing::PoseSource random(18);
+  constexpr double within = 2.0 * flow_apart * (0.03 + 0.1 * 0.2);  // of the largest limit, hardened
+  constexpr int trials = 20000;
+  int lost = 0;
+  for (int trial = 0; trial < trials; ++trial) {
+    AnyBond<TypeParam> bond(random);
+    bond.rules.creep = {};
+    const LawHistory<TypeParam> before = bond.h;
+    bond.advance_by(0.0);
+    if (!std::isfinite(bond.h.value[memory::dissipated])) {
+      const BondLoads<double> l = bond.loads();
+      EXPECT_FALSE(std::isfinite(norm(l.F) + norm(l.M_ij) + norm(l.M_ji)));
+      ++lost;
+      continue;
+    }
+    FlowAmounts<double> amounts, over{};
+    for (std::size_t k = 0; k < ways_to_flow; ++k)
+      amounts[k] = bond.h.value[memory::axial + k] - before.value[memory::axial + k];
+    flowed_by(amounts, bond.law, bond.pose, bond.axis(), before, over);
+    for (std::size_t k = 0; k < ways_to_flow; ++k) {
+      EXPECT_LT(over[k], within) << trial;
+      if (amounts[k] > 0.0) {
+        EXPECT_GT(over[k], -within) << trial;
+      }
+    }
+  }
+  EXPECT_LT(lost, trials / 1000);
 }
 
 // Swapped, the frame's first and third axis point the other way.

@@ -198,6 +198,10 @@ Verdict breaks_at_rest(unsigned seed) {
   Judge judge(task, verdict);
   StaticHooks hooks;
   hooks.point = [&](const StaticPoint& point) { judge.look(point); };
+  bool told = false;
+  hooks.tell = [&](const std::string& text) {
+    told |= text.find("energy books are off") != std::string::npos;
+  };
   const StaticOutcome outcome =
       run_static_stage(task.body.specimen.model, task.stage, task.body.specimen.state, hooks);
   const StaticResult& result = outcome.result;
@@ -205,8 +209,9 @@ Verdict breaks_at_rest(unsigned seed) {
   verdict.lost = losses_by_flow(outcome.state);
   verdict.ended = result.ended;
   if (!verdict.wrong.empty()) return verdict;
+  // steps of bodies that flow are made shorter until a quarter of a thousandth is missing in each
   const double error = std::abs(result.fracture.books.error());
-  if (error > (task.flows ? (verdict.breaks > 0 ? 0.1 : 0.02) : 1e-9))
+  if (told != (error > 1e-3) || (!task.flows && error > 1e-9))
     verdict.wrong = Judge::number("the books are off by ", error);
   else if (!task.flows)
     go_own_way(task, result, judge.seen, verdict);
@@ -222,6 +227,13 @@ TEST(BreakCampaign, BreaksAtRestAsByTheTestsOwnEvaluation) {
   testing::campaign(
       "breaks at rest", judged,
       {Loss::yield_axial, Loss::yield_shear, Loss::yield_bending, Loss::yield_torsion, Loss::softening});
+}
+
+// Bodies of which a coarse step jumped over to a path where a bond had softened (577), flow at large angles
+// left much of the work of a step in the books (912), bending and torsion had to find their limits together
+// (759), and a way was so curved that few sums knew its work (833).
+TEST(BreakCampaign, FindsTheWayWhereItIsHard) {
+  for (const unsigned seed : {577, 759, 833, 912}) EXPECT_EQ(breaks_at_rest(seed).wrong, "") << seed;
 }
 
 }  // namespace

@@ -390,12 +390,16 @@ void Simulation::check_finite() const {
   for (const ParticleId p : bodies_.order.row.ids()) {
     const LoadRow& load = bodies_.load[bodies_.order.row[p].value];
     if (is_finite(load.F) && is_finite(load.M)) continue;
+    if (bonds_.remembers()) bonds_.collect(state_.bond_history);
     for (const BondIndex::Entry& e : bond_index_.of(p)) {
       const Bond& b = state_.bonds[e.bond];
+      const std::string bond = "bond " + std::to_string(e.bond.value) + " (particles " +
+                               std::to_string(b.i.value) + ", " + std::to_string(b.j.value) + ")";
+      if (b.law->remembers() && has_lost_its_flow(state_.bond_history[e.bond]))
+        stop(bond, "its flow does not bring its loads to their limits, which they are far beyond",
+             "reduce time.step (or time.fraction), or load more slowly");
       if (b.rules->stretch.form == StretchForm::fene && past_largest(b))
-        stop("bond " + std::to_string(e.bond.value) + " (particles " + std::to_string(b.i.value) + ", " +
-                 std::to_string(b.j.value) + ")",
-             "it is stretched past its largest elongation (fene), where its force has no limit",
+        stop(bond, "it is stretched past its largest elongation (fene), where its force has no limit",
              "reduce time.step (or time.fraction), pull more slowly, or give a larger stretching.largest");
     }
     stop("particle " + std::to_string(p.value), "its force or moment is not a finite number",

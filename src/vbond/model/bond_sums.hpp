@@ -1,4 +1,6 @@
 #pragma once
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "vbond/model/loads.hpp"
@@ -37,6 +39,10 @@ void add_bond_loads(const State& state, Loads& loads);
 
 /// Energy of all bonds by channel, bond by bond, relative to rest; other members are left at zero.  [energy]
 Energies bond_energies(const State& state);
+/// Whether a bond could not flow so that its loads are at their limits: physics/flow.hpp.
+inline bool has_lost_its_flow(const BondHistory& h) {
+  return !std::all_of(h.begin(), h.end(), [](double x) { return std::isfinite(x); });
+}
 /// What bonds that yield, creep or soften have dissipated since they were made, broken ones too.  [energy]
 double dissipated_by_flow(const State& state);
 /// The same by cause.

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <limits>
 #include <numbers>
 
 #include "vbond/core/quat.hpp"
@@ -76,6 +77,18 @@ VBOND_HD Vec3<T> quarter_of_rotation(const Quat<T>& q) {
   return {s * q.x, s * q.y, s * q.z};
 }
 
+/// How far from its limit a load may stay, as a part of the limit, and corrections of each way of flowing for
+/// itself. Two or three do unless the limit is close to the largest moment that the law has, or flow in one
+/// way takes much from another.
+inline constexpr double flow_tolerance = 1e-12;
+inline constexpr int most_flow_corrections = 30;
+/// If a load is farther off than `apart` then, all are corrected together; five do. If one is farther off
+/// than `lost` even then, its flow is not a number: a run stops, and a load step is made shorter, rather than
+/// go on with wrong loads. Rounding, a part of the load of elastic bonds, counts neither way.
+inline constexpr double flow_apart = 1e-9, flow_lost = 1e-6, flow_rounding = 1e-12;
+inline constexpr int most_joint_corrections = 10;
+inline constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+
 /// How much a channel flows in a step: x >= 0 such that the load is above its limit by f(x) = 0, where f
 /// falls with x; or x = 0 if f(0) < 0. By secants, without branches: a lane that is done does not change any
 /// more, whatever the others do.
@@ -103,6 +116,12 @@ class FlowAmount {
     x = where_greater(off_by, within, next, x);
   }
 
+  /// By how much f(x) is farther off than this part of the limit, and than rounding leaves.
+  VBOND_HD T off_by_more(const T& f, const T& limit, double part) const {
+    return off(f) - (T(part) * limit + T(flow_rounding) * guess_ * longest_);
+  }
+  VBOND_HD const T& longest() const { return longest_; }
+
   T x;
 
  private:
@@ -114,13 +133,6 @@ template <Scalar T>
 VBOND_HD T dissipated_by(const T& limit, double growth, const T& x) {
   return (limit + T(0.5 * growth) * x) * x;
 }
-
-/// Corrections after which a flow is taken as it is, and how far from its limit a load may stay, as a part of
-/// the limit. Two or three do unless the limit is close to the largest moment that the law has, or flow in
-/// one way takes much from another; where none brings all loads to their limits, more would only add
-/// rounding.
-inline constexpr int most_flow_corrections = 30;
-inline constexpr double flow_tolerance = 1e-12;
 
 /// What creep does in a step by a linear law u' = g N: the elongation that is added, exact to second order
 /// and without oscillation for any step. N_0: at the start of the step; N_trial: at its end if nothing

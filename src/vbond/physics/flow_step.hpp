@@ -30,6 +30,12 @@ VBOND_HD void creep(const Law& m, const T& D, const T& D_before, const T& dt, La
   add_to<Law>(h, memory::dissipated, half * (N_0 + tension(m, D, h)) * u);
 }
 
+/// x, or not a number where it is lost.
+template <Scalar T>
+VBOND_HD T known_flow(const T& x, const T& lost) {
+  return where_greater(lost, T(0.0), T(not_a_number), x);
+}
+
 /// Flow along the axis in a step: how much, such that the tension is at its limit.
 template <FlowingLaw Law, Scalar T>
 class FlowAlongAxis {
@@ -54,9 +60,10 @@ class FlowAlongAxis {
     const T within = T(flow_tolerance) * limit_;
     for (int k = 0; k < most_flow_corrections; ++k) {
       const T f = over();
-      if (!any_greater(flow.off(f), within)) break;
+      if (!any_greater(flow.off(f), within)) return;
       flow.correct(f, within);
     }
+    flow.x = known_flow(flow.x, flow.off_by_more(over(), limit_, flow_lost));
   }
   VBOND_HD void keep(LawHistory<Law>& h) const {
     add_to<Law>(h, memory::stretch, sign_ * flow.x);
@@ -145,16 +152,19 @@ struct FlowChannel {
     if (flows) flow.correct(f, T(flow_tolerance) * limit);
   }
   VBOND_HD T dissipated() const { return dissipated_by(limit, grow, flow.x); }
+  VBOND_HD T off_by_more(const T& f, double part) const {
+    return flows ? flow.off_by_more(f, limit, part) : T(0.0);
+  }
 };
 
-/// Puts a turn into the memory of those that flowed.
+/// Puts a turn into the memory of those that flowed, or whose flow is lost.
 template <FlowingLaw Law, Scalar T>
 VBOND_HD void keep_turn(LawHistory<Law>& h, std::size_t k, const T& flow, const Quat<T>& q) {
-  const T zero(0.0);
+  const T least(1e-300);
   const Vec3<T> turn = quarter_of_rotation(q);
-  h.value[k] = where_greater(flow, zero, turn.x, h.value[k]);
-  h.value[k + 1] = where_greater(flow, zero, turn.y, h.value[k + 1]);
-  h.value[k + 2] = where_greater(flow, zero, turn.z, h.value[k + 2]);
+  h.value[k] = where_greater(least, flow, h.value[k], turn.x);
+  h.value[k + 1] = where_greater(least, flow, h.value[k + 1], turn.y);
+  h.value[k + 2] = where_greater(least, flow, h.value[k + 2], turn.z);
 }
 
 /// Flow in bending, torsion and shear in a step, each along the direction in which its load is over its limit
@@ -190,10 +200,11 @@ class FlowAcrossAxis {
   VBOND_HD void find() {
     for (int k = 0; k < most_flow_corrections; ++k) {
       const T f_b = bending_over(), f_t = torsion_over(), f_v = shear_over();
-      if (!bend.is_off(f_b) && !twist.is_off(f_t) && !slide.is_off(f_v)) break;
+      if (!bend.is_off(f_b) && !twist.is_off(f_t) && !slide.is_off(f_v)) return;
       bend.correct(f_b), twist.correct(f_t), slide.correct(f_v);
       turn();
     }
+    find_together();
   }
   VBOND_HD void keep(LawHistory<Law>& h) const {
     const T x_b = bend.flow.x, x_t = twist.flow.x, x_v = slide.flow.x;
@@ -211,6 +222,63 @@ class FlowAcrossAxis {
   FlowChannel<T> bend, twist, slide;
 
  private:
+  VBOND_HD T off_by_more(double part) const {
+    return larger(bend.off_by_more(bending_over(), part),
+                  larger(twist.off_by_more(torsion_over(), part), slide.off_by_more(shear_over(), part)));
+  }
+
+  /// Newton's method for all ways of flowing at once, by differences, of those lanes that are off by more
+  /// than flow_apart. In a round each way goes a little farther in its turn, then all are corrected.
+  VBOND_HD void find_together() {
+    constexpr double little = 1e-7;
+    FlowChannel<T>* const way[3] = {&bend, &twist, &slide};
+    const T zero(0.0), one(1.0);
+    T f[3] = {bending_over(), torsion_over(), shear_over()}, J[3][3];
+    T off = off_by_more(flow_apart);
+    for (int n = 0; n < 4 * most_joint_corrections && any_greater(off, zero); ++n) {
+      const int tried = n % 4;
+      T before(0.0), farther(0.0);
+      if (tried < 3) {
+        before = way[tried]->flow.x, farther = T(little) * way[tried]->flow.longest();
+        way[tried]->flow.x = before + farther;
+      } else {
+        for (int r = 0; r < 3; ++r) {  // what does not flow stays
+          const T flows = way[r]->flows ? larger(way[r]->flow.x, f[r]) : zero;
+          f[r] = where_greater(flows, zero, f[r], zero);
+          for (int c = 0; c < 3; ++c) {
+            const T alone = T(c == r ? 1.0 : 0.0);
+            J[r][c] = where_greater(flows, zero, J[r][c], alone);
+            J[c][r] = where_greater(flows, zero, J[c][r], alone);
+          }
+        }
+        T minor[3][3];
+        for (int r = 0; r < 3; ++r)
+          for (int c = 0; c < 3; ++c)
+            minor[r][c] = J[(r + 1) % 3][(c + 1) % 3] * J[(r + 2) % 3][(c + 2) % 3] -
+                          J[(r + 1) % 3][(c + 2) % 3] * J[(r + 2) % 3][(c + 1) % 3];
+        const T per_det = one / (J[0][0] * minor[0][0] + J[0][1] * minor[0][1] + J[0][2] * minor[0][2]);
+        for (int c = 0; c < 3; ++c) {
+          FlowAmount<T>& flow = way[c]->flow;
+          const T back = per_det * (minor[0][c] * f[0] + minor[1][c] * f[1] + minor[2][c] * f[2]);
+          const T bounded = larger(-flow.longest(), -larger(back, -flow.longest()));
+          flow.x = where_greater(off, zero, larger(flow.x + bounded, zero), flow.x);
+        }
+      }
+      turn();
+      const T g[3] = {bending_over(), torsion_over(), shear_over()};
+      if (tried < 3) {
+        for (int r = 0; r < 3; ++r) J[r][tried] = (g[r] - f[r]) / farther;
+        way[tried]->flow.x = before;
+      } else {
+        for (int r = 0; r < 3; ++r) f[r] = g[r];
+        off = off_by_more(flow_apart);
+      }
+    }
+    const T lost = off_by_more(flow_lost);
+    for (FlowChannel<T>* w : way) w->flow.x = known_flow(w->flow.x, lost);
+    turn();
+  }
+
   /// quarter: the most by which a turn changes in a correction  [rad]
   VBOND_HD FlowAcrossAxis(const Law& law, const BondPose<T>& b, const BondAxis<T>& axis,
                           const LawHistory<Law>& h, const BondStiffness<T>& c, const T& quarter)

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <utility>
 
+#include "vbond/model/bond_sums.hpp"
 #include "vbond/model/energies.hpp"
 #include "vbond/model/touching.hpp"
 
@@ -370,6 +371,11 @@ std::string StaticBody::first_not_finite() const {
     const BondEnergy<double> U = bond_energy(state_, k);
     const bool finite_loads = is_finite(f.F) && is_finite(f.M_ij) && is_finite(f.M_ji);
     if (finite_loads && std::isfinite(U.U_L + U.U_B + U.U_T)) continue;
+    if (has_lost_its_flow(history_of_bond(state_, k)))
+      return fmt::format(
+          "bond {} (particles {}, {}): its flow does not bring its loads to their limits, which they are far "
+          "beyond",
+          k.value, b.i.value, b.j.value);
     return fmt::format("bond {} (particles {}, {}): its {} not finite, its bonded points are {:.3g} apart",
                        k.value, b.i.value, b.j.value, finite_loads ? "energy is" : "loads are",
                        norm(bonded_points(pose, b.R_i, b.R_j)));

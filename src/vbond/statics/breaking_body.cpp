@@ -183,10 +183,8 @@ bool BreakingBody::settle() {
   return false;
 }
 
-double BreakingBody::work_between(const Balance& a, const Balance& b, double scale) {
-  const Vector work = way_here().between(a, b, scale);
+void BreakingBody::add_work_of_walls(const Vector& work) {
   if (body_->walls_move()) body_->add_work_of_walls(work.tail(work.size() - 1));
-  return work[0];
 }
 
 std::optional<std::string> BreakingBody::hold_free_parts() {

@@ -68,6 +68,7 @@ class LoadSteps {
         continue;
       }
       judge();
+      bool told_jump = false;
       if (may_be_a_jump(way)) {
         const std::optional<bool> back = comes_back(way.from);
         if (!back) return interrupted(way.from);
@@ -75,10 +76,20 @@ class LoadSteps {
           retry(way, step);
           continue;
         }
-        if (!*back) tell_jump(way.from);
+        if (!*back) tell_jump(way.from), told_jump = true;
         judge();
       }
-      if (!accept(outcome)) return interrupted(way.from);
+      const bool may_be_shorter = body_.flows() && way.length > longest / 64;
+      if (body_.flows() && !told_jump && !closes(way, may_be_shorter)) {
+        retry(way, step);
+        continue;
+      }
+      outcome = accept(std::move(outcome), may_be_shorter);
+      if (outcome.interrupted) return interrupted(way.from);
+      if (!outcome.converged) {
+        retry(way, step);
+        continue;
+      }
       step = std::min(longest, 2.0 * step);
     }
     result_.smallest_eigenvalue = smallest_eigenvalue(body_, solver_, stability_);
@@ -100,7 +111,7 @@ class LoadSteps {
       stability_.unstable.reset();
     }
     report_point(body_, PointKind::regular, stability_.unstable, hooks_, result_);
-    if (body_.walls_move()) before_ = stand_of(body_);
+    if (body_.walls_move() || body_.flows()) before_ = stand_of(body_);
   }
 
   /// What walls have done since the last balance.
@@ -112,6 +123,23 @@ class LoadSteps {
     factored_here_ = false;
     body_.add_work_of_walls(work.tail(now.power_of_walls.size()));
     before_ = std::move(now);
+  }
+
+  /// Whether what bonds have stored and dissipated in a step is the work on the way, or, where it may not be
+  /// shorter, is told not to be. A jump that leads to where the tangent may well have led shows by that.
+  bool closes(const Way& way, bool may_be_shorter) {
+    constexpr double part = 0.01;
+    const double missing = WorkOnTheWay(body_, solver_, result_).missing(before_, stand_of(body_), part);
+    factored_here_ = false;
+    if (missing == 0.0) return true;
+    if (may_be_shorter) return false;
+    if (!std::exchange(told_missing_, true))
+      tell(fmt::format(
+          "between load factors {:.6g} and {:.6g} bonds store and dissipate less or more than the "
+          "work, by {:.2g} of it: the body may have jumped, or flows in steps that are too long; "
+          "more steps (steps = {}) make them shorter",
+          way.from.load_factor, body_.load_factor(), missing, 4 * std::max(1, body_.stage().steps)));
+    return true;
   }
 
   void interrupted(const Placement& last_balance) {
@@ -161,15 +189,15 @@ class LoadSteps {
     return outcome;
   }
 
-  /// A balance that is unstable is left, downhill, unless the stage wants it kept. False if
-  /// interrupted.
-  bool accept(NewtonOutcome outcome) {
+  /// A balance that is unstable is left, downhill, unless the stage wants it kept. Not converged: none is
+  /// found downhill, and a shorter step may come to another.
+  NewtonOutcome accept(NewtonOutcome outcome, bool may_be_shorter) {
     constexpr int most_tries = 3;
     for (int k = 0; k < most_tries && stability_.unstable.value_or(0) > 0; ++k) {
       if (body_.stage().at_saddle == AtSaddle::keep) break;
+      outcome = leave_saddle(may_be_shorter);
+      if (outcome.interrupted || !outcome.converged) return outcome;
       result_.left_saddle = true;
-      outcome = leave_saddle();
-      if (outcome.interrupted) return false;
     }
     add_work_of_walls();
     result_.residuals = outcome.residuals;
@@ -179,7 +207,8 @@ class LoadSteps {
     if (stability_.neutral) tell_neutral();
     report_point(body_, body_.load_factor() < 1.0 ? PointKind::regular : PointKind::end, stability_.unstable,
                  hooks_, result_);
-    return true;
+    if (body_.flows() && !body_.walls_move()) before_ = stand_of(body_);
+    return outcome;
   }
 
   double distance_to_here(const Placement& p) const {
@@ -228,7 +257,7 @@ class LoadSteps {
 
   /// Downhill along the most negative mode, its largest component positive, and counts again. If that fails
   /// the unstable balance is kept as the last point.
-  NewtonOutcome leave_saddle() {
+  NewtonOutcome leave_saddle(bool may_fail) {
     constexpr double nudge = 0.02;  // of the length scale: far above rounding, far below a change of shape
     const Placement saddle = body_.placement();
     const int unstable = stability_.unstable.value();
@@ -247,6 +276,7 @@ class LoadSteps {
       if (still_unstable(outcome)) outcome = from_beside(saddle, first * x, patience);
     }
     if (!outcome.converged && !outcome.interrupted) {
+      if (may_fail) return outcome;
       body_.restore(saddle);
       report_point(body_, PointKind::regular, unstable, hooks_, result_);
       give_up(fmt::format(
@@ -320,7 +350,8 @@ class LoadSteps {
   StaticResult& result_;
   TangentSolver solver_;
   bool jumped_ = false;         // so far
-  Stand before_;                // the last balance, where walls move
+  Stand before_;                // the last balance, where walls move or bonds flow
+  bool told_missing_ = false;   // work
   double largest_energy_ = 0;   // so far
   Stability stability_;         // of the last balance
   bool factored_here_ = false;  // the solver's factor is still that of its tangent

@@ -13,6 +13,12 @@ namespace {
 
 /// How near to 1 the utilisation is brought by the load factor.
 constexpr double critical_error = 1e-10;
+/// By how much the books may be off, as a part of the largest energy in them, before that is told.
+constexpr double books_error = 1e-3;
+/// A step is made shorter where a larger part of what it turns over is missing in the books, down to a part
+/// of the longest step. If the shorter one leads nowhere the longer one is taken, but not if so much is
+/// missing that it has jumped.
+constexpr double books_error_of_step = 0.25 * books_error, least_for_books = 1e-3, jump = 0.03;
 
 double use_of(const Balance& b) {
   return b.most ? b.most->utilisation : 0.0;
@@ -64,6 +70,9 @@ class Fracture {
       else
         go_on(settings_.end);
     }
+    if (std::abs(found_.books.error()) * found_.books.largest >
+        books_error * found_.books.largest + rounding_of_books())
+      tell_missing();
     result_.solver = walk_.solver().name();
     result_.factors = walk_.factors();
     return std::move(walk_).take_state();
@@ -90,6 +99,7 @@ class Fracture {
     const bool up = to > now_.at.load_factor;
     const double largest = settings_.end / std::max(1, stage_.steps), smallest = 1e-7 * largest;
     double limit = largest;
+    std::optional<Step> longer;  // the last from here whose books did not close
     if (!walk_.is_stable()) return lose_stability("the balance is not stable any more");
     while (now_.at.load_factor != to && result_.ended.empty()) {
       if (hooks_.interrupted && hooks_.interrupted()) return void(result_.ended = "interrupted");
@@ -97,26 +107,52 @@ class Fracture {
       const double wanted = std::min({limit, std::abs(expected_step()), walk_.longest_step()});
       const double step = std::min(std::max(wanted, smallest), std::abs(to - from));
       const double next = step < std::abs(to - from) ? from + (up ? step : -step) : to;
-      const bool arrived =
-          walk_.step_to(next) && stop_at_strength() && walk_.is_stable() && walk_.came_smoothly(now_.at);
-      if (!arrived) {
-        if (hooks_.interrupted && hooks_.interrupted()) return void(result_.ended = "interrupted");
+      std::optional<Step> made = step_to(next);
+      if (!made && hooks_.interrupted && hooks_.interrupted()) return void(result_.ended = "interrupted");
+      if (made && step > least_for_books * largest && !closes(*made, books_error_of_step)) {
+        if (closes(*made, jump)) longer = std::move(made);
+        made.reset();
+      } else if (!made && longer) {
+        made = std::exchange(longer, std::nullopt);
+        walk_.restore(made->to);
+        walk_.is_stable();
+      }
+      if (!made) {
         walk_.restore(now_);
         limit = 0.5 * step;
         if (limit < smallest) return lose_stability("no stable balance is found beyond it");
         if (!walk_.is_stable()) return lose_stability("the balance is not stable any more");
         continue;
       }
-      before_ = now_;
-      now_ = walk_.here();
-      add_work(walk_.work_between(before_, now_, found_.books.largest));
+      longer.reset();
+      note_missing(*made);
+      const bool may_grow = closes(*made, 0.5 * books_error_of_step);  // it grows with the step, or faster
+      before_ = std::exchange(now_, std::move(made->to));
+      add_work(made->work[0]);
+      walk_.add_work_of_walls(made->work);
       const bool critical = up ? is_past(now_) : use_of(now_) <= 1.0 + same_use;
       note_balance(critical                               ? PointKind::critical
                    : now_.at.load_factor == settings_.end ? PointKind::end
                                                           : PointKind::regular);
       if (critical) return;
-      limit = std::min(largest, 2.0 * limit);
+      if (may_grow) limit = std::min(largest, 2.0 * limit);
     }
+  }
+
+  /// From the last balance to one close by, and the work on the way.
+  struct Step {
+    Balance to;
+    Vector work;  // of all, then of each wall
+  };
+  /// To this load factor, or to where a bond comes to its strength before it. Nothing: no stable balance is
+  /// found there.
+  std::optional<Step> step_to(double load_factor) {
+    if (!walk_.step_to(load_factor) || !stop_at_strength() || !walk_.is_stable() ||
+        !walk_.came_smoothly(now_.at))
+      return std::nullopt;
+    Balance there = walk_.here();
+    Vector work = walk_.work_between(now_, there, found_.books.largest);
+    return Step{std::move(there), std::move(work)};
   }
 
   /// The change of the load factor after which the largest utilisation is 1, if it goes on as in the last
@@ -230,6 +266,30 @@ class Fracture {
     note_balance(PointKind::broken);
   }
 
+  /// What the work of a step has not become.
+  double missing(const Step& s) const { return s.work[0] - (s.to.spent() - now_.spent()); }
+  /// Whether that is no more than this part of what it turns over.
+  bool closes(const Step& s, double part) {
+    const double turned_over = std::abs(s.work[0]) + std::abs(s.to.spent() - now_.spent());
+    return std::abs(missing(s)) <= part * turned_over + rounding_of_books();
+  }
+  /// What sums over many balances leave, and rounding of energies.
+  double rounding_of_books() {
+    return 1e-10 * found_.books.largest + 10.0 * walk_.body().rounding_of_potential();
+  }
+  void note_missing(const Step& s) {
+    if (std::abs(missing(s)) > std::abs(worst_.energy))
+      worst_ = {now_.at.load_factor, s.to.at.load_factor, missing(s)};
+  }
+  void tell_missing() const {
+    tell(stage_, hooks_,
+         fmt::format(
+             "the energy books are off by {:.2g} of the largest energy in them, most of it between load "
+             "factors {:.6g} and {:.6g}: the body may have jumped there, or flowed in steps that are too "
+             "long; more steps (steps = {}) make them shorter",
+             std::abs(found_.books.error()), worst_.from, worst_.to, 4 * std::max(1, stage_.steps)));
+  }
+
   void book_energies() {
     found_.books.stored = now_.stored;
     found_.books.dissipated = now_.dissipated - dissipated_before_;
@@ -272,6 +332,9 @@ class Fracture {
   double avalanche_factor_ = 0;
   double dissipated_before_ = 0;  // the stage
   double largest_reaction_ = 0;   // of any support
+  struct {
+    double from = 0, to = 0, energy = 0;
+  } worst_;  // step of the books
 };
 
 }  // namespace

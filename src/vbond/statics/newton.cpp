@@ -54,6 +54,12 @@ Vector limited(const StaticBody& body, Vector x) {
   return x;
 }
 
+/// In words, if residual() is not finite. It also is not where nothing in the body carries a load.
+std::string why_not_finite(const StaticBody& body) {
+  const std::string what = body.first_not_finite();
+  return what.empty() ? "no bond carries a load any more: some may have softened all through" : what;
+}
+
 /// To what part of what is unbalanced a correction is worth solving for: to a hundredth of what is accepted,
 /// and not beyond what curvature is likely to leave.
 double accuracy_for(const StaticBody& body, const NewtonSettings& settings) {
@@ -216,7 +222,7 @@ NewtonOutcome correct(StaticBody& body, TangentSolver& solver, const NewtonSetti
       return outcome;
     }
     if (!std::isfinite(residuals.back())) {
-      outcome.why = body.first_not_finite();
+      outcome.why = why_not_finite(body);
       return outcome;
     }
     if (k > 1 && !(residuals.back() < growth * residuals[residuals.size() - 2])) {
@@ -353,7 +359,7 @@ NewtonOutcome minimise(StaticBody& body, TangentSolver& solver, const NewtonSett
       return outcome;
     }
     if (!std::isfinite(outcome.residuals.back())) {
-      outcome.why = body.first_not_finite();
+      outcome.why = why_not_finite(body);
       return outcome;
     }
     if (descent.step()) continue;

@@ -54,16 +54,16 @@ Vector WorkOnTheWay::trapezium(const Stand& a, const Stand& b) const {
   const double f_a = a.at.load_factor, f_b = b.at.load_factor;
   Vector work(1 + a.power_of_walls.size());
   work.tail(a.power_of_walls.size()) = 0.5 * (f_b - f_a) * (a.power_of_walls + b.power_of_walls);
-  work[0] = body_.work_of_loads(a.at, b.at, 0.5 * (f_a + f_b)) + 0.5 * (a.power + b.power) * (f_b - f_a);
-  if (a.power_of_walls.size() > 0)
-    work[0] += work.tail(a.power_of_walls.size()).sum() + body_.work_of_relief(a.at, b.at, 0.5 * (f_a + f_b));
+  work[0] = body_.work_of_loads(a.at, b.at, 0.5 * (f_a + f_b)) +
+            body_.work_of_relief(a.at, b.at, 0.5 * (f_a + f_b)) + 0.5 * (a.power + b.power) * (f_b - f_a) +
+            work.tail(a.power_of_walls.size()).sum();
   return work;
 }
 
 /// Where bonds begin to flow, or to unload, and where walls begin to be touched, the reaction has a kink, at
 /// which sums of higher order are no better: the part of the way that closes worst is halved, until all do
 /// together.
-Vector WorkOnTheWay::between_kinks(const Stand& a, const Stand& b, double scale) {
+Vector WorkOnTheWay::between_kinks(const Stand& a, const Stand& b, double within) {
   constexpr std::size_t most_balances = 100, at_least = 12;  // what has not fallen by then no sum will mend
   struct Part {
     Stand from, to;
@@ -74,8 +74,6 @@ Vector WorkOnTheWay::between_kinks(const Stand& a, const Stand& b, double scale)
     const Vector sum = trapezium(from, to);
     return Part{from, to, sum, sum};
   };
-  const double spent = b.spent() - a.spent();
-  const double within = work_error * std::abs(spent) + rounding_error * scale + body_.rounding_of_potential();
   std::vector<Part> parts{part(a, b)};
   double open_before = std::numeric_limits<double>::infinity();
   std::size_t look = 0;
@@ -104,16 +102,24 @@ Vector WorkOnTheWay::between_kinks(const Stand& a, const Stand& b, double scale)
   return work;
 }
 
-Vector WorkOnTheWay::between(const Stand& a, const Stand& b, double scale) {
-  if (body_.flows() || b.power_of_walls.size() > 0) return between_kinks(a, b, scale);
+double WorkOnTheWay::missing(const Stand& a, const Stand& b, double part) {
+  const double spent = b.spent() - a.spent();
+  const double turned_over = std::abs(trapezium(a, b)[0]) + std::abs(spent);
+  const double rounding = 10.0 * body_.rounding_of_potential();
+  const double open = std::abs(between_kinks(a, b, 0.5 * part * turned_over + rounding)[0] - spent);
+  return open > part * turned_over + rounding ? open / turned_over : 0.0;
+}
+
+Vector WorkOnTheWay::between(const Stand& a, const Stand& b, double scale, int splits) {
+  const double within = work_error * std::abs(b.spent() - a.spent()) + rounding_error * scale,
+               with_rounding = within + body_.rounding_of_potential();
+  if (body_.flows() || b.power_of_walls.size() > 0) return between_kinks(a, b, with_rounding);
   constexpr int most_halvings = 5;
   std::vector<Stand> nodes{a, b};
   std::vector<double> sums{trapezium(a, b)[0]};  // a row of Romberg's scheme, its best last
   const double stored = b.stored - a.stored;
-  const auto known = [&] {
-    return std::abs(sums.back() - stored) <= work_error * std::abs(stored) + rounding_error * scale;
-  };
-  for (int halvings = 0; halvings < most_halvings && !known(); ++halvings) {
+  const auto known = [&](double work) { return std::abs(work - stored) <= within; };
+  for (int halvings = 0; halvings < most_halvings && !known(sums.back()); ++halvings) {
     std::vector<Stand> finer{nodes.front()};
     for (std::size_t k = 1; k < nodes.size(); ++k) {
       const Placement &from = nodes[k - 1].at, &to = nodes[k].at;
@@ -129,12 +135,19 @@ Vector WorkOnTheWay::between(const Stand& a, const Stand& b, double scale) {
       row.push_back(row.back() + (row.back() - sums[row.size() - 1]) / (power - 1.0));
     sums = std::move(row);
   }
-  if (!known()) {  // a long way may be strongly curved in a small part
-    const Vector in_parts = between_kinks(a, b, scale);
-    if (std::abs(in_parts[0] - stored) < std::abs(sums.back() - stored)) return in_parts;
+  double work = sums.back();
+  const auto take_if_better = [&](double other) {
+    if (std::abs(other - stored) < std::abs(work - stored)) work = other;
+  };
+  if (!known(work))
+    take_if_better(between_kinks(a, b, with_rounding)[0]);  // a way that is curved in a small part
+  if (std::abs(work - stored) > with_rounding && splits > 0 &&
+      balance_between(a.at, b.at, 0.5 * (a.at.load_factor + b.at.load_factor))) {
+    const Stand middle = stand_of(body_);
+    take_if_better(between(a, middle, scale, splits - 1)[0] + between(middle, b, scale, splits - 1)[0]);
   }
   body_.restore(b.at);
-  return Vector::Constant(1, sums.back());
+  return Vector::Constant(1, work);
 }
 
 }  // namespace vbond

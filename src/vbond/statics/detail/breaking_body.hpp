@@ -53,9 +53,13 @@ class BreakingBody {
   }
   /// Lets the body go, at this load factor. False, and back, if it comes to no balance.
   bool settle();
-  /// Work of loads, supports and walls from one balance to the other: WorkOnTheWay. Adds that of walls to
-  /// theirs. Leaves the body at the second.  [energy]
-  double work_between(const Balance& a, const Balance& b, double scale);
+  /// Work of loads, supports and walls from one balance to the other, first that of all, then of each wall:
+  /// WorkOnTheWay. Leaves the body at the second.  [energy]
+  Vector work_between(const Balance& a, const Balance& b, double scale) {
+    return way_here().between(a, b, scale);
+  }
+  /// Walls have done what is among this work.
+  void add_work_of_walls(const Vector& work);
 
   void break_bond(BondId k, BreakMode mode);
   /// Holds parts that can move freely now. Returns what moves freely under loads, in words, or nothing; then

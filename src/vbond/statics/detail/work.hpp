@@ -25,8 +25,12 @@ class WorkOnTheWay {
 
   /// From one balance to the other along the way between: first that of all, then of each wall. Sums over
   /// balances between them, more of them until the work is known as well as the books are to close, or they
-  /// do not close. scale: the largest energy in the books. Leaves the body at the second.  [energy]
-  Vector between(const Stand& a, const Stand& b, double scale);
+  /// do not close. scale: the largest energy in the books. splits: how often a way of an elastic body may be
+  /// halved for that. Leaves the body at the second.  [energy]
+  Vector between(const Stand& a, const Stand& b, double scale, int splits = 4);
+  /// What the work on the way has not become, as a part of what is turned over, if it is more than this part:
+  /// after a jump, or flow in a step that is too long. A coarser sum, of bodies that flow.
+  double missing(const Stand& a, const Stand& b, double part);
   /// To a balance at a load factor between those of two that are close. False: anywhere.
   bool balance_between(const Placement& a, const Placement& b, double load_factor);
   /// Newton's method from where the body stands.
@@ -34,7 +38,7 @@ class WorkOnTheWay {
 
  private:
   Vector trapezium(const Stand& a, const Stand& b) const;
-  Vector between_kinks(const Stand& a, const Stand& b, double scale);
+  Vector between_kinks(const Stand& a, const Stand& b, double within);
 
   StaticBody& body_;
   TangentSolver& solver_;
