@@ -243,5 +243,19 @@ TEST(FlowCampaign, DoesNotJumpUnseenInALongStep) {
   EXPECT_NEAR(spent[0] / spent[1], 1.0, 0.01);  // flow is of first order in the step: 0.2 % from 8 to 32
 }
 
+// A long step led to an unstable balance from which no way downhill was found.
+TEST(FlowCampaign, TakesAShorterStepWhereNoneIsFoundDownhill) {
+  EXPECT_EQ(at_rest_by_own_words(700).wrong, "");
+}
+
+TEST(FlowCampaign, SaysThatBondsHaveSoftenedAllThrough) {
+  try {
+    at_rest_by_own_words(184);
+    ADD_FAILURE() << "it holds";
+  } catch (const NoEquilibrium& e) {
+    EXPECT_NE(std::string(e.what()).find("no bond carries a load any more"), std::string::npos) << e.what();
+  }
+}
+
 }  // namespace
 }  // namespace vbond
