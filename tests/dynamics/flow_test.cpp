@@ -182,7 +182,6 @@ TEST(FlowInMotion, PartsABarWithItsFractureEnergy) {
   EXPECT_LT(std::abs(run.balance_error(run.energies())), 1e-4);
 }
 
-// PL2t: particles that turn against each other by more than a right angle, while their bond does not.
 // The memory of a bond whose loads could not be brought to their limits is not a number, and so are they.
 TEST(FlowInMotion, StopsAndNamesTheBondWhoseFlowIsLost) {
   Specimen s = lively_chain(yielding(), &bond_law<VModel>, 0.05);
@@ -196,6 +195,7 @@ TEST(FlowInMotion, StopsAndNamesTheBondWhoseFlowIsLost) {
   }
 }
 
+// PL2t: particles that turn against each other by more than a right angle, while their bond does not.
 TEST(FlowInMotion, IsWatchedByItsElasticAngles) {
   const nlohmann::json row = material_case("PL2t")["expected"]["rows"][0];
   for (const bool yields : {true, false}) {
