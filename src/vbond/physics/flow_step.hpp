@@ -160,11 +160,23 @@ struct FlowChannel {
 /// Puts a turn into the memory of those that flowed, or whose flow is lost.
 template <FlowingLaw Law, Scalar T>
 VBOND_HD void keep_turn(LawHistory<Law>& h, std::size_t k, const T& flow, const Quat<T>& q) {
-  const T least(1e-300);
+  const T least(1e-300);  // asked first, so that a flow that is not a number takes the turn as well
   const Vec3<T> turn = quarter_of_rotation(q);
   h.value[k] = where_greater(least, flow, h.value[k], turn.x);
   h.value[k + 1] = where_greater(least, flow, h.value[k + 1], turn.y);
   h.value[k + 2] = where_greater(least, flow, h.value[k + 2], turn.z);
+}
+
+/// x with J x = f, by cofactors. Of a singular J anything: what x brings has to be looked at.
+template <Scalar T>
+VBOND_HD void solve_three(const T (&J)[3][3], const T (&f)[3], T (&x)[3]) {
+  T minor[3][3];
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c)
+      minor[r][c] = J[(r + 1) % 3][(c + 1) % 3] * J[(r + 2) % 3][(c + 2) % 3] -
+                    J[(r + 1) % 3][(c + 2) % 3] * J[(r + 2) % 3][(c + 1) % 3];
+  const T per_det = T(1.0) / (J[0][0] * minor[0][0] + J[0][1] * minor[0][1] + J[0][2] * minor[0][2]);
+  for (int c = 0; c < 3; ++c) x[c] = per_det * (minor[0][c] * f[0] + minor[1][c] * f[1] + minor[2][c] * f[2]);
 }
 
 /// Flow in bending, torsion and shear in a step, each along the direction in which its load is over its limit
@@ -228,11 +240,12 @@ class FlowAcrossAxis {
   }
 
   /// Newton's method for all ways of flowing at once, by differences, of those lanes that are off by more
-  /// than flow_apart. In a round each way goes a little farther in its turn, then all are corrected.
+  /// than flow_apart. A round has four evaluations: each way goes a little farther in its turn, then all are
+  /// corrected. One loop for all four: turn(), which is long, is then compiled once.
   VBOND_HD void find_together() {
     constexpr double little = 1e-7;
     FlowChannel<T>* const way[3] = {&bend, &twist, &slide};
-    const T zero(0.0), one(1.0);
+    const T zero(0.0);
     T f[3] = {bending_over(), torsion_over(), shear_over()}, J[3][3];
     T off = off_by_more(flow_apart);
     for (int n = 0; n < 4 * most_joint_corrections && any_greater(off, zero); ++n) {
@@ -251,16 +264,11 @@ class FlowAcrossAxis {
             J[c][r] = where_greater(flows, zero, J[c][r], alone);
           }
         }
-        T minor[3][3];
-        for (int r = 0; r < 3; ++r)
-          for (int c = 0; c < 3; ++c)
-            minor[r][c] = J[(r + 1) % 3][(c + 1) % 3] * J[(r + 2) % 3][(c + 2) % 3] -
-                          J[(r + 1) % 3][(c + 2) % 3] * J[(r + 2) % 3][(c + 1) % 3];
-        const T per_det = one / (J[0][0] * minor[0][0] + J[0][1] * minor[0][1] + J[0][2] * minor[0][2]);
+        T back[3];
+        solve_three(J, f, back);
         for (int c = 0; c < 3; ++c) {
           FlowAmount<T>& flow = way[c]->flow;
-          const T back = per_det * (minor[0][c] * f[0] + minor[1][c] * f[1] + minor[2][c] * f[2]);
-          const T bounded = larger(-flow.longest(), -larger(back, -flow.longest()));
+          const T bounded = larger(-flow.longest(), -larger(back[c], -flow.longest()));
           flow.x = where_greater(off, zero, larger(flow.x + bounded, zero), flow.x);
         }
       }
