@@ -92,13 +92,17 @@ void Simulation::begin_stage() {
   close_books();
 }
 
+/// Whether elastic bonds, supports and loads are all there is, and particles like spheres.
+bool Simulation::has_only_elastic_bonds() const {
+  const bool same_body = stage_.bonding.empty() && stage_.heating.empty() && !stage_.strain;
+  const bool same_particles = !bodies_.tops.any() && !supports_.grips().any();
+  return bonds_.all_elastic() && same_body && same_particles && !anything_dissipates() &&
+         !damping_.is_local();
+}
+
 void Simulation::step() {
   const bool timed = state_.clock.stage_step % StepTimes::one_in == 0;
-  taken_.clear();
-  taken_shares_.clear();
-  make_bonds();                         // between particles that came close
-  if (!stage_.heating.empty()) heat();  // bonds get their lengths at the end of the step
-  apply_strain();                       // r jumps, if it is due
+  if (!only_elastic_) change_body();
   supports_.set_times(state_.clock.stage_step, stage_.dt);
   applied_.set_times(state_.clock.stage_step, stage_.dt);
 
@@ -109,7 +113,7 @@ void Simulation::step() {
     if (moves_first(b)) begin_step(b);
   });
   lap.add_to(times_.integrate);
-  if (anything_touches()) {
+  if (!only_elastic_ && anything_touches()) {
     const double way2 = largest_way2();
     contacts_.refresh(bodies_.poses(), team_, std::sqrt(way2));  // near pairs, listed anew only when stale
     capsules_.refresh(std::sqrt(way2));
@@ -136,42 +140,59 @@ void Simulation::step() {
   ++state_.clock.stage_step;  // time is counted, not summed
   bodies_ahead_ = true;
   survey_.reset();
-  if (walls_.any()) close_walls(stage_.dt);
+  if (!only_elastic_ && walls_.any()) close_walls(stage_.dt);
   close_books();
+  const bool events = !only_elastic_ && find_events();
+  keep_records();
+  if (--steps_to_look_ == 0 || events) notify_observers();
+}
+
+/// What changes the body between steps.
+void Simulation::change_body() {
+  taken_.clear();
+  taken_shares_.clear();
+  make_bonds();                         // between particles that came close
+  if (!stage_.heating.empty()) heat();  // bonds get their lengths at the end of the step
+  apply_strain();                       // r jumps, if it is due
+}
+
+/// What has come to an end in the step, once its books are closed: whether observers must look at it.
+bool Simulation::find_events() {
   if (!growing_.empty()) book_heat();
   if (capsules_.any()) look_at_capsules();
   const bool broke = !bonds_.all_elastic() && break_bonds();
   if (contacts_.any()) look_at_deep_contacts();
-  keep_records();
-  const bool told = broke || !encounters().empty() || fastest() || any_deep_capsules();
-  if (--steps_to_look_ == 0 || told) notify_observers();
+  return broke || !encounters().empty() || fastest() || any_deep_capsules();
 }
 
 /// Bonds need the new places of both their particles. A block is moved just before the first bonds that reach
 /// it, and stays in the cache until then; but before all others if another thread may look at it: at the
 /// border of a part, or anywhere where there are contacts.
 bool Simulation::moves_first(const Block& b) const {
-  return anything_touches() || bonds_.at_border(b.index);
+  return (!only_elastic_ && anything_touches()) || bonds_.at_border(b.index);
 }
 
 /// The half of a step before the loads.
 void Simulation::begin_step(const Block& b) {
   const double dt = stage_.dt;
   BlockBooks& books = books_[b.index] = {};
-  if (anything_dissipates()) lost_[b.index] = {};
-  if (damping_.is_drag()) lose(b.index, Loss::drag, damping_.slow_down(b.rows));  // v, omega over dt / 2
+  const bool more = !only_elastic_;
+  if (more && anything_dissipates()) lost_[b.index] = {};
+  if (more && damping_.is_drag())
+    lose(b.index, Loss::drag, damping_.slow_down(b.rows));  // v, omega over dt / 2
   books.work_supports += supports_.hold(b, Instant::start);
-  if (!bodies_.damping.empty()) keep_rates(b);
+  if (more && !bodies_.damping.empty()) keep_rates(b);
   kick(b, dt / 2);  // v, omega : t -> t + dt/2
   books.work_supports += supports_.hold_after_kick(b, Instant::start, Instant::middle, dt / 2);
-  if (inelastic()) {
+  if (more && inelastic()) {
     book_damping(b, dt / 2);
     keep_rates(b);
   }
-  const double before_drift = bodies_.tops.any() ? dt / 2 : 0.0;  // omega of tops changes in the drift
+  const double before_drift =
+      more && bodies_.tops.any() ? dt / 2 : 0.0;  // omega of tops changes in the drift
   if (before_drift > 0.0) books.work_loads += applied_.work(b, before_drift);
   books.way2 = drift(b, dt);  // r, q     : t -> t + dt
-  if (supports_.grips().any()) supports_.grips().carry(b);
+  if (more && supports_.grips().any()) supports_.grips().carry(b);
   books.work_loads += applied_.work(b, dt - before_drift);
   clear_loads(b);
 }
@@ -182,8 +203,8 @@ void Simulation::end_step(const Block& b) {
   BlockBooks& books = books_[b.index];
   kick(b, dt / 2);  // v, omega : t + dt/2 -> t + dt
   books.work_supports += supports_.hold_after_kick(b, Instant::middle, Instant::end, dt / 2);
-  if (inelastic()) book_damping(b, dt / 2);
-  if (damping_.is_drag()) lose(b.index, Loss::drag, damping_.slow_down(b.rows));
+  if (!only_elastic_ && inelastic()) book_damping(b, dt / 2);
+  if (!only_elastic_ && damping_.is_drag()) lose(b.index, Loss::drag, damping_.slow_down(b.rows));
   books.work_supports += supports_.hold(b, Instant::end);
 }
 
@@ -255,17 +276,19 @@ void Simulation::complete_loads(const Part& part, const Block& b, Instant at, co
     sweep.dissipated = sweep.by_other_laws = 0.0;  // that of the parts below
   }
   bonds_.add_loads(b, sweep, ahead, in_step ? &breaking_[part.index] : nullptr);
-  books_[b.index].dissipated += sweep.dissipated;
-  lost_[b.index][Loss::other_laws] += sweep.by_other_laws;
   lap.add_to(times_.bonds);
-  if (anything_touches()) {
+  if (!only_elastic_) {
+    books_[b.index].dissipated += sweep.dissipated;
+    lost_[b.index][Loss::other_laws] += sweep.by_other_laws;
+  }
+  if (!only_elastic_ && anything_touches()) {
     if (contacts_.any()) books_[b.index].deep |= contacts_.add_loads(particles_of(b), pose, load);
     if (capsules_.any()) capsules_.add_loads(particles_of(b), load);
     if (walls_.any()) lose(b.index, walls_.add_loads(b, load, sweep.dt));
     lap.add_to(times_.contacts);
   }
   applied_.add(b, at);
-  if (damping_.is_local()) damping_.oppose_motion(b.rows);
+  if (!only_elastic_ && damping_.is_local()) damping_.oppose_motion(b.rows);
 }
 
 /// What touching pairs do, before any of it is added: all particles have moved, and none has felt it yet.
@@ -358,14 +381,14 @@ void Simulation::close_books() {
     sum.poison += b.poison;
   }
   state_.books.dissipated += sum.dissipated;
-  if (anything_dissipates()) {
+  if (!only_elastic_ && anything_dissipates()) {
     Losses lost;
     for (const Losses& of_block : lost_) lost += of_block;
     state_.books.lost += lost;
   }
   state_.books.work_loads += sum.work_loads;
   state_.books.work_supports += sum.work_supports;
-  if (supports_.grips().any()) supports_.grips().close();
+  if (!only_elastic_ && supports_.grips().any()) supports_.grips().close();
   if (sum.poison != 0.0) check_finite();
 }
 

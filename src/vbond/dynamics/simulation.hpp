@@ -167,6 +167,9 @@ class Simulation {
   void break_bond(BondId bond);
   void take_up_loads();
   void apply_strain();
+  bool has_only_elastic_bonds() const;
+  void change_body();
+  bool find_events();
   void evaluate_loads();
   void work_out_touches(double dt);
   /// The rows of a block without those that fill it up.
@@ -214,6 +217,7 @@ class Simulation {
   const Stage stage_;
   mutable State state_;                // positions and velocities as of the last state() or stage start
   mutable bool bodies_ahead_ = false;  // they have moved on since
+  bool only_elastic_ = false;          // has_only_elastic_bonds(): a step then leaves out all the rest
   Bodies bodies_;
   Team team_;
   BondPacks bonds_;

@@ -51,6 +51,7 @@ void Simulation::bonds_changed() {
   peak_bonds_.clear();
   if (stage_.stops.peak && stage_.stops.peak->quantity == PeakQuantity::compressive_force)
     peak_bonds_ = bonds_inside(stage_.stops.peak->particles);
+  only_elastic_ = has_only_elastic_bonds();
 }
 
 void Simulation::make_bonds() {
