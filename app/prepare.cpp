@@ -33,12 +33,20 @@ std::vector<StressedGroup> stressed_groups(const Case& c, const Model& model) {
 std::vector<Loss> possible_losses(const Case& c, const Model& model) {
   const auto bonds = [&c](auto has) { return std::any_of(c.bonds.begin(), c.bonds.end(), has); };
   const auto rules = [&](auto has) { return bonds([&](const BondSpec& b) { return has(b.recipe.rules); }); };
+  const auto damped = [&](std::size_t channel) {
+    return bonds([=](const BondSpec& b) {
+      return b.recipe.damping.by != DampingBy::none && b.recipe.damping.values[channel] > 0.0;
+    });
+  };
   const auto stages = [&c](auto has) { return std::any_of(c.stages.begin(), c.stages.end(), has); };
   const ContactModel& contact = model.contact;
   const bool touches = contact.law != ContactLaw::none && c.any_dynamics() &&
                        (!is_elastic(contact, model.materials) || !model.walls.empty());
   const std::pair<Loss, bool> all[] = {
-      {Loss::bond_damping, bonds([](const BondSpec& b) { return b.recipe.damping.by != DampingBy::none; })},
+      {Loss::damping_axial, damped(0)},
+      {Loss::damping_shear, damped(1)},
+      {Loss::damping_bending, damped(2)},
+      {Loss::damping_torsion, damped(3)},
       {Loss::yield_axial, rules([](const BondRules& r) { return r.yield.limit.axial > 0.0; })},
       {Loss::yield_shear, rules([](const BondRules& r) { return r.yield.limit.shear > 0.0; })},
       {Loss::yield_bending, rules([](const BondRules& r) { return r.yield.limit.bending > 0.0; })},

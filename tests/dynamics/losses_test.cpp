@@ -89,11 +89,52 @@ TEST(Losses, OfCreepDampingAndSofteningAreKeptApart) {
   BondRecipe recipe = recipe_with(rules);
   recipe.damping = {DampingBy::coefficients, {0.01, 0.001, 1e-4, 1e-4}};
   losses_in(lively(recipe), testing::plain_stage(0.05, 1e9), 600,
-            {Loss::bond_damping, Loss::yield_axial, Loss::yield_shear, Loss::yield_bending,
-             Loss::yield_torsion, Loss::creep});
+            {Loss::damping_axial, Loss::damping_shear, Loss::damping_bending, Loss::damping_torsion,
+             Loss::yield_axial, Loss::yield_shear, Loss::yield_bending, Loss::yield_torsion, Loss::creep});
   BondRules soft;
   soft.softening = {0.02, 0.5};
   losses_in(lively(recipe_with(soft)), testing::plain_stage(0.05, 1e9), 600, {Loss::softening});
+}
+
+/// A pair of bonded particles that moves apart at `stretching` and turns about the axis at `twisting`.
+Losses losses_of_pair(double stretching, double twisting) {
+  Specimen pair = testing::particles_at({{0, 0, 0}, {1, 0, 0}});
+  BondRecipe recipe = recipe_with({});
+  recipe.damping = {DampingBy::coefficients, {0.02, 0.002, 2e-4, 2e-4}};
+  testing::bond(pair, 0, 1, recipe);
+  pair.state.v[ParticleId{1}] = {stretching, 0, 0};
+  pair.state.omega[ParticleId{1}] = {twisting, 0, 0};
+  Simulation run(pair.model, testing::plain_stage(0.01, 1e9), pair.state);
+  for (int k = 0; k < 200; ++k) run.step();
+  return run.losses();
+}
+
+TEST(Losses, OfDampingAreThoseOfTheChannelThatMoves) {
+  const Losses stretched = losses_of_pair(0.01, 0.0), twisted = losses_of_pair(0.0, 0.01);
+  EXPECT_GT(stretched[Loss::damping_axial], 0.0);
+  EXPECT_EQ(stretched[Loss::damping_axial], stretched.sum());
+  EXPECT_GT(twisted[Loss::damping_torsion], 0.0);
+  EXPECT_EQ(twisted[Loss::damping_torsion], twisted.sum());
+}
+
+// Damping reads the rates of half a step before, which makes all that it takes of first order: half the step,
+// half the error, in each channel.
+TEST(Losses, OfDampingByChannelConverge) {
+  const auto after = [](int finer) {
+    BondRecipe recipe = recipe_with({});
+    recipe.damping = {DampingBy::coefficients, {0.02, 0.004, 4e-4, 4e-4}};
+    const Specimen s = lively(recipe);
+    Simulation run(s.model, testing::plain_stage(0.01 / finer, 1e9), s.state);
+    for (int k = 0; k < 400 * finer; ++k) run.step();
+    return run.losses();
+  };
+  const Losses coarse = after(1), half = after(2), quarter = after(4);
+  for (const Loss channel :
+       {Loss::damping_axial, Loss::damping_shear, Loss::damping_bending, Loss::damping_torsion}) {
+    EXPECT_NEAR(coarse[channel], quarter[channel], 1e-3 * quarter[channel]);
+    const double ratio = (coarse[channel] - half[channel]) / (half[channel] - quarter[channel]);
+    EXPECT_NEAR(ratio, 2.0, 0.1) << "channel " << static_cast<int>(channel);
+  }
 }
 
 TEST(Losses, OfLocalDampingAreThoseOfTheSameBodyWhoseBondsDoNotDamp) {
@@ -102,13 +143,18 @@ TEST(Losses, OfLocalDampingAreThoseOfTheSameBodyWhoseBondsDoNotDamp) {
   Stage local = testing::plain_stage(0.05, 1e9);
   local.local_damping = 0.1;
   losses_in(lively(recipe_with({})), local, 300, {Loss::local_damping});
-  losses_in(lively(damped), testing::plain_stage(0.05, 1e9), 300, {Loss::bond_damping});
+  losses_in(lively(damped), testing::plain_stage(0.05, 1e9), 300,
+            {Loss::damping_axial, Loss::damping_shear, Loss::damping_bending, Loss::damping_torsion});
   local.b_translation = 0.01;
-  losses_in(lively(damped), local, 300, {Loss::bond_damping, Loss::local_damping, Loss::drag});
+  losses_in(lively(damped), local, 300,
+            {Loss::damping_axial, Loss::damping_shear, Loss::damping_bending, Loss::damping_torsion,
+             Loss::local_damping, Loss::drag});
   // damping that is next to nothing leaves local damping as it is without
   damped.damping.values = {1e-9, 1e-9, 1e-9, 1e-9};
   local.b_translation = 0.0;
-  const Losses both = losses_in(lively(damped), local, 100, {Loss::bond_damping, Loss::local_damping});
+  const Losses both = losses_in(lively(damped), local, 100,
+                                {Loss::damping_axial, Loss::damping_shear, Loss::damping_bending,
+                                 Loss::damping_torsion, Loss::local_damping});
   const Losses alone = losses_in(lively(recipe_with({})), local, 100, {Loss::local_damping});
   EXPECT_NEAR(both[Loss::local_damping] / alone[Loss::local_damping], 1.0, 1e-6);
 }

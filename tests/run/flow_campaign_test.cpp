@@ -217,8 +217,9 @@ Verdict at_rest_by_own_words(unsigned seed) {
 
 TEST(FlowCampaign, MovesAsByTheTestsOwnEvaluation) {
   campaign("motion", in_motion,
-           {Loss::bond_damping, Loss::yield_axial, Loss::yield_shear, Loss::yield_bending,
-            Loss::yield_torsion, Loss::creep, Loss::softening});
+           {Loss::damping_axial, Loss::damping_shear, Loss::damping_bending, Loss::damping_torsion,
+            Loss::yield_axial, Loss::yield_shear, Loss::yield_bending, Loss::yield_torsion, Loss::creep,
+            Loss::softening});
 }
 
 TEST(FlowCampaign, RestsAsByTheTestsOwnEvaluation) {

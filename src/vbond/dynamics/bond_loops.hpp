@@ -173,6 +173,24 @@ VBOND_HD void add_active(const Real& x, PackLanes in_use, std::size_t l, double&
     if (in_use.has(l + k)) sum += x.v[k];
 }
 
+/// What these damping loads take at these rates, in the order of DampedPower::causes.
+template <class L>
+VBOND_HD void add_powers(const L& law, const BondPose<Real>& b, const BondAxis<Real>& axis,
+                         const BondRates<Real>& rates, const BondLoads<Real>& damping, PackLanes in_use,
+                         std::size_t l, DampedPower& sum) {
+  if constexpr (requires { damping_powers(law, b, axis, rates); }) {
+    const DampingPowers<Real> taken = damping_powers(law, b, axis, rates);
+    const Real zero(0.0);
+    Halves by_channel = {taken.axial, taken.shear, taken.bending, taken.torsion};
+    const Halves nothing = {zero, zero, zero, zero};
+    transpose_halves(by_channel);
+    for (std::size_t k = 0; k < lanes; ++k)
+      if (in_use.has(l + k)) add_row(by_channel, nothing, k, sum.of);
+  } else {
+    add_active(power_taken(damping, rates), in_use, l, sum.of[4]);
+  }
+}
+
 /// Numbers of what the bonds of a pack remember, lanes side by side.
 template <class L, class P>
 VBOND_HD double* remembered(const PackRun<P>& run, std::size_t pack, std::size_t number, std::size_t l) {
@@ -252,6 +270,7 @@ VBOND_HD void add_inelastic(const PackRun<P>& run, std::size_t pack, BondSweep& 
     if constexpr (damped) {
       const BondLoads<Real> damping = bond_damping(law, b, axis, rates);
       add_lanes(p, in_use, l, damping, sweep.own, sweep.damping);
+      if (sweep.damped != nullptr) add_powers(law, b, axis, rates, damping, in_use, l, *sweep.damped);
       loads = {loads.F + damping.F, loads.M_ij + damping.M_ij, loads.M_ji + damping.M_ji};
     }
     add_lanes(p, in_use, l, loads, sweep.own, sweep.load);

@@ -1,9 +1,11 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 
 #include "vbond/dynamics/rows.hpp"
 #include "vbond/model/bond_law.hpp"
+#include "vbond/model/losses.hpp"
 
 namespace vbond {
 
@@ -69,6 +71,13 @@ struct PackRun {
   RowsAhead ahead{};
 };
 
+/// The power that damping of bonds takes, by cause.  [energy/time]
+struct DampedPower {
+  static constexpr Loss causes[] = {Loss::damping_axial, Loss::damping_shear, Loss::damping_bending,
+                                    Loss::damping_torsion, Loss::bond_damping};
+  alignas(64) double of[8]{};  ///< in this order; the rest is zero: a row as the kernel adds them
+};
+
 /// What the loop over bonds reads and writes besides the packs.
 struct BondSweep {
   RowRange own;  ///< rows that loads are added to
@@ -79,6 +88,7 @@ struct BondSweep {
   double dt = 0;                     ///< for laws that remember: their history advances by it; 0: it stays
   double dissipated = 0;             ///< by what bonds remember, added to  [energy]
   double by_other_laws = 0;          ///< the part of it whose laws are not the library's
+  DampedPower* damped = nullptr;     ///< at the rates, of bonds that damp: added to; or not asked for
   std::uint8_t* broken = nullptr;    ///< of each pack of the run: lanes that break, a bit each
 };
 

@@ -275,6 +275,7 @@ void Simulation::complete_loads(const Part& part, const Block& b, Instant at, co
     bonds_.add_loads_from_below(part, sweep);
     sweep.dissipated = sweep.by_other_laws = 0.0;  // that of the parts below
   }
+  if (!damped_.empty()) *(sweep.damped = &damped_[b.index]) = {};
   bonds_.add_loads(b, sweep, ahead, in_step ? &breaking_[part.index] : nullptr);
   lap.add_to(times_.bonds);
   if (!only_elastic_) {
@@ -384,6 +385,7 @@ void Simulation::close_books() {
   if (!only_elastic_ && anything_dissipates()) {
     Losses lost;
     for (const Losses& of_block : lost_) lost += of_block;
+    if (!damped_.empty()) share_damping(lost);
     state_.books.lost += lost;
   }
   state_.books.work_loads += sum.work_loads;

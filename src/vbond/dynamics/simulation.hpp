@@ -188,6 +188,7 @@ class Simulation {
   bool inelastic() const { return !bodies_.rates.empty(); }
   void keep_rates(const Block& block);
   void book_damping(const Block& block, double h);
+  void share_damping(Losses& lost) const;
   void lose(std::size_t block, Loss cause, double energy) {
     books_[block].dissipated += energy, lost_[block][cause] += energy;
   }
@@ -231,6 +232,7 @@ class Simulation {
   Walls walls_;
   Bonding bonding_;
   std::vector<BlockBooks> books_;
+  std::vector<DampedPower> damped_;            // of the bonds of each block, if any damp
   std::vector<Losses> lost_;                   // of what books_ count as dissipated, by cause
   std::vector<std::vector<BondId>> breaking_;  // of each part, in the step under way
   std::vector<BondEvent> events_;

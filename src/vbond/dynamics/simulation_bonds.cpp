@@ -36,6 +36,7 @@ void Simulation::arrange_bonds() {
     bodies_.rates.clear();
   else if (bodies_.rates.empty())
     bodies_.rates = bodies_.motion;
+  damped_.resize(bonds_.damp() ? books_.size() : 0);
   bodies_.damping.resize(bonds_.damp() || others ? bodies_.load.size() : 0);
   bodies_.local_damping.resize(bonds_.damp() && others ? bodies_.load.size() : 0);
 }
@@ -193,6 +194,18 @@ void Simulation::book_damping(const Block& b, double h) {
   const double local = !damping_.is_local() ? 0.0 : bonds_.damp() ? taken_by(bodies_.local_damping) : all;
   lose(b.index, Loss::local_damping, local);
   lose(b.index, Loss::bond_damping, all - local);
+}
+
+/// Shares out what the damping of bonds has taken in the step: as the powers of the channels in its middle
+/// are.
+void Simulation::share_damping(Losses& lost) const {
+  Losses power;
+  for (const DampedPower& of_block : damped_)
+    for (std::size_t k = 0; k < std::size(DampedPower::causes); ++k)
+      power[DampedPower::causes[k]] += of_block.of[k];
+  const double all = power.sum(), taken = lost[Loss::bond_damping];
+  if (!(all > 0.0)) return;
+  for (const Loss cause : DampedPower::causes) lost[cause] = taken * (power[cause] / all);
 }
 
 /// Keeps the velocities of this moment while the block moves on: those of the half step for bonds that read

@@ -7,7 +7,7 @@ namespace vbond {
 
 /// What takes energy out for good.
 enum class Loss : std::uint8_t {
-  bond_damping,
+  bond_damping,  ///< of laws that do not tell their channels
   yield_axial,
   yield_shear,
   yield_bending,
@@ -22,8 +22,12 @@ enum class Loss : std::uint8_t {
   rolling,  ///< and twisting
   adhesion,
   bonding,  ///< energy of contacts that end because the pair is bonded
+  damping_axial,
+  damping_shear,
+  damping_bending,
+  damping_torsion,
 };
-inline constexpr std::size_t loss_count = static_cast<std::size_t>(Loss::bonding) + 1;
+inline constexpr std::size_t loss_count = static_cast<std::size_t>(Loss::damping_torsion) + 1;
 
 /// Energy by what took it out.  [energy]
 struct Losses {

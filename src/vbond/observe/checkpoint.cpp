@@ -207,7 +207,7 @@ void write_losses(H5Writer& writer, const State& state) {
 void read_losses(H5Reader& reader, State& state) {
   if (!reader.has("/books/lost")) return;
   LossesOfFile lost;
-  lost.resize(loss_count);
+  lost.resize(std::min(loss_count, reader.rows("/books/lost")));  // causes that came later stand at the end
   reader.of_each("/books/lost", lost, std::identity{});
   std::copy(lost.begin(), lost.end(), state.books.lost.of.begin());
 }

@@ -94,9 +94,10 @@ constexpr CheckpointQuantity data_sets[] = {
     {"/books/at_start", unit::energy, "kinetic + potential energy when the run began"},
     {"/books/dissipated", unit::energy, "taken out by damping, and given up when a pair is bonded"},
     {"/books/lost", unit::energy,
-     "dissipated by cause: damping of bonds, yield (axial, shear, bending, torsion), creep, softening, other "
-     "laws, drag, local damping, damping of contacts, friction, rolling, adhesion, bonding; of yield, creep "
-     "and softening what bonds had lost when the books began, as a negative number; only if there is any"},
+     "dissipated by cause: damping of bonds whose law does not tell its channels, yield (axial, shear, "
+     "bending, torsion), creep, softening, other laws, drag, local damping, damping of contacts, friction, "
+     "rolling, adhesion, bonding, damping of bonds (axial, shear, bending, torsion); of yield, creep and "
+     "softening what bonds had lost when the books began, as a negative number; only if there is any"},
     {"/books/released", unit::energy,
      "of bonds at the time they broke, less that of contacts it switched on"},
     {"/books/work_loads", unit::energy, "work of point forces, moments and gravity"},

@@ -199,7 +199,10 @@ const std::vector<GroupQuantity>& of_groups() {
        "CAUSE",
        {{"", unit::energy,
          "the part of `dissipated` that went this way, for each cause that the case may have: "
-         "`bond_damping`; "
+         "`damping_axial`, `damping_shear`, `damping_bending`, `damping_torsion` of bonds (what their "
+         "damping "
+         "takes in a step, shared out as the powers in its middle); `bond_damping` (bonds of a program's own "
+         "law that does not tell its channels); "
          "`yield_axial`, `yield_shear`, `yield_bending`, `yield_torsion`; `creep`; `softening`; `other_laws` "
          "(bonds of a program's own law that remember something); `drag` and `local_damping` of particles; "
          "`contact_damping`; `friction`; `rolling` (and twisting); `adhesion`; `bonding` (contacts that end "
@@ -243,6 +246,10 @@ const char* to_text(Loss cause) {
     case Loss::rolling: return "rolling";
     case Loss::adhesion: return "adhesion";
     case Loss::bonding: return "bonding";
+    case Loss::damping_axial: return "damping_axial";
+    case Loss::damping_shear: return "damping_shear";
+    case Loss::damping_bending: return "damping_bending";
+    case Loss::damping_torsion: return "damping_torsion";
   }
   return "";
 }

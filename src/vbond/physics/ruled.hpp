@@ -112,13 +112,18 @@ BondStiffness<double> stiffest(const Law& m) {
 }
 
 template <HasRules Law>
-constexpr auto damping(const Law& m) {
+VBOND_HD constexpr auto damping(const Law& m) {
   return BondStiffness<typename Law::Number>{m.g_A, m.g_D, m.g_B, m.g_T};
 }
 template <HasRules Law, Scalar T>
 VBOND_HD BondLoads<T> bond_damping(const Law& m, const BondPose<T>& b, const BondAxis<T>& axis,
                                    const BondRates<T>& rates) {
-  return linear_damping(BondStiffness<T>{m.g_A, m.g_D, m.g_B, m.g_T}, b, m.R_i, m.R_j, axis, rates);
+  return linear_damping(damping(m), b, m.R_i, m.R_j, axis, rates);
+}
+template <HasRules Law, Scalar T>
+VBOND_HD DampingPowers<T> damping_powers(const Law& m, const BondPose<T>& b, const BondAxis<T>& axis,
+                                         const BondRates<T>& rates) {
+  return linear_damping_powers(damping(m), b, m.R_i, m.R_j, axis, rates);
 }
 
 template <RuledLaw Law, Scalar T>

@@ -72,4 +72,19 @@ VBOND_HD BondLoads<T> linear_damping(const BondStiffness<T>& g, const BondPose<T
   return {F, R_i * cross(b.n_i[0], F) + half + couple, half - couple - R_j * cross(b.n_j[0], F)};
 }
 
+/// The power that damping takes out of the motion of a bond, by channel.  [energy/time]
+template <Scalar T>
+struct DampingPowers {
+  T axial, shear, bending, torsion;
+};
+
+/// That of linear_damping.
+template <Scalar T>
+VBOND_HD DampingPowers<T> linear_damping_powers(const BondStiffness<T>& g, const BondPose<T>& b, const T& R_i,
+                                                const T& R_j, const BondAxis<T>& axis,
+                                                const BondRates<T>& rates) {
+  const SectionRates<T> s = section_rates(b, R_i, R_j, axis, rates);
+  return {g.c_A * sq(s.v_n), g.c_D * norm2(s.v_s), g.c_B * norm2(s.w_t), g.c_T * sq(s.w_n)};
+}
+
 }  // namespace vbond
