@@ -58,6 +58,9 @@ std::string solver_in_words(const StaticStage& stage, const SolverChoice& choice
   if (will_be_refused(stage, choice))
     return fmt::format("none: stage {} will be refused, its factor of {} does not fit", stage.name, factor);
   if (choice.direct) return fmt::format("direct, with a factor of {} in stage {}", factor, stage.name);
+  if (choice.multigrid && choice.factor_bytes > 0.0)
+    return fmt::format("multigrid: a factor would take {} in stage {}", factor, stage.name);
+  if (choice.multigrid) return "multigrid";
   if (choice.factor_bytes > 0.0) return fmt::format("iterative: a factor of {} would not fit", factor);
   return "iterative";
 }

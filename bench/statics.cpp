@@ -1,5 +1,6 @@
 // Equilibrium of cubic blocks, clamped below and pushed aside above: time and memory against those of one
-// factor of CHOLMOD. Usage: statics [particles along an edge]...
+// factor of CHOLMOD; or by a solver alone, as multigrid. Usage: statics [direct|multigrid] [particles along
+// an edge]...
 #include <fmt/core.h>
 #include <sys/resource.h>
 
@@ -96,9 +97,32 @@ void measure(std::size_t n) {
   std::fflush(stdout);
 }
 
+/// The balance alone; the largest memory is that of the process so far.
+void measure_balance(std::size_t n, LinearSolver solver) {
+  Block b = cube(n);
+  b.stage.newton.solver = solver;
+  const double before = peak_memory(), start = seconds();
+  const StaticOutcome rest = run_static_stage(b.model, b.stage, std::move(b.state), {});
+  const StaticResult& r = rest.result;
+  fmt::print("{:9} {:>10} {:10} {:9} {:13.8g} {:9.2f} {:9.2f} {:9.2f}\n", n * n * n, r.solver, r.iterations,
+             r.unstable.value_or(-1), r.smallest_eigenvalue.value_or(0.0), seconds() - start, before,
+             peak_memory());
+  std::fflush(stdout);
+}
+
+int measure_balances(LinearSolver solver, int argc, char** argv) {
+  fmt::print("{:>9} {:>10} {:>10} {:>9} {:>13} {:>9} {:>9} {:>9}\n", "particles", "solver", "iterations",
+             "unstable", "eigenvalue", "s", "GiB before", "GiB peak");
+  for (int k = 2; k < argc; ++k) measure_balance(std::stoul(argv[k]), solver);
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  const std::string first = argc > 1 ? argv[1] : "";
+  if (first == "multigrid") return measure_balances(LinearSolver::multigrid, argc, argv);
+  if (first == "direct") return measure_balances(LinearSolver::direct, argc, argv);
   fmt::print("{:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>10} {:>9} {:>9} {:>9}\n", "particles", "unknowns",
              "assemble", "analyse", "factor", "factor", "peak", "iterations", "balance", "ratio", "peak");
   fmt::print("{:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>10} {:>9} {:>9} {:>9}\n", "", "", "s", "s", "s",

@@ -214,6 +214,15 @@ TEST(StaticStages, IterativeSolverIsForEquilibriumOnly) {
   expect_refused("modes", iterative, "need the factors of the tangent");
 }
 
+TEST(StaticStages, MultigridIsForProgramsThatHaveIt) {
+#ifdef VBOND_PETSC
+  expect_accepted("equilibrium", "newton = { solver = \"multigrid\" }\n");
+  expect_refused("path", load + "newton = { solver = \"multigrid\" }\n", "need the factors of the tangent");
+#else
+  expect_refused("equilibrium", "newton = { solver = \"multigrid\" }\n", "this program has no multigrid");
+#endif
+}
+
 TEST(StaticStages, FractureHasItsEnds) {
   const FractureSettings plain = stage("fracture", load).fracture;
   EXPECT_EQ(plain.end, 1.0);

@@ -4,6 +4,7 @@
 
 #include "bodies.hpp"
 #include "statics/matrices.hpp"
+#include "vbond/core/error.hpp"
 
 namespace vbond {
 namespace {
@@ -40,6 +41,14 @@ TEST(TangentSolver, SolvesWithTheShiftedTangentByEitherMethod) {
           << solver.name() << " " << shift;
     }
   }
+}
+
+TEST(TangentSolver, RefusesMultigridInABuildWithoutIt) {
+  if (has_multigrid()) GTEST_SKIP() << "this build has it";
+  const ClampedRod rod;
+  const StaticBody body(rod.s.model, rod.stage, rod.s.state);
+  TangentSolver solver(LinearSolver::multigrid);
+  EXPECT_THROW(solver.prepare(body), NoEquilibrium);
 }
 
 // Straight and pressed far beyond its critical load the rod has a tangent that is definite only with a shift.

@@ -149,17 +149,29 @@ void describe_motion(Table& t, StageSpec& s) {
   t.table("strain", s.strain, "affine strain, applied step by step");
 }
 
+namespace {
+#ifdef VBOND_PETSC
+constexpr bool has_multigrid = true;
+#else
+constexpr bool has_multigrid = false;
+#endif
+}  // namespace
+
 void describe_newton(Table& t, NewtonSettings& n, StageKind kind) {
   t.key("tolerance", n.tolerance, NumberCodec{pure, {0, 1, true, true}}, optional,
         "largest unbalanced force, as a part of the largest force in the body");
   t.key("iterations", n.iterations, at_least_one, optional, "the most for one load factor");
   t.key("solver", n.solver,
-        ChoiceCodec<LinearSolver>{{"automatic", "direct", "iterative"},
-                                  {LinearSolver::automatic, LinearSolver::direct, LinearSolver::iterative}},
+        ChoiceCodec<LinearSolver>{{"automatic", "direct", "iterative", "multigrid"},
+                                  {LinearSolver::automatic, LinearSolver::direct, LinearSolver::iterative,
+                                   LinearSolver::multigrid}},
         optional,
         "of the linear equations; iterative: equilibrium only, and whether it is stable is then not known; "
-        "direct: fracture keeps no factors");
-  t.check(kind == StageKind::equilibrium || n.solver != LinearSolver::iterative, {"solver"},
+        "multigrid: equilibrium only, of the program vbond-petsc; direct: fracture keeps no factors");
+  t.check(has_multigrid || n.solver != LinearSolver::multigrid, {"solver"}, "this program has no multigrid",
+          "use solver = \"automatic\", or vbond-petsc, which the preset petsc builds with PETSc and SLEPc");
+  const bool iterates = n.solver == LinearSolver::iterative || n.solver == LinearSolver::multigrid;
+  t.check(kind == StageKind::equilibrium || !iterates, {"solver"},
           "paths, critical loads, modes and fracture need the factors of the tangent",
           "use solver = \"automatic\" or \"direct\"");
 }

@@ -321,6 +321,8 @@ class LoadSteps {
   DenseMatrix unstable_modes(const Placement& saddle, const Vector& x, double lowest, int unstable) {
     constexpr int most = 6;
     body_.restore(saddle);
+    if (stability_.lowest->vectors.cols() >= unstable)  // by multigrid
+      return with_first(x, stability_.lowest->vectors.leftCols(std::min(unstable, most)));
     const double bound = lowest - std::abs(lowest);
     return with_first(x, smallest_eigenpairs(body_.tangent(), std::min(unstable, most), bound).vectors);
   }
@@ -331,7 +333,7 @@ class LoadSteps {
   }
 
   void tell_neutral() const {
-    const EigenPairs zero = eigenpairs_near_zero(body_.tangent(), 1);
+    const EigenPairs zero = stability_.lowest ? *stability_.lowest : eigenpairs_near_zero(body_.tangent(), 1);
     tell(fmt::format("load factor {:.6g}: the balance is neutral, some motion meets no stiffness: {}",
                      body_.load_factor(), body_.unknowns().names_of_largest(zero.vectors.col(0))));
   }

@@ -281,6 +281,10 @@ double Factor::cost_in_solutions() const {
   return c_->common.fl / (35.0 * std::max(1.0, c_->common.lnz));
 }
 
+double Factor::operations() const {
+  return c_->common.fl;
+}
+
 int Factor::made() const {
   return c_->made;
 }

@@ -92,33 +92,14 @@ DenseMatrix KeptFactor::solve_kept(const DenseMatrix& B) const {
   return X;
 }
 
-/// Preconditioned conjugate gradients from x = 0 until the norm of r is as small as this, or this part of
-/// what it was.
 std::optional<Vector> KeptFactor::gradients(const SparseMatrix& A, Vector r, const Enough& enough,
-                                            Coefficients* kept) {
-  const double most = patience();
-  Vector x = Vector::Zero(r.size());
-  Vector z = solve_kept(r);
-  Vector p = z;
-  double size = r.dot(z);
-  in_cycle_ += price_;
-  const double end = std::max(enough.norm * enough.norm, enough.part * enough.part * size);
-  for (int k = 0; size > end; ++k) {
-    const Vector Ap = A * p;
-    const double curvature = p.dot(Ap);
-    if (!(curvature > 0.0) || !std::isfinite(curvature) || k >= most) return {};
-    const double alpha = size / curvature;
-    x += alpha * p;
-    r -= alpha * Ap;
-    z = solve_kept(r);
+                                            GradientsMade* made) {
+  const auto times = [&A](const Vector& p) -> Vector { return A * p; };
+  const auto inverse = [this](const Vector& v) -> Vector {
     in_cycle_ += price_;
-    const double next = r.dot(z), beta = next / size;
-    if (kept) kept->alpha.push_back(alpha), kept->beta.push_back(beta);
-    size = next;
-    p = z + beta * p;
-  }
-  if (!(size >= 0.0)) return {};  // NaN
-  return x;
+    return solve_kept(v);
+  };
+  return conjugate_gradients(times, inverse, std::move(r), enough, patience(), made);
 }
 
 std::optional<Vector> KeptFactor::solve(const SparseMatrix& A, const Vector& b, double accuracy) {
@@ -136,7 +117,7 @@ Vector KeptFactor::random_side() {
 }
 
 /// Of M^-1 A, by the tridiagonal matrix of Lanczos that conjugate gradients contain.
-double KeptFactor::smallest_ritz_value(const Coefficients& c) const {
+double KeptFactor::smallest_ritz_value(const GradientsMade& c) const {
   const auto size = static_cast<Eigen::Index>(c.alpha.size());
   DenseMatrix T = DenseMatrix::Zero(size, size);
   for (Eigen::Index k = 0; k < size; ++k) {
@@ -151,7 +132,7 @@ double KeptFactor::smallest_ritz_value(const Coefficients& c) const {
 bool KeptFactor::shows_definite(const SparseMatrix& A) {
   constexpr double delta = 1e-9;
   constexpr double soft = 1e-3;  // so much softer than M along some movement: let a factor judge
-  Coefficients c;
+  GradientsMade c;
   const bool ended = gradients(A, random_side(), {delta / std::sqrt(kappa_), 0.0}, &c).has_value();
   spent_ += in_cycle_;
   constexpr double weight = 0.25;  // after a break more are needed than after a step: a mean over some proofs

@@ -73,7 +73,7 @@ void refuse_iterative(const StaticBody& body, TangentSolver& solver, const std::
   if (!solver.iterative()) return;
   throw NoEquilibrium(
       body.stage().name,
-      who + (body.stage().newton.solver == LinearSolver::iterative
+      who + (body.stage().newton.solver != LinearSolver::automatic
                  ? " the direct solver"
                  : " the direct solver, and its factor does not fit into memory"),
       "use solver = \"direct\", with memory enough, or a coarser body; kind = \"equilibrium\" "

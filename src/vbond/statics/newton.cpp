@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 #include <utility>
 
+#include "vbond/core/error.hpp"
 #include "vbond/core/memory.hpp"
 
 namespace vbond {
@@ -60,6 +62,14 @@ std::string why_not_finite(const StaticBody& body) {
   return what.empty() ? "no bond carries a load any more: some may have softened all through" : what;
 }
 
+/// Whether a balance by multigrid is surely the quicker one. Both take as long where a factor takes some 7e3
+/// operations for each entry of the tangent (blocks of 14^3 particles, docs/decisions/statics.md); it must be
+/// three times that, since slender bodies take multigrid longer.
+bool multigrid_pays(const Factor& factor, const SparseMatrix& K) {
+  constexpr double operations_per_entry = 2e4;
+  return factor.operations() > operations_per_entry * static_cast<double>(K.nonZeros());
+}
+
 /// To what part of what is unbalanced a correction is worth solving for: to a hundredth of what is accepted,
 /// and not beyond what curvature is likely to leave.
 double accuracy_for(const StaticBody& body, const NewtonSettings& settings) {
@@ -86,6 +96,72 @@ struct TangentSolver::ConjugateGradients {
       method;
 };
 
+/// One preconditioner for all tangents of a balance, as long as it does: made anew where gradients take twice
+/// the iterations for a digit that they took first, and where they end without a solution.
+struct TangentSolver::ByMultigrid {
+  Multigrid preconditioner;
+  const StaticBody* body = nullptr;
+  const SparseMatrix* A = nullptr;
+  double shift = 0, made_shift = 0;
+  double first_price = 0, price = 0;  // iterations per digit, of the first solution and of the last
+  bool fresh = false;                 // made for this tangent
+
+  void take(const StaticBody& of, double by) {
+    body = &of;
+    A = &of.tangent();
+    shift = by;
+    fresh = false;
+  }
+  void make() {
+    make(shift);
+    fresh = true;
+  }
+  void make(double by) {
+    preconditioner.make(*A, by, body->unknowns(), body->state().r);
+    made_shift = by;
+    first_price = price = 0.0;
+  }
+  bool is_due() const {
+    return !preconditioner.at_hand() || made_shift != shift || (!fresh && price > 2.0 * first_price);
+  }
+  Vector inverse(const Vector& r) const { return preconditioner.solve(r); }
+  Vector times(const Vector& p) const {
+    Vector y = A->transpose() * p;  // symmetric: rows are quicker
+    if (shift > 0.0) y += shift * p;
+    return y;
+  }
+
+  Vector solve(const Vector& b, double accuracy) {
+    if (is_due()) make();
+    if (std::optional<Vector> x = gradients(b, accuracy)) return std::move(*x);
+    if (fresh) return {};
+    make();
+    return gradients(b, accuracy).value_or(Vector());
+  }
+  std::optional<Vector> gradients(const Vector& b, double accuracy) {
+    constexpr double most = 1000;
+    GradientsMade made;
+    const std::optional<Vector> x =
+        conjugate_gradients([this](const Vector& p) { return times(p); },
+                            [this](const Vector& r) { return inverse(r); }, b, {0.0, accuracy}, most, &made);
+    if (x && made.left < 1.0) price = static_cast<double>(made.alpha.size()) / -std::log10(made.left);
+    if (first_price == 0.0) first_price = price;
+    return x;
+  }
+
+  /// The preconditioner must be definite also where the tangent is not: then it is that of one with a shift.
+  Multigrid::Lowest lowest(int most) {
+    if (!preconditioner.at_hand()) make();
+    const double size = max_norm(A->diagonal());
+    for (double by = 1e-4 * size;; by *= 10.0) try {
+        return preconditioner.lowest(*A, most);
+      } catch (const NoConvergence&) {
+        if (by > size) throw;
+        make(by);
+      }
+  }
+};
+
 TangentSolver::TangentSolver(LinearSolver wanted, FactorUse factors) : wanted_(wanted), factors_(factors) {}
 TangentSolver::~TangentSolver() = default;
 
@@ -94,18 +170,35 @@ void TangentSolver::prepare(const StaticBody& body) {
   constexpr double share_of_memory = 0.6;  // the rest: the matrix, the state, and everybody else
   analysed_ = body.pattern_version();
   drop_kept();
-  bool fits = wanted_ != LinearSolver::iterative;
-  if (fits) {
+  iterative_.reset();
+  multigrid_.reset();
+  if (wanted_ == LinearSolver::multigrid && !has_multigrid())
+    throw NoEquilibrium(body.stage().name, "this build has no multigrid",
+                        "build with the preset petsc, or use solver = \"automatic\"");
+  bool direct = wanted_ == LinearSolver::automatic || wanted_ == LinearSolver::direct;
+  bool multigrid = wanted_ == LinearSolver::multigrid;
+  if (direct) {
     factor_.analyse(body.tangent());
-    fits = wanted_ == LinearSolver::direct || factor_.bytes() <= share_of_memory * memory_limit();
+    if (wanted_ == LinearSolver::automatic) {
+      const bool fits = factor_.bytes() <= share_of_memory * memory_limit();
+      const bool may = has_multigrid() && body.stage().kind == StageKind::equilibrium;
+      multigrid = may && (!fits || multigrid_pays(factor_, body.tangent()));
+      direct = fits && !multigrid;
+    }
   }
-  if (!fits && !iterative_) iterative_ = std::make_unique<ConjugateGradients>();
-  if (fits) iterative_.reset();
+  if (multigrid)
+    multigrid_ = std::make_unique<ByMultigrid>();
+  else if (!direct)
+    iterative_ = std::make_unique<ConjugateGradients>();
 }
 
 bool TangentSolver::factor_definite(const StaticBody& body, double shift) {
   prepare(body);
   lost_ = false;
+  if (multigrid_) {
+    multigrid_->take(body, shift);
+    return true;
+  }
   if (!iterative_) {
     drop_kept();
     const bool definite = factor_.factor_definite(body.tangent(), shift);
@@ -122,7 +215,7 @@ bool TangentSolver::factor_definite(const StaticBody& body, double shift) {
 
 std::optional<int> TangentSolver::factor(const StaticBody& body) {
   prepare(body);
-  if (iterative_) {
+  if (iterative()) {
     factor_definite(body);
     return std::nullopt;
   }
@@ -174,6 +267,7 @@ bool TangentSolver::is_definite(const StaticBody& body) {
 
 Vector TangentSolver::solve(const Vector& b, double accuracy) {
   if (lost_) return {};
+  if (multigrid_) return multigrid_->solve(b, accuracy);
   if (!iterative_ && !present_) return factor_.solve(b);
   if (!iterative_) {
     if (std::optional<Vector> x = kept_.solve(*present_, b, accuracy)) return std::move(*x);
@@ -190,8 +284,15 @@ Vector TangentSolver::solve(const Vector& b, double accuracy) {
   return iterative_->method.info() == Eigen::Success ? x : Vector();
 }
 
+Multigrid::Lowest TangentSolver::lowest(const StaticBody& body, int most) {
+  prepare(body);
+  if (!multigrid_) throw std::logic_error("TangentSolver: lowest() is for multigrid");
+  multigrid_->take(body, 0.0);
+  return multigrid_->lowest(most);
+}
+
 Vector TangentSolver::solve_full(const StaticBody& body, const Vector& b, double accuracy) {
-  if (!body.is_unsymmetric() || iterative_) return solve(b, accuracy);
+  if (!body.is_unsymmetric() || iterative()) return solve(b, accuracy);
   const SparseMatrix K = body.full_tangent();
   Eigen::BiCGSTAB<SparseMatrix, FactorPreconditioner> method;
   method.preconditioner().use(factor_);

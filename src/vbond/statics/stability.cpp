@@ -60,9 +60,36 @@ void judge_beside_moments(const StaticBody& body, Factor& factor, std::optional<
   s.unstable.reset();
 }
 
+/// By the lowest eigenvalues, each known to its residual.
+Stability judge_by_multigrid(const StaticBody& body, TangentSolver& solver) {
+  constexpr int most = 32;
+  const SparseMatrix& K = body.tangent();
+  Stability s;
+  if (body.unknowns().size() == 0) return s;
+  if (K.norm() == 0.0) {
+    s.neutral = true;
+    return s;
+  }
+  const auto [pairs, residuals] = solver.lowest(body, most);
+  const double margin = body.has_moment_part() ? body.moment_part() : 0.0;
+  int negative = 0;
+  for (Eigen::Index k = 0; k < pairs.values.size(); ++k) {
+    const double error = larger(eigenvalue_error(K, pairs.vectors.col(k)), residuals[k]);
+    if (k == 0) s.definite = pairs.values[0] > error;
+    if (k == 0) s.neutral = std::abs(pairs.values[0]) <= error;
+    negative += pairs.values[k] < -larger(error, margin);
+  }
+  s.unstable = negative;
+  if (margin > 0.0 && negative == 0 && !s.definite) s.unstable.reset();
+  s.lowest = pairs;
+  return s;
+}
+
 }  // namespace
 
 Stability judge_stability(const StaticBody& body, TangentSolver& solver) {
+  solver.prepare(body);
+  if (solver.by_multigrid()) return judge_by_multigrid(body, solver);
   Stability s;
   const std::optional<int> negative = solver.factor(body);
   if (solver.iterative()) s.unstable.reset();
@@ -81,7 +108,7 @@ Stability judge_stability(const StaticBody& body, TangentSolver& solver) {
 
 std::optional<double> smallest_eigenvalue(const StaticBody& body, const TangentSolver& solver,
                                           const Stability& s) {
-  if (solver.iterative() || body.unknowns().size() == 0) return std::nullopt;
+  if ((solver.iterative() && !s.lowest) || body.unknowns().size() == 0) return std::nullopt;
   if (!s.lowest && !s.definite && !s.neutral) return std::nullopt;
   const double smallest = s.lowest     ? s.lowest->values[0]
                           : s.definite ? eigenvalue_near_zero(body.tangent(), solver.last_factor())
@@ -91,6 +118,7 @@ std::optional<double> smallest_eigenvalue(const StaticBody& body, const TangentS
 }
 
 bool is_neutral(const StaticBody& body, const Stability& s, double smallest) {
+  if (s.lowest) return s.neutral;
   const SparseMatrix& K = body.tangent();
   constexpr double far = 1e3;  // no mode's error is so many times that of all
   if (!s.definite || smallest > far * eigenvalue_error(K)) return s.neutral;

@@ -111,7 +111,7 @@ SolverChoice choose_solver(const Model& model, const StaticStage& stage, const S
   const bool modes = stage.kind == StageKind::modes;  // they are not asked
   TangentSolver solver(modes ? LinearSolver::direct : stage.newton.solver);
   solver.prepare(body);
-  return {!solver.iterative(), solver.last_factor().bytes()};
+  return {!solver.iterative(), solver.by_multigrid(), solver.last_factor().bytes()};
 }
 
 }  // namespace vbond

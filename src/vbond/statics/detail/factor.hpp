@@ -34,6 +34,8 @@ class Factor {
   /// What a definite factor of the pattern costs, in solutions with it: by counts of operations, of which
   /// those of a factor go some 18 times as fast (blocks of BLAS; a solution waits for memory).
   double cost_in_solutions() const;
+  /// Operations that a definite factor of the pattern takes.
+  double operations() const;
   /// How many times a factor was made, or tried.
   int made() const;
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "vbond/statics/detail/factor.hpp"
+#include "vbond/statics/detail/gradients.hpp"
 #include "vbond/statics/detail/matrix.hpp"
 
 namespace vbond {
@@ -53,19 +54,13 @@ class KeptFactor {
     DenseMatrix Z;      // M^-1 Q
     DenseMatrix inner;  // (diag(values)^-1 + Q^T M^-1 Q)^-1
   };
-  struct Coefficients {
-    std::vector<double> alpha, beta;
-  };
-  struct Enough {
-    double norm, part;
-  };
-  std::optional<Vector> gradients(const SparseMatrix& A, Vector r, const Enough& enough, Coefficients* kept);
+  std::optional<Vector> gradients(const SparseMatrix& A, Vector r, const Enough& enough, GradientsMade* made);
   /// Solutions that are spent on one matrix before a new factor is made.
   double patience() const;
   /// M^-1 B, all changes included.
   DenseMatrix solve_kept(const DenseMatrix& B) const;
   Vector random_side();
-  double smallest_ritz_value(const Coefficients& c) const;
+  double smallest_ritz_value(const GradientsMade& c) const;
 
   Factor& factor_;
   SparseMatrix M_;

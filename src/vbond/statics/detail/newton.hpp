@@ -8,6 +8,7 @@
 #include "vbond/statics/detail/body.hpp"
 #include "vbond/statics/detail/factor.hpp"
 #include "vbond/statics/detail/kept_factor.hpp"
+#include "vbond/statics/detail/multigrid.hpp"
 #include "vbond/statics/results.hpp"
 
 namespace vbond {
@@ -22,14 +23,15 @@ class TangentSolver {
   explicit TangentSolver(LinearSolver wanted, FactorUse factors = FactorUse::new_each_time);
   ~TangentSolver();
 
-  /// Chooses between factor and conjugate gradients, by memory where both would do, and finds the order of
-  /// elimination, unless it has done so for this pattern.
+  /// Chooses between factor, multigrid and conjugate gradients with an incomplete factor, by memory and time
+  /// where more than one would do, and finds the order of elimination, unless it has done so for this
+  /// pattern. Throws NoEquilibrium where multigrid is wanted and this build has none.
   void prepare(const StaticBody& body);
   /// Factors tangent() + shift I; false if that is not positive definite. With conjugate gradients that is
   /// noticed only in solve().
   bool factor_definite(const StaticBody& body, double shift = 0.0);
   /// Factors tangent() whatever its signs; returns the number of negative eigenvalues, nothing if singular
-  /// (or if it is solved by conjugate gradients, which do not tell).
+  /// (or if it is solved by conjugate gradients, which do not tell: lowest() does, by multigrid).
   std::optional<int> factor(const StaticBody& body);
   /// Makes ready to solve with tangent() and no more: by the kept factor if there is one, else
   /// factor_definite(). That the tangent is not definite may then show only in solve(), if at all.
@@ -50,13 +52,18 @@ class TangentSolver {
   Vector solve(const Vector& b, double accuracy = 1e-12);
   /// After any, without a shift: the same with full_tangent(), which differs where moments act.
   Vector solve_full(const StaticBody& body, const Vector& b, double accuracy = 1e-12);
-  /// True if the factor does not fit into memory, or was not wanted: conjugate gradients are used.
-  bool iterative() const { return iterative_ != nullptr; }
-  const char* name() const { return iterative() ? "iterative" : "direct"; }
+  /// True if the factor does not fit into memory, takes too long, or was not wanted: conjugate gradients are
+  /// used, preconditioned by multigrid where this build has it.
+  bool iterative() const { return iterative_ != nullptr || by_multigrid(); }
+  bool by_multigrid() const { return multigrid_ != nullptr; }
+  const char* name() const { return by_multigrid() ? "multigrid" : iterative() ? "iterative" : "direct"; }
+  /// By multigrid: the lowest eigenvalues of tangent(), Multigrid::lowest(). Throws NoConvergence.
+  Multigrid::Lowest lowest(const StaticBody& body, int most);
   const Factor& last_factor() const { return factor_; }
 
  private:
   struct ConjugateGradients;
+  struct ByMultigrid;
   bool kept_for(const StaticBody& body);
   bool may_keep() const;
 
@@ -65,6 +72,7 @@ class TangentSolver {
   Factor factor_;
   int analysed_ = 0;  // pattern_version
   std::unique_ptr<ConjugateGradients> iterative_;
+  std::unique_ptr<ByMultigrid> multigrid_;
   KeptFactor kept_{factor_};
   std::vector<std::vector<int>> breaks_;   // that the kept factor does not know yet
   const SparseMatrix* present_ = nullptr;  // the tangent, where the kept factor is used

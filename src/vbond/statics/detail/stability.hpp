@@ -11,9 +11,10 @@ struct Stability {
   /// Eigenvalues that are negative by more than their error. Nothing where that is not known: with conjugate
   /// gradients, and beside outside moments that have no potential.
   std::optional<int> unstable = 0;
-  bool neutral = false;              ///< the lowest eigenvalue is zero to within its error
-  bool definite = false;             ///< the solver's factor is that of this tangent, and positive definite
-  std::optional<EigenPairs> lowest;  ///< pair; only if the tangent is not definite
+  bool neutral = false;   ///< the lowest eigenvalue is zero to within its error
+  bool definite = false;  ///< the solver stands at this tangent, and it is positive definite
+  std::optional<EigenPairs>
+      lowest;  ///< pair, by multigrid all negative ones; else only if it is not definite
 };
 
 /// Judges the balance at which the body stands; factors its tangent. Throws NoConvergence, and NoEquilibrium

@@ -1,0 +1,52 @@
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "vbond/statics/detail/matrix.hpp"
+
+namespace vbond {
+
+/// What a solution by conjugate gradients left behind.
+struct GradientsMade {
+  std::vector<double> alpha, beta;  ///< steps and their ratios, one per iteration
+  double left = 1.0;                ///< norm of the residual at the end, as a part of that at the start
+};
+
+/// When the norm of the residual, sqrt(r^T M^-1 r), is small enough: this large, or this part of what it was.
+struct Enough {
+  double norm, part;
+};
+
+/// Preconditioned conjugate gradients from x = 0: times(p) is A p, inverse(r) is M^-1 r, M positive definite.
+/// Nothing if A or M turns out not to be positive definite, or after `most` iterations.
+template <class Times, class Inverse>
+std::optional<Vector> conjugate_gradients(Times&& times, Inverse&& inverse, Vector r, const Enough& enough,
+                                          double most, GradientsMade* made = nullptr) {
+  Vector x = Vector::Zero(r.size());
+  Vector z = inverse(r);
+  Vector p = z;
+  double size = r.dot(z);
+  const double start = size, end = std::max(enough.norm * enough.norm, enough.part * enough.part * size);
+  for (int k = 0; size > end; ++k) {
+    const Vector Ap = times(p);
+    const double curvature = p.dot(Ap);
+    if (!(curvature > 0.0) || !std::isfinite(curvature) || k >= most) return {};
+    const double alpha = size / curvature;
+    x += alpha * p;
+    r -= alpha * Ap;
+    z = inverse(r);
+    const double next = r.dot(z), beta = next / size;
+    if (made) {
+      made->alpha.push_back(alpha), made->beta.push_back(beta);
+      made->left = std::sqrt(std::abs(next) / start);
+    }
+    size = next;
+    p = z + beta * p;
+  }
+  if (!(size >= 0.0)) return {};  // M is not positive definite, or NaN
+  return x;
+}
+
+}  // namespace vbond
