@@ -1,8 +1,12 @@
 #pragma once
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "vbond/case/case.hpp"
+#include "vbond/run/run.hpp"
 
 namespace vbond::app {
 
@@ -23,8 +27,11 @@ struct RunOptions {
   std::optional<std::filesystem::path> folder;  ///< default: see claim_folder
   bool force = false;                           ///< replace an earlier output
   int threads = 1;
-  bool report = false;  ///< write report.html at the end
-  std::string program;  ///< as it was called, for the hint how to go on
+  bool report = false;         ///< write report.html at the end
+  std::string program;         ///< as it was called, for the hint how to go on
+  Stepper* stepper = nullptr;  ///< makes the steps in place of the run itself
+  /// Called once the case is known to be right, before anything is written: may refuse it.
+  std::function<void(const Case&, const Run&)> before_output;
 };
 
 struct PlotOptions {

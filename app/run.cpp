@@ -245,6 +245,8 @@ int run(const RunOptions& options) {
   require_memory(c, built.model, built.state);
   Run run(std::move(built.model), std::move(built.state), stages_of(c), options.threads);
   run.check();
+  run.set_stepper(options.stepper);
+  if (options.before_output) options.before_output(c, run);
   OutputPlan plan = plan_output(c, run.model(), {});  // all that may be wrong with the case is known by now
 
   if (options.report) warn_if_no_page();
