@@ -19,6 +19,7 @@ vbond_build_packages=(
   libeigen3-dev libspectra-dev                # statics: matrices, eigenvalues
 )
 vbond_test_packages=(libgtest-dev librapidcheck-dev)
+vbond_lammps_packages=(liblammps-dev libopenmpi-dev mpi-default-bin)   # vbond-lammps: many ranks
 vbond_clang_packages=(clang-14 libclang-rt-14-dev)   # the fuzzers, in .ci/run
 vbond_format_packages=(clang-format-14)
 vbond_page_packages=(nodejs npm)   # the page that `vbond report` fills

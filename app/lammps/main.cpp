@@ -1,4 +1,5 @@
 // vbond-lammps: cases of vbond on many ranks. It links LAMMPS and so is under LAMMPS' licence, GPL-2.
+#include <fmt/core.h>
 #include <mpi.h>
 
 #include <CLI/CLI.hpp>
@@ -39,9 +40,11 @@ int lead(app::RunOptions options) {
       app::refuse_beyond_ranks(c, run.model());
       if (const std::string other = ranks.agree({}); !other.empty())
         throw IoError("on another rank: " + other);
-      app::say("ranks            " + std::to_string(ranks.size()) + "\n");
+      app::say(fmt::format("ranks            {}\n", ranks.size()));
     };
-    return app::run(options);
+    const int status = app::run(options);
+    app::say(fmt::format("{} times a particle went to another rank\n", ranks.migrations()));
+    return status;
   } catch (...) {
     const app::Failure failure = app::failure_under_way();
     if (!ranks.has_agreed()) ranks.agree(failure.text);

@@ -144,10 +144,22 @@ void Ranks::redistribute_if_due(State& state) {
   std::vector<Motion> own;
   for (std::size_t k = 0; k < share_->own(); ++k) own.push_back(share_->motion(k));
   domains_->redistribute(own, longest);
+  const std::vector<ParticleId> before(share_->particles().begin(),
+                                       share_->particles().begin() + static_cast<std::ptrdiff_t>(own.size()));
   share_ = std::make_unique<Share>(*model_, *stage_, bonds_, domains_->holding());
   domains_->send_poses(share_->rows(), share_->pose());
   evaluate();
   share_->add_applied_loads(state.clock.stage_step);
+  count_migrations(before);
+}
+
+void Ranks::count_migrations(std::vector<ParticleId> before) {
+  std::sort(before.begin(), before.end());
+  std::int64_t come = 0;
+  for (std::size_t k = 0; k < share_->own(); ++k)
+    come += !std::binary_search(before.begin(), before.end(), share_->particles()[k]);
+  MPI_Allreduce(MPI_IN_PLACE, &come, 1, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
+  migrations_ += come;
 }
 
 /// The motion of all particles, on rank 0 or on all.

@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "vbond/dynamics/stepper.hpp"
 #include "vbond/ranks/domains.hpp"
@@ -22,6 +23,8 @@ class Ranks : public Stepper {
 
   bool leads() const { return rank_ == 0; }
   int size() const { return size_; }
+  /// How many times a particle has gone to another rank so far.
+  std::int64_t migrations() const { return migrations_; }
   /// To be called once by each rank when it is about to begin, or cannot (failure: why). Returns what stands
   /// in the way of the first rank that cannot begin, or nothing.
   std::string agree(const std::string& failure);
@@ -44,9 +47,11 @@ class Ranks : public Stepper {
   void step_chunk(std::int64_t steps, State& state);
   void look_for_failure(const std::vector<StepSums>& sums, std::int64_t first_bad, const State& state) const;
   void redistribute_if_due(State& state);
+  void count_migrations(std::vector<ParticleId> before);
   void collect(bool everyone, State& state) const;
 
   int rank_ = 0, size_ = 1;
+  std::int64_t migrations_ = 0;
   bool agreed_ = false, dismissed_ = false;
   const Model* model_ = nullptr;
   const Stage* stage_ = nullptr;
