@@ -27,7 +27,6 @@ class Refusals {
 void look_at(const BondSpec& b, Refusals& r) {
   const std::string name = "bonds \"" + b.name + "\": ";
   r.refuse(b.when == BondTime::approach, b.place, name + "made during a stage (when = \"approach\")");
-  r.refuse(b.strength.has_value(), b.place, name + "strength");
   r.refuse(b.yield.has_value(), b.place, name + "yield");
   r.refuse(b.creep.has_value(), b.place, name + "creep");
   r.refuse(b.softening.has_value(), b.place, name + "softening");
@@ -44,10 +43,6 @@ void look_at(const StageSpec& s, Refusals& r) {
   for (const TemperatureSpec& t : s.temperatures) r.refuse(true, t.place, name + "temperature");
   r.refuse(s.local_damping != 0.0, s.place, name + "local damping");
   if (s.strain) r.refuse(true, s.strain->place, name + "imposed strain");
-  if (s.stop_distance) r.refuse(true, s.stop_distance->place, name + "stop at a distance");
-  if (s.stop_peak) r.refuse(true, s.stop_peak->place, name + "stop at a peak");
-  if (s.stop_rest) r.refuse(true, s.stop_rest->place, name + "stop at rest");
-  if (s.stop_breaks) r.refuse(true, s.stop_breaks->place, name + "stop at breaks");
 }
 
 }  // namespace

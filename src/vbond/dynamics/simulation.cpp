@@ -230,15 +230,22 @@ StopReason Simulation::run(const std::function<bool()>& interrupted, std::int64_
 
 /// The steps up to the next look at the body, made elsewhere. Returns how many they were.
 std::int64_t Simulation::leap(std::int64_t most) {
-  const std::int64_t before = state_.clock.step,
-                     to_end = std::min(most, last_stage_step_ - state_.clock.stage_step);
-  stepper_->advance(std::min(steps_to_look_, to_end), true, state_);
-  const std::int64_t made = state_.clock.step - before;
+  const Stops& stops = stage_.stops;
+  const bool each_step = stops.distance || stops.peak || stops.rest;  // those judge by the body itself
+  const std::int64_t before = state_.clock.step;
+  taken_.clear();
+  breaking_[0] = stepper_->advance(
+      each_step ? 1 : std::min({most, steps_to_look_, last_stage_step_ - state_.clock.stage_step}), each_step,
+      state_);
   bodies_.read(state_);
-  if (!observers_.empty()) evaluate_loads();
-  steps_to_look_ -= made;
-  if (steps_to_look_ <= 0) notify_observers();
-  return made;
+  bodies_ahead_ = true;  // loads are still to be collected
+  survey_.reset();
+  if (each_step || !observers_.empty()) evaluate_loads();
+  const bool broke = break_bonds();
+  if (each_step) keep_records();
+  steps_to_look_ -= state_.clock.step - before;
+  if (steps_to_look_ <= 0 || broke) notify_observers();
+  return state_.clock.step - before;
 }
 
 void Simulation::finish(StopReason why) {

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <vector>
 
 #include "vbond/model/model.hpp"
 #include "vbond/model/stage.hpp"
@@ -14,10 +15,11 @@ class Stepper {
   virtual ~Stepper() = default;
   /// Takes over the body as a stage begins or goes on. Model and stage live as long as the stage.
   virtual void begin(const Model& model, const Stage& stage, const State& state) = 0;
-  /// Makes steps, `most` of them unless others have been told of fewer, and brings the state up to date:
-  /// clock and energy books always, the particles if `state_is_needed` or if the stage ends here. Throws
-  /// Diverged.
-  virtual void advance(std::int64_t most, bool state_is_needed, State& state) = 0;
+  /// Makes steps, `most` of them unless others have been told of fewer or bonds break, and brings the state
+  /// up to date: clock and energy books. The particles, too, for who has observers; for all processes if
+  /// `all_look`, if bonds break, or if the stage ends here. Returns the bonds that break in the last step.
+  /// Throws Diverged.
+  virtual std::vector<BondId> advance(std::int64_t most, bool all_look, State& state) = 0;
 };
 
 }  // namespace vbond

@@ -240,7 +240,7 @@ void Domains::redistribute(const std::vector<Motion>& own, double longest) {
   lammps_->spread(longest);
 }
 
-Holding Domains::holding() const {
+Holding Domains::holding(const PerBond<Bond>& bonds) const {
   LAMMPS_NS::Atom& atom = *lammps_->lmp->atom;
   Holding h;
   for (int k = 0; k < atom.nlocal + atom.nghost; ++k)
@@ -249,14 +249,15 @@ Holding Domains::holding() const {
     Motion& m = h.own.emplace_back(lammps_->fix->at(k));
     m.r = {atom.x[k][0], atom.x[k][1], atom.x[k][2]};
     for (int n = 0; n < atom.num_bond[k]; ++n) {
+      const BondId bond{static_cast<std::size_t>(atom.bond_type[k][n] - 1)};
+      if (bonds[bond].broken) continue;
       const int other = atom.map(atom.bond_atom[k][n]);
       if (other < 0)
         throw std::runtime_error("a rank has no ghost of particle " +
                                  std::to_string(atom.bond_atom[k][n] - 1) + ", which its particle " +
                                  std::to_string(atom.tag[k] - 1) + " is bonded to");
-      h.bonds.push_back({BondId{static_cast<std::size_t>(atom.bond_type[k][n] - 1)},
-                         ParticleId{static_cast<std::size_t>(k)},
-                         ParticleId{static_cast<std::size_t>(other)}});
+      h.bonds.push_back(
+          {bond, ParticleId{static_cast<std::size_t>(k)}, ParticleId{static_cast<std::size_t>(other)}});
     }
   }
   return h;

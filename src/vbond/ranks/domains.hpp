@@ -22,8 +22,8 @@ class Domains {
   /// finds the ghosts anew. longest: of all unbroken bonds, of all ranks. Throws std::runtime_error if
   /// particles were lost.
   void redistribute(const std::vector<Motion>& own, double longest);
-  /// What this rank has now.
-  Holding holding() const;
+  /// What this rank has now; bonds: all of the body, of which broken ones are left out.
+  Holding holding(const PerBond<Bond>& bonds) const;
   /// Ghosts get the poses of their particles; rows: of own particles, then of ghosts.
   void send_poses(const std::vector<std::uint32_t>& rows, PoseRow* pose);
   /// Particles get the loads of their ghosts on other ranks, in addition.

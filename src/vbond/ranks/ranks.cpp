@@ -35,8 +35,8 @@ Ranks::Ranks() {
 
 Ranks::~Ranks() {
   if (leads() && agreed_ && !dismissed_) {
-    Order order{end};
-    MPI_Bcast(&order, 2, MPI_INT64_T, 0, MPI_COMM_WORLD);
+    std::int64_t order = end;
+    MPI_Bcast(&order, 1, MPI_INT64_T, 0, MPI_COMM_WORLD);
   }
 }
 
@@ -54,56 +54,97 @@ std::string Ranks::agree(const std::string& failure) {
   return text;
 }
 
-Ranks::Order Ranks::follow(Order mine) {
-  MPI_Bcast(&mine, 2, MPI_INT64_T, 0, MPI_COMM_WORLD);
-  if (!leads() && mine.what == end) throw Dismissed{};
-  return mine;
+/// What rank 0 wants next; others need not know.
+std::int64_t Ranks::follow(std::int64_t order) {
+  MPI_Bcast(&order, 1, MPI_INT64_T, 0, MPI_COMM_WORLD);
+  if (!leads() && order == end) throw Dismissed{};
+  return order;
 }
 
 void Ranks::wait_for_end() {
-  follow({});
+  follow(end);
   throw std::logic_error("a rank has come to its end before rank 0");
 }
 
 void Ranks::begin(const Model& model, const Stage& stage, const State& state) {
-  follow({start});
+  follow(start);
   model_ = &model;
   stage_ = &stage;
   bonds_ = state.bonds;
+  breakable_ =
+      std::any_of(bonds_.begin(), bonds_.end(), [](const Bond& b) { return !b.broken && can_break(b); });
   share_.reset();
   domains_.reset();
   domains_ = std::make_unique<Domains>(model, state);
-  share_ = std::make_unique<Share>(model, stage, bonds_, domains_->holding());
+  share_out();
+  evaluate_between_steps(state.clock.stage_step);
+}
+
+void Ranks::share_out() {
+  share_ = std::make_unique<Share>(*model_, *stage_, bonds_, domains_->holding(bonds_));
   domains_->send_poses(share_->rows(), share_->pose());
-  evaluate();
-  share_->add_applied_loads(state.clock.stage_step);
 }
 
 /// The loads of the bonds.
-void Ranks::evaluate() {
-  share_->add_bond_loads();
+void Ranks::evaluate(bool in_step) {
+  share_->add_bond_loads(in_step);
   domains_->gather_loads(share_->rows(), share_->load());
 }
 
-void Ranks::advance(std::int64_t most, bool state_is_needed, State& state) {
-  const Order order = follow({most, state_is_needed ? 1 : 0});
-  for (std::int64_t left = order.what; left > 0; left -= chunk) {
-    step_chunk(std::min(left, chunk), state);
-    redistribute_if_due(state);
-  }
-  const bool ends = state.clock.stage_step >= steps_in(stage_->stops.duration, stage_->dt);
-  if (order.collect != 0 || ends) collect(ends, state);
+void Ranks::evaluate_between_steps(std::int64_t stage_step) {
+  evaluate(false);
+  share_->add_applied_loads(stage_step);
 }
 
-/// Energies are summed step by step, as the balance error is judged by the largest of all steps.
-void Ranks::step_chunk(std::int64_t steps, State& state) {
+std::vector<BondId> Ranks::advance(std::int64_t most, bool all_look, State& state) {
+  const std::int64_t steps = follow(most);
+  bool breaks = false;
+  for (std::int64_t left = steps; left > 0 && !breaks; left -= chunk) {
+    breaks = step_chunk(std::min(left, chunk), state);
+    if (!breaks) redistribute_if_due(state);
+  }
+  const bool ends = state.clock.stage_step >= steps_in(stage_->stops.duration, stage_->dt);
+  collect(all_look || breaks || ends, state);
+  return breaks ? take_out_broken(state.clock.stage_step) : std::vector<BondId>{};
+}
+
+/// Bonds that break have acted in this step. All ranks are told of them.
+std::vector<BondId> Ranks::take_out_broken(std::int64_t stage_step) {
+  const std::vector<BondId> mine = share_->broken();
+  share_->take_out_broken();
+  const int count = static_cast<int>(mine.size());
+  std::vector<int> counts(static_cast<std::size_t>(size_)), first(counts.size());
+  MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, MPI_COMM_WORLD);
+  for (std::size_t k = 1; k < first.size(); ++k) first[k] = first[k - 1] + counts[k - 1];
+  std::vector<BondId> all(static_cast<std::size_t>(first.back() + counts.back()));
+  static_assert(sizeof(BondId) == sizeof(std::uint32_t));
+  MPI_Allgatherv(mine.data(), count, MPI_UINT32_T, all.data(), counts.data(), first.data(), MPI_UINT32_T,
+                 MPI_COMM_WORLD);
+  for (const BondId b : all) bonds_[b].broken = true;
+  evaluate_between_steps(stage_step);
+  return all;
+}
+
+/// Whether a bond of any rank breaks in this step.
+bool Ranks::any_breaks() const {
+  if (!breakable_) return false;
+  int any = share_->broken().empty() ? 0 : 1;
+  MPI_Allreduce(MPI_IN_PLACE, &any, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
+  return any != 0;
+}
+
+/// So many steps, or fewer if bonds break: returns whether they do. Energies are summed step by step, as the
+/// balance error is judged by the largest of all steps.
+bool Ranks::step_chunk(std::int64_t steps, State& state) {
   std::vector<StepSums> sums;
   std::int64_t failed = nobody;  // the first step with a load of ours that is not finite
-  for (std::int64_t n = 0; n < steps; ++n) {
+  bool breaks = false;
+  for (std::int64_t n = 0; n < steps && !breaks; ++n) {
     share_->move(state.clock.stage_step + n);
     domains_->send_poses(share_->rows(), share_->pose());
-    evaluate();
+    evaluate(true);
     sums.push_back(share_->finish());
+    breaks = any_breaks();
     if (sums.back().poison == 0.0 || failed != nobody) continue;
     if (const auto p = share_->without_finite_load()) failed = n, failed_ = *p;
   }
@@ -119,6 +160,7 @@ void Ranks::step_chunk(std::int64_t steps, State& state) {
     books.work_supports += s.work_supports;
     books.largest = std::max(books.largest, books.at_start + books.work_loads + books.work_supports);
   }
+  return breaks;
 }
 
 /// Throws on all ranks, for the first particle of the first step in which one failed.
@@ -146,10 +188,8 @@ void Ranks::redistribute_if_due(State& state) {
   domains_->redistribute(own, longest);
   const std::vector<ParticleId> before(share_->particles().begin(),
                                        share_->particles().begin() + static_cast<std::ptrdiff_t>(own.size()));
-  share_ = std::make_unique<Share>(*model_, *stage_, bonds_, domains_->holding());
-  domains_->send_poses(share_->rows(), share_->pose());
-  evaluate();
-  share_->add_applied_loads(state.clock.stage_step);
+  share_out();
+  evaluate_between_steps(state.clock.stage_step);
   count_migrations(before);
 }
 

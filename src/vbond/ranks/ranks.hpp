@@ -33,18 +33,17 @@ class Ranks : public Stepper {
   void wait_for_end();
 
   void begin(const Model& model, const Stage& stage, const State& state) override;
-  void advance(std::int64_t most, bool state_is_needed, State& state) override;
+  std::vector<BondId> advance(std::int64_t most, bool all_look, State& state) override;
 
  private:
-  struct Order {
-    std::int64_t what = 0;  // begin, end, or a number of steps
-    std::int64_t collect = 0;
-  };
   static constexpr std::int64_t end = 0, start = -1;
-  Order follow(Order mine);
-  void evaluate();
-  void take_up(const Model& model, const State& state);
-  void step_chunk(std::int64_t steps, State& state);
+  std::int64_t follow(std::int64_t order);
+  void share_out();
+  void evaluate(bool in_step);
+  void evaluate_between_steps(std::int64_t stage_step);
+  bool any_breaks() const;
+  bool step_chunk(std::int64_t steps, State& state);
+  std::vector<BondId> take_out_broken(std::int64_t stage_step);
   void look_for_failure(const std::vector<StepSums>& sums, std::int64_t first_bad, const State& state) const;
   void redistribute_if_due(State& state);
   void count_migrations(std::vector<ParticleId> before);
@@ -53,6 +52,7 @@ class Ranks : public Stepper {
   int rank_ = 0, size_ = 1;
   std::int64_t migrations_ = 0;
   bool agreed_ = false, dismissed_ = false;
+  bool breakable_ = false;  // some bond is
   const Model* model_ = nullptr;
   const Stage* stage_ = nullptr;
   PerBond<Bond> bonds_;

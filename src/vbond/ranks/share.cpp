@@ -57,6 +57,7 @@ Share::Share(const Model& whole, const Stage& stage, const PerBond<Bond>& bonds,
       bodies_(model_),
       team_(one_thread(own_)),
       with_ghosts_(one_thread(bodies_.pose.size() + particles_.size() - own_)),
+      held_(std::move(holding.bonds)),
       supports_(stage_, bodies_, team_),
       applied_(stage_, bodies_, team_),
       damping_(stage_, bodies_) {
@@ -74,7 +75,7 @@ Share::Share(const Model& whole, const Stage& stage, const PerBond<Bond>& bonds,
     state.v.push_back(m.v), state.omega.push_back(m.omega);
     start_.push_back(m.r);
   }
-  for (const HeldBond& held : holding.bonds) {
+  for (const HeldBond& held : held_) {
     Bond bond = bonds[held.bond];
     bond.i = held.i, bond.j = held.j;
     state.bonds.push_back(bond);
@@ -109,12 +110,26 @@ void Share::move(std::int64_t stage_step) {
   });
 }
 
-void Share::add_bond_loads() {
+void Share::add_bond_loads(bool in_step) {
+  breaking_.clear();
   std::memset(static_cast<void*>(bodies_.load.data()), 0, bodies_.load.size() * sizeof(LoadRow));
   for (const Part& part : with_ghosts_.parts()) {
     BondSweep sweep{part.rows, bodies_.pose.data(), bodies_.load.data()};
     for (std::size_t b = part.first_block; b < part.last_block; ++b)
-      packs_.add_loads(with_ghosts_.block(b), sweep, {}, nullptr);
+      packs_.add_loads(with_ghosts_.block(b), sweep, {}, in_step ? &breaking_ : nullptr);
+  }
+}
+
+std::vector<BondId> Share::broken() const {
+  std::vector<BondId> all;
+  for (const BondId b : breaking_) all.push_back(held_[b.value].bond);
+  return all;
+}
+
+void Share::take_out_broken() {
+  for (const BondId b : breaking_) {
+    packs_.remove(b);
+    bonds_[b].broken = true;
   }
 }
 
@@ -153,7 +168,9 @@ double Share::way2() const {
 double Share::longest_bond() const {
   double longest2 = 0.0;
   for (const Bond& b : bonds_)
-    longest2 = std::max(longest2, norm2(bodies_.pose[rows_[b.i.value]].r - bodies_.pose[rows_[b.j.value]].r));
+    if (!b.broken)
+      longest2 =
+          std::max(longest2, norm2(bodies_.pose[rows_[b.i.value]].r - bodies_.pose[rows_[b.j.value]].r));
   return std::sqrt(longest2);
 }
 

@@ -29,8 +29,11 @@ class Share {
 
   /// Kick, drift: v and omega to the middle of the step, r and q to its end.
   void move(std::int64_t stage_step);
-  /// The loads of the bonds, on ghosts, too.
-  void add_bond_loads();
+  /// The loads of the bonds, on ghosts, too. Within a step, bonds that break are added to broken().
+  void add_bond_loads(bool in_step);
+  /// Bonds that have broken in this step, in no order; they act until they are taken out.
+  std::vector<BondId> broken() const;
+  void take_out_broken();
   /// Applied loads and the second kick. Returns what the whole step has added.
   StepSums finish();
   /// In place of finish(), between steps: applied loads of this time.
@@ -60,7 +63,9 @@ class Share {
   Team team_;  // own rows
   Team with_ghosts_;
   BondPacks packs_;
-  PerBond<Bond> bonds_;
+  std::vector<HeldBond> held_;
+  PerBond<Bond> bonds_;           // of held_, between places
+  std::vector<BondId> breaking_;  // of bonds_
   Supports supports_;
   AppliedLoads applied_;
   Damping damping_;
