@@ -47,8 +47,8 @@ struct CalibrateOptions {
 };
 
 int run(const RunOptions& options);
-/// program: as it was called, for the hint how to go on.
-int resume(const std::filesystem::path& folder, int threads, const std::string& program);
+/// Of the options: threads, program, stepper and before_output.
+int resume(const std::filesystem::path& folder, const RunOptions& options);
 int check(const std::filesystem::path& case_file, int threads);
 int calibrate(const CalibrateOptions& options);
 /// Writes report.html into the folder of a run.

@@ -168,7 +168,7 @@ int dispatch(int argc, char** argv) {
     instruction_set();  // refuses a wrong VBOND_SIMD before anything is written
   if (run_command->parsed()) return app::run(run);
   if (check_command->parsed()) return app::check(run.case_file, run.threads);
-  if (resume_command->parsed()) return app::resume(folder, run.threads, run.program);
+  if (resume_command->parsed()) return app::resume(folder, run);
   if (report_command->parsed()) return app::report(folder);
   if (plot_command->parsed()) return app::plot(plot);
   if (breaks_command->parsed()) return app::breaks(folder, all_breaks);

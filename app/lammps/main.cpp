@@ -5,7 +5,9 @@
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <string>
+#include <utility>
 
 #include "campaign.hpp"
 #include "commands.hpp"
@@ -14,6 +16,7 @@
 #include "vbond/build/build.hpp"
 #include "vbond/case/read.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/observe/checkpoint.hpp"
 #include "vbond/ranks/ranks.hpp"
 #include "vbond/run/run.hpp"
 
@@ -31,8 +34,16 @@ void tell(const app::Failure& failure) {
   std::fflush(stderr);
 }
 
+/// What the command line asks for: to run a case, or to go on in a folder.
+struct Task {
+  app::RunOptions options;
+  std::filesystem::path folder;
+  bool resumes = false;
+};
+
 /// Rank 0: the run as vbond does it, with its files and its text.
-int lead(app::RunOptions options) {
+int lead(Task task) {
+  app::RunOptions& options = task.options;
   Ranks ranks;
   try {
     options.stepper = &ranks;
@@ -42,7 +53,7 @@ int lead(app::RunOptions options) {
         throw IoError("on another rank: " + other);
       app::say(fmt::format("ranks            {}\n", ranks.size()));
     };
-    const int status = app::run(options);
+    const int status = task.resumes ? app::resume(task.folder, options) : app::run(options);
     app::say(fmt::format("{} times a particle went to another rank\n", ranks.migrations()));
     return status;
   } catch (...) {
@@ -57,23 +68,28 @@ int lead(app::RunOptions options) {
 void follow(Run& run, Ranks& ranks) {
   try {
     run.set_stepper(&ranks);
-    run.run();
+    if (!run.complete()) run.run();
   } catch (const Diverged&) {  // rank 0 tells of it
   }
   ranks.wait_for_end();
 }
 
+State first_state(const Task& task, const Model& model, State built) {
+  return task.resumes ? read_checkpoint(task.folder / "checkpoint.h5", model).state : std::move(built);
+}
+
 /// What goes wrong on one of the others alone ends them all.
-int follow(const app::RunOptions& options) {
+int follow(const Task& task) {
   for (const int s : {SIGINT, SIGTERM, SIGHUP})
     std::signal(s, SIG_IGN);  // rank 0 hears them, and writes a checkpoint
   Ranks ranks;
   try {
-    const Case c = read_case(options.case_file);
+    const Case c = read_case(task.resumes ? task.folder / "resolved.toml" : task.options.case_file);
     require_statics(c);
     Built built = build(c);
-    Run run(std::move(built.model), std::move(built.state), stages_of(c));
-    run.check();
+    State state = first_state(task, built.model, std::move(built.state));
+    Run run(std::move(built.model), std::move(state), stages_of(c));
+    if (!run.complete()) run.check();
     app::refuse_beyond_ranks(c, run.model());
     if (ranks.agree({}).empty()) follow(run, ranks);
   } catch (const Dismissed&) {
@@ -94,20 +110,25 @@ int dispatch(int argc, char** argv, bool leads) {
   program.set_version_flag("--version", version);
   program.require_subcommand(1);
   program.footer("Exit status: 0 done, 1 the run failed, 2 usage or input, 3 input/output.");
-  app::RunOptions run;
+  Task task;
+  app::RunOptions& run = task.options;
   run.program = argv[0];
   CLI::App* command = program.add_subcommand("run", "Compute a case");
   command->add_option("CASE", run.case_file, "Case file (TOML)")->required();
   command->add_option("-o,--output", run.folder, "Output folder, as that of vbond run");
   command->add_flag("--force", run.force, "Replace an earlier output in that folder; other files in it stay");
   command->add_flag("--report", run.report, "Write report.html at the end");
+  CLI::App* resume =
+      program.add_subcommand("resume", "Go on with a run that was stopped, on any number of ranks");
+  resume->add_option("DIR", task.folder, "Its output folder, of vbond-lammps or vbond")->required();
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     if (!leads) return app::done;
     return program.exit(e) == 0 ? app::done : app::bad_input;
   }
-  return leads ? lead(run) : follow(run);
+  task.resumes = resume->parsed();
+  return leads ? lead(task) : follow(task);
 }
 
 }  // namespace
