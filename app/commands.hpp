@@ -1,8 +1,12 @@
 #pragma once
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "vbond/case/case.hpp"
+#include "vbond/run/run.hpp"
 
 namespace vbond::app {
 
@@ -23,8 +27,11 @@ struct RunOptions {
   std::optional<std::filesystem::path> folder;  ///< default: see claim_folder
   bool force = false;                           ///< replace an earlier output
   int threads = 1;
-  bool report = false;  ///< write report.html at the end
-  std::string program;  ///< as it was called, for the hint how to go on
+  bool report = false;         ///< write report.html at the end
+  std::string program;         ///< as it was called, for the hint how to go on
+  Stepper* stepper = nullptr;  ///< makes the steps in place of the run itself
+  /// Called once the case is known to be right, before anything is written: may refuse it.
+  std::function<void(const Case&, const Run&)> before_output;
 };
 
 struct PlotOptions {
@@ -40,8 +47,8 @@ struct CalibrateOptions {
 };
 
 int run(const RunOptions& options);
-/// program: as it was called, for the hint how to go on.
-int resume(const std::filesystem::path& folder, int threads, const std::string& program);
+/// Of the options: threads, program, stepper and before_output.
+int resume(const std::filesystem::path& folder, const RunOptions& options);
 int check(const std::filesystem::path& case_file, int threads);
 int calibrate(const CalibrateOptions& options);
 /// Writes report.html into the folder of a run.

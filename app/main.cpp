@@ -4,16 +4,13 @@
 #include <cctype>
 #include <csignal>
 #include <cstdio>
-#include <exception>
-#include <new>
 #include <stdexcept>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "commands.hpp"
-#include "memory.hpp"
-#include "vbond/core/error.hpp"
+#include "failure.hpp"
 #include "vbond/core/nearest.hpp"
 #include "vbond/dynamics/kernel.hpp"
 
@@ -171,7 +168,7 @@ int dispatch(int argc, char** argv) {
     instruction_set();  // refuses a wrong VBOND_SIMD before anything is written
   if (run_command->parsed()) return app::run(run);
   if (check_command->parsed()) return app::check(run.case_file, run.threads);
-  if (resume_command->parsed()) return app::resume(folder, run.threads, run.program);
+  if (resume_command->parsed()) return app::resume(folder, run);
   if (report_command->parsed()) return app::report(folder);
   if (plot_command->parsed()) return app::plot(plot);
   if (breaks_command->parsed()) return app::breaks(folder, all_breaks);
@@ -194,29 +191,9 @@ int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // a file that grows beyond ulimit -f is an error of writing, which is told
   try {
     return dispatch(argc, argv);
-  } catch (const CaseError& e) {
-    std::fprintf(stderr, "%s\n", e.what());
-    return app::bad_input;
-  } catch (const std::invalid_argument& e) {  // the command line, or the environment: VBOND_SIMD
-    std::fprintf(stderr, "%s\n", e.what());
-    return app::bad_input;
-  } catch (const Diverged& e) {
-    std::fprintf(stderr, "the run went unphysical at %s\n", e.what());
-    return app::failed;
-  } catch (const NoEquilibrium& e) {
-    std::fprintf(stderr, "%s\n", e.what());
-    return app::failed;
-  } catch (const IoError& e) {
-    std::fprintf(stderr, "%s\n", e.what());
-    return app::bad_io;
-  } catch (const std::bad_alloc&) {
-    std::fprintf(stderr, "%s\n", app::out_of_memory().c_str());
-    return app::failed;
-  } catch (const std::length_error&) {
-    std::fprintf(stderr, "%s\n", app::out_of_memory().c_str());
-    return app::failed;
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "internal error: %s\n", e.what());
-    return app::failed;
+  } catch (...) {
+    const app::Failure failure = app::failure_under_way();
+    std::fprintf(stderr, "%s\n", failure.text.c_str());
+    return failure.status;
   }
 }

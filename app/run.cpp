@@ -245,6 +245,8 @@ int run(const RunOptions& options) {
   require_memory(c, built.model, built.state);
   Run run(std::move(built.model), std::move(built.state), stages_of(c), options.threads);
   run.check();
+  run.set_stepper(options.stepper);
+  if (options.before_output) options.before_output(c, run);
   OutputPlan plan = plan_output(c, run.model(), {});  // all that may be wrong with the case is known by now
 
   if (options.report) warn_if_no_page();
@@ -272,7 +274,7 @@ int run(const RunOptions& options) {
   }
 }
 
-int resume(const fs::path& folder, int threads, const std::string& program) {
+int resume(const fs::path& folder, const RunOptions& options) {
   const auto start = WallClock::now();
   const FolderLock lock = lock_old_output(folder);
   catch_broken_pipe();
@@ -283,22 +285,25 @@ int resume(const fs::path& folder, int threads, const std::string& program) {
   Checkpoint checkpoint = read_checkpoint(folder / "checkpoint.h5", built.model);
   check_edits(c, built.state, checkpoint.state, folder / "resolved.toml");
   const Clock clock = checkpoint.state.clock;  // all of the state that observers go on from
-  Run run(std::move(built.model), std::move(checkpoint.state), stages_of(c), threads);
+  Run run(std::move(built.model), std::move(checkpoint.state), stages_of(c), options.threads);
   checkpoint.state.clock = clock;
-  if (run.complete()) {
+  const bool complete = run.complete();
+  if (!complete) run.check();
+  run.set_stepper(options.stepper);
+  if (options.before_output) options.before_output(c, run);
+  if (complete) {
     say("the run is complete, results in " + folder.string() + "\n");
     return done;
   }
-  run.check();
 
-  Campaign campaign =
-      open_campaign(c, run, plan_output(c, run.model(), folder), threads, program, &checkpoint);
+  Campaign campaign = open_campaign(c, run, plan_output(c, run.model(), folder), options.threads,
+                                    options.program, &checkpoint);
   if (fs::exists(folder / "run.json"))
     campaign.summary.stages = read_stages_before(folder / "run.json", run.clock().stage);
   campaign.building = seconds_since(start);
   say(fmt::format("resumed at step {} of stage {}, output folder {}\n", run.clock().stage_step,
                   run.stages().name(run.stage_index()), folder.string()));
-  print_machine(threads);
+  print_machine(options.threads);
   try {
     return run_stages(campaign);
   } catch (const IoError& e) {

@@ -9,7 +9,7 @@ install(TARGETS vbond vbond_run EXPORT vbondTargets)
 if(VBOND_STATICS)
   install(TARGETS vbond_statics EXPORT vbondTargets)
 endif()
-install(DIRECTORY src/vbond TYPE INCLUDE FILES_MATCHING PATTERN "*.hpp" PATTERN detail EXCLUDE)
+install(DIRECTORY src/vbond TYPE INCLUDE FILES_MATCHING PATTERN "*.hpp" PATTERN detail EXCLUDE PATTERN ranks EXCLUDE)
 install(FILES LICENSE TYPE DOC)
 # The page of `vbond report`, made by the set-up from web/; a program installed without it says what is missing.
 install(FILES ${PROJECT_SOURCE_DIR}/build/page/report.html DESTINATION ${CMAKE_INSTALL_DATADIR}/vbond OPTIONAL)

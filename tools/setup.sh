@@ -20,6 +20,7 @@ vbond_build_packages=(
 )
 vbond_petsc_packages=(libpetsc-real-dev libslepc-real-dev libhdf5-openmpi-dev pkg-config)  # multigrid, in ./test --petsc
 vbond_test_packages=(libgtest-dev librapidcheck-dev)
+vbond_lammps_packages=(liblammps-dev libopenmpi-dev mpi-default-bin)   # vbond-lammps: many ranks
 vbond_clang_packages=(clang-14 libclang-rt-14-dev)   # the fuzzers, in .ci/run
 vbond_format_packages=(clang-format-14)
 vbond_page_packages=(nodejs npm)   # the page that `vbond report` fills

@@ -216,13 +216,36 @@ RowsAhead Simulation::rows_of(const Block& b) const {
 StopReason Simulation::run(const std::function<bool()>& interrupted, std::int64_t most) {
   if (state_.clock.stage_step == 0) notify_observers();
   StopReason why = stop_reason();
-  while (why == StopReason::running && most-- > 0) {  // never interrupted before the first step
-    step();
+  while (why == StopReason::running && most > 0) {  // never interrupted before the first step
+    if (stepper_ != nullptr)
+      most -= leap(most);
+    else
+      step(), --most;
     why = stop_reason();
     if (why == StopReason::running && interrupted && interrupted()) why = StopReason::interrupted;
   }
   if (why != StopReason::running) finish(why);
   return why;
+}
+
+/// The steps up to the next look at the body, made elsewhere. Returns how many they were.
+std::int64_t Simulation::leap(std::int64_t most) {
+  const Stops& stops = stage_.stops;
+  const bool each_step = stops.distance || stops.peak || stops.rest;  // those judge by the body itself
+  const std::int64_t before = state_.clock.step;
+  taken_.clear();
+  breaking_[0] = stepper_->advance(
+      each_step ? 1 : std::min({most, steps_to_look_, last_stage_step_ - state_.clock.stage_step}), each_step,
+      state_);
+  bodies_.read(state_);
+  bodies_ahead_ = true;  // loads are still to be collected
+  survey_.reset();
+  if (each_step || !observers_.empty()) evaluate_loads();
+  const bool broke = break_bonds();
+  if (each_step) keep_records();
+  steps_to_look_ -= state_.clock.step - before;
+  if (steps_to_look_ <= 0 || broke) notify_observers();
+  return state_.clock.step - before;
 }
 
 void Simulation::finish(StopReason why) {

@@ -19,6 +19,7 @@
 #include "vbond/dynamics/kernel.hpp"
 #include "vbond/dynamics/observer.hpp"
 #include "vbond/dynamics/step_times.hpp"
+#include "vbond/dynamics/stepper.hpp"
 #include "vbond/dynamics/supports.hpp"
 #include "vbond/dynamics/team.hpp"
 #include "vbond/dynamics/walls.hpp"
@@ -58,6 +59,13 @@ class Simulation {
   void add_observer(std::shared_ptr<Observer> observer) {
     observers_.push_back(std::move(observer));
     steps_to_look_ = 1;
+  }
+
+  /// From now on, steps are made by this one, which must live as long. It steps what it knows how to; whoever
+  /// sets it refuses all else.
+  void step_by(Stepper& stepper) {
+    stepper_ = &stepper;
+    stepper.begin(model_, stage_, state());
   }
 
   /// One time step of stage().dt. Throws Diverged if a load is not finite or a new bond is impossible.
@@ -156,6 +164,7 @@ class Simulation {
   };
 
   void begin_stage();
+  std::int64_t leap(std::int64_t most);
   void bonds_changed();
   void arrange_bonds();
   void make_bonds();
@@ -244,6 +253,7 @@ class Simulation {
   std::int64_t last_stage_step_ = 0;           // of the stage's duration
   std::vector<std::shared_ptr<Observer>> observers_;
   std::int64_t steps_to_look_ = 1;
+  Stepper* stepper_ = nullptr;
   StepTimes times_;
   mutable std::optional<Survey> survey_;  // empty: positions or velocities have changed since
 };

@@ -101,6 +101,7 @@ void Run::begin() {
   if (simulation_ || !std::holds_alternative<Stage>(stage)) return;
   simulation_ = std::make_unique<Simulation>(model_, std::get<Stage>(stage), &state_, threads_);
   for (const auto& o : observers_) simulation_->add_observer(o);
+  if (stepper_ != nullptr) simulation_->step_by(*stepper_);
 }
 
 const std::vector<StageResult>& Run::run() {

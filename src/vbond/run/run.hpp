@@ -65,6 +65,8 @@ class Run {
   /// Observers of dynamics: they are asked in this order, in every stage.
   void add_observer(std::shared_ptr<Observer> observer);
   void set_hooks(RunHooks hooks) { hooks_ = std::move(hooks); }
+  /// Who makes the steps of dynamics from the next stage on; must live as long as the run.
+  void set_stepper(Stepper* stepper) { stepper_ = stepper; }
 
   // ---- before it begins --------------------------------------------------------------------------
   /// What is wrong with the stages still to come, as far as it can be told before they run: nothing that the
@@ -143,6 +145,7 @@ class Run {
   int threads_;
   std::vector<std::shared_ptr<Observer>> observers_;
   RunHooks hooks_;
+  Stepper* stepper_ = nullptr;
   std::optional<AnyStage> stage_;                        // that was prepared
   std::size_t bonds_before_ = 0, histories_before_ = 0;  // prepare()
   EnergyBooks books_before_;

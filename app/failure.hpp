@@ -1,0 +1,15 @@
+#pragma once
+#include <string>
+
+namespace vbond::app {
+
+/// How a command ended that has thrown: what is told of it, and the exit status.
+struct Failure {
+  int status;
+  std::string text;
+};
+
+/// Of the exception under way: to be called where it is caught.
+Failure failure_under_way();
+
+}  // namespace vbond::app

@@ -1,0 +1,34 @@
+# awk -f compare_history.awk ONE OTHER: whether two history.csv have the same rows to 1e-10 of their scale: of energies
+# the largest of all, of the components of a vector the largest of the three, of others that of the column.
+# Prints what differs most, in that scale.
+BEGIN { FS = ","; tolerance = 1e-10 }
+function size(x) { return x < 0 ? -x : x }
+FNR == 1 {
+  if (NR == 1) { header = $0; columns = split($0, name, ",") }
+  else if ($0 != header) { print "columns differ"; bad = 1; exit }
+  next
+}
+NR == FNR { rows = FNR; for (c = 1; c <= columns; ++c) one[FNR, c] = $c; next }
+{ others = FNR; for (c = 1; c <= columns; ++c) other[FNR, c] = $c }
+function scale_of(c, group) {
+  if (name[c] ~ /^(kinetic|U_|contact$|dissipated|work|total|released)/) return "energy"
+  group = name[c]
+  sub(/\.[fm]?[xyz]$/, "", group)
+  return name[c] ~ /\.m[xyz]$/ ? group " moment" : group
+}
+END {
+  if (bad) exit 1
+  if (rows != others || rows < 3) { print rows " and " others " rows"; exit 1 }
+  for (c = 1; c <= columns; ++c)
+    for (r = 2; r <= rows; ++r)
+      if (size(one[r, c]) > scale[scale_of(c)]) scale[scale_of(c)] = size(one[r, c])
+  scale["balance_error"] = 1  # of the largest energy already
+  for (c = 1; c <= columns; ++c)
+    for (r = 2; r <= rows; ++r) {
+      d = size(one[r, c] - other[r, c])
+      s = scale[scale_of(c)]
+      if (d > 0 && d / (s > 0 ? s : 1e-300) >= worst) { worst = d / (s > 0 ? s : 1e-300); at = name[c] " in row " r }
+    }
+  print worst " (" at ")"
+  exit !(worst <= tolerance)
+}
