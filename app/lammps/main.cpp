@@ -16,6 +16,7 @@
 #include "vbond/build/build.hpp"
 #include "vbond/case/read.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/dynamics/kernel.hpp"
 #include "vbond/observe/checkpoint.hpp"
 #include "vbond/ranks/ranks.hpp"
 #include "vbond/run/run.hpp"
@@ -46,6 +47,7 @@ int lead(Task task) {
   app::RunOptions& options = task.options;
   Ranks ranks;
   try {
+    instruction_set();  // refuses a wrong VBOND_SIMD before anything is written
     options.stepper = &ranks;
     options.before_output = [&ranks](const Case& c, const Run& run) {
       app::refuse_beyond_ranks(c, run.model());
@@ -84,6 +86,7 @@ int follow(const Task& task) {
     std::signal(s, SIG_IGN);  // rank 0 hears them, and writes a checkpoint
   Ranks ranks;
   try {
+    instruction_set();
     const Case c = read_case(task.resumes ? task.folder / "resolved.toml" : task.options.case_file);
     require_statics(c);
     Built built = build(c);

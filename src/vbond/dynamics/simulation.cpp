@@ -228,15 +228,17 @@ StopReason Simulation::run(const std::function<bool()>& interrupted, std::int64_
   return why;
 }
 
-/// The steps up to the next look at the body, made elsewhere. Returns how many they were.
+/// The steps up to the next look at the body, made elsewhere, and no more than some: an interruption waits
+/// for their end. Returns how many they were.
 std::int64_t Simulation::leap(std::int64_t most) {
   const Stops& stops = stage_.stops;
+  constexpr std::int64_t at_once = 256;
   const bool each_step = stops.distance || stops.peak || stops.rest;  // those judge by the body itself
   const std::int64_t before = state_.clock.step;
   taken_.clear();
   breaking_[0] = stepper_->advance(
-      each_step ? 1 : std::min({most, steps_to_look_, last_stage_step_ - state_.clock.stage_step}), each_step,
-      state_);
+      each_step ? 1 : std::min({most, at_once, steps_to_look_, last_stage_step_ - state_.clock.stage_step}),
+      each_step, state_);
   bodies_.read(state_);
   bodies_ahead_ = true;  // loads are still to be collected
   survey_.reset();

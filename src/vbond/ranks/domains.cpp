@@ -207,9 +207,8 @@ void Domains::Lammps::spread(double longest) const {
   std::int64_t mine = lmp->atom->nlocal, all = 0;
   MPI_Allreduce(&mine, &all, 1, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
   if (all != particles)
-    throw std::runtime_error(
-        "LAMMPS has lost " + std::to_string(particles - all) +
-        " particles on their way between ranks: they moved farther than a rank's domain");
+    throw std::runtime_error("LAMMPS has lost " + std::to_string(particles - all) +
+                             " particles on their way between ranks");
 }
 
 Domains::Domains(const Model& model, const State& state) : lammps_(std::make_unique<Lammps>()) {
@@ -237,6 +236,8 @@ void Domains::redistribute(const std::vector<Motion>& own, double longest) {
     lammps_->fix->carried[k] = own[k];
     for (int d = 0; d < 3; ++d) lammps_->lmp->atom->x[k][d] = component(own[k].r, d);
   }
+  // to their new ranks however far they have gone: what follows is for neighbouring domains only
+  lammps_->command("displace_atoms all move 0.0 0.0 0.0 units box");
   lammps_->spread(longest);
 }
 

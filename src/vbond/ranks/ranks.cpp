@@ -78,6 +78,8 @@ void Ranks::begin(const Model& model, const Stage& stage, const State& state) {
   domains_ = std::make_unique<Domains>(model, state);
   share_out();
   evaluate_between_steps(state.clock.stage_step);
+  first_longest_ = share_->longest_bond();
+  MPI_Allreduce(MPI_IN_PLACE, &first_longest_, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
 }
 
 void Ranks::share_out() {
@@ -175,14 +177,16 @@ void Ranks::look_for_failure(const std::vector<StepSums>& sums, std::int64_t fai
                  "reduce time.step (or time.fraction); look at the last frame for bonds that closed up");
 }
 
-/// Ghosts stay what they are however far they move. But domains are to be compact, and a particle can only
-/// move on to the next domain: so all is listed anew when one has gone as far as a quarter of the longest
-/// bond.
+/// Ghosts stay what they are however far they move. But domains are to be compact: so all is listed anew when
+/// a particle has gone as far as a quarter of the longest bond. Not where one has gone so far that LAMMPS'
+/// box, which is wider than the body by 1e-4 of its first size, would lose it by rounding: that body
+/// diverges.
 void Ranks::redistribute_if_due(State& state) {
   std::array<double, 2> most{share_->way2(), share_->longest_bond()};
   MPI_Allreduce(MPI_IN_PLACE, most.data(), 2, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
   const double longest = std::max(most[1], std::numeric_limits<double>::min());
-  if (!(std::sqrt(most[0]) > 0.25 * longest)) return;
+  const double way = std::sqrt(most[0]);
+  if (!(way > 0.25 * longest) || way > 1e6 * first_longest_) return;
   std::vector<Motion> own;
   for (std::size_t k = 0; k < share_->own(); ++k) own.push_back(share_->motion(k));
   domains_->redistribute(own, longest);

@@ -52,7 +52,8 @@ class Ranks : public Stepper {
   int rank_ = 0, size_ = 1;
   std::int64_t migrations_ = 0;
   bool agreed_ = false, dismissed_ = false;
-  bool breakable_ = false;  // some bond is
+  bool breakable_ = false;    // some bond is
+  double first_longest_ = 0;  // bond, as the stage began
   const Model* model_ = nullptr;
   const Stage* stage_ = nullptr;
   PerBond<Bond> bonds_;
