@@ -56,6 +56,8 @@ int report(const std::filesystem::path& folder);
 int plot(const PlotOptions& options);
 /// Says of each bond that broke in a run, or of the first hundred, when and why.
 int breaks(const std::filesystem::path& folder, bool all);
+/// Writes the body of a case, as its first stage begins, as files for LAMMPS with the plugin.
+int export_lammps(const std::filesystem::path& case_file, const std::filesystem::path& folder);
 /// Prints what case files may hold: a key, a table, or with an empty text everything.
 int reference(const std::string& key);
 /// Prints a JSON Schema of case files.

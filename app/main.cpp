@@ -142,6 +142,13 @@ int dispatch(int argc, char** argv) {
   breaks_command->add_option("DIR", folder, "Output folder of a run, ended or not")->required();
   breaks_command->add_flag("--all", all_breaks, "All of them, not the first 100");
 
+  std::filesystem::path export_to;
+  CLI::App* export_command = program.add_subcommand(
+      "export", "Write the body of a case as input of LAMMPS, for its plugin of vbond's bonds");
+  export_command->add_option("CASE", run.case_file, "Case file (TOML)")->required();
+  export_command->add_option("-o,--output", export_to, "Folder for body.data, body.bonds, body.lammps")
+      ->required();
+
   std::string key;
   CLI::App* reference_command =
       program.add_subcommand("reference", "Print what a key of case files means, or all keys of a table");
@@ -172,6 +179,7 @@ int dispatch(int argc, char** argv) {
   if (report_command->parsed()) return app::report(folder);
   if (plot_command->parsed()) return app::plot(plot);
   if (breaks_command->parsed()) return app::breaks(folder, all_breaks);
+  if (export_command->parsed()) return app::export_lammps(run.case_file, export_to);
   if (reference_command->parsed()) return app::reference(key);
   if (schema_command->parsed()) return app::schema();
   return app::calibrate(calibrate);
