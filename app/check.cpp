@@ -265,8 +265,9 @@ void print_wall_time(std::int64_t steps, const Run& run, const Stage& first, int
 
 }  // namespace
 
-int check(const std::filesystem::path& case_file, int threads) {
-  const Case c = read_case(case_file);
+int check(const RunOptions& options) {
+  const Case c = read_case(options.case_file, options.changes);
+  const int threads = options.threads;
   require_statics(c);
   require_memory(c);
   Built built = build(c);
@@ -297,7 +298,7 @@ int check(const std::filesystem::path& case_file, int threads) {
   print_memory(model, state);
   print_solvers(run);
   if (dynamics) print_wall_time(steps, run, *dynamics, threads);
-  fmt::print("{}: no mistakes found\n", printable(case_file.string()));
+  fmt::print("{}: no mistakes found\n", printable(c.file));
   return done;
 }
 

@@ -23,7 +23,8 @@ enum ExitStatus {
 };
 
 struct RunOptions {
-  std::filesystem::path case_file;
+  std::filesystem::path case_file;              ///< "-": the standard input
+  std::vector<std::string> changes;             ///< of keys of the case, as read_case takes them
   std::optional<std::filesystem::path> folder;  ///< default: see claim_folder
   bool force = false;                           ///< replace an earlier output
   int threads = 1;
@@ -32,6 +33,15 @@ struct RunOptions {
   Stepper* stepper = nullptr;  ///< makes the steps in place of the run itself
   /// Called once the case is known to be right, before anything is written: may refuse it.
   std::function<void(const Case&, const Run&)> before_output;
+};
+
+struct SweepOptions {
+  std::filesystem::path case_file;
+  std::vector<std::string> sets;                ///< swept keys, see swept_key()
+  std::optional<std::filesystem::path> folder;  ///< default: CASE.sweep in the current folder
+  int jobs = 1;                                 ///< processes at once
+  int threads = 1;                              ///< of each
+  std::string program;                          ///< as it was called
 };
 
 struct PlotOptions {
@@ -49,7 +59,9 @@ struct CalibrateOptions {
 int run(const RunOptions& options);
 /// Of the options: threads, program, stepper and before_output.
 int resume(const std::filesystem::path& folder, const RunOptions& options);
-int check(const std::filesystem::path& case_file, int threads);
+int check(const RunOptions& options);  ///< of the options: case_file, changes, threads
+/// Runs a case with all combinations of values of some keys, or goes on with that: see docs/sweeps.md.
+int sweep(const SweepOptions& options);
 int calibrate(const CalibrateOptions& options);
 /// Writes report.html into the folder of a run.
 int report(const std::filesystem::path& folder);
@@ -57,7 +69,7 @@ int plot(const PlotOptions& options);
 /// Says of each bond that broke in a run, or of the first hundred, when and why.
 int breaks(const std::filesystem::path& folder, bool all);
 /// Writes the body of a case, as its first stage begins, as files for LAMMPS with the plugin.
-int export_lammps(const std::filesystem::path& case_file, const std::filesystem::path& folder);
+int export_lammps(const RunOptions& options, const std::filesystem::path& folder);
 /// Prints what case files may hold: a key, a table, or with an empty text everything.
 int reference(const std::string& key);
 /// Prints a JSON Schema of case files.

@@ -136,8 +136,8 @@ void print_left_out(const Case& c, const Model& model, const State& state, const
 
 }  // namespace
 
-int export_lammps(const std::filesystem::path& case_file, const std::filesystem::path& folder) {
-  const Case c = read_case(case_file);
+int export_lammps(const RunOptions& options, const std::filesystem::path& folder) {
+  const Case c = read_case(options.case_file, options.changes);
   Built built = build(c);
   Run run(std::move(built.model), std::move(built.state), stages_of(c));
   const auto* stage = std::get_if<Stage>(&run.prepare());

@@ -31,6 +31,15 @@ void add_threads(CLI::App* command, int& threads) {
       ->check(CLI::Range(1, 1024));
 }
 
+/// The case, and what of it is to be other than the file says.
+void add_case(CLI::App* command, app::RunOptions& run) {
+  command->add_option("CASE", run.case_file, "Case file (TOML); - is the standard input")->required();
+  command
+      ->add_option("--set", run.changes,
+                   "KEY=VALUE: another value of a key, as in stage[0].duration=\"2 T0\"; may be repeated")
+      ->allow_extra_args(false);
+}
+
 void add_calibrate(CLI::App& app, app::CalibrateOptions& o, CLI::App*& command) {
   command =
       app.add_subcommand("calibrate", "Bond stiffnesses and B1..B4 from E, nu, section, length and theory");
@@ -111,22 +120,25 @@ int dispatch(int argc, char** argv) {
   run.threads = default_threads();
   run.program = argv[0];
   CLI::App* run_command = program.add_subcommand("run", "Compute a case");
-  run_command->add_option("CASE", run.case_file, "Case file (TOML)")->required();
+  add_case(run_command, run);
   run_command->add_option(
       "-o,--output", run.folder,
       "Output folder (default: CASE.out in the current folder, or CASE-2.out, ... if there is one)");
   run_command->add_flag("--force", run.force,
                         "Replace an earlier output in that folder, or in CASE.out; other files in it stay");
   run_command->add_flag("--report", run.report, "Write report.html at the end, as the command report does");
+  bool quiet = false;
+  run_command->add_flag("--quiet", quiet, "Print mistakes and failures only");
   add_threads(run_command, run.threads);
 
   CLI::App* check_command = program.add_subcommand("check", "Validate a case and say what would be run");
-  check_command->add_option("CASE", run.case_file, "Case file (TOML)")->required();
+  add_case(check_command, run);
   add_threads(check_command, run.threads);
 
   std::filesystem::path folder;
   CLI::App* resume_command = program.add_subcommand("resume", "Go on with a run that was stopped");
   resume_command->add_option("DIR", folder, "Its output folder")->required();
+  resume_command->add_flag("--quiet", quiet, "Print mistakes and failures only");
   add_threads(resume_command, run.threads);
 
   CLI::App* report_command =
@@ -142,10 +154,27 @@ int dispatch(int argc, char** argv) {
   breaks_command->add_option("DIR", folder, "Output folder of a run, ended or not")->required();
   breaks_command->add_flag("--all", all_breaks, "All of them, not the first 100");
 
+  app::SweepOptions sweep;
+  sweep.program = argv[0];
+  sweep.jobs = default_threads();
+  CLI::App* sweep_command = program.add_subcommand(
+      "sweep", "Compute a case for all combinations of values of some keys, or go on with that");
+  sweep_command->add_option("CASE", sweep.case_file, "Case file (TOML)")->required();
+  sweep_command
+      ->add_option("--set", sweep.sets,
+                   "KEY=a,b,c or KEY=range(first, last, count) or logrange(...); may be repeated")
+      ->required()
+      ->allow_extra_args(false);
+  sweep_command->add_option("-o,--output", sweep.folder, "Folder of the sweep (default: CASE.sweep)");
+  sweep_command->add_option("--jobs", sweep.jobs, "Runs at once (default: all cores)")
+      ->check(CLI::Range(1, 1024));
+  sweep_command->add_option("--threads", sweep.threads, "Threads of each run (default: 1)")
+      ->check(CLI::Range(1, 1024));
+
   std::filesystem::path export_to;
   CLI::App* export_command = program.add_subcommand(
       "export", "Write the body of a case as input of LAMMPS, for its plugin of vbond's bonds");
-  export_command->add_option("CASE", run.case_file, "Case file (TOML)")->required();
+  add_case(export_command, run);
   export_command->add_option("-o,--output", export_to, "Folder for body.data, body.bonds, body.lammps")
       ->required();
 
@@ -173,13 +202,15 @@ int dispatch(int argc, char** argv) {
   }
   if (run_command->parsed() || check_command->parsed() || resume_command->parsed())
     instruction_set();  // refuses a wrong VBOND_SIMD before anything is written
+  if (quiet && std::freopen("/dev/null", "w", stdout) == nullptr) return app::bad_io;
   if (run_command->parsed()) return app::run(run);
-  if (check_command->parsed()) return app::check(run.case_file, run.threads);
+  if (check_command->parsed()) return app::check(run);
   if (resume_command->parsed()) return app::resume(folder, run);
   if (report_command->parsed()) return app::report(folder);
   if (plot_command->parsed()) return app::plot(plot);
   if (breaks_command->parsed()) return app::breaks(folder, all_breaks);
-  if (export_command->parsed()) return app::export_lammps(run.case_file, export_to);
+  if (sweep_command->parsed()) return app::sweep(sweep);
+  if (export_command->parsed()) return app::export_lammps(run, export_to);
   if (reference_command->parsed()) return app::reference(key);
   if (schema_command->parsed()) return app::schema();
   return app::calibrate(calibrate);

@@ -238,7 +238,7 @@ FolderLock lock_old_output(const fs::path& folder) {
 
 int run(const RunOptions& options) {
   const auto start = WallClock::now();
-  Case c = read_case(options.case_file);
+  Case c = read_case(options.case_file, options.changes);
   require_statics(c);
   require_memory(c);
   Built built = build(c);
@@ -250,7 +250,7 @@ int run(const RunOptions& options) {
   OutputPlan plan = plan_output(c, run.model(), {});  // all that may be wrong with the case is known by now
 
   if (options.report) warn_if_no_page();
-  const ClaimedFolder claimed = claim_folder(options.case_file, options.folder, options.force);
+  const ClaimedFolder claimed = claim_folder(c.file, options.folder, options.force);
   plan.folder = claimed.path;
   catch_broken_pipe();
   replace_file(plan.folder / "resolved.toml", to_toml(keep_inputs(c, plan.folder, claimed.old_inputs)));

@@ -337,7 +337,8 @@ struct WatchSpec {
 };
 
 struct Case {
-  std::string file;  ///< path as given, for messages
+  std::string file;                  ///< path as given, for messages
+  std::vector<std::string> changes;  ///< of keys, made after the file was read
   std::string title;
   UnitSystem units = UnitSystem::reduced;
   std::vector<SpecimenSpec> specimens;

@@ -4,9 +4,11 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <iostream>
 #include <set>
 #include <sstream>
 
+#include "vbond/case/change.hpp"
 #include "vbond/case/keys.hpp"
 #include "vbond/case/reader.hpp"
 #include "vbond/core/nearest.hpp"
@@ -75,14 +77,19 @@ void check_stage_references(const Case& c, ReadContext& in) {
 
 }  // namespace
 
-Case parse_case(std::string_view text, const std::filesystem::path& file) {
+Case parse_case(std::string_view text, const std::filesystem::path& file,
+                const std::vector<std::string>& changes) {
   ReadContext in;
   in.file = file.string();
   in.folder = std::filesystem::absolute(file.empty() ? "." : file).parent_path();
-  const keys::NodeTable root = keys::parse_toml(text, in.file);
+  keys::NodeTable root = keys::parse_toml(text, in.file);
+  in.changes = changes;
+  for (std::size_t k = 0; k < changes.size(); ++k)
+    keys::apply_change(changes[k], static_cast<std::uint32_t>(k), root);
 
   Case c;
   c.file = in.file;
+  c.changes = changes;
   keys::Reader reader(root, in, "", {in.file, 1, 1});
   keys::describe(reader, c);
   reader.finish();
@@ -101,14 +108,18 @@ Case parse_case(std::string_view text, const std::filesystem::path& file) {
   return c;
 }
 
-Case read_case(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
+Case read_case(const std::filesystem::path& file, const std::vector<std::string>& changes) {
   std::ostringstream text;
+  if (file == "-") {
+    if (std::cin.peek() != std::istream::traits_type::eof()) text << std::cin.rdbuf();
+    return parse_case(text.str(), "standard-input.toml", changes);
+  }
+  std::ifstream stream(file, std::ios::binary);
   if (stream && stream.peek() != std::ifstream::traits_type::eof()) text << stream.rdbuf();
   if (!stream.is_open() || stream.bad() || std::filesystem::is_directory(file))
     throw IoError(file.string() + ": cannot be read" +
                   (errno != 0 ? std::string(": ") + std::strerror(errno) : ""));
-  return parse_case(text.str(), file);
+  return parse_case(text.str(), file, changes);
 }
 
 }  // namespace vbond

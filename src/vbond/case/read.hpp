@@ -9,11 +9,14 @@
 namespace vbond {
 
 /// Reads and checks a case file.
+/// "-" is the standard input. changes: keys with other values than in the file, each as "PATH=VALUE", see
+/// change.hpp.
 /// Throws CaseError with every mistake of the file at once; IoError if it cannot be read.
-Case read_case(const std::filesystem::path& file);
+Case read_case(const std::filesystem::path& file, const std::vector<std::string>& changes = {});
 
 /// The same from text; `file` is used in messages and to resolve relative paths.
-Case parse_case(std::string_view text, const std::filesystem::path& file);
+Case parse_case(std::string_view text, const std::filesystem::path& file,
+                const std::vector<std::string>& changes = {});
 
 /// The case with every default written out, as TOML that read_case accepts and that means the same
 /// bit for bit (numbers with 17 digits, times in T0 kept as such, file names as they stand in the Case:

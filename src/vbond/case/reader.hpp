@@ -41,7 +41,7 @@ class Reader final : public Table {
   const Member* take(const KeyInfo& key, const std::string& way_out);
   bool is_skipping() const { return inactive_ > 0; }
   std::string path_of(const std::string& name) const { return path_.empty() ? name : path_ + "." + name; }
-  SourcePlace place_of(const Member& m) const { return {in_.file, m.line, m.column}; }
+  SourcePlace place_of(const Member& m) const { return in_.place(m.line, m.column); }
   bool read_struct(const Node& n, const std::string& path, const Members& members);
 
   const NodeTable& members_;

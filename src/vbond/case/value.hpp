@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "vbond/case/case.hpp"
+#include "vbond/case/change.hpp"
 #include "vbond/case/names.hpp"
 #include "vbond/case/node.hpp"
 #include "vbond/case/units.hpp"
@@ -23,12 +24,17 @@ namespace vbond::keys {
 /// What is the same for all values of one file, and the mistakes found so far.
 struct ReadContext {
   std::string file;
-  std::filesystem::path folder;  ///< relative file names start here
+  std::filesystem::path folder;      ///< relative file names start here
+  std::vector<std::string> changes;  ///< made in the tree of the file, by change.hpp
   UnitSystem units = UnitSystem::reduced;
   bool any_units = false;  ///< the system could not be read: do not report every unit as well
   std::vector<Problem> problems;
 
-  SourcePlace place(const Node& n) const { return {file, n.line, n.column}; }
+  SourcePlace place(std::uint32_t line, std::uint32_t column) const {
+    if (line < first_changed_line) return {file, line, column};
+    return {"--set " + changes[line - first_changed_line], 0, 0};
+  }
+  SourcePlace place(const Node& n) const { return place(n.line, n.column); }
   void report(SourcePlace at, std::string what, std::string rule, std::string way_out) {
     problems.push_back({std::move(at), std::move(what), std::move(rule), std::move(way_out)});
   }

@@ -1,5 +1,6 @@
 #include "vbond/case/keys.hpp"
 #include "vbond/case/read.hpp"
+#include "vbond/core/printable.hpp"
 
 namespace vbond::keys {
 namespace {
@@ -80,7 +81,9 @@ std::string to_toml(const Case& c) {
   Case copy = c;  // describe() serves reading too and takes it by reference
   keys::Writer writer(true);
   keys::describe(writer, copy);
-  return writer.text;
+  std::string changes;
+  for (const std::string& change : c.changes) changes += "# --set " + printable(change) + "\n";
+  return changes + writer.text;
 }
 
 }  // namespace vbond

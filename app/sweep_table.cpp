@@ -1,0 +1,93 @@
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "sweep.hpp"
+#include "vbond/observe/csv.hpp"
+#include "vbond/observe/files.hpp"
+
+namespace vbond::app {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+/// Results of one point, by name, in the order of the files.
+using Results = std::vector<std::pair<std::string, std::string>>;
+
+/// Numbers and words below a value; stages by their names, items of other lists by their places from 0.
+void add_leaves(const Json& value, const std::string& path, Results& results) {
+  if (value.is_object()) {
+    for (const auto& [key, below] : value.items())
+      if (key != "wall_time" && key != "name")
+        add_leaves(below, path.empty() ? key : path + "." + key, results);
+  } else if (value.is_array()) {
+    for (std::size_t k = 0; k < value.size(); ++k) {
+      const bool named = path == "stages" && value[k].contains("name");
+      add_leaves(value[k], named ? value[k]["name"].get<std::string>() : path + "." + std::to_string(k),
+                 results);
+    }
+  } else if (value.is_number() || value.is_boolean() || path.find('.') != std::string::npos) {
+    results.emplace_back(path, value.is_string() ? csv_quoted(value.get<std::string>()) : value.dump());
+  }
+}
+
+void add_summary(const fs::path& file, Results& results) {
+  const Json json = Json::parse(read_all(file), nullptr, false);
+  if (json.is_discarded()) return;
+  Results all;
+  add_leaves(json, "", all);
+  for (const auto& result : all)
+    if (result.first != "bond_steps_per_second" && !result.first.starts_with("threads"))
+      results.push_back(result);
+}
+
+void add_last_row(const fs::path& file, Results& results) {
+  std::istringstream text(read_all(file));
+  std::string header, line, last;
+  std::getline(text, header);
+  while (std::getline(text, line)) last = line;
+  const std::vector<std::string> names = csv_cells(header), cells = csv_cells(last);
+  for (std::size_t k = 0; k < names.size() && k < cells.size(); ++k)
+    results.emplace_back("history." + csv_plain(names[k]), cells[k]);
+}
+
+}  // namespace
+
+void write_sweep_table(const fs::path& sweep, const std::vector<SweptKey>& keys,
+                       const std::vector<PointEnd>& ends) {
+  std::vector<Results> rows;
+  std::vector<std::string> names;
+  for (const PointEnd& end : ends) {
+    const fs::path folder = point_folder(sweep, end.point);
+    Results& row = rows.emplace_back();
+    if (fs::exists(folder / "run.json")) add_summary(folder / "run.json", row);
+    if (fs::exists(folder / "history.csv")) add_last_row(folder / "history.csv", row);
+    for (const auto& result : row)
+      if (std::find(names.begin(), names.end(), result.first) == names.end()) names.push_back(result.first);
+  }
+
+  std::vector<std::string> cells{"point"};
+  for (const SweptKey& swept : keys) cells.push_back(csv_quoted(swept.key));
+  for (const char* name : {"ended", "seconds", "reason"}) cells.emplace_back(name);
+  for (const std::string& name : names) cells.push_back(csv_quoted(name));
+  std::string text = csv_line(cells);
+  const auto points = points_of(keys);
+  for (std::size_t k = 0; k < ends.size(); ++k) {
+    const PointEnd& end = ends[k];
+    cells = {std::to_string(end.point + 1)};
+    for (const std::string& change : points[end.point])
+      cells.push_back(csv_quoted(change.substr(change.find('=') + 1)));
+    cells.emplace_back(end.failed ? "failed" : "done");
+    cells.push_back(std::to_string(end.seconds));
+    cells.push_back(csv_quoted(end.reason));
+    const std::map<std::string, std::string> of(rows[k].begin(), rows[k].end());
+    for (const std::string& name : names) cells.push_back(of.count(name) > 0 ? of.at(name) : "");
+    text += csv_line(cells);
+  }
+  replace_file(sweep / "sweep.csv", text);
+}
+
+}  // namespace vbond::app
