@@ -59,12 +59,6 @@ class Change {
   }
   std::string read_name(std::size_t& at) const {
     const std::size_t first = at;
-    if (at < text_.size() && text_[at] == '"') {
-      const std::size_t end = text_.find('"', first + 1);
-      if (end == std::string::npos) refuse("a quote is not closed", form);
-      at = end + 1;
-      return text_.substr(first + 1, end - first - 1);
-    }
     const auto plain = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '-'; };
     while (at < text_.size() && plain(static_cast<unsigned char>(text_[at]))) ++at;
     if (at == first) refuse("a name of a key is missing", form);
