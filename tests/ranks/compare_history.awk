@@ -13,8 +13,8 @@ NR == FNR { rows = FNR; for (c = 1; c <= columns; ++c) one[FNR, c] = $c; next }
 function scale_of(c, group) {
   if (name[c] ~ /^(kinetic|U_|contact$|dissipated|work|total|released)/) return "energy"
   group = name[c]
-  sub(/\.[fm]?[xyz]$/, "", group)
-  return name[c] ~ /\.m[xyz]$/ ? group " moment" : group
+  sub(/\.[fmFM]?[xyz]$/, "", group)
+  return name[c] ~ /\.[mM][xyz]$/ ? group " moment" : group
 }
 END {
   if (bad) exit 1

@@ -15,8 +15,10 @@ Grips::Grips(const Stage& stage, Bodies& bodies, const Team& team) : stage_(stag
   }
   std::vector<ByBlock::Entry> entries;
   for (std::size_t k = 0; k < members_.size(); ++k)
-    if (!std::exchange(taken[members_[k].row], 1))
-      entries.push_back({members_[k].row, k}), members_[k].moved = true;
+    if (!std::exchange(taken[members_[k].row], 1)) {
+      members_[k].moved = true;
+      if (members_[k].row < bodies.order.own) entries.push_back({members_[k].row, k});
+    }
   held_ = ByBlock(std::move(entries), team.blocks());
   work_.resize(team.blocks() * grips_.size());
 }
