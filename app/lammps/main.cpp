@@ -72,6 +72,7 @@ void follow(Run& run, Ranks& ranks) {
     run.set_stepper(&ranks);
     if (!run.complete()) run.run();
   } catch (const Diverged&) {  // rank 0 tells of it
+  } catch (const NoEquilibrium&) {
   }
   ranks.wait_for_end();
 }

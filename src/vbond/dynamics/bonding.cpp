@@ -97,6 +97,12 @@ std::vector<Bonding::Pair> Bonding::find(std::span<const PoseRow> pose, const Te
   return found;
 }
 
+void Bonding::unbonded(Row i, Row j) {
+  if (std::max(i, j).value >= order_.known || !is_worked_out_here(order_, i, j)) return;
+  for (RuleList& list : rules_)
+    if (joins(*list.rule, order_.particle[i], order_.particle[j])) list.near.add(i, j);
+}
+
 void Bonding::make(const std::vector<Pair>& pairs, State& state) {
   for (const auto& [rule, i, j] : pairs)
     add_bond(model_, bond_between(recipe(rule), model_, state, i, j), recipe(rule), state);

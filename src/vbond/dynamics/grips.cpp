@@ -64,12 +64,12 @@ void Grips::take_hold(Grip& grip, double s) {
   }
 }
 
-void Grips::read(const State& state) {
+void Grips::read(const State& state, bool begun) {
   const auto same_size = [](const Grip& g, const GripState& s) {
     return s.particles == static_cast<std::int64_t>(g.support->particles.size());
   };
   const bool kept =
-      state.clock.stage_step != 0 && state.gripped.size() == members_.size() &&
+      begun && state.gripped.size() == members_.size() &&
       std::equal(grips_.begin(), grips_.end(), state.grips.begin(), state.grips.end(), same_size);
   for (std::size_t k = 0; kept && k < members_.size(); ++k) members_[k].as_held = state.gripped[k];
   for (std::size_t k = 0; k < grips_.size(); ++k) {

@@ -77,6 +77,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
   books_.resize(all_known().blocks());
   lost_.resize(all_known().blocks());
   try {
+    const bool begun = others_ != nullptr || state_.clock.stage_step != 0;
     if (!leads()) {  // parts add up
       state_.books = {};
       for (GripState& g : state_.grips) g.work = 0.0;
@@ -89,12 +90,12 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
     contacts_.restore(state_.contact_history);
     capsules_.restore(state_.fibre_history);
     walls_.read(state_);
-    supports_.grips().read(state_);
+    supports_.grips().read(state_, begun);
     state_.clock.dt = stage_.dt;
-    if (others_ == nullptr && state_.clock.stage_step == 0)
-      begin_stage();
-    else
+    if (begun)
       take_up_loads();
+    else
+      begin_stage();
     if (others_ != nullptr)
       for (std::size_t k = 0; k < bodies_.order.own; ++k) r_begin_.push_back(bodies_.pose[k].r);
   } catch (...) {
@@ -328,13 +329,16 @@ void Simulation::add_mutual_loads(const Part& part, const Block& b, Instant at, 
   }
   if (!only_elastic_ && anything_touches()) {
     if (contacts_.any()) books_[b.index].deep |= contacts_.add_loads(particles_of(b), pose, load);
-    if (capsules_.any()) capsules_.add_loads(particles_of(b), load);
     lap.add_to(times_.contacts);
   }
 }
 
 /// All else, once that is done.
 void Simulation::complete_loads(const Block& b, Instant at, StepTimes::Lap& lap) {
+  if (!only_elastic_ && capsules_.any()) {
+    capsules_.add_loads({b.rows.first, std::min(b.rows.last, bodies_.order.own)}, bodies_.load.data());
+    lap.add_to(times_.contacts);
+  }
   if (!only_elastic_ && walls_.any()) {
     lose(b.index, walls_.add_loads(b, bodies_.load.data(), at == Instant::end ? stage_.dt : 0.0));
     lap.add_to(times_.contacts);
@@ -345,7 +349,8 @@ void Simulation::complete_loads(const Block& b, Instant at, StepTimes::Lap& lap)
 
 /// What touching pairs do, before any of it is added: all particles have moved, and none has felt it yet.
 void Simulation::work_out_touches(double dt) {
-  if (capsules_.any()) lose(0, capsules_.work_out(team_, dt));
+  if (capsules_.any())  // all parts work out all of them
+    if (const TouchLosses<double> lost = capsules_.work_out(team_, dt); leads()) lose(0, lost);
   if (!contacts_.are_touches()) return;
   all_known().for_blocks([&](const Block& b) {
     const TouchSums found = contacts_.work_out(particles_of(b), bodies_, dt);

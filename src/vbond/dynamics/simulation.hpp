@@ -73,7 +73,7 @@ class Simulation {
   /// sets it refuses all else.
   void step_by(Stepper& stepper) {
     stepper_ = &stepper;
-    stepper.begin(model_, stage_, state(), meets() ? std::max(contacts_.reach(), bonding_.reach()) : 0.0);
+    stepper.begin(model_, stage_, state(), reach());
   }
 
   /// One time step of stage().dt. Throws Diverged if a load is not finite or a new bond is impossible.
@@ -235,7 +235,7 @@ class Simulation {
   void close_walls(double dt);
   void look_at_capsules() const;
   void exchange_capsules();
-  double contact_energy() const { return contacts_.energy(bodies_) + capsules_.energy(); }
+  double contact_energy() const { return contacts_.energy(bodies_) + (leads() ? capsules_.energy() : 0.0); }
   bool anything_touches() const { return contacts_.any() || walls_.any() || capsules_.any(); }
   void close_books();
   double largest_way2() const;
@@ -257,6 +257,7 @@ class Simulation {
     std::array<char, 512> who, what, way_out;
   };
   const Team& all_known() const { return with_ghosts_ ? *with_ghosts_ : team_; }
+  double reach() const;
   bool meets() const { return contacts_.any() || capsules_.any() || !stage_.bonding.empty(); }
   void diverge(std::size_t first_particle, const std::string& who, const std::string& what,
                const std::string& way_out) const;

@@ -85,7 +85,7 @@ void Simulation::make_bonds() {
   evaluate_loads();
   // a new bond then also changes what others touch
   if (!capsules) return;
-  state_.books.dissipated = books.dissipated + flowed_now, state_.books.lost = books.lost;
+  state_.books.dissipated = books.dissipated + (leads() ? flowed_now : 0.0), state_.books.lost = books.lost;
   state_.books.lose(Loss::bonding, U - contact_energy());
 }
 
@@ -148,15 +148,20 @@ void Simulation::exchange_capsules() {
   if (!capsules_.any()) return;
   const double U = capsules_.energy();
   taken_shares_ = capsules_.shares();
+  const std::vector<LoadRow> of_ghosts(bodies_.load.begin() + static_cast<std::ptrdiff_t>(bodies_.order.own),
+                                       bodies_.load.end());
   capsules_.take_loads(bodies_.load.data());
   capsules_.bonds_changed(state_.bonds);
   capsules_.refresh();
+  if (others_ != nullptr) others_->send_to_ghosts({bodies_.pose, bodies_.motion});  // that of the step's end
   capsules_.work_out(team_, 0.0);
-  capsules_.add_loads({0, model_.particles()}, bodies_.load.data());
+  capsules_.add_loads({0, bodies_.order.own}, bodies_.load.data());
+  std::copy(of_ghosts.begin(), of_ghosts.end(),
+            bodies_.load.begin() + static_cast<std::ptrdiff_t>(bodies_.order.own));
   for (const Capsules::Share& s : capsules_.shares()) taken_shares_.push_back({s.row, -s.F, -s.M});
   std::stable_sort(taken_shares_.begin(), taken_shares_.end(),
                    [](const Capsules::Share& a, const Capsules::Share& b) { return a.row < b.row; });
-  state_.books.released += U - capsules_.energy();
+  if (leads()) state_.books.released += U - capsules_.energy();
 }
 
 /// From here on it is broken for all who ask. Nothing else is worked out of a bond of another part.
@@ -186,7 +191,10 @@ Simulation::Broken Simulation::broken_now(BondId k) {
   bond_index_.remove(k, b.i, b.j);
   std::erase(peak_bonds_, k);
   Contacts::Touch touch;
-  if (!bond_index_.bonded(b.i, b.j)) touch = contacts_.unbonded(i, j, bodies_);
+  if (!bond_index_.bonded(b.i, b.j)) {
+    touch = contacts_.unbonded(i, j, bodies_);
+    bonding_.unbonded(i, j);
+  }
   broken.loads.F -= touch.force;
   broken.released = broken.event.energy - touch.energy;
   return broken;

@@ -27,7 +27,8 @@ void put(const std::string& text, std::array<char, N>& to) {
 
 /// Ghosts get where their particles are, and where loads depend on it, how they move.
 void Simulation::hear_poses() {
-  const bool motion = inelastic() || contacts_.any();
+  for (std::size_t b = team_.blocks(); b < all_known().blocks(); ++b) books_[b] = {}, lost_[b] = {};
+  const bool motion = inelastic() || contacts_.any() || capsules_.any();
   others_->send_to_ghosts({bodies_.pose, motion ? std::span(bodies_.motion) : std::span<MotionRow>()});
   if (!inelastic()) return;
   const auto first = static_cast<std::ptrdiff_t>(bodies_.order.own),
@@ -50,7 +51,6 @@ void Simulation::gather_loads() {
 void Simulation::complete_loads_of_part(Instant at) {
   StepTimes::Lap untimed(false);
   const Team& team = all_known();
-  for (std::size_t b = team_.blocks(); b < team.blocks(); ++b) books_[b] = {}, lost_[b] = {};  // of ghosts
   for (std::size_t b = 0; b < team.blocks(); ++b)
     add_mutual_loads(team.parts().front(), team.block(b), at, {}, untimed);
   gather_loads();
@@ -97,6 +97,14 @@ void Simulation::agree_on_failure() {
     return std::pair(a.step, a.first_particle) < std::pair(b.step, b.first_particle);
   });
   throw Diverged(first.step, first.time, first.who.data(), first.what.data(), first.way_out.data());
+}
+
+/// Capsules are worked out by all parts.
+double Simulation::reach() const {
+  if (!meets()) return 0.0;
+  bool capsules = capsules_.any();
+  for (const BondingRule& rule : stage_.bonding) capsules |= rule.recipe.capsule;
+  return capsules ? std::numeric_limits<double>::infinity() : std::max(contacts_.reach(), bonding_.reach());
 }
 
 double Simulation::way_since_begin() const {
@@ -166,6 +174,7 @@ bool Simulation::give(State& whole, bool everyone) {
   whole.rest = state_.rest;
   whole.breaks = state_.breaks;
   whole.walls = state_.walls;
+  whole.fibre_history = state_.fibre_history;
   whole.grips = state_.grips;
   whole.gripped = state_.gripped;
   whole.temperature = state_.temperature;
@@ -212,13 +221,18 @@ StopReason Simulation::leap(std::int64_t& most) {
 /// Observers see what they would see if it had made these steps itself.
 void Simulation::take_over(const Stepper::Leap& leap) {
   taken_ = leap.part->taken_;
+  taken_shares_ = leap.part->taken_shares_;
+  for (Capsules::Share& s : taken_shares_)
+    s.row = bodies_.order.row[leap.part->bodies_.order.particle[Row{s.row}]].value;
+  std::stable_sort(taken_shares_.begin(), taken_shares_.end(),
+                   [](const Capsules::Share& a, const Capsules::Share& b) { return a.row < b.row; });
   encounters_.take(leap.part->encounters_);
   bodies_.read(state_);
   if (leap.bonds_changed)
     bonds_changed();
   else if (bonds_.remembers())
     arrange_bonds();
-  supports_.grips().read(state_);
+  supports_.grips().read(state_, true);
   take_up_loads();
 }
 

@@ -21,7 +21,8 @@ class Stepper {
   };
   virtual ~Stepper() = default;
   /// Takes over the body as a stage begins or goes on. Model and stage live as long as the stage. reach:
-  /// particles that are nearer than this may touch or be bonded; 0: none.  [length]
+  /// particles that are nearer than this may touch or be bonded; 0: none; infinite: each part must know all.
+  /// [length]
   virtual void begin(const Model& model, const Stage& stage, const State& state, double reach) = 0;
   /// Makes steps until the stage ends or observers must look, `most` of them unless others have been told of
   /// fewer, and brings the state up to date: for the process that has observers, and for all when the stage

@@ -79,6 +79,11 @@ void Ranks::begin(const Model& model, const Stage& stage, const State& state, do
 }
 
 double Ranks::ghost_reach(const State& state) const {
+  if (reach_ == std::numeric_limits<double>::infinity()) {  // all are ghosts of all
+    double farthest2 = 0.0;
+    for (const Vec3d& r : state.r) farthest2 = std::max(farthest2, norm2(r - *state.r.begin()));
+    return std::max(1.0, 2.0 * std::sqrt(farthest2)) * beyond_longest;
+  }
   double longest2 = 0.0;
   for (const Bond& b : state.bonds)
     if (!b.broken) longest2 = std::max(longest2, norm2(state.r[b.j] - state.r[b.i]));
@@ -145,7 +150,7 @@ StopReason Ranks::step(std::int64_t steps, State& state) {
 bool Ranks::is_far() {
   double way = part_->way_since_begin();
   largest({&way, 1});
-  const double limit = reach_ > 0.0 ? 0.5 * margin * reach_ : 0.25 * longest_;
+  const double limit = reach_ > 0.0 && std::isfinite(reach_) ? 0.5 * margin * reach_ : 0.25 * longest_;
   room_ = limit - way;
   return way > limit && way < 1e6 * first_ghost_reach_;
 }
