@@ -49,8 +49,8 @@ int lead(Task task) {
   try {
     instruction_set();  // refuses a wrong VBOND_SIMD before anything is written
     options.stepper = &ranks;
-    options.before_output = [&ranks](const Case& c, const Run& run) {
-      app::refuse_beyond_ranks(c, run.model());
+    options.before_output = [&ranks](const Case& c, const Run&) {
+      app::refuse_beyond_ranks(c);
       if (const std::string other = ranks.agree({}); !other.empty())
         throw IoError("on another rank: " + other);
       app::say(fmt::format("ranks            {}\n", ranks.size()));
@@ -72,6 +72,7 @@ void follow(Run& run, Ranks& ranks) {
     run.set_stepper(&ranks);
     if (!run.complete()) run.run();
   } catch (const Diverged&) {  // rank 0 tells of it
+  } catch (const NoEquilibrium&) {
   }
   ranks.wait_for_end();
 }
@@ -93,7 +94,7 @@ int follow(const Task& task) {
     State state = first_state(task, built.model, std::move(built.state));
     Run run(std::move(built.model), std::move(state), stages_of(c));
     if (!run.complete()) run.check();
-    app::refuse_beyond_ranks(c, run.model());
+    app::refuse_beyond_ranks(c);
     if (ranks.agree({}).empty()) follow(run, ranks);
   } catch (const Dismissed&) {
   } catch (...) {

@@ -112,6 +112,7 @@ TEST(Bonding, FindsPairsInTheOrderOfRulesAndParticles) {
     backwards.particle.push_back(ParticleId{4 - k});
     backwards.row.push_back(Row{4 - k});
   }
+  backwards.own = backwards.known = 5;
   std::vector<PoseRow> pose(5);
   for (const ParticleId p : s.state.r.ids()) pose[backwards.row[p].value].r = s.state.r[p];
 
@@ -122,7 +123,7 @@ TEST(Bonding, FindsPairsInTheOrderOfRulesAndParticles) {
   ASSERT_EQ(pairs.size(), 4u);
   const std::size_t wanted[4][3] = {{0, 1, 2}, {0, 2, 3}, {1, 0, 1}, {1, 0, 3}};  // rule, i, j
   for (std::size_t k = 0; k < 4; ++k) {
-    EXPECT_EQ(pairs[k].rule->name, stage.bonding[wanted[k][0]].name) << k;
+    EXPECT_EQ(stage.bonding[pairs[k].rule].name, stage.bonding[wanted[k][0]].name) << k;
     EXPECT_EQ(pairs[k].i.value, wanted[k][1]) << k;
     EXPECT_EQ(pairs[k].j.value, wanted[k][2]) << k;
   }

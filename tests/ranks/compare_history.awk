@@ -13,8 +13,8 @@ NR == FNR { rows = FNR; for (c = 1; c <= columns; ++c) one[FNR, c] = $c; next }
 function scale_of(c, group) {
   if (name[c] ~ /^(kinetic|U_|contact$|dissipated|work|total|released)/) return "energy"
   group = name[c]
-  sub(/\.[fm]?[xyz]$/, "", group)
-  return name[c] ~ /\.m[xyz]$/ ? group " moment" : group
+  sub(/\.[fmFM]?[xyz]$/, "", group)
+  return name[c] ~ /\.[mM][xyz]$/ ? group " moment" : group
 }
 END {
   if (bad) exit 1
@@ -22,10 +22,16 @@ END {
   for (c = 1; c <= columns; ++c)
     for (r = 2; r <= rows; ++r)
       if (size(one[r, c]) > scale[scale_of(c)]) scale[scale_of(c)] = size(one[r, c])
-  scale["balance_error"] = 1  # of the largest energy already
+  scale["balance_error"] = 1
+  for (r = 2; r <= rows; ++r) {  # it is a part of the largest energy so far: here of the largest of all
+    so_far[r] = so_far[r - 1]
+    for (c = 1; c <= columns; ++c)
+      if (scale_of(c) == "energy" && size(one[r, c]) > so_far[r]) so_far[r] = size(one[r, c])
+  }
   for (c = 1; c <= columns; ++c)
     for (r = 2; r <= rows; ++r) {
       d = size(one[r, c] - other[r, c])
+      if (name[c] == "balance_error" && scale["energy"] > 0) d *= so_far[r] / scale["energy"]
       s = scale[scale_of(c)]
       if (d > 0 && d / (s > 0 ? s : 1e-300) >= worst) { worst = d / (s > 0 ? s : 1e-300); at = name[c] " in row " r }
     }

@@ -1,8 +1,12 @@
 #include "vbond/dynamics/bodies.hpp"
 
+#include <utility>
+
 namespace vbond {
 
-Bodies::Bodies(const Model& model) : order(spatial_order(model.r_0)), tops(model, order) {
+Bodies::Bodies(const Model& model) : Bodies(model, spatial_order(model.r_0)) {}
+
+Bodies::Bodies(const Model& model, Order rows_of) : order(std::move(rows_of)), tops(model, order) {
   const std::size_t rows = filled_up(model.particles());
   pose.resize(rows);
   motion.resize(rows);
@@ -13,6 +17,7 @@ Bodies::Bodies(const Model& model) : order(spatial_order(model.r_0)), tops(model
   for (const Row k : order.particle.ids()) {
     const ParticleId p = order.particle[k];
     pose[k.value].r = model.r_0[p];
+    if (k.value >= order.own) continue;  // without mass: no loop moves it, or counts its energy
     mass[k.value] = model.mass[p];
     inertia[k.value] = model.inertia[p];
     inverse[k.value] = {1.0 / model.mass[p], tops.has(k.value) ? 0.0 : 1.0 / model.inertia[p]};
@@ -31,7 +36,7 @@ void Bodies::read(const State& s) {
 }
 
 void Bodies::write(State& s) const {
-  for (const Row k : order.particle.ids()) {
+  for (Row k{0}; k.value < order.own; ++k.value) {
     const ParticleId p = order.particle[k];
     s.r[p] = pose[k.value].r;
     s.q[p] = pose[k.value].q;
@@ -44,7 +49,7 @@ void Bodies::write(State& s) const {
 Loads Bodies::collect(const std::vector<LoadRow>& from) const {
   const std::size_t n = order.particle.size();
   Loads l{PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)};
-  for (const Row k : order.particle.ids()) {
+  for (Row k{0}; k.value < order.own; ++k.value) {
     l.F[order.particle[k]] = from[k.value].F;
     l.M[order.particle[k]] = from[k.value].M;
   }
@@ -52,7 +57,7 @@ Loads Bodies::collect(const std::vector<LoadRow>& from) const {
 }
 
 void Bodies::spread(const Loads& l, std::vector<LoadRow>& to) const {
-  for (const Row k : order.particle.ids()) {
+  for (Row k{0}; k.value < order.own; ++k.value) {
     to[k.value].F = l.F[order.particle[k]];
     to[k.value].M = l.M[order.particle[k]];
   }

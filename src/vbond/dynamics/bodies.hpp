@@ -16,15 +16,17 @@ namespace vbond {
 struct Bodies {
   /// At rest at the model's first positions.
   explicit Bodies(const Model& model);
+  /// In this order, which may be that of a part.
+  Bodies(const Model& model, Order order);
 
-  /// Takes positions and velocities over from a state, and gives them back.
+  /// Takes positions and velocities over from a state, and gives them back: of a part, those that it moves.
   void read(const State& state);
   void write(State& state) const;
   Loads collect(const std::vector<LoadRow>& loads) const;
   void spread(const Loads& loads, std::vector<LoadRow>& to) const;
 
-  /// Poses of the particles alone, without those that fill up the rows.
-  std::span<const PoseRow> poses() const { return {pose.data(), order.particle.size()}; }
+  /// Poses of the particles alone, without those that fill up the rows or are not known.
+  std::span<const PoseRow> poses() const { return {pose.data(), order.known}; }
   Energies kinetic_energy(const Team& team) const;
   /// Kinetic energy of the rotation of a particle, if it turned with omega as it stands.
   double rotation_energy(std::size_t row, const Vec3d& omega) const {

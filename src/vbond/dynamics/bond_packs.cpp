@@ -104,9 +104,10 @@ void BondPacks::arrange(const State& state, const Order& order, const Team& team
         kind_of(bonds[b], expands);  // asked of broken ones too: kinds are numbered as they come
     if (bonds[b].broken) continue;
     note(bonds[b]);
+    ++bonds_;
+    if (!order.has(bonds[b].i)) continue;
     sorted.push_back({lower_row(bonds[b], order), kind, b, expands});
   }
-  bonds_ = sorted.size();
   std::sort(sorted.begin(), sorted.end(), [](const Sorted& a, const Sorted& b) {
     return std::tuple(a.block(), a.kind.compact, a.kind.type, a.row, a.bond) <
            std::tuple(b.block(), b.kind.compact, b.kind.type, b.row, b.bond);

@@ -25,7 +25,8 @@ inline std::size_t lower_row(const Bond& b, const Order& order) {
 /// block and all before it are done, the loads of that block's particles are complete.
 class BondPacks {
  public:
-  /// To be called whenever bonds were made. Broken bonds are left out.
+  /// To be called whenever bonds were made. Broken bonds are left out; of a body in parts, bonds are the
+  /// concern of the part of their first particle.
   void arrange(const State& state, const Order& order, const Team& team);
 
   /// Adds what the bonds of lower parts do to the particles of this part, sweep.own: first of all in a part.
@@ -36,7 +37,7 @@ class BondPacks {
 
   /// The bond, which expands, has other lengths now.
   void take_lengths(BondId bond, const Bond& as_it_is);
-  /// This bond does nothing any more. Its lane stays empty until the next arrange().
+  /// This bond, of any part, does nothing any more. Its lane stays empty until the next arrange().
   void remove(BondId bond);
   /// Whether so many lanes are empty that arranging anew pays.
   bool is_sparse() const { return removed_ > bonds_ / 8; }
@@ -113,7 +114,7 @@ class BondPacks {
   std::vector<std::vector<Run>> from_below_;  // of each part
   std::vector<Lane> known_;  // those that may break or expand, in order of bonds, a bond at most twice
   bool reads_rates_ = false, damp_ = false, remembers_ = false, all_elastic_ = true;
-  std::size_t bonds_ = 0, removed_ = 0;
+  std::size_t bonds_ = 0, removed_ = 0;  // of all parts, so that they arrange them together
 };
 
 }  // namespace vbond

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "vbond/core/error.hpp"
@@ -37,16 +38,17 @@ Bond bond_between(const BondRecipe& recipe, const Model& model, const State& s, 
 
 }  // namespace
 
-Bonding::Bonding(const Model& model, const Stage& stage, const Order& order, const BondIndex& index)
-    : model_(model), order_(order), walls_(stage.walls), insist_(stage.insist) {
+Bonding::Bonding(const Model& model, const Stage& stage, const Order& order, const BondIndex& index,
+                 const Others* others)
+    : model_(model), order_(order), others_(others), walls_(stage.walls), insist_(stage.insist) {
   for (const BondingRule& rule : stage.bonding) {
     const auto keep = [&rule, &order, &index](Row i, Row* first, Row* last) {
       return std::remove_if(first, last, [&, p = order.particle[i]](Row j) {
         const ParticleId o = order.particle[j];
-        return !joins(rule, p, o) || index.bonded(p, o);
+        return !is_worked_out_here(order, i, j) || !joins(rule, p, o) || index.bonded(p, o);
       });
     };
-    const PerRow<double> half(model.particles(), 0.5 * rule.distance);
+    const PerRow<double> half(order.known, 0.5 * rule.distance);
     rules_.push_back({&rule, NeighbourList(half, 0.2 * rule.distance, keep)});
   }
 }
@@ -74,9 +76,9 @@ bool Bonding::holds(const BondRecipe& recipe, const PoseRow& at_p, const PoseRow
 std::vector<Bonding::Pair> Bonding::find(std::span<const PoseRow> pose, const Team& team) {
   std::vector<Pair> found;
   std::set<std::pair<ParticleId, ParticleId>> taken;  // by this rule or an earlier one
-  for (RuleList& list : rules_) {
+  for (std::uint32_t number = 0; number < rules_.size(); ++number) {
+    RuleList& list = rules_[number];
     list.near.refresh(pose, team);
-    const auto earlier = static_cast<std::ptrdiff_t>(found.size());
     for (std::size_t k = 0; k < pose.size(); ++k)
       for (const Row j : list.near.of(Row{k})) {
         if (j.value < k || norm2(pose[j.value].r - pose[k].r) > sq(list.rule->distance)) continue;
@@ -85,17 +87,25 @@ std::vector<Bonding::Pair> Bonding::find(std::span<const PoseRow> pose, const Te
         if (recipe.prestrain != 0.0 &&
             !holds(recipe, pose[order_.row[p].value], pose[order_.row[o].value], p, o))
           continue;
-        if (taken.insert({p, o}).second) found.push_back({list.rule, p, o});
+        if (taken.insert({p, o}).second) found.push_back({number, p, o});
       }
-    std::sort(found.begin() + earlier, found.end(),
-              [](const Pair& a, const Pair& b) { return std::pair(a.i, a.j) < std::pair(b.i, b.j); });
   }
+  if (others_ != nullptr) found = others_->collect(found);
+  std::sort(found.begin(), found.end(), [](const Pair& a, const Pair& b) {
+    return std::tuple(a.rule, a.i, a.j) < std::tuple(b.rule, b.i, b.j);
+  });
   return found;
+}
+
+void Bonding::unbonded(Row i, Row j) {
+  if (std::max(i, j).value >= order_.known || !is_worked_out_here(order_, i, j)) return;
+  for (RuleList& list : rules_)
+    if (joins(*list.rule, order_.particle[i], order_.particle[j])) list.near.add(i, j);
 }
 
 void Bonding::make(const std::vector<Pair>& pairs, State& state) {
   for (const auto& [rule, i, j] : pairs)
-    add_bond(model_, bond_between(rule->recipe, model_, state, i, j), rule->recipe, state);
+    add_bond(model_, bond_between(recipe(rule), model_, state, i, j), recipe(rule), state);
   for (RuleList& list : rules_) list.near.invalidate();
   check_step(state);
 }

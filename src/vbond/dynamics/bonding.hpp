@@ -1,10 +1,13 @@
 #pragma once
+#include <algorithm>
+#include <cstdint>
 #include <span>
 #include <vector>
 
 #include "vbond/dynamics/bond_index.hpp"
 #include "vbond/dynamics/neighbours.hpp"
 #include "vbond/dynamics/order.hpp"
+#include "vbond/dynamics/others.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"
@@ -14,8 +17,10 @@ namespace vbond {
 /// Makes bonds during the run by the stage's rules ([KA12] section V, step 1 of the algorithm).
 class Bonding {
  public:
-  /// Keeps references to all four; `index` is asked when a list is rebuilt, so it may be replaced in place.
-  Bonding(const Model& model, const Stage& stage, const Order& order, const BondIndex& index);
+  /// Keeps references to all; `index` is asked when a list is rebuilt, so it may be replaced in place.
+  /// others: nullptr unless the body is stepped in parts.
+  Bonding(const Model& model, const Stage& stage, const Order& order, const BondIndex& index,
+          const Others* others = nullptr);
   Bonding(const Model&&, const Stage&, const Order&, const BondIndex&) = delete;
   Bonding(const Model&, const Stage&&, const Order&, const BondIndex&) = delete;
   Bonding(const Model&, const Stage&, const Order&&, const BondIndex&) = delete;
@@ -23,13 +28,23 @@ class Bonding {
 
   /// A pair to be bonded, i < j.
   struct Pair {
-    const BondingRule* rule;
+    std::uint32_t rule;  ///< its number in the stage
     ParticleId i, j;
   };
+  const BondRecipe& recipe(std::uint32_t rule) const { return rules_[rule].rule->recipe; }
+  /// Pairs that are nearer than this are listed.  [length]
+  double reach() const {
+    double most = 0.0;
+    for (const RuleList& list : rules_) most = std::max(most, 1.2 * list.rule->distance);
+    return most;
+  }
   /// Every pair without a bond that a rule joins and that is close enough, once, in the order of rules, then
   /// (i, j). A pair whose own strength (Weibull's) does not bear the prestrain of the rule is left unbonded.
   /// One pose per row.
   std::vector<Pair> find(std::span<const PoseRow> pose, const Team& team);
+  /// The last bond between these two is broken: they are bonded again if they are still close enough, in the
+  /// next step as after a checkpoint.
+  void unbonded(Row i, Row j);
   /// Bonds these pairs; the state is that of the poses in which they were found.
   /// Contact energy that a pair gives up because bonded pairs do not touch is booked as dissipated.
   /// Throws Diverged if a bond would have no length, or if the new bonds make the step too large and the case
@@ -47,6 +62,7 @@ class Bonding {
 
   const Model& model_;
   const Order& order_;
+  const Others* others_;
   const std::vector<WallDrive>& walls_;
   const bool insist_;
   std::vector<RuleList> rules_;

@@ -1,15 +1,15 @@
 #include "vbond/dynamics/contacts.hpp"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 namespace vbond {
 namespace {
 
-ContactRule rule_of(const ContactModel& contact, const PerRow<double>& radius) {
+ContactRule rule_of(const ContactModel& contact, const PerParticle<double>& all,
+                    const PerRow<double>& radius) {
   using Kind = ContactRule::Kind;
-  const auto [min, max] = std::minmax_element(radius.begin(), radius.end());
+  const auto [min, max] = std::minmax_element(all.begin(), all.end());
   const Kind if_not_equal = contact.law == ContactLaw::hertz ? Kind::by_radii : Kind::same_law;
   return {.kind = *min == *max ? Kind::alike : if_not_equal,
           .law = contact_law(contact, *max, *max),
@@ -22,17 +22,19 @@ ContactRule rule_of(const ContactModel& contact, const PerRow<double>& radius) {
 Contacts::Contacts(const Model& model, const Order& order, const BondIndex& index, const StepKernel& kernel)
     : model_(model), order_(order), index_(index), kernel_(kernel) {
   if (!particles_touch(model.contact) || model.particles() == 0) return;
-  for (const ParticleId p : order.particle) radius_.push_back(model.radius[p]);
-  const double R_max = *std::max_element(radius_.begin(), radius_.end());
+  for (Row k{0}; k.value < order.known; ++k.value) radius_.push_back(model.radius[order.particle[k]]);
+  const double R_max = *std::max_element(model.radius.begin(), model.radius.end());
   if (!(R_max > 0.0)) return;
   if (is_elastic(model.contact, model.materials))
-    rule_ = rule_of(model.contact, radius_);
+    rule_ = rule_of(model.contact, model.radius, radius_);
   else
     touches_.emplace(model, order, kernel);
 
   const auto keep = [&order, &index, unbonded = model.contact.pairs == ContactPairs::unbonded](
                         Row i, Row* first, Row* last) {
     const ParticleId p = order.particle[i];
+    if (order.own < order.known)
+      last = std::remove_if(first, last, [&](Row j) { return !is_worked_out_here(order, i, j); });
     if (index.of_fibre(p)) return first;  // Capsules sees to it
     if (index.any_fibres())
       last = std::remove_if(first, last, [&](Row j) { return index.of_fibre(order.particle[j]); });
@@ -41,9 +43,10 @@ Contacts::Contacts(const Model& model, const Order& order, const BondIndex& inde
   };
   // For equal radii a fifth of the reach: rebuilds are rare, lists stay short. Where sizes differ small
   // particles are many, and a skin of the large ones would fill their lists.
-  const double R_mean =
-      std::accumulate(radius_.begin(), radius_.end(), 0.0) / static_cast<double>(radius_.size());
-  const double skin = 0.4 * R_mean;
+  double R_sum = 0.0;
+  for (const ParticleId p : order.particle) R_sum += model.radius[p];
+  const double skin = 0.4 * R_sum / static_cast<double>(model.particles());
+  reach_ = 2.0 * R_max + (touches_ ? touches_->reach() : 0.0) + skin;
   PerRow<double> reaching = radius_;
   if (touches_)
     for (const Row k : reaching.ids()) reaching[k] += 0.5 * touches_->reach();
@@ -63,8 +66,12 @@ void Contacts::bonds_changed() {
 Contacts::Touch Contacts::unbonded(Row i, Row j, const Bodies& bodies) {
   if (!list_ || model_.contact.pairs != ContactPairs::unbonded) return {};
   if (index_.of_fibre(order_.particle[i]) || index_.of_fibre(order_.particle[j])) return {};
-  list_->add(i, j);
-  if (touches_) unbonded_.emplace_back(i, j);
+  const std::size_t known = order_.known;
+  if (i.value < known && j.value < known && is_worked_out_here(order_, i, j)) {
+    list_->add(i, j);
+    if (touches_) unbonded_.emplace_back(i, j);
+  }
+  if (i.value >= order_.own) return {};
   const Vec3d r_ij = bodies.pose[j.value].r - bodies.pose[i.value].r;
   const double distance = norm(r_ij), overlap = radius_[i] + radius_[j] - distance;
   if (!(overlap > 0.0) || model_.contact.keeps_overlap) return {};

@@ -26,6 +26,8 @@ class Contacts {
   Contacts(const Model&, const Order&&, const BondIndex&) = delete;
   Contacts(const Model&, const Order&, const BondIndex&&) = delete;
 
+  /// Pairs nearer than this are listed.  [length]
+  double reach() const { return reach_; }
   /// Is there anything to do at all?
   bool any() const { return list_.has_value(); }
   /// Brings the list up to date; to be called whenever positions have changed. One pose per row.
@@ -39,7 +41,7 @@ class Contacts {
     Vec3d force;        ///< on i  [force]
   };
   /// The last bond between these two is broken. Returns what contact this makes of them: nothing if they do
-  /// not touch, or did so before.
+  /// not touch, or did so before, or if the bond was not of this part.
   Touch unbonded(Row i, Row j, const Bodies& bodies);
   /// Lists the pairs that unbonded() has named, once all bonds that broke in a step have been told.
   void list_unbonded(const Bodies& bodies, const Team& team);
@@ -77,6 +79,7 @@ class Contacts {
   const StepKernel& kernel_;
   PerRow<double> radius_;  // [length]
   ContactRule rule_{};
+  double reach_ = 0;
   std::optional<NeighbourList> list_;          // none without contacts
   std::vector<std::pair<Row, Row>> unbonded_;  // to be listed
   std::optional<TouchPairs> touches_;          // if pairs do more than ContactRule says

@@ -17,7 +17,7 @@ Damping::Damping(const Stage& stage, Bodies& bodies)
   }
   if (stage.b_translation == 0.0 && stage.b_rotation == 0.0) return;
   decay_.resize(bodies.pose.size());
-  for (std::size_t k = 0; k < bodies.order.particle.size(); ++k) {
+  for (std::size_t k = 0; k < bodies.order.own; ++k) {
     const double m = bodies.mass[k], theta = bodies.inertia[k], half = -0.5 * stage.dt;
     Decay& d = decay_[k];
     d.v = std::exp(half * stage.b_translation / m);

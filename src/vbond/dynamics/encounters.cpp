@@ -12,7 +12,8 @@ Vec3d nearest_point(const Encounter& e) {
   return e.from + std::clamp(-dot(e.from, way) / way2, 0.0, 1.0) * way;
 }
 
-Encounters::Encounters(const Model& model, const BondIndex& index) : model_(model), index_(index) {
+Encounters::Encounters(const Model& model, const BondIndex& index, const Others* others)
+    : model_(model), index_(index), others_(others) {
   if (model.particles() == 0) return;
   const auto [min, max] = std::minmax_element(model.radius.begin(), model.radius.end());
   // a point may touch a ball, so that the least sum of two radii is not always twice the least one
@@ -38,9 +39,11 @@ void Encounters::add_deep(const Bodies& bodies, const std::vector<std::pair<Row,
 
 /// Takes down the particles that move too far against the mean of all: a body may fly as fast as it likes.
 bool Encounters::find_fast(const Bodies& bodies, double dt) {
-  const std::size_t n = bodies.order.particle.size();
+  const std::size_t n = bodies.order.known;
   Vec3d mean;
-  for (std::size_t k = 0; k < n; ++k) mean += bodies.motion[k].v / static_cast<double>(n);
+  for (std::size_t k = 0; k < bodies.order.own; ++k)
+    mean += bodies.motion[k].v / static_cast<double>(model_.particles());
+  if (others_ != nullptr) others_->sum({&mean.x, 3});
   fast_.clear();
   is_fast_.assign(n, 0);
   r_.clear();
@@ -73,6 +76,23 @@ void Encounters::find_passing(const Bodies& bodies, double dt) {
     });
 }
 
+void Encounters::share() {
+  if (others_ == nullptr || !others_->any(!found_.empty() || fastest_)) return;
+  const std::vector<Encounter> of_all = others_->collect(found_);
+  found_.clear();
+  for (const Encounter& e : of_all) take_down(e);
+  std::vector<FastParticle> fast;
+  if (fastest_) fast.push_back(*fastest_);
+  for (const FastParticle& f : others_->collect(fast))
+    if (!fastest_ || f.way > fastest_->way || (f.way == fastest_->way && f.p < fastest_->p)) fastest_ = f;
+}
+
+/// Once, and not too many.
+void Encounters::take_down(const Encounter& e) {
+  const auto same = [&e](const Encounter& f) { return f.i == e.i && f.j == e.j; };
+  if (found_.size() < most && std::none_of(found_.begin(), found_.end(), same)) found_.push_back(e);
+}
+
 void Encounters::add(const Order& order, Row row_i, Row row_j, const Vec3d& from, const Vec3d& to) {
   Encounter e{order.particle[row_i], order.particle[row_j], from, to};
   if (e.j < e.i) e = {e.j, e.i, -from, -to};
@@ -80,8 +100,7 @@ void Encounters::add(const Order& order, Row row_i, Row row_j, const Vec3d& from
   if (!(norm2(nearest_point(e)) < deep2)) return;
   if (norm2(model_.r_0[e.j] - model_.r_0[e.i]) < deep2 || index_.bonded(e.i, e.j)) return;  // it is meant
   if (index_.of_fibre(e.i) || index_.of_fibre(e.j)) return;  // as part of a fibre, not as a ball
-  const auto same = [&e](const Encounter& f) { return f.i == e.i && f.j == e.j; };
-  if (found_.size() < most && std::none_of(found_.begin(), found_.end(), same)) found_.push_back(e);
+  take_down(e);
 }
 
 }  // namespace vbond

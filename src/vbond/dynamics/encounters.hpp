@@ -8,6 +8,7 @@
 #include "vbond/dynamics/bodies.hpp"
 #include "vbond/dynamics/bond_index.hpp"
 #include "vbond/dynamics/contact_kernel.hpp"
+#include "vbond/dynamics/others.hpp"
 #include "vbond/model/model.hpp"
 
 namespace vbond {
@@ -40,8 +41,8 @@ struct FastTurn {
 /// long as nothing is fast or deep; while something is fast, as much as a rebuild of the contact list.
 class Encounters {
  public:
-  /// Keeps references to model and index.
-  Encounters(const Model& model, const BondIndex& index);
+  /// Keeps references to all. others: nullptr unless the body is stepped in parts.
+  Encounters(const Model& model, const BondIndex& index, const Others* others = nullptr);
   Encounters(const Model&&, const BondIndex&) = delete;
   Encounters(const Model&, const BondIndex&&) = delete;
 
@@ -53,6 +54,11 @@ class Encounters {
   /// Adds pairs that are deep in one another now.
   void add_deep(const Bodies& bodies, const std::vector<std::pair<Row, Row>>& pairs);
 
+  /// All parts get what each has found.
+  void share();
+  /// Takes over what another one has found.
+  void take(const Encounters& from) { found_ = from.found_, fastest_ = from.fastest_; }
+
   /// Of the last step. After `most` of them it is left at that: one is enough to end a run.
   const std::vector<Encounter>& found() const { return found_; }
   const std::optional<FastParticle>& fastest() const { return fastest_; }
@@ -61,10 +67,12 @@ class Encounters {
  private:
   bool find_fast(const Bodies& bodies, double dt);
   void find_passing(const Bodies& bodies, double dt);
+  void take_down(const Encounter& e);
   void add(const Order& order, Row i, Row j, const Vec3d& from, const Vec3d& to);
 
   const Model& model_;
   const BondIndex& index_;
+  const Others* others_;
   double limit_ = 0;  // of a particle's way in a step  [length]
   std::vector<Encounter> found_;
   std::optional<FastParticle> fastest_;

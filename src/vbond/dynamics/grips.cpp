@@ -15,8 +15,10 @@ Grips::Grips(const Stage& stage, Bodies& bodies, const Team& team) : stage_(stag
   }
   std::vector<ByBlock::Entry> entries;
   for (std::size_t k = 0; k < members_.size(); ++k)
-    if (!std::exchange(taken[members_[k].row], 1))
-      entries.push_back({members_[k].row, k}), members_[k].moved = true;
+    if (!std::exchange(taken[members_[k].row], 1)) {
+      members_[k].moved = true;
+      if (members_[k].row < bodies.order.own) entries.push_back({members_[k].row, k});
+    }
   held_ = ByBlock(std::move(entries), team.blocks());
   work_.resize(team.blocks() * grips_.size());
 }
@@ -62,12 +64,12 @@ void Grips::take_hold(Grip& grip, double s) {
   }
 }
 
-void Grips::read(const State& state) {
+void Grips::read(const State& state, bool begun) {
   const auto same_size = [](const Grip& g, const GripState& s) {
     return s.particles == static_cast<std::int64_t>(g.support->particles.size());
   };
   const bool kept =
-      state.clock.stage_step != 0 && state.gripped.size() == members_.size() &&
+      begun && state.gripped.size() == members_.size() &&
       std::equal(grips_.begin(), grips_.end(), state.grips.begin(), state.grips.end(), same_size);
   for (std::size_t k = 0; kept && k < members_.size(); ++k) members_[k].as_held = state.gripped[k];
   for (std::size_t k = 0; k < grips_.size(); ++k) {

@@ -23,7 +23,7 @@ class Grips {
 
   bool any() const { return !grips_.empty(); }
   /// Takes hold as the stage begins, or goes on as the state says; anew if it has been given another motion.
-  void read(const State& state);
+  void read(const State& state, bool begun);
   void write(State& state) const;
 
   void set_times(std::int64_t stage_step);

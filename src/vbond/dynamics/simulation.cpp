@@ -28,8 +28,20 @@ std::vector<std::size_t> work_of_blocks(const Model& model, const Bodies& bodies
   return work;
 }
 
-/// The model, if the three belong together.
-const Model& consistent(const Model& model, const Stage& stage, const State& state) {
+/// All blocks alike.
+std::vector<std::size_t> same_work(std::size_t rows) {
+  return std::vector<std::size_t>((filled_up(rows) + block_rows - 1) / block_rows, block_rows);
+}
+
+Team team_of(const Model& model, const Bodies& bodies, const PerBond<Bond>& bonds, int threads) {
+  const std::size_t own = bodies.order.own;
+  if (own == model.particles()) return {own, work_of_blocks(model, bodies, bonds), threads};
+  return {own, same_work(own), 1};
+}
+
+/// The model, if the three belong together. A part is one of a body that has been looked at.
+const Model& consistent(const Model& model, const Stage& stage, const State& state, bool is_part) {
+  if (is_part) return model;
   require_consistent("Simulation", model, stage, state);
   if (const auto bond = bond_without_length(state, growth_in(state, stage))) refuse("Simulation", {*bond});
   return model;
@@ -38,38 +50,54 @@ const Model& consistent(const Model& model, const Stage& stage, const State& sta
 }  // namespace
 
 Simulation::Simulation(const Model& model, Stage stage, State* state, int threads)
-    : model_(consistent(model, stage, *state)),
+    : Simulation(model, std::move(stage), state, threads, spatial_order(model.r_0), nullptr) {}
+
+Simulation::Simulation(const Model& model, Stage stage, State state, Order order, Others& others)
+    : Simulation(model, std::move(stage), &state, 1, std::move(order), &others) {}
+
+Simulation::Simulation(const Model& model, Stage stage, State* state, int threads, Order order,
+                       Others* others)
+    : model_(consistent(model, stage, *state, others != nullptr)),
       stage_(std::move(stage)),
       state_(std::move(*state)),
-      bodies_(model),
-      team_(model.particles(), work_of_blocks(model, bodies_, state_.bonds), threads),
+      others_(others),
+      bodies_(model, std::move(order)),
+      team_(team_of(model, bodies_, state_.bonds, threads)),
       contacts_(model, bodies_.order, bond_index_),
       capsules_(model, bodies_),
-      encounters_(model, bond_index_),
+      encounters_(model, bond_index_, others),
       supports_(stage_, bodies_, team_),
       applied_(stage_, bodies_, team_),
       damping_(stage_, bodies_),
-      walls_(model, stage_, bodies_, team_.blocks()),
-      bonding_(model, stage_, bodies_.order, bond_index_),
-      books_(team_.blocks()),
-      lost_(team_.blocks()),
+      walls_(model, stage_, bodies_, team_.blocks(), others),
+      bonding_(model, stage_, bodies_.order, bond_index_, others),
       last_stage_step_(std::isfinite(stage_.stops.duration) ? steps_in(stage_.stops.duration, stage_.dt)
                                                             : std::numeric_limits<std::int64_t>::max()) {
+  if (others_ != nullptr) with_ghosts_.emplace(bodies_.order.known, same_work(bodies_.order.known), 1);
+  books_.resize(all_known().blocks());
+  lost_.resize(all_known().blocks());
   try {
+    const bool begun = others_ != nullptr || state_.clock.stage_step != 0;
+    if (!leads()) {  // parts add up
+      state_.books = {};
+      for (GripState& g : state_.grips) g.work = 0.0;
+    }
     bodies_.read(state_);
     bodies_.tops.hold(stage_.supports, bodies_.order);
     breaking_.resize(team_.parts().size());
     bonds_changed();
-    contacts_.refresh(bodies_.poses(), team_);
+    contacts_.refresh(bodies_.poses(), all_known());
     contacts_.restore(state_.contact_history);
     capsules_.restore(state_.fibre_history);
     walls_.read(state_);
-    supports_.grips().read(state_);
+    supports_.grips().read(state_, begun);
     state_.clock.dt = stage_.dt;
-    if (state_.clock.stage_step == 0)
-      begin_stage();
-    else
+    if (begun)
       take_up_loads();
+    else
+      begin_stage();
+    if (others_ != nullptr)
+      for (std::size_t k = 0; k < bodies_.order.own; ++k) r_begin_.push_back(bodies_.pose[k].r);
   } catch (...) {
     *state = std::move(state_);
     throw;
@@ -113,9 +141,12 @@ void Simulation::step() {
     if (moves_first(b)) begin_step(b);
   });
   lap.add_to(times_.integrate);
-  if (!only_elastic_ && anything_touches()) {
+  if (others_ != nullptr) hear_poses();
+  if (!only_elastic_ && (anything_touches() || (others_ != nullptr && meets()))) {
     const double way2 = largest_way2();
-    contacts_.refresh(bodies_.poses(), team_, std::sqrt(way2));  // near pairs, listed anew only when stale
+    last_way_ = std::max(last_way_, std::sqrt(way2));
+    contacts_.refresh(bodies_.poses(), all_known(),
+                      std::sqrt(way2));  // near pairs, listed anew only when stale
     capsules_.refresh(std::sqrt(way2));
     work_out_touches(stage_.dt);
     walls_.refresh(team_, std::sqrt(way2));
@@ -123,6 +154,24 @@ void Simulation::step() {
     if (contacts_.any() || capsules_.any()) encounters_.look_at_drift(bodies_, stage_.dt, way2);
     lap.add_to(times_.contacts);
   }
+  if (others_ != nullptr)
+    complete_loads_of_part(Instant::end);
+  else
+    step_blocks(timed);
+  ++state_.clock.step;
+  ++state_.clock.stage_step;  // time is counted, not summed
+  bodies_ahead_ = true;
+  survey_.reset();
+  if (!only_elastic_ && walls_.any()) close_walls(stage_.dt);
+  close_books();
+  const bool events = !only_elastic_ && (others_ == nullptr ? find_events() : find_events_of_all());
+  keep_records();
+  due_ = events;
+  if (--steps_to_look_ == 0 || events) notify_observers();
+}
+
+/// Blocks move, are loaded and kicked while they are in the cache, those of each part in their order.
+void Simulation::step_blocks(bool timed) {
   team_.for_parts([&](const Part& part) {
     StepTimes::Lap lap_of_part(timed && part.index == 0);
     std::size_t begun = part.first_block;  // blocks before this one have moved
@@ -131,24 +180,17 @@ void Simulation::step() {
         if (!moves_first(team_.block(begun))) begin_step(team_.block(begun));
       lap_of_part.add_to(times_.integrate);
       const RowsAhead ahead = begun < part.last_block ? rows_of(team_.block(begun)) : RowsAhead{};
-      complete_loads(part, team_.block(k), Instant::end, ahead, lap_of_part);  // F, M : at t + dt
+      add_mutual_loads(part, team_.block(k), Instant::end, ahead, lap_of_part);
+      complete_loads(team_.block(k), Instant::end, lap_of_part);  // F, M : at t + dt
       end_step(team_.block(k));
       lap_of_part.add_to(times_.integrate);
     }
   });
-  ++state_.clock.step;
-  ++state_.clock.stage_step;  // time is counted, not summed
-  bodies_ahead_ = true;
-  survey_.reset();
-  if (!only_elastic_ && walls_.any()) close_walls(stage_.dt);
-  close_books();
-  const bool events = !only_elastic_ && find_events();
-  keep_records();
-  if (--steps_to_look_ == 0 || events) notify_observers();
 }
 
 /// What changes the body between steps.
 void Simulation::change_body() {
+  last_way_ = 0.0;
   taken_.clear();
   taken_shares_.clear();
   make_bonds();                         // between particles that came close
@@ -169,7 +211,7 @@ bool Simulation::find_events() {
 /// it, and stays in the cache until then; but before all others if another thread may look at it: at the
 /// border of a part, or anywhere where there are contacts.
 bool Simulation::moves_first(const Block& b) const {
-  return (!only_elastic_ && anything_touches()) || bonds_.at_border(b.index);
+  return others_ != nullptr || (!only_elastic_ && anything_touches()) || bonds_.at_border(b.index);
 }
 
 /// The half of a step before the loads.
@@ -218,36 +260,13 @@ StopReason Simulation::run(const std::function<bool()>& interrupted, std::int64_
   StopReason why = stop_reason();
   while (why == StopReason::running && most > 0) {  // never interrupted before the first step
     if (stepper_ != nullptr)
-      most -= leap(most);
+      why = leap(most);
     else
-      step(), --most;
-    why = stop_reason();
+      step(), --most, why = stop_reason();
     if (why == StopReason::running && interrupted && interrupted()) why = StopReason::interrupted;
   }
   if (why != StopReason::running) finish(why);
   return why;
-}
-
-/// The steps up to the next look at the body, made elsewhere, and no more than some: an interruption waits
-/// for their end. Returns how many they were.
-std::int64_t Simulation::leap(std::int64_t most) {
-  const Stops& stops = stage_.stops;
-  constexpr std::int64_t at_once = 256;
-  const bool each_step = stops.distance || stops.peak || stops.rest;  // those judge by the body itself
-  const std::int64_t before = state_.clock.step;
-  taken_.clear();
-  breaking_[0] = stepper_->advance(
-      each_step ? 1 : std::min({most, at_once, steps_to_look_, last_stage_step_ - state_.clock.stage_step}),
-      each_step, state_);
-  bodies_.read(state_);
-  bodies_ahead_ = true;  // loads are still to be collected
-  survey_.reset();
-  if (each_step || !observers_.empty()) evaluate_loads();
-  const bool broke = break_bonds();
-  if (each_step) keep_records();
-  steps_to_look_ -= state_.clock.step - before;
-  if (steps_to_look_ <= 0 || broke) notify_observers();
-  return state_.clock.step - before;
 }
 
 void Simulation::finish(StopReason why) {
@@ -288,9 +307,10 @@ void Simulation::clear_loads(const Block& b) {  // all at once: std::fill goes r
   if (!bodies_.damping.empty()) clear(bodies_.damping);
 }
 
-/// To be called block by block in the order of a part: bonds add to blocks further on.
-void Simulation::complete_loads(const Part& part, const Block& b, Instant at, const RowsAhead& ahead,
-                                StepTimes::Lap& lap) {
+/// What particles do to each other. To be called block by block in the order of a part: bonds add to blocks
+/// further on.
+void Simulation::add_mutual_loads(const Part& part, const Block& b, Instant at, const RowsAhead& ahead,
+                                  StepTimes::Lap& lap) {
   const PoseRow* pose = bodies_.pose.data();
   LoadRow* load = bodies_.load.data();
   const bool in_step = at == Instant::end;
@@ -309,8 +329,18 @@ void Simulation::complete_loads(const Part& part, const Block& b, Instant at, co
   }
   if (!only_elastic_ && anything_touches()) {
     if (contacts_.any()) books_[b.index].deep |= contacts_.add_loads(particles_of(b), pose, load);
-    if (capsules_.any()) capsules_.add_loads(particles_of(b), load);
-    if (walls_.any()) lose(b.index, walls_.add_loads(b, load, sweep.dt));
+    lap.add_to(times_.contacts);
+  }
+}
+
+/// All else, once that is done.
+void Simulation::complete_loads(const Block& b, Instant at, StepTimes::Lap& lap) {
+  if (!only_elastic_ && capsules_.any()) {
+    capsules_.add_loads({b.rows.first, std::min(b.rows.last, bodies_.order.own)}, bodies_.load.data());
+    lap.add_to(times_.contacts);
+  }
+  if (!only_elastic_ && walls_.any()) {
+    lose(b.index, walls_.add_loads(b, bodies_.load.data(), at == Instant::end ? stage_.dt : 0.0));
     lap.add_to(times_.contacts);
   }
   applied_.add(b, at);
@@ -319,9 +349,10 @@ void Simulation::complete_loads(const Part& part, const Block& b, Instant at, co
 
 /// What touching pairs do, before any of it is added: all particles have moved, and none has felt it yet.
 void Simulation::work_out_touches(double dt) {
-  if (capsules_.any()) lose(0, capsules_.work_out(team_, dt));
+  if (capsules_.any())  // all parts work out all of them
+    if (const TouchLosses<double> lost = capsules_.work_out(team_, dt); leads()) lose(0, lost);
   if (!contacts_.are_touches()) return;
-  team_.for_blocks([&](const Block& b) {
+  all_known().for_blocks([&](const Block& b) {
     const TouchSums found = contacts_.work_out(particles_of(b), bodies_, dt);
     lose(b.index, found.lost);
     books_[b.index].deep = found.deep;
@@ -332,30 +363,38 @@ void Simulation::work_out_touches(double dt) {
 void Simulation::evaluate_loads() {
   survey_.reset();
   if (inelastic()) bodies_.rates = bodies_.motion;
-  contacts_.refresh(bodies_.poses(), team_);
+  if (others_ != nullptr) hear_poses();
+  contacts_.refresh(bodies_.poses(), all_known());
   capsules_.refresh();
   work_out_touches(0.0);
   walls_.refresh(team_);
   applied_.set_times(state_.clock.stage_step, stage_.dt);
   team_.for_blocks([&](const Block& b) { clear_loads(b); });
-  team_.for_parts([&](const Part& part) {
-    StepTimes::Lap untimed(false);
-    for (std::size_t b = part.first_block; b < part.last_block; ++b)
-      complete_loads(part, team_.block(b), Instant::start, {}, untimed);
-  });
+  if (others_ != nullptr)
+    complete_loads_of_part(Instant::start);
+  else
+    team_.for_parts([&](const Part& part) {
+      StepTimes::Lap untimed(false);
+      for (std::size_t b = part.first_block; b < part.last_block; ++b) {
+        add_mutual_loads(part, team_.block(b), Instant::start, {}, untimed);
+        complete_loads(team_.block(b), Instant::start, untimed);
+      }
+    });
   if (walls_.any()) close_walls(0.0);
   check_finite();
+  agree_on_failure();
 }
 
 /// What walls have done in the step. The run ends if it cannot go on with them.
 void Simulation::close_walls(double dt) {
-  state_.books.work_supports += walls_.close(dt);
+  const double work = walls_.close(dt);
+  if (leads()) state_.books.work_supports += work;  // all parts know of it
   const auto found = walls_.fault();
   if (!found) return;
   const std::string particle = "particle " + std::to_string(found->p.value),
                     wall = "wall \"" + model_.walls[found->wall].name + '"';
-  const auto stop = [this](const std::string& who, const std::string& what, const std::string& way_out) {
-    throw Diverged(state_.clock.step, state_.clock.time(), who, what, way_out);
+  const auto stop = [&](const std::string& who, const std::string& what, const std::string& way_out) {
+    diverge(found->p.value, who, what, way_out);
   };
   switch (found->fault) {
     case Walls::Fault::passed:
@@ -386,9 +425,9 @@ void Simulation::close_walls(double dt) {
 void Simulation::look_at_capsules() const {
   if (!capsules_.passed()) return;
   const DeepCapsules& p = *capsules_.passed();
-  throw Diverged(state_.clock.step, state_.clock.time(), p.first + " and " + p.second,
-                 "the axes of their capsules have passed through one another",
-                 "use a stiffer contact, lower velocities and loads, or a smaller time.step");
+  diverge(p.i.value, p.first + " and " + p.second,
+          "the axes of their capsules have passed through one another",
+          "use a stiffer contact, lower velocities and loads, or a smaller time.step");
 }
 
 void Simulation::lose(std::size_t block, const TouchLosses<double>& in_contacts) {
@@ -410,7 +449,7 @@ void Simulation::close_books() {
   if (!only_elastic_ && anything_dissipates()) {
     Losses lost;
     for (const Losses& of_block : lost_) lost += of_block;
-    if (!damped_.empty()) share_damping(lost);
+    if (bonds_.damp()) share_damping(lost);
     state_.books.lost += lost;
   }
   state_.books.work_loads += sum.work_loads;
@@ -422,38 +461,41 @@ void Simulation::close_books() {
 double Simulation::largest_way2() const {
   double way2 = 0.0;
   for (const BlockBooks& b : books_) way2 = std::max(way2, b.way2);
+  if (others_ != nullptr) others_->largest({&way2, 1});
   return way2;
 }
 
 void Simulation::look_at_deep_contacts() {
   for (std::size_t b = 0; b < books_.size(); ++b)
     if (books_[b].deep) {
-      encounters_.add_deep(bodies_, contacts_.deep_pairs(particles_of(team_.block(b)), bodies_.poses()));
+      encounters_.add_deep(bodies_,
+                           contacts_.deep_pairs(particles_of(all_known().block(b)), bodies_.poses()));
     }
 }
 
 /// Throws for the first bond whose own force is not finite, or else the first particle.
 void Simulation::check_finite() const {
-  const auto stop = [this](const std::string& what, const char* which, const char* way_out) {
-    throw Diverged(state_.clock.step, state_.clock.time(), what, which, way_out);
-  };
   for (const ParticleId p : bodies_.order.row.ids()) {
     const LoadRow& load = bodies_.load[bodies_.order.row[p].value];
-    if (is_finite(load.F) && is_finite(load.M)) continue;
+    if (!bodies_.order.has(p) || (is_finite(load.F) && is_finite(load.M))) continue;
     if (bonds_.remembers()) bonds_.collect(state_.bond_history);
     for (const BondIndex::Entry& e : bond_index_.of(p)) {
       const Bond& b = state_.bonds[e.bond];
+      if (!bodies_.order.has(b.i)) continue;
       const std::string bond = "bond " + std::to_string(e.bond.value) + " (particles " +
                                std::to_string(b.i.value) + ", " + std::to_string(b.j.value) + ")";
       if (b.law->remembers() && has_lost_its_flow(state_.bond_history[e.bond]))
-        stop(bond, "its flow does not bring its loads to their limits, which they are far beyond",
-             "reduce time.step (or time.fraction), or load more slowly");
+        return diverge(p.value, bond,
+                       "its flow does not bring its loads to their limits, which they are far beyond",
+                       "reduce time.step (or time.fraction), or load more slowly");
       if (b.rules->stretch.form == StretchForm::fene && past_largest(b))
-        stop(bond, "it is stretched past its largest elongation (fene), where its force has no limit",
-             "reduce time.step (or time.fraction), pull more slowly, or give a larger stretching.largest");
+        return diverge(
+            p.value, bond, "it is stretched past its largest elongation (fene), where its force has no limit",
+            "reduce time.step (or time.fraction), pull more slowly, or give a larger stretching.largest");
     }
-    stop("particle " + std::to_string(p.value), "its force or moment is not a finite number",
-         "reduce time.step (or time.fraction); look at the last frame for bonds that closed up");
+    return diverge(p.value, "particle " + std::to_string(p.value),
+                   "its force or moment is not a finite number",
+                   "reduce time.step (or time.fraction); look at the last frame for bonds that closed up");
   }
 }
 
@@ -490,6 +532,7 @@ void Simulation::apply_strain() {
   team_.for_blocks([&](const Block& b) { applied_.add(b, Instant::start); });
   double work_applied = 0.0;
   for (const ParticleId p : strain.particles) {
+    if (!bodies_.order.has(p)) continue;
     const std::size_t row = bodies_.order.row[p].value;
     Vec3d& r = bodies_.pose[row].r;
     const Vec3d dr = strain.increment * dot(strain.direction, r - strain.centre) * strain.direction;
@@ -497,6 +540,7 @@ void Simulation::apply_strain() {
     work_applied += dot(bodies_.load[row].F, dr);
   }
   bodies_ahead_ = true;
+  last_way_ = std::numeric_limits<double>::infinity();
   evaluate_loads();
   state_.books.work_loads += work_applied;
   state_.books.work_supports += energies().potential() - U_before - work_applied;

@@ -1,10 +1,13 @@
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -18,6 +21,7 @@
 #include "vbond/dynamics/encounters.hpp"
 #include "vbond/dynamics/kernel.hpp"
 #include "vbond/dynamics/observer.hpp"
+#include "vbond/dynamics/others.hpp"
 #include "vbond/dynamics/step_times.hpp"
 #include "vbond/dynamics/stepper.hpp"
 #include "vbond/dynamics/supports.hpp"
@@ -51,6 +55,10 @@ class Simulation {
       : Simulation(model, std::move(stage), &state, threads) {}
   /// The same, and gives the state back if a stage cannot begin in it.
   Simulation(const Model& model, Stage stage, State* state, int threads = 1);
+  /// A part of a body, in this order of rows: it goes on from a state that has begun, of the whole body. The
+  /// others step its other parts, and call the same functions at the same time. state() and books() are then
+  /// of this part alone, and nobody observes: give() tells all.
+  Simulation(const Model& model, Stage stage, State state, Order order, Others& others);
   Simulation(const Model&&, Stage, State, int = 1) = delete;  // a temporary would be gone at the first step
   Simulation(const Model&&, Stage, State*, int = 1) = delete;
   Simulation(const Simulation&) = delete;
@@ -65,7 +73,7 @@ class Simulation {
   /// sets it refuses all else.
   void step_by(Stepper& stepper) {
     stepper_ = &stepper;
-    stepper.begin(model_, stage_, state());
+    stepper.begin(model_, stage_, state(), reach());
   }
 
   /// One time step of stage().dt. Throws Diverged if a load is not finite or a new bond is impossible.
@@ -75,6 +83,8 @@ class Simulation {
   /// steps are made: StopReason::running. Observers are told of the end, and of an interruption.
   StopReason run(const std::function<bool()>& interrupted = {},
                  std::int64_t most = std::numeric_limits<std::int64_t>::max());
+  /// Why the stage ends here, if it does.
+  StopReason stop_reason() const;
   /// Tells the observers that the stage ends here.
   void finish(StopReason why);
 
@@ -137,6 +147,20 @@ class Simulation {
   std::vector<GripView> grips() const { return supports_.grips().views(state_.clock.stage_step); }
   /// The same with the loads of the bonds that broke in the last step.
   Reaction reaction_before_breaks(const std::vector<ParticleId>& particles) const;
+  /// Of a part: all of the body as it stands, to the part that leads or to all; what does not change is left
+  /// as it is. Returns whether bonds have changed since the last time.
+  bool give(State& whole, bool everyone);
+  /// Of a part: throws on all of them if one has failed. To be called between steps, now and then.
+  void agree_on_failure();
+  /// Of a part: takes over what another one of the same body has not told its observers yet.
+  void take_events(Simulation& from) { events_ = std::move(from.events_); }
+  /// Of a part: whether observers must look at this step.
+  bool is_due() const { return due_; }
+  /// Of a part: no particle of any part has gone farther in the last step, where some may meet.  [length]
+  double last_way() const { return last_way_; }
+  /// Of a part: the longest way of a particle since it was made, and its longest bond.  [length]
+  double way_since_begin() const;
+  double longest_bond() const;
   /// Mean over the bonds with both ends in the group of F.d, tension positive; 0 without such bonds.  [force]
   double mean_axial_force(const std::vector<ParticleId>& particles) const {
     return mean_axial_force(bonds_inside(particles));
@@ -153,10 +177,11 @@ class Simulation {
 
   /// What was taken off two particles as a bond between them broke.
   struct TakenLoads {
-    Row i, j;
+    ParticleId i, j;
     BondLoads<double> loads;
   };
 
+  struct Broken;
   /// A bond that grows by this part of its lengths at temperature 0, in the step under way.
   struct Growing {
     std::size_t warm_bond;
@@ -164,7 +189,8 @@ class Simulation {
   };
 
   void begin_stage();
-  std::int64_t leap(std::int64_t most);
+  Simulation(const Model& model, Stage stage, State* state, int threads, Order order, Others* others);
+  StopReason leap(std::int64_t& most);
   void bonds_changed();
   void arrange_bonds();
   void make_bonds();
@@ -173,17 +199,19 @@ class Simulation {
   void heat();
   void book_heat();
   bool break_bonds();
-  void break_bond(BondId bond);
+  Broken broken_now(BondId bond);
+  void take_out(const Broken& broken);
   void take_up_loads();
   void apply_strain();
   bool has_only_elastic_bonds() const;
   void change_body();
   bool find_events();
+  void step_blocks(bool timed);
   void evaluate_loads();
   void work_out_touches(double dt);
   /// The rows of a block without those that fill it up.
   RowRange particles_of(const Block& b) const {
-    return {b.rows.first, std::min(b.rows.last, model_.particles())};
+    return {b.rows.first, std::min(b.rows.last, bodies_.order.known)};
   }
   bool moves_first(const Block& block) const;
   void begin_step(const Block& block);
@@ -192,8 +220,9 @@ class Simulation {
   void kick(const Block& block, double h);
   double drift(const Block& block, double h);
   void clear_loads(const Block& block);
-  void complete_loads(const Part& part, const Block& block, Instant at, const RowsAhead& ahead,
-                      StepTimes::Lap& lap);
+  void add_mutual_loads(const Part& part, const Block& block, Instant at, const RowsAhead& ahead,
+                        StepTimes::Lap& lap);
+  void complete_loads(const Block& block, Instant at, StepTimes::Lap& lap);
   bool inelastic() const { return !bodies_.rates.empty(); }
   void keep_rates(const Block& block);
   void book_damping(const Block& block, double h);
@@ -206,7 +235,7 @@ class Simulation {
   void close_walls(double dt);
   void look_at_capsules() const;
   void exchange_capsules();
-  double contact_energy() const { return contacts_.energy(bodies_) + capsules_.energy(); }
+  double contact_energy() const { return contacts_.energy(bodies_) + (leads() ? capsules_.energy() : 0.0); }
   bool anything_touches() const { return contacts_.any() || walls_.any() || capsules_.any(); }
   void close_books();
   double largest_way2() const;
@@ -219,8 +248,30 @@ class Simulation {
   std::vector<BondId> bonds_inside(const std::vector<ParticleId>& particles) const;
   double mean_axial_force(const std::vector<BondId>& bonds) const;
   const PoseRow& pose_of(ParticleId p) const { return bodies_.pose[bodies_.order.row[p].value]; }
-  StopReason stop_reason() const;
   void notify_observers();
+
+  // ---- of a part (simulation_part.cpp) ----
+  struct Failed {
+    std::int64_t step, first_particle;
+    double time;
+    std::array<char, 512> who, what, way_out;
+  };
+  const Team& all_known() const { return with_ghosts_ ? *with_ghosts_ : team_; }
+  double reach() const;
+  bool meets() const { return contacts_.any() || capsules_.any() || !stage_.bonding.empty(); }
+  void diverge(std::size_t first_particle, const std::string& who, const std::string& what,
+               const std::string& way_out) const;
+  void hear_poses();
+  void gather_loads();
+  void complete_loads_of_part(Instant at);
+  bool find_events_of_all();
+  void sum_over_parts(std::span<double> numbers) const {
+    if (others_ != nullptr) others_->sum(numbers);
+  }
+  bool leads() const { return others_ == nullptr || others_->leads(); }
+  void take_over(const Stepper::Leap& leap);
+  void collect_body(State& whole, bool everyone);
+  Vec3d from_to(ParticleId i, ParticleId j) const;
 
   const StepKernel& kernel_ = step_kernel();
   const Model& model_;
@@ -228,8 +279,10 @@ class Simulation {
   mutable State state_;                // positions and velocities as of the last state() or stage start
   mutable bool bodies_ahead_ = false;  // they have moved on since
   bool only_elastic_ = false;          // has_only_elastic_bonds(): a step then leaves out all the rest
+  Others* const others_;               // of a part; or nullptr
   Bodies bodies_;
   Team team_;
+  std::optional<Team> with_ghosts_;  // of a part
   BondPacks bonds_;
   BondIndex bond_index_;
   Contacts contacts_;
@@ -255,6 +308,12 @@ class Simulation {
   std::int64_t steps_to_look_ = 1;
   Stepper* stepper_ = nullptr;
   StepTimes times_;
+  // of a part
+  mutable std::optional<Failed> failed_;  // first of all
+  std::vector<Vec3d> r_begin_;            // of its rows
+  std::vector<double> brought_in_;        // after each step since give(): energy at the start and work
+  double last_way_ = 0;
+  bool due_ = false, changed_ = false;
   mutable std::optional<Survey> survey_;  // empty: positions or velocities have changed since
 };
 

@@ -28,7 +28,7 @@ void take_away(const BondLoads<double>& l, LoadRow& i, LoadRow& j) {
 
 /// The order of bonds in packs, what is known of them, and what they remember.
 void Simulation::arrange_bonds() {
-  bonds_.arrange(state_, bodies_.order, team_);
+  bonds_.arrange(state_, bodies_.order, all_known());
   if (bonds_.remembers() || !state_.bond_history.empty())  // those that are broken keep theirs
     state_.bond_history.resize(state_.bonds.size());
   const bool others = damping_.is_local();
@@ -42,6 +42,7 @@ void Simulation::arrange_bonds() {
 }
 
 void Simulation::bonds_changed() {
+  changed_ = true;
   arrange_bonds();
   bond_index_ = BondIndex(model_.particles(), state_.bonds);
   rounding_scale_ = scale_of_rounding(state_.bonds);
@@ -57,20 +58,26 @@ void Simulation::bonds_changed() {
 
 void Simulation::make_bonds() {
   if (stage_.bonding.empty()) return;
-  const std::vector<Bonding::Pair> pairs = bonding_.find(bodies_.poses(), team_);
+  const std::vector<Bonding::Pair> pairs = bonding_.find(bodies_.poses(), all_known());
   if (pairs.empty()) return;
   state();  // brought up to date
+  if (others_ != nullptr) collect_body(state_, true);
   const std::size_t before = state_.bonds.size();
   const bool capsules =
-      capsules_.any() ||
-      std::any_of(pairs.begin(), pairs.end(), [](const Bonding::Pair& p) { return p.rule->recipe.capsule; });
+      capsules_.any() || std::any_of(pairs.begin(), pairs.end(), [this](const Bonding::Pair& p) {
+        return bonding_.recipe(p.rule).capsule;
+      });
   const EnergyBooks books = state_.books;
   const double U = capsules ? contact_energy() : 0.0, flowed = capsules ? dissipated_by_flow(state_) : 0.0;
   if (contacts_.are_touches() && model_.contact.pairs == ContactPairs::unbonded)
     for (const auto& [rule, i, j] : pairs)  // add_bond() books the energy of their repulsion alone
-      state_.books.lose(Loss::bonding, contacts_.energy(bodies_.order.row[i], bodies_.order.row[j], bodies_) -
-                                           contact_pair_energy(model_, state_, i, j));
+      if (bodies_.order.has(i))
+        state_.books.lose(Loss::bonding,
+                          contacts_.energy(bodies_.order.row[i], bodies_.order.row[j], bodies_) -
+                              contact_pair_energy(model_, state_, i, j));
+  const EnergyBooks of_this_part = state_.books;
   bonding_.make(pairs, state_);
+  if (!leads()) state_.books = of_this_part;  // all parts have booked the same
   const double flowed_now = capsules ? dissipated_by_flow(state_) - flowed : 0.0;  // by their prestrain
   for (std::size_t k = before; k < state_.bonds.size(); ++k)
     events_.push_back({BondEvent::Kind::made, BondId{k}, state_.clock.step});
@@ -78,7 +85,7 @@ void Simulation::make_bonds() {
   evaluate_loads();
   // a new bond then also changes what others touch
   if (!capsules) return;
-  state_.books.dissipated = books.dissipated + flowed_now, state_.books.lost = books.lost;
+  state_.books.dissipated = books.dissipated + (leads() ? flowed_now : 0.0), state_.books.lost = books.lost;
   state_.books.lose(Loss::bonding, U - contact_energy());
 }
 
@@ -97,6 +104,14 @@ void Simulation::take_up_loads() {
   check_finite();
 }
 
+/// A bond that breaks, with what is taken off its particles.
+struct Simulation::Broken {
+  BondEvent event;
+  BondLoads<double> loads;    // with its damping, less those of the contact that this makes of them
+  BondLoads<double> damping;  // of these
+  double released = 0;
+};
+
 /// The bonds that the loads of this step have broken, in the order of bonds: a bond's force ends with the
 /// step in which it reached the limit, and so does its share of the energy.
 /// Whether there are any.
@@ -106,10 +121,20 @@ bool Simulation::break_bonds() {
     broken.insert(broken.end(), of_part.begin(), of_part.end());
     of_part.clear();
   }
+  if (others_ != nullptr) broken = others_->collect(broken);
   if (broken.empty()) return false;
   std::sort(broken.begin(), broken.end());
-  for (const BondId k : broken) break_bond(k);
-  contacts_.list_unbonded(bodies_, team_);
+  std::vector<Broken> records;
+  for (const BondId k : broken)
+    if (const Broken record = broken_now(k); bodies_.order.has(state_.bonds[k].i)) records.push_back(record);
+  if (others_ != nullptr) {
+    records = others_->collect(records);
+    std::sort(records.begin(), records.end(),
+              [](const Broken& a, const Broken& b) { return a.event.bond < b.event.bond; });
+  }
+  for (const Broken& record : records) take_out(record);
+  changed_ = true;
+  contacts_.list_unbonded(bodies_, all_known());
   exchange_capsules();
   state_.breaks += static_cast<std::int64_t>(broken.size());
   if (!bonds_.is_sparse()) return true;
@@ -123,47 +148,72 @@ void Simulation::exchange_capsules() {
   if (!capsules_.any()) return;
   const double U = capsules_.energy();
   taken_shares_ = capsules_.shares();
+  const std::vector<LoadRow> of_ghosts(bodies_.load.begin() + static_cast<std::ptrdiff_t>(bodies_.order.own),
+                                       bodies_.load.end());
   capsules_.take_loads(bodies_.load.data());
   capsules_.bonds_changed(state_.bonds);
   capsules_.refresh();
+  if (others_ != nullptr) others_->send_to_ghosts({bodies_.pose, bodies_.motion});  // that of the step's end
   capsules_.work_out(team_, 0.0);
-  capsules_.add_loads({0, model_.particles()}, bodies_.load.data());
+  capsules_.add_loads({0, bodies_.order.own}, bodies_.load.data());
+  std::copy(of_ghosts.begin(), of_ghosts.end(),
+            bodies_.load.begin() + static_cast<std::ptrdiff_t>(bodies_.order.own));
   for (const Capsules::Share& s : capsules_.shares()) taken_shares_.push_back({s.row, -s.F, -s.M});
   std::stable_sort(taken_shares_.begin(), taken_shares_.end(),
                    [](const Capsules::Share& a, const Capsules::Share& b) { return a.row < b.row; });
-  state_.books.released += U - capsules_.energy();
+  if (leads()) state_.books.released += U - capsules_.energy();
 }
 
-void Simulation::break_bond(BondId k) {
+/// From here on it is broken for all who ask. Nothing else is worked out of a bond of another part.
+Simulation::Broken Simulation::broken_now(BondId k) {
   Bond& b = state_.bonds[k];
+  Broken broken{};
+  broken.event.bond = k;
+  const bool here = bodies_.order.has(b.i);
   const Row i = bodies_.order.row[b.i], j = bodies_.order.row[b.j];
-  const PoseRow &at_i = bodies_.pose[i.value], &at_j = bodies_.pose[j.value];
-  const BondPose<double> pose = bond_pose(b, at_i.r, at_i.q, at_j.r, at_j.q);
-  BondHistory history = no_history;
-  if (b.law->remembers()) history = state_.bond_history[k] = bonds_.history(k);
-
-  BondLoads<double> loads = b.law->loads(b, pose, history);
-  const BondEvent event = breaking_event(b, k, state_.clock.step, at_i.r, pose, history);
-  if (is_damped(b)) {
-    const MotionRow &rate_i = bodies_.rates[i.value], &rate_j = bodies_.rates[j.value];
-    const BondRates<double> rates{rate_j.v - rate_i.v, rate_i.omega, rate_j.omega};
-    const BondLoads<double> damping = b.law->damping_loads(b, pose, rates);
-    loads = {loads.F + damping.F, loads.M_ij + damping.M_ij, loads.M_ji + damping.M_ji};
-    take_away(damping, bodies_.damping[i.value], bodies_.damping[j.value]);
+  if (here) {
+    const PoseRow &at_i = bodies_.pose[i.value], &at_j = bodies_.pose[j.value];
+    const BondPose<double> pose = bond_pose(b, at_i.r, at_i.q, at_j.r, at_j.q);
+    BondHistory history = no_history;
+    if (b.law->remembers()) history = state_.bond_history[k] = bonds_.history(k);
+    broken.loads = b.law->loads(b, pose, history);
+    broken.event = breaking_event(b, k, state_.clock.step, at_i.r, pose, history);
+    if (is_damped(b)) {
+      const MotionRow &rate_i = bodies_.rates[i.value], &rate_j = bodies_.rates[j.value];
+      const BondRates<double> rates{rate_j.v - rate_i.v, rate_i.omega, rate_j.omega};
+      const BondLoads<double>& damping = broken.damping = b.law->damping_loads(b, pose, rates);
+      broken.loads = {broken.loads.F + damping.F, broken.loads.M_ij + damping.M_ij,
+                      broken.loads.M_ji + damping.M_ji};
+    }
   }
-  b.broken = true;
-  b.mode = event.cause.mode;
   bonds_.remove(k);
+  b.broken = true;
   bond_index_.remove(k, b.i, b.j);
   std::erase(peak_bonds_, k);
-
   Contacts::Touch touch;
-  if (!bond_index_.bonded(b.i, b.j)) touch = contacts_.unbonded(i, j, bodies_);
-  loads.F -= touch.force;
-  take_away(loads, bodies_.load[i.value], bodies_.load[j.value]);
-  taken_.push_back({i, j, loads});
-  state_.books.released += event.energy - touch.energy;
-  events_.push_back(event);
+  if (!bond_index_.bonded(b.i, b.j)) {
+    touch = contacts_.unbonded(i, j, bodies_);
+    bonding_.unbonded(i, j);
+  }
+  broken.loads.F -= touch.force;
+  broken.released = broken.event.energy - touch.energy;
+  return broken;
+}
+
+/// Takes it off the particles that are moved here, and tells of it.
+void Simulation::take_out(const Broken& broken) {
+  Bond& b = state_.bonds[broken.event.bond];
+  b.mode = broken.event.cause.mode;
+  const auto take = [&](std::vector<LoadRow>& load, const BondLoads<double>& loads) {
+    take_away(loads, load[bodies_.order.row[b.i].value], load[bodies_.order.row[b.j].value]);
+    for (const ParticleId p : {b.i, b.j})
+      if (!bodies_.order.has(p)) load[bodies_.order.row[p].value] = {};
+  };
+  if (is_damped(b)) take(bodies_.damping, broken.damping);
+  take(bodies_.load, broken.loads);
+  taken_.push_back({b.i, b.j, broken.loads});
+  if (bodies_.order.has(b.i)) state_.books.released += broken.released;
+  events_.push_back(broken.event);
   survey_.reset();
 }
 
@@ -173,8 +223,8 @@ Reaction Simulation::reaction_before_breaks(const std::vector<ParticleId>& parti
     if (!std::binary_search(particles.begin(), particles.end(), h.particle)) continue;
     const Row row = bodies_.order.row[h.particle];
     for (const TakenLoads& t : taken_) {
-      if (t.i == row) add_held(h.held, row, -t.loads.F, -t.loads.M_ij, total);
-      if (t.j == row) add_held(h.held, row, t.loads.F, -t.loads.M_ji, total);
+      if (t.i == h.particle) add_held(h.held, row, -t.loads.F, -t.loads.M_ij, total);
+      if (t.j == h.particle) add_held(h.held, row, t.loads.F, -t.loads.M_ji, total);
     }
     auto s = std::lower_bound(taken_shares_.begin(), taken_shares_.end(), row.value,
                               [](const Capsules::Share& x, std::size_t first) { return x.row < first; });
@@ -203,9 +253,14 @@ void Simulation::share_damping(Losses& lost) const {
   for (const DampedPower& of_block : damped_)
     for (std::size_t k = 0; k < std::size(DampedPower::causes); ++k)
       power[DampedPower::causes[k]] += of_block.of[k];
-  const double all = power.sum(), taken = lost[Loss::bond_damping];
+  double all = power.sum(), taken = lost[Loss::bond_damping];
+  if (others_ != nullptr) {  // the shares are those of the whole body
+    others_->sum(power.of);
+    others_->sum({&taken, 1});
+    all = power.sum();
+  }
   if (!(all > 0.0)) return;
-  for (const Loss cause : DampedPower::causes) lost[cause] = taken * (power[cause] / all);
+  for (const Loss cause : DampedPower::causes) lost[cause] = leads() ? taken * (power[cause] / all) : 0.0;
 }
 
 /// Keeps the velocities of this moment while the block moves on: those of the half step for bonds that read

@@ -71,6 +71,7 @@ void Simulation::book_heat() {
   for (const Growing& grows : growing_) {
     const WarmBond& w = state_.warm_bonds[grows.warm_bond];
     const Bond& b = state_.bonds[w.bond];
+    if (!bodies_.order.has(b.i)) continue;
     const PoseRow &i = pose_of(b.i), &j = pose_of(b.j);
     const BondHistory history = b.law->remembers() ? bonds_.history(w.bond) : no_history;
     state_.books.work_supports +=

@@ -12,7 +12,9 @@ namespace vbond {
 
 void Simulation::keep_records() {
   EnergyBooks& books = state_.books;
-  books.largest = std::max(books.largest, books.at_start + books.work_loads + books.work_supports);
+  const double brought_in = books.at_start + books.work_loads + books.work_supports;
+  books.largest = std::max(books.largest, brought_in);
+  if (others_ != nullptr) brought_in_.push_back(brought_in);
 
   if (stage_.stops.peak) {
     PeakRecord& peak = state_.peak;
@@ -29,7 +31,8 @@ void Simulation::keep_records() {
     }
   }
   if (stage_.stops.rest) {
-    const double kinetic = bodies_.kinetic_energy(team_).kinetic();
+    double kinetic = bodies_.kinetic_energy(team_).kinetic();
+    sum_over_parts({&kinetic, 1});
     std::int64_t& quiet = state_.rest.quiet_steps;
     quiet = kinetic < stage_.stops.rest->kinetic_energy_below ? quiet + 1 : 0;
   }
@@ -37,18 +40,35 @@ void Simulation::keep_records() {
 
 double Simulation::peak_quantity() const {
   const PeakStop& stop = *stage_.stops.peak;
+  double quantity = 0.0;
   switch (stop.quantity) {
-    case PeakQuantity::compressive_force: return -mean_axial_force(peak_bonds_);
-    case PeakQuantity::reaction: return dot(reaction(stop.particles).force, stop.direction);
+    case PeakQuantity::compressive_force: {
+      std::vector<BondId> here = peak_bonds_;
+      std::erase_if(here, [this](BondId b) { return !bodies_.order.has(state_.bonds[b].i); });
+      if (!here.empty()) quantity = -mean_axial_force(here);
+      if (here.size() < peak_bonds_.size() || others_ != nullptr)
+        quantity *= static_cast<double>(here.size()) / static_cast<double>(peak_bonds_.size());
+      break;
+    }
+    case PeakQuantity::reaction: quantity = dot(reaction(stop.particles).force, stop.direction); break;
   }
-  return 0.0;
+  sum_over_parts({&quantity, 1});
+  return quantity;
+}
+
+Vec3d Simulation::from_to(ParticleId i, ParticleId j) const {
+  if (others_ == nullptr) return pose_of(j).r - pose_of(i).r;
+  Vec3d way =
+      (bodies_.order.has(j) ? pose_of(j).r : Vec3d{}) - (bodies_.order.has(i) ? pose_of(i).r : Vec3d{});
+  others_->sum({&way.x, 3});
+  return way;
 }
 
 StopReason Simulation::stop_reason() const {
   const Stops& stops = stage_.stops;
   const Clock& clock = state_.clock;
   if (stops.distance) {
-    const double distance = norm(pose_of(stops.distance->j).r - pose_of(stops.distance->i).r);
+    const double distance = norm(from_to(stops.distance->i, stops.distance->j));
     if (stops.distance->below ? distance <= stops.distance->value : distance >= stops.distance->value)
       return StopReason::distance;
   }

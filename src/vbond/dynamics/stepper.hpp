@@ -1,6 +1,5 @@
 #pragma once
 #include <cstdint>
-#include <vector>
 
 #include "vbond/model/model.hpp"
 #include "vbond/model/stage.hpp"
@@ -8,18 +7,27 @@
 
 namespace vbond {
 
-/// Makes the steps of a Simulation in its place: by many processes, say. The Simulation then only shows the
-/// body to its observers.
+class Simulation;
+
+/// Makes the steps of a Simulation in its place: by many processes, say, each of which steps a part of the
+/// body by a Simulation of its own. The one that is stepped for then only shows the body to its observers.
 class Stepper {
  public:
+  /// What steps have come to.
+  struct Leap {
+    StopReason why = StopReason::running;
+    bool bonds_changed = false;  ///< State::bonds is not what it was
+    Simulation* part = nullptr;  ///< that of this process
+  };
   virtual ~Stepper() = default;
-  /// Takes over the body as a stage begins or goes on. Model and stage live as long as the stage.
-  virtual void begin(const Model& model, const Stage& stage, const State& state) = 0;
-  /// Makes steps, `most` of them unless others have been told of fewer or bonds break, and brings the state
-  /// up to date: clock and energy books. The particles, too, for who has observers; for all processes if
-  /// `all_look`, if bonds break, or if the stage ends here. Returns the bonds that break in the last step.
-  /// Throws Diverged.
-  virtual std::vector<BondId> advance(std::int64_t most, bool all_look, State& state) = 0;
+  /// Takes over the body as a stage begins or goes on. Model and stage live as long as the stage. reach:
+  /// particles that are nearer than this may touch or be bonded; 0: none; infinite: each part must know all.
+  /// [length]
+  virtual void begin(const Model& model, const Stage& stage, const State& state, double reach) = 0;
+  /// Makes steps until the stage ends or observers must look, `most` of them unless others have been told of
+  /// fewer, and brings the state up to date: for the process that has observers, and for all when the stage
+  /// ends. Throws Diverged.
+  virtual Leap advance(std::int64_t most, State& state) = 0;
 };
 
 }  // namespace vbond

@@ -10,7 +10,8 @@ namespace {
 ByBlock by_block(const std::vector<PointLoad>& loads, const Order& order, std::size_t blocks) {
   std::vector<ByBlock::Entry> entries;
   for (std::size_t k = 0; k < loads.size(); ++k)
-    for (const ParticleId p : loads[k].particles) entries.push_back({order.row[p].value, k});
+    for (const ParticleId p : loads[k].particles)
+      if (order.has(p)) entries.push_back({order.row[p].value, k});
   return {std::move(entries), blocks};
 }
 
@@ -22,12 +23,19 @@ ByBlock by_block(const std::vector<Hold>& holds, const Stage& stage, const Order
   return {std::move(entries), blocks};
 }
 
+/// What supports hold of the particles that are moved here.
+std::vector<Hold> holds_here(const Stage& stage, const Order& order) {
+  std::vector<Hold> holds = holds_of(stage.supports);
+  std::erase_if(holds, [&order](const Hold& h) { return !order.has(h.particle); });
+  return holds;
+}
+
 }  // namespace
 
 Supports::Supports(const Stage& stage, Bodies& bodies, const Team& team)
     : stage_(stage),
       bodies_(bodies),
-      holds_(holds_of(stage.supports)),
+      holds_(holds_here(stage, bodies.order)),
       held_(by_block(holds_, stage, bodies.order, team.blocks())),
       grips_(stage, bodies, team) {
   for (const Support& s : stage.supports) factors_.add(s.factor);

@@ -54,7 +54,7 @@ class Supports {
            (grips_.any() ? grips_.hold_after_kick(block, from, to, h) : 0.0);
   }
 
-  /// Each degree of freedom that is held, once.
+  /// Each degree of freedom that is held, once, of particles that are moved here.
   const std::vector<Hold>& holds() const { return holds_; }
   Grips& grips() { return grips_; }
   const Grips& grips() const { return grips_; }

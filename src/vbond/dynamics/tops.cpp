@@ -8,7 +8,7 @@ namespace vbond {
 Tops::Tops(const Model& model, const Order& order) {
   for (const Row k : order.particle.ids()) {
     const ParticleId p = order.particle[k];
-    if (model.is_top(p))
+    if (k.value < order.own && model.is_top(p))
       tops_.push_back({.row = k.value, .inertia = model.principal[p], .L = {}, .q = {}, .omega = {}});
   }
   if (tops_.empty()) return;

@@ -48,12 +48,13 @@ TouchPairs::TouchPairs(const Model& model, const Order& order, const StepKernel&
       kernel_(kernel),
       forms_(touch_forms(model.contact)),
       keeps_overlap_(model.contact.keeps_overlap),
-      start_(model.particles() + 1, 0),
+      start_(order.known + 1, 0),
       old_start_(start_) {
   double R_max = 0.0;
-  for (const ParticleId p : order.particle) {
+  for (const double R : model.radius) R_max = std::max(R_max, R);
+  for (Row k{0}; k.value < order.known; ++k.value) {
+    const ParticleId p = order.particle[k];
     row_.push_back({model.radius[p], 1.0 / model.mass[p], 1.0 / model.inertia[p]});
-    R_max = std::max(R_max, model.radius[p]);
     if (model.materials.size() > 1) material_.push_back(model.material_of(p));
   }
   materials_ = std::max<std::uint32_t>(1, static_cast<std::uint32_t>(model.materials.size()));
@@ -87,6 +88,7 @@ Touching<double> TouchPairs::touching(Row i, Row j, const Bodies& b) const {
 }
 
 std::size_t TouchPairs::place(Row i, Row j) const {
+  if (j.value >= row_.size()) return pairs();  // of another part
   const auto first = second_.begin() + static_cast<std::ptrdiff_t>(start_[i.value]);
   const auto last = second_.begin() + static_cast<std::ptrdiff_t>(start_[i.value + 1]);
   const auto at = std::lower_bound(first, last, j);

@@ -20,9 +20,11 @@ Vec3d velocity_at(const WallState& w, const Vec3d& centre, const Vec3d& x) {
 
 }  // namespace
 
-Walls::Walls(const Model& model, const Stage& stage, const Bodies& bodies, std::size_t blocks)
+Walls::Walls(const Model& model, const Stage& stage, const Bodies& bodies, std::size_t blocks,
+             const Others* others)
     : model_(model),
       bodies_(bodies),
+      others_(others),
       drive_(model.walls.size(), nullptr),
       walls_(model.walls.size()),
       forms_(touch_forms(model.contact)) {
@@ -59,6 +61,7 @@ void Walls::read(const State& s) {
   room_ = 0.0;
   for (OfBlock& b : blocks_) b.near.clear();
   for (const WallMemory& m : s.wall_history) {
+    if (!bodies_.order.has(m.p)) continue;
     const std::size_t row = bodies_.order.row[m.p].value;
     std::vector<Near>& near = blocks_[row / block_rows].near;
     auto at = std::find_if(near.begin(), near.end(),
@@ -141,11 +144,11 @@ void Walls::refresh(const Team& team, double way) {
   room_ -= way;
   if (room_ > 0.0) return;
   team.for_blocks([&](const Block& b) {
-    list(blocks_[b.index], {b.rows.first, std::min(b.rows.last, model_.particles())});
+    list(blocks_[b.index], {b.rows.first, std::min(b.rows.last, bodies_.order.own)});
   });
   room_ = 0.5 * skin_;
   extent_ = 0.0;
-  for (std::size_t k = 0; k < model_.particles(); ++k)
+  for (std::size_t k = 0; k < bodies_.order.own; ++k)
     for (std::size_t w = 0; w < walls_.size(); ++w) {
       const double distance = norm(bodies_.pose[k].r - model_.walls[w].centre - walls_[w].displacement);
       if (std::isfinite(distance)) extent_ = std::max(extent_, distance + skin_);
@@ -160,6 +163,7 @@ void Walls::look_at_drift(double dt, double way) {
     if (way + of_wall <= least_radius_ || !surfaces_[w].has_two_sides()) continue;
     for (const ParticleId p : model_.radius.ids()) {
       const std::size_t k = bodies_.order.row[p].value;
+      if (!bodies_.order.has(p)) continue;
       const double R = model_.radius[p];
       const Vec3d r = bodies_.pose[k].r;
       const double moved = dt * norm(bodies_.motion[k].v - velocity_at(walls_[w], model_.walls[w].centre, r));
@@ -293,26 +297,37 @@ TouchLosses<double> Walls::add_loads(const Block& b, LoadRow* load, double dt) {
   return lost;
 }
 
+/// What presses on each wall, and the slopes of its touches.
+std::vector<Walls::OnWall> Walls::sums() const {
+  std::vector<OnWall> on(walls_.size());
+  for (std::size_t w = 0; w < walls_.size(); ++w)
+    for (const OfBlock& b : blocks_) {
+      on[w].F += b.F[w], on[w].M += b.M[w];
+      on[w].slopes.k += b.slopes[w].k, on[w].slopes.g += b.slopes[w].g;
+    }
+  static_assert(sizeof(OnWall) == 8 * sizeof(double));
+  if (others_ != nullptr) others_->sum({&on.front().F.x, 8 * on.size()});
+  return on;
+}
+
 double Walls::close(double dt) {
   double work = 0.0;
+  const std::vector<OnWall> on = sums();
   for (std::size_t w = 0; w < walls_.size(); ++w) {
     WallState& now = walls_[w];
     const Vec3d F = now.force, M = now.moment;
-    now.force = now.moment = {};
-    for (const OfBlock& b : blocks_) now.force += b.F[w], now.moment += b.M[w];
+    now.force = on[w].F, now.moment = on[w].M;
     const double done =
         -0.5 * dt * (dot(F + now.force, now.velocity) + dot(M + now.moment, now.angular_velocity));
     now.work += done;
     work += done;
-    if (dt > 0.0 && has_servo(w)) look_at_servo(w, dt);
+    if (dt > 0.0 && has_servo(w)) look_at_servo(w, on[w].slopes, dt);
   }
   return work;
 }
 
 /// A body of this mass between springs that are fixed at their other ends.
-void Walls::look_at_servo(std::size_t w, double dt) {
-  Slopes sum;
-  for (const OfBlock& b : blocks_) sum.k += b.slopes[w].k, sum.g += b.slopes[w].g;
+void Walls::look_at_servo(std::size_t w, const Slopes& sum, double dt) {
   const double mass = drive_[w]->servo->mass, least = 0.25 * sq(dt) * sum.k + 0.5 * dt * sum.g;
   if (mass < least) fault_ = {Fault::light, static_cast<std::uint32_t>(w), {}, mass, least};
 }

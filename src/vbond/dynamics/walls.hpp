@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "vbond/dynamics/bodies.hpp"
+#include "vbond/dynamics/others.hpp"
 #include "vbond/dynamics/team.hpp"
 #include "vbond/dynamics/touch_kernel.hpp"
 #include "vbond/model/model.hpp"
@@ -25,8 +26,9 @@ struct DeepInWall {
 /// A block adds the loads of walls to its own rows only; loads on walls are added up block by block.
 class Walls {
  public:
-  /// Keeps references to model, stage and bodies.
-  Walls(const Model& model, const Stage& stage, const Bodies& bodies, std::size_t blocks);
+  /// Keeps references to all. others: nullptr unless the body is stepped in parts.
+  Walls(const Model& model, const Stage& stage, const Bodies& bodies, std::size_t blocks,
+        const Others* others = nullptr);
   Walls(const Model&&, const Stage&, const Bodies&, std::size_t) = delete;
   Walls(const Model&, const Stage&&, const Bodies&, std::size_t) = delete;
 
@@ -77,6 +79,10 @@ class Walls {
   struct Slopes {
     double k = 0, g = 0;  // [force/length], [force*time/length]
   };
+  struct OnWall {
+    Vec3d F, M;
+    Slopes slopes;
+  };
   struct Slot {
     Vec3d normal;
     PairHistory history{};
@@ -108,10 +114,12 @@ class Walls {
   void prescribe(std::size_t wall, double t, double dt);
   void set_velocity(std::size_t wall, std::int64_t stage_step, double dt);
   bool has_servo(std::size_t wall) const { return drive_[wall] != nullptr && drive_[wall]->servo; }
-  void look_at_servo(std::size_t wall, double dt);
+  std::vector<OnWall> sums() const;
+  void look_at_servo(std::size_t wall, const Slopes& sum, double dt);
 
   const Model& model_;
   const Bodies& bodies_;
+  const Others* others_;
   std::vector<const WallDrive*> drive_;  // of each wall, or nullptr
   std::vector<WallState> walls_;
   std::vector<WallSurface> surfaces_;

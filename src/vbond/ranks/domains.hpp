@@ -1,33 +1,35 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
-#include "vbond/dynamics/rows.hpp"
-#include "vbond/model/model.hpp"
-#include "vbond/model/state.hpp"
-#include "vbond/ranks/holding.hpp"
+#include "vbond/dynamics/order.hpp"
+#include "vbond/dynamics/others.hpp"
 
 namespace vbond {
 
-/// The ranks' domains in space, kept by LAMMPS: which particles and bonds a rank has, and the messages
-/// between neighbouring domains. All functions are to be called by all ranks.
+/// The particles that a rank moves, and its ghosts: those of other ranks within reach of its domain.
+struct Holding {
+  std::vector<ParticleId> own, ghosts;
+};
+
+/// The ranks' domains in space, kept by LAMMPS: which particles a rank has, and the messages between
+/// neighbouring domains. All functions are to be called by all ranks.
 class Domains {
  public:
-  /// Spreads the particles and bonds of a body, which all ranks hold, over the ranks.
-  Domains(const Model& model, const State& state);
+  /// Spreads particles at these positions, which all ranks know, over the ranks.
+  Domains(const Order& order, const PerParticle<Vec3d>& all, double reach);
   ~Domains();
 
-  /// Takes the present motion of own particles, sends those that have left the domain to their new rank, and
-  /// finds the ghosts anew. longest: of all unbroken bonds, of all ranks. Throws std::runtime_error if
-  /// particles were lost.
-  void redistribute(const std::vector<Motion>& own, double longest);
-  /// What this rank has now; bonds: all of the body, of which broken ones are left out.
-  Holding holding(const PerBond<Bond>& bonds) const;
-  /// Ghosts get the poses of their particles; rows: of own particles, then of ghosts.
-  void send_poses(const std::vector<std::uint32_t>& rows, PoseRow* pose);
+  /// Their positions are now these: particles go to the rank in whose domain they are, and the ghosts are
+  /// found anew. Throws std::runtime_error if particles were lost.
+  void redistribute(const PerParticle<Vec3d>& all, double reach);
+  Holding holding() const;
+  /// Ghosts get what their particles have; rows: of own particles, then of ghosts, as holding() names them.
+  void send_to_ghosts(const std::vector<std::uint32_t>& rows, const GhostPoses& columns);
   /// Particles get the loads of their ghosts on other ranks, in addition.
-  void gather_loads(const std::vector<std::uint32_t>& rows, LoadRow* load);
+  void gather_from_ghosts(const std::vector<std::uint32_t>& rows, std::span<LoadRow> load);
 
  private:
   struct Lammps;

@@ -1,0 +1,52 @@
+#pragma once
+#include <cstddef>
+#include <cstring>
+#include <span>
+#include <type_traits>
+#include <vector>
+
+#include "vbond/dynamics/rows.hpp"
+
+namespace vbond {
+
+/// Columns of rows whose ghosts get what their particles have. Empty columns are not sent.
+struct GhostPoses {
+  std::span<PoseRow> pose;
+  std::span<MotionRow> motion;
+};
+
+/// The processes that step the other parts of a body. All call these functions in the same order, and all
+/// wait for each other in most of them.
+class Others {
+ public:
+  virtual ~Others() = default;
+
+  /// Ghosts get what their particles have on the ranks that move them.
+  virtual void send_to_ghosts(const GhostPoses& columns) = 0;
+  /// Particles get, in addition, the loads on their ghosts.
+  virtual void gather_from_ghosts(std::span<LoadRow> load) = 0;
+
+  /// Numbers become the sum, or the largest, of those of all processes.
+  virtual void sum(std::span<double> numbers) const = 0;
+  virtual void largest(std::span<double> numbers) const = 0;
+  /// Whether this process does what one of them must do for all.
+  virtual bool leads() const = 0;
+  /// What all processes have, in their order: on all of them, or only on the one that leads.
+  virtual std::vector<std::byte> collect_bytes(std::span<const std::byte> mine, bool everyone) const = 0;
+
+  template <class T>
+  std::vector<T> collect(const std::vector<T>& mine, bool everyone = true) const {
+    static_assert(std::is_trivially_copyable_v<T>);
+    const std::vector<std::byte> bytes = collect_bytes(std::as_bytes(std::span(mine)), everyone);
+    std::vector<T> all(bytes.size() / sizeof(T));
+    if (!all.empty()) std::memcpy(static_cast<void*>(all.data()), bytes.data(), bytes.size());
+    return all;
+  }
+  bool any(bool here) const {
+    double number = here ? 1.0 : 0.0;
+    largest({&number, 1});
+    return number != 0.0;
+  }
+};
+
+}  // namespace vbond

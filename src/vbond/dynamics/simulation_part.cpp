@@ -1,0 +1,239 @@
+// A simulation of a part of a body, whose other parts others step; and the one for which they do so.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numeric>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "vbond/core/error.hpp"
+#include "vbond/dynamics/simulation.hpp"
+
+namespace vbond {
+namespace {
+
+template <std::size_t N>
+void put(const std::string& text, std::array<char, N>& to) {
+  to.fill('\0');
+  text.copy(to.data(), N - 1);
+}
+
+}  // namespace
+
+// ---- a step ------------------------------------------------------------------------------------------
+
+/// Ghosts get where their particles are, and where loads depend on it, how they move.
+void Simulation::hear_poses() {
+  for (std::size_t b = team_.blocks(); b < all_known().blocks(); ++b) books_[b] = {}, lost_[b] = {};
+  const bool motion = inelastic() || contacts_.any() || capsules_.any();
+  others_->send_to_ghosts({bodies_.pose, motion ? std::span(bodies_.motion) : std::span<MotionRow>()});
+  if (!inelastic()) return;
+  const auto first = static_cast<std::ptrdiff_t>(bodies_.order.own),
+             last = static_cast<std::ptrdiff_t>(bodies_.order.known);
+  std::copy(bodies_.motion.begin() + first, bodies_.motion.begin() + last, bodies_.rates.begin() + first);
+}
+
+/// What is done to ghosts goes to their parts: none is left here, so that nothing is counted twice.
+void Simulation::gather_loads() {
+  const auto gather = [this](std::vector<LoadRow>& load) {
+    others_->gather_from_ghosts(load);
+    std::fill(load.begin() + static_cast<std::ptrdiff_t>(bodies_.order.own),
+              load.begin() + static_cast<std::ptrdiff_t>(bodies_.order.known), LoadRow{});
+  };
+  gather(bodies_.load);
+  if (!bodies_.damping.empty()) gather(bodies_.damping);
+}
+
+/// All blocks have moved, and ghosts, too.
+void Simulation::complete_loads_of_part(Instant at) {
+  StepTimes::Lap untimed(false);
+  const Team& team = all_known();
+  for (std::size_t b = 0; b < team.blocks(); ++b)
+    add_mutual_loads(team.parts().front(), team.block(b), at, {}, untimed);
+  gather_loads();
+  team_.for_blocks([&](const Block& b) {
+    complete_loads(b, at, untimed);
+    if (at == Instant::end) end_step(b);
+  });
+}
+
+/// As find_events(): the parts ask each other once in a step.
+bool Simulation::find_events_of_all() {
+  if (!growing_.empty()) book_heat();
+  if (capsules_.any()) look_at_capsules();
+  if (contacts_.any()) look_at_deep_contacts();
+  const bool breaks =
+      std::any_of(breaking_.begin(), breaking_.end(), [](const auto& b) { return !b.empty(); });
+  enum : std::size_t { failed, broke, met, questions };
+  std::array<double, questions> any{failed_ ? 1.0 : 0.0, breaks ? 1.0 : 0.0,
+                                    encounters().empty() && !fastest() ? 0.0 : 1.0};
+  others_->largest(any);
+  if (any[failed] != 0.0) agree_on_failure();
+  if (any[met] != 0.0) encounters_.share();
+  return (any[broke] != 0.0 && break_bonds()) || any[met] != 0.0 || any_deep_capsules();
+}
+
+/// The run cannot go on. Of a part, it ends when all have been told.
+void Simulation::diverge(std::size_t first_particle, const std::string& who, const std::string& what,
+                         const std::string& way_out) const {
+  const Clock& clock = state_.clock;
+  if (others_ == nullptr) throw Diverged(clock.step, clock.time(), who, what, way_out);
+  if (failed_) return;
+  Failed& failed = failed_.emplace();
+  failed.step = clock.step, failed.time = clock.time();
+  failed.first_particle = static_cast<std::int64_t>(first_particle);
+  put(who, failed.who), put(what, failed.what), put(way_out, failed.way_out);
+}
+
+void Simulation::agree_on_failure() {
+  if (others_ == nullptr || !others_->any(failed_.has_value())) return;
+  std::vector<Failed> mine;
+  if (failed_) mine.push_back(*failed_);
+  const std::vector<Failed> all = others_->collect(mine);
+  const Failed& first = *std::min_element(all.begin(), all.end(), [](const Failed& a, const Failed& b) {
+    return std::pair(a.step, a.first_particle) < std::pair(b.step, b.first_particle);
+  });
+  throw Diverged(first.step, first.time, first.who.data(), first.what.data(), first.way_out.data());
+}
+
+/// Capsules are worked out by all parts.
+double Simulation::reach() const {
+  if (!meets()) return 0.0;
+  bool capsules = capsules_.any();
+  for (const BondingRule& rule : stage_.bonding) capsules |= rule.recipe.capsule;
+  return capsules ? std::numeric_limits<double>::infinity() : std::max(contacts_.reach(), bonding_.reach());
+}
+
+double Simulation::way_since_begin() const {
+  double most2 = 0.0;
+  for (std::size_t k = 0; k < r_begin_.size(); ++k)
+    most2 = std::max(most2, norm2(bodies_.pose[k].r - r_begin_[k]));
+  return std::sqrt(most2);
+}
+
+double Simulation::longest_bond() const {
+  double most2 = 0.0;
+  for (const Bond& b : state_.bonds)
+    if (!b.broken && bodies_.order.has(b.i)) most2 = std::max(most2, norm2(pose_of(b.j).r - pose_of(b.i).r));
+  return std::sqrt(most2);
+}
+
+// ---- the whole body ----------------------------------------------------------------------------------
+
+/// All that belongs to single particles, bonds and pairs; the rest is the same in all parts.
+void Simulation::collect_body(State& whole, bool everyone) {
+  state();
+  const Order& order = bodies_.order;
+  std::vector<ParticleId> own;
+  for (Row k{0}; k.value < order.own; ++k.value) own.push_back(order.particle[k]);
+  const std::vector<ParticleId> all = others_->collect(own, everyone);
+  const auto bring = [&](const auto& ids, const auto& all_ids, const auto& from, auto& to) {
+    to.resize(from.size());
+    std::vector<std::decay_t<decltype(*from.begin())>> values;
+    for (const auto id : ids) values.push_back(from[id]);
+    const auto of_all = others_->collect(values, everyone);
+    for (std::size_t k = 0; k < of_all.size(); ++k) to[all_ids[k]] = of_all[k];
+  };
+  const auto bring_particles = [&](const auto& from, auto& to) {
+    if (!from.empty()) return bring(own, all, from, to);
+    to = from;
+  };
+  bring_particles(state_.r, whole.r);
+  bring_particles(state_.q, whole.q);
+  bring_particles(state_.v, whole.v);
+  bring_particles(state_.omega, whole.omega);
+  bring_particles(state_.spin, whole.spin);
+  for (Loads State::*loads : {&State::loads, &State::damping, &State::local_damping}) {
+    bring_particles((state_.*loads).F, (whole.*loads).F);
+    bring_particles((state_.*loads).M, (whole.*loads).M);
+  }
+  if (!state_.bond_history.empty()) {
+    std::vector<BondId> bonds;
+    for (const BondId b : state_.bonds.ids())
+      if (order.has(state_.bonds[b].i)) bonds.push_back(b);
+    bring(bonds, others_->collect(bonds, everyone), state_.bond_history, whole.bond_history);
+  }
+  whole.contact_history = others_->collect(state_.contact_history, everyone);
+  std::sort(
+      whole.contact_history.begin(), whole.contact_history.end(),
+      [](const PairMemory& a, const PairMemory& b) { return std::pair(a.i, a.j) < std::pair(b.i, b.j); });
+  whole.wall_history = others_->collect(state_.wall_history, everyone);
+  std::stable_sort(whole.wall_history.begin(), whole.wall_history.end(),
+                   [](const WallMemory& a, const WallMemory& b) {
+                     return std::pair(a.p, a.wall) < std::pair(b.p, b.wall);
+                   });
+}
+
+bool Simulation::give(State& whole, bool everyone) {
+  collect_body(whole, everyone);
+  whole.clock = state_.clock;
+  whole.peak = state_.peak;
+  whole.rest = state_.rest;
+  whole.breaks = state_.breaks;
+  whole.walls = state_.walls;
+  whole.fibre_history = state_.fibre_history;
+  whole.grips = state_.grips;
+  whole.gripped = state_.gripped;
+  whole.temperature = state_.temperature;
+  whole.warm_bonds = state_.warm_bonds;
+  const bool changed = std::exchange(changed_, false) || !stage_.heating.empty();
+  if (changed) whole.bonds = state_.bonds;
+
+  const EnergyBooks& b = state_.books;
+  std::vector<double> sums{b.at_start, b.dissipated, b.released, b.work_loads, b.work_supports};
+  sums.insert(sums.end(), b.lost.of.begin(), b.lost.of.end());
+  for (const GripState& g : state_.grips) sums.push_back(g.work);
+  sums.insert(sums.end(), brought_in_.begin(), brought_in_.end());
+  brought_in_.clear();
+  others_->sum(sums);
+  auto next = sums.begin();
+  EnergyBooks& to = whole.books;
+  for (double* x : {&to.at_start, &to.dissipated, &to.released, &to.work_loads, &to.work_supports})
+    *x = *next++;
+  for (double& x : to.lost.of) x = *next++;
+  for (GripState& g : whole.grips) g.work = *next++;
+  to.largest =
+      std::accumulate(next, sums.end(), to.largest, [](double a, double x) { return std::max(a, x); });
+  return changed;
+}
+
+// ---- the simulation that shows it --------------------------------------------------------------------
+
+/// The steps up to the next look at the body, made by the parts, and no more than some: an interruption waits
+/// for their end.
+StopReason Simulation::leap(std::int64_t& most) {
+  constexpr std::int64_t at_once = 256;
+  const std::int64_t before = state_.clock.step;
+  const Stepper::Leap leap = stepper_->advance(std::min({most, at_once, steps_to_look_}), state_);
+  const std::int64_t steps = state_.clock.step - before;
+  events_.insert(events_.end(), leap.part->events_.begin(), leap.part->events_.end());
+  leap.part->events_.clear();
+  if (!observers_.empty()) take_over(leap);
+  most -= steps;
+  steps_to_look_ -= steps;
+  if (steps_to_look_ <= 0 || leap.part->is_due()) notify_observers();
+  return leap.why;
+}
+
+/// Observers see what they would see if it had made these steps itself.
+void Simulation::take_over(const Stepper::Leap& leap) {
+  taken_ = leap.part->taken_;
+  taken_shares_ = leap.part->taken_shares_;
+  for (Capsules::Share& s : taken_shares_)
+    s.row = bodies_.order.row[leap.part->bodies_.order.particle[Row{s.row}]].value;
+  std::stable_sort(taken_shares_.begin(), taken_shares_.end(),
+                   [](const Capsules::Share& a, const Capsules::Share& b) { return a.row < b.row; });
+  encounters_.take(leap.part->encounters_);
+  bodies_.read(state_);
+  if (leap.bonds_changed)
+    bonds_changed();
+  else if (bonds_.remembers())
+    arrange_bonds();
+  supports_.grips().read(state_, true);
+  take_up_loads();
+}
+
+}  // namespace vbond
