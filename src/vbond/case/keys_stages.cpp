@@ -167,13 +167,14 @@ void describe_newton(Table& t, NewtonSettings& n, StageKind kind) {
                                    LinearSolver::multigrid}},
         optional,
         "of the linear equations; iterative: equilibrium only, and whether it is stable is then not known; "
-        "multigrid: equilibrium only, of the program vbond-petsc; direct: fracture keeps no factors");
+        "multigrid: of the program vbond-petsc, not for fracture; direct: fracture keeps no factors");
   t.check(has_multigrid || n.solver != LinearSolver::multigrid, {"solver"}, "this program has no multigrid",
           "use solver = \"automatic\", or vbond-petsc, which the preset petsc builds with PETSc and SLEPc");
-  const bool iterates = n.solver == LinearSolver::iterative || n.solver == LinearSolver::multigrid;
-  t.check(kind == StageKind::equilibrium || !iterates, {"solver"},
+  t.check(kind == StageKind::equilibrium || n.solver != LinearSolver::iterative, {"solver"},
           "paths, critical loads, modes and fracture need the factors of the tangent",
           "use solver = \"automatic\" or \"direct\"");
+  t.check(kind != StageKind::fracture || n.solver != LinearSolver::multigrid, {"solver"},
+          "fracture needs the factors of the tangent", "use solver = \"automatic\" or \"direct\"");
 }
 
 void describe_path(Table& t, PathSettings& p) {

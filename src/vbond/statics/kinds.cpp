@@ -70,7 +70,8 @@ void refuse_not_finite(const StaticBody& body) {
 
 void refuse_iterative(const StaticBody& body, TangentSolver& solver, const std::string& who) {
   solver.prepare(body);
-  if (!solver.iterative()) return;
+  const bool by_modes = body.stage().kind == StageKind::path || body.stage().kind == StageKind::buckling;
+  if (!solver.iterative() || (solver.by_multigrid() && by_modes)) return;
   throw NoEquilibrium(
       body.stage().name,
       who + (body.stage().newton.solver != LinearSolver::automatic

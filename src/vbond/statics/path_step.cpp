@@ -229,6 +229,7 @@ int PathStep::number_below(const SparseMatrix& A, double bound) {
 /// as negative or not: then those are counted that are negative for sure.
 double PathStep::eigenvalue(int number, const PathPoint& p) {
   body_->restore(p.at);
+  if (const std::optional<double> value = arc_->eigenvalue(number)) return *value;
   const SparseMatrix& A = body_->tangent();
   for (int count = 2;; count *= 2) {
     const EigenPairs found = eigenpairs_near_zero(A, std::min(count, static_cast<int>(A.rows())));

@@ -286,7 +286,8 @@ const PathPoint& start_walk(const StaticBody& body, TangentSolver& solver, PathW
   const PathPoint* here = walk.start(first_step);
   if (walk.is_singular())
     throw NoEquilibrium(
-        name, "the tangent stiffness is singular at load factor 0, first of all in: " + softest_names(body),
+        name,
+        "the tangent stiffness is singular at load factor 0, first of all in: " + softest_names(body, solver),
         "hold them, or give the bonds stiffness against them");
   if (!here)
     throw NoEquilibrium(name, "nothing changes with the load factor",

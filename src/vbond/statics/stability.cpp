@@ -70,11 +70,12 @@ Stability judge_by_multigrid(const StaticBody& body, TangentSolver& solver) {
     s.neutral = true;
     return s;
   }
-  const auto [pairs, residuals] = solver.lowest(body, most);
+  const Lowest& found = solver.multigrid_at(body).lowest(1, most);
+  const EigenPairs pairs{found.values, found.vectors, 0};
   const double margin = body.has_moment_part() ? body.moment_part() : 0.0;
   int negative = 0;
   for (Eigen::Index k = 0; k < pairs.values.size(); ++k) {
-    const double error = larger(eigenvalue_error(K, pairs.vectors.col(k)), residuals[k]);
+    const double error = larger(eigenvalue_error(K, pairs.vectors.col(k)), found.errors[k]);
     if (k == 0) s.definite = pairs.values[0] > error;
     if (k == 0) s.neutral = std::abs(pairs.values[0]) <= error;
     negative += pairs.values[k] < -larger(error, margin);

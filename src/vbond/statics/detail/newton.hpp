@@ -6,9 +6,11 @@
 #include <vector>
 
 #include "vbond/statics/detail/body.hpp"
+#include "vbond/statics/detail/by_multigrid.hpp"
+#include "vbond/statics/detail/deflated.hpp"
+#include "vbond/statics/detail/eigen.hpp"
 #include "vbond/statics/detail/factor.hpp"
 #include "vbond/statics/detail/kept_factor.hpp"
-#include "vbond/statics/detail/multigrid.hpp"
 #include "vbond/statics/results.hpp"
 
 namespace vbond {
@@ -30,9 +32,14 @@ class TangentSolver {
   /// Factors tangent() + shift I; false if that is not positive definite. With conjugate gradients that is
   /// noticed only in solve().
   bool factor_definite(const StaticBody& body, double shift = 0.0);
-  /// Factors tangent() whatever its signs; returns the number of negative eigenvalues, nothing if singular
-  /// (or if it is solved by conjugate gradients, which do not tell: lowest() does, by multigrid).
+  /// Factors tangent() whatever its signs, or by multigrid finds its lowest eigenpairs; returns the number of
+  /// negative eigenvalues, nothing if singular (or by conjugate gradients with an incomplete factor, which do
+  /// not tell). Throws NoConvergence.
   std::optional<int> factor(const StaticBody& body);
+  /// After factor(): its null vectors taken out.
+  Deflated deflated(const StaticBody& body);
+  /// The eigenpairs of tangent() that are nearest to zero, nearest first.
+  EigenPairs near_zero(const StaticBody& body, int count);
   /// Makes ready to solve with tangent() and no more: by the kept factor if there is one, else
   /// factor_definite(). That the tangent is not definite may then show only in solve(), if at all.
   bool take_definite(const StaticBody& body);
@@ -49,21 +56,22 @@ class TangentSolver {
   /// After any of these: (tangent() + shift I)^-1 b, with a kept factor to this part of b. Empty if conjugate
   /// gradients do not converge, or the tangent turns out not to be what was asked for. The body stands where
   /// it stood.
-  Vector solve(const Vector& b, double accuracy = 1e-12);
+  Vector solve(const Vector& b, double accuracy = full_accuracy);
   /// After any, without a shift: the same with full_tangent(), which differs where moments act.
-  Vector solve_full(const StaticBody& body, const Vector& b, double accuracy = 1e-12);
+  Vector solve_full(const StaticBody& body, const Vector& b, double accuracy = full_accuracy);
   /// True if the factor does not fit into memory, takes too long, or was not wanted: conjugate gradients are
   /// used, preconditioned by multigrid where this build has it.
   bool iterative() const { return iterative_ != nullptr || by_multigrid(); }
   bool by_multigrid() const { return multigrid_ != nullptr; }
   const char* name() const { return by_multigrid() ? "multigrid" : iterative() ? "iterative" : "direct"; }
-  /// By multigrid: the lowest eigenvalues of tangent(), Multigrid::lowest(). Throws NoConvergence.
-  Multigrid::Lowest lowest(const StaticBody& body, int most);
+  /// By multigrid only: ready for tangent().
+  ByMultigrid& multigrid_at(const StaticBody& body);
   const Factor& last_factor() const { return factor_; }
 
  private:
   struct ConjugateGradients;
-  struct ByMultigrid;
+  static constexpr double full_accuracy = 1e-12;
+  std::optional<int> counted_by_multigrid(const StaticBody& body);
   bool kept_for(const StaticBody& body);
   bool may_keep() const;
 
