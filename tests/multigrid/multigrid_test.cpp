@@ -6,39 +6,17 @@
 #include <optional>
 #include <vector>
 
-#include "statics/bodies.hpp"
+#include "multigrid/multigrid_bodies.hpp"
 #include "statics/matrices.hpp"
 #include "vbond/statics/detail/stability.hpp"
 
 namespace vbond {
 namespace {
 
+using testing::ids;
+using testing::lattice_of;
 using testing::pushed;
 using testing::static_stage;
-
-/// A lattice of nx * ny * nz particles one apart.
-testing::Specimen lattice_of(std::size_t nx, std::size_t ny, std::size_t nz) {
-  std::vector<Vec3d> r;
-  for (std::size_t z = 0; z < nz; ++z)
-    for (std::size_t y = 0; y < ny; ++y)
-      for (std::size_t x = 0; x < nx; ++x)
-        r.push_back({static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)});
-  testing::Specimen s = testing::particles_at(r);
-  BondRecipe recipe;
-  recipe.parameters = BondStiffness<double>{1.0, 0.5, 0.1, 0.05};
-  for (std::size_t k = 0; k < r.size(); ++k) {
-    if (k % nx + 1 < nx) testing::bond(s, k, k + 1, recipe);
-    if (k / nx % ny + 1 < ny) testing::bond(s, k, k + nx, recipe);
-    if (k + nx * ny < r.size()) testing::bond(s, k, k + nx * ny, recipe);
-  }
-  return s;
-}
-
-std::vector<ParticleId> ids(std::size_t first, std::size_t count) {
-  std::vector<ParticleId> list;
-  for (std::size_t k = first; k < first + count; ++k) list.push_back(ParticleId{k});
-  return list;
-}
 
 /// A block on rollers: all degrees of freedom of a corner are held, of other particles below one or two.
 StaticStage on_rollers(std::size_t n) {

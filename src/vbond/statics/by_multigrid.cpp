@@ -113,10 +113,11 @@ Vector ByMultigrid::solve_beside(const Vector& b, Eigen::Index first, Eigen::Ind
   double left = size;
   for (int round = 0; left > larger(accuracy * size, rounding_of_product(*A_, x.norm())); ++round) {
     GradientsMade made;
+    Vector next = x + V * amplitude.cwiseProduct(V.transpose() * r);
     const std::optional<Vector> y =
         conjugate_gradients([&](const Vector& p) { return normal(times(p)); },
-                            [&](const Vector& p) { return normal(inverse(normal(p))); }, normal(r),
-                            {0.0, part_of_round}, most_gradients, &made);
+                            [&](const Vector& p) { return normal(inverse(normal(p))); },
+                            normal(b - times(next)), {0.0, part_of_round}, most_gradients, &made);
     iterations_ += static_cast<int>(made.alpha.size());
     if (!y) {
       const bool ended = static_cast<double>(made.alpha.size()) >= most_gradients;
@@ -125,8 +126,7 @@ Vector ByMultigrid::solve_beside(const Vector& b, Eigen::Index first, Eigen::Ind
           "multigrid: the tangent has more negative eigenvalues than were found; solver = \"direct\" counts "
           "them");
     }
-    Vector next = x + *y;
-    next += V * amplitude.cwiseProduct(V.transpose() * without_null(b - times(next)));
+    next += *y;
     Vector next_r = without_null(b - times(next));
     const double now = next_r.norm();
     const bool gains = now < 0.5 * left;
