@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "multigrid/multigrid_bodies.hpp"
+#include "vbond/statics/detail/body.hpp"
 
 namespace vbond {
 namespace {
@@ -133,8 +134,8 @@ double distance(const State& a, const State& b) {
 }
 
 /// Empty, or what differs; found are the values of the factors' result.
-std::string difference(const StaticStage& stage, const StaticOutcome& direct, const StaticOutcome& multigrid,
-                       bool& missed) {
+std::string difference(const Body& body, const StaticStage& stage, const StaticOutcome& direct,
+                       const StaticOutcome& multigrid, bool& missed) {
   const StaticResult &a = direct.result, &b = multigrid.result;
   const auto compare = [&](const char* what, const std::vector<double>& x,
                            const std::vector<double>& y) -> std::string {
@@ -164,7 +165,15 @@ std::string difference(const StaticStage& stage, const StaticOutcome& direct, co
       break;
     default: break;
   }
-  if (a.unstable != b.unstable) return "unstable";
+  if (a.unstable != b.unstable)
+    return fmt::format("{} unstable, not {}", b.unstable.value_or(-1), a.unstable.value_or(-1));
+  if (a.left_saddle || a.neutral) {  // it may have gone to another of several sides that are alike
+    const auto energy = [&](const StaticOutcome& o) {
+      return StaticBody(body.specimen.model, stage, o.state, 1.0).energies().total();
+    };
+    const double off = std::abs(energy(multigrid) / energy(direct) - 1.0);
+    return off <= 1e-8 ? "" : fmt::format("energies {:.2g} apart", off);
+  }
   const double off = distance(direct.state, multigrid.state);
   return off <= 1e-8 ? "" : fmt::format("states {:.2g} apart", off);
 }
@@ -183,7 +192,7 @@ void compare(const Body& b, const StaticStage& stage, const char* kind, Counts& 
   }
   EXPECT_EQ(multigrid.outcome->result.solver, "multigrid");
   bool missed = false;
-  const std::string text = difference(stage, *direct.outcome, *multigrid.outcome, missed);
+  const std::string text = difference(b, stage, *direct.outcome, *multigrid.outcome, missed);
   ++(text.empty() ? counts.same : missed ? counts.missed : counts.wrong);
   if (!text.empty()) fmt::print("{}, {}: {}\n", b.name, kind, text);
 }

@@ -127,7 +127,7 @@ TEST(Multigrid, SolvesWithTheShiftedTangent) {
   }
 }
 
-// A cube small enough for a factor that takes no time keeps it; so do paths, which need its signs.
+// A cube small enough for a factor that takes no time keeps it; so does fracture.
 TEST(Multigrid, IsChosenWhereAFactorWouldTakeLonger) {
   const testing::Specimen small = lattice_of(6, 6, 6), large = lattice_of(24, 24, 24);
   StaticStage stage = on_rollers(6);
@@ -135,6 +135,8 @@ TEST(Multigrid, IsChosenWhereAFactorWouldTakeLonger) {
   stage = on_rollers(24);
   EXPECT_EQ(choose_solver(large.model, stage, large.state).direct, false);
   stage.kind = StageKind::path;
+  EXPECT_EQ(choose_solver(large.model, stage, large.state).multigrid, true);
+  stage.kind = StageKind::fracture;
   EXPECT_EQ(choose_solver(large.model, stage, large.state).direct, true);
 }
 

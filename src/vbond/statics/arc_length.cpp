@@ -100,9 +100,6 @@ double ArcLength::angle(const PathDirection& a, const PathDirection& b) const {
 void ArcLength::factor() {
   singular_.reset();
   const std::optional<int> unstable = solver_.factor(body_);
-  if (solver_.iterative() && !solver_.by_multigrid())
-    throw NoConvergence(
-        "the factor of the tangent no longer fits into memory: particles have begun to touch");
   if (unstable) {
     unstable_ = *unstable;
     return;
@@ -201,8 +198,15 @@ StepOutcome ArcLength::step(const Placement& from, const PathDirection& directio
       outcome.why = body_.first_not_finite();
       return outcome;
     }
-    factor();
-    const PathDirection change = correction(direction);
+    PathDirection change;
+    try {
+      factor();
+      change = correction(direction);
+    } catch (const NoConvergence& e) {
+      if (!solver_.by_multigrid()) throw;
+      outcome.why = e.what();  // a shorter step may do better
+      return outcome;
+    }
     const bool in_balance = balanced(body_, settings_, outcome.residuals);
     const bool settled = std::sqrt(dot(change, change)) <= settled_to * std::abs(s);
     const double rounding = body_.residual_of_rounding();

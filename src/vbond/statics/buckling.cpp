@@ -103,7 +103,7 @@ State CriticalLoads::run() && {
 
 void CriticalLoads::start() {
   refuse_moments();
-  const PathPoint& here = start_walk(body_, solver_, walk_, 1.0, "critical loads need");
+  const PathPoint& here = start_walk(body_, solver_, walk_, 1.0);
   if (here.unstable > 0)
     throw NoEquilibrium(
         stage_.name,
@@ -188,6 +188,7 @@ void CriticalLoads::add_estimates() {
 void CriticalLoads::sum_up() {
   add_estimates();
   result_.solver = solver_.name();
+  result_.solver_iterations += solver_.iterations();
   result_.iterations += walk_.iterations();
   result_.factors = walk_.factors();
 }

@@ -189,10 +189,6 @@ Lowest ByMultigrid::look(const LowestProblem& problem, LowestWanted wanted, cons
   wanted.iterations = most;
   Lowest found = lowest_eigenpairs(problem, wanted, start);
   iterations_ += found.iterations;
-  if (std::getenv("MG_DEBUG"))
-    fmt::print(stderr, "look count {} its {} of {} lambda {:.4g} {:.4g} made {:.3g} fresh {} {}\n",
-               wanted.count, found.iterations, most, found.values[0],
-               found.values.size() > 1 ? found.values[1] : 0.0, made_shift_, fresh_, found.why_not.empty());
   return found;
 }
 

@@ -160,7 +160,8 @@ class LowestSearch {
 
   Lowest found(const Vector& left, int iterations) const {
     const int count = wanted_.count;
-    return {values_.head(count),
+    const Vector values = X_.leftCols(count).cwiseProduct(AX_.leftCols(count)).colwise().sum().transpose();
+    return {values,  // free of the rounding of the method
             X_.leftCols(count),
             errors(left).head(count),
             X_.rightCols(X_.cols() - count),

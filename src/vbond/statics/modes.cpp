@@ -194,7 +194,8 @@ StaticOutcome find_modes(const Model& model, const StaticStage& stage, State sta
     hooks.tell(
         fmt::format("stage \"{}\": the body has {} frequencies only", stage.name, found.values.size()));
   result.ended = "converged";
-  result.solver = solver.by_multigrid() ? solver.name() : "direct";
+  result.solver = solver.name();
+  result.solver_iterations += solver.iterations();
   report_point(body, PointKind::end, result.unstable, hooks, result);
   return {std::move(result), std::move(body).take_state()};
 }

@@ -80,7 +80,7 @@ NewtonOutcome correct(StaticBody& body, TangentSolver& solver, const NewtonSetti
     };
     if (!solver.take(body)) return singular();
     const Vector x = solver.solve_full(body, body.unbalanced(), accuracy_for(body, settings));
-    if (x.size() == 0 && !solver.iterative()) return singular();
+    if (x.size() == 0 && !solver.by_multigrid()) return singular();
     if (x.size() == 0 || !x.allFinite() || !(change_of(body, x) <= largest_change)) {
       outcome.why = "a correction turns bonds too far";
       return outcome;
@@ -120,7 +120,7 @@ class Descent {
       if (const Vector x = solver_.solve_full(body_, g, accuracy_for(body_, settings_)); downhill(x))
         return limited(body_, x);
     Vector x = solver_.solve(g);
-    while (!downhill(x) && find_shift()) x = solver_.solve(g);  // conjugate gradients tell only now
+    while (!downhill(x) && find_shift()) x = solver_.solve(g);  // multigrid tells only now
     return downhill(x) ? limited(body_, x) : Vector();
   }
 

@@ -82,6 +82,7 @@ State PathStage::run() && {
 /// What the walk has taken, whichever way it ends.
 void PathStage::sum_up() {
   result_.solver = solver_.name();
+  result_.solver_iterations += solver_.iterations();
   result_.iterations += walk_.iterations();
   result_.factors = walk_.factors();
 }
@@ -97,7 +98,7 @@ void PathStage::take_step() {
 }
 
 void PathStage::start() {
-  const PathPoint& here = start_walk(body_, solver_, walk_, settings_.first_step, "a path needs");
+  const PathPoint& here = start_walk(body_, solver_, walk_, settings_.first_step);
   refuse_branch_without_potential(here);
   report(PointKind::regular, unstable_at(here));
   for (const Goal& g : goals_) {

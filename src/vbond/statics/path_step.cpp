@@ -170,7 +170,9 @@ std::optional<CriticalPoint> PathStep::zero_of_eigenvalue(int number, const Path
     StepOutcome outcome = to(s);
     if (!outcome.point) return std::nullopt;
     last = {s, std::move(*outcome.point)};
-    looks.push_back({value(last.point), last.point.at.load_factor});
+    body_->restore(last.point.at);
+    const std::optional<double> signed_value = arc_->eigenvalue(number);  // by multigrid
+    looks.push_back({signed_value ? *signed_value : value(last.point), last.point.at.load_factor});
     return looks.back().value;
   };
   const Crossed crossed = crossing(a, b, small, at);

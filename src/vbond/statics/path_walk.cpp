@@ -277,12 +277,12 @@ double PathWalk::longest(const PathDirection& d) const {
   return most / std::max(std::sqrt(largest2), 1e-3);
 }
 
-const PathPoint& start_walk(const StaticBody& body, TangentSolver& solver, PathWalk& walk, double first_step,
-                            const std::string& who) {
+const PathPoint& start_walk(const StaticBody& body, TangentSolver& solver, PathWalk& walk,
+                            double first_step) {
   const std::string& name = body.stage().name;
   refuse_nothing_free(body);
   refuse_rigid_motions(body);
-  refuse_iterative(body, solver, who);
+  solver.prepare(body);
   const PathPoint* here = walk.start(first_step);
   if (walk.is_singular())
     throw NoEquilibrium(

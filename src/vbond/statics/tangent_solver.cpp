@@ -10,6 +10,7 @@
 #include "vbond/core/memory.hpp"
 #include "vbond/statics/detail/eigen_search.hpp"
 #include "vbond/statics/detail/newton.hpp"
+#include "vbond/statics/detail/rounding.hpp"
 
 namespace vbond {
 namespace {
@@ -44,78 +45,65 @@ class FactorPreconditioner {
 /// Whether a balance by multigrid is surely the quicker one. Both take as long where a factor takes some 7e3
 /// operations for each entry of the tangent (blocks of 14^3 particles, docs/decisions/statics.md); it must be
 /// three times that, since slender bodies take multigrid longer.
-bool multigrid_pays(const Factor& factor, const SparseMatrix& K) {
+bool multigrid_pays(const Factor& factor, const StaticBody& body) {
   constexpr double operations_per_entry = 2e4;
-  return factor.operations() > operations_per_entry * static_cast<double>(K.nonZeros());
+  return factor.operations() > operations_per_entry * static_cast<double>(body.tangent().nonZeros());
 }
 
 }  // namespace
 
-struct TangentSolver::ConjugateGradients {
-  SparseMatrix A;
-  Eigen::ConjugateGradient<SparseMatrix, Eigen::Lower | Eigen::Upper, Eigen::IncompleteCholesky<double>>
-      method;
-};
-
 TangentSolver::TangentSolver(LinearSolver wanted, FactorUse factors) : wanted_(wanted), factors_(factors) {}
 TangentSolver::~TangentSolver() = default;
 
+TangentSolver::Choice TangentSolver::choose(const StaticBody& body) {
+  constexpr double share_of_memory = 0.6;  // the rest: the matrix, the state, and everybody else
+  if (wanted_ == LinearSolver::multigrid) return Choice::multigrid;
+  factor_.analyse(body.tangent());
+  if (wanted_ == LinearSolver::direct) return Choice::direct;
+  const bool fits = factor_.bytes() <= share_of_memory * memory_limit();
+  const bool may = has_multigrid() && body.stage().kind != StageKind::fracture;
+  if (may && (!fits || multigrid_pays(factor_, body))) return Choice::multigrid;
+  return fits ? Choice::direct : Choice::none;
+}
+
 void TangentSolver::prepare(const StaticBody& body) {
   if (body.pattern_version() == analysed_) return;
-  constexpr double share_of_memory = 0.6;  // the rest: the matrix, the state, and everybody else
-  analysed_ = body.pattern_version();
   drop_kept();
-  iterative_.reset();
   multigrid_.reset();
+  const std::string& stage = body.stage().name;
   if (wanted_ == LinearSolver::multigrid && !has_multigrid())
-    throw NoEquilibrium(body.stage().name, "this build has no multigrid",
+    throw NoEquilibrium(stage, "this build has no multigrid",
                         "build with the preset petsc, or use solver = \"automatic\"");
-  bool direct = wanted_ == LinearSolver::automatic || wanted_ == LinearSolver::direct;
-  bool multigrid = wanted_ == LinearSolver::multigrid;
-  if (direct) {
-    factor_.analyse(body.tangent());
-    if (wanted_ == LinearSolver::automatic) {
-      const bool fits = factor_.bytes() <= share_of_memory * memory_limit();
-      const bool may = has_multigrid() && body.stage().kind == StageKind::equilibrium;
-      multigrid = may && (!fits || multigrid_pays(factor_, body.tangent()));
-      direct = fits && !multigrid;
-    }
-  }
-  if (multigrid)
-    multigrid_ = std::make_unique<ByMultigrid>();
-  else if (!direct)
-    iterative_ = std::make_unique<ConjugateGradients>();
+  if (wanted_ == LinearSolver::multigrid && body.stage().kind == StageKind::fracture)
+    throw NoEquilibrium(stage, "fracture needs the factors of the tangent", "use solver = \"automatic\"");
+  const Choice choice = choose(body);
+  if (choice == Choice::none)
+    throw NoEquilibrium(stage,
+                        fmt::format("the factor of the tangent, {:.3g} GiB, does not fit into memory",
+                                    factor_.bytes() / 0x1p30),
+                        "fewer particles, or vbond-petsc, which solves large bodies by multigrid "
+                        "(docs/install.md; not those of "
+                        "fracture); with newton = {solver = \"direct\"} it is tried all the same");
+  if (choice == Choice::multigrid) multigrid_ = std::make_unique<ByMultigrid>();
+  analysed_ = body.pattern_version();
 }
 
 bool TangentSolver::factor_definite(const StaticBody& body, double shift) {
   prepare(body);
-  lost_ = false;
-  any_signs_ = false;
+  lost_ = any_signs_ = false;
   if (multigrid_) {
     multigrid_->take(body, shift);
     return true;
   }
-  if (!iterative_) {
-    drop_kept();
-    const bool definite = factor_.factor_definite(body.tangent(), shift);
-    if (definite && shift == 0.0 && may_keep() && !body.is_unsymmetric()) kept_.begin(body.tangent());
-    return definite;
-  }
-  SparseMatrix& A = iterative_->A = body.tangent();
-  if (shift > 0.0) A.diagonal().array() += shift;
-  iterative_->method.setTolerance(1e-12);
-  iterative_->method.setMaxIterations(20 * A.rows());
-  iterative_->method.compute(A);
-  return iterative_->method.info() == Eigen::Success;
+  drop_kept();
+  const bool definite = factor_.factor_definite(body.tangent(), shift);
+  if (definite && shift == 0.0 && may_keep() && !body.is_unsymmetric()) kept_.begin(body.tangent());
+  return definite;
 }
 
 std::optional<int> TangentSolver::factor(const StaticBody& body) {
   prepare(body);
   if (multigrid_) return counted_by_multigrid(body);
-  if (iterative()) {
-    factor_definite(body);
-    return std::nullopt;
-  }
   if (TangentSolver::factor_definite(body)) return 0;
   return factor_.factor_indefinite(body.tangent());
 }
@@ -133,14 +121,18 @@ std::optional<int> TangentSolver::counted_by_multigrid(const StaticBody& body) {
   return static_cast<int>((lowest.values.array() < 0.0).count());
 }
 
+// Of those taken out some are known to be negative all the same.
 Deflated TangentSolver::deflated(const StaticBody& body) {
   if (!multigrid_) return Deflated(body.tangent());
+  const SparseMatrix& K = body.tangent();
   const Lowest& lowest = multigrid_->lowest();
-  const auto zero = lowest.errors.array().max(Deflated::zero(body.tangent()));
+  const auto zero = lowest.errors.array().max(Deflated::zero(K));
   const Eigen::Index first = (lowest.values.array() < -zero).count(),
                      number = (lowest.values.array() <= zero).count() - first;
+  const auto negative =
+      (lowest.values.array() < -lowest.errors.array().max(4.0 * eigenvalue_error(K))).count();
   return {lowest.vectors.middleCols(first, number), lowest.values.segment(first, number),
-          static_cast<int>(first), [this, first, number](const Vector& b) {
+          static_cast<int>(negative), [this, first, number](const Vector& b) {
             return multigrid_->solve_beside(b, first, number, full_accuracy);
           }};
 }
@@ -198,7 +190,7 @@ bool TangentSolver::take(const StaticBody& body) {
     any_signs_ = true;
     return true;
   }
-  const bool can = iterative() ? factor_definite(body) : factor(body).has_value();
+  const bool can = by_multigrid() ? factor_definite(body) : factor(body).has_value();
   any_signs_ = true;
   return can;
 }
@@ -212,20 +204,16 @@ bool TangentSolver::is_definite(const StaticBody& body) {
 Vector TangentSolver::solve(const Vector& b, double accuracy) {
   if (lost_) return {};
   if (multigrid_) return any_signs_ ? multigrid_->solve_any(b, accuracy) : multigrid_->solve(b, accuracy);
-  if (!iterative_ && !present_) return factor_.solve(b);
-  if (!iterative_) {
-    if (std::optional<Vector> x = kept_.solve(*present_, b, accuracy)) return std::move(*x);
-    const SparseMatrix& A = *std::exchange(present_, nullptr);
-    drop_kept();
-    if (factor_.factor_definite(A)) {
-      kept_.begin(A);
-      return factor_.solve(b);
-    }
-    lost_ = !any_signs_ || !factor_.factor_indefinite(A);
-    return lost_ ? Vector() : factor_.solve(b);
+  if (!present_) return factor_.solve(b);
+  if (std::optional<Vector> x = kept_.solve(*present_, b, accuracy)) return std::move(*x);
+  const SparseMatrix& A = *std::exchange(present_, nullptr);
+  drop_kept();
+  if (factor_.factor_definite(A)) {
+    kept_.begin(A);
+    return factor_.solve(b);
   }
-  const Vector x = iterative_->method.solve(b);
-  return iterative_->method.info() == Eigen::Success ? x : Vector();
+  lost_ = !any_signs_ || !factor_.factor_indefinite(A);
+  return lost_ ? Vector() : factor_.solve(b);
 }
 
 ByMultigrid& TangentSolver::multigrid_at(const StaticBody& body) {
@@ -236,7 +224,7 @@ ByMultigrid& TangentSolver::multigrid_at(const StaticBody& body) {
 }
 
 Vector TangentSolver::solve_full(const StaticBody& body, const Vector& b, double accuracy) {
-  if (!body.is_unsymmetric() || iterative_) return solve(b, accuracy);
+  if (!body.is_unsymmetric()) return solve(b, accuracy);
   if (multigrid_) return multigrid_->solve_full(b, accuracy);
   const SparseMatrix K = body.full_tangent();
   Eigen::BiCGSTAB<SparseMatrix, FactorPreconditioner> method;
