@@ -238,10 +238,10 @@ double PathStep::eigenvalue(int number, const PathPoint& p) {
     arc_->add_factors(found.factors);
     Vector near = found.values;
     std::sort(near.begin(), near.end());
-    const double error = 4.0 * eigenvalue_error(A);
-    const bool sure = near.cwiseAbs().minCoeff() > error;
-    const auto below = (near.array() < (sure ? 0.0 : -error)).count();
-    const std::ptrdiff_t at = number - (sure ? p.unstable : number_below(A, -error)) + below;
+    const bool sure = near.cwiseAbs().minCoeff() > 4.0 * eigenvalue_error(A);
+    const double beside = -Deflated::zero(A);  // far enough from zero for a factor to tell
+    const auto below = (near.array() < (sure ? 0.0 : beside)).count();
+    const std::ptrdiff_t at = number - (sure ? p.unstable : number_below(A, beside)) + below;
     if (at >= 0 && at < near.size()) return near[at];
     if (near.size() == A.rows()) return at < 0 ? near[0] : near[near.size() - 1];
   }
