@@ -178,7 +178,7 @@ void describe_newton(Table& t, NewtonSettings& n, StageKind kind) {
         "of the linear equations; multigrid: of the program vbond-petsc, not for fracture; direct: fracture "
         "keeps no factors");
   t.check(has_multigrid || n.solver != LinearSolver::multigrid, {"solver"}, "this program has no multigrid",
-          "use solver = \"automatic\", or vbond-petsc, which the preset petsc builds with PETSc and SLEPc");
+          "use solver = \"automatic\", or vbond-petsc, which the preset petsc builds with PETSc");
   t.check(kind != StageKind::fracture || n.solver != LinearSolver::multigrid, {"solver"},
           "fracture needs the factors of the tangent", "use solver = \"automatic\" or \"direct\"");
 }
