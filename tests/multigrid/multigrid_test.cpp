@@ -59,6 +59,20 @@ TEST(Multigrid, FindsTheBalanceOfAColumnInLoadSteps) {
   expect_the_same(lattice_of(3, 3, 20), stage);
 }
 
+// With the whole tangent, by GMRES, corrections are as good as those by factors: as many of them do.
+TEST(Multigrid, HasTheWholeTangentUnderMomentsOfFixedDirection) {
+  StaticStage stage = static_stage(StageKind::equilibrium, {testing::fixed(ids(0, 9), testing::clamped)},
+                                   {pushed(9 * 20 - 1, {}, {0.02, 0.01, 0.03})});
+  const testing::Specimen s = lattice_of(3, 3, 20);
+  stage.newton.tolerance = 1e-11;
+  const StaticOutcome direct = solved_by(LinearSolver::direct, s, stage);
+  const StaticOutcome multigrid = solved_by(LinearSolver::multigrid, s, stage);
+  EXPECT_LE(multigrid.result.iterations, direct.result.iterations + 1);
+  EXPECT_EQ(multigrid.result.unstable, direct.result.unstable);
+  for (const ParticleId p : direct.state.r.ids())
+    EXPECT_LE(norm(direct.state.r[p] - multigrid.state.r[p]), 1e-8) << p.value;
+}
+
 /// Pressed by this part of its length along z, which is beyond critical loads.
 StaticStage pressed_column(std::size_t n, double by) {
   return static_stage(StageKind::equilibrium, {testing::fixed(ids(0, 4), testing::clamped),
