@@ -43,8 +43,8 @@ void print_memory(const Model& model, const State& state) {
 }
 
 /// The stage needs a factor that does not fit.
-bool will_be_refused(const StaticStage& stage, const SolverChoice& choice) {
-  return choice.direct ? std::isinf(choice.factor_bytes) : stage.kind != StageKind::equilibrium;
+bool will_be_refused(const SolverChoice& choice) {
+  return choice.direct ? std::isinf(choice.factor_bytes) : !choice.multigrid;
 }
 
 bool any_later_static(const Stages& stages) {
@@ -55,14 +55,12 @@ bool any_later_static(const Stages& stages) {
 
 std::string solver_in_words(const StaticStage& stage, const SolverChoice& choice) {
   const std::string factor = in_units(choice.factor_bytes);
-  if (will_be_refused(stage, choice))
+  if (will_be_refused(choice))
     return fmt::format("none: stage {} will be refused, its factor of {} does not fit", stage.name, factor);
   if (choice.direct) return fmt::format("direct, with a factor of {} in stage {}", factor, stage.name);
   if (choice.multigrid && choice.factor_bytes > 0.0)
     return fmt::format("multigrid: a factor would take {} in stage {}", factor, stage.name);
-  if (choice.multigrid) return "multigrid";
-  if (choice.factor_bytes > 0.0) return fmt::format("iterative: a factor of {} would not fit", factor);
-  return "iterative";
+  return "multigrid";
 }
 
 /// Wall time of one step, measured on the case itself for a quarter of a second. Throws Diverged.
@@ -240,7 +238,7 @@ void print_solvers(Run& run) {
     const auto* later = std::get_if<StaticStage>(&stage);
     if (!later || !outlook.pairs_known) continue;
     const SolverChoice choice = solver_of(run.model(), *later, outlook.state);
-    if (will_be_refused(*later, choice)) print(*later, choice);
+    if (will_be_refused(choice)) print(*later, choice);
   }
 }
 

@@ -1,5 +1,6 @@
 // Equilibrium of cubic blocks, clamped below and pushed aside above: time and memory against those of one
-// factor of CHOLMOD; or by a solver alone, as multigrid. Usage: statics [direct|multigrid] [particles along
+// factor of CHOLMOD; or one solver alone, for the balance, six modes, or the first critical load of a block
+// pressed from above. Usage: statics [direct|multigrid|automatic [balance|modes|buckling]] [particles along
 // an edge]...
 #include <fmt/core.h>
 #include <sys/resource.h>
@@ -97,23 +98,40 @@ void measure(std::size_t n) {
   std::fflush(stdout);
 }
 
-/// The balance alone; the largest memory is that of the process so far.
-void measure_balance(std::size_t n, LinearSolver solver) {
+/// One kind of stage alone; the largest memory is that of the process so far.
+void measure_stage(std::size_t n, const std::string& kind, LinearSolver solver) {
   Block b = cube(n);
   b.stage.newton.solver = solver;
+  b.stage.count = 6;
+  if (kind == "modes") {
+    b.stage.kind = StageKind::modes;
+    b.stage.loads.clear();
+  } else if (kind == "buckling") {
+    b.stage.kind = StageKind::buckling;
+    b.stage.count = 1;
+    b.stage.loads[0].force = {0, 0, -1};
+  }
   const double before = peak_memory(), start = seconds();
   const StaticOutcome rest = run_static_stage(b.model, b.stage, std::move(b.state), {});
   const StaticResult& r = rest.result;
-  fmt::print("{:9} {:>10} {:10} {:9} {:13.8g} {:9.2f} {:9.2f} {:9.2f}\n", n * n * n, r.solver, r.iterations,
-             r.unstable.value_or(-1), r.smallest_eigenvalue.value_or(0.0), seconds() - start, before,
-             peak_memory());
+  const double value = !r.modes.empty()            ? r.modes.back().omega2
+                       : !r.critical_loads.empty() ? r.critical_loads[0].load_factor
+                                                   : r.smallest_eigenvalue.value_or(0.0);
+  fmt::print("{:9} {:>10} {:>10} {:10} {:10} {:18.12g} {:9.2f} {:9.2f} {:9.2f}\n", n * n * n, r.solver,
+             r.ended, r.iterations, r.solver_iterations, value, seconds() - start, before, peak_memory());
   std::fflush(stdout);
 }
 
-int measure_balances(LinearSolver solver, int argc, char** argv) {
-  fmt::print("{:>9} {:>10} {:>10} {:>9} {:>13} {:>9} {:>9} {:>9}\n", "particles", "solver", "iterations",
-             "unstable", "eigenvalue", "s", "GiB before", "GiB peak");
-  for (int k = 2; k < argc; ++k) measure_balance(std::stoul(argv[k]), solver);
+int measure_stages(const std::string& solver, int argc, char** argv) {
+  const LinearSolver by = solver == "multigrid" ? LinearSolver::multigrid
+                          : solver == "direct"  ? LinearSolver::direct
+                                                : LinearSolver::automatic;
+  std::string kind = argc > 2 ? argv[2] : "";
+  const bool named = kind == "balance" || kind == "modes" || kind == "buckling";
+  if (!named) kind = "balance";
+  fmt::print("{:>9} {:>10} {:>10} {:>10} {:>10} {:>18} {:>9} {:>9} {:>9}\n", "particles", "solver", "ended",
+             "Newton's", "solver's", "eigenvalue or load", "s", "GiB before", "GiB peak");
+  for (int k = named ? 3 : 2; k < argc; ++k) measure_stage(std::stoul(argv[k]), kind, by);
   return 0;
 }
 
@@ -121,8 +139,8 @@ int measure_balances(LinearSolver solver, int argc, char** argv) {
 
 int main(int argc, char** argv) {
   const std::string first = argc > 1 ? argv[1] : "";
-  if (first == "multigrid") return measure_balances(LinearSolver::multigrid, argc, argv);
-  if (first == "direct") return measure_balances(LinearSolver::direct, argc, argv);
+  if (first == "multigrid" || first == "direct" || first == "automatic")
+    return measure_stages(first, argc, argv);
   fmt::print("{:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>10} {:>9} {:>9} {:>9}\n", "particles", "unknowns",
              "assemble", "analyse", "factor", "factor", "peak", "iterations", "balance", "ratio", "peak");
   fmt::print("{:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>10} {:>9} {:>9} {:>9}\n", "", "", "s", "s", "s",

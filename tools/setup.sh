@@ -18,7 +18,7 @@ vbond_build_packages=(
   libsuitesparse-dev libopenblas-pthread-dev  # statics: sparse factors
   libeigen3-dev libspectra-dev                # statics: matrices, eigenvalues
 )
-vbond_petsc_packages=(libpetsc-real-dev libslepc-real-dev libhdf5-openmpi-dev pkg-config)  # multigrid, in ./test --petsc
+vbond_petsc_packages=(libpetsc-real-dev libhdf5-openmpi-dev pkg-config)  # multigrid, in ./test --petsc
 vbond_test_packages=(libgtest-dev librapidcheck-dev)
 vbond_lammps_packages=(liblammps-dev libopenmpi-dev mpi-default-bin)   # vbond-lammps: many ranks
 vbond_clang_packages=(clang-14 libclang-rt-14-dev)   # the fuzzers, in .ci/run

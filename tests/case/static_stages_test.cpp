@@ -206,18 +206,18 @@ TEST(StaticStages, NumbersAreChecked) {
   expect_refused("modes", "amplitude = -1\n", "0 <= amplitude");
 }
 
-TEST(StaticStages, IterativeSolverIsForEquilibriumOnly) {
-  const std::string iterative = "newton = { solver = \"iterative\" }\n";
-  expect_accepted("equilibrium", iterative);
-  for (const char* kind : {"path", "buckling", "fracture"})
-    expect_refused(kind, load + iterative, "need the factors of the tangent");
-  expect_refused("modes", iterative, "need the factors of the tangent");
+TEST(StaticStages, TheIterativeSolverOfFormerVersionsIsNamed) {
+  expect_refused("equilibrium", "newton = { solver = \"iterative\" }\n",
+                 "\"multigrid\" of the program vbond-petsc");
 }
 
 TEST(StaticStages, MultigridIsForProgramsThatHaveIt) {
 #ifdef VBOND_PETSC
-  expect_accepted("equilibrium", "newton = { solver = \"multigrid\" }\n");
-  expect_refused("path", load + "newton = { solver = \"multigrid\" }\n", "need the factors of the tangent");
+  for (const char* kind : {"equilibrium", "path", "buckling"})
+    expect_accepted(kind, load + "newton = { solver = \"multigrid\" }\n");
+  expect_accepted("modes", "newton = { solver = \"multigrid\" }\n");
+  expect_refused("fracture", load + "newton = { solver = \"multigrid\" }\n",
+                 "needs the factors of the tangent");
 #else
   expect_refused("equilibrium", "newton = { solver = \"multigrid\" }\n", "this program has no multigrid");
 #endif

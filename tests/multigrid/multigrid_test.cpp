@@ -6,39 +6,17 @@
 #include <optional>
 #include <vector>
 
-#include "statics/bodies.hpp"
+#include "multigrid/multigrid_bodies.hpp"
 #include "statics/matrices.hpp"
 #include "vbond/statics/detail/stability.hpp"
 
 namespace vbond {
 namespace {
 
+using testing::ids;
+using testing::lattice_of;
 using testing::pushed;
 using testing::static_stage;
-
-/// A lattice of nx * ny * nz particles one apart.
-testing::Specimen lattice_of(std::size_t nx, std::size_t ny, std::size_t nz) {
-  std::vector<Vec3d> r;
-  for (std::size_t z = 0; z < nz; ++z)
-    for (std::size_t y = 0; y < ny; ++y)
-      for (std::size_t x = 0; x < nx; ++x)
-        r.push_back({static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)});
-  testing::Specimen s = testing::particles_at(r);
-  BondRecipe recipe;
-  recipe.parameters = BondStiffness<double>{1.0, 0.5, 0.1, 0.05};
-  for (std::size_t k = 0; k < r.size(); ++k) {
-    if (k % nx + 1 < nx) testing::bond(s, k, k + 1, recipe);
-    if (k / nx % ny + 1 < ny) testing::bond(s, k, k + nx, recipe);
-    if (k + nx * ny < r.size()) testing::bond(s, k, k + nx * ny, recipe);
-  }
-  return s;
-}
-
-std::vector<ParticleId> ids(std::size_t first, std::size_t count) {
-  std::vector<ParticleId> list;
-  for (std::size_t k = first; k < first + count; ++k) list.push_back(ParticleId{k});
-  return list;
-}
 
 /// A block on rollers: all degrees of freedom of a corner are held, of other particles below one or two.
 StaticStage on_rollers(std::size_t n) {
@@ -79,6 +57,20 @@ TEST(Multigrid, FindsTheBalanceOfAColumnInLoadSteps) {
                                    {pushed(9 * 20 - 1, {0.01, 0, 0})});
   stage.steps = 3;
   expect_the_same(lattice_of(3, 3, 20), stage);
+}
+
+// With the whole tangent, by GMRES, corrections are as good as those by factors: as many of them do.
+TEST(Multigrid, HasTheWholeTangentUnderMomentsOfFixedDirection) {
+  StaticStage stage = static_stage(StageKind::equilibrium, {testing::fixed(ids(0, 9), testing::clamped)},
+                                   {pushed(9 * 20 - 1, {}, {0.02, 0.01, 0.03})});
+  const testing::Specimen s = lattice_of(3, 3, 20);
+  stage.newton.tolerance = 1e-11;
+  const StaticOutcome direct = solved_by(LinearSolver::direct, s, stage);
+  const StaticOutcome multigrid = solved_by(LinearSolver::multigrid, s, stage);
+  EXPECT_LE(multigrid.result.iterations, direct.result.iterations + 1);
+  EXPECT_EQ(multigrid.result.unstable, direct.result.unstable);
+  for (const ParticleId p : direct.state.r.ids())
+    EXPECT_LE(norm(direct.state.r[p] - multigrid.state.r[p]), 1e-8) << p.value;
 }
 
 /// Pressed by this part of its length along z, which is beyond critical loads.
@@ -149,7 +141,7 @@ TEST(Multigrid, SolvesWithTheShiftedTangent) {
   }
 }
 
-// A cube small enough for a factor that takes no time keeps it; so do paths, which need its signs.
+// A cube small enough for a factor that takes no time keeps it; so does fracture.
 TEST(Multigrid, IsChosenWhereAFactorWouldTakeLonger) {
   const testing::Specimen small = lattice_of(6, 6, 6), large = lattice_of(24, 24, 24);
   StaticStage stage = on_rollers(6);
@@ -157,6 +149,8 @@ TEST(Multigrid, IsChosenWhereAFactorWouldTakeLonger) {
   stage = on_rollers(24);
   EXPECT_EQ(choose_solver(large.model, stage, large.state).direct, false);
   stage.kind = StageKind::path;
+  EXPECT_EQ(choose_solver(large.model, stage, large.state).multigrid, true);
+  stage.kind = StageKind::fracture;
   EXPECT_EQ(choose_solver(large.model, stage, large.state).direct, true);
 }
 

@@ -500,17 +500,6 @@ TEST(Equilibrium, SaysHowFarTheLoadCouldGo) {
   EXPECT_LT(reached, 0.5);
 }
 
-TEST(Equilibrium, IsTheSameByConjugateGradients) {
-  const testing::Specimen rod = testing::rod50(10);
-  StaticStage stage = cantilever(10, {0, 1, 0.5});
-  const State direct = equilibrium(rod, stage).state;
-  stage.newton.solver = LinearSolver::iterative;
-  const StaticOutcome iterative = equilibrium(rod, stage);
-  EXPECT_EQ(iterative.result.solver, "iterative");
-  EXPECT_FALSE(iterative.result.unstable.has_value());
-  for (const ParticleId p : direct.r.ids()) EXPECT_LE(norm(direct.r[p] - iterative.state.r[p]), 1e-9);
-}
-
 // The factor of a chain has what its tangent has: of ten free particles 21 entries on and below the diagonal
 // of the own block, and 36 for each of nine bonds between them. A full square is 60 x 60.
 TEST(ChooseSolver, SaysWhatTheFactorTakes) {
@@ -520,10 +509,6 @@ TEST(ChooseSolver, SaysWhatTheFactorTakes) {
   EXPECT_TRUE(automatic.direct);
   EXPECT_GE(automatic.factor_bytes, (10 * 21 + 9 * 36) * 8);
   EXPECT_LE(automatic.factor_bytes, 60 * 60 * 8);
-  stage.newton.solver = LinearSolver::iterative;
-  const SolverChoice wanted = choose_solver(rod.model, stage, rod.state);
-  EXPECT_FALSE(wanted.direct);
-  EXPECT_EQ(wanted.factor_bytes, 0.0);
   stage.kind = StageKind::modes;
   EXPECT_TRUE(choose_solver(rod.model, stage, rod.state).direct);
 }

@@ -26,20 +26,16 @@ struct ClampedRod {
 // With a shift that makes an indefinite tangent definite minimise() goes downhill: of the wrong sign it would
 // make it worse. Conjugate gradients end at 1e-12 of the right-hand side, of size 1 to 3 a component; the
 // largest shift is of the size of the tangent.
-TEST(TangentSolver, SolvesWithTheShiftedTangentByEitherMethod) {
+TEST(TangentSolver, SolvesWithTheShiftedTangent) {
   const ClampedRod rod;
   const StaticBody body(rod.s.model, rod.stage, rod.s.state);
   const Vector b = random_vector(body.unknowns().size(), 4);
-  for (const LinearSolver method : {LinearSolver::direct, LinearSolver::iterative}) {
-    TangentSolver solver(method);
-    for (const double shift : {0.0, 0.01, 1.0}) {
-      ASSERT_TRUE(solver.factor_definite(body, shift));
-      EXPECT_EQ(solver.iterative(), method == LinearSolver::iterative);
-      const Vector x = solver.solve(b);
-      ASSERT_EQ(x.size(), b.size());
-      EXPECT_LE((body.tangent() * x + shift * x - b).norm(), 2e-12 * b.norm())
-          << solver.name() << " " << shift;
-    }
+  TangentSolver solver(LinearSolver::direct);
+  for (const double shift : {0.0, 0.01, 1.0}) {
+    ASSERT_TRUE(solver.factor_definite(body, shift));
+    const Vector x = solver.solve(b);
+    ASSERT_EQ(x.size(), b.size());
+    EXPECT_LE((body.tangent() * x + shift * x - b).norm(), 2e-12 * b.norm()) << shift;
   }
 }
 

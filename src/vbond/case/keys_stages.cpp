@@ -155,6 +155,16 @@ constexpr bool has_multigrid = true;
 #else
 constexpr bool has_multigrid = false;
 #endif
+
+/// Names what has taken the place of a word of former versions.
+struct SolverCodec : ChoiceCodec<LinearSolver> {
+  bool read(const Node& n, ReadContext& in, const std::string& path, LinearSolver& out) const {
+    const auto* word = std::get_if<std::string>(&n.value);
+    if (!word || *word != "iterative") return ChoiceCodec::read(n, in, path, out);
+    return in.refuse(n, path, "conjugate gradients with an incomplete factor are gone",
+                     "use \"multigrid\" of the program vbond-petsc, or \"direct\"");
+  }
+};
 }  // namespace
 
 void describe_newton(Table& t, NewtonSettings& n, StageKind kind) {
@@ -162,18 +172,15 @@ void describe_newton(Table& t, NewtonSettings& n, StageKind kind) {
         "largest unbalanced force, as a part of the largest force in the body");
   t.key("iterations", n.iterations, at_least_one, optional, "the most for one load factor");
   t.key("solver", n.solver,
-        ChoiceCodec<LinearSolver>{{"automatic", "direct", "iterative", "multigrid"},
-                                  {LinearSolver::automatic, LinearSolver::direct, LinearSolver::iterative,
-                                   LinearSolver::multigrid}},
+        SolverCodec{{{"automatic", "direct", "multigrid"},
+                     {LinearSolver::automatic, LinearSolver::direct, LinearSolver::multigrid}}},
         optional,
-        "of the linear equations; iterative: equilibrium only, and whether it is stable is then not known; "
-        "multigrid: equilibrium only, of the program vbond-petsc; direct: fracture keeps no factors");
+        "of the linear equations; multigrid: of the program vbond-petsc, not for fracture; direct: fracture "
+        "keeps no factors");
   t.check(has_multigrid || n.solver != LinearSolver::multigrid, {"solver"}, "this program has no multigrid",
-          "use solver = \"automatic\", or vbond-petsc, which the preset petsc builds with PETSc and SLEPc");
-  const bool iterates = n.solver == LinearSolver::iterative || n.solver == LinearSolver::multigrid;
-  t.check(kind == StageKind::equilibrium || !iterates, {"solver"},
-          "paths, critical loads, modes and fracture need the factors of the tangent",
-          "use solver = \"automatic\" or \"direct\"");
+          "use solver = \"automatic\", or vbond-petsc, which the preset petsc builds with PETSc");
+  t.check(kind != StageKind::fracture || n.solver != LinearSolver::multigrid, {"solver"},
+          "fracture needs the factors of the tangent", "use solver = \"automatic\" or \"direct\"");
 }
 
 void describe_path(Table& t, PathSettings& p) {

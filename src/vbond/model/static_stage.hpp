@@ -60,7 +60,7 @@ struct StaticHeating {
   double change = 0;  ///< at load factor 1  [temperature]
 };
 
-enum class LinearSolver : std::uint8_t { automatic, direct, iterative, multigrid };
+enum class LinearSolver : std::uint8_t { automatic, direct, multigrid };
 enum class AtSaddle : std::uint8_t { leave, keep };
 
 /// How far Newton's method goes.

@@ -237,6 +237,7 @@ Json to_json(const StaticSummary& s) {
          {"load_factor", r.load_factor}, {"points", r.points},
          {"iterations", r.iterations},   {"factors", r.factors},
          {"solver", r.solver},           {"left_saddle", r.left_saddle}};
+  if (r.solver_iterations > 0) j["solver_iterations"] = r.solver_iterations;
   if (s.kind == StageKind::equilibrium) j["jumped"] = r.jumped;
   if (s.kind == StageKind::equilibrium && r.unstable) j["neutral"] = r.neutral;
   if (r.unstable) j["unstable"] = *r.unstable;
@@ -261,6 +262,7 @@ StaticSummary static_summary(const Json& j) {
   r.iterations = small_number(j.at("iterations"));
   if (j.contains("factors")) r.factors = small_number(j["factors"]);
   r.solver = j.at("solver").get<std::string>();
+  if (j.contains("solver_iterations")) r.solver_iterations = small_number(j["solver_iterations"]);
   r.neutral = j.value("neutral", false);
   r.jumped = j.value("jumped", false);
   r.left_saddle = j.at("left_saddle").get<bool>();

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "vbond/statics/detail/dense.hpp"
 
@@ -99,14 +100,11 @@ double ArcLength::angle(const PathDirection& a, const PathDirection& b) const {
 void ArcLength::factor() {
   singular_.reset();
   const std::optional<int> unstable = solver_.factor(body_);
-  if (solver_.iterative())
-    throw NoConvergence(
-        "the factor of the tangent no longer fits into memory: particles have begun to touch");
   if (unstable) {
     unstable_ = *unstable;
     return;
   }
-  singular_.emplace(body_.tangent());
+  singular_.emplace(solver_.deflated(body_));
   other_factors_ += singular_->factors();
   unstable_ = singular_->negative();
 }
@@ -200,8 +198,15 @@ StepOutcome ArcLength::step(const Placement& from, const PathDirection& directio
       outcome.why = body_.first_not_finite();
       return outcome;
     }
-    factor();
-    const PathDirection change = correction(direction);
+    PathDirection change;
+    try {
+      factor();
+      change = correction(direction);
+    } catch (const NoConvergence& e) {
+      if (!solver_.by_multigrid()) throw;
+      outcome.why = e.what();  // a shorter step may do better
+      return outcome;
+    }
     const bool in_balance = balanced(body_, settings_, outcome.residuals);
     const bool settled = std::sqrt(dot(change, change)) <= settled_to * std::abs(s);
     const double rounding = body_.residual_of_rounding();
@@ -227,9 +232,14 @@ StepOutcome ArcLength::step(const Placement& from, const PathDirection& directio
   return outcome;
 }
 
-Softest ArcLength::softest(const PathDirection& tangent) {
+/// Roughly the eigenpair nearest to zero.
+std::pair<double, Vector> ArcLength::soft_mode() {
   constexpr int iterations = 4;
   const SparseMatrix& K = body_.tangent();
+  if (solver_.by_multigrid()) {
+    const EigenPairs near = solver_.near_zero(body_, 1);
+    return {near.values[0], near.vectors.col(0)};
+  }
   DenseMatrix X = any_orthonormal_columns(K.rows(), std::min<Eigen::Index>(K.rows(), 3));
   for (int k = 0; k < iterations; ++k) {
     for (Eigen::Index c = 0; c < X.cols(); ++c)
@@ -239,19 +249,29 @@ Softest ArcLength::softest(const PathDirection& tangent) {
   const DenseEigen ritz = dense_eigenpairs(X.transpose() * (K * X));
   Eigen::Index nearest = 0;
   ritz.values.cwiseAbs().minCoeff(&nearest);
-  const Vector mode = X * ritz.vectors.col(nearest);
+  return {ritz.values[nearest], X * ritz.vectors.col(nearest)};
+}
+
+std::optional<double> ArcLength::eigenvalue(int number) {
+  if (!solver_.by_multigrid()) return {};
+  const Lowest& lowest = solver_.multigrid_at(body_).lowest(std::min(number + 1, body_.unknowns().size()));
+  return lowest.values[std::min(number, lowest.size() - 1)];
+}
+
+Softest ArcLength::softest(const PathDirection& tangent) {
+  const auto [value, mode] = soft_mode();
   const double change = body_.largest_bond_change(tangent.u, tangent.f);
-  if (!(change > 0.0)) return {ritz.values[nearest], 0.0};
+  if (!(change > 0.0)) return {value, 0.0};
   const double h = small_bond_change / change;
   const Placement here = body_.placement();
-  const auto beside = [&](double s) {
+  const auto beside = [&, &of_mode = mode](double s) {
     body_.restore(here);
     body_.move(s * tangent.u, here.load_factor + s * tangent.f);
-    return mode.dot(body_.tangent() * mode);
+    return of_mode.dot(body_.tangent() * of_mode);
   };
   const double rate = (beside(h) - beside(-h)) / (2.0 * h);
   body_.restore(here);
-  return {ritz.values[nearest], rate};
+  return {value, rate};
 }
 
 double largest_bond_turn(const State& now, const Placement& before) {

@@ -103,17 +103,17 @@ State CriticalLoads::run() && {
 
 void CriticalLoads::start() {
   refuse_moments();
-  const PathPoint& here = start_walk(body_, solver_, walk_, 1.0, "critical loads need");
+  const PathPoint& here = start_walk(body_, solver_, walk_, 1.0);
   if (here.unstable > 0)
     throw NoEquilibrium(
         stage_.name,
         fmt::format(
             "at load factor 0, without the proportional loads, the body is not stable, first of all in: {}",
-            softest_names(body_, here.unstable)),
+            softest_names(body_, solver_, here.unstable)),
         "hold it, or find a stable balance by an equilibrium stage before this one");
-  result_.smallest_eigenvalue = eigenpairs_near_zero(body_.tangent(), 1).values[0];
+  result_.smallest_eigenvalue = solver_.near_zero(body_, 1).values[0];
   const Vector rate = here.tangent.u / here.tangent.f;
-  linear_ = linear_critical_factors(body_, rate, stage_.count);
+  linear_ = linear_critical_factors(body_, solver_, rate, stage_.count);
   double first = first_bond_change / body_.largest_bond_change(rate, 1.0);
   if (!linear_.empty()) first = std::min(first, first_part * linear_[0]);
   if (stage_.search_to > 0.0) first = std::min(first, stage_.search_to);
@@ -163,7 +163,7 @@ void CriticalLoads::add(const CriticalPoint& c) {
   body_.restore(c.node.point.at);
   if (c.after > c.before || c.kind == PointKind::limit_point || c.turns_off()) {
     const int together = std::max(1, c.together());
-    const EigenPairs near = eigenpairs_near_zero(body_.tangent(), together);
+    const EigenPairs near = solver_.near_zero(body_, together);
     for (int k = 1; k <= together && wants_more(); ++k)
       result_.critical_loads.push_back({c.kind,
                                         c.load_factor,
@@ -188,6 +188,7 @@ void CriticalLoads::add_estimates() {
 void CriticalLoads::sum_up() {
   add_estimates();
   result_.solver = solver_.name();
+  result_.solver_iterations += solver_.iterations();
   result_.iterations += walk_.iterations();
   result_.factors = walk_.factors();
 }

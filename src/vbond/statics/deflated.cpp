@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "vbond/core/error.hpp"
 #include "vbond/statics/detail/dense.hpp"
@@ -16,29 +17,48 @@ DenseMatrix any_orthonormal_columns(Eigen::Index rows, Eigen::Index columns) {
   return orthonormal(X);
 }
 
-Deflated::Deflated(const SparseMatrix& A) : A_(A) {
+namespace {
+
+double scale_of(const SparseMatrix& A) {
+  return larger(1e-300, max_norm(A.diagonal()));
+}
+
+}  // namespace
+
+double Deflated::zero(const SparseMatrix& A) {
+  return 1e3 * epsilon * scale_of(A);
+}
+
+Deflated::Deflated(DenseMatrix null_vectors, Vector null_values, int negative,
+                   std::function<Vector(const Vector&)> solve)
+    : solve_(std::move(solve)),
+      null_(std::move(null_vectors)),
+      values_(std::move(null_values)),
+      negative_(negative) {}
+
+Deflated::Deflated(const SparseMatrix& A) : A_(&A) {
   factor_.analyse(A);
-  const double scale = larger(1e-300, max_norm(A.diagonal()));
+  const double scale = scale_of(A);
   std::optional<int> below;
   double shift = epsilon * scale;
   while (!(below = factor_.factor_indefinite(A, shift))) {
     shift *= 8.0;
     if (!(shift < 1e-6 * scale)) throw NoConvergence("the tangent stiffness cannot be factored");
   }
-  find_null_vectors(std::max(1e3 * epsilon * scale, 2.0 * shift));
+  find_null_vectors(std::max(zero(A), 2.0 * shift));
   negative_ = *below - static_cast<int>((values_.array() < -shift).count());
 }
 
 /// Inverse iteration on a block: with the shift this close, null vectors stand out by many orders.
 void Deflated::find_null_vectors(double bound) {
-  const Eigen::Index n = A_.rows();
+  const Eigen::Index n = A_->rows();
   for (Eigen::Index size = std::min<Eigen::Index>(n, 4);; size = std::min(n, 2 * size)) {
     DenseMatrix X = any_orthonormal_columns(n, size);
     for (int iteration = 0; iteration < 4; ++iteration) {
       for (Eigen::Index k = 0; k < size; ++k) X.col(k) = factor_.solve(X.col(k));
       X = orthonormal(X);
     }
-    const DenseEigen ritz = dense_eigenpairs(X.transpose() * (A_ * X));
+    const DenseEigen ritz = dense_eigenpairs(X.transpose() * (*A_ * X));
     const Vector& values = ritz.values;
     const Eigen::Index first = (values.array() < -bound).count();
     const Eigen::Index number = (values.array() <= bound).count() - first;
@@ -50,13 +70,14 @@ void Deflated::find_null_vectors(double bound) {
 
 // The factor is that of a matrix off by the shift: each iteration leaves the shift over the next eigenvalue.
 Vector Deflated::solve(const Vector& b) const {
+  if (solve_) return solve_(b);
   constexpr int most_iterations = 30;
   Vector x = Vector::Zero(b.size()), left = normal(b);
   double size = left.norm();
   const double enough = 1e-14 * size;
   for (int k = 0; k < most_iterations && size > enough; ++k) {
     const Vector next = x + normal(factor_.solve(left));
-    Vector next_left = normal(b - A_ * next);
+    Vector next_left = normal(b - *A_ * next);
     if (!(next_left.norm() < size)) break;
     x = next;
     left = std::move(next_left);

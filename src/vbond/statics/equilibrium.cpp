@@ -371,6 +371,7 @@ StaticOutcome find_equilibrium(const Model& model, const StaticStage& stage, Sta
   LoadSteps steps(body, hooks, outcome.result);
   steps.run();
   outcome.result.solver = steps.solver().name();
+  outcome.result.solver_iterations = steps.solver().iterations();
   outcome.state = std::move(body).take_state();
   return outcome;
 }

@@ -54,7 +54,7 @@ class Fracture {
   State run() {
     refuse_nothing_free(walk_.body());
     refuse_rigid_motions(walk_.body());
-    walk_.refuse_iterative();
+    walk_.prepare_solver();
     now_ = walk_.here();
     if (!now_.most) tell(stage_, hooks_, "no bond has a strength: nothing can break");
     found_.books.initial = found_.books.stored = now_.stored;

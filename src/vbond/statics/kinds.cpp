@@ -68,18 +68,6 @@ void refuse_not_finite(const StaticBody& body) {
       "particles that are bonded must stand apart, and loads and stiffnesses be far from the largest number");
 }
 
-void refuse_iterative(const StaticBody& body, TangentSolver& solver, const std::string& who) {
-  solver.prepare(body);
-  if (!solver.iterative()) return;
-  throw NoEquilibrium(
-      body.stage().name,
-      who + (body.stage().newton.solver != LinearSolver::automatic
-                 ? " the direct solver"
-                 : " the direct solver, and its factor does not fit into memory"),
-      "use solver = \"direct\", with memory enough, or a coarser body; kind = \"equilibrium\" "
-      "does without");
-}
-
 void tell(const StaticStage& stage, const StaticHooks& hooks, const std::string& text) {
   if (hooks.tell) hooks.tell(fmt::format("stage \"{}\": {}", stage.name, text));
 }
@@ -129,9 +117,9 @@ StaticOutcome interrupted_outcome(StaticResult result, State state) {
 
 NoEquilibrium current_failure(const StaticStage& stage) {
   constexpr const char* way_out_of_memory =
-      "fewer particles help; where it is the factor that does not fit, for kind = \"equilibrium\" also "
-      "newton "
-      "= {solver = \"iterative\"}";
+      "fewer particles help; where it is the factor that does not fit, also newton = {solver = "
+      "\"multigrid\"} of "
+      "vbond-petsc";
   try {
     throw;
   } catch (const NoEquilibrium& e) {

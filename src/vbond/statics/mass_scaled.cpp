@@ -86,6 +86,16 @@ Vector MassRoot::motion(const Vector& y) const {
   return Vector(tops_->inverse.transpose() * y).cwiseQuotient(diagonal_);
 }
 
+DenseMatrix MassRoot::times(const DenseMatrix& y) const {
+  if (!tops_) return diagonal_.asDiagonal() * y;
+  return diagonal_.asDiagonal() * DenseMatrix(tops_->factor * y);
+}
+
+DenseMatrix MassRoot::transpose_times(const DenseMatrix& x) const {
+  const DenseMatrix scaled = diagonal_.asDiagonal() * x;
+  return tops_ ? DenseMatrix(tops_->factor.transpose() * scaled) : scaled;
+}
+
 SparseMatrix MassRoot::times_factor(const SparseMatrix& x) const {
   return tops_ ? SparseMatrix(tops_->factor.transpose() * x) : x;
 }

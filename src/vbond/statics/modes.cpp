@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "vbond/core/bounding_box.hpp"
@@ -13,6 +14,7 @@
 #include "vbond/statics/detail/eigen.hpp"
 #include "vbond/statics/detail/kinds.hpp"
 #include "vbond/statics/detail/mass_scaled.hpp"
+#include "vbond/statics/detail/newton.hpp"
 #include "vbond/statics/detail/rigid.hpp"
 
 namespace vbond {
@@ -114,6 +116,40 @@ Below below_spectrum(const SparseMatrix& A) {
   throw NoConvergence("modes: the stiffness over the mass is not finite");
 }
 
+/// Eigenpairs of A without the rigid motions, lowest first.
+struct Swings {
+  EigenPairs pairs;
+  int unstable = 0;
+};
+
+Swings swings_by_factors(const SparseMatrix& A, int count, const SparseMatrix& rigid) {
+  const Below below = below_spectrum(A);
+  return {smallest_eigenpairs(A, count, below.bound, rigid), below.unstable};
+}
+
+/// More than are wanted where that many are negative, to count these. As for factors, what is above
+/// -1e-12 of the largest is not clearly negative.
+Swings swings_by_multigrid(ByMultigrid& solver, const MassRoot& root, const SparseMatrix& A, int count,
+                           const SparseMatrix& rigid) {
+  const double zero = 1e-12 * largest_column_sum(A);
+  LowestProblem problem;
+  problem.size = A.rows();
+  problem.times = [&A](const DenseMatrix& X) -> DenseMatrix { return A.transpose() * X; };
+  problem.inverse = [&](const DenseMatrix& Y) {
+    return root.transpose_times(solver.solutions(root.times(Y)));
+  };
+  problem.without = &rigid;
+  problem.rounding = 16.0 * epsilon * max_norm(A.diagonal());
+  const int left = static_cast<int>(A.rows() - rigid.cols());
+  for (int looked_at = count;; looked_at = std::min(2 * looked_at, left)) {
+    const Lowest found = solver.lowest_of(problem, {looked_at, 1e-7, 0.0, 1000});
+    if (found.values[looked_at - 1] < -zero && looked_at < left) continue;
+    const int wanted = std::min(count, found.size());
+    return {{found.values.head(wanted), found.vectors.leftCols(wanted), 0},
+            static_cast<int>((found.values.array() < -zero).count())};
+  }
+}
+
 NaturalMode mode(double omega2, bool rigid, const Vector& y, const MassRoot& root, const Unknowns& unknowns) {
   return {std::sqrt(std::max(omega2, 0.0)), omega2, rigid, unknowns.shape(root.motion(y))};
 }
@@ -142,10 +178,15 @@ StaticOutcome find_modes(const Model& model, const StaticStage& stage, State sta
 
   result.unstable = 0;
   EigenPairs found;
+  TangentSolver solver(stage.newton.solver);
   if (const int left = unknowns.size() - static_cast<int>(rigid.cols()); left > 0) {
-    const Below below = below_spectrum(A);
-    found = smallest_eigenpairs(A, std::min(stage.count, left), below.bound, rigid);
-    result.unstable = below.unstable;
+    solver.prepare(body);
+    const int count = std::min(stage.count, left);
+    Swings swings = solver.by_multigrid()
+                        ? swings_by_multigrid(solver.multigrid_at(body), root, A, count, rigid)
+                        : swings_by_factors(A, count, rigid);
+    found = std::move(swings.pairs);
+    result.unstable = swings.unstable;
   }
   for (Eigen::Index k = 0; k < found.values.size(); ++k)
     result.modes.push_back(mode(found.values[k], false, found.vectors.col(k), root, unknowns));
@@ -153,7 +194,8 @@ StaticOutcome find_modes(const Model& model, const StaticStage& stage, State sta
     hooks.tell(
         fmt::format("stage \"{}\": the body has {} frequencies only", stage.name, found.values.size()));
   result.ended = "converged";
-  result.solver = "direct";
+  result.solver = solver.name();
+  result.solver_iterations += solver.iterations();
   report_point(body, PointKind::end, result.unstable, hooks, result);
   return {std::move(result), std::move(body).take_state()};
 }

@@ -1,7 +1,7 @@
 #include "vbond/statics/detail/multigrid.hpp"
 
 #include <fmt/format.h>
-#include <slepceps.h>
+#include <petscksp.h>
 
 #include <algorithm>
 #include <array>
@@ -13,9 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "vbond/core/error.hpp"
 #include "vbond/statics/detail/one_blas_thread.hpp"
-#include "vbond/statics/detail/rounding.hpp"
 
 namespace vbond {
 namespace {
@@ -35,7 +33,7 @@ void check(PetscErrorCode code) {
 void begin_petsc() {
   static const bool begun = [] {
     PetscBool others = PETSC_FALSE;
-    check(SlepcInitialized(&others));
+    check(PetscInitialized(&others));
     if (!others) {
       std::array<char, 6> name{"vbond"};
       std::array<char, 19> quiet{"-no_signal_handler"};
@@ -43,9 +41,9 @@ void begin_petsc() {
       std::array<char*, 4> words{name.data(), quiet.data(), alone.data(), nullptr};
       int count = 3;
       char** arguments = words.data();
-      check(SlepcInitialize(&count, &arguments, nullptr, nullptr));
+      check(PetscInitialize(&count, &arguments, nullptr, nullptr));
       check(PetscPushErrorHandler(PetscIgnoreErrorHandler, nullptr));
-      std::atexit([] { SlepcFinalize(); });
+      std::atexit([] { PetscFinalize(); });
     }
     for (const auto& [key, value] :
          {std::pair{"-vbond_pc_type", "gamg"}, std::pair{"-vbond_pc_gamg_agg_nsmooths", "1"},
@@ -295,114 +293,6 @@ Vector Multigrid::solve(const Vector& b) const {
   Vector x(b.size());
   p_->solve(b.data(), x.data());
   return x;
-}
-
-namespace {
-
-/// What the functions below get from SLEPc.
-struct EigenProblem {
-  const SparseMatrix* A;
-  std::function<void(const double*, double*)> solve;
-  double zero;  // eigenvalues nearer to zero are zero to rounding
-};
-
-/// Nothing is thrown through PETSc, which is C.
-template <class F>
-PetscErrorCode guarded(F&& f) {
-  try {
-    f();
-    return 0;
-  } catch (const std::bad_alloc&) {
-    return PETSC_ERR_MEM;
-  } catch (...) {
-    return PETSC_ERR_LIB;
-  }
-}
-
-PetscErrorCode times(Mat shell, Vec x, Vec y) {
-  EigenProblem* problem = nullptr;
-  return guarded([&] {
-    check(MatShellGetContext(shell, &problem));
-    (*View(y)).noalias() = problem->A->transpose() * *ReadView(x);  // symmetric: rows are quicker
-  });
-}
-
-PetscErrorCode precondition(PC shell, Vec x, Vec y) {
-  EigenProblem* problem = nullptr;
-  return guarded([&] {
-    check(PCShellGetContext(shell, &problem));
-    problem->solve((*ReadView(x)).data(), (*View(y)).data());
-  });
-}
-
-/// The residual as a part of the eigenvalue, or of what is zero to rounding.
-PetscErrorCode part_left(EPS, PetscScalar value, PetscScalar, PetscReal residual, PetscReal* part,
-                         void* context) {
-  *part = residual / std::max(std::abs(value), static_cast<EigenProblem*>(context)->zero);
-  return 0;
-}
-
-Multigrid::Lowest found_by_lobpcg(EigenProblem& problem, int count) {
-  constexpr double residual_of_value = 1e-5;  // the value is then known to the square of that
-  const auto n = static_cast<PetscInt>(problem.A->rows());
-  Owned<Mat, MatDestroy> A;
-  check(MatCreateShell(PETSC_COMM_SELF, n, n, n, n, &problem, A.fresh()));
-  check(MatShellSetOperation(A, MATOP_MULT, reinterpret_cast<void (*)()>(times)));
-  check(MatSetOption(A, MAT_SYMMETRIC, PETSC_TRUE));
-  Owned<EPS, EPSDestroy> eps;
-  check(EPSCreate(PETSC_COMM_SELF, eps.fresh()));
-  check(EPSSetOperators(eps, A, nullptr));
-  check(EPSSetProblemType(eps, EPS_HEP));
-  check(EPSSetType(eps, EPSLOBPCG));
-  check(EPSSetWhichEigenpairs(eps, EPS_SMALLEST_REAL));
-  check(EPSSetDimensions(eps, count, PETSC_DEFAULT, PETSC_DEFAULT));
-  check(EPSSetConvergenceTestFunction(eps, part_left, &problem, nullptr));
-  check(EPSSetTolerances(eps, residual_of_value, 500));
-  ST st = nullptr;
-  KSP ksp = nullptr;
-  PC pc = nullptr;
-  check(EPSGetST(eps, &st));
-  check(STSetType(st, STPRECOND));
-  check(STPrecondSetKSPHasMat(st, PETSC_TRUE));
-  check(STGetKSP(st, &ksp));
-  check(KSPSetType(ksp, KSPPREONLY));
-  check(KSPGetPC(ksp, &pc));
-  check(PCSetType(pc, PCSHELL));
-  check(PCShellSetContext(pc, &problem));
-  check(PCShellSetApply(pc, precondition));
-  check(KSPSetOperators(ksp, A, A));
-  check(EPSSolve(eps));
-  PetscInt found = 0;
-  check(EPSGetConverged(eps, &found));
-  if (found < count)
-    throw NoConvergence(fmt::format("multigrid: {} of the {} lowest eigenvalues were found", found, count));
-  Multigrid::Lowest lowest;
-  lowest.pairs.values.resize(count);
-  lowest.pairs.vectors.resize(n, count);
-  lowest.residuals.resize(count);
-  Owned<Vec, VecDestroy> x;
-  check(MatCreateVecs(A, x.fresh(), nullptr));
-  for (int k = 0; k < count; ++k) {
-    check(EPSGetEigenvector(eps, k, x, nullptr));
-    const Vector mode = (*ReadView(x)).normalized();
-    const Vector image = *problem.A * mode;
-    lowest.pairs.vectors.col(k) = mode;
-    lowest.pairs.values[k] = mode.dot(image);
-    lowest.residuals[k] = (image - lowest.pairs.values[k] * mode).norm();
-  }
-  return lowest;
-}
-
-}  // namespace
-
-Multigrid::Lowest Multigrid::lowest(const SparseMatrix& A, int most) const {
-  const OneBlasThread alone;
-  EigenProblem problem{&A, [this](const double* b, double* x) { p_->solve(b, x); },
-                       eigenvalue_error(A) / 1e-5};
-  for (int count = 1;; count = std::min({2 * count, most, static_cast<int>(A.rows())})) {
-    Lowest found = found_by_lobpcg(problem, count);
-    if (found.pairs.values[count - 1] >= 0.0 || count >= most || count >= A.rows()) return found;
-  }
 }
 
 }  // namespace vbond

@@ -23,8 +23,4 @@ bool Multigrid::at_hand() const {
 Vector Multigrid::solve(const Vector& b) const {
   return b;
 }
-Multigrid::Lowest Multigrid::lowest(const SparseMatrix&, int) const {
-  return {};
-}
-
 }  // namespace vbond

@@ -75,13 +75,14 @@ State PathStage::run() && {
   }
   sum_up();
   if (result_.unstable == 0)  // then the one nearest to zero is the smallest
-    result_.smallest_eigenvalue = eigenpairs_near_zero(body_.tangent(), 1).values[0];
+    result_.smallest_eigenvalue = solver_.near_zero(body_, 1).values[0];
   return std::move(body_).take_state();
 }
 
 /// What the walk has taken, whichever way it ends.
 void PathStage::sum_up() {
   result_.solver = solver_.name();
+  result_.solver_iterations += solver_.iterations();
   result_.iterations += walk_.iterations();
   result_.factors = walk_.factors();
 }
@@ -97,7 +98,7 @@ void PathStage::take_step() {
 }
 
 void PathStage::start() {
-  const PathPoint& here = start_walk(body_, solver_, walk_, settings_.first_step, "a path needs");
+  const PathPoint& here = start_walk(body_, solver_, walk_, settings_.first_step);
   refuse_branch_without_potential(here);
   report(PointKind::regular, unstable_at(here));
   for (const Goal& g : goals_) {
@@ -160,7 +161,7 @@ void PathStage::turn_off(const CriticalPoint& c) {
                                     branch.mode, branch.bifurcation, c.together()),
                         fmt::format("choose a mode from 1 to {}", c.together()));
   body_.restore(c.node.point.at);
-  const EigenPairs near = eigenpairs_near_zero(body_.tangent(), c.together());
+  const EigenPairs near = solver_.near_zero(body_, c.together());
   turned_off_ = true;
   const std::optional<PathLeg> leg =
       walk_.turn_off(c, std::copysign(1.0, branch.sense) * mode_of_cluster(near.vectors, branch.mode));

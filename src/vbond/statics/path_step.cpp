@@ -170,7 +170,9 @@ std::optional<CriticalPoint> PathStep::zero_of_eigenvalue(int number, const Path
     StepOutcome outcome = to(s);
     if (!outcome.point) return std::nullopt;
     last = {s, std::move(*outcome.point)};
-    looks.push_back({value(last.point), last.point.at.load_factor});
+    body_->restore(last.point.at);
+    const std::optional<double> signed_value = arc_->eigenvalue(number);  // by multigrid
+    looks.push_back({signed_value ? *signed_value : value(last.point), last.point.at.load_factor});
     return looks.back().value;
   };
   const Crossed crossed = crossing(a, b, small, at);
@@ -229,16 +231,17 @@ int PathStep::number_below(const SparseMatrix& A, double bound) {
 /// as negative or not: then those are counted that are negative for sure.
 double PathStep::eigenvalue(int number, const PathPoint& p) {
   body_->restore(p.at);
+  if (const std::optional<double> value = arc_->eigenvalue(number)) return *value;
   const SparseMatrix& A = body_->tangent();
   for (int count = 2;; count *= 2) {
     const EigenPairs found = eigenpairs_near_zero(A, std::min(count, static_cast<int>(A.rows())));
     arc_->add_factors(found.factors);
     Vector near = found.values;
     std::sort(near.begin(), near.end());
-    const double error = 4.0 * eigenvalue_error(A);
-    const bool sure = near.cwiseAbs().minCoeff() > error;
-    const auto below = (near.array() < (sure ? 0.0 : -error)).count();
-    const std::ptrdiff_t at = number - (sure ? p.unstable : number_below(A, -error)) + below;
+    const bool sure = near.cwiseAbs().minCoeff() > 4.0 * eigenvalue_error(A);
+    const double beside = -Deflated::zero(A);  // far enough from zero for a factor to tell
+    const auto below = (near.array() < (sure ? 0.0 : beside)).count();
+    const std::ptrdiff_t at = number - (sure ? p.unstable : number_below(A, beside)) + below;
     if (at >= 0 && at < near.size()) return near[at];
     if (near.size() == A.rows()) return at < 0 ? near[0] : near[near.size() - 1];
   }

@@ -277,16 +277,17 @@ double PathWalk::longest(const PathDirection& d) const {
   return most / std::max(std::sqrt(largest2), 1e-3);
 }
 
-const PathPoint& start_walk(const StaticBody& body, TangentSolver& solver, PathWalk& walk, double first_step,
-                            const std::string& who) {
+const PathPoint& start_walk(const StaticBody& body, TangentSolver& solver, PathWalk& walk,
+                            double first_step) {
   const std::string& name = body.stage().name;
   refuse_nothing_free(body);
   refuse_rigid_motions(body);
-  refuse_iterative(body, solver, who);
+  solver.prepare(body);
   const PathPoint* here = walk.start(first_step);
   if (walk.is_singular())
     throw NoEquilibrium(
-        name, "the tangent stiffness is singular at load factor 0, first of all in: " + softest_names(body),
+        name,
+        "the tangent stiffness is singular at load factor 0, first of all in: " + softest_names(body, solver),
         "hold them, or give the bonds stiffness against them");
   if (!here)
     throw NoEquilibrium(name, "nothing changes with the load factor",

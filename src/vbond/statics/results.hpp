@@ -153,7 +153,8 @@ struct StaticResult {
   int points = 0;                 ///< of balance that were handed to the observers
   int iterations = 0;             ///< of Newton's method, all together
   int factors = 0;                ///< of the tangent that were made, all together; path, buckling, fracture
-  std::string solver;             ///< "direct" or "iterative"
+  std::string solver;             ///< "direct" or "multigrid"
+  int solver_iterations = 0;      ///< of multigrid, for equations and eigenvalues, all together
   std::optional<int> unstable;    ///< negative eigenvalues of the tangent at the end; absent: not counted
   bool neutral = false;           ///< not unstable, but a motion meets no stiffness at the end
   bool jumped = false;            ///< it lost its balance between two load steps and went to another one

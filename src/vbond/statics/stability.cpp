@@ -70,11 +70,14 @@ Stability judge_by_multigrid(const StaticBody& body, TangentSolver& solver) {
     s.neutral = true;
     return s;
   }
-  const auto [pairs, residuals] = solver.lowest(body, most);
+  const Lowest& found = solver.multigrid_at(body).lowest(1, most);
+  const EigenPairs pairs{found.values, found.vectors, 0};
   const double margin = body.has_moment_part() ? body.moment_part() : 0.0;
+  // corrections end where they are accurate enough: a turn takes what is out of balance along
+  const double left = 4.0 * max_norm(body.unbalanced()) / body.unknowns().length();
   int negative = 0;
   for (Eigen::Index k = 0; k < pairs.values.size(); ++k) {
-    const double error = larger(eigenvalue_error(K, pairs.vectors.col(k)), residuals[k]);
+    const double error = larger(eigenvalue_error(K, pairs.vectors.col(k)), larger(found.errors[k], left));
     if (k == 0) s.definite = pairs.values[0] > error;
     if (k == 0) s.neutral = std::abs(pairs.values[0]) <= error;
     negative += pairs.values[k] < -larger(error, margin);
@@ -92,9 +95,8 @@ Stability judge_stability(const StaticBody& body, TangentSolver& solver) {
   if (solver.by_multigrid()) return judge_by_multigrid(body, solver);
   Stability s;
   const std::optional<int> negative = solver.factor(body);
-  if (solver.iterative()) s.unstable.reset();
   s.definite = negative == 0;
-  if (solver.iterative() || s.definite) return s;
+  if (s.definite) return s;
   if (body.tangent().norm() == 0.0) {  // where contacts just begin to touch
     s.neutral = true;
     return s;
@@ -108,7 +110,7 @@ Stability judge_stability(const StaticBody& body, TangentSolver& solver) {
 
 std::optional<double> smallest_eigenvalue(const StaticBody& body, const TangentSolver& solver,
                                           const Stability& s) {
-  if ((solver.iterative() && !s.lowest) || body.unknowns().size() == 0) return std::nullopt;
+  if ((solver.by_multigrid() && !s.lowest) || body.unknowns().size() == 0) return std::nullopt;
   if (!s.lowest && !s.definite && !s.neutral) return std::nullopt;
   const double smallest = s.lowest     ? s.lowest->values[0]
                           : s.definite ? eigenvalue_near_zero(body.tangent(), solver.last_factor())

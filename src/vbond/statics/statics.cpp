@@ -108,10 +108,10 @@ void refuse_free_bodies(const Model& model, const StaticStage& stage, const Stat
 SolverChoice choose_solver(const Model& model, const StaticStage& stage, const State& state) {
   require_consistent("choose_solver", model, stage, state);
   const StaticBody body(model, stage, state);
-  const bool modes = stage.kind == StageKind::modes;  // they are not asked
-  TangentSolver solver(modes ? LinearSolver::direct : stage.newton.solver);
-  solver.prepare(body);
-  return {!solver.iterative(), solver.by_multigrid(), solver.last_factor().bytes()};
+  TangentSolver solver(stage.newton.solver);
+  const TangentSolver::Choice choice = solver.choose(body);
+  return {choice == TangentSolver::Choice::direct, choice == TangentSolver::Choice::multigrid,
+          solver.last_factor().bytes()};
 }
 
 }  // namespace vbond

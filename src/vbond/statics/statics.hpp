@@ -36,8 +36,8 @@ void refuse_free_bodies(const Model& model, const StaticStage& stage, const Stat
 
 /// With what a static stage solves its linear equations.
 struct SolverChoice {
-  bool direct = true;       ///< otherwise conjugate gradients, with which only an equilibrium can be found
-  bool multigrid = false;   ///< these are preconditioned by multigrid
+  bool direct = true;
+  bool multigrid = false;   ///< neither: the factor does not fit into memory
   double factor_bytes = 0;  ///< of the direct solver's factor, also where it does not fit; infinite: it has
                             ///< more than 2^31 entries, and cannot be made; 0: not looked at
 };

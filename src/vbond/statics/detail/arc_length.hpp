@@ -1,6 +1,7 @@
 #pragma once
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "vbond/statics/detail/deflated.hpp"
@@ -74,6 +75,11 @@ class ArcLength {
   /// corrected down to rounding; of places looked at within a step some times that is enough.
   StepOutcome step(const Placement& from, const PathDirection& direction, double s, bool end_of_step);
 
+  EigenPairs near_zero(int count) { return solver_.near_zero(body_, count); }
+  /// By multigrid: the eigenvalue of the tangent stiffness, as the body stands, with this number in
+  /// increasing order from 0.
+  std::optional<double> eigenvalue(int number);
+
   /// Corrections, and factors of the tangent, so far.
   int iterations() const { return iterations_; }
   int factors() const { return solver_.last_factor().made() + other_factors_; }
@@ -82,6 +88,7 @@ class ArcLength {
 
  private:
   void factor();
+  std::pair<double, Vector> soft_mode();
   std::optional<PathPoint> point_of_factor(const PathDirection& along);
   PathDirection correction(const PathDirection& normal);
   PathDirection singular_correction(const PathDirection& normal);

@@ -30,7 +30,7 @@ class BreakingBody {
   double load() const;
   /// The largest such reaction in size of all supports and walls that move; nothing where none moves.
   std::optional<double> largest_reaction() const;
-  void refuse_iterative() { vbond::refuse_iterative(*body_, *solver_, "fracture needs"); }
+  void prepare_solver() { solver_->prepare(*body_); }
   /// Of the tangent that were made.
   int factors() const { return factors_before_ + solver_->last_factor().made(); }
   bool has_kept_factor() const { return solver_->has_kept(); }

@@ -1,4 +1,6 @@
 #pragma once
+#include <functional>
+
 #include "vbond/statics/detail/factor.hpp"
 #include "vbond/statics/detail/matrix.hpp"
 
@@ -15,6 +17,11 @@ class Deflated {
  public:
   /// Keeps a reference to A. Throws NoConvergence if no matrix near by can be factored: A is not finite.
   explicit Deflated(const SparseMatrix& A);
+  /// Taken apart by others: solve() is theirs, and there is no solve_beside().
+  Deflated(DenseMatrix null_vectors, Vector null_values, int negative,
+           std::function<Vector(const Vector&)> solve);
+  /// Eigenvalues this near to zero are taken for zero.
+  static double zero(const SparseMatrix& A);
 
   /// Orthonormal columns, and their eigenvalues.
   const DenseMatrix& null_vectors() const { return null_; }
@@ -32,7 +39,8 @@ class Deflated {
   Vector normal(const Vector& x) const { return x - null_ * (null_.transpose() * x); }
   void find_null_vectors(double bound);
 
-  const SparseMatrix& A_;
+  const SparseMatrix* A_ = nullptr;
+  std::function<Vector(const Vector&)> solve_;
   Factor factor_;  // of A + a shift just above rounding
   DenseMatrix null_;
   Vector values_;

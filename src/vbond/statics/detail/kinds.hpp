@@ -63,10 +63,6 @@ std::string free_motions_in_words(const StaticBody& body);
 /// Throws NoEquilibrium, naming them, if parts of the body can move freely as rigid bodies.
 void refuse_rigid_motions(const StaticBody& body);
 
-/// Throws NoEquilibrium if the factor of the tangent does not fit, or is not wanted. who: how that begins, as
-/// in "a path needs".
-void refuse_iterative(const StaticBody& body, TangentSolver& solver, const std::string& who);
-
 /// Tells the user something about this stage, if anybody listens.
 void tell(const StaticStage& stage, const StaticHooks& hooks, const std::string& text);
 

@@ -1,7 +1,7 @@
 #pragma once
 #include <vector>
 
-#include "vbond/statics/detail/body.hpp"
+#include "vbond/statics/detail/newton.hpp"
 
 namespace vbond {
 
@@ -9,6 +9,7 @@ namespace vbond {
 /// moves with `rate` per load factor: at most `count`, smallest first, fewer if there are fewer, none if they
 /// cannot be found. They are those of a body that does not deform before it buckles. Of one that bends, dK/df
 /// holds the turns of its stiff bonds, and the factors may be too small by any number.
-std::vector<double> linear_critical_factors(StaticBody& body, const Vector& rate, int count);
+std::vector<double> linear_critical_factors(StaticBody& body, TangentSolver& solver, const Vector& rate,
+                                            int count);
 
 }  // namespace vbond

@@ -20,6 +20,9 @@ class MassRoot {
   SparseMatrix scaled(const SparseMatrix& K) const;
   /// The motion S^-T y of an eigenvector y of that.
   Vector motion(const Vector& y) const;
+  /// S y and S^T x.
+  DenseMatrix times(const DenseMatrix& y) const;
+  DenseMatrix transpose_times(const DenseMatrix& x) const;
   /// D, and C^T x: S^T = C^T D.
   const Vector& diagonal() const { return diagonal_; }
   SparseMatrix times_factor(const SparseMatrix& x) const;

@@ -3,7 +3,6 @@
 
 #include "vbond/core/column.hpp"
 #include "vbond/core/vec3.hpp"
-#include "vbond/statics/detail/eigen.hpp"
 #include "vbond/statics/detail/matrix.hpp"
 #include "vbond/statics/detail/unknowns.hpp"
 
@@ -25,15 +24,6 @@ class Multigrid {
   bool at_hand() const;
   /// Roughly (A + shift I)^-1 b: a symmetric operator, definite if the matrix is.
   Vector solve(const Vector& b) const;
-
-  /// The lowest eigenvalues of the symmetric A by LOBPCG (SLEPc), preconditioned by solve(): one, or if that
-  /// is negative as many as there are below zero, up to `most`, and one more. Lowest first. Throws
-  /// NoConvergence.
-  struct Lowest {
-    EigenPairs pairs;
-    Vector residuals;  ///< |A x - lambda x| of each, within which of lambda there is an eigenvalue
-  };
-  Lowest lowest(const SparseMatrix& A, int most) const;
 
  private:
   struct Petsc;

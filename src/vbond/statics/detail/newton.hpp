@@ -6,9 +6,11 @@
 #include <vector>
 
 #include "vbond/statics/detail/body.hpp"
+#include "vbond/statics/detail/by_multigrid.hpp"
+#include "vbond/statics/detail/deflated.hpp"
+#include "vbond/statics/detail/eigen.hpp"
 #include "vbond/statics/detail/factor.hpp"
 #include "vbond/statics/detail/kept_factor.hpp"
-#include "vbond/statics/detail/multigrid.hpp"
 #include "vbond/statics/results.hpp"
 
 namespace vbond {
@@ -23,16 +25,23 @@ class TangentSolver {
   explicit TangentSolver(LinearSolver wanted, FactorUse factors = FactorUse::new_each_time);
   ~TangentSolver();
 
-  /// Chooses between factor, multigrid and conjugate gradients with an incomplete factor, by memory and time
-  /// where more than one would do, and finds the order of elimination, unless it has done so for this
-  /// pattern. Throws NoEquilibrium where multigrid is wanted and this build has none.
+  enum class Choice { direct, multigrid, none };
+  /// Finds the order of elimination, and what is wanted, or what memory and time speak for; none: the factor
+  /// does not fit and there is no multigrid.
+  Choice choose(const StaticBody& body);
+  /// Makes ready for what choose() says, unless it has done so for this pattern. Throws NoEquilibrium if
+  /// there is none, or where multigrid is wanted and this build, or this kind of stage, has none.
   void prepare(const StaticBody& body);
-  /// Factors tangent() + shift I; false if that is not positive definite. With conjugate gradients that is
+  /// Factors tangent() + shift I; false if that is not positive definite. With multigrid that is
   /// noticed only in solve().
   bool factor_definite(const StaticBody& body, double shift = 0.0);
-  /// Factors tangent() whatever its signs; returns the number of negative eigenvalues, nothing if singular
-  /// (or if it is solved by conjugate gradients, which do not tell: lowest() does, by multigrid).
+  /// Factors tangent() whatever its signs, or by multigrid finds its lowest eigenpairs; returns the number of
+  /// negative eigenvalues, nothing if singular. Throws NoConvergence.
   std::optional<int> factor(const StaticBody& body);
+  /// After factor(): its null vectors taken out.
+  Deflated deflated(const StaticBody& body);
+  /// The eigenpairs of tangent() that are nearest to zero, nearest first.
+  EigenPairs near_zero(const StaticBody& body, int count);
   /// Makes ready to solve with tangent() and no more: by the kept factor if there is one, else
   /// factor_definite(). That the tangent is not definite may then show only in solve(), if at all.
   bool take_definite(const StaticBody& body);
@@ -46,24 +55,22 @@ class TangentSolver {
   /// No kept factor until another is made.
   void drop_kept();
 
-  /// After any of these: (tangent() + shift I)^-1 b, with a kept factor to this part of b. Empty if conjugate
-  /// gradients do not converge, or the tangent turns out not to be what was asked for. The body stands where
-  /// it stood.
-  Vector solve(const Vector& b, double accuracy = 1e-12);
+  /// After any of these: (tangent() + shift I)^-1 b, with a kept factor to this part of b. Empty if the
+  /// tangent turns out not to be what was asked for. The body stands where it stood.
+  Vector solve(const Vector& b, double accuracy = full_accuracy);
   /// After any, without a shift: the same with full_tangent(), which differs where moments act.
-  Vector solve_full(const StaticBody& body, const Vector& b, double accuracy = 1e-12);
-  /// True if the factor does not fit into memory, takes too long, or was not wanted: conjugate gradients are
-  /// used, preconditioned by multigrid where this build has it.
-  bool iterative() const { return iterative_ != nullptr || by_multigrid(); }
+  Vector solve_full(const StaticBody& body, const Vector& b, double accuracy = full_accuracy);
   bool by_multigrid() const { return multigrid_ != nullptr; }
-  const char* name() const { return by_multigrid() ? "multigrid" : iterative() ? "iterative" : "direct"; }
-  /// By multigrid: the lowest eigenvalues of tangent(), Multigrid::lowest(). Throws NoConvergence.
-  Multigrid::Lowest lowest(const StaticBody& body, int most);
+  const char* name() const { return by_multigrid() ? "multigrid" : "direct"; }
+  /// By multigrid only: ready for tangent().
+  ByMultigrid& multigrid_at(const StaticBody& body);
+  /// Of multigrid, so far.
+  int iterations() const { return multigrid_ ? multigrid_->iterations() : 0; }
   const Factor& last_factor() const { return factor_; }
 
  private:
-  struct ConjugateGradients;
-  struct ByMultigrid;
+  static constexpr double full_accuracy = 1e-12;
+  std::optional<int> counted_by_multigrid(const StaticBody& body);
   bool kept_for(const StaticBody& body);
   bool may_keep() const;
 
@@ -71,7 +78,6 @@ class TangentSolver {
   FactorUse factors_;
   Factor factor_;
   int analysed_ = 0;  // pattern_version
-  std::unique_ptr<ConjugateGradients> iterative_;
   std::unique_ptr<ByMultigrid> multigrid_;
   KeptFactor kept_{factor_};
   std::vector<std::vector<int>> breaks_;   // that the kept factor does not know yet

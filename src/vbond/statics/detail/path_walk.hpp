@@ -78,9 +78,8 @@ class PathWalk {
 };
 
 /// Starts a walk where its body stands. Throws NoEquilibrium if parts of the body can move freely, if nothing
-/// is free to move or nothing changes with the load factor, if the tangent stiffness is singular, or if there
-/// are no factors of it. who: how that refusal begins, as in "a path needs".
-const PathPoint& start_walk(const StaticBody& body, TangentSolver& solver, PathWalk& walk, double first_step,
-                            const std::string& who);
+/// is free to move or nothing changes with the load factor, if the tangent stiffness is singular, or as
+/// TangentSolver::prepare() does.
+const PathPoint& start_walk(const StaticBody& body, TangentSolver& solver, PathWalk& walk, double first_step);
 
 }  // namespace vbond

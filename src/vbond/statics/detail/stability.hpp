@@ -8,8 +8,8 @@ namespace vbond {
 
 /// What the tangent stiffness says of a balance.
 struct Stability {
-  /// Eigenvalues that are negative by more than their error. Nothing where that is not known: with conjugate
-  /// gradients, and beside outside moments that have no potential.
+  /// Eigenvalues that are negative by more than their error. Nothing where that is not known: beside outside
+  /// moments that have no potential.
   std::optional<int> unstable = 0;
   bool neutral = false;   ///< the lowest eigenvalue is zero to within its error
   bool definite = false;  ///< the solver stands at this tangent, and it is positive definite
