@@ -259,6 +259,7 @@ void BondVbond::arrange() {
   Order order;
   for (std::size_t row = 0; row < rows; ++row)
     order.row.push_back(Row{row}), order.particle.push_back(ParticleId{row});
+  order.own = order.known = rows;  // LAMMPS lists a bond where it is to be worked out
   packs_.arrange(state_, order, one_thread(rows));
   arranged_ = neighbor->lastcall;
 }

@@ -135,7 +135,8 @@ TEST(LinearEstimates, FallWithSlenderness) {
     StaticBody body(c.specimen.model, c.stage, c.specimen.state);
     TangentSolver solver(LinearSolver::direct);
     ASSERT_EQ(solver.factor(body), 0);
-    const std::vector<double> mu = linear_critical_factors(body, solver.solve(body.load_direction()), 1);
+    const std::vector<double> mu =
+        linear_critical_factors(body, solver, solver.solve(body.load_direction()), 1);
     ASSERT_EQ(mu.size(), 1u);
     EXPECT_NEAR(mu[0] / estimate, 1.0, 5e-3);
     EXPECT_FALSE(by_buckling(c).critical_loads.at(0).estimate);
