@@ -56,7 +56,10 @@ int lead(Task task) {
       app::say(fmt::format("ranks            {}\n", ranks.size()));
     };
     const int status = task.resumes ? app::resume(task.folder, options) : app::run(options);
-    app::say(fmt::format("{} times a particle went to another rank\n", ranks.migrations()));
+    app::say(fmt::format("{} times a particle went to another rank; particles were spread anew {} times\n",
+                         ranks.migrations(), ranks.redistributions()));
+    app::say(fmt::format("the rank with the most work worked {:.2f} times as long as the mean\n",
+                         ranks.imbalance()));
     return status;
   } catch (...) {
     const app::Failure failure = app::failure_under_way();

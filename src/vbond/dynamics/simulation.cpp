@@ -18,12 +18,11 @@
 namespace vbond {
 namespace {
 
-/// The particles of each block, the bonds that are worked on with it, and contacts: some three to a particle,
-/// of twice the work of a bond.
+/// The particles of each block, the bonds that are worked on with it, and contacts.
 std::vector<std::size_t> work_of_blocks(const Model& model, const Bodies& bodies,
                                         const PerBond<Bond>& bonds) {
-  const std::size_t of_row = is_elastic(model.contact, model.materials) ? 1 : 7;
-  std::vector<std::size_t> work((bodies.pose.size() + block_rows - 1) / block_rows, of_row * block_rows);
+  std::vector<std::size_t> work((bodies.pose.size() + block_rows - 1) / block_rows,
+                                work_of_particle(model) * block_rows);
   for (const Bond& b : bonds) ++work[lower_row(b, bodies.order) / block_rows];
   return work;
 }
@@ -48,6 +47,10 @@ const Model& consistent(const Model& model, const Stage& stage, const State& sta
 }
 
 }  // namespace
+
+std::size_t work_of_particle(const Model& model) {
+  return is_elastic(model.contact, model.materials) ? 1 : 7;
+}
 
 Simulation::Simulation(const Model& model, Stage stage, State* state, int threads)
     : Simulation(model, std::move(stage), state, threads, spatial_order(model.r_0), nullptr) {}

@@ -43,6 +43,10 @@ struct Survey {
   std::vector<BondId> deformed;
 };
 
+/// What a particle without bonds costs in a step, in bonds: by itself, and its contacts, of which there are
+/// some three of twice the work of a bond.
+std::size_t work_of_particle(const Model& model);
+
 /// One stage of a run: a const Model, a Stage, and the State that the step loop moves.
 /// Observers see it read-only. Results are bitwise the same for any number of threads.
 /// Programs use a Run (run/run.hpp), which makes one for each of its stages.

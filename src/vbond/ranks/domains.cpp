@@ -36,17 +36,31 @@ Quatd take_quaternion(const double*& from) {
   return {from[-4], from[-3], from[-2], from[-1]};
 }
 
-/// The messages of a step.
+/// The messages of a step, and what each atom costs, which LAMMPS carries along with it to balance them.
 class FixVbond : public LAMMPS_NS::Fix {
  public:
   static constexpr int pose_numbers = 7, motion_numbers = 6, load_numbers = 6;
   FixVbond(LAMMPS_NS::LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, arg) {
     comm_forward = pose_numbers + motion_numbers;  // at most
     comm_reverse = load_numbers;
+    peratom_flag = 1;
+    peratom_freq = 1;
+    size_peratom_cols = 0;
+    maxexchange = 1;
+    grow_arrays(atom->nmax);
+    atom->add_callback(LAMMPS_NS::Atom::GROW);
   }
+  ~FixVbond() override { atom->delete_callback(id, LAMMPS_NS::Atom::GROW); }
   static Fix* make(LAMMPS_NS::LAMMPS* lmp, int narg, char** arg) { return new FixVbond(lmp, narg, arg); }
 
   int setmask() override { return 0; }
+  void grow_arrays(int n) override {
+    costs.resize(static_cast<std::size_t>(n), 1.0);
+    vector_atom = costs.data();
+  }
+  void copy_arrays(int i, int j, int /*delflag*/) override { vector_atom[j] = vector_atom[i]; }
+  int pack_exchange(int i, double* to) override { return *to = vector_atom[i], 1; }
+  int unpack_exchange(int i, double* from) override { return vector_atom[i] = *from, 1; }
   int pack_forward_comm(int n, int* list, double* to, int /*pbc_flag*/, int* /*pbc*/) override {
     for (int k = 0; k < n; ++k) {
       const std::uint32_t from = rows[list[k]];
@@ -76,6 +90,12 @@ class FixVbond : public LAMMPS_NS::Fix {
     }
   }
 
+  void set_costs(const PerParticle<double>& work) {
+    for (int k = 0; k < atom->nlocal; ++k)
+      vector_atom[k] = work[ParticleId{static_cast<std::size_t>(atom->tag[k] - 1)}];
+  }
+
+  std::vector<double> costs;  // of each atom
   // of the message under way
   const std::uint32_t* rows = nullptr;
   GhostPoses ghosts;
@@ -97,6 +117,9 @@ struct Domains::Lammps {
   void command(const std::string& line) const { lmp->input->one(line); }
   void make_box(const PerParticle<Vec3d>& all, double margin);
   void make_atoms(const Order& order, const PerParticle<Vec3d>& all) const;
+  /// Moves the borders between domains so that their work is the same but for a twentieth, where planes
+  /// through the body can do so.
+  void balance(const PerParticle<double>& work) const;
   /// What LAMMPS does wherever it lists neighbours anew.
   void spread(double reach) const;
 
@@ -142,6 +165,12 @@ void Domains::Lammps::make_atoms(const Order& order, const PerParticle<Vec3d>& a
                       nullptr, 1);
 }
 
+void Domains::Lammps::balance(const PerParticle<double>& work) const {
+  if (lmp->comm->nprocs == 1) return;
+  fix->set_costs(work);
+  command("balance 1.05 shift xyz 20 1.02 weight var cost");
+}
+
 void Domains::Lammps::spread(double reach) const {
   lmp->comm->cutghostuser = reach;
   lmp->domain->pbc();
@@ -156,18 +185,21 @@ void Domains::Lammps::spread(double reach) const {
                              " particles on their way between ranks");
 }
 
-Domains::Domains(const Order& order, const PerParticle<Vec3d>& all, double reach)
+Domains::Domains(const Order& order, const PerParticle<Vec3d>& all, const PerParticle<double>& work,
+                 double reach)
     : lammps_(std::make_unique<Lammps>()) {
   lammps_->particles = static_cast<std::int64_t>(all.size());
   lammps_->make_box(all, std::max(reach, 1e-3));
   lammps_->make_atoms(order, all);
+  lammps_->command("variable cost atom f_body");
   lammps_->lmp->init();
+  lammps_->balance(work);
   lammps_->spread(reach);
 }
 
 Domains::~Domains() = default;
 
-void Domains::redistribute(const PerParticle<Vec3d>& all, double reach) {
+void Domains::redistribute(const PerParticle<Vec3d>& all, const PerParticle<double>& work, double reach) {
   LAMMPS_NS::Atom& atom = *lammps_->lmp->atom;
   for (int k = 0; k < atom.nlocal; ++k) {
     const Vec3d& r = all[ParticleId{static_cast<std::size_t>(atom.tag[k] - 1)}];
@@ -175,6 +207,7 @@ void Domains::redistribute(const PerParticle<Vec3d>& all, double reach) {
   }
   // to their new ranks however far they have gone: what follows is for neighbouring domains only
   lammps_->command("displace_atoms all move 0.0 0.0 0.0 units box");
+  lammps_->balance(work);
   lammps_->spread(reach);
 }
 

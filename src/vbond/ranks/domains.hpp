@@ -18,13 +18,13 @@ struct Holding {
 /// neighbouring domains. All functions are to be called by all ranks.
 class Domains {
  public:
-  /// Spreads particles at these positions, which all ranks know, over the ranks.
-  Domains(const Order& order, const PerParticle<Vec3d>& all, double reach);
+  /// Spreads particles at these positions, which all ranks know, over the ranks. work: what each costs.
+  Domains(const Order& order, const PerParticle<Vec3d>& all, const PerParticle<double>& work, double reach);
   ~Domains();
 
-  /// Their positions are now these: particles go to the rank in whose domain they are, and the ghosts are
-  /// found anew. Throws std::runtime_error if particles were lost.
-  void redistribute(const PerParticle<Vec3d>& all, double reach);
+  /// Their positions are now these: particles go to the rank in whose domain they are, of equal work if that
+  /// can be, and the ghosts are found anew. Throws std::runtime_error if particles were lost.
+  void redistribute(const PerParticle<Vec3d>& all, const PerParticle<double>& work, double reach);
   Holding holding() const;
   /// Ghosts get what their particles have; rows: of own particles, then of ghosts, as holding() names them.
   void send_to_ghosts(const std::vector<std::uint32_t>& rows, const GhostPoses& columns);

@@ -2,7 +2,10 @@
 
 #include <mpi.h>
 
+#include <ctime>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -12,6 +15,13 @@
 
 namespace vbond {
 namespace {
+
+/// Seconds that this rank has worked; waiting for others counts, too.
+double seconds_at_work() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
 
 /// After so many steps the ranks tell each other of failures, and how far particles have gone.
 constexpr std::int64_t chunk = 64;
@@ -73,7 +83,7 @@ void Ranks::begin(const Model& model, const Stage& stage, const State& state, do
   domains_.reset();
   first_ghost_reach_ = ghost_reach(state);
   unchecked_ = 0;
-  domains_ = std::make_unique<Domains>(order_, state.r, first_ghost_reach_);
+  domains_ = std::make_unique<Domains>(order_, state.r, work_of(state), first_ghost_reach_);
   take_part(state);
   bonds_changed_ = false;
 }
@@ -89,6 +99,14 @@ double Ranks::ghost_reach(const State& state) const {
     if (!b.broken) longest2 = std::max(longest2, norm2(state.r[b.j] - state.r[b.i]));
   return std::max(
       {std::numeric_limits<double>::min(), std::sqrt(longest2) * beyond_longest, reach_ * (1.0 + margin)});
+}
+
+/// What each particle costs in a step: by itself, and its bonds.
+PerParticle<double> Ranks::work_of(const State& state) const {
+  PerParticle<double> work(model_->particles(), static_cast<double>(work_of_particle(*model_)));
+  for (const Bond& b : state.bonds)
+    if (!b.broken) work[b.i] += 1.0;
+  return work;
 }
 
 /// A simulation of this rank's part of a body, which all ranks have.
@@ -115,7 +133,13 @@ void Ranks::take_part(const State& state) {
 Stepper::Leap Ranks::advance(std::int64_t most, State& state) {
   const std::int64_t steps = follow(most);
   try {
+    const double begun = seconds_at_work() - waited_;
     const StopReason why = step(steps, state);
+    worked_ += seconds_at_work() - waited_ - begun;
+    std::array<double, 2> work{worked_, worked_};
+    sum({&work[0], 1});
+    largest({&work[1], 1});
+    imbalance_ = work[1] * size_ / work[0];
     part_->agree_on_failure();
     bonds_changed_ |= part_->give(state, why != StopReason::running);
     return {why, std::exchange(bonds_changed_, false), part_.get()};
@@ -157,7 +181,7 @@ bool Ranks::is_far() {
 
 void Ranks::redistribute(State& state) {
   bonds_changed_ |= part_->give(state, true);
-  domains_->redistribute(state.r, ghost_reach(state));
+  domains_->redistribute(state.r, work_of(state), ghost_reach(state));
   const std::vector<ParticleId> before = own_;
   take_part(state);
   std::int64_t come = 0;
@@ -167,17 +191,43 @@ void Ranks::redistribute(State& state) {
   ++redistributions_;
 }
 
+/// Counts what is done from here to its end as waiting.
+class Ranks::Waiting {
+ public:
+  explicit Waiting(const Ranks& ranks) : ranks_(ranks), since_(seconds_at_work()) {}
+  ~Waiting() { ranks_.waited_ += seconds_at_work() - since_; }
+  Waiting(const Waiting&) = delete;
+  Waiting& operator=(const Waiting&) = delete;
+
+ private:
+  const Ranks& ranks_;
+  double since_;
+};
+
+void Ranks::send_to_ghosts(const GhostPoses& columns) {
+  const Waiting waiting(*this);
+  domains_->send_to_ghosts(rows_, columns);
+}
+
+void Ranks::gather_from_ghosts(std::span<LoadRow> load) {
+  const Waiting waiting(*this);
+  domains_->gather_from_ghosts(rows_, load);
+}
+
 void Ranks::sum(std::span<double> numbers) const {
+  const Waiting waiting(*this);
   MPI_Allreduce(MPI_IN_PLACE, numbers.data(), static_cast<int>(numbers.size()), MPI_DOUBLE, MPI_SUM,
                 MPI_COMM_WORLD);
 }
 
 void Ranks::largest(std::span<double> numbers) const {
+  const Waiting waiting(*this);
   MPI_Allreduce(MPI_IN_PLACE, numbers.data(), static_cast<int>(numbers.size()), MPI_DOUBLE, MPI_MAX,
                 MPI_COMM_WORLD);
 }
 
 std::vector<std::byte> Ranks::collect_bytes(std::span<const std::byte> mine, bool everyone) const {
+  const Waiting waiting(*this);
   const int count = static_cast<int>(mine.size());
   std::vector<int> counts(static_cast<std::size_t>(size_)), first(counts.size());
   MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, MPI_COMM_WORLD);

@@ -29,6 +29,8 @@ class Ranks : public Stepper, public Others {
   /// How many times a particle has gone to another rank so far, and how often they were spread anew.
   std::int64_t migrations() const { return migrations_; }
   std::int64_t redistributions() const { return redistributions_; }
+  /// The longest time that a rank has worked, over the mean; waiting left out.
+  double imbalance() const { return imbalance_; }
   /// To be called once by each rank when it is about to begin, or cannot (failure: why). Returns what stands
   /// in the way of the first rank that cannot begin, or nothing.
   std::string agree(const std::string& failure);
@@ -39,24 +41,28 @@ class Ranks : public Stepper, public Others {
   void begin(const Model& model, const Stage& stage, const State& state, double reach) override;
   Leap advance(std::int64_t most, State& state) override;
 
-  void send_to_ghosts(const GhostPoses& columns) override { domains_->send_to_ghosts(rows_, columns); }
-  void gather_from_ghosts(std::span<LoadRow> load) override { domains_->gather_from_ghosts(rows_, load); }
+  void send_to_ghosts(const GhostPoses& columns) override;
+  void gather_from_ghosts(std::span<LoadRow> load) override;
   void sum(std::span<double> numbers) const override;
   void largest(std::span<double> numbers) const override;
   bool leads() const override { return rank_ == 0; }
   std::vector<std::byte> collect_bytes(std::span<const std::byte> mine, bool everyone) const override;
 
  private:
+  class Waiting;
   static constexpr std::int64_t end = 0, start = -1;
   std::int64_t follow(std::int64_t order);
   void take_part(const State& state);
   StopReason step(std::int64_t steps, State& state);
   bool is_far();
   void redistribute(State& state);
+  PerParticle<double> work_of(const State& state) const;
   double ghost_reach(const State& state) const;
 
   int rank_ = 0, size_ = 1;
   std::int64_t migrations_ = 0, redistributions_ = 0;
+  mutable double waited_ = 0;
+  double worked_ = 0, imbalance_ = 1;
   bool agreed_ = false, dismissed_ = false;
   const Model* model_ = nullptr;
   const Stage* stage_ = nullptr;
