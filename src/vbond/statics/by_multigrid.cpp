@@ -148,7 +148,7 @@ Vector ByMultigrid::solve_any(const Vector& b, double accuracy) {
 }
 
 Vector ByMultigrid::solve_full(const Vector& b, double accuracy) {
-  constexpr int basis = 60, most = 600;
+  constexpr int basis = 60, most_gmres = 300;
   const SparseMatrix K = body_->full_tangent();
   if (is_due()) make(shift_known_to_do());
   const auto roughly = [this](const Vector& r) -> Vector {
@@ -158,12 +158,14 @@ Vector ByMultigrid::solve_full(const Vector& b, double accuracy) {
     return z + V * (along.cwiseQuotient(lowest_->values) - V.transpose() * z);
   };
   const double size = b.norm();
-  const Gmres g =
-      gmres([&K](const Vector& p) -> Vector { return K * p; }, roughly, b, accuracy* size, basis, most);
-  iterations_ += g.iterations;
-  if (!(g.left <= larger(accuracy * size, 100.0 * rounding_of_product(*A_, g.x.norm()))))
-    give_up("GMRES", g.left / size, accuracy);
-  return g.x;
+  for (int most = fresh_ ? most_gmres : basis;; most = most_gmres) {
+    const Gmres g =
+        gmres([&K](const Vector& p) -> Vector { return K * p; }, roughly, b, accuracy* size, basis, most);
+    iterations_ += g.iterations;
+    if (g.left <= larger(accuracy * size, 100.0 * rounding_of_product(*A_, g.x.norm()))) return g.x;
+    if (fresh_) return {};
+    make(shift_known_to_do());
+  }
 }
 
 void ByMultigrid::give_up(const char* what, double left, double wanted) const {

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "vbond/core/error.hpp"
+
 namespace vbond {
 namespace {
 
@@ -79,7 +81,13 @@ NewtonOutcome correct(StaticBody& body, TangentSolver& solver, const NewtonSetti
       return outcome;
     };
     if (!solver.take(body)) return singular();
-    const Vector x = solver.solve_full(body, body.unbalanced(), accuracy_for(body, settings));
+    Vector x;
+    try {
+      x = solver.solve_full(body, body.unbalanced(), accuracy_for(body, settings));
+    } catch (const NoConvergence& e) {  // of multigrid
+      outcome.why = e.what();
+      return outcome;
+    }
     if (x.size() == 0 && !solver.by_multigrid()) return singular();
     if (x.size() == 0 || !x.allFinite() || !(change_of(body, x) <= largest_change)) {
       outcome.why = "a correction turns bonds too far";

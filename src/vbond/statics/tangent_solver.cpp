@@ -225,7 +225,10 @@ ByMultigrid& TangentSolver::multigrid_at(const StaticBody& body) {
 
 Vector TangentSolver::solve_full(const StaticBody& body, const Vector& b, double accuracy) {
   if (!body.is_unsymmetric()) return solve(b, accuracy);
-  if (multigrid_) return multigrid_->solve_full(b, accuracy);
+  if (multigrid_) {
+    Vector x = multigrid_->solve_full(b, accuracy);
+    return x.size() > 0 ? x : solve(b, accuracy);  // as below
+  }
   const SparseMatrix K = body.full_tangent();
   Eigen::BiCGSTAB<SparseMatrix, FactorPreconditioner> method;
   method.preconditioner().use(factor_);

@@ -22,7 +22,7 @@ class ByMultigrid {
   Vector solve_any(const Vector& b, double accuracy);
   /// The same normal to the first `null` of the vectors at(first) on, of which nothing is taken along.
   Vector solve_beside(const Vector& b, Eigen::Index first, Eigen::Index null, double accuracy);
-  /// The same with full_tangent(), by GMRES.
+  /// With full_tangent(), by GMRES; empty if that does not reach the accuracy.
   Vector solve_full(const Vector& b, double accuracy);
 
   /// The lowest eigenpairs of tangent(): at least `count`, all that are negative, up to `most` of these, and
