@@ -41,10 +41,17 @@ void refuse_what_lammps_lacks(const Case& c, const Model& model, const BondList&
   if (!problems.empty()) throw CaseError(std::move(problems));
 }
 
+/// The longest bond, or the largest diameter.  [length]
+double longest_reach(const Model& model, const BondList& list) {
+  double longest = 2.0 * *std::max_element(model.radius.begin(), model.radius.end());
+  for (const Bond& b : list.bonds) longest = std::max(longest, b.a + b.R_i + b.R_j);
+  return longest;
+}
+
 /// A LAMMPS data file for atom_style bpm/sphere, with the moments of inertia as the section Inertia.
 std::string data_file(const Case& c, const Model& model, const State& state, const BondList& list) {
   const BoundingBox box = box_around(state.r);
-  const double margin = *std::max_element(model.radius.begin(), model.radius.end());
+  const double margin = longest_reach(model, list);
   std::string text = fmt::format(
       "# {}, exported by vbond\n\n{} atoms\n1 atom types\n{} bonds\n{} bond types\n\n", printable(c.title),
       model.particles(), list.bonds.size(), std::max<std::size_t>(1, list.kinds.size()));
@@ -55,7 +62,8 @@ std::string data_file(const Case& c, const Model& model, const State& state, con
   extent("x", box.low.x, box.high.x), extent("y", box.low.y, box.high.y), extent("z", box.low.z, box.high.z);
   text += "\nAtoms # bpm/sphere\n\n";  // id molecule type diameter density x y z
   for (const ParticleId p : state.r.ids()) {
-    const double R = model.radius[p], density = model.mass[p] / (4.0 / 3.0 * std::numbers::pi * R * R * R);
+    const double R = model.radius[p], volume = 4.0 / 3.0 * std::numbers::pi * R * R * R;
+    const double density = R > 0.0 ? model.mass[p] / volume : model.mass[p];  // as LAMMPS reads it for points
     const Vec3d& r = state.r[p];
     fmt::format_to(out, "{} 0 1 {:.17g} {:.17g} {:.17g} {:.17g} {:.17g}\n", p.value + 1, 2.0 * R, density,
                    r.x, r.y, r.z);
@@ -77,8 +85,7 @@ std::string data_file(const Case& c, const Model& model, const State& state, con
 }
 
 std::string input_file(const Case& c, const Model& model, const BondList& list, const Stage& stage) {
-  double longest = 2.0 * *std::max_element(model.radius.begin(), model.radius.end());
-  for (const Bond& b : list.bonds) longest = std::max(longest, b.a + b.R_i + b.R_j);
+  const double longest = longest_reach(model, list);
   const bool breaks = std::any_of(list.bonds.begin(), list.bonds.end(), can_break);
   const double steps = std::ceil(stage.stops.duration / stage.dt);
   return fmt::format(

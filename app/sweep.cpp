@@ -97,7 +97,8 @@ class Sweep {
       const auto point = cells.size() == 4 ? csv_number<std::size_t>(cells[0]) : std::nullopt;
       const auto seconds = cells.size() == 4 ? csv_number<double>(cells[2]) : std::nullopt;
       if (!point || !seconds || *point < 1 || *point > points_.size())
-        throw IoError((folder_ / "sweep.journal").string() + ": \"" + line + "\" is no end of a point");
+        throw IoError((folder_ / "sweep.journal").string() + ": \"" + line +
+                      "\" is no end of a point\n  remove that line: its point is run again");
       ends_.push_back({*point - 1, cells[1] == "failed", *seconds, csv_plain(cells[3])});
     }
   }
@@ -209,6 +210,9 @@ fs::path point_folder(const fs::path& sweep, std::size_t point) {
 }
 
 int sweep(const SweepOptions& options) {
+  if (options.case_file == "-")
+    throw std::invalid_argument(
+        "a sweep reads its case again and again: give a file, not the standard input");
   std::vector<SweptKey> keys;
   for (const std::string& text : options.sets) keys.push_back(swept_key(text));
   const Case c = read_case(options.case_file);
