@@ -1,8 +1,11 @@
 // What ends a run: walls, capsules and bonds that cannot go on, and loads that are not finite.
+#include <fmt/format.h>
+
 #include <string>
 
 #include "vbond/core/error.hpp"
 #include "vbond/dynamics/simulation.hpp"
+#include "vbond/model/bond_sums.hpp"
 #include "vbond/model/state.hpp"
 
 namespace vbond {
