@@ -112,7 +112,7 @@ PerParticle<double> Ranks::work_of(const State& state) const {
 /// A simulation of this rank's part of a body, which all ranks have.
 void Ranks::take_part(const State& state) {
   const Holding holding = domains_->holding();
-  Order order = part_of(order_, holding.own, holding.ghosts);
+  Order order = part_of(order_, holding);
   rows_.clear();
   for (const auto* some : {&holding.own, &holding.ghosts})
     for (const ParticleId p : *some) rows_.push_back(order.row[p].value);
