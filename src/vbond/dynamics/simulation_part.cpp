@@ -132,6 +132,7 @@ void Simulation::collect_body(State& whole, bool everyone) {
   const auto bring = [&](const auto& ids, const auto& all_ids, const auto& from, auto& to) {
     to.resize(from.size());
     std::vector<std::decay_t<decltype(*from.begin())>> values;
+    values.reserve(ids.size());
     for (const auto id : ids) values.push_back(from[id]);
     const auto of_all = others_->collect(values, everyone);
     for (std::size_t k = 0; k < of_all.size(); ++k) to[all_ids[k]] = of_all[k];
