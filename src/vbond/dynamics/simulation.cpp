@@ -158,7 +158,7 @@ void Simulation::step() {
     lap.add_to(times_.contacts);
   }
   step_blocks(timed);
-  if (others_ != nullptr) gather_loads(Instant::end);
+  if (others_ != nullptr) complete_sent_blocks(Instant::end);
   ++state_.clock.step;
   ++state_.clock.stage_step;  // time is counted, not summed
   bodies_ahead_ = true;
@@ -383,7 +383,7 @@ void Simulation::evaluate_loads() {
         complete_loads(team_.block(k), Instant::start, untimed);
     }
   });
-  if (others_ != nullptr) gather_loads(Instant::start);
+  if (others_ != nullptr) complete_sent_blocks(Instant::start);
   if (walls_.any()) close_walls(0.0);
   check_finite();
   agree_on_failure();

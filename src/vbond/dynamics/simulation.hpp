@@ -80,6 +80,10 @@ class Simulation {
     stepper.begin(model_, stage_, state(), reach());
   }
 
+  /// Who looks after fewer steps than these has the body brought together for that look alone, where a
+  /// stepper makes the steps. 1 without one.
+  std::int64_t steps_at_once() const { return stepper_ != nullptr ? Stepper::at_once : 1; }
+
   /// One time step of stage().dt. Throws Diverged if a load is not finite or a new bond is impossible.
   void step();
 
@@ -267,7 +271,7 @@ class Simulation {
                const std::string& way_out) const;
   void hear_poses();
   bool is_sent(const Block& block) const;
-  void gather_loads(Instant at);
+  void complete_sent_blocks(Instant at);
   bool find_events_of_all();
   void sum_over_parts(std::span<double> numbers) const {
     if (others_ != nullptr) others_->sum(numbers);

@@ -43,7 +43,7 @@ bool Simulation::is_sent(const Block& b) const {
 
 /// What is done to ghosts goes to their parts: none is left here, so that nothing is counted twice. Then the
 /// blocks that it came to have all their loads.
-void Simulation::gather_loads(Instant at) {
+void Simulation::complete_sent_blocks(Instant at) {
   const auto gather = [this](std::vector<LoadRow>& load) {
     others_->gather_from_ghosts(load);
     std::fill(load.begin() + static_cast<std::ptrdiff_t>(bodies_.order.own),
@@ -202,12 +202,10 @@ bool Simulation::give(State& whole, bool everyone) {
 
 // ---- the simulation that shows it --------------------------------------------------------------------
 
-/// The steps up to the next look at the body, made by the parts, and no more than some: an interruption waits
-/// for their end.
+/// The steps up to the next look at the body, made by the parts.
 StopReason Simulation::leap(std::int64_t& most) {
-  constexpr std::int64_t at_once = 256;
   const std::int64_t before = state_.clock.step;
-  const Stepper::Leap leap = stepper_->advance(std::min({most, at_once, steps_to_look_}), state_);
+  const Stepper::Leap leap = stepper_->advance(std::min({most, Stepper::at_once, steps_to_look_}), state_);
   const std::int64_t steps = state_.clock.step - before;
   events_.insert(events_.end(), leap.part->events_.begin(), leap.part->events_.end());
   leap.part->events_.clear();

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -228,6 +229,11 @@ void Ranks::largest(std::span<double> numbers) const {
 
 void Ranks::collect_bytes(std::span<const std::byte> mine, bool everyone, const Room& room) const {
   const Waiting waiting(*this);
+  std::int64_t total = static_cast<std::int64_t>(mine.size());
+  MPI_Allreduce(MPI_IN_PLACE, &total, 1, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
+  if (total > std::numeric_limits<int>::max())
+    throw std::runtime_error(
+        "the body is too large: MPI counts at most 2 GiB in one message; use vbond, which sends none");
   const int count = static_cast<int>(mine.size());
   std::vector<int> counts(static_cast<std::size_t>(size_)), first(counts.size());
   MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, MPI_COMM_WORLD);
