@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <set>
+#include <stdexcept>
 
 #include "specimen.hpp"
 #include "vbond/core/error.hpp"
@@ -272,6 +273,28 @@ TEST(ProgressObserver, SaysNothingOfAResumedStageAtItsFirstLook) {
   const Simulation run(r.chain.model, r.stage, r.state);
   ProgressObserver(out, {25, 2400}).observe(run);  // no step made, no speed known
   EXPECT_EQ(std::ftell(out), 0);
+  std::fclose(out);
+}
+
+/// Stands for other processes.
+struct IdleStepper : Stepper {
+  void begin(const Model&, const Stage&, const State&, double) override {}
+  Leap advance(std::int64_t, State&) override { throw std::logic_error("no step is asked for"); }
+};
+
+// A look at a body in parts brings it together, which takes as long as many steps.
+TEST(ProgressObserver, WaitsForTheStepsThatAreMadeAtOnce) {
+  const Chain chain(2);
+  std::FILE* out = std::tmpfile();
+  ASSERT_NE(out, nullptr);
+  Simulation run(chain.model, two_stages()[1], at_rest(chain));
+  ProgressObserver alone(out, {0, 1000}), of_parts(out, {0, 1000});
+  alone.observe(run);
+  EXPECT_EQ(alone.steps_to_next_look(run.clock()), 1);
+  IdleStepper stepper;
+  run.step_by(stepper);
+  of_parts.observe(run);
+  EXPECT_EQ(of_parts.steps_to_next_look(run.clock()), Stepper::at_once);
   std::fclose(out);
 }
 
