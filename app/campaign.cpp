@@ -64,6 +64,7 @@ double Campaign::output_seconds() const {
 
 Campaign open_campaign(const Case& c, Run& run, OutputPlan plan, int threads, const std::string& program,
                        const Checkpoint* resume) {
+  catch_signals();  // before there are files: whoever sees one may stop the run
   Campaign campaign{.c = c,
                     .run = run,
                     .plan = std::move(plan),

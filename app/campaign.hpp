@@ -47,7 +47,8 @@ struct Campaign {
   double output_seconds() const;
 };
 
-/// Opens the output, new or, with a checkpoint, continued, and sets up the terminal.
+/// Opens the output, new or, with a checkpoint, continued, and sets up the terminal. From here on a signal
+/// does not end the program, but the run, with a checkpoint.
 Campaign open_campaign(const Case& c, Run& run, OutputPlan plan, int threads, const std::string& program,
                        const Checkpoint* resume);
 

@@ -141,7 +141,6 @@ int status_of_signal() {
 
 /// Runs from the stage that was prepared to the last one.
 int run_stages(Campaign& campaign) {
-  catch_signals();
   Run& run = campaign.run;
   listen(campaign);
   while (true) {
