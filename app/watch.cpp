@@ -124,9 +124,9 @@ class Display {
 
  private:
   void repaint(const RunStatus& s, std::vector<std::string>& lines) {
-    lines.insert(lines.begin(),
-                 fmt::format("{}, process {} on {}, {} after its start, at {}", on_one_line(s.name),
-                             s.process, on_one_line(s.host), hours(s.wall_seconds), on_one_line(s.written)));
+    lines.insert(lines.begin(), on_one_line(s.name));
+    lines.push_back(fmt::format("process {} on {}, {} after its start, at {}", s.process, on_one_line(s.host),
+                                hours(s.wall_seconds), on_one_line(s.written)));
     std::string text;
     if (shown_ > 0)
       text = fmt::format("\033[{}F\033[J", shown_);  // up to the first line, clear all (ECMA-48)
