@@ -38,15 +38,18 @@ TEST(SpatialOrder, IsByLayersWhereverTheBodyLies) {
   }
 }
 
-// Of a part: own particles, ghosts, all others, each in the order of the whole.
+// Of a part: own particles, those among them that are ghosts elsewhere, own ghosts, all others, each in the
+// order of the whole.
 TEST(Order, OfAPartHasOwnParticlesFirstAndThenItsGhosts) {
   PerParticle<Vec3d> r;
   for (const double x : {4.0, 0.0, 3.0, 1.0, 2.0}) r.push_back({x, 0, 0});
   const Order whole = spatial_order(r);  // 1, 3, 4, 2, 0
-  const Order part = part_of(whole, {ParticleId{2}, ParticleId{4}}, {ParticleId{3}});
+  const ParticleId sent{4};
+  const Order part = part_of(whole, {{ParticleId{2}, sent}, {sent}, {ParticleId{3}}});
   EXPECT_EQ(part.particle.values(),
-            (std::vector{ParticleId{4}, ParticleId{2}, ParticleId{3}, ParticleId{1}, ParticleId{0}}));
+            (std::vector{ParticleId{2}, sent, ParticleId{3}, ParticleId{1}, ParticleId{0}}));
   for (const ParticleId p : r.ids()) EXPECT_EQ(part.particle[part.row[p]], p);
+  EXPECT_EQ(part.inner, 1u);
   EXPECT_EQ(part.own, 2u);
   EXPECT_EQ(part.known, 3u);
   EXPECT_TRUE(part.has(ParticleId{4}) && part.knows(ParticleId{3}));

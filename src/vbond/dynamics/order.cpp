@@ -64,25 +64,27 @@ Order spatial_order(const PerParticle<Vec3d>& r) {
     order.particle[Row{k}] = ParticleId{sorted[k]};
     order.row[ParticleId{sorted[k]}] = Row{k};
   }
-  order.own = order.known = r.size();
+  order.inner = order.own = order.known = r.size();
   return order;
 }
 
-Order part_of(const Order& whole, const std::vector<ParticleId>& own, const std::vector<ParticleId>& ghosts) {
-  constexpr char absent = 2;
+Order part_of(const Order& whole, const Holding& holding) {
+  enum : char { inner, sent, ghost, absent };
   PerParticle<char> place(whole.row.size(), absent);
-  for (const ParticleId p : ghosts) place[p] = 1;
-  for (const ParticleId p : own) place[p] = 0;
+  for (const ParticleId p : holding.ghosts) place[p] = ghost;
+  for (const ParticleId p : holding.own) place[p] = inner;
+  for (const ParticleId p : holding.sent) place[p] = sent;
   Order part;
   part.row.resize(whole.row.size());
-  for (char which = 0; which <= absent; ++which) {
+  for (const char which : {inner, sent, ghost, absent}) {
     for (const ParticleId p : whole.particle) {
       if (place[p] != which) continue;
       part.row[p] = Row{part.particle.size()};
       part.particle.push_back(p);
     }
-    if (which == 0) part.own = part.particle.size();
-    if (which == 1) part.known = part.particle.size();
+    if (which == inner) part.inner = part.particle.size();
+    if (which == sent) part.own = part.particle.size();
+    if (which == ghost) part.known = part.particle.size();
   }
   return part;
 }

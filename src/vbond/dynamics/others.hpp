@@ -1,6 +1,6 @@
 #pragma once
 #include <cstddef>
-#include <cstring>
+#include <functional>
 #include <span>
 #include <type_traits>
 #include <vector>
@@ -31,15 +31,19 @@ class Others {
   virtual void largest(std::span<double> numbers) const = 0;
   /// Whether this process does what one of them must do for all.
   virtual bool leads() const = 0;
-  /// What all processes have, in their order: on all of them, or only on the one that leads.
-  virtual std::vector<std::byte> collect_bytes(std::span<const std::byte> mine, bool everyone) const = 0;
+  /// What all processes have, in their order: on all of them, or only on the one that leads. room(n) is where
+  /// n bytes of it go.
+  using Room = std::function<std::byte*(std::size_t)>;
+  virtual void collect_bytes(std::span<const std::byte> mine, bool everyone, const Room& room) const = 0;
 
   template <class T>
   std::vector<T> collect(const std::vector<T>& mine, bool everyone = true) const {
     static_assert(std::is_trivially_copyable_v<T>);
-    const std::vector<std::byte> bytes = collect_bytes(std::as_bytes(std::span(mine)), everyone);
-    std::vector<T> all(bytes.size() / sizeof(T));
-    if (!all.empty()) std::memcpy(static_cast<void*>(all.data()), bytes.data(), bytes.size());
+    std::vector<T> all;
+    collect_bytes(std::as_bytes(std::span(mine)), everyone, [&all](std::size_t bytes) {
+      all.resize(bytes / sizeof(T));
+      return std::as_writable_bytes(std::span(all)).data();
+    });
     return all;
   }
   bool any(bool here) const {

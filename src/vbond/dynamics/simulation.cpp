@@ -157,10 +157,8 @@ void Simulation::step() {
     if (contacts_.any() || capsules_.any()) encounters_.look_at_drift(bodies_, stage_.dt, way2);
     lap.add_to(times_.contacts);
   }
-  if (others_ != nullptr)
-    complete_loads_of_part(Instant::end);
-  else
-    step_blocks(timed);
+  step_blocks(timed);
+  if (others_ != nullptr) gather_loads(Instant::end);
   ++state_.clock.step;
   ++state_.clock.stage_step;  // time is counted, not summed
   bodies_ahead_ = true;
@@ -173,17 +171,20 @@ void Simulation::step() {
   if (--steps_to_look_ == 0 || events) notify_observers();
 }
 
-/// Blocks move, are loaded and kicked while they are in the cache, those of each part in their order.
+/// Blocks move, are loaded and kicked while they are in the cache, those of each part in their order. Those
+/// that get loads from ghosts are left loaded.
 void Simulation::step_blocks(bool timed) {
-  team_.for_parts([&](const Part& part) {
+  all_known().for_parts([&](const Part& part) {
     StepTimes::Lap lap_of_part(timed && part.index == 0);
+    const std::size_t last_moved = std::min(part.last_block, team_.blocks());
     std::size_t begun = part.first_block;  // blocks before this one have moved
     for (std::size_t k = part.first_block; k < part.last_block; ++k) {
-      for (; begun < std::min(bonds_.reach(k), part.last_block); ++begun)
+      for (; begun < std::min(bonds_.reach(k), last_moved); ++begun)
         if (!moves_first(team_.block(begun))) begin_step(team_.block(begun));
       lap_of_part.add_to(times_.integrate);
-      const RowsAhead ahead = begun < part.last_block ? rows_of(team_.block(begun)) : RowsAhead{};
-      add_mutual_loads(part, team_.block(k), Instant::end, ahead, lap_of_part);
+      const RowsAhead ahead = begun < last_moved ? rows_of(team_.block(begun)) : RowsAhead{};
+      add_mutual_loads(part, all_known().block(k), Instant::end, ahead, lap_of_part);
+      if (k >= last_moved || is_sent(team_.block(k))) continue;
       complete_loads(team_.block(k), Instant::end, lap_of_part);  // F, M : at t + dt
       end_step(team_.block(k));
       lap_of_part.add_to(times_.integrate);
@@ -211,10 +212,11 @@ bool Simulation::find_events() {
 }
 
 /// Bonds need the new places of both their particles. A block is moved just before the first bonds that reach
-/// it, and stays in the cache until then; but before all others if another thread may look at it: at the
-/// border of a part, or anywhere where there are contacts.
+/// it, and stays in the cache until then; but before all others if another thread or process may look at it:
+/// at the border of a part, or anywhere where there are contacts.
 bool Simulation::moves_first(const Block& b) const {
-  return others_ != nullptr || (!only_elastic_ && anything_touches()) || bonds_.at_border(b.index);
+  const bool anywhere = !only_elastic_ && (anything_touches() || (others_ != nullptr && meets()));
+  return anywhere || bonds_.at_border(b.index) || is_sent(b);
 }
 
 /// The half of a step before the loads.
@@ -373,16 +375,15 @@ void Simulation::evaluate_loads() {
   walls_.refresh(team_);
   applied_.set_times(state_.clock.stage_step, stage_.dt);
   team_.for_blocks([&](const Block& b) { clear_loads(b); });
-  if (others_ != nullptr)
-    complete_loads_of_part(Instant::start);
-  else
-    team_.for_parts([&](const Part& part) {
-      StepTimes::Lap untimed(false);
-      for (std::size_t b = part.first_block; b < part.last_block; ++b) {
-        add_mutual_loads(part, team_.block(b), Instant::start, {}, untimed);
-        complete_loads(team_.block(b), Instant::start, untimed);
-      }
-    });
+  all_known().for_parts([&](const Part& part) {
+    StepTimes::Lap untimed(false);
+    for (std::size_t k = part.first_block; k < part.last_block; ++k) {
+      add_mutual_loads(part, all_known().block(k), Instant::start, {}, untimed);
+      if (k < team_.blocks() && !is_sent(team_.block(k)))
+        complete_loads(team_.block(k), Instant::start, untimed);
+    }
+  });
+  if (others_ != nullptr) gather_loads(Instant::start);
   if (walls_.any()) close_walls(0.0);
   check_finite();
   agree_on_failure();

@@ -266,8 +266,8 @@ class Simulation {
   void diverge(std::size_t first_particle, const std::string& who, const std::string& what,
                const std::string& way_out) const;
   void hear_poses();
-  void gather_loads();
-  void complete_loads_of_part(Instant at);
+  bool is_sent(const Block& block) const;
+  void gather_loads(Instant at);
   bool find_events_of_all();
   void sum_over_parts(std::span<double> numbers) const {
     if (others_ != nullptr) others_->sum(numbers);

@@ -36,8 +36,14 @@ void Simulation::hear_poses() {
   std::copy(bodies_.motion.begin() + first, bodies_.motion.begin() + last, bodies_.rates.begin() + first);
 }
 
-/// What is done to ghosts goes to their parts: none is left here, so that nothing is counted twice.
-void Simulation::gather_loads() {
+/// Whether particles of the block are ghosts of other parts.
+bool Simulation::is_sent(const Block& b) const {
+  return others_ != nullptr && b.rows.last > bodies_.order.inner;
+}
+
+/// What is done to ghosts goes to their parts: none is left here, so that nothing is counted twice. Then the
+/// blocks that it came to have all their loads.
+void Simulation::gather_loads(Instant at) {
   const auto gather = [this](std::vector<LoadRow>& load) {
     others_->gather_from_ghosts(load);
     std::fill(load.begin() + static_cast<std::ptrdiff_t>(bodies_.order.own),
@@ -45,16 +51,9 @@ void Simulation::gather_loads() {
   };
   gather(bodies_.load);
   if (!bodies_.damping.empty()) gather(bodies_.damping);
-}
-
-/// All blocks have moved, and ghosts, too.
-void Simulation::complete_loads_of_part(Instant at) {
   StepTimes::Lap untimed(false);
-  const Team& team = all_known();
-  for (std::size_t b = 0; b < team.blocks(); ++b)
-    add_mutual_loads(team.parts().front(), team.block(b), at, {}, untimed);
-  gather_loads();
   team_.for_blocks([&](const Block& b) {
+    if (!is_sent(b)) return;
     complete_loads(b, at, untimed);
     if (at == Instant::end) end_step(b);
   });
@@ -133,6 +132,7 @@ void Simulation::collect_body(State& whole, bool everyone) {
   const auto bring = [&](const auto& ids, const auto& all_ids, const auto& from, auto& to) {
     to.resize(from.size());
     std::vector<std::decay_t<decltype(*from.begin())>> values;
+    values.reserve(ids.size());
     for (const auto id : ids) values.push_back(from[id]);
     const auto of_all = others_->collect(values, everyone);
     for (std::size_t k = 0; k < of_all.size(); ++k) to[all_ids[k]] = of_all[k];

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -211,11 +212,22 @@ void Domains::redistribute(const PerParticle<Vec3d>& all, const PerParticle<doub
   lammps_->spread(reach);
 }
 
-Holding Domains::holding() const {
+Holding Domains::holding() {
   const LAMMPS_NS::Atom& atom = *lammps_->lmp->atom;
+  const auto own = static_cast<std::size_t>(atom.nlocal), all = own + static_cast<std::size_t>(atom.nghost);
+  // ghosts report to their particles
+  std::vector<std::uint32_t> rows(all);
+  std::iota(rows.begin(), rows.end(), 0u);
+  std::vector<LoadRow> reports(all);
+  for (std::size_t k = own; k < all; ++k) reports[k].F.x = 1.0;
+  gather_from_ghosts(rows, reports);
+
   Holding h;
-  for (int k = 0; k < atom.nlocal + atom.nghost; ++k)
-    (k < atom.nlocal ? h.own : h.ghosts).push_back(ParticleId{static_cast<std::size_t>(atom.tag[k] - 1)});
+  for (std::size_t k = 0; k < all; ++k) {
+    const ParticleId p{static_cast<std::size_t>(atom.tag[k] - 1)};
+    (k < own ? h.own : h.ghosts).push_back(p);
+    if (k < own && reports[k].F.x != 0.0) h.sent.push_back(p);
+  }
   return h;
 }
 

@@ -9,11 +9,6 @@
 
 namespace vbond {
 
-/// The particles that a rank moves, and its ghosts: those of other ranks within reach of its domain.
-struct Holding {
-  std::vector<ParticleId> own, ghosts;
-};
-
 /// The ranks' domains in space, kept by LAMMPS: which particles a rank has, and the messages between
 /// neighbouring domains. All functions are to be called by all ranks.
 class Domains {
@@ -25,7 +20,8 @@ class Domains {
   /// Their positions are now these: particles go to the rank in whose domain they are, of equal work if that
   /// can be, and the ghosts are found anew. Throws std::runtime_error if particles were lost.
   void redistribute(const PerParticle<Vec3d>& all, const PerParticle<double>& work, double reach);
-  Holding holding() const;
+  /// What this rank has; ghosts are the particles of other ranks within reach of its domain.
+  Holding holding();
   /// Ghosts get what their particles have; rows: of own particles, then of ghosts, as holding() names them.
   void send_to_ghosts(const std::vector<std::uint32_t>& rows, const GhostPoses& columns);
   /// Particles get the loads of their ghosts on other ranks, in addition.

@@ -112,7 +112,7 @@ PerParticle<double> Ranks::work_of(const State& state) const {
 /// A simulation of this rank's part of a body, which all ranks have.
 void Ranks::take_part(const State& state) {
   const Holding holding = domains_->holding();
-  Order order = part_of(order_, holding.own, holding.ghosts);
+  Order order = part_of(order_, holding);
   rows_.clear();
   for (const auto* some : {&holding.own, &holding.ghosts})
     for (const ParticleId p : *some) rows_.push_back(order.row[p].value);
@@ -226,21 +226,18 @@ void Ranks::largest(std::span<double> numbers) const {
                 MPI_COMM_WORLD);
 }
 
-std::vector<std::byte> Ranks::collect_bytes(std::span<const std::byte> mine, bool everyone) const {
+void Ranks::collect_bytes(std::span<const std::byte> mine, bool everyone, const Room& room) const {
   const Waiting waiting(*this);
   const int count = static_cast<int>(mine.size());
   std::vector<int> counts(static_cast<std::size_t>(size_)), first(counts.size());
   MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, MPI_COMM_WORLD);
   for (std::size_t k = 1; k < first.size(); ++k) first[k] = first[k - 1] + counts[k - 1];
   const auto size = static_cast<std::size_t>(first.back() + counts.back());
-  std::vector<std::byte> all(everyone || leads() ? size : 0);
+  std::byte* all = everyone || leads() ? room(size) : nullptr;
   if (everyone)
-    MPI_Allgatherv(mine.data(), count, MPI_BYTE, all.data(), counts.data(), first.data(), MPI_BYTE,
-                   MPI_COMM_WORLD);
+    MPI_Allgatherv(mine.data(), count, MPI_BYTE, all, counts.data(), first.data(), MPI_BYTE, MPI_COMM_WORLD);
   else
-    MPI_Gatherv(mine.data(), count, MPI_BYTE, all.data(), counts.data(), first.data(), MPI_BYTE, 0,
-                MPI_COMM_WORLD);
-  return all;
+    MPI_Gatherv(mine.data(), count, MPI_BYTE, all, counts.data(), first.data(), MPI_BYTE, 0, MPI_COMM_WORLD);
 }
 
 }  // namespace vbond

@@ -46,7 +46,7 @@ class Ranks : public Stepper, public Others {
   void sum(std::span<double> numbers) const override;
   void largest(std::span<double> numbers) const override;
   bool leads() const override { return rank_ == 0; }
-  std::vector<std::byte> collect_bytes(std::span<const std::byte> mine, bool everyone) const override;
+  void collect_bytes(std::span<const std::byte> mine, bool everyone, const Room& room) const override;
 
  private:
   class Waiting;
