@@ -80,6 +80,10 @@ class Simulation {
     stepper.begin(model_, stage_, state(), reach());
   }
 
+  /// After so many steps a look costs no more than the steps: earlier ones may, where a stepper brings the
+  /// body together.
+  std::int64_t steps_at_once() const { return stepper_ != nullptr ? Stepper::at_once : 1; }
+
   /// One time step of stage().dt. Throws Diverged if a load is not finite or a new bond is impossible.
   void step();
 

@@ -202,12 +202,10 @@ bool Simulation::give(State& whole, bool everyone) {
 
 // ---- the simulation that shows it --------------------------------------------------------------------
 
-/// The steps up to the next look at the body, made by the parts, and no more than some: an interruption waits
-/// for their end.
+/// The steps up to the next look at the body, made by the parts.
 StopReason Simulation::leap(std::int64_t& most) {
-  constexpr std::int64_t at_once = 256;
   const std::int64_t before = state_.clock.step;
-  const Stepper::Leap leap = stepper_->advance(std::min({most, at_once, steps_to_look_}), state_);
+  const Stepper::Leap leap = stepper_->advance(std::min({most, Stepper::at_once, steps_to_look_}), state_);
   const std::int64_t steps = state_.clock.step - before;
   events_.insert(events_.end(), leap.part->events_.begin(), leap.part->events_.end());
   leap.part->events_.clear();

@@ -19,6 +19,8 @@ class Stepper {
     bool bonds_changed = false;  ///< State::bonds is not what it was
     Simulation* part = nullptr;  ///< that of this process
   };
+  /// The most steps until it brings the body up to date, as an interruption waits for that.
+  static constexpr std::int64_t at_once = 256;
   virtual ~Stepper() = default;
   /// Takes over the body as a stage begins or goes on. Model and stage live as long as the stage. reach:
   /// particles that are nearer than this may touch or be bonded; 0: none; infinite: each part must know all.

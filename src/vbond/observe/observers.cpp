@@ -238,7 +238,8 @@ void ProgressObserver::observe(const Simulation& run) {
     start_ = shown_ = beaten_ = now;
   }
   const double seconds = std::chrono::duration<double>(now - looked_).count();
-  next_look_ = clock.step + (begins ? 1 : progress_interval(clock.step - last_look_, seconds));
+  const std::int64_t interval = begins ? 1 : progress_interval(clock.step - last_look_, seconds);
+  next_look_ = clock.step + std::max(interval, run.steps_at_once());
   last_look_ = clock.step;
   looked_ = now;
   if (out_ != nullptr && now - shown_ >= refresh) show_line(run, now);
