@@ -19,8 +19,8 @@
 namespace vbond::app {
 namespace {
 
-void tell_beside(const std::shared_ptr<ProgressObserver>& progress, const std::string& report) {
-  if (progress) progress->clear();
+void tell_beside(ProgressObserver& progress, const std::string& report) {
+  progress.clear();
   say(report + "\n", stderr);
 }
 
@@ -49,21 +49,22 @@ void say(const std::string& text, std::FILE* out) {
 }
 
 void Campaign::tell(const std::string& report) const {
-  tell_beside(progress, report);
+  tell_beside(*progress, report);
+  heartbeat->told(report);
 }
 
 void Campaign::clear_progress() const {
-  if (progress) progress->clear();
+  progress->clear();
 }
 
 double Campaign::output_seconds() const {
-  double sum = table->seconds() + (progress ? progress->seconds() : 0.0);
+  double sum = table->seconds() + progress->seconds();
   for (const auto& [name, seconds] : files.seconds()) sum += seconds;
   return sum;
 }
 
 Campaign open_campaign(const Case& c, Run& run, OutputPlan plan, int threads, const std::string& program,
-                       const Checkpoint* resume) {
+                       const Checkpoint* resume, WallClock::time_point start) {
   catch_signals();  // before there are files: whoever sees one may stop the run
   Campaign campaign{.c = c,
                     .run = run,
@@ -73,21 +74,33 @@ Campaign open_campaign(const Case& c, Run& run, OutputPlan plan, int threads, co
                     .files = {},
                     .table = {},
                     .progress = {},
+                    .heartbeat = {},
                     .summary = first_summary(c, run.model(), threads),
                     .times = {},
                     .stage_end = {}};
-  if (isatty(STDERR_FILENO))
-    campaign.progress = std::make_shared<ProgressObserver>(stderr, std::vector<std::int64_t>{});
-  const auto tell = [progress = campaign.progress](const std::string& report) {
-    tell_beside(progress, report);
-  };
+  campaign.progress = std::make_shared<ProgressObserver>(isatty(STDERR_FILENO) != 0 ? stderr : nullptr,
+                                                         std::vector<std::int64_t>{});
   const auto& bonds = run.current().bonds;  // they keep a strength that the case has lost since
   campaign.plan.breaks = campaign.plan.breaks || std::any_of(bonds.begin(), bonds.end(), can_break);
+  campaign.heartbeat = std::make_shared<Heartbeat>(
+      run, campaign.plan, c.title, start,
+      [progress = campaign.progress](const std::string& warning) { tell_beside(*progress, warning); });
+  const auto tell = [progress = campaign.progress,
+                     heartbeat = campaign.heartbeat](const std::string& report) {
+    tell_beside(*progress, report);
+    heartbeat->told(report);
+  };
   campaign.files = open_output(campaign.plan, tell, VBOND_VERSION, resume);
+  campaign.heartbeat->follow(campaign.files);
+  campaign.progress->on_beat(
+      [heartbeat = campaign.heartbeat](const Simulation& stage, std::optional<double> left) {
+        heartbeat->beat(stage, left);
+      });
   campaign.table = std::make_shared<TableObserver>(stdout, campaign.plan.breaks);
   for (const auto& o : campaign.files.all()) run.add_observer(o);
   run.add_observer(campaign.table);
-  if (campaign.progress) run.add_observer(campaign.progress);
+  run.add_observer(campaign.progress);
+  campaign.heartbeat->begin_stage();
   return campaign;
 }
 
@@ -96,11 +109,13 @@ void listen(Campaign& campaign) {
   hooks.point = [&campaign](const StaticPoint& point) {
     campaign.files.record(campaign.run.model(), point);
     campaign.table->print(point);
+    campaign.heartbeat->point(point);
   };
   hooks.tell = [&campaign](const std::string& report) { campaign.tell(report); };
   hooks.interrupted = [] { return caught_signal() != 0; };
   hooks.stage_end = [&campaign](const Simulation& stage, StopReason why, const std::string& failure) {
     campaign.stage_end(stage, why, failure);
+    campaign.heartbeat->beat(stage, {});
   };
   campaign.run.set_hooks(std::move(hooks));
 }
@@ -140,8 +155,7 @@ void save_summary(Campaign& campaign) {
   if (campaign.c.any_dynamics())
     for (const PhaseTime& p : split_steps(s.stepping_seconds, campaign.times)) s.wall_time.push_back(p);
   for (const auto& [name, seconds] : campaign.files.seconds()) s.wall_time.push_back({name, seconds});
-  const double progress = campaign.progress ? campaign.progress->seconds() : 0.0;
-  s.wall_time.push_back({"terminal", campaign.table->seconds() + progress});
+  s.wall_time.push_back({"terminal", campaign.table->seconds() + campaign.progress->seconds()});
   write_summary(campaign.plan.folder / "run.json", s);
   if (const std::string table = fracture_table(s); !table.empty())
     replace_file(campaign.plan.folder / "fracture.csv", table);

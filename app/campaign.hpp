@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "heartbeat.hpp"
 #include "vbond/case/case.hpp"
 #include "vbond/observe/observers.hpp"
 #include "vbond/observe/plan.hpp"
@@ -29,7 +30,8 @@ struct Campaign {
   std::string program;  ///< as it was called
   FileObservers files;
   std::shared_ptr<TableObserver> table;
-  std::shared_ptr<ProgressObserver> progress;  ///< null unless stderr is a terminal
+  std::shared_ptr<ProgressObserver> progress;  ///< on stderr if that is a terminal, and in status.json
+  std::shared_ptr<Heartbeat> heartbeat;
   RunSummary summary;
   double building = 0;   ///< seconds of wall time
   double stepping = 0;   ///< seconds, without what observers did between the steps
@@ -47,10 +49,10 @@ struct Campaign {
   double output_seconds() const;
 };
 
-/// Opens the output, new or, with a checkpoint, continued, and sets up the terminal. From here on a signal
-/// does not end the program, but the run, with a checkpoint.
+/// Opens the output, new or, with a checkpoint, continued, and sets up the terminal. start: of the program.
+/// From here on a signal does not end the program, but the run, with a checkpoint.
 Campaign open_campaign(const Case& c, Run& run, OutputPlan plan, int threads, const std::string& program,
-                       const Checkpoint* resume);
+                       const Checkpoint* resume, WallClock::time_point start);
 
 /// Hands all that the run tells to the campaign, which must stay where it is.
 void listen(Campaign& campaign);

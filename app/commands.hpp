@@ -51,6 +51,12 @@ struct PlotOptions {
   bool still = false;                ///< also write report.png
 };
 
+struct WatchOptions {
+  std::filesystem::path folder;
+  bool once = false;    ///< say how the run stands now, and end
+  std::string program;  ///< as it was called, for the hint how to go on
+};
+
 struct CalibrateOptions {
   std::string E, nu = "0.2", length, diameter, inner_diameter, side, A, J, J_p, kappa;
   std::string theory = "all";
@@ -66,6 +72,8 @@ int calibrate(const CalibrateOptions& options);
 /// Writes report.html into the folder of a run.
 int report(const std::filesystem::path& folder);
 int plot(const PlotOptions& options);
+/// Shows how the run in a folder stands until it ends.
+int watch(const WatchOptions& options);
 /// Says of each bond that broke in a run, or of the first hundred, when and why.
 int breaks(const std::filesystem::path& folder, bool all);
 /// Writes the body of a case, as its first stage begins, as files for LAMMPS with the plugin.

@@ -68,8 +68,8 @@ void remove_output(const fs::path& folder) {
   const FolderLock nobody_reports(folder, report_lock);
   for (const char* name : {"history.csv", "history.columns.json", "breaks.csv", "breaks.columns.json",
                            "fragments.csv", "fragments.columns.json", "fracture.csv", "run.json",
-                           "resolved.toml", "checkpoint.h5", "particles.pvd", "bonds.pvd", "walls.pvd",
-                           "dump.lammpstrj", "last_balance.h5", "report.html", "report.png"}) {
+                           "status.json", "resolved.toml", "checkpoint.h5", "particles.pvd", "bonds.pvd",
+                           "walls.pvd", "dump.lammpstrj", "last_balance.h5", "report.html", "report.png"}) {
     take_away(folder / name);
     take_away(temporary_name(folder / name));
   }

@@ -31,9 +31,7 @@ namespace fs = std::filesystem;
 }
 
 std::string who_i_am() {
-  std::array<char, 256> host{};
-  if (gethostname(host.data(), host.size() - 1) != 0) host[0] = '?';
-  return fmt::format("process {} on {} since {:%Y-%m-%d %H:%M:%S} UTC\n", getpid(), host.data(),
+  return fmt::format("process {} on {} since {:%Y-%m-%d %H:%M:%S} UTC\n", getpid(), host_name(),
                      fmt::gmtime(std::time(nullptr)));
 }
 
@@ -80,6 +78,12 @@ bool is_still_there(int fd, const fs::path& path) {
 }
 
 }  // namespace
+
+std::string host_name() {
+  std::array<char, 256> host{};
+  if (gethostname(host.data(), host.size() - 1) != 0) host[0] = '?';
+  return host.data();
+}
 
 FolderLock::FolderLock(const fs::path& folder, const char* name) : path_(folder / name) {
   while (!take()) ::close(fd_);

@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <string>
 
 namespace vbond::app {
 
@@ -7,6 +8,9 @@ namespace vbond::app {
 inline constexpr const char* run_lock = "run.lock";  ///< held by run and resume
 inline constexpr const char* report_lock =
     "report.lock";  ///< held by whoever writes report.html, or removes it
+
+/// Of this machine.
+std::string host_name();
 
 /// Keeps other processes out of an output folder, or of its report, while it lives (flock on a lock file,
 /// which the system gives up when the process ends, however it ends). The file says who holds it and is

@@ -149,6 +149,12 @@ int dispatch(int argc, char** argv) {
   CLI::App* plot_command = nullptr;
   add_plot(program, plot, plot_command);
 
+  app::WatchOptions watch;
+  watch.program = argv[0];
+  CLI::App* watch_command = program.add_subcommand("watch", "Show how a run stands until it ends");
+  watch_command->add_option("DIR", watch.folder, "Its output folder")->required();
+  watch_command->add_flag("--once", watch.once, "Say it once, without waiting");
+
   bool all_breaks = false;
   CLI::App* breaks_command = program.add_subcommand("breaks", "Say which bonds of a run broke, when and why");
   breaks_command->add_option("DIR", folder, "Output folder of a run, ended or not")->required();
@@ -208,6 +214,7 @@ int dispatch(int argc, char** argv) {
   if (resume_command->parsed()) return app::resume(folder, run);
   if (report_command->parsed()) return app::report(folder);
   if (plot_command->parsed()) return app::plot(plot);
+  if (watch_command->parsed()) return app::watch(watch);
   if (breaks_command->parsed()) return app::breaks(folder, all_breaks);
   if (sweep_command->parsed()) return app::sweep(sweep);
   if (export_command->parsed()) return app::export_lammps(run, export_to);

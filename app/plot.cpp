@@ -1,8 +1,4 @@
 #include <fmt/format.h>
-#include <sys/ioctl.h>
-#include <unistd.h>
-
-#include <algorithm>
 
 #include "braille.hpp"
 #include "campaign.hpp"
@@ -10,18 +6,12 @@
 #include "lock.hpp"
 #include "report.hpp"
 #include "still.hpp"
+#include "terminal.hpp"
 #include "vbond/case/read.hpp"
 #include "vbond/core/error.hpp"
 
 namespace vbond::app {
 namespace {
-
-int terminal_width() {
-  constexpr int usual = 80, narrowest = 40;
-  winsize size{};
-  if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0) return usual;
-  return std::max(narrowest, static_cast<int>(size.ws_col));
-}
 
 const page::HistoryColumn& column(const page::History& history, const std::string& name) {
   if (const page::HistoryColumn* c = history.find(name)) return *c;

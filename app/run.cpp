@@ -9,6 +9,7 @@
 
 #include "campaign.hpp"
 #include "commands.hpp"
+#include "failure.hpp"
 #include "folder.hpp"
 #include "inputs.hpp"
 #include "lock.hpp"
@@ -51,8 +52,7 @@ void add_stage(RunSummary& s, const Simulation& run, StopReason why, std::int64_
 /// Says what step the run has, once it is known, and of every stage which times it does not meet.
 void begin_dynamics(Campaign& campaign, const Stage& stage, const State& state) {
   const bool known = std::exchange(campaign.step_known, true), begins = state.clock.stage_step == 0;
-  if (!known && campaign.progress)
-    campaign.progress->expect(steps_of_stages(campaign.c, campaign.run.model(), stage.dt));
+  if (!known) campaign.progress->expect(steps_of_stages(campaign.c, campaign.run.model(), stage.dt));
   if (begins && state.clock.stage == 0) return;  // told before the run
   if (begins && !known) return print_step(campaign.c, campaign.run.model(), state, stage);
   for (const std::string& line : times_not_met(stage)) campaign.tell(line);
@@ -66,6 +66,7 @@ bool run_dynamics_leg(Campaign& campaign) {
   const auto entered = WallClock::now();
   run.begin();
   campaign.building += seconds_since(entered);
+  campaign.heartbeat->begin_stage();
 
   const std::int64_t first = run.clock().step;
   const auto start = WallClock::now();
@@ -160,6 +161,18 @@ int run_stages(Campaign& campaign) {
     const auto start = WallClock::now();
     run.prepare();
     campaign.building += seconds_since(start);
+  }
+}
+
+/// The same, with its end in status.json.
+int run_to_end(Campaign& campaign) {
+  try {
+    const int status = run_stages(campaign);
+    campaign.heartbeat->end(status == done ? RunState::complete : RunState::interrupted);
+    return status;
+  } catch (...) {
+    campaign.heartbeat->end(RunState::failed, failure_under_way().text);
+    throw;
   }
 }
 
@@ -259,10 +272,11 @@ int run(const RunOptions& options) {
   if (const Stage* dynamics = std::get_if<Stage>(&run.prepare()))
     print_step(c, run.model(), run.current(), *dynamics);
   print_machine(options.threads);
-  Campaign campaign = open_campaign(c, run, std::move(plan), options.threads, options.program, nullptr);
+  Campaign campaign =
+      open_campaign(c, run, std::move(plan), options.threads, options.program, nullptr, start);
   campaign.building = seconds_since(start);
   try {
-    const int status = run_stages(campaign);
+    const int status = run_to_end(campaign);
     if (options.report && status == done) report_on(campaign.plan.folder);
     return status;
   } catch (const IoError& e) {  // no more can be written
@@ -296,7 +310,7 @@ int resume(const fs::path& folder, const RunOptions& options) {
   }
 
   Campaign campaign = open_campaign(c, run, plan_output(c, run.model(), folder), options.threads,
-                                    options.program, &checkpoint);
+                                    options.program, &checkpoint, start);
   if (fs::exists(folder / "run.json"))
     campaign.summary.stages = read_stages_before(folder / "run.json", run.clock().stage);
   campaign.building = seconds_since(start);
@@ -304,7 +318,7 @@ int resume(const fs::path& folder, const RunOptions& options) {
                   run.stages().name(run.stage_index()), folder.string()));
   print_machine(options.threads);
   try {
-    return run_stages(campaign);
+    return run_to_end(campaign);
   } catch (const IoError& e) {
     throw with_way_on(campaign, e);
   }

@@ -39,6 +39,7 @@ void add_stage(Campaign& campaign, const StageResult& result) {
   summary.statics = StaticSummary{result.kind, *result.statics, result.failure};
   s.stages.push_back(std::move(summary));
   save_summary(campaign);
+  campaign.heartbeat->end_static_stage();
 }
 
 /// Leaves behind what there is: what the stage had found, the last balance, history and frames up to it, and
@@ -118,6 +119,8 @@ bool run_static_leg(Campaign& campaign) {
   campaign.files.checkpoint->write(run.model(), run.start_of_stage());
   remove_file(campaign.plan.folder / "last_balance.h5");
   remove_mode_frames(campaign.plan.folder, stage.name);
+
+  campaign.heartbeat->begin_stage();
 
   const Clock start = run.start_of_stage().clock;
   const StageResult result = solve_or_leave(campaign);

@@ -51,10 +51,10 @@ without_times() {
   sed '/"bond_steps_per_second"/d; /"threads/d; /"instruction_set"/d; /"wall_time"/,/}/d' "$1/run.json"
 }
 
-# expect_same WHOLE OTHER [OPTION...]: two output folders hold the same, run.json but for wall times and what it was
+# expect_same WHOLE OTHER [OPTION...]: two output folders hold the same but status.json, run.json but for wall times and what it was
 # computed with; options are those of diff.
 expect_same() {
-  diff -rq --exclude=run.json "${@:3}" "$1" "$2" || fail "$2 differs from $1"
+  diff -rq --exclude=run.json --exclude=status.json "${@:3}" "$1" "$2" || fail "$2 differs from $1"
   diff <(without_times "$1") <(without_times "$2") || fail "$2/run.json differs from $1/run.json"
 }
 

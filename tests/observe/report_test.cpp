@@ -32,6 +32,9 @@ TEST(Progress, RemainingTimeFollowsFromTheSpeed) {
   // 1000 steps in 10 s since the run was resumed at 5000: 4000 left are 40 s
   EXPECT_EQ(progress_line("squeeze", 6000, 5000, 10000, 10.0),
             "stage squeeze: step 6000, 60.0 %, 100 steps/s, at most 40 s left");
+  EXPECT_EQ(seconds_left(6000, 5000, 10000, 10.0), 40.0);
+  EXPECT_EQ(seconds_left(12000, 5000, 10000, 10.0), 0.0);  // never less than nothing
+  EXPECT_EQ(seconds_left(5000, 5000, 10000, 10.0), std::nullopt);
   EXPECT_EQ(progress_line("squeeze", 5000, 5000, 10000, 0.0), "stage squeeze: step 5000, 50.0 %");
   EXPECT_EQ(progress_line("squeeze", 6000, 5000, 10000, 0.0),
             "stage squeeze: step 6000, 60.0 %");  // no speed

@@ -228,21 +228,22 @@ ProgressObserver::ProgressObserver(std::FILE* terminal, std::vector<std::int64_t
     : out_(terminal), stage_steps_(std::move(stage_steps)) {}
 
 void ProgressObserver::observe(const Simulation& run) {
-  constexpr std::chrono::milliseconds refresh(500);
+  constexpr std::chrono::milliseconds refresh(500), pulse(1000);
   const Clock& clock = run.clock();
   const bool begins = !first_step_ || clock.stage_step == 0;  // its steps may be slower than those before
   if (!begins && clock.step < next_look_) return;             // this step was asked for by others
   const auto now = WallClock::now();
   if (!first_step_) {
     first_step_ = clock.step;
-    start_ = shown_ = now;
+    start_ = shown_ = beaten_ = now;
   }
   const double seconds = std::chrono::duration<double>(now - looked_).count();
   const std::int64_t interval = begins ? 1 : progress_interval(clock.step - last_look_, seconds);
   next_look_ = clock.step + std::max(interval, run.steps_at_once());
   last_look_ = clock.step;
   looked_ = now;
-  if (now - shown_ >= refresh) show_line(run, now);
+  if (out_ != nullptr && now - shown_ >= refresh) show_line(run, now);
+  if (beat_ && now - beaten_ >= pulse) beat(run, now);
 }
 
 std::int64_t ProgressObserver::steps_to_next_look(const Clock& now) const {
@@ -253,14 +254,28 @@ void ProgressObserver::show_line(const Simulation& run, WallClock::time_point no
   const Timing timing(*this);
   const Clock& clock = run.clock();
   shown_ = now;
-  // stages that ended early count as they went: what is left is this stage's rest and the later ones
-  const auto stage = std::min(static_cast<std::size_t>(clock.stage), stage_steps_.size());
-  const std::int64_t left = std::accumulate(stage_steps_.begin() + static_cast<std::ptrdiff_t>(stage),
-                                            stage_steps_.end(), -clock.stage_step);
-  const std::string line = progress_line(run.stage().name, clock.step, *first_step_, clock.step + left,
-                                         std::chrono::duration<double>(now - start_).count());
+  const std::string line =
+      progress_line(run.stage().name, clock.step, *first_step_, total_steps(clock), seconds_until(now));
   show(clear_line + line, out_);
   visible_ = true;
+}
+
+void ProgressObserver::beat(const Simulation& run, WallClock::time_point now) {
+  const Timing timing(*this);
+  const Clock& clock = run.clock();
+  beaten_ = now;
+  beat_(run, seconds_left(clock.step, *first_step_, total_steps(clock), seconds_until(now)));
+}
+
+/// Stages that ended early count as they went: what is left is this stage's rest and the later ones.
+std::int64_t ProgressObserver::total_steps(const Clock& clock) const {
+  const auto stage = std::min(static_cast<std::size_t>(clock.stage), stage_steps_.size());
+  return clock.step + std::accumulate(stage_steps_.begin() + static_cast<std::ptrdiff_t>(stage),
+                                      stage_steps_.end(), -clock.stage_step);
+}
+
+double ProgressObserver::seconds_until(WallClock::time_point now) const {
+  return std::chrono::duration<double>(now - start_).count();
 }
 
 void ProgressObserver::finish(const Simulation& /*run*/, StopReason /*why*/) {

@@ -2,6 +2,7 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -118,11 +119,17 @@ class CheckpointObserver : public TimedObserver {
   void observe(const Simulation& run) override;
   std::int64_t steps_to_next_look(const Clock& now) const override;
   void finish(const Simulation& run, StopReason why) override;
-  void write(const Model& model, const State& state) { write(model, state, path_); }
+  void write(const Model& model, const State& state) {
+    write(model, state, path_);
+    last_step_ = state.clock.step;
+  }
   /// The same under another name.
   void write(const Model& model, const State& state, const std::filesystem::path& path);
+  /// The step of the last checkpoint.h5 written here.
+  const std::optional<std::int64_t>& last_step() const { return last_step_; }
 
  private:
+  std::optional<std::int64_t> last_step_;
   std::filesystem::path path_;
   std::optional<Due> due_;  // by interval; empty without one
   std::shared_ptr<const WatchObserver> watch_;
@@ -152,13 +159,19 @@ class TableObserver : public TimedObserver {
 };
 
 /// Keeps one line on the progress of the run up to date on a terminal, twice a second at most, and
-/// clears it when a stage ends. It reads the wall clock about ten times a second, so that its cost does not
-/// depend on how long a step takes. Before anything else is printed there, clear() it.
+/// clears it when a stage ends; tells a listener of it once a second. It reads the wall clock about ten times
+/// a second, so that its cost does not depend on how long a step takes; of a body in parts only when it is
+/// together anyway. Before anything else is printed there, clear() it.
 class ProgressObserver : public TimedObserver {
  public:
-  /// stage_steps: per stage, its steps if it does not end early; none as long as no step is known.
+  /// Seconds that the dynamics may still take at most; nothing if that is not known.
+  using Beat = std::function<void(const Simulation&, std::optional<double> seconds_left)>;
+  /// terminal: null if there is none. stage_steps: per stage, its steps if it does not end early; none as
+  /// long as no step is known.
   ProgressObserver(std::FILE* terminal, std::vector<std::int64_t> stage_steps);
   void expect(std::vector<std::int64_t> stage_steps) { stage_steps_ = std::move(stage_steps); }
+  /// Called once a second of wall time at most, not at the start.
+  void on_beat(Beat beat) { beat_ = std::move(beat); }
   void observe(const Simulation& run) override;
   std::int64_t steps_to_next_look(const Clock& now) const override;
   void finish(const Simulation& run, StopReason why) override;
@@ -167,11 +180,15 @@ class ProgressObserver : public TimedObserver {
  private:
   using WallClock = std::chrono::steady_clock;
   void show_line(const Simulation& run, WallClock::time_point now);
+  void beat(const Simulation& run, WallClock::time_point now);
+  std::int64_t total_steps(const Clock& clock) const;
+  double seconds_until(WallClock::time_point now) const;
   std::FILE* out_;
   std::vector<std::int64_t> stage_steps_;
+  Beat beat_;
   std::optional<std::int64_t> first_step_;  // of the run, that was looked at
   std::int64_t last_look_ = 0, next_look_ = 0;
-  WallClock::time_point start_, shown_, looked_;
+  WallClock::time_point start_, shown_, beaten_, looked_;
   bool visible_ = false;
 };
 

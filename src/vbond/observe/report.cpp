@@ -35,15 +35,28 @@ std::int64_t progress_interval(std::int64_t steps, double seconds) {
   return std::max<std::int64_t>(1, static_cast<std::int64_t>(std::min(wanted, most)));
 }
 
+namespace {
+/// Steps per second of wall time; 0: not known.
+double speed_of(std::int64_t step, std::int64_t first_step, double seconds) {
+  return seconds > 0.0 ? static_cast<double>(step - first_step) / seconds : 0.0;
+}
+}  // namespace
+
+std::optional<double> seconds_left(std::int64_t step, std::int64_t first_step, std::int64_t total_steps,
+                                   double seconds) {
+  const double speed = speed_of(step, first_step, seconds);
+  if (!(speed > 0.0)) return std::nullopt;
+  return static_cast<double>(std::max<std::int64_t>(0, total_steps - step)) / speed;
+}
+
 std::string progress_line(const std::string& stage, std::int64_t step, std::int64_t first_step,
                           std::int64_t total_steps, double seconds) {
   const double part =
       total_steps > 0 ? std::min(1.0, static_cast<double>(step) / static_cast<double>(total_steps)) : 0.0;
   std::string line = fmt::format("stage {}: step {}, {:.1f} %", printable(stage), step, 100.0 * part);
-  const double speed = seconds > 0.0 ? static_cast<double>(step - first_step) / seconds : 0.0;
-  if (speed > 0.0)
-    line += fmt::format(", {:.3g} steps/s, at most {} left", speed,
-                        hours(static_cast<double>(std::max<std::int64_t>(0, total_steps - step)) / speed));
+  if (const auto left = seconds_left(step, first_step, total_steps, seconds))
+    line +=
+        fmt::format(", {:.3g} steps/s, at most {} left", speed_of(step, first_step, seconds), hours(*left));
   return line;
 }
 

@@ -38,6 +38,11 @@ std::int64_t table_interval(std::int64_t stage_steps);
 /// and at most twice `steps`, since a few fast ones promise little.
 std::int64_t progress_interval(std::int64_t steps, double seconds);
 
+/// Seconds of wall time that a run may still take at the speed it had so far, at most; nothing if that is not
+/// known. The numbers are those of progress_line.
+std::optional<double> seconds_left(std::int64_t step, std::int64_t first_step, std::int64_t total_steps,
+                                   double seconds);
+
 /// One line on how far the run is: stage, part done, speed and the time it may still take.
 /// seconds: wall time since first_step; total_steps: of the whole run if no stage ends early.
 std::string progress_line(const std::string& stage, std::int64_t step, std::int64_t first_step,
