@@ -29,6 +29,7 @@ struct RunOptions {
   bool force = false;                           ///< replace an earlier output
   int threads = 1;
   bool report = false;         ///< write report.html at the end
+  bool quiet = false;          ///< print mistakes and failures only
   std::string program;         ///< as it was called, for the hint how to go on
   Stepper* stepper = nullptr;  ///< makes the steps in place of the run itself
   /// Called once the case is known to be right, before anything is written: may refuse it.

@@ -11,6 +11,7 @@
 
 #include "commands.hpp"
 #include "failure.hpp"
+#include "run_options.hpp"
 #include "vbond/core/nearest.hpp"
 #include "vbond/dynamics/kernel.hpp"
 
@@ -29,15 +30,6 @@ void add_threads(CLI::App* command, int& threads) {
       ->add_option("--threads", threads,
                    "Threads; results do not depend on it (default: all cores, or OMP_NUM_THREADS)")
       ->check(CLI::Range(1, 1024));
-}
-
-/// The case, and what of it is to be other than the file says.
-void add_case(CLI::App* command, app::RunOptions& run) {
-  command->add_option("CASE", run.case_file, "Case file (TOML); - is the standard input")->required();
-  command
-      ->add_option("--set", run.changes,
-                   "KEY=VALUE: another value of a key, as in stage[0].duration=\"2 T0\"; may be repeated")
-      ->allow_extra_args(false);
 }
 
 void add_calibrate(CLI::App& app, app::CalibrateOptions& o, CLI::App*& command) {
@@ -120,25 +112,19 @@ int dispatch(int argc, char** argv) {
   run.threads = default_threads();
   run.program = argv[0];
   CLI::App* run_command = program.add_subcommand("run", "Compute a case");
-  add_case(run_command, run);
-  run_command->add_option(
-      "-o,--output", run.folder,
-      "Output folder (default: CASE.out in the current folder, or CASE-2.out, ... if there is one)");
-  run_command->add_flag("--force", run.force,
-                        "Replace an earlier output in that folder, or in CASE.out; other files in it stay");
-  run_command->add_flag("--report", run.report, "Write report.html at the end, as the command report does");
-  bool quiet = false;
-  run_command->add_flag("--quiet", quiet, "Print mistakes and failures only");
+  app::add_case(run_command, run);
+  app::add_output(run_command, run);
+  app::add_quiet(run_command, run);
   add_threads(run_command, run.threads);
 
   CLI::App* check_command = program.add_subcommand("check", "Validate a case and say what would be run");
-  add_case(check_command, run);
+  app::add_case(check_command, run);
   add_threads(check_command, run.threads);
 
   std::filesystem::path folder;
   CLI::App* resume_command = program.add_subcommand("resume", "Go on with a run that was stopped");
   resume_command->add_option("DIR", folder, "Its output folder")->required();
-  resume_command->add_flag("--quiet", quiet, "Print mistakes and failures only");
+  app::add_quiet(resume_command, run);
   add_threads(resume_command, run.threads);
 
   CLI::App* report_command =
@@ -180,7 +166,7 @@ int dispatch(int argc, char** argv) {
   std::filesystem::path export_to;
   CLI::App* export_command = program.add_subcommand(
       "export", "Write the body of a case as input of LAMMPS, for its plugin of vbond's bonds");
-  add_case(export_command, run);
+  app::add_case(export_command, run);
   export_command->add_option("-o,--output", export_to, "Folder for body.data, body.bonds, body.lammps")
       ->required();
 
@@ -208,7 +194,7 @@ int dispatch(int argc, char** argv) {
   }
   if (run_command->parsed() || check_command->parsed() || resume_command->parsed())
     instruction_set();  // refuses a wrong VBOND_SIMD before anything is written
-  if (quiet && std::freopen("/dev/null", "w", stdout) == nullptr) return app::bad_io;
+  app::be_quiet_if_asked(run);
   if (run_command->parsed()) return app::run(run);
   if (check_command->parsed()) return app::check(run);
   if (resume_command->parsed()) return app::resume(folder, run);

@@ -15,6 +15,7 @@
 #include "commands.hpp"
 #include "failure.hpp"
 #include "refusals.hpp"
+#include "run_options.hpp"
 #include "vbond/build/build.hpp"
 #include "vbond/case/read.hpp"
 #include "vbond/core/error.hpp"
@@ -50,6 +51,9 @@ int lead(Task task) {
   Ranks ranks;
   try {
     instruction_set();  // refuses a wrong VBOND_SIMD before anything is written
+    if (options.case_file == "-")
+      throw std::invalid_argument("every rank reads the case: give a file, not the standard input");
+    app::be_quiet_if_asked(options);
     options.stepper = &ranks;
     options.before_output = [&ranks](const Case& c, const Run&) {
       app::refuse_beyond_ranks(c);
@@ -93,7 +97,8 @@ int follow(const Task& task) {
   Ranks ranks;
   try {
     instruction_set();
-    const Case c = read_case(task.resumes ? task.folder / "resolved.toml" : task.options.case_file);
+    const Case c = read_case(task.resumes ? task.folder / "resolved.toml" : task.options.case_file,
+                             task.resumes ? std::vector<std::string>{} : task.options.changes);
     require_statics(c);
     Built built = build(c);
     State state = first_state(task, built.model, std::move(built.state));
@@ -123,13 +128,13 @@ int dispatch(int argc, char** argv, bool leads) {
   app::RunOptions& run = task.options;
   run.program = argv[0];
   CLI::App* command = program.add_subcommand("run", "Compute a case");
-  command->add_option("CASE", run.case_file, "Case file (TOML)")->required();
-  command->add_option("-o,--output", run.folder, "Output folder, as that of vbond run");
-  command->add_flag("--force", run.force, "Replace an earlier output in that folder; other files in it stay");
-  command->add_flag("--report", run.report, "Write report.html at the end");
+  app::add_case(command, run);
+  app::add_output(command, run);
+  app::add_quiet(command, run);
   CLI::App* resume =
       program.add_subcommand("resume", "Go on with a run that was stopped, on any number of ranks");
   resume->add_option("DIR", task.folder, "Its output folder, of vbond-lammps or vbond")->required();
+  app::add_quiet(resume, run);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -1,0 +1,35 @@
+#include "run_options.hpp"
+
+#include <cstdio>
+
+#include "vbond/core/error.hpp"
+
+namespace vbond::app {
+
+void add_case(CLI::App* command, RunOptions& run) {
+  command->add_option("CASE", run.case_file, "Case file (TOML); - is the standard input")->required();
+  command
+      ->add_option("--set", run.changes,
+                   "KEY=VALUE: another value of a key, as in stage[0].duration=\"2 T0\"; may be repeated")
+      ->allow_extra_args(false);
+}
+
+void add_output(CLI::App* command, RunOptions& run) {
+  command->add_option(
+      "-o,--output", run.folder,
+      "Output folder (default: CASE.out in the current folder, or CASE-2.out, ... if there is one)");
+  command->add_flag("--force", run.force,
+                    "Replace an earlier output in that folder, or in CASE.out; other files in it stay");
+  command->add_flag("--report", run.report, "Write report.html at the end, as the command report does");
+}
+
+void add_quiet(CLI::App* command, RunOptions& run) {
+  command->add_flag("--quiet", run.quiet, "Print mistakes and failures only");
+}
+
+void be_quiet_if_asked(const RunOptions& run) {
+  if (run.quiet && std::freopen("/dev/null", "w", stdout) == nullptr)
+    throw IoError("/dev/null: cannot be written to");
+}
+
+}  // namespace vbond::app
