@@ -58,10 +58,10 @@ expect_same() {
   diff <(without_times "$1") <(without_times "$2") || fail "$2/run.json differs from $1/run.json"
 }
 
-# run_example PROGRAM CASE: as it is shipped it has no mistakes and runs to its end, into NAME.out; where it moves the
-# energy balance error stays below 1e-3.
+# run_example PROGRAM CASE: as it is shipped it has no mistakes and runs to its end, into NAME.out; the energy balance
+# error stays below 1e-3 where it moves, and below 1e-9 where it breaks at rest.
 run_example() {
-  local out error stages static moves
+  local out error at_rest stages static moves
   out=$(basename "$2" .toml).out
   expect 0 "$1" check "$2"
   says out "no mistakes found"
@@ -71,6 +71,12 @@ run_example() {
   static=$(grep -cE '^kind = "(equilibrium|path|buckling|modes|fracture)"' "$2") || true
   moves=$((stages > static))
   holds "($error > 0) == $moves && $error < 1e-3" || fail "$2: energy balance error '$error', expected below 1e-3"
+  while read -r at_rest; do
+    holds "$at_rest < 1e-9 && $at_rest > -1e-9" || fail "$2: energy balance error at rest '$at_rest'"
+    echo "$2: error of the energy balance at rest: $at_rest"
+  done < <(sed -n 's/^ *"balance_error": \([^,]*\),\{0,1\}$/\1/p' "$out/run.json")
+  [[ $(grep -c '"balance_error"' "$out/run.json") == "$(grep -c '^kind = "fracture"' "$2")" ]] ||
+    fail "$2: energy balance of a fracture stage is missing"
   [[ $(grep -cE '"(stop|ended)"' "$out/run.json") == "$stages" ]] || fail "$2: a stage is missing"
   ! grep -q '"failed"' "$out/run.json" || fail "$2: a stage has failed"
   echo "$2: largest error of the energy balance: $error"
