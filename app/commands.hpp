@@ -55,6 +55,8 @@ struct PlotOptions {
 struct WatchOptions {
   std::filesystem::path folder;
   bool once = false;    ///< say how the run stands now, and end
+  bool page = false;    ///< show it in a browser, too
+  int port = 0;         ///< of that page; 0: any that is free
   std::string program;  ///< as it was called, for the hint how to go on
 };
 

@@ -139,7 +139,14 @@ int dispatch(int argc, char** argv) {
   watch.program = argv[0];
   CLI::App* watch_command = program.add_subcommand("watch", "Show how a run stands until it ends");
   watch_command->add_option("DIR", watch.folder, "Its output folder")->required();
-  watch_command->add_flag("--once", watch.once, "Say it once, without waiting");
+  CLI::Option* once = watch_command->add_flag("--once", watch.once, "Say it once, without waiting");
+  CLI::Option* page = watch_command->add_flag(
+      "--page", watch.page,
+      "Show it in a browser of this machine, too: 3D view and plots that follow the run");
+  page->excludes(once);
+  watch_command->add_option("--port", watch.port, "Port of that page (default: any that is free)")
+      ->needs(page)
+      ->check(CLI::Range(1024, 65535));
 
   bool all_breaks = false;
   CLI::App* breaks_command = program.add_subcommand("breaks", "Say which bonds of a run broke, when and why");

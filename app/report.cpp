@@ -143,17 +143,14 @@ std::string page_template() {
       "\n  install nodejs and npm, then ./run builds it into build/page; or name one by VBOND_PAGE");
 }
 
-}  // namespace
-
-void require_page() {
-  page_template();
-}
-
-Written write_report(const fs::path& folder) {
+void require_output(const fs::path& folder) {
   if (!is_there(folder / "resolved.toml"))
     throw IoError(folder.string() + ": is not an output folder of vbond run: it has no resolved.toml");
-  const std::string html = page_template();
-  const FolderLock lock(folder, report_lock);
+}
+
+/// All that the page of a run shows; live: see live_report. Throws as write_report does.
+page::Report report_of(const fs::path& folder, std::optional<std::string> live) {
+  require_output(folder);
   const Case c = read_case(folder / "resolved.toml");
   const Built built = build(c);
   std::optional<RunSummary> summary;
@@ -182,9 +179,30 @@ Written write_report(const fs::path& folder) {
        .stages = c.stages.size(),
        .resume_command = "vbond resume " + shell_word(fs::canonical(folder).filename().string()),
        .step = step,
-       .files = trouble});
+       .files = trouble,
+       .live = live.has_value()});
+  r.live = std::move(live);
+  return r;
+}
+
+}  // namespace
+
+void require_page() {
+  page_template();
+}
+
+Written write_report(const fs::path& folder) {
+  const std::string html = page_template();
+  require_output(folder);
+  const FolderLock lock(folder, report_lock);
+  const page::Report r = report_of(folder, {});
   replace_file(folder / "report.html", page::report_page(html, r, {}), Sync::none);
   return {folder / "report.html", r.no_frames};
+}
+
+std::string live_report(const fs::path& folder, const std::string& version) {
+  const std::string html = page_template();
+  return page::report_page(html, report_of(folder, version), {});
 }
 
 int report(const fs::path& folder) {

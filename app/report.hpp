@@ -19,6 +19,10 @@ struct Written {
 /// built with the program; CaseError if resolved.toml was edited into something wrong.
 Written write_report(const std::filesystem::path& folder);
 
+/// The page of a run that goes on, for a server that this page asks for newer data: version says which these
+/// are. Throws as write_report does.
+std::string live_report(const std::filesystem::path& folder, const std::string& version);
+
 /// Throws IoError with what to install if the page was not built with the program.
 void require_page();
 

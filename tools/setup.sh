@@ -9,6 +9,7 @@ vbond_root=$(dirname -- "$(dirname -- "$(readlink -f -- "${BASH_SOURCE[0]}")")")
 vbond_build_packages=(
   g++ cmake ninja-build
   libcli11-dev          # command line
+  libmicrohttpd-dev     # the page of a run that goes on
   libfmt-dev            # text
   libtomlplusplus-dev   # case files
   nlohmann-json3-dev    # run.json

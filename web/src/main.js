@@ -4,6 +4,7 @@ import { breaks_section } from "./breaks.js";
 import { from_base64, inflate } from "./decode.js";
 import { foot, head, name_of, warnings } from "./head.js";
 import { History } from "./history.js";
+import { Live, contents } from "./live.js";
 import { Plots } from "./plots.js";
 import { Run } from "./run.js";
 import { element } from "./text.js";
@@ -16,62 +17,85 @@ function message(level, text) {
   place("messages").append(...warnings([{ level, text }]));
 }
 
-function shared_cursor(run, history, figures) {
-  const plots = history.rows ? new Plots(history, run.json.plots, (row) => {
-    const step = history.column("step")?.values[row];
-    const sequence = view?.sequence;
-    if (step == null || sequence?.json.kind !== "run") return;
-    view.player.pause();
-    view.player.show(sequence.nearest_frame(step));
-  }) : null;
-  const view = run.sequences.length ? new View(run, history, (frame, sequence) => {
-    plots?.mark(sequence.json.kind === "run" ? history.row_of_step(sequence.frames[frame].step) : null);
-  }) : null;
-  figures.append(...[view?.root, plots?.root].filter(Boolean));
-  return { plots, view };
-}
-
-function start_view(view, why_none = "There are no frames, so there is no 3D view. Give [output] frames in the case to have them.") {
-  const state = document.documentElement.dataset;
-  if (!view) {
-    message("note", why_none);
-    state.ready = "no-frames";
-    return;
+/** What is shown of one state of a run; a live page shows one after another. */
+class Shown {
+  /** `before`: what was shown until now, or null; what the reader has chosen there is kept. */
+  constructor({ json, data }, before) {
+    Object.assign(this, { json, data, kept: { view: before?.view?.kept(), plots: before?.plots?.kept() } });
+    this.history = new History(json.history, json.clock);
   }
-  try {
-    view.start();
-  } catch (error) {
-    if (!view.scene) {   // the renderer could not be made
-      view.root.remove();
-      message("warning", "This browser has no WebGL2, or it is switched off: the 3D view is left out. Plots and numbers are all here.");
-      state.ready = "no-webgl";
+
+  async build() {
+    const { json, history } = this;
+    this.run = new Run(json, await inflate(from_base64(this.data)));
+    this.run.time_unit = history.column("time")?.unit ?? "";
+    this.share_cursor();
+    document.title = name_of(json);
+    place("head").replaceChildren(...head(json, theme_button(() => { this.plots?.draw(); this.view?.set_ground(); })));
+    place("messages").replaceChildren(...warnings(json.warnings));
+    place("foot").replaceChildren(...foot(json));
+    place("figures").replaceChildren(...[this.view?.root, this.plots?.root].filter(Boolean));
+    this.plots?.start();
+    this.start_view(json.no_frames);
+    document.querySelector(".breaks")?.remove();
+    if (json.breaks) place("figures").after(breaks_section(json.breaks, json.units, this.view?.scene && ((row) => this.view.show_break(row))));
+  }
+
+  share_cursor() {
+    const { run, history } = this;
+    this.plots = history.rows ? new Plots(history, run.json.plots, (row) => {
+      const step = history.column("step")?.values[row];
+      const sequence = this.view?.sequence;
+      if (step == null || sequence?.json.kind !== "run") return;
+      this.view.player.pause();
+      this.view.player.show(sequence.nearest_frame(step));
+    }, this.kept.plots) : null;
+    this.view = run.sequences.length ? new View(run, history, (frame, sequence) => {
+      this.plots?.mark(sequence.json.kind === "run" ? history.row_of_step(sequence.frames[frame].step) : null);
+    }, this.kept.view) : null;
+  }
+
+  start_view(why_none = "There are no frames, so there is no 3D view. Give [output] frames in the case to have them.") {
+    const state = document.documentElement.dataset;
+    if (!this.view) {
+      message("note", why_none);
+      state.ready = "no-frames";
       return;
     }
-    throw error;
+    try {
+      this.view.start();
+    } catch (error) {
+      if (this.view.scene) throw error;
+      this.view.root.remove();   // the renderer could not be made
+      message("warning", "This browser has no WebGL2, or it is switched off: the 3D view is left out. Plots and numbers are all here.");
+      state.ready = "no-webgl";
+    }
   }
-  document.addEventListener("keydown", (event) => view.key_pressed(event));
 }
 
-async function show() {
-  const json = JSON.parse(place("run").textContent);
-  document.title = name_of(json);
-  const history = new History(json.history, json.clock);
-  let plots, view;
-  place("head").append(...head(json, theme_button(() => { plots?.draw(); view?.set_ground(); })));
-  place("messages").append(...warnings(json.warnings));
-  place("foot").append(...foot(json));
-  const run = new Run(json, await inflate(from_base64(place("data").textContent)));
-  run.time_unit = history.column("time")?.unit ?? "";
-  ({ plots, view } = shared_cursor(run, history, place("figures")));
-  place("waiting").remove();
-  plots?.start();
-  start_view(view, json.no_frames);
-  if (json.breaks) place("figures").after(breaks_section(json.breaks, json.units, view?.scene && ((row) => view.show_break(row))));
+let shown = null;
+
+async function show(page) {
+  const next = new Shown(page, shown), top = scrollY;
+  shown?.view?.close();
+  shown = next;
+  await next.build();
+  scrollTo(0, top);   // the page was shorter meanwhile
+}
+
+async function start() {
+  const page = contents(document);
+  await show(page);
+  document.addEventListener("keydown", (event) => shown.view?.scene && shown.view.key_pressed(event));
+  if (page.json.live == null) return;
+  const line = element("p", { id: "live", role: "status" });
+  place("messages").before(line);
+  await new Live(page.json.live, show, (lines) => line.replaceChildren(...lines.map((text) => element("span", {}, text)))).follow();
 }
 
 apply_theme();
 if (location.hash === "#still") document.documentElement.dataset.still = "";
-document.addEventListener("DOMContentLoaded", () => show().catch((error) => {
+document.addEventListener("DOMContentLoaded", () => start().catch((error) => {
   place("waiting")?.remove();
   message("error", `The page could not be shown: ${error.message}`);
   document.documentElement.dataset.ready = "failed";

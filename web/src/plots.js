@@ -5,14 +5,15 @@ import { element } from "./text.js";
 const shown_at_first = 2;
 
 export class Plots {
-  /** `picked(row)` is called when a point of a plot is clicked. */
-  constructor(history, presets, picked) {
+  /** `picked(row)` is called when a point of a plot is clicked; `kept` of plots before these. */
+  constructor(history, presets, picked, kept = {}) {
     this.history = history;
     this.row = null;
-    const free = { title: "Any columns", x: history.clock, y: [history.has("total") ? "total" : history.names.at(-1)] };
+    const free = kept.free ?? { title: "Any columns", x: history.clock, y: [history.has("total") ? "total" : history.names.at(-1)] };
     this.all = [...history.presets(presets), free].map((preset) => new Plot(history, preset, picked));
     this.all.at(-1).heading.after(this.chooser(this.all.at(-1)));
-    this.shown = new Set(this.all.slice(0, -1).filter(({ preset }, k) => k < shown_at_first || preset.added));
+    const at_first = ({ preset }, k) => preset !== free && (k < shown_at_first || preset.added);
+    this.shown = new Set(this.all.filter((plot, k) => kept.shown?.includes(plot.preset.title) ?? at_first(plot, k)));
     this.root = element("section", { class: "plots", "aria-label": "Plots" },
       element("div", { class: "chips", role: "group", "aria-label": "Plots that are shown" }, ...this.all.map((plot) => this.chip(plot))),
       ...this.all.map((plot) => plot.root));
@@ -30,6 +31,9 @@ export class Plots {
     width = this.root.clientWidth;
     this.draw();
   }
+
+  /** What the reader has chosen, for plots of newer data. */
+  kept() { return { shown: [...this.shown].map(({ preset }) => preset.title), free: this.all.at(-1).preset }; }
 
   draw() { this.shown.forEach((plot) => plot.build()); }
 

@@ -210,6 +210,27 @@ export class BodyScene {
     this.request();
   }
 
+  /** Where the reader has turned and moved the body to. */
+  camera_now() { return { position: this.camera.position.toArray(), target: this.controls.target.toArray() }; }
+
+  /** After a look in the same direction of up. */
+  restore({ position, target }) {
+    this.camera.position.fromArray(position);
+    this.controls.target.fromArray(target);
+    this.controls.update();
+    this.turned = true;
+    this.request();
+  }
+
+  /** Nothing can be drawn any more. */
+  close() {
+    this.wanted = false;
+    this.controls?.dispose();
+    this.controls = null;
+    this.renderer.dispose();
+    this.renderer.forceContextLoss();
+  }
+
   /** Front to back, so that hidden pixels are not shaded. */
   sort() {
     const { array } = this.places, { ends } = this.run, towards = this.camera.getWorldDirection(new Vector3());

@@ -18,10 +18,13 @@ function choice(label, options, value, chosen) {
 }
 
 export class View {
-  /** `frame_shown(frame, sequence)` is called after each change of the frame. */
-  constructor(run, history, frame_shown) {
-    Object.assign(this, { run, history, frame_shown, factor: 1, map: "viridis", size: 0, key: null, picked: null });
+  /** `frame_shown(frame, sequence)` is called after each change of the frame; `kept` of a view before this one. */
+  constructor(run, history, frame_shown, kept = {}) {
+    const { index = run.json.first_shown ?? 0, frame = null, camera = null, speed = 1, ...choices } = kept;
+    Object.assign(this, { run, history, frame_shown, factor: 1, map: "viridis", size: 0, key: null, picked: null, ...choices });
+    this.first = { index: Math.min(index, run.sequences.length - 1), frame, camera };
     this.player = new Player(() => this.update());
+    this.player.set_speed(speed);
     this.canvas = element("canvas", { tabindex: 0, role: "img", onpointerdown: (event) => { this.pressed = [event.clientX, event.clientY]; },
                                       onclick: (event) => this.clicked(event) });
     this.picked_place = element("div", {});
@@ -42,8 +45,27 @@ export class View {
     this.scene = new BodyScene(this.canvas, this.run, () => this.after_picture());
     this.set_ground();
     this.fit();
-    this.open(this.run.json.first_shown ?? 0);
-    new ResizeObserver(() => this.fit()).observe(this.picture);
+    const { index, frame, camera } = this.first;
+    this.open(index);
+    if (frame != null) this.player.show(frame);
+    if (camera) this.scene.restore(camera);
+    this.sizes = new ResizeObserver(() => this.fit());
+    this.sizes.observe(this.picture);
+  }
+
+  /** What the reader has chosen, for a view of newer data. The last frame stays the last one. */
+  kept() {
+    if (!this.sequence) return undefined;
+    const { factor, map, size, key, picked, player, sequence, run } = this;
+    return { factor, map, size, key, picked, speed: player.speed, index: run.sequences.indexOf(sequence),
+             frame: player.swings || player.frame === sequence.last ? null : player.frame, camera: this.scene.turned ? this.scene.camera_now() : null };
+  }
+
+  /** Frees what the browser has only a few of. */
+  close() {
+    this.player.pause();
+    this.sizes?.disconnect();
+    this.scene?.close();
   }
 
   /** After a change of theme, too. */
@@ -72,19 +94,19 @@ export class View {
 
   settings() {
     this.quantity_place = element("div", { class: "group" });
-    const factor = element("input", { type: "number", min: 0, step: "any", value: 1, list: "factors", id: "factor",
+    const factor = element("input", { type: "number", min: 0, step: "any", value: this.factor, list: "factors", id: "factor",
                                       onchange: () => this.set_factor(factor) });
     const factors = element("datalist", { id: "factors" }, ...[1, 2, 5, 10, 20, 50, 100, 1000].map((value) => element("option", { value })));
     const looks = ["+x", "−x", "+y", "−y", "+z", "−z"].map((name) => element("button",
       { type: "button", "aria-label": `Look from ${name}`, onclick: () => this.look(along(name.replace("−", "-"))) }, name));
     return element("div", { class: "settings" },
       this.run.sequences.length > 1
-        ? choice("Show", this.run.sequences.map((s, k) => [k, s.json.name]), this.run.json.first_shown ?? 0, (k) => this.open(Number(k))) : null,
+        ? choice("Show", this.run.sequences.map((s, k) => [k, s.json.name]), this.first.index, (k) => this.open(Number(k))) : null,
       this.quantity_place,
       choice("Colour map", [["viridis", "viridis"], ["cividis", "cividis"]], this.map, (map) => { this.map = map; this.choose(this.key); }),
       element("label", { class: "control" }, element("span", {}, "Displacements ×"), factor, factors),
-      choice("Spheres", [[0, "automatic"], [1, "full size"], [0.45, "small"], [0.3, "tiny"]], 0, (size) => { this.size = Number(size); this.update(); }),
-      choice("Speed", speeds.map((s) => [s, `${s} ×`]), 1, (s) => this.player.set_speed(Number(s))),
+      choice("Spheres", [[0, "automatic"], [1, "full size"], [0.45, "small"], [0.3, "tiny"]], this.size, (size) => { this.size = Number(size); this.update(); }),
+      choice("Speed", speeds.map((s) => [s, `${s} ×`]), this.player.speed, (s) => this.player.set_speed(Number(s))),
       element("div", { class: "control" }, element("span", {}, "Look from"),
         element("div", { class: "buttons", role: "group", "aria-label": "Look from" }, ...looks,
           element("button", { type: "button", onclick: () => this.reset() }, "Reset"))),

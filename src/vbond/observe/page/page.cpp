@@ -151,6 +151,7 @@ Json words_json(const Report& report, const PageLimits& limits) {
   j["rerun"] = {{"command", report.command}, {"case", long_case ? std::string() : report.case_text}};
   j["plots"] = std::move(plots);
   j["clock"] = clock_of(report.history);
+  if (report.live) j["live"] = *report.live;
   return j;
 }
 
@@ -203,6 +204,16 @@ std::pair<std::size_t, std::size_t> place_in(const std::string& page_template) {
   return places[0];
 }
 
+/// The page may ask the server it came from, which its policy forbids otherwise.
+std::string allowed_to_ask(std::string page_template) {
+  constexpr std::string_view none = "connect-src 'none'", own = "connect-src 'self'";
+  const std::size_t at = page_template.find(none);
+  if (at == std::string::npos)
+    throw IoError("the page template lacks the policy \"" + std::string(none) +
+                  "\": it is not that of this program");
+  return page_template.replace(at, none.size(), own);
+}
+
 /// The next stride to try, not more than that which leaves the two ends; what frames take goes down with it.
 std::size_t wider(std::size_t stride, std::size_t widest, std::size_t taken, std::size_t free) {
   const double over = static_cast<double>(taken) / static_cast<double>(std::max<std::size_t>(free, 1));
@@ -231,7 +242,7 @@ class Template {
 }  // namespace
 
 std::string report_page(const std::string& page_template, const Report& report, const PageLimits& limits) {
-  const Template place(page_template);
+  const Template place(report.live ? allowed_to_ask(page_template) : page_template);
   const auto page_of = [&](const Cut& cut) { return place.with(pack(report, limits, cut)); };
   const Sequence* run = run_of(report);
   const std::size_t widest = run ? std::max<std::size_t>(run->frames.size(), 2) - 1 : 1;

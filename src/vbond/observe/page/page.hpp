@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -31,6 +32,7 @@ struct Report {
   std::string no_frames;                    ///< why there are no sequences, if so
   std::size_t first_shown = 0;              ///< number of the sequence that the page begins with
   std::vector<std::string> stage_of_frame;  ///< of the run's frames, one each
+  std::optional<std::string> live;  ///< the page follows a run, of which this is the state of the data
 };
 
 constexpr std::size_t listed_breaks = 100;
@@ -45,8 +47,9 @@ struct PageLimits {
 
 /// The page: the template with the run in it. While it is larger than its limit, first rows of the history
 /// are left out, if those alone take half of it; then frames of the run, evenly; then modes from the last
-/// one; then all frames. The page says so. Throws IoError if the template has not exactly one line "<!-- run
-/// -->".
+/// one; then all frames. The page says so. A live one may ask the server it came from for more. Throws
+/// IoError if the template has not exactly one line "<!-- run -->", or not the policy that web/build.mjs
+/// writes.
 std::string report_page(const std::string& page_template, const Report& report, const PageLimits& limits);
 
 }  // namespace vbond::page

@@ -98,7 +98,7 @@ void add_endings(const RunFacts& run, Warnings& all) {
                                     s.name, run.resume_command)});
     stopped |= s.stop == StopReason::diverged || static_failed || interrupted;
   }
-  if (!stopped && ended < run.stages)
+  if (!stopped && !run.live && ended < run.stages)
     all.push_back(
         {Level::note, fmt::format("The run is not complete: {} of {} stages have ended. It is still "
                                   "running, or was killed; then go on with: {}",

@@ -36,6 +36,7 @@ struct RunFacts {
   std::string resume_command;  ///< how to go on with a run that was stopped
   StepFacts step;
   std::vector<Warning> files;  ///< what of the folder could not be read
+  bool live = false;           ///< the page says itself how the run stands
 };
 
 /// |balance_error| above which there is a note: all examples stay below 1.4e-4 (README).
