@@ -1,3 +1,5 @@
+#include "calibrate.hpp"
+
 #include <fmt/core.h>
 
 #include <cmath>
@@ -6,7 +8,6 @@
 #include <variant>
 #include <vector>
 
-#include "commands.hpp"
 #include "vbond/case/units.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/model/bond.hpp"
@@ -110,26 +111,37 @@ bool is_full_circle(const CalibrateOptions& o) {
   return std::holds_alternative<keys::Quantity>(inner) && std::get<keys::Quantity>(inner).value == 0.0;
 }
 
-void print_theory(const Theory& t, const TheoryParameters& p, double a) {
+CalibratedTheory calibrated(const Theory& t, const TheoryParameters& p, double a) {
   BondRecipe recipe;
   recipe.parameters = p;
-  const BondStiffness<double> c = stiffness_of(recipe, a);
-  fmt::print("\n{}  ({})\n", t.name, t.limits);
-  fmt::print("  stiffness  c_A {:<14.8g} c_D {:<14.8g} c_B {:<14.8g} c_T {:<14.8g}\n", c.c_A, c.c_D, c.c_B,
-             c.c_T);
+  CalibratedTheory all{
+      .name = t.name, .limits = t.limits, .left_out = {}, .c = stiffness_of(recipe, a), .laws = {}};
   for (const BondLaw* law : named_laws()) {
-    const Coefficients values = law->from_stiffness(c, a, {});
-    std::string text = fmt::format("  {:<10}", law->name);
+    const Coefficients values = law->from_stiffness(all.c, a, {});
+    auto& [name, coefficients] =
+        all.laws.emplace_back(std::string(law->name), std::vector<std::pair<std::string, double>>{});
     for (std::size_t k = 0; k < law->fields.size(); ++k)
       if (law->fields[k].input == LawInput::from_stiffness)
-        text += fmt::format(" {:<3} {:<14.8g}", law->fields[k].name, values[k]);
+        coefficients.emplace_back(std::string(law->fields[k].name), values[k]);
+  }
+  return all;
+}
+
+void print(const CalibratedTheory& t) {
+  if (!t.left_out.empty()) return fmt::print("\n{}  left out: {}\n", t.name, t.left_out);
+  fmt::print("\n{}  ({})\n", t.name, t.limits);
+  fmt::print("  stiffness  c_A {:<14.8g} c_D {:<14.8g} c_B {:<14.8g} c_T {:<14.8g}\n", t.c.c_A, t.c.c_D,
+             t.c.c_B, t.c.c_T);
+  for (const auto& [law, coefficients] : t.laws) {
+    std::string text = fmt::format("  {:<10}", law);
+    for (const auto& [name, value] : coefficients) text += fmt::format(" {:<3} {:<14.8g}", name, value);
     fmt::print("{}\n", text);
   }
 }
 
 }  // namespace
 
-int calibrate(const CalibrateOptions& o) {
+Calibration calibration(const CalibrateOptions& o) {
   Arguments arguments;
   const Material material{arguments.positive(o.E, "--E", keys::stress),
                           arguments.number(o.nu, "--nu", keys::pure)};
@@ -150,22 +162,32 @@ int calibrate(const CalibrateOptions& o) {
                       "e.g. --kappa 0.85 for a square");
   arguments.throw_if_any();
 
+  Calibration all{.material = material, .section = s, .length = a, .theories = {}};
+  for (const Theory& t : theories) {
+    if (o.theory != "all" && o.theory != t.name) continue;
+    const auto left_out = [&](const char* why) {
+      all.theories.push_back({.name = t.name, .limits = t.limits, .left_out = why, .c = {}, .laws = {}});
+    };
+    if (t.theory == BondTheory::timoshenko && !kappa)
+      left_out("this section needs --kappa");
+    else if (t.theory == BondTheory::short_cylinder && material.nu == 0.5)
+      left_out("it divides by 1 - 2 nu");
+    else
+      all.theories.push_back(calibrated(t, {t.theory, material, s, kappa.value_or(0.0)}, a));
+  }
+  return all;
+}
+
+int calibrate(const CalibrateOptions& o) {
+  const Calibration all = calibration(o);
+  const Section& s = all.section;
   const double thickness = 4.0 * std::sqrt(s.J / s.A);
   fmt::print(
       "E {:.8g}   nu {:.6g}   A {:.8g}   J {:.8g}   J_p {:.8g}   length {:.8g}   length / thickness {:.3g}\n",
-      material.E, material.nu, s.A, s.J, s.J_p, a, a / thickness);
+      all.material.E, all.material.nu, s.A, s.J, s.J_p, all.length, all.length / thickness);
   fmt::print("Thickness is 4 sqrt(J / A): the diameter of a circle with this A and J.\n");
   fmt::print("Units follow from those given: SI base units where units are named.\n");
-  for (const Theory& t : theories) {
-    if (o.theory != "all" && o.theory != t.name) continue;
-    if (t.theory == BondTheory::timoshenko && !kappa) {
-      fmt::print("\ntimoshenko  left out: this section needs --kappa\n");
-    } else if (t.theory == BondTheory::short_cylinder && material.nu == 0.5) {
-      fmt::print("\nshort-cylinder  left out: it divides by 1 - 2 nu\n");
-    } else {
-      print_theory(t, {t.theory, material, s, kappa.value_or(0.0)}, a);
-    }
-  }
+  for (const CalibratedTheory& t : all.theories) print(t);
   fmt::print(
       "\nThe four stiffnesses hold for small deformation about rest; beyond about 10 degrees of bend or "
       "twist see docs/theory.md.\n");

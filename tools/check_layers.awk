@@ -66,7 +66,7 @@ function check_include(line,   name, parts) {
       bad(layer " must not include " parts[2] ": \"" name "\" (tools/layers.txt)")
     if (parts[3] == "detail" && FILENAME ~ /\.hpp$/ && FILENAME !~ /\/detail\//)
       bad("\"" name "\" is not installed: only .cpp files may include it")
-  } else if (quoted && (layer != "app" || name ~ /\.\./)) {
+  } else if (quoted && (layer != "app" && layer != "python" || name ~ /\.\./)) {
     bad("write \"vbond/LAYER/NAME.hpp\", not \"" name "\": the layer must be visible")
   } else if (!quoted && in_library && FILENAME ~ /\.hpp$/ && FILENAME !~ /\/detail\// &&
              name !~ /^[a-z0-9_]+$/ && name != "immintrin.h") {  # the compiler's own

@@ -140,11 +140,12 @@ bool is_in(Only cases, const FrameFormat& format) {
          (cases == Only::stress && format.stress);
 }
 
-BondView bond_view(BondId id, const State& state, const FrameFormat& format) {
+}  // namespace
+
+BondView bond_view(BondId id, const State& state, bool may_break) {
   const Bond& b = state.bonds[id];
   const BondPose<double> pose = bond_pose(b, state);
   const BondLoads<double> loads = bond_loads(state, id);
-  const bool may_break = format.breaks && !b.broken && can_break(b);
   const SectionLoads<double> section =
       section_loads(section_moments(pose, b.R_i, b.R_j, loads), bond_axis(pose, b.R_i, b.R_j), loads);
   return {.bond = b,
@@ -157,10 +158,10 @@ BondView bond_view(BondId id, const State& state, const FrameFormat& format) {
           .moment_j = norm(loads.M_ji),
           .bending_moment = section.M_b,
           .torque = section.M_t,
-          .utilisation = may_break ? b.law->failure(b, pose, history_of_bond(state, id)).utilisation : 0.0};
+          .utilisation = may_break && !b.broken && can_break(b)
+                             ? b.law->failure(b, pose, history_of_bond(state, id)).utilisation
+                             : 0.0};
 }
-
-}  // namespace
 
 void write_particles_vtp(const fs::path& path, const Model& model, const State& state,
                          std::optional<double> load_factor, FrameFormat format) {
@@ -192,7 +193,7 @@ void write_bonds_vtp(const fs::path& path, const State& state, UnitSystem units,
   std::vector<BondView> views;
   ends.reserve(2 * state.bonds.size()), views.reserve(state.bonds.size());
   for (const BondId k : state.bonds.ids()) {
-    views.push_back(bond_view(k, state, format));
+    views.push_back(bond_view(k, state, format.breaks));
     ends.push_back(views.back().bond.i.value), ends.push_back(views.back().bond.j.value);
   }
   VtpFile f = VtpFile::of_lines(state.r.values(), ends, format);

@@ -8,8 +8,12 @@
 #include "vbond/model/state.hpp"
 #include "vbond/observe/files.hpp"
 #include "vbond/observe/frame_format.hpp"
+#include "vbond/observe/quantities.hpp"
 
 namespace vbond {
+
+/// A bond as its quantities look at it. may_break: its utilisation is worked out.
+BondView bond_view(BondId id, const State& state, bool may_break);
 
 /// The particles as points with particle_quantities(); see docs/output.md.
 /// load_factor: of a balance.

@@ -36,26 +36,6 @@ std::vector<std::string> names_of(const GroupQuantity& q, const std::string& of)
   return names;
 }
 
-/// The names of the columns.
-std::vector<std::string> names_of(const OutputPlan& plan) {
-  std::vector<std::string> names;
-  for (const HistoryQuantity& q : history_quantities())
-    if (is_in(q.cases, plan)) names.emplace_back(q.name);
-  for (const GroupQuantity& q : group_quantities())
-    for (const std::string& of : q.names(plan))
-      for (std::string& name : names_of(q, of)) names.push_back(std::move(name));
-  return names;
-}
-
-std::vector<Cell> cells_of(const OutputPlan& plan, const HistoryValues& values) {
-  std::vector<Cell> cells;
-  for (const HistoryQuantity& q : history_quantities())
-    if (is_in(q.cases, plan)) cells.push_back(q.value(values));
-  for (const GroupQuantity& q : group_quantities())
-    for (std::size_t k = 0; k < q.names(plan).size(); ++k) q.add(values, k, cells);
-  return cells;
-}
-
 /// Those of the plan; nothing for one that this stage has not.
 std::vector<std::optional<GripView>> grips_of(const OutputPlan& plan, const std::vector<GripView>& now) {
   std::vector<std::optional<GripView>> grips;
@@ -106,9 +86,28 @@ void take_up(const Vec3d& force, std::optional<double>& largest) {
 
 }  // namespace
 
+std::vector<std::string> history_columns(const OutputPlan& plan) {
+  std::vector<std::string> names;
+  for (const HistoryQuantity& q : history_quantities())
+    if (is_in(q.cases, plan)) names.emplace_back(q.name);
+  for (const GroupQuantity& q : group_quantities())
+    for (const std::string& of : q.names(plan))
+      for (std::string& name : names_of(q, of)) names.push_back(std::move(name));
+  return names;
+}
+
+std::vector<Cell> history_row(const OutputPlan& plan, const HistoryValues& values) {
+  std::vector<Cell> cells;
+  for (const HistoryQuantity& q : history_quantities())
+    if (is_in(q.cases, plan)) cells.push_back(q.value(values));
+  for (const GroupQuantity& q : group_quantities())
+    for (std::size_t k = 0; k < q.names(plan).size(); ++k) q.add(values, k, cells);
+  return cells;
+}
+
 std::string history_header(const OutputPlan& plan) {
   std::vector<std::string> columns;
-  for (const std::string& name : names_of(plan)) columns.push_back(csv_quoted(name));
+  for (const std::string& name : history_columns(plan)) columns.push_back(csv_quoted(name));
   return csv_line(columns);
 }
 
@@ -178,7 +177,7 @@ HistoryWriter::HistoryWriter(const OutputPlan& plan, std::optional<std::int64_t>
       largest_on_walls_(plan.walls.size()),
       file_(plan.folder / "history.csv",
             {.what = "a history",
-             .columns = names_of(plan),
+             .columns = history_columns(plan),
              .ordered_by = "step",
              .necessary = {"step", "time", "balance_error"},
              .facts = facts_of_column,
@@ -208,7 +207,7 @@ CsvWriter::Look HistoryWriter::looker(const std::vector<std::string>& columns) {
 }
 
 void HistoryWriter::write(const HistoryValues& values) {
-  file_.write(cells_of(plan_, values));
+  file_.write(history_row(plan_, values));
   last_step_ = values.clock.step;
   largest_balance_error_ = std::max(largest_balance_error_, std::abs(values.balance_error));
   if (!values.reactions.empty()) take_up(values.reactions[0].force, largest_load_);

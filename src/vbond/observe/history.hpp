@@ -10,7 +10,11 @@
 
 namespace vbond {
 
-/// The first line of history.csv: the names of the columns, which are those of quantities.hpp.
+/// The names of the columns, which are those of quantities.hpp, and a row of them.
+std::vector<std::string> history_columns(const OutputPlan& plan);
+std::vector<Cell> history_row(const OutputPlan& plan, const HistoryValues& values);
+
+/// The first line of history.csv: the names of the columns.
 std::string history_header(const OutputPlan& plan);
 
 /// Writes history.csv row by row, as CsvWriter does, and history.columns.json beside it.

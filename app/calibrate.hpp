@@ -1,0 +1,30 @@
+#pragma once
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "commands.hpp"
+#include "vbond/physics/stiffness.hpp"
+
+namespace vbond::app {
+
+/// What a theory makes of a material and a section.
+struct CalibratedTheory {
+  std::string name, limits;
+  std::string left_out;  ///< why it says nothing; empty: it does
+  BondStiffness<double> c;
+  /// Of each law that case files name, its coefficients that follow from stiffnesses.
+  std::vector<std::pair<std::string, std::vector<std::pair<std::string, double>>>> laws;
+};
+
+struct Calibration {
+  Material material;
+  Section section;
+  double length = 0;
+  std::vector<CalibratedTheory> theories;
+};
+
+/// Throws CaseError with all mistakes of the options.
+Calibration calibration(const CalibrateOptions& options);
+
+}  // namespace vbond::app

@@ -1,0 +1,119 @@
+#include <variant>
+
+#include "bindings.hpp"
+#include "vbond/observe/detail/values_of.hpp"
+#include "vbond/observe/frames.hpp"
+#include "vbond/observe/quantities.hpp"
+
+namespace vbond::python {
+namespace {
+
+const double* numbers(const PerParticle<Vec3d>& column) {
+  return &column.data()->x;
+}
+
+/// A column of the state as a view that keeps the snapshot alive.
+template <auto column>
+py::array vectors_of(const py::object& self) {
+  const auto& snapshot = self.cast<const Snapshot&>();
+  const auto& values = (*snapshot.state).*column;
+  return view(values.empty() ? nullptr : numbers(values), values.size(), 3, self);
+}
+
+template <class Value>
+py::array bond_column(const State& s, Value value) {
+  std::vector<decltype(value(Bond{}))> values;
+  values.reserve(s.bonds.size());
+  for (const Bond& b : s.bonds) values.push_back(value(b));
+  return copy(values);
+}
+
+py::dict bonds_of(const Snapshot& snapshot) {
+  const State& s = *snapshot.state;
+  py::dict columns;
+  columns["i"] = bond_column(s, [](const Bond& b) { return std::int64_t{b.i.value}; });
+  columns["j"] = bond_column(s, [](const Bond& b) { return std::int64_t{b.j.value}; });
+  columns["length_at_rest"] = bond_column(s, [](const Bond& b) { return b.a; });
+  columns["broken"] =
+      py::array(bond_column(s, [](const Bond& b) { return std::uint8_t{b.broken}; })).attr("astype")("bool");
+  std::vector<BondView> views;
+  views.reserve(s.bonds.size());
+  for (const BondId k : s.bonds.ids()) views.push_back(bond_view(k, s, true));
+  const auto at = [&views](std::size_t k) -> const BondView& { return views[k]; };
+  for (const BondQuantity& q : bond_quantities())
+    if (!columns.contains(q.name))
+      std::visit([&](const auto value) { columns[q.name] = copy(values_of(views.size(), at, value)); },
+                 q.value);
+  return columns;
+}
+
+}  // namespace
+
+void bind_state(py::module_& m) {
+  py::class_<Snapshot>(
+      m, "State",
+      "The body at one time. Its arrays are views without a copy, cannot be written to, and stay as "
+      "they are whatever the run does. Particles and bonds are numbered from 0, as in the case.")
+      .def_property_readonly("positions", &vectors_of<&State::r>, "Of the centres, (n, 3) [length]")
+      .def_property_readonly("velocities", &vectors_of<&State::v>, "(n, 3) [length/time]")
+      .def_property_readonly("angular_velocities", &vectors_of<&State::omega>,
+                             "About the axes of the world, (n, 3) [rad/time]")
+      .def_property_readonly(
+          "orientations",
+          [](const py::object& self) {
+            const auto& q = self.cast<const Snapshot&>().state->q;
+            return view(q.empty() ? nullptr : &q.data()->w, q.size(), 4, self);
+          },
+          "Unit quaternions (w, x, y, z) that turn the body's axes into the world's, (n, 4)")
+      .def_property_readonly(
+          "displacements",
+          [](const Snapshot& s) {
+            std::vector<Vec3d> u;
+            for (const ParticleId p : s.state->r.ids()) u.push_back(s.state->r[p] - s.model->r_0[p]);
+            return copy(u);
+          },
+          "positions less those at the start of the run, (n, 3) [length]; worked out at each call")
+      .def_property_readonly(
+          "masses",
+          [](const py::object& self) {
+            const auto& mass = self.cast<const Snapshot&>().model->mass;
+            return view(mass.data(), mass.size(), 1, self);
+          },
+          "(n,) [mass]")
+      .def_property_readonly(
+          "radii",
+          [](const py::object& self) {
+            const auto& radius = self.cast<const Snapshot&>().model->radius;
+            return view(radius.data(), radius.size(), 1, self);
+          },
+          "(n,) [length]")
+      .def_property_readonly(
+          "time", [](const Snapshot& s) { return s.state->clock.time(); }, "Of the run [time]")
+      .def_property_readonly(
+          "step", [](const Snapshot& s) { return s.state->clock.step; }, "Steps since the start of the run")
+      .def_property_readonly(
+          "groups",
+          [](const Snapshot& s) {
+            py::dict groups;
+            for (const Group& g : s.model->groups) {
+              std::vector<std::int64_t> particles;
+              for (const ParticleId p : g.particles) particles.push_back(p.value);
+              groups[py::str(g.name)] = copy(particles);
+            }
+            return groups;
+          },
+          "Particles of each group of the case, by its name")
+      .def_property_readonly(
+          "bonds", &bonds_of,
+          "Columns of all bonds, also of broken ones, as a dict of arrays (m,): particles i and j, "
+          "length_at_rest, broken, and all that frames have (docs/output.md): axial_force, "
+          "shear_force, bending_moment, torque, U_L, ... Worked out at each call")
+      .def("__len__", [](const Snapshot& s) { return s.model->particles(); })
+      .def("__repr__", [](const Snapshot& s) {
+        return "<vbond.State: " + std::to_string(s.model->particles()) + " particles, " +
+               std::to_string(s.state->bonds.size()) + " bonds, step " + std::to_string(s.state->clock.step) +
+               ">";
+      });
+}
+
+}  // namespace vbond::python

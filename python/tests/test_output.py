@@ -1,0 +1,104 @@
+"""Output folders: written by the program, read back; sweeps; pictures."""
+
+import json
+import subprocess
+
+import numpy as np
+import pytest
+
+import vbond
+from conftest import rod_keys
+from vbond import plots
+
+
+@pytest.fixture(scope="module")
+def out(tmp_path_factory) -> vbond.Output:
+    keys = rod_keys(8)
+    keys["output"]["frames"] = {"every": "2 T0"}
+    keys["bonds"][0]["strength"] = {"criterion": "stress", "tension": 0.3, "shear": 0.3}
+    return vbond.run(vbond.Case.from_dict(keys), tmp_path_factory.mktemp("runs") / "out")
+
+
+def test_history_summary_and_status(out):
+    assert out.history["time"][0] == 0 and len(out.history["total"]) == 21
+    assert out.summary["particles"] == 8 and out.status["state"] == "complete"
+    assert out.dataframe()["time"].iloc[-1] == out.history["time"][-1]
+
+
+def test_frames_are_read_when_they_are_asked_for(out):
+    frames = out.frames
+    assert len(frames) == 3 and frames[0].time == 0 and [frame.time for frame in frames][-1] == frames[-1].time
+    assert frames[1].particles["position"].shape == (8, 3) and frames[1].particles["velocity"].shape == (8, 3)
+    assert len(frames[1].bonds["i"]) == 7 and "axial_force" in frames[1].bonds
+    assert np.array_equal(frames[-1].particles["position"] - frames[0].particles["position"],
+                          frames[-1].particles["displacement"])
+
+
+def test_breaks_are_columns(out):
+    breaks = out.breaks
+    assert len(breaks["bond"]) == out.summary["broken"] > 0
+    assert set(breaks["mode"]) <= {"tension", "shear", "bending", "torsion", "compression", "other"}
+    assert np.all(np.diff(breaks["time"]) >= 0)
+    assert out.fragments["particles"].sum() == 8
+
+
+def test_a_folder_that_is_none_and_damaged_files_are_told(tmp_path, out):
+    with pytest.raises(vbond.IoError, match="not an output folder"):
+        vbond.open(tmp_path)
+    (tmp_path / "resolved.toml").write_text("")
+    empty = vbond.open(tmp_path)
+    assert empty.history == {} and empty.breaks == {} and len(empty.frames) == 0
+    with pytest.raises(vbond.IoError, match="run.json"):
+        empty.summary
+    (tmp_path / "run.json").write_text("{")
+    with pytest.raises(vbond.IoError, match="damaged"):
+        empty.summary
+    frame = out.frames[0]
+    frame._files[0].with_suffix(".bak").write_bytes(frame._files[0].read_bytes()[:-40])
+    with pytest.raises(vbond.IoError):
+        vbond.Frame(0, frame._files[0].with_suffix(".bak"), None).particles
+
+
+def test_a_notebook_shows_the_page(out):
+    assert "report() writes the page" in out._repr_html_()
+    (out.folder / "report.html").write_text('<p title="x">&</p>')
+    assert 'srcdoc="&lt;p title=&quot;x&quot;&gt;&amp;amp;' in out._repr_html_().replace("&amp;&lt;", "&amp;amp;&lt;")
+
+
+def test_a_run_is_not_replaced_unasked_and_failures_are_told(tmp_path):
+    case = vbond.Case.from_dict(rod_keys(3))
+    vbond.run(case, tmp_path / "out")
+    with pytest.raises(vbond.ProgramError, match="out") as told:
+        vbond.run(case, tmp_path / "out")
+    assert told.value.status in (2, 3)
+    vbond.run(case, tmp_path / "out", force=True, threads=1)
+
+
+def test_a_sweep_is_a_table_with_failures_and_is_not_done_twice(tmp_path):
+    case = vbond.Case.from_dict(rod_keys(3))
+    wanted = {"velocities[0].seed": [1, 2], "bonds[0].nu": [0.1, 0.9]}
+    rows = vbond.sweep(case, tmp_path / "sweep", wanted, jobs=2)
+    assert [row["ended"] for row in rows] == ["done", "failed", "done", "failed"]
+    assert any("nu" in str(value) for value in rows[1].values())
+    journal = (tmp_path / "sweep/sweep.journal").read_bytes()
+    assert vbond.sweep(case, tmp_path / "sweep", wanted, jobs=2) == rows
+    assert (tmp_path / "sweep/sweep.journal").read_bytes() == journal
+
+
+def test_pictures(out, run):
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    axes = plots.curves(out.history, "total", "U_L")
+    assert len(axes.lines) == 2 and axes.get_xlabel() == "time"
+    with pytest.raises(KeyError, match="there is no column"):
+        plots.curves(out.history, "nothing")
+    assert plots.body(run.state).collections and plots.cracks(run.state).collections
+    solution = vbond.modes(run.case, count=7)
+    assert plots.mode(solution.state, solution.modes[-1]).collections
+
+
+def test_the_program_is_found(monkeypatch):
+    program = vbond.find_program()
+    said = subprocess.run([program, "--version"], capture_output=True, text=True).stdout
+    assert vbond.__version__ in said
+    assert json.loads(json.dumps(vbond.__version__)) == vbond.__version__

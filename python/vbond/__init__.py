@@ -1,0 +1,39 @@
+"""vbond: solids as rigid particles joined by elastic bonds that have an energy.
+
+    case = vbond.Case.from_file("rod.toml", {"bonds[0].E": 2e9})
+    run = vbond.Run(case)
+    run.run()
+    print(run.history["time"], run.state.positions)
+
+Units are those of the case: reduced (a = m = c_A = 1) or SI. Particles and bonds are numbered from 0.
+"""
+
+from ._vbond import (
+    CaseError,
+    CriticalLoad,
+    Diverged,
+    Error,
+    FractureEnergy,
+    FractureResult,
+    IoError,
+    NaturalMode,
+    NoEquilibrium,
+    SpecialPoint,
+    StageResult,
+    State,
+    StaticResult,
+    __version__,
+)
+from . import plots
+from .cases import Case, calibrate, list_keys
+from .output import Frame, Output, open
+from .program import ProgramError, find_program, run, sweep
+from .runs import Run
+from .statics import StaticSolution, buckling, equilibrium, fracture, modes, path
+
+__all__ = [
+    "Case", "CaseError", "CriticalLoad", "Diverged", "Error", "FractureEnergy", "FractureResult", "Frame", "IoError",
+    "NaturalMode", "NoEquilibrium", "Output", "ProgramError", "Run", "SpecialPoint", "StageResult", "State",
+    "StaticResult", "StaticSolution", "__version__", "buckling", "calibrate", "equilibrium", "find_program",
+    "fracture", "list_keys", "modes", "open", "path", "plots", "run", "sweep",
+]

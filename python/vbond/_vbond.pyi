@@ -1,0 +1,140 @@
+"""Types of the extension. Its functions without a docstring belong to the package."""
+
+from os import PathLike
+from pathlib import Path
+from typing import Any, Callable, Sequence
+
+from numpy import ndarray
+
+__version__: str
+
+class Error(Exception): ...
+
+class CaseError(Error, ValueError):
+    problems: list[dict[str, Any]]
+
+class Diverged(Error):
+    step: int
+    time: float
+
+class NoEquilibrium(Error): ...
+class IoError(Error, OSError): ...
+
+class CheckedCase:
+    @property
+    def title(self) -> str: ...
+    def to_toml(self) -> str: ...
+
+class State:
+    positions: ndarray
+    velocities: ndarray
+    angular_velocities: ndarray
+    orientations: ndarray
+    displacements: ndarray
+    masses: ndarray
+    radii: ndarray
+    time: float
+    step: int
+    groups: dict[str, ndarray]
+    bonds: dict[str, ndarray]
+    def __len__(self) -> int: ...
+
+class CriticalLoad:
+    kind: str
+    load_factor: float
+    force: float
+    estimate: float | None
+    gap: float
+    translation: ndarray
+    rotation: ndarray
+
+class NaturalMode:
+    omega: float
+    omega2: float
+    frequency: float
+    rigid: bool
+    translation: ndarray
+    rotation: ndarray
+
+class SpecialPoint:
+    kind: str
+    load_factor: float
+    point: int
+    unstable_before: int | None
+    unstable_after: int | None
+    gap: float
+
+class FractureEnergy:
+    initial: float
+    work: float
+    stored: float
+    dissipated: float
+    released: float
+    error: float
+
+class FractureResult:
+    reason: str
+    avalanches: int
+    peak_load: float
+    peak_load_factor: float
+    energy: FractureEnergy
+    breaks: dict[str, ndarray]
+
+class StaticResult:
+    ended: str
+    load_factor: float
+    points: int
+    iterations: int
+    residuals: list[float]
+    unstable: int | None
+    neutral: bool
+    jumped: bool
+    left_saddle: bool
+    smallest_eigenvalue: float | None
+    special_points: list[SpecialPoint]
+    critical_loads: list[CriticalLoad]
+    searched_to: float
+    modes: list[NaturalMode]
+    fracture: FractureResult
+
+class StageResult:
+    name: str
+    kind: str
+    stop: str
+    steps: int
+    time: float
+    critical_force: float | None
+    statics: StaticResult | None
+    failure: str
+
+class CheckedRun:
+    state: State
+    energies: dict[str, float]
+    loads: tuple[ndarray, ndarray]
+    history: dict[str, ndarray]
+    complete: bool
+    time: float
+    steps: int
+    stage: str | None
+    time_step: float
+    results: list[StageResult]
+    notes: list[str]
+    reports: list[str]
+    def __init__(self) -> None: ...
+    def _make(self, case: CheckedCase, threads: int, places: bool) -> None: ...
+    def step(self, n: int = 1) -> int: ...
+    def run_stage(self) -> StageResult: ...
+    def run(self) -> list[StageResult]: ...
+    def end_stage(self) -> None: ...
+    def on_step(self, every: int, call: Callable[[Any], bool | None]) -> None: ...
+    def set_velocities(self, velocities: Any, angular_velocities: Any = None) -> None: ...
+    def add_load(self, particles: str | Sequence[int], force: Any = (0, 0, 0), moment: Any = (0, 0, 0)) -> None: ...
+
+def read_case(file: str | PathLike, changes: Sequence[str]) -> CheckedCase: ...
+def parse_case(text: str, file: str | PathLike, changes: Sequence[str], places: bool) -> CheckedCase: ...
+def list_keys() -> list[dict[str, str]]: ...
+def calibrate(given: dict[str, str]) -> dict[str, dict[str, Any]]: ...
+def read_particles(path: str | PathLike) -> dict[str, ndarray]: ...
+def read_bonds(path: str | PathLike) -> dict[str, ndarray]: ...
+def read_pvd(path: str | PathLike) -> list[tuple[float, Path]]: ...
+def read_history(path: str | PathLike) -> dict[str, ndarray]: ...

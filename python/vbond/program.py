@@ -1,0 +1,115 @@
+"""The program vbond, for what writes files: whole runs and sweeps."""
+
+from __future__ import annotations
+
+import csv
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from . import _vbond
+from .cases import Case, _plain, _toml
+from .output import Output, open as open_output
+
+
+class ProgramError(_vbond.Error):
+    """The program ended with `status`, and said this."""
+
+    def __init__(self, text: str, status: int):
+        super().__init__(text)
+        self.status = status
+
+
+def find_program() -> str:
+    """The program: $VBOND_PROGRAM, that of the build tree or installation that this package is in, or on the PATH."""
+    here = Path(__file__).parent
+    beside = [here.parents[1] / "vbond", *(folder / "bin" / "vbond" for folder in here.parents)]
+    for place in [os.environ.get("VBOND_PROGRAM"), *beside, shutil.which("vbond")]:
+        if place and Path(place).is_file() and os.access(place, os.X_OK):
+            return str(place)
+    raise _vbond.IoError("the program vbond was not found: put it on the PATH, or name it by $VBOND_PROGRAM")
+
+
+def run_program(words: Iterable[str], quiet: bool) -> None:
+    """Its text goes to sys.stdout line by line. Ctrl-C reaches the program, too, which writes a checkpoint."""
+    with subprocess.Popen([find_program(), *words], text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as child:
+        try:
+            said = child.communicate() if quiet else _told(child)
+        except KeyboardInterrupt:
+            child.wait()
+            raise
+    if child.returncode != 0:
+        raise ProgramError(said[1].strip() or f"vbond ended with status {child.returncode}", child.returncode)
+    if said[1]:
+        print(said[1], end="", file=sys.stderr)
+
+
+def _told(child: subprocess.Popen) -> tuple[str, str]:
+    with tempfile.TemporaryFile("w+") as errors:
+        for line in child.stdout:
+            print(line, end="")
+        errors.write(child.stderr.read())
+        errors.seek(0)
+        return "", errors.read()
+
+
+def _written(case: Case, folder: Path) -> str:
+    """The case as a file beside those that it names."""
+    folder.mkdir(parents=True, exist_ok=True)
+    file = folder / "case.toml"
+    file.write_text(case.text, encoding="utf-8")
+    return str(file)
+
+
+def run(case: Case, folder: str | os.PathLike, *, threads: int | None = None, force: bool = False,
+        report: bool = False, quiet: bool = True) -> Output:
+    """Computes the case with the program, into `folder`: history, frames, checkpoints, run.json; returns them.
+    force: replace an earlier output there. ProgramError if the run fails; what was written until then stays."""
+    words = ["run", "-", "-o", os.fspath(folder)]
+    for wanted, option in ((force, "--force"), (report, "--report")):
+        words += [option] if wanted else []
+    words += [] if threads is None else ["--threads", str(threads)]
+    with tempfile.TemporaryDirectory() as scratch:
+        words[1] = _written(case, Path(scratch))
+        run_program(words, quiet)
+    return open_output(folder)
+
+
+def _values(key: str, values: Any) -> str:
+    if isinstance(values, str):  # as on the command line: "range(1, 5, 9) T0"
+        return f"{key}={values}"
+    return f"{key}=" + ",".join(_toml(_plain(value, key)) for value in values)
+
+
+def sweep(case: Case, folder: str | os.PathLike, values: Mapping[str, Any], *, jobs: int | None = None,
+          quiet: bool = True) -> list[dict[str, Any]]:
+    """Computes the case for all combinations of values of some keys, {"bonds[0].E": [1e9, 2e9]}, in processes, and
+    returns the rows of sweep.csv (docs/sweeps.md): numbers as float, empty cells as None. The same call goes on with
+    a sweep that was stopped. Points that fail are rows with ended = "failed" and their reason."""
+    if not values:
+        raise ValueError("sweep: no key to sweep was given")
+    folder = Path(folder)
+    kept = folder.with_name(folder.name + ".case")
+    words = ["sweep", _written(case, kept), "-o", str(folder)]
+    for key, some in values.items():
+        words += ["--set", _values(key, some)]
+    words += [] if jobs is None else ["--jobs", str(jobs)]
+    try:
+        run_program(words, quiet)
+    except ProgramError as e:
+        if e.status != 1:  # 1: some points have failed, which the table says
+            raise
+    with (folder / "sweep.csv").open(newline="", encoding="utf-8") as table:
+        return [{name: _cell(text) for name, text in row.items()} for row in csv.DictReader(table)]
+
+
+def _cell(text: str) -> Any:
+    try:
+        return float(text) if text else None
+    except ValueError:
+        return text

@@ -1,0 +1,76 @@
+"""Static stages as functions: the body of a case in equilibrium, on a path, at its critical loads, in its modes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from . import _vbond
+from .cases import Case
+from .runs import Run
+
+
+@dataclass(frozen=True)
+class StaticSolution:
+    """What a static stage has found."""
+
+    result: _vbond.StaticResult  #: all of it
+    state: _vbond.State  #: the body at the end
+    history: dict[str, np.ndarray]  #: a row per point of equilibrium, columns as in history.csv
+    run: Run
+
+    @property
+    def critical_loads(self) -> list[_vbond.CriticalLoad]:
+        return self.result.critical_loads
+
+    @property
+    def modes(self) -> list[_vbond.NaturalMode]:
+        return self.result.modes
+
+    @property
+    def frequencies(self) -> np.ndarray:
+        """Of the modes [1/time], without motions that nothing holds."""
+        return np.array([mode.frequency for mode in self.result.modes if not mode.rigid])
+
+    @property
+    def load_factors(self) -> np.ndarray:
+        return self.history["load_factor"]
+
+
+def _solve(kind: str, case: Case, keys: dict[str, Any]) -> StaticSolution:
+    run = Run(case.with_stages([{"kind": kind, "name": kind, **keys}]))
+    result = run.run_stage()
+    return StaticSolution(result.statics, run.state, run.history, run)
+
+
+def equilibrium(case: Case, **keys: Any) -> StaticSolution:
+    """Equilibrium of the body at its loads and held degrees of freedom, by Newton's method. keys: those of such a
+    stage in case files (supports, loads, load_factor, steps, ...); the case's own stages are left out. Raises
+    CaseError, NoEquilibrium.
+
+        vbond.equilibrium(case, supports=[{"group": "first", "fix": ["x", "y", "z", "rx", "ry", "rz"]}],
+                          loads=[{"group": "last", "force": [0, 1e-3, 0]}])
+    """
+    return _solve("equilibrium", case, keys)
+
+
+def path(case: Case, **keys: Any) -> StaticSolution:
+    """The path of equilibria beyond limit points, by arc length. keys: see equilibrium."""
+    return _solve("path", case, keys)
+
+
+def buckling(case: Case, **keys: Any) -> StaticSolution:
+    """Critical loads on the nonlinear path, with their modes. keys: see equilibrium; `count` loads are looked for."""
+    return _solve("buckling", case, keys)
+
+
+def modes(case: Case, **keys: Any) -> StaticSolution:
+    """Modes of vibration about the equilibrium, slowest first. keys: see equilibrium; `count` modes."""
+    return _solve("modes", case, keys)
+
+
+def fracture(case: Case, **keys: Any) -> StaticSolution:
+    """Fracture at rest: bond after bond as it reaches its strength. keys: see equilibrium."""
+    return _solve("fracture", case, keys)
