@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -28,10 +29,12 @@ struct RunOptions {
   std::optional<std::filesystem::path> folder;  ///< default: see claim_folder
   bool force = false;                           ///< replace an earlier output
   int threads = 1;
-  bool report = false;         ///< write report.html at the end
-  bool quiet = false;          ///< print mistakes and failures only
-  std::string program;         ///< as it was called, for the hint how to go on
-  Stepper* stepper = nullptr;  ///< makes the steps in place of the run itself
+  bool report = false;                ///< write report.html at the end
+  bool quiet = false;                 ///< print mistakes and failures only
+  bool json = false;                  ///< print status.json as lines instead
+  std::FILE* status_lines = nullptr;  ///< where these lines go, if so
+  std::string program;                ///< as it was called, for the hint how to go on
+  Stepper* stepper = nullptr;         ///< makes the steps in place of the run itself
   /// Called once the case is known to be right, before anything is written: may refuse it.
   std::function<void(const Case&, const Run&)> before_output;
 };

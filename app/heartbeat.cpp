@@ -158,6 +158,7 @@ void Heartbeat::write() {
     written_ = WallClock::now();
     status_.wall_seconds = seconds_since(start_);
     status_.written = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
+    if (lines_ != nullptr) say(to_json_line(status_), lines_);
     replace_file(path_, to_json(status_), Sync::none);
   });
 }

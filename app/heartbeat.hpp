@@ -1,5 +1,6 @@
 #pragma once
 #include <chrono>
+#include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -19,6 +20,8 @@ class Heartbeat {
   /// run: must live as long. start: of the program. tell: takes the one warning.
   Heartbeat(const Run& run, const OutputPlan& plan, const std::string& title, WallClock::time_point start,
             std::function<void(const std::string&)> tell);
+  /// From now on each status is a line there, too.
+  void print_to(std::FILE* lines) { lines_ = lines; }
   /// From now on it sees what these have written.
   void follow(FileObservers files);
 
@@ -48,6 +51,7 @@ class Heartbeat {
   std::filesystem::path path_;
   WallClock::time_point start_, written_;
   std::function<void(const std::string&)> tell_;
+  std::FILE* lines_ = nullptr;
   FileObservers files_;
   RunStatus status_;
   std::int64_t event_step_ = 0;

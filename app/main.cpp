@@ -114,7 +114,7 @@ int dispatch(int argc, char** argv) {
   CLI::App* run_command = program.add_subcommand("run", "Compute a case");
   app::add_case(run_command, run);
   app::add_output(run_command, run);
-  app::add_quiet(run_command, run);
+  app::add_printing(run_command, run);
   add_threads(run_command, run.threads);
 
   CLI::App* check_command = program.add_subcommand("check", "Validate a case and say what would be run");
@@ -124,7 +124,7 @@ int dispatch(int argc, char** argv) {
   std::filesystem::path folder;
   CLI::App* resume_command = program.add_subcommand("resume", "Go on with a run that was stopped");
   resume_command->add_option("DIR", folder, "Its output folder")->required();
-  app::add_quiet(resume_command, run);
+  app::add_printing(resume_command, run);
   add_threads(resume_command, run.threads);
 
   CLI::App* report_command =
@@ -201,7 +201,7 @@ int dispatch(int argc, char** argv) {
   }
   if (run_command->parsed() || check_command->parsed() || resume_command->parsed())
     instruction_set();  // refuses a wrong VBOND_SIMD before anything is written
-  app::be_quiet_if_asked(run);
+  app::choose_printing(run);
   if (run_command->parsed()) return app::run(run);
   if (check_command->parsed()) return app::check(run);
   if (resume_command->parsed()) return app::resume(folder, run);

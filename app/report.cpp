@@ -132,17 +132,6 @@ std::vector<page::Warning> add_sequences(const fs::path& folder, const Case& c,
   return trouble;
 }
 
-std::string page_template() {
-  std::string looked;
-  for (const fs::path& place : template_places()) {
-    if (is_there(place)) return read_all(place);
-    looked += "\n  looked for " + place.string();
-  }
-  throw IoError(
-      "the report page was not built with this program" + looked +
-      "\n  install nodejs and npm, then ./run builds it into build/page; or name one by VBOND_PAGE");
-}
-
 void require_output(const fs::path& folder) {
   if (!is_there(folder / "resolved.toml"))
     throw IoError(folder.string() + ": is not an output folder of vbond run: it has no resolved.toml");
@@ -186,6 +175,17 @@ page::Report report_of(const fs::path& folder, std::optional<std::string> live) 
 }
 
 }  // namespace
+
+std::string page_template() {
+  std::string looked;
+  for (const fs::path& place : template_places()) {
+    if (is_there(place)) return read_all(place);
+    looked += "\n  looked for " + place.string();
+  }
+  throw IoError(
+      "the report page was not built with this program" + looked +
+      "\n  install nodejs and npm, then ./run builds it into build/page; or name one by VBOND_PAGE");
+}
 
 void require_page() {
   page_template();

@@ -23,6 +23,9 @@ Written write_report(const std::filesystem::path& folder);
 /// are. Throws as write_report does.
 std::string live_report(const std::filesystem::path& folder, const std::string& version);
 
+/// The page without a run in it. Throws IoError as require_page.
+std::string page_template();
+
 /// Throws IoError with what to install if the page was not built with the program.
 void require_page();
 

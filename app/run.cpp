@@ -165,7 +165,8 @@ int run_stages(Campaign& campaign) {
 }
 
 /// The same, with its end in status.json.
-int run_to_end(Campaign& campaign) {
+int run_to_end(Campaign& campaign, std::FILE* status_lines) {
+  campaign.heartbeat->print_to(status_lines);
   try {
     const int status = run_stages(campaign);
     campaign.heartbeat->end(status == done ? RunState::complete : RunState::interrupted);
@@ -276,7 +277,7 @@ int run(const RunOptions& options) {
       open_campaign(c, run, std::move(plan), options.threads, options.program, nullptr, start);
   campaign.building = seconds_since(start);
   try {
-    const int status = run_to_end(campaign);
+    const int status = run_to_end(campaign, options.status_lines);
     if (options.report && status == done) report_on(campaign.plan.folder);
     return status;
   } catch (const IoError& e) {  // no more can be written
@@ -318,7 +319,7 @@ int resume(const fs::path& folder, const RunOptions& options) {
                   run.stages().name(run.stage_index()), folder.string()));
   print_machine(options.threads);
   try {
-    return run_to_end(campaign);
+    return run_to_end(campaign, options.status_lines);
   } catch (const IoError& e) {
     throw with_way_on(campaign, e);
   }

@@ -1,6 +1,11 @@
 #include "run_options.hpp"
 
+#include <unistd.h>
+
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
+#include <string>
 
 #include "vbond/core/error.hpp"
 
@@ -23,13 +28,17 @@ void add_output(CLI::App* command, RunOptions& run) {
   command->add_flag("--report", run.report, "Write report.html at the end, as the command report does");
 }
 
-void add_quiet(CLI::App* command, RunOptions& run) {
-  command->add_flag("--quiet", run.quiet, "Print mistakes and failures only");
+void add_printing(CLI::App* command, RunOptions& run) {
+  CLI::Option* quiet = command->add_flag("--quiet", run.quiet, "Print mistakes and failures only");
+  command->add_flag("--json", run.json, "Print what status.json says instead, a line of JSON each second")
+      ->excludes(quiet);
 }
 
-void be_quiet_if_asked(const RunOptions& run) {
-  if (run.quiet && std::freopen("/dev/null", "w", stdout) == nullptr)
-    throw IoError("/dev/null: cannot be written to");
+void choose_printing(RunOptions& run) {
+  if (!run.quiet && !run.json) return;
+  if (run.json) run.status_lines = fdopen(dup(STDOUT_FILENO), "w");
+  if ((run.json && run.status_lines == nullptr) || std::freopen("/dev/null", "w", stdout) == nullptr)
+    throw IoError(std::string("cannot print: ") + std::strerror(errno));
 }
 
 }  // namespace vbond::app

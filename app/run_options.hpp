@@ -10,9 +10,10 @@ namespace vbond::app {
 void add_case(CLI::App* command, RunOptions& run);
 /// What `run` takes besides, but for threads.
 void add_output(CLI::App* command, RunOptions& run);
-void add_quiet(CLI::App* command, RunOptions& run);
+void add_printing(CLI::App* command, RunOptions& run);
 
-/// Sends what would be printed nowhere, if that is asked for. Throws IoError.
-void be_quiet_if_asked(const RunOptions& run);
+/// Sends what would be printed nowhere, if that is asked for, and opens what is printed in its place. Throws
+/// IoError.
+void choose_printing(RunOptions& run);
 
 }  // namespace vbond::app

@@ -99,6 +99,33 @@ void require_readable(const fs::path& folder, const fs::path& path) {
     refuse_status(path, "is not a status of a run: it is no file, or far too large", "remove it");
 }
 
+Json json_of(const RunStatus& s) {
+  Json energies;
+  for (const auto& [column, value] : s.energies) energies[column] = or_null(value);
+  return Json{{"schema", status_schema},
+              {"version", s.version},
+              {"process", s.process},
+              {"host", s.host},
+              {"case", s.name},
+              {"state", to_text(s.state)},
+              {"stage",
+               {{"index", s.stage.index},
+                {"count", s.stage.count},
+                {"name", s.stage.name},
+                {"kind", vbond::to_text(s.stage.kind)},
+                {"steps", s.stage.steps},
+                {"end_time", or_null(s.stage.end_time)}}},
+              {"step", s.step},
+              {"time", s.time},
+              {"seconds_left", or_null(s.seconds_left)},
+              {"energies", energies},
+              {"broken", or_null(s.broken)},
+              {"last_event", s.last_event},
+              {"failure", s.failure.empty() ? Json() : Json(s.failure)},
+              {"wall_seconds", s.wall_seconds},
+              {"written", s.written}};
+}
+
 }  // namespace
 
 const char* to_text(RunState state) {
@@ -112,31 +139,11 @@ const char* to_text(RunState state) {
 }
 
 std::string to_json(const RunStatus& s) {
-  Json energies;
-  for (const auto& [column, value] : s.energies) energies[column] = or_null(value);
-  const Json j{{"schema", status_schema},
-               {"version", s.version},
-               {"process", s.process},
-               {"host", s.host},
-               {"case", s.name},
-               {"state", to_text(s.state)},
-               {"stage",
-                {{"index", s.stage.index},
-                 {"count", s.stage.count},
-                 {"name", s.stage.name},
-                 {"kind", vbond::to_text(s.stage.kind)},
-                 {"steps", s.stage.steps},
-                 {"end_time", or_null(s.stage.end_time)}}},
-               {"step", s.step},
-               {"time", s.time},
-               {"seconds_left", or_null(s.seconds_left)},
-               {"energies", energies},
-               {"broken", or_null(s.broken)},
-               {"last_event", s.last_event},
-               {"failure", s.failure.empty() ? Json() : Json(s.failure)},
-               {"wall_seconds", s.wall_seconds},
-               {"written", s.written}};
-  return j.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+  return json_of(s).dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+std::string to_json_line(const RunStatus& s) {
+  return json_of(s).dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
 }
 
 RunStatus read_status(const fs::path& folder) {

@@ -45,6 +45,8 @@ struct RunStatus {
 
 /// The text of status.json. Numbers that are not finite become null.
 std::string to_json(const RunStatus& status);
+/// The same on one line.
+std::string to_json_line(const RunStatus& status);
 
 /// The status of the run in a folder. Throws std::invalid_argument, with what to do, if there is none, or
 /// none that can be understood.

@@ -72,10 +72,10 @@ class Sweep {
     }
     return ends_.size() == points_.size();
   }
-  void write_table() {
+  void write_table(const std::string& title) {
     std::sort(ends_.begin(), ends_.end(),
               [](const PointEnd& a, const PointEnd& b) { return a.point < b.point; });
-    write_sweep_table(folder_, keys_, ends_);
+    write_sweep_table(folder_, title, keys_, ends_);
   }
   std::size_t failed() const {
     return static_cast<std::size_t>(
@@ -224,9 +224,10 @@ int sweep(const SweepOptions& options) {
   catch_signals();
   Sweep sweep(options, std::move(keys), folder);
   const bool complete = sweep.run();
-  sweep.write_table();
+  sweep.write_table(c.title);
   say(fmt::format("{} points, {} failed: {}\n", sweep.ended(), sweep.failed(),
                   (folder / "sweep.csv").string()));
+  if (fs::exists(folder / "sweep.html")) say("curves in " + (folder / "sweep.html").string() + "\n");
   if (!complete) {
     say(fmt::format("stopped by a signal after {} of {} points; the same command goes on\n", sweep.ended(),
                     sweep.points()),

@@ -31,8 +31,9 @@ struct PointEnd {
 std::filesystem::path point_folder(const std::filesystem::path& sweep, std::size_t point);
 
 /// Writes sweep.csv: of each point its values, how it ended, all numbers of its run.json but wall times, and
-/// the last row of its history.csv. Throws IoError.
-void write_sweep_table(const std::filesystem::path& sweep, const std::vector<SweptKey>& keys,
-                       const std::vector<PointEnd>& ends);
+/// the last row of its history.csv; and, if the page was built with the program, sweep.html with curves of
+/// them under this title. Throws IoError.
+void write_sweep_table(const std::filesystem::path& sweep, const std::string& title,
+                       const std::vector<SweptKey>& keys, const std::vector<PointEnd>& ends);
 
 }  // namespace vbond::app

@@ -4,9 +4,12 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "report.hpp"
 #include "sweep.hpp"
+#include "vbond/core/error.hpp"
 #include "vbond/observe/csv.hpp"
 #include "vbond/observe/files.hpp"
+#include "vbond/observe/page/page.hpp"
 
 namespace vbond::app {
 namespace {
@@ -54,9 +57,58 @@ void add_last_row(const fs::path& file, Results& results) {
     results.emplace_back("history." + csv_plain(names[k]), cells[k]);
 }
 
+/// Of each point its results, and all names that occur.
+struct AllResults {
+  const std::vector<std::string>& names;
+  const std::vector<Results>& rows;
+};
+
+/// Those that are numbers at some point: of each its values, point by point.
+Json numbers_of(const AllResults& results) {
+  Json names = Json::array(), values = Json::array();
+  for (const std::string& name : results.names) {
+    Json of_name = Json::array();
+    bool any = false;
+    for (const Results& row : results.rows) {
+      const auto at = std::find_if(row.begin(), row.end(), [&](const auto& r) { return r.first == name; });
+      const auto number = at != row.end() ? csv_number<double>(at->second) : std::nullopt;
+      any = any || number;
+      of_name.push_back(number ? Json(*number) : Json());
+    }
+    if (any) names.push_back(name), values.push_back(std::move(of_name));
+  }
+  return {{"names", std::move(names)}, {"values", std::move(values)}};
+}
+
+/// sweep.html. A program without the page writes none.
+void write_overview(const fs::path& sweep, const std::string& title, const std::vector<SweptKey>& keys,
+                    const std::vector<PointEnd>& ends, const AllResults& results) {
+  std::string page;
+  try {
+    page = page_template();
+  } catch (const IoError&) {
+    return;
+  }
+  Json j{{"format", 1}, {"program", "vbond " VBOND_VERSION}, {"title", title}};
+  j["keys"] = Json::array(), j["points"] = Json::array();
+  for (const SweptKey& swept : keys) j["keys"].push_back({{"name", swept.key}, {"values", swept.values}});
+  const auto points = points_of(keys);
+  for (const PointEnd& end : ends) {
+    Json values = Json::array();
+    for (const std::string& change : points[end.point]) values.push_back(change.substr(change.find('=') + 1));
+    j["points"].push_back({{"folder", point_folder(sweep, end.point).filename().string()},
+                           {"values", std::move(values)},
+                           {"ended", end.failed ? "failed" : "done"},
+                           {"reason", end.reason}});
+  }
+  j["results"] = numbers_of(results);
+  const std::string text = j.dump(-1, ' ', false, Json::error_handler_t::replace);
+  replace_file(sweep / "sweep.html", page::sweep_page(page, text), Sync::none);
+}
+
 }  // namespace
 
-void write_sweep_table(const fs::path& sweep, const std::vector<SweptKey>& keys,
+void write_sweep_table(const fs::path& sweep, const std::string& title, const std::vector<SweptKey>& keys,
                        const std::vector<PointEnd>& ends) {
   std::vector<Results> rows;
   std::vector<std::string> names;
@@ -88,6 +140,7 @@ void write_sweep_table(const fs::path& sweep, const std::vector<SweptKey>& keys,
     text += csv_line(cells);
   }
   replace_file(sweep / "sweep.csv", text);
+  write_overview(sweep, title, keys, ends, {names, rows});
 }
 
 }  // namespace vbond::app

@@ -53,7 +53,7 @@ int lead(Task task) {
     instruction_set();  // refuses a wrong VBOND_SIMD before anything is written
     if (options.case_file == "-")
       throw std::invalid_argument("every rank reads the case: give a file, not the standard input");
-    app::be_quiet_if_asked(options);
+    app::choose_printing(options);
     options.stepper = &ranks;
     options.before_output = [&ranks](const Case& c, const Run&) {
       app::refuse_beyond_ranks(c);
@@ -130,11 +130,11 @@ int dispatch(int argc, char** argv, bool leads) {
   CLI::App* command = program.add_subcommand("run", "Compute a case");
   app::add_case(command, run);
   app::add_output(command, run);
-  app::add_quiet(command, run);
+  app::add_printing(command, run);
   CLI::App* resume =
       program.add_subcommand("resume", "Go on with a run that was stopped, on any number of ranks");
   resume->add_option("DIR", task.folder, "Its output folder, of vbond-lammps or vbond")->required();
-  app::add_quiet(resume, run);
+  app::add_printing(resume, run);
   try {
     program.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

@@ -35,7 +35,8 @@ def _plain(value: Any, path: str) -> Any:
     if isinstance(value, (bool, int, float, str)):
         return value
     hint = "; leave the key out" if value is None else ""
-    raise TypeError(f"{path}: {type(value).__name__} has no place in a case: numbers, texts, lists and dicts have{hint}")
+    kind = type(value).__name__
+    raise TypeError(f"{path}: {kind} has no place in a case: numbers, texts, lists and dicts have{hint}")
 
 
 def _toml(value: Any) -> str:
@@ -136,7 +137,8 @@ def list_keys() -> list[dict[str, str]]:
 
 def calibrate(E: float | str, length: float | str, *, theory: str = "all", **given: float | str) -> dict[str, dict]:
     """Stiffnesses of a bond and coefficients of the laws from material and section, as `vbond calibrate`: by theory
-    c_A, c_D, c_B, c_T, and a dict of coefficients for each law ("v-model", "evm"). Theories that cannot say are left out.
+    c_A, c_D, c_B, c_T, and a dict of coefficients for each law ("v-model", "evm"). Theories that cannot say are left
+    out.
 
     given: nu (0.2), a section (diameter, with inner_diameter; side; or A, J and J_p), kappa. Values are numbers, or
     texts with units such as "2 GPa". theory: "bernoulli-euler", "timoshenko", "short-cylinder" or "all"."""
@@ -146,4 +148,5 @@ def calibrate(E: float | str, length: float | str, *, theory: str = "all", **giv
             raise TypeError(f"calibrate: there is no {name!r}; there are {', '.join(known)}")
     if theory not in (theories := ("bernoulli-euler", "timoshenko", "short-cylinder", "all")):
         raise ValueError(f"calibrate: theory {theory!r} is none of {', '.join(theories)}")
-    return _vbond.calibrate({name: str(value) for name, value in {"E": E, "length": length, "theory": theory, **given}.items()})
+    options = {"E": E, "length": length, "theory": theory, **given}
+    return _vbond.calibrate({name: str(value) for name, value in options.items()})

@@ -137,7 +137,8 @@ class Output:
             return {}
         with file.open(newline="", encoding="utf-8") as lines:
             rows = list(csv.reader(lines))
-        return {column: _column([row[k] for row in rows[1:] if len(row) == len(rows[0])]) for k, column in enumerate(rows[0])}
+        whole = [row for row in rows[1:] if len(row) == len(rows[0])]  # the last line may be under way
+        return {column: _column([row[k] for row in whole]) for k, column in enumerate(rows[0])}
 
     def _repr_html_(self) -> str:
         """The report page in a notebook, if it was written."""

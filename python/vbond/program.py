@@ -8,7 +8,8 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -36,47 +37,40 @@ def find_program() -> str:
 
 
 def run_program(words: Iterable[str], quiet: bool) -> None:
-    """Its text goes to sys.stdout line by line. Ctrl-C reaches the program, too, which writes a checkpoint."""
-    with subprocess.Popen([find_program(), *words], text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as child:
+    """Runs it to its end. Its text goes to the terminal unless quiet. Ctrl-C reaches the program, too, which then writes
+    a checkpoint."""
+    command = [find_program(), *words]
+    with subprocess.Popen(command, text=True, stdout=subprocess.PIPE if quiet else None, stderr=subprocess.PIPE) as child:
         try:
-            said = child.communicate() if quiet else _told(child)
+            _, said = child.communicate()
         except KeyboardInterrupt:
-            child.wait()
+            child.communicate()
             raise
     if child.returncode != 0:
-        raise ProgramError(said[1].strip() or f"vbond ended with status {child.returncode}", child.returncode)
-    if said[1]:
-        print(said[1], end="", file=sys.stderr)
+        raise ProgramError(said.strip() or f"vbond ended with status {child.returncode}", child.returncode)
+    if said:
+        print(said, end="", file=sys.stderr)
 
 
-def _told(child: subprocess.Popen) -> tuple[str, str]:
-    with tempfile.TemporaryFile("w+") as errors:
-        for line in child.stdout:
-            print(line, end="")
-        errors.write(child.stderr.read())
-        errors.seek(0)
-        return "", errors.read()
-
-
-def _written(case: Case, folder: Path) -> str:
-    """The case as a file beside those that it names."""
-    folder.mkdir(parents=True, exist_ok=True)
-    file = folder / "case.toml"
-    file.write_text(case.text, encoding="utf-8")
-    return str(file)
+@contextmanager
+def _as_file(case: Case) -> Iterator[str]:
+    """The case as a file, for so long as the program needs it."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "case.toml"
+        file.write_text(case.text, encoding="utf-8")
+        yield str(file)
 
 
 def run(case: Case, folder: str | os.PathLike, *, threads: int | None = None, force: bool = False,
         report: bool = False, quiet: bool = True) -> Output:
     """Computes the case with the program, into `folder`: history, frames, checkpoints, run.json; returns them.
     force: replace an earlier output there. ProgramError if the run fails; what was written until then stays."""
-    words = ["run", "-", "-o", os.fspath(folder)]
-    for wanted, option in ((force, "--force"), (report, "--report")):
-        words += [option] if wanted else []
-    words += [] if threads is None else ["--threads", str(threads)]
-    with tempfile.TemporaryDirectory() as scratch:
-        words[1] = _written(case, Path(scratch))
-        run_program(words, quiet)
+    options = ["-o", os.fspath(folder)]
+    options += ["--force"] if force else []
+    options += ["--report"] if report else []
+    options += [] if threads is None else ["--threads", str(threads)]
+    with _as_file(case) as file:
+        run_program(["run", file, *options], quiet)
     return open_output(folder)
 
 
@@ -94,13 +88,13 @@ def sweep(case: Case, folder: str | os.PathLike, values: Mapping[str, Any], *, j
     if not values:
         raise ValueError("sweep: no key to sweep was given")
     folder = Path(folder)
-    kept = folder.with_name(folder.name + ".case")
-    words = ["sweep", _written(case, kept), "-o", str(folder)]
+    options = ["-o", str(folder)]
     for key, some in values.items():
-        words += ["--set", _values(key, some)]
-    words += [] if jobs is None else ["--jobs", str(jobs)]
+        options += ["--set", _values(key, some)]
+    options += [] if jobs is None else ["--jobs", str(jobs)]
     try:
-        run_program(words, quiet)
+        with _as_file(case) as file:
+            run_program(["sweep", file, *options], quiet)
     except ProgramError as e:
         if e.status != 1:  # 1: some points have failed, which the table says
             raise

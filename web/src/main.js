@@ -7,6 +7,7 @@ import { History } from "./history.js";
 import { Live, contents } from "./live.js";
 import { Plots } from "./plots.js";
 import { Run } from "./run.js";
+import { show_sweep } from "./sweep.js";
 import { element } from "./text.js";
 import { apply_theme, theme_button } from "./theme.js";
 import { View } from "./view.js";
@@ -84,6 +85,7 @@ async function show(page) {
 }
 
 async function start() {
+  if (place("sweep")) return show_sweep(JSON.parse(place("sweep").textContent), place, theme_button);
   const page = contents(document);
   await show(page);
   document.addEventListener("keydown", (event) => shown.view?.scene && shown.view.key_pressed(event));

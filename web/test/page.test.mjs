@@ -12,6 +12,7 @@ import { Player } from "../src/player.js";
 import { Vector3 } from "three";
 import { disc_hit, line_hit, numbers_of, sphere_hit } from "../src/pick.js";
 import { Run, fragment_classes } from "../src/run.js";
+import { axes_of, curves_of, results_worth_showing } from "../src/sweep.js";
 import { file_name, number, with_unit } from "../src/text.js";
 import { Walls } from "../src/walls.js";
 import { Block, breaking, rod } from "./sample.mjs";
@@ -355,4 +356,25 @@ test("Walls.TurnAndMoveEachByItsOwnMotion", () => {
                             triangles: { offset: 216, type: "u32", count: 3 }, wall: { offset: 228, type: "u32", count: 2 } }, block, 2);
   assert.deepEqual([...walls.positions(0, new Float32Array(6))], [1, 2, 3, 4, 5, 6]);
   assert.deepEqual([...walls.positions(1, new Float32Array(6))], [1, 2, -4, 5, 4, 6]);
+});
+
+test("Sweep.CurvesAreOfOneKeyAndSortedByIt", () => {
+  const keys = [{ name: "bonds[0].E" }, { name: "stage[0].duration" }];
+  const points = [["1e9", "4 T0"], ["1e9", "2 T0"], ["2e9", "4 T0"], ["2e9", "2 T0"]].map((values) => ({ values }));
+  assert.deepEqual(axes_of(keys, points), [0, 1]);
+  const { x, names, history } = curves_of({ keys, points }, 1, [10, 20, 30, null]);
+  assert.equal(x, "stage[0].duration");
+  assert.deepEqual(names, ["E 1e9", "E 2e9"]);
+  assert.deepEqual(history.column(x).values, [2, 4]);
+  assert.deepEqual(history.column("E 1e9").values, [20, 10]);
+  assert.deepEqual(history.column("E 2e9").values, [null, 30]);
+});
+
+test("Sweep.WordsAreNoAxisAndConstantsAreNotShown", () => {
+  const points = [["v-model", "1"], ["evm", "1"]].map((values) => ({ values }));
+  assert.deepEqual(axes_of([{ name: "law" }, { name: "seed" }], points), []);
+  const { history } = curves_of({ keys: [{ name: "law" }, { name: "seed" }], points }, null, [3, 4]);
+  assert.deepEqual(history.column("all points").values, [3, 4]);
+  const results = { names: ["T0", "total", "critical_force", "none"], values: [[1, 1], [2, 3], [5, 6], [null, null]] };
+  assert.deepEqual(results_worth_showing(results), ["critical_force", "total"]);
 });

@@ -230,9 +230,12 @@ class Template {
     after_ = text.substr(to);
   }
   std::string with(const Packed& packed) const {
-    return before_ + "<script type=\"application/json\" id=\"run\">" + escaped(packed.json) +
-           "</script>\n<script type=\"text/plain\" id=\"data\">" + base64(gzip(packed.block)) + "</script>" +
-           after_;
+    return with("run", packed.json,
+                "\n<script type=\"text/plain\" id=\"data\">" + base64(gzip(packed.block)) + "</script>");
+  }
+  std::string with(const std::string& id, const std::string& json, const std::string& more = {}) const {
+    return before_ + "<script type=\"application/json\" id=\"" + id + "\">" + escaped(json) + "</script>" +
+           more + after_;
   }
 
  private:
@@ -240,6 +243,10 @@ class Template {
 };
 
 }  // namespace
+
+std::string sweep_page(const std::string& page_template, const std::string& json) {
+  return Template(page_template).with("sweep", json);
+}
 
 std::string report_page(const std::string& page_template, const Report& report, const PageLimits& limits) {
   const Template place(report.live ? allowed_to_ask(page_template) : page_template);
