@@ -1,4 +1,4 @@
-# Sourced by ./run, ./test and .ci/run: what a bare Debian 12 lacks, and how it is built.
+# Sourced by ./run, ./test, tools/package and .ci/run: what a bare Debian 12 lacks, and how it is built.
 # Messages go to stderr; stdout belongs to the program.
 # shellcheck shell=bash disable=SC2034
 
@@ -28,6 +28,18 @@ vbond_page_packages=(nodejs npm)   # the page that `vbond report` fills
 say() { printf 'vbond: %s\n' "$*" >&2; }
 die() { say "$@"; exit 1; }
 
+# For --yes: packages are installed with sudo without a question.
+install_unasked=
+
+# may_use_sudo PACKAGE...: asks whoever sits at a terminal; elsewhere nobody could answer.
+may_use_sudo() {
+  [[ ! $install_unasked && -t 0 && -t 2 ]] || return 0
+  say "these packages are missing: $*"
+  local answer=
+  read -r -p "vbond: install them with 'sudo apt-get install'? [y/N] " answer || true
+  [[ ${answer,,} == y || ${answer,,} == yes ]]
+}
+
 # need PACKAGE...: installs those that are missing. Where there is no dpkg the packages are not
 # checked: CMake then names what it cannot find.
 need() {
@@ -46,6 +58,8 @@ need() {
       die "these packages are missing: ${missing[*]}" $'\n' \
         " Installing them needs root, and there is no sudo here. As root, run:" $'\n' \
         "   apt-get update && apt-get install --no-install-recommends ${missing[*]}"
+    may_use_sudo "${missing[@]}" || die "nothing was installed; as root, run:" $'\n' \
+      "   apt-get update && apt-get install --no-install-recommends ${missing[*]}"
     as_root=(sudo)
   fi
   command -v apt-get >/dev/null || die "these packages are missing, and there is no apt-get: ${missing[*]}"
@@ -120,7 +134,9 @@ build_page() {
     seconds=40
   fi
   say "building the page for reports (npm, about $seconds s, once)"
-  if (bundle_page "$dir/build.log"); then
+  # packages first, and outside of the log: need may ask
+  if { command -v node && command -v npm; } >/dev/null || (need "${vbond_page_packages[@]}") &&
+    (bundle_page "$dir/build.log"); then
     printf '%s\n' "$sources" >"$dir/.sources"
     rm -f "$failed"
   else
@@ -133,7 +149,6 @@ page_missing="it takes node 18 or newer, npm and a registry of npm"
 
 bundle_page() {
   exec >"$1" 2>&1
-  { command -v node && command -v npm; } || need "${vbond_page_packages[@]}"
   command -v flock && { exec {lock}>"$1.lock"; flock "$lock"; }
   cd "$vbond_root/web" || return
   [[ node_modules/.package-lock.json -nt package-lock.json ]] || npm ci --ignore-scripts --omit=dev || return
