@@ -1,4 +1,5 @@
 #pragma once
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -31,5 +32,7 @@ std::vector<std::string> names(const std::vector<const CLI::App*>& commands);
 int completion(const CLI::App& program, const std::string& shell);
 /// Prints the manual page of a command, or with an empty text that of the program, as man reads it.
 int manual(const CLI::App& program, const std::string& command);
+/// Writes all of them into a folder: vbond.1, vbond-run.1 ...
+int write_manual(const CLI::App& program, const std::filesystem::path& folder);
 
 }  // namespace vbond::app

@@ -72,6 +72,7 @@ void add_plot(CLI::App& app, app::PlotOptions& o, CLI::App*& command) {
 struct Hidden {
   CLI::App *completion = nullptr, *manual = nullptr;
   std::string shell, command;
+  std::optional<std::filesystem::path> folder;
 };
 
 void add_hidden(CLI::App& program, Hidden& h) {
@@ -84,6 +85,7 @@ void add_hidden(CLI::App& program, Hidden& h) {
       program.add_subcommand("manual", "Print the manual page of the program, or of a command")->group("");
   h.manual->add_option("COMMAND", h.command, "A command")
       ->check(CLI::IsMember(app::names(app::commands(program))));
+  h.manual->add_option("-o,--output", h.folder, "Folder that takes all pages")->type_name("DIR");
 }
 
 [[noreturn]] void refuse(const std::string& what, const std::string& wrong,
@@ -238,7 +240,8 @@ int dispatch(int argc, char** argv) {
   if (reference_command->parsed()) return app::reference(key);
   if (schema_command->parsed()) return app::schema();
   if (hidden.completion->parsed()) return app::completion(program, hidden.shell);
-  if (hidden.manual->parsed()) return app::manual(program, hidden.command);
+  if (hidden.manual->parsed())
+    return hidden.folder ? app::write_manual(program, *hidden.folder) : app::manual(program, hidden.command);
   return app::calibrate(calibrate);
 }
 

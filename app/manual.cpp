@@ -8,6 +8,7 @@
 #include "campaign.hpp"
 #include "command_tree.hpp"
 #include "commands.hpp"
+#include "vbond/observe/files.hpp"
 
 namespace vbond::app {
 namespace {
@@ -108,6 +109,14 @@ std::string page_of(const CLI::App& program, const CLI::App& shown) {
 
 int manual(const CLI::App& program, const std::string& command) {
   say(page_of(program, command.empty() ? program : *program.get_subcommand(command)));
+  return done;
+}
+
+int write_manual(const CLI::App& program, const std::filesystem::path& folder) {
+  std::vector<const CLI::App*> shown = commands(program);
+  shown.push_back(&program);
+  for (const CLI::App* c : shown)
+    replace_file(folder / (page_name(program, *c) + ".1"), page_of(program, *c), Sync::none);
   return done;
 }
 

@@ -23,6 +23,7 @@ vbond_test_packages=(libgtest-dev librapidcheck-dev)
 vbond_lammps_packages=(liblammps-dev libopenmpi-dev mpi-default-bin)   # vbond-lammps: many ranks
 vbond_clang_packages=(clang-14 libclang-rt-14-dev)   # the fuzzers, in .ci/run
 vbond_format_packages=(clang-format-14)
+vbond_package_packages=(dpkg-dev xz-utils)   # tools/package
 vbond_page_packages=(nodejs npm)   # the page that `vbond report` fills
 
 say() { printf 'vbond: %s\n' "$*" >&2; }
@@ -122,8 +123,8 @@ discard_build_of_other_tree() {
 build_page() {
   local dir=$vbond_root/build/page sources
   mkdir -p "$dir"
-  sources=$(cd "$vbond_root/web" && cat package-lock.json .npmrc build.mjs page.html page.css src/*.js | sha256sum)
-  [[ ! -s $dir/report.html || $(cat "$dir/.sources" 2>/dev/null) != "$sources" ]] || return 0
+  ! page_is_built || return 0
+  sources=$(page_sources)
   local seconds=5 failed=$dir/.failed
   if ! { command -v node && command -v npm; } >/dev/null; then
     # Installing was tried for these sources: not again with each run, but once a day.
@@ -143,6 +144,15 @@ build_page() {
     say "the page was not built: $page_missing; 'vbond report' will not work until then ($dir/build.log)"
     { command -v node && command -v npm; } >/dev/null || printf '%s\n' "$sources" >"$failed"
   fi
+}
+
+page_sources() {
+  (cd "$vbond_root/web" && cat package-lock.json .npmrc build.mjs page.html page.css src/*.js | sha256sum)
+}
+
+page_is_built() {
+  local dir=$vbond_root/build/page
+  [[ -s $dir/report.html && $(cat "$dir/.sources" 2>/dev/null) == "$(page_sources)" ]]
 }
 
 page_missing="it takes node 18 or newer, npm and a registry of npm"
