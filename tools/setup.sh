@@ -23,7 +23,7 @@ vbond_test_packages=(libgtest-dev librapidcheck-dev)
 vbond_lammps_packages=(liblammps-dev libopenmpi-dev mpi-default-bin)   # vbond-lammps: many ranks
 vbond_clang_packages=(clang-14 libclang-rt-14-dev)   # the fuzzers, in .ci/run
 vbond_format_packages=(clang-format-14)
-vbond_package_packages=(dpkg-dev xz-utils)   # tools/package
+vbond_package_packages=(dpkg-dev file xz-utils)   # tools/package
 vbond_page_packages=(nodejs npm)   # the page that `vbond report` fills
 
 say() { printf 'vbond: %s\n' "$*" >&2; }
