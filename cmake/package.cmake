@@ -22,8 +22,14 @@ Computes how solids that can be made of rigid particles and elastic bonds
 deform, buckle, vibrate and break: fibres, shells, rock, ceramics,
 agglomerates. It takes one case file and writes tables, pictures for ParaView
 and a report page for any browser.")
-if(VBOND_PYTHON)
-  set(CPACK_DEBIAN_UNSPECIFIED_PACKAGE_DEPENDS "python3, python3-numpy")
+if(VBOND_PYTHON)  # a module is compiled for one minor version of Python
+  find_package(Python3 REQUIRED COMPONENTS Interpreter)
+  math(EXPR next "${Python3_VERSION_MINOR} + 1")
+  set(CPACK_DEBIAN_UNSPECIFIED_PACKAGE_DEPENDS
+      "python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${next}), python3-numpy")
+  set(CPACK_DEBIAN_UNSPECIFIED_PACKAGE_CONTROL_EXTRA ${PROJECT_SOURCE_DIR}/packaging/debian/postinst
+                                                     ${PROJECT_SOURCE_DIR}/packaging/debian/prerm)
+  set(CPACK_DEBIAN_UNSPECIFIED_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 endif()
 
 set(CPACK_DEBIAN_DEV_PACKAGE_NAME libvbond-dev)
