@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "command_tree.hpp"
 #include "commands.hpp"
 #include "failure.hpp"
 #include "run_options.hpp"
@@ -59,6 +60,26 @@ void add_plot(CLI::App& app, app::PlotOptions& o, CLI::App*& command) {
                     "Write DIR/report.png, the report with its last frame as a picture; needs chromium");
 }
 
+/// Commands for whoever installs the program, which the help does not list.
+struct Hidden {
+  CLI::App *completion = nullptr, *manual = nullptr;
+  std::string shell, command;
+  std::optional<std::filesystem::path> folder;
+};
+
+void add_hidden(CLI::App& program, Hidden& h) {
+  h.completion =
+      program.add_subcommand("completion", "Print a script by which a shell completes commands")->group("");
+  h.completion->add_option("SHELL", h.shell, "bash, zsh or fish")
+      ->required()
+      ->check(CLI::IsMember({"bash", "zsh", "fish"}));
+  h.manual =
+      program.add_subcommand("manual", "Print the manual page of the program, or of a command")->group("");
+  h.manual->add_option("COMMAND", h.command, "A command")
+      ->check(CLI::IsMember(app::names(app::commands(program))));
+  h.manual->add_option("-o,--output", h.folder, "Folder that takes all pages")->type_name("DIR");
+}
+
 [[noreturn]] void refuse(const std::string& what, const std::string& wrong,
                          const std::vector<std::string>& right, const std::string& list) {
   const auto meant = nearest_name(wrong, right);
@@ -78,11 +99,9 @@ void refuse_unknown(const CLI::App& program, int argc, char** argv) {
   const std::vector<std::string> words(argv + 1, argv + argc);
   const CLI::App* command = &program;
   if (!words.empty() && !is_option(words[0])) {
-    std::vector<std::string> names;
-    for (const CLI::App* c : program.get_subcommands([](const CLI::App*) { return true; })) {
-      names.push_back(c->get_name());
-      if (names.back() == words[0]) command = c;
-    }
+    for (const CLI::App* c : program.get_subcommands([](const CLI::App*) { return true; }))
+      if (c->get_name() == words[0]) command = c;
+    const std::vector<std::string> names = app::names(app::commands(program));
     if (command == &program)
       refuse("\"" + words[0] + "\" is no command of vbond", words[0], names, "the commands are");
   }
@@ -164,7 +183,8 @@ int dispatch(int argc, char** argv) {
                    "KEY=a,b,c or KEY=range(first, last, count) or logrange(...); may be repeated")
       ->required()
       ->allow_extra_args(false);
-  sweep_command->add_option("-o,--output", sweep.folder, "Folder of the sweep (default: CASE.sweep)");
+  sweep_command->add_option("-o,--output", sweep.folder, "Folder of the sweep (default: CASE.sweep)")
+      ->type_name("DIR");
   sweep_command->add_option("--jobs", sweep.jobs, "Runs at once (default: all cores)")
       ->check(CLI::Range(1, 1024));
   sweep_command->add_option("--threads", sweep.threads, "Threads of each run (default: 1)")
@@ -175,7 +195,8 @@ int dispatch(int argc, char** argv) {
       "export", "Write the body of a case as input of LAMMPS, for its plugin of vbond's bonds");
   app::add_case(export_command, run);
   export_command->add_option("-o,--output", export_to, "Folder for body.data, body.bonds, body.lammps")
-      ->required();
+      ->required()
+      ->type_name("DIR");
 
   std::string key;
   CLI::App* reference_command =
@@ -188,6 +209,9 @@ int dispatch(int argc, char** argv) {
   app::CalibrateOptions calibrate;
   CLI::App* calibrate_command = nullptr;
   add_calibrate(program, calibrate, calibrate_command);
+
+  Hidden hidden;
+  add_hidden(program, hidden);
 
   if (argc == 1) {
     std::fputs(program.help().c_str(), stderr);
@@ -213,6 +237,9 @@ int dispatch(int argc, char** argv) {
   if (export_command->parsed()) return app::export_lammps(run, export_to);
   if (reference_command->parsed()) return app::reference(key);
   if (schema_command->parsed()) return app::schema();
+  if (hidden.completion->parsed()) return app::completion(program, hidden.shell);
+  if (hidden.manual->parsed())
+    return hidden.folder ? app::write_manual(program, *hidden.folder) : app::manual(program, hidden.command);
   return app::calibrate(calibrate);
 }
 

@@ -20,9 +20,11 @@ void add_case(CLI::App* command, RunOptions& run) {
 }
 
 void add_output(CLI::App* command, RunOptions& run) {
-  command->add_option(
-      "-o,--output", run.folder,
-      "Output folder (default: CASE.out in the current folder, or CASE-2.out, ... if there is one)");
+  command
+      ->add_option(
+          "-o,--output", run.folder,
+          "Output folder (default: CASE.out in the current folder, or CASE-2.out, ... if there is one)")
+      ->type_name("DIR");
   command->add_flag("--force", run.force,
                     "Replace an earlier output in that folder, or in CASE.out; other files in it stay");
   command->add_flag("--report", run.report, "Write report.html at the end, as the command report does");

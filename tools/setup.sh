@@ -1,4 +1,4 @@
-# Sourced by ./run, ./test and .ci/run: what a bare Debian 12 lacks, and how it is built.
+# Sourced by ./run, ./test, tools/package and .ci/run: what a bare Debian 12 lacks, and how it is built.
 # Messages go to stderr; stdout belongs to the program.
 # shellcheck shell=bash disable=SC2034
 
@@ -22,14 +22,28 @@ vbond_build_packages=(
 vbond_petsc_packages=(libpetsc-real-dev libhdf5-openmpi-dev pkg-config)  # multigrid, in ./test --petsc
 vbond_test_packages=(libgtest-dev librapidcheck-dev)
 vbond_lammps_packages=(liblammps-dev libopenmpi-dev mpi-default-bin)   # vbond-lammps: many ranks
-vbond_python_packages=(pybind11-dev python3-dev python3-numpy python3-pytest python3-matplotlib python3-pandas)
+vbond_python_packages=(pybind11-dev python3-dev python3-numpy)
+vbond_python_test_packages=(python3-pytest python3-matplotlib python3-pandas)
 vbond_python_options=(-D VBOND_PYTHON=ON -D Python3_EXECUTABLE=/usr/bin/python3)   # Debian's packages are for this one
 vbond_clang_packages=(clang-14 libclang-rt-14-dev)   # the fuzzers, in .ci/run
 vbond_format_packages=(clang-format-14)
+vbond_package_packages=(dpkg-dev file xz-utils)   # tools/package
 vbond_page_packages=(nodejs npm)   # the page that `vbond report` fills
 
 say() { printf 'vbond: %s\n' "$*" >&2; }
 die() { say "$@"; exit 1; }
+
+# For --yes: packages are installed with sudo without a question.
+install_unasked=
+
+# may_use_sudo PACKAGE...: asks whoever sits at a terminal; elsewhere nobody could answer.
+may_use_sudo() {
+  [[ ! $install_unasked && -t 0 && -t 2 ]] || return 0
+  say "these packages are missing: $*"
+  local answer=
+  read -r -p "vbond: install them with 'sudo apt-get install'? [y/N] " answer || true
+  [[ ${answer,,} == y || ${answer,,} == yes ]]
+}
 
 # need PACKAGE...: installs those that are missing. Where there is no dpkg the packages are not
 # checked: CMake then names what it cannot find.
@@ -49,6 +63,8 @@ need() {
       die "these packages are missing: ${missing[*]}" $'\n' \
         " Installing them needs root, and there is no sudo here. As root, run:" $'\n' \
         "   apt-get update && apt-get install --no-install-recommends ${missing[*]}"
+    may_use_sudo "${missing[@]}" || die "nothing was installed; as root, run:" $'\n' \
+      "   apt-get update && apt-get install --no-install-recommends ${missing[*]}"
     as_root=(sudo)
   fi
   command -v apt-get >/dev/null || die "these packages are missing, and there is no apt-get: ${missing[*]}"
@@ -111,8 +127,8 @@ discard_build_of_other_tree() {
 build_page() {
   local dir=$vbond_root/build/page sources
   mkdir -p "$dir"
-  sources=$(cd "$vbond_root/web" && cat package-lock.json .npmrc build.mjs page.html page.css src/*.js | sha256sum)
-  [[ ! -s $dir/report.html || $(cat "$dir/.sources" 2>/dev/null) != "$sources" ]] || return 0
+  ! page_is_built || return 0
+  sources=$(page_sources)
   local seconds=5 failed=$dir/.failed
   if ! { command -v node && command -v npm; } >/dev/null; then
     # Installing was tried for these sources: not again with each run, but once a day.
@@ -123,7 +139,9 @@ build_page() {
     seconds=40
   fi
   say "building the page for reports (npm, about $seconds s, once)"
-  if (bundle_page "$dir/build.log"); then
+  # packages first, and outside of the log: need may ask
+  if { command -v node && command -v npm; } >/dev/null || (need "${vbond_page_packages[@]}") &&
+    (bundle_page "$dir/build.log"); then
     printf '%s\n' "$sources" >"$dir/.sources"
     rm -f "$failed"
   else
@@ -132,11 +150,19 @@ build_page() {
   fi
 }
 
+page_sources() {
+  (cd "$vbond_root/web" && cat package-lock.json .npmrc build.mjs page.html page.css src/*.js | sha256sum)
+}
+
+page_is_built() {
+  local dir=$vbond_root/build/page
+  [[ -s $dir/report.html && $(cat "$dir/.sources" 2>/dev/null) == "$(page_sources)" ]]
+}
+
 page_missing="it takes node 18 or newer, npm and a registry of npm"
 
 bundle_page() {
   exec >"$1" 2>&1
-  { command -v node && command -v npm; } || need "${vbond_page_packages[@]}"
   command -v flock && { exec {lock}>"$1.lock"; flock "$lock"; }
   cd "$vbond_root/web" || return
   [[ node_modules/.package-lock.json -nt package-lock.json ]] || npm ci --ignore-scripts --omit=dev || return

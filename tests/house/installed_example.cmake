@@ -1,5 +1,7 @@
 # Installs vbond, then configures, builds and runs examples/cpp against the installed copy alone,
-# as a user of the library would. Needs: build, config, example, statics, work, compiler, flags.
+# as a user of the library would; and takes vbond's sources as a subproject.
+# Needs: sources, build, config, statics, work, compiler, flags.
+set(example ${sources}/examples/cpp)
 file(REMOVE_RECURSE ${work})
 
 function(step)
@@ -12,6 +14,13 @@ function(step)
 endfunction()
 
 step(${CMAKE_COMMAND} --install ${build} --config ${config} --prefix ${work}/prefix)
+foreach(file share/doc/vbond/examples/rod_buckling.toml share/man/man1/vbond.1 share/man/man1/vbond-run.1
+             share/bash-completion/completions/vbond share/zsh/site-functions/_vbond
+             share/fish/vendor_completions.d/vbond.fish)
+  if(NOT EXISTS ${work}/prefix/${file})
+    message(FATAL_ERROR "not installed: ${file}")
+  endif()
+endforeach()
 step(${CMAKE_COMMAND} -S ${example} -B ${work}/build -G Ninja -D CMAKE_BUILD_TYPE=${config}
      -D CMAKE_CXX_COMPILER=${compiler} -D CMAKE_CXX_FLAGS=${flags}
      -D CMAKE_PREFIX_PATH=${work}/prefix)
@@ -78,4 +87,33 @@ if(statics)
   if(NOT output MATCHES "under way, at step 5000\n.*tip deflection 0\\.01333[23].* after 10000 steps, slowest frequency 0\\.0015957[23]")
     message(FATAL_ERROR "expected 0.013333 after 10000 steps and 0.00159573, the example printed:\n${output}")
   endif()
+endif()
+
+# As a part of another project vbond makes its libraries only, needs nothing for program and tests, and installs nothing.
+file(WRITE ${work}/whole/CMakeLists.txt "
+cmake_minimum_required(VERSION 3.25)
+project(whole LANGUAGES C CXX)
+add_subdirectory(${sources} vbond)
+foreach(target vbond_program test_core vbond_page)
+  if(TARGET \${target})
+    message(FATAL_ERROR \"\${target} is a part of the whole\")
+  endif()
+endforeach()
+add_executable(rod ${example}/rod.cpp)
+target_link_libraries(rod PRIVATE vbond::run)
+add_executable(bond ${example}/physics/bond.cpp)
+target_link_libraries(bond PRIVATE vbond::physics)
+")
+step(${CMAKE_COMMAND} -S ${work}/whole -B ${work}/whole/build -G Ninja -D CMAKE_CXX_COMPILER=${compiler}
+     -D VBOND_STATICS=${statics} -D CMAKE_DISABLE_FIND_PACKAGE_CLI11=ON -D CMAKE_DISABLE_FIND_PACKAGE_GTest=ON
+     -D CMAKE_DISABLE_FIND_PACKAGE_rapidcheck=ON)
+step(${CMAKE_COMMAND} --build ${work}/whole/build --target bond)
+step(${work}/whole/build/bond)
+if(NOT output MATCHES "energy 5e-05, force 0\\.01[^0-9]")
+  message(FATAL_ERROR "bond, in a project with vbond in it, printed:\n${output}")
+endif()
+step(${CMAKE_COMMAND} --build ${work}/whole/build --target rod -- -n)  # would be built: that takes minutes
+step(${CMAKE_COMMAND} --install ${work}/whole/build --prefix ${work}/whole/prefix)
+if(EXISTS ${work}/whole/prefix)
+  message(FATAL_ERROR "vbond in another project installs itself")
 endif()
