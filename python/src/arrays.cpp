@@ -21,6 +21,8 @@ std::string shape_of(const py::array& a) {
 
 /// The array as doubles. Text, complex numbers and objects are no numbers here.
 Doubles doubles(const py::object& object, const char* name) {
+  if (py::hasattr(object, "mask"))
+    throw py::type_error(std::string(name) + ": a masked array has places without numbers; fill them first");
   const py::array a = py::array::ensure(object);
   if (!a) {
     PyErr_Clear();

@@ -1,11 +1,14 @@
 #include "vbond/run/run.hpp"
 
+#include <pthread.h>
 #include <pybind11/stl.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "bindings.hpp"
@@ -50,6 +53,34 @@ class Recorder : public Observer {
   std::vector<std::vector<Cell>> rows_;
 };
 
+/// A daemon thread that still computes as the interpreter ends may not take its lock any more, which would
+/// end the process through our frames: it waits for the end here, as in newer versions of Python.
+void wait_if_python_ends() {
+#if PY_VERSION_HEX >= 0x030D0000
+  while (Py_IsFinalizing()) pause();
+#else
+  while (_Py_IsFinalizing()) pause();
+#endif
+}
+
+/// The lock of the interpreter is let go.
+class WithoutLock {
+ public:
+  WithoutLock() : thread_(PyEval_SaveThread()) {}
+  ~WithoutLock() {
+    wait_if_python_ends();
+    PyEval_RestoreThread(thread_);
+  }
+  WithoutLock(const WithoutLock&) = delete;
+  WithoutLock& operator=(const WithoutLock&) = delete;
+
+ private:
+  PyThreadState* thread_;
+};
+
+/// How many forks there are between this process and the first: the threads of a run stay behind in its own.
+std::atomic<int> forks = 0;
+
 /// Asks Python about ten times a second, from a step loop without its lock, whether Ctrl-C was pressed.
 class Interruption {
  public:
@@ -58,11 +89,14 @@ class Interruption {
     const auto now = std::chrono::steady_clock::now();
     interval_ = progress_interval(steps_, std::chrono::duration<double>(now - looked_).count());
     steps_ = 0, looked_ = now;
+    wait_if_python_ends();
     const py::gil_scoped_acquire lock;
     if (PyErr_CheckSignals() == 0) return false;
     error_ = std::make_unique<py::error_already_set>();
     return true;
   }
+  /// Before steps that may take longer than those before.
+  void begin_anew() { steps_ = 0, interval_ = 1; }
   /// Throws what a signal has raised, if one has.
   void raise() {
     if (error_) throw py::error_already_set(*std::exchange(error_, nullptr));
@@ -78,11 +112,18 @@ class Interruption {
 /// then.
 class PyRun {
  public:
+  PyRun() = default;
+  PyRun(const PyRun&) = delete;
+  PyRun& operator=(const PyRun&) = delete;
+  ~PyRun() {
+    if (is_from_before_fork()) static_cast<void>(run_.release());  // to end it is to wait for its threads
+  }
   /// Builds the body and checks all stages. Of a run for which that fails nothing can be asked: an object of
   /// Python exists before it is made, and a traceback may hold it.
   void make(SharedCase c, int threads, bool places) {
+    const Work work(*this, "__init__");
     if (case_) throw py::value_error("this run was made before");
-    const py::gil_scoped_release others;
+    const WithoutLock others;
     try {
       make(std::move(c), threads);
     } catch (const CaseError& e) {
@@ -114,6 +155,11 @@ class PyRun {
     require_idle("on_step");
     callbacks_.push_back({every, std::move(f)});
   }
+  int visit_callbacks(visitproc visit, void* arg) const {
+    for (const Callback& c : callbacks_) Py_VISIT(c.call.ptr());
+    return 0;
+  }
+  void forget_callbacks() { std::exchange(callbacks_, {}); }
   void set_velocities(const py::object& v, const py::object& omega) {
     const Work work(*this, "set_velocities");
     const std::size_t n = inner().model().particles();
@@ -126,7 +172,7 @@ class PyRun {
     const Work work(*this, "add_load");
     const Vec3d F = vector(force, "force"), M = vector(moment, "moment");
     std::vector<ParticleId> ids = particles_of(particles);
-    if (is_static(inner().stages().kind(stage_now())))
+    if (!inner().complete() && is_static(inner().stages().kind(stage_now())))
       inner().add_load(StaticLoad{"of Python", std::move(ids), F, M});
     else
       inner().add_load(PointLoad{
@@ -165,20 +211,25 @@ class PyRun {
     require_idle("history");
     return recorder_->columns();
   }
-  bool complete() const { return inner().complete(); }
-  double time() const { return inner().clock().time(); }
-  std::int64_t steps_made() const { return inner().clock().step; }
-  py::object stage_name() const {
-    return complete() ? py::object(py::none()) : py::object(py::str(inner().stages().name(stage_now())));
+  bool complete() const { return idle("complete").complete(); }
+  double time() const { return idle("time").clock().time(); }
+  std::int64_t steps_made() const { return idle("steps").clock().step; }
+  std::optional<std::string> stage_name() const {
+    const Run& run = idle("stage");
+    return run.complete() ? std::nullopt : std::optional(run.stages().name(stage_now()));
   }
   double time_step() const {
-    return inner().simulation() != nullptr ? inner().simulation()->stage().dt : 0.0;
+    const Simulation* dynamics = idle("time_step").simulation();
+    return dynamics != nullptr ? dynamics->stage().dt : 0.0;
   }
   std::vector<StageResult> results() {
     require_idle("results");
     return inner().results();
   }
-  const std::vector<std::string>& notes() const { return notes_; }
+  std::vector<std::string> notes() const {
+    require_idle("notes");
+    return notes_;
+  }
   std::vector<std::string> reports() {
     require_idle("reports");
     return reports_;
@@ -203,6 +254,7 @@ class PyRun {
     notes_ = std::move(built.notes);
     case_ = std::move(c);
     run_ = std::move(run);
+    threads_ = threads;
   }
   struct Callback {
     std::int64_t every;
@@ -213,6 +265,10 @@ class PyRun {
    public:
     Work(PyRun& run, const char* what) : run_(run) {
       run.require_idle(what);
+      if (run.is_from_before_fork())
+        throw py::value_error(std::string(what) +
+                              ": this run has its threads in the process that made it; make it here, or "
+                              "with threads = 1");
       if (run.in_callback_)
         throw py::value_error(std::string(what) +
                               ": a callback of this run may look at it, but not take it further");
@@ -230,8 +286,14 @@ class PyRun {
     PyRun& run_;
   };
 
+  bool is_from_before_fork() const { return threads_ > 1 && forks != made_after_forks_; }
   void require_idle(const char* what) const {
     if (busy_) throw py::value_error(std::string(what) + ": this run is at work in another thread");
+  }
+  /// The run, which no other thread takes further meanwhile: without its lock it may be between two stages.
+  const Run& idle(const char* what) const {
+    require_idle(what);
+    return inner();
   }
   Run& inner() const {
     if (!run_) throw py::value_error("this run could not be made: its case was refused");
@@ -242,7 +304,7 @@ class PyRun {
   std::int64_t steps(std::int64_t n) {
     std::int64_t made = 0;
     {
-      const py::gil_scoped_release others;
+      const WithoutLock others;
       made = inner().step(n);
     }
     interruption_.raise();
@@ -277,7 +339,8 @@ class PyRun {
       ~Leave() { run.busy_ = true, run.in_callback_ = false, run.state_.reset(); }
     } const leave{*this};
     const py::object self = py::cast(this, py::return_value_policy::reference);
-    for (std::size_t k = 0; k < callbacks_.size(); ++k)
+    const std::size_t called = callbacks_.size();  // those that they add come later
+    for (std::size_t k = 0; k < called; ++k)
       if (step % callbacks_[k].every == 0) {
         const py::object answer = callbacks_[k].call(self);
         py::detail::make_caster<bool> ends_here;  // numpy's, too
@@ -297,8 +360,9 @@ class PyRun {
       return inner().results().back();
     }
     StageResult result;
+    interruption_.begin_anew();
     {
-      const py::gil_scoped_release others;
+      const WithoutLock others;
       result = inner().run_stage();
     }
     interruption_.raise();
@@ -336,13 +400,37 @@ class PyRun {
   Interruption interruption_;
   std::atomic<bool> busy_ = false;
   bool in_callback_ = false;
+  int threads_ = 1;
+  const int made_after_forks_ = forks;
 };
+
+/// The run of an object of Python, or nullptr before it has one.
+PyRun* run_in(PyObject* self) {
+  auto* instance = reinterpret_cast<py::detail::instance*>(self);
+  return static_cast<PyRun*>(instance->get_value_and_holder().value_ptr());
+}
+
+/// Callbacks mostly refer to the run that has them: such circles are found by the garbage collector.
+void collect_callbacks(PyHeapTypeObject* heap_type) {
+  PyTypeObject& type = heap_type->ht_type;
+  type.tp_flags |= Py_TPFLAGS_HAVE_GC;
+  type.tp_traverse = [](PyObject* self, visitproc visit, void* arg) {
+    Py_VISIT(Py_TYPE(self));
+    const PyRun* run = run_in(self);
+    return run != nullptr ? run->visit_callbacks(visit, arg) : 0;
+  };
+  type.tp_clear = [](PyObject* self) {
+    if (PyRun* run = run_in(self)) run->forget_callbacks();
+    return 0;
+  };
+}
 
 }  // namespace
 
 void bind_run(py::module_& m) {
   using namespace py::literals;
-  py::class_<PyRun>(m, "CheckedRun")
+  pthread_atfork(nullptr, nullptr, [] { ++forks; });
+  py::class_<PyRun>(m, "CheckedRun", py::custom_type_setup(&collect_callbacks))
       .def(py::init<>())
       .def(
           "_make",

@@ -19,6 +19,13 @@ def _place(path: str, key: str | int) -> str:
     return f"{path}.{key}" if path else key
 
 
+def _check(value: bool | int | float | str, path: str) -> None:
+    if isinstance(value, int) and not -(2**63) <= value < 2**63:
+        raise ValueError(f"{path}: {value} has more than the 64 bits of a whole number; write it as a float")
+    if isinstance(value, str) and any("\ud800" <= c <= "\udfff" for c in value):
+        raise ValueError(f"{path}: {value!r} has half a character (a lone surrogate), which no file can hold")
+
+
 def _plain(value: Any, path: str) -> Any:
     """The value as TOML can say it: numpy's numbers and arrays, tuples and paths become plain ones."""
     if hasattr(value, "tolist"):  # arrays and scalars of numpy
@@ -29,14 +36,21 @@ def _plain(value: Any, path: str) -> Any:
         for key in value:
             if not isinstance(key, str):
                 raise TypeError(f"{path or 'case'}: keys are texts, not {key!r}")
+            _check(key, path or "case")
         return {key: _plain(item, _place(path, key)) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
         return [_plain(item, _place(path, k)) for k, item in enumerate(value)]
     if isinstance(value, (bool, int, float, str)):
+        _check(value, path)
         return value
     hint = "; leave the key out" if value is None else ""
     kind = type(value).__name__
     raise TypeError(f"{path}: {kind} has no place in a case: numbers, texts, lists and dicts have{hint}")
+
+
+def _quoted(text: str) -> str:
+    """As a string of TOML, which unlike JSON has no pairs of surrogates and no bare delete."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def _toml(value: Any) -> str:
@@ -50,15 +64,17 @@ def _toml(value: Any) -> str:
     if isinstance(value, int):
         return repr(value)
     if isinstance(value, str):
-        return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
+        return _quoted(value)
     if isinstance(value, list):
         return "[" + ", ".join(map(_toml, value)) + "]"
-    return "{" + ", ".join(f"{json.dumps(key)} = {_toml(item)}" for key, item in value.items()) + "}"
+    return "{" + ", ".join(f"{_quoted(key)} = {_toml(item)}" for key, item in value.items()) + "}"
 
 
 def _change(key: str, value: Any) -> str:
     if not isinstance(key, str):
         raise TypeError(f"changes: a key is a text such as 'bonds[0].E', not {key!r}")
+    if "=" in key:
+        raise ValueError(f"changes: {key!r}: a key has no =, the value stands apart: {{'bonds[0].E': 1e9}}")
     return f"{key}={_toml(_plain(value, key))}"
 
 
@@ -96,10 +112,13 @@ class Case:
     def from_dict(cls, keys: Mapping[str, Any], folder: str | os.PathLike = ".") -> Case:
         """The keys of a case file as dicts and lists: {"specimen": [{"kind": "rod", ...}], "bonds": [...], ...}.
         Arrays and numbers of numpy may stand for lists and numbers. See docs/case-reference.md for the keys."""
-        plain = _plain(keys, "")
+        try:
+            plain = _plain(keys, "")
+        except RecursionError:
+            raise ValueError("the dict of a case is nested too deep, or stands in itself") from None
         if not isinstance(plain, dict):
             raise TypeError(f"a case is a dict of its keys, not {type(keys).__name__}")
-        lines = [f"{json.dumps(key)} = {_toml(value)}\n" for key, value in plain.items()]
+        lines = [f"{_quoted(key)} = {_toml(value)}\n" for key, value in plain.items()]
         return cls("".join(lines), Path(folder) / "dict", places=False)
 
     @property

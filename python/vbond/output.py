@@ -137,6 +137,8 @@ class Output:
             return {}
         with file.open(newline="", encoding="utf-8") as lines:
             rows = list(csv.reader(lines))
+        if not rows:
+            return {}
         whole = [row for row in rows[1:] if len(row) == len(rows[0])]  # the last line may be under way
         return {column: _column([row[k] for row in whole]) for k, column in enumerate(rows[0])}
 

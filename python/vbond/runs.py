@@ -23,5 +23,9 @@ class Run(_vbond.CheckedRun):
         self._make(case._checked, threads, case._places)
 
     def __repr__(self) -> str:
-        where = "complete" if self.complete else f"stage {self.stage}, step {self.steps}"
-        return f"<vbond.Run: {self.case.title or 'without a title'}, {where}>"
+        title = self.case.title or "without a title"
+        try:
+            where = "complete" if self.complete else f"stage {self.stage}, step {self.steps}"
+        except ValueError as e:  # another thread is at work on it, or its case was refused
+            where = str(e).removeprefix("complete: ")
+        return f"<vbond.Run: {title}, {where}>"
