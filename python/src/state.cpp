@@ -1,6 +1,7 @@
 #include <variant>
 
 #include "bindings.hpp"
+#include "vbond/model/touching.hpp"
 #include "vbond/observe/detail/values_of.hpp"
 #include "vbond/observe/frames.hpp"
 #include "vbond/observe/quantities.hpp"
@@ -44,6 +45,17 @@ py::dict bonds_of(const Snapshot& snapshot) {
     if (!columns.contains(q.name))
       std::visit([&](const auto value) { columns[q.name] = copy(values_of(views.size(), at, value)); },
                  q.value);
+  return columns;
+}
+
+py::dict contacts_of(const Snapshot& snapshot) {
+  std::vector<std::int64_t> first, second;
+  std::vector<double> overlaps;
+  for_touching_pairs(*snapshot.model, *snapshot.state, [&](ParticleId i, ParticleId j, double overlap) {
+    first.push_back(i.value), second.push_back(j.value), overlaps.push_back(overlap);
+  });
+  py::dict columns;
+  columns["i"] = copy(first), columns["j"] = copy(second), columns["overlap"] = copy(overlaps);
   return columns;
 }
 
@@ -108,6 +120,11 @@ void bind_state(py::module_& m) {
           "Columns of all bonds, also of broken ones, as a dict of arrays (m,): particles i and j, "
           "length_at_rest, broken, and all that frames have (docs/output.md): axial_force, "
           "shear_force, bending_moment, torque, U_L, ... Worked out at each call")
+      .def_property_readonly(
+          "contacts", &contacts_of,
+          "Columns of the pairs of particles that repel each other, as a dict of arrays (c,): particles i < "
+          "j "
+          "and the overlap that they feel [length]. Without walls and capsules. Worked out at each call")
       .def("__len__", [](const Snapshot& s) { return s.model->particles(); })
       .def("__repr__", [](const Snapshot& s) {
         return "<vbond.State: " + std::to_string(s.model->particles()) + " particles, " +

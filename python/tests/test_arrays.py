@@ -56,6 +56,19 @@ def test_shapes_and_values(run):
     assert np.linalg.norm(moved.orientations, axis=1) == pytest.approx(1.0, abs=1e-14)
 
 
+def test_contacts_are_the_pairs_that_overlap_and_are_not_bonded(keys):
+    keys["specimen"] = [{"kind": "list", "positions": [[0, 0, 0], [1, 0, 0], [1, 0.75, 0]],
+                         "radius": 0.4, "mass": 1.0}]
+    keys["bonds"][0].update(pairs=[[0, 1]])
+    del keys["bonds"][0]["distance"]
+    keys["contact"] = {"law": "paper-hertz", "c_H": 1.0, "pairs": "unbonded"}
+    contacts = vbond.Run(vbond.Case.from_dict(keys)).state.contacts
+    assert contacts["i"].tolist() == [1] and contacts["j"].tolist() == [2]
+    assert contacts["overlap"] == pytest.approx([0.05], rel=1e-14)  # 2 radius - 0.75
+    del keys["contact"]
+    assert vbond.Run(vbond.Case.from_dict(keys)).state.contacts["i"].shape == (0,)
+
+
 def test_history_is_a_copy_of_its_own(run):
     run.step(30)
     history = run.history

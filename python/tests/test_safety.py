@@ -124,8 +124,9 @@ def test_a_callback_that_is_added_by_another_is_called_from_the_next_step_on():
 def test_ctrl_c_is_noticed_in_a_static_stage_after_fast_steps(keys):
     keys["specimen"][0]["particles"] = 400
     keys["stage"] = [{"name": "fly", "duration": "100 T0"},
-                     {"kind": "path", "name": "far", "supports": [clamp], "most_points": 100000, "largest_step": 0.01,
-                      "loads": [{"group": "last", "force": [-1e-7, 1e-9, 0]}], "stop": {"load_factor": {"above": 1e6}}}]
+                     {"kind": "path", "name": "far", "supports": [clamp],
+                      "most_points": 100000, "largest_step": 0.01, "loads": [{"group": "last", "force": [-1e-7, 1e-9, 0]}],
+                      "stop": {"load_factor": {"above": 1e6}}}]
     run = vbond.Run(vbond.Case.from_dict(keys))
     run.run_stage()
     threading.Timer(0.3, lambda: signal.raise_signal(signal.SIGINT)).start()
@@ -160,7 +161,8 @@ def itself() -> dict:
 
 
 odd_values = {
-    "a character beyond 16 bits in a key": (lambda: {**rod_keys(), "\U0001f600": 1}, vbond.CaseError, "\U0001f600 = 1\n +no such key"),
+    "a character beyond 16 bits in a key": (lambda: {**rod_keys(), "\U0001f600": 1}, vbond.CaseError,
+                                            "\U0001f600 = 1\n +no such key"),
     "half a character": (lambda: {"title": "\ud800"}, ValueError, "title: .*lone surrogate"),
     "half a character in a key": (lambda: {"\ud800": 1}, ValueError, "case: .*lone surrogate"),
     "more than 64 bits": (lambda: {"velocities": [{"seed": 2**63}]}, ValueError, r"velocities\[0\].seed: .*64 bits"),

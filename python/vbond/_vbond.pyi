@@ -37,6 +37,7 @@ class State:
     step: int
     groups: dict[str, ndarray]
     bonds: dict[str, ndarray]
+    contacts: dict[str, ndarray]
     def __len__(self) -> int: ...
 
 class CriticalLoad:
