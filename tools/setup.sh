@@ -23,7 +23,7 @@ vbond_petsc_packages=(libpetsc-real-dev libhdf5-openmpi-dev pkg-config)  # multi
 vbond_test_packages=(libgtest-dev librapidcheck-dev)
 vbond_lammps_packages=(liblammps-dev libopenmpi-dev mpi-default-bin)   # vbond-lammps: many ranks
 vbond_python_packages=(pybind11-dev python3-dev python3-numpy)
-vbond_python_test_packages=(python3-pytest python3-matplotlib python3-pandas)
+vbond_python_test_packages=(python3-pytest python3-matplotlib python3-pandas jupyter-nbconvert python3-ipykernel)
 vbond_python_options=(-D VBOND_PYTHON=ON -D Python3_EXECUTABLE=/usr/bin/python3)   # Debian's packages are for this one
 vbond_clang_packages=(clang-14 libclang-rt-14-dev)   # the fuzzers, in .ci/run
 vbond_format_packages=(clang-format-14)

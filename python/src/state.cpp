@@ -122,9 +122,9 @@ void bind_state(py::module_& m) {
           "shear_force, bending_moment, torque, U_L, ... Worked out at each call")
       .def_property_readonly(
           "contacts", &contacts_of,
-          "Columns of the pairs of particles that repel each other, as a dict of arrays (c,): particles i < "
-          "j "
-          "and the overlap that they feel [length]. Without walls and capsules. Worked out at each call")
+          "Columns of the pairs of particles that repel each other, as a dict of arrays (c,): particles "
+          "i < j and the overlap that they feel [length]. Without walls and capsules. Worked out at each "
+          "call")
       .def("__len__", [](const Snapshot& s) { return s.model->particles(); })
       .def("__repr__", [](const Snapshot& s) {
         return "<vbond.State: " + std::to_string(s.model->particles()) + " particles, " +

@@ -2,9 +2,12 @@
 
 import ast
 import inspect
+import json
 import subprocess
 import sys
 from pathlib import Path
+
+import pytest
 
 import vbond
 from vbond import _vbond
@@ -78,3 +81,20 @@ def test_the_document_names_what_there_is_and_its_code_runs(tmp_path):
     program = "import matplotlib\nmatplotlib.use('Agg')\n" + program
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=120, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("name", sorted(file.stem for file in (root / "docs/notebooks").glob("*.ipynb")))
+def test_notebooks_run(name, tmp_path):
+    pytest.importorskip("nbconvert")
+    pytest.importorskip("ipykernel")
+    notebook = root / "docs/notebooks" / f"{name}.ipynb"
+    cells = json.loads(notebook.read_text())["cells"]
+    assert all(not cell.get("outputs") for cell in cells), "a notebook is kept without its results"
+    words = ["--to", "notebook", "--execute", "--output-dir", str(tmp_path), str(notebook)]
+    done = subprocess.run([sys.executable, "-m", "nbconvert", *words], capture_output=True, text=True, timeout=200)
+    assert done.returncode == 0, done.stderr
+
+
+def test_each_tutorial_has_a_notebook():
+    names = [{file.stem for file in (root / "docs" / folder).iterdir()} for folder in ("tutorials", "notebooks")]
+    assert names[0] == names[1]
