@@ -1,4 +1,4 @@
-// live.mjs VBOND ROOT: a run that goes on, in a browser, by the page of `vbond watch`.
+// live.mjs VBOND ROOT: a run that goes on, in a browser, by the page of `vbond watch`; and the page of a sweep.
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
 import { once } from "node:events";
@@ -6,6 +6,7 @@ import { mkdtempSync, rmSync } from "node:fs";
 import { networkInterfaces, tmpdir } from "node:os";
 import { join } from "node:path";
 import { choose, launch, patience } from "./chromium.mjs";
+import { open } from "./opened.mjs";
 
 const [vbond, root] = process.argv.slice(2);
 const folder = mkdtempSync(join(tmpdir(), "vbond-live-")), run = join(folder, "run");
@@ -98,6 +99,21 @@ try {
   await ended(again, "SIGINT");
   await ended(watch, "SIGINT");
   assert.equal(watch.exitCode, 1, "as without a page: the run was stopped");
+
+  const sweep = join(folder, "sweep");
+  const swept = start("sweep", `${root}/examples/two_particles.toml`, "-o", sweep, "--set", "bonds[0].nu=0.1,0.2,0.9", "--set", "stage[0].duration=2 T0,3 T0,4 T0");
+  if (swept.exitCode === null) await once(swept, "exit");
+  assert.equal(swept.exitCode, 1, "three points fail");
+  const overview = await open(browser, join(sweep, "sweep.html"));
+  assert.equal((await overview.page.$$(".plot")).length, 4);
+  assert.match(await overview.page.$eval(".message", (element) => element.textContent), /3 of 9 points failed/);
+  assert.equal((await overview.page.$$("tbody tr")).length, 9);
+  const keys = await overview.page.$$eval(".plot:first-of-type .key", (all) => all.map((key) => key.textContent));
+  assert.deepEqual(keys, ["nu 0.1", "nu 0.2"], "curves of points that failed are left out");
+  await choose(overview.page, "Over", "bonds[0].nu");
+  const others = await overview.page.$$eval(".plot:first-of-type .key", (all) => all.map((key) => key.textContent));
+  assert.deepEqual(others, ["duration 2 T0", "duration 3 T0", "duration 4 T0"]);
+  assert.deepEqual(overview.complaints, []);
   console.log(`passed: ${before} and then ${await frames()} frames, ${asked.size} addresses asked`);
 } finally {
   for (const child of children) child.kill("SIGKILL");
