@@ -2,111 +2,25 @@
 
 #include <pthread.h>
 #include <pybind11/stl.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cmath>
 #include <optional>
 #include <utility>
 
 #include "bindings.hpp"
+#include "interpreter.hpp"
 #include "memory.hpp"
-#include "prepare.hpp"
+#include "recorder.hpp"
 #include "vbond/build/build.hpp"
 #include "vbond/model/energies.hpp"
-#include "vbond/observe/due.hpp"
-#include "vbond/observe/history.hpp"
-#include "vbond/observe/report.hpp"
 
 namespace vbond::python {
 namespace {
 
-/// The rows of history.csv, in memory.
-class Recorder : public Observer {
- public:
-  Recorder(const Case& c, const Model& model)
-      : plan_(app::plan_output(c, model, {})), due_(plan_.history_every) {}
-
-  void observe(const Simulation& run) override {
-    if (due_.now(run.clock())) add(history_values(plan_, run));
-  }
-  std::int64_t steps_to_next_look(const Clock& now) const override { return due_.steps_to_next(now); }
-  void finish(const Simulation& run, StopReason why) override {
-    const bool ended = why != StopReason::interrupted && why != StopReason::diverged;
-    if (ended && due_.at_stage_end(run.clock())) add(history_values(plan_, run));
-  }
-  void add(const Model& model, const StaticPoint& point) { add(history_values(plan_, model, point)); }
-  py::dict columns() const { return columns_of(history_columns(plan_), rows_); }
-
- private:
-  void add(const HistoryValues& values) {
-    rows_.push_back(history_row(plan_, values));
-    for (Cell& cell : rows_.back())  // words belong to the values
-      if (std::holds_alternative<std::string_view>(cell)) cell = std::monostate{};
-    due_.written(values.clock.step);
-  }
-
-  OutputPlan plan_;
-  Due due_;
-  std::vector<std::vector<Cell>> rows_;
-};
-
-/// A daemon thread that still computes as the interpreter ends may not take its lock any more, which would
-/// end the process through our frames: it waits for the end here, as in newer versions of Python.
-void wait_if_python_ends() {
-#if PY_VERSION_HEX >= 0x030D0000
-  while (Py_IsFinalizing()) pause();
-#else
-  while (_Py_IsFinalizing()) pause();
-#endif
-}
-
-/// The lock of the interpreter is let go.
-class WithoutLock {
- public:
-  WithoutLock() : thread_(PyEval_SaveThread()) {}
-  ~WithoutLock() {
-    wait_if_python_ends();
-    PyEval_RestoreThread(thread_);
-  }
-  WithoutLock(const WithoutLock&) = delete;
-  WithoutLock& operator=(const WithoutLock&) = delete;
-
- private:
-  PyThreadState* thread_;
-};
-
 /// How many forks there are between this process and the first: the threads of a run stay behind in its own.
 std::atomic<int> forks = 0;
-
-/// Asks Python about ten times a second, from a step loop without its lock, whether Ctrl-C was pressed.
-class Interruption {
- public:
-  bool asked() {
-    if (++steps_ < interval_) return false;
-    const auto now = std::chrono::steady_clock::now();
-    interval_ = progress_interval(steps_, std::chrono::duration<double>(now - looked_).count());
-    steps_ = 0, looked_ = now;
-    wait_if_python_ends();
-    const py::gil_scoped_acquire lock;
-    if (PyErr_CheckSignals() == 0) return false;
-    error_ = std::make_unique<py::error_already_set>();
-    return true;
-  }
-  /// Before steps that may take longer than those before.
-  void begin_anew() { steps_ = 0, interval_ = 1; }
-  /// Throws what a signal has raised, if one has.
-  void raise() {
-    if (error_) throw py::error_already_set(*std::exchange(error_, nullptr));
-  }
-
- private:
-  std::int64_t steps_ = 0, interval_ = 1;
-  std::chrono::steady_clock::time_point looked_ = std::chrono::steady_clock::now();
-  std::unique_ptr<py::error_already_set> error_;
-};
 
 /// A run of a case in memory. The lock of the interpreter is let go while it computes; nobody else may use it
 /// then.

@@ -1,0 +1,43 @@
+#pragma once
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "bindings.hpp"
+#include "prepare.hpp"
+#include "vbond/observe/due.hpp"
+#include "vbond/observe/history.hpp"
+
+namespace vbond::python {
+
+/// The rows of history.csv, in memory.
+class Recorder : public Observer {
+ public:
+  Recorder(const Case& c, const Model& model)
+      : plan_(app::plan_output(c, model, {})), due_(plan_.history_every) {}
+
+  void observe(const Simulation& run) override {
+    if (due_.now(run.clock())) add(history_values(plan_, run));
+  }
+  std::int64_t steps_to_next_look(const Clock& now) const override { return due_.steps_to_next(now); }
+  void finish(const Simulation& run, StopReason why) override {
+    const bool ended = why != StopReason::interrupted && why != StopReason::diverged;
+    if (ended && due_.at_stage_end(run.clock())) add(history_values(plan_, run));
+  }
+  void add(const Model& model, const StaticPoint& point) { add(history_values(plan_, model, point)); }
+  py::dict columns() const { return columns_of(history_columns(plan_), rows_); }
+
+ private:
+  void add(const HistoryValues& values) {
+    rows_.push_back(history_row(plan_, values));
+    for (Cell& cell : rows_.back())  // words belong to the values
+      if (std::holds_alternative<std::string_view>(cell)) cell = std::monostate{};
+    due_.written(values.clock.step);
+  }
+
+  OutputPlan plan_;
+  Due due_;
+  std::vector<std::vector<Cell>> rows_;
+};
+
+}  // namespace vbond::python
