@@ -85,15 +85,16 @@ Campaign open_campaign(const Case& c, Run& run, OutputPlan plan, int threads, co
   campaign.heartbeat = std::make_shared<Heartbeat>(
       run, campaign.plan, c.title, start,
       [progress = campaign.progress](const std::string& warning) { tell_beside(*progress, warning); });
+  // by pointers: the heartbeat itself holds the observers that tell it
   const auto tell = [progress = campaign.progress,
-                     heartbeat = campaign.heartbeat](const std::string& report) {
+                     heartbeat = campaign.heartbeat.get()](const std::string& report) {
     tell_beside(*progress, report);
     heartbeat->told(report);
   };
   campaign.files = open_output(campaign.plan, tell, VBOND_VERSION, resume);
   campaign.heartbeat->follow(campaign.files);
   campaign.progress->on_beat(
-      [heartbeat = campaign.heartbeat](const Simulation& stage, std::optional<double> left) {
+      [heartbeat = campaign.heartbeat.get()](const Simulation& stage, std::optional<double> left) {
         heartbeat->beat(stage, left);
       });
   campaign.table = std::make_shared<TableObserver>(stdout, campaign.plan.breaks);
