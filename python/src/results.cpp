@@ -10,16 +10,9 @@
 namespace vbond::python {
 namespace {
 
+/// Of critical loads and special points there are these two.
 const char* in_words(PointKind kind) {
-  switch (kind) {
-    case PointKind::regular: return "regular";
-    case PointKind::limit_point: return "limit point";
-    case PointKind::bifurcation: return "bifurcation";
-    case PointKind::critical: return "critical";
-    case PointKind::broken: return "broken";
-    case PointKind::end: return "end";
-  }
-  return "";
+  return kind == PointKind::limit_point ? "limit point" : "bifurcation";
 }
 
 /// A column of the breaks: one value of each.
