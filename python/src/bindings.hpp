@@ -16,6 +16,8 @@ namespace vbond::python {
 namespace py = pybind11;
 
 void bind_errors(py::module_& m);
+/// Warns as Python does; throws error_already_set if its filters make an error of it.
+void warn_of_run(const std::string& text);
 void bind_cases(py::module_& m);
 void bind_state(py::module_& m);
 void bind_results(py::module_& m);

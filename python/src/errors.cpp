@@ -10,7 +10,7 @@ namespace {
 
 /// The exceptions of the package, which live as long as the interpreter.
 struct Errors {
-  py::object error, case_error, diverged, no_equilibrium, io_error;
+  py::object error, case_error, diverged, no_equilibrium, io_error, run_warning;
 };
 Errors& errors() {
   static auto* all = new Errors;  // never destroyed: the interpreter may be gone by then
@@ -68,6 +68,10 @@ py::object made(py::module_& m, const char* name, const char* meaning, const py:
 
 }  // namespace
 
+void warn_of_run(const std::string& text) {
+  if (PyErr_WarnEx(errors().run_warning.ptr(), text.c_str(), 1) != 0) throw py::error_already_set();
+}
+
 void bind_errors(py::module_& m) {
   const py::module_ builtins = py::module_::import("builtins");
   Errors& e = errors();
@@ -84,6 +88,10 @@ void bind_errors(py::module_& m) {
                           py::make_tuple(e.error));
   e.io_error = made(m, "IoError", "A file or folder could not be read or written.",
                     py::make_tuple(e.error, builtins.attr("OSError")));
+  e.run_warning =
+      made(m, "RunWarning",
+           "What a run reports and goes on: bonds bent out of the range of their law, deep overlaps.",
+           py::make_tuple(builtins.attr("UserWarning")));
   py::register_exception_translator(&translate);
 }
 

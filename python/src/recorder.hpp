@@ -1,10 +1,10 @@
 #pragma once
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
 #include "bindings.hpp"
-#include "prepare.hpp"
 #include "vbond/observe/due.hpp"
 #include "vbond/observe/history.hpp"
 
@@ -13,8 +13,7 @@ namespace vbond::python {
 /// The rows of history.csv, in memory.
 class Recorder : public Observer {
  public:
-  Recorder(const Case& c, const Model& model)
-      : plan_(app::plan_output(c, model, {})), due_(plan_.history_every) {}
+  explicit Recorder(OutputPlan plan) : plan_(std::move(plan)), due_(plan_.history_every) {}
 
   void observe(const Simulation& run) override {
     if (due_.now(run.clock())) add(history_values(plan_, run));

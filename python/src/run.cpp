@@ -12,9 +12,11 @@
 #include "bindings.hpp"
 #include "interpreter.hpp"
 #include "memory.hpp"
+#include "prepare.hpp"
 #include "recorder.hpp"
 #include "vbond/build/build.hpp"
 #include "vbond/model/energies.hpp"
+#include "vbond/observe/observers.hpp"
 
 namespace vbond::python {
 namespace {
@@ -104,7 +106,7 @@ class PyRun {
     const Simulation* dynamics = inner().simulation();
     const Energies e =
         dynamics != nullptr ? dynamics->energies() : potential_energies(inner().model(), inner().current());
-    const EnergyBooks& books = inner().current().books;
+    const EnergyBooks& books = dynamics != nullptr ? dynamics->books() : inner().current().books;
     using namespace py::literals;
     return py::dict("kinetic_translation"_a = e.kinetic_translation,
                     "kinetic_rotation"_a = e.kinetic_rotation, "U_L"_a = e.U_L, "U_B"_a = e.U_B,
@@ -158,11 +160,18 @@ class PyRun {
     auto run = std::make_unique<Run>(std::move(built.model), std::move(built.state), stages_of(*c), threads);
     run->check();
     model_ = std::make_shared<const Model>(run->model());
-    recorder_ = std::make_shared<Recorder>(*c, run->model());
+    const OutputPlan plan = app::plan_output(*c, run->model(), {});
+    const auto tell = [this](const std::string& report) { reports_.push_back(report); };
+    const auto watch = std::make_shared<WatchObserver>(plan, tell);
+    recorder_ = std::make_shared<Recorder>(plan);
+    run->add_observer(watch);  // first: what is recorded is sound
     run->add_observer(recorder_);
     RunHooks hooks;
-    hooks.point = [this](const StaticPoint& point) { recorder_->add(*model_, point); };
-    hooks.tell = [this](const std::string& report) { reports_.push_back(report); };
+    hooks.point = [this, watch](const StaticPoint& point) {
+      watch->look(*model_, point);
+      recorder_->add(*model_, point);
+    };
+    hooks.tell = tell;
     hooks.interrupted = [this] { return interruption_.asked(); };
     run->set_hooks(std::move(hooks));
     notes_ = std::move(built.notes);
@@ -222,7 +231,12 @@ class PyRun {
       made = inner().step(n);
     }
     interruption_.raise();
+    warn();
     return made;
+  }
+  /// What was reported since the last time, as warnings of Python, which may be made errors.
+  void warn() {
+    while (warned_ < reports_.size()) warn_of_run(reports_[warned_++]);
   }
   /// Up to the next steps at which callbacks are to be called, again and again. They may end the stage.
   std::int64_t step_with_callbacks(std::int64_t n) {
@@ -280,6 +294,7 @@ class PyRun {
       result = inner().run_stage();
     }
     interruption_.raise();
+    warn();
     return result;
   }
   std::vector<ParticleId> particles_of(
@@ -306,6 +321,7 @@ class PyRun {
 
   SharedCase case_;
   std::vector<std::string> notes_, reports_;
+  std::size_t warned_ = 0;  // so many of the reports
   std::unique_ptr<Run> run_;
   std::shared_ptr<const Model> model_;
   std::shared_ptr<const State> state_;  // of state(), until the run goes on
@@ -393,8 +409,9 @@ void bind_run(py::module_& m) {
                              "StageResult of each stage that has ended or failed, in order.")
       .def_property_readonly("notes", &PyRun::notes,
                              "What building has left aside or done otherwise, a line each.")
-      .def_property_readonly("reports", &PyRun::reports,
-                             "What the run has reported so far: warnings, a line or more each.");
+      .def_property_readonly(
+          "reports", &PyRun::reports,
+          "What the run has reported so far, a line or more each; each was a RunWarning, too.");
 }
 
 }  // namespace vbond::python

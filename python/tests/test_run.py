@@ -3,6 +3,7 @@
 import signal
 import threading
 import time
+import warnings
 
 import numpy as np
 import pytest
@@ -164,3 +165,39 @@ def test_peaks_and_static_stages_have_results(keys):
     assert push.statics.ended == push.stop == "converged" and push.statics.load_factor == 1
     assert swing.statics is None and swing.stop == "duration" and swing.critical_force is None
     assert run.history["load_factor"][1] == 1 and np.isnan(run.history["load_factor"][-1])
+
+
+def test_a_run_that_goes_unphysical_is_stopped_as_by_the_program(tmp_path):
+    keys = rod_keys()
+    keys["velocities"] = [{"kind": "gaussian", "magnitude": 0.2, "seed": 3}]
+    keys["time"] = {"fraction": 1.0}
+    case = vbond.Case.from_dict(keys)
+    with pytest.raises(vbond.Diverged, match="balance is off") as stopped:
+        vbond.Run(case).run()
+    with pytest.raises(vbond.ProgramError) as of_program:
+        vbond.run(case, tmp_path / "out")
+    assert stopped.value.step > 0
+    assert str(stopped.value).split("\n")[0] in str(of_program.value)
+
+
+def test_a_bond_bent_too_far_is_a_warning(case):
+    run = vbond.Run(case)
+    spin = np.zeros((10, 3))
+    spin[4, 2] = 3.0
+    run.set_velocities(np.zeros((10, 3)), spin)
+    with pytest.warns(vbond.RunWarning, match="bond 3 .* has snapped"):
+        run.run()
+    assert any("snapped" in report for report in run.reports)
+
+
+def test_a_warning_made_an_error_leaves_a_run_that_can_go_on(case):
+    run = vbond.Run(case)
+    spin = np.zeros((10, 3))
+    spin[4, 2] = 3.0
+    run.set_velocities(np.zeros((10, 3)), spin)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(vbond.RunWarning):
+            run.step(100)
+    run.run()
+    assert run.complete

@@ -18,6 +18,7 @@ from ._vbond import (
     IoError,
     NaturalMode,
     NoEquilibrium,
+    RunWarning,
     SpecialPoint,
     StageResult,
     State,
@@ -33,7 +34,7 @@ from .statics import StaticSolution, buckling, equilibrium, fracture, modes, pat
 
 __all__ = [
     "Case", "CaseError", "CriticalLoad", "Diverged", "Error", "FractureEnergy", "FractureResult", "Frame", "IoError",
-    "NaturalMode", "NoEquilibrium", "Output", "ProgramError", "Run", "SpecialPoint", "StageResult", "State",
+    "NaturalMode", "NoEquilibrium", "Output", "ProgramError", "Run", "RunWarning", "SpecialPoint", "StageResult", "State",
     "StaticResult", "StaticSolution", "__version__", "buckling", "calibrate", "equilibrium", "find_program",
     "fracture", "list_keys", "modes", "open", "path", "plots", "run", "sweep",
 ]

@@ -1,0 +1,69 @@
+"""Random cases of motion, for campaigns that compare two ways to compute them: random_case(rng).
+
+Each has one to three blocks in any place, of random laws, damping, strength and yield, perhaps with contacts, a wall,
+supports, loads, gravity and a second stage, for some hundred steps."""
+
+
+def vector(rng, size):
+    return str([round(rng.uniform(-size, size), 6) for _ in range(3)])
+
+
+def bonds(rng, name):
+    text = f'[[bonds]]\nname = "of_{name}"\nbetween = ["{name}", "{name}"]\ndistance = {rng.choice([1.1, 1.5, 1.8])}\n'
+    text += f'law = "{rng.choice(["v-model", "evm"])}"\n' if rng.random() < 0.3 else ""
+    text += ("stiffness = {c_A = %.3g, c_D = %.3g, c_B = %.3g, c_T = %.3g}\n" %
+             (rng.uniform(0.5, 2), rng.uniform(0.1, 0.6), rng.uniform(0.02, 0.1), rng.uniform(0.02, 0.1)))
+    if rng.random() < 0.4:
+        text += f"damping = {{ratio = {rng.uniform(0.01, 0.2):.3g}}}\n"
+    if rng.random() < 0.4:
+        limit = rng.uniform(0.003, 0.05)
+        text += ('strength = {criterion = "linear", axial_force = %.3g, shear_force = %.3g, bending_moment = %.3g, '
+                 "torque = %.3g}\n" % (limit, limit, limit / 2, limit / 2))
+    elif rng.random() < 0.3:
+        text += f"yield = {{axial_force = {rng.uniform(1e-3, 1e-2):.3g}}}\n"
+    return text
+
+
+def stage(rng, name, groups, walled):
+    text = f'[[stage]]\nname = "{name}"\nduration = "{rng.uniform(1, 12):.2f} T0"\n'
+    if rng.random() < 0.3:
+        text += f"gravity = {vector(rng, 1e-3)}\n"
+    if rng.random() < 0.3:
+        text += f"damping = {{translation = {rng.uniform(0, 0.01):.3g}, rotation = {rng.uniform(0, 1e-3):.3g}}}\n"
+    if rng.random() < 0.5:
+        how = rng.choice(['fix = ["x", "rz"]', 'fix = ["x", "y", "z", "rx", "ry", "rz"], velocity = [1e-3, 0, 0]',
+                          "rigid = true, velocity = [0, 2e-3, 0]"])
+        text += f'supports = [{{group = "corner", {how}}}]\n'
+    if rng.random() < 0.4:
+        group = rng.choice(groups)
+        text += f'loads = [{{group = "{group}", force = {vector(rng, 1e-3)}, moment = {vector(rng, 1e-4)}}}]\n'
+    if walled and rng.random() < 0.5:
+        text += 'walls = [{wall = "floor", velocity = [0, 0, 0.01]}]\n'
+    return text
+
+
+def random_case(rng):
+    blocks, contact = rng.randint(1, 3), rng.random() < 0.4
+    walled = contact and rng.random() < 0.5
+    names = [f"block_{k}" for k in range(blocks)]
+    text = 'title = "random"\n'
+    for k, name in enumerate(names):
+        cells = [rng.randint(1, 7) for _ in range(3)]
+        cells[rng.randrange(3)] += 2
+        origin = [round(rng.uniform(-3, 3), 3), round(rng.uniform(-3, 3), 3), 9.5 * k]
+        text += (f'[[specimen]]\nname = "{name}"\nkind = "block"\ncells = {cells}\norigin = {origin}\n'
+                 f"radius = {rng.choice([0.3, 0.4, 0.5])}\nmass = {rng.uniform(0.5, 2):.3g}\n")
+    text += "[groups]\ncorner = {box = {min = [-4, -4, -1], max = [4, 4, 0.5]}}\n"
+    text += "".join(bonds(rng, name) for name in names)
+    if contact:
+        text += ('[contact]\nlaw = "hertz"\nE = 3.0\nnu = 0.3\npairs = "unbonded"\ntangential = "mindlin"\n'
+                 f"friction = {rng.uniform(0, 0.6):.3g}\nrestitution = {rng.uniform(0.4, 1):.3g}\n")
+    if walled:
+        text += '[[wall]]\nname = "floor"\nshape = "plane"\npoint = [0, 0, -0.7]\nnormal = [0, 0, 1]\n'
+    for name in names:
+        text += (f'[[velocities]]\ngroup = "{name}"\nkind = "rigid"\nvelocity = {vector(rng, 0.1)}\n'
+                 f"angular_velocity = {vector(rng, 0.08)}\n")
+    text += f'[[velocities]]\ngroup = "all"\nkind = "gaussian"\nmagnitude = 1e-3\nseed = {rng.randint(1, 999)}\n'
+    text += '[time]\nfraction = 0.1\n'
+    text += "".join(stage(rng, f"stage_{k}", names, walled) for k in range(rng.randint(1, 2)))
+    return text + '[output]\nhistory = {every = "0.2 T0", displacements = ["block_0", 0]}\n'
