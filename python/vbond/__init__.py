@@ -1,4 +1,4 @@
-"""vbond: solids as rigid particles joined by elastic bonds that have an energy.
+"""vbond: solids as rigid particles joined by elastic bonds that have an energy::
 
     case = vbond.Case.from_file("rod.toml", {"bonds[0].E": 2e9})
     run = vbond.Run(case)
