@@ -15,6 +15,7 @@ export function linear_axis(columns, zero = false) {
   return {
     values: columns.map((values) => values.map((v) => (v == null ? null : v / power))),
     ends: linear_ends(ends?.map((v) => v / power)),
+    splits: undefined,   // as uPlot likes
     words: (marks) => {
       const apart = marks.length > 1 ? Math.abs(marks[1] - marks[0]) : 1;
       return marks.map((v) => number(Math.abs(v) < 1e-6 * apart ? 0 : Number((v * power).toPrecision(6))));

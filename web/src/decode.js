@@ -29,7 +29,8 @@ export function stored(block, array) {
 
 /** Bytes of a base64 text; white space in it is ignored. */
 export function from_base64(text) {
-  if (Uint8Array.fromBase64) return Uint8Array.fromBase64(text);
+  const newer = /** @type {any} */ (Uint8Array);
+  if (newer.fromBase64) return newer.fromBase64(text);
   const chars = atob(text);
   const bytes = new Uint8Array(chars.length);
   for (let k = 0; k < chars.length; ++k) bytes[k] = chars.charCodeAt(k);

@@ -22,7 +22,8 @@ export function legend(quantity, scale) {
   const bar = element("div", { class: "bar", style: { background: css_gradient(scale.table) } });
   const marks = low === high ? [low] : [low, (low + high) / 2, high];
   return element("div", { class: "legend" }, title, element("div", { class: "scale" }, bar,
-    element("div", { class: "marks" }, ...marks.map((v) => element("span", {}, number(v, 3))))));
+    element("div", { class: "marks" }, ...marks.map((v) => element("span", {}, number(v, 3))))),
+    scale.wanted ? element("span", {}, "chosen; what is beyond has the colour of the end") : null);
 }
 
 /** What the faces of broken bonds mean, of those that there are. */
@@ -33,7 +34,7 @@ export function faces_legend({ list }) {
 }
 
 const svg = "http://www.w3.org/2000/svg";
-const axes = [["x", new Vector3(1, 0, 0)], ["y", new Vector3(0, 1, 0)], ["z", new Vector3(0, 0, 1)]];
+const axes = [{ name: "x", way: new Vector3(1, 0, 0) }, { name: "y", way: new Vector3(0, 1, 0) }, { name: "z", way: new Vector3(0, 0, 1) }];
 
 function drawn(name, attributes, text) {
   const made = document.createElementNS(svg, name);
@@ -45,8 +46,8 @@ function drawn(name, attributes, text) {
 /** Draws the directions of x, y, z as the camera sees them into an SVG of 80 by 80. */
 export function draw_axes(into, camera) {
   const turn = camera.quaternion.clone().invert();
-  const seen = axes.map(([name, v]) => [name, v.clone().applyQuaternion(turn)]).sort((a, b) => a[1].z - b[1].z);
-  into.replaceChildren(...seen.flatMap(([name, v]) => {
+  const seen = axes.map(({ name, way }) => ({ name, v: way.clone().applyQuaternion(turn) })).sort((a, b) => a.v.z - b.v.z);
+  into.replaceChildren(...seen.flatMap(({ name, v }) => {
     const flat = Math.hypot(v.x, v.y) < 0.15;
     const line = drawn("line", { x1: 40, y1: 40, x2: 40 + 25 * v.x, y2: 40 - 25 * v.y, class: `axis-${name}` });
     if (flat) return [line];

@@ -17,7 +17,9 @@ async function answer(address) {
 export class Live {
   /** `version` of the data that are shown; `newer({json, data})` shows others; `say(lines)` how the run stands. */
   constructor(version, newer, say) {
-    Object.assign(this, { version, newer, say, seconds: 0 });
+    this.version = version;
+    this.newer = newer;
+    this.say = say;
   }
 
   /** Until the run has ended and its last data are shown, or nobody answers any more. */

@@ -22,14 +22,15 @@ function message(level, text) {
 class Shown {
   /** `before`: what was shown until now, or null; what the reader has chosen there is kept. */
   constructor({ json, data }, before) {
-    Object.assign(this, { json, data, kept: { view: before?.view?.kept(), plots: before?.plots?.kept() } });
+    this.json = json;
+    this.data = data;
+    this.kept = { view: before?.view?.kept(), plots: before?.plots?.kept() };
     this.history = new History(json.history, json.clock);
   }
 
   async build() {
     const { json, history } = this;
-    this.run = new Run(json, await inflate(from_base64(this.data)));
-    this.run.time_unit = history.column("time")?.unit ?? "";
+    this.run = new Run(json, await inflate(from_base64(this.data)), history.column("time")?.unit);
     this.share_cursor();
     document.title = name_of(json);
     place("head").replaceChildren(...head(json, theme_button(() => { this.plots?.draw(); this.view?.set_ground(); })));

@@ -13,13 +13,13 @@ function fill(colours, count, [r, g, b]) {
   }
 }
 
-/** How a quantity is shown: its table of colours and the ends of its scale, the same in all frames. */
-export function scale_of(quantity, map) {
+/** How a quantity is shown: its table of colours and the ends of its scale, the same in all frames; `wanted` are those of the reader. */
+export function scale_of(quantity, map, wanted) {
   if (quantity.classes) return { classes: quantity.classes };
-  if (quantity.ends) return { table: maps[map], ends: quantity.ends };
+  if (quantity.ends) return { table: maps[map], ends: wanted ?? quantity.ends, wanted };
   const extremes = quantity.extremes();
   const signed = quantity.signed && extremes[0] < 0;
-  return { table: maps[signed ? "diverging" : map], ends: scale_ends(extremes, signed), signed };
+  return { table: maps[signed ? "diverging" : map], ends: wanted ?? scale_ends(extremes, signed), signed, wanted };
 }
 
 function paint_classes(quantity, frame, colours, count) {

@@ -39,17 +39,17 @@ export function picked_at(scene, sequence, frame, x, y) {
   const place = (k) => new Vector3(array[4 * k], array[4 * k + 1], array[4 * k + 2]);
   const widening = (slack * 2 * Math.tan((Math.PI / 360) * camera.fov)) / scene.canvas.clientHeight;
   let best = null, least = Infinity;
-  const take = (kind, number, along) => { if (along < least) { least = along; best = { kind, number }; } };
-  for (let k = 0; k < run.particles; ++k) take("particle", k, sphere_hit(eye, way, place(k), run.radius[k] * scene.sphere_size));
+  const take = (kind, k, along) => { if (along < least) { least = along; best = { kind, number: k }; } };
+  for (let k = 0; k < run.particles; ++k) if (!scene.is_gone(k)) take("particle", k, sphere_hit(eye, way, place(k), run.radius[k] * scene.sphere_size));
   for (let bond = 0; bond < sequence.bonds_at(frame); ++bond) {
-    if (sequence.broken.cause(frame, bond)) continue;
+    if (sequence.broken.cause(frame, bond) || run.ends_of(bond).some((k) => scene.is_gone(k))) continue;
     take("bond", bond, line_hit(eye, way, ...run.ends_of(bond).map(place), scene.bond_width, widening));
   }
   for (const lost of sequence.broken.until(frame)) {
     const [i, j] = run.ends_of(lost.bond), a = place(i), b = place(j), normal = b.clone().sub(a).normalize();
     const from_end = Math.min(sequence.broken.half_length(lost), 0.5 * a.distanceTo(b)), radius = scene.face_radius([i, j]);
-    for (const centre of [a.addScaledVector(normal, from_end), b.addScaledVector(normal, -from_end)]) {
-      take("bond", lost.bond, Math.min(disc_hit(eye, way, centre, normal, radius), edge_hit(eye, way, centre, normal, radius, widening)));
+    for (const [end, centre] of [[i, a.addScaledVector(normal, from_end)], [j, b.addScaledVector(normal, -from_end)]]) {
+      if (!scene.is_gone(end)) take("bond", lost.bond, Math.min(disc_hit(eye, way, centre, normal, radius), edge_hit(eye, way, centre, normal, radius, widening)));
     }
   }
   return best;
@@ -61,7 +61,10 @@ function particle_numbers(run, sequence, frame, k) {
           ["Radius", with_unit(run.radius[k], run.length_unit)]];
 }
 
-/** Name and numbers of what was picked, in the frame: [title, [[label, text], ...]]. */
+/**
+ * Name and numbers of what was picked, in the frame: [title, [[label, text], ...]].
+ * @returns {[string, string[][]]}
+ */
 export function numbers_of(run, sequence, frame, { kind, number: k }) {
   const words = ({ value, classes, unit, on }) => (classes && on === "bonds" ? classes[value(frame, k)] : with_unit(value(frame, k), unit, 3));
   const all = sequence.quantities.filter((q) => q.on === `${kind}s`).map((q) => [q.label, words(q)]);

@@ -6,7 +6,12 @@ const seconds_per_swing = 2;
 export class Player {
   /** `changed` is called with this player after each change. */
   constructor(changed) {
-    Object.assign(this, { changed, frame: 0, count: 1, playing: false, swings: false, speed: 1 });
+    this.changed = changed;
+    this.frame = 0;
+    this.count = 1;
+    this.playing = false;
+    this.swings = false;
+    this.speed = 1;
   }
 
   open(sequence) {

@@ -7,6 +7,8 @@ import { colour_of, framed, save } from "./picture.js";
 import { download, element, file_name, number } from "./text.js";
 
 const height = 230;
+const most_moved = 4;   // pixels, of a pointer that clicks
+const closer = 0.5;     // of the axes, by the button
 
 function polyline(u, index, first, last) {
   const [xs, ys] = u.data[index];
@@ -29,14 +31,20 @@ function polyline(u, index, first, last) {
 export class Plot {
   /** `picked(row)` is called when a point is clicked. */
   constructor(history, preset, picked) {
-    Object.assign(this, { history, preset, picked, log: { x: false, y: false }, hidden: new Set(), row: null });
+    this.history = history;
+    this.preset = preset;
+    this.picked = picked;
+    this.log = { x: false, y: false };
+    this.hidden = new Set();
+    this.row = null;
+    this.zoom = null;
     this.place = element("div", { class: "canvas" });
     this.keys = element("div", { class: "keys" });
     this.note = element("p", { class: "note" });
     this.heading = element("h3", {}, preset.title);
     this.root = element("article", { class: "plot" },
       element("header", {}, this.heading, element("div", { class: "buttons" },
-        this.switch_log("x"), this.switch_log("y"),
+        this.switch_log("x"), this.switch_log("y"), this.closer_button(), this.whole_button(),
         element("button", { type: "button", onclick: () => this.save_csv() }, "CSV"),
         element("button", { type: "button", onclick: () => this.save_png() }, "PNG"))),
       this.place, this.keys, this.note);
@@ -50,6 +58,37 @@ export class Plot {
     } }, `log ${axis}`);
     return button;
   }
+
+  /** For those without a pointer that drags: half of each axis, about the time cursor or the middle. */
+  closer_button() {
+    return element("button", { type: "button", "aria-label": "Closer, about the time cursor", onclick: () => {
+      const { x, ys } = this.drawn, y = ys[0]?.[this.row];
+      const about = (at, [low, high]) => {
+        const middle = at >= low && at <= high ? at : (low + high) / 2, half = 0.5 * closer * (high - low);
+        return [middle - half, middle + half];
+      };
+      const [x_ends, y_ends] = this.ends();
+      this.zoom_to([about(x[this.row], x_ends), about(y, y_ends)]);
+    } }, "+");
+  }
+
+  whole_button() {
+    return this.whole = element("button", { type: "button", hidden: true, onclick: () => this.zoom_to(null) }, "whole");
+  }
+
+  /** The ends of the axes x and y in numbers that are drawn, or null for all. */
+  zoom_to(ends) {
+    this.zoom = ends;
+    this.whole.hidden = !ends;
+    const [x, y] = this.ends();
+    this.plot.batch(() => {
+      this.plot.setScale("x", { min: x[0], max: x[1] });
+      this.plot.setScale("y", { min: y[0], max: y[1] });
+    });
+    this.mark(this.row);
+  }
+
+  ends() { return this.zoom ?? [this.drawn.x_axis.ends, this.drawn.y_axis.ends]; }
 
   show(preset) {
     this.preset = preset;
@@ -82,7 +121,8 @@ export class Plot {
   /** (Re)draws everything; a change of theme, width, axes or curves comes here. */
   build() {
     this.plot?.destroy();
-    this.marks = null;
+    this.marks = this.zoom = null;
+    this.whole.hidden = true;
     this.drawn = this.curves();
     const { names, x_axis, y_axis, x, ys } = this.drawn;
     this.note.textContent = [x_axis.cut, y_axis.cut].filter(Boolean).join(" ");
@@ -102,7 +142,7 @@ export class Plot {
     this.plot = new uPlot({
       mode: 2, width: this.place.clientWidth || 400, height, padding: [8, 22, 0, 0],
       cursor: { show: false }, legend: { show: false }, hooks: { ready: [(made) => { if (made === this.plot) this.ready(); }] },
-      scales: { x: { time: false, auto: false, range: () => x_axis.ends }, y: { auto: false, range: () => y_axis.ends } },
+      scales: { x: { time: false, auto: false, range: () => this.ends()[0] }, y: { auto: false, range: () => this.ends()[1] } },
       axes: [axis("x", x_axis, this.axis_words([this.preset.x], "x")),
              axis("y", y_axis, this.axis_words(this.preset.y, "y"))],
       series: [{}, ...series],
@@ -112,11 +152,40 @@ export class Plot {
   /** uPlot calls it once scales are known, a moment after it is made. */
   ready() {
     this.marks = element("div", { class: "mark" });
-    this.plot.over.append(this.marks, ...this.drawn.names.map(() => element("div", { class: "dot" })));
+    this.box = element("div", { class: "zoom", hidden: true });
+    this.plot.over.append(this.box, this.marks, ...this.drawn.names.map(() => element("div", { class: "dot" })));
     this.plot.over.addEventListener("pointermove", (event) => this.list(this.row_at(event) ?? this.row));
     this.plot.over.addEventListener("pointerleave", () => this.list(this.row));
-    this.plot.over.addEventListener("click", (event) => { const row = this.row_at(event); if (row != null) this.picked(row); });
+    this.plot.over.addEventListener("click", (event) => { const row = this.dragged ? null : this.row_at(event); if (row != null) this.picked(row); });
+    this.plot.over.addEventListener("dblclick", () => this.zoom_to(null));
+    this.plot.over.addEventListener("pointerdown", (event) => this.drag(event));
     this.mark(this.row);
+  }
+
+  /** A rectangle drawn by the mouse becomes the plot; a finger scrolls the page. */
+  drag(down) {
+    this.dragged = false;
+    if (down.pointerType === "touch" || down.button !== 0) return;
+    const { over } = this.plot, frame = over.getBoundingClientRect();
+    const at = (event) => [Math.max(0, Math.min(frame.width, event.clientX - frame.left)), Math.max(0, Math.min(frame.height, event.clientY - frame.top))];
+    const from = at(down);
+    const corners = (event) => { const to = at(event); return [0, 1].map((c) => [Math.min(from[c], to[c]), Math.max(from[c], to[c])]); };
+    over.setPointerCapture(down.pointerId);
+    const moved = (event) => {
+      const [x, y] = corners(event);
+      this.dragged ||= Math.hypot(x[1] - x[0], y[1] - y[0]) > most_moved;
+      this.box.hidden = !this.dragged;
+      Object.assign(this.box.style, { left: `${x[0]}px`, top: `${y[0]}px`, width: `${x[1] - x[0]}px`, height: `${y[1] - y[0]}px` });
+    };
+    const ended = (event) => {
+      over.removeEventListener("pointermove", moved);
+      this.box.hidden = true;
+      const [x, y] = corners(event);
+      if (!this.dragged || event.type === "pointercancel" || Math.min(x[1] - x[0], y[1] - y[0]) <= most_moved) return;
+      this.zoom_to([x.map((px) => this.plot.posToVal(px, "x")), y.map((px) => this.plot.posToVal(px, "y")).reverse()]);
+    };
+    over.addEventListener("pointermove", moved);
+    for (const end of ["pointerup", "pointercancel"]) over.addEventListener(end, ended, { once: true });
   }
 
   /** The row drawn nearest to the pointer; along x alone where x ascends with time. */
@@ -141,12 +210,12 @@ export class Plot {
   mark(row) {
     this.row = row;
     if (!this.marks) return;
-    const { x, ys, x_axis, y_axis } = this.drawn;
-    const left = row == null || x[row] == null || x[row] < x_axis.ends[0] ? null : this.plot.valToPos(x[row], "x");
+    const { x, ys } = this.drawn, [x_ends, y_ends] = this.ends(), is_in = (v, [low, high]) => v != null && v >= low && v <= high;
+    const left = row == null || !is_in(x[row], x_ends) ? null : this.plot.valToPos(x[row], "x");
     this.marks.hidden = left == null;
     if (left != null) this.marks.style.transform = `translateX(${left}px)`;
     this.plot.over.querySelectorAll(".dot").forEach((dot, k) => {
-      dot.hidden = left == null || ys[k][row] == null || ys[k][row] < y_axis.ends[0];
+      dot.hidden = left == null || !is_in(ys[k][row], y_ends);
       if (!dot.hidden) dot.style.transform = `translate(${left}px, ${this.plot.valToPos(ys[k][row], "y")}px)`;
     });
     this.list(row);

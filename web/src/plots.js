@@ -14,7 +14,7 @@ export class Plots {
     this.all.at(-1).heading.after(this.chooser(this.all.at(-1)));
     const at_first = ({ preset }, k) => preset !== free && (k < shown_at_first || preset.added);
     this.shown = new Set(this.all.filter((plot, k) => kept.shown?.includes(plot.preset.title) ?? at_first(plot, k)));
-    this.root = element("section", { class: "plots", "aria-label": "Plots" },
+    this.root = element("section", { class: "plots", "aria-label": "Plots" }, element("h2", { class: "unseen" }, "Plots"),
       element("div", { class: "chips", role: "group", "aria-label": "Plots that are shown" }, ...this.all.map((plot) => this.chip(plot))),
       ...this.all.map((plot) => plot.root));
     this.all.forEach((plot) => { plot.root.hidden = !this.shown.has(plot); });

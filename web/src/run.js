@@ -47,7 +47,12 @@ export function fragment_classes(fragment) {
 /** One animation: the run, or the swing of a mode. Positions in the unit of length of the run. */
 export class Sequence {
   constructor(json, block, particles, ends, length_unit) {
-    Object.assign(this, { json, block, particles, ends, bonds: ends.length / 2, length_unit });
+    this.json = json;
+    this.block = block;
+    this.particles = particles;
+    this.ends = ends;
+    this.bonds = ends.length / 2;
+    this.length_unit = length_unit;
     this.frames = json.frames;
     this.reference = stored(block, json.reference);
     this.displaced = once(() => stored(block, json.displacement));
@@ -146,7 +151,7 @@ export class Sequence {
 }
 
 export class Run {
-  constructor(json, block) {
+  constructor(json, block, time_unit = "") {
     if (json.format !== 1) throw new Error(`The page reads format 1, the data are of format ${json.format}.`);
     this.json = json;
     this.ends = stored(block, json.bonds);
@@ -155,6 +160,7 @@ export class Run {
     this.radius = typeof json.radius === "number" ? new Float32Array(this.particles).fill(json.radius) : stored(block, json.radius);
     const length_unit = json.units === "SI" ? "m" : "";
     this.length_unit = length_unit;
+    this.time_unit = time_unit;
     this.sequences = json.sequences.map((s) => new Sequence(s, block, this.particles, this.ends, length_unit));
   }
 

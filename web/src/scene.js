@@ -1,6 +1,7 @@
 // The body in 3D. Draws only when asked to; knows nothing of time, playing or the page around it.
-import { BufferAttribute, BufferGeometry, DataTexture, DoubleSide, DynamicDrawUsage, FloatType, GLSL3, Mesh, MeshBasicMaterial, NearestFilter, PerspectiveCamera,
-         RawShaderMaterial, RGBAFormat, RGFormat, Scene, TOUCH, UnsignedByteType, Vector3, WebGLRenderer } from "three";
+import { BufferAttribute, BufferGeometry, DataTexture, DoubleSide, DynamicDrawUsage, FloatType, GLSL3, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial,
+         NearestFilter, PerspectiveCamera, Points, PointsMaterial, RawShaderMaterial, RGBAFormat, RGFormat, Scene, TOUCH, UnsignedByteType, Vector3, Vector4,
+         WebGLRenderer } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { cause_colours } from "./colours.js";
 import { bond_fragment, bond_vertex, face_fragment, face_vertex, sphere_fragment, sphere_vertex } from "./shaders.js";
@@ -70,7 +71,12 @@ function sort_by(geometry, count, key) {
 export class BodyScene {
   /** Throws if there is no WebGL2. `drawn` is called after each picture. */
   constructor(canvas, run, drawn) {
-    Object.assign(this, { canvas, run, drawn, pictures: 0, wanted: false });
+    this.canvas = canvas;
+    this.run = run;
+    this.drawn = drawn;
+    this.pictures = 0;
+    this.wanted = false;
+    this.cut = new Vector4();
     this.smooth = run.particles <= smooth_up_to;
     this.renderer = new WebGLRenderer({ canvas, antialias: this.smooth, alpha: false });   // opaque: smoothed edges leave alpha below 1
     this.renderer.sortObjects = false;   // spheres before bonds; and the quads have no positions to sort by
@@ -150,6 +156,7 @@ export class BodyScene {
 
   add(geometry, vertexShader, fragmentShader, uniforms) {
     uniforms.places = { value: this.places.texture };
+    uniforms.cut = { value: this.cut };
     const material = new RawShaderMaterial({ glslVersion: GLSL3, vertexShader, fragmentShader, uniforms, side: DoubleSide,
                                              alphaToCoverage: this.smooth, defines: this.smooth ? {} : { FLAT: 1 } });
     const mesh = new Mesh(geometry, material);
@@ -163,8 +170,34 @@ export class BodyScene {
     this.request();
   }
 
-  /** Positions of the frame and how many bonds there are in it. */
-  place_body(sequence, frame, factor) {
+  /** The undeformed body: its bonds as thin lines, of a body without bonds the centres. */
+  place_ghost(sequence, shown) {
+    if (!shown && !this.ghost) return;
+    if (this.ghost_of !== sequence) {
+      this.ghost?.removeFromParent();
+      this.ghost?.geometry.dispose();
+      const geometry = new BufferGeometry(), look = { color: 0x808890, transparent: true, opacity: 0.55 };
+      geometry.setAttribute("position", new BufferAttribute(sequence.reference, 3));
+      if (this.run.ends.length) geometry.setIndex(new BufferAttribute(this.run.ends, 1));
+      this.ghost = this.run.ends.length ? new LineSegments(geometry, new LineBasicMaterial(look))
+        : new Points(geometry, new PointsMaterial({ ...look, size: 3, sizeAttenuation: false }));
+      this.ghost.frustumCulled = false;
+      this.scene.add(this.ghost);
+      this.ghost_of = sequence;
+    }
+    this.ghost.visible = shown;
+    if (this.run.ends.length) this.ghost.geometry.setDrawRange(0, 2 * this.bonds_shown);
+  }
+
+  /** Whether the plane of the cut takes particle k away. */
+  is_gone(k) {
+    const { array } = this.places, { x, y, z, w } = this.cut;
+    return x * array[4 * k] + y * array[4 * k + 1] + z * array[4 * k + 2] > w;
+  }
+
+  /** Positions of the frame and how many bonds there are in it; what is beyond the plane `cut` is not drawn. */
+  place_body(sequence, frame, factor, cut, ghost) {
+    this.cut.fromArray(cut);
     sequence.positions(frame, factor, this.places.array, 4);
     this.places.texture.needsUpdate = true;
     this.bonds_shown = sequence.bonds_at(frame);
@@ -172,6 +205,7 @@ export class BodyScene {
     this.bonds.visible = this.bonds_shown > 0;
     this.place_faces(sequence, frame);
     this.place_walls(sequence, frame);
+    this.place_ghost(sequence, ghost);
     this.request();
   }
 

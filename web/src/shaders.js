@@ -13,6 +13,9 @@ vec3 lit(vec3 colour, vec3 normal) {
 const tables = `
 uniform highp sampler2D places, paints, ends;
 vec4 of(sampler2D table, int k) { int w = textureSize(table, 0).x; return texelFetch(table, ivec2(k % w, k / w), 0); }
+uniform vec4 cut;   // a plane: what is centred beyond it is not drawn
+bool is_gone(vec4 place) { return dot(cut.xyz, place.xyz) > cut.w; }
+const vec4 nowhere = vec4(0.0, 0.0, 2.0, 1.0);   // outside of every picture
 int number() { return gl_VertexID / 4; }
 vec2 quad_corner() { int c = gl_VertexID % 4; return vec2(c == 1 || c == 2 ? 1.0 : -1.0, c >= 2 ? 1.0 : -1.0); }`;
 
@@ -42,6 +45,7 @@ void main() {
   vec4 front = projectionMatrix * vec4(centre * (1.0 - 0.9 * radius / d), 1.0);   // before its own bonds
   gl_Position.z = front.z / front.w * gl_Position.w;
 #endif
+  if (is_gone(p)) gl_Position = nowhere;
 }`;
 
 export const sphere_fragment = `
@@ -98,6 +102,7 @@ void main() {
   // Nearer by most of the radius, as the cylinder's surface is: else it and the rim of a sphere are at one depth.
   vec3 p = (position.y < 0.0 ? a : b) + width * colour.a * (across * side + 0.8 * front);
   gl_Position = projectionMatrix * vec4(p, 1.0);
+  if (is_gone(of(places, int(ij.x))) || is_gone(of(places, int(ij.y)))) gl_Position = nowhere;
 }`;
 
 export const bond_fragment = `
@@ -137,6 +142,7 @@ void main() {
   corner = quad_corner();
   paint = of(paints, number() / 2).rgb;
   gl_Position = projectionMatrix * vec4(centre + face.w * (corner.x * u + corner.y * v), 1.0);
+  if (is_gone(of(places, int(number() % 2 == 0 ? face.x : face.y)))) gl_Position = nowhere;
 }`;
 
 export const face_fragment = `

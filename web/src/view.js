@@ -21,7 +21,18 @@ export class View {
   /** `frame_shown(frame, sequence)` is called after each change of the frame; `kept` of a view before this one. */
   constructor(run, history, frame_shown, kept = {}) {
     const { index = run.json.first_shown ?? 0, frame = null, camera = null, speed = 1, ...choices } = kept;
-    Object.assign(this, { run, history, frame_shown, factor: 1, map: "viridis", size: 0, key: null, picked: null, ...choices });
+    this.run = run;
+    this.history = history;
+    this.frame_shown = frame_shown;
+    this.factor = 1;
+    this.map = "viridis";
+    this.size = 0;
+    this.key = null;
+    this.picked = null;
+    this.ranges = {};
+    this.cut = { side: "", part: 0.5 };
+    this.ghost = false;
+    Object.assign(this, choices);
     this.first = { index: Math.min(index, run.sequences.length - 1), frame, camera };
     this.player = new Player(() => this.update());
     this.player.set_speed(speed);
@@ -37,7 +48,7 @@ export class View {
     this.picture = element("div", { class: "picture" }, this.canvas, this.axes);
     this.stage = element("div", { class: "stage" }, this.caption, this.picture, this.legend_place);   // words beside the body, not on it
     this.note = element("p", { class: "note" });
-    this.root = element("section", { class: "view", "aria-label": "The body in 3D" }, this.stage, this.timeline(), this.picked_place, this.settings(), this.note);
+    this.root = element("section", { class: "view", "aria-label": "The body in 3D" }, element("h2", { class: "unseen" }, "The body in 3D"), this.stage, this.timeline(), this.picked_place, this.settings(), this.note);
   }
 
   /** Call when `root` is in the document. Throws if there is no WebGL2. */
@@ -56,8 +67,8 @@ export class View {
   /** What the reader has chosen, for a view of newer data. The last frame stays the last one. */
   kept() {
     if (!this.sequence) return undefined;
-    const { factor, map, size, key, picked, player, sequence, run } = this;
-    return { factor, map, size, key, picked, speed: player.speed, index: run.sequences.indexOf(sequence),
+    const { factor, map, size, key, picked, ranges, cut, ghost, player, sequence, run } = this;
+    return { factor, map, size, key, picked, ranges, cut, ghost, speed: player.speed, index: run.sequences.indexOf(sequence),
              frame: player.swings || player.frame === sequence.last ? null : player.frame, camera: this.scene.turned ? this.scene.camera_now() : null };
   }
 
@@ -105,13 +116,60 @@ export class View {
       this.quantity_place,
       choice("Colour map", [["viridis", "viridis"], ["cividis", "cividis"]], this.map, (map) => { this.map = map; this.choose(this.key); }),
       element("label", { class: "control" }, element("span", {}, "Displacements ×"), factor, factors),
+      this.range_control(),
       choice("Spheres", [[0, "automatic"], [1, "full size"], [0.45, "small"], [0.3, "tiny"]], this.size, (size) => { this.size = Number(size); this.update(); }),
+      this.cut_control(),
+      element("label", { class: "control" }, element("span", {}, "Undeformed shape"),
+        element("input", { type: "checkbox", checked: this.ghost, onchange: (event) => { this.ghost = event.target.checked; this.update(); } })),
       choice("Speed", speeds.map((s) => [s, `${s} ×`]), this.player.speed, (s) => this.player.set_speed(Number(s))),
       element("div", { class: "control" }, element("span", {}, "Look from"),
         element("div", { class: "buttons", role: "group", "aria-label": "Look from" }, ...looks,
           element("button", { type: "button", onclick: () => this.reset() }, "Reset"))),
       element("div", { class: "control" }, element("span", {}, "Picture"),
         element("button", { type: "button", "aria-label": "Save the 3D view as PNG", onclick: () => save_picture(this) }, "PNG")));
+  }
+
+  /** Ends of the colours, as the reader wants them: for each quantity of its own. */
+  range_control() {
+    const field = (label) => element("input", { type: "number", step: "any", "aria-label": label, onchange: () => this.set_range() });
+    this.range_ends = [field("Value of the lowest colour"), field("Value of the highest colour")];
+    const automatic = element("button", { type: "button", onclick: () => { delete this.ranges[this.key]; this.choose(this.key); } }, "Automatic");
+    return this.range_place = element("div", { class: "control" }, element("span", {}, "Colours from, to"),
+      element("div", { class: "buttons", role: "group", "aria-label": "Range of the colours" }, ...this.range_ends, automatic));
+  }
+
+  set_range() {
+    const [low, high] = this.range_ends.map((field) => field.valueAsNumber), last = this.range_ends[1];
+    last.setCustomValidity(low < high ? "" : "Two numbers, the second larger than the first");
+    if (!last.reportValidity()) return;
+    this.ranges[this.key] = [low, high];
+    this.choose(this.key);
+  }
+
+  show_range() {
+    this.range_place.hidden = !this.scale.ends;
+    this.range_ends.forEach((field, k) => { field.value = this.scale.ends ? Number(this.scale.ends[k].toPrecision(4)) : ""; field.setCustomValidity(""); });
+  }
+
+  /** A plane across an axis; what is centred beyond it is not drawn. */
+  cut_control() {
+    const where = element("input", { type: "range", min: 0, max: 1, step: 0.005, value: this.cut.part, hidden: !this.cut.side, "aria-label": "Where the body is cut",
+                                     oninput: () => { this.cut.part = where.valueAsNumber; this.update(); } });
+    const sides = ["", "+x", "−x", "+y", "−y", "+z", "−z"];
+    const side = choice("Cut away", sides.map((name) => [name.replace("−", "-"), name || "nothing"]), this.cut.side, (name) => {
+      this.cut.side = name;
+      where.hidden = !name;
+      this.update();
+    });
+    return element("div", { class: "control" }, side, where);
+  }
+
+  /** Normal and offset of the plane, of a body in its box: what n.r > offset is gone. */
+  cut_plane() {
+    const { side, part } = this.cut;
+    if (!side) return [0, 0, 0, 0];
+    const { direction } = along(side), { centre, half } = this.box, size = Math.abs(direction.dot(half));
+    return [...direction.toArray(), direction.dot(centre) + (1 - 2 * part) * size];
   }
 
   open(index) {
@@ -132,7 +190,8 @@ export class View {
   choose(key) {
     this.key = key;
     this.quantity = this.sequence.quantities.find((q) => q.key === key);
-    this.scale = scale_of(this.quantity, this.map);
+    this.scale = scale_of(this.quantity, this.map, this.ranges[key]);
+    this.show_range();
     this.legend_place.replaceChildren(legend(this.quantity, this.scale), faces_legend(this.sequence.broken));
     this.update();
   }
@@ -159,7 +218,7 @@ export class View {
   update() {
     const { frame, count, playing } = this.player;
     if (count !== this.sequence.frames.length) return;   // between two sequences
-    this.scene.place_body(this.sequence, frame, this.factor);
+    this.scene.place_body(this.sequence, frame, this.factor, this.cut_plane(), this.ghost);
     paint(this.scene, this.sequence, frame, this.quantity, this.scale, this.size, this.picked);
     this.show_picked();
     this.play_button.textContent = playing ? "❚❚" : "▶";

@@ -4,6 +4,7 @@
 // (skipped) where there is no chromium or no puppeteer-core.
 import assert from "node:assert/strict";
 import { mkdtemp, readFile, readdir, rm, writeFile } from "node:fs/promises";
+import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { dirname, join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
@@ -55,6 +56,110 @@ async function click_first_plot(page) {
   const over = await page.evaluateHandle(() => [...document.querySelectorAll(".plot")].find((plot) => plot.querySelector("h3").textContent === "Energies").querySelector(".u-over"));
   await over.evaluate((element) => element.scrollIntoView({ block: "center" }));
   await over.click({ offset: { x: 20, y: 60 } });
+}
+
+const input = (page, selector, value, event = "input") => page.$eval(selector, (field, { value, event }) => {
+  field.value = value;
+  field.dispatchEvent(new Event(event));
+}, { value, event });
+
+/** The reader's own ends of the colours: kept for their quantity, told in the legend, refused if they are turned round. */
+async function colours_have_the_range_that_is_wanted(browser, file) {
+  const { page, complaints } = await open(browser, file);
+  const marks = () => page.$$eval(".legend .marks span", (spans) => spans.map((span) => Number(span.textContent.replace("−", "-"))));
+  const fields = '[aria-label="Range of the colours"] input', automatic = await marks(), before = await steady_picture(page);
+  await input(page, `${fields}:nth-of-type(1)`, 1, "change");
+  await input(page, `${fields}:nth-of-type(2)`, 1.5, "change");
+  assert.deepEqual(await marks(), [1, 1.25, 1.5]);
+  assert.ok((await page.$eval(".legend", (legend) => legend.textContent)).includes("beyond"));
+  assert.ok(await soon(async () => await picture(page) !== before), "other colours");
+  await input(page, `${fields}:nth-of-type(2)`, 0.5, "change");
+  assert.deepEqual(await marks(), [1, 1.25, 1.5], "no range");
+  assert.equal(await page.$eval(`${fields}:nth-of-type(2)`, (field) => field.validity.valid), false);
+  await page.select("#quantity", "range");
+  assert.equal(await page.$eval(fields, (field) => field.offsetHeight), 0, "classes have none");
+  await page.select("#quantity", "displacement");
+  assert.deepEqual(await marks(), [1, 1.25, 1.5]);
+  await page.$eval('[aria-label="Range of the colours"] button', (button) => button.click());
+  assert.deepEqual(await marks(), automatic);
+  assert.deepEqual(complaints, []);
+  await page.close();
+}
+
+/** The cut takes away what is beyond, for the eye and for the pointer; the undeformed shape comes and goes. */
+async function the_body_is_cut_and_has_a_ghost(browser, file) {
+  const { page, complaints } = await open(browser, file);
+  await page.select("#quantity", "displacement");
+  const count = async () => (await canvas_pixels(page)).green.length, whole = await count(), before = await steady_picture(page);
+  await choose(page, "Cut away", "+x");
+  const at = (part) => input(page, '[aria-label="Where the body is cut"]', part);
+  const left = [];
+  for (const part of [0, 0.5, 1]) { await at(part); left.push(await count()); }
+  assert.equal(left[0], whole, "at its end nothing is cut away");
+  assert.ok(left[1] < 0.9 * whole && left[1] > 0.1 * whole && left[2] < 0.1 * whole, `green pixels: ${whole}, cut ${left}`);
+  await choose(page, "Cut away", "nothing");
+  assert.equal(await steady_picture(page), before);
+  const { x, y, green } = await canvas_pixels(page), place = green[Math.floor(green.length / 3)], click = () => page.mouse.click(x + place.x, y + place.y);
+  await choose(page, "Cut away", "+x");   // still all of it
+  await click();
+  assert.equal(await page.$(".picked"), null, "what is cut away is not picked");
+  await choose(page, "Cut away", "nothing");
+  await click();
+  await page.click(".picked button");
+  await page.$eval('.settings input[type="checkbox"]', (box) => box.click());
+  assert.ok(await soon(async () => await picture(page) !== before), "a ghost");
+  await page.$eval('.settings input[type="checkbox"]', (box) => box.click());
+  assert.equal(await steady_picture(page), before, "gone again");
+  assert.deepEqual(complaints, []);
+  await page.close();
+}
+
+/** A rectangle drawn in a plot becomes the plot, without going to another frame; a double click and a button bring all back. */
+async function plots_zoom(browser, file) {
+  const { page, complaints } = await open(browser, file);
+  const plot = await page.$(".plot"), over = await plot.$(".u-over");
+  await over.scrollIntoView();
+  const { x, y } = await over.boundingBox(), drawn = () => plot.screenshot({ encoding: "base64" });
+  const is_whole = () => plot.$$eval("header button", (buttons) => buttons.find((b) => b.textContent === "whole").hidden);
+  const frame = () => page.$eval(".scrub", (scrub) => scrub.value), first = await frame();
+  await page.mouse.move(5, 5);
+  await two_pictures(page);
+  const before = await drawn();
+  const drag = async () => {
+    await page.mouse.move(x + 60, y + 30);
+    await page.mouse.down();
+    await page.mouse.move(x + 160, y + 120, { steps: 4 });
+    await page.mouse.up();
+    await two_pictures(page);
+  };
+  await drag();
+  assert.ok(!await is_whole() && await drawn() !== before);
+  assert.equal(await frame(), first, "a drag picks nothing");
+  await page.mouse.click(x + 50, y + 50, { count: 2 });
+  assert.ok(await is_whole(), "a double click");
+  await plot.$$eval("header button", (buttons) => buttons.find((b) => b.textContent === "+").click());
+  assert.ok(!await is_whole(), "the button for those without a mouse");
+  await plot.$$eval("header button", (buttons) => buttons.find((b) => b.textContent === "whole").click());
+  assert.ok(await is_whole());
+  await page.$eval(".scrub", (scrub, frame) => { scrub.value = frame; scrub.dispatchEvent(new Event("input")); }, first);
+  await page.mouse.move(5, 5);
+  assert.ok(await soon(async () => await drawn() === before), "as it was");
+  assert.deepEqual(complaints, []);
+  await page.close();
+}
+
+/** Nothing that axe knows of keeps readers with other senses out, in both themes, wide and narrow. */
+async function is_accessible(browser, file) {
+  const axe = await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+  for (const [width, theme] of [[1300, "light"], [390, "dark"]]) {
+    const { page } = await open(browser, file, { width });
+    await page.evaluate((name) => { if (document.documentElement.dataset.theme !== name) document.querySelector(".top button").click(); }, theme);
+    assert.equal(await page.evaluate(() => document.documentElement.dataset.theme ?? "light"), theme);
+    await page.evaluate(axe);   // by the tester's tools: the page itself may not run it
+    const { violations } = await page.evaluate(() => globalThis.axe.run(document));
+    assert.deepEqual(violations.map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 160)).join("; ")}`), []);
+    await page.close();
+  }
 }
 
 /** Every button that saves: names of the files and that they are not empty. */
@@ -170,6 +275,15 @@ async function modes_swing(browser, file) {
   const stopped = await frame();
   await picture(page);
   assert.equal(await frame(), stopped, "paused is paused");
+  const asked = await page.evaluate(async () => {
+    let times = 0;
+    const ask = requestAnimationFrame;
+    globalThis.requestAnimationFrame = (callback) => { ++times; return ask(callback); };
+    await new Promise((done) => setTimeout(done, 300));
+    globalThis.requestAnimationFrame = ask;
+    return times;
+  });
+  assert.equal(asked, 0, "and asks for no pictures");
   assert.deepEqual(complaints, []);
   await page.close();
 }
@@ -413,10 +527,16 @@ try {
     await keys_belong_to_the_focus(browser, pages[0]);
     await a_finger_scrolls_until_the_body_is_tapped(browser, pages[0]);
     await classes_are_words(browser, pages[0]);
+    await colours_have_the_range_that_is_wanted(browser, pages[0]);
+    await the_body_is_cut_and_has_a_ghost(browser, pages[0]);
+    await plots_zoom(browser, pages[0]);
+    await is_accessible(browser, pages[0]);
+    await is_accessible(browser, await made("accessible", snapped()));
     await nothing_breaks(browser, pages[0]);
     const parted = breaking(), parted_page = await made("breaking", parted);
     await shows_the_run(browser, parted_page);
     await plots_take_any_choice(browser, parted_page);
+    await is_accessible(browser, parted_page);
     await breaks_are_faces(browser, parted_page, parted);
     await breaks_are_told_and_things_picked(browser, parted_page, parted);
     await a_still_of_a_mode_stands_still(browser, await made("mode", rod({ first_shown: 1 })));

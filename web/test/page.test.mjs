@@ -174,7 +174,7 @@ test("Run.AModeHasNoSize", () => {
 const run_of = ({ json, base64 }) => new Run(json, new Uint8Array(gunzipSync(Buffer.from(base64, "base64"))));
 
 test("Broken.BondsAreListedInTheOrderOfTheirFrames", () => {
-  const made = breaking(), { lost, bonds } = made, run = run_of(made), [{ broken, displacement }] = run.sequences;
+  const made = breaking(), { lost, bonds } = made, run = run_of(made), [{ broken }] = run.sequences;
   assert.deepEqual(broken.list, lost.map((bond, k) => ({ bond, cause: 1 + (bond % 4), frame: 10 + 5 * k })));
   assert.deepEqual([0, 9, 10, 14, 15, 25, 39].map((f) => broken.count(f)), [0, 0, 1, 1, 2, 4, 4]);
   assert.deepEqual(broken.until(20).map(({ bond }) => bond), lost.slice(0, 3));
