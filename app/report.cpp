@@ -159,6 +159,7 @@ page::Report report_of(const fs::path& folder, std::optional<std::string> live) 
   for (page::Warning& w : trouble) w.text = without_folder(std::move(w.text), folder);
   const page::StepFacts step = step_of(c, built, summary);
   r.facts = facts_of(c, built, summary, step);
+  r.stages = holds_of(c, built.model);
   if (summary) r.results = results_of(*summary);
   r.warnings = page::warnings(
       {.summary = summary,

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "vbond/build/build.hpp"
 #include "vbond/case/case.hpp"
@@ -33,6 +34,9 @@ void require_page();
 page::Lines facts_of(const Case& c, const Built& built, const std::optional<RunSummary>& summary,
                      const page::StepFacts& step);
 page::Lines results_of(const RunSummary& summary);
+
+/// What each stage of the case holds and loads; stages that do neither are left out.
+std::vector<page::StageHolds> holds_of(const Case& c, const Model& model);
 
 /// The step of the first stage of dynamics, as far as it is known.
 page::StepFacts step_of(const Case& c, const Built& built, const std::optional<RunSummary>& summary);

@@ -387,6 +387,20 @@ TEST(Page, FramesThatContradictThemselvesAreRefused) {
   EXPECT_NE(refusal(film).find("earlier step"), std::string::npos);
 }
 
+TEST(Page, TellsWhatStagesHoldAndLoad) {
+  Film film;
+  EXPECT_FALSE(json_of(report_page(one_line, film.report, {})).contains("stages"));
+  film.report.stages = {{"push", {0, 2}, {63, 5}, {1}, {1, -2, 0.5, 0, 0, 4}}};
+  const std::string html = report_page(one_line, film.report, {});
+  const auto stages = json_of(html)["stages"];
+  ASSERT_EQ(stages.size(), 1);
+  EXPECT_EQ(stages[0]["name"], "push");
+  EXPECT_EQ(array_of(html, stages[0]["held"]), (std::vector<double>{0, 2}));
+  EXPECT_EQ(array_of(html, stages[0]["how"]), (std::vector<double>{63, 5}));
+  EXPECT_EQ(array_of(html, stages[0]["loaded"]), (std::vector<double>{1}));
+  EXPECT_EQ(array_of(html, stages[0]["loads"]), (std::vector<double>{1, -2, 0.5, 0, 0, 4}));
+}
+
 TEST(Page, ABodyFarFromZeroKeepsItsShape) {
   const Folder folder;
   Chain chain(3);

@@ -1,6 +1,7 @@
 // What the colours mean, with numbers and units; and the three axes.
 import { Vector3 } from "three";
 import { cause_colours, causes, class_colours, css_colour, css_gradient, fragment_colours } from "./colours.js";
+import { mark_colours } from "./marks.js";
 import { capital, element, number } from "./text.js";
 
 const meaning = {
@@ -31,6 +32,12 @@ export function faces_legend({ list }) {
   const there = [...new Set(list.map(({ cause }) => cause))].sort();
   const words = there.map((cause) => element("li", {}, swatch(cause_colours[cause]), causes[cause]));
   return there.length ? swatches(element("p", { class: "legend-title" }, "Faces of bonds that broke by"), words) : "";
+}
+
+/** What squares and arrows mean, of those that there are. */
+export function marks_legend(kinds) {
+  const words = { fixed: "held in x, y and z", held: "held in some direction", force: "forces", moment: "moments, by the right hand" };
+  return kinds.length ? swatches(element("p", { class: "legend-title" }, "Marks"), kinds.map((kind) => element("li", {}, swatch(mark_colours[kind]), words[kind]))) : "";
 }
 
 const svg = "http://www.w3.org/2000/svg";

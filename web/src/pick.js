@@ -68,7 +68,7 @@ function particle_numbers(run, sequence, frame, k) {
 export function numbers_of(run, sequence, frame, { kind, number: k }) {
   const words = ({ value, classes, unit, on }) => (classes && on === "bonds" ? classes[value(frame, k)] : with_unit(value(frame, k), unit, 3));
   const all = sequence.quantities.filter((q) => q.on === `${kind}s`).map((q) => [q.label, words(q)]);
-  if (kind === "particle") return [`Particle ${k}`, [...particle_numbers(run, sequence, frame, k), ...all]];
+  if (kind === "particle") return [`Particle ${k}`, [...particle_numbers(run, sequence, frame, k), ...(run.holds_in(sequence, frame)?.words(k) ?? []), ...all]];
   const title = `Bond ${k}, of particles ${run.ends_of(k).join(" and ")}`;
   if (k >= sequence.bonds_at(frame)) return [title, [["State", "not made yet"]]];
   const cause = sequence.broken.cause(frame, k);

@@ -3,6 +3,7 @@ import { stored } from "./decode.js";
 import { Broken } from "./broken.js";
 import { fragment_colour_count } from "./colours.js";
 import { nearest } from "./history.js";
+import { number } from "./text.js";
 import { Walls } from "./walls.js";
 
 const energy_keys = ["U_L", "U_B", "U_T"];
@@ -38,9 +39,9 @@ function relative(quantity) {
  */
 export function fragment_classes(fragment) {
   const of_fragment = new Map([[0, 0]]);
-  return Uint8Array.from(fragment, (number, k) => {
-    if (!of_fragment.has(number)) of_fragment.set(number, 1 + ((Math.imul(k + 1, 0x9e3779b1) >>> 16) % (fragment_colour_count - 1)));
-    return of_fragment.get(number);
+  return Uint8Array.from(fragment, (which, k) => {
+    if (!of_fragment.has(which)) of_fragment.set(which, 1 + ((Math.imul(k + 1, 0x9e3779b1) >>> 16) % (fragment_colour_count - 1)));
+    return of_fragment.get(which);
   });
 }
 
@@ -150,6 +151,33 @@ export class Sequence {
   }
 }
 
+const degrees_of_freedom = ["x", "y", "z", "rx", "ry", "rz"];
+
+/** What a stage holds and loads. */
+export class Holds {
+  constructor(json, block) {
+    this.name = json.name;
+    this.held = stored(block, json.held);
+    this.how = stored(block, json.how);
+    this.loaded = stored(block, json.loaded);
+    this.loads = stored(block, json.loads);
+  }
+
+  /** "force" or "moment" of entry k of `loaded`, three numbers; and its size. */
+  load(k, kind) { const from = 6 * k + (kind === "moment" ? 3 : 0); return [...this.loads.subarray(from, from + 3)]; }
+  size(k, kind) { return Math.hypot(...this.load(k, kind)); }
+
+  /** Of particle k in words: [label, text] each. */
+  words(k) {
+    const n = this.held.indexOf(k), m = this.loaded.indexOf(k), all = [];
+    if (n >= 0) all.push(["Held in", degrees_of_freedom.filter((_, dof) => (this.how[n] >> dof) & 1).join(", ")]);
+    for (const kind of ["force", "moment"]) {
+      if (m >= 0 && this.size(m, kind)) all.push([`Given ${kind}`, this.load(m, kind).map((x) => number(x)).join(", ")]);
+    }
+    return all;
+  }
+}
+
 export class Run {
   constructor(json, block, time_unit = "") {
     if (json.format !== 1) throw new Error(`The page reads format 1, the data are of format ${json.format}.`);
@@ -161,8 +189,12 @@ export class Run {
     const length_unit = json.units === "SI" ? "m" : "";
     this.length_unit = length_unit;
     this.time_unit = time_unit;
+    this.stages = new Map((json.stages ?? []).map((stage) => [stage.name, new Holds(stage, block)]));
     this.sequences = json.sequences.map((s) => new Sequence(s, block, this.particles, this.ends, length_unit));
   }
+
+  /** What the stage of a frame holds and loads, or undefined. */
+  holds_in(sequence, frame) { return this.stages.get(sequence.frames[frame].stage); }
 
   /** The two particles of a bond. */
   ends_of(bond) { return [this.ends[2 * bond], this.ends[2 * bond + 1]]; }

@@ -4,6 +4,7 @@ import { BufferAttribute, BufferGeometry, DataTexture, DoubleSide, DynamicDrawUs
          WebGLRenderer } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { cause_colours } from "./colours.js";
+import { Marks } from "./marks.js";
 import { bond_fragment, bond_vertex, face_fragment, face_vertex, sphere_fragment, sphere_vertex } from "./shaders.js";
 
 const smooth_up_to = 5000;      // particles; with more, pixels are not doubled, edges not smoothed, spheres flat in depth
@@ -187,6 +188,19 @@ export class BodyScene {
     }
     this.ghost.visible = shown;
     if (this.run.ends.length) this.ghost.geometry.setDrawRange(0, 2 * this.bonds_shown);
+  }
+
+  /** Supports and loads of the frame's stage, if they are wanted. Returns which kinds there are. */
+  place_marks(sequence, frame, wanted) {
+    const holds = wanted ? this.run.holds_in(sequence, frame) : undefined;
+    if (this.marks?.holds !== holds) {
+      this.marks?.close();
+      this.marks = holds && new Marks(holds, sequence.reference);
+      if (holds) this.scene.add(...this.marks.objects);
+    }
+    const { array } = this.places;
+    this.marks?.put((k) => new Vector3(array[4 * k], array[4 * k + 1], array[4 * k + 2]));
+    return this.marks?.kinds ?? [];
   }
 
   /** Whether the plane of the cut takes particle k away. */

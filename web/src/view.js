@@ -1,5 +1,5 @@
 // The 3D view with all that belongs to it: controls, legend, caption, keys.
-import { draw_axes, faces_legend, legend } from "./legend.js";
+import { draw_axes, faces_legend, legend, marks_legend } from "./legend.js";
 import { paint, scale_of } from "./paint.js";
 import { numbers_box, numbers_of, picked_at } from "./pick.js";
 import { Player } from "./player.js";
@@ -32,6 +32,7 @@ export class View {
     this.ranges = {};
     this.cut = { side: "", part: 0.5 };
     this.ghost = false;
+    this.marks = false;
     Object.assign(this, choices);
     this.first = { index: Math.min(index, run.sequences.length - 1), frame, camera };
     this.player = new Player(() => this.update());
@@ -41,6 +42,7 @@ export class View {
     this.picked_place = element("div", {});
     this.caption = element("p", { class: "caption" });
     this.legend_place = element("div", {});
+    this.marks_place = element("div", {});
     this.axes = document.createElementNS("http://www.w3.org/2000/svg", "svg");
     this.axes.setAttribute("class", "axes");
     this.axes.setAttribute("viewBox", "0 0 80 80");
@@ -67,8 +69,8 @@ export class View {
   /** What the reader has chosen, for a view of newer data. The last frame stays the last one. */
   kept() {
     if (!this.sequence) return undefined;
-    const { factor, map, size, key, picked, ranges, cut, ghost, player, sequence, run } = this;
-    return { factor, map, size, key, picked, ranges, cut, ghost, speed: player.speed, index: run.sequences.indexOf(sequence),
+    const { factor, map, size, key, picked, ranges, cut, ghost, marks, player, sequence, run } = this;
+    return { factor, map, size, key, picked, ranges, cut, ghost, marks, speed: player.speed, index: run.sequences.indexOf(sequence),
              frame: player.swings || player.frame === sequence.last ? null : player.frame, camera: this.scene.turned ? this.scene.camera_now() : null };
   }
 
@@ -119,14 +121,19 @@ export class View {
       this.range_control(),
       choice("Spheres", [[0, "automatic"], [1, "full size"], [0.45, "small"], [0.3, "tiny"]], this.size, (size) => { this.size = Number(size); this.update(); }),
       this.cut_control(),
-      element("label", { class: "control" }, element("span", {}, "Undeformed shape"),
-        element("input", { type: "checkbox", checked: this.ghost, onchange: (event) => { this.ghost = event.target.checked; this.update(); } })),
+      this.check_box("Undeformed shape", "ghost"),
+      this.run.stages.size ? this.check_box("Supports and loads", "marks") : null,
       choice("Speed", speeds.map((s) => [s, `${s} ×`]), this.player.speed, (s) => this.player.set_speed(Number(s))),
       element("div", { class: "control" }, element("span", {}, "Look from"),
         element("div", { class: "buttons", role: "group", "aria-label": "Look from" }, ...looks,
           element("button", { type: "button", onclick: () => this.reset() }, "Reset"))),
       element("div", { class: "control" }, element("span", {}, "Picture"),
         element("button", { type: "button", "aria-label": "Save the 3D view as PNG", onclick: () => save_picture(this) }, "PNG")));
+  }
+
+  check_box(label, shown) {
+    const box = element("input", { type: "checkbox", checked: this[shown], onchange: () => { this[shown] = box.checked; this.update(); } });
+    return element("label", { class: "control" }, element("span", {}, label), box);
   }
 
   /** Ends of the colours, as the reader wants them: for each quantity of its own. */
@@ -192,8 +199,14 @@ export class View {
     this.quantity = this.sequence.quantities.find((q) => q.key === key);
     this.scale = scale_of(this.quantity, this.map, this.ranges[key]);
     this.show_range();
-    this.legend_place.replaceChildren(legend(this.quantity, this.scale), faces_legend(this.sequence.broken));
+    this.legend_place.replaceChildren(legend(this.quantity, this.scale), faces_legend(this.sequence.broken), this.marks_place);
     this.update();
+  }
+
+  show_marks(kinds) {
+    if (kinds.join() === this.marked) return;
+    this.marked = kinds.join();
+    this.marks_place.replaceChildren(marks_legend(kinds));
   }
 
   set_factor(input) {
@@ -219,6 +232,7 @@ export class View {
     const { frame, count, playing } = this.player;
     if (count !== this.sequence.frames.length) return;   // between two sequences
     this.scene.place_body(this.sequence, frame, this.factor, this.cut_plane(), this.ghost);
+    this.show_marks(this.scene.place_marks(this.sequence, frame, this.marks));
     paint(this.scene, this.sequence, frame, this.quantity, this.scale, this.size, this.picked);
     this.show_picked();
     this.play_button.textContent = playing ? "❚❚" : "▶";

@@ -9,9 +9,10 @@ import { tmpdir } from "node:os";
 import { dirname, join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
 import { cause_colours, causes } from "../src/colours.js";
+import { mark_colours } from "../src/marks.js";
 import { choose, launch } from "./chromium.mjs";
 import { colours, fits, open, picture, pixels, soon, steady_picture, two_pictures } from "./opened.mjs";
-import { breaking, page as filled, rod, snapped, wide } from "./sample.mjs";
+import { breaking, held, page as filled, rod, snapped, wide } from "./sample.mjs";
 
 const here = dirname(fileURLToPath(import.meta.url));
 
@@ -110,6 +111,26 @@ async function the_body_is_cut_and_has_a_ghost(browser, file) {
   assert.ok(await soon(async () => await picture(page) !== before), "a ghost");
   await page.$eval('.settings input[type="checkbox"]', (box) => box.click());
   assert.equal(await steady_picture(page), before, "gone again");
+  assert.deepEqual(complaints, []);
+  await page.close();
+}
+
+/** What holds and loads the body is marked where it is, in the stage that asks for it, and told in the legend. */
+async function supports_and_loads_are_marked(browser, file) {
+  const { page, complaints } = await open(browser, file);
+  const box = await page.evaluateHandle(() => [...document.querySelectorAll(".control")].find((c) => c.textContent === "Supports and loads").querySelector("input"));
+  const words = () => page.$$eval(".legend", (legends) => legends.slice(1).map((legend) => [...legend.querySelectorAll("li")].map((li) => li.textContent)));
+  await show_frame(page, 0);
+  const before = await steady_picture(page);
+  await box.evaluate((input) => input.click());
+  assert.deepEqual(await words(), [["held in x, y and z", "held in some direction", "forces", "moments, by the right hand"]]);
+  const marked = await steady_picture(page);
+  for (const kind of Object.keys(mark_colours)) assert.ok(await pixels_of(page, marked, mark_colours[kind]) > 3, `${kind} is drawn`);
+  await show_frame(page, 59);
+  assert.deepEqual(await words(), [], "the second stage has none");
+  await show_frame(page, 0);
+  await box.evaluate((input) => input.click());
+  assert.equal(await steady_picture(page), before);
   assert.deepEqual(complaints, []);
   await page.close();
 }
@@ -421,7 +442,7 @@ async function canvas_pixels(page, place = { x: 0, y: 0 }) {
 async function breaks_are_faces(browser, file, { json: { breaks }, lost }) {
   const { page, complaints } = await open(browser, file);
   await page.select("#quantity", "range");   // small spheres; its colours are other ones
-  assert.deepEqual(await page.$$eval(".legend:last-child li", (items) => items.map((item) => item.textContent)), ["tension", "shear", "bending"]);
+  assert.deepEqual(await page.$$eval(".legend:nth-child(2) li", (items) => items.map((item) => item.textContent)), ["tension", "shear", "bending"]);
   assert.deepEqual(lost.map((b) => 1 + (b % 4)), breaks.first.map(({ mode }) => mode));
   for (const [k, { mode }] of breaks.first.slice(0, 3).entries()) {
     const same_before = breaks.first.slice(0, k).filter((other) => other.mode === mode).length, counts = [];
@@ -529,6 +550,7 @@ try {
     await classes_are_words(browser, pages[0]);
     await colours_have_the_range_that_is_wanted(browser, pages[0]);
     await the_body_is_cut_and_has_a_ghost(browser, pages[0]);
+    await supports_and_loads_are_marked(browser, await made("held", held()));
     await plots_zoom(browser, pages[0]);
     await is_accessible(browser, pages[0]);
     await is_accessible(browser, await made("accessible", snapped()));

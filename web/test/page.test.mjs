@@ -15,7 +15,7 @@ import { Run, fragment_classes } from "../src/run.js";
 import { axes_of, curves_of, results_worth_showing } from "../src/sweep.js";
 import { file_name, number, with_unit } from "../src/text.js";
 import { Walls } from "../src/walls.js";
-import { Block, breaking, rod } from "./sample.mjs";
+import { Block, breaking, held, rod } from "./sample.mjs";
 
 test("Decoding.DifferencesBetweenFramesWrapAround", () => {
   assert.deepEqual([...undelta(Uint8Array.of(250, 3, 10, 255, 1, 0), 2)], [250, 3, 4, 2, 5, 2]);
@@ -172,6 +172,18 @@ test("Run.AModeHasNoSize", () => {
 });
 
 const run_of = ({ json, base64 }) => new Run(json, new Uint8Array(gunzipSync(Buffer.from(base64, "base64"))));
+
+test("Run.TellsWhatHoldsAndLoadsAParticle", () => {
+  const run = run_of(held()), [sequence] = run.sequences, holds = run.holds_in(sequence, 0);
+  assert.deepEqual(holds.words(0), [["Held in", "x, y, z, rx, ry, rz"]]);
+  assert.deepEqual(holds.words(9), [["Held in", "y, z"], ["Given force", "−2, 0, 0"]]);
+  assert.deepEqual(holds.words(4), [["Given force", "0, 0, 1"], ["Given moment", "0, 0.5, 0"]]);
+  assert.deepEqual(holds.words(5), []);
+  assert.equal(run.holds_in(sequence, sequence.last), undefined, "another stage");
+  assert.equal(run_of(rod()).holds_in(sequence, 0), undefined);
+  const [label, text] = numbers_of(run, sequence, 0, { kind: "particle", number: 9 })[1][2];
+  assert.equal(`${label} ${text}`, "Held in y, z");
+});
 
 test("Broken.BondsAreListedInTheOrderOfTheirFrames", () => {
   const made = breaking(), { lost, bonds } = made, run = run_of(made), [{ broken }] = run.sequences;

@@ -118,7 +118,8 @@ function json(block, base, sequences, bonds, radius, frames) {
            history: history(frames), plots: [{ title: "Force against shortening", x: "displacement.9.x", y: ["axial_force.rod"] }], ...base };
 }
 
-export function rod(about = {}) {
+/** `about`: other JSON; `packed(block)`: more of it, with arrays in the block. */
+export function rod(about = {}, packed = () => ({})) {
   const block = new Block(), n = 10, frames = 60;
   const points = Array.from({ length: n }, (_, k) => [k, 0, 0]);
   const bonds = points.slice(1).map((_, k) => [k, k + 1]);
@@ -128,7 +129,13 @@ export function rod(about = {}) {
   const sequences = [sequence(block, { ...all, frames, move: bend, bonds_at: (f) => (f < 10 ? 8 : 9) }),
                      sequence(block, { ...all, frames: 40, move: swing, kind: "mode", loop: true, name: "Buckling mode 1 of stage \"critical\"",
                                        note: "critical force 3.078e-4 N" })];
-  return { json: json(block, { title: "A rod that bends", particles: n, ...about }, sequences, bonds, 0.45, frames), base64: block.base64() };
+  return { json: json(block, { title: "A rod that bends", particles: n, ...about, ...packed(block) }, sequences, bonds, 0.45, frames), base64: block.base64() };
+}
+
+/** The rod with supports and loads in its first stage, "push". */
+export function held() {
+  return rod({}, (block) => ({ stages: [{ name: "push", held: block.plain("u32", [0, 9]), how: block.plain("u32", [63, 6]), loaded: block.plain("u32", [9, 4]),
+                                          loads: block.plain("f32", [-2, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0.5, 0]) }] }));
 }
 
 /** The rod again, with all that must warn, and markup in every text. */

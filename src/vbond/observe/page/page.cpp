@@ -66,6 +66,17 @@ Json radius_json(const std::vector<float>& radius, Block& block) {
   return equal ? Json(radius[0]) : to_json(block.add(radius));
 }
 
+Json stages_json(const std::vector<StageHolds>& stages, Block& block) {
+  Json all = Json::array();
+  for (const StageHolds& s : stages)
+    all.push_back({{"name", s.name},
+                   {"held", to_json(block.add(s.held))},
+                   {"how", to_json(block.add(s.how))},
+                   {"loaded", to_json(block.add(s.loaded))},
+                   {"loads", to_json(block.add(s.loads))}});
+  return all;
+}
+
 const Sequence* run_of(const Report& report) {
   for (const Sequence& s : report.sequences)
     if (s.kind == SequenceKind::run) return &s;
@@ -170,6 +181,7 @@ Packed pack(const Report& report, const PageLimits& limits, const Cut& cut) {
   j["radius"] = cut.frames ? radius_json(report.body.radius, block) : Json(0.0);
   j["bonds"] = to_json(block.add(cut.frames ? report.body.bonds : std::vector<std::uint32_t>{}));
   for (const Sequence* s : shown) sequences.push_back(sequence_json(*s, report, kept_frames(*s, cut), block));
+  if (!shown.empty() && !report.stages.empty()) j["stages"] = stages_json(report.stages, block);
   j["first_shown"] = report.first_shown < shown.size() ? report.first_shown : 0;
   j["sequences"] = std::move(sequences);
   if (shown.empty()) j["no_frames"] = why_no_frames(report, limits);

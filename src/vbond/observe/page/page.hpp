@@ -16,6 +16,15 @@ namespace vbond::page {
 
 using Lines = std::vector<std::pair<std::string, std::string>>;
 
+/// What a stage holds and loads, as its case asks for it: without functions of time, at load factor 1.
+struct StageHolds {
+  std::string name;
+  std::vector<std::uint32_t> held;    ///< particles
+  std::vector<std::uint32_t> how;     ///< of each, bits from the lowest: x, y, z, rx, ry, rz
+  std::vector<std::uint32_t> loaded;  ///< particles
+  std::vector<float> loads;           ///< of each, force and moment: six numbers  [force], [force*length]
+};
+
 /// Everything that the page shows but what is computed from it.
 struct Report {
   std::string program;  ///< with its version
@@ -32,6 +41,7 @@ struct Report {
   std::string no_frames;                    ///< why there are no sequences, if so
   std::size_t first_shown = 0;              ///< number of the sequence that the page begins with
   std::vector<std::string> stage_of_frame;  ///< of the run's frames, one each
+  std::vector<StageHolds> stages;           ///< those that hold or load particles
   std::optional<std::string> live;  ///< the page follows a run, of which this is the state of the data
 };
 

@@ -269,6 +269,7 @@ Sequence read_sequence(const SequenceFiles& files, Body& body) {
   Sequence s{.kind = files.kind,
              .name = files.name,
              .note = files.note,
+             .stage = files.stage,
              .origin = {},
              .reference = {},
              .displacement = {},

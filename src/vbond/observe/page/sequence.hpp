@@ -65,6 +65,7 @@ struct QuantisedFrame {
 struct Sequence {
   SequenceKind kind = SequenceKind::run;
   std::string name, note;
+  std::string stage{};             ///< of a mode
   std::array<double, 3> origin{};  ///< middle of the box about the first positions  [length]
   std::vector<float> reference;    ///< from there: x0, y0, z0, x1, ...  [length]
   std::array<Range, 3> displacement;

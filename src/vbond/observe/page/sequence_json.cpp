@@ -106,7 +106,7 @@ Json sequence_json(const Sequence& s, const Report& report, const std::vector<st
     const QuantisedFrame& frame = s.frames[f];
     frames.push_back({{"step", frame.step},
                       {"time", frame.time},
-                      {"stage", is_run ? report.stage_of_frame.at(f) : ""},
+                      {"stage", is_run ? report.stage_of_frame.at(f) : s.stage},
                       {"bonds", frame.bonds()}});
     displacement.insert(displacement.end(), frame.displacement.begin(), frame.displacement.end());
   }

@@ -1,0 +1,70 @@
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <map>
+
+#include "report.hpp"
+
+namespace vbond::app {
+namespace {
+
+float as_float(double x) {
+  constexpr double most = std::numeric_limits<float>::max();
+  return static_cast<float>(std::clamp(x, -most, most));
+}
+
+const std::vector<ParticleId>& particles_of(const Placed<std::string>& group, const Model& model) {
+  static const std::vector<ParticleId> none;
+  const Group* found = model.find_group(group.value);
+  return found != nullptr ? found->particles : none;
+}
+
+void add_held(const StageSpec& stage, const Model& model, page::StageHolds& holds) {
+  std::map<std::size_t, std::uint32_t> how;
+  for (const SupportSpec& s : stage.supports)
+    for (const ParticleId p : particles_of(s.group, model))
+      for (std::size_t dof = 0; dof < s.held.size(); ++dof)
+        if (s.held[dof]) how[p.value] |= std::uint32_t{1} << dof;
+  for (const auto& [p, bits] : how) {
+    holds.held.push_back(static_cast<std::uint32_t>(p));
+    holds.how.push_back(bits);
+  }
+}
+
+void add_loads(const StageSpec& stage, const Model& model, page::StageHolds& holds) {
+  struct Load {
+    Vec3d force, moment;
+  };
+  std::map<std::size_t, Load> loads;
+  for (const LoadSpec& l : stage.loads) {
+    const std::vector<ParticleId>& group = particles_of(l.group, model);
+    double mass = 0.0;
+    for (const ParticleId p : group) mass += model.mass[p];
+    for (const ParticleId p : group) {
+      const double part = mass > 0.0 ? model.mass[p] / mass : 0.0;
+      loads[p.value].force += l.force + part * l.total_force;
+      loads[p.value].moment += l.moment + part * l.total_moment;
+    }
+  }
+  for (const auto& [p, load] : loads) {
+    const auto& [F, M] = load;
+    if (F == Vec3d{} && M == Vec3d{}) continue;
+    holds.loaded.push_back(static_cast<std::uint32_t>(p));
+    for (const double x : {F.x, F.y, F.z, M.x, M.y, M.z}) holds.loads.push_back(as_float(x));
+  }
+}
+
+}  // namespace
+
+std::vector<page::StageHolds> holds_of(const Case& c, const Model& model) {
+  std::vector<page::StageHolds> all;
+  for (const StageSpec& stage : c.stages) {
+    page::StageHolds holds{.name = stage.name, .held = {}, .how = {}, .loaded = {}, .loads = {}};
+    add_held(stage, model, holds);
+    add_loads(stage, model, holds);
+    if (!holds.held.empty() || !holds.loaded.empty()) all.push_back(std::move(holds));
+  }
+  return all;
+}
+
+}  // namespace vbond::app
