@@ -1,5 +1,8 @@
 """Cases from files, texts and dicts are the same case; mistakes are told with their places."""
 
+import csv
+import os
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -36,6 +39,29 @@ def test_the_same_case_from_file_text_and_dict_gives_the_same_bits_as_the_progra
     run.run()
     for name, column in run.history.items():  # 17 digits give back every double
         assert np.array_equal(column, written[name], equal_nan=True), name
+
+
+def test_a_c_plus_plus_program_gives_the_same_bits(tmp_path):
+    if "VBOND_ROD" not in os.environ:
+        pytest.skip("VBOND_ROD names the program that rod.cpp makes: ctest does")
+    keys = rod_keys()
+    keys["velocities"] = [{"group": "first", "velocity": [0.01, 0.002, 0], "angular_velocity": [0.02, 0, 0.03]}]
+    keys["time"] = {"step": 0.125}
+    keys["stage"] = [{"name": "fly", "duration": 250.0}]
+    keys["output"] = {"history": {"every": 1.25}}
+    case = vbond.Case.from_dict(keys)
+    (tmp_path / "rod.toml").write_text(case.text)
+    subprocess.run([os.environ["VBOND_ROD"], tmp_path], check=True)
+    with open(tmp_path / "history.csv") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 201
+    for same in (case, vbond.Case.from_file(tmp_path / "rod.toml")):
+        run = vbond.Run(same)
+        run.run()
+        assert list(run.history) == list(rows[0])
+        for name, column in run.history.items():
+            written = np.array([float(row[name] or "nan") for row in rows])
+            assert np.array_equal(column, written, equal_nan=True), name
 
 
 def test_every_example_reads_the_same_from_its_dict():
