@@ -23,7 +23,7 @@ install(FILES ${PROJECT_BINARY_DIR}/vbondConfig.cmake ${PROJECT_BINARY_DIR}/vbon
         DESTINATION ${vbond_package_dir} COMPONENT dev)
 
 install(FILES LICENSE README.md CHANGELOG.md CITATION.cff TYPE DOC)
-install(DIRECTORY docs TYPE DOC)
+install(DIRECTORY docs TYPE DOC PATTERN docs/site EXCLUDE)  # how the site is built
 install(DIRECTORY examples TYPE DOC PATTERN cpp EXCLUDE PATTERN rod_dynamic_modes EXCLUDE)  # which needs the sources
 install(DIRECTORY examples/cpp DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples COMPONENT dev)
 
