@@ -358,7 +358,7 @@ Verdict judge(Partner partner, unsigned seed, double* worst) {
 // 4.7e-3 of the momentum.
 TEST(Encounters, AreThoseOfAnotherIntegrator) {
   const char* const given = std::getenv("VBOND_CAMPAIGN");
-  const unsigned count = given != nullptr ? static_cast<unsigned>(std::atoi(given)) : 8;
+  const unsigned count = given != nullptr ? static_cast<unsigned>(std::atoi(given)) : 5;
   int of[5] = {0, 0, 0, 0, 0};
   double worst = 0.0;
   for (const Partner partner : {Partner::particle, Partner::plane, Partner::ridge, Partner::hollow_sphere,
