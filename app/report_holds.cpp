@@ -1,7 +1,5 @@
 #include <algorithm>
-#include <array>
 #include <limits>
-#include <map>
 
 #include "report.hpp"
 
@@ -20,34 +18,33 @@ const std::vector<ParticleId>& particles_of(const Placed<std::string>& group, co
 }
 
 void add_held(const StageSpec& stage, const Model& model, page::StageHolds& holds) {
-  std::map<std::size_t, std::uint32_t> how;
+  std::vector<std::uint32_t> how(model.particles());
   for (const SupportSpec& s : stage.supports)
     for (const ParticleId p : particles_of(s.group, model))
       for (std::size_t dof = 0; dof < s.held.size(); ++dof)
         if (s.held[dof]) how[p.value] |= std::uint32_t{1} << dof;
-  for (const auto& [p, bits] : how) {
-    holds.held.push_back(static_cast<std::uint32_t>(p));
-    holds.how.push_back(bits);
-  }
+  for (std::size_t p = 0; p < how.size(); ++p)
+    if (how[p] != 0) {
+      holds.held.push_back(static_cast<std::uint32_t>(p));
+      holds.how.push_back(how[p]);
+    }
 }
 
 void add_loads(const StageSpec& stage, const Model& model, page::StageHolds& holds) {
-  struct Load {
-    Vec3d force, moment;
-  };
-  std::map<std::size_t, Load> loads;
+  std::vector<Vec3d> force(model.particles()), moment(model.particles());
   for (const LoadSpec& l : stage.loads) {
     const std::vector<ParticleId>& group = particles_of(l.group, model);
     double mass = 0.0;
     for (const ParticleId p : group) mass += model.mass[p];
     for (const ParticleId p : group) {
-      const double part = mass > 0.0 ? model.mass[p] / mass : 0.0;
-      loads[p.value].force += l.force + part * l.total_force;
-      loads[p.value].moment += l.moment + part * l.total_moment;
+      const double part = model.mass[p] / mass;
+      force[p.value] += l.force + part * l.total_force;
+      moment[p.value] += l.moment + part * l.total_moment;
     }
   }
-  for (const auto& [p, load] : loads) {
-    const auto& [F, M] = load;
+  for (std::size_t p = 0; p < force.size(); ++p) {
+    const auto& F = force[p];
+    const auto& M = moment[p];
     if (F == Vec3d{} && M == Vec3d{}) continue;
     holds.loaded.push_back(static_cast<std::uint32_t>(p));
     for (const double x : {F.x, F.y, F.z, M.x, M.y, M.z}) holds.loads.push_back(as_float(x));

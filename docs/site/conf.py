@@ -34,13 +34,16 @@ autodoc_default_options = {"members": True, "imported-members": True, "inherited
 
 # ---- pages that are more on the site than in the repository -------------------------------------------------------
 
-pages_of_examples = sorted((p.stem for p in (root / "examples").glob("*.md")), key=len)
+pages_of_examples = [p.stem for p in (root / "examples").glob("*.md")]
 
 
-def cases_of(page):
-    """The cases of the page of an example: those whose names begin with it, and with no longer one."""
-    cases = sorted(p.stem for p in (root / "examples").glob("*.toml"))
-    return [c for c in cases if [p for p in pages_of_examples if c.startswith(p)][-1:] == [page]]
+def page_of(case):
+    """The page of an example: the one with the longest name that the name of its case begins with."""
+    return max((p for p in pages_of_examples if case.startswith(p)), key=len)  # ValueError: a case without a page
+
+
+cases = sorted(p.stem for p in (root / "examples").glob("*.toml"))
+cases_of = {page: [c for c in cases if page_of(c) == page] for page in pages_of_examples}
 
 
 def shown_case(case):
@@ -58,7 +61,7 @@ def extend(_, name, source):
     if name == "README":
         source[0] += (root / "docs/site/contents.md").read_text()
     elif name.startswith("examples/"):
-        source[0] += "".join(map(shown_case, cases_of(name.removeprefix("examples/"))))
+        source[0] += "".join(map(shown_case, cases_of[name.removeprefix("examples/")]))
     if not name.startswith("docs/notebooks/"):
         source[0] = re.sub(r"\[([^]]*)\]\([^)]*/\)", r"\1", source[0])
 

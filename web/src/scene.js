@@ -177,6 +177,7 @@ export class BodyScene {
     if (this.ghost_of !== sequence) {
       this.ghost?.removeFromParent();
       this.ghost?.geometry.dispose();
+      this.ghost?.material.dispose();
       const geometry = new BufferGeometry(), look = { color: 0x808890, transparent: true, opacity: 0.55 };
       geometry.setAttribute("position", new BufferAttribute(sequence.reference, 3));
       if (this.run.ends.length) geometry.setIndex(new BufferAttribute(this.run.ends, 1));

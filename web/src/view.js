@@ -136,11 +136,11 @@ export class View {
     return element("label", { class: "control" }, element("span", {}, label), box);
   }
 
-  /** Ends of the colours, as the reader wants them: for each quantity of its own. */
+  /** Ends of the colours, as the reader wants them: for each quantity of its own, and apart for modes, whose quantities are relative. */
   range_control() {
     const field = (label) => element("input", { type: "number", step: "any", "aria-label": label, onchange: () => this.set_range() });
     this.range_ends = [field("Value of the lowest colour"), field("Value of the highest colour")];
-    const automatic = element("button", { type: "button", onclick: () => { delete this.ranges[this.key]; this.choose(this.key); } }, "Automatic");
+    const automatic = element("button", { type: "button", onclick: () => { delete this.ranges[this.quantity.label]; this.choose(this.key); } }, "Automatic");
     return this.range_place = element("div", { class: "control" }, element("span", {}, "Colours from, to"),
       element("div", { class: "buttons", role: "group", "aria-label": "Range of the colours" }, ...this.range_ends, automatic));
   }
@@ -149,7 +149,7 @@ export class View {
     const [low, high] = this.range_ends.map((field) => field.valueAsNumber), last = this.range_ends[1];
     last.setCustomValidity(low < high ? "" : "Two numbers, the second larger than the first");
     if (!last.reportValidity()) return;
-    this.ranges[this.key] = [low, high];
+    this.ranges[this.quantity.label] = [low, high];
     this.choose(this.key);
   }
 
@@ -186,10 +186,10 @@ export class View {
     this.quantity_place.replaceChildren(choice("Colour by", quantities.map((q) => [q.key, capital(q.label)]), this.key, (key) => this.choose(key)));
     this.quantity_place.querySelector("select").id = "quantity";
     this.note.textContent = this.sequence.json.note ?? "";
+    this.reset();   // first: a cut lies in the box
     this.scrub.max = this.sequence.last;
     this.choose(this.key);
     this.player.open(this.sequence);
-    this.reset();
     const calm = matchMedia("(prefers-reduced-motion: reduce)").matches || document.documentElement.dataset.still != null;
     if (this.player.swings && !calm) this.player.play();
   }
@@ -197,7 +197,7 @@ export class View {
   choose(key) {
     this.key = key;
     this.quantity = this.sequence.quantities.find((q) => q.key === key);
-    this.scale = scale_of(this.quantity, this.map, this.ranges[key]);
+    this.scale = scale_of(this.quantity, this.map, this.ranges[this.quantity.label]);
     this.show_range();
     this.legend_place.replaceChildren(legend(this.quantity, this.scale), faces_legend(this.sequence.broken), this.marks_place);
     this.update();

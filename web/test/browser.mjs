@@ -81,6 +81,9 @@ async function colours_have_the_range_that_is_wanted(browser, file) {
   assert.equal(await page.$eval(fields, (field) => field.offsetHeight), 0, "classes have none");
   await page.select("#quantity", "displacement");
   assert.deepEqual(await marks(), [1, 1.25, 1.5]);
+  await page.select(".settings select", "1");
+  assert.deepEqual(await marks(), [0, 0.5, 1], "a mode has its own");
+  await page.select(".settings select", "0");
   await page.$eval('[aria-label="Range of the colours"] button', (button) => button.click());
   assert.deepEqual(await marks(), automatic);
   assert.deepEqual(complaints, []);
