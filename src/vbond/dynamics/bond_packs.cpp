@@ -135,7 +135,7 @@ void BondPacks::arrange(const State& state, const Order& order, const Team& team
   for (std::size_t k = 0; k < team.blocks(); ++k) reach_.push_back(k + 1);
   for (const Sorted& s : sorted) {
     const std::size_t upper = upper_row(bonds[s.bond], order), block = upper / block_rows;
-    reach_[s.block()] = std::max(reach_[s.block()], block + 1);
+    if (upper < order.inner) reach_[s.block()] = std::max(reach_[s.block()], block + 1);
     if (!team.part_of_row(s.row).rows.contains(upper)) at_border_[s.block()] = at_border_[block] = 1;
   }
 
