@@ -1,13 +1,11 @@
 // vbond-lammps: cases of vbond on many ranks. It links LAMMPS and so is under LAMMPS' licence, GPL-2.
 #include <fmt/core.h>
-#include <malloc.h>
 #include <mpi.h>
 
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
-#include <limits>
 #include <string>
 #include <utility>
 
@@ -145,19 +143,9 @@ int dispatch(int argc, char** argv, bool leads) {
   return leads ? lead(task) : follow(task);
 }
 
-/// Columns of the whole body are made at every look at it. Their memory stays with the program: to be given
-/// pages anew each time took a quarter of the time of a large body.
-void keep_memory() {
-#if defined(__GLIBC__)
-  mallopt(M_MMAP_MAX, 0);
-  mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
-#endif
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
-  keep_memory();
   MPI_Init(&argc, &argv);
   std::signal(SIGXFSZ, SIG_IGN);  // a file that grows beyond ulimit -f is an error of writing, which is told
   int rank = 0;

@@ -278,11 +278,13 @@ TEST(ProgressObserver, SaysNothingOfAResumedStageAtItsFirstLook) {
 
 /// Stands for other processes.
 struct IdleStepper : Stepper {
-  void begin(const Model&, const Stage&, const State&, double) override {}
+  void begin(const Model&, const Stage&, State&, double) override {}
   Leap advance(std::int64_t, State&) override { throw std::logic_error("no step is asked for"); }
+  Simulation& ask(const Question&) override { throw std::logic_error("nothing is asked"); }
+  void end_stage(State&) override {}
 };
 
-// A look at a body in parts brings it together, which takes as long as many steps.
+// All parts of a body wait for a look at it.
 TEST(ProgressObserver, WaitsForTheStepsThatAreMadeAtOnce) {
   const Chain chain(2);
   std::FILE* out = std::tmpfile();

@@ -168,6 +168,7 @@ std::vector<GripView> Grips::views(std::int64_t stage_step) const {
     GripView view{g.support->group, {}, {}, now.s * norm(g.support->angular_velocity), g.state.work};
     for (std::size_t k = g.first; k < g.first + g.support->particles.size(); ++k) {
       const std::size_t row = members_[k].row;
+      if (row >= bodies_.order.own) continue;
       const Vec3d F = stage_.b_translation * bodies_.motion[row].v - bodies_.load[row].F;
       view.force += F;
       view.moment += stage_.b_rotation * bodies_.motion[row].omega - bodies_.load[row].M +

@@ -35,7 +35,7 @@ class Grips {
   /// Adds up what they have done in the step.
   void close();
 
-  /// As they are at this step of the stage.
+  /// As they are at this step of the stage: of a part, what its own particles bear.
   std::vector<GripView> views(std::int64_t stage_step) const;
 
  private:

@@ -17,9 +17,10 @@ double of_tops_per_particle(const Model& model) {
          tops / static_cast<double>(model.particles()) * Tops::bytes_each;
 }
 
-}  // namespace
+constexpr double state_per_particle = 3 * sizeof(Vec3d) + sizeof(Quatd);
 
-MemoryUse memory_use(const Model& model, const State& state) {
+/// In a pack, as a mean over all bonds.
+double constants_per_bond(const State& state) {
   std::size_t compact = 0;
   for (const Bond& b : state.bonds) compact += b.frame_i == b.frame_j;
   const double part =
@@ -27,12 +28,25 @@ MemoryUse memory_use(const Model& model, const State& state) {
   constexpr double lanes = pack_bonds;
   const double pack =
       (part * sizeof(CompactPack) + (1.0 - part) * sizeof(FullPack) + sizeof(PackLanes)) / lanes;
+  return pack + sizeof(BondId);
+}
+
+}  // namespace
+
+MemoryUse memory_use(const Model& model, const State& state) {
   return {.per_particle = 4 * sizeof(double) + sizeof(Vec3d) +  // model
-                          3 * sizeof(Vec3d) + sizeof(Quatd) +   // state
-                          sizeof(PoseRow) + sizeof(MotionRow) + sizeof(LoadRow) + sizeof(InverseInertia) +
-                          2 * sizeof(double) + sizeof(Row) + sizeof(ParticleId) + 2 * sizeof(std::size_t) +
-                          of_tops_per_particle(model),
-          .per_bond = sizeof(Bond) + pack + sizeof(BondId) + 2 * sizeof(BondIndex::Entry)};
+                          state_per_particle + sizeof(PoseRow) + sizeof(MotionRow) + sizeof(LoadRow) +
+                          sizeof(InverseInertia) + 2 * sizeof(double) + sizeof(Row) + sizeof(ParticleId) +
+                          2 * sizeof(std::size_t) + of_tops_per_particle(model),
+          .per_bond = sizeof(Bond) + constants_per_bond(state) + 2 * sizeof(BondIndex::Entry)};
+}
+
+RankMemory memory_of_ranks(const Model& model, const State& state, int ranks) {
+  const MemoryUse use = memory_use(model, state);
+  const auto n = static_cast<double>(model.particles()), bonds = static_cast<double>(state.bonds.size());
+  const double elsewhere = constants_per_bond(state) * (1.0 - 1.0 / ranks);
+  const double each = n * use.per_particle + bonds * (use.per_bond - elsewhere);
+  return {each, each + n * state_per_particle + bonds * sizeof(Bond)};
 }
 
 }  // namespace vbond

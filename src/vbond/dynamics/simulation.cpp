@@ -262,7 +262,7 @@ RowsAhead Simulation::rows_of(const Block& b) const {
 
 StopReason Simulation::run(const std::function<bool()>& interrupted, std::int64_t most) {
   if (state_.clock.stage_step == 0) notify_observers();
-  StopReason why = stop_reason();
+  StopReason why = stepper_ != nullptr ? StopReason::running : stop_reason();
   while (why == StopReason::running && most > 0) {  // never interrupted before the first step
     if (stepper_ != nullptr)
       why = leap(most);
@@ -426,6 +426,10 @@ double Simulation::largest_way2() const {
 
 const State& Simulation::state() const {
   if (!std::exchange(bodies_ahead_, false)) return state_;
+  if (stepper_ != nullptr) {
+    stepper_->ask({Question::What::state}).give_particles(state_, false);
+    return state_;
+  }
   bodies_.write(state_);
   if (bonds_.remembers()) bonds_.collect(state_.bond_history);
   state_.contact_history = contacts_.collect();
@@ -440,12 +444,22 @@ const State& Simulation::state() const {
   return state_;
 }
 
+State Simulation::take_state() && {
+  if (stepper_ != nullptr) {
+    stepper_->end_stage(state_);
+  } else {
+    state();
+    if (others_ != nullptr) give(state_), give_particles(state_, true);
+  }
+  return std::move(state_);
+}
+
 void Simulation::apply_strain() {
   if (!stage_.strain) return;
   const StrainProgram& strain = *stage_.strain;
   if (state_.clock.stage_step % steps_in(strain.every, stage_.dt) != 0) return;
 
-  const double U_before = energies().potential();
+  const double U_before = survey_here().energies.potential();
   team_.for_blocks([&](const Block& b) { clear_loads(b); });
   applied_.set_times(state_.clock.stage_step, stage_.dt);
   team_.for_blocks([&](const Block& b) { applied_.add(b, Instant::start); });
@@ -462,7 +476,7 @@ void Simulation::apply_strain() {
   last_way_ = std::numeric_limits<double>::infinity();
   evaluate_loads();
   state_.books.work_loads += work_applied;
-  state_.books.work_supports += energies().potential() - U_before - work_applied;
+  state_.books.work_supports += survey_here().energies.potential() - U_before - work_applied;
 }
 
 }  // namespace vbond

@@ -60,8 +60,9 @@ class Simulation {
   /// The same, and gives the state back if a stage cannot begin in it.
   Simulation(const Model& model, Stage stage, State* state, int threads = 1);
   /// A part of a body, in this order of rows: it goes on from a state that has begun, of the whole body. The
-  /// others step its other parts, and call the same functions at the same time. state() and books() are then
-  /// of this part alone, and nobody observes: give() tells all.
+  /// others step its other parts, and call the same functions at the same time. What a Question can be is
+  /// told of the whole body, and all parts must be asked for it; state(), books() and all else are of this
+  /// part alone, and nobody observes: give() tells all.
   Simulation(const Model& model, Stage stage, State state, Order order, Others& others);
   Simulation(const Model&&, Stage, State, int = 1) = delete;  // a temporary would be gone at the first step
   Simulation(const Model&&, Stage, State*, int = 1) = delete;
@@ -75,13 +76,10 @@ class Simulation {
 
   /// From now on, steps are made by this one, which must live as long. It steps what it knows how to; whoever
   /// sets it refuses all else.
-  void step_by(Stepper& stepper) {
-    stepper_ = &stepper;
-    stepper.begin(model_, stage_, state(), reach());
-  }
+  void step_by(Stepper& stepper);
 
-  /// Who looks after fewer steps than these has the body brought together for that look alone, where a
-  /// stepper makes the steps. 1 without one.
+  /// Who looks after fewer steps than these has all processes wait for that look alone, where a stepper makes
+  /// the steps. 1 without one.
   std::int64_t steps_at_once() const { return stepper_ != nullptr ? Stepper::at_once : 1; }
 
   /// One time step of stage().dt. Throws Diverged if a load is not finite or a new bond is impossible.
@@ -109,11 +107,9 @@ class Simulation {
   /// The whole state, in the numbering of the model, good until the next step: copy it to keep it. Collecting
   /// it takes time: not for every step.
   const State& state() const;
-  /// The same at the end, without a copy: nothing else may be asked of the simulation afterwards.
-  State take_state() && {
-    state();
-    return std::move(state_);
-  }
+  /// The same at the end, without a copy: nothing else may be asked of the simulation afterwards. Of a part
+  /// it is the state of the whole body, in all parts.
+  State take_state() &&;
   /// Pairs that were deep in one another in the last step, as far as contacts are to keep them apart, and the
   /// fastest particle if it was too fast for that: observers look at every step that has any.
   const std::vector<Encounter>& encounters() const { return encounters_.found(); }
@@ -122,16 +118,17 @@ class Simulation {
   /// moments of inertia feel it (model/turn_bound.hpp). Looks at all of them, so not for every step.
   std::optional<FastTurn> fastest_turn() const;
   /// Particles that are deeper in a wall than this part of their radius, beyond what they were at r_0.
-  std::vector<DeepInWall> deep_in_walls(double part) const { return walls_.deeper_than(part); }
+  std::vector<DeepInWall> deep_in_walls(double part) const;
   /// Capsules that overlap each other or particles by more than this part of the smaller radius.
-  std::vector<DeepCapsules> deep_capsules(double part) const { return capsules_.deeper_than(part); }
+  std::vector<DeepCapsules> deep_capsules(double part) const { return here().capsules_.deeper_than(part); }
   /// Whether some are so deep that observers look at once.
-  bool any_deep_capsules() const { return capsules_.deep(); }
+  bool any_deep_capsules() const { return here().capsules_.deep(); }
   /// Bonds made and broken since observers looked last, all of them if there is no observer, in the order in
   /// which it happened, those of a step in the order of bonds. Observers look at every step in which bonds
   /// broke, after it.
   const std::vector<BondEvent>& events() const { return events_; }
-  /// Forces and moments at the present positions, in the numbering of the model; collected at each call.
+  /// Forces and moments at the present positions, in the numbering of the model; collected at each call. None
+  /// where a stepper makes the steps.
   Loads loads() const { return bodies_.collect(bodies_.load); }
   /// Threads at work: fewer than asked for if there is too little for them to do.
   int threads() const { return static_cast<int>(team_.parts().size()); }
@@ -150,14 +147,19 @@ class Simulation {
   /// inertia of prescribed accelerations left out.
   Reaction reaction(const std::vector<ParticleId>& particles) const;
   /// Where walls are, and what presses on them.
-  const std::vector<WallState>& walls() const { return walls_.states(); }
+  const std::vector<WallState>& walls() const { return here().walls_.states(); }
   /// The grips of the stage, in the order of its supports.
-  std::vector<GripView> grips() const { return supports_.grips().views(state_.clock.stage_step); }
+  std::vector<GripView> grips() const;
   /// The same with the loads of the bonds that broke in the last step.
   Reaction reaction_before_breaks(const std::vector<ParticleId>& particles) const;
-  /// Of a part: all of the body as it stands, to the part that leads or to all; what does not change is left
-  /// as it is. Returns whether bonds have changed since the last time.
-  bool give(State& whole, bool everyone);
+  /// Of a part: what the state says of the body as a whole, as it stands, to all, and changes of bonds to the
+  /// part that leads; what does not change is left as it is.
+  void give(State& whole);
+  /// Of a part: what it says of single particles, and what bonds and pairs remember, to the part that leads
+  /// or to all.
+  void give_particles(State& whole, bool everyone);
+  /// Of a part that does not lead: does its share of the answer.
+  void answer(const Question& question);
   /// Of a part: throws on all of them if one has failed. To be called between steps, now and then.
   void agree_on_failure();
   /// Of a part: takes over what another one of the same body has not told its observers yet.
@@ -170,9 +172,7 @@ class Simulation {
   double way_since_begin() const;
   double longest_bond() const;
   /// Mean over the bonds with both ends in the group of F.d, tension positive; 0 without such bonds.  [force]
-  double mean_axial_force(const std::vector<ParticleId>& particles) const {
-    return mean_axial_force(bonds_inside(particles));
-  }
+  double mean_axial_force(const std::vector<ParticleId>& particles) const;
 
  private:
   /// What a block's particles add to the energy books in a step, and NaN if one of their loads is not finite.
@@ -253,6 +253,9 @@ class Simulation {
   bool past_largest(const Bond& bond) const;
   void keep_records();
   double peak_quantity() const;
+  Survey survey_here() const;
+  Reaction reaction_here(const std::vector<ParticleId>& particles) const;
+  Reaction sum_over_parts(Reaction reaction) const;
   std::vector<BondId> bonds_inside(const std::vector<ParticleId>& particles) const;
   double mean_axial_force(const std::vector<BondId>& bonds) const;
   const PoseRow& pose_of(ParticleId p) const { return bodies_.pose[bodies_.order.row[p].value]; }
@@ -278,14 +281,15 @@ class Simulation {
   }
   bool leads() const { return others_ == nullptr || others_->leads(); }
   void take_over(const Stepper::Leap& leap);
-  void collect_body(State& whole, bool everyone);
+  /// Where what all parts know is up to date: here, or in the part of this process.
+  const Simulation& here() const { return part_ != nullptr ? *part_ : *this; }
   Vec3d from_to(ParticleId i, ParticleId j) const;
 
   const StepKernel& kernel_ = step_kernel();
   const Model& model_;
   const Stage stage_;
   mutable State state_;                // positions and velocities as of the last state() or stage start
-  mutable bool bodies_ahead_ = false;  // they have moved on since
+  mutable bool bodies_ahead_ = false;  // they, or those of a stepper, have moved on since
   bool only_elastic_ = false;          // has_only_elastic_bonds(): a step then leaves out all the rest
   Others* const others_;               // of a part; or nullptr
   Bodies bodies_;
@@ -315,6 +319,7 @@ class Simulation {
   std::vector<std::shared_ptr<Observer>> observers_;
   std::int64_t steps_to_look_ = 1;
   Stepper* stepper_ = nullptr;
+  const Simulation* part_ = nullptr;  // of the stepper, in this process
   StepTimes times_;
   // of a part
   mutable std::optional<Failed> failed_;  // first of all

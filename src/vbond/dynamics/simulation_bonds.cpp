@@ -42,7 +42,6 @@ void Simulation::arrange_bonds() {
 }
 
 void Simulation::bonds_changed() {
-  changed_ = true;
   arrange_bonds();
   bond_index_ = BondIndex(model_.particles(), state_.bonds);
   rounding_scale_ = scale_of_rounding(state_.bonds);
@@ -61,7 +60,7 @@ void Simulation::make_bonds() {
   const std::vector<Bonding::Pair> pairs = bonding_.find(bodies_.poses(), all_known());
   if (pairs.empty()) return;
   state();  // brought up to date
-  if (others_ != nullptr) collect_body(state_, true);
+  if (others_ != nullptr) give_particles(state_, true);
   const std::size_t before = state_.bonds.size();
   const bool capsules =
       capsules_.any() || std::any_of(pairs.begin(), pairs.end(), [this](const Bonding::Pair& p) {
@@ -81,6 +80,7 @@ void Simulation::make_bonds() {
   const double flowed_now = capsules ? dissipated_by_flow(state_) - flowed : 0.0;  // by their prestrain
   for (std::size_t k = before; k < state_.bonds.size(); ++k)
     events_.push_back({BondEvent::Kind::made, BondId{k}, state_.clock.step});
+  changed_ = true;
   bonds_changed();
   evaluate_loads();
   // a new bond then also changes what others touch
@@ -218,7 +218,10 @@ void Simulation::take_out(const Broken& broken) {
 }
 
 Reaction Simulation::reaction_before_breaks(const std::vector<ParticleId>& particles) const {
-  Reaction total = reaction(particles);
+  if (stepper_ != nullptr)
+    return stepper_->ask({Question::What::reaction_before_breaks, particles})
+        .reaction_before_breaks(particles);
+  Reaction total = reaction_here(particles);
   for (const Hold& h : supports_.holds()) {
     if (!std::binary_search(particles.begin(), particles.end(), h.particle)) continue;
     const Row row = bodies_.order.row[h.particle];
@@ -230,7 +233,7 @@ Reaction Simulation::reaction_before_breaks(const std::vector<ParticleId>& parti
                               [](const Capsules::Share& x, std::size_t first) { return x.row < first; });
     for (; s != taken_shares_.end() && s->row == row.value; ++s) add_held(h.held, row, -s->F, -s->M, total);
   }
-  return total;
+  return sum_over_parts(total);
 }
 
 /// Books the work that damping does on a block in a kick by h: its part of the loads, along the mean of the

@@ -25,7 +25,7 @@ bool Simulation::set_temperatures(double time) {
 /// this brings beyond their limits.
 void Simulation::heat_at_start() {
   if (!set_temperatures(0.0)) return;
-  const double U_before = energies().potential(), flowed_before = dissipated_by_flow(state_);
+  const double U_before = survey_here().energies.potential(), flowed_before = dissipated_by_flow(state_);
   take_lengths(state_);
   for (const WarmBond& w : state_.warm_bonds) {
     const Bond& b = state_.bonds[w.bond];
@@ -38,7 +38,7 @@ void Simulation::heat_at_start() {
   evaluate_loads();
   const double flowed = dissipated_by_flow(state_) - flowed_before;
   state_.books.dissipated += flowed;
-  state_.books.work_supports += energies().potential() - U_before + flowed;
+  state_.books.work_supports += survey_here().energies.potential() - U_before + flowed;
 }
 
 void Simulation::heat() {

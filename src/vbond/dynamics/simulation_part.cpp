@@ -122,19 +122,18 @@ double Simulation::longest_bond() const {
 
 // ---- the whole body ----------------------------------------------------------------------------------
 
-/// All that belongs to single particles, bonds and pairs; the rest is the same in all parts.
-void Simulation::collect_body(State& whole, bool everyone) {
+void Simulation::give_particles(State& whole, bool everyone) {
   state();
   const Order& order = bodies_.order;
   std::vector<ParticleId> own;
   for (Row k{0}; k.value < order.own; ++k.value) own.push_back(order.particle[k]);
   const std::vector<ParticleId> all = others_->collect(own, everyone);
   const auto bring = [&](const auto& ids, const auto& all_ids, const auto& from, auto& to) {
-    to.resize(from.size());
     std::vector<std::decay_t<decltype(*from.begin())>> values;
     values.reserve(ids.size());
     for (const auto id : ids) values.push_back(from[id]);
     const auto of_all = others_->collect(values, everyone);
+    if (!of_all.empty()) to.resize(from.size());
     for (std::size_t k = 0; k < of_all.size(); ++k) to[all_ids[k]] = of_all[k];
   };
   const auto bring_particles = [&](const auto& from, auto& to) {
@@ -165,27 +164,24 @@ void Simulation::collect_body(State& whole, bool everyone) {
                    [](const WallMemory& a, const WallMemory& b) {
                      return std::pair(a.p, a.wall) < std::pair(b.p, b.wall);
                    });
+  whole.fibre_history = state_.fibre_history;
 }
 
-bool Simulation::give(State& whole, bool everyone) {
-  collect_body(whole, everyone);
+void Simulation::give(State& whole) {
   whole.clock = state_.clock;
   whole.peak = state_.peak;
   whole.rest = state_.rest;
   whole.breaks = state_.breaks;
-  whole.walls = state_.walls;
-  whole.fibre_history = state_.fibre_history;
-  whole.grips = state_.grips;
-  whole.gripped = state_.gripped;
+  whole.walls = walls_.states();
+  supports_.grips().write(whole);
   whole.temperature = state_.temperature;
   whole.warm_bonds = state_.warm_bonds;
-  const bool changed = std::exchange(changed_, false) || !stage_.heating.empty();
-  if (changed) whole.bonds = state_.bonds;
+  if ((std::exchange(changed_, false) || !stage_.heating.empty()) && leads()) whole.bonds = state_.bonds;
 
   const EnergyBooks& b = state_.books;
   std::vector<double> sums{b.at_start, b.dissipated, b.released, b.work_loads, b.work_supports};
   sums.insert(sums.end(), b.lost.of.begin(), b.lost.of.end());
-  for (const GripState& g : state_.grips) sums.push_back(g.work);
+  for (const GripState& g : whole.grips) sums.push_back(g.work);
   sums.insert(sums.end(), brought_in_.begin(), brought_in_.end());
   brought_in_.clear();
   others_->sum(sums);
@@ -197,10 +193,35 @@ bool Simulation::give(State& whole, bool everyone) {
   for (GripState& g : whole.grips) g.work = *next++;
   to.largest =
       std::accumulate(next, sums.end(), to.largest, [](double a, double x) { return std::max(a, x); });
-  return changed;
+  others_->largest({&to.largest, 1});
+}
+
+void Simulation::answer(const Question& question) {
+  State of_leader;
+  switch (question.what) {
+    case Question::What::state: give_particles(of_leader, false); break;
+    case Question::What::survey: survey(); break;
+    case Question::What::fastest_turn: fastest_turn(); break;
+    case Question::What::reaction: reaction(question.particles); break;
+    case Question::What::reaction_before_breaks: reaction_before_breaks(question.particles); break;
+    case Question::What::mean_axial_force: mean_axial_force(question.particles); break;
+    case Question::What::deep_in_walls: deep_in_walls(question.part); break;
+    case Question::What::grips: grips(); break;
+  }
 }
 
 // ---- the simulation that shows it --------------------------------------------------------------------
+
+/// What steps are made of is then in the parts only.
+void Simulation::step_by(Stepper& stepper) {
+  state();
+  const double reach_of_all = reach();
+  bodies_.clear();
+  bonds_ = {};
+  bond_index_ = {};
+  stepper.begin(model_, stage_, state_, reach_of_all);
+  stepper_ = &stepper;
+}
 
 /// The steps up to the next look at the body, made by the parts.
 StopReason Simulation::leap(std::int64_t& most) {
@@ -209,29 +230,15 @@ StopReason Simulation::leap(std::int64_t& most) {
   const std::int64_t steps = state_.clock.step - before;
   events_.insert(events_.end(), leap.part->events_.begin(), leap.part->events_.end());
   leap.part->events_.clear();
-  if (!observers_.empty()) take_over(leap);
+  part_ = leap.part;
+  encounters_.take(part_->encounters_);
+  rounding_scale_ = part_->rounding_scale_;
+  bodies_ahead_ = true;
+  survey_.reset();
   most -= steps;
   steps_to_look_ -= steps;
-  if (steps_to_look_ <= 0 || leap.part->is_due()) notify_observers();
+  if (steps_to_look_ <= 0 || part_->is_due()) notify_observers();
   return leap.why;
-}
-
-/// Observers see what they would see if it had made these steps itself.
-void Simulation::take_over(const Stepper::Leap& leap) {
-  taken_ = leap.part->taken_;
-  taken_shares_ = leap.part->taken_shares_;
-  for (Capsules::Share& s : taken_shares_)
-    s.row = bodies_.order.row[leap.part->bodies_.order.particle[Row{s.row}]].value;
-  std::stable_sort(taken_shares_.begin(), taken_shares_.end(),
-                   [](const Capsules::Share& a, const Capsules::Share& b) { return a.row < b.row; });
-  encounters_.take(leap.part->encounters_);
-  bodies_.read(state_);
-  if (leap.bonds_changed)
-    bonds_changed();
-  else if (bonds_.remembers())
-    arrange_bonds();
-  supports_.grips().read(state_, true);
-  take_up_loads();
 }
 
 }  // namespace vbond

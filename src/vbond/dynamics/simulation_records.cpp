@@ -1,5 +1,6 @@
 // What a simulation is asked for: its records, when it stops, energies, reactions.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -13,8 +14,10 @@ namespace vbond {
 void Simulation::keep_records() {
   EnergyBooks& books = state_.books;
   const double brought_in = books.at_start + books.work_loads + books.work_supports;
-  books.largest = std::max(books.largest, brought_in);
-  if (others_ != nullptr) brought_in_.push_back(brought_in);
+  if (others_ == nullptr)
+    books.largest = std::max(books.largest, brought_in);
+  else
+    brought_in_.push_back(brought_in);
 
   if (stage_.stops.peak) {
     PeakRecord& peak = state_.peak;
@@ -42,15 +45,8 @@ double Simulation::peak_quantity() const {
   const PeakStop& stop = *stage_.stops.peak;
   double quantity = 0.0;
   switch (stop.quantity) {
-    case PeakQuantity::compressive_force: {
-      std::vector<BondId> here = peak_bonds_;
-      std::erase_if(here, [this](BondId b) { return !bodies_.order.has(state_.bonds[b].i); });
-      if (!here.empty()) quantity = -mean_axial_force(here);
-      if (here.size() < peak_bonds_.size() || others_ != nullptr)
-        quantity *= static_cast<double>(here.size()) / static_cast<double>(peak_bonds_.size());
-      break;
-    }
-    case PeakQuantity::reaction: quantity = dot(reaction(stop.particles).force, stop.direction); break;
+    case PeakQuantity::compressive_force: return -mean_axial_force(peak_bonds_);
+    case PeakQuantity::reaction: quantity = dot(reaction_here(stop.particles).force, stop.direction); break;
   }
   sum_over_parts({&quantity, 1});
   return quantity;
@@ -83,29 +79,51 @@ StopReason Simulation::stop_reason() const {
 }
 
 std::optional<FastTurn> Simulation::fastest_turn() const {
+  if (stepper_ != nullptr) return stepper_->ask({Question::What::fastest_turn}).fastest_turn();
   std::optional<FastTurn> fastest;
   double most2 = sq(longest_turn / stage_.dt);
   for (const ParticleId p : bodies_.order.row.ids()) {
     const std::size_t row = bodies_.order.row[p].value;
     const double rate2 = norm2(bodies_.motion[row].omega);
-    if (!(rate2 > most2)) continue;
+    if (!(rate2 > most2) || !bodies_.order.has(p)) continue;
     const BondIndex::Range bonds = bond_index_.of(p);
     if (bonds.begin() == bonds.end() && !bodies_.tops.has(row)) continue;
     most2 = rate2;
     fastest = {p, stage_.dt * std::sqrt(rate2)};
   }
-  return fastest;
+  if (others_ == nullptr) return fastest;
+  std::vector<FastTurn> of_all(fastest ? 1 : 0, fastest.value_or(FastTurn{}));
+  of_all = others_->collect(of_all);
+  const auto first = std::min_element(of_all.begin(), of_all.end(), [](const FastTurn& a, const FastTurn& b) {
+    return std::pair(-a.angle, a.p) < std::pair(-b.angle, b.p);
+  });
+  return first != of_all.end() ? std::optional(*first) : std::nullopt;
 }
 
 const Survey& Simulation::survey() const {
   if (survey_) return *survey_;
+  if (stepper_ != nullptr) return survey_.emplace(stepper_->ask({Question::What::survey}).survey());
+  Survey survey = survey_here();
+  if (others_ != nullptr) {
+    Energies& e = survey.energies;
+    std::array<double, 6> sums{e.kinetic_translation, e.kinetic_rotation, e.U_L, e.U_B, e.U_T, e.contact};
+    others_->sum(sums);
+    e = {sums[0], sums[1], sums[2], sums[3], sums[4], sums[5]};
+    survey.deformed = others_->collect(survey.deformed);
+    std::sort(survey.deformed.begin(), survey.deformed.end());
+  }
+  return survey_.emplace(std::move(survey));
+}
+
+/// Of what is worked out here.
+Survey Simulation::survey_here() const {
   Survey survey;
   Energies& e = survey.energies = bonds_.survey(team_, bodies_.pose.data(), survey.deformed);
   const Energies kinetic = bodies_.kinetic_energy(team_);
   e.kinetic_translation = kinetic.kinetic_translation;
   e.kinetic_rotation = kinetic.kinetic_rotation;
   e.contact = contact_energy() + walls_.energy();
-  return survey_.emplace(std::move(survey));
+  return survey;
 }
 
 double Simulation::balance_error(const Energies& e) const {
@@ -116,7 +134,19 @@ double Simulation::balance_error(const Energies& e) const {
                                rounding_scale_, std::numeric_limits<double>::min()});
 }
 
+Reaction Simulation::sum_over_parts(Reaction r) const {
+  std::array<double, 6> sums{r.force.x, r.force.y, r.force.z, r.moment.x, r.moment.y, r.moment.z};
+  sum_over_parts(std::span<double>(sums));
+  return {{sums[0], sums[1], sums[2]}, {sums[3], sums[4], sums[5]}};
+}
+
 Reaction Simulation::reaction(const std::vector<ParticleId>& particles) const {
+  if (stepper_ != nullptr) return stepper_->ask({Question::What::reaction, particles}).reaction(particles);
+  return sum_over_parts(reaction_here(particles));
+}
+
+/// What is exerted on those that are moved here.
+Reaction Simulation::reaction_here(const std::vector<ParticleId>& particles) const {
   Reaction total;
   for (const Hold& h : supports_.holds()) {
     if (!std::binary_search(particles.begin(), particles.end(), h.particle)) continue;
@@ -151,14 +181,55 @@ std::vector<BondId> Simulation::bonds_inside(const std::vector<ParticleId>& part
 }
 
 Losses Simulation::losses() const {
+  if (stepper_ != nullptr) return losses_of(state());
   if (bonds_.remembers()) bonds_.collect(state_.bond_history);
   return losses_of(state_);
 }
 
+double Simulation::mean_axial_force(const std::vector<ParticleId>& particles) const {
+  if (stepper_ != nullptr)
+    return stepper_->ask({Question::What::mean_axial_force, particles}).mean_axial_force(particles);
+  return mean_axial_force(bonds_inside(particles));
+}
+
+/// Each part does its share of these bonds.
 double Simulation::mean_axial_force(const std::vector<BondId>& bonds) const {
   if (bonds_.remembers()) bonds_.collect(state_.bond_history);
-  return vbond::mean_axial_force(state_, bonds,
-                                 [this](ParticleId p) -> const PoseRow& { return pose_of(p); });
+  const auto mean = [this](const std::vector<BondId>& some) {
+    return vbond::mean_axial_force(state_, some,
+                                   [this](ParticleId p) -> const PoseRow& { return pose_of(p); });
+  };
+  if (others_ == nullptr) return mean(bonds);
+  std::vector<BondId> here = bonds;
+  std::erase_if(here, [this](BondId b) { return !bodies_.order.has(state_.bonds[b].i); });
+  double share = 0.0;
+  if (!here.empty())
+    share = mean(here) * (static_cast<double>(here.size()) / static_cast<double>(bonds.size()));
+  others_->sum({&share, 1});
+  return share;
+}
+
+std::vector<DeepInWall> Simulation::deep_in_walls(double part) const {
+  if (stepper_ != nullptr)
+    return stepper_->ask({Question::What::deep_in_walls, {}, part}).deep_in_walls(part);
+  std::vector<DeepInWall> deep = walls_.deeper_than(part);
+  if (others_ == nullptr) return deep;
+  deep = others_->collect(deep);
+  std::sort(deep.begin(), deep.end(), [](const DeepInWall& a, const DeepInWall& b) {
+    return std::pair(a.p, a.wall) < std::pair(b.p, b.wall);
+  });
+  return deep;
+}
+
+std::vector<GripView> Simulation::grips() const {
+  if (stepper_ != nullptr) return stepper_->ask({Question::What::grips}).grips();
+  std::vector<GripView> views = supports_.grips().views(state_.clock.stage_step);
+  for (GripView& v : views) {
+    const Reaction whole = sum_over_parts(Reaction{v.force, v.moment});
+    v.force = whole.force, v.moment = whole.moment;
+    if (v.work) sum_over_parts({&*v.work, 1});
+  }
+  return views;
 }
 
 }  // namespace vbond

@@ -62,11 +62,53 @@ std::string Ranks::agree(const std::string& failure) {
   return text;
 }
 
-/// What rank 0 wants next; others need not know.
-std::int64_t Ranks::follow(std::int64_t order) {
-  MPI_Bcast(&order, 1, MPI_INT64_T, 0, MPI_COMM_WORLD);
-  if (!leads() && order == end) throw Dismissed{};
-  return order;
+/// What rank 0 wants next; others need not know, and answer what it asks until then.
+std::int64_t Ranks::follow(std::int64_t wish) {
+  MPI_Bcast(&wish, 1, MPI_INT64_T, 0, MPI_COMM_WORLD);
+  while (!leads() && wish == question) {
+    part_->answer(share({}));
+    MPI_Bcast(&wish, 1, MPI_INT64_T, 0, MPI_COMM_WORLD);
+  }
+  if (!leads() && wish == end) throw Dismissed{};
+  return wish;
+}
+
+/// All ranks get the question of rank 0.
+Question Ranks::share(Question q) const {
+  struct Head {
+    Question::What what;
+    std::uint64_t particles;
+    double part;
+  } head{q.what, q.particles.size(), q.part};
+  MPI_Bcast(&head, sizeof head, MPI_BYTE, 0, MPI_COMM_WORLD);
+  q.what = head.what, q.part = head.part;
+  q.particles.resize(head.particles);
+  MPI_Bcast(q.particles.data(), static_cast<int>(q.particles.size() * sizeof(ParticleId)), MPI_BYTE, 0,
+            MPI_COMM_WORLD);
+  return q;
+}
+
+Simulation& Ranks::ask(const Question& q) {
+  follow(question);
+  share(q);
+  return *part_;
+}
+
+/// Others must not go on to what they do by themselves, a static stage, as long as rank 0 may ask.
+void Ranks::end_stage(State& state) {
+  follow(stage_over);
+  bring_together(state);
+  part_.reset();
+}
+
+/// All ranks get the whole state. Rank 0 has kept one for its observers, the others have it in their parts.
+void Ranks::bring_together(State& state) {
+  if (leads()) {
+    part_->give(state);
+    part_->give_particles(state, true);
+  } else {
+    state = std::move(*part_).take_state();
+  }
 }
 
 void Ranks::wait_for_end() {
@@ -74,7 +116,7 @@ void Ranks::wait_for_end() {
   throw std::logic_error("a rank has come to its end before rank 0");
 }
 
-void Ranks::begin(const Model& model, const Stage& stage, const State& state, double reach) {
+void Ranks::begin(const Model& model, const Stage& stage, State& state, double reach) {
   follow(start);
   model_ = &model;
   stage_ = &stage;
@@ -86,7 +128,6 @@ void Ranks::begin(const Model& model, const Stage& stage, const State& state, do
   unchecked_ = 0;
   domains_ = std::make_unique<Domains>(order_, state.r, work_of(state), first_ghost_reach_);
   take_part(state);
-  bonds_changed_ = false;
 }
 
 double Ranks::ghost_reach(const State& state) const {
@@ -111,7 +152,7 @@ PerParticle<double> Ranks::work_of(const State& state) const {
 }
 
 /// A simulation of this rank's part of a body, which all ranks have.
-void Ranks::take_part(const State& state) {
+void Ranks::take_part(State& state) {
   const Holding holding = domains_->holding();
   Order order = part_of(order_, holding);
   rows_.clear();
@@ -123,7 +164,8 @@ void Ranks::take_part(const State& state) {
                                ", which its particle " + std::to_string(b.i.value) + " is bonded to");
   own_ = holding.own;
   std::sort(own_.begin(), own_.end());
-  auto part = std::make_unique<Simulation>(*model_, *stage_, state, std::move(order), *this);
+  auto part = std::make_unique<Simulation>(*model_, *stage_, leads() ? state : std::move(state),
+                                           std::move(order), *this);
   if (part_) part->take_events(*part_);
   part_ = std::move(part);
   room_ = 0.5 * margin * reach_;
@@ -142,8 +184,8 @@ Stepper::Leap Ranks::advance(std::int64_t most, State& state) {
     largest({&work[1], 1});
     imbalance_ = work[1] * size_ / work[0];
     part_->agree_on_failure();
-    bonds_changed_ |= part_->give(state, why != StopReason::running);
-    return {why, std::exchange(bonds_changed_, false), part_.get()};
+    part_->give(state);
+    return {why, part_.get()};
   } catch (const Diverged& e) {  // all ranks together
     state.clock.stage_step += e.step - state.clock.step;
     state.clock.step = e.step;
@@ -153,7 +195,7 @@ Stepper::Leap Ranks::advance(std::int64_t most, State& state) {
 
 /// So many steps, or fewer if the stage ends or observers must look.
 StopReason Ranks::step(std::int64_t steps, State& state) {
-  StopReason why = StopReason::running;
+  StopReason why = part_->stop_reason();
   for (std::int64_t n = 0; n < steps && why == StopReason::running && !(n > 0 && part_->is_due()); ++n) {
     if (unchecked_ == chunk || (reach_ > 0.0 && !(room_ > 0.0))) {
       part_->agree_on_failure();
@@ -181,7 +223,7 @@ bool Ranks::is_far() {
 }
 
 void Ranks::redistribute(State& state) {
-  bonds_changed_ |= part_->give(state, true);
+  bring_together(state);
   domains_->redistribute(state.r, work_of(state), ghost_reach(state));
   const std::vector<ParticleId> before = own_;
   take_part(state);

@@ -38,8 +38,10 @@ class Ranks : public Stepper, public Others {
   /// Of a rank that has no more to do itself: until rank 0 has ended. Throws Dismissed.
   void wait_for_end();
 
-  void begin(const Model& model, const Stage& stage, const State& state, double reach) override;
+  void begin(const Model& model, const Stage& stage, State& state, double reach) override;
   Leap advance(std::int64_t most, State& state) override;
+  Simulation& ask(const Question& question) override;
+  void end_stage(State& state) override;
 
   void send_to_ghosts(const GhostPoses& columns) override;
   void gather_from_ghosts(std::span<LoadRow> load) override;
@@ -50,9 +52,12 @@ class Ranks : public Stepper, public Others {
 
  private:
   class Waiting;
-  static constexpr std::int64_t end = 0, start = -1;
-  std::int64_t follow(std::int64_t order);
-  void take_part(const State& state);
+  /// What rank 0 wants of the others; above zero, so many steps.
+  enum Wish : std::int64_t { end = 0, start = -1, question = -2, stage_over = -3 };
+  std::int64_t follow(std::int64_t wish);
+  Question share(Question question) const;
+  void bring_together(State& state);
+  void take_part(State& state);
   StopReason step(std::int64_t steps, State& state);
   bool is_far();
   void redistribute(State& state);
@@ -72,7 +77,6 @@ class Ranks : public Stepper, public Others {
   double longest_ = 0;  // bond, as particles were spread
   double first_ghost_reach_ = 0;
   std::int64_t unchecked_ = 0;  // steps since ways were looked at
-  bool bonds_changed_ = false;  // since the last leap
   std::unique_ptr<Domains> domains_;
   std::vector<ParticleId> own_;      // in increasing order
   std::vector<std::uint32_t> rows_;  // of the particles that domains_ names, in its order
