@@ -34,12 +34,16 @@ namespace {
 
 constexpr std::int64_t few_steps = 10;
 
-void print_memory(const Model& model, const State& state) {
+void print_memory(const Model& model, const State& state, int ranks) {
   const MemoryUse use = memory_use(model, state);
   const double total = use.per_particle * static_cast<double>(model.particles()) +
                        use.per_bond * static_cast<double>(state.bonds.size());
   fmt::print("memory           {}: {:.0f} bytes per particle, {:.0f} per bond; neighbour lists are extra\n",
              in_units(total), use.per_particle, use.per_bond);
+  if (ranks == 0) return;
+  const RankMemory of_ranks = memory_of_ranks(model, state, ranks);
+  fmt::print("on {} ranks       {} each, {} the first: every rank holds the whole body (docs/ranks.md)\n",
+             ranks, in_units(of_ranks.each), in_units(of_ranks.first));
 }
 
 /// The stage needs a factor that does not fit.
@@ -293,7 +297,7 @@ int check(const RunOptions& options) {
   const std::int64_t steps = print_stages(c, model, dt, dynamics || c.time.given());
   print_loads(c, model);
   print_output_remarks(c, plan, model);
-  print_memory(model, state);
+  print_memory(model, state, options.ranks);
   print_solvers(run);
   if (dynamics) print_wall_time(steps, run, *dynamics, threads);
   fmt::print("{}: no mistakes found\n", printable(c.file));

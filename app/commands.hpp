@@ -29,6 +29,7 @@ struct RunOptions {
   std::optional<std::filesystem::path> folder;  ///< default: see claim_folder
   bool force = false;                           ///< replace an earlier output
   int threads = 1;
+  int ranks = 0;                      ///< to say what they take; 0: nothing
   bool report = false;                ///< write report.html at the end
   bool quiet = false;                 ///< print mistakes and failures only
   bool json = false;                  ///< print status.json as lines instead
@@ -71,7 +72,7 @@ struct CalibrateOptions {
 int run(const RunOptions& options);
 /// Of the options: threads, program, stepper and before_output.
 int resume(const std::filesystem::path& folder, const RunOptions& options);
-int check(const RunOptions& options);  ///< of the options: case_file, changes, threads
+int check(const RunOptions& options);  ///< of the options: case_file, changes, threads, ranks
 /// Runs a case with all combinations of values of some keys, or goes on with that: see docs/sweeps.md.
 int sweep(const SweepOptions& options);
 int calibrate(const CalibrateOptions& options);

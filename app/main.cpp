@@ -139,6 +139,9 @@ int dispatch(int argc, char** argv) {
   CLI::App* check_command = program.add_subcommand("check", "Validate a case and say what would be run");
   app::add_case(check_command, run);
   add_threads(check_command, run.threads);
+  check_command
+      ->add_option("--ranks", run.ranks, "Say what memory each of so many ranks of vbond-lammps takes")
+      ->check(CLI::Range(1, 1000000));
 
   std::filesystem::path folder;
   CLI::App* resume_command = program.add_subcommand("resume", "Go on with a run that was stopped");
