@@ -1,5 +1,5 @@
 # awk -f compare_history.awk ONE OTHER: whether two history.csv have the same rows to 1e-10 of their scale: of energies
-# the largest of all, of the components of a vector the largest of the three, of others that of the column.
+# the largest of all, of the components of a vector or tensor the largest of them, of others that of the column.
 # Prints what differs most, in that scale.
 BEGIN { FS = ","; tolerance = 1e-10 }
 function size(x) { return x < 0 ? -x : x }
@@ -13,7 +13,7 @@ NR == FNR { rows = FNR; for (c = 1; c <= columns; ++c) one[FNR, c] = $c; next }
 function scale_of(c, group) {
   if (name[c] ~ /^(kinetic|U_|contact$|dissipated|work|total|released)/) return "energy"
   group = name[c]
-  sub(/\.[fmFM]?[xyz]$/, "", group)
+  sub(/\.[fmFM]?[xyz][xyz]?$/, "", group)
   return name[c] ~ /\.[mM][xyz]$/ ? group " moment" : group
 }
 END {
