@@ -279,7 +279,8 @@ TEST(ProgressObserver, SaysNothingOfAResumedStageAtItsFirstLook) {
 /// Stands for other processes.
 struct IdleStepper : Stepper {
   void begin(const Model&, const Stage&, State&, double) override {}
-  Leap advance(std::int64_t, State&) override { throw std::logic_error("no step is asked for"); }
+  Simulation& part() override { throw std::logic_error("nothing is asked"); }
+  StopReason advance(std::int64_t, State&) override { throw std::logic_error("no step is asked for"); }
   Simulation& ask(const Question&) override { throw std::logic_error("nothing is asked"); }
   void end_stage(State&) override {}
 };

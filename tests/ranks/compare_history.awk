@@ -22,6 +22,10 @@ END {
   for (c = 1; c <= columns; ++c)
     for (r = 2; r <= rows; ++r)
       if (size(one[r, c]) > scale[scale_of(c)]) scale[scale_of(c)] = size(one[r, c])
+  for (c = 1; c <= columns; ++c) {  # moments are of forces at arms of a spacing and more, which is 1
+    group = scale_of(c)
+    if (sub(/ moment$/, "", group) && scale[group] > scale[group " moment"]) scale[group " moment"] = scale[group]
+  }
   scale["balance_error"] = 1
   for (r = 2; r <= rows; ++r) {  # it is a part of the largest energy so far: here of the largest of all
     so_far[r] = so_far[r - 1]

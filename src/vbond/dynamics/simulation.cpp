@@ -427,7 +427,7 @@ double Simulation::largest_way2() const {
 const State& Simulation::state() const {
   if (!std::exchange(bodies_ahead_, false)) return state_;
   if (stepper_ != nullptr) {
-    stepper_->ask({Question::What::state}).give_particles(state_, false);
+    stepper_->ask({Question::What::particles}).give_particles(state_, false);
     return state_;
   }
   bodies_.write(state_);

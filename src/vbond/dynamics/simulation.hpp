@@ -60,9 +60,9 @@ class Simulation {
   /// The same, and gives the state back if a stage cannot begin in it.
   Simulation(const Model& model, Stage stage, State* state, int threads = 1);
   /// A part of a body, in this order of rows: it goes on from a state that has begun, of the whole body. The
-  /// others step its other parts, and call the same functions at the same time. What a Question can be is
-  /// told of the whole body, and all parts must be asked for it; state(), books() and all else are of this
-  /// part alone, and nobody observes: give() tells all.
+  /// others step its other parts, and call the same functions at the same time. What Question names is told
+  /// of the whole body, and all parts must be asked for it. All else is of this part alone, state() and
+  /// books() too, and nobody observes: give() and give_particles() tell of the whole body.
   Simulation(const Model& model, Stage stage, State state, Order order, Others& others);
   Simulation(const Model&&, Stage, State, int = 1) = delete;  // a temporary would be gone at the first step
   Simulation(const Model&&, Stage, State*, int = 1) = delete;
@@ -89,7 +89,7 @@ class Simulation {
   /// steps are made: StopReason::running. Observers are told of the end, and of an interruption.
   StopReason run(const std::function<bool()>& interrupted = {},
                  std::int64_t most = std::numeric_limits<std::int64_t>::max());
-  /// Why the stage ends here, if it does.
+  /// Why the stage ends here, if it does. Not where a stepper makes the steps.
   StopReason stop_reason() const;
   /// Tells the observers that the stage ends here.
   void finish(StopReason why);
@@ -255,7 +255,7 @@ class Simulation {
   double peak_quantity() const;
   Survey survey_here() const;
   Reaction reaction_here(const std::vector<ParticleId>& particles) const;
-  Reaction sum_over_parts(Reaction reaction) const;
+  Reaction summed_over_parts(Reaction reaction) const;
   std::vector<BondId> bonds_inside(const std::vector<ParticleId>& particles) const;
   double mean_axial_force(const std::vector<BondId>& bonds) const;
   const PoseRow& pose_of(ParticleId p) const { return bodies_.pose[bodies_.order.row[p].value]; }
@@ -280,9 +280,8 @@ class Simulation {
     if (others_ != nullptr) others_->sum(numbers);
   }
   bool leads() const { return others_ == nullptr || others_->leads(); }
-  void take_over(const Stepper::Leap& leap);
   /// Where what all parts know is up to date: here, or in the part of this process.
-  const Simulation& here() const { return part_ != nullptr ? *part_ : *this; }
+  const Simulation& here() const { return stepper_ != nullptr ? stepper_->part() : *this; }
   Vec3d from_to(ParticleId i, ParticleId j) const;
 
   const StepKernel& kernel_ = step_kernel();
@@ -319,7 +318,6 @@ class Simulation {
   std::vector<std::shared_ptr<Observer>> observers_;
   std::int64_t steps_to_look_ = 1;
   Stepper* stepper_ = nullptr;
-  const Simulation* part_ = nullptr;  // of the stepper, in this process
   StepTimes times_;
   // of a part
   mutable std::optional<Failed> failed_;  // first of all

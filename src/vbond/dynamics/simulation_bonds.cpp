@@ -75,12 +75,12 @@ void Simulation::make_bonds() {
                           contacts_.energy(bodies_.order.row[i], bodies_.order.row[j], bodies_) -
                               contact_pair_energy(model_, state_, i, j));
   const EnergyBooks of_this_part = state_.books;
+  changed_ = true;
   bonding_.make(pairs, state_);
   if (!leads()) state_.books = of_this_part;  // all parts have booked the same
   const double flowed_now = capsules ? dissipated_by_flow(state_) - flowed : 0.0;  // by their prestrain
   for (std::size_t k = before; k < state_.bonds.size(); ++k)
     events_.push_back({BondEvent::Kind::made, BondId{k}, state_.clock.step});
-  changed_ = true;
   bonds_changed();
   evaluate_loads();
   // a new bond then also changes what others touch
@@ -233,7 +233,7 @@ Reaction Simulation::reaction_before_breaks(const std::vector<ParticleId>& parti
                               [](const Capsules::Share& x, std::size_t first) { return x.row < first; });
     for (; s != taken_shares_.end() && s->row == row.value; ++s) add_held(h.held, row, -s->F, -s->M, total);
   }
-  return sum_over_parts(total);
+  return summed_over_parts(total);
 }
 
 /// Books the work that damping does on a block in a kick by h: its part of the loads, along the mean of the

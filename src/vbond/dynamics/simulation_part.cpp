@@ -199,7 +199,7 @@ void Simulation::give(State& whole) {
 void Simulation::answer(const Question& question) {
   State of_leader;
   switch (question.what) {
-    case Question::What::state: give_particles(of_leader, false); break;
+    case Question::What::particles: give_particles(of_leader, false); break;
     case Question::What::survey: survey(); break;
     case Question::What::fastest_turn: fastest_turn(); break;
     case Question::What::reaction: reaction(question.particles); break;
@@ -219,6 +219,7 @@ void Simulation::step_by(Stepper& stepper) {
   bodies_.clear();
   bonds_ = {};
   bond_index_ = {};
+  contacts_.clear();
   stepper.begin(model_, stage_, state_, reach_of_all);
   stepper_ = &stepper;
 }
@@ -226,19 +227,19 @@ void Simulation::step_by(Stepper& stepper) {
 /// The steps up to the next look at the body, made by the parts.
 StopReason Simulation::leap(std::int64_t& most) {
   const std::int64_t before = state_.clock.step;
-  const Stepper::Leap leap = stepper_->advance(std::min({most, Stepper::at_once, steps_to_look_}), state_);
-  const std::int64_t steps = state_.clock.step - before;
-  events_.insert(events_.end(), leap.part->events_.begin(), leap.part->events_.end());
-  leap.part->events_.clear();
-  part_ = leap.part;
-  encounters_.take(part_->encounters_);
-  rounding_scale_ = part_->rounding_scale_;
   bodies_ahead_ = true;
   survey_.reset();
+  const StopReason why = stepper_->advance(std::min({most, Stepper::at_once, steps_to_look_}), state_);
+  const std::int64_t steps = state_.clock.step - before;
+  Simulation& part = stepper_->part();
+  events_.insert(events_.end(), part.events_.begin(), part.events_.end());
+  part.events_.clear();
+  encounters_.take(part.encounters_);
+  rounding_scale_ = part.rounding_scale_;
   most -= steps;
   steps_to_look_ -= steps;
-  if (steps_to_look_ <= 0 || part_->is_due()) notify_observers();
-  return leap.why;
+  if (steps_to_look_ <= 0 || part.is_due()) notify_observers();
+  return why;
 }
 
 }  // namespace vbond

@@ -134,15 +134,15 @@ double Simulation::balance_error(const Energies& e) const {
                                rounding_scale_, std::numeric_limits<double>::min()});
 }
 
-Reaction Simulation::sum_over_parts(Reaction r) const {
+Reaction Simulation::summed_over_parts(Reaction r) const {
   std::array<double, 6> sums{r.force.x, r.force.y, r.force.z, r.moment.x, r.moment.y, r.moment.z};
-  sum_over_parts(std::span<double>(sums));
+  sum_over_parts(sums);
   return {{sums[0], sums[1], sums[2]}, {sums[3], sums[4], sums[5]}};
 }
 
 Reaction Simulation::reaction(const std::vector<ParticleId>& particles) const {
   if (stepper_ != nullptr) return stepper_->ask({Question::What::reaction, particles}).reaction(particles);
-  return sum_over_parts(reaction_here(particles));
+  return summed_over_parts(reaction_here(particles));
 }
 
 /// What is exerted on those that are moved here.
@@ -181,7 +181,7 @@ std::vector<BondId> Simulation::bonds_inside(const std::vector<ParticleId>& part
 }
 
 Losses Simulation::losses() const {
-  if (stepper_ != nullptr) return losses_of(state());
+  if (stepper_ != nullptr) return losses_of(here().state_.bond_history.empty() ? state_ : state());
   if (bonds_.remembers()) bonds_.collect(state_.bond_history);
   return losses_of(state_);
 }
@@ -225,7 +225,7 @@ std::vector<GripView> Simulation::grips() const {
   if (stepper_ != nullptr) return stepper_->ask({Question::What::grips}).grips();
   std::vector<GripView> views = supports_.grips().views(state_.clock.stage_step);
   for (GripView& v : views) {
-    const Reaction whole = sum_over_parts(Reaction{v.force, v.moment});
+    const Reaction whole = summed_over_parts({v.force, v.moment});
     v.force = whole.force, v.moment = whole.moment;
     if (v.work) sum_over_parts({&*v.work, 1});
   }

@@ -11,11 +11,11 @@ namespace vbond {
 
 class Simulation;
 
-/// What is asked of the whole body as it stands: the function of Simulation of that name. All parts must call
-/// it at the same time, as each knows its share only.
+/// What is asked of the whole body as it stands: the function of Simulation of that name (particles:
+/// give_particles). All parts must call it at the same time, as each knows its share only.
 struct Question {
   enum class What : std::int64_t {
-    state,
+    particles,
     survey,
     fastest_turn,
     reaction,
@@ -32,11 +32,6 @@ struct Question {
 /// body by a Simulation of its own. The one that is stepped for then only shows the body to its observers.
 class Stepper {
  public:
-  /// What steps have come to.
-  struct Leap {
-    StopReason why = StopReason::running;
-    Simulation* part = nullptr;  ///< that of this process
-  };
   /// The most steps until it comes back, as an interruption waits for that.
   static constexpr std::int64_t at_once = 256;
   virtual ~Stepper() = default;
@@ -44,9 +39,12 @@ class Stepper {
   /// the process that has observers. Model and stage live as long as the stage. reach: particles that are
   /// nearer than this may touch or be bonded; 0: none; infinite: each part must know all.  [length]
   virtual void begin(const Model& model, const Stage& stage, State& state, double reach) = 0;
+  /// The part of this process.
+  virtual Simulation& part() = 0;
   /// Makes steps until the stage ends or observers must look, `most` of them unless others have been told of
-  /// fewer, and brings up to date what the state says of the body as a whole. Throws Diverged.
-  virtual Leap advance(std::int64_t most, State& state) = 0;
+  /// fewer, and brings up to date what the state says of the body as a whole; says what they have come to.
+  /// Throws Diverged, with the state as it is then.
+  virtual StopReason advance(std::int64_t most, State& state) = 0;
   /// Between leaps, of the process that has observers: has all others answer, too. Returns the part of this
   /// process, which is then to be asked.
   virtual Simulation& ask(const Question& question) = 0;

@@ -41,8 +41,8 @@ struct HistoryValues {
   const State* state() const { return run ? &run->state() : point ? &point->state : nullptr; }
 };
 
-/// The values of a run as it stands, which must live as long. Collects the particles only if the plan asks
-/// for displacements.
+/// The values of a run as it stands, which must live as long. Collects the particles only for displacements,
+/// stresses, strained bonds, and losses of bonds that remember.
 HistoryValues history_values(const OutputPlan& plan, const Simulation& run);
 
 /// The values of a static point. Its energy books begin with the point: its own energy, nothing else.

@@ -89,9 +89,10 @@ Question Ranks::share(Question q) const {
 }
 
 Simulation& Ranks::ask(const Question& q) {
+  Simulation& here = part();
   follow(question);
   share(q);
-  return *part_;
+  return here;
 }
 
 /// Others must not go on to what they do by themselves, a static stage, as long as rank 0 may ask.
@@ -130,6 +131,12 @@ void Ranks::begin(const Model& model, const Stage& stage, State& state, double r
   take_part(state);
 }
 
+/// There is none if it could not be made.
+Simulation& Ranks::part() {
+  if (!part_) throw std::logic_error("the body diverged as its particles were spread over the ranks anew");
+  return *part_;
+}
+
 double Ranks::ghost_reach(const State& state) const {
   if (reach_ == std::numeric_limits<double>::infinity()) {  // all are ghosts of all
     double farthest2 = 0.0;
@@ -164,16 +171,16 @@ void Ranks::take_part(State& state) {
                                ", which its particle " + std::to_string(b.i.value) + " is bonded to");
   own_ = holding.own;
   std::sort(own_.begin(), own_.end());
-  auto part = std::make_unique<Simulation>(*model_, *stage_, leads() ? state : std::move(state),
-                                           std::move(order), *this);
-  if (part_) part->take_events(*part_);
-  part_ = std::move(part);
+  const std::unique_ptr<Simulation> before = std::move(part_);
+  part_ = std::make_unique<Simulation>(*model_, *stage_, leads() ? state : std::move(state), std::move(order),
+                                       *this);
+  if (before) part_->take_events(*before);
   room_ = 0.5 * margin * reach_;
   longest_ = part_->longest_bond();
   largest({&longest_, 1});
 }
 
-Stepper::Leap Ranks::advance(std::int64_t most, State& state) {
+StopReason Ranks::advance(std::int64_t most, State& state) {
   const std::int64_t steps = follow(most);
   try {
     const double begun = seconds_at_work() - waited_;
@@ -185,8 +192,9 @@ Stepper::Leap Ranks::advance(std::int64_t most, State& state) {
     imbalance_ = work[1] * size_ / work[0];
     part_->agree_on_failure();
     part_->give(state);
-    return {why, part_.get()};
+    return why;
   } catch (const Diverged& e) {  // all ranks together
+    if (part_) part_->give(state);
     state.clock.stage_step += e.step - state.clock.step;
     state.clock.step = e.step;
     throw;

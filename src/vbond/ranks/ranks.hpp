@@ -39,7 +39,8 @@ class Ranks : public Stepper, public Others {
   void wait_for_end();
 
   void begin(const Model& model, const Stage& stage, State& state, double reach) override;
-  Leap advance(std::int64_t most, State& state) override;
+  Simulation& part() override;
+  StopReason advance(std::int64_t most, State& state) override;
   Simulation& ask(const Question& question) override;
   void end_stage(State& state) override;
 
