@@ -25,7 +25,7 @@ vbond_lammps_packages=(liblammps-dev lammps libopenmpi-dev mpi-default-bin)   # 
 vbond_python_packages=(pybind11-dev python3-dev python3-numpy)
 vbond_python_test_packages=(python3-pytest python3-matplotlib python3-pandas jupyter-nbconvert python3-ipykernel)
 vbond_python_options=(-D VBOND_PYTHON=ON -D Python3_EXECUTABLE=/usr/bin/python3)   # Debian's packages are for this one
-vbond_site_packages=(doxygen furo python3-sphinx python3-myst-parser python3-nbsphinx python3-sphinx-copybutton)   # tools/site
+vbond_site_packages=(doxygen furo pandoc python3-sphinx python3-myst-parser python3-nbsphinx python3-sphinx-copybutton)   # tools/site
 vbond_clang_packages=(clang-14 libclang-rt-14-dev)   # the fuzzers, in .ci/run
 vbond_format_packages=(clang-format-14)
 vbond_package_packages=(dpkg-dev file xz-utils)   # tools/package

@@ -66,9 +66,11 @@ def extend(_, name, source):
         source[0] = re.sub(r"\[([^]]*)\]\([^)]*/\)", r"\1", source[0])
 
 
-def mend_theme(app, _):
+def mend_theme(app, failure):
     """Debian's furo leaves its script a module in two files and takes a style from another package: neither works in
     pages that are opened as files."""
+    if failure is not None:
+        return  # which is told then
     static = Path(app.outdir) / "_static"
     script, part, style = static / "scripts/furo.js", static / "scripts/gumshoe-patched.js", static / "styles/furo.css"
     script.write_text(part.read_text() + re.sub(r"^import Gumshoe .*$", "", script.read_text(), flags=re.M))
