@@ -10,6 +10,7 @@
 #include "inputs.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/observe/files.hpp"
+#include "vbond/observe/frame_names.hpp"
 #include "vbond/observe/mode_frames.hpp"
 
 namespace vbond::app {
@@ -43,21 +44,6 @@ std::vector<fs::path> entries(const fs::path& folder) {
   return paths;
 }
 
-/// particles_DIGITS.vtp, bonds_DIGITS.vtp or walls_DIGITS.vtp, or one of them half written.
-bool is_frame(std::string_view name) {
-  for (const std::string_view end : {".part", ".vtp"})
-    if (name.size() > end.size() && name.substr(name.size() - end.size()) == end)
-      name.remove_suffix(end.size());
-    else if (end == ".vtp")
-      return false;
-  for (const std::string_view kind : {"particles_", "bonds_", "walls_"})
-    if (name.substr(0, kind.size()) == kind) {
-      const std::string_view step = name.substr(kind.size());
-      return !step.empty() && step.find_first_not_of("0123456789") == std::string_view::npos;
-    }
-  return false;
-}
-
 void take_away_if_empty(const fs::path& folder) {
   std::error_code e;
   if (fs::is_directory(folder, e) && entries(folder).empty()) take_away(folder);
@@ -76,7 +62,7 @@ void remove_output(const fs::path& folder) {
   std::error_code e;
   if (fs::is_directory(folder / "frames", e))
     for (const fs::path& path : entries(folder / "frames"))
-      if (is_frame(path.filename().string())) take_away(path);
+      if (step_of_frame(path.filename().string())) take_away(path);
   remove_mode_frames(folder);
   for (const char* name : {"frames", "modes"}) take_away_if_empty(folder / name);
 }

@@ -12,6 +12,7 @@
 #include "campaign.hpp"
 #include "commands.hpp"
 #include "failure.hpp"
+#include "prepare.hpp"
 #include "refusals.hpp"
 #include "run_options.hpp"
 #include "vbond/build/build.hpp"
@@ -19,6 +20,7 @@
 #include "vbond/core/error.hpp"
 #include "vbond/dynamics/kernel.hpp"
 #include "vbond/observe/checkpoint.hpp"
+#include "vbond/observe/frame_files.hpp"
 #include "vbond/ranks/ranks.hpp"
 #include "vbond/run/run.hpp"
 
@@ -43,6 +45,13 @@ struct Task {
   bool resumes = false;
 };
 
+/// Each rank writes what it has of a frame into the folder that rank 0 names.
+void write_frames(Ranks& ranks, const Case& c, const Model& model) {
+  ranks.set_look(
+      [part = ranks.rank(), format = app::plan_output(c, model, {}).format_of_frames()](
+          const Simulation& run, const std::string& folder) { write_part(folder, part, run, format); });
+}
+
 /// Rank 0: the run as vbond does it, with its files and its text.
 int lead(Task task) {
   app::RunOptions& options = task.options;
@@ -53,11 +62,12 @@ int lead(Task task) {
       throw std::invalid_argument("every rank reads the case: give a file, not the standard input");
     app::choose_printing(options);
     options.stepper = &ranks;
-    options.before_output = [&ranks](const Case& c, const Run&) {
+    options.before_output = [&ranks](const Case& c, const Run& run) {
       app::refuse_beyond_ranks(c);
+      write_frames(ranks, c, run.model());
       if (const std::string other = ranks.agree({}); !other.empty())
         throw IoError("on another rank: " + other);
-      app::say(fmt::format("ranks            {}\n", ranks.size()));
+      app::say(fmt::format("ranks            {}\n", ranks.parts()));
     };
     const int status = task.resumes ? app::resume(task.folder, options) : app::run(options);
     app::say(fmt::format("{} times a particle went to another rank; particles were spread anew {} times\n",
@@ -103,6 +113,7 @@ int follow(const Task& task) {
     Run run(std::move(built.model), std::move(state), stages_of(c));
     if (!run.complete()) run.check();
     app::refuse_beyond_ranks(c);
+    write_frames(ranks, c, run.model());
     if (ranks.agree({}).empty()) follow(run, ranks);
   } catch (const Dismissed&) {
   } catch (...) {

@@ -5,9 +5,9 @@
 #include <variant>
 
 #include "bindings.hpp"
+#include "vbond/observe/frame_read.hpp"
 #include "vbond/observe/page/table.hpp"
 #include "vbond/observe/quantities.hpp"
-#include "vbond/observe/vtp_read.hpp"
 
 namespace vbond::python {
 namespace {
@@ -15,46 +15,48 @@ namespace {
 namespace fs = std::filesystem;
 
 template <class View>
-py::array array_of(const VtpInput& in, VtpInput::Per per, const char* name, double (*)(const View&)) {
+py::array array_of(const FrameInput& in, FrameInput::Per per, const char* name, double (*)(const View&)) {
   return copy(in.scalars(per, name));
 }
 template <class View>
-py::array array_of(const VtpInput& in, VtpInput::Per per, const char* name, Vec3d (*)(const View&)) {
+py::array array_of(const FrameInput& in, FrameInput::Per per, const char* name, Vec3d (*)(const View&)) {
   return copy(in.vectors(per, name));
 }
 template <class View>
-py::array array_of(const VtpInput& in, VtpInput::Per per, const char* name, std::int64_t (*)(const View&)) {
+py::array array_of(const FrameInput& in, FrameInput::Per per, const char* name,
+                   std::int64_t (*)(const View&)) {
   return copy(in.integers(per, name));
 }
 template <class View>
-py::array array_of(const VtpInput& in, VtpInput::Per per, const char* name, std::uint8_t (*)(const View&)) {
+py::array array_of(const FrameInput& in, FrameInput::Per per, const char* name,
+                   std::uint8_t (*)(const View&)) {
   return copy(in.bytes(per, name));
 }
 
 /// The arrays of a file that the table names, as far as it has them.
 template <class Quantity>
-void add_arrays(const VtpInput& in, VtpInput::Per per, std::span<const Quantity> table, py::dict& to) {
+void add_arrays(const FrameInput& in, FrameInput::Per per, std::span<const Quantity> table, py::dict& to) {
   for (const Quantity& q : table)
     if (in.has(per, q.name))
       std::visit([&](const auto value) { to[q.name] = array_of(in, per, q.name, value); }, q.value);
 }
 
 py::dict read_particles(const fs::path& path) {
-  const VtpInput in(path);
+  const FrameInput in(path);
   py::dict arrays;
-  arrays["position"] = copy(in.vectors(VtpInput::Per::point, "Points"));
-  add_arrays(in, VtpInput::Per::point, particle_quantities(), arrays);
+  arrays["position"] = copy(in.vectors(FrameInput::Per::point, "Points"));
+  add_arrays(in, FrameInput::Per::point, particle_quantities(), arrays);
   return arrays;
 }
 
 py::dict read_bonds(const fs::path& path) {
-  const VtpInput in(path);
+  const FrameInput in(path);
   py::dict arrays;
-  const std::vector<std::int64_t> ends = in.integers(VtpInput::Per::end, "connectivity");
+  const std::vector<std::int64_t> ends = in.integers(FrameInput::Per::end, "connectivity");
   std::vector<std::int64_t> i, j;
   for (std::size_t k = 0; k + 1 < ends.size(); k += 2) i.push_back(ends[k]), j.push_back(ends[k + 1]);
   arrays["i"] = copy(i), arrays["j"] = copy(j);
-  add_arrays(in, VtpInput::Per::cell, bond_quantities(), arrays);
+  add_arrays(in, FrameInput::Per::cell, bond_quantities(), arrays);
   return arrays;
 }
 

@@ -282,6 +282,8 @@ struct IdleStepper : Stepper {
   Simulation& part() override { throw std::logic_error("nothing is asked"); }
   StopReason advance(std::int64_t, State&) override { throw std::logic_error("no step is asked for"); }
   Simulation& ask(const Question&) override { throw std::logic_error("nothing is asked"); }
+  int parts() const override { return 2; }
+  void look_at_parts(const std::string&) override { throw std::logic_error("nothing is to be seen"); }
   void end_stage(State&) override {}
 };
 

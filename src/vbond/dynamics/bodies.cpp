@@ -36,10 +36,11 @@ void Bodies::read(const State& s) {
 }
 
 void Bodies::write(State& s) const {
-  for (Row k{0}; k.value < order.own; ++k.value) {
+  for (Row k{0}; k.value < order.known; ++k.value) {
     const ParticleId p = order.particle[k];
     s.r[p] = pose[k.value].r;
     s.q[p] = pose[k.value].q;
+    if (k.value >= order.own) continue;
     s.v[p] = motion[k.value].v;
     s.omega[p] = motion[k.value].omega;
   }

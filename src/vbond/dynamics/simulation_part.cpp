@@ -122,11 +122,43 @@ double Simulation::longest_bond() const {
 
 // ---- the whole body ----------------------------------------------------------------------------------
 
-void Simulation::give_particles(State& whole, bool everyone) {
+std::vector<ParticleId> Simulation::own_particles() const {
+  std::vector<ParticleId> own;
+  own.reserve(bodies_.order.own);
+  for (Row k{0}; k.value < bodies_.order.own; ++k.value) own.push_back(bodies_.order.particle[k]);
+  std::sort(own.begin(), own.end());
+  return own;
+}
+
+std::vector<BondId> Simulation::own_bonds() const {
+  std::vector<BondId> own;
+  for (const BondId b : state_.bonds.ids())
+    if (bodies_.order.has(state_.bonds[b].i)) own.push_back(b);
+  return own;
+}
+
+void Simulation::learn_ends() {
   state();
   const Order& order = bodies_.order;
-  std::vector<ParticleId> own;
-  for (Row k{0}; k.value < order.own; ++k.value) own.push_back(order.particle[k]);
+  std::vector<ParticleId> unknown;
+  for (const BondId b : own_bonds())
+    if (!order.knows(state_.bonds[b].j)) unknown.push_back(state_.bonds[b].j);
+  std::sort(unknown.begin(), unknown.end());
+  unknown.erase(std::unique(unknown.begin(), unknown.end()), unknown.end());
+  struct End {
+    ParticleId particle;
+    Vec3d r;
+    Quatd q;
+  };
+  std::vector<End> ends;
+  for (const ParticleId p : others_->collect(unknown))
+    if (order.has(p)) ends.push_back({p, state_.r[p], state_.q[p]});
+  for (const End& e : others_->collect(ends)) state_.r[e.particle] = e.r, state_.q[e.particle] = e.q;
+}
+
+void Simulation::give_particles(State& whole, bool everyone) {
+  state();
+  const std::vector<ParticleId> own = own_particles();
   const std::vector<ParticleId> all = others_->collect(own, everyone);
   const auto bring = [&](const auto& ids, const auto& all_ids, const auto& from, auto& to) {
     std::vector<std::decay_t<decltype(*from.begin())>> values;
@@ -150,9 +182,7 @@ void Simulation::give_particles(State& whole, bool everyone) {
     bring_particles((state_.*loads).M, (whole.*loads).M);
   }
   if (!state_.bond_history.empty()) {
-    std::vector<BondId> bonds;
-    for (const BondId b : state_.bonds.ids())
-      if (order.has(state_.bonds[b].i)) bonds.push_back(b);
+    const std::vector<BondId> bonds = own_bonds();
     bring(bonds, others_->collect(bonds, everyone), state_.bond_history, whole.bond_history);
   }
   whole.contact_history = others_->collect(state_.contact_history, everyone);

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "vbond/core/column.hpp"
@@ -45,6 +46,12 @@ class Stepper {
   /// fewer, and brings up to date what the state says of the body as a whole; says what they have come to.
   /// Throws Diverged, with the state as it is then.
   virtual StopReason advance(std::int64_t most, State& state) = 0;
+  /// By how many processes.
+  virtual int parts() const = 0;
+  /// Between leaps, of the process that has observers: all processes look at their parts at the same time,
+  /// this one too, and do with it what each was given for that; `words` are for them. Throws IoError with
+  /// what the first says that failed.
+  virtual void look_at_parts(const std::string& words) = 0;
   /// Between leaps, of the process that has observers: has all others answer, too. Returns the part of this
   /// process, which is then to be asked.
   virtual Simulation& ask(const Question& question) = 0;

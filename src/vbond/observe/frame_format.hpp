@@ -9,6 +9,7 @@ struct FrameFormat {
   bool stress = false;            ///< of each particle
   bool breaks = false;            ///< with what tells of bonds that may break
   bool walls = false;             ///< with a file for the walls
+  bool long_integers = false;     ///< 64 bits for each, also where 32 would do
   friend bool operator==(const FrameFormat&, const FrameFormat&) = default;
 };
 

@@ -9,17 +9,14 @@
 #include <iterator>
 #include <string_view>
 #include <system_error>
-#include <variant>
 #include <vector>
 
 #include "vbond/core/bounding_box.hpp"
 #include "vbond/core/error.hpp"
-#include "vbond/observe/bond_look.hpp"
-#include "vbond/observe/detail/values_of.hpp"
+#include "vbond/dynamics/simulation.hpp"
 #include "vbond/observe/files.hpp"
-#include "vbond/observe/quantities.hpp"
-#include "vbond/observe/vtp.hpp"
-#include "vbond/physics/section.hpp"
+#include "vbond/observe/frame_files.hpp"
+#include "vbond/observe/frame_names.hpp"
 
 namespace vbond {
 namespace {
@@ -30,22 +27,6 @@ constexpr const char* pvd_head =
     "<?xml version=\"1.0\"?>\n"
     "<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n  <Collection>\n";
 constexpr const char* pvd_tail = "  </Collection>\n</VTKFile>\n";
-
-/// Twelve digits sort by name for every run shorter than 1e12 steps.
-std::string frame_name(const char* kind, std::int64_t step) {
-  return fmt::format("frames/{}_{:012}.vtp", kind, step);
-}
-
-/// The step in a name that ends in _STEP.vtp; nothing for any other name.
-std::optional<std::int64_t> step_in_name(std::string_view name) {
-  const std::size_t from = name.rfind('_'), to = name.rfind(".vtp");
-  if (from == std::string_view::npos || to == std::string_view::npos || to + 4 != name.size() || from > to)
-    return std::nullopt;
-  std::int64_t step = 0;
-  const auto [end, error] = std::from_chars(name.data() + from + 1, name.data() + to, step);
-  if (error != std::errc{} || end != name.data() + to) return std::nullopt;
-  return step;
-}
 
 /// The entries of a .pvd of ours up to a step, and the last step among them.
 struct Entries {
@@ -64,7 +45,7 @@ Entries entries_until(const fs::path& pvd, std::int64_t resume_step) {
     const std::size_t name = line.find(file_is);
     if (name == std::string_view::npos) break;  // the tail
     const std::string_view rest = line.substr(name + file_is.size());
-    const auto step = step_in_name(rest.substr(0, rest.find('"')));
+    const auto step = step_of_frame(fs::path(rest.substr(0, rest.find('"'))).filename().string());
     if (!step) throw IoError(pvd.string() + ": is damaged at \"" + std::string(line) + '"');
     if (*step > resume_step) break;
     kept.lines += std::string(line) + '\n';
@@ -77,7 +58,7 @@ void remove_frames_after(const fs::path& folder, std::int64_t resume_step) {
   std::error_code error;
   std::vector<fs::path> late;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
-    const auto step = step_in_name(entry.path().filename().string());
+    const auto step = step_of_frame(entry.path().filename().string());
     if (step && *step > resume_step) late.push_back(entry.path());
   }
   for (const fs::path& path : late)
@@ -135,80 +116,7 @@ void cut_dump(const fs::path& dump, std::int64_t resume_step) {
   if (const std::uintmax_t end = end_of_dump(dump, size, resume_step); end < size) cut_file(dump, end);
 }
 
-bool is_in(Only cases, const FrameFormat& format) {
-  return cases == Only::everywhere || (cases == Only::breaks && format.breaks) ||
-         (cases == Only::stress && format.stress);
-}
-
 }  // namespace
-
-BondView bond_view(BondId id, const State& state, bool may_break) {
-  const Bond& b = state.bonds[id];
-  const BondPose<double> pose = bond_pose(b, state);
-  const BondLoads<double> loads = bond_loads(state, id);
-  const SectionLoads<double> section =
-      section_loads(section_moments(pose, b.R_i, b.R_j, loads), bond_axis(pose, b.R_i, b.R_j), loads);
-  return {.bond = b,
-          .id = id,
-          .shape = bond_shape(state, id),
-          .U = bond_energy(state, id),
-          .axial_force = section.N,
-          .shear_force = section.V,
-          .moment_i = norm(loads.M_ij),
-          .moment_j = norm(loads.M_ji),
-          .bending_moment = section.M_b,
-          .torque = section.M_t,
-          .utilisation = may_break && !b.broken && can_break(b)
-                             ? b.law->failure(b, pose, history_of_bond(state, id)).utilisation
-                             : 0.0};
-}
-
-void write_particles_vtp(const fs::path& path, const Model& model, const State& state,
-                         std::optional<double> load_factor, FrameFormat format) {
-  VtpFile f = VtpFile::of_points(state.r.values(), format);
-  f.set_unit_of_points(unit::length.in(model.units));
-  std::optional<Fragments> fragments;
-  if (format.breaks) fragments = find_fragments(model, state.bonds);
-  PerParticle<Tensor> stress;
-  if (format.stress) stress = stress_times_volume(model, state);
-  const auto view = [&](std::size_t k) {
-    ParticleView of{model, state, ParticleId{k}, fragments ? &*fragments : nullptr};
-    if (format.stress) of.stress = symmetric_part(1.0 / sphere_volume(model, of.id) * stress[of.id]);
-    return of;
-  };
-  for (const ParticleQuantity& q : particle_quantities()) {
-    if (!is_in(q.cases, format)) continue;
-    std::visit(
-        [&](const auto value) {
-          f.add_point_data(q.name, values_of(model.particles(), view, value), q.unit.in(model.units));
-        },
-        q.value);
-  }
-  f.write(path, state.clock.time(), state.clock.step, load_factor);
-}
-
-void write_bonds_vtp(const fs::path& path, const State& state, UnitSystem units,
-                     std::optional<double> load_factor, FrameFormat format) {
-  std::vector<std::int64_t> ends;
-  std::vector<BondView> views;
-  ends.reserve(2 * state.bonds.size()), views.reserve(state.bonds.size());
-  for (const BondId k : state.bonds.ids()) {
-    views.push_back(bond_view(k, state, format.breaks));
-    ends.push_back(views.back().bond.i.value), ends.push_back(views.back().bond.j.value);
-  }
-  VtpFile f = VtpFile::of_lines(state.r.values(), ends, format);
-  f.set_unit_of_points(unit::length.in(units));
-  const auto view = [&views](std::size_t k) -> const BondView& { return views[k]; };
-  for (const BondQuantity& q : bond_quantities()) {
-    if (!is_in(q.cases, format)) continue;
-    std::visit(
-        [&](const auto value) {
-          f.add_cell_data(q.name, values_of(views.size(), view, value), q.unit.in(units));
-        },
-        q.value);
-  }
-  f.write(path, state.clock.time(), state.clock.step, load_factor);
-}
 
 std::string pvd_list(const std::string& entries) {
   return pvd_head + entries + pvd_tail;
@@ -239,8 +147,8 @@ std::string lammps_frame(const Model& model, const State& state) {
 }
 
 FrameWriter::FrameWriter(const fs::path& folder, bool lammps_dump, std::optional<std::int64_t> resume_step,
-                         FrameFormat format)
-    : folder_(folder), format_(format) {
+                         FrameFormat format, int parts)
+    : folder_(folder), format_(format), parts_(lammps_dump || format.stress ? 1 : parts) {
   const fs::path dump = folder_ / "dump.lammpstrj";
   std::error_code e;
   make_folder(folder_ / "frames");
@@ -281,8 +189,26 @@ void FrameWriter::write(const Model& model, const State& state, std::optional<do
   if (format_.walls)
     write_walls_vtp(folder_ / frame_name("walls", clock.step), model, state, load_factor, format_);
   if (dump_) dump_->append(lammps_frame(model, state));
-  particle_entries_ += pvd_entry(clock.time(), frame_name("particles", clock.step));
-  bond_entries_ += pvd_entry(clock.time(), frame_name("bonds", clock.step));
+  add_to_lists(clock, frame_name);
+}
+
+void FrameWriter::write(const Simulation& run) {
+  if (parts_ == 1 || !run.is_in_parts()) return write(run.model(), run.state());
+  const Clock& clock = run.clock();
+  run.look_at_parts(folder_.string());
+  write_lists_of_parts(folder_, parts_, run.model(), clock.step, format_);
+  if (format_.walls) {
+    State walls;
+    walls.clock = clock;
+    walls.walls = run.walls();
+    write_walls_vtp(folder_ / frame_name("walls", clock.step), run.model(), walls, {}, format_);
+  }
+  add_to_lists(clock, name_of_parts);
+}
+
+void FrameWriter::add_to_lists(const Clock& clock, std::string (*name)(const char* kind, std::int64_t step)) {
+  particle_entries_ += pvd_entry(clock.time(), name("particles", clock.step));
+  bond_entries_ += pvd_entry(clock.time(), name("bonds", clock.step));
   if (format_.walls) wall_entries_ += pvd_entry(clock.time(), frame_name("walls", clock.step));
   write_lists();
   last_step_ = clock.step;

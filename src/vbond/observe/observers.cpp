@@ -134,11 +134,11 @@ void HistoryObserver::write(const HistoryValues& values) {
 // ---- frames -----------------------------------------------------------------------------------------
 
 FrameObserver::FrameObserver(const OutputPlan& plan, std::optional<std::int64_t> resume_step)
-    : writer_(plan.folder, plan.lammps_dump, resume_step, plan.format_of_frames()),
+    : writer_(plan.folder, plan.lammps_dump, resume_step, plan.format_of_frames(), plan.parts),
       due_(plan.frames_every.value(), writer_.last_step()) {}
 
 void FrameObserver::observe(const Simulation& run) {
-  if (due_.now(run.clock())) write(run.model(), run.state());
+  if (due_.now(run.clock())) write(run);
 }
 
 std::int64_t FrameObserver::steps_to_next_look(const Clock& now) const {
@@ -146,7 +146,13 @@ std::int64_t FrameObserver::steps_to_next_look(const Clock& now) const {
 }
 
 void FrameObserver::finish(const Simulation& run, StopReason why) {
-  if (stage_done(why) && due_.at_stage_end(run.clock())) write(run.model(), run.state());
+  if (stage_done(why) && due_.at_stage_end(run.clock())) write(run);
+}
+
+void FrameObserver::write(const Simulation& run) {
+  const Timing timing(*this);
+  writer_.write(run);
+  due_.written(run.clock().step);
 }
 
 void FrameObserver::write(const Model& model, const State& state, std::optional<double> load_factor) {

@@ -107,6 +107,7 @@ class FrameObserver : public TimedObserver {
   void write(const Model& model, const State& state, std::optional<double> load_factor = {});
 
  private:
+  void write(const Simulation& run);
   FrameWriter writer_;
   Due due_;
 };

@@ -68,7 +68,7 @@ VtpFile::Array VtpFile::reals(const std::string& name, int components, const dou
 
 VtpFile::Array VtpFile::integers(const std::string& name, const std::vector<std::int64_t>& values,
                                  const std::string& unit) const {
-  const bool fit = std::all_of(values.begin(), values.end(), [](std::int64_t x) {
+  const bool fit = !format_.long_integers && std::all_of(values.begin(), values.end(), [](std::int64_t x) {
     return x == static_cast<std::int64_t>(static_cast<std::int32_t>(x));
   });
   if (!fit) return array(name, "Int64", 1, values, unit);
@@ -203,6 +203,23 @@ void VtpFile::write(const std::filesystem::path& path, double time, std::int64_t
   for (const Array* a : in_file_order()) file.write(a->stored);
   file.write("\n  </AppendedData>\n</VTKFile>\n");
   file.publish(Sync::none);
+}
+
+void VtpFile::write_list(const std::filesystem::path& path, const std::vector<std::string>& pieces) const {
+  const auto declare = [](const Array& a) {
+    return fmt::format("      <PDataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\"/>\n", a.type,
+                       a.name, a.components);
+  };
+  std::string x =
+      "<?xml version=\"1.0\"?>\n"
+      "<VTKFile type=\"PPolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
+      "  <PPolyData GhostLevel=\"0\">\n    <PPointData>\n";
+  for (const Array& a : point_data_) x += declare(a);
+  x += "    </PPointData>\n    <PCellData>\n";
+  for (const Array& a : cell_data_) x += declare(a);
+  x += "    </PCellData>\n    <PPoints>\n" + declare(coordinates_) + "    </PPoints>\n";
+  for (const std::string& piece : pieces) x += fmt::format("    <Piece Source=\"{}\"/>\n", piece);
+  replace_file(path, x + "  </PPolyData>\n</VTKFile>\n", Sync::none);
 }
 
 }  // namespace vbond

@@ -53,6 +53,9 @@ class VtpFile {
   /// load factor of a balance to load_factor. Throws IoError.
   void write(const std::filesystem::path& path, double time, std::int64_t step,
              std::optional<double> load_factor = {}) const;
+  /// The list (.pvtp) of files beside it that are pieces of one body and have the arrays of this file, in
+  /// this order and of these types. Throws IoError.
+  void write_list(const std::filesystem::path& path, const std::vector<std::string>& pieces) const;
 
  private:
   struct Array {

@@ -50,23 +50,32 @@ Ranks::~Ranks() {
 
 std::string Ranks::agree(const std::string& failure) {
   agreed_ = true;
-  int mine = failure.empty() ? size_ : rank_, first = 0;
-  MPI_Allreduce(&mine, &first, 1, MPI_INT, MPI_MIN, MPI_COMM_WORLD);
-  dismissed_ = first < size_;
-  if (first == size_) return {};
-  int length = static_cast<int>(failure.size());
-  MPI_Bcast(&length, 1, MPI_INT, first, MPI_COMM_WORLD);
-  std::string text = failure;
+  std::string first = first_failure(failure);
+  dismissed_ = !first.empty();
+  return first;
+}
+
+/// Of those that the ranks have, that of the lowest rank; empty if there is none.
+std::string Ranks::first_failure(const std::string& mine) const {
+  int rank = mine.empty() ? size_ : rank_, first = 0;
+  MPI_Allreduce(&rank, &first, 1, MPI_INT, MPI_MIN, MPI_COMM_WORLD);
+  return first == size_ ? std::string{} : said_by(first, mine);
+}
+
+/// All ranks get the text of that one.
+std::string Ranks::said_by(int rank, std::string text) const {
+  int length = static_cast<int>(text.size());
+  MPI_Bcast(&length, 1, MPI_INT, rank, MPI_COMM_WORLD);
   text.resize(static_cast<std::size_t>(length));
-  MPI_Bcast(text.data(), length, MPI_CHAR, first, MPI_COMM_WORLD);
+  MPI_Bcast(text.data(), length, MPI_CHAR, rank, MPI_COMM_WORLD);
   return text;
 }
 
 /// What rank 0 wants next; others need not know, and answer what it asks until then.
 std::int64_t Ranks::follow(std::int64_t wish) {
   MPI_Bcast(&wish, 1, MPI_INT64_T, 0, MPI_COMM_WORLD);
-  while (!leads() && wish == question) {
-    part_->answer(share({}));
+  while (!leads() && (wish == question || wish == look)) {
+    wish == look ? look_here({}) : part_->answer(share({}));
     MPI_Bcast(&wish, 1, MPI_INT64_T, 0, MPI_COMM_WORLD);
   }
   if (!leads() && wish == end) throw Dismissed{};
@@ -93,6 +102,25 @@ Simulation& Ranks::ask(const Question& q) {
   follow(question);
   share(q);
   return here;
+}
+
+void Ranks::look_at_parts(const std::string& words) {
+  part();
+  follow(look);
+  look_here(words);
+}
+
+void Ranks::look_here(const std::string& words) {
+  const std::string told = said_by(0, words);
+  part_->learn_ends();
+  std::string failure;
+  try {
+    look_(*part_, told);
+  } catch (const IoError& e) {
+    failure = "on rank " + std::to_string(rank_) + ": " + e.what();
+  }
+  failure = first_failure(failure);
+  if (leads() && !failure.empty()) throw IoError(failure);
 }
 
 /// Others must not go on to what they do by themselves, a static stage, as long as rank 0 may ask.

@@ -1,9 +1,11 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "vbond/dynamics/others.hpp"
@@ -25,7 +27,8 @@ class Ranks : public Stepper, public Others {
   /// Rank 0 dismisses the others.
   ~Ranks() override;
 
-  int size() const { return size_; }
+  int rank() const { return rank_; }
+  int parts() const override { return size_; }
   /// How many times a particle has gone to another rank so far, and how often they were spread anew.
   std::int64_t migrations() const { return migrations_; }
   std::int64_t redistributions() const { return redistributions_; }
@@ -35,6 +38,9 @@ class Ranks : public Stepper, public Others {
   /// in the way of the first rank that cannot begin, or nothing.
   std::string agree(const std::string& failure);
   bool has_agreed() const { return agreed_; }
+  /// What this rank does with its part when rank 0 has all look at theirs; words: of rank 0.
+  using Look = std::function<void(const Simulation& part, const std::string& words)>;
+  void set_look(Look look) { look_ = std::move(look); }
   /// Of a rank that has no more to do itself: until rank 0 has ended. Throws Dismissed.
   void wait_for_end();
 
@@ -42,6 +48,7 @@ class Ranks : public Stepper, public Others {
   Simulation& part() override;
   StopReason advance(std::int64_t most, State& state) override;
   Simulation& ask(const Question& question) override;
+  void look_at_parts(const std::string& words) override;
   void end_stage(State& state) override;
 
   void send_to_ghosts(const GhostPoses& columns) override;
@@ -54,9 +61,12 @@ class Ranks : public Stepper, public Others {
  private:
   class Waiting;
   /// What rank 0 wants of the others; above zero, so many steps.
-  enum Wish : std::int64_t { end = 0, start = -1, question = -2, stage_over = -3 };
+  enum Wish : std::int64_t { end = 0, start = -1, question = -2, look = -3, stage_over = -4 };
   std::int64_t follow(std::int64_t wish);
   Question share(Question question) const;
+  std::string said_by(int rank, std::string text) const;
+  std::string first_failure(const std::string& mine) const;
+  void look_here(const std::string& words);
   void bring_together(State& state);
   void take_part(State& state);
   StopReason step(std::int64_t steps, State& state);
@@ -70,6 +80,7 @@ class Ranks : public Stepper, public Others {
   mutable double waited_ = 0;
   double worked_ = 0, imbalance_ = 1;
   bool agreed_ = false, dismissed_ = false;
+  Look look_;
   const Model* model_ = nullptr;
   const Stage* stage_ = nullptr;
   Order order_;         // of the whole body

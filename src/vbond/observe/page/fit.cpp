@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "vbond/core/error.hpp"
-#include "vbond/observe/vtp_read.hpp"
+#include "vbond/observe/frame_read.hpp"
 
 namespace vbond::page {
 namespace {
@@ -13,8 +13,8 @@ namespace {
 /// Why a frame cannot be opened; empty if it can.
 std::string trouble_with(const FrameFiles& files) {
   try {
-    const VtpInput particles(files.particles), bonds(files.bonds);
-    if (!files.walls.empty()) VtpInput walls(files.walls);
+    const FrameInput particles(files.particles), bonds(files.bonds);
+    if (!files.walls.empty()) FrameInput walls(files.walls);
     return {};
   } catch (const IoError& e) {
     return e.what();

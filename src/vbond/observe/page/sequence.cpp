@@ -7,12 +7,12 @@
 #include <stdexcept>
 
 #include "vbond/core/error.hpp"
-#include "vbond/observe/vtp_read.hpp"
+#include "vbond/observe/frame_read.hpp"
 
 namespace vbond::page {
 namespace {
 
-using Per = VtpInput::Per;
+using Per = FrameInput::Per;
 
 constexpr double radians = std::numbers::pi / 180.0;
 constexpr std::uint8_t break_kinds = 6;
@@ -33,21 +33,21 @@ struct RawFrame {
 };
 
 /// Whether a frame is of a run whose bonds may break.
-bool tells_of_breaks(const VtpInput& particles, const VtpInput& bonds) {
+bool tells_of_breaks(const FrameInput& particles, const FrameInput& bonds) {
   return particles.has(Per::point, "fragment") && bonds.has(Per::cell, "broken") &&
          std::all_of(bond_fields.begin(), bond_fields.end(),
                      [&bonds](const BondField& f) { return bonds.has(Per::cell, f.array); });
 }
 
 /// Displacements of a mode are from its first frame.
-std::vector<Vec3d> displacement_in(const VtpInput& particles, const std::vector<Vec3d>* about) {
+std::vector<Vec3d> displacement_in(const FrameInput& particles, const std::vector<Vec3d>* about) {
   if (!about) return particles.vectors(Per::point, "displacement");
   std::vector<Vec3d> d = particles.vectors(Per::point, "Points");
   for (std::size_t p = 0; p < d.size(); ++p) d[p] = d[p] - (*about)[p];
   return d;
 }
 
-std::vector<double> field_in(const VtpInput& bonds, const BondField& field) {
+std::vector<double> field_in(const FrameInput& bonds, const BondField& field) {
   std::vector<double> values = bonds.scalars(Per::cell, field.array);
   for (double& x : values) x *= field.scale;
   if (std::string_view(field.key) != "elongation") return values;
@@ -62,7 +62,7 @@ void clear_bond(std::size_t b, RawFrame& f) {
   f.range[b] = 0;
 }
 
-RawFrame read_frame(const VtpInput& particles, const VtpInput& bonds, const std::vector<Vec3d>* about) {
+RawFrame read_frame(const FrameInput& particles, const FrameInput& bonds, const std::vector<Vec3d>* about) {
   RawFrame f;
   f.step = particles.step();
   f.displacement = displacement_in(particles, about);
@@ -80,13 +80,13 @@ RawFrame read_frame(const VtpInput& particles, const VtpInput& bonds, const std:
 }
 
 /// Bonds whose elongation has no length to be relative to.
-std::size_t count_without_length(const VtpInput& bonds) {
+std::size_t count_without_length(const FrameInput& bonds) {
   const std::vector<double> at_rest = bonds.scalars(Per::cell, "length_at_rest");
   return static_cast<std::size_t>(std::count(at_rest.begin(), at_rest.end(), 0.0));
 }
 
 /// The bonds that were there in the frames before must be there still.
-void add_bonds(const VtpInput& file, const std::filesystem::path& path, Body& body) {
+void add_bonds(const FrameInput& file, const std::filesystem::path& path, Body& body) {
   const std::vector<std::int64_t> ends = file.integers(Per::end, "connectivity");
   const auto particles = static_cast<std::int64_t>(body.radius.size());
   for (std::size_t k = 0; k < ends.size(); ++k) {
@@ -146,7 +146,7 @@ QuantisedFrame quantise(const RawFrame& raw, double time, const Sequence& s) {
 
 /// Both files of a frame, opened and held against the body.
 struct OpenFrame {
-  VtpInput particles, bonds;
+  FrameInput particles, bonds;
   OpenFrame(const FrameFiles& files, const Body& body) : particles(files.particles), bonds(files.bonds) {
     if (particles.points() != body.radius.size() || bonds.points() != body.radius.size() ||
         particles.step() != bonds.step())
@@ -158,7 +158,7 @@ struct OpenFrame {
 
 /// The positions that displacements are from; the first frame tells them.
 std::vector<Vec3d> start_of(const SequenceFiles& files) {
-  const VtpInput first(files.frames[0].particles);
+  const FrameInput first(files.frames[0].particles);
   std::vector<Vec3d> r = first.vectors(Per::point, "Points");
   if (files.kind == SequenceKind::mode) return r;
   const std::vector<Vec3d> moved = first.vectors(Per::point, "displacement");
@@ -202,7 +202,7 @@ Spans look_through(const SequenceFiles& files, const std::vector<Vec3d>* about, 
 }
 
 void read_radii(const std::filesystem::path& file, Body& body) {
-  for (const double R : VtpInput(file).scalars(Per::point, "radius"))
+  for (const double R : FrameInput(file).scalars(Per::point, "radius"))
     body.radius.push_back(as_float(R, file));
   if (body.radius.empty()) throw IoError(file.string() + ": has no particles");
 }
@@ -305,7 +305,7 @@ Sequence read_sequence(const SequenceFiles& files, Body& body) {
 }
 
 std::size_t bytes_of_frame(const FrameFiles& files) {
-  const VtpInput particles(files.particles), bonds(files.bonds);
+  const FrameInput particles(files.particles), bonds(files.bonds);
   const bool may_break = tells_of_breaks(particles, bonds);
   return (may_break ? 9 : 7) * particles.points() +
          (may_break ? bond_field_count + 2 : fields_of_all_runs + 1) * bonds.cells();

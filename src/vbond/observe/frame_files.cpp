@@ -1,0 +1,172 @@
+#include "vbond/observe/frame_files.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "vbond/dynamics/simulation.hpp"
+#include "vbond/observe/bond_look.hpp"
+#include "vbond/observe/detail/values_of.hpp"
+#include "vbond/observe/frame_names.hpp"
+#include "vbond/observe/vtp.hpp"
+#include "vbond/physics/section.hpp"
+
+namespace vbond {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_in(Only cases, const FrameFormat& format) {
+  return cases == Only::everywhere || (cases == Only::breaks && format.breaks) ||
+         (cases == Only::stress && format.stress);
+}
+
+template <class IdType>
+std::vector<IdType> all_of(std::size_t n) {
+  std::vector<IdType> ids;
+  ids.reserve(n);
+  for (const IdType id : IdRange<IdType>(n)) ids.push_back(id);
+  return ids;
+}
+
+std::vector<Vec3d> positions_of(const std::vector<ParticleId>& particles, const State& state) {
+  std::vector<Vec3d> r;
+  r.reserve(particles.size());
+  for (const ParticleId p : particles) r.push_back(state.r[p]);
+  return r;
+}
+
+/// These particles. Stress and fragments are looked for in the whole body.
+VtpFile file_of_particles(const std::vector<ParticleId>& particles, const Model& model, const State& state,
+                          FrameFormat format) {
+  VtpFile f = VtpFile::of_points(positions_of(particles, state), format);
+  f.set_unit_of_points(unit::length.in(model.units));
+  std::optional<Fragments> fragments;
+  if (format.breaks) fragments = find_fragments(model, state.bonds);
+  PerParticle<Tensor> stress;
+  if (format.stress) stress = stress_times_volume(model, state);
+  const auto view = [&](std::size_t k) {
+    ParticleView of{model, state, particles[k], fragments ? &*fragments : nullptr};
+    if (format.stress) of.stress = symmetric_part(1.0 / sphere_volume(model, of.id) * stress[of.id]);
+    return of;
+  };
+  for (const ParticleQuantity& q : particle_quantities()) {
+    if (!is_in(q.cases, format)) continue;
+    std::visit(
+        [&](const auto value) {
+          f.add_point_data(q.name, values_of(particles.size(), view, value), q.unit.in(model.units));
+        },
+        q.value);
+  }
+  return f;
+}
+
+/// These bonds between points, which are these particles, in increasing order.
+VtpFile file_of_bonds(const std::vector<BondId>& bonds, const std::vector<ParticleId>& points,
+                      const State& state, UnitSystem units, FrameFormat format) {
+  const auto point_of = [&points](ParticleId p) -> std::int64_t {
+    if (p.value < points.size() && points[p.value] == p) return p.value;
+    return std::lower_bound(points.begin(), points.end(), p) - points.begin();
+  };
+  std::vector<std::int64_t> ends;
+  std::vector<BondView> views;
+  ends.reserve(2 * bonds.size()), views.reserve(bonds.size());
+  for (const BondId k : bonds) {
+    views.push_back(bond_view(k, state, format.breaks));
+    ends.push_back(point_of(views.back().bond.i)), ends.push_back(point_of(views.back().bond.j));
+  }
+  VtpFile f = VtpFile::of_lines(positions_of(points, state), ends, format);
+  f.set_unit_of_points(unit::length.in(units));
+  const auto view = [&views](std::size_t k) -> const BondView& { return views[k]; };
+  for (const BondQuantity& q : bond_quantities()) {
+    if (!is_in(q.cases, format)) continue;
+    std::visit(
+        [&](const auto value) {
+          f.add_cell_data(q.name, values_of(views.size(), view, value), q.unit.in(units));
+        },
+        q.value);
+  }
+  return f;
+}
+
+/// The same of a part of a body, whose points do not have the numbers of particles.
+VtpFile file_of_bonds_of_part(const std::vector<BondId>& bonds, std::vector<ParticleId> points,
+                              const State& state, UnitSystem units, FrameFormat format) {
+  for (const BondId k : bonds) points.push_back(state.bonds[k].j);
+  std::sort(points.begin(), points.end());
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  VtpFile f = file_of_bonds(bonds, points, state, units, format);
+  std::vector<std::int64_t> ids;
+  for (const ParticleId p : points) ids.push_back(p.value);
+  f.add_point_data("particle", ids);
+  return f;
+}
+
+/// Numbers of one kind have one type in all parts, however large they are.
+FrameFormat of_parts(FrameFormat format) {
+  format.long_integers = true;
+  return format;
+}
+
+}  // namespace
+
+BondView bond_view(BondId id, const State& state, bool may_break) {
+  const Bond& b = state.bonds[id];
+  const BondPose<double> pose = bond_pose(b, state);
+  const BondLoads<double> loads = bond_loads(state, id);
+  const SectionLoads<double> section =
+      section_loads(section_moments(pose, b.R_i, b.R_j, loads), bond_axis(pose, b.R_i, b.R_j), loads);
+  return {.bond = b,
+          .id = id,
+          .shape = bond_shape(state, id),
+          .U = bond_energy(state, id),
+          .axial_force = section.N,
+          .shear_force = section.V,
+          .moment_i = norm(loads.M_ij),
+          .moment_j = norm(loads.M_ji),
+          .bending_moment = section.M_b,
+          .torque = section.M_t,
+          .utilisation = may_break && !b.broken && can_break(b)
+                             ? b.law->failure(b, pose, history_of_bond(state, id)).utilisation
+                             : 0.0};
+}
+
+void write_particles_vtp(const fs::path& path, const Model& model, const State& state,
+                         std::optional<double> load_factor, FrameFormat format) {
+  file_of_particles(all_of<ParticleId>(model.particles()), model, state, format)
+      .write(path, state.clock.time(), state.clock.step, load_factor);
+}
+
+void write_bonds_vtp(const fs::path& path, const State& state, UnitSystem units,
+                     std::optional<double> load_factor, FrameFormat format) {
+  file_of_bonds(all_of<BondId>(state.bonds.size()), all_of<ParticleId>(state.r.size()), state, units, format)
+      .write(path, state.clock.time(), state.clock.step, load_factor);
+}
+
+void write_part(const fs::path& folder, int part, const Simulation& run, FrameFormat format) {
+  const State& state = run.state();
+  const double time = state.clock.time();
+  const std::int64_t step = state.clock.step;
+  const std::vector<ParticleId> particles = run.own_particles();
+  file_of_particles(particles, run.model(), state, of_parts(format))
+      .write(folder / name_of_part("particles", step, part), time, step);
+  file_of_bonds_of_part(run.own_bonds(), particles, state, run.model().units, of_parts(format))
+      .write(folder / name_of_part("bonds", step, part), time, step);
+}
+
+void write_lists_of_parts(const fs::path& folder, int parts, const Model& model, std::int64_t step,
+                          FrameFormat format) {
+  format = of_parts(format);
+  const auto write = [&](const VtpFile& empty, const char* kind) {
+    std::vector<std::string> files;
+    for (int part = 0; part < parts; ++part)
+      files.push_back(fs::path(name_of_part(kind, step, part)).filename().string());
+    empty.write_list(folder / name_of_parts(kind, step), files);
+  };
+  write(file_of_particles({}, model, {}, format), "particles");
+  write(file_of_bonds_of_part({}, {}, {}, model.units, format), "bonds");
+}
+
+}  // namespace vbond
