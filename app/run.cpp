@@ -247,12 +247,6 @@ FolderLock lock_old_output(const fs::path& folder) {
   return lock;
 }
 
-OutputPlan plan_of(const Case& c, const Run& run, const fs::path& folder, const RunOptions& options) {
-  OutputPlan plan = plan_output(c, run.model(), folder);
-  if (options.stepper != nullptr) plan.parts = options.stepper->parts();
-  return plan;
-}
-
 }  // namespace
 
 int run(const RunOptions& options) {
@@ -266,7 +260,7 @@ int run(const RunOptions& options) {
   run.check();
   run.set_stepper(options.stepper);
   if (options.before_output) options.before_output(c, run);
-  OutputPlan plan = plan_of(c, run, {}, options);  // all that may be wrong with the case is known by now
+  OutputPlan plan = plan_output(c, run.model(), {});  // all that may be wrong with the case is known by now
 
   if (options.report) warn_if_no_page();
   const ClaimedFolder claimed = claim_folder(c.file, options.folder, options.force);
@@ -316,7 +310,7 @@ int resume(const fs::path& folder, const RunOptions& options) {
     return done;
   }
 
-  Campaign campaign = open_campaign(c, run, plan_of(c, run, folder, options), options.threads,
+  Campaign campaign = open_campaign(c, run, plan_output(c, run.model(), folder), options.threads,
                                     options.program, &checkpoint, start);
   if (fs::exists(folder / "run.json"))
     campaign.summary.stages = read_stages_before(folder / "run.json", run.clock().stage);

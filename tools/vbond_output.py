@@ -37,6 +37,8 @@ def _from_blocks(data, at):
 
 def read_vtp(path):
     """Arrays of a .vtp file by name: rows for vectors, numbers for scalars; and "time"."""
+    if pathlib.Path(path).suffix != ".vtp":
+        sys.exit(f"{path}: only whole frames are read here; the Python module reads frames in parts, too")
     if sys.byteorder != "little":
         sys.exit("frames are little-endian, and this machine is not")
     data = pathlib.Path(path).read_bytes()

@@ -45,8 +45,8 @@ struct Task {
   bool resumes = false;
 };
 
-/// Each rank writes what it has of a frame into the folder that rank 0 names.
-void write_frames(Ranks& ranks, const Case& c, const Model& model) {
+/// Each rank is to write what it has of a frame, into the folder that rank 0 names.
+void set_frame_writer(Ranks& ranks, const Case& c, const Model& model) {
   ranks.set_look(
       [part = ranks.rank(), format = app::plan_output(c, model, {}).format_of_frames()](
           const Simulation& run, const std::string& folder) { write_part(folder, part, run, format); });
@@ -64,7 +64,7 @@ int lead(Task task) {
     options.stepper = &ranks;
     options.before_output = [&ranks](const Case& c, const Run& run) {
       app::refuse_beyond_ranks(c);
-      write_frames(ranks, c, run.model());
+      set_frame_writer(ranks, c, run.model());
       if (const std::string other = ranks.agree({}); !other.empty())
         throw IoError("on another rank: " + other);
       app::say(fmt::format("ranks            {}\n", ranks.parts()));
@@ -113,7 +113,7 @@ int follow(const Task& task) {
     Run run(std::move(built.model), std::move(state), stages_of(c));
     if (!run.complete()) run.check();
     app::refuse_beyond_ranks(c);
-    write_frames(ranks, c, run.model());
+    set_frame_writer(ranks, c, run.model());
     if (ranks.agree({}).empty()) follow(run, ranks);
   } catch (const Dismissed&) {
   } catch (...) {

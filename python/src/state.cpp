@@ -3,7 +3,7 @@
 #include "bindings.hpp"
 #include "vbond/model/touching.hpp"
 #include "vbond/observe/detail/values_of.hpp"
-#include "vbond/observe/frames.hpp"
+#include "vbond/observe/frame_files.hpp"
 #include "vbond/observe/quantities.hpp"
 
 namespace vbond::python {

@@ -2,10 +2,11 @@
 
 #include "input.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/observe/frame_read.hpp"
 #include "vbond/observe/frames.hpp"
-#include "vbond/observe/vtp_read.hpp"
+#include "vbond/observe/vtp.hpp"
 
-/// A list of frames, read for the page and to be continued by a resumed run.
+/// A list of frames, read for the page and to be continued by a resumed run; or one of the parts of a frame.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace vbond;
   const std::string_view text(reinterpret_cast<const char*>(data), size);
@@ -14,6 +15,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     for (const ListedFrame& frame : read_pvd(list))
       if (frame.file.string().find("..") == 0) std::abort();  // below the folder of the list, always
+  } catch (const IoError&) {
+  }
+  try {
+    FrameInput(fuzz::put(fuzz::folder() / "parts.pvtp", text));
   } catch (const IoError&) {
   }
   try {
@@ -30,5 +35,9 @@ extern "C" int LLVMFuzzerInitialize(int*, char***) {
                           vbond::pvd_entry(1e-9, "frames/particles_000000000070.vtp");
   vbond::fuzz::add_seed("list", vbond::pvd_list(two));
   vbond::fuzz::add_seed("empty", vbond::pvd_list(""));
+  const auto parts = vbond::fuzz::folder() / "parts.pvtp";
+  const vbond::VtpFile one_point = vbond::VtpFile::of_points({{}});
+  one_point.write_list(parts, {"one.vtp", "other.vtp"});
+  vbond::fuzz::add_seed("parts", vbond::fuzz::content_of(parts));
   std::exit(0);
 }

@@ -3,6 +3,8 @@
 #include "body.hpp"
 #include "input.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/observe/frame_files.hpp"
+#include "vbond/observe/frame_read.hpp"
 #include "vbond/observe/frames.hpp"
 #include "vbond/observe/page/page.hpp"
 #include "vbond/observe/vtp.hpp"
@@ -33,29 +35,55 @@ void show(const std::vector<page::FrameFiles>& frames, page::SequenceKind kind) 
   }
 }
 
+/// What the Python module reads, of a file that may be taken for one of particles or of bonds.
+void read_all_of(const std::filesystem::path& file) {
+  using Per = FrameInput::Per;
+  for (const Per per : {Per::point, Per::cell, Per::end}) try {
+      const FrameInput in(file);
+      in.integers(per, per == Per::end ? "connectivity" : "id");
+      if (in.has(per, "bend")) in.scalars(per, "bend");
+    } catch (const IoError&) {
+    }
+}
+
 }  // namespace
 
-/// The first byte says which file of which frame, of a run or of a mode, the rest takes the place of.
+/// A list of parts that names this file alone.
+std::filesystem::path list_of(const std::filesystem::path& part) {
+  VtpFile::of_points({}).write_list(folder() / "forged.pvtp", {part.filename().string()});
+  return folder() / "forged.pvtp";
+}
+
+/// The first byte says which file of which frame, of a run or of a mode, the rest takes the place of, as it
+/// is or as a part.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   static const std::vector<page::FrameFiles> good{good_frame(0), good_frame(4)};
   std::vector<page::FrameFiles> frames = good;
-  page::FrameFiles& forged = frames[data[0] >> 1U & 1U];
-  ((data[0] & 1U) ? forged.bonds : forged.particles) =
-      fuzz::put(folder() / "forged.vtp", {reinterpret_cast<const char*>(data) + 1, size - 1});
+  page::FrameFiles& frame = frames[data[0] >> 1U & 1U];
+  const auto forged = fuzz::put(folder() / "forged.vtp", {reinterpret_cast<const char*>(data) + 1, size - 1});
+  ((data[0] & 1U) ? frame.bonds : frame.particles) = (data[0] & 8U) ? list_of(forged) : forged;
+  read_all_of((data[0] & 1U) ? frame.bonds : frame.particles);
   show(frames, (data[0] & 4U) ? page::SequenceKind::mode : page::SequenceKind::run);
   return 0;
 }
 
 extern "C" int LLVMFuzzerInitialize(int*, char***) {
   if (!fuzz::seeds()) return 0;
-  for (const unsigned char which : {0, 1, 2, 3, 7}) {
+  for (const unsigned char which : {0, 1, 2, 3, 7, 8, 10}) {
     const page::FrameFiles f = good_frame((which & 2U) ? 4 : 0);
     fuzz::add_seed(
         "frame_" + std::to_string(which),
         std::string(1, static_cast<char>(which)) + fuzz::content_of((which & 1U) ? f.bonds : f.particles));
   }
-  VtpFile elsewhere = VtpFile::of_lines(std::vector<Vec3d>(3), {0, 1, 1, 2});
+  VtpFile part = VtpFile::of_lines(std::vector<Vec3d>(3), {0, 1, 1, 2}), elsewhere = part;
+  part.add_point_data("particle", std::vector<std::int64_t>{1, 0, 2});
+  part.add_cell_data("id", std::vector<std::int64_t>{1, 0});
+  for (const char* name : {"elongation", "length_at_rest", "bend", "twist", "U_L", "U_B", "U_T"})
+    part.add_cell_data(name, std::vector<double>(2));
+  part.add_cell_data("range", std::vector<std::uint8_t>(2));
+  part.write(folder() / "part.vtp", 0.4, 4);
+  fuzz::add_seed("part", '\13' + fuzz::content_of(folder() / "part.vtp"));
   elsewhere.add_point_data("U_T", std::vector<double>(3));  // three values for two bonds
   for (const char* name : {"elongation", "length_at_rest", "bend", "twist", "U_L", "U_B"})
     elsewhere.add_cell_data(name, std::vector<double>(2));

@@ -11,6 +11,7 @@
 #include "vbond/model/rules.hpp"
 #include "vbond/observe/break_words.hpp"
 #include "vbond/observe/fragments.hpp"
+#include "vbond/observe/frame_files.hpp"
 #include "vbond/observe/frames.hpp"
 #include "vbond/observe/history.hpp"
 #include "vbond/observe/observers.hpp"

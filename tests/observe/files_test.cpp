@@ -8,6 +8,7 @@
 #include "specimen.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/observe/checkpoint.hpp"
+#include "vbond/observe/frame_files.hpp"
 #include "vbond/observe/frames.hpp"
 #include "vbond/observe/vtp.hpp"
 

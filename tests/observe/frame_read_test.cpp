@@ -12,6 +12,7 @@
 #include "specimen.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/dynamics/simulation.hpp"
+#include "vbond/observe/frame_files.hpp"
 #include "vbond/observe/frame_names.hpp"
 #include "vbond/observe/frames.hpp"
 
@@ -149,6 +150,10 @@ TEST(FrameInput, RefusesPartsThatAreNotOfOneFrame) {
   expect_found(with(content_of(particles(2))), "it has no place for the number 6");
   expect_found(with(content_of(particles(0))), "two of its parts have the number 1");
   expect_found(with(content_of(body.folder / "b.vtp")), "its parts are not of one frame");
+  std::string fewer = good;
+  const std::string cells = "NumberOfVerts=\"3\"";
+  expect_found(with(fewer.replace(fewer.find(cells), cells.size(), "NumberOfVerts=\"2\"")),
+               "a part has particles that are not points");
   std::string later = good;
   const std::string step = ">" + std::to_string(body.chain.state.clock.step) + "<";
   expect_found(with(later.replace(later.find(step), step.size(), ">" + std::to_string(1201) + "<")),
@@ -170,7 +175,7 @@ TEST(FrameInput, RefusesListsThatItDidNotWrite) {
   expect_found(edited(name, "../" + name), "is damaged, at");
   expect_found(edited("PPolyData", "PImageData"), "is damaged, at");
   expect_found(edited("</VTKFile>\n", "</VTKFile>\nmore"), "is damaged, at");
-  expect_found(edited(name, body.file("bonds", 0).filename().string()), "numbers are missing");
+  expect_found(edited(name, body.file("bonds", 0).filename().string()), "twice");
   put_content(body.list("bonds"), "");
   expect_found(trouble_with(body.list("bonds")), "is damaged, at");
 }

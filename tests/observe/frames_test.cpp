@@ -9,6 +9,7 @@
 
 #include "specimen.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/observe/frame_files.hpp"
 #include "vbond/observe/quantities.hpp"
 #include "vbond/observe/wall_triangles.hpp"
 #include "vtp_reader.hpp"

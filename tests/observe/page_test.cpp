@@ -7,6 +7,7 @@
 #include "page_reader.hpp"
 #include "specimen.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/observe/frame_files.hpp"
 #include "vbond/observe/frames.hpp"
 #include "vbond/observe/vtp.hpp"
 #include "vbond/observe/vtp_read.hpp"

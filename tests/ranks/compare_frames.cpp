@@ -27,6 +27,7 @@ class Comparison {
     if (a.size() != b.size()) throw std::runtime_error("other sizes");
     Scaled& s = of_unit_[unit];
     for (std::size_t k = 0; k < a.size(); ++k) {
+      if (!std::isfinite(a[k]) || !std::isfinite(b[k])) throw std::runtime_error("not a finite number");
       s.scale = std::max({s.scale, std::abs(a[k]), std::abs(b[k])});
       s.difference = std::max(s.difference, std::abs(a[k] - b[k]));
     }
@@ -79,7 +80,8 @@ void compare(const FrameInput& a, const FrameInput& b, Per per, std::span<const 
 }
 
 void compare_folders(const fs::path& one, const fs::path& other, Comparison& to) {
-  for (const char* kind : {"particles.pvd", "bonds.pvd"}) {
+  for (const char* kind : {"particles.pvd", "bonds.pvd", "walls.pvd"}) {
+    if (!fs::exists(one / kind) && !fs::exists(other / kind)) continue;
     const std::vector<ListedFrame> a = read_pvd(one / kind), b = read_pvd(other / kind);
     to.must_be_equal(kind, a.size() == b.size() && !a.empty());
     for (std::size_t k = 0; k < a.size(); ++k) {
@@ -89,8 +91,10 @@ void compare_folders(const fs::path& one, const fs::path& other, Comparison& to)
       to.add("m", of_a.vectors(Per::point, "Points"), of_b.vectors(Per::point, "Points"));
       to.must_be_equal("connectivity",
                        of_a.integers(Per::end, "connectivity") == of_b.integers(Per::end, "connectivity"));
+      to.must_be_equal("kind", of_a.lines() == of_b.lines() && of_a.triangles() == of_b.triangles());
       compare(of_a, of_b, Per::point, particle_quantities(), to);
-      compare(of_a, of_b, Per::cell, bond_quantities(), to);
+      if (of_a.lines()) compare(of_a, of_b, Per::cell, bond_quantities(), to);
+      if (of_a.triangles()) compare(of_a, of_b, Per::cell, wall_quantities(), to);
     }
   }
 }

@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 try:
+    from vtkmodules.vtkCommonCore import vtkDataArray
     from vtkmodules.vtkIOXML import vtkXMLPolyDataReader, vtkXMLPPolyDataReader
 except ImportError:
     sys.exit(77)
@@ -46,9 +47,16 @@ def frames(folder, kind):
     return [folder / name for name in re.findall('file="([^"]*)"', (folder / f"{kind}.pvd").read_text())]
 
 
+def units(data):
+    return {data.GetArrayName(a): data.GetArray(a).GetInformation().Get(vtkDataArray.UNITS_LABEL())
+            for a in range(data.GetNumberOfArrays())}
+
+
 def same(a, b, what):
+    """Angles and what all particles share may be zero but for rounding: their scale is 1 at least."""
     assert len(a) == len(b), f"{what}: {len(a)} and {len(b)} values"
-    scale = max([1.0] + [abs(x) for values in a for x in values])
+    at_least = 1.0 if what.endswith(("bend", "twist", "rotation")) else 1e-6
+    scale = max([at_least] + [abs(x) for values in a for x in values])
     for of_a, of_b in zip(a, b):
         assert all(abs(x - y) <= 1e-7 * scale for x, y in zip(of_a, of_b)), f"{what}: {of_a} and {of_b}"
 
@@ -63,6 +71,7 @@ for kind in ("particles", "bonds"):
         data = (a.GetPointData(), b.GetPointData()) if kind == "particles" else (a.GetCellData(), b.GetCellData())
         of_a, of_b = arrays(data[0]), arrays(data[1])
         assert of_a.keys() == of_b.keys(), f"{other}: {sorted(of_b)}"
+        assert units(data[0]) == units(data[1]), f"{other}: {units(data[1])}"
         for name in of_a:
             same(of_a[name], of_b[name], f"{other}: {name}")
         if kind == "bonds":

@@ -78,16 +78,16 @@ class Simulation {
   /// sets it refuses all else.
   void step_by(Stepper& stepper);
 
-  /// Whether they are.
-  bool is_in_parts() const { return stepper_ != nullptr; }
-  /// All processes look at their parts now (Stepper::look_at_parts). Throws IoError.
-  void look_at_parts(const std::string& words) const { stepper_->look_at_parts(words); }
+  /// By how many processes they are made, each of a part of the body.
+  int parts() const { return stepper_ != nullptr ? stepper_->parts() : 1; }
+  /// All these processes look at their parts now (Stepper::look_at_parts). Throws IoError.
+  void look_at_parts(const std::string& message) const { stepper_->look_at_parts(message); }
   /// Of a part: the particles that it moves, and the bonds of which one is the first end, broken ones too, in
   /// increasing order. In its state() these are up to date, and where both ends of these bonds are: of bonds
-  /// that broke, whose ends may be far away by now, once all parts have called learn_ends().
+  /// that broke, whose ends may be far away by now, once all parts have called learn_ends_of_bonds().
   std::vector<ParticleId> own_particles() const;
   std::vector<BondId> own_bonds() const;
-  void learn_ends();
+  void learn_ends_of_bonds();
 
   /// Who looks after fewer steps than these has all processes wait for that look alone, where a stepper makes
   /// the steps. 1 without one.

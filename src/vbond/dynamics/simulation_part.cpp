@@ -137,7 +137,7 @@ std::vector<BondId> Simulation::own_bonds() const {
   return own;
 }
 
-void Simulation::learn_ends() {
+void Simulation::learn_ends_of_bonds() {
   state();
   const Order& order = bodies_.order;
   std::vector<ParticleId> unknown;

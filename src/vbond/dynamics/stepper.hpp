@@ -49,9 +49,9 @@ class Stepper {
   /// By how many processes.
   virtual int parts() const = 0;
   /// Between leaps, of the process that has observers: all processes look at their parts at the same time,
-  /// this one too, and do with it what each was given for that; `words` are for them. Throws IoError with
+  /// this one too, and do with it what each was given for that; the message is for them. Throws IoError with
   /// what the first says that failed.
-  virtual void look_at_parts(const std::string& words) = 0;
+  virtual void look_at_parts(const std::string& message) = 0;
   /// Between leaps, of the process that has observers: has all others answer, too. Returns the part of this
   /// process, which is then to be asked.
   virtual Simulation& ask(const Question& question) = 0;

@@ -44,7 +44,7 @@ VtpFile file_of_particles(const std::vector<ParticleId>& particles, const Model&
   VtpFile f = VtpFile::of_points(positions_of(particles, state), format);
   f.set_unit_of_points(unit::length.in(model.units));
   std::optional<Fragments> fragments;
-  if (format.breaks) fragments = find_fragments(model, state.bonds);
+  if (format.breaks && !particles.empty()) fragments = find_fragments(model, state.bonds);
   PerParticle<Tensor> stress;
   if (format.stress) stress = stress_times_volume(model, state);
   const auto view = [&](std::size_t k) {

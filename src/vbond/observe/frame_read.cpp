@@ -1,6 +1,7 @@
 #include "vbond/observe/frame_read.hpp"
 
 #include <algorithm>
+#include <set>
 #include <string_view>
 
 #include "vbond/core/error.hpp"
@@ -47,7 +48,11 @@ FrameInput::FrameInput(const fs::path& path) : path_(path) {
     files_.emplace_back(path);
     return;
   }
-  for (const fs::path& part : listed_parts(path)) files_.emplace_back(part);
+  std::set<fs::path> known;
+  for (const fs::path& part : listed_parts(path)) {
+    if (!known.insert(part).second) refuse("it names " + part.filename().string() + " twice");
+    files_.emplace_back(part);
+  }
   for (const VtpInput& f : files_)
     if (f.step() != step() || f.time() != time() || f.lines() != lines() || f.triangles())
       refuse("its parts are not of one frame");
@@ -55,7 +60,9 @@ FrameInput::FrameInput(const fs::path& path) : path_(path) {
     points_ = places(Per::point, "particle", false);  // a bond's end may be a particle of another part
     cells_ = places(Per::cell, "id", true);
   } else {
-    points_ = places(Per::point, "id", true);
+    points_ = cells_ = places(Per::point, "id", true);  // each point is a cell
+    for (const VtpInput& f : files_)
+      if (f.cells() != f.points()) refuse("a part has particles that are not points");
   }
 }
 
@@ -65,13 +72,15 @@ void FrameInput::refuse(const std::string& what) const {
 
 /// Numbers run from 0 without a gap. once: no two parts have the same.
 FrameInput::Places FrameInput::places(Per per, const char* numbers, bool once) const {
-  Places to;
+  std::vector<std::vector<std::int64_t>> all;
   std::size_t values = 0;
-  for (const VtpInput& f : files_) values += per == Per::point ? f.points() : f.cells();
+  for (const VtpInput& f : files_) values += all.emplace_back(f.integers(per, numbers)).size();
+  Places to;
   std::vector<char> taken(values, 0);
-  for (const VtpInput& f : files_) {
+  for (const std::vector<std::int64_t>& of_part : all) {
     std::vector<std::size_t>& of = to.of.emplace_back();
-    for (const std::int64_t id : f.integers(per, numbers)) {
+    of.reserve(of_part.size());
+    for (const std::int64_t id : of_part) {
       const auto k = static_cast<std::size_t>(id);
       if (id < 0 || k >= values) refuse("it has no place for the number " + std::to_string(id));
       if (once && taken[k] != 0) refuse("two of its parts have the number " + std::to_string(id));
@@ -89,13 +98,13 @@ FrameInput::Places FrameInput::places(Per per, const char* numbers, bool once) c
 template <class Get>
 auto FrameInput::put_together(Per per, const Get& get) const {
   if (!points_) return get(0);
-  const Places& places = per != Per::point && cells_ ? *cells_ : *points_;
+  const Places& places = per == Per::point ? *points_ : *cells_;
   decltype(get(0)) all;
   for (std::size_t f = 0; f < files_.size(); ++f) {
     const auto values = get(f);
     const std::vector<std::size_t>& of = places.of[f];
     if (of.empty()) continue;
-    const std::size_t each = values.size() / of.size();
+    const std::size_t each = values.size() / of.size();  // two for each bond, of its ends
     all.resize(each * places.count);
     for (std::size_t k = 0; k < values.size(); ++k) all[each * of[k / each] + k % each] = values[k];
   }

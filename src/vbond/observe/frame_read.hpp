@@ -32,7 +32,7 @@ class FrameInput {
   bool has(Per per, const std::string& name) const;
   std::vector<double> scalars(Per per, const std::string& name) const;
   std::vector<Vec3d> vectors(Per per, const std::string& name) const;
-  /// Ends of cells are numbers of particles.
+  /// Of the ends of cells only "connectivity", which is numbers of particles.
   std::vector<std::int64_t> integers(Per per, const std::string& name) const;
   std::vector<std::uint8_t> bytes(Per per, const std::string& name) const;
   std::string unit(const std::string& name) const { return files_[0].unit(name); }
@@ -50,7 +50,7 @@ class FrameInput {
 
   std::filesystem::path path_;
   std::vector<VtpInput> files_;
-  std::optional<Places> points_, cells_;  // of parts; cells that are points have the places of these
+  std::optional<Places> points_, cells_;  // of parts
 };
 
 }  // namespace vbond

@@ -147,8 +147,8 @@ std::string lammps_frame(const Model& model, const State& state) {
 }
 
 FrameWriter::FrameWriter(const fs::path& folder, bool lammps_dump, std::optional<std::int64_t> resume_step,
-                         FrameFormat format, int parts)
-    : folder_(folder), format_(format), parts_(lammps_dump || format.stress ? 1 : parts) {
+                         FrameFormat format)
+    : folder_(folder), format_(format) {
   const fs::path dump = folder_ / "dump.lammpstrj";
   std::error_code e;
   make_folder(folder_ / "frames");
@@ -193,10 +193,10 @@ void FrameWriter::write(const Model& model, const State& state, std::optional<do
 }
 
 void FrameWriter::write(const Simulation& run) {
-  if (parts_ == 1 || !run.is_in_parts()) return write(run.model(), run.state());
+  if (run.parts() == 1 || dump_ || format_.stress) return write(run.model(), run.state());
   const Clock& clock = run.clock();
   run.look_at_parts(folder_.string());
-  write_lists_of_parts(folder_, parts_, run.model(), clock.step, format_);
+  write_lists_of_parts(folder_, run.parts(), run.model(), clock.step, format_);
   if (format_.walls) {
     State walls;
     walls.clock = clock;

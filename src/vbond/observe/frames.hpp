@@ -7,7 +7,6 @@
 #include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/observe/files.hpp"
-#include "vbond/observe/frame_files.hpp"
 #include "vbond/observe/frame_format.hpp"
 
 namespace vbond {
@@ -31,9 +30,8 @@ class FrameWriter {
  public:
   /// Begins new lists, or with resume_step continues those that there are: later frames, which a killed run
   /// may have written past its checkpoint, are taken off the lists and removed. Throws IoError.
-  /// parts: that stages of dynamics are stepped in; 1: the body is whole.
   FrameWriter(const std::filesystem::path& folder, bool lammps_dump, std::optional<std::int64_t> resume_step,
-              FrameFormat format = {}, int parts = 1);
+              FrameFormat format = {});
 
   /// Throws IoError, also if dump.lammpstrj was removed, replaced or changed by others.
   void write(const Model& model, const State& state, std::optional<double> load_factor = {});
@@ -50,7 +48,6 @@ class FrameWriter {
 
   std::filesystem::path folder_;
   FrameFormat format_;
-  int parts_;
   std::optional<GrowingFile> dump_;
   std::string particle_entries_, bond_entries_, wall_entries_;  ///< lines of the .pvd files
   std::int64_t last_step_ = -1;

@@ -13,6 +13,7 @@
 #include "vbond/core/bounding_box.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/observe/files.hpp"
+#include "vbond/observe/frame_files.hpp"
 #include "vbond/observe/frames.hpp"
 
 namespace vbond {

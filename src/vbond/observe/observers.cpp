@@ -134,7 +134,7 @@ void HistoryObserver::write(const HistoryValues& values) {
 // ---- frames -----------------------------------------------------------------------------------------
 
 FrameObserver::FrameObserver(const OutputPlan& plan, std::optional<std::int64_t> resume_step)
-    : writer_(plan.folder, plan.lammps_dump, resume_step, plan.format_of_frames(), plan.parts),
+    : writer_(plan.folder, plan.lammps_dump, resume_step, plan.format_of_frames()),
       due_(plan.frames_every.value(), writer_.last_step()) {}
 
 void FrameObserver::observe(const Simulation& run) {

@@ -31,9 +31,8 @@ struct OutputPlan {
   std::vector<std::string> grips;          ///< groups that some stage moves as rigid bodies, in history.csv
   /// Between frames of dynamics  [time], > 0, infinite if there is none; absent: no frames at all.
   std::optional<double> frames_every;
-  FrameFormat frame_format;  ///< of those frames, and of those of modes
-  int parts = 1;             ///< that a body is stepped in, each writing its frames; 1: it is whole
-  bool lammps_dump = false;  ///< dump.lammpstrj with the frames
+  FrameFormat frame_format;                ///< of those frames, and of those of modes
+  bool lammps_dump = false;                ///< dump.lammpstrj with the frames
   std::optional<double> checkpoint_every;  ///< [time], > 0; absent: only at the end and on a signal
   std::int64_t watch_every = 100;          ///< steps between looks at bonds and energy, > 0
   double overlap = 0.1;                    ///< of the smaller radius that is reported; 0: never looked at

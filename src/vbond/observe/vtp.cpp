@@ -207,8 +207,13 @@ void VtpFile::write(const std::filesystem::path& path, double time, std::int64_t
 
 void VtpFile::write_list(const std::filesystem::path& path, const std::vector<std::string>& pieces) const {
   const auto declare = [](const Array& a) {
-    return fmt::format("      <PDataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\"/>\n", a.type,
-                       a.name, a.components);
+    const std::string tag = fmt::format("      <PDataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\"",
+                                        a.type, a.name, a.components);
+    if (a.unit.empty()) return tag + "/>\n";
+    return tag + fmt::format(
+                     "><InformationKey name=\"UNITS_LABEL\" location=\"vtkDataArray\">{}</InformationKey>"
+                     "</PDataArray>\n",
+                     a.unit);
   };
   std::string x =
       "<?xml version=\"1.0\"?>\n"

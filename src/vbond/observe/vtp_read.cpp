@@ -149,16 +149,17 @@ class VtpInput::Head {
   VtpInput& f_;
 };
 
-VtpInput::VtpInput(const fs::path& path) : path_(path), file_(open_file(path, "rb")) {
+VtpInput::VtpInput(const fs::path& path) : path_(path) {
+  const File file = open_file(path, "rb");
   std::error_code e;
   size_ = fs::file_size(path_, e);
   if (e) throw IoError("cannot read " + path_.string() + ": " + e.message());
-  const std::string head = read_head(file_.get(), path_);
+  const std::string head = read_head(file.get(), path_);
   if (size_ < head.size() + tail.size()) refuse_size();
   Head(head, *this).read();
   std::string end(tail.size(), '\0');
-  if (std::fseek(file_.get(), -static_cast<long>(tail.size()), SEEK_END) != 0 ||
-      std::fread(end.data(), 1, end.size(), file_.get()) != end.size() || end != tail)
+  if (std::fseek(file.get(), -static_cast<long>(tail.size()), SEEK_END) != 0 ||
+      std::fread(end.data(), 1, end.size(), file.get()) != end.size() || end != tail)
     refuse_size();
 }
 
@@ -187,36 +188,36 @@ const VtpInput::Array* VtpInput::find(Per per, const std::string& name, std::siz
 }
 
 /// What stands in the file, counted from the beginning of the array's own bytes.
-std::string VtpInput::bytes_at(const Array& a, std::size_t from, std::size_t size) const {
+std::string VtpInput::bytes_at(std::FILE* f, const Array& a, std::size_t from, std::size_t size) const {
   if (from > a.stored || size > a.stored - from) refuse_damaged(a);
   std::string bytes(size, '\0');
-  if (std::fseek(file_.get(), static_cast<long>(a.offset + from), SEEK_SET) != 0 ||
-      std::fread(bytes.data(), 1, size, file_.get()) != size)
+  if (std::fseek(f, static_cast<long>(a.offset + from), SEEK_SET) != 0 ||
+      std::fread(bytes.data(), 1, size, f) != size)
     refuse_damaged(a);
   return bytes;
 }
 
-void VtpInput::read_plain(const Array& a, std::vector<char>& to) const {
+void VtpInput::read_plain(std::FILE* f, const Array& a, std::vector<char>& to) const {
   std::uint64_t size = 0;
-  std::memcpy(&size, bytes_at(a, 0, sizeof size).data(), sizeof size);
+  std::memcpy(&size, bytes_at(f, a, 0, sizeof size).data(), sizeof size);
   if (size != a.size) refuse_damaged(a);
   to.resize(a.size);
-  if (std::fread(to.data(), 1, a.size, file_.get()) != a.size) refuse_damaged(a);
+  if (std::fread(to.data(), 1, a.size, f) != a.size) refuse_damaged(a);
 }
 
 /// Block by block, so that a forged size takes no more memory than there are blocks for.
-void VtpInput::read_blocks(const Array& a, std::vector<char>& to) const {
+void VtpInput::read_blocks(std::FILE* f, const Array& a, std::vector<char>& to) const {
   ZlibHead head;
-  const std::string numbers = bytes_at(a, 0, ZlibHead::fixed);
+  const std::string numbers = bytes_at(f, a, 0, ZlibHead::fixed);
   for (std::size_t k = 0; std::uint64_t * x : {&head.blocks, &head.block_size, &head.last_size})
     std::memcpy(x, numbers.data() + sizeof *x * k++, sizeof *x);
   if (!fits(head, a.size, a.stored)) refuse_damaged(a);
   head.compressed.resize(head.blocks);
-  const std::string sizes = bytes_at(a, ZlibHead::fixed, head.blocks * sizeof(std::uint64_t));
+  const std::string sizes = bytes_at(f, a, ZlibHead::fixed, head.blocks * sizeof(std::uint64_t));
   if (!sizes.empty()) std::memcpy(head.compressed.data(), sizes.data(), sizes.size());
   std::size_t from = head.head_size();
   for (std::uint64_t k = 0; k < head.blocks; ++k) {
-    const std::string block = bytes_at(a, from, head.compressed[k]);
+    const std::string block = bytes_at(f, a, from, head.compressed[k]);
     const std::size_t done = to.size(), size = head.size_of(k);
     if (size > most_inflated * block.size()) refuse_damaged(a);
     to.resize(done + size);
@@ -228,8 +229,9 @@ void VtpInput::read_blocks(const Array& a, std::vector<char>& to) const {
 
 template <class T, class Stored>
 std::vector<T> VtpInput::values_of(const Array& a) const {
+  const File file = open_file(path_, "rb");
   std::vector<char> bytes;
-  compressed_ ? read_blocks(a, bytes) : read_plain(a, bytes);
+  compressed_ ? read_blocks(file.get(), a, bytes) : read_plain(file.get(), a, bytes);
   std::vector<Stored> values(a.size / sizeof(Stored));
   if (!bytes.empty()) std::memcpy(values.data(), bytes.data(), bytes.size());
   if constexpr (std::is_same_v<T, Stored>)

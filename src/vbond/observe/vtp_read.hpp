@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <cstdio>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -10,8 +11,8 @@
 
 namespace vbond {
 
-/// A .vtp file that VtpFile has written, now or in an earlier version, its arrays read one by one. Anything
-/// else is refused: every function throws IoError naming the file.
+/// A .vtp file that VtpFile has written, now or in an earlier version, its arrays read one by one; in between
+/// it is not open. Anything else is refused: every function throws IoError naming the file.
 class VtpInput {
  public:
   explicit VtpInput(const std::filesystem::path& path);
@@ -54,14 +55,13 @@ class VtpInput {
   template <class T, class Stored>
   std::vector<T> values_of(const Array& a) const;
   std::vector<double> reals(Per per, const std::string& name, std::size_t components) const;
-  void read_plain(const Array& a, std::vector<char>& to) const;
-  void read_blocks(const Array& a, std::vector<char>& to) const;
-  std::string bytes_at(const Array& a, std::size_t from, std::size_t size) const;
+  void read_plain(std::FILE* f, const Array& a, std::vector<char>& to) const;
+  void read_blocks(std::FILE* f, const Array& a, std::vector<char>& to) const;
+  std::string bytes_at(std::FILE* f, const Array& a, std::size_t from, std::size_t size) const;
   [[noreturn]] void refuse_damaged(const Array& a) const;
   [[noreturn]] void refuse_size() const;
 
   std::filesystem::path path_;
-  File file_;
   std::size_t size_ = 0;     ///< of the file in bytes
   bool compressed_ = false;  ///< arrays stand in blocks
   double time_ = 0;

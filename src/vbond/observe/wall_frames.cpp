@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "vbond/observe/detail/values_of.hpp"
-#include "vbond/observe/frames.hpp"
+#include "vbond/observe/frame_files.hpp"
 #include "vbond/observe/quantities.hpp"
 #include "vbond/observe/vtp.hpp"
 #include "vbond/observe/wall_triangles.hpp"

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <exception>
 #include <limits>
 #include <stdexcept>
 #include <utility>
@@ -59,11 +60,11 @@ std::string Ranks::agree(const std::string& failure) {
 std::string Ranks::first_failure(const std::string& mine) const {
   int rank = mine.empty() ? size_ : rank_, first = 0;
   MPI_Allreduce(&rank, &first, 1, MPI_INT, MPI_MIN, MPI_COMM_WORLD);
-  return first == size_ ? std::string{} : said_by(first, mine);
+  return first == size_ ? std::string{} : text_of_rank(first, mine);
 }
 
 /// All ranks get the text of that one.
-std::string Ranks::said_by(int rank, std::string text) const {
+std::string Ranks::text_of_rank(int rank, std::string text) const {
   int length = static_cast<int>(text.size());
   MPI_Bcast(&length, 1, MPI_INT, rank, MPI_COMM_WORLD);
   text.resize(static_cast<std::size_t>(length));
@@ -75,7 +76,10 @@ std::string Ranks::said_by(int rank, std::string text) const {
 std::int64_t Ranks::follow(std::int64_t wish) {
   MPI_Bcast(&wish, 1, MPI_INT64_T, 0, MPI_COMM_WORLD);
   while (!leads() && (wish == question || wish == look)) {
-    wish == look ? look_here({}) : part_->answer(share({}));
+    if (wish == look)
+      look_here({});
+    else
+      part_->answer(share({}));
     MPI_Bcast(&wish, 1, MPI_INT64_T, 0, MPI_COMM_WORLD);
   }
   if (!leads() && wish == end) throw Dismissed{};
@@ -104,22 +108,29 @@ Simulation& Ranks::ask(const Question& q) {
   return here;
 }
 
-void Ranks::look_at_parts(const std::string& words) {
+void Ranks::look_at_parts(const std::string& message) {
   part();
   follow(look);
-  look_here(words);
+  look_here(message);
 }
 
-void Ranks::look_here(const std::string& words) {
-  const std::string told = said_by(0, words);
-  part_->learn_ends();
+/// Nobody leaves before all know who has failed.
+void Ranks::look_here(const std::string& message) {
+  const std::string of_rank_0 = text_of_rank(0, message);
+  part_->learn_ends_of_bonds();
   std::string failure;
+  std::exception_ptr thrown;
   try {
-    look_(*part_, told);
+    look_(*part_, of_rank_0);
   } catch (const IoError& e) {
-    failure = "on rank " + std::to_string(rank_) + ": " + e.what();
+    failure = e.what();
+  } catch (const std::exception& e) {
+    failure = e.what();
+    thrown = std::current_exception();
   }
+  if (!failure.empty()) failure = "on rank " + std::to_string(rank_) + ": " + failure;
   failure = first_failure(failure);
+  if (thrown) std::rethrow_exception(thrown);
   if (leads() && !failure.empty()) throw IoError(failure);
 }
 

@@ -38,8 +38,8 @@ class Ranks : public Stepper, public Others {
   /// in the way of the first rank that cannot begin, or nothing.
   std::string agree(const std::string& failure);
   bool has_agreed() const { return agreed_; }
-  /// What this rank does with its part when rank 0 has all look at theirs; words: of rank 0.
-  using Look = std::function<void(const Simulation& part, const std::string& words)>;
+  /// What this rank does with its part when rank 0 has all look at theirs; message: of rank 0.
+  using Look = std::function<void(const Simulation& part, const std::string& message)>;
   void set_look(Look look) { look_ = std::move(look); }
   /// Of a rank that has no more to do itself: until rank 0 has ended. Throws Dismissed.
   void wait_for_end();
@@ -48,7 +48,7 @@ class Ranks : public Stepper, public Others {
   Simulation& part() override;
   StopReason advance(std::int64_t most, State& state) override;
   Simulation& ask(const Question& question) override;
-  void look_at_parts(const std::string& words) override;
+  void look_at_parts(const std::string& message) override;
   void end_stage(State& state) override;
 
   void send_to_ghosts(const GhostPoses& columns) override;
@@ -64,9 +64,9 @@ class Ranks : public Stepper, public Others {
   enum Wish : std::int64_t { end = 0, start = -1, question = -2, look = -3, stage_over = -4 };
   std::int64_t follow(std::int64_t wish);
   Question share(Question question) const;
-  std::string said_by(int rank, std::string text) const;
+  std::string text_of_rank(int rank, std::string text) const;
   std::string first_failure(const std::string& mine) const;
-  void look_here(const std::string& words);
+  void look_here(const std::string& message);
   void bring_together(State& state);
   void take_part(State& state);
   StopReason step(std::int64_t steps, State& state);
