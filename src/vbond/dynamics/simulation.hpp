@@ -80,7 +80,8 @@ class Simulation {
 
   /// By how many processes they are made, each of a part of the body.
   int parts() const { return stepper_ != nullptr ? stepper_->parts() : 1; }
-  /// All these processes look at their parts now (Stepper::look_at_parts). Throws IoError.
+  /// All these processes look at their parts now (Stepper::look_at_parts). Only where a stepper makes the
+  /// steps. Throws IoError.
   void look_at_parts(const std::string& message) const { stepper_->look_at_parts(message); }
   /// Of a part: the particles that it moves, and the bonds of which one is the first end, broken ones too, in
   /// increasing order. In its state() these are up to date, and where both ends of these bonds are: of bonds
