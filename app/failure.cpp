@@ -24,11 +24,11 @@ Failure failure_under_way() {
   } catch (const IoError& e) {
     return {bad_io, e.what()};
   } catch (const std::bad_alloc&) {
-    return {failed, out_of_memory()};
+    return {failed, out_of_memory(), true};
   } catch (const std::length_error&) {
-    return {failed, out_of_memory()};
+    return {failed, out_of_memory(), true};
   } catch (const std::exception& e) {
-    return {failed, std::string("internal error: ") + e.what()};
+    return {failed, std::string("internal error: ") + e.what(), true};
   }
 }
 

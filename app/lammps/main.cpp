@@ -77,8 +77,11 @@ int lead(Task task) {
     return status;
   } catch (...) {
     const app::Failure failure = app::failure_under_way();
-    if (!ranks.has_agreed()) ranks.agree(failure.text);
+    const bool begun = ranks.has_agreed();
+    if (!begun) ranks.agree(failure.text);
     tell(failure);
+    if (begun && failure.anywhere)
+      MPI_Abort(MPI_COMM_WORLD, failure.status);  // the others may wait for this rank
     return failure.status;
   }
 }

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <exception>
 #include <limits>
 #include <stdexcept>
 #include <utility>
@@ -114,23 +113,17 @@ void Ranks::look_at_parts(const std::string& message) {
   look_here(message);
 }
 
-/// Nobody leaves before all know who has failed.
+/// Nobody goes on before all know who could not write. Any other failure ends the program on all ranks.
 void Ranks::look_here(const std::string& message) {
   const std::string of_rank_0 = text_of_rank(0, message);
   part_->learn_ends_of_bonds();
   std::string failure;
-  std::exception_ptr thrown;
   try {
     look_(*part_, of_rank_0);
   } catch (const IoError& e) {
-    failure = e.what();
-  } catch (const std::exception& e) {
-    failure = e.what();
-    thrown = std::current_exception();
+    failure = "on rank " + std::to_string(rank_) + ": " + e.what();
   }
-  if (!failure.empty()) failure = "on rank " + std::to_string(rank_) + ": " + failure;
   failure = first_failure(failure);
-  if (thrown) std::rethrow_exception(thrown);
   if (leads() && !failure.empty()) throw IoError(failure);
 }
 
