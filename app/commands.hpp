@@ -36,6 +36,8 @@ struct RunOptions {
   std::FILE* status_lines = nullptr;  ///< where these lines go, if so
   std::string program;                ///< as it was called, for the hint how to go on
   Stepper* stepper = nullptr;         ///< makes the steps in place of the run itself
+  /// Called before the body is made: may refuse the case.
+  std::function<void(const Case&)> before_build;
   /// Called once the case is known to be right, before anything is written: may refuse it.
   std::function<void(const Case&, const Run&)> before_output;
 };

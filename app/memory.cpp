@@ -23,6 +23,16 @@ void require(double bytes, const std::string& what, const Case& c) {
                    "take fewer particles, or another machine"});
 }
 
+void require(double bytes, const Case& c, const RanksHere& ranks) {
+  const double limit = machine_memory();
+  if (bytes <= limit) return;
+  throw CaseError(
+      {{c.file, 0, 0},
+       fmt::format("{} ranks on one machine take at least {} of memory", ranks.number, in_units(bytes)),
+       fmt::format("there may be {}, and each rank holds the whole body", in_units(limit)),
+       "take fewer ranks, or more machines, or vbond --threads N, which holds the body once"});
+}
+
 }  // namespace
 
 std::string in_units(double bytes) {
@@ -43,6 +53,15 @@ void require_memory(const Case& c, const Model& model, const State& state) {
   const auto n = static_cast<double>(model.particles()), bonds = static_cast<double>(state.bonds.size());
   require(n * use.per_particle + bonds * use.per_bond,
           fmt::format("{:.0f} particles and {:.0f} bonds", n, bonds), c);
+}
+
+void require_memory(const Case& c, const RanksHere& ranks) {
+  require(count_particles(c) * memory_use({}, {}).per_particle * ranks.number, c, ranks);
+}
+
+void require_memory(const Case& c, const Model& model, const State& state, const RanksHere& ranks) {
+  const RankMemory use = memory_of_ranks(model, state, ranks.of);
+  require(ranks.number * use.each + (ranks.first ? use.first - use.each : 0.0), c, ranks);
 }
 
 std::string out_of_memory() {

@@ -16,6 +16,17 @@ void require_memory(const Case& c);
 /// The same for a body with its bonds, as the time loop will hold it.
 void require_memory(const Case& c, const Model& model, const State& state);
 
+/// Of the ranks of a run, those that share this machine.
+struct RanksHere {
+  int number = 1;
+  bool first = true;  ///< rank 0 is among them
+  int of = 1;
+};
+
+/// As above, of these ranks together: each holds the whole body.
+void require_memory(const Case& c, const RanksHere& ranks);
+void require_memory(const Case& c, const Model& model, const State& state, const RanksHere& ranks);
+
 /// What there is to say when memory has run out all the same.
 std::string out_of_memory();
 

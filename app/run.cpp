@@ -254,6 +254,7 @@ int run(const RunOptions& options) {
   Case c = read_case(options.case_file, options.changes);
   require_statics(c);
   require_memory(c);
+  if (options.before_build) options.before_build(c);
   Built built = build(c);
   require_memory(c, built.model, built.state);
   Run run(std::move(built.model), std::move(built.state), stages_of(c), options.threads);
@@ -295,6 +296,7 @@ int resume(const fs::path& folder, const RunOptions& options) {
   const Case c = read_case(folder / "resolved.toml");
   require_statics(c);
   require_memory(c);
+  if (options.before_build) options.before_build(c);
   Built built = build(c);
   Checkpoint checkpoint = read_checkpoint(folder / "checkpoint.h5", built.model);
   check_edits(c, built.state, checkpoint.state, folder / "resolved.toml");

@@ -58,10 +58,14 @@ double limit_of_shell() {
 
 }  // namespace
 
-double memory_limit(const fs::path& root) {
+double machine_memory(const fs::path& root) {
   const double machine =
       static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
-  return std::min({machine, limit_of_groups(root), limit_of_shell()});
+  return std::min(machine, limit_of_groups(root));
+}
+
+double memory_limit(const fs::path& root) {
+  return std::min(machine_memory(root), limit_of_shell());
 }
 
 }  // namespace vbond

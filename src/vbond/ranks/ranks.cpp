@@ -39,6 +39,13 @@ constexpr double beyond_longest = 1.0 + 1e-6;
 Ranks::Ranks() {
   MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
   MPI_Comm_size(MPI_COMM_WORLD, &size_);
+  MPI_Comm here{};
+  MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &here);
+  MPI_Comm_size(here, &here_);
+  int lowest = rank_;
+  MPI_Allreduce(&rank_, &lowest, 1, MPI_INT, MPI_MIN, here);
+  first_is_here_ = lowest == 0;
+  MPI_Comm_free(&here);
 }
 
 Ranks::~Ranks() {

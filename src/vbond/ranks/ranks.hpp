@@ -29,6 +29,9 @@ class Ranks : public Stepper, public Others {
 
   int rank() const { return rank_; }
   int parts() const override { return size_; }
+  /// How many of them share this machine, and whether rank 0 is among these.
+  int on_this_machine() const { return here_; }
+  bool first_is_here() const { return first_is_here_; }
   /// How many times a particle has gone to another rank so far, and how often they were spread anew.
   std::int64_t migrations() const { return migrations_; }
   std::int64_t redistributions() const { return redistributions_; }
@@ -75,7 +78,8 @@ class Ranks : public Stepper, public Others {
   PerParticle<double> work_of(const State& state) const;
   double ghost_reach(const State& state) const;
 
-  int rank_ = 0, size_ = 1;
+  int rank_ = 0, size_ = 1, here_ = 1;
+  bool first_is_here_ = true;
   std::int64_t migrations_ = 0, redistributions_ = 0;
   mutable double waited_ = 0;
   double worked_ = 0, imbalance_ = 1;
