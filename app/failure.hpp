@@ -7,7 +7,7 @@ namespace vbond::app {
 struct Failure {
   int status;
   std::string text;
-  bool anywhere = false;  ///< memory that has run out, or a mistake of the program: it may come at any place
+  bool unforeseen = false;  ///< memory has run out, or the program has a mistake: at any place
 };
 
 /// Of the exception under way: to be called where it is caught.

@@ -16,11 +16,11 @@ void require_memory(const Case& c);
 /// The same for a body with its bonds, as the time loop will hold it.
 void require_memory(const Case& c, const Model& model, const State& state);
 
-/// Of the ranks of a run, those that share this machine.
+/// The ranks of a run that share this machine.
 struct RanksHere {
   int number = 1;
-  bool first = true;  ///< rank 0 is among them
-  int of = 1;
+  bool first = true;  ///< rank 0 is one of them
+  int all = 1;        ///< ranks of the run, on all machines
 };
 
 /// As above, of these ranks together: each holds the whole body.

@@ -87,7 +87,7 @@ int lead(Task task) {
     const bool begun = ranks.has_agreed();
     if (!begun) ranks.agree(failure.text);
     tell(failure);
-    if (begun && failure.anywhere)
+    if (begun && failure.unforeseen)
       MPI_Abort(MPI_COMM_WORLD, failure.status);  // the others may wait for this rank
     return failure.status;
   }

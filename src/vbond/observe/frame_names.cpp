@@ -5,20 +5,10 @@
 #include <charconv>
 #include <system_error>
 
+#include "vbond/observe/detail/name_parts.hpp"
+
 namespace vbond {
 namespace {
-
-bool take_off_front(std::string_view& text, std::string_view front) {
-  if (text.substr(0, front.size()) != front) return false;
-  text.remove_prefix(front.size());
-  return true;
-}
-
-bool take_off_end(std::string_view& text, std::string_view end) {
-  if (text.size() < end.size() || text.substr(text.size() - end.size()) != end) return false;
-  text.remove_suffix(end.size());
-  return true;
-}
 
 /// A number in digits alone, which are taken off.
 std::optional<std::int64_t> take_number(std::string_view& text) {

@@ -12,6 +12,7 @@
 
 #include "vbond/core/bounding_box.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/observe/detail/name_parts.hpp"
 #include "vbond/observe/files.hpp"
 #include "vbond/observe/frame_files.hpp"
 #include "vbond/observe/frames.hpp"
@@ -32,12 +33,6 @@ double diagonal(const Model& model, const State& s) {
   BoundingBox box;
   for (const ParticleId p : s.r.ids()) box.add(s.r[p], model.radius[p]);
   return box.diagonal();
-}
-
-bool take_off_end(std::string_view& text, std::string_view end) {
-  if (text.size() < end.size() || text.substr(text.size() - end.size()) != end) return false;
-  text.remove_suffix(end.size());
-  return true;
 }
 
 /// Takes a number off the end.
