@@ -124,32 +124,35 @@ discard_build_of_other_tree() {
 }
 
 # build_page: bundles web/ into build/page/report.html when its sources have changed.
-# Only `vbond report` needs it, so that a failure is told and nothing more.
+# Only `vbond report` needs it, so that a failure is told and nothing more. It is told once and remembered for a day:
+# a machine without node, npm or a registry for npm must not lose time with each run.
+page_failed=$vbond_root/build/page/.failed
 build_page() {
-  local dir=$vbond_root/build/page sources
+  local dir=$vbond_root/build/page sources seconds=5 why=
   mkdir -p "$dir"
   ! page_is_built || return 0
   sources=$(page_sources)
-  local seconds=5 failed=$dir/.failed
-  if ! { command -v node && command -v npm; } >/dev/null; then
-    # Installing was tried for these sources: not again with each run, but once a day.
-    if [[ $(cat "$failed" 2>/dev/null) == "$sources" && -n $(find "$failed" -mmin -1440) ]]; then
-      say "no page for reports: node and npm could not be installed; to try again: rm $failed"
-      return 0
-    fi
-    seconds=40
-  fi
+  ! page_failed_lately "$sources" || return 0
+  has_node || seconds=40
   say "building the page for reports (npm, about $seconds s, once)"
   # packages first, and outside of the log: need may ask
-  if { command -v node && command -v npm; } >/dev/null || (need "${vbond_page_packages[@]}") &&
-    (bundle_page "$dir/build.log"); then
-    printf '%s\n' "$sources" >"$dir/.sources"
-    rm -f "$failed"
+  if ! has_node && ! (need "${vbond_page_packages[@]}"); then
+    why="nodejs and npm could not be installed"
+  elif ! (page_packages "$dir/build.log"); then
+    why="npm cannot get the page's packages from its registry ($dir/build.log)"
+  elif ! (bundle_page "$dir/build.log"); then
+    why="it takes node 18 or newer ($dir/build.log)"
   else
-    say "the page was not built: $page_missing; 'vbond report' will not work until then ($dir/build.log)"
-    { command -v node && command -v npm; } >/dev/null || printf '%s\n' "$sources" >"$failed"
+    printf '%s\n' "$sources" >"$dir/.sources"
+    rm -f "$page_failed"
+    return 0
   fi
+  printf '%s\n' "$sources" >"$page_failed"
+  say "the page was not built: $why; 'vbond report' will not work until then" $'\n' \
+    " ./run and ./test do not try again for a day; to try again at once: $vbond_root/tools/package page"
 }
+
+has_node() { command -v node >/dev/null && command -v npm >/dev/null; }
 
 page_sources() {
   (cd "$vbond_root/web" && cat package-lock.json .npmrc build.mjs page.html page.css src/*.js | sha256sum)
@@ -160,14 +163,35 @@ page_is_built() {
   [[ -s $dir/report.html && $(cat "$dir/.sources" 2>/dev/null) == "$(page_sources)" ]]
 }
 
-page_missing="it takes node 18 or newer, npm and a registry of npm"
+# page_failed_lately SOURCES: within a day, for these sources, and nobody has brought the packages since.
+page_failed_lately() {
+  [[ $(cat "$page_failed" 2>/dev/null) == "$1" && -n $(find "$page_failed" -mmin -1440) ]] || return 1
+  [[ ! $vbond_root/web/node_modules/.package-lock.json -nt $page_failed ]]
+}
 
-bundle_page() {
+# page_packages LOG: npm's packages for the page, from npm's cache or its registry. npm itself waits for more than a
+# minute where no registry answers: a small request, which must not come from the cache, asks that first.
+page_packages() {
   exec >"$1" 2>&1
   command -v flock && { exec {lock}>"$1.lock"; flock "$lock"; }
   cd "$vbond_root/web" || return
-  [[ node_modules/.package-lock.json -nt package-lock.json ]] || npm ci --ignore-scripts --omit=dev || return
-  node build.mjs
+  [[ ! node_modules/.package-lock.json -nt package-lock.json ]] || return 0
+  local install=(npm ci --ignore-scripts --omit=dev --fetch-retries=1 --fetch-retry-mintimeout=1000)
+  "${install[@]}" --offline && return 0
+  echo "not all packages are in npm's cache; whether its registry answers:"
+  local empty_cache
+  empty_cache=$(mktemp -d) || return
+  timeout 15 npm view d3-scale-chromatic version --cache "$empty_cache" --fetch-retries=0 --fetch-timeout=5000
+  local status=$?
+  rm -rf -- "$empty_cache"
+  ((status == 0)) && "${install[@]}"
+}
+
+# bundle_page LOG: the page from its sources and packages.
+bundle_page() {
+  exec >>"$1" 2>&1
+  command -v flock && { exec {lock}>"$1.lock"; flock "$lock"; }
+  cd "$vbond_root/web" && node build.mjs
 }
 
 build_failed() {

@@ -1,5 +1,6 @@
 // The list of bonds that broke, in words; empty of runs in which none did.
-import { cause_colours, causes, css_colour } from "./colours.js";
+import { css_colour } from "./colours.js";
+import { cause_colours, causes } from "./palette.js";
 import { element, number } from "./text.js";
 
 function heading(name, unit) { return element("th", { scope: "col" }, unit ? `${name} [${unit}]` : name); }

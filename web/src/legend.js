@@ -1,6 +1,7 @@
 // What the colours mean, with numbers and units; and the three axes.
 import { Vector3 } from "three";
-import { cause_colours, causes, class_colours, css_colour, css_gradient, fragment_colours } from "./colours.js";
+import { css_colour, css_gradient } from "./colours.js";
+import { cause_colours, causes, class_colours, fragment_colours } from "./palette.js";
 import { mark_colours } from "./marks.js";
 import { capital, element, number } from "./text.js";
 

@@ -1,5 +1,6 @@
 // Values of a quantity to colours of particles and bonds.
-import { channels, class_colours, fragment_colours, maps, picked_colour, scale_ends, shade } from "./colours.js";
+import { maps, scale_ends, shade } from "./colours.js";
+import { channels, class_colours, fragment_colours, picked_colour } from "./palette.js";
 import { widest_bond } from "./scene.js";
 
 export const small_spheres = 0.45;   // of the true radius, when bonds carry the colour

@@ -1,6 +1,6 @@
 // What lies under the pointer, and its numbers.
 import { Vector3 } from "three";
-import { causes } from "./colours.js";
+import { causes } from "./palette.js";
 import { element, number, with_unit } from "./text.js";
 
 const slack = 4;   // pixels beside a bond

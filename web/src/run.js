@@ -1,7 +1,7 @@
 // A run as the page uses it: decoded when asked for, and only then.
 import { stored } from "./decode.js";
 import { Broken } from "./broken.js";
-import { fragment_colour_count } from "./colours.js";
+import { fragment_colour_count } from "./palette.js";
 import { nearest } from "./history.js";
 import { number } from "./text.js";
 import { Walls } from "./walls.js";

@@ -3,7 +3,7 @@ import { BufferAttribute, BufferGeometry, DataTexture, DoubleSide, DynamicDrawUs
          NearestFilter, PerspectiveCamera, Points, PointsMaterial, RawShaderMaterial, RGBAFormat, RGFormat, Scene, TOUCH, UnsignedByteType, Vector3, Vector4,
          WebGLRenderer } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
-import { cause_colours } from "./colours.js";
+import { cause_colours } from "./palette.js";
 import { Marks } from "./marks.js";
 import { bond_fragment, bond_vertex, face_fragment, face_vertex, sphere_fragment, sphere_vertex } from "./shaders.js";
 

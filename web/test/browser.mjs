@@ -8,7 +8,7 @@ import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { dirname, join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
-import { cause_colours, causes } from "../src/colours.js";
+import { cause_colours, causes } from "../src/palette.js";
 import { mark_colours } from "../src/marks.js";
 import { choose, launch } from "./chromium.mjs";
 import { colours, fits, open, picture, pixels, soon, steady_picture, two_pictures } from "./opened.mjs";

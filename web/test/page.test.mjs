@@ -1,7 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { gunzipSync } from "node:zlib";
-import { cause_colours, causes, fragment_colours, maps, scale_ends, shade } from "../src/colours.js";
+import { maps, scale_ends, shade } from "../src/colours.js";
+import { cause_colours, causes, fragment_colours } from "../src/palette.js";
 import { from_base64, inflate, stored, undelta } from "../src/decode.js";
 import { name_of } from "../src/head.js";
 import { linear_axis, log_axis, log_ticks } from "../src/axis.js";
