@@ -24,7 +24,8 @@ vbond_test_packages=(libgtest-dev librapidcheck-dev)
 vbond_lammps_packages=(liblammps-dev lammps libopenmpi-dev mpi-default-bin)   # vbond-lammps; CMake files of the first name the program of the second
 vbond_python_packages=(pybind11-dev python3-dev python3-numpy)
 vbond_python_test_packages=(python3-pytest python3-matplotlib python3-pandas jupyter-nbconvert python3-ipykernel)
-vbond_python_options=(-D VBOND_PYTHON=ON -D Python3_EXECUTABLE=/usr/bin/python3)   # Debian's packages are for this one
+vbond_python=/usr/bin/python3   # Debian's packages are for this one
+vbond_python_options=(-D VBOND_PYTHON=ON -D "Python3_EXECUTABLE=$vbond_python")
 vbond_site_packages=(doxygen furo pandoc python3-sphinx python3-myst-parser python3-nbsphinx python3-sphinx-copybutton)   # tools/site
 vbond_clang_packages=(clang-14 libclang-rt-14-dev)   # the fuzzers, in .ci/run
 vbond_format_packages=(clang-format-14)
@@ -99,11 +100,12 @@ build() {
     flock "$lock"
   fi
   discard_build_of_other_tree "$dir"
-  local options=${configure_options[*]-}
-  if [[ ! -e $stamp || $vbond_root/CMakePresets.json -nt $stamp || $(cat "$stamp") != *"$options"* ]]; then
+  local options=()
+  mapfile -t options < <(all_options "$stamp")
+  if [[ ! -e $stamp || $vbond_root/CMakePresets.json -nt $stamp || $(cat "$stamp") != "${options[*]-}" ]]; then
     say "configuring $dir"
-    (cd "$vbond_root" && cmake --preset "$preset" "${configure_options[@]}") >"$log" 2>&1 || build_failed "$log"
-    printf '%s\n' "$options" >"$stamp"
+    (cd "$vbond_root" && cmake --preset "$preset" "${options[@]}") >"$log" 2>&1 || build_failed "$log"
+    printf '%s\n' "${options[*]-}" >"$stamp"
   fi
   local ninja=(cmake --build "$dir" ${1:+--target "$@"})
   if ! "${ninja[@]}" -- -n 2>&1 | grep -q 'no work to do'; then
@@ -111,6 +113,19 @@ build() {
   fi
   "${ninja[@]}" >"$log" 2>&1 || build_failed "$log"
   exec {lock}>&-
+}
+
+# all_options STAMP: those that a build was configured with before, and $configure_options, which come first, in lines of
+# -DNAME=VALUE. What one call asked for stays for the next: ./run --python and ./test take turns in one build.
+all_options() {
+  local option
+  local -A seen=()
+  for option in "${configure_options[@]}" $(cat "$1" 2>/dev/null); do
+    option=${option#-D}
+    [[ $option == *=* && ! ${seen[${option%%=*}]-} ]] || continue
+    seen[${option%%=*}]=yes
+    printf '%s\n' "-D$option"
+  done | sort
 }
 
 # A tree that was copied or moved with its build folder would compile the sources it came from: CMake keeps
