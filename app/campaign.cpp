@@ -82,6 +82,9 @@ Campaign open_campaign(const Case& c, Run& run, OutputPlan plan, int threads, co
                                                          std::vector<std::int64_t>{});
   const auto& bonds = run.current().bonds;  // they keep a strength that the case has lost since
   campaign.plan.breaks = campaign.plan.breaks || std::any_of(bonds.begin(), bonds.end(), can_break);
+  campaign.plan.capsules =
+      campaign.plan.capsules ||
+      std::any_of(bonds.begin(), bonds.end(), [](const Bond& b) { return b.capsule > 0.0; });
   campaign.heartbeat = std::make_shared<Heartbeat>(
       run, campaign.plan, c.title, start,
       [progress = campaign.progress](const std::string& warning) { tell_beside(*progress, warning); });

@@ -105,6 +105,8 @@ OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem:
       std::any_of(c.stages.begin(), c.stages.end(), [](const StageSpec& s) { return is_static(s.kind); });
   plan.breaks = std::any_of(c.bonds.begin(), c.bonds.end(),
                             [](const BondSpec& b) { return b.recipe.rules.can_break(); });
+  plan.capsules =
+      std::any_of(c.bonds.begin(), c.bonds.end(), [](const BondSpec& b) { return b.recipe.capsule; });
   plan.losses = possible_losses(c, model);
   plan.watch_every = c.watch.every;
   plan.overlap = c.watch.overlap;

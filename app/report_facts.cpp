@@ -196,6 +196,10 @@ page::Lines results_of(const RunSummary& summary) {
                        fmt::format("{:.6g}{}, at t = {:.6g}{}", *s.critical_force, si ? " N" : "",
                                    s.peak_time.value_or(s.time), si ? " s" : "")});
   }
+  for (const WallSummary& w : summary.walls)
+    lines.push_back(
+        {fmt::format("Force on wall \"{}\"", w.name),
+         fmt::format("{:.6g}{} at most, in the rows of history.csv", w.largest_force, si ? " N" : "")});
   if (any_balance_of_energy(summary))
     lines.push_back(
         {"Largest error of the energy balance", fmt::format("{:.2g}", summary.energy_balance_error)});

@@ -178,7 +178,9 @@ TEST(WallFrame, ShowsEveryShapeWhereItIs) {
                     tube = box_around(body.corners_of(2, f)), ring = box_around(body.corners_of(3, f));
   EXPECT_EQ(table.low.z, -2.0);
   EXPECT_EQ(table.high.z, -2.0);
-  EXPECT_NEAR(table.high.x - table.low.x, box.diagonal(), 1e-14);
+  EXPECT_NEAR(table.high.x - table.low.x, 1.5 * (box.high.x - box.low.x), 1e-14);
+  EXPECT_NEAR(table.high.y - table.low.y, 1.5 * (box.high.y - box.low.y),
+              1e-14);                                                      // not that of the longest side
   EXPECT_NEAR(table.high.y + table.low.y, box.high.y + box.low.y, 1e-14);  // below the middle of the body
   for (const Vec3d& x : body.corners_of(1, f)) EXPECT_EQ(x.z, 6.0);
   EXPECT_NEAR(box_around(body.corners_of(1, f)).high.x, 6.0, 1e-14);
@@ -300,7 +302,7 @@ TEST(FrameFormat, EveryArrayOfAQuantityWithAUnitSaysIt) {
   for (const UnitSystem units : {UnitSystem::reduced, UnitSystem::si}) {
     chain.model.units = units;
     write_particles_vtp(folder / "p.vtp", chain.model, chain.state, {}, {.stress = true, .breaks = true});
-    write_bonds_vtp(folder / "b.vtp", chain.state, units, {}, {.breaks = true});
+    write_bonds_vtp(folder / "b.vtp", chain.state, units, {}, {.breaks = true, .capsules = true});
     const VtpReader p(content_of(folder / "p.vtp")), b(content_of(folder / "b.vtp"));
     for (const ParticleQuantity& q : particle_quantities())
       EXPECT_EQ(p.arrays.at(q.name).unit, q.unit.in(units)) << q.name;

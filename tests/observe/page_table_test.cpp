@@ -96,7 +96,11 @@ TEST(PageHistory, PresetsFollowTheColumns) {
   EXPECT_EQ(preset_plots(h)[0].y, std::vector<std::string>{"reaction.ends.fx"});  // a force, not a moment
   h.columns.push_back({"load_factor", {0, 0.5, 1}});
   EXPECT_EQ(preset_plots(h)[0].y, std::vector<std::string>{"load_factor"});
-  EXPECT_EQ(preset_plots(h).back().x, "step");  // balances only
+  EXPECT_EQ(preset_plots(h).back().x, "load_factor");  // balances only
+  h.columns.back().values = {0, 1, 0.5};
+  EXPECT_EQ(axis_of(h), "displacement.4.x");  // a path goes on where its load factor falls
+  h.columns[1].values = {0, 2, 1};
+  EXPECT_EQ(axis_of(h), "step");
   EXPECT_TRUE(preset_plots({{{"time", {0, 1}}, {"total", {1, 1}}}}).empty());
 }
 

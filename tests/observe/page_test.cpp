@@ -28,10 +28,11 @@ struct Film {
   std::vector<State> states;
   Report report;
 
-  explicit Film(std::size_t frames = 5, std::size_t particles = 3) {
+  explicit Film(std::size_t frames = 5, std::size_t particles = 3, FrameFormat format = {}) {
     Chain chain(particles);
     chain.state.bonds[BondId{0}].a = 0.8;  // a strain is not an elongation
-    FrameWriter writer(folder.path(), false, {});
+    if (format.capsules) chain.state.bonds[BondId{1}].capsule = 0.25;
+    FrameWriter writer(folder.path(), false, {}, format);
     for (std::size_t f = 0; f < frames; ++f) {
       const auto x = static_cast<double>(f);
       State s = chain.state;
@@ -145,6 +146,13 @@ TEST(Page, BondFieldsAreThoseOfTheFrames) {
   EXPECT_EQ(last.bytes(VtpInput::Per::cell, "range")[0], 1);  // tilted by 1.2 rad: strained
   EXPECT_EQ(film.report.body.first_strained.bond, 0);
   EXPECT_DOUBLE_EQ(film.report.body.first_strained.time, 3.0);  // 0.9 rad is past 45 degrees
+}
+
+TEST(Page, BondsThatTouchAsCapsulesHaveTheirRadius) {
+  const Film film(5, 3, {.capsules = true});  // of two bonds the second one, which is made later
+  const std::string html = report_page(one_line, film.report, {});
+  EXPECT_EQ(array_of(html, json_of(html)["bond_radius"]), (std::vector<double>{0.0, 0.25}));
+  EXPECT_FALSE(json_of(report_page(one_line, Film().report, {})).contains("bond_radius"));
 }
 
 TEST(Page, TextCannotEndItsElement) {

@@ -3,11 +3,12 @@
 const stacked = ["kinetic_translation", "kinetic_rotation", "U_L", "U_B", "U_T", "contact", "dissipated", "released"];
 
 export class History {
-  /** `clock` is the column along which the run goes on. */
-  constructor({ columns, values }, clock = "time") {
+  /** `clock` is the column along which the run goes on, `over` the one that curves are drawn over. */
+  constructor({ columns, values }, clock = "time", over = clock) {
     this.columns = new Map(columns.map(({ name, unit }, k) => [name, { name, unit: unit ?? "", values: values[k] }]));
     this.rows = values[0]?.length ?? 0;
     this.clock = this.has(clock) ? clock : this.names[0];
+    this.over = this.has(over) ? over : this.clock;
   }
 
   get names() { return [...this.columns.keys()]; }
@@ -18,21 +19,21 @@ export class History {
   presets(plots) {
     const list = plots.filter(({ x, y }) => [x, ...y].every((name) => this.has(name))).map((preset) => this.turned(preset));
     if (this.column("broken")?.values.some((v) => v)) {
-      list.push({ title: "Bonds that broke, and fragments", x: this.clock, y: ["broken", "fragments"].filter((name) => this.has(name)), added: true });
-      if (this.has("released")) list.push({ title: "Energy released by breaks", x: this.clock, y: ["released"], added: true });
+      list.push({ title: "Bonds that broke, and fragments", x: this.over, y: ["broken", "fragments"].filter((name) => this.has(name)), added: true });
+      if (this.has("released")) list.push({ title: "Energy released by breaks", x: this.over, y: ["released"], added: true });
     }
     const energies = stacked.filter((name) => this.has(name));
-    if (energies.length) list.push({ title: "Energies", x: this.clock, y: energies, stacked: true, added: true });
+    if (energies.length) list.push({ title: "Energies", x: this.over, y: energies, stacked: true, added: true });
     const causes = this.names.filter((name) => name.startsWith("dissipated.") && this.column(name).values.some((v) => v));
-    if (causes.length > 1) list.push({ title: "Energy dissipated, by cause", x: this.clock, y: causes, stacked: true, added: true });
-    if (this.column("balance_error")?.values.some((v) => v)) list.push({ title: "Error of the energy balance", x: this.clock, y: ["balance_error"], added: true });
+    if (causes.length > 1) list.push({ title: "Energy dissipated, by cause", x: this.over, y: causes, stacked: true, added: true });
+    if (this.column("balance_error")?.values.some((v) => v)) list.push({ title: "Error of the energy balance", x: this.over, y: ["balance_error"], added: true });
     return list;
   }
 
   /** A curve against anything but time goes to the right and up, as a shortening and the force that makes it are drawn. */
   turned(preset) {
     const backwards = (names) => mostly_negative(names.map((name) => this.column(name).values));
-    if ([this.clock, "step", "time"].includes(preset.x)) return preset;
+    if ([this.clock, this.over, "step", "time"].includes(preset.x)) return preset;
     return { ...preset, turned: { x: backwards([preset.x]), y: backwards(preset.y) } };
   }
 

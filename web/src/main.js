@@ -25,7 +25,7 @@ class Shown {
     this.json = json;
     this.data = data;
     this.kept = { view: before?.view?.kept(), plots: before?.plots?.kept() };
-    this.history = new History(json.history, json.clock);
+    this.history = new History(json.history, json.clock, json.over);
   }
 
   async build() {

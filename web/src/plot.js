@@ -10,7 +10,11 @@ const height = 230;
 const most_moved = 4;   // pixels, of a pointer that clicks
 const closer = 0.5;     // of the axes, by the button
 
-function polyline(u, index, first, last) {
+const marker = 3;       // pixels, radius of a circle at each point
+
+/** Lines, and circles at the points with `markers`. */
+const polyline = (markers) => (u, index, first, last) => {
+  const radius = marker * devicePixelRatio;
   const [xs, ys] = u.data[index];
   const line = new Path2D(), fill = new Path2D();
   const base = u.valToPos(Math.max(0, u.scales.y.min), "y", true);
@@ -21,12 +25,13 @@ function polyline(u, index, first, last) {
     const x = u.valToPos(xs[row], "x", true), y = u.valToPos(ys[row], "y", true);
     if (pen_down) { line.lineTo(x, y); fill.lineTo(x, y); }
     else { line.moveTo(x, y); fill.moveTo(x, y); from = x; }
+    if (markers) { line.moveTo(x + radius, y); line.arc(x, y, radius, 0, 2 * Math.PI); line.moveTo(x, y); }
     pen_down = true;
     at = x;
   }
   close();
   return { stroke: line, fill };
-}
+};
 
 export class Plot {
   /** `picked(row)` is called when a point is clicked. */
@@ -134,7 +139,7 @@ export class Plot {
       splits, values: (_, marks) => words(marks),
       font: "11px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif", stroke: colour_of("--ink"),
       grid: { stroke: colour_of("--line"), width: 1 }, ticks: { stroke: colour_of("--line"), width: 1, size: 4 } });
-    const curve = (name) => ({ stroke: this.colours.get(name), width: this.stacks ? 0.5 : 1.6, paths: polyline,
+    const curve = (name) => ({ stroke: this.colours.get(name), width: this.stacks ? 0.5 : 1.6, paths: polyline(this.preset.markers),
       fill: this.stacks ? this.colours.get(name) : undefined, points: { show: false },
       facets: [{ scale: "x", auto: true }, { scale: "y", auto: true }] });
     const series = order.map((k) => curve(names[k])), data = order.map((k) => [x, ys[k]]);
@@ -192,7 +197,7 @@ export class Plot {
   row_at(event) {
     const box = this.plot.over.getBoundingClientRect();
     const px = event.clientX - box.left, py = event.clientY - box.top;
-    const { x, ys } = this.drawn, by_clock = this.preset.x === this.history.clock || this.preset.x === "step";
+    const { x, ys } = this.drawn, by_clock = [this.history.clock, this.history.over, "step"].includes(this.preset.x);
     let best = null, least = Infinity;
     for (let row = 0; row < x.length; ++row) {
       if (x[row] == null) continue;

@@ -9,7 +9,7 @@ export class Plots {
   constructor(history, presets, picked, kept = {}) {
     this.history = history;
     this.row = null;
-    const free = kept.free ?? { title: "Any columns", x: history.clock, y: [history.has("total") ? "total" : history.names.at(-1)] };
+    const free = kept.free ?? { title: "Any columns", x: history.over, y: [history.has("total") ? "total" : history.names.at(-1)] };
     this.all = [...history.presets(presets), free].map((preset) => new Plot(history, preset, picked));
     this.all.at(-1).heading.after(this.chooser(this.all.at(-1)));
     const at_first = ({ preset }, k) => preset !== free && (k < shown_at_first || preset.added);

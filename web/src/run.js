@@ -186,6 +186,7 @@ export class Run {
     const reference = json.sequences[0]?.reference;
     this.particles = reference ? reference.count / 3 : 0;
     this.radius = typeof json.radius === "number" ? new Float32Array(this.particles).fill(json.radius) : stored(block, json.radius);
+    this.bond_radius = json.bond_radius && stored(block, json.bond_radius);
     const length_unit = json.units === "SI" ? "m" : "";
     this.length_unit = length_unit;
     this.time_unit = time_unit;

@@ -1,6 +1,6 @@
 // The body in 3D. Draws only when asked to; knows nothing of time, playing or the page around it.
 import { BufferAttribute, BufferGeometry, DataTexture, DoubleSide, DynamicDrawUsage, FloatType, GLSL3, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial,
-         NearestFilter, PerspectiveCamera, Points, PointsMaterial, RawShaderMaterial, RGBAFormat, RGFormat, Scene, TOUCH, UnsignedByteType, Vector3, Vector4,
+         NearestFilter, PerspectiveCamera, Points, PointsMaterial, RawShaderMaterial, RGBAFormat, Scene, TOUCH, UnsignedByteType, Vector3, Vector4,
          WebGLRenderer } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { cause_colours } from "./palette.js";
@@ -28,17 +28,17 @@ function put_quad(indices, place, k) {
   indices[at + 3] = v; indices[at + 4] = v + 2; indices[at + 5] = v + 3;
 }
 
-/** A texture as a table with `channels` numbers for each entry; `array` is what to write to. */
-function table(array_type, channels, count) {
-  const rows = Math.max(1, Math.ceil(count / texture_width)), array = new array_type(channels * texture_width * rows);
-  const texture = new DataTexture(array, texture_width, rows, channels === 2 ? RGFormat : RGBAFormat,
+/** A texture as a table with four numbers for each entry; `array` is what to write to. */
+function table(array_type, count) {
+  const rows = Math.max(1, Math.ceil(count / texture_width)), array = new array_type(4 * texture_width * rows);
+  const texture = new DataTexture(array, texture_width, rows, RGBAFormat,
                                   array_type === Float32Array ? FloatType : UnsignedByteType);
   texture.minFilter = texture.magFilter = NearestFilter;
   texture.needsUpdate = true;
   return { array, texture };
 }
 
-/** Usual half width of a bond: a quarter of the mean radius, but no less than 2 % of the mean length. */
+/** Usual half width of a bond, where it does not touch as a capsule: a quarter of the mean radius, but no less than 2 % of the mean length. */
 function bond_width(run) {
   const n = run.ends.length / 2, r = run.sequences[0].reference;
   let length = 0;
@@ -111,26 +111,29 @@ export class BodyScene {
   }
 
   make_spheres() {
-    this.places = table(Float32Array, 4, this.run.particles);
+    this.places = table(Float32Array, this.run.particles);
     this.run.radius.forEach((radius, k) => { this.places.array[4 * k + 3] = radius; });
-    this.sphere_colours = table(Uint8Array, 4, this.run.particles);
+    this.sphere_colours = table(Uint8Array, this.run.particles);
     this.spheres = this.add(quads(this.run.particles), sphere_vertex, sphere_fragment,
       { size: { value: 1 }, smooth_edge: { value: this.smooth }, paints: { value: this.sphere_colours.texture } });
   }
 
   make_bonds() {
-    const count = this.run.ends.length / 2, ends = table(Float32Array, 2, count);
-    this.bond_width = bond_width(this.run);
-    ends.array.set(this.run.ends);
-    this.bond_colours = table(Uint8Array, 4, count);
+    const count = this.run.ends.length / 2, ends = table(Float32Array, count), usual = bond_width(this.run);
+    this.bond_widths = new Float32Array(count);   // half of each
+    for (let b = 0; b < count; ++b) {
+      this.bond_widths[b] = this.run.bond_radius?.[b] || usual;
+      ends.array.set([...this.run.ends_of(b), this.bond_widths[b], 0], 4 * b);
+    }
+    this.bond_colours = table(Uint8Array, count);
     this.bonds = this.add(quads(count), bond_vertex, bond_fragment,
-      { width: { value: widest_bond * this.bond_width }, ends: { value: ends.texture }, paints: { value: this.bond_colours.texture } });
+      { widest: { value: widest_bond }, ends: { value: ends.texture }, paints: { value: this.bond_colours.texture } });
   }
 
   /** Two for each broken bond, one at each of its particles. */
   make_faces(count) {
-    this.face_ends = table(Float32Array, 4, count);
-    this.face_colours = table(Uint8Array, 4, count);
+    this.face_ends = table(Float32Array, count);
+    this.face_colours = table(Uint8Array, count);
     this.faces = this.add(quads(2 * count), face_vertex, face_fragment,
       { ends: { value: this.face_ends.texture }, paints: { value: this.face_colours.texture } });
   }

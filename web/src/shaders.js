@@ -83,12 +83,12 @@ void main() {
 export const bond_vertex = `
 precision highp float;
 uniform mat4 viewMatrix, projectionMatrix;
-uniform float width;
+uniform float widest;
 ${tables}
 out float across;
 flat out vec3 side, front, paint;
 void main() {
-  vec2 ij = of(ends, number()).xy;
+  vec3 ij = of(ends, number()).xyz;   // two particles, half width
   vec4 colour = of(paints, number());
   vec3 a = (viewMatrix * vec4(of(places, int(ij.x)).xyz, 1.0)).xyz;
   vec3 b = (viewMatrix * vec4(of(places, int(ij.y)).xyz, 1.0)).xyz;
@@ -100,7 +100,7 @@ void main() {
   across = position.x;
   paint = colour.rgb;
   // Nearer by most of the radius, as the cylinder's surface is: else it and the rim of a sphere are at one depth.
-  vec3 p = (position.y < 0.0 ? a : b) + width * colour.a * (across * side + 0.8 * front);
+  vec3 p = (position.y < 0.0 ? a : b) + ij.z * widest * colour.a * (across * side + 0.8 * front);
   gl_Position = projectionMatrix * vec4(p, 1.0);
   if (is_gone(of(places, int(ij.x))) || is_gone(of(places, int(ij.y)))) gl_Position = nowhere;
 }`;

@@ -4,7 +4,9 @@ import { Plot } from "./plot.js";
 import { element } from "./text.js";
 
 const shown_at_first = 4;
-const telling = /critical|peak|frequenc|first_break|broken|load_factor|largest/;   // names of results that sweeps are made for
+// Names of results, those that sweeps are made for first; and of what tells about the computation alone.
+const telling = [/critical_force/, /critical_load_factor/, /peak_load|limit_points|bifurcations/, /frequenc/, /first_break|broken|largest_(force|avalanche)|[.]force[.]/];
+const internal = /[.](steps|time|dt|points|iterations|solver_iterations|searched_to|jumped|left_saddle|(factors|linear_estimates|critical_gaps)[.].*)$|balance_error|^(bonds|particles)$/;
 
 /** The number in a value such as "2 T0" or "1e9"; NaN if it is none. */
 export function number_in(text) { return parseFloat(text); }
@@ -39,7 +41,10 @@ export function curves_of({ keys, points }, x, results) {
 /** Results that differ from point to point, those that sweeps are made for first. */
 export function results_worth_showing({ names, values }) {
   const differ = names.filter((_, k) => new Set(values[k].filter((v) => v != null)).size > 1);
-  const rank = (name) => (telling.test(name) ? 0 : /[.](steps|time|dt)$/.test(name) ? 2 : 1);
+  const rank = (name) => {
+    const place = telling.findIndex((words) => words.test(name));
+    return internal.test(name) ? telling.length + 1 : place < 0 ? telling.length : place;
+  };
   return differ.map((name, k) => [rank(name), k, name]).sort(([a, i], [b, j]) => a - b || i - j).map(([, , name]) => name);
 }
 
@@ -71,7 +76,7 @@ class Overview {
     const { names, values } = this.sweep.results;
     this.plots = this.shown.map((name) => {
       const { x, names: curves, history } = curves_of(this.sweep, this.x, values[names.indexOf(name)]);
-      return new Plot(history, { title: name, x, y: curves }, () => {});
+      return new Plot(history, { title: name, x, y: curves, markers: true }, () => {});
     });
     this.place.replaceChildren(...this.plots.map((plot) => plot.root));
     this.plots.forEach((plot) => plot.build());

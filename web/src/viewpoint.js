@@ -39,10 +39,12 @@ export function along(name) {
   return { direction, up: name[1] === "z" ? axis.y : axis.z };
 }
 
-/** What stays in a plane is seen across it, a rod across the plane in which it bends most, other bodies from a corner. */
+const flat_below = 0.2;   // thickness over the second length: a body so thin is seen across its plane
+
+/** What is flat is seen across its plane, a rod across the plane in which it bends most, other bodies from a corner. */
 export function first_view({ half }, thickest_particle) {
   const [thin, middle, long] = ["x", "y", "z"].sort((a, b) => half[a] - half[b]);
-  const flat = half[thin] <= 1.001 * thickest_particle;
+  const flat = half[thin] <= Math.max(1.001 * thickest_particle, flat_below * half[middle]);
   if (!flat && (half[middle] > 0.6 * half[long] || half[thin] > 0.25 * half[long])) return { direction: new Vector3(0.55, -1, 0.5), up: axis.z };
   const direction = axis[thin].clone().multiplyScalar(thin === "y" ? -1 : 1);
   return { direction, up: thin === "z" ? axis.y : axis.z };

@@ -89,7 +89,7 @@ test("Fixture.ArraysAreWhatTheFormatSays", () => {
     assert.equal(array.offset % 4, 0);
     assert.equal(stored(block, array).length, array.count);
   }
-  const top = ["format", "program", "title", "units", "facts", "results", "warnings", "rerun", "plots", "clock", "left_out", "history", "breaks", "radius", "bonds",
+  const top = ["format", "program", "title", "units", "facts", "results", "warnings", "rerun", "plots", "clock", "over", "left_out", "history", "breaks", "radius", "bonds",
                "first_shown", "sequences"];
   const sequence = ["kind", "name", "note", "loop", "frames", "origin", "reference", "displacement", "particle_fields", "bond_fields", "bond_range"];
   const of_breaks = ["bond_broken", "fragment"];

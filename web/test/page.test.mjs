@@ -15,6 +15,7 @@ import { disc_hit, line_hit, numbers_of, sphere_hit } from "../src/pick.js";
 import { Run, fragment_classes } from "../src/run.js";
 import { axes_of, curves_of, results_worth_showing } from "../src/sweep.js";
 import { file_name, number, with_unit } from "../src/text.js";
+import { first_view } from "../src/viewpoint.js";
 import { Walls } from "../src/walls.js";
 import { Block, breaking, held, rod } from "./sample.mjs";
 
@@ -390,4 +391,22 @@ test("Sweep.WordsAreNoAxisAndConstantsAreNotShown", () => {
   assert.deepEqual(history.column("all points").values, [3, 4]);
   const results = { names: ["T0", "total", "critical_force", "none"], values: [[1, 1], [2, 3], [5, 6], [null, null]] };
   assert.deepEqual(results_worth_showing(results), ["critical_force", "total"]);
+  const names = ["b.factors.largest", "b.points", "b.critical_load_factors.0", "b.smallest_eigenvalue", "b.critical_forces.0"];
+  assert.deepEqual(results_worth_showing({ names, values: names.map(() => [1, 2]) }),
+                   ["b.critical_forces.0", "b.critical_load_factors.0", "b.smallest_eigenvalue", "b.factors.largest", "b.points"]);
+});
+
+test("Viewpoint.FlatBodiesAreSeenAcrossTheirPlane", () => {
+  const seen_from = (x, y, z) => first_view({ half: { x, y, z } }, 0.1).direction.toArray().map((c) => c + 0);   // no -0
+  assert.deepEqual(seen_from(10, 10, 0.5), [0, 0, 1], "a mat of fibres that cross");
+  assert.deepEqual(seen_from(10, 0.5, 8), [0, -1, 0]);
+  assert.deepEqual(seen_from(0.1, 5, 5), [1, 0, 0]);
+  assert.deepEqual(seen_from(10, 10, 4), [0.55, -1, 0.5], "a block from a corner");
+});
+
+test("History.BalancesAreDrawnOverWhatTheRunSays", () => {
+  const columns = { columns: [{ name: "step" }, { name: "load_factor" }, { name: "U_L" }], values: [[0, 1], [0, 1], [0, 2]] };
+  assert.equal(new History(columns, "step", "load_factor").presets([])[0].x, "load_factor");
+  assert.equal(new History(columns, "step").presets([])[0].x, "step");
+  assert.equal(new History(columns, "step", "gone").over, "step");
 });

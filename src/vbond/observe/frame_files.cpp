@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 bool is_in(Only cases, const FrameFormat& format) {
   return cases == Only::everywhere || (cases == Only::breaks && format.breaks) ||
-         (cases == Only::stress && format.stress);
+         (cases == Only::stress && format.stress) || (cases == Only::capsules && format.capsules);
 }
 
 template <class IdType>

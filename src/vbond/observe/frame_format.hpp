@@ -8,6 +8,7 @@ struct FrameFormat {
   bool compressed = true;         ///< by zlib, array by array
   bool stress = false;            ///< of each particle
   bool breaks = false;            ///< with what tells of bonds that may break
+  bool capsules = false;          ///< with the radii of bonds that touch as capsules
   bool walls = false;             ///< with a file for the walls
   bool long_integers = false;     ///< 64 bits for each, also where 32 would do
   friend bool operator==(const FrameFormat&, const FrameFormat&) = default;

@@ -84,6 +84,8 @@ constexpr BondQuantity of_bonds[] = {
      "0 whole; broken by 1 tension, 2 shear, 3 bending, 4 torsion, 5 compression, 6 what its law does not "
      "say",
      [](const View& b) { return static_cast<std::uint8_t>(mode_of(b.bond)); }, Only::breaks},
+    {"capsule_radius", unit::length, "radius by which its axis is touched; 0: the bond touches nothing",
+     [](const View& b) { return b.bond.capsule; }, Only::capsules},
 };
 
 constexpr WallQuantity of_walls[] = {

@@ -37,6 +37,7 @@ struct OutputPlan {
   std::int64_t watch_every = 100;          ///< steps between looks at bonds and energy, > 0
   double overlap = 0.1;                    ///< of the smaller radius that is reported; 0: never looked at
   bool statics = false;                    ///< there are static stages, with columns of their own
+  bool capsules = false;                   ///< some bond touches as a capsule: one more array in frames
   bool breaks = false;                     ///< some bond may break: breaks.csv, fragments.csv, more columns
   std::vector<Loss> losses;                ///< what may dissipate energy, in history.csv and run.json
   double energy_error = 0.05;              ///< relative error of the energy balance that stops a run
@@ -44,6 +45,7 @@ struct OutputPlan {
   FrameFormat format_of_frames() const {
     FrameFormat format = frame_format;
     format.breaks = breaks;
+    format.capsules = capsules;
     format.walls = !walls.empty();
     return format;
   }

@@ -28,13 +28,14 @@ namespace vbond {
 // ---- history.csv ---------------------------------------------------------------------------------------
 
 /// Which cases have a quantity.
-enum class Only : std::uint8_t { everywhere, statics, breaks, stress };
+enum class Only : std::uint8_t { everywhere, statics, breaks, stress, capsules };
 inline bool is_in(Only cases, const OutputPlan& plan) {
   switch (cases) {
     case Only::everywhere: return true;
     case Only::statics: return plan.statics;
     case Only::breaks: return plan.breaks;
     case Only::stress: return plan.frame_format.stress;
+    case Only::capsules: return plan.capsules;
   }
   return true;
 }

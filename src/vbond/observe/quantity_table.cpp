@@ -55,6 +55,7 @@ const char* in_words(Only cases) {
     case Only::statics: return ". Only in cases with static stages";
     case Only::breaks: return ". Only where bonds may break";
     case Only::stress: return ". Only with `frames.stress`";
+    case Only::capsules: return ". Only where bonds touch as capsules";
   }
   return "";
 }

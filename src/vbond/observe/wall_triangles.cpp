@@ -50,7 +50,12 @@ Vec3d middle_of(const BoundingBox& body) {
 TriangleMesh triangles_of(const PlaneWall& w, const BoundingBox& body) {
   const Vec3d middle = middle_of(body), foot = middle - dot(middle - w.point, w.normal) * w.normal;
   const auto [first, second] = across_of(w.normal);
-  const Vec3d a = 0.5 * body.diagonal() * first, b = 0.5 * body.diagonal() * second;
+  const Vec3d size = body.high - body.low;
+  const auto half = [&size](const Vec3d& d) {
+    constexpr double room = 1.5;
+    return 0.5 * room * (std::abs(d.x) * size.x + std::abs(d.y) * size.y + std::abs(d.z) * size.z) * d;
+  };
+  const Vec3d a = half(first), b = half(second);
   return {{foot - a - b, foot + a - b, foot + a + b, foot - a + b}, {{0, 1, 2}, {0, 2, 3}}};
 }
 

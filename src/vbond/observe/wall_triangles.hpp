@@ -10,8 +10,8 @@ namespace vbond {
 BoundingBox body_at_start(const Model& model);
 
 /// The wall at the start as triangles, for pictures: meshes as they are, round shapes with 64 corners to a
-/// turn. Planes and endless cylinders are shown where the body is: a plane as a square with the diagonal of
-/// the body's box as its side, a cylinder as long as that.
+/// turn. Planes and endless cylinders are shown where the body is: a plane as a rectangle half as
+/// large again as the body's box on it, a cylinder as long as the diagonal of that box.
 TriangleMesh triangles_of(const Wall& wall, const BoundingBox& body);
 
 /// Where a point of the wall at the start is now.

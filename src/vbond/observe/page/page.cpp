@@ -162,6 +162,7 @@ Json words_json(const Report& report, const PageLimits& limits) {
   j["rerun"] = {{"command", report.command}, {"case", long_case ? std::string() : report.case_text}};
   j["plots"] = std::move(plots);
   j["clock"] = clock_of(report.history);
+  j["over"] = axis_of(report.history);
   if (report.live) j["live"] = *report.live;
   return j;
 }
@@ -180,6 +181,8 @@ Packed pack(const Report& report, const PageLimits& limits, const Cut& cut) {
   if (report.breaks.count > 0) j["breaks"] = breaks_json(report.breaks, report.units);
   j["radius"] = cut.frames ? radius_json(report.body.radius, block) : Json(0.0);
   j["bonds"] = to_json(block.add(cut.frames ? report.body.bonds : std::vector<std::uint32_t>{}));
+  if (cut.frames && !report.body.capsules.empty())
+    j["bond_radius"] = to_json(block.add(report.body.capsules));
   for (const Sequence* s : shown) sequences.push_back(sequence_json(*s, report, kept_frames(*s, cut), block));
   if (!shown.empty() && !report.stages.empty()) j["stages"] = stages_json(report.stages, block);
   j["first_shown"] = report.first_shown < shown.size() ? report.first_shown : 0;

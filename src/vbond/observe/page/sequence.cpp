@@ -89,6 +89,11 @@ std::size_t count_without_length(const FrameInput& bonds) {
 void add_bonds(const FrameInput& file, const std::filesystem::path& path, Body& body) {
   const std::vector<std::int64_t> ends = file.integers(Per::end, "connectivity");
   const auto particles = static_cast<std::int64_t>(body.radius.size());
+  if (file.has(Per::cell, "capsule_radius")) {
+    const std::vector<double> radius = file.scalars(Per::cell, "capsule_radius");
+    for (std::size_t b = body.capsules.size(); b < radius.size(); ++b)
+      body.capsules.push_back(as_float(radius[b], path));
+  }
   for (std::size_t k = 0; k < ends.size(); ++k) {
     if (ends[k] < 0 || ends[k] >= particles)
       throw IoError(path.string() + ": is damaged: a bond has impossible ends");

@@ -91,6 +91,7 @@ struct BondSighting {
 struct Body {
   std::vector<float> radius;         ///< [length]
   std::vector<std::uint32_t> bonds;  ///< i0, j0, i1, j1, ...
+  std::vector<float> capsules;  ///< radius of each bond as it touches, 0: not; empty if none does  [length]
   BondSighting first_strained, first_snapped;
   std::size_t bonds_without_length = 0;  ///< at rest; their relative elongation is given as 0
 };

@@ -137,6 +137,18 @@ std::vector<std::string> moving_components(const History& h, const std::string& 
   return names;
 }
 
+/// Whether it changes, and never back.
+bool goes_forward(const HistoryColumn& c) {
+  return span_of(c) > 0.0 && std::is_sorted(c.values.begin(), c.values.end());
+}
+
+/// The end of a title.
+std::string over_in_words(const std::string& axis) {
+  if (axis == "step") return " at each point";
+  if (axis == "load_factor") return " against load factor";
+  return axis == "time" ? " against time" : " against displacement of " + group_of(axis);
+}
+
 /// The one that changes most; nothing if none changes.
 std::vector<std::string> leading(const History& h, const std::vector<std::string>& names) {
   const std::string* most = nullptr;
@@ -219,11 +231,22 @@ std::string clock_of(const History& h) {
   return only_balances ? "step" : "time";
 }
 
+std::string axis_of(const History& h) {
+  const std::string clock = clock_of(h);
+  if (clock != "step") return clock;
+  if (goes_forward(*h.find("load_factor"))) return "load_factor";
+  for (const std::string& x : leading_movement(h, reaction_forces(h)))
+    if (goes_forward(*h.find(x))) return x;
+  return clock;
+}
+
 std::vector<Plot> preset_plots(const History& h) {
   std::vector<Plot> plots;
   const auto add = [&plots](const std::string& title, const std::string& x,
                             const std::vector<std::string>& y) {
-    if (!y.empty()) plots.push_back({title, x, y});
+    const bool is_there =
+        std::any_of(plots.begin(), plots.end(), [&title](const Plot& p) { return p.title == title; });
+    if (!y.empty() && !is_there) plots.push_back({title, x, y});
   };
   const HistoryColumn* factor = h.find("load_factor");
   const std::vector<std::string> axial = columns_that_begin(h, "axial_force."),
@@ -234,7 +257,7 @@ std::vector<Plot> preset_plots(const History& h) {
     add("Axial force" + of, x, axial);
     if (axial.empty()) add("Reaction" + of, x, leading(h, reactions));
   }
-  const std::string clock = clock_of(h), over = clock == "step" ? " at each point" : " against time";
+  const std::string clock = axis_of(h), over = over_in_words(clock);
   add("Axial force" + over, clock, axial);
   add("Reactions" + over, clock, reactions);
   for (const std::string& wall : walls_of(h)) {

@@ -39,6 +39,11 @@ std::string unit_of_column(std::string_view name);
 /// means nothing.
 std::string clock_of(const History& history);
 
+/// The column over which curves are drawn: the clock of a run in motion. Of balances it is the load factor
+/// or, where that goes back (as along a path, or in several stages), the displacement that moves most; "step"
+/// if both go back or there is neither.
+std::string axis_of(const History& history);
+
 /// A plot that the page shows by itself.
 struct Plot {
   std::string title, x;
@@ -46,7 +51,7 @@ struct Plot {
 };
 
 /// Plots worth showing, by what columns there are: forces against displacements, load factor against
-/// displacements, otherwise against time.
+/// displacements, otherwise over axis_of().
 std::vector<Plot> preset_plots(const History& history);
 
 }  // namespace vbond::page
