@@ -1,4 +1,4 @@
-"""The table of speed in README.md, made of what 'bench/run readme' has measured on one machine in one go."""
+"""The table of docs/speed.md, made of what 'bench/run readme' has measured on one machine in one go."""
 import figures
 import machine
 
@@ -33,12 +33,11 @@ def text(result, command):
     at, runs = result["machine"], result["runs"]
     about, threads = at["processor"], sorted({r["threads"] for r in runs})
     header = ["body", "particles", "bonds", *("1 thread" if t == 1 else f"{t} threads" for t in threads)]
-    lammps = sorted({f"LAMMPS {r['version']}" for r in runs if r["peer"] == "LAMMPS"})
     lammps = sorted({f"; LAMMPS {r['version']}" for r in runs if r["peer"] == "LAMMPS"})
     lines = [f"Time of a step in ns per bond: medians, least and largest of {result['rounds']} rounds, all in turns.",
              f"Processor: {machine.processor_name(about)}, {at['processors']} processors,",
              f"caches {machine.cache_sizes(about) or 'unknown'}; instruction set {runs[0]['set']}{''.join(lammps)}.",
-             f"Measured on {at['date'][:10]} at commit {result['commit']} by `{command}`.", *figures.doubts(result)]
+             f"Measured on {at['date'][:10]} at commit {result['commit']} by `{command}`."]
     return "\n".join(lines) + "\n\n" + figures.markdown_table(header, rows(runs, threads))
 
 
@@ -47,3 +46,11 @@ def replaced(page, table):
     if page.count(BEGIN) != 1 or page.count(END) != 1 or page.index(BEGIN) > page.index(END):
         raise ValueError(f"needs the line '{BEGIN}' and below it the line '{END}', each once")
     return page[:page.index(BEGIN)] + f"{BEGIN}\n\n{table}\n{END}" + page[page.index(END) + len(END):]
+
+
+def with_table(page, result, command):
+    """The page with the table of this result; ValueError if anything speaks against the figures, or as `replaced`."""
+    doubts = figures.doubts(result)
+    if doubts:
+        raise ValueError(" ".join(["a published table must stand without doubts.", *doubts]))
+    return replaced(page, text(result, command))
