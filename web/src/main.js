@@ -18,13 +18,15 @@ function message(level, text) {
   place("messages").append(...warnings([{ level, text }]));
 }
 
+const still = location.hash.match(/^#still(?:=(\d+))?$/);   // the 3D view alone, with its last frame or this one
+
 /** What is shown of one state of a run; a live page shows one after another. */
 class Shown {
   /** `before`: what was shown until now, or null; what the reader has chosen there is kept. */
   constructor({ json, data }, before) {
     this.json = json;
     this.data = data;
-    this.kept = { view: before?.view?.kept(), plots: before?.plots?.kept() };
+    this.kept = { view: before?.view?.kept() ?? (still?.[1] && { frame: Number(still[1]) }) ?? undefined, plots: before?.plots?.kept() };
     this.history = new History(json.history, json.clock, json.over);
   }
 
@@ -97,7 +99,7 @@ async function start() {
 }
 
 apply_theme();
-if (location.hash === "#still") document.documentElement.dataset.still = "";
+if (still) document.documentElement.dataset.still = "";
 document.addEventListener("DOMContentLoaded", () => start().catch((error) => {
   place("waiting")?.remove();
   message("error", `The page could not be shown: ${error.message}`);

@@ -393,6 +393,16 @@ async function a_still_of_a_mode_stands_still(browser, file) {
   await page.close();
 }
 
+/** `#still=K` is frame K, and the last one where there are not so many. */
+async function a_still_has_the_frame_it_is_asked_for(browser, file) {
+  for (const [hash, frame] of [["#still=2", 2], ["#still=99999", null], ["#still", null]]) {
+    const { page } = await open(browser, file, { hash });
+    const [shown, last] = await page.$eval(".scrub", (scrub) => [Number(scrub.value), Number(scrub.max)]);
+    assert.equal(shown, frame ?? last, hash);
+    await page.close();
+  }
+}
+
 /** Without a picture `#still` has the message alone. */
 async function still_says_why_there_is_no_picture(browser, file, ready, words) {
   const { page } = await open(browser, file, { hash: "#still", ready });
@@ -565,6 +575,7 @@ try {
     await breaks_are_faces(browser, parted_page, parted);
     await breaks_are_told_and_things_picked(browser, parted_page, parted);
     await a_still_of_a_mode_stands_still(browser, await made("mode", rod({ first_shown: 1 })));
+    await a_still_has_the_frame_it_is_asked_for(browser, await made("still", rod()));
     const none = { sequences: [], first_shown: 0 };
     await still_says_why_there_is_no_picture(browser, await made("no_frames", rod(none)), "no-frames", "Give [output] frames");
     await still_says_why_there_is_no_picture(browser, await made("too_large", rod({ ...none, no_frames: "No frame fits." })), "no-frames", "No frame fits.");
