@@ -6,10 +6,12 @@
 #include <netinet/in.h>
 #include <sys/random.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
 #include <exception>
+#include <list>
 #include <nlohmann/json.hpp>
 #include <string_view>
 #include <system_error>
@@ -59,6 +61,53 @@ Answer page_of(const fs::path& folder) {
   return {.type = "text/html; charset=utf-8", .text = live_report(folder, version)};
 }
 
+/// Names by which a browser of this machine, or one behind a tunnel to it, calls it; any port. A page of
+/// another name that leads here is not ours to answer.
+bool is_this_machine(std::string_view host) {
+  for (const std::string_view name : {"127.0.0.1", "localhost", "[::1]"}) {
+    if (!host.starts_with(name)) continue;
+    const std::string_view port = host.substr(name.size());
+    if (port.empty() || (port.size() > 1 && port[0] == ':' &&
+                         port.find_first_not_of("0123456789", 1) == std::string_view::npos))
+      return true;
+  }
+  return false;
+}
+
+/// The connections of a server, in the order in which they came. All is called in the server's thread.
+class Connections {
+ public:
+  /// A new one. Where there are too many the oldest of those that have not shown the token is cut off, else
+  /// the oldest: whoever sends a byte now and then keeps nobody else out.
+  void came(MHD_Connection* connection) {
+    all_.push_back({connection, false, false});
+    const auto open = std::count_if(all_.begin(), all_.end(), [](const One& c) { return !c.cut; });
+    if (open <= static_cast<std::ptrdiff_t>(most)) return;
+    auto oldest = std::find_if(all_.begin(), all_.end(), [](const One& c) { return !c.cut && !c.known; });
+    if (oldest->connection == connection)  // all others have the token
+      oldest = std::find_if(all_.begin(), all_.end(), [](const One& c) { return !c.cut; });
+    const auto* socket = MHD_get_connection_info(oldest->connection, MHD_CONNECTION_INFO_CONNECTION_FD);
+    if (socket != nullptr) shutdown(socket->connect_fd, SHUT_RDWR);
+    oldest->cut = true;
+  }
+  void has_token(MHD_Connection* connection) {
+    for (One& c : all_) c.known = c.known || c.connection == connection;
+  }
+  void went(MHD_Connection* connection) {
+    all_.remove_if([&](const One& c) { return c.connection == connection; });
+  }
+
+  static constexpr std::size_t most = 16;
+
+ private:
+  struct One {
+    MHD_Connection* connection;
+    bool known;  ///< it has shown the token
+    bool cut;    ///< it is closed as soon as the server looks at it
+  };
+  std::list<One> all_;
+};
+
 Answer state_of(const fs::path& folder) {
   const Seen seen = see(folder);
   nlohmann::ordered_json j;
@@ -75,6 +124,7 @@ struct LivePage::Server {
   fs::path folder;
   std::string token, address;
   MHD_Daemon* daemon = nullptr;
+  Connections connections;
 
   Answer answer(std::string_view path, std::string_view method) const {
     const std::string ours = "/" + token + "/";
@@ -91,11 +141,29 @@ struct LivePage::Server {
     return {.status = MHD_HTTP_NOT_FOUND, .text = "there is nothing of this name\n"};
   }
 
+  /// Paths stay as they were sent: ours have nothing to decode, and %00 would end one.
+  static std::size_t as_sent(void* /*self*/, MHD_Connection* /*connection*/, char* text) {
+    return std::strlen(text);
+  }
+
+  static void notify(void* self, MHD_Connection* connection, void** /*context*/,
+                     MHD_ConnectionNotificationCode what) {
+    Connections& all = static_cast<Server*>(self)->connections;
+    if (what == MHD_CONNECTION_NOTIFY_STARTED) all.came(connection);
+    if (what == MHD_CONNECTION_NOTIFY_CLOSED) all.went(connection);
+  }
+
   static MHD_Result handle(void* self, MHD_Connection* connection, const char* url, const char* method,
                            const char* /*version*/, const char* /*upload*/, std::size_t* upload_size,
                            void** /*request*/) {
     *upload_size = 0;  // nobody has anything to tell us
-    const Answer a = static_cast<const Server*>(self)->answer(url, method);
+    auto& server = *static_cast<Server*>(self);
+    const char* host = MHD_lookup_connection_value(connection, MHD_HEADER_KIND, MHD_HTTP_HEADER_HOST);
+    const Answer a =
+        host != nullptr && is_this_machine(host)
+            ? server.answer(url, method)
+            : Answer{.status = MHD_HTTP_FORBIDDEN, .text = "ask for 127.0.0.1, localhost or [::1]\n"};
+    if (a.status != MHD_HTTP_FORBIDDEN) server.connections.has_token(connection);
     MHD_Response* response = MHD_create_response_from_buffer(a.text.size(), const_cast<char*>(a.text.data()),
                                                              MHD_RESPMEM_MUST_COPY);
     if (response == nullptr) return MHD_NO;
@@ -118,9 +186,11 @@ LivePage::LivePage(fs::path folder, std::uint16_t port) : server_(std::make_uniq
   where.sin_family = AF_INET;
   where.sin_port = htons(port);
   where.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  server_->daemon = MHD_start_daemon(MHD_USE_INTERNAL_POLLING_THREAD, port, nullptr, nullptr, &Server::handle,
-                                     server_.get(), MHD_OPTION_SOCK_ADDR, &where, MHD_OPTION_CONNECTION_LIMIT,
-                                     16U, MHD_OPTION_CONNECTION_TIMEOUT, 60U, MHD_OPTION_END);
+  server_->daemon = MHD_start_daemon(
+      MHD_USE_INTERNAL_POLLING_THREAD, port, nullptr, nullptr, &Server::handle, server_.get(),
+      MHD_OPTION_SOCK_ADDR, &where, MHD_OPTION_CONNECTION_LIMIT, static_cast<unsigned>(4 * Connections::most),
+      MHD_OPTION_NOTIFY_CONNECTION, &Server::notify, server_.get(), MHD_OPTION_UNESCAPE_CALLBACK,
+      &Server::as_sent, nullptr, MHD_OPTION_CONNECTION_TIMEOUT, 60U, MHD_OPTION_END);
   if (server_->daemon == nullptr)
     throw IoError(fmt::format("no server at 127.0.0.1:{}: {}\n  give another --port, or none", port,
                               std::strerror(errno)));

@@ -122,4 +122,13 @@ void require_free(const fs::path& folder, const char* name) {
   ::close(fd);
 }
 
+std::optional<bool> is_held(const fs::path& folder, const char* name) {
+  const int fd = ::open((folder / name).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+  if (fd < 0) return errno == ENOENT ? std::optional(false) : std::nullopt;
+  std::optional<bool> held = false;
+  if (flock(fd, LOCK_SH | LOCK_NB) != 0) held = errno == EWOULDBLOCK ? std::optional(true) : std::nullopt;
+  ::close(fd);
+  return held;
+}
+
 }  // namespace vbond::app

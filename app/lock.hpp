@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
 
 namespace vbond::app {
@@ -32,5 +33,9 @@ class FolderLock {
 
 /// Throws IoError if another process holds that lock of the folder; writes nothing.
 void require_free(const std::filesystem::path& folder, const char* name);
+
+/// Whether a process holds that lock of the folder. Nothing where that cannot be told: the file system has no
+/// locks, or the file is not ours to read. Writes nothing, and keeps nobody out for longer than a moment.
+std::optional<bool> is_held(const std::filesystem::path& folder, const char* name);
 
 }  // namespace vbond::app

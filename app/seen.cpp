@@ -15,10 +15,13 @@
 namespace vbond::app {
 namespace {
 
-/// Whether a process of this machine is not there any more; of others nothing is known.
-bool has_gone(const RunStatus& s) {
-  return s.state == RunState::running && s.host == host_name() &&
-         kill(static_cast<pid_t>(s.process), 0) != 0 && errno == ESRCH;
+/// Whether a run of this machine is not there any more; of others nothing is known. It holds the lock of its
+/// folder as long as it lives. Its process id, which another process may have got since, is asked only where
+/// there are no locks.
+bool has_gone(const std::filesystem::path& folder, const RunStatus& s) {
+  if (s.state != RunState::running || s.host != host_name()) return false;
+  if (const auto held = is_held(folder, run_lock)) return !*held;
+  return kill(static_cast<pid_t>(s.process), 0) != 0 && errno == ESRCH;
 }
 
 /// Sum of these columns; nothing if one of them is not there.
@@ -63,9 +66,9 @@ std::string where(const RunStatus& s) {
 
 Seen see(const std::filesystem::path& folder) {
   RunStatus status = read_status(folder);
-  if (!has_gone(status)) return {std::move(status)};
+  if (!has_gone(folder, status)) return {std::move(status)};
   status = read_status(folder);  // it may have said its last word since
-  const bool gone = has_gone(status);
+  const bool gone = has_gone(folder, status);
   return {std::move(status), gone};
 }
 
