@@ -42,10 +42,11 @@ std::string reason_in(const fs::path& log, int status) {
 }
 
 /// The points of a sweep and their processes. What has ended stands in sweep.journal, line by line, so that
-/// it is never run again.
+/// it is never run again. A run whose output could not be written, or that a signal has ended, has not: it
+/// goes on the next time.
 class Sweep {
  public:
-  Sweep(const SweepOptions& options, std::vector<SweptKey> keys, fs::path folder)
+  Sweep(const SweepOptions& options, std::vector<SweptKeys> keys, fs::path folder)
       : options_(options),
         keys_(std::move(keys)),
         points_(points_of(keys_)),
@@ -56,21 +57,20 @@ class Sweep {
     read_journal();
   }
 
-  /// Returns whether all points have ended; false after a signal.
-  bool run() {
+  /// Runs all points, or those before a signal or before one whose output could not be written.
+  void run() {
     const std::size_t before = ends_.size();
     if (before > 0) say(fmt::format("{} of {} points have ended before\n", before, points_.size()));
     std::size_t next = 0;
     while (true) {
-      while (caught_signal() == 0 && running_.size() < static_cast<std::size_t>(options_.jobs) &&
-             next < points_.size()) {
+      while (caught_signal() == 0 && stopped_with_ != bad_io &&
+             running_.size() < static_cast<std::size_t>(options_.jobs) && next < points_.size()) {
         if (!has_ended(next)) start(next);
         ++next;
       }
       if (running_.empty()) break;
       wait_for_one();
     }
-    return ends_.size() == points_.size();
   }
   void write_table(const std::string& title) {
     std::sort(ends_.begin(), ends_.end(),
@@ -83,6 +83,8 @@ class Sweep {
   }
   std::size_t points() const { return points_.size(); }
   std::size_t ended() const { return ends_.size(); }
+  /// With which status runs have stopped that go on the next time: 3, or 128 + signal.
+  int stopped_with() const { return stopped_with_; }
 
  private:
   struct Running {
@@ -148,8 +150,11 @@ class Sweep {
     const auto [point, start] = at->second;
     running_.erase(at);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    const int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    if (code > on_sighup - 1 || (code != done && caught_signal() != 0)) return;  // it goes on the next time
+    const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    if (code != done && (code == bad_io || code > 128 || caught_signal() != 0)) {
+      if (caught_signal() == 0) stop(point, code, status);
+      return;
+    }
     PointEnd end{point, code != done, seconds, code == done ? "" : reason_in(log_of(point), status)};
     journal_.append(csv_line({std::to_string(point + 1), end.failed ? "failed" : "done",
                               std::to_string(seconds), csv_quoted(end.reason)}));
@@ -159,13 +164,23 @@ class Sweep {
                     end.failed ? "failed" : "done", seconds, end.failed ? ": " + end.reason : ""));
   }
 
+  /// It goes on the next time. Where output could not be written no more points are begun: they would end
+  /// alike.
+  void stop(std::size_t point, int code, int status) {
+    if (stopped_with_ != bad_io) stopped_with_ = code;
+    say(fmt::format("point {} has not ended: {}{}\n", point + 1, reason_in(log_of(point), status),
+                    code == bad_io && !running_.empty() ? "\n  waiting for those under way" : ""),
+        stderr);
+  }
+
   const SweepOptions& options_;
-  std::vector<SweptKey> keys_;
+  std::vector<SweptKeys> keys_;
   std::vector<std::vector<std::string>> points_;
   fs::path folder_;
   GrowingFile journal_;
   std::vector<PointEnd> ends_;
   std::map<pid_t, Running> running_;
+  int stopped_with_ = done;
 };
 
 /// What the sweep is of: the case with all defaults, and the swept keys. A folder has one sweep.
@@ -213,8 +228,8 @@ int sweep(const SweepOptions& options) {
   if (options.case_file == "-")
     throw std::invalid_argument(
         "a sweep reads its case again and again: give a file, not the standard input");
-  std::vector<SweptKey> keys;
-  for (const std::string& text : options.sets) keys.push_back(swept_key(text));
+  std::vector<SweptKeys> keys;
+  for (const std::string& text : options.sets) keys.push_back(swept_keys(text));
   const Case c = read_case(options.case_file);
   const auto points = points_of(keys);
   require_any_point(options.case_file, points);
@@ -223,17 +238,17 @@ int sweep(const SweepOptions& options) {
   const FolderLock lock(folder, run_lock);
   catch_signals();
   Sweep sweep(options, std::move(keys), folder);
-  const bool complete = sweep.run();
+  sweep.run();
+  if (sweep.ended() < sweep.points())  // said before files are written: the disk may be full
+    say(fmt::format("{}{} of {} points have ended; the same command goes on\n",
+                    caught_signal() != 0 ? "stopped by a signal: " : "", sweep.ended(), sweep.points()),
+        stderr);
   sweep.write_table(c.title);
   say(fmt::format("{} points, {} failed: {}\n", sweep.ended(), sweep.failed(),
                   (folder / "sweep.csv").string()));
   if (fs::exists(folder / "sweep.html")) say("curves in " + (folder / "sweep.html").string() + "\n");
-  if (!complete) {
-    say(fmt::format("stopped by a signal after {} of {} points; the same command goes on\n", sweep.ended(),
-                    sweep.points()),
-        stderr);
-    return 128 + caught_signal();
-  }
+  if (sweep.ended() < sweep.points())
+    return caught_signal() != 0 ? 128 + caught_signal() : sweep.stopped_with();
   return sweep.failed() > 0 ? failed : done;
 }
 

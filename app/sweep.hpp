@@ -5,19 +5,21 @@
 
 namespace vbond::app {
 
-/// A key of the case and the values that it takes, as they stand behind = in --set.
-struct SweptKey {
-  std::string key;
-  std::vector<std::string> values;
+/// Keys of the case that go through their values together, mostly one, and what each takes at each of them,
+/// as it stands behind = in --set.
+struct SweptKeys {
+  std::vector<std::string> keys;
+  std::vector<std::vector<std::string>> values;  ///< values[k][j]: of keys[j] at the k-th
 };
 
 /// "KEY=a,b,c", or with "range(first, last, count)" or "logrange(first, last, count)", which may be followed
-/// by a unit, in place of values. Commas in brackets and quotes do not part values. Throws
-/// std::invalid_argument.
-SweptKey swept_key(const std::string& text);
+/// by a unit, in place of values; "KEY,KEY=a:b,c:d" or "KEY,KEY=range(...):range(...)" for keys that go
+/// together. Commas and colons in brackets and quotes part nothing. Throws std::invalid_argument.
+SweptKeys swept_keys(const std::string& text);
 
-/// All combinations, the last key changing fastest: for each point the changes of the case.
-std::vector<std::vector<std::string>> points_of(const std::vector<SweptKey>& keys);
+/// All combinations, the last ones changing fastest: for each point the changes of the case. Throws
+/// std::invalid_argument if they are more than a million.
+std::vector<std::vector<std::string>> points_of(const std::vector<SweptKeys>& all);
 
 /// How the run of a point ended.
 struct PointEnd {
@@ -34,6 +36,6 @@ std::filesystem::path point_folder(const std::filesystem::path& sweep, std::size
 /// the last row of its history.csv; and, if the page was built with the program, sweep.html with curves of
 /// them under this title. Throws IoError.
 void write_sweep_table(const std::filesystem::path& sweep, const std::string& title,
-                       const std::vector<SweptKey>& keys, const std::vector<PointEnd>& ends);
+                       const std::vector<SweptKeys>& keys, const std::vector<PointEnd>& ends);
 
 }  // namespace vbond::app

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cctype>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -80,8 +81,17 @@ Json numbers_of(const AllResults& results) {
   return {{"names", std::move(names)}, {"values", std::move(values)}};
 }
 
+/// A text that a spreadsheet would take for a formula stands in quotes of its own.
+std::string csv_text(const std::string& text) {
+  const bool sign = text.starts_with('-') || text.starts_with('+');
+  const bool number =
+      sign && text.size() > 1 && (std::isdigit(static_cast<unsigned char>(text[1])) || text[1] == '.');
+  const bool formula = text.starts_with('=') || text.starts_with('@') || (sign && !number);
+  return csv_quoted(formula ? '"' + text + '"' : text);
+}
+
 /// sweep.html. A program without the page writes none.
-void write_overview(const fs::path& sweep, const std::string& title, const std::vector<SweptKey>& keys,
+void write_overview(const fs::path& sweep, const std::string& title, const std::vector<SweptKeys>& keys,
                     const std::vector<PointEnd>& ends, const AllResults& results) {
   std::string page;
   try {
@@ -91,7 +101,13 @@ void write_overview(const fs::path& sweep, const std::string& title, const std::
   }
   Json j{{"format", 1}, {"program", "vbond " VBOND_VERSION}, {"title", title}};
   j["keys"] = Json::array(), j["points"] = Json::array();
-  for (const SweptKey& swept : keys) j["keys"].push_back({{"name", swept.key}, {"values", swept.values}});
+  for (const SweptKeys& swept : keys)
+    for (std::size_t k = 0; k < swept.keys.size(); ++k) {
+      Json key{{"name", swept.keys[k]}, {"values", Json::array()}};
+      for (const auto& values : swept.values) key["values"].push_back(values[k]);
+      if (k > 0) key["with"] = swept.keys.front();
+      j["keys"].push_back(std::move(key));
+    }
   const auto points = points_of(keys);
   for (const PointEnd& end : ends) {
     Json values = Json::array();
@@ -108,7 +124,7 @@ void write_overview(const fs::path& sweep, const std::string& title, const std::
 
 }  // namespace
 
-void write_sweep_table(const fs::path& sweep, const std::string& title, const std::vector<SweptKey>& keys,
+void write_sweep_table(const fs::path& sweep, const std::string& title, const std::vector<SweptKeys>& keys,
                        const std::vector<PointEnd>& ends) {
   std::vector<Results> rows;
   std::vector<std::string> names;
@@ -122,7 +138,8 @@ void write_sweep_table(const fs::path& sweep, const std::string& title, const st
   }
 
   std::vector<std::string> cells{"point"};
-  for (const SweptKey& swept : keys) cells.push_back(csv_quoted(swept.key));
+  for (const SweptKeys& swept : keys)
+    for (const std::string& key : swept.keys) cells.push_back(csv_quoted(key));
   for (const char* name : {"ended", "seconds", "reason"}) cells.emplace_back(name);
   for (const std::string& name : names) cells.push_back(csv_quoted(name));
   std::string text = csv_line(cells);
@@ -131,10 +148,10 @@ void write_sweep_table(const fs::path& sweep, const std::string& title, const st
     const PointEnd& end = ends[k];
     cells = {std::to_string(end.point + 1)};
     for (const std::string& change : points[end.point])
-      cells.push_back(csv_quoted(change.substr(change.find('=') + 1)));
+      cells.push_back(csv_text(change.substr(change.find('=') + 1)));
     cells.emplace_back(end.failed ? "failed" : "done");
     cells.push_back(std::to_string(end.seconds));
-    cells.push_back(csv_quoted(end.reason));
+    cells.push_back(csv_text(end.reason));
     const std::map<std::string, std::string> of(rows[k].begin(), rows[k].end());
     for (const std::string& name : names) cells.push_back(of.count(name) > 0 ? of.at(name) : "");
     text += csv_line(cells);

@@ -16,7 +16,7 @@ namespace {
 SharedCase parse(const std::string& text, const std::filesystem::path& file,
                  const std::vector<std::string>& changes, bool places) {
   try {
-    return std::make_shared<Case>(parse_case(text, file, changes));
+    return std::make_shared<Case>(parse_case(text, file, changes, SetTwice::last_wins));
   } catch (const CaseError& e) {
     if (places) throw;
     throw without_places(e);

@@ -85,6 +85,20 @@ def test_a_sweep_is_a_table_with_failures_and_is_not_done_twice(tmp_path):
     assert (tmp_path / "sweep/sweep.journal").read_bytes() == journal
 
 
+def test_keys_of_a_sweep_go_together(tmp_path):
+    case = vbond.Case.from_dict(rod_keys(3))
+    rows = vbond.sweep(case, tmp_path / "sweep", {"bonds[0].nu,title": [(0.1, "a:b, c"), (0.2, 'd"')]})
+    assert [(row["bonds[0].nu"], row["title"], row["ended"]) for row in rows] == [
+        (0.1, '"a:b, c"', "done"), (0.2, '"d\\""', "done")]
+    with pytest.raises(ValueError, match="2 keys go together"):
+        vbond.sweep(case, tmp_path / "other", {"bonds[0].nu,title": [0.1, 0.2]})
+
+
+def test_a_case_is_changed_again_and_again():
+    case = vbond.Case.from_dict(rod_keys(3)).changed({"bonds[0]": rod_keys(3)["bonds"][0]})
+    assert case.changed({"bonds[0].nu": 0.3}).changed({"bonds[0].nu": 0.4}).text.count("nu = 0.4")
+
+
 def test_pictures(out, run):
     matplotlib = pytest.importorskip("matplotlib")
     matplotlib.use("Agg")

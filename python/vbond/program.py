@@ -77,6 +77,12 @@ def run(case: Case, folder: str | os.PathLike, *, threads: int | None = None, fo
 def _values(key: str, values: Any) -> str:
     if isinstance(values, str):  # as on the command line: "range(1, 5, 9) T0"
         return f"{key}={values}"
+    together = key.count(",") + 1
+    if together > 1:
+        values = list(values)
+        if any(not isinstance(value, (list, tuple)) or len(value) != together for value in values):
+            raise ValueError(f"sweep: {key!r}: {together} keys go together: each of the values is a tuple of {together}")
+        return f"{key}=" + ",".join(":".join(_toml(_plain(part, key)) for part in value) for value in values)
     return f"{key}=" + ",".join(_toml(_plain(value, key)) for value in values)
 
 
@@ -84,7 +90,9 @@ def sweep(case: Case, folder: str | os.PathLike, values: Mapping[str, Any], *, j
           quiet: bool = True) -> list[dict[str, Any]]:
     """Computes the case for all combinations of values of some keys, {"bonds[0].E": [1e9, 2e9]}, in processes, and
     returns the rows of sweep.csv (docs/sweeps.md): numbers as float, empty cells as None. The same call goes on with
-    a sweep that was stopped. Points that fail are rows with ended = "failed" and their reason."""
+    a sweep that was stopped. Points that fail are rows with ended = "failed" and their reason. Keys that go through
+    their values together: {"bonds[0].E,bonds[0].nu": [(1e9, 0.2), (2e9, 0.3)]}. ProgramError if not all points have
+    ended, as on a full disk or where a run was killed."""
     if not values:
         raise ValueError("sweep: no key to sweep was given")
     folder = Path(folder)

@@ -56,7 +56,51 @@ TEST(Change, MeansWhatTheEditOfTheFileMeans) {
   EXPECT_EQ(changed({"groups.ends_of_it.indices=[1]"}), edited("indices = [0, 2]", "indices = [1]"));
   EXPECT_EQ(changed({"output.history.every=3 T0"}),
             edited("[time]", "[output]\nhistory = {every = \"3 T0\"}\n\n[time]"));
-  EXPECT_EQ(changed({"title=a b", "title=c"}), edited("[[specimen]]", "title = \"c\"\n[[specimen]]"));
+  EXPECT_EQ(changed({"title=a b"}), edited("[[specimen]]", "title = \"a b\"\n[[specimen]]"));
+  EXPECT_EQ(changed({"title=\"a # b\""}), edited("[[specimen]]", "title = \"a # b\"\n[[specimen]]"));
+}
+
+TEST(Change, AKeyIsSetOnceByWhateverName) {
+  const std::vector<std::pair<std::string, std::string>> same{
+      {"title=a", "title=b"},
+      {"stage[pull].duration=2 T0", "stage[0].duration=3 T0"},
+      {"stage[0].duration=2 T0", "stage[pull].duration=2 T0"},
+      {"bonds[0].stiffness.c_D=0.3", "bonds[thin].stiffness={c_A = 1, c_D = 0.2, c_B = 0.1, c_T = 0.1}"},
+      {"bonds[thin].stiffness={c_A = 1, c_D = 0.2, c_B = 0.1, c_T = 0.1}", "bonds[0].stiffness.c_D=0.3"},
+      {"stage[0].supports[1].velocity[0]=1", "stage[0].supports[1].velocity=[0, 1, 0]"},
+      {"output.history.every=2 T0", "output={history = {every = \"3 T0\"}}"},
+      {"output.history={every = \"3 T0\"}", "output.history.every=2 T0"}};
+  for (const auto& [first, second] : same) {
+    try {
+      parse_case(pulled_rod, "rod.toml", {"time.step=0.02 T0", first, second});
+      ADD_FAILURE() << "accepted: " << first << ", " << second;
+    } catch (const CaseError& e) {
+      EXPECT_NE(std::string(e.what()).find("--set number 2 sets this key"), std::string::npos) << e.what();
+    }
+    const Case last = parse_case(pulled_rod, "rod.toml", {first, second}, SetTwice::last_wins);
+    EXPECT_EQ(last.changes.size(), 2u);
+  }
+  EXPECT_EQ(to_toml(parse_case(pulled_rod, "rod.toml", {"title=a", "title=c"}, SetTwice::last_wins))
+                .find("title = \"a\""),
+            std::string::npos);
+  // neighbours are other keys, also in a table that neither finds in the file
+  parse_case(pulled_rod, "rod.toml",
+             {"output.history.every=2 T0", "output.frames.every=3 T0", "bonds[0].stiffness.c_D=0.3",
+              "bonds[thin].stiffness.c_B=0.3", "stage[0].supports[0].fix=[\"y\"]",
+              "stage[0].supports[1].fix=[\"x\"]"});
+}
+
+TEST(Change, ValuesAreOneValueOnOneLine) {
+  for (const char* wrong : {"title=1 # x", "title=1] # ", "title=1], [2", "title=a\nb", "title=\"a\nb\"",
+                            "title= ", "title='a' 'b'"}) {
+    try {
+      parse_case(pulled_rod, "rod.toml", {wrong});
+      ADD_FAILURE() << "accepted: " << wrong;
+    } catch (const CaseError& e) {
+      EXPECT_EQ(std::string(e.what()).rfind("--set title=", 0), 0u) << e.what();
+      EXPECT_NE(std::string(e.what()).find(": the value "), std::string::npos) << e.what();
+    }
+  }
 }
 
 TEST(Change, MistakesPointAtTheChangeAndOthersAtTheFile) {

@@ -11,9 +11,10 @@ const internal = /[.](steps|time|dt|points|iterations|solver_iterations|searched
 /** The number in a value such as "2 T0" or "1e9"; NaN if it is none. */
 export function number_in(text) { return parseFloat(text); }
 
-/** What distinguishes the curves: the values of all keys but the one on the x axis. */
+/** What distinguishes the curves: the values of all keys but the one on the x axis, and those that go together with it. */
 function label(keys, values, x) {
-  const words = keys.map(({ name }, k) => (k === x ? null : `${name.split(".").at(-1)} ${values[k]}`)).filter(Boolean);
+  const first = (k) => keys[k].with ?? keys[k].name;
+  const words = keys.map(({ name }, k) => (first(k) === first(x) ? null : `${name.split(".").at(-1)} ${values[k]}`)).filter(Boolean);
   return words.join(", ") || "all points";
 }
 

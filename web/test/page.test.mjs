@@ -384,6 +384,18 @@ test("Sweep.CurvesAreOfOneKeyAndSortedByIt", () => {
   assert.deepEqual(history.column("E 2e9").values, [null, 30]);
 });
 
+test("Sweep.KeysThatGoTogetherMakeOneCurve", () => {
+  const keys = [{ name: "law" }, { name: "a.E" }, { name: "a.nu", with: "a.E" }];
+  const points = [["x", "1e9", "0.1"], ["x", "2e9", "0.2"], ["y", "1e9", "0.1"], ["y", "2e9", "0.2"]].map((values) => ({ values }));
+  assert.deepEqual(axes_of(keys, points), [1, 2]);
+  for (const [x, places] of [[1, [1e9, 2e9]], [2, [0.1, 0.2]]]) {
+    const curves = curves_of({ keys, points }, x, [1, 2, 3, 4]);
+    assert.deepEqual(curves.names, ["law x", "law y"]);
+    assert.deepEqual(curves.history.column(curves.x).values, places);
+    assert.deepEqual(curves.history.column("law y").values, [3, 4]);
+  }
+});
+
 test("Sweep.WordsAreNoAxisAndConstantsAreNotShown", () => {
   const points = [["v-model", "1"], ["evm", "1"]].map((values) => ({ values }));
   assert.deepEqual(axes_of([{ name: "law" }, { name: "seed" }], points), []);

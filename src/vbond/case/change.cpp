@@ -24,20 +24,40 @@ class Change {
  public:
   Change(const std::string& text, std::uint32_t number) : text_(text), line_(first_changed_line + number) {}
 
-  void apply(NodeTable& root) {
+  void apply(NodeTable& root, SetTwice twice) {
     const std::vector<Step> steps = read_path();
     Node value = read_value();
     NodeTable* table = &root;
     for (std::size_t k = 0; k + 1 < steps.size(); ++k) table = &table_of(item_of(*table, steps[k]), steps[k]);
     const Step& last = steps.back();
-    item_of(*table, last) = std::move(value);
+    Node& place = item_of(*table, last);
+    if (const auto earlier = set_before(place); earlier && twice == SetTwice::refused)
+      refuse(
+          "--set number " + std::to_string(*earlier + 1) + " sets this key, or a part of it, already",
+          "give it once; an item by its place and by its name, as stage[0] and stage[push], may be the same");
+    place = std::move(value);
     for (Member& m : *table)  // a key is pointed at by its own place
       if (m.key == last.name && last.items.empty()) m.line = line_, m.column = 1;
   }
 
  private:
   [[noreturn]] void refuse(const std::string& rule, const std::string& way_out) const {
-    throw CaseError(Problem{{"--set " + text_, 0, 0}, rule, way_out, ""});
+    std::string shown = text_;
+    std::replace_if(shown.begin(), shown.end(), is_line_break, ' ');
+    throw CaseError(Problem{{"--set " + shown, 0, 0}, rule, way_out, ""});
+  }
+  static bool is_line_break(char c) { return c == '\n' || c == '\r'; }
+
+  /// The number of the first change that has set this value or one below it; nothing if it is of the file, or
+  /// was made by this change.
+  std::optional<std::uint32_t> set_before(const Node& n) const {
+    if (n.line >= first_changed_line && n.line != line_) return n.line - first_changed_line;
+    std::optional<std::uint32_t> found;
+    if (const auto* list = std::get_if<NodeList>(&n.value))
+      for (std::size_t k = 0; k < list->size() && !found; ++k) found = set_before((*list)[k]);
+    if (const auto* table = std::get_if<NodeTable>(&n.value))
+      for (std::size_t k = 0; k < table->size() && !found; ++k) found = set_before((*table)[k].value);
+    return found;
   }
 
   std::vector<Step> read_path() {
@@ -67,19 +87,31 @@ class Change {
 
   /// As TOML, or the text itself if it is none.
   Node read_value() const {
+    if (value_.find_first_not_of(" \t\r\n") == std::string::npos) refuse("the value is missing", form);
+    if (std::any_of(value_.begin(), value_.end(), is_line_break))
+      refuse("the value has a line break", "write \\n for it in a text in double quotes, or leave it out");
     Node value;
-    if (value_.empty() || value_.find('\n') != std::string::npos) refuse("the value is missing", form);
-    try {
-      NodeTable parsed = parse_toml("value = " + value_, "");
-      value = std::move(parsed.front().value);
-    } catch (const CaseError&) {
+    if (auto parsed = as_toml()) {
+      value = std::move(*parsed);
+    } else {
       if (value_.find_first_of("[]{}\"'=#") != std::string::npos)
         refuse("the value is no TOML",
-               "close brackets and quotes; the shell takes quotes away: put '...' around all");
+               "close brackets and quotes, leave out comments; the shell takes quotes away: put '...' around "
+               "all");
       value.value = value_;
     }
     place(value);
     return value;
+  }
+  /// In a list with something behind it, so that neither a comment nor a second value is taken.
+  std::optional<Node> as_toml() const {
+    try {
+      NodeTable parsed = parse_toml("value = [" + value_ + ", 0]", "");
+      auto& list = std::get<NodeList>(parsed.front().value.value);
+      if (parsed.size() == 1 && list.size() == 2) return std::move(list.front());
+    } catch (const CaseError&) {
+    }
+    return std::nullopt;
   }
   void place(Node& n) const {
     n.line = line_, n.column = 1;
@@ -144,8 +176,8 @@ class Change {
 
 }  // namespace
 
-void apply_change(const std::string& text, std::uint32_t number, NodeTable& root) {
-  Change(text, number).apply(root);
+void apply_change(const std::string& text, std::uint32_t number, NodeTable& root, SetTwice twice) {
+  Change(text, number).apply(root, twice);
 }
 
 }  // namespace vbond::keys

@@ -78,14 +78,14 @@ void check_stage_references(const Case& c, ReadContext& in) {
 }  // namespace
 
 Case parse_case(std::string_view text, const std::filesystem::path& file,
-                const std::vector<std::string>& changes) {
+                const std::vector<std::string>& changes, SetTwice twice) {
   ReadContext in;
   in.file = file.string();
   in.folder = std::filesystem::absolute(file.empty() ? "." : file).parent_path();
   keys::NodeTable root = keys::parse_toml(text, in.file);
   in.changes = changes;
   for (std::size_t k = 0; k < changes.size(); ++k)
-    keys::apply_change(changes[k], static_cast<std::uint32_t>(k), root);
+    keys::apply_change(changes[k], static_cast<std::uint32_t>(k), root, twice);
 
   Case c;
   c.file = in.file;

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -14,9 +15,13 @@ namespace vbond {
 /// Throws CaseError with every mistake of the file at once; IoError if it cannot be read.
 Case read_case(const std::filesystem::path& file, const std::vector<std::string>& changes = {});
 
+/// What becomes of a change that sets a key, or a part of it, which an earlier change has set. On a command
+/// line it is a mistake; a program may change a case again and again.
+enum class SetTwice : std::uint8_t { refused, last_wins };
+
 /// The same from text; `file` is used in messages and to resolve relative paths.
 Case parse_case(std::string_view text, const std::filesystem::path& file,
-                const std::vector<std::string>& changes = {});
+                const std::vector<std::string>& changes = {}, SetTwice twice = SetTwice::refused);
 
 /// The case with every default written out, as TOML that read_case accepts and that means the same
 /// bit for bit (numbers with 17 digits, times in T0 kept as such, file names as they stand in the Case:
