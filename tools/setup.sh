@@ -107,12 +107,22 @@ build() {
     (cd "$vbond_root" && cmake --preset "$preset" "${options[@]}") >"$log" 2>&1 || build_failed "$log"
     printf '%s\n' "${options[*]-}" >"$stamp"
   fi
-  local ninja=(cmake --build "$dir" ${1:+--target "$@"})
-  if ! "${ninja[@]}" -- -n 2>&1 | grep -q 'no work to do'; then
-    say "building in $dir (minutes, the first time)"
-  fi
-  "${ninja[@]}" >"$log" 2>&1 || build_failed "$log"
+  # told once it takes seconds: ninja's dry run takes each glob for changed, and so cannot tell whether there is work
+  local note failed=
+  say_after 2 "building in $dir (minutes, the first time)" &
+  note=$!
+  cmake --build "$dir" ${1:+--target "$@"} >"$log" 2>&1 || failed=yes
+  kill "$note" 2>/dev/null || true
+  wait "$note" 2>/dev/null || true
+  [[ ! $failed ]] || build_failed "$log"
   exec {lock}>&-
+}
+
+# say_after SECONDS TEXT...: without a process beside the shell that would outlive it.
+say_after() {
+  local never
+  exec {never}<> <(:)
+  read -r -t "$1" -u "$never" || say "${@:2}"
 }
 
 # all_options STAMP: those that a build was configured with before, and $configure_options, which come first, in lines of
