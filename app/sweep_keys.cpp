@@ -57,7 +57,7 @@ std::vector<std::string> parts_of(const std::string& text, char separator) {
 constexpr double most_points = 1e6;
 
 /// Three numbers: first, last, count.
-std::array<double, 3> numbers_of(const std::string& all, const std::string& text, bool by_factor) {
+std::array<double, 3> three_numbers(const std::string& all, const std::string& text, bool by_factor) {
   const std::vector<std::string> words = parts_of(text, ',');
   std::array<double, 3> number{};
   for (std::size_t k = 0; k < 3; ++k) {
@@ -93,7 +93,7 @@ std::vector<std::string> range_of(const std::string& all, const std::string& tex
   if (!by_factor && !text.starts_with("range(")) return {};
   const std::size_t open = text.find('('), close = text.find(')');
   if (close == std::string::npos) refuse(all, "a bracket is not closed");
-  const auto [first, last, count] = numbers_of(all, text.substr(open + 1, close - open - 1), by_factor);
+  const auto [first, last, count] = three_numbers(all, text.substr(open + 1, close - open - 1), by_factor);
   const std::string unit = trimmed(text.substr(close + 1));
   std::vector<std::string> values;
   for (double k = 0; k < count; ++k) {
