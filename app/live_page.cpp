@@ -74,8 +74,20 @@ bool is_this_machine(std::string_view host) {
   return false;
 }
 
+Answer state_of(const fs::path& folder) {
+  const Seen seen = see(folder);
+  nlohmann::ordered_json j;
+  j["goes_on"] = seen.goes_on();
+  j["lines"] = lines_of(seen);
+  j["data"] = version_of(folder);
+  return {.type = "application/json",
+          .text = j.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)};
+}
+
+}  // namespace
+
 /// The connections of a server, in the order in which they came. All is called in the server's thread.
-class Connections {
+class LiveConnections {
  public:
   /// A new one. Where there are too many the oldest of those that have not shown the token is cut off, else
   /// the oldest: whoever sends a byte now and then keeps nobody else out.
@@ -108,23 +120,11 @@ class Connections {
   std::list<One> all_;
 };
 
-Answer state_of(const fs::path& folder) {
-  const Seen seen = see(folder);
-  nlohmann::ordered_json j;
-  j["goes_on"] = seen.goes_on();
-  j["lines"] = lines_of(seen);
-  j["data"] = version_of(folder);
-  return {.type = "application/json",
-          .text = j.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)};
-}
-
-}  // namespace
-
 struct LivePage::Server {
   fs::path folder;
   std::string token, address;
   MHD_Daemon* daemon = nullptr;
-  Connections connections;
+  LiveConnections connections;
 
   Answer answer(std::string_view path, std::string_view method) const {
     const std::string ours = "/" + token + "/";
@@ -148,7 +148,7 @@ struct LivePage::Server {
 
   static void notify(void* self, MHD_Connection* connection, void** /*context*/,
                      MHD_ConnectionNotificationCode what) {
-    Connections& all = static_cast<Server*>(self)->connections;
+    LiveConnections& all = static_cast<Server*>(self)->connections;
     if (what == MHD_CONNECTION_NOTIFY_STARTED) all.came(connection);
     if (what == MHD_CONNECTION_NOTIFY_CLOSED) all.went(connection);
   }
@@ -186,11 +186,12 @@ LivePage::LivePage(fs::path folder, std::uint16_t port) : server_(std::make_uniq
   where.sin_family = AF_INET;
   where.sin_port = htons(port);
   where.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  server_->daemon = MHD_start_daemon(
-      MHD_USE_INTERNAL_POLLING_THREAD, port, nullptr, nullptr, &Server::handle, server_.get(),
-      MHD_OPTION_SOCK_ADDR, &where, MHD_OPTION_CONNECTION_LIMIT, static_cast<unsigned>(4 * Connections::most),
-      MHD_OPTION_NOTIFY_CONNECTION, &Server::notify, server_.get(), MHD_OPTION_UNESCAPE_CALLBACK,
-      &Server::as_sent, nullptr, MHD_OPTION_CONNECTION_TIMEOUT, 60U, MHD_OPTION_END);
+  server_->daemon =
+      MHD_start_daemon(MHD_USE_INTERNAL_POLLING_THREAD, port, nullptr, nullptr, &Server::handle,
+                       server_.get(), MHD_OPTION_SOCK_ADDR, &where, MHD_OPTION_CONNECTION_LIMIT,
+                       static_cast<unsigned>(4 * LiveConnections::most), MHD_OPTION_NOTIFY_CONNECTION,
+                       &Server::notify, server_.get(), MHD_OPTION_UNESCAPE_CALLBACK, &Server::as_sent,
+                       nullptr, MHD_OPTION_CONNECTION_TIMEOUT, 60U, MHD_OPTION_END);
   if (server_->daemon == nullptr)
     throw IoError(fmt::format("no server at 127.0.0.1:{}: {}\n  give another --port, or none", port,
                               std::strerror(errno)));

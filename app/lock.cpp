@@ -125,10 +125,10 @@ void require_free(const fs::path& folder, const char* name) {
 std::optional<bool> is_held(const fs::path& folder, const char* name) {
   const int fd = ::open((folder / name).c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
   if (fd < 0) return errno == ENOENT ? std::optional(false) : std::nullopt;
-  std::optional<bool> held = false;
-  if (flock(fd, LOCK_SH | LOCK_NB) != 0) held = errno == EWOULDBLOCK ? std::optional(true) : std::nullopt;
+  const int error = flock(fd, LOCK_SH | LOCK_NB) == 0 ? 0 : errno;
   ::close(fd);
-  return held;
+  if (error == 0) return false;
+  return error == EWOULDBLOCK ? std::optional(true) : std::nullopt;
 }
 
 }  // namespace vbond::app
