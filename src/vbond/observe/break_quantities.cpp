@@ -55,8 +55,7 @@ constexpr RowQuantity<Break> of_breaks[] = {
      [](const Break& b) -> Cell { return std::string_view(to_text(criterion_of(b.bond))); }},
     {"mode", unit::none,
      "the largest part of what governed: `tension`, `shear`, `bending`, `torsion` or `compression`; `other`: "
-     "its "
-     "law does not say",
+     "its law does not say",
      [](const Break& b) -> Cell { return std::string_view(to_text(b.event.cause.mode)); }},
     {"limit", unit::stress,
      "the bond's own strength that the stress was compared with; empty for criteria without stresses",
@@ -65,8 +64,7 @@ constexpr RowQuantity<Break> of_breaks[] = {
      [](const Break& b) -> Cell { return b.event.energy; }},
     {"load", unit::force,
      "size of the force that supports exerted on the first group of `output.history.reactions`, the bond "
-     "still "
-     "whole, empty without such a group; of a stage of fracture the load of its table",
+     "still whole, empty without such a group; of a stage of fracture the load of its table",
      [](const Break& b) -> Cell { return b.load ? Cell(*b.load) : Cell(); }},
 };
 

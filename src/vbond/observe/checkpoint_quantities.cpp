@@ -28,8 +28,8 @@ constexpr CheckpointQuantity data_sets[] = {
     {"/laws/name", unit::none, "names of the bond laws, 32 bytes each, filled up with zeros"},
     {"/bonds/law", unit::none, "number of the bond's law among these names"},
     {"/rules/numbers", unit::none,
-     "stretching, strength and damping that bonds share, in the units of the case; "
-     "only where bonds have rules"},
+     "stretching, strength and damping that bonds share, in the units of the case; only where bonds have "
+     "rules"},
     {"/bonds/rules", unit::none, "number of the bond's rules among these"},
     {"/bonds/a", unit::length, "length at rest"},
     {"/bonds/R_i", unit::length, "distance of the bonded point from the centre of i"},
@@ -48,14 +48,12 @@ constexpr CheckpointQuantity data_sets[] = {
     {"/contacts/j", unit::none, "second particles of these pairs"},
     {"/contacts/history", unit::none,
      "what they remember: force across the contact (3), its radius, the force that damps (3), stiffness of "
-     "rolling, "
-     "moment against rolling (3) and about the normal; on the first particle"},
+     "rolling, moment against rolling (3) and about the normal; on the first particle"},
     {"/contacts/kept", unit::length, "the part of their overlap that they do not feel"},
     {"/bonds/capsule", unit::length, "radius by which the bond touches, 0: not; only where bonds do"},
     {"/fibres/a_i", unit::none,
      "first place of contacts of capsules, on the axis between this particle and a_j, or at it if they are "
-     "the "
-     "same; only if there are any"},
+     "the same; only if there are any"},
     {"/fibres/a_j", unit::none, "the other particle"},
     {"/fibres/b_i", unit::none, "second place of these contacts, likewise"},
     {"/fibres/b_j", unit::none, "the other particle"},

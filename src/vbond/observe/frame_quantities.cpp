@@ -36,8 +36,7 @@ constexpr ParticleQuantity of_particles[] = {
      Only::breaks},
     {"stress_normal", unit::stress,
      "xx, yy, zz of its stress, tension positive: the sum of x f over its bonds and contacts, where f acts "
-     "at "
-     "x from its centre, over its volume as a sphere",
+     "at x from its centre, over its volume as a sphere",
      [](const Particle& p) {
        return Vec3d{p.stress[0], p.stress[1], p.stress[2]};
      },

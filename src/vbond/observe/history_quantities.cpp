@@ -41,8 +41,7 @@ constexpr HistoryQuantity columns[] = {
      [](const Values& v) -> Cell { return v.energies.contact; }},
     {"dissipated", unit::energy,
      "taken out by damping and flow so far, and contact energy given up when a pair is bonded; at rest by "
-     "bonds "
-     "that yield or soften, since they were made",
+     "bonds that yield or soften, since they were made",
      [](const Values& v) -> Cell { return v.books.dissipated; }},
     {"work_loads", unit::energy, "work of point forces, moments and gravity so far",
      [](const Values& v) -> Cell { return v.books.work_loads; }},
@@ -53,8 +52,7 @@ constexpr HistoryQuantity columns[] = {
      [](const Values& v) -> Cell { return v.energies.total(); }},
     {"balance_error", unit::none,
      "(total + dissipated + released - work - total at the start) / largest energy brought in so far; 0 "
-     "while there is "
-     "none",
+     "while there is none",
      [](const Values& v) -> Cell { return v.balance_error; }},
     {"bonds", unit::none, "number of bonds", [](const Values& v) -> Cell { return v.bonds; }},
     {"strained", unit::none, "bonds that are now past 45 degrees but not past 90; see below",
@@ -69,8 +67,7 @@ constexpr HistoryQuantity columns[] = {
      [](const Values& v) { return cell_of(v.load_factor); }, Only::statics},
     {"unstable", unit::none,
      "negative eigenvalues of the tangent at a static point, 0 if it is stable; empty where they were not "
-     "counted, "
-     "and in dynamics",
+     "counted, and in dynamics",
      [](const Values& v) { return cell_of(v.unstable); }, Only::statics},
     {"released", unit::energy,
      "energy of bonds as they broke so far, less that of contacts that this switched on",
@@ -79,8 +76,7 @@ constexpr HistoryQuantity columns[] = {
      Only::breaks},
     {"fragments", unit::none,
      "parts of all bodies that unbroken bonds hold together; contacts do not count; a particle without bonds "
-     "is "
-     "one",
+     "is one",
      [](const Values& v) { return v.fragments ? Cell(v.fragments->number) : Cell(); }, Only::breaks},
     {"largest_fragment", unit::none, "mass of the heaviest fragment over that of all particles",
      [](const Values& v) { return v.fragments ? Cell(v.fragments->largest_share) : Cell(); }, Only::breaks},
@@ -200,13 +196,11 @@ const std::vector<GroupQuantity>& of_groups() {
        {{"", unit::energy,
          "the part of `dissipated` that went this way, for each cause that the case may have: "
          "`damping_axial`, `damping_shear`, `damping_bending`, `damping_torsion` of bonds (what their "
-         "damping "
-         "takes in a step, shared out as the powers in its middle); `bond_damping` (bonds of a program's own "
-         "law that does not tell its channels); "
-         "`yield_axial`, `yield_shear`, `yield_bending`, `yield_torsion`; `creep`; `softening`; `other_laws` "
-         "(bonds of a program's own law that remember something); `drag` and `local_damping` of particles; "
-         "`contact_damping`; `friction`; `rolling` (and twisting); `adhesion`; `bonding` (contacts that end "
-         "because the pair is bonded)"}},
+         "damping takes in a step, shared out as the powers in its middle); `bond_damping` (bonds of a "
+         "program's own law that does not tell its channels); `yield_axial`, `yield_shear`, `yield_bending`, "
+         "`yield_torsion`; `creep`; `softening`; `other_laws` (bonds of a program's own law that remember "
+         "something); `drag` and `local_damping` of particles; `contact_damping`; `friction`; `rolling` (and "
+         "twisting); `adhesion`; `bonding` (contacts that end because the pair is bonded)"}},
        names_of_losses,
        [](const Values& v, std::size_t k, std::vector<Cell>& to) { to.emplace_back(v.losses[k]); }},
   };
