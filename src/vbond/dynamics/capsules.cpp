@@ -1,6 +1,7 @@
 #include "vbond/dynamics/capsules.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <tuple>
 #include <utility>
@@ -180,7 +181,8 @@ TouchLosses<double> Capsules::work_out(Contact& c, double friction_share, double
   int elastic = c.weight;  // so often the elastic force, along the normal
   if (c.body) {
     const TouchLoads<double> l = touch(forms_, n, p, dt, touch_history(c.history));
-    if (c.history[3] > 0.0 && dot(c.normal, p.n) < -same_side) passed_ = told(c, p.overlap);
+    if (c.history[3] > 0.0 && dot(c.normal, p.n) < -same_side)
+      passed_ = told(c.first, c.second, p.overlap, std::min(c.a.R, c.b.R));
     F = l.F;
     deep_ = deep_ || p.overlap > (1.0 - deep_part) * (c.a.R + c.b.R);
     if (dt > 0.0) lost = l.lost;
@@ -257,13 +259,62 @@ void Capsules::restore(const std::vector<FibreMemory>& memories) {
   }
 }
 
-DeepCapsules Capsules::told(const FibreContact& c, double overlap) const {
-  return {fibres_.name_of(c.first),
-          fibres_.name_of(c.second),
-          fibres_.parts()[c.first].i,
-          fibres_.parts()[c.second].i,
+DeepCapsules Capsules::told(std::uint32_t first, std::uint32_t second, double overlap, double radius) const {
+  return {fibres_.name_of(first),
+          fibres_.name_of(second),
+          fibres_.parts()[first].i,
+          fibres_.parts()[second].i,
           overlap,
-          std::min(c.a.R, c.b.R)};
+          radius};
+}
+
+/// Whether the line between nearest points turns by more than a right angle while the two are deep in one
+/// another, which is how particles that pass are told (observe/watch.cpp). Between the ends of the step all
+/// points go straight on, so that no distance changes faster than the ends of the parts move apart.
+bool Capsules::pass(const FibrePart& x, const FibrePart& y, double dt) const {
+  std::array<Vec3d, 4> end, way;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const std::size_t at = row(k == 0 ? x.i : k == 1 ? x.j : k == 2 ? y.i : y.j);
+    end[k] = bodies_.pose[at].r, way[k] = dt * bodies_.motion[at].v;
+  }
+  const double deep = deep_part * (x.R + y.R),
+               fastest = std::max({norm(way[2] - way[0]), norm(way[3] - way[0]), norm(way[2] - way[1]),
+                                   norm(way[3] - way[1])});
+  const auto between = [&](double left) {  // nearest points, a part `left` of the step before its end
+    const auto r = [&](std::size_t k) { return end[k] - left * way[k]; };
+    const NearestOnSegments at = nearest_on_segments(r(0), r(1), r(2), r(3));
+    return on_segment(r(2), r(3), at.t) - on_segment(r(0), r(1), at.s);
+  };
+  constexpr double least_part = 1e-4;  // of the step, at which it is looked at
+  bool inside = false;
+  Vec3d entered;
+  const auto turned = [&](const Vec3d& d) {
+    const bool was_inside = std::exchange(inside, norm(d) <= deep);
+    if (inside && !was_inside) entered = d;
+    return inside && dot(entered, d) < 0.0;
+  };
+  for (double left = 1.0; left > 0.0;) {
+    const Vec3d d = between(left);
+    if (turned(d)) return true;
+    // to where it may become deep, or by a tenth of that: a pass turns the line within two deep distances
+    left -= std::max({norm(d) - deep, 0.1 * deep, least_part * fastest}) / fastest;
+  }
+  return turned(between(0.0));
+}
+
+void Capsules::look_at_drift(double dt, double longest) {
+  if (!any_ || passed_) return;
+  PerParticle<Vec3d> r(model_.particles());
+  for (const ParticleId p : r.ids()) {
+    r[p] = bodies_.pose[row(p)].r;
+    if (!is_finite(r[p])) return;  // the check of loads will tell
+  }
+  for (const FibrePair& pair : longest > 0.0 ? fibres_.near_pairs(r, 2.0 * longest) : near_) {
+    const FibrePart &x = fibres_.parts()[pair.first], &y = fibres_.parts()[pair.second];
+    if (!pair.bodies || pair.weight <= 0 || !pass(x, y, dt)) continue;
+    passed_ = told(pair.first, pair.second, x.R + y.R, std::min(x.R, y.R));
+    return;
+  }
 }
 
 std::vector<DeepCapsules> Capsules::deeper_than(double part) const {
@@ -271,7 +322,8 @@ std::vector<DeepCapsules> Capsules::deeper_than(double part) const {
   for (const Contact& c : contacts_) {
     if (!c.body) continue;
     const double overlap = touching(c).overlap;
-    if (overlap > part * std::min(c.a.R, c.b.R)) deep.push_back(told(c, overlap));
+    const double radius = std::min(c.a.R, c.b.R);
+    if (overlap > part * radius) deep.push_back(told(c.first, c.second, overlap, radius));
   }
   return deep;
 }

@@ -39,6 +39,11 @@ class Capsules {
   /// Contacts and their loads, from poses and the motion of the half step before; dt = 0: between steps,
   /// nothing is lost. Returns what is.
   TouchLosses<double> work_out(const Team& team, double dt);
+  /// Looks for axes that pass through each other within the step that has just moved all particles by dt v,
+  /// whether or not they touch at its end: for steps after which some are deep in one another, or in which
+  /// something is fast. longest: way of a particle against the mean of all, for which near pairs are listed
+  /// anew; 0: nothing is fast  [length]. After work_out().
+  void look_at_drift(double dt, double longest);
   /// Adds the loads of these rows.
   void add_loads(RowRange rows, LoadRow* load) const;
   /// Takes all of them away again.
@@ -79,7 +84,8 @@ class Capsules {
   std::vector<Contact> with_history(const std::vector<FibreContact>& found, std::vector<Contact>& parted);
   std::vector<double> friction_shares() const;
   TouchLosses<double> work_out(Contact& c, double friction_share, double dt);
-  DeepCapsules told(const FibreContact& c, double overlap) const;
+  bool pass(const FibrePart& x, const FibrePart& y, double dt) const;
+  DeepCapsules told(std::uint32_t first, std::uint32_t second, double overlap, double radius) const;
 
   const Model& model_;
   const Bodies& bodies_;

@@ -155,6 +155,8 @@ void Simulation::step() {
     walls_.refresh(team_, std::sqrt(way2));
     walls_.look_at_drift(stage_.dt, std::sqrt(way2));
     if (contacts_.any() || capsules_.any()) encounters_.look_at_drift(bodies_, stage_.dt, way2);
+    if (const auto& fast = encounters_.fastest(); capsules_.any() && (fast || capsules_.deep()))
+      capsules_.look_at_drift(stage_.dt, fast ? fast->way : 0.0);
     lap.add_to(times_.contacts);
   }
   step_blocks(timed);
