@@ -134,6 +134,13 @@ TEST(Particles, CannotBeAtTheSamePlace) {
       contains(text_of_error(c), "case.toml:3:1: particles 3 and 11 are at the same place (1 such pairs)"));
 }
 
+TEST(Particles, TooNearForTheSizeOfTheCaseAreToldSo) {
+  Case c = paper_rod();
+  c.specimens.push_back(specimen(ListedSpecimen{{{1e15, 0, 0}}}, "probe"));
+  EXPECT_TRUE(contains(text_of_error(c), "particles 0 and 1 are 1 apart in a case that is 1e+15 wide"))
+      << text_of_error(c);
+}
+
 // All pairs of these are 2e10: the count ends at a thousand, and the test with it.
 TEST(Build, TellsOfManyParticlesAtOnePlaceWithoutCountingAllPairs) {
   Case c = case_of(ListedSpecimen{std::vector<Vec3d>(200'000, Vec3d{1, 2, 3})});

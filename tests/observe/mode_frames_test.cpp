@@ -45,6 +45,21 @@ TEST(ModeFrames, SwingBeginsInBalanceAndTurnsAtTheAmplitude) {
   EXPECT_EQ(std::stod(quarter.in_text.at("TimeValue")), 0.25);
 }
 
+// One or two frames show the ends of the swing, not twice the balance.
+TEST(ModeFrames, FewShowTheShape) {
+  for (const int frames : {1, 2, 3}) {
+    const Folder folder;
+    const Chain chain;
+    write_mode_frames(folder.path(), "shake", 1, frames, 0.2, chain.model, chain.state, bent());
+    double largest = 0.0;
+    for (int k = 0; k < frames; ++k)
+      largest = std::max(
+          largest,
+          std::abs(displacements(folder / ("modes/shake_mode_1_000" + std::to_string(k) + ".vtp"))[4]));
+    EXPECT_NEAR(largest, frames < 3 ? 0.2 : 0.2 * std::sin(2.0 * M_PI / 3.0), 1e-15) << frames;
+  }
+}
+
 TEST(ModeFrames, ListsNameEveryFrameOnce) {
   const Folder folder;
   const Chain chain;

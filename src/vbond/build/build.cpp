@@ -147,17 +147,25 @@ void note_bond_types(const Case& c, const std::vector<PlacedSpecimen>& specimens
 void check_distinct(const Case& c, const Model& model, Problems& problems) {
   constexpr std::size_t enough = 1000;  // of many particles at one place all pairs would take hours
   std::size_t found = 0, first_i = 0, first_j = 0;
-  for_near_pairs(model.r_0.values(), 1e-9 * box_around(model.r_0).diagonal(),
-                 [&](std::size_t i, std::size_t j, double) {
-                   if (found++ == 0) first_i = i, first_j = j;
-                   return found < enough;
-                 });
-  if (found > 0)
-    problems.add(c.specimens[model.specimen[ParticleId{first_j}]].place,
-                 fmt::format("particles {} and {} are at the same place ({} such pairs{})", first_i, first_j,
-                             found, found < enough ? "" : " at least"),
-                 "no bond or contact can be set up between them",
-                 "move a specimen or remove the double particles");
+  const double size = box_around(model.r_0).diagonal();
+  for_near_pairs(model.r_0.values(), 1e-9 * size, [&](std::size_t i, std::size_t j, double) {
+    if (found++ == 0) first_i = i, first_j = j;
+    return found < enough;
+  });
+  if (found == 0) return;
+  const SourcePlace& place = c.specimens[model.specimen[ParticleId{first_j}]].place;
+  const std::string pairs = fmt::format("{} such pairs{}", found, found < enough ? "" : " at least");
+  const double apart = norm(model.r_0[ParticleId{first_j}] - model.r_0[ParticleId{first_i}]);
+  if (apart == 0.0)
+    problems.add(
+        place, fmt::format("particles {} and {} are at the same place ({})", first_i, first_j, pairs),
+        "no bond or contact can be set up between them", "move a specimen or remove the double particles");
+  else
+    problems.add(place,
+                 fmt::format("particles {} and {} are {:.6g} apart in a case that is {:.6g} wide ({})",
+                             first_i, first_j, apart, size, pairs),
+                 "below 1e-9 of the size of the case no direction can be told from two places",
+                 "remove double particles, or move specimens that are far away");
 }
 
 void check_contact(const Case& c, const Model& model, Problems& problems) {

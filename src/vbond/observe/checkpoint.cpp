@@ -414,7 +414,12 @@ void write_checkpoint(const std::filesystem::path& path, const Model& model, con
     write_seal(file.part(), format_version, program_version);
     file.publish(Sync::to_disk);
   } catch (const IoError& e) {
-    throw IoError(path.string() + ": there is no new checkpoint, an older one is still there: " + e.what());
+    std::error_code unknown;
+    const bool older = std::filesystem::exists(path, unknown);
+    throw IoError(path.string() +
+                  (older ? ": there is no new checkpoint, an older one is still there: "
+                         : ": there is no checkpoint, this would have been the first: ") +
+                  e.what());
   }
 }
 

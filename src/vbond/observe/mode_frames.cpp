@@ -72,8 +72,11 @@ void write_mode_frames(const fs::path& folder, const std::string& stage, int mod
   make_folder(modes);
   const std::string name = fmt::format("{}{}", stage + "_mode_", mode);
   std::string particles, bonds;
+  const double first =
+      frames < 3 ? 0.25 : 0.0;  // of a swing: one or two frames show its ends, not its middle
   for (int k = 0; k < frames; ++k) {
-    State s = displaced(balance, shape, factor * std::sin(2.0 * std::numbers::pi * k / frames));
+    State s =
+        displaced(balance, shape, factor * std::sin(2.0 * std::numbers::pi * (first + 1.0 * k / frames)));
     s.clock = {
         .step = k, .stage_step = k, .stage = balance.clock.stage, .stage_start = 0, .dt = 1.0 / frames};
     const std::string of_particles = fmt::format("{}_{:04}.vtp", name, k);
