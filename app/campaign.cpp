@@ -77,6 +77,7 @@ Campaign open_campaign(const Case& c, Run& run, OutputPlan plan, int threads, co
                     .heartbeat = {},
                     .summary = first_summary(c, run.model(), threads),
                     .times = {},
+                    .ahead = {},
                     .stage_end = {}};
   campaign.progress = std::make_shared<ProgressObserver>(isatty(STDERR_FILENO) != 0 ? stderr : nullptr,
                                                          std::vector<std::int64_t>{});

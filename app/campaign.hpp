@@ -4,8 +4,10 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "heartbeat.hpp"
+#include "prepare.hpp"
 #include "vbond/case/case.hpp"
 #include "vbond/observe/observers.hpp"
 #include "vbond/observe/plan.hpp"
@@ -37,7 +39,7 @@ struct Campaign {
   double stepping = 0;   ///< seconds, without what observers did between the steps
   double balancing = 0;  ///< seconds of static stages and their modes, without what observers did
   StepTimes times;
-  bool step_known = false;  ///< a dynamics stage has begun
+  std::vector<StepAhead> ahead;  ///< of all stages, once one of dynamics has begun
   /// What is done at the end of the dynamics stage under way.
   std::function<void(const Simulation&, StopReason, const std::string& failure)> stage_end;
 

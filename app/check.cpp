@@ -12,6 +12,7 @@
 #include "commands.hpp"
 #include "contacts.hpp"
 #include "memory.hpp"
+#include "output_size.hpp"
 #include "prepare.hpp"
 #include "vbond/build/build.hpp"
 #include "vbond/build/times.hpp"
@@ -21,6 +22,7 @@
 #include "vbond/core/printable.hpp"
 #include "vbond/dynamics/memory.hpp"
 #include "vbond/model/capsules.hpp"
+#include "vbond/model/contact_bound.hpp"
 #include "vbond/model/holds.hpp"
 #include "vbond/model/step_bound.hpp"
 #include "vbond/model/touching.hpp"
@@ -44,6 +46,16 @@ void print_memory(const Model& model, const State& state, int ranks) {
   const RankMemory of_ranks = memory_of_ranks(model, state, ranks);
   fmt::print("on {} ranks       {} each, {} the first: every rank holds the whole body (docs/ranks.md)\n",
              ranks, in_units(of_ranks.each), in_units(of_ranks.first));
+}
+
+/// Bonds that may be made in the run, which no memory is told for above.
+void print_bonds_to_come(const Case& c, const Run& run) {
+  const double of_a_bond = memory_use(run.model(), run.current()).per_bond;
+  const char* unit = run.model().units == UnitSystem::si ? " m" : "";
+  for (const BondsToCome& b : bonds_to_come(c, run))
+    fmt::print("bonds to come    \"{}\": {:.0f} pairs are within {:.6g}{} now, {}; all {:.0f} would be {}\n",
+               printable(b.name), b.pairs_now, b.distance, unit, in_units(b.pairs_now * of_a_bond),
+               b.pairs_ever, in_units(b.pairs_ever * of_a_bond));
 }
 
 /// The stage needs a factor that does not fit.
@@ -167,21 +179,43 @@ std::int64_t unknowns_of(const StageSpec& stage, const Model& model) {
   return free;
 }
 
-/// Each stage with its size; returns the steps of all of them.
-std::int64_t print_stages(const Case& c, const Model& model, double dt, bool dt_is_known) {
-  const std::vector<std::int64_t> steps = steps_of_stages(c, model, dt);
+/// Steps of each stage, as the body stands and as it might come to be.
+struct StepsOfStages {
+  std::vector<std::int64_t> now, crowded;
+};
+
+/// Where particles come to touch on all sides, stages after the first take shorter steps.
+StepsOfStages expected_steps(const Case& c, const Run& run, double dt) {
+  const Model& model = run.model();
+  std::vector<StepAhead> ahead = steps_ahead(c, run);
+  StepsOfStages steps{steps_of_stages(c, model, ahead, run.stage_index(), dt), {}};
+  if (!c.time.given() && model.contact.law != ContactLaw::none) {
+    const double crowded = c.time.fraction * step_bound(model, run.current(), {}, {}, contacts_in_a_heap).dt;
+    for (StepAhead& a : ahead) a.longest = std::min(a.longest, crowded);
+  }
+  steps.crowded = steps_of_stages(c, model, ahead, run.stage_index(), dt);
+  return steps;
+}
+
+/// Each stage with its size.
+void print_stages(const Case& c, const Run& run, const StepsOfStages& of, double dt, bool dt_is_known) {
+  const Model& model = run.model();
+  const std::vector<std::int64_t>& steps = of.now;
   for (std::size_t k = 0; k < steps.size(); ++k) {
     const StageSpec& stage = c.stages[k];
     if (is_static(stage.kind))
       fmt::print("stage {:<10} {}, {} unknowns\n", printable(stage.name), to_text(stage.kind),
                  unknowns_of(stage, model));
     else
-      fmt::print("stage {:<10} at most {}{} steps{}\n", printable(stage.name), dt_is_known ? "" : "about ",
-                 steps[k], steps[k] < few_steps ? ": so few; is a unit missing, such as T0?" : "");
+      fmt::print("stage {:<10} at most {}{} steps{}{}\n", printable(stage.name),
+                 dt_is_known && (k == run.stage_index() || c.time.given()) ? "" : "about ", steps[k],
+                 of.crowded[k] > steps[k]
+                     ? fmt::format(", about {} if particles come to touch on all sides", of.crowded[k])
+                     : "",
+                 steps[k] < few_steps ? ": so few; is a unit missing, such as T0?" : "");
     if (k > 0 && !is_static(stage.kind) && c.time.given())  // of the first stage it is told with its step
       print_notes(times_not_met(expected_times(stage, model, dt)));
   }
-  return std::accumulate(steps.begin(), steps.end(), std::int64_t{0});
 }
 
 /// A load is given for each particle, and easily taken for that on the group.
@@ -253,11 +287,18 @@ void refuse_all(Run& run) {
   if (!problems.empty()) throw CaseError(problems);
 }
 
-void print_wall_time(std::int64_t steps, const Run& run, const Stage& first, int threads) {
+void print_wall_time(const StepsOfStages& steps, const Run& run, const Stage& first, int threads) {
+  const auto sum = [](const std::vector<std::int64_t>& of) {
+    return std::accumulate(of.begin(), of.end(), 0.0);
+  };
   try {
-    const double seconds = static_cast<double>(steps) * seconds_per_step(run, first, threads);
-    fmt::print("wall time        about {} without output, if no stage ends early (a few steps were timed)\n",
-               hours(seconds));
+    const double each = seconds_per_step(run, first, threads), now = sum(steps.now),
+                 crowded = sum(steps.crowded);
+    fmt::print(
+        "wall time        about {}{} without output, if no stage ends early (a few steps were timed)\n",
+        hours(now * each),
+        crowded > now ? ", or " + hours(crowded * each) + " and more if particles come to touch on all sides,"
+                      : "");
   } catch (const Diverged& e) {  // the case is as its author wants it: whether to run it is not for us to say
     const std::string what = e.what();  // its second line is advice for a run: there are no frames to look at
     fmt::print("wall time        unknown, the trial for it went unphysical at {}\n",
@@ -294,10 +335,13 @@ int check(const RunOptions& options) {
 
   const bool fitted = dynamics && !c.time.given();  // other stages may have another step of their own
   const double dt = fitted ? dynamics->dt : expected_step(c, model, state);
-  const std::int64_t steps = print_stages(c, model, dt, dynamics || c.time.given());
+  const StepsOfStages steps = expected_steps(c, run, dt);
+  print_stages(c, run, steps, dt, dynamics || c.time.given());
   print_loads(c, model);
   print_output_remarks(c, plan, model);
+  print_output_size(c, plan, model, state, steps.now);
   print_memory(model, state, options.ranks);
+  print_bonds_to_come(c, run);
   print_solvers(run);
   if (dynamics) print_wall_time(steps, run, *dynamics, threads);
   fmt::print("{}: no mistakes found\n", printable(c.file));

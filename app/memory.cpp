@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
+#include "vbond/build/bonds.hpp"
 #include "vbond/build/build.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/core/memory.hpp"
@@ -33,6 +36,44 @@ void require(double bytes, const Case& c, const RanksHere& ranks) {
        "take fewer ranks, or more machines, or vbond --threads N, which holds the body once"});
 }
 
+/// Pairs that the rule joins and that have no bond yet.
+double pairs_now(const BondingRule& rule, const Model& model, const State& state) {
+  const double most = memory_limit() / memory_use(model, state).per_bond;
+  const std::size_t all = pairs_within(state.r.values(), rule.distance, rule.in_a, rule.in_b, most).size();
+  const auto is_one = [&](const Bond& b) {
+    const bool joins =
+        (rule.in_a[b.i.value] && rule.in_b[b.j.value]) || (rule.in_a[b.j.value] && rule.in_b[b.i.value]);
+    return !b.broken && joins && norm(state.r[b.j] - state.r[b.i]) <= rule.distance;
+  };
+  const auto bonded = std::count_if(state.bonds.begin(), state.bonds.end(), is_one);
+  return static_cast<double>(all) - static_cast<double>(bonded);
+}
+
+double pairs_ever(const BondingRule& rule) {
+  double in_a = 0.0, in_b = 0.0, in_both = 0.0;
+  for (std::size_t p = 0; p < rule.in_a.size(); ++p) {
+    in_a += rule.in_a[p] ? 1.0 : 0.0, in_b += rule.in_b[p] ? 1.0 : 0.0;
+    in_both += rule.in_a[p] && rule.in_b[p] ? 1.0 : 0.0;
+  }
+  return in_a * in_b - 0.5 * in_both * (in_both + 1.0);  // each pair once, none with itself
+}
+
+BondsToCome bonds_to_come(const Case& c, const Run& run, const BondingRule& rule) {
+  try {
+    return {rule.name, rule.distance, pairs_now(rule, run.model(), run.current()), pairs_ever(rule)};
+  } catch (const std::length_error&) {
+    const auto set =
+        std::find_if(c.bonds.begin(), c.bonds.end(), [&](const BondSpec& s) { return s.name == rule.name; });
+    throw CaseError(Problem{
+        set != c.bonds.end() ? set->place : SourcePlace{c.file, 0, 0},
+        fmt::format("bonds \"{}\": more pairs are within {} as the run begins than there is memory for",
+                    rule.name, rule.distance),
+        fmt::format("they would be bonded at once, and there may be {}: {}", in_units(memory_limit()),
+                    whose_limit),
+        "use a little more than the spacing; is the distance in the right unit?"});
+  }
+}
+
 }  // namespace
 
 std::string in_units(double bytes) {
@@ -53,6 +94,18 @@ void require_memory(const Case& c, const Model& model, const State& state) {
   const auto n = static_cast<double>(model.particles()), bonds = static_cast<double>(state.bonds.size());
   require(n * use.per_particle + bonds * use.per_bond,
           fmt::format("{:.0f} particles and {:.0f} bonds", n, bonds), c);
+}
+
+std::vector<BondsToCome> bonds_to_come(const Case& c, const Run& run) {
+  std::vector<BondsToCome> found;
+  for (std::size_t k = run.stage_index(); k < c.stages.size(); ++k) {
+    if (is_static(c.stages[k].kind)) continue;
+    for (const BondingRule& rule : bonding_rules(c, run.model(), k)) {
+      const auto known = [&](const BondsToCome& other) { return other.name == rule.name; };
+      if (std::none_of(found.begin(), found.end(), known)) found.push_back(bonds_to_come(c, run, rule));
+    }
+  }
+  return found;
 }
 
 void require_memory(const Case& c, const RanksHere& ranks) {

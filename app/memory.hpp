@@ -1,9 +1,11 @@
 #pragma once
 #include <string>
+#include <vector>
 
 #include "vbond/case/case.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
+#include "vbond/run/run.hpp"
 
 namespace vbond::app {
 
@@ -15,6 +17,17 @@ void require_memory(const Case& c);
 
 /// The same for a body with its bonds, as the time loop will hold it.
 void require_memory(const Case& c, const Model& model, const State& state);
+
+/// What a rule of bonding on approach may bond, as the particles stand now.
+struct BondsToCome {
+  std::string name;   ///< of the bond set
+  double distance;    ///< [length]
+  double pairs_now;   ///< within it
+  double pairs_ever;  ///< that it may bond at all
+};
+/// Of all stages from the next one on. Throws CaseError where the pairs that are near enough already do not
+/// fit into memory as bonds.
+std::vector<BondsToCome> bonds_to_come(const Case& c, const Run& run);
 
 /// The ranks of a run that share this machine.
 struct RanksHere {

@@ -5,12 +5,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <variant>
 
 #include "vbond/build/build.hpp"
+#include "vbond/build/outlook.hpp"
 #include "vbond/build/times.hpp"
 #include "vbond/core/printable.hpp"
 #include "vbond/dynamics/kernel.hpp"
 #include "vbond/model/step_bound.hpp"
+#include "vbond/model/swing_bound.hpp"
 
 namespace vbond::app {
 namespace {
@@ -123,14 +126,45 @@ Stage expected_times(const StageSpec& spec, const Model& model, double dt) {
   return stage;
 }
 
-std::vector<std::int64_t> steps_of_stages(const Case& c, const Model& model, double dt) {
+std::vector<StepAhead> steps_ahead(const Case& c, const Run& run) {
+  std::vector<StepAhead> ahead(c.stages.size());
+  Outlook outlook{run.current()};
+  for (std::size_t k = run.stage_index() + 1; k < c.stages.size(); ++k) {
+    const AnyStage later = run.stages().look_ahead(k, run.model(), outlook);
+    const auto* stage = std::get_if<Stage>(&later);
+    if (stage == nullptr) continue;
+    ahead[k].dt = stage->dt;
+    if (!c.time.given()) ahead[k].longest = fastest_swing(*stage).wanted_step();
+  }
+  return ahead;
+}
+
+std::vector<std::int64_t> steps_of_stages(const Case& c, const Model& model,
+                                          const std::vector<StepAhead>& ahead, std::size_t now, double dt) {
   std::vector<std::int64_t> steps;
-  for (const StageSpec& s : c.stages) {
-    const Stage stage = is_static(s.kind) ? Stage{} : expected_times(s, model, dt);
-    steps.push_back(is_static(s.kind) ? 0 : steps_in(stage.stops.duration, stage.dt));
+  for (std::size_t k = 0; k < c.stages.size(); ++k) {
+    const bool is_known = k != now && ahead[k].dt > 0.0;
+    const double dt_k = is_known ? ahead[k].dt : k == now ? dt : std::min(dt, ahead[k].longest);
+    const Stage stage = is_static(c.stages[k].kind) ? Stage{} : expected_times(c.stages[k], model, dt_k);
+    steps.push_back(is_static(c.stages[k].kind) ? 0 : steps_in(stage.stops.duration, stage.dt));
   }
   return steps;
 }
+
+namespace {
+/// What the stage moves to and fro, beside the step: what chose it, or that it is coarse.
+void print_swing(const Case& c, const Stage& stage, const char* unit) {
+  const FastestSwing swing = fastest_swing(stage);
+  if (!(stage.dt > (c.time.given() ? 1.0 : 0.5) * swing.wanted_step())) return;
+  fmt::print("                 {:.3g} steps in a period of {:.6g}{} of {}{}\n", swing.period / stage.dt,
+             swing.period, unit, printable(swing.source),
+             stage.dt > swing.longest_step() ? ": TOO FEW, as the case insists; its work will be wrong"
+             : stage.dt > swing.wanted_step()
+                 ? fmt::format("; with {} of them work is right to some 2 %", steps_of_a_period)
+                 : "");
+}
+
+}  // namespace
 
 void print_notes(const std::vector<std::string>& notes) {
   for (const std::string& note : notes) fmt::print("note             {}\n", note);
@@ -168,6 +202,7 @@ void print_step(const Case& c, const Model& model, const State& state, const Sta
     fmt::print(
         "                 below the {:.6g}{} of the case, so that its times are whole numbers of steps\n",
         given->resolve(model.T_0), time);
+  print_swing(c, stage, time);
   print_notes(times_not_met(stage));
 }
 

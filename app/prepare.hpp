@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/observe/plan.hpp"
+#include "vbond/run/run.hpp"
 
 namespace vbond::app {
 
@@ -19,9 +21,18 @@ OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem:
 /// before it begins.
 Stage expected_times(const StageSpec& spec, const Model& model, double dt);
 
-/// Steps of each stage if none ends early, all with the same step dt but for what their times need; of static
-/// ones none.
-std::vector<std::int64_t> steps_of_stages(const Case& c, const Model& model, double dt);
+/// What is known of the step of a stage before it begins.
+struct StepAhead {
+  double dt = 0;                                             ///< 0: it hangs on the stages before
+  double longest = std::numeric_limits<double>::infinity();  ///< by what the stage moves to and fro
+};
+/// Of all stages; those after the one that comes next are looked at.
+std::vector<StepAhead> steps_ahead(const Case& c, const Run& run);
+
+/// Steps of each stage if none ends early; of static ones none. Stage `now` has the step dt, and so have
+/// those of which nothing else is known.
+std::vector<std::int64_t> steps_of_stages(const Case& c, const Model& model,
+                                          const std::vector<StepAhead>& ahead, std::size_t now, double dt);
 
 /// Between which pairs there are contacts.
 const char* contacts_in_words(const Model& model);

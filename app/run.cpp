@@ -49,10 +49,13 @@ void add_stage(RunSummary& s, const Simulation& run, StopReason why, std::int64_
   s.stages.back().failure = failure;
 }
 
-/// Says what step the run has, once it is known, and of every stage which times it does not meet.
+/// Says what step the run has, once it is known, and of every stage which times it does not meet. Steps to
+/// come are counted anew by the step of each stage.
 void begin_dynamics(Campaign& campaign, const Stage& stage, const State& state) {
-  const bool known = std::exchange(campaign.step_known, true), begins = state.clock.stage_step == 0;
-  if (!known) campaign.progress->expect(steps_of_stages(campaign.c, campaign.run.model(), stage.dt));
+  const bool known = !campaign.ahead.empty(), begins = state.clock.stage_step == 0;
+  if (!known) campaign.ahead = steps_ahead(campaign.c, campaign.run);
+  campaign.progress->expect(steps_of_stages(campaign.c, campaign.run.model(), campaign.ahead,
+                                            campaign.run.stage_index(), stage.dt));
   if (begins && state.clock.stage == 0) return;  // told before the run
   if (begins && !known) return print_step(campaign.c, campaign.run.model(), state, stage);
   for (const std::string& line : times_not_met(stage)) campaign.tell(line);
@@ -259,6 +262,7 @@ int run(const RunOptions& options) {
   require_memory(c, built.model, built.state);
   Run run(std::move(built.model), std::move(built.state), stages_of(c), options.threads);
   run.check();
+  bonds_to_come(c, run);  // throws if they cannot fit into memory
   run.set_stepper(options.stepper);
   if (options.before_output) options.before_output(c, run);
   OutputPlan plan = plan_output(c, run.model(), {});  // all that may be wrong with the case is known by now

@@ -58,7 +58,8 @@ std::string where(const RunStatus& s) {
   if (is_static(stage.kind)) return text + fmt::format("{} points", stage.steps);
   text += fmt::format("step {}, t = {:.6g}", s.step, s.time);
   if (stage.end_time) text += fmt::format(" of at most {:.6g}", *stage.end_time);
-  if (s.seconds_left) text += ", at most " + hours(*s.seconds_left) + " left";
+  const bool last = stage.index + 1 == stage.count;  // the steps of later ones may be shorter
+  if (s.seconds_left) text += (last ? ", at most " : ", about ") + hours(*s.seconds_left) + " left";
   return text;
 }
 

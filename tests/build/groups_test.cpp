@@ -32,6 +32,21 @@ TEST(Groups, OfACylinderIncludeItsEndsAndItsMantle) {
                  {"group \"g\" has no particles"});
 }
 
+// The volume that a stress is divided by: given, of the particles as spheres, or of the box around them.
+TEST(Groups, TakeUpTheVolumeThatTheCaseSays) {
+  Case c = paper_rod();  // ten of radius 0.4, one apart
+  const Built b = build(c);
+  StressSpec s{{"case.toml", 70, 1}, {"all", {}}, 7.5};
+  EXPECT_EQ(resolve_volume(s, b.model), 7.5);
+  s.volume = StressVolume::spheres;
+  EXPECT_NEAR(resolve_volume(s, b.model), 10 * 4.0 / 3.0 * std::numbers::pi * 0.064, 1e-12);
+  s.volume = StressVolume::box;
+  EXPECT_NEAR(resolve_volume(s, b.model), 9.8 * 0.8 * 0.8, 1e-12);
+  c.specimens[0].radius = 0.0, c.specimens[0].inertia = 0.064;
+  c.output.stresses = {s};
+  EXPECT_TRUE(contains(text_of_error(c), "the box around its particles has no volume to divide by"));
+}
+
 TEST(Groups, OfAHalfSpaceLieWhereItsNormalDoesNotPoint) {
   EXPECT_EQ(members("g = { half_space = { point = [7, 0, 0], normal = [-2, 0, 0] } }\n", "g"),
             (Numbers{7, 8, 9}));

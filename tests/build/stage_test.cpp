@@ -227,6 +227,27 @@ TEST(Stage, PeakNeedsBondsOrASupportToWatch) {
   EXPECT_EQ(first_stage(c).stops.peak->particles.size(), 2u);
 }
 
+TEST(Stage, PeakOfAWallNamesTheWall) {
+  Case c = paper_rod();
+  c.contact.law = ContactLaw::paper_hertz;
+  c.contact.c_H = 1.0;
+  WallSpec lid;
+  lid.name = "lid";
+  lid.shape = PlaneWallSpec{{0, 0, 2}, {0, 0, -1}};
+  c.walls = {lid};
+  PeakStopSpec peak;
+  peak.quantity = PeakQuantity::wall_force;
+  peak.wall = {"lip", {"case.toml", 45, 9}};
+  peak.direction = {0, 0, 2};
+  peak.average_over = {1.0, false};
+  c.stages[0].stop_peak = peak;
+  EXPECT_TRUE(contains(text_of_error(c), "case.toml:45:9: there is no wall \"lip\"")) << text_of_error(c);
+  c.stages[0].stop_peak->wall.value = "lid";
+  const PeakStop stop = *first_stage(c).stops.peak;
+  EXPECT_EQ(stop.wall, 0u);
+  EXPECT_EQ(stop.direction, (Vec3d{0, 0, 1}));
+}
+
 TEST(Stage, StopAtBreaksNeedsBondsThatMayBreak) {
   Case c = paper_rod();
   c.stages[0].stop_breaks = BreakStopSpec{{"case.toml", 46, 1}, 9};

@@ -1,5 +1,8 @@
+#include <random>
+
 #include "cases.hpp"
 #include "vbond/model/contact_bound.hpp"
+#include "vbond/model/touching.hpp"
 #include "vbond/model/turn_bound.hpp"
 #include "vbond/physics/contact.hpp"
 #include "vbond/physics/stability.hpp"
@@ -174,6 +177,124 @@ TEST(StepBound, KeepsTurnsBelowHalfARadian) {
   free = build(alone);
   free.state.omega[ParticleId{1}] = {0, 0, 100};
   EXPECT_DOUBLE_EQ(step_bound(free.model, free.state, Stage{}).dt, longest_turn / 100.0);
+}
+
+// A floor that swings: the automatic step makes 20 steps a period, a given one at least 10 or is refused.
+TEST(StepBound, IsBoundByWhatTheStageMovesToAndFro) {
+  Case c = paper_rod();
+  c.contact.law = ContactLaw::paper_hertz;
+  c.contact.c_H = 1.0;
+  WallSpec floor;
+  floor.name = "floor";
+  floor.shape = PlaneWallSpec{{0, 0, -1}, {0, 0, 1}};
+  c.walls = {floor};
+  WallDriveSpec drive;
+  drive.wall.value = "floor";
+  drive.oscillation = WallOscillationSpec{{0.1, 0, 0}, 8.0};
+  c.stages[0].walls = {drive};
+  c.stages[0].duration = {10.0, false};
+  Built b = build(c);
+  const double bound = step_bound(b.model, b.state).dt;
+  ASSERT_GT(0.1 * bound, 1.0 / 160.0);
+  EXPECT_DOUBLE_EQ(build_stage(c, b.model, 0, b.state).dt, 1.0 / 160.0);
+  c.time.step = {CaseTime{1.0 / 80.0, false}, {"case.toml", 7, 8}};
+  EXPECT_EQ(text_of_error(c), "");
+  c.time.step->value = CaseTime{1.0 / 79.0, false};
+  const std::string text = text_of_error(c);
+  EXPECT_TRUE(contains(text, "9.88 steps in a period of 0.125 of the oscillation of wall \"floor\"; 10 are"))
+      << text;
+  EXPECT_TRUE(contains(text, "use 0.00625 (")) << text;
+  c.time.insist = true;
+  EXPECT_EQ(text_of_error(c), "");
+}
+
+/// Balls of radius 1 and 0.1 in a row: a large one with four small ones on it, which touch nothing else.
+Case large_with_small(int small) {
+  Case c = case_of(ListedSpecimen{{{0, 0, 0}}});
+  c.specimens[0].radius = 1.0, c.specimens[0].mass = 1000.0;
+  std::vector<Vec3d> r;
+  for (int k = 0; k < small; ++k) r.push_back({1.09 * std::cos(k), 1.09 * std::sin(k), 0});
+  c.specimens.push_back(specimen(ListedSpecimen{r}, "small"));
+  c.specimens[1].radius = 0.1, c.specimens[1].mass = 1.0;
+  c.contact.law = ContactLaw::paper_hertz;
+  c.contact.c_H = 1.0;
+  return c;
+}
+
+// Each particle counts its own contacts: how many others touch the heavy one does not make the light ones'
+// step shorter.
+TEST(StepBound, CountsTheContactsOfEachParticleByItself) {
+  const auto dt = [](int small) {
+    const Built b = build(large_with_small(small));
+    return step_bound(b.model, b.state).dt;
+  };
+  EXPECT_EQ(dt(6), dt(1));
+}
+
+// And is a bound: the largest squared frequency of k (1/m_i + 1/m_j) sums over random heaps is never above
+// it. Power iteration gives it from below.
+TEST(StepBound, OfContactsHoldsForRandomHeaps) {
+  std::mt19937_64 random(5);
+  const auto next = [&random] { return static_cast<double>(random() >> 11) * 0x1p-53; };
+  for (int heap = 0; heap < 40; ++heap) {
+    Case c = case_of(ListedSpecimen{{{0, 0, 0}}});
+    c.specimens.clear();
+    for (int k = 0; k < 60; ++k) {
+      c.specimens.push_back(specimen(ListedSpecimen{{{9.0 * k, 0, 0}}}, "p" + std::to_string(k)));
+      c.specimens.back().radius = 0.2 + 0.6 * next();
+      c.specimens.back().mass = std::pow(c.specimens.back().radius, 3) * (1.0 + 9.0 * next());
+    }
+    c.contact.law = ContactLaw::paper_hertz;
+    c.contact.c_H = 1.0;
+    Built b = build(c);
+    for (Vec3d& r : b.state.r) r = {3 * next(), 3 * next(), 3 * next()};
+    struct Spring {
+      ParticleId i, j;
+      Vec3d n;
+      double k;
+    };
+    std::vector<Spring> springs;
+    for_touching_pairs(b.model, b.state, [&](ParticleId i, ParticleId j, double overlap) {
+      springs.push_back({i, j, normalised(b.state.r[j] - b.state.r[i]), 1.5 * std::sqrt(overlap)});
+    });
+    PerParticle<Vec3d> x(b.model.particles(), Vec3d{});
+    for (Vec3d& v : x) v = {next() - 0.5, next() - 0.5, next() - 0.5};
+    double lambda = 0.0;
+    for (int k = 0; k < 300; ++k) {  // x -> M^-1/2 K M^-1/2 x
+      double size = 0.0;
+      for (const Vec3d& v : x) size += norm2(v);
+      PerParticle<Vec3d> y(b.model.particles(), Vec3d{});
+      for (const Spring& s : springs) {
+        const double m_i = std::sqrt(b.model.mass[s.i]), m_j = std::sqrt(b.model.mass[s.j]);
+        const double F = s.k * dot(s.n, x[s.j] / m_j - x[s.i] / m_i) / std::sqrt(size);
+        y[s.j] += (F / m_j) * s.n, y[s.i] -= (F / m_i) * s.n;
+      }
+      lambda = 0.0;
+      for (const Vec3d& v : y) lambda += norm2(v);
+      lambda = std::sqrt(lambda);
+      x = y;
+    }
+    const double bound = contact_bound(b.model, b.state, {}).lambda;
+    EXPECT_GE(bound, lambda) << "heap " << heap;
+  }
+}
+
+// Where damping sets the step it is named, of bonds and of contacts.
+TEST(StepBound, NamesDampingWhereItSetsTheStep) {
+  Case c = pair_with({1.0, 0.01, 0.001, 0.001});
+  c.bonds[0].recipe.damping = {DampingBy::coefficients, {0.0, 0.0, 0.0, 1.0}};
+  Built b = build(c);
+  EXPECT_EQ(step_bound(b.model, b.state).source, "the damping of torsion of bond 0 (particles 0, 1)");
+  c.bonds[0].recipe.damping = {DampingBy::coefficients, {0.01, 0.0, 0.0, 0.0}};  // little
+  b = build(c);
+  EXPECT_EQ(step_bound(b.model, b.state).source, "stretching of bond 0 (particles 0, 1)");
+  Case heap = case_of(RodSpecimen{3, 0.7, {}, {1, 0, 0}});
+  heap.contact = {.law = ContactLaw::hertz, .E = 1e4, .nu = 0.2};
+  heap.contact.surface.restitution = 1e-4;
+  const Built touching = build(heap);
+  EXPECT_TRUE(
+      contains(step_bound(touching.model, touching.state).source, "the damping of contacts of particle"))
+      << step_bound(touching.model, touching.state).source;
 }
 
 }  // namespace

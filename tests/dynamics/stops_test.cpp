@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "rods.hpp"
+#include "spheres_and_walls.hpp"
 #include "vbond/core/error.hpp"
 
 namespace vbond {
@@ -64,6 +65,23 @@ TEST(Stops, WhenTheBlockAverageHasFallenBelowItsPeak) {
   EXPECT_NEAR(run.state().peak.peak, 0.0095, 1e-4);  // sampled at the ends of steps: dt v / 2 = 5e-5 off
   EXPECT_NEAR(run.state().peak.peak_time, 10.0, 1.0 + 1e-9);
   EXPECT_LT(run.state().peak.last, 0.9 * run.state().peak.peak);
+}
+
+// A floor comes up against a held sphere and goes down again: the force on it is k times the overlap.
+TEST(Stops, WhenTheForceOnAWallHasFallenBelowItsPeak) {
+  testing::Specimen s =
+      testing::sphere({0, 0, 1}, 1.0, 1.0, testing::linear(10.0, 0.0), {testing::floor_at(-0.005)});
+  Stage stage = testing::plain_stage(0.01, 1e9);
+  stage.supports = {testing::held({ParticleId{0}}, testing::clamped)};
+  stage.walls = {testing::drive("floor", 0)};
+  stage.walls[0].velocity = {0, 0, 1e-3};
+  stage.walls[0].factor.points = {{0, 1}, {10, 1}, {10, -1}};
+  stage.stops.peak = PeakStop{PeakQuantity::wall_force, {}, {0, 0, -1}, 0.5, 1.0, 0};
+  Simulation run(s.model, stage, s.state);
+  EXPECT_EQ(run.run(), StopReason::peak);
+  // overlap 0.005 at t = 10; the best block average is half a block before or after it: 10 (0.005 - 5e-4)
+  EXPECT_NEAR(run.state().peak.peak, 0.045, 2e-4);  // sampled at the ends of steps
+  EXPECT_NEAR(run.clock().time(), 14.0, 1e-9);      // the first block below half: 0.015 from 13 to 14
 }
 
 TEST(Simulation, StopsWhenALoadIsNotFinite) {

@@ -35,6 +35,9 @@ TEST(Progress, RemainingTimeFollowsFromTheSpeed) {
   EXPECT_EQ(seconds_left(6000, 5000, 10000, 10.0), 40.0);
   EXPECT_EQ(seconds_left(12000, 5000, 10000, 10.0), 0.0);  // never less than nothing
   EXPECT_EQ(seconds_left(5000, 5000, 10000, 10.0), std::nullopt);
+  // with stages to come, whose steps may turn out shorter
+  EXPECT_EQ(progress_line("squeeze", 6000, 5000, 10000, 10.0, false),
+            "stage squeeze: step 6000, 60.0 %, 100 steps/s, about 40 s left");
   EXPECT_EQ(progress_line("squeeze", 5000, 5000, 10000, 0.0), "stage squeeze: step 5000, 50.0 %");
   EXPECT_EQ(progress_line("squeeze", 6000, 5000, 10000, 0.0),
             "stage squeeze: step 6000, 60.0 %");  // no speed

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "dynamics/spheres_and_walls.hpp"
 #include "specimen.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/observe/bond_look.hpp"
@@ -430,6 +431,31 @@ TEST(Watch, NamesTheWallThatAParticlePassesWhenTheBalanceIsOff) {
       << with_wall;
   EXPECT_TRUE(contains(with_wall, "use a stiffer contact")) << with_wall;
   EXPECT_TRUE(contains(said({}), "all particles: the energy balance is off by 0.2")) << said({});
+}
+
+// A servo that meets nothing, and one that has come to its force.
+TEST(Watch, TellsOfServosWithoutTheirForce) {
+  for (const bool meets : {false, true}) {
+    testing::Specimen s = testing::sphere(
+        {0, 0, 1}, 1.0, 1.0, testing::linear(10.0, 0.0),
+        {testing::floor_at(0.0), {"lid", PlaneWall{{0, 0, meets ? 2.0 : 50.0}, {0, 0, -1}}, 0, {}}});
+    Stage stage = testing::plain_stage(0.01, 40.0);
+    stage.name = "press";
+    stage.b_translation = 1.0;
+    stage.walls = {testing::drive("lid", 1)};
+    stage.walls[0].servo = WallDrive::Servo{{0, 0, -1}, 0.5, {}, 1.0, 5.0, 1e9};
+    Simulation run(s.model, stage, s.state);
+    run.run();
+    Listener listener;
+    listener.watch.look_at_servos(run);
+    ASSERT_EQ(listener.told.size(), meets ? 0u : 1u);
+    if (meets) continue;
+    EXPECT_TRUE(
+        contains(listener.told[0],
+                 "wall \"lid\" ends stage \"press\" without its force: its servo presses with 0, not 0.5, "
+                 "as it touches nothing; since the start of the run it has gone 3."))
+        << listener.told[0];
+  }
 }
 
 }  // namespace

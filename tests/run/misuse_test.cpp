@@ -78,6 +78,21 @@ TEST(Misuse, ColumnsOfAnotherSize) {
   refuses([](Parts& p) { p.body.model.specimen.resize(3); }, "3 entries in specimen");
 }
 
+// A support that swings within a few steps does not do what it was told.
+TEST(Misuse, FewStepsInASwing) {
+  const auto swing = [](Parts& p) {
+    for (int k = 0; k <= 10; ++k)
+      p.second.supports[0].factor.points.push_back({0.1 * k, k % 2 == 0 ? 1.0 : -1.0});
+  };
+  refuses(swing,
+          "dt is 0.05, 4 steps in a period of 0.2 of the factor over time of the support of group \"held\"; "
+          "10 are the fewest: use 0.01, 20 steps a period, or insist = true");
+  Parts insists;
+  swing(insists);
+  insists.second.insist = true;
+  EXPECT_EQ(insists.run()->run().size(), 2u);
+}
+
 TEST(Misuse, AnEmptyModelOrNoStage) {
   expect_refusal([] { vbond::Run(Model{}, State{}, {Stage{}}); }, "the model has no particles");
   const Parts p;

@@ -47,7 +47,10 @@ Stage build_stage(const Case& c, const Model& model, int k, State& state,
 /// infinite if nothing is elastic.  [time]
 double expected_step(const Case& c, const Model& model, const State& state);
 
-/// The same for a stage of any static kind; the clock of `state` is left alone.
+/// What dynamics stage k bonds on approach.
+std::vector<BondingRule> bonding_rules(const Case& c, const Model& model, std::size_t k);
+
+/// The same as build_stage for a stage of any static kind; the clock of `state` is left alone.
 StaticStage build_static_stage(const Case& c, const Model& model, int k, State& state);
 
 /// The groups of these names. Throws CaseError naming the nearest and all known groups.

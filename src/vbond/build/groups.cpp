@@ -11,6 +11,7 @@
 #include "vbond/build/build.hpp"
 #include "vbond/build/group_members.hpp"
 #include "vbond/build/text_file.hpp"
+#include "vbond/core/bounding_box.hpp"
 #include "vbond/core/nearest.hpp"
 #include "vbond/model/stress.hpp"
 
@@ -126,12 +127,24 @@ std::vector<char> membership(const Group& group, const Model& model) {
 
 double look_up_volume(const StressSpec& s, const Model& model, Problems& problems) {
   const Group* group = look_up_group(s.group, model, problems);
-  if (s.volume || group == nullptr) return s.volume.value_or(0.0);
-  double volume = 0.0;
-  for (const ParticleId p : group->particles) volume += sphere_volume(model, p);
-  if (!(volume > 0.0))
+  if (const double* given = std::get_if<double>(&s.volume)) return *given;
+  if (group == nullptr) return 0.0;
+  double spheres = 0.0;
+  BoundingBox box;
+  for (const ParticleId p : group->particles) {
+    spheres += sphere_volume(model, p);
+    box.add(model.r_0[p], model.radius[p]);
+  }
+  const Vec3d edges = box.high - box.low;
+  const bool of_box = std::get<StressVolume>(s.volume) == StressVolume::box;
+  const double volume = of_box ? edges.x * edges.y * edges.z : spheres;
+  if (!(volume > 0.0) || group->particles.empty()) {
     problems.add(s.place, fmt::format("stress of group \"{}\"", group->name),
-                 "its particles have no volume to divide by", "give a volume, or the particles a radius");
+                 of_box ? "the box around its particles has no volume to divide by"
+                        : "its particles have no volume to divide by",
+                 "give a volume, or the particles a radius");
+    return 0.0;
+  }
   return volume;
 }
 

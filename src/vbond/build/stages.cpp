@@ -18,6 +18,7 @@
 #include "vbond/model/capsules.hpp"
 #include "vbond/model/held_tops.hpp"
 #include "vbond/model/make_bond.hpp"
+#include "vbond/model/swing_bound.hpp"
 
 namespace vbond {
 namespace {
@@ -78,8 +79,17 @@ struct DynamicsResolver : StageResolver {
   }
 
   PeakStop peak_stop(const PeakStopSpec& s, const std::vector<Support>& held) const {
-    PeakStop stop{s.quantity, particles(s.group), s.direction, s.drop,
-                  positive_time(s.average_over, "stop.peak.average_over", s.place)};
+    const bool of_wall = s.quantity == PeakQuantity::wall_force;
+    PeakStop stop{.quantity = s.quantity,
+                  .particles = of_wall ? std::vector<ParticleId>{} : particles(s.group),
+                  .direction = s.direction,
+                  .drop = s.drop,
+                  .average_over = positive_time(s.average_over, "stop.peak.average_over", s.place),
+                  .wall = 0};
+    if (of_wall) {
+      stop.direction = direction(s.direction, "stop.peak", s.place);
+      stop.wall = look_up_wall(s.wall, model, problems).value_or(0);
+    }
     if (s.quantity == PeakQuantity::reaction && !stop.particles.empty()) {
       stop.direction = direction(s.direction, "stop.peak", s.place);
       const auto pushes = [&](const Support& support) {
@@ -218,7 +228,23 @@ void take_fraction(const Case& c, const StageSpec& spec, const StepBound& critic
     problems.add(spec.place, fmt::format("stage \"{}\" has no natural time step", stage.name),
                  critical.source, "give time.step");
   else
-    stage.dt = c.time.fraction * critical.dt;
+    stage.dt = std::min(c.time.fraction * critical.dt, fastest_swing(stage).wanted_step());
+}
+
+/// A step that is given may be too long for what the stage moves to and fro.
+void check_swings(const Case& c, const StageSpec& spec, const Model& model, const Stage& stage,
+                  Problems& problems) {
+  const CaseTime* given = c.time.given();
+  if (given == nullptr || c.time.insist) return;
+  const double dt = given->resolve(model.T_0);
+  const FastestSwing swing = fastest_swing(stage);
+  if (!(dt > swing.longest_step())) return;
+  problems.add(c.time.step->place,
+               fmt::format("time.step = {} in stage \"{}\"", in_words(dt, model), spec.name),
+               fmt::format("that is {:.3g} steps in a period of {:.6g} of {}; {} are the fewest",
+                           swing.period / dt, swing.period, swing.source, fewest_of_a_period),
+               fmt::format("use {}, {} steps a period, or leave step out; or insist = true",
+                           in_words(swing.wanted_step(), model), steps_of_a_period));
 }
 
 /// The critical step of the body as it stands.
@@ -363,7 +389,16 @@ Stage resolve_stage(const Case& c, const Model& model, std::size_t k, Problems& 
     stage.stops.rest =
         RestStop{spec.stop_rest->kinetic_energy_below,
                  resolver.positive_time(spec.stop_rest->during, "stop.rest.during", spec.stop_rest->place)};
+  check_swings(c, spec, model, stage, problems);
   return stage;
+}
+
+std::vector<BondingRule> bonding_rules(const Case& c, const Model& model, std::size_t k) {
+  Problems problems;
+  const StageSpec& spec = c.stages.at(k);
+  std::vector<BondingRule> rules = DynamicsResolver{{c, model, spec, problems}}.bonding(k);
+  problems.throw_if_any();
+  return rules;
 }
 
 bool step_is_exact(const Case& c) {

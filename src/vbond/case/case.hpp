@@ -258,6 +258,7 @@ struct PeakStopSpec {
   SourcePlace place;
   PeakQuantity quantity = PeakQuantity::compressive_force;
   Placed<std::string> group;
+  Placed<std::string> wall;  ///< wall_force
   Vec3d direction{1, 0, 0};
   double drop = 0.015;
   CaseTime average_over;
@@ -305,11 +306,17 @@ struct TimeSpec {
   const CaseTime* given() const { return step ? std::get_if<CaseTime>(&step->value) : nullptr; }
 };
 
+/// A volume that is worked out from particles as they stand at the start.
+enum class StressVolume : std::uint8_t {
+  spheres,  ///< theirs, as spheres
+  box       ///< of the box along the axes around them, with their radii
+};
+
 /// A group whose mean stress and strain are written.
 struct StressSpec {
   SourcePlace place;
   Placed<std::string> group;
-  std::optional<double> volume;  ///< that it takes up; absent: that of its particles as spheres
+  std::variant<double, StressVolume> volume;  ///< that the group takes up
 };
 
 struct FramesSpec {

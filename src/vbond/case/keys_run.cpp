@@ -70,8 +70,11 @@ void describe(Table& t, TimeSpec& s) {
     t.key("fraction", s.fraction, NumberCodec{pure, {0, 1, true, false}}, optional,
           "the step, as a part of the critical one");
   });
-  t.when(s.given() != nullptr, "step given as a time",
-         [&] { t.key("insist", s.insist, FlagCodec{}, optional, "accept a step above the critical one"); });
+  t.when(s.given() != nullptr, "step given as a time", [&] {
+    t.key("insist", s.insist, FlagCodec{}, optional,
+          "accept a step above the critical one, or one with less than 10 steps in a period of what a "
+          "stage moves to and fro");
+  });
 }
 
 // ---- output ------------------------------------------------------------------------------------
@@ -80,8 +83,11 @@ void describe_stress(Table& t, StressSpec& s) {
   t.locate(s.place);
   default_to_all(s.group);
   t.key("group", s.group, group_name, optional, "which particles");
-  t.key("volume", s.volume, positive(volume), default_is("that of its particles as spheres"),
-        "that the group takes up");
+  t.key(
+      "volume", s.volume, StressVolumeCodec{}, required,
+      "that the group takes up, gaps included; \"box\": of the box along x, y, z around its particles at the "
+      "start, with their radii; \"spheres\": of its particles alone, so that the stress in a body with gaps "
+      "comes out too large");
 }
 
 void describe(Table& t, OutputSpec& o, bool any_dynamics) {

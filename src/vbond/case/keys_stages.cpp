@@ -365,12 +365,19 @@ void describe(Table& t, PeakStopSpec& s) {
   t.locate(s.place);
   default_to_all(s.group);
   t.key("quantity", s.quantity,
-        ChoiceCodec<PeakQuantity>{{"compressive-force", "reaction"},
-                                  {PeakQuantity::compressive_force, PeakQuantity::reaction}},
-        optional, "mean compression of the bonds in the group, or its total support force");
-  t.key("group", s.group, group_name, optional, "of which particles");
-  t.when(s.quantity == PeakQuantity::reaction, "quantity = \"reaction\"", [&] {
-    t.key("direction", s.direction, direction_vector, optional, "component of the support force");
+        ChoiceCodec<PeakQuantity>{
+            {"compressive-force", "reaction", "wall-force"},
+            {PeakQuantity::compressive_force, PeakQuantity::reaction, PeakQuantity::wall_force}},
+        optional,
+        "mean compression of the bonds in the group, its total support force, or the force of particles on a "
+        "wall");
+  t.when(s.quantity != PeakQuantity::wall_force, "quantity = \"compressive-force\" or \"reaction\"",
+         [&] { t.key("group", s.group, group_name, optional, "of which particles"); });
+  t.when(s.quantity == PeakQuantity::wall_force, "quantity = \"wall-force\"",
+         [&] { t.key("wall", s.wall, ReferenceCodec{"wall"}, required, "which wall, moving or not"); });
+  t.when(s.quantity != PeakQuantity::compressive_force, "quantity = \"reaction\" or \"wall-force\"", [&] {
+    t.key("direction", s.direction, direction_vector, optional,
+          "component of the force; the force on a wall that presses points against its motion");
   });
   t.key("drop", s.drop, NumberCodec{pure, {0, 1, true, true}}, optional,
         "part of the peak that must be lost");

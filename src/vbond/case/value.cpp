@@ -341,6 +341,22 @@ std::string StepCodec::write(const std::variant<CaseTime, ExactStep>& step) cons
   return given ? TimeCodec{}.write(*given) : "\"exact\"";
 }
 
+bool StressVolumeCodec::read(const Node& n, ReadContext& in, const std::string& path,
+                             std::variant<double, StressVolume>& out) const {
+  const auto* word = std::get_if<std::string>(&n.value);
+  if (!word || word->find_first_of("0123456789") != std::string::npos)
+    return positive(volume).read(n, in, path, out.emplace<double>());
+  std::size_t index = 0;
+  if (!read_word(n, in, path, {"box", "spheres"}, index)) return false;
+  out = index == 0 ? StressVolume::box : StressVolume::spheres;
+  return true;
+}
+
+std::string StressVolumeCodec::write(const std::variant<double, StressVolume>& x) const {
+  if (const double* given = std::get_if<double>(&x)) return positive(volume).write(*given);
+  return std::get<StressVolume>(x) == StressVolume::box ? "\"box\"" : "\"spheres\"";
+}
+
 bool TimeTableCodec::read(const Node& n, ReadContext& in, const std::string& path,
                           std::vector<std::pair<CaseTime, double>>& out) const {
   const auto* rows = std::get_if<NodeList>(&n.value);

@@ -229,6 +229,16 @@ struct StepCodec {
   std::string example(UnitSystem u) const { return TimeCodec{}.example(u); }
 };
 
+/// A volume, or how to work it out.
+struct StressVolumeCodec {
+  bool read(const Node& n, ReadContext& in, const std::string& path,
+            std::variant<double, StressVolume>& out) const;
+  std::string write(const std::variant<double, StressVolume>& x) const;
+  std::string type() const { return positive(volume).type() + ", \"box\" or \"spheres\""; }
+  std::string schema() const { return any_of({positive(volume).schema(), enum_schema({"box", "spheres"})}); }
+  std::string example(UnitSystem) const { return "\"box\""; }
+};
+
 /// [[t, factor], ...]: increasing times of one kind; zero is of any kind.
 struct TimeTableCodec {
   bool read(const Node& n, ReadContext& in, const std::string& path,

@@ -47,6 +47,8 @@ double Simulation::peak_quantity() const {
   switch (stop.quantity) {
     case PeakQuantity::compressive_force: return -mean_axial_force(peak_bonds_);
     case PeakQuantity::reaction: quantity = dot(reaction_here(stop.particles).force, stop.direction); break;
+    case PeakQuantity::wall_force:
+      return dot(walls_.states()[stop.wall].force, stop.direction);  // of all parts
   }
   sum_over_parts({&quantity, 1});
   return quantity;

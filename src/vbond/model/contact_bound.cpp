@@ -23,23 +23,27 @@ struct BoundWall {
   double per_mass = 0;  ///< of a servo's, for one of its touches  [1/mass]
 };
 
+/// Of each particle. Of two that touch, both count the overlap, so that neither of them takes the stiffness
+/// of their contact for less than it is.
 struct PresentContacts {
-  double overlap = 0.0;  ///< largest
-  double most = 0.0;     ///< of one particle
+  PerParticle<double> number, overlap;  ///< overlap: the largest  [length]
 };
 
 PresentContacts present_contacts(const Model& model, const State& state, std::vector<BoundWall>& walls) {
-  PresentContacts found;
-  PerParticle<double> n(model.particles(), 0.0);
-  for_touching_pairs(model, state, [&](ParticleId i, ParticleId j, double overlap) {
-    found.overlap = std::max(found.overlap, overlap);
-    n[i] += 1.0, n[j] += 1.0;
-  });
+  PresentContacts found{PerParticle<double>(model.particles(), 0.0),
+                        PerParticle<double>(model.particles(), 0.0)};
+  const auto add = [&found](ParticleId p, double overlap) {
+    found.number[p] += 1.0;
+    found.overlap[p] = std::max(found.overlap[p], overlap);
+  };
+  for_touching_pairs(model, state,
+                     [&](ParticleId i, ParticleId j, double overlap) { add(i, overlap), add(j, overlap); });
   for (const FibreContact& c : fibre_contacts(model, state.bonds, state.r)) {
     if (!c.body) continue;
     const auto at = [&state](ParticleId p) { return MovingPoint{state.r[p], {}, {}}; };
-    found.overlap = std::max(found.overlap, touching_of(model, c, at).overlap);
-    for (const FibrePlace& place : {c.a, c.b}) for_shares(place, [&n](ParticleId p, double) { n[p] += 1.0; });
+    const double overlap = touching_of(model, c, at).overlap;
+    for (const FibrePlace& place : {c.a, c.b})
+      for_shares(place, [&](ParticleId p, double) { add(p, overlap); });
   }
   std::vector<WallTouch> touches;
   for (std::size_t w = 0; w < walls.size(); ++w)
@@ -50,11 +54,9 @@ PresentContacts present_contacts(const Model& model, const State& state, std::ve
       if (!walls[w].surface.may_touch(r, R)) continue;
       touches.clear();
       walls[w].surface.touches(r, R, touches);
-      for (const WallTouch& t : touches) found.overlap = std::max(found.overlap, R - t.distance);
-      n[p] += static_cast<double>(touches.size());
+      for (const WallTouch& t : touches) add(p, R - t.distance);
       walls[w].touches += static_cast<double>(touches.size());
     }
-  for (const double count : n) found.most = std::max(found.most, count);
   return found;
 }
 
@@ -156,14 +158,15 @@ ContactSlopes contact_slopes(const TouchForms& forms, const TouchNumbers<double>
 }
 
 std::string ContactBound::source(const Model& model) const {
-  std::string of = "contacts of particle " + std::to_string(p.value);
+  std::string of =
+      (damping ? "the damping of contacts of particle " : "contacts of particle ") + std::to_string(p.value);
   if (wall) of += " and others with wall \"" + model.walls[*wall].name + "\", by the mass of its servo";
   if (model.materials.empty()) return of;
   return of + ", " + model.materials[first].name + " with " + model.materials[second].name;
 }
 
 ContactBound contact_bound(const Model& model, const State& state, const std::vector<WallDrive>& drives,
-                           const std::vector<BondingRule>& rules) {
+                           const std::vector<BondingRule>& rules, double to_come) {
   if (model.contact.law == ContactLaw::none || model.particles() == 0) return {};
   const PerParticle<double> radius = touched_radii(model, state, rules);
   const double R_max = *std::max_element(radius.begin(), radius.end());
@@ -180,22 +183,22 @@ ContactBound contact_bound(const Model& model, const State& state, const std::ve
     const double R = radius[p], m = model.mass[p], per_m = 2.0 / m, per_Theta = 2.0 / model.inertia[p];
     const double R_pair = t.wall ? radius_at_wall(model.walls[*t.wall].shape, R) : R * R_max / (R + R_max);
     const ContactSlopes s = contact_slopes(forms, t.numbers, R_pair, m, overlap);
-    const auto lambda = [&](double share_of_wall) {  // of each of the particle's n contacts
+    const auto lambda = [&](double share_of_wall, bool damped) {  // of each of the particle's n contacts
       const double along = n * per_m + share_of_wall, across = along + n * sq(R) * per_Theta;
       const double c_t = s.tangential > 0.0 ? t.numbers.tangential_damping : 0.0;
       return damped_bound(std::max(s.normal * along, s.tangential * across + s.rolling * n * per_Theta),
-                          s.damping * std::max(along, c_t * across));
+                          damped ? s.damping * std::max(along, c_t * across) : 0.0);
     };
-    const double share = t.wall ? walls[*t.wall].per_mass : 0.0, of_this = lambda(share);
+    const double share = t.wall ? walls[*t.wall].per_mass : 0.0, of_this = lambda(share, true);
     if (!(of_this > largest.lambda)) return;
-    largest = {of_this, p, t.first, t.second, {}};
-    if (of_this > 2.0 * lambda(0.0)) largest.wall = t.wall;
+    largest = {of_this, p, t.first, t.second, of_this > 2.0 * lambda(share, false), {}};
+    if (of_this > 2.0 * lambda(0.0, true)) largest.wall = t.wall;
   };
   for (const ParticleId p : model.mass.ids())
     for (const PossibleTouch& t : touches) {
       if (t.first != model.material_of(p)) continue;
-      look_at(p, t, 1.0, part_of_overlap * (radius[p] + R_max));  // one that comes
-      if (present.most > 0.0) look_at(p, t, present.most, present.overlap);
+      look_at(p, t, to_come, part_of_overlap * (radius[p] + R_max));
+      if (present.number[p] > 0.0) look_at(p, t, present.number[p], present.overlap[p]);
     }
   return largest;
 }

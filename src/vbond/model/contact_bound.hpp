@@ -15,13 +15,16 @@ struct ContactBound {
   double lambda = 0.0;                           ///< [1/time^2]
   ParticleId p;                                  ///< the particle
   std::uint32_t first = 0, second = 0;           ///< materials
+  bool damping = false;                          ///< most of it is from the damping of contacts
   std::optional<std::size_t> wall;               ///< the wall with a servo that it touches, if that counts
   std::string source(const Model& model) const;  ///< for reports
 };
 
-/// docs/contacts.md has the formulas.
+/// docs/contacts.md has the formulas. to_come: so many contacts a particle is taken to have at least.
 ContactBound contact_bound(const Model& model, const State& state, const std::vector<WallDrive>& drives,
-                           const std::vector<BondingRule>& rules = {});
+                           const std::vector<BondingRule>& rules = {}, double to_come = 1.0);
+/// Of a particle in a random heap of equal spheres, on average (isostatic: twice three).
+inline constexpr double contacts_in_a_heap = 6.0;
 
 /// Slopes of the forces of a contact: what a step bound goes by.
 struct ContactSlopes {

@@ -4,8 +4,9 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <stdexcept>
+#include <string>
 #include <string_view>
-#include <tuple>
 
 #include "vbond/model/rules.hpp"
 
@@ -58,23 +59,31 @@ double variate(std::uint64_t seed, ParticleId i, ParticleId j) {
   return static_cast<double>(x >> 11) * 0x1p-53;
 }
 
+/// A coefficient of the bond's law, by name: a law of a program's own may lack it.
+double& coefficient_of(Bond& b, std::string_view name, const char* what_for) {
+  const auto field = std::find_if(b.law->fields.begin(), b.law->fields.end(),
+                                  [=](const LawFieldInfo& info) { return info.name == name; });
+  if (field == b.law->fields.end())
+    throw std::invalid_argument("make_bond: law \"" + std::string(b.law->name) + "\" has no coefficient \"" +
+                                std::string(name) + "\", which " + what_for + " sets");
+  return b.coefficients[static_cast<std::size_t>(field - b.law->fields.begin())];
+}
+
 /// What a bond of a law with rules has besides its stiffness.
 void add_rules(const BondRecipe& recipe, const BondSite& i, const BondSite& j, Bond& b) {
   if (!b.law->has_rules) return;
   BondRules rules = recipe.rules;
   rules.damped = recipe.damping.by != DampingBy::none;
   b.rules = &kept(rules);
-  const auto at = [&b](std::string_view name) -> double& {
-    std::size_t k = 0;
-    while (b.law->fields[k].name != name) ++k;
-    return b.coefficients[k];
-  };
-  if (rules.damped)
-    std::tie(at("g_A"), at("g_D"), at("g_B"), at("g_T")) =
-        std::tuple_cat(damping_of(recipe.damping, i, j, b));
+  if (rules.damped) {
+    const std::array<double, 4> g = damping_of(recipe.damping, i, j, b);
+    const std::array<std::string_view, 4> names{"g_A", "g_D", "g_B", "g_T"};
+    for (std::size_t k = 0; k < g.size(); ++k) coefficient_of(b, names[k], "the recipe's damping") = g[k];
+  }
   if (recipe.weibull.modulus > 0.0) {
     const double u = variate(recipe.weibull.seed, i.id, j.id);
-    at("weakness") = 1.0 / weibull_factor(recipe.weibull, u, recipe.weibull.area * b.a) - 1.0;
+    coefficient_of(b, "weakness", "the recipe's weibull") =
+        1.0 / weibull_factor(recipe.weibull, u, recipe.weibull.area * b.a) - 1.0;
   }
 }
 

@@ -189,7 +189,7 @@ void look_at_contact(const Model& model, Mistakes& found) {
   for (const ContactPair& p : c.between) look_at_surface(p.surface, "contact.between", found);
 }
 
-void look_at_stops(const Stops& stops, Mistakes& found) {
+void look_at_stops(const Stops& stops, std::size_t walls, Mistakes& found) {
   found.require(stops.duration > 0.0, fmt::format("the duration is {}: it must be > 0", stops.duration));
   found.look_at(stops.distance);
   if (stops.peak) {
@@ -201,8 +201,10 @@ void look_at_stops(const Stops& stops, Mistakes& found) {
     found.require(above_zero(peak.average_over),
                   fmt::format("the stop at a peak averages over {}: it must be > 0", peak.average_over));
     found.require(
-        peak.quantity != PeakQuantity::reaction || is_unit(peak.direction),
+        peak.quantity == PeakQuantity::compressive_force || is_unit(peak.direction),
         "the direction of the stop at a peak is " + text(peak.direction) + ": it must be a unit vector");
+    found.require(peak.quantity != PeakQuantity::wall_force || peak.wall < walls,
+                  fmt::format("the stop at a peak watches wall {} of {}", peak.wall, walls));
   }
   if (stops.breaks)
     found.require(stops.breaks->count > 0,
@@ -420,7 +422,7 @@ std::vector<std::string> mistakes_in(const Model& model, const Stage& stage) {
     found.look_at(d.factor, "the drive of wall \"" + d.wall + "\"");
     if (d.servo) found.look_at(d.servo->factor, "the servo of wall \"" + d.wall + "\"");
   }
-  look_at_stops(stage.stops, found);
+  look_at_stops(stage.stops, model.walls.size(), found);
   return std::move(found).take();
 }
 

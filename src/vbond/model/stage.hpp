@@ -83,15 +83,16 @@ struct DistanceStop {
   bool below = true;  ///< stop at distance <= value, else at >= value
 };
 
-enum class PeakQuantity : std::uint8_t { compressive_force, reaction };
+enum class PeakQuantity : std::uint8_t { compressive_force, reaction, wall_force };
 
 /// Stop when the block average of a quantity has fallen by `drop` below its peak (buckling).
 struct PeakStop {
   PeakQuantity quantity = PeakQuantity::compressive_force;
   std::vector<ParticleId> particles;  ///< compressive_force: mean over the bonds inside this group
-  Vec3d direction;                    ///< reaction: component of the total support force, unit vector
+  Vec3d direction;                    ///< reaction, wall_force: which component, unit vector
   double drop = 0.015;                ///< fraction, 0 < drop < 1
   double average_over = 0;            ///< length of a block  [time]
+  std::size_t wall = 0;               ///< wall_force: that of particles on this one of Model::walls
 };
 
 /// Stop when the kinetic energy has stayed below a bound. A swing passes through zero kinetic energy at each
@@ -118,9 +119,10 @@ struct Stops {
 /// One leg of the run, resolved: no names to look up, all in the units of the model.
 struct Stage {
   std::string name;
-  double dt = 0;             ///< [time]
-  double critical = 0;       ///< the critical step that dt was chosen by; 0: not looked for  [time]
-  bool insist = false;       ///< dt may be above the critical step
+  double dt = 0;        ///< [time]
+  double critical = 0;  ///< the critical step that dt was chosen by; 0: not looked for  [time]
+  /// dt may be above the critical step, or too long for what the stage moves to and fro (swing_bound.hpp).
+  bool insist = false;
   Vec3d gravity;             ///< [length/time^2]
   double b_translation = 0;  ///< viscous force -b v  [force*time/length]
   /// Cundall's local damping, 0 to below 1: this part of each component of the force and moment that is left

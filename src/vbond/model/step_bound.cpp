@@ -21,11 +21,18 @@ struct Largest {
   std::string source;
 };
 
-/// Which of the three kinds of motion of a bond its bound came from.
-std::string motion_of(const BondStiffness<double>& c, const BondEnd& i, const BondEnd& j, double lambda) {
-  if (element_bound({c.c_A, 0.0, 0.0, 0.0}, i, j) >= lambda) return "stretching";
-  if (element_bound({0.0, 0.0, 0.0, c.c_T}, i, j) >= lambda) return "torsion";
-  return "shear and bending";
+/// Which of the three kinds of motion of a bond its bound came from, and whether it is their damping (g),
+/// which without any stiffness would give most of it.
+std::string motion_of(const BondStiffness<double>& c, const BondStiffness<double>& g, const BondEnd& i,
+                      const BondEnd& j, double lambda) {
+  constexpr double rounding = 1e-9;
+  const auto sets = [&](const BondStiffness<double>& of_c, const BondStiffness<double>& of_g) {
+    return element_bound(of_c, of_g, i, j) >= (1.0 - rounding) * lambda;
+  };
+  const std::string motion = sets({c.c_A, 0.0, 0.0, 0.0}, {g.c_A, 0.0, 0.0, 0.0})   ? "stretching"
+                             : sets({0.0, 0.0, 0.0, c.c_T}, {0.0, 0.0, 0.0, g.c_T}) ? "torsion"
+                                                                                    : "shear and bending";
+  return element_bound(c, i, j) < 0.5 * lambda ? "the damping of " + motion : motion;
 }
 
 PerParticle<double> bonds_of_particles(const Model& model, const State& state,
@@ -53,10 +60,10 @@ Largest largest_of_bonds(const Model& model, const State& state, const PerPartic
   }
   if (largest.bond) {
     const Bond& b = state.bonds[*largest.bond];
-    largest.source =
-        motion_of(b.law->stiffest(b), end(b.i, b.R_i, b.a), end(b.j, b.R_j, b.a), largest.lambda) +
-        " of bond " + std::to_string(largest.bond->value) + " (particles " + std::to_string(b.i.value) +
-        ", " + std::to_string(b.j.value) + ")";
+    largest.source = motion_of(b.law->stiffest(b), b.law->damping(b), end(b.i, b.R_i, b.a),
+                               end(b.j, b.R_j, b.a), largest.lambda) +
+                     " of bond " + std::to_string(largest.bond->value) + " (particles " +
+                     std::to_string(b.i.value) + ", " + std::to_string(b.j.value) + ")";
   }
   return largest;
 }
@@ -85,14 +92,14 @@ double lambda_of_rule(const Model& model, const BondingRule& rule, std::string& 
   j.lever = R_j + 0.5 * a;
   const BondStiffness<double> c = stiffness_of(rule.recipe, a);
   const double lambda = element_bound(c, i, j);
-  motion = motion_of(c, i, j, lambda);
+  motion = motion_of(c, {}, i, j, lambda);
   return lambda;
 }
 
 }  // namespace
 
 StepBound step_bound(const Model& model, const State& state, const std::vector<BondingRule>& rules,
-                     const std::vector<WallDrive>& drives) {
+                     const std::vector<WallDrive>& drives, double contacts_to_come) {
   Largest largest = largest_of_bonds(model, state, bonds_of_particles(model, state, rules));
   for (const BondingRule& rule : rules) {
     std::string motion;
@@ -100,7 +107,7 @@ StepBound step_bound(const Model& model, const State& state, const std::vector<B
     if (!(lambda <= largest.lambda))
       largest = {lambda, std::nullopt, motion + " of a bond that \"" + rule.name + "\" may still make"};
   }
-  const ContactBound contact = contact_bound(model, state, drives, rules);
+  const ContactBound contact = contact_bound(model, state, drives, rules, contacts_to_come);
   if (contact.lambda > 0.0) {
     const std::string source = contact.source(model);
     if (contact.lambda > largest.lambda) largest.bond.reset();

@@ -21,12 +21,12 @@ struct StepBound {
 /// critical step of the undeformed body, a few per cent below it. Each particle's mass is shared
 /// evenly among its n bonds.
 ///
-/// What is not there yet is estimated. Contacts: one more, with an overlap of 10 % of the sum of the radii,
-/// or as many as a particle has now, with the largest present overlap (contact_bound.hpp); their lambda is
-/// added to that of the bonds. Bonding rules: particles that a rule can bond count as having at least 12
+/// What is not there yet is estimated. Contacts: one of each particle, with an overlap of 10 % of the sum of
+/// the radii, or as many as it has now, with the largest overlap of these (contact_bound.hpp); their lambda
+/// is added to that of the bonds. Bonding rules: particles that a rule can bond count as having at least 12
 /// bonds, and a bond as long as the rule's distance between the lightest of them is included.
 StepBound step_bound(const Model& model, const State& state, const std::vector<BondingRule>& rules = {},
-                     const std::vector<WallDrive>& drives = {});
+                     const std::vector<WallDrive>& drives = {}, double contacts_to_come = 1.0);
 /// With the bonding rules, walls and temperatures of a stage, and no more than turns may take (within_turns).
 StepBound step_bound(const Model& model, const State& state, const Stage& stage,
                      Spins spins = Spins::counted);

@@ -24,6 +24,12 @@ void show(const std::string& text, std::FILE* out) {
   std::fflush(out);
 }
 
+/// A run with such bonds has had a list of breaks.
+bool any_may_have_broken(const State& state) {
+  return std::any_of(state.bonds.begin(), state.bonds.end(),
+                     [](const Bond& b) { return b.broken || can_break(b); });
+}
+
 }  // namespace
 
 bool stage_done(StopReason why) {
@@ -63,6 +69,7 @@ void WatchObserver::finish(const Simulation& run, StopReason why) {
   if (stage_done(why)) {
     look(run);
     look_at_overlaps(run);
+    watch_.look_at_servos(run);
   }
   watch_.summarise();
 }
@@ -261,7 +268,8 @@ void ProgressObserver::show_line(const Simulation& run, WallClock::time_point no
   const Clock& clock = run.clock();
   shown_ = now;
   const std::string line =
-      progress_line(run.stage().name, clock.step, *first_step_, total_steps(clock), seconds_until(now));
+      progress_line(run.stage().name, clock.step, *first_step_, total_steps(clock), seconds_until(now),
+                    static_cast<std::size_t>(clock.stage) + 1 >= stage_steps_.size());
   show(clear_line + line, out_);
   visible_ = true;
 }
@@ -328,11 +336,13 @@ FileObservers open_output(const OutputPlan& plan, Watch::Tell tell, const std::s
     o.breaks = std::make_shared<BreaksObserver>(plan, resumed);
   else if (resumed)
     cut_breaks(plan, *resumed);
-  const auto tell_anew = [&](bool anew, const char* name) {
-    if (anew && tell) tell((plan.folder / name).string() + " is not there any more: a new one begins here");
+  const auto tell_anew = [&](bool anew, const char* name, const char* why) {
+    if (anew && tell) tell((plan.folder / name).string() + why + ": a new one begins here");
   };
-  tell_anew(o.history->begun_anew(), "history.csv");
-  tell_anew(o.breaks && o.breaks->begun_anew(), "breaks.csv");
+  tell_anew(o.history->begun_anew(), "history.csv", " is not there any more");
+  tell_anew(o.breaks && o.breaks->begun_anew(), "breaks.csv",
+            resume && any_may_have_broken(resume->state) ? " is not there any more"
+                                                         : " is not there, no bond could break so far");
   o.watch = std::make_shared<WatchObserver>(plan, std::move(tell), resume ? resume->watch : WatchRecord{});
   if (plan.frames_every)
     o.frames = std::make_shared<FrameObserver>(plan, step);

@@ -50,13 +50,13 @@ std::optional<double> seconds_left(std::int64_t step, std::int64_t first_step, s
 }
 
 std::string progress_line(const std::string& stage, std::int64_t step, std::int64_t first_step,
-                          std::int64_t total_steps, double seconds) {
+                          std::int64_t total_steps, double seconds, bool last_stage) {
   const double part =
       total_steps > 0 ? std::min(1.0, static_cast<double>(step) / static_cast<double>(total_steps)) : 0.0;
   std::string line = fmt::format("stage {}: step {}, {:.1f} %", printable(stage), step, 100.0 * part);
   if (const auto left = seconds_left(step, first_step, total_steps, seconds))
-    line +=
-        fmt::format(", {:.3g} steps/s, at most {} left", speed_of(step, first_step, seconds), hours(*left));
+    line += fmt::format(", {:.3g} steps/s, {} {} left", speed_of(step, first_step, seconds),
+                        last_stage ? "at most" : "about", hours(*left));
   return line;
 }
 

@@ -44,9 +44,10 @@ std::optional<double> seconds_left(std::int64_t step, std::int64_t first_step, s
                                    double seconds);
 
 /// One line on how far the run is: stage, part done, speed and the time it may still take.
-/// seconds: wall time since first_step; total_steps: of the whole run if no stage ends early.
+/// seconds: wall time since first_step; total_steps: of the whole run if no stage ends early; last_stage:
+/// these steps are certain, those of later stages may turn out shorter.
 std::string progress_line(const std::string& stage, std::int64_t step, std::int64_t first_step,
-                          std::int64_t total_steps, double seconds);
+                          std::int64_t total_steps, double seconds, bool last_stage = true);
 
 /// A breakdown of wall time, one line per phase with its share, and the sum.
 std::string timing_table(const std::vector<PhaseTime>& phases);

@@ -299,6 +299,23 @@ void Watch::look_at_walls(const Model& model, const std::vector<DeepInWall>& dee
   }
 }
 
+void Watch::look_at_servos(const Simulation& run) {
+  constexpr double enough = 0.9;  // of the force: a wall that swings about it is there
+  for (const WallDrive& d : run.stage().walls) {
+    if (!d.servo || !tell_) continue;
+    const WallState& wall = run.walls()[d.index];
+    const double wanted = d.servo->factor(static_cast<double>(run.clock().stage_step) * run.clock().dt) *
+                          d.servo->force,
+                 is = 0.0 - dot(wall.force, d.servo->direction);
+    if (!(is < enough * wanted)) continue;
+    tell_(fmt::format(
+        "{}: wall \"{}\" ends stage \"{}\" without its force: its servo presses with {:.4g}, not "
+        "{:.4g}{}; since the start of the run it has gone {:.4g} along its direction",
+        time_of(run.clock()), d.wall, run.stage().name, is, wanted,
+        wall.force == Vec3d{} ? ", as it touches nothing" : "", dot(wall.displacement, d.servo->direction)));
+  }
+}
+
 void Watch::look_at_bond(BondId k, const State& state, const std::string& when) {
   constexpr double closed_up = 1e-6;  // of a: d = D / |D| has lost its meaning
   const Bond& b = state.bonds[k];

@@ -100,6 +100,9 @@ class Watch {
   /// Reports particles that are deep in walls, each once.
   void look_at_walls(const Model& model, const std::vector<DeepInWall>& deep, const Clock& clock);
 
+  /// Reports servos that do not press with their force as the stage ends.
+  void look_at_servos(const Simulation& run);
+
   /// Sums up the reports that were not given in full since the last summary.
   void summarise();
 

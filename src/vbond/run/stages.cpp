@@ -7,6 +7,7 @@
 
 #include "vbond/build/build.hpp"
 #include "vbond/model/mistakes.hpp"
+#include "vbond/model/swing_bound.hpp"
 #include "vbond/run/statics.hpp"
 
 namespace vbond {
@@ -54,7 +55,21 @@ class GivenStages : public Stages {
   std::vector<std::string> mistakes_in_stage(std::size_t k, const Model& model) const {
     if (is_static(kind(k)) && !has_statics())
       return {fmt::format("it is static: {}; {}", without_statics, way_to_statics)};
-    return std::visit([&model](const auto& stage) { return mistakes_in(model, stage); }, stages_.at(k));
+    std::vector<std::string> mistakes =
+        std::visit([&model](const auto& stage) { return mistakes_in(model, stage); }, stages_.at(k));
+    if (const Stage* stage = std::get_if<Stage>(&stages_.at(k))) look_at_swings(*stage, mistakes);
+    return mistakes;
+  }
+
+  static void look_at_swings(const Stage& stage, std::vector<std::string>& mistakes) {
+    const FastestSwing swing = fastest_swing(stage);
+    if (stage.insist || !(stage.dt > swing.longest_step())) return;
+    mistakes.push_back(
+        fmt::format("dt is {}, {:.3g} steps in a period of {:.6g} of {}; {} are the fewest: use {:.6g}, {} "
+                    "steps a period, "
+                    "or insist = true",
+                    stage.dt, swing.period / stage.dt, swing.period, swing.source, fewest_of_a_period,
+                    swing.wanted_step(), steps_of_a_period));
   }
 
   static void look_at_step(const Stage& stage, const Model& model, const State& state,
