@@ -14,7 +14,7 @@ class Vbond(CMakePackage):
     # sha256sum vbond-0.1.0.tar.xz; without it: spack install --no-checksum vbond
     version("0.1.0")
 
-    variant("statics", default=True, description="Equilibria, paths, critical loads, modes (links CHOLMOD, GPL)")
+    variant("statics", default=True, description="Equilibria, paths, critical loads, modes (links CHOLMOD and UMFPACK, GPL)")
     variant("multigrid", default=False, when="+statics", description="The program vbond-petsc instead of vbond")
 
     depends_on("c", type="build")

@@ -97,8 +97,19 @@ double ArcLength::angle(const PathDirection& a, const PathDirection& b) const {
   return 2.0 * std::atan2(std::sqrt(dot(difference, difference)), std::sqrt(dot(sum, sum)));
 }
 
-void ArcLength::factor() {
+/// Ready for a step on a plane with this normal; of no length: for the tangent at a given load factor.
+void ArcLength::factor(const PathDirection& normal) {
   singular_.reset();
+  bordered_ = full_is_singular_ = false;
+  solver_.prepare(body_);
+  if (solver_.factors_full(body_)) {
+    unstable_ = 0;
+    bordered_ = dot(normal, normal) > 0.0;
+    full_is_singular_ =
+        bordered_ ? !solver_.take_bordered(body_, {body_.load_direction(), normal.u, weight_ * normal.f})
+                  : !solver_.take_full(body_);
+    return;
+  }
   const std::optional<int> unstable = solver_.factor(body_);
   if (unstable) {
     unstable_ = *unstable;
@@ -110,20 +121,31 @@ void ArcLength::factor() {
 }
 
 std::optional<PathPoint> ArcLength::point_here(const PathDirection& along) {
-  factor();
+  factor(along);
   return point_of_factor(along);
 }
 
 std::optional<PathPoint> ArcLength::point_of_factor(const PathDirection& along) {
+  if (full_is_singular_) return {};
   PathDirection d = tangent(along);
+  const int sign = sign_of_determinant(d);
   const double length2 = dot(d, d);
   if (!std::isfinite(length2) || length2 == 0.0) return {};
   d = unit(std::move(d));
   if (dot(d, along) < 0.0) d = {-d.u, -d.f};
-  return PathPoint{body_.placement(), std::move(d), unstable_, !body_.has_moment_part()};
+  return PathPoint{body_.placement(), std::move(d), unstable_, !body_.has_moment_part(), sign};
+}
+
+/// Of the tangent stiffness, where no eigenvalue is zero. By Cramer's rule the f of the tangent of the path
+/// is that determinant over the one of the bordered matrix.
+int ArcLength::sign_of_determinant(const PathDirection& tangent) const {
+  if (bordered_) return tangent.f < 0.0 ? -solver_.sign_of_bordered() : solver_.sign_of_bordered();
+  if (solver_.factors_full(body_)) return solver_.sign_of_full();
+  return singular_ ? 0 : unstable_ % 2 == 0 ? 1 : -1;
 }
 
 PathDirection ArcLength::tangent(const PathDirection& along) {
+  if (bordered_) return solved_bordered(Vector::Zero(body_.unknowns().size()), 1.0);
   if (singular_) return singular_tangent(along);
   return {solver_.solve_full(body_, body_.load_direction()), 1.0};  // K du = g df
 }
@@ -154,11 +176,17 @@ PathDirection ArcLength::singular_tangent(const PathDirection& along) {
 // Newton's step on R = 0 that stays on the plane, by two solves with one factor:
 //   K du = R + g df,  normal . (du, df) = 0.
 PathDirection ArcLength::correction(const PathDirection& normal) {
+  if (bordered_) return solved_bordered(body_.unbalanced(), 0.0);
   if (singular_) return singular_correction(normal);
   const Vector a = solver_.solve_full(body_, body_.unbalanced());
   const Vector b = solver_.solve_full(body_, body_.load_direction());
   const double df = -normal.u.dot(a) / (normal.u.dot(b) + weight_ * normal.f);
   return {a + df * b, df};
+}
+
+PathDirection ArcLength::solved_bordered(const Vector& R, double c) const {
+  const Vector x = solver_.solve_bordered(R, c);
+  return {x.head(R.size()), x[R.size()]};
 }
 
 // The same with du = N c + a + b df:
@@ -200,7 +228,11 @@ StepOutcome ArcLength::step(const Placement& from, const PathDirection& directio
     }
     PathDirection change;
     try {
-      factor();
+      factor(direction);
+      if (full_is_singular_) {
+        outcome.why = "the equations of the step are singular";
+        return outcome;
+      }
       change = correction(direction);
     } catch (const NoConvergence& e) {
       if (!solver_.by_multigrid()) throw;
@@ -259,6 +291,7 @@ std::optional<double> ArcLength::eigenvalue(int number) {
 }
 
 Softest ArcLength::softest(const PathDirection& tangent) {
+  if (solver_.factors_full(body_)) return {};  // its eigenvalues do not tell what is stable
   const auto [value, mode] = soft_mode();
   const double change = body_.largest_bond_change(tangent.u, tangent.f);
   if (!(change > 0.0)) return {value, 0.0};

@@ -135,6 +135,7 @@ void StaticBody::accept() {
 }
 
 void StaticBody::placed() {
+  ++placement_number_;
   loaded_.reset();
   take_temperatures();
   if (!grips_.empty()) set_held_rates();
@@ -239,25 +240,6 @@ const StaticBody::Loaded& StaticBody::loads_at_hand() const {
   if (relief_.size() > 0) l.unbalanced -= (1.0 - load_factor_) * relief_;
   loaded_ = std::move(l);
   return *loaded_;
-}
-
-double StaticBody::residual() const {
-  const Loaded& l = loads_at_hand();
-  const double unbalanced = max_norm(l.unbalanced);
-  if (!std::isfinite(l.largest) || !std::isfinite(unbalanced))
-    return std::numeric_limits<double>::quiet_NaN();
-  return unbalanced == 0.0 ? 0.0 : unbalanced / l.largest;
-}
-
-double StaticBody::residual_beside(const DenseMatrix& columns) const {
-  const Vector& g = loads_at_hand().unbalanced;
-  const double beside = max_norm(g - columns * (columns.transpose() * g)), all = max_norm(g);
-  return all == 0.0 ? residual() : residual() * (beside / all);
-}
-
-double StaticBody::residual_of_rounding() const {
-  const Loaded& l = loads_at_hand();
-  return l.largest > 0.0 ? std::max(rounding_of_force_, l.rounding_of_force) / l.largest : 0.0;
 }
 
 void StaticBody::lay_out(const std::vector<Assembly::Pair>& touching) const {

@@ -68,15 +68,17 @@ void StaticBody::add_applied(double load_factor, Loads& loads) const {
 /// The moment that acts on a particle from outside and has no potential: applied, or the reaction of a held
 /// turn. Zero with fewer than two free turns, which then have nothing to be antisymmetric with.
 Vec3d StaticBody::outside_moment(ParticleId p, const Loads& applied) const {
+  constexpr double most_bonds = 16.0;  // of a particle, whose rounding may add up
   int free = 0;
   for (int dof = 3; dof < 6; ++dof) free += unknowns_.of(p, dof) != Unknowns::held;
   if (free < 2) return {};
   Vec3d m = applied.M[p];
   if (free == 3) return m;
   const Loaded& l = loads_at_hand();
+  const double rounding = unknowns_.length() * std::max(1e-9 * l.largest, most_bonds * rounding_of_force_);
   for (int k = 0; k < 3; ++k) {
     const double reaction = component(l.loads.M[p], k);
-    const bool more_than_rounding = std::abs(reaction) > 1e-9 * l.largest * unknowns_.length();
+    const bool more_than_rounding = std::abs(reaction) > rounding;
     if (unknowns_.of(p, 3 + k) == Unknowns::held && more_than_rounding) component(m, k) -= reaction;
   }
   return m;

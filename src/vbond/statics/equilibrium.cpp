@@ -51,10 +51,10 @@ class LoadSteps {
     const double longest = step;
     while (body_.load_factor() < 1.0) {
       const int snapped = snapped_bonds(body_.state());
-      const Way way = advance(step);
-      NewtonOutcome outcome = settle();
-      if (const auto fault = body_.fault_at_walls()) outcome.converged = false, outcome.why = *fault;
       const bool last_resort = step < 1e-4 * longest;
+      const Way way = advance(step);
+      NewtonOutcome outcome = settle(last_resort ? Reach::far : Reach::near);
+      if (const auto fault = body_.fault_at_walls()) outcome.converged = false, outcome.why = *fault;
       if (outcome.interrupted) return interrupted(way.from);
       if (!outcome.converged || (snapped_bonds(body_.state()) > snapped && !last_resort)) {
         retry(way, step);
@@ -162,7 +162,8 @@ class LoadSteps {
     const double mark = (std::floor(now * steps + 1e-9) + 1.0) / steps;
     step = std::min(step, mark - now);
     Vector x = Vector::Zero(body_.unknowns().size());
-    if (std::exchange(factored_here_, false) || solver_.factor_definite(body_)) {
+    const bool at_hand = std::exchange(factored_here_, false);
+    if (solver_.factors_full(body_) || at_hand || solver_.factor_definite(body_)) {
       const Vector predicted = solver_.solve_full(body_, body_.load_direction());
       way.foreseen = predicted.size() == x.size() && predicted.allFinite();
       if (way.foreseen) x = predicted;
@@ -177,8 +178,8 @@ class LoadSteps {
     return way;
   }
 
-  NewtonOutcome settle() {
-    return vbond::settle(body_, solver_, body_.stage().newton, hooks_.interrupted, result_.iterations);
+  NewtonOutcome settle(Reach reach) {
+    return vbond::settle(body_, solver_, body_.stage().newton, hooks_.interrupted, result_.iterations, reach);
   }
 
   NewtonOutcome go_downhill(int patience = 1) {
@@ -205,6 +206,7 @@ class LoadSteps {
     result_.neutral = stability_.neutral;
     result_.jumped = jumped_;
     if (stability_.neutral) tell_neutral();
+    tell_of_moments();
     report_point(body_, body_.load_factor() < 1.0 ? PointKind::regular : PointKind::end, stability_.unstable,
                  hooks_, result_);
     if (body_.flows() && !body_.walls_move()) before_ = stand_of(body_);
@@ -218,13 +220,15 @@ class LoadSteps {
   /// Whether balance lies far from where the tangent at the start, or the one here, says that it should be. A
   /// smooth step goes as far as both say, but for its curvature: twice as far is no such step.
   bool may_be_a_jump(const Way& way) {
-    constexpr double far = 2.0;
+    constexpr double far = 2.0, rounding = 1e-9;
     if (!way.foreseen) return false;
     const Placement here = body_.placement();
     const double went = distance_to_here(way.from);
+    if (went <= rounding * body_.unknowns().length()) return false;
     if (went > far * distance(way.from, way.predicted, body_.unknowns().length())) return true;
-    if (!stability_.definite) return false;
+    if (!stability_.definite && !solver_.factors_full(body_)) return false;
     const Vector x = solver_.solve_full(body_, body_.load_direction());
+    if (x.size() == 0) return false;
     body_.move((way.from.load_factor - here.load_factor) * x, way.from.load_factor);
     const double expected = distance_to_here(here);
     body_.restore(here);
@@ -239,7 +243,7 @@ class LoadSteps {
     const Placement here = body_.placement();
     const double went = distance_to_here(from);
     body_.move(Vector::Zero(body_.unknowns().size()), from.load_factor);
-    const NewtonOutcome back = settle();
+    const NewtonOutcome back = settle(Reach::near);
     const bool same_place = !back.converged || distance_to_here(from) <= same * went;
     body_.restore(here);
     if (back.interrupted) return std::nullopt;
@@ -332,6 +336,16 @@ class LoadSteps {
     factored_here_ = stability_.definite;
   }
 
+  /// What is known of a balance whose moments from outside have no potential.
+  void tell_of_moments() {
+    if (stability_.unstable || !stability_.diverges || std::exchange(told_divergence_, true)) return;
+    tell(
+        fmt::format("load factor {:.6g}: the determinant of the tangent is negative: the balance is "
+                    "unstable, and is kept: "
+                    "moments of fixed direction have no potential that would show a way down from it",
+                    body_.load_factor()));
+  }
+
   void tell_neutral() const {
     const EigenPairs zero = stability_.lowest ? *stability_.lowest : eigenpairs_near_zero(body_.tangent(), 1);
     tell(fmt::format("load factor {:.6g}: the balance is neutral, some motion meets no stiffness: {}",
@@ -351,9 +365,10 @@ class LoadSteps {
   const StaticHooks& hooks_;
   StaticResult& result_;
   TangentSolver solver_;
-  bool jumped_ = false;         // so far
-  Stand before_;                // the last balance, where walls move or bonds flow
-  bool told_missing_ = false;   // work
+  bool jumped_ = false;        // so far
+  Stand before_;               // the last balance, where walls move or bonds flow
+  bool told_missing_ = false;  // work
+  bool told_divergence_ = false;
   double largest_energy_ = 0;   // so far
   Stability stability_;         // of the last balance
   bool factored_here_ = false;  // the solver's factor is still that of its tangent
@@ -392,7 +407,7 @@ std::optional<State> balance_of_constant_loads(const Model& model, const StaticS
   StaticBody body(model, constant, std::move(state));
   refuse_nothing_free(body);
   refuse_not_finite(body);
-  if (!in_balance(body, stage.newton)) {
+  if (!in_balance(body, stage.newton) && !body.rests_to_rounding()) {
     refuse_rigid_motions(body);
     body.relieve();
     StaticHooks quiet{{}, {}, hooks.interrupted};

@@ -76,11 +76,12 @@ NewtonOutcome correct(StaticBody& body, TangentSolver& solver, const NewtonSetti
       return outcome;
     }
     const auto singular = [&] {
-      outcome.why =
-          "the tangent is singular: " + body.unknowns().name(solver.last_factor().singular_unknown());
+      outcome.why = "the tangent is singular";
+      if (!solver.factors_full(body))
+        outcome.why += ": " + body.unknowns().name(solver.last_factor().singular_unknown());
       return outcome;
     };
-    if (!solver.take(body)) return singular();
+    if (!solver.take_full(body)) return singular();
     Vector x;
     try {
       x = solver.solve_full(body, body.unbalanced(), accuracy_for(body, settings));
@@ -226,13 +227,19 @@ NewtonOutcome minimise(StaticBody& body, TangentSolver& solver, const NewtonSett
 }
 
 NewtonOutcome settle(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings,
-                     const std::function<bool()>& interrupted, int& iterations) {
+                     const std::function<bool()>& interrupted, int& iterations, Reach reach) {
   if (body.has_moment_part()) {
     const Placement from = body.placement();
     NewtonOutcome outcome = correct(body, solver, settings, interrupted);
     iterations += outcome.iterations();
     if (outcome.converged || outcome.interrupted) return outcome;
     body.restore(from);
+    if (solver.factors_full(body)) {
+      outcome = correct_with_care(body, solver, settings, interrupted);
+      iterations += outcome.iterations();
+      if (outcome.converged || outcome.interrupted || reach == Reach::near) return outcome;
+      body.restore(from);
+    }
   }
   NewtonOutcome outcome = minimise(body, solver, settings, interrupted);
   iterations += outcome.iterations();

@@ -39,6 +39,7 @@ class PathStage {
 
   void report(PointKind kind, std::optional<int> unstable);
   void report(const CriticalPoint& c);
+  void tell_crossing(const PathLeg& leg) const;
   void refuse_branch_without_potential(const PathPoint& p) const;
   [[noreturn]] void give_up(const std::string& why) const;
 
@@ -129,6 +130,7 @@ void PathStage::go_along(const PathLeg& leg) {
       return turn_off(c);
     lo = c.node;
   }
+  tell_crossing(leg);
   PathNode hi = leg.end;
   if (const Goal* goal = shorten_to_goal(step, lo, hi)) return end_at(hi, *goal);
   walk_.arrive(leg);
@@ -204,6 +206,20 @@ void PathStage::report(const CriticalPoint& c) {
   special.point = result_.points;
   result_.special_points.push_back(special);
   tell(stage_, hooks_, text);
+}
+
+/// Without a potential bifurcations are not located. What is seen of one is that the determinant of the
+/// tangent changes its sign where the load factor does not turn back.
+void PathStage::tell_crossing(const PathLeg& leg) const {
+  const PathPoint &a = leg.start.point, &b = leg.end.point;
+  const bool turns = std::signbit(a.tangent.f) != std::signbit(b.tangent.f);
+  if ((a.has_potential && b.has_potential) || turns || a.sign * b.sign >= 0) return;
+  tell(
+      stage_, hooks_,
+      fmt::format("between load factors {:.6g} and {:.6g} the determinant of the tangent becomes {}: another "
+                  "path may cross there, which is not located, as moments from outside have no potential",
+                  a.at.load_factor, b.at.load_factor,
+                  b.sign < 0 ? "negative, and the balance unstable" : "positive"));
 }
 
 /// Without a potential bifurcations are not looked for, and the path would go past the one to turn off at.

@@ -103,8 +103,12 @@ Stability judge_stability(const StaticBody& body, TangentSolver& solver) {
   }
   Factor factor;
   factor.analyse(body.tangent());
-  body.has_moment_part() ? judge_beside_moments(body, factor, negative, s)
-                         : judge_by_lowest(body, factor, negative, s);
+  if (!body.has_moment_part()) {
+    judge_by_lowest(body, factor, negative, s);
+    return s;
+  }
+  judge_beside_moments(body, factor, negative, s);
+  if (solver.factors_full(body)) s.diverges = solver.take_full(body) && solver.sign_of_full() < 0;
   return s;
 }
 

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <Eigen/IterativeLinearSolvers>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -14,33 +13,6 @@
 
 namespace vbond {
 namespace {
-
-/// Lets the factor of the symmetric part precondition the full tangent.
-class FactorPreconditioner {
- public:
-  using MatrixType = SparseMatrix;
-  void use(const Factor& factor) { factor_ = &factor; }
-  template <class M>
-  FactorPreconditioner& analyzePattern(const M&) {
-    return *this;
-  }
-  template <class M>
-  FactorPreconditioner& factorize(const M&) {
-    return *this;
-  }
-  template <class M>
-  FactorPreconditioner& compute(const M&) {
-    return *this;
-  }
-  template <class B>
-  Vector solve(const B& b) const {
-    return factor_->solve(b);
-  }
-  Eigen::ComputationInfo info() const { return Eigen::Success; }
-
- private:
-  const Factor* factor_ = nullptr;
-};
 
 /// Whether a balance by multigrid is surely the quicker one. Both take as long where a factor takes some 7e3
 /// operations for each entry of the tangent (blocks of 14^3 particles, docs/decisions/statics.md); it must be
@@ -221,24 +193,6 @@ ByMultigrid& TangentSolver::multigrid_at(const StaticBody& body) {
   if (!multigrid_) throw std::logic_error("TangentSolver: multigrid_at() is for multigrid");
   multigrid_->take(body, 0.0);
   return *multigrid_;
-}
-
-Vector TangentSolver::solve_full(const StaticBody& body, const Vector& b, double accuracy) {
-  if (!body.is_unsymmetric()) return solve(b, accuracy);
-  if (multigrid_) {
-    Vector x = multigrid_->solve_full(b, accuracy);
-    return x.size() > 0 ? x : solve(b, accuracy);  // as below
-  }
-  const SparseMatrix K = body.full_tangent();
-  Eigen::BiCGSTAB<SparseMatrix, FactorPreconditioner> method;
-  method.preconditioner().use(factor_);
-  method.setTolerance(1e-13);
-  method.setMaxIterations(200);
-  method.compute(K);
-  const Vector x = method.solve(b);
-  // otherwise with the symmetric part alone: corrections are then less good, but what is out of balance
-  // judges them
-  return method.error() < 1e-6 ? x : solve(b);
 }
 
 }  // namespace vbond

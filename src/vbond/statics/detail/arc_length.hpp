@@ -21,6 +21,9 @@ struct PathPoint {
   PathDirection tangent;
   int unstable = 0;           ///< negative eigenvalues of the tangent stiffness, symmetric part
   bool has_potential = true;  ///< of all loads; without one those eigenvalues do not tell what is stable
+  /// Of the determinant of the whole tangent stiffness; 0: not known. Negative: some motion grows without
+  /// swinging, whether or not loads have a potential.
+  int sign = 0;
 };
 
 /// The eigenvalue of the tangent stiffness that is nearest to zero, roughly, and its rate along the path.
@@ -51,6 +54,10 @@ struct StepOutcome {
 /// Where the tangent stiffness is singular the equations of a step are not, at a limit point; and at a
 /// bifurcation they are consistent. Both are solved there with the null vectors taken out (Deflated): a step
 /// goes through any critical point, and does not move along a mode that nothing drives.
+///
+/// Where outside moments act the tangent stiffness is not symmetric, and what its symmetric part has for
+/// eigenvalues does not matter: the equations of a step are solved as a whole, by factors of their own, which
+/// are regular wherever no other path crosses.
 class ArcLength {
  public:
   ArcLength(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings);
@@ -68,7 +75,9 @@ class ArcLength {
   /// Of the point found last, where the body still stands.
   Softest softest(const PathDirection& tangent);
   /// Whether the tangent stiffness of the last point was singular to rounding.
-  bool is_singular() const { return singular_ && singular_->null_vectors().cols() > 0; }
+  bool is_singular() const {
+    return full_is_singular_ || (singular_ && singular_->null_vectors().cols() > 0);
+  }
 
   /// The balance on the plane at distance s from `from` that is normal to the unit vector `direction`. The
   /// body is then there, or where the search ended. The end of a step, from which the path goes on, is
@@ -82,16 +91,18 @@ class ArcLength {
 
   /// Corrections, and factors of the tangent, so far.
   int iterations() const { return iterations_; }
-  int factors() const { return solver_.last_factor().made() + other_factors_; }
+  int factors() const { return solver_.factors_made() + other_factors_; }
   /// Counts factors that others have made for eigenvalues.
   void add_factors(int number) { other_factors_ += number; }
 
  private:
-  void factor();
+  void factor(const PathDirection& normal);
   std::pair<double, Vector> soft_mode();
   std::optional<PathPoint> point_of_factor(const PathDirection& along);
   PathDirection correction(const PathDirection& normal);
+  PathDirection solved_bordered(const Vector& R, double c) const;
   PathDirection singular_correction(const PathDirection& normal);
+  int sign_of_determinant(const PathDirection& tangent) const;
   PathDirection tangent(const PathDirection& along);
   PathDirection singular_tangent(const PathDirection& along);
 
@@ -100,7 +111,8 @@ class ArcLength {
   const NewtonSettings& settings_;
   double weight_;     // squared movement of held degrees of freedom per load factor  [length^2]
   int unstable_ = 0;  // at the last factor
-  std::optional<Deflated> singular_;  // the same
+  std::optional<Deflated> singular_;                  // the same
+  bool bordered_ = false, full_is_singular_ = false;  // the same, where outside moments act
   int iterations_ = 0, other_factors_ = 0;
 };
 

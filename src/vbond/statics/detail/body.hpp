@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -61,6 +62,8 @@ class StaticBody {
   double load_factor() const { return load_factor_; }
 
   Placement placement() const { return {state_.r, state_.q, load_factor_}; }
+  /// Another number whenever the body has been moved, or bonds have gone.
+  std::uint64_t placement_number() const { return placement_number_; }
   void restore(const Placement& p);
   /// Moves the unknowns by x, and held degrees of freedom by their share of the change of the load factor.
   void move(const Vector& x, double new_load_factor);
@@ -82,6 +85,9 @@ class StaticBody {
   double residual_beside(const DenseMatrix& columns) const;
   /// What rounding of positions may leave of residual().
   double residual_of_rounding() const;
+  /// Whether what is out of balance at each particle is no more than rounding leaves of its loads, by the
+  /// stiffness of its bonds and contacts. An unstressed body has no force that this could be a part of.
+  bool rests_to_rounding() const;
 
   /// Symmetric part of the tangent.  [force/length]
   const SparseMatrix& tangent() const { return stiffness_at_hand().assembly.matrix(); }
@@ -193,6 +199,7 @@ class StaticBody {
   void lay_out(const std::vector<Assembly::Pair>& touching) const;
   void add_pair(ParticleId i, ParticleId j, const Assembly::Block& d) const;
   Vector on_unknowns(const Loads& loads) const;
+  PerParticle<double> rounding_at_particles() const;
   void placed();
   void flow();
   void begin_heating();
@@ -216,6 +223,7 @@ class StaticBody {
   const StaticStage& stage_;
   State state_;
   double load_factor_ = 0;
+  std::uint64_t placement_number_ = 1;
   double held_at_ = 0;                      // load factor at which grips took hold
   PerParticle<double> temperature_before_;  // at that load factor; empty: the stage changes none
   std::vector<double> growth_rate_;         // of each bond that expands, per load factor; empty likewise

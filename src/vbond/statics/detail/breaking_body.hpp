@@ -32,7 +32,7 @@ class BreakingBody {
   std::optional<double> largest_reaction() const;
   void prepare_solver() { solver_->prepare(*body_); }
   /// Of the tangent that were made.
-  int factors() const { return factors_before_ + solver_->last_factor().made(); }
+  int factors() const { return factors_before_ + solver_->factors_made(); }
   bool has_kept_factor() const { return solver_->has_kept(); }
   void drop_kept_factor() { solver_->drop_kept(); }
   Balance here() const;

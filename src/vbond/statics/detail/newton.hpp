@@ -11,6 +11,7 @@
 #include "vbond/statics/detail/eigen.hpp"
 #include "vbond/statics/detail/factor.hpp"
 #include "vbond/statics/detail/kept_factor.hpp"
+#include "vbond/statics/detail/unsymmetric_factor.hpp"
 #include "vbond/statics/results.hpp"
 
 namespace vbond {
@@ -55,11 +56,32 @@ class TangentSolver {
   /// No kept factor until another is made.
   void drop_kept();
 
+  /// Whether full_tangent() has factors of its own: where outside moments act, but not by multigrid.
+  bool factors_full(const StaticBody& body) const { return !multigrid_ && body.has_moment_part(); }
+  /// Makes ready to solve with full_tangent() and no more; false if it is known to be singular.
+  bool take_full(const StaticBody& body);
+  /// After take_full() where it factors_full(): of the determinant of full_tangent(); 0 if that is singular.
+  int sign_of_full() const { return full_.sign(); }
+
   /// After any of these: (tangent() + shift I)^-1 b, with a kept factor to this part of b. Empty if the
   /// tangent turns out not to be what was asked for. The body stands where it stood.
   Vector solve(const Vector& b, double accuracy = full_accuracy);
-  /// After any, without a shift: the same with full_tangent(), which differs where moments act.
+  /// After any, without a shift: the same with full_tangent(), which differs where moments act. Empty if that
+  /// is singular.
   Vector solve_full(const StaticBody& body, const Vector& b, double accuracy = full_accuracy);
+  /// The equations of a step along a path, at once, by factors of their own, where it factors_full():
+  ///   full_tangent() u - g f = R,  n . u + w f = c.
+  /// They are regular at limit points. Empty if they are singular.
+  struct Bordered {
+    const Vector &g, &n;
+    double w;
+  };
+  bool take_bordered(const StaticBody& body, const Bordered& border);
+  Vector solve_bordered(const Vector& R, double c) const;
+  /// By the factors of the last take_full(), although the body may have moved since.
+  Vector solve_as_taken(const Vector& b) const { return full_.solve(b); }
+  /// Of the determinant of the last bordered matrix.
+  int sign_of_bordered() const { return bordered_.sign(); }
   bool by_multigrid() const { return multigrid_ != nullptr; }
   const char* name() const { return by_multigrid() ? "multigrid" : "direct"; }
   /// By multigrid only: ready for tangent().
@@ -67,17 +89,24 @@ class TangentSolver {
   /// Of multigrid, so far.
   int iterations() const { return multigrid_ ? multigrid_->iterations() : 0; }
   const Factor& last_factor() const { return factor_; }
+  /// Factors of all kinds that were made, or tried.
+  int factors_made() const { return factor_.made() + full_.made() + bordered_.made(); }
 
  private:
   static constexpr double full_accuracy = 1e-12;
   std::optional<int> counted_by_multigrid(const StaticBody& body);
   bool kept_for(const StaticBody& body);
   bool may_keep() const;
+  Vector solve_by_iteration(const StaticBody& body, const Vector& b);
 
   LinearSolver wanted_;
   FactorUse factors_;
   Factor factor_;
-  int analysed_ = 0;  // pattern_version
+  UnsymmetricFactor full_, bordered_;
+  std::uint64_t full_at_ = 0;  // placement_number; 0: nowhere
+  bool full_is_regular_ = false;
+  double per_factor_ = 1.0;  // of the bordered equations: their last unknown is f over this
+  int analysed_ = 0;         // pattern_version
   std::unique_ptr<ByMultigrid> multigrid_;
   KeptFactor kept_{factor_};
   std::vector<std::vector<int>> breaks_;   // that the kept factor does not know yet
@@ -110,10 +139,22 @@ bool balanced(const StaticBody& body, const NewtonSettings& settings, const std:
 NewtonOutcome correct(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings,
                       const std::function<bool()>& interrupted = {});
 
+/// Newton's method for bodies without a potential: it makes the next correction smaller at each step, as the
+/// tangent at hand measures it, whatever the signs of its eigenvalues (Deuflhard, Newton Methods for
+/// Nonlinear Problems (2004), 3.3: the natural monotonicity test). Where solver.factors_full().
+NewtonOutcome correct_with_care(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings,
+                                const std::function<bool()>& interrupted = {});
+
+/// How far from where a body stands its balance may be looked for.
+enum class Reach {
+  near,  ///< where Newton's method leads
+  far    ///< also far off, where outside moments act: downhill, by the work that they would do on small turns
+};
+
 /// The balance that a body comes to which is let go as it stands: downhill, or where outside moments have no
-/// potential to go down first straight on. Adds to iterations.
+/// potential to go down straight on. Adds to iterations.
 NewtonOutcome settle(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings,
-                     const std::function<bool()>& interrupted, int& iterations);
+                     const std::function<bool()>& interrupted, int& iterations, Reach reach = Reach::far);
 
 /// Newton with a line search downhill in the potential, the tangent shifted where it is not positive
 /// definite, so that it goes to a minimum and not to a saddle. It may still stop at a balance that is

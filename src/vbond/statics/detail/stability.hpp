@@ -13,6 +13,9 @@ struct Stability {
   std::optional<int> unstable = 0;
   bool neutral = false;   ///< the lowest eigenvalue is zero to within its error
   bool definite = false;  ///< the solver stands at this tangent, and it is positive definite
+  /// Beside outside moments: the determinant of the whole tangent is negative, so that some motion grows
+  /// without swinging. If it is not, nothing is said: two such motions, or swings that grow, are not seen.
+  bool diverges = false;
   std::optional<EigenPairs>
       lowest;  ///< pair, by multigrid all negative ones; else only if it is not definite
 };

@@ -1,0 +1,70 @@
+// What is out of balance, against the forces in the body and against rounding.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "vbond/model/touching.hpp"
+#include "vbond/statics/detail/body.hpp"
+
+namespace vbond {
+
+double StaticBody::residual() const {
+  const Loaded& l = loads_at_hand();
+  const double unbalanced = max_norm(l.unbalanced);
+  if (!std::isfinite(l.largest) || !std::isfinite(unbalanced))
+    return std::numeric_limits<double>::quiet_NaN();
+  return unbalanced == 0.0 ? 0.0 : unbalanced / l.largest;
+}
+
+double StaticBody::residual_beside(const DenseMatrix& columns) const {
+  const Vector& g = loads_at_hand().unbalanced;
+  const double beside = max_norm(g - columns * (columns.transpose() * g)), all = max_norm(g);
+  return all == 0.0 ? residual() : residual() * (beside / all);
+}
+
+double StaticBody::residual_of_rounding() const {
+  const Loaded& l = loads_at_hand();
+  return l.largest > 0.0 ? std::max(rounding_of_force_, l.rounding_of_force) / l.largest : 0.0;
+}
+
+// Places are rounded to eps |r|, axes of bonds to eps, so that the loads of a bond are known to its stiffness
+// times that; of a contact, whose force has no slope of its own where it begins, by what its force grows. All
+// of a particle may add up.
+PerParticle<double> StaticBody::rounding_at_particles() const {
+  constexpr double eps = std::numeric_limits<double>::epsilon();
+  const double L = unknowns_.length();
+  PerParticle<double> sum(model_.particles(), 0.0);
+  const auto place = [&](ParticleId i, ParticleId j) {
+    return eps * (std::max(norm(state_.r[i]), norm(state_.r[j])) + norm(state_.r[j] - state_.r[i]));
+  };
+  for (const Bond& b : state_.bonds) {
+    if (b.broken) continue;
+    const BondStiffness<double> c = b.law->stiffness(b);
+    const double lever = std::max(1.0, b.a / L);
+    const double e =
+        (c.c_A + c.c_D) * (place(b.i, b.j) + eps * b.a) * lever + eps * angular_scale(b) / std::min(b.a, L);
+    sum[b.i] += e, sum[b.j] += e;
+  }
+  for_touching_pairs(model_, state_, [&](ParticleId i, ParticleId j, double) {
+    const Vec3d r_ij = state_.r[j] - state_.r[i];
+    const auto force = [&](const Vec3d& at) {
+      return norm(contact_tangent(touch_forms(model_.contact), touch_numbers(model_, i, j), at,
+                                  model_.radius[i], model_.radius[j])
+                      .loads.F);
+    };
+    const double e = force((1.0 - place(i, j) / norm(r_ij)) * r_ij) - force(r_ij);
+    sum[i] += e, sum[j] += e;
+  });
+  return sum;
+}
+
+bool StaticBody::rests_to_rounding() const {
+  const Vector& g = unbalanced();
+  const PerParticle<double> rounding = rounding_at_particles();
+  const double at_walls = loads_at_hand().rounding_of_force;
+  for (int k = 0; k < unknowns_.size(); ++k)
+    if (!(std::abs(g[k]) <= rounding[unknowns_.place(k).particle] + at_walls)) return false;
+  return true;
+}
+
+}  // namespace vbond

@@ -1,0 +1,318 @@
+// Rods and frames in space under moments and forces of fixed direction, which have no potential together,
+// against a plain load stepping that shares nothing with statics but the loads of a bond: it differences
+// them, and solves with all unknowns at once. VBOND_CAMPAIGN=500 draws as many bodies.
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "dynamics/tops.hpp"
+#include "statics/bodies.hpp"
+#include "vbond/core/error.hpp"
+#include "vbond/model/bond_sums.hpp"
+#include "vbond/physics/laws.hpp"
+
+namespace vbond::dead_moments_test {
+namespace {
+
+using testing::Dice;
+using testing::Specimen;
+
+struct Loaded {
+  Specimen s;
+  StaticStage stage;
+};
+
+Vec3d drawn_direction(Dice& dice) {
+  Vec3d e = testing::drawn_vector(dice, 1.0);
+  while (norm(e) < 0.2 || norm(e) > 1.0) e = testing::drawn_vector(dice, 1.0);
+  return normalised(e);
+}
+
+BondRecipe drawn_recipe(Dice& dice) {
+  BondRecipe recipe;
+  recipe.law = dice(0, 1) < 0.5 ? &bond_law<VModel> : &bond_law<Evm>;
+  const double c_B = std::pow(10.0, dice(-2.5, -1.0));
+  recipe.parameters =
+      BondStiffness<double>{1.0, dice(0.3, 1.0) * std::min(1.0, 12.0 * c_B), c_B, dice(0.5, 2.0) * c_B};
+  return recipe;
+}
+
+/// A line with random kinks, of which every third is straight.
+Specimen drawn_rod(Dice& dice, std::size_t n) {
+  const double kink = dice(0, 1) < 0.33 ? 0.0 : dice(0.0, 0.8);
+  std::vector<Vec3d> r{{}};
+  Vec3d e{1, 0, 0};
+  while (r.size() < n) {
+    r.push_back(r.back() + e);
+    e = normalised(e + kink * drawn_direction(dice));
+  }
+  Specimen s = testing::particles_at(r);
+  const BondRecipe recipe = drawn_recipe(dice);
+  for (std::size_t k = 0; k + 1 < n; ++k) testing::bond(s, k, k + 1, recipe);
+  return s;
+}
+
+/// Random places, each bonded to the nearest before it and to some others: trees with loops.
+Specimen drawn_frame(Dice& dice, std::size_t n) {
+  std::vector<Vec3d> r{{}};
+  while (r.size() < n) {
+    const Vec3d p = r[static_cast<std::size_t>(dice(0, 1) * static_cast<double>(r.size()))] +
+                    dice(0.9, 1.2) * drawn_direction(dice);
+    if (std::all_of(r.begin(), r.end(), [&](const Vec3d& q) { return norm(p - q) > 0.8; })) r.push_back(p);
+  }
+  Specimen s = testing::particles_at(r);
+  const BondRecipe recipe = drawn_recipe(dice);
+  for (std::size_t j = 1; j < n; ++j) {
+    std::size_t nearest = 0;
+    for (std::size_t i = 1; i < j; ++i)
+      if (norm(r[i] - r[j]) < norm(r[nearest] - r[j])) nearest = i;
+    for (std::size_t i = 0; i < j; ++i)
+      if (i == nearest || (norm(r[i] - r[j]) < 1.4 && dice(0, 1) < 0.3)) testing::bond(s, i, j, recipe);
+  }
+  return s;
+}
+
+/// Clamped at the first particle; a moment and a force at the last one, and of every other body a second
+/// pair. They would turn a rod of these bonds by some radians.
+Loaded drawn_case(unsigned seed) {
+  Dice dice(seed);
+  const bool rod = dice(0, 1) < 0.6;
+  const auto n = static_cast<std::size_t>(rod ? dice(4, 20.999) : dice(4, 12.999));
+  Loaded c{rod ? drawn_rod(dice, n) : drawn_frame(dice, n), {}};
+  const Bond& b = c.s.state.bonds[BondId{0}];
+  const double c_B = b.law->stiffness(b).c_B, length = rod ? static_cast<double>(n - 1) : 3.0;
+  std::vector<StaticLoad> loads;
+  for (const std::size_t at : {n - 1, n / 2}) {
+    const Vec3d moment = dice(0.2, 4.0) * c_B / length * drawn_direction(dice),
+                force = dice(0.0, 3.0) * c_B / (length * length) * drawn_direction(dice);
+    loads.push_back(testing::pushed(at, force, moment));
+    if (dice(0, 1) < 0.5) break;
+  }
+  c.stage = testing::static_stage(StageKind::equilibrium, {testing::fixed({ParticleId{0}}, testing::clamped)},
+                                  std::move(loads));
+  return c;
+}
+
+/// Plain Newton steps at growing load, by central differences of the loads of each bond.
+class PlainStepping {
+ public:
+  explicit PlainStepping(const Loaded& c) : c_(c), s_(c.s.state), n_(6 * (c.s.model.particles() - 1)) {}
+
+  /// The end of the way, or nothing where no balance is found in steps down to 1e-6.
+  std::optional<State> run(int steps) {
+    double f = 0.0, step = 1.0 / steps;
+    while (f < 1.0) {
+      const State from = s_;
+      const double to = std::min(1.0, f + step);
+      move((to - f) * tangent().partialPivLu().solve(applied(1.0)));
+      if (correct(to)) {
+        f = to;
+        step = std::min(1.0 / steps, 2.0 * step);
+        continue;
+      }
+      s_ = from;
+      step *= 0.5;
+      if (step < 1e-6) return std::nullopt;
+    }
+    return s_;
+  }
+
+ private:
+  using Dense = Eigen::MatrixXd;
+  using Column = Eigen::VectorXd;
+
+  static Eigen::Index row(ParticleId p) { return 6 * (static_cast<Eigen::Index>(p.value) - 1); }
+
+  void move_dof(ParticleId p, int dof, double by) {
+    Vec3d way;
+    component(way, dof % 3) = by;
+    if (dof < 3)
+      s_.r[p] += way;
+    else
+      s_.q[p] = rotation_of(way) * s_.q[p];
+  }
+
+  void move(const Column& x) {
+    for (const ParticleId p : s_.r.ids())
+      if (p.value > 0) {
+        const auto x_p = x.segment(row(p), 6);
+        s_.r[p] += {x_p[0], x_p[1], x_p[2]};
+        s_.q[p] = normalised(rotation_of(Vec3d{x_p[3], x_p[4], x_p[5]}) * s_.q[p]);
+      }
+  }
+
+  Column applied(double f) const {
+    Column g = Column::Zero(n_);
+    for (const StaticLoad& l : c_.stage.loads)
+      for (int k = 0; k < 3; ++k) {
+        g[row(l.particles[0]) + k] += f * component(l.force, k);
+        g[row(l.particles[0]) + 3 + k] += f * component(l.moment, k);
+      }
+    return g;
+  }
+
+  Eigen::Matrix<double, 12, 1> loads_of(BondId k) const {
+    const BondLoads<double> l = bond_loads(s_, k);
+    Eigen::Matrix<double, 12, 1> g;
+    g << l.F.x, l.F.y, l.F.z, l.M_ij.x, l.M_ij.y, l.M_ij.z, -l.F.x, -l.F.y, -l.F.z, l.M_ji.x, l.M_ji.y,
+        l.M_ji.z;
+    return g;
+  }
+
+  Dense tangent() {
+    constexpr double h = 1e-5;
+    Dense K = Dense::Zero(n_, n_);
+    for (const BondId k : s_.bonds.ids()) {
+      const ParticleId ends[2] = {s_.bonds[k].i, s_.bonds[k].j};
+      for (int dof = 0; dof < 12; ++dof) {
+        const ParticleId p = ends[dof / 6];
+        if (p.value == 0) continue;
+        const Vec3d r = s_.r[p];
+        const Quatd q = s_.q[p];
+        move_dof(p, dof % 6, h);
+        const auto after = loads_of(k);
+        s_.r[p] = r, s_.q[p] = q;
+        move_dof(p, dof % 6, -h);
+        const Eigen::Matrix<double, 12, 1> slope = (after - loads_of(k)) / (2.0 * h);
+        s_.r[p] = r, s_.q[p] = q;
+        for (int end = 0; end < 2; ++end)
+          if (ends[end].value > 0)
+            K.block(row(ends[end]), row(p) + dof % 6, 6, 1) -= slope.segment(6 * end, 6);
+      }
+    }
+    return K;
+  }
+
+  /// False if it takes more than six corrections, or one of more than 0.1.
+  bool correct(double f) {
+    for (int k = 0; k < 6; ++k) {
+      Column g = applied(f);
+      for (const BondId b : s_.bonds.ids()) {
+        const auto l = loads_of(b);
+        if (s_.bonds[b].i.value > 0) g.segment(row(s_.bonds[b].i), 6) += l.head(6);
+        if (s_.bonds[b].j.value > 0) g.segment(row(s_.bonds[b].j), 6) += l.tail(6);
+      }
+      const Column x = tangent().partialPivLu().solve(g);
+      const double largest = x.cwiseAbs().maxCoeff();
+      if (!(largest < 0.1)) return false;
+      move(x);
+      if (largest < 1e-8) return true;  // the next would be 1e-8 of it, and rounding
+    }
+    return false;
+  }
+
+  const Loaded& c_;
+  State s_;
+  Eigen::Index n_;
+};
+
+double distance(const State& a, const State& b) {
+  double largest = 0.0;
+  for (const ParticleId p : a.r.ids())
+    largest = std::max({largest, norm(a.r[p] - b.r[p]), norm(rotation_vector(a.q[p] * conjugate(b.q[p])))});
+  return largest;
+}
+
+/// What a stage of these came to.
+struct Counts {
+  int same = 0, wrong = 0, told = 0, missed = 0;
+  void add(const Loaded& c, const StaticStage& stage, const State& right, const std::string& name) {
+    try {
+      const StaticOutcome w = run_static_stage(c.s.model, stage, c.s.state, {});
+      // corrections end at 1e-10 of the largest force: some 1e-7 of places in bodies as soft as these
+      const double off = distance(w.state, right);
+      const bool there = off < 1e-5 && w.result.load_factor == 1.0;
+      (there ? same : w.result.jumped ? told : wrong) += 1;
+      if (!there) std::printf("%s: off by %.2g%s\n", name.c_str(), off, w.result.jumped ? ", told" : "");
+    } catch (const NoEquilibrium& e) {
+      ++missed;
+      std::printf("%s: %s\n", name.c_str(), e.what());
+    }
+  }
+};
+
+TEST(DeadMoments, LeadToTheBalanceOfAPlainLoadSteppingWhateverTheSteps) {
+  const char* const wanted = std::getenv("VBOND_CAMPAIGN");
+  const unsigned bodies = wanted != nullptr ? static_cast<unsigned>(std::atoi(wanted)) : 25;
+  Counts equilibria, paths;
+  int compared = 0, no_way = 0, unsure = 0;
+  for (unsigned seed = 1; seed <= bodies; ++seed) {
+    const Loaded c = drawn_case(seed);
+    const std::optional<State> coarse = PlainStepping(c).run(60), fine = PlainStepping(c).run(150);
+    if (!coarse && !fine) {
+      ++no_way;
+      continue;
+    }
+    if (!coarse || !fine || distance(*coarse, *fine) > 1e-7) {
+      ++unsure;
+      continue;
+    }
+    ++compared;
+    for (const int steps : {1, 5, 23}) {
+      StaticStage stage = c.stage;
+      stage.steps = steps;
+      equilibria.add(c, stage, *fine, "seed " + std::to_string(seed) + ", steps " + std::to_string(steps));
+    }
+    StaticStage path = c.stage;
+    path.kind = StageKind::path;
+    path.path.first_step = 0.05;
+    path.path.above = 1.0;
+    paths.add(c, path, *fine, "seed " + std::to_string(seed) + ", path");
+  }
+  std::printf("%u bodies, %d compared, %d without a way at growing load, %d where the reference is unsure\n",
+              bodies, compared, no_way, unsure);
+  for (const Counts* k : {&equilibria, &paths})
+    std::printf("%s: %d same, %d wrong, %d other and told, %d not found\n",
+                k == &paths ? "paths" : "equilibria", k->same, k->wrong, k->told, k->missed);
+  EXPECT_GE(compared, static_cast<int>(bodies) / 2);
+  for (const Counts* k : {&equilibria, &paths}) {
+    EXPECT_EQ(k->wrong, 0);
+    EXPECT_EQ(k->told, 0);
+    EXPECT_EQ(k->missed, 0);
+  }
+}
+
+/// A cantilever of twelve bonds, EI = 100 and EA = 1e4, that a moment of 50 about z rolls up while a force of
+/// 3 pulls it across the plane.
+Loaded rolled_cantilever() {
+  std::vector<Vec3d> r;
+  for (std::size_t k = 0; k <= 12; ++k) r.push_back({0.8333333333 * static_cast<double>(k), 0, 0});
+  Loaded c{testing::particles_at(r, 0.02), {}};
+  BondRecipe recipe;
+  recipe.law = &bond_law<Evm>;
+  recipe.parameters = TheoryParameters{BondTheory::timoshenko, {1e4, 0.0}, {1.0, 0.01, 0.02}, 2.0};
+  for (std::size_t k = 0; k < 12; ++k) testing::bond(c.s, k, k + 1, recipe);
+  c.stage = testing::static_stage(StageKind::equilibrium, {testing::fixed({ParticleId{0}}, testing::clamped)},
+                                  {testing::pushed(12, {0, 0, 3}, {0, 0, 50})});
+  return c;
+}
+
+// The symmetric part of its tangent becomes singular on the way, where nothing happens to the body.
+TEST(DeadMoments, AreCarriedWhateverTheNumberOfSteps) {
+  Loaded c = rolled_cantilever();
+  const std::optional<State> right = PlainStepping(c).run(200);
+  ASSERT_TRUE(right);
+  EXPECT_NEAR(right->r[ParticleId{12}].x - 10.0, -11.969, 1e-3);
+  for (const int steps : {1, 2, 10, 15, 20, 25, 40, 50, 100, 150, 200}) {
+    c.stage.steps = steps;
+    const StaticOutcome w = run_static_stage(c.s.model, c.stage, c.s.state, {});
+    EXPECT_FALSE(w.result.jumped) << steps;
+    EXPECT_LT(distance(w.state, *right), 1e-7) << steps;
+  }
+  for (const double largest : {0.0, 0.5, 2.0}) {
+    c.stage.kind = StageKind::path;
+    c.stage.path.largest_step = largest;
+    c.stage.path.above = 1.0;
+    EXPECT_LT(distance(run_static_stage(c.s.model, c.stage, c.s.state, {}).state, *right), 1e-7) << largest;
+  }
+}
+
+}  // namespace
+}  // namespace vbond::dead_moments_test
