@@ -1,5 +1,5 @@
 #include "cases.hpp"
-#include "vbond/build/regions.hpp"
+#include "vbond/build/mesh_inside.hpp"
 #include "vbond/case/read.hpp"
 
 namespace vbond::test {

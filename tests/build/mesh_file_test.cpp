@@ -148,7 +148,10 @@ TEST(MeshFiles, ThatAreNotWholeAreRefusedWithTheReason) {
   expect_refused("none.obj", "v 0 0 0\nv 1 0 0\n", "cannot be used");
   expect_refused("cut.ply", std::string(ascii_ply).substr(0, std::string(ascii_ply).find("end_header")),
                  "there is no end_header");
-  expect_refused("cut.ply", std::string(ascii_ply).substr(0, std::strlen(ascii_ply) - 4), "it is cut off");
+  expect_refused("cut.ply", std::string(ascii_ply).substr(0, std::strlen(ascii_ply) - 4),
+                 "row 1 of 1 of element face has 3 numbers on its line, which is too few: 5 belong there");
+  expect_refused("cut.ply", std::string(ascii_ply).substr(0, std::string(ascii_ply).find("4 0 1 2")),
+                 "it is cut off: row 1 of 1 is not there");
   const std::string ply = binary_ply("2");
   expect_refused("cut.ply", ply.substr(0, ply.size() - 1), "it is cut off: row 2 of 2");
   expect_refused("none.ply", binary_ply("0"), "it has no triangles");
@@ -189,7 +192,60 @@ TEST(MeshFiles, WithPolygonsHoldTheirTriangles) {
   const MeshFile pentagon = read("convex.obj", corners + "f 1 2 3 4 5\n");
   EXPECT_EQ(pentagon.mesh.triangles.size(), 3u);
   EXPECT_EQ(pentagon.open_edges, 5u);
-  expect_refused("dented.obj", corners + "f 1 2 3 4 5 6\n", "a face of 6 corners is not convex");
+  const MeshFile dented = read("dented.obj", corners + "f 1 2 3 4 5 6\n");
+  EXPECT_EQ(dented.mesh.triangles.size(), 4u);
+  EXPECT_EQ(dented.open_edges, 6u);
+  expect_refused("crossed.obj", corners + "f 1 4 2 5\n", "a face of 4 corners crosses itself");
+}
+
+// Texture coordinates and normals that are not there, comments after faces, lines that go on.
+TEST(MeshFiles, InObjAreReadByPlacesAlone) {
+  const MeshFile square = read("square.obj",
+                               "mtllib none.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nusemtl a\n"
+                               "f 1/1/1 2/2/1 3/3/1 # f 1/2 2/3\nusemtl b\nf 1//7 \\\n 3/9 4\n");
+  EXPECT_EQ(square.mesh.triangles.size(), 2u);
+  EXPECT_EQ(square.open_edges, 4u);
+}
+
+// Assimp takes only the first numbers of a line, and takes the next line for the next row.
+TEST(MeshFiles, InPlyWithRowsOfOtherLengthsAreRefused) {
+  const std::string ply = ascii_ply;
+  const auto with = [&](const std::string& row, const std::string& other) {
+    std::string changed = ply;
+    return changed.replace(changed.find(row), row.size(), other);
+  };
+  expect_refused("many.ply", with("1 0 0\n", "1 0 0 7\n"),
+                 "row 2 of 4 of element vertex has 4 numbers on its line, which is too many: 3 belong there");
+  expect_refused("many.ply", with("4 0 1 2 3", "4 0 1 2 3 0"),
+                 "row 1 of 1 of element face has 6 numbers on its line, which is too many: 5 belong there");
+  expect_refused("two.ply", with("0 0 0\n1 0 0", "0 0 0 1 0 0"), "which is too many");
+  expect_refused("split.ply", with("0 0 0\n", "0 0\n0\n"), "which is too few");
+}
+
+// Their number, and that of objects in OBJ files, would cost a time that grows with its square in Assimp.
+TEST(MeshFiles, AreHandedOnWithoutCommentsAndNames) {
+  const std::string ply = ascii_ply;
+  std::string commented = ply;
+  commented.insert(ply.find("element"), "comment a\nobj_info b\ncomment\n");
+  EXPECT_EQ(places_and_faces(commented, MeshFormat::ply), ply);
+  EXPECT_EQ(places_and_faces("# a\no b\nv 0 0 0\ng c\nusemtl d\ns 1\nf 1 1/2 1\n", MeshFormat::obj),
+            "v 0 0 0\nf 1 1 1\n");
+  std::string many = ply;
+  for (int k = 0; k < 1000; ++k) many.insert(ply.find("element face"), "property float a\n");
+  expect_refused("many.ply", many, "its head has more than 1000 lines besides comments");
+}
+
+TEST(MeshFiles, AreJoinedInTheirOwnCoordinates) {
+  std::vector<Triangle> triangles = square;
+  triangles[1][0].z = 1e-7F, triangles[1][1].x = 1.0F + 1.2e-7F;
+  const TemporaryFile file("seam.stl", binary_stl(triangles));
+  for (const double scale : {1e-3, 1.0, 1e6})
+    for (const double shift : {0.0, 3.0, 1e8}) {
+      const MeshFile read = read_mesh_file(file.path(), scale, {shift, 0, shift}, {});
+      EXPECT_EQ(read.mesh.corners.size(), 4u) << scale << ' ' << shift;
+      EXPECT_EQ(read.joined.count, 2u);
+      EXPECT_EQ(read.open_edges, 4u);
+    }
 }
 
 TEST(MeshFiles, ThatAreMissingOrFoldersAreRefusedWhereTheCaseNamesThem) {

@@ -208,6 +208,39 @@ TEST(MeshTouches, OfAPlateWithRoundedCoordinatesAreSingle) {
   }
 }
 
+/// Two halves of a plate, apart by `gap` along x, the second one higher by `step` and shorter along y by
+/// `less`.
+TriangleMesh plate_in_halves(double gap, double step, double less) {
+  TriangleMesh mesh;
+  const double y = 2.0 - less;
+  mesh.corners = {{-2, -2, 0},     {0, -2, 0},    {0, 2, 0},    {-2, 2, 0},
+                  {gap, -y, step}, {2, -y, step}, {2, y, step}, {gap, y, step}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {4, 6, 7}};
+  return mesh;
+}
+
+// Two halves whose edges have no common corner: across the seam, in the middle of it, and over laps and
+// steps.
+TEST(MeshTouches, AreSingleOverASeamThatIsOpenByLessThanTheOverlap) {
+  for (const double gap : {0.0, 1e-9, 1e-4, 2e-3, -2e-3})
+    for (const double step : {0.0, 1e-9, 1e-3})
+      for (const double less : {0.0, 0.3}) {
+        const WallSurface wall{MeshWall{plate_in_halves(gap, step, less)}};
+        for (const double x : {-0.05, -1e-3, -1e-4, 0.0, 0.5e-4, 1e-3, 0.05}) {
+          const auto found = touches(wall, {x, 0.3, 0.95}, 1.0);
+          ASSERT_EQ(found.size(), 1u) << gap << ' ' << step << ' ' << less << ' ' << x;
+          EXPECT_NEAR(found[0].distance, 0.95, 1.01 * step + 1e-5);
+        }
+      }
+}
+
+// A slot that is wider than the ball is deep has two edges.
+TEST(MeshTouches, AreTwoOverASlotThatIsWiderThanTheOverlap) {
+  const WallSurface wall{MeshWall{plate_in_halves(0.02, 0.0, 0.0)}};
+  EXPECT_EQ(touches(wall, {0.01, 0.3, 0.99}, 1.0).size(), 2u);
+  EXPECT_EQ(touches(wall, {0.01, 0.3, 0.97}, 1.0).size(), 1u);
+}
+
 TEST(MeshTouches, HaveANormalWhereTheCentreIsOnATriangle) {
   const WallSurface wall{MeshWall{plate(4, 2.0)}};
   for (const Vec3d& r : {Vec3d{0.1, 0.2, 0}, Vec3d{0, 0, 0}, Vec3d{0.5, 0.5, 0}}) {

@@ -284,7 +284,7 @@ Built build(const Case& c) {
   check_contact(c, model, problems);
   add_materials(c, specimens, model, problems);
   add_walls(c, built, problems);
-  add_groups(c, specimens, model, problems);
+  add_groups(c, specimens, model, built.notes, problems);
   problems.throw_if_any();
 
   for (std::size_t set = 0; set < c.bonds.size(); ++set)

@@ -25,8 +25,8 @@ enum class Progress : unsigned char { open, under_way, found, wrong };
 class Filler {
  public:
   Filler(const Case& c, const std::vector<PlacedSpecimen>& specimens, const std::vector<OpenGroup>& groups,
-         Model& model, Problems& problems)
-      : c_(c), specimens_(specimens), model_(model), problems_(problems) {
+         Model& model, std::vector<std::string>& notes, Problems& problems)
+      : c_(c), specimens_(specimens), model_(model), notes_(notes), problems_(problems) {
     for (const OpenGroup& g : groups) entries_.insert({g.spec->name, {g}});
   }
 
@@ -86,7 +86,8 @@ class Filler {
 
   template <class RegionForm>
   std::optional<Particles> members(const RegionForm& region, const GroupSpec& spec) {
-    const Inside inside = inside_of(region, {c_.file, spec.place, fmt::format("group \"{}\"", spec.name)});
+    const Inside inside =
+        inside_of(region, {c_.file, spec.place, fmt::format("group \"{}\"", spec.name), notes_});
     return where([&](ParticleId p) { return inside(model_.r_0[p]); });
   }
 
@@ -191,6 +192,7 @@ class Filler {
   const Case& c_;
   const std::vector<PlacedSpecimen>& specimens_;
   Model& model_;
+  std::vector<std::string>& notes_;
   Problems& problems_;
   std::unordered_map<std::string, Entry> entries_;
   std::vector<std::string> path_;  // groups under way, each needed by the one before
@@ -199,8 +201,9 @@ class Filler {
 }  // namespace
 
 void fill_groups(const Case& c, const std::vector<PlacedSpecimen>& specimens,
-                 const std::vector<OpenGroup>& groups, Model& model, Problems& problems) {
-  Filler(c, specimens, groups, model, problems).fill_all(groups);
+                 const std::vector<OpenGroup>& groups, Model& model, std::vector<std::string>& notes,
+                 Problems& problems) {
+  Filler(c, specimens, groups, model, notes, problems).fill_all(groups);
 }
 
 }  // namespace vbond

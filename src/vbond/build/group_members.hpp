@@ -1,4 +1,5 @@
 #pragma once
+#include <string>
 #include <vector>
 
 #include "vbond/build/groups.hpp"
@@ -12,8 +13,9 @@ struct OpenGroup {
 };
 
 /// Finds the particles of these groups, which may refer to one another in any order. Records groups without
-/// particles and groups that need themselves.
+/// particles and groups that need themselves. `notes` takes what is made of files.
 void fill_groups(const Case& c, const std::vector<PlacedSpecimen>& specimens,
-                 const std::vector<OpenGroup>& groups, Model& model, Problems& problems);
+                 const std::vector<OpenGroup>& groups, Model& model, std::vector<std::string>& notes,
+                 Problems& problems);
 
 }  // namespace vbond

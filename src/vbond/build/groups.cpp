@@ -86,7 +86,7 @@ void refuse_particle(const std::string& number, const Model& model, const std::s
 }  // namespace
 
 void add_groups(const Case& c, const std::vector<PlacedSpecimen>& specimens, Model& model,
-                Problems& problems) {
+                std::vector<std::string>& notes, Problems& problems) {
   Adder add(model, problems);
   add(consecutive("all", 0, model.particles()), {});
   for (const PlacedSpecimen& s : specimens)
@@ -95,7 +95,7 @@ void add_groups(const Case& c, const std::vector<PlacedSpecimen>& specimens, Mod
   std::vector<OpenGroup> open;
   for (const GroupSpec& spec : c.groups)
     if (add({spec.name, {}}, spec.place)) open.push_back({&spec, model.groups.size() - 1});
-  fill_groups(c, specimens, open, model, problems);
+  fill_groups(c, specimens, open, model, notes, problems);
 }
 
 const Group* look_up_group(const Placed<std::string>& name, const Model& model, Problems& problems) {

@@ -18,9 +18,10 @@ struct PlacedSpecimen {
 };
 
 /// Adds "all", the specimens and their parts, then the groups of the case. A part is known by its plain
-/// name too ("ends") if only one specimen has such a part. Regions include their boundary.
+/// name too ("ends") if only one specimen has such a part. Regions include their boundary. `notes` takes what
+/// is made of the files of meshes.
 void add_groups(const Case& c, const std::vector<PlacedSpecimen>& specimens, Model& model,
-                Problems& problems);
+                std::vector<std::string>& notes, Problems& problems);
 
 /// The group of that name; if there is none, records it and returns nullptr.
 const Group* look_up_group(const Placed<std::string>& name, const Model& model, Problems& problems);

@@ -7,10 +7,9 @@
 #include <cctype>
 #include <cmath>
 #include <cstddef>
-#include <map>
-#include <numeric>
 #include <stdexcept>
 #include <tuple>
+#include <utility>
 
 #include "vbond/build/text_file.hpp"
 
@@ -29,76 +28,107 @@ MeshFormat format_of(const std::filesystem::path& file, const SourcePlace& place
                    "the extension tells the format: .stl, .obj or .ply", "convert the file to one of them"});
 }
 
-/// Corners at the same place become one, in order of their first use.
-void join_corners(TriangleMesh& mesh) {
-  const auto key = [](const Vec3d& r) { return std::tuple(r.x, r.y, r.z); };
-  std::vector<std::uint32_t> order(mesh.corners.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t j) {
-    const auto a = key(mesh.corners[i]), b = key(mesh.corners[j]);
-    return a != b ? a < b : i < j;
+/// Takes the triangles without an area out of the mesh.
+std::vector<Three> take_slivers(TriangleMesh& mesh) {
+  const std::vector<Vec3d>& r = mesh.corners;
+  std::vector<Three> slivers;
+  std::erase_if(mesh.triangles, [&](const Three& t) {
+    if (has_area(r[t[0]], r[t[1]], r[t[2]])) return false;
+    slivers.push_back(t);
+    return true;
   });
-  std::vector<std::uint32_t> same_as(order.size());
-  for (std::size_t n = 0; n < order.size(); ++n) {
-    const bool again = n > 0 && mesh.corners[order[n]] == mesh.corners[order[n - 1]];
-    same_as[order[n]] = again ? same_as[order[n - 1]] : order[n];
-  }
-  constexpr std::uint32_t unused = 0xFFFFFFFFu;
-  std::vector<std::uint32_t> number(order.size(), unused);
-  std::vector<Vec3d> corners;
-  for (Three& t : mesh.triangles)
-    for (std::uint32_t& corner : t) {
-      std::uint32_t& n = number[same_as[corner]];
-      if (n == unused) {
-        n = static_cast<std::uint32_t>(corners.size());
-        corners.push_back(mesh.corners[corner]);
-      }
-      corner = n;
-    }
-  mesh.corners = std::move(corners);
+  return slivers;
 }
 
-void drop_degenerate(MeshFile& file) {
-  const std::vector<Vec3d>& r = file.mesh.corners;
-  file.degenerate += std::erase_if(file.mesh.triangles,
-                                   [&](const Three& t) { return !has_area(r[t[0]], r[t[1]], r[t[2]]); });
+/// A triangle with its corners in increasing order, and whether that turns it over.
+struct Sorted {
+  Three corners;
+  std::size_t index;
+  bool turned;
+};
+
+Sorted sorted(const Three& t, std::size_t index) {
+  Sorted s{t, index, false};
+  const auto order = [&](std::size_t i, std::size_t j) {
+    if (s.corners[i] > s.corners[j]) std::swap(s.corners[i], s.corners[j]), s.turned = !s.turned;
+  };
+  order(0, 1), order(1, 2), order(0, 1);
+  return s;
 }
 
 /// Of triangles with the same corners the first stays, whichever way they turn: both sides of it are felt.
 void drop_doubled(MeshFile& file) {
   std::vector<Three>& all = file.mesh.triangles;
-  std::vector<std::pair<Three, std::size_t>> sorted;
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    Three t = all[k];
-    std::sort(t.begin(), t.end());
-    sorted.emplace_back(t, k);
-  }
-  std::sort(sorted.begin(), sorted.end());
+  std::vector<Sorted> in_order;
+  for (std::size_t k = 0; k < all.size(); ++k) in_order.push_back(sorted(all[k], k));
+  std::sort(in_order.begin(), in_order.end(), [](const Sorted& a, const Sorted& b) {
+    return std::tie(a.corners, a.index) < std::tie(b.corners, b.index);
+  });
   std::vector<char> doubled(all.size(), 0);
-  for (std::size_t n = 1; n < sorted.size(); ++n)
-    if (sorted[n].first == sorted[n - 1].first) doubled[sorted[n].second] = 1;
+  for (std::size_t n = 0; n < in_order.size();) {
+    const std::size_t first = n;
+    int sense = 0;
+    for (; n < in_order.size() && in_order[n].corners == in_order[first].corners; ++n) {
+      sense += in_order[n].turned ? -1 : 1;
+      doubled[in_order[n].index] = n > first;
+    }
+    if (sense != 0) file.solid.push_back(all[in_order[first].index]);
+  }
   std::size_t k = 0;
   file.doubled += std::erase_if(all, [&](const Three&) { return doubled[k++] != 0; });
 }
 
-std::size_t count_open_edges(const TriangleMesh& mesh) {
+struct EdgeCounts {
+  std::size_t single = 0, odd = 0;  ///< edges with one triangle, with an odd number of them
+};
+
+EdgeCounts count_edges(const std::vector<Three>& triangles) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
-  for (const Three& t : mesh.triangles)
+  for (const Three& t : triangles)
     for (std::size_t k = 0; k < 3; ++k) edges.emplace_back(std::minmax(t[k], t[(k + 1) % 3]));
   std::sort(edges.begin(), edges.end());
-  std::size_t open = 0;
-  for (std::size_t n = 0; n < edges.size(); ++n)
-    open += (n == 0 || edges[n] != edges[n - 1]) && (n + 1 == edges.size() || edges[n] != edges[n + 1]);
-  return open;
+  EdgeCounts counts;
+  for (std::size_t n = 0; n < edges.size();) {
+    const std::size_t first = n;
+    while (n < edges.size() && edges[n] == edges[first]) ++n;
+    counts.single += n - first == 1;
+    counts.odd += (n - first) % 2;
+  }
+  return counts;
 }
 
 }  // namespace
 
 void clean(MeshFile& file) {
-  drop_degenerate(file);
-  join_corners(file.mesh);
+  std::vector<Three>& all = file.mesh.triangles;
+  file.joined = join_corners(file.mesh);
+  file.degenerate +=
+      std::erase_if(all, [](const Three& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
+  const std::vector<Three> slivers = take_slivers(file.mesh);
+  file.degenerate += slivers.size();
+  const std::vector<Three> with_doubled = all;
   drop_doubled(file);
-  file.open_edges = count_open_edges(file.mesh);
+  const auto unpaired = [&](std::vector<Three> surface) {
+    const std::size_t without = count_edges(surface).odd;
+    surface.insert(surface.end(), slivers.begin(), slivers.end());
+    return std::min(without, count_edges(surface).odd);
+  };
+  // what is there twice may be a fault of the file, a face in which two solids meet, or two that overlap
+  // there
+  const std::vector<Three> apart = std::exchange(file.solid, all);
+  file.unpaired_edges = unpaired(file.solid);
+  for (const auto& other : {apart, with_doubled})
+    if (file.unpaired_edges > 0 && unpaired(other) == 0) file.solid = other, file.unpaired_edges = 0;
+  file.open_edges = count_edges(all).single;
+  const auto number = static_cast<std::ptrdiff_t>(all.size());
+  all.insert(all.end(), file.solid.begin(), file.solid.end());  // which has the same corners
+  take_corners(std::vector<Vec3d>(file.mesh.corners), file.mesh);
+  file.solid.assign(all.begin() + number, all.end());
+  all.resize(static_cast<std::size_t>(number));
+}
+
+TriangleMesh MeshFile::surface() const {
+  return {mesh.corners, solid};
 }
 
 std::string MeshFile::text() const {
@@ -107,6 +137,9 @@ std::string MeshFile::text() const {
   const auto say = [&](std::size_t count, const char* what) {
     if (count > 0) parts.push_back(fmt::format("{} {}", count, what));
   };
+  if (joined.count > 0)
+    parts.push_back(fmt::format("{} corners joined with others, at most {:.1g} of its size away",
+                                joined.count, joined.farthest));
   say(degenerate, "triangles without an area left out");
   say(doubled, "doubled triangles left out");
   say(other, "points or lines left out");
@@ -127,19 +160,24 @@ MeshFile read_mesh_file(const std::filesystem::path& file, double scale, const V
     refuse(reason, "write the file anew with the program that made it");
   MeshFile read;
   try {
-    read = import_mesh(content, format);
+    read = import_mesh(places_and_faces(content, format), format);
   } catch (const std::runtime_error& e) {
     refuse(e.what(), "write the file anew with the program that made it");
   }
-  for (Vec3d& r : read.mesh.corners) {
-    r = scale * r + shift;
+  std::vector<Vec3d>& corners = read.mesh.corners;
+  const auto check = [&](const Vec3d& r) {
     constexpr double largest = 1e60;  // as of the numbers of a case
     if (!(std::abs(r.x) < largest && std::abs(r.y) < largest && std::abs(r.z) < largest))
       refuse(fmt::format("a corner is at ({}, {}, {})", r.x, r.y, r.z),
              "look at the file, and at scale and shift");
-  }
+  };
+  for (const Vec3d& r : corners) check(r), check(scale * r + shift);
   clean(read);
   if (read.mesh.triangles.empty()) refuse("it has no triangles with an area", "look at the file in a viewer");
+  for (Vec3d& r : corners) r = scale * r + shift;
+  for (const auto& [a, b, c] : read.mesh.triangles)
+    if (!has_area(corners[a], corners[b], corners[c]))
+      refuse("shift takes it so far away that its corners cannot be told apart", "use a smaller shift");
   return read;
 }
 

@@ -1,20 +1,18 @@
+#include <assimp/BaseImporter.h>
 #include <assimp/MemoryIOWrapper.h>
 #include <assimp/scene.h>
-#include <fmt/format.h>
-
-#include <assimp/BaseImporter.h>
 #include <assimp/IOSystem.hpp>
 #include <assimp/Importer.hpp>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "vbond/build/mesh_file.hpp"
+#include "vbond/build/polygons.hpp"
 
 /// The only place that knows Assimp.
 namespace vbond {
@@ -47,17 +45,6 @@ std::string extension_of(MeshFormat format) {
   return "";
 }
 
-/// True if the corners, in order, turn one way only, to rounding of 32 bits.
-bool is_convex(const std::vector<Vec3d>& corners, std::span<const std::uint32_t> polygon) {
-  const std::size_t n = polygon.size();
-  const auto at = [&](std::size_t k) { return corners[polygon[k % n]]; };
-  Vec3d area;
-  for (std::size_t k = 1; k + 1 < n; ++k) area += cross(at(k) - at(0), at(k + 1) - at(0));
-  for (std::size_t k = 0; k < n; ++k)
-    if (dot(cross(at(k + 1) - at(k), at(k + 2) - at(k + 1)), area) < -1e-6 * norm2(area)) return false;
-  return true;
-}
-
 void add(const aiMesh& from, MeshFile& to) {
   const std::size_t first = to.mesh.corners.size();
   if (first + from.mNumVertices > 0xFFFFFFFFu) throw std::runtime_error("it has more than 2^32 corners");
@@ -76,11 +63,8 @@ void add(const aiMesh& from, MeshFile& to) {
       ++to.other;
       continue;
     }
-    if (polygon.size() > 3 && !is_convex(to.mesh.corners, polygon))
-      throw std::runtime_error(
-          fmt::format("a face of {} corners is not convex: cut it into triangles", polygon.size()));
-    for (std::size_t k = 1; k + 1 < polygon.size(); ++k)
-      to.mesh.triangles.push_back({polygon[0], polygon[k], polygon[k + 1]});
+    if (const std::string reason = cut_polygon(to.mesh.corners, polygon, to.mesh.triangles); !reason.empty())
+      throw std::runtime_error(reason);
   }
 }
 

@@ -72,8 +72,8 @@ struct PlyProperty {
   std::size_t size = 0, count_size = 0;  ///< in bytes; of a list: its elements and its count
 };
 struct PlyElement {
+  std::string_view name;
   std::uint64_t count = 0;
-  bool faces = false;
   std::vector<PlyProperty> properties;
 };
 
@@ -100,7 +100,7 @@ class PlyWalk {
     if (std::string wrong = read_head(); !wrong.empty()) return wrong;
     std::uint64_t faces = 0;
     for (const PlyElement& e : elements_) {
-      if (e.faces) faces += e.count;
+      if (e.name == "face") faces += e.count;
       std::uint64_t least = 0;  // bytes of one row
       for (const PlyProperty& p : e.properties)
         least += ascii_ ? 2 : p.count_size > 0 ? p.count_size : p.size;
@@ -108,8 +108,14 @@ class PlyWalk {
       if (e.count > rest_.size() / std::max<std::uint64_t>(least, 1) + 1)
         return fmt::format("it claims {} rows of at least {} bytes, and {} bytes are left", e.count, least,
                            rest_.size());
-      for (std::uint64_t row = 0; row < e.count; ++row)
-        if (!pass(e)) return fmt::format("it is cut off: row {} of {} is not whole", row + 1, e.count);
+      for (std::uint64_t row = 0; row < e.count; ++row) {
+        if (ascii_ && !begins_row())
+          return fmt::format("it is cut off: row {} of {} is not there", row + 1, e.count);
+        if (std::string wrong = ascii_ ? mistake_in_row(e, words_of(line())) : ""; !wrong.empty())
+          return fmt::format("row {} of {} of element {} {}", row + 1, e.count, e.name, wrong);
+        if (!ascii_ && !pass(e))
+          return fmt::format("it is cut off: row {} of {} is not whole", row + 1, e.count);
+      }
     }
     return faces == 0 ? "it has no triangles" : "";
   }
@@ -125,9 +131,11 @@ class PlyWalk {
 
   std::string read_head() {
     if (line() != "ply") return "it does not begin with the line ply";
-    while (!rest_.empty()) {
+    constexpr int most = 1000;  // Assimp takes a time that grows with the square of this number
+    for (int lines = 0; !rest_.empty();) {
       const std::vector<std::string_view> words = words_of(line());
       if (words.empty() || words[0] == "comment" || words[0] == "obj_info") continue;
+      if (++lines > most) return fmt::format("its head has more than {} lines besides comments", most);
       if (words[0] == "end_header") return "";
       if (words[0] == "format" && words.size() > 1) {
         ascii_ = words[1] == "ascii";
@@ -135,7 +143,7 @@ class PlyWalk {
       } else if (words[0] == "element" && words.size() == 3) {
         const auto count = to_integer(words[2]);
         if (!count || *count < 0) return fmt::format("it claims \"{}\" rows", words[2]);
-        elements_.push_back({static_cast<std::uint64_t>(*count), words[1] == "face", {}});
+        elements_.push_back({words[1], static_cast<std::uint64_t>(*count), {}});
       } else if (words[0] == "property" && !elements_.empty() && read_property(words)) {
         continue;
       } else {
@@ -161,10 +169,34 @@ class PlyWalk {
     return true;
   }
 
-  /// Goes past one row; false if the file ends in it.
+  /// Goes to the next line that is not empty; false if there is none.
+  bool begins_row() {
+    const std::size_t first = rest_.find_first_not_of(" \t\r\n\v\f");
+    if (first == std::string_view::npos) return false;
+    const std::size_t end = rest_.substr(0, first).rfind('\n');
+    rest_.remove_prefix(end == std::string_view::npos ? 0 : end + 1);
+    return true;
+  }
+
+  /// A row stands on a line of its own; Assimp reads another one wrongly, and says nothing.
+  static std::string mistake_in_row(const PlyElement& e, const std::vector<std::string_view>& words) {
+    std::size_t needed = 0;
+    for (const PlyProperty& p : e.properties) {
+      ++needed;
+      if (p.count_size == 0 || needed > words.size()) continue;
+      const auto count = to_integer(words[needed - 1]);
+      if (!count || *count < 0 || *count > 0xFFFFFFFF)
+        return fmt::format("has a list of \"{}\" numbers", words[needed - 1]);
+      needed += static_cast<std::size_t>(*count);
+    }
+    if (words.size() == needed) return "";
+    return fmt::format("has {} numbers on its line, which is too {}: {} belong there", words.size(),
+                       words.size() < needed ? "few" : "many", needed);
+  }
+
+  /// Goes past one row of a binary file; false if the file ends in it.
   bool pass(const PlyElement& e) {
     return std::all_of(e.properties.begin(), e.properties.end(), [&](const PlyProperty& p) {
-      if (ascii_) return pass_words(p);
       if (p.count_size == 0) return skip(p.size);
       if (p.count_size > rest_.size()) return false;
       std::uint64_t count = 0;
@@ -172,15 +204,6 @@ class PlyWalk {
         count = count << 8 | static_cast<unsigned char>(rest_[big_endian_ ? k : p.count_size - 1 - k]);
       return skip(p.count_size) && skip(count * p.size);
     });
-  }
-  bool pass_words(const PlyProperty& p) {
-    const std::string_view word = next_word(rest_);
-    if (word.empty() || p.count_size == 0) return !word.empty();
-    const auto count = to_integer(word);
-    if (!count || *count < 0 || static_cast<std::uint64_t>(*count) > rest_.size()) return false;
-    for (std::int64_t k = 0; k < *count; ++k)
-      if (next_word(rest_).empty()) return false;
-    return true;
   }
 
   std::string_view rest_;

@@ -2,12 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <memory>
-#include <utility>
 
 #include "vbond/build/mesh_file.hpp"
+#include "vbond/build/mesh_inside.hpp"
 #include "vbond/build/text_file.hpp"
 
 namespace vbond {
@@ -24,57 +23,19 @@ Vec3d unit_normal(const Vec3d& normal, const RegionOwner& owner) {
   return normalised(normal);
 }
 
-/// Seen along z: whether the line y = r.y from r towards +x crosses the edge. Of both ends the lower one is
-/// taken first, so that the two triangles of an edge get the same answer, rounding included.
-bool crosses(const Vec3d& r, const Vec3d& a, const Vec3d& b) {
-  if ((a.y > r.y) == (b.y > r.y)) return false;
-  const Vec3d &low = a.y < b.y ? a : b, &high = a.y < b.y ? b : a;
-  return (high.x - low.x) * (r.y - low.y) > (r.x - low.x) * (high.y - low.y);
+/// What is told of surfaces where there are several.
+std::string text_of(const MeshInside& inside) {
+  if (inside.surfaces() == 1) return "";
+  std::string text = fmt::format("; {} closed surfaces", inside.surfaces());
+  if (inside.crossing() > 0)
+    text +=
+        fmt::format(", of which {} cross others and hold together what any of them holds", inside.crossing());
+  if (inside.within_others() > 0)
+    text += fmt::format(", of which {} lie within others and bound hollows", inside.within_others());
+  return text;
 }
 
 }  // namespace
-
-MeshInside::MeshInside(TriangleMesh mesh) : mesh_(std::move(mesh)), box_(box_around(mesh_.corners)) {
-  const std::size_t triangles = mesh_.triangles.size();
-  std::size_t count = triangles, entries = 0;
-  do {  // as many strips as leave a triangle in four of them at most, on average
-    count = std::max<std::size_t>(count / 2, 1);
-    strips_.assign(count, {});
-    entries = 0;
-    for (const auto& t : mesh_.triangles) entries += strips_of(t)[1] - strips_of(t)[0] + 1;
-  } while (count > 1 && entries > 4 * triangles);
-  for (std::size_t k = 0; k < triangles; ++k) {
-    const auto [first, last] = strips_of(mesh_.triangles[k]);
-    for (std::size_t s = first; s <= last; ++s) strips_[s].push_back(static_cast<std::uint32_t>(k));
-  }
-}
-
-/// The first one for a mesh without width, of which y makes no part.
-std::size_t MeshInside::strip_of(double y) const {
-  const double part = (y - box_.low.y) / (box_.high.y - box_.low.y), n = static_cast<double>(strips_.size());
-  return static_cast<std::size_t>(std::min(std::max(0.0, part * n), n - 1.0));
-}
-
-std::array<std::size_t, 2> MeshInside::strips_of(const std::array<std::uint32_t, 3>& triangle) const {
-  const auto [low, high] =
-      std::minmax({mesh_.corners[triangle[0]].y, mesh_.corners[triangle[1]].y, mesh_.corners[triangle[2]].y});
-  return {strip_of(low), strip_of(high)};
-}
-
-bool MeshInside::operator()(const Vec3d& r) const {
-  if (!is_between(box_.low, r, box_.high)) return false;
-  bool inside = false;
-  for (const std::uint32_t k : strips_[strip_of(r.y)]) {
-    const auto& t = mesh_.triangles[k];
-    const Vec3d &a = mesh_.corners[t[0]], &b = mesh_.corners[t[1]], &c = mesh_.corners[t[2]];
-    const bool above_or_below = crosses(r, a, b) ^ crosses(r, b, c) ^ crosses(r, c, a);
-    if (!above_or_below) continue;
-    const Vec3d n = cross(b - a, c - a);
-    const double side = dot(n, a - r);  // of the plane; the ray goes along +z
-    if (n.z > 0.0 ? side > 0.0 : side < 0.0) inside = !inside;
-  }
-  return inside;
-}
 
 Inside inside_of(const BoxRegion& region, const RegionOwner&) {
   return [=](const Vec3d& r) { return is_between(region.min, r, region.max); };
@@ -112,12 +73,24 @@ Inside inside_of(const HalfSpaceRegion& region, const RegionOwner& owner) {
 Inside inside_of(const MeshRegion& region, const RegionOwner& owner) {
   const auto file = beside_case(owner.case_file, region.file.value);
   const MeshFile read = read_mesh_file(file, region.scale, region.shift, region.file.place);
-  if (read.open_edges > 0)
+  if (read.unpaired_edges > 0)
+    throw CaseError({region.file.place,
+                     fmt::format("{}: \"{}\" has {} open edges", owner.name, region.file.value.string(),
+                                 read.unpaired_edges),
+                     "only closed surfaces have an inside",
+                     "close the holes of the mesh, or use another region"});
+  const auto inside = std::make_shared<const MeshInside>(read.surface());
+  if (inside->is_ambiguous())
     throw CaseError(
         {region.file.place,
-         fmt::format("{}: \"{}\" has {} open edges", owner.name, region.file.value.string(), read.open_edges),
-         "only closed surfaces have an inside", "close the holes of the mesh, or use another region"});
-  return [inside = std::make_shared<const MeshInside>(read.mesh)](const Vec3d& r) { return (*inside)(r); };
+         fmt::format("{}: closed surfaces of \"{}\" meet in common edges, and their triangles face both ways",
+                     owner.name, region.file.value.string()),
+         "nothing tells which of their sides belong together, so that they may cross",
+         "let all triangles face outwards, or use a file for each part"});
+  owner.notes.push_back(
+      fmt::format("{}: {}: {}", owner.name, region.file.value.filename().string(), read.text()) +
+      text_of(*inside));
+  return [inside](const Vec3d& r) { return (*inside)(r); };
 }
 
 }  // namespace vbond

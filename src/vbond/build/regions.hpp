@@ -1,14 +1,9 @@
 #pragma once
-#include <array>
-#include <cstddef>
-#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
 
 #include "vbond/case/case.hpp"
-#include "vbond/core/bounding_box.hpp"
-#include "vbond/core/triangle_mesh.hpp"
 #include "vbond/core/vec3.hpp"
 
 namespace vbond {
@@ -17,7 +12,8 @@ namespace vbond {
 struct RegionOwner {
   const std::string& case_file;
   SourcePlace place;
-  std::string name;  ///< such as `group "left"`
+  std::string name;                 ///< such as `group "left"`
+  std::vector<std::string>& notes;  ///< takes what is made of a file
 };
 
 /// True for points in a region, its boundary included.
@@ -31,23 +27,5 @@ Inside inside_of(const CylinderRegion& region, const RegionOwner& owner);
 Inside inside_of(const PlaneRegion& region, const RegionOwner& owner);
 Inside inside_of(const HalfSpaceRegion& region, const RegionOwner& owner);
 Inside inside_of(const MeshRegion& region, const RegionOwner& owner);
-
-/// Tells whether points lie in closed surfaces: a ray along +z goes out through them an odd number of times.
-/// Which way triangles face does not matter, nor whether the ray meets edges or corners. A point on the
-/// surface may be told to be on either side.
-class MeshInside {
- public:
-  explicit MeshInside(TriangleMesh mesh);
-  bool operator()(const Vec3d& r) const;
-
- private:
-  /// The strips, first and last, that a triangle reaches into.
-  std::array<std::size_t, 2> strips_of(const std::array<std::uint32_t, 3>& triangle) const;
-  std::size_t strip_of(double y) const;
-
-  TriangleMesh mesh_;
-  BoundingBox box_;
-  std::vector<std::vector<std::uint32_t>> strips_;  // equal parts of the box along y: the triangles of each
-};
 
 }  // namespace vbond

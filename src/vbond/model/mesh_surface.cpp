@@ -42,6 +42,40 @@ std::pair<std::vector<Three>, std::size_t> number_edges(const std::vector<Three>
   return {std::move(ids), count};
 }
 
+struct Segment {
+  Vec3d from, to;
+
+  double length() const { return norm(to - from); }
+  /// The part of the way, from 0 to 1, at the point closest to r.
+  double part(const Vec3d& r) const {
+    return std::clamp(dot(r - from, to - from) / norm2(to - from), 0.0, 1.0);
+  }
+  Vec3d at(double part) const { return from + part * (to - from); }
+  Vec3d closest(const Vec3d& r) const { return at(part(r)); }
+};
+
+/// From each corner to the next.
+std::array<Segment, 3> sides_of(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+  return {{{a, b}, {b, c}, {c, a}}};
+}
+
+double shortest(const std::array<Segment, 3>& sides) {
+  return std::min({sides[0].length(), sides[1].length(), sides[2].length()});
+}
+
+/// What a seam is open by at most, as a part of its length.
+constexpr double of_length = 0.05;
+
+/// How far apart two segments are where they run beside each other; infinite where they do not.
+double opening(const Segment& a, const Segment& b) {
+  constexpr double none = std::numeric_limits<double>::infinity();
+  const double first = a.part(b.from), last = a.part(b.to), length = std::abs(last - first) * a.length();
+  if (!(length > 0.0)) return none;
+  const auto apart = [&](double part) { return norm(b.closest(a.at(part)) - a.at(part)); };
+  const double widest = std::max(apart(first), apart(last));
+  return widest <= of_length * length ? widest : none;
+}
+
 }  // namespace
 
 MeshSurface::MeshSurface(const TriangleMesh& mesh) : tree_(mesh), corner_id_(mesh.triangles) {
@@ -69,6 +103,25 @@ MeshSurface::MeshSurface(const TriangleMesh& mesh) : tree_(mesh), corner_id_(mes
   std::size_t edges = 0;
   std::tie(edge_id_, edges) = number_edges(mesh.triangles);
   of_edge_ = gather(edge_id_, edges);
+  find_open_parts();
+}
+
+void MeshSurface::find_open_parts() {
+  const auto is_open = [this](std::size_t t, std::size_t k) {
+    return of_edge_.of(edge_id_[t][k]).size() == 1;
+  };
+  std::vector<char> open_corner(of_corner_.first.size(), 0);
+  for (std::size_t t = 0; t < corners_.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k)
+      if (is_open(t, k)) open_corner[corner_id_[t][k]] = open_corner[corner_id_[t][(k + 1) % 3]] = 1;
+  for (std::size_t t = 0; t < corners_.size(); ++t) {
+    open_.emplace_back();
+    for (std::size_t k = 0; k < 3; ++k) {
+      open_[t].any = open_[t].any || open_corner[corner_id_[t][k]];
+      open_[t].corner[k] = open_corner[corner_id_[t][k]] != 0;
+      open_[t].edge[k] = is_open(t, k);
+    }
+  }
 }
 
 TrianglePoint MeshSurface::closest(std::uint32_t triangle, const Vec3d& r) const {
@@ -86,6 +139,47 @@ bool MeshSurface::is_nearest_of_its_part(std::uint32_t triangle, const TriangleP
       part < 3 ? of_corner_.of(corner_id_[triangle][part]) : of_edge_.of(edge_id_[triangle][part - 3]);
   return std::none_of(holders.begin(), holders.end(), [&](std::uint32_t other) {
     return other != triangle && norm2(closest(other, centre).r - p.r) > sq(rounding_);
+  });
+}
+
+/// Whether r, on a triangle, is at a seam between it and another one that is open by less than `most`: not
+/// farther from open edges or corners of both than twice as much as they are apart. Edges that run beside
+/// each other are a seam, and so are corners, where they are apart by little against their length.
+bool MeshSurface::is_at_seam(std::uint32_t triangle, const Vec3d& r, std::uint32_t other, double most) const {
+  const Corners &t = corners_[triangle], &u = corners_[other];
+  const std::array<Segment, 3> own = sides_of(t.a, t.b, t.c), others = sides_of(u.a, u.b, u.c);
+  const auto is_near = [&](const Vec3d& on_own, const Vec3d& on_other, double zone) {
+    zone += rounding_;
+    return norm2(r - on_own) <= sq(zone) && norm2(r - on_other) <= sq(zone);
+  };
+  for (std::size_t k = 0; k < 3; ++k)
+    for (std::size_t n = 0; n < 3; ++n) {
+      const Segment &a = own[k], &b = others[n];
+      if (open_[triangle].edge[k] && open_[other].edge[n]) {
+        const double apart = opening(a, b);
+        if (apart < most && is_near(a.closest(r), b.closest(r), 2.0 * apart)) return true;
+      }
+      if (!open_[triangle].corner[k] || !open_[other].corner[n]) continue;
+      const double apart = norm(a.from - b.from);
+      if (apart < most && apart < of_length * std::min(shortest(own), shortest(others)) &&
+          is_near(a.from, b.from, 8.0 * apart))
+        return true;
+    }
+  return false;
+}
+
+/// Whether a triangle across a seam is nearer than this one, so that its touch at p does not count. Of two
+/// that are as near the first in the file counts.
+bool MeshSurface::is_beyond_a_seam(std::uint32_t triangle, const TrianglePoint& p, const Vec3d& centre,
+                                   double reach, std::span<const std::uint32_t> triangles) const {
+  if (!open_[triangle].any) return false;
+  const double distance = norm(centre - p.r);
+  return std::any_of(triangles.begin(), triangles.end(), [&](std::uint32_t other) {
+    if (other == triangle || !open_[other].any) return false;
+    const TrianglePoint q = closest(other, centre);
+    const double nearer = norm(centre - q.r), overlap = reach - nearer;
+    if (nearer > distance || (nearer == distance && other > triangle)) return false;
+    return is_at_seam(triangle, p.r, other, overlap) || is_at_seam(other, q.r, triangle, overlap);
   });
 }
 
@@ -128,6 +222,7 @@ void MeshSurface::touches_of(std::span<const std::uint32_t> triangles, const Vec
     if (!(plain(t.distance) < reach)) continue;
     if (plain(t.distance) < plain(nearest.distance)) nearest = t;
     if (!is_nearest_of_its_part(triangle, p, here)) continue;
+    if (is_beyond_a_seam(triangle, p, here, reach, triangles)) continue;
     const auto same = std::find_if(out.begin() + first, out.end(), [&](const WallTouchOf<T>& other) {
       return norm2(arm(other) - arm(t)) < sq(same_point * reach);
     });

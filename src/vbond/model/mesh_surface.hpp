@@ -18,6 +18,11 @@ namespace vbond {
 /// as one however many triangles it is made of. Points within `same_point` of the reach are one: a bend of a
 /// ten thousandth of a radian, as rounded coordinates in a file make them, is not a valley that doubles the
 /// force.
+///
+/// The same holds across a seam, where two open edges (with a triangle on one side only) run beside each
+/// other without having the same corners, apart by less than a twentieth of their length. Where a sphere is
+/// deeper in the nearer of two triangles than the seam is open, and touches one of them at the seam, only the
+/// nearer counts.
 class MeshSurface {
  public:
   static constexpr double same_point = 1e-4;
@@ -38,6 +43,11 @@ class MeshSurface {
   struct Corners {
     Vec3d a, b, c;
   };
+  /// Edges with a triangle on one side only, and corners where such edges end.
+  struct OpenParts {
+    std::array<bool, 3> corner{}, edge{};  ///< edge: from corner k to the next
+    bool any = false;
+  };
   /// For each of several things the triangles that have it.
   struct Holders {
     std::vector<std::uint32_t> first, triangles;
@@ -47,6 +57,10 @@ class MeshSurface {
   };
   TrianglePoint closest(std::uint32_t triangle, const Vec3d& r) const;
   bool is_nearest_of_its_part(std::uint32_t triangle, const TrianglePoint& p, const Vec3d& centre) const;
+  void find_open_parts();
+  bool is_beyond_a_seam(std::uint32_t triangle, const TrianglePoint& p, const Vec3d& centre, double reach,
+                        std::span<const std::uint32_t> triangles) const;
+  bool is_at_seam(std::uint32_t triangle, const Vec3d& r, std::uint32_t other, double most) const;
   template <Scalar T>
   Vec3<T> foot(std::uint32_t triangle, const TrianglePoint& p, const Vec3<T>& centre) const;
   template <Scalar T>
@@ -58,7 +72,8 @@ class MeshSurface {
   std::vector<std::array<std::uint32_t, 3>> corner_id_;  // of each triangle
   std::vector<std::array<std::uint32_t, 3>> edge_id_;    // from its corner k to the next
   Holders of_corner_, of_edge_;
-  double rounding_ = 0;  // points that differ by less may be the same  [length]
+  std::vector<OpenParts> open_;  // of each triangle
+  double rounding_ = 0;          // points that differ by less may be the same  [length]
 };
 
 }  // namespace vbond

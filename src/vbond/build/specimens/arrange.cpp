@@ -70,7 +70,7 @@ void cut(const SpecimenSpec& spec, const std::string& case_file, SpecimenPoints&
     const std::string who = fmt::format("a cut of specimen \"{}\"", spec.name);
     const Inside inside = std::visit(
         [&](const auto& region) {
-          return inside_of(region, RegionOwner{case_file, c.place, who});
+          return inside_of(region, RegionOwner{case_file, c.place, who, points.notes});
         },
         c.region);
     const std::size_t before = points.r.size(), bonds = points.bonds.size();
