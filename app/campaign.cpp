@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "prepare.hpp"
 #include "signals.hpp"
 #include "vbond/core/printable.hpp"
 #include "vbond/dynamics/kernel.hpp"
@@ -15,6 +16,7 @@
 #include "vbond/observe/files.hpp"
 #include "vbond/observe/fracture_table.hpp"
 #include "vbond/observe/quantities.hpp"
+#include "vbond/run/statics.hpp"
 
 namespace vbond::app {
 namespace {
@@ -32,6 +34,7 @@ RunSummary first_summary(const Case& c, const Model& model, int threads) {
   s.particles = static_cast<std::int64_t>(model.particles());
   s.T_0 = model.T_0;
   s.instruction_set = instruction_set();
+  if (any_statics(c)) s.blas_kernel = kernel_of_blas();
   s.threads = threads;
   return s;
 }

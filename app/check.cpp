@@ -328,7 +328,7 @@ int check(const RunOptions& options) {
   print_walls(c, model);
   print_notes(built.notes);
   if (dynamics) print_step(c, model, state, *dynamics);
-  print_machine(threads);
+  print_machine(c, threads);
   print_body(model, state);
   print_overlaps(model, state);
   print_strengths(c);

@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "blas.hpp"
 #include "command_tree.hpp"
 #include "commands.hpp"
 #include "failure.hpp"
@@ -256,6 +257,7 @@ void open_standard_streams() {
 }  // namespace
 
 int main(int argc, char** argv) {
+  app::choose_blas_kernel(argv);
   open_standard_streams();
   std::signal(SIGXFSZ, SIG_IGN);  // a file that grows beyond ulimit -f is an error of writing, which is told
   try {

@@ -14,6 +14,7 @@
 #include "vbond/dynamics/kernel.hpp"
 #include "vbond/model/step_bound.hpp"
 #include "vbond/model/swing_bound.hpp"
+#include "vbond/run/statics.hpp"
 
 namespace vbond::app {
 namespace {
@@ -104,8 +105,7 @@ OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem:
   plan.lammps_dump = o.lammps_dump;
   if (o.checkpoint_every)
     plan.checkpoint_every = output_time(*o.checkpoint_every, model, "output.checkpoint.every", c);
-  plan.statics =
-      std::any_of(c.stages.begin(), c.stages.end(), [](const StageSpec& s) { return is_static(s.kind); });
+  plan.statics = any_statics(c);
   plan.breaks = std::any_of(c.bonds.begin(), c.bonds.end(),
                             [](const BondSpec& b) { return b.recipe.rules.can_break(); });
   plan.capsules =
@@ -206,9 +206,14 @@ void print_step(const Case& c, const Model& model, const State& state, const Sta
   print_notes(times_not_met(stage));
 }
 
-void print_machine(int threads) {
+bool any_statics(const Case& c) {
+  return std::any_of(c.stages.begin(), c.stages.end(), [](const StageSpec& s) { return is_static(s.kind); });
+}
+
+void print_machine(const Case& c, int threads) {
   fmt::print("instruction set  {}, {}{} thread{}\n", instruction_set(), threads == 1 ? "" : "up to ", threads,
              threads == 1 ? "" : "s");
+  if (any_statics(c)) fmt::print("BLAS kernel      {}\n", kernel_of_blas());
   std::fflush(stdout);
 }
 

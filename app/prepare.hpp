@@ -46,7 +46,10 @@ void print_overview(const Case& c, const Model& model, const State& state);
 /// Prints the step of a stage, the critical one and where it comes from, and what the step does not meet.
 void print_step(const Case& c, const Model& model, const State& state, const Stage& stage);
 
-/// Prints what the run computes with: the instruction set of the bonds and the number of threads.
-void print_machine(int threads);
+bool any_statics(const Case& c);
+
+/// Prints what the run computes with: the instruction set of the bonds and the number of threads; for static
+/// stages the kernel of BLAS.
+void print_machine(const Case& c, int threads);
 
 }  // namespace vbond::app

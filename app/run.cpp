@@ -277,7 +277,7 @@ int run(const RunOptions& options) {
   print_notes(built.notes);
   if (const Stage* dynamics = std::get_if<Stage>(&run.prepare()))
     print_step(c, run.model(), run.current(), *dynamics);
-  print_machine(options.threads);
+  print_machine(c, options.threads);
   Campaign campaign =
       open_campaign(c, run, std::move(plan), options.threads, options.program, nullptr, start);
   campaign.building = seconds_since(start);
@@ -323,7 +323,7 @@ int resume(const fs::path& folder, const RunOptions& options) {
   campaign.building = seconds_since(start);
   say(fmt::format("resumed at step {} of stage {}, output folder {}\n", run.clock().stage_step,
                   run.stages().name(run.stage_index()), folder.string()));
-  print_machine(options.threads);
+  print_machine(c, options.threads);
   try {
     return run_to_end(campaign, options.status_lines);
   } catch (const IoError& e) {

@@ -1,4 +1,5 @@
 #include "bindings.hpp"
+#include "vbond/run/statics.hpp"
 
 PYBIND11_MODULE(_vbond, m) {
   using namespace vbond::python;
@@ -9,4 +10,10 @@ PYBIND11_MODULE(_vbond, m) {
   bind_results(m);
   bind_run(m);
   bind_files(m);
+  m.def("blas_kernel", &vbond::kernel_of_blas,
+        "The kernel of OpenBLAS with which static stages compute in this process; empty without statics.");
+  m.def("better_blas_kernel", &vbond::better_kernel_of_blas,
+        "The kernel that uses what this processor has, if the one at hand uses less, for OPENBLAS_CORETYPE "
+        "in the "
+        "environment of Python; else empty.");
 }

@@ -15,6 +15,11 @@ def rod() -> vbond.Case:
     return vbond.Case.from_dict(rod_keys(21))
 
 
+def test_the_kernel_of_blas_is_told():
+    assert vbond.blas_kernel() != ""
+    assert vbond.better_blas_kernel() != vbond.blas_kernel()
+
+
 def test_equilibrium_of_a_cantilever(rod):
     solution = vbond.equilibrium(rod, supports=[clamp], loads=[tip])
     assert solution.state.positions[-1, 1] == pytest.approx(1e-9 * 20**3 / (3 * EI), rel=1e-6)

@@ -24,6 +24,8 @@ from ._vbond import (
     State,
     StaticResult,
     __version__,
+    better_blas_kernel,
+    blas_kernel,
 )
 from . import plots
 from .cases import Case, calibrate, list_keys
@@ -35,6 +37,7 @@ from .statics import StaticSolution, buckling, equilibrium, fracture, modes, pat
 __all__ = [
     "Case", "CaseError", "CriticalLoad", "Diverged", "Error", "FractureEnergy", "FractureResult", "Frame", "IoError",
     "NaturalMode", "NoEquilibrium", "Output", "ProgramError", "Run", "RunWarning", "SpecialPoint", "StageResult", "State",
-    "StaticResult", "StaticSolution", "__version__", "buckling", "calibrate", "equilibrium", "find_program",
+    "StaticResult", "StaticSolution", "__version__", "better_blas_kernel",
+    "blas_kernel", "buckling", "calibrate", "equilibrium", "find_program",
     "fracture", "list_keys", "modes", "open", "path", "plots", "run", "sweep",
 ]

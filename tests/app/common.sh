@@ -48,7 +48,7 @@ column() {
 
 # without_times DIR: its run.json without what depends on the machine and its load.
 without_times() {
-  sed '/"bond_steps_per_second"/d; /"threads/d; /"instruction_set"/d; /"wall_time"/,/}/d' "$1/run.json"
+  sed '/"bond_steps_per_second"/d; /"threads/d; /"instruction_set"/d; /"blas_kernel"/d; /"wall_time"/,/}/d' "$1/run.json"
 }
 
 # expect_same WHOLE OTHER [OPTION...]: two output folders hold the same but status.json, run.json but for wall times and what it was

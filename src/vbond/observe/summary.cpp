@@ -143,6 +143,7 @@ std::string to_json(const RunSummary& r) {
   j["bond_steps_per_second"] =
       r.stepping_seconds > 0.0 ? static_cast<double>(r.bond_steps) / r.stepping_seconds : 0.0;
   j["instruction_set"] = r.instruction_set;
+  if (!r.blas_kernel.empty()) j["blas_kernel"] = r.blas_kernel;
   j["threads"] = r.threads;
   j["threads_used"] = r.threads_used;
   j["wall_time"] = Json::object();

@@ -63,6 +63,7 @@ struct WallSummary {
 struct RunSummary {
   std::string title, version;
   std::string instruction_set;  ///< of the bond kernel, see instruction_set()
+  std::string blas_kernel;      ///< with which static stages compute; empty if there are none
   int threads = 1;              ///< asked for
   int threads_used = 1;         ///< in the last stage; a small body is not shared out
   UnitSystem units = UnitSystem::reduced;

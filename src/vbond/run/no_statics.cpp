@@ -27,6 +27,14 @@ SolverChoice solver_of(const Model&, const StaticStage& stage, const State&) {
   refuse(stage);
 }
 
+std::string kernel_of_blas() {
+  return {};
+}
+
+std::string better_kernel_of_blas() {
+  return {};
+}
+
 ExactCriticalStep exact_step() {
   return {};
 }

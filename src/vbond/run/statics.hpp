@@ -1,5 +1,6 @@
 #pragma once
 #include <optional>
+#include <string>
 
 #include "vbond/build/build.hpp"
 #include "vbond/core/error.hpp"
@@ -20,6 +21,11 @@ std::optional<NoEquilibrium> refusal_of(const Model& model, const StaticStage& s
 
 /// How a stage that begins in this state will be solved.
 SolverChoice solver_of(const Model& model, const StaticStage& stage, const State& state);
+
+/// blas_kernel() and better_blas_kernel() (statics/blas_kernel.hpp); empty without statics, which alone use
+/// it.
+std::string kernel_of_blas();
+std::string better_kernel_of_blas();
 
 /// The exact critical step for build_stage(); empty without statics.
 ExactCriticalStep exact_step();

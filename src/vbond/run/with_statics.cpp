@@ -1,6 +1,7 @@
 #include <utility>
 
 #include "vbond/run/statics.hpp"
+#include "vbond/statics/blas_kernel.hpp"
 
 namespace vbond {
 
@@ -24,6 +25,14 @@ std::optional<NoEquilibrium> refusal_of(const Model& model, const StaticStage& s
 
 SolverChoice solver_of(const Model& model, const StaticStage& stage, const State& state) {
   return choose_solver(model, stage, state);
+}
+
+std::string kernel_of_blas() {
+  return blas_kernel();
+}
+
+std::string better_kernel_of_blas() {
+  return better_blas_kernel();
 }
 
 ExactCriticalStep exact_step() {
