@@ -38,7 +38,7 @@ bool is_one_of(const fs::path& file, const std::vector<fs::path>& files) {
 std::string next_block(std::FILE* f, const fs::path& path) {
   std::string block(1 << 20, '\0');
   block.resize(std::fread(block.data(), 1, block.size(), f));
-  if (std::ferror(f)) throw IoError("cannot read " + path.string());
+  require_read(f, path);
   return block;
 }
 

@@ -167,7 +167,7 @@ void print_swing(const Case& c, const Stage& stage, const char* unit) {
 }  // namespace
 
 void print_notes(const std::vector<std::string>& notes) {
-  for (const std::string& note : notes) fmt::print("note             {}\n", note);
+  for (const std::string& note : notes) fmt::print("note             {}\n", printable(note));
   std::fflush(stdout);
 }
 

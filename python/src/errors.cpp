@@ -35,6 +35,7 @@ py::list problems_of(const CaseError& e) {
     problem["what"] = p.what;
     problem["rule"] = p.rule;
     problem["way_out"] = p.way_out;
+    problem["more"] = p.more;
     problems.append(problem);
   }
   return problems;

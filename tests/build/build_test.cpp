@@ -221,7 +221,7 @@ TEST(Particles, OfAFileMayHaveThreeMomentsEach) {
   EXPECT_TRUE(contains(error, "its particle 0: moments of inertia 2, 3, 6")) << error;
   const TemporaryFile two("two.csv", "x,y,z,inertia_x,inertia_y\n1,0,0,2,3\n");
   EXPECT_TRUE(contains(text_of_error(case_of(CsvSpecimen{{two.path(), {"case.toml", 4, 1}}})),
-                       "inertia_x, inertia_y and inertia_z are not all there"));
+                       "inertia_x, inertia_y, inertia_z are not all there"));
 }
 
 TEST(Supports, OfTopsHoldTheirTurnsInWhole) {

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include "cases.hpp"
 #include "vbond/case/read.hpp"
 
@@ -327,14 +329,171 @@ TEST(LammpsSpecimen, BondsOfOneTypeMayBeChosen) {
 
 TEST(LammpsSpecimen, RefusesWhatItDoesNotSupportWithLineNumbers) {
   const TemporaryFile file("bad.data",
-                           "title\n\n2 atoms\n1 bonds\n3 ellipsoids\n1 elephants\n\nAtoms # full\n\n"
+                           "title\n\n2 atoms\n1 bonds\n3 ellipsoids\n1 elephants\n\nAtoms # bond\n\n"
                            "1 1 1 0 0 0\n2 1 1 1 0\n\nEllipsoids\n\n1 1 1 1\n\nBonds\n\n1 1 1\n");
   const std::string error = text_of_error(lammps_case(file.path(), "bond"));
-  for (const char* part :
-       {"bad.data:5:1: \"3 ellipsoids\" is not understood", "bad.data:6:1: \"1 elephants\"",
-        "bad.data:8:1: the file says atom style \"full\"", "bad.data:11:1: the line is not",
-        "bad.data:13:1: section \"Ellipsoids\"", "bad.data:19:1: the line is not"})
+  for (const char* part : {"bad.data:5:1: \"3 ellipsoids\" is not understood",
+                           "bad.data:6:1: \"1 elephants\"", "bad.data:11:1: the line is not",
+                           "bad.data:13:1: section \"Ellipsoids\"", "bad.data:19:1: the line is not"})
     EXPECT_TRUE(contains(error, part)) << part << "\nnot in\n" << error;
+}
+
+// ---- styles -----------------------------------------------------------------------------------------------
+
+std::string styled(const std::string& heading, const std::string& atoms) {
+  return "title\n\n2 atoms\n1 atom types\n\nMasses\n\n1 2.5\n\nAtoms " + heading + "\n\n" + atoms + "\n";
+}
+
+/// The places of its two atoms, or what is wrong; without a style in the case if it is empty.
+std::string places_of(const std::string& text, const std::string& style) {
+  const TemporaryFile file("styled.data", text);
+  Case c = lammps_case(file.path(), style);
+  if (style.empty()) std::get<LammpsSpecimen>(c.specimens[0].shape).atom_style.reset();
+  c.bonds.clear();
+  try {
+    std::string places;
+    for (const Vec3d& r : build(c).model.r_0) places += fmt::format("{} {} {};", r.x, r.y, r.z);
+    return places;
+  } catch (const CaseError& e) {
+    return e.what();
+  }
+}
+
+TEST(LammpsSpecimen, TakesTheStyleThatItsFileNamesIfTheCaseNamesNone) {
+  const char* const two = "0 1 2;3 4 5;";
+  EXPECT_EQ(places_of(styled(" #  full", "1 1 1 0.5 0 1 2\n2 1 1 0.5 3 4 5"), ""), two);
+  EXPECT_EQ(places_of(styled("# charge", "1 1 1 0 1 2\n2 1 1 3 4 5"), ""), two);
+  EXPECT_EQ(places_of(styled("# molecular", "1 1 1 0 1 2\n2 1 1 3 4 5"), "bond"), two)
+      << "they have the same columns";
+  EXPECT_EQ(places_of(styled("# I like comments", "1 1 1 0 1 2\n2 1 1 3 4 5"), "bond"), two);
+  const std::string error = places_of(styled("# full", "1 1 1 0 1 2\n2 1 1 3 4 5"), "bond");
+  EXPECT_EQ(error.find(
+                "styled.data:10:1: the file says atom style \"full\"\n  the case says atom_style = \"bond\""),
+            error.find("styled.data"))
+      << error;
+  EXPECT_FALSE(contains(error, "is not understood")) << error;
+}
+
+TEST(LammpsSpecimen, NamesTheStylesThatFitWhereNoneIsNamed) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"1 1 1 0 1 2\n2 1 1 3 4 5", "atoms of 6 fields may have the style charge, bond, angle, molecular"},
+      {"1 1 0 1 2\n2 1 3 4 5", "atoms of 5 fields may have the style atomic"},
+      {"1 1 1 0.5 0 1 2\n2 1 1 0.5 3 4 5", "atoms of 7 fields may have the style full, sphere"},
+      {"1 1 1\n2 1 1", "no style fits their 3 fields"}};
+  for (const auto& [atoms, part] : cases)
+    for (const char* heading : {"", "# I like comments"}) {
+      const std::string error = places_of(styled(heading, atoms), "");
+      EXPECT_TRUE(contains(error, part)) << part << "\nnot in\n" << error;
+      EXPECT_FALSE(contains(error, "is not understood")) << error;
+    }
+}
+
+TEST(LammpsSpecimen, RefusesStylesOfLammpsThatItDoesNotKnowOnce) {
+  for (const char* style : {"", "bpm/sphere"}) {
+    const std::string error =
+        places_of(styled("# hybrid", "1 1 0 1 2 1 0.1 1.0\n2 1 3 4 5 1 0.1 1.0"), style);
+    EXPECT_TRUE(contains(error, "the file says atom style \"hybrid\", which is not supported")) << error;
+    EXPECT_FALSE(contains(error, "is not understood")) << error;
+    EXPECT_FALSE(contains(error, "no Atoms section")) << error;
+  }
+}
+
+TEST(LammpsSpecimen, TellsTheFirstOfManyWrongAtomsAndTheirNumber) {
+  std::string atoms;
+  for (int k = 1; k <= 1000; ++k) atoms += std::to_string(k) + " 1 1 0 0\n";
+  const std::string error = places_of(styled("# bond", atoms), "");
+  EXPECT_TRUE(contains(
+      error, "styled.data:12:1: the line is not understood\n  expected: 6 fields of atom style bond"))
+      << error;
+  EXPECT_TRUE(contains(error, "and 999 more of this kind")) << error;
+  EXPECT_LT(error.size(), 1000U);
+}
+
+TEST(LammpsSpecimen, KnowsTypesByTheirLabels) {
+  const TemporaryFile file(
+      "labels.data",
+      "title\n\n3 atoms\n2 bonds\n2 atom types\n2 bond types\n\nAtom Type Labels\n\n1 sand\n2 "
+      "Bonds\n\nBond Type Labels\n\n1 glue\n2 lime\n\nMasses\n\nsand 1.5\n2 3\n\nAtoms # "
+      "bond\n\n1 1 sand 0 0 0\n2 1 Bonds 1 0 0\n3 1 1 2 0 0\n\nBonds\n\n1 lime 1 2\n2 1 2 3\n");
+  Case c = lammps_case(file.path(), "bond");
+  const Built b = build(c);
+  EXPECT_EQ(b.model.mass.values(), (std::vector<double>{1.5, 3, 1.5}));
+  EXPECT_EQ(numbers(b.model, "type-1"), (std::vector<std::size_t>{0, 2}));
+  c.bonds[0].select.value = SpecimenPairs{2};
+  EXPECT_EQ(build(c).state.bonds.size(), 1U);
+  EXPECT_TRUE(contains(b.notes[0], "labels of atom types stand for their numbers: Bonds is 2, sand is 1"))
+      << b.notes[0];
+}
+
+TEST(LammpsSpecimen, RefusesTypesThatItsHeaderDoesNotCount) {
+  EXPECT_TRUE(contains(places_of(styled("# bond", "1 1 1 0 1 2\n2 1 9 3 4 5"), ""),
+                       "styled.data:13:1: atom type 9\n  the header declares 1 atom types"));
+}
+
+// ---- periodic boxes ---------------------------------------------------------------------------------------
+
+/// A chain of n atoms along x at distance 1 in a box of `box` with these bonds.
+std::string chain_in_box(int n, double box, const std::string& bonds, const std::string& tilt = "") {
+  std::string text = fmt::format(
+      "title\n\n{} atoms\n\n0 {} xlo xhi\n-5 5 ylo yhi\n-5 5 zlo zhi\n{}\nMasses\n\n1 "
+      "1\n\nAtoms # bond\n\n",
+      n, box, tilt);
+  for (int k = 1; k <= n; ++k) text += fmt::format("{} 1 1 {} 0 0\n", k, k - 0.5);
+  text += "\nBonds\n\n";
+  for (int k = 1; k < n; ++k) text += fmt::format("{} 1 {} {}\n", k, k, k + 1);
+  return text + bonds;
+}
+
+TEST(LammpsSpecimen, RefusesBondsThroughAPeriodicBoundaryWhereTheyAreWanted) {
+  const TemporaryFile file("ring.data", chain_in_box(10, 10, "10 2 10 1\n"));
+  Case c = lammps_case(file.path(), "bond");
+  const std::string error = text_of_error(c);
+  EXPECT_TRUE(
+      contains(error,
+               "1 bonds of the file go through a boundary of its periodic box; the first, of particles 9 "
+               "and 0, would be 9 long and is 1 through the boundary"))
+      << error;
+  EXPECT_TRUE(contains(error, "nothing is periodic here")) << error;
+  c.bonds[0].select.value = SpecimenPairs{1};
+  EXPECT_EQ(build(c).state.bonds.size(), 9U);
+  c.bonds = {bonds_within(1.1)};
+  EXPECT_EQ(build(c).state.bonds.size(), 9U);
+}
+
+// The boundary of a tilted box is passed along its edge (2, 6, 0): from (0.5, 0, 0) to (2.5, 5, 0) and on
+// by 1.
+TEST(LammpsSpecimen, KnowsBondsThroughTheBoundaryOfATiltedBox) {
+  std::string text =
+      "title\n\n6 atoms\n\n0 10 xlo xhi\n0 6 ylo yhi\n0 6 zlo zhi\n2 0 0 xy xz yz\n\nMasses\n\n1 "
+      "1\n\nAtoms # bond\n\n";
+  for (int k = 0; k < 6; ++k) text += fmt::format("{} 1 1 {} {} 0\n", k + 1, 0.5 + k / 3.0, k);
+  const TemporaryFile file("tilted.data",
+                           text + "\nBonds\n\n1 1 1 2\n2 1 2 3\n3 1 3 4\n4 1 4 5\n5 1 5 6\n6 1 6 1\n");
+  EXPECT_TRUE(
+      contains(text_of_error(lammps_case(file.path(), "bond")), "1 bonds of the file go through a boundary"));
+}
+
+TEST(LammpsSpecimen, NotesBondsThatMayBeMeantThroughTheBoundaryOfASmallBox) {
+  const TemporaryFile file("small.data", chain_in_box(3, 2.6, "3 1 1 3\n"));
+  const Built b = build(lammps_case(file.path(), "bond"));
+  ASSERT_EQ(b.notes.size(), 1U);
+  EXPECT_TRUE(contains(b.notes[0], "1 bonds are longer than half of the box")) << b.notes[0];
+}
+
+// None of these bonds means the boundary: a body as large as its box, second neighbours of a short chain, a
+// string from end to end whose ends are one place by the box.
+TEST(LammpsSpecimen, TakesLongBondsOfBodiesThatFillTheirBox) {
+  const std::pair<std::pair<int, double>, const char*> cases[] = {{{2, 1.0}, ""},
+                                                                  {{2, 1.5}, ""},
+                                                                  {{3, 2.0}, "3 1 1 3\n"},
+                                                                  {{3, 2.2}, "3 1 1 3\n"},
+                                                                  {{3, 2.6}, "3 1 1 3\n"},
+                                                                  {{10, 9.0}, "10 1 1 10\n"},
+                                                                  {{10, 40.0}, "10 1 1 10\n"}};
+  for (const auto& [chain, more] : cases) {
+    const TemporaryFile file("small.data", chain_in_box(chain.first, chain.second, more));
+    EXPECT_EQ(text_of_error(lammps_case(file.path(), "bond")), "") << chain.first << " in " << chain.second;
+  }
 }
 
 TEST(LammpsSpecimen, RefusesAnAtomWithAFieldThatIsNoNumber) {

@@ -250,6 +250,37 @@ TEST(CaseRules, MassAndInertiaAreNeededUnlessAFileHasThem) {
   expect_accepted(stage + "[[specimen]]\nkind = \"csv\"\nfile = \"points.csv\"\n");
 }
 
+// What other programs have and this one has not yet: one report that names what can be done instead.
+TEST(CaseRules, BondsByTheGapOrTheRadiiOfAPairAreRefusedByName) {
+  const std::string stiffness = "stiffness = { c_A = 1, c_D = 0.3, c_B = 0.04, c_T = 0.03 }\n";
+  const std::string gap = report(rod + "[[bonds]]\ngap = 0.01\n" + stiffness + stage);
+  EXPECT_EQ(
+      gap.find("case.toml:7:1: bonds[0].gap = 0.01\n  bonds cannot be selected by the gap between surfaces"),
+      0U)
+      << gap;
+  EXPECT_NE(gap.find("list the pairs in a file"), std::string::npos) << gap;
+  EXPECT_EQ(gap.find("exactly one of"), std::string::npos) << gap;
+  const std::string section =
+      report(rod +
+             "[[bonds]]\ndistance = 1.1\ntheory = \"timoshenko\"\nE = 1\nnu = 0.2\nsection = "
+             "{ shape = \"circle\", diameter = \"particles\" }\n" +
+             stage);
+  EXPECT_EQ(section.find("case.toml:11:31: bonds[0].section.diameter = \"particles\"\n  must be a length"),
+            0U)
+      << section;
+  EXPECT_NE(section.find("a [[bonds]] table with its own diameter"), std::string::npos) << section;
+}
+
+// 1e5 unknown keys made a report of 33 MB.
+TEST(CaseRules, ManyMistakesOfAKindAreCounted) {
+  std::string keys;
+  for (int k = 0; k < 100000; ++k) keys += "colour" + std::to_string(k) + " = 1\n";
+  const std::string text = report(rod + keys + stage);
+  EXPECT_NE(text.find("case.toml:6:1: specimen[0].colour0 = 1"), std::string::npos) << text.substr(0, 500);
+  EXPECT_NE(text.find("and 99980 more of this kind"), std::string::npos);
+  EXPECT_LT(text.size(), 20000U);
+}
+
 TEST(CaseRules, SpecimensStayBelowAHundredMillionParticles) {
   const std::string tail = "\nmass = 1\ninertia = 1\n" + stage;
   expect_refused("[[specimen]]\nkind = \"block\"\ncells = [100000, 100000, 100000]" + tail, "more than 1e8");

@@ -1,18 +1,10 @@
 #include "vbond/build/bonds.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
-#include <set>
-#include <stdexcept>
-#include <unordered_map>
 
-#include "vbond/build/groups.hpp"
-#include "vbond/build/text_file.hpp"
-#include "vbond/core/memory.hpp"
-#include "vbond/core/near_pairs.hpp"
 #include "vbond/model/bond_sums.hpp"
 #include "vbond/model/capsules.hpp"
 #include "vbond/model/energies.hpp"
@@ -20,171 +12,6 @@
 
 namespace vbond {
 namespace {
-
-std::uint64_t key(ParticleId i, ParticleId j) {
-  return static_cast<std::uint64_t>(std::min(i, j).value) << 32 | std::max(i, j).value;
-}
-
-const SourcePlace& place_of_selection(const BondSpec& spec) {
-  return spec.select.place.file.empty() ? spec.place : spec.select.place;
-}
-
-/// Selects the pairs of one bond set.
-struct Selection {
-  const Case& c;
-  const BondSpec& spec;
-  std::uint32_t set;
-  const Model& model;
-  const State& state;
-  Problems& problems;
-  std::vector<char> in_a, in_b;
-  std::unordered_map<std::uint64_t, std::uint32_t> bonded;  ///< by which set
-
-  bool joins_groups(ParticleId i, ParticleId j) const {
-    return (in_a[i.value] && in_b[j.value]) || (in_a[j.value] && in_b[i.value]);
-  }
-
-  std::vector<Pair> operator()(const WithinDistance& within) {
-    if (!(within.distance > 0.0)) {
-      problems.add(place_of_selection(spec),
-                   fmt::format("bonds \"{}\": distance = {}", spec.name, within.distance), "must be > 0",
-                   "use a little more than the spacing");
-      return {};
-    }
-    std::vector<Pair> pairs = pairs_in_memory(within.distance);
-    if (pairs.empty() && spec.when == BondTime::start) {
-      std::string nearest = "none within 16 times that distance";
-      for (double d = 2.0; d <= 16.0 && pairs.empty(); d *= 2.0) {
-        pairs = pairs_in_memory(d * within.distance);
-        double least = INFINITY;
-        for (const auto& [i, j] : pairs) least = std::min(least, norm(state.r[j] - state.r[i]));
-        if (!pairs.empty()) nearest = fmt::format("the nearest are {:.6g} apart", least);
-      }
-      problems.add(place_of_selection(spec),
-                   fmt::format("bonds \"{}\": no pair is within {}", spec.name, within.distance),
-                   fmt::format("between groups \"{}\" and \"{}\": {}", spec.between[0].value,
-                               spec.between[1].value, nearest),
-                   "use a larger distance or other groups");
-      return {};
-    }
-    const auto is_bonded = [this](const Pair& p) { return bonded.count(key(p[0], p[1])) > 0; };
-    pairs.erase(std::remove_if(pairs.begin(), pairs.end(), is_bonded), pairs.end());
-    return pairs;
-  }
-
-  /// Refuses more than memory holds before it holds them: a distance in a wrong unit joins everything to
-  /// everything.
-  std::vector<Pair> pairs_in_memory(double distance) const {
-    const double limit = memory_limit(), most = limit / static_cast<double>(sizeof(Pair) + sizeof(Bond));
-    try {
-      return pairs_within(state.r.values(), distance, in_a, in_b, most);
-    } catch (const std::length_error&) {
-      throw CaseError({place_of_selection(spec),
-                       fmt::format("bonds \"{}\": more than {:.3g} pairs of {} particles are within {}",
-                                   spec.name, most, state.r.size(), distance),
-                       fmt::format("bonds of that many take more memory than the {:.3g} GiB there may be",
-                                   limit / 0x1p30),
-                       "use a little more than the spacing; is the distance in the right unit?"});
-    }
-  }
-
-  std::vector<Pair> operator()(const ListedPairs& listed) {
-    std::vector<Pair> pairs;
-    for (const auto& [i, j] : listed.pairs) take(i, j, place_of_selection(spec), pairs);
-    return ordered(std::move(pairs));
-  }
-
-  std::vector<Pair> operator()(const PairsFile& pairs_file) {
-    const auto file = beside_case(c.file, pairs_file.file);
-    const CsvTable table = read_csv(file, place_of_selection(spec), {"i", "j"}, {"i", "j"});
-    const std::size_t column_i = *table.find("i"), column_j = *table.find("j");
-    std::vector<Pair> pairs;
-    for (std::size_t row = 0; row < table.rows.size(); ++row) {
-      const SourcePlace at{file.string(), table.lines[row], 1};
-      const auto i = to_integer(table.rows[row][column_i]), j = to_integer(table.rows[row][column_j]);
-      if (i && j)
-        take(*i, *j, at, pairs);
-      else
-        problems.add(at, "the row is not two whole numbers", "i and j are particle numbers from 0",
-                     "correct the row");
-    }
-    return ordered(std::move(pairs));
-  }
-
-  /// The file is read again: bonds of a later stage come from it too, and the model does not keep them.
-  std::vector<Pair> operator()(const SpecimenPairs& wanted) {
-    std::vector<Pair> pairs;
-    std::set<std::int64_t> types;
-    for (const SpecimenSpec& specimen : c.specimens) {
-      if (!std::holds_alternative<LammpsSpecimen>(specimen.shape)) continue;
-      const auto first = model.find_group(specimen.name)->particles.front().value;
-      for (const FileBond& bond : make_specimen(specimen, c.file).bonds) {
-        types.insert(bond.type);
-        if (wanted.bond_type && bond.type != *wanted.bond_type) continue;
-        const ParticleId p{first + static_cast<std::size_t>(bond.pair[0])},
-            q{first + static_cast<std::size_t>(bond.pair[1])};
-        if (joins_groups(p, q)) take(p.value, q.value, place_of_selection(spec), pairs);
-      }
-    }
-    if (pairs.empty() && wanted.bond_type && !types.empty())
-      problems.add(place_of_selection(spec),
-                   fmt::format("bonds \"{}\": no bond of type {}", spec.name, *wanted.bond_type),
-                   fmt::format("between these groups the files have none; they have the bond types {}",
-                               fmt::join(types, ", ")),
-                   "choose one of these, or other groups");
-    else if (pairs.empty() && problems.none())
-      problems.add(place_of_selection(spec), fmt::format("bonds \"{}\": no specimen brings bonds", spec.name),
-                   "only LAMMPS data files with a Bonds section do", "select by distance or by pairs");
-    return ordered(std::move(pairs));
-  }
-
-  /// One explicit pair, if it can be bonded.
-  void take(std::int64_t number_i, std::int64_t number_j, const SourcePlace& place,
-            std::vector<Pair>& pairs) {
-    const std::string what = fmt::format("bonds \"{}\"", spec.name);
-    const auto i = look_up_particle(number_i, model, what, place, problems);
-    const auto j = look_up_particle(number_j, model, what, place, problems);
-    if (!i || !j) return;
-    const auto refuse = [&](const char* rule, const char* way_out) {
-      problems.add(place, fmt::format("{}: pair {}, {}", what, number_i, number_j), rule, way_out);
-    };
-    if (i == j) return refuse("a bond joins two different particles", "correct the pair");
-    if (!joins_groups(*i, *j))
-      return refuse("the pair does not join the two groups of `between`", "correct the pair or the groups");
-    const auto [earlier, is_new] = bonded.emplace(key(*i, *j), new_pair);
-    if (is_new)
-      pairs.push_back({std::min(*i, *j), std::max(*i, *j)});
-    else if (earlier->second == new_pair)
-      refuse("the pair is there twice", "remove one of them");
-    else if (earlier->second != set)
-      refuse("the pair is bonded already by another bond set", "remove it from one of the two");
-  }
-
-  static std::vector<Pair> ordered(std::vector<Pair> pairs) {
-    std::sort(pairs.begin(), pairs.end());
-    return pairs;
-  }
-
-  static constexpr std::uint32_t new_pair = 0xffffffff;  // no bond set has this number
-};
-
-std::vector<Pair> select_pairs(const Case& c, std::size_t set, const Model& model, const State& state,
-                               Problems& problems) {
-  const BondSpec& spec = c.bonds[set];
-  const Group* a = look_up_group(spec.between[0], model, problems);
-  const Group* b = look_up_group(spec.between[1], model, problems);
-  if (a == nullptr || b == nullptr) return {};
-  Selection selection{c,     spec,     static_cast<std::uint32_t>(set), model,
-                      state, problems, membership(*a, model),           membership(*b, model),
-                      {}};
-  for (const Bond& bond : state.bonds) selection.bonded[key(bond.i, bond.j)] = bond.set;
-  try {
-    return std::visit(selection, spec.select.value);
-  } catch (const CaseError& e) {  // of a file
-    problems.add(e);
-    return {};
-  }
-}
 
 /// The first mistake of a bond set is told in full, the others are counted.
 struct FirstAndCount {
@@ -234,18 +61,6 @@ void refuse_broken_by_prestrain(const BondSpec& spec, const std::string& what, P
                fmt::format("bonds \"{}\": prestrain = {}: {}", spec.name, spec.recipe.prestrain, what),
                "its prestrain alone uses up the strength, so that it is broken as it is made",
                "use a prestrain nearer to 0, or a larger strength");
-}
-
-std::vector<Pair> pairs_within(const std::vector<Vec3d>& r, double distance, const std::vector<char>& in_a,
-                               const std::vector<char>& in_b, double most) {
-  std::vector<Pair> pairs;
-  for_near_pairs(r, distance, [&](std::size_t i, std::size_t j, double) {
-    if (!((in_a[i] && in_b[j]) || (in_a[j] && in_b[i]))) return;
-    if (static_cast<double>(pairs.size()) >= most) throw std::length_error("too many pairs");
-    pairs.push_back({ParticleId{i}, ParticleId{j}});
-  });
-  std::sort(pairs.begin(), pairs.end());
-  return pairs;
 }
 
 void add_bonds(const Case& c, std::size_t set, const Model& model, State& state, Problems& problems) {

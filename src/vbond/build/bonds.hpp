@@ -1,26 +1,16 @@
 #pragma once
-#include <array>
-#include <cstdint>
-#include <limits>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "vbond/build/problems.hpp"
+#include "vbond/build/bond_pairs.hpp"
 #include "vbond/case/case.hpp"
+#include "vbond/core/problems.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
 
 namespace vbond {
-
-/// Two particles to be bonded, i < j.
-using Pair = std::array<ParticleId, 2>;
-
-/// All pairs with one end in each group and centres no farther apart than `distance` > 0, in order of (i, j).
-/// Throws std::length_error if they are more than `most`.
-std::vector<Pair> pairs_within(const std::vector<Vec3d>& r, double distance, const std::vector<char>& in_a,
-                               const std::vector<char>& in_b,
-                               double most = std::numeric_limits<double>::infinity());
 
 /// Makes the bonds of set number `set` of the case between the particles as they stand in `state`, in order
 /// of (i, j), i < j. Pairs bonded already are passed over if selected by distance or bonded by this same

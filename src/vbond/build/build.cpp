@@ -124,7 +124,8 @@ void add_particles(const PlacedSpecimen& s, std::uint32_t number, Built& built, 
     model.radius.push_back(properties.radius(i));
     model.specimen.push_back(number);
     model.r_0.push_back(s.points.r[i]);
-    built.state.q.push_back(s.points.q);
+    built.state.q.push_back(
+        s.points.orientations.empty() ? s.points.q : normalised(s.points.q * s.points.orientations[i]));
     built.state.v.push_back(s.points.v.empty() ? Vec3d{} : s.points.v[i]);
     built.state.omega.push_back(s.points.omega.empty() ? Vec3d{} : s.points.omega[i]);
   }
@@ -297,6 +298,7 @@ Built build(const Case& c) {
   problems.throw_if_any();
   check_durations(c, built, problems);
   problems.throw_if_any();
+  for (std::string& note : notes_on_pairs(c)) built.notes.push_back(std::move(note));
   for (std::string& note : notes_on_prestrain(c, model, state)) built.notes.push_back(std::move(note));
   return built;
 }

@@ -77,10 +77,10 @@ void add_parts(const std::vector<PlacedSpecimen>& specimens, Adder& add) {
 
 /// Records that there is no particle of this number, however it was written.
 void refuse_particle(const std::string& number, const Model& model, const std::string& what,
-                     const SourcePlace& place, Problems& problems) {
+                     const SourcePlace& place, Problems& problems,
+                     const char* way_out = "use a number in that range") {
   problems.add(place, fmt::format("{}: there is no particle {}", what, number),
-               fmt::format("particles are numbered 0 to {}", model.particles() - 1),
-               "use a number in that range");
+               fmt::format("particles are numbered 0 to {}", model.particles() - 1), way_out);
 }
 
 }  // namespace
@@ -112,10 +112,11 @@ const Group* look_up_group(const Placed<std::string>& name, const Model& model, 
 }
 
 std::optional<ParticleId> look_up_particle(std::int64_t number, const Model& model, const std::string& what,
-                                           const SourcePlace& place, Problems& problems) {
+                                           const SourcePlace& place, Problems& problems,
+                                           const char* way_out) {
   if (number >= 0 && static_cast<std::size_t>(number) < model.particles())
     return ParticleId{static_cast<std::size_t>(number)};
-  refuse_particle(std::to_string(number), model, what, place, problems);
+  refuse_particle(std::to_string(number), model, what, place, problems, way_out);
   return std::nullopt;
 }
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "vbond/build/problems.hpp"
 #include "vbond/build/specimens/specimen.hpp"
+#include "vbond/core/problems.hpp"
 #include "vbond/model/model.hpp"
 
 namespace vbond {
@@ -28,7 +28,8 @@ const Group* look_up_group(const Placed<std::string>& name, const Model& model, 
 
 /// The particle of that number; if there is none, records it. `what` names the key.
 std::optional<ParticleId> look_up_particle(std::int64_t number, const Model& model, const std::string& what,
-                                           const SourcePlace& place, Problems& problems);
+                                           const SourcePlace& place, Problems& problems,
+                                           const char* way_out = "use a number in that range");
 
 /// The volume that a group of output.history.stress takes up; if it has none, records it.
 double look_up_volume(const StressSpec& s, const Model& model, Problems& problems);

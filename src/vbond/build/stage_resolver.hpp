@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "vbond/build/problems.hpp"
 #include "vbond/case/case.hpp"
+#include "vbond/core/problems.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"

@@ -1,6 +1,6 @@
 #pragma once
 #include "vbond/build/build.hpp"
-#include "vbond/build/problems.hpp"
+#include "vbond/core/problems.hpp"
 
 namespace vbond {
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -11,7 +12,7 @@
 namespace vbond {
 
 /// All lines of a file that a case names, without line ends (LF or CR LF).
-/// Throws CaseError at `place`, where the case names it, if it cannot be read.
+/// Throws CaseError at `place`, where the case names it, if it cannot be opened; IoError if reading fails.
 std::vector<std::string> read_lines(const std::filesystem::path& file, const SourcePlace& place);
 
 /// All bytes of such a file. Throws like read_lines.
@@ -22,26 +23,27 @@ std::filesystem::path beside_case(const std::string& case_file, const std::files
 
 /// The words of a line, separated by blanks and tabs.
 std::vector<std::string_view> words_of(std::string_view line);
-/// The fields of a line between commas, blanks around them taken off.
-std::vector<std::string_view> fields_of(std::string_view line);
-
 /// A finite number, if that is all the text holds.
 std::optional<double> to_number(std::string_view text);
 /// A whole number, if that is all the text holds.
 std::optional<std::int64_t> to_integer(std::string_view text);
 
-/// A table of numbers with named columns: a header line, then one line per row; empty lines and lines
-/// that begin with # are passed over.
-struct CsvTable {
-  std::vector<std::string> columns;
-  std::vector<std::vector<std::string>> rows;  ///< as many fields as columns
-  std::vector<std::uint32_t> lines;            ///< line number of each row, from 1
-  std::optional<std::size_t> find(std::string_view column) const;
-};
+/// The numbers of particles in a file of pairs, and what to say where one of them is wrong.
+class PairNumbers {
+ public:
+  explicit PairNumbers(std::int64_t particles) : particles_(particles) {}
+  void see(std::int64_t number) {
+    least_ = std::min(least_, number);
+    largest_ = std::max(largest_, number);
+  }
+  const char* way_out() const {
+    return least_ == 1 && largest_ == particles_
+               ? "its numbers seem to count from 1: subtract 1 from all of them"
+               : "correct the pair";
+  }
 
-/// Reads such a table whose columns are among `known` and include `required`.
-/// Throws CaseError with all mistakes of the file.
-CsvTable read_csv(const std::filesystem::path& file, const SourcePlace& place,
-                  const std::vector<std::string>& known, const std::vector<std::string>& required);
+ private:
+  std::int64_t particles_, least_ = INT64_MAX, largest_ = INT64_MIN;
+};
 
 }  // namespace vbond

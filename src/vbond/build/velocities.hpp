@@ -1,6 +1,6 @@
 #pragma once
-#include "vbond/build/problems.hpp"
 #include "vbond/case/case.hpp"
+#include "vbond/core/problems.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
 

@@ -7,8 +7,8 @@
 
 #include "vbond/build/build.hpp"
 #include "vbond/build/groups.hpp"
-#include "vbond/build/problems.hpp"
 #include "vbond/build/stage_resolver.hpp"
+#include "vbond/core/problems.hpp"
 #include "vbond/model/static_stage.hpp"
 #include "vbond/model/wall.hpp"
 

@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "vbond/case/csv_columns.hpp"
 #include "vbond/case/placed.hpp"
 #include "vbond/case/region_spec.hpp"
 #include "vbond/case/wall_spec.hpp"
@@ -75,14 +76,33 @@ struct HelixSpecimen {         ///< about z, starting on +x
   Vec3d origin;  ///< centre of the first turn's circle
 };
 
-struct CsvSpecimen {  ///< header line names columns x, y, z and optionally radius, mass, inertia or its three
+/// The unit of a column, and what its numbers are multiplied by.
+struct ColumnUnit {
+  std::string text;
+  double factor = 1;
+};
+
+struct CsvSpecimen {                   ///< what stands in it: csv_columns, in whose order the arrays are
   Placed<std::filesystem::path> file;  ///< relative to the case file
+  /// Names in the header of the file. Without any, columns have the names of csv_columns, and others are
+  /// refused; else those without a name are not read.
+  std::array<std::optional<std::string>, csv_columns.size()> columns{};
+  std::array<std::optional<ColumnUnit>, csv_columns.size()> units{};
+  double scale = 1;                                           ///< of lengths
+  std::optional<Placed<std::filesystem::path>> bonds_file{};  ///< CSV with pairs of rows of `file`
+
+  bool names_columns() const {
+    return std::any_of(columns.begin(), columns.end(), [](const auto& name) { return name.has_value(); });
+  }
+  bool has_units() const {
+    return std::any_of(units.begin(), units.end(), [](const auto& unit) { return unit.has_value(); });
+  }
 };
 
 struct LammpsSpecimen {  ///< `atom_style bond` / `molecular` / `full` / `bpm/sphere`-like data file with its
                          ///< Bonds section
   Placed<std::filesystem::path> file;
-  std::string atom_style = "bond";
+  std::optional<std::string> atom_style;  ///< absent: that which the file names
   bool velocities = true;  ///< its Velocities section, if there is one, is where the run begins
 };
 
@@ -135,7 +155,7 @@ struct ListedPairs {
 struct PairsFile {
   std::filesystem::path file;
 };                                        ///< CSV with header i,j
-struct SpecimenPairs {                    ///< the bonds of a LAMMPS data file
+struct SpecimenPairs {                    ///< the bonds of a LAMMPS data file, or of a bonds_file
   std::optional<std::int64_t> bond_type;  ///< only those of this type of the file
 };
 enum class BondTime : std::uint8_t { start, stage, approach };

@@ -47,13 +47,29 @@ struct KappaCodec {
   std::string example(UnitSystem) const { return "0.9"; }
 };
 
+/// The diameter of a section. Sections that differ from pair to pair are refused by name.
+struct DiameterCodec : NumberCodec {
+  bool read(const Node& n, ReadContext& in, const std::string& path, double& out) const {
+    const auto* word = std::get_if<std::string>(&n.value);
+    if (word && *word == "particles")
+      return in.refuse(
+          n, path,
+          "must be a length: all bonds of a set have the same section, whatever the radii of "
+          "their particles",
+          "give each size of particles a group and each pair of groups, by `between`, a [[bonds]] "
+          "table with its own diameter");
+    return NumberCodec::read(n, in, path, out);
+  }
+};
+
 void describe_form(Table& t, SectionForm& form, Section& section) {
   t.key("shape", form.shape,
         ChoiceCodec<Shape>{{"circle", "annulus", "square", "given"},
                            {Shape::circle, Shape::annulus, Shape::square, Shape::given}},
         required, "form of the cross-section");
-  t.when(form.shape == Shape::circle || form.shape == Shape::annulus, "shape = \"circle\" or \"annulus\"",
-         [&] { t.key("diameter", form.diameter, positive(length), required, "outer diameter"); });
+  t.when(
+      form.shape == Shape::circle || form.shape == Shape::annulus, "shape = \"circle\" or \"annulus\"",
+      [&] { t.key("diameter", form.diameter, DiameterCodec{positive(length)}, required, "outer diameter"); });
   t.when(form.shape == Shape::annulus, "shape = \"annulus\"", [&] {
     t.key("inner_diameter", form.inner_diameter, not_negative(length), required,
           "inner diameter, < diameter");
@@ -283,7 +299,12 @@ void describe(Table& t, BondSpec& b) {
   describe_time(t, b);
 
   const std::vector<std::string> selections{"distance", "pairs", "file", "from_specimen"};
-  const std::size_t selection = t.exactly_one(selections, b.select.value.index());
+  t.refuse_key(
+      "gap", "bonds cannot be selected by the gap between surfaces, only by the distance of centres",
+      "list the pairs in a file (file = \"pairs.csv\", columns i, j); or give each size of particles a "
+      "group and each pair of groups, by `between`, a [[bonds]] table with distance = R_i + R_j + gap");
+  const std::size_t selection =
+      t.is_given("gap") ? selections.size() : t.exactly_one(selections, b.select.value.index());
   t.alternatives(b.select.value, selection, selections);
   t.locate(b.select.place);
   if (selection < selections.size()) t.locate(b.select.place, selections[selection]);
@@ -329,12 +350,14 @@ void describe(Table& t, ListedPairs& s) {
 
 void describe(Table& t, PairsFile& s) {
   t.key("file", s.file, FileCodec{}, required,
-        "CSV file with header i,j and a pair of particle numbers per line");
+        "CSV file with header i,j and a pair of particle numbers per line, counted from 0 when specimens are "
+        "cut and copied");
 }
 
 void describe(Table& t, SpecimenPairs& s) {
   bool yes = true;
-  t.key("from_specimen", yes, FlagCodec{}, required, "true: the bonds that the specimens' files bring along");
+  t.key("from_specimen", yes, FlagCodec{}, required,
+        "true: the bonds that LAMMPS data files and bonds_file of CSV specimens bring along");
   t.check(yes, {"from_specimen"}, "can only be true", "leave it out and select by distance, pairs or file");
   t.key("bond_type", s.bond_type, CountCodec{1}, default_is("bonds of all types"),
         "only those of this bond type of the file");

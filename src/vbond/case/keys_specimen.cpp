@@ -1,5 +1,7 @@
 #include <cmath>
 #include <numbers>
+#include <set>
+#include <string>
 
 #include "vbond/case/keys.hpp"
 #include "vbond/physics/top.hpp"
@@ -179,15 +181,46 @@ void describe(Table& t, HelixSpecimen& s) {
 
 void describe(Table& t, CsvSpecimen& s) {
   t.key("file", s.file, FileCodec{}, required,
-        "header line with x, y, z and optionally radius, mass, inertia, or inertia_x, inertia_y, inertia_z");
+        "CSV file with a header line and a line for each particle: x, y, z and what `columns` lists besides");
+  t.table(
+      "columns", optional,
+      "the names that columns have in the header of the file; those that are not named here are not read",
+      [&s](Table& c) {
+        for (std::size_t k = 0; k < csv_columns.size(); ++k)
+          c.key(csv_columns[k].name, s.columns[k], TextCodec{}, k < 3 ? required : optional,
+                csv_columns[k].meaning);
+      },
+      s.names_columns());
+  std::set<std::string> names;
+  bool once = true;
+  for (const auto& name : s.columns) once = once && (!name || names.insert(*name).second);
+  t.check(once, {"columns"}, "no column of the file may be read as two", "correct the names");
+  t.table(
+      "units", optional, "units of columns, in SI cases; columns that are not named here are in SI units",
+      [&s](Table& u) {
+        for (std::size_t k = 0; k < csv_columns.size(); ++k) {
+          if (csv_columns[k].dimension == pure) continue;
+          const UnitCodec unit{csv_columns[k].dimension};
+          u.key(csv_columns[k].name, s.units[k], unit, optional, csv_columns[k].meaning);
+        }
+      },
+      s.has_units());
+  t.key("scale", s.scale, positive(pure), optional,
+        "factor of the lengths in the file: of positions, radii and velocities; of moments of inertia its "
+        "square");
+  t.check(s.scale == 1.0 || !s.has_units(), {"scale", "units"}, "only one of scale and units may be given",
+          "keep one of them; a unit says the same for one column");
+  t.key("bonds_file", s.bonds_file, FileCodec{}, optional,
+        "CSV file of bonds for from_specimen: pairs i, j of particles of `file`, counted from 0, and "
+        "optionally a type; they go with the particles through cut, turn, move and array");
 }
 
 void describe(Table& t, LammpsSpecimen& s) {
   t.key("file", s.file, FileCodec{}, required, "LAMMPS data file; its Bonds section serves from_specimen");
   static const std::vector<std::string> styles{"atomic",    "charge", "bond",   "angle",
                                                "molecular", "full",   "sphere", "bpm/sphere"};
-  t.key("atom_style", s.atom_style, ChoiceCodec<std::string>{styles, styles}, optional,
-        "LAMMPS atom_style of the file");
+  t.key("atom_style", s.atom_style, ChoiceCodec<std::string>{styles, styles},
+        default_is("that which the file names, as in `Atoms # bond`"), "LAMMPS atom_style of the file");
   t.key("velocities", s.velocities, FlagCodec{}, optional,
         "the particles begin with the Velocities section of the file, if it has one");
 }

@@ -1,17 +1,13 @@
 #include "vbond/case/read.hpp"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <iostream>
 #include <set>
-#include <sstream>
 
 #include "vbond/case/change.hpp"
 #include "vbond/case/keys.hpp"
 #include "vbond/case/reader.hpp"
 #include "vbond/core/nearest.hpp"
+#include "vbond/core/read_file.hpp"
 
 namespace vbond {
 namespace {
@@ -99,27 +95,19 @@ Case parse_case(std::string_view text, const std::filesystem::path& file,
   check_names(c, in);
   check_stage_references(c, in);
 
-  if (!in.problems.empty()) {
-    std::stable_sort(in.problems.begin(), in.problems.end(), [](const Problem& a, const Problem& b) {
+  if (!in.problems.none()) {
+    std::vector<Problem> problems = in.problems.shown();
+    std::stable_sort(problems.begin(), problems.end(), [](const Problem& a, const Problem& b) {
       return a.place.line != b.place.line ? a.place.line < b.place.line : a.place.column < b.place.column;
     });
-    throw CaseError(std::move(in.problems));
+    throw CaseError(std::move(problems));
   }
   return c;
 }
 
 Case read_case(const std::filesystem::path& file, const std::vector<std::string>& changes) {
-  std::ostringstream text;
-  if (file == "-") {
-    if (std::cin.peek() != std::istream::traits_type::eof()) text << std::cin.rdbuf();
-    return parse_case(text.str(), "standard-input.toml", changes);
-  }
-  std::ifstream stream(file, std::ios::binary);
-  if (stream && stream.peek() != std::ifstream::traits_type::eof()) text << stream.rdbuf();
-  if (!stream.is_open() || stream.bad() || std::filesystem::is_directory(file))
-    throw IoError(file.string() + ": cannot be read" +
-                  (errno != 0 ? std::string(": ") + std::strerror(errno) : ""));
-  return parse_case(text.str(), file, changes);
+  if (file == "-") return parse_case(read_standard_input(), "standard-input.toml", changes);
+  return parse_case(read_file(file), file, changes);
 }
 
 }  // namespace vbond

@@ -53,11 +53,11 @@ void Reader::on_key(const KeyInfo& key, Value& value) {
 bool Reader::read_struct(const Node& n, const std::string& path, const Members& members) {
   const auto* table = std::get_if<NodeTable>(&n.value);
   if (!table) return in_.refuse_kind(n, path, "a table", "{ ... }");
-  const std::size_t before = in_.problems.size();
+  const std::size_t before = in_.problems.count();
   Reader inner(*table, in_, path, in_.place(n));
   members(inner);
   inner.finish();
-  return in_.problems.size() == before;
+  return in_.problems.count() == before;
 }
 
 void Reader::on_table(const KeyInfo& key, bool, const Members& members) {
@@ -150,6 +150,14 @@ void Reader::check(bool good, const std::vector<std::string>& names, const std::
   failed_.insert(names.front());
 }
 
+void Reader::refuse_key(const std::string& name, const std::string& rule, const std::string& way_out) {
+  const Member* m = find(name);
+  if (!m || is_skipping()) return;
+  in_.refuse(m->value, path_of(name), rule, way_out);
+  refused_.insert(name);
+  unsure_ = true;
+}
+
 void Reader::locate(SourcePlace& place, const std::string& key) const {
   const Member* m = key.empty() ? nullptr : find(key);
   place = m ? place_of(*m) : header_;
@@ -170,8 +178,9 @@ void Reader::finish() {
   std::vector<std::string> names(known_.begin(), known_.end());
   for (const auto& [name, condition] : elsewhere_)
     if (known_.count(name) == 0) names.push_back(name);
+  std::size_t unknown = 0;
   for (const Member& m : members_) {
-    if (known_.count(m.key) > 0) continue;
+    if (known_.count(m.key) > 0 || refused_.count(m.key) > 0) continue;
     const std::string what = path_of(m.key) + " = " + short_text(m.value);
     if (const auto other = elsewhere_.find(m.key); other != elsewhere_.end()) {
       if (!unsure_)
@@ -179,12 +188,15 @@ void Reader::finish() {
                    "remove it, or change what it belongs to");
       continue;
     }
-    const auto meant = nearest_name(m.key, names);
+    const bool shown = ++unknown <= Problems::most_shown;
+    const auto meant = shown ? nearest_name(m.key, names) : std::nullopt;
     if (meant) missing_.erase(*meant);  // one report is enough for a slip of the pen
     in_.report(place_of(m), what, "no such key",
-               !meant ? "the keys here are " + join(names) : "did you mean " + *meant + "?");
+               meant   ? "did you mean " + *meant + "?"
+               : shown ? "the keys here are " + join(names)
+                       : "");
   }
-  for (auto& [name, problem] : missing_) in_.problems.push_back(std::move(problem));
+  for (auto& [name, problem] : missing_) in_.problems.add(std::move(problem));
 }
 
 }  // namespace vbond::keys

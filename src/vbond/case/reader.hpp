@@ -20,6 +20,7 @@ class Reader final : public Table {
   std::size_t exactly_one(const std::vector<std::string>& names, std::size_t current) override;
   void check(bool good, const std::vector<std::string>& names, const std::string& rule,
              const std::string& way_out) override;
+  void refuse_key(const std::string& name, const std::string& rule, const std::string& way_out) override;
   void locate(SourcePlace& place, const std::string& key) const override;
   bool is_given(const char* name) const override { return find(name) != nullptr; }
   void set_units(UnitSystem units) override {
@@ -51,6 +52,7 @@ class Reader final : public Table {
   std::vector<std::pair<bool, std::string>> conditions_;  ///< those we are inside of: active, text
   int inactive_ = 0;                                      ///< how many of them do not hold
   std::set<std::string> known_;                           ///< keys that are right here
+  std::set<std::string> refused_;                         ///< keys told by refuse_key
   std::map<std::string, std::string> elsewhere_;          ///< keys that need a condition: which
   std::set<std::string> failed_;                          ///< keys that could not be read or are missing
   std::map<std::string, Problem> missing_;                ///< what finish() will report of these

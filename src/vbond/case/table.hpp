@@ -76,6 +76,8 @@ class BoundValue final : public Value {
       return nullptr;
     else if constexpr (requires { value_.place; })
       return &value_.value;
+    else if constexpr (requires { value_->place; })  // that may be absent
+      return value_ ? &value_->value : nullptr;
     else
       return &value_;
   }
@@ -161,6 +163,10 @@ class Table {
   /// A rule among the keys `names` of this table, looked at when all that stand there could be read.
   virtual void check(bool, const std::vector<std::string>& /*names*/, const std::string& /*rule*/,
                      const std::string& /*way_out*/) {}
+
+  /// A key that people look for here and that does not exist: reported with these words where it stands.
+  virtual void refuse_key(const std::string& /*name*/, const std::string& /*rule*/,
+                          const std::string& /*way_out*/) {}
 
   /// Where this table, or a key in it, stands in the file; left alone unless a file is read.
   virtual void locate(SourcePlace&, const std::string& /*key*/ = {}) const {}

@@ -189,6 +189,24 @@ bool FlagCodec::read(const Node& n, ReadContext& in, const std::string& path, bo
   return true;
 }
 
+bool UnitCodec::read(const Node& n, ReadContext& in, const std::string& path, ColumnUnit& out) const {
+  const auto* text = std::get_if<std::string>(&n.value);
+  if (!text) return in.refuse_kind(n, path, "a unit between quotes", example(in.units));
+  if (!in.any_units && in.units == UnitSystem::reduced)
+    return in.refuse(n, path, "in reduced units (a = m = c_A = 1) columns have no units",
+                     "remove it and use scale, or choose [units] system = \"SI\"");
+  const auto quantity = read_quantity("1 " + *text, dimension, n, in, path, example(in.units));
+  if (!quantity) return false;
+  out = {*text, quantity->value};
+  return true;
+}
+
+std::string UnitCodec::example(UnitSystem) const {
+  const std::string quantity = dimension.example;  // a number, a blank, a unit
+  const auto blank = quantity.find(' ');
+  return toml_string(blank == std::string::npos ? "" : quantity.substr(blank + 1));
+}
+
 bool TextCodec::read(const Node& n, ReadContext& in, const std::string& path, std::string& out) const {
   const auto* s = std::get_if<std::string>(&n.value);
   if (!s) return in.refuse_kind(n, path, "text between quotes", example(in.units));

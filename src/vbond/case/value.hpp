@@ -15,6 +15,7 @@
 #include "vbond/case/names.hpp"
 #include "vbond/case/node.hpp"
 #include "vbond/case/units.hpp"
+#include "vbond/core/problems.hpp"
 
 /// Codecs: how one kind of value is read from a file, checked, written and described.
 /// A codec has read, write, type (for the key reference), schema (a JSON Schema, for editors; it may accept
@@ -28,7 +29,7 @@ struct ReadContext {
   std::vector<std::string> changes;  ///< made in the tree of the file, by change.hpp
   UnitSystem units = UnitSystem::reduced;
   bool any_units = false;  ///< the system could not be read: do not report every unit as well
-  std::vector<Problem> problems;
+  Problems problems;
 
   SourcePlace place(std::uint32_t line, std::uint32_t column) const {
     if (line < first_changed_line) return {file, line, column};
@@ -36,7 +37,7 @@ struct ReadContext {
   }
   SourcePlace place(const Node& n) const { return place(n.line, n.column); }
   void report(SourcePlace at, std::string what, std::string rule, std::string way_out) {
-    problems.push_back({std::move(at), std::move(what), std::move(rule), std::move(way_out)});
+    problems.add(std::move(at), std::move(what), std::move(rule), std::move(way_out));
   }
   /// Reports a value that breaks a rule; always false, so that a codec can return it.
   bool refuse(const Node& n, const std::string& path, std::string rule, std::string way_out) {
@@ -97,6 +98,16 @@ constexpr NumberCodec positive(const Dimension& d) {
 constexpr NumberCodec not_negative(const Dimension& d) {
   return {d, from_zero};
 }
+
+/// A unit alone, as of a column of a file.
+struct UnitCodec {
+  Dimension dimension;
+  bool read(const Node& n, ReadContext& in, const std::string& path, ColumnUnit& out) const;
+  std::string write(const ColumnUnit& unit) const { return toml_string(unit.text); }
+  std::string type() const { return std::string("unit of ") + dimension.name; }
+  std::string schema() const { return R"({"type": "string", "minLength": 1})"; }
+  std::string example(UnitSystem u) const;
+};
 
 struct CountCodec {
   std::int64_t min = 0, max = most_particles;

@@ -14,6 +14,7 @@ std::string to_text(const std::vector<Problem>& problems) {
     text += p.what;
     if (!p.rule.empty()) text += "\n  " + p.rule;
     if (!p.way_out.empty()) text += "\n  " + p.way_out;
+    if (p.more > 0) text += "\n  and " + std::to_string(p.more) + " more of this kind";
   }
   return printable(text);
 }

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <stdexcept>
@@ -19,12 +20,14 @@ struct SourcePlace {
 /// One mistake in a user's input: where, what, the rule it breaks, and a way out.
 struct Problem {
   SourcePlace place;
-  std::string what;     ///< e.g. "bonds[0].nu = 0.5"
-  std::string rule;     ///< e.g. "must satisfy -1 < nu < 0.5: ..."
-  std::string way_out;  ///< e.g. "use nu <= 0.49, or theory = ..."
+  std::string what;      ///< e.g. "bonds[0].nu = 0.5"
+  std::string rule;      ///< e.g. "must satisfy -1 < nu < 0.5: ..."
+  std::string way_out;   ///< e.g. "use nu <= 0.49, or theory = ..."
+  std::size_t more = 0;  ///< how many others of its kind are not told, see Problems
 };
 
-/// Renders problems as `file:line:column: what`, then rule and way out indented by two blanks.
+/// Renders problems as `file:line:column: what`, then rule and way out indented by two blanks, and the number
+/// of others of its kind.
 std::string to_text(const std::vector<Problem>& problems);
 
 /// Wrong user input, all of it at once. Thrown only in case/ and build/. Exit status 2.

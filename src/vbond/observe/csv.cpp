@@ -85,7 +85,7 @@ LineReader::~LineReader() {
 
 std::optional<std::string_view> LineReader::next() {
   const ssize_t size = getline(&line_, &room_, file_.get());
-  if (size < 0 && std::ferror(file_.get())) throw IoError("cannot read " + path_.string());
+  if (size < 0) require_read(file_.get(), path_);
   if (size <= 0 || line_[size - 1] != '\n') return std::nullopt;
   return std::string_view(line_, static_cast<std::size_t>(size) - 1);
 }

@@ -57,12 +57,16 @@ void write_all(std::FILE* f, std::string_view bytes, const std::filesystem::path
     fail("write", path, errno);
 }
 
+void require_read(std::FILE* f, const std::filesystem::path& path) {
+  if (std::ferror(f)) fail("read", path, errno);
+}
+
 std::string read_all(const std::filesystem::path& path) {
   const File f = open_file(path, "rb");
   std::string content;
   char block[1 << 16];
   for (std::size_t n; (n = std::fread(block, 1, sizeof block, f.get())) > 0;) content.append(block, n);
-  if (std::ferror(f.get())) fail("read", path, errno);
+  require_read(f.get(), path);
   return content;
 }
 

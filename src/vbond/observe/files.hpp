@@ -20,6 +20,10 @@ File open_file(const std::filesystem::path& path, const char* mode);
 /// Writes all bytes and hands them to the system. Throws IoError, as when the disk is full.
 void write_all(std::FILE* f, std::string_view bytes, const std::filesystem::path& path);
 
+/// Throws IoError with the system's reason if the last reading from `f` failed: what came short was not the
+/// end.
+void require_read(std::FILE* f, const std::filesystem::path& path);
+
 /// The whole file as bytes. Throws IoError.
 std::string read_all(const std::filesystem::path& path);
 

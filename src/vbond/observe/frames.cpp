@@ -80,8 +80,10 @@ std::optional<std::int64_t> step_at(std::string_view text, std::size_t item) {
 std::string read_part(std::FILE* f, std::uintmax_t from, std::uintmax_t to, const fs::path& path) {
   std::string part(static_cast<std::size_t>(to - from), '\0');
   if (fseeko(f, static_cast<off_t>(from), SEEK_SET) != 0 ||
-      std::fread(part.data(), 1, part.size(), f) != part.size())
-    throw IoError("cannot read " + path.string());
+      std::fread(part.data(), 1, part.size(), f) != part.size()) {
+    require_read(f, path);
+    throw IoError("cannot read " + path.string() + ": it is shorter than it was");
+  }
   return part;
 }
 

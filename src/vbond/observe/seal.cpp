@@ -18,12 +18,13 @@ constexpr std::string_view before_program = "\nprogram ";
 constexpr std::string_view before_checksum = "\nfnv1a64 ";
 
 /// FNV-1a in 64 bits (Fowler, Noll, Vo) of all bytes after the seal: finds accidents, not forgery.
-std::uint64_t checksum(std::FILE* f) {
+std::uint64_t checksum(std::FILE* f, const std::filesystem::path& path) {
   std::uint64_t sum = 14695981039346656037u;
   std::fseek(f, static_cast<long>(seal_size), SEEK_SET);
   std::array<unsigned char, 1 << 16> block;
   for (std::size_t n; (n = std::fread(block.data(), 1, block.size(), f)) > 0;)
     for (std::size_t k = 0; k < n; ++k) sum = (sum ^ block[k]) * 1099511628211u;
+  require_read(f, path);
   return sum;
 }
 
@@ -41,7 +42,7 @@ std::optional<std::string_view> take_line(std::string_view& text, std::string_vi
 void write_seal(const std::filesystem::path& path, std::int32_t format, const std::string& program_version) {
   const File f = open_file(path, "r+b");
   std::string seal = fmt::format("{}{}{}{}{}{:016x}\n", before_format, format, before_program,
-                                 program_version, before_checksum, checksum(f.get()));
+                                 program_version, before_checksum, checksum(f.get(), path));
   if (seal.size() > seal_size) throw IoError("the program's version is too long a text");
   seal.resize(seal_size, '\0');
   std::rewind(f.get());
@@ -52,6 +53,7 @@ void check_seal(const std::filesystem::path& path, std::int32_t readable) {
   const File f = open_file(path, "rb");
   std::array<char, seal_size> head{};
   const std::size_t size = std::fread(head.data(), 1, head.size(), f.get());
+  require_read(f.get(), path);
   std::string_view text(head.data(), size);
   const auto format_text = take_line(text, before_format), program = take_line(text, before_program);
   const auto sum = take_line(text, before_checksum);
@@ -64,7 +66,7 @@ void check_seal(const std::filesystem::path& path, std::int32_t readable) {
     throw IoError(
         fmt::format("was written by vbond {}, in format {}; this program reads format {}: use that version",
                     *program, format, readable));
-  if (*sum != fmt::format("{:016x}", checksum(f.get())))
+  if (*sum != fmt::format("{:016x}", checksum(f.get(), path)))
     throw IoError("is damaged or cut short: its checksum does not fit its content");
 }
 

@@ -33,6 +33,7 @@ std::string read_head(std::FILE* f, const fs::path& path) {
   constexpr std::string_view marker = "<AppendedData encoding=\"raw\">\n   _";
   std::string text(1 << 14, '\0');
   text.resize(std::fread(text.data(), 1, text.size(), f));
+  require_read(f, path);
   const std::size_t at = text.find(marker);
   if (at == std::string::npos) throw IoError(path.string() + ": is not a .vtp file of vbond");
   text.resize(at + marker.size());
@@ -159,8 +160,10 @@ VtpInput::VtpInput(const fs::path& path) : path_(path) {
   Head(head, *this).read();
   std::string end(tail.size(), '\0');
   if (std::fseek(file.get(), -static_cast<long>(tail.size()), SEEK_END) != 0 ||
-      std::fread(end.data(), 1, end.size(), file.get()) != end.size() || end != tail)
+      std::fread(end.data(), 1, end.size(), file.get()) != end.size() || end != tail) {
+    require_read(file.get(), path_);
     refuse_size();
+  }
 }
 
 void VtpInput::refuse_size() const {
@@ -192,8 +195,10 @@ std::string VtpInput::bytes_at(std::FILE* f, const Array& a, std::size_t from, s
   if (from > a.stored || size > a.stored - from) refuse_damaged(a);
   std::string bytes(size, '\0');
   if (std::fseek(f, static_cast<long>(a.offset + from), SEEK_SET) != 0 ||
-      std::fread(bytes.data(), 1, size, f) != size)
+      std::fread(bytes.data(), 1, size, f) != size) {
+    require_read(f, path_);
     refuse_damaged(a);
+  }
   return bytes;
 }
 
@@ -202,7 +207,10 @@ void VtpInput::read_plain(std::FILE* f, const Array& a, std::vector<char>& to) c
   std::memcpy(&size, bytes_at(f, a, 0, sizeof size).data(), sizeof size);
   if (size != a.size) refuse_damaged(a);
   to.resize(a.size);
-  if (std::fread(to.data(), 1, a.size, f) != a.size) refuse_damaged(a);
+  if (std::fread(to.data(), 1, a.size, f) != a.size) {
+    require_read(f, path_);
+    refuse_damaged(a);
+  }
 }
 
 /// Block by block, so that a forged size takes no more memory than there are blocks for.

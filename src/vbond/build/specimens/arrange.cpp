@@ -26,7 +26,7 @@ void renumber_bonds(const std::vector<std::int64_t>& number, std::vector<FileBon
   for (const FileBond& bond : bonds) {
     const std::int64_t i = number[static_cast<std::size_t>(bond.pair[0])],
                        j = number[static_cast<std::size_t>(bond.pair[1])];
-    if (i >= 0 && j >= 0) bonds[n++] = {{i, j}, bond.type};
+    if (i >= 0 && j >= 0) bonds[n++] = {{i, j}, bond.type, bond.across};
   }
   bonds.resize(n);
 }
@@ -57,6 +57,7 @@ std::string keep_only(const std::vector<char>& kept, SpecimenPoints& points) {
   filter(kept, points.r);
   filter(kept, points.v);
   filter(kept, points.omega);
+  filter(kept, points.orientations);
   filter(kept, points.radius);
   filter(kept, points.mass);
   filter(kept, points.inertia);
@@ -114,6 +115,7 @@ void copy(const CopiesSpec& row, SpecimenPoints& points) {
   for (std::size_t k = n; k < points.r.size(); ++k) points.r[k] += static_cast<double>(k / n) * row.step;
   repeat(times, points.v);
   repeat(times, points.omega);
+  repeat(times, points.orientations);
   repeat(times, points.radius);
   repeat(times, points.mass);
   repeat(times, points.inertia);

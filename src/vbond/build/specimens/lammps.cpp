@@ -4,43 +4,24 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cstddef>
+#include <functional>
 #include <map>
 #include <numbers>
 #include <optional>
+#include <set>
 #include <utility>
 
-#include "vbond/build/problems.hpp"
+#include "vbond/build/csv_table.hpp"
+#include "vbond/build/specimens/lammps_box.hpp"
+#include "vbond/build/specimens/lammps_styles.hpp"
 #include "vbond/build/specimens/specimen.hpp"
 #include "vbond/build/text_file.hpp"
-#include "vbond/core/nearest.hpp"
+#include "vbond/core/problems.hpp"
 
 // Format: LAMMPS manual, command read_data.
 namespace vbond {
 namespace {
-
-/// Where an atom style keeps what we need, as positions in a line of the Atoms section.
-struct AtomColumns {
-  const char* style;
-  std::size_t type, x, count;  ///< count without the three optional image flags
-  std::size_t diameter = 0;    ///< 0: none; the density follows it
-};
-
-constexpr AtomColumns atom_styles[] = {
-    {"atomic", 1, 2, 5},    {"charge", 1, 3, 6}, {"bond", 2, 3, 6},      {"angle", 2, 3, 6},
-    {"molecular", 2, 3, 6}, {"full", 2, 4, 7},   {"sphere", 1, 4, 7, 2}, {"bpm/sphere", 2, 5, 8, 3},
-};
-
-const AtomColumns& columns_of(const std::string& style, const SourcePlace& place) {
-  std::vector<std::string> known;
-  for (const AtomColumns& c : atom_styles) {
-    if (style == c.style) return c;
-    known.emplace_back(c.style);
-  }
-  const auto near = nearest_name(style, known);
-  throw CaseError({place, fmt::format("atom_style = \"{}\" is not supported", style),
-                   fmt::format("supported: {}", fmt::join(known, ", ")),
-                   near ? fmt::format("did you mean \"{}\"?", *near) : "convert the file to one of them"});
-}
 
 struct Atom {
   std::int64_t id, type;
@@ -61,60 +42,73 @@ struct BondLine {
   SourcePlace place;
 };
 
-/// What a section is for; nothing for one that cannot be passed over. `write_data` writes coefficients unless
-/// told not to, and lists of angles and the like for most molecules.
-std::optional<std::string> use_of_passed_section(const std::string& name) {
-  const auto usual = [](unsigned char c) { return std::isalnum(c) != 0 || c == ' '; };
-  if (!std::all_of(name.begin(), name.end(), usual)) return std::nullopt;
-  const auto ends_with = [&name](std::string_view end) {
-    return name.size() > end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0;
-  };
-  if (ends_with(" Coeffs")) return "the case gives the laws of bonds and contacts";
-  if (ends_with(" Type Labels")) return "types are told apart by their numbers";
-  if (name == "Angles" || name == "Dihedrals" || name == "Impropers")
-    return "bonds join two particles here, and resist bending and torsion themselves";
-  if (name == "Masses") return "diameters and densities of the atoms give their masses";
-  if (name == "Velocities") return "the case says velocities = false";
-  return std::nullopt;
-}
+/// Names of types in place of their numbers.
+using TypeLabels = std::map<std::string, std::int64_t, std::less<>>;
 
 class LammpsReader {
  public:
-  LammpsReader(const std::filesystem::path& file, const AtomColumns& columns, bool velocities)
-      : columns_(columns), takes_velocities_(velocities), at_{file.string(), 0, 1} {}
+  LammpsReader(const std::filesystem::path& file, bool velocities)
+      : takes_velocities_(velocities), at_{file.string(), 0, 1} {}
 
-  SpecimenPoints read(const std::vector<std::string>& lines) {
+  SpecimenPoints read(const std::vector<std::string>& lines, const std::string& asked_style) {
+    columns_ = choose_columns(lines, at_.file, asked_style, problems_);
+    knows_columns_ = columns_ != nullptr;
+    if (!knows_columns_) columns_ = &columns_of("bond", {});  // told already; the other sections are read
     for (const std::string& line : lines) {
       ++at_.line;
       if (at_.line == 1) continue;  // a title, whatever it says
       const std::size_t hash = line.find('#');
       const auto words = words_of(std::string_view(line).substr(0, hash));
       if (words.empty()) continue;
-      const std::string_view comment =
-          hash == std::string::npos ? std::string_view() : std::string_view(line).substr(hash + 1);
-      if (std::isalpha(static_cast<unsigned char>(words[0][0])))
-        begin_section(fmt::format("{}", fmt::join(words, " ")), comment);
+      const bool is_data =
+          words.size() > 1 && labels_.count(words[0]) > 0;  // masses of labels begin with them
+      if (std::isalpha(static_cast<unsigned char>(words[0][0])) != 0 && !is_data)
+        begin_section(fmt::format("{}", fmt::join(words, " ")));
       else
         data_line(words);
     }
-    SourcePlace whole{at_.file, 0, 0};
-    if (atoms_.empty())
-      problems_.add(whole, "there is no Atoms section", "it holds the particles", "add the section");
-    check_count("atoms", declared_atoms_, atoms_.size());
-    check_count("bonds", declared_bonds_, bonds_.size());
-    if (!velocities_.empty() && velocities_.size() != atoms_.size() && problems_.none())
-      problems_.add(whole, fmt::format("velocities of {} of {} atoms", velocities_.size(), atoms_.size()),
-                    "a Velocities section has a line for each atom", "complete the section, or remove it");
-    problems_.throw_if_any();
+    check_whole();
+    throw_if_any();
     unwrap();
     return points();
   }
 
  private:
-  enum class Section { header, masses, atoms, velocities, bonds, passed_over };
+  enum class Section {
+    header,
+    masses,
+    atoms,
+    velocities,
+    bonds,
+    atom_labels,
+    bond_labels,
+    other_labels,
+    passed_over
+  };
 
-  void begin_section(const std::string& name, std::string_view comment) {
-    if (name == "Masses" && columns_.diameter == 0) {
+  /// One mistake of a kind in the lines of sections, all of the others.
+  void throw_if_any() {
+    problems_.add(in_lines_.shown());
+    problems_.throw_if_any();
+  }
+
+  void check_whole() {
+    if (!problems_.none() || !in_lines_.none()) return;  // of which a wrong count may be a consequence
+    const SourcePlace whole{at_.file, 0, 0};
+    if (atoms_.empty())
+      problems_.add(whole, "there is no Atoms section", "it holds the particles", "add the section");
+    check_count("atoms", declared_atoms_, atoms_.size());
+    check_count("bonds", declared_bonds_, bonds_.size());
+    if (!velocities_.empty() && velocities_.size() != atoms_.size())
+      problems_.add(whole, fmt::format("velocities of {} of {} atoms", velocities_.size(), atoms_.size()),
+                    "a Velocities section has a line for each atom", "complete the section, or remove it");
+  }
+
+  void begin_section(const std::string& name) {
+    const bool of_atoms = name == "Atoms" || name == "Masses" || name == "Velocities";
+    if (of_atoms && !knows_columns_) {
+      section_ = Section::passed_over;
+    } else if (name == "Masses" && columns_->diameter == 0) {
       section_ = Section::masses;
     } else if (name == "Bonds") {
       section_ = Section::bonds;
@@ -123,20 +117,25 @@ class LammpsReader {
       notes_.push_back(fmt::format("{}:{}: section Velocities is where the run begins", at_.file, at_.line));
     } else if (name == "Atoms") {
       section_ = Section::atoms;
-      const auto words = words_of(comment);
-      if (!words.empty() && words[0] != columns_.style)
-        problems_.add(at_, fmt::format("the file says atom style \"{}\"", words[0]),
-                      fmt::format("the case says atom_style = \"{}\"", columns_.style), "make them agree");
+    } else if (name == "Atom Type Labels") {
+      section_ = Section::atom_labels;
+    } else if (name == "Bond Type Labels") {
+      section_ = Section::bond_labels;
     } else {
-      section_ = Section::passed_over;
-      if (const auto use = use_of_passed_section(name))
-        notes_.push_back(fmt::format("{}:{}: section {} is passed over: {}", at_.file, at_.line, name, *use));
-      else
-        problems_.add(at_, fmt::format("section \"{}\" is not supported", name),
-                      "read are the sections Masses, Atoms, Velocities and Bonds; coefficients, type labels, "
-                      "angles, dihedrals and impropers are passed over",
-                      "remove the section and describe in the case what it is for");
+      pass_over(name);
     }
+  }
+
+  void pass_over(const std::string& name) {
+    section_ = name.ends_with(" Type Labels") ? Section::other_labels : Section::passed_over;
+    if (const auto use = use_of_passed_section(name))
+      notes_.push_back(fmt::format("{}:{}: section {} is passed over: {}", at_.file, at_.line, name, *use));
+    else
+      problems_.add(
+          at_, fmt::format("section \"{}\" is not supported", name),
+          "read are the sections Masses, Atoms, Velocities, Bonds, Atom Type Labels and Bond Type Labels; "
+          "coefficients, other labels, angles, dihedrals and impropers are passed over",
+          "remove the section and describe in the case what it is for");
   }
 
   void data_line(const std::vector<std::string_view>& words) {
@@ -146,8 +145,34 @@ class LammpsReader {
       case Section::atoms: return atom_line(words);
       case Section::velocities: return velocity_line(words);
       case Section::bonds: return bond_line(words);
+      case Section::atom_labels: return label_line(words, &atom_labels_);
+      case Section::bond_labels: return label_line(words, &bond_labels_);
+      case Section::other_labels: return label_line(words, nullptr);
       case Section::passed_over: return;
     }
+  }
+
+  void label_line(const std::vector<std::string_view>& words, TypeLabels* types) {
+    const auto type = words.size() == 2 ? to_integer(words[0]) : std::nullopt;
+    if (!type) return malformed("type label");
+    labels_.insert(std::string(words[1]));
+    if (types && !types->emplace(words[1], *type).second)
+      in_lines_.add(at_, fmt::format("a second type of the label {}", shown_field(std::string(words[1]))),
+                    "a label stands for one type", "rename one of them");
+  }
+
+  /// The number of a type that stands as number or label; nothing if it is neither.
+  static std::optional<std::int64_t> type_of(std::string_view word, const TypeLabels& labels) {
+    const auto label = labels.find(word);
+    return label == labels.end() ? to_integer(word) : label->second;
+  }
+
+  /// A type that the header does not count is a slip of the pen.
+  void check_type(std::int64_t type, const char* of, std::optional<std::int64_t> declared) {
+    if (declared && (type < 1 || type > *declared))
+      in_lines_.add(at_, fmt::format("{} type {}", of, type),
+                    fmt::format("the header declares {} {} types", *declared, of),
+                    "correct the line or the header");
   }
 
   void header_line(const std::vector<std::string_view>& words) {
@@ -157,11 +182,12 @@ class LammpsReader {
       declared_atoms_ = *count;
     } else if (what == "bonds" && count) {
       declared_bonds_ = *count;
-    } else if (what.find("xy xz yz") != std::string::npos) {
-      tilted_ = std::any_of(words.begin(), words.end() - 3,
-                            [](std::string_view word) { return to_number(word) != 0.0; });
-    } else if (const auto axis = axis_of_box(words)) {
-      box_line(words, *axis);
+    } else if (what == "atom types" && count) {
+      declared_atom_types_ = *count;
+    } else if (what == "bond types" && count) {
+      declared_bond_types_ = *count;
+    } else if (const char* form = box_.form_of(words)) {
+      if (!box_.read(words)) malformed(form);
     } else if (!is_passive_header(words.back(), what)) {
       problems_.add(at_, fmt::format("\"{}\" is not understood", fmt::join(words, " ")),
                     "before the first section stand counts and the box", "correct or remove the line");
@@ -174,46 +200,32 @@ class LammpsReader {
            what == "impropers";
   }
 
-  static std::optional<std::size_t> axis_of_box(const std::vector<std::string_view>& words) {
-    for (std::size_t k = 0; k < 3; ++k)
-      if (words.back() == axes[k].high) return k;
-    return std::nullopt;
-  }
-
-  void box_line(const std::vector<std::string_view>& words, std::size_t axis) {
-    const bool complete = words.size() == 4 && words[2] == axes[axis].low;
-    const auto low = complete ? to_number(words[0]) : std::nullopt;
-    const auto high = complete ? to_number(words[1]) : std::nullopt;
-    if (!low || !high || *low > *high)
-      return malformed(fmt::format("low high {} {}", axes[axis].low, axes[axis].high));
-    period_[axis] = *high - *low;
-  }
-
   void mass_line(const std::vector<std::string_view>& words) {
-    const auto type = words.size() == 2 ? to_integer(words[0]) : std::nullopt;
+    const auto type = words.size() == 2 ? type_of(words[0], atom_labels_) : std::nullopt;
     const auto mass = words.size() == 2 ? to_number(words[1]) : std::nullopt;
     if (!type || !mass) return malformed("type mass");
     if (!masses_.emplace(*type, *mass).second)
-      problems_.add(at_, fmt::format("a second mass of type {}", *type), "each type has one mass",
+      in_lines_.add(at_, fmt::format("a second mass of type {}", *type), "each type has one mass",
                     "remove one");
   }
 
   void atom_line(const std::vector<std::string_view>& words) {
     const std::size_t n = words.size();
     const std::string form = fmt::format("{} fields of atom style {}, and three image flags at most",
-                                         columns_.count, columns_.style);
-    if (n != columns_.count && n != columns_.count + 3) return malformed(form);
-    const auto id = to_integer(words[0]), type = to_integer(words[columns_.type]);
+                                         columns_->count, columns_->style);
+    if (n != columns_->count && n != columns_->count + 3) return malformed(form);
+    const auto id = to_integer(words[0]), type = type_of(words[columns_->type], atom_labels_);
     std::array<std::optional<double>, 5> values;  // x y z, diameter, density
-    for (std::size_t k = 0; k < 3; ++k) values[k] = to_number(words[columns_.x + k]);
-    const bool sphere = columns_.diameter > 0;
+    for (std::size_t k = 0; k < 3; ++k) values[k] = to_number(words[columns_->x + k]);
+    const bool sphere = columns_->diameter > 0;
     for (std::size_t k = 0; k < 2; ++k)
-      values[3 + k] = sphere ? to_number(words[columns_.diameter + k]) : 0.0;
+      values[3 + k] = sphere ? to_number(words[columns_->diameter + k]) : 0.0;
     const auto known = [](const std::optional<double>& value) { return value.has_value(); };
     if (!id || !type || !std::all_of(values.begin(), values.end(), known)) return malformed(form);
+    check_type(*type, "atom", declared_atom_types_);
     Atom atom{*id, *type, {*values[0], *values[1], *values[2]}, *values[3], *values[4], {}, at_};
-    for (std::size_t k = 0; n > columns_.count && k < 3; ++k) {
-      const auto flag = to_integer(words[columns_.count + k]);
+    for (std::size_t k = 0; n > columns_->count && k < 3; ++k) {
+      const auto flag = to_integer(words[columns_->count + k]);
       if (!flag) return malformed(form);
       atom.image[k] = *flag;
     }
@@ -221,7 +233,7 @@ class LammpsReader {
   }
 
   void velocity_line(const std::vector<std::string_view>& words) {
-    const std::size_t count = columns_.diameter > 0 ? 6 : 3;  // spheres turn, points do not
+    const std::size_t count = columns_->diameter > 0 ? 6 : 3;  // spheres turn, points do not
     const auto id = to_integer(words[0]);
     std::array<double, 6> values{};
     bool good = id && words.size() == 1 + count;
@@ -240,37 +252,38 @@ class LammpsReader {
       double shift[3] = {};
       for (std::size_t k = 0; k < 3; ++k) {
         if (atom.image[k] == 0) continue;
-        if (tilted_) return refuse_tilted(atom);
-        if (!period_[k])
-          problems_.add(atom.place, fmt::format("an image flag along {}, and no box", "xyz"[k]),
+        if (box_.is_tilted()) return refuse_tilted(atom);
+        if (!box_.period[k])
+          in_lines_.add(atom.place, fmt::format("an image flag along {}, and no box", "xyz"[k]),
                         "image flags count periods of the box",
-                        fmt::format("add the line \"low high {} {}\" above", axes[k].low, axes[k].high));
-        shift[k] = static_cast<double>(atom.image[k]) * period_[k].value_or(0.0);
+                        fmt::format("add the line \"{}\" above", LammpsBox::lines[k]));
+        shift[k] = static_cast<double>(atom.image[k]) * box_.period[k].value_or(0.0);
       }
       atom.r += Vec3d{shift[0], shift[1], shift[2]};
     }
   }
 
   void refuse_tilted(const Atom& atom) {
-    problems_.add(atom.place, "an image flag in a tilted box", "only boxes with right angles are unwrapped",
+    in_lines_.add(atom.place, "an image flag in a tilted box", "only boxes with right angles are unwrapped",
                   "write the file with unwrapped coordinates and without image flags");
   }
 
   void bond_line(const std::vector<std::string_view>& words) {
-    const auto number = [&words](std::size_t k) {
-      return words.size() == 4 ? to_integer(words[k]) : std::nullopt;
-    };
-    const auto type = number(1), first = number(2), second = number(3);
-    if (!type || !first || !second) return malformed("bond-number type atom atom");
+    constexpr const char* form = "bond-number type atom atom";
+    if (words.size() != 4) return malformed(form);
+    const auto type = type_of(words[1], bond_labels_);
+    const auto first = to_integer(words[2]), second = to_integer(words[3]);
+    if (!type || !first || !second) return malformed(form);
+    check_type(*type, "bond", declared_bond_types_);
     bonds_.push_back({*type, *first, *second, at_});
   }
 
   void malformed(const std::string& form) {
-    problems_.add(at_, "the line is not understood", "expected: " + form, "correct the line");
+    in_lines_.add(at_, "the line is not understood", "expected: " + form, "correct the line");
   }
 
   void check_count(const char* what, std::optional<std::int64_t> declared, std::size_t found) {
-    if (declared && *declared != static_cast<std::int64_t>(found) && problems_.none())
+    if (declared && *declared != static_cast<std::int64_t>(found))
       problems_.add({at_.file, 0, 0}, fmt::format("{} {} are declared, {} found", *declared, what, found),
                     "the header says how many there are", "correct the header or complete the file");
   }
@@ -285,7 +298,7 @@ class LammpsReader {
     for (const Atom& atom : atoms_) {
       of_type[atom.type].push_back(static_cast<std::int64_t>(points.r.size()));
       if (!index.emplace(atom.id, static_cast<std::int64_t>(index.size())).second)
-        problems_.add(atom.place, fmt::format("a second atom of number {}", atom.id),
+        in_lines_.add(atom.place, fmt::format("a second atom of number {}", atom.id),
                       "atom numbers are all different", "renumber it");
       points.r.push_back(atom.r);
       add_properties(atom, points);
@@ -294,16 +307,28 @@ class LammpsReader {
     for (const BondLine& bond : bonds_) {
       const auto i = index.find(bond.first), j = index.find(bond.second);
       if (i == index.end() || j == index.end())
-        problems_.add(bond.place,
+        in_lines_.add(bond.place,
                       fmt::format("a bond to atom {}", i == index.end() ? bond.first : bond.second),
                       "there is no such atom in the file", "correct the line");
       else
         points.bonds.push_back({{i->second, j->second}, bond.type});
     }
+    find_bonds_across(box_, at_.file, points);
     for (auto& [type, atoms] : of_type)
       points.parts.emplace_back(fmt::format("type-{}", type), std::move(atoms));
-    problems_.throw_if_any();
+    note_labels("atom", atom_labels_, points);
+    note_labels("bond", bond_labels_, points);
+    throw_if_any();
     return points;
+  }
+
+  void note_labels(const char* of, const TypeLabels& labels, SpecimenPoints& points) const {
+    if (labels.empty()) return;
+    std::vector<std::string> texts;
+    for (const auto& [label, type] : labels)
+      if (texts.size() < 10) texts.push_back(fmt::format("{} is {}", label, type));
+    points.notes.push_back(fmt::format("{}: labels of {} types stand for their numbers: {}{}", at_.file, of,
+                                       fmt::join(texts, ", "), labels.size() > texts.size() ? ", ..." : ""));
   }
 
   void add_velocities(const std::map<std::int64_t, std::int64_t>& index, SpecimenPoints& points) {
@@ -315,7 +340,7 @@ class LammpsReader {
       const auto found = index.find(line.id);
       if (found == index.end() || has[static_cast<std::size_t>(found->second)]) {
         const bool unknown = found == index.end();
-        problems_.add(line.place, fmt::format("a {}velocity of atom {}", unknown ? "" : "second ", line.id),
+        in_lines_.add(line.place, fmt::format("a {}velocity of atom {}", unknown ? "" : "second ", line.id),
                       unknown ? "there is no such atom in the file" : "each atom has one velocity",
                       "correct the line");
         continue;
@@ -326,7 +351,7 @@ class LammpsReader {
   }
 
   void add_properties(const Atom& atom, SpecimenPoints& points) {
-    if (columns_.diameter > 0) {
+    if (columns_->diameter > 0) {
       const double R = 0.5 * atom.diameter;
       points.radius.push_back(R);
       // a sphere of diameter 0 is a point, and its density is its mass (read_data, style sphere)
@@ -334,26 +359,23 @@ class LammpsReader {
     } else if (!masses_.empty()) {
       const auto mass = masses_.find(atom.type);
       if (mass == masses_.end())
-        problems_.add(atom.place, fmt::format("type {} has no mass", atom.type),
+        in_lines_.add(atom.place, fmt::format("type {} has no mass", atom.type),
                       "the Masses section gives one for every type", "add it there");
       else
         points.mass.push_back(mass->second);
     }
   }
 
-  struct Axis {
-    const char *low, *high;
-  };
-  static constexpr Axis axes[3] = {{"xlo", "xhi"}, {"ylo", "yhi"}, {"zlo", "zhi"}};
-
-  const AtomColumns& columns_;
+  const AtomColumns* columns_ = nullptr;
+  bool knows_columns_ = false;
   bool takes_velocities_;
   SourcePlace at_;
   Section section_ = Section::header;
-  Problems problems_;
-  std::optional<std::int64_t> declared_atoms_, declared_bonds_;
-  std::optional<double> period_[3];  // edges of the box
-  bool tilted_ = false;
+  Problems problems_, in_lines_{1};
+  std::optional<std::int64_t> declared_atoms_, declared_bonds_, declared_atom_types_, declared_bond_types_;
+  LammpsBox box_;
+  std::set<std::string, std::less<>> labels_;  ///< of all kinds
+  TypeLabels atom_labels_, bond_labels_;
   std::map<std::int64_t, double> masses_;
   std::vector<Atom> atoms_;
   std::vector<VelocityLine> velocities_;
@@ -365,8 +387,8 @@ class LammpsReader {
 
 SpecimenPoints read_lammps_specimen(const std::filesystem::path& file, const std::string& atom_style,
                                     const SourcePlace& place, bool velocities) {
-  const AtomColumns& columns = columns_of(atom_style, place);
-  return LammpsReader(file, columns, velocities).read(read_lines(file, place));
+  if (!atom_style.empty()) columns_of(atom_style, place);
+  return LammpsReader(file, velocities).read(read_lines(file, place), atom_style);
 }
 
 }  // namespace vbond

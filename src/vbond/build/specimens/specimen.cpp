@@ -21,6 +21,13 @@ double count(const SheetSpecimen& s) {
 double count(const ListedSpecimen& s) {
   return static_cast<double>(s.positions.size());
 }
+/// The same with its files as seen from the folder of the case.
+CsvSpecimen with_files_beside(const std::string& case_file, CsvSpecimen spec) {
+  spec.file.value = beside_case(case_file, spec.file.value);
+  if (spec.bonds_file) spec.bonds_file->value = beside_case(case_file, spec.bonds_file->value);
+  return spec;
+}
+
 double count(const CsvSpecimen&) {
   return 0.0;
 }
@@ -44,9 +51,9 @@ SpecimenPoints make_specimen(const SpecimenSpec& spec, const std::string& case_f
       [&](const auto& shape) {
         using Shape = std::decay_t<decltype(shape)>;
         if constexpr (std::is_same_v<Shape, CsvSpecimen>)
-          return read_csv_specimen(beside_case(case_file, shape.file.value), shape.file.place);
+          return read_csv_specimen(with_files_beside(case_file, shape));
         else if constexpr (std::is_same_v<Shape, LammpsSpecimen>)
-          return read_lammps_specimen(beside_case(case_file, shape.file.value), shape.atom_style,
+          return read_lammps_specimen(beside_case(case_file, shape.file.value), shape.atom_style.value_or(""),
                                       shape.file.place, shape.velocities);
         else
           return make_points(shape, spec.place);

@@ -11,10 +11,13 @@
 
 namespace vbond {
 
-/// A bond of a LAMMPS file: two particles and the bond type of the file.
+/// A bond of a LAMMPS file or of a bonds_file: two particles and the bond type of the file.
 struct FileBond {
   std::array<std::int64_t, 2> pair;
   std::int64_t type;
+  /// Distance of the particles through the boundary of the file's box, if the bond is meant to go there;
+  /// 0: it is not.  [length]
+  double across = 0;
 };
 
 /// The particles of one specimen, numbered from 0 within it. Properties that the specimen's file does
@@ -22,10 +25,11 @@ struct FileBond {
 struct SpecimenPoints {
   std::vector<Vec3d> r;                                                  ///< [length]
   Quatd q;                                                               ///< orientation of all
+  std::vector<Quatd> orientations;                                       ///< before q, or empty
   std::vector<Vec3d> v, omega;                                           ///< per particle, or empty
   std::vector<double> radius, mass, inertia;                             ///< per particle, or empty
   std::vector<Vec3d> moments;                                            ///< of inertia; likewise
-  std::vector<FileBond> bonds;                                           ///< of a LAMMPS file
+  std::vector<FileBond> bonds;                                           ///< of a file
   std::vector<std::pair<std::string, std::vector<std::int64_t>>> parts;  ///< such as "ends", "rim"
   std::vector<std::string> notes;  ///< on cuts and unused parts of files
 };
@@ -55,8 +59,11 @@ SpecimenPoints make_points(const ListedSpecimen& s, const SourcePlace& place);
 /// places under a repulsion. Particles 0 .. rim - 1 are the rim.
 SpecimenPoints make_points(const HemisphereSpecimen& s, const SourcePlace& place);
 
-/// `file`: already seen from the current folder. `velocities`: whether those of the file count.
-SpecimenPoints read_csv_specimen(const std::filesystem::path& file, const SourcePlace& place);
+/// Files of the specimen: already seen from the current folder.
+SpecimenPoints read_csv_specimen(const CsvSpecimen& spec);
+
+/// `file`: likewise. atom_style: empty: that which the file names. `velocities`: whether those of the file
+/// count.
 SpecimenPoints read_lammps_specimen(const std::filesystem::path& file, const std::string& atom_style,
                                     const SourcePlace& place, bool velocities = true);
 

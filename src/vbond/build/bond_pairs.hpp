@@ -1,0 +1,32 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "vbond/case/case.hpp"
+#include "vbond/core/problems.hpp"
+#include "vbond/model/model.hpp"
+#include "vbond/model/state.hpp"
+
+namespace vbond {
+
+/// Two particles to be bonded, i < j.
+using Pair = std::array<ParticleId, 2>;
+
+/// All pairs with one end in each group and centres no farther apart than `distance` > 0, in order of (i, j).
+/// Throws std::length_error if they are more than `most`.
+std::vector<Pair> pairs_within(const std::vector<Vec3d>& r, double distance, const std::vector<char>& in_a,
+                               const std::vector<char>& in_b,
+                               double most = std::numeric_limits<double>::infinity());
+
+/// The pairs that set number `set` of the case bonds between the particles as they stand in `state`, in
+/// order.
+std::vector<Pair> select_pairs(const Case& c, std::size_t set, const Model& model, const State& state,
+                               Problems& problems);
+
+/// A line for each bond set whose file of pairs such a cut may have been forgotten in.
+std::vector<std::string> notes_on_pairs(const Case& c);
+
+}  // namespace vbond
