@@ -14,6 +14,7 @@
 #include "memory.hpp"
 #include "output_size.hpp"
 #include "prepare.hpp"
+#include "remarks.hpp"
 #include "vbond/build/build.hpp"
 #include "vbond/build/times.hpp"
 #include "vbond/case/read.hpp"
@@ -330,6 +331,9 @@ int check(const RunOptions& options) {
   if (dynamics) print_step(c, model, state, *dynamics);
   print_machine(c, threads);
   print_body(model, state);
+  if (const std::string bodies = bodies_in_words(model, state); !bodies.empty())
+    fmt::print("separate bodies  {}\n", bodies);
+  print_notes(remarks(c, model, state));
   print_overlaps(model, state);
   print_strengths(c);
 

@@ -1,0 +1,195 @@
+#include "remarks.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+#include "vbond/core/bounding_box.hpp"
+#include "vbond/core/disjoint_sets.hpp"
+
+namespace vbond::app {
+namespace {
+
+using Lines = std::vector<std::string>;
+
+double length_of(const Bond& b, const State& state) {
+  return norm(state.r[b.j] - state.r[b.i]);
+}
+
+PerParticle<std::size_t> bonds_of_particles(const Model& model, const State& state) {
+  PerParticle<std::size_t> n;
+  n.resize(model.particles());
+  for (const Bond& b : state.bonds) ++n[b.i], ++n[b.j];
+  return n;
+}
+
+/// Centres of the longest bond of each set against the median of that set.
+void compare_lengths(const Case& c, const State& state, Lines& lines) {
+  constexpr double striking = 3.0;
+  for (std::uint32_t set = 0; set < c.bonds.size(); ++set) {
+    std::vector<double> lengths;
+    const Bond* longest = nullptr;
+    for (const Bond& b : state.bonds) {
+      if (b.set != set) continue;
+      lengths.push_back(length_of(b, state));
+      if (longest == nullptr || lengths.back() > length_of(*longest, state)) longest = &b;
+    }
+    if (longest == nullptr) continue;
+    const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
+    std::nth_element(lengths.begin(), middle, lengths.end());
+    const double most = length_of(*longest, state);
+    if (most > striking * *middle)
+      lines.push_back(
+          fmt::format("bonds \"{}\": the longest, of particles {} and {}, joins centres {:.6g} apart, {:.3g} "
+                      "times the median {:.6g}",
+                      c.bonds[set].name, longest->i.value, longest->j.value, most, most / *middle, *middle));
+  }
+}
+
+/// The particles of the specimens, in their order.
+struct Range {
+  std::size_t first = 0, count = 0;
+};
+
+std::vector<Range> ranges_of_specimens(const Case& c, const Model& model) {
+  std::vector<Range> ranges(c.specimens.size());
+  for (const ParticleId p : model.specimen.ids()) ++ranges[model.specimen[p]].count;
+  for (std::size_t s = 1; s < ranges.size(); ++s) ranges[s].first = ranges[s - 1].first + ranges[s - 1].count;
+  return ranges;
+}
+
+void find_unbonded(const Case& c, const Model& model, const PerParticle<std::size_t>& bonds, Lines& lines) {
+  const std::vector<Range> ranges = ranges_of_specimens(c, model);
+  for (std::size_t s = 0; s < ranges.size(); ++s) {
+    std::size_t loose = 0, first = 0;
+    for (std::size_t k = ranges[s].count; k-- > 0;)
+      if (bonds[ParticleId{ranges[s].first + k}] == 0) ++loose, first = ranges[s].first + k;
+    if (loose > 0 && loose < ranges[s].count)
+      lines.push_back(fmt::format("specimen \"{}\": {} of its {} particles have no bond, the first is {}",
+                                  c.specimens[s].name, loose, ranges[s].count, first));
+  }
+}
+
+/// Whether pairs of numbers were written down, which may have been counted from 1.
+bool lists_pairs(const BondSpec& b) {
+  return std::holds_alternative<PairsFile>(b.select.value) ||
+         std::holds_alternative<ListedPairs>(b.select.value);
+}
+
+void find_pairs_from_one(const Case& c, const Model& model, const PerParticle<std::size_t>& bonds,
+                         Lines& lines) {
+  const bool listed = std::any_of(c.bonds.begin(), c.bonds.end(), lists_pairs);
+  const std::vector<Range> ranges = ranges_of_specimens(c, model);
+  for (std::size_t s = 0; s < ranges.size(); ++s) {
+    const auto* csv = std::get_if<CsvSpecimen>(&c.specimens[s].shape);
+    const bool has_file = csv && csv->bonds_file;
+    if (ranges[s].count < 2 || (!has_file && (!listed || s > 0))) continue;
+    const std::size_t first = ranges[s].first;
+    if (bonds[ParticleId{first}] == 0 && bonds[ParticleId{first + 1}] > 0)
+      lines.push_back(
+          fmt::format("specimen \"{}\": no pair names particle {}, the first, and it has no bond: do the "
+                      "pairs count from 1? they must count from 0",
+                      c.specimens[s].name, has_file ? 0 : first));
+  }
+}
+
+void compare_meshes(const Case& c, const Model& model, const State& state, Lines& lines) {
+  constexpr double striking = 100.0;
+  BoundingBox body;
+  for (const ParticleId p : state.r.ids()) body.add(state.r[p], model.radius[p]);
+  const double size = body.diagonal();
+  for (std::size_t w = 0; w < std::min(c.walls.size(), model.walls.size()); ++w) {
+    const auto* spec = std::get_if<MeshWallSpec>(&c.walls[w].shape);
+    const auto* mesh = std::get_if<MeshWall>(&model.walls[w].shape);
+    if (!spec || !mesh || !(size > 0.0)) continue;
+    const double extent = box_around(mesh->mesh.corners).diagonal();
+    if (extent < striking * size && size < striking * extent) continue;
+    lines.push_back(
+        fmt::format("wall \"{}\": its mesh is {:.3g} from corner to corner, the body {:.3g}; it has scale = "
+                    "{:g}: is that right? 0.001 turns millimetres into metres",
+                    model.walls[w].name, extent, size, spec->scale));
+  }
+}
+
+/// The section of the bonds of a set, if it is given.
+const Section* section_of(const BondSpec& b) {
+  const auto* theory = std::get_if<TheoryParameters>(&b.recipe.parameters);
+  return theory ? &theory->section : nullptr;
+}
+
+/// Chains of overlapping spheres of a density, against the bars between their centres.
+void compare_masses(const Case& c, const Model& model, const State& state,
+                    const PerParticle<std::size_t>& bonds, Lines& lines) {
+  constexpr double striking = 0.05;
+  const std::vector<Range> ranges = ranges_of_specimens(c, model);
+  for (std::size_t s = 0; s < ranges.size(); ++s) {
+    if (!c.specimens[s].density) continue;
+    double beads = 0.0, volume = 0.0;
+    bool chain = true, overlap = false;
+    for (std::size_t k = 0; k < ranges[s].count; ++k) {
+      const ParticleId p{ranges[s].first + k};
+      beads += model.mass[p];
+      chain &= bonds[p] == 1 || bonds[p] == 2;
+    }
+    for (const Bond& b : state.bonds) {
+      if (model.specimen[b.i] != s && model.specimen[b.j] != s) continue;
+      const Section* section = section_of(c.bonds[b.set]);
+      chain &= model.specimen[b.i] == model.specimen[b.j] && section != nullptr;
+      if (!chain) break;
+      volume += section->A * length_of(b, state);
+      overlap |= length_of(b, state) < 0.99 * (model.radius[b.i] + model.radius[b.j]);
+    }
+    const double bars = *c.specimens[s].density * volume;
+    if (!chain || !overlap || !(bars > 0.0) || std::abs(beads / bars - 1.0) < striking) continue;
+    const char* kg = model.units == UnitSystem::si ? " kg" : "";
+    lines.push_back(fmt::format(
+        "specimen \"{}\": its overlapping spheres weigh {:.6g}{}, the bars of its bonds {:.6g}{} "
+        "(density times section times length), {:+.0f} %; mass = {:.6g} in place of density would "
+        "give the weight of the bars",
+        c.specimens[s].name, beads, kg, bars, kg, 100.0 * (beads / bars - 1.0),
+        bars / static_cast<double>(ranges[s].count)));
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> remarks(const Case& c, const Model& model, const State& state) {
+  Lines lines;
+  compare_meshes(c, model, state, lines);
+  if (state.bonds.empty()) return lines;
+  const PerParticle<std::size_t> bonds = bonds_of_particles(model, state);
+  compare_lengths(c, state, lines);
+  compare_masses(c, model, state, bonds, lines);
+  const auto later = [](const BondSpec& b) { return b.when != BondTime::start; };
+  if (std::any_of(c.bonds.begin(), c.bonds.end(), later)) return lines;  // which may join the others
+  find_unbonded(c, model, bonds, lines);
+  find_pairs_from_one(c, model, bonds, lines);
+  return lines;
+}
+
+std::string bodies_in_words(const Model& model, const State& state) {
+  DisjointSets<ParticleId> sets(model.particles());
+  for (const Bond& b : state.bonds) sets.join(b.i, b.j);
+  PerParticle<std::size_t> size;
+  size.resize(model.particles());
+  for (const ParticleId p : size.ids()) ++size[sets.smallest(p)];
+  std::size_t bodies = 0, single = 0, smallest = model.particles(), largest = 0;
+  for (const std::size_t n : size) {
+    if (n == 0) continue;
+    single += n == 1;
+    if (n == 1) continue;
+    ++bodies, smallest = std::min(smallest, n), largest = std::max(largest, n);
+  }
+  if (bodies == 0 || (bodies == 1 && single == 0)) return {};
+  std::string text = fmt::format("{}, ", bodies);
+  text += bodies == 1           ? fmt::format("of {} particles", largest)
+          : smallest == largest ? fmt::format("of {} particles each", largest)
+                                : fmt::format("of {} to {} particles", smallest, largest);
+  if (single > 0) text += fmt::format("; {} bonded to none", single);
+  return text;
+}
+
+}  // namespace vbond::app
