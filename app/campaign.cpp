@@ -121,6 +121,7 @@ void listen(Campaign& campaign) {
   };
   hooks.tell = [&campaign](const std::string& report) { campaign.tell(report); };
   hooks.interrupted = [] { return caught_signal() != 0; };
+  hooks.progress = [&campaign](const std::string& line) { say(line + "\n", stderr); };
   hooks.stage_end = [&campaign](const Simulation& stage, StopReason why, const std::string& failure) {
     campaign.stage_end(stage, why, failure);
     campaign.heartbeat->beat(stage, {});

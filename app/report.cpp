@@ -46,6 +46,11 @@ std::string stage_at(double time, const Case& c, const std::optional<RunSummary>
   return c.stages[std::min(k, c.stages.size() - 1)].name;
 }
 
+std::string reaction_of(const CriticalLoad& c) {
+  return c.reaction ? fmt::format(", displacement {:.6g}, reaction {:.6g}", *c.displacement, *c.reaction)
+                    : "";
+}
+
 std::string note_of(const ListedMode& mode, const RunSummary& summary) {
   const bool si = summary.units == UnitSystem::si;
   for (const StageSummary& s : summary.stages) {
@@ -56,7 +61,8 @@ std::string note_of(const ListedMode& mode, const RunSummary& summary) {
       return fmt::format("critical force {:.6g}{}, load factor {:.6g}", r.critical_loads[k].force,
                          si ? " N" : "", r.critical_loads[k].load_factor);
     if (k < r.critical_loads.size())
-      return fmt::format("critical load factor {:.6g}", r.critical_loads[k].load_factor);
+      return fmt::format("critical load factor {:.6g}{}", r.critical_loads[k].load_factor,
+                         reaction_of(r.critical_loads[k]));
     if (k < r.modes.size() && r.modes[k].omega2 < 0.0) return "unstable: the body would leave this balance";
     if (k < r.modes.size())
       return fmt::format("frequency {:.6g}{}", r.modes[k].omega / (2.0 * std::numbers::pi), si ? " Hz" : "");

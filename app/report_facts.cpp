@@ -108,16 +108,21 @@ void add_static_results(const StageSummary& s, bool si, page::Lines& lines) {
     if (!values.empty())
       lines.push_back({fmt::format("{} of stage \"{}\"", what, s.name), numbers(values, unit)});
   };
-  std::vector<double> factors, forces, frequencies, limits, bifurcations;
+  std::vector<double> factors, forces, displacements, reactions, frequencies, limits, bifurcations;
   for (const CriticalLoad& load : r.critical_loads) {
     factors.push_back(load.load_factor);
     if (load.force != 0.0) forces.push_back(load.force);
+    if (!load.reaction) continue;
+    displacements.push_back(*load.displacement);
+    reactions.push_back(*load.reaction);
   }
   for (const NaturalMode& m : r.modes)
     if (!m.rigid) frequencies.push_back(m.omega / (2.0 * std::numbers::pi));
   for (const SpecialPoint& p : r.special_points)
     (p.kind == PointKind::limit_point ? limits : bifurcations).push_back(p.load_factor);
   add("Critical forces", forces, si ? " N" : "");
+  add("Critical displacements of the first support that moves", displacements, "");
+  add("Its reactions there", reactions, "");
   add("Critical load factors", factors, "");
   add("Frequencies", frequencies, si ? " Hz" : "");
   add("Limit points, load factors,", limits, "");

@@ -32,6 +32,11 @@ void bind_modes(py::module_& m) {
       .def_readonly(
           "force", &CriticalLoad::force,
           "Load factor times the largest proportional force on a whole group; 0 if there is none [force]")
+      .def_readonly(
+          "displacement", &CriticalLoad::displacement,
+          "Of the first support that moves; of one that only turns its angle; None: none moves [length]")
+      .def_readonly("reaction", &CriticalLoad::reaction,
+                    "On that support along its way, positive if it pushes; None: none moves [force]")
       .def_readonly("estimate", &CriticalLoad::estimate,
                     "Load factor by linear buckling analysis about zero load; None where that does not hold")
       .def_readonly("gap", &CriticalLoad::gap, "The load factor is known to about this; 0: exactly")

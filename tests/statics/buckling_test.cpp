@@ -70,6 +70,30 @@ double exact_force(double q, double bonds, double a, const BondStiffness<double>
   return 0.5 * c.c_A * (a - std::sqrt(a * a - 4 * X / c.c_A));
 }
 
+// The same column under a force and under a displacement of its end: what the support exerts is the force,
+// and its way the displacement. Where the body stands the load is off by 1e-8 of it, as is the eigenvalue.
+TEST(CriticalDisplacements, ComeWithTheReactionAtThem) {
+  const std::size_t N = 21;
+  std::vector<Vec3d> r;
+  for (std::size_t k = 0; k < N; ++k) r.push_back({static_cast<double>(k), 0, 0});
+  testing::Specimen s = testing::particles_at(r);
+  for (std::size_t k = 0; k + 1 < N; ++k) testing::bond(s, k, k + 1, testing::papers_bond());
+  const StaticResult pressed = critical_loads(s, pinned(N), {pushed(N - 1, {-1, 0, 0})}, 2);
+  std::vector<StaticSupport> supports = pinned(N);
+  supports[1].held[0] = true;
+  supports[1].displacement = {-0.5, 0, 0};
+  const StaticResult moved = critical_loads(s, supports, {}, 2);
+  ASSERT_EQ(pressed.critical_loads.size(), 2u);
+  ASSERT_EQ(moved.critical_loads.size(), 2u);
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_FALSE(pressed.critical_loads[k].reaction);
+    const CriticalLoad& c = moved.critical_loads[k];
+    ASSERT_TRUE(c.reaction && c.displacement);
+    EXPECT_EQ(*c.displacement, 0.5 * c.load_factor);
+    EXPECT_NEAR(*c.reaction / pressed.critical_loads[k].force, 1.0, 1e-7);
+  }
+}
+
 // TH1: the paper's rod of ten, its ends held, grows in length by a part x of it, as by heat: it buckles where
 // its smallest eigenvalue vanishes. Linear between 1e-5 to either side of the exact x, whose square is left.
 TEST(PinnedRods, BuckleByAnImposedGrowthAtTheExactOne) {

@@ -274,9 +274,10 @@ TEST(Path, StopsAtTheMostPointsAndWhenInterrupted) {
   EXPECT_EQ(w.seen.size(), 4u);
   EXPECT_EQ(w.result.points, 4);
 
-  int asked = 0;
+  int points = 0;
   StaticHooks hooks;
-  hooks.interrupted = [&asked] { return ++asked == 3; };
+  hooks.point = [&points](const StaticPoint&) { ++points; };
+  hooks.interrupted = [&points] { return points == 3; };
   const StaticOutcome outcome = run_static_stage(truss().model, truss_stage(), truss().state, hooks);
   EXPECT_EQ(outcome.result.ended, "interrupted");
   EXPECT_EQ(outcome.result.points, 3);

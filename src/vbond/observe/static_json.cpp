@@ -27,7 +27,7 @@ void add_special_points(const StaticResult& r, Json& j) {
 /// Without a force on a group there are load factors only.
 void add_critical_loads(const StaticResult& r, Json& j) {
   Json factors = Json::array(), kinds = Json::array(), gaps = Json::array(), estimates = Json::array(),
-       forces = Json::array();
+       forces = Json::array(), displacements = Json::array(), reactions = Json::array();
   bool any_force = false;
   for (const CriticalLoad& c : r.critical_loads) {
     factors.push_back(c.load_factor);
@@ -36,6 +36,9 @@ void add_critical_loads(const StaticResult& r, Json& j) {
     estimates.push_back(c.estimate ? Json(*c.estimate) : Json());
     forces.push_back(c.force);
     any_force |= c.force != 0.0;
+    if (!c.reaction) continue;
+    displacements.push_back(*c.displacement);
+    reactions.push_back(*c.reaction);
   }
   j["critical_load_factors"] = factors;
   j["critical_kinds"] = kinds;
@@ -43,6 +46,9 @@ void add_critical_loads(const StaticResult& r, Json& j) {
   j["linear_estimates"] = estimates;
   j["searched_to"] = r.searched_to;
   if (any_force) j["critical_forces"] = forces;
+  if (reactions.empty()) return;
+  j["critical_displacements"] = displacements;
+  j["critical_reactions"] = reactions;
 }
 
 /// Rigid motions are only counted; an unstable mode has frequency 0 and a negative square.
@@ -188,7 +194,11 @@ std::vector<CriticalLoad> critical_loads(const Json& j) {
   const std::size_t n = factors.size();
   const Json &kinds = list_of_length(j, "critical_kinds", n), &gaps = list_of_length(j, "critical_gaps", n),
              &estimates = list_of_length(j, "linear_estimates", n);
-  const Json* forces = j.contains("critical_forces") ? &list_of_length(j, "critical_forces", n) : nullptr;
+  const auto if_there = [&](const char* key) {
+    return j.contains(key) ? &list_of_length(j, key, n) : nullptr;
+  };
+  const Json *forces = if_there("critical_forces"), *displacements = if_there("critical_displacements"),
+             *reactions = if_there("critical_reactions");
   for (std::size_t k = 0; k < n; ++k) {
     CriticalLoad c;
     c.load_factor = factors.at(k).get<double>();
@@ -196,6 +206,8 @@ std::vector<CriticalLoad> critical_loads(const Json& j) {
     c.gap = gaps.at(k).get<double>();
     if (!estimates.at(k).is_null()) c.estimate = estimates.at(k).get<double>();
     if (forces) c.force = forces->at(k).get<double>();
+    if (displacements) c.displacement = displacements->at(k).get<double>();
+    if (reactions) c.reaction = reactions->at(k).get<double>();
     loads.push_back(c);
   }
   return loads;

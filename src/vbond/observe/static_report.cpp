@@ -94,14 +94,17 @@ std::string special_points(const StaticResult& r) {
 
 std::string critical_loads(const StaticResult& r) {
   if (r.critical_loads.empty()) return fmt::format("none up to load factor {:.8g}\n", r.searched_to);
-  std::string text = fmt::format("{:>6} {:>12} {:>16} {:>16} {:>16}\n", "mode", "", "load factor",
-                                 "linear estimate", "force");
+  const bool any_moves = r.critical_loads[0].reaction.has_value();
+  std::string text =
+      fmt::format("{:>6} {:>12} {:>16} {:>16} {:>16}{}\n", "mode", "", "load factor", "linear estimate",
+                  "force", any_moves ? fmt::format(" {:>16} {:>16}", "displacement", "reaction") : "");
   for (std::size_t k = 0; k < r.critical_loads.size(); ++k) {
     const CriticalLoad& c = r.critical_loads[k];
-    text += fmt::format("{:>6} {:>12} {:>16.8g} {:>16} {:>16}{}\n", k + 1, in_words(c.kind), c.load_factor,
-                        c.estimate ? fmt::format("{:.8g}", *c.estimate) : "-",
-                        c.force != 0.0 ? fmt::format("{:.8g}", c.force) : "-",
-                        c.gap > 0.0 ? fmt::format("  load factor +- {:.1g}", c.gap) : "");
+    text += fmt::format(
+        "{:>6} {:>12} {:>16.8g} {:>16} {:>16}{}{}\n", k + 1, in_words(c.kind), c.load_factor,
+        or_dash(c.estimate), c.force != 0.0 ? fmt::format("{:.8g}", c.force) : "-",
+        any_moves ? fmt::format(" {:>16} {:>16}", or_dash(c.displacement), or_dash(c.reaction)) : "",
+        c.gap > 0.0 ? fmt::format("  load factor +- {:.1g}", c.gap) : "");
   }
   return text + fmt::format("no others up to load factor {:.8g}\n", r.searched_to);
 }

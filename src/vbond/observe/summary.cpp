@@ -122,7 +122,7 @@ std::string to_json(const RunSummary& r) {
          {"stages", Json::array()}};
   for (const StageSummary& s : r.stages) {
     j["stages"].push_back(to_json(s));
-    for (const char* key : {"critical_forces", "frequencies"})
+    for (const char* key : {"critical_forces", "critical_reactions", "frequencies"})
       if (const Json& stage = j["stages"].back(); stage.contains(key) && !stage[key].empty())
         j[key] = stage[key];
     if (!s.critical_force) continue;

@@ -216,7 +216,7 @@ StageResult Run::find_balance(const StaticStage& stage) {
     result.statics = std::move(found);
   };
   double load_factor = 0.0;
-  StaticHooks hooks{{}, hooks_.tell, hooks_.interrupted};
+  StaticHooks hooks{{}, hooks_.tell, hooks_.interrupted, hooks_.progress};
   hooks.point = [&](const StaticPoint& point) {
     if (hooks_.point) hooks_.point(point);
     state_ = point.state;  // the last balance that is sound

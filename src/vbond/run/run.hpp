@@ -34,6 +34,8 @@ struct RunHooks {
   std::function<void(const StaticPoint&)> point;  ///< each balance of a static stage
   std::function<void(const std::string&)> tell;   ///< one report, without a line end
   std::function<bool()> interrupted;              ///< asked between steps: true stops the run there
+  /// What a static stage is at, one line every few seconds, without a line end.
+  std::function<void(const std::string&)> progress = {};
   /// A stage of dynamics has ended, was interrupted or has diverged (`failure` says why).
   std::function<void(const Simulation&, StopReason, const std::string& failure)> stage_end;
 };

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "vbond/statics/detail/dense.hpp"
+#include "vbond/statics/detail/pulse.hpp"
 
 namespace vbond {
 
@@ -220,6 +221,7 @@ StepOutcome ArcLength::step(const Placement& from, const PathDirection& directio
   deviation = {Vector::Zero(direction.u.size()), 0.0};
   const int most = std::min(most_corrections, settings_.iterations);
   for (;;) {
+    Pulse::may_end();
     const double residual = body_.residual();
     outcome.residuals.push_back(residual);
     if (!std::isfinite(residual)) {

@@ -11,6 +11,7 @@
 #include "vbond/model/bond_sums.hpp"
 #include "vbond/model/energies.hpp"
 #include "vbond/model/touching.hpp"
+#include "vbond/statics/detail/pulse.hpp"
 
 namespace vbond {
 namespace {
@@ -135,6 +136,7 @@ void StaticBody::accept() {
 }
 
 void StaticBody::placed() {
+  Pulse::place(load_factor_);
   ++placement_number_;
   loaded_.reset();
   take_temperatures();

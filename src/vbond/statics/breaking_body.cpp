@@ -13,10 +13,6 @@
 namespace vbond {
 namespace {
 
-bool moves(const StaticSupport& s) {
-  return !(s.displacement == Vec3d{} && s.rotation == Vec3d{});
-}
-
 /// As many unknowns as there are columns, such that no combination of columns leaves all of them where they
 /// are: Gauss's elimination, the largest entry first.
 std::vector<int> holding_unknowns(const SparseMatrix& columns) {
@@ -70,8 +66,7 @@ void BreakingBody::begin(State state, double load_factor) {
 }
 
 double BreakingBody::reaction(const StaticSupport& s) const {
-  const double along = norm(s.displacement);
-  return body_->power_of(s) / (along > 0.0 ? along : norm(s.rotation));
+  return body_->power_of(s) / way_of(s);
 }
 
 double BreakingBody::reaction(const StaticWallDrive& d) const {

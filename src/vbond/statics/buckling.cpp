@@ -10,6 +10,7 @@
 #include "vbond/statics/detail/kinds.hpp"
 #include "vbond/statics/detail/linear_buckling.hpp"
 #include "vbond/statics/detail/path_walk.hpp"
+#include "vbond/statics/detail/pulse.hpp"
 #include "vbond/statics/detail/softest.hpp"
 
 namespace vbond {
@@ -61,6 +62,7 @@ class CriticalLoads {
   void start();
   void take_step();
   void add(const CriticalPoint& c);
+  void add_reaction(CriticalLoad& found) const;
   void add_estimates();
   void sum_up();
   void refuse_moments() const;
@@ -91,6 +93,8 @@ State CriticalLoads::run() && {
       else
         take_step();
     }
+  } catch (const Interrupted&) {
+    result_.ended = "interrupted";
   } catch (...) {
     sum_up();
     throw;
@@ -122,7 +126,8 @@ void CriticalLoads::start() {
 }
 
 void CriticalLoads::take_step() {
-  const std::optional<PathLeg> leg = walk_.next();
+  const std::optional<PathLeg> leg =
+      walk_.next(stage_.count - static_cast<int>(result_.critical_loads.size()));
   if (!leg && walk_.stopped_by_a_bond()) return end("bond range", result_.searched_to);
   if (!leg)
     throw NoEquilibrium(
@@ -164,16 +169,26 @@ void CriticalLoads::add(const CriticalPoint& c) {
   if (c.after > c.before || c.kind == PointKind::limit_point || c.turns_off()) {
     const int together = std::max(1, c.together());
     const EigenPairs near = solver_.near_zero(body_, together);
-    for (int k = 1; k <= together && wants_more(); ++k)
-      result_.critical_loads.push_back({c.kind,
-                                        c.load_factor,
-                                        {},
-                                        c.load_factor * largest_proportional_force(body_.model(), stage_),
-                                        body_.unknowns().shape(mode_of_cluster(near.vectors, k)),
-                                        c.gap});
+    for (int k = 1; k <= together && wants_more(); ++k) {
+      CriticalLoad& found = result_.critical_loads.emplace_back();
+      found.kind = c.kind;
+      found.load_factor = c.load_factor;
+      found.force = c.load_factor * largest_proportional_force(body_.model(), stage_);
+      found.mode = body_.unknowns().shape(mode_of_cluster(near.vectors, k));
+      found.gap = c.gap;
+      add_reaction(found);
+    }
   }
   if (c.gap > 0.0) tell(in_words(c));
   report_point(body_, c.kind, std::min(c.before, c.after), hooks_, result_);
+}
+
+/// The body may stand next to the critical point, not at it: that shows in the last digits.
+void CriticalLoads::add_reaction(CriticalLoad& found) const {
+  const auto moved = std::find_if(stage_.supports.begin(), stage_.supports.end(), moves);
+  if (moved == stage_.supports.end()) return;
+  found.displacement = found.load_factor * way_of(*moved);
+  found.reaction = body_.power_of(*moved) / way_of(*moved);
 }
 
 void CriticalLoads::add_estimates() {

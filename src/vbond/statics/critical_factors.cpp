@@ -1,10 +1,10 @@
 #include <cmath>
-#include <functional>
 #include <optional>
 
 #include "vbond/statics/detail/dense.hpp"
 #include "vbond/statics/detail/eigen_search.hpp"
 #include "vbond/statics/detail/lanczos.hpp"
+#include "vbond/statics/detail/pulse.hpp"
 
 namespace vbond {
 namespace {
@@ -12,44 +12,79 @@ namespace {
 /// How far beyond the critical factor of smallest size others are looked for.
 constexpr double factor_range = 1e4;
 
-/// x -> -scale (B + A X Theta X^T A) x: pairs (theta, X) of -B x = theta A x that are known get theta = 0.
+// Where Lanczos looks from: this part of the way to the first critical factor, which is known roughly then.
+// Factors that lie close together, as those of shells do, are told apart from there in few iterations.
+constexpr double way_to_first = 0.98;
+constexpr double rough = 1e-3;  // residual, as a part of theta: theta itself is off by its square, or by it
+
+/// y -> -scale L^-1 B L^-T y, with (A + sigma B) = L L^T. Its eigenvalues are scale / (mu - sigma). Those
+/// whose vectors y are known count as 0.
 struct LoadOperator {
   void operator()(const double* in, double* out) const {
-    const Eigen::Map<const Vector> x(in, B.rows());
-    Vector y = B * x;
-    if (AX.cols() > 0) y += AX * theta.cwiseProduct(AX.transpose() * x);
-    Eigen::Map<Vector>(out, B.rows()) = -scale * y;
+    Pulse::may_end();
+    const Eigen::Map<const Vector> y(in, B.rows());
+    Vector z = -scale * factor.half_solve(B * factor.other_half_solve(y));
+    if (known.cols() > 0) z -= known * theta.cwiseProduct(known.transpose() * y);
+    Eigen::Map<Vector>(out, B.rows()) = z;
   }
   const SparseMatrix& B;
+  const Factor& factor;
   double scale;
-  DenseMatrix AX;
+  DenseMatrix known;
   Vector theta;
 };
 
-/// Products with A and with its inverse.
-DefiniteOperator stiffness_operator(const SparseMatrix& A, const Factor& factor) {
-  const Eigen::Index n = A.rows();
-  return {[&A, n](const double* in, double* out) {
-            Eigen::Map<Vector>(out, n) = A * Eigen::Map<const Vector>(in, n);
-          },
-          [&factor, n](const double* in, double* out) {
-            Eigen::Map<Vector>(out, n) = factor.solve(Eigen::Map<const Vector>(in, n));
-          }};
-}
+/// Looks for mu > sigma with (A + mu B) x = 0.
+class FactorSearch {
+ public:
+  FactorSearch(const SparseMatrix& A, const SparseMatrix& B, Factor& factor)
+      : A_(A), B_(B), factor_(factor), scale_(largest_diagonal(A) / B.coeffs().cwiseAbs().maxCoeff()) {}
 
-/// Largest theta, or largest in size, of -B x = theta A x, as pairs (mu = 1 / theta, x).
-void look_for_factors(const SparseMatrix& A, const DefiniteOperator& stiffness, const SparseMatrix& B,
-                      double scale, Largest which, int count, Found& found) {
-  LoadOperator load{B, scale, {}, Vector(found.size())};
-  if (found.size() > 0) load.AX = A * found.vectors;
-  for (int k = 0; k < found.size(); ++k) load.theta[k] = 1.0 / found.value[static_cast<std::size_t>(k)];
-  const auto [theta, x] = lanczos(A.rows(), std::cref(load), stiffness, which, count);
-  for (Eigen::Index k = 0; k < theta.size(); ++k) {
-    const Vector v = x.col(k);
-    const double mu = scale / theta[k];
-    found.add(mu, mu, v / std::sqrt(v.dot(A * v)));
+  /// Roughly the mu of smallest size.
+  double nearest() const {
+    return scale_ /
+           lanczos(A_.rows(), LoadOperator{B_, factor_, scale_, {}, {}}, Largest::size, 1, rough).values[0];
   }
-}
+
+  /// Goes near to the first mu > 0, which must exist.
+  void approach() {
+    const double first =
+        scale_ /
+        lanczos(A_.rows(), LoadOperator{B_, factor_, scale_, {}, {}}, Largest::value, 1, rough).values[0];
+    double sigma = way_to_first * first;
+    for (int k = 0; k < 40 && std::isfinite(sigma) && sigma > 0.0; ++k, sigma *= 0.9)
+      if (factor_.factor_definite(A_ + sigma * B_)) {
+        sigma_ = sigma;
+        scale_ = first - sigma;
+        return;
+      }
+    if (!factor_.factor_definite(A_))
+      throw NoConvergence("critical factors: the matrix is not positive definite to rounding");
+  }
+
+  /// Adds the next ones, as pairs (mu, x), and keeps their y.
+  void look(int count, Found& found) {
+    const auto [theta, y] = lanczos(A_.rows(), LoadOperator{B_, factor_, scale_, known_, theta_},
+                                    Largest::value, count, tolerance_of_vectors);
+    for (Eigen::Index k = 0; k < theta.size(); ++k) {
+      const double mu = sigma_ + scale_ / theta[k];
+      const Vector x = factor_.other_half_solve(y.col(k));
+      found.add(mu, mu, x / std::sqrt(x.dot(A_ * x)));
+    }
+    const Eigen::Index before = known_.cols();
+    known_.conservativeResize(A_.rows(), before + y.cols());
+    known_.rightCols(y.cols()) = y;
+    theta_.conservativeResize(before + y.cols());
+    theta_.tail(y.cols()) = theta;
+  }
+
+ private:
+  const SparseMatrix &A_, &B_;
+  Factor& factor_;
+  double scale_, sigma_ = 0.0;  // scale: some eigenvalue of the operator is not far below 1
+  DenseMatrix known_;
+  Vector theta_;
+};
 
 EigenPairs dense_factors(const SparseMatrix& A, const SparseMatrix& B, int count) {
   const DenseEigen all = dense_eigenpairs(-DenseMatrix(B), DenseMatrix(A));
@@ -73,21 +108,16 @@ EigenPairs critical_factors(const SparseMatrix& A, const SparseMatrix& B, int co
     throw NoConvergence("critical factors: the matrix is not positive definite to rounding");
   if (!(largest_B > 0.0)) return {Vector(0), DenseMatrix(n, 0)};
   if (solve_densely(n, count)) return dense_factors(A, B, count);
-  const DefiniteOperator stiffness = stiffness_operator(A, factor);
-  // Some |theta| is at least max |B_ij| over the largest eigenvalue of A: scaled it is not far below 1.
-  const double scale = largest_diagonal(A) / largest_B;
-  Found nearest;
-  look_for_factors(A, stiffness, B, scale, Largest::size, 1, nearest);
-  const auto look = [&](int k, Found& found) {
-    look_for_factors(A, stiffness, B, scale, Largest::value, k, found);
-  };
-  const double largest = factor_range * std::abs(nearest.value[0]);
+  FactorSearch search(A, B, factor);
+  const double largest = factor_range * std::abs(search.nearest());
   Factor counter;
   counter.analyse(A + B);
   const auto number_below = [&](double mu) { return counter.factor_indefinite(A + mu * B); };
   const std::optional<int> available = number_below(largest);
   if (!available) throw NoConvergence("critical factors: they cannot be counted");
-  return find_counted(Wanted{count, *available, 0.0, 0.0}, look, number_below);
+  if (*available > 0) search.approach();
+  return find_counted(
+      Wanted{count, *available, 0.0, 0.0}, [&](int k, Found& found) { search.look(k, found); }, number_below);
 }
 
 }  // namespace vbond

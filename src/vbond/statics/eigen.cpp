@@ -9,6 +9,7 @@
 #include "vbond/statics/detail/dense.hpp"
 #include "vbond/statics/detail/eigen_search.hpp"
 #include "vbond/statics/detail/lanczos.hpp"
+#include "vbond/statics/detail/pulse.hpp"
 
 namespace vbond {
 namespace {
@@ -40,6 +41,7 @@ struct ShiftedInverse {
     if (found.cols() > 0) x -= found * (found.transpose() * x);
   }
   void operator()(const double* in, double* out) const {
+    Pulse::may_end();
     Vector x = Eigen::Map<const Vector>(in, n);
     project(x);
     x = scale * factor.solve(x);

@@ -11,7 +11,9 @@
 #include <stdexcept>
 #include <vector>
 
+#include "vbond/statics/detail/blocked_factor.hpp"
 #include "vbond/statics/detail/one_blas_thread.hpp"
+#include "vbond/statics/detail/pulse.hpp"
 
 namespace vbond {
 namespace {
@@ -75,29 +77,43 @@ cholmod_dense view(const Eigen::Ref<const DenseMatrix>& b) {
 }
 
 /// The columns of a simplicial L D L^T: D first in each, then L below it.
-struct Columns {
+class Columns {
+ public:
   explicit Columns(const cholmod_factor& L)
-      : n(static_cast<int>(L.n)),
-        p(static_cast<const int*>(L.p)),
-        nz(static_cast<const int*>(L.nz)),
-        i(static_cast<const int*>(L.i)),
-        x(static_cast<const double*>(L.x)) {}
-  double d(int j) const { return x[p[j]]; }
+      : n_(static_cast<int>(L.n)),
+        p_(static_cast<const int*>(L.p)),
+        nz_(static_cast<const int*>(L.nz)),
+        i_(static_cast<const int*>(L.i)),
+        x_(static_cast<const double*>(L.x)) {}
+  int columns() const { return n_; }
+  double d(int j) const { return x_[p_[j]]; }
   /// Calls f(row, value) for what is below the diagonal.
   template <class F>
   void below(int j, F&& f) const {
-    for (int at = p[j] + 1; at < p[j] + nz[j]; ++at) f(i[at], x[at]);
+    for (int at = p_[j] + 1; at < p_[j] + nz_[j]; ++at) f(i_[at], x_[at]);
   }
-  int n;
-  const int *p, *nz, *i;
-  const double* x;
+
+ private:
+  int n_;
+  const int *p_, *nz_, *i_;
+  const double* x_;
 };
+
+/// The blocks of a supernodal analysis.
+FactorBlocks blocks_of(const cholmod_factor& L) {
+  const auto list = [](const void* from, std::size_t number) {
+    const int* begin = static_cast<const int*>(from);
+    return std::vector<int>(begin, begin + number);
+  };
+  return {list(L.super, L.nsuper + 1), list(L.pi, L.nsuper + 1), list(L.s, L.ssize), list(L.Perm, L.n)};
+}
 
 /// What rounding may have added to the pivot d_k. The factors are exactly those of A + E, with
 /// |E| <= eps |L| |D| |L|^T (Higham, Accuracy and Stability of Numerical Algorithms, th. 10.3, without its
 /// factor for the number of terms, which random signs keep near 1). With L^T v = e_k, v^T A v = d_k, so to
 /// first order d_k has changed by v^T E v.
-double rounding_of_pivot(const Columns& c, int k) {
+template <class L>
+double rounding_of_pivot(const L& c, int k) {
   std::vector<double> v(static_cast<std::size_t>(k) + 1, 0.0);
   v.back() = 1.0;
   double sum = std::abs(c.d(k));
@@ -119,10 +135,11 @@ double rounding_of_pivot(const Columns& c, int k) {
 /// for pivots in which nearly everything cancels: of a free body of n unknowns that moves as a whole v = 1
 /// everywhere, and the bound about 4 n eps times what cancels; a hundred instead of 4 leaves room for an
 /// uneven v.
-int lost_pivot(const Columns& c) {
-  std::vector<double> cancelled(static_cast<std::size_t>(c.n), 0.0);  // diagonal of |L| |D| |L|^T
-  const double suspect = 100.0 * epsilon * c.n;
-  for (int k = 0; k < c.n; ++k) {
+template <class L>
+int lost_pivot(const L& c) {
+  std::vector<double> cancelled(static_cast<std::size_t>(c.columns()), 0.0);  // diagonal of |L| |D| |L|^T
+  const double suspect = 100.0 * epsilon * c.columns();
+  for (int k = 0; k < c.columns(); ++k) {
     const double d = std::abs(c.d(k));
     if (!std::isfinite(d)) return k;
     c.below(k, [&](int i, double l) { cancelled[static_cast<std::size_t>(i)] += l * l * d; });
@@ -169,12 +186,18 @@ struct Factor::Cholmod {
   void prepare(Kind wanted) {
     if (!symbolic) throw std::length_error("CHOLMOD: the factor has more than 2^31 entries");
     common.final_ll = wanted == Kind::definite;
-    if (kind == wanted && numeric) return;
+    if (kind == wanted && (numeric || blocked)) return;
     kind = Kind::none;
     numeric.reset();
+    blocked.reset();
+    if (wanted == Kind::indefinite && symbolic->is_super) {
+      blocked = std::make_unique<BlockedFactor>(blocks_of(*symbolic));
+      kind = wanted;
+      return;
+    }
     numeric = own(cholmod_copy_factor(symbolic.get(), &common));
     check("copying the analysis");
-    if (wanted == Kind::indefinite)  // only the supernodal form cannot do it; the order stays
+    if (wanted == Kind::indefinite)
       cholmod_change_factor(CHOLMOD_PATTERN, 0, 0, 1, 1, numeric.get(), &common);
     check("changing the analysis");
     kind = wanted;
@@ -190,12 +213,39 @@ struct Factor::Cholmod {
     check("factoring");
   }
 
-  int original(int k) const { return static_cast<const int*>(numeric->Perm)[k]; }
+  int original(int k) const { return static_cast<const int*>(symbolic->Perm)[k]; }
 
-  DenseMatrix solve_once(const Eigen::Ref<const DenseMatrix>& b) {
+  /// Of L D L^T; nothing if an entry of D is zero to rounding, and `singular` is its unknown.
+  template <class L>
+  std::optional<int> negative_pivots(const L& columns) {
+    if (const int k = lost_pivot(columns); k >= 0) {
+      singular = original(k);
+      return std::nullopt;
+    }
+    int negative = 0;
+    for (int j = 0; j < columns.columns(); ++j) negative += columns.d(j) < 0.0;
+    return negative;
+  }
+
+  std::optional<int> factorize_blocked(const SparseMatrix& A, double shift) {
+    ++made;
+    if (blocked->factorize(A, shift)) return negative_pivots(*blocked);
+    singular = original(blocked->zero_pivot());
+    return std::nullopt;
+  }
+
+  std::optional<int> factorize_simplicial(const SparseMatrix& A, double shift) {
+    factorize(A, shift);
+    if (numeric->minor == numeric->n) return negative_pivots(Columns(*numeric));
+    singular = original(static_cast<int>(numeric->minor));  // an exact zero
+    return std::nullopt;
+  }
+
+  DenseMatrix solve_once(const Eigen::Ref<const DenseMatrix>& b, int system = CHOLMOD_A) {
+    if (blocked) return blocked->solve(b);
     const WithoutThreads alone;
     cholmod_dense rhs = view(b);
-    cholmod_dense* x = cholmod_solve(CHOLMOD_A, numeric.get(), &rhs, &common);
+    cholmod_dense* x = cholmod_solve(system, numeric.get(), &rhs, &common);
     check("solving");
     DenseMatrix result = Eigen::Map<const DenseMatrix>(static_cast<const double*>(x->x), b.rows(), b.cols());
     cholmod_free_dense(&x, &common);
@@ -206,6 +256,7 @@ struct Factor::Cholmod {
   Kind kind = Kind::none;
   FactorPointer symbolic{nullptr, FreeFactor{&common}};
   FactorPointer numeric{nullptr, FreeFactor{&common}};
+  std::unique_ptr<BlockedFactor> blocked;  // instead of `numeric`: indefinite, of a supernodal analysis
   double bytes = 0;
   bool empty = false;  // no unknowns
   int made = 0;        // factors
@@ -222,6 +273,7 @@ Factor& Factor::operator=(Factor&&) noexcept = default;
 void Factor::analyse(const SparseMatrix& A) {
   Cholmod& c = *c_;
   c.numeric.reset();
+  c.blocked.reset();
   c.symbolic.reset();
   c.kind = Cholmod::Kind::none;
   c.empty = A.rows() == 0;
@@ -248,6 +300,7 @@ double Factor::bytes() const {
 bool Factor::factor_definite(const SparseMatrix& A, double shift) {
   Cholmod& c = *c_;
   if (c.empty) return true;
+  Pulse::factor();
   c.prepare(Cholmod::Kind::definite);
   c.factorize(A, shift);
   // A pivot below rounding of the largest may be a zero that came out positive by chance.
@@ -258,22 +311,14 @@ bool Factor::factor_definite(const SparseMatrix& A, double shift) {
 std::optional<int> Factor::factor_indefinite(const SparseMatrix& A, double shift) {
   Cholmod& c = *c_;
   if (c.empty) return 0;
+  Pulse::factor();
   c.prepare(Cholmod::Kind::indefinite);
   c.singular = -1;
-  c.factorize(A, shift);
-  if (c.numeric->minor < c.numeric->n) {  // an exact zero
-    c.singular = c.original(static_cast<int>(c.numeric->minor));
-    return std::nullopt;
-  }
-  const Columns columns(*c.numeric);
-  if (const int k = lost_pivot(columns); k >= 0) {
-    c.singular = c.original(k);
-    return std::nullopt;
-  }
+  const std::optional<int> negative =
+      c.blocked ? c.factorize_blocked(A, shift) : c.factorize_simplicial(A, shift);
+  if (!negative) return std::nullopt;
   c.kept_A = A;
   c.kept_shift = shift;
-  int negative = 0;
-  for (int j = 0; j < columns.n; ++j) negative += columns.d(j) < 0.0;
   return negative;
 }
 
@@ -296,6 +341,7 @@ int Factor::singular_unknown() const {
 Vector Factor::solve(const Vector& b) const {
   Cholmod& c = *c_;
   if (c.empty) return b;
+  Pulse::solution();
   Vector x = c.solve_once(b);
   if (c.kind == Cholmod::Kind::indefinite) {
     const Vector left = b - c.kept_A.selfadjointView<Eigen::Lower>() * x - c.kept_shift * x;
@@ -304,7 +350,16 @@ Vector Factor::solve(const Vector& b) const {
   return x;
 }
 
+Vector Factor::half_solve(const Vector& b) const {
+  return c_->empty ? b : Vector(c_->solve_once(c_->solve_once(b, CHOLMOD_P), CHOLMOD_L));
+}
+
+Vector Factor::other_half_solve(const Vector& y) const {
+  return c_->empty ? y : Vector(c_->solve_once(c_->solve_once(y, CHOLMOD_Lt), CHOLMOD_Pt));
+}
+
 DenseMatrix Factor::solve_columns(const DenseMatrix& B) const {
+  Pulse::solution();
   return c_->empty ? B : c_->solve_once(B);
 }
 

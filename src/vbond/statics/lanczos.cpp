@@ -1,7 +1,6 @@
 #include "vbond/statics/detail/lanczos.hpp"
 
 #include <Spectra/SymEigsSolver.h>
-#include <Spectra/SymGEigsSolver.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,7 +11,6 @@
 namespace vbond {
 namespace {
 
-constexpr double tolerance_of_vectors = 1e-11;  // eigenvalues are good to its square
 constexpr int most_restarts = 1000;
 
 int basis_size(int count, Eigen::Index n) {
@@ -33,22 +31,12 @@ struct Applied {
   const Operator& op;
 };
 
-struct AppliedDefinite {
-  using Scalar = double;
-  Eigen::Index rows() const { return n; }
-  Eigen::Index cols() const { return n; }
-  void perform_op(const double* in, double* out) const { op.times(in, out); }
-  void solve(const double* in, double* out) const { op.solve(in, out); }
-  Eigen::Index n;
-  const DefiniteOperator& op;
-};
-
 template <class Solver>
-LanczosPairs iterate(Solver& solver, Largest which, int count, Eigen::Index n) {
+LanczosPairs iterate(Solver& solver, Largest which, int count, Eigen::Index n, double tolerance) {
   int converged = 0;
   try {
     solver.init();
-    converged = static_cast<int>(solver.compute(rule_of(which), most_restarts, tolerance_of_vectors));
+    converged = static_cast<int>(solver.compute(rule_of(which), most_restarts, tolerance));
   } catch (const std::exception& e) {  // Spectra's: of vectors of length 0, or of numbers that are not finite
     throw NoConvergence(fmt::format("eigenvalues of a matrix of {} unknowns: {}", n, e.what()));
   }
@@ -61,18 +49,10 @@ LanczosPairs iterate(Solver& solver, Largest which, int count, Eigen::Index n) {
 
 }  // namespace
 
-LanczosPairs lanczos(Eigen::Index n, const Operator& op, Largest which, int count) {
+LanczosPairs lanczos(Eigen::Index n, const Operator& op, Largest which, int count, double tolerance) {
   Applied applied{n, op};
   Spectra::SymEigsSolver<Applied> solver(applied, count, basis_size(count, n));
-  return iterate(solver, which, count, n);
-}
-
-LanczosPairs lanczos(Eigen::Index n, const Operator& A, const DefiniteOperator& B, Largest which, int count) {
-  Applied applied{n, A};
-  AppliedDefinite definite{n, B};
-  Spectra::SymGEigsSolver<Applied, AppliedDefinite, Spectra::GEigsMode::RegularInverse> solver(
-      applied, definite, count, basis_size(count, n));
-  return iterate(solver, which, count, n);
+  return iterate(solver, which, count, n, tolerance);
 }
 
 std::optional<Vector> lanczos_largest(Eigen::Index n, const Operator& op,

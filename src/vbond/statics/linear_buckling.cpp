@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "vbond/statics/detail/eigen.hpp"
+#include "vbond/statics/detail/pulse.hpp"
 
 namespace vbond {
 namespace {
@@ -48,6 +49,7 @@ std::vector<double> by_multigrid(ByMultigrid& solver, const SparseMatrix& K, con
 std::vector<double> linear_critical_factors(StaticBody& body, TangentSolver& solver, const Vector& rate,
                                             int count) {
   if (!(body.largest_bond_change(rate, 1.0) > 0.0)) return {};
+  const Pulse::Work work("linear estimates of critical loads");
   const SparseMatrix K = body.tangent();
   try {
     const SparseMatrix rate_of_K = tangent_rate(body, rate);

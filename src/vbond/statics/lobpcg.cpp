@@ -10,6 +10,7 @@
 #include "vbond/statics/detail/deflated.hpp"
 #include "vbond/statics/detail/dense.hpp"
 #include "vbond/statics/detail/eigen_search.hpp"
+#include "vbond/statics/detail/pulse.hpp"
 
 namespace vbond {
 namespace {
@@ -30,6 +31,7 @@ class LowestSearch {
 
   Lowest run() {
     for (int k = 0;; ++k) {
+      Pulse::may_end();
       const DenseMatrix BX = metric(X_), R = AX_ - BX * values_.asDiagonal();
       const Vector left = (R.colwise().norm().array() / BX.colwise().norm().array()).matrix().transpose();
       if (is_enough(left)) {

@@ -23,7 +23,7 @@ namespace {
 /// The stage with all its loads at full size.
 StaticStage under_full_loads(StaticStage stage) {
   for (const StaticSupport& s : stage.supports)
-    if (s.displacement != Vec3d{} || s.rotation != Vec3d{})
+    if (moves(s))
       throw NoEquilibrium(
           stage.name, fmt::format("the support of \"{}\" moves", s.group),
           "modes are about a balance at rest: move it in an equilibrium stage before this one");

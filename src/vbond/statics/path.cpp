@@ -10,6 +10,7 @@
 #include "vbond/statics/detail/kinds.hpp"
 #include "vbond/statics/detail/path_goal.hpp"
 #include "vbond/statics/detail/path_walk.hpp"
+#include "vbond/statics/detail/pulse.hpp"
 #include "vbond/statics/detail/softest.hpp"
 
 namespace vbond {
@@ -51,6 +52,7 @@ class PathStage {
   TangentSolver solver_;
   PathWalk walk_;
   std::vector<Goal> goals_;
+  Placement reported_;    // the last point
   int bifurcations_ = 0;  // passed
   bool turned_off_ = false;
 };
@@ -64,17 +66,22 @@ PathStage::PathStage(const Model& model, const StaticStage& stage, State state, 
       body_(model, stage, std::move(state)),
       solver_(stage.newton.solver),
       walk_(body_, solver_, stage.newton, stage.path.largest_step),
-      goals_(goals_of(stage.path)) {}
+      goals_(goals_of(stage.path)),
+      reported_(body_.placement()) {}
 
 State PathStage::run() && {
   try {
     start();
     while (result_.ended.empty()) take_step();
+  } catch (const Interrupted&) {
+    result_.ended = "interrupted";
+    body_.restore(reported_);
   } catch (...) {
     sum_up();
     throw;
   }
   sum_up();
+  if (result_.ended == "interrupted") return std::move(body_).take_state();
   if (result_.unstable == 0)  // then the one nearest to zero is the smallest
     result_.smallest_eigenvalue = solver_.near_zero(body_, 1).values[0];
   return std::move(body_).take_state();
@@ -187,6 +194,7 @@ void PathStage::end_at(const PathNode& end, const Goal& goal) {
 
 void PathStage::report(PointKind kind, std::optional<int> unstable) {
   result_.unstable = unstable;
+  reported_ = body_.placement();
   report_point(body_, kind, unstable, hooks_, result_);
   if (result_.points >= settings_.most_points) result_.ended = "points";
 }

@@ -7,6 +7,7 @@
 
 #include "vbond/statics/detail/deflated.hpp"
 #include "vbond/statics/detail/eigen.hpp"
+#include "vbond/statics/detail/pulse.hpp"
 #include "vbond/statics/detail/rounding.hpp"
 
 namespace vbond {
@@ -71,7 +72,10 @@ std::optional<PathNode> PathStep::zero_of(const Value& value, const PathNode& lo
   return last;
 }
 
-std::optional<std::vector<CriticalPoint>> PathStep::critical_points(const PathNode& lo, const PathNode& hi) {
+std::optional<std::vector<CriticalPoint>> PathStep::critical_points(const PathNode& lo, const PathNode& hi,
+                                                                    int wanted) {
+  const Pulse::Work work("locating a critical point");
+  wanted_ = wanted;
   std::vector<CriticalPoint> found;
   if (std::signbit(lo.point.tangent.f) == std::signbit(hi.point.tangent.f)) {
     if (!add_bifurcations(lo, hi, found)) return {};
@@ -123,7 +127,10 @@ bool PathStep::add_bifurcations(const PathNode& lo, const PathNode& hi, std::vec
   std::vector<CriticalPoint> all;
   for (int k = 0; k < change; ++k) {
     const int number = softens ? lo.point.unstable + k : lo.point.unstable - 1 - k;
-    std::optional<CriticalPoint> zero = zero_of_eigenvalue(number, lo, hi, all);
+    // a higher eigenvalue does not vanish before a lower one, but may together with it
+    const bool beyond = softens && k >= wanted_;
+    std::optional<CriticalPoint> zero = zero_of_eigenvalue(number, lo, hi, all, beyond);
+    if (!zero && beyond) break;
     if (!zero) return false;
     all.push_back(std::move(*zero));
   }
@@ -152,7 +159,8 @@ bool PathStep::add_bifurcations(const PathNode& lo, const PathNode& hi, std::vec
 // The sign is told by the number of negative eigenvalues. At an end of the stretch another one may have just
 // vanished, so that the number is not to be had from the matrix: there the size is no guide if it is small.
 std::optional<CriticalPoint> PathStep::zero_of_eigenvalue(int number, const PathNode& lo, const PathNode& hi,
-                                                          const std::vector<CriticalPoint>& known) {
+                                                          const std::vector<CriticalPoint>& known,
+                                                          bool only_known) {
   const auto value = [this, number](const PathPoint& p) {
     return std::copysign(eigenvalue(number, p), number - p.unstable + 0.5);
   };
@@ -165,6 +173,7 @@ std::optional<CriticalPoint> PathStep::zero_of_eigenvalue(int number, const Path
   const double small = std::max(small_eigenvalue * scale, error);
   for (const CriticalPoint& c : known)
     if (std::abs(eigenvalue(number, c.node.point)) <= small) return c;
+  if (only_known) return {};
   PathNode last;
   const auto at = [&](double s) -> std::optional<double> {
     StepOutcome outcome = to(s);

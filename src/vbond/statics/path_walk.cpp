@@ -84,7 +84,8 @@ const PathPoint* PathWalk::start(double first_step) {
   return &here_;
 }
 
-std::optional<PathLeg> PathWalk::next() {
+std::optional<PathLeg> PathWalk::next(int wanted) {
+  wanted_ = wanted;
   const PathStep step(body_, arc_, here_, here_.tangent);
   const double longest_here = longest(here_.tangent), s = std::min(next_, longest_here);
   std::optional<PathLeg> found = leg(step, s, Way::round_gaps);
@@ -146,7 +147,7 @@ std::optional<PathLeg> PathWalk::leg(PathStep step, double s, Way way) {
         s = next;
         continue;
       }
-      auto critical = step.critical_points(start, *end);
+      auto critical = step.critical_points(start, *end, wanted_);
       const CriticalPoint* gap = critical && way != Way::over_gaps ? first_wide_gap(*critical) : nullptr;
       why_not_ = gap ? close_paths : "no balance is found between two that are next to each other";
       if (critical && (!gap || last)) {

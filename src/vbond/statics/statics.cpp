@@ -13,6 +13,7 @@
 #include "vbond/statics/detail/kinds.hpp"
 #include "vbond/statics/detail/newton.hpp"
 #include "vbond/statics/detail/one_blas_thread.hpp"
+#include "vbond/statics/detail/pulse.hpp"
 
 namespace vbond {
 namespace {
@@ -83,13 +84,23 @@ StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, Sta
                                const StaticHooks& hooks) {
   require_consistent("run_static_stage", model, stage, state);
   const OneBlasThread alone;
+  const Pulse pulse(stage, hooks);
+  StaticResult until_then;  // for a stage that ends within an eigenvalue search
+  StaticHooks counting = hooks;
+  counting.point = [&](const StaticPoint& p) {
+    ++until_then.points;
+    until_then.load_factor = p.load_factor;
+    if (hooks.point) hooks.point(p);
+  };
   try {
     refuse_bonds_that_remember(stage, state);
     refuse_contacts(model, stage, state);
     refuse_bonds_without_length(stage, state);
-    return run_kind(model, stage, std::move(state), hooks);
+    return run_kind(model, stage, state, counting);
   } catch (const NoEquilibrium&) {
     throw;
+  } catch (const Interrupted&) {
+    return interrupted_outcome(std::move(until_then), std::move(state));
   } catch (...) {
     throw current_failure(stage);
   }

@@ -12,7 +12,9 @@ namespace vbond {
 struct StaticHooks {
   std::function<void(const StaticPoint&)> point;  ///< each balance that was found; may be empty
   std::function<void(const std::string&)> tell;   ///< one report, without a line end; may be empty
-  std::function<bool()> interrupted;              ///< asked between steps; may be empty
+  std::function<bool()> interrupted;              ///< asked between steps, and within; may be empty
+  /// What the stage is at, one line every few seconds, without a line end; may be empty.
+  std::function<void(const std::string&)> progress = {};
 };
 
 struct StaticOutcome {

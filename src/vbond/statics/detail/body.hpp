@@ -20,6 +20,15 @@
 
 namespace vbond {
 
+inline bool moves(const StaticSupport& s) {
+  return s.displacement != Vec3d{} || s.rotation != Vec3d{};
+}
+/// How far it goes per load factor: its displacement, or if there is none its turn.  [length], [rad]
+inline double way_of(const StaticSupport& s) {
+  const double along = norm(s.displacement);
+  return along > 0.0 ? along : norm(s.rotation);
+}
+
 /// Where all particles are, and the load factor they are there at.
 struct Placement {
   PerParticle<Vec3d> r;

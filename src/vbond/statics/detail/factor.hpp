@@ -25,10 +25,10 @@ class Factor {
   /// Factors A + shift I = L L^T (supernodal where that is faster). False if that is not positive definite,
   /// or so little that rounding hides it; then solve() must not be called.
   bool factor_definite(const SparseMatrix& A, double shift = 0.0);
-  /// Factors A + shift I = L D L^T (simplicial, no pivoting) and returns the number of negative entries of D,
-  /// which is the number of negative eigenvalues (Sylvester's law of inertia); nothing if an entry of D is
-  /// zero to rounding, in which case singular_unknown() says which and solve() must not be called. Keeps a
-  /// copy of A.
+  /// Factors A + shift I = L D L^T (in dense blocks where factor_definite() does; no pivoting) and returns
+  /// the number of negative entries of D, which is the number of negative eigenvalues (Sylvester's law of
+  /// inertia); nothing if an entry of D is zero to rounding, in which case singular_unknown() says which and
+  /// solve() must not be called. Keeps a copy of A.
   std::optional<int> factor_indefinite(const SparseMatrix& A, double shift = 0.0);
   int singular_unknown() const;
   /// What a definite factor of the pattern costs, in solutions with it: by counts of operations, of which
@@ -41,7 +41,11 @@ class Factor {
 
   /// x with (A + shift I) x = b, one step of refinement included for the indefinite form.
   Vector solve(const Vector& b) const;
-  /// The same for each column, for a definite factor; several at a time cost little more than one.
+  /// Of a definite factor, (A + shift I) = L L^T but for the order of unknowns: y with L y = b, and x with
+  /// L^T x = y. The one after the other is solve().
+  Vector half_solve(const Vector& b) const;
+  Vector other_half_solve(const Vector& y) const;
+  /// The same for each column, without refinement; several at a time cost little more than one.
   DenseMatrix solve_columns(const DenseMatrix& B) const;
 
  private:

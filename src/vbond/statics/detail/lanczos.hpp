@@ -20,16 +20,12 @@ struct LanczosPairs {
   DenseMatrix vectors;
 };
 
+/// Of vectors, as a part of the eigenvalue; eigenvalues are good to its square.
+inline constexpr double tolerance_of_vectors = 1e-11;
+
 /// `count` eigenpairs of a symmetric operator of n unknowns. Throws NoConvergence if not all are found.
-LanczosPairs lanczos(Eigen::Index n, const Operator& op, Largest which, int count);
-
-/// A positive definite matrix: products with it and with its inverse.
-struct DefiniteOperator {
-  Operator times, solve;
-};
-
-/// The same for A x = theta B x, A symmetric.
-LanczosPairs lanczos(Eigen::Index n, const Operator& A, const DefiniteOperator& B, Largest which, int count);
+LanczosPairs lanczos(Eigen::Index n, const Operator& op, Largest which, int count,
+                     double tolerance = tolerance_of_vectors);
 
 /// The eigenvector of the largest eigenvalue, of length 1, to the first of these tolerances that is reached
 /// within 200 restarts; nothing if none is.

@@ -1,5 +1,6 @@
 #pragma once
 #include <functional>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -53,14 +54,15 @@ class PathStep {
   std::optional<PathNode> zero_of(const Value& value, const PathNode& lo, const PathNode& hi, double small);
 
   /// Where stability changes between the two, in the order in which the path meets it; nothing if a balance
-  /// is not found somewhere between.
-  std::optional<std::vector<CriticalPoint>> critical_points(const PathNode& lo, const PathNode& hi);
+  /// is not found somewhere between. Once so many eigenvalues have become negative the others are left out.
+  std::optional<std::vector<CriticalPoint>> critical_points(const PathNode& lo, const PathNode& hi,
+                                                            int wanted = std::numeric_limits<int>::max());
 
  private:
   std::optional<CriticalPoint> limit_point(const PathNode& lo, const PathNode& hi);
   bool add_bifurcations(const PathNode& lo, const PathNode& hi, std::vector<CriticalPoint>& found);
   std::optional<CriticalPoint> zero_of_eigenvalue(int number, const PathNode& lo, const PathNode& hi,
-                                                  const std::vector<CriticalPoint>& known);
+                                                  const std::vector<CriticalPoint>& known, bool only_known);
   double gap_of_turn(const PathNode& lo, const PathNode& node, const PathNode& hi);
   double eigenvalue(int number, const PathPoint& p);
   int number_below(const SparseMatrix& A, double bound);
@@ -70,6 +72,7 @@ class PathStep {
   ArcLength* arc_;
   PathPoint start_;
   PathDirection direction_;
+  int wanted_ = std::numeric_limits<int>::max();
 };
 
 }  // namespace vbond

@@ -1,4 +1,5 @@
 #pragma once
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -33,8 +34,9 @@ class PathWalk {
   const PathPoint* start(double first_step);
   bool is_singular() const { return arc_.is_singular(); }
 
-  /// The next step from here(); nothing if there is none, and why_not() says what stands in the way.
-  std::optional<PathLeg> next();
+  /// The next step from here(); nothing if there is none, and why_not() says what stands in the way. wanted:
+  /// of the points at which stability is lost, as many are located.
+  std::optional<PathLeg> next(int wanted = std::numeric_limits<int>::max());
   /// The first step off along a direction from a critical point.
   std::optional<PathLeg> turn_off(const CriticalPoint& at, const Vector& mode);
   const std::string& why_not() const { return why_not_; }
@@ -72,6 +74,7 @@ class PathWalk {
   PathPoint here_;
   std::string why_not_;
   bool snapping_ = false;
+  int wanted_ = std::numeric_limits<int>::max();
   std::optional<CriticalPoint> wide_gap_;  // ahead
   int looks_at_gap_ = 0;
   Softest soft_here_, soft_end_;  // at here_, and at the end of the last attempt
