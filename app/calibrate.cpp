@@ -28,6 +28,8 @@ constexpr Theory theories[] = {
      "length / thickness above about 1; needs a shear coefficient kappa"},
     {"short-cylinder", BondTheory::short_cylinder,
      "bonds shorter than they are thick, ends rigid, strain uniaxial; qualitative; nu < 0.5"},
+    {"shell", BondTheory::shell,
+     "bonds of a triangular sheet that stands for a thin wall, nu < 1/3; transverse shear is not the wall's"},
 };
 
 /// Collects mistakes of the command line, so that all are told at once.
@@ -76,6 +78,34 @@ void refuse_foreign(const CalibrateOptions& o, Arguments& arguments) {
   refuse("--inner-diameter", o.inner_diameter, o.diameter, "--diameter");
   refuse("--J", o.J, o.A, "--A");
   refuse("--J_p", o.J_p, o.A, "--A");
+}
+
+/// A shell has a thickness instead of a section: nothing but a shell is asked for with it.
+bool is_shell(const CalibrateOptions& o) {
+  return o.theory == "shell" || (o.theory == "all" && !o.thickness.empty());
+}
+
+double thickness(const CalibrateOptions& o, Arguments& arguments) {
+  if (!is_shell(o)) {
+    if (!o.thickness.empty())
+      arguments.problem("--thickness", o.thickness, "belongs to --theory shell",
+                        "leave it out, or take that theory");
+    return 0.0;
+  }
+  const std::pair<const char*, const std::string*> foreign[] = {{"--diameter", &o.diameter},
+                                                                {"--inner-diameter", &o.inner_diameter},
+                                                                {"--side", &o.side},
+                                                                {"--A", &o.A},
+                                                                {"--J", &o.J},
+                                                                {"--J_p", &o.J_p},
+                                                                {"--kappa", &o.kappa}};
+  for (const auto& [option, text] : foreign)
+    if (!text->empty())
+      arguments.problem(option, *text, "belongs to a section, and theory shell has a thickness instead",
+                        "leave it out, or --thickness");
+  if (!o.thickness.empty()) return arguments.positive(o.thickness, "--thickness", keys::length);
+  arguments.problem("--theory", "shell", "needs --thickness", "e.g. --thickness \"1 mm\"");
+  return 0.0;
 }
 
 Section section(const CalibrateOptions& o, Arguments& arguments) {
@@ -127,6 +157,18 @@ CalibratedTheory calibrated(const Theory& t, const TheoryParameters& p, double a
   return all;
 }
 
+void print_given(const Calibration& all) {
+  const Section& s = all.section;
+  if (all.thickness > 0.0)
+    return fmt::print("E {:.8g}   nu {:.6g}   thickness {:.8g}   length {:.8g}\n", all.material.E,
+                      all.material.nu, all.thickness, all.length);
+  const double thickness = 4.0 * std::sqrt(s.J / s.A);
+  fmt::print(
+      "E {:.8g}   nu {:.6g}   A {:.8g}   J {:.8g}   J_p {:.8g}   length {:.8g}   length / thickness {:.3g}\n",
+      all.material.E, all.material.nu, s.A, s.J, s.J_p, all.length, all.length / thickness);
+  fmt::print("Thickness is 4 sqrt(J / A): the diameter of a circle with this A and J.\n");
+}
+
 void print(const CalibratedTheory& t) {
   if (!t.left_out.empty()) return fmt::print("\n{}  left out: {}\n", t.name, t.left_out);
   fmt::print("\n{}  ({})\n", t.name, t.limits);
@@ -146,8 +188,11 @@ Calibration calibration(const CalibrateOptions& o) {
   const Material material{arguments.positive(o.E, "--E", keys::stress),
                           arguments.number(o.nu, "--nu", keys::pure)};
   const double a = arguments.positive(o.length, "--length", keys::length);
-  const Section s = section(o, arguments);
-  if (material.nu <= -1.0 || material.nu > 0.5)
+  const double h = thickness(o, arguments);
+  const Section s = is_shell(o) ? Section{} : section(o, arguments);
+  if (is_shell(o) && material.nu > -1.0 && 3.0 * material.nu >= 1.0)
+    arguments.problem("--nu", o.nu, "must be < 1/3: a triangular sheet has no larger one", "use nu <= 0.33");
+  else if (material.nu <= -1.0 || material.nu > 0.5)
     arguments.problem("--nu", o.nu, "must satisfy -1 < nu <= 0.5", "steel has 0.3, glass 0.2, rubber 0.5");
   if (o.theory == "short-cylinder" && material.nu == 0.5)
     arguments.problem("--nu", o.nu, "the short cylinder divides by 1 - 2 nu",
@@ -162,8 +207,9 @@ Calibration calibration(const CalibrateOptions& o) {
                       "e.g. --kappa 0.85 for a square");
   arguments.throw_if_any();
 
-  Calibration all{.material = material, .section = s, .length = a, .theories = {}};
+  Calibration all{.material = material, .section = s, .thickness = h, .length = a, .theories = {}};
   for (const Theory& t : theories) {
+    if ((t.theory == BondTheory::shell) != is_shell(o)) continue;
     if (o.theory != "all" && o.theory != t.name) continue;
     const auto left_out = [&](const char* why) {
       all.theories.push_back({.name = t.name, .limits = t.limits, .left_out = why, .c = {}, .laws = {}});
@@ -173,19 +219,14 @@ Calibration calibration(const CalibrateOptions& o) {
     else if (t.theory == BondTheory::short_cylinder && material.nu == 0.5)
       left_out("it divides by 1 - 2 nu");
     else
-      all.theories.push_back(calibrated(t, {t.theory, material, s, kappa.value_or(0.0)}, a));
+      all.theories.push_back(calibrated(t, {t.theory, material, s, kappa.value_or(0.0), h}, a));
   }
   return all;
 }
 
 int calibrate(const CalibrateOptions& o) {
   const Calibration all = calibration(o);
-  const Section& s = all.section;
-  const double thickness = 4.0 * std::sqrt(s.J / s.A);
-  fmt::print(
-      "E {:.8g}   nu {:.6g}   A {:.8g}   J {:.8g}   J_p {:.8g}   length {:.8g}   length / thickness {:.3g}\n",
-      all.material.E, all.material.nu, s.A, s.J, s.J_p, all.length, all.length / thickness);
-  fmt::print("Thickness is 4 sqrt(J / A): the diameter of a circle with this A and J.\n");
+  print_given(all);
   fmt::print("Units follow from those given: SI base units where units are named.\n");
   for (const CalibratedTheory& t : all.theories) print(t);
   fmt::print(

@@ -20,6 +20,7 @@ struct CalibratedTheory {
 struct Calibration {
   Material material;
   Section section;
+  double thickness = 0;  ///< of the wall of a shell, which has no section; else 0
   double length = 0;
   std::vector<CalibratedTheory> theories;
 };

@@ -67,7 +67,7 @@ struct WatchOptions {
 };
 
 struct CalibrateOptions {
-  std::string E, nu = "0.2", length, diameter, inner_diameter, side, A, J, J_p, kappa;
+  std::string E, nu = "0.2", length, diameter, inner_diameter, side, A, J, J_p, kappa, thickness;
   std::string theory = "all";
 };
 

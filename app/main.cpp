@@ -35,8 +35,8 @@ void add_threads(CLI::App* command, int& threads) {
 }
 
 void add_calibrate(CLI::App& app, app::CalibrateOptions& o, CLI::App*& command) {
-  command =
-      app.add_subcommand("calibrate", "Bond stiffnesses and B1..B4 from E, nu, section, length and theory");
+  command = app.add_subcommand(
+      "calibrate", "Bond stiffnesses and B1..B4 from E, nu, section or thickness, length and theory");
   command->add_option("--E", o.E, "Young's modulus, e.g. 2e9 or \"2 GPa\"")->required();
   command->add_option("--nu", o.nu, "Poisson's ratio")->capture_default_str();
   command->add_option("--length", o.length, "Length of the bond between its fastening points")->required();
@@ -47,8 +47,11 @@ void add_calibrate(CLI::App& app, app::CalibrateOptions& o, CLI::App*& command) 
   command->add_option("--J", o.J, "Second moment of area");
   command->add_option("--J_p", o.J_p, "Torsion constant");
   command->add_option("--kappa", o.kappa, "Shear coefficient (default: Hutchinson's, for a circle)");
-  command->add_option("--theory", o.theory, "bernoulli-euler, timoshenko, short-cylinder or all")
-      ->check(CLI::IsMember({"bernoulli-euler", "timoshenko", "short-cylinder", "all"}))
+  command->add_option(
+      "--thickness", o.thickness,
+      "Of the thin wall that a triangular sheet stands for (theory shell), instead of a section");
+  command->add_option("--theory", o.theory, "bernoulli-euler, timoshenko, short-cylinder, shell or all")
+      ->check(CLI::IsMember({"bernoulli-euler", "timoshenko", "short-cylinder", "shell", "all"}))
       ->capture_default_str();
 }
 

@@ -25,7 +25,10 @@ const char* kind_of(const SpecimenSpec& s) {
                                    "helix",
                                    "points of a CSV file",
                                    "LAMMPS data file",
-                                   "listed points"};
+                                   "listed points",
+                                   "cylinder",
+                                   "cone",
+                                   "sphere"};
   static_assert(std::size(kinds) == std::variant_size_v<decltype(s.shape)>);
   return kinds[s.shape.index()];
 }
@@ -35,6 +38,7 @@ const char* name_of(BondTheory theory) {
     case BondTheory::bernoulli_euler: return "Bernoulli-Euler";
     case BondTheory::timoshenko: return "Timoshenko";
     case BondTheory::short_cylinder: return "short cylinder";
+    case BondTheory::shell: return "shell";
   }
   return "";
 }

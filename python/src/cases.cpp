@@ -35,6 +35,7 @@ py::dict calibrate(const std::map<std::string, std::string>& given) {
                                                    {"J", &o.J},
                                                    {"J_p", &o.J_p},
                                                    {"kappa", &o.kappa},
+                                                   {"thickness", &o.thickness},
                                                    {"theory", &o.theory}};
   for (const auto& [name, value] : given) *fields.at(name) = value;
   py::dict theories;

@@ -135,4 +135,7 @@ def test_calibrate_gives_the_closed_forms():
     assert rod["c_A"] == pytest.approx(1, rel=1e-14) and rod["c_D"] == pytest.approx(0.03, rel=1e-14)
     assert rod["c_B"] == pytest.approx(0.0025, rel=1e-14) and rod["v-model"]["B2"] == pytest.approx(-0.005, rel=1e-14)
     assert rod["evm"]["B2"] == pytest.approx(0.03, rel=1e-14)
+    shell = vbond.calibrate(3.0, 1, nu=0.0, thickness=0.5)
+    assert list(shell) == ["shell"]
+    assert shell["shell"]["c_A"] == pytest.approx(1.5 / 3**0.5) and shell["shell"]["c_B"] == pytest.approx(1.5 / 3**0.5 / 48)
     assert list(vbond.calibrate("2 GPa", "1 mm", side="0.1 mm", theory="bernoulli-euler")) == ["bernoulli-euler"]

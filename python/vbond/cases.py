@@ -159,13 +159,14 @@ def calibrate(E: float | str, length: float | str, *, theory: str = "all", **giv
     c_A, c_D, c_B, c_T, and a dict of coefficients for each law ("v-model", "evm"). Theories that cannot say are left
     out.
 
-    given: nu (0.2), a section (diameter, with inner_diameter; side; or A, J and J_p), kappa. Values are numbers, or
-    texts with units such as "2 GPa". theory: "bernoulli-euler", "timoshenko", "short-cylinder" or "all"."""
-    known = ("nu", "diameter", "inner_diameter", "side", "A", "J", "J_p", "kappa")
+    given: nu (0.2), a section (diameter, with inner_diameter; side; or A, J and J_p), kappa; or, for theory "shell", a
+    thickness instead of both. Values are numbers, or texts with units such as "2 GPa". theory: "bernoulli-euler",
+    "timoshenko", "short-cylinder", "shell" or "all"."""
+    known = ("nu", "diameter", "inner_diameter", "side", "A", "J", "J_p", "kappa", "thickness")
     for name in given:
         if name not in known:
             raise TypeError(f"calibrate: there is no {name!r}; there are {', '.join(known)}")
-    if theory not in (theories := ("bernoulli-euler", "timoshenko", "short-cylinder", "all")):
+    if theory not in (theories := ("bernoulli-euler", "timoshenko", "short-cylinder", "shell", "all")):
         raise ValueError(f"calibrate: theory {theory!r} is none of {', '.join(theories)}")
     options = {"E": E, "length": length, "theory": theory, **given}
     return _vbond.calibrate({name: str(value) for name, value in options.items()})

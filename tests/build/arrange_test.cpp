@@ -141,7 +141,8 @@ TEST(Arranged, BondsMassesAndPartsOfAFileFollowTheirParticles) {
     EXPECT_EQ(b.state.bonds[BondId{k}].i.value, 2 + 3 * k);
     EXPECT_EQ(b.state.bonds[BondId{k}].j.value, 3 + 3 * k);
   }
-  EXPECT_TRUE(contains(all_notes(b), "leaves 3 of 4 particles and 1 of 3 bonds of the file")) << all_notes(b);
+  EXPECT_TRUE(contains(all_notes(b), "leaves 3 of 4 particles and 1 of the 3 bonds that it brings"))
+      << all_notes(b);
 }
 
 // In the frames of its particles the axis of a bond does not know that the body was turned.

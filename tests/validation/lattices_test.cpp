@@ -130,6 +130,21 @@ TEST(TriangularSheet, HasTheExactMembraneAndPlateStiffness) {
   });
 }
 
+TEST(ShellTheory, GivesTheTriangularSheetTheStiffnessOfTheWall) {
+  for (const double nu : {-0.4, 0.0, 0.22, 0.3}) {
+    const double E = 1.3, h = 0.2, across = 1 - nu * nu;
+    const Star star(triangular(), std::sqrt(0.75), shell({E, nu}, h));
+    const double C11 = 2 * star.W(strain(1, 0, 0)), D = 2 * star.W(curvature(1, 0, 0));
+    EXPECT_NEAR(C11 * across / (E * h), 1.0, tolerance) << nu;
+    EXPECT_NEAR(star.W(strain(0, 0, 1)) / (E * h / (1 + nu)), 1.0, tolerance) << nu;  // 2 G h xy^2
+    EXPECT_NEAR(star.W(strain(1, 1, 0)) / C11 - 1.0, nu, tolerance);
+    // strains of second order stretch bonds: c_A size^2/(64 c_B) = 12/64 (size/h)^2 = 2e-7
+    EXPECT_NEAR(D * 12 * across / (E * h * h * h), 1.0, tolerance) << nu;
+    EXPECT_NEAR(star.W(curvature(1, 1, 0)) / D - 1.0, nu, tolerance);
+    EXPECT_NEAR(1.0 - star.W(curvature(0, 0, 1)) / D, nu, tolerance);
+  }
+}
+
 TEST(SquareSheet, HasTheExactMembraneAndPlateStiffness) {
   for_both_stiffnesses("square sheet", [](const BondStiffness<double>& c, const nlohmann::json& expected) {
     const Star star(square(), 1.0, c);

@@ -47,7 +47,9 @@ class Properties {
   Properties(const PlacedSpecimen& s, Problems& problems) : s_(s), problems_(problems) {
     const SpecimenSpec& spec = *s.spec;
     given_once("radius", (spec.radius != 0.0) + !s.points.radius.empty(), false);
-    given_once("mass", spec.mass.has_value() + spec.density.has_value() + !s.points.mass.empty(), true);
+    // of a wall, masses and perhaps inertias are those that density and thickness give
+    const bool wall = spec.thickness.has_value();
+    given_once("mass", spec.mass.has_value() + (spec.density && !wall) + !s.points.mass.empty(), true);
     given_once("inertia", times_inertia_is_given(spec, s.points), false);
   }
 
@@ -135,7 +137,8 @@ void add_particles(const PlacedSpecimen& s, std::uint32_t number, Built& built, 
 void note_bond_types(const Case& c, const std::vector<PlacedSpecimen>& specimens, Built& built) {
   std::set<std::int64_t> types;
   for (const PlacedSpecimen& s : specimens)
-    for (const FileBond& bond : s.points.bonds) types.insert(bond.type);
+    for (const FileBond& bond : s.points.bonds)
+      if (bond.type != no_bond_type) types.insert(bond.type);
   if (types.size() < 2) return;
   for (const BondSpec& b : c.bonds)
     if (const auto* pairs = std::get_if<SpecimenPairs>(&b.select.value); pairs && !pairs->bond_type)

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <utility>
@@ -110,6 +111,35 @@ struct ListedSpecimen {
   std::vector<Vec3d> positions;
 };
 
+/// How many particles the largest circle of a surface of revolution has, and how far it goes around. Exactly
+/// one of spacing and particles is given.
+struct AroundSpec {
+  std::optional<double> spacing;          ///< of neighbours on the largest circle
+  std::optional<std::int64_t> particles;  ///< on a circle; of a panel those of its first one, ends counted
+  double angle = 2.0 * std::numbers::pi;  ///< of a panel; a full turn: closed
+  Vec3d axis{0, 0, 1};                    ///< any length but zero; x turns with it from z
+};
+
+struct CylinderSpecimen {  ///< a triangular sheet rolled up
+  double radius = 0, length = 0;
+  Vec3d origin;  ///< centre of its first circle
+  AroundSpec around;
+};
+
+struct ConeSpecimen {             ///< truncated; circles of equal numbers of particles
+  std::array<double, 2> radii{};  ///< at the origin and at the other end
+  double length = 0;              ///< along the axis
+  Vec3d origin;                   ///< centre of its first circle
+  AroundSpec around;
+};
+
+struct SphereSpecimen {
+  double radius = 0;
+  Vec3d centre;
+  std::optional<std::array<double, 2>> polar;  ///< a zone between these angles from the axis; else closed
+  AroundSpec around;
+};
+
 struct EllipsoidSolid {
   std::array<double, 3> semi_axes{};
 };
@@ -128,12 +158,13 @@ struct SpecimenSpec {
   SourcePlace place;
   std::string name = "body";  ///< becomes a group
   std::variant<RodSpecimen, HemisphereSpecimen, BlockSpecimen, SheetSpecimen, RingSpecimen, HelixSpecimen,
-               CsvSpecimen, LammpsSpecimen, ListedSpecimen>
+               CsvSpecimen, LammpsSpecimen, ListedSpecimen, CylinderSpecimen, ConeSpecimen, SphereSpecimen>
       shape;
   double radius = 0;              ///< >= 0; required > 0 for contacts, surface bonds, density
   std::optional<double> mass;     ///< exactly one of mass, density (or a file column)
-  std::optional<double> density;  ///< m = 4/3 pi R^3 density
-  std::optional<double> inertia;  ///< default 2/5 m R^2
+  std::optional<double> density;  ///< m = 4/3 pi R^3 density, or with a thickness: area * thickness * density
+  std::optional<double> thickness;                         ///< of the wall that a surface stands for
+  std::optional<double> inertia;                           ///< default 2/5 m R^2
   std::optional<std::array<double, 3>> principal_inertia;  ///< about the axes of the body
   std::optional<std::array<double, 6>> inertia_tensor;     ///< xx, yy, zz, xy, xz, yz
   std::optional<SolidSpec> solid;

@@ -20,6 +20,9 @@ void describe(Table& t, HelixSpecimen& s);
 void describe(Table& t, CsvSpecimen& s);
 void describe(Table& t, LammpsSpecimen& s);
 void describe(Table& t, ListedSpecimen& s);
+void describe(Table& t, CylinderSpecimen& s);
+void describe(Table& t, ConeSpecimen& s);
+void describe(Table& t, SphereSpecimen& s);
 void describe(Table& t, SolidSpec& s);
 void describe(Table& t, EllipsoidSolid& s);
 void describe(Table& t, BoxSolid& s);
@@ -58,6 +61,9 @@ void describe(Table& t, ContactPairSpec& p);
 void describe_rules(Table& t, BondSpec& b);
 /// Yield, creep and softening, after the rules above.
 void describe_flow(Table& t, BondSpec& b);
+/// The theory of these bonds if it has a cross-section, else nullptr.
+const TheoryParameters* theory_with_section(const BondRecipe& recipe);
+
 /// A cross-section, in one of the forms that the file may name.
 void describe_section(Table& t, Section& section);
 

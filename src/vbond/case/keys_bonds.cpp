@@ -96,6 +96,12 @@ void check_poisson(Table& t, const TheoryParameters& p) {
     t.check(p.material.nu > -1 && p.material.nu < 0.5, {"nu", "theory"},
             "must satisfy -1 < nu < 0.5: theory \"short-cylinder\" divides by (1 - 2 nu), [KA12] eq. (33)",
             "use nu <= 0.49, or theory = \"bernoulli-euler\" / \"timoshenko\", which accept nu = 0.5");
+  else if (p.theory == BondTheory::shell)
+    t.check(p.material.nu > -1 && 3.0 * p.material.nu < 1.0, {"nu", "theory"},
+            "must satisfy -1 < nu < 1/3: a triangular sheet of theory \"shell\" has no other, its c_D and "
+            "c_T are "
+            "those of (1 - 3 nu)",
+            "use nu <= 0.33; no other theory gives a sheet a larger one");
   else
     t.check(p.material.nu > -1 && p.material.nu <= 0.5, {"nu"},
             "must satisfy -1 < nu <= 0.5: outside, an isotropic material is not stable",
@@ -272,6 +278,11 @@ void describe_time(Table& t, BondSpec& b) {
 
 }  // namespace
 
+const TheoryParameters* theory_with_section(const BondRecipe& recipe) {
+  const auto* theory = std::get_if<TheoryParameters>(&recipe.parameters);
+  return theory && theory->theory != BondTheory::shell ? theory : nullptr;
+}
+
 void describe_section(Table& t, Section& section) {
   SectionForm form;
   describe_form(t, form, section);
@@ -357,7 +368,8 @@ void describe(Table& t, PairsFile& s) {
 void describe(Table& t, SpecimenPairs& s) {
   bool yes = true;
   t.key("from_specimen", yes, FlagCodec{}, required,
-        "true: the bonds that LAMMPS data files and bonds_file of CSV specimens bring along");
+        "true: the bonds that specimens bring along: those of LAMMPS data files and of the bonds_file of CSV "
+        "specimens, and the edges of kinds cylinder, cone and sphere");
   t.check(yes, {"from_specimen"}, "can only be true", "leave it out and select by distance, pairs or file");
   t.key("bond_type", s.bond_type, CountCodec{1}, default_is("bonds of all types"),
         "only those of this bond type of the file");
@@ -374,17 +386,28 @@ void describe(Table& t, BondStiffness<double>& p) {
 
 void describe(Table& t, TheoryParameters& p) {
   t.key("theory", p.theory,
-        ChoiceCodec<BondTheory>{
-            {"bernoulli-euler", "timoshenko", "short-cylinder"},
-            {BondTheory::bernoulli_euler, BondTheory::timoshenko, BondTheory::short_cylinder}},
-        required, "stiffnesses from material and section, at each bond's length");
+        ChoiceCodec<BondTheory>{{"bernoulli-euler", "timoshenko", "short-cylinder", "shell"},
+                                {BondTheory::bernoulli_euler, BondTheory::timoshenko,
+                                 BondTheory::short_cylinder, BondTheory::shell}},
+        required,
+        "stiffnesses from material and section, at each bond's length; shell: of a triangular sheet that "
+        "stands for "
+        "a thin wall, at any length");
   t.key("E", p.material.E, positive(stress), required, "Young's modulus");
   t.key("nu", p.material.nu, NumberCodec{pure, any_number}, required,
-        "Poisson's ratio, > -1 and <= 0.5 (short-cylinder: < 0.5)");
+        "Poisson's ratio, > -1 and <= 0.5 (short-cylinder: < 0.5, shell: < 1/3)");
   check_poisson(t, p);
   SectionForm form;
-  t.table("section", required, "cross-section of the bond",
-          [&](Table& s) { describe_form(s, form, p.section); });
+  t.when(p.theory != BondTheory::shell, "theory = \"bernoulli-euler\", \"timoshenko\" or \"short-cylinder\"",
+         [&] {
+           t.table("section", required, "cross-section of the bond",
+                   [&](Table& s) { describe_form(s, form, p.section); });
+         });
+  t.when(p.theory == BondTheory::shell, "theory = \"shell\"", [&] {
+    t.key("thickness", p.thickness, positive(length), required,
+          "of the wall, h: the sheet stretches by E h/(1-nu^2) and bends by E h^3/(12 (1-nu^2)), with nu in "
+          "both");
+  });
   t.when(p.theory == BondTheory::timoshenko, "theory = \"timoshenko\"", [&] {
     std::optional<Kappa> kappa;
     if (p.kappa > 0) kappa = Kappa{p.kappa, false};

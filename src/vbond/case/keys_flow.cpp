@@ -81,8 +81,8 @@ void describe_softening(Table& t, BondSpec& b) {
   t.key("tension", s.tension, positive(stress), required, "stress s_c at which damage begins");
   t.key("fracture_energy", s.fracture_energy, positive(energy_per_area), required,
         "G_f that the bond takes up until it parts, per area; its length must be below 2 E G_f/s_c^2");
-  const auto* theory = std::get_if<TheoryParameters>(&b.recipe.parameters);
-  t.when(theory == nullptr, "no theory", [&] {
+  const TheoryParameters* theory = theory_with_section(b.recipe);
+  t.when(theory == nullptr, "no theory, or theory = \"shell\"", [&] {
     t.table(
         "section", required, "cross-section of the bond",
         [&](Table& k) { describe_section(k, s.section ? *s.section : s.section.emplace()); },

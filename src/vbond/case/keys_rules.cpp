@@ -197,8 +197,8 @@ void describe_strength(Table& t, BondSpec& b) {
   describe_limits(t, s);
   Weibull& weibull = b.recipe.weibull;
   describe_weibull(t, weibull);
-  const auto* theory = std::get_if<TheoryParameters>(&b.recipe.parameters);
-  t.when(theory == nullptr, "no theory", [&] {
+  const TheoryParameters* theory = theory_with_section(b.recipe);
+  t.when(theory == nullptr, "no theory, or theory = \"shell\"", [&] {
     t.table(
         "section", default_is("required for stresses, and for a volume"), "cross-section of the bond",
         [&](Table& k) { describe_section(k, s.section ? *s.section : s.section.emplace()); },

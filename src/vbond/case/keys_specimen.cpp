@@ -20,21 +20,24 @@ void check_total(Table& t, double particles, const std::vector<std::string>& key
 
 /// What stands for mass, and what mass and inertia need of the radius. Files may bring columns of their own.
 void check_mass(Table& t, const SpecimenSpec& s) {
+  t.check(!s.thickness || s.density, {"thickness", "density"},
+          "thickness is there for masses: density times thickness times the area of each particle",
+          "add density, or leave out thickness");
   const bool from_file =
       std::holds_alternative<CsvSpecimen>(s.shape) || std::holds_alternative<LammpsSpecimen>(s.shape);
   t.check(!(s.mass && s.density), {"density", "mass"}, "only one of mass and density may be given",
-          "keep one of them; density means m = 4/3 pi radius^3 density");
+          "keep one of them; density means m = 4/3 pi radius^3 density, or of a wall with a thickness");
   t.check(from_file || s.mass || s.density, {"mass", "density", "kind"},
           "one of mass and density is required", "add mass = 1.0 (or density and a radius)");
-  t.check(from_file || !s.density || s.radius > 0, {"density", "radius", "kind"},
-          "density needs a radius: m = 4/3 pi radius^3 density",
-          "add radius, or give mass instead of density");
+  t.check(from_file || s.thickness || !s.density || s.radius > 0, {"density", "radius", "thickness", "kind"},
+          "density needs a radius, m = 4/3 pi radius^3 density, or the thickness of a sheet or shell",
+          "add radius or thickness, or give mass instead of density");
   const int forms = s.inertia.has_value() + s.principal_inertia.has_value() + s.inertia_tensor.has_value() +
                     s.solid.has_value();
   t.check(forms <= 1, {"inertia", "principal_inertia", "inertia_tensor", "solid"},
           "only one of inertia, principal_inertia, inertia_tensor and solid may be given",
           "keep one of them");
-  t.check(from_file || forms > 0 || s.radius > 0, {"radius", "inertia", "kind"},
+  t.check(from_file || s.thickness || forms > 0 || s.radius > 0, {"radius", "inertia", "thickness", "kind"},
           "inertia or a radius > 0 is required: the default 2/5 m radius^2 would be zero and a particle "
           "could not turn",
           "add the radius, or the moment of inertia of a particle");
@@ -87,17 +90,25 @@ void describe(Table& t, SpecimenSpec& s) {
   t.locate(s.place);
   t.key("name", s.name, NameCodec{}, optional,
         "name of the specimen; its particles form a group of this name");
-  static const std::vector<std::string> kinds{"rod",   "hemisphere", "block",  "sheet", "ring",
-                                              "helix", "csv",        "lammps", "list"};
+  static const std::vector<std::string> kinds{"rod", "hemisphere", "block", "sheet",    "ring", "helix",
+                                              "csv", "lammps",     "list",  "cylinder", "cone", "sphere"};
   std::size_t kind = t.reading() ? kinds.size() : s.shape.index();
-  t.key("kind", kind, ChoiceCodec<std::size_t>{kinds, {0, 1, 2, 3, 4, 5, 6, 7, 8}}, required,
+  t.key("kind", kind, ChoiceCodec<std::size_t>{kinds, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}}, required,
         "what it is made of");
   t.key("radius", s.radius, not_negative(length), optional,
         "radius of the particles: for contacts, bonds between surfaces, density and the default inertia");
   t.key("mass", s.mass, positive(mass), default_is("exactly one of mass and density, unless the file has it"),
         "mass of each particle");
-  t.key("density", s.density, positive(density), optional, "instead of mass: m = 4/3 pi radius^3 density");
-  t.key("inertia", s.inertia, positive(inertia), default_is("2/5 m radius^2"),
+  t.key("density", s.density, positive(density), optional,
+        "instead of mass: m = 4/3 pi radius^3 density; with thickness: area times thickness times density");
+  const bool surface = kind == 3 || (kind >= 9 && kind < kinds.size());  // as named below
+  t.when(surface, "kind = \"sheet\", \"cylinder\", \"cone\" or \"sphere\"", [&] {
+    t.key("thickness", s.thickness, positive(length), optional,
+          "of the wall that they stand for, h: with density, each particle has the mass of its share of the "
+          "surface; "
+          "the default inertia is then m (h^2/12 + 5/72 l^2), l: distance of its neighbours");
+  });
+  t.key("inertia", s.inertia, positive(inertia), default_is("2/5 m radius^2, or from thickness"),
         "moment of inertia of each particle, the same about all axes");
   t.key("material", s.material, material_name, default_is("the first of the case"),
         "what its particles are made of, as far as contacts ask");
@@ -107,6 +118,64 @@ void describe(Table& t, SpecimenSpec& s) {
   t.alternatives(s.shape, kind, conditions);
   describe_arrangement(t, s);
   check_mass(t, s);
+}
+
+namespace {
+
+constexpr double full_turn = 2.0 * std::numbers::pi;
+constexpr double nearly = 1.0 - 1e-12;  // degrees and revolutions are rounded
+
+void describe_around(Table& t, AroundSpec& a, const char* spacing, bool may_count) {
+  t.key("spacing", a.spacing, positive(length),
+        default_is(may_count ? "exactly one of spacing and particles_around" : "required without polar"),
+        spacing);
+  t.key("particles_around", a.particles, two_or_more,
+        default_is("exactly one of spacing and particles_around"),
+        "instead of spacing: particles on each circle; of a panel on its first one, both sides counted");
+  t.key("angle", a.angle, positive(angle), default_is("360 degrees: closed"), "of a panel, around the axis");
+  t.key("axis", a.axis, direction_vector, optional,
+        "of the surface; angles around it begin on x, turned as the axis is from z by the shortest way");
+  const bool closed = a.angle >= full_turn * nearly;
+  t.check(a.angle <= full_turn / nearly, {"angle"}, "must be a full turn at most", "360 degrees is closed");
+  t.check(a.spacing.has_value() != a.particles.has_value(), {"spacing", "particles_around", "kind"},
+          "exactly one of spacing and particles_around is required", "give one of them");
+  t.check(!closed || a.particles.value_or(3) >= 3, {"particles_around"},
+          "must be at least 3 on a closed circle", "take more particles");
+}
+
+}  // namespace
+
+void describe(Table& t, CylinderSpecimen& s) {
+  t.key("cylinder_radius", s.radius, positive(length), required, "radius of the middle of its wall");
+  t.key("length", s.length, positive(length), required, "along the axis, from the first circle to the last");
+  t.key("origin", s.origin, vector_of(length), optional, "centre of the first circle");
+  describe_around(t, s.around,
+                  "about what neighbours are apart: within 3 %, so that triangles fit the length", true);
+}
+
+void describe(Table& t, ConeSpecimen& s) {
+  t.key("cone_radii", s.radii, tuple_of<2>(positive(length)), required, "of the first and the last circle");
+  t.key("length", s.length, positive(length), required, "along the axis, from the first circle to the last");
+  t.key("origin", s.origin, vector_of(length), optional, "centre of the first circle");
+  describe_around(t, s.around,
+                  "about what neighbours on the larger circle are apart; elsewhere less, as the radius",
+                  true);
+}
+
+void describe(Table& t, SphereSpecimen& s) {
+  t.key("sphere_radius", s.radius, positive(length), required, "radius of the middle of its wall");
+  t.key("centre", s.centre, vector_of(length), optional, "centre of the sphere");
+  t.key("polar", s.polar, tuple_of<2>(positive(angle)), default_is("a closed sphere"),
+        "two angles from the axis, the smaller one first: only the zone between them, or with angle a panel");
+  describe_around(t, s.around, "about what neighbours are apart; of a zone on its largest circle", false);
+  if (s.polar)
+    t.check((*s.polar)[0] < (*s.polar)[1] && (*s.polar)[1] < std::numbers::pi, {"polar"},
+            "the first angle must be smaller than the second, and this smaller than 180 degrees",
+            "correct them");
+  t.check(s.polar || (!s.around.particles && s.around.angle >= full_turn * nearly),
+          {"angle", "particles_around", "polar", "kind"},
+          "angle and particles_around belong to a zone or panel of a sphere",
+          "add polar = [from, to], or leave them out");
 }
 
 void describe(Table& t, RodSpecimen& s) {

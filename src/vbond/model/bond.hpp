@@ -80,14 +80,15 @@ struct GivenCoefficients {
   Coefficients values{};
 };
 
-enum class BondTheory : std::uint8_t { bernoulli_euler, timoshenko, short_cylinder };
+enum class BondTheory : std::uint8_t { bernoulli_euler, timoshenko, short_cylinder, shell };
 
-/// Elastic constants and section; kappa is used by Timoshenko only.
+/// Elastic constants and section; kappa is used by Timoshenko only. A shell has a thickness and no section.
 struct TheoryParameters {
   BondTheory theory = BondTheory::bernoulli_euler;
   Material material{};
   Section section{};
-  double kappa = 0;  ///< shear coefficient, > 0
+  double kappa = 0;      ///< shear coefficient, > 0
+  double thickness = 0;  ///< of the wall, > 0; shell only  [length]
 };
 
 /// Where a bond is fastened: at the centres, at the surfaces, or at given distances from the centres.

@@ -18,6 +18,7 @@ BondStiffness<double> stiffness_of(const TheoryParameters& t, double a) {
     case BondTheory::bernoulli_euler: return bernoulli_euler(t.material, t.section, a);
     case BondTheory::timoshenko: return timoshenko(t.material, t.section, a, t.kappa);
     case BondTheory::short_cylinder: return short_cylinder(t.material, t.section, a);
+    case BondTheory::shell: return shell(t.material, t.thickness);
   }
   return {};
 }

@@ -72,4 +72,14 @@ constexpr BondStiffness<double> short_cylinder(const Material& m, const Section&
   return {confined * m.E * s.A / a, m.G() * s.A / a, confined * m.E * s.J / a, m.G() * s.J_p / a};
 }
 
+/// A bond of a triangular sheet that stands for a thin wall of thickness h, whatever the bond's length: with
+/// equilateral triangles the sheet stretches by E h/(1-nu^2) and bends by D = E h^3/(12 (1-nu^2)), with
+/// Poisson's ratio nu in both; -1 < nu < 1/3. Transverse shear is sqrt(3) c_D, not the wall's. See
+/// docs/theory.md.
+constexpr BondStiffness<double> shell(const Material& m, double h) {
+  const double c_A = m.E * h / (std::numbers::sqrt3 * (1.0 - m.nu)), c_B = c_A * sq(h) / 12.0;
+  const double across = (1.0 - 3.0 * m.nu) / (1.0 + m.nu);
+  return {c_A, across * c_A, c_B, across * c_B};
+}
+
 }  // namespace vbond

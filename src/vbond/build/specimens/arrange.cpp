@@ -84,7 +84,7 @@ void cut(const SpecimenSpec& spec, const std::string& case_file, SpecimenPoints&
                        "cuts come before turn, move and array, and see the specimen as its kind places it",
                        "make the region smaller, or use the other `keep`"});
     std::string note = fmt::format("{} leaves {} of {} particles", who, points.r.size(), before);
-    if (bonds > 0) note += fmt::format(" and {} of {} bonds of the file", points.bonds.size(), bonds);
+    if (bonds > 0) note += fmt::format(" and {} of the {} bonds that it brings", points.bonds.size(), bonds);
     if (!gone.empty()) note += "; it leaves nothing of its " + gone;
     points.notes.push_back(std::move(note));
   }

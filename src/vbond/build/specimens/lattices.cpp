@@ -1,7 +1,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "vbond/build/specimens/specimen.hpp"
+#include "vbond/build/specimens/surface.hpp"
 
 namespace vbond {
 namespace {
@@ -61,6 +61,7 @@ SpecimenPoints make_points(const SheetSpecimen& s, const SourcePlace& place) {
       points.r.push_back(s.origin + s.spacing * Vec3d{static_cast<double>(x) + shift,
                                                       static_cast<double>(y) * row_distance, 0.0});
     }
+  add_shares(s, points);
   return points;
 }
 

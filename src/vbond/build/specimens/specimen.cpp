@@ -1,5 +1,8 @@
 #include "vbond/build/specimens/specimen.hpp"
 
+#include <fmt/format.h>
+
+#include "vbond/build/specimens/surface.hpp"
 #include "vbond/build/text_file.hpp"
 
 namespace vbond {
@@ -28,6 +31,15 @@ CsvSpecimen with_files_beside(const std::string& case_file, CsvSpecimen spec) {
   return spec;
 }
 
+double count(const CylinderSpecimen& s) {
+  return count_points(s);
+}
+double count(const ConeSpecimen& s) {
+  return count_points(s);
+}
+double count(const SphereSpecimen& s) {
+  return count_points(s);
+}
 double count(const CsvSpecimen&) {
   return 0.0;
 }
@@ -39,11 +51,23 @@ double count(const Curve& s) {
   return static_cast<double>(s.particles);
 }
 
+bool has_inertia(const SpecimenSpec& s) {
+  return s.inertia || s.principal_inertia || s.inertia_tensor || s.solid;
+}
+
 }  // namespace
 
 double count_points(const SpecimenSpec& spec) {
   if (!spec.cut.empty()) return 0.0;
   return count_copies(spec) * std::visit([](const auto& shape) { return count(shape); }, spec.shape);
+}
+
+bool brings_bonds(const SpecimenSpec& spec) {
+  if (const auto* csv = std::get_if<CsvSpecimen>(&spec.shape)) return csv->bonds_file.has_value();
+  return std::holds_alternative<LammpsSpecimen>(spec.shape) ||
+         std::holds_alternative<CylinderSpecimen>(spec.shape) ||
+         std::holds_alternative<ConeSpecimen>(spec.shape) ||
+         std::holds_alternative<SphereSpecimen>(spec.shape);
 }
 
 SpecimenPoints make_specimen(const SpecimenSpec& spec, const std::string& case_file) {
@@ -59,6 +83,9 @@ SpecimenPoints make_specimen(const SpecimenSpec& spec, const std::string& case_f
           return make_points(shape, spec.place);
       },
       spec.shape);
+  for (std::string& note : points.notes)
+    if (!points.shares.empty()) note = fmt::format("specimen \"{}\": {}", spec.name, note);
+  if (spec.thickness) give_wall(*spec.thickness, spec.density.value_or(0.0), !has_inertia(spec), points);
   arrange(spec, case_file, points);
   return points;
 }

@@ -11,13 +11,20 @@
 
 namespace vbond {
 
-/// A bond of a LAMMPS file or of a bonds_file: two particles and the bond type of the file.
+constexpr std::int64_t no_bond_type = 0;  ///< of the edges of a surface; files count types from 1
+
+/// A bond that a specimen brings along: two particles, and the bond type of the file.
 struct FileBond {
   std::array<std::int64_t, 2> pair;
   std::int64_t type;
   /// Distance of the particles through the boundary of the file's box, if the bond is meant to go there;
   /// 0: it is not.  [length]
   double across = 0;
+};
+
+/// What a particle stands for on a surface: its area, and the mean square of the distances to its neighbours.
+struct SurfaceShare {
+  double area = 0, square_spacing = 0;  ///< [length^2]
 };
 
 /// The particles of one specimen, numbered from 0 within it. Properties that the specimen's file does
@@ -29,9 +36,10 @@ struct SpecimenPoints {
   std::vector<Vec3d> v, omega;                                           ///< per particle, or empty
   std::vector<double> radius, mass, inertia;                             ///< per particle, or empty
   std::vector<Vec3d> moments;                                            ///< of inertia; likewise
-  std::vector<FileBond> bonds;                                           ///< of a file
+  std::vector<FileBond> bonds;                                           ///< of a file, or edges of a surface
   std::vector<std::pair<std::string, std::vector<std::int64_t>>> parts;  ///< such as "ends", "rim"
-  std::vector<std::string> notes;  ///< on cuts and unused parts of files
+  std::vector<SurfaceShare> shares;  ///< of surfaces: per particle, before anything is cut or copied
+  std::vector<std::string> notes;    ///< on cuts, unused parts of files, and how triangles differ
 };
 
 /// Places the particles of a specimen, cut, turned, moved and copied. `place` is where the case describes it,
@@ -40,6 +48,9 @@ SpecimenPoints make_specimen(const SpecimenSpec& spec, const std::string& case_f
 
 /// How many particles that makes; 0 if they come from a file or are cut, so that only making them tells.
 double count_points(const SpecimenSpec& spec);
+
+/// Whether bonds may come with it: those of its files, or the edges of a surface of triangles.
+bool brings_bonds(const SpecimenSpec& spec);
 
 /// How many copies of its points the specimen has.
 double count_copies(const SpecimenSpec& spec);
@@ -54,6 +65,16 @@ SpecimenPoints make_points(const HelixSpecimen& s, const SourcePlace& place);
 SpecimenPoints make_points(const BlockSpecimen& s, const SourcePlace& place);
 SpecimenPoints make_points(const SheetSpecimen& s, const SourcePlace& place);
 SpecimenPoints make_points(const ListedSpecimen& s, const SourcePlace& place);
+
+/// Surfaces of triangles that are as nearly equilateral as the surface allows: their edges are bonds.
+SpecimenPoints make_points(const CylinderSpecimen& s, const SourcePlace& place);
+SpecimenPoints make_points(const ConeSpecimen& s, const SourcePlace& place);
+SpecimenPoints make_points(const SphereSpecimen& s, const SourcePlace& place);
+
+/// How many particles these have.
+double count_points(const CylinderSpecimen& s);
+double count_points(const ConeSpecimen& s);
+double count_points(const SphereSpecimen& s);
 
 /// The paper's half-sphere, [KA12] section VI B: rim fixed on the equator, the rest relaxed from random
 /// places under a repulsion. Particles 0 .. rim - 1 are the rim.
