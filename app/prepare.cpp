@@ -91,7 +91,8 @@ OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem:
   plan.history_every = output_time(o.history_every, model, "output.history.every", c);
   plan.reactions = resolve_groups(o.reactions, model);
   plan.axial_force = resolve_groups(o.axial_force, model);
-  plan.displacements = resolve_groups_or_particles(o.displacements, model);
+  plan.displacements = resolve_groups_or_particles(o.displacements, "displacements", model);
+  plan.velocities = resolve_groups_or_particles(o.velocities, "velocities", model);
   plan.stresses = stressed_groups(c, model);
   for (const Wall& w : model.walls) plan.walls.push_back(w.name);
   for (const StageSpec& stage : c.stages)
@@ -102,6 +103,7 @@ OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem:
     plan.frames_every = o.frames->every ? output_time(*o.frames->every, model, "output.frames.every", c)
                                         : std::numeric_limits<double>::infinity();
   if (o.frames) plan.frame_format = {o.frames->single_precision, o.frames->compressed, o.frames->stress};
+  if (o.frames) plan.frame_format.contacts = o.frames->contacts;
   plan.lammps_dump = o.lammps_dump;
   if (o.checkpoint_every)
     plan.checkpoint_every = output_time(*o.checkpoint_every, model, "output.checkpoint.every", c);
@@ -110,6 +112,8 @@ OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem:
                             [](const BondSpec& b) { return b.recipe.rules.can_break(); });
   plan.capsules =
       std::any_of(c.bonds.begin(), c.bonds.end(), [](const BondSpec& b) { return b.recipe.capsule; });
+  plan.flow =
+      std::any_of(c.bonds.begin(), c.bonds.end(), [](const BondSpec& b) { return b.recipe.rules.flow(); });
   plan.losses = possible_losses(c, model);
   plan.watch_every = c.watch.every;
   plan.overlap = c.watch.overlap;

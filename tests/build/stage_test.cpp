@@ -313,17 +313,18 @@ TEST(NaturalTime, DoesNotExistInSiWithoutBonds) {
 TEST(Resolution, OfGroupsAndParticlesReportsAllMistakes) {
   const Built b = build(paper_rod());
   EXPECT_EQ(resolve_groups({{"ends", {}}, {"all", {}}}, b.model)[1].particles.size(), 10u);
-  const std::vector<Group> groups = resolve_groups_or_particles({{"ends", {}}, {"9", {}}}, b.model);
+  const std::vector<Group> groups =
+      resolve_groups_or_particles({{"ends", {}}, {"9", {}}}, "displacements", b.model);
   EXPECT_EQ(groups[0].particles.size(), 2u);
   EXPECT_EQ(groups[1].particles, std::vector<ParticleId>{ParticleId{9}});
   try {
-    resolve_groups_or_particles({{"0", {}}, {"10", {}}, {"nobody", {}}}, b.model);
+    resolve_groups_or_particles({{"0", {}}, {"10", {}}, {"nobody", {}}}, "displacements", b.model);
     FAIL();
   } catch (const CaseError& e) {
     EXPECT_EQ(e.problems().size(), 2u);
   }
   try {
-    resolve_groups_or_particles({{"99999999999999999999", {}}}, b.model);  // beyond 64 bits
+    resolve_groups_or_particles({{"99999999999999999999", {}}}, "displacements", b.model);  // beyond 64 bits
     FAIL();
   } catch (const CaseError& e) {
     EXPECT_TRUE(contains(e.what(), "displacements: there is no particle 99999999999999999999\n")) << e.what();

@@ -214,6 +214,34 @@ TEST(History, ValuesAreThoseOfTheRun) {
   EXPECT_EQ(v.displacements[0], moved / 2.0);
 }
 
+TEST(History, HasVelocitiesOfGroupsWhereThereAreAny) {
+  const Folder folder;
+  Chain chain;
+  OutputPlan plan = plan_in(folder);
+  plan.velocities = {{"1 and 2", {ParticleId{1}, ParticleId{2}}}, {"0", {ParticleId{0}}}};
+  Stage stage;
+  stage.dt = 0.1;
+  const Simulation run(chain.model, stage, chain.state);
+  HistoryValues v = history_values(plan, run);
+  ASSERT_EQ(v.velocities.size(), 2u);
+  EXPECT_EQ(v.velocities[0], (chain.state.v[ParticleId{1}] + chain.state.v[ParticleId{2}]) / 2.0);
+  EXPECT_EQ(v.velocities[1], chain.state.v[ParticleId{0}]);
+  const StaticPoint point{chain.state, 0.75, PointKind::limit_point, 1, {}, {}};
+  const HistoryValues at_rest = history_values(plan, chain.model, point);
+  EXPECT_TRUE(at_rest.velocities.empty());
+  HistoryWriter writer(plan, {});
+  writer.write(v);
+  HistoryValues next = at_rest;
+  next.clock.step = v.clock.step + 1;
+  writer.write(next);
+  const auto lines = lines_of(content_of(folder / "history.csv"));
+  ASSERT_EQ(lines.size(), 3u);
+  EXPECT_EQ(std::stod(cell(lines, 1, "velocity.1 and 2.x")), v.velocities[0].x);
+  EXPECT_EQ(std::stod(cell(lines, 1, "velocity.0.z")), v.velocities[1].z);
+  EXPECT_EQ(cell(lines, 2, "velocity.1 and 2.x"), "");
+  EXPECT_EQ(cell(lines, 2, "velocity.0.z"), "");
+}
+
 TEST(History, ContinuedFileEqualsTheUninterruptedOne) {
   const Folder folder;
   std::string undisturbed;

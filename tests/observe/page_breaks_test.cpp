@@ -73,7 +73,7 @@ TEST(PageBreaks, CausesFragmentsAndLoadsAreThoseOfTheFrames) {
   for (const char* more : {"utilisation", "axial_force", "shear_force", "bending_moment", "torque"})
     keys.emplace_back(more);
   EXPECT_EQ(field_keys(s), keys);
-  for (std::size_t k = fields_of_all_runs; k < bond_field_count; ++k) {
+  for (std::size_t k = fields_of_all_runs; k < fields_with_breaks; ++k) {
     const auto& field = s["bond_fields"][k];
     const std::vector<double> back = array_of(html, field["array"]);
     for (std::size_t f = 0; f < frames; ++f) {
@@ -95,10 +95,28 @@ TEST(PageBreaks, TheShapeOfABrokenBondTakesNoPartInTheScales) {
   const Sequence& s = report.sequences[0];
   // whole, the bond was longer by 7 in the second frame; broken, it is by up to 63
   EXPECT_NEAR(s.fields[0].low + 255.0 * s.fields[0].step, 7.0, 0.1);
-  for (std::size_t k = 0; k < bond_field_count; ++k)
+  for (std::size_t k = 0; k < fields_with_breaks; ++k)
     EXPECT_NEAR(s.fields[k].low + s.fields[k].step * s.frames[3].fields[k][1], 0.0, 0.51 * s.fields[k].step)
         << bond_fields[k].key;
   EXPECT_EQ(s.frames[3].range[1], 0);
+}
+
+TEST(PageBreaks, WhatHasBecomeOfBondsThatFlowIsShownWhereFramesTellIt) {
+  const Film film({.breaks = true, .flow = true}), no_breaks({.flow = true}), without({});
+  const auto keys = [](const Film& f, SequenceKind kind) {
+    return field_keys(json_of(report_page(one_line, f.report(kind), {}))["sequences"][0]);
+  };
+  EXPECT_EQ(keys(film, SequenceKind::run).size(), bond_field_count);
+  EXPECT_EQ(keys(film, SequenceKind::run).back(), "damage");
+  std::vector<std::string> expected = keys_of_all;
+  for (std::size_t k = fields_with_breaks; k < bond_field_count; ++k)
+    expected.emplace_back(bond_fields[k].key);
+  EXPECT_EQ(keys(no_breaks, SequenceKind::run), expected);
+  EXPECT_EQ(keys(no_breaks, SequenceKind::mode), keys_of_all);
+  std::vector<FrameFiles> mixed = no_breaks.files();
+  mixed[1] = without.files()[1];
+  Body body;
+  EXPECT_FALSE(read_sequence({SequenceKind::run, "", "", "", mixed}, body).flows);
 }
 
 TEST(PageBreaks, RunsWithoutStrengthHaveNoneOfIt) {
@@ -117,7 +135,7 @@ TEST(PageBreaks, NothingIsSaidOfFragmentsWhileTheBodyIsWhole) {
       read_sequence({SequenceKind::run, "", "", "", {film.files()[0], film.files()[1]}}, report.body));
   report.stage_of_frame.assign(2, "pull");
   const auto s = json_of(report_page(one_line, report, {}))["sequences"][0];
-  EXPECT_EQ(field_keys(s).size(), bond_field_count);
+  EXPECT_EQ(field_keys(s).size(), fields_with_breaks);
   for (const char* key : {"bond_broken", "fragment"}) EXPECT_FALSE(s.contains(key)) << key;
 }
 
@@ -135,7 +153,7 @@ TEST(PageBreaks, MixedFramesAreShownWithoutBreaks) {
   Body body;
   const Sequence s = read_sequence({SequenceKind::run, "", "", "", mixed}, body);
   EXPECT_FALSE(s.may_break);
-  EXPECT_EQ(s.field_count(), fields_of_all_runs);
+  EXPECT_FALSE(s.has_field(fields_of_all_runs));
   EXPECT_TRUE(s.frames[3].broken.empty());
   EXPECT_TRUE(s.frames[3].fields[fields_of_all_runs].empty());
 }

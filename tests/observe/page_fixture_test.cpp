@@ -44,8 +44,8 @@ Sequence sequence(SequenceKind kind, std::size_t frames) {
       for (std::size_t p = 0; p < particles; ++p) frame.displacement.push_back(displacement_of(f, c, p));
     if (kind == SequenceKind::run)
       for (std::size_t p = 0; p < particles; ++p) frame.speed.push_back(field_of(f, 7, p));
-    for (std::size_t k = 0; k < s.field_count(); ++k)
-      for (std::size_t b = 0; b < exist; ++b) frame.fields[k].push_back(field_of(f, k, b));
+    for (std::size_t k = 0; k < bond_field_count; ++k)
+      for (std::size_t b = 0; s.has_field(k) && b < exist; ++b) frame.fields[k].push_back(field_of(f, k, b));
     for (std::size_t b = 0; b < exist; ++b) frame.range.push_back(static_cast<std::uint8_t>((f + b) % 3));
     if (s.may_break) {
       for (std::size_t b = 0; b < exist; ++b)

@@ -30,7 +30,7 @@ TEST(OutputReference, TablesOfThePageAreThoseOfTheCode) {
   std::string page = content_of(path);
   const std::string as_it_was = page;
   for (const std::string where :
-       {"history", "breaks", "fragments", "particles", "bonds", "walls", "checkpoint"}) {
+       {"history", "breaks", "fragments", "particles", "bonds", "walls", "contacts", "checkpoint"}) {
     const std::string begin = "<!-- quantities: " + where + " -->\n", end = "<!-- end of quantities -->";
     const std::size_t from = page.find(begin), to = page.find(end, from);
     ASSERT_NE(from, std::string::npos) << where;

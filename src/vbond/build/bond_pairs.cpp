@@ -34,11 +34,6 @@ bool cuts_a_file(const Case& c) {
   });
 }
 
-bool brings_bonds(const SpecimenSpec& specimen) {
-  const auto* csv = std::get_if<CsvSpecimen>(&specimen.shape);
-  return std::holds_alternative<LammpsSpecimen>(specimen.shape) || (csv && csv->bonds_file);
-}
-
 /// Selects the pairs of one bond set.
 struct Selection {
   const Case& c;
@@ -141,7 +136,7 @@ struct Selection {
       if (!brings_bonds(specimen)) continue;
       const auto first = model.find_group(specimen.name)->particles.front().value;
       for (const FileBond& bond : make_specimen(specimen, c.file).bonds) {
-        types.insert(bond.type);
+        if (bond.type != no_bond_type) types.insert(bond.type);
         if (wanted.bond_type && bond.type != *wanted.bond_type) continue;
         const ParticleId p{first + static_cast<std::size_t>(bond.pair[0])},
             q{first + static_cast<std::size_t>(bond.pair[1])};
@@ -158,9 +153,11 @@ struct Selection {
                                fmt::join(types, ", ")),
                    "choose one of these, or other groups");
     else if (pairs.empty() && problems.none())
-      problems.add(place_of_selection(spec), fmt::format("bonds \"{}\": no specimen brings bonds", spec.name),
-                   "only LAMMPS data files with a Bonds section and CSV specimens with a bonds_file do",
-                   "select by distance or by pairs");
+      problems.add(
+          place_of_selection(spec), fmt::format("bonds \"{}\": no specimen brings bonds", spec.name),
+          "LAMMPS data files with a Bonds section do, CSV specimens with a bonds_file, and the kinds "
+          "cylinder, cone and sphere",
+          "select by distance or by pairs");
     return ordered(std::move(pairs));
   }
 

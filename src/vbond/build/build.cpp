@@ -239,7 +239,8 @@ void check_durations(const Case& c, const Built& built, Problems& problems) {
 void check_output(const Case& c, const Model& model, Problems& problems) {
   for (const auto& name : c.output.reactions) look_up_group(name, model, problems);
   for (const auto& name : c.output.axial_force) look_up_group(name, model, problems);
-  look_up_groups_or_particles(c.output.displacements, model, problems);
+  look_up_groups_or_particles(c.output.displacements, "displacements", model, problems);
+  look_up_groups_or_particles(c.output.velocities, "velocities", model, problems);
   for (const StressSpec& s : c.output.stresses) look_up_volume(s, model, problems);
   const SourcePlace place{c.file, 0, 0};
   if (c.output.frames && c.output.frames->stress)
@@ -251,6 +252,9 @@ void check_output(const Case& c, const Model& model, Problems& problems) {
                      "give the particles a radius, or write history.stress of a group with a volume");
         break;
       }
+  if (c.output.frames && c.output.frames->contacts && c.contact.law == ContactLaw::none)
+    problems.add({c.file, 0, 0}, "output.frames.contacts = true",
+                 "nothing touches: the case has no [contact]", "add [contact], or leave it out");
   if (!c.any_dynamics()) return;  // no stage has intervals
   look_up_time(c.output.history_every, model, "output.history.every", place, problems);
   if (c.output.frames && c.output.frames->every)

@@ -60,7 +60,7 @@ double resolve_volume(const StressSpec& s, const Model& model);
 
 /// The same, where digits stand for the group of that one particle.
 std::vector<Group> resolve_groups_or_particles(const std::vector<Placed<std::string>>& names,
-                                               const Model& model);
+                                               const char* what, const Model& model);
 
 /// A time in the model's unit. Throws CaseError if it is a multiple of T_0 and the model, in SI units
 /// and without any bond, has none; `what` names the key.

@@ -166,15 +166,15 @@ double resolve_volume(const StressSpec& s, const Model& model) {
 }
 
 std::vector<Group> look_up_groups_or_particles(const std::vector<Placed<std::string>>& names,
-                                               const Model& model, Problems& problems) {
+                                               const char* what, const Model& model, Problems& problems) {
   std::vector<Group> groups;
   for (const auto& name : names) {
     const std::string& text = name.value;
     if (text.empty() || text.find_first_not_of("0123456789") != std::string::npos) {
       if (const Group* g = look_up_group(name, model, problems)) groups.push_back(*g);
     } else if (const auto number = to_integer(text); !number) {  // too large
-      refuse_particle(text, model, "displacements", name.place, problems);
-    } else if (const auto id = look_up_particle(*number, model, "displacements", name.place, problems)) {
+      refuse_particle(text, model, what, name.place, problems);
+    } else if (const auto id = look_up_particle(*number, model, what, name.place, problems)) {
       groups.push_back({text, {*id}});
     }
   }
@@ -182,9 +182,9 @@ std::vector<Group> look_up_groups_or_particles(const std::vector<Placed<std::str
 }
 
 std::vector<Group> resolve_groups_or_particles(const std::vector<Placed<std::string>>& names,
-                                               const Model& model) {
+                                               const char* what, const Model& model) {
   Problems problems;
-  std::vector<Group> groups = look_up_groups_or_particles(names, model, problems);
+  std::vector<Group> groups = look_up_groups_or_particles(names, what, model, problems);
   problems.throw_if_any();
   return groups;
 }

@@ -37,8 +37,9 @@ double look_up_volume(const StressSpec& s, const Model& model, Problems& problem
 /// For each particle, whether the group has it.
 std::vector<char> membership(const Group& group, const Model& model);
 
-/// Groups by name, or of one particle where the name is digits; records what is unknown.
+/// Groups by name, or of one particle where the name is digits; records what is unknown. `what` names the
+/// key.
 std::vector<Group> look_up_groups_or_particles(const std::vector<Placed<std::string>>& names,
-                                               const Model& model, Problems& problems);
+                                               const char* what, const Model& model, Problems& problems);
 
 }  // namespace vbond

@@ -374,7 +374,8 @@ struct FramesSpec {
   std::optional<CaseTime> every;  ///< of dynamics stages, which need it; static stages write every point
   bool single_precision = false;  ///< real numbers of 32 bits, not 64
   bool compressed = true;
-  bool stress = false;  ///< of each particle
+  bool stress = false;    ///< of each particle
+  bool contacts = false;  ///< a file for them, too
 };
 
 struct OutputSpec {
@@ -382,6 +383,7 @@ struct OutputSpec {
   std::vector<Placed<std::string>> reactions;      ///< groups: total support force and moment
   std::vector<Placed<std::string>> axial_force;    ///< groups: mean tension over the bonds inside
   std::vector<Placed<std::string>> displacements;  ///< groups, or particle numbers as text
+  std::vector<Placed<std::string>> velocities;     ///< likewise
   std::vector<StressSpec> stresses;                ///< of groups
   std::optional<FramesSpec> frames;                ///< absent: none
   bool lammps_dump = false;                        ///< with the frames

@@ -98,6 +98,8 @@ void describe(Table& t, OutputSpec& o, bool any_dynamics) {
           "groups: mean tension of the bonds inside");
     h.key("displacements", o.displacements, list_of(ParticlesCodec{}), optional,
           "groups (their mean) or particle numbers: displacement since the start");
+    h.key("velocities", o.velocities, list_of(ParticlesCodec{}), optional,
+          "groups (their mean) or particle numbers: velocity");
     h.tables("stress", o.stresses, optional, "mean stress and strain of groups",
              [](Table& k, StressSpec& s) { describe_stress(k, s); });
   });
@@ -115,6 +117,8 @@ void describe(Table& t, OutputSpec& o, bool any_dynamics) {
               optional, "of the arrays; none: as they lie in memory");
         f.key("stress", o.frames->stress, FlagCodec{}, optional,
               "the stress of each particle, in its volume as a sphere");
+        f.key("contacts", o.frames->contacts, FlagCodec{}, optional,
+              "a file for all contacts, too: who touches whom or which wall, overlap, forces, slip");
       },
       o.frames.has_value());
   t.key("lammps_dump", o.lammps_dump, FlagCodec{}, optional, "with each frame also a LAMMPS dump, for OVITO");

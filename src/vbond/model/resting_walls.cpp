@@ -1,6 +1,7 @@
 #include "vbond/model/resting_walls.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "vbond/physics/tangent.hpp"
@@ -31,11 +32,13 @@ std::vector<RestingTouch> RestingWalls::near(const State& state, double farther)
       for (const WallTouch& t : found) {
         RestingTouch touch{p, w, rotate(now.q, t.normal), t.distance, R - t.distance,
                            0, 0, t.curvature_1 < 0.0};
-        if (is_too_wide(R, t.curvature_1, t.curvature_2))
-          touch.overlap = touch.force = touch.energy = std::numeric_limits<double>::quiet_NaN();
+        const double R_e = is_too_wide(R, t.curvature_1, t.curvature_2)
+                               ? std::numeric_limits<double>::quiet_NaN()
+                               : effective_radius(R, t);
+        touch.reduced_radius = R_e;
+        if (std::isnan(R_e)) touch.overlap = touch.force = touch.energy = R_e;
         if (touch.overlap > 0.0) {
           const TouchNumbers<double>& c = numbers_[w][model_.material_of(p)];
-          const double R_e = effective_radius(R, t);
           touch.force = normal_force(forms_, c, R_e, touch.overlap).F;
           touch.energy = normal_energy(forms_, c, R_e, touch.overlap);
         }

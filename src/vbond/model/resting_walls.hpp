@@ -14,12 +14,13 @@ namespace vbond {
 struct RestingTouch {
   ParticleId p;
   std::uint32_t wall = 0;
-  Vec3d normal;         ///< unit vector from the wall to the particle
-  double distance = 0;  ///< of the particle's centre  [length]
-  double overlap = 0;   ///< > 0; NaN if the particle does not fit into the hollow wall  [length]
-  double force = 0;     ///< on the particle along the normal  [force]
-  double energy = 0;    ///< [energy]
-  bool hollow = false;  ///< the wall is, here
+  Vec3d normal;               ///< unit vector from the wall to the particle
+  double distance = 0;        ///< of the particle's centre  [length]
+  double overlap = 0;         ///< > 0; NaN if the particle does not fit into the hollow wall  [length]
+  double force = 0;           ///< on the particle along the normal  [force]
+  double energy = 0;          ///< [energy]
+  bool hollow = false;        ///< the wall is, here
+  double reduced_radius = 0;  ///< of the two; NaN if the particle does not fit  [length]
 };
 
 /// Force on a particle and its derivatives by the particle's place, row by row.

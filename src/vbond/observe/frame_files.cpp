@@ -20,7 +20,8 @@ namespace fs = std::filesystem;
 
 bool is_in(Only cases, const FrameFormat& format) {
   return cases == Only::everywhere || (cases == Only::breaks && format.breaks) ||
-         (cases == Only::stress && format.stress) || (cases == Only::capsules && format.capsules);
+         (cases == Only::stress && format.stress) || (cases == Only::capsules && format.capsules) ||
+         (cases == Only::flow && format.flow);
 }
 
 template <class IdType>
@@ -130,7 +131,8 @@ BondView bond_view(BondId id, const State& state, bool may_break) {
           .torque = section.M_t,
           .utilisation = may_break && !b.broken && can_break(b)
                              ? b.law->failure(b, pose, history_of_bond(state, id)).utilisation
-                             : 0.0};
+                             : 0.0,
+          .flowed = b.law->has_rules && b.law->remembers() ? history_of_bond(state, id) : no_history};
 }
 
 void write_particles_vtp(const fs::path& path, const Model& model, const State& state,

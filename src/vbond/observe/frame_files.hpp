@@ -24,6 +24,10 @@ void write_particles_vtp(const std::filesystem::path& path, const Model& model, 
 void write_bonds_vtp(const std::filesystem::path& path, const State& state, UnitSystem units,
                      std::optional<double> load_factor = {}, FrameFormat format = {});
 
+/// The contacts as lines with contact_quantities(): from centre to centre, or to where a wall is touched.
+void write_contacts_vtp(const std::filesystem::path& path, const Model& model, const State& state,
+                        std::optional<double> load_factor = {}, FrameFormat format = {});
+
 /// The walls as triangles where they are now, with wall_quantities().
 void write_walls_vtp(const std::filesystem::path& path, const Model& model, const State& state,
                      std::optional<double> load_factor = {}, FrameFormat format = {});

@@ -9,7 +9,9 @@ struct FrameFormat {
   bool stress = false;            ///< of each particle
   bool breaks = false;            ///< with what tells of bonds that may break
   bool capsules = false;          ///< with the radii of bonds that touch as capsules
+  bool flow = false;              ///< with what has become of bonds that flow
   bool walls = false;             ///< with a file for the walls
+  bool contacts = false;          ///< with a file for the contacts
   bool long_integers = false;     ///< 64 bits for each, also where 32 would do
   friend bool operator==(const FrameFormat&, const FrameFormat&) = default;
 };

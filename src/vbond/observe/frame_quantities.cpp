@@ -1,3 +1,4 @@
+#include <cmath>
 #include <numbers>
 
 #include "vbond/observe/quantities.hpp"
@@ -85,6 +86,25 @@ constexpr BondQuantity of_bonds[] = {
      [](const View& b) { return static_cast<std::uint8_t>(mode_of(b.bond)); }, Only::breaks},
     {"capsule_radius", unit::length, "radius by which its axis is touched; 0: the bond touches nothing",
      [](const View& b) { return b.bond.capsule; }, Only::capsules},
+    {"plastic_elongation", unit::length, "u_p: by what its length at rest has grown by yielding",
+     [](const View& b) { return b.flowed[memory::stretch]; }, Only::flow},
+    {"creep", unit::length, "by what its length at rest has grown by creep",
+     [](const View& b) { return b.flowed[memory::crept]; }, Only::flow},
+    {"plastic_bend", unit::degrees, "bending that has flowed, to and fro taken together: size of the angle",
+     [](const View& b) { return degrees * std::hypot(b.flowed[memory::bent], b.flowed[memory::bent + 1]); },
+     Only::flow},
+    {"plastic_twist", unit::degrees, "twist that has flowed, to and fro taken together, with its sign",
+     [](const View& b) { return degrees * b.flowed[memory::twisted]; }, Only::flow},
+    {"axial_flow", unit::length, "alpha of the axial force: the sum of all amounts of its yielding",
+     [](const View& b) { return b.flowed[memory::axial]; }, Only::flow},
+    {"shear_flow", unit::length, "alpha of the shear force",
+     [](const View& b) { return b.flowed[memory::shear]; }, Only::flow},
+    {"bending_flow", unit::degrees, "alpha of the bending moment",
+     [](const View& b) { return degrees * b.flowed[memory::bending]; }, Only::flow},
+    {"torsion_flow", unit::degrees, "alpha of the torque",
+     [](const View& b) { return degrees * b.flowed[memory::torsion]; }, Only::flow},
+    {"damage", unit::none, "w of softening, 0 to 1", [](const View& b) { return b.flowed[memory::damage]; },
+     Only::flow},
 };
 
 constexpr WallQuantity of_walls[] = {
@@ -101,7 +121,33 @@ constexpr WallQuantity of_walls[] = {
      [](const WallView& w) { return rotation_vector(w.now.q); }},
 };
 
+using Contact = ListedContact;
+constexpr ContactQuantity of_contacts[] = {
+    {"i", unit::none, "number of the particle; of a fibre, of the lower end of its bond",
+     [](const Contact& c) { return c.i; }},
+    {"j", unit::none, "of the other one, likewise; -1: it touches a wall",
+     [](const Contact& c) { return c.j; }},
+    {"wall", unit::none, "number of the wall in the order of the case, from 0; -1: it is between particles",
+     [](const Contact& c) { return c.wall; }},
+    {"overlap", unit::length, "that is felt; negative where adhesion holds on",
+     [](const Contact& c) { return c.overlap; }},
+    {"contact_radius", unit::length,
+     "of the area that touches: sqrt(R* overlap), with adhesion by JKR that of JKR",
+     [](const Contact& c) { return c.radius; }},
+    {"normal_force", unit::force, "with damping; repulsion is positive",
+     [](const Contact& c) { return c.normal_force; }},
+    {"friction", unit::force, "size of the force across the normal, with damping",
+     [](const Contact& c) { return c.friction; }},
+    {"slip", unit::length, "taken up by the spring of friction: its force over its stiffness now",
+     [](const Contact& c) { return c.slip; }},
+    {"force", unit::force, "all of it, on particle i", [](const Contact& c) { return c.force; }},
+};
+
 }  // namespace
+
+std::span<const ContactQuantity> contact_quantities() {
+  return of_contacts;
+}
 
 std::span<const ParticleQuantity> particle_quantities() {
   return of_particles;

@@ -173,6 +173,8 @@ void FrameWriter::keep_until(std::int64_t resume_step) {
   std::error_code e;  // a run of an earlier version has no list of walls
   if (fs::exists(folder_ / "walls.pvd", e))
     wall_entries_ = entries_until(folder_ / "walls.pvd", resume_step).lines;
+  if (fs::exists(folder_ / "contacts.pvd", e))
+    contact_entries_ = entries_until(folder_ / "contacts.pvd", resume_step).lines;
   last_step_ = particles.last_step;
   write_lists();  // before the frames go: no list ever names a frame that is not there
   remove_frames_after(folder_ / "frames", resume_step);
@@ -182,6 +184,7 @@ void FrameWriter::write_lists() const {
   replace_file(folder_ / "particles.pvd", pvd_list(particle_entries_), Sync::none);
   replace_file(folder_ / "bonds.pvd", pvd_list(bond_entries_), Sync::none);
   if (format_.walls) replace_file(folder_ / "walls.pvd", pvd_list(wall_entries_), Sync::none);
+  if (format_.contacts) replace_file(folder_ / "contacts.pvd", pvd_list(contact_entries_), Sync::none);
 }
 
 void FrameWriter::write(const Model& model, const State& state, std::optional<double> load_factor) {
@@ -190,12 +193,14 @@ void FrameWriter::write(const Model& model, const State& state, std::optional<do
   write_bonds_vtp(folder_ / frame_name("bonds", clock.step), state, model.units, load_factor, format_);
   if (format_.walls)
     write_walls_vtp(folder_ / frame_name("walls", clock.step), model, state, load_factor, format_);
+  if (format_.contacts)
+    write_contacts_vtp(folder_ / frame_name("contacts", clock.step), model, state, load_factor, format_);
   if (dump_) dump_->append(lammps_frame(model, state));
   add_to_lists(clock, frame_name);
 }
 
 void FrameWriter::write(const Simulation& run) {
-  if (run.parts() == 1 || dump_ || format_.stress) return write(run.model(), run.state());
+  if (run.parts() == 1 || dump_ || format_.stress || format_.contacts) return write(run.model(), run.state());
   const Clock& clock = run.clock();
   run.look_at_parts(folder_.string());
   write_lists_of_parts(folder_, run.parts(), run.model(), clock.step, format_);
@@ -212,6 +217,7 @@ void FrameWriter::add_to_lists(const Clock& clock, std::string (*name)(const cha
   particle_entries_ += pvd_entry(clock.time(), name("particles", clock.step));
   bond_entries_ += pvd_entry(clock.time(), name("bonds", clock.step));
   if (format_.walls) wall_entries_ += pvd_entry(clock.time(), frame_name("walls", clock.step));
+  if (format_.contacts) contact_entries_ += pvd_entry(clock.time(), frame_name("contacts", clock.step));
   write_lists();
   last_step_ = clock.step;
 }

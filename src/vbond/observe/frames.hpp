@@ -23,9 +23,9 @@ std::string pvd_entry(double time, const std::string& file);
 std::string lammps_frame(const Model& model, const State& state);
 
 /// Writes the frames of a run: frames/particles_STEP.vtp and frames/bonds_STEP.vtp, listed for
-/// ParaView in particles.pvd and bonds.pvd, those of walls likewise where there are walls, and dump.lammpstrj
-/// if wanted. Of a body in parts, each process writes what it has, unless the frame needs the whole body: for
-/// dump.lammpstrj, or stress.
+/// ParaView in particles.pvd and bonds.pvd, those of walls likewise where there are walls, those of contacts
+/// and dump.lammpstrj if wanted. Of a body in parts, each process writes what it has, unless the frame needs
+/// the whole body: for dump.lammpstrj, stress or contacts.
 class FrameWriter {
  public:
   /// Begins new lists, or with resume_step continues those that there are: later frames, which a killed run
@@ -49,7 +49,7 @@ class FrameWriter {
   std::filesystem::path folder_;
   FrameFormat format_;
   std::optional<GrowingFile> dump_;
-  std::string particle_entries_, bond_entries_, wall_entries_;  ///< lines of the .pvd files
+  std::string particle_entries_, bond_entries_, wall_entries_, contact_entries_;  ///< lines of the .pvd files
   std::int64_t last_step_ = -1;
 };
 

@@ -20,6 +20,12 @@ Vec3d mean_displacement(const Group& group, const Model& model, const State& sta
   return sum / static_cast<double>(group.particles.size());
 }
 
+Vec3d mean_velocity(const Group& group, const State& state) {
+  Vec3d sum;
+  for (const ParticleId p : group.particles) sum += state.v[p];
+  return sum / static_cast<double>(group.particles.size());
+}
+
 void add_stresses(const OutputPlan& plan, const Model& model, const State& state, HistoryValues& to) {
   const PerParticle<Tensor> stress = stress_times_volume(model, state);
   for (const StressedGroup& g : plan.stresses) {
@@ -128,6 +134,7 @@ HistoryValues history_values(const OutputPlan& plan, const Simulation& run) {
       .reactions = {},
       .axial_force = {},
       .displacements = {},
+      .velocities = {},
       .stresses = {},
       .strains = {},
       .walls = run.walls(),
@@ -137,6 +144,7 @@ HistoryValues history_values(const OutputPlan& plan, const Simulation& run) {
   for (const Group& g : plan.axial_force) values.axial_force.push_back(run.mean_axial_force(g.particles));
   for (const Group& g : plan.displacements)
     values.displacements.push_back(mean_displacement(g, run.model(), run.state()));
+  for (const Group& g : plan.velocities) values.velocities.push_back(mean_velocity(g, run.state()));
   if (!plan.stresses.empty()) add_stresses(plan, run.model(), run.state(), values);
   return values;
 }
@@ -159,6 +167,7 @@ HistoryValues history_values(const OutputPlan& plan, const Model& model, const S
       .reactions = {},
       .axial_force = {},
       .displacements = {},
+      .velocities = {},
       .stresses = {},
       .strains = {},
       .walls = state.walls,

@@ -203,6 +203,17 @@ const std::vector<GroupQuantity>& of_groups() {
          "twisting); `adhesion`; `bonding` (contacts that end because the pair is bonded)"}},
        names_of_losses,
        [](const Values& v, std::size_t k, std::vector<Cell>& to) { to.emplace_back(v.losses[k]); }},
+      {"velocity",
+       "GROUP",
+       {{"x", unit::velocity,
+         "velocity of a particle, or the mean over the particles of a group; empty in static stages"},
+        {"y", unit::velocity},
+        {"z", unit::velocity}},
+       names_of<&OutputPlan::velocities>,
+       [](const Values& v, std::size_t k, std::vector<Cell>& to) {
+         if (k >= v.velocities.size()) return to.resize(to.size() + 3);
+         add3(v.velocities[k], to);
+       }},
   };
   return all;
 }

@@ -30,6 +30,7 @@ struct HistoryValues {
   std::vector<Reaction> reactions;         ///< one per OutputPlan::reactions
   std::vector<double> axial_force;         ///< one per OutputPlan::axial_force, tension positive  [force]
   std::vector<Vec3d> displacements;        ///< one per OutputPlan::displacements, mean of r - r_0  [length]
+  std::vector<Vec3d> velocities;           ///< one per OutputPlan::velocities, mean; static points: none
   std::vector<SymmetricParts> stresses;    ///< one per OutputPlan::stresses  [stress]
   std::vector<SymmetricParts> strains;     ///< likewise
   std::vector<WallState> walls;            ///< one per OutputPlan::walls; empty: not known
@@ -42,7 +43,7 @@ struct HistoryValues {
 };
 
 /// The values of a run as it stands, which must live as long. Collects the particles only for displacements,
-/// stresses, strained bonds, and losses of bonds that remember.
+/// velocities, stresses, strained bonds, and losses of bonds that remember.
 HistoryValues history_values(const OutputPlan& plan, const Simulation& run);
 
 /// The values of a static point. Its energy books begin with the point: its own energy, nothing else.

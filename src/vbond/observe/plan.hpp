@@ -26,6 +26,7 @@ struct OutputPlan {
   std::vector<Group> reactions;            ///< total support force and moment, in history.csv
   std::vector<Group> axial_force;          ///< mean tension of the bonds inside, in history.csv
   std::vector<Group> displacements;        ///< mean of r - r_0, in history.csv
+  std::vector<Group> velocities;           ///< mean of v, in history.csv
   std::vector<StressedGroup> stresses;     ///< mean stress and strain, in history.csv
   std::vector<std::string> walls;          ///< names of those of the model, in history.csv and in frames
   std::vector<std::string> grips;          ///< groups that some stage moves as rigid bodies, in history.csv
@@ -39,6 +40,7 @@ struct OutputPlan {
   bool statics = false;                    ///< there are static stages, with columns of their own
   bool capsules = false;                   ///< some bond touches as a capsule: one more array in frames
   bool breaks = false;                     ///< some bond may break: breaks.csv, fragments.csv, more columns
+  bool flow = false;                       ///< some bond may yield, creep or soften: arrays of bonds
   std::vector<Loss> losses;                ///< what may dissipate energy, in history.csv and run.json
   double energy_error = 0.05;              ///< relative error of the energy balance that stops a run
 
@@ -46,6 +48,7 @@ struct OutputPlan {
     FrameFormat format = frame_format;
     format.breaks = breaks;
     format.capsules = capsules;
+    format.flow = flow;
     format.walls = !walls.empty();
     return format;
   }

@@ -13,6 +13,7 @@
 #include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/model/stress.hpp"
+#include "vbond/observe/contact_list.hpp"
 #include "vbond/observe/csv.hpp"
 #include "vbond/observe/fragments.hpp"
 #include "vbond/observe/history_values.hpp"
@@ -28,7 +29,7 @@ namespace vbond {
 // ---- history.csv ---------------------------------------------------------------------------------------
 
 /// Which cases have a quantity.
-enum class Only : std::uint8_t { everywhere, statics, breaks, stress, capsules };
+enum class Only : std::uint8_t { everywhere, statics, breaks, stress, capsules, flow };
 inline bool is_in(Only cases, const OutputPlan& plan) {
   switch (cases) {
     case Only::everywhere: return true;
@@ -36,6 +37,7 @@ inline bool is_in(Only cases, const OutputPlan& plan) {
     case Only::breaks: return plan.breaks;
     case Only::stress: return plan.frame_format.stress;
     case Only::capsules: return plan.capsules;
+    case Only::flow: return plan.frame_format.flow;
   }
   return true;
 }
@@ -142,6 +144,7 @@ struct BondView {
   double moment_i, moment_j;        ///< sizes  [moment]
   double bending_moment, torque;    ///< at the middle: size; positive if it turns i about d  [moment]
   double utilisation;               ///< 0 of a broken one, and where no bond may break
+  const BondHistory& flowed;  ///< what it remembers, places as in namespace memory; zeros if it does not flow
 };
 
 /// An array of the bonds' frames, one value per bond.
@@ -171,6 +174,17 @@ struct WallQuantity {
 };
 std::span<const WallQuantity> wall_quantities();
 
+/// An array of the contacts' frames, one value per contact.
+struct ContactQuantity {
+  const char* name;
+  Unit unit;
+  const char* meaning;
+  std::variant<double (*)(const ListedContact&), Vec3d (*)(const ListedContact&),
+               std::int64_t (*)(const ListedContact&)>
+      value;
+};
+std::span<const ContactQuantity> contact_quantities();
+
 // ---- checkpoints ---------------------------------------------------------------------------------------
 
 /// A data set of checkpoint.h5; its unit and meaning are attributes.
@@ -184,7 +198,7 @@ std::span<const CheckpointQuantity> checkpoint_quantities();
 // ---- the reference -------------------------------------------------------------------------------------
 
 /// The tables of docs/output.md: where = "history", "breaks", "fragments", "particles", "bonds",
-/// "walls" or "checkpoint". Markdown.
+/// "walls", "contacts" or "checkpoint". Markdown.
 std::string quantity_table(std::string_view where);
 
 }  // namespace vbond

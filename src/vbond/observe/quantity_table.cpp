@@ -56,6 +56,7 @@ const char* in_words(Only cases) {
     case Only::breaks: return ". Only where bonds may break";
     case Only::stress: return ". Only with `frames.stress`";
     case Only::capsules: return ". Only where bonds touch as capsules";
+    case Only::flow: return ". Only where bonds yield, creep or soften";
   }
   return "";
 }
@@ -67,6 +68,7 @@ std::string quantity_table(std::string_view where) {
   if (where == "particles") return fmt::format(fmt::runtime(head), "array") + rows_of(particle_quantities());
   if (where == "bonds") return fmt::format(fmt::runtime(head), "array") + rows_of(bond_quantities());
   if (where == "walls") return fmt::format(fmt::runtime(head), "array") + rows_of(wall_quantities());
+  if (where == "contacts") return fmt::format(fmt::runtime(head), "array") + rows_of(contact_quantities());
   if (where == "checkpoint") return fmt::format(fmt::runtime(head), "data set") + data_sets();
   throw std::invalid_argument("no table of quantities for " + std::string(where));
 }

@@ -32,11 +32,21 @@ struct RawFrame {
   std::vector<std::int64_t> fragment;
 };
 
+bool have_all(const FrameInput& bonds, std::size_t from, std::size_t to) {
+  return std::all_of(bond_fields.begin() + static_cast<std::ptrdiff_t>(from),
+                     bond_fields.begin() + static_cast<std::ptrdiff_t>(to),
+                     [&bonds](const BondField& f) { return bonds.has(Per::cell, f.array); });
+}
+
 /// Whether a frame is of a run whose bonds may break.
 bool tells_of_breaks(const FrameInput& particles, const FrameInput& bonds) {
   return particles.has(Per::point, "fragment") && bonds.has(Per::cell, "broken") &&
-         std::all_of(bond_fields.begin(), bond_fields.end(),
-                     [&bonds](const BondField& f) { return bonds.has(Per::cell, f.array); });
+         have_all(bonds, 0, fields_with_breaks);
+}
+
+/// Whether a frame is of a run whose bonds flow.
+bool tells_of_flow(const FrameInput& bonds) {
+  return have_all(bonds, fields_with_breaks, bond_field_count);
 }
 
 /// Displacements of a mode are from its first frame.
@@ -68,8 +78,10 @@ RawFrame read_frame(const FrameInput& particles, const FrameInput& bonds, const 
   f.displacement = displacement_in(particles, about);
   for (const Vec3d& v : particles.vectors(Per::point, "velocity")) f.speed.push_back(norm(v));
   const bool may_break = tells_of_breaks(particles, bonds);
-  for (std::size_t k = 0; k < (may_break ? bond_field_count : fields_of_all_runs); ++k)
-    f.fields[k] = field_in(bonds, bond_fields[k]);
+  const bool flows = tells_of_flow(bonds);
+  for (std::size_t k = 0; k < bond_field_count; ++k)
+    if (k < fields_of_all_runs || (k < fields_with_breaks ? may_break : flows))
+      f.fields[k] = field_in(bonds, bond_fields[k]);
   f.range = bonds.bytes(Per::cell, "range");
   if (!may_break) return f;
   f.fragment = particles.integers(Per::point, "fragment");
@@ -139,7 +151,8 @@ QuantisedFrame quantise(const RawFrame& raw, double time, const Sequence& s) {
     return b;
   };
   if (s.speed.step > 0.0) q.speed = bytes(raw.speed, s.speed);
-  for (std::size_t k = 0; k < s.field_count(); ++k) q.fields[k] = bytes(raw.fields[k], s.fields[k]);
+  for (std::size_t k = 0; k < bond_field_count; ++k)
+    if (s.has_field(k)) q.fields[k] = bytes(raw.fields[k], s.fields[k]);
   q.range = raw.range;
   if (!s.may_break) return q;
   q.broken = raw.broken;
@@ -179,10 +192,10 @@ void check_kinds(const RawFrame& raw, const std::filesystem::path& bonds) {
     throw IoError(bonds.string() + ": is damaged: a bond broke in no way");
 }
 
-/// Sets s.may_break.
+/// Sets s.may_break and s.flows.
 Spans look_through(const SequenceFiles& files, const std::vector<Vec3d>* about, Body& body, Sequence& s) {
   Spans spans;
-  s.may_break = true;
+  s.may_break = s.flows = true;
   std::int64_t last_step = std::numeric_limits<std::int64_t>::min();
   for (const FrameFiles& f : files.frames) {
     const OpenFrame open(f, body);
@@ -194,6 +207,7 @@ Spans look_through(const SequenceFiles& files, const std::vector<Vec3d>* about, 
     const RawFrame raw = read_frame(open.particles, open.bonds, about);
     check_kinds(raw, f.bonds);
     s.may_break = s.may_break && tells_of_breaks(open.particles, open.bonds);
+    s.flows = s.flows && tells_of_flow(open.bonds);
     try {
       spans.add(raw);
     } catch (const std::domain_error& e) {
@@ -238,6 +252,15 @@ const std::array<BondField, bond_field_count> bond_fields{{
     {"shear_force", "shear force", "shear_force", 1.0, false, "N"},
     {"bending_moment", "bending moment at the middle", "bending_moment", 1.0, false, "N m"},
     {"torque", "torque", "torque", 1.0, true, "N m"},
+    {"plastic_elongation", "plastic elongation", "plastic_elongation", 1.0, true, "m"},
+    {"creep", "elongation by creep", "creep", 1.0, true, "m"},
+    {"plastic_bend", "plastic bend angle", "plastic_bend", radians, false, "rad"},
+    {"plastic_twist", "plastic twist angle", "plastic_twist", radians, true, "rad"},
+    {"axial_flow", "all axial yielding so far", "axial_flow", 1.0, false, "m"},
+    {"shear_flow", "all yielding in shear so far", "shear_flow", 1.0, false, "m"},
+    {"bending_flow", "all yielding in bending so far", "bending_flow", radians, false, "rad"},
+    {"torsion_flow", "all yielding in torsion so far", "torsion_flow", radians, false, "rad"},
+    {"damage", "damage", "damage", 1.0, false, ""},
 }};
 
 std::vector<FrameFiles> listed_frames(const std::filesystem::path& particles_pvd,
@@ -297,8 +320,8 @@ Sequence read_sequence(const SequenceFiles& files, Body& body) {
   for (std::size_t c = 0; c < 3; ++c)
     s.displacement[c] = range_of(spans.displacement[c], levels_of_16_bits, false);
   s.speed = range_of(spans.speed, levels_of_8_bits, false);
-  for (std::size_t k = 0; k < s.field_count(); ++k)
-    s.fields[k] = range_of(spans.fields[k], levels_of_8_bits, bond_fields[k].is_signed);
+  for (std::size_t k = 0; k < bond_field_count; ++k)
+    if (s.has_field(k)) s.fields[k] = range_of(spans.fields[k], levels_of_8_bits, bond_fields[k].is_signed);
   for (const FrameFiles& f : files.frames) {
     const OpenFrame open(f, body);
     s.frames.push_back(quantise(read_frame(open.particles, open.bonds, about), f.time, s));
@@ -313,7 +336,9 @@ std::size_t bytes_of_frame(const FrameFiles& files) {
   const FrameInput particles(files.particles), bonds(files.bonds);
   const bool may_break = tells_of_breaks(particles, bonds);
   return (may_break ? 9 : 7) * particles.points() +
-         (may_break ? bond_field_count + 2 : fields_of_all_runs + 1) * bonds.cells();
+         ((may_break ? fields_with_breaks + 2 : fields_of_all_runs + 1) +
+          (tells_of_flow(bonds) ? bond_field_count - fields_with_breaks : 0)) *
+             bonds.cells();
 }
 
 }  // namespace vbond::page

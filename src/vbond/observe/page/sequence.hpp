@@ -45,8 +45,8 @@ struct BondField {
   bool is_signed;
   const char* unit;  ///< in SI, of the page; angles have theirs in reduced units too
 };
-/// The last ones only in runs whose bonds may break.
-constexpr std::size_t bond_field_count = 11, fields_of_all_runs = 6;
+/// Those of all runs, then those of runs whose bonds may break, then those of runs whose bonds flow.
+constexpr std::size_t fields_of_all_runs = 6, fields_with_breaks = 11, bond_field_count = 20;
 extern const std::array<BondField, bond_field_count> bond_fields;
 
 /// A frame as the page holds it. Bonds that do not exist yet are not in it.
@@ -74,9 +74,12 @@ struct Sequence {
   bool may_break = false;  ///< every frame tells of breaks
   std::vector<QuantisedFrame> frames;
   Walls walls{};
-  /// How many of bond_fields the frames have. That a mode uses up strength or carries loads means nothing.
-  std::size_t field_count() const {
-    return may_break && kind == SequenceKind::run ? bond_field_count : fields_of_all_runs;
+  bool flows = false;  ///< every frame tells of flow
+  /// Whether the frames have this one of bond_fields. That a mode uses up strength, carries loads or has
+  /// flowed means nothing.
+  bool has_field(std::size_t k) const {
+    if (k < fields_of_all_runs) return true;
+    return kind == SequenceKind::run && (k < fields_with_breaks ? may_break : flows);
   }
 };
 

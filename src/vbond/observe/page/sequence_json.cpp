@@ -31,7 +31,8 @@ std::vector<std::uint8_t> of_bonds(const Sequence& s, const std::vector<std::siz
 Json bond_fields_json(const Sequence& s, const std::vector<std::size_t>& frames, std::size_t bonds, bool si,
                       Block& block) {
   Json fields = Json::array();
-  for (std::size_t k = 0; k < s.field_count(); ++k) {
+  for (std::size_t k = 0; k < bond_field_count; ++k) {
+    if (!s.has_field(k)) continue;
     const BondField& field = bond_fields[k];
     const auto q = of_bonds(
         s, frames, bonds, [k](const QuantisedFrame& f) -> const auto& { return f.fields[k]; });

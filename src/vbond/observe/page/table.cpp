@@ -267,6 +267,7 @@ std::vector<Plot> preset_plots(const History& h) {
     add("Force on wall " + wall + over, clock, force);
   }
   add("Displacements" + over, clock, columns_that_begin(h, "displacement."));
+  add("Velocities" + over, clock, columns_that_begin(h, "velocity."));
   return plots;
 }
 

@@ -1,0 +1,139 @@
+#include "vbond/observe/contact_list.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+#include <utility>
+
+#include "vbond/dynamics/touch_kernel.hpp"
+#include "vbond/model/capsules.hpp"
+#include "vbond/model/contact.hpp"
+#include "vbond/model/resting_walls.hpp"
+#include "vbond/model/touching.hpp"
+#include "vbond/physics/touch.hpp"
+
+namespace vbond {
+namespace {
+
+/// What is asked of every contact, however it is made up.
+struct Pressed {
+  Vec3d normal;  ///< unit vector from i
+  double overlap, R;
+  double times = 1;  ///< how often the elastic force counts: contacts within fibres
+};
+
+/// Fills in the forces: the elastic one along the normal, and what the last step has left in the memory.
+void add_forces(const Pressed& p, const TouchForms& forms, const TouchNumbers<double>& c,
+                const PairHistory& memory, ListedContact& to) {
+  const TouchHistory<double> h = touch_history(memory);
+  const NormalForce<double> N = normal_force(forms, c, p.R, p.overlap);
+  to.overlap = p.overlap;
+  to.radius = forms.normal == NormalForm::linear ? std::sqrt(p.R * std::max(p.overlap, 0.0)) : N.a;
+  to.force = h.F_t + h.F_d - (p.times * N.F) * p.normal;
+  to.normal_force = -dot(to.force, p.normal);
+  to.friction = norm(across(to.force, p.normal));
+  const double k_t = forms.tangential == TangentialForm::none ? 0.0 : tangential_stiffness(forms, c, h.a);
+  to.slip = k_t > 0.0 ? norm(h.F_t) / k_t : 0.0;
+}
+
+const PairMemory* memory_of(const State& s, ParticleId i, ParticleId j) {
+  const auto at =
+      std::lower_bound(s.contact_history.begin(), s.contact_history.end(), std::pair(i, j),
+                       [](const PairMemory& m, const auto& pair) { return std::pair(m.i, m.j) < pair; });
+  return at != s.contact_history.end() && at->i == i && at->j == j ? &*at : nullptr;
+}
+
+void list_pair(const Model& model, const State& s, ParticleId i, ParticleId j, double overlap,
+               const PairHistory& memory, std::vector<ListedContact>& to) {
+  ListedContact& c = to.emplace_back();
+  c.i = static_cast<std::int64_t>(i.value), c.j = static_cast<std::int64_t>(j.value);
+  c.from = s.r[i], c.to = s.r[j];
+  add_forces({normalised(c.to - c.from), overlap, reduced_radius(model.radius[i], model.radius[j])},
+             touch_forms(model.contact), touch_numbers(model, i, j), memory, c);
+}
+
+/// Pairs that overlap, and pairs that adhesion holds together beyond that: these are remembered as touching.
+void list_particles(const Model& model, const State& s, std::vector<ListedContact>& to) {
+  for_touching_pairs(model, s, [&](ParticleId i, ParticleId j, double overlap) {
+    const PairMemory* memory = memory_of(s, i, j);
+    list_pair(model, s, i, j, overlap, memory ? memory->history : PairHistory{}, to);
+  });
+  if (model.contact.adhesion == AdhesionForm::jkr)
+    for (const PairMemory& m : s.contact_history) {
+      const double overlap = model.radius[m.i] + model.radius[m.j] - norm(s.r[m.j] - s.r[m.i]) - m.kept;
+      if (m.history[3] > 0.0 && !(overlap > 0.0)) list_pair(model, s, m.i, m.j, overlap, m.history, to);
+    }
+  std::sort(to.begin(), to.end(), [](const ListedContact& a, const ListedContact& b) {
+    return std::pair(a.i, a.j) < std::pair(b.i, b.j);
+  });
+}
+
+void list_fibres(const Model& model, const State& s, std::vector<ListedContact>& to) {
+  if (!any_capsules(model.contact, s.bonds)) return;
+  using Places = std::tuple<ParticleId, ParticleId, ParticleId, ParticleId, double, double>;
+  std::map<Places, const PairHistory*> memories;
+  for (const FibreMemory& m : s.fibre_history) memories[{m.a_i, m.a_j, m.b_i, m.b_j, m.s, m.t}] = &m.history;
+  for (const FibreContact& f : fibre_contacts(model, s.bonds, s.r)) {
+    const Touching<double> p = touching_of(model, f, [&s](ParticleId q) {
+      return MovingPoint{s.r[q], s.v[q], s.omega[q]};
+    });
+    const auto memory = memories.find({f.a.i, f.a.j, f.b.i, f.b.j, f.a.s, f.b.s});
+    ListedContact& c = to.emplace_back();
+    c.i = static_cast<std::int64_t>(f.a.i.value), c.j = static_cast<std::int64_t>(f.b.i.value);
+    c.from = on_segment(s.r[f.a.i], s.r[f.a.j], f.a.s), c.to = on_segment(s.r[f.b.i], s.r[f.b.j], f.b.s);
+    add_forces({p.n, p.overlap, p.R, static_cast<double>(f.weight)}, fibre_forms(model.contact),
+               touch_numbers(model, f.a.i, f.b.i),
+               f.body && memory != memories.end() ? *memory->second : PairHistory{}, c);
+  }
+}
+
+/// That of the same place: a memory is of the positions of now.
+PairHistory memory_of(const State& s, const RestingTouch& t) {
+  constexpr double same = 1.0 - 1e-9;
+  for (auto m =
+           std::lower_bound(s.wall_history.begin(), s.wall_history.end(), std::pair(t.p, t.wall),
+                            [](const WallMemory&w, const auto&at) { return std::pair(w.p, w.wall) < at; });
+       m != s.wall_history.end() && m->p == t.p && m->wall == t.wall; ++m)
+    if (dot(m->normal, t.normal) > same) return m->history;
+  return {};
+}
+
+void list_walls(const Model& model, const State& s, std::vector<ListedContact>& to) {
+  const RestingWalls walls(model);
+  if (!walls.any()) return;
+  const TouchForms forms = touch_forms(model.contact);
+  const auto numbers = [&model](std::uint32_t wall, std::uint32_t material) {
+    return touch_numbers(model.contact, model.materials, material, model.walls[wall].material);
+  };
+  double reach = 0.0;  // adhesion holds on not nearly as far as this
+  if (forms.adhesion == AdhesionForm::jkr)
+    reach = *std::max_element(model.radius.begin(), model.radius.end());
+  for (const RestingTouch& t : walls.near(s, reach)) {
+    const PairHistory memory = memory_of(s, t);
+    if (std::isnan(t.overlap) || (!(t.overlap > 0.0) && !(memory[3] > 0.0))) continue;
+    ListedContact& c = to.emplace_back();
+    c.i = static_cast<std::int64_t>(t.p.value), c.wall = t.wall;
+    c.from = s.r[t.p], c.to = s.r[t.p] - t.distance * t.normal;
+    add_forces({-t.normal, t.overlap, t.reduced_radius}, forms, numbers(t.wall, model.material_of(t.p)),
+               memory, c);
+  }
+}
+
+}  // namespace
+
+std::vector<ListedContact> list_contacts(const Model& model, const State& state, bool at_rest) {
+  if (at_rest) {  // nothing but what is not felt of overlaps is remembered
+    State resting = state;
+    for (PairMemory& m : resting.contact_history) m.history = {};
+    resting.fibre_history.clear(), resting.wall_history.clear();
+    return list_contacts(model, resting);
+  }
+  std::vector<ListedContact> all;
+  list_particles(model, state, all);
+  list_fibres(model, state, all);
+  list_walls(model, state, all);
+  return all;
+}
+
+}  // namespace vbond
