@@ -245,6 +245,8 @@ RunSummary all_kinds() {
                                 {PointKind::bifurcation, 0.3, 7, 2, 1, 0.0}};
   critical.result.critical_loads = {{PointKind::bifurcation, 3.1e-4, 3.0e-4, 6.2e-4, {}, 1e-9},
                                     {PointKind::limit_point, 1.2e-3, {}, 2.4e-3, {}, 0.0}};
+  for (CriticalLoad& c : critical.result.critical_loads)
+    c.displacement = 0.5 * c.load_factor, c.reaction = 2.0 * c.load_factor;
   critical.result.searched_to = 1.2e-3;
   modes.result.modes = {{0, 0, true, {}}, {0, -4.0, false, {}}, {1.5, 2.25, false, {}}};
   path.result.most_used = BondUse{BondId{7}, ParticleId{3}, ParticleId{4}, 1.25, 0.5};

@@ -61,13 +61,13 @@ struct CriticalLoad {
   double load_factor = 0;                   ///< found on the nonlinear path
   std::optional<double> estimate;  ///< linearised about load factor 0; absent where that does not hold
   double force = 0;  ///< load factor times the largest proportional force on a whole group; 0: there is none
-  /// Of the first support that moves, where one does: how far it has gone, and the force on it along its way,
-  /// positive if it pushes; of one that only turns its angle and the moment.  [length], [force]
-  std::optional<double> displacement = {}, reaction = {};
   Shape mode;
   /// Of a body that is not quite symmetric: the paths that would cross in the symmetric body miss each other
   /// by this much of the load factor, so that the load factor is known only to about this. 0: they cross.
   double gap = 0;
+  /// Of the first support that moves, where one does: how far it has gone, and the force on it along its way,
+  /// positive if it pushes; of one that only turns its angle and the moment.  [length], [force]
+  std::optional<double> displacement = {}, reaction = {};
   friend bool operator==(const CriticalLoad&, const CriticalLoad&) = default;
 };
 
