@@ -42,7 +42,8 @@ void refuse_contacts(const StageResolver& resolver) {
 
 /// A body that is held altogether has no modes, and no load makes it unstable.
 void check_something_is_free(const StageResolver& resolver) {
-  if (resolver.spec.kind == StageKind::equilibrium || resolver.anything_is_free()) return;
+  const StageKind kind = resolver.spec.kind;
+  if (kind == StageKind::equilibrium || kind == StageKind::fracture || resolver.anything_is_free()) return;
   resolver.problems.add(
       resolver.spec.place, fmt::format("stage \"{}\": supports hold everything", resolver.spec.name),
       "paths, critical loads and modes are of degrees of freedom that are free", "take something out of fix");

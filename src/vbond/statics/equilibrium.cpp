@@ -405,7 +405,7 @@ std::optional<State> balance_of_constant_loads(const Model& model, const StaticS
   constant.heating.clear();
   constant.walls.clear();
   StaticBody body(model, constant, std::move(state));
-  refuse_nothing_free(body);
+  if (stage.kind != StageKind::fracture) refuse_nothing_free(body);  // bonds break all the same
   refuse_not_finite(body);
   if (!in_balance(body, stage.newton) && !body.rests_to_rounding()) {
     refuse_rigid_motions(body);

@@ -52,9 +52,8 @@ class Fracture {
         walk_(model, stage, std::move(balanced), hooks, result) {}
 
   State run() {
-    refuse_nothing_free(walk_.body());
     refuse_rigid_motions(walk_.body());
-    walk_.prepare_solver();
+    if (walk_.body().unknowns().size() > 0) walk_.prepare_solver();
     now_ = walk_.here();
     if (!now_.most) tell(stage_, hooks_, "no bond has a strength: nothing can break");
     found_.books.initial = found_.books.stored = now_.stored;

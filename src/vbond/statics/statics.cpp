@@ -112,7 +112,7 @@ void refuse_free_bodies(const Model& model, const StaticStage& stage, const Stat
   refuse_contacts(model, stage, state);
   refuse_bonds_without_length(stage, state);
   const StaticBody body(model, stage, state);
-  if (stage.kind != StageKind::equilibrium) refuse_nothing_free(body);
+  if (stage.kind != StageKind::equilibrium && stage.kind != StageKind::fracture) refuse_nothing_free(body);
   if (stage.kind != StageKind::modes) refuse_rigid_motions(body);
 }
 

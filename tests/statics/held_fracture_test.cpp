@@ -1,0 +1,139 @@
+// Bonds break between particles that supports hold altogether: there is no unknown, and each bond breaks by
+// itself where its own load at the given places reaches its strength.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "bodies.hpp"
+#include "turned_body.hpp"
+#include "walks.hpp"
+
+namespace vbond {
+namespace {
+
+using testing::Dice;
+using testing::Specimen;
+
+constexpr double unbreakable = 1e30;
+
+BondRecipe breakable(const BondStiffness<double>& c, double tension, const BondLaw* law) {
+  BondRecipe recipe;
+  recipe.law = law;
+  recipe.parameters = c;
+  recipe.rules.strength = linear_strength(tension, unbreakable, unbreakable, unbreakable);
+  return recipe;
+}
+
+/// Fibres along z, one apart, each a bond of the lower to the upper plate.
+Specimen fibres(const std::vector<double>& strengths) {
+  std::vector<Vec3d> r;
+  for (std::size_t k = 0; k < strengths.size(); ++k)
+    for (const double z : {0.0, 1.0}) r.push_back({static_cast<double>(k), 0, z});
+  Specimen s = testing::particles_at(r, 0.1);
+  for (std::size_t k = 0; k < strengths.size(); ++k)
+    testing::bond(s, 2 * k, 2 * k + 1,
+                  breakable({1.0, 0.1, 0.01, 0.01}, strengths[k], &bond_law<RuledVModel>));
+  return s;
+}
+StaticSupport plate(const Specimen& s, std::size_t first, const Vec3d& displacement = {},
+                    const Vec3d& rotation = {}) {
+  StaticSupport support = testing::fixed({}, all_held, displacement, rotation);
+  for (std::size_t k = first; k < s.model.particles(); k += 2) support.particles.push_back(ParticleId{k});
+  return support;
+}
+
+// A bundle drawn out by 1 between plates: fibre k breaks at the displacement strength / stiffness, and gives
+// up strength^2 / 2. Both controls are the same, as nothing moves when a fibre breaks.
+TEST(HeldFracture, FibresBetweenPlatesBreakOneByOne) {
+  const std::vector<double> strengths{0.31, 0.12, 0.55, 0.2, 0.7};
+  const std::vector<std::size_t> order{1, 3, 0, 2, 4};
+  for (const bool rigid : {false, true})
+    for (const FractureControl control : {FractureControl::load, FractureControl::crack}) {
+      const Specimen s = fibres(strengths);
+      StaticStage stage = testing::static_stage(StageKind::fracture, {plate(s, 0), plate(s, 1, {0, 0, 1.0})});
+      stage.supports[0].rigid = stage.supports[1].rigid = rigid;
+      stage.fracture.control = control;
+      const testing::Walked w = testing::walk(s, stage);
+      const FractureResult& f = w.result.fracture;
+      ASSERT_EQ(f.breaks.size(), strengths.size());
+      double released = 0.0;
+      for (std::size_t k = 0; k < order.size(); ++k) {
+        EXPECT_EQ(f.breaks[k].use.bond.value, order[k]);
+        EXPECT_NEAR(f.breaks[k].use.load_factor, strengths[order[k]], 1e-9);
+        EXPECT_NEAR(f.breaks[k].released, 0.5 * sq(strengths[order[k]]), 1e-9);
+        released += 0.5 * sq(strengths[order[k]]);
+      }
+      EXPECT_NEAR(f.books.work, released, 1e-9);  // nothing else takes it
+      EXPECT_LT(std::abs(f.books.error()), 1e-9);
+      EXPECT_EQ(w.result.ended, "parted");
+      EXPECT_NEAR(f.peak_load, 2 * 0.55, 1e-9);  // of two fibres, as the fourth is about to break
+    }
+}
+
+/// The load factor at which the tension of a bond between held particles first reaches this strength; above 1
+/// if it does not.
+double breaks_at(const Specimen& s, const StaticStage& stage, BondId bond, double strength) {
+  const auto tension = [&](double f) {
+    State placed = s.state;
+    for (const StaticSupport& support : stage.supports)
+      for (const ParticleId p : support.particles) {
+        placed.r[p] += f * support.displacement;
+        placed.q[p] = rotation_of(f * support.rotation) * placed.q[p];
+      }
+    const Bond& b = placed.bonds[bond];
+    const BondPose<double> pose = bond_pose(b, placed);
+    const Vec3d D = bonded_points(pose, b.R_i, b.R_j);
+    return dot(bond_loads(placed, bond).F, D) / norm(D);
+  };
+  constexpr int parts = 2000;
+  for (int k = 1; k <= parts; ++k) {
+    double low = (k - 1.0) / parts, high = static_cast<double>(k) / parts;
+    if (!(tension(high) >= strength)) continue;
+    for (int halvings = 0; halvings < 60; ++halvings)
+      (tension(0.5 * (low + high)) >= strength ? high : low) = 0.5 * (low + high);
+    return high;
+  }
+  return 2.0;
+}
+
+// Random bodies, all of whose particles are held: two plates that move and turn each for itself.
+TEST(HeldFracture, EachBondBreaksWhereItsOwnLoadSaysSo) {
+  int broke = 0;
+  for (unsigned seed = 1; seed <= testing::campaign_size(30); ++seed) {
+    Dice dice(seed);
+    Specimen s = testing::random_body(dice);
+    s.state.bonds = {};
+    std::vector<double> strengths;
+    const std::size_t n = s.model.particles();
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = i + 1; j < n; ++j)
+        if ((i + j) % 2 == 1 && norm(s.state.r[ParticleId{j}] - s.state.r[ParticleId{i}]) < 1.7) {
+          strengths.push_back(dice(0.02, 0.3));
+          testing::bond(
+              s, i, j,
+              breakable({dice(0.5, 1), dice(0.05, 0.2), dice(0.02, 0.1), dice(0.02, 0.1)}, strengths.back(),
+                        dice(0, 1) < 0.5 ? &bond_law<RuledVModel> : &bond_law<RuledEvm>));
+        }
+    StaticStage stage = testing::static_stage(
+        StageKind::fracture,
+        {plate(s, 0), plate(s, 1, testing::vector_in(dice, 0.4), testing::vector_in(dice, 0.3))});
+    stage.steps = 100;  // tension may rise and fall again
+    std::vector<std::pair<double, std::size_t>> expected;
+    for (const BondId b : s.state.bonds.ids())
+      if (const double f = breaks_at(s, stage, b, strengths[b.value]); f <= 1.0)
+        expected.push_back({f, b.value});
+    std::sort(expected.begin(), expected.end());
+    const FractureResult f = testing::walk(s, stage).result.fracture;
+    ASSERT_EQ(f.breaks.size(), expected.size()) << "seed " << seed;
+    for (std::size_t k = 0; k < expected.size(); ++k, ++broke) {
+      ASSERT_EQ(f.breaks[k].use.bond.value, expected[k].second) << seed;
+      ASSERT_NEAR(f.breaks[k].use.load_factor, expected[k].first, 1e-7) << seed;
+    }
+    ASSERT_LT(std::abs(f.books.error()), 1e-6) << seed;
+  }
+  EXPECT_GT(broke, 30);
+}
+
+}  // namespace
+}  // namespace vbond
