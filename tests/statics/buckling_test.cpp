@@ -94,6 +94,33 @@ TEST(CriticalDisplacements, ComeWithTheReactionAtThem) {
   }
 }
 
+// The paper's rod in its plane: all eight critical loads, however far apart the looks at the path are. What
+// is left of the line through the last two of them is below rounding.
+TEST(PinnedRods, HaveAllCriticalLoadsToRoundingWhateverTheSteps) {
+  const testing::Specimen rod = testing::straight_rod(10);
+  const BondStiffness<double> c = rod.state.bonds[BondId{0}].law->stiffness(rod.state.bonds[BondId{0}]);
+  StaticStage stage =
+      testing::static_stage(StageKind::buckling,
+                            {fixed({ParticleId{0}}, {true, true, true, true, true, false}),
+                             fixed({ParticleId{1}, ParticleId{2}, ParticleId{3}, ParticleId{4}, ParticleId{5},
+                                    ParticleId{6}, ParticleId{7}, ParticleId{8}},
+                                   testing::in_plane),
+                             fixed({ParticleId{9}}, {false, true, true, true, true, false})},
+                            {pushed(9, {-1, 0, 0})});
+  stage.count = 8;
+  for (const double largest_step : {0.0, 0.01, 0.02, 0.05, 0.1, 0.3, 1.0}) {
+    stage.path.largest_step = largest_step;
+    const StaticResult found = run_static_stage(rod.model, stage, rod.state, {}).result;
+    ASSERT_EQ(found.critical_loads.size(), 8u) << largest_step;
+    for (int q = 1; q <= 8; ++q) {
+      const double f = exact_force(q, 9, 1.0, c);
+      EXPECT_NEAR(found.critical_loads[static_cast<std::size_t>(q) - 1].load_factor / f, 1.0,
+                  tolerance(f, q * M_PI / 9, 9.0, 1.0, c) - 1e-11 + 1e-13)
+          << "mode " << q << ", largest_step " << largest_step;
+    }
+  }
+}
+
 // TH1: the paper's rod of ten, its ends held, grows in length by a part x of it, as by heat: it buckles where
 // its smallest eigenvalue vanishes. Linear between 1e-5 to either side of the exact x, whose square is left.
 TEST(PinnedRods, BuckleByAnImposedGrowthAtTheExactOne) {

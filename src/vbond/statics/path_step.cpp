@@ -15,8 +15,10 @@ namespace vbond {
 namespace {
 
 // An eigenvalue this small beside its values at the ends of the step is taken for zero; the load factor is
-// then worked out for zero itself, which leaves the square of this.
-constexpr double small_eigenvalue = 1e-8;
+// then worked out for zero itself, on a line through two looks. The line is off by its curvature times the
+// product of their eigenvalues: where that is more than this, only one look is close, and another is taken at
+// the zero of the line.
+constexpr double small_eigenvalue = 1e-8, small_product = 1e-15;
 // One that is larger where it changes its sign has jumped over zero.
 constexpr double gap_of_eigenvalue = 1e-6;
 // A path that turns by more than this at a critical point has turned off there  [rad]; where it is back is
@@ -29,16 +31,26 @@ constexpr double aside = 1e-4;
 
 /// An eigenvalue on the way, and the load factor there.
 struct Look {
-  double value, load_factor;
+  double s, value, load_factor;
 };
 
-/// The load factor at which the value is zero, on the line through the two looks that are nearest to that.
-double load_factor_at_zero(std::vector<Look> looks) {
-  std::partial_sort(looks.begin(), looks.begin() + 2, looks.end(),
-                    [](const Look& a, const Look& b) { return std::abs(a.value) < std::abs(b.value); });
-  const Look &a = looks[0], &b = looks[1];
-  const double share = a.value / (b.value - a.value);
-  return std::abs(share) < 0.5 ? a.load_factor - share * (b.load_factor - a.load_factor) : a.load_factor;
+/// Where the value is zero on the line through the two looks that are nearest to that. Values are known to
+/// `error`: a line through two that differ by little more is no guide beyond them.
+struct ZeroOfLine {
+  double s, load_factor;
+  double product;  // of the two values
+};
+
+ZeroOfLine zero_of_line(std::vector<Look> looks, double error) {
+  std::stable_sort(looks.begin(), looks.end(),
+                   [](const Look& a, const Look& b) { return std::abs(a.value) < std::abs(b.value); });
+  const Look& a = looks.front();  // the same place may have been looked at twice
+  const auto other = std::find_if(looks.begin(), looks.end(), [&](const Look& x) { return x.s != a.s; });
+  const Look& b = other != looks.end() ? *other : a;
+  const double rise = b.value - a.value, share = a.value / rise, product = std::abs(a.value * b.value);
+  const double farthest = std::abs(rise) > 100.0 * error ? 10.0 : 0.5;
+  if (!(std::abs(share) < farthest)) return {a.s, a.load_factor, product};
+  return {a.s - share * (b.s - a.s), a.load_factor - share * (b.load_factor - a.load_factor), product};
 }
 
 }  // namespace
@@ -168,7 +180,8 @@ std::optional<CriticalPoint> PathStep::zero_of_eigenvalue(int number, const Path
   const double scale = std::max(std::abs(a.value), std::abs(b.value));
   for (Sample* end : {&a, &b})
     end->value = std::copysign(std::max(std::abs(end->value), 0.01 * scale), end->value);
-  std::vector<Look> looks = {{a.value, lo.point.at.load_factor}, {b.value, hi.point.at.load_factor}};
+  std::vector<Look> looks = {{a.s, a.value, lo.point.at.load_factor},
+                             {b.s, b.value, hi.point.at.load_factor}};
   const double error = eigenvalue_error(body_->tangent());
   const double small = std::max(small_eigenvalue * scale, error);
   for (const CriticalPoint& c : known)
@@ -181,15 +194,23 @@ std::optional<CriticalPoint> PathStep::zero_of_eigenvalue(int number, const Path
     last = {s, std::move(*outcome.point)};
     body_->restore(last.point.at);
     const std::optional<double> signed_value = arc_->eigenvalue(number);  // by multigrid
-    looks.push_back({signed_value ? *signed_value : value(last.point), last.point.at.load_factor});
+    const double found = signed_value ? *signed_value : eigenvalue(number, last.point);
+    // nearer to zero than a factor can tell the sign the eigenvalue itself is the better guide
+    const bool counted = !signed_value && std::abs(found) > Deflated::zero(body_->tangent());
+    looks.push_back({s, counted ? std::copysign(found, number - last.point.unstable + 0.5) : found,
+                     last.point.at.load_factor});
     return looks.back().value;
   };
   const Crossed crossed = crossing(a, b, small, at);
   if (last.s != crossed.s && !at(crossed.s)) return {};
-  CriticalPoint c{PointKind::bifurcation, std::move(last), load_factor_at_zero(looks)};
+  const bool met = crossed.found && std::abs(looks.back().value) <= small;
+  ZeroOfLine zero = zero_of_line(looks, error);
+  const bool between = zero.s > std::min(lo.s, hi.s) && zero.s < std::max(lo.s, hi.s);
+  if (met && between && zero.product > small_product * sq(scale) && at(zero.s))
+    zero = zero_of_line(looks, error);
+  CriticalPoint c{PointKind::bifurcation, std::move(last), zero.load_factor};
   const double change = std::abs(hi.point.at.load_factor - lo.point.at.load_factor);
   const double jump = std::max(std::abs(crossed.lo.value), std::abs(crossed.hi.value));
-  const bool met = crossed.found && std::abs(looks.back().value) <= small;
   if (!met && jump > std::max(gap_of_eigenvalue * scale, 100 * error)) c.gap = change * jump / scale;
   if (!crossed.found)  // between two paths that pass each other
     c.gap = std::max(c.gap, std::abs(change * (crossed.hi.s - crossed.lo.s) / (hi.s - lo.s)));
@@ -247,8 +268,8 @@ double PathStep::eigenvalue(int number, const PathPoint& p) {
     arc_->add_factors(found.factors);
     Vector near = found.values;
     std::sort(near.begin(), near.end());
-    const bool sure = near.cwiseAbs().minCoeff() > 4.0 * eigenvalue_error(A);
     const double beside = -Deflated::zero(A);  // far enough from zero for a factor to tell
+    const bool sure = near.cwiseAbs().minCoeff() > -beside;
     const auto below = (near.array() < (sure ? 0.0 : beside)).count();
     const std::ptrdiff_t at = number - (sure ? p.unstable : number_below(A, beside)) + below;
     if (at >= 0 && at < near.size()) return near[at];
