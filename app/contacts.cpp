@@ -156,8 +156,11 @@ void print_contact_law(const Model& model) {
       fmt::print("contact          {} with {}: {}\n", printable(model.materials[first].name),
                  printable(model.materials[second].name), numbers_in_words(model, first, second));
   if (printed < pairs) fmt::print("contact          and {} more pairs of materials\n", pairs - printed);
-  if (const std::string key = key_beyond_repulsion(c, model.materials); !key.empty())
+  if (const std::string key = key_without_balance(c); !key.empty())
     fmt::print("contact          static stages refuse these contacts, which do more than repel: {}\n", key);
+  else if (has_friction(c))
+    fmt::print("contact          static stages take these contacts without friction: {}\n",
+               key_beyond_repulsion(c, model.materials));
 }
 
 void print_capsules(const Case& c, const Model& model) {

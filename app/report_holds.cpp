@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "report.hpp"
@@ -17,12 +18,21 @@ const std::vector<ParticleId>& particles_of(const Placed<std::string>& group, co
   return found != nullptr ? found->particles : none;
 }
 
+/// The degree of freedom of the world that this one is nearest to: the page knows no others.
+std::size_t nearest_of_world(const HeldDirections& d, std::size_t dof) {
+  const Vec3d& a = axis_of(d.axes ? &*d.axes : nullptr, dof);
+  const double x = std::abs(a.x), y = std::abs(a.y), z = std::abs(a.z);
+  return (dof < 3 ? 0 : 3) + (x >= y && x >= z ? 0u : y >= z ? 1u : 2u);
+}
+
 void add_held(const StageSpec& stage, const Model& model, page::StageHolds& holds) {
   std::vector<std::uint32_t> how(model.particles());
-  for (const SupportSpec& s : stage.supports)
+  for (const SupportSpec& s : stage.supports) {
+    const HeldDirections d = directions_of(s);
     for (const ParticleId p : particles_of(s.group, model))
-      for (std::size_t dof = 0; dof < s.held.size(); ++dof)
-        if (s.held[dof]) how[p.value] |= std::uint32_t{1} << dof;
+      for (std::size_t dof = 0; dof < d.held.size(); ++dof)
+        if (d.held[dof]) how[p.value] |= std::uint32_t{1} << nearest_of_world(d, dof);
+  }
   for (std::size_t p = 0; p < how.size(); ++p)
     if (how[p] != 0) {
       holds.held.push_back(static_cast<std::uint32_t>(p));

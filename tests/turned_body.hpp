@@ -15,6 +15,13 @@ inline Specimen turned(Specimen s, const Quatd& turn) {
   return s;
 }
 
+/// The axes of the world, turned: degrees of freedom of a support that has turned with its body.
+inline HeldAxes turned_axes(const Quatd& turn) {
+  HeldAxes axes;
+  for (std::size_t k = 0; k < 3; ++k) axes.along[k] = axes.about[k] = rotate(turn, world_axes[k]);
+  return axes;
+}
+
 inline Vec3d vector_in(Dice& dice, double size) {
   const double x = dice(-size, size), y = dice(-size, size), z = dice(-size, size);
   return {x, y, z};

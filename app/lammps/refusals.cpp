@@ -7,6 +7,12 @@
 namespace vbond::app {
 
 void refuse_beyond_ranks(const Case& c) {
+  for (const StageSpec& stage : c.stages)
+    for (const SupportSpec& s : stage.supports)
+      if (!is_static(stage.kind) && s.rigid && s.held != all_held)
+        throw CaseError({s.place, "the rigid group \"" + s.group.value + "\" is free in part",
+                         "its particles would be on several ranks, which do not know what it weighs",
+                         "run the case with vbond, or hold all of it"});
   if (std::any_of(c.stages.begin(), c.stages.end(), [](const StageSpec& s) { return !is_static(s.kind); }))
     return;
   throw CaseError({{c.file, 0, 0},

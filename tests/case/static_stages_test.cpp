@@ -66,9 +66,54 @@ TEST(Stages, RigidSupportsAndTotalLoadsKeepTheirKeys) {
   EXPECT_EQ(e.supports[0].rotation, (Vec3d{4, 5, 6}));
 }
 
+TEST(Stages, SlantedSupportsKeepTheirDirections) {
+  const StageSpec s =
+      stage("dynamics",
+            "duration = 1\nsupports = [{ group = \"last\", fix = [\"y\", [0.5, 0, 0.866], \"rz\"], "
+            "fix_rotation = [[1, 1, 0]], velocity = [0.05, 3, 0.0866] }]\n");
+  EXPECT_EQ(s.supports[0].held, (HeldDofs{false, true, false, false, false, true}));
+  EXPECT_EQ(s.supports[0].along, std::vector<Vec3d>{(Vec3d{0.5, 0, 0.866})});
+  EXPECT_EQ(s.supports[0].about, std::vector<Vec3d>{(Vec3d{1, 1, 0})});
+  const std::string moving = "duration = 1\nsupports = [{ group = \"last\", ";
+  expect_accepted("dynamics", moving + "fix = [], fix_rotation = [[1, 2, 3]] }]\n");
+  expect_accepted("dynamics", moving + "fix = [[1, 1, 0]], velocity = [0.1, 0.1, 0] }]\n");
+  expect_refused("dynamics", moving + "fix = [[1, 1, 0]], velocity = [0.1, 0, 0] }]\n",
+                 "a component along a direction that fix does not hold");
+  expect_refused("dynamics", moving + "fix = [[0, 0, 0]] }]\n", "must not be the zero vector");
+  expect_refused("dynamics", moving + "fix = [[0, 1]] }]\n", "must have 3 elements; this has 2");
+  expect_refused("dynamics", moving + "fix = [\"x\", 1] }]\n", "case.toml");
+  expect_refused("dynamics", moving + "fix = [] }]\n", "must hold something");
+  expect_refused("equilibrium", "supports = [{ group = \"last\", rigid = true, fix = [\"x\"] }]\n",
+                 "static stages take rigid groups that are held altogether");
+}
+
+TEST(Stages, GripsThatAreFreeInPartKeepWhatTheyHold) {
+  const std::string last = "duration = 1\nsupports = [{ group = \"last\", rigid = true, ";
+  const StageSpec s = stage("dynamics", last + "fix = [\"x\", \"y\", \"rx\", \"ry\", \"rz\"] }]\n");
+  EXPECT_EQ(s.supports[0].held, (HeldDofs{true, true, false, true, true, true}));
+  EXPECT_EQ(stage("dynamics", last + "fix = [] }]\n").supports[0].held, HeldDofs{});
+  EXPECT_EQ(
+      to_toml(read("[[stage]]\nduration = 1\nsupports = [{ group = \"last\", rigid = true }]\n")).find("fix"),
+      std::string::npos);
+  expect_refused("dynamics", last + "fix = [[1, 1, 0]] }]\n", "along and about the world's axes");
+  expect_refused("dynamics", last + "fix = [\"rx\"] }]\n", "no rotation, two or all three");
+  expect_refused("dynamics", last + "fix = [\"rx\", \"ry\"], angular_velocity = [1, 0, 0] }]\n",
+                 "holds all three rotations");
+  expect_refused("dynamics", last + "fix = [\"x\"], pivot = [0, 0, 0] }]\n", "stands still");
+  expect_refused("dynamics", last + "fix = [\"x\"], velocity = [0, 1, 0] }]\n",
+                 "a component along a direction that fix does not hold");
+  expect_refused("dynamics", last + "fix = [\"x\"] }]\ndamping = { local = 0.5 }\n",
+                 "local damping does not know rigid groups");
+}
+
+TEST(Stages, LoadsThatFollowSaySo) {
+  EXPECT_TRUE(
+      stage("dynamics", "duration = 1\nloads = [{ group = \"last\", moment = [0, 0, 1], follower = true }]\n")
+          .loads[0]
+          .follower);
+}
+
 TEST(Stages, RefuseWhatGripsHaveNot) {
-  expect_refused("dynamics", "duration = 1\nsupports = [{ group = \"last\", rigid = true, fix = [\"x\"] }]\n",
-                 "fix");
   expect_refused("dynamics",
                  "duration = 1\nsupports = [{ group = \"last\", fix = [\"x\"], pivot = [0, 0, 0] }]\n",
                  "pivot");

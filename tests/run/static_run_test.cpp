@@ -231,7 +231,7 @@ TEST(Run, StaticMistakesAreRefusedByStageAndField) {
       },
       "x of particle 0 is held twice, in two ways");
   refuses([](StaticStage& t) { t.supports[0].rigid = true, t.supports[0].held = {}; },
-          "is rigid and does not hold all six degrees of freedom");
+          "is free in part: stages at rest take grips that hold all");
   refuses([](StaticStage& t) { t.supports[0].pivot = Vec3d{}; }, "has a pivot: that is for rigid ones");
   refuses([nan](StaticStage& t) { t.supports[0].displacement.y = nan; }, "the displacement of a support");
   refuses([](StaticStage& t) { t.loads[0].particles = {ParticleId{99}}; }, "a load names particle 99");

@@ -12,6 +12,7 @@
 #include "vbond/build/stages.hpp"
 #include "vbond/core/nearest.hpp"
 #include "vbond/model/agreement.hpp"
+#include "vbond/model/holds.hpp"
 
 namespace vbond {
 namespace {
@@ -83,15 +84,23 @@ void StageResolver::check_supports(const std::vector<AnySupport>& supports) cons
       problems.add(spec.supports[k].place,
                    fmt::format("the rigid support of group \"{}\" has no particles", supports[k].group),
                    "it moves particles as one rigid body", "name a group with particles, or leave it out");
-  for (const Disagreement& d : disagreements(supports, model.particles()))
-    problems.add(
-        spec.supports[d.second].place,
-        fmt::format("{} of particle {} is held by two supports (groups \"{}\" and \"{}\") that do "
-                    "not move it alike",
-                    name_of_dof(d.dof), d.particle.value, supports[d.first].group, supports[d.second].group),
-        "supports may overlap where they agree: at rest, or with the same motion, factor and, of "
-        "rigid ones that turn, axis",
-        "take it out of one of them, or give both the same motion (and rigid ones the same pivot)");
+  for (const Disagreement& d : disagreements(supports, model.particles())) {
+    const std::string both = fmt::format("is held by two supports (groups \"{}\" and \"{}\")",
+                                         supports[d.first].group, supports[d.second].group);
+    if (d.oblique)
+      problems.add(spec.supports[d.second].place,
+                   fmt::format("particle {} {} along directions that are neither parallel nor perpendicular",
+                               d.particle.value, both),
+                   "one support may hold directions at any angle to each other, two of them may not",
+                   "give all of them to one support, as in fix = [\"y\", [0.6, 0, 0.8]]");
+    else
+      problems.add(
+          spec.supports[d.second].place,
+          fmt::format("{} of particle {} {} that do not move it alike", d.dof, d.particle.value, both),
+          "supports may overlap where they agree: at rest, or with the same motion, factor and, of "
+          "rigid ones that turn, axis",
+          "take it out of one of them, or give both the same motion (and rigid ones the same pivot)");
+  }
 }
 template void StageResolver::check_supports(const std::vector<Support>&) const;
 template void StageResolver::check_supports(const std::vector<StaticSupport>&) const;
@@ -125,16 +134,11 @@ double StageResolver::mass_of(const std::vector<ParticleId>& particles) const {
   return mass > 0.0 ? mass : 1.0;  // of no particles: nothing takes a share
 }
 
-bool StageResolver::anything_is_free() const {
-  PerParticle<HeldDofs> held;
-  held.assign(model.particles(), HeldDofs{});
-  for (const SupportSpec& s : spec.supports)
-    if (const Group* g = model.find_group(s.group.value))
-      for (const ParticleId p : g->particles)
-        for (std::size_t dof = 0; dof < 6; ++dof) held[p][dof] = held[p][dof] || s.held[dof];
-  return std::any_of(held.begin(), held.end(), [](const HeldDofs& h) {
-    return std::any_of(h.begin(), h.end(), [](bool is_held) { return !is_held; });
-  });
+bool StageResolver::anything_is_free(const std::vector<StaticSupport>& supports) const {
+  std::size_t held = 0;
+  for (const Hold& h : holds_of(supports))
+    held += static_cast<std::size_t>(std::count(h.held.begin(), h.held.end(), true));
+  return held < 6 * model.particles();
 }
 
 void check_stages(const Case& c, const Model& model, Problems& problems) {

@@ -8,6 +8,7 @@
 #include "vbond/model/model.hpp"
 #include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"
+#include "vbond/model/static_stage.hpp"
 
 namespace vbond {
 
@@ -30,7 +31,7 @@ struct StageResolver {
   /// What a total of a load is shared in proportion to: the mass of its group.
   double mass_of(const std::vector<ParticleId>& particles) const;
   /// Whether supports leave any degree of freedom.
-  bool anything_is_free() const;
+  bool anything_is_free(const std::vector<StaticSupport>& supports) const;
 };
 
 /// Whether this bond set makes its bonds (when = stage) as this stage begins.

@@ -44,10 +44,22 @@ struct DynamicsResolver : StageResolver {
 
   std::vector<Support> supports() const {
     std::vector<Support> resolved;
-    for (const SupportSpec& s : spec.supports)
-      resolved.push_back({s.group.value, particles(s.group), s.held, s.velocity, s.angular_velocity,
-                          function(s.factor, s.place), s.rigid, s.pivot});
+    for (const SupportSpec& s : spec.supports) {
+      const HeldDirections d = directions_of(s);
+      resolved.push_back({s.group.value, particles(s.group), d.held, s.velocity, s.angular_velocity,
+                          function(s.factor, s.place), s.rigid, s.pivot, d.axes});
+    }
     check_supports(resolved);
+    for (std::size_t k = 0; k < resolved.size(); ++k)
+      for (const ParticleId p : resolved[k].particles)
+        if (is_free_grip(resolved[k]) && model.is_top(p)) {
+          problems.add(spec.supports[k].place,
+                       fmt::format("particle {} of the rigid group \"{}\" has three moments of inertia",
+                                   p.value, resolved[k].group),
+                       "rigid groups that are free in part are of particles with one moment of inertia",
+                       "leave fix out, or give the specimen a single inertia");
+          break;
+        }
     if (const auto top = partly_held_top(model, resolved))
       problems.add(spec.supports[top->support].place,
                    fmt::format("particle {} of group \"{}\"", top->p.value, resolved[top->support].group),
@@ -61,6 +73,7 @@ struct DynamicsResolver : StageResolver {
       PointLoad load{l.group.value, particles(l.group), l.force, l.moment, function(l.factor, l.place)};
       load.force_by_mass = l.total_force / mass_of(load.particles);
       load.moment_by_mass = l.total_moment / mass_of(load.particles);
+      load.follower = l.follower;
       resolved.push_back(std::move(load));
     }
     return resolved;

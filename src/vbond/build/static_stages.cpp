@@ -11,9 +11,11 @@ namespace {
 
 std::vector<StaticSupport> supports(const StageResolver& resolver) {
   std::vector<StaticSupport> resolved;
-  for (const SupportSpec& s : resolver.spec.supports)
-    resolved.push_back(
-        {s.group.value, resolver.particles(s.group), s.held, s.displacement, s.rotation, s.rigid, s.pivot});
+  for (const SupportSpec& s : resolver.spec.supports) {
+    const HeldDirections d = directions_of(s);
+    resolved.push_back({s.group.value, resolver.particles(s.group), d.held, s.displacement, s.rotation,
+                        s.rigid, s.pivot, d.axes});
+  }
   resolver.check_supports(resolved);
   return resolved;
 }
@@ -31,19 +33,19 @@ std::vector<StaticLoad> loads(const StageResolver& resolver) {
 
 /// What depends on the way by which an equilibrium is reached has no balance of its own.
 void refuse_contacts(const StageResolver& resolver) {
-  const std::string key = key_beyond_repulsion(resolver.model.contact, resolver.model.materials);
+  const std::string key = key_without_balance(resolver.model.contact);
   if (key.empty()) return;
   resolver.problems.add(
       resolver.spec.place,
       fmt::format("stage \"{}\" is static, and contacts do more than repel: {}", resolver.spec.name, key),
-      "static stages take contacts that repel along the normal, without friction, damping and adhesion",
+      "static stages take contacts that repel along the normal, without adhesion; friction and damping rest",
       "leave it out, or use kind = \"dynamics\" with damping");
 }
 
-/// A body that is held altogether has no modes, and no load makes it unstable.
-void check_something_is_free(const StageResolver& resolver) {
-  const StageKind kind = resolver.spec.kind;
-  if (kind == StageKind::equilibrium || kind == StageKind::fracture || resolver.anything_is_free()) return;
+/// A body that is held altogether has no modes, and no load makes it unstable. It may break.
+void check_something_is_free(const StageResolver& resolver, const std::vector<StaticSupport>& supports) {
+  if (resolver.spec.kind == StageKind::equilibrium || resolver.spec.kind == StageKind::fracture) return;
+  if (resolver.anything_is_free(supports)) return;
   resolver.problems.add(
       resolver.spec.place, fmt::format("stage \"{}\": supports hold everything", resolver.spec.name),
       "paths, critical loads and modes are of degrees of freedom that are free", "take something out of fix");
@@ -62,7 +64,7 @@ StaticStage resolve_static_stage(const Case& c, const Model& model, std::size_t 
   refuse_contacts(resolver);
   stage.supports = supports(resolver);
   stage.walls = resolve_static_wall_drives(resolver);
-  check_something_is_free(resolver);
+  check_something_is_free(resolver, stage.supports);
   stage.loads = loads(resolver);
   resolver.check_temperatures();
   for (const TemperatureSpec& t : spec.temperatures)

@@ -252,7 +252,8 @@ struct VelocitySpec {
 struct SupportSpec {
   SourcePlace place;
   Placed<std::string> group;
-  HeldDofs held{};
+  HeldDofs held{};                  ///< along and about the world's axes
+  std::vector<Vec3d> along, about;  ///< held as well: translations along, rotations about these, not zero
   // dynamics
   Vec3d velocity, angular_velocity;
   TimeFunctionSpec factor;
@@ -262,6 +263,11 @@ struct SupportSpec {
   std::optional<Vec3d> pivot = {};  ///< rigid
 };
 
+/// What a support holds.
+inline HeldDirections directions_of(const SupportSpec& s) {
+  return held_directions(s.held, s.along, s.about);
+}
+
 struct LoadSpec {
   SourcePlace place;
   Placed<std::string> group;
@@ -269,6 +275,7 @@ struct LoadSpec {
   TimeFunctionSpec factor;                    ///< dynamics
   bool constant = false;                      ///< static stages: not in proportion to the load factor
   Vec3d total_force = {}, total_moment = {};  ///< on the group, shared by mass
+  bool follower = false;                      ///< dynamics: along the axes of each particle
 };
 
 struct TemperatureSpec {

@@ -13,20 +13,53 @@ using Kind = std::optional<StageKind>;
 
 constexpr CountCodec at_least_one{1, 1'000'000};
 
+/// Any number of directions; none is not written.
+struct DirectionsCodec : ListCodec<VectorCodec> {
+  std::string write(const std::vector<Vec3d>& directions) const {
+    return directions.empty() ? std::string{} : ListCodec<VectorCodec>::write(directions);
+  }
+};
+
 bool any(const Vec3d& v) {
   return !(v == Vec3d{});
 }
 
-/// A movement of a degree of freedom that is not held would be lost without a word.
-void check_moves_are_held(Table& t, const HeldDofs& held, const char* along, const Vec3d& v,
+/// A movement of a degree of freedom that is not held would be lost without a word; less than a thousandth
+/// of one is a direction that was rounded.
+void check_moves_are_held(Table& t, const HeldDirections& held, const char* along, const Vec3d& v,
                           const char* about, const Vec3d& w) {
-  const auto unheld = [&held](const Vec3d& x, std::size_t first) {
-    return (x.x != 0 && !held[first]) || (x.y != 0 && !held[first + 1]) || (x.z != 0 && !held[first + 2]);
+  const auto unheld = [&held](const Vec3d& x, bool is_rotation) {
+    return norm(x - held_part(held, x, is_rotation)) > (held.axes ? 1e-3 * norm(x) : 0.0);
   };
-  t.check(!unheld(v, 0), {along, "fix"}, "a component along a direction that fix does not hold",
-          "add the direction (\"x\", \"y\", \"z\") to fix, or set the component to 0");
-  t.check(!unheld(w, 3), {about, "fix"}, "a component about an axis that fix does not hold",
-          "add the axis (\"rx\", \"ry\", \"rz\") to fix, or set the component to 0");
+  t.check(!unheld(v, false), {along, "fix"}, "a component along a direction that fix does not hold",
+          "add the direction (\"x\", \"y\", \"z\", or a vector as [0.6, 0, 0.8]) to fix, or set the "
+          "component to 0");
+  t.check(
+      !unheld(w, true), {about, "fix"}, "a component about an axis that fix does not hold",
+      "add the axis (\"rx\", \"ry\", \"rz\") to fix or a vector to fix_rotation, or set the component to 0");
+}
+
+/// The same for a rigid group; all degrees of freedom are not written.
+struct FixOfGripCodec : FixCodec {
+  std::string write(const SupportSpec& s) const { return s.held == all_held ? "" : FixCodec::write(s); }
+};
+
+/// A rigid group that is free in some degrees of freedom.
+void check_free_grip(Table& t, const SupportSpec& s, Kind kind) {
+  t.check(s.along.empty(), {"fix"}, "a rigid group is held along and about the world's axes",
+          "name some of \"x\", \"y\", \"z\", \"rx\", \"ry\", \"rz\"");
+  const int turns = s.held[3] + s.held[4] + s.held[5];
+  t.check(turns != 1, {"fix"}, "a rigid group holds no rotation, two or all three",
+          "add another of \"rx\", \"ry\", \"rz\", or take it out");
+  t.check(turns == 3 || (s.angular_velocity == Vec3d{} && s.rotation == Vec3d{}),
+          {"angular_velocity", "rotation", "fix"},
+          "a rigid group that turns as it is told holds all three rotations",
+          "add \"rx\", \"ry\" and \"rz\" to fix");
+  t.check(!s.pivot || (s.held[0] && s.held[1] && s.held[2] && s.velocity == Vec3d{}), {"pivot", "fix"},
+          "the pivot of a rigid group that is free in part stands still",
+          "hold \"x\", \"y\" and \"z\" at rest, or leave pivot out: it is the centre of mass then");
+  t.check(!kind || !is_static(*kind), {"fix"}, "static stages take rigid groups that are held altogether",
+          "leave fix out, or load the group in a stage of dynamics, with damping");
 }
 
 void describe_support(Table& t, SupportSpec& s, Kind kind) {
@@ -35,22 +68,32 @@ void describe_support(Table& t, SupportSpec& s, Kind kind) {
   t.key("rigid", s.rigid, FlagCodec{}, optional,
         "a grip: the group moves as one rigid body, positions and orientations, all of them held");
   t.when(!s.rigid, "rigid = false", [&] {
-    t.key("fix", s.held, SubsetCodec<6>{{"x", "y", "z", "rx", "ry", "rz"}}, required,
-          "which degrees of freedom are held: translation along, rotation about the world's axes");
-    t.check(s.held != HeldDofs{}, {"fix"}, "must hold something", "name a direction, as in fix = [\"x\"]");
+    t.key("fix", s, FixCodec{}, required,
+          "which degrees of freedom are held: translation along, rotation about the world's axes; a vector "
+          "holds translation along it");
+    t.key("fix_rotation", s.about, DirectionsCodec{{direction_vector}}, optional,
+          "axes, as vectors, about which rotation is held as well");
+    t.check(s.held != HeldDofs{} || !s.along.empty() || !s.about.empty(), {"fix"}, "must hold something",
+            "name a direction, as in fix = [\"x\"]");
   });
-  if (s.rigid) s.held = all_held;
+  if (t.reading() && s.rigid && !t.is_given("fix")) s.held = all_held;
   t.when(s.rigid, "rigid = true", [&] {
+    t.key("fix", s, FixOfGripCodec{}, default_is("all of them"),
+          "which degrees of freedom of the group as one body are held, along and about the world's axes; "
+          "loads on "
+          "its particles move it along and about the others");
     t.key("pivot", s.pivot, vector_of(length), default_is("middle of the group"),
-          "a point of the axis as the stage begins; the middle is the mean of the positions then");
+          "a point of the axis as the stage begins; the middle is the mean of the positions then, of a group "
+          "that is free in part its centre of mass");
   });
+  if (s.rigid && s.held != all_held) check_free_grip(t, s, kind);
   t.when(!kind || !is_static(*kind), in_dynamics, [&] {
     t.key("velocity", s.velocity, vector_of(velocity), optional,
           "of the held translations; of a rigid group's pivot");
     t.key("angular_velocity", s.angular_velocity, vector_of(angular_velocity), optional,
           "of the held rotations; of a rigid group about its pivot");
     describe(t, s.factor);
-    check_moves_are_held(t, s.held, "velocity", s.velocity, "angular_velocity", s.angular_velocity);
+    check_moves_are_held(t, directions_of(s), "velocity", s.velocity, "angular_velocity", s.angular_velocity);
   });
   // about a balance at rest: modes take the supports as they are
   t.when(
@@ -64,20 +107,28 @@ void describe_support(Table& t, SupportSpec& s, Kind kind) {
             "rotation", s.rotation, vector_of(angle), optional,
             "of the held rotations at load factor 1; with all three held a rotation vector, of a rigid group "
             "about its pivot");
-        check_moves_are_held(t, s.held, "displacement", s.displacement, "rotation", s.rotation);
+        check_moves_are_held(t, directions_of(s), "displacement", s.displacement, "rotation", s.rotation);
       });
 }
 
 void describe_load(Table& t, LoadSpec& s, Kind kind) {
   t.locate(s.place);
   t.key("group", s.group, group_name, required, "which particles");
-  t.key("force", s.force, vector_of(force), optional, "on each particle, fixed in direction");
-  t.key("moment", s.moment, vector_of(moment), optional, "on each particle, fixed in direction");
+  t.key("force", s.force, vector_of(force), optional,
+        "on each particle, fixed in direction unless it follows");
+  t.key("moment", s.moment, vector_of(moment), optional,
+        "on each particle, fixed in direction unless it follows");
   t.key("total_force", s.total_force, vector_of(force), optional,
         "on the whole group, shared by mass: through its centre of mass");
   t.key("total_moment", s.total_moment, vector_of(moment), optional,
         "on the whole group, as moments on its particles, shared by mass: a torque about any axis along it");
-  t.when(!kind || !is_static(*kind), in_dynamics, [&] { describe(t, s.factor); });
+  t.when(!kind || !is_static(*kind), in_dynamics, [&] {
+    t.key(
+        "follower", s.follower, FlagCodec{}, optional,
+        "the load turns with each particle: it is given along the particle's own axes, those of the world as "
+        "the run begins");
+    describe(t, s.factor);
+  });
   t.when(!kind || is_static(*kind), in_statics, [&] {
     t.key("constant", s.constant, FlagCodec{}, optional,
           "at full size from the start, not in proportion to the load factor; modes: always");
@@ -147,6 +198,10 @@ void describe_motion(Table& t, StageSpec& s) {
         "Cundall's local damping, not physical: this part of the load left on a particle opposes its motion");
   });
   t.table("strain", s.strain, "affine strain, applied step by step");
+  const auto is_free = [](const SupportSpec& p) { return p.rigid && p.held != all_held; };
+  t.check(!(s.local_damping > 0.0 && std::any_of(s.supports.begin(), s.supports.end(), is_free)), {"damping"},
+          "local damping does not know rigid groups that are free in part",
+          "use damping.translation and damping.rotation, or hold all of the group");
 }
 
 namespace {

@@ -292,6 +292,41 @@ bool refuse_subset(const Node& n, ReadContext& in, const std::string& path,
           (known ? "[\"" + *word + "\"]" : all + (word && *word == "all" ? "" : ", or some of these")));
 }
 
+const std::vector<std::string>& FixCodec::names() {
+  static const std::vector<std::string> all{"x", "y", "z", "rx", "ry", "rz"};
+  return all;
+}
+
+bool FixCodec::read(const Node& n, ReadContext& in, const std::string& path, SupportSpec& out) const {
+  const auto* items = std::get_if<NodeList>(&n.value);
+  if (!items) return refuse_subset(n, in, path, names());
+  NodeList words;
+  std::vector<Vec3d> along;
+  bool good = true;
+  for (std::size_t k = 0; k < items->size(); ++k) {
+    const Node& item = (*items)[k];
+    if (!std::holds_alternative<NodeList>(item.value)) {
+      words.push_back(item);
+      continue;
+    }
+    Vec3d direction;
+    good = direction_vector.read(item, in, path + "[" + std::to_string(k) + "]", direction) && good;
+    along.push_back(direction);
+  }
+  Node named = n;
+  named.value = std::move(words);
+  if (!SubsetCodec<6>{names()}.read(named, in, path, out.held) || !good) return false;
+  out.along = std::move(along);
+  return true;
+}
+
+std::string FixCodec::write(const SupportSpec& s) const {
+  std::string text = SubsetCodec<6>{names()}.write(s.held);
+  for (const Vec3d& d : s.along)
+    text.insert(text.size() - 1, (text.size() > 2 ? ", " : "") + direction_vector.write(d));
+  return text;
+}
+
 bool refuse_length(const Node& n, ReadContext& in, const std::string& path, std::size_t is,
                    std::size_t wanted, const std::string& example) {
   return in.refuse(n, path,

@@ -297,6 +297,20 @@ struct SubsetCodec {
   std::string example(UnitSystem) const { return "[" + toml_string(names.front()) + "]"; }
 };
 
+/// What a support holds: names of degrees of freedom, and directions of translations.
+struct FixCodec {
+  bool read(const Node& n, ReadContext& in, const std::string& path, SupportSpec& out) const;
+  std::string write(const SupportSpec& s) const;
+  std::string type() const { return "list of " + join(names(), "\"") + " or " + direction_vector.type(); }
+  std::string schema() const {
+    return list_schema(any_of({enum_schema(names()), direction_vector.schema()}), 0);
+  }
+  std::string example(UnitSystem) const { return "[\"x\"]"; }
+
+ private:
+  static const std::vector<std::string>& names();
+};
+
 /// Where a bond is fastened: "centres", "surfaces", a distance, or one for each end.
 struct AttachCodec {
   bool read(const Node& n, ReadContext& in, const std::string& path, BondRecipe& out) const;

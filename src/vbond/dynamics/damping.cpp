@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "vbond/model/holds.hpp"
+
 namespace vbond {
 
 Damping::Damping(const Stage& stage, Bodies& bodies)
@@ -11,9 +13,13 @@ Damping::Damping(const Stage& stage, Bodies& bodies)
       local_(stage.local_damping) {
   if (is_local()) {
     held_.resize(bodies.pose.size());
-    for (const Support& s : stage.supports)
-      for (const ParticleId p : s.particles)
-        for (std::size_t k = 0; k < s.held.size(); ++k) held_[bodies.order.row[p].value][k] |= s.held[k];
+    for (const Hold& h : holds_of(stage.supports)) {
+      const std::size_t row = bodies.order.row[h.particle].value;
+      for (std::size_t k = 0; k < h.held.size(); ++k) held_[row][k] |= h.held[k];
+      if (h.axes == nullptr) continue;
+      axes_.resize(held_.size());
+      axes_[row] = h.axes;
+    }
   }
   if (stage.b_translation == 0.0 && stage.b_rotation == 0.0) return;
   decay_.resize(bodies.pose.size());
@@ -25,6 +31,9 @@ Damping::Damping(const Stage& stage, Bodies& bodies)
     d.of_v = 0.5 * m * (1.0 - d.v * d.v);
     d.of_omega = 0.5 * theta * (1.0 - d.omega * d.omega);
   }
+  for (const Support& s : stage.supports)  // slows down as one body
+    for (const ParticleId p : s.particles)
+      if (is_free_grip(s) && bodies.order.has(p)) decay_[bodies.order.row[p].value] = {1.0, 1.0, 0.0, 0.0};
 }
 
 double Damping::do_slow_down(RowRange rows) const {
@@ -40,10 +49,21 @@ void Damping::oppose_motion(RowRange rows) const {
     return Vec3d{against(load.x, rate.x, held[k]), against(load.y, rate.y, held[k + 1]),
                  against(load.z, rate.z, held[k + 2])};
   };
+  const auto oppose_along = [&](const HeldAxes& axes, const Vec3d& load, const Vec3d& rate,
+                                const HeldDofs& held, std::size_t first) {
+    Vec3d sum;
+    for (std::size_t dof = first; dof < first + 3; ++dof)
+      sum += against(dot(load, axes.of(dof)), dot(rate, axes.of(dof)), held[dof]) * axes.of(dof);
+    return sum;
+  };
   for (std::size_t k = rows.first; k < rows.last; ++k) {
     LoadRow &load = bodies_.load[k], &damping = bodies_.damping[k];
     const MotionRow& rate = bodies_.rates[k];
-    const Vec3d F = oppose(load.F, rate.v, held_[k], 0), M = oppose(load.M, rate.omega, held_[k], 3);
+    const HeldAxes* axes = axes_.empty() ? nullptr : axes_[k].get();
+    const Vec3d F = axes == nullptr ? oppose(load.F, rate.v, held_[k], 0)
+                                    : oppose_along(*axes, load.F, rate.v, held_[k], 0);
+    const Vec3d M = axes == nullptr ? oppose(load.M, rate.omega, held_[k], 3)
+                                    : oppose_along(*axes, load.M, rate.omega, held_[k], 3);
     load.F += F, damping.F += F;
     load.M += M, damping.M += M;
     if (bodies_.local_damping.empty()) continue;

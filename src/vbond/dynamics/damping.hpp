@@ -1,4 +1,5 @@
 #pragma once
+#include <memory>
 #include <vector>
 
 #include "vbond/dynamics/bodies.hpp"
@@ -30,7 +31,8 @@ class Damping {
   std::vector<Decay> decay_;  // of each row; empty: no drag
   double half_step_, b_rotation_;
   double local_;
-  std::vector<HeldDofs> held_;  // of each row, for local damping
+  std::vector<HeldDofs> held_;                         // of each row, in its axes, for local damping
+  std::vector<std::shared_ptr<const HeldAxes>> axes_;  // of each row; empty: all have those of the world
 };
 
 }  // namespace vbond

@@ -19,6 +19,10 @@ Grips::Grips(const Stage& stage, Bodies& bodies, const Team& team) : stage_(stag
       members_[k].moved = true;
       if (members_[k].row < bodies.order.own) entries.push_back({members_[k].row, k});
     }
+  waiting_.resize(team.blocks(), 0);
+  for (const ByBlock::Entry& e : entries)
+    if (is_free_grip(*grips_[members_[e.index].grip].support))
+      waiting_[e.row / block_rows] = 1, any_free_ = true;
   held_ = ByBlock(std::move(entries), team.blocks());
   work_.resize(team.blocks() * grips_.size());
 }
@@ -26,7 +30,9 @@ Grips::Grips(const Stage& stage, Bodies& bodies, const Team& team) : stage_(stag
 Grips::Place Grips::place_of(const Grip& grip, double s) const {
   const double since = s - grip.state.from;
   const RigidMotion motion{grip.state.pivot, grip.support->velocity, grip.support->angular_velocity};
-  return {s, motion.pivot_at(since), motion.turn(since)};
+  if (!grip.free) return {s, motion.pivot_at(since), motion.turn(since)};
+  const bool turns = grip.free->body.turns() != FreeGrip::Turns::held;
+  return {s, motion.pivot_at(since) + grip.state.shift, turns ? grip.state.turn : motion.turn(since)};
 }
 
 PoseRow Grips::pose_at(const Member& m, const Place& at) {
@@ -52,8 +58,13 @@ void Grips::take_hold(Grip& grip, double s) {
   if (support.pivot) {
     pivot = *support.pivot + s * support.velocity;
   } else {
-    for (const ParticleId p : support.particles) pivot += bodies_.pose[bodies_.order.row[p].value].r;
-    pivot = pivot / static_cast<double>(support.particles.size());
+    double weight = 0.0;
+    for (const ParticleId p : support.particles) {
+      const std::size_t row = bodies_.order.row[p].value;
+      const double w = is_free_grip(support) ? bodies_.mass[row] : 1.0;
+      pivot += w * bodies_.pose[row].r, weight += w;
+    }
+    pivot = pivot / weight;
   }
   grip.state.pivot = pivot;
   grip.state.from = s;
@@ -62,6 +73,36 @@ void Grips::take_hold(Grip& grip, double s) {
     const PoseRow& pose = bodies_.pose[members_[k].row];
     members_[k].as_held = {pose.r - pivot, pose.q};
   }
+  if (!is_free_grip(support)) return;
+  begin_free(grip);
+  find_motion(grip);
+}
+
+/// The body that it is, from how it took hold of its particles.
+void Grips::begin_free(Grip& grip) {
+  GripMass mass;
+  for (std::size_t k = grip.first; k < grip.first + grip.support->particles.size(); ++k)
+    mass.add(members_[k].as_held.arm, bodies_.mass[members_[k].row], bodies_.inertia[members_[k].row],
+             stage_.b_translation, stage_.b_rotation);
+  grip.free = Free{{grip.support->held, mass, 0.5 * stage_.dt}, {}, {}, {}, {}, {}};
+  any_turn_ |= grip.free->body.turns() != FreeGrip::Turns::held;
+}
+
+/// It goes on with the momentum that its particles have as it takes hold.
+void Grips::find_motion(Grip& grip) {
+  grip.state.shift = grip.state.velocity = grip.state.spin = {};
+  grip.state.turn = {1, 0, 0, 0};
+  grip.state.angle = 0.0;
+  Vec3d P, L;
+  for (std::size_t k = grip.first; k < grip.first + grip.support->particles.size(); ++k) {
+    const MotionRow& motion = bodies_.motion[members_[k].row];
+    const Vec3d p = bodies_.mass[members_[k].row] * motion.v;
+    P += p;
+    L += cross(members_[k].as_held.arm, p) + bodies_.inertia[members_[k].row] * motion.omega;
+  }
+  const FreeGrip& body = grip.free->body;
+  grip.state.velocity = body.free_part(P / body.mass());
+  grip.state.spin = body.free_turn(L);
 }
 
 void Grips::read(const State& state, bool begun) {
@@ -75,7 +116,10 @@ void Grips::read(const State& state, bool begun) {
   for (std::size_t k = 0; k < grips_.size(); ++k) {
     Grip& grip = grips_[k];
     const double s = grip.path(time_of(state.clock.stage_step));
-    if (kept) grip.state = state.grips[k];
+    if (kept) {
+      grip.state = state.grips[k];
+      if (is_free_grip(*grip.support)) begin_free(grip);
+    }
     if (!kept || !stands_at(grip, place_of(grip, s))) take_hold(grip, s);
   }
 }
@@ -93,29 +137,116 @@ void Grips::set_times(std::int64_t stage_step) {
     g.factor_start = g.support->factor(t), g.factor_end = g.support->factor(t_end);
     g.start = place_of(g, g.path(t)), g.end = place_of(g, g.path(t_end));
     g.turn = rotation_of((g.end.s - g.start.s) * g.support->angular_velocity);
+    if (g.free) g.free->start = {g.state.velocity, g.free->body.rate(g.start.turn, g.state.spin)};
   }
 }
 
-/// What the velocities of a particle must be. The poses are those of the start or the end.
-Grips::Rates Grips::rates(const Member& m, Instant at) const {
+/// Forces and moments on its particles, about this point.
+Grips::Rates Grips::loads_on(const Grip& grip, const Vec3d& pivot) const {
+  Rates sum;
+  for (std::size_t k = grip.first; k < grip.first + grip.support->particles.size(); ++k) {
+    const LoadRow& load = bodies_.load[members_[k].row];
+    sum.v += load.F;
+    sum.omega += load.M + cross(bodies_.pose[members_[k].row].r - pivot, load.F);
+  }
+  return sum;
+}
+
+/// Drag over half a step: it slows down what is free, and what is held has the support make up for it. hold()
+/// will see the free velocities fall: that is not its work.
+double Grips::slow_down(Grip& grip, const Place& place, double factor) {
+  if (stage_.b_translation == 0.0 && stage_.b_rotation == 0.0) return 0.0;
+  const double lost = grip.free->body.slow_down(place.turn, grip.state.velocity, grip.state.spin);
+  const Support& s = *grip.support;
+  const double against_support =
+      0.5 * stage_.dt * sq(factor) * grip.free->body.drag_power(place.turn, s.velocity, s.angular_velocity);
+  work_[static_cast<std::size_t>(&grip - grips_.data())] += lost + against_support;
+  return lost + against_support;
+}
+
+/// The first half of a step: along the way that `end` then says.
+void Grips::begin_step() {
+  for (Grip& g : grips_) {
+    if (!g.free) continue;
+    Free& f = *g.free;
+    GripState& state = g.state;
+    const bool turns = f.body.turns() != FreeGrip::Turns::held;
+    lost_ += slow_down(g, g.start, g.factor_start);
+    f.start = {state.velocity, f.body.rate(g.start.turn, state.spin)};
+    const Rates load = loads_on(g, g.start.pivot);
+    const double half = 0.5 * stage_.dt;
+    state.velocity += half / f.body.mass() * f.body.free_part(load.v);
+    state.spin += half * f.body.free_turn(load.omega);
+    f.middle_start = {state.velocity, f.body.rate(g.start.turn, state.spin)};
+    state.shift += stage_.dt * state.velocity;
+    if (turns) state.turn = f.body.turned(g.start.turn, state.spin, stage_.dt);
+    g.end =
+        place_of(g, g.end.s);  // as it will be found to the last bit, also by a run that goes on from there
+    f.middle_end = {state.velocity, f.body.rate(g.end.turn, state.spin)};
+    if (f.body.turns() == FreeGrip::Turns::about_axis)
+      state.angle += stage_.dt * (f.middle_end.omega.x + f.middle_end.omega.y + f.middle_end.omega.z);
+  }
+}
+
+/// The second half, once all loads are those of the end.
+double Grips::finish_step() {
+  for (Grip& g : grips_) {
+    if (!g.free) continue;
+    Free& f = *g.free;
+    const Rates load = loads_on(g, g.end.pivot);
+    const double half = 0.5 * stage_.dt;
+    g.state.velocity += half / f.body.mass() * f.body.free_part(load.v);
+    g.state.spin += half * f.body.free_turn(load.omega);
+    f.end = {g.state.velocity, f.body.rate(g.end.turn, g.state.spin)};
+    lost_ += slow_down(g, g.end, g.factor_end);
+    f.slowed = {g.state.velocity, f.body.rate(g.end.turn, g.state.spin)};
+  }
+  return std::exchange(lost_, 0.0);
+}
+
+/// What the velocities of a particle must be, with the pose that it has at the start or the end.
+Grips::Rates Grips::rates(const Member& m, Instant at, Instant pose) const {
   const Grip& g = grips_[m.grip];
   const Vec3d &V = g.support->velocity, &W = g.support->angular_velocity;
+  const bool at_start = pose == Instant::start;
+  const Place& place = at_start ? g.start : g.end;
+  Rates given;
   if (at == Instant::middle) {
     const double way = g.end.s - g.start.s;
     const Vec3d chord = way * V + swing(g.turn, rotate(g.start.turn, m.as_held.arm));
-    return {(1.0 / stage_.dt) * chord, (way / stage_.dt) * W};
+    given = {(1.0 / stage_.dt) * chord, (way / stage_.dt) * W};
+  } else {
+    const double factor = at == Instant::start ? g.factor_start : g.factor_end;
+    const Vec3d arm = bodies_.pose[m.row].r - place.pivot;
+    given = {factor * (V + cross(W, arm)), factor * W};
   }
-  const bool start = at == Instant::start;
-  const double factor = start ? g.factor_start : g.factor_end;
-  const Vec3d arm = bodies_.pose[m.row].r - (start ? g.start : g.end).pivot;
-  return {factor * (V + cross(W, arm)), factor * W};
+  if (!g.free) return given;
+  const Free& f = *g.free;
+  const Rates& more = at == Instant::start ? f.start
+                      : at == Instant::end ? f.end
+                      : at_start           ? f.middle_start
+                                           : f.middle_end;
+  given.v += more.v + cross(more.omega, bodies_.pose[m.row].r - place.pivot);
+  given.omega += more.omega;
+  return given;
+}
+
+/// At the end of the step, after drag.
+Grips::Rates Grips::resting_rates(const Member& m) const {
+  Rates given = rates(m, Instant::end, Instant::end);
+  if (!grips_[m.grip].free) return given;
+  const Free& f = *grips_[m.grip].free;
+  const Vec3d turn = f.slowed.omega - f.end.omega;
+  given.v += f.slowed.v - f.end.v + cross(turn, bodies_.pose[m.row].r - grips_[m.grip].end.pivot);
+  given.omega += turn;
+  return given;
 }
 
 double Grips::hold(const Block& block, Instant at) {
   double total = 0.0;
   for (const ByBlock::Entry* e = held_.begin_of(block.index); e != held_.end_of(block.index); ++e) {
     const Member& m = members_[e->index];
-    const Rates given = rates(m, at);
+    const Rates given = at == Instant::end ? resting_rates(m) : rates(m, at, at);
     MotionRow& motion = bodies_.motion[m.row];
     const double work = 0.5 * bodies_.mass[m.row] * (norm2(given.v) - norm2(motion.v)) +
                         bodies_.rotation_energy(m.row, given.omega) -
@@ -131,7 +262,8 @@ double Grips::hold_after_kick(const Block& block, Instant from, Instant to, doub
   double total = 0.0;
   for (const ByBlock::Entry* e = held_.begin_of(block.index); e != held_.end_of(block.index); ++e) {
     const Member& m = members_[e->index];
-    const Rates before = rates(m, from), after = rates(m, to);
+    const Instant pose = from == Instant::start ? from : to;
+    const Rates before = rates(m, from, pose), after = rates(m, to, pose);
     const LoadRow& load = bodies_.load[m.row];
     const Vec3d impulse = bodies_.mass[m.row] * (after.v - before.v) - h * load.F;
     const double turning = bodies_.rotation_energy(m.row, after.omega) -
@@ -152,6 +284,9 @@ void Grips::carry(const Block& block) {
     const PoseRow belongs = pose_at(m, grips_[m.grip].end);
     bodies_.pose[m.row].r = belongs.r;
     bodies_.pose[m.row].q = belongs.q;
+    if (!grips_[m.grip].free) continue;
+    const Rates given = rates(m, Instant::middle, Instant::end);
+    bodies_.motion[m.row].v = given.v, bodies_.motion[m.row].omega = given.omega;
   }
 }
 
@@ -166,6 +301,9 @@ std::vector<GripView> Grips::views(std::int64_t stage_step) const {
   for (const Grip& g : grips_) {
     const Place now = place_of(g, g.path(time_of(stage_step)));
     GripView view{g.support->group, {}, {}, now.s * norm(g.support->angular_velocity), g.state.work};
+    if (g.free && g.free->body.turns() == FreeGrip::Turns::about_axis) view.angle = g.state.angle;
+    if (g.free && g.free->body.turns() == FreeGrip::Turns::freely)
+      view.angle = norm(rotation_vector(g.state.turn));
     for (std::size_t k = g.first; k < g.first + g.support->particles.size(); ++k) {
       const std::size_t row = members_[k].row;
       if (row >= bodies_.order.own) continue;
@@ -173,6 +311,10 @@ std::vector<GripView> Grips::views(std::int64_t stage_step) const {
       view.force += F;
       view.moment += stage_.b_rotation * bodies_.motion[row].omega - bodies_.load[row].M +
                      cross(bodies_.pose[row].r - now.pivot, F);
+    }
+    if (g.free) {
+      view.force -= g.free->body.free_part(view.force);
+      view.moment -= g.free->body.free_turn(view.moment);
     }
     all.push_back(std::move(view));
   }

@@ -1,10 +1,12 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "vbond/core/rigid_motion.hpp"
 #include "vbond/dynamics/bodies.hpp"
 #include "vbond/dynamics/by_block.hpp"
+#include "vbond/dynamics/free_grip.hpp"
 #include "vbond/model/grip.hpp"
 #include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"
@@ -14,7 +16,8 @@ namespace vbond {
 /// The grips of a stage: rigid supports. A particle of one is where the grip has taken it: its pose follows
 /// from that in which the grip took hold and the integral of the stage's factor, so that nothing adds up from
 /// step to step. In a step it goes along the chord between two such places; at the ends of the step its
-/// velocity is that of the circle.
+/// velocity is that of the circle. Along and about what is free the grip moves as a rigid body by leap-frog:
+/// with the sum of the loads on its particles, kicked before and after the drift.
 class Grips {
  public:
   /// Keeps references to stage and bodies.
@@ -27,6 +30,16 @@ class Grips {
   void write(State& state) const;
 
   void set_times(std::int64_t stage_step);
+  /// Whether some are free in some degrees of freedom: then these are called, between the blocks, at the
+  /// start of a step, with the loads of then, and when all particles have the loads of its end.
+  bool any_free() const { return any_free_; }
+  void begin_step();
+  /// Returns what drag has taken in the step, which is to be added to the work of supports as well.  [energy]
+  double finish_step();
+  /// Whether some turn freely, so that their particles have other velocities after the drift than before it.
+  bool any_turn() const { return any_turn_; }
+  /// Blocks with particles of such grips come to the end of their step only after finish_step().
+  bool waits(const Block& block) const { return any_free_ && waiting_[block.index] != 0; }
   /// As of Supports.
   double hold(const Block& block, Instant at);
   double hold_after_kick(const Block& block, Instant from, Instant to, double h);
@@ -44,6 +57,15 @@ class Grips {
     Vec3d pivot;
     Quatd turn;  ///< since it took hold
   };
+  struct Rates {
+    Vec3d v, omega;
+  };
+  /// What a free grip does in a step, along and about what is free: rates of the pivot.
+  struct Free {
+    FreeGrip body;
+    Rates start, middle_start, middle_end, end;  ///< as it stands at the start, and at the end
+    Rates slowed;                                ///< at the end, after drag
+  };
   struct Grip {
     const Support* support;
     TimeIntegral path;
@@ -52,6 +74,7 @@ class Grips {
     double factor_start = 1, factor_end = 1;
     Place start = {}, end = {};  ///< of the step
     Quatd turn = {};             ///< in the step
+    std::optional<Free> free = {};
   };
   struct Member {
     std::size_t row;
@@ -59,14 +82,16 @@ class Grips {
     GrippedPose as_held;
     bool moved = false;  ///< by its grip; else by another one that agrees
   };
-  struct Rates {
-    Vec3d v, omega;
-  };
   Place place_of(const Grip& grip, double s) const;
   static PoseRow pose_at(const Member& m, const Place& at);
   bool stands_at(const Grip& grip, const Place& now) const;
   void take_hold(Grip& grip, double s);
-  Rates rates(const Member& m, Instant at) const;
+  void begin_free(Grip& grip);
+  void find_motion(Grip& grip);
+  Rates loads_on(const Grip& grip, const Vec3d& pivot) const;
+  double slow_down(Grip& grip, const Place& place, double factor);
+  Rates resting_rates(const Member& m) const;
+  Rates rates(const Member& m, Instant at, Instant pose) const;
   double time_of(std::int64_t stage_step) const { return static_cast<double>(stage_step) * stage_.dt; }
 
   const Stage& stage_;
@@ -75,6 +100,9 @@ class Grips {
   std::vector<Member> members_;  // grip by grip, each in the order of its support
   ByBlock held_;                 // indices of members_
   std::vector<double> work_;     // of the step: of each grip in each block
+  bool any_free_ = false, any_turn_ = false;
+  double lost_ = 0;            // by drag in the step
+  std::vector<char> waiting_;  // blocks
 };
 
 }  // namespace vbond

@@ -137,6 +137,7 @@ void Simulation::step() {
   supports_.set_times(state_.clock.stage_step, stage_.dt);
   applied_.set_times(state_.clock.stage_step, stage_.dt);
 
+  if (supports_.grips().any_free()) supports_.grips().begin_step();
   if (walls_.any()) walls_.move(state_.clock.stage_step, stage_.dt);
 
   StepTimes::Lap lap(timed);
@@ -160,6 +161,7 @@ void Simulation::step() {
     lap.add_to(times_.contacts);
   }
   step_blocks(timed);
+  if (supports_.grips().any_free()) finish_free_grips();
   if (others_ != nullptr) complete_sent_blocks(Instant::end);
   ++state_.clock.step;
   ++state_.clock.stage_step;  // time is counted, not summed
@@ -188,9 +190,20 @@ void Simulation::step_blocks(bool timed) {
       add_mutual_loads(part, all_known().block(k), Instant::end, ahead, lap_of_part);
       if (k >= last_moved || is_sent(team_.block(k))) continue;
       complete_loads(team_.block(k), Instant::end, lap_of_part);  // F, M : at t + dt
-      end_step(team_.block(k));
+      if (!supports_.grips().waits(team_.block(k))) end_step(team_.block(k));
       lap_of_part.add_to(times_.integrate);
     }
+  });
+}
+
+/// Grips that are free in part need the loads of all their particles before these come to the end of the
+/// step.
+void Simulation::finish_free_grips() {
+  const double lost = supports_.grips().finish_step();
+  lose(0, Loss::drag, lost);
+  books_[0].work_supports += lost;
+  team_.for_blocks([&](const Block& b) {
+    if (supports_.grips().waits(b)) end_step(b);
   });
 }
 
@@ -237,12 +250,14 @@ void Simulation::begin_step(const Block& b) {
     book_damping(b, dt / 2);
     keep_rates(b);
   }
-  const double before_drift =
-      more && bodies_.tops.any() ? dt / 2 : 0.0;  // omega of tops changes in the drift
-  if (before_drift > 0.0) books.work_loads += applied_.work(b, before_drift);
+  const bool turn_freely = more && (bodies_.tops.any() || supports_.grips().any_turn());
+  const double before_drift = turn_freely ? dt / 2 : 0.0;  // their omega changes in the drift
+  if (before_drift > 0.0) books.work_loads += applied_.work_of_half(b, before_drift, Instant::start);
   books.way2 = drift(b, dt);  // r, q     : t -> t + dt
   if (more && supports_.grips().any()) supports_.grips().carry(b);
-  books.work_loads += applied_.work(b, dt - before_drift);
+  if (more && supports_.grips().any_turn() && inelastic()) keep_rates(b);
+  books.work_loads +=
+      before_drift > 0.0 ? applied_.work_of_half(b, dt - before_drift, Instant::end) : applied_.work(b, dt);
   clear_loads(b);
 }
 

@@ -227,6 +227,7 @@ class Simulation {
   void change_body();
   bool find_events();
   void step_blocks(bool timed);
+  void finish_free_grips();
   void evaluate_loads();
   void work_out_touches(double dt);
   /// The rows of a block without those that fill it up.
@@ -259,7 +260,7 @@ class Simulation {
   bool anything_touches() const { return contacts_.any() || walls_.any() || capsules_.any(); }
   void close_books();
   double largest_way2() const;
-  void add_held(const HeldDofs& held, Row row, const Vec3d& F, const Vec3d& M, Reaction& total) const;
+  void add_held(const Hold& hold, Row row, const Vec3d& F, const Vec3d& M, Reaction& total) const;
   void look_at_deep_contacts();
   void check_finite() const;
   bool past_largest(const Bond& bond) const;

@@ -226,12 +226,12 @@ Reaction Simulation::reaction_before_breaks(const std::vector<ParticleId>& parti
     if (!std::binary_search(particles.begin(), particles.end(), h.particle)) continue;
     const Row row = bodies_.order.row[h.particle];
     for (const TakenLoads& t : taken_) {
-      if (t.i == h.particle) add_held(h.held, row, -t.loads.F, -t.loads.M_ij, total);
-      if (t.j == h.particle) add_held(h.held, row, t.loads.F, -t.loads.M_ji, total);
+      if (t.i == h.particle) add_held(h, row, -t.loads.F, -t.loads.M_ij, total);
+      if (t.j == h.particle) add_held(h, row, t.loads.F, -t.loads.M_ji, total);
     }
     auto s = std::lower_bound(taken_shares_.begin(), taken_shares_.end(), row.value,
                               [](const Capsules::Share& x, std::size_t first) { return x.row < first; });
-    for (; s != taken_shares_.end() && s->row == row.value; ++s) add_held(h.held, row, -s->F, -s->M, total);
+    for (; s != taken_shares_.end() && s->row == row.value; ++s) add_held(h, row, -s->F, -s->M, total);
   }
   return summed_over_parts(total);
 }

@@ -155,21 +155,20 @@ Reaction Simulation::reaction_here(const std::vector<ParticleId>& particles) con
     const std::size_t row = bodies_.order.row[h.particle].value;
     const MotionRow& motion = bodies_.motion[row];
     const LoadRow& load = bodies_.load[row];
-    add_held(h.held, Row{row}, stage_.b_translation * motion.v - load.F,
-             stage_.b_rotation * motion.omega - load.M, total);
+    add_held(h, Row{row}, stage_.b_translation * motion.v - load.F, stage_.b_rotation * motion.omega - load.M,
+             total);
   }
   return total;
 }
 
 /// The part of a force and moment on a particle that its support exerts.
-void Simulation::add_held(const HeldDofs& held, Row row, const Vec3d& F, const Vec3d& M,
-                          Reaction& total) const {
+void Simulation::add_held(const Hold& hold, Row row, const Vec3d& F, const Vec3d& M, Reaction& total) const {
   Vec3d held_F, held_M;
-  for (int k = 0; k < 3; ++k) {
-    const auto axis = static_cast<std::size_t>(k);
-    if (held[axis]) component(held_F, k) = component(F, k);
-    if (held[axis + 3]) component(held_M, k) = component(M, k);
-  }
+  for (std::size_t dof = 0; dof < 6; ++dof)
+    if (hold.held[dof]) {
+      const Vec3d& axis = axis_of(hold.axes.get(), dof);
+      (dof < 3 ? held_F : held_M) += dot(dof < 3 ? F : M, axis) * axis;
+    }
   total.force += held_F;
   total.moment += held_M + cross(bodies_.pose[row.value].r, held_F);
 }

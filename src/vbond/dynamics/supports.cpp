@@ -51,14 +51,29 @@ void Supports::for_each_held(const Block& block, F f) const {
     const Support& s = stage_.supports[hold.support];
     MotionRow& motion = bodies_.motion[e->row];
     const LoadRow& load = bodies_.load[e->row];
+    const double theta = bodies_.tops.has(e->row) ? 0.0 : bodies_.inertia[e->row];
+    if (hold.axes != nullptr) {
+      for (std::size_t dof = 0; dof < 6; ++dof) {
+        if (!hold.held[dof]) continue;
+        const bool turns = dof >= 3;
+        const Vec3d& axis = hold.axes->of(dof);
+        Vec3d& rates = turns ? motion.omega : motion.v;
+        const double before = dot(rates, axis);
+        double rate = before;
+        f(hold.support, rate, turns ? theta : bodies_.mass[e->row], dot(turns ? load.M : load.F, axis),
+          dot(turns ? s.angular_velocity : s.velocity, axis));
+        rates += (rate - before) * axis;
+      }
+      continue;
+    }
     for (int k = 0; k < 3; ++k) {
       const auto axis = static_cast<std::size_t>(k);
       if (hold.held[axis])
         f(hold.support, component(motion.v, k), bodies_.mass[e->row], component(load.F, k),
           component(s.velocity, k));
       if (hold.held[axis + 3])
-        f(hold.support, component(motion.omega, k), bodies_.tops.has(e->row) ? 0.0 : bodies_.inertia[e->row],
-          component(load.M, k), component(s.angular_velocity, k));
+        f(hold.support, component(motion.omega, k), theta, component(load.M, k),
+          component(s.angular_velocity, k));
     }
   }
 }
@@ -100,19 +115,46 @@ AppliedLoads::AppliedLoads(const Stage& stage, Bodies& bodies, const Team& team)
 void AppliedLoads::do_add(const Block& block, Instant at) const {
   for (const ByBlock::Entry* e = loaded_.begin_of(block.index); e != loaded_.end_of(block.index); ++e) {
     const PointLoad& l = stage_.loads[e->index];
-    const double factor = factors_.at(e->index, at);
-    bodies_.load[e->row].F += factor * l.force_on(bodies_.mass[e->row]);
-    bodies_.load[e->row].M += factor * l.moment_on(bodies_.mass[e->row]);
+    const double factor = factors_.at(e->index, at), mass = bodies_.mass[e->row];
+    LoadRow& load = bodies_.load[e->row];
+    if (l.follower) {
+      const Quatd& q = bodies_.pose[e->row].q;
+      load.F += rotate(q, factor * l.force_on(mass));
+      load.M += rotate(q, factor * l.moment_on(mass));
+      continue;
+    }
+    load.F += factor * l.force_on(mass);
+    load.M += factor * l.moment_on(mass);
   }
   if (stage_.gravity == Vec3d{}) return;
   for (std::size_t k = block.rows.first; k < block.rows.last; ++k)
     bodies_.load[k].F += bodies_.mass[k] * stage_.gravity;
 }
 
-double AppliedLoads::do_work(const Block& block, double dt) const {
+/// Mean power of what turns with a particle: the kicks at both ends of the step do its work with the rates
+/// between them. The particle stands at the end; where it stood before follows from the rate, which is
+/// constant but of tops: their work is asked for in halves.
+double AppliedLoads::power_of_follower(const ByBlock::Entry& e, double dt, Instant at) const {
+  const PointLoad& l = stage_.loads[e.index];
+  const MotionRow& m = bodies_.motion[e.row];
+  const double mass = bodies_.mass[e.row];
+  const auto power = [&](const Quatd& q, Instant when) {
+    return factors_.at(e.index, when) *
+           (dot(rotate(q, l.force_on(mass)), m.v) + dot(rotate(q, l.moment_on(mass)), m.omega));
+  };
+  const Quatd& now = bodies_.pose[e.row].q;
+  if (at != Instant::middle) return power(now, at);
+  return 0.5 * (power(rotation_of(-dt * m.omega) * now, Instant::start) + power(now, Instant::end));
+}
+
+double AppliedLoads::do_work(const Block& block, double dt, Instant at) const {
   double work = 0.0;
   for (const ByBlock::Entry* e = loaded_.begin_of(block.index); e != loaded_.end_of(block.index); ++e) {
     const PointLoad& l = stage_.loads[e->index];
+    if (l.follower) {
+      work += dt * power_of_follower(*e, dt, at);
+      continue;
+    }
     const MotionRow& m = bodies_.motion[e->row];
     const double mean = 0.5 * (factors_.at(e->index, Instant::start) + factors_.at(e->index, Instant::end));
     const double mass = bodies_.mass[e->row];

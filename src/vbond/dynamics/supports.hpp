@@ -85,12 +85,19 @@ class AppliedLoads {
   void add(const Block& block, Instant at) const {
     if (any_) do_add(block, at);
   }
-  /// Their work over a step of dt during which rates are constant.  [energy]
-  double work(const Block& block, double dt) const { return any_ ? do_work(block, dt) : 0.0; }
+  /// Their work over a step of dt during which rates are constant, once the block has moved.  [energy]
+  double work(const Block& block, double dt) const {
+    return any_ ? do_work(block, dt, Instant::middle) : 0.0;
+  }
+  /// The same of half a step, with what they are as particles stand at this end of it.
+  double work_of_half(const Block& block, double half, Instant end) const {
+    return any_ ? do_work(block, half, end) : 0.0;
+  }
 
  private:
   void do_add(const Block& block, Instant at) const;
-  double do_work(const Block& block, double dt) const;
+  double do_work(const Block& block, double dt, Instant at) const;
+  double power_of_follower(const ByBlock::Entry& e, double dt, Instant at) const;
 
   const Stage& stage_;
   Bodies& bodies_;

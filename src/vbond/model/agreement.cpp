@@ -1,7 +1,12 @@
 #include "vbond/model/agreement.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
+#include <utility>
+
+#include "vbond/model/holds.hpp"
 
 namespace vbond {
 namespace {
@@ -37,33 +42,52 @@ bool same_axis(const AnySupport& a, const AnySupport& b) {
 }
 
 template <class AnySupport>
-bool moves_alike(const AnySupport& a, const AnySupport& b, std::size_t dof) {
+bool moves_alike(const AnySupport& a, const AnySupport& b, std::size_t dof, const Vec3d& axis) {
+  if (is_free_grip(a) || is_free_grip(b)) return false;
   const auto turns = [](const AnySupport& s) { return s.rigid && rotation(s) != Vec3d{}; };
   if (dof < 3 && (turns(a) || turns(b)))
     return a.rigid && b.rigid && translation(a) == translation(b) && rotation(a) == rotation(b) &&
            same_times(a, b) && same_axis(a, b);
-  const auto rate = [dof](const AnySupport& s) {
-    return component(dof < 3 ? translation(s) : rotation(s), static_cast<int>(dof % 3));
-  };
+  const auto rate = [&](const AnySupport& s) { return dot(dof < 3 ? translation(s) : rotation(s), axis); };
   return rate(a) == rate(b) && (rate(a) == 0.0 || same_times(a, b));
 }
 
+std::string name_of(std::size_t dof, const HeldAxes* axes) {
+  static constexpr const char* names[3] = {"x", "y", "z"};
+  const Vec3d& a = axis_of(axes, dof);
+  std::string name = fmt::format("({:.4g}, {:.4g}, {:.4g})", a.x, a.y, a.z);
+  for (std::size_t k = 0; k < 3; ++k)
+    if (a == world_axes[k]) name = names[k];
+  return dof < 3 ? name : "the turn about " + name;
+}
+
+constexpr std::size_t nobody = static_cast<std::size_t>(-1);
+
 template <class AnySupport>
 std::vector<Disagreement> disagreements_of(const std::vector<AnySupport>& supports, std::size_t particles) {
-  constexpr std::size_t nobody = static_cast<std::size_t>(-1);
+  const ParticleAxes axes(supports);
   std::vector<std::array<std::size_t, 6>> holder(particles, {nobody, nobody, nobody, nobody, nobody, nobody});
   std::vector<Disagreement> found;
   for (std::size_t k = 0; k < supports.size(); ++k) {
     bool told = false;
-    for (const ParticleId p : supports[k].particles)
-      for (std::size_t dof = 0; dof < 6 && p.value < particles; ++dof) {
-        if (!supports[k].held[dof]) continue;
+    const auto tell = [&](ParticleId p, std::string what, std::size_t by, bool oblique) {
+      if (!std::exchange(told, true)) found.push_back({p, std::move(what), by, k, oblique});
+    };
+    for (const ParticleId p : supports[k].particles) {
+      if (p.value >= particles) continue;
+      const auto of_p = axes.of(p);
+      const HeldDofs held = axes.held(supports[k], p);
+      std::size_t other = k;  // that holds it along other axes
+      for (std::size_t dof = 0; dof < 6; ++dof) {
         std::size_t& by = holder[p.value][dof];
+        if (by != nobody && by != k) other = by;
+        if (!held[dof] && !supports[k].rigid) continue;
         if (by == nobody) by = k;
-        if (told || by == k || moves_alike(supports[by], supports[k], dof)) continue;
-        told = true;
-        found.push_back({p, dof, by, k});
+        if (by != k && !moves_alike(supports[by], supports[k], dof, axis_of(of_p.get(), dof)))
+          tell(p, name_of(dof, of_p.get()), by, false);
       }
+      if (!axes.fits(supports[k], p)) tell(p, "the direction", other, true);
+    }
   }
   return found;
 }
@@ -75,12 +99,6 @@ std::vector<Disagreement> disagreements(const std::vector<Support>& supports, st
 }
 std::vector<Disagreement> disagreements(const std::vector<StaticSupport>& supports, std::size_t particles) {
   return disagreements_of(supports, particles);
-}
-
-const char* name_of_dof(std::size_t dof) {
-  static constexpr const char* names[6] = {
-      "x", "y", "z", "the turn about x", "the turn about y", "the turn about z"};
-  return names[dof];
 }
 
 }  // namespace vbond

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <string>
 #include <vector>
 
 #include "vbond/model/stage.hpp"
@@ -7,21 +8,21 @@
 
 namespace vbond {
 
-/// Two supports that hold a degree of freedom of a particle and do not move it alike.
+/// Two supports that hold a degree of freedom of a particle and do not move it alike; or two that hold it
+/// along, or about, axes that are neither parallel nor perpendicular to each other.
 struct Disagreement {
   ParticleId particle;
-  std::size_t dof;            ///< 0..5, as in HeldDofs
+  std::string dof;            ///< e.g. "x", "the turn about (0.6, 0.8, 0)"
   std::size_t first, second;  ///< of the supports
+  bool oblique = false;       ///< the axes are neither parallel nor perpendicular
 };
 
 /// Each support that disagrees with one before it, once. Particles that are not among the first `particles`
 /// are passed over. Supports move a degree of freedom alike if both hold it at rest, or at the same rate
 /// times the same factor. A grip that turns agrees on translations with a grip alone: of the same motion,
-/// about the same axis; two without a pivot must be of the same particles.
+/// about the same axis; two without a pivot must be of the same particles. A grip that is free in part agrees
+/// with no other support.
 std::vector<Disagreement> disagreements(const std::vector<Support>& supports, std::size_t particles);
 std::vector<Disagreement> disagreements(const std::vector<StaticSupport>& supports, std::size_t particles);
-
-/// E.g. "x" or "the turn about z".
-const char* name_of_dof(std::size_t dof);
 
 }  // namespace vbond

@@ -43,9 +43,12 @@ inline bool needs_rates(const Bond& b) {
   return is_damped(b) || b.law->remembers();
 }
 
-/// Whether balances follow from positions and what the bond remembers, without time: nothing creeps.
-inline bool can_rest(const Bond& b) {
-  return !b.law->remembers() || (b.law->has_rules && b.rules->creep.rate == 0.0);
+/// Whether it flows with time; and whether it flows, or is damaged, by what is done to it, however fast.
+inline bool creeps(const Bond& b) {
+  return b.law->remembers() && b.law->has_rules && b.rules->creep.rate > 0.0;
+}
+inline bool yields_or_softens(const Bond& b) {
+  return b.law->remembers() && (!b.law->has_rules || b.rules->yield != Yield{} || b.rules->softening.any());
 }
 
 /// The factor of the bond's own strength; 1 for laws that have none.

@@ -73,6 +73,13 @@ std::string key_beyond_repulsion(const ContactModel& c, const std::vector<Contac
   return any ? "restitution below 1" : "";
 }
 
+std::string key_without_balance(const ContactModel& c) {
+  if (c.law == ContactLaw::none) return {};
+  if (c.adhesion != AdhesionForm::none) return "contact.adhesion";
+  if (c.keeps_overlap) return "contact.overlap_at_break = \"kept\"";
+  return {};
+}
+
 bool is_elastic(const ContactModel& c, const std::vector<ContactMaterial>& materials) {
   if (c.law == ContactLaw::linear || !key_beyond_repulsion(c, materials).empty()) return false;
   return c.law != ContactLaw::hertz ||

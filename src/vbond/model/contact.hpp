@@ -94,8 +94,16 @@ TouchNumbers<double> touch_numbers(const ContactModel& contact, const std::vecto
                                    std::uint32_t first, std::uint32_t second);
 
 /// The key of what contacts do besides repelling along the normal, the first of several, e.g.
-/// "contact.tangential". Empty: nothing, which is what is taken at rest, by any law and of any materials.
+/// "contact.tangential". Empty: nothing.
 std::string key_beyond_repulsion(const ContactModel& contact, const std::vector<ContactMaterial>& materials);
+/// The key of what they do along the normal that has no balance of its own; empty: nothing. Friction,
+/// resistance to rolling and damping are none: at rest they are left out.
+std::string key_without_balance(const ContactModel& contact);
+/// Whether contacts resist sliding, rolling or twisting.
+inline bool has_friction(const ContactModel& c) {
+  return c.law != ContactLaw::none &&
+         (c.tangential != TangentialForm::none || c.rolling != RollingForm::none);
+}
 /// Whether they are no more than one elastic repulsion of the centres, which has loops of its own.
 bool is_elastic(const ContactModel& contact, const std::vector<ContactMaterial>& materials);
 

@@ -10,12 +10,18 @@
 namespace vbond {
 
 /// Where a grip of a stage of dynamics took hold of its particles, and what it has done since. A grip is a
-/// support that moves its particles as one rigid body.
+/// support that moves its particles as one rigid body, or lets them move as one.
 struct GripState {
   Vec3d pivot;                 ///< as it took hold  [length]
   double from = 0;             ///< integral of the stage's factor at that time; 0: as the stage began  [time]
   double work = 0;             ///< that it has done in the stage  [energy]
   std::int64_t particles = 0;  ///< how many entries of State::gripped are its
+  // of one that moves freely in some degrees of freedom: along and about these, since it took hold
+  Vec3d shift;  ///< of the pivot  [length]
+  Quatd turn = {1, 0, 0, 0};
+  Vec3d velocity;    ///< of the pivot  [length/time]
+  Vec3d spin;        ///< angular momentum about the pivot  [mass*length^2/time]
+  double angle = 0;  ///< turned about the one free axis, with its sign  [rad]
   friend bool operator==(const GripState&, const GripState&) = default;
 };
 

@@ -16,6 +16,7 @@ struct PartlyHeldTop {
 };
 std::optional<PartlyHeldTop> partly_held_top(const Model& model, const std::vector<Support>& supports);
 inline constexpr const char* partly_held_top_rule =
-    "of a particle whose moments of inertia differ a support holds no turn, all three, or two at rest";
+    "of a particle whose moments of inertia differ a support holds no turn, all three, or two at rest, about "
+    "axes of the world";
 
 }  // namespace vbond

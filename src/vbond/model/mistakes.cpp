@@ -45,6 +45,13 @@ std::string text(const Vec3d& x) {
 }
 
 /// Gathers mistakes.
+std::pair<Vec3d, Vec3d> prescribed_motion(const Support& s) {
+  return {s.velocity, s.angular_velocity};
+}
+std::pair<Vec3d, Vec3d> prescribed_motion(const StaticSupport& s) {
+  return {s.displacement, s.rotation};
+}
+
 class Mistakes {
  public:
   explicit Mistakes(const Model& model) : n_(model.particles()) {}
@@ -110,22 +117,41 @@ class Mistakes {
             "the factor of " + who + " does not have its points in increasing time");
   }
 
-  /// Grips hold everything, and only grips have a pivot; supports that overlap must agree.
+  /// What a grip does not hold is free of prescribed motion.
+  template <class AnySupport>
+  void look_at_free_grip(const AnySupport& s, const std::string& who) {
+    const auto [way, turn] = prescribed_motion(s);
+    bool moves_free = false;
+    for (std::size_t k = 0; k < 3; ++k)
+      moves_free |= !s.held[k] && component(way, static_cast<int>(k)) != 0.0;
+    const bool holds_turns = s.held[3] && s.held[4] && s.held[5];
+    require(!moves_free && (holds_turns || turn == Vec3d{}),
+            who + " is rigid and moves along or about what it leaves free");
+    require(!s.pivot || (s.held[0] && s.held[1] && s.held[2] && way == Vec3d{}),
+            who + " is rigid, free in part, and has a pivot: that must stand still");
+  }
+
+  /// Only grips have a pivot; supports that overlap must agree.
   template <class AnySupport>
   void look_at_supports(const std::vector<AnySupport>& supports) {
     for (const AnySupport& s : supports) {
       const std::string who = s.group.empty() ? "a support" : "a support on \"" + s.group + "\"";
-      require(!s.rigid || s.held == all_held, who + " is rigid and does not hold all six degrees of freedom");
+      if (is_free_grip(s)) look_at_free_grip(s, who);
       require(!s.rigid || !s.particles.empty(), who + " is rigid and has no particles");
       require(s.rigid || !s.pivot, who + " has a pivot: that is for rigid ones");
       if (s.pivot) require_finite(*s.pivot, who, "the pivot");
+      if (!s.axes) continue;
+      require(!s.rigid, who + " is rigid and has axes: those are for what is not rigid");
+      for (const Triad& axes : {s.axes->along, s.axes->about})
+        require(are_right_handed(axes),
+                who + " has axes that are not perpendicular unit vectors, right-handed");
     }
     for (const Disagreement& d : disagreements(supports, n_))
-      require(false,
-              fmt::format("{} of particle {} is held twice, in two ways, by the supports on \"{}\" and "
-                          "\"{}\"",
-                          name_of_dof(d.dof), d.particle.value, supports[d.first].group,
-                          supports[d.second].group));
+      require(false, fmt::format(
+                         "{} of particle {} is held twice, {}, by the supports on \"{}\" and \"{}\"", d.dof,
+                         d.particle.value,
+                         d.oblique ? "along axes that are neither parallel nor perpendicular" : "in two ways",
+                         supports[d.first].group, supports[d.second].group));
   }
 
  private:
@@ -387,6 +413,20 @@ std::vector<std::string> mistakes_in(const Model& model, const Stage& stage) {
     found.look_at(s.factor, who("a support", s));
   }
   found.look_at_supports(stage.supports);
+  for (const Support& s : stage.supports) {
+    if (!is_free_grip(s)) continue;
+    const std::string grip = who("a grip", s);
+    found.require(s.held[3] + s.held[4] + s.held[5] != 1,
+                  grip + " holds one turn: in motion it holds none, two or all three");
+    found.require(stage.local_damping == 0.0, grip + " is free in part: local damping does not know it");
+    for (const ParticleId p : s.particles)
+      if (p.value < model.particles() && model.is_top(p)) {
+        found.require(
+            false,
+            grip + fmt::format(" is free in part, and particle {} has three moments of inertia", p.value));
+        break;
+      }
+  }
   if (const auto top = partly_held_top(model, stage.supports))
     found.require(false, fmt::format("particle {} is held in part: {}", top->p.value, partly_held_top_rule));
   for (const PointLoad& l : stage.loads) {
@@ -435,6 +475,8 @@ std::vector<std::string> mistakes_in(const Model& model, const StaticStage& stag
     found.require_known(s.particles, "a support", s.group);
     found.require_finite(s.displacement, who("a support", s), "the displacement");
     found.require_finite(s.rotation, who("a support", s), "the rotation");
+    found.require(!is_free_grip(s),
+                  who("a grip", s) + " is free in part: stages at rest take grips that hold all");
   }
   found.look_at_supports(stage.supports);
   for (const StaticLoad& l : stage.loads) {

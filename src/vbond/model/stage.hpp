@@ -9,21 +9,17 @@
 
 #include "vbond/core/vec3.hpp"
 #include "vbond/model/bond.hpp"
+#include "vbond/model/held_axes.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/time_function.hpp"
 #include "vbond/model/wall.hpp"
 
 namespace vbond {
 
-/// Degrees of freedom of a particle: x, y, z, then rotation about x, y, z (world axes).
-using HeldDofs = std::array<bool, 6>;
-
-/// All of them.
-inline constexpr HeldDofs all_held{true, true, true, true, true, true};
-
 /// Degrees of freedom that are held, at rest or at a prescribed velocity. A rigid one is a grip: its
 /// particles move as one rigid body, positions and orientations, on circles about a pivot that itself moves
-/// at `velocity`; it holds all degrees of freedom.
+/// at `velocity`. Degrees of freedom of that body which it does not hold are free: loads on its particles
+/// move it along and about them.
 struct Support {
   std::string group;  ///< name, for reports
   std::vector<ParticleId> particles;
@@ -32,12 +28,16 @@ struct Support {
   Vec3d angular_velocity;  ///< of held rotations, or of the grip  [rad/time]
   TimeFunction factor;     ///< of both
   bool rigid = false;
-  /// Rigid: at the start of the stage; absent: the mean of its particles' positions then  [length].
+  /// Rigid: at the start of the stage; absent: the mean of its particles' positions then, or where it is free
+  /// in some degree of freedom their centre of mass  [length].
   std::optional<Vec3d> pivot = {};
+  /// Of `held`, of what is not rigid; absent: the world's.
+  std::optional<HeldAxes> axes = {};
 };
 
-/// Force and moment on each particle of a group, fixed in direction: the same on each, and a part in
-/// proportion to mass, as totals of a group are shared.
+/// Force and moment on each particle of a group: the same on each, and a part in proportion to mass, as
+/// totals of a group are shared. Fixed in direction, or followers, which are given along the axes of the
+/// particle and turn with it.
 struct PointLoad {
   std::string group;
   std::vector<ParticleId> particles;
@@ -46,6 +46,7 @@ struct PointLoad {
   TimeFunction factor;
   Vec3d force_by_mass = {};   ///< [force/mass]
   Vec3d moment_by_mass = {};  ///< [force*length/mass]
+  bool follower = false;
 
   Vec3d force_on(double mass) const { return force + mass * force_by_mass; }
   Vec3d moment_on(double mass) const { return moment + mass * moment_by_mass; }
@@ -137,6 +138,17 @@ struct Stage {
   std::vector<Heating> heating;  ///< in this order, where groups overlap
   Stops stops;
 };
+
+/// Whether a support moves its particles as one rigid body that is free in some degrees of freedom; the
+/// degrees of freedom that a support takes of each of its particles.
+template <class AnySupport>
+bool is_free_grip(const AnySupport& s) {
+  return s.rigid && s.held != all_held;
+}
+template <class AnySupport>
+const HeldDofs& taken_by(const AnySupport& s) {
+  return s.rigid ? all_held : s.held;
+}
 
 /// A particle that the imposed strain would move and a rigid support carries.
 inline std::optional<ParticleId> strained_and_gripped(const Stage& stage) {

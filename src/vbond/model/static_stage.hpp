@@ -16,7 +16,7 @@ constexpr bool is_static(StageKind kind) {
 }
 
 /// Degrees of freedom that are held in a static stage, and moved from where the stage found them in
-/// proportion to the load factor. A turn about an axis of the world is that of the held components alone;
+/// proportion to the load factor. A turn about some of the axes is that of the held components alone;
 /// if all three are held it is the rotation by the vector, exactly. A rigid one is a grip, as in Support.
 struct StaticSupport {
   std::string group;  ///< name, for reports
@@ -27,6 +27,8 @@ struct StaticSupport {
   bool rigid = false;
   /// Rigid: at load factor 0; absent: the mean of its particles' positions there  [length].
   std::optional<Vec3d> pivot = {};
+  /// Of `held`, of what is not rigid; absent: the world's.
+  std::optional<HeldAxes> axes = {};
 };
 
 /// A wall that moves from where the stage found it in proportion to the load factor. Others stand still.
@@ -48,7 +50,6 @@ struct StaticLoad {
   bool constant = false;      ///< at full size from the start, not in proportion to the load factor
   Vec3d force_by_mass = {};   ///< [force/mass]
   Vec3d moment_by_mass = {};  ///< [force*length/mass]
-
   Vec3d force_on(double mass) const { return force + mass * force_by_mass; }
   Vec3d moment_on(double mass) const { return moment + mass * moment_by_mass; }
 };

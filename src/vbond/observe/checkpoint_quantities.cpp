@@ -80,6 +80,14 @@ constexpr CheckpointQuantity data_sets[] = {
     {"/grips/from", unit::time, "integral of their factor at that time"},
     {"/grips/work", unit::energy, "that they have done in the stage"},
     {"/grips/particles", unit::none, "how many each has"},
+    {"/grips/shift", unit::length,
+     "of the pivot along what is free, since they took hold; this and the next four only where a grip that "
+     "is free "
+     "in part has moved"},
+    {"/grips/turn", unit::none, "about what is free, quaternions w, x, y, z"},
+    {"/grips/velocity", unit::velocity, "of the pivot along what is free"},
+    {"/grips/spin", unit::angular_momentum, "angular momentum of free turns about the pivot"},
+    {"/grips/angle", unit::angle, "turned about the one free axis"},
     {"/gripped/arm", unit::length, "from the pivot to each of their particles as they took hold"},
     {"/gripped/q", unit::none, "orientations of these particles then, quaternions w, x, y, z"},
     {"/loads/F", unit::force, "forces on the particles; only where they do not follow from positions"},

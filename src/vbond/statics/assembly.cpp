@@ -73,6 +73,15 @@ void Assembly::add_block(ParticleId row, ParticleId column, int offset, const Bl
   }
 }
 
+Assembly::Block Assembly::in_axes(ParticleId i, ParticleId j, const Block& in_world) const {
+  if (unknowns_.axes(i) == nullptr && unknowns_.axes(j) == nullptr) return in_world;
+  Block T = Block::Zero();
+  for (int column = 0; column < 12; ++column)
+    for (int k = 0; k < 3; ++k)
+      T(column / 3 * 3 + k, column) = component(unknowns_.axis(column < 6 ? i : j, column % 6), k);
+  return T.transpose() * in_world * T;
+}
+
 void Assembly::add(ParticleId i, ParticleId j, const Block& K) {
   const Offsets& o = offsets_.at(key(i, j));
   add_block(i, i, own_offset_[i], K, 0, 0);

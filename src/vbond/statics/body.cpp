@@ -100,12 +100,14 @@ StaticBody::StaticBody(const Model& model, const StaticStage& stage, State state
       unknowns_(model.particles(), stage.supports, length_scale(model, state_)),
       walls_(model),
       bonded_(model.particles(), false),
-      held_rate_(model.particles(), std::array<double, 6>{}),
+      held_rate_(model.particles()),
       stiffness_{Assembly(unknowns_), Assembly(unknowns_), {}, false} {
   state_.v.assign(model.particles(), {});
   state_.omega.assign(model.particles(), {});
   state_.spin = {};
-  state_.grips.clear(), state_.gripped.clear();  // of a stage of dynamics before
+  state_.grips.clear(), state_.gripped.clear();                 // of a stage of dynamics before
+  for (PairMemory& m : state_.contact_history) m.history = {};  // nothing is rubbed at rest
+  std::erase_if(state_.contact_history, [](const PairMemory& m) { return m.kept == 0.0; });
   take_hold();
   take_hold_of_walls();
   set_held_rates();
@@ -120,16 +122,19 @@ StaticBody::StaticBody(const Model& model, const StaticStage& stage, State state
         std::max(rounding_of_force_, eps * (c_A * (norm(state_.r[b.i]) + b.a) + B / unknowns_.length()));
     rounding_of_potential_ += eps * B;
   }
-  const auto remembers = [](const Bond& b) { return !b.broken && b.law->remembers(); };
-  if (std::none_of(state_.bonds.begin(), state_.bonds.end(), remembers)) return;
-  state_.bond_history.resize(state_.bonds.size());
-  accept();
+  const auto any = [this](auto is) {
+    return std::any_of(state_.bonds.begin(), state_.bonds.end(),
+                       [is](const Bond& b) { return !b.broken && is(b); });
+  };
+  if (any([](const Bond& b) { return b.law->remembers(); })) state_.bond_history.resize(state_.bonds.size());
+  flows_ = any(yields_or_softens);
+  if (flows_) accept();
 }
 
 void StaticBody::accept() {
   note_walls();
-  if (!flows() && state_.bond_history.empty()) return;
-  accepted_before_ = flows() ? accepted_ : state_.bond_history;
+  if (!flows()) return;
+  accepted_before_ = accepted_.empty() ? state_.bond_history : accepted_;
   accepted_ = state_.bond_history;
   accepted_at_ = placement();
   at_accepted_ = true;
@@ -148,7 +153,8 @@ void StaticBody::placed() {
   flow();
 }
 
-/// What bonds remember here, after the way from the last accepted balance, taken as straight.
+/// What bonds remember here, after the way from the last accepted balance, taken as straight. It takes no
+/// time, so that nothing creeps; bonds that creep do not soften, which alone asks for the rates.
 void StaticBody::flow() {
   for (const BondId k : state_.bonds.ids()) {
     const Bond& b = state_.bonds[k];
@@ -159,17 +165,18 @@ void StaticBody::flow() {
     };
     const BondRates<double> way{moved(b.j) - moved(b.i), turned(b.i), turned(b.j)};
     state_.bond_history[k] =
-        at_accepted_ ? accepted_[k] : b.law->advance(b, bond_pose(b, state_), way, 1.0, accepted_[k]);
+        at_accepted_ ? accepted_[k]
+                     : b.law->advance(b, bond_pose(b, state_), way, creeps(b) ? 0.0 : 1.0, accepted_[k]);
   }
 }
 
 const BondHistory& StaticBody::history_before(BondId k) const {
-  if (!flows()) return no_history;
+  if (!flows()) return history_of_bond(state_, k);
   return at_accepted_ ? accepted_before_[k] : accepted_[k];
 }
 
 double StaticBody::dissipated() const {
-  return flows() ? dissipated_by_flow(state_) : 0.0;
+  return state_.bond_history.empty() ? 0.0 : dissipated_by_flow(state_);
 }
 
 void StaticBody::restore(const Placement& p) {
@@ -180,18 +187,20 @@ void StaticBody::restore(const Placement& p) {
   placed();
 }
 
+/// How a particle moves with these unknowns and what is held with the load factor.
+Movement StaticBody::movement(ParticleId p, const Vector& x, double load_factor_change) const {
+  Movement m = unknowns_.movement(p, x);
+  m.shift += load_factor_change * held_rate_[p].shift;
+  m.turn += load_factor_change * held_rate_[p].turn;
+  return m;
+}
+
 void StaticBody::move(const Vector& x, double new_load_factor) {
   const double change = new_load_factor - load_factor_;
   for (const ParticleId p : state_.r.ids()) {
-    std::array<double, 6> step{};
-    for (int dof = 0; dof < 6; ++dof) {
-      const int k = unknowns_.of(p, dof);
-      const auto at = static_cast<std::size_t>(dof);
-      step[at] = k == Unknowns::held ? change * held_rate_[p][at] : x[k];
-    }
-    state_.r[p] += {step[0], step[1], step[2]};
-    const Vec3d turn{step[3], step[4], step[5]};
-    state_.q[p] = normalised(rotation_of((1.0 / unknowns_.length()) * turn) * state_.q[p]);
+    const Movement m = movement(p, x, change);
+    state_.r[p] += m.shift;
+    state_.q[p] = normalised(rotation_of((1.0 / unknowns_.length()) * m.turn) * state_.q[p]);
   }
   load_factor_ = new_load_factor;
   carry();
@@ -208,11 +217,9 @@ void StaticBody::relieve() {
 }
 
 Vector StaticBody::on_unknowns(const Loads& loads) const {
-  Vector x(unknowns_.size());
-  for (int k = 0; k < unknowns_.size(); ++k) {
-    const auto [p, dof] = unknowns_.place(k);
-    x[k] = dof < 3 ? component(loads.F[p], dof) : component(loads.M[p], dof - 3) / unknowns_.length();
-  }
+  Vector x = Vector::Zero(unknowns_.size());
+  for (const ParticleId p : loads.F.ids())
+    unknowns_.add_load(p, {loads.F[p], loads.M[p] / unknowns_.length()}, x);
   return x;
 }
 
@@ -253,18 +260,20 @@ void StaticBody::lay_out(const std::vector<Assembly::Pair>& touching) const {
 }
 
 /// Adds the symmetric part of a pair's block, and what held degrees of freedom that move do to free ones.
-void StaticBody::add_pair(ParticleId i, ParticleId j, const Block& K) const {
+void StaticBody::add_pair(ParticleId i, ParticleId j, const Block& in_world) const {
   Eigen::Matrix<double, 12, 1> rate;
-  for (int dof = 0; dof < 6; ++dof) {
-    rate[dof] = held_rate_[i][static_cast<std::size_t>(dof)];
-    rate[dof + 6] = held_rate_[j][static_cast<std::size_t>(dof)];
+  for (int k = 0; k < 3; ++k) {
+    rate[k] = component(held_rate_[i].shift, k), rate[k + 3] = component(held_rate_[i].turn, k);
+    rate[k + 6] = component(held_rate_[j].shift, k), rate[k + 9] = component(held_rate_[j].turn, k);
   }
   if (!rate.isZero(0.0)) {
-    const Eigen::Matrix<double, 12, 1> pushed = K * rate;
-    for (int dof = 0; dof < 12; ++dof)
-      if (const int k = unknowns_.of(dof < 6 ? i : j, dof % 6); k != Unknowns::held)
-        stiffness_.load_direction[k] -= pushed[dof];
+    const Eigen::Matrix<double, 12, 1> pushed = -in_world * rate;
+    unknowns_.add_load(i, {{pushed[0], pushed[1], pushed[2]}, {pushed[3], pushed[4], pushed[5]}},
+                       stiffness_.load_direction);
+    unknowns_.add_load(j, {{pushed[6], pushed[7], pushed[8]}, {pushed[9], pushed[10], pushed[11]}},
+                       stiffness_.load_direction);
   }
+  const Block K = stiffness_.assembly.in_axes(i, j, in_world);
   stiffness_.assembly.add(i, j, 0.5 * (K + K.transpose()));
   if (flows()) stiffness_.full.add(i, j, K);
 }
@@ -400,38 +409,31 @@ double StaticBody::potential_change(const Placement& from, double energy_from) c
   for (const ParticleId p : state_.r.ids()) {
     const Vec3d turn = rotation_vector(state_.q[p] * conjugate(from.q[p]));
     Vec3d F = applied.F[p], M = applied.M[p];
-    if (relief_.size() > 0)
-      for (int k = 0; k < 3; ++k) {
-        const double fading = 1.0 - load_factor_;
-        const int along = unknowns_.of(p, k), about = unknowns_.of(p, 3 + k);
-        if (along != Unknowns::held) component(F, k) -= fading * relief_[along];
-        if (about != Unknowns::held) component(M, k) -= fading * relief_[about] * unknowns_.length();
-      }
+    if (relief_.size() > 0) {
+      const Movement relief = unknowns_.movement(p, relief_);  // components along the same axes
+      F -= (1.0 - load_factor_) * relief.shift;
+      M -= (1.0 - load_factor_) * unknowns_.length() * relief.turn;
+    }
     change -= dot(F, state_.r[p] - from.r[p]) + dot(M, turn);
   }
   return change;
 }
 
 double StaticBody::largest_bond_change(const Vector& x, double load_factor_change) const {
-  const auto movement = [&](ParticleId p, int first) {
-    Vec3d m;
-    for (int k = 0; k < 3; ++k) {
-      const int at = unknowns_.of(p, first + k);
-      const double held = held_rate_[p][static_cast<std::size_t>(first + k)];
-      component(m, k) = at == Unknowns::held ? load_factor_change * held : x[at];
-    }
-    return m;
-  };
+  const auto moves = [&](ParticleId p) { return movement(p, x, load_factor_change); };
   double largest = 0.0;
   for (const Bond& b : state_.bonds) {
     if (b.broken) continue;
-    const double stretch = norm(movement(b.j, 0) - movement(b.i, 0)) / span(b, state_);
-    const double turn = norm(movement(b.j, 3) - movement(b.i, 3)) / unknowns_.length();
+    const Movement of_i = moves(b.i), of_j = moves(b.j);
+    const double stretch = norm(of_j.shift - of_i.shift) / span(b, state_);
+    const double turn = norm(of_j.turn - of_i.turn) / unknowns_.length();
     largest = larger(larger(largest, stretch), turn);
   }
-  for (const ParticleId p : bonded_.ids())
-    if (!bonded_[p])
-      for (const int first : {0, 3}) largest = larger(largest, norm(movement(p, first)) / unknowns_.length());
+  for (const ParticleId p : bonded_.ids()) {
+    if (bonded_[p]) continue;
+    const Movement m = moves(p);
+    largest = larger(larger(largest, norm(m.shift) / unknowns_.length()), norm(m.turn) / unknowns_.length());
+  }
   return largest;
 }
 

@@ -35,15 +35,13 @@ void StaticBody::carry() {
 }
 
 void StaticBody::set_held_rates() {
+  for (const Hold& h : holds_) held_rate_[h.particle] = {};
   for (const Hold& h : holds_) {
     const StaticSupport& s = stage_.supports[h.support];
-    const Vec3d rate = rate_of(s, h.particle);
-    for (int k = 0; k < 3; ++k) {
-      const auto along = static_cast<std::size_t>(k);
-      if (h.held[along]) held_rate_[h.particle][along] = component(rate, k);
-      if (h.held[along + 3])
-        held_rate_[h.particle][along + 3] = unknowns_.length() * component(s.rotation, k);
-    }
+    const Movement rate{rate_of(s, h.particle), unknowns_.length() * s.rotation};
+    for (int dof = 0; dof < 6; ++dof)
+      if (h.held[static_cast<std::size_t>(dof)])
+        unknowns_.add(h.particle, dof, unknowns_.along(h.particle, dof, rate), held_rate_[h.particle]);
   }
 }
 
@@ -66,18 +64,20 @@ void StaticBody::add_applied(double load_factor, Loads& loads) const {
 }
 
 /// The moment that acts on a particle from outside and has no potential: applied, or the reaction of a held
-/// turn. Zero with fewer than two free turns, which then have nothing to be antisymmetric with.
+/// turn; along the axes of its turns. Zero with fewer than two free turns, which then have nothing to be
+/// antisymmetric with.
 Vec3d StaticBody::outside_moment(ParticleId p, const Loads& applied) const {
   constexpr double most_bonds = 16.0;  // of a particle, whose rounding may add up
   int free = 0;
   for (int dof = 3; dof < 6; ++dof) free += unknowns_.of(p, dof) != Unknowns::held;
   if (free < 2) return {};
-  Vec3d m = applied.M[p];
+  const auto about = [&](int k, const Vec3d& m) { return unknowns_.along(p, 3 + k, {{}, m}); };
+  Vec3d m{about(0, applied.M[p]), about(1, applied.M[p]), about(2, applied.M[p])};
   if (free == 3) return m;
   const Loaded& l = loads_at_hand();
   const double rounding = unknowns_.length() * std::max(1e-9 * l.largest, most_bonds * rounding_of_force_);
   for (int k = 0; k < 3; ++k) {
-    const double reaction = component(l.loads.M[p], k);
+    const double reaction = about(k, l.loads.M[p]);
     const bool more_than_rounding = std::abs(reaction) > rounding;
     if (unknowns_.of(p, 3 + k) == Unknowns::held && more_than_rounding) component(m, k) -= reaction;
   }
@@ -107,36 +107,38 @@ double StaticBody::work_of_loads(const Placement& from, const Placement& to, dou
 double StaticBody::work_of_relief(const Placement& from, const Placement& to, double load_factor) const {
   if (relief_.size() == 0) return 0.0;
   double work = 0.0;
-  for (int k = 0; k < unknowns_.size(); ++k) {
-    const auto [p, dof] = unknowns_.place(k);
-    const double went =
-        dof < 3 ? component(to.r[p] - from.r[p], dof)
-                : unknowns_.length() * component(rotation_vector(to.q[p] * conjugate(from.q[p])), dof - 3);
-    work -= (1.0 - load_factor) * relief_[k] * went;
+  for (const ParticleId p : from.r.ids()) {
+    const Movement relief = unknowns_.movement(p, relief_);  // components along the same axes
+    work -= (1.0 - load_factor) *
+            (dot(relief.shift, to.r[p] - from.r[p]) +
+             unknowns_.length() * dot(relief.turn, rotation_vector(to.q[p] * conjugate(from.q[p]))));
   }
   return work;
 }
 
+/// Of what a support holds of a particle along these axes.
 void StaticBody::add_power(const StaticSupport& support, ParticleId p, const HeldDofs& held,
-                           double& power) const {
+                           const HeldAxes* axes, double& power) const {
   const Loads& loads = loads_at_hand().loads;
   const Vec3d rate = rate_of(support, p);
-  for (int k = 0; k < 3; ++k) {
-    const auto along = static_cast<std::size_t>(k);
-    if (held[along]) power -= component(loads.F[p], k) * component(rate, k);
-    if (held[along + 3]) power -= component(loads.M[p], k) * component(support.rotation, k);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3d &along = axis_of(axes, k), &about = axis_of(axes, k + 3);
+    if (held[k]) power -= dot(loads.F[p], along) * dot(rate, along);
+    if (held[k + 3]) power -= dot(loads.M[p], about) * dot(support.rotation, about);
   }
 }
 
 double StaticBody::power_of(const StaticSupport& support) const {
   double power = 0.0;
-  for (const ParticleId p : support.particles) add_power(support, p, support.held, power);
+  for (const ParticleId p : support.particles)
+    add_power(support, p, support.held, support.axes ? &*support.axes : nullptr, power);
   return power;
 }
 
 double StaticBody::power_of_supports() const {
   std::vector<double> power(stage_.supports.size(), 0.0);
-  for (const Hold& h : holds_) add_power(stage_.supports[h.support], h.particle, h.held, power[h.support]);
+  for (const Hold& h : holds_)
+    add_power(stage_.supports[h.support], h.particle, h.held, h.axes.get(), power[h.support]);
   return std::accumulate(power.begin(), power.end(), 0.0);
 }
 
@@ -159,11 +161,11 @@ Reaction StaticBody::reaction(const std::vector<ParticleId>& particles) const {
   const Loads& loads = loads_at_hand().loads;
   Reaction r;
   for (const ParticleId p : particles) {
-    Vec3d F, M;
-    for (int k = 0; k < 3; ++k) {
-      if (unknowns_.of(p, k) == Unknowns::held) component(F, k) = -component(loads.F[p], k);
-      if (unknowns_.of(p, 3 + k) == Unknowns::held) component(M, k) = -component(loads.M[p], k);
-    }
+    const Movement load{loads.F[p], loads.M[p]};
+    Movement held;
+    for (int dof = 0; dof < 6; ++dof)
+      if (unknowns_.of(p, dof) == Unknowns::held) unknowns_.add(p, dof, -unknowns_.along(p, dof, load), held);
+    const Vec3d &F = held.shift, &M = held.turn;
     r.force += F;
     r.moment += M + cross(state_.r[p], F);
   }

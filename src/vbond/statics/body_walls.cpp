@@ -70,20 +70,17 @@ void StaticBody::add_walls(Stiffness& to) const {
     Assembly::Block K = Assembly::Block::Zero();
     for (int a = 0; a < 3; ++a)
       for (int b = 0; b < 3; ++b) K(a, b) = -s.d[static_cast<std::size_t>(a)][static_cast<std::size_t>(b)];
+    // what the wall's motion does, and that of the particle where it is held
+    const Vec3d went = held_rate_[p].shift - rate_of_wall(wall, state_.r[p]);
+    Vec3d change;
+    for (int a = 0; a < 3; ++a)
+      component(change, a) = -(K(a, 0) * went.x + K(a, 1) * went.y + K(a, 2) * went.z);
+    for (const DrivenWall& d : driven_)
+      if (d.drive->index == wall) change += cross(d.motion.angular_velocity, s.force);
+    unknowns_.add_load(p, {change, {}}, to.load_direction);
+    K = to.assembly.in_axes(p, p, K);
     to.assembly.add_own(p, 0.5 * (K + K.transpose()));
     if (flows()) to.full.add_own(p, K);
-    // what the wall's motion does, and that of the particle where it is held
-    Eigen::Vector3d went;
-    const Vec3d of_wall = rate_of_wall(wall, state_.r[p]);
-    for (int a = 0; a < 3; ++a) went[a] = held_rate_[p][static_cast<std::size_t>(a)] - component(of_wall, a);
-    Eigen::Vector3d change = -K.topLeftCorner<3, 3>() * went;
-    for (const DrivenWall& d : driven_)
-      if (d.drive->index == wall) {
-        const Vec3d turned = cross(d.motion.angular_velocity, s.force);
-        for (int a = 0; a < 3; ++a) change[a] += component(turned, a);
-      }
-    for (int a = 0; a < 3; ++a)
-      if (const int u = unknowns_.of(p, a); u != Unknowns::held) to.load_direction[u] += change[a];
   }
 }
 
@@ -149,12 +146,8 @@ double StaticBody::largest_wall_change(const Vector& x, double load_factor_chang
   double largest = 0.0;
   for (std::size_t w = 0; w < model_.walls.size(); ++w)
     for (const ParticleId p : state_.r.ids()) {
-      Vec3d went = -load_factor_change * rate_of_wall(w, state_.r[p]);
-      for (int k = 0; k < 3; ++k) {
-        const int u = unknowns_.of(p, k);
-        component(went, k) +=
-            u == Unknowns::held ? load_factor_change * held_rate_[p][static_cast<std::size_t>(k)] : x[u];
-      }
+      const Vec3d went =
+          movement(p, x, load_factor_change).shift - load_factor_change * rate_of_wall(w, state_.r[p]);
       const double way = norm(went), R = model_.radius[p];
       if (!(way > 0.0) || !(R > 0.0) || !std::isfinite(way)) continue;
       double gap = std::numeric_limits<double>::infinity();

@@ -200,6 +200,7 @@ std::optional<std::string> BreakingBody::hold_free_parts() {
     const auto [particle, dof] = body_->unknowns().place(unknown);
     StaticSupport hold{"", {particle}, {}, {}, {}};
     hold.held[static_cast<std::size_t>(dof)] = true;
+    if (const HeldAxes* axes = body_->unknowns().axes(particle)) hold.axes = *axes;
     stage_->supports.push_back(std::move(hold));
   }
   ++result_.fracture.released_parts;

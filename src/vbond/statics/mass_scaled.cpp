@@ -9,18 +9,13 @@ namespace {
 
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
-Vec3d axis(int k) {
-  Vec3d e;
-  component(e, k) = 1.0;
-  return e;
-}
-
-/// The inertia of a top in world axes.
-Eigen::Matrix3d inertia_in_space(const PrincipalInertia& inertia, const Quatd& q) {
+/// The inertia of a top along the axes of its turns.
+Eigen::Matrix3d inertia_in_space(const PrincipalInertia& inertia, const Quatd& q, ParticleId p,
+                                 const Unknowns& unknowns) {
   Eigen::Matrix3d I;
   for (int j = 0; j < 3; ++j) {
-    const Vec3d column = angular_momentum(inertia.moments, q * inertia.axes, axis(j));
-    for (int i = 0; i < 3; ++i) I(i, j) = component(column, i);
+    const Vec3d column = angular_momentum(inertia.moments, q * inertia.axes, unknowns.axis(p, j + 3));
+    for (int i = 0; i < 3; ++i) I(i, j) = unknowns.along(p, i + 3, {{}, column});
   }
   return I;
 }
@@ -68,8 +63,8 @@ MassRoot::MassRoot(const Model& model, const State& state, const Unknowns& unkno
   }
   for (const ParticleId p : model.principal.ids())
     if (model.is_top(p))
-      add_top(inertia_in_space(model.principal[p], state.q[p]) / model.inertia[p], p, unknowns, factor,
-              inverse);
+      add_top(inertia_in_space(model.principal[p], state.q[p], p, unknowns) / model.inertia[p], p, unknowns,
+              factor, inverse);
   tops_ = OfTops{square(diagonal_.size(), factor), square(diagonal_.size(), inverse)};
 }
 

@@ -154,23 +154,23 @@ struct Blocks {
   }
 };
 
-/// Orthonormal columns over the rows of the blocks: the six motions of the body as a whole. Turns are
-/// unknowns times the length scale.
-DenseMatrix rigid_motions(const Blocks& blocks, const PerParticle<Vec3d>& r, double length) {
+/// Orthonormal columns over the rows of the blocks, each along the axes of its particle: the six motions of
+/// the body as a whole. Turns are unknowns times the length scale.
+DenseMatrix rigid_motions(const Blocks& blocks, const PerParticle<Vec3d>& r, const Unknowns& unknowns) {
   DenseMatrix all = DenseMatrix::Zero(blocks.rows(), block);
   Vec3d middle{};
   for (const ParticleId p : blocks.particles) middle = middle + r[p];
   middle = middle / static_cast<double>(blocks.particles.size());
-  const std::array<Vec3d, 3> axes{Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};
   for (std::size_t b = 0; b < blocks.particles.size(); ++b) {
     const auto row = static_cast<Eigen::Index>(block * b);
+    const ParticleId p = blocks.particles[b];
     for (int k = 0; k < 3; ++k) {
-      const Vec3d turned = cross(axes[static_cast<std::size_t>(k)], r[blocks.particles[b]] - middle);
-      all(row + k, k) = 1.0;
-      all(row, 3 + k) = turned.x;
-      all(row + 1, 3 + k) = turned.y;
-      all(row + 2, 3 + k) = turned.z;
-      all(row + 3 + k, 3 + k) = length;
+      const Vec3d& axis = world_axes[static_cast<std::size_t>(k)];
+      const Movement shifted{axis, {}}, turned{cross(axis, r[p] - middle), unknowns.length() * axis};
+      for (int dof = 0; dof < 6; ++dof) {
+        all(row + dof, k) = unknowns.along(p, dof, shifted);
+        all(row + dof, 3 + k) = unknowns.along(p, dof, turned);
+      }
     }
   }
   for (int twice = 0; twice < 2; ++twice)
@@ -226,8 +226,8 @@ struct Multigrid::Petsc {
   Owned<Vec, VecDestroy> b, x;
   bool made = false;
 
-  void give_rigid_motions(const PerParticle<Vec3d>& r, double length) {
-    const DenseMatrix motions = rigid_motions(blocks, r, length);
+  void give_rigid_motions(const PerParticle<Vec3d>& r, const Unknowns& unknowns) {
+    const DenseMatrix motions = rigid_motions(blocks, r, unknowns);
     std::array<Vec, block> columns{};
     for (int k = 0; k < block; ++k) {
       check(MatCreateVecs(matrix, &columns[static_cast<std::size_t>(k)], nullptr));
@@ -278,7 +278,7 @@ void Multigrid::make(const SparseMatrix& A, double shift, const Unknowns& unknow
   check(MatSetBlockSize(p.matrix, block));
   check(MatSetOption(p.matrix, MAT_SYMMETRIC, PETSC_TRUE));
   check(MatSetOption(p.matrix, MAT_SPD, PETSC_TRUE));
-  p.give_rigid_motions(r, unknowns.length());
+  p.give_rigid_motions(r, unknowns);
   check(MatCreateVecs(p.matrix, p.x.fresh(), p.b.fresh()));
   check(PCCreate(PETSC_COMM_SELF, p.preconditioner.fresh()));
   check(PCSetOptionsPrefix(p.preconditioner, "vbond_"));

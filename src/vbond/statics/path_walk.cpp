@@ -262,13 +262,10 @@ double PathWalk::longest(const PathDirection& d) const {
   const double most = largest_step_ > 0.0 ? largest_step_ : automatic_step * size_;
   double largest2 = 0.0;
   const Unknowns& unknowns = body_.unknowns();
-  for (const ParticleId p : body_.state().r.ids())
-    for (const int first : {0, 3}) {
-      Vec3d m;
-      for (int k = 0; k < 3; ++k)
-        if (const int at = unknowns.of(p, first + k); at != Unknowns::held) component(m, k) = d.u[at];
-      largest2 = std::max(largest2, norm2(m));
-    }
+  for (const ParticleId p : body_.state().r.ids()) {
+    const Movement m = unknowns.movement(p, d.u);
+    largest2 = std::max({largest2, norm2(m.shift), norm2(m.turn)});
+  }
   for (const StaticSupport& support : body_.stage().supports) {
     largest2 = std::max({largest2, sq(d.f) * norm2(support.displacement),
                          sq(d.f * unknowns.length()) * norm2(support.rotation)});

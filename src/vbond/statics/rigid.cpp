@@ -55,19 +55,18 @@ class RigidPart {
 
   /// How a degree of freedom moves with each of the motions: no entry is above 1 in size. Turns of particles
   /// count times the length scale, as in Unknowns.
-  Eigen::Matrix<double, 1, 6> row(ParticleId p, int dof) const {
+  Eigen::Matrix<double, 1, 6> row(ParticleId p, int dof, const Unknowns& unknowns) const {
+    const Vec3d& a = unknowns.axis(p, dof);
+    if (dof < 3) return row(p, a);
     Eigen::Matrix<double, 1, 6> h = Eigen::Matrix<double, 1, 6>::Zero();
-    if (dof >= 3) {
-      h[dof] = turn_length_ / radius_;
-      return h;
-    }
-    h[dof] = 1.0;
-    const Vec3d arm = (state_.r[p] - centroid_) / radius_;
-    for (int k = 0; k < 3; ++k) {
-      Vec3d axis;
-      component(axis, k) = 1.0;
-      h[3 + k] = component(cross(axis, arm), dof);
-    }
+    for (int k = 0; k < 3; ++k) h[3 + k] = turn_length_ / radius_ * component(a, k);
+    return h;
+  }
+  /// The same of a translation of a particle along a direction.
+  Eigen::Matrix<double, 1, 6> row(ParticleId p, const Vec3d& n) const {
+    const Vec3d lever = cross((state_.r[p] - centroid_) / radius_, n);
+    Eigen::Matrix<double, 1, 6> h;
+    h << n.x, n.y, n.z, lever.x, lever.y, lever.z;
     return h;
   }
 
@@ -76,8 +75,8 @@ class RigidPart {
     std::vector<Eigen::Matrix<double, 1, 6>> held;
     for (const ParticleId p : part_) {
       for (int dof = 0; dof < 6; ++dof)
-        if (unknowns.of(p, dof) == Unknowns::held) held.push_back(row(p, dof));
-      for (const Vec3d& n : normals[p]) held.push_back(n.x * row(p, 0) + n.y * row(p, 1) + n.z * row(p, 2));
+        if (unknowns.of(p, dof) == Unknowns::held) held.push_back(row(p, dof, unknowns));
+      for (const Vec3d& n : normals[p]) held.push_back(row(p, n));
     }
     if (held.empty()) return Motions::Identity(6, 6);
     DenseMatrix H = DenseMatrix::Zero(std::max<Eigen::Index>(6, static_cast<Eigen::Index>(held.size())), 6);
@@ -161,7 +160,7 @@ RigidMotions free_rigid_motions(const Model& model, const State& state, const Un
       for (int dof = 0; dof < 6; ++dof) {
         const int unknown = unknowns.of(p, dof);
         if (unknown == Unknowns::held) continue;
-        const Eigen::RowVectorXd moves = body.row(p, dof) * free;
+        const Eigen::RowVectorXd moves = body.row(p, dof, unknowns) * free;
         for (int k = 0; k < static_cast<int>(free.cols()); ++k)
           if (moves[k] != 0.0) entries.emplace_back(unknown, first + k, moves[k]);
       }

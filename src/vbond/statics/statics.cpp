@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -30,9 +31,9 @@ StaticOutcome run_kind(const Model& model, const StaticStage& stage, State state
   throw std::invalid_argument("run_static_stage: a dynamic stage is run by a Simulation");
 }
 
-/// Loads that depend on time, or on the way there in a manner that statics does not know, have no balance
-/// that follows from positions. Bonds that yield or soften do, by increments; a path does not go by
-/// increments, and a critical load is one of a potential.
+/// Loads that depend on the way there in a manner that statics does not know have no balance that follows
+/// from positions. Bonds that yield or soften do, by increments; a path does not go by increments, and a
+/// critical load is one of a potential. Creep takes time, of which a balance has none: it stays as it is.
 void refuse_bonds_that_remember(const StaticStage& stage, const State& state) {
   for (const BondId k : state.bonds.ids()) {
     const Bond& b = state.bonds[k];
@@ -44,10 +45,7 @@ void refuse_bonds_that_remember(const StaticStage& stage, const State& state) {
           fmt::format("{} is of the law \"{}\", which remembers its past: its loads have no potential", bond,
                       b.law->name),
           "bring the body to rest in a stage of dynamics, with damping");
-    if (!can_rest(b))
-      throw NoEquilibrium(stage.name, bond + " creeps: its loads depend on time, of which a balance has none",
-                          "leave creep out, or run a stage of dynamics, with damping");
-    if (stage.kind == StageKind::path || stage.kind == StageKind::buckling)
+    if (yields_or_softens(b) && (stage.kind == StageKind::path || stage.kind == StageKind::buckling))
       throw NoEquilibrium(
           stage.name,
           fmt::format("{} yields or softens: a {} goes back and forth, which such a bond does not", bond,
@@ -56,18 +54,34 @@ void refuse_bonds_that_remember(const StaticStage& stage, const State& state) {
   }
 }
 
+/// What bonds and contacts do in motion, and not at rest.
+void tell_what_rests(const Model& model, const StaticStage& stage, const State& state,
+                     const StaticHooks& hooks) {
+  const auto creeping = std::count_if(state.bonds.begin(), state.bonds.end(),
+                                      [](const Bond& b) { return !b.broken && creeps(b); });
+  if (creeping > 0)
+    tell(stage, hooks,
+         fmt::format("a balance takes no time: {} bonds that creep keep the length that they have crept to",
+                     creeping));
+  if (has_friction(model.contact))
+    tell(stage, hooks,
+         fmt::format("contacts have no friction and no resistance to rolling at rest; what {} touches had of "
+                     "them fades as the load factor grows",
+                     state.contact_history.size() + state.wall_history.size()));
+}
+
 void refuse_contacts(const Model& model, const StaticStage& stage, const State& state) {
   if (any_capsules(model.contact, state.bonds))
     throw NoEquilibrium(stage.name,
                         "bonds touch as capsules: static stages take the contacts of spheres only",
                         "leave capsule_radius out, or bring the body to rest in a stage of dynamics");
-  const std::string beyond = key_beyond_repulsion(model.contact, model.materials);
+  const std::string beyond = key_without_balance(model.contact);
   if (beyond.empty()) return;
   throw NoEquilibrium(stage.name,
                       fmt::format("contacts do more than repel along the normal, {}: {}", beyond,
                                   "what that adds depends on the way by which an equilibrium is reached"),
-                      "leave friction, restitution, adhesion and overlap_at_break out of [contact] for "
-                      "static stages, or bring the body to rest in a stage of dynamics");
+                      "leave adhesion and overlap_at_break out of [contact] for static stages, or bring the "
+                      "body to rest in a stage of dynamics");
 }
 
 void refuse_bonds_without_length(const StaticStage& stage, const State& state) {
@@ -96,6 +110,7 @@ StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, Sta
     refuse_bonds_that_remember(stage, state);
     refuse_contacts(model, stage, state);
     refuse_bonds_without_length(stage, state);
+    tell_what_rests(model, stage, state, hooks);
     return run_kind(model, stage, state, counting);
   } catch (const NoEquilibrium&) {
     throw;

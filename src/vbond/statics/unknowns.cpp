@@ -9,11 +9,13 @@
 namespace vbond {
 
 Unknowns::Unknowns(std::size_t particles, const std::vector<StaticSupport>& supports, double length)
-    : number_(particles, {0, 0, 0, 0, 0, 0}), length_(length) {
+    : axes_(supports), number_(particles, {0, 0, 0, 0, 0, 0}), length_(length) {
   for (const StaticSupport& s : supports)
-    for (const ParticleId p : s.particles)
+    for (const ParticleId p : s.particles) {
+      const HeldDofs of_p = axes_.held(s, p);
       for (std::size_t dof = 0; dof < 6; ++dof)
-        if (s.held[dof]) number_[p][dof] = held;
+        if (of_p[dof]) number_[p][dof] = held;
+    }
   for (const ParticleId p : number_.ids())
     for (std::size_t dof = 0; dof < 6; ++dof) {
       if (number_[p][dof] == held) continue;
@@ -27,6 +29,9 @@ std::string Unknowns::name(int unknown) const {
                                                "translation along z", "rotation about x",
                                                "rotation about y",    "rotation about z"};
   const Place p = place(unknown);
+  if (const Vec3d& a = axis(p.particle, p.dof); a != world_axes[static_cast<std::size_t>(p.dof % 3)])
+    return fmt::format("{} ({:.3g}, {:.3g}, {:.3g}) of particle {}",
+                       p.dof < 3 ? "translation along" : "rotation about", a.x, a.y, a.z, p.particle.value);
   return fmt::format("{} of particle {}", dof_names[p.dof], p.particle.value);
 }
 
@@ -47,12 +52,10 @@ std::string Unknowns::names_of_largest(const Vector& x) const {
 
 Shape Unknowns::shape(const Vector& x) const {
   Shape s{PerParticle<Vec3d>(number_.size()), PerParticle<Vec3d>(number_.size())};
-  for (int k = 0; k < size(); ++k) {
-    const Place p = place(k);
-    if (p.dof < 3)
-      component(s.translation[p.particle], p.dof) = x[k];
-    else
-      component(s.rotation[p.particle], p.dof - 3) = x[k] / length_;
+  for (const ParticleId p : number_.ids()) {
+    const Movement m = movement(p, x);
+    s.translation[p] = m.shift;
+    s.rotation[p] = m.turn / length_;
   }
   double largest = 0.0;
   for (const Vec3d& t : s.translation) largest = std::max(largest, norm(t));

@@ -18,8 +18,9 @@ Vector way(const StaticBody& body, const Placement& from, const Placement& to) {
   Vector x(unknowns.size());
   for (int k = 0; k < unknowns.size(); ++k) {
     const auto [p, dof] = unknowns.place(k);
-    x[k] = dof < 3 ? component(to.r[p] - from.r[p], dof)
-                   : unknowns.length() * component(rotation_vector(to.q[p] * conjugate(from.q[p])), dof - 3);
+    const Movement m{to.r[p] - from.r[p],
+                     unknowns.length() * rotation_vector(to.q[p] * conjugate(from.q[p]))};
+    x[k] = unknowns.along(p, dof, m);
   }
   return x;
 }

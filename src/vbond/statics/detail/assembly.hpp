@@ -20,7 +20,7 @@ void check_room_for(std::int64_t entries);
 class Assembly {
  public:
   using Pair = std::pair<ParticleId, ParticleId>;
-  /// Derivatives of the loads on i, then j, with the six degrees of freedom of i, then j.
+  /// Derivatives of the loads on i, then j, with the six degrees of freedom of i, then j, in their axes.
   using Block = Eigen::Matrix<double, 12, 12>;
 
   explicit Assembly(const Unknowns& unknowns) : unknowns_(unknowns) {}
@@ -31,6 +31,9 @@ class Assembly {
   bool has(ParticleId i, ParticleId j) const { return offsets_.count(key(i, j)) > 0; }
   /// Grows with every layout.
   int version() const { return version_; }
+
+  /// A block over the world's axes in those of the particles.
+  Block in_axes(ParticleId i, ParticleId j, const Block& in_world) const;
 
   void clear();
   /// Adds the rows and columns of free unknowns.

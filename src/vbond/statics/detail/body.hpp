@@ -78,7 +78,7 @@ class StaticBody {
   void move(const Vector& x, double new_load_factor);
   /// Whether bonds yield or soften here. They remember: what they have done until the last accepted balance
   /// stands, and every placement is judged by what they do on the way from there, whatever lies between.
-  bool flows() const { return !accepted_.empty(); }
+  bool flows() const { return flows_; }
   /// The body as it stands is the balance from which it goes on. Until it moves its tangent stays that of the
   /// way that led here: what has flowed goes on flowing.
   void accept();
@@ -215,8 +215,10 @@ class StaticBody {
   void take_temperatures();
   void add_growth(Loads& loads) const;
   const BondHistory& history_before(BondId k) const;
+  Movement movement(ParticleId p, const Vector& x, double load_factor_change) const;
   Vec3d outside_moment(ParticleId p, const Loads& applied) const;
-  void add_power(const StaticSupport& support, ParticleId p, const HeldDofs& held, double& power) const;
+  void add_power(const StaticSupport& support, ParticleId p, const HeldDofs& held, const HeldAxes* axes,
+                 double& power) const;
   void take_hold();
   void carry();
   void set_held_rates();
@@ -248,8 +250,8 @@ class StaticBody {
   // of bodies that flow: what bonds remembered at the last accepted balance, and at the one before it
   PerBond<BondHistory> accepted_, accepted_before_;
   Placement accepted_at_;
-  bool at_accepted_ = false;
-  PerParticle<std::array<double, 6>> held_rate_;  // movement of held degrees of freedom per load factor
+  bool flows_ = false, at_accepted_ = false;
+  PerParticle<Movement> held_rate_;  // of held degrees of freedom per load factor
   double rounding_of_force_ = 0, rounding_of_potential_ = 0;
   mutable std::optional<Loaded> loaded_;
   mutable Stiffness stiffness_;

@@ -1,0 +1,213 @@
+// Supports along and about axes that are not those of the world. A body that has turned together with its
+// supports and loads behaves as before: what supports along the axes of the world do is tested elsewhere.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "bodies.hpp"
+#include "turned_body.hpp"
+#include "vbond/core/error.hpp"
+#include "vbond/model/agreement.hpp"
+#include "vbond/statics/detail/body.hpp"
+
+namespace vbond {
+namespace {
+
+using testing::Dice;
+using testing::Specimen;
+
+StaticStage turned(StaticStage stage, const Quatd& turn) {
+  for (StaticSupport& s : stage.supports) {
+    s.axes = testing::turned_axes(turn);
+    s.displacement = rotate(turn, s.displacement), s.rotation = rotate(turn, s.rotation);
+  }
+  for (StaticLoad& l : stage.loads) l.force = rotate(turn, l.force), l.moment = rotate(turn, l.moment);
+  return stage;
+}
+
+struct Pair {
+  Specimen plain, turned;
+  StaticStage stage, turned_stage;
+  Quatd turn;
+};
+
+/// The first particle clamped; two more held in some degrees of freedom, which may move.
+Pair random_pair(unsigned seed, StageKind kind) {
+  Dice dice(seed);
+  Pair p;
+  p.plain = testing::random_body(dice);
+  p.stage = testing::static_stage(kind, {testing::fixed({ParticleId{0}}, testing::clamped)});
+  const std::size_t n = p.plain.model.particles();
+  for (const std::size_t k : {n - 1, n - 2}) {
+    StaticSupport s = testing::fixed({ParticleId{k}}, testing::some_dofs(dice, 0.4));
+    for (int a = 0; a < 3; ++a) {
+      const auto dof = static_cast<std::size_t>(a);
+      const bool moves = kind != StageKind::modes;
+      if (s.held[dof] && moves) component(s.displacement, a) = dice(-0.05, 0.05);
+      if (s.held[dof + 3] && moves) component(s.rotation, a) = dice(-0.1, 0.1);
+    }
+    p.stage.supports.push_back(s);
+  }
+  p.stage.loads = {testing::pushed(1, testing::vector_in(dice, 0.01), testing::vector_in(dice, 0.002)),
+                   testing::pushed(2, testing::vector_in(dice, 0.01))};
+  p.stage.newton.tolerance = 1e-12;
+  p.turn = rotation_of(testing::vector_in(dice, 1.5));
+  p.turned = testing::turned(p.plain, p.turn);
+  p.turned_stage = turned(p.stage, p.turn);
+  return p;
+}
+
+// Also through history.csv: reactions and energies. Tolerances: the residual of 1e-12 over the softest of
+// these bodies (1e-3).
+TEST(SlantedSupports, BalanceTurnsWithTheBody) {
+  const unsigned many = testing::campaign_size(20);
+  int compared = 0;
+  for (unsigned seed = 1; seed <= many; ++seed) {
+    const Pair p = random_pair(seed, StageKind::equilibrium);
+    Reaction reaction[2];
+    State ends[2];
+    double energy[2];
+    try {
+      for (const bool t : {false, true}) {
+        const Specimen& s = t ? p.turned : p.plain;
+        const StaticStage& stage = t ? p.turned_stage : p.stage;
+        StaticOutcome out = run_static_stage(s.model, stage, s.state, {});
+        ends[t] = std::move(out.state);
+        StaticBody body(s.model, stage, s.state);
+        body.move(Vector::Zero(body.unknowns().size()), 1.0);
+        body.restore({ends[t].r, ends[t].q, 1.0});
+        reaction[t] = body.reaction({ParticleId{s.model.particles() - 1}});
+        energy[t] = body.power_of_supports();
+      }
+    } catch (const NoEquilibrium&) {
+      continue;  // counted below
+    }
+    ++compared;
+    for (const ParticleId q : ends[0].r.ids()) {
+      ASSERT_LE(norm(ends[1].r[q] - rotate(p.turn, ends[0].r[q])), 1e-8) << "seed " << seed;
+      ASSERT_LE(norm(rotation_vector(ends[1].q[q] * conjugate(p.turn * ends[0].q[q]))), 1e-8) << seed;
+    }
+    ASSERT_LE(norm(reaction[1].force - rotate(p.turn, reaction[0].force)), 1e-9) << seed;
+    ASSERT_LE(norm(reaction[1].moment - rotate(p.turn, reaction[0].moment)), 1e-9) << seed;
+    ASSERT_NEAR(energy[1], energy[0], 1e-10) << seed;
+  }
+  EXPECT_GE(compared * 10, static_cast<int>(many) * 9);
+  RecordProperty("compared", compared);
+}
+
+TEST(SlantedSupports, FrequenciesAreThoseOfTheBodyThatHasNotTurned) {
+  for (unsigned seed = 1; seed <= testing::campaign_size(10); ++seed) {
+    const Pair p = random_pair(seed, StageKind::modes);
+    const auto modes = [](const Specimen& s, const StaticStage& stage) {
+      return run_static_stage(s.model, stage, s.state, {}).result.modes;
+    };
+    try {
+      const auto plain = modes(p.plain, p.stage), turned = modes(p.turned, p.turned_stage);
+      ASSERT_EQ(plain.size(), turned.size()) << seed;
+      for (std::size_t k = 0; k < plain.size(); ++k)
+        ASSERT_NEAR(turned[k].omega2, plain[k].omega2, 1e-8) << seed;  // the largest are some 10
+    } catch (const NoEquilibrium&) {
+      continue;
+    }
+  }
+}
+
+// The tangent is the derivative of the loads, and the load direction that with the load factor, in slanted
+// axes as well.
+TEST(SlantedSupports, TangentIsTheDerivativeOfTheLoads) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    const Pair p = random_pair(seed, StageKind::equilibrium);
+    StaticBody body(p.turned.model, p.turned_stage, p.turned.state);
+    const int size = body.unknowns().size();
+    body.move(Vector::Zero(size), 0.5);
+    const Placement here = body.placement();
+    const DenseMatrix K = DenseMatrix(body.full_tangent());
+    const Vector slope = body.load_direction();
+    const double h = 1e-5;
+    const auto at = [&](const Vector& x, double factor) {
+      body.restore(here);
+      body.move(x, factor);
+      return Vector(body.unbalanced());
+    };
+    for (int k = 0; k < size; ++k) {
+      const Vector x = h * Vector::Unit(size, k);
+      const Vector column = (at(-x, 0.5) - at(x, 0.5)) / (2.0 * h);
+      // the antisymmetric part of what is out of balance is left out on purpose: compare the symmetric sums
+      for (int j = 0; j < size; ++j) {
+        const Vector y = h * Vector::Unit(size, j);
+        const double other = (at(-y, 0.5)[k] - at(y, 0.5)[k]) / (2.0 * h);
+        ASSERT_NEAR(0.5 * (K(j, k) + K(k, j)), 0.5 * (column[j] + other), 1e-7) << seed;
+      }
+    }
+    const Vector zero = Vector::Zero(size);
+    const Vector change = (at(zero, 0.5 + h) - at(zero, 0.5 - h)) / (2.0 * h);
+    EXPECT_LE((change - slope).cwiseAbs().maxCoeff(), 1e-7) << seed;
+  }
+}
+
+// A rod on a roller that runs down a slope of 30 degrees, pushed along: the roller's force is normal to the
+// slope, and the end moves along it.
+TEST(SlantedSupports, RollerOnASlope) {
+  Specimen s = testing::straight_rod(5);
+  const Vec3d normal = normalised(Vec3d{0.5, 0, std::sqrt(0.75)});
+  StaticSupport roller = testing::fixed({ParticleId{4}}, {});
+  const HeldDirections d = held_directions({}, {normal}, {});
+  roller.held = d.held, roller.axes = d.axes;
+  const StaticStage stage = testing::static_stage(StageKind::equilibrium,
+                                                  {testing::fixed({ParticleId{0}}, testing::clamped), roller},
+                                                  {testing::pushed(4, {-1e-4, 0, 0})});
+  const StaticOutcome out = run_static_stage(s.model, stage, s.state, {});
+  const Vec3d went = out.state.r[ParticleId{4}] - s.state.r[ParticleId{4}];
+  EXPECT_LE(std::abs(dot(went, normal)), 1e-15);
+  EXPECT_GT(norm(went), 1e-5);
+  StaticBody body(s.model, stage, s.state);
+  body.restore({out.state.r, out.state.q, 1.0});
+  const Vec3d F = body.reaction({ParticleId{4}}).force;
+  EXPECT_LE(norm(across(F, normal)), 1e-16);
+  // balance of the whole rod
+  const Vec3d clamp = body.reaction({ParticleId{0}}).force;
+  EXPECT_LE(norm(clamp + F + Vec3d{-1e-4, 0, 0}), 1e-12);
+  EXPECT_GT(norm(F), 1e-8);  // the rod is slender: it bends rather than being pressed
+}
+
+// Two supports, each along its own direction: perpendicular ones are held both; others are a mistake.
+TEST(SlantedSupports, OfTwoSupportsArePerpendicularOrRefused) {
+  StaticSupport a = testing::fixed({ParticleId{0}}, {}), b = a, c = testing::fixed({ParticleId{0}}, {true});
+  a.group = "a", b.group = "b";
+  const auto take = [](StaticSupport& s, const std::vector<Vec3d>& along) {
+    const HeldDirections d = held_directions({}, along, {});
+    s.held = d.held, s.axes = d.axes;
+  };
+  take(a, {{0, 0.6, 0.8}});
+  take(b, {{0, -0.8, 0.6}});
+  EXPECT_TRUE(disagreements({a, b, c}, 1).empty());
+  const Unknowns all(1, {a, b, c}, 1.0);
+  EXPECT_EQ(all.size(), 3);  // the turns
+  take(b, {{0, -0.8, 0.7}});
+  const auto found = disagreements({a, b}, 1);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_TRUE(found[0].oblique);
+  b.displacement = {};
+  take(b, {{0, 1.2, 1.6}});  // the same direction
+  EXPECT_TRUE(disagreements({a, b}, 1).empty());
+  b.displacement = {0, 0.06, 0.08};
+  EXPECT_EQ(disagreements({a, b}, 1).size(), 1u);
+}
+
+// Directions at any angle hold what they span; three of them hold all.
+TEST(SlantedSupports, HoldWhatTheirDirectionsSpan) {
+  const HeldDirections plane = held_directions({true}, {{1, 1, 0}}, {});
+  EXPECT_FALSE(plane.axes.has_value());  // x and y of the world
+  EXPECT_EQ(plane.held, (HeldDofs{true, true, false, false, false, false}));
+  const HeldDirections two = held_directions({}, {{1, 1, 0}, {1, 1, 1e-12}}, {{0, 3, 4}});
+  ASSERT_TRUE(two.axes.has_value());
+  EXPECT_EQ(two.held, (HeldDofs{true, false, false, true, false, false}));
+  EXPECT_TRUE(are_right_handed(two.axes->along) && are_right_handed(two.axes->about));
+  EXPECT_NEAR(norm(two.axes->about[0] - Vec3d{0, 0.6, 0.8}), 0.0, 1e-15);
+  const HeldDirections all = held_directions({}, {{1, 1, 0}, {1, 0, 0}, {1, 1, 1}}, {});
+  EXPECT_FALSE(all.axes.has_value());
+  EXPECT_EQ(all.held, (HeldDofs{true, true, true, false, false, false}));
+}
+
+}  // namespace
+}  // namespace vbond
