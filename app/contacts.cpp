@@ -43,6 +43,12 @@ std::string law_in_words(const ContactModel& c) {
     case TangentialForm::none: words += "; no friction"; break;
     case TangentialForm::mindlin: words += "; friction by Mindlin's spring"; break;
     case TangentialForm::linear: words += "; friction by a linear spring"; break;
+    case TangentialForm::mindlin_force:
+      words += "; friction by Mindlin's spring, whose force stays when the contact is relieved";
+      break;
+    case TangentialForm::mindlin_displacement:
+      words += "; friction by Mindlin's spring times the slip";
+      break;
   }
   switch (c.rolling) {
     case RollingForm::none: break;
@@ -84,6 +90,7 @@ std::string numbers_in_words(const Model& model, std::uint32_t first, std::uint3
     words += fmt::format(", {} = {:.6g}{} ({})", name, x.value, unit, in_words(x.said_by));
   };
   add("e", &Surface::restitution, 1.0);
+  if (c.damping > 0.0) words += fmt::format(", c_n = {:.6g}{}", c.damping, si ? " N s/m" : "");
   if (c.tangential != TangentialForm::none) add("mu", &Surface::friction, 0.0);
   if (c.rolling != RollingForm::none) {
     add("mu_r", &Surface::rolling_friction, 0.0);
@@ -121,6 +128,7 @@ std::string shape_in_words(const MeshWallSpec& w) {
 }
 
 std::string motion_in_words(const WallDriveSpec& d, const Model& model) {
+  if (d.off) return "is off";
   const bool si = in_si(model);
   std::string words;
   const auto add = [&words](const std::string& part) { words += (words.empty() ? "" : ", ") + part; };
@@ -156,6 +164,10 @@ void print_contact_law(const Model& model) {
       fmt::print("contact          {} with {}: {}\n", printable(model.materials[first].name),
                  printable(model.materials[second].name), numbers_in_words(model, first, second));
   if (printed < pairs) fmt::print("contact          and {} more pairs of materials\n", pairs - printed);
+  if (can_make_energy(c.tangential))
+    fmt::print(
+        "contact          note: this form of friction can make energy: a contact that is pressed, sheared, "
+        "relieved and sheared back may give more than it took; tangential = \"mindlin\" does not\n");
   if (const std::string key = key_without_balance(c); !key.empty())
     fmt::print("contact          static stages refuse these contacts, which do more than repel: {}\n", key);
   else if (has_friction(c))

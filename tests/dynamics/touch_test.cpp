@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <vector>
 
-#include "rods.hpp"
+#include "spheres_and_walls.hpp"
 #include "vbond/model/step_bound.hpp"
 
 namespace vbond::touch_test {
@@ -181,6 +182,24 @@ TEST(Adhesion, HoldsTwoSpheresUntilNoEquilibriumIsLeft) {
   EXPECT_NEAR(most / (1.5 * pi * 0.2 * 0.25), 1.0, 1e-3);
   EXPECT_NEAR(farthest / reach, 1.0, 1e-3);  // a step is 2e-6, the reach 1e-2
   EXPECT_LT(std::abs(run.balance_error(run.energies())), 1e-3);
+}
+
+// A damper of one coefficient on a linear spring: the restitution of the damped oscillator, which depends on
+// the mass.
+TEST(ContactDamping, ByCoefficientReboundsAsTheDampedOscillator) {
+  constexpr double k = 100.0, c_n = 2.0;
+  for (const double mass : {0.5, 1.0, 4.0}) {
+    ContactModel contact = testing::linear(k, 0.0);
+    contact.damping = c_n, contact.attraction = true;
+    Specimen ball = testing::sphere({0, 0, 0.5}, 0.5, mass, contact, {testing::floor_at(0.0)});
+    ball.state.v[ParticleId{0}] = {0, 0, -1};
+    const double omega = std::sqrt(k / mass), zeta = c_n / (2.0 * std::sqrt(k * mass)), dt = 1e-3 / omega;
+    Simulation run(ball.model, testing::plain_stage(dt, 1e9), ball.state);
+    for (int n = 0; n < 5000; ++n) run.step();  // half a swing takes 3,141 or a few more
+    const double e = std::exp(-pi * zeta / std::sqrt(1.0 - zeta * zeta));
+    EXPECT_NEAR(run.state().v[ParticleId{0}].z, e, 2e-3);  // damping is of first order in omega dt = 1e-3
+    EXPECT_LT(std::abs(run.balance_error(run.energies())), 1e-3);
+  }
 }
 
 }  // namespace

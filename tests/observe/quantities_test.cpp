@@ -158,8 +158,9 @@ TEST(Quantities, EveryDataSetOfACheckpointHasItsUnitAndMeaning) {
       {ParticleId{0}, ParticleId{1}, ParticleId{2}, ParticleId{2}, 0.5, 0.0, 0.3, 0.2, {}, {}}};
   chain.model.walls = {{"floor", PlaneWall{{}, {0, 0, 1}}, 0, {}}};
   chain.state.walls.resize(1);
+  chain.state.walls[0].off = 1;
   chain.state.wall_history = {{ParticleId{0}, 0, {0, 0, 1}, {1.0}}};
-  chain.state.grips = {{{1, 0, 0}, 0.0, 2.0, 1, {0, 0, 1}}};
+  chain.state.grips = {{{1, 0, 0}, 0.0, 2.0, 1, {0, 0, 1}, {1, 0, 0, 0}, {}, {}}};
   chain.state.gripped = {{{0, 1, 0}, {}}};
   chain.state.temperature.resize(chain.state.r.size());
   chain.state.warm_bonds = {{BondId{1}, 1e-3, 0.5, 0.1, 0.2}};

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <random>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -30,24 +31,26 @@ constexpr TouchForms slipping{.tangential = TangentialForm::mindlin};
 constexpr TouchNumbers<double> steady{.stiffness = 0.75, .tangential = 1.2, .friction = 1e9};
 
 /// Moves the body along x by `way` at this depth, from what is remembered; returns the work that this takes.
-double shear(double depth, double way, TouchHistory<double>& h) {
+double shear(double depth, double way, TouchHistory<double>& h, const TouchForms& forms = slipping) {
   constexpr int steps = 1000;
   double work = 0.0;
   for (int k = 0; k < steps; ++k) {
     const double before = h.F_t.x;
-    h = touch(slipping, steady, on_plane(depth, {way, 0, 0}), 1.0 / steps, h).history;
+    h = touch(forms, steady, on_plane(depth, {way, 0, 0}), 1.0 / steps, h).history;
     work -= 0.5 * (before + h.F_t.x) * way / steps;
   }
   return work;
 }
 /// Moves it back until its force is zero; returns the work that it gives.
-double release(double depth, TouchHistory<double>& h) {
+double release(double depth, TouchHistory<double>& h, const TouchForms& forms = slipping) {
   const double k_t = steady.tangential * std::sqrt(depth);
-  return -shear(depth, h.F_t.x / k_t, h);
+  return -shear(depth, h.F_t.x / k_t, h, forms);
 }
-/// To another depth without slip.
-void press(double depth, TouchHistory<double>& h) {
-  h = touch(slipping, steady, on_plane(depth), 1.0, h).history;
+/// To another depth without slip; returns what the step counts as dissipated.
+double press(double depth, TouchHistory<double>& h, const TouchForms& forms = slipping) {
+  const TouchLoads<double> l = touch(forms, steady, on_plane(depth), 1.0, h);
+  h = l.history;
+  return l.lost.friction;
 }
 
 // Case CT3e of the reference: shear at one depth, change the depth, release. Depths 4 : 1, so a factor 2 of
@@ -60,6 +63,39 @@ TEST(Friction, GivesBackHalfOfWhatWasPutInAfterAChangeOfDepth) {
     press(second, h);
     EXPECT_NEAR(release(second, h) / in, 0.5, 1e-9);  // closed form; 1000 steps of linear springs
   }
+}
+
+// The same cycles without rescaling, by F^2/2k: a force that stays gives back k_1/k_2 of what was put in, a
+// spring times the slip k_2/k_1. Each makes energy in one of the two, and the account says so.
+TEST(Friction, WithoutRescalingCanMakeEnergyAndCountsIt) {
+  for (const auto& [form, deep_first, shallow_first] :
+       {std::tuple(TangentialForm::mindlin_force, 2.0, 0.5),
+        std::tuple(TangentialForm::mindlin_displacement, 0.5, 2.0)})
+    for (const auto& [first, second, ratio] :
+         {std::tuple(0.04, 0.01, deep_first), std::tuple(0.01, 0.04, shallow_first)}) {
+      const TouchForms forms{.tangential = form};
+      TouchHistory<double> h;
+      press(first, h, forms);
+      const double in = shear(first, 1e-3, h, forms), counted = press(second, h, forms);
+      const double out = release(second, h, forms);
+      EXPECT_NEAR(out / in, ratio, 1e-9);  // closed form; 1000 steps of linear springs
+      EXPECT_NEAR(counted, in - out, 1e-9 * in);
+      EXPECT_TRUE(can_make_energy(form));
+    }
+  EXPECT_FALSE(can_make_energy(TangentialForm::mindlin) || can_make_energy(TangentialForm::linear));
+}
+
+TEST(ContactDamping, ByCoefficientIsTheSameAtEveryOverlap) {
+  TouchNumbers<double> n = steady;
+  n.viscous = 0.3;
+  TouchForms forms;
+  forms.attraction = true;
+  for (const double depth : {0.01, 0.04})
+    for (const double speed : {-0.2, 0.1}) {
+      const Touching<double> p = on_plane(depth, {0, 0, speed});
+      const double damped = dot(touch(forms, n, p, 0.1, {}).F - touch(forms, steady, p, 0.1, {}).F, p.n);
+      EXPECT_NEAR(damped, 0.3 * dot(p.v, p.n), 1e-15);
+    }
 }
 
 // Random closed loops of depth and slip, with and without sliding: over the loop, energy is never made, and

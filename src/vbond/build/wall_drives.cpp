@@ -48,6 +48,7 @@ std::vector<WallDrive> resolve_wall_drives(const StageResolver& resolver) {
     WallDrive drive;
     drive.wall = d.wall.value;
     drive.index = *index;
+    drive.off = d.off;
     drive.velocity = d.velocity;
     drive.angular_velocity = d.angular_velocity;
     drive.pivot = d.pivot.value_or(resolver.model.walls[*index].centre);
@@ -70,7 +71,7 @@ std::vector<StaticWallDrive> resolve_static_wall_drives(const StageResolver& res
   std::vector<StaticWallDrive> drives;
   for (const WallDriveSpec& d : resolver.spec.walls)
     if (const auto index = wall_of_entry(resolver, d, drives))
-      drives.push_back({d.wall.value, *index, d.displacement, d.rotation, d.pivot});
+      drives.push_back({d.wall.value, *index, d.displacement, d.rotation, d.pivot, d.off});
   return drives;
 }
 

@@ -19,7 +19,9 @@ void describe(Table& t, Surface& s, const char* mu, const char* e, const char* o
 
 const ChoiceCodec<TangentialForm>& tangential_codec() {
   static const ChoiceCodec<TangentialForm> codec{
-      {"none", "mindlin", "linear"}, {TangentialForm::none, TangentialForm::mindlin, TangentialForm::linear}};
+      {"none", "mindlin", "linear", "mindlin-force", "mindlin-displacement"},
+      {TangentialForm::none, TangentialForm::mindlin, TangentialForm::linear, TangentialForm::mindlin_force,
+       TangentialForm::mindlin_displacement}};
   return codec;
 }
 
@@ -81,8 +83,9 @@ void describe(Table& t, ContactModel& c, std::vector<ContactPairSpec>& between, 
   t.when(c.law != ContactLaw::none, "law = \"paper-hertz\", \"hertz\" or \"linear\"", [&] {
     describe(t, c.surface, "0", "1: elastic", "0");
     t.key("tangential", c.tangential, tangential_codec(), optional,
-          "spring across the contact, up to friction: Mindlin's 8 G* sqrt(R* d), or k_t");
-    t.check(c.tangential != TangentialForm::mindlin || c.law == ContactLaw::hertz, {"tangential", "law"},
+          "spring across the contact, up to friction: Mindlin's 8 G* sqrt(R* d), or k_t; mindlin-force and "
+          "mindlin-displacement do not rescale it (LAMMPS' mindlin/force and mindlin): they can make energy");
+    t.check(!is_mindlin(c.tangential) || c.law == ContactLaw::hertz, {"tangential", "law"},
             "Mindlin's stiffness follows from E and nu, which only law = \"hertz\" has",
             "use tangential = \"linear\" with k_t, or law = \"hertz\"");
     t.check(c.surface.friction.value_or(0.0) == 0.0 || c.tangential != TangentialForm::none,
@@ -101,6 +104,11 @@ void describe(Table& t, ContactModel& c, std::vector<ContactPairSpec>& between, 
             "add adhesion = \"jkr\" or \"dmt\" (law hertz)");
     t.key("attraction", c.attraction, FlagCodec{}, optional,
           "whether damping may pull parting bodies together; restitution is met either way");
+    t.key("damping", c.damping, not_negative(damping), optional,
+          "c_n of a damper along the contact, one for all speeds and overlaps, in place of a restitution");
+    t.check(c.damping == 0.0 || !c.surface.restitution, {"damping", "restitution"},
+            "the damping of a contact follows from a restitution, or is given as a coefficient",
+            "remove one of the two");
     t.key("tangential_damping", c.tangential_damping, not_negative(pure), optional,
           "damping across the contact over that along it, while it sticks");
   });

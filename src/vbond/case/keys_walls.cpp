@@ -107,11 +107,17 @@ void describe_motion(Table& t, WallDriveSpec& d) {
   t.table("servo", d.servo, "the wall is driven until particles press back with a force");
 }
 
+void check_off(Table& t, const WallDriveSpec& d) {
+  t.check(!d.pivot && d.velocity == Vec3d{} && d.angular_velocity == Vec3d{} && d.factor.points.empty() &&
+              !d.oscillation && !d.servo && d.displacement == Vec3d{} && d.rotation == Vec3d{},
+          {"off"}, "a wall that is off does not move", "leave either off or the motion out");
+}
+
 void check_motion(Table& t, const WallDriveSpec& d) {
   t.check(d.velocity != Vec3d{} || d.angular_velocity != Vec3d{} || d.oscillation || d.servo,
           {"wall", "velocity", "angular_velocity", "oscillation", "servo"},
           "nothing moves the wall: no velocity, angular_velocity, oscillation or servo",
-          "add one of them, or leave the wall out: it stands still then");
+          "add one of them, or leave the wall out: it stands still then; off = true takes it away");
   t.check(!d.pivot || d.angular_velocity != Vec3d{}, {"pivot", "angular_velocity"},
           "nothing turns about the pivot: there is no angular_velocity",
           "add angular_velocity, or remove pivot");
@@ -145,6 +151,8 @@ void describe(Table& t, WallDriveSpec& d, std::optional<StageKind> kind) {
   t.key("pivot", d.pivot, vector_of(length), default_is("moments_about of the wall"),
         "point about which it turns: in dynamics fixed in space, in a static stage where it is at load "
         "factor 0, from where it goes along with displacement");
+  t.key("off", d.off, FlagCodec{}, optional,
+        "takes the wall away in this stage; it is there again in the next one that does not say so");
   t.when(!kind || !is_static(*kind), "kind = \"dynamics\"", [&] { describe_motion(t, d); });
   t.when(!kind || is_static(*kind), "kind = \"equilibrium\" or \"fracture\"", [&] {
     t.key("displacement", d.displacement, vector_of(length), optional,
@@ -152,7 +160,10 @@ void describe(Table& t, WallDriveSpec& d, std::optional<StageKind> kind) {
     t.key("rotation", d.rotation, vector_of(angle), optional,
           "rotation vector about the pivot at load factor 1");
   });
-  if (kind) is_static(*kind) ? check_displacement(t, d) : check_motion(t, d);
+  if (d.off)
+    check_off(t, d);
+  else if (kind)
+    is_static(*kind) ? check_displacement(t, d) : check_motion(t, d);
 }
 
 }  // namespace vbond::keys

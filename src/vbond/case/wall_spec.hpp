@@ -81,6 +81,7 @@ struct WallDriveSpec {
   SourcePlace place;
   Placed<std::string> wall;
   std::optional<Vec3d> pivot;  ///< default: what its moments are about
+  bool off = false;            ///< not there in this stage
 
   // static stages
   Vec3d displacement, rotation;

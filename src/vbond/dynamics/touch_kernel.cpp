@@ -51,9 +51,9 @@ VBOND_HD Vec3<Real> vector(const Halves& x) {
 }
 
 VBOND_HD TouchNumbers<Real> all_alike(const TouchNumbers<double>& n) {
-  return {Real(n.stiffness),          Real(n.tangential),        Real(n.damping),
-          Real(n.tangential_damping), Real(n.friction),          Real(n.rolling),
-          Real(n.twisting),           Real(n.rolling_stiffness), Real(n.work)};
+  return {Real(n.stiffness),          Real(n.tangential), Real(n.damping), Real(n.viscous),
+          Real(n.tangential_damping), Real(n.friction),   Real(n.rolling), Real(n.twisting),
+          Real(n.rolling_stiffness),  Real(n.work)};
 }
 
 VBOND_HD TouchNumbers<Real> numbers_of_pairs(const TouchRule& rule, const Together& t) {
@@ -70,6 +70,7 @@ VBOND_HD TouchNumbers<Real> numbers_of_pairs(const TouchRule& rule, const Togeth
   take(&TouchNumbers<Real>::stiffness, &TouchNumbers<double>::stiffness);
   take(&TouchNumbers<Real>::tangential, &TouchNumbers<double>::tangential);
   take(&TouchNumbers<Real>::damping, &TouchNumbers<double>::damping);
+  take(&TouchNumbers<Real>::viscous, &TouchNumbers<double>::viscous);
   take(&TouchNumbers<Real>::tangential_damping, &TouchNumbers<double>::tangential_damping);
   take(&TouchNumbers<Real>::friction, &TouchNumbers<double>::friction);
   take(&TouchNumbers<Real>::rolling, &TouchNumbers<double>::rolling);

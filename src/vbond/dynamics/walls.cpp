@@ -75,6 +75,30 @@ void Walls::read(const State& s) {
     });
 }
 
+double Walls::put_off_and_on(const Team& team) {
+  const auto wants_off = [this](std::size_t w) { return drive_[w] != nullptr && drive_[w]->off; };
+  std::vector<char> changes(walls_.size(), 0);
+  for (std::size_t w = 0; w < walls_.size(); ++w) {
+    changes[w] = wants_off(w) != (walls_[w].off != 0) ? 1 : 0;
+    if (changes[w] != 0) walls_[w].off = 0;  // until what touches it is known
+  }
+  if (std::find(changes.begin(), changes.end(), 1) == changes.end()) return 0.0;
+  room_ = 0.0;
+  refresh(team);
+  double work = 0.0;
+  for (OfBlock& block : blocks_)
+    for (const Near& near : block.near)
+      if (changes[near.wall] != 0) {
+        const double U = wants_off(near.wall) ? -energy(near) : energy(near);
+        walls_[near.wall].work += U;
+        work += U;
+      }
+  for (std::size_t w = 0; w < walls_.size(); ++w) walls_[w].off = wants_off(w) ? 1 : 0;
+  for (OfBlock& block : blocks_)
+    std::erase_if(block.near, [this](const Near& near) { return walls_[near.wall].off != 0; });
+  return work;
+}
+
 void Walls::write(State& s) const {
   s.walls = walls_;
   s.wall_history.clear();
@@ -160,7 +184,7 @@ void Walls::look_at_drift(double dt, double way) {
   if (!any()) return;
   for (std::size_t w = 0; w < walls_.size(); ++w) {
     const double of_wall = dt * (norm(walls_[w].velocity) + extent_ * norm(walls_[w].angular_velocity));
-    if (way + of_wall <= least_radius_ || !surfaces_[w].has_two_sides()) continue;
+    if (walls_[w].off != 0 || way + of_wall <= least_radius_ || !surfaces_[w].has_two_sides()) continue;
     for (const ParticleId p : model_.radius.ids()) {
       const std::size_t k = bodies_.order.row[p].value;
       if (!bodies_.order.has(p)) continue;
@@ -185,6 +209,7 @@ void Walls::list(OfBlock& block, RowRange rows) {
     if (!is_finite(bodies_.pose[k].r)) continue;
     const double reach = model_.radius[bodies_.order.particle[Row{k}]] + reach_ + skin_;
     for (std::uint32_t w = 0; w < walls_.size(); ++w) {
+      if (walls_[w].off != 0) continue;
       const Vec3d r = at_start(w, bodies_.pose[k].r);
       while (old != before.end() && std::pair(old->row, old->wall) < std::pair(k, w)) ++old;
       const bool was_near = old != before.end() && old->row == k && old->wall == w;
@@ -332,26 +357,29 @@ void Walls::look_at_servo(std::size_t w, const Slopes& sum, double dt) {
   if (mass < least) fault_ = {Fault::light, static_cast<std::uint32_t>(w), {}, mass, least};
 }
 
-double Walls::energy() const {
+double Walls::energy(const Near& near) const {
   double U = 0.0;
   std::vector<WallTouch> touches;
+  const std::vector<std::uint32_t>& triangles = blocks_[near.row / block_rows].triangles;
+  const double R = model_.radius[bodies_.order.particle[Row{near.row}]];
+  surfaces_[near.wall].touches_of({triangles.data() + near.first, triangles.data() + near.last},
+                                  at_start(near.wall, bodies_.pose[near.row].r), R + reach_, touches);
+  for (const WallTouch& touch : touches) {
+    const Touching<double> p = touching(near, touch);
+    const bool held = std::any_of(near.slots.begin(), near.slots.end(), [&](const Slot& s) {
+      return dot(s.normal, p.n) < -same_touch && s.history[3] > 0.0;
+    });
+    if (p.overlap > 0.0 || (held && holds_on(forms_, numbers(near), p.R, p.overlap)))
+      U += normal_energy(forms_, numbers(near), p.R, p.overlap);
+  }
+  for (const Slot& s : near.slots) U += history_energy(forms_, numbers(near), touch_history(s.history));
+  return U;
+}
+
+double Walls::energy() const {
+  double U = 0.0;
   for (const OfBlock& block : blocks_)
-    for (const Near& near : block.near) {
-      touches.clear();
-      const double R = model_.radius[bodies_.order.particle[Row{near.row}]];
-      surfaces_[near.wall].touches_of(
-          {block.triangles.data() + near.first, block.triangles.data() + near.last},
-          at_start(near.wall, bodies_.pose[near.row].r), R + reach_, touches);
-      for (const WallTouch& touch : touches) {
-        const Touching<double> p = touching(near, touch);
-        const bool held = std::any_of(near.slots.begin(), near.slots.end(), [&](const Slot& s) {
-          return dot(s.normal, p.n) < -same_touch && s.history[3] > 0.0;
-        });
-        if (p.overlap > 0.0 || (held && holds_on(forms_, numbers(near), p.R, p.overlap)))
-          U += normal_energy(forms_, numbers(near), p.R, p.overlap);
-      }
-      for (const Slot& s : near.slots) U += history_energy(forms_, numbers(near), touch_history(s.history));
-    }
+    for (const Near& near : block.near) U += energy(near);
   return U;
 }
 

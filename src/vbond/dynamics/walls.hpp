@@ -37,6 +37,11 @@ class Walls {
   void read(const State& state);
   void write(State& state) const;
 
+  /// As a stage begins: takes away the walls that it has off, and puts back those that it has on again.
+  /// Returns the work that this does on the body: what their touches store, which goes or comes at once.
+  /// [energy]
+  double put_off_and_on(const Team& team);
+
   /// From t to t + dt, with the loads at t. The walls' velocities are then those of the half step.
   void move(std::int64_t stage_step, double dt);
   /// Lists anew what is near which wall, if a particle or a wall may have moved by half the skin. way: the
@@ -105,6 +110,7 @@ class Walls {
   };
 
   void list(OfBlock& block, RowRange rows);
+  double energy(const Near& near) const;
   Touching<double> touching(const Near& near, const WallTouch& touch) const;
   TouchLosses<double> add_touches(OfBlock& block, Near& near, LoadRow& load, double dt);
   Vec3d at_start(std::uint32_t wall, const Vec3d& r) const {

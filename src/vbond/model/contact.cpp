@@ -46,11 +46,14 @@ TouchNumbers<double> touch_numbers(const ContactModel& c, const std::vector<Cont
   }
   switch (forms.tangential) {
     case TangentialForm::none: break;
-    case TangentialForm::mindlin: to.tangential = mindlin_modulus(E_1, nu_1, E_2, nu_2); break;
+    case TangentialForm::mindlin:
+    case TangentialForm::mindlin_force:
+    case TangentialForm::mindlin_displacement: to.tangential = mindlin_modulus(E_1, nu_1, E_2, nu_2); break;
     case TangentialForm::linear: to.tangential = c.k_t; break;
   }
   const bool pulls = c.attraction || c.adhesion != AdhesionForm::none;
   to.damping = damping_of_restitution(forms.normal, pulls, of(&Surface::restitution, 1.0));
+  to.viscous = c.damping;
   to.tangential_damping = c.tangential_damping;
   to.friction = of(&Surface::friction, 0.0);
   to.rolling = of(&Surface::rolling_friction, 0.0);
@@ -65,6 +68,7 @@ std::string key_beyond_repulsion(const ContactModel& c, const std::vector<Contac
   if (c.tangential != TangentialForm::none) return "contact.tangential";
   if (c.rolling != RollingForm::none) return "contact.rolling";
   if (c.adhesion != AdhesionForm::none) return "contact.adhesion";
+  if (c.damping > 0.0) return "contact.damping";
   if (c.keeps_overlap) return "contact.overlap_at_break = \"kept\"";
   const auto damps = [](const Surface& s) { return s.restitution.value_or(1.0) < 1.0; };
   bool any = damps(c.surface);

@@ -58,6 +58,7 @@ struct ContactModel {
   /// Pairs that are not bonded touch, and the bond of two breaks that overlap: they feel what their overlap
   /// grows beyond that, until they have parted. Else they feel all of it from then on.
   bool keeps_overlap = false;
+  double damping = 0;  ///< c_n along the contact, beside what a restitution asks for  [force*time/length]
   double tangential_damping = 1;       ///< c_t / c_n
   double rolling_stiffness = 0;        ///< [force*length]; 0: k_t R_r^2
   Surface surface{};                   ///< absent numbers: friction 0, restitution 1, no adhesion

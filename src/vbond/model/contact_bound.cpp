@@ -19,6 +19,7 @@ constexpr double part_of_overlap = 0.1;  // of the sum of two radii, which conta
 struct BoundWall {
   WallSurface surface;
   std::uint32_t material;
+  bool off = false;
   double touches = 0;   ///< now
   double per_mass = 0;  ///< of a servo's, for one of its touches  [1/mass]
 };
@@ -48,6 +49,7 @@ PresentContacts present_contacts(const Model& model, const State& state, std::ve
   std::vector<WallTouch> touches;
   for (std::size_t w = 0; w < walls.size(); ++w)
     for (const ParticleId p : model.radius.ids()) {
+      if (walls[w].off) break;
       const double R = model.radius[p];
       Vec3d r = state.r[p];
       if (w < state.walls.size()) r = at_start(model.walls[w], state.walls[w], r);
@@ -88,9 +90,10 @@ double particles_of_a_layer(const Model& model, const State& state, const Vec3d&
   return std::clamp(shadow / (4.0 * R * R), 1.0, n);
 }
 
-std::vector<BoundWall> bound_walls(const Model& model) {
+std::vector<BoundWall> bound_walls(const Model& model, const std::vector<WallDrive>& drives) {
   std::vector<BoundWall> walls;
   for (const Wall& w : model.walls) walls.push_back({WallSurface(w.shape), w.material});
+  for (const WallDrive& d : drives) walls[d.index].off = d.off;
   return walls;
 }
 
@@ -123,7 +126,7 @@ struct PossibleTouch {
   std::optional<std::size_t> wall;
 };
 
-std::vector<PossibleTouch> possible_touches(const Model& model) {
+std::vector<PossibleTouch> possible_touches(const Model& model, const std::vector<BoundWall>& walls) {
   const auto materials = static_cast<std::uint32_t>(std::max<std::size_t>(1, model.materials.size()));
   std::vector<char> of_particles(materials, 0);
   for (const ParticleId p : model.mass.ids()) of_particles[model.material_of(p)] = 1;
@@ -136,7 +139,8 @@ std::vector<PossibleTouch> possible_touches(const Model& model) {
     for (std::uint32_t second = 0; second < materials; ++second)
       if (particles_touch(model.contact) && model.particles() > 1 && of_particles[second] != 0)
         add(first, second, std::nullopt);
-    for (std::size_t w = 0; w < model.walls.size(); ++w) add(first, model.walls[w].material, w);
+    for (std::size_t w = 0; w < walls.size(); ++w)
+      if (!walls[w].off) add(first, walls[w].material, w);
   }
   return all;
 }
@@ -153,7 +157,7 @@ ContactSlopes contact_slopes(const TouchForms& forms, const TouchNumbers<double>
   if (forms.tangential != TangentialForm::none) to.tangential = tangential_stiffness(forms, numbers, n.a);
   if (forms.rolling == RollingForm::spring)
     to.rolling = numbers.rolling_stiffness > 0.0 ? numbers.rolling_stiffness : to.tangential * sq(R);
-  to.damping = numbers.damping * std::sqrt(m * n.secant);
+  to.damping = numbers.viscous + numbers.damping * std::sqrt(m * n.secant);
   return to;
 }
 
@@ -171,9 +175,9 @@ ContactBound contact_bound(const Model& model, const State& state, const std::ve
   const PerParticle<double> radius = touched_radii(model, state, rules);
   const double R_max = *std::max_element(radius.begin(), radius.end());
   if (!(R_max > 0.0)) return {};
-  const std::vector<PossibleTouch> touches = possible_touches(model);
+  std::vector<BoundWall> walls = bound_walls(model, drives);
+  const std::vector<PossibleTouch> touches = possible_touches(model, walls);
   if (touches.empty()) return {};
-  std::vector<BoundWall> walls = bound_walls(model);
   const PresentContacts present = present_contacts(model, state, walls);
   share_masses(model, state, drives, walls);
 

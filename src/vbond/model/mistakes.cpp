@@ -201,12 +201,13 @@ void look_at_contact(const Model& model, Mistakes& found) {
   }
   found.require(c.adhesion == AdhesionForm::none || c.law == ContactLaw::hertz,
                 "contact.adhesion is for law hertz");
-  found.require(c.tangential != TangentialForm::mindlin || c.law == ContactLaw::hertz,
+  found.require(!is_mindlin(c.tangential) || c.law == ContactLaw::hertz,
                 "contact.tangential = mindlin is for law hertz, which has E and nu");
   found.require(
       c.rolling != RollingForm::spring || c.rolling_stiffness > 0.0 || c.tangential != TangentialForm::none,
       "contact.rolling = spring needs rolling_stiffness, or a tangential form that it follows from");
   not_negative(c.k_t, "k_t");
+  not_negative(c.damping, "damping");
   not_negative(c.tangential_damping, "tangential_damping");
   not_negative(c.rolling_stiffness, "rolling_stiffness");
   look_at_surface(c.surface, "contact", found);

@@ -24,6 +24,7 @@ std::vector<RestingTouch> RestingWalls::near(const State& state, double farther)
   for (const ParticleId p : state.r.ids())
     for (std::uint32_t w = 0; w < surfaces_.size(); ++w) {
       const WallState now = wall_of(state, w);
+      if (now.off != 0) continue;
       const Vec3d r = at_start(model_.walls[w], now, state.r[p]);
       const double R = model_.radius[p];
       if (!surfaces_[w].may_touch(r, R + farther)) continue;
@@ -57,7 +58,7 @@ std::vector<WallTouch> RestingWalls::near(const State& state, std::uint32_t wall
   const WallState now = wall_of(state, wall);
   const Vec3d there = at_start(model_.walls[wall], now, r);
   std::vector<WallTouch> found;
-  if (!surfaces_[wall].may_touch(there, reach)) return found;
+  if (now.off != 0 || !surfaces_[wall].may_touch(there, reach)) return found;
   surfaces_[wall].touches(there, reach, found);
   for (WallTouch& t : found) t.normal = rotate(now.q, t.normal);
   return found;

@@ -39,6 +39,7 @@ struct StaticWallDrive {
   Vec3d rotation;         ///< rotation vector about the pivot at load factor 1  [rad]
   /// At load factor 0; absent: the wall's centre there  [length].
   std::optional<Vec3d> pivot = {};
+  bool off = false;  ///< the wall is not there in this stage
 };
 
 /// Force and moment on each particle of a group, as in PointLoad.

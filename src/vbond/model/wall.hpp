@@ -61,6 +61,7 @@ struct WallState {
   Vec3d force, moment;     ///< of particles on it, moment about its centre  [force], [force*length]
   double servo = 0;        ///< its speed along the servo's direction  [length/time]
   double work = 0;         ///< that it has done on particles  [energy]
+  std::uint32_t off = 0;   ///< 1: the stage has taken it away
   friend bool operator==(const WallState&, const WallState&) = default;
 };
 
@@ -98,6 +99,7 @@ struct WallDrive {
     double fastest = 0;   ///< largest speed  [length/time]
   };
   std::optional<Servo> servo;
+  bool off = false;  ///< the wall is not there in this stage
 };
 
 }  // namespace vbond

@@ -71,6 +71,7 @@ constexpr CheckpointQuantity data_sets[] = {
     {"/walls/force", unit::force, "of particles on walls"},
     {"/walls/moment", unit::moment, "of particles on walls, about the walls' centres"},
     {"/walls/servo", unit::velocity, "speed of walls along the direction of their servo"},
+    {"/walls/off", unit::none, "1 for walls that the stage takes away; only where there are such"},
     {"/walls/work", unit::energy, "that walls have done on particles"},
     {"/wall_touches/particle", unit::none, "particles that touch walls; only if there are any"},
     {"/wall_touches/wall", unit::none, "number of the wall that each touches"},

@@ -24,9 +24,20 @@ enum class AdhesionForm : std::uint8_t {
 };
 enum class TangentialForm : std::uint8_t {
   none,
-  mindlin,  ///< k_t = 8 G* a, a = sqrt(R* d); the force falls with a when the contact is relieved
-  linear,   ///< one k_t
+  mindlin,        ///< k_t = 8 G* a, a = sqrt(R* d); the force falls with a when the contact is relieved
+  linear,         ///< one k_t
+  mindlin_force,  ///< k_t = 8 G* a; the force stays when a changes: can make energy
+  mindlin_displacement,  ///< k_t = 8 G* a times the slip: the force changes as a does: can make energy
 };
+/// Whether the stiffness across the contact is Mindlin's.
+constexpr bool is_mindlin(TangentialForm form) {
+  return form != TangentialForm::none && form != TangentialForm::linear;
+}
+/// Whether a closed path of a contact can give more energy than it took.
+constexpr bool can_make_energy(TangentialForm form) {
+  return form == TangentialForm::mindlin_force || form == TangentialForm::mindlin_displacement;
+}
+
 enum class RollingForm : std::uint8_t {
   none,
   constant,  ///< mu_r R_r F_n against the rolling; at rest as much as stops it within a step
@@ -48,7 +59,8 @@ template <Scalar T>
 struct TouchNumbers {
   T stiffness{};           ///< E* [force/area]; one_hertz k [force/length^(3/2)]; linear k [force/length]
   T tangential{};          ///< mindlin 8 G* [force/area]; linear k_t [force/length]
-  T damping{};             ///< g of c_n = g sqrt(m* F/d)
+  T damping{};             ///< g of c_n = g sqrt(m* F/d), which a restitution asks for
+  T viscous{};             ///< what is added to that c_n  [force*time/length]
   T tangential_damping{};  ///< c_t / c_n
   T friction{};            ///< mu
   T rolling{};             ///< mu_r
@@ -210,7 +222,7 @@ VBOND_HD T normal_energy(const TouchForms& f, const TouchNumbers<T>& c, const T&
 /// Stiffness of slip of a contact of radius a.  [force/length]
 template <Scalar T>
 VBOND_HD T tangential_stiffness(const TouchForms& f, const TouchNumbers<T>& c, const T& a) {
-  return f.tangential == TangentialForm::mindlin ? c.tangential * a : c.tangential;
+  return is_mindlin(f.tangential) ? c.tangential * a : c.tangential;
 }
 
 namespace detail {
@@ -258,6 +270,20 @@ VBOND_HD T pressing_force(const TouchForms& f, const TouchNumbers<T>& c, const T
   return larger(damped, zero);
 }
 
+namespace detail {
+
+/// What is left of the force across the contact when its stiffness has changed.
+template <Scalar T>
+VBOND_HD T left_of_slip(TangentialForm form, const T& k_before, const T& k) {
+  const T one(1.0);
+  if (form == TangentialForm::mindlin_force) return one;
+  const T with_stiffness = k * inverse(k_before);
+  if (form == TangentialForm::mindlin_displacement) return with_stiffness;
+  return where_greater(k_before, k, with_stiffness, one);
+}
+
+}  // namespace detail
+
 /// Slip over u = v_t dt: the force of a spring that turns with the contact, falls with its stiffness and
 /// slides at the limit, and damping as long as it sticks. Adds to the history and to what is lost.
 template <Scalar T>
@@ -269,8 +295,7 @@ VBOND_HD void slip(const TouchForms& f, const TouchNumbers<T>& c, const Vec3<T>&
   const Vec3<T> u = dt * v_t;
   const T k_t = tangential_stiffness(f, c, h.a), k_before = tangential_stiffness(f, c, before.a);
   const Vec3<T> turned = detail::turned_with(before.F_t, n, spin);
-  const T relief = where_greater(k_before, k_t, k_t * detail::inverse(k_before), one);
-  const Vec3<T> trial = relief * turned + k_t * u;
+  const Vec3<T> trial = detail::left_of_slip(f.tangential, k_before, k_t) * turned + k_t * u;
   const T size = norm(trial);
   h.F_t = detail::scale_to(size, limit) * trial;
   const Vec3<T> damped = h.F_t + (c.tangential_damping * c_n) * v_t;
@@ -316,14 +341,14 @@ VBOND_HD void roll(const TouchForms& f, const TouchNumbers<T>& c, const Touching
 /// One step of a contact: from what the bodies remember of the step before, and their motion of the half step
 /// between, to the loads now and what is to be remembered. dt = 0: the loads as the bodies stand. The
 /// history's forces turn with the contact: with its normal, and by the mean spin about it. Nothing a contact
-/// does makes energy (tests).
+/// does makes energy (tests), but for forms that can_make_energy().
 template <Scalar T>
 VBOND_HD TouchLoads<T> touch(const TouchForms& f, const TouchNumbers<T>& c, const Touching<T>& p, const T& dt,
                              const TouchHistory<T>& before) {
   using std::sqrt;
   const T zero(0.0), half(0.5);
   const NormalForce<T> N = normal_force(f, c, p.R, p.overlap);
-  const T v_n = dot(p.v, p.n), c_n = c.damping * sqrt(p.m * N.secant);
+  const T v_n = dot(p.v, p.n), c_n = c.viscous + c.damping * sqrt(p.m * N.secant);
   T F_n = N.F - c_n * v_n;
   if (!f.attraction && f.adhesion == AdhesionForm::none) F_n = larger(F_n, zero);
   const T pressing = pressing_force(f, c, p.R, N.F, F_n);

@@ -15,8 +15,10 @@ void StaticBody::take_hold_of_walls() {
   if (!walls_.any()) return;
   if (state_.walls.empty()) state_.walls.resize(model_.walls.size());
   state_.wall_history.clear();
-  for (WallState& w : state_.walls) w.velocity = w.angular_velocity = {}, w.servo = 0.0;
+  for (WallState& w : state_.walls) w.velocity = w.angular_velocity = {}, w.servo = 0.0, w.off = 0;
   for (const StaticWallDrive& d : stage_.walls) {
+    state_.walls[d.index].off = d.off ? 1 : 0;
+    if (d.off) continue;
     const WallState& now = state_.walls[d.index];
     const Vec3d pivot =
         d.pivot ? *d.pivot + load_factor_ * d.displacement : model_.walls[d.index].centre + now.displacement;

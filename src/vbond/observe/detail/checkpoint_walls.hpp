@@ -1,4 +1,6 @@
 #pragma once
+#include <algorithm>
+
 #include "vbond/model/state.hpp"
 #include "vbond/observe/detail/h5_file.hpp"
 
@@ -32,6 +34,9 @@ inline void write_walls(H5Writer& writer, const State& state) {
   if (state.walls.empty()) return;
   const WallStates walls(state.walls);
   visit_walls(writer, walls);
+  const auto is_off = [](const WallState& w) { return w.off != 0; };
+  if (std::any_of(state.walls.begin(), state.walls.end(), is_off))
+    writer.of_each("/walls/off", walls, &WallState::off);
   if (state.wall_history.empty()) return;
   const WallMemories touches(state.wall_history);
   visit_touches(writer, touches);
@@ -42,6 +47,7 @@ inline void read_walls(H5Reader& reader, State& state) {
   WallStates walls;
   walls.resize(reader.rows("/walls/q"));
   visit_walls(reader, walls);
+  if (reader.has("/walls/off")) reader.of_each("/walls/off", walls, &WallState::off);
   state.walls.assign(walls.begin(), walls.end());
   if (!reader.has("/wall_touches/particle")) return;
   WallMemories touches;
