@@ -45,6 +45,8 @@ class CriticalLoad:
     kind: str
     load_factor: float
     force: float
+    displacement: float
+    reaction: float
     estimate: float | None
     gap: float
     translation: ndarray

@@ -26,7 +26,7 @@ using test::content_of;
 using test::Folder;
 using test::put_content;
 
-constexpr FrameFormat format{.breaks = true, .capsules = true};
+constexpr FrameFormat format{.breaks = true, .capsules = true, .flow = true};
 
 /// The other processes, who are not asked: nothing is stepped.
 struct Nobody : Others {

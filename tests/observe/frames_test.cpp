@@ -302,7 +302,8 @@ TEST(FrameFormat, EveryArrayOfAQuantityWithAUnitSaysIt) {
   for (const UnitSystem units : {UnitSystem::reduced, UnitSystem::si}) {
     chain.model.units = units;
     write_particles_vtp(folder / "p.vtp", chain.model, chain.state, {}, {.stress = true, .breaks = true});
-    write_bonds_vtp(folder / "b.vtp", chain.state, units, {}, {.breaks = true, .capsules = true});
+    write_bonds_vtp(folder / "b.vtp", chain.state, units, {},
+                    {.breaks = true, .capsules = true, .flow = true});
     const VtpReader p(content_of(folder / "p.vtp")), b(content_of(folder / "b.vtp"));
     for (const ParticleQuantity& q : particle_quantities())
       EXPECT_EQ(p.arrays.at(q.name).unit, q.unit.in(units)) << q.name;

@@ -226,7 +226,8 @@ TEST(History, HasVelocitiesOfGroupsWhereThereAreAny) {
   ASSERT_EQ(v.velocities.size(), 2u);
   EXPECT_EQ(v.velocities[0], (chain.state.v[ParticleId{1}] + chain.state.v[ParticleId{2}]) / 2.0);
   EXPECT_EQ(v.velocities[1], chain.state.v[ParticleId{0}]);
-  const StaticPoint point{chain.state, 0.75, PointKind::limit_point, 1, {}, {}};
+  const StaticPoint point{chain.state, 0.75,       PointKind::limit_point,
+                          1,           Energies{}, [](const std::vector<ParticleId>&) { return Reaction{}; }};
   const HistoryValues at_rest = history_values(plan, chain.model, point);
   EXPECT_TRUE(at_rest.velocities.empty());
   HistoryWriter writer(plan, {});

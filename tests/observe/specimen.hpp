@@ -22,7 +22,9 @@ class Folder : public TemporaryFolder {
  private:
   static std::string name() {
     const auto* test = ::testing::UnitTest::GetInstance()->current_test_info();
-    return std::string("vbond_observe_") + test->test_suite_name() + "_" + test->name();
+    static int made = 0;  // a test may have several
+    return std::string("vbond_observe_") + test->test_suite_name() + "_" + test->name() + "_" +
+           std::to_string(++made);
   }
 };
 

@@ -80,13 +80,11 @@ void describe_support(Table& t, SupportSpec& s, Kind kind) {
   t.when(s.rigid, "rigid = true", [&] {
     t.key("fix", s, FixOfGripCodec{}, default_is("all of them"),
           "which degrees of freedom of the group as one body are held, along and about the world's axes; "
-          "loads on "
-          "its particles move it along and about the others");
+          "loads on its particles move it along and about the others");
     t.key("pivot", s.pivot, vector_of(length), default_is("middle of the group"),
           "a point of the axis as the stage begins; the middle is the mean of the positions then, of a group "
           "that is free in part its centre of mass");
   });
-  if (s.rigid && s.held != all_held) check_free_grip(t, s, kind);
   t.when(!kind || !is_static(*kind), in_dynamics, [&] {
     t.key("velocity", s.velocity, vector_of(velocity), optional,
           "of the held translations; of a rigid group's pivot");
@@ -109,6 +107,7 @@ void describe_support(Table& t, SupportSpec& s, Kind kind) {
             "about its pivot");
         check_moves_are_held(t, directions_of(s), "displacement", s.displacement, "rotation", s.rotation);
       });
+  if (s.rigid && s.held != all_held) check_free_grip(t, s, kind);
 }
 
 void describe_load(Table& t, LoadSpec& s, Kind kind) {

@@ -68,7 +68,8 @@ std::vector<double> field_in(const FrameInput& bonds, const BondField& field) {
 
 /// The shape of a broken bond, whose ends fly apart, says nothing.
 void clear_bond(std::size_t b, RawFrame& f) {
-  for (std::vector<double>& values : f.fields) values[b] = 0.0;
+  for (std::vector<double>& values : f.fields)
+    if (!values.empty()) values[b] = 0.0;
   f.range[b] = 0;
 }
 
