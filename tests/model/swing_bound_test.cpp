@@ -59,7 +59,9 @@ TEST(FastestSwing, LooksAtAllThatIsMovedAndNamesIt) {
   EXPECT_EQ(fastest_swing(stage).source, "the factor over time of the support of group \"grip\"");
   WallDrive lid;
   lid.wall = "lid";
-  lid.servo.emplace().factor = wave(8, 4, 8);
+  WallDrive::Servo pressed;
+  pressed.factor = wave(8, 4, 8);
+  lid.servo = pressed;
   stage.walls = {lid};
   EXPECT_EQ(fastest_swing(stage).source, "the factor over time of the servo of wall \"lid\"");
   stage.walls[0].factor = wave(4, 4, 8);
