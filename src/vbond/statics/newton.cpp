@@ -10,14 +10,6 @@
 namespace vbond {
 namespace {
 
-/// A linear step turns bonds by angles; beyond this it is no guide.  [rad]
-constexpr double largest_change = 0.5;
-
-/// Walls likewise: half a radius, and nothing comes through one unseen.
-double change_of(const StaticBody& body, const Vector& x) {
-  return larger(body.largest_bond_change(x), body.largest_wall_change(x));
-}
-
 Vector limited(const StaticBody& body, Vector x) {
   const double change = change_of(body, x);
   if (change > largest_change) x *= largest_change / change;
@@ -38,22 +30,27 @@ double accuracy_for(const StaticBody& body, const NewtonSettings& settings) {
 
 }  // namespace
 
+double change_of(const StaticBody& body, const Vector& x) {
+  return larger(body.largest_bond_change(x), body.largest_wall_change(x));
+}
+
 bool in_balance(const StaticBody& body, const NewtonSettings& settings) {
   return body.residual() <= std::max(settings.tolerance, body.residual_of_rounding());
 }
 
+bool close_to_rounding(const StaticBody& body) {
+  return body.residual() <= 100.0 * body.residual_of_rounding();
+}
+
 bool balanced(const StaticBody& body, const NewtonSettings& settings, const std::vector<double>& residuals) {
-  constexpr double close = 100.0;
   if (in_balance(body, settings)) return true;
   const std::size_t n = residuals.size();
   const bool stalled = n >= 3 && residuals[n - 1] > 0.3 * residuals[n - 3];
-  return stalled && residuals.back() <= close * body.residual_of_rounding();
+  return stalled && close_to_rounding(body);
 }
 
-NewtonOutcome correct(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings,
-                      const std::function<bool()>& interrupted) {
-  constexpr double growth =
-      10.0;  // of the residual from one iteration to the next: first steps may overshoot
+NewtonOutcome iterate(StaticBody& body, const NewtonSettings& settings,
+                      const std::function<bool()>& interrupted, const NewtonStep& step) {
   NewtonOutcome outcome;
   std::vector<double>& residuals = outcome.residuals;
   for (int k = 0; k <= settings.iterations; ++k) {
@@ -71,33 +68,46 @@ NewtonOutcome correct(StaticBody& body, TangentSolver& solver, const NewtonSetti
       outcome.why = why_not_finite(body);
       return outcome;
     }
-    if (k > 1 && !(residuals.back() < growth * residuals[residuals.size() - 2])) {
-      outcome.why = fmt::format("the unbalanced force grows, to {:.2g} of the largest", residuals.back());
+    if (std::optional<NewtonStop> stop = step(residuals)) {
+      outcome.converged = stop->balanced;
+      outcome.why = std::move(stop->why);
       return outcome;
     }
-    const auto singular = [&] {
-      outcome.why = "the tangent is singular";
-      if (!solver.factors_full(body))
-        outcome.why += ": " + body.unknowns().name(solver.last_factor().singular_unknown());
-      return outcome;
-    };
+  }
+  outcome.why = fmt::format("{} iterations, unbalanced force {:.2g} of the largest", settings.iterations,
+                            residuals.back());
+  return outcome;
+}
+
+NewtonOutcome correct(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings,
+                      const std::function<bool()>& interrupted) {
+  constexpr double growth =
+      10.0;  // of the residual from one iteration to the next: first steps may overshoot
+  const auto singular = [&] {
+    NewtonStop stop{"the tangent is singular"};
+    if (!solver.factors_full(body))
+      stop.why += ": " + body.unknowns().name(solver.last_factor().singular_unknown());
+    return stop;
+  };
+  const NewtonStep step = [&](const std::vector<double>& residuals) -> std::optional<NewtonStop> {
+    const std::size_t n = residuals.size();
+    if (n > 2 && !(residuals[n - 1] < growth * residuals[n - 2]))
+      return NewtonStop{
+          fmt::format("the unbalanced force grows, to {:.2g} of the largest", residuals.back())};
     if (!solver.take_full(body)) return singular();
     Vector x;
     try {
       x = solver.solve_full(body, body.unbalanced(), accuracy_for(body, settings));
     } catch (const NoConvergence& e) {  // of multigrid
-      outcome.why = e.what();
-      return outcome;
+      return NewtonStop{e.what()};
     }
     if (x.size() == 0 && !solver.by_multigrid()) return singular();
-    if (x.size() == 0 || !x.allFinite() || !(change_of(body, x) <= largest_change)) {
-      outcome.why = "a correction turns bonds too far";
-      return outcome;
-    }
+    if (x.size() == 0 || !x.allFinite() || !(change_of(body, x) <= largest_change))
+      return NewtonStop{"a correction turns bonds too far"};
     body.move(x, body.load_factor());
-  }
-  outcome.why = fmt::format("{} iterations", settings.iterations);
-  return outcome;
+    return {};
+  };
+  return iterate(body, settings, interrupted, step);
 }
 
 namespace {
@@ -198,32 +208,14 @@ class Descent {
 
 NewtonOutcome minimise(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings,
                        const std::function<bool()>& interrupted) {
-  NewtonOutcome outcome;
   Descent descent(body, solver, settings);
-  for (int k = 0; k <= settings.iterations; ++k) {
-    outcome.residuals.push_back(body.residual());
-    if (balanced(body, settings, outcome.residuals)) {
-      outcome.converged = true;
-      return outcome;
-    }
-    if (interrupted && interrupted()) {
-      outcome.interrupted = true;
-      outcome.why = "interrupted";
-      return outcome;
-    }
-    if (!std::isfinite(outcome.residuals.back())) {
-      outcome.why = why_not_finite(body);
-      return outcome;
-    }
-    if (descent.step()) continue;
-    outcome.converged = body.residual() <= 100.0 * body.residual_of_rounding();
-    outcome.why = fmt::format("no way downhill at an unbalanced force of {:.2g} of the largest",
-                              outcome.residuals.back());
-    return outcome;
-  }
-  outcome.why = fmt::format("{} iterations, unbalanced force {:.2g} of the largest", settings.iterations,
-                            outcome.residuals.back());
-  return outcome;
+  const NewtonStep step = [&](const std::vector<double>& residuals) -> std::optional<NewtonStop> {
+    if (descent.step()) return {};
+    return NewtonStop{
+        fmt::format("no way downhill at an unbalanced force of {:.2g} of the largest", residuals.back()),
+        close_to_rounding(body)};
+  };
+  return iterate(body, settings, interrupted, step);
 }
 
 NewtonOutcome settle(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings,

@@ -134,6 +134,27 @@ bool in_balance(const StaticBody& body, const NewtonSettings& settings);
 /// body as it stands, have stopped falling close to what rounding leaves.
 bool balanced(const StaticBody& body, const NewtonSettings& settings, const std::vector<double>& residuals);
 
+/// Balanced to a hundred times what rounding leaves: good enough where no step does better.
+bool close_to_rounding(const StaticBody& body);
+
+/// A linear step turns bonds by angles; beyond this it is no guide.  [rad]
+inline constexpr double largest_change = 0.5;
+/// What a step x changes: the turn of bonds, and the way to walls of which half a radius counts as much, so
+/// that nothing comes through one unseen.
+double change_of(const StaticBody& body, const Vector& x);
+
+/// Why an iteration cannot go on; balanced: the body as it stands will do.
+struct NewtonStop {
+  std::string why;
+  bool balanced = false;
+};
+/// Moves the body by a correction, or says why not. It gets the residuals so far.
+using NewtonStep = std::function<std::optional<NewtonStop>(const std::vector<double>& residuals)>;
+
+/// Newton's method of any kind: steps until the body is balanced, or one cannot be made.
+NewtonOutcome iterate(StaticBody& body, const NewtonSettings& settings,
+                      const std::function<bool()>& interrupted, const NewtonStep& step);
+
 /// Plain Newton at the body's load factor, from a state near balance; stable or not. For points on a known
 /// path: it gives up when residuals grow, and the body is then where it gave up.
 NewtonOutcome correct(StaticBody& body, TangentSolver& solver, const NewtonSettings& settings,

@@ -1,0 +1,255 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "vbond/model/agreement.hpp"
+#include "vbond/model/detail/mistakes.hpp"
+#include "vbond/model/held_tops.hpp"
+#include "vbond/model/make_bond.hpp"
+#include "vbond/model/mistakes.hpp"
+#include "vbond/model/wall_mistakes.hpp"
+
+namespace vbond {
+namespace {
+
+std::pair<Vec3d, Vec3d> prescribed_motion(const Support& s) {
+  return {s.velocity, s.angular_velocity};
+}
+std::pair<Vec3d, Vec3d> prescribed_motion(const StaticSupport& s) {
+  return {s.displacement, s.rotation};
+}
+
+template <class Named>
+std::string who(const std::string& what, const Named& of) {
+  return of.group.empty() ? what : fmt::format("{} on \"{}\"", what, of.group);
+}
+
+void look_at_distance(const std::optional<DistanceStop>& stop, Mistakes& found) {
+  if (!stop) return;
+  found.require_known({stop->i, stop->j}, "the stop at a distance");
+  found.require(stop->i != stop->j, "the stop at a distance is between a particle and itself");
+  found.require(std::isfinite(stop->value),
+                fmt::format("the stop at a distance has the value {}", stop->value));
+}
+
+void look_at_factor(const TimeFunction& f, const std::string& who, Mistakes& found) {
+  for (const TimeFunction::Point& p : f.points)
+    if (!std::isfinite(p.t) || !std::isfinite(p.factor))
+      return found.require(false, fmt::format("the factor of {} has the point ({}, {})", who, p.t, p.factor));
+  const auto before = [](const auto& a, const auto& b) { return b.t < a.t; };  // equal times: a jump
+  found.require(std::adjacent_find(f.points.begin(), f.points.end(), before) == f.points.end(),
+                "the factor of " + who + " does not have its points in increasing time");
+}
+
+/// What a grip does not hold is free of prescribed motion.
+template <class AnySupport>
+void look_at_free_grip(const AnySupport& s, const std::string& who, Mistakes& found) {
+  const auto [way, turn] = prescribed_motion(s);
+  bool moves_free = false;
+  for (std::size_t k = 0; k < 3; ++k) moves_free |= !s.held[k] && component(way, static_cast<int>(k)) != 0.0;
+  const bool holds_turns = s.held[3] && s.held[4] && s.held[5];
+  found.require(!moves_free && (holds_turns || turn == Vec3d{}),
+                who + " is rigid and moves along or about what it leaves free");
+  found.require(!s.pivot || (s.held[0] && s.held[1] && s.held[2] && way == Vec3d{}),
+                who + " is rigid, free in part, and has a pivot: that must stand still");
+}
+
+/// Only grips have a pivot; supports that overlap must agree.
+template <class AnySupport>
+void look_at_supports(const Model& model, const std::vector<AnySupport>& supports, Mistakes& found) {
+  for (const AnySupport& s : supports) {
+    const std::string who = s.group.empty() ? "a support" : "a support on \"" + s.group + "\"";
+    if (is_free_grip(s)) look_at_free_grip(s, who, found);
+    found.require(!s.rigid || !s.particles.empty(), who + " is rigid and has no particles");
+    found.require(s.rigid || !s.pivot, who + " has a pivot: that is for rigid ones");
+    if (s.pivot) found.require_finite(*s.pivot, who, "the pivot");
+    if (!s.axes) continue;
+    found.require(!s.rigid, who + " is rigid and has axes: those are for what is not rigid");
+    for (const Triad& axes : {s.axes->along, s.axes->about})
+      found.require(are_right_handed(axes),
+                    who + " has axes that are not perpendicular unit vectors, right-handed");
+  }
+  for (const Disagreement& d : disagreements(supports, model.particles()))
+    found.require(
+        false,
+        fmt::format("{} of particle {} is held twice, {}, by the supports on \"{}\" and \"{}\"", d.dof,
+                    d.particle.value,
+                    d.oblique ? "along axes that are neither parallel nor perpendicular" : "in two ways",
+                    supports[d.first].group, supports[d.second].group));
+}
+
+void look_at_stops(const Stops& stops, std::size_t walls, Mistakes& found) {
+  found.require(stops.duration > 0.0, fmt::format("the duration is {}: it must be > 0", stops.duration));
+  look_at_distance(stops.distance, found);
+  if (stops.peak) {
+    const PeakStop& peak = *stops.peak;
+    found.require_known(peak.particles, "the stop at a peak");
+    found.require_increasing(peak.particles, "the stop at a peak");
+    found.require(peak.drop > 0.0 && peak.drop < 1.0,
+                  fmt::format("the stop at a peak has drop = {}: 0 < drop < 1", peak.drop));
+    found.require(above_zero(peak.average_over),
+                  fmt::format("the stop at a peak averages over {}: it must be > 0", peak.average_over));
+    found.require(
+        peak.quantity == PeakQuantity::compressive_force || is_unit(peak.direction),
+        "the direction of the stop at a peak is " + text(peak.direction) + ": it must be a unit vector");
+    found.require(peak.quantity != PeakQuantity::wall_force || peak.wall < walls,
+                  fmt::format("the stop at a peak watches wall {} of {}", peak.wall, walls));
+  }
+  if (stops.breaks)
+    found.require(stops.breaks->count > 0,
+                  fmt::format("the stop at breaks counts to {}: it must be > 0", stops.breaks->count));
+  if (stops.rest) {
+    found.require(
+        above_zero(stops.rest->kinetic_energy_below),
+        fmt::format("the stop at rest is below {}: it must be > 0", stops.rest->kinetic_energy_below));
+    found.require(above_zero(stops.rest->during),
+                  fmt::format("the stop at rest is during {}: it must be > 0", stops.rest->during));
+  }
+}
+
+void look_at_strain(const StrainProgram& strain, Mistakes& found) {
+  found.require_known(strain.particles, "the imposed strain");
+  found.require_finite(strain.centre, "the imposed strain", "the centre");
+  found.require(is_unit(strain.direction), "the direction of the imposed strain is " +
+                                               text(strain.direction) + ": it must be a unit vector");
+  found.require(std::isfinite(strain.increment),
+                fmt::format("the increment of the imposed strain is {}", strain.increment));
+  found.require(above_zero(strain.every),
+                fmt::format("the strain is imposed every {}: it must be > 0", strain.every));
+}
+
+}  // namespace
+
+std::vector<std::string> mistakes_in(const Model& model, const Stage& stage) {
+  Mistakes found(model);
+  found.require(above_zero(stage.dt),
+                fmt::format("dt is {}: stage.dt must be above zero and finite", stage.dt));
+  found.require_finite(stage.gravity, "the stage", "gravity");
+  found.require(
+      at_least_zero(stage.b_translation) && at_least_zero(stage.b_rotation),
+      fmt::format("the damping is {} and {}: it must be >= 0", stage.b_translation, stage.b_rotation));
+  found.require(stage.local_damping >= 0.0 && stage.local_damping < 1.0,
+                fmt::format("the local damping is {}: it must be >= 0 and below 1", stage.local_damping));
+  for (const Support& s : stage.supports) {
+    found.require_known(s.particles, "a support", s.group);
+    found.require_finite(s.velocity, who("a support", s), "the velocity");
+    found.require_finite(s.angular_velocity, who("a support", s), "the angular velocity");
+    look_at_factor(s.factor, who("a support", s), found);
+  }
+  look_at_supports(model, stage.supports, found);
+  for (const Support& s : stage.supports) {
+    if (!is_free_grip(s)) continue;
+    const std::string grip = who("a grip", s);
+    found.require(s.held[3] + s.held[4] + s.held[5] != 1,
+                  grip + " holds one turn: in motion it holds none, two or all three");
+    found.require(stage.local_damping == 0.0, grip + " is free in part: local damping does not know it");
+    for (const ParticleId p : s.particles)
+      if (p.value < model.particles() && model.is_top(p)) {
+        found.require(
+            false,
+            grip + fmt::format(" is free in part, and particle {} has three moments of inertia", p.value));
+        break;
+      }
+  }
+  if (const auto top = partly_held_top(model, stage.supports))
+    found.require(false, fmt::format("particle {} is held in part: {}", top->p.value, partly_held_top_rule));
+  for (const PointLoad& l : stage.loads) {
+    found.require_known(l.particles, "a load", l.group);
+    found.require_finite(l.force, who("a load", l), "the force");
+    found.require_finite(l.moment, who("a load", l), "the moment");
+    found.require_finite(l.force_by_mass, who("a load", l), "the force by mass");
+    found.require_finite(l.moment_by_mass, who("a load", l), "the moment by mass");
+    look_at_factor(l.factor, who("a load", l), found);
+  }
+  for (const Heating& h : stage.heating) {
+    found.require_known(h.particles, "a temperature", "");
+    found.require(std::isfinite(h.temperature), "a temperature is not finite");
+    look_at_factor(h.factor, "a temperature", found);
+  }
+  if (stage.strain) {
+    look_at_strain(*stage.strain, found);
+    found.require(!strained_and_gripped(stage),
+                  "the imposed strain moves particles of a rigid support, which would take them back");
+  }
+  for (const BondingRule& r : stage.bonding) {
+    const std::string rule = "bonding rule \"" + r.name + "\"";
+    found.require_sizes(rule, "a bonding rule must say of each particle if it is meant",
+                        {{"in_a", r.in_a.size()}, {"in_b", r.in_b.size()}});
+    found.require(above_zero(r.distance),
+                  fmt::format("{} has distance = {}: it must be > 0", rule, r.distance));
+    const std::size_t n = model.particles();
+    found.require(r.in_a.size() != n || r.in_b.size() != n || !breaks_by_prestrain(r, model),
+                  rule + ": its prestrain alone breaks its bonds as they are made");
+  }
+  found.add(mistakes_in_drives(model, stage.walls));
+  for (const WallDrive& d : stage.walls) {
+    look_at_factor(d.factor, "the drive of wall \"" + d.wall + "\"", found);
+    if (d.servo) look_at_factor(d.servo->factor, "the servo of wall \"" + d.wall + "\"", found);
+  }
+  look_at_stops(stage.stops, model.walls.size(), found);
+  return std::move(found).take();
+}
+
+std::vector<std::string> mistakes_in(const Model& model, const StaticStage& stage) {
+  Mistakes found(model);
+  found.require(is_static(stage.kind), "kind = dynamics: a stage of dynamics is a Stage, not a StaticStage");
+  found.add(mistakes_in_drives(model, stage));
+  found.require_finite(stage.gravity, "the stage", "gravity");
+  for (const StaticSupport& s : stage.supports) {
+    found.require_known(s.particles, "a support", s.group);
+    found.require_finite(s.displacement, who("a support", s), "the displacement");
+    found.require_finite(s.rotation, who("a support", s), "the rotation");
+    found.require(!is_free_grip(s),
+                  who("a grip", s) + " is free in part: stages at rest take grips that hold all");
+  }
+  look_at_supports(model, stage.supports, found);
+  for (const StaticLoad& l : stage.loads) {
+    found.require_known(l.particles, "a load", l.group);
+    found.require_finite(l.force, who("a load", l), "the force");
+    found.require_finite(l.moment, who("a load", l), "the moment");
+    found.require_finite(l.force_by_mass, who("a load", l), "the force by mass");
+    found.require_finite(l.moment_by_mass, who("a load", l), "the moment by mass");
+  }
+  for (const StaticHeating& h : stage.heating) {
+    found.require_known(h.particles, "a temperature", "");
+    found.require(std::isfinite(h.change), "the change of a temperature is not finite");
+  }
+  const auto at_least = [&](const char* what, double value, double least) {
+    found.require(value >= least && std::isfinite(value),
+                  fmt::format("{} is {}: it must be >= {} and finite", what, value, least));
+  };
+  found.require(above_zero(stage.newton.tolerance),
+                fmt::format("newton.tolerance is {}: it must be > 0", stage.newton.tolerance));
+  at_least("newton.iterations", stage.newton.iterations, 1);
+  if (stage.kind == StageKind::equilibrium || stage.kind == StageKind::fracture)
+    at_least("steps", stage.steps, 1);
+  if (stage.kind == StageKind::buckling || stage.kind == StageKind::modes) at_least("count", stage.count, 1);
+  at_least("frames_per_mode", stage.frames_per_mode, 0);
+  at_least("amplitude", stage.amplitude, 0);
+  at_least("search_to", stage.search_to, 0);
+  const PathSettings& path = stage.path;
+  found.require(stage.kind != StageKind::path || (std::isfinite(path.first_step) && path.first_step != 0.0),
+                fmt::format("path.first_step is {}: it must be finite, and not 0", path.first_step));
+  at_least("path.largest_step", path.largest_step, 0);
+  at_least("path.most_points", path.most_points, 1);
+  for (const auto& [name, value] : {std::pair{"path.above", path.above}, {"path.below", path.below}})
+    found.require(!value || std::isfinite(*value), fmt::format("{} is {}", name, value.value_or(0.0)));
+  look_at_distance(path.distance, found);
+  if (path.branch) {
+    at_least("path.branch.bifurcation", path.branch->bifurcation, 1);
+    at_least("path.branch.mode", path.branch->mode, 1);
+    found.require(std::abs(path.branch->sense) == 1.0,
+                  fmt::format("path.branch.sense is {}: it must be 1 or -1", path.branch->sense));
+  }
+  const FractureSettings& fracture = stage.fracture;
+  found.require(above_zero(fracture.end), fmt::format("fracture.end is {}: it must be > 0", fracture.end));
+  at_least("fracture.most_breaks", fracture.most_breaks, 1);
+  if (fracture.load_drop)
+    found.require(above_zero(*fracture.load_drop) && *fracture.load_drop <= 1.0,
+                  fmt::format("fracture.load_drop is {}: it must be > 0 and <= 1", *fracture.load_drop));
+  return std::move(found).take();
+}
+
+}  // namespace vbond
