@@ -83,8 +83,9 @@ TEST(Stages, SlantedSupportsKeepTheirDirections) {
   expect_refused("dynamics", moving + "fix = [[0, 1]] }]\n", "must have 3 elements; this has 2");
   expect_refused("dynamics", moving + "fix = [\"x\", 1] }]\n", "case.toml");
   expect_refused("dynamics", moving + "fix = [] }]\n", "must hold something");
-  expect_refused("equilibrium", "supports = [{ group = \"last\", rigid = true, fix = [\"x\"] }]\n",
-                 "static stages take rigid groups that are held altogether");
+  expect_accepted("equilibrium", "supports = [{ group = \"last\", rigid = true, fix = [\"x\"] }]\n");
+  expect_refused("modes", "supports = [{ group = \"last\", rigid = true, fix = [\"x\"] }]\n",
+                 "modes take rigid groups that are held altogether");
 }
 
 TEST(Stages, GripsThatAreFreeInPartKeepWhatTheyHold) {

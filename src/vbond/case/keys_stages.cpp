@@ -58,8 +58,8 @@ void check_free_grip(Table& t, const SupportSpec& s, Kind kind) {
   t.check(!s.pivot || (s.held[0] && s.held[1] && s.held[2] && s.velocity == Vec3d{}), {"pivot", "fix"},
           "the pivot of a rigid group that is free in part stands still",
           "hold \"x\", \"y\" and \"z\" at rest, or leave pivot out: it is the centre of mass then");
-  t.check(!kind || !is_static(*kind), {"fix"}, "static stages take rigid groups that are held altogether",
-          "leave fix out, or load the group in a stage of dynamics, with damping");
+  t.check(kind != StageKind::modes, {"fix"}, "modes take rigid groups that are held altogether",
+          "leave fix out, or ring the body in a stage of dynamics");
 }
 
 void describe_support(Table& t, SupportSpec& s, Kind kind) {

@@ -143,7 +143,7 @@ std::vector<std::string> mistakes_in(const Model& model, const Stage& stage) {
     if (!is_free_grip(s)) continue;
     const std::string grip = who("a grip", s);
     found.require(s.held[3] + s.held[4] + s.held[5] != 1,
-                  grip + " holds one turn: in motion it holds none, two or all three");
+                  grip + " holds one turn: it may hold none, two or all three");
     found.require(stage.local_damping == 0.0, grip + " is free in part: local damping does not know it");
     for (const ParticleId p : s.particles)
       if (p.value < model.particles() && model.is_top(p)) {
@@ -201,8 +201,11 @@ std::vector<std::string> mistakes_in(const Model& model, const StaticStage& stag
     found.require_known(s.particles, "a support", s.group);
     found.require_finite(s.displacement, who("a support", s), "the displacement");
     found.require_finite(s.rotation, who("a support", s), "the rotation");
-    found.require(!is_free_grip(s),
-                  who("a grip", s) + " is free in part: stages at rest take grips that hold all");
+    if (!is_free_grip(s)) continue;
+    found.require(s.held[3] + s.held[4] + s.held[5] != 1,
+                  who("a grip", s) + " holds one turn: it may hold none, two or all three");
+    found.require(stage.kind != StageKind::modes,
+                  who("a grip", s) + " is free in part: modes take grips that hold all");
   }
   look_at_supports(model, stage.supports, found);
   for (const StaticLoad& l : stage.loads) {

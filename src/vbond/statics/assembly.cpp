@@ -18,7 +18,10 @@ void check_room_for(std::int64_t entries) {
 void Assembly::lay_out(std::size_t particles, const std::vector<Pair>& pairs) {
   PerParticle<std::vector<ParticleId>> near(particles);
   for (const ParticleId p : near.ids()) near[p].push_back(p);
-  for (const auto& [i, j] : pairs) near[i].push_back(j), near[j].push_back(i);
+  for (const auto& [p, q] : pairs) {
+    const ParticleId i = unknowns_.carrier(p), j = unknowns_.carrier(q);
+    near[i].push_back(j), near[j].push_back(i);
+  }
   for (auto& n : near) {
     std::sort(n.begin(), n.end());
     n.erase(std::unique(n.begin(), n.end()), n.end());
@@ -74,15 +77,22 @@ void Assembly::add_block(ParticleId row, ParticleId column, int offset, const Bl
 }
 
 Assembly::Block Assembly::in_axes(ParticleId i, ParticleId j, const Block& in_world) const {
-  if (unknowns_.axes(i) == nullptr && unknowns_.axes(j) == nullptr) return in_world;
+  const auto as_world = [this](ParticleId p) { return !unknowns_.axes(p) && !unknowns_.arm(p); };
+  if (as_world(i) && as_world(j)) return in_world;
   Block T = Block::Zero();
   for (int column = 0; column < 12; ++column)
     for (int k = 0; k < 3; ++k)
       T(column / 3 * 3 + k, column) = component(unknowns_.axis(column < 6 ? i : j, column % 6), k);
+  for (const int at : {0, 6})
+    if (const Vec3d* arm = unknowns_.arm(at == 0 ? i : j)) {  // how turns about the pivot shift the particle
+      const Vec3d d = *arm / unknowns_.length();
+      T.block<3, 3>(at, at + 3) << 0.0, d.z, -d.y, -d.z, 0.0, d.x, d.y, -d.x, 0.0;
+    }
   return T.transpose() * in_world * T;
 }
 
-void Assembly::add(ParticleId i, ParticleId j, const Block& K) {
+void Assembly::add(ParticleId p, ParticleId q, const Block& K) {
+  const ParticleId i = unknowns_.carrier(p), j = unknowns_.carrier(q);
   const Offsets& o = offsets_.at(key(i, j));
   add_block(i, i, own_offset_[i], K, 0, 0);
   add_block(j, j, own_offset_[j], K, 6, 6);

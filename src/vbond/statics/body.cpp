@@ -110,6 +110,7 @@ StaticBody::StaticBody(const Model& model, const StaticStage& stage, State state
   std::erase_if(state_.contact_history, [](const PairMemory& m) { return m.kept == 0.0; });
   take_hold();
   take_hold_of_walls();
+  look_at_grips();
   set_held_rates();
   begin_heating();
   // positions are rounded to eps |r|, unit vectors to eps
@@ -145,7 +146,7 @@ void StaticBody::placed() {
   ++placement_number_;
   loaded_.reset();
   take_temperatures();
-  if (!grips_.empty()) set_held_rates();
+  if (!grips_.empty()) look_at_grips(), set_held_rates();
   stiffness_.current = false;
   if (!flows()) return;
   at_accepted_ = state_.r == accepted_at_.r && state_.q == accepted_at_.q &&
@@ -204,6 +205,7 @@ void StaticBody::move(const Vector& x, double new_load_factor) {
   }
   load_factor_ = new_load_factor;
   carry();
+  carry_free(x, change);
   carry_walls();
   placed();
 }
@@ -261,6 +263,7 @@ void StaticBody::lay_out(const std::vector<Assembly::Pair>& touching) const {
 
 /// Adds the symmetric part of a pair's block, and what held degrees of freedom that move do to free ones.
 void StaticBody::add_pair(ParticleId i, ParticleId j, const Block& in_world) const {
+  if (stiffness_.assembly.move_as_one(i, j)) return;
   Eigen::Matrix<double, 12, 1> rate;
   for (int k = 0; k < 3; ++k) {
     rate[k] = component(held_rate_[i].shift, k), rate[k + 3] = component(held_rate_[i].turn, k);
@@ -307,14 +310,13 @@ const StaticBody::Stiffness& StaticBody::stiffness_at_hand() const {
   }
   for (const auto& [i, j] : touching) add_pair(i, j, block_of(touch(model_, state_, i, j)));
   if (walls_.any()) add_walls(stiffness_);
+  add_arms();
   stiffness_.current = true;
   return stiffness_;
 }
 
 double StaticBody::moment_part() const {
-  const std::size_t n = model_.particles();
-  Loads applied{PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)};
-  add_applied(load_factor_, applied);
+  const Loads applied = moments_at_carriers();
   double largest = 0.0;
   for (const ParticleId p : applied.M.ids()) {
     const Vec3d m = outside_moment(p, applied);
@@ -330,9 +332,7 @@ double StaticBody::moment_part() const {
 SparseMatrix StaticBody::full_tangent() const {
   if (flows()) return stiffness_at_hand().full.matrix();  // moments from outside are what bonds leave
   SparseMatrix K = tangent();
-  const std::size_t n = model_.particles();
-  Loads applied{PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)};
-  add_applied(load_factor_, applied);
+  const Loads applied = moments_at_carriers();
   for (const ParticleId p : applied.M.ids()) {
     const Vec3d m = (0.5 / sq(unknowns_.length())) * outside_moment(p, applied);
     if (m == Vec3d{}) continue;
@@ -408,15 +408,9 @@ double StaticBody::potential_change(const Placement& from, double energy_from) c
   double change = potential() - energy_from;
   for (const ParticleId p : state_.r.ids()) {
     const Vec3d turn = rotation_vector(state_.q[p] * conjugate(from.q[p]));
-    Vec3d F = applied.F[p], M = applied.M[p];
-    if (relief_.size() > 0) {
-      const Movement relief = unknowns_.movement(p, relief_);  // components along the same axes
-      F -= (1.0 - load_factor_) * relief.shift;
-      M -= (1.0 - load_factor_) * unknowns_.length() * relief.turn;
-    }
-    change -= dot(F, state_.r[p] - from.r[p]) + dot(M, turn);
+    change -= dot(applied.F[p], state_.r[p] - from.r[p]) + dot(applied.M[p], turn);
   }
-  return change;
+  return change - work_of_relief(from, placement(), load_factor_);
 }
 
 double StaticBody::largest_bond_change(const Vector& x, double load_factor_change) const {

@@ -55,7 +55,12 @@ PerParticle<double> StaticBody::rounding_at_particles() const {
     const double e = force((1.0 - place(i, j) / norm(r_ij)) * r_ij) - force(r_ij);
     sum[i] += e, sum[j] += e;
   });
-  return sum;
+  PerParticle<double> at_unknowns(model_.particles(), 0.0);
+  for (const ParticleId p : sum.ids()) {
+    const Vec3d* arm = unknowns_.arm(p);
+    at_unknowns[unknowns_.carrier(p)] += (arm == nullptr ? 1.0 : 1.0 + norm(*arm) / L) * sum[p];
+  }
+  return at_unknowns;
 }
 
 bool StaticBody::rests_to_rounding() const {

@@ -1,4 +1,4 @@
-// What acts on a body from outside: supports, grips among them, and loads.
+// What acts on a body from outside: supports and loads.
 #include <algorithm>
 #include <numeric>
 #include <utility>
@@ -7,38 +7,15 @@
 
 namespace vbond {
 
-void StaticBody::take_hold() {
-  for (const StaticSupport& s : stage_.supports) {
-    if (!s.rigid) continue;
-    Vec3d pivot;
-    for (const ParticleId p : s.particles) pivot += state_.r[p];
-    pivot =
-        s.pivot ? *s.pivot + load_factor_ * s.displacement : pivot / static_cast<double>(s.particles.size());
-    Grip grip{&s, {pivot, s.displacement, s.rotation}, {}};
-    for (const ParticleId p : s.particles) grip.as_held.push_back({state_.r[p] - pivot, state_.q[p]});
-    grips_.push_back(std::move(grip));
-  }
-}
-
-/// Particles of grips to where these are at the load factor.
-void StaticBody::carry() {
-  const double since = load_factor_ - held_at_;
-  for (const Grip& g : grips_) {
-    const Vec3d pivot = g.motion.pivot_at(since);
-    const Quatd turn = g.motion.turn(since);
-    for (std::size_t k = 0; k < g.as_held.size(); ++k) {
-      const ParticleId p = g.support->particles[k];
-      state_.r[p] = pivot + rotate(turn, g.as_held[k].arm);
-      state_.q[p] = normalised(turn * g.as_held[k].q);
-    }
-  }
-}
-
 void StaticBody::set_held_rates() {
   for (const Hold& h : holds_) held_rate_[h.particle] = {};
   for (const Hold& h : holds_) {
     const StaticSupport& s = stage_.supports[h.support];
     const Movement rate{rate_of(s, h.particle), unknowns_.length() * s.rotation};
+    if (is_free_grip(s)) {
+      held_rate_[h.particle] = rate;
+      continue;
+    }
     for (int dof = 0; dof < 6; ++dof)
       if (h.held[static_cast<std::size_t>(dof)])
         unknowns_.add(h.particle, dof, unknowns_.along(h.particle, dof, rate), held_rate_[h.particle]);
@@ -47,6 +24,7 @@ void StaticBody::set_held_rates() {
 
 Vec3d StaticBody::rate_of(const StaticSupport& s, ParticleId p) const {
   if (!s.rigid) return s.displacement;
+  if (is_free_grip(s)) return s.displacement + cross(s.rotation, *unknowns_.arm(p));
   const auto grip =
       std::find_if(grips_.begin(), grips_.end(), [&](const Grip& g) { return g.support == &s; });
   return grip->motion.rate_at(load_factor_ - held_at_, state_.r[p]);
@@ -63,9 +41,19 @@ void StaticBody::add_applied(double load_factor, Loads& loads) const {
   for (const ParticleId p : loads.F.ids()) loads.F[p] += gravity * model_.mass[p] * stage_.gravity;
 }
 
+/// Loads at the load factor, moments on particles of a rigid support that is free in part where its unknowns
+/// are. Its forces act there with their arms, which turn with it: they have a potential.
+Loads StaticBody::moments_at_carriers() const {
+  Loads applied = applied_loads(load_factor_);
+  for (const ParticleId p : applied.M.ids())
+    if (const ParticleId c = unknowns_.carrier(p); c != p)
+      applied.M[c] += std::exchange(applied.M[p], Vec3d{});
+  return applied;
+}
+
 /// The moment that acts on a particle from outside and has no potential: applied, or the reaction of a held
 /// turn; along the axes of its turns. Zero with fewer than two free turns, which then have nothing to be
-/// antisymmetric with.
+/// antisymmetric with. A rigid support that holds one turn does so where nothing turns it.
 Vec3d StaticBody::outside_moment(ParticleId p, const Loads& applied) const {
   constexpr double most_bonds = 16.0;  // of a particle, whose rounding may add up
   int free = 0;
@@ -73,7 +61,7 @@ Vec3d StaticBody::outside_moment(ParticleId p, const Loads& applied) const {
   if (free < 2) return {};
   const auto about = [&](int k, const Vec3d& m) { return unknowns_.along(p, 3 + k, {{}, m}); };
   Vec3d m{about(0, applied.M[p]), about(1, applied.M[p]), about(2, applied.M[p])};
-  if (free == 3) return m;
+  if (free == 3 || unknowns_.arm(p) != nullptr) return m;
   const Loaded& l = loads_at_hand();
   const double rounding = unknowns_.length() * std::max(1e-9 * l.largest, most_bonds * rounding_of_force_);
   for (int k = 0; k < 3; ++k) {
@@ -108,9 +96,9 @@ double StaticBody::work_of_relief(const Placement& from, const Placement& to, do
   if (relief_.size() == 0) return 0.0;
   double work = 0.0;
   for (const ParticleId p : from.r.ids()) {
-    const Movement relief = unknowns_.movement(p, relief_);  // components along the same axes
+    const Movement relief = unknowns_.along_own(p, relief_);
     work -= (1.0 - load_factor) *
-            (dot(relief.shift, to.r[p] - from.r[p]) +
+            (dot(relief.shift, seat(p, to) - seat(p, from)) +
              unknowns_.length() * dot(relief.turn, rotation_vector(to.q[p] * conjugate(from.q[p]))));
   }
   return work;
@@ -121,6 +109,10 @@ void StaticBody::add_power(const StaticSupport& support, ParticleId p, const Hel
                            const HeldAxes* axes, double& power) const {
   const Loads& loads = loads_at_hand().loads;
   const Vec3d rate = rate_of(support, p);
+  if (is_free_grip(support)) {  // what its particles do to each other does no work
+    power -= dot(loads.F[p], rate) + dot(loads.M[p], support.rotation);
+    return;
+  }
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3d &along = axis_of(axes, k), &about = axis_of(axes, k + 3);
     if (held[k]) power -= dot(loads.F[p], along) * dot(rate, along);
@@ -142,21 +134,6 @@ double StaticBody::power_of_supports() const {
   return std::accumulate(power.begin(), power.end(), 0.0);
 }
 
-std::vector<GripView> StaticBody::grips() const {
-  const Loads& loads = loads_at_hand().loads;
-  std::vector<GripView> all;
-  for (const Grip& g : grips_) {
-    const Vec3d pivot = g.motion.pivot_at(load_factor_ - held_at_);
-    GripView view{g.support->group, {}, {}, load_factor_ * norm(g.support->rotation), std::nullopt};
-    for (const ParticleId p : g.support->particles) {
-      view.force -= loads.F[p];
-      view.moment -= loads.M[p] + cross(state_.r[p] - pivot, loads.F[p]);
-    }
-    all.push_back(std::move(view));
-  }
-  return all;
-}
-
 Reaction StaticBody::reaction(const std::vector<ParticleId>& particles) const {
   const Loads& loads = loads_at_hand().loads;
   Reaction r;
@@ -164,7 +141,8 @@ Reaction StaticBody::reaction(const std::vector<ParticleId>& particles) const {
     const Movement load{loads.F[p], loads.M[p]};
     Movement held;
     for (int dof = 0; dof < 6; ++dof)
-      if (unknowns_.of(p, dof) == Unknowns::held) unknowns_.add(p, dof, -unknowns_.along(p, dof, load), held);
+      if (unknowns_.arm(p) != nullptr || unknowns_.of(p, dof) == Unknowns::held)
+        unknowns_.add(p, dof, -unknowns_.along(p, dof, load), held);
     const Vec3d &F = held.shift, &M = held.turn;
     r.force += F;
     r.moment += M + cross(state_.r[p], F);

@@ -110,7 +110,7 @@ bool BreakingBody::is_stable() {
 void BreakingBody::break_bond(BondId k, BreakMode mode) {
   const Bond& bond = body_->state().bonds[k];
   std::vector<int> unknowns;
-  for (const ParticleId p : {bond.i, bond.j})
+  for (const ParticleId p : {body_->unknowns().carrier(bond.i), body_->unknowns().carrier(bond.j)})
     for (int dof = 0; dof < 6; ++dof)
       if (const int u = body_->unknowns().of(p, dof); u != Unknowns::held) unknowns.push_back(u);
   solver_->note_break(std::move(unknowns));
@@ -182,6 +182,12 @@ void BreakingBody::add_work_of_walls(const Vector& work) {
   if (body_->walls_move()) body_->add_work_of_walls(work.tail(work.size() - 1));
 }
 
+StaticSupport& BreakingBody::free_grip_of(ParticleId first) {
+  return *std::find_if(stage_->supports.begin(), stage_->supports.end(), [&](const StaticSupport& s) {
+    return is_free_grip(s) && s.particles.front() == first;
+  });
+}
+
 std::optional<std::string> BreakingBody::hold_free_parts() {
   constexpr double nothing = 1e-9;  // of the loads that drive a part: rounding
   const RigidMotions free =
@@ -198,6 +204,10 @@ std::optional<std::string> BreakingBody::hold_free_parts() {
            load_factor(), first_of(free.names)));
   for (const int unknown : holding_unknowns(free.basis)) {
     const auto [particle, dof] = body_->unknowns().place(unknown);
+    if (body_->unknowns().arm(particle) != nullptr) {
+      free_grip_of(particle).held[static_cast<std::size_t>(dof)] = true;
+      continue;
+    }
     StaticSupport hold{"", {particle}, {}, {}, {}};
     hold.held[static_cast<std::size_t>(dof)] = true;
     if (const HeldAxes* axes = body_->unknowns().axes(particle)) hold.axes = *axes;

@@ -25,11 +25,12 @@ using Motions = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 constexpr double smallest_lever = 1.5e-8;
 
 /// The parts, each in increasing order, in the order of their first particles.
-std::vector<Part> connected_parts(const Model& model, const State& state) {
+std::vector<Part> connected_parts(const Model& model, const State& state, const Unknowns& unknowns) {
   DisjointSets<ParticleId> sets(model.particles());
   for (const Bond& b : state.bonds)
     if (!b.broken) sets.join(b.i, b.j);
   for_touching_pairs(model, state, [&](ParticleId i, ParticleId j, double) { sets.join(i, j); });
+  for (const ParticleId p : model.mass.ids()) sets.join(p, unknowns.carrier(p));
 
   PerParticle<std::size_t> number(model.particles());
   std::vector<Part> parts;
@@ -57,14 +58,15 @@ class RigidPart {
   /// count times the length scale, as in Unknowns.
   Eigen::Matrix<double, 1, 6> row(ParticleId p, int dof, const Unknowns& unknowns) const {
     const Vec3d& a = unknowns.axis(p, dof);
-    if (dof < 3) return row(p, a);
+    const Vec3d* arm = unknowns.arm(p);
+    if (dof < 3) return row(arm == nullptr ? state_.r[p] : state_.r[p] - *arm, a);
     Eigen::Matrix<double, 1, 6> h = Eigen::Matrix<double, 1, 6>::Zero();
     for (int k = 0; k < 3; ++k) h[3 + k] = turn_length_ / radius_ * component(a, k);
     return h;
   }
-  /// The same of a translation of a particle along a direction.
-  Eigen::Matrix<double, 1, 6> row(ParticleId p, const Vec3d& n) const {
-    const Vec3d lever = cross((state_.r[p] - centroid_) / radius_, n);
+  /// The same of a translation of what is at r along a direction.
+  Eigen::Matrix<double, 1, 6> row(const Vec3d& r, const Vec3d& n) const {
+    const Vec3d lever = cross((r - centroid_) / radius_, n);
     Eigen::Matrix<double, 1, 6> h;
     h << n.x, n.y, n.z, lever.x, lever.y, lever.z;
     return h;
@@ -74,9 +76,9 @@ class RigidPart {
   Motions free_motions(const Unknowns& unknowns, const PerParticle<std::vector<Vec3d>>& normals) const {
     std::vector<Eigen::Matrix<double, 1, 6>> held;
     for (const ParticleId p : part_) {
-      for (int dof = 0; dof < 6; ++dof)
+      for (int dof = 0; dof < 6 && unknowns.carrier(p) == p; ++dof)
         if (unknowns.of(p, dof) == Unknowns::held) held.push_back(row(p, dof, unknowns));
-      for (const Vec3d& n : normals[p]) held.push_back(row(p, n));
+      for (const Vec3d& n : normals[p]) held.push_back(row(state_.r[p], n));
     }
     if (held.empty()) return Motions::Identity(6, 6);
     DenseMatrix H = DenseMatrix::Zero(std::max<Eigen::Index>(6, static_cast<Eigen::Index>(held.size())), 6);
@@ -150,7 +152,7 @@ RigidMotions free_rigid_motions(const Model& model, const State& state, const Un
   PerParticle<std::vector<Vec3d>> normals(model.particles());
   for (const WallHold& h : holds) normals[h.p].push_back(h.normal);
   std::vector<Eigen::Triplet<double>> entries;
-  for (const Part& part : connected_parts(model, state)) {
+  for (const Part& part : connected_parts(model, state, unknowns)) {
     const RigidPart body(part, state, unknowns.length());
     const Motions free = along_axes(body.free_motions(unknowns, normals));
     const int first = static_cast<int>(result.names.size());

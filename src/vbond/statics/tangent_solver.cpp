@@ -33,7 +33,7 @@ TangentSolver::Choice TangentSolver::choose(const StaticBody& body) {
   factor_.analyse(body.tangent());
   if (wanted_ == LinearSolver::direct) return Choice::direct;
   const bool fits = factor_.bytes() <= share_of_memory * memory_limit();
-  const bool may = has_multigrid() && body.stage().kind != StageKind::fracture;
+  const bool may = has_multigrid() && body.stage().kind != StageKind::fracture && !body.has_free_grips();
   if (may && (!fits || multigrid_pays(factor_, body))) return Choice::multigrid;
   return fits ? Choice::direct : Choice::none;
 }
@@ -48,6 +48,9 @@ void TangentSolver::prepare(const StaticBody& body) {
                         "build with the preset petsc, or use solver = \"automatic\"");
   if (wanted_ == LinearSolver::multigrid && body.stage().kind == StageKind::fracture)
     throw NoEquilibrium(stage, "fracture needs the factors of the tangent", "use solver = \"automatic\"");
+  if (wanted_ == LinearSolver::multigrid && body.has_free_grips())
+    throw NoEquilibrium(stage, "rigid groups that are free in part need the factors of the tangent",
+                        "use solver = \"automatic\"");
   const Choice choice = choose(body);
   if (choice == Choice::none)
     throw NoEquilibrium(stage,

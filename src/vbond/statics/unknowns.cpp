@@ -10,18 +10,29 @@ namespace vbond {
 
 Unknowns::Unknowns(std::size_t particles, const std::vector<StaticSupport>& supports, double length)
     : axes_(supports), number_(particles, {0, 0, 0, 0, 0, 0}), length_(length) {
-  for (const StaticSupport& s : supports)
+  for (const StaticSupport& s : supports) {
+    if (is_free_grip(s)) carry(s);
     for (const ParticleId p : s.particles) {
-      const HeldDofs of_p = axes_.held(s, p);
+      const bool carried = is_free_grip(s) && p != s.particles.front();
+      const HeldDofs of_p = carried ? all_held : axes_.held(s, p);
       for (std::size_t dof = 0; dof < 6; ++dof)
         if (of_p[dof]) number_[p][dof] = held;
     }
+  }
   for (const ParticleId p : number_.ids())
     for (std::size_t dof = 0; dof < 6; ++dof) {
       if (number_[p][dof] == held) continue;
       number_[p][dof] = size();
       place_.push_back({p, static_cast<int>(dof)});
     }
+}
+
+void Unknowns::carry(const StaticSupport& grip) {
+  if (carried_.empty()) {
+    carried_.resize(number_.size());
+    for (const ParticleId p : carried_.ids()) carried_[p].by = p;
+  }
+  for (const ParticleId p : grip.particles) carried_[p] = {grip.particles.front(), true, {}};
 }
 
 std::string Unknowns::name(int unknown) const {
@@ -32,7 +43,8 @@ std::string Unknowns::name(int unknown) const {
   if (const Vec3d& a = axis(p.particle, p.dof); a != world_axes[static_cast<std::size_t>(p.dof % 3)])
     return fmt::format("{} ({:.3g}, {:.3g}, {:.3g}) of particle {}",
                        p.dof < 3 ? "translation along" : "rotation about", a.x, a.y, a.z, p.particle.value);
-  return fmt::format("{} of particle {}", dof_names[p.dof], p.particle.value);
+  return fmt::format("{} of {}particle {}", dof_names[p.dof], arm(p.particle) ? "the rigid group with " : "",
+                     p.particle.value);
 }
 
 std::string Unknowns::names_of_largest(const Vector& x) const {

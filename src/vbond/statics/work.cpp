@@ -18,7 +18,7 @@ Vector way(const StaticBody& body, const Placement& from, const Placement& to) {
   Vector x(unknowns.size());
   for (int k = 0; k < unknowns.size(); ++k) {
     const auto [p, dof] = unknowns.place(k);
-    const Movement m{to.r[p] - from.r[p],
+    const Movement m{body.seat(p, to) - body.seat(p, from),
                      unknowns.length() * rotation_vector(to.q[p] * conjugate(from.q[p]))};
     x[k] = unknowns.along(p, dof, m);
   }

@@ -25,21 +25,29 @@ class Assembly {
 
   explicit Assembly(const Unknowns& unknowns) : unknowns_(unknowns) {}
 
-  /// Lays out the matrix for these pairs, each i != j; every particle has its own block as well. Throws
-  /// std::length_error if it would have more entries than the indices can count.
+  /// Lays out the matrix for these pairs, each i != j; every particle has its own block as well. Those of a
+  /// rigid support that is free in part share one. Throws std::length_error if it would have more entries
+  /// than the indices can count.
   void lay_out(std::size_t particles, const std::vector<Pair>& pairs);
-  bool has(ParticleId i, ParticleId j) const { return offsets_.count(key(i, j)) > 0; }
+  bool has(ParticleId i, ParticleId j) const {
+    return move_as_one(i, j) || offsets_.count(key(unknowns_.carrier(i), unknowns_.carrier(j))) > 0;
+  }
+  /// Whether a rigid support carries both: nothing changes between them.
+  bool move_as_one(ParticleId i, ParticleId j) const { return unknowns_.carrier(i) == unknowns_.carrier(j); }
   /// Grows with every layout.
   int version() const { return version_; }
 
-  /// A block over the world's axes in those of the particles.
+  /// A block over the world's axes in those of the particles, or of what carries them.
   Block in_axes(ParticleId i, ParticleId j, const Block& in_world) const;
 
   void clear();
-  /// Adds the rows and columns of free unknowns.
+  /// Adds the rows and columns of free unknowns. The particles do not move as one.
   void add(ParticleId i, ParticleId j, const Block& K);
   /// The same of one particle: the upper left quarter of a block.
-  void add_own(ParticleId i, const Block& K) { add_block(i, i, own_offset_[i], K, 0, 0); }
+  void add_own(ParticleId i, const Block& K) {
+    const ParticleId c = unknowns_.carrier(i);
+    add_block(c, c, own_offset_[c], K, 0, 0);
+  }
   const SparseMatrix& matrix() const { return matrix_; }
 
  private:

@@ -85,6 +85,10 @@ class StaticBody {
   /// From now on what is out of balance at this moment fades in proportion to 1 - load factor.
   void relieve();
 
+  /// Where the unknowns of a particle are in a placement: at its centre, or at the pivot of the rigid support
+  /// that moves with them.
+  Vec3d seat(ParticleId p, const Placement& at) const;
+
   /// What is out of balance on the free unknowns.  [force]
   const Vector& unbalanced() const { return loads_at_hand().unbalanced; }
   /// Largest |unbalanced| over the largest force in the body: of a bond, a contact or a load. NaN if any of
@@ -141,6 +145,8 @@ class StaticBody {
   double power_of_supports() const;
   /// How the held translations of one of a support's particles go, per load factor.  [length]
   Vec3d rate_of(const StaticSupport& support, ParticleId p) const;
+  /// Whether rigid supports are free in some degrees of freedom.
+  bool has_free_grips() const;
   /// Grips of the stage, without their work.
   std::vector<GripView> grips() const;
   /// Whether walls move with the load factor.
@@ -183,11 +189,14 @@ class StaticBody {
     std::vector<Reaction> on_walls;     // of particles, moments about the walls' centres
     double rounding_of_force = 0, rounding_of_potential = 0;  // of touches
   };
-  /// A rigid support: its pose is that in which it took hold, moved with the load factor since then.
+  /// A rigid support: its pose is that in which it took hold, moved with the load factor since then; of one
+  /// that is free in part it is that of its first particle.
   struct Grip {
     const StaticSupport* support;
     RigidMotion motion;
     std::vector<GrippedPose> as_held;
+    Vec3d pivot;  // where it stands
+    Quatd turn;   // since it took hold
   };
   /// A wall that moves: as it was when the stage took hold of it, and how it goes on from there.
   struct DrivenWall {
@@ -207,6 +216,8 @@ class StaticBody {
   Loads applied_loads(double load_factor) const;
   void lay_out(const std::vector<Assembly::Pair>& touching) const;
   void add_pair(ParticleId i, ParticleId j, const Assembly::Block& d) const;
+  void add_arms() const;
+  Loads moments_at_carriers() const;
   Vector on_unknowns(const Loads& loads) const;
   PerParticle<double> rounding_at_particles() const;
   void placed();
@@ -221,6 +232,10 @@ class StaticBody {
                  double& power) const;
   void take_hold();
   void carry();
+  void carry_free(const Vector& x, double load_factor_change);
+  static void place(const Grip& grip, const Vec3d& pivot, const Quatd& turn, State& state);
+  void look_at_grips();
+  double angle_of(const Grip& grip) const;
   void set_held_rates();
   void take_hold_of_walls();
   void carry_walls();

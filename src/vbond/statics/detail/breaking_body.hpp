@@ -65,6 +65,7 @@ class BreakingBody {
   /// Holds parts that can move freely now. Returns what moves freely under loads, in words, or nothing; then
   /// nothing is held.
   std::optional<std::string> hold_free_parts();
+  StaticSupport& free_grip_of(ParticleId first);
 
  private:
   void begin(State state, double load_factor);

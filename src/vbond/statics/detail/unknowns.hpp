@@ -20,6 +20,9 @@ struct Movement {
 /// or a small turn about, an axis of the particle, times the length scale of the body. The axes are those of
 /// the world, but of particles that are held along or about slanted ones. So all components of the unbalanced
 /// load are forces and all of the tangent are force/length. The free ones of a particle follow each other.
+///
+/// The particles of a rigid support that is free in part move as one body: with the degrees of freedom of its
+/// pivot, which have the numbers of its first particle.
 class Unknowns {
  public:
   static constexpr int held = -1;
@@ -51,15 +54,36 @@ class Unknowns {
     else
       component(v, dof % 3) += x;
   }
+  /// The particle that has the numbers of the degrees of freedom that move this one: itself, or the first of
+  /// its rigid support.
+  ParticleId carrier(ParticleId p) const { return carried_.empty() ? p : carried_[p].by; }
+  /// From the pivot to a particle of a rigid support that is free in part; else nullptr.  [length]
+  const Vec3d* arm(ParticleId p) const {
+    return carried_.empty() || !carried_[p].has_arm ? nullptr : &carried_[p].arm;
+  }
+  /// Where it points has changed.
+  void set_arm(ParticleId p, const Vec3d& arm) { carried_[p].arm = arm; }
   /// What these unknowns move a particle by.
   Movement movement(ParticleId p, const Vector& x) const {
+    const Vec3d* d = arm(p);
+    if (d == nullptr) return along_own(p, x);
+    Movement m = along_own(carrier(p), x);
+    m.shift += cross(m.turn, *d) / length_;
+    return m;
+  }
+  /// Movements, or forces, along the degrees of freedom that have the numbers of this particle.
+  Movement along_own(ParticleId p, const Vector& x) const {
     Movement m;
     for (int dof = 0; dof < 6; ++dof)
       if (const int k = of(p, dof); k != held) add(p, dof, x[k], m);
     return m;
   }
   /// Adds a force and a moment over the length scale on a particle to the components of unknowns.
-  void add_load(ParticleId p, const Movement& load, Vector& to) const {
+  void add_load(ParticleId p, Movement load, Vector& to) const {
+    if (const Vec3d* d = arm(p)) {
+      load.turn += cross(*d, load.shift) / length_;
+      p = carrier(p);
+    }
     for (int dof = 0; dof < 6; ++dof)
       if (const int k = of(p, dof); k != held) to[k] += along(p, dof, load);
   }
@@ -74,9 +98,17 @@ class Unknowns {
   Shape shape(const Vector& x) const;
 
  private:
+  struct Carried {
+    ParticleId by;
+    bool has_arm = false;
+    Vec3d arm;
+  };
+  void carry(const StaticSupport& grip);
+
   ParticleAxes axes_;
   PerParticle<std::array<int, 6>> number_;
   std::vector<Place> place_;
+  PerParticle<Carried> carried_;  // empty where no rigid support is free in part
   double length_;
 };
 
