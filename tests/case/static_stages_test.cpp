@@ -112,6 +112,9 @@ TEST(Stages, LoadsThatFollowSaySo) {
       stage("dynamics", "duration = 1\nloads = [{ group = \"last\", moment = [0, 0, 1], follower = true }]\n")
           .loads[0]
           .follower);
+  const std::string load = "loads = [{ group = \"last\", moment = [0, 0, 1], follower = true }]\n";
+  expect_accepted("path", load);
+  expect_refused("buckling", load, "kind = \"dynamics\", \"equilibrium\" or \"path\"");
 }
 
 TEST(Stages, RefuseWhatGripsHaveNot) {

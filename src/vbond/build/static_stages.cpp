@@ -26,6 +26,7 @@ std::vector<StaticLoad> loads(const StageResolver& resolver) {
     StaticLoad load{l.group.value, resolver.particles(l.group), l.force, l.moment, l.constant};
     load.force_by_mass = l.total_force / resolver.mass_of(load.particles);
     load.moment_by_mass = l.total_moment / resolver.mass_of(load.particles);
+    load.follower = l.follower;
     resolved.push_back(std::move(load));
   }
   return resolved;

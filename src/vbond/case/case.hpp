@@ -275,7 +275,7 @@ struct LoadSpec {
   TimeFunctionSpec factor;                    ///< dynamics
   bool constant = false;                      ///< static stages: not in proportion to the load factor
   Vec3d total_force = {}, total_moment = {};  ///< on the group, shared by mass
-  bool follower = false;                      ///< dynamics: along the axes of each particle
+  bool follower = false;                      ///< along the axes of each particle
 };
 
 struct TemperatureSpec {

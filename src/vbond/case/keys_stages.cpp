@@ -121,13 +121,13 @@ void describe_load(Table& t, LoadSpec& s, Kind kind) {
         "on the whole group, shared by mass: through its centre of mass");
   t.key("total_moment", s.total_moment, vector_of(moment), optional,
         "on the whole group, as moments on its particles, shared by mass: a torque about any axis along it");
-  t.when(!kind || !is_static(*kind), in_dynamics, [&] {
+  t.when(!kind || takes_followers(*kind), "kind = \"dynamics\", \"equilibrium\" or \"path\"", [&] {
     t.key(
         "follower", s.follower, FlagCodec{}, optional,
         "the load turns with each particle: it is given along the particle's own axes, those of the world as "
         "the run begins");
-    describe(t, s.factor);
   });
+  t.when(!kind || !is_static(*kind), in_dynamics, [&] { describe(t, s.factor); });
   t.when(!kind || is_static(*kind), in_statics, [&] {
     t.key("constant", s.constant, FlagCodec{}, optional,
           "at full size from the start, not in proportion to the load factor; modes: always");

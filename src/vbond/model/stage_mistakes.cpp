@@ -214,6 +214,8 @@ std::vector<std::string> mistakes_in(const Model& model, const StaticStage& stag
     found.require_finite(l.moment, who("a load", l), "the moment");
     found.require_finite(l.force_by_mass, who("a load", l), "the force by mass");
     found.require_finite(l.moment_by_mass, who("a load", l), "the moment by mass");
+    found.require(!l.follower || takes_followers(stage.kind),
+                  who("a load", l) + " turns with its particles: equilibria and paths take such loads");
   }
   for (const StaticHeating& h : stage.heating) {
     found.require_known(h.particles, "a temperature", "");

@@ -15,6 +15,11 @@ constexpr bool is_static(StageKind kind) {
   return kind != StageKind::dynamics;
 }
 
+/// Loads that turn with a particle have no potential: no critical loads, no modes, no books of fracture.
+constexpr bool takes_followers(StageKind kind) {
+  return kind == StageKind::dynamics || kind == StageKind::equilibrium || kind == StageKind::path;
+}
+
 /// Degrees of freedom that are held in a static stage, and moved from where the stage found them in
 /// proportion to the load factor. A turn about some of the axes is that of the held components alone;
 /// if all three are held it is the rotation by the vector, exactly. A rigid one is a grip, as in Support.
@@ -42,7 +47,7 @@ struct StaticWallDrive {
   bool off = false;  ///< the wall is not there in this stage
 };
 
-/// Force and moment on each particle of a group, as in PointLoad.
+/// Force and moment on each particle of a group, as in PointLoad; followers in equilibria and paths.
 struct StaticLoad {
   std::string group;
   std::vector<ParticleId> particles;
@@ -51,6 +56,7 @@ struct StaticLoad {
   bool constant = false;      ///< at full size from the start, not in proportion to the load factor
   Vec3d force_by_mass = {};   ///< [force/mass]
   Vec3d moment_by_mass = {};  ///< [force*length/mass]
+  bool follower = false;      ///< given along the axes of the particle, and turns with it
   Vec3d force_on(double mass) const { return force + mass * force_by_mass; }
   Vec3d moment_on(double mass) const { return moment + mass * moment_by_mass; }
 };

@@ -311,6 +311,7 @@ const StaticBody::Stiffness& StaticBody::stiffness_at_hand() const {
   for (const auto& [i, j] : touching) add_pair(i, j, block_of(touch(model_, state_, i, j)));
   if (walls_.any()) add_walls(stiffness_);
   add_arms();
+  add_followers();
   stiffness_.current = true;
   return stiffness_;
 }
@@ -326,6 +327,7 @@ double StaticBody::moment_part() const {
       if (both_free) largest = std::max(largest, 0.5 * std::abs(component(m, k)) / sq(unknowns_.length()));
     }
   }
+  for_followers([&](int, int, double K) { largest = std::max(largest, std::abs(K)); });
   return largest;
 }
 
@@ -343,6 +345,7 @@ SparseMatrix StaticBody::full_tangent() const {
         if (a != b && row != Unknowns::held && column != Unknowns::held) K.coeffRef(row, column) += S[a][b];
       }
   }
+  for_followers([&](int row, int column, double of_follower) { K.coeffRef(row, column) += of_follower; });
   return K;
 }
 

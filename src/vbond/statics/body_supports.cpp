@@ -34,8 +34,9 @@ void StaticBody::add_applied(double load_factor, Loads& loads) const {
   for (const StaticLoad& l : stage_.loads)
     for (const ParticleId p : l.particles) {
       const double factor = l.constant ? 1.0 : load_factor;
-      loads.F[p] += factor * l.force_on(model_.mass[p]);
-      loads.M[p] += factor * l.moment_on(model_.mass[p]);
+      const auto along = [&](const Vec3d& v) { return l.follower ? rotate(state_.q[p], v) : v; };
+      loads.F[p] += factor * along(l.force_on(model_.mass[p]));
+      loads.M[p] += factor * along(l.moment_on(model_.mass[p]));
     }
   const double gravity = stage_.constant_gravity ? 1.0 : load_factor;
   for (const ParticleId p : loads.F.ids()) loads.F[p] += gravity * model_.mass[p] * stage_.gravity;
@@ -49,6 +50,51 @@ Loads StaticBody::moments_at_carriers() const {
     if (const ParticleId c = unknowns_.carrier(p); c != p)
       applied.M[c] += std::exchange(applied.M[p], Vec3d{});
   return applied;
+}
+
+/// How a load that turns with a particle changes as it turns: its part of the tangent, along world axes.
+Assembly::Block StaticBody::follower_block(const StaticLoad& l, ParticleId p) const {
+  const double L = unknowns_.length(), factor = l.constant ? 1.0 : load_factor_;
+  const Vec3d F = factor / L * rotate(state_.q[p], l.force_on(model_.mass[p]));
+  const Vec3d M = factor / sq(L) * rotate(state_.q[p], l.moment_on(model_.mass[p]));
+  Assembly::Block K = Assembly::Block::Zero();
+  for (const auto& [row, v] : {std::pair{0, F}, std::pair{3, M}})
+    K.block<3, 3>(row, 3) << 0.0, -v.z, v.y, v.z, 0.0, -v.x, -v.y, v.x, 0.0;
+  return K;
+}
+
+void StaticBody::add_followers() const {
+  for (const StaticLoad& l : stage_.loads) {
+    if (!l.follower) continue;
+    for (const ParticleId p : l.particles) {
+      const Assembly::Block in_world = follower_block(l, p);
+      Eigen::Matrix<double, 12, 1> rate = Eigen::Matrix<double, 12, 1>::Zero();
+      for (int k = 0; k < 3; ++k) rate[3 + k] = component(held_rate_[p].turn, k);
+      const Eigen::Matrix<double, 12, 1> pushed = -in_world * rate;
+      unknowns_.add_load(p, {{pushed[0], pushed[1], pushed[2]}, {pushed[3], pushed[4], pushed[5]}},
+                         stiffness_.load_direction);
+      const Assembly::Block K = stiffness_.assembly.in_axes(p, p, in_world);
+      stiffness_.assembly.add_own(p, 0.5 * (K + K.transpose()));
+      if (flows()) stiffness_.full.add_own(p, K);
+    }
+  }
+}
+
+/// Of the parts of followers in the tangent what has no potential: the antisymmetric part.
+void StaticBody::for_followers(const std::function<void(int row, int column, double K)>& entry) const {
+  for (const StaticLoad& l : stage_.loads) {
+    if (!l.follower) continue;
+    for (const ParticleId p : l.particles) {
+      const Assembly::Block K = stiffness_.assembly.in_axes(p, p, follower_block(l, p));
+      const ParticleId c = unknowns_.carrier(p);
+      for (int a = 0; a < 6; ++a)
+        for (int b = 0; b < 6; ++b) {
+          const int row = unknowns_.of(c, a), column = unknowns_.of(c, b);
+          if (row != Unknowns::held && column != Unknowns::held)
+            entry(row, column, 0.5 * (K(a, b) - K(b, a)));
+        }
+    }
+  }
 }
 
 /// The moment that acts on a particle from outside and has no potential: applied, or the reaction of a held

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -53,7 +54,8 @@ double distance(const Placement& a, const Placement& b, double length);
 /// In the chart q -> exp(turn) q the second derivative of the energy is the symmetric part alone: that is
 /// tangent(). In balance the other part vanishes where no moment acts from outside. A moment of fixed
 /// direction, or that of a support which holds one turn of a particle and leaves two, is not the derivative
-/// of any potential: its part stays, and full_tangent() has it.
+/// of any potential: its part stays, and full_tangent() has it. So is a load that turns with a particle; the
+/// symmetric part of what it does is in tangent().
 class StaticBody {
  public:
   /// Keeps references to model and stage. All particles come to rest. The state is that at this load factor.
@@ -108,7 +110,8 @@ class StaticBody {
   int pattern_version() const { return stiffness_at_hand().assembly.version(); }
   /// Derivative of unbalanced() with the load factor, supports moving with it.  [force]
   const Vector& load_direction() const { return stiffness_at_hand().load_direction; }
-  /// The largest entry of the antisymmetric part that outside moments leave in balance, here.  [force/length]
+  /// The largest entry of the antisymmetric part that outside moments, and loads that turn with a particle,
+  /// leave in balance, here.  [force/length]
   double moment_part() const;
   bool has_moment_part() const { return moment_part() > 0.0; }
   /// Whether full_tangent() is another matrix: with such moments, or where bonds flow. Those of which one
@@ -217,6 +220,9 @@ class StaticBody {
   void lay_out(const std::vector<Assembly::Pair>& touching) const;
   void add_pair(ParticleId i, ParticleId j, const Assembly::Block& d) const;
   void add_arms() const;
+  void add_followers() const;
+  Assembly::Block follower_block(const StaticLoad& l, ParticleId p) const;
+  void for_followers(const std::function<void(int row, int column, double K)>& entry) const;
   Loads moments_at_carriers() const;
   Vector on_unknowns(const Loads& loads) const;
   PerParticle<double> rounding_at_particles() const;
