@@ -6,7 +6,7 @@
 
 #include "turned_body.hpp"
 
-namespace vbond {
+namespace vbond::free_grips_test {
 namespace {
 
 using testing::Dice;
@@ -187,10 +187,12 @@ TEST(FreeGrip, PulledPlateComesToRestUnderItsLoad) {
     EXPECT_LE(norm(run.state().r[p] - s.state.r[p] - Vec3d{0, 0, 0.2 / stiffness}), 1e-12);
   EXPECT_NEAR(run.grips().at(0).force.z, -0.2, 1e-12);
   EXPECT_NEAR(run.grips().at(1).force.z, 0.0, 1e-12);
-  EXPECT_NEAR(run.books().dissipated, 0.5 * sq(0.2) / stiffness,
-              5e-3 * run.books().dissipated);  // (omega dt)^2 / 4
+  // Kick, drift, kick keeps p^2/2M + (1 - (omega dt)^2/4) k x^2/2, and drag takes from p^2/2M: all of it, in
+  // the end. What the load did and no energy is found for is the other part. To rounding.
+  const double stored = 0.5 * sq(0.2) / stiffness, lost = 0.25 * stiffness / 4.0 * sq(stage.dt) * stored;
+  EXPECT_NEAR(run.books().dissipated, stored - lost, 1e-14);
+  EXPECT_NEAR(run.balance_error(run.energies()) * run.books().largest, -lost, 1e-14);
   EXPECT_NEAR(run.books().work_supports, 0.0, 1e-13);
-  EXPECT_LT(std::abs(run.balance_error(run.energies())), 1e-3);
 }
 
 // Drag slows a grip as one body: exactly along a line, and what it takes is in the books.
@@ -210,8 +212,9 @@ TEST(FreeGrip, DragSlowsItAsOneBody) {
   EXPECT_NEAR(run.books().work_supports, -0.5 * M * 0.04, 1e-12);  // as it took hold: z is held
 }
 
-// Random bodies with a grip that is free in part: balance of energy to second order, the same bits with any
-// number of threads, and from a state in the middle of the run.
+// Random bodies with a grip that is free in part: balance of energy to second order, as both runs are looked
+// at after the same times, the same bits with any number of threads, and from a state in the middle of the
+// run. Of 300 bodies the largest error is 2.4e-4 of the energy, and the ratio within 1e-3 of a quarter.
 TEST(FreeGrip, BooksCloseAndRunsGoOn) {
   for (unsigned seed = 1; seed <= testing::campaign_size(10); ++seed) {
     Dice dice(seed);
@@ -236,13 +239,13 @@ TEST(FreeGrip, BooksCloseAndRunsGoOn) {
       stage.dt = k == 0 ? 0.04 : 0.02;
       Simulation run(s.model, stage, s.state);
       error[k] = 0.0;
-      for (int step = 1; step <= (k == 0 ? 200 : 400); ++step) {
-        run.step();
-        if (step % 10 == 0) error[k] = std::max(error[k], std::abs(run.balance_error(run.energies())));
+      for (int look = 0; look < 20; ++look) {
+        for (int step = 0; step < (k == 0 ? 10 : 20); ++step) run.step();
+        error[k] = std::max(error[k], std::abs(run.balance_error(run.energies())));
       }
     }
-    EXPECT_LT(error[1], 5e-3) << "seed " << seed;
-    EXPECT_LT(error[1], 0.35 * error[0]) << "seed " << seed;
+    EXPECT_LT(error[1], 6e-4) << "seed " << seed;
+    EXPECT_NEAR(error[1] / error[0], 0.25, 0.01) << "seed " << seed;
 
     Simulation whole(s.model, stage, s.state, 1), threads(s.model, stage, s.state, 3);
     whole.run(), threads.run();
@@ -281,4 +284,4 @@ TEST(FreeGrip, MistakesAreNamed) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::free_grips_test

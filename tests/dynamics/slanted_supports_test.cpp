@@ -5,7 +5,7 @@
 
 #include "turned_body.hpp"
 
-namespace vbond {
+namespace vbond::slanted_supports_test {
 namespace {
 
 using testing::Dice;
@@ -79,26 +79,27 @@ TEST(SlantedSupports, MotionTurnsWithTheBody) {
     ASSERT_NEAR(after.books().work_supports, before.books().work_supports, 1e-12) << seed;
     ASSERT_NEAR(after.books().work_loads, before.books().work_loads, 1e-12) << seed;
 
-    // local damping has axes; those of a particle that is held along slanted ones turn with it, so a body of
-    // which all particles are held in part does as a whole
+    // Local damping goes by axes. Those of a particle turn with it where one translation and one turn of it
+    // are free: which two a single held direction leaves free is up to the code. Where a rate is zero to
+    // rounding, as before the first wave comes, its sign may differ, and so the damping of a step: places by
+    // 3e-8 and energies by 6e-12 at most in 300 bodies, measured.
     if (local_damping == 0.0) continue;
     for (Stage* st : {&stage, &slanted}) {
       st->local_damping = local_damping;
-      for (std::size_t k = 1; k + 2 < n; ++k) {
-        Support s = testing::held({ParticleId{k}}, {false, false, true, false, true, false});
-        if (st == &slanted) s.axes = testing::turned_axes(turn);
-        st->supports.push_back(s);
+      st->supports.resize(1);
+      st->supports[0] = testing::held({ParticleId{0}}, testing::clamped);
+      for (std::size_t k = 1; k < n; ++k) {
+        HeldDofs most = all_held;
+        most[k % 3] = most[3 + (k + 1) % 3] = false;
+        st->supports.push_back(testing::held({ParticleId{k}}, most));
+        if (st == &slanted) st->supports.back().axes = testing::turned_axes(turn);
       }
-      for (std::size_t k = 0; k < 3; ++k)
-        st->supports[k].held[0] = st->supports[k].held[3] = true, st->supports[k].velocity = {},
-        st->supports[k].angular_velocity = {};
     }
     Simulation damped(plain.model, stage, plain.state), damped_after(turned.model, slanted, turned.state);
     damped.run(), damped_after.run();
     for (const ParticleId p : plain.state.r.ids())
-      ASSERT_LE(norm(damped_after.state().r[p] - rotate(turn, damped.state().r[p])), 1e-4)
-          << seed;  // it jumps with signs
-    ASSERT_NEAR(damped_after.books().dissipated, damped.books().dissipated, 1e-4) << seed;
+      ASSERT_LE(norm(damped_after.state().r[p] - rotate(turn, damped.state().r[p])), 1e-7) << seed;
+    ASSERT_NEAR(damped_after.books().dissipated, damped.books().dissipated, 1e-10) << seed;
   }
 }
 
@@ -112,11 +113,12 @@ TEST(SlantedSupports, BalanceOfEnergyCloses) {
     stage.supports[1].velocity = 0.002 * stage.supports[1].axes->along[0];
     Simulation run(s.model, stage, s.state);
     run.run();
-    EXPECT_GT(run.books().work_supports, 5e-6);
+    // the support brings its particle to 0.002 at once, and pushes the others after it
+    EXPECT_GT(run.books().work_supports, 0.5 * sq(0.002));
     error[k] = std::abs(run.balance_error(run.energies()));
   }
-  EXPECT_LT(error[1], 1e-4);
-  EXPECT_LT(error[1], 0.4 * error[0]);  // of second order
+  EXPECT_LT(error[1], 1e-4);             // (omega dt)^2 / 4 of leap-frog, with the chain's fastest omega = 2
+  EXPECT_LT(error[1], 0.26 * error[0]);  // of second order, but for some (omega dt)^2 of a quarter
 }
 
 // Angular velocity about a slanted axis is kept, and its moment told.
@@ -139,4 +141,4 @@ TEST(SlantedSupports, TurnAboutASlantedAxis) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::slanted_supports_test

@@ -7,7 +7,7 @@
 #include "vbond/core/error.hpp"
 #include "vbond/model/step_bound.hpp"
 
-namespace vbond {
+namespace vbond::wall_faults_test {
 namespace {
 
 using testing::drive;
@@ -138,4 +138,4 @@ TEST(StepBoundOfContacts, CountsRollingHollowWallsAndTouchedWalls) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::wall_faults_test

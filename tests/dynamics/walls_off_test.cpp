@@ -56,6 +56,7 @@ TEST(WallOff, ComesBackWithWhatItsTouchesStore) {
   State state = body.state;
   Simulation open(body.model, stage_of(1e-3, true), state);
   EXPECT_NEAR(open.energies().contact, 0.5 * k * overlap * overlap, 1e-15);
+  EXPECT_EQ(open.walls()[1].work, 0.0);  // it has never been there
   for (int n = 0; n < 20; ++n) open.step();
   State after = open.state();
   const double before = after.books.work_supports, deeper = overlap + after.r[first].z;

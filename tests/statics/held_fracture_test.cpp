@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "bodies.hpp"
+#include "dynamics/spheres_and_walls.hpp"
 #include "turned_body.hpp"
 #include "walks.hpp"
 
@@ -133,6 +134,27 @@ TEST(HeldFracture, EachBondBreaksWhereItsOwnLoadSaysSo) {
     ASSERT_LT(std::abs(f.books.error()), 1e-6) << seed;
   }
   EXPECT_GT(broke, 30);
+}
+
+// A held bundle goes with the wall that just touches it: overlaps are rounding, and so is what they store,
+// some 1e-17 of the least energy that the books compare an error with, a thousand roundings of the bonds'.
+TEST(HeldFracture, BooksOfNothingButRoundingClose) {
+  Dice dice(3);
+  double stored = 0.0;
+  for (int k = 0; k < 30; ++k) {
+    Specimen s = fibres({1.0, 1.0});
+    s.model.contact = testing::linear(1.0, 0.0);
+    s.model.walls = {testing::floor_at(-0.1)};
+    for (double& R : s.model.radius) R = 0.1;
+    const Vec3d way{dice(-0.3, 0.3), dice(-0.3, 0.3), dice(0.001, 0.5)};
+    StaticStage stage = testing::static_stage(StageKind::fracture, {plate(s, 0, way), plate(s, 1, way)});
+    stage.walls = {{"floor", 0, {0, 0, way.z}, {}, {}}};
+    const FractureBooks books = testing::walk(s, stage).result.fracture.books;
+    EXPECT_LT(std::abs(books.error()), 1e-9) << k;
+    stored = std::max(stored, books.stored);
+  }
+  EXPECT_GT(stored, 0.0);  // some did overlap
+  EXPECT_LT(stored, 1e-30);
 }
 
 }  // namespace

@@ -77,6 +77,25 @@ TEST(Interruption, LeavesThePointsUpToThere) {
   EXPECT_EQ(outcome.state.clock.stage_step, 3);
 }
 
+// After the last point of a balance nothing but the search for its smallest eigenvalue asks.
+TEST(Interruption, WithinTheSearchAfterABalanceLeavesItsLastPoint) {
+  const testing::Specimen s = column();
+  StaticStage stage = stage_of(StageKind::equilibrium);
+  stage.loads = {testing::pushed(40, {1e-3, 0, 0})};
+  stage.steps = 2;
+  State last;
+  int points = 0;
+  StaticHooks hooks;
+  hooks.point = [&](const StaticPoint& p) { last = p.state, ++points; };
+  hooks.interrupted = [&points] { return points == 3; };
+  const StaticOutcome outcome = run_static_stage(s.model, stage, s.state, hooks);
+  EXPECT_EQ(outcome.result.ended, "interrupted");
+  EXPECT_EQ(outcome.result.points, 3);
+  EXPECT_EQ(outcome.result.load_factor, 1.0);
+  EXPECT_EQ(outcome.state.r, last.r);
+  EXPECT_EQ(outcome.state.clock.stage_step, 3);
+}
+
 TEST(Pulse, TellsWhatTheStageIsAt) {
   StaticHooks hooks;
   std::vector<std::string> lines;

@@ -1,9 +1,9 @@
 // Validation case L1: elastic constants of lattices, from the energy of imposed uniform strain and curvature.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 
 #include "cases.hpp"
 #include "dynamics/rods.hpp"
@@ -136,14 +136,16 @@ TEST(ShellTheory, GivesTheTriangularSheetTheStiffnessOfTheWall) {
     const double E = 1.3, h = 0.2, across = 1 - nu * nu;
     const BondStiffness<double> c = shell({E, nu}, h);
     const Star star(triangular(), std::sqrt(0.75), c);
-    // energies of bending are smaller than those that `tolerance` is for, whose c_B is 0.0025; rounding is
-    // not
-    const double in_bending = tolerance * std::max(1.0, 0.0025 / c.c_B);
+    // Strains of second order stretch bonds: c_A size^2/(64 c_B) = 12/64 (size/h)^2 = 2e-7. Energies are
+    // differences of terms of B2, B3 and B4, each rounded to eps: of six bonds at both signs, at random, eps
+    // U0 sqrt(12)/4 per cell. Five times that, and thrice the other, are left.
+    const double U0 = 0.5 * (std::abs(c.c_B - 0.25 * c.c_D) + c.c_D + c.c_T), size = 2e-4;
+    const double rounding = std::numeric_limits<double>::epsilon() * U0 * std::sqrt(12.0) / (4.0 * star.cell);
     const double C11 = 2 * star.W(strain(1, 0, 0)), D = 2 * star.W(curvature(1, 0, 0));
+    const double in_bending = 6e-7 + 5.0 * 2.0 * rounding / (size * size * D);
     EXPECT_NEAR(C11 * across / (E * h), 1.0, tolerance) << nu;
     EXPECT_NEAR(star.W(strain(0, 0, 1)) / (E * h / (1 + nu)), 1.0, tolerance) << nu;  // 2 G h xy^2
     EXPECT_NEAR(star.W(strain(1, 1, 0)) / C11 - 1.0, nu, tolerance);
-    // strains of second order stretch bonds: c_A size^2/(64 c_B) = 12/64 (size/h)^2 = 2e-7
     EXPECT_NEAR(D * 12 * across / (E * h * h * h), 1.0, in_bending) << nu;
     EXPECT_NEAR(star.W(curvature(1, 1, 0)) / D - 1.0, nu, in_bending);
     EXPECT_NEAR(1.0 - star.W(curvature(0, 0, 1)) / D, nu, in_bending);

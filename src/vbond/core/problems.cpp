@@ -9,7 +9,7 @@ void Problems::add(Problem p) {
   std::string name = p.place.file + '\n' + p.rule;
   std::erase_if(name, [](char c) { return '0' <= c && c <= '9'; });
   Kind& kind = kinds_[std::move(name)];
-  if (kind.shown == most_) {
+  if (kind.shown > 0 && kind.shown >= most_) {  // one is always shown
     shown_[kind.last].more += 1 + p.more;
     return;
   }

@@ -42,7 +42,8 @@ class FreeGrip {
   /// Where it has turned to without torque in a time.
   Quatd turned(const Quatd& turn, const Vec3d& spin, double time) const;
   double energy(const Quatd& turn, const Vec3d& velocity, const Vec3d& spin) const;
-  /// Drag over half a step; returns the energy that goes.
+  /// Drag over half a step, of the shift and of the turn each by itself: where masses differ, drag of a turn
+  /// would also push. Returns the energy that goes.
   double slow_down(const Quatd& turn, Vec3d& velocity, Vec3d& spin) const;
   /// What drag takes of a motion of the whole grip at these rates.  [energy/time]
   double drag_power(const Quatd& turn, const Vec3d& velocity, const Vec3d& omega) const;

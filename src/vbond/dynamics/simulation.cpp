@@ -111,12 +111,10 @@ void Simulation::begin_stage() {
   state_.peak = {};
   state_.rest = {};
   state_.breaks = 0;
-  const double by_walls = walls_.put_off_and_on(team_);
+  const bool run_begins = state_.clock.stage == 0 && state_.clock.step == 0;
+  state_.books.work_supports += walls_.put_off_and_on(team_, run_begins);
   evaluate_loads();
-  if (state_.clock.stage == 0 && state_.clock.step == 0)
-    state_.books = opened_books(state_, energies().total());
-  else
-    state_.books.work_supports += by_walls;
+  if (run_begins) state_.books = opened_books(state_, energies().total());
   heat_at_start();
   supports_.set_times(0, stage_.dt);
   team_.for_blocks(

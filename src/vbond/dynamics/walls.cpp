@@ -75,7 +75,7 @@ void Walls::read(const State& s) {
     });
 }
 
-double Walls::put_off_and_on(const Team& team) {
+double Walls::put_off_and_on(const Team& team, bool run_begins) {
   const auto wants_off = [this](std::size_t w) { return drive_[w] != nullptr && drive_[w]->off; };
   std::vector<char> changes(walls_.size(), 0);
   for (std::size_t w = 0; w < walls_.size(); ++w) {
@@ -88,7 +88,7 @@ double Walls::put_off_and_on(const Team& team) {
   double work = 0.0;
   for (OfBlock& block : blocks_)
     for (const Near& near : block.near)
-      if (changes[near.wall] != 0) {
+      if (changes[near.wall] != 0 && !run_begins) {
         const double U = wants_off(near.wall) ? -energy(near) : energy(near);
         walls_[near.wall].work += U;
         work += U;

@@ -38,9 +38,9 @@ class Walls {
   void write(State& state) const;
 
   /// As a stage begins: takes away the walls that it has off, and puts back those that it has on again.
-  /// Returns the work that this does on the body: what their touches store, which goes or comes at once.
-  /// [energy]
-  double put_off_and_on(const Team& team);
+  /// Returns the work that this does on the body: what their touches store, which goes or comes at once. As
+  /// the run begins there is none: such walls have never been there.  [energy]
+  double put_off_and_on(const Team& team, bool run_begins);
 
   /// From t to t + dt, with the loads at t. The walls' velocities are then those of the half step.
   void move(std::int64_t stage_step, double dt);

@@ -47,9 +47,9 @@ PresentContacts present_contacts(const Model& model, const State& state, std::ve
       for_shares(place, [&](ParticleId p, double) { add(p, overlap); });
   }
   std::vector<WallTouch> touches;
-  for (std::size_t w = 0; w < walls.size(); ++w)
+  for (std::size_t w = 0; w < walls.size(); ++w) {
+    if (walls[w].off) continue;
     for (const ParticleId p : model.radius.ids()) {
-      if (walls[w].off) break;
       const double R = model.radius[p];
       Vec3d r = state.r[p];
       if (w < state.walls.size()) r = at_start(model.walls[w], state.walls[w], r);
@@ -59,6 +59,7 @@ PresentContacts present_contacts(const Model& model, const State& state, std::ve
       for (const WallTouch& t : touches) add(p, R - t.distance);
       walls[w].touches += static_cast<double>(touches.size());
     }
+  }
   return found;
 }
 

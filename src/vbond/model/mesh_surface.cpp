@@ -142,9 +142,10 @@ bool MeshSurface::is_nearest_of_its_part(std::uint32_t triangle, const TriangleP
   });
 }
 
-/// Whether r, on a triangle, is at a seam between it and another one that is open by less than `most`: not
-/// farther from open edges or corners of both than twice as much as they are apart. Edges that run beside
-/// each other are a seam, and so are corners, where they are apart by little against their length.
+/// Whether r, on a triangle, is at a seam between it and another one that is open by less than `most`: no
+/// farther from open edges of both than twice as much as these are apart, or from open corners of both than
+/// eight times as much. Edges that run beside each other are a seam, and so are corners, where they are apart
+/// by little against their length.
 bool MeshSurface::is_at_seam(std::uint32_t triangle, const Vec3d& r, std::uint32_t other, double most) const {
   const Corners &t = corners_[triangle], &u = corners_[other];
   const std::array<Segment, 3> own = sides_of(t.a, t.b, t.c), others = sides_of(u.a, u.b, u.c);

@@ -55,11 +55,11 @@ struct LawField {
 /// A law may have more:
 ///     bond_damping(law, pose, axis, rates)     loads that never give energy: power_taken() >= 0
 ///     damping(law)                             the slopes of these at rest, by channel, as a BondStiffness
-///     damping_powers(law, pose, axis, rates)   what they take by channel, as DampingPowers: the books tell
-///     them static constexpr std::array history{names}             what the bond remembers, zero at first; at
-///     most
-///         most_history. bond_energy, tension and bond_loads then have a LawHistory as last argument, as
-///         those below
+///     damping_powers(law, pose, axis, rates)   what they take by channel, as DampingPowers, for the books
+///     static constexpr std::array history{names}             what the bond remembers, zero at first: at most
+///         most_history numbers.
+///         bond_energy, tension and bond_loads then have a LawHistory as last argument, as do those
+///         below
 ///     advance(law, pose, axis, rates, dt, history)           the new history, before the loads of a step
 ///     static constexpr std::size_t dissipated_at             which number of the history is the energy that
 ///         it has dissipated; without it, what a new history takes from the energy of a bond is

@@ -295,8 +295,10 @@ class Fracture {
   }
 
   void note_balance(PointKind kind) {
+    constexpr double roundings = 1e3;  // as in dynamics: less is no energy that an error can be compared with
     book_energies();
-    found_.books.largest = std::max(found_.books.largest, std::abs(now_.stored));
+    found_.books.largest = std::max(
+        {found_.books.largest, std::abs(now_.stored), roundings * walk_.body().rounding_of_potential()});
     note_peak(walk_.load());
     report_point(walk_.body(), kind, 0, hooks_, result_);
     result_.unstable = 0;

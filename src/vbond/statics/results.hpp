@@ -125,7 +125,7 @@ struct FractureBooks {
   double stored = 0;      ///< at the end
   double dissipated = 0;  ///< by bonds that yield or soften
   double released = 0;    ///< by all breaks
-  double largest = 0;     ///< of these amounts on the way
+  double largest = 0;     ///< of these amounts on the way, and of a thousand times their rounding
   /// What is missing, as a part of the largest.
   double error() const {
     return largest > 0.0 ? (initial + work - stored - dissipated - released) / largest : 0.0;

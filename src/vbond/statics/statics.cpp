@@ -99,11 +99,12 @@ StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, Sta
   require_consistent("run_static_stage", model, stage, state);
   const OneBlasThread alone;
   const Pulse pulse(stage, hooks);
-  StaticResult until_then;  // for a stage that ends within an eigenvalue search
-  StaticHooks counting = hooks;
-  counting.point = [&](const StaticPoint& p) {
-    ++until_then.points;
-    until_then.load_factor = p.load_factor;
+  StaticOutcome until_then{{}, state};  // for a stage that ends within an eigenvalue search
+  StaticHooks keeping = hooks;
+  keeping.point = [&](const StaticPoint& p) {
+    ++until_then.result.points;
+    until_then.result.load_factor = p.load_factor;
+    until_then.state = p.state;
     if (hooks.point) hooks.point(p);
   };
   try {
@@ -111,11 +112,11 @@ StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, Sta
     refuse_contacts(model, stage, state);
     refuse_bonds_without_length(stage, state);
     tell_what_rests(model, stage, state, hooks);
-    return run_kind(model, stage, state, counting);
+    return run_kind(model, stage, std::move(state), keeping);
   } catch (const NoEquilibrium&) {
     throw;
   } catch (const Interrupted&) {
-    return interrupted_outcome(std::move(until_then), std::move(state));
+    return interrupted_outcome(std::move(until_then.result), std::move(until_then.state));
   } catch (...) {
     throw current_failure(stage);
   }

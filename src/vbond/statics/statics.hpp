@@ -32,8 +32,8 @@ StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, Sta
                                const StaticHooks& hooks);
 
 /// Throws NoEquilibrium, naming them, if parts of the body can move freely, as run_static_stage does when a
-/// stage of balance, path or buckling begins, or if supports hold everything, which only a balance takes.
-/// Modes take free bodies.
+/// stage of balance, path or buckling begins, or if supports hold everything, which only a balance and a
+/// fracture take. Modes take free bodies.
 void refuse_free_bodies(const Model& model, const StaticStage& stage, const State& state);
 
 /// With what a static stage solves its linear equations.
