@@ -69,7 +69,8 @@ TEST(CsvTable, RefusesWhatCanBeReadInTwoWays) {
   }
 }
 
-// Comparing each column with all before it would take more than 10 s, and three lines for each would be 20 MB.
+// Comparing each column with all before it would take more than 10 s, and three lines for each would be 20
+// MB.
 TEST(CsvTable, OfManyUnknownColumnsIsRefusedBriefly) {
   std::string header = "x,y";
   for (int k = 0; k < 100000; ++k) header += ",column" + std::to_string(k);
