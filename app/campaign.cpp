@@ -84,11 +84,13 @@ Campaign open_campaign(const Case& c, Run& run, OutputPlan plan, int threads, co
                     .stage_end = {}};
   campaign.progress = std::make_shared<ProgressObserver>(isatty(STDERR_FILENO) != 0 ? stderr : nullptr,
                                                          std::vector<std::int64_t>{});
-  const auto& bonds = run.current().bonds;  // they keep a strength that the case has lost since
-  campaign.plan.breaks = campaign.plan.breaks || std::any_of(bonds.begin(), bonds.end(), can_break);
-  campaign.plan.capsules =
-      campaign.plan.capsules ||
-      std::any_of(bonds.begin(), bonds.end(), [](const Bond& b) { return b.capsule > 0.0; });
+  const auto any = [&run](auto&& is_one) {  // bonds keep what the case has lost since
+    return std::any_of(run.current().bonds.begin(), run.current().bonds.end(), is_one);
+  };
+  campaign.plan.breaks = campaign.plan.breaks || any(can_break);
+  campaign.plan.capsules = campaign.plan.capsules || any([](const Bond& b) { return b.capsule > 0.0; });
+  campaign.plan.flow =
+      campaign.plan.flow || any([](const Bond& b) { return b.law->has_rules && b.law->remembers(); });
   campaign.heartbeat = std::make_shared<Heartbeat>(
       run, campaign.plan, c.title, start,
       [progress = campaign.progress](const std::string& warning) { tell_beside(*progress, warning); });

@@ -54,7 +54,7 @@ struct SweepOptions {
 struct PlotOptions {
   std::filesystem::path folder;
   std::vector<std::string> columns;  ///< of history.csv, a panel each
-  std::string x = "time";            ///< the column they are plotted against
+  std::optional<std::string> x;      ///< the column they are plotted against; else page::axis_of()
   bool still = false;                ///< also write report.png
 };
 

@@ -59,7 +59,10 @@ void add_plot(CLI::App& app, app::PlotOptions& o, CLI::App*& command) {
   command = app.add_subcommand("plot", "Plot columns of history.csv in the terminal");
   command->add_option("DIR", o.folder, "Output folder of a run")->required();
   command->add_option("COLUMN", o.columns, "Columns, a panel each; without any they are listed");
-  command->add_option("--x", o.x, "Column to plot against")->capture_default_str();
+  command->add_option(
+      "--x", o.x,
+      "Column to plot against (default: time; of balances alone the load factor or, where that "
+      "goes back, a displacement)");
   command->add_flag("--png", o.still,
                     "Write DIR/report.png, the report with its last frame as a picture; needs chromium");
 }

@@ -92,8 +92,9 @@ void print_output_size(const Case& c, const OutputPlan& plan, const Model& model
   if (plan.frames_every && dynamic) {
     const double frames = times_due(*plan.frames_every, c, model, steps);
     total += frames * frame;
-    fmt::print("output           at most {:.0f} frames of some {}: {}{}{}\n", frames, in_units(frame),
-               in_units(frames * frame), packed, points);
+    fmt::print("output           at most {:.0f} frames of some {}: {}{}{}{}\n", frames, in_units(frame),
+               in_units(frames * frame), packed, plan.frame_format.contacts ? "; contacts are extra" : "",
+               points);
   }
   if (modes > 0.0) {
     total += modes * frame;

@@ -33,7 +33,7 @@ void plot_columns(const PlotOptions& o) {
   const page::History history = page::read_history(o.folder / "history.csv");
   if (o.columns.empty()) column(history, {});
   const bool si = read_case(o.folder / "resolved.toml").units == UnitSystem::si;
-  const page::HistoryColumn& x = column(history, o.x);
+  const page::HistoryColumn& x = column(history, o.x.value_or(page::axis_of(history)));
   std::vector<const page::HistoryColumn*> wanted;  // all are looked up before any is drawn
   for (const std::string& name : o.columns) wanted.push_back(&column(history, name));
   for (const page::HistoryColumn* y : wanted)

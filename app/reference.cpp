@@ -31,27 +31,54 @@ std::string path_of(const std::string& key) {
   return path;
 }
 
-std::string last_part(const std::string& path) {
-  return path.substr(path.rfind('.') + 1);  // npos + 1 is 0
+/// The end of a path after each of its dots, and all of it: stage.stop.peak, stop.peak, peak.
+std::vector<std::string> ends_of(const std::string& path) {
+  std::vector<std::string> ends{path};
+  for (std::size_t dot = path.find('.'); dot != std::string::npos; dot = path.find('.', dot + 1))
+    ends.push_back(path.substr(dot + 1));
+  return ends;
 }
 
-/// The key, what is inside of it, and keys of that name in other tables.
+/// Whether a word that a key may take, such as "rod" of kind, is named where its type or condition says so.
+bool names_word(const KeyEntry& e, const std::string& word) {
+  const std::string quoted = '"' + word + '"';
+  return e.type.find(quoted) != std::string::npos || e.condition.find(quoted) != std::string::npos;
+}
+
+/// The key and what is inside of it; else keys whose path ends so, and those that take this word or go with
+/// it.
 std::vector<KeyEntry> matches(const std::vector<KeyEntry>& all, const std::string& wanted) {
   std::vector<KeyEntry> found;
   const auto take = [&](const auto& is_meant) {
     std::copy_if(all.begin(), all.end(), std::back_inserter(found), is_meant);
   };
   take([&](const KeyEntry& e) { return e.path == wanted || e.path.rfind(wanted + '.', 0) == 0; });
-  if (found.empty()) take([&](const KeyEntry& e) { return last_part(e.path) == wanted; });
+  if (found.empty())
+    take([&](const KeyEntry& e) { return e.path.ends_with('.' + wanted) || names_word(e, wanted); });
   return found;
+}
+
+/// The words between quotes in a text.
+std::vector<std::string> quoted_words(const std::string& text) {
+  std::vector<std::string> words;
+  for (std::size_t at = text.find('"'), end; at != std::string::npos; at = text.find('"', end + 1)) {
+    end = text.find('"', at + 1);
+    if (end == std::string::npos) break;
+    words.push_back(text.substr(at + 1, end - at - 1));
+  }
+  return words;
 }
 
 [[noreturn]] void refuse(const std::vector<KeyEntry>& all, const std::string& key) {
   std::vector<std::string> names, tables;
+  const auto add = [&names](const std::vector<std::string>& more) {
+    names.insert(names.end(), more.begin(), more.end());
+  };
   for (const KeyEntry& e : all) {
-    names.push_back(e.path), names.push_back(last_part(e.path));
+    add(ends_of(e.path));
     if (e.path.find('.') == std::string::npos) tables.push_back(e.path);
   }
+  for (const KeyEntry& e : all) add(quoted_words(e.type));
   const auto meant = nearest_name(path_of(key), names);
   throw CaseError(
       {{},

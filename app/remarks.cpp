@@ -120,13 +120,13 @@ const Section* section_of(const BondSpec& b) {
   return theory ? &theory->section : nullptr;
 }
 
-/// Chains of overlapping spheres of a density, against the bars between their centres.
+/// Chains of spheres of a density, against the bars between their centres.
 void compare_masses(const Case& c, const Model& model, const State& state,
                     const PerParticle<std::size_t>& bonds, Lines& lines) {
-  constexpr double striking = 0.05;
+  constexpr double striking = 0.2, striking_of_overlaps = 0.05;  // which count twice what they share
   const std::vector<Range> ranges = ranges_of_specimens(c, model);
   for (std::size_t s = 0; s < ranges.size(); ++s) {
-    if (!c.specimens[s].density) continue;
+    if (!c.specimens[s].density || c.specimens[s].thickness) continue;
     double beads = 0.0, volume = 0.0;
     bool chain = true, overlap = false;
     for (std::size_t k = 0; k < ranges[s].count; ++k) {
@@ -143,13 +143,14 @@ void compare_masses(const Case& c, const Model& model, const State& state,
       overlap |= length_of(b, state) < 0.99 * (model.radius[b.i] + model.radius[b.j]);
     }
     const double bars = *c.specimens[s].density * volume;
-    if (!chain || !overlap || !(bars > 0.0) || std::abs(beads / bars - 1.0) < striking) continue;
+    if (!chain || !(bars > 0.0)) continue;
+    if (std::abs(beads / bars - 1.0) < (overlap ? striking_of_overlaps : striking)) continue;
     const char* kg = model.units == UnitSystem::si ? " kg" : "";
     lines.push_back(fmt::format(
-        "specimen \"{}\": its overlapping spheres weigh {:.6g}{}, the bars of its bonds {:.6g}{} "
+        "specimen \"{}\": its {}spheres weigh {:.6g}{}, the bars of its bonds {:.6g}{} "
         "(density times section times length), {:+.0f} %; mass = {:.6g} in place of density would "
         "give the weight of the bars",
-        c.specimens[s].name, beads, kg, bars, kg, 100.0 * (beads / bars - 1.0),
+        c.specimens[s].name, overlap ? "overlapping " : "", beads, kg, bars, kg, 100.0 * (beads / bars - 1.0),
         bars / static_cast<double>(ranges[s].count)));
   }
 }

@@ -142,12 +142,12 @@ void add_static_results(const StageSummary& s, bool si, page::Lines& lines) {
                      fmt::format("{}, load factor {:.6g}", balance_in_words(r), r.load_factor)});
 }
 
-/// Static stages have none, and that of a run that blew up up to there would only reassure.
+/// That of a run that blew up up to there would only reassure.
 bool any_balance_of_energy(const RunSummary& summary) {
   const auto& all = summary.stages;
-  return std::any_of(all.begin(), all.end(), [](const StageSummary& s) { return !s.statics; }) &&
-         std::none_of(all.begin(), all.end(),
-                      [](const StageSummary& s) { return s.stop == StopReason::diverged; });
+  return any_dynamics(summary) && std::none_of(all.begin(), all.end(), [](const StageSummary& s) {
+           return s.stop == StopReason::diverged;
+         });
 }
 
 }  // namespace

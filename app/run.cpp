@@ -105,7 +105,8 @@ void say_end(const Campaign& campaign, bool interrupted) {
   for (const StageSummary& stage : s.stages)
     if (stage.critical_force)
       text += fmt::format("critical force of stage \"{}\": {:.6g}\n", stage.name, *stage.critical_force);
-  text += fmt::format("largest error of the energy balance: {:.2g}\n", s.energy_balance_error);
+  if (any_dynamics(s))
+    text += fmt::format("largest error of the energy balance: {:.2g}\n", s.energy_balance_error);
   if (s.breaks && s.breaks->broken > 0)
     text += fmt::format("{} bond{} broke: vbond breaks {} says why\n", s.breaks->broken,
                         s.breaks->broken == 1 ? "" : "s", shell_word(folder));

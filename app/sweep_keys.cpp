@@ -87,10 +87,14 @@ double in_logrange(double first, double last, double count, double k) {
   return std::isnormal(ratio) ? first * std::pow(ratio, t) : std::pow(first, 1 - t) * std::pow(last, t);
 }
 
+bool is_range(const std::string& text) {
+  return text.starts_with("range(") || text.starts_with("logrange(");
+}
+
 /// The values of range(...) or logrange(...), which begins the text, or nothing.
 std::vector<std::string> range_of(const std::string& all, const std::string& text) {
+  if (!is_range(text)) return {};
   const bool by_factor = text.starts_with("logrange(");
-  if (!by_factor && !text.starts_with("range(")) return {};
   const std::size_t open = text.find('('), close = text.find(')');
   if (close == std::string::npos) refuse(all, "a bracket is not closed");
   const auto [first, last, count] = three_numbers(all, text.substr(open + 1, close - open - 1), by_factor);
@@ -110,7 +114,9 @@ std::vector<std::vector<std::string>> values_of(const std::string& all, const st
   for (const std::string& value : parts_of(text, ','))
     values.push_back(keys == 1 ? std::vector{value} : parts_of(value, ':'));
   for (const auto& parts : values)
-    if (parts.size() != keys)
+    if (values.size() > 1 && std::any_of(parts.begin(), parts.end(), is_range))
+      refuse(all, "a range stands in place of all values of a key");
+    else if (parts.size() != keys)
       refuse(all, fmt::format("{} keys go together, and one of the values has {} parts", keys, parts.size()));
   std::vector<std::vector<std::string>> ranges;
   if (values.size() == 1)

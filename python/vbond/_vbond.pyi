@@ -45,8 +45,8 @@ class CriticalLoad:
     kind: str
     load_factor: float
     force: float
-    displacement: float
-    reaction: float
+    displacement: float | None
+    reaction: float | None
     estimate: float | None
     gap: float
     translation: ndarray

@@ -69,7 +69,8 @@ TEST(CsvTable, RefusesWhatCanBeReadInTwoWays) {
   }
 }
 
-// Each column was compared with all before it: 1e5 of them took more than 10 s, and each had three lines.
+// Comparing each column with all before it would take more than 10 s, and three lines for each would be 20
+// MB.
 TEST(CsvTable, OfManyUnknownColumnsIsRefusedBriefly) {
   std::string header = "x,y";
   for (int k = 0; k < 100000; ++k) header += ",column" + std::to_string(k);
@@ -180,6 +181,17 @@ TEST(CsvSpecimen, TurnsOrientationsOfItsFileWithTheSpecimen) {
   EXPECT_TRUE(contains(error, "longer.csv:2:1: the quaternion 1, 1, 0, 0 has the length 1.41421")) << error;
 }
 
+TEST(CsvSpecimen, NamesTheLineOfItsHeaderAndAWrongFieldOnce) {
+  const TemporaryFile part("part.csv", "# made by hand\n\nx,y,z,vx\n0,0,0,1\n");
+  const std::string keys = "mass = 1\nradius = 0.4";
+  EXPECT_TRUE(
+      contains(text_of_error(si_case(part, keys)), "part.csv:3:1: columns vx, vy, vz are not all there"));
+  const TemporaryFile turned("turned.csv", "x,y,z,qw,qx,qy,qz\n0,0,0,a,0,0,0\n");
+  const std::string error = text_of_error(si_case(turned, keys));
+  EXPECT_TRUE(contains(error, "turned.csv:2:1: qw = \"a\"")) << error;
+  EXPECT_FALSE(contains(error, "quaternion")) << error;
+}
+
 // Of the chain 0 - 1 - 2 - 3 the second particle goes: what is left is the bond 2 - 3, in each copy, and the
 // rows count from 0 whatever specimens come before.
 TEST(CsvSpecimen, TakesItsBondsThroughCutAndArray) {
@@ -201,6 +213,14 @@ TEST(CsvSpecimen, TakesItsBondsThroughCutAndArray) {
   EXPECT_TRUE(contains(text_of_error(c), "no bond of type 1"));
 }
 
+TEST(CsvSpecimen, BringsAPairOfTwoTypesForTwoSets) {
+  const TemporaryFile file("two.csv", "x,y,z\n0,0,0\n1,0,0\n");
+  const TemporaryFile pairs("bonds.csv", "i,j,type\n0,1,1\n0,1,2\n");
+  const Case c = si_case(file, "mass = 1\nradius = 0.4\nbonds_file = \"" + pairs.path().string() + "\"",
+                         "[[bonds]]\nfrom_specimen = true\nbond_type = 2\n" + four_stiffnesses);
+  EXPECT_EQ(build(c).state.bonds.size(), 1U);
+}
+
 TEST(CsvSpecimen, RefusesBondsOfRowsThatItDoesNotHave) {
   const TemporaryFile file("two.csv", "x,y,z\n0,0,0\n1,0,0\n");
   const auto error = [&](const std::string& rows) {
@@ -216,6 +236,9 @@ TEST(CsvSpecimen, RefusesBondsOfRowsThatItDoesNotHave) {
       << error("0,2\n");
   EXPECT_TRUE(contains(error("0,0\n"), "a bond joins two different particles"));
   EXPECT_TRUE(contains(error("0,x\n"), "the row is not understood"));
+  EXPECT_TRUE(
+      contains(error("0,1\n\n1,0\n"), "bonds.csv:4:1: pair 0, 1\n  the pair is there already, in line 2"))
+      << error("0,1\n\n1,0\n");
 }
 
 // Pairs of a [[bonds]] table are numbers of the body, after the cuts: what is told where they do not fit, and

@@ -1,19 +1,8 @@
-#include <fmt/format.h>
-
-#include "cases.hpp"
+#include "lammps_files.hpp"
 #include "vbond/case/read.hpp"
 
 namespace vbond::test {
 namespace {
-
-Case lammps_case(const std::filesystem::path& file, const std::string& style) {
-  Case c = case_of(LammpsSpecimen{{file, {"case.toml", 4, 1}}, style});
-  c.specimens[0].mass.reset();
-  BondSpec bonds = bonds_within(1.0);
-  bonds.select.value = SpecimenPairs{};
-  c.bonds.push_back(bonds);
-  return c;
-}
 
 // Atom 20 comes before atom 3 in the file and lies one period of 10 farther along x; numbers have gaps.
 const char* const chain = R"(a chain of three
@@ -70,64 +59,6 @@ TEST(LammpsSpecimen, BondsCountFromItsFirstParticle) {
   EXPECT_EQ(b.state.bonds[BondId{0}].j.value, 3u);
 }
 
-TEST(LammpsSpecimen, ReadsEveryAtomStyleItNames) {
-  const std::pair<const char*, const char*> lines[] = {
-      {"atomic", "1 1 0.5 1.5 2.5"},         {"charge", "1 1 9.9 0.5 1.5 2.5"},
-      {"bond", "1 7 1 0.5 1.5 2.5"},         {"angle", "1 7 1 0.5 1.5 2.5"},
-      {"molecular", "1 7 1 0.5 1.5 2.5"},    {"full", "1 7 1 9.9 0.5 1.5 2.5"},
-      {"sphere", "1 1 0.8 3.0 0.5 1.5 2.5"}, {"bpm/sphere", "1 7 1 0.8 3.0 0.5 1.5 2.5 0 0 0"}};
-  for (const auto& [style, line] : lines) {
-    const bool sphere = contains(style, "sphere");
-    std::string text = "title\n\n1 atoms\n\n";
-    if (!sphere) text += "Masses\n\n1 3\n\n";
-    text += std::string("Atoms\n\n") + line + "\n";
-    const TemporaryFile file("one.data", text);
-    Case c = lammps_case(file.path(), style);
-    c.bonds.clear();
-    if (sphere) c.specimens[0].radius = 0.0;
-    const Built b = build(c);
-    EXPECT_EQ(b.model.r_0[ParticleId{0}], (Vec3d{0.5, 1.5, 2.5})) << style;
-    EXPECT_DOUBLE_EQ(b.model.radius[ParticleId{0}], 0.4) << style;
-    // a sphere of diameter 0.8 and density 3 has the mass 4 pi 0.4^3
-    EXPECT_DOUBLE_EQ(b.model.mass[ParticleId{0}], sphere ? 4.0 * std::numbers::pi * 0.064 : 3.0) << style;
-  }
-}
-
-/// One atom of style atomic with these lines of the box and these image flags.
-std::string boxed_atom(const std::string& box, const std::string& flags) {
-  return "title\n\n1 atoms\n" + box + "\nMasses\n\n1 3\n\nAtoms\n\n1 1 0.5 1.5 2.5 " + flags + "\n";
-}
-
-TEST(LammpsSpecimen, IsUnwrappedAlongEveryAxisByTheEdgesOfTheBox) {
-  const TemporaryFile file("boxed.data",
-                           boxed_atom("-1 7 xlo xhi\n0 16 ylo yhi\n2 6 zlo zhi\n0 0 0 xy xz yz\n", "1 -2 3"));
-  Case c = lammps_case(file.path(), "atomic");
-  c.bonds.clear();
-  // small whole and half numbers: exact
-  EXPECT_EQ(build(c).model.r_0[ParticleId{0}], (Vec3d{0.5 + 8, 1.5 - 32, 2.5 + 12}));
-}
-
-TEST(LammpsSpecimen, RefusesImageFlagsItCannotUnwrap) {
-  const auto error = [](const std::string& box, const std::string& flags) {
-    const TemporaryFile file("boxed.data", boxed_atom(box, flags));
-    Case c = lammps_case(file.path(), "atomic");
-    c.bonds.clear();
-    return text_of_error(c);
-  };
-  const std::string box = "-1 7 xlo xhi\n0 16 ylo yhi\n2 6 zlo zhi\n";
-  EXPECT_TRUE(contains(error(box + "0 0.5 0 xy xz yz\n", "1 0 0"), "an image flag in a tilted box"));
-  EXPECT_TRUE(contains(error("-1 7 xlo xhi\n", "0 1 0"), "an image flag along y, and no box"));
-  EXPECT_TRUE(contains(error(box, "0 0.5 0"), "boxed.data:14:1: the line is not understood"));
-  EXPECT_TRUE(contains(error("7 -1 xlo xhi\n", "0 0 0"), "boxed.data:4:1: the line is not understood"));
-}
-
-TEST(LammpsSpecimen, TakesATiltedBoxWithoutImageFlags) {
-  const TemporaryFile file("boxed.data", boxed_atom("0 4 xlo xhi\n0.5 0 0 xy xz yz\n", "0 0 0"));
-  Case c = lammps_case(file.path(), "atomic");
-  c.bonds.clear();
-  EXPECT_EQ(build(c).model.r_0[ParticleId{0}], (Vec3d{0.5, 1.5, 2.5}));
-}
-
 TEST(LammpsSpecimen, BeginsWithTheVelocitiesOfItsFileUnlessTheCaseSaysNo) {
   const TemporaryFile file("moving.data",
                            std::string(chain) + "\nVelocities\n\n20 1 2 3\n3 4 5 6\n7 8 9 1\n");
@@ -157,6 +88,27 @@ TEST(LammpsSpecimen, RefusesVelocitiesThatFitNoAtom) {
       contains(error("20 1 2 3\n3 4 5 6\n3 8 9 1\n"), "moving.data:32:1: a second velocity of atom 3"));
   EXPECT_TRUE(contains(error("20 1 2 3\n3 4 5 6\n8 8 9 1\n"), "moving.data:32:1: a velocity of atom 8"));
   EXPECT_TRUE(contains(error("20 1 2 3 4 5 6\n"), "expected: atom vx vy vz"));
+}
+
+TEST(LammpsSpecimen, RefusesNumbersThatCannotBeComputedWith) {
+  const std::string masses = "title\n\n1 atoms\n\nMasses\n\n1 ", atoms = "\n\nAtoms\n\n1 1 1 ",
+                    velocities = "\n\nVelocities\n\n1 0 ";
+  const auto error = [&](const std::string& mass, const std::string& x, const std::string& v) {
+    const TemporaryFile file("wide.data", masses + mass + atoms + x + " 0 0" + velocities + v + " 0\n");
+    Case c = lammps_case(file.path(), "bond");
+    c.bonds.clear();
+    return text_of_error(c);
+  };
+  EXPECT_EQ(error("1", "1e60", "-1e60"), "");
+  for (const char* wrong : {"nan", "inf", "1e61", "-1e151", "1e400"}) {
+    EXPECT_TRUE(contains(error(wrong, "0", "0"), "wide.data:7:1: the line is not understood")) << wrong;
+    EXPECT_TRUE(contains(error("1", wrong, "0"), "wide.data:11:1: the line is not understood")) << wrong;
+    const std::string of_velocity = error("1", "0", wrong);
+    EXPECT_TRUE(contains(of_velocity,
+                         "wide.data:15:1: the line is not understood\n  expected: atom vx vy vz; numbers are "
+                         "finite and at most 1e60 in size"))
+        << of_velocity;
+  }
 }
 
 // lammps_molecular.data and lammps_sphere.data were written by LAMMPS (29 Sep 2021, write_data, the first
@@ -338,164 +290,6 @@ TEST(LammpsSpecimen, RefusesWhatItDoesNotSupportWithLineNumbers) {
     EXPECT_TRUE(contains(error, part)) << part << "\nnot in\n" << error;
 }
 
-// ---- styles -----------------------------------------------------------------------------------------------
-
-std::string styled(const std::string& heading, const std::string& atoms) {
-  return "title\n\n2 atoms\n1 atom types\n\nMasses\n\n1 2.5\n\nAtoms " + heading + "\n\n" + atoms + "\n";
-}
-
-/// The places of its two atoms, or what is wrong; without a style in the case if it is empty.
-std::string places_of(const std::string& text, const std::string& style) {
-  const TemporaryFile file("styled.data", text);
-  Case c = lammps_case(file.path(), style);
-  if (style.empty()) std::get<LammpsSpecimen>(c.specimens[0].shape).atom_style.reset();
-  c.bonds.clear();
-  try {
-    std::string places;
-    for (const Vec3d& r : build(c).model.r_0) places += fmt::format("{} {} {};", r.x, r.y, r.z);
-    return places;
-  } catch (const CaseError& e) {
-    return e.what();
-  }
-}
-
-TEST(LammpsSpecimen, TakesTheStyleThatItsFileNamesIfTheCaseNamesNone) {
-  const char* const two = "0 1 2;3 4 5;";
-  EXPECT_EQ(places_of(styled(" #  full", "1 1 1 0.5 0 1 2\n2 1 1 0.5 3 4 5"), ""), two);
-  EXPECT_EQ(places_of(styled("# charge", "1 1 1 0 1 2\n2 1 1 3 4 5"), ""), two);
-  EXPECT_EQ(places_of(styled("# molecular", "1 1 1 0 1 2\n2 1 1 3 4 5"), "bond"), two)
-      << "they have the same columns";
-  EXPECT_EQ(places_of(styled("# I like comments", "1 1 1 0 1 2\n2 1 1 3 4 5"), "bond"), two);
-  const std::string error = places_of(styled("# full", "1 1 1 0 1 2\n2 1 1 3 4 5"), "bond");
-  EXPECT_EQ(error.find(
-                "styled.data:10:1: the file says atom style \"full\"\n  the case says atom_style = \"bond\""),
-            error.find("styled.data"))
-      << error;
-  EXPECT_FALSE(contains(error, "is not understood")) << error;
-}
-
-TEST(LammpsSpecimen, NamesTheStylesThatFitWhereNoneIsNamed) {
-  const std::pair<const char*, const char*> cases[] = {
-      {"1 1 1 0 1 2\n2 1 1 3 4 5", "atoms of 6 fields may have the style charge, bond, angle, molecular"},
-      {"1 1 0 1 2\n2 1 3 4 5", "atoms of 5 fields may have the style atomic"},
-      {"1 1 1 0.5 0 1 2\n2 1 1 0.5 3 4 5", "atoms of 7 fields may have the style full, sphere"},
-      {"1 1 1\n2 1 1", "no style fits their 3 fields"}};
-  for (const auto& [atoms, part] : cases)
-    for (const char* heading : {"", "# I like comments"}) {
-      const std::string error = places_of(styled(heading, atoms), "");
-      EXPECT_TRUE(contains(error, part)) << part << "\nnot in\n" << error;
-      EXPECT_FALSE(contains(error, "is not understood")) << error;
-    }
-}
-
-TEST(LammpsSpecimen, RefusesStylesOfLammpsThatItDoesNotKnowOnce) {
-  for (const char* style : {"", "bpm/sphere"}) {
-    const std::string error =
-        places_of(styled("# hybrid", "1 1 0 1 2 1 0.1 1.0\n2 1 3 4 5 1 0.1 1.0"), style);
-    EXPECT_TRUE(contains(error, "the file says atom style \"hybrid\", which is not supported")) << error;
-    EXPECT_FALSE(contains(error, "is not understood")) << error;
-    EXPECT_FALSE(contains(error, "no Atoms section")) << error;
-  }
-}
-
-TEST(LammpsSpecimen, TellsTheFirstOfManyWrongAtomsAndTheirNumber) {
-  std::string atoms;
-  for (int k = 1; k <= 1000; ++k) atoms += std::to_string(k) + " 1 1 0 0\n";
-  const std::string error = places_of(styled("# bond", atoms), "");
-  EXPECT_TRUE(contains(
-      error, "styled.data:12:1: the line is not understood\n  expected: 6 fields of atom style bond"))
-      << error;
-  EXPECT_TRUE(contains(error, "and 999 more of this kind")) << error;
-  EXPECT_LT(error.size(), 1000U);
-}
-
-TEST(LammpsSpecimen, KnowsTypesByTheirLabels) {
-  const TemporaryFile file(
-      "labels.data",
-      "title\n\n3 atoms\n2 bonds\n2 atom types\n2 bond types\n\nAtom Type Labels\n\n1 sand\n2 "
-      "Bonds\n\nBond Type Labels\n\n1 glue\n2 lime\n\nMasses\n\nsand 1.5\n2 3\n\nAtoms # "
-      "bond\n\n1 1 sand 0 0 0\n2 1 Bonds 1 0 0\n3 1 1 2 0 0\n\nBonds\n\n1 lime 1 2\n2 1 2 3\n");
-  Case c = lammps_case(file.path(), "bond");
-  const Built b = build(c);
-  EXPECT_EQ(b.model.mass.values(), (std::vector<double>{1.5, 3, 1.5}));
-  EXPECT_EQ(numbers(b.model, "type-1"), (std::vector<std::size_t>{0, 2}));
-  c.bonds[0].select.value = SpecimenPairs{2};
-  EXPECT_EQ(build(c).state.bonds.size(), 1U);
-  EXPECT_TRUE(contains(b.notes[0], "labels of atom types stand for their numbers: Bonds is 2, sand is 1"))
-      << b.notes[0];
-}
-
-TEST(LammpsSpecimen, RefusesTypesThatItsHeaderDoesNotCount) {
-  EXPECT_TRUE(contains(places_of(styled("# bond", "1 1 1 0 1 2\n2 1 9 3 4 5"), ""),
-                       "styled.data:13:1: atom type 9\n  the header declares 1 atom types"));
-}
-
-// ---- periodic boxes ---------------------------------------------------------------------------------------
-
-/// A chain of n atoms along x at distance 1 in a box of `box` with these bonds.
-std::string chain_in_box(int n, double box, const std::string& bonds, const std::string& tilt = "") {
-  std::string text = fmt::format(
-      "title\n\n{} atoms\n\n0 {} xlo xhi\n-5 5 ylo yhi\n-5 5 zlo zhi\n{}\nMasses\n\n1 "
-      "1\n\nAtoms # bond\n\n",
-      n, box, tilt);
-  for (int k = 1; k <= n; ++k) text += fmt::format("{} 1 1 {} 0 0\n", k, k - 0.5);
-  text += "\nBonds\n\n";
-  for (int k = 1; k < n; ++k) text += fmt::format("{} 1 {} {}\n", k, k, k + 1);
-  return text + bonds;
-}
-
-TEST(LammpsSpecimen, RefusesBondsThroughAPeriodicBoundaryWhereTheyAreWanted) {
-  const TemporaryFile file("ring.data", chain_in_box(10, 10, "10 2 10 1\n"));
-  Case c = lammps_case(file.path(), "bond");
-  const std::string error = text_of_error(c);
-  EXPECT_TRUE(
-      contains(error,
-               "1 bonds of the file go through a boundary of its periodic box; the first, of particles 9 "
-               "and 0, would be 9 long and is 1 through the boundary"))
-      << error;
-  EXPECT_TRUE(contains(error, "nothing is periodic here")) << error;
-  c.bonds[0].select.value = SpecimenPairs{1};
-  EXPECT_EQ(build(c).state.bonds.size(), 9U);
-  c.bonds = {bonds_within(1.1)};
-  EXPECT_EQ(build(c).state.bonds.size(), 9U);
-}
-
-// The boundary of a tilted box is passed along its edge (2, 6, 0): from (0.5, 0, 0) to (2.5, 5, 0) and on
-// by 1.
-TEST(LammpsSpecimen, KnowsBondsThroughTheBoundaryOfATiltedBox) {
-  std::string text =
-      "title\n\n6 atoms\n\n0 10 xlo xhi\n0 6 ylo yhi\n0 6 zlo zhi\n2 0 0 xy xz yz\n\nMasses\n\n1 "
-      "1\n\nAtoms # bond\n\n";
-  for (int k = 0; k < 6; ++k) text += fmt::format("{} 1 1 {} {} 0\n", k + 1, 0.5 + k / 3.0, k);
-  const TemporaryFile file("tilted.data",
-                           text + "\nBonds\n\n1 1 1 2\n2 1 2 3\n3 1 3 4\n4 1 4 5\n5 1 5 6\n6 1 6 1\n");
-  EXPECT_TRUE(
-      contains(text_of_error(lammps_case(file.path(), "bond")), "1 bonds of the file go through a boundary"));
-}
-
-TEST(LammpsSpecimen, NotesBondsThatMayBeMeantThroughTheBoundaryOfASmallBox) {
-  const TemporaryFile file("small.data", chain_in_box(3, 2.6, "3 1 1 3\n"));
-  const Built b = build(lammps_case(file.path(), "bond"));
-  ASSERT_EQ(b.notes.size(), 1U);
-  EXPECT_TRUE(contains(b.notes[0], "1 bonds are longer than half of the box")) << b.notes[0];
-}
-
-// None of these bonds means the boundary: a body as large as its box, second neighbours of a short chain, a
-// string from end to end whose ends are one place by the box.
-TEST(LammpsSpecimen, TakesLongBondsOfBodiesThatFillTheirBox) {
-  const std::pair<std::pair<int, double>, const char*> cases[] = {{{2, 1.0}, ""},
-                                                                  {{2, 1.5}, ""},
-                                                                  {{3, 2.0}, "3 1 1 3\n"},
-                                                                  {{3, 2.2}, "3 1 1 3\n"},
-                                                                  {{3, 2.6}, "3 1 1 3\n"},
-                                                                  {{10, 9.0}, "10 1 1 10\n"},
-                                                                  {{10, 40.0}, "10 1 1 10\n"}};
-  for (const auto& [chain, more] : cases) {
-    const TemporaryFile file("small.data", chain_in_box(chain.first, chain.second, more));
-    EXPECT_EQ(text_of_error(lammps_case(file.path(), "bond")), "") << chain.first << " in " << chain.second;
-  }
-}
-
 TEST(LammpsSpecimen, RefusesAnAtomWithAFieldThatIsNoNumber) {
   const std::string good[] = {"1", "7", "1", "0.8", "3.0", "0.5", "1.5", "2.5", "0", "0", "0"};
   for (std::size_t bad = 0; bad < std::size(good); ++bad) {
@@ -520,12 +314,6 @@ TEST(LammpsSpecimen, RefusesBondsToMissingAtomsAndDoubleNumbers) {
 TEST(LammpsSpecimen, RefusesAWrongCount) {
   const TemporaryFile file("bad.data", "title\n\n3 atoms\n\nAtoms\n\n1 1 1 0 0 0\n");
   EXPECT_TRUE(contains(text_of_error(lammps_case(file.path(), "bond")), "3 atoms are declared, 1 found"));
-}
-
-TEST(LammpsSpecimen, SuggestsTheAtomStyleThatWasMeant) {
-  const std::string error = text_of_error(lammps_case("any.data", "molecule"));
-  EXPECT_TRUE(contains(error, "atom_style = \"molecule\" is not supported")) << error;
-  EXPECT_TRUE(contains(error, "did you mean \"molecular\"?")) << error;
 }
 
 TEST(LammpsSpecimen, RefusesAMassGivenInCaseAndFile) {

@@ -246,6 +246,11 @@ TEST(Surfaces, AreRefusedWhereTheyMakeNoSense) {
                  "add density, or leave out thickness");
   expect_refused("kind = \"sheet\"\nparticles = [3, 3]\nmass = 1\ninertia = 1", bonds,
                  "no specimen brings bonds");
+  expect_refused(cylinder + "spacing = 0.2\nname = \"tube\"", bonds + "\nbond_type = 1",
+                 "the bonds that the specimens bring have no types");
+  expect_refused(cylinder + "spacing = 0.2\nname = \"tube\"",
+                 bonds + "\nbetween = [\"tube.first\", \"tube.last\"]",
+                 "none joins the groups \"tube.first\" and \"tube.last\"");
   const std::string shell = "from_specimen = true\ntheory = \"shell\"\nE = 1\n",
                     net = cylinder + "spacing = 0.2";
   expect_refused(net, shell + "thickness = 0.1\nnu = 0.34", "-1 < nu < 1/3");

@@ -250,7 +250,7 @@ TEST(CaseRules, MassAndInertiaAreNeededUnlessAFileHasThem) {
   expect_accepted(stage + "[[specimen]]\nkind = \"csv\"\nfile = \"points.csv\"\n");
 }
 
-// What other programs have and this one has not yet: one report that names what can be done instead.
+// What other programs have and this one has not: one report that names what can be done instead.
 TEST(CaseRules, BondsByTheGapOrTheRadiiOfAPairAreRefusedByName) {
   const std::string stiffness = "stiffness = { c_A = 1, c_D = 0.3, c_B = 0.04, c_T = 0.03 }\n";
   const std::string gap = report(rod + "[[bonds]]\ngap = 0.01\n" + stiffness + stage);
@@ -271,7 +271,7 @@ TEST(CaseRules, BondsByTheGapOrTheRadiiOfAPairAreRefusedByName) {
   EXPECT_NE(section.find("a [[bonds]] table with its own diameter"), std::string::npos) << section;
 }
 
-// 1e5 unknown keys made a report of 33 MB.
+// A report of 1e5 unknown keys, all of them told, would have 33 MB.
 TEST(CaseRules, ManyMistakesOfAKindAreCounted) {
   std::string keys;
   for (int k = 0; k < 100000; ++k) keys += "colour" + std::to_string(k) + " = 1\n";

@@ -1,12 +1,10 @@
-// Validation cases K1, K2, K3, the heavy column of E7 and the rods of data/statics.json: critical loads on
-// the nonlinear path.
+// Validation case K1 and the rods of data/statics.json: critical loads on the nonlinear path.
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <regex>
 
-#include "bodies.hpp"
+#include "critical_loads.hpp"
 #include "material_cases.hpp"
 #include "validation/cases.hpp"
 #include "vbond/core/error.hpp"
@@ -19,21 +17,6 @@ using testing::fixed;
 using testing::number;
 using testing::pushed;
 using testing::validation_case;
-
-constexpr double eps = std::numeric_limits<double>::epsilon();
-
-/// Pinned at one end; at the other free to move along x and to turn. One turn about x is held.
-std::vector<StaticSupport> pinned(std::size_t N) {
-  return {fixed({ParticleId{0}}, {true, true, true, true, false, false}),
-          fixed({ParticleId{N - 1}}, {false, true, true, false, false, false})};
-}
-
-StaticResult critical_loads(const testing::Specimen& s, std::vector<StaticSupport> supports,
-                            std::vector<StaticLoad> loads, int count, const StaticHooks& hooks = {}) {
-  StaticStage stage = testing::static_stage(StageKind::buckling, std::move(supports), std::move(loads));
-  stage.count = count;
-  return run_static_stage(s.model, stage, s.state, hooks).result;
-}
 
 /// One of the rods of statics.json.
 testing::Specimen rod_of(const nlohmann::json& rod) {
@@ -50,26 +33,6 @@ testing::Specimen rod_of(const nlohmann::json& rod) {
   for (std::size_t k = 0; k + 1 < N; ++k) testing::bond(s, k, k + 1, recipe);
   return s;
 }
-
-/// Positions are rounded to eps L / 2, so the force of a bond is known to eps L c_A. Stiffnesses c_D / a of
-/// the tangent are rounded as well, and in a mode that turns by kappa from bond to bond f kappa^2 / a stands
-/// against them. What is left beyond the last look at the path is (3e-6)^2 = 1e-11 of the load.
-double tolerance(double f, double kappa, double L, double a, const BondStiffness<double>& c) {
-  return 1e-11 + eps * (L * c.c_A + a * c.c_D / (kappa * kappa)) / f;
-}
-
-/// The same for a rod of N standard bonds.
-double standard_tolerance(double f, double kappa_L, double N) {
-  return tolerance(f, kappa_L / N, 1.0, 1.0 / N, {4e4 * N, 12 * N * N * N, N, N / 1.2});
-}
-
-/// Exact critical force of mode q of a pinned rod, R = 0.
-double exact_force(double q, double bonds, double a, const BondStiffness<double>& c) {
-  const double S = std::sin(q * M_PI / (2 * bonds)), C = std::cos(q * M_PI / (2 * bonds));
-  const double B3 = 0.5 * c.c_D * a * a, X = 4 * c.c_B * S * S * B3 / (2 * c.c_B * S * S + B3 * C * C);
-  return 0.5 * c.c_A * (a - std::sqrt(a * a - 4 * X / c.c_A));
-}
-
 // The same column under a force and under a displacement of its end: what the support exerts is the force,
 // and its way the displacement. Where the body stands the load is off by 1e-8 of it, as is the eigenvalue.
 TEST(CriticalDisplacements, ComeWithTheReactionAtThem) {
@@ -200,96 +163,6 @@ TEST(PinnedRods, BuckleInSines) {
     }
     EXPECT_NEAR(norm(top), 1.0, 1e-12);
   }
-}
-
-constexpr HeldDofs guided{false, true, true, true, true, true};
-
-struct End {
-  const char* name;
-  HeldDofs held;
-  double kappa_L;  ///< wave number of the mode
-};
-constexpr End ends[] = {{"clamped-clamped", guided, 2 * M_PI},
-                        {"cantilever", {}, M_PI / 2},
-                        {"fixed-pinned", {false, true, true, false, false, false}, 4.493}};
-
-StaticResult buckled_column(std::size_t N, const End& end, int count) {
-  return critical_loads(testing::rod50(N),
-                        {fixed({ParticleId{0}}, testing::clamped), fixed({ParticleId{N}}, end.held)},
-                        {pushed(N, {-1, 0, 0})}, count);
-}
-
-/// Of numbers in validation.json that were computed in doubles: of the cantilever of 80 bonds it is off the
-/// closed form by 3.8e-9; ours by as much as standard_tolerance() says, 1.8e-8.
-constexpr double table = 1e-8;
-
-// K2.
-TEST(Columns, BuckleAtTheirExactDiscreteForce) {
-  for (const End& end : ends)
-    for (const std::size_t N : {10u, 20u, 40u, 80u}) {
-      const double P = validation_case("K2")
-                           .at("expected")
-                           .at(std::string("buckling_") + end.name + " (EI=L=1,EA=4e4)")
-                           .at("discrete")
-                           .at(std::to_string(N));
-      const StaticResult result = buckled_column(N, end, 2);
-      ASSERT_EQ(result.critical_loads.size(), 2u);
-      for (const CriticalLoad& c : result.critical_loads)
-        EXPECT_NEAR(c.force / P, 1.0, table) << end.name << ", N = " << N;
-    }
-}
-
-// The cantilever is half a pinned rod, the clamped column two of them, cut where they do not turn.
-TEST(Columns, BuckleAtTheForceOfThePinnedRodTheyArePartOf) {
-  for (const double N : {10.0, 20.0, 40.0})
-    for (const End& end : {ends[0], ends[1]}) {
-      const double bonds = N * M_PI / end.kappa_L;
-      const double P = exact_force(1, bonds, 1 / N, {4e4 * N, 12 * N * N * N, N, N / 1.2});
-      const StaticResult result = buckled_column(static_cast<std::size_t>(N), end, 1);
-      EXPECT_NEAR(result.critical_loads.at(0).force / P, 1.0, standard_tolerance(P, end.kappa_L, N))
-          << end.name << ", N = " << N;
-    }
-}
-
-// E7: half weight on the last particle.
-TEST(Columns, BuckleUnderTheirOwnWeightAtTheExactDiscreteValue) {
-  for (const std::size_t N : {10u, 20u, 40u, 80u}) {
-    const double q = validation_case("E7").at("expected").at("col").at("discrete").at(std::to_string(N));
-    testing::Specimen column = testing::rod50(N);
-    column.model.mass[ParticleId{N}] /= 2;
-    StaticStage stage =
-        testing::static_stage(StageKind::buckling, {fixed({ParticleId{0}}, testing::clamped)});
-    stage.gravity = {-1, 0, 0};
-    stage.count = 1;
-    const StaticResult result = run_static_stage(column.model, stage, column.state, {}).result;
-    ASSERT_EQ(result.critical_loads.size(), 1u);
-    EXPECT_NEAR(result.critical_loads[0].load_factor / q, 1.0, table) << "N = " << N;
-    EXPECT_EQ(result.critical_loads[0].force, 0.0);
-  }
-}
-
-// K3: both ends clamped, one free to slide along x, turned about it in proportion to the load factor.
-TEST(Columns, LeaveTheirLineUnderTheExactDiscreteTwist) {
-  for (const std::size_t N : {40u, 80u, 160u}) {
-    const double twist =
-        validation_case("K3").at("expected").at("discrete").at(std::to_string(N)).at("twist");
-    const StaticResult result = critical_loads(
-        testing::rod50(N),
-        {fixed({ParticleId{0}}, testing::clamped), fixed({ParticleId{N}}, guided, {}, {1, 0, 0})}, {}, 1);
-    ASSERT_EQ(result.critical_loads.size(), 1u);
-    EXPECT_NEAR(result.critical_loads[0].load_factor / twist, 1.0, table) << "N = " << N;
-  }
-}
-
-// At 20 bonds the torque has its peak at 45 degrees a bond, before that: 19 turns lose their stiffness at
-// once.
-TEST(Columns, LoseTheirStiffnessInTwistAt45DegreesABond) {
-  const std::size_t N = 20;
-  const StaticResult result = critical_loads(
-      testing::rod50(N),
-      {fixed({ParticleId{0}}, testing::clamped), fixed({ParticleId{N}}, guided, {}, {1, 0, 0})}, {}, 1);
-  ASSERT_EQ(result.critical_loads.size(), 1u);
-  EXPECT_NEAR(result.critical_loads[0].load_factor / (20 * M_PI / 4), 1.0, 1e-10);
 }
 
 // Half of the critical force is there before.

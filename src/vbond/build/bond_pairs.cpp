@@ -131,34 +131,52 @@ struct Selection {
   std::vector<Pair> operator()(const SpecimenPairs& wanted) {
     std::vector<Pair> pairs;
     std::set<std::int64_t> types;
+    std::size_t brought = 0, meant = 0;
     AcrossBoundary across;
     for (const SpecimenSpec& specimen : c.specimens) {
       if (!brings_bonds(specimen)) continue;
       const auto first = model.find_group(specimen.name)->particles.front().value;
       for (const FileBond& bond : make_specimen(specimen, c.file).bonds) {
+        ++brought;
         if (bond.type != no_bond_type) types.insert(bond.type);
         if (wanted.bond_type && bond.type != *wanted.bond_type) continue;
         const ParticleId p{first + static_cast<std::size_t>(bond.pair[0])},
             q{first + static_cast<std::size_t>(bond.pair[1])};
         if (!joins_groups(p, q)) continue;
+        ++meant;
         take(p.value, q.value, place_of_selection(spec), pairs);
         if (bond.across > 0.0 && across.count++ == 0) across.i = p, across.j = q, across.length = bond.across;
       }
     }
     if (across.count > 0) refuse_across_boundary(across);
-    if (pairs.empty() && wanted.bond_type && !types.empty())
-      problems.add(place_of_selection(spec),
-                   fmt::format("bonds \"{}\": no bond of type {}", spec.name, *wanted.bond_type),
-                   fmt::format("between these groups the files have none; they have the bond types {}",
-                               fmt::join(types, ", ")),
-                   "choose one of these, or other groups");
-    else if (pairs.empty() && problems.none())
-      problems.add(
-          place_of_selection(spec), fmt::format("bonds \"{}\": no specimen brings bonds", spec.name),
-          "LAMMPS data files with a Bonds section do, CSV specimens with a bonds_file, and the kinds "
-          "cylinder, cone and sphere",
-          "select by distance or by pairs");
+    if (meant == 0) refuse_none_brought(brought, wanted.bond_type, types);
     return ordered(std::move(pairs));
+  }
+
+  /// None of the bonds that specimens bring is meant: why.
+  void refuse_none_brought(std::size_t brought, std::optional<std::int64_t> type,
+                           const std::set<std::int64_t>& types) {
+    const auto refuse = [&](const std::string& what, const std::string& rule, const char* instead) {
+      problems.add(place_of_selection(spec), fmt::format("bonds \"{}\": {}", spec.name, what), rule, instead);
+    };
+    if (brought == 0)
+      refuse("no specimen brings bonds",
+             "LAMMPS data files with a Bonds section do, CSV specimens with a bonds_file, and the kinds "
+             "cylinder, cone and sphere",
+             "select by distance or by pairs");
+    else if (type && types.empty())
+      refuse(fmt::format("no bond of type {}", *type), "the bonds that the specimens bring have no types",
+             "leave bond_type out");
+    else if (type)
+      refuse(fmt::format("no bond of type {}", *type),
+             fmt::format("between these groups the files have none; they have the bond types {}",
+                         fmt::join(types, ", ")),
+             "choose one of these, or other groups");
+    else
+      refuse(fmt::format("none of the {} bonds that specimens bring is meant", brought),
+             fmt::format("none joins the groups \"{}\" and \"{}\"", spec.between[0].value,
+                         spec.between[1].value),
+             "choose other groups");
   }
 
   /// Bonds of a file that go through the boundary of its box: how many, and the first.

@@ -26,7 +26,8 @@ std::vector<Pair> pairs_within(const std::vector<Vec3d>& r, double distance, con
 std::vector<Pair> select_pairs(const Case& c, std::size_t set, const Model& model, const State& state,
                                Problems& problems);
 
-/// A line for each bond set whose file of pairs such a cut may have been forgotten in.
+/// A line for each bond set with a file of pairs, where a specimen of rows of a file is cut: whoever wrote
+/// the pairs may have had the rows in mind.
 std::vector<std::string> notes_on_pairs(const Case& c);
 
 }  // namespace vbond

@@ -243,6 +243,7 @@ CsvTable read_csv(const std::filesystem::path& file, const SourcePlace& place,
   problems.throw_if_any();  // with a wrong header every row would be wrong too
 
   CsvTable table;
+  table.header_line = scanner.place().line;
   table.passed_over = header.passed_over();
   table.fields.resize(wanted.size());
   for (std::size_t k = 0; k < wanted.size(); ++k)

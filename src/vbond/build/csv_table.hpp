@@ -25,7 +25,8 @@ struct OtherColumns {
 struct CsvTable {
   std::vector<char> found;                       ///< for each wanted column: whether the file has it
   std::vector<std::vector<std::string>> fields;  ///< for each wanted column: one per row, if it is there
-  std::vector<std::uint32_t> lines;              ///< where each row begins, from 1
+  std::uint32_t header_line = 1;                 ///< from 1
+  std::vector<std::uint32_t> lines;              ///< where each row begins
   std::vector<std::string> passed_over;          ///< titles
   std::size_t rows() const { return lines.size(); }
 };

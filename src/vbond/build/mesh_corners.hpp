@@ -8,7 +8,7 @@ namespace vbond {
 
 /// What became of corners that nearly coincide.
 struct JoinedCorners {
-  std::size_t count = 0;  ///< places that were joined to another one
+  std::size_t count = 0;  ///< places that another one stands for
   double farthest = 0;    ///< from such a place to the one that stands for it  [diagonal of the mesh]
 };
 

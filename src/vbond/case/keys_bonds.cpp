@@ -99,8 +99,7 @@ void check_poisson(Table& t, const TheoryParameters& p) {
   else if (p.theory == BondTheory::shell)
     t.check(p.material.nu > -1 && 3.0 * p.material.nu < 1.0, {"nu", "theory"},
             "must satisfy -1 < nu < 1/3: a triangular sheet of theory \"shell\" has no other, its c_D and "
-            "c_T are "
-            "those of (1 - 3 nu)",
+            "c_T are those of (1 - 3 nu)",
             "use nu <= 0.33; no other theory gives a sheet a larger one");
   else
     t.check(p.material.nu > -1 && p.material.nu <= 0.5, {"nu"},
@@ -391,8 +390,7 @@ void describe(Table& t, TheoryParameters& p) {
                                  BondTheory::short_cylinder, BondTheory::shell}},
         required,
         "stiffnesses from material and section, at each bond's length; shell: of a triangular sheet that "
-        "stands for "
-        "a thin wall, at any length");
+        "stands for a thin wall, at any length");
   t.key("E", p.material.E, positive(stress), required, "Young's modulus");
   t.key("nu", p.material.nu, NumberCodec{pure, any_number}, required,
         "Poisson's ratio, > -1 and <= 0.5 (short-cylinder: < 0.5, shell: < 1/3)");

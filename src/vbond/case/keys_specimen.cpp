@@ -105,8 +105,7 @@ void describe(Table& t, SpecimenSpec& s) {
   t.when(surface, "kind = \"sheet\", \"cylinder\", \"cone\" or \"sphere\"", [&] {
     t.key("thickness", s.thickness, positive(length), optional,
           "of the wall that they stand for, h: with density, each particle has the mass of its share of the "
-          "surface; "
-          "the default inertia is then m (h^2/12 + 5/72 l^2), l: distance of its neighbours");
+          "surface; the default inertia is then m (h^2/12 + 5/72 l^2), l: distance of its neighbours");
   });
   t.key("inertia", s.inertia, positive(inertia), default_is("2/5 m radius^2, or from thickness"),
         "moment of inertia of each particle, the same about all axes");

@@ -83,8 +83,7 @@ constexpr CheckpointQuantity data_sets[] = {
     {"/grips/particles", unit::none, "how many each has"},
     {"/grips/shift", unit::length,
      "of the pivot along what is free, since they took hold; this and the next four only where a grip that "
-     "is free "
-     "in part has moved"},
+     "is free in part has moved"},
     {"/grips/turn", unit::none, "about what is free, quaternions w, x, y, z"},
     {"/grips/velocity", unit::velocity, "of the pivot along what is free"},
     {"/grips/spin", unit::angular_momentum, "angular momentum of free turns about the pivot"},

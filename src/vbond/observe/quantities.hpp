@@ -37,7 +37,7 @@ inline bool is_in(Only cases, const OutputPlan& plan) {
     case Only::breaks: return plan.breaks;
     case Only::stress: return plan.frame_format.stress;
     case Only::capsules: return plan.capsules;
-    case Only::flow: return plan.frame_format.flow;
+    case Only::flow: return plan.flow;
   }
   return true;
 }

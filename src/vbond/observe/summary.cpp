@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <array>
 
 #include "vbond/core/error.hpp"
@@ -110,6 +111,11 @@ const char* to_text(StopReason reason) {
     case StopReason::interrupted: return "interrupted";
   }
   return "running";
+}
+
+bool any_dynamics(const RunSummary& summary) {
+  return std::any_of(summary.stages.begin(), summary.stages.end(),
+                     [](const StageSummary& s) { return !s.statics; });
 }
 
 std::string to_json(const RunSummary& r) {

@@ -98,6 +98,9 @@ const char* to_text(StopReason reason);
 /// "dynamics", "equilibrium", "path", "buckling", "modes", "fracture".
 const char* to_text(StageKind kind);
 
+/// Whether a stage was in motion: static ones have no balance of energy over time.
+bool any_dynamics(const RunSummary& summary);
+
 /// The text of run.json. Critical force, critical forces and frequencies of the run are those of the last
 /// stage that found any.
 std::string to_json(const RunSummary& summary);

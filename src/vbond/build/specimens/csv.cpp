@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "vbond/build/csv_table.hpp"
 #include "vbond/build/specimens/specimen.hpp"
@@ -124,7 +125,7 @@ class CsvReader {
     const auto there = static_cast<std::size_t>(
         std::count_if(names.begin(), names.end(), [this](const char* name) { return is_there(name); }));
     if (there > 0 && there < N)
-      problems_.add({file_.string(), 1, 1},
+      problems_.add({file_.string(), table_.header_line, 1},
                     fmt::format("columns {} are not all there", fmt::join(names, ", ")), rule, way_out);
     return there == N;
   }
@@ -139,6 +140,7 @@ class CsvReader {
     points.orientations.reserve(w.size());
     for (std::size_t i = 0; i < w.size(); ++i) {
       const double length = std::sqrt(w[i] * w[i] + x[i] * x[i] + y[i] * y[i] + z[i] * z[i]);
+      if (std::isinf(length)) continue;  // of a field that is no number, which is told
       if (!(std::abs(length - 1.0) <= most))
         problems_.add({file_.string(), table_.lines[i], 1},
                       fmt::format("the quaternion {}, {}, {}, {} has the length {:.6g}", w[i], x[i], y[i],
@@ -173,6 +175,24 @@ class CsvReader {
   std::array<bool, csv_columns.size()> there_{};
 };
 
+/// Of one type no pair is there twice. lines: of the bonds.
+void refuse_doubled(const std::vector<FileBond>& bonds, const std::vector<std::uint32_t>& lines,
+                    const std::filesystem::path& file, Problems& problems) {
+  std::vector<std::tuple<std::int64_t, std::int64_t, std::int64_t, std::uint32_t>> in_order;
+  for (std::size_t n = 0; n < bonds.size(); ++n) {
+    const auto [low, high] = std::minmax(bonds[n].pair[0], bonds[n].pair[1]);
+    in_order.emplace_back(low, high, bonds[n].type, lines[n]);
+  }
+  std::sort(in_order.begin(), in_order.end());
+  for (std::size_t n = 1; n < in_order.size(); ++n) {
+    const auto& [i, j, type, line] = in_order[n];
+    const auto& [other_i, other_j, other_type, other_line] = in_order[n - 1];
+    if (std::tie(i, j, type) == std::tie(other_i, other_j, other_type))
+      problems.add({file.string(), line, 1}, fmt::format("pair {}, {}", i, j),
+                   fmt::format("the pair is there already, in line {}", other_line), "remove one of them");
+  }
+}
+
 std::vector<FileBond> read_bonds(const std::filesystem::path& file, const SourcePlace& place,
                                  std::int64_t particles) {
   const CsvTable table =
@@ -192,7 +212,7 @@ std::vector<FileBond> read_bonds(const std::filesystem::path& file, const Source
     numbers.see(*i), numbers.see(*j);
     bonds.push_back({{*i, *j}, *type});
   }
-  for (std::size_t n = 0; problems.none() && n < bonds.size(); ++n) {
+  for (std::size_t n = 0, rows = problems.none() ? bonds.size() : 0; n < rows; ++n) {
     const auto [i, j] = bonds[n].pair;
     const SourcePlace at{file.string(), table.lines[n], 1};
     for (const std::int64_t end : {i, j})
@@ -204,6 +224,7 @@ std::vector<FileBond> read_bonds(const std::filesystem::path& file, const Source
       problems.add(at, fmt::format("pair {}, {}", i, j), "a bond joins two different particles",
                    "correct the pair");
   }
+  refuse_doubled(bonds, table.lines, file, problems);
   problems.throw_if_any();
   return bonds;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <cstddef>
 #include <functional>
 #include <map>
@@ -17,6 +18,7 @@
 #include "vbond/build/specimens/lammps_styles.hpp"
 #include "vbond/build/specimens/specimen.hpp"
 #include "vbond/build/text_file.hpp"
+#include "vbond/case/value.hpp"
 #include "vbond/core/problems.hpp"
 
 // Format: LAMMPS manual, command read_data.
@@ -169,10 +171,17 @@ class LammpsReader {
 
   /// A type that the header does not count is a slip of the pen.
   void check_type(std::int64_t type, const char* of, std::optional<std::int64_t> declared) {
-    if (declared && (type < 1 || type > *declared))
+    if (type < 1 || (declared && type > *declared))
       in_lines_.add(at_, fmt::format("{} type {}", of, type),
-                    fmt::format("the header declares {} {} types", *declared, of),
+                    declared ? fmt::format("the header declares {} {} types", *declared, of)
+                             : fmt::format("{} types are counted from 1", of),
                     "correct the line or the header");
+  }
+
+  /// A number that can be computed with.
+  static std::optional<double> number_in(std::string_view word) {
+    const auto value = to_number(word);
+    return value && std::abs(*value) <= keys::largest_number ? value : std::nullopt;
   }
 
   void header_line(const std::vector<std::string_view>& words) {
@@ -202,8 +211,9 @@ class LammpsReader {
 
   void mass_line(const std::vector<std::string_view>& words) {
     const auto type = words.size() == 2 ? type_of(words[0], atom_labels_) : std::nullopt;
-    const auto mass = words.size() == 2 ? to_number(words[1]) : std::nullopt;
-    if (!type || !mass) return malformed("type mass");
+    const auto mass = words.size() == 2 ? number_in(words[1]) : std::nullopt;
+    if (!type || !mass) return malformed("type mass", has_numbers);
+    check_type(*type, "atom", declared_atom_types_);
     if (!masses_.emplace(*type, *mass).second)
       in_lines_.add(at_, fmt::format("a second mass of type {}", *type), "each type has one mass",
                     "remove one");
@@ -216,12 +226,13 @@ class LammpsReader {
     if (n != columns_->count && n != columns_->count + 3) return malformed(form);
     const auto id = to_integer(words[0]), type = type_of(words[columns_->type], atom_labels_);
     std::array<std::optional<double>, 5> values;  // x y z, diameter, density
-    for (std::size_t k = 0; k < 3; ++k) values[k] = to_number(words[columns_->x + k]);
+    for (std::size_t k = 0; k < 3; ++k) values[k] = number_in(words[columns_->x + k]);
     const bool sphere = columns_->diameter > 0;
     for (std::size_t k = 0; k < 2; ++k)
-      values[3 + k] = sphere ? to_number(words[columns_->diameter + k]) : 0.0;
+      values[3 + k] = sphere ? number_in(words[columns_->diameter + k]) : 0.0;
     const auto known = [](const std::optional<double>& value) { return value.has_value(); };
-    if (!id || !type || !std::all_of(values.begin(), values.end(), known)) return malformed(form);
+    if (!id || !type || !std::all_of(values.begin(), values.end(), known))
+      return malformed(form, has_numbers);
     check_type(*type, "atom", declared_atom_types_);
     Atom atom{*id, *type, {*values[0], *values[1], *values[2]}, *values[3], *values[4], {}, at_};
     for (std::size_t k = 0; n > columns_->count && k < 3; ++k) {
@@ -238,11 +249,11 @@ class LammpsReader {
     std::array<double, 6> values{};
     bool good = id && words.size() == 1 + count;
     for (std::size_t k = 0; good && k < count; ++k) {
-      const auto value = to_number(words[1 + k]);
+      const auto value = number_in(words[1 + k]);
       good = value.has_value();
       values[k] = value.value_or(0.0);
     }
-    if (!good) return malformed(count == 6 ? "atom vx vy vz wx wy wz" : "atom vx vy vz");
+    if (!good) return malformed(count == 6 ? "atom vx vy vz wx wy wz" : "atom vx vy vz", has_numbers);
     velocities_.push_back({*id, {values[0], values[1], values[2]}, {values[3], values[4], values[5]}, at_});
   }
 
@@ -278,8 +289,10 @@ class LammpsReader {
     bonds_.push_back({*type, *first, *second, at_});
   }
 
-  void malformed(const std::string& form) {
-    in_lines_.add(at_, "the line is not understood", "expected: " + form, "correct the line");
+  static constexpr const char* has_numbers = "; numbers are finite and at most 1e60 in size";
+
+  void malformed(const std::string& form, const char* rule = "") {
+    in_lines_.add(at_, "the line is not understood", "expected: " + form + rule, "correct the line");
   }
 
   void check_count(const char* what, std::optional<std::int64_t> declared, std::size_t found) {
