@@ -86,8 +86,10 @@ void describe_stress(Table& t, StressSpec& s) {
   t.key(
       "volume", s.volume, StressVolumeCodec{}, required,
       "that the group takes up, gaps included; \"box\": of the box along x, y, z around its particles at the "
-      "start, with their radii; \"spheres\": of its particles alone, so that the stress in a body with gaps "
-      "comes out too large");
+      "start, with their radii, so that the stress in a round group or in a part of a random packing comes "
+      "out "
+      "too small; \"spheres\": of its particles alone, so that the stress in a body with gaps comes out too "
+      "large");
 }
 
 void describe(Table& t, OutputSpec& o, bool any_dynamics) {

@@ -173,7 +173,9 @@ void describe_stop(Table& t, StageSpec& s) {
   t.when(s.kind != StageKind::fracture, "kind = \"dynamics\" or \"path\"",
          [&] { t.table("distance", s.stop_distance, "stop when two particles are near or far enough"); });
   t.when(dynamics, in_dynamics, [&] {
-    t.table("peak", s.stop_peak, "stop when a quantity has fallen below its peak: buckling, load drop");
+    t.table("peak", s.stop_peak,
+            "stop when a quantity has fallen below its peak: buckling, load drop; the first peak counts, "
+            "also that of a first touch");
     t.table("rest", s.stop_rest, "stop when the body has come to rest");
   });
   t.when(dynamics || s.kind == StageKind::fracture, "kind = \"dynamics\" or \"fracture\"",
