@@ -153,7 +153,9 @@ HistoryValues history_values(const OutputPlan& plan, const Model& model, const S
   const State& state = point.state;
   HistoryValues values{
       .clock = state.clock,
-      .books = {.at_start = point.energies.total(), .dissipated = dissipated_by_flow(state)},
+      .books = {.at_start = point.energies.total(),
+                .dissipated = dissipated_by_flow(state),
+                .released = point.released},
       .energies = point.energies,
       .balance_error = 0.0,
       .losses = of_causes(plan, [&] { return losses_by_flow(state); }),

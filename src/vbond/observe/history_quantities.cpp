@@ -70,7 +70,8 @@ constexpr HistoryQuantity columns[] = {
      "counted, and in dynamics",
      [](const Values& v) { return cell_of(v.unstable); }, Only::statics},
     {"released", unit::energy,
-     "energy of bonds as they broke so far, less that of contacts that this switched on",
+     "energy of bonds as they broke so far, less that of contacts that this switched on; of a stage of "
+     "fracture what its breaks took out of the body so far",
      [](const Values& v) -> Cell { return v.books.released; }, Only::breaks},
     {"broken", unit::none, "bonds that have broken so far", [](const Values& v) -> Cell { return v.broken; },
      Only::breaks},

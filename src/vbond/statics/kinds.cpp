@@ -104,7 +104,7 @@ void report_point(StaticBody& body, PointKind kind, std::optional<int> unstable,
   if (hooks.point)
     hooks.point({body.state(), body.load_factor(), kind, unstable, body.energies(),
                  [&body](const std::vector<ParticleId>& particles) { return body.reaction(particles); },
-                 body.grips()});
+                 body.grips(), result.fracture.books.released});
 }
 
 StaticOutcome interrupted_outcome(StaticResult result, State state) {

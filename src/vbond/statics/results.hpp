@@ -34,6 +34,7 @@ struct StaticPoint {
   /// What supports exert on these particles.
   std::function<Reaction(const std::vector<ParticleId>&)> reaction;
   std::vector<GripView> grips = {};  ///< in the order of the stage's supports
+  double released = 0;               ///< by the breaks of a stage of fracture so far  [energy]
 };
 
 /// A small movement of all particles: how a mode looks. Scaled so that the largest translation is 1, or if
