@@ -56,6 +56,9 @@ TEST(FastestSwing, LooksAtAllThatIsMovedAndNamesIt) {
   Support support;
   support.group = "grip", support.factor = wave(16, 4, 8);
   stage.supports = {support};
+  EXPECT_EQ(fastest_swing(stage).source,
+            "the factor over time of the load on group \"end\"");  // it stands still
+  stage.supports[0].velocity = {0, 0, 0.1};
   EXPECT_EQ(fastest_swing(stage).source, "the factor over time of the support of group \"grip\"");
   WallDrive lid;
   lid.wall = "lid";

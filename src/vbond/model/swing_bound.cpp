@@ -57,7 +57,9 @@ FastestSwing fastest_swing(const Stage& stage) {
     look_at(w.factor, "wall", w.wall);
     if (w.servo) look_at(w.servo->factor, "the servo of wall", w.wall);
   }
-  for (const Support& s : stage.supports) look_at(s.factor, "the support of group", s.group);
+  for (const Support& s : stage.supports)
+    if (s.velocity != Vec3d{} || s.angular_velocity != Vec3d{})
+      look_at(s.factor, "the support of group", s.group);
   for (const PointLoad& l : stage.loads) look_at(l.factor, "the load on group", l.group);
   for (const Heating& h : stage.heating)
     look(shortest_period(h.factor, stage.stops.duration),
