@@ -11,7 +11,7 @@
 #include "vbond/model/mistakes.hpp"
 #include "vbond/statics/detail/body.hpp"
 
-namespace vbond {
+namespace vbond::followers_at_rest {
 namespace {
 
 using testing::Dice;
@@ -189,4 +189,4 @@ TEST(FollowersAtRest, OtherKindsRefuseThem) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::followers_at_rest

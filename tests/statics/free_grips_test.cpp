@@ -12,7 +12,7 @@
 #include "vbond/model/mistakes.hpp"
 #include "vbond/statics/detail/body.hpp"
 
-namespace vbond {
+namespace vbond::free_grips_at_rest {
 namespace {
 
 using testing::Dice;
@@ -280,4 +280,4 @@ TEST(FreeGripsAtRest, WithoutBondsAreRigidMotions) {
 }
 
 }  // namespace
-}  // namespace vbond
+}  // namespace vbond::free_grips_at_rest
