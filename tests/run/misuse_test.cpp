@@ -33,6 +33,7 @@ TEST(Misuse, ColumnsOfAnotherSize) {
 // A support that swings within a few steps does not do what it was told.
 TEST(Misuse, FewStepsInASwing) {
   const auto swing = [](Parts& p) {
+    p.second.supports[0].velocity = {1e-3, 0, 0};
     for (int k = 0; k <= 10; ++k)
       p.second.supports[0].factor.points.push_back({0.1 * k, k % 2 == 0 ? 1.0 : -1.0});
   };

@@ -230,8 +230,11 @@ TEST(Run, StaticMistakesAreRefusedByStageAndField) {
         t.supports.back().displacement.x += 0.1;
       },
       "x of particle 0 is held twice, in two ways");
-  refuses([](StaticStage& t) { t.supports[0].rigid = true, t.supports[0].held = {}; },
-          "is free in part: stages at rest take grips that hold all");
+  refuses(
+      [](StaticStage& t) {
+        t.supports[0].rigid = true, t.supports[0].held = {true, true, true, true};
+      },
+      "holds one turn: it may hold none, two or all three");
   refuses([](StaticStage& t) { t.supports[0].pivot = Vec3d{}; }, "has a pivot: that is for rigid ones");
   refuses([nan](StaticStage& t) { t.supports[0].displacement.y = nan; }, "the displacement of a support");
   refuses([](StaticStage& t) { t.loads[0].particles = {ParticleId{99}}; }, "a load names particle 99");
