@@ -49,9 +49,9 @@ DenseMatrix NearZero::vectors_within(double size) const {
   return vectors(Eigen::all, within);
 }
 
-// Ritz values of the inverse, whose largest ones are looked for, choose the vectors: those of A itself may lie
-// near zero by chance, where vectors of either sign are mixed. Values are then those of A. With the distance
-// of the guard they are off by the square of their residual over it.
+// Ritz values of the inverse, whose largest ones are looked for, choose the vectors: those of A itself may
+// lie near zero by chance, where vectors of either sign are mixed. Values are then those of A. With the
+// distance of the guard they are off by the square of their residual over it.
 std::optional<EigenPairs> NearZeroSearch::find(const SparseMatrix& A, const SolveColumns& solve, int count,
                                                double scale, double resolution) {
   const Eigen::Index n = A.rows(), size = std::min<Eigen::Index>(n, count + guards);

@@ -30,12 +30,13 @@ constexpr double same_place = 1e-7;
 // Stability on either side of a limit point is looked at this far from it, over the length of the step.
 constexpr double aside = 1e-4;
 // Where an eigenvalue is less than the first of these times its values at the ends of the step, balances are
-// sought without a movement along its mode and those of eigenvalues below ten times as much, or below the second.
+// sought without a movement along its mode and those of eigenvalues below ten times as much, or below the
+// second.
 constexpr double near_to_zero = 1e-2, least_soft = 1e-3;
-// If something drives these modes, the path itself is looked at on either side, at these parts of the load
-// factor: there the eigenvalue must be as large as by its slope, but for this part.
-constexpr double gaps_looked_for[] = {1e-6, 1e-5};
-constexpr double bend_beside_gap = 0.25;
+// If something drives these modes, the path itself is looked at on either side, as far away as the first of
+// these parts of the load factor and then nearer: there the eigenvalue must be as large as by its slope, but
+// for the last. If it is so down to the second, there is no gap.
+constexpr double widest_around = 1.01e-5, narrowest_around = 1e-8, bend_beside_gap = 0.25;
 constexpr double sides[] = {-1.0, 1.0};
 
 /// Where the value is zero on the line through the two looks that are nearest to that. Values are known to
@@ -173,14 +174,13 @@ bool PathStep::add_bifurcations(const PathNode& lo, const PathNode& hi, std::vec
   return true;
 }
 
-/// Brings a and b, with values of opposite signs, as near to each other as the looks of searches before this one
-/// do.
+/// Brings a and b, with values of opposite signs, as near to each other as the looks of searches before this
+/// one do.
 void PathStep::narrow(int number, double small, Sample& a, Sample& b, std::vector<Look>& looks) const {
   const double low = std::min(a.s, b.s), high = std::max(a.s, b.s);
   std::vector<Look> known;
   for (const Seen& look : seen_)
-    if (look.s > low && look.s < high && look.near.has(number) &&
-        std::abs(look.near.value(number)) > small)
+    if (look.s > low && look.s < high && look.near.has(number) && std::abs(look.near.value(number)) > small)
       known.push_back({look.s, look.near.value(number), look.load_factor});
   std::sort(known.begin(), known.end(), [](const Look& x, const Look& y) { return x.s < y.s; });
   const bool a_first = a.s < b.s;
@@ -253,12 +253,13 @@ std::optional<CriticalPoint> PathStep::zero_of_eigenvalue(int number, const Path
   return c;
 }
 
-/// Of a body that is driven along the modes held: how far from the zero its own path has the eigenvalue on either
-/// side as the line has it. Nothing if it has not within the widest gap that is looked for.
+/// Of a body that is driven along the modes held: how far from the zero its own path has the eigenvalue on
+/// either side as the line has it. Nothing if it has not within the widest gap that is looked for.
 std::optional<double> PathStep::gap_around(int number, const ZeroOfLine& zero, double scale) {
-  for (const double part : gaps_looked_for) {
+  std::optional<double> narrowest;
+  for (double part = widest_around; part >= narrowest_around; part *= 0.1) {
     const double gap = part * std::abs(zero.load_factor), away = gap / std::abs(zero.load_slope);
-    if (std::all_of(std::begin(sides), std::end(sides), [&](double side) {
+    if (!std::all_of(std::begin(sides), std::end(sides), [&](double side) {
           const StepOutcome outcome = to(zero.s + side * away);
           driven_ = false;
           if (!outcome.point) return false;
@@ -266,9 +267,10 @@ std::optional<double> PathStep::gap_around(int number, const ZeroOfLine& zero, d
           const double value = eigenvalue(number, {zero.s + side * away, *outcome.point}, scale, true);
           return std::abs(value - by_slope) <= bend_beside_gap * std::abs(by_slope);
         }))
-      return gap;
+      return narrowest;
+    narrowest = gap;
   }
-  return {};
+  return 0.0;
 }
 
 /// Where the path turns off at a critical point, but goes on as before at both ends of the step, it has gone
@@ -297,9 +299,8 @@ double PathStep::gap_of_turn(const PathNode& lo, const PathNode& node, const Pat
 
 /// The eigenvalue with this number in increasing order, from 0. stands_there: the body does, on this balance.
 double PathStep::eigenvalue(int number, const PathNode& node, double scale, bool stands_there) {
-  const auto seen = std::find_if(seen_.begin(), seen_.end(), [&](const Seen& look) {
-    return look.s == node.s && look.near.has(number);
-  });
+  const auto seen = std::find_if(seen_.begin(), seen_.end(),
+                                 [&](const Seen& look) { return look.s == node.s && look.near.has(number); });
   if (seen != seen_.end()) return seen->near.value(number);
   if (!stands_there) body_->restore(node.point.at);
   if (const std::optional<double> value = arc_->eigenvalue(number)) return *value;
@@ -308,8 +309,8 @@ double PathStep::eigenvalue(int number, const PathNode& node, double scale, bool
   return seen_.back().near.value(number);
 }
 
-/// The balance at s. Next to where the eigenvalue is zero it is sought without a movement along the modes that
-/// are about to lose their stiffness, unless they turn out to be driven.
+/// The balance at s. Next to where the eigenvalue is zero it is sought without a movement along the modes
+/// that are about to lose their stiffness, unless they turn out to be driven.
 StepOutcome PathStep::to_near_zero(int number, double s, double scale) {
   const Seen* nearest = nullptr;
   for (const Seen& look : seen_)

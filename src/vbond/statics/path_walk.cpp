@@ -91,7 +91,11 @@ std::optional<PathLeg> PathWalk::next(int wanted) {
   std::optional<PathLeg> found = leg(step, s, Way::round_gaps);
   if (!found && wide_gap_ && !snapping_) {  // no way round the bend: over it, then
     found = leg(step, std::min(longest_here, std::max(s, length_to(*wide_gap_))), Way::over_gaps);
-    wide_gap_.reset();
+    if (!found && over_gap_) {
+      found = std::move(over_gap_->leg);
+      soft_end_ = over_gap_->soft_end, next_ = over_gap_->next;
+    }
+    forget_gap();
   } else if (found && wide_gap_) {
     add_what_is_passed(*found);
   }
@@ -105,7 +109,7 @@ void PathWalk::add_what_is_passed(PathLeg& leg) {
   if (std::any_of(leg.critical.begin(), leg.critical.end(), [&](const CriticalPoint& c) {
         return c.kind == PointKind::limit_point || std::abs(c.load_factor - f) <= wide_gap_->gap;
       }))
-    return wide_gap_.reset();
+    return forget_gap();
   const double end_of_gap = f + std::copysign(wide_gap_->gap, leg.step.direction().f);
   const auto beyond = [end_of_gap](const PathPoint& p) { return p.at.load_factor - end_of_gap; };
   if (std::signbit(beyond(leg.start.point)) == std::signbit(beyond(leg.end.point))) return;
@@ -117,7 +121,12 @@ void PathWalk::add_what_is_passed(PathLeg& leg) {
     std::stable_sort(leg.critical.begin(), leg.critical.end(),
                      [](const CriticalPoint& a, const CriticalPoint& b) { return a.node.s < b.node.s; });
   }
+  forget_gap();
+}
+
+void PathWalk::forget_gap() {
   wide_gap_.reset();
+  over_gap_.reset();
 }
 
 // The direction is the part of the mode that is normal to the path so far, so that the plane on which the
@@ -155,6 +164,8 @@ std::optional<PathLeg> PathWalk::leg(PathStep step, double s, Way way) {
       }
       if (gap) {
         next = std::min(next, std::max(look_at(*gap), shortest_));
+        over_gap_ =
+            OverGap{{step, std::move(start), std::move(*end), std::move(*critical)}, soft_end_, next_};
       }
     }
     if (last) return {};

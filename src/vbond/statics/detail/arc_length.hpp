@@ -129,9 +129,9 @@ class ArcLength {
   int unstable_ = 0;  // at the last factor
   std::optional<Deflated> singular_;                  // the same
   bool bordered_ = false, full_is_singular_ = false;  // the same, where outside moments act
-  std::uint64_t factored_at_ = 0;       // placement_number
-  const DenseMatrix* held_ = nullptr;   // modes along which the body does not move now
-  DenseMatrix of_held_;                 // K^-1 of them, at the last factor
+  std::uint64_t factored_at_ = 0;                     // placement_number
+  const DenseMatrix* held_ = nullptr;                 // modes along which the body does not move now
+  DenseMatrix of_held_;                               // K^-1 of them, at the last factor
   NearZeroSearch near_zero_;
   int iterations_ = 0, other_factors_ = 0;
 };

@@ -6,8 +6,8 @@
 
 namespace vbond {
 
-/// Eigenpairs of a symmetric matrix that are next to zero, in increasing order and without a gap: values[k] is
-/// number first + k of all, counted from 0.
+/// Eigenpairs of a symmetric matrix that are next to zero, in increasing order and without a gap: values[k]
+/// is number first + k of all, counted from 0.
 struct NearZero {
   int first = 0;
   Vector values;
