@@ -16,7 +16,7 @@ namespace vbond::campaign {
 namespace {
 
 constexpr int longest_shell_run = 300, longest_witness = 900;  // seconds of the processor
-constexpr double E = 1000.0, nu = 0.3;                   // of the material; radii are 1
+constexpr double E = 1000.0, nu = 0.3;                         // of the material; radii are 1
 constexpr double half_root_3 = 0.86602540378443865;
 
 /// The axial load per length at which a long cylinder buckles, R = 1.
@@ -65,16 +65,15 @@ ShellCase cylinder(Dice& dice, int count, bool panel) {
   c.kind = panel ? "panel" : "cylinder";
   const double particles = ratio(dice, 250, 5000), h = ratio(dice, 0.005, 0.05);
   const double angle = panel ? dice(0.4, 2.5) : 2 * M_PI, slender = ratio(dice, 0.4, 2.5);
-  // as many along as around, times the slenderness
-  const auto across = std::max(6.0, std::round(std::sqrt(particles / slender)));
-  const double around = std::round(2 * M_PI / angle * across), spacing = 2 * M_PI / around;
-  const double rows = std::max(6.0, std::round(particles / across)), length = rows * half_root_3 * spacing;
+  const double across = std::max(8.0, std::round(std::sqrt(particles / slender)));
+  const double rows = std::max(6.0, std::round(particles / across));
+  const double spacing = angle / (panel ? across - 1.0 : across), length = rows * half_root_3 * spacing;
   const bool clamped = chance(dice, 0.5), sides_held = panel && chance(dice, 0.5);
   c.text = fmt::format(
       "[[specimen]]\nkind = \"cylinder\"\ncylinder_radius = 1\nparticles_around = {}\n"
       "length = {:.17g}\n",
-      around, length);
-  if (panel) c.text += fmt::format("angle = {:.17g}\n", 2 * M_PI / around * across);
+      across, length);
+  if (panel) c.text += fmt::format("angle = {:.17g}\n", angle);
   c.what = fmt::format("{} x {} particles, R/h = {:.4g}, L/R = {:.3g}, {}{}", across, rows + 1, 1 / h, length,
                        clamped ? "clamped" : "hinged", sides_held ? ", sides hinged" : "");
   c.text += bonds_and_stage(h, count) + fmt::format("  {{group = \"first\", fix = {}}},\n", fixed(clamped));
@@ -88,7 +87,7 @@ ShellCase cylinder(Dice& dice, int count, bool panel) {
 ShellCase dome(Dice& dice, int count) {
   ShellCase c;
   c.kind = "dome of a shell";
-  const double particles = ratio(dice, 250, 4000), h = ratio(dice, 0.005, 0.05);
+  const double particles = ratio(dice, 250, 2000), h = ratio(dice, 0.005, 0.05);
   const double top = dice(0.1, 0.5), rim = top + dice(0.3, 0.9);
   // area over that of a triangle's share, most of it near the rim
   const double area = 2 * M_PI * (std::cos(top) - std::cos(rim));

@@ -33,10 +33,11 @@ constexpr double aside = 1e-4;
 // sought without a movement along its mode and those of eigenvalues below ten times as much, or below the
 // second.
 constexpr double near_to_zero = 1e-2, least_soft = 1e-3;
-// If something drives these modes, the path itself is looked at on either side, as far away as the first of
-// these parts of the load factor and then nearer: there the eigenvalue must be as large as by its slope, but
-// for the last. If it is so down to the second, there is no gap.
-constexpr double widest_around = 1.01e-5, narrowest_around = 1e-8, bend_beside_gap = 0.25;
+// If something drives these modes, the path itself is looked at on either side, so far away in parts of the
+// load factor, nearer and nearer: there the eigenvalue must be as large as by its slope, but for the last. If
+// it is so everywhere, there is no gap.
+constexpr double parts_around[] = {largest_gap, 1e-5, 1e-6, 1e-7, 1e-8};
+constexpr double bend_beside_gap = 0.25;
 constexpr double sides[] = {-1.0, 1.0};
 
 /// Where the value is zero on the line through the two looks that are nearest to that. Values are known to
@@ -257,7 +258,7 @@ std::optional<CriticalPoint> PathStep::zero_of_eigenvalue(int number, const Path
 /// either side as the line has it. Nothing if it has not within the widest gap that is looked for.
 std::optional<double> PathStep::gap_around(int number, const ZeroOfLine& zero, double scale) {
   std::optional<double> narrowest;
-  for (double part = widest_around; part >= narrowest_around; part *= 0.1) {
+  for (const double part : parts_around) {
     const double gap = part * std::abs(zero.load_factor), away = gap / std::abs(zero.load_slope);
     if (!std::all_of(std::begin(sides), std::end(sides), [&](double side) {
           const StepOutcome outcome = to(zero.s + side * away);

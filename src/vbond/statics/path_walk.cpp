@@ -30,9 +30,6 @@ constexpr double least_load_error = 0.01;
 constexpr double wanted_path_turn = 0.3;  // [rad]
 constexpr double wanted_bond_turn = 0.1;  // [rad]
 constexpr double wanted_corrections = 4;
-// Paths of a body that is not quite symmetric pass each other where they would cross: steps go over that if
-// the gap is no more than this part of the load factor, and follow the path round the bend if it is.
-constexpr double largest_gap = 1e-4;
 // A gap up to this part of the load factor is reported as a bifurcation. Beyond it the path is only bent.
 constexpr double widest_gap = 3e-3;
 // Steps in which stability may be lost and regained are taken again down to this part of their length.

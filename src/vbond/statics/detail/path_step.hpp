@@ -10,6 +10,10 @@
 
 namespace vbond {
 
+/// Paths of a body that is not quite symmetric pass each other where they would cross: steps go over that if
+/// the gap is no more than this part of the load factor, and follow the path round the bend if it is.
+inline constexpr double largest_gap = 1e-4;
+
 /// A balance within a step.
 struct PathNode {
   double s = 0;  ///< arc-length since the start of the step
