@@ -17,7 +17,9 @@ namespace {
 // told: nearer by, what is out of balance moves the body along its soft modes.
 constexpr double beside = 1e-4;
 constexpr double grid[] = {0.15, 0.3, 0.45, 0.6, 0.7, 0.8, 0.87, 0.92, 0.96, 0.985};
-constexpr int most_halvings = 6;
+constexpr int most_halvings = 10;
+constexpr double longest_step = 0.03;   // of a bond, as predicted
+constexpr double farthest_aside = 0.5;  // of what corrections move, over the step
 constexpr double largest_change = 0.3;  // of a bond in a correction
 
 struct Balance {
@@ -44,10 +46,11 @@ class LoadSteps {
   int balances() const { return balances_; }
 
  private:
-  /// The balance at f near `from` moved by x: no farther from there than that movement.
+  /// The balance at f near `from` moved by x: not far from there beside that movement.
   std::optional<Balance> find(const Placement& from, const Vector& x, double f) {
-    ++balances_;
     body_.restore(from);
+    if (body_.largest_bond_change(x) > longest_step) return {};
+    ++balances_;
     body_.move(x, f);
     Vector aside = Vector::Zero(x.size());
     for (int round = 0; round < 16; ++round) {
@@ -61,7 +64,7 @@ class LoadSteps {
       const Vector step = ldlt_.solve(body_.unbalanced());
       if (!step.allFinite() || body_.largest_bond_change(step) > largest_change) return {};
       aside += step;
-      if (x.squaredNorm() > 0.0 && aside.norm() > x.norm()) return {};
+      if (x.squaredNorm() > 0.0 && aside.norm() > farthest_aside * x.norm()) return {};
       body_.move(step, f);
     }
     return {};

@@ -260,6 +260,10 @@ double ArcLength::drive(const DenseMatrix& modes) const {
   return all > 0.0 ? body_.residual() * (max_norm(modes.transpose() * R) / all) : 0.0;
 }
 
+bool ArcLength::is_balanced_beside(const DenseMatrix& modes) const {
+  return body_.residual_beside(modes) <= std::max(settings_.tolerance, body_.residual_of_rounding());
+}
+
 StepOutcome ArcLength::corrected(const Placement& from, const PathDirection& direction, double s,
                                  bool end_of_step) {
   StepOutcome outcome;
@@ -289,8 +293,8 @@ StepOutcome ArcLength::corrected(const Placement& from, const PathDirection& dir
       outcome.why = e.what();  // a shorter step may do better
       return outcome;
     }
-    const bool in_balance = held_ ? body_.residual_beside(*held_) <= settings_.tolerance
-                                  : balanced(body_, settings_, outcome.residuals);
+    const bool in_balance =
+        held_ ? is_balanced_beside(*held_) : balanced(body_, settings_, outcome.residuals);
     const bool settled = std::sqrt(dot(change, change)) <= settled_to * std::abs(s);
     const double rounding = body_.residual_of_rounding();
     const bool falls = outcome.iterations == 0 || residual <= 0.3 * outcome.residuals.end()[-2];

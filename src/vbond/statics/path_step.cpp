@@ -259,6 +259,7 @@ std::optional<CriticalPoint> PathStep::zero_of_eigenvalue(int number, const Path
 std::optional<double> PathStep::gap_around(int number, const ZeroOfLine& zero, double scale) {
   std::optional<double> narrowest;
   for (const double part : parts_around) {
+    if (part == largest_gap && held_together_ < 2) continue;
     const double gap = part * std::abs(zero.load_factor), away = gap / std::abs(zero.load_slope);
     if (!std::all_of(std::begin(sides), std::end(sides), [&](double side) {
           const StepOutcome outcome = to(zero.s + side * away);
@@ -324,6 +325,7 @@ StepOutcome PathStep::to_near_zero(int number, double s, double scale) {
     const DenseMatrix modes = orthonormal(nearest->near.vectors_within(soft));
     StepOutcome outcome = arc_->step_beside(modes, start_.at, direction_, s);
     driven_ = outcome.driven;
+    held_together_ = static_cast<int>(modes.cols());
     if (outcome.point) return outcome;
     may_hold_ = false;
   }

@@ -110,6 +110,7 @@ class ArcLength {
   DenseMatrix solve_beside(const DenseMatrix& B);
   Vector solve_held(const Vector& b);
   double drive(const DenseMatrix& modes) const;
+  bool is_balanced_beside(const DenseMatrix& modes) const;
   StepOutcome corrected(const Placement& from, const PathDirection& direction, double s, bool end_of_step);
   EigenPairs pairs_near_zero(int count, double scale);
   int number_below(double bound);

@@ -97,6 +97,7 @@ class PathStep {
   int wanted_ = std::numeric_limits<int>::max();
   std::vector<Seen> seen_;  // within one search for bifurcations
   bool may_hold_ = true;    // modes, in that search
+  int held_together_ = 0;   // the number of those held last
   bool driven_ = false;     // the last balance there is that of a body held along modes that are driven
 };
 
