@@ -88,10 +88,7 @@ std::optional<PathLeg> PathWalk::next(int wanted) {
   std::optional<PathLeg> found = leg(step, s, Way::round_gaps);
   if (!found && wide_gap_ && !snapping_) {  // no way round the bend: over it, then
     found = leg(step, std::min(longest_here, std::max(s, length_to(*wide_gap_))), Way::over_gaps);
-    if (!found && over_gap_) {
-      found = std::move(over_gap_->leg);
-      soft_end_ = over_gap_->soft_end, next_ = over_gap_->next;
-    }
+    if (!found && over_gap_) found = leg_over_gap();
     forget_gap();
   } else if (found && wide_gap_) {
     add_what_is_passed(*found);
@@ -121,6 +118,15 @@ void PathWalk::add_what_is_passed(PathLeg& leg) {
   forget_gap();
 }
 
+/// The last step that went over the gap, from where it began, less what has been passed since.
+PathLeg PathWalk::leg_over_gap() {
+  PathLeg leg = std::move(over_gap_->leg);
+  soft_end_ = over_gap_->soft_end, next_ = over_gap_->next;
+  const double f = here_.at.load_factor, sense = leg.step.direction().f;
+  std::erase_if(leg.critical, [&](const CriticalPoint& c) { return (c.load_factor - f) * sense <= 0.0; });
+  return leg;
+}
+
 void PathWalk::forget_gap() {
   wide_gap_.reset();
   over_gap_.reset();
@@ -129,6 +135,7 @@ void PathWalk::forget_gap() {
 // The direction is the part of the mode that is normal to the path so far, so that the plane on which the
 // first point is sought does not meet that path again.
 std::optional<PathLeg> PathWalk::turn_off(const CriticalPoint& at, const Vector& mode) {
+  over_gap_.reset();
   PathDirection off{mode, 0.0};
   const double along = arc_.dot(off, here_.tangent);
   off = arc_.unit({off.u - along * here_.tangent.u, off.f - along * here_.tangent.f});

@@ -55,6 +55,7 @@ class PathWalk {
   std::optional<PathLeg> leg(PathStep step, double s, Way way);
   std::optional<PathNode> attempt(PathStep& step, double s, bool beware_of_dips);
   double look_at(const CriticalPoint& gap);
+  PathLeg leg_over_gap();
   void forget_gap();
   double length_to(const CriticalPoint& gap) const;
   bool goes_over_known_gap(const PathPoint& start, const PathPoint& end) const;
