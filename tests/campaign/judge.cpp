@@ -118,37 +118,13 @@ void take(Answer& a, const StaticStage& stage, const StaticResult& result) {
     a.loads.push_back({p.kind, p.load_factor, p.gap / std::abs(p.load_factor), false, false});
 }
 
-/// Runs a stage; of a path until the first special point.
-Answer ask(const BodyPlan& plan, const StaticStage& stage) {
-  const testing::Specimen s = specimen_of(plan);
-  Answer a;
-  bool seen = false;
-  StaticHooks hooks;
-  hooks.point = [&](const StaticPoint& p) {
-    seen = seen || (stage.kind == StageKind::path &&
-                    (p.kind == PointKind::limit_point || p.kind == PointKind::bifurcation));
-  };
-  hooks.interrupted = [&seen] { return seen; };
-  const auto start = std::chrono::steady_clock::now();
-  try {
-    take(a, stage, run_static_stage(s.model, stage, s.state, hooks).result);
-  } catch (const StaticStageFailed& e) {
-    take(a, stage, e.found);
-    a.failure = "gave up", a.message = e.what();
-  } catch (const NoEquilibrium& e) {
-    a.failure = "gave up", a.message = e.what();
-  }
-  a.seconds = seconds_since(start);
-  return a;
-}
-
 Answer ask_in_child(const BodyPlan& plan, const StaticStage& stage) {
-  const auto start = std::chrono::steady_clock::now();
-  const ChildResult child = in_child([&] { return json_of(ask(plan, stage)).dump(); }, longest_run);
-  if (child.fate.empty()) return answer_of(nlohmann::json::parse(child.text));
-  Answer a;
-  a.failure = "aborted", a.message = child.fate, a.seconds = seconds_since(start);
-  return a;
+  return answer_in_child(
+      [&] {
+        const testing::Specimen s = specimen_of(plan);
+        return answer_of_stage(s.model, s.state, stage, Until::first_special_point);
+      },
+      longest_run);
 }
 
 Reference reference_in_child(const BodyPlan& plan, int count, bool near_by = false) {
@@ -239,6 +215,37 @@ const char* name_of(Verdict v) {
     case Verdict::no_reference: break;
   }
   return "no reference";
+}
+
+Answer answer_of_stage(const Model& model, const State& state, const StaticStage& stage, Until until) {
+  Answer a;
+  bool seen = false;
+  StaticHooks hooks;
+  hooks.point = [&](const StaticPoint& p) {
+    seen = seen || (until == Until::first_special_point && stage.kind == StageKind::path &&
+                    (p.kind == PointKind::limit_point || p.kind == PointKind::bifurcation));
+  };
+  hooks.interrupted = [&seen] { return seen; };
+  const auto start = std::chrono::steady_clock::now();
+  try {
+    take(a, stage, run_static_stage(model, stage, state, hooks).result);
+  } catch (const StaticStageFailed& e) {
+    take(a, stage, e.found);
+    a.failure = "gave up", a.message = e.what();
+  } catch (const NoEquilibrium& e) {
+    a.failure = "gave up", a.message = e.what();
+  }
+  a.seconds = seconds_since(start);
+  return a;
+}
+
+Answer answer_in_child(const std::function<Answer()>& ask, int seconds) {
+  const auto start = std::chrono::steady_clock::now();
+  const ChildResult child = in_child([&] { return json_of(ask()).dump(); }, seconds);
+  if (child.fate.empty()) return answer_of(nlohmann::json::parse(child.text));
+  Answer a;
+  a.failure = "aborted", a.message = child.fate, a.seconds = seconds_since(start);
+  return a;
 }
 
 Judgement judge_buckling(const Answer& a, const Reference& path, int count, const Tolerance& t) {

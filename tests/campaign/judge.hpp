@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -62,6 +63,13 @@ struct Tolerance {
 Judgement judge_buckling(const Answer& answer, const Reference& reference, int count,
                          const Tolerance& tolerance);
 Judgement judge_path(const Answer& answer, const Reference& reference, const Tolerance& tolerance);
+
+/// A path may end at its first special point.
+enum class Until : std::uint8_t { end, first_special_point };
+/// Runs a stage.
+Answer answer_of_stage(const Model& model, const State& state, const StaticStage& stage, Until until);
+/// The same, or some like it, in a process of its own that may crash or take too long.
+Answer answer_in_child(const std::function<Answer()>& ask, int seconds);
 
 /// All about one case, as it is handed from process to process.
 struct CaseRecord {

@@ -16,6 +16,7 @@
 
 #include "case_file.hpp"
 #include "child.hpp"
+#include "shells.hpp"
 #include "table.hpp"
 
 namespace vbond::campaign {
@@ -27,7 +28,7 @@ struct Options {
   double seconds = 0;
   std::vector<int> only;
   int number(int k) const { return only.empty() ? first + k : only[static_cast<std::size_t>(k)]; }
-  bool verbose = false, perfect = false;
+  bool verbose = false, perfect = false, of_shells = false;
   std::string dump, case_file, records;
   int count = 6;
 };
@@ -39,7 +40,9 @@ void work(const Options& o, std::atomic<int>& next, int to) {
     const std::chrono::duration<double> gone = std::chrono::steady_clock::now() - start;
     const int k = next.fetch_add(1);
     if (k >= o.cases || (o.seconds > 0 && gone.count() > o.seconds)) return;
-    const std::string line = nlohmann::json(run_case(random_case(o.seed, o.number(k)))).dump() + "\n";
+    const CaseRecord record = o.of_shells ? run_shell(random_shell(o.seed, o.number(k)))
+                                          : run_case(random_case(o.seed, o.number(k)));
+    const std::string line = nlohmann::json(record).dump() + "\n";
     for (std::size_t done = 0; done < line.size();) {
       const ssize_t n = write(to, line.data() + done, line.size() - done);
       if (n <= 0) return;
@@ -116,6 +119,10 @@ std::vector<CaseRecord> run_all(const Options& o) {
 
 /// The case as two files for `vbond run`: NAME-buckling.toml and NAME-path.toml.
 void dump(const Options& o, int number) {
+  if (o.of_shells) {
+    std::ofstream(o.dump + "-buckling.toml") << random_shell(o.seed, number).text;
+    return;
+  }
   RandomCase c = random_case(o.seed, number);
   if (o.perfect) c.plan = perfect(c.plan);
   const testing::Specimen s = specimen_of(c.plan);
@@ -153,6 +160,7 @@ int main(int argc, char** argv) {
   CLI::App app("Critical loads of random slender bodies, held against a reference of its own");
   app.add_option("--seed", o.seed, "of all cases");
   app.add_option("--cases", o.cases, "how many")->capture_default_str();
+  CLI::Option* shells = app.add_option("--shells", o.cases, "so many thin shells instead");
   app.add_option("--first", o.first, "number of the first case");
   app.add_option("--only", o.only, "these cases alone, in full");
   app.add_option("--seconds", o.seconds, "begin no case after so long; 0: no limit");
@@ -164,6 +172,7 @@ int main(int argc, char** argv) {
   app.add_option("--reference-of", o.case_file, "print the reference of a case file's first stage");
   app.add_option("--count", o.count, "critical loads wanted of --reference-of")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
+  o.of_shells = shells->count() > 0;
   if (!o.only.empty()) o.cases = static_cast<int>(o.only.size()), o.verbose = true;
   try {
     return vbond::campaign::run(o);

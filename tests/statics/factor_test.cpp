@@ -28,9 +28,7 @@ double scaled_residual(const SparseMatrix& A, double shift, const Vector& x, con
 }
 
 Factor analysed(const SparseMatrix& A) {
-  Factor f;
-  f.analyse(A);
-  return f;
+  return vbond::analysed(A);
 }
 
 // Both kinds of size: simplicial (a chain) and supernodal (a cube).
@@ -47,6 +45,21 @@ TEST(Factor, SolvesWithTheShiftedMatrix) {
     }
     ASSERT_TRUE(f.factor_indefinite(A, -3.3));
     EXPECT_LT(scaled_residual(A, -3.3, f.solve(b), b), 30.0);
+  }
+}
+
+// The order of elimination is the same, and so is every bit.
+TEST(Factor, TakesTheAnalysisOfAnotherOne) {
+  for (const SparseMatrix& A : {lattice(400, 1, 1, true), lattice(14, 14, 14, true)}) {
+    const Vector b = random_vector(static_cast<int>(A.rows()), 1);
+    Factor f = analysed(A), same = vbond::analysed(A, &f);
+    EXPECT_EQ(f.bytes(), same.bytes());
+    EXPECT_EQ(f.operations(), same.operations());
+    ASSERT_TRUE(f.factor_definite(A, 0.5));
+    ASSERT_TRUE(same.factor_definite(A, 0.5));
+    EXPECT_EQ(f.solve(b), same.solve(b));
+    ASSERT_EQ(f.factor_indefinite(A, -3.3), same.factor_indefinite(A, -3.3));
+    EXPECT_EQ(f.solve(b), same.solve(b));
   }
 }
 

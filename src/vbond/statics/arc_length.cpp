@@ -23,8 +23,8 @@ constexpr double largest_deviation = 0.5;
 // times what rounding of positions leaves: more corrections would be rounding along that mode.
 constexpr double settled_to = 1e-7;
 constexpr double near_rounding = 10.0;
-// The rate of an eigenvalue is a difference over a step that changes bonds by this: truncation is its square.
-constexpr double small_bond_change = 1e-3;
+// Modes driven by more than this part of the largest force are no modes of a nearly symmetric body.
+constexpr double strong_drive = 1e-6;
 
 // A singular value of the small equations below this counts as zero. Rounding of a load that does not act
 // along the mode is far smaller; at a limit point the load acts along its mode and is far larger.
@@ -102,6 +102,7 @@ double ArcLength::angle(const PathDirection& a, const PathDirection& b) const {
 void ArcLength::factor(const PathDirection& normal) {
   singular_.reset();
   bordered_ = full_is_singular_ = false;
+  factored_at_ = body_.placement_number();
   solver_.prepare(body_);
   if (solver_.factors_full(body_)) {
     unstable_ = 0;
@@ -114,11 +115,25 @@ void ArcLength::factor(const PathDirection& normal) {
   const std::optional<int> unstable = solver_.factor(body_);
   if (unstable) {
     unstable_ = *unstable;
-    return;
+  } else {
+    singular_.emplace(solver_.deflated(body_));
+    other_factors_ += singular_->factors();
+    unstable_ = singular_->negative();
   }
-  singular_.emplace(solver_.deflated(body_));
-  other_factors_ += singular_->factors();
-  unstable_ = singular_->negative();
+  if (held_) of_held_ = solve_beside(*held_);
+}
+
+/// By the factor at hand, or where there is none by that of a matrix next to it.
+DenseMatrix ArcLength::solve_beside(const DenseMatrix& B) {
+  return singular_ ? singular_->solve_beside_columns(B) : solver_.solve_columns(B);
+}
+
+/// x without a part along the modes held, which balances b but for forces along them.
+Vector ArcLength::solve_held(const Vector& b) {
+  const DenseMatrix& M = *held_;
+  const Vector driving = b - M * (M.transpose() * b);
+  const Vector x = singular_ ? singular_->solve_beside(driving) : solver_.solve(driving);
+  return x - of_held_ * solve_dense(M.transpose() * of_held_, M.transpose() * x);
 }
 
 std::optional<PathPoint> ArcLength::point_here(const PathDirection& along) {
@@ -146,6 +161,7 @@ int ArcLength::sign_of_determinant(const PathDirection& tangent) const {
 }
 
 PathDirection ArcLength::tangent(const PathDirection& along) {
+  if (held_) return {solve_held(body_.load_direction()), 1.0};
   if (bordered_) return solved_bordered(Vector::Zero(body_.unknowns().size()), 1.0);
   if (singular_) return singular_tangent(along);
   return {solver_.solve_full(body_, body_.load_direction()), 1.0};  // K du = g df
@@ -178,9 +194,11 @@ PathDirection ArcLength::singular_tangent(const PathDirection& along) {
 //   K du = R + g df,  normal . (du, df) = 0.
 PathDirection ArcLength::correction(const PathDirection& normal) {
   if (bordered_) return solved_bordered(body_.unbalanced(), 0.0);
-  if (singular_) return singular_correction(normal);
-  const Vector a = solver_.solve_full(body_, body_.unbalanced());
-  const Vector b = solver_.solve_full(body_, body_.load_direction());
+  if (singular_ && !held_) return singular_correction(normal);
+  const auto solved = [this](const Vector& f) {
+    return held_ ? solve_held(f) : solver_.solve_full(body_, f);
+  };
+  const Vector a = solved(body_.unbalanced()), b = solved(body_.load_direction());
   const double df = -normal.u.dot(a) / (normal.u.dot(b) + weight_ * normal.f);
   return {a + df * b, df};
 }
@@ -214,6 +232,40 @@ PathDirection ArcLength::singular_correction(const PathDirection& normal) {
 
 StepOutcome ArcLength::step(const Placement& from, const PathDirection& direction, double s,
                             bool end_of_step) {
+  held_ = nullptr;
+  return corrected(from, direction, s, end_of_step);
+}
+
+StepOutcome ArcLength::step_beside(const DenseMatrix& modes, const Placement& from,
+                                   const PathDirection& direction, double s) {
+  held_ = &modes;
+  StepOutcome outcome;
+  try {
+    outcome = corrected(from, direction, s, false);
+  } catch (...) {
+    held_ = nullptr;
+    throw;
+  }
+  held_ = nullptr;
+  const double drive = this->drive(modes);
+  if (!(drive <= strong_drive)) outcome.point.reset();
+  outcome.driven = drive > near_rounding * body_.residual_of_rounding();
+  return outcome;
+}
+
+/// The force along these modes that is out of balance, over the largest force in the body.
+double ArcLength::drive(const DenseMatrix& modes) const {
+  const Vector& R = body_.unbalanced();
+  const double all = max_norm(R);
+  return all > 0.0 ? body_.residual() * (max_norm(modes.transpose() * R) / all) : 0.0;
+}
+
+bool ArcLength::is_balanced_beside(const DenseMatrix& modes) const {
+  return body_.residual_beside(modes) <= std::max(settings_.tolerance, body_.residual_of_rounding());
+}
+
+StepOutcome ArcLength::corrected(const Placement& from, const PathDirection& direction, double s,
+                                 bool end_of_step) {
   StepOutcome outcome;
   body_.restore(from);
   body_.move(s * direction.u, from.load_factor + s * direction.f);
@@ -241,7 +293,8 @@ StepOutcome ArcLength::step(const Placement& from, const PathDirection& directio
       outcome.why = e.what();  // a shorter step may do better
       return outcome;
     }
-    const bool in_balance = balanced(body_, settings_, outcome.residuals);
+    const bool in_balance =
+        held_ ? is_balanced_beside(*held_) : balanced(body_, settings_, outcome.residuals);
     const bool settled = std::sqrt(dot(change, change)) <= settled_to * std::abs(s);
     const double rounding = body_.residual_of_rounding();
     const bool falls = outcome.iterations == 0 || residual <= 0.3 * outcome.residuals.end()[-2];
@@ -264,49 +317,6 @@ StepOutcome ArcLength::step(const Placement& from, const PathDirection& directio
   outcome.point = point_of_factor(direction);
   if (!outcome.point) outcome.why = "nothing changes with the load factor";
   return outcome;
-}
-
-/// Roughly the eigenpair nearest to zero.
-std::pair<double, Vector> ArcLength::soft_mode() {
-  constexpr int iterations = 4;
-  const SparseMatrix& K = body_.tangent();
-  if (solver_.by_multigrid()) {
-    const EigenPairs near = solver_.near_zero(body_, 1);
-    return {near.values[0], near.vectors.col(0)};
-  }
-  DenseMatrix X = any_orthonormal_columns(K.rows(), std::min<Eigen::Index>(K.rows(), 3));
-  for (int k = 0; k < iterations; ++k) {
-    for (Eigen::Index c = 0; c < X.cols(); ++c)
-      X.col(c) = singular_ ? singular_->solve_beside(X.col(c)) : solver_.solve(X.col(c));
-    X = orthonormal(X);
-  }
-  const DenseEigen ritz = dense_eigenpairs(X.transpose() * (K * X));
-  Eigen::Index nearest = 0;
-  ritz.values.cwiseAbs().minCoeff(&nearest);
-  return {ritz.values[nearest], X * ritz.vectors.col(nearest)};
-}
-
-std::optional<double> ArcLength::eigenvalue(int number) {
-  if (!solver_.by_multigrid()) return {};
-  const Lowest& lowest = solver_.multigrid_at(body_).lowest(std::min(number + 1, body_.unknowns().size()));
-  return lowest.values[std::min(number, lowest.size() - 1)];
-}
-
-Softest ArcLength::softest(const PathDirection& tangent) {
-  if (solver_.factors_full(body_)) return {};  // its eigenvalues do not tell what is stable
-  const auto [value, mode] = soft_mode();
-  const double change = body_.largest_bond_change(tangent.u, tangent.f);
-  if (!(change > 0.0)) return {value, 0.0};
-  const double h = small_bond_change / change;
-  const Placement here = body_.placement();
-  const auto beside = [&, &of_mode = mode](double s) {
-    body_.restore(here);
-    body_.move(s * tangent.u, here.load_factor + s * tangent.f);
-    return of_mode.dot(body_.tangent() * of_mode);
-  };
-  const double rate = (beside(h) - beside(-h)) / (2.0 * h);
-  body_.restore(here);
-  return {value, rate};
 }
 
 double largest_bond_turn(const State& now, const Placement& before) {

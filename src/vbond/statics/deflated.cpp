@@ -36,8 +36,8 @@ Deflated::Deflated(DenseMatrix null_vectors, Vector null_values, int negative,
       values_(std::move(null_values)),
       negative_(negative) {}
 
-Deflated::Deflated(const SparseMatrix& A) : A_(&A) {
-  factor_.analyse(A);
+Deflated::Deflated(const SparseMatrix& A, const Factor* of_same_pattern)
+    : A_(&A), factor_(analysed(A, of_same_pattern)) {
   const double scale = scale_of(A);
   std::optional<int> below;
   double shift = epsilon * scale;

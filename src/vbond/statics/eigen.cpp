@@ -57,8 +57,8 @@ struct ShiftedInverse {
 
 /// A - sigma I factored, sigma where it was wanted, or a little below if that is an eigenvalue.
 struct Shifted {
-  Shifted(const SparseMatrix& A, double wanted) : sigma(wanted), scale(largest_diagonal(A)) {
-    factor.analyse(A);
+  Shifted(const SparseMatrix& A, double wanted, const Factor* of_same_pattern = nullptr)
+      : factor(analysed(A, of_same_pattern)), sigma(wanted), scale(largest_diagonal(A)) {
     if (!(scale > 0.0)) scale = 1.0;
     for (double step = first_step * scale;; step *= 10.0) {
       if (factor.factor_definite(A, -sigma)) return;
@@ -162,8 +162,7 @@ EigenPairs smallest_eigenpairs(const SparseMatrix& A, int count, double bound, c
   approach(A, without, at);
   const double no_end = std::numeric_limits<double>::infinity();
   const int available = static_cast<int>(n) - at.below - number_between(A, without, at.sigma, no_end);
-  Factor counter;
-  counter.analyse(A);
+  Factor counter = analysed(A, &at.factor);
   const double resolution = known_to * at.scale;
   return find_all(
       at.factor, Wanted{count, available, bound - at.sigma - resolution, resolution},
@@ -185,14 +184,17 @@ double size_of(double value) {
 }
 
 /// Looks from a shift at or near zero; where an eigenvalue is nearer to it than `too_near`, from there below.
-EigenPairs near_zero(const SparseMatrix& A, int count, double shift, double too_near) {
+EigenPairs near_zero(const SparseMatrix& A, int count, double shift, double too_near,
+                     const Factor* of_same_pattern) {
   std::optional<Shifted> at;
-  at.emplace(A, shift);
+  at.emplace(A, shift, of_same_pattern);
   Found nearest;
   look_near(A, at->factor, Largest::size, {}, 1, nearest, size_of);
-  if (nearest.key[0] < too_near) at.emplace(A, -too_near);
-  Factor counter;
-  counter.analyse(A);
+  if (nearest.key[0] < too_near) {
+    const Factor before = std::move(at->factor);
+    at.emplace(A, -too_near, &before);
+  }
+  Factor counter = analysed(A, &at->factor);
   EigenPairs found = find_all(
       at->factor, Wanted{count, static_cast<int>(A.rows()), 0.0, known_to * at->scale},
       [&](int k, Found& f) { look_near(A, at->factor, Largest::size, {}, k, f, size_of); },
@@ -207,7 +209,7 @@ EigenPairs near_zero(const SparseMatrix& A, int count, double shift, double too_
 
 }  // namespace
 
-EigenPairs eigenpairs_near_zero(const SparseMatrix& A, int count) {
+EigenPairs eigenpairs_near_zero(const SparseMatrix& A, int count, const Factor* of_same_pattern) {
   const Eigen::Index n = A.rows();
   if (n == 0 || count <= 0) return {Vector(0), DenseMatrix(n, 0)};
   if (solve_densely(n, count)) {
@@ -226,11 +228,11 @@ EigenPairs eigenpairs_near_zero(const SparseMatrix& A, int count) {
   const double away = first_step * largest_diagonal(A);
   for (const double times : {0.0, 1.0, 3.7}) {
     try {
-      return near_zero(A, count, -times * away, times == 0.0 ? away : 0.0);
+      return near_zero(A, count, -times * away, times == 0.0 ? away : 0.0, of_same_pattern);
     } catch (const NoConvergence&) {
     }
   }
-  return near_zero(A, count, -19.0 * away, 0.0);
+  return near_zero(A, count, -19.0 * away, 0.0, of_same_pattern);
 }
 
 double eigenvalue_near_zero(const SparseMatrix& A, const Factor& factor) {

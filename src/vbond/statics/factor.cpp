@@ -293,6 +293,26 @@ void Factor::analyse(const SparseMatrix& A) {
   c.bytes = std::max(simplicial, supernodal);
 }
 
+void Factor::analyse_as(const Factor& other) {
+  const Cholmod& from = *other.c_;
+  *this = Factor();
+  Cholmod& c = *c_;
+  c.empty = from.empty, c.bytes = from.bytes;
+  c.common.lnz = from.common.lnz, c.common.fl = from.common.fl;
+  if (!from.symbolic) return;
+  c.symbolic = c.own(cholmod_copy_factor(from.symbolic.get(), &c.common));
+  c.check("copying the analysis");
+}
+
+Factor analysed(const SparseMatrix& A, const Factor* of_same_pattern) {
+  Factor factor;
+  if (of_same_pattern)
+    factor.analyse_as(*of_same_pattern);
+  else
+    factor.analyse(A);
+  return factor;
+}
+
 double Factor::bytes() const {
   return c_->bytes;
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "vbond/statics/detail/deflated.hpp"
+#include "vbond/statics/detail/dense.hpp"
 #include "vbond/statics/detail/eigen.hpp"
 #include "vbond/statics/detail/pulse.hpp"
 #include "vbond/statics/detail/rounding.hpp"
@@ -28,29 +29,32 @@ constexpr double largest_turn_within = 0.8, width_of_turn = 1e-3;
 constexpr double same_place = 1e-7;
 // Stability on either side of a limit point is looked at this far from it, over the length of the step.
 constexpr double aside = 1e-4;
-
-/// An eigenvalue on the way, and the load factor there.
-struct Look {
-  double s, value, load_factor;
-};
+// Where an eigenvalue is less than the first of these times its values at the ends of the step, balances are
+// sought without a movement along its mode and those of eigenvalues below ten times as much, or below the
+// second.
+constexpr double near_to_zero = 1e-2, least_soft = 1e-3;
+// If something drives these modes, the path itself is looked at on either side, so far away in parts of the
+// load factor, nearer and nearer: there the eigenvalue must be as large as by its slope, but for the last. If
+// it is so everywhere, there is no gap.
+constexpr double parts_around[] = {largest_gap, 1e-5, 1e-6, 1e-7, 1e-8};
+constexpr double bend_beside_gap = 0.25;
+constexpr double sides[] = {-1.0, 1.0};
 
 /// Where the value is zero on the line through the two looks that are nearest to that. Values are known to
 /// `error`: a line through two that differ by little more is no guide beyond them.
-struct ZeroOfLine {
-  double s, load_factor;
-  double product;  // of the two values
-};
-
-ZeroOfLine zero_of_line(std::vector<Look> looks, double error) {
+PathStep::ZeroOfLine zero_of_line(std::vector<PathStep::Look> looks, double error) {
+  using Look = PathStep::Look;
   std::stable_sort(looks.begin(), looks.end(),
                    [](const Look& a, const Look& b) { return std::abs(a.value) < std::abs(b.value); });
   const Look& a = looks.front();  // the same place may have been looked at twice
   const auto other = std::find_if(looks.begin(), looks.end(), [&](const Look& x) { return x.s != a.s; });
   const Look& b = other != looks.end() ? *other : a;
   const double rise = b.value - a.value, share = a.value / rise, product = std::abs(a.value * b.value);
+  const double slope = rise / (b.s - a.s), load_slope = (b.load_factor - a.load_factor) / (b.s - a.s);
   const double farthest = std::abs(rise) > 100.0 * error ? 10.0 : 0.5;
-  if (!(std::abs(share) < farthest)) return {a.s, a.load_factor, product};
-  return {a.s - share * (b.s - a.s), a.load_factor - share * (b.load_factor - a.load_factor), product};
+  if (!(std::abs(share) < farthest)) return {a.s, a.load_factor, product, slope, load_slope};
+  return {a.s - share * (b.s - a.s), a.load_factor - share * (b.load_factor - a.load_factor), product, slope,
+          load_slope};
 }
 
 }  // namespace
@@ -137,6 +141,8 @@ bool PathStep::add_bifurcations(const PathNode& lo, const PathNode& hi, std::vec
   const bool softens = hi.point.unstable > lo.point.unstable;
   const int change = std::abs(hi.point.unstable - lo.point.unstable);
   std::vector<CriticalPoint> all;
+  seen_.clear();
+  may_hold_ = true;
   for (int k = 0; k < change; ++k) {
     const int number = softens ? lo.point.unstable + k : lo.point.unstable - 1 - k;
     // a higher eigenvalue does not vanish before a lower one, but may together with it
@@ -148,6 +154,7 @@ bool PathStep::add_bifurcations(const PathNode& lo, const PathNode& hi, std::vec
   }
   std::stable_sort(all.begin(), all.end(),
                    [](const CriticalPoint& a, const CriticalPoint& b) { return a.node.s < b.node.s; });
+  seen_.clear();
   int unstable = lo.point.unstable;
   double last = -1.0;
   for (CriticalPoint& c : all) {
@@ -168,15 +175,34 @@ bool PathStep::add_bifurcations(const PathNode& lo, const PathNode& hi, std::vec
   return true;
 }
 
+/// Brings a and b, with values of opposite signs, as near to each other as the looks of searches before this
+/// one do.
+void PathStep::narrow(int number, double small, Sample& a, Sample& b, std::vector<Look>& looks) const {
+  const double low = std::min(a.s, b.s), high = std::max(a.s, b.s);
+  std::vector<Look> known;
+  for (const Seen& look : seen_)
+    if (look.s > low && look.s < high && look.near.has(number) && std::abs(look.near.value(number)) > small)
+      known.push_back({look.s, look.near.value(number), look.load_factor});
+  std::sort(known.begin(), known.end(), [](const Look& x, const Look& y) { return x.s < y.s; });
+  const bool a_first = a.s < b.s;
+  Sample &first = a_first ? a : b, &second = a_first ? b : a;
+  const bool sign = std::signbit(first.value);
+  for (const Look& look : known) {
+    looks.push_back(look);
+    if (second.s <= look.s) continue;
+    (std::signbit(look.value) == sign ? first : second) = {look.s, look.value};
+  }
+}
+
 // The sign is told by the number of negative eigenvalues. At an end of the stretch another one may have just
 // vanished, so that the number is not to be had from the matrix: there the size is no guide if it is small.
 std::optional<CriticalPoint> PathStep::zero_of_eigenvalue(int number, const PathNode& lo, const PathNode& hi,
                                                           const std::vector<CriticalPoint>& known,
                                                           bool only_known) {
-  const auto value = [this, number](const PathPoint& p) {
-    return std::copysign(eigenvalue(number, p), number - p.unstable + 0.5);
+  const auto value = [this, number](const PathNode& n) {
+    return std::copysign(eigenvalue(number, n, 0.0, false), number - n.point.unstable + 0.5);
   };
-  Sample a{lo.s, value(lo.point)}, b{hi.s, value(hi.point)};
+  Sample a{lo.s, value(lo)}, b{hi.s, value(hi)};
   const double scale = std::max(std::abs(a.value), std::abs(b.value));
   for (Sample* end : {&a, &b})
     end->value = std::copysign(std::max(std::abs(end->value), 0.01 * scale), end->value);
@@ -185,16 +211,16 @@ std::optional<CriticalPoint> PathStep::zero_of_eigenvalue(int number, const Path
   const double error = eigenvalue_error(body_->tangent());
   const double small = std::max(small_eigenvalue * scale, error);
   for (const CriticalPoint& c : known)
-    if (std::abs(eigenvalue(number, c.node.point)) <= small) return c;
+    if (std::abs(eigenvalue(number, c.node, scale, false)) <= small) return c;
   if (only_known) return {};
+  narrow(number, small, a, b, looks);
   PathNode last;
   const auto at = [&](double s) -> std::optional<double> {
-    StepOutcome outcome = to(s);
+    StepOutcome outcome = to_near_zero(number, s, scale);
     if (!outcome.point) return std::nullopt;
     last = {s, std::move(*outcome.point)};
-    body_->restore(last.point.at);
     const std::optional<double> signed_value = arc_->eigenvalue(number);  // by multigrid
-    const double found = signed_value ? *signed_value : eigenvalue(number, last.point);
+    const double found = signed_value ? *signed_value : eigenvalue(number, last, scale, true);
     // nearer to zero than a factor can tell the sign the eigenvalue itself is the better guide
     const bool counted = !signed_value && std::abs(found) > Deflated::zero(body_->tangent());
     looks.push_back({s, counted ? std::copysign(found, number - last.point.unstable + 0.5) : found,
@@ -208,14 +234,45 @@ std::optional<CriticalPoint> PathStep::zero_of_eigenvalue(int number, const Path
   const bool between = zero.s > std::min(lo.s, hi.s) && zero.s < std::max(lo.s, hi.s);
   if (met && between && zero.product > small_product * sq(scale) && at(zero.s))
     zero = zero_of_line(looks, error);
+  double gap = 0.0;
+  if (std::any_of(seen_.begin(), seen_.end(), [](const Seen& look) { return look.driven; })) {
+    const std::optional<double> around = met ? gap_around(number, zero, scale) : std::nullopt;
+    if (!around) {  // the body's own path alone, then
+      may_hold_ = false;
+      std::erase_if(seen_, [](const Seen& look) { return look.driven; });
+      return zero_of_eigenvalue(number, lo, hi, known, only_known);
+    }
+    gap = *around;
+  }
   CriticalPoint c{PointKind::bifurcation, std::move(last), zero.load_factor};
   const double change = std::abs(hi.point.at.load_factor - lo.point.at.load_factor);
   const double jump = std::max(std::abs(crossed.lo.value), std::abs(crossed.hi.value));
   if (!met && jump > std::max(gap_of_eigenvalue * scale, 100 * error)) c.gap = change * jump / scale;
   if (!crossed.found)  // between two paths that pass each other
     c.gap = std::max(c.gap, std::abs(change * (crossed.hi.s - crossed.lo.s) / (hi.s - lo.s)));
-  if (met) c.gap = gap_of_turn(lo, c.node, hi);
+  if (met) c.gap = std::max(gap, gap_of_turn(lo, c.node, hi));
   return c;
+}
+
+/// Of a body that is driven along the modes held: how far from the zero its own path has the eigenvalue on
+/// either side as the line has it. Nothing if it has not within the widest gap that is looked for.
+std::optional<double> PathStep::gap_around(int number, const ZeroOfLine& zero, double scale) {
+  std::optional<double> narrowest;
+  for (const double part : parts_around) {
+    if (part == largest_gap && held_together_ < 2) continue;
+    const double gap = part * std::abs(zero.load_factor), away = gap / std::abs(zero.load_slope);
+    if (!std::all_of(std::begin(sides), std::end(sides), [&](double side) {
+          const StepOutcome outcome = to(zero.s + side * away);
+          driven_ = false;
+          if (!outcome.point) return false;
+          const double by_slope = side * away * zero.slope;
+          const double value = eigenvalue(number, {zero.s + side * away, *outcome.point}, scale, true);
+          return std::abs(value - by_slope) <= bend_beside_gap * std::abs(by_slope);
+        }))
+      return narrowest;
+    narrowest = gap;
+  }
+  return 0.0;
 }
 
 /// Where the path turns off at a critical point, but goes on as before at both ends of the step, it has gone
@@ -242,39 +299,38 @@ double PathStep::gap_of_turn(const PathNode& lo, const PathNode& node, const Pat
   return gap;
 }
 
-/// How many eigenvalues lie below a bound, or one close by. A factor without pivoting may meet a zero pivot
-/// at any bound near zero: then the eigenvalues near zero are taken out one by one.
-int PathStep::number_below(const SparseMatrix& A, double bound) {
-  Factor factor;
-  factor.analyse(A);
-  for (int k = 0; k < 8; ++k) {
-    const std::optional<int> number = factor.factor_indefinite(A, -std::pow(1.5, k) * bound);
-    arc_->add_factors(1);
-    if (number) return *number;
-  }
-  const Deflated near(A);
-  arc_->add_factors(near.factors());
-  return near.negative() + static_cast<int>((near.null_values().array() < bound).count());
+/// The eigenvalue with this number in increasing order, from 0. stands_there: the body does, on this balance.
+double PathStep::eigenvalue(int number, const PathNode& node, double scale, bool stands_there) {
+  const auto seen = std::find_if(seen_.begin(), seen_.end(),
+                                 [&](const Seen& look) { return look.s == node.s && look.near.has(number); });
+  if (seen != seen_.end()) return seen->near.value(number);
+  if (!stands_there) body_->restore(node.point.at);
+  if (const std::optional<double> value = arc_->eigenvalue(number)) return *value;
+  seen_.push_back({node.s, node.point.at.load_factor, arc_->near_zero(number, node.point.unstable, scale),
+                   stands_there && driven_});
+  return seen_.back().near.value(number);
 }
 
-/// The eigenvalue with this number in increasing order, from 0. One that is within rounding of zero may count
-/// as negative or not: then those are counted that are negative for sure.
-double PathStep::eigenvalue(int number, const PathPoint& p) {
-  body_->restore(p.at);
-  if (const std::optional<double> value = arc_->eigenvalue(number)) return *value;
-  const SparseMatrix& A = body_->tangent();
-  for (int count = 2;; count *= 2) {
-    const EigenPairs found = eigenpairs_near_zero(A, std::min(count, static_cast<int>(A.rows())));
-    arc_->add_factors(found.factors);
-    Vector near = found.values;
-    std::sort(near.begin(), near.end());
-    const double beside = -Deflated::zero(A);  // far enough from zero for a factor to tell
-    const bool sure = near.cwiseAbs().minCoeff() > -beside;
-    const auto below = (near.array() < (sure ? 0.0 : beside)).count();
-    const std::ptrdiff_t at = number - (sure ? p.unstable : number_below(A, beside)) + below;
-    if (at >= 0 && at < near.size()) return near[at];
-    if (near.size() == A.rows()) return at < 0 ? near[0] : near[near.size() - 1];
+/// The balance at s. Next to where the eigenvalue is zero it is sought without a movement along the modes
+/// that are about to lose their stiffness, unless they turn out to be driven.
+StepOutcome PathStep::to_near_zero(int number, double s, double scale) {
+  const Seen* nearest = nullptr;
+  for (const Seen& look : seen_)
+    if (look.near.has(number) &&
+        (!nearest || std::abs(look.near.value(number)) < std::abs(nearest->near.value(number))))
+      nearest = &look;
+  const double value = nearest ? std::abs(nearest->near.value(number)) : scale;
+  if (may_hold_ && value <= near_to_zero * scale) {
+    const double soft = std::max(10.0 * value, least_soft * scale);
+    const DenseMatrix modes = orthonormal(nearest->near.vectors_within(soft));
+    StepOutcome outcome = arc_->step_beside(modes, start_.at, direction_, s);
+    driven_ = outcome.driven;
+    held_together_ = static_cast<int>(modes.cols());
+    if (outcome.point) return outcome;
+    may_hold_ = false;
   }
+  driven_ = false;
+  return to(s);
 }
 
 }  // namespace vbond

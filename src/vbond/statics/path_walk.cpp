@@ -30,9 +30,6 @@ constexpr double least_load_error = 0.01;
 constexpr double wanted_path_turn = 0.3;  // [rad]
 constexpr double wanted_bond_turn = 0.1;  // [rad]
 constexpr double wanted_corrections = 4;
-// Paths of a body that is not quite symmetric pass each other where they would cross: steps go over that if
-// the gap is no more than this part of the load factor, and follow the path round the bend if it is.
-constexpr double largest_gap = 1e-4;
 // A gap up to this part of the load factor is reported as a bifurcation. Beyond it the path is only bent.
 constexpr double widest_gap = 3e-3;
 // Steps in which stability may be lost and regained are taken again down to this part of their length.
@@ -91,7 +88,8 @@ std::optional<PathLeg> PathWalk::next(int wanted) {
   std::optional<PathLeg> found = leg(step, s, Way::round_gaps);
   if (!found && wide_gap_ && !snapping_) {  // no way round the bend: over it, then
     found = leg(step, std::min(longest_here, std::max(s, length_to(*wide_gap_))), Way::over_gaps);
-    wide_gap_.reset();
+    if (!found && over_gap_) found = leg_over_gap();
+    forget_gap();
   } else if (found && wide_gap_) {
     add_what_is_passed(*found);
   }
@@ -105,7 +103,7 @@ void PathWalk::add_what_is_passed(PathLeg& leg) {
   if (std::any_of(leg.critical.begin(), leg.critical.end(), [&](const CriticalPoint& c) {
         return c.kind == PointKind::limit_point || std::abs(c.load_factor - f) <= wide_gap_->gap;
       }))
-    return wide_gap_.reset();
+    return forget_gap();
   const double end_of_gap = f + std::copysign(wide_gap_->gap, leg.step.direction().f);
   const auto beyond = [end_of_gap](const PathPoint& p) { return p.at.load_factor - end_of_gap; };
   if (std::signbit(beyond(leg.start.point)) == std::signbit(beyond(leg.end.point))) return;
@@ -117,12 +115,27 @@ void PathWalk::add_what_is_passed(PathLeg& leg) {
     std::stable_sort(leg.critical.begin(), leg.critical.end(),
                      [](const CriticalPoint& a, const CriticalPoint& b) { return a.node.s < b.node.s; });
   }
+  forget_gap();
+}
+
+/// The last step that went over the gap, from where it began, less what has been passed since.
+PathLeg PathWalk::leg_over_gap() {
+  PathLeg leg = std::move(over_gap_->leg);
+  soft_end_ = over_gap_->soft_end, next_ = over_gap_->next;
+  const double f = here_.at.load_factor, sense = leg.step.direction().f;
+  std::erase_if(leg.critical, [&](const CriticalPoint& c) { return (c.load_factor - f) * sense <= 0.0; });
+  return leg;
+}
+
+void PathWalk::forget_gap() {
   wide_gap_.reset();
+  over_gap_.reset();
 }
 
 // The direction is the part of the mode that is normal to the path so far, so that the plane on which the
 // first point is sought does not meet that path again.
 std::optional<PathLeg> PathWalk::turn_off(const CriticalPoint& at, const Vector& mode) {
+  over_gap_.reset();
   PathDirection off{mode, 0.0};
   const double along = arc_.dot(off, here_.tangent);
   off = arc_.unit({off.u - along * here_.tangent.u, off.f - along * here_.tangent.f});
@@ -155,6 +168,8 @@ std::optional<PathLeg> PathWalk::leg(PathStep step, double s, Way way) {
       }
       if (gap) {
         next = std::min(next, std::max(look_at(*gap), shortest_));
+        over_gap_ =
+            OverGap{{step, std::move(start), std::move(*end), std::move(*critical)}, soft_end_, next_};
       }
     }
     if (last) return {};

@@ -101,8 +101,7 @@ Stability judge_stability(const StaticBody& body, TangentSolver& solver) {
     s.neutral = true;
     return s;
   }
-  Factor factor;
-  factor.analyse(body.tangent());
+  Factor factor = analysed(body.tangent(), &solver.last_factor());
   if (!body.has_moment_part()) {
     judge_by_lowest(body, factor, negative, s);
     return s;

@@ -98,7 +98,7 @@ std::optional<int> TangentSolver::counted_by_multigrid(const StaticBody& body) {
 
 // Of those taken out some are known to be negative all the same.
 Deflated TangentSolver::deflated(const StaticBody& body) {
-  if (!multigrid_) return Deflated(body.tangent());
+  if (!multigrid_) return Deflated(body.tangent(), &factor_);
   const SparseMatrix& K = body.tangent();
   const Lowest& lowest = multigrid_->lowest();
   const auto zero = lowest.errors.array().max(Deflated::zero(K));
@@ -114,7 +114,7 @@ Deflated TangentSolver::deflated(const StaticBody& body) {
 
 EigenPairs TangentSolver::near_zero(const StaticBody& body, int count) {
   prepare(body);
-  if (!multigrid_) return eigenpairs_near_zero(body.tangent(), count);
+  if (!multigrid_) return eigenpairs_near_zero(body.tangent(), count, &factor_);
   const int size = body.unknowns().size();
   multigrid_->take(body, 0.0);  // the last vectors are at hand: looking again takes little
   for (int looked_at = count;; looked_at = std::min(2 * looked_at, size)) {

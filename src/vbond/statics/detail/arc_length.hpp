@@ -1,10 +1,12 @@
 #pragma once
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "vbond/statics/detail/deflated.hpp"
+#include "vbond/statics/detail/near_zero.hpp"
 #include "vbond/statics/detail/newton.hpp"
 
 namespace vbond {
@@ -38,6 +40,7 @@ struct StepOutcome {
   PathDirection deviation;         ///< of the balance from the predicted place; normal to the direction
   std::string why;                 ///< absent: what stood in the way
   int iterations = 0;
+  bool driven = false;            ///< only of step_beside()
   std::vector<double> residuals;  ///< before each correction and at the end
 };
 
@@ -83,20 +86,34 @@ class ArcLength {
   /// body is then there, or where the search ended. The end of a step, from which the path goes on, is
   /// corrected down to rounding; of places looked at within a step some times that is enough.
   StepOutcome step(const Placement& from, const PathDirection& direction, double s, bool end_of_step);
+  /// The same without any movement along these modes, orthonormal columns. Next to a point where they have no
+  /// stiffness rounding moves the body along them, and to another path. Where nothing drives them, as in a
+  /// symmetric body, it stands on its own path then; `driven` if they are driven a little, and where they are
+  /// driven by more there is no point.
+  StepOutcome step_beside(const DenseMatrix& modes, const Placement& from, const PathDirection& direction,
+                          double s);
 
-  EigenPairs near_zero(int count) { return solver_.near_zero(body_, count); }
   /// By multigrid: the eigenvalue of the tangent stiffness, as the body stands, with this number in
   /// increasing order from 0.
   std::optional<double> eigenvalue(int number);
+  /// Eigenpairs of the tangent stiffness next to zero, as the body stands, among them the one with this
+  /// number, or the nearest if there is none. Values are known as NearZeroSearch has it. unstable: how many
+  /// are negative; where some are zero to rounding those are counted that are negative for sure.
+  NearZero near_zero(int number, int unstable, double scale);
 
   /// Corrections, and factors of the tangent, so far.
   int iterations() const { return iterations_; }
   int factors() const { return solver_.factors_made() + other_factors_; }
-  /// Counts factors that others have made for eigenvalues.
-  void add_factors(int number) { other_factors_ += number; }
 
  private:
   void factor(const PathDirection& normal);
+  DenseMatrix solve_beside(const DenseMatrix& B);
+  Vector solve_held(const Vector& b);
+  double drive(const DenseMatrix& modes) const;
+  bool is_balanced_beside(const DenseMatrix& modes) const;
+  StepOutcome corrected(const Placement& from, const PathDirection& direction, double s, bool end_of_step);
+  EigenPairs pairs_near_zero(int count, double scale);
+  int number_below(double bound);
   std::pair<double, Vector> soft_mode();
   std::optional<PathPoint> point_of_factor(const PathDirection& along);
   PathDirection correction(const PathDirection& normal);
@@ -113,6 +130,10 @@ class ArcLength {
   int unstable_ = 0;  // at the last factor
   std::optional<Deflated> singular_;                  // the same
   bool bordered_ = false, full_is_singular_ = false;  // the same, where outside moments act
+  std::uint64_t factored_at_ = 0;                     // placement_number
+  const DenseMatrix* held_ = nullptr;                 // modes along which the body does not move now
+  DenseMatrix of_held_;                               // K^-1 of them, at the last factor
+  NearZeroSearch near_zero_;
   int iterations_ = 0, other_factors_ = 0;
 };
 

@@ -16,7 +16,8 @@ DenseMatrix any_orthonormal_columns(Eigen::Index rows, Eigen::Index columns);
 class Deflated {
  public:
   /// Keeps a reference to A. Throws NoConvergence if no matrix near by can be factored: A is not finite.
-  explicit Deflated(const SparseMatrix& A);
+  /// of_same_pattern: a factor whose analysis is taken.
+  explicit Deflated(const SparseMatrix& A, const Factor* of_same_pattern = nullptr);
   /// Taken apart by others: solve() is theirs, and there is no solve_beside().
   Deflated(DenseMatrix null_vectors, Vector null_values, int negative,
            std::function<Vector(const Vector&)> solve);
@@ -32,6 +33,8 @@ class Deflated {
   Vector solve(const Vector& b) const;
   /// x with (A + a shift just above rounding) x = b.
   Vector solve_beside(const Vector& b) const { return factor_.solve(b); }
+  /// The same for each column, without refinement.
+  DenseMatrix solve_beside_columns(const DenseMatrix& B) const { return factor_.solve_columns(B); }
   /// Factors that were made.
   int factors() const { return factor_.made(); }
 

@@ -22,8 +22,8 @@ EigenPairs smallest_eigenpairs(const SparseMatrix& A, int count, double bound,
                                const SparseMatrix& without = {});
 
 /// The `count` eigenvalues of the symmetric, not necessarily definite A that are nearest to zero, nearest
-/// first.
-EigenPairs eigenpairs_near_zero(const SparseMatrix& A, int count);
+/// first. of_same_pattern: a factor whose analysis is taken.
+EigenPairs eigenpairs_near_zero(const SparseMatrix& A, int count, const Factor* of_same_pattern = nullptr);
 
 /// The eigenvalue nearest to zero of an A whose factor is at hand: much cheaper, but it does not tell copies.
 double eigenvalue_near_zero(const SparseMatrix& A, const Factor& factor);

@@ -18,6 +18,8 @@ class Factor {
 
   /// Chooses the order of elimination; to be called once per pattern. Throws std::bad_alloc.
   void analyse(const SparseMatrix& A);
+  /// The same with what another one has found for this pattern, at no cost.
+  void analyse_as(const Factor& other);
   /// Bytes that the factor of the last pattern analysed will take; infinite if it would have more entries
   /// than CHOLMOD's indices can count (2^31), and then it cannot be made.
   double bytes() const;
@@ -52,5 +54,8 @@ class Factor {
   struct Cholmod;
   std::unique_ptr<Cholmod> c_;
 };
+
+/// Ready to factor A: with the analysis of another one of the same pattern, where there is one.
+Factor analysed(const SparseMatrix& A, const Factor* of_same_pattern = nullptr);
 
 }  // namespace vbond

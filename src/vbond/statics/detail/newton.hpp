@@ -66,6 +66,8 @@ class TangentSolver {
   /// After any of these: (tangent() + shift I)^-1 b, with a kept factor to this part of b. Empty if the
   /// tangent turns out not to be what was asked for. The body stands where it stood.
   Vector solve(const Vector& b, double accuracy = full_accuracy);
+  /// The same for each column, by factors that are not kept, without refinement.
+  DenseMatrix solve_columns(const DenseMatrix& B) const { return factor_.solve_columns(B); }
   /// After any, without a shift: the same with full_tangent(), which differs where moments act. Empty if that
   /// is singular.
   Vector solve_full(const StaticBody& body, const Vector& b, double accuracy = full_accuracy);

@@ -10,6 +10,10 @@
 
 namespace vbond {
 
+/// Paths of a body that is not quite symmetric pass each other where they would cross: steps go over that if
+/// the gap is no more than this part of the load factor, and follow the path round the bend if it is.
+inline constexpr double largest_gap = 1e-4;
+
 /// A balance within a step.
 struct PathNode {
   double s = 0;  ///< arc-length since the start of the step
@@ -58,14 +62,32 @@ class PathStep {
   std::optional<std::vector<CriticalPoint>> critical_points(const PathNode& lo, const PathNode& hi,
                                                             int wanted = std::numeric_limits<int>::max());
 
+  /// An eigenvalue on the way, and the load factor there.
+  struct Look {
+    double s, value, load_factor;
+  };
+  struct ZeroOfLine {
+    double s, load_factor;
+    double product;            ///< of the two values
+    double slope, load_slope;  ///< of value and load factor, per arc-length
+  };
+
  private:
+  /// Eigenvalues next to zero at a place that has been looked at. They serve each search in the step.
+  struct Seen {
+    double s, load_factor;
+    NearZero near;
+    bool driven = false;  // the body is held along modes that are driven
+  };
   std::optional<CriticalPoint> limit_point(const PathNode& lo, const PathNode& hi);
   bool add_bifurcations(const PathNode& lo, const PathNode& hi, std::vector<CriticalPoint>& found);
   std::optional<CriticalPoint> zero_of_eigenvalue(int number, const PathNode& lo, const PathNode& hi,
                                                   const std::vector<CriticalPoint>& known, bool only_known);
   double gap_of_turn(const PathNode& lo, const PathNode& node, const PathNode& hi);
-  double eigenvalue(int number, const PathPoint& p);
-  int number_below(const SparseMatrix& A, double bound);
+  double eigenvalue(int number, const PathNode& node, double scale, bool stands_there);
+  StepOutcome to_near_zero(int number, double s, double scale);
+  std::optional<double> gap_around(int number, const ZeroOfLine& zero, double scale);
+  void narrow(int number, double small, Sample& a, Sample& b, std::vector<Look>& looks) const;
   int unstable_beside(double special, double s, const PathNode& end);
 
   StaticBody* body_;
@@ -73,6 +95,10 @@ class PathStep {
   PathPoint start_;
   PathDirection direction_;
   int wanted_ = std::numeric_limits<int>::max();
+  std::vector<Seen> seen_;  // within one search for bifurcations
+  bool may_hold_ = true;    // modes, in that search
+  int held_together_ = 0;   // the number of those held last
+  bool driven_ = false;     // the last balance there is that of a body held along modes that are driven
 };
 
 }  // namespace vbond

@@ -55,6 +55,8 @@ class PathWalk {
   std::optional<PathLeg> leg(PathStep step, double s, Way way);
   std::optional<PathNode> attempt(PathStep& step, double s, bool beware_of_dips);
   double look_at(const CriticalPoint& gap);
+  PathLeg leg_over_gap();
+  void forget_gap();
   double length_to(const CriticalPoint& gap) const;
   bool goes_over_known_gap(const PathPoint& start, const PathPoint& end) const;
   const CriticalPoint* first_wide_gap(const std::vector<CriticalPoint>& critical) const;
@@ -76,6 +78,13 @@ class PathWalk {
   bool snapping_ = false;
   int wanted_ = std::numeric_limits<int>::max();
   std::optional<CriticalPoint> wide_gap_;  // ahead
+  /// The last step over it, which is taken if there is no other way.
+  struct OverGap {
+    PathLeg leg;
+    Softest soft_end;
+    double next;
+  };
+  std::optional<OverGap> over_gap_;
   int looks_at_gap_ = 0;
   Softest soft_here_, soft_end_;  // at here_, and at the end of the last attempt
 };

@@ -1,0 +1,187 @@
+#include "inertia.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "vbond/statics/detail/body.hpp"
+
+namespace vbond::campaign {
+namespace {
+
+// Loads that were told are looked at so far to either side, in parts of them, or three times the gap that was
+// told: nearer by, what is out of balance moves the body along its soft modes.
+constexpr double beside = 1e-4;
+constexpr double grid[] = {0.15, 0.3, 0.45, 0.6, 0.7, 0.8, 0.87, 0.92, 0.96, 0.985};
+constexpr int most_halvings = 10;
+constexpr double longest_step = 0.03;   // of a bond, as predicted
+constexpr double farthest_aside = 0.5;  // of what corrections move, over the step
+constexpr double largest_change = 0.3;  // of a bond in a correction
+
+struct Balance {
+  Placement at;
+  Vector rate;  // of the unknowns, per load factor
+  int negative = 0;
+  double f() const { return at.load_factor; }
+};
+
+class LoadSteps {
+ public:
+  LoadSteps(const Model& model, const StaticStage& stage, const State& state) : body_(model, stage, state) {}
+
+  std::optional<Balance> unloaded() {
+    return find(body_.placement(), Vector::Zero(body_.unknowns().size()), 0.0);
+  }
+  /// Where a step fails its half is tried first.
+  std::optional<Balance> next(const Balance& from, double f, int halvings = 0) {
+    if (const auto there = find(from.at, (f - from.f()) * from.rate, f)) return there;
+    if (halvings == most_halvings) return {};
+    const auto middle = next(from, 0.5 * (from.f() + f), halvings + 1);
+    return middle ? next(*middle, f, halvings + 1) : std::nullopt;
+  }
+  int balances() const { return balances_; }
+
+ private:
+  /// The balance at f near `from` moved by x: not far from there beside that movement.
+  std::optional<Balance> find(const Placement& from, const Vector& x, double f) {
+    body_.restore(from);
+    if (body_.largest_bond_change(x) > longest_step) return {};
+    ++balances_;
+    body_.move(x, f);
+    Vector aside = Vector::Zero(x.size());
+    for (int round = 0; round < 16; ++round) {
+      const double residual = body_.residual();
+      if (!std::isfinite(residual) || !factor()) return {};
+      if (round > 0 && residual <= std::max(1e-10, 100 * body_.residual_of_rounding())) {
+        const Vector rate = ldlt_.solve(body_.load_direction());
+        if (!rate.allFinite()) return {};
+        return Balance{body_.placement(), rate, static_cast<int>((ldlt_.vectorD().array() < 0.0).count())};
+      }
+      const Vector step = ldlt_.solve(body_.unbalanced());
+      if (!step.allFinite() || body_.largest_bond_change(step) > largest_change) return {};
+      aside += step;
+      if (x.squaredNorm() > 0.0 && aside.norm() > farthest_aside * x.norm()) return {};
+      body_.move(step, f);
+    }
+    return {};
+  }
+  bool factor() {
+    const SparseMatrix& K = body_.tangent();
+    if (!analysed_) ldlt_.analyzePattern(K);
+    analysed_ = true;
+    ldlt_.factorize(K);
+    return ldlt_.info() == Eigen::Success && ldlt_.vectorD().allFinite();
+  }
+
+  StaticBody body_;
+  Eigen::SimplicialLDLT<SparseMatrix> ldlt_;
+  bool analysed_ = false;
+  int balances_ = 0;
+};
+
+/// Loads that are too close together to look between them.
+struct Together {
+  double from, to;  // load factors beside them
+  int number = 0;
+  bool limit = false;
+};
+
+std::vector<Together> groups_of(std::vector<ReferencePoint> told) {
+  std::sort(told.begin(), told.end(),
+            [](const ReferencePoint& a, const ReferencePoint& b) { return a.load_factor < b.load_factor; });
+  std::vector<Together> groups;
+  for (const ReferencePoint& p : told) {
+    const double off = std::max(beside, 3 * p.error), from = (1 - off) * p.load_factor,
+                 to = (1 + off) * p.load_factor;
+    if (groups.empty() || from > groups.back().to) groups.push_back({from, to});
+    groups.back().to = std::max(groups.back().to, to);
+    ++groups.back().number;
+    groups.back().limit = groups.back().limit || p.kind == PointKind::limit_point;
+  }
+  return groups;
+}
+
+class Witness {
+ public:
+  Witness(const Model& model, const StaticStage& stage, const State& state) : steps_(model, stage, state) {}
+
+  Witnessed run(const Answer& answer, int count) {
+    const std::vector<Together> groups = groups_of(answer.loads);
+    const double first = groups.empty() ? answer.searched_to : groups.front().from;
+    auto start = steps_.unloaded();
+    if (!start) return end(Verdict::no_reference, "no balance at load factor 0");
+    here_ = std::move(*start);
+    for (const double part : grid)
+      if (!stands(part * first, 0)) return result();
+    int before = 0;
+    for (const Together& g : groups) {
+      if (!stands(g.from, before)) return result();
+      if (g.limit) {
+        if (steps_.next(here_, g.to))
+          return end(Verdict::wrong,
+                     fmt::format("there is a balance beyond the limit point, at {:.9g}", g.to));
+        return result();
+      }
+      before += g.number;
+      const bool may_be_more = before >= count;  // the search ended within a crowd
+      if (!stands(g.to, before, may_be_more)) return result();
+    }
+    if (before < count && answer.searched_to > here_.f()) stands((1 - beside) * answer.searched_to, before);
+    return result();
+  }
+
+ private:
+  /// Goes to f, where so many eigenvalues must be negative.
+  bool stands(double f, int negative, bool may_be_more = false) {
+    auto there = steps_.next(here_, f);
+    if (!there) {
+      end(Verdict::no_reference, fmt::format("the witness has no balance at {:.9g}", f));
+      return false;
+    }
+    if (there->negative == negative || (may_be_more && there->negative > negative)) {
+      here_ = std::move(*there);
+      result_.searched_to = f;
+      return true;
+    }
+    const bool more = there->negative > negative;
+    end(more ? Verdict::missed : Verdict::wrong,
+        fmt::format("{} negative eigenvalues at {:.9g}, not {}; from {:.9g} on", there->negative, f, negative,
+                    narrowed(*there)));
+    return false;
+  }
+  /// Where the number changes on the way there.
+  double narrowed(const Balance& there) {
+    double lo = here_.f(), hi = there.f();
+    for (int k = 0; k < 12; ++k) {
+      const double middle = 0.5 * (lo + hi);
+      const auto b = steps_.next(here_, middle);
+      (b && b->negative == here_.negative ? lo : hi) = middle;
+    }
+    return hi;
+  }
+  Witnessed end(Verdict v, const std::string& why) {
+    result_.judgement = {v, why};
+    return result();
+  }
+  Witnessed result() {
+    result_.balances = steps_.balances();
+    return result_;
+  }
+
+  LoadSteps steps_;
+  Balance here_;
+  Witnessed result_;
+};
+
+}  // namespace
+
+Witnessed witness_of(const Model& model, const StaticStage& stage, const State& state, const Answer& answer,
+                     int count) {
+  return Witness(model, stage, state).run(answer, count);
+}
+
+}  // namespace vbond::campaign
