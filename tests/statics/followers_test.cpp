@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "bodies.hpp"
+#include "differences.hpp"
 #include "turned_body.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/dynamics/simulation.hpp"
@@ -56,7 +57,6 @@ TEST(FollowersAtRest, TangentIsTheDerivativeOfTheLoads) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     const Case c = random_case(seed);
     StaticBody body(c.body.model, c.stage, c.body.state);
-    const int size = body.unknowns().size();
     try {
       const State end = run_static_stage(c.body.model, c.stage, c.body.state, {}).state;
       body.restore({end.r, end.q, 1.0});
@@ -64,23 +64,9 @@ TEST(FollowersAtRest, TangentIsTheDerivativeOfTheLoads) {
       continue;
     }
     ++compared;
-    const Placement here = body.placement();
-    const DenseMatrix K = DenseMatrix(body.full_tangent());
-    const Vector slope = body.load_direction();
-    const double h = 1e-5;
-    const auto at = [&](const Vector& x, double factor) {
-      body.restore(here);
-      body.move(x, factor);
-      return Vector(body.unbalanced());
-    };
-    // differences of second order: h^2 times third derivatives of some 10, and rounding over h
-    for (int k = 0; k < size; ++k) {
-      const Vector x = h * Vector::Unit(size, k);
-      EXPECT_LE(((at(-x, 1.0) - at(x, 1.0)) / (2.0 * h) - K.col(k)).cwiseAbs().maxCoeff(), 1e-7) << seed;
-    }
-    const Vector zero = Vector::Zero(size);
-    const Vector change = (at(zero, 1.0 + h) - at(zero, 1.0 - h)) / (2.0 * h);
-    EXPECT_LE((change - slope).cwiseAbs().maxCoeff(), 1e-7) << seed;
+    const testing::ByDifferences d = testing::by_differences(body);  // third derivatives are some 10
+    EXPECT_LE((DenseMatrix(body.full_tangent()) - d.tangent).cwiseAbs().maxCoeff(), 1e-7) << seed;
+    EXPECT_LE((body.load_direction() - d.load_direction).cwiseAbs().maxCoeff(), 1e-7) << seed;
   }
   EXPECT_GE(compared, 18);
 }

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "bodies.hpp"
+#include "differences.hpp"
 #include "turned_body.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/model/mistakes.hpp"
@@ -115,25 +116,10 @@ TEST(FreeGripsAtRest, TangentIsTheDerivativeOfTheLoads) {
     Vector away(size);
     for (double& x : away) x = dice(-0.05, 0.05);
     body.move(away, 0.5);
-    const Placement here = body.placement();
-    const DenseMatrix K = DenseMatrix(body.tangent());
-    const Vector slope = body.load_direction();
-    const double h = 1e-5;
-    const auto at = [&](const Vector& x, double factor) {
-      body.restore(here);
-      body.move(x, factor);
-      return Vector(body.unbalanced());
-    };
-    DenseMatrix D(size, size);
-    for (int k = 0; k < size; ++k) {
-      const Vector x = h * Vector::Unit(size, k);
-      D.col(k) = (at(-x, 0.5) - at(x, 0.5)) / (2.0 * h);
-    }
-    // differences of second order: h^2 times third derivatives of some 10
-    EXPECT_LE((K - 0.5 * (D + D.transpose())).cwiseAbs().maxCoeff(), 1e-7) << seed;
-    const Vector zero = Vector::Zero(size);
-    const Vector change = (at(zero, 0.5 + h) - at(zero, 0.5 - h)) / (2.0 * h);
-    EXPECT_LE((change - slope).cwiseAbs().maxCoeff(), 1e-7) << seed;
+    const testing::ByDifferences d = testing::by_differences(body);  // third derivatives are some 10
+    const DenseMatrix K = 0.5 * (d.tangent + d.tangent.transpose());
+    EXPECT_LE((DenseMatrix(body.tangent()) - K).cwiseAbs().maxCoeff(), 1e-7) << seed;
+    EXPECT_LE((body.load_direction() - d.load_direction).cwiseAbs().maxCoeff(), 1e-7) << seed;
   }
 }
 

@@ -80,6 +80,15 @@ void look_at_supports(const Model& model, const std::vector<AnySupport>& support
                     supports[d.first].group, supports[d.second].group));
 }
 
+template <class AnyLoad>
+void look_at_load(const AnyLoad& l, Mistakes& found) {
+  found.require_known(l.particles, "a load", l.group);
+  found.require_finite(l.force, who("a load", l), "the force");
+  found.require_finite(l.moment, who("a load", l), "the moment");
+  found.require_finite(l.force_by_mass, who("a load", l), "the force by mass");
+  found.require_finite(l.moment_by_mass, who("a load", l), "the moment by mass");
+}
+
 void look_at_stops(const Stops& stops, std::size_t walls, Mistakes& found) {
   found.require(stops.duration > 0.0, fmt::format("the duration is {}: it must be > 0", stops.duration));
   look_at_distance(stops.distance, found);
@@ -156,11 +165,7 @@ std::vector<std::string> mistakes_in(const Model& model, const Stage& stage) {
   if (const auto top = partly_held_top(model, stage.supports))
     found.require(false, fmt::format("particle {} is held in part: {}", top->p.value, partly_held_top_rule));
   for (const PointLoad& l : stage.loads) {
-    found.require_known(l.particles, "a load", l.group);
-    found.require_finite(l.force, who("a load", l), "the force");
-    found.require_finite(l.moment, who("a load", l), "the moment");
-    found.require_finite(l.force_by_mass, who("a load", l), "the force by mass");
-    found.require_finite(l.moment_by_mass, who("a load", l), "the moment by mass");
+    look_at_load(l, found);
     look_at_factor(l.factor, who("a load", l), found);
   }
   for (const Heating& h : stage.heating) {
@@ -209,11 +214,7 @@ std::vector<std::string> mistakes_in(const Model& model, const StaticStage& stag
   }
   look_at_supports(model, stage.supports, found);
   for (const StaticLoad& l : stage.loads) {
-    found.require_known(l.particles, "a load", l.group);
-    found.require_finite(l.force, who("a load", l), "the force");
-    found.require_finite(l.moment, who("a load", l), "the moment");
-    found.require_finite(l.force_by_mass, who("a load", l), "the force by mass");
-    found.require_finite(l.moment_by_mass, who("a load", l), "the moment by mass");
+    look_at_load(l, found);
     found.require(!l.follower || takes_followers(stage.kind),
                   who("a load", l) + " turns with its particles: equilibria and paths take such loads");
   }
