@@ -36,7 +36,8 @@ std::vector<Eigen::Index> by_size(const Vector& values) {
 DenseMatrix filled_up(const DenseMatrix& X, Eigen::Index rows, Eigen::Index columns) {
   const Eigen::Index kept = X.rows() == rows ? std::min(X.cols(), columns - 1) : 0;
   DenseMatrix both(rows, columns);
-  both << X.leftCols(kept), any_orthonormal_columns(rows, columns - kept);
+  if (kept > 0) both.leftCols(kept) = X.leftCols(kept);  // at first there is nothing
+  both.rightCols(columns - kept) = any_orthonormal_columns(rows, columns - kept);
   return orthonormal(both);
 }
 
