@@ -105,8 +105,8 @@ TEST(FreeGripsAtRest, AreTheLimitOfStiffBonds) {
   RecordProperty("compared", compared);
 }
 
-/// The derivative of what is out of balance, and of its change with the load factor, by differences.
-// As for slanted supports: the antisymmetric part of what is out of balance is left out on purpose.
+// The tangent and the load direction, by differences. As for slanted supports, the antisymmetric part of what
+// is out of balance is left out on purpose.
 TEST(FreeGripsAtRest, TangentIsTheDerivativeOfTheLoads) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     const Case c = random_case(seed);
