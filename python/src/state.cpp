@@ -1,6 +1,11 @@
+#include <fmt/format.h>
+
+#include <string>
+#include <type_traits>
 #include <variant>
 
 #include "bindings.hpp"
+#include "vbond/model/state_table.hpp"
 #include "vbond/model/touching.hpp"
 #include "vbond/observe/detail/values_of.hpp"
 #include "vbond/observe/frame_files.hpp"
@@ -9,16 +14,29 @@
 namespace vbond::python {
 namespace {
 
-const double* numbers(const PerParticle<Vec3d>& column) {
-  return &column.data()->x;
-}
+template <class T>
+constexpr int numbers_each = sizeof(T) / sizeof(double);
 
-/// A column of the state as a view that keeps the snapshot alive.
-template <auto column>
-py::array vectors_of(const py::object& self) {
-  const auto& snapshot = self.cast<const Snapshot&>();
-  const auto& values = (*snapshot.state).*column;
-  return view(values.empty() ? nullptr : numbers(values), values.size(), 3, self);
+/// Columns of particles that have a name in Python, as views that keep the snapshot alive.
+template <class Class>
+void bind_columns(Class& type) {
+  for_each_table(state_table, [&](const auto& table) {
+    for_each_field(table, [&]<class Of, class Value>(const Field<Of, Value>& f) {
+      if constexpr (is_particle_column<Value>) {
+        if (f.traits.word == nullptr) return;
+        constexpr int each = numbers_each<std::remove_cvref_t<decltype(*Value{}.data())>>;
+        const auto array = [table, f](const py::object& self) {
+          const Value& values = table.in(*self.cast<const Snapshot&>().state).*f.value;
+          return view(reinterpret_cast<const double*>(values.data()), values.size(), each, self);
+        };
+        const std::string shape = each == 1 ? "(n,)" : fmt::format("(n, {})", each);
+        const std::string unit =
+            *f.unit.si == '\0' ? ""
+                               : fmt::format(" [{} in SI, {} in reduced units]", f.unit.si, f.unit.reduced);
+        type.def_property_readonly(f.traits.word, array, (f.meaning + (", " + shape) + unit).c_str());
+      }
+    });
+  });
 }
 
 template <class Value>
@@ -62,22 +80,12 @@ py::dict contacts_of(const Snapshot& snapshot) {
 }  // namespace
 
 void bind_state(py::module_& m) {
-  py::class_<Snapshot>(
+  py::class_<Snapshot> type(
       m, "State",
       "The body at one time. Its arrays are views without a copy, cannot be written to, and stay as "
-      "they are whatever the run does. Particles and bonds are numbered from 0, as in the case.")
-      .def_property_readonly("positions", &vectors_of<&State::r>, "Of the centres, (n, 3) [length]")
-      .def_property_readonly("velocities", &vectors_of<&State::v>, "(n, 3) [length/time]")
-      .def_property_readonly("angular_velocities", &vectors_of<&State::omega>,
-                             "About the axes of the world, (n, 3) [rad/time]")
-      .def_property_readonly(
-          "orientations",
-          [](const py::object& self) {
-            const auto& q = self.cast<const Snapshot&>().state->q;
-            return view(q.empty() ? nullptr : &q.data()->w, q.size(), 4, self);
-          },
-          "Unit quaternions (w, x, y, z) that turn the body's axes into the world's, (n, 4)")
-      .def_property_readonly(
+      "they are whatever the run does. Particles and bonds are numbered from 0, as in the case.");
+  bind_columns(type);
+  type.def_property_readonly(
           "displacements",
           [](const Snapshot& s) {
             std::vector<Vec3d> u;

@@ -77,7 +77,7 @@ Checkpoint busy_checkpoint(Chain& chain) {
   watch.fastest = 3.5;
   watch.farthest_turn = 0.75;
   watch.in_walls = {{ParticleId{1}, 0}, {ParticleId{1}, 1}};
-  watch.deep[{ParticleId{0}, ParticleId{2}}] = {{0.1, -0.2, 0.3}, 0.25, 1199};
+  watch.deep[{ParticleId{0}, ParticleId{2}}] = {ParticleId{0}, ParticleId{2}, {0.1, -0.2, 0.3}, 0.25, 1199};
   return {chain.state, watch};
 }
 
@@ -220,7 +220,7 @@ TEST(Checkpoint, ImpossibleBondIsRefused) {
   Chain chain;
   chain.state.bonds[BondId{0}].j = ParticleId{77};
   write_checkpoint(folder / "c.h5", chain.model, {chain.state, {}}, "1.2.3");
-  expect_error(folder / "c.h5", chain.model, "impossible ends");
+  expect_error(folder / "c.h5", chain.model, "is damaged: bonds[0].j is particle 77, and there are 3");
 }
 
 TEST(Checkpoint, UnwritableFolderIsAnError) {
@@ -248,9 +248,21 @@ TEST(Checkpoint, StatesThatNoRunIsInAreRefused) {
     expect_error(folder / "c.h5", chain.model, words);
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  refused("particle 1 is in no place", [nan](Checkpoint& c) { c.state.r[ParticleId{1}].y = nan; });
-  refused("particle 2 is in no place", [](Checkpoint& c) { c.state.v[ParticleId{2}].z = INFINITY; });
-  refused("particle 0 is in no place", [](Checkpoint& c) { c.state.q[ParticleId{0}] = {2, 0, 0, 0}; });
+  refused("is damaged: the position of particle 1",
+          [nan](Checkpoint& c) { c.state.r[ParticleId{1}].y = nan; });
+  refused("is damaged: the velocity of particle 2",
+          [](Checkpoint& c) { c.state.v[ParticleId{2}].z = INFINITY; });
+  refused("is damaged: the orientation of particle 0", [](Checkpoint& c) {
+    c.state.q[ParticleId{0}] = {2, 0, 0, 0};
+  });
+  refused("is damaged: contacts[0].j is particle 3, and there are 3",
+          [](Checkpoint& c) { c.state.contact_history[0].j = ParticleId{3}; });
+  refused("is damaged: warm_bonds[0].bond is bond 2, and there are 2",
+          [](Checkpoint& c) { c.state.warm_bonds[0].bond = BondId{2}; });
+  refused("is damaged: fibres[0].b_j is particle 9",
+          [](Checkpoint& c) { c.state.fibre_history[0].b_j = ParticleId{9}; });
+  refused("a deep pair has impossible ends",
+          [](Checkpoint& c) { c.watch.deep.begin()->second.j = ParticleId{3}; });
   refused("watches missing bonds", [](Checkpoint& c) { c.watch.bonds.resize(3); });
 }
 

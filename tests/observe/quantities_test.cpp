@@ -148,7 +148,7 @@ TEST(Quantities, EveryDataSetOfACheckpointHasItsUnitAndMeaning) {
   watch.fastest = 2.0;
   watch.farthest_turn = 1.0;
   watch.in_walls.insert({ParticleId{0}, 0});
-  watch.deep[{ParticleId{0}, ParticleId{1}}] = {};
+  watch.deep[{ParticleId{0}, ParticleId{1}}] = {ParticleId{0}, ParticleId{1}, {}, 0.0, 0};
   chain.state.bond_history.resize(chain.state.bonds.size());
   chain.state.contact_history = {{ParticleId{0}, ParticleId{2}, {1.0}}};
   make_top(chain.model, ParticleId{1}, {{1, 2, 2}, {}});
@@ -160,7 +160,8 @@ TEST(Quantities, EveryDataSetOfACheckpointHasItsUnitAndMeaning) {
   chain.state.walls.resize(1);
   chain.state.walls[0].off = 1;
   chain.state.wall_history = {{ParticleId{0}, 0, {0, 0, 1}, {1.0}}};
-  chain.state.grips = {{{1, 0, 0}, 0.0, 2.0, 1, {0, 0, 1}, {1, 0, 0, 0}, {}, {}}};
+  chain.state.grips = {
+      {{1, 0, 0}, 0.0, 2.0, 1, {0, 0, 1}, rotation_of({0, 0, 1}), {1, 0, 0}, {0, 0, 2}, 1.0}};
   chain.state.gripped = {{{0, 1, 0}, {}}};
   chain.state.temperature.resize(chain.state.r.size());
   chain.state.warm_bonds = {{BondId{1}, 1e-3, 0.5, 0.1, 0.2}};

@@ -20,10 +20,11 @@ TEST(Misuse, NothingIsRefusedThatIsRight) {
 
 TEST(Misuse, ColumnsOfAnotherSize) {
   refuses([](Parts& p) { p.body.state = {}; }, "begin with at_rest(model)");
-  refuses([](Parts& p) { p.body.state.r.resize(3); }, "the state has 3 entries in r for 4 particles");
-  refuses([](Parts& p) { p.body.state.v.resize(5); }, "5 entries in v");
-  refuses([](Parts& p) { p.body.state.q.resize(0); }, "0 entries in q");
-  refuses([](Parts& p) { p.body.state.omega.resize(3); }, "3 entries in omega");
+  refuses([](Parts& p) { p.body.state.r.resize(3); },
+          "the state has 3 entries in particles/r for 4 particles");
+  refuses([](Parts& p) { p.body.state.v.resize(5); }, "5 entries in particles/v");
+  refuses([](Parts& p) { p.body.state.q.resize(0); }, "0 entries in particles/q");
+  refuses([](Parts& p) { p.body.state.omega.resize(3); }, "3 entries in particles/omega");
   refuses([](Parts& p) { p.body.model.mass.resize(3, 1.0); }, "the model has 4 entries in inertia");
   refuses([](Parts& p) { p.body.model.radius.resize(3); }, "3 entries in radius");
   refuses([](Parts& p) { p.body.model.r_0.resize(3); }, "3 entries in r_0");
@@ -110,9 +111,10 @@ TEST(Misuse, TimesOutOfRange) {
 
 TEST(Misuse, ParticlesThatThereAreNot) {
   const ParticleId fifth{4};
-  refuses([=](Parts& p) { p.body.state.bonds[BondId{0}].j = fifth; }, "bond 0 joins particles 0 and 4 of 4");
+  refuses([=](Parts& p) { p.body.state.bonds[BondId{0}].j = fifth; },
+          "bonds[0].j is particle 4, and there are 4");
   refuses([](Parts& p) { p.body.state.bonds[BondId{1}].j = p.body.state.bonds[BondId{1}].i; },
-          "bond 1 joins");
+          "bonds[1] joins a particle with itself");
   refuses([=](Parts& p) { p.second.supports[0].particles = {fifth}; }, "a support names particle 4");
   refuses([=](Parts& p) { p.second.loads[0].particles.push_back(fifth); }, "a load names particle 4");
   refuses([=](Parts& p) { p.body.model.groups[0].particles = {fifth}; }, "group \"all\" names particle 4");
@@ -228,7 +230,8 @@ TEST(Misuse, AStateOfAnotherRun) {
   refuses([](Parts& p) { p.body.state.clock.stage = -1; }, "none may be below zero");
   refuses([](Parts& p) { p.body.state.clock.step = -5; }, "none may be below zero");
   refuses([](Parts& p) { p.body.state.clock.dt = nan; }, "none may be below zero");
-  refuses([](Parts& p) { p.body.state = testing::straight_rod(5).state; }, "5 entries in r for 4 particles");
+  refuses([](Parts& p) { p.body.state = testing::straight_rod(5).state; },
+          "5 entries in particles/r for 4 particles");
   // under way with another step
   const Parts p;
   const auto run = p.run();
@@ -268,7 +271,7 @@ TEST(Misuse, ChangesThatDoNotFit) {
   run->step(5);
   const State before = run->state();
   expect_refusal([&run] { run->set_velocities(PerParticle<Vec3d>(3), PerParticle<Vec3d>(4)); },
-                 "3 entries in v");
+                 "3 entries in particles/v");
   expect_refusal(
       [&run] {
         run->set_velocities(PerParticle<Vec3d>(4, {nan, 0, 0}), PerParticle<Vec3d>(4));
@@ -349,13 +352,25 @@ TEST(Misuse, WhatBondsAndContactsRememberFitsTheBody) {
     }
   };
   using S = testing::Specimen;
-  refused([](S& s) { s.state.bond_history.resize(1); }, "bond_history has 1 entries for 2 bonds");
-  refused([](S& s) { s.state.loads.F.resize(3); }, "loads of the state have 3 and 0 entries");
-  refused([](S& s) { s.state.damping = {PerParticle<Vec3d>(2), PerParticle<Vec3d>(2)}; }, "2 and 2 entries");
-  refused([](S& s) { s.state.contact_history = {{ParticleId{0}, ParticleId{7}}}; }, "particles 0 and 7 of 3");
-  refused([](S& s) { s.state.wall_history = {{ParticleId{0}, 2, {}, {}}}; }, "wall 2 of 0");
+  refused([](S& s) { s.state.bond_history.resize(1); }, "1 entries in bonds/history for 2 bonds");
+  refused([](S& s) { s.state.loads.F.resize(3); }, "the state has 0 entries in loads/M for 3 particles");
+  refused(
+      [](S& s) {
+        s.state.damping = {PerParticle<Vec3d>(2), PerParticle<Vec3d>(2)};
+      },
+      "2 entries in loads/damping_M for 3 particles");
+  refused(
+      [](S& s) {
+        s.state.contact_history = {{ParticleId{0}, ParticleId{7}}};
+      },
+      "contacts[0].j is particle 7, and there are 3");
+  refused(
+      [](S& s) {
+        s.state.wall_history = {{ParticleId{0}, 2, {}, {}}};
+      },
+      "wall_touches[0] names a wall that is not there");
   refused([](S& s) { s.state.walls.resize(2); }, "2 walls for 0 of the model");
-  refused([](S& s) { s.state.bonds[BondId{1}].law = nullptr; }, "bond 1 has no law");
+  refused([](S& s) { s.state.bonds[BondId{1}].law = nullptr; }, "bonds[1] has no law");
   refused([](S& s) { s.model.contact.surface.friction = -0.1; }, "contact.friction is -0.1");
   refused([](S& s) { s.model.contact.surface.restitution = 1.5; }, "contact.restitution is 1.5");
   refused([](S& s) { s.model.material.assign(3, 4); }, "one is number 4, and there are 1");

@@ -3,6 +3,7 @@
 #include "vbond/dynamics/bodies.hpp"
 #include "vbond/dynamics/bond_index.hpp"
 #include "vbond/dynamics/bond_pack.hpp"
+#include "vbond/model/state_table.hpp"
 
 namespace vbond {
 
@@ -16,8 +17,6 @@ double of_tops_per_particle(const Model& model) {
   return sizeof(PrincipalInertia) + sizeof(Vec3d) + sizeof(std::uint32_t) +
          tops / static_cast<double>(model.particles()) * Tops::bytes_each;
 }
-
-constexpr double state_per_particle = 3 * sizeof(Vec3d) + sizeof(Quatd);
 
 /// In a pack, as a mean over all bonds.
 double constants_per_bond(const State& state) {
@@ -35,7 +34,7 @@ double constants_per_bond(const State& state) {
 
 MemoryUse memory_use(const Model& model, const State& state) {
   return {.per_particle = 4 * sizeof(double) + sizeof(Vec3d) +  // model
-                          state_per_particle + sizeof(PoseRow) + sizeof(MotionRow) + sizeof(LoadRow) +
+                          state_bytes_per_particle + sizeof(PoseRow) + sizeof(MotionRow) + sizeof(LoadRow) +
                           sizeof(InverseInertia) + 2 * sizeof(double) + sizeof(Row) + sizeof(ParticleId) +
                           2 * sizeof(std::size_t) + of_tops_per_particle(model),
           .per_bond = sizeof(Bond) + constants_per_bond(state) + 2 * sizeof(BondIndex::Entry)};
@@ -46,7 +45,7 @@ RankMemory memory_of_ranks(const Model& model, const State& state, int ranks) {
   const auto n = static_cast<double>(model.particles()), bonds = static_cast<double>(state.bonds.size());
   const double elsewhere = constants_per_bond(state) * (1.0 - 1.0 / ranks);
   const double each = n * use.per_particle + bonds * (use.per_bond - elsewhere);
-  return {each, each + n * state_per_particle + bonds * sizeof(Bond)};
+  return {each, each + n * state_bytes_per_particle + bonds * sizeof(Bond)};
 }
 
 }  // namespace vbond

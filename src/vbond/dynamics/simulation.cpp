@@ -14,6 +14,7 @@
 #include "vbond/model/bond_sums.hpp"
 #include "vbond/model/heat.hpp"
 #include "vbond/model/mistakes.hpp"
+#include "vbond/model/state_table.hpp"
 
 namespace vbond {
 namespace {
@@ -108,9 +109,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
 }
 
 void Simulation::begin_stage() {
-  state_.peak = {};
-  state_.rest = {};
-  state_.breaks = 0;
+  begin_anew(state_, Anew::stage);
   const bool run_begins = state_.clock.stage == 0 && state_.clock.step == 0;
   state_.books.work_supports += walls_.put_off_and_on(team_, run_begins);
   evaluate_loads();

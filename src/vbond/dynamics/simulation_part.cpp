@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "vbond/core/error.hpp"
+#include "vbond/dynamics/gather.hpp"
 #include "vbond/dynamics/simulation.hpp"
 
 namespace vbond {
@@ -158,72 +159,19 @@ void Simulation::learn_ends_of_bonds() {
 
 void Simulation::give_particles(State& whole, bool everyone) {
   state();
-  const std::vector<ParticleId> own = own_particles();
-  const std::vector<ParticleId> all = others_->collect(own, everyone);
-  const auto bring = [&](const auto& ids, const auto& all_ids, const auto& from, auto& to) {
-    std::vector<std::decay_t<decltype(*from.begin())>> values;
-    values.reserve(ids.size());
-    for (const auto id : ids) values.push_back(from[id]);
-    const auto of_all = others_->collect(values, everyone);
-    if (!of_all.empty()) to.resize(from.size());
-    for (std::size_t k = 0; k < of_all.size(); ++k) to[all_ids[k]] = of_all[k];
-  };
-  const auto bring_particles = [&](const auto& from, auto& to) {
-    if (!from.empty()) return bring(own, all, from, to);
-    to = from;
-  };
-  bring_particles(state_.r, whole.r);
-  bring_particles(state_.q, whole.q);
-  bring_particles(state_.v, whole.v);
-  bring_particles(state_.omega, whole.omega);
-  bring_particles(state_.spin, whole.spin);
-  for (Loads State::*loads : {&State::loads, &State::damping, &State::local_damping}) {
-    bring_particles((state_.*loads).F, (whole.*loads).F);
-    bring_particles((state_.*loads).M, (whole.*loads).M);
-  }
-  if (!state_.bond_history.empty()) {
-    const std::vector<BondId> bonds = own_bonds();
-    bring(bonds, others_->collect(bonds, everyone), state_.bond_history, whole.bond_history);
-  }
-  whole.contact_history = others_->collect(state_.contact_history, everyone);
-  std::sort(
-      whole.contact_history.begin(), whole.contact_history.end(),
-      [](const PairMemory& a, const PairMemory& b) { return std::pair(a.i, a.j) < std::pair(b.i, b.j); });
-  whole.wall_history = others_->collect(state_.wall_history, everyone);
-  std::stable_sort(whole.wall_history.begin(), whole.wall_history.end(),
-                   [](const WallMemory& a, const WallMemory& b) {
-                     return std::pair(a.p, a.wall) < std::pair(b.p, b.wall);
-                   });
-  whole.fibre_history = state_.fibre_history;
+  gather_owned(state_, own_particles(), own_bonds(), *others_, everyone, whole);
 }
 
 void Simulation::give(State& whole) {
-  whole.clock = state_.clock;
-  whole.peak = state_.peak;
-  whole.rest = state_.rest;
-  whole.breaks = state_.breaks;
-  whole.walls = walls_.states();
-  supports_.grips().write(whole);
-  whole.temperature = state_.temperature;
-  whole.warm_bonds = state_.warm_bonds;
+  state_.walls = walls_.states();
+  supports_.grips().write(state_);
+  gather_values(state_, *others_, brought_in_, whole);
   if ((std::exchange(changed_, false) || !stage_.heating.empty()) && leads()) whole.bonds = state_.bonds;
-
-  const EnergyBooks& b = state_.books;
-  std::vector<double> sums{b.at_start, b.dissipated, b.released, b.work_loads, b.work_supports};
-  sums.insert(sums.end(), b.lost.of.begin(), b.lost.of.end());
-  for (const GripState& g : whole.grips) sums.push_back(g.work);
-  sums.insert(sums.end(), brought_in_.begin(), brought_in_.end());
+  double& largest = whole.books.largest;
+  largest = std::accumulate(brought_in_.begin(), brought_in_.end(), largest,
+                            [](double a, double x) { return std::max(a, x); });
   brought_in_.clear();
-  others_->sum(sums);
-  auto next = sums.begin();
-  EnergyBooks& to = whole.books;
-  for (double* x : {&to.at_start, &to.dissipated, &to.released, &to.work_loads, &to.work_supports})
-    *x = *next++;
-  for (double& x : to.lost.of) x = *next++;
-  for (GripState& g : whole.grips) g.work = *next++;
-  to.largest =
-      std::accumulate(next, sums.end(), to.largest, [](double a, double x) { return std::max(a, x); });
-  others_->largest({&to.largest, 1});
+  others_->largest({&largest, 1});
 }
 
 void Simulation::answer(const Question& question) {

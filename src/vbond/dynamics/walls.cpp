@@ -107,9 +107,7 @@ void Walls::write(State& s) const {
       for (const Slot& slot : n.slots)
         s.wall_history.push_back({bodies_.order.particle[Row{n.row}], n.wall, slot.normal, slot.history});
   std::stable_sort(s.wall_history.begin(), s.wall_history.end(),
-                   [](const WallMemory& a, const WallMemory& b) {
-                     return std::pair(a.p, a.wall) < std::pair(b.p, b.wall);
-                   });
+                   [](const WallMemory& a, const WallMemory& b) { return place_of(a) < place_of(b); });
 }
 
 /// The mean velocity from t to t + dt of the stage, without a servo's; dt = 0: that at t.

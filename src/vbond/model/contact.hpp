@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "vbond/core/column.hpp"
@@ -125,6 +126,10 @@ struct PairMemory {
   double kept = 0;  ///< the part of the overlap that is not felt  [length]
   friend bool operator==(const PairMemory&, const PairMemory&) = default;
 };
+/// By which memories are in order.
+inline std::pair<ParticleId, ParticleId> place_of(const PairMemory& m) {
+  return {m.i, m.j};
+}
 
 /// What a contact of fibres remembers, of the places a and b, a before b, as in FibreContact: on the axis of
 /// the bond of two particles, or at one of them (a_i == a_j).

@@ -2,11 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <string_view>
+#include <type_traits>
 
 #include "vbond/model/capsules.hpp"
 #include "vbond/model/detail/mistakes.hpp"
+#include "vbond/model/state_table.hpp"
 #include "vbond/model/wall_mistakes.hpp"
 
 namespace vbond {
@@ -97,6 +101,51 @@ void look_at_principal_inertia(const Model& model, Mistakes& found) {
                                               p.value, model.inertia[p]));
 }
 
+/// Columns have an entry for each particle or bond; those that not all bodies have may be empty, those of one
+/// member of State together.
+void look_at_sizes(const Model& model, const State& s, Mistakes& found) {
+  for_each_table(state_table, [&]<class Table>(const Table& table) {
+    bool none = true;
+    for_each_field(table, [&]<class Of, class Value>(const Field<Of, Value>& f) {
+      if constexpr (is_column<Value> && !std::is_same_v<Of, State>) none &= (table.in(s).*f.value).empty();
+    });
+    for_each_field(table, [&]<class Of, class Value>(const Field<Of, Value>& f) {
+      if constexpr (is_column<Value>) {
+        const std::size_t size = (table.in(s).*f.value).size();
+        const bool of_particles = is_particle_column<Value>;
+        const std::size_t wanted = of_particles ? model.particles() : s.bonds.size();
+        const bool may_be_empty = f.traits.filed == Filed::where_any && none;
+        found.require(size == wanted || (may_be_empty && size == 0),
+                      fmt::format("the state has {} entries in {}{} for {} {}: it must have one for each{}",
+                                  size, std::string_view(table.path).substr(1), f.name, wanted,
+                                  of_particles ? "particles" : "bonds",
+                                  may_be_empty ? ", or none" : "; begin with at_rest(model)"));
+      }
+    });
+  });
+}
+
+/// Rows name particles and bonds that are there. The first of each kind that does not is told.
+void look_at_ids(const Model& model, const State& s, Mistakes& found) {
+  for_each_table(state_table, [&]<class Table>(const Table& table) {
+    if constexpr (is_row_table<Table>)
+      for_each_field(table, [&]<class Of, class Value>(const Field<Of, Value>& f) {
+        if constexpr (std::is_same_v<Value, ParticleId> || std::is_same_v<Value, BondId>) {
+          const bool is_particle = std::is_same_v<Value, ParticleId>;
+          const std::size_t n = is_particle ? model.particles() : s.bonds.size();
+          const auto& rows = table.in(s);
+          const auto wrong = std::find_if(rows.begin(), rows.end(),
+                                          [&](const Of& row) { return (row.*f.value).value >= n; });
+          if (wrong != rows.end())
+            found.require(false,
+                          fmt::format("{}[{}].{} is {} {}, and there are {}, counted from 0", name_of(table),
+                                      wrong - rows.begin(), f.name, is_particle ? "particle" : "bond",
+                                      ((*wrong).*f.value).value, n));
+        }
+      });
+  });
+}
+
 }  // namespace
 
 std::vector<std::string> mistakes_in(const Model& model) {
@@ -125,70 +174,29 @@ std::vector<std::string> mistakes_in(const Model& model) {
 
 std::vector<std::string> mistakes_in(const Model& model, const State& s) {
   Mistakes found(model);
-  found.require_sizes(
-      "the state", "it must have r, v, q and omega for each particle of the model: begin with at_rest(model)",
-      {{"r", s.r.size()}, {"v", s.v.size()}, {"q", s.q.size()}, {"omega", s.omega.size()}});
-  found.require(s.spin.empty() || s.spin.size() == model.particles(),
-                fmt::format("spin has {} entries for {} particles: it must have one for each, or none",
-                            s.spin.size(), model.particles()));
-  found.require(s.bond_history.empty() || s.bond_history.size() == s.bonds.size(),
-                fmt::format("bond_history has {} entries for {} bonds: it must have one for each, or none",
-                            s.bond_history.size(), s.bonds.size()));
-  for (const Loads* l : {&s.loads, &s.damping, &s.local_damping})
-    found.require(
-        (l->F.empty() && l->M.empty()) ||
-            (l->F.size() == model.particles() && l->M.size() == model.particles()),
-        fmt::format("loads of the state have {} and {} entries for {} particles: one for each, or none",
-                    l->F.size(), l->M.size(), model.particles()));
-  found.require(
-      s.temperature.empty() || s.temperature.size() == model.particles(),
-      fmt::format("the state has {} temperatures for {} particles: it must have one for each, or none",
-                  s.temperature.size(), model.particles()));
-  for (std::size_t k = 0; k < s.warm_bonds.size(); ++k) {
-    const WarmBond& w = s.warm_bonds[k];
-    if (w.bond.value < s.bonds.size() && above_zero(w.a) && (k == 0 || s.warm_bonds[k - 1].bond < w.bond))
-      continue;
-    found.require(false, fmt::format("warm_bonds has bond {} of {} with the length {}: they are bonds of the "
-                                     "state in their order, with lengths above zero",
-                                     w.bond.value, s.bonds.size(), w.a));
-    break;
-  }
+  look_at_sizes(model, s, found);
+  look_at_ids(model, s, found);
+  const auto require_each = [&found](const auto& rows, const char* name, const char* rule, auto holds) {
+    const auto wrong = std::find_if_not(rows.begin(), rows.end(), holds);
+    found.require(wrong == rows.end(), fmt::format("{}[{}] {}", name, wrong - rows.begin(), rule));
+  };
+  require_each(s.bonds, "bonds", "has no law", [](const Bond& b) { return b.law != nullptr; });
+  require_each(s.bonds, "bonds", "joins a particle with itself", [](const Bond& b) { return b.i != b.j; });
+  require_each(s.bonds, "bonds", "has a capsule whose radius is not >= 0 and finite",
+               [](const Bond& b) { return at_least_zero(b.capsule); });
+  require_each(s.warm_bonds, "warm_bonds", "has no length above zero",
+               [](const WarmBond& w) { return above_zero(w.a); });
+  found.require(std::adjacent_find(s.warm_bonds.begin(), s.warm_bonds.end(),
+                                   [](const WarmBond& a, const WarmBond& b) { return !(a.bond < b.bond); }) ==
+                    s.warm_bonds.end(),
+                "warm_bonds are not in the order of their bonds, each once");
+  require_each(s.contact_history, "contacts", "is of a pair i < j that keeps an overlap >= 0: it is not",
+               [](const PairMemory& m) { return m.i < m.j && m.kept >= 0.0; });
+  require_each(s.wall_history, "wall_touches", "names a wall that is not there",
+               [&](const WallMemory& m) { return m.wall < model.walls.size(); });
   found.require(s.walls.empty() || s.walls.size() == model.walls.size(),
                 fmt::format("the state has {} walls for {} of the model: one for each, or none",
                             s.walls.size(), model.walls.size()));
-  for (const WallMemory& m : s.wall_history)
-    if (!found.knows(m.p) || m.wall >= model.walls.size()) {
-      found.require(false, fmt::format("wall_history has particle {} of {} and wall {} of {}", m.p.value,
-                                       model.particles(), m.wall, model.walls.size()));
-      break;
-    }
-  for (const FibreMemory& m : s.fibre_history)
-    for (const ParticleId p : {m.a_i, m.a_j, m.b_i, m.b_j})
-      found.require(found.knows(p),
-                    fmt::format("fibre_history has particle {} of {}", p.value, model.particles()));
-  for (const PairMemory& m : s.contact_history)
-    if (!found.knows(m.i) || !found.knows(m.j) || m.i == m.j || !(m.kept >= 0.0)) {
-      found.require(false,
-                    fmt::format("contact_history has a pair of particles {} and {} of {} that keeps {}",
-                                m.i.value, m.j.value, model.particles(), m.kept));
-      break;
-    }
-  for (const BondId k : s.bonds.ids()) {
-    const Bond& b = s.bonds[k];
-    if (b.law == nullptr) {
-      found.require(false, fmt::format("bond {} has no law", k.value));
-      break;
-    }
-    found.require(
-        at_least_zero(b.capsule),
-        fmt::format("the capsule of bond {} has the radius {}: it must be >= 0", k.value, b.capsule));
-    if (found.knows(b.i) && found.knows(b.j) && b.i != b.j) continue;
-    found.require(false,
-                  fmt::format("bond {} joins particles {} and {} of {}: a bond must join two particles "
-                              "of the model",
-                              k.value, b.i.value, b.j.value, model.particles()));
-    break;
-  }
   const bool capsules = any_capsules(model.contact, s.bonds);
   found.require(model.contact.adhesion == AdhesionForm::none || !capsules,
                 "bonds touch as capsules, which take no adhesion: contact.adhesion must be none");
@@ -209,6 +217,7 @@ std::vector<std::string> mistakes_in_values(const Model& model, const State& s) 
   found.require_all(s.r, "the position", "finite", finite, text);
   found.require_all(s.v, "the velocity", "finite", finite, text);
   found.require_all(s.omega, "the angular velocity", "finite", finite, text);
+  found.require_all(s.spin, "the angular momentum", "finite", finite, text);
   found.require_all(
       s.q, "the orientation", "a unit quaternion",
       [](const Quatd& q) { return is_finite_quat(q) && is_unit(q); }, quat);

@@ -73,7 +73,7 @@ struct WarmBond {
   friend bool operator==(const WarmBond&, const WarmBond&) = default;
 };
 
-/// Everything that changes, and exactly what a checkpoint holds.
+/// Everything that changes, and exactly what a checkpoint holds: state_table.hpp declares each of its fields.
 struct State {
   Clock clock;
   PerParticle<Vec3d> r;      ///< positions of the centres  [length]
@@ -118,13 +118,18 @@ inline State at_rest(const Model& model) {
   return s;
 }
 
+/// What two touching particles remember; null: nothing.
+inline const PairMemory* memory_of(const State& s, ParticleId i, ParticleId j) {
+  const std::pair<ParticleId, ParticleId> pair = std::minmax(i, j);
+  const auto at = std::lower_bound(s.contact_history.begin(), s.contact_history.end(), pair,
+                                   [](const PairMemory& m, const auto& p) { return place_of(m) < p; });
+  return at != s.contact_history.end() && place_of(*at) == pair ? &*at : nullptr;
+}
+
 /// The part of their overlap that two particles do not feel.  [length]
 inline double kept_overlap(const State& s, ParticleId i, ParticleId j) {
-  const std::pair<ParticleId, ParticleId> pair = std::minmax(i, j);
-  const auto at =
-      std::lower_bound(s.contact_history.begin(), s.contact_history.end(), pair,
-                       [](const PairMemory& m, const auto& p) { return std::pair(m.i, m.j) < p; });
-  return at != s.contact_history.end() && std::pair(at->i, at->j) == pair ? at->kept : 0.0;
+  const PairMemory* memory = memory_of(s, i, j);
+  return memory != nullptr ? memory->kept : 0.0;
 }
 
 /// Energy of the repulsion of two particles, bonded or not; 0 if they do not touch.  [energy]

@@ -17,11 +17,9 @@ void add_force(ParticleId i, ParticleId j, const Vec3d& F, const Vec3d& at, cons
 
 /// What touching particles remember of slip.
 Vec3d friction_on(const State& s, ParticleId i, ParticleId j) {
-  const auto at =
-      std::lower_bound(s.contact_history.begin(), s.contact_history.end(), std::pair(i, j),
-                       [](const PairMemory& m, const auto& pair) { return std::pair(m.i, m.j) < pair; });
-  if (at == s.contact_history.end() || at->i != i || at->j != j) return {};
-  return {at->history[0], at->history[1], at->history[2]};
+  const PairMemory* memory = memory_of(s, i, j);
+  if (memory == nullptr) return {};
+  return {memory->history[0], memory->history[1], memory->history[2]};
 }
 
 Vec3d times(const Tensor& t, const Vec3d& x) {

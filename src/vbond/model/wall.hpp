@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -78,6 +79,10 @@ struct WallMemory {
   PairHistory history{};
   friend bool operator==(const WallMemory&, const WallMemory&) = default;
 };
+/// By which memories are in order.
+inline std::pair<ParticleId, std::uint32_t> place_of(const WallMemory& m) {
+  return {m.p, m.wall};
+}
 
 /// What moves a wall in a stage. Without one it stands still.
 struct WallDrive {

@@ -1,161 +1,32 @@
+#include "vbond/observe/detail/checkpoint_tables.hpp"
+#include "vbond/observe/detail/h5_shared.hpp"
 #include "vbond/observe/quantities.hpp"
 
 namespace vbond {
 namespace {
 
-constexpr CheckpointQuantity data_sets[] = {
-    {"/clock/step", unit::none, "steps since the start of the run"},
-    {"/clock/stage_step", unit::none, "steps since the start of this stage"},
-    {"/clock/stage", unit::none, "index of the stage, from 0"},
-    {"/clock/stage_start", unit::time, "time at which this stage began"},
-    {"/clock/dt", unit::time, "time step"},
-    {"/particles/r", unit::length, "positions of the centres"},
-    {"/particles/v", unit::velocity, "velocities of the centres"},
-    {"/particles/q", unit::none,
-     "orientations, quaternions w, x, y, z that turn body vectors into the world"},
-    {"/particles/omega", unit::angular_velocity, "angular velocities, world frame"},
-    {"/particles/spin", unit::angular_momentum,
-     "angular momenta of the rotation of particles whose moments of inertia differ; only if there are such"},
-    {"/particles/temperature", unit::none,
-     "of particles, in the unit of 1/expansion; only where some are heated"},
-    {"/warm_bonds/bond", unit::none, "numbers of bonds that expand; only if there are such"},
-    {"/warm_bonds/expansion", unit::none, "growth of their lengths per temperature"},
-    {"/warm_bonds/a", unit::length, "their lengths at rest at temperature 0"},
-    {"/warm_bonds/R_i", unit::length, "distances of their bonded points from the centres of i there"},
-    {"/warm_bonds/R_j", unit::length, "distances of their bonded points from the centres of j there"},
-    {"/bonds/i", unit::none, "number of the first particle"},
-    {"/bonds/j", unit::none, "number of the second particle"},
-    {"/laws/name", unit::none, "names of the bond laws, 32 bytes each, filled up with zeros"},
-    {"/bonds/law", unit::none, "number of the bond's law among these names"},
-    {"/rules/numbers", unit::none,
-     "stretching, strength and damping that bonds share, in the units of the case; only where bonds have "
-     "rules"},
-    {"/bonds/rules", unit::none, "number of the bond's rules among these"},
-    {"/bonds/a", unit::length, "length at rest"},
-    {"/bonds/R_i", unit::length, "distance of the bonded point from the centre of i"},
-    {"/bonds/R_j", unit::length, "distance of the bonded point from the centre of j"},
-    {"/bonds/coefficients", unit::none, "of the law, in the order and units of its list; the rest zero"},
-    {"/bonds/frame_i", unit::none, "the bond's frame in the body frame of i, quaternion w, x, y, z"},
-    {"/bonds/frame_j", unit::none, "the bond's frame in the body frame of j, quaternion w, x, y, z"},
-    {"/bonds/set", unit::none, "which bond set of the case made it"},
-    {"/bonds/broken", unit::none, "1: it does nothing any more"},
-    {"/bonds/mode", unit::none,
-     "by what it broke: 0 not, 1 tension, 2 shear, 3 bending, 4 torsion, 5 compression, 6 not known"},
-    {"/bonds/history", unit::none,
-     "what the bond remembers, in the order and units of its law; only where bonds remember something"},
-    {"/contacts/i", unit::none,
-     "first particles of touching pairs that remember something; only if there are any"},
-    {"/contacts/j", unit::none, "second particles of these pairs"},
-    {"/contacts/history", unit::none,
-     "what they remember: force across the contact (3), its radius, the force that damps (3), stiffness of "
-     "rolling, moment against rolling (3) and about the normal; on the first particle"},
-    {"/contacts/kept", unit::length, "the part of their overlap that they do not feel"},
-    {"/bonds/capsule", unit::length, "radius by which the bond touches, 0: not; only where bonds do"},
-    {"/fibres/a_i", unit::none,
-     "first place of contacts of capsules, on the axis between this particle and a_j, or at it if they are "
-     "the same; only if there are any"},
-    {"/fibres/a_j", unit::none, "the other particle"},
-    {"/fibres/b_i", unit::none, "second place of these contacts, likewise"},
-    {"/fibres/b_j", unit::none, "the other particle"},
-    {"/fibres/s", unit::none, "where on the axis of the first place, 0 at a_i, 1 at a_j"},
-    {"/fibres/t", unit::none, "where on the axis of the second place"},
-    {"/fibres/R_a", unit::length, "radius at the first place"},
-    {"/fibres/R_b", unit::length, "radius at the second place"},
-    {"/fibres/normal", unit::none, "unit vectors from the first to the second place"},
-    {"/fibres/history", unit::none, "what is remembered of the contact, as /contacts/history"},
-    {"/walls/displacement", unit::length,
-     "of the walls' centres since the start; only where there are walls"},
-    {"/walls/q", unit::none, "orientations of walls, quaternions w, x, y, z"},
-    {"/walls/velocity", unit::velocity, "of the walls' centres, half a step ago"},
-    {"/walls/angular_velocity", unit::angular_velocity, "of walls, half a step ago"},
-    {"/walls/force", unit::force, "of particles on walls"},
-    {"/walls/moment", unit::moment, "of particles on walls, about the walls' centres"},
-    {"/walls/servo", unit::velocity, "speed of walls along the direction of their servo"},
-    {"/walls/off", unit::none, "1 for walls that the stage takes away; only where there are such"},
-    {"/walls/work", unit::energy, "that walls have done on particles"},
-    {"/wall_touches/particle", unit::none, "particles that touch walls; only if there are any"},
-    {"/wall_touches/wall", unit::none, "number of the wall that each touches"},
-    {"/wall_touches/normal", unit::none, "unit vectors from the wall to the particle"},
-    {"/wall_touches/history", unit::none, "what is remembered of the touch, as /contacts/history"},
-    {"/grips/pivot", unit::length, "of rigid supports as they took hold; only in a stage that has some"},
-    {"/grips/from", unit::time, "integral of their factor at that time"},
-    {"/grips/work", unit::energy, "that they have done in the stage"},
-    {"/grips/particles", unit::none, "how many each has"},
-    {"/grips/shift", unit::length,
-     "of the pivot along what is free, since they took hold; this and the next four only where a grip that "
-     "is free in part has moved"},
-    {"/grips/turn", unit::none, "about what is free, quaternions w, x, y, z"},
-    {"/grips/velocity", unit::velocity, "of the pivot along what is free"},
-    {"/grips/spin", unit::angular_momentum, "angular momentum of free turns about the pivot"},
-    {"/grips/angle", unit::angle, "turned about the one free axis"},
-    {"/gripped/arm", unit::length, "from the pivot to each of their particles as they took hold"},
-    {"/gripped/q", unit::none, "orientations of these particles then, quaternions w, x, y, z"},
-    {"/loads/F", unit::force, "forces on the particles; only where they do not follow from positions"},
-    {"/loads/M", unit::moment, "moments on the particles, about their centres; as /loads/F"},
-    {"/loads/damping_F", unit::force, "the part of these forces that damps; only where pairs damp"},
-    {"/loads/damping_M", unit::moment, "the part of these moments that damps"},
-    {"/loads/local_damping_F", unit::force,
-     "the part of these forces that is local damping; only where bonds damp as well"},
-    {"/loads/local_damping_M", unit::moment, "the part of these moments that is local damping"},
-    {"/books/at_start", unit::energy, "kinetic + potential energy when the run began"},
-    {"/books/dissipated", unit::energy, "taken out by damping, and given up when a pair is bonded"},
-    {"/books/lost", unit::energy,
-     "dissipated by cause: damping of bonds whose law does not tell its channels, yield (axial, shear, "
-     "bending, torsion), creep, softening, other laws, drag, local damping, damping of contacts, friction, "
-     "rolling, adhesion, bonding, damping of bonds (axial, shear, bending, torsion); of yield, creep and "
-     "softening what bonds had lost when the books began, as a negative number; only if there is any"},
-    {"/books/released", unit::energy,
-     "of bonds at the time they broke, less that of contacts it switched on"},
-    {"/books/work_loads", unit::energy, "work of point forces, moments and gravity"},
-    {"/books/work_supports", unit::energy,
-     "work of supports, prescribed velocities, imposed strain and changes of temperature"},
-    {"/books/largest", unit::energy, "largest at_start + work so far: the scale of the balance error"},
-    {"/peak/sum", unit::force, "of the samples in the block under way"},
-    {"/peak/samples", unit::none, "in the block under way"},
-    {"/peak/last", unit::force, "average of the last full block"},
-    {"/peak/peak", unit::force, "largest block average so far"},
-    {"/peak/peak_time", unit::time, "end of that block"},
-    {"/peak/blocks", unit::none, "full blocks so far in this stage"},
-    {"/rest/quiet_steps", unit::none, "steps in a row with a low kinetic energy"},
-    {"/breaks/in_stage", unit::none, "bonds that have broken in this stage"},
-    {"/watch/worst", unit::none, "worst range of each bond: 0 good, 1 strained, 2 snapped"},
-    {"/watch/was_short", unit::none, "1: the bond has been shorter than half its length at rest"},
-    {"/watch/strained", unit::none, "bonds that were found strained"},
-    {"/watch/snapped", unit::none, "bonds that were found snapped"},
-    {"/watch/shortened", unit::none, "bonds that were found short"},
-    {"/watch/overlapping_i", unit::none,
-     "first particles of pairs that were found to overlap; only if there are any"},
-    {"/watch/overlapping_j", unit::none, "second particles of these pairs"},
-    {"/watch/stretched", unit::none,
-     "bonds that were found longer than twice their length; only if there are any"},
-    {"/watch/fastest", unit::none,
-     "largest way of a particle in a step over the longest that contacts can follow; only if one was too "
-     "fast"},
-    {"/watch/farthest_turn", unit::angle,
-     "largest angle by which a particle turned in a step; only if one turned too far"},
-    {"/watch/in_wall_particle", unit::none,
-     "particles that were found to overlap walls; only if there are any"},
-    {"/watch/in_wall_wall", unit::none, "number of the wall of each"},
-    {"/watch/deep_i", unit::none,
-     "first particles of pairs that are deep in one another; only if there are any"},
-    {"/watch/deep_j", unit::none, "second particles of these pairs"},
-    {"/watch/deep_entered", unit::length, "r_j - r_i as they came so deep"},
-    {"/watch/deep_nearest", unit::length, "least distance of their centres since"},
-    {"/watch/deep_last_step", unit::none, "last step at which they still were"},
-    {"/model/units", unit::none, "0 reduced, 1 SI"},
-    {"/model/mass", unit::mass, "of the particles"},
-    {"/model/inertia", unit::inertia, "moments of inertia of the particles, the least where they differ"},
-    {"/model/principal_moments", unit::inertia,
-     "about their principal axes; only if those of a particle differ, as are its axes"},
-    {"/model/principal_axes", unit::none, "quaternions from the principal axes to the body"},
-    {"/model/radius", unit::length, "of the particles"},
-    {"/model/r_0", unit::length, "first positions"},
-};
+template <class... Tables>
+void list(const std::tuple<Tables...>& tables, std::vector<CheckpointQuantity>& to) {
+  for_each_table(tables, [&](const auto& table) {
+    for_each_field(table, [&](const auto& f) {
+      to.push_back({std::string(table.path) + f.name, f.unit, f.meaning});
+    });
+  });
+}
 
 }  // namespace
 
 std::span<const CheckpointQuantity> checkpoint_quantities() {
-  return data_sets;
+  static const std::vector<CheckpointQuantity> all = [] {
+    std::vector<CheckpointQuantity> sets;
+    list(state_table, sets);
+    sets.push_back({law_names_path, unit::none, law_names_meaning});
+    sets.push_back({rule_numbers_path, unit::none, rule_numbers_meaning});
+    list(watch_table, sets);
+    list(model_table, sets);
+    return sets;
+  }();
+  return all;
 }
 
 }  // namespace vbond

@@ -37,13 +37,6 @@ void add_forces(const Pressed& p, const TouchForms& forms, const TouchNumbers<do
   to.slip = k_t > 0.0 ? norm(h.F_t) / k_t : 0.0;
 }
 
-const PairMemory* memory_of(const State& s, ParticleId i, ParticleId j) {
-  const auto at =
-      std::lower_bound(s.contact_history.begin(), s.contact_history.end(), std::pair(i, j),
-                       [](const PairMemory& m, const auto& pair) { return std::pair(m.i, m.j) < pair; });
-  return at != s.contact_history.end() && at->i == i && at->j == j ? &*at : nullptr;
-}
-
 void list_pair(const Model& model, const State& s, ParticleId i, ParticleId j, double overlap,
                const PairHistory& memory, std::vector<ListedContact>& to) {
   ListedContact& c = to.emplace_back();
@@ -91,10 +84,10 @@ void list_fibres(const Model& model, const State& s, std::vector<ListedContact>&
 /// That of the same place: a memory is of the positions of now.
 PairHistory memory_of(const State& s, const RestingTouch& t) {
   constexpr double same = 1.0 - 1e-9;
-  for (auto m =
-           std::lower_bound(s.wall_history.begin(), s.wall_history.end(), std::pair(t.p, t.wall),
-                            [](const WallMemory&w, const auto&at) { return std::pair(w.p, w.wall) < at; });
-       m != s.wall_history.end() && m->p == t.p && m->wall == t.wall; ++m)
+  const std::pair place(t.p, t.wall);
+  for (auto m = std::lower_bound(s.wall_history.begin(), s.wall_history.end(), place,
+                                 [](const WallMemory&w, const auto&at) { return place_of(w) < at; });
+       m != s.wall_history.end() && place_of(*m) == place; ++m)
     if (dot(m->normal, t.normal) > same) return m->history;
   return {};
 }

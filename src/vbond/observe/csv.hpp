@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "vbond/model/model.hpp"
+#include "vbond/model/units.hpp"
 #include "vbond/observe/files.hpp"
-#include "vbond/observe/units.hpp"
 
 namespace vbond {
 

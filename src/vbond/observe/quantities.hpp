@@ -13,12 +13,12 @@
 #include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/model/stress.hpp"
+#include "vbond/model/units.hpp"
 #include "vbond/observe/contact_list.hpp"
 #include "vbond/observe/csv.hpp"
 #include "vbond/observe/fragments.hpp"
 #include "vbond/observe/history_values.hpp"
 #include "vbond/observe/plan.hpp"
-#include "vbond/observe/units.hpp"
 #include "vbond/physics/range.hpp"
 
 /// The one table of what is written: every quantity with its name, unit, meaning and getter. The columns of
@@ -189,7 +189,7 @@ std::span<const ContactQuantity> contact_quantities();
 
 /// A data set of checkpoint.h5; its unit and meaning are attributes.
 struct CheckpointQuantity {
-  const char* path;
+  std::string path;
   Unit unit;
   const char* meaning;
 };

@@ -246,7 +246,7 @@ void Watch::look_at_encounters(const Model& model, const std::vector<Encounter>&
     const auto before = record_.deep.find({e.i, e.j});
     const bool goes_on = before != record_.deep.end() && before->second.last_step + 1 >= clock.step;
     const double distance = norm(nearest_point(e));
-    const DeepPair pair{goes_on ? before->second.entered : stay.first,
+    const DeepPair pair{e.i, e.j, goes_on ? before->second.entered : stay.first,
                         goes_on ? std::min(before->second.nearest, distance) : distance, clock.step};
     if (dot(pair.entered, stay.last) < 0.0) throw passed(model, e, pair.nearest, collect());
     if (norm(e.to) < deep_part * reach) still_deep[{e.i, e.j}] = pair;

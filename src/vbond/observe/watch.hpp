@@ -25,11 +25,15 @@ struct BondRecord {
 
 /// Where two particles, i < j, came deep in one another, and the last step at which they still were.
 struct DeepPair {
+  ParticleId i, j;
   Vec3d entered;       ///< along r_j - r_i
   double nearest = 0;  ///< distance of their centres since  [length]
   std::int64_t last_step = 0;
   friend bool operator==(const DeepPair&, const DeepPair&) = default;
 };
+inline std::pair<ParticleId, ParticleId> place_of(const DeepPair& d) {
+  return {d.i, d.j};
+}
 
 /// What the watch has seen so far; kept in checkpoints so that a resumed run reports nothing twice.
 struct WatchRecord {

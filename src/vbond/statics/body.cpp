@@ -10,6 +10,7 @@
 
 #include "vbond/model/bond_sums.hpp"
 #include "vbond/model/energies.hpp"
+#include "vbond/model/state_table.hpp"
 #include "vbond/model/touching.hpp"
 #include "vbond/statics/detail/pulse.hpp"
 
@@ -102,10 +103,7 @@ StaticBody::StaticBody(const Model& model, const StaticStage& stage, State state
       bonded_(model.particles(), false),
       held_rate_(model.particles()),
       stiffness_{Assembly(unknowns_), Assembly(unknowns_), {}, false} {
-  state_.v.assign(model.particles(), {});
-  state_.omega.assign(model.particles(), {});
-  state_.spin = {};
-  state_.grips.clear(), state_.gripped.clear();                 // of a stage of dynamics before
+  begin_anew(state_, Anew::at_rest);
   for (PairMemory& m : state_.contact_history) m.history = {};  // nothing is rubbed at rest
   std::erase_if(state_.contact_history, [](const PairMemory& m) { return m.kept == 0.0; });
   take_hold();

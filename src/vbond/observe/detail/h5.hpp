@@ -14,6 +14,7 @@
 #include "vbond/core/quat.hpp"
 #include "vbond/core/vec3.hpp"
 #include "vbond/model/bond.hpp"
+#include "vbond/model/losses.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/physics/range.hpp"
 
@@ -136,11 +137,14 @@ struct Stored<std::array<double, N>> {
   static void take(const double* from, std::array<double, N>& x) { std::copy_n(from, N, x.begin()); }
 };
 
+template <>
+struct Stored<Losses> : Stored<decltype(Losses::of)> {
+  static void put(const Losses& x, double* to) { Stored<decltype(Losses::of)>::put(x.of, to); }
+  static void take(const double* from, Losses& x) { Stored<decltype(Losses::of)>::take(from, x.of); }
+};
+
 /// The name of a bond law, filled up with zeros.
 using LawName = std::array<char, 32>;
-using LawId = Id<struct LawTagOfFile>;
-template <class T>
-using PerLaw = Column<LawId, T>;
 inline LawName law_name(std::string_view name) {
   LawName n{};
   if (name.size() >= n.size()) throw IoError("has a bond law whose name is too long");

@@ -2,22 +2,32 @@
 #include <fmt/format.h>
 #include <hdf5.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <functional>
+#include <string>
 #include <string_view>
 #include <type_traits>
 #include <vector>
 
-#include "vbond/core/column.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/model/units.hpp"
 #include "vbond/observe/detail/h5.hpp"
 #include "vbond/observe/seal.hpp"
 
 /// A checkpoint's HDF5 file as it is written and read, data set by data set.
 namespace vbond {
+
+/// A data set: where it stands, and its attributes.
+struct DataSet {
+  std::string path;
+  Unit unit;
+  const char* meaning;
+};
 
 // ---- writing ------------------------------------------------------------------------------------------
 
@@ -25,8 +35,9 @@ namespace vbond {
 /// (With a full disk H5Fclose fails and leaves a file half closed, on which HDF5's exit handler crashes.)
 class H5Writer {
  public:
-  H5Writer()
-      : file_(create()),
+  explicit H5Writer(UnitSystem units)
+      : units_(units),
+        file_(create()),
         make_groups_(H5Pcreate(H5P_LINK_CREATE), H5Pclose),
         no_times_(H5Pcreate(H5P_DATASET_CREATE), H5Pclose) {
     must(H5Pset_create_intermediate_group(make_groups_.get(), 1));
@@ -34,26 +45,26 @@ class H5Writer {
   }
 
   template <class T>
-  void operator()(const char* path, const T& value) {
+  void operator()(const DataSet& set, const T& value) {
     std::array<typename Stored<T>::Number, Stored<T>::count> numbers;
     Stored<T>::put(value, numbers.data());
-    const H5Handle space(H5Screate(H5S_SCALAR), H5Sclose);
-    write(path, space, numbers.data());
+    const hsize_t size = numbers.size();
+    const H5Handle space(size > 1 ? H5Screate_simple(1, &size, nullptr) : H5Screate(H5S_SCALAR), H5Sclose);
+    write(set, space, numbers.data());
   }
 
-  template <class IdType, class Row, class Member>
-  void of_each(const char* path, const Column<IdType, Row>& column, Member member) {
-    using T = std::remove_cvref_t<std::invoke_result_t<Member, const Row&>>;
+  /// member: a pointer to a member of the rows, or what gives a value of one; its numbers are a column.
+  template <class Rows, class Member>
+  void of_each(const DataSet& set, const Rows& rows, Member member) {
+    using T = std::remove_cvref_t<std::invoke_result_t<Member, decltype(*rows.begin())>>;
     constexpr std::size_t count = Stored<T>::count;
-    std::vector<typename Stored<T>::Number> numbers(column.size() * count);
+    std::vector<typename Stored<T>::Number> numbers(rows.size() * count);
     std::size_t at = 0;
-    for (const Row& row : column) Stored<T>::put(std::invoke(member, row), &numbers[at]), at += count;
-    const std::array<hsize_t, 2> size{column.size(), count};
+    for (const auto& row : rows) Stored<T>::put(std::invoke(member, row), &numbers[at]), at += count;
+    const std::array<hsize_t, 2> size{rows.size(), count};
     const H5Handle space(H5Screate_simple(count > 1 ? 2 : 1, size.data(), nullptr), H5Sclose);
-    write(path, space, numbers.data());
+    write(set, space, numbers.data());
   }
-
-  hid_t file() const { return file_.get(); }
 
   /// All bytes of the file, with room for the seal in front; they live as long as the writer.
   std::string_view bytes() {
@@ -79,16 +90,27 @@ class H5Writer {
     return file;
   }
   template <class N>
-  void write(const char* path, const H5Handle& space, const N* numbers) {
-    const H5Handle set(H5Dcreate2(file_.get(), path, file_type<N>(), space.get(), make_groups_.get(),
-                                  no_times_.get(), H5P_DEFAULT),
+  void write(const DataSet& of, const H5Handle& space, const N* numbers) {
+    const H5Handle set(H5Dcreate2(file_.get(), of.path.c_str(), file_type<N>(), space.get(),
+                                  make_groups_.get(), no_times_.get(), H5P_DEFAULT),
                        H5Dclose);
     must(H5Dwrite(set.get(), file_type<N>(), H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers));
+    write_text(set, "unit", of.unit.in(units_));
+    write_text(set, "meaning", of.meaning);
+  }
+  static void write_text(const H5Handle& set, const char* name, const char* text) {
+    const H5Handle type(H5Tcopy(H5T_C_S1), H5Tclose), space(H5Screate(H5S_SCALAR), H5Sclose);
+    must(H5Tset_size(type.get(), std::max<std::size_t>(1, std::strlen(text))));
+    const H5Handle attribute(H5Acreate2(set.get(), name, type.get(), space.get(), H5P_DEFAULT, H5P_DEFAULT),
+                             H5Aclose);
+    must(attribute.get());
+    must(H5Awrite(attribute.get(), type.get(), text));
   }
   static void must(std::int64_t result) {
     if (result < 0) throw IoError("HDF5 could not lay it out in memory; is there enough of it?");
   }
 
+  UnitSystem units_;
   H5Handle file_, make_groups_, no_times_;
 };
 
@@ -102,31 +124,34 @@ class H5Reader {
     if (!file_) throw IoError("is damaged: HDF5 cannot open it");
   }
 
+  /// Of several numbers the file may have fewer: those that came later stand at the end.
   template <class T>
-  void operator()(const char* path, T& value) {
-    std::array<typename Stored<T>::Number, Stored<T>::count> numbers;
-    read(path, {}, numbers.data());
+  void operator()(const std::string& path, T& value) {
+    std::array<typename Stored<T>::Number, Stored<T>::count> numbers{};
+    std::vector<hsize_t> size;
+    if (numbers.size() > 1) size = {std::min(numbers.size(), rows(path))};
+    read(path, size, numbers.data());
     Stored<T>::take(numbers.data(), value);
   }
 
   /// The column has its size already; the file must agree.
-  template <class IdType, class Row, class Member>
-  void of_each(const char* path, Column<IdType, Row>& column, Member member) {
-    using T = std::remove_cvref_t<std::invoke_result_t<Member, Row&>>;
+  template <class Rows, class Member>
+  void of_each(const std::string& path, Rows& column, Member member) {
+    using T = std::remove_cvref_t<std::invoke_result_t<Member, decltype(*column.begin())>>;
     constexpr std::size_t count = Stored<T>::count;
     std::vector<typename Stored<T>::Number> numbers(column.size() * count);
     std::vector<hsize_t> size{column.size()};
     if (count > 1) size.push_back(count);
     read(path, size, numbers.data());
     std::size_t at = 0;
-    for (Row& row : column) Stored<T>::take(&numbers[at], std::invoke(member, row)), at += count;
+    for (auto& row : column) Stored<T>::take(&numbers[at], std::invoke(member, row)), at += count;
   }
 
-  bool has(const char* path) const { return H5Lexists(file_.get(), path, H5P_DEFAULT) > 0; }
+  bool has(const std::string& path) const { return H5Lexists(file_.get(), path.c_str(), H5P_DEFAULT) > 0; }
 
   /// Length of a column of bytes per row at least, so that a forged length cannot ask for more memory
   /// than the file has data.
-  std::size_t rows(const char* path) {
+  std::size_t rows(const std::string& path) {
     const H5Handle set = open(path);
     const std::vector<hsize_t> size = size_of(set);
     if (size.empty() || H5Dget_storage_size(set.get()) < size[0]) damaged(path);
@@ -134,11 +159,11 @@ class H5Reader {
   }
 
  private:
-  [[noreturn]] static void damaged(const char* path) {
+  [[noreturn]] static void damaged(const std::string& path) {
     throw IoError(fmt::format("is damaged: {} is missing or not as expected", path));
   }
-  H5Handle open(const char* path) {
-    H5Handle set(H5Dopen2(file_.get(), path, H5P_DEFAULT), H5Dclose);
+  H5Handle open(const std::string& path) {
+    H5Handle set(H5Dopen2(file_.get(), path.c_str(), H5P_DEFAULT), H5Dclose);
     if (!set) damaged(path);
     return set;
   }
@@ -159,7 +184,7 @@ class H5Reader {
            H5Pget_external_count(made.get()) == 0;
   }
   template <class N>
-  void read(const char* path, const std::vector<hsize_t>& size, N* numbers) {
+  void read(const std::string& path, const std::vector<hsize_t>& size, N* numbers) {
     const H5Handle set = open(path);
     const H5Handle type(H5Dget_type(set.get()), H5Tclose);
     if (!type || H5Tequal(type.get(), file_type<N>()) <= 0 || size_of(set) != size || !is_plain(set))

@@ -1,0 +1,242 @@
+#pragma once
+#include <cstddef>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+
+#include "vbond/core/members.hpp"
+#include "vbond/model/state.hpp"
+#include "vbond/model/table.hpp"
+
+/// State, declared once. A new field is a member of State and an entry here; without the entry nothing
+/// compiles. What follows from it: data sets of checkpoints with their attributes and the table of
+/// docs/output.md (observe/), sizes and numbers that are checked (mistakes_in), memory estimates, what parts
+/// of a body tell each other (dynamics/gather.hpp), what is cleared when, the arrays of Python.
+namespace vbond {
+
+inline constexpr auto state_table = std::tuple{
+    fields_of("/clock/", &State::clock,
+              field("step", &Clock::step, unit::none, "steps since the start of the run"),
+              field("stage_step", &Clock::stage_step, unit::none, "steps since the start of this stage"),
+              field("stage", &Clock::stage, unit::none, "index of the stage, from 0"),
+              field("stage_start", &Clock::stage_start, unit::time, "time at which this stage began"),
+              field("dt", &Clock::dt, unit::time, "time step")),
+    fields_of<State>(
+        "/particles/",
+        field("r", &State::r, unit::length, "positions of the centres",
+              {.known = Known::by_owner, .word = "positions"}),
+        field("v", &State::v, unit::velocity, "velocities of the centres",
+              {.known = Known::by_owner, .anew = Anew::at_rest, .word = "velocities"}),
+        field("q", &State::q, unit::none,
+              "orientations, quaternions w, x, y, z that turn body vectors into the world",
+              {.known = Known::by_owner, .word = "orientations"}),
+        field("omega", &State::omega, unit::angular_velocity, "angular velocities, world frame",
+              {.known = Known::by_owner, .anew = Anew::at_rest, .word = "angular_velocities"}),
+        field("spin", &State::spin, unit::angular_momentum,
+              "angular momenta of the rotation of particles whose moments of inertia differ; only if there "
+              "are such",
+              {.known = Known::by_owner, .anew = Anew::at_rest, .filed = Filed::where_any}),
+        field("temperature", &State::temperature, unit::none,
+              "of particles, in the unit of 1/expansion; only where some are heated",
+              {.filed = Filed::where_any, .word = "temperatures"})),
+    rows_of(
+        "/bonds/", &State::bonds, {}, field("i", &Bond::i, unit::none, "number of the first particle"),
+        field("j", &Bond::j, unit::none, "number of the second particle"),
+        field("law", &Bond::law, unit::none, "number of the bond's law among these names"),
+        field("a", &Bond::a, unit::length, "length at rest"),
+        field("R_i", &Bond::R_i, unit::length, "distance of the bonded point from the centre of i"),
+        field("R_j", &Bond::R_j, unit::length, "distance of the bonded point from the centre of j"),
+        field("coefficients", &Bond::coefficients, unit::none,
+              "of the law, in the order and units of its list; the rest zero"),
+        field("rules", &Bond::rules, unit::none, "number of the bond's rules among these",
+              {.filed = Filed::where_any}),
+        field("frame_i", &Bond::frame_i, unit::none,
+              "the bond's frame in the body frame of i, quaternion w, x, y, z"),
+        field("frame_j", &Bond::frame_j, unit::none,
+              "the bond's frame in the body frame of j, quaternion w, x, y, z"),
+        field("set", &Bond::set, unit::none, "which bond set of the case made it"),
+        field("broken", &Bond::broken, unit::none, "1: it does nothing any more"),
+        field("mode", &Bond::mode, unit::none,
+              "by what it broke: 0 not, 1 tension, 2 shear, 3 bending, 4 torsion, 5 compression, 6 not "
+              "known"),
+        field("capsule", &Bond::capsule, unit::length,
+              "radius by which the bond touches, 0: not; only where bonds do", {.filed = Filed::where_any})),
+    fields_of<State>("/bonds/", field("history", &State::bond_history, unit::none,
+                                      "what the bond remembers, in the order and units of its law; only "
+                                      "where bonds remember something",
+                                      {.known = Known::by_owner, .filed = Filed::where_any})),
+    rows_of(
+        "/warm_bonds/", &State::warm_bonds, {.filed = Filed::where_any},
+        field("bond", &WarmBond::bond, unit::none, "numbers of bonds that expand; only if there are such"),
+        field("expansion", &WarmBond::expansion, unit::none, "growth of their lengths per temperature"),
+        field("a", &WarmBond::a, unit::length, "their lengths at rest at temperature 0"),
+        field("R_i", &WarmBond::R_i, unit::length,
+              "distances of their bonded points from the centres of i there"),
+        field("R_j", &WarmBond::R_j, unit::length,
+              "distances of their bonded points from the centres of j there")),
+    fields_of(
+        "/loads/", &State::loads,
+        field("F", &Loads::F, unit::force,
+              "forces on the particles; only where they do not follow from positions",
+              {.known = Known::by_owner, .filed = Filed::where_any}),
+        field("M", &Loads::M, unit::moment, "moments on the particles, about their centres; as /loads/F",
+              {.known = Known::by_owner, .filed = Filed::where_any})),
+    fields_of("/loads/damping_", &State::damping,
+              field("F", &Loads::F, unit::force, "the part of these forces that damps; only where pairs damp",
+                    {.known = Known::by_owner, .filed = Filed::where_any}),
+              field("M", &Loads::M, unit::moment, "the part of these moments that damps",
+                    {.known = Known::by_owner, .filed = Filed::where_any})),
+    fields_of("/loads/local_damping_", &State::local_damping,
+              field("F", &Loads::F, unit::force,
+                    "the part of these forces that is local damping; only where bonds damp as well",
+                    {.known = Known::by_owner, .filed = Filed::where_any}),
+              field("M", &Loads::M, unit::moment, "the part of these moments that is local damping",
+                    {.known = Known::by_owner, .filed = Filed::where_any})),
+    rows_of(
+        "/contacts/", &State::contact_history, {.known = Known::listed, .filed = Filed::where_any},
+        field("i", &PairMemory::i, unit::none,
+              "first particles of touching pairs that remember something; only if there are any"),
+        field("j", &PairMemory::j, unit::none, "second particles of these pairs"),
+        field("history", &PairMemory::history, unit::none,
+              "what they remember: force across the contact (3), its radius, the force that damps (3), "
+              "stiffness of rolling, moment against rolling (3) and about the normal; on the first "
+              "particle"),
+        field("kept", &PairMemory::kept, unit::length, "the part of their overlap that they do not feel")),
+    rows_of(
+        "/fibres/", &State::fibre_history, {.known = Known::collected, .filed = Filed::where_any},
+        field("a_i", &FibreMemory::a_i, unit::none,
+              "first place of contacts of capsules, on the axis between this particle and a_j, or at it "
+              "if they are the same; only if there are any"),
+        field("a_j", &FibreMemory::a_j, unit::none, "the other particle"),
+        field("b_i", &FibreMemory::b_i, unit::none, "second place of these contacts, likewise"),
+        field("b_j", &FibreMemory::b_j, unit::none, "the other particle"),
+        field("s", &FibreMemory::s, unit::none, "where on the axis of the first place, 0 at a_i, 1 at a_j"),
+        field("t", &FibreMemory::t, unit::none, "where on the axis of the second place"),
+        field("R_a", &FibreMemory::R_a, unit::length, "radius at the first place"),
+        field("R_b", &FibreMemory::R_b, unit::length, "radius at the second place"),
+        field("normal", &FibreMemory::normal, unit::none, "unit vectors from the first to the second place"),
+        field("history", &FibreMemory::history, unit::none,
+              "what is remembered of the contact, as /contacts/history")),
+    rows_of(
+        "/walls/", &State::walls, {.filed = Filed::where_any},
+        field("displacement", &WallState::displacement, unit::length,
+              "of the walls' centres since the start; only where there are walls"),
+        field("q", &WallState::q, unit::none, "orientations of walls, quaternions w, x, y, z"),
+        field("velocity", &WallState::velocity, unit::velocity, "of the walls' centres, half a step ago"),
+        field("angular_velocity", &WallState::angular_velocity, unit::angular_velocity,
+              "of walls, half a step ago"),
+        field("force", &WallState::force, unit::force, "of particles on walls"),
+        field("moment", &WallState::moment, unit::moment, "of particles on walls, about the walls' centres"),
+        field("servo", &WallState::servo, unit::velocity,
+              "speed of walls along the direction of their servo"),
+        field("work", &WallState::work, unit::energy, "that walls have done on particles"),
+        field("off", &WallState::off, unit::none,
+              "1 for walls that the stage takes away; only where there are such",
+              {.filed = Filed::where_any})),
+    rows_of(
+        "/wall_touches/", &State::wall_history, {.known = Known::listed, .filed = Filed::where_any},
+        field("particle", &WallMemory::p, unit::none, "particles that touch walls; only if there are any"),
+        field("wall", &WallMemory::wall, unit::none, "number of the wall that each touches"),
+        field("normal", &WallMemory::normal, unit::none, "unit vectors from the wall to the particle"),
+        field("history", &WallMemory::history, unit::none,
+              "what is remembered of the touch, as /contacts/history")),
+    rows_of(
+        "/grips/", &State::grips, {.anew = Anew::at_rest, .filed = Filed::where_any},
+        field("pivot", &GripState::pivot, unit::length,
+              "of rigid supports as they took hold; only in a stage that has some"),
+        field("from", &GripState::from, unit::time, "integral of their factor at that time"),
+        field("work", &GripState::work, unit::energy, "that they have done in the stage",
+              {.known = Known::summed}),
+        field("particles", &GripState::particles, unit::none, "how many each has"),
+        field("shift", &GripState::shift, unit::length,
+              "of the pivot along what is free, since they took hold; this and the next four only where a "
+              "grip that is free in part has moved so",
+              {.filed = Filed::where_any}),
+        field("turn", &GripState::turn, unit::none, "about what is free, quaternions w, x, y, z",
+              {.filed = Filed::where_any}),
+        field("velocity", &GripState::velocity, unit::velocity, "of the pivot along what is free",
+              {.filed = Filed::where_any}),
+        field("spin", &GripState::spin, unit::angular_momentum,
+              "angular momentum of free turns about the pivot", {.filed = Filed::where_any}),
+        field("angle", &GripState::angle, unit::angle, "turned about the one free axis",
+              {.filed = Filed::where_any})),
+    rows_of("/gripped/", &State::gripped, {.anew = Anew::at_rest, .filed = Filed::where_any},
+            field("arm", &GrippedPose::arm, unit::length,
+                  "from the pivot to each of their particles as they took hold"),
+            field("q", &GrippedPose::q, unit::none,
+                  "orientations of these particles then, quaternions w, x, y, z")),
+    fields_of(
+        "/books/", &State::books,
+        field("at_start", &EnergyBooks::at_start, unit::energy,
+              "kinetic + potential energy when the run began", {.known = Known::summed}),
+        field("dissipated", &EnergyBooks::dissipated, unit::energy,
+              "taken out by damping, and given up when a pair is bonded", {.known = Known::summed}),
+        field("released", &EnergyBooks::released, unit::energy,
+              "of bonds at the time they broke, less that of contacts it switched on",
+              {.known = Known::summed}),
+        field("work_loads", &EnergyBooks::work_loads, unit::energy,
+              "work of point forces, moments and gravity", {.known = Known::summed}),
+        field("work_supports", &EnergyBooks::work_supports, unit::energy,
+              "work of supports, prescribed velocities, imposed strain and changes of temperature",
+              {.known = Known::summed}),
+        field("lost", &EnergyBooks::lost, unit::energy,
+              "dissipated by cause: damping of bonds whose law does not tell its channels, yield "
+              "(axial, shear, bending, torsion), creep, softening, other laws, drag, local damping, "
+              "damping of contacts, friction, rolling, adhesion, bonding, damping of bonds (axial, "
+              "shear, bending, torsion); of yield, creep and softening what bonds had lost when the "
+              "books began, as a negative number; only if there is any",
+              {.known = Known::summed, .filed = Filed::where_any}),
+        field("largest", &EnergyBooks::largest, unit::energy,
+              "largest at_start + work so far: the scale of the balance error", {.known = Known::elsewhere})),
+    fields_of(
+        "/peak/", &State::peak,
+        field("sum", &PeakRecord::sum, unit::force, "of the samples in the block under way",
+              {.anew = Anew::stage}),
+        field("samples", &PeakRecord::samples, unit::none, "in the block under way", {.anew = Anew::stage}),
+        field("last", &PeakRecord::last, unit::force, "average of the last full block",
+              {.anew = Anew::stage}),
+        field("peak", &PeakRecord::peak, unit::force, "largest block average so far", {.anew = Anew::stage}),
+        field("peak_time", &PeakRecord::peak_time, unit::time, "end of that block", {.anew = Anew::stage}),
+        field("blocks", &PeakRecord::blocks, unit::none, "full blocks so far in this stage",
+              {.anew = Anew::stage})),
+    fields_of("/rest/", &State::rest,
+              field("quiet_steps", &RestRecord::quiet_steps, unit::none,
+                    "steps in a row with a low kinetic energy", {.anew = Anew::stage})),
+    fields_of<State>("/breaks/", field("in_stage", &State::breaks, unit::none,
+                                       "bonds that have broken in this stage", {.anew = Anew::stage})),
+};
+
+/// Whether each of these tables names all members of its struct.
+template <class... Tables>
+constexpr bool are_whole(const std::tuple<Tables...>& tables) {
+  std::size_t of_state = 0;
+  bool whole = true;
+  for_each_table(tables, [&]<class Table>(const Table& table) {
+    std::size_t fields = 0;
+    for_each_field(table, [&](const auto&) { ++fields; });
+    using Of = typename Table::Of;
+    if constexpr (std::is_same_v<Of, State>)
+      of_state += fields;
+    else
+      ++of_state, whole &= fields == member_count<Of>();
+  });
+  return whole && of_state == member_count<State>();
+}
+static_assert(are_whole(state_table), "a member of State or of its structs is missing in state_table");
+
+/// What State holds of each particle of any body.  [bytes]
+inline constexpr std::size_t state_bytes_per_particle = [] {
+  std::size_t bytes = 0;
+  for_each_table(state_table, [&](const auto& table) {
+    for_each_field(table, [&]<class Of, class Value>(const Field<Of, Value>& f) {
+      if constexpr (is_particle_column<Value>)
+        if (f.traits.filed == Filed::always) bytes += sizeof(*std::declval<Value&>().data());
+    });
+  });
+  return bytes;
+}();
+
+/// Fields that begin anew then are as in a new body of as many particles.
+void begin_anew(State& state, Anew when);
+
+}  // namespace vbond
