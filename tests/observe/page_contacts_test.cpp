@@ -61,7 +61,8 @@ struct Film {
       State s = b.state;
       s.clock.dt = 0.1;
       s.clock.step = s.clock.stage_step = 10 * f;
-      for (const ParticleId p : s.r.ids()) s.r[p] = s.r[p] + (0.02 * f) * Vec3d{0.3, 0.2, 1.0 + 0.7 * p.value};
+      for (const ParticleId p : s.r.ids())
+        s.r[p] = s.r[p] + (0.02 * f) * Vec3d{0.3, 0.2, 1.0 + 0.7 * p.value};
       writer.write(b.model, s);
     }
     files = listed_frames(folder / "particles.pvd", folder / "bonds.pvd");

@@ -35,11 +35,12 @@ export function faces_legend({ list }) {
   return there.length ? swatches(element("p", { class: "legend-title" }, "Faces of bonds that broke by"), words) : "";
 }
 
-/** What the lines of contacts mean in the frame. */
-export function contacts_legend({ contacts, json }, frame) {
+/** What the lines of contacts mean in the frame; `widest`: the force of the widest, which the reader may have chosen. */
+export function contacts_legend({ contacts, json }, frame, widest, is_chosen) {
+  const force = with_unit(widest, json.contacts.unit, 3);
   const words = !contacts.written(frame) ? "This frame was written without contacts."
     : contacts.count(frame) === 0 ? "Nothing touches in this frame."
-      : `Lines of contacts: as wide as their normal force, over the largest of this frame, ${with_unit(contacts.largest(frame), json.contacts.unit, 3)}.`;
+      : `Lines are as wide as the normal force of their contact: widest at ${force}, ${is_chosen ? "as chosen, and beyond" : "the largest of this frame"}.`;
   return element("p", { class: "legend" }, words);
 }
 

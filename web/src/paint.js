@@ -5,7 +5,7 @@ import { widest_bond } from "./scene.js";
 
 export const small_spheres = 0.45;   // of the true radius, when bonds carry the colour
 const tiny_spheres = 0.25;           // when contacts are shown
-const thin_bonds = 0.3;              // of the usual width, likewise
+const thin_bonds = 0.3;              // of the usual width, likewise; none where contacts carry the colour
 const neutral = { particles: channels("#8b929c"), bonds: channels("#9aa1ab"), contacts: channels("#454b55") };
 const class_widths = [1, 1.3, widest_bond];
 
@@ -61,7 +61,7 @@ function automatic_size(quantity, contacts) { return contacts ? tiny_spheres : q
 /** Writes the colours of a frame into the scene; `size` 0 lets the quantity choose the size of the spheres. `contacts`: they are shown. */
 export function paint(scene, sequence, frame, quantity, scale, size, picked, contacts) {
   fill(scene.sphere_colours.array, sequence.particles, neutral.particles);
-  fill(scene.bond_colours.array, sequence.bonds_at(frame), neutral.bonds, contacts ? thin_bonds : 1);
+  fill(scene.bond_colours.array, sequence.bonds_at(frame), neutral.bonds, quantity.on === "contacts" ? 0 : contacts ? thin_bonds : 1);
   if (contacts) fill(scene.contact_colours.array, sequence.contacts.count(frame), neutral.contacts);
   const [colours, count] = painted(scene, sequence, frame, quantity.on);
   if (quantity.classes) paint_classes(quantity, frame, colours, count);

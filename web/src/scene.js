@@ -170,16 +170,17 @@ export class BodyScene {
       { ends: { value: this.contact_ends.texture }, paints: { value: this.contact_colours.texture } });
   }
 
-  /** The contacts of the frame, if they are wanted, as wide as their force over the largest of the frame. After place_body. */
-  place_contacts({ contacts }, frame, wanted) {
+  /** The contacts of the frame, or none without `widest`: the force, and all beyond it, of the widest lines; alone: without faces. After place_body. */
+  place_contacts({ contacts }, frame, widest, alone) {
+    if (this.faces && alone) this.faces.visible = false;
     if (!this.contacts) return;
-    this.contacts.visible = !!contacts && wanted;
+    this.contacts.visible = widest != null;
     if (!this.contacts.visible) return;
-    const { array } = this.contact_ends, places = this.places.array, widest = widest_contact * this.usual_width / (contacts.largest(frame) || 1);
+    const { array } = this.contact_ends, places = this.places.array, half_width = widest_contact * this.usual_width;
     for (let k = 0; k < contacts.count(frame); ++k) {
       const between = contacts.between(frame, k), moved = contacts.ends(frame, k), is_gone = between.some((p) => this.is_gone(p));
       for (let c = 0; c < 6; ++c) array[8 * k + c + (c > 2 ? 1 : 0)] = places[4 * between[c > 2 ? 1 : 0] + (c % 3)] + (moved?.[c] ?? 0);
-      array[8 * k + 3] = is_gone ? 0 : widest * Math.abs(contacts.force(frame, k));
+      array[8 * k + 3] = is_gone || !widest ? 0 : half_width * Math.min(1, Math.abs(contacts.force(frame, k)) / widest);
     }
     this.contact_ends.texture.needsUpdate = true;
     this.contacts.geometry.setDrawRange(0, 6 * contacts.count(frame));

@@ -215,7 +215,8 @@ export class View {
     if (this.quantity.on === "contacts") this.contacts = this.contacts_box.querySelector("input").checked = true;
     this.scale = scale_of(this.quantity, this.map, this.ranges[this.quantity.label]);
     this.show_range();
-    this.legend_place.replaceChildren(legend(this.quantity, this.scale), faces_legend(this.sequence.broken), this.contacts_place, this.marks_place);
+    const faces = this.quantity.on === "contacts" ? "" : faces_legend(this.sequence.broken);
+    this.legend_place.replaceChildren(legend(this.quantity, this.scale), faces, this.contacts_place, this.marks_place);
     this.update();
   }
 
@@ -223,6 +224,16 @@ export class View {
     if (kinds.join() === this.marked) return;
     this.marked = kinds.join();
     this.marks_place.replaceChildren(marks_legend(kinds));
+  }
+
+  /** The lines of contacts, if they are wanted, with what their width means: that follows a range of colours that was chosen. Returns whether there are any. */
+  show_contacts(frame) {
+    const { sequence } = this, shown = this.contacts && !!sequence.contacts;
+    const wanted = shown && this.ranges[sequence.quantities.find(({ key }) => key === contact_key).label];
+    const widest = wanted ? Math.max(...wanted.map(Math.abs)) : shown ? sequence.contacts.largest(frame) : null;
+    this.scene.place_contacts(sequence, frame, widest, this.quantity.on === "contacts");
+    this.contacts_place.replaceChildren(shown ? contacts_legend(sequence, frame, widest, !!wanted) : "");
+    return shown;
   }
 
   set_factor(input) {
@@ -249,9 +260,7 @@ export class View {
     if (count !== this.sequence.frames.length) return;   // between two sequences
     this.scene.place_body(this.sequence, frame, this.factor, this.cut_plane(), this.ghost);
     this.show_marks(this.scene.place_marks(this.sequence, frame, this.marks));
-    const contacts = this.contacts && !!this.sequence.contacts;
-    this.scene.place_contacts(this.sequence, frame, contacts);
-    this.contacts_place.replaceChildren(contacts ? contacts_legend(this.sequence, frame) : "");
+    const contacts = this.show_contacts(frame);
     paint(this.scene, this.sequence, frame, this.quantity, this.scale, this.size, this.picked, contacts);
     this.show_picked();
     this.play_button.textContent = playing ? "❚❚" : "▶";

@@ -39,7 +39,8 @@ std::vector<RawContact> raw_contacts(const FrameFiles& files) {
   const VtpInput in(files.contacts);
   if (!in.lines() || in.step() != particles.step())
     throw IoError(files.contacts.string() + ": has not the contacts of " + files.particles.string());
-  const std::vector<Vec3d> r = particles.vectors(Per::point, "Points"), ends = in.vectors(Per::point, "Points");
+  const std::vector<Vec3d> r = particles.vectors(Per::point, "Points"),
+                           ends = in.vectors(Per::point, "Points");
   const std::vector<std::int64_t> i = in.integers(Per::cell, "i"), j = in.integers(Per::cell, "j"),
                                   place = in.integers(Per::end, "connectivity");
   const std::vector<double> force = in.scalars(Per::cell, "normal_force");
@@ -75,8 +76,7 @@ FrameContacts frame_of(const std::vector<RawContact>& raw, std::vector<double>& 
   for (const RawContact& c : raw) {
     f.i.push_back(c.i), f.j.push_back(c.j);
     f.force.push_back(byte_of(f.range, c.force));
-    if (!c.at_centres())
-      shifts.insert(shifts.end(), {c.from.x, c.from.y, c.from.z, c.to.x, c.to.y, c.to.z});
+    if (!c.at_centres()) shifts.insert(shifts.end(), {c.from.x, c.from.y, c.from.z, c.to.x, c.to.y, c.to.z});
   }
   return f;
 }
@@ -113,9 +113,10 @@ std::size_t bytes_of_contacts(const FrameFiles& files) {
   if (files.contacts.empty()) return 0;
   const std::vector<RawContact> raw = raw_contacts(files);
   const std::size_t each = 2 * bytes_of_end(FrameInput(files.particles).points()) + 1;
-  return std::accumulate(raw.begin(), raw.end(), std::size_t{0}, [each](std::size_t sum, const RawContact& c) {
-    return sum + each + (c.at_centres() ? 0 : numbers_of_shift);
-  });
+  return std::accumulate(raw.begin(), raw.end(), std::size_t{0},
+                         [each](std::size_t sum, const RawContact& c) {
+                           return sum + each + (c.at_centres() ? 0 : numbers_of_shift);
+                         });
 }
 
 std::size_t bytes_of_end(std::size_t particles) {

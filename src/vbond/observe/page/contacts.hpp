@@ -15,16 +15,16 @@ struct FrameContacts {
   bool written = false;  ///< the frame has a file of them
   /// Of each contact the particles that its ends go with. Of a wall both are the particle.
   std::vector<std::uint32_t> i, j;
-  std::vector<std::uint8_t> force;   ///< normal, repulsion is positive, in the range of this frame
-  Range range;                       ///< of `force`  [force]
+  std::vector<std::uint8_t> force;  ///< normal, repulsion is positive, in the range of this frame
+  Range range;                      ///< of `force`  [force]
   std::vector<std::uint8_t> shift;  ///< of the last contacts, whose ends are not both at centres: six each
 };
 constexpr std::size_t numbers_of_shift = 6;  ///< from the centre of i to one end, from that of j to the other
 
 struct Contacts {
   std::vector<FrameContacts> frames;
-  Range shift;             ///< of all frames  [length]
-  bool any() const;         ///< in any of the frames
+  Range shift;       ///< of all frames  [length]
+  bool any() const;  ///< in any of the frames
 };
 
 /// Reads the contacts of these frames. A frame's largest force may be far below that of the run, as after an

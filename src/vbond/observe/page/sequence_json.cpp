@@ -125,12 +125,11 @@ void add_contacts(const Contacts& contacts, const std::vector<std::size_t>& fram
   };
   for (std::size_t k = 0; k < frames.size(); ++k)
     add_contact_count(contacts.frames[frames[k]], j["frames"][k]);
-  j["contacts"] = {
-      {"unit", si ? "N" : ""},
-      {"i", ends_json(all(&FrameContacts::i), particles, block)},
-      {"j", ends_json(all(&FrameContacts::j), particles, block)},
-      {"force", to_json(block.add(all(&FrameContacts::force), {0.0, 1.0}, 0))},
-      {"shift", to_json(block.add(all(&FrameContacts::shift), contacts.shift, 0))}};
+  j["contacts"] = {{"unit", si ? "N" : ""},
+                   {"i", ends_json(all(&FrameContacts::i), particles, block)},
+                   {"j", ends_json(all(&FrameContacts::j), particles, block)},
+                   {"force", to_json(block.add(all(&FrameContacts::force), {0.0, 1.0}, 0))},
+                   {"shift", to_json(block.add(all(&FrameContacts::shift), contacts.shift, 0))}};
 }
 
 }  // namespace
