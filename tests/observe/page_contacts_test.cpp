@@ -203,6 +203,20 @@ TEST(PageContacts, OfSomeFramesAreLookedAtBeforeFramesAreChosen) {
   EXPECT_EQ(all[0].frames.size(), 3u);
 }
 
+// Wherever contacts with other ends than centres stand in the file, they are the last ones in the page.
+TEST(PageContacts, OfPlacesStandAfterThoseOfCentres) {
+  const Film film(balls);
+  VtpFile file = VtpFile::of_lines({{0, 0, 0.45}, {0, 0, 0}, {0, 0, 0.45}, {0.9, 0, 0.4}}, {0, 1, 2, 3});
+  file.add_cell_data("i", std::vector<std::int64_t>{0, 0});
+  file.add_cell_data("j", std::vector<std::int64_t>{-1, 1});
+  file.add_cell_data("normal_force", std::vector<double>{3.0, 1.0});
+  file.write(film.files[0].contacts, 0.0, 0);
+  const FrameContacts c = read_contacts({film.files[0]}).frames[0];
+  EXPECT_EQ(c.j, (std::vector<std::uint32_t>{1, 0}));
+  EXPECT_EQ(c.force, (std::vector<std::uint8_t>{0, 255}));
+  EXPECT_EQ(c.shift, (std::vector<std::uint8_t>{127, 127, 127, 127, 127, 0}));  // 127 is zero: signed
+}
+
 TEST(PageContacts, FilesOfOtherFramesAndDamagedOnesAreRefused) {
   const auto expect_refused = [](const Film& film, const char* why) {
     try {

@@ -35,6 +35,7 @@ export class View {
     this.ghost = false;
     this.marks = false;
     this.contacts = false;
+    this.key_before = null;   // of the quantity that had the colour before contacts
     Object.assign(this, choices);
     this.first = { index: Math.min(index, run.sequences.length - 1), frame, camera };
     this.player = new Player(() => this.update());
@@ -72,8 +73,8 @@ export class View {
   /** What the reader has chosen, for a view of newer data. The last frame stays the last one. */
   kept() {
     if (!this.sequence) return undefined;
-    const { factor, map, size, key, picked, ranges, cut, ghost, marks, contacts, player, sequence, run } = this;
-    return { factor, map, size, key, picked, ranges, cut, ghost, marks, contacts, speed: player.speed, index: run.sequences.indexOf(sequence),
+    const { factor, map, size, key, picked, ranges, cut, ghost, marks, contacts, key_before, player, sequence, run } = this;
+    return { factor, map, size, key, picked, ranges, cut, ghost, marks, contacts, key_before, speed: player.speed, index: run.sequences.indexOf(sequence),
              frame: player.swings || player.frame === sequence.last ? null : player.frame, camera: this.scene.turned ? this.scene.camera_now() : null };
   }
 

@@ -29,7 +29,8 @@ export async function contacts_come_and_go(browser, file) {
   if (may_choose) await choose(page, "Show", "Run");
   const { most, fewest } = await frames_of(page);
   await show_frame(page, most);
-  const before = await steady_picture(page), chosen = await quantity(page);
+  await page.select("#quantity", "speed");
+  const before = await steady_picture(page);
   assert.equal(await legend(page), "", "off");
 
   await tick(page, label);
@@ -56,7 +57,7 @@ export async function contacts_come_and_go(browser, file) {
   await page.select("#quantity", key);
   assert.equal(await steady_picture(page), shown);
   await tick(page, label);
-  assert.deepEqual([await quantity(page), await legend(page)], [chosen, ""]);
+  assert.deepEqual([await quantity(page), await legend(page)], ["speed", ""]);
   assert.equal(await steady_picture(page), before);
   await page.select("#quantity", key);
   assert.equal(await steady_picture(page), shown, "their colours alone would be nothing to see");
@@ -77,9 +78,15 @@ export async function contacts_are_as_wide_as_strong(browser, file) {
   assert.ok(words[2].includes("widest at 2 N") && words[3].includes("widest at 4 N"), words.join());
   // Lines of one length: their areas are as their widths. An edge may be off by a pixel, of 20 and more: 10 % together.
   await show_frame(page, 2);
-  const png = await steady_picture(page), area = (force) => pixels_of(page, png, [...maps.viridis.slice(3 * shade(force, [0, 4]), 3 * shade(force, [0, 4]) + 3)]);
-  const areas = [await area(2), await area(1)];
+  const area_in = (png, force) => pixels_of(page, png, [...maps.viridis.slice(3 * shade(force, [0, 4]), 3 * shade(force, [0, 4]) + 3)]);
+  const png = await steady_picture(page), areas = [await area_in(png, 2), await area_in(png, 1)];
   assert.ok(areas[1] > 400 && Math.abs(areas[0] / areas[1] - 2) < 0.2, `areas ${areas}`);
+  await choose(page, "Cut away", "+z");   // between the rows
+  const rest = await steady_picture(page);
+  assert.deepEqual([await area_in(rest, 2), await area_in(rest, 1)], [areas[0], 0], "the cut takes the upper one away");
+  await choose(page, "Cut away", "nothing");
+  await show_frame(page, 3);
+  assert.ok(await area_in(await steady_picture(page), 0.8) > 100, "the line to the floor");
   assert.deepEqual(complaints, []);
   await page.close();
 }
