@@ -6,7 +6,7 @@ import { widest_bond } from "./scene.js";
 export const small_spheres = 0.45;   // of the true radius, when bonds carry the colour
 const tiny_spheres = 0.25;           // when contacts are shown
 const thin_bonds = 0.3;              // of the usual width, likewise; none where contacts carry the colour
-const neutral = { particles: channels("#8b929c"), bonds: channels("#9aa1ab"), contacts: channels("#454b55") };
+const neutral = { particles: channels("#8b929c"), bonds: channels("#9aa1ab"), contacts: channels("#6f7682") };
 const class_widths = [1, 1.3, widest_bond];
 
 function fill(colours, count, [r, g, b], width = 1) {
