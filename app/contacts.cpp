@@ -169,9 +169,10 @@ void print_contact_law(const Model& model) {
         "contact          note: this form of friction can make energy: a contact that is pressed, sheared, "
         "relieved and sheared back may give more than it took; tangential = \"mindlin\" does not\n");
   if (const std::string key = key_without_balance(c); !key.empty())
-    fmt::print("contact          static stages refuse these contacts, which do more than repel: {}\n", key);
+    fmt::print("contact          a stage at rest would refuse these contacts, which do more than repel: {}\n",
+               key);
   else if (has_friction(c))
-    fmt::print("contact          static stages take these contacts without friction: {}\n",
+    fmt::print("contact          a stage at rest takes these contacts without friction: {}\n",
                key_beyond_repulsion(c, model.materials));
 }
 

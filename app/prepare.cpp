@@ -179,7 +179,9 @@ void print_overview(const Case& c, const Model& model, const State& state) {
   const auto n = static_cast<double>(model.particles()), bonds = static_cast<double>(state.bonds.size());
   if (!c.title.empty()) fmt::print("{}\n", printable(c.title));
   fmt::print("particles        {}\n", model.particles());
-  fmt::print("bonds            {}, {:.3g} per particle\n", state.bonds.size(), n > 0 ? 2 * bonds / n : 0.0);
+  const std::string neighbours = fmt::format("{:.3g}", n > 0 ? 2 * bonds / n : 0.0);
+  fmt::print("bonds            {}, on average {} neighbour{} per particle\n", state.bonds.size(), neighbours,
+             neighbours == "1" ? "" : "s");
   fmt::print("contacts         {}\n", contacts_in_words(model));
   if (model.T_0 > 0) fmt::print("T0               {:.6g}{}\n", model.T_0, time_unit(model));
   std::fflush(stdout);

@@ -75,11 +75,10 @@ std::vector<page::SequenceFiles> sequence_files(const fs::path& folder, const Ca
                                                 const std::optional<RunSummary>& summary) {
   std::vector<page::SequenceFiles> all;
   if (is_there(folder / "particles.pvd") && is_there(folder / "bonds.pvd")) {
-    page::SequenceFiles run{
-        page::SequenceKind::run, "Run", "", "",
-        is_there(folder / "walls.pvd")
-            ? page::listed_frames(folder / "particles.pvd", folder / "bonds.pvd", folder / "walls.pvd")
-            : page::listed_frames(folder / "particles.pvd", folder / "bonds.pvd")};
+    page::SequenceFiles run{page::SequenceKind::run, "Run", "", "",
+                            page::listed_frames(folder / "particles.pvd", folder / "bonds.pvd")};
+    if (is_there(folder / "walls.pvd")) page::add_walls(run.frames, folder / "walls.pvd");
+    if (is_there(folder / "contacts.pvd")) page::add_contacts(run.frames, folder / "contacts.pvd");
     if (!run.frames.empty()) all.push_back(std::move(run));
   }
   const std::vector<ListedMode> modes = list_modes(folder);

@@ -45,7 +45,11 @@ const char* name_of(BondTheory theory) {
 
 struct ParametersInWords {
   const BondLaw& law;
-  std::string stress_unit;
+  bool si;
+  std::string thickness(const TheoryParameters& p) const {
+    if (p.theory != BondTheory::shell) return {};
+    return fmt::format(", thickness {:.6g}{}", p.thickness, si ? " m" : "");
+  }
   std::string operator()(const GivenCoefficients& given) const {
     std::string text;
     for (std::size_t k = 0; k < law.fields.size(); ++k)
@@ -58,8 +62,8 @@ struct ParametersInWords {
                        c.c_B, c.c_T);
   }
   std::string operator()(const TheoryParameters& p) const {
-    return fmt::format("theory {}, E = {:.6g}{}, nu = {:.6g}", name_of(p.theory), p.material.E, stress_unit,
-                       p.material.nu);
+    return fmt::format("theory {}, E = {:.6g}{}, nu = {:.6g}{}", name_of(p.theory), p.material.E,
+                       si ? " Pa" : "", p.material.nu, thickness(p));
   }
 };
 
@@ -73,9 +77,9 @@ std::string specimen_in_words(const Case& c) {
 std::string bonds_in_words(const Case& c) {
   std::string text;
   for (const BondSpec& b : c.bonds)
-    text += fmt::format("{}\"{}\": {}, {}", text.empty() ? "" : "; ", b.name, b.recipe.law->title,
-                        std::visit(ParametersInWords{*b.recipe.law, c.units == UnitSystem::si ? " Pa" : ""},
-                                   b.recipe.parameters));
+    text += fmt::format(
+        "{}\"{}\": {}, {}", text.empty() ? "" : "; ", b.name, b.recipe.law->title,
+        std::visit(ParametersInWords{*b.recipe.law, c.units == UnitSystem::si}, b.recipe.parameters));
   return text.empty() ? "none" : text;
 }
 

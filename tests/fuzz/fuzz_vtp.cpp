@@ -19,8 +19,13 @@ page::FrameFiles good_frame(std::int64_t step) {
   body.state.clock.step = body.state.clock.stage_step = step;
   page::FrameFiles f{0.1 * static_cast<double>(step), folder() / ("p" + std::to_string(step) + ".vtp"),
                      folder() / ("b" + std::to_string(step) + ".vtp")};
+  f.contacts = folder() / ("c" + std::to_string(step) + ".vtp");
   write_particles_vtp(f.particles, body.model, body.state);
   write_bonds_vtp(f.bonds, body.state, UnitSystem::reduced);
+  VtpFile contacts = VtpFile::of_lines({body.state.r[ParticleId{0}], body.state.r[ParticleId{1}]}, {0, 1});
+  for (const char* name : {"i", "j"}) contacts.add_cell_data(name, std::vector<std::int64_t>{name[0] - 'i'});
+  contacts.add_cell_data("normal_force", std::vector<double>{1.5});
+  contacts.write(f.contacts, f.time, step);
   return f;
 }
 
@@ -55,15 +60,18 @@ std::filesystem::path list_of(const std::filesystem::path& part) {
 }
 
 /// The first byte says which file of which frame, of a run or of a mode, the rest takes the place of, as it
-/// is or as a part.
+/// is or as a part; contacts as it is.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   static const std::vector<page::FrameFiles> good{good_frame(0), good_frame(4)};
   std::vector<page::FrameFiles> frames = good;
   page::FrameFiles& frame = frames[data[0] >> 1U & 1U];
   const auto forged = fuzz::put(folder() / "forged.vtp", {reinterpret_cast<const char*>(data) + 1, size - 1});
-  ((data[0] & 1U) ? frame.bonds : frame.particles) = (data[0] & 8U) ? list_of(forged) : forged;
-  read_all_of((data[0] & 1U) ? frame.bonds : frame.particles);
+  if (data[0] & 16U)
+    frame.contacts = forged;
+  else
+    ((data[0] & 1U) ? frame.bonds : frame.particles) = (data[0] & 8U) ? list_of(forged) : forged;
+  if (!(data[0] & 16U)) read_all_of((data[0] & 1U) ? frame.bonds : frame.particles);
   show(frames, (data[0] & 4U) ? page::SequenceKind::mode : page::SequenceKind::run);
   return 0;
 }
@@ -76,6 +84,7 @@ extern "C" int LLVMFuzzerInitialize(int*, char***) {
         "frame_" + std::to_string(which),
         std::string(1, static_cast<char>(which)) + fuzz::content_of((which & 1U) ? f.bonds : f.particles));
   }
+  fuzz::add_seed("contacts", '\20' + fuzz::content_of(good_frame(0).contacts));
   VtpFile part = VtpFile::of_lines(std::vector<Vec3d>(3), {0, 1, 1, 2}), elsewhere = part;
   part.add_point_data("particle", std::vector<std::int64_t>{1, 0, 2});
   part.add_cell_data("id", std::vector<std::int64_t>{1, 0});

@@ -22,6 +22,17 @@ std::uint8_t field_of(std::size_t frame, std::size_t field, std::size_t bond) {
   return static_cast<std::uint8_t>(100 * frame + 11 * field + 5 * bond);
 }
 
+/// Of four frames: not told in the first, none in the last, and one with a wall in the third.
+Contacts known_contacts() {
+  Contacts c;
+  c.shift = {-0.5, 0x1p-8};
+  c.frames.resize(4);
+  c.frames[1] = {true, {0}, {2}, {3}, {-1.0, 0.5}, {}};
+  c.frames[2] = {true, {0, 1}, {1, 1}, {255, 0}, {2.0, 0x1p-4}, {128, 128, 128, 0, 64, 255}};
+  c.frames[3].written = true;
+  return c;
+}
+
 Sequence sequence(SequenceKind kind, std::size_t frames) {
   Sequence s{.kind = kind,
              .name = kind == SequenceKind::run ? "Run" : "Mode 1 of stage \"<b>\"",
@@ -55,6 +66,7 @@ Sequence sequence(SequenceKind kind, std::size_t frames) {
     }
     s.frames.push_back(frame);
   }
+  if (kind == SequenceKind::run) s.contacts = known_contacts();
   return s;
 }
 

@@ -71,7 +71,8 @@ TEST(Page, WallsMoveAsInTheirFiles) {
     chain.state.walls[0].q = rotation_of({0.3 + f, 0.2 * f, 0});
     writer.write(chain.model, chain.state);
   }
-  const auto files = listed_frames(folder / "particles.pvd", folder / "bonds.pvd", folder / "walls.pvd");
+  auto files = listed_frames(folder / "particles.pvd", folder / "bonds.pvd");
+  add_walls(files, folder / "walls.pvd");
   Report report;
   report.sequences.push_back(read_sequence({SequenceKind::run, "Run", "", "", files}, report.body));
   report.stage_of_frame.assign(3, "push");

@@ -3,7 +3,7 @@ import { Vector3 } from "three";
 import { css_colour, css_gradient } from "./colours.js";
 import { cause_colours, causes, class_colours, fragment_colours } from "./palette.js";
 import { mark_colours } from "./marks.js";
-import { capital, element, number } from "./text.js";
+import { capital, element, number, with_unit } from "./text.js";
 
 const meaning = {
   small: "small", strained: "strained: moments no longer grow", snapped: "snapped: pulls towards a wrong shape",
@@ -33,6 +33,15 @@ export function faces_legend({ list }) {
   const there = [...new Set(list.map(({ cause }) => cause))].sort();
   const words = there.map((cause) => element("li", {}, swatch(cause_colours[cause]), causes[cause]));
   return there.length ? swatches(element("p", { class: "legend-title" }, "Faces of bonds that broke by"), words) : "";
+}
+
+/** What the lines of contacts mean in the frame; `widest`: the force of the widest, which the reader may have chosen. */
+export function contacts_legend({ contacts, json }, frame, widest, is_chosen) {
+  const force = with_unit(widest, json.contacts.unit, 3);
+  const words = !contacts.written(frame) ? "This frame was written without contacts."
+    : contacts.count(frame) === 0 ? "Nothing touches in this frame."
+      : `Lines are as wide as the normal force of their contact: widest at ${force}, ${is_chosen ? "as chosen, and beyond" : "the largest of this frame"}.`;
+  return element("p", { class: "legend" }, words);
 }
 
 /** What squares and arrows mean, of those that there are. */

@@ -4,11 +4,13 @@ import { channels, class_colours, fragment_colours, picked_colour } from "./pale
 import { widest_bond } from "./scene.js";
 
 export const small_spheres = 0.45;   // of the true radius, when bonds carry the colour
-const neutral = { particles: channels("#8b929c"), bonds: channels("#9aa1ab") };
+const tiny_spheres = 0.25;           // when contacts are shown
+const thin_bonds = 0.3;              // of the usual width, likewise; none where contacts carry the colour
+const neutral = { particles: channels("#8b929c"), bonds: channels("#9aa1ab"), contacts: channels("#6f7682") };
 const class_widths = [1, 1.3, widest_bond];
 
-function fill(colours, count, [r, g, b]) {
-  const alpha = 255 / widest_bond;
+function fill(colours, count, [r, g, b], width = 1) {
+  const alpha = (255 * width) / widest_bond;
   for (let k = 0; k < 4 * count; k += 4) {
     colours[k] = r; colours[k + 1] = g; colours[k + 2] = b; colours[k + 3] = alpha;
   }
@@ -47,16 +49,24 @@ function paint_values(quantity, frame, colours, count, { table, ends }) {
   }
 }
 
-/** Writes the colours of a frame into the scene; `size` 0 lets the quantity choose the size of the spheres. */
-export function paint(scene, sequence, frame, quantity, scale, size, picked) {
-  const bonds = sequence.bonds_at(frame);
-  const painted = quantity.on === "bonds" ? scene.bond_colours.array : scene.sphere_colours.array;
+/** What carries the colour: its table and how many there are. */
+function painted(scene, sequence, frame, on) {
+  if (on === "contacts") return [scene.contact_colours.array, sequence.contacts.count(frame)];
+  return on === "bonds" ? [scene.bond_colours.array, sequence.bonds_at(frame)] : [scene.sphere_colours.array, sequence.particles];
+}
+
+/** Of spheres: contacts lie within them, and bonds are better seen between small ones. */
+function automatic_size(quantity, contacts) { return contacts ? tiny_spheres : quantity.on === "bonds" ? small_spheres : 1; }
+
+/** Writes the colours of a frame into the scene; `size` 0 lets the quantity choose the size of the spheres. `contacts`: they are shown. */
+export function paint(scene, sequence, frame, quantity, scale, size, picked, contacts) {
   fill(scene.sphere_colours.array, sequence.particles, neutral.particles);
-  fill(scene.bond_colours.array, bonds, neutral.bonds);
-  const count = quantity.on === "bonds" ? bonds : sequence.particles;
-  if (quantity.classes) paint_classes(quantity, frame, painted, count);
-  else paint_values(quantity, frame, painted, count, scale);
+  fill(scene.bond_colours.array, sequence.bonds_at(frame), neutral.bonds, quantity.on === "contacts" ? 0 : contacts ? thin_bonds : 1);
+  if (contacts) fill(scene.contact_colours.array, sequence.contacts.count(frame), neutral.contacts);
+  const [colours, count] = painted(scene, sequence, frame, quantity.on);
+  if (quantity.classes) paint_classes(quantity, frame, colours, count);
+  else paint_values(quantity, frame, colours, count, scale);
   for (const { bond } of sequence.broken.until(frame)) scene.bond_colours.array[4 * bond + 3] = 0;   // no width
   if (picked) paint_picked(scene, sequence, frame, picked);
-  scene.colours_changed(size || (quantity.on === "bonds" ? small_spheres : 1));
+  scene.colours_changed(size || automatic_size(quantity, contacts));
 }

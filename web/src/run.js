@@ -1,12 +1,14 @@
 // A run as the page uses it: decoded when asked for, and only then.
 import { stored } from "./decode.js";
 import { Broken } from "./broken.js";
+import { Contacts } from "./contacts.js";
 import { fragment_colour_count } from "./palette.js";
 import { nearest } from "./history.js";
 import { number } from "./text.js";
 import { Walls } from "./walls.js";
 
 const energy_keys = ["U_L", "U_B", "U_T"];
+export const contact_key = "contact_force";
 
 function once(make) {
   let made;
@@ -59,6 +61,7 @@ export class Sequence {
     this.displaced = once(() => stored(block, json.displacement));
     this.broken = new Broken(this, json.bond_broken && stored(block, json.bond_broken));
     this.walls = json.walls && new Walls(json.walls, block, json.frames.length);
+    this.contacts = json.contacts && new Contacts(json.contacts, json.frames, block);
     this.quantities = this.list_quantities();
   }
 
@@ -95,6 +98,7 @@ export class Sequence {
     const shown = this.json.kind === "mode" ? list.map(relative) : list;
     if (this.json.bond_range) shown.push(this.range_quantity());
     if (this.json.fragment) shown.push(this.fragment_quantity());
+    if (this.contacts) shown.push(this.contact_quantity());
     return shown;
   }
 
@@ -137,6 +141,12 @@ export class Sequence {
     const q = once(() => stored(this.block, this.json.bond_range));
     const quantity = this.on_bonds("range", "Range of the bond", "", false, (f, k) => q()[f * this.bonds + k]);
     return { ...quantity, classes: ["small", "strained", "snapped"], class_of: quantity.value };
+  }
+
+  contact_quantity() {
+    const { contacts } = this, value = (f, k) => contacts.force(f, k);
+    return { key: contact_key, label: "normal force of contacts", unit: this.json.contacts.unit, signed: true, on: "contacts", value,
+             extremes: once(() => extremes(this.frames.length, (f) => contacts.count(f), value)) };
   }
 
   fragment_quantity() {

@@ -5,11 +5,12 @@ import { BufferAttribute, BufferGeometry, DataTexture, DoubleSide, DynamicDrawUs
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { cause_colours } from "./palette.js";
 import { Marks } from "./marks.js";
-import { bond_fragment, bond_vertex, face_fragment, face_vertex, sphere_fragment, sphere_vertex } from "./shaders.js";
+import { bond_fragment, bond_vertex, contact_vertex, face_fragment, face_vertex, sphere_fragment, sphere_vertex } from "./shaders.js";
 
 const smooth_up_to = 5000;      // particles; with more, pixels are not doubled, edges not smoothed, spheres flat in depth
 const texture_width = 1024;
 export const widest_bond = 1.6; // over the usual width; colour.a = 1 stands for it
+const widest_contact = 2.4;     // half width of the strongest contact, over the usual one of a bond
 
 /**
  * `count` quads without attributes: a shader finds number and corner from gl_VertexID. The order of the indices is
@@ -83,10 +84,13 @@ export class BodyScene {
     this.renderer.sortObjects = false;   // spheres before bonds; and the quads have no positions to sort by
     this.camera = new PerspectiveCamera(28, 1, 0.1, 100);
     this.scene = new Scene();
+    this.usual_width = bond_width(run);
     this.make_spheres();
     this.make_bonds();
     const most = Math.max(...run.sequences.map(({ broken }) => broken.list.length));
     if (most) this.make_faces(most);
+    const touching = run.sequences.find(({ contacts }) => contacts);
+    if (touching) this.make_contacts(touching.contacts.most);
     const walled = run.sequences.find(({ walls }) => walls);
     if (walled) this.make_walls(walled.walls);
   }
@@ -119,10 +123,10 @@ export class BodyScene {
   }
 
   make_bonds() {
-    const count = this.run.ends.length / 2, ends = table(Float32Array, count), usual = bond_width(this.run);
+    const count = this.run.ends.length / 2, ends = table(Float32Array, count);
     this.bond_widths = new Float32Array(count);   // half of each
     for (let b = 0; b < count; ++b) {
-      this.bond_widths[b] = this.run.bond_radius?.[b] || usual;
+      this.bond_widths[b] = this.run.bond_radius?.[b] || this.usual_width;
       ends.array.set([...this.run.ends_of(b), this.bond_widths[b], 0], 4 * b);
     }
     this.bond_colours = table(Uint8Array, count);
@@ -156,6 +160,30 @@ export class BodyScene {
     const count = sequence.broken.count(frame);
     this.faces.geometry.setDrawRange(0, 2 * 6 * count);
     this.faces.visible = count > 0;
+  }
+
+  /** A line for each contact; modes have none. */
+  make_contacts(most) {
+    this.contact_ends = table(Float32Array, 2 * most);
+    this.contact_colours = table(Uint8Array, most);
+    this.contacts = this.add(quads(most), contact_vertex, bond_fragment,
+      { ends: { value: this.contact_ends.texture }, paints: { value: this.contact_colours.texture } });
+  }
+
+  /** The contacts of the frame, or none without `widest`: the force, and all beyond it, of the widest lines; alone: without faces. After place_body. */
+  place_contacts({ contacts }, frame, widest, alone) {
+    if (this.faces && alone) this.faces.visible = false;
+    if (!this.contacts) return;
+    this.contacts.visible = widest != null;
+    if (!this.contacts.visible) return;
+    const { array } = this.contact_ends, places = this.places.array, half_width = widest_contact * this.usual_width;
+    for (let k = 0; k < contacts.count(frame); ++k) {
+      const between = contacts.between(frame, k), moved = contacts.ends(frame, k), is_gone = between.some((p) => this.is_gone(p));
+      for (let c = 0; c < 6; ++c) array[8 * k + c + (c > 2 ? 1 : 0)] = places[4 * between[c > 2 ? 1 : 0] + (c % 3)] + (moved?.[c] ?? 0);
+      array[8 * k + 3] = is_gone || !widest ? 0 : half_width * Math.min(1, Math.abs(contacts.force(frame, k)) / widest);
+    }
+    this.contact_ends.texture.needsUpdate = true;
+    this.contacts.geometry.setDrawRange(0, 6 * contacts.count(frame));
   }
 
   add(geometry, vertexShader, fragmentShader, uniforms) {
@@ -230,6 +258,7 @@ export class BodyScene {
   /** After the colour arrays were written. Spheres shrink to `size` so that bonds can be seen. */
   colours_changed(size) {
     this.sphere_colours.texture.needsUpdate = this.bond_colours.texture.needsUpdate = true;
+    if (this.contacts) this.contact_colours.texture.needsUpdate = true;
     this.sphere_size = this.spheres.material.uniforms.size.value = size;
     this.request();
   }

@@ -79,30 +79,49 @@ void main() {
 }
 #endif`;
 
-/** A ribbon that faces the viewer, shaded as a cylinder. Alpha of its colour is its width over the largest. */
-export const bond_vertex = `
-precision highp float;
-uniform mat4 viewMatrix, projectionMatrix;
-uniform float widest;
-${tables}
+/** A ribbon from a to b, as the camera has them, that faces the viewer, shaded as a cylinder. */
+const ribbon = `
 out float across;
 flat out vec3 side, front, paint;
-void main() {
-  vec3 ij = of(ends, number()).xyz;   // two particles, half width
-  vec4 colour = of(paints, number());
-  vec3 a = (viewMatrix * vec4(of(places, int(ij.x)).xyz, 1.0)).xyz;
-  vec3 b = (viewMatrix * vec4(of(places, int(ij.y)).xyz, 1.0)).xyz;
+vec4 ribbon(vec3 a, vec3 b, float half_width) {
   vec3 c = cross(b - a, a + b);
   side = c / max(length(c), 1e-30);   // seen end on it has no width; its particles hide it then
   front = normalize(cross(side, b - a));
   if (front.z < 0.0) front = -front;
   vec2 position = quad_corner();
   across = position.x;
-  paint = colour.rgb;
   // Nearer by most of the radius, as the cylinder's surface is: else it and the rim of a sphere are at one depth.
-  vec3 p = (position.y < 0.0 ? a : b) + ij.z * widest * colour.a * (across * side + 0.8 * front);
-  gl_Position = projectionMatrix * vec4(p, 1.0);
+  vec3 p = (position.y < 0.0 ? a : b) + half_width * (across * side + 0.8 * front);
+  return projectionMatrix * vec4(p, 1.0);
+}`;
+
+/** Alpha of a bond's colour is its width over the largest. */
+export const bond_vertex = `
+precision highp float;
+uniform mat4 viewMatrix, projectionMatrix;
+uniform float widest;
+${tables}
+${ribbon}
+void main() {
+  vec3 ij = of(ends, number()).xyz;   // two particles, half width
+  vec4 colour = of(paints, number());
+  vec3 a = (viewMatrix * vec4(of(places, int(ij.x)).xyz, 1.0)).xyz;
+  vec3 b = (viewMatrix * vec4(of(places, int(ij.y)).xyz, 1.0)).xyz;
+  paint = colour.rgb;
+  gl_Position = ribbon(a, b, ij.z * widest * colour.a);
   if (is_gone(of(places, int(ij.x))) || is_gone(of(places, int(ij.y)))) gl_Position = nowhere;
+}`;
+
+/** The line of a contact: where it begins and its half width, and where it ends. */
+export const contact_vertex = `
+precision highp float;
+uniform mat4 viewMatrix, projectionMatrix;
+${tables}
+${ribbon}
+void main() {
+  vec4 from = of(ends, 2 * number()), to = of(ends, 2 * number() + 1);
+  paint = of(paints, number()).rgb;
+  gl_Position = ribbon((viewMatrix * vec4(from.xyz, 1.0)).xyz, (viewMatrix * vec4(to.xyz, 1.0)).xyz, from.w);
 }`;
 
 export const bond_fragment = `

@@ -1,10 +1,11 @@
 // The 3D view with all that belongs to it: controls, legend, caption, keys.
-import { draw_axes, faces_legend, legend, marks_legend } from "./legend.js";
+import { contacts_legend, draw_axes, faces_legend, legend, marks_legend } from "./legend.js";
 import { paint, scale_of } from "./paint.js";
 import { numbers_box, numbers_of, picked_at } from "./pick.js";
 import { Player } from "./player.js";
 import { BodyScene } from "./scene.js";
 import { colour_of, save_picture } from "./picture.js";
+import { contact_key } from "./run.js";
 import { capital, element, number, with_unit } from "./text.js";
 import { along, bounds, first_view } from "./viewpoint.js";
 
@@ -33,6 +34,8 @@ export class View {
     this.cut = { side: "", part: 0.5 };
     this.ghost = false;
     this.marks = false;
+    this.contacts = false;
+    this.key_before = null;   // of the quantity that had the colour before contacts
     Object.assign(this, choices);
     this.first = { index: Math.min(index, run.sequences.length - 1), frame, camera };
     this.player = new Player(() => this.update());
@@ -43,6 +46,7 @@ export class View {
     this.caption = element("p", { class: "caption" });
     this.legend_place = element("div", {});
     this.marks_place = element("div", {});
+    this.contacts_place = element("div", {});
     this.axes = document.createElementNS("http://www.w3.org/2000/svg", "svg");
     this.axes.setAttribute("class", "axes");
     this.axes.setAttribute("viewBox", "0 0 80 80");
@@ -69,8 +73,8 @@ export class View {
   /** What the reader has chosen, for a view of newer data. The last frame stays the last one. */
   kept() {
     if (!this.sequence) return undefined;
-    const { factor, map, size, key, picked, ranges, cut, ghost, marks, player, sequence, run } = this;
-    return { factor, map, size, key, picked, ranges, cut, ghost, marks, speed: player.speed, index: run.sequences.indexOf(sequence),
+    const { factor, map, size, key, picked, ranges, cut, ghost, marks, contacts, key_before, player, sequence, run } = this;
+    return { factor, map, size, key, picked, ranges, cut, ghost, marks, contacts, key_before, speed: player.speed, index: run.sequences.indexOf(sequence),
              frame: player.swings || player.frame === sequence.last ? null : player.frame, camera: this.scene.turned ? this.scene.camera_now() : null };
   }
 
@@ -123,6 +127,7 @@ export class View {
       this.cut_control(),
       this.check_box("Undeformed shape", "ghost"),
       this.run.stages.size ? this.check_box("Supports and loads", "marks") : null,
+      this.run.sequences.some(({ contacts }) => contacts) ? this.contacts_box = this.check_box("Contact forces", "contacts", () => this.colour_contacts()) : null,
       choice("Speed", speeds.map((s) => [s, `${s} ×`]), this.player.speed, (s) => this.player.set_speed(Number(s))),
       element("div", { class: "control" }, element("span", {}, "Look from"),
         element("div", { class: "buttons", role: "group", "aria-label": "Look from" }, ...looks,
@@ -131,9 +136,20 @@ export class View {
         element("button", { type: "button", "aria-label": "Save the 3D view as PNG", onclick: () => save_picture(this) }, "PNG")));
   }
 
-  check_box(label, shown) {
-    const box = element("input", { type: "checkbox", checked: this[shown], onchange: () => { this[shown] = box.checked; this.update(); } });
+  check_box(label, shown, changed = () => this.update()) {
+    const box = element("input", { type: "checkbox", checked: this[shown], onchange: () => { this[shown] = box.checked; changed(); } });
     return element("label", { class: "control" }, element("span", {}, label), box);
+  }
+
+  /** Contacts that have just been switched on carry the colour, and leave it to what had it before. */
+  colour_contacts() {
+    const { quantities, contacts } = this.sequence;
+    if (!contacts) return this.update();
+    if (this.contacts) this.key_before = this.key;
+    else if (this.key !== contact_key) return this.update();
+    const select = this.quantity_place.querySelector("select");
+    select.value = this.contacts ? contact_key : this.key_before ?? quantities[0].key;
+    this.choose(select.value);
   }
 
   /** Ends of the colours, as the reader wants them: for each quantity of its own, and apart for modes, whose quantities are relative. */
@@ -197,9 +213,11 @@ export class View {
   choose(key) {
     this.key = key;
     this.quantity = this.sequence.quantities.find((q) => q.key === key);
+    if (this.quantity.on === "contacts") this.contacts = this.contacts_box.querySelector("input").checked = true;
     this.scale = scale_of(this.quantity, this.map, this.ranges[this.quantity.label]);
     this.show_range();
-    this.legend_place.replaceChildren(legend(this.quantity, this.scale), faces_legend(this.sequence.broken), this.marks_place);
+    const faces = this.quantity.on === "contacts" ? "" : faces_legend(this.sequence.broken);
+    this.legend_place.replaceChildren(legend(this.quantity, this.scale), faces, this.contacts_place, this.marks_place);
     this.update();
   }
 
@@ -207,6 +225,16 @@ export class View {
     if (kinds.join() === this.marked) return;
     this.marked = kinds.join();
     this.marks_place.replaceChildren(marks_legend(kinds));
+  }
+
+  /** The lines of contacts, if they are wanted, with what their width means: that follows a range of colours that was chosen. Returns whether there are any. */
+  show_contacts(frame) {
+    const { sequence } = this, shown = this.contacts && !!sequence.contacts;
+    const wanted = shown && this.ranges[sequence.quantities.find(({ key }) => key === contact_key).label];
+    const widest = wanted ? Math.max(...wanted.map(Math.abs)) : shown ? sequence.contacts.largest(frame) : null;
+    this.scene.place_contacts(sequence, frame, widest, this.quantity.on === "contacts");
+    this.contacts_place.replaceChildren(shown ? contacts_legend(sequence, frame, widest, !!wanted) : "");
+    return shown;
   }
 
   set_factor(input) {
@@ -233,7 +261,8 @@ export class View {
     if (count !== this.sequence.frames.length) return;   // between two sequences
     this.scene.place_body(this.sequence, frame, this.factor, this.cut_plane(), this.ghost);
     this.show_marks(this.scene.place_marks(this.sequence, frame, this.marks));
-    paint(this.scene, this.sequence, frame, this.quantity, this.scale, this.size, this.picked);
+    const contacts = this.show_contacts(frame);
+    paint(this.scene, this.sequence, frame, this.quantity, this.scale, this.size, this.picked, contacts);
     this.show_picked();
     this.play_button.textContent = playing ? "❚❚" : "▶";
     this.play_button.setAttribute("aria-label", playing ? "Pause" : "Play");

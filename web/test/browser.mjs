@@ -10,9 +10,10 @@ import { dirname, join, resolve } from "node:path";
 import { fileURLToPath } from "node:url";
 import { cause_colours, causes } from "../src/palette.js";
 import { mark_colours } from "../src/marks.js";
-import { choose, launch } from "./chromium.mjs";
-import { colours, fits, open, picture, pixels, soon, steady_picture, two_pictures } from "./opened.mjs";
-import { breaking, held, page as filled, rod, snapped, wide } from "./sample.mjs";
+import { choose, launch, tick } from "./chromium.mjs";
+import { colours, fits, open, picture, pixels, pixels_of, show_frame, soon, steady_picture, two_pictures } from "./opened.mjs";
+import { breaking, held, page as filled, rod, snapped, touching, wide } from "./sample.mjs";
+import { contacts_are_as_wide_as_strong, contacts_come_and_go, has_contacts } from "./touching.mjs";
 
 const here = dirname(fileURLToPath(import.meta.url));
 
@@ -173,12 +174,13 @@ async function plots_zoom(browser, file) {
 }
 
 /** Nothing that axe knows of keeps readers with other senses out, in both themes, wide and narrow. */
-async function is_accessible(browser, file) {
+async function is_accessible(browser, file, ticked) {
   const axe = await readFile(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
   for (const [width, theme] of [[1300, "light"], [390, "dark"]]) {
     const { page } = await open(browser, file, { width });
     await page.evaluate((name) => { if (document.documentElement.dataset.theme !== name) document.querySelector(".top button").click(); }, theme);
     assert.equal(await page.evaluate(() => document.documentElement.dataset.theme ?? "light"), theme);
+    if (ticked) await tick(page, ticked);
     await page.evaluate(axe);   // by the tester's tools: the page itself may not run it
     const { violations } = await page.evaluate(() => globalThis.axe.run(document));
     assert.deepEqual(violations.map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 160)).join("; ")}`), []);
@@ -421,21 +423,6 @@ async function classes_are_words(browser, file) {
   await page.close();
 }
 
-const show_frame = (page, frame) => page.$eval(".scrub", (scrub, frame) => { scrub.value = frame; scrub.dispatchEvent(new Event("input")); }, frame);
-
-/** How many pixels of the picture are of this colour, however it is shaded: the same parts of red, green and blue to 4 %. */
-async function pixels_of(page, png, rgb) {
-  return (await pixels(page, png)).evaluate(({ rgba }, rgb) => {
-    const most = Math.max(...rgb);
-    let count = 0;
-    for (let k = 0; k < 0.85 * rgba.length; k += 4) {   // without the legend
-      const light = Math.max(...rgba.slice(k, k + 3));
-      if (light > 60 && rgb.every((x, c) => Math.abs(rgba[k + c] / light - x / most) < 0.04)) ++count;
-    }
-    return count;
-  }, rgb);
-}
-
 /** Where the canvas is in the window, its green pixels, as viridis has them and faces have not, and the colour at a place. */
 async function canvas_pixels(page, place = { x: 0, y: 0 }) {
   await two_pictures(page);
@@ -506,6 +493,7 @@ async function breaks_are_told_and_things_picked(browser, file, { json: { breaks
 async function nothing_breaks(browser, file) {
   const { page } = await open(browser, file);
   assert.equal(await page.$(".breaks"), null);
+  assert.equal(await has_contacts(page), false);
   assert.equal((await page.$$(".legend")).length, 1);
   assert.deepEqual(await page.$$eval("#quantity option", (options) => options.map(({ value }) => value)),
     ["displacement", "speed", "elongation", "bend", "twist", "U", "U_L", "U_B", "U_T", "range"]);
@@ -574,6 +562,10 @@ try {
     await is_accessible(browser, parted_page);
     await breaks_are_faces(browser, parted_page, parted);
     await breaks_are_told_and_things_picked(browser, parted_page, parted);
+    const touched = await made("touching", touching());
+    await contacts_come_and_go(browser, touched);
+    await contacts_are_as_wide_as_strong(browser, touched);
+    await is_accessible(browser, touched, "Contact forces");
     await a_still_of_a_mode_stands_still(browser, await made("mode", rod({ first_shown: 1 })));
     await a_still_has_the_frame_it_is_asked_for(browser, await made("still", rod()));
     const none = { sequences: [], first_shown: 0 };

@@ -28,7 +28,7 @@ import random, sys
 sys.path.insert(0, sys.argv[1])
 from random_body import random_case
 print(random_case(random.Random(int(sys.argv[2]))))`, join(root, "tests"), String(seed * 100003 + k)], { encoding: "utf8" });
-  return `${text}frames = {every = "0.4 T0"}\n`;
+  return `${text}frames = {every = "0.4 T0", contacts = ${/^\[contact\]/m.test(text)}}\n`;
 }
 
 /** Something that a reader may do. Sets what any control may have, then clicks or drags. */

@@ -29,3 +29,11 @@ export function choose(page, label, text) {
     select.dispatchEvent(new Event("change"));
   }, label, text);
 }
+
+/** Clicks the box of the control with this label. */
+export function tick(page, label) {
+  return page.evaluate((label) => {
+    const control = [...document.querySelectorAll(".control")].find((c) => c.textContent === label);
+    control.querySelector("input").click();
+  }, label);
+}

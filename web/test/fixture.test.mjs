@@ -67,6 +67,16 @@ test("Fixture.BreaksComeBackExactly", () => {
     first: [{ time: 0.75, bond: 1, i: 1, j: 2, mode: 5, cause: "-N/A + M_b r/J = 3 of 2 MPa", energy: 0.25 }] });
 });
 
+test("Fixture.ContactsComeBackExactly", () => {
+  const [{ contacts, quantities }, mode] = run.sequences, force = quantities.find(({ key }) => key === "contact_force");
+  assert.deepEqual([0, 1, 2, 3].map((f) => [contacts.written(f), contacts.count(f), contacts.largest(f)]),
+    [[false, 0, 0], [true, 1, 0.5], [true, 2, 2 + 255 / 16], [true, 0, 0]]);
+  assert.deepEqual([[1, 0], [2, 0], [2, 1]].map(([f, k]) => [contacts.between(f, k), contacts.force(f, k), contacts.ends(f, k)]),
+    [[[0, 2], 0.5, null], [[0, 1], 2 + 255 / 16, null], [[1, 1], 2, [0, 0, 0, -0.5, -0.25, -0.5 + 255 / 256]]]);
+  assert.deepEqual([force.unit, force.extremes(), contacts.most], ["N", [0.5, 2 + 255 / 16], 2]);
+  assert.deepEqual([mode.contacts, mode.quantities.some(({ key }) => key === "contact_force")], [undefined, false]);
+});
+
 test("Fixture.HistoryAndPresetsComeBack", () => {
   const history = new History(json.history, json.clock);
   assert.deepEqual(history.column("axial_force.all"), { name: "axial_force.all", unit: "N", values: [0, null, -3] });
@@ -84,14 +94,14 @@ function* arrays(value) {
 
 test("Fixture.ArraysAreWhatTheFormatSays", () => {
   for (const array of arrays(json)) {
-    const plain = ["offset", "type", "count"], quantised = [...plain, "low", "step", "delta"];
-    assert.deepEqual(Object.keys(array), ["u32", "f32"].includes(array.type) ? plain : quantised);
+    const plain = ["offset", "type", "count"], quantised = [...plain, "low", "step"], of_contacts = Object.values(json.sequences[0].contacts).includes(array);
+    assert.deepEqual(Object.keys(array), ["u32", "f32"].includes(array.type) ? plain : of_contacts ? quantised : [...quantised, "delta"]);
     assert.equal(array.offset % 4, 0);
     assert.equal(stored(block, array).length, array.count);
   }
   const top = ["format", "program", "title", "units", "facts", "results", "warnings", "rerun", "plots", "clock", "over", "left_out", "history", "breaks", "radius", "bonds",
                "first_shown", "sequences"];
   const sequence = ["kind", "name", "note", "loop", "frames", "origin", "reference", "displacement", "particle_fields", "bond_fields", "bond_range"];
-  const of_breaks = ["bond_broken", "fragment"];
-  assert.deepEqual([json, ...json.sequences].map(Object.keys), [top, [...sequence, ...of_breaks], sequence]);
+  const of_runs = ["bond_broken", "fragment", "contacts"];
+  assert.deepEqual([json, ...json.sequences].map(Object.keys), [top, [...sequence, ...of_runs], sequence]);
 });

@@ -66,3 +66,18 @@ export async function colours(page, png) {
 }
 
 export const fits = (page) => page.evaluate(() => document.documentElement.scrollWidth <= innerWidth);
+
+export const show_frame = (page, frame) => page.$eval(".scrub", (scrub, frame) => { scrub.value = frame; scrub.dispatchEvent(new Event("input")); }, frame);
+
+/** How many pixels of the picture are of this colour, however it is shaded: the same parts of red, green and blue to 4 %. */
+export async function pixels_of(page, png, rgb) {
+  return (await pixels(page, png)).evaluate(({ rgba }, rgb) => {
+    const most = Math.max(...rgb);
+    let count = 0;
+    for (let k = 0; k < 0.85 * rgba.length; k += 4) {   // without the legend
+      const light = Math.max(...rgba.slice(k, k + 3));
+      if (light > 60 && rgb.every((x, c) => Math.abs(rgba[k + c] / light - x / most) < 0.04)) ++count;
+    }
+    return count;
+  }, rgb);
+}

@@ -1,5 +1,5 @@
 // Runs made up for tests, in the form that FORMAT.md describes:
-//   node test/sample.mjs rod|ball|snapped|wide|breaking|large TEMPLATE OUTPUT
+//   node test/sample.mjs rod|ball|snapped|wide|breaking|touching|large TEMPLATE OUTPUT
 import { readFile, writeFile } from "node:fs/promises";
 import { pathToFileURL } from "node:url";
 import { gzipSync } from "node:zlib";
@@ -200,6 +200,22 @@ function near_pairs(points, distance) {
   return pairs;
 }
 
+/**
+ * Four balls, a row of two above another. The first frame tells of no contacts, in the second nothing touches, in the third
+ * the lower row is pressed twice as hard as the upper one, in the fourth ball 0 is pressed on a floor as well.
+ */
+export function touching() {
+  const block = new Block(), points = [[0, 0, 0], [1, 0, 0], [0, 0, 2], [1, 0, 2]], frames = 4;
+  const bonds = [[0, 1]], made = sequence(block, { frames, points, bonds, bonds_at: () => 1, move: (f) => [0, 0, 0.01 * f] });
+  [null, [0, 0, 0, 0], [2, 0, 1, 1 / 255], [3, 1, 0, 4 / 255]].forEach((c, f) => {   // how many, with a wall, forces
+    if (c) made.frames[f].contacts = { count: c[0], placed: c[1], low: c[2], step: c[3] };
+  });
+  const plain = (type, q) => ({ ...block.kinds(type, q, q.length) });
+  made.contacts = { unit: "N", i: plain("u16", [0, 2, 0, 2, 0]), j: plain("u16", [1, 3, 1, 3, 0]), force: plain("u8", [255, 0, 255, 0, 51]),
+                    shift: { ...plain("u8", [0, 0, 0, 0, 0, 10]), low: 0, step: -0.05 } };
+  return { json: json(block, { title: "Balls that touch", particles: 4 }, [made], bonds, 0.5, frames), base64: block.base64() };
+}
+
 export function ball() {
   const block = new Block(), n = 458, frames = 60;
   const points = Array.from({ length: n }, (_, k) => {   // spiral of Fibonacci, radius 6
@@ -237,7 +253,7 @@ export function large() {
   return { json: json(block, { title: "A large beam", particles: points.length }, sequences, bonds, 0.48, frames), base64: block.base64() };
 }
 
-export const samples = { rod, ball, snapped, wide, breaking, large };
+export const samples = { rod, ball, snapped, wide, breaking, touching, large };
 
 if (import.meta.url === pathToFileURL(process.argv[1] ?? "").href) {
   const [name, template, output] = process.argv.slice(2);

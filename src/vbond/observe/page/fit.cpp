@@ -15,10 +15,20 @@ std::string trouble_with(const FrameFiles& files) {
   try {
     const FrameInput particles(files.particles), bonds(files.bonds);
     if (!files.walls.empty()) FrameInput walls(files.walls);
+    if (!files.contacts.empty()) FrameInput contacts(files.contacts);
     return {};
   } catch (const IoError& e) {
     return e.what();
   }
+}
+
+/// Of one frame: bonds are most in the last one, but contacts come and go, so that some are looked at.
+std::size_t largest_frame(const std::vector<FrameFiles>& frames) {
+  constexpr std::size_t looked_at = 8;
+  std::size_t most = bytes_of_frame(frames.back());
+  for (const std::size_t k : thinned(frames.size(), (frames.size() + looked_at - 1) / looked_at))
+    if (!frames[k].contacts.empty()) most = std::max(most, bytes_of_frame(frames[k]));
+  return most;
 }
 
 std::size_t bytes_of(const SequenceFiles& s) {
@@ -33,7 +43,7 @@ std::size_t stride_to(std::size_t most, std::size_t n) {
 void thin_run(SequenceFiles& run, const PageLimits& limits, std::size_t bytes,
               std::vector<std::string>& left_out) {
   const std::size_t written = run.frames.size();
-  const std::size_t fit = bytes / std::max<std::size_t>(bytes_of_frame(run.frames.back()), 1);
+  const std::size_t fit = bytes / std::max<std::size_t>(largest_frame(run.frames), 1);
   const std::size_t most = std::max<std::size_t>(2, std::min(limits.frames, fit));
   const std::size_t stride = stride_to(most, written);
   if (stride == 1) return;

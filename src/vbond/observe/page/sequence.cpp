@@ -264,29 +264,6 @@ const std::array<BondField, bond_field_count> bond_fields{{
     {"damage", "damage", "damage", 1.0, false, ""},
 }};
 
-std::vector<FrameFiles> listed_frames(const std::filesystem::path& particles_pvd,
-                                      const std::filesystem::path& bonds_pvd) {
-  const std::vector<ListedFrame> particles = read_pvd(particles_pvd), bonds = read_pvd(bonds_pvd);
-  std::vector<FrameFiles> frames;
-  for (std::size_t k = 0; k < std::min(particles.size(), bonds.size()); ++k) {
-    if (particles[k].time != bonds[k].time)
-      throw IoError(particles_pvd.string() + " and " + bonds_pvd.filename().string() +
-                    " do not list the same frames");
-    frames.push_back({particles[k].time, particles[k].file, bonds[k].file, {}});
-  }
-  return frames;
-}
-
-std::vector<FrameFiles> listed_frames(const std::filesystem::path& particles_pvd,
-                                      const std::filesystem::path& bonds_pvd,
-                                      const std::filesystem::path& walls_pvd) {
-  std::vector<FrameFiles> frames = listed_frames(particles_pvd, bonds_pvd);
-  const std::vector<ListedFrame> walls = read_pvd(walls_pvd);
-  for (std::size_t k = 0; k < std::min(frames.size(), walls.size()); ++k)
-    if (walls[k].time == frames[k].time) frames[k].walls = walls[k].file;
-  return frames;
-}
-
 std::vector<std::size_t> thinned(std::size_t n, std::size_t stride) {
   std::vector<std::size_t> kept;
   for (std::size_t k = 0; k < n; k += stride) kept.push_back(k);
@@ -330,6 +307,7 @@ Sequence read_sequence(const SequenceFiles& files, Body& body) {
   std::vector<std::filesystem::path> walls;
   for (const FrameFiles& f : files.frames) walls.push_back(f.walls);
   s.walls = read_walls(walls, s.origin);
+  s.contacts = read_contacts(files.frames);
   return s;
 }
 
@@ -339,7 +317,8 @@ std::size_t bytes_of_frame(const FrameFiles& files) {
   return (may_break ? 9 : 7) * particles.points() +
          ((may_break ? fields_with_breaks + 2 : fields_of_all_runs + 1) +
           (tells_of_flow(bonds) ? bond_field_count - fields_with_breaks : 0)) *
-             bonds.cells();
+             bonds.cells() +
+         bytes_of_contacts(files);
 }
 
 }  // namespace vbond::page

@@ -7,16 +7,12 @@
 #include <vector>
 
 #include "vbond/observe/page/block.hpp"
+#include "vbond/observe/page/contacts.hpp"
+#include "vbond/observe/page/listed.hpp"
 #include "vbond/observe/page/walls.hpp"
 
 /// Moving pictures of the report page: frames of a run or of a mode, read back from .vtp files and quantised.
 namespace vbond::page {
-
-/// The files of a frame.
-struct FrameFiles {
-  double time = 0;
-  std::filesystem::path particles, bonds, walls{};  ///< walls: empty if there are none
-};
 
 enum class SequenceKind : std::uint8_t { run, mode };
 
@@ -26,14 +22,6 @@ struct SequenceFiles {
   std::string stage;  ///< of a mode
   std::vector<FrameFiles> frames;
 };
-
-/// Frames that two lists have in common: while a run is writing, one may be longer. Throws IoError.
-std::vector<FrameFiles> listed_frames(const std::filesystem::path& particles_pvd,
-                                      const std::filesystem::path& bonds_pvd);
-/// The same with the walls of a third list, where it has the frame.
-std::vector<FrameFiles> listed_frames(const std::filesystem::path& particles_pvd,
-                                      const std::filesystem::path& bonds_pvd,
-                                      const std::filesystem::path& walls_pvd);
 
 /// Every stride-th of n frames, the last one as well.  Numbers in increasing order.
 std::vector<std::size_t> thinned(std::size_t n, std::size_t stride);
@@ -74,6 +62,7 @@ struct Sequence {
   bool may_break = false;  ///< every frame tells of breaks
   std::vector<QuantisedFrame> frames;
   Walls walls{};
+  Contacts contacts{};
   bool flows = false;  ///< every frame tells of flow
   /// Whether the frames have this one of bond_fields. That a mode uses up strength, carries loads or has
   /// flowed means nothing.

@@ -95,6 +95,43 @@ void add_walls(const Walls& walls, const std::vector<std::size_t>& frames, Block
                 {"motion", to_json(block.add(motion))}};
 }
 
+/// Numbers of particles as they are, in the type that they fit into.
+Json ends_json(const std::vector<std::uint32_t>& ends, std::size_t particles, Block& block) {
+  if (bytes_of_end(particles) == sizeof(std::uint32_t)) return to_json(block.add(ends));
+  const std::array<Range, 1> as_they_are{{{0.0, 1.0}}};
+  return to_json(block.add(std::vector<std::uint16_t>(ends.begin(), ends.end()), as_they_are, 0));
+}
+
+/// How many contacts a frame has, and what its forces mean; nothing where they were not written.
+void add_contact_count(const FrameContacts& c, Json& frame) {
+  if (!c.written) return;
+  frame["contacts"] = {{"count", c.i.size()},
+                       {"placed", c.shift.size() / numbers_of_shift},
+                       {"low", c.range.low},
+                       {"step", c.range.step}};
+}
+
+/// The contacts of all frames, one after another; nothing where nothing touches.
+void add_contacts(const Contacts& contacts, const std::vector<std::size_t>& frames, std::size_t particles,
+                  bool si, Block& block, Json& j) {
+  if (!contacts.any()) return;
+  const auto all = [&](auto member) {
+    std::decay_t<decltype(contacts.frames[0].*member)> values;
+    for (const std::size_t f : frames) {
+      const auto& of_frame = contacts.frames[f].*member;
+      values.insert(values.end(), of_frame.begin(), of_frame.end());
+    }
+    return values;
+  };
+  for (std::size_t k = 0; k < frames.size(); ++k)
+    add_contact_count(contacts.frames[frames[k]], j["frames"][k]);
+  j["contacts"] = {{"unit", si ? "N" : ""},
+                   {"i", ends_json(all(&FrameContacts::i), particles, block)},
+                   {"j", ends_json(all(&FrameContacts::j), particles, block)},
+                   {"force", to_json(block.add(all(&FrameContacts::force), {0.0, 1.0}, 0))},
+                   {"shift", to_json(block.add(all(&FrameContacts::shift), contacts.shift, 0))}};
+}
+
 }  // namespace
 
 Json sequence_json(const Sequence& s, const Report& report, const std::vector<std::size_t>& kept,
@@ -126,6 +163,7 @@ Json sequence_json(const Sequence& s, const Report& report, const std::vector<st
   j["bond_range"] = to_json(block.add(range, {0.0, 1.0}, bonds));
   add_breaks(s, kept, bonds, block, j);
   add_walls(s.walls, kept, block, j);
+  add_contacts(s.contacts, kept, particles, si, block, j);
   return j;
 }
 
