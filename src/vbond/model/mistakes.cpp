@@ -7,6 +7,7 @@
 
 #include "vbond/model/capsules.hpp"
 #include "vbond/model/detail/mistakes.hpp"
+#include "vbond/model/drop.hpp"
 #include "vbond/model/wall_mistakes.hpp"
 
 namespace vbond {
@@ -189,6 +190,7 @@ std::vector<std::string> mistakes_in(const Model& model, const State& s) {
                               k.value, b.i.value, b.j.value, model.particles()));
     break;
   }
+  if (const auto mistake = mistake_in_dropped(s)) found.require(false, *mistake);
   const bool capsules = any_capsules(model.contact, s.bonds);
   found.require(model.contact.adhesion == AdhesionForm::none || !capsules,
                 "bonds touch as capsules, which take no adhesion: contact.adhesion must be none");

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "vbond/core/error.hpp"
+#include "vbond/model/drop.hpp"
 #include "vbond/model/rules.hpp"
 #include "vbond/observe/detail/checkpoint_fibres.hpp"
 #include "vbond/observe/detail/checkpoint_grips.hpp"
@@ -274,6 +275,21 @@ void read_inelastic(H5Reader& reader, State& state) {
 
 using Ends = PerBond<ParticleId>;  // one end of each pair
 
+/// Files have these only where particles were dropped.
+void write_dropped(H5Writer& writer, const State& state) {
+  if (state.dropped.empty()) return;
+  writer.of_each("/dropped/particle", Ends(state.dropped), std::identity{});
+}
+
+void read_dropped(H5Reader& reader, State& state) {
+  if (!reader.has("/dropped/particle")) return;
+  Ends dropped;
+  dropped.resize(reader.rows("/dropped/particle"));
+  reader.of_each("/dropped/particle", dropped, std::identity{});
+  state.dropped.assign(dropped.begin(), dropped.end());
+  if (const auto mistake = mistake_in_dropped(state)) throw IoError("is damaged: " + *mistake);
+}
+
 /// Files have these columns only where there are such pairs, so that the format is the one before them.
 void write_overlapping(H5Writer& writer, const WatchRecord& watch) {
   if (watch.overlapping.empty()) return;
@@ -403,6 +419,7 @@ void write_checkpoint(const std::filesystem::path& path, const Model& model, con
     write_laws(writer, checkpoint.state);
     write_rules(writer, checkpoint.state);
     write_inelastic(writer, checkpoint.state);
+    write_dropped(writer, checkpoint.state);
     write_heat(writer, checkpoint.state);
     write_walls(writer, checkpoint.state);
     write_grips(writer, checkpoint.state);
@@ -446,6 +463,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const Model& model
     read_overlapping(reader, c.watch, n);
     read_rare(reader, c.watch, c.state);
     check_sense(c);
+    read_dropped(reader, c.state);
     return c;
   } catch (const IoError& e) {
     throw IoError(path.string() + ": " + e.what());

@@ -43,6 +43,7 @@ constexpr CheckpointQuantity data_sets[] = {
      "by what it broke: 0 not, 1 tension, 2 shear, 3 bending, 4 torsion, 5 compression, 6 not known"},
     {"/bonds/history", unit::none,
      "what the bond remembers, in the order and units of its law; only where bonds remember something"},
+    {"/dropped/particle", unit::none, "particles that are no longer computed; only if there are any"},
     {"/contacts/i", unit::none,
      "first particles of touching pairs that remember something; only if there are any"},
     {"/contacts/j", unit::none, "second particles of these pairs"},
@@ -105,7 +106,7 @@ constexpr CheckpointQuantity data_sets[] = {
      "rolling, adhesion, bonding, damping of bonds (axial, shear, bending, torsion); of yield, creep and "
      "softening what bonds had lost when the books began, as a negative number; only if there is any"},
     {"/books/released", unit::energy,
-     "of bonds at the time they broke, less that of contacts it switched on"},
+     "of bonds at the time they broke, less that of contacts it switched on; and of dropped particles"},
     {"/books/work_loads", unit::energy, "work of point forces, moments and gravity"},
     {"/books/work_supports", unit::energy,
      "work of supports, prescribed velocities, imposed strain and changes of temperature"},
