@@ -46,11 +46,10 @@ void describe(Table& t, Case& c) {
            [&](Table& k, StageSpec& s) { any_unknown = !describe(k, s) || any_unknown; });
   t.table("output", optional, "what is written",
           [&](Table& k) { describe(k, c.output, c.any_dynamics() && !any_unknown); });
-  t.table("watch", optional, "when the run is looked at and stopped",
-          [&c](Table& k) {
-            describe(k, c.watch);
-            check_what_drops(k, c);
-          });
+  t.table("watch", optional, "when the run is looked at and stopped", [&c](Table& k) {
+    describe(k, c.watch);
+    check_what_drops(k, c);
+  });
 }
 
 void describe(Table& t, VelocitySpec& v) {

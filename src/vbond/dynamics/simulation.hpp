@@ -105,10 +105,10 @@ class Simulation {
                  std::int64_t most = std::numeric_limits<std::int64_t>::max());
   /// Why the stage ends here, if it does. Not where a stepper makes the steps.
   StopReason stop_reason() const;
-  /// Of a simulation that goes on with the state of another one, without particles that drop() took out of it:
-  /// takes over what that one has not told its observers yet, and counts the energy that has gone as released.
-  /// Returns that energy.
-  double take_over(Simulation& with_them);
+  /// Of a simulation that goes on with the state of another one, without particles that drop() took out of
+  /// it: takes over what that one has not told its observers yet, with the bonds that broke by this, and
+  /// counts the energy that has gone as released. Returns that energy.
+  double take_over(Simulation& with_them, const std::vector<BondEvent>& broken);
   /// Shows the observers this step again.
   void look_again() { notify_observers(); }
   /// Tells the observers that the stage ends here.

@@ -29,11 +29,10 @@ Told in_words(const Model& model, const Walls::FaultyTouch& found, double dt) {
   switch (found.fault) {
     case Walls::Fault::passed: return {particle, "its centre has passed through " + wall, gentler};
     case Walls::Fault::fast:
-      return {
-          particle,
-          fmt::format("it moves by {:.3g} of its radius in a step near {}, which it could pass unseen",
-                      found.is / found.limit, wall),
-          fmt::format("use a time.step below {:.3g}, or lower velocities", dt * found.limit / found.is)};
+      return {particle,
+              fmt::format("it moves by {:.3g} of its radius in a step near {}, which it could pass unseen",
+                          found.is / found.limit, wall),
+              fmt::format("use a time.step below {:.3g}, or lower velocities", dt * found.limit / found.is)};
     case Walls::Fault::too_wide:
       return {particle, "it is not smaller than the hollow " + wall + " that it touches",
               "use a larger radius of the wall, or keep the particle out of it"};
@@ -65,13 +64,14 @@ void Simulation::close_walls(double dt) {
 
 void Simulation::tell_of_lost() {
   const std::vector<LostParticle> lost = std::exchange(lost_to_walls_, {});
-  throw ParticlesLost(Diverged(state_.clock.step, state_.clock.time(), name_of(lost.front().p), lost.front().why,
-                               gentler),
-                      lost);
+  throw ParticlesLost(
+      Diverged(state_.clock.step, state_.clock.time(), name_of(lost.front().p), lost.front().why, gentler),
+      lost);
 }
 
-double Simulation::take_over(Simulation& with_them) {
+double Simulation::take_over(Simulation& with_them, const std::vector<BondEvent>& broken) {
   take_events(with_them);
+  events_.insert(events_.end(), broken.begin(), broken.end());
   const double gone = with_them.energies().total() - energies().total();
   state_.books.released += gone;
   bodies_ahead_ = true;  // the state has no loads yet
@@ -83,8 +83,7 @@ void Simulation::look_at_capsules() const {
   if (!capsules_.passed()) return;
   const DeepCapsules& p = *capsules_.passed();
   diverge(p.i.value, p.first + " and " + p.second,
-          "the axes of their capsules have passed through one another",
-          gentler);
+          "the axes of their capsules have passed through one another", gentler);
 }
 
 void Simulation::look_at_deep_contacts() {

@@ -38,25 +38,26 @@ std::optional<std::vector<std::pair<ParticleId, std::string>>> to_be_dropped(
     if (!l.other || found.count(l.p) > 0 || found.count(*l.other) > 0) continue;
     const bool first = can_do_without(stage, l.p);
     if (!first && !can_do_without(stage, *l.other)) return std::nullopt;
-    found.emplace(first ? l.p : *l.other, "it has passed through particle " +
-                                              std::to_string((first ? *l.other : l.p).value));
+    found.emplace(first ? l.p : *l.other,
+                  "it has passed through particle " + std::to_string((first ? *l.other : l.p).value));
   }
   return std::vector<std::pair<ParticleId, std::string>>(found.begin(), found.end());
 }
 
-std::vector<std::size_t> drop(const std::vector<ParticleId>& particles, State& s) {
+std::vector<BondEvent> drop(const std::vector<ParticleId>& particles, State& s) {
   s.dropped.insert(s.dropped.end(), particles.begin(), particles.end());
   std::sort(s.dropped.begin(), s.dropped.end());
   s.dropped.erase(std::unique(s.dropped.begin(), s.dropped.end()), s.dropped.end());
-  const std::size_t stays = particles.size();
-  PerParticle<std::size_t> place(s.r.size(), stays);
-  for (std::size_t k = 0; k < particles.size(); ++k) place[particles[k]] = k;
-  std::vector<std::size_t> broken(particles.size(), 0);
-  for (Bond& b : s.bonds) {
-    const std::size_t first = std::min(place[b.i], place[b.j]);
-    if (b.broken || first == stays) continue;
+  PerParticle<char> goes(s.r.size(), 0);
+  for (const ParticleId p : particles) goes[p] = 1;
+  std::vector<BondEvent> broken;
+  for (const BondId k : s.bonds.ids()) {
+    Bond& b = s.bonds[k];
+    if (b.broken || (goes[b.i] == 0 && goes[b.j] == 0)) continue;
+    broken.push_back(breaking_event(b, k, s.clock.step, s.r[b.i], bond_pose(b, s), history_of_bond(s, k)));
+    broken.back().cause = {};  // not by its loads
     b.broken = true;
-    ++broken[first];
+    b.mode = broken.back().cause.mode;
   }
   for (const ParticleId p : particles) {
     s.v[p] = s.omega[p] = {};

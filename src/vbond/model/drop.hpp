@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "vbond/core/error.hpp"
+#include "vbond/model/bond_event.hpp"
 #include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"
 
@@ -12,9 +13,9 @@ namespace vbond {
 
 /// A particle that a run cannot go on with; or of a pair that have passed through one another, either.
 struct LostParticle {
-  ParticleId p;                             ///< of a pair the one that is rather to go
-  std::optional<ParticleId> other = {};     ///< of a pair
-  std::string why = {};                     ///< of one alone, e.g. "its centre has passed through ..."
+  ParticleId p;                          ///< of a pair the one that is rather to go
+  std::optional<ParticleId> other = {};  ///< of a pair
+  std::string why = {};                  ///< of one alone, e.g. "its centre has passed through ..."
 };
 
 /// The run went unphysical by single particles: its state is finite, and sound without them.
@@ -26,8 +27,8 @@ class ParticlesLost : public Diverged {
   std::vector<LostParticle> lost;
 };
 
-/// What cannot be of the particles that a state calls dropped: they are those of the state, in increasing order,
-/// and have no bonds.
+/// What cannot be of the particles that a state calls dropped: they are those of the state, in increasing
+/// order, and have no bonds.
 std::optional<std::string> mistake_in_dropped(const State& state);
 
 /// Whether a stage can do without the particle: no support holds it, and no distance to it ends the stage.
@@ -40,8 +41,8 @@ std::optional<std::vector<std::pair<ParticleId, std::string>>> to_be_dropped(
 
 /// Takes these particles out of the computation: they stop where they are, their bonds are broken, and what
 /// they and others remember of touching is forgotten. Loads at the present positions are to be worked out
-/// anew. Returns how many bonds of each were broken, a bond of two of them for the first. The energy that goes
-/// with them is for the caller to book (Simulation::take_over).
-std::vector<std::size_t> drop(const std::vector<ParticleId>& particles, State& state);
+/// anew. Returns the bonds that broke by this, in their order. The energy that goes with them is for the
+/// caller to book (Simulation::take_over).
+std::vector<BondEvent> drop(const std::vector<ParticleId>& particles, State& state);
 
 }  // namespace vbond

@@ -13,7 +13,8 @@ namespace vbond {
 
 /// Calls visit(i, j, overlap), i < j, once for every pair that repels each other as the particles stand:
 /// overlap > 0, what they do not feel of it taken off, and not bonded if only unbonded pairs touch; those of
-/// fibres (model/capsules.hpp) and particles that were dropped apart. For looks now and then, not for a time loop.
+/// fibres (model/capsules.hpp) and particles that were dropped apart. For looks now and then, not for a time
+/// loop.
 template <class Visit>
 void for_touching_pairs(const Model& model, const State& state, Visit&& visit) {
   if (!particles_touch(model.contact) || model.particles() < 2) return;

@@ -93,8 +93,8 @@ class Watch {
   /// Reports a particle that is too fast for its contacts to be seen, again when it is twice as fast.
   void look_at_speed(const FastParticle& fastest, const Clock& clock);
 
-  /// Throws ParticlesLost for a particle that turns by more than half a turn in a step, unless the stage insists
-  /// on it; reports it if it turns less, again when it turns twice as far.
+  /// Throws ParticlesLost for a particle that turns by more than half a turn in a step, unless the stage
+  /// insists on it; reports it if it turns less, again when it turns twice as far.
   void look_at_turns(const FastTurn& fastest, const Clock& clock, bool insist);
 
   /// Reports particles that are deep in walls, each once.

@@ -174,17 +174,18 @@ StopReason Run::steps_of_stage(std::int64_t most) {
 /// mend.
 bool Run::drop(const ParticlesLost& found) {
   const auto& stage = std::get<Stage>(*stage_);
-  if (stage.on_unphysical != OnUnphysical::drop || stepper_ != nullptr || clock().stage_step == 0) return false;
+  if (stage.on_unphysical != OnUnphysical::drop || stepper_ != nullptr || clock().stage_step == 0)
+    return false;
   State rest = simulation_->state();
   const auto lost = to_be_dropped(stage, found.lost);
-  if (!lost || any_capsules(model_.contact, rest.bonds) ||
-      !std::isfinite(simulation_->energies().total()))
+  if (!lost || rest.dropped.size() + lost->size() == model_.particles() ||
+      any_capsules(model_.contact, rest.bonds) || !std::isfinite(simulation_->energies().total()))
     return false;
   std::vector<ParticleId> particles;
   for (const auto& [p, why] : *lost) particles.push_back(p);
-  const std::vector<std::size_t> broken = vbond::drop(particles, rest);
+  const std::vector<BondEvent> broken = vbond::drop(particles, rest);
   auto without = std::make_unique<Simulation>(model_, stage, &rest, threads_);
-  const double energy = without->take_over(*simulation_);
+  const double energy = without->take_over(*simulation_, broken);
   simulation_ = std::move(without);
   for (const auto& o : observers_) simulation_->add_observer(o);
   tell_of_dropped(*lost, broken, energy);
@@ -193,7 +194,7 @@ bool Run::drop(const ParticlesLost& found) {
 
 /// The first ones in full, the others at the end of the stage as a number.
 void Run::tell_of_dropped(const std::vector<std::pair<ParticleId, std::string>>& lost,
-                          const std::vector<std::size_t>& broken, double energy) {
+                          const std::vector<BondEvent>& broken, double energy) {
   constexpr std::size_t told_in_full = 10;
   const State& s = simulation_->state();
   std::size_t count = s.dropped.size() - lost.size();
@@ -204,13 +205,15 @@ void Run::tell_of_dropped(const std::vector<std::pair<ParticleId, std::string>>&
     }
     const auto& [p, why] = lost[k];
     const Vec3d& r = s.r[p];
+    const auto bonds = std::count_if(broken.begin(), broken.end(), [&s, p = p](const BondEvent& e) {
+      return s.bonds[e.bond].i == p || s.bonds[e.bond].j == p;
+    });
     if (hooks_.tell)
-      hooks_.tell(fmt::format("t = {:.6g}: step {}: particle {} is dropped at ({:.6g}, {:.6g}, {:.6g}): {}; "
-                              "{} bond{} broke, and {}energy {:.6g} is gone",
-                              s.clock.time(), s.clock.step, p.value, r.x, r.y, r.z, why, broken[k],
-                              broken[k] == 1 ? "" : "s",
-                              lost.size() == 1 ? std::string() : fmt::format("with all {} ", lost.size()),
-                              energy));
+      hooks_.tell(
+          fmt::format("t = {:.6g}: step {}: particle {} is dropped at ({:.6g}, {:.6g}, {:.6g}): {}; "
+                      "{} bond{} broke, and {}energy {:.6g} is gone",
+                      s.clock.time(), s.clock.step, p.value, r.x, r.y, r.z, why, bonds, bonds == 1 ? "" : "s",
+                      lost.size() == 1 ? std::string() : fmt::format("with all {} ", lost.size()), energy));
   }
 }
 
@@ -245,9 +248,10 @@ void Run::fail(const std::string& why) {
 /// where there are stages of dynamics one T_0, so that it is of the size of their times.
 StageResult Run::run_static() {
   const auto& stage = std::get<StaticStage>(*stage_);
-  require(state_.dropped.empty(), fmt::format("stage \"{}\" is static, and {} particles were dropped before it: "
-                                              "a balance is looked for with all particles",
-                                              stage.name, state_.dropped.size()));
+  require(state_.dropped.empty(),
+          fmt::format("stage \"{}\" is static, and {} particles were dropped before it: "
+                      "a balance is looked for with all particles",
+                      stage.name, state_.dropped.size()));
   if (restart_) state_ = *std::exchange(restart_, {});
   if (moves(state_) && hooks_.tell)
     hooks_.tell(

@@ -132,7 +132,7 @@ class Run {
   StopReason steps_of_stage(std::int64_t most);
   bool drop(const ParticlesLost& found);
   void tell_of_dropped(const std::vector<std::pair<ParticleId, std::string>>& lost,
-                       const std::vector<std::size_t>& broken, double energy);
+                       const std::vector<BondEvent>& broken, double energy);
   void close_stage(StopReason why);
   StageResult run_static();
   StageResult find_balance(const StaticStage& stage);
