@@ -87,14 +87,19 @@ Specimen without(const Specimen& s, const std::vector<ParticleId>& gone) {
   for (const ParticleId p : m.mass.ids()) m.groups[0].particles.push_back(p);
   rest.state = s.state;
   State& t = rest.state;
-  keep(t.r), keep(t.v), keep(t.q), keep(t.omega), keep(t.spin);
+  keep(t.r), keep(t.v), keep(t.q), keep(t.omega), keep(t.spin), keep(t.temperature);
   t.loads = t.damping = t.local_damping = {};
-  t.bonds.resize(0), t.bond_history.resize(0);
+  t.bonds.resize(0), t.bond_history.resize(0), t.warm_bonds.clear();
   for (const BondId k : s.state.bonds.ids()) {
     Bond b = s.state.bonds[k];
     if (!now[b.i.value] || !now[b.j.value]) continue;
     b.i = *now[b.i.value], b.j = *now[b.j.value];
     t.bonds.push_back(b);
+    for (WarmBond w : s.state.warm_bonds)
+      if (w.bond == k) {
+        w.bond = BondId{t.bonds.size() - 1};
+        t.warm_bonds.push_back(w);
+      }
     if (!s.state.bond_history.empty()) t.bond_history.push_back(s.state.bond_history[k]);
   }
   t.contact_history.clear(), t.wall_history.clear();
@@ -316,16 +321,24 @@ struct Shot {
     if (dice(0, 1) < 0.5) recipe.parameters = BondStiffness<double>{1.0, 0.03, 0.0025, 1.0 / 480};
     if (dice(0, 1) < 0.3) recipe.damping = {DampingBy::coefficients, {0.02, 0.002, 2e-4, 2e-4}};
     if (dice(0, 1) < 0.3) recipe.rules.yield.limit = {0.01, 1e-3, 2e-4, 1e-4};
+    if (dice(0, 1) < 0.3) recipe.expansion = 1e-3;
     if (dice(0, 1) < 0.3)
       for (const ParticleId p : s.model.mass.ids()) make_top(s.model, p, {{0.064, 0.07, 0.08}, {}});
     if (dice(0, 1) < 0.6)
       for (std::size_t i = 0; i < r.size(); ++i)
         for (std::size_t j = i + 1; j < r.size(); ++j)
-          if (is_bullet[i] == 0 && is_bullet[j] == 0 && norm(r[j] - r[i]) < 1.1 && dice(0, 1) < 0.5)
+          if (is_bullet[i] == 0 && is_bullet[j] == 0 && norm(r[j] - r[i]) < 1.1 && dice(0, 1) < 0.5) {
             testing::bond(s, i, j, recipe);
+            const Bond& b = s.state.bonds[BondId{s.state.bonds.size() - 1}];
+            if (recipe.expansion > 0.0)
+              s.state.warm_bonds.push_back(
+                  {BondId{s.state.bonds.size() - 1}, recipe.expansion, b.a, b.R_i, b.R_j});
+          }
     stage = dropping(0.02 * step_bound(s.model, s.state).dt, 0.0);
     stage.gravity = {0, 0, dice(-0.01, 0.0)};
     if (dice(0, 1) < 0.3) stage.b_translation = dice(0.0, 0.05);
+    if (recipe.expansion > 0.0)
+      stage.heating = {{s.model.groups[0].particles, dice(-10.0, 10.0), {{{0, 0}, {10.0 * stage.dt, 1}}}}};
     if (dice(0, 1) < 0.2) stage.local_damping = dice(0.0, 0.3);
     stage.stops.duration = 4.0 * n / fastest + 200.0 * stage.dt;
   }
@@ -380,7 +393,9 @@ Outcome look_at(unsigned seed) {
         << seed << ", particle " << p.value;
 
   const Specimen rest = without({shot.s.model, before}, at.dropped);
-  Simulation by_hand(rest.model, shot.stage, rest.state);
+  Stage stage = shot.stage;
+  for (Heating& h : stage.heating) h.particles = rest.model.groups[0].particles;
+  Simulation by_hand(rest.model, stage, rest.state);
   // its books still have those that are gone
   by_hand.add_observer(watch(without(w.observer->watch().record(), at.dropped), 1e9));
   const std::vector<ParticleId> stay = others(shot.s.model, at.dropped);

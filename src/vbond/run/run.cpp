@@ -145,6 +145,7 @@ StopReason Run::advance(std::int64_t most) {
   try {
     why = steps_of_stage(most);
   } catch (const Diverged& e) {
+    sum_up_dropped();
     fail(e.what());
     results_.push_back(result_of_dynamics(StopReason::diverged));
     if (hooks_.stage_end) hooks_.stage_end(*simulation_, StopReason::diverged, e.what());
@@ -217,10 +218,14 @@ void Run::tell_of_dropped(const std::vector<std::pair<ParticleId, std::string>>&
   }
 }
 
-void Run::close_stage(StopReason why) {
+void Run::sum_up_dropped() {
   if (const std::size_t untold = std::exchange(drops_untold_, 0); untold > 0 && hooks_.tell)
     hooks_.tell(fmt::format("{} more particles were dropped: {} in all so far", untold,
                             simulation_->dropped().size()));
+}
+
+void Run::close_stage(StopReason why) {
+  sum_up_dropped();
   if (hooks_.stage_end) hooks_.stage_end(*simulation_, why, {});
   results_.push_back(result_of_dynamics(why));
   state_ = std::move(*simulation_).take_state();

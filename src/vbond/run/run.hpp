@@ -133,6 +133,7 @@ class Run {
   bool drop(const ParticlesLost& found);
   void tell_of_dropped(const std::vector<std::pair<ParticleId, std::string>>& lost,
                        const std::vector<BondEvent>& broken, double energy);
+  void sum_up_dropped();
   void close_stage(StopReason why);
   StageResult run_static();
   StageResult find_balance(const StaticStage& stage);
