@@ -137,14 +137,11 @@ EndsOfStay ends_of_stay(const Encounter& e, double distance) {
 /// Of a pair that have passed through one another: a single one before one of a body, the lighter one before
 /// the heavier one, then the later one.
 LostParticle rather_to_go(const Model& m, const State& s, ParticleId i, ParticleId j) {
-  std::size_t bonds_of_i = 0, bonds_of_j = 0;
-  for (const Bond& b : s.bonds) {
-    if (b.broken) continue;
-    bonds_of_i += static_cast<std::size_t>(b.i == i || b.j == i);
-    bonds_of_j += static_cast<std::size_t>(b.i == j || b.j == j);
-  }
-  const bool j_goes = std::pair(bonds_of_j, m.mass[j]) <= std::pair(bonds_of_i, m.mass[i]);
-  return j_goes ? LostParticle{j, i} : LostParticle{i, j};
+  const auto holds = [&](ParticleId p) {
+    const auto is_its = [p](const Bond& b) { return !b.broken && (b.i == p || b.j == p); };
+    return std::pair(std::count_if(s.bonds.begin(), s.bonds.end(), is_its), m.mass[p]);
+  };
+  return holds(j) <= holds(i) ? LostParticle{j, i} : LostParticle{i, j};
 }
 
 /// What contacts can do about a pair depends on its energy: no step helps where that is too large.
