@@ -63,6 +63,49 @@ TEST(Drop, WhatASupportHoldsStays) {
   EXPECT_THROW(both.run.run(), Diverged);
 }
 
+// After a step nothing would find the others any more: through a wall they are on the side where they are
+// pushed on.
+TEST(Drop, AllThatAreLostInOneStep) {
+  Specimen s =
+      testing::particles_at({{0, 0, 1}, {3, 0, 1}, {6, 0, 1}, {9, 0, 1}, {9, 2, 1}, {12, 0, 1}, {12, 2, 1}});
+  s.model.contact = linear(1.0, 0.0);
+  s.model.walls = {testing::floor_at(0)};
+  for (const std::size_t p : {0, 2}) s.state.v[ParticleId{p}] = {0, 0, -10};
+  for (const std::size_t p : {3, 5}) s.state.v[ParticleId{p}] = {0, 10, 0};
+  Watched w(s, dropping(1e-3, 0.3));
+  w.run.run();
+  EXPECT_EQ(w.run.state().dropped,
+            (std::vector<ParticleId>{ParticleId{0}, ParticleId{2}, ParticleId{4}, ParticleId{6}}));
+}
+
+// A wall takes a ball in every step in which the pair is deep in one another: what the watch is to see of the
+// pair must outlive each loss. The pair meets after 0.1, and the balls fall through the wall from 0.08 to
+// 0.12.
+TEST(Drop, APairIsSeenWhileWallsTakeOthers) {
+  std::vector<Vec3d> r{{0, -5, 1}, {0, -4, 1}};
+  for (int k = 0; k < 40; ++k) r.push_back({2.0 * k, 0, 0.8 + 0.01 * k});
+  Specimen s = testing::particles_at(r);
+  s.model.contact = linear(1.0, 0.0);
+  s.model.walls = {testing::floor_at(0)};
+  for (const ParticleId p : s.model.mass.ids()) s.state.v[p] = {0, 0, -10};
+  s.state.v[ParticleId{0}] = {0, 10, 0}, s.state.v[ParticleId{1}] = {};
+  Watched w(s, dropping(1e-3, 0.2));
+  w.run.run();
+  EXPECT_EQ(w.run.state().dropped.size(), 41u);
+  EXPECT_TRUE(is_dropped(w.run.state(), ParticleId{1}));
+}
+
+// A body may fly as fast as it likes: what has stopped is none of it.
+TEST(Drop, TheSpeedOfTheRestIsMeasuredAgainstTheRest) {
+  Specimen s = testing::particles_at({{0, 0, 0}, {3, 0, 0}, {6, 0, 0}});
+  s.model.contact = linear(1.0, 0.0);
+  s.state.dropped = {ParticleId{2}};
+  s.state.v[ParticleId{0}] = s.state.v[ParticleId{1}] = {100, 0, 0};
+  Simulation run(s.model, testing::plain_stage(0.01, 1.0), s.state);
+  run.step();
+  EXPECT_FALSE(run.fastest());
+}
+
 TEST(Drop, TheLastOneStopsTheRun) {
   Specimen s = testing::sphere({0, 0, 0.5}, 0.1, 1.0, linear(10.0, 0.0), {testing::floor_at(0)});
   s.state.v[ParticleId{0}] = {0, 0, -5};

@@ -71,6 +71,7 @@ void Simulation::tell_of_lost() {
 
 double Simulation::take_over(Simulation& with_them, const std::vector<BondEvent>& broken) {
   take_events(with_them);
+  encounters_.take(with_them.encounters_, state_.dropped);
   events_.insert(events_.end(), broken.begin(), broken.end());
   const double gone = with_them.energies().total() - energies().total();
   state_.books.released += gone;
