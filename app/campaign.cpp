@@ -159,6 +159,8 @@ void save_summary(Campaign& campaign) {
   s.ever_snapped = watched.snapped;
   s.ever_overlapping = static_cast<std::int64_t>(watched.overlapping.size());
   s.ever_stretched = static_cast<std::int64_t>(watched.stretched.size());
+  if (campaign.c.watch.on_unphysical == OnUnphysical::drop)
+    s.dropped = static_cast<std::int64_t>(campaign.run.current().dropped.size());
   s.too_fast = watched.fastest > WatchRecord{}.fastest ? watched.fastest : 0.0;
   s.stepping_seconds = std::max(0.0, campaign.stepping);
   s.wall_time = {{"build", campaign.building}};

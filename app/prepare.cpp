@@ -108,8 +108,9 @@ OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem:
   if (o.checkpoint_every)
     plan.checkpoint_every = output_time(*o.checkpoint_every, model, "output.checkpoint.every", c);
   plan.statics = any_statics(c);
+  const bool drops = c.watch.on_unphysical == OnUnphysical::drop;
   plan.breaks = std::any_of(c.bonds.begin(), c.bonds.end(),
-                            [](const BondSpec& b) { return b.recipe.rules.can_break(); });
+                            [drops](const BondSpec& b) { return drops || b.recipe.rules.can_break(); });
   plan.capsules =
       std::any_of(c.bonds.begin(), c.bonds.end(), [](const BondSpec& b) { return b.recipe.capsule; });
   plan.flow =

@@ -13,6 +13,11 @@ void refuse_beyond_ranks(const Case& c) {
         throw CaseError({s.place, "the rigid group \"" + s.group.value + "\" is free in part",
                          "its particles would be on several ranks, which do not know what it weighs",
                          "run the case with vbond, or hold all of it"});
+  if (c.watch.on_unphysical == OnUnphysical::drop)
+    throw CaseError({{c.file, 0, 0},
+                     "watch.on_unphysical = \"drop\"",
+                     "a particle that one rank drops would still be on others",
+                     "run the case with vbond, or use on_unphysical = \"stop\""});
   if (std::any_of(c.stages.begin(), c.stages.end(), [](const StageSpec& s) { return !is_static(s.kind); }))
     return;
   throw CaseError({{c.file, 0, 0},

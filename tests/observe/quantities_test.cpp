@@ -166,6 +166,8 @@ TEST(Quantities, EveryDataSetOfACheckpointHasItsUnitAndMeaning) {
   chain.state.temperature.resize(chain.state.r.size());
   chain.state.warm_bonds = {{BondId{1}, 1e-3, 0.5, 0.1, 0.2}};
   chain.state.books.lost[Loss::drag] = 0.5;
+  chain.state.bonds[BondId{1}].broken = true;
+  chain.state.dropped = {ParticleId{2}};
   for (Loads* loads : {&chain.state.loads, &chain.state.damping, &chain.state.local_damping})
     *loads = {PerParticle<Vec3d>(chain.state.r.size()), PerParticle<Vec3d>(chain.state.r.size())};
   chain.state.bonds[BondId{0}].law = &bond_law<RuledVModel>;

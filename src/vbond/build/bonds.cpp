@@ -73,6 +73,7 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
   const double U = potential_energies(model, state).contact, flowed = dissipated_by_flow(state);
   double longest = INFINITY;  // of bonds that soften
   for (const Pair& pair : select_pairs(c, set, model, state, problems)) {
+    if (is_dropped(state, pair[0]) || is_dropped(state, pair[1])) continue;
     const BondSite site_i = bond_site(model, state, pair[0]), site_j = bond_site(model, state, pair[1]);
     const auto bond = make_bond(recipe, site_i, site_j);
     if (!bond) {

@@ -376,6 +376,7 @@ Stage resolve_stage(const Case& c, const Model& model, std::size_t k, Problems& 
   Stage stage;
   stage.name = spec.name;
   stage.insist = c.time.insist;
+  stage.on_unphysical = c.watch.on_unphysical;
   stage.gravity = spec.gravity;
   stage.b_translation = spec.b_translation;
   stage.local_damping = spec.local_damping;

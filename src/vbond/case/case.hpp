@@ -401,6 +401,7 @@ struct WatchSpec {
   std::int64_t every = 100;    ///< steps between looks at bonds and energy
   double energy_error = 0.05;  ///< relative; above it the run stops
   double overlap = 0.1;  ///< of the smaller radius; more, of what is not bonded, is reported; 0: none is
+  OnUnphysical on_unphysical = OnUnphysical::stop;
 };
 
 struct Case {

@@ -1,6 +1,23 @@
 #include "vbond/case/keys.hpp"
 
 namespace vbond::keys {
+namespace {
+
+/// What cannot go on without single particles.
+void check_what_drops(Table& t, const Case& c) {
+  const bool drops = c.watch.on_unphysical == OnUnphysical::drop;
+  const auto moves = [](const StageSpec& s) { return !is_static(s.kind); };
+  const auto motion = std::find_if(c.stages.begin(), c.stages.end(), moves);
+  t.check(!drops || std::all_of(motion, c.stages.end(), moves), {"on_unphysical"},
+          "a static stage that follows a stage of dynamics looks for a balance with all particles",
+          "use on_unphysical = \"stop\", or leave the static stage to another case");
+  t.check(!drops || std::none_of(c.bonds.begin(), c.bonds.end(),
+                                 [](const BondSpec& b) { return b.recipe.capsule; }),
+          {"on_unphysical"}, "bonds touch as capsules, which are not followed through the loss of a particle",
+          "use on_unphysical = \"stop\", or leave capsule_radius out");
+}
+
+}  // namespace
 
 void default_to_all(Placed<std::string>& group) {
   if (group.value.empty()) group.value = "all";
@@ -29,8 +46,10 @@ void describe(Table& t, Case& c) {
            [&](Table& k, StageSpec& s) { any_unknown = !describe(k, s) || any_unknown; });
   t.table("output", optional, "what is written",
           [&](Table& k) { describe(k, c.output, c.any_dynamics() && !any_unknown); });
-  t.table("watch", optional, "when the run is looked at and stopped",
-          [&c](Table& k) { describe(k, c.watch); });
+  t.table("watch", optional, "when the run is looked at and stopped", [&c](Table& k) {
+    describe(k, c.watch);
+    check_what_drops(k, c);
+  });
 }
 
 void describe(Table& t, VelocitySpec& v) {
@@ -143,6 +162,10 @@ void describe(Table& t, WatchSpec& w) {
   t.key("overlap", w.overlap, not_negative(pure), optional,
         "part of the smaller radius; particles without a bond that overlap by more than at the start and "
         "this are reported, and a run ends where contacts let two pass; 0: never");
+  t.key("on_unphysical", w.on_unphysical,
+        ChoiceCodec<OnUnphysical>{{"stop", "drop"}, {OnUnphysical::stop, OnUnphysical::drop}}, optional,
+        "if particles have passed through one another or a wall, or turn by more than half a turn in a step: "
+        "the run stops, or goes on without them");
 }
 
 }  // namespace vbond::keys

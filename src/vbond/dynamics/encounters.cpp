@@ -40,9 +40,9 @@ void Encounters::add_deep(const Bodies& bodies, const std::vector<std::pair<Row,
 /// Takes down the particles that move too far against the mean of all: a body may fly as fast as it likes.
 bool Encounters::find_fast(const Bodies& bodies, double dt) {
   const std::size_t n = bodies.order.known;
+  const auto all = static_cast<double>(others_ != nullptr ? model_.particles() : bodies.order.own);
   Vec3d mean;
-  for (std::size_t k = 0; k < bodies.order.own; ++k)
-    mean += bodies.motion[k].v / static_cast<double>(model_.particles());
+  for (std::size_t k = 0; k < bodies.order.own; ++k) mean += bodies.motion[k].v / all;
   if (others_ != nullptr) others_->sum({&mean.x, 3});
   fast_.clear();
   is_fast_.assign(n, 0);

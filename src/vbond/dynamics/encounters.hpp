@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <utility>
@@ -56,8 +57,12 @@ class Encounters {
 
   /// All parts get what each has found.
   void share();
-  /// Takes over what another one has found.
-  void take(const Encounters& from) { found_ = from.found_, fastest_ = from.fastest_; }
+  /// Takes over what another one has found, but for pairs with particles that were dropped since.
+  void take(const Encounters& from, const std::vector<ParticleId>& dropped = {}) {
+    const auto is_gone = [&](ParticleId p) { return std::binary_search(dropped.begin(), dropped.end(), p); };
+    found_ = from.found_, fastest_ = from.fastest_;
+    std::erase_if(found_, [&](const Encounter& e) { return is_gone(e.i) || is_gone(e.j); });
+  }
 
   /// Of the last step. After `most` of them it is left at that: one is enough to end a run.
   const std::vector<Encounter>& found() const { return found_; }

@@ -22,9 +22,10 @@ namespace {
 /// The particles of each block, the bonds that are worked on with it, and contacts.
 std::vector<std::size_t> work_of_blocks(const Model& model, const Bodies& bodies,
                                         const PerBond<Bond>& bonds) {
-  std::vector<std::size_t> work((bodies.pose.size() + block_rows - 1) / block_rows,
+  std::vector<std::size_t> work((filled_up(bodies.order.own) + block_rows - 1) / block_rows,
                                 work_of_particle(model) * block_rows);
-  for (const Bond& b : bonds) ++work[lower_row(b, bodies.order) / block_rows];
+  for (const Bond& b : bonds)
+    if (const std::size_t row = lower_row(b, bodies.order); row < bodies.order.own) ++work[row / block_rows];
   return work;
 }
 
@@ -33,10 +34,21 @@ std::vector<std::size_t> same_work(std::size_t rows) {
   return std::vector<std::size_t>((filled_up(rows) + block_rows - 1) / block_rows, block_rows);
 }
 
-Team team_of(const Model& model, const Bodies& bodies, const PerBond<Bond>& bonds, int threads) {
+Team team_of(const Model& model, const Bodies& bodies, const PerBond<Bond>& bonds, int threads,
+             bool is_part) {
   const std::size_t own = bodies.order.own;
-  if (own == model.particles()) return {own, work_of_blocks(model, bodies, bonds), threads};
+  if (!is_part) return {own, work_of_blocks(model, bodies, bonds), threads};
   return {own, same_work(own), 1};
+}
+
+/// What was dropped is not known, as the particles of other parts.
+Order order_of(const Model& model, const State& state) {
+  const Order all = spatial_order(model.r_0);
+  if (state.dropped.empty()) return all;
+  Holding rest;
+  for (const ParticleId p : model.mass.ids())
+    if (!is_dropped(state, p)) rest.own.push_back(p);
+  return part_of(all, rest);
 }
 
 /// The model, if the three belong together. A part is one of a body that has been looked at.
@@ -54,7 +66,7 @@ std::size_t work_of_particle(const Model& model) {
 }
 
 Simulation::Simulation(const Model& model, Stage stage, State* state, int threads)
-    : Simulation(model, std::move(stage), state, threads, spatial_order(model.r_0), nullptr) {}
+    : Simulation(model, std::move(stage), state, threads, order_of(model, *state), nullptr) {}
 
 Simulation::Simulation(const Model& model, Stage stage, State state, Order order, Others& others)
     : Simulation(model, std::move(stage), &state, 1, std::move(order), &others) {}
@@ -66,7 +78,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
       state_(std::move(*state)),
       others_(others),
       bodies_(model, std::move(order)),
-      team_(team_of(model, bodies_, state_.bonds, threads)),
+      team_(team_of(model, bodies_, state_.bonds, threads, others != nullptr)),
       contacts_(model, bodies_.order, bond_index_),
       capsules_(model, bodies_),
       encounters_(model, bond_index_, others),
@@ -171,6 +183,7 @@ void Simulation::step() {
   close_books();
   const bool events = !only_elastic_ && (others_ == nullptr ? find_events() : find_events_of_all());
   keep_records();
+  if (!lost_to_walls_.empty()) tell_of_lost();
   due_ = events;
   if (--steps_to_look_ == 0 || events) notify_observers();
 }

@@ -28,6 +28,7 @@
 #include "vbond/dynamics/team.hpp"
 #include "vbond/dynamics/walls.hpp"
 #include "vbond/model/bond_event.hpp"
+#include "vbond/model/drop.hpp"
 #include "vbond/model/loads.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/stage.hpp"
@@ -94,7 +95,8 @@ class Simulation {
   /// the steps. 1 without one.
   std::int64_t steps_at_once() const { return stepper_ != nullptr ? Stepper::at_once : 1; }
 
-  /// One time step of stage().dt. Throws Diverged if a load is not finite or a new bond is impossible.
+  /// One time step of stage().dt. Throws Diverged if a load is not finite or a new bond is impossible; where
+  /// the stage drops particles that have passed through walls, ParticlesLost after the step.
   void step();
 
   /// Steps until a stop condition holds or `interrupted` (asked after every step) says so, or until `most`
@@ -103,6 +105,12 @@ class Simulation {
                  std::int64_t most = std::numeric_limits<std::int64_t>::max());
   /// Why the stage ends here, if it does. Not where a stepper makes the steps.
   StopReason stop_reason() const;
+  /// Of a simulation that goes on with the state of another one, without particles that drop() took out of
+  /// it: takes over what that one has not told its observers yet, with the bonds that broke by this, and
+  /// counts the energy that has gone as released. Returns that energy.
+  double take_over(Simulation& with_them, const std::vector<BondEvent>& broken);
+  /// Shows the observers this step again.
+  void look_again() { notify_observers(); }
   /// Tells the observers that the stage ends here.
   void finish(StopReason why);
 
@@ -116,6 +124,8 @@ class Simulation {
   /// Bonds that have broken in this stage.
   std::int64_t breaks() const { return state_.breaks; }
   const PerBond<Bond>& bonds() const { return state_.bonds; }
+  /// Particles that are no longer computed, see State::dropped.
+  const std::vector<ParticleId>& dropped() const { return state_.dropped; }
   /// The whole state, in the numbering of the model, good until the next step: copy it to keep it. Collecting
   /// it takes time: not for every step.
   const State& state() const;
@@ -254,6 +264,7 @@ class Simulation {
   void lose(std::size_t block, const TouchLosses<double>& in_contacts);
   bool anything_dissipates() const { return inelastic() || anything_touches() || damping_.is_drag(); }
   void close_walls(double dt);
+  void tell_of_lost();
   void look_at_capsules() const;
   void exchange_capsules();
   double contact_energy() const { return contacts_.energy(bodies_) + (leads() ? capsules_.energy() : 0.0); }
@@ -322,6 +333,7 @@ class Simulation {
   std::vector<Losses> lost_;                   // of what books_ count as dissipated, by cause
   std::vector<std::vector<BondId>> breaking_;  // of each part, in the step under way
   std::vector<BondEvent> events_;
+  std::vector<LostParticle> lost_to_walls_;    // in the step under way, where the stage drops them
   std::vector<Growing> growing_;               // bonds whose lengths change in the step under way
   std::vector<TakenLoads> taken_;              // of the bonds that broke in the last step
   std::vector<Capsules::Share> taken_shares_;  // of their capsules, less those of what touches instead

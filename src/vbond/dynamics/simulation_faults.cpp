@@ -2,6 +2,8 @@
 #include <fmt/format.h>
 
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "vbond/core/error.hpp"
 #include "vbond/dynamics/simulation.hpp"
@@ -9,41 +11,72 @@
 #include "vbond/model/state.hpp"
 
 namespace vbond {
+namespace {
 
-/// What walls have done in the step. The run ends if it cannot go on with them.
+constexpr const char* gentler = "use a stiffer contact, lower velocities and loads, or a smaller time.step";
+
+std::string name_of(ParticleId p) {
+  return "particle " + std::to_string(p.value);
+}
+
+/// Who is at fault, what is wrong, and a way out.
+struct Told {
+  std::string who, what, way_out;
+};
+
+Told in_words(const Model& model, const Walls::FaultyTouch& found, double dt) {
+  const std::string particle = name_of(found.p), wall = "wall \"" + model.walls[found.wall].name + '"';
+  switch (found.fault) {
+    case Walls::Fault::passed: return {particle, "its centre has passed through " + wall, gentler};
+    case Walls::Fault::fast:
+      return {particle,
+              fmt::format("it moves by {:.3g} of its radius in a step near {}, which it could pass unseen",
+                          found.is / found.limit, wall),
+              fmt::format("use a time.step below {:.3g}, or lower velocities", dt * found.limit / found.is)};
+    case Walls::Fault::too_wide:
+      return {particle, "it is not smaller than the hollow " + wall + " that it touches",
+              "use a larger radius of the wall, or keep the particle out of it"};
+    case Walls::Fault::light:
+      return {wall,
+              fmt::format("its servo has the mass {:.4g}: too little for the time step and what it touches",
+                          found.is),
+              fmt::format("give it at least {:.3g}, better four times that, or a smaller time.step",
+                          found.limit)};
+  }
+  return {};
+}
+
+}  // namespace
+
+/// What walls have done in the step. The run ends if it cannot go on with them; if it only cannot with
+/// particles that the stage drops, it is for tell_of_lost() to say.
 void Simulation::close_walls(double dt) {
   const double work = walls_.close(dt);
   if (leads()) state_.books.work_supports += work;  // all parts know of it
-  const auto found = walls_.fault();
-  if (!found) return;
-  const std::string particle = "particle " + std::to_string(found->p.value),
-                    wall = "wall \"" + model_.walls[found->wall].name + '"';
-  const auto stop = [&](const std::string& who, const std::string& what, const std::string& way_out) {
-    diverge(found->p.value, who, what, way_out);
-  };
-  switch (found->fault) {
-    case Walls::Fault::passed:
-      stop(particle, "its centre has passed through " + wall,
-           "use a stiffer contact, lower velocities and loads, or a smaller time.step");
-      break;
-    case Walls::Fault::fast:
-      stop(particle,
-           fmt::format("it moves by {:.3g} of its radius in a step near {}, which it could pass unseen",
-                       found->is / found->limit, wall),
-           fmt::format("use a time.step below {:.3g}, or lower velocities", dt * found->limit / found->is));
-      break;
-    case Walls::Fault::too_wide:
-      stop(particle, "it is not smaller than the hollow " + wall + " that it touches",
-           "use a larger radius of the wall, or keep the particle out of it");
-      break;
-    case Walls::Fault::light:
-      stop(wall,
-           fmt::format("its servo has the mass {:.4g}: too little for the time step and what it touches",
-                       found->is),
-           fmt::format("give it at least {:.3g}, better four times that, or a smaller time.step",
-                       found->limit));
-      break;
+  const bool drops = dt > 0.0 && stage_.on_unphysical == OnUnphysical::drop;
+  for (const Walls::FaultyTouch& found : walls_.faults()) {
+    const Told told = in_words(model_, found, dt);
+    const bool is_lost = found.fault == Walls::Fault::passed || found.fault == Walls::Fault::fast;
+    if (!drops || !is_lost) return diverge(found.p.value, told.who, told.what, told.way_out);
+    lost_to_walls_.push_back({found.p, {}, told.what});
   }
+}
+
+void Simulation::tell_of_lost() {
+  const std::vector<LostParticle> lost = std::exchange(lost_to_walls_, {});
+  throw ParticlesLost(
+      Diverged(state_.clock.step, state_.clock.time(), name_of(lost.front().p), lost.front().why, gentler),
+      lost);
+}
+
+double Simulation::take_over(Simulation& with_them, const std::vector<BondEvent>& broken) {
+  take_events(with_them);
+  encounters_.take(with_them.encounters_, state_.dropped);
+  events_.insert(events_.end(), broken.begin(), broken.end());
+  const double gone = with_them.energies().total() - energies().total();
+  state_.books.released += gone;
+  bodies_ahead_ = true;  // the state has no loads yet
+  return gone;
 }
 
 /// The run ends if capsules have passed through each other: their contact would push them on.
@@ -51,8 +84,7 @@ void Simulation::look_at_capsules() const {
   if (!capsules_.passed()) return;
   const DeepCapsules& p = *capsules_.passed();
   diverge(p.i.value, p.first + " and " + p.second,
-          "the axes of their capsules have passed through one another",
-          "use a stiffer contact, lower velocities and loads, or a smaller time.step");
+          "the axes of their capsules have passed through one another", gentler);
 }
 
 void Simulation::look_at_deep_contacts() {

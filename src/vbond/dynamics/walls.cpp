@@ -178,7 +178,7 @@ void Walls::refresh(const Team& team, double way) {
 }
 
 void Walls::look_at_drift(double dt, double way) {
-  fault_.reset();
+  faults_.clear();
   if (!any()) return;
   for (std::size_t w = 0; w < walls_.size(); ++w) {
     const double of_wall = dt * (norm(walls_[w].velocity) + extent_ * norm(walls_[w].angular_velocity));
@@ -192,8 +192,7 @@ void Walls::look_at_drift(double dt, double way) {
       if (!(R > 0.0) || !(moved > R) ||
           !surfaces_[w].may_touch(at_start(static_cast<std::uint32_t>(w), r), R + moved))
         continue;
-      fault_ = {Fault::fast, static_cast<std::uint32_t>(w), p, moved, R};
-      return;
+      faults_.push_back({Fault::fast, static_cast<std::uint32_t>(w), p, moved, R});
     }
   }
 }
@@ -259,7 +258,7 @@ TouchLosses<double> Walls::add_touches(OfBlock& block, Near& near, LoadRow& load
   std::swap(before, near.slots);
   for (const WallTouch& touch : touches) {
     if (is_too_wide(R, touch.curvature_1, touch.curvature_2)) {
-      block.fault = {Fault::too_wide, near.wall, bodies_.order.particle[Row{near.row}]};
+      block.faults.push_back({Fault::too_wide, near.wall, bodies_.order.particle[Row{near.row}]});
       continue;
     }
     const Touching<double> p = touching(near, touch);
@@ -279,7 +278,7 @@ TouchLosses<double> Walls::add_touches(OfBlock& block, Near& near, LoadRow& load
       continue;
     }
     if (!(p.l_i > 0.0) || p.l_i < dt * dot(p.v, p.n))  // the centre was on the other side
-      block.fault = {Fault::passed, near.wall, bodies_.order.particle[Row{near.row}]};
+      block.faults.push_back({Fault::passed, near.wall, bodies_.order.particle[Row{near.row}]});
     if (has_servo(near.wall)) {
       const ContactSlopes slopes = contact_slopes(forms_, c, p.R, p.m, std::max(p.overlap, 0.0));
       const double along = sq(dot(p.n, drive_[near.wall]->servo->direction)), across = 1.0 - along;
@@ -314,7 +313,7 @@ TouchLosses<double> Walls::add_loads(const Block& b, LoadRow* load, double dt) {
   std::fill(block.F.begin(), block.F.end(), Vec3d{});
   std::fill(block.M.begin(), block.M.end(), Vec3d{});
   std::fill(block.slopes.begin(), block.slopes.end(), Slopes{});
-  block.fault.reset();
+  block.faults.clear();
   TouchLosses<double> lost;
   for (Near& near : block.near) lost += add_touches(block, near, load[near.row], dt);
   return lost;
@@ -352,7 +351,7 @@ double Walls::close(double dt) {
 /// A body of this mass between springs that are fixed at their other ends.
 void Walls::look_at_servo(std::size_t w, const Slopes& sum, double dt) {
   const double mass = drive_[w]->servo->mass, least = 0.25 * sq(dt) * sum.k + 0.5 * dt * sum.g;
-  if (mass < least) fault_ = {Fault::light, static_cast<std::uint32_t>(w), {}, mass, least};
+  if (mass < least) faults_.push_back({Fault::light, static_cast<std::uint32_t>(w), {}, mass, least});
 }
 
 double Walls::energy(const Near& near) const {
@@ -405,10 +404,11 @@ std::vector<DeepInWall> Walls::deeper_than(double part) const {
   return deep;
 }
 
-std::optional<Walls::FaultyTouch> Walls::fault() const {
-  for (const OfBlock& b : blocks_)
-    if (b.fault) return b.fault;
-  return fault_;
+std::vector<Walls::FaultyTouch> Walls::faults() const {
+  std::vector<FaultyTouch> all;
+  for (const OfBlock& b : blocks_) all.insert(all.end(), b.faults.begin(), b.faults.end());
+  all.insert(all.end(), faults_.begin(), faults_.end());
+  return all;
 }
 
 }  // namespace vbond

@@ -1,7 +1,6 @@
 #pragma once
 #include <cstdint>
 #include <limits>
-#include <optional>
 #include <vector>
 
 #include "vbond/dynamics/bodies.hpp"
@@ -77,8 +76,8 @@ class Walls {
     ParticleId p;              ///< not of light
     double is = 0, limit = 0;  ///< fast: way and radius [length]; light: mass and least mass [mass]
   };
-  /// Of the last step.
-  std::optional<FaultyTouch> fault() const;
+  /// All of the last step.
+  std::vector<FaultyTouch> faults() const;
 
  private:
   struct Slopes {
@@ -106,7 +105,7 @@ class Walls {
     std::vector<Slot> slots;         // scratch
     std::vector<Vec3d> F, M;         // on each wall
     std::vector<Slopes> slopes;      // of its touches, of walls with servos
-    std::optional<FaultyTouch> fault;
+    std::vector<FaultyTouch> faults;
   };
 
   void list(OfBlock& block, RowRange rows);
@@ -136,7 +135,7 @@ class Walls {
   double extent_ = 0;  // no particle is farther from the centre of a wall  [length]
   double least_radius_ = 0;  // [length]
   std::vector<OfBlock> blocks_;
-  std::optional<FaultyTouch> fault_;
+  std::vector<FaultyTouch> faults_;
 };
 
 }  // namespace vbond

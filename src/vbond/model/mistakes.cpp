@@ -10,6 +10,7 @@
 
 #include "vbond/model/capsules.hpp"
 #include "vbond/model/detail/mistakes.hpp"
+#include "vbond/model/drop.hpp"
 #include "vbond/model/state_table.hpp"
 #include "vbond/model/wall_mistakes.hpp"
 
@@ -197,6 +198,7 @@ std::vector<std::string> mistakes_in(const Model& model, const State& s) {
   found.require(s.walls.empty() || s.walls.size() == model.walls.size(),
                 fmt::format("the state has {} walls for {} of the model: one for each, or none",
                             s.walls.size(), model.walls.size()));
+  if (const auto mistake = mistake_in_dropped(s)) found.require(false, *mistake);
   const bool capsules = any_capsules(model.contact, s.bonds);
   found.require(model.contact.adhesion == AdhesionForm::none || !capsules,
                 "bonds touch as capsules, which take no adhesion: contact.adhesion must be none");

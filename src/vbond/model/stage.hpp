@@ -117,6 +117,10 @@ struct Stops {
   std::optional<BreakStop> breaks;
 };
 
+/// What becomes of a run in which single particles have passed through others or through walls, or turn too
+/// fast to be followed: it stops, or goes on without them.
+enum class OnUnphysical : std::uint8_t { stop, drop };
+
 /// One leg of the run, resolved: no names to look up, all in the units of the model.
 struct Stage {
   std::string name;
@@ -124,6 +128,7 @@ struct Stage {
   double critical = 0;  ///< the critical step that dt was chosen by; 0: not looked for  [time]
   /// dt may be above the critical step, or too long for what the stage moves to and fro (swing_bound.hpp).
   bool insist = false;
+  OnUnphysical on_unphysical = OnUnphysical::stop;
   Vec3d gravity;             ///< [length/time^2]
   double b_translation = 0;  ///< viscous force -b v  [force*time/length]
   /// Cundall's local damping, 0 to below 1: this part of each component of the force and moment that is left

@@ -36,7 +36,8 @@ inline void begin_next_stage(Clock& clock) {
 struct EnergyBooks {
   double at_start = 0;    ///< kinetic + potential when the run began
   double dissipated = 0;  ///< by damping, flow, friction and adhesion, and of contacts whose pair is bonded
-  double released = 0;    ///< energy of bonds at the time they broke, less that of contacts it switched on
+  double released = 0;    ///< energy of bonds at the time they broke, less that of contacts it switched on,
+                          ///< and all that went with particles that were dropped
   double work_loads = 0;  ///< by point forces, moments and gravity
   double work_supports = 0;  ///< by supports, prescribed velocities, imposed strain, changes of temperature
   double largest = 0;        ///< largest at_start + work so far: the scale of the balance error
@@ -104,9 +105,16 @@ struct State {
   PeakRecord peak;
   RestRecord rest;
   std::int64_t breaks = 0;  ///< bonds that have broken in this stage
+  /// Particles that were taken out of the computation (model/drop.hpp), in increasing order: they stay where
+  /// they were, at rest, without bonds, and touch nothing.
+  std::vector<ParticleId> dropped;
 
   friend bool operator==(const State&, const State&) = default;
 };
+
+inline bool is_dropped(const State& s, ParticleId p) {
+  return std::binary_search(s.dropped.begin(), s.dropped.end(), p);
+}
 
 /// The particles of a model at their first positions: unturned, at rest, without bonds.
 inline State at_rest(const Model& model) {

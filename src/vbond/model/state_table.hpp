@@ -65,6 +65,9 @@ inline constexpr auto state_table = std::tuple{
                                       "what the bond remembers, in the order and units of its law; only "
                                       "where bonds remember something",
                                       {.known = Known::by_owner, .filed = Filed::where_any})),
+    rows_of("/dropped/", &State::dropped, {.filed = Filed::where_any},
+            field("particle", &ParticleId::value, unit::none,
+                  "particles that are no longer computed; only if there are any")),
     rows_of(
         "/warm_bonds/", &State::warm_bonds, {.filed = Filed::where_any},
         field("bond", &WarmBond::bond, unit::none, "numbers of bonds that expand; only if there are such"),
@@ -171,9 +174,10 @@ inline constexpr auto state_table = std::tuple{
               "kinetic + potential energy when the run began", {.known = Known::summed}),
         field("dissipated", &EnergyBooks::dissipated, unit::energy,
               "taken out by damping, and given up when a pair is bonded", {.known = Known::summed}),
-        field("released", &EnergyBooks::released, unit::energy,
-              "of bonds at the time they broke, less that of contacts it switched on",
-              {.known = Known::summed}),
+        field(
+            "released", &EnergyBooks::released, unit::energy,
+            "of bonds at the time they broke, less that of contacts it switched on; and of dropped particles",
+            {.known = Known::summed}),
         field("work_loads", &EnergyBooks::work_loads, unit::energy,
               "work of point forces, moments and gravity", {.known = Known::summed}),
         field("work_supports", &EnergyBooks::work_supports, unit::energy,
@@ -218,7 +222,7 @@ constexpr bool are_whole(const std::tuple<Tables...>& tables) {
     if constexpr (std::is_same_v<Of, State>)
       of_state += fields;
     else
-      ++of_state, whole &= fields == member_count<Of>();
+      ++of_state, whole &= !std::is_aggregate_v<Of> || fields == member_count<Of>();
   });
   return whole && of_state == member_count<State>();
 }

@@ -13,7 +13,8 @@ namespace vbond {
 
 /// Calls visit(i, j, overlap), i < j, once for every pair that repels each other as the particles stand:
 /// overlap > 0, what they do not feel of it taken off, and not bonded if only unbonded pairs touch; those of
-/// fibres (model/capsules.hpp) apart. For looks now and then, not for a time loop.
+/// fibres (model/capsules.hpp) and particles that were dropped apart. For looks now and then, not for a time
+/// loop.
 template <class Visit>
 void for_touching_pairs(const Model& model, const State& state, Visit&& visit) {
   if (!particles_touch(model.contact) || model.particles() < 2) return;
@@ -28,6 +29,7 @@ void for_touching_pairs(const Model& model, const State& state, Visit&& visit) {
                         [&](std::size_t i, std::size_t j, double d2) {
                           const ParticleId p{i}, q{j};
                           if (in_fibre(i) || in_fibre(j) || exempt.count(key(i, j)) > 0) return;
+                          if (is_dropped(state, p) || is_dropped(state, q)) return;
                           const double overlap = model.radius[p] + model.radius[q] - std::sqrt(d2);
                           const double felt = overlap - kept_overlap(state, p, q);
                           if (felt > 0.0) visit(p, q, felt);

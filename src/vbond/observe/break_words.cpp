@@ -12,6 +12,11 @@
 namespace vbond {
 namespace {
 
+/// The mode of bonds that were broken as a particle was dropped: the file has them as `other`, though nothing
+/// was used up. No bond that its law breaks is below this utilisation.
+constexpr const char* with_dropped = "dropped";
+constexpr double least_of_a_break = 0.999;
+
 /// "0.7 + 0.3 = 1".
 std::string sum(const std::vector<double>& terms, double scale) {
   std::string text;
@@ -52,6 +57,7 @@ std::string stress_in_words(const BreakTold& b, UnitSystem units) {
 
 /// "by its own law" where the law does not say by what.
 std::string mode_in_words(const std::string& mode) {
+  if (mode == with_dropped) return "with a particle that was dropped";
   return mode == "other" ? "by its own law" : "in " + mode;
 }
 
@@ -107,6 +113,8 @@ BreaksTold read_breaks(const std::filesystem::path& path, std::size_t most) {
   BreaksTold told;
   while (const auto line = in.next()) {
     BreakTold row = columns.row(std::string(*line));
+    if (row.mode == to_text(BreakMode::other) && row.failure.utilisation < least_of_a_break)
+      row.mode = with_dropped;
     ++told.count;
     ++told.modes[row.mode];
     if (told.first.size() < most) told.first.push_back(std::move(row));
@@ -123,6 +131,7 @@ BreakMode break_mode(const std::string& name) {
 
 std::string cause_in_words(const BreakTold& b, UnitSystem units) {
   const Failure<double>& f = b.failure;
+  if (b.mode == with_dropped) return fmt::format("its utilisation was {:.4g} of 1", f.utilisation);
   if (b.limit) return stress_in_words(b, units);
   const std::vector<double> all{f.tension, f.shear, f.bending, f.torsion};
   if (b.criterion == "linear") return "N/N_c + V/V_c + M_b/M_bc + |M_t|/M_tc = " + sum(all, 1.0) + " of 1";

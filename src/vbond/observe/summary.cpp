@@ -145,6 +145,7 @@ std::string to_json(const RunSummary& r) {
   j["ever_snapped"] = r.ever_snapped;
   j["ever_overlapping"] = r.ever_overlapping;
   j["ever_stretched"] = r.ever_stretched;
+  if (r.dropped) j["dropped"] = *r.dropped;
   j["too_fast"] = r.too_fast;
   j["bond_steps_per_second"] =
       r.stepping_seconds > 0.0 ? static_cast<double>(r.bond_steps) / r.stepping_seconds : 0.0;
@@ -189,6 +190,7 @@ RunSummary read_summary(const std::filesystem::path& path) {
     if (j.contains("dissipated"))
       for (const auto& [cause, energy] : j["dissipated"].items())
         r.dissipated.emplace_back(cause, energy.get<double>());
+    if (j.contains("dropped")) r.dropped = whole_number(j["dropped"]);
     r.too_fast = j.value("too_fast", 0.0);
     return r;
   } catch (const Json::exception& e) {

@@ -79,6 +79,7 @@ struct RunSummary {
   std::int64_t ever_strained = 0, ever_snapped = 0;  ///< bonds that the watch has seen so at any time
   std::int64_t ever_overlapping = 0;                 ///< pairs without a bond that it has seen overlap
   std::int64_t ever_stretched = 0;                   ///< bonds that it has seen beyond twice their length
+  std::optional<std::int64_t> dropped;               ///< particles, where the case drops such
   double too_fast = 0;                               ///< WatchRecord::fastest if reported, else 0
   std::int64_t bond_steps = 0;                       ///< bonds times steps since the program was started
   double stepping_seconds = 0;                       ///< wall time of those steps, without output

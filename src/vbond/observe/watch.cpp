@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "vbond/core/error.hpp"
 #include "vbond/core/sized_points.hpp"
 #include "vbond/model/capsules.hpp"
+#include "vbond/model/drop.hpp"
 #include "vbond/model/turn_bound.hpp"
 #include "vbond/observe/bond_look.hpp"
 
@@ -96,6 +98,7 @@ std::vector<Overlap> new_overlaps(const Model& m, const State& s, double part) {
   if (m.particles() < 2) return found;
   for_overlapping_pairs(s.r.values(), m.radius.values(), [&](std::size_t a, std::size_t b, double distance2) {
     const ParticleId i{a}, j{b};
+    if (is_dropped(s, i) || is_dropped(s, j)) return;
     const double R_i = m.radius[i], R_j = m.radius[j], allowed = part * std::min(R_i, R_j);
     const double depth = R_i + R_j - std::sqrt(distance2);
     if (!(depth > allowed) || std::min(R_i, R_j) == 0.0) return;
@@ -129,6 +132,16 @@ EndsOfStay ends_of_stay(const Encounter& e, double distance) {
     return norm(end) < distance ? end : nearest + (sign * half / norm(way)) * way;
   };
   return {edge(e.from, -1.0), edge(e.to, 1.0)};
+}
+
+/// Of a pair that have passed through one another: a single one before one of a body, the lighter one before
+/// the heavier one, then the later one.
+LostParticle rather_to_go(const Model& m, const State& s, ParticleId i, ParticleId j) {
+  const auto holds = [&](ParticleId p) {
+    const auto is_its = [p](const Bond& b) { return !b.broken && (b.i == p || b.j == p); };
+    return std::pair(std::count_if(s.bonds.begin(), s.bonds.end(), is_its), m.mass[p]);
+  };
+  return holds(j) <= holds(i) ? LostParticle{j, i} : LostParticle{i, j};
 }
 
 /// What contacts can do about a pair depends on its energy: no step helps where that is too large.
@@ -240,6 +253,8 @@ void Watch::report_overlap(const Model& model, ParticleId i, ParticleId j, doubl
 void Watch::look_at_encounters(const Model& model, const std::vector<Encounter>& encounters,
                                const Clock& clock, double part, const CollectState& collect) {
   std::map<std::pair<ParticleId, ParticleId>, DeepPair> still_deep;
+  std::optional<Diverged> first;
+  std::vector<LostParticle> lost;
   for (const Encounter& e : encounters) {
     const double reach = model.radius[e.i] + model.radius[e.j];
     const EndsOfStay stay = ends_of_stay(e, deep_part * reach);
@@ -248,12 +263,18 @@ void Watch::look_at_encounters(const Model& model, const std::vector<Encounter>&
     const double distance = norm(nearest_point(e));
     const DeepPair pair{e.i, e.j, goes_on ? before->second.entered : stay.first,
                         goes_on ? std::min(before->second.nearest, distance) : distance, clock.step};
-    if (dot(pair.entered, stay.last) < 0.0) throw passed(model, e, pair.nearest, collect());
+    if (dot(pair.entered, stay.last) < 0.0) {
+      const State& state = collect();
+      if (!first) first = passed(model, e, pair.nearest, state);
+      lost.push_back(rather_to_go(model, state, e.i, e.j));
+      continue;
+    }
     if (norm(e.to) < deep_part * reach) still_deep[{e.i, e.j}] = pair;
     if (reach - distance > part * std::min(model.radius[e.i], model.radius[e.j]))
       report_overlap(model, e.i, e.j, reach - distance, time_of(clock));
   }
   if (!encounters.empty()) record_.deep = std::move(still_deep);
+  if (first) throw ParticlesLost(*first, std::move(lost));
 }
 
 void Watch::look_at_speed(const FastParticle& fastest, const Clock& clock) {
@@ -273,11 +294,13 @@ void Watch::look_at_turns(const FastTurn& fastest, const Clock& clock, bool insi
   const std::string particle = fmt::format("particle {}", fastest.p.value);
   const double would_do = 0.9 * clock.dt * longest_turn / fastest.angle;
   if (fastest.angle > std::numbers::pi && !insist)
-    throw Diverged(clock.step, clock.time(), particle,
-                   fmt::format("it turns by {:.3g} rad in a step, more than half a turn: its bonds see no "
-                               "more which way",
-                               fastest.angle),
-                   fmt::format("use time.step = {:.3g} or less, or turn it more slowly", would_do));
+    throw ParticlesLost(
+        Diverged(clock.step, clock.time(), particle,
+                 fmt::format("it turns by {:.3g} rad in a step, more than half a turn: its bonds see no "
+                             "more which way",
+                             fastest.angle),
+                 fmt::format("use time.step = {:.3g} or less, or turn it more slowly", would_do)),
+        {{fastest.p, {}, fmt::format("it turns by {:.3g} rad in a step", fastest.angle)}});
   if (!(fastest.angle >= 2.0 * record_.farthest_turn)) return;
   record_.farthest_turn = fastest.angle;
   if (tell_)

@@ -88,7 +88,7 @@ class Watch {
   /// The same of capsules.
   void look_at_capsules(const std::vector<DeepCapsules>& deep, const Clock& clock);
 
-  /// Throws Diverged for a pair that has passed through: whose line of centres has turned by more than a
+  /// Throws ParticlesLost for pairs that have passed through: whose line of centres has turned by more than a
   /// right angle while it was deep in one another. Reports the others as overlaps, as look_at_overlaps does.
   /// Asks for the state only if there is something to tell. To be called after every step with encounters.
   void look_at_encounters(const Model& model, const std::vector<Encounter>& encounters, const Clock& clock,
@@ -97,8 +97,8 @@ class Watch {
   /// Reports a particle that is too fast for its contacts to be seen, again when it is twice as fast.
   void look_at_speed(const FastParticle& fastest, const Clock& clock);
 
-  /// Throws Diverged for a particle that turns by more than half a turn in a step, unless the stage insists
-  /// on it; reports it if it turns less, again when it turns twice as far.
+  /// Throws ParticlesLost for a particle that turns by more than half a turn in a step, unless the stage
+  /// insists on it; reports it if it turns less, again when it turns twice as far.
   void look_at_turns(const FastTurn& fastest, const Clock& clock, bool insist);
 
   /// Reports particles that are deep in walls, each once.

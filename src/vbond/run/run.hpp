@@ -4,11 +4,13 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "vbond/core/error.hpp"
 #include "vbond/dynamics/observer.hpp"
 #include "vbond/dynamics/simulation.hpp"
+#include "vbond/model/drop.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/run/stages.hpp"
@@ -127,6 +129,11 @@ class Run {
   void require_able() const;
   bool any_dynamics() const;
   StopReason advance(std::int64_t most);
+  StopReason steps_of_stage(std::int64_t most);
+  bool drop(const ParticlesLost& found);
+  void tell_of_dropped(const std::vector<std::pair<ParticleId, std::string>>& lost,
+                       const std::vector<BondEvent>& broken, double energy);
+  void sum_up_dropped();
   void close_stage(StopReason why);
   StageResult run_static();
   StageResult find_balance(const StaticStage& stage);
@@ -156,6 +163,7 @@ class Run {
   std::vector<StageResult> results_;
   bool checked_ = false;
   std::string failure_;
+  std::size_t drops_untold_ = 0;
 };
 
 }  // namespace vbond
