@@ -82,6 +82,12 @@ TEST(Stops, WhenTheForceOnAWallHasFallenBelowItsPeak) {
   // overlap 0.005 at t = 10; the best block average is half a block before or after it: 10 (0.005 - 5e-4)
   EXPECT_NEAR(run.state().peak.peak, 0.045, 2e-4);  // sampled at the ends of steps
   EXPECT_NEAR(run.clock().time(), 14.0, 1e-9);      // the first block below half: 0.015 from 13 to 14
+
+  stage.stops.peak->above = 0.046;  // more than that: the peak does not count
+  stage.stops.duration = 20.0;
+  Simulation on(s.model, stage, s.state);
+  EXPECT_EQ(on.run(), StopReason::duration);
+  EXPECT_NEAR(on.state().peak.peak, 0.045, 2e-4);
 }
 
 TEST(Simulation, StopsWhenALoadIsNotFinite) {

@@ -98,7 +98,8 @@ struct DynamicsResolver : StageResolver {
                   .direction = s.direction,
                   .drop = s.drop,
                   .average_over = positive_time(s.average_over, "stop.peak.average_over", s.place),
-                  .wall = 0};
+                  .wall = 0,
+                  .above = s.above};
     if (of_wall) {
       stop.direction = direction(s.direction, "stop.peak", s.place);
       stop.wall = look_up_wall(s.wall, model, problems).value_or(0);

@@ -319,6 +319,7 @@ struct PeakStopSpec {
   Placed<std::string> wall;  ///< wall_force
   Vec3d direction{1, 0, 0};
   double drop = 0.015;
+  double above = 0;
   CaseTime average_over;
 };
 

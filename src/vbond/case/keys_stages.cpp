@@ -175,7 +175,7 @@ void describe_stop(Table& t, StageSpec& s) {
   t.when(dynamics, in_dynamics, [&] {
     t.table("peak", s.stop_peak,
             "stop when a quantity has fallen below its peak: buckling, load drop; the first peak counts, "
-            "also that of a first touch");
+            "also that of a first touch, if it is not below `above`");
     t.table("rest", s.stop_rest, "stop when the body has come to rest");
   });
   t.when(dynamics || s.kind == StageKind::fracture, "kind = \"dynamics\" or \"fracture\"",
@@ -437,6 +437,8 @@ void describe(Table& t, PeakStopSpec& s) {
   });
   t.key("drop", s.drop, NumberCodec{pure, {0, 1, true, true}}, optional,
         "part of the peak that must be lost");
+  t.key("above", s.above, not_negative(force), optional,
+        "peaks up to this do not count, as that of a first touch");
   t.key("average_over", s.average_over, TimeCodec{}, required,
         "the quantity is averaged over blocks of this time");
 }

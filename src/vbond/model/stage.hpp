@@ -94,6 +94,7 @@ struct PeakStop {
   double drop = 0.015;                ///< fraction, 0 < drop < 1
   double average_over = 0;            ///< length of a block  [time]
   std::size_t wall = 0;               ///< wall_force: that of particles on this one of Model::walls
+  double above = 0;                   ///< smaller peaks do not count, >= 0  [force]
 };
 
 /// Stop when the kinetic energy has stayed below a bound. A swing passes through zero kinetic energy at each

@@ -98,6 +98,8 @@ void look_at_stops(const Stops& stops, std::size_t walls, Mistakes& found) {
     found.require_increasing(peak.particles, "the stop at a peak");
     found.require(peak.drop > 0.0 && peak.drop < 1.0,
                   fmt::format("the stop at a peak has drop = {}: 0 < drop < 1", peak.drop));
+    found.require(at_least_zero(peak.above),
+                  fmt::format("the stop at a peak counts those above {}: it must be >= 0", peak.above));
     found.require(above_zero(peak.average_over),
                   fmt::format("the stop at a peak averages over {}: it must be > 0", peak.average_over));
     found.require(

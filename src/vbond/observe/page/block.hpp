@@ -34,6 +34,9 @@ struct Span {
   void add(double x);
 };
 
+/// Steps between the ends of a range, of values in one byte and in two.
+inline constexpr double levels_of_8_bits = 255.0, levels_of_16_bits = 65535.0;
+
 /// The range that covers a span in `levels` steps. Signed: zero is one of its values, in the middle.
 Range range_of(const Span& span, double levels, bool is_signed);
 

@@ -13,8 +13,6 @@ namespace {
 
 using Per = FrameInput::Per;
 
-constexpr double levels_of_8_bits = 255.0;
-
 [[noreturn]] void refuse(const std::filesystem::path& file, const char* why) {
   throw IoError(file.string() + ": is damaged: " + why);
 }

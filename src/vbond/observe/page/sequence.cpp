@@ -16,7 +16,6 @@ using Per = FrameInput::Per;
 
 constexpr double radians = std::numbers::pi / 180.0;
 constexpr std::uint8_t break_kinds = 6;
-constexpr double levels_of_8_bits = 255.0, levels_of_16_bits = 65535.0;
 
 double component(const Vec3d& x, std::size_t c) {
   return c == 0 ? x.x : c == 1 ? x.y : x.z;
