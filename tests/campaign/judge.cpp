@@ -202,6 +202,15 @@ void judge_as_nearly_perfect(const RandomCase& c, CaseRecord& r) {
   accept_perfect(r.of_path, r.path, of_perfect, tolerance);
 }
 
+bool ends_at(Until until, PointKind kind) {
+  switch (until) {
+    case Until::end: return false;
+    case Until::first_special_point: return kind == PointKind::limit_point || kind == PointKind::bifurcation;
+    case Until::first_limit_point: return kind == PointKind::limit_point;
+  }
+  return false;
+}
+
 }  // namespace
 
 const char* name_of(Verdict v) {
@@ -222,8 +231,7 @@ Answer answer_of_stage(const Model& model, const State& state, const StaticStage
   bool seen = false;
   StaticHooks hooks;
   hooks.point = [&](const StaticPoint& p) {
-    seen = seen || (until == Until::first_special_point && stage.kind == StageKind::path &&
-                    (p.kind == PointKind::limit_point || p.kind == PointKind::bifurcation));
+    seen = seen || (stage.kind == StageKind::path && ends_at(until, p.kind));
   };
   hooks.interrupted = [&seen] { return seen; };
   const auto start = std::chrono::steady_clock::now();

@@ -89,7 +89,7 @@ std::optional<PathNode> PathStep::zero_of(const Value& value, const PathNode& lo
 }
 
 std::optional<std::vector<CriticalPoint>> PathStep::critical_points(const PathNode& lo, const PathNode& hi,
-                                                                    int wanted) {
+                                                                    const LookFor& wanted) {
   const Pulse::Work work("locating a critical point");
   wanted_ = wanted;
   std::vector<CriticalPoint> found;
@@ -104,7 +104,7 @@ std::optional<std::vector<CriticalPoint>> PathStep::critical_points(const PathNo
   after.point.unstable = limit->after;
   if (!add_bifurcations(lo, before, found)) return {};
   found.push_back(*limit);
-  if (!add_bifurcations(after, hi, found)) return {};
+  if (wanted.beyond_limit_point && !add_bifurcations(after, hi, found)) return {};
   return found;
 }
 
@@ -146,7 +146,7 @@ bool PathStep::add_bifurcations(const PathNode& lo, const PathNode& hi, std::vec
   for (int k = 0; k < change; ++k) {
     const int number = softens ? lo.point.unstable + k : lo.point.unstable - 1 - k;
     // a higher eigenvalue does not vanish before a lower one, but may together with it
-    const bool beyond = softens && k >= wanted_;
+    const bool beyond = softens && k >= wanted_.losses;
     std::optional<CriticalPoint> zero = zero_of_eigenvalue(number, lo, hi, all, beyond);
     if (!zero && beyond) break;
     if (!zero) return false;
