@@ -26,14 +26,14 @@ constexpr double longest_step = 0.1;    // of a bond, as predicted
 constexpr double farthest_aside = 0.5;  // of what corrections move, over the step
 constexpr double largest_change = 0.3;  // of a bond in a correction
 // As long as corrections by a factor made elsewhere bring what is out of balance down to this part of it,
-// none is made. A balance has one of its own always, whose signs are counted.
+// none is made. Where signs are counted, or corrections were many, a balance has one of its own.
 constexpr double factor_serves = 0.2;
-constexpr int most_corrections = 40;
+constexpr int many_corrections = 4, most_corrections = 40;
 
 struct Balance {
   Placement at;
-  Vector rate;  // of the unknowns, per load factor
-  int negative = 0;
+  Vector rate;       // of the unknowns, per load factor; roughly that, on the way
+  int negative = 0;  // if counted
   double f() const { return at.load_factor; }
 };
 
@@ -42,24 +42,25 @@ class LoadSteps {
   LoadSteps(const Model& model, const StaticStage& stage, const State& state) : body_(model, stage, state) {}
 
   std::optional<Balance> unloaded() {
-    return find(body_.placement(), Vector::Zero(body_.unknowns().size()), 0.0);
+    return find(body_.placement(), Vector::Zero(body_.unknowns().size()), 0.0, true);
   }
   /// Where a step fails its half is tried first.
-  std::optional<Balance> next(const Balance& from, double f, int halvings = 0) {
-    if (const auto there = find(from.at, (f - from.f()) * from.rate, f)) return there;
-    if (halvings == most_halvings) return {};
-    const auto middle = next(from, 0.5 * (from.f() + f), halvings + 1);
-    return middle ? next(*middle, f, halvings + 1) : std::nullopt;
-  }
+  std::optional<Balance> next(const Balance& from, double f) { return next(from, f, true, 0); }
   /// By one step. Half of it would end next to the load.
   std::optional<Balance> over_load(const Balance& from, double f) {
-    return find(from.at, (f - from.f()) * from.rate, f, 0.0);
+    return find(from.at, (f - from.f()) * from.rate, f, true, 0.0);
   }
   int balances() const { return balances_; }
 
  private:
+  std::optional<Balance> next(const Balance& from, double f, bool counted, int halvings) {
+    if (const auto there = find(from.at, (f - from.f()) * from.rate, f, counted)) return there;
+    if (halvings == most_halvings) return {};
+    const auto middle = next(from, 0.5 * (from.f() + f), false, halvings + 1);
+    return middle ? next(*middle, f, counted, halvings + 1) : std::nullopt;
+  }
   /// The balance at f near `from` moved by x: not far from there beside that movement.
-  std::optional<Balance> find(const Placement& from, const Vector& x, double f,
+  std::optional<Balance> find(const Placement& from, const Vector& x, double f, bool counted,
                               double serves = factor_serves) {
     body_.restore(from);
     if (body_.largest_bond_change(x) > longest_step) return {};
@@ -72,7 +73,8 @@ class LoadSteps {
       if (!std::isfinite(residual)) return {};
       const bool found = round > 0 && residual <= std::max(1e-10, 100 * body_.residual_of_rounding());
       const bool slow = round > 0 ? residual > serves * last : serves == 0.0;
-      if ((found || slow || !analysed_) && !factor()) return {};
+      const bool own = found && (counted || round > many_corrections);
+      if ((own || slow || !analysed_) && !factor()) return {};
       if (found) {
         const Vector rate = ldlt_.solve(body_.load_direction());
         if (!rate.allFinite()) return {};

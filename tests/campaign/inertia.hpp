@@ -9,7 +9,7 @@ namespace vbond::campaign {
 /// Newton's method, and at each the number of negative eigenvalues by the signs of Eigen's L D L^T, of which
 /// nothing is the solver's. It must be zero on a grid of load factors up to just below the first, rise at
 /// each by as many as were told there, and not between. Behind a limit point there is no balance close by.
-/// Between balances corrections go on with the factor of the last one as long as they converge.
+/// Balances on the way are found with the factor of an earlier one as long as corrections converge.
 struct Witnessed {
   Judgement judgement;
   int balances = 0;
