@@ -107,7 +107,7 @@ class LoadSteps {
 struct Together {
   double from, to;  // load factors beside them
   int number = 0;
-  bool limit = false;
+  bool limit = false, gap = false;
 };
 
 std::vector<Together> groups_of(std::vector<ReferencePoint> told) {
@@ -120,6 +120,7 @@ std::vector<Together> groups_of(std::vector<ReferencePoint> told) {
     if (groups.empty() || from > groups.back().to) groups.push_back({from, to});
     groups.back().to = std::max(groups.back().to, to);
     ++groups.back().number;
+    groups.back().gap = groups.back().gap || p.error > 0.0;
     groups.back().limit = groups.back().limit || p.kind == PointKind::limit_point;
   }
   return groups;
@@ -153,6 +154,9 @@ class Witness {
       const double up_to =
           k + 1 < groups.size() ? groups[k + 1].from : std::numeric_limits<double>::infinity();
       auto there = over(g, calm, up_to);
+      if (there && g.gap && there->negative != before && there->negative > before - g.number)
+        return end(Verdict::right,
+                   fmt::format("told with a gap, behind which {} eigenvalues are negative", there->negative));
       if (!stands_there(std::move(there), g.to, before, may_be_more)) return result();
     }
     if (before < count && answer.searched_to > here_.f()) stands((1 - beside) * answer.searched_to, before);

@@ -189,7 +189,7 @@ Judgement judge_shell(const ShellCase& c, const Answer& a, CaseRecord& r) {
   if (!a.failure.empty()) return {Verdict::gave_up, a.message};
   const bool enough = static_cast<int>(a.loads.size()) >= c.count;
   const bool may_end = a.ended == "limit point" || a.ended == "bond range";
-  return enough || may_end ? Judgement{} : Judgement{Verdict::short_of, "ended \"" + a.ended + "\""};
+  return enough || may_end ? w.judgement : Judgement{Verdict::short_of, "ended \"" + a.ended + "\""};
 }
 
 }  // namespace
@@ -201,6 +201,12 @@ ShellCase random_shell(unsigned seed, int number) {
   ShellCase c = kind < 0.45   ? cylinder(dice, count, false)
                 : kind < 0.75 ? cylinder(dice, count, true)
                               : dome(dice, count);
+  if (chance(dice,
+             0.5)) {  // as the torsion of bonds depends on n_2 a closed shell is else not quite symmetric
+    const std::string bonds = "from_specimen = true\n";
+    c.text.insert(c.text.find(bonds) + bonds.size(), "n_2 = [0, 0, 1]\n");
+    c.what += ", n_2 along the axis";
+  }
   c.number = number, c.count = count;
   c.what += fmt::format(", {} wanted", count);
   return c;
