@@ -136,9 +136,9 @@ class Witness {
     auto start = steps_.unloaded();
     if (!start) return end(Verdict::no_reference, "no balance at load factor 0");
     here_ = std::move(*start);
-    for (const double part : grid)
-      if (!stands(part * first, 0)) return result();
     int before = 0;
+    for (const double part : grid)
+      if (!stands(part * first, before)) return result();
     for (std::size_t k = 0; k < groups.size(); ++k) {
       const Together& g = groups[k];
       const Balance calm = here_;
@@ -173,8 +173,13 @@ class Witness {
     const auto from = steps_.next(calm, middle - off);
     return from ? steps_.over_load(*from, middle + off) : std::nullopt;
   }
-  /// Goes to f, where so many eigenvalues must be negative.
-  bool stands(double f, int negative) { return stands_there(steps_.next(here_, f), f, negative); }
+  /// Goes to f, where so many eigenvalues must be negative, or fewer: nobody tells where stability is
+  /// regained.
+  bool stands(double f, int& negative) {
+    auto there = steps_.next(here_, f);
+    if (there) negative = std::min(negative, there->negative);
+    return stands_there(std::move(there), f, negative);
+  }
   bool stands_there(std::optional<Balance> there, double f, int negative, bool may_be_more = false) {
     if (!there) {
       end(Verdict::no_reference, fmt::format("the witness has no balance at {:.9g}", f));

@@ -115,7 +115,8 @@ void take(Answer& a, const StaticStage& stage, const StaticResult& result) {
   for (const CriticalLoad& c : result.critical_loads)
     a.loads.push_back({c.kind, c.load_factor, c.gap / std::abs(c.load_factor), false, false});
   for (const SpecialPoint& p : result.special_points)
-    a.loads.push_back({p.kind, p.load_factor, p.gap / std::abs(p.load_factor), false, false});
+    a.loads.push_back({p.kind, p.load_factor, p.gap / std::abs(p.load_factor),
+                       p.unstable_after < p.unstable_before, false});
 }
 
 Answer ask_in_child(const BodyPlan& plan, const StaticStage& stage) {

@@ -159,12 +159,13 @@ bool is_among(const ReferencePoint& p, const std::vector<ReferencePoint>& all) {
 
 /// The special points of a path are the loads that were told, which may vanish together at one point of it.
 /// Beyond the last of them nothing is known: the path comes to a limit point, or buckling was not asked more.
+/// Where a path is stable again buckling tells of nothing.
 Judgement judge_shell_path(const Answer& path, const Answer& buckling) {
   std::size_t known = 0;
   for (std::size_t k = 0; k < path.loads.size(); ++k)
     if (is_among(path.loads[k], buckling.loads)) known = k + 1;
   for (std::size_t k = 0; k < known; ++k)
-    if (!is_among(path.loads[k], buckling.loads))
+    if (!path.loads[k].regained && !is_among(path.loads[k], buckling.loads))
       return {Verdict::wrong, fmt::format("{:.10g}, which buckling has not", path.loads[k].load_factor)};
   for (const ReferencePoint& told : buckling.loads) {
     if (is_among(told, path.loads)) continue;
