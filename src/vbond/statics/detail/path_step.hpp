@@ -6,6 +6,7 @@
 
 #include "vbond/statics/detail/arc_length.hpp"
 #include "vbond/statics/detail/crossing.hpp"
+#include "vbond/statics/detail/path_goal.hpp"
 #include "vbond/statics/results.hpp"
 
 namespace vbond {
@@ -40,6 +41,7 @@ struct LookFor {
   /// Once so many eigenvalues have become negative the others are left out.
   int losses = std::numeric_limits<int>::max();
   bool beyond_limit_point = true;
+  const std::vector<Goal>* goals = nullptr;  ///< beyond one of them others are left out
 };
 
 /// As in "limit point at load factor 0.52".
@@ -86,6 +88,7 @@ class PathStep {
     NearZero near;
     bool driven = false;  // the body is held along modes that are driven
   };
+  PathNode up_to_goal(const PathNode& lo, const PathNode& hi);
   std::optional<CriticalPoint> limit_point(const PathNode& lo, const PathNode& hi);
   bool add_bifurcations(const PathNode& lo, const PathNode& hi, std::vector<CriticalPoint>& found);
   std::optional<CriticalPoint> zero_of_eigenvalue(int number, const PathNode& lo, const PathNode& hi,
