@@ -115,7 +115,8 @@ void take(Answer& a, const StaticStage& stage, const StaticResult& result) {
   for (const CriticalLoad& c : result.critical_loads)
     a.loads.push_back({c.kind, c.load_factor, c.gap / std::abs(c.load_factor), false, false});
   for (const SpecialPoint& p : result.special_points)
-    a.loads.push_back({p.kind, p.load_factor, p.gap / std::abs(p.load_factor), false, false});
+    a.loads.push_back({p.kind, p.load_factor, p.gap / std::abs(p.load_factor),
+                       p.unstable_after < p.unstable_before, false});
 }
 
 Answer ask_in_child(const BodyPlan& plan, const StaticStage& stage) {
@@ -202,6 +203,15 @@ void judge_as_nearly_perfect(const RandomCase& c, CaseRecord& r) {
   accept_perfect(r.of_path, r.path, of_perfect, tolerance);
 }
 
+bool ends_at(Until until, PointKind kind) {
+  switch (until) {
+    case Until::end: return false;
+    case Until::first_special_point: return kind == PointKind::limit_point || kind == PointKind::bifurcation;
+    case Until::first_limit_point: return kind == PointKind::limit_point;
+  }
+  return false;
+}
+
 }  // namespace
 
 const char* name_of(Verdict v) {
@@ -222,8 +232,7 @@ Answer answer_of_stage(const Model& model, const State& state, const StaticStage
   bool seen = false;
   StaticHooks hooks;
   hooks.point = [&](const StaticPoint& p) {
-    seen = seen || (until == Until::first_special_point && stage.kind == StageKind::path &&
-                    (p.kind == PointKind::limit_point || p.kind == PointKind::bifurcation));
+    seen = seen || (stage.kind == StageKind::path && ends_at(until, p.kind));
   };
   hooks.interrupted = [&seen] { return seen; };
   const auto start = std::chrono::steady_clock::now();

@@ -64,8 +64,8 @@ Judgement judge_buckling(const Answer& answer, const Reference& reference, int c
                          const Tolerance& tolerance);
 Judgement judge_path(const Answer& answer, const Reference& reference, const Tolerance& tolerance);
 
-/// A path may end at its first special point.
-enum class Until : std::uint8_t { end, first_special_point };
+/// A path may end at its first special point, or at its first limit point.
+enum class Until : std::uint8_t { end, first_special_point, first_limit_point };
 /// Runs a stage.
 Answer answer_of_stage(const Model& model, const State& state, const StaticStage& stage, Until until);
 /// The same, or some like it, in a process of its own that may crash or take too long.

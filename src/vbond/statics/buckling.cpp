@@ -127,7 +127,7 @@ void CriticalLoads::start() {
 
 void CriticalLoads::take_step() {
   const std::optional<PathLeg> leg =
-      walk_.next(stage_.count - static_cast<int>(result_.critical_loads.size()));
+      walk_.next({stage_.count - static_cast<int>(result_.critical_loads.size()), false});
   if (!leg && walk_.stopped_by_a_bond()) return end("bond range", result_.searched_to);
   if (!leg)
     throw NoEquilibrium(

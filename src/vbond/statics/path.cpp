@@ -100,7 +100,7 @@ void PathStage::take_step() {
     result_.ended = "interrupted";
     return;
   }
-  const std::optional<PathLeg> leg = walk_.next();
+  const std::optional<PathLeg> leg = walk_.next({.goals = &goals_});
   if (!leg) give_up(walk_.why_not());
   go_along(*leg);
 }

@@ -88,10 +88,12 @@ std::optional<PathNode> PathStep::zero_of(const Value& value, const PathNode& lo
   return last;
 }
 
-std::optional<std::vector<CriticalPoint>> PathStep::critical_points(const PathNode& lo, const PathNode& hi,
-                                                                    int wanted) {
+std::optional<std::vector<CriticalPoint>> PathStep::critical_points(const PathNode& lo,
+                                                                    const PathNode& end_of_step,
+                                                                    const LookFor& wanted) {
   const Pulse::Work work("locating a critical point");
   wanted_ = wanted;
+  const PathNode hi = up_to_goal(lo, end_of_step);
   std::vector<CriticalPoint> found;
   if (std::signbit(lo.point.tangent.f) == std::signbit(hi.point.tangent.f)) {
     if (!add_bifurcations(lo, hi, found)) return {};
@@ -104,8 +106,22 @@ std::optional<std::vector<CriticalPoint>> PathStep::critical_points(const PathNo
   after.point.unstable = limit->after;
   if (!add_bifurcations(lo, before, found)) return {};
   found.push_back(*limit);
-  if (!add_bifurcations(after, hi, found)) return {};
+  if (wanted.beyond_limit_point && !add_bifurcations(after, hi, found)) return {};
   return found;
+}
+
+/// The end, or if a goal lies before it the place just beyond that.
+PathNode PathStep::up_to_goal(const PathNode& lo, const PathNode& hi) {
+  const bool nothing = hi.point.unstable == lo.point.unstable &&
+                       std::signbit(lo.point.tangent.f) == std::signbit(hi.point.tangent.f);
+  PathNode end = hi;
+  if (nothing || !wanted_.goals) return end;
+  for (const Goal& g : *wanted_.goals) {
+    const auto beyond = [&g](const PathPoint& p) { return g.gap(p.at) - g.small; };
+    if (!(g.gap(lo.point.at) < 0.0 && beyond(end.point) > g.small)) continue;
+    if (std::optional<PathNode> at = zero_of(beyond, lo, end, g.small)) end = std::move(*at);
+  }
+  return end;
 }
 
 std::optional<CriticalPoint> PathStep::limit_point(const PathNode& lo, const PathNode& hi) {
@@ -146,7 +162,7 @@ bool PathStep::add_bifurcations(const PathNode& lo, const PathNode& hi, std::vec
   for (int k = 0; k < change; ++k) {
     const int number = softens ? lo.point.unstable + k : lo.point.unstable - 1 - k;
     // a higher eigenvalue does not vanish before a lower one, but may together with it
-    const bool beyond = softens && k >= wanted_;
+    const bool beyond = softens && k >= wanted_.losses;
     std::optional<CriticalPoint> zero = zero_of_eigenvalue(number, lo, hi, all, beyond);
     if (!zero && beyond) break;
     if (!zero) return false;

@@ -81,7 +81,7 @@ const PathPoint* PathWalk::start(double first_step) {
   return &here_;
 }
 
-std::optional<PathLeg> PathWalk::next(int wanted) {
+std::optional<PathLeg> PathWalk::next(const LookFor& wanted) {
   wanted_ = wanted;
   const PathStep step(body_, arc_, here_, here_.tangent);
   const double longest_here = longest(here_.tangent), s = std::min(next_, longest_here);

@@ -6,6 +6,7 @@
 
 #include "vbond/statics/detail/arc_length.hpp"
 #include "vbond/statics/detail/crossing.hpp"
+#include "vbond/statics/detail/path_goal.hpp"
 #include "vbond/statics/results.hpp"
 
 namespace vbond {
@@ -35,6 +36,14 @@ struct CriticalPoint {
   bool turns_off() const { return before == after && gap > 0.0; }
 };
 
+/// What is located within a step.
+struct LookFor {
+  /// Once so many eigenvalues have become negative the others are left out.
+  int losses = std::numeric_limits<int>::max();
+  bool beyond_limit_point = true;
+  const std::vector<Goal>* goals = nullptr;  ///< beyond one of them others are left out
+};
+
 /// As in "limit point at load factor 0.52".
 std::string in_words(const CriticalPoint& c);
 
@@ -58,9 +67,9 @@ class PathStep {
   std::optional<PathNode> zero_of(const Value& value, const PathNode& lo, const PathNode& hi, double small);
 
   /// Where stability changes between the two, in the order in which the path meets it; nothing if a balance
-  /// is not found somewhere between. Once so many eigenvalues have become negative the others are left out.
+  /// is not found somewhere between.
   std::optional<std::vector<CriticalPoint>> critical_points(const PathNode& lo, const PathNode& hi,
-                                                            int wanted = std::numeric_limits<int>::max());
+                                                            const LookFor& wanted = {});
 
   /// An eigenvalue on the way, and the load factor there.
   struct Look {
@@ -79,6 +88,7 @@ class PathStep {
     NearZero near;
     bool driven = false;  // the body is held along modes that are driven
   };
+  PathNode up_to_goal(const PathNode& lo, const PathNode& hi);
   std::optional<CriticalPoint> limit_point(const PathNode& lo, const PathNode& hi);
   bool add_bifurcations(const PathNode& lo, const PathNode& hi, std::vector<CriticalPoint>& found);
   std::optional<CriticalPoint> zero_of_eigenvalue(int number, const PathNode& lo, const PathNode& hi,
@@ -94,7 +104,7 @@ class PathStep {
   ArcLength* arc_;
   PathPoint start_;
   PathDirection direction_;
-  int wanted_ = std::numeric_limits<int>::max();
+  LookFor wanted_;
   std::vector<Seen> seen_;  // within one search for bifurcations
   bool may_hold_ = true;    // modes, in that search
   int held_together_ = 0;   // the number of those held last

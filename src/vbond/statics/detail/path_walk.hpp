@@ -1,5 +1,4 @@
 #pragma once
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -34,9 +33,9 @@ class PathWalk {
   const PathPoint* start(double first_step);
   bool is_singular() const { return arc_.is_singular(); }
 
-  /// The next step from here(); nothing if there is none, and why_not() says what stands in the way. wanted:
-  /// of the points at which stability is lost, as many are located.
-  std::optional<PathLeg> next(int wanted = std::numeric_limits<int>::max());
+  /// The next step from here(); nothing if there is none, and why_not() says what stands in the way. What is
+  /// not wanted may be left out of the critical points on it.
+  std::optional<PathLeg> next(const LookFor& wanted = {});
   /// The first step off along a direction from a critical point.
   std::optional<PathLeg> turn_off(const CriticalPoint& at, const Vector& mode);
   const std::string& why_not() const { return why_not_; }
@@ -76,7 +75,7 @@ class PathWalk {
   PathPoint here_;
   std::string why_not_;
   bool snapping_ = false;
-  int wanted_ = std::numeric_limits<int>::max();
+  LookFor wanted_;
   std::optional<CriticalPoint> wide_gap_;  // ahead
   /// The last step over it, which is taken if there is no other way.
   struct OverGap {
