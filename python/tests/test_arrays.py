@@ -75,3 +75,12 @@ def test_history_is_a_copy_of_its_own(run):
     history["time"][:] = -1
     assert run.history["time"][0] == 0
     assert history["step"].dtype == np.int64
+
+
+def test_temperatures_are_there_where_particles_are_heated(keys):
+    assert vbond.Run(vbond.Case.from_dict(keys)).state.temperatures.shape == (0,)
+    keys["bonds"][0]["expansion"] = 1e-6
+    keys["stage"][0]["temperatures"] = [{"group": "all", "temperature": 2.0}]
+    run = vbond.Run(vbond.Case.from_dict(keys))
+    run.run()
+    assert run.state.temperatures.tolist() == [2.0] * 10

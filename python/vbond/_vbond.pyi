@@ -31,6 +31,7 @@ class State:
     velocities: ndarray
     angular_velocities: ndarray
     orientations: ndarray
+    temperatures: ndarray
     displacements: ndarray
     masses: ndarray
     radii: ndarray

@@ -70,8 +70,8 @@ StopReason Simulation::stop_reason() const {
     if (stops.distance->below ? distance <= stops.distance->value : distance >= stops.distance->value)
       return StopReason::distance;
   }
-  if (stops.peak && state_.peak.blocks > 0 && state_.peak.peak > stops.peak->above && state_.peak.samples == 0 &&
-      state_.peak.last < (1.0 - stops.peak->drop) * state_.peak.peak)
+  if (stops.peak && state_.peak.blocks > 0 && state_.peak.peak > stops.peak->above &&
+      state_.peak.samples == 0 && state_.peak.last < (1.0 - stops.peak->drop) * state_.peak.peak)
     return StopReason::peak;
   if (stops.breaks && state_.breaks >= stops.breaks->count) return StopReason::breaks;
   if (stops.rest && state_.rest.quiet_steps >= steps_in(stops.rest->during, clock.dt))
