@@ -58,14 +58,15 @@ expect_same() {
   diff <(without_times "$1") <(without_times "$2") || fail "$2/run.json differs from $1/run.json"
 }
 
-# run_example PROGRAM CASE: as it is shipped it has no mistakes and runs to its end, into NAME.out; the energy balance
-# error stays below 1e-3 where it moves, and below 1e-9 where it breaks at rest.
+# run_example PROGRAM CASE [KEY=VALUE...]: as it is shipped it has no mistakes, and with these changes it runs to its
+# end, into NAME.out; the energy balance error stays below 1e-3 where it moves, and below 1e-9 where it breaks at rest.
 run_example() {
-  local out error at_rest stages static moves
+  local out error at_rest stages static moves change changes=()
   out=$(basename "$2" .toml).out
+  for change in "${@:3}"; do changes+=(--set "$change"); done
   expect 0 "$1" check "$2"
   says out "no mistakes found"
-  expect 0 "$1" run "$2" -o "$out"
+  expect 0 "$1" run "$2" -o "$out" "${changes[@]}"
   error=$(number "$out/run.json" energy_balance_error)
   stages=$(grep -c '^\[\[stage\]\]' "$2")
   static=$(grep -cE '^kind = "(equilibrium|path|buckling|modes|fracture)"' "$2") || true

@@ -441,18 +441,20 @@ TEST(Simulation, RefusesWhatDoesNotBelongTogether) {
   };
   EXPECT_EQ(refusal([](Specimen&, Stage&) {}), "none");
   refuses([](Specimen& s, Stage&) { s.state = {}; }, "begin with at_rest(model)");
-  refuses([](Specimen& s, Stage&) { s.state.r.push_back({}); }, "r, v, q and omega for each particle");
-  refuses([](Specimen& s, Stage&) { s.state.v.resize(0); }, "r, v, q and omega for each particle");
-  refuses([](Specimen& s, Stage&) { s.state.q.resize(0); }, "r, v, q and omega for each particle");
-  refuses([](Specimen& s, Stage&) { s.state.omega.resize(0); }, "r, v, q and omega for each particle");
+  refuses([](Specimen& s, Stage&) { s.state.r.push_back({}); }, "3 entries in particles/r for 2 particles");
+  refuses([](Specimen& s, Stage&) { s.state.v.resize(0); }, "0 entries in particles/v");
+  refuses([](Specimen& s, Stage&) { s.state.q.resize(0); }, "0 entries in particles/q");
+  refuses([](Specimen& s, Stage&) { s.state.omega.resize(0); }, "0 entries in particles/omega");
   refuses([](Specimen& s, Stage&) { s.model.radius.resize(0); }, "mass, inertia, radius and first position");
   refuses([](Specimen& s, Stage&) { s.model.inertia.resize(0); }, "mass, inertia, radius and first position");
   refuses([](Specimen& s, Stage&) { s.model.r_0.resize(0); }, "mass, inertia, radius and first position");
   for (const double dt : {0.0, -0.1, std::nan(""), std::numeric_limits<double>::infinity()})
     refuses([dt](Specimen&, Stage& stage) { stage.dt = dt; }, "stage.dt must be above zero");
   const ParticleId third{2};
-  refuses([=](Specimen& s, Stage&) { s.state.bonds[BondId{0}].j = third; }, "a bond must join two particles");
-  refuses([](Specimen& s, Stage&) { s.state.bonds[BondId{0}].j = ParticleId{0}; }, "a bond must join two");
+  refuses([=](Specimen& s, Stage&) { s.state.bonds[BondId{0}].j = third; },
+          "bonds[0].j is particle 2, and there are 2");
+  refuses([](Specimen& s, Stage&) { s.state.bonds[BondId{0}].j = ParticleId{0}; },
+          "bonds[0] joins a particle with itself");
   refuses([=](Specimen&, Stage& st) { st.supports = {testing::held({third}, testing::clamped)}; },
           "a support names");
   refuses(
