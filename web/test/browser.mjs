@@ -158,10 +158,10 @@ async function plots_zoom(browser, file) {
     await two_pictures(page);
   };
   await drag();
-  assert.ok(!await is_whole() && await drawn() !== before);
+  assert.ok(await soon(async () => !await is_whole() && await drawn() !== before), "a drag zooms");
   assert.equal(await frame(), first, "a drag picks nothing");
   await page.mouse.click(x + 50, y + 50, { count: 2 });
-  assert.ok(await is_whole(), "a double click");
+  assert.ok(await soon(is_whole), "a double click");
   await plot.$$eval("header button", (buttons) => buttons.find((b) => b.textContent === "+").click());
   assert.ok(!await is_whole(), "the button for those without a mouse");
   await plot.$$eval("header button", (buttons) => buttons.find((b) => b.textContent === "whole").click());

@@ -12,7 +12,9 @@ Criterion criterion_of(const Bond& b) {
 
 // In the order of the columns.
 constexpr RowQuantity<Break> of_breaks[] = {
-    {"time", unit::time, "of the run, at the end of the step",
+    {"time", unit::time,
+     "of the run, at the end of the step; of breaks at rest that of the start of their stage: a balance "
+     "takes no time",
      [](const Break& b) -> Cell { return b.clock.time(); }},
     {"step", unit::none, "of the run", [](const Break& b) -> Cell { return b.event.step; }},
     {"stage", unit::none, "index of the stage, from 0",
