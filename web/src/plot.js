@@ -123,7 +123,14 @@ export class Plot {
     return `${this.log[axis] && name ? `|${name}|` : this.words(name, axis)}${unit}`;
   }
 
-  /** (Re)draws everything; a change of theme, width, axes or curves comes here. */
+  /** Draws the same curves once more, after a change of theme or width: what the reader has zoomed to stays. */
+  redraw() {
+    const { zoom } = this;
+    this.build();
+    if (zoom) this.zoom_to(zoom);
+  }
+
+  /** Draws everything from the beginning, after a change of axes or curves. */
   build() {
     this.plot?.destroy();
     this.marks = this.zoom = null;

@@ -35,7 +35,7 @@ export class Plots {
   /** What the reader has chosen, for plots of newer data. */
   kept() { return { shown: [...this.shown].map(({ preset }) => preset.title), free: this.all.at(-1).preset }; }
 
-  draw() { this.shown.forEach((plot) => plot.build()); }
+  draw() { this.shown.forEach((plot) => plot.redraw()); }
 
   mark(row) {
     if (row === this.row) return;

@@ -99,12 +99,12 @@ export function show_sweep(sweep, place, theme_button) {
   const overview = new Overview(sweep), name = `Sweep: ${sweep.title || "case without a title"}`;
   document.title = name;
   place("head").replaceChildren(
-    element("div", { class: "top" }, element("h1", {}, name), theme_button(() => overview.plots.forEach((plot) => plot.build()))),
+    element("div", { class: "top" }, element("h1", {}, name), theme_button(() => overview.plots.forEach((plot) => plot.redraw()))),
     element("p", { class: "made" }, `${sweep.points.length} points over ${sweep.keys.map((key) => key.name).join(", ")} · ${sweep.program}`));
   if (failed) place("messages").append(element("div", { class: "message warning" }, element("p", {}, element("strong", {}, "Warning"), ` ${failed} of ${sweep.points.length} points failed: see the list.`)));
   place("figures").replaceChildren(overview.root);
   place("foot").replaceChildren(table(sweep));
   overview.draw();
-  new ResizeObserver(() => overview.plots.forEach((plot) => plot.build())).observe(place("figures"));
+  new ResizeObserver(() => overview.plots.forEach((plot) => plot.redraw())).observe(place("figures"));
   document.documentElement.dataset.ready = "drawn";
 }

@@ -144,7 +144,7 @@ async function plots_zoom(browser, file) {
   const { page, complaints } = await open(browser, file);
   const plot = await page.$(".plot"), over = await plot.$(".u-over");
   await over.scrollIntoView();
-  const { x, y } = await over.boundingBox(), drawn = () => plot.screenshot({ encoding: "base64" });
+  const { x, y } = await over.boundingBox(), drawn = () => plot.screenshot({ encoding: "base64", captureBeyondViewport: false });
   const is_whole = () => plot.$$eval("header button", (buttons) => buttons.find((b) => b.textContent === "whole").hidden);
   const frame = () => page.$eval(".scrub", (scrub) => scrub.value), first = await frame();
   await page.mouse.move(5, 5);
@@ -158,7 +158,12 @@ async function plots_zoom(browser, file) {
     await two_pictures(page);
   };
   await drag();
-  assert.ok(await soon(async () => !await is_whole() && await drawn() !== before), "a drag zooms");
+  assert.ok(!await is_whole() && await soon(async () => await drawn() !== before), "a drag zooms");
+  await page.setViewport({ width: 900, height: 900 });   // the plots are drawn anew
+  assert.ok(await soon(() => over.evaluate((element) => !element.isConnected)), "another width is another plot");
+  assert.ok(!await is_whole(), "which stays zoomed");
+  await page.setViewport({ width: 1300, height: 900 });
+  await two_pictures(page);
   assert.equal(await frame(), first, "a drag picks nothing");
   await page.mouse.click(x + 50, y + 50, { count: 2 });
   assert.ok(await soon(is_whole), "a double click");

@@ -28,7 +28,7 @@ export const two_pictures = (page) => page.evaluate(() => new Promise((done) => 
 /** The next picture on the screen, after what was asked for has been drawn. */
 export async function picture(page) {
   await two_pictures(page);
-  return (await page.$(".stage")).screenshot({ encoding: "base64" });
+  return (await page.$(".stage")).screenshot({ encoding: "base64", captureBeyondViewport: false });
 }
 
 /** Waits until `found()`, which may take a busy browser a while, holds; whether it did. */
