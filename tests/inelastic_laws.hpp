@@ -60,11 +60,11 @@ VBOND_HD T tension(const Damped<T>& m, const T& D) {
 }
 template <Scalar T>
 VBOND_HD BondEnergy<T> bond_energy(const Damped<T>& m, const BondPose<T>& b) {
-  return vmodel_energy(m, b);
+  return bond_energy(elastic_part<T>(m), b);
 }
 template <Scalar T>
 VBOND_HD BondLoads<T> bond_loads(const Damped<T>& m, const BondPose<T>& b, const BondAxis<T>& axis) {
-  return vmodel_loads(m, b, axis);
+  return bond_loads(elastic_part<T>(m), b, axis);
 }
 template <Scalar T>
 constexpr BondStiffness<T> stiffness(const Damped<T>& m) {
@@ -75,7 +75,7 @@ constexpr BondStiffness<T> damping(const Damped<T>& m) {
   return {m.g_A, m.g_D, m.g_B, m.g_T};
 }
 inline BondRange bond_range(const Damped<double>&, const BondShape& s) {
-  return vmodel_range(s);
+  return bond_range(VModel<double>{}, s);
 }
 template <Scalar T>
 VBOND_HD BondLoads<T> bond_damping(const Damped<T>& m, const BondPose<T>& b, const BondAxis<T>& axis,
@@ -145,7 +145,7 @@ constexpr BondStiffness<T> stiffness(const Brittle<T>& m) {
   return stiffness(elastic_part<T>(m));
 }
 inline BondRange bond_range(const Brittle<double>&, const BondShape& s) {
-  return vmodel_range(s);
+  return bond_range(VModel<double>{}, s);
 }
 
 inline const BondLaw damped_law = law_with_loops<Damped>(), brittle_law = law_with_loops<Brittle>();

@@ -115,8 +115,6 @@ void BondVbond::coeff(int narg, char** arg) {
         error->all(FLERR, "Unknown keyword {} of bond_coeff: it may be strength or damping", key);
       }
     }
-    if (recipe.has_rules() && !with_rules(*recipe.law, recipe.rules))
-      error->all(FLERR, "bond_coeff {}: this law neither breaks nor damps", arg[1]);
   }
   int first = 0, last = 0;
   LAMMPS_NS::utils::bounds(FLERR, arg[0], 1, atom->nbondtypes, first, last, error);

@@ -1,6 +1,6 @@
-// A bond law of a program's own: the EVM with a force of stretching that hardens, N = B1 u (1 + (u/s)^2), and
-// a strength at which the bond breaks. A sheet of such bonds is torn; a rod of them is pressed until it
-// buckles.
+// An elastic bond law of a program's own: the EVM with a force of stretching that hardens, N = B1 u (1 +
+// (u/s)^2). Damping, strength and yielding come from the library: a sheet of such bonds is torn; a rod of
+// them is pressed until it buckles, and drawn until it yields.
 #include <cstdio>
 #include <cstdlib>
 #include <numeric>
@@ -22,25 +22,21 @@ struct Tendon {
   T a, R_i, R_j;     // length at rest, attachment distances
   T B1, B2, B3, B4;  // of the EVM
   T per_s2;          // 1/s^2  [1/length^2]
-  T per_strength;    // [1/force]
 
-  static constexpr std::string_view name = "tendon", title = "hardening EVM with a strength";
+  static constexpr std::string_view name = "tendon", title = "hardening EVM";
   static constexpr double strained_past = 90;  // degrees
   static constexpr std::string_view rest_condition = Evm<T>::rest_condition,
                                     rest_way_out = Evm<T>::rest_way_out;
   static constexpr auto fields() {
     constexpr auto evm = Evm<double>::fields();
     using Field = LawField<Tendon>;
-    return std::array{Field{&Tendon::B1, evm[0].info},
-                      Field{&Tendon::B2, evm[1].info},
-                      Field{&Tendon::B3, evm[2].info},
-                      Field{&Tendon::B4, evm[3].info},
-                      Field{&Tendon::per_s2, {"per_s2", {0, -2}, "hardening", LawInput::given}},
-                      Field{&Tendon::per_strength, {"per_strength", {-1, 0}, "strength", LawInput::given}}};
+    return std::array{Field{&Tendon::B1, evm[0].info}, Field{&Tendon::B2, evm[1].info},
+                      Field{&Tendon::B3, evm[2].info}, Field{&Tendon::B4, evm[3].info},
+                      Field{&Tendon::per_s2, {"per_s2", {0, -2}, "hardening", LawInput::given}}};
   }
   static constexpr Tendon from(const BondStiffness<T>& c, const T& a, const T& R_i, const T& R_j) {
     const Evm<T> m = Evm<T>::from(c, a, R_i, R_j);
-    return {a, R_i, R_j, m.B1, m.B2, m.B3, m.B4, T(0.0), T(0.0)};
+    return {a, R_i, R_j, m.B1, m.B2, m.B3, m.B4, T(0.0)};
   }
   constexpr Evm<T> evm() const { return {a, R_i, R_j, B1, B2, B3, B4}; }
 };
@@ -64,13 +60,7 @@ BondEnergy<T> bond_energy(const Tendon<T>& m, const BondPose<T>& b) {
 }
 template <Scalar T>
 BondLoads<T> bond_loads(const Tendon<T>& m, const BondPose<T>& b, const BondAxis<T>& axis) {
-  BondLoads<T> l = bond_loads(m.evm(), b, axis);
-  const Vec3<T> more = (tension(m, axis.D) - tension(m.evm(), axis.D)) * axis.d;
-  return {l.F + more, l.M_ij + m.R_i * cross(b.n_i[0], more), l.M_ji - m.R_j * cross(b.n_j[0], more)};
-}
-template <Scalar T>
-T utilisation(const Tendon<T>& m, const BondPose<T>&, const BondAxis<T>& axis, const BondLoads<T>&) {
-  return m.per_strength * tension(m, axis.D);
+  return loads_at_tension(m.evm(), b, axis, tension(m, axis.D));
 }
 template <Scalar T>
 constexpr BondStiffness<T> stiffness(const Tendon<T>& m) {
@@ -87,11 +77,13 @@ struct Body {
   Model model;
   State state;
 };
-Body sheet(std::size_t nx, std::size_t ny, double strength) {
+Body sheet(std::size_t nx, std::size_t ny, const BondRules& rules, double damping = 0.0) {
   BondRecipe recipe;
   recipe.law = &tendon;
   recipe.parameters = TheoryParameters{BondTheory::bernoulli_euler, {1 / circle(0.2).A, 0.2}, circle(0.2)};
-  recipe.given = {0, 0, 0, 0, 4.0, 1 / strength};
+  recipe.given = {0, 0, 0, 0, 4.0};
+  recipe.rules = rules;
+  if (damping > 0.0) recipe.damping = {DampingBy::ratio, {damping, damping, damping, damping}};
   std::vector<Vec3d> r;
   for (std::size_t k = 0; k < nx * ny; ++k)
     r.push_back({static_cast<double>(k % nx), static_cast<double>(k / nx), 0});
@@ -110,7 +102,9 @@ Body sheet(std::size_t nx, std::size_t ny, double strength) {
 
 /// The sheet flies apart from its middle on.
 void tear(int threads) {
-  Body b = sheet(110, 110, 0.05);
+  BondRules rules;
+  rules.strength = linear_strength(0.05, 0.05, 0.05, 0.05);
+  Body b = sheet(110, 110, rules, 0.01);
   for (const ParticleId p : b.state.r.ids())
     b.state.v[p] = 0.004 * (b.state.r[p] - Vec3d{54.5, 54.5, 0}) + Vec3d{0, 0, 1e-3 * (p.value % 7)};
   Stage stage;
@@ -124,13 +118,13 @@ void tear(int threads) {
   });
   std::size_t broken = 0;
   for (const Bond& bond : end.bonds) broken += bond.broken;
-  std::printf("broken %zu of %zu bonds, released %.17g, sums %.17g %.17g %.17g\n", broken, end.bonds.size(),
-              run.books().released, sum.x, sum.y, sum.z);
+  std::printf("broken %zu of %zu bonds, released %.17g, dissipated %.17g, sums %.17g %.17g %.17g\n", broken,
+              end.bonds.size(), run.books().released, run.books().dissipated, sum.x, sum.y, sum.z);
 }
 
 #if HAS_STATICS
 void press() {
-  const Body rod = sheet(10, 1, 1.0);
+  const Body rod = sheet(10, 1, {});
   StaticStage stage;
   stage.name = "press";
   for (const ParticleId p : rod.model.mass.ids()) {
@@ -150,6 +144,21 @@ void press() {
   std::printf("critical force %.9g\n",
               run_static_stage(rod.model, stage, rod.state, {}).result.critical_loads.at(0).force);
 }
+
+/// Each bond flows by (N - N_y)/H, and stretches by the u of N = u (1 + 4 u^2) besides.
+void draw() {
+  BondRules rules;
+  rules.yield.limit.axial = rules.yield.compression = 0.01;
+  rules.yield.isotropic.axial = 0.25;
+  const Body rod = sheet(10, 1, rules);
+  StaticStage stage;
+  stage.name = "draw";
+  stage.kind = StageKind::equilibrium;
+  stage.supports = {{"fixed", {ParticleId{0}}, {true, true, true, true, true, true}, {}, {}}};
+  stage.loads = {{"end", {ParticleId{9}}, {0.02, 0, 0}, {}, false}};
+  std::printf("drawn by %.9g\n",
+              run_static_stage(rod.model, stage, rod.state, {}).state.r[ParticleId{9}].x - 9.0);
+}
 #endif
 
 }  // namespace own
@@ -158,5 +167,6 @@ int main(int count, char** arguments) {
   own::tear(count > 1 ? std::atoi(arguments[1]) : 1);
 #if HAS_STATICS
   own::press();
+  own::draw();
 #endif
 }

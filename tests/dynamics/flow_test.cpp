@@ -13,7 +13,7 @@
 #include "rods.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/model/rules.hpp"
-#include "vbond/physics/flowing.hpp"
+#include "vbond/physics/with_flow.hpp"
 
 namespace vbond {
 namespace {

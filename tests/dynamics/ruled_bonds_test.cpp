@@ -241,8 +241,8 @@ TEST(RuledBonds, AreNearBreakingWhereverTheQuickBoundSaysThatTheyAreNot) {
     rules.strength = strength_of(criterion, limits);
     if (trial % 2 == 0)
       rules.strength.compression = dice(0, 10), rules.strength.compression_bending = dice(0, 1e3);
-    auto law = RuledVModel<double>::from({1.0, dice(0.02, 0.5), dice(0.002, 0.1), 0.01}, 1.0, dice(0, .3),
-                                         dice(0, .3));
+    auto law = WithRules<VModel>::Law<double>::from({1.0, dice(0.02, 0.5), dice(0.002, 0.1), 0.01}, 1.0,
+                                                    dice(0, .3), dice(0, .3));
     law.rules = &rules, law.weakness = dice(-0.5, 1);
     const auto vector = [&](double size) { return size * Vec3d{dice(-1, 1), dice(-1, 1), dice(-1, 1)}; };
     const Quatd q_i = rotation_of(vector(1.0)), q_j = rotation_of(vector(0.3)) * q_i;

@@ -73,6 +73,11 @@ if(statics AND NOT first MATCHES "critical force 0\\.00030781[0-9]*")
   message(FATAL_ERROR "expected a critical force of 3.0781e-4, own_law printed:\n${first}")
 endif()
 
+# Nine bonds: 0.04 of flow each, and u = 0.0199681 with u (1 + 4 u^2) = 0.02.
+if(statics AND NOT first MATCHES "drawn by 0\\.53971[0-9]*")
+  message(FATAL_ERROR "expected the rod to be drawn by 0.53971, own_law printed:\n${first}")
+endif()
+
 # Mode 1 of the paper's rod: 3.07817634631e-4.
 if(statics)
   step(${work}/build/buckling)

@@ -42,7 +42,7 @@ Checkpoint busy_checkpoint(Chain& chain) {
   chain.state.peak = {.sum = 0.1, .samples = 7, .last = 0.2, .peak = 0.3, .peak_time = 0.4, .blocks = 8};
   chain.state.rest = {.quiet_steps = 9};
   chain.state.breaks = 5;
-  chain.state.bonds[BondId{1}].law = &bond_law<RuledEvm>;
+  chain.state.bonds[BondId{1}].law = &bond_law<WithRules<Evm>::Law>;
   BondRules rules;
   rules.stretch.form = StretchForm::morse, rules.stretch.alpha = 5.0;
   rules.strength = elongation_strength(0.1);

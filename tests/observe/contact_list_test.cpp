@@ -14,7 +14,7 @@
 #include "vbond/observe/contact_list.hpp"
 #include "vbond/observe/frame_files.hpp"
 #include "vbond/observe/frames.hpp"
-#include "vbond/physics/flowing.hpp"
+#include "vbond/physics/with_flow.hpp"
 #include "vtp_reader.hpp"
 
 namespace vbond::contact_list_test {

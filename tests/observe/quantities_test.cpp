@@ -170,7 +170,7 @@ TEST(Quantities, EveryDataSetOfACheckpointHasItsUnitAndMeaning) {
   chain.state.dropped = {ParticleId{2}};
   for (Loads* loads : {&chain.state.loads, &chain.state.damping, &chain.state.local_damping})
     *loads = {PerParticle<Vec3d>(chain.state.r.size()), PerParticle<Vec3d>(chain.state.r.size())};
-  chain.state.bonds[BondId{0}].law = &bond_law<RuledVModel>;
+  chain.state.bonds[BondId{0}].law = &bond_law<WithRules<VModel>::Law>;
   BondRules rules;
   rules.strength = elongation_strength(0.1);
   chain.state.bonds[BondId{0}].rules = &kept(rules);

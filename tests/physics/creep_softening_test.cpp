@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "driven_bond.hpp"
+#include "hardening_law.hpp"
 #include "material_cases.hpp"
 
 namespace vbond::flowing_test {
@@ -78,6 +79,33 @@ TYPED_TEST(FlowingBond, SoftensAlongTheLineOfItsFractureEnergy) {
     EXPECT_NEAR(bond[memory::dissipated], e["energy_total"], 1e-15);
     const BondPose<double> b = pose_of(1.3, {}, {});
     EXPECT_GE(utilisation(bond.law, b, bond_axis(b, 0.0, 0.0), bond.loads(b), bond.h), 1.0);
+  }
+}
+
+// Of a law whose tension is no straight line: the tension falls along the line all the same, and what is
+// dissipated is the area below the path less what can be had back, however many steps lead there.
+TEST(SofteningOfAnOwnLaw, FollowsTheLineAndDissipatesTheAreaBelow) {
+  using Law = WithFlow<testing::Hardening>::Law<double>;
+  constexpr double per_s2 = 100.0, u_c = 0.05, u_f = 0.2;
+  constexpr double N_c = u_c * (1.0 + per_s2 * u_c * u_c),
+                   U_c = 0.5 * u_c * u_c + 0.25 * per_s2 * u_c * u_c * u_c * u_c;
+  for (const int steps : {1, 3, 50}) {
+    BondRules rules;
+    rules.softening = {N_c, u_f};
+    Driven<Law> bond(rules);
+    bond.law.per_s2 = per_s2;
+    bond.move_to(pose_of(1.0 + u_c, {}, {}));
+    EXPECT_NEAR(bond[memory::damage], 0.0, 1e-12);
+    for (int k = 1; k <= steps; ++k) {
+      const double u = u_c + (u_f - u_c) * k / steps, N = N_c * (u_f - u) / (u_f - u_c);
+      const BondPose<double> b = pose_of(1.0 + u, {}, {});
+      bond.move_to(b);
+      EXPECT_NEAR(tension(bond.law, 1.0 + u, bond.h), N, 1e-14) << steps << ", " << k;
+      // the area is known to the tolerance of u_before, 1e-12 of N_c, in each step
+      EXPECT_NEAR(bond[memory::dissipated] + bond.energy(b), U_c + 0.5 * (N_c + N) * (u - u_c),
+                  1e-12 * N_c * k);
+    }
+    EXPECT_EQ(bond[memory::damage], 1.0);
   }
 }
 

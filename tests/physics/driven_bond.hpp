@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "vbond/physics/flow_tangent.hpp"
+#include "vbond/physics/laws.hpp"
 
 namespace vbond::flowing_test {
 
@@ -41,7 +42,7 @@ struct Driven {
 
 template <class Law>
 class FlowingBond : public ::testing::Test {};
-using FlowingLaws = ::testing::Types<FlowingVModel<double>, FlowingEvm<double>>;
+using FlowingLaws = ::testing::Types<WithFlow<VModel>::Law<double>, WithFlow<Evm>::Law<double>>;
 TYPED_TEST_SUITE(FlowingBond, FlowingLaws);
 
 inline Quatd about(const Vec3d& axis, double angle) {

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "hardening_law.hpp"
 #include "random_pose.hpp"
 
 namespace vbond::flow_tangent_test {
@@ -70,6 +71,7 @@ template <class Law>
 Compared<Law> compare(const BondRules& rules) {
   testing::PoseSource source(11);
   Law law = Law::from({1.0, 0.6, 0.55, 0.2}, 1.0, 0.3, 0.2);
+  if constexpr (requires { law.per_s2; }) law.per_s2 = 5.0;
   law.rules = &rules;
   Compared<Law> c;
   for (int trial = 0; trial < 60; ++trial) {
@@ -95,7 +97,8 @@ Compared<Law> compare(const BondRules& rules) {
 
 template <class Law>
 class FlowTangent : public ::testing::Test {};
-using FlowingLaws = ::testing::Types<FlowingVModel<double>, FlowingEvm<double>>;
+using FlowingLaws = ::testing::Types<WithFlow<VModel>::Law<double>, WithFlow<Evm>::Law<double>,
+                                     WithFlow<testing::Hardening>::Law<double>>;
 TYPED_TEST_SUITE(FlowTangent, FlowingLaws);
 
 TYPED_TEST(FlowTangent, IsTheDerivativeOfTheLoadsAfterYieldingInAllWays) {

@@ -81,7 +81,8 @@ double flowed_angle(const Driven<Law>& bond, const Vec3d& axis) {
 
 TYPED_TEST(FlowingBond, BendsToAndFroAtItsYieldMoment) {
   const nlohmann::json c = testing::material_case("PL2");
-  const auto& expected = c["expected"][std::is_same_v<TypeParam, FlowingEvm<double>> ? "evm" : "vmodel"];
+  const auto& expected =
+      c["expected"][std::is_same_v<TypeParam, WithFlow<Evm>::Law<double>> ? "evm" : "vmodel"];
   BondRules rules;
   rules.yield.limit.bending = 8e-4;
   for (const double sign : {1.0, -1.0})
@@ -98,7 +99,7 @@ TYPED_TEST(FlowingBond, BendsToAndFroAtItsYieldMoment) {
 }
 
 TYPED_TEST(FlowingBond, TwistsFarPastARightAngleWithoutSnapping) {
-  if constexpr (std::is_same_v<TypeParam, FlowingVModel<double>>) {
+  if constexpr (std::is_same_v<TypeParam, WithFlow<VModel>::Law<double>>) {
     const nlohmann::json c = testing::material_case("PL2t");
     BondRules rules;
     rules.yield.limit.torsion = 4e-4;

@@ -1,19 +1,21 @@
 #pragma once
 #include <gtest/gtest.h>
 
+#include "hardening_law.hpp"
 #include "random_pose.hpp"
 #include "vbond/physics/laws.hpp"
 
 namespace vbond::testing {
 
-/// The laws of the library as types of a typed test.
-template <class List>
+/// Laws as types of a typed test.
+template <class... Lists>
 struct TypesOf;
-template <template <class> class... L>
-struct TypesOf<LawList<L...>> {
-  using Types = ::testing::Types<L<double>...>;
+template <template <class> class... L, template <class> class... Own>
+struct TypesOf<LawList<L...>, LawList<Own...>> {
+  using Types = ::testing::Types<L<double>..., Own<double>...>;
 };
-using Laws = TypesOf<BondLaws>::Types;
+/// Those of the library, and one of a program's own with what the library makes of it.
+using Laws = TypesOf<BondLaws, WithAllRules<Hardening>>::Types;
 
 /// A law with any stiffnesses of order one and, where they do not follow from these, coefficients up to one.
 template <class Law>

@@ -9,8 +9,8 @@
 
 #include "material_cases.hpp"
 #include "random_law.hpp"
-#include "vbond/physics/ruled.hpp"
 #include "vbond/physics/tangent.hpp"
+#include "vbond/physics/with_rules.hpp"
 
 namespace vbond::rules_test {
 namespace {
@@ -26,14 +26,14 @@ Vec3d vec(const json& j) {
 
 /// A state of FR1: a bond along x with n_2 = y when unturned, its particles turned by rotation vectors.
 struct StateOfBond {
-  RuledVModel<double> law;
+  WithRules<VModel>::Law<double> law;
   BondPose<double> pose;
   BondAxis<double> axis;
   BondLoads<double> loads;
 };
 StateOfBond state_of(const json& c, const BondStiffness<double>& stiffness) {
   StateOfBond s{};
-  s.law = RuledVModel<double>::from(stiffness, c["a"], c["R_i"], c["R_j"]);
+  s.law = WithRules<VModel>::Law<double>::from(stiffness, c["a"], c["R_i"], c["R_j"]);
   s.law.R_i = c["R_i"], s.law.R_j = c["R_j"];
   s.law.a = c["a"];
   const BondFrames<double> unturned{};
@@ -46,7 +46,7 @@ StateOfBond state_of(const json& c, const BondStiffness<double>& stiffness) {
 double utilisation_by(const StateOfBond& s, const Strength& strength) {
   BondRules rules;
   rules.strength = strength;
-  RuledVModel<double> law = s.law;
+  WithRules<VModel>::Law<double> law = s.law;
   law.rules = &rules;
   return utilisation(law, s.pose, s.axis, s.loads);
 }
@@ -116,7 +116,7 @@ TEST(Strength, CompressionAndRigidMotionBreakNothing) {
   testing::PoseSource random(8);
   for (const Strength& strength : every_criterion())
     for (int t = 0; t < 100; ++t) {
-      RuledVModel<double> law = testing::random_law<RuledVModel<double>>(random);
+      WithRules<VModel>::Law<double> law = testing::random_law<WithRules<VModel>::Law<double>>(random);
       BondRules rules;
       rules.strength = strength;
       law.rules = &rules;
@@ -136,7 +136,7 @@ TEST(Strength, IsTheSameForEitherEndAndInEveryDirection) {
   testing::PoseSource random(9);
   for (const Strength& strength : every_criterion())
     for (int t = 0; t < 100; ++t) {
-      RuledEvm<double> law = testing::random_law<RuledEvm<double>>(random);
+      WithRules<Evm>::Law<double> law = testing::random_law<WithRules<Evm>::Law<double>>(random);
       BondRules rules;
       rules.strength = strength;
       law.rules = &rules;
@@ -152,7 +152,7 @@ TEST(Strength, IsTheSameForEitherEndAndInEveryDirection) {
         turned.n_i[k] = rotate(Q, b.n_i[k]), turned.n_j[k] = rotate(Q, b.n_j[k]);
         swapped.n_i[k] = b.n_j[k], swapped.n_j[k] = b.n_i[k];
       }
-      RuledEvm<double> other = law;
+      WithRules<Evm>::Law<double> other = law;
       std::swap(other.R_i, other.R_j);
       EXPECT_NEAR(used(law, turned), u, 1e-9 * (1.0 + std::abs(u)));
       EXPECT_NEAR(used(other, swapped), u, 1e-9 * (1.0 + std::abs(u)));
@@ -200,8 +200,8 @@ void expect_rayleigh() {
   }
 }
 TEST(BondDamping, ByTimeIsRayleighsAtRest) {
-  expect_rayleigh<RuledVModel<double>>();
-  expect_rayleigh<RuledEvm<double>>();
+  expect_rayleigh<WithRules<VModel>::Law<double>>();
+  expect_rayleigh<WithRules<Evm>::Law<double>>();
 }
 
 // ---- stretching ------------------------------------------------------------------------------------

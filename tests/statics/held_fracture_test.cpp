@@ -34,7 +34,7 @@ Specimen fibres(const std::vector<double>& strengths) {
   Specimen s = testing::particles_at(r, 0.1);
   for (std::size_t k = 0; k < strengths.size(); ++k)
     testing::bond(s, 2 * k, 2 * k + 1,
-                  breakable({1.0, 0.1, 0.01, 0.01}, strengths[k], &bond_law<RuledVModel>));
+                  breakable({1.0, 0.1, 0.01, 0.01}, strengths[k], &bond_law<WithRules<VModel>::Law>));
   return s;
 }
 StaticSupport plate(const Specimen& s, std::size_t first, const Vec3d& displacement = {},
@@ -113,8 +113,9 @@ TEST(HeldFracture, EachBondBreaksWhereItsOwnLoadSaysSo) {
           strengths.push_back(dice(0.02, 0.3));
           testing::bond(
               s, i, j,
-              breakable({dice(0.5, 1), dice(0.05, 0.2), dice(0.02, 0.1), dice(0.02, 0.1)}, strengths.back(),
-                        dice(0, 1) < 0.5 ? &bond_law<RuledVModel> : &bond_law<RuledEvm>));
+              breakable(
+                  {dice(0.5, 1), dice(0.05, 0.2), dice(0.02, 0.1), dice(0.02, 0.1)}, strengths.back(),
+                  dice(0, 1) < 0.5 ? &bond_law<WithRules<VModel>::Law> : &bond_law<WithRules<Evm>::Law>));
         }
     StaticStage stage = testing::static_stage(
         StageKind::fracture,

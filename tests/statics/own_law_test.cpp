@@ -4,8 +4,10 @@
 #include <string>
 
 #include "bodies.hpp"
+#include "hardening_law.hpp"
 #include "inelastic_laws.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/dynamics/law_with_loops.hpp"
 #include "vbond/model/step_bound.hpp"
 
 namespace vbond {
@@ -83,6 +85,62 @@ TEST(OwnLawAtRest, HasAnExactStepThatIsStableWithItsDamping) {
   const double bound = step_bound(rod.model, rod.state).dt;
   EXPECT_EQ(exact_critical_step(rod.model, rod.state, {}), bound);
   EXPECT_LT(bound, 0.9);
+}
+
+// ---- an elastic law with rules ------------------------------------------------------------------------
+
+const BondLaw own_hardening = law_with_loops<testing::Hardening>();
+
+/// A bar of four such bonds, pulled at its end.
+Specimen bar(const BondRules& rules, const BondLaw& law, double per_s2) {
+  BondRecipe recipe = papers_bond_with(law, {0, 0, 0, 0, per_s2});
+  recipe.rules = rules;
+  return testing::straight_rod(5, recipe);
+}
+StaticStage pulled(StageKind kind, double force) {
+  return testing::static_stage(kind, {testing::fixed({ParticleId{0}}, testing::clamped)},
+                               {testing::pushed(4, {force, 0, 0})});
+}
+
+// Each bond stretches by u = 0.06 at the force N = u (1 + 100 u^2),
+// and flows by (N - 0.05)/0.25 besides.
+TEST(OwnLawWithRules, YieldsAtRest) {
+  BondRules rules;
+  rules.yield.limit.axial = rules.yield.compression = 0.05;
+  rules.yield.isotropic.axial = 0.25;
+  constexpr double u = 0.06, N = u * (1.0 + 100.0 * u * u);
+  const Specimen s = bar(rules, own_hardening, 100.0);
+  const StaticOutcome balance = run_static_stage(s.model, pulled(StageKind::equilibrium, N), s.state, {});
+  EXPECT_NEAR(balance.state.r[ParticleId{4}].x, 4.0 * (1.0 + u + (N - 0.05) / 0.25), 1e-10);
+}
+
+// Without hardening it is the EVM, in balance, in fracture, by yielding and by softening.
+TEST(OwnLawWithRules, IsThatOfTheLibraryAtRest) {
+  BondRules yields, breaks, softens;
+  yields.yield.limit = {0.05, 1e-3, 1e-3, 1e-3};
+  yields.yield.compression = 0.05;
+  yields.yield.isotropic = {0.25, 0.1, 0.1, 0.1};
+  breaks.strength = linear_strength(0.1, 0.01, 0.01, 0.01);
+  softens.softening = {0.05, 0.6};
+  for (const BondRules& rules : {yields, breaks, softens}) {
+    const bool in_steps = rules.yield != Yield{};
+    StaticStage stage =
+        pulled(in_steps ? StageKind::equilibrium : StageKind::fracture, in_steps ? 0.07 : 0.0);
+    if (!in_steps) {
+      stage.loads.clear();
+      stage.supports.push_back(testing::fixed({ParticleId{4}}, testing::clamped));
+      stage.supports.back().displacement = {0.7, 0, 0};
+    }
+    const Specimen own = bar(rules, own_hardening, 0.0), evm = bar(rules, bond_law<Evm>, 0.0);
+    const StaticOutcome a = run_static_stage(own.model, stage, own.state, {}),
+                        b = run_static_stage(evm.model, stage, evm.state, {});
+    // softening is worked out by secants, to 1e-12 of its load in each increment
+    const double far = rules.softening.any() ? 1e-9 : 0.0;
+    for (const ParticleId p : own.state.r.ids()) EXPECT_LE(norm(a.state.r[p] - b.state.r[p]), far);
+    EXPECT_EQ(a.state.breaks, b.state.breaks);
+    EXPECT_EQ(a.state.breaks > 0, !in_steps);
+    EXPECT_NEAR(a.state.books.dissipated, b.state.books.dissipated, 1e-3 * far);
+  }
 }
 
 }  // namespace

@@ -437,7 +437,7 @@ TEST(WallsAtRest, AreTheSameForEveryKindOfStage) {
 // A rod on two bars is bent by a third until its middle bond breaks: bonds have a tensile strength, and
 // bending counts. The books of the stage hold the work of the wall; after the break both halves lie on bars.
 TEST(WallsAtRest, BreakARodInThreePointBending) {
-  BondRecipe recipe = testing::papers_bond(&bond_law<RuledVModel>);
+  BondRecipe recipe = testing::papers_bond(&bond_law<WithRules<VModel>::Law>);
   recipe.rules.strength = linear_strength(1e30, 1e30, 2e-4, 1e30);
   Specimen s = testing::straight_rod(10, recipe);
   s.model.contact = contact_of(ContactLaw::hertz);

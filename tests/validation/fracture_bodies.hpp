@@ -15,7 +15,7 @@ inline constexpr double unbreakable = 1e30;
 /// A bond of these stiffnesses that breaks by its tension alone.
 inline BondRecipe breakable(const BondStiffness<double>& c, double tension) {
   BondRecipe recipe;
-  recipe.law = &bond_law<RuledVModel>;
+  recipe.law = &bond_law<WithRules<VModel>::Law>;
   recipe.parameters = c;
   recipe.rules.strength = linear_strength(tension, unbreakable, unbreakable, unbreakable);
   return recipe;

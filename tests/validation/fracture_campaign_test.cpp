@@ -44,7 +44,7 @@ Body random_body(unsigned seed) {
     for (std::size_t j = i + 1; j < n; ++j) {
       if (norm(r[j] - r[i]) > 1.2) continue;
       BondRecipe recipe = testing::breakable({1.0, dice(0.02, 0.5), dice(0.02, 0.2), dice(0.02, 0.2)}, 1.0);
-      if (dice(0, 1) < 0.3) recipe.law = &bond_law<RuledEvm>;
+      if (dice(0, 1) < 0.3) recipe.law = &bond_law<WithRules<Evm>::Law>;
       recipe.rules.strength = random_strength(dice);
       testing::bond(body.s, i, j, recipe);
     }

@@ -239,7 +239,7 @@ TEST(Cantilever, BreaksAtItsClampUnderTheExactLoad) {
     const std::size_t n = row["nb"];
     for (const bool end : {true, false}) {
       BondRecipe recipe = testing::rod50_bond();
-      recipe.law = &bond_law<RuledVModel>;
+      recipe.law = &bond_law<WithRules<VModel>::Law>;
       const double limit = M_c * section.r / section.J;
       recipe.rules.strength =
           end ? fibre_strength(section, limit, unbreakable) : stress_strength(section, limit, unbreakable);

@@ -36,13 +36,6 @@ bool has_stable_rest(const BondStiffness<double>& c) {
          c.c_T >= 0.0;
 }
 
-/// 1 over the factor of a bond's own strength, less 1.
-double weakness_of(const Bond& b) {
-  for (std::size_t k = 0; k < b.law->fields.size(); ++k)
-    if (b.law->fields[k].name == "weakness") return b.coefficients[k];
-  return 0.0;
-}
-
 }  // namespace
 
 double longest_softening_bond(const Softening& s, double c_A, double a, double weakness) {

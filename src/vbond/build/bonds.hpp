@@ -23,7 +23,7 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
 bool expect_bonds(const Case& c, std::size_t set, const Model& model, State& state, Problems& problems);
 
 /// The length below which a bond softens without snapping back, if c_A, which is that of length a, goes as
-/// 1/a: 2 E G_f/s_c^2. Infinite without softening. weakness: see Ruled.
+/// 1/a: 2 E G_f/s_c^2. Infinite without softening. weakness: see WithRules.
 double longest_softening_bond(const Softening& softening, double c_A, double a, double weakness = 0.0);
 /// Records that bonds of a set are longer.
 void refuse_snap_back(const BondSpec& spec, const std::string& what, double longest, Problems& problems);

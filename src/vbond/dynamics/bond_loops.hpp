@@ -9,9 +9,9 @@
 #include "vbond/dynamics/kernel_rows.hpp"
 #include "vbond/dynamics/stretch_lanes.hpp"
 #include "vbond/physics/far_from_breaking.hpp"
-#include "vbond/physics/flowing.hpp"
 #include "vbond/physics/law.hpp"
 #include "vbond/physics/range.hpp"
+#include "vbond/physics/with_flow.hpp"
 
 namespace vbond::VBOND_KERNEL {
 namespace {

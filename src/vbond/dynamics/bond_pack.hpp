@@ -32,7 +32,7 @@ struct alignas(64) CompactPack {
   Lanes frame[4];                              ///< w, x, y, z
 };
 
-/// Eight bonds of a law with all that is theirs: 160 bytes a bond, of which the loop reads the coefficients
+/// Eight bonds of a law with all that is theirs: 192 bytes a bond, of which the loop reads the coefficients
 /// that the law has.
 struct alignas(64) FullPack {
   using Lanes = double[pack_bonds];

@@ -51,11 +51,20 @@ inline bool yields_or_softens(const Bond& b) {
   return b.law->remembers() && (!b.law->has_rules || b.rules->yield != Yield{} || b.rules->softening.any());
 }
 
-/// The factor of the bond's own strength; 1 for laws that have none.
+/// A coefficient that rules give to a bond; its law has rules.
+inline double& coefficient_of(Bond& b, RuleCoefficient k) {
+  return b.coefficients[b.law->fields.size() - rule_coefficients + static_cast<std::size_t>(k)];
+}
+inline double coefficient_of(const Bond& b, RuleCoefficient k) {
+  return b.coefficients[b.law->fields.size() - rule_coefficients + static_cast<std::size_t>(k)];
+}
+/// 1 over the factor of the bond's own strength, less 1; 0 for laws that have none.
+inline double weakness_of(const Bond& b) {
+  return b.law->has_rules ? coefficient_of(b, RuleCoefficient::weakness) : 0.0;
+}
+/// The factor of the bond's own strength.
 inline double strength_factor(const Bond& b) {
-  for (std::size_t k = 0; k < b.law->fields.size(); ++k)
-    if (b.law->fields[k].name == "weakness") return 1.0 / (1.0 + b.coefficients[k]);
-  return 1.0;
+  return 1.0 / (1.0 + weakness_of(b));
 }
 
 /// Where a bond of this shape stands in the range of its law; a broken one has none to leave.

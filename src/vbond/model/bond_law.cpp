@@ -30,16 +30,14 @@ std::span<const BondLaw* const> named_laws() {
 
 const BondLaw* with_rules(const BondLaw& law, const BondRules& rules) {
   if (law.has_rules) return &law;
-  if (&law == &bond_law<VModel>) return rules.flow() ? &bond_law<FlowingVModel> : &bond_law<RuledVModel>;
-  if (&law == &bond_law<Evm>) return rules.flow() ? &bond_law<FlowingEvm> : &bond_law<RuledEvm>;
-  return nullptr;
+  return rules.flow() ? law.with_flow : law.with_rules;
 }
 
 const BondLaw* find_law(std::string_view name, std::span<const BondLaw* const> others) {
-  for (const std::span<const BondLaw* const> laws : {bond_laws(), others}) {
-    const auto at = std::find_if(laws.begin(), laws.end(), [&](const BondLaw* l) { return l->name == name; });
-    if (at != laws.end()) return *at;
-  }
+  for (const std::span<const BondLaw* const> laws : {bond_laws(), others})
+    for (const BondLaw* const law : laws)
+      for (const BondLaw* const form : {law, law->with_rules, law->with_flow})
+        if (form != nullptr && form->name == name) return form;
   return nullptr;
 }
 

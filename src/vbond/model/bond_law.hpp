@@ -34,6 +34,8 @@ struct BondLaw {
   std::span<const std::string_view> history;      ///< names of what a bond remembers
   bool damped, breakable;
   bool has_rules;  ///< whether it reads the rules of a bond
+  const BondLaw *with_rules,
+      *with_flow;  ///< this law with rules, and flow; nullptr unless it is elastic only
   /// The loads that damping adds.
   BondLoads<double> (*damping_loads)(const Bond&, const BondPose<double>&, const BondRates<double>&);
   BondEnergy<double> (*energy)(const Bond&, const BondPose<double>&, const BondHistory&);
@@ -76,10 +78,11 @@ inline constexpr const BondLaw& bond_law = LawObject<Law>::object;
 std::span<const BondLaw* const> bond_laws();
 std::span<const BondLaw* const> named_laws();
 
-/// The law with rules that bends, shears and twists as this one, and flows if the rules say so; or nullptr.
+/// This law with rules, and with flow if the rules say so; or nullptr, of a law of a program's own that
+/// damps, breaks or remembers by itself.
 const BondLaw* with_rules(const BondLaw& law, const BondRules& rules);
 
-/// The one of that name among the library's laws and these, or nullptr.
+/// The one of that name among the library's laws, these and these with rules, or nullptr.
 const BondLaw* find_law(std::string_view name, std::span<const BondLaw* const> others = {});
 
 }  // namespace vbond

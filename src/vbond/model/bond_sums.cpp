@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "vbond/physics/flowing.hpp"
+#include "vbond/physics/with_flow.hpp"
 
 namespace vbond {
 

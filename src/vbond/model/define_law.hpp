@@ -67,6 +67,13 @@ Coefficients from_stiffness(const BondStiffness<double>& c, double a, const Coef
   return found;
 }
 
+/// An elastic law with rules, or with flow: Form is WithRules or WithFlow.
+template <template <class> class Law, template <template <class> class> class Form>
+constexpr const BondLaw* in_form() {
+  if constexpr (ElasticOnly<Law<double>>) return &bond_law<Form<Law>::template Law>;
+  return nullptr;
+}
+
 }  // namespace detail
 
 template <template <class> class Law>
@@ -81,6 +88,8 @@ constinit const BondLaw LawObject<Law>::object{
     .damped = Damped<Law<double>>,
     .breakable = Breakable<Law<double>>,
     .has_rules = HasRules<Law<double>>,
+    .with_rules = detail::in_form<Law, WithRules>(),
+    .with_flow = detail::in_form<Law, WithFlow>(),
     .damping_loads =
         [](const Bond& b, const BondPose<double>& pose, const BondRates<double>& rates) {
           if constexpr (Damped<Law<double>>)

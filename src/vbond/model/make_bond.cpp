@@ -60,16 +60,6 @@ double variate(std::uint64_t seed, ParticleId i, ParticleId j) {
   return static_cast<double>(x >> 11) * 0x1p-53;
 }
 
-/// A coefficient of the bond's law, by name: a law of a program's own may lack it.
-double& coefficient_of(Bond& b, std::string_view name, const char* what_for) {
-  const auto field = std::find_if(b.law->fields.begin(), b.law->fields.end(),
-                                  [=](const LawFieldInfo& info) { return info.name == name; });
-  if (field == b.law->fields.end())
-    throw std::invalid_argument("make_bond: law \"" + std::string(b.law->name) + "\" has no coefficient \"" +
-                                std::string(name) + "\", which " + what_for + " sets");
-  return b.coefficients[static_cast<std::size_t>(field - b.law->fields.begin())];
-}
-
 /// What a bond of a law with rules has besides its stiffness.
 void add_rules(const BondRecipe& recipe, const BondSite& i, const BondSite& j, Bond& b) {
   if (!b.law->has_rules) return;
@@ -78,12 +68,11 @@ void add_rules(const BondRecipe& recipe, const BondSite& i, const BondSite& j, B
   b.rules = &kept(rules);
   if (rules.damped) {
     const std::array<double, 4> g = damping_of(recipe.damping, i, j, b);
-    const std::array<std::string_view, 4> names{"g_A", "g_D", "g_B", "g_T"};
-    for (std::size_t k = 0; k < g.size(); ++k) coefficient_of(b, names[k], "the recipe's damping") = g[k];
+    for (std::size_t k = 0; k < g.size(); ++k) coefficient_of(b, static_cast<RuleCoefficient>(k)) = g[k];
   }
   if (recipe.weibull.modulus > 0.0) {
     const double u = variate(recipe.weibull.seed, i.id, j.id);
-    coefficient_of(b, "weakness", "the recipe's weibull") =
+    coefficient_of(b, RuleCoefficient::weakness) =
         1.0 / weibull_factor(recipe.weibull, u, recipe.weibull.area * b.a) - 1.0;
   }
 }
@@ -92,6 +81,10 @@ void add_rules(const BondRecipe& recipe, const BondSite& i, const BondSite& j, B
 Bond with_coefficients(const BondRecipe& recipe, double a, double R_i, double R_j) {
   Bond b{};
   b.law = recipe.has_rules() ? with_rules(*recipe.law, recipe.rules) : recipe.law;
+  if (b.law == nullptr)
+    throw std::invalid_argument("make_bond: law \"" + std::string(recipe.law->name) +
+                                "\" damps, breaks or remembers by itself, so that it takes no rules, damping "
+                                "or weibull of the recipe");
   b.set = recipe.set;
   b.a = a;
   b.R_i = R_i;

@@ -40,6 +40,9 @@ struct Evm {
   }
 };
 
+template <Scalar T>
+inline constexpr bool tension_is_linear<Evm<T>> = true;
+
 /// Energy of stretching to the length D, and its derivative, positive in tension.  [energy], [force]
 template <Scalar T>
 VBOND_HD T stretch_energy(const Evm<T>& m, const T& D) {
@@ -50,11 +53,10 @@ VBOND_HD T tension(const Evm<T>& m, const T& D) {
   return m.B1 * (D - m.a);
 }
 
-/// Energy of a bond with the EVM's bending, shear and torsion and the law's own stretching, relative to rest,
-/// where U(undeformed) = -B2 - B3 - B4.
+/// Energy of a bond relative to rest, where U(undeformed) = -B2 - B3 - B4.
 /// The B4 term is booked as torsion although it also resists bending (c_B contains B4/2).
-template <class Law, Scalar T>
-VBOND_HD BondEnergy<T> evm_energy(const Law& m, const BondPose<T>& b) {
+template <Scalar T>
+VBOND_HD BondEnergy<T> bond_energy(const Evm<T>& m, const BondPose<T>& b) {
   const Vec3<T> D_ij = bonded_points(b, m.R_i, m.R_j);
   const T D = norm(D_ij);
   const Vec3<T> d = D_ij / D;
@@ -64,14 +66,16 @@ VBOND_HD BondEnergy<T> evm_energy(const Law& m, const BondPose<T>& b) {
           half * m.B4 * (two - dot(b.n_i[1], b.n_j[1]) - dot(b.n_i[2], b.n_j[2]))};
 }
 
-/// Force and moments of such a bond: the gradient of evm_energy.
-template <class Law, Scalar T>
-VBOND_HD BondLoads<T> evm_loads(const Law& m, const BondPose<T>& b, const BondAxis<T>& axis) {
-  const auto& [D, per_D, d] = axis;
+/// Force and moments of a bond with the tension N: the gradient of bond_energy if N = tension(m, D).
+template <Scalar T>
+VBOND_HD BondLoads<T> loads_at_tension(const Evm<T>& m, const BondPose<T>& b, const BondAxis<T>& axis,
+                                       const T& N) {
+  const T per_D = axis.per_D;
+  const Vec3<T>& d = axis.d;
   const T half(0.5);
 
   const Vec3<T> n = b.n_j[0] - b.n_i[0];
-  const Vec3<T> F = tension(m, D) * d + (half * m.B2 * per_D) * (n - dot(n, d) * d);
+  const Vec3<T> F = N * d + (half * m.B2 * per_D) * (n - dot(n, d) * d);
   const Vec3<T> couple = m.B3 * cross(b.n_j[0], b.n_i[0]) -
                          half * m.B4 * (cross(b.n_j[1], b.n_i[1]) + cross(b.n_j[2], b.n_i[2]));
   return {F, couple + cross(b.n_i[0], m.R_i * F + half * m.B2 * d),
@@ -79,12 +83,8 @@ VBOND_HD BondLoads<T> evm_loads(const Law& m, const BondPose<T>& b, const BondAx
 }
 
 template <Scalar T>
-VBOND_HD BondEnergy<T> bond_energy(const Evm<T>& m, const BondPose<T>& b) {
-  return evm_energy(m, b);
-}
-template <Scalar T>
 VBOND_HD BondLoads<T> bond_loads(const Evm<T>& m, const BondPose<T>& b, const BondAxis<T>& axis) {
-  return evm_loads(m, b, axis);
+  return loads_at_tension(m, b, axis, tension(m, axis.D));
 }
 
 /// Stiffnesses about rest.

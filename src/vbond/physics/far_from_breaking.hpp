@@ -1,6 +1,6 @@
 #pragma once
-#include "vbond/physics/ruled.hpp"
 #include "vbond/physics/strength.hpp"
+#include "vbond/physics/with_rules.hpp"
 
 namespace vbond {
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "vbond/physics/flowing.hpp"
+#include "vbond/physics/with_flow.hpp"
 
 /// What a step does to the memory of a flowing bond: creep, yield, damage, in this order.
 namespace vbond {
@@ -22,7 +22,7 @@ VBOND_HD T creep_per_force(const Creep& rule, const T& N) {
 template <FlowingLaw Law, Scalar T>
 VBOND_HD void creep(const Law& m, const T& D, const T& D_before, const T& dt, LawHistory<Law>& h) {
   const Creep& rule = m.rules->creep;
-  const T half(0.5), c = m.B1, N_0 = tension(m, D_before, h), N_trial = tension(m, D, h);
+  const T half(0.5), c = axial_stiffness(m), N_0 = tension(m, D_before, h), N_trial = tension(m, D, h);
   const T N_half = half * (N_0 + N_trial);
   const T u_half = crept(creep_per_force(rule, N_0), c, N_0, N_half, half * dt);
   const T u = crept(creep_per_force(rule, N_half - c * u_half), c, N_0, N_trial, dt);
@@ -49,7 +49,7 @@ class FlowAlongAxis {
     sign_ = where_greater(over, zero, one, -one);
     limit_ = where_greater(over, zero, T(rule_.limit.axial), T(rule_.compression)) +
              T(grow) * h.value[memory::axial];
-    flow = FlowAmount<T>(law.B1 + T(grow + back), law.a);
+    flow = FlowAmount<T>(axial_stiffness(law) + T(grow + back), law.a);
   }
   /// By how much the tension is over its limit.
   VBOND_HD T over() const {
@@ -311,27 +311,67 @@ class FlowAcrossAxis {
   T shift_t_, sign_;
 };
 
-/// Damage by stretching to the length axis.D. Along the axis it dissipates the triangle between the secants
-/// before and after; of the other energies what it takes of their mean over the step.
+/// The elongation x > 0 of a bond from rest at which `whole` times its tension is N_0 - k x. Closed for laws
+/// that stretch linearly; of others, whose tension rises with x, by secants.
+template <RuledLaw Law, Scalar T>
+VBOND_HD T meets_line(const Law& about, const T& whole, const T& N_0, const T& k) {
+  const T slope = k + axial_stiffness(about) * whole;
+  if constexpr (tension_is_linear<typename Law::Elastic>) {
+    return N_0 / slope;
+  } else {
+    FlowAmount<T> found(slope, N_0 / slope);
+    const auto below = [&] { return N_0 - k * found.x - whole * tension(about, about.a + found.x); };
+    for (int n = 0; n < most_flow_corrections; ++n) {
+      const T f = below();
+      if (!any_greater(found.off(f), T(flow_tolerance) * N_0)) return found.x;
+      found.correct(f, T(flow_tolerance) * N_0);
+    }
+    return known_flow(found.x, found.off_by_more(below(), N_0, flow_lost));
+  }
+}
+
+/// What stretching dissipates per damage between the elongations `before` and `now`, on the line on which the
+/// tension of a damaged bond falls by k to zero at u_f. Of laws that stretch linearly it is a triangle
+/// between two secants.
+template <RuledLaw Law, Scalar T>
+VBOND_HD T stretching_lost(const Law& about, const T& k, const T& u_f, const T& before, const T& now,
+                           const T& damage_before, const T& damage_now) {
+  const T zero(0.0), half(0.5), one(1.0);
+  if constexpr (tension_is_linear<typename Law::Elastic>) {
+    return half * axial_stiffness(about) * before * now;
+  } else {
+    const T stored_before = (one - damage_before) * stretch_energy(about, about.a + before),
+            stored_now = (one - damage_now) * stretch_energy(about, about.a + now);
+    const T more = damage_now - damage_before, work = half * k * (sq(u_f - before) - sq(u_f - now));
+    return (stored_before + work - stored_now) / where_greater(more, zero, more, one);
+  }
+}
+
+/// Damage by stretching to the length axis.D, so that the tension falls along a line. Of the energies of
+/// bending, shear and torsion it dissipates its part of their mean over the step.
 template <FlowingLaw Law, Scalar T>
 VBOND_HD void soften(const Law& m, const BondPose<T>& b, const BondAxis<T>& axis, const BondRates<T>& rates,
                      const T& dt, LawHistory<Law>& h) {
   const Softening& rule = m.rules->softening;
   const T zero(0.0), half(0.5), one(1.0), before = h.value[memory::damage];
-  const T a = rest_length<Law, T>(m, h), u = axis.D - a, c = m.B1, factor = one + m.weakness;
-  const T N_c = T(rule.force) / factor, u_c = N_c / c, u_f = T(rule.length) * factor, k = N_c / (u_f - u_c);
-  const T left = larger(u_f - u, zero), size = where_greater(u, u_c, u, u_c);
-  const T now = larger(before, where_greater(u, u_c, one - k * left / (c * size), zero)), more = now - before;
+  const T a = rest_length<Law, T>(m, h), u = axis.D - a, factor = one + m.weakness;
+  const auto about = m.about(a);
+  const T N_c = T(rule.force) / factor, u_c = meets_line(about, one, N_c, zero),
+          u_f = T(rule.length) * factor;
+  const T k = N_c / (u_f - u_c), left = larger(u_f - u, zero);
+  const T N = tension(about, where_greater(u, u_c, axis.D, a + u_c));
+  const T now = larger(before, where_greater(u, u_c, one - k * left / N, zero)), more = now - before;
   if (!any_greater(more, zero)) return;
   h.value[memory::damage] = now;
-  const T u_before = k * u_f / (k + c * (one - before)), u_now = u_f - left;
+  const T u_before = meets_line(about, one - before, k * u_f, k), u_now = u_f - left;
   const FlowTurns<T> turns = turns_of<Law>(h);
-  const BondEnergy<T> U = bond_energy(m.about(a), turned_pose(b, axis.D * axis.d, turns));
+  const BondEnergy<T> U = bond_energy(about, turned_pose(b, axis.D * axis.d, turns));
   const BondLoads<T> l = undamaged_loads(m, b, axis, a, turns);
   const Vec3<T> V = across(l.F, axis.d);
   const BondLoads<T> others{V, l.M_ij + m.R_i * cross(b.n_i[0], V), l.M_ji - m.R_j * cross(b.n_j[0], V)};
   const T mean = U.U_B + U.U_T - half * dt * power_taken(others, rates);
-  add_to<Law>(h, memory::dissipated, more * (half * c * u_before * u_now + mean));
+  add_to<Law>(h, memory::dissipated,
+              more * (stretching_lost(about, k, u_f, u_before, u_now, before, now) + mean));
 }
 
 template <FlowingLaw Law, Scalar T>

@@ -65,9 +65,19 @@ struct LawField {
 ///         it has dissipated; without it, what a new history takes from the energy of a bond is
 ///     elastic_pose(law, pose, history)                       by which its range is judged, with R = 0
 ///     utilisation(law, pose, axis, loads[, history])         by its elastic loads; the bond breaks at 1
-///     const BondRules* rules                                 what the bonds of a set share
 ///     stiffest(law)                                          what the step allows for; else stiffness(law)
-inline constexpr std::size_t most_coefficients = 9;
+///     loads_at_tension(law, pose, axis, N)     its loads with the tension N in place of its own
+///     tension_is_linear<law> = true            see below
+///
+/// A law that is elastic and no more is also a law with rules (with_rules.hpp), and with flow
+/// (with_flow.hpp): any form of stretching, damping, strength, yielding, creep and softening, without a line
+/// of its own. With these it has five coefficients more.
+inline constexpr std::size_t most_coefficients = 12;
+
+/// Whether tension() of a law is c_A (D - a), so that its softening is worked out in closed form; a law says
+/// so by a specialisation.
+template <class Law>
+inline constexpr bool tension_is_linear = false;
 
 template <class Law>
 inline constexpr std::size_t coefficients_of = Law::fields().size();

@@ -1,15 +1,20 @@
 #pragma once
 #include "vbond/physics/evm.hpp"
 #include "vbond/physics/flow_step.hpp"
-#include "vbond/physics/flowing.hpp"
 #include "vbond/physics/law.hpp"
-#include "vbond/physics/ruled.hpp"
 #include "vbond/physics/vmodel.hpp"
+#include "vbond/physics/with_flow.hpp"
+#include "vbond/physics/with_rules.hpp"
 
 namespace vbond {
 
+/// Elastic laws, each as it is, with rules, and with rules and flow.
+template <template <class> class... Elastic>
+using WithAllRules =
+    LawList<Elastic..., WithRules<Elastic>::template Law..., WithFlow<Elastic>::template Law...>;
+
 /// The bond laws of the library: the one list of them. Files keep laws by name, so that the order is free.
-/// Case files name a law without rules; the one with rules, or that flows, is taken where a bond set has any.
-using BondLaws = LawList<VModel, Evm, RuledVModel, RuledEvm, FlowingVModel, FlowingEvm>;
+/// Case files name an elastic law; the one with rules, or that flows, is taken where a bond set has any.
+using BondLaws = WithAllRules<VModel, Evm>;
 
 }  // namespace vbond

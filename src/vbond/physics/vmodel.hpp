@@ -41,6 +41,9 @@ struct VModel {
   }
 };
 
+template <Scalar T>
+inline constexpr bool tension_is_linear<VModel<T>> = true;
+
 /// Energy of stretching to the length D, and its derivative, positive in tension.  [energy], [force]
 template <Scalar T>
 VBOND_HD T stretch_energy(const VModel<T>& m, const T& D) {
@@ -51,11 +54,10 @@ VBOND_HD T tension(const VModel<T>& m, const T& D) {
   return m.B1 * (D - m.a);
 }
 
-/// Energy of a bond with the V-model's bending, shear and torsion and the law's own stretching, relative to
-/// rest, where U(undeformed) = -B2/2 - B3 - B4/2.  [KA12] eqs. (6), (7)
+/// Energy of a bond relative to rest, where U(undeformed) = -B2/2 - B3 - B4/2.  [KA12] eqs. (6), (7)
 /// The printed eq. for the arguments of U_T lacks a square on its first factor; eq. (7) has it.
-template <class Law, Scalar T>
-VBOND_HD BondEnergy<T> vmodel_energy(const Law& m, const BondPose<T>& b) {
+template <Scalar T>
+VBOND_HD BondEnergy<T> bond_energy(const VModel<T>& m, const BondPose<T>& b) {
   const Vec3<T> D_ij = bonded_points(b, m.R_i, m.R_j);
   const T D = norm(D_ij);
   const Vec3<T> d_ij = D_ij / D;
@@ -74,12 +76,14 @@ VBOND_HD BondEnergy<T> vmodel_energy(const Law& m, const BondPose<T>& b) {
   return {U_L, U_B, U_T};
 }
 
-/// Force and moments of such a bond: the gradient of vmodel_energy.  [KA12] eqs. (9), (10). M_ji, which the
-/// paper omits, follows from the balance of moments, M_ij + M_ji = r_ij x F, worked out so that nothing
-/// cancels.
-template <class Law, Scalar T>
-VBOND_HD BondLoads<T> vmodel_loads(const Law& m, const BondPose<T>& b, const BondAxis<T>& axis) {
-  const auto& [D, per_D, d] = axis;
+/// Force and moments of a bond with the tension N: the gradient of bond_energy if N = tension(m, D).  [KA12]
+/// eqs. (9), (10). M_ji, which the paper omits, follows from the balance of moments, M_ij + M_ji = r_ij x F,
+/// worked out so that nothing cancels.
+template <Scalar T>
+VBOND_HD BondLoads<T> loads_at_tension(const VModel<T>& m, const BondPose<T>& b, const BondAxis<T>& axis,
+                                       const T& N) {
+  const T per_D = axis.per_D;
+  const Vec3<T>& d = axis.d;
   const T one(1.0), half_B4 = T(0.5) * m.B4;
   const T c_i = dot(d, b.n_i[0]), c_j = dot(d, b.n_j[0]), s1 = dot(b.n_i[0], b.n_j[0]);
 
@@ -97,18 +101,14 @@ VBOND_HD BondLoads<T> vmodel_loads(const Law& m, const BondPose<T>& b, const Bon
     couple += cross(b.n_i[k], B4_p_q2 * q3 * b.n_j[k]);   // U_1k n_jk x n_ik
   }
   const Vec3<T> dU_dd = from_i + from_j;
-  const Vec3<T> F = (tension(m, D) - per_D * dot(dU_dd, d)) * d + per_D * dU_dd;
+  const Vec3<T> F = (N - per_D * dot(dU_dd, d)) * d + per_D * dU_dd;
   return {F, cross(d, from_i) + couple + m.R_i * cross(b.n_i[0], F),
           cross(d, from_j) - couple - m.R_j * cross(b.n_j[0], F)};
 }
 
 template <Scalar T>
-VBOND_HD BondEnergy<T> bond_energy(const VModel<T>& m, const BondPose<T>& b) {
-  return vmodel_energy(m, b);
-}
-template <Scalar T>
 VBOND_HD BondLoads<T> bond_loads(const VModel<T>& m, const BondPose<T>& b, const BondAxis<T>& axis) {
-  return vmodel_loads(m, b, axis);
+  return loads_at_tension(m, b, axis, tension(m, axis.D));
 }
 
 /// Stiffnesses about rest, [KA12] eq. (19).
@@ -119,14 +119,11 @@ VBOND_HD constexpr BondStiffness<T> stiffness(const VModel<T>& m) {
 
 /// Strained: an end tilted or the bond twisted past 45 degrees, where the moment, a sine of twice the angle,
 /// has peaked. Snapped: past 90 degrees, in the basin of a wrong rest state.
-inline BondRange vmodel_range(const BondShape& s) {
+inline BondRange bond_range(const VModel<double>&, const BondShape& s) {
   const double c = std::min(s.c_i, s.c_j), twist = std::abs(s.twist);
   if (c <= 0.0 || twist > std::numbers::pi / 2) return BondRange::snapped;
   if (c < std::numbers::sqrt2 / 2 || twist > std::numbers::pi / 4) return BondRange::strained;
   return BondRange::good;
-}
-inline BondRange bond_range(const VModel<double>&, const BondShape& s) {
-  return vmodel_range(s);
 }
 
 }  // namespace vbond

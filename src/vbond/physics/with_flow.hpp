@@ -7,12 +7,12 @@
 #include "vbond/physics/flow.hpp"
 #include "vbond/physics/law.hpp"
 #include "vbond/physics/range.hpp"
-#include "vbond/physics/ruled.hpp"
 #include "vbond/physics/section.hpp"
+#include "vbond/physics/with_rules.hpp"
 
 namespace vbond {
 
-/// Where a flowing bond keeps what it remembers: the numbers of Flowing::history.
+/// Where a flowing bond keeps what it remembers: the numbers of the history of a law WithFlow.
 namespace memory {
 inline constexpr std::size_t stretch = 0, crept = 1;  // what the length at rest has grown by  [length]
 inline constexpr std::size_t turn_i = 2, turn_j = 5;  // of the frames: rotation_by_quarter, in their own axes
@@ -25,32 +25,37 @@ inline constexpr std::size_t count = 17;
 
 /// A law with rules whose state of rest moves: its length at rest grows, its frames turn, and damage takes
 /// away from its energy. The energy itself stays that of the law with rules: see docs/theory.md.
-template <class Law, template <class> class ElasticLaw, template <class> class RuledLaw, Scalar T>
-struct Flowing : Ruled<Law, ElasticLaw, T> {
-  using Inner = RuledLaw<T>;
-  static constexpr std::array<std::string_view, memory::count> history{
-      "stretch",    "creep",      "turn_i_1",      "turn_i_2",   "turn_i_3",     "turn_j_1",
-      "turn_j_2",   "turn_j_3",   "axial_flow",    "shear_flow", "bending_flow", "torsion_flow",
-      "plastic_b2", "plastic_b3", "plastic_twist", "damage",     "dissipated"};
-  static constexpr std::size_t dissipated_at = memory::dissipated;
+template <template <class> class ElasticLaw>
+struct WithFlow {
+  template <Scalar T>
+  struct Law : WithRules<ElasticLaw>::template Law<T> {
+    using Inner = typename WithRules<ElasticLaw>::template Law<T>;
+    static constexpr std::string_view name = joined_name<ElasticLaw<T>::name, name_with_flow>;
+    static constexpr auto fields() {
+      constexpr auto inner = Inner::fields();
+      std::array<LawField<Law>, inner.size()> all{};
+      for (std::size_t k = 0; k < all.size(); ++k) all[k] = {inner[k].at, inner[k].info};
+      return all;
+    }
+    static constexpr Law from(const BondStiffness<T>& c, const T& a, const T& R_i, const T& R_j) {
+      Law law{};
+      static_cast<Inner&>(law) = Inner::from(c, a, R_i, R_j);
+      return law;
+    }
 
-  /// The law about its present rest, between the bonded points.
-  VBOND_HD Inner about(const T& rest_length) const {
-    Inner law{};
-    law.a = rest_length, law.R_i = T(0.0), law.R_j = T(0.0);
-    law.B1 = this->B1, law.B2 = this->B2, law.B3 = this->B3, law.B4 = this->B4;
-    law.rules = this->rules;
-    return law;
-  }
-};
+    static constexpr std::array<std::string_view, memory::count> history{
+        "stretch",    "creep",      "turn_i_1",      "turn_i_2",   "turn_i_3",     "turn_j_1",
+        "turn_j_2",   "turn_j_3",   "axial_flow",    "shear_flow", "bending_flow", "torsion_flow",
+        "plastic_b2", "plastic_b3", "plastic_twist", "damage",     "dissipated"};
+    static constexpr std::size_t dissipated_at = memory::dissipated;
 
-template <Scalar T>
-struct FlowingVModel : Flowing<FlowingVModel<T>, VModel, RuledVModel, T> {
-  static constexpr std::string_view name = "v-model-with-flow", title = "V-model";
-};
-template <Scalar T>
-struct FlowingEvm : Flowing<FlowingEvm<T>, Evm, RuledEvm, T> {
-  static constexpr std::string_view name = "evm-with-flow", title = "enhanced vector model (EVM)";
+    /// The law about its present rest, between the bonded points.
+    VBOND_HD Inner about(const T& rest_length) const {
+      Inner law = *this;
+      law.a = rest_length, law.R_i = T(0.0), law.R_j = T(0.0);
+      return law;
+    }
+  };
 };
 
 template <class Law>
