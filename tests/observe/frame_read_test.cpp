@@ -28,18 +28,6 @@ using test::put_content;
 
 constexpr FrameFormat format{.breaks = true, .capsules = true, .flow = true};
 
-/// The other processes, who are not asked: nothing is stepped.
-struct Nobody : Others {
-  void send_to_ghosts(const GhostPoses&) override {}
-  void gather_from_ghosts(std::span<LoadRow>) override {}
-  void sum(std::span<double>) const override {}
-  void largest(std::span<double>) const override {}
-  bool leads() const override { return true; }
-  void collect_bytes(std::span<const std::byte> mine, bool, const Room& room) const override {
-    std::copy(mine.begin(), mine.end(), room(mine.size()));
-  }
-};
-
 std::vector<ParticleId> ids(const std::vector<std::size_t>& numbers) {
   std::vector<ParticleId> particles;
   for (const std::size_t k : numbers) particles.emplace_back(k);
@@ -79,9 +67,8 @@ struct InParts {
     Stage stage;
     stage.name = "pull";
     stage.dt = chain.state.clock.dt;
-    Nobody others;
     const Simulation run(chain.model, stage, chain.state, part_of(spatial_order(chain.model.r_0), holding),
-                         others);
+                         one_rank());
     write_part(folder.path(), part, run, format);
   }
 };

@@ -39,8 +39,8 @@ Bond bond_between(const BondRecipe& recipe, const Model& model, const State& s, 
 }  // namespace
 
 Bonding::Bonding(const Model& model, const Stage& stage, const Order& order, const BondIndex& index,
-                 const Others* others)
-    : model_(model), order_(order), others_(others), walls_(stage.walls), insist_(stage.insist) {
+                 const Exchange& exchange)
+    : model_(model), order_(order), exchange_(exchange), walls_(stage.walls), insist_(stage.insist) {
   for (const BondingRule& rule : stage.bonding) {
     const auto keep = [&rule, &order, &index](Row i, Row* first, Row* last) {
       return std::remove_if(first, last, [&, p = order.particle[i]](Row j) {
@@ -90,7 +90,7 @@ std::vector<Bonding::Pair> Bonding::find(std::span<const PoseRow> pose, const Te
         if (taken.insert({p, o}).second) found.push_back({number, p, o});
       }
   }
-  if (others_ != nullptr) found = others_->collect(found);
+  found = exchange_.gather(found);
   std::sort(found.begin(), found.end(), [](const Pair& a, const Pair& b) {
     return std::tuple(a.rule, a.i, a.j) < std::tuple(b.rule, b.i, b.j);
   });

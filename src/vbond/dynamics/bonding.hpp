@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "vbond/dynamics/bond_index.hpp"
+#include "vbond/dynamics/exchange.hpp"
 #include "vbond/dynamics/neighbours.hpp"
 #include "vbond/dynamics/order.hpp"
-#include "vbond/dynamics/others.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"
@@ -18,9 +18,8 @@ namespace vbond {
 class Bonding {
  public:
   /// Keeps references to all; `index` is asked when a list is rebuilt, so it may be replaced in place.
-  /// others: nullptr unless the body is stepped in parts.
   Bonding(const Model& model, const Stage& stage, const Order& order, const BondIndex& index,
-          const Others* others = nullptr);
+          const Exchange& exchange = one_rank());
   Bonding(const Model&&, const Stage&, const Order&, const BondIndex&) = delete;
   Bonding(const Model&, const Stage&&, const Order&, const BondIndex&) = delete;
   Bonding(const Model&, const Stage&, const Order&&, const BondIndex&) = delete;
@@ -62,7 +61,7 @@ class Bonding {
 
   const Model& model_;
   const Order& order_;
-  const Others* others_;
+  const Exchange& exchange_;
   const std::vector<WallDrive>& walls_;
   const bool insist_;
   std::vector<RuleList> rules_;

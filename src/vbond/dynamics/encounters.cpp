@@ -12,8 +12,8 @@ Vec3d nearest_point(const Encounter& e) {
   return e.from + std::clamp(-dot(e.from, way) / way2, 0.0, 1.0) * way;
 }
 
-Encounters::Encounters(const Model& model, const BondIndex& index, const Others* others)
-    : model_(model), index_(index), others_(others) {
+Encounters::Encounters(const Model& model, const BondIndex& index, const Exchange& exchange)
+    : model_(model), index_(index), exchange_(exchange) {
   if (model.particles() == 0) return;
   const auto [min, max] = std::minmax_element(model.radius.begin(), model.radius.end());
   // a point may touch a ball, so that the least sum of two radii is not always twice the least one
@@ -40,10 +40,11 @@ void Encounters::add_deep(const Bodies& bodies, const std::vector<std::pair<Row,
 /// Takes down the particles that move too far against the mean of all: a body may fly as fast as it likes.
 bool Encounters::find_fast(const Bodies& bodies, double dt) {
   const std::size_t n = bodies.order.known;
-  const auto all = static_cast<double>(others_ != nullptr ? model_.particles() : bodies.order.own);
+  auto all = static_cast<double>(bodies.order.own);
+  exchange_.sum({&all, 1});
   Vec3d mean;
   for (std::size_t k = 0; k < bodies.order.own; ++k) mean += bodies.motion[k].v / all;
-  if (others_ != nullptr) others_->sum({&mean.x, 3});
+  exchange_.sum({&mean.x, 3});
   fast_.clear();
   is_fast_.assign(n, 0);
   r_.clear();
@@ -77,13 +78,13 @@ void Encounters::find_passing(const Bodies& bodies, double dt) {
 }
 
 void Encounters::share() {
-  if (others_ == nullptr || !others_->any(!found_.empty() || fastest_)) return;
-  const std::vector<Encounter> of_all = others_->collect(found_);
+  if (!exchange_.any(!found_.empty() || fastest_)) return;
+  const std::vector<Encounter> of_all = exchange_.gather(found_);
   found_.clear();
   for (const Encounter& e : of_all) take_down(e);
   std::vector<FastParticle> fast;
   if (fastest_) fast.push_back(*fastest_);
-  for (const FastParticle& f : others_->collect(fast))
+  for (const FastParticle& f : exchange_.gather(fast))
     if (!fastest_ || f.way > fastest_->way || (f.way == fastest_->way && f.p < fastest_->p)) fastest_ = f;
 }
 

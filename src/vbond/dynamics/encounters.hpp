@@ -9,7 +9,7 @@
 #include "vbond/dynamics/bodies.hpp"
 #include "vbond/dynamics/bond_index.hpp"
 #include "vbond/dynamics/contact_kernel.hpp"
-#include "vbond/dynamics/others.hpp"
+#include "vbond/dynamics/exchange.hpp"
 #include "vbond/model/model.hpp"
 
 namespace vbond {
@@ -43,7 +43,7 @@ struct FastTurn {
 class Encounters {
  public:
   /// Keeps references to all. others: nullptr unless the body is stepped in parts.
-  Encounters(const Model& model, const BondIndex& index, const Others* others = nullptr);
+  Encounters(const Model& model, const BondIndex& index, const Exchange& exchange = one_rank());
   Encounters(const Model&&, const BondIndex&) = delete;
   Encounters(const Model&, const BondIndex&&) = delete;
 
@@ -77,7 +77,7 @@ class Encounters {
 
   const Model& model_;
   const BondIndex& index_;
-  const Others* others_;
+  const Exchange& exchange_;
   double limit_ = 0;  // of a particle's way in a step  [length]
   std::vector<Encounter> found_;
   std::optional<FastParticle> fastest_;

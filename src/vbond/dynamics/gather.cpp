@@ -25,30 +25,30 @@ concept Summable = requires(Value& value) {
 template <class IdType>
 class Bring {
  public:
-  Bring(const std::vector<IdType>& own, const Others& others, bool everyone)
-      : own_(own), others_(others), everyone_(everyone) {}
+  Bring(const std::vector<IdType>& own, const Exchange& exchange, bool everyone)
+      : own_(own), exchange_(exchange), everyone_(everyone) {}
 
   template <class T>
   void operator()(const Column<IdType, T>& from, Column<IdType, T>& to) {
-    if (!all_) all_ = others_.collect(own_, everyone_);
+    if (!all_) all_ = exchange_.gather(own_, everyone_);
     std::vector<T> values;
     values.reserve(own_.size());
     for (const IdType id : own_) values.push_back(from[id]);
-    const std::vector<T> of_all = others_.collect(values, everyone_);
+    const std::vector<T> of_all = exchange_.gather(values, everyone_);
     if (!of_all.empty()) to.resize(from.size());
     for (std::size_t k = 0; k < of_all.size(); ++k) to[(*all_)[k]] = of_all[k];
   }
 
  private:
   const std::vector<IdType>& own_;
-  const Others& others_;
+  const Exchange& exchange_;
   bool everyone_;
   std::optional<std::vector<IdType>> all_;
 };
 
 }  // namespace
 
-void gather_values(const State& part, const Others& others, std::span<double> more, State& whole) {
+void gather_values(const State& part, const Exchange& exchange, std::span<double> more, State& whole) {
   std::vector<std::span<double>> summed;
   const auto add = [&summed](const auto& f, auto& of) {
     if constexpr (Summable<std::remove_reference_t<decltype(of.*f.value)>>)
@@ -72,7 +72,7 @@ void gather_values(const State& part, const Others& others, std::span<double> mo
   summed.push_back(more);
   std::vector<double> numbers;
   for (const std::span<double> s : summed) numbers.insert(numbers.end(), s.begin(), s.end());
-  others.sum(numbers);
+  exchange.sum(numbers);
   auto next = numbers.begin();
   for (const std::span<double> s : summed) {
     std::copy_n(next, s.size(), s.begin());
@@ -81,9 +81,10 @@ void gather_values(const State& part, const Others& others, std::span<double> mo
 }
 
 void gather_owned(const State& part, const std::vector<ParticleId>& own_particles,
-                  const std::vector<BondId>& own_bonds, const Others& others, bool everyone, State& whole) {
-  Bring<ParticleId> bring_particles(own_particles, others, everyone);
-  Bring<BondId> bring_bonds(own_bonds, others, everyone);
+                  const std::vector<BondId>& own_bonds, const Exchange& exchange, bool everyone,
+                  State& whole) {
+  Bring<ParticleId> bring_particles(own_particles, exchange, everyone);
+  Bring<BondId> bring_bonds(own_bonds, exchange, everyone);
   for_each_table(state_table, [&]<class Table>(const Table& table) {
     auto& to = table.in(whole);
     const auto& from = table.in(part);
@@ -91,7 +92,7 @@ void gather_owned(const State& part, const std::vector<ParticleId>& own_particle
       if (table.traits.known == Known::collected) to = from;
       if constexpr (requires { place_of(*from.begin()); })
         if (table.traits.known == Known::listed) {
-          to = others.collect(from, everyone);
+          to = exchange.gather(from, everyone);
           std::stable_sort(to.begin(), to.end(),
                            [](const auto& a, const auto& b) { return place_of(a) < place_of(b); });
         }

@@ -66,34 +66,35 @@ std::size_t work_of_particle(const Model& model) {
 }
 
 Simulation::Simulation(const Model& model, Stage stage, State* state, int threads)
-    : Simulation(model, std::move(stage), state, threads, order_of(model, *state), nullptr) {}
+    : Simulation(model, std::move(stage), state, threads, order_of(model, *state), one_rank(), false) {}
 
-Simulation::Simulation(const Model& model, Stage stage, State state, Order order, Others& others)
-    : Simulation(model, std::move(stage), &state, 1, std::move(order), &others) {}
+Simulation::Simulation(const Model& model, Stage stage, State state, Order order, Exchange& exchange)
+    : Simulation(model, std::move(stage), &state, 1, std::move(order), exchange, true) {}
 
 Simulation::Simulation(const Model& model, Stage stage, State* state, int threads, Order order,
-                       Others* others)
-    : model_(consistent(model, stage, *state, others != nullptr)),
+                       Exchange& exchange, bool is_part)
+    : model_(consistent(model, stage, *state, is_part)),
       stage_(std::move(stage)),
       state_(std::move(*state)),
-      others_(others),
+      is_part_(is_part),
+      exchange_(exchange),
       bodies_(model, std::move(order)),
-      team_(team_of(model, bodies_, state_.bonds, threads, others != nullptr)),
+      team_(team_of(model, bodies_, state_.bonds, threads, is_part)),
       contacts_(model, bodies_.order, bond_index_),
       capsules_(model, bodies_),
-      encounters_(model, bond_index_, others),
+      encounters_(model, bond_index_, exchange),
       supports_(stage_, bodies_, team_),
       applied_(stage_, bodies_, team_),
       damping_(stage_, bodies_),
-      walls_(model, stage_, bodies_, team_.blocks(), others),
-      bonding_(model, stage_, bodies_.order, bond_index_, others),
+      walls_(model, stage_, bodies_, team_.blocks(), exchange),
+      bonding_(model, stage_, bodies_.order, bond_index_, exchange),
       last_stage_step_(std::isfinite(stage_.stops.duration) ? steps_in(stage_.stops.duration, stage_.dt)
                                                             : std::numeric_limits<std::int64_t>::max()) {
-  if (others_ != nullptr) with_ghosts_.emplace(bodies_.order.known, same_work(bodies_.order.known), 1);
+  if (is_part) with_ghosts_.emplace(bodies_.order.known, same_work(bodies_.order.known), 1);
   books_.resize(all_known().blocks());
   lost_.resize(all_known().blocks());
   try {
-    const bool begun = others_ != nullptr || state_.clock.stage_step != 0;
+    const bool begun = is_part || state_.clock.stage_step != 0;
     if (!leads()) {  // parts add up
       state_.books = {};
       for (GripState& g : state_.grips) g.work = 0.0;
@@ -112,7 +113,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
       take_up_loads();
     else
       begin_stage();
-    if (others_ != nullptr)
+    if (is_part)
       for (std::size_t k = 0; k < bodies_.order.own; ++k) r_begin_.push_back(bodies_.pose[k].r);
   } catch (...) {
     *state = std::move(state_);
@@ -157,8 +158,8 @@ void Simulation::step() {
     if (moves_first(b)) begin_step(b);
   });
   lap.add_to(times_.integrate);
-  if (others_ != nullptr) hear_poses();
-  if (!only_elastic_ && (anything_touches() || (others_ != nullptr && meets()))) {
+  exchange_halo();
+  if (looks_at_ways()) {
     const double way2 = largest_way2();
     last_way_ = std::max(last_way_, std::sqrt(way2));
     contacts_.refresh(bodies_.poses(), all_known(),
@@ -174,14 +175,14 @@ void Simulation::step() {
   }
   step_blocks(timed);
   if (supports_.grips().any_free()) finish_free_grips();
-  if (others_ != nullptr) complete_sent_blocks(Instant::end);
+  complete_sent_blocks(Instant::end);
   ++state_.clock.step;
   ++state_.clock.stage_step;  // time is counted, not summed
   bodies_ahead_ = true;
   survey_.reset();
   if (!only_elastic_ && walls_.any()) close_walls(stage_.dt);
   close_books();
-  const bool events = !only_elastic_ && (others_ == nullptr ? find_events() : find_events_of_all());
+  const bool events = !only_elastic_ && find_events();
   keep_records();
   if (!lost_to_walls_.empty()) tell_of_lost();
   due_ = events;
@@ -230,21 +231,11 @@ void Simulation::change_body() {
   apply_strain();                       // r jumps, if it is due
 }
 
-/// What has come to an end in the step, once its books are closed: whether observers must look at it.
-bool Simulation::find_events() {
-  if (!growing_.empty()) book_heat();
-  if (capsules_.any()) look_at_capsules();
-  const bool broke = !bonds_.all_elastic() && break_bonds();
-  if (contacts_.any()) look_at_deep_contacts();
-  return broke || !encounters().empty() || fastest() || any_deep_capsules();
-}
-
 /// Bonds need the new places of both their particles. A block is moved just before the first bonds that reach
 /// it, and stays in the cache until then; but before all others if another thread or process may look at it:
 /// at the border of a part, or anywhere where there are contacts.
 bool Simulation::moves_first(const Block& b) const {
-  const bool anywhere = !only_elastic_ && (anything_touches() || (others_ != nullptr && meets()));
-  return anywhere || bonds_.at_border(b.index) || is_sent(b);
+  return looks_at_ways() || bonds_.at_border(b.index) || is_sent(b);
 }
 
 /// The half of a step before the loads.
@@ -398,7 +389,7 @@ void Simulation::work_out_touches(double dt) {
 void Simulation::evaluate_loads() {
   survey_.reset();
   if (inelastic()) bodies_.rates = bodies_.motion;
-  if (others_ != nullptr) hear_poses();
+  exchange_halo();
   contacts_.refresh(bodies_.poses(), all_known());
   capsules_.refresh();
   work_out_touches(0.0);
@@ -413,7 +404,7 @@ void Simulation::evaluate_loads() {
         complete_loads(team_.block(k), Instant::start, untimed);
     }
   });
-  if (others_ != nullptr) complete_sent_blocks(Instant::start);
+  complete_sent_blocks(Instant::start);
   if (walls_.any()) close_walls(0.0);
   check_finite();
   agree_on_failure();
@@ -450,7 +441,7 @@ void Simulation::close_books() {
 double Simulation::largest_way2() const {
   double way2 = 0.0;
   for (const BlockBooks& b : books_) way2 = std::max(way2, b.way2);
-  if (others_ != nullptr) others_->largest({&way2, 1});
+  exchange_.max({&way2, 1});
   return way2;
 }
 
@@ -479,7 +470,7 @@ State Simulation::take_state() && {
     stepper_->end_stage(state_);
   } else {
     state();
-    if (others_ != nullptr) give(state_), give_particles(state_, true);
+    if (is_part_) give(state_), give_particles(state_, true);
   }
   return std::move(state_);
 }

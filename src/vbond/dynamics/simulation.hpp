@@ -19,9 +19,9 @@
 #include "vbond/dynamics/contacts.hpp"
 #include "vbond/dynamics/damping.hpp"
 #include "vbond/dynamics/encounters.hpp"
+#include "vbond/dynamics/exchange.hpp"
 #include "vbond/dynamics/kernel.hpp"
 #include "vbond/dynamics/observer.hpp"
-#include "vbond/dynamics/others.hpp"
 #include "vbond/dynamics/step_times.hpp"
 #include "vbond/dynamics/stepper.hpp"
 #include "vbond/dynamics/supports.hpp"
@@ -60,11 +60,11 @@ class Simulation {
       : Simulation(model, std::move(stage), &state, threads) {}
   /// The same, and gives the state back if a stage cannot begin in it.
   Simulation(const Model& model, Stage stage, State* state, int threads = 1);
-  /// A part of a body, in this order of rows: it goes on from a state that has begun, of the whole body. The
-  /// others step its other parts, and call the same functions at the same time. What Question names is told
-  /// of the whole body, and all parts must be asked for it. All else is of this part alone, state() and
-  /// books() too, and nobody observes: give() and give_particles() tell of the whole body.
-  Simulation(const Model& model, Stage stage, State state, Order order, Others& others);
+  /// A part of a body, in this order of rows: it goes on from a state that has begun, of the whole body.
+  /// Other processes step its other parts, and call the same functions at the same time. What Question names
+  /// is told of the whole body, and all parts must be asked for it. All else is of this part alone, state()
+  /// and books() too, and nobody observes: give() and give_particles() tell of the whole body.
+  Simulation(const Model& model, Stage stage, State state, Order order, Exchange& exchange);
   Simulation(const Model&&, Stage, State, int = 1) = delete;  // a temporary would be gone at the first step
   Simulation(const Model&&, Stage, State*, int = 1) = delete;
   Simulation(const Simulation&) = delete;
@@ -219,7 +219,8 @@ class Simulation {
   };
 
   void begin_stage();
-  Simulation(const Model& model, Stage stage, State* state, int threads, Order order, Others* others);
+  Simulation(const Model& model, Stage stage, State* state, int threads, Order order, Exchange& exchange,
+             bool is_part);
   StopReason leap(std::int64_t& most);
   void bonds_changed();
   void arrange_bonds();
@@ -296,14 +297,13 @@ class Simulation {
   bool meets() const { return contacts_.any() || capsules_.any() || !stage_.bonding.empty(); }
   void diverge(std::size_t first_particle, const std::string& who, const std::string& what,
                const std::string& way_out) const;
-  void hear_poses();
+  void exchange_halo();
   bool is_sent(const Block& block) const;
   void complete_sent_blocks(Instant at);
-  bool find_events_of_all();
-  void sum_over_parts(std::span<double> numbers) const {
-    if (others_ != nullptr) others_->sum(numbers);
-  }
-  bool leads() const { return others_ == nullptr || others_->leads(); }
+  /// Whether it is of interest how far particles go in a step: where something may touch, or be bonded by
+  /// parts.
+  bool looks_at_ways() const { return !only_elastic_ && (anything_touches() || (is_part_ && meets())); }
+  bool leads() const { return exchange_.leads(); }
   /// Where what all parts know is up to date: here, or in the part of this process.
   const Simulation& here() const { return stepper_ != nullptr ? stepper_->part() : *this; }
   Vec3d from_to(ParticleId i, ParticleId j) const;
@@ -314,7 +314,8 @@ class Simulation {
   mutable State state_;                // positions and velocities as of the last state() or stage start
   mutable bool bodies_ahead_ = false;  // they, or those of a stepper, have moved on since
   bool only_elastic_ = false;          // has_only_elastic_bonds(): a step then leaves out all the rest
-  Others* const others_;               // of a part; or nullptr
+  const bool is_part_;
+  Exchange& exchange_;
   Bodies bodies_;
   Team team_;
   std::optional<Team> with_ghosts_;  // of a part

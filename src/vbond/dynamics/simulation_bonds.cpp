@@ -60,7 +60,7 @@ void Simulation::make_bonds() {
   const std::vector<Bonding::Pair> pairs = bonding_.find(bodies_.poses(), all_known());
   if (pairs.empty()) return;
   state();  // brought up to date
-  if (others_ != nullptr) give_particles(state_, true);
+  if (is_part_) give_particles(state_, true);
   const std::size_t before = state_.bonds.size();
   const bool capsules =
       capsules_.any() || std::any_of(pairs.begin(), pairs.end(), [this](const Bonding::Pair& p) {
@@ -121,17 +121,15 @@ bool Simulation::break_bonds() {
     broken.insert(broken.end(), of_part.begin(), of_part.end());
     of_part.clear();
   }
-  if (others_ != nullptr) broken = others_->collect(broken);
+  broken = exchange_.gather(broken);
   if (broken.empty()) return false;
   std::sort(broken.begin(), broken.end());
   std::vector<Broken> records;
   for (const BondId k : broken)
     if (const Broken record = broken_now(k); bodies_.order.has(state_.bonds[k].i)) records.push_back(record);
-  if (others_ != nullptr) {
-    records = others_->collect(records);
-    std::sort(records.begin(), records.end(),
-              [](const Broken& a, const Broken& b) { return a.event.bond < b.event.bond; });
-  }
+  records = exchange_.gather(records);
+  std::sort(records.begin(), records.end(),
+            [](const Broken& a, const Broken& b) { return a.event.bond < b.event.bond; });
   for (const Broken& record : records) take_out(record);
   changed_ = true;
   contacts_.list_unbonded(bodies_, all_known());
@@ -153,7 +151,7 @@ void Simulation::exchange_capsules() {
   capsules_.take_loads(bodies_.load.data());
   capsules_.bonds_changed(state_.bonds);
   capsules_.refresh();
-  if (others_ != nullptr) others_->send_to_ghosts({bodies_.pose, bodies_.motion});  // that of the step's end
+  exchange_.halo({bodies_.pose, bodies_.motion});  // that of the step's end
   capsules_.work_out(team_, 0.0);
   capsules_.add_loads({0, bodies_.order.own}, bodies_.load.data());
   std::copy(of_ghosts.begin(), of_ghosts.end(),
@@ -256,12 +254,10 @@ void Simulation::share_damping(Losses& lost) const {
   for (const DampedPower& of_block : damped_)
     for (std::size_t k = 0; k < std::size(DampedPower::causes); ++k)
       power[DampedPower::causes[k]] += of_block.of[k];
-  double all = power.sum(), taken = lost[Loss::bond_damping];
-  if (others_ != nullptr) {  // the shares are those of the whole body
-    others_->sum(power.of);
-    others_->sum({&taken, 1});
-    all = power.sum();
-  }
+  double taken = lost[Loss::bond_damping];
+  exchange_.sum(power.of);  // the shares are those of the whole body
+  exchange_.sum({&taken, 1});
+  const double all = power.sum();
   if (!(all > 0.0)) return;
   for (const Loss cause : DampedPower::causes) lost[cause] = leads() ? taken * (power[cause] / all) : 0.0;
 }

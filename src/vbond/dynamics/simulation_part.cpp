@@ -27,10 +27,10 @@ void put(const std::string& text, std::array<char, N>& to) {
 // ---- a step ------------------------------------------------------------------------------------------
 
 /// Ghosts get where their particles are, and where loads depend on it, how they move.
-void Simulation::hear_poses() {
+void Simulation::exchange_halo() {
   for (std::size_t b = team_.blocks(); b < all_known().blocks(); ++b) books_[b] = {}, lost_[b] = {};
   const bool motion = inelastic() || contacts_.any() || capsules_.any();
-  others_->send_to_ghosts({bodies_.pose, motion ? std::span(bodies_.motion) : std::span<MotionRow>()});
+  exchange_.halo({bodies_.pose, motion ? std::span(bodies_.motion) : std::span<MotionRow>()});
   if (!inelastic()) return;
   const auto first = static_cast<std::ptrdiff_t>(bodies_.order.own),
              last = static_cast<std::ptrdiff_t>(bodies_.order.known);
@@ -39,14 +39,15 @@ void Simulation::hear_poses() {
 
 /// Whether particles of the block are ghosts of other parts.
 bool Simulation::is_sent(const Block& b) const {
-  return others_ != nullptr && b.rows.last > bodies_.order.inner;
+  return bodies_.order.inner < bodies_.order.own && b.rows.last > bodies_.order.inner;
 }
 
 /// What is done to ghosts goes to their parts: none is left here, so that nothing is counted twice. Then the
 /// blocks that it came to have all their loads.
 void Simulation::complete_sent_blocks(Instant at) {
+  if (!is_part_) return;
   const auto gather = [this](std::vector<LoadRow>& load) {
-    others_->gather_from_ghosts(load);
+    exchange_.reverse_sum(load);
     std::fill(load.begin() + static_cast<std::ptrdiff_t>(bodies_.order.own),
               load.begin() + static_cast<std::ptrdiff_t>(bodies_.order.known), LoadRow{});
   };
@@ -60,8 +61,9 @@ void Simulation::complete_sent_blocks(Instant at) {
   });
 }
 
-/// As find_events(): the parts ask each other once in a step.
-bool Simulation::find_events_of_all() {
+/// What has come to an end in the step, once its books are closed: whether observers must look at it. The
+/// parts ask each other once in a step.
+bool Simulation::find_events() {
   if (!growing_.empty()) book_heat();
   if (capsules_.any()) look_at_capsules();
   if (contacts_.any()) look_at_deep_contacts();
@@ -70,7 +72,7 @@ bool Simulation::find_events_of_all() {
   enum : std::size_t { failed, broke, met, questions };
   std::array<double, questions> any{failed_ ? 1.0 : 0.0, breaks ? 1.0 : 0.0,
                                     encounters().empty() && !fastest() ? 0.0 : 1.0};
-  others_->largest(any);
+  exchange_.max(any);
   if (any[failed] != 0.0) agree_on_failure();
   if (any[met] != 0.0) encounters_.share();
   return (any[broke] != 0.0 && break_bonds()) || any[met] != 0.0 || any_deep_capsules();
@@ -80,7 +82,7 @@ bool Simulation::find_events_of_all() {
 void Simulation::diverge(std::size_t first_particle, const std::string& who, const std::string& what,
                          const std::string& way_out) const {
   const Clock& clock = state_.clock;
-  if (others_ == nullptr) throw Diverged(clock.step, clock.time(), who, what, way_out);
+  if (!is_part_) throw Diverged(clock.step, clock.time(), who, what, way_out);
   if (failed_) return;
   Failed& failed = failed_.emplace();
   failed.step = clock.step, failed.time = clock.time();
@@ -89,10 +91,10 @@ void Simulation::diverge(std::size_t first_particle, const std::string& who, con
 }
 
 void Simulation::agree_on_failure() {
-  if (others_ == nullptr || !others_->any(failed_.has_value())) return;
+  if (!exchange_.any(failed_.has_value())) return;
   std::vector<Failed> mine;
   if (failed_) mine.push_back(*failed_);
-  const std::vector<Failed> all = others_->collect(mine);
+  const std::vector<Failed> all = exchange_.gather(mine);
   const Failed& first = *std::min_element(all.begin(), all.end(), [](const Failed& a, const Failed& b) {
     return std::pair(a.step, a.first_particle) < std::pair(b.step, b.first_particle);
   });
@@ -152,26 +154,26 @@ void Simulation::learn_ends_of_bonds() {
     Quatd q;
   };
   std::vector<End> ends;
-  for (const ParticleId p : others_->collect(unknown))
+  for (const ParticleId p : exchange_.gather(unknown))
     if (order.has(p)) ends.push_back({p, state_.r[p], state_.q[p]});
-  for (const End& e : others_->collect(ends)) state_.r[e.particle] = e.r, state_.q[e.particle] = e.q;
+  for (const End& e : exchange_.gather(ends)) state_.r[e.particle] = e.r, state_.q[e.particle] = e.q;
 }
 
 void Simulation::give_particles(State& whole, bool everyone) {
   state();
-  gather_owned(state_, own_particles(), own_bonds(), *others_, everyone, whole);
+  gather_owned(state_, own_particles(), own_bonds(), exchange_, everyone, whole);
 }
 
 void Simulation::give(State& whole) {
   state_.walls = walls_.states();
   supports_.grips().write(state_);
-  gather_values(state_, *others_, brought_in_, whole);
+  gather_values(state_, exchange_, brought_in_, whole);
   if ((std::exchange(changed_, false) || !stage_.heating.empty()) && leads()) whole.bonds = state_.bonds;
   double& largest = whole.books.largest;
   largest = std::accumulate(brought_in_.begin(), brought_in_.end(), largest,
                             [](double a, double x) { return std::max(a, x); });
   brought_in_.clear();
-  others_->largest({&largest, 1});
+  exchange_.max({&largest, 1});
 }
 
 void Simulation::answer(const Question& question) {

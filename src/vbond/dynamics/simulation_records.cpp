@@ -14,10 +14,10 @@ namespace vbond {
 void Simulation::keep_records() {
   EnergyBooks& books = state_.books;
   const double brought_in = books.at_start + books.work_loads + books.work_supports;
-  if (others_ == nullptr)
-    books.largest = std::max(books.largest, brought_in);
-  else
+  if (is_part_)
     brought_in_.push_back(brought_in);
+  else
+    books.largest = std::max(books.largest, brought_in);
 
   if (stage_.stops.peak) {
     PeakRecord& peak = state_.peak;
@@ -35,7 +35,7 @@ void Simulation::keep_records() {
   }
   if (stage_.stops.rest) {
     double kinetic = bodies_.kinetic_energy(team_).kinetic();
-    sum_over_parts({&kinetic, 1});
+    exchange_.sum({&kinetic, 1});
     std::int64_t& quiet = state_.rest.quiet_steps;
     quiet = kinetic < stage_.stops.rest->kinetic_energy_below ? quiet + 1 : 0;
   }
@@ -50,15 +50,14 @@ double Simulation::peak_quantity() const {
     case PeakQuantity::wall_force:
       return dot(walls_.states()[stop.wall].force, stop.direction);  // of all parts
   }
-  sum_over_parts({&quantity, 1});
+  exchange_.sum({&quantity, 1});
   return quantity;
 }
 
 Vec3d Simulation::from_to(ParticleId i, ParticleId j) const {
-  if (others_ == nullptr) return pose_of(j).r - pose_of(i).r;
   Vec3d way =
       (bodies_.order.has(j) ? pose_of(j).r : Vec3d{}) - (bodies_.order.has(i) ? pose_of(i).r : Vec3d{});
-  others_->sum({&way.x, 3});
+  exchange_.sum({&way.x, 3});
   return way;
 }
 
@@ -93,9 +92,8 @@ std::optional<FastTurn> Simulation::fastest_turn() const {
     most2 = rate2;
     fastest = {p, stage_.dt * std::sqrt(rate2)};
   }
-  if (others_ == nullptr) return fastest;
   std::vector<FastTurn> of_all(fastest ? 1 : 0, fastest.value_or(FastTurn{}));
-  of_all = others_->collect(of_all);
+  of_all = exchange_.gather(of_all);
   const auto first = std::min_element(of_all.begin(), of_all.end(), [](const FastTurn& a, const FastTurn& b) {
     return std::pair(-a.angle, a.p) < std::pair(-b.angle, b.p);
   });
@@ -106,14 +104,12 @@ const Survey& Simulation::survey() const {
   if (survey_) return *survey_;
   if (stepper_ != nullptr) return survey_.emplace(stepper_->ask({Question::What::survey}).survey());
   Survey survey = survey_here();
-  if (others_ != nullptr) {
-    Energies& e = survey.energies;
-    std::array<double, 6> sums{e.kinetic_translation, e.kinetic_rotation, e.U_L, e.U_B, e.U_T, e.contact};
-    others_->sum(sums);
-    e = {sums[0], sums[1], sums[2], sums[3], sums[4], sums[5]};
-    survey.deformed = others_->collect(survey.deformed);
-    std::sort(survey.deformed.begin(), survey.deformed.end());
-  }
+  Energies& e = survey.energies;
+  std::array<double, 6> sums{e.kinetic_translation, e.kinetic_rotation, e.U_L, e.U_B, e.U_T, e.contact};
+  exchange_.sum(sums);
+  e = {sums[0], sums[1], sums[2], sums[3], sums[4], sums[5]};
+  survey.deformed = exchange_.gather(survey.deformed);
+  std::sort(survey.deformed.begin(), survey.deformed.end());
   return survey_.emplace(std::move(survey));
 }
 
@@ -138,7 +134,7 @@ double Simulation::balance_error(const Energies& e) const {
 
 Reaction Simulation::summed_over_parts(Reaction r) const {
   std::array<double, 6> sums{r.force.x, r.force.y, r.force.z, r.moment.x, r.moment.y, r.moment.z};
-  sum_over_parts(sums);
+  exchange_.sum(sums);
   return {{sums[0], sums[1], sums[2]}, {sums[3], sums[4], sums[5]}};
 }
 
@@ -200,22 +196,19 @@ double Simulation::mean_axial_force(const std::vector<BondId>& bonds) const {
     return vbond::mean_axial_force(state_, some,
                                    [this](ParticleId p) -> const PoseRow& { return pose_of(p); });
   };
-  if (others_ == nullptr) return mean(bonds);
   std::vector<BondId> here = bonds;
   std::erase_if(here, [this](BondId b) { return !bodies_.order.has(state_.bonds[b].i); });
   double share = 0.0;
   if (!here.empty())
     share = mean(here) * (static_cast<double>(here.size()) / static_cast<double>(bonds.size()));
-  others_->sum({&share, 1});
+  exchange_.sum({&share, 1});
   return share;
 }
 
 std::vector<DeepInWall> Simulation::deep_in_walls(double part) const {
   if (stepper_ != nullptr)
     return stepper_->ask({Question::What::deep_in_walls, {}, part}).deep_in_walls(part);
-  std::vector<DeepInWall> deep = walls_.deeper_than(part);
-  if (others_ == nullptr) return deep;
-  deep = others_->collect(deep);
+  std::vector<DeepInWall> deep = exchange_.gather(walls_.deeper_than(part));
   std::sort(deep.begin(), deep.end(), [](const DeepInWall& a, const DeepInWall& b) {
     return std::pair(a.p, a.wall) < std::pair(b.p, b.wall);
   });
@@ -228,7 +221,7 @@ std::vector<GripView> Simulation::grips() const {
   for (GripView& v : views) {
     const Reaction whole = summed_over_parts({v.force, v.moment});
     v.force = whole.force, v.moment = whole.moment;
-    if (v.work) sum_over_parts({&*v.work, 1});
+    if (v.work) exchange_.sum({&*v.work, 1});
   }
   return views;
 }

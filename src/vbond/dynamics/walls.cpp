@@ -21,10 +21,10 @@ Vec3d velocity_at(const WallState& w, const Vec3d& centre, const Vec3d& x) {
 }  // namespace
 
 Walls::Walls(const Model& model, const Stage& stage, const Bodies& bodies, std::size_t blocks,
-             const Others* others)
+             const Exchange& exchange)
     : model_(model),
       bodies_(bodies),
-      others_(others),
+      exchange_(exchange),
       drive_(model.walls.size(), nullptr),
       walls_(model.walls.size()),
       forms_(touch_forms(model.contact)) {
@@ -328,7 +328,7 @@ std::vector<Walls::OnWall> Walls::sums() const {
       on[w].slopes.k += b.slopes[w].k, on[w].slopes.g += b.slopes[w].g;
     }
   static_assert(sizeof(OnWall) == 8 * sizeof(double));
-  if (others_ != nullptr) others_->sum({&on.front().F.x, 8 * on.size()});
+  if (!on.empty()) exchange_.sum({&on.front().F.x, 8 * on.size()});
   return on;
 }
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "vbond/dynamics/bodies.hpp"
-#include "vbond/dynamics/others.hpp"
+#include "vbond/dynamics/exchange.hpp"
 #include "vbond/dynamics/team.hpp"
 #include "vbond/dynamics/touch_kernel.hpp"
 #include "vbond/model/model.hpp"
@@ -25,9 +25,9 @@ struct DeepInWall {
 /// A block adds the loads of walls to its own rows only; loads on walls are added up block by block.
 class Walls {
  public:
-  /// Keeps references to all. others: nullptr unless the body is stepped in parts.
+  /// Keeps references to all.
   Walls(const Model& model, const Stage& stage, const Bodies& bodies, std::size_t blocks,
-        const Others* others = nullptr);
+        const Exchange& exchange = one_rank());
   Walls(const Model&&, const Stage&, const Bodies&, std::size_t) = delete;
   Walls(const Model&, const Stage&&, const Bodies&, std::size_t) = delete;
 
@@ -124,7 +124,7 @@ class Walls {
 
   const Model& model_;
   const Bodies& bodies_;
-  const Others* others_;
+  const Exchange& exchange_;
   std::vector<const WallDrive*> drive_;  // of each wall, or nullptr
   std::vector<WallState> walls_;
   std::vector<WallSurface> surfaces_;

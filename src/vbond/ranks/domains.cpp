@@ -99,7 +99,7 @@ class FixVbond : public LAMMPS_NS::Fix {
   std::vector<double> costs;  // of each atom
   // of the message under way
   const std::uint32_t* rows = nullptr;
-  GhostPoses ghosts;
+  HaloColumns ghosts;
   std::span<LoadRow> load;
 };
 
@@ -220,7 +220,7 @@ Holding Domains::holding() {
   std::iota(rows.begin(), rows.end(), 0u);
   std::vector<LoadRow> reports(all);
   for (std::size_t k = own; k < all; ++k) reports[k].F.x = 1.0;
-  gather_from_ghosts(rows, reports);
+  reverse_sum(rows, reports);
 
   Holding h;
   for (std::size_t k = 0; k < all; ++k) {
@@ -231,7 +231,7 @@ Holding Domains::holding() {
   return h;
 }
 
-void Domains::send_to_ghosts(const std::vector<std::uint32_t>& rows, const GhostPoses& columns) {
+void Domains::halo(const std::vector<std::uint32_t>& rows, const HaloColumns& columns) {
   FixVbond& fix = *lammps_->fix;
   fix.rows = rows.data();
   fix.ghosts = columns;
@@ -239,7 +239,7 @@ void Domains::send_to_ghosts(const std::vector<std::uint32_t>& rows, const Ghost
   lammps_->lmp->comm->forward_comm_fix(&fix);
 }
 
-void Domains::gather_from_ghosts(const std::vector<std::uint32_t>& rows, std::span<LoadRow> load) {
+void Domains::reverse_sum(const std::vector<std::uint32_t>& rows, std::span<LoadRow> load) {
   lammps_->fix->rows = rows.data();
   lammps_->fix->load = load;
   lammps_->lmp->comm->reverse_comm_fix(lammps_->fix);

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
+#include "vbond/dynamics/exchange.hpp"
 #include "vbond/dynamics/order.hpp"
-#include "vbond/dynamics/others.hpp"
 
 namespace vbond {
 
@@ -23,9 +23,9 @@ class Domains {
   /// What this rank has; ghosts are the particles of other ranks within reach of its domain.
   Holding holding();
   /// Ghosts get what their particles have; rows: of own particles, then of ghosts, as holding() names them.
-  void send_to_ghosts(const std::vector<std::uint32_t>& rows, const GhostPoses& columns);
+  void halo(const std::vector<std::uint32_t>& rows, const HaloColumns& columns);
   /// Particles get the loads of their ghosts on other ranks, in addition.
-  void gather_from_ghosts(const std::vector<std::uint32_t>& rows, std::span<LoadRow> load);
+  void reverse_sum(const std::vector<std::uint32_t>& rows, std::span<LoadRow> load);
 
  private:
   struct Lammps;

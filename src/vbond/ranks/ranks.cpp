@@ -216,7 +216,7 @@ void Ranks::take_part(State& state) {
   if (before) part_->take_events(*before);
   room_ = 0.5 * margin * reach_;
   longest_ = part_->longest_bond();
-  largest({&longest_, 1});
+  max({&longest_, 1});
 }
 
 StopReason Ranks::advance(std::int64_t most, State& state) {
@@ -227,7 +227,7 @@ StopReason Ranks::advance(std::int64_t most, State& state) {
     worked_ += seconds_at_work() - waited_ - begun;
     std::array<double, 2> work{worked_, worked_};
     sum({&work[0], 1});
-    largest({&work[1], 1});
+    max({&work[1], 1});
     imbalance_ = work[1] * size_ / work[0];
     part_->agree_on_failure();
     part_->give(state);
@@ -263,7 +263,7 @@ StopReason Ranks::step(std::int64_t steps, State& state) {
 /// of its first size, would lose it by rounding: that body diverges.
 bool Ranks::is_far() {
   double way = part_->way_since_begin();
-  largest({&way, 1});
+  max({&way, 1});
   const double limit = reach_ > 0.0 && std::isfinite(reach_) ? 0.5 * margin * reach_ : 0.25 * longest_;
   room_ = limit - way;
   return way > limit && way < 1e6 * first_ghost_reach_;
@@ -294,14 +294,14 @@ class Ranks::Waiting {
   double since_;
 };
 
-void Ranks::send_to_ghosts(const GhostPoses& columns) {
+void Ranks::halo(const HaloColumns& columns) {
   const Waiting waiting(*this);
-  domains_->send_to_ghosts(rows_, columns);
+  domains_->halo(rows_, columns);
 }
 
-void Ranks::gather_from_ghosts(std::span<LoadRow> load) {
+void Ranks::reverse_sum(std::span<LoadRow> load) {
   const Waiting waiting(*this);
-  domains_->gather_from_ghosts(rows_, load);
+  domains_->reverse_sum(rows_, load);
 }
 
 void Ranks::sum(std::span<double> numbers) const {
@@ -310,13 +310,13 @@ void Ranks::sum(std::span<double> numbers) const {
                 MPI_COMM_WORLD);
 }
 
-void Ranks::largest(std::span<double> numbers) const {
+void Ranks::max(std::span<double> numbers) const {
   const Waiting waiting(*this);
   MPI_Allreduce(MPI_IN_PLACE, numbers.data(), static_cast<int>(numbers.size()), MPI_DOUBLE, MPI_MAX,
                 MPI_COMM_WORLD);
 }
 
-void Ranks::collect_bytes(std::span<const std::byte> mine, bool everyone, const Room& room) const {
+void Ranks::gather_bytes(std::span<const std::byte> mine, bool everyone, const Room& room) const {
   const Waiting waiting(*this);
   std::int64_t total = static_cast<std::int64_t>(mine.size());
   MPI_Allreduce(MPI_IN_PLACE, &total, 1, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);

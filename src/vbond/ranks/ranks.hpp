@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "vbond/dynamics/others.hpp"
+#include "vbond/dynamics/exchange.hpp"
 #include "vbond/dynamics/simulation.hpp"
 #include "vbond/dynamics/stepper.hpp"
 #include "vbond/ranks/domains.hpp"
@@ -21,7 +21,7 @@ struct Dismissed {};
 /// The steps of a run by all ranks of MPI, which has begun. Each rank has a Run of the same case, and steps
 /// its part of the body by a Simulation of its own. That of rank 0 alone has observers and decides how many
 /// steps are made.
-class Ranks : public Stepper, public Others {
+class Ranks : public Stepper, public Exchange {
  public:
   Ranks();
   /// Rank 0 dismisses the others.
@@ -54,12 +54,12 @@ class Ranks : public Stepper, public Others {
   void look_at_parts(const std::string& message) override;
   void end_stage(State& state) override;
 
-  void send_to_ghosts(const GhostPoses& columns) override;
-  void gather_from_ghosts(std::span<LoadRow> load) override;
+  void halo(const HaloColumns& columns) override;
+  void reverse_sum(std::span<LoadRow> load) override;
   void sum(std::span<double> numbers) const override;
-  void largest(std::span<double> numbers) const override;
+  void max(std::span<double> numbers) const override;
   bool leads() const override { return rank_ == 0; }
-  void collect_bytes(std::span<const std::byte> mine, bool everyone, const Room& room) const override;
+  void gather_bytes(std::span<const std::byte> mine, bool everyone, const Room& room) const override;
 
  private:
   class Waiting;

@@ -10,37 +10,38 @@
 namespace vbond {
 
 /// Columns of rows whose ghosts get what their particles have. Empty columns are not sent.
-struct GhostPoses {
+struct HaloColumns {
   std::span<PoseRow> pose;
   std::span<MotionRow> motion;
 };
 
-/// The processes that step the other parts of a body. All call these functions in the same order, and all
-/// wait for each other in most of them.
-class Others {
+/// What the processes that step the parts of a body need of each other. All call these functions in the same
+/// order, and all wait for each other in most of them. In the form for a body that one process steps whole,
+/// one_rank(), they do nothing.
+class Exchange {
  public:
-  virtual ~Others() = default;
+  virtual ~Exchange() = default;
 
-  /// Ghosts get what their particles have on the ranks that move them.
-  virtual void send_to_ghosts(const GhostPoses& columns) = 0;
-  /// Particles get, in addition, the loads on their ghosts.
-  virtual void gather_from_ghosts(std::span<LoadRow> load) = 0;
+  /// Halo exchange: ghosts get what their particles have on the ranks that move them.
+  virtual void halo(const HaloColumns& columns) = 0;
+  /// Reverse sum: particles get, in addition, the loads on their ghosts.
+  virtual void reverse_sum(std::span<LoadRow> load) = 0;
 
   /// Numbers become the sum, or the largest, of those of all processes.
   virtual void sum(std::span<double> numbers) const = 0;
-  virtual void largest(std::span<double> numbers) const = 0;
+  virtual void max(std::span<double> numbers) const = 0;
   /// Whether this process does what one of them must do for all.
   virtual bool leads() const = 0;
   /// What all processes have, in their order: on all of them, or only on the one that leads. room(n) is where
   /// n bytes of it go.
   using Room = std::function<std::byte*(std::size_t)>;
-  virtual void collect_bytes(std::span<const std::byte> mine, bool everyone, const Room& room) const = 0;
+  virtual void gather_bytes(std::span<const std::byte> mine, bool everyone, const Room& room) const = 0;
 
   template <class T>
-  std::vector<T> collect(const std::vector<T>& mine, bool everyone = true) const {
+  std::vector<T> gather(const std::vector<T>& mine, bool everyone = true) const {
     static_assert(std::is_trivially_copyable_v<T>);
     std::vector<T> all;
-    collect_bytes(std::as_bytes(std::span(mine)), everyone, [&all](std::size_t bytes) {
+    gather_bytes(std::as_bytes(std::span(mine)), everyone, [&all](std::size_t bytes) {
       all.resize(bytes / sizeof(T));
       return std::as_writable_bytes(std::span(all)).data();
     });
@@ -48,9 +49,12 @@ class Others {
   }
   bool any(bool here) const {
     double number = here ? 1.0 : 0.0;
-    largest({&number, 1});
+    max({&number, 1});
     return number != 0.0;
   }
 };
+
+/// Of a body that one process steps whole.
+Exchange& one_rank();
 
 }  // namespace vbond
