@@ -101,6 +101,7 @@ TEST(OwnLaw, ClosesItsBooksToSecondOrder) {
       }
       lost[fine] = run.books().dissipated;
     }
+    // as flow_test.cpp has it of the library's laws
     const double start = 8 * 0.05 * 0.05;
     EXPECT_GT(lost[0], 0.02 * start) << what.name;
     EXPECT_NEAR(lost[0], lost[1], 0.03 * lost[0]) << what.name;
@@ -155,6 +156,56 @@ TEST(OwnLaw, IsFoundByItsNameWithRulesAndWithFlow) {
   EXPECT_EQ(find_law("v-model-with-flow"), with_rules(bond_law<VModel>, flows));
 }
 
+/// The EVM with four numbers more than it needs: eight coefficients.
+template <Scalar T>
+struct Wide : Evm<T> {
+  T p, q, r, s;
+  static constexpr std::string_view name = "wide";
+  static constexpr auto fields() {
+    constexpr auto evm = Evm<T>::fields();
+    using Field = LawField<Wide>;
+    std::array<Field, 8> all{};
+    for (std::size_t k = 0; k < 4; ++k) all[k] = {evm[k].at, evm[k].info};
+    constexpr LawFieldInfo more{"more", {0, 0}, "of a test", LawInput::given};
+    all[4] = {&Wide::p, more}, all[5] = {&Wide::q, more}, all[6] = {&Wide::r, more},
+    all[7] = {&Wide::s, more};
+    return all;
+  }
+  static constexpr Wide from(const BondStiffness<T>& c, const T& a, const T& R_i, const T& R_j) {
+    return {Evm<T>::from(c, a, R_i, R_j), T(0.0), T(0.0), T(0.0), T(0.0)};
+  }
+};
+
+TEST(OwnLaw, OfEightCoefficientsHasNoRoomForThoseOfRules) {
+  const BondLaw wide = law_with_loops<Wide>();
+  EXPECT_EQ(wide.fields.size(), 8u);
+  EXPECT_EQ(wide.with_rules, nullptr);
+  EXPECT_EQ(wide.with_flow, nullptr);
+}
+
+// A softening that the tension does not reach, and one of a form of stretching, are no states of a run.
+TEST(OwnLaw, IsRefusedWhereItsSofteningCannotBegin) {
+  const auto refusal = [](const BondRules& rules) {
+    Specimen s = testing::particles_at({{0, 0, 0}, {1, 0, 0}});
+    testing::bond(s, 0, 1, recipe_with(rules, hardening_law));
+    try {
+      Simulation(s.model, testing::plain_stage(0.1, 1.0), s.state);
+    } catch (const std::invalid_argument& e) {
+      return std::string(e.what());
+    }
+    return std::string("none");
+  };
+  BondRules rules;
+  rules.softening = {0.1, 0.2};
+  EXPECT_EQ(refusal(rules), "none");
+  rules.stretch.form = StretchForm::two_slopes;
+  EXPECT_NE(refusal(rules).find("bonds[0] softens or creeps, and has a form of stretching of its own"),
+            std::string::npos);
+  rules.stretch.form = StretchForm::harmonic;
+  rules.softening = {0.1, 0.1};
+  EXPECT_NE(refusal(rules).find("bonds[0] softens from a force that it does not reach"), std::string::npos);
+}
+
 TEST(OwnLaw, ThatDampsByItselfIsRefusedWithRules) {
   BondRecipe recipe = testing::papers_bond(&testing::damped_law);
   recipe.damping = {DampingBy::time, {0.1, 0.1, 0.1, 0.1}};
@@ -164,8 +215,8 @@ TEST(OwnLaw, ThatDampsByItselfIsRefusedWithRules) {
     ADD_FAILURE() << "it is made";
   } catch (const std::invalid_argument& e) {
     EXPECT_EQ(std::string(e.what()),
-              "make_bond: law \"damped\" damps, breaks or remembers by itself, so that it takes no rules, "
-              "damping or weibull of the recipe");
+              "make_bond: law \"damped\" damps, breaks or remembers by itself, or has more than seven "
+              "coefficients: it takes no rules, damping or weibull of a recipe");
   }
 }
 

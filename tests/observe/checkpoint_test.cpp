@@ -266,6 +266,26 @@ TEST(Checkpoint, StatesThatNoRunIsInAreRefused) {
   refused("watches missing bonds", [](Checkpoint& c) { c.watch.bonds.resize(3); });
 }
 
+// Bonds had nine coefficients once; twelve are read as nine and zeros.
+TEST(Checkpoint, ShorterRowsOfEarlierVersionsAreFilledUp) {
+  const Folder folder;
+  const Chain chain(3);
+  write_checkpoint(folder / "c.h5", chain.model, {chain.state, {}}, "1.2.3");
+  const hid_t file = H5Fopen((folder / "c.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  ASSERT_GE(H5Ldelete(file, "/bonds/coefficients", H5P_DEFAULT), 0);
+  const hsize_t size[] = {2, 9};
+  const hid_t space = H5Screate_simple(2, size, nullptr);
+  const hid_t set =
+      H5Dcreate2(file, "/bonds/coefficients", H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  double numbers[18]{};
+  for (std::size_t k = 0; k < 2; ++k)
+    std::copy_n(chain.state.bonds[BondId{k}].coefficients.begin(), 9, numbers + 9 * k);
+  ASSERT_GE(H5Dwrite(set, H5T_IEEE_F64LE, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers), 0);
+  H5Dclose(set), H5Sclose(space), H5Fclose(file);
+  write_seal(folder / "c.h5", 4, "1.2.3");
+  EXPECT_EQ(read_checkpoint(folder / "c.h5", chain.model).state.bonds, chain.state.bonds);
+}
+
 TEST(Checkpoint, NumbersOfAnotherFileAreRefused) {
   const Folder folder;
   Chain chain;

@@ -82,30 +82,89 @@ TYPED_TEST(FlowingBond, SoftensAlongTheLineOfItsFractureEnergy) {
   }
 }
 
-// Of a law whose tension is no straight line: the tension falls along the line all the same, and what is
-// dissipated is the area below the path less what can be had back, however many steps lead there.
+// ---- laws whose tension is no straight line
+// ----------------------------------------------------------------
+
+using OwnFlow = WithFlow<testing::Hardening>::Law<double>;
+
+/// Slope of the tension u (1 + h u^2/u_0^2) at u_0: 1 + 3 h.
+constexpr double hardenings[] = {0.0, 0.25, 2.0, 4.0, 10.0, 50.0};
+
+// The tension falls along the line all the same, and what is dissipated is the area below the path less what
+// can be had back, however many steps lead there.
 TEST(SofteningOfAnOwnLaw, FollowsTheLineAndDissipatesTheAreaBelow) {
-  using Law = WithFlow<testing::Hardening>::Law<double>;
-  constexpr double per_s2 = 100.0, u_c = 0.05, u_f = 0.2;
-  constexpr double N_c = u_c * (1.0 + per_s2 * u_c * u_c),
-                   U_c = 0.5 * u_c * u_c + 0.25 * per_s2 * u_c * u_c * u_c * u_c;
-  for (const int steps : {1, 3, 50}) {
-    BondRules rules;
-    rules.softening = {N_c, u_f};
-    Driven<Law> bond(rules);
-    bond.law.per_s2 = per_s2;
-    bond.move_to(pose_of(1.0 + u_c, {}, {}));
-    EXPECT_NEAR(bond[memory::damage], 0.0, 1e-12);
-    for (int k = 1; k <= steps; ++k) {
-      const double u = u_c + (u_f - u_c) * k / steps, N = N_c * (u_f - u) / (u_f - u_c);
-      const BondPose<double> b = pose_of(1.0 + u, {}, {});
-      bond.move_to(b);
-      EXPECT_NEAR(tension(bond.law, 1.0 + u, bond.h), N, 1e-14) << steps << ", " << k;
-      // the area is known to the tolerance of u_before, 1e-12 of N_c, in each step
-      EXPECT_NEAR(bond[memory::dissipated] + bond.energy(b), U_c + 0.5 * (N_c + N) * (u - u_c),
-                  1e-12 * N_c * k);
+  constexpr double u_c = 0.05, u_f = 0.2;
+  for (const double hardening : hardenings)
+    for (const int steps : {1, 3, 50}) {
+      const double per_s2 = hardening / (u_c * u_c), N_c = u_c * (1.0 + hardening),
+                   U_c = u_c * u_c * (0.5 + 0.25 * hardening);
+      BondRules rules;
+      rules.softening = {N_c, u_f};
+      Driven<OwnFlow> bond(rules);
+      bond.law.per_s2 = per_s2;
+      bond.move_to(pose_of(1.0 + u_c, {}, {}));
+      EXPECT_NEAR(bond[memory::damage], 0.0, 1e-11) << hardening;
+      for (int k = 1; k <= steps; ++k) {
+        const double u = k == steps ? u_f : u_c + (u_f - u_c) * k / steps, N = N_c * (u_f - u) / (u_f - u_c);
+        const BondPose<double> b = pose_of(1.0 + u, {}, {});
+        bond.move_to(b);
+        // u_c is known to 1e-12 of N_c over a slope of N_c/u_c at least; the tension without damage is
+        // rounded
+        const double rounding = 1e-15 * u * (1.0 + per_s2 * u * u);
+        EXPECT_NEAR(tension(bond.law, 1.0 + u, bond.h), N, 1e-12 * N_c + rounding) << hardening << ", " << k;
+        EXPECT_NEAR(bond[memory::dissipated] + bond.energy(b), U_c + 0.5 * (N_c + N) * (u - u_c),
+                    k * (1e-12 * N_c + rounding))
+            << hardening << ", " << k;
+      }
+      EXPECT_NEAR(bond[memory::damage], 1.0, 1e-15);  // D less a is rounded
     }
-    EXPECT_EQ(bond[memory::damage], 1.0);
+}
+
+// From its limit at u_y on, however far it is driven at once.
+TEST(YieldOfAnOwnLaw, BringsTheTensionToItsLimit) {
+  constexpr double u_y = 0.02;
+  for (const double hardening : hardenings)
+    for (const double times : {1.1, 3.0, 10.0})
+      for (const double sign : {-1.0, 1.0}) {
+        BondRules rules;
+        rules.yield.limit.axial = rules.yield.compression = u_y * (1.0 + hardening);
+        rules.yield.isotropic.axial = 0.1;
+        Driven<OwnFlow> bond(rules);
+        bond.law.per_s2 = hardening / (u_y * u_y);
+        const double D = 1.0 + sign * times * u_y, limit = rules.yield.limit.axial;
+        bond.move_to(pose_of(D, {}, {}));
+        EXPECT_NEAR(sign * tension(bond.law, D, bond.h), limit + 0.1 * bond[memory::axial],
+                    1e-12 * limit + 1e-16)
+            << hardening << ", " << times;
+        EXPECT_GT(bond[memory::axial], 0.0);
+      }
+}
+
+/// Held at the elongation u = 0.1 for the time 1 in so many steps, with rate c_A = 1.
+Driven<OwnFlow>& relaxed(Driven<OwnFlow>& bond, int steps) {
+  for (int k = 0; k < steps; ++k) bond.move_to(pose_of(1.1, {}, {}), 1.0 / steps);
+  return bond;
+}
+
+TEST(CreepOfAnOwnLaw, NeitherOscillatesNorMakesEnergy) {
+  for (const double hardening : hardenings) {
+    BondRules rules;
+    rules.creep = {1.0, 1};
+    Driven<OwnFlow> bond(rules), coarse(rules), fine(rules), exact(rules);
+    for (Driven<OwnFlow>* b : {&bond, &coarse, &fine, &exact}) b->law.per_s2 = hardening / 0.01;
+    double N = tension(bond.law, 1.1, bond.h), lost = 0.0;
+    for (int k = 0; k < 20; ++k) {  // steps as long as the time of relaxation at rest
+      bond.move_to(pose_of(1.1, {}, {}), 1.0);
+      EXPECT_LE(tension(bond.law, 1.1, bond.h), N) << hardening << ", " << k;
+      EXPECT_GE(tension(bond.law, 1.1, bond.h), 0.0) << hardening << ", " << k;
+      EXPECT_GE(bond[memory::dissipated], lost) << hardening << ", " << k;
+      N = tension(bond.law, 1.1, bond.h), lost = bond[memory::dissipated];
+    }
+    const double end = tension(exact.law, 1.1, relaxed(exact, 20000).h);
+    const double error = std::abs(tension(coarse.law, 1.1, relaxed(coarse, 500).h) - end),
+                 less = std::abs(tension(fine.law, 1.1, relaxed(fine, 1000).h) - end);
+    EXPECT_GT(error / less, 3.0) << hardening;  // second order: 4
+    EXPECT_LT(error / less, 5.0) << hardening;
   }
 }
 

@@ -42,7 +42,7 @@ struct FastTurn {
 /// long as nothing is fast or deep; while something is fast, as much as a rebuild of the contact list.
 class Encounters {
  public:
-  /// Keeps references to all. others: nullptr unless the body is stepped in parts.
+  /// Keeps references to all.
   Encounters(const Model& model, const BondIndex& index, const Exchange& exchange = one_rank());
   Encounters(const Model&&, const BondIndex&) = delete;
   Encounters(const Model&, const BondIndex&&) = delete;

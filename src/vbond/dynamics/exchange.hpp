@@ -54,7 +54,7 @@ class Exchange {
   }
 };
 
-/// Of a body that one process steps whole.
+/// The exchange of a body that one process steps whole: sums and gathers give what this process has.
 Exchange& one_rank();
 
 }  // namespace vbond

@@ -10,7 +10,7 @@
 namespace vbond {
 
 /// What all parts know, as one of them has it, and the sums of what they add up. Bonds, of which there are
-/// many, are left as they are. `more` numbers are summed with the exchange, and become the sums.
+/// many, are left as they are. The numbers of `more` are summed over the parts as well.
 void gather_values(const State& part, const Exchange& exchange, std::span<double> more, State& whole);
 
 /// What belongs to particles and bonds, and what parts list. `part` has been collected from its rows. Of

@@ -16,7 +16,7 @@ template <template <class> class Law>
 BondLaw law_with_loops() {
   BondLaw law = bond_law<Law>;
   law.loops = [](std::string_view) { return &VBOND_KERNEL::loops_of_law<Law>; };
-  if constexpr (ElasticOnly<Law<double>>) {
+  if constexpr (TakesRules<Law<double>>) {
     static const BondLaw with_rules = law_with_loops<WithRules<Law>::template Law>(),
                          with_flow = law_with_loops<WithFlow<Law>::template Law>();
     law.with_rules = &with_rules;

@@ -55,6 +55,7 @@ double Simulation::peak_quantity() const {
 }
 
 Vec3d Simulation::from_to(ParticleId i, ParticleId j) const {
+  if (!is_part_) return pose_of(j).r - pose_of(i).r;
   Vec3d way =
       (bodies_.order.has(j) ? pose_of(j).r : Vec3d{}) - (bodies_.order.has(i) ? pose_of(i).r : Vec3d{});
   exchange_.sum({&way.x, 3});

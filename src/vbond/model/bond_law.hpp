@@ -33,9 +33,9 @@ struct BondLaw {
   std::string_view rest_condition, rest_way_out;  ///< when rest is the least energy, and how to get there
   std::span<const std::string_view> history;      ///< names of what a bond remembers
   bool damped, breakable;
-  bool has_rules;  ///< whether it reads the rules of a bond
-  const BondLaw *with_rules,
-      *with_flow;  ///< this law with rules, and flow; nullptr unless it is elastic only
+  bool has_rules;             ///< whether it reads the rules of a bond
+  const BondLaw* with_rules;  ///< this law with rules; nullptr unless it takes them
+  const BondLaw* with_flow;   ///< the same with flow
   /// The loads that damping adds.
   BondLoads<double> (*damping_loads)(const Bond&, const BondPose<double>&, const BondRates<double>&);
   BondEnergy<double> (*energy)(const Bond&, const BondPose<double>&, const BondHistory&);
@@ -79,7 +79,7 @@ std::span<const BondLaw* const> bond_laws();
 std::span<const BondLaw* const> named_laws();
 
 /// This law with rules, and with flow if the rules say so; or nullptr, of a law of a program's own that
-/// damps, breaks or remembers by itself.
+/// damps, breaks or remembers by itself, or has more than seven coefficients.
 const BondLaw* with_rules(const BondLaw& law, const BondRules& rules);
 
 /// The one of that name among the library's laws, these and these with rules, or nullptr.

@@ -67,10 +67,18 @@ Coefficients from_stiffness(const BondStiffness<double>& c, double a, const Coef
   return found;
 }
 
+template <class Law>
+constexpr bool has_rules() {
+  if constexpr (HasRules<Law>)
+    static_assert(rules_come_last<Law>(),
+                  "a law with rules is WithRules<Elastic>::Law or WithFlow<Elastic>::Law");
+  return HasRules<Law>;
+}
+
 /// An elastic law with rules, or with flow: Form is WithRules or WithFlow.
 template <template <class> class Law, template <template <class> class> class Form>
 constexpr const BondLaw* in_form() {
-  if constexpr (ElasticOnly<Law<double>>) return &bond_law<Form<Law>::template Law>;
+  if constexpr (TakesRules<Law<double>>) return &bond_law<Form<Law>::template Law>;
   return nullptr;
 }
 
@@ -87,7 +95,7 @@ constinit const BondLaw LawObject<Law>::object{
     .history = detail::history_names<Law<double>>(),
     .damped = Damped<Law<double>>,
     .breakable = Breakable<Law<double>>,
-    .has_rules = HasRules<Law<double>>,
+    .has_rules = detail::has_rules<Law<double>>(),
     .with_rules = detail::in_form<Law, WithRules>(),
     .with_flow = detail::in_form<Law, WithFlow>(),
     .damping_loads =

@@ -82,9 +82,10 @@ Bond with_coefficients(const BondRecipe& recipe, double a, double R_i, double R_
   Bond b{};
   b.law = recipe.has_rules() ? with_rules(*recipe.law, recipe.rules) : recipe.law;
   if (b.law == nullptr)
-    throw std::invalid_argument("make_bond: law \"" + std::string(recipe.law->name) +
-                                "\" damps, breaks or remembers by itself, so that it takes no rules, damping "
-                                "or weibull of the recipe");
+    throw std::invalid_argument(
+        "make_bond: law \"" + std::string(recipe.law->name) +
+        "\" damps, breaks or remembers by itself, or has more than seven coefficients: "
+        "it takes no rules, damping or weibull of a recipe");
   b.set = recipe.set;
   b.a = a;
   b.R_i = R_i;

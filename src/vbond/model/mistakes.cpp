@@ -102,6 +102,19 @@ void look_at_principal_inertia(const Model& model, Mistakes& found) {
                                               p.value, model.inertia[p]));
 }
 
+/// Softening and creep are worked out for the tension of the elastic law.
+bool stretches_as_it_flows(const Bond& b) {
+  return b.law == nullptr || !b.law->has_rules || b.rules->stretch.form == StretchForm::harmonic ||
+         (!b.rules->softening.any() && b.rules->creep.rate == 0.0);
+}
+/// The tension must fall from its limit to zero along a line.
+bool reaches_its_softening(const Bond& b) {
+  if (b.law == nullptr || !b.law->has_rules || !b.law->remembers() || !b.rules->softening.any()) return true;
+  const double factor = strength_factor(b);
+  return b.law->tension(b, b.a + b.rules->softening.length / factor, no_history) >
+         factor * b.rules->softening.force;
+}
+
 /// Columns have an entry for each particle or bond; those that not all bodies have may be empty, those of one
 /// member of State together.
 void look_at_sizes(const Model& model, const State& s, Mistakes& found) {
@@ -182,6 +195,10 @@ std::vector<std::string> mistakes_in(const Model& model, const State& s) {
     found.require(wrong == rows.end(), fmt::format("{}[{}] {}", name, wrong - rows.begin(), rule));
   };
   require_each(s.bonds, "bonds", "has no law", [](const Bond& b) { return b.law != nullptr; });
+  require_each(s.bonds, "bonds", "softens or creeps, and has a form of stretching of its own",
+               stretches_as_it_flows);
+  require_each(s.bonds, "bonds", "softens from a force that it does not reach before its length of softening",
+               reaches_its_softening);
   require_each(s.bonds, "bonds", "joins a particle with itself", [](const Bond& b) { return b.i != b.j; });
   require_each(s.bonds, "bonds", "has a capsule whose radius is not >= 0 and finite",
                [](const Bond& b) { return at_least_zero(b.capsule); });

@@ -87,6 +87,8 @@ inline constexpr int most_flow_corrections = 30;
 /// go on with wrong loads. Rounding, a part of the load of elastic bonds, counts neither way.
 inline constexpr double flow_apart = 1e-9, flow_lost = 1e-6, flow_rounding = 1e-12;
 inline constexpr int most_joint_corrections = 10;
+/// How often an elongation is corrected at which a tension that is no straight line meets one.
+inline constexpr int most_meetings = 60;
 inline constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 /// How much a channel flows in a step: x >= 0 such that the load is above its limit by f(x) = 0, where f
@@ -110,11 +112,12 @@ class FlowAmount {
     const T secant = (last_f_ - f) / where_greater(dx2, zero, dx, one);
     const T bounded = larger(T(0.0625) * guess_, -larger(-secant, T(-4.0) * guess_));
     const T step = f / where_greater(dx2, zero, bounded, guess_);
-    const T next = larger(x - larger(-step, -longest_), zero);
     last_x_ = where_greater(off_by, within, x, last_x_);
     last_f_ = where_greater(off_by, within, f, last_f_);
-    x = where_greater(off_by, within, next, x);
+    go(step, f, within);
   }
+  /// The same, where it is known that f falls by `slope` here.
+  VBOND_HD void correct(const T& f, const T& within, const T& slope) { go(f / slope, f, within); }
 
   /// By how much f(x) is farther off than this part of the limit, and than rounding leaves.
   VBOND_HD T off_by_more(const T& f, const T& limit, double part) const {
@@ -125,6 +128,11 @@ class FlowAmount {
   T x;
 
  private:
+  VBOND_HD void go(const T& step, const T& f, const T& within) {
+    const T next = larger(x - larger(-step, -longest_), T(0.0));
+    x = where_greater(off(f), within, next, x);
+  }
+
   T guess_, longest_, last_x_, last_f_;
 };
 

@@ -66,12 +66,15 @@ struct LawField {
 ///     elastic_pose(law, pose, history)                       by which its range is judged, with R = 0
 ///     utilisation(law, pose, axis, loads[, history])         by its elastic loads; the bond breaks at 1
 ///     stiffest(law)                                          what the step allows for; else stiffness(law)
-///     loads_at_tension(law, pose, axis, N)     its loads with the tension N in place of its own
+///     loads_at_tension(law, pose, axis, N)     its loads with the tension N in place of its own. A law that
+///     is
+///         derived from another one hands its base to that one's function: with itself it would call itself.
 ///     tension_is_linear<law> = true            see below
 ///
-/// A law that is elastic and no more is also a law with rules (with_rules.hpp), and with flow
-/// (with_flow.hpp): any form of stretching, damping, strength, yielding, creep and softening, without a line
-/// of its own. With these it has five coefficients more.
+/// Of a law that is elastic and no more, with at most seven coefficients, the library also makes one with
+/// rules (with_rules.hpp) and one with flow (with_flow.hpp): any form of stretching, damping, strength,
+/// yielding, creep and softening, without a line of its own. So all its functions but bond_range are
+/// templates over the scalar type.
 inline constexpr std::size_t most_coefficients = 12;
 
 /// Whether tension() of a law is c_A (D - a), so that its softening is worked out in closed form; a law says

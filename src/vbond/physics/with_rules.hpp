@@ -13,7 +13,7 @@ namespace vbond {
 enum class RuleCoefficient : unsigned char { g_A, g_D, g_B, g_T, weakness };
 inline constexpr std::size_t rule_coefficients = 5;
 
-/// first and then `more`, as static storage.
+/// The letters of `first` and then of `more`, in an array that outlives every string_view of it.
 template <const std::string_view& first, const std::string_view& more>
 inline constexpr auto letters_of_both = [] {
   std::array<char, first.size() + more.size()> letters{};
@@ -42,8 +42,6 @@ struct WithRules {
       constexpr auto elastic = Elastic::fields();
       constexpr auto given = LawInput::given;
       constexpr std::size_t count = elastic.size();
-      static_assert(count + rule_coefficients <= most_coefficients,
-                    "an elastic law has too many coefficients");
       std::array<LawField<Law>, count + rule_coefficients> all{};
       for (std::size_t k = 0; k < count; ++k) all[k] = {elastic[k].at, elastic[k].info};
       all[count + 0] = {&Law::g_A, {"g_A", force_per_length, "damping of stretching, times a time", given}};
@@ -71,9 +69,22 @@ concept HasRules = requires(const Law& law) {
 /// Laws whose bonds remember nothing.
 template <class Law>
 concept RuledLaw = HasRules<Law> && !Remembering<Law>;
-/// Laws that rules may be added to: elastic and no more.
+/// Laws that rules may be added to: elastic and no more, and with room for the coefficients of rules.
 template <class Law>
-concept ElasticOnly = !HasRules<Law> && !ReadsRates<Law> && !Breakable<Law>;
+concept TakesRules = !HasRules<Law> && !ReadsRates<Law> && !Breakable<Law> &&
+                     coefficients_of<Law> + rule_coefficients <= most_coefficients;
+/// Whether the last coefficients of a law with rules are those that rules have: they are found by their
+/// place.
+template <class Law>
+constexpr bool rules_come_last() {
+  constexpr auto all = Law::fields();
+  constexpr std::size_t n = all.size();
+  if constexpr (n < rule_coefficients)
+    return false;
+  else
+    return all[n - 5].at == &Law::g_A && all[n - 4].at == &Law::g_D && all[n - 3].at == &Law::g_B &&
+           all[n - 2].at == &Law::g_T && all[n - 1].at == &Law::weakness;
+}
 
 /// The longitudinal stiffness about rest, which forms of stretching begin with.
 template <HasRules Law>

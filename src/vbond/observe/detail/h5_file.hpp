@@ -134,17 +134,28 @@ class H5Reader {
     Stored<T>::take(numbers.data(), value);
   }
 
-  /// The column has its size already; the file must agree.
+  /// The column has its size already; the file must agree. Rows of an array may be shorter in the file: what
+  /// came later stands at their end, and is zero.
   template <class Rows, class Member>
   void of_each(const std::string& path, Rows& column, Member member) {
     using T = std::remove_cvref_t<std::invoke_result_t<Member, decltype(*column.begin())>>;
     constexpr std::size_t count = Stored<T>::count;
-    std::vector<typename Stored<T>::Number> numbers(column.size() * count);
+    using Number = typename Stored<T>::Number;
+    std::size_t width = count;
+    if constexpr (requires(T x) { x.max_size(); })
+      if (const std::vector<hsize_t> size = size_of(open(path)); size.size() == 2 && size[1] > 0)
+        width = std::min<std::size_t>(count, size[1]);
+    std::vector<Number> numbers(column.size() * width);
     std::vector<hsize_t> size{column.size()};
-    if (count > 1) size.push_back(count);
+    if (count > 1) size.push_back(width);
     read(path, size, numbers.data());
-    std::size_t at = 0;
-    for (auto& row : column) Stored<T>::take(&numbers[at], std::invoke(member, row)), at += count;
+    auto next = numbers.begin();
+    for (auto& row : column) {
+      std::array<Number, count> of_row{};
+      std::copy_n(next, width, of_row.begin());
+      next += static_cast<std::ptrdiff_t>(width);
+      Stored<T>::take(of_row.data(), std::invoke(member, row));
+    }
   }
 
   bool has(const std::string& path) const { return H5Lexists(file_.get(), path.c_str(), H5P_DEFAULT) > 0; }
