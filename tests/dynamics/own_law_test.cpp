@@ -65,8 +65,9 @@ Specimen lively_chain(const Named& what, const BondLaw& law, double hardening, d
   return s;
 }
 
-// Without hardening the law is the EVM. Softening alone is worked out otherwise: to 1e-12 of the loads in
-// each of 600 steps, which a chain of eight in motion magnifies by less than 1e3.
+// Without hardening the law is the EVM. What flows is worked out otherwise, where a tension may be no
+// straight line: to 1e-10 of the loads in each of 600 steps, which a chain of eight in motion magnifies by
+// less than ten.
 TEST(OwnLaw, WithRulesMovesAsThatOfTheLibrary) {
   for (const Named& what : all_rules()) {
     Specimen own = lively_chain(what, hardening_law, 0.0, 0.05),
@@ -74,7 +75,7 @@ TEST(OwnLaw, WithRulesMovesAsThatOfTheLibrary) {
     Simulation run(own.model, testing::plain_stage(0.05, 30.0), own.state),
         other(evm.model, testing::plain_stage(0.05, 30.0), evm.state);
     run.run(), other.run();
-    const double far = what.rules.softening.any() ? 1e-9 : 0.0;
+    const double far = what.rules.flow() ? 1e-9 : 0.0;
     for (const ParticleId p : own.state.r.ids()) {
       EXPECT_LE(norm(run.state().r[p] - other.state().r[p]), far) << what.name;
       EXPECT_LE(norm(run.state().omega[p] - other.state().omega[p]), far) << what.name;
@@ -202,7 +203,7 @@ TEST(OwnLaw, IsRefusedWhereItsSofteningCannotBegin) {
   EXPECT_NE(refusal(rules).find("bonds[0] softens or creeps, and has a form of stretching of its own"),
             std::string::npos);
   rules.stretch.form = StretchForm::harmonic;
-  rules.softening = {0.1, 0.1};
+  rules.softening = {0.1, 0.09};
   EXPECT_NE(refusal(rules).find("bonds[0] softens from a force that it does not reach"), std::string::npos);
 }
 

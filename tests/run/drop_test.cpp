@@ -200,6 +200,23 @@ TEST(Drop, AStaticStageAfterwardsIsRefused) {
   EXPECT_THROW(run.run(), std::invalid_argument);
 }
 
+TEST(Drop, AStageThatEndsByTheDistanceToADroppedParticleIsRefused) {
+  const Specimen s = two_balls(2.2);
+  Stage then = testing::plain_stage(0.02, 1.0);
+  then.stops.distance = {ParticleId{1}, ParticleId{2}, 100.0, false};
+  vbond::Run run(s.model, s.state, {dropping(0.02, 3.0), then});
+  run.add_observer(watch());
+  try {
+    run.run();
+    ADD_FAILURE() << "it runs";
+  } catch (const std::invalid_argument& e) {
+    EXPECT_NE(std::string(e.what()).find("ends by the distance to particle 1, which was dropped before it"),
+              std::string::npos)
+        << e.what();
+  }
+  EXPECT_EQ(run.results().size(), 1u);
+}
+
 TEST(Drop, AStateThatCannotBeIsRefused) {
   Specimen s = testing::straight_rod(3);
   s.state.dropped = {ParticleId{2}};  // but its bond is whole

@@ -137,6 +137,33 @@ TEST(HeldFracture, EachBondBreaksWhereItsOwnLoadSaysSo) {
   EXPECT_GT(broke, 30);
 }
 
+// Two bars drawn by grips, of which one may twist: once its bar has parted nothing holds it in that, so that
+// it is held where it is, and the other bar is drawn on.
+TEST(HeldFracture, AGripThatNothingTurnsAnyMoreIsHeld) {
+  Specimen s = testing::particles_at({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 3, 0}, {1, 3, 0}, {1, 4, 0}}, 0.1);
+  const BondStiffness<double> c{1.0, 0.1, 0.01, 0.01};
+  testing::bond(s, 0, 1, breakable(c, 0.1, &bond_law<VModel>));
+  testing::bond(s, 3, 4, breakable(c, 0.2, &bond_law<VModel>));
+  const auto grip = [](std::size_t p, std::size_t q, const HeldDofs& held) {
+    StaticSupport support = testing::fixed({ParticleId{p}, ParticleId{q}}, held, {1, 0, 0});
+    support.rigid = true;
+    support.pivot = Vec3d{1, p < 3 ? 0.0 : 3.0, 0};
+    return support;
+  };
+  const StaticStage stage = testing::static_stage(
+      StageKind::fracture, {testing::fixed({ParticleId{0}, ParticleId{3}}, testing::clamped),
+                            grip(1, 2, {true, true, true, false, true, true}), grip(4, 5, testing::clamped)});
+  const testing::Walked w = testing::walk(s, stage);
+  const FractureResult& f = w.result.fracture;
+  ASSERT_EQ(f.breaks.size(), 2u);
+  EXPECT_NEAR(f.breaks[0].use.load_factor, 0.1, 1e-9);
+  EXPECT_NEAR(f.breaks[1].use.load_factor, 0.2, 1e-9);
+  EXPECT_EQ(f.released_parts, 1);
+  EXPECT_EQ(w.result.ended, "parted");
+  EXPECT_NEAR(f.books.work, 0.5 * (sq(0.1) + sq(0.2)), 1e-9);
+  EXPECT_LT(std::abs(f.books.error()), 1e-9);
+}
+
 // A held bundle goes with the wall that just touches it: overlaps are rounding, and so is what they store,
 // some 1e-17 of the least energy that the books compare an error with, a thousand roundings of the bonds'.
 TEST(HeldFracture, BooksOfNothingButRoundingClose) {

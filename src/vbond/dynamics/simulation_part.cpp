@@ -37,9 +37,10 @@ void Simulation::exchange_halo() {
   std::copy(bodies_.motion.begin() + first, bodies_.motion.begin() + last, bodies_.rates.begin() + first);
 }
 
-/// Whether particles of the block are ghosts of other parts.
+/// Whether particles of the block are ghosts of other parts; or it ends among ghosts, which must not move on
+/// with it once they have the poses of the step's end.
 bool Simulation::is_sent(const Block& b) const {
-  return bodies_.order.inner < bodies_.order.own && b.rows.last > bodies_.order.inner;
+  return is_part_ && b.rows.last > bodies_.order.inner;
 }
 
 /// What is done to ghosts goes to their parts: none is left here, so that nothing is counted twice. Then the

@@ -101,6 +101,11 @@ void Run::begin() {
   if (!checked_) check();
   const AnyStage& stage = prepare();
   if (simulation_ || !std::holds_alternative<Stage>(stage)) return;
+  if (const auto& distance = std::get<Stage>(stage).stops.distance)
+    for (const ParticleId p : {distance->i, distance->j})
+      require(!is_dropped(state_, p),
+              fmt::format("stage \"{}\" ends by the distance to particle {}, which was dropped before it",
+                          name_of(stage), p.value));
   simulation_ = std::make_unique<Simulation>(model_, std::get<Stage>(stage), &state_, threads_);
   for (const auto& o : observers_) simulation_->add_observer(o);
   if (stepper_ != nullptr) simulation_->step_by(*stepper_);
