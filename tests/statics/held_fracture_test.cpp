@@ -147,7 +147,6 @@ TEST(HeldFracture, AGripThatNothingTurnsAnyMoreIsHeld) {
   const auto grip = [](std::size_t p, std::size_t q, const HeldDofs& held) {
     StaticSupport support = testing::fixed({ParticleId{p}, ParticleId{q}}, held, {1, 0, 0});
     support.rigid = true;
-    support.pivot = Vec3d{1, p < 3 ? 0.0 : 3.0, 0};
     return support;
   };
   const StaticStage stage = testing::static_stage(

@@ -8,6 +8,7 @@
 #include "inelastic_laws.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/dynamics/law_with_loops.hpp"
+#include "vbond/model/bond_sums.hpp"
 #include "vbond/model/step_bound.hpp"
 
 namespace vbond {
@@ -91,11 +92,11 @@ TEST(OwnLawAtRest, HasAnExactStepThatIsStableWithItsDamping) {
 
 const BondLaw own_hardening = law_with_loops<testing::Hardening>();
 
-/// A bar of four such bonds, pulled at its end.
-Specimen bar(const BondRules& rules, const BondLaw& law, double per_s2) {
+/// A bar of such bonds, pulled at its end.
+Specimen bar(const BondRules& rules, const BondLaw& law, double per_s2, std::size_t particles = 5) {
   BondRecipe recipe = papers_bond_with(law, {0, 0, 0, 0, per_s2});
   recipe.rules = rules;
-  return testing::straight_rod(5, recipe);
+  return testing::straight_rod(particles, recipe);
 }
 StaticStage pulled(StageKind kind, double force) {
   return testing::static_stage(kind, {testing::fixed({ParticleId{0}}, testing::clamped)},
@@ -126,12 +127,13 @@ TEST(OwnLawWithRules, IsThatOfTheLibraryAtRest) {
     const bool in_steps = rules.yield != Yield{};
     StaticStage stage =
         pulled(in_steps ? StageKind::equilibrium : StageKind::fracture, in_steps ? 0.07 : 0.0);
+    const std::size_t n =
+        rules.softening.any() ? 2 : 5;  // as soon as they soften, bonds in line lose stability
     if (!in_steps) {
       stage.loads.clear();
-      stage.supports.push_back(testing::fixed({ParticleId{4}}, testing::clamped));
-      stage.supports.back().displacement = {0.7, 0, 0};
+      stage.supports.push_back(testing::fixed({ParticleId{n - 1}}, testing::clamped, {0.7, 0, 0}));
     }
-    const Specimen own = bar(rules, own_hardening, 0.0), evm = bar(rules, bond_law<Evm>, 0.0);
+    const Specimen own = bar(rules, own_hardening, 0.0, n), evm = bar(rules, bond_law<Evm>, 0.0, n);
     const StaticOutcome a = run_static_stage(own.model, stage, own.state, {}),
                         b = run_static_stage(evm.model, stage, evm.state, {});
     // flow is worked out otherwise where a tension may be no straight line: to 1e-12 of its load in each
@@ -140,7 +142,8 @@ TEST(OwnLawWithRules, IsThatOfTheLibraryAtRest) {
     for (const ParticleId p : own.state.r.ids()) EXPECT_LE(norm(a.state.r[p] - b.state.r[p]), far);
     EXPECT_EQ(a.result.fracture.breaks.size(), b.result.fracture.breaks.size());
     EXPECT_EQ(a.result.fracture.breaks.empty(), in_steps);
-    EXPECT_NEAR(a.state.books.dissipated, b.state.books.dissipated, 1e-3 * far);
+    EXPECT_EQ(dissipated_by_flow(a.state) > 0.0, rules.flow());
+    EXPECT_NEAR(dissipated_by_flow(a.state), dissipated_by_flow(b.state), 1e-3 * far);
   }
 }
 
