@@ -91,6 +91,12 @@ inline constexpr int most_joint_corrections = 10;
 inline constexpr int most_meetings = 60;
 inline constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
+/// x, or not a number where it is lost.
+template <Scalar T>
+VBOND_HD T known_flow(const T& x, const T& lost) {
+  return where_greater(lost, T(0.0), T(not_a_number), x);
+}
+
 /// How much a channel flows in a step: x >= 0 such that the load is above its limit by f(x) = 0, where f
 /// falls with x; or x = 0 if f(0) < 0. By secants, without branches: a lane that is done does not change any
 /// more, whatever the others do.

@@ -66,6 +66,11 @@ template <Scalar T>
 struct FlowTurns {
   Quat<T> i, j;
 };
+/// Adds to a number of the memory.
+template <FlowingLaw Law, Scalar T>
+VBOND_HD void add_to(LawHistory<Law>& h, std::size_t k, const T& x) {
+  h.value[k] = h.value[k] + x;
+}
 /// Three numbers of the memory, as a vector.
 template <FlowingLaw Law>
 VBOND_HD auto vector_at(const LawHistory<Law>& h, std::size_t k) {
