@@ -52,13 +52,7 @@ BondRules softening(double force = 0.02, double length = 0.2) {
 Specimen lively_chain(const BondRules& rules, const BondLaw* law, double speed) {
   BondRecipe recipe = recipe_with(rules, law);
   recipe.attachment = Attachment::given, recipe.R_i = 0.1, recipe.R_j = 0.2;
-  Specimen s = testing::straight_rod(8, recipe);
-  testing::Dice dice(3);
-  for (const ParticleId p : s.state.r.ids()) {
-    s.state.v[p] = {dice(-speed, speed), dice(-speed, speed), dice(-speed, speed)};
-    s.state.omega[p] = {dice(-speed, speed), dice(-speed, speed), dice(-speed, speed)};
-  }
-  return s;
+  return testing::lively_chain(recipe, speed);
 }
 std::size_t parted(const State& s) {
   return static_cast<std::size_t>(

@@ -32,13 +32,7 @@ BondRules yielding() {
 
 /// A chain of eight of these bonds, thrown about.
 Specimen lively(const BondRecipe& recipe, double speed = 0.05) {
-  Specimen s = testing::straight_rod(8, recipe);
-  testing::Dice dice(3);
-  for (const ParticleId p : s.state.r.ids()) {
-    s.state.v[p] = {dice(-speed, speed), dice(-speed, speed), dice(-speed, speed)};
-    s.state.omega[p] = {dice(-speed, speed), dice(-speed, speed), dice(-speed, speed)};
-  }
-  return s;
+  return testing::lively_chain(recipe, speed);
 }
 
 /// Runs, and finds that these causes and no others took energy, at every step, and all of it.

@@ -56,13 +56,7 @@ Specimen lively_chain(const Named& what, const BondLaw& law, double hardening, d
   BondRecipe recipe = recipe_with(what.rules, law, hardening);
   recipe.damping = what.damping;
   recipe.attachment = Attachment::given, recipe.R_i = 0.1, recipe.R_j = 0.2;
-  Specimen s = testing::straight_rod(8, recipe);
-  testing::Dice dice(3);
-  for (const ParticleId p : s.state.r.ids()) {
-    s.state.v[p] = {dice(-speed, speed), dice(-speed, speed), dice(-speed, speed)};
-    s.state.omega[p] = {dice(-speed, speed), dice(-speed, speed), dice(-speed, speed)};
-  }
-  return s;
+  return testing::lively_chain(recipe, speed);
 }
 
 // Without hardening the law is the EVM. What flows is worked out otherwise, where a tension may be no

@@ -76,4 +76,15 @@ class Dice {
   std::mt19937_64 random_;
 };
 
+/// A chain of eight of these bonds, moved and turning at random.
+inline Specimen lively_chain(const BondRecipe& recipe, double speed) {
+  Specimen s = straight_rod(8, recipe);
+  Dice dice(3);
+  for (const ParticleId p : s.state.r.ids()) {
+    s.state.v[p] = {dice(-speed, speed), dice(-speed, speed), dice(-speed, speed)};
+    s.state.omega[p] = {dice(-speed, speed), dice(-speed, speed), dice(-speed, speed)};
+  }
+  return s;
+}
+
 }  // namespace vbond::testing

@@ -8,6 +8,7 @@
 #include "driven_bond.hpp"
 #include "hardening_law.hpp"
 #include "material_cases.hpp"
+#include "random_pose.hpp"
 
 namespace vbond::flowing_test {
 namespace {
@@ -166,6 +167,65 @@ TEST(CreepOfAnOwnLaw, NeitherOscillatesNorMakesEnergy) {
     EXPECT_GT(error / less, 3.0) << hardening;  // second order: 4
     EXPECT_LT(error / less, 5.0) << hardening;
   }
+}
+
+/// The root of a function that falls, between low and high.
+template <class F>
+double falls_through_zero(F f, double low, double high) {
+  for (int k = 0; k < 200; ++k) (f(0.5 * (low + high)) > 0.0 ? low : high) = 0.5 * (low + high);
+  return 0.5 * (low + high);
+}
+
+// Random laws and paths against bisection: limits that harden and shift, or a tension that falls along a
+// line.
+TEST(FlowOfOwnLaws, FollowsRandomPathsAsBisectionDoes) {
+  testing::PoseSource random(39);
+  int wrong = 0, flowed = 0, softened = 0;
+  for (int trial = 0; trial < 1000; ++trial) {
+    const double u_0 = random.uniform(0.005, 0.05), hardening = std::pow(10.0, random.uniform(-2.0, 1.7));
+    const double per_s2 = hardening / (u_0 * u_0), limit = u_0 * (1.0 + hardening),
+                 u_f = random.uniform(1.5, 6.0) * u_0;
+    const auto N = [per_s2](double u) { return u * (1.0 + per_s2 * u * u); };
+    const bool softens = trial % 2 == 0;
+    BondRules rules;
+    if (softens) {
+      rules.softening = {limit, u_f};
+    } else {
+      rules.yield.limit.axial = rules.yield.compression = limit;
+      rules.yield.isotropic.axial = random.uniform(0.0, 1.0),
+      rules.yield.kinematic.axial = random.uniform(0.0, 1.0);
+    }
+    Driven<OwnFlow> bond(rules);
+    bond.law.per_s2 = per_s2;
+    double u_p = 0.0, all = 0.0, whole = 1.0;
+    for (int step = 0; step < 20; ++step) {
+      const double u = random.uniform(softens ? -1.0 : -4.0, softens ? 1.1 * u_f / u_0 : 4.0) * u_0;
+      bond.move_to(pose_of(1.0 + u, {}, {}));
+      double expected = 0.0;
+      if (softens) {
+        if (u > u_0) whole = std::min(whole, limit * std::max(u_f - u, 0.0) / (u_f - u_0) / N(u));
+        expected = u > 0.0 ? whole * N(u) : N(u);
+        softened += whole < 1.0;
+      } else {
+        const double H = rules.yield.isotropic.axial, K = rules.yield.kinematic.axial;
+        const double sign = N(u - u_p) > K * u_p ? 1.0 : -1.0;
+        const auto over = [&](double x) {
+          return sign * (N(u - u_p - sign * x) - K * (u_p + sign * x)) - limit - H * (all + x);
+        };
+        if (over(0.0) > 0.0) {
+          const double x = falls_through_zero(over, 0.0, 10.0 * u_0);
+          u_p += sign * x, all += x, ++flowed;
+        }
+        expected = N(u - u_p);
+      }
+      // each flow is at its limit to 1e-12, and 20 of them add up
+      wrong += !(std::abs(tension(bond.law, 1.0 + u, bond.h) - expected) <= 1e-9 * (limit + std::abs(N(u))));
+    }
+  }
+  EXPECT_EQ(wrong, 0);
+  EXPECT_GT(flowed, 1000);
+  EXPECT_GT(softened, 1000);
+  RecordProperty("flowed", flowed), RecordProperty("softened", softened);
 }
 
 // Damage takes its share of bending and torsion, and of tension, but not of compression.
