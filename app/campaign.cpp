@@ -68,7 +68,7 @@ double Campaign::output_seconds() const {
 
 Campaign open_campaign(const Case& c, Run& run, OutputPlan plan, int threads, const std::string& program,
                        const Checkpoint* resume, WallClock::time_point start) {
-  catch_signals();  // before there are files: whoever sees one may stop the run
+  if (plan.writes_all()) catch_signals();  // before there are files: whoever sees one may stop the run
   Campaign campaign{.c = c,
                     .run = run,
                     .plan = std::move(plan),
@@ -82,8 +82,9 @@ Campaign open_campaign(const Case& c, Run& run, OutputPlan plan, int threads, co
                     .times = {},
                     .ahead = {},
                     .stage_end = {}};
-  campaign.progress = std::make_shared<ProgressObserver>(isatty(STDERR_FILENO) != 0 ? stderr : nullptr,
-                                                         std::vector<std::int64_t>{});
+  const bool shows = campaign.plan.writes_all() && isatty(STDERR_FILENO) != 0;
+  campaign.progress =
+      std::make_shared<ProgressObserver>(shows ? stderr : nullptr, std::vector<std::int64_t>{});
   const auto any = [&run](auto&& is_one) {  // bonds keep what the case has lost since
     return std::any_of(run.current().bonds.begin(), run.current().bonds.end(), is_one);
   };
@@ -132,13 +133,16 @@ void listen(Campaign& campaign) {
 }
 
 void save_summary(Campaign& campaign) {
+  campaign.run.current();  // of all processes
+  const HistoryWriter* const history = campaign.files.history->writer();
+  if (history == nullptr) return;
   RunSummary& s = campaign.summary;
-  s.energy_balance_error = campaign.files.history->largest_balance_error();
+  s.energy_balance_error = history->largest_balance_error();
   if (campaign.files.breaks) {
     BreakSummary& breaks = s.breaks ? *s.breaks : s.breaks.emplace();
     breaks.broken = count_broken(campaign.run.current().bonds);
     breaks.first = campaign.files.breaks->record();
-    breaks.peak_load = campaign.files.history->largest_load();
+    breaks.peak_load = history->largest_load();
     if (const auto load = breaks.first.largest_load)
       breaks.peak_load = std::max(breaks.peak_load.value_or(0.0), *load);
   }
@@ -146,7 +150,7 @@ void save_summary(Campaign& campaign) {
   const std::vector<WallState>& walls = campaign.run.current().walls;
   for (std::size_t w = 0; w < walls.size(); ++w)
     s.walls.push_back({campaign.plan.walls[w], walls[w].force, walls[w].moment, walls[w].displacement,
-                       walls[w].work, campaign.files.history->largest_on_walls()[w]});
+                       walls[w].work, history->largest_on_walls()[w]});
   s.dissipated.clear();
   if (!campaign.plan.losses.empty()) {
     const State& state = campaign.run.current();

@@ -59,7 +59,7 @@ Campaign open_campaign(const Case& c, Run& run, OutputPlan plan, int threads, co
 /// Hands all that the run tells to the campaign, which must stay where it is.
 void listen(Campaign& campaign);
 
-/// Writes run.json as the campaign stands, with its wall time by phase.
+/// Writes run.json as the campaign stands, with its wall time by phase. All processes of the run call it.
 void save_summary(Campaign& campaign);
 
 }  // namespace vbond::app

@@ -1,15 +1,13 @@
 #pragma once
 #include <cstdio>
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "vbond/case/case.hpp"
-#include "vbond/run/run.hpp"
-
 namespace vbond::app {
+
+class Processes;
 
 /// Exit statuses of the program; those of signals with a checkpoint written.
 enum ExitStatus {
@@ -35,11 +33,7 @@ struct RunOptions {
   bool json = false;                  ///< print status.json as lines instead
   std::FILE* status_lines = nullptr;  ///< where these lines go, if so
   std::string program;                ///< as it was called, for the hint how to go on
-  Stepper* stepper = nullptr;         ///< makes the steps in place of the run itself
-  /// Called before the body is made: may refuse the case.
-  std::function<void(const Case&)> before_build;
-  /// Called once the case is known to be right, before anything is written: may refuse it.
-  std::function<void(const Case&, const Run&)> before_output;
+  Processes* processes = nullptr;     ///< that all make this run; null: this one alone
 };
 
 struct SweepOptions {
@@ -72,7 +66,7 @@ struct CalibrateOptions {
 };
 
 int run(const RunOptions& options);
-/// Of the options: threads, program, stepper and before_output.
+/// Of the options: threads, program, processes and what concerns printing.
 int resume(const std::filesystem::path& folder, const RunOptions& options);
 int check(const RunOptions& options);  ///< of the options: case_file, changes, threads, ranks
 /// Runs a case with all combinations of values of some keys, or goes on with that: see docs/sweeps.md.

@@ -38,7 +38,12 @@ std::optional<double> number_of(const Cell& cell) {
 
 Heartbeat::Heartbeat(const Run& run, const OutputPlan& plan, const std::string& title,
                      WallClock::time_point start, std::function<void(const std::string&)> tell)
-    : run_(run), path_(plan.folder / "status.json"), start_(start), written_(start), tell_(std::move(tell)) {
+    : run_(run),
+      path_(plan.folder / "status.json"),
+      writes_(plan.writes_all()),
+      start_(start),
+      written_(start),
+      tell_(std::move(tell)) {
   columns_.breaks = plan.breaks;
   columns_.statics = plan.statics;
   status_.version = VBOND_VERSION;
@@ -153,6 +158,7 @@ void Heartbeat::end(RunState state, const std::string& failure) {
 }
 
 void Heartbeat::write() {
+  if (!writes_) return;
   try_to([this] {
     look_at_files();
     written_ = WallClock::now();

@@ -12,8 +12,8 @@
 
 namespace vbond::app {
 
-/// Keeps status.json up to date. It never ends a run nor changes it: that the file cannot be written is told
-/// once.
+/// Keeps status.json up to date, where this process writes it. It never ends a run nor changes it: that the
+/// file cannot be written is told once.
 class Heartbeat {
  public:
   using WallClock = std::chrono::steady_clock;
@@ -49,6 +49,7 @@ class Heartbeat {
   const Run& run_;
   OutputPlan columns_;  // as far as it says which columns there are
   std::filesystem::path path_;
+  bool writes_;
   WallClock::time_point start_, written_;
   std::function<void(const std::string&)> tell_;
   std::FILE* lines_ = nullptr;

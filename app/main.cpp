@@ -4,6 +4,7 @@
 #include <cctype>
 #include <csignal>
 #include <cstdio>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -13,6 +14,7 @@
 #include "command_tree.hpp"
 #include "commands.hpp"
 #include "failure.hpp"
+#include "processes.hpp"
 #include "run_options.hpp"
 #include "vbond/core/nearest.hpp"
 #include "vbond/dynamics/kernel.hpp"
@@ -126,22 +128,24 @@ void refuse_unknown(const CLI::App& program, int argc, char** argv) {
   }
 }
 
-int dispatch(int argc, char** argv) {
-  CLI::App program("vbond: solids as rigid particles joined by elastic bonds that have an energy");
-  program.set_version_flag("--version", "vbond " VBOND_VERSION);
+int dispatch(int argc, char** argv, app::Processes* processes) {
+  const std::string name = app::program_name;
+  CLI::App program(name + ": solids as rigid particles joined by elastic bonds that have an energy");
+  program.set_version_flag("--version", name + " " VBOND_VERSION + app::program_note);
   program.require_subcommand(1);
   program.footer(
       "Exit status: 0 done, 1 the run failed, 2 usage or input, 3 input/output, 129/130/141/143 on a "
       "signal.");
 
   app::RunOptions run;
-  run.threads = default_threads();
+  run.processes = processes;
+  run.threads = processes != nullptr ? 1 : default_threads();
   run.program = argv[0];
   CLI::App* run_command = program.add_subcommand("run", "Compute a case");
   app::add_case(run_command, run);
   app::add_output(run_command, run);
   app::add_printing(run_command, run);
-  add_threads(run_command, run.threads);
+  if (processes == nullptr) add_threads(run_command, run.threads);
 
   CLI::App* check_command = program.add_subcommand("check", "Validate a case and say what would be run");
   app::add_case(check_command, run);
@@ -154,7 +158,7 @@ int dispatch(int argc, char** argv) {
   CLI::App* resume_command = program.add_subcommand("resume", "Go on with a run that was stopped");
   resume_command->add_option("DIR", folder, "Its output folder")->required();
   app::add_printing(resume_command, run);
-  add_threads(resume_command, run.threads);
+  if (processes == nullptr) add_threads(resume_command, run.threads);
 
   CLI::App* report_command =
       program.add_subcommand("report", "Write DIR/report.html: one page that shows a run, for any browser");
@@ -235,10 +239,14 @@ int dispatch(int argc, char** argv) {
   }
   if (run_command->parsed() || check_command->parsed() || resume_command->parsed())
     instruction_set();  // refuses a wrong VBOND_SIMD before anything is written
-  app::choose_printing(run);
-  if (run_command->parsed()) return app::run(run);
+  const auto compute = [&] {
+    app::choose_printing(run);
+    return run_command->parsed() ? app::run(run) : app::resume(folder, run);
+  };
+  if (run_command->parsed() || resume_command->parsed())
+    return processes != nullptr ? processes->run(compute) : compute();
+  if (processes != nullptr && !processes->lead()) return app::done;
   if (check_command->parsed()) return app::check(run);
-  if (resume_command->parsed()) return app::resume(folder, run);
   if (report_command->parsed()) return app::report(folder);
   if (plot_command->parsed()) return app::plot(plot);
   if (watch_command->parsed()) return app::watch(watch);
@@ -265,9 +273,10 @@ void open_standard_streams() {
 int main(int argc, char** argv) {
   app::choose_blas_kernel(argv);
   open_standard_streams();
+  const std::unique_ptr<app::Processes> processes = app::start_processes(argc, argv);
   std::signal(SIGXFSZ, SIG_IGN);  // a file that grows beyond ulimit -f is an error of writing, which is told
   try {
-    return dispatch(argc, argv);
+    return dispatch(argc, argv, processes.get());
   } catch (...) {
     const app::Failure failure = app::failure_under_way();
     std::fprintf(stderr, "%s\n", failure.text.c_str());

@@ -15,6 +15,7 @@
 #include "lock.hpp"
 #include "memory.hpp"
 #include "prepare.hpp"
+#include "processes.hpp"
 #include "report.hpp"
 #include "shell.hpp"
 #include "signals.hpp"
@@ -158,7 +159,7 @@ int run_stages(Campaign& campaign) {
       if (ended) return done;
       return status_of_signal();
     }
-    if (caught_signal() != 0) {
+    if (run.exchange().leader_says(caught_signal() != 0)) {
       stop_before_stage(campaign);
       return status_of_signal();
     }
@@ -253,26 +254,70 @@ FolderLock lock_old_output(const fs::path& folder) {
 
 }  // namespace
 
+namespace {
+
+Writes writes_here(const RunOptions& options) {
+  return options.processes == nullptr || options.processes->lead() ? Writes::everything : Writes::own_parts;
+}
+
+/// The case, and the body that it makes, fit into memory.
+void require_memory_of(const RunOptions& options, const Case& c) {
+  require_memory(c);
+  if (options.processes != nullptr) require_memory(c, options.processes->here());
+}
+void require_memory_of(const RunOptions& options, const Case& c, const Run& run) {
+  if (options.processes != nullptr) require_memory(c, run.model(), run.current(), options.processes->here());
+}
+
+/// From here on all processes step the run together.
+void spread(const RunOptions& options, const Case& c, Run& run) {
+  if (options.processes == nullptr) return;
+  options.processes->begin_together(c);
+  run.spread_over(options.processes->partition());
+  say(fmt::format("ranks            {}\n", options.processes->partition().ranks()));
+}
+
+/// What only one process does, for all.
+void lead(const RunOptions& options, const std::function<void()>& work) {
+  const bool leads = writes_here(options) == Writes::everything;
+  if (options.processes == nullptr) return work();
+  options.processes->partition().together([&] {
+    if (leads) work();
+  });
+}
+
+void say_remarks(const RunOptions& options) {
+  if (options.processes != nullptr) say(options.processes->remarks());
+}
+
+}  // namespace
+
 int run(const RunOptions& options) {
   const auto start = WallClock::now();
+  if (options.processes != nullptr && options.case_file == "-")
+    throw std::invalid_argument("every rank reads the case: give a file, not the standard input");
   Case c = read_case(options.case_file, options.changes);
   require_statics(c);
-  require_memory(c);
-  if (options.before_build) options.before_build(c);
+  require_memory_of(options, c);
   Built built = build(c);
   require_memory(c, built.model, built.state);
   Run run(std::move(built.model), std::move(built.state), stages_of(c), options.threads);
   run.check();
   bonds_to_come(c, run);  // throws if they cannot fit into memory
-  run.set_stepper(options.stepper);
-  if (options.before_output) options.before_output(c, run);
+  require_memory_of(options, c, run);
+  spread(options, c, run);
   OutputPlan plan = plan_output(c, run.model(), {});  // all that may be wrong with the case is known by now
 
   if (options.report) warn_if_no_page();
-  const ClaimedFolder claimed = claim_folder(c.file, options.folder, options.force);
-  plan.folder = claimed.path;
+  plan.writes = writes_here(options);
+  std::optional<ClaimedFolder> claimed;
   catch_broken_pipe();
-  replace_file(plan.folder / "resolved.toml", to_toml(keep_inputs(c, plan.folder, claimed.old_inputs)));
+  lead(options, [&] {
+    claimed.emplace(claim_folder(c.file, options.folder, options.force));
+    plan.folder = claimed->path;
+    replace_file(plan.folder / "resolved.toml", to_toml(keep_inputs(c, plan.folder, claimed->old_inputs)));
+  });
+  if (options.processes != nullptr) plan.folder = options.processes->text_of_leader(plan.folder.string());
   say("output folder    " + plan.folder.string() + "\n");
   print_overview(c, run.model(), run.current());
   print_notes(built.notes);
@@ -284,24 +329,25 @@ int run(const RunOptions& options) {
   campaign.building = seconds_since(start);
   try {
     const int status = run_to_end(campaign, options.status_lines);
-    if (options.report && status == done) report_on(campaign.plan.folder);
+    if (options.report && status == done && campaign.plan.writes_all()) report_on(campaign.plan.folder);
+    say_remarks(options);
     return status;
   } catch (const IoError& e) {  // no more can be written
     throw with_way_on(campaign, e);
   } catch (const std::exception&) {
-    if (options.report) report_on(campaign.plan.folder);
+    if (options.report && campaign.plan.writes_all()) report_on(campaign.plan.folder);
     throw;
   }
 }
 
 int resume(const fs::path& folder, const RunOptions& options) {
   const auto start = WallClock::now();
-  const FolderLock lock = lock_old_output(folder);
+  std::optional<FolderLock> lock;
+  if (writes_here(options) == Writes::everything) lock.emplace(lock_old_output(folder));
   catch_broken_pipe();
   const Case c = read_case(folder / "resolved.toml");
   require_statics(c);
-  require_memory(c);
-  if (options.before_build) options.before_build(c);
+  require_memory_of(options, c);
   Built built = build(c);
   Checkpoint checkpoint = read_checkpoint(folder / "checkpoint.h5", built.model);
   check_edits(c, built.state, checkpoint.state, folder / "resolved.toml");
@@ -310,15 +356,17 @@ int resume(const fs::path& folder, const RunOptions& options) {
   checkpoint.state.clock = clock;
   const bool complete = run.complete();
   if (!complete) run.check();
-  run.set_stepper(options.stepper);
-  if (options.before_output) options.before_output(c, run);
+  require_memory_of(options, c, run);
+  spread(options, c, run);
   if (complete) {
     say("the run is complete, results in " + folder.string() + "\n");
     return done;
   }
 
-  Campaign campaign = open_campaign(c, run, plan_output(c, run.model(), folder), options.threads,
-                                    options.program, &checkpoint, start);
+  OutputPlan plan = plan_output(c, run.model(), folder);
+  plan.writes = writes_here(options);
+  Campaign campaign =
+      open_campaign(c, run, std::move(plan), options.threads, options.program, &checkpoint, start);
   if (fs::exists(folder / "run.json"))
     campaign.summary.stages = read_stages_before(folder / "run.json", run.clock().stage);
   campaign.building = seconds_since(start);
@@ -326,7 +374,9 @@ int resume(const fs::path& folder, const RunOptions& options) {
                   run.stages().name(run.stage_index()), folder.string()));
   print_machine(c, options.threads);
   try {
-    return run_to_end(campaign, options.status_lines);
+    const int status = run_to_end(campaign, options.status_lines);
+    say_remarks(options);
+    return status;
   } catch (const IoError& e) {
     throw with_way_on(campaign, e);
   }

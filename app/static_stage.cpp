@@ -68,7 +68,7 @@ void record_breaks(Campaign& campaign, const Clock& start, const StaticResult& f
 }
 
 void write_modes(const Campaign& campaign, const StaticStage& stage, const StaticResult& found) {
-  if (stage.frames_per_mode == 0) return;
+  if (stage.frames_per_mode == 0 || !campaign.plan.writes_all()) return;
   const Model& model = campaign.run.model();
   const State& state = campaign.run.current();
   const auto write = [&](std::size_t k, const Shape& shape, std::optional<double> load_factor) {
@@ -116,9 +116,11 @@ StageResult solve_or_leave(Campaign& campaign) {
 bool run_static_leg(Campaign& campaign) {
   Run& run = campaign.run;
   const StaticStage stage = std::get<StaticStage>(run.prepare());
-  campaign.files.checkpoint->write(run.model(), run.start_of_stage());
-  remove_file(campaign.plan.folder / "last_balance.h5");
-  remove_mode_frames(campaign.plan.folder, stage.name);
+  if (campaign.plan.writes_all()) {
+    campaign.files.checkpoint->write(run.model(), run.start_of_stage());
+    remove_file(campaign.plan.folder / "last_balance.h5");
+    remove_mode_frames(campaign.plan.folder, stage.name);
+  }
 
   campaign.heartbeat->begin_stage();
 

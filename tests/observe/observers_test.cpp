@@ -276,19 +276,8 @@ TEST(ProgressObserver, SaysNothingOfAResumedStageAtItsFirstLook) {
   std::fclose(out);
 }
 
-/// Stands for other processes.
-struct IdleStepper : Stepper {
-  void begin(const Model&, const Stage&, State&, double) override {}
-  Simulation& part() override { throw std::logic_error("nothing is asked"); }
-  StopReason advance(std::int64_t, State&) override { throw std::logic_error("no step is asked for"); }
-  Simulation& ask(const Question&) override { throw std::logic_error("nothing is asked"); }
-  int parts() const override { return 2; }
-  void look_at_parts(const std::string&) override { throw std::logic_error("nothing is to be seen"); }
-  void end_stage(State&) override {}
-};
-
-// All parts of a body wait for a look at it.
-TEST(ProgressObserver, WaitsForTheStepsThatAreMadeAtOnce) {
+// All processes that step a body wait for a look at it.
+TEST(ProgressObserver, WaitsUntilProcessesMeetAnyway) {
   const Chain chain(2);
   std::FILE* out = std::tmpfile();
   ASSERT_NE(out, nullptr);
@@ -296,10 +285,11 @@ TEST(ProgressObserver, WaitsForTheStepsThatAreMadeAtOnce) {
   ProgressObserver alone(out, {0, 1000}), of_parts(out, {0, 1000});
   alone.observe(run);
   EXPECT_EQ(alone.steps_to_next_look(run.clock()), 1);
-  IdleStepper stepper;
-  run.step_by(stepper);
-  of_parts.observe(run);
-  EXPECT_EQ(of_parts.steps_to_next_look(run.clock()), Stepper::at_once);
+  const Simulation part(chain.model, two_stages()[1], run.state(), {spatial_order(chain.model.r_0)},
+                        one_rank());
+  of_parts.observe(part);
+  EXPECT_EQ(of_parts.steps_to_next_look(part.clock()), part.steps_between_meetings());
+  EXPECT_GT(part.steps_between_meetings(), 1);
   std::fclose(out);
 }
 

@@ -30,8 +30,11 @@ class Exchange {
   /// Numbers become the sum, or the largest, of those of all processes.
   virtual void sum(std::span<double> numbers) const = 0;
   virtual void max(std::span<double> numbers) const = 0;
+  /// How many processes there are, and which of them this is, from 0.
+  virtual int ranks() const = 0;
+  virtual int rank() const = 0;
   /// Whether this process does what one of them must do for all.
-  virtual bool leads() const = 0;
+  bool leads() const { return rank() == 0; }
   /// What all processes have, in their order: on all of them, or only on the one that leads. room(n) is where
   /// n bytes of it go.
   using Room = std::function<std::byte*(std::size_t)>;
@@ -52,6 +55,12 @@ class Exchange {
     max({&number, 1});
     return number != 0.0;
   }
+  /// What the process that leads says, on all of them.
+  bool leader_says(bool here) const { return any(leads() && here); }
+
+  /// Does work that some processes may fail at alone, such as writing: an IoError on any is one on all. All
+  /// other errors are either the same on all, or end the program.
+  virtual void together(const std::function<void()>& work) const = 0;
 };
 
 /// The exchange of a body that one process steps whole: sums and gathers give what this process has.

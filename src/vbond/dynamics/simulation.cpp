@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "vbond/core/error.hpp"
+#include "vbond/dynamics/gather.hpp"
 #include "vbond/dynamics/kernel.hpp"
 #include "vbond/model/bond_sums.hpp"
 #include "vbond/model/heat.hpp"
@@ -59,6 +60,13 @@ const Model& consistent(const Model& model, const Stage& stage, const State& sta
   return model;
 }
 
+/// The fewest steps that any process would wait.
+std::int64_t next_look_of_all(std::int64_t steps, const Exchange& exchange) {
+  double sooner = -static_cast<double>(steps);
+  exchange.max({&sooner, 1});
+  return -sooner < static_cast<double>(steps) ? static_cast<std::int64_t>(-sooner) : steps;
+}
+
 }  // namespace
 
 std::size_t work_of_particle(const Model& model) {
@@ -66,19 +74,20 @@ std::size_t work_of_particle(const Model& model) {
 }
 
 Simulation::Simulation(const Model& model, Stage stage, State* state, int threads)
-    : Simulation(model, std::move(stage), state, threads, order_of(model, *state), one_rank(), false) {}
+    : Simulation(model, std::move(stage), state, threads, {order_of(model, *state)}, one_rank(), false) {}
 
-Simulation::Simulation(const Model& model, Stage stage, State state, Order order, Exchange& exchange)
-    : Simulation(model, std::move(stage), &state, 1, std::move(order), exchange, true) {}
+Simulation::Simulation(const Model& model, Stage stage, State state, Share share, Exchange& exchange)
+    : Simulation(model, std::move(stage), &state, 1, std::move(share), exchange, true) {}
 
-Simulation::Simulation(const Model& model, Stage stage, State* state, int threads, Order order,
+Simulation::Simulation(const Model& model, Stage stage, State* state, int threads, Share share,
                        Exchange& exchange, bool is_part)
     : model_(consistent(model, stage, *state, is_part)),
       stage_(std::move(stage)),
       state_(std::move(*state)),
+      booked_(state_.books),
       is_part_(is_part),
       exchange_(exchange),
-      bodies_(model, std::move(order)),
+      bodies_(model, std::move(share.order)),
       team_(team_of(model, bodies_, state_.bonds, threads, is_part)),
       contacts_(model, bodies_.order, bond_index_),
       capsules_(model, bodies_),
@@ -89,14 +98,17 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
       walls_(model, stage_, bodies_, team_.blocks(), exchange),
       bonding_(model, stage_, bodies_.order, bond_index_, exchange),
       last_stage_step_(std::isfinite(stage_.stops.duration) ? steps_in(stage_.stops.duration, stage_.dt)
-                                                            : std::numeric_limits<std::int64_t>::max()) {
+                                                            : std::numeric_limits<std::int64_t>::max()),
+      farthest_(share.farthest),
+      too_far_(share.lost),
+      room_(share.farthest) {
   if (is_part) with_ghosts_.emplace(bodies_.order.known, same_work(bodies_.order.known), 1);
   books_.resize(all_known().blocks());
   lost_.resize(all_known().blocks());
   try {
     const bool begun = is_part || state_.clock.stage_step != 0;
     if (!leads()) {  // parts add up
-      state_.books = {};
+      booked_ = {.largest = booked_.largest};
       for (GripState& g : state_.grips) g.work = 0.0;
     }
     bodies_.read(state_);
@@ -124,9 +136,9 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
 void Simulation::begin_stage() {
   begin_anew(state_, Anew::stage);
   const bool run_begins = state_.clock.stage == 0 && state_.clock.step == 0;
-  state_.books.work_supports += walls_.put_off_and_on(team_, run_begins);
+  booked_.work_supports += walls_.put_off_and_on(team_, run_begins);
   evaluate_loads();
-  if (run_begins) state_.books = opened_books(state_, energies().total());
+  if (run_begins) booked_ = opened_books(state_, energies().total());
   heat_at_start();
   supports_.set_times(0, stage_.dt);
   team_.for_blocks(
@@ -184,9 +196,13 @@ void Simulation::step() {
   close_books();
   const bool events = !only_elastic_ && find_events();
   keep_records();
+  room_ -= last_way_;
+  ++unmet_;
   if (!lost_to_walls_.empty()) tell_of_lost();
-  due_ = events;
-  if (--steps_to_look_ == 0 || events) notify_observers();
+  if (--steps_to_look_ == 0 || events) {
+    agree_on_failure();
+    notify_observers();
+  }
 }
 
 /// Blocks move, are loaded and kicked while they are in the cache, those of each part in their order. Those
@@ -283,30 +299,31 @@ RowsAhead Simulation::rows_of(const Block& b) const {
 
 StopReason Simulation::run(const std::function<bool()>& interrupted, std::int64_t most) {
   if (state_.clock.stage_step == 0) notify_observers();
-  StopReason why = stepper_ != nullptr ? StopReason::running : stop_reason();
-  while (why == StopReason::running && most > 0) {  // never interrupted before the first step
-    if (stepper_ != nullptr)
-      why = leap(most);
-    else
-      step(), --most, why = stop_reason();
-    if (why == StopReason::running && interrupted && interrupted()) why = StopReason::interrupted;
+  StopReason why = stop_reason();
+  while (why == StopReason::running && most > 0 &&
+         !has_outgrown_) {  // never interrupted before the first step
+    step(), --most, why = stop_reason();
+    if (why == StopReason::running && is_time_to_meet() && meet(interrupted && interrupted()))
+      why = StopReason::interrupted;
   }
+  agree_on_failure();
   if (why != StopReason::running) finish(why);
   return why;
 }
 
 void Simulation::finish(StopReason why) {
-  for (const auto& o : observers_) o->finish(*this, why);
+  for (const auto& o : observers_) exchange_.together([&] { o->finish(*this, why); });
 }
 
 void Simulation::notify_observers() {
   steps_to_look_ = std::numeric_limits<std::int64_t>::max();
   if (observers_.empty()) return;  // events are then kept
   for (const auto& o : observers_) {
-    o->observe(*this);
+    exchange_.together([&] { o->observe(*this); });
     steps_to_look_ = std::min(steps_to_look_, std::max<std::int64_t>(1, o->steps_to_next_look(state_.clock)));
   }
-  if (!observers_.empty()) events_.clear();  // without any, all are kept for the caller
+  if (is_part_) steps_to_look_ = next_look_of_all(steps_to_look_, exchange_);
+  events_.clear();
 }
 
 void Simulation::kick(const Block& b, double h) {
@@ -425,15 +442,16 @@ void Simulation::close_books() {
     sum.work_supports += b.work_supports;
     sum.poison += b.poison;
   }
-  state_.books.dissipated += sum.dissipated;
+  booked_.dissipated += sum.dissipated;
   if (!only_elastic_ && anything_dissipates()) {
     Losses lost;
     for (const Losses& of_block : lost_) lost += of_block;
     if (bonds_.damp()) share_damping(lost);
-    state_.books.lost += lost;
+    booked_.lost += lost;
   }
-  state_.books.work_loads += sum.work_loads;
-  state_.books.work_supports += sum.work_supports;
+  booked_.work_loads += sum.work_loads;
+  booked_.work_supports += sum.work_supports;
+  books_ahead_ = true;
   if (!only_elastic_ && supports_.grips().any()) supports_.grips().close();
   if (sum.poison != 0.0) check_finite();
 }
@@ -446,11 +464,17 @@ double Simulation::largest_way2() const {
 }
 
 const State& Simulation::state() const {
-  if (!std::exchange(bodies_ahead_, false)) return state_;
-  if (stepper_ != nullptr) {
-    stepper_->ask({Question::What::particles}).give_particles(state_, false);
-    return state_;
+  if (std::exchange(bodies_ahead_, false)) {
+    collect_own();
+    books_ahead_ = true;
+    if (is_part_) gather_owned(state_, own_particles(), own_bonds(), exchange_);
   }
+  books();
+  return state_;
+}
+
+/// What this process knows of particles, bonds and pairs.
+void Simulation::collect_own() const {
   bodies_.write(state_);
   if (bonds_.remembers()) bonds_.collect(state_.bond_history);
   state_.contact_history = contacts_.collect();
@@ -462,16 +486,10 @@ const State& Simulation::state() const {
   state_.loads = loads_follow ? Loads{} : loads();
   state_.damping = bodies_.damping.empty() ? Loads{} : bodies_.collect(bodies_.damping);
   state_.local_damping = bodies_.local_damping.empty() ? Loads{} : bodies_.collect(bodies_.local_damping);
-  return state_;
 }
 
 State Simulation::take_state() && {
-  if (stepper_ != nullptr) {
-    stepper_->end_stage(state_);
-  } else {
-    state();
-    if (is_part_) give(state_), give_particles(state_, true);
-  }
+  state();
   return std::move(state_);
 }
 
@@ -496,8 +514,8 @@ void Simulation::apply_strain() {
   bodies_ahead_ = true;
   last_way_ = std::numeric_limits<double>::infinity();
   evaluate_loads();
-  state_.books.work_loads += work_applied;
-  state_.books.work_supports += survey_here().energies.potential() - U_before - work_applied;
+  booked_.work_loads += work_applied;
+  booked_.work_supports += survey_here().energies.potential() - U_before - work_applied;
 }
 
 }  // namespace vbond

@@ -19,11 +19,10 @@
 #include "vbond/dynamics/contacts.hpp"
 #include "vbond/dynamics/damping.hpp"
 #include "vbond/dynamics/encounters.hpp"
-#include "vbond/dynamics/exchange.hpp"
 #include "vbond/dynamics/kernel.hpp"
 #include "vbond/dynamics/observer.hpp"
+#include "vbond/dynamics/partition.hpp"
 #include "vbond/dynamics/step_times.hpp"
-#include "vbond/dynamics/stepper.hpp"
 #include "vbond/dynamics/supports.hpp"
 #include "vbond/dynamics/team.hpp"
 #include "vbond/dynamics/walls.hpp"
@@ -51,6 +50,10 @@ std::size_t work_of_particle(const Model& model);
 /// One stage of a run: a const Model, a Stage, and the State that the step loop moves.
 /// Observers see it read-only. Results are bitwise the same for any number of threads.
 /// Programs use a Run (run/run.hpp), which makes one for each of its stages.
+///
+/// A body may be spread over processes, each of which has a Simulation of its part. All of them have the same
+/// observers and call the same functions in the same order, those that only look as well, as each knows its
+/// share alone: they wait for each other, and get the same answers, of the whole body.
 class Simulation {
  public:
   /// Takes over the state and keeps a reference to the model. A state with stage_step = 0 begins the
@@ -60,11 +63,9 @@ class Simulation {
       : Simulation(model, std::move(stage), &state, threads) {}
   /// The same, and gives the state back if a stage cannot begin in it.
   Simulation(const Model& model, Stage stage, State* state, int threads = 1);
-  /// A part of a body, in this order of rows: it goes on from a state that has begun, of the whole body.
-  /// Other processes step its other parts, and call the same functions at the same time. What Question names
-  /// is told of the whole body, and all parts must be asked for it. All else is of this part alone, state()
-  /// and books() too, and nobody observes: give() and give_particles() tell of the whole body.
-  Simulation(const Model& model, Stage stage, State state, Order order, Exchange& exchange);
+  /// A part of a body, whose other parts other processes step: it goes on from a state that has begun, of the
+  /// whole body.
+  Simulation(const Model& model, Stage stage, State state, Share share, Exchange& exchange);
   Simulation(const Model&&, Stage, State, int = 1) = delete;  // a temporary would be gone at the first step
   Simulation(const Model&&, Stage, State*, int = 1) = delete;
   Simulation(const Simulation&) = delete;
@@ -75,25 +76,22 @@ class Simulation {
     steps_to_look_ = 1;
   }
 
-  /// From now on, steps are made by this one, which must live as long. It steps what it knows how to; whoever
-  /// sets it refuses all else.
-  void step_by(Stepper& stepper);
-
-  /// By how many processes they are made, each of a part of the body.
-  int parts() const { return stepper_ != nullptr ? stepper_->parts() : 1; }
-  /// All these processes look at their parts now (Stepper::look_at_parts). Only where a stepper makes the
-  /// steps. Throws IoError.
-  void look_at_parts(const std::string& message) const { stepper_->look_at_parts(message); }
+  /// The processes that step the body.
+  const Exchange& exchange() const { return exchange_; }
   /// Of a part: the particles that it moves, and the bonds of which one is the first end, broken ones too, in
-  /// increasing order. In its state() these are up to date, and where both ends of these bonds are: of bonds
-  /// that broke, whose ends may be far away by now, once all parts have called learn_ends_of_bonds().
+  /// increasing order.
   std::vector<ParticleId> own_particles() const;
   std::vector<BondId> own_bonds() const;
-  void learn_ends_of_bonds();
+  /// As state(), up to date for these alone, and for where both ends of these bonds are: at less cost.
+  const State& own_state() const;
 
-  /// Who looks after fewer steps than these has all processes wait for that look alone, where a stepper makes
-  /// the steps. 1 without one.
-  std::int64_t steps_at_once() const { return stepper_ != nullptr ? Stepper::at_once : 1; }
+  /// After so many steps the processes that step a body tell each other of failures and interruptions; who
+  /// looks more often has them wait for that look alone. 1 where there is one.
+  std::int64_t steps_between_meetings() const { return is_part_ ? 64 : 1; }
+  /// Particles that are nearer than this may touch or be bonded; 0: none; infinite: all must be known.
+  double reach() const;  // [length]
+  /// Of a part: its particles have gone so far that the body is to be spread anew. run() ends.
+  bool has_outgrown_its_part() const { return has_outgrown_; }
 
   /// One time step of stage().dt. Throws Diverged if a load is not finite or a new bond is impossible; where
   /// the stage drops particles that have passed through walls, ParticlesLost after the step.
@@ -103,12 +101,15 @@ class Simulation {
   /// steps are made: StopReason::running. Observers are told of the end, and of an interruption.
   StopReason run(const std::function<bool()>& interrupted = {},
                  std::int64_t most = std::numeric_limits<std::int64_t>::max());
-  /// Why the stage ends here, if it does. Not where a stepper makes the steps.
+  /// Why the stage ends here, if it does.
   StopReason stop_reason() const;
   /// Of a simulation that goes on with the state of another one, without particles that drop() took out of
   /// it: takes over what that one has not told its observers yet, with the bonds that broke by this, and
   /// counts the energy that has gone as released. Returns that energy.
   double take_over(Simulation& with_them, const std::vector<BondEvent>& broken);
+  /// Of a part of a body that was spread anew: takes over the observers of the part before, and what it has
+  /// not told them yet.
+  void take_over_observers(Simulation& before);
   /// Shows the observers this step again.
   void look_again() { notify_observers(); }
   /// Tells the observers that the stage ends here.
@@ -117,7 +118,7 @@ class Simulation {
   const Model& model() const { return model_; }
   const Stage& stage() const { return stage_; }
   const Clock& clock() const { return state_.clock; }
-  const EnergyBooks& books() const { return state_.books; }
+  const EnergyBooks& books() const;
   /// What they count as dissipated, by cause. Looks at every bond that remembers something.
   Losses losses() const;
   const PeakRecord& peak() const { return state_.peak; }
@@ -129,8 +130,7 @@ class Simulation {
   /// The whole state, in the numbering of the model, good until the next step: copy it to keep it. Collecting
   /// it takes time: not for every step.
   const State& state() const;
-  /// The same at the end, without a copy: nothing else may be asked of the simulation afterwards. Of a part
-  /// it is the state of the whole body, in all parts.
+  /// The same at the end, without a copy: nothing else may be asked of the simulation afterwards.
   State take_state() &&;
   /// Pairs that were deep in one another in the last step, as far as contacts are to keep them apart, and the
   /// fastest particle if it was too fast for that: observers look at every step that has any.
@@ -142,15 +142,15 @@ class Simulation {
   /// Particles that are deeper in a wall than this part of their radius, beyond what they were at r_0.
   std::vector<DeepInWall> deep_in_walls(double part) const;
   /// Capsules that overlap each other or particles by more than this part of the smaller radius.
-  std::vector<DeepCapsules> deep_capsules(double part) const { return here().capsules_.deeper_than(part); }
+  std::vector<DeepCapsules> deep_capsules(double part) const { return capsules_.deeper_than(part); }
   /// Whether some are so deep that observers look at once.
-  bool any_deep_capsules() const { return here().capsules_.deep(); }
+  bool any_deep_capsules() const { return capsules_.deep(); }
   /// Bonds made and broken since observers looked last, all of them if there is no observer, in the order in
   /// which it happened, those of a step in the order of bonds. Observers look at every step in which bonds
   /// broke, after it.
   const std::vector<BondEvent>& events() const { return events_; }
-  /// Forces and moments at the present positions, in the numbering of the model; collected at each call. None
-  /// where a stepper makes the steps.
+  /// Forces and moments at the present positions, in the numbering of the model; collected at each call. Of a
+  /// part those on its own particles.
   Loads loads() const { return bodies_.collect(bodies_.load); }
   /// Threads at work: fewer than asked for if there is too little for them to do.
   int threads() const { return static_cast<int>(team_.parts().size()); }
@@ -169,30 +169,11 @@ class Simulation {
   /// inertia of prescribed accelerations left out.
   Reaction reaction(const std::vector<ParticleId>& particles) const;
   /// Where walls are, and what presses on them.
-  const std::vector<WallState>& walls() const { return here().walls_.states(); }
+  const std::vector<WallState>& walls() const { return walls_.states(); }
   /// The grips of the stage, in the order of its supports.
   std::vector<GripView> grips() const;
   /// The same with the loads of the bonds that broke in the last step.
   Reaction reaction_before_breaks(const std::vector<ParticleId>& particles) const;
-  /// Of a part: what the state says of the body as a whole, as it stands, to all, and changes of bonds to the
-  /// part that leads; what does not change is left as it is.
-  void give(State& whole);
-  /// Of a part: what it says of single particles, and what bonds and pairs remember, to the part that leads
-  /// or to all.
-  void give_particles(State& whole, bool everyone);
-  /// Of a part that does not lead: does its share of the answer.
-  void answer(const Question& question);
-  /// Of a part: throws on all of them if one has failed. To be called between steps, now and then.
-  void agree_on_failure();
-  /// Of a part: takes over what another one of the same body has not told its observers yet.
-  void take_events(Simulation& from) { events_ = std::move(from.events_); }
-  /// Of a part: whether observers must look at this step.
-  bool is_due() const { return due_; }
-  /// Of a part: no particle of any part has gone farther in the last step, where some may meet.  [length]
-  double last_way() const { return last_way_; }
-  /// Of a part: the longest way of a particle since it was made, and its longest bond.  [length]
-  double way_since_begin() const;
-  double longest_bond() const;
   /// Mean over the bonds with both ends in the group of F.d, tension positive; 0 without such bonds.  [force]
   double mean_axial_force(const std::vector<ParticleId>& particles) const;
 
@@ -219,9 +200,8 @@ class Simulation {
   };
 
   void begin_stage();
-  Simulation(const Model& model, Stage stage, State* state, int threads, Order order, Exchange& exchange,
+  Simulation(const Model& model, Stage stage, State* state, int threads, Share share, Exchange& exchange,
              bool is_part);
-  StopReason leap(std::int64_t& most);
   void bonds_changed();
   void arrange_bonds();
   void make_bonds();
@@ -293,8 +273,13 @@ class Simulation {
     std::array<char, 512> who, what, way_out;
   };
   const Team& all_known() const { return with_ghosts_ ? *with_ghosts_ : team_; }
-  double reach() const;
-  bool meets() const { return contacts_.any() || capsules_.any() || !stage_.bonding.empty(); }
+  bool may_meet() const { return contacts_.any() || capsules_.any() || !stage_.bonding.empty(); }
+  bool is_time_to_meet() const;
+  bool meet(bool interrupted);
+  void agree_on_failure();
+  void fold_brought_in() const;
+  double way_since_begin() const;
+  void collect_own() const;
   void diverge(std::size_t first_particle, const std::string& who, const std::string& what,
                const std::string& way_out) const;
   void exchange_halo();
@@ -302,18 +287,19 @@ class Simulation {
   void complete_sent_blocks(Instant at);
   /// Whether it is of interest how far particles go in a step: where something may touch, or be bonded by
   /// parts.
-  bool looks_at_ways() const { return !only_elastic_ && (anything_touches() || (is_part_ && meets())); }
+  bool looks_at_ways() const { return !only_elastic_ && (anything_touches() || (is_part_ && may_meet())); }
   bool leads() const { return exchange_.leads(); }
-  /// Where what all parts know is up to date: here, or in the part of this process.
-  const Simulation& here() const { return stepper_ != nullptr ? stepper_->part() : *this; }
   Vec3d from_to(ParticleId i, ParticleId j) const;
 
   const StepKernel& kernel_ = step_kernel();
   const Model& model_;
   const Stage stage_;
   mutable State state_;                // positions and velocities as of the last state() or stage start
-  mutable bool bodies_ahead_ = false;  // they, or those of a stepper, have moved on since
-  bool only_elastic_ = false;          // has_only_elastic_bonds(): a step then leaves out all the rest
+  mutable bool bodies_ahead_ = false;  // they have moved on since
+  /// What was booked here: of a part its share, but for the largest energy. books() are the sum.
+  mutable EnergyBooks booked_;
+  mutable bool books_ahead_ = true;  // of those in state_
+  bool only_elastic_ = false;        // has_only_elastic_bonds(): a step then leaves out all the rest
   const bool is_part_;
   Exchange& exchange_;
   Bodies bodies_;
@@ -343,14 +329,17 @@ class Simulation {
   std::int64_t last_stage_step_ = 0;           // of the stage's duration
   std::vector<std::shared_ptr<Observer>> observers_;
   std::int64_t steps_to_look_ = 1;
-  Stepper* stepper_ = nullptr;
   StepTimes times_;
   // of a part
   mutable std::optional<Failed> failed_;  // first of all
   std::vector<Vec3d> r_begin_;            // of its rows
-  std::vector<double> brought_in_;        // after each step since give(): energy at the start and work
+  double farthest_ = 0, too_far_ = 0;     // see Share
+  double room_ = 0;                       // what may meet is known until a particle has gone so far
+  std::int64_t unmet_ = 0;                // steps since meet()
+  bool has_outgrown_ = false;
+  mutable std::vector<double>
+      brought_in_;  // after each step since they were summed: energy at the start and work
   double last_way_ = 0;
-  bool due_ = false, changed_ = false;
   mutable std::optional<Survey> survey_;  // empty: positions or velocities have changed since
 };
 

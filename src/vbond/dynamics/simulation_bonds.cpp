@@ -60,33 +60,30 @@ void Simulation::make_bonds() {
   const std::vector<Bonding::Pair> pairs = bonding_.find(bodies_.poses(), all_known());
   if (pairs.empty()) return;
   state();  // brought up to date
-  if (is_part_) give_particles(state_, true);
-  const std::size_t before = state_.bonds.size();
+  const std::size_t first = state_.bonds.size();
   const bool capsules =
       capsules_.any() || std::any_of(pairs.begin(), pairs.end(), [this](const Bonding::Pair& p) {
         return bonding_.recipe(p.rule).capsule;
       });
-  const EnergyBooks books = state_.books;
+  const EnergyBooks before = booked_;
   const double U = capsules ? contact_energy() : 0.0, flowed = capsules ? dissipated_by_flow(state_) : 0.0;
   if (contacts_.are_touches() && model_.contact.pairs == ContactPairs::unbonded)
     for (const auto& [rule, i, j] : pairs)  // add_bond() books the energy of their repulsion alone
       if (bodies_.order.has(i))
-        state_.books.lose(Loss::bonding,
-                          contacts_.energy(bodies_.order.row[i], bodies_.order.row[j], bodies_) -
-                              contact_pair_energy(model_, state_, i, j));
-  const EnergyBooks of_this_part = state_.books;
-  changed_ = true;
+        booked_.lose(Loss::bonding, contacts_.energy(bodies_.order.row[i], bodies_.order.row[j], bodies_) -
+                                        contact_pair_energy(model_, state_, i, j));
+  state_.books = booked_;
   bonding_.make(pairs, state_);
-  if (!leads()) state_.books = of_this_part;  // all parts have booked the same
+  if (leads()) booked_ = state_.books;  // all parts have booked the same
   const double flowed_now = capsules ? dissipated_by_flow(state_) - flowed : 0.0;  // by their prestrain
-  for (std::size_t k = before; k < state_.bonds.size(); ++k)
+  for (std::size_t k = first; k < state_.bonds.size(); ++k)
     events_.push_back({BondEvent::Kind::made, BondId{k}, state_.clock.step});
   bonds_changed();
   evaluate_loads();
   // a new bond then also changes what others touch
   if (!capsules) return;
-  state_.books.dissipated = books.dissipated + (leads() ? flowed_now : 0.0), state_.books.lost = books.lost;
-  state_.books.lose(Loss::bonding, U - contact_energy());
+  booked_.dissipated = before.dissipated + (leads() ? flowed_now : 0.0), booked_.lost = before.lost;
+  booked_.lose(Loss::bonding, U - contact_energy());
 }
 
 /// Takes up the loads that the state brings along; for elastic bonds they follow from positions.
@@ -131,7 +128,6 @@ bool Simulation::break_bonds() {
   std::sort(records.begin(), records.end(),
             [](const Broken& a, const Broken& b) { return a.event.bond < b.event.bond; });
   for (const Broken& record : records) take_out(record);
-  changed_ = true;
   contacts_.list_unbonded(bodies_, all_known());
   exchange_capsules();
   state_.breaks += static_cast<std::int64_t>(broken.size());
@@ -159,7 +155,7 @@ void Simulation::exchange_capsules() {
   for (const Capsules::Share& s : capsules_.shares()) taken_shares_.push_back({s.row, -s.F, -s.M});
   std::stable_sort(taken_shares_.begin(), taken_shares_.end(),
                    [](const Capsules::Share& a, const Capsules::Share& b) { return a.row < b.row; });
-  if (leads()) state_.books.released += U - capsules_.energy();
+  if (leads()) booked_.released += U - capsules_.energy();
 }
 
 /// From here on it is broken for all who ask. Nothing else is worked out of a bond of another part.
@@ -210,15 +206,12 @@ void Simulation::take_out(const Broken& broken) {
   if (is_damped(b)) take(bodies_.damping, broken.damping);
   take(bodies_.load, broken.loads);
   taken_.push_back({b.i, b.j, broken.loads});
-  if (bodies_.order.has(b.i)) state_.books.released += broken.released;
+  if (bodies_.order.has(b.i)) booked_.released += broken.released;
   events_.push_back(broken.event);
   survey_.reset();
 }
 
 Reaction Simulation::reaction_before_breaks(const std::vector<ParticleId>& particles) const {
-  if (stepper_ != nullptr)
-    return stepper_->ask({Question::What::reaction_before_breaks, particles})
-        .reaction_before_breaks(particles);
   Reaction total = reaction_here(particles);
   for (const Hold& h : supports_.holds()) {
     if (!std::binary_search(particles.begin(), particles.end(), h.particle)) continue;

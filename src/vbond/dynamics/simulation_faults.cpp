@@ -52,7 +52,7 @@ Told in_words(const Model& model, const Walls::FaultyTouch& found, double dt) {
 /// particles that the stage drops, it is for tell_of_lost() to say.
 void Simulation::close_walls(double dt) {
   const double work = walls_.close(dt);
-  if (leads()) state_.books.work_supports += work;  // all parts know of it
+  if (leads()) booked_.work_supports += work;  // all parts know of it
   const bool drops = dt > 0.0 && stage_.on_unphysical == OnUnphysical::drop;
   for (const Walls::FaultyTouch& found : walls_.faults()) {
     const Told told = in_words(model_, found, dt);
@@ -70,12 +70,12 @@ void Simulation::tell_of_lost() {
 }
 
 double Simulation::take_over(Simulation& with_them, const std::vector<BondEvent>& broken) {
-  take_events(with_them);
+  events_ = std::move(with_them.events_);
   encounters_.take(with_them.encounters_, state_.dropped);
   events_.insert(events_.end(), broken.begin(), broken.end());
   const double gone = with_them.energies().total() - energies().total();
-  state_.books.released += gone;
-  bodies_ahead_ = true;  // the state has no loads yet
+  booked_.released += gone;
+  bodies_ahead_ = books_ahead_ = true;  // the state has no loads yet
   return gone;
 }
 

@@ -37,8 +37,8 @@ void Simulation::heat_at_start() {
   if (bonds_.remembers()) arrange_bonds();
   evaluate_loads();
   const double flowed = dissipated_by_flow(state_) - flowed_before;
-  state_.books.dissipated += flowed;
-  state_.books.work_supports += survey_here().energies.potential() - U_before + flowed;
+  booked_.dissipated += flowed;
+  booked_.work_supports += survey_here().energies.potential() - U_before + flowed;
 }
 
 void Simulation::heat() {
@@ -74,7 +74,7 @@ void Simulation::book_heat() {
     if (!bodies_.order.has(b.i)) continue;
     const PoseRow &i = pose_of(b.i), &j = pose_of(b.j);
     const BondHistory history = b.law->remembers() ? bonds_.history(w.bond) : no_history;
-    state_.books.work_supports +=
+    booked_.work_supports +=
         0.5 * grows.growth * power_of_growth(b, w, bond_pose(b, i.r, i.q, j.r, j.q), history);
   }
 }

@@ -1,16 +1,14 @@
-// A simulation of a part of a body, whose other parts others step; and the one for which they do so.
+// A simulation of a part of a body, whose other parts other processes step.
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "vbond/core/error.hpp"
-#include "vbond/dynamics/gather.hpp"
 #include "vbond/dynamics/simulation.hpp"
 
 namespace vbond {
@@ -91,6 +89,7 @@ void Simulation::diverge(std::size_t first_particle, const std::string& who, con
   put(who, failed.who), put(what, failed.what), put(way_out, failed.way_out);
 }
 
+/// All parts end at the step of the first that failed.
 void Simulation::agree_on_failure() {
   if (!exchange_.any(failed_.has_value())) return;
   std::vector<Failed> mine;
@@ -99,12 +98,44 @@ void Simulation::agree_on_failure() {
   const Failed& first = *std::min_element(all.begin(), all.end(), [](const Failed& a, const Failed& b) {
     return std::pair(a.step, a.first_particle) < std::pair(b.step, b.first_particle);
   });
+  failed_.reset();
+  state_.clock.stage_step += first.step - state_.clock.step;
+  state_.clock.step = first.step;
   throw Diverged(first.step, first.time, first.who.data(), first.what.data(), first.way_out.data());
+}
+
+/// One process alone meets nobody, and may be interrupted after each step.
+bool Simulation::is_time_to_meet() const {
+  return !is_part_ || unmet_ >= steps_between_meetings() || !(room_ > 0.0);
+}
+
+/// Between steps, now and then: whether one is interrupted, has failed, or has a particle that has gone too
+/// far.
+bool Simulation::meet(bool interrupted) {
+  if (!is_part_) return interrupted;
+  unmet_ = 0;
+  agree_on_failure();
+  fold_brought_in();
+  enum : std::size_t { stop, way, questions };
+  std::array<double, questions> most{leads() && interrupted ? 1.0 : 0.0, way_since_begin()};
+  exchange_.max(most);
+  has_outgrown_ = most[way] > farthest_ && most[way] < too_far_;
+  room_ = farthest_ - most[way];
+  return most[stop] != 0.0;
+}
+
+/// The largest energy that has been brought in after any step is that of the whole body.
+void Simulation::fold_brought_in() const {
+  exchange_.sum(brought_in_);
+  double& largest = booked_.largest;
+  for (const double energy : brought_in_) largest = std::max(largest, energy);
+  brought_in_.clear();
+  exchange_.max({&largest, 1});
 }
 
 /// Capsules are worked out by all parts.
 double Simulation::reach() const {
-  if (!meets()) return 0.0;
+  if (!may_meet()) return 0.0;
   bool capsules = capsules_.any();
   for (const BondingRule& rule : stage_.bonding) capsules |= rule.recipe.capsule;
   return capsules ? std::numeric_limits<double>::infinity() : std::max(contacts_.reach(), bonding_.reach());
@@ -114,13 +145,6 @@ double Simulation::way_since_begin() const {
   double most2 = 0.0;
   for (std::size_t k = 0; k < r_begin_.size(); ++k)
     most2 = std::max(most2, norm2(bodies_.pose[k].r - r_begin_[k]));
-  return std::sqrt(most2);
-}
-
-double Simulation::longest_bond() const {
-  double most2 = 0.0;
-  for (const Bond& b : state_.bonds)
-    if (!b.broken && bodies_.order.has(b.i)) most2 = std::max(most2, norm2(pose_of(b.j).r - pose_of(b.i).r));
   return std::sqrt(most2);
 }
 
@@ -141,8 +165,9 @@ std::vector<BondId> Simulation::own_bonds() const {
   return own;
 }
 
-void Simulation::learn_ends_of_bonds() {
-  state();
+/// Ends of bonds that broke may be far away by now.
+const State& Simulation::own_state() const {
+  if (bodies_ahead_) collect_own();
   const Order& order = bodies_.order;
   std::vector<ParticleId> unknown;
   for (const BondId b : own_bonds())
@@ -158,69 +183,14 @@ void Simulation::learn_ends_of_bonds() {
   for (const ParticleId p : exchange_.gather(unknown))
     if (order.has(p)) ends.push_back({p, state_.r[p], state_.q[p]});
   for (const End& e : exchange_.gather(ends)) state_.r[e.particle] = e.r, state_.q[e.particle] = e.q;
+  return state_;
 }
 
-void Simulation::give_particles(State& whole, bool everyone) {
-  state();
-  gather_owned(state_, own_particles(), own_bonds(), exchange_, everyone, whole);
-}
-
-void Simulation::give(State& whole) {
-  state_.walls = walls_.states();
-  supports_.grips().write(state_);
-  gather_values(state_, exchange_, brought_in_, whole);
-  if ((std::exchange(changed_, false) || !stage_.heating.empty()) && leads()) whole.bonds = state_.bonds;
-  double& largest = whole.books.largest;
-  largest = std::accumulate(brought_in_.begin(), brought_in_.end(), largest,
-                            [](double a, double x) { return std::max(a, x); });
-  brought_in_.clear();
-  exchange_.max({&largest, 1});
-}
-
-void Simulation::answer(const Question& question) {
-  State of_leader;
-  switch (question.what) {
-    case Question::What::particles: give_particles(of_leader, false); break;
-    case Question::What::survey: survey(); break;
-    case Question::What::fastest_turn: fastest_turn(); break;
-    case Question::What::reaction: reaction(question.particles); break;
-    case Question::What::reaction_before_breaks: reaction_before_breaks(question.particles); break;
-    case Question::What::mean_axial_force: mean_axial_force(question.particles); break;
-    case Question::What::deep_in_walls: deep_in_walls(question.part); break;
-    case Question::What::grips: grips(); break;
-  }
-}
-
-// ---- the simulation that shows it --------------------------------------------------------------------
-
-/// What steps are made of is then in the parts only.
-void Simulation::step_by(Stepper& stepper) {
-  state();
-  const double reach_of_all = reach();
-  bodies_.clear();
-  bonds_ = {};
-  bond_index_ = {};
-  contacts_.clear();
-  stepper.begin(model_, stage_, state_, reach_of_all);
-  stepper_ = &stepper;
-}
-
-/// The steps up to the next look at the body, made by the parts.
-StopReason Simulation::leap(std::int64_t& most) {
-  const std::int64_t before = state_.clock.step;
-  bodies_ahead_ = true;
-  survey_.reset();
-  const StopReason why = stepper_->advance(std::min({most, Stepper::at_once, steps_to_look_}), state_);
-  const std::int64_t steps = state_.clock.step - before;
-  Simulation& part = stepper_->part();
-  events_.insert(events_.end(), part.events_.begin(), part.events_.end());
-  part.events_.clear();
-  encounters_.take(part.encounters_);
-  rounding_scale_ = part.rounding_scale_;
-  most -= steps;
-  steps_to_look_ -= steps;
-  if (steps_to_look_ <= 0 || part.is_due()) notify_observers();
-  return why;
+void Simulation::take_over_observers(Simulation& before) {
+  observers_ = std::move(before.observers_);
+  steps_to_look_ = before.steps_to_look_;
+  events_ = std::move(before.events_);
+  times_ = before.times_;
 }
 
 }  // namespace vbond

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "vbond/dynamics/gather.hpp"
 #include "vbond/dynamics/simulation.hpp"
 #include "vbond/model/bond_sums.hpp"
 #include "vbond/model/turn_bound.hpp"
@@ -12,7 +13,7 @@
 namespace vbond {
 
 void Simulation::keep_records() {
-  EnergyBooks& books = state_.books;
+  EnergyBooks& books = booked_;
   const double brought_in = books.at_start + books.work_loads + books.work_supports;
   if (is_part_)
     brought_in_.push_back(brought_in);
@@ -81,7 +82,6 @@ StopReason Simulation::stop_reason() const {
 }
 
 std::optional<FastTurn> Simulation::fastest_turn() const {
-  if (stepper_ != nullptr) return stepper_->ask({Question::What::fastest_turn}).fastest_turn();
   std::optional<FastTurn> fastest;
   double most2 = sq(longest_turn / stage_.dt);
   for (const ParticleId p : bodies_.order.row.ids()) {
@@ -103,7 +103,6 @@ std::optional<FastTurn> Simulation::fastest_turn() const {
 
 const Survey& Simulation::survey() const {
   if (survey_) return *survey_;
-  if (stepper_ != nullptr) return survey_.emplace(stepper_->ask({Question::What::survey}).survey());
   Survey survey = survey_here();
   Energies& e = survey.energies;
   std::array<double, 6> sums{e.kinetic_translation, e.kinetic_rotation, e.U_L, e.U_B, e.U_T, e.contact};
@@ -126,11 +125,23 @@ Survey Simulation::survey_here() const {
 }
 
 double Simulation::balance_error(const Energies& e) const {
-  const EnergyBooks& b = state_.books;
+  const EnergyBooks& b = books();
   const double imbalance =
       e.total() + b.dissipated + b.released - b.work_loads - b.work_supports - b.at_start;
   return imbalance / std::max({b.largest, std::abs(b.at_start), e.kinetic(), std::abs(e.contact),
                                rounding_scale_, std::numeric_limits<double>::min()});
+}
+
+/// Of parts the sum of what each has booked.
+const EnergyBooks& Simulation::books() const {
+  if (!std::exchange(books_ahead_, false)) return state_.books;
+  if (is_part_) {
+    fold_brought_in();
+    supports_.grips().write(state_);
+  }
+  state_.books = booked_;
+  if (is_part_) sum_values(state_, exchange_);
+  return state_.books;
 }
 
 Reaction Simulation::summed_over_parts(Reaction r) const {
@@ -140,7 +151,6 @@ Reaction Simulation::summed_over_parts(Reaction r) const {
 }
 
 Reaction Simulation::reaction(const std::vector<ParticleId>& particles) const {
-  if (stepper_ != nullptr) return stepper_->ask({Question::What::reaction, particles}).reaction(particles);
   return summed_over_parts(reaction_here(particles));
 }
 
@@ -179,14 +189,13 @@ std::vector<BondId> Simulation::bonds_inside(const std::vector<ParticleId>& part
 }
 
 Losses Simulation::losses() const {
-  if (stepper_ != nullptr) return losses_of(here().state_.bond_history.empty() ? state_ : state());
+  if (is_part_ && !state_.bond_history.empty()) return losses_of(state());
   if (bonds_.remembers()) bonds_.collect(state_.bond_history);
+  books();
   return losses_of(state_);
 }
 
 double Simulation::mean_axial_force(const std::vector<ParticleId>& particles) const {
-  if (stepper_ != nullptr)
-    return stepper_->ask({Question::What::mean_axial_force, particles}).mean_axial_force(particles);
   return mean_axial_force(bonds_inside(particles));
 }
 
@@ -207,8 +216,6 @@ double Simulation::mean_axial_force(const std::vector<BondId>& bonds) const {
 }
 
 std::vector<DeepInWall> Simulation::deep_in_walls(double part) const {
-  if (stepper_ != nullptr)
-    return stepper_->ask({Question::What::deep_in_walls, {}, part}).deep_in_walls(part);
   std::vector<DeepInWall> deep = exchange_.gather(walls_.deeper_than(part));
   std::sort(deep.begin(), deep.end(), [](const DeepInWall& a, const DeepInWall& b) {
     return std::pair(a.p, a.wall) < std::pair(b.p, b.wall);
@@ -217,7 +224,6 @@ std::vector<DeepInWall> Simulation::deep_in_walls(double part) const {
 }
 
 std::vector<GripView> Simulation::grips() const {
-  if (stepper_ != nullptr) return stepper_->ask({Question::What::grips}).grips();
   std::vector<GripView> views = supports_.grips().views(state_.clock.stage_step);
   for (GripView& v : views) {
     const Reaction whole = summed_over_parts({v.force, v.moment});

@@ -6,10 +6,11 @@
 
 namespace vbond {
 
-BreaksObserver::BreaksObserver(const OutputPlan& plan, const std::optional<Clock>& resumed)
-    : breaks_(plan, resumed ? std::optional(resumed->step) : std::nullopt),
-      fragments_(plan, resumed ? std::optional<std::int64_t>(resumed->stage) : std::nullopt) {
+BreaksObserver::BreaksObserver(const OutputPlan& plan, const std::optional<Clock>& resumed) {
   if (!plan.reactions.empty()) loaded_ = plan.reactions.front();
+  if (!plan.writes_all()) return;
+  breaks_.emplace(plan, resumed ? std::optional(resumed->step) : std::nullopt);
+  fragments_.emplace(plan, resumed ? std::optional<std::int64_t>(resumed->stage) : std::nullopt);
 }
 
 void BreaksObserver::observe(const Simulation& run) {
@@ -18,10 +19,11 @@ void BreaksObserver::observe(const Simulation& run) {
     if (event.kind != BondEvent::Kind::broken) continue;
     const Timing timing(*this);
     if (loaded_ && !load) load = norm(run.reaction_before_breaks(loaded_->particles).force);
+    if (!breaks_) continue;
     Clock then = run.clock();
     then.stage_step += event.step - then.step;
     then.step = event.step;
-    breaks_.write(then, run.bonds()[event.bond], event, load);
+    breaks_->write(then, run.bonds()[event.bond], event, load);
   }
 }
 
@@ -35,11 +37,12 @@ void BreaksObserver::finish(const Simulation& run, StopReason why) {
 
 void BreaksObserver::end_stage(const Model& model, const State& state, std::int64_t stage) {
   const Timing timing(*this);
-  fragments_.write(model, state, stage);
+  if (fragments_) fragments_->write(model, state, stage);
 }
 
 void BreaksObserver::add_breaks_at_rest(const Clock& start, const State& state,
                                         const std::vector<BrokenBond>& breaks) {
+  if (!breaks_) return;
   const Timing timing(*this);
   for (const BrokenBond& b : breaks) {
     const Bond& bond = state.bonds[b.use.bond];
@@ -53,7 +56,7 @@ void BreaksObserver::add_breaks_at_rest(const Clock& start, const State& state,
     e.middle = b.middle, e.direction = b.direction;
     e.cause = break_cause(bond.law->has_rules ? bond.rules->strength : Strength{}, e.failure, e.loads.N,
                           strength_factor(bond));
-    breaks_.write(then, bond, e, std::abs(b.load));
+    breaks_->write(then, bond, e, std::abs(b.load));
   }
 }
 

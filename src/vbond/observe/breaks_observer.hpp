@@ -21,13 +21,14 @@ class BreaksObserver : public TimedObserver {
   /// Bonds that a static stage broke, in the state after it; start: the clock as it began. Points are its
   /// steps.
   void add_breaks_at_rest(const Clock& start, const State& state, const std::vector<BrokenBond>& breaks);
-  const BreakRecord& record() const { return breaks_.record(); }
-  bool begun_anew() const { return breaks_.begun_anew(); }
+  /// Nothing where others write.
+  BreakRecord record() const { return breaks_ ? breaks_->record() : BreakRecord{}; }
+  bool begun_anew() const { return breaks_ && breaks_->begun_anew(); }
 
  private:
   std::optional<Group> loaded_;  // the first group whose reaction is asked for
-  BreaksWriter breaks_;
-  FragmentsWriter fragments_;
+  std::optional<BreaksWriter> breaks_;
+  std::optional<FragmentsWriter> fragments_;
 };
 
 }  // namespace vbond

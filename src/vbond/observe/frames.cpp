@@ -149,8 +149,9 @@ std::string lammps_frame(const Model& model, const State& state) {
 }
 
 FrameWriter::FrameWriter(const fs::path& folder, bool lammps_dump, std::optional<std::int64_t> resume_step,
-                         FrameFormat format)
-    : folder_(folder), format_(format) {
+                         FrameFormat format, bool writes_all)
+    : folder_(folder), format_(format), dumps_(lammps_dump), writes_all_(writes_all) {
+  if (!writes_all_) return;
   const fs::path dump = folder_ / "dump.lammpstrj";
   std::error_code e;
   make_folder(folder_ / "frames");
@@ -188,6 +189,7 @@ void FrameWriter::write_lists() const {
 }
 
 void FrameWriter::write(const Model& model, const State& state, std::optional<double> load_factor) {
+  if (!writes_all_) return;
   const Clock& clock = state.clock;
   write_particles_vtp(folder_ / frame_name("particles", clock.step), model, state, load_factor, format_);
   write_bonds_vtp(folder_ / frame_name("bonds", clock.step), state, model.units, load_factor, format_);
@@ -200,10 +202,13 @@ void FrameWriter::write(const Model& model, const State& state, std::optional<do
 }
 
 void FrameWriter::write(const Simulation& run) {
-  if (run.parts() == 1 || dump_ || format_.stress || format_.contacts) return write(run.model(), run.state());
+  const Exchange& all = run.exchange();
+  if (all.ranks() == 1 || dumps_ || format_.stress || format_.contacts)
+    return write(run.model(), run.state());
   const Clock& clock = run.clock();
-  run.look_at_parts(folder_.string());
-  write_lists_of_parts(folder_, run.parts(), run.model(), clock.step, format_);
+  all.together([&] { write_part(folder_, run, format_); });
+  if (!writes_all_) return;
+  write_lists_of_parts(folder_, all.ranks(), run.model(), clock.step, format_);
   if (format_.walls) {
     State walls;
     walls.clock = clock;

@@ -30,12 +30,13 @@ class FrameWriter {
  public:
   /// Begins new lists, or with resume_step continues those that there are: later frames, which a killed run
   /// may have written past its checkpoint, are taken off the lists and removed. Throws IoError.
+  /// writes_all: false where another process writes all but for the part of this one.
   FrameWriter(const std::filesystem::path& folder, bool lammps_dump, std::optional<std::int64_t> resume_step,
-              FrameFormat format = {});
+              FrameFormat format = {}, bool writes_all = true);
 
   /// Throws IoError, also if dump.lammpstrj was removed, replaced or changed by others.
   void write(const Model& model, const State& state, std::optional<double> load_factor = {});
-  /// The same of a body in parts, each by its process (Simulation::look_at_parts), where there are any.
+  /// The same of a body that several processes step, each of which writes what it has.
   void write(const Simulation& run);
 
   /// Step of the last frame, -1 if there is none.
@@ -48,6 +49,8 @@ class FrameWriter {
 
   std::filesystem::path folder_;
   FrameFormat format_;
+  bool dumps_;
+  bool writes_all_;
   std::optional<GrowingFile> dump_;
   std::string particle_entries_, bond_entries_, wall_entries_, contact_entries_;  ///< lines of the .pvd files
   std::int64_t last_step_ = -1;

@@ -20,6 +20,7 @@ constexpr const char* clear_line = "\r\033[K";  // to the line's start; erase to
 
 /// Text to the stream that the program handed over. A terminal that has gone away must not end a run.
 void show(const std::string& text, std::FILE* out) {
+  if (out == nullptr) return;
   std::fwrite(text.data(), 1, text.size(), out);
   std::fflush(out);
 }
@@ -109,10 +110,14 @@ void WatchObserver::look_at_contacts(const Simulation& run) {
 // ---- history ----------------------------------------------------------------------------------------
 
 HistoryObserver::HistoryObserver(const OutputPlan& plan, std::optional<std::int64_t> resume_step)
-    : plan_(plan), writer_(plan, resume_step), due_(plan.history_every, writer_.last_step()) {}
+    : plan_(plan), due_(plan.history_every) {
+  if (!plan.writes_all()) return;
+  writer_.emplace(plan, resume_step);
+  due_.written(writer_->last_step());
+}
 
 void HistoryObserver::observe(const Simulation& run) {
-  if (due_.now(run.clock())) write(run);
+  if (run.exchange().leader_says(due_.now(run.clock()))) write(run);
 }
 
 std::int64_t HistoryObserver::steps_to_next_look(const Clock& now) const {
@@ -120,7 +125,7 @@ std::int64_t HistoryObserver::steps_to_next_look(const Clock& now) const {
 }
 
 void HistoryObserver::finish(const Simulation& run, StopReason why) {
-  if (stage_done(why) && due_.at_stage_end(run.clock())) write(run);
+  if (stage_done(why) && run.exchange().leader_says(due_.at_stage_end(run.clock()))) write(run);
 }
 
 void HistoryObserver::write(const Simulation& run) {
@@ -134,18 +139,18 @@ void HistoryObserver::write(const Model& model, const StaticPoint& point) {
 }
 
 void HistoryObserver::write(const HistoryValues& values) {
-  writer_.write(values);
+  if (writer_) writer_->write(values);
   due_.written(values.clock.step);
 }
 
 // ---- frames -----------------------------------------------------------------------------------------
 
 FrameObserver::FrameObserver(const OutputPlan& plan, std::optional<std::int64_t> resume_step)
-    : writer_(plan.folder, plan.lammps_dump, resume_step, plan.format_of_frames()),
+    : writer_(plan.folder, plan.lammps_dump, resume_step, plan.format_of_frames(), plan.writes_all()),
       due_(plan.frames_every.value(), writer_.last_step()) {}
 
 void FrameObserver::observe(const Simulation& run) {
-  if (due_.now(run.clock())) write(run);
+  if (run.exchange().leader_says(due_.now(run.clock()))) write(run);
 }
 
 std::int64_t FrameObserver::steps_to_next_look(const Clock& now) const {
@@ -153,7 +158,7 @@ std::int64_t FrameObserver::steps_to_next_look(const Clock& now) const {
 }
 
 void FrameObserver::finish(const Simulation& run, StopReason why) {
-  if (stage_done(why) && due_.at_stage_end(run.clock())) write(run);
+  if (stage_done(why) && run.exchange().leader_says(due_.at_stage_end(run.clock()))) write(run);
 }
 
 void FrameObserver::write(const Simulation& run) {
@@ -174,7 +179,8 @@ CheckpointObserver::CheckpointObserver(const OutputPlan& plan, std::shared_ptr<c
                                        std::string program_version)
     : path_(plan.folder / "checkpoint.h5"),
       watch_(std::move(watch)),
-      program_version_(std::move(program_version)) {
+      program_version_(std::move(program_version)),
+      writes_(plan.writes_all()) {
   if (plan.checkpoint_every) due_.emplace(*plan.checkpoint_every);
 }
 
@@ -192,6 +198,7 @@ void CheckpointObserver::finish(const Simulation& run, StopReason /*why*/) {
 }
 
 void CheckpointObserver::write(const Model& model, const State& state, const std::filesystem::path& path) {
+  if (!writes_) return;
   const Timing timing(*this);
   write_checkpoint(path, model, {state, watch_->watch().record()}, program_version_);
 }
@@ -218,6 +225,7 @@ void TableObserver::finish(const Simulation& run, StopReason /*why*/) {
 
 void TableObserver::print(const Simulation& run) {
   if (run.clock().step == last_step_) return;
+  last_step_ = run.clock().step;
   const Timing timing(*this);
   const Energies energies = run.energies();
   std::optional<std::int64_t> broken;
@@ -227,7 +235,6 @@ void TableObserver::print(const Simulation& run) {
   text +=
       table_row(run.clock(), run.books(), energies, run.balance_error(energies), count_ranges(run), broken);
   show(text, out_);
-  last_step_ = run.clock().step;
 }
 
 void TableObserver::print(const StaticPoint& point) {
@@ -244,7 +251,8 @@ void ProgressObserver::observe(const Simulation& run) {
   constexpr std::chrono::milliseconds refresh(500), pulse(1000);
   const Clock& clock = run.clock();
   const bool begins = !first_step_ || clock.stage_step == 0;  // its steps may be slower than those before
-  if (!begins && clock.step < next_look_) return;             // this step was asked for by others
+  const Exchange& all = run.exchange();
+  if (all.leader_says(!begins && clock.step < next_look_)) return;  // this step was asked for by others
   const auto now = WallClock::now();
   if (!first_step_) {
     first_step_ = clock.step;
@@ -252,11 +260,11 @@ void ProgressObserver::observe(const Simulation& run) {
   }
   const double seconds = std::chrono::duration<double>(now - looked_).count();
   const std::int64_t interval = begins ? 1 : progress_interval(clock.step - last_look_, seconds);
-  next_look_ = clock.step + std::max(interval, run.steps_at_once());
+  next_look_ = clock.step + std::max(interval, run.steps_between_meetings());
   last_look_ = clock.step;
   looked_ = now;
   if (out_ != nullptr && now - shown_ >= refresh) show_line(run, now);
-  if (beat_ && now - beaten_ >= pulse) beat(run, now);
+  if (beat_ && all.leader_says(now - beaten_ >= pulse)) beat(run, now);
 }
 
 std::int64_t ProgressObserver::steps_to_next_look(const Clock& now) const {
@@ -334,19 +342,21 @@ FileObservers open_output(const OutputPlan& plan, Watch::Tell tell, const std::s
   if (resume) resumed = resume->state.clock;
   if (plan.breaks)
     o.breaks = std::make_shared<BreaksObserver>(plan, resumed);
-  else if (resumed)
+  else if (resumed && plan.writes_all())
     cut_breaks(plan, *resumed);
   const auto tell_anew = [&](bool anew, const char* name, const char* why) {
     if (anew && tell) tell((plan.folder / name).string() + why + ": a new one begins here");
   };
-  tell_anew(o.history->begun_anew(), "history.csv", " is not there any more");
+  tell_anew(o.history->writer() != nullptr && o.history->writer()->begun_anew(), "history.csv",
+            " is not there any more");
   tell_anew(o.breaks && o.breaks->begun_anew(), "breaks.csv",
             resume && any_may_have_broken(resume->state) ? " is not there any more"
                                                          : " is not there, no bond could break so far");
   o.watch = std::make_shared<WatchObserver>(plan, std::move(tell), resume ? resume->watch : WatchRecord{});
   if (plan.frames_every)
     o.frames = std::make_shared<FrameObserver>(plan, step);
-  else if (std::error_code e; step && std::filesystem::exists(plan.folder / "particles.pvd", e))
+  else if (std::error_code e;
+           step && plan.writes_all() && std::filesystem::exists(plan.folder / "particles.pvd", e))
     FrameWriter(plan.folder, false, step,
                 plan.format_of_frames());  // no more are wanted, but late ones of a killed run go
   o.checkpoint = std::make_shared<CheckpointObserver>(plan, o.watch, program_version);

@@ -84,16 +84,14 @@ class HistoryObserver : public TimedObserver {
   std::int64_t steps_to_next_look(const Clock& now) const override;
   void finish(const Simulation& run, StopReason why) override;
   void write(const Model& model, const StaticPoint& point);
-  double largest_balance_error() const { return writer_.largest_balance_error(); }
-  std::optional<double> largest_load() const { return writer_.largest_load(); }
-  const std::vector<double>& largest_on_walls() const { return writer_.largest_on_walls(); }
-  bool begun_anew() const { return writer_.begun_anew(); }
+  /// What it has written so far; null where others write.
+  const HistoryWriter* writer() const { return writer_ ? &*writer_ : nullptr; }
 
  private:
   void write(const Simulation& run);
   void write(const HistoryValues& values);
   OutputPlan plan_;
-  HistoryWriter writer_;
+  std::optional<HistoryWriter> writer_;
   Due due_;
 };
 
@@ -135,10 +133,11 @@ class CheckpointObserver : public TimedObserver {
   std::optional<Due> due_;  // by interval; empty without one
   std::shared_ptr<const WatchObserver> watch_;
   std::string program_version_;
+  bool writes_;
 };
 
-/// Prints the table of the run to a stream of the program; a header once, and again after static stages,
-/// which have their own.
+/// Prints the table of the run to a stream of the program, if there is one; a header once, and again after
+/// static stages, which have their own.
 class TableObserver : public TimedObserver {
  public:
   /// breaks: whether broken bonds have a column.

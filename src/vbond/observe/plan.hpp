@@ -18,9 +18,15 @@ struct StressedGroup {
   double volume = 0;
 };
 
+/// What of a run is written by this process: of a body that several step, one of them writes everything but
+/// for the others' parts of frames.
+enum class Writes : std::uint8_t { everything, own_parts };
+
 /// What a run writes, where, and how often; groups looked up and times in the units of the model.
 struct OutputPlan {
-  std::filesystem::path folder;            ///< exists and may be written to
+  std::filesystem::path folder;  ///< exists and may be written to
+  Writes writes = Writes::everything;
+  bool writes_all() const { return writes == Writes::everything; }
   UnitSystem units = UnitSystem::reduced;  ///< of the model, for the names of units
   double history_every = 0;                ///< between rows of history.csv  [time], > 0
   std::vector<Group> reactions;            ///< total support force and moment, in history.csv

@@ -81,7 +81,7 @@ const AnyStage& Run::prepare() {
   histories_before_ = state_.bond_history.size();
   books_before_ = state_.books;
   try {
-    stage_ = stages_->make(stage_index(), model_, state_);
+    exchange().together([&] { stage_ = stages_->make(stage_index(), model_, state_); });
   } catch (...) {  // as if nothing had been tried
     take_back_bonds(state_);
     throw;
@@ -107,8 +107,27 @@ void Run::begin() {
               fmt::format("stage \"{}\" ends by the distance to particle {}, which was dropped before it",
                           name_of(stage), p.value));
   simulation_ = std::make_unique<Simulation>(model_, std::get<Stage>(stage), &state_, threads_);
+  if (partition_ != nullptr) take_part();
   for (const auto& o : observers_) simulation_->add_observer(o);
-  if (stepper_ != nullptr) simulation_->step_by(*stepper_);
+}
+
+/// Each process has begun the stage with the whole body, and goes on with its part.
+void Run::take_part() {
+  const double reach = simulation_->reach();
+  State begun = std::move(*simulation_).take_state();
+  simulation_.reset();
+  Share share = partition_->spread(model_, begun, reach);
+  simulation_ = std::make_unique<Simulation>(model_, std::get<Stage>(*stage_), std::move(begun),
+                                             std::move(share), *partition_);
+}
+
+void Run::spread_anew() {
+  const std::unique_ptr<Simulation> before = std::move(simulation_);
+  State state = std::move(*before).take_state();
+  Share share = partition_->spread_anew(model_, state);
+  simulation_ = std::make_unique<Simulation>(model_, std::get<Stage>(*stage_), std::move(state),
+                                             std::move(share), *partition_);
+  simulation_->take_over_observers(*before);
 }
 
 const std::vector<StageResult>& Run::run() {
@@ -153,15 +172,19 @@ StopReason Run::advance(std::int64_t most) {
     sum_up_dropped();
     fail(e.what());
     results_.push_back(result_of_dynamics(StopReason::diverged));
-    if (hooks_.stage_end) hooks_.stage_end(*simulation_, StopReason::diverged, e.what());
+    tell_stage_end(StopReason::diverged, e.what());
     throw;
   } catch (const std::exception& e) {
     fail(e.what());
     throw;
   }
-  if (why == StopReason::interrupted && hooks_.stage_end) hooks_.stage_end(*simulation_, why, {});
+  if (why == StopReason::interrupted) tell_stage_end(why, {});
   if (why != StopReason::running && why != StopReason::interrupted) close_stage(why);
   return why;
+}
+
+void Run::tell_stage_end(StopReason why, const std::string& failure) {
+  if (hooks_.stage_end) exchange().together([&] { hooks_.stage_end(*simulation_, why, failure); });
 }
 
 /// The same, without particles that are lost on the way, if the stage drops such.
@@ -169,7 +192,11 @@ StopReason Run::steps_of_stage(std::int64_t most) {
   const std::int64_t first = clock().step;
   for (bool again = false;; again = true) try {
       if (again) simulation_->look_again();
-      return simulation_->run(hooks_.interrupted, most - (clock().step - first));
+      while (true) {
+        const StopReason why = simulation_->run(hooks_.interrupted, most - (clock().step - first));
+        if (why != StopReason::running || !simulation_->has_outgrown_its_part()) return why;
+        spread_anew();
+      }
     } catch (const ParticlesLost& found) {
       if (!drop(found)) throw;
     }
@@ -180,7 +207,7 @@ StopReason Run::steps_of_stage(std::int64_t most) {
 /// mend.
 bool Run::drop(const ParticlesLost& found) {
   const auto& stage = std::get<Stage>(*stage_);
-  if (stage.on_unphysical != OnUnphysical::drop || stepper_ != nullptr || clock().stage_step == 0)
+  if (stage.on_unphysical != OnUnphysical::drop || partition_ != nullptr || clock().stage_step == 0)
     return false;
   State rest = simulation_->state();
   const auto lost = to_be_dropped(stage, found.lost);
@@ -231,7 +258,7 @@ void Run::sum_up_dropped() {
 
 void Run::close_stage(StopReason why) {
   sum_up_dropped();
-  if (hooks_.stage_end) hooks_.stage_end(*simulation_, why, {});
+  tell_stage_end(why, {});
   results_.push_back(result_of_dynamics(why));
   state_ = std::move(*simulation_).take_state();
   simulation_.reset();
@@ -312,11 +339,13 @@ StageResult Run::find_balance(const StaticStage& stage) {
     results_.push_back(std::move(result));
   };
   try {
-    StaticOutcome outcome = solve_static_stage(model_, stage, start, hooks);
-    found = std::move(outcome.result);
-    state_ = std::move(outcome.state);
+    exchange().together([&] {  // each process for itself, and only one may hear of an interruption
+      StaticOutcome outcome = solve_static_stage(model_, stage, start, hooks);
+      found = std::move(outcome.result);
+      state_ = std::move(outcome.state);
+    });
     leave();
-    if (result.statics->ended == "interrupted") {
+    if (exchange().leader_says(result.statics->ended == "interrupted")) {
       result.stop = StopReason::interrupted;
       restart_ = start;
     } else if (result.steps == 0) {

@@ -9,6 +9,7 @@
 
 #include "vbond/core/error.hpp"
 #include "vbond/dynamics/observer.hpp"
+#include "vbond/dynamics/partition.hpp"
 #include "vbond/dynamics/simulation.hpp"
 #include "vbond/model/drop.hpp"
 #include "vbond/model/model.hpp"
@@ -69,8 +70,12 @@ class Run {
   /// Observers of dynamics: they are asked in this order, in every stage.
   void add_observer(std::shared_ptr<Observer> observer);
   void set_hooks(RunHooks hooks) { hooks_ = std::move(hooks); }
-  /// Who makes the steps of dynamics from the next stage on; must live as long as the run.
-  void set_stepper(Stepper* stepper) { stepper_ = stepper; }
+  /// From the next stage of dynamics on, several processes step the body, each a part of it. All of them make
+  /// the same run and call the same functions; hooks are asked on all. Must live as long as the run.
+  void spread_over(Partition& partition) { partition_ = &partition; }
+
+  /// The processes that step its bodies.
+  const Exchange& exchange() const { return partition_ != nullptr ? *partition_ : one_rank(); }
 
   // ---- before it begins --------------------------------------------------------------------------
   /// What is wrong with the stages still to come, as far as it can be told before they run: nothing that the
@@ -130,6 +135,9 @@ class Run {
   bool any_dynamics() const;
   StopReason advance(std::int64_t most);
   StopReason steps_of_stage(std::int64_t most);
+  void take_part();
+  void spread_anew();
+  void tell_stage_end(StopReason why, const std::string& failure);
   bool drop(const ParticlesLost& found);
   void tell_of_dropped(const std::vector<std::pair<ParticleId, std::string>>& lost,
                        const std::vector<BondEvent>& broken, double energy);
@@ -154,7 +162,7 @@ class Run {
   int threads_;
   std::vector<std::shared_ptr<Observer>> observers_;
   RunHooks hooks_;
-  Stepper* stepper_ = nullptr;
+  Partition* partition_ = nullptr;                       // null: one process
   std::optional<AnyStage> stage_;                        // that was prepared
   std::size_t bonds_before_ = 0, histories_before_ = 0;  // prepare()
   EnergyBooks books_before_;

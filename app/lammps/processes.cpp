@@ -1,0 +1,106 @@
+// vbond-lammps: runs of vbond on many ranks. It links LAMMPS and so is under LAMMPS' licence, GPL-2.
+#include "processes.hpp"
+
+#include <fmt/core.h>
+#include <mpi.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <optional>
+#include <string>
+
+#include "commands.hpp"
+#include "failure.hpp"
+#include "refusals.hpp"
+#include "vbond/core/error.hpp"
+#include "vbond/ranks/ranks.hpp"
+
+namespace vbond::app {
+namespace {
+
+/// The ranks of MPI. Rank 0 leads: the others are not heard, and do not hear signals.
+class MpiRanks : public Processes {
+ public:
+  MpiRanks(int& argc, char**& argv) {
+    MPI_Init(&argc, &argv);
+    ranks_.emplace();
+    if (ranks_->leads()) return;
+    own_voice_ = fdopen(dup(STDERR_FILENO), "w");
+    for (std::FILE* stream : {stdout, stderr})
+      if (std::freopen("/dev/null", "w", stream) == nullptr) MPI_Abort(MPI_COMM_WORLD, failed);
+    for (const int s : {SIGINT, SIGTERM, SIGHUP}) std::signal(s, SIG_IGN);  // rank 0 writes a checkpoint
+  }
+  ~MpiRanks() override { MPI_Finalize(); }
+  MpiRanks(const MpiRanks&) = delete;
+  MpiRanks& operator=(const MpiRanks&) = delete;
+
+  Partition& partition() override { return *ranks_; }
+  RanksHere here() const override {
+    return {ranks_->on_this_machine(), ranks_->first_is_here(), ranks_->ranks()};
+  }
+  std::string text_of_leader(const std::string& text) const override { return ranks_->text_of_leader(text); }
+
+  int run(const std::function<int()>& work) override {
+    try {
+      const int status = work();
+      return ranks_->leads() ? status : done;
+    } catch (...) {
+      const Failure failure = failure_under_way();
+      if (!has_begun_)
+        begin_or_say_why_not(failure.text);
+      else if (failure.unforeseen || (failure.status != failed && !ranks_->has_failed_together()))
+        end_all(failure);
+      if (ranks_->leads()) throw;
+      return done;
+    }
+  }
+
+  void begin_together(const Case& c) override {
+    refuse_beyond_ranks(c);
+    if (const std::string other = begin_or_say_why_not({}); !other.empty())
+      throw IoError("on another rank: " + other);
+  }
+
+  std::string remarks() const override {
+    const double imbalance = ranks_->imbalance();
+    return fmt::format(
+        "{} times a particle went to another rank; particles were spread anew {} times\n"
+        "the rank with the most work worked {:.2f} times as long as the mean\n",
+        ranks_->migrations(), ranks_->redistributions(), imbalance);
+  }
+
+ private:
+  /// What stands in the way of the first rank that cannot begin.
+  std::string begin_or_say_why_not(const std::string& why_not) {
+    has_begun_ = true;
+    return ranks_->first_failure(why_not);
+  }
+
+  /// Others may wait for this rank for ever.
+  [[noreturn]] void end_all(const Failure& failure) const {
+    std::FILE* const voice = own_voice_ != nullptr ? own_voice_ : stderr;
+    std::fprintf(voice, "%s\n", failure.text.c_str());
+    std::fflush(voice);
+    MPI_Abort(MPI_COMM_WORLD, failure.status);
+    std::terminate();
+  }
+
+  std::optional<Ranks> ranks_;
+  std::FILE* own_voice_ = nullptr;  // of one that does not lead
+  bool has_begun_ = false;
+};
+
+}  // namespace
+
+const char* const program_name = "vbond-lammps";
+const char* const program_note =
+    "\nIt links LAMMPS (https://www.lammps.org), so this program is under the GNU General Public License, "
+    "version 2;\nvbond's own sources stay under the licence of vbond.";
+
+std::unique_ptr<Processes> start_processes(int& argc, char**& argv) {
+  return std::make_unique<MpiRanks>(argc, argv);
+}
+
+}  // namespace vbond::app

@@ -1,0 +1,30 @@
+#pragma once
+#include "vbond/dynamics/exchange.hpp"
+#include "vbond/dynamics/order.hpp"
+#include "vbond/model/model.hpp"
+#include "vbond/model/state.hpp"
+
+namespace vbond {
+
+/// What one process steps of a body that is spread over several, and how long it may do so.
+struct Share {
+  Order order;
+  /// Once a particle has gone farther than this, particles are to be spread anew: ghosts may be missing of
+  /// what may meet, or domains are no longer compact.  [length]
+  double farthest = 0;
+  /// Not once one has gone farther than this: it could not be found again. Such a body diverges.  [length]
+  double lost = 0;
+};
+
+/// Spreads the particles of a body over processes, which exchange what they need of each other. All processes
+/// call these functions at the same time, with the same whole state.
+class Partition : public Exchange {
+ public:
+  /// As a stage begins or goes on. reach: particles that are nearer than this may touch or be bonded; 0:
+  /// none; infinite: each process must know all.  [length]
+  virtual Share spread(const Model& model, const State& state, double reach) = 0;
+  /// The same body, whose particles have moved since.
+  virtual Share spread_anew(const Model& model, const State& state) = 0;
+};
+
+}  // namespace vbond
