@@ -14,6 +14,7 @@
 #include "vbond/dynamics/kernel.hpp"
 #include "vbond/model/step_bound.hpp"
 #include "vbond/model/swing_bound.hpp"
+#include "vbond/report/facts.hpp"
 #include "vbond/run/statics.hpp"
 
 namespace vbond::app {
@@ -76,12 +77,6 @@ const char* time_unit(const Model& model) {
 }
 
 }  // namespace
-
-const char* contacts_in_words(const Model& model) {
-  if (model.contact.law == ContactLaw::none) return "none";
-  return model.contact.pairs == ContactPairs::all ? "between all pairs, bonded ones too"
-                                                  : "between pairs that are not bonded";
-}
 
 OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem::path& folder) {
   const OutputSpec& o = c.output;
@@ -183,7 +178,7 @@ void print_overview(const Case& c, const Model& model, const State& state) {
   const std::string neighbours = fmt::format("{:.3g}", n > 0 ? 2 * bonds / n : 0.0);
   fmt::print("bonds            {}, on average {} neighbour{} per particle\n", state.bonds.size(), neighbours,
              neighbours == "1" ? "" : "s");
-  fmt::print("contacts         {}\n", contacts_in_words(model));
+  fmt::print("contacts         {}\n", page::contacts_in_words(model));
   if (model.T_0 > 0) fmt::print("T0               {:.6g}{}\n", model.T_0, time_unit(model));
   std::fflush(stdout);
 }

@@ -34,9 +34,6 @@ std::vector<StepAhead> steps_ahead(const Case& c, const Run& run);
 std::vector<std::int64_t> steps_of_stages(const Case& c, const Model& model,
                                           const std::vector<StepAhead>& ahead, std::size_t now, double dt);
 
-/// Between which pairs there are contacts.
-const char* contacts_in_words(const Model& model);
-
 /// Prints what the run leaves aside or does not do to the letter, a line each.
 void print_notes(const std::vector<std::string>& notes);
 
