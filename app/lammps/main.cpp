@@ -23,6 +23,7 @@
 #include "vbond/observe/checkpoint.hpp"
 #include "vbond/observe/frame_files.hpp"
 #include "vbond/ranks/ranks.hpp"
+#include "vbond/run/plan_output.hpp"
 #include "vbond/run/run.hpp"
 
 namespace {
@@ -53,7 +54,7 @@ app::RanksHere ranks_here(const Ranks& ranks) {
 /// Each rank is to write what it has of a frame, into the folder that rank 0 names.
 void set_frame_writer(Ranks& ranks, const Case& c, const Model& model) {
   ranks.set_look(
-      [part = ranks.rank(), format = app::plan_output(c, model, {}).format_of_frames()](
+      [part = ranks.rank(), format = plan_output(c, model, {}).format_of_frames()](
           const Simulation& run, const std::string& folder) { write_part(folder, part, run, format); });
 }
 
