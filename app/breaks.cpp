@@ -5,7 +5,7 @@
 #include "commands.hpp"
 #include "vbond/case/read.hpp"
 #include "vbond/core/error.hpp"
-#include "vbond/observe/break_words.hpp"
+#include "vbond/report/break_words.hpp"
 
 namespace vbond::app {
 

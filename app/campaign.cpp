@@ -16,6 +16,7 @@
 #include "vbond/observe/files.hpp"
 #include "vbond/observe/fracture_table.hpp"
 #include "vbond/observe/quantities.hpp"
+#include "vbond/run/plan_output.hpp"
 #include "vbond/run/statics.hpp"
 
 namespace vbond::app {

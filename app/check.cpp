@@ -29,6 +29,7 @@
 #include "vbond/model/touching.hpp"
 #include "vbond/observe/report.hpp"
 #include "vbond/observe/summary.hpp"
+#include "vbond/run/plan_output.hpp"
 #include "vbond/run/run.hpp"
 #include "vbond/run/statics.hpp"
 

@@ -9,6 +9,7 @@
 #include "terminal.hpp"
 #include "vbond/case/read.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/report/history_read.hpp"
 
 namespace vbond::app {
 namespace {

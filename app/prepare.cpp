@@ -7,120 +7,24 @@
 #include <limits>
 #include <variant>
 
-#include "vbond/build/build.hpp"
 #include "vbond/build/outlook.hpp"
 #include "vbond/build/times.hpp"
 #include "vbond/core/printable.hpp"
 #include "vbond/dynamics/kernel.hpp"
 #include "vbond/model/step_bound.hpp"
 #include "vbond/model/swing_bound.hpp"
+#include "vbond/report/facts.hpp"
+#include "vbond/run/plan_output.hpp"
 #include "vbond/run/statics.hpp"
 
 namespace vbond::app {
 namespace {
-
-/// Without dynamics there are no intervals, and what they are in need not be known.
-double output_time(const CaseTime& time, const Model& model, const char* key, const Case& c) {
-  if (!c.any_dynamics()) return std::numeric_limits<double>::infinity();
-  return resolve_time(time, model, key, {c.file, 0, 0});
-}
-
-/// Groups with the volumes that they take up.
-std::vector<StressedGroup> stressed_groups(const Case& c, const Model& model) {
-  std::vector<StressedGroup> groups;
-  for (const StressSpec& s : c.output.stresses)
-    groups.push_back({resolve_groups({s.group}, model).front(), resolve_volume(s, model)});
-  return groups;
-}
-
-/// What may dissipate energy in this case.
-std::vector<Loss> possible_losses(const Case& c, const Model& model) {
-  const auto bonds = [&c](auto has) { return std::any_of(c.bonds.begin(), c.bonds.end(), has); };
-  const auto rules = [&](auto has) { return bonds([&](const BondSpec& b) { return has(b.recipe.rules); }); };
-  const auto damped = [&](std::size_t channel) {
-    return bonds([=](const BondSpec& b) {
-      return b.recipe.damping.by != DampingBy::none && b.recipe.damping.values[channel] > 0.0;
-    });
-  };
-  const auto stages = [&c](auto has) { return std::any_of(c.stages.begin(), c.stages.end(), has); };
-  const ContactModel& contact = model.contact;
-  const bool touches = contact.law != ContactLaw::none && c.any_dynamics() &&
-                       (!is_elastic(contact, model.materials) || !model.walls.empty());
-  const std::pair<Loss, bool> all[] = {
-      {Loss::damping_axial, damped(0)},
-      {Loss::damping_shear, damped(1)},
-      {Loss::damping_bending, damped(2)},
-      {Loss::damping_torsion, damped(3)},
-      {Loss::yield_axial, rules([](const BondRules& r) { return r.yield.limit.axial > 0.0; })},
-      {Loss::yield_shear, rules([](const BondRules& r) { return r.yield.limit.shear > 0.0; })},
-      {Loss::yield_bending, rules([](const BondRules& r) { return r.yield.limit.bending > 0.0; })},
-      {Loss::yield_torsion, rules([](const BondRules& r) { return r.yield.limit.torsion > 0.0; })},
-      {Loss::creep, rules([](const BondRules& r) { return r.creep.rate > 0.0; })},
-      {Loss::softening, rules([](const BondRules& r) { return r.softening.any(); })},
-      {Loss::drag, stages([](const StageSpec& s) { return s.b_translation > 0.0 || s.b_rotation > 0.0; })},
-      {Loss::local_damping, stages([](const StageSpec& s) { return s.local_damping > 0.0; })},
-      {Loss::contact_damping, touches},
-      {Loss::friction, touches && contact.tangential != TangentialForm::none},
-      {Loss::rolling, touches && contact.rolling != RollingForm::none},
-      {Loss::adhesion, touches && contact.adhesion != AdhesionForm::none},
-      {Loss::bonding, particles_touch(contact) && contact.pairs == ContactPairs::unbonded &&
-                          bonds([](const BondSpec& b) { return b.when != BondTime::start; })}};
-  std::vector<Loss> possible;
-  for (const auto& [cause, may_be] : all)
-    if (may_be) possible.push_back(cause);
-  return possible;
-}
 
 const char* time_unit(const Model& model) {
   return model.units == UnitSystem::si ? " s" : "";
 }
 
 }  // namespace
-
-const char* contacts_in_words(const Model& model) {
-  if (model.contact.law == ContactLaw::none) return "none";
-  return model.contact.pairs == ContactPairs::all ? "between all pairs, bonded ones too"
-                                                  : "between pairs that are not bonded";
-}
-
-OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem::path& folder) {
-  const OutputSpec& o = c.output;
-  OutputPlan plan;
-  plan.folder = folder;
-  plan.units = model.units;
-  plan.history_every = output_time(o.history_every, model, "output.history.every", c);
-  plan.reactions = resolve_groups(o.reactions, model);
-  plan.axial_force = resolve_groups(o.axial_force, model);
-  plan.displacements = resolve_groups_or_particles(o.displacements, "displacements", model);
-  plan.velocities = resolve_groups_or_particles(o.velocities, "velocities", model);
-  plan.stresses = stressed_groups(c, model);
-  for (const Wall& w : model.walls) plan.walls.push_back(w.name);
-  for (const StageSpec& stage : c.stages)
-    for (const SupportSpec& s : stage.supports)
-      if (s.rigid && std::find(plan.grips.begin(), plan.grips.end(), s.group.value) == plan.grips.end())
-        plan.grips.push_back(s.group.value);
-  if (o.frames)
-    plan.frames_every = o.frames->every ? output_time(*o.frames->every, model, "output.frames.every", c)
-                                        : std::numeric_limits<double>::infinity();
-  if (o.frames) plan.frame_format = {o.frames->single_precision, o.frames->compressed, o.frames->stress};
-  if (o.frames) plan.frame_format.contacts = o.frames->contacts;
-  plan.lammps_dump = o.lammps_dump;
-  if (o.checkpoint_every)
-    plan.checkpoint_every = output_time(*o.checkpoint_every, model, "output.checkpoint.every", c);
-  plan.statics = any_statics(c);
-  const bool drops = c.watch.on_unphysical == OnUnphysical::drop;
-  plan.breaks = std::any_of(c.bonds.begin(), c.bonds.end(),
-                            [drops](const BondSpec& b) { return drops || b.recipe.rules.can_break(); });
-  plan.capsules =
-      std::any_of(c.bonds.begin(), c.bonds.end(), [](const BondSpec& b) { return b.recipe.capsule; });
-  plan.flow =
-      std::any_of(c.bonds.begin(), c.bonds.end(), [](const BondSpec& b) { return b.recipe.rules.flow(); });
-  plan.losses = possible_losses(c, model);
-  plan.watch_every = c.watch.every;
-  plan.overlap = c.watch.overlap;
-  plan.energy_error = c.watch.energy_error;
-  return plan;
-}
 
 Stage expected_times(const StageSpec& spec, const Model& model, double dt) {
   Stage stage;
@@ -183,7 +87,7 @@ void print_overview(const Case& c, const Model& model, const State& state) {
   const std::string neighbours = fmt::format("{:.3g}", n > 0 ? 2 * bonds / n : 0.0);
   fmt::print("bonds            {}, on average {} neighbour{} per particle\n", state.bonds.size(), neighbours,
              neighbours == "1" ? "" : "s");
-  fmt::print("contacts         {}\n", contacts_in_words(model));
+  fmt::print("contacts         {}\n", page::contacts_in_words(model));
   if (model.T_0 > 0) fmt::print("T0               {:.6g}{}\n", model.T_0, time_unit(model));
   std::fflush(stdout);
 }
@@ -211,10 +115,6 @@ void print_step(const Case& c, const Model& model, const State& state, const Sta
         given->resolve(model.T_0), time);
   print_swing(c, stage, time);
   print_notes(times_not_met(stage));
-}
-
-bool any_statics(const Case& c) {
-  return std::any_of(c.stages.begin(), c.stages.end(), [](const StageSpec& s) { return is_static(s.kind); });
 }
 
 void print_machine(const Case& c, int threads) {

@@ -1,6 +1,5 @@
 #pragma once
 #include <cstdint>
-#include <filesystem>
 #include <limits>
 #include <string>
 #include <vector>
@@ -9,13 +8,9 @@
 #include "vbond/model/model.hpp"
 #include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"
-#include "vbond/observe/plan.hpp"
 #include "vbond/run/run.hpp"
 
 namespace vbond::app {
-
-/// What the case wants written, with names and times resolved. Throws CaseError.
-OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem::path& folder);
 
 /// Duration and strain of a dynamics stage, with the step that they make of dt: what is known of its times
 /// before it begins.
@@ -34,9 +29,6 @@ std::vector<StepAhead> steps_ahead(const Case& c, const Run& run);
 std::vector<std::int64_t> steps_of_stages(const Case& c, const Model& model,
                                           const std::vector<StepAhead>& ahead, std::size_t now, double dt);
 
-/// Between which pairs there are contacts.
-const char* contacts_in_words(const Model& model);
-
 /// Prints what the run leaves aside or does not do to the letter, a line each.
 void print_notes(const std::vector<std::string>& notes);
 
@@ -45,8 +37,6 @@ void print_overview(const Case& c, const Model& model, const State& state);
 
 /// Prints the step of a stage, the critical one and where it comes from, and what the step does not meet.
 void print_step(const Case& c, const Model& model, const State& state, const Stage& stage);
-
-bool any_statics(const Case& c);
 
 /// Prints what the run computes with: the instruction set of the bonds and the number of threads; for static
 /// stages the kernel of BLAS.

@@ -30,6 +30,7 @@
 #include "vbond/observe/files.hpp"
 #include "vbond/observe/report.hpp"
 #include "vbond/observe/summary.hpp"
+#include "vbond/run/plan_output.hpp"
 #include "vbond/run/run.hpp"
 
 namespace vbond::app {

@@ -10,7 +10,7 @@
 #include "vbond/core/error.hpp"
 #include "vbond/observe/csv.hpp"
 #include "vbond/observe/files.hpp"
-#include "vbond/observe/page/page.hpp"
+#include "vbond/report/page.hpp"
 
 namespace vbond::app {
 namespace {

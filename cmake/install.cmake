@@ -6,7 +6,7 @@ include(CMakePackageConfigHelpers)
 set(vbond_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/vbond)
 
 install(TARGETS vbond_physics EXPORT vbondPhysicsTargets COMPONENT dev)
-install(TARGETS vbond vbond_run EXPORT vbondTargets COMPONENT dev)
+install(TARGETS vbond vbond_report vbond_run EXPORT vbondTargets COMPONENT dev)
 if(VBOND_STATICS)
   install(TARGETS vbond_statics EXPORT vbondTargets COMPONENT dev)
 endif()

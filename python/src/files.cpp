@@ -5,9 +5,9 @@
 #include <variant>
 
 #include "bindings.hpp"
-#include "vbond/observe/frame_read.hpp"
-#include "vbond/observe/page/table.hpp"
 #include "vbond/observe/quantities.hpp"
+#include "vbond/report/frame_read.hpp"
+#include "vbond/report/history_read.hpp"
 
 namespace vbond::python {
 namespace {

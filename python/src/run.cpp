@@ -17,6 +17,7 @@
 #include "vbond/build/build.hpp"
 #include "vbond/model/energies.hpp"
 #include "vbond/observe/observers.hpp"
+#include "vbond/run/plan_output.hpp"
 
 namespace vbond::python {
 namespace {
@@ -160,7 +161,7 @@ class PyRun {
     auto run = std::make_unique<Run>(std::move(built.model), std::move(built.state), stages_of(*c), threads);
     run->check();
     model_ = std::make_shared<const Model>(run->model());
-    const OutputPlan plan = app::plan_output(*c, run->model(), {});
+    const OutputPlan plan = plan_output(*c, run->model(), {});
     const auto tell = [this](const std::string& report) { reports_.push_back(report); };
     const auto watch = std::make_shared<WatchObserver>(plan, tell);
     recorder_ = std::make_shared<Recorder>(plan);

@@ -3,7 +3,7 @@
 #include "input.hpp"
 #include "vbond/build/specimens/specimen.hpp"
 #include "vbond/core/error.hpp"
-#include "vbond/observe/page/page.hpp"
+#include "vbond/report/page.hpp"
 
 namespace {
 

@@ -2,9 +2,9 @@
 
 #include "input.hpp"
 #include "vbond/core/error.hpp"
-#include "vbond/observe/frame_read.hpp"
 #include "vbond/observe/frames.hpp"
 #include "vbond/observe/vtp.hpp"
+#include "vbond/report/frame_read.hpp"
 
 /// A list of frames, read for the page and to be continued by a resumed run; or one of the parts of a frame.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

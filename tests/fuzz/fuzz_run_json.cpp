@@ -2,7 +2,7 @@
 
 #include "input.hpp"
 #include "vbond/core/error.hpp"
-#include "vbond/observe/page/warnings.hpp"
+#include "vbond/report/warnings.hpp"
 
 namespace {
 

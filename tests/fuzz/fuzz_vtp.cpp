@@ -4,10 +4,10 @@
 #include "input.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/observe/frame_files.hpp"
-#include "vbond/observe/frame_read.hpp"
 #include "vbond/observe/frames.hpp"
-#include "vbond/observe/page/page.hpp"
 #include "vbond/observe/vtp.hpp"
+#include "vbond/report/frame_read.hpp"
+#include "vbond/report/page.hpp"
 
 namespace {
 

@@ -48,6 +48,20 @@ if(NOT output MATCHES "tip deflection 0\\.013333,")
   message(FATAL_ERROR "expected a tip deflection of 0.013333, the example printed:\n${output}")
 endif()
 
+# What a case asks for, written by a program: the same bytes as from vbond run.
+set(case ${sources}/examples/fibre_bundle.toml)
+step(${work}/prefix/bin/vbond run ${case} -o ${work}/by_vbond --quiet)
+step(${work}/build/case_output ${case} ${work}/by_example)
+file(GLOB_RECURSE written RELATIVE ${work}/by_example ${work}/by_example/*)
+foreach(file ${written})
+  step(${CMAKE_COMMAND} -E compare_files ${work}/by_example/${file} ${work}/by_vbond/${file})
+endforeach()
+file(GLOB_RECURSE expected RELATIVE ${work}/by_vbond ${work}/by_vbond/*)
+list(REMOVE_ITEM expected resolved.toml run.json status.json)
+if(NOT written STREQUAL expected OR NOT "breaks.csv" IN_LIST written)
+  message(FATAL_ERROR "case_output wrote\n${written}\nand vbond run\n${expected}")
+endif()
+
 # A law of the program's own: the same bits with every instruction set of this machine and any number of threads.
 foreach(set baseline avx2 avx512)
   foreach(threads 1 2 4)

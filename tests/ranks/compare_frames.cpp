@@ -11,8 +11,8 @@
 #include <variant>
 #include <vector>
 
-#include "vbond/observe/frame_read.hpp"
 #include "vbond/observe/quantities.hpp"
+#include "vbond/report/frame_read.hpp"
 
 namespace {
 

@@ -1,5 +1,5 @@
 // The page of known numbers that the program's packer wrote, ../../tests/data/page.html, decoded by the page's own code.
-// tests/observe/page_fixture_test.cpp holds the packer against the same file. Needs node alone, no packages.
+// tests/report/page_fixture_test.cpp holds the packer against the same file. Needs node alone, no packages.
 import assert from "node:assert/strict";
 import { readFile } from "node:fs/promises";
 import { test } from "node:test";

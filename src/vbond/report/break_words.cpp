@@ -1,0 +1,165 @@
+#include "vbond/report/break_words.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "vbond/core/error.hpp"
+#include "vbond/observe/csv.hpp"
+#include "vbond/observe/quantities.hpp"
+
+namespace vbond {
+namespace {
+
+/// The mode of bonds that were broken as a particle was dropped: the file has them as `other`, though nothing
+/// was used up. No bond that its law breaks is below this utilisation.
+constexpr const char* with_dropped = "dropped";
+constexpr double least_of_a_break = 0.999;
+
+/// "0.7 + 0.3 = 1".
+std::string sum(const std::vector<double>& terms, double scale) {
+  std::string text;
+  double all = 0.0;
+  for (const double term : terms) {
+    text += fmt::format("{}{:.4g}", text.empty() ? "" : " + ", term * scale);
+    all += term * scale;
+  }
+  return text + fmt::format(" = {:.4g}", all);
+}
+
+/// Stresses: shares of a limit are told as what they are shares of.
+std::string stress_in_words(const BreakTold& b, UnitSystem units) {
+  const Failure<double>& f = b.failure;
+  const double limit = b.limit.value();
+  const bool mega = units == UnitSystem::si && std::abs(limit) >= 1e4;
+  const double scale = mega ? 1e-6 : 1.0;
+  const char* unit = units != UnitSystem::si ? "" : mega ? " MPa" : " Pa";
+  const bool mohr_coulomb = b.criterion == "mohr-coulomb", fibre = b.criterion == "fibre";
+  const auto told = [&](const char* formula, const std::vector<double>& shares, const char* bound) {
+    return fmt::format("{} = {} of {}{:.4g}{}", formula, sum(shares, limit * scale), bound, limit * scale,
+                       unit);
+  };
+  if (b.mode == "compression")
+    return fmt::format("-N/A + {} r/J = {:.4g} of {:.4g}{}", fibre ? "M_e" : "M_b",
+                       f.compression * limit * scale, limit * scale, unit);
+  if (b.mode == "shear" || b.mode == "torsion") {
+    if (!(limit > 0.0))
+      return fmt::format("tension leaves it no shear strength: c - (N/A) tan phi = {:.4g}{}", limit * scale,
+                         unit);
+    return told(fibre ? "4V/3A + |M_t| r/J_p" : "V/A + |M_t| r/J_p", {f.shear, f.torsion},
+                mohr_coulomb ? "c - (N/A) tan phi = " : "");
+  }
+  if (mohr_coulomb)
+    return fmt::format("N/A = {:.4g} of {:.4g}{}", f.tension * limit * scale, limit * scale, unit);
+  return told(fibre ? "N/A + M_e r/J" : "N/A + M_b r/J", {f.tension, f.bending}, "");
+}
+
+/// "by its own law" where the law does not say by what.
+std::string mode_in_words(const std::string& mode) {
+  if (mode == with_dropped) return "with a particle that was dropped";
+  return mode == "other" ? "by its own law" : "in " + mode;
+}
+
+/// Where the columns are that words need.
+class Columns {
+ public:
+  Columns(const std::filesystem::path& path, const std::vector<std::string>& names)
+      : path_(path), names_(names) {}
+  BreakTold row(const std::string& line) const {
+    const std::vector<std::string> cells = csv_cells(line);
+    if (cells.size() != names_.size()) damaged(line);
+    const auto text = [&](const char* name) { return csv_plain(cells[place(name)]); };
+    const auto number = [&](const char* name) {
+      const auto value = csv_number<double>(cells[place(name)]);
+      if (!value) damaged(line);
+      return *value;
+    };
+    const auto whole = [&](const char* name) {
+      const auto value = csv_number<std::int64_t>(cells[place(name)]);
+      if (!value) damaged(line);
+      return *value;
+    };
+    return {.bond = whole("bond"),
+            .i = whole("i"),
+            .j = whole("j"),
+            .time = number("time"),
+            .criterion = text("criterion"),
+            .mode = text("mode"),
+            .failure = {number("tension"), number("shear"), number("bending"), number("torsion"),
+                        number("compression"), number("utilisation")},
+            .limit = csv_number<double>(cells[place("limit")]),
+            .energy = number("energy")};
+  }
+
+ private:
+  std::size_t place(const char* name) const {
+    const auto at = index_of(names_, name);
+    if (!at) throw IoError(path_.string() + ": has no column " + name);
+    return *at;
+  }
+  [[noreturn]] void damaged(const std::string& line) const {
+    throw IoError(path_.string() + ": is damaged at \"" + line.substr(0, 60) + '"');
+  }
+  std::filesystem::path path_;
+  std::vector<std::string> names_;
+};
+
+}  // namespace
+
+BreaksTold read_breaks(const std::filesystem::path& path, std::size_t most) {
+  LineReader in(path);
+  const Columns columns(path, csv_cells(in.next().value_or("")));
+  BreaksTold told;
+  while (const auto line = in.next()) {
+    BreakTold row = columns.row(std::string(*line));
+    if (row.mode == to_text(BreakMode::other) && row.failure.utilisation < least_of_a_break)
+      row.mode = with_dropped;
+    ++told.count;
+    ++told.modes[row.mode];
+    if (told.first.size() < most) told.first.push_back(std::move(row));
+  }
+  return told;
+}
+
+BreakMode break_mode(const std::string& name) {
+  using enum BreakMode;
+  for (const BreakMode mode : {tension, shear, bending, torsion, compression})
+    if (name == to_text(mode)) return mode;
+  return other;
+}
+
+std::string cause_in_words(const BreakTold& b, UnitSystem units) {
+  const Failure<double>& f = b.failure;
+  if (b.mode == with_dropped) return fmt::format("its utilisation was {:.4g} of 1", f.utilisation);
+  if (b.limit) return stress_in_words(b, units);
+  const std::vector<double> all{f.tension, f.shear, f.bending, f.torsion};
+  if (b.criterion == "linear") return "N/N_c + V/V_c + M_b/M_bc + |M_t|/M_tc = " + sum(all, 1.0) + " of 1";
+  if (b.criterion == "quadratic")
+    return "(N/N_c)^2 + (V/V_c)^2 + (M_b/M_bc)^2 + (M_t/M_tc)^2 = " + sum(all, 1.0) + " of 1";
+  if (b.criterion == "energy")
+    return "energy of tension/W_1 + of shear, bending and torsion/W_2 = " + sum(all, 1.0) + " of 1";
+  if (b.criterion == "elongation")
+    return fmt::format("its elongation D/a - 1 was {:.4g} of what it bears", f.utilisation);
+  return fmt::format("its law gave a utilisation of {:.4g} of 1", f.utilisation);
+}
+
+std::string in_words(const BreakTold& b, UnitSystem units) {
+  const bool si = units == UnitSystem::si;
+  return fmt::format("bond {} (particles {}, {}) broke at t = {:.6g}{} {}: {}; it held {:.4g}{}", b.bond, b.i,
+                     b.j, b.time, si ? " s" : "", mode_in_words(b.mode), cause_in_words(b, units), b.energy,
+                     si ? " J" : "");
+}
+
+std::string in_words(const BreaksTold& told) {
+  if (told.count == 0) return "no bond has broken";
+  std::string text = fmt::format("{} bond{} broke:", told.count, told.count == 1 ? "" : "s");
+  const char* separator = " ";
+  for (const auto& [mode, count] : told.modes) {
+    text += fmt::format("{}{} {}", separator, count, mode_in_words(mode));
+    separator = ", ";
+  }
+  return text;
+}
+
+}  // namespace vbond

@@ -1,0 +1,232 @@
+#include "vbond/report/facts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numbers>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "vbond/model/step_bound.hpp"
+#include "vbond/observe/report.hpp"
+#include "vbond/statics/results.hpp"
+
+namespace vbond::page {
+namespace {
+
+/// Kinds in the order of SpecimenSpec::shape.
+const char* kind_of(const SpecimenSpec& s) {
+  constexpr const char* kinds[] = {"rod",
+                                   "half-sphere",
+                                   "block",
+                                   "sheet",
+                                   "ring",
+                                   "helix",
+                                   "points of a CSV file",
+                                   "LAMMPS data file",
+                                   "listed points",
+                                   "cylinder",
+                                   "cone",
+                                   "sphere"};
+  static_assert(std::size(kinds) == std::variant_size_v<decltype(s.shape)>);
+  return kinds[s.shape.index()];
+}
+
+const char* name_of(BondTheory theory) {
+  switch (theory) {
+    case BondTheory::bernoulli_euler: return "Bernoulli-Euler";
+    case BondTheory::timoshenko: return "Timoshenko";
+    case BondTheory::short_cylinder: return "short cylinder";
+    case BondTheory::shell: return "shell";
+  }
+  return "";
+}
+
+struct ParametersInWords {
+  const BondLaw& law;
+  bool si;
+  std::string thickness(const TheoryParameters& p) const {
+    if (p.theory != BondTheory::shell) return {};
+    return fmt::format(", thickness {:.6g}{}", p.thickness, si ? " m" : "");
+  }
+  std::string operator()(const GivenCoefficients& given) const {
+    std::string text;
+    for (std::size_t k = 0; k < law.fields.size(); ++k)
+      text += fmt::format("{} {} = {:.6g}", text.empty() ? "coefficients" : ",", law.fields[k].name,
+                          given.values[k]);
+    return text;
+  }
+  std::string operator()(const BondStiffness<double>& c) const {
+    return fmt::format("stiffnesses c_A = {:.6g}, c_D = {:.6g}, c_B = {:.6g}, c_T = {:.6g}", c.c_A, c.c_D,
+                       c.c_B, c.c_T);
+  }
+  std::string operator()(const TheoryParameters& p) const {
+    return fmt::format("theory {}, E = {:.6g}{}, nu = {:.6g}{}", name_of(p.theory), p.material.E,
+                       si ? " Pa" : "", p.material.nu, thickness(p));
+  }
+};
+
+std::string specimen_in_words(const Case& c) {
+  std::string text;
+  for (const SpecimenSpec& s : c.specimens)
+    text += fmt::format("{}{} \"{}\"", text.empty() ? "" : ", ", kind_of(s), s.name);
+  return text;
+}
+
+std::string bonds_in_words(const Case& c) {
+  std::string text;
+  for (const BondSpec& b : c.bonds)
+    text += fmt::format(
+        "{}\"{}\": {}, {}", text.empty() ? "" : "; ", b.name, b.recipe.law->title,
+        std::visit(ParametersInWords{*b.recipe.law, c.units == UnitSystem::si}, b.recipe.parameters));
+  return text.empty() ? "none" : text;
+}
+
+std::string step_in_words(const StepFacts& step, const Model& model) {
+  std::string text = fmt::format("{:.6g}{}", step.dt, model.units == UnitSystem::si ? " s" : "");
+  if (model.T_0 > 0.0) text += fmt::format(", {:.3g} T_0", step.dt / model.T_0);
+  if (step.critical > 0.0)
+    text += fmt::format(", {:.3g} % of the critical step", 100.0 * step.dt / step.critical);
+  return text;
+}
+
+std::string stage_in_words(const StageSpec& spec, const StageSummary* s, const char* time_unit) {
+  std::string text = to_text(spec.kind);
+  if (!s) return text + ", has not ended";
+  if (s->statics)
+    return text + fmt::format(", {} point{} of balance, ended: {}", s->statics->result.points,
+                              s->statics->result.points == 1 ? "" : "s", s->statics->result.ended);
+  return text +
+         fmt::format(", {} steps to t = {:.6g}{}, ended: {}", s->steps, s->time, time_unit, to_text(s->stop));
+}
+
+std::string numbers(const std::vector<double>& all, const std::string& unit) {
+  constexpr std::size_t most = 5;
+  std::string text;
+  for (std::size_t k = 0; k < std::min(most, all.size()); ++k)
+    text += fmt::format("{}{:.6g}", k == 0 ? "" : ", ", all[k]);
+  if (all.size() > most) text += fmt::format(" and {} more", all.size() - most);
+  return text + unit;
+}
+
+void add_static_results(const StageSummary& s, bool si, Lines& lines) {
+  const StaticResult& r = s.statics->result;
+  const auto add = [&](const std::string& what, const std::vector<double>& values, const char* unit) {
+    if (!values.empty())
+      lines.push_back({fmt::format("{} of stage \"{}\"", what, s.name), numbers(values, unit)});
+  };
+  std::vector<double> factors, forces, displacements, reactions, frequencies, limits, bifurcations;
+  for (const CriticalLoad& load : r.critical_loads) {
+    factors.push_back(load.load_factor);
+    if (load.force != 0.0) forces.push_back(load.force);
+    if (!load.reaction) continue;
+    displacements.push_back(*load.displacement);
+    reactions.push_back(*load.reaction);
+  }
+  for (const NaturalMode& m : r.modes)
+    if (!m.rigid) frequencies.push_back(m.omega / (2.0 * std::numbers::pi));
+  for (const SpecialPoint& p : r.special_points)
+    (p.kind == PointKind::limit_point ? limits : bifurcations).push_back(p.load_factor);
+  add("Critical forces", forces, si ? " N" : "");
+  add("Critical displacements of the first support that moves", displacements, "");
+  add("Its reactions there", reactions, "");
+  add("Critical load factors", factors, "");
+  add("Frequencies", frequencies, si ? " Hz" : "");
+  add("Limit points, load factors,", limits, "");
+  add("Bifurcations, load factors,", bifurcations, "");
+  if (s.statics->kind == StageKind::fracture)
+    lines.push_back({fmt::format("Fracture in stage \"{}\"", s.name),
+                     fmt::format("{} bonds broke in {} avalanches, peak load {:.6g} at load factor {:.6g}; "
+                                 "ended: {}",
+                                 r.fracture.breaks.size(), r.fracture.avalanches, r.fracture.peak_load,
+                                 r.fracture.peak_load_factor, r.ended)});
+  if (s.statics->kind == StageKind::equilibrium && (r.unstable || r.neutral))
+    lines.push_back({fmt::format("Balance of stage \"{}\"", s.name),
+                     fmt::format("{}, load factor {:.6g}", balance_in_words(r), r.load_factor)});
+}
+
+/// That of a run that blew up up to there would only reassure.
+bool any_balance_of_energy(const RunSummary& summary) {
+  const auto& all = summary.stages;
+  return any_dynamics(summary) && std::none_of(all.begin(), all.end(), [](const StageSummary& s) {
+           return s.stop == StopReason::diverged;
+         });
+}
+
+}  // namespace
+
+const char* contacts_in_words(const Model& model) {
+  if (model.contact.law == ContactLaw::none) return "none";
+  return model.contact.pairs == ContactPairs::all ? "between all pairs, bonded ones too"
+                                                  : "between pairs that are not bonded";
+}
+
+StepFacts step_of(const Case& c, const Built& built, const std::optional<RunSummary>& summary) {
+  StepFacts step;
+  if (!c.any_dynamics()) return step;
+  if (summary)
+    for (const StageSummary& s : summary->stages)
+      if (!s.statics && step.dt == 0.0) step.dt = s.dt;
+  const bool first_is_dynamics = !is_static(c.stages[0].kind), exact = c.time.step && !c.time.given();
+  StepBound bound{};
+  if (!exact && first_is_dynamics) {
+    State state = built.state;
+    const Stage stage = build_stage(c, built.model, 0, state);
+    bound = step_bound(built.model, state, stage);
+    if (step.dt == 0.0) step.dt = stage.dt;
+  } else if (c.time.given()) {
+    bound = step_bound(built.model, built.state);
+    if (step.dt == 0.0) step.dt = c.time.given()->resolve(built.model.T_0);
+  }
+  // of a body that is not at hand: as if the step had not been fitted to the stage's times
+  step.critical = bound.dt > 0.0 ? bound.dt : step.dt / c.time.fraction;
+  return step;
+}
+
+Lines facts_of(const Case& c, const Built& built, const std::optional<RunSummary>& summary,
+               const StepFacts& step) {
+  const Model& model = built.model;
+  const bool si = model.units == UnitSystem::si;
+  const auto bonds = summary ? summary->bonds : static_cast<std::int64_t>(built.state.bonds.size());
+  Lines lines{{"Specimen", specimen_in_words(c)},
+              {"Size", fmt::format("{} particle{}, {} bond{}", model.particles(),
+                                   model.particles() == 1 ? "" : "s", bonds, bonds == 1 ? "" : "s")},
+              {"Bonds", bonds_in_words(c)},
+              {"Contacts", contacts_in_words(model)},
+              {"Units", si ? "SI" : "reduced (no units)"}};
+  if (model.T_0 > 0.0) lines.push_back({"T_0", fmt::format("{:.6g}{}", model.T_0, si ? " s" : "")});
+  if (step.dt > 0.0) lines.push_back({"Time step", step_in_words(step, model)});
+  for (std::size_t k = 0; k < c.stages.size(); ++k) {
+    const bool ended = summary && k < summary->stages.size();
+    lines.push_back({fmt::format("Stage \"{}\"", c.stages[k].name),
+                     stage_in_words(c.stages[k], ended ? &summary->stages[k] : nullptr, si ? " s" : "")});
+  }
+  return lines;
+}
+
+Lines results_of(const RunSummary& summary) {
+  const bool si = summary.units == UnitSystem::si;
+  Lines lines;
+  for (const StageSummary& s : summary.stages) {
+    if (s.statics) add_static_results(s, si, lines);
+    if (s.critical_force)
+      lines.push_back({fmt::format("Critical force of stage \"{}\"", s.name),
+                       fmt::format("{:.6g}{}, at t = {:.6g}{}", *s.critical_force, si ? " N" : "",
+                                   s.peak_time.value_or(s.time), si ? " s" : "")});
+  }
+  for (const WallSummary& w : summary.walls)
+    lines.push_back(
+        {fmt::format("Force on wall \"{}\"", w.name),
+         fmt::format("{:.6g}{} at most, in the rows of history.csv", w.largest_force, si ? " N" : "")});
+  if (any_balance_of_energy(summary))
+    lines.push_back(
+        {"Largest error of the energy balance", fmt::format("{:.2g}", summary.energy_balance_error)});
+  lines.push_back({"Strained bonds",
+                   fmt::format("{} at the end, {} at any time", summary.strained, summary.ever_strained)});
+  lines.push_back(
+      {"Snapped bonds", fmt::format("{} at the end, {} at any time", summary.snapped, summary.ever_snapped)});
+  return lines;
+}
+
+}  // namespace vbond::page

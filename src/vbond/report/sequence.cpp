@@ -1,0 +1,323 @@
+#include "vbond/report/sequence.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+
+#include "vbond/core/error.hpp"
+#include "vbond/report/frame_read.hpp"
+
+namespace vbond::page {
+namespace {
+
+using Per = FrameInput::Per;
+
+constexpr double radians = std::numbers::pi / 180.0;
+constexpr std::uint8_t break_kinds = 6;
+
+double component(const Vec3d& x, std::size_t c) {
+  return c == 0 ? x.x : c == 1 ? x.y : x.z;
+}
+
+/// One frame as its files give it.
+struct RawFrame {
+  std::int64_t step = 0;
+  std::vector<Vec3d> displacement;
+  std::vector<double> speed;
+  std::array<std::vector<double>, bond_field_count> fields;  ///< empty: not there
+  std::vector<std::uint8_t> range, broken;
+  std::vector<std::int64_t> fragment;
+};
+
+bool have_all(const FrameInput& bonds, std::size_t from, std::size_t to) {
+  return std::all_of(bond_fields.begin() + static_cast<std::ptrdiff_t>(from),
+                     bond_fields.begin() + static_cast<std::ptrdiff_t>(to),
+                     [&bonds](const BondField& f) { return bonds.has(Per::cell, f.array); });
+}
+
+/// Whether a frame is of a run whose bonds may break.
+bool tells_of_breaks(const FrameInput& particles, const FrameInput& bonds) {
+  return particles.has(Per::point, "fragment") && bonds.has(Per::cell, "broken") &&
+         have_all(bonds, 0, fields_with_breaks);
+}
+
+/// Whether a frame is of a run whose bonds flow.
+bool tells_of_flow(const FrameInput& bonds) {
+  return have_all(bonds, fields_with_breaks, bond_field_count);
+}
+
+/// Displacements of a mode are from its first frame.
+std::vector<Vec3d> displacement_in(const FrameInput& particles, const std::vector<Vec3d>* about) {
+  if (!about) return particles.vectors(Per::point, "displacement");
+  std::vector<Vec3d> d = particles.vectors(Per::point, "Points");
+  for (std::size_t p = 0; p < d.size(); ++p) d[p] = d[p] - (*about)[p];
+  return d;
+}
+
+std::vector<double> field_in(const FrameInput& bonds, const BondField& field) {
+  std::vector<double> values = bonds.scalars(Per::cell, field.array);
+  for (double& x : values) x *= field.scale;
+  if (std::string_view(field.key) != "elongation") return values;
+  const std::vector<double> at_rest = bonds.scalars(Per::cell, "length_at_rest");
+  for (std::size_t k = 0; k < values.size(); ++k) values[k] = at_rest[k] > 0.0 ? values[k] / at_rest[k] : 0.0;
+  return values;
+}
+
+/// The shape of a broken bond, whose ends fly apart, says nothing.
+void clear_bond(std::size_t b, RawFrame& f) {
+  for (std::vector<double>& values : f.fields)
+    if (!values.empty()) values[b] = 0.0;
+  f.range[b] = 0;
+}
+
+RawFrame read_frame(const FrameInput& particles, const FrameInput& bonds, const std::vector<Vec3d>* about) {
+  RawFrame f;
+  f.step = particles.step();
+  f.displacement = displacement_in(particles, about);
+  for (const Vec3d& v : particles.vectors(Per::point, "velocity")) f.speed.push_back(norm(v));
+  const bool may_break = tells_of_breaks(particles, bonds);
+  const bool flows = tells_of_flow(bonds);
+  for (std::size_t k = 0; k < bond_field_count; ++k)
+    if (k < fields_of_all_runs || (k < fields_with_breaks ? may_break : flows))
+      f.fields[k] = field_in(bonds, bond_fields[k]);
+  f.range = bonds.bytes(Per::cell, "range");
+  if (!may_break) return f;
+  f.fragment = particles.integers(Per::point, "fragment");
+  f.broken = bonds.bytes(Per::cell, "broken");
+  for (std::size_t b = 0; b < f.broken.size(); ++b)
+    if (f.broken[b] != 0) clear_bond(b, f);
+  return f;
+}
+
+/// Bonds whose elongation has no length to be relative to.
+std::size_t count_without_length(const FrameInput& bonds) {
+  const std::vector<double> at_rest = bonds.scalars(Per::cell, "length_at_rest");
+  return static_cast<std::size_t>(std::count(at_rest.begin(), at_rest.end(), 0.0));
+}
+
+/// The bonds that were there in the frames before must be there still.
+void add_bonds(const FrameInput& file, const std::filesystem::path& path, Body& body) {
+  const std::vector<std::int64_t> ends = file.integers(Per::end, "connectivity");
+  const auto particles = static_cast<std::int64_t>(body.radius.size());
+  if (file.has(Per::cell, "capsule_radius")) {
+    const std::vector<double> radius = file.scalars(Per::cell, "capsule_radius");
+    for (std::size_t b = body.capsules.size(); b < radius.size(); ++b)
+      body.capsules.push_back(as_float(radius[b], path));
+  }
+  for (std::size_t k = 0; k < ends.size(); ++k) {
+    if (ends[k] < 0 || ends[k] >= particles)
+      throw IoError(path.string() + ": is damaged: a bond has impossible ends");
+    if (k == body.bonds.size()) body.bonds.push_back(static_cast<std::uint32_t>(ends[k]));
+    if (body.bonds[k] != static_cast<std::uint32_t>(ends[k]))
+      throw IoError(path.string() + ": its bonds are not those of the frames before it");
+  }
+}
+
+struct Spans {
+  std::array<Span, 3> displacement;
+  Span speed;
+  std::array<Span, bond_field_count> fields;
+
+  void add(const RawFrame& f) {
+    for (const Vec3d& d : f.displacement)
+      for (std::size_t c = 0; c < 3; ++c) displacement[c].add(component(d, c));
+    for (const double v : f.speed) speed.add(v);
+    for (std::size_t k = 0; k < bond_field_count; ++k)
+      for (const double x : f.fields[k]) fields[k].add(x);
+  }
+};
+
+void note_first(const RawFrame& f, double time, const Body& body, std::uint8_t state, BondSighting& first) {
+  if (first.bond >= 0) return;
+  const auto at = std::find(f.range.begin(), f.range.end(), state);
+  if (at == f.range.end()) return;
+  const auto k = static_cast<std::size_t>(at - f.range.begin());
+  first = {static_cast<std::int64_t>(k), body.bonds[2 * k], body.bonds[2 * k + 1], time};
+}
+
+QuantisedFrame quantise(const RawFrame& raw, double time, const Sequence& s) {
+  QuantisedFrame q;
+  q.step = raw.step;
+  q.time = time;
+  for (std::size_t c = 0; c < 3; ++c)
+    for (const Vec3d& d : raw.displacement)
+      q.displacement.push_back(quantised(s.displacement[c], component(d, c)));
+  const auto bytes = [](const std::vector<double>& values, const Range& range) {
+    std::vector<std::uint8_t> b;
+    b.reserve(values.size());
+    for (const double x : values) b.push_back(static_cast<std::uint8_t>(quantised(range, x)));
+    return b;
+  };
+  if (s.speed.step > 0.0) q.speed = bytes(raw.speed, s.speed);
+  for (std::size_t k = 0; k < bond_field_count; ++k)
+    if (s.has_field(k)) q.fields[k] = bytes(raw.fields[k], s.fields[k]);
+  q.range = raw.range;
+  if (!s.may_break) return q;
+  q.broken = raw.broken;
+  constexpr std::int64_t last = std::numeric_limits<std::uint16_t>::max();
+  for (const std::int64_t number : raw.fragment)
+    q.fragment.push_back(static_cast<std::uint16_t>(std::clamp<std::int64_t>(number, 0, last)));
+  return q;
+}
+
+/// Both files of a frame, opened and held against the body.
+struct OpenFrame {
+  FrameInput particles, bonds;
+  OpenFrame(const FrameFiles& files, const Body& body) : particles(files.particles), bonds(files.bonds) {
+    if (particles.points() != body.radius.size() || bonds.points() != body.radius.size() ||
+        particles.step() != bonds.step())
+      throw IoError(files.bonds.string() + ": is not of the same body and step as " +
+                    files.particles.string());
+    if (!bonds.lines()) throw IoError(files.bonds.string() + ": is damaged: its cells are not bonds");
+  }
+};
+
+/// The positions that displacements are from; the first frame tells them.
+std::vector<Vec3d> start_of(const SequenceFiles& files) {
+  const FrameInput first(files.frames[0].particles);
+  std::vector<Vec3d> r = first.vectors(Per::point, "Points");
+  if (files.kind == SequenceKind::mode) return r;
+  const std::vector<Vec3d> moved = first.vectors(Per::point, "displacement");
+  for (std::size_t p = 0; p < r.size(); ++p) r[p] = r[p] - moved[p];
+  return r;
+}
+
+void check_kinds(const RawFrame& raw, const std::filesystem::path& bonds) {
+  const auto above = [](std::uint8_t most) { return [most](std::uint8_t x) { return x > most; }; };
+  if (std::any_of(raw.range.begin(), raw.range.end(), above(2)))
+    throw IoError(bonds.string() + ": is damaged: a bond is in no range");
+  if (std::any_of(raw.broken.begin(), raw.broken.end(), above(break_kinds)))
+    throw IoError(bonds.string() + ": is damaged: a bond broke in no way");
+}
+
+/// Sets s.may_break and s.flows.
+Spans look_through(const SequenceFiles& files, const std::vector<Vec3d>* about, Body& body, Sequence& s) {
+  Spans spans;
+  s.may_break = s.flows = true;
+  std::int64_t last_step = std::numeric_limits<std::int64_t>::min();
+  for (const FrameFiles& f : files.frames) {
+    const OpenFrame open(f, body);
+    if (open.particles.step() < last_step)
+      throw IoError(f.particles.string() + ": is of an earlier step than the frame before it");
+    last_step = open.particles.step();
+    add_bonds(open.bonds, f.bonds, body);
+    body.bonds_without_length = std::max(body.bonds_without_length, count_without_length(open.bonds));
+    const RawFrame raw = read_frame(open.particles, open.bonds, about);
+    check_kinds(raw, f.bonds);
+    s.may_break = s.may_break && tells_of_breaks(open.particles, open.bonds);
+    s.flows = s.flows && tells_of_flow(open.bonds);
+    try {
+      spans.add(raw);
+    } catch (const std::domain_error& e) {
+      throw IoError(f.particles.string() + " or " + f.bonds.filename().string() + ": holds " + e.what());
+    }
+    if (files.kind == SequenceKind::mode) continue;  // says nothing about the run
+    note_first(raw, f.time, body, 1, body.first_strained);
+    note_first(raw, f.time, body, 2, body.first_snapped);
+  }
+  return spans;
+}
+
+void read_radii(const std::filesystem::path& file, Body& body) {
+  for (const double R : FrameInput(file).scalars(Per::point, "radius"))
+    body.radius.push_back(as_float(R, file));
+  if (body.radius.empty()) throw IoError(file.string() + ": has no particles");
+}
+
+/// Positions as floats from the middle of the body: far from zero floats have no digits left for its shape.
+void put_reference(const std::vector<Vec3d>& start, const std::filesystem::path& file, Sequence& s) {
+  for (std::size_t c = 0; c < 3; ++c) {
+    Span span;
+    for (const Vec3d& r : start) span.add(component(r, c));
+    s.origin[c] = span.low + 0.5 * (span.high - span.low);
+  }
+  s.reference.reserve(3 * start.size());
+  for (const Vec3d& r : start)
+    for (std::size_t c = 0; c < 3; ++c) s.reference.push_back(as_float(component(r, c) - s.origin[c], file));
+}
+
+}  // namespace
+
+const std::array<BondField, bond_field_count> bond_fields{{
+    {"elongation", "elongation", "elongation", 1.0, true, ""},
+    {"bend", "bend angle", "bend", radians, false, "rad"},
+    {"twist", "twist angle", "twist", radians, true, "rad"},
+    {"U_L", "energy of stretching", "U_L", 1.0, false, "J"},
+    {"U_B", "energy of bending and shear", "U_B", 1.0, false, "J"},
+    {"U_T", "energy of torsion", "U_T", 1.0, false, "J"},
+    {"utilisation", "utilisation of the strength", "utilisation", 1.0, false, ""},
+    {"axial_force", "axial force, tension is positive", "axial_force", 1.0, true, "N"},
+    {"shear_force", "shear force", "shear_force", 1.0, false, "N"},
+    {"bending_moment", "bending moment at the middle", "bending_moment", 1.0, false, "N m"},
+    {"torque", "torque", "torque", 1.0, true, "N m"},
+    {"plastic_elongation", "plastic elongation", "plastic_elongation", 1.0, true, "m"},
+    {"creep", "elongation by creep", "creep", 1.0, true, "m"},
+    {"plastic_bend", "plastic bend angle", "plastic_bend", radians, false, "rad"},
+    {"plastic_twist", "plastic twist angle", "plastic_twist", radians, true, "rad"},
+    {"axial_flow", "all axial yielding so far", "axial_flow", 1.0, false, "m"},
+    {"shear_flow", "all yielding in shear so far", "shear_flow", 1.0, false, "m"},
+    {"bending_flow", "all yielding in bending so far", "bending_flow", radians, false, "rad"},
+    {"torsion_flow", "all yielding in torsion so far", "torsion_flow", radians, false, "rad"},
+    {"damage", "damage", "damage", 1.0, false, ""},
+}};
+
+std::vector<std::size_t> thinned(std::size_t n, std::size_t stride) {
+  std::vector<std::size_t> kept;
+  for (std::size_t k = 0; k < n; k += stride) kept.push_back(k);
+  if (n > 0 && kept.back() != n - 1) kept.push_back(n - 1);
+  return kept;
+}
+
+Sequence read_sequence(const SequenceFiles& files, Body& body) {
+  Sequence s{.kind = files.kind,
+             .name = files.name,
+             .note = files.note,
+             .stage = files.stage,
+             .origin = {},
+             .reference = {},
+             .displacement = {},
+             .speed = {},
+             .fields = {},
+             .may_break = false,
+             .frames = {}};
+  if (files.frames.empty()) return s;
+  const std::filesystem::path& first = files.frames[0].particles;
+  if (body.radius.empty()) read_radii(first, body);
+  const std::vector<Vec3d> start = start_of(files);
+  try {
+    put_reference(start, first, s);
+  } catch (const std::domain_error& e) {
+    throw IoError(first.string() + ": holds " + e.what());
+  }
+
+  const std::vector<Vec3d>* about = files.kind == SequenceKind::mode ? &start : nullptr;
+  const Spans spans = look_through(files, about, body, s);
+  for (std::size_t c = 0; c < 3; ++c)
+    s.displacement[c] = range_of(spans.displacement[c], levels_of_16_bits, false);
+  s.speed = range_of(spans.speed, levels_of_8_bits, false);
+  for (std::size_t k = 0; k < bond_field_count; ++k)
+    if (s.has_field(k)) s.fields[k] = range_of(spans.fields[k], levels_of_8_bits, bond_fields[k].is_signed);
+  for (const FrameFiles& f : files.frames) {
+    const OpenFrame open(f, body);
+    s.frames.push_back(quantise(read_frame(open.particles, open.bonds, about), f.time, s));
+  }
+  std::vector<std::filesystem::path> walls;
+  for (const FrameFiles& f : files.frames) walls.push_back(f.walls);
+  s.walls = read_walls(walls, s.origin);
+  s.contacts = read_contacts(files.frames);
+  return s;
+}
+
+std::size_t bytes_of_frame(const FrameFiles& files) {
+  const FrameInput particles(files.particles), bonds(files.bonds);
+  const bool may_break = tells_of_breaks(particles, bonds);
+  return (may_break ? 9 : 7) * particles.points() +
+         ((may_break ? fields_with_breaks + 2 : fields_of_all_runs + 1) +
+          (tells_of_flow(bonds) ? bond_field_count - fields_with_breaks : 0)) *
+             bonds.cells() +
+         bytes_of_contacts(files);
+}
+
+}  // namespace vbond::page
