@@ -45,9 +45,8 @@ void print_memory(const Model& model, const State& state, int ranks) {
   fmt::print("memory           {}: {:.0f} bytes per particle, {:.0f} per bond; neighbour lists are extra\n",
              in_units(total), use.per_particle, use.per_bond);
   if (ranks == 0) return;
-  const RankMemory of_ranks = memory_of_ranks(model, state, ranks);
-  fmt::print("on {} ranks       {} each, {} the first: every rank holds the whole body (docs/ranks.md)\n",
-             ranks, in_units(of_ranks.each), in_units(of_ranks.first));
+  fmt::print("on {} ranks       {} each: every rank holds the whole body (docs/ranks.md)\n", ranks,
+             in_units(memory_of_each_rank(model, state, ranks)));
 }
 
 /// Bonds that may be made in the run, which no memory is told for above.

@@ -113,8 +113,7 @@ void require_memory(const Case& c, const RanksHere& ranks) {
 }
 
 void require_memory(const Case& c, const Model& model, const State& state, const RanksHere& ranks) {
-  const RankMemory use = memory_of_ranks(model, state, ranks.all);
-  require(ranks.number * use.each + (ranks.first ? use.first - use.each : 0.0), c, ranks);
+  require(ranks.number * memory_of_each_rank(model, state, ranks.all), c, ranks);
 }
 
 std::string out_of_memory() {

@@ -32,8 +32,7 @@ std::vector<BondsToCome> bonds_to_come(const Case& c, const Run& run);
 /// The ranks of a run that share this machine.
 struct RanksHere {
   int number = 1;
-  bool first = true;  ///< rank 0 is one of them
-  int all = 1;        ///< ranks of the run, on all machines
+  int all = 1;  ///< ranks of the run, on all machines
 };
 
 /// As above, of these ranks together: each holds the whole body.

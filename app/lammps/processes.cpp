@@ -37,9 +37,7 @@ class MpiRanks : public Processes {
   MpiRanks& operator=(const MpiRanks&) = delete;
 
   Partition& partition() override { return *ranks_; }
-  RanksHere here() const override {
-    return {ranks_->on_this_machine(), ranks_->first_is_here(), ranks_->ranks()};
-  }
+  RanksHere here() const override { return {ranks_->on_this_machine(), ranks_->ranks()}; }
   std::string text_of_leader(const std::string& text) const override { return ranks_->text_of_leader(text); }
 
   int run(const std::function<int()>& work) override {

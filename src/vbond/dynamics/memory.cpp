@@ -40,12 +40,11 @@ MemoryUse memory_use(const Model& model, const State& state) {
           .per_bond = sizeof(Bond) + constants_per_bond(state) + 2 * sizeof(BondIndex::Entry)};
 }
 
-RankMemory memory_of_ranks(const Model& model, const State& state, int ranks) {
+double memory_of_each_rank(const Model& model, const State& state, int ranks) {
   const MemoryUse use = memory_use(model, state);
   const auto n = static_cast<double>(model.particles()), bonds = static_cast<double>(state.bonds.size());
   const double elsewhere = constants_per_bond(state) * (1.0 - 1.0 / ranks);
-  const double each = n * use.per_particle + bonds * (use.per_bond - elsewhere);
-  return {each, each + n * state_bytes_per_particle + bonds * sizeof(Bond)};
+  return n * use.per_particle + bonds * (use.per_bond - elsewhere);
 }
 
 }  // namespace vbond

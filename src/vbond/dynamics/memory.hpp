@@ -14,14 +14,8 @@ struct MemoryUse {
 /// Constants, state and scratch of a run of this body; tops count per particle, as a mean over all.
 MemoryUse memory_use(const Model& model, const State& state);
 
-/// What each of so many ranks takes at least in the time loop: all have the whole body, the constants of
-/// bonds are shared out, and the first has a second state, for observers.  [bytes]
-struct RankMemory {
-  double each = 0;
-  double first = 0;
-};
-
-/// ranks >= 1.
-RankMemory memory_of_ranks(const Model& model, const State& state, int ranks);
+/// What each of so many ranks, >= 1, takes at least in the time loop: all have the whole body, and the
+/// constants of bonds are shared out.  [bytes]
+double memory_of_each_rank(const Model& model, const State& state, int ranks);
 
 }  // namespace vbond

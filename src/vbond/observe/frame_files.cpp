@@ -147,9 +147,8 @@ void write_bonds_vtp(const fs::path& path, const State& state, UnitSystem units,
       .write(path, state.clock.time(), state.clock.step, load_factor);
 }
 
-void write_part(const fs::path& folder, const Simulation& run, FrameFormat format) {
+void write_part(const fs::path& folder, int part, const Simulation& run, FrameFormat format) {
   const State& state = run.own_state();
-  const int part = run.exchange().rank();
   const double time = state.clock.time();
   const std::int64_t step = state.clock.step;
   const std::vector<ParticleId> particles = run.own_particles();

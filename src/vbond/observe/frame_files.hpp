@@ -32,10 +32,10 @@ void write_contacts_vtp(const std::filesystem::path& path, const Model& model, c
 void write_walls_vtp(const std::filesystem::path& path, const Model& model, const State& state,
                      std::optional<double> load_factor = {}, FrameFormat format = {});
 
-/// What this process has of a body that several step, all of which call this: its particles as points; and
-/// its bonds as lines between these and the particles of other parts that they lead to, with their numbers as
-/// "particle". Into frames/ of this folder (name_of_part).
-void write_part(const std::filesystem::path& folder, const Simulation& run, FrameFormat format);
+/// What part number `part` of a body has; all processes that step the body call this. Its particles as
+/// points; and its bonds as lines between these and the particles of other parts that they lead to, with
+/// their numbers as "particle". Into frames/ of this folder (name_of_part).
+void write_part(const std::filesystem::path& folder, int part, const Simulation& run, FrameFormat format);
 
 /// The lists of so many parts at this step (name_of_parts), for the readers of VTK and for FrameInput.
 void write_lists_of_parts(const std::filesystem::path& folder, int parts, const Model& model,

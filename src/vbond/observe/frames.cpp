@@ -206,7 +206,7 @@ void FrameWriter::write(const Simulation& run) {
   if (all.ranks() == 1 || dumps_ || format_.stress || format_.contacts)
     return write(run.model(), run.state());
   const Clock& clock = run.clock();
-  all.together([&] { write_part(folder_, run, format_); });
+  all.together([&] { write_part(folder_, all.rank(), run, format_); });
   if (!writes_all_) return;
   write_lists_of_parts(folder_, all.ranks(), run.model(), clock.step, format_);
   if (format_.walls) {

@@ -80,9 +80,6 @@ Ranks::Ranks() {
   MPI_Comm here{};
   MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &here);
   MPI_Comm_size(here, &here_);
-  int lowest = rank_;
-  MPI_Allreduce(&rank_, &lowest, 1, MPI_INT, MPI_MIN, here);
-  first_is_here_ = lowest == 0;
   MPI_Comm_free(&here);
 }
 

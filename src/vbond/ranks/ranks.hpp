@@ -21,9 +21,8 @@ class Ranks : public Partition {
 
   int rank() const override { return rank_; }
   int ranks() const override { return size_; }
-  /// How many of them share this machine, and whether rank 0 is among these. Of one rank alone.
+  /// How many of them share this machine. Of one rank alone.
   int on_this_machine() const { return here_; }
-  bool first_is_here() const { return first_is_here_; }
   /// How many times a particle has gone to another rank so far, and how often they were spread anew. Of one
   /// rank alone.
   std::int64_t migrations() const { return migrations_; }
@@ -55,7 +54,6 @@ class Ranks : public Partition {
   double ghost_reach(const State& state) const;
 
   int rank_ = 0, size_ = 1, here_ = 1;
-  bool first_is_here_ = true;
   std::int64_t migrations_ = 0, redistributions_ = 0;
   mutable double waited_ = 0;
   mutable bool waits_ = false, has_failed_together_ = false;
