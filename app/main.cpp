@@ -237,21 +237,27 @@ int dispatch(int argc, char** argv, app::Processes* processes) {
   } catch (const CLI::ParseError& e) {
     return program.exit(e) == 0 ? app::done : app::bad_input;
   }
-  if (run_command->parsed() || check_command->parsed() || resume_command->parsed())
-    instruction_set();  // refuses a wrong VBOND_SIMD before anything is written
   const auto compute = [&] {
+    instruction_set();  // refuses a wrong VBOND_SIMD before anything is written
     app::choose_printing(run);
     return run_command->parsed() ? app::run(run) : app::resume(folder, run);
   };
   if (run_command->parsed() || resume_command->parsed())
     return processes != nullptr ? processes->run(compute) : compute();
-  if (processes != nullptr && !processes->lead()) return app::done;
-  if (check_command->parsed()) return app::check(run);
+  if (processes != nullptr && !processes->leads()) return app::done;
+  if (check_command->parsed()) {
+    instruction_set();
+    return app::check(run);
+  }
   if (report_command->parsed()) return app::report(folder);
   if (plot_command->parsed()) return app::plot(plot);
   if (watch_command->parsed()) return app::watch(watch);
   if (breaks_command->parsed()) return app::breaks(folder, all_breaks);
-  if (sweep_command->parsed()) return app::sweep(sweep);
+  if (sweep_command->parsed()) {
+    if (processes != nullptr)
+      throw std::invalid_argument("a sweep starts programs of its own: use vbond sweep");
+    return app::sweep(sweep);
+  }
   if (export_command->parsed()) return app::export_lammps(run, export_to);
   if (reference_command->parsed()) return app::reference(key);
   if (schema_command->parsed()) return app::schema();

@@ -18,7 +18,7 @@ class Processes {
 
   /// By which a run is spread over them.
   virtual Partition& partition() = 0;
-  bool lead() { return partition().leads(); }
+  bool leads() { return partition().leads(); }
   /// Those that share this machine.
   virtual RanksHere here() const = 0;
   /// Does what all of them do, and returns the exit status. A failure of all is told by the one that leads;

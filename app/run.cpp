@@ -253,12 +253,8 @@ FolderLock lock_old_output(const fs::path& folder) {
   return lock;
 }
 
-}  // namespace
-
-namespace {
-
 Writes writes_here(const RunOptions& options) {
-  return options.processes == nullptr || options.processes->lead() ? Writes::everything : Writes::own_parts;
+  return options.processes == nullptr || options.processes->leads() ? Writes::everything : Writes::own_parts;
 }
 
 /// The case, and the body that it makes, fit into memory.
@@ -279,7 +275,7 @@ void spread(const RunOptions& options, const Case& c, Run& run) {
 }
 
 /// What only one process does, for all.
-void lead(const RunOptions& options, const std::function<void()>& work) {
+void do_for_all(const RunOptions& options, const std::function<void()>& work) {
   const bool leads = writes_here(options) == Writes::everything;
   if (options.processes == nullptr) return work();
   options.processes->partition().together([&] {
@@ -313,7 +309,7 @@ int run(const RunOptions& options) {
   plan.writes = writes_here(options);
   std::optional<ClaimedFolder> claimed;
   catch_broken_pipe();
-  lead(options, [&] {
+  do_for_all(options, [&] {
     claimed.emplace(claim_folder(c.file, options.folder, options.force));
     plan.folder = claimed->path;
     replace_file(plan.folder / "resolved.toml", to_toml(keep_inputs(c, plan.folder, claimed->old_inputs)));

@@ -32,7 +32,10 @@ class MpiRanks : public Processes {
       if (std::freopen("/dev/null", "w", stream) == nullptr) MPI_Abort(MPI_COMM_WORLD, failed);
     for (const int s : {SIGINT, SIGTERM, SIGHUP}) std::signal(s, SIG_IGN);  // rank 0 writes a checkpoint
   }
-  ~MpiRanks() override { MPI_Finalize(); }
+  ~MpiRanks() override {
+    ranks_.reset();
+    MPI_Finalize();
+  }
   MpiRanks(const MpiRanks&) = delete;
   MpiRanks& operator=(const MpiRanks&) = delete;
 
@@ -47,8 +50,8 @@ class MpiRanks : public Processes {
     } catch (...) {
       const Failure failure = failure_under_way();
       if (!has_begun_)
-        begin_or_say_why_not(failure.text);
-      else if (failure.unforeseen || (failure.status != failed && !ranks_->has_failed_together()))
+        why_not(failure.text);
+      else if (failure.unforeseen || (failure.status != failed && !all_know_of_it()))
         end_all(failure);
       if (ranks_->leads()) throw;
       return done;
@@ -57,8 +60,7 @@ class MpiRanks : public Processes {
 
   void begin_together(const Case& c) override {
     refuse_beyond_ranks(c);
-    if (const std::string other = begin_or_say_why_not({}); !other.empty())
-      throw IoError("on another rank: " + other);
+    if (const std::string first = why_not({}); !first.empty()) throw IoError("on another rank: " + first);
   }
 
   std::string remarks() const override {
@@ -71,10 +73,13 @@ class MpiRanks : public Processes {
 
  private:
   /// What stands in the way of the first rank that cannot begin.
-  std::string begin_or_say_why_not(const std::string& why_not) {
+  std::string why_not(const std::string& mine) {
     has_begun_ = true;
-    return ranks_->first_failure(why_not);
+    const std::string first = ranks_->first_failure(mine);
+    none_begins_ = !first.empty();
+    return first;
   }
+  bool all_know_of_it() const { return none_begins_ || ranks_->has_failed_together(); }
 
   /// Others may wait for this rank for ever.
   [[noreturn]] void end_all(const Failure& failure) const {
@@ -87,7 +92,7 @@ class MpiRanks : public Processes {
 
   std::optional<Ranks> ranks_;
   std::FILE* own_voice_ = nullptr;  // of one that does not lead
-  bool has_begun_ = false;
+  bool has_begun_ = false, none_begins_ = false;
 };
 
 }  // namespace

@@ -285,8 +285,8 @@ TEST(ProgressObserver, WaitsUntilProcessesMeetAnyway) {
   ProgressObserver alone(out, {0, 1000}), of_parts(out, {0, 1000});
   alone.observe(run);
   EXPECT_EQ(alone.steps_to_next_look(run.clock()), 1);
-  const Simulation part(chain.model, two_stages()[1], run.state(), {spatial_order(chain.model.r_0)},
-                        one_rank());
+  State begun = run.state();
+  const Simulation part(chain.model, two_stages()[1], &begun, {spatial_order(chain.model.r_0)}, one_rank());
   of_parts.observe(part);
   EXPECT_EQ(of_parts.steps_to_next_look(part.clock()), part.steps_between_meetings());
   EXPECT_GT(part.steps_between_meetings(), 1);

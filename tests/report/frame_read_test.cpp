@@ -67,7 +67,8 @@ struct InParts {
     Stage stage;
     stage.name = "pull";
     stage.dt = chain.state.clock.dt;
-    const Simulation run(chain.model, stage, chain.state, {part_of(spatial_order(chain.model.r_0), holding)},
+    State state = chain.state;
+    const Simulation run(chain.model, stage, &state, {part_of(spatial_order(chain.model.r_0), holding)},
                          one_rank());
     write_part(folder.path(), part, run, format);
   }

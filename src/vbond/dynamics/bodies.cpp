@@ -47,15 +47,6 @@ void Bodies::write(State& s) const {
   tops.write(s, order);
 }
 
-void Bodies::clear() {
-  order = {};
-  for (auto* rows : {&load, &damping, &local_damping}) *rows = {};
-  for (auto* rows : {&motion, &rates}) *rows = {};
-  for (auto* column : {&mass, &inertia}) *column = {};
-  pose = {};
-  inverse = {};
-}
-
 Loads Bodies::collect(const std::vector<LoadRow>& from) const {
   const std::size_t n = order.particle.size();
   Loads l{PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)};

@@ -22,8 +22,6 @@ struct Bodies {
   /// Takes positions and velocities over from a state, and gives them back: of a part, those that it moves.
   void read(const State& state);
   void write(State& state) const;
-  /// Has no rows any more.
-  void clear();
   Loads collect(const std::vector<LoadRow>& loads) const;
   void spread(const Loads& loads, std::vector<LoadRow>& to) const;
 

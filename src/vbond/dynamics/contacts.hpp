@@ -28,8 +28,6 @@ class Contacts {
 
   /// Pairs nearer than this are listed.  [length]
   double reach() const { return reach_; }
-  /// Forgets all pairs, for good.
-  void clear() { list_.reset(), touches_.reset(); }
   /// Is there anything to do at all?
   bool any() const { return list_.has_value(); }
   /// Brings the list up to date; to be called whenever positions have changed. One pose per row.

@@ -78,7 +78,6 @@ void Encounters::find_passing(const Bodies& bodies, double dt) {
 }
 
 void Encounters::share() {
-  if (!exchange_.any(!found_.empty() || fastest_)) return;
   const std::vector<Encounter> of_all = exchange_.gather(found_);
   found_.clear();
   for (const Encounter& e : of_all) take_down(e);

@@ -55,10 +55,10 @@ class Encounters {
   /// Adds pairs that are deep in one another now.
   void add_deep(const Bodies& bodies, const std::vector<std::pair<Row, Row>>& pairs);
 
-  /// All parts get what each has found.
+  /// All parts get what each has found: for steps in which one has found something.
   void share();
   /// Takes over what another one has found, but for pairs with particles that were dropped since.
-  void take(const Encounters& from, const std::vector<ParticleId>& dropped = {}) {
+  void take(const Encounters& from, const std::vector<ParticleId>& dropped) {
     const auto is_gone = [&](ParticleId p) { return std::binary_search(dropped.begin(), dropped.end(), p); };
     found_ = from.found_, fastest_ = from.fastest_;
     std::erase_if(found_, [&](const Encounter& e) { return is_gone(e.i) || is_gone(e.j); });

@@ -13,7 +13,7 @@ class OneRank : public Exchange {
   void max(std::span<double>) const override {}
   int ranks() const override { return 1; }
   int rank() const override { return 0; }
-  void gather_bytes(std::span<const std::byte> mine, bool, const Room& room) const override {
+  void gather_bytes(std::span<const std::byte> mine, const Room& room) const override {
     std::byte* const all = room(mine.size());
     if (!mine.empty()) std::memcpy(all, mine.data(), mine.size());
   }

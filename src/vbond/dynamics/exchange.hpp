@@ -17,7 +17,7 @@ struct HaloColumns {
 
 /// What the processes that step the parts of a body need of each other. All call these functions in the same
 /// order, and all wait for each other in most of them. In the form for a body that one process steps whole,
-/// one_rank(), they do nothing.
+/// one_rank(), there is nobody to wait for.
 class Exchange {
  public:
   virtual ~Exchange() = default;
@@ -35,16 +35,15 @@ class Exchange {
   virtual int rank() const = 0;
   /// Whether this process does what one of them must do for all.
   bool leads() const { return rank() == 0; }
-  /// What all processes have, in their order: on all of them, or only on the one that leads. room(n) is where
-  /// n bytes of it go.
+  /// What all processes have, in their order. room(n) is where n bytes of it go.
   using Room = std::function<std::byte*(std::size_t)>;
-  virtual void gather_bytes(std::span<const std::byte> mine, bool everyone, const Room& room) const = 0;
+  virtual void gather_bytes(std::span<const std::byte> mine, const Room& room) const = 0;
 
   template <class T>
-  std::vector<T> gather(const std::vector<T>& mine, bool everyone = true) const {
+  std::vector<T> gather(const std::vector<T>& mine) const {
     static_assert(std::is_trivially_copyable_v<T>);
     std::vector<T> all;
-    gather_bytes(std::as_bytes(std::span(mine)), everyone, [&all](std::size_t bytes) {
+    gather_bytes(std::as_bytes(std::span(mine)), [&all](std::size_t bytes) {
       all.resize(bytes / sizeof(T));
       return std::as_writable_bytes(std::span(all)).data();
     });
@@ -58,8 +57,8 @@ class Exchange {
   /// What the process that leads says, on all of them.
   bool leader_says(bool here) const { return any(leads() && here); }
 
-  /// Does work that some processes may fail at alone, such as writing: an IoError on any is one on all. All
-  /// other errors are either the same on all, or end the program.
+  /// Does work that some processes may fail at alone, such as writing: if it throws std::runtime_error on
+  /// some, the others throw IoError with what the first of these says. Any other exception ends the program.
   virtual void together(const std::function<void()>& work) const = 0;
 };
 

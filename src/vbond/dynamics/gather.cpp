@@ -57,6 +57,7 @@ void sum_values(State& state, const Exchange& exchange) {
     if constexpr (!is_row_table<Table>) {
       for_each_field(table, [&](const auto& f) { add(f, of); });
     } else if constexpr (!std::is_same_v<typename Table::Of, Bond>) {
+      if (table.traits.known != Known::everywhere) return;
       for (auto& row : of) for_each_field(table, [&](const auto& f) { add(f, row); });
     }
   });

@@ -13,7 +13,7 @@ struct Share {
   /// what may meet, or domains are no longer compact.  [length]
   double farthest = 0;
   /// Not once one has gone farther than this: it could not be found again. Such a body diverges.  [length]
-  double lost = 0;
+  double lost_beyond = 0;
 };
 
 /// Spreads the particles of a body over processes, which exchange what they need of each other. All processes

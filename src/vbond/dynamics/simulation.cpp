@@ -76,8 +76,8 @@ std::size_t work_of_particle(const Model& model) {
 Simulation::Simulation(const Model& model, Stage stage, State* state, int threads)
     : Simulation(model, std::move(stage), state, threads, {order_of(model, *state)}, one_rank(), false) {}
 
-Simulation::Simulation(const Model& model, Stage stage, State state, Share share, Exchange& exchange)
-    : Simulation(model, std::move(stage), &state, 1, std::move(share), exchange, true) {}
+Simulation::Simulation(const Model& model, Stage stage, State* state, Share share, Exchange& exchange)
+    : Simulation(model, std::move(stage), state, 1, std::move(share), exchange, true) {}
 
 Simulation::Simulation(const Model& model, Stage stage, State* state, int threads, Share share,
                        Exchange& exchange, bool is_part)
@@ -100,7 +100,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
       last_stage_step_(std::isfinite(stage_.stops.duration) ? steps_in(stage_.stops.duration, stage_.dt)
                                                             : std::numeric_limits<std::int64_t>::max()),
       farthest_(share.farthest),
-      too_far_(share.lost),
+      lost_beyond_(share.lost_beyond),
       room_(share.farthest) {
   if (is_part) with_ghosts_.emplace(bodies_.order.known, same_work(bodies_.order.known), 1);
   books_.resize(all_known().blocks());
@@ -151,7 +151,7 @@ void Simulation::begin_stage() {
 /// Whether elastic bonds, supports and loads are all there is, and particles like spheres.
 bool Simulation::has_only_elastic_bonds() const {
   const bool same_body = stage_.bonding.empty() && stage_.heating.empty() && !stage_.strain;
-  const bool same_particles = !bodies_.tops.any() && !supports_.grips().any();
+  const bool same_particles = model_.principal.empty() && !supports_.grips().any();  // in all parts alike
   return bonds_.all_elastic() && same_body && same_particles && !anything_dissipates() &&
          !damping_.is_local();
 }

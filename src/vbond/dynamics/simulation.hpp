@@ -64,8 +64,8 @@ class Simulation {
   /// The same, and gives the state back if a stage cannot begin in it.
   Simulation(const Model& model, Stage stage, State* state, int threads = 1);
   /// A part of a body, whose other parts other processes step: it goes on from a state that has begun, of the
-  /// whole body.
-  Simulation(const Model& model, Stage stage, State state, Share share, Exchange& exchange);
+  /// whole body, and gives it back if that cannot be.
+  Simulation(const Model& model, Stage stage, State* state, Share share, Exchange& exchange);
   Simulation(const Model&&, Stage, State, int = 1) = delete;  // a temporary would be gone at the first step
   Simulation(const Model&&, Stage, State*, int = 1) = delete;
   Simulation(const Simulation&) = delete;
@@ -86,7 +86,7 @@ class Simulation {
   const State& own_state() const;
 
   /// After so many steps the processes that step a body tell each other of failures and interruptions; who
-  /// looks more often has them wait for that look alone. 1 where there is one.
+  /// looks more often has them wait for that look alone. 1 where one process steps the whole body.
   std::int64_t steps_between_meetings() const { return is_part_ ? 64 : 1; }
   /// Particles that are nearer than this may touch or be bonded; 0: none; infinite: all must be known.
   double reach() const;  // [length]
@@ -118,6 +118,7 @@ class Simulation {
   const Model& model() const { return model_; }
   const Stage& stage() const { return stage_; }
   const Clock& clock() const { return state_.clock; }
+  /// As of this call.
   const EnergyBooks& books() const;
   /// What they count as dissipated, by cause. Looks at every bond that remembers something.
   Losses losses() const;
@@ -296,10 +297,9 @@ class Simulation {
   const Stage stage_;
   mutable State state_;                // positions and velocities as of the last state() or stage start
   mutable bool bodies_ahead_ = false;  // they have moved on since
-  /// What was booked here: of a part its share, but for the largest energy. books() are the sum.
-  mutable EnergyBooks booked_;
-  mutable bool books_ahead_ = true;  // of those in state_
-  bool only_elastic_ = false;        // has_only_elastic_bonds(): a step then leaves out all the rest
+  mutable EnergyBooks booked_;         // here: of a part its share, but for the largest energy
+  mutable bool books_ahead_ = true;    // booked_ has changed since state_ got the books of the whole body
+  bool only_elastic_ = false;          // has_only_elastic_bonds(): a step then leaves out all the rest
   const bool is_part_;
   Exchange& exchange_;
   Bodies bodies_;
@@ -331,14 +331,13 @@ class Simulation {
   std::int64_t steps_to_look_ = 1;
   StepTimes times_;
   // of a part
-  mutable std::optional<Failed> failed_;  // first of all
-  std::vector<Vec3d> r_begin_;            // of its rows
-  double farthest_ = 0, too_far_ = 0;     // see Share
-  double room_ = 0;                       // what may meet is known until a particle has gone so far
-  std::int64_t unmet_ = 0;                // steps since meet()
+  mutable std::optional<Failed> failed_;   // first of all
+  std::vector<Vec3d> r_begin_;             // of its rows
+  double farthest_ = 0, lost_beyond_ = 0;  // see Share
+  double room_ = 0;                        // what may meet is known until a particle has gone so far
+  std::int64_t unmet_ = 0;                 // steps since meet()
   bool has_outgrown_ = false;
-  mutable std::vector<double>
-      brought_in_;  // after each step since they were summed: energy at the start and work
+  mutable std::vector<double> brought_in_;  // start and work after each step, since they were summed
   double last_way_ = 0;
   mutable std::optional<Survey> survey_;  // empty: positions or velocities have changed since
 };

@@ -73,6 +73,7 @@ void Simulation::make_bonds() {
         booked_.lose(Loss::bonding, contacts_.energy(bodies_.order.row[i], bodies_.order.row[j], bodies_) -
                                         contact_pair_energy(model_, state_, i, j));
   state_.books = booked_;
+  books_ahead_ = true;
   bonding_.make(pairs, state_);
   if (leads()) booked_ = state_.books;  // all parts have booked the same
   const double flowed_now = capsules ? dissipated_by_flow(state_) - flowed : 0.0;  // by their prestrain

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <string>
 #include <utility>
@@ -68,13 +67,14 @@ bool Simulation::find_events() {
   if (contacts_.any()) look_at_deep_contacts();
   const bool breaks =
       std::any_of(breaking_.begin(), breaking_.end(), [](const auto& b) { return !b.empty(); });
-  enum : std::size_t { failed, broke, met, questions };
+  enum : std::size_t { failed, broke, met, deep, questions };
   std::array<double, questions> any{failed_ ? 1.0 : 0.0, breaks ? 1.0 : 0.0,
-                                    encounters().empty() && !fastest() ? 0.0 : 1.0};
+                                    encounters().empty() && !fastest() ? 0.0 : 1.0,
+                                    any_deep_capsules() ? 1.0 : 0.0};
   exchange_.max(any);
   if (any[failed] != 0.0) agree_on_failure();
   if (any[met] != 0.0) encounters_.share();
-  return (any[broke] != 0.0 && break_bonds()) || any[met] != 0.0 || any_deep_capsules();
+  return (any[broke] != 0.0 && break_bonds()) || any[met] != 0.0 || any[deep] != 0.0;
 }
 
 /// The run cannot go on. Of a part, it ends when all have been told.
@@ -119,7 +119,7 @@ bool Simulation::meet(bool interrupted) {
   enum : std::size_t { stop, way, questions };
   std::array<double, questions> most{leads() && interrupted ? 1.0 : 0.0, way_since_begin()};
   exchange_.max(most);
-  has_outgrown_ = most[way] > farthest_ && most[way] < too_far_;
+  has_outgrown_ = most[way] > farthest_ && most[way] < lost_beyond_;
   room_ = farthest_ - most[way];
   return most[stop] != 0.0;
 }

@@ -21,7 +21,6 @@ enum class Known : std::uint8_t {
   by_owner,    ///< of a particle, the part that moves it; of a bond, that of its first particle
   listed,      ///< each part lists its own; those of the body follow in the order of place_of()
   summed,      ///< the body has the sum of all parts
-  elsewhere,   ///< the body's follows from other things
 };
 
 /// When a field is again as in a new body.

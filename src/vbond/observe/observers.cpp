@@ -260,7 +260,7 @@ void ProgressObserver::observe(const Simulation& run) {
   }
   const double seconds = std::chrono::duration<double>(now - looked_).count();
   const std::int64_t interval = begins ? 1 : progress_interval(clock.step - last_look_, seconds);
-  next_look_ = clock.step + std::max(interval, run.steps_between_meetings());
+  next_look_ = !all.leads() ? no_next_look : clock.step + std::max(interval, run.steps_between_meetings());
   last_look_ = clock.step;
   looked_ = now;
   if (out_ != nullptr && now - shown_ >= refresh) show_line(run, now);

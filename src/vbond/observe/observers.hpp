@@ -160,8 +160,9 @@ class TableObserver : public TimedObserver {
 
 /// Keeps one line on the progress of the run up to date on a terminal, twice a second at most, and
 /// clears it when a stage ends; tells a listener of it once a second. It reads the wall clock about ten times
-/// a second, so that its cost does not depend on how long a step takes; of a body in parts no more often than
-/// its processes come back together anyway. Before anything else is printed there, clear() it.
+/// a second, so that its cost does not depend on how long a step takes; of a body that several processes
+/// step, the one that leads reads it, and no more often than they meet anyway. Before anything else is
+/// printed there, clear() it.
 class ProgressObserver : public TimedObserver {
  public:
   /// Seconds that the dynamics may still take at most; nothing if that is not known.

@@ -5,7 +5,6 @@
 #include <ctime>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <exception>
 #include <limits>
@@ -186,7 +185,7 @@ void Ranks::max(std::span<double> numbers) const {
                 MPI_COMM_WORLD);
 }
 
-void Ranks::gather_bytes(std::span<const std::byte> mine, bool everyone, const Room& room) const {
+void Ranks::gather_bytes(std::span<const std::byte> mine, const Room& room) const {
   const Waiting waiting(*this);
   std::int64_t total = static_cast<std::int64_t>(mine.size());
   MPI_Allreduce(MPI_IN_PLACE, &total, 1, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
@@ -198,11 +197,8 @@ void Ranks::gather_bytes(std::span<const std::byte> mine, bool everyone, const R
   MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, MPI_COMM_WORLD);
   for (std::size_t k = 1; k < first.size(); ++k) first[k] = first[k - 1] + counts[k - 1];
   const auto size = static_cast<std::size_t>(first.back() + counts.back());
-  std::byte* all = everyone || leads() ? room(size) : nullptr;
-  if (everyone)
-    MPI_Allgatherv(mine.data(), count, MPI_BYTE, all, counts.data(), first.data(), MPI_BYTE, MPI_COMM_WORLD);
-  else
-    MPI_Gatherv(mine.data(), count, MPI_BYTE, all, counts.data(), first.data(), MPI_BYTE, 0, MPI_COMM_WORLD);
+  MPI_Allgatherv(mine.data(), count, MPI_BYTE, room(size), counts.data(), first.data(), MPI_BYTE,
+                 MPI_COMM_WORLD);
 }
 
 /// Nobody goes on before all know who could not.

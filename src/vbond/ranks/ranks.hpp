@@ -5,6 +5,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "vbond/dynamics/partition.hpp"
@@ -13,18 +14,19 @@
 namespace vbond {
 
 /// The ranks of MPI, which has begun, as the processes that step a body. Each of them makes the same Run,
-/// with the whole body, and steps its part of it (Run::spread_over). All functions are to be called by all
-/// ranks, but for those that are const and say so.
+/// with the whole body, and steps its part of it (Run::spread_over). All ranks call these functions at
+/// the same time; each may call alone those that say so.
 class Ranks : public Partition {
  public:
   Ranks();
 
+  /// These may be called by one rank alone.
   int rank() const override { return rank_; }
   int ranks() const override { return size_; }
-  /// How many of them share this machine. Of one rank alone.
+  /// How many of them share this machine. May be called by one rank alone.
   int on_this_machine() const { return here_; }
-  /// How many times a particle has gone to another rank so far, and how often they were spread anew. Of one
-  /// rank alone.
+  /// How many times a particle has gone to another rank so far, and how often they were spread anew. May be
+  /// called by one rank alone.
   std::int64_t migrations() const { return migrations_; }
   std::int64_t redistributions() const { return redistributions_; }
   /// The longest time that a rank has worked since particles were spread first, over the mean; waiting left
@@ -34,7 +36,7 @@ class Ranks : public Partition {
   std::string first_failure(const std::string& mine) const;
   /// The text of rank 0.
   std::string text_of_leader(std::string text) const { return text_of_rank(0, std::move(text)); }
-  /// Whether something that was done together has failed: all ranks know. Of one rank alone.
+  /// Whether something that was done together has failed: all ranks know. May be called by one rank alone.
   bool has_failed_together() const { return has_failed_together_; }
 
   Share spread(const Model& model, const State& state, double reach) override;
@@ -44,7 +46,7 @@ class Ranks : public Partition {
   void reverse_sum(std::span<LoadRow> load) override;
   void sum(std::span<double> numbers) const override;
   void max(std::span<double> numbers) const override;
-  void gather_bytes(std::span<const std::byte> mine, bool everyone, const Room& room) const override;
+  void gather_bytes(std::span<const std::byte> mine, const Room& room) const override;
   void together(const std::function<void()>& work) const override;
 
  private:

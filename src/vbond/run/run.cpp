@@ -111,22 +111,35 @@ void Run::begin() {
   for (const auto& o : observers_) simulation_->add_observer(o);
 }
 
+/// Of this process; where it cannot be made, the run has its state back.
+std::unique_ptr<Simulation> Run::part_of(State state, Share share) {
+  try {
+    return std::make_unique<Simulation>(model_, std::get<Stage>(*stage_), &state, std::move(share),
+                                        *partition_);
+  } catch (...) {
+    state_ = std::move(state);
+    throw;
+  }
+}
+
 /// Each process has begun the stage with the whole body, and goes on with its part.
 void Run::take_part() {
+  const auto& stage = std::get<Stage>(*stage_);
+  require(stage.on_unphysical == OnUnphysical::stop,
+          "several processes step the body: none may drop particles");
+  require(std::none_of(stage.supports.begin(), stage.supports.end(), is_free_grip<Support>),
+          "several processes step the body: no rigid group may be free in part");
   const double reach = simulation_->reach();
-  State begun = std::move(*simulation_).take_state();
-  simulation_.reset();
+  State begun = std::move(*std::exchange(simulation_, {})).take_state();
   Share share = partition_->spread(model_, begun, reach);
-  simulation_ = std::make_unique<Simulation>(model_, std::get<Stage>(*stage_), std::move(begun),
-                                             std::move(share), *partition_);
+  simulation_ = part_of(std::move(begun), std::move(share));
 }
 
 void Run::spread_anew() {
-  const std::unique_ptr<Simulation> before = std::move(simulation_);
+  const std::unique_ptr<Simulation> before = std::exchange(simulation_, {});
   State state = std::move(*before).take_state();
   Share share = partition_->spread_anew(model_, state);
-  simulation_ = std::make_unique<Simulation>(model_, std::get<Stage>(*stage_), std::move(state),
-                                             std::move(share), *partition_);
+  simulation_ = part_of(std::move(state), std::move(share));
   simulation_->take_over_observers(*before);
 }
 
@@ -184,7 +197,8 @@ StopReason Run::advance(std::int64_t most) {
 }
 
 void Run::tell_stage_end(StopReason why, const std::string& failure) {
-  if (hooks_.stage_end) exchange().together([&] { hooks_.stage_end(*simulation_, why, failure); });
+  if (hooks_.stage_end && simulation_)  // there is none where the body diverged as it was spread anew
+    exchange().together([&] { hooks_.stage_end(*simulation_, why, failure); });
 }
 
 /// The same, without particles that are lost on the way, if the stage drops such.
@@ -268,11 +282,11 @@ void Run::close_stage(StopReason why) {
 
 StageResult Run::result_of_dynamics(StopReason why) const {
   StageResult result;
-  result.name = simulation_->stage().name;
+  result.name = name_of(*stage_);
   result.stop = why;
   result.steps = clock().stage_step;
   result.time = clock().time();
-  result.peak = simulation_->peak();
+  result.peak = simulation_ ? simulation_->peak() : state_.peak;
   result.failure = failure_;
   return result;
 }

@@ -71,7 +71,9 @@ class Run {
   void add_observer(std::shared_ptr<Observer> observer);
   void set_hooks(RunHooks hooks) { hooks_ = std::move(hooks); }
   /// From the next stage of dynamics on, several processes step the body, each a part of it. All of them make
-  /// the same run and call the same functions; hooks are asked on all. Must live as long as the run.
+  /// the same run and call the same functions; hooks are called on all, and whether the run is interrupted is
+  /// for the one that leads to say. Must live as long as the run. Such a stage must not drop particles, nor
+  /// have rigid groups that are free in part.
   void spread_over(Partition& partition) { partition_ = &partition; }
 
   /// The processes that step its bodies.
@@ -135,6 +137,7 @@ class Run {
   bool any_dynamics() const;
   StopReason advance(std::int64_t most);
   StopReason steps_of_stage(std::int64_t most);
+  std::unique_ptr<Simulation> part_of(State state, Share share);
   void take_part();
   void spread_anew();
   void tell_stage_end(StopReason why, const std::string& failure);
