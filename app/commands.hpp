@@ -33,7 +33,7 @@ struct RunOptions {
   bool json = false;                  ///< print status.json as lines instead
   std::FILE* status_lines = nullptr;  ///< where these lines go, if so
   std::string program;                ///< as it was called, for the hint how to go on
-  Processes* processes = nullptr;     ///< that all make this run; null: this one alone
+  Processes* processes = nullptr;     ///< of run and resume: those that all make this run
 };
 
 struct SweepOptions {

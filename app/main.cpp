@@ -128,7 +128,7 @@ void refuse_unknown(const CLI::App& program, int argc, char** argv) {
   }
 }
 
-int dispatch(int argc, char** argv, app::Processes* processes) {
+int dispatch(int argc, char** argv, app::Processes& processes) {
   const std::string name = app::program_name;
   CLI::App program(name + ": solids as rigid particles joined by elastic bonds that have an energy");
   program.set_version_flag("--version", name + " " VBOND_VERSION + app::program_note);
@@ -138,14 +138,14 @@ int dispatch(int argc, char** argv, app::Processes* processes) {
       "signal.");
 
   app::RunOptions run;
-  run.processes = processes;
-  run.threads = processes != nullptr ? 1 : default_threads();
+  run.processes = &processes;
+  run.threads = app::has_ranks ? 1 : default_threads();
   run.program = argv[0];
   CLI::App* run_command = program.add_subcommand("run", "Compute a case");
   app::add_case(run_command, run);
   app::add_output(run_command, run);
   app::add_printing(run_command, run);
-  if (processes == nullptr) add_threads(run_command, run.threads);
+  if (!app::has_ranks) add_threads(run_command, run.threads);
 
   CLI::App* check_command = program.add_subcommand("check", "Validate a case and say what would be run");
   app::add_case(check_command, run);
@@ -158,7 +158,7 @@ int dispatch(int argc, char** argv, app::Processes* processes) {
   CLI::App* resume_command = program.add_subcommand("resume", "Go on with a run that was stopped");
   resume_command->add_option("DIR", folder, "Its output folder")->required();
   app::add_printing(resume_command, run);
-  if (processes == nullptr) add_threads(resume_command, run.threads);
+  if (!app::has_ranks) add_threads(resume_command, run.threads);
 
   CLI::App* report_command =
       program.add_subcommand("report", "Write DIR/report.html: one page that shows a run, for any browser");
@@ -242,9 +242,8 @@ int dispatch(int argc, char** argv, app::Processes* processes) {
     app::choose_printing(run);
     return run_command->parsed() ? app::run(run) : app::resume(folder, run);
   };
-  if (run_command->parsed() || resume_command->parsed())
-    return processes != nullptr ? processes->run(compute) : compute();
-  if (processes != nullptr && !processes->leads()) return app::done;
+  if (run_command->parsed() || resume_command->parsed()) return processes.run(compute);
+  if (!processes.leads()) return app::done;
   if (check_command->parsed()) {
     instruction_set();
     return app::check(run);
@@ -254,8 +253,7 @@ int dispatch(int argc, char** argv, app::Processes* processes) {
   if (watch_command->parsed()) return app::watch(watch);
   if (breaks_command->parsed()) return app::breaks(folder, all_breaks);
   if (sweep_command->parsed()) {
-    if (processes != nullptr)
-      throw std::invalid_argument("a sweep starts programs of its own: use vbond sweep");
+    if (app::has_ranks) throw std::invalid_argument("a sweep starts programs of its own: use vbond sweep");
     return app::sweep(sweep);
   }
   if (export_command->parsed()) return app::export_lammps(run, export_to);
@@ -282,7 +280,7 @@ int main(int argc, char** argv) {
   const std::unique_ptr<app::Processes> processes = app::start_processes(argc, argv);
   std::signal(SIGXFSZ, SIG_IGN);  // a file that grows beyond ulimit -f is an error of writing, which is told
   try {
-    return dispatch(argc, argv, processes.get());
+    return dispatch(argc, argv, *processes);
   } catch (...) {
     const app::Failure failure = app::failure_under_way();
     std::fprintf(stderr, "%s\n", failure.text.c_str());

@@ -253,68 +253,56 @@ FolderLock lock_old_output(const fs::path& folder) {
   return lock;
 }
 
-Writes writes_here(const RunOptions& options) {
-  return options.processes == nullptr || options.processes->leads() ? Writes::everything : Writes::own_parts;
-}
-
-/// The case, and the body that it makes, fit into memory.
-void require_memory_of(const RunOptions& options, const Case& c) {
-  require_memory(c);
-  if (options.processes != nullptr) require_memory(c, options.processes->here());
-}
-void require_memory_of(const RunOptions& options, const Case& c, const Run& run) {
-  if (options.processes != nullptr) require_memory(c, run.model(), run.current(), options.processes->here());
-}
-
 /// From here on all processes step the run together.
-void spread(const RunOptions& options, const Case& c, Run& run) {
-  if (options.processes == nullptr) return;
-  options.processes->begin_together(c);
-  run.spread_over(options.processes->partition());
-  say(fmt::format("ranks            {}\n", options.processes->partition().ranks()));
+void spread(Processes& processes, const Case& c, Run& run) {
+  require_memory(c, run.model(), run.current(), processes.here());
+  processes.begin_together(c);
+  Partition* const partition = processes.partition();
+  if (partition == nullptr) return;
+  run.spread_over(*partition);
+  say(fmt::format("ranks            {}\n", partition->ranks()));
 }
 
-/// What only one process does, for all.
-void do_for_all(const RunOptions& options, const std::function<void()>& work) {
-  const bool leads = writes_here(options) == Writes::everything;
-  if (options.processes == nullptr) return work();
-  options.processes->partition().together([&] {
-    if (leads) work();
+/// What one process does for all.
+void do_for_all(Processes& processes, const std::function<void()>& work) {
+  processes.exchange().together([&] {
+    if (processes.leads()) work();
   });
 }
 
-void say_remarks(const RunOptions& options) {
-  if (options.processes != nullptr) say(options.processes->remarks());
+Writes writes_here(Processes& processes) {
+  return processes.leads() ? Writes::everything : Writes::own_parts;
 }
 
 }  // namespace
 
 int run(const RunOptions& options) {
   const auto start = WallClock::now();
-  if (options.processes != nullptr && options.case_file == "-")
+  Processes& processes = *options.processes;
+  if (has_ranks && options.case_file == "-")
     throw std::invalid_argument("every rank reads the case: give a file, not the standard input");
   Case c = read_case(options.case_file, options.changes);
   require_statics(c);
-  require_memory_of(options, c);
+  require_memory(c);
+  require_memory(c, processes.here());
   Built built = build(c);
   require_memory(c, built.model, built.state);
   Run run(std::move(built.model), std::move(built.state), stages_of(c), options.threads);
   run.check();
   bonds_to_come(c, run);  // throws if they cannot fit into memory
-  require_memory_of(options, c, run);
-  spread(options, c, run);
+  spread(processes, c, run);
   OutputPlan plan = plan_output(c, run.model(), {});  // all that may be wrong with the case is known by now
 
   if (options.report) warn_if_no_page();
-  plan.writes = writes_here(options);
+  plan.writes = writes_here(processes);
   std::optional<ClaimedFolder> claimed;
   catch_broken_pipe();
-  do_for_all(options, [&] {
+  do_for_all(processes, [&] {
     claimed.emplace(claim_folder(c.file, options.folder, options.force));
     plan.folder = claimed->path;
     replace_file(plan.folder / "resolved.toml", to_toml(keep_inputs(c, plan.folder, claimed->old_inputs)));
   });
-  if (options.processes != nullptr) plan.folder = options.processes->text_of_leader(plan.folder.string());
+  plan.folder = processes.text_of_leader(plan.folder.string());
   say("output folder    " + plan.folder.string() + "\n");
   print_overview(c, run.model(), run.current());
   print_notes(built.notes);
@@ -327,7 +315,7 @@ int run(const RunOptions& options) {
   try {
     const int status = run_to_end(campaign, options.status_lines);
     if (options.report && status == done && campaign.plan.writes_all()) report_on(campaign.plan.folder);
-    say_remarks(options);
+    say(processes.remarks());
     return status;
   } catch (const IoError& e) {  // no more can be written
     throw with_way_on(campaign, e);
@@ -339,12 +327,14 @@ int run(const RunOptions& options) {
 
 int resume(const fs::path& folder, const RunOptions& options) {
   const auto start = WallClock::now();
+  Processes& processes = *options.processes;
   std::optional<FolderLock> lock;
-  if (writes_here(options) == Writes::everything) lock.emplace(lock_old_output(folder));
+  if (processes.leads()) lock.emplace(lock_old_output(folder));
   catch_broken_pipe();
   const Case c = read_case(folder / "resolved.toml");
   require_statics(c);
-  require_memory_of(options, c);
+  require_memory(c);
+  require_memory(c, processes.here());
   Built built = build(c);
   Checkpoint checkpoint = read_checkpoint(folder / "checkpoint.h5", built.model);
   check_edits(c, built.state, checkpoint.state, folder / "resolved.toml");
@@ -353,15 +343,14 @@ int resume(const fs::path& folder, const RunOptions& options) {
   checkpoint.state.clock = clock;
   const bool complete = run.complete();
   if (!complete) run.check();
-  require_memory_of(options, c, run);
-  spread(options, c, run);
+  spread(processes, c, run);
   if (complete) {
     say("the run is complete, results in " + folder.string() + "\n");
     return done;
   }
 
   OutputPlan plan = plan_output(c, run.model(), folder);
-  plan.writes = writes_here(options);
+  plan.writes = writes_here(processes);
   Campaign campaign =
       open_campaign(c, run, std::move(plan), options.threads, options.program, &checkpoint, start);
   if (fs::exists(folder / "run.json"))
@@ -372,7 +361,7 @@ int resume(const fs::path& folder, const RunOptions& options) {
   print_machine(c, options.threads);
   try {
     const int status = run_to_end(campaign, options.status_lines);
-    say_remarks(options);
+    say(processes.remarks());
     return status;
   } catch (const IoError& e) {
     throw with_way_on(campaign, e);

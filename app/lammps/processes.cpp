@@ -39,7 +39,7 @@ class MpiRanks : public Processes {
   MpiRanks(const MpiRanks&) = delete;
   MpiRanks& operator=(const MpiRanks&) = delete;
 
-  Partition& partition() override { return *ranks_; }
+  Partition* partition() override { return &*ranks_; }
   RanksHere here() const override { return {ranks_->on_this_machine(), ranks_->ranks()}; }
   std::string text_of_leader(const std::string& text) const override { return ranks_->text_of_leader(text); }
 
@@ -101,6 +101,8 @@ const char* const program_name = "vbond-lammps";
 const char* const program_note =
     "\nIt links LAMMPS (https://www.lammps.org), so this program is under the GNU General Public License, "
     "version 2;\nvbond's own sources stay under the licence of vbond.";
+
+const bool has_ranks = true;
 
 std::unique_ptr<Processes> start_processes(int& argc, char**& argv) {
   return std::make_unique<MpiRanks>(argc, argv);
