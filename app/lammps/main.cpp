@@ -12,7 +12,6 @@
 #include "campaign.hpp"
 #include "commands.hpp"
 #include "failure.hpp"
-#include "memory.hpp"
 #include "prepare.hpp"
 #include "refusals.hpp"
 #include "run_options.hpp"
@@ -23,6 +22,7 @@
 #include "vbond/observe/checkpoint.hpp"
 #include "vbond/observe/frame_files.hpp"
 #include "vbond/ranks/ranks.hpp"
+#include "vbond/run/memory_needed.hpp"
 #include "vbond/run/plan_output.hpp"
 #include "vbond/run/run.hpp"
 
@@ -47,7 +47,7 @@ struct Task {
   bool resumes = false;
 };
 
-app::RanksHere ranks_here(const Ranks& ranks) {
+RanksHere ranks_here(const Ranks& ranks) {
   return {ranks.on_this_machine(), ranks.first_is_here(), ranks.parts()};
 }
 
@@ -68,10 +68,10 @@ int lead(Task task) {
       throw std::invalid_argument("every rank reads the case: give a file, not the standard input");
     app::choose_printing(options);
     options.stepper = &ranks;
-    options.before_build = [here = ranks_here(ranks)](const Case& c) { app::require_memory(c, here); };
+    options.before_build = [here = ranks_here(ranks)](const Case& c) { require_memory(c, here); };
     options.before_output = [&ranks](const Case& c, const Run& run) {
       app::refuse_beyond_ranks(c);
-      app::require_memory(c, run.model(), run.current(), ranks_here(ranks));
+      require_memory(c, run.model(), run.current(), ranks_here(ranks));
       set_frame_writer(ranks, c, run.model());
       if (const std::string other = ranks.agree({}); !other.empty())
         throw IoError("on another rank: " + other);
@@ -119,13 +119,13 @@ int follow(const Task& task) {
     const Case c = read_case(task.resumes ? task.folder / "resolved.toml" : task.options.case_file,
                              task.resumes ? std::vector<std::string>{} : task.options.changes);
     require_statics(c);
-    app::require_memory(c, ranks_here(ranks));
+    require_memory(c, ranks_here(ranks));
     Built built = build(c);
     State state = first_state(task, built.model, std::move(built.state));
     Run run(std::move(built.model), std::move(state), stages_of(c));
     if (!run.complete()) run.check();
     app::refuse_beyond_ranks(c);
-    app::require_memory(c, run.model(), run.current(), ranks_here(ranks));
+    require_memory(c, run.model(), run.current(), ranks_here(ranks));
     set_frame_writer(ranks, c, run.model());
     if (ranks.agree({}).empty()) follow(run, ranks);
   } catch (const Dismissed&) {
