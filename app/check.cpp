@@ -11,7 +11,6 @@
 
 #include "commands.hpp"
 #include "contacts.hpp"
-#include "memory.hpp"
 #include "output_size.hpp"
 #include "prepare.hpp"
 #include "remarks.hpp"
@@ -29,6 +28,7 @@
 #include "vbond/model/touching.hpp"
 #include "vbond/observe/report.hpp"
 #include "vbond/observe/summary.hpp"
+#include "vbond/run/memory_needed.hpp"
 #include "vbond/run/plan_output.hpp"
 #include "vbond/run/run.hpp"
 #include "vbond/run/statics.hpp"
@@ -43,10 +43,10 @@ void print_memory(const Model& model, const State& state, int ranks) {
   const double total = use.per_particle * static_cast<double>(model.particles()) +
                        use.per_bond * static_cast<double>(state.bonds.size());
   fmt::print("memory           {}: {:.0f} bytes per particle, {:.0f} per bond; neighbour lists are extra\n",
-             in_units(total), use.per_particle, use.per_bond);
+             bytes_in_units(total), use.per_particle, use.per_bond);
   if (ranks == 0) return;
   fmt::print("on {} ranks       {} each: every rank holds the whole body (docs/ranks.md)\n", ranks,
-             in_units(memory_of_each_rank(model, state, ranks)));
+             bytes_in_units(memory_of_each_rank(model, state, ranks)));
 }
 
 /// Bonds that may be made in the run, which no memory is told for above.
@@ -55,8 +55,8 @@ void print_bonds_to_come(const Case& c, const Run& run) {
   const char* unit = run.model().units == UnitSystem::si ? " m" : "";
   for (const BondsToCome& b : bonds_to_come(c, run))
     fmt::print("bonds to come    \"{}\": {:.0f} pairs are within {:.6g}{} now, {}; all {:.0f} would be {}\n",
-               printable(b.name), b.pairs_now, b.distance, unit, in_units(b.pairs_now * of_a_bond),
-               b.pairs_ever, in_units(b.pairs_ever * of_a_bond));
+               printable(b.name), b.pairs_now, b.distance, unit, bytes_in_units(b.pairs_now * of_a_bond),
+               b.pairs_ever, bytes_in_units(b.pairs_ever * of_a_bond));
 }
 
 /// The stage needs a factor that does not fit.
@@ -71,7 +71,7 @@ bool any_later_static(const Stages& stages) {
 }
 
 std::string solver_in_words(const StaticStage& stage, const SolverChoice& choice) {
-  const std::string factor = in_units(choice.factor_bytes);
+  const std::string factor = bytes_in_units(choice.factor_bytes);
   if (will_be_refused(choice))
     return fmt::format("none: stage {} will be refused, its factor of {} does not fit", stage.name, factor);
   if (choice.direct) return fmt::format("direct, with a factor of {} in stage {}", factor, stage.name);

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "vbond/case/calibration.hpp"
+
 namespace vbond::app {
 
 class Processes;
@@ -58,11 +60,6 @@ struct WatchOptions {
   bool page = false;    ///< show it in a browser, too
   int port = 0;         ///< of that page; 0: any that is free
   std::string program;  ///< as it was called, for the hint how to go on
-};
-
-struct CalibrateOptions {
-  std::string E, nu = "0.2", length, diameter, inner_diameter, side, A, J, J_p, kappa, thickness;
-  std::string theory = "all";
 };
 
 int run(const RunOptions& options);

@@ -5,10 +5,18 @@
 #include <stdexcept>
 
 #include "commands.hpp"
-#include "memory.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/run/memory_needed.hpp"
 
 namespace vbond::app {
+namespace {
+
+std::string out_of_memory() {
+  return "memory has run out; there may be " + memory_limit_in_words() +
+         "\n  vbond check CASE says what the time loop takes; take fewer particles, or another machine";
+}
+
+}  // namespace
 
 Failure failure_under_way() {
   try {

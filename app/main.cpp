@@ -36,7 +36,7 @@ void add_threads(CLI::App* command, int& threads) {
       ->check(CLI::Range(1, 1024));
 }
 
-void add_calibrate(CLI::App& app, app::CalibrateOptions& o, CLI::App*& command) {
+void add_calibrate(CLI::App& app, CalibrateOptions& o, CLI::App*& command) {
   command = app.add_subcommand(
       "calibrate", "Bond stiffnesses and B1..B4 from E, nu, section or thickness, length and theory");
   command->add_option("--E", o.E, "Young's modulus, e.g. 2e9 or \"2 GPa\"")->required();
@@ -220,7 +220,7 @@ int dispatch(int argc, char** argv, app::Processes& processes) {
   CLI::App* schema_command =
       program.add_subcommand("schema", "Print a JSON Schema of case files, for completion in an editor");
 
-  app::CalibrateOptions calibrate;
+  CalibrateOptions calibrate;
   CLI::App* calibrate_command = nullptr;
   add_calibrate(program, calibrate, calibrate_command);
 

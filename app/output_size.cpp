@@ -8,10 +8,10 @@
 #include <system_error>
 #include <variant>
 
-#include "memory.hpp"
 #include "vbond/model/stage.hpp"
 #include "vbond/observe/history.hpp"
 #include "vbond/observe/quantities.hpp"
+#include "vbond/run/memory_needed.hpp"
 
 namespace vbond::app {
 namespace {
@@ -85,27 +85,27 @@ void print_output_size(const Case& c, const OutputPlan& plan, const Model& model
     const double rows = times_due(plan.history_every, c, model, steps);
     total += rows * columns * of_a_cell;
     fmt::print("output           history.csv: at most {:.0f} rows of {:.0f} columns, some {}{}\n", rows,
-               columns, in_units(rows * columns * of_a_cell), points);
+               columns, bytes_in_units(rows * columns * of_a_cell), points);
   }
   const double frame = bytes_of_frame(model, state, plan), modes = frames_of_modes(c);
   const char* packed = plan.frame_format.compressed ? " before compression" : "";
   if (plan.frames_every && dynamic) {
     const double frames = times_due(*plan.frames_every, c, model, steps);
     total += frames * frame;
-    fmt::print("output           at most {:.0f} frames of some {}: {}{}{}{}\n", frames, in_units(frame),
-               in_units(frames * frame), packed, plan.frame_format.contacts ? "; contacts are extra" : "",
-               points);
+    fmt::print("output           at most {:.0f} frames of some {}: {}{}{}{}\n", frames, bytes_in_units(frame),
+               bytes_in_units(frames * frame), packed,
+               plan.frame_format.contacts ? "; contacts are extra" : "", points);
   }
   if (modes > 0.0) {
     total += modes * frame;
-    fmt::print("output           at most {:.0f} frames of modes of some {}: {}{}\n", modes, in_units(frame),
-               in_units(modes * frame), packed);
+    fmt::print("output           at most {:.0f} frames of modes of some {}: {}{}\n", modes,
+               bytes_in_units(frame), bytes_in_units(modes * frame), packed);
   }
   std::error_code unknown;
   const std::filesystem::space_info here = std::filesystem::space(".", unknown);
   if (!unknown && total > static_cast<double>(here.available))
     fmt::print("output           that is MORE than the {} free here\n",
-               in_units(static_cast<double>(here.available)));
+               bytes_in_units(static_cast<double>(here.available)));
 }
 
 }  // namespace vbond::app

@@ -3,9 +3,9 @@
 #include <memory>
 #include <string>
 
-#include "memory.hpp"
 #include "vbond/case/case.hpp"
 #include "vbond/dynamics/partition.hpp"
+#include "vbond/run/memory_needed.hpp"
 #include "vbond/run/run.hpp"
 
 namespace vbond::app {

@@ -13,7 +13,6 @@
 #include "folder.hpp"
 #include "inputs.hpp"
 #include "lock.hpp"
-#include "memory.hpp"
 #include "prepare.hpp"
 #include "processes.hpp"
 #include "report.hpp"
@@ -30,6 +29,7 @@
 #include "vbond/observe/files.hpp"
 #include "vbond/observe/report.hpp"
 #include "vbond/observe/summary.hpp"
+#include "vbond/run/memory_needed.hpp"
 #include "vbond/run/plan_output.hpp"
 #include "vbond/run/run.hpp"
 

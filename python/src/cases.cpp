@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bindings.hpp"
-#include "calibrate.hpp"
+#include "vbond/case/calibration.hpp"
 #include "vbond/case/read.hpp"
 #include "vbond/core/error.hpp"
 
@@ -24,7 +24,7 @@ SharedCase parse(const std::string& text, const std::filesystem::path& file,
 }
 
 py::dict calibrate(const std::map<std::string, std::string>& given) {
-  app::CalibrateOptions o;
+  CalibrateOptions o;
   const std::map<std::string, std::string*> fields{{"E", &o.E},
                                                    {"nu", &o.nu},
                                                    {"length", &o.length},
@@ -39,7 +39,7 @@ py::dict calibrate(const std::map<std::string, std::string>& given) {
                                                    {"theory", &o.theory}};
   for (const auto& [name, value] : given) *fields.at(name) = value;
   py::dict theories;
-  for (const app::CalibratedTheory& t : app::calibration(o).theories) {
+  for (const CalibratedTheory& t : calibration(o).theories) {
     if (!t.left_out.empty()) continue;
     using namespace py::literals;
     py::dict theory("c_A"_a = t.c.c_A, "c_D"_a = t.c.c_D, "c_B"_a = t.c.c_B, "c_T"_a = t.c.c_T);

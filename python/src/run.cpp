@@ -11,12 +11,11 @@
 
 #include "bindings.hpp"
 #include "interpreter.hpp"
-#include "memory.hpp"
-#include "prepare.hpp"
 #include "recorder.hpp"
 #include "vbond/build/build.hpp"
 #include "vbond/model/energies.hpp"
 #include "vbond/observe/observers.hpp"
+#include "vbond/run/memory_needed.hpp"
 #include "vbond/run/plan_output.hpp"
 
 namespace vbond::python {
@@ -155,9 +154,9 @@ class PyRun {
  private:
   void make(SharedCase c, int threads) {
     require_statics(*c);
-    app::require_memory(*c);
+    require_memory(*c);
     Built built = build(*c);
-    app::require_memory(*c, built.model, built.state);
+    require_memory(*c, built.model, built.state);
     auto run = std::make_unique<Run>(std::move(built.model), std::move(built.state), stages_of(*c), threads);
     run->check();
     model_ = std::make_shared<const Model>(run->model());

@@ -29,8 +29,9 @@ from ._vbond import (
 )
 from . import plots
 from .cases import Case, calibrate, list_keys
+from .command import ProgramError, find_program
 from .output import Frame, Output, open
-from .program import ProgramError, find_program, run, sweep
+from .program import run, sweep
 from .runs import Run
 from .statics import StaticSolution, buckling, equilibrium, fracture, modes, path
 

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from . import _vbond
+from .command import run_program
 
 
 class Frame:
@@ -118,8 +119,6 @@ class Output:
 
     def report(self) -> Path:
         """Writes report.html, as `vbond report`."""
-        from .program import run_program
-
         run_program(["report", os.fspath(self.folder)], quiet=True)
         return self.folder / "report.html"
 

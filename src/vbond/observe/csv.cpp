@@ -23,6 +23,23 @@ struct WriteCell {
   void operator()(std::string_view x) const { row.append(csv_quoted(std::string(x))); }
 };
 
+/// Into the texts that are there, which keep their memory from row to row.
+void split_cells(std::string_view line, std::vector<std::string>& cells) {
+  std::size_t count = 0, from = 0;
+  const auto end_cell = [&](std::size_t to) {
+    if (count == cells.size()) cells.emplace_back();
+    cells[count++].assign(line, from, to - from);
+    from = to + 1;
+  };
+  bool in_quotes = false;
+  for (std::size_t k = 0; k < line.size(); ++k) {
+    if (line[k] == '"') in_quotes = !in_quotes;
+    if (line[k] == ',' && !in_quotes) end_cell(k);
+  }
+  end_cell(line.size());
+  cells.resize(count);
+}
+
 }  // namespace
 
 std::string csv_line(std::span<const Cell> cells) {
@@ -58,15 +75,8 @@ std::string csv_plain(const std::string& cell) {
 }
 
 std::vector<std::string> csv_cells(std::string_view line) {
-  std::vector<std::string> cells(1);
-  bool in_quotes = false;
-  for (const char c : line) {
-    if (c == '"') in_quotes = !in_quotes;
-    if (c == ',' && !in_quotes)
-      cells.emplace_back();
-    else
-      cells.back() += c;
-  }
+  std::vector<std::string> cells;
+  split_cells(line, cells);
   return cells;
 }
 
@@ -88,6 +98,32 @@ std::optional<std::string_view> LineReader::next() {
   if (size < 0) require_read(file_.get(), path_);
   if (size <= 0 || line_[size - 1] != '\n') return std::nullopt;
   return std::string_view(line_, static_cast<std::size_t>(size) - 1);
+}
+
+CsvReader::CsvReader(const std::filesystem::path& path) : path_(path), lines_(path) {
+  const auto first = lines_.next();
+  if (!first) return;
+  line_ = *first;
+  split_cells(line_, header_);
+}
+
+std::size_t CsvReader::place(std::string_view name) const {
+  const auto at = index_of(header_, name);
+  if (!at) throw IoError(path_.string() + ": has no column " + std::string(name));
+  return *at;
+}
+
+bool CsvReader::next() {
+  const auto line = lines_.next();
+  if (!line) return false;
+  line_ = *line;
+  split_cells(line_, cells_);
+  if (cells_.size() != header_.size()) refuse();
+  return true;
+}
+
+void CsvReader::refuse() const {
+  throw IoError(path_.string() + ": is damaged at \"" + line_.substr(0, 60) + '"');
 }
 
 // ---- writing --------------------------------------------------------------------------------------------
@@ -124,9 +160,8 @@ CsvWriter::CsvWriter(std::filesystem::path path, Content content, UnitSystem uni
 }
 
 void CsvWriter::continue_after(std::int64_t last, const Content& content) {
-  LineReader in(path_);
-  const std::string header = std::string(in.next().value_or(""));
-  const std::vector<std::string> old = csv_cells(header);
+  CsvReader in(path_);
+  const std::vector<std::string>& old = in.header();
   columns_ = old;
   for (const std::string& name : content.necessary)
     if (!index_of(old, name))
@@ -139,20 +174,17 @@ void CsvWriter::continue_after(std::int64_t last, const Content& content) {
   for (const std::string& column : old) names.push_back(csv_plain(column));
   const std::size_t place_at = index_of(old, content.ordered_by).value();
   const Look look = content.looker(names);
-  std::uintmax_t kept = header.size() + 1;
+  std::uintmax_t kept = in.line().size() + 1;
   std::optional<Replacement> wider;
   if (columns_ != old) wider.emplace(path_), wider->write(csv_line(columns_));
   const std::string empty_cells(columns_.size() - old.size(), ',');
-  while (const auto row = in.next()) {
-    const std::vector<std::string> cells = csv_cells(*row);
-    const bool whole = cells.size() == old.size();
-    const auto place = whole ? csv_number<std::int64_t>(cells[place_at]) : std::nullopt;
+  while (in.next()) {
+    const auto place = csv_number<std::int64_t>(in.cells()[place_at]);
     const bool late = place && *place > last;
-    if (!place || (!late && !look(cells)))
-      throw IoError(path_.string() + ": is damaged at \"" + std::string(row->substr(0, 60)) + '"');
+    if (!place || (!late && !look(in.cells()))) in.refuse();
     if (late) break;
-    kept += row->size() + 1;
-    if (wider) wider->write(fmt::format("{}{}\n", *row, empty_cells));
+    kept += in.line().size() + 1;
+    if (wider) wider->write(fmt::format("{}{}\n", in.line(), empty_cells));
   }
   if (wider)
     wider->publish(Sync::to_disk);

@@ -63,6 +63,32 @@ class LineReader {
   std::size_t room_ = 0;
 };
 
+/// Reads a table that CsvWriter has written, row by row. Throws IoError.
+class CsvReader {
+ public:
+  explicit CsvReader(const std::filesystem::path& path);
+
+  /// The cells of the first line, as they stand in the file; none if it is not there as a whole.
+  const std::vector<std::string>& header() const { return header_; }
+  /// Where the column of this name stands; throws if there is none.
+  std::size_t place(std::string_view name) const;
+
+  /// Goes to the next row; false at the end, also before a last line that is still being written. Throws for
+  /// a row that has more or fewer cells than the header.
+  bool next();
+  const std::vector<std::string>& cells() const { return cells_; }  ///< of the row, as they stand in the file
+  const std::string& line() const { return line_; }  ///< that row without its end; at first the header
+
+  /// Throws: the file is damaged at this row.
+  [[noreturn]] void refuse() const;
+
+ private:
+  std::filesystem::path path_;
+  LineReader lines_;
+  std::vector<std::string> header_, cells_;
+  std::string line_;
+};
+
 /// What a column holds.
 struct ColumnFacts {
   Unit unit;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "vbond/core/error.hpp"
 #include "vbond/observe/csv.hpp"
 #include "vbond/observe/quantities.hpp"
 
@@ -61,58 +60,38 @@ std::string mode_in_words(const std::string& mode) {
   return mode == "other" ? "by its own law" : "in " + mode;
 }
 
-/// Where the columns are that words need.
-class Columns {
- public:
-  Columns(const std::filesystem::path& path, const std::vector<std::string>& names)
-      : path_(path), names_(names) {}
-  BreakTold row(const std::string& line) const {
-    const std::vector<std::string> cells = csv_cells(line);
-    if (cells.size() != names_.size()) damaged(line);
-    const auto text = [&](const char* name) { return csv_plain(cells[place(name)]); };
-    const auto number = [&](const char* name) {
-      const auto value = csv_number<double>(cells[place(name)]);
-      if (!value) damaged(line);
-      return *value;
-    };
-    const auto whole = [&](const char* name) {
-      const auto value = csv_number<std::int64_t>(cells[place(name)]);
-      if (!value) damaged(line);
-      return *value;
-    };
-    return {.bond = whole("bond"),
-            .i = whole("i"),
-            .j = whole("j"),
-            .time = number("time"),
-            .criterion = text("criterion"),
-            .mode = text("mode"),
-            .failure = {number("tension"), number("shear"), number("bending"), number("torsion"),
-                        number("compression"), number("utilisation")},
-            .limit = csv_number<double>(cells[place("limit")]),
-            .energy = number("energy")};
-  }
-
- private:
-  std::size_t place(const char* name) const {
-    const auto at = index_of(names_, name);
-    if (!at) throw IoError(path_.string() + ": has no column " + name);
-    return *at;
-  }
-  [[noreturn]] void damaged(const std::string& line) const {
-    throw IoError(path_.string() + ": is damaged at \"" + line.substr(0, 60) + '"');
-  }
-  std::filesystem::path path_;
-  std::vector<std::string> names_;
-};
+/// The row that was read.
+BreakTold told_row(const CsvReader& in) {
+  const auto cell = [&](const char* name) -> const std::string& { return in.cells()[in.place(name)]; };
+  const auto number = [&](const char* name) {
+    const auto value = csv_number<double>(cell(name));
+    if (!value) in.refuse();
+    return *value;
+  };
+  const auto whole = [&](const char* name) {
+    const auto value = csv_number<std::int64_t>(cell(name));
+    if (!value) in.refuse();
+    return *value;
+  };
+  return {.bond = whole("bond"),
+          .i = whole("i"),
+          .j = whole("j"),
+          .time = number("time"),
+          .criterion = csv_plain(cell("criterion")),
+          .mode = csv_plain(cell("mode")),
+          .failure = {number("tension"), number("shear"), number("bending"), number("torsion"),
+                      number("compression"), number("utilisation")},
+          .limit = csv_number<double>(cell("limit")),
+          .energy = number("energy")};
+}
 
 }  // namespace
 
 BreaksTold read_breaks(const std::filesystem::path& path, std::size_t most) {
-  LineReader in(path);
-  const Columns columns(path, csv_cells(in.next().value_or("")));
+  CsvReader in(path);
   BreaksTold told;
-  while (const auto line = in.next()) {
-    BreakTold row = columns.row(std::string(*line));
+  while (in.next()) {
+    BreakTold row = told_row(in);
     if (row.mode == to_text(BreakMode::other) && row.failure.utilisation < least_of_a_break)
       row.mode = with_dropped;
     ++told.count;

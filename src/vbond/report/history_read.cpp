@@ -1,60 +1,19 @@
 #include "vbond/report/history_read.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <initializer_list>
 #include <iterator>
 #include <limits>
 
 #include "vbond/core/error.hpp"
-#include "vbond/observe/files.hpp"
+#include "vbond/observe/csv.hpp"
 #include "vbond/observe/quantities.hpp"
 
 namespace vbond::page {
 namespace {
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
-
-[[noreturn]] void refuse(const std::filesystem::path& path, std::string_view row) {
-  throw IoError(path.string() + ": is damaged at \"" + std::string(row.substr(0, 60)) + '"');
-}
-
-/// Takes one name off the header line, up to the comma or line end that ends it.
-std::string take_name(std::string_view& header, const std::filesystem::path& path) {
-  std::string name;
-  bool in_quotes = false;
-  for (std::size_t k = 0; k < header.size(); ++k) {
-    const char c = header[k];
-    if (c == '"' && in_quotes && k + 1 < header.size() && header[k + 1] == '"') {
-      name += header[k++];
-    } else if (c == '"') {
-      in_quotes = !in_quotes;
-    } else if (!in_quotes && (c == ',' || c == '\n')) {
-      header.remove_prefix(k);
-      return name;
-    } else {
-      name += c;
-    }
-  }
-  refuse(path, header);
-}
-
-void add_row(std::string_view row, const std::filesystem::path& path, History& h) {
-  const char *at = row.data(), *const end = row.data() + row.size();
-  for (std::size_t c = 0; c < h.columns.size(); ++c) {
-    double value = none;
-    if (at != end && *at != ',') {
-      const auto [next, error] = std::from_chars(at, end, value);
-      if (error != std::errc{}) refuse(path, row);
-      at = next;
-    }
-    const bool last = c + 1 == h.columns.size();
-    if (last ? at != end : at == end || *at != ',') refuse(path, row);
-    if (!last) ++at;
-    h.columns[c].values.push_back(value);
-  }
-}
 
 /// Rows of the extremes of every column in a stretch; columns that do not change there say nothing.
 void add_extremes(const History& h, std::size_t from, std::size_t to, std::vector<std::size_t>& rows) {
@@ -179,16 +138,20 @@ const HistoryColumn* History::find(std::string_view name) const {
 }
 
 History read_history(const std::filesystem::path& path) {
-  const std::string content = read_all(path);
-  std::string_view rest = content;
+  CsvReader in(path);
   History h;
-  if (rest.find('\n') == std::string_view::npos) return h;
-  for (char end = ','; end != '\n'; rest.remove_prefix(1)) {
-    h.columns.push_back({take_name(rest, path), {}});
-    end = rest[0];
+  for (const std::string& name : in.header()) {
+    if (std::count(name.begin(), name.end(), '"') % 2 != 0)  // quotes that do not end
+      throw IoError(path.string() + ": is damaged at \"" + name.substr(0, 60) + '"');
+    h.columns.push_back({csv_plain(name), {}});
   }
-  for (std::size_t end; (end = rest.find('\n')) != std::string_view::npos; rest.remove_prefix(end + 1))
-    add_row(rest.substr(0, end), path, h);
+  while (in.next())
+    for (std::size_t c = 0; c < h.columns.size(); ++c) {
+      const std::string& cell = in.cells()[c];
+      const auto value = cell.empty() ? none : csv_number<double>(cell);
+      if (!value) in.refuse();
+      h.columns[c].values.push_back(*value);
+    }
   return h;
 }
 

@@ -3,10 +3,15 @@
 #include <utility>
 #include <vector>
 
-#include "commands.hpp"
 #include "vbond/physics/stiffness.hpp"
 
-namespace vbond::app {
+namespace vbond {
+
+/// Material and section of a bond as texts, with or without units; empty: not given.
+struct CalibrateOptions {
+  std::string E, nu = "0.2", length, diameter, inner_diameter, side, A, J, J_p, kappa, thickness;
+  std::string theory = "all";
+};
 
 /// What a theory makes of a material and a section.
 struct CalibratedTheory {
@@ -25,7 +30,7 @@ struct Calibration {
   std::vector<CalibratedTheory> theories;
 };
 
-/// Throws CaseError with all mistakes of the options.
+/// Throws CaseError with all mistakes of the options, named as `vbond calibrate` has them.
 Calibration calibration(const CalibrateOptions& options);
 
-}  // namespace vbond::app
+}  // namespace vbond

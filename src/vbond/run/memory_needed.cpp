@@ -1,4 +1,4 @@
-#include "memory.hpp"
+#include "vbond/run/memory_needed.hpp"
 
 #include <fmt/format.h>
 
@@ -12,7 +12,7 @@
 #include "vbond/core/memory.hpp"
 #include "vbond/dynamics/memory.hpp"
 
-namespace vbond::app {
+namespace vbond {
 namespace {
 
 constexpr const char* whose_limit = "the memory of the machine, or the limit of its container or of ulimit";
@@ -21,8 +21,8 @@ void require(double bytes, const std::string& what, const Case& c) {
   const double limit = memory_limit();
   if (bytes <= limit) return;
   throw CaseError({{c.file, 0, 0},
-                   fmt::format("{} take at least {} of memory", what, in_units(bytes)),
-                   fmt::format("there may be {}: {}", in_units(limit), whose_limit),
+                   fmt::format("{} take at least {} of memory", what, bytes_in_units(bytes)),
+                   "there may be " + memory_limit_in_words(),
                    "take fewer particles, or another machine"});
 }
 
@@ -31,8 +31,8 @@ void require(double bytes, const Case& c, const RanksHere& ranks) {
   if (bytes <= limit) return;
   throw CaseError(
       {{c.file, 0, 0},
-       fmt::format("{} ranks on one machine take at least {} of memory", ranks.number, in_units(bytes)),
-       fmt::format("there may be {}, and each rank holds the whole body", in_units(limit)),
+       fmt::format("{} ranks on one machine take at least {} of memory", ranks.number, bytes_in_units(bytes)),
+       fmt::format("there may be {}, and each rank holds the whole body", bytes_in_units(limit)),
        "take fewer ranks, or more machines, or vbond --threads N, which holds the body once"});
 }
 
@@ -68,15 +68,14 @@ BondsToCome bonds_to_come(const Case& c, const Run& run, const BondingRule& rule
         set != c.bonds.end() ? set->place : SourcePlace{c.file, 0, 0},
         fmt::format("bonds \"{}\": more pairs are within {} as the run begins than there is memory for",
                     rule.name, rule.distance),
-        fmt::format("they would be bonded at once, and there may be {}: {}", in_units(memory_limit()),
-                    whose_limit),
+        "they would be bonded at once, and there may be " + memory_limit_in_words(),
         "use a little more than the spacing; is the distance in the right unit?"});
   }
 }
 
 }  // namespace
 
-std::string in_units(double bytes) {
+std::string bytes_in_units(double bytes) {
   constexpr double KiB = 0x1p10, MiB = 0x1p20, GiB = 0x1p30;
   if (std::isinf(bytes)) return "more than 16 GiB";  // beyond CHOLMOD's index
   if (bytes >= GiB) return fmt::format("{:.3g} GiB", bytes / GiB);
@@ -116,11 +115,8 @@ void require_memory(const Case& c, const Model& model, const State& state, const
   require(ranks.number * memory_of_each_rank(model, state, ranks.all), c, ranks);
 }
 
-std::string out_of_memory() {
-  return fmt::format(
-      "memory has run out; there may be {}: {}\n"
-      "  vbond check CASE says what the time loop takes; take fewer particles, or another machine",
-      in_units(memory_limit()), whose_limit);
+std::string memory_limit_in_words() {
+  return fmt::format("{}: {}", bytes_in_units(memory_limit()), whose_limit);
 }
 
-}  // namespace vbond::app
+}  // namespace vbond

@@ -7,10 +7,10 @@
 #include "vbond/model/state.hpp"
 #include "vbond/run/run.hpp"
 
-namespace vbond::app {
+namespace vbond {
 
 /// 1536 is "1.5 KiB".
-std::string in_units(double bytes);
+std::string bytes_in_units(double bytes);
 
 /// Throws CaseError if the particles that the case makes cannot fit into memory: before any is made.
 void require_memory(const Case& c);
@@ -39,7 +39,7 @@ struct RanksHere {
 void require_memory(const Case& c, const RanksHere& ranks);
 void require_memory(const Case& c, const Model& model, const State& state, const RanksHere& ranks);
 
-/// What there is to say when memory has run out all the same.
-std::string out_of_memory();
+/// How much memory there may be, and whose limit that is.
+std::string memory_limit_in_words();
 
-}  // namespace vbond::app
+}  // namespace vbond
