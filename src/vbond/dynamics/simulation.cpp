@@ -1,160 +1,14 @@
+// One time step: Simulation::step and what it calls, in this order.
 #include "vbond/dynamics/simulation.hpp"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <type_traits>
-#include <utility>
 
-#include "vbond/core/error.hpp"
-#include "vbond/dynamics/gather.hpp"
 #include "vbond/dynamics/kernel.hpp"
-#include "vbond/model/bond_sums.hpp"
-#include "vbond/model/heat.hpp"
-#include "vbond/model/mistakes.hpp"
-#include "vbond/model/state_table.hpp"
 
 namespace vbond {
-namespace {
-
-/// The particles of each block, the bonds that are worked on with it, and contacts.
-std::vector<std::size_t> work_of_blocks(const Model& model, const Bodies& bodies,
-                                        const PerBond<Bond>& bonds) {
-  std::vector<std::size_t> work((filled_up(bodies.order.own) + block_rows - 1) / block_rows,
-                                work_of_particle(model) * block_rows);
-  for (const Bond& b : bonds)
-    if (const std::size_t row = lower_row(b, bodies.order); row < bodies.order.own) ++work[row / block_rows];
-  return work;
-}
-
-/// All blocks alike.
-std::vector<std::size_t> same_work(std::size_t rows) {
-  return std::vector<std::size_t>((filled_up(rows) + block_rows - 1) / block_rows, block_rows);
-}
-
-Team team_of(const Model& model, const Bodies& bodies, const PerBond<Bond>& bonds, int threads,
-             bool is_part) {
-  const std::size_t own = bodies.order.own;
-  if (!is_part) return {own, work_of_blocks(model, bodies, bonds), threads};
-  return {own, same_work(own), 1};
-}
-
-/// What was dropped is not known, as the particles of other parts.
-Order order_of(const Model& model, const State& state) {
-  const Order all = spatial_order(model.r_0);
-  if (state.dropped.empty()) return all;
-  Holding rest;
-  for (const ParticleId p : model.mass.ids())
-    if (!is_dropped(state, p)) rest.own.push_back(p);
-  return part_of(all, rest);
-}
-
-/// The model, if the three belong together. A part is one of a body that has been looked at.
-const Model& consistent(const Model& model, const Stage& stage, const State& state, bool is_part) {
-  if (is_part) return model;
-  require_consistent("Simulation", model, stage, state);
-  if (const auto bond = bond_without_length(state, growth_in(state, stage))) refuse("Simulation", {*bond});
-  return model;
-}
-
-/// The fewest steps that any process would wait.
-std::int64_t next_look_of_all(std::int64_t steps, const Exchange& exchange) {
-  double sooner = -static_cast<double>(steps);
-  exchange.max({&sooner, 1});
-  return -sooner < static_cast<double>(steps) ? static_cast<std::int64_t>(-sooner) : steps;
-}
-
-}  // namespace
-
-std::size_t work_of_particle(const Model& model) {
-  return is_elastic(model.contact, model.materials) ? 1 : 7;
-}
-
-Simulation::Simulation(const Model& model, Stage stage, State* state, int threads)
-    : Simulation(model, std::move(stage), state, threads, {order_of(model, *state)}, one_rank(), false) {}
-
-Simulation::Simulation(const Model& model, Stage stage, State* state, Share share, Exchange& exchange)
-    : Simulation(model, std::move(stage), state, 1, std::move(share), exchange, true) {}
-
-Simulation::Simulation(const Model& model, Stage stage, State* state, int threads, Share share,
-                       Exchange& exchange, bool is_part)
-    : model_(consistent(model, stage, *state, is_part)),
-      stage_(std::move(stage)),
-      state_(std::move(*state)),
-      booked_(state_.books),
-      is_part_(is_part),
-      exchange_(exchange),
-      bodies_(model, std::move(share.order)),
-      team_(team_of(model, bodies_, state_.bonds, threads, is_part)),
-      contacts_(model, bodies_.order, bond_index_),
-      capsules_(model, bodies_),
-      encounters_(model, bond_index_, exchange),
-      supports_(stage_, bodies_, team_),
-      applied_(stage_, bodies_, team_),
-      damping_(stage_, bodies_),
-      walls_(model, stage_, bodies_, team_.blocks(), exchange),
-      bonding_(model, stage_, bodies_.order, bond_index_, exchange),
-      last_stage_step_(std::isfinite(stage_.stops.duration) ? steps_in(stage_.stops.duration, stage_.dt)
-                                                            : std::numeric_limits<std::int64_t>::max()),
-      farthest_(share.farthest),
-      lost_beyond_(share.lost_beyond),
-      room_(share.farthest) {
-  if (is_part) with_ghosts_.emplace(bodies_.order.known, same_work(bodies_.order.known), 1);
-  books_.resize(all_known().blocks());
-  lost_.resize(all_known().blocks());
-  try {
-    const bool begun = is_part || state_.clock.stage_step != 0;
-    if (!leads()) {  // parts add up
-      booked_ = {.largest = booked_.largest};
-      for (GripState& g : state_.grips) g.work = 0.0;
-    }
-    bodies_.read(state_);
-    bodies_.tops.hold(stage_.supports, bodies_.order);
-    breaking_.resize(team_.parts().size());
-    bonds_changed();
-    contacts_.refresh(bodies_.poses(), all_known());
-    contacts_.restore(state_.contact_history);
-    capsules_.restore(state_.fibre_history);
-    walls_.read(state_);
-    supports_.grips().read(state_, begun);
-    state_.clock.dt = stage_.dt;
-    if (begun)
-      take_up_loads();
-    else
-      begin_stage();
-    if (is_part)
-      for (std::size_t k = 0; k < bodies_.order.own; ++k) r_begin_.push_back(bodies_.pose[k].r);
-  } catch (...) {
-    *state = std::move(state_);
-    throw;
-  }
-}
-
-void Simulation::begin_stage() {
-  begin_anew(state_, Anew::stage);
-  const bool run_begins = state_.clock.stage == 0 && state_.clock.step == 0;
-  booked_.work_supports += walls_.put_off_and_on(team_, run_begins);
-  evaluate_loads();
-  if (run_begins) booked_ = opened_books(state_, energies().total());
-  heat_at_start();
-  supports_.set_times(0, stage_.dt);
-  team_.for_blocks(
-      [&](const Block& b) { books_[b.index] = {.work_supports = supports_.hold(b, Instant::start)}; });
-  bodies_ahead_ = true;
-  survey_.reset();
-  close_books();
-}
-
-/// Whether elastic bonds, supports and loads are all there is, and particles like spheres.
-bool Simulation::has_only_elastic_bonds() const {
-  const bool same_body = stage_.bonding.empty() && stage_.heating.empty() && !stage_.strain;
-  const bool same_particles = model_.principal.empty() && !supports_.grips().any();  // in all parts alike
-  return bonds_.all_elastic() && same_body && same_particles && !anything_dissipates() &&
-         !damping_.is_local();
-}
 
 void Simulation::step() {
   const bool timed = state_.clock.stage_step % StepTimes::one_in == 0;
@@ -237,16 +91,6 @@ void Simulation::finish_free_grips() {
   });
 }
 
-/// What changes the body between steps.
-void Simulation::change_body() {
-  last_way_ = 0.0;
-  taken_.clear();
-  taken_shares_.clear();
-  make_bonds();                         // between particles that came close
-  if (!stage_.heating.empty()) heat();  // bonds get their lengths at the end of the step
-  apply_strain();                       // r jumps, if it is due
-}
-
 /// Bonds need the new places of both their particles. A block is moved just before the first bonds that reach
 /// it, and stays in the cache until then; but before all others if another thread or process may look at it:
 /// at the border of a part, or anywhere where there are contacts.
@@ -295,35 +139,6 @@ void Simulation::end_step(const Block& b) {
 RowsAhead Simulation::rows_of(const Block& b) const {
   const std::size_t k = b.rows.first;
   return {&bodies_.pose[k], &bodies_.motion[k], &bodies_.load[k], b.rows.last - k};
-}
-
-StopReason Simulation::run(const std::function<bool()>& interrupted, std::int64_t most) {
-  if (state_.clock.stage_step == 0) notify_observers();
-  StopReason why = stop_reason();
-  while (why == StopReason::running && most > 0 &&
-         !has_outgrown_) {  // never interrupted before the first step
-    step(), --most, why = stop_reason();
-    if (why == StopReason::running && is_time_to_meet() && meet(interrupted && interrupted()))
-      why = StopReason::interrupted;
-  }
-  agree_on_failure();
-  if (why != StopReason::running) finish(why);
-  return why;
-}
-
-void Simulation::finish(StopReason why) {
-  for (const auto& o : observers_) exchange_.together([&] { o->finish(*this, why); });
-}
-
-void Simulation::notify_observers() {
-  steps_to_look_ = std::numeric_limits<std::int64_t>::max();
-  if (observers_.empty()) return;  // events are then kept
-  for (const auto& o : observers_) {
-    exchange_.together([&] { o->observe(*this); });
-    steps_to_look_ = std::min(steps_to_look_, std::max<std::int64_t>(1, o->steps_to_next_look(state_.clock)));
-  }
-  if (is_part_) steps_to_look_ = next_look_of_all(steps_to_look_, exchange_);
-  events_.clear();
 }
 
 void Simulation::kick(const Block& b, double h) {
@@ -461,61 +276,6 @@ double Simulation::largest_way2() const {
   for (const BlockBooks& b : books_) way2 = std::max(way2, b.way2);
   exchange_.max({&way2, 1});
   return way2;
-}
-
-const State& Simulation::state() const {
-  if (std::exchange(bodies_ahead_, false)) {
-    collect_own();
-    books_ahead_ = true;
-    if (is_part_) gather_owned(state_, own_particles(), own_bonds(), exchange_);
-  }
-  books();
-  return state_;
-}
-
-/// What this process knows of particles, bonds and pairs.
-void Simulation::collect_own() const {
-  bodies_.write(state_);
-  if (bonds_.remembers()) bonds_.collect(state_.bond_history);
-  state_.contact_history = contacts_.collect();
-  state_.fibre_history = capsules_.collect();
-  if (walls_.any()) walls_.write(state_);
-  supports_.grips().write(state_);
-  const bool loads_follow = bonds_.all_elastic() && !contacts_.are_touches() && !capsules_.any() &&
-                            !walls_.any() && !damping_.is_local();
-  state_.loads = loads_follow ? Loads{} : loads();
-  state_.damping = bodies_.damping.empty() ? Loads{} : bodies_.collect(bodies_.damping);
-  state_.local_damping = bodies_.local_damping.empty() ? Loads{} : bodies_.collect(bodies_.local_damping);
-}
-
-State Simulation::take_state() && {
-  state();
-  return std::move(state_);
-}
-
-void Simulation::apply_strain() {
-  if (!stage_.strain) return;
-  const StrainProgram& strain = *stage_.strain;
-  if (state_.clock.stage_step % steps_in(strain.every, stage_.dt) != 0) return;
-
-  const double U_before = survey_here().energies.potential();
-  team_.for_blocks([&](const Block& b) { clear_loads(b); });
-  applied_.set_times(state_.clock.stage_step, stage_.dt);
-  team_.for_blocks([&](const Block& b) { applied_.add(b, Instant::start); });
-  double work_applied = 0.0;
-  for (const ParticleId p : strain.particles) {
-    if (!bodies_.order.has(p)) continue;
-    const std::size_t row = bodies_.order.row[p].value;
-    Vec3d& r = bodies_.pose[row].r;
-    const Vec3d dr = strain.increment * dot(strain.direction, r - strain.centre) * strain.direction;
-    r += dr;
-    work_applied += dot(bodies_.load[row].F, dr);
-  }
-  bodies_ahead_ = true;
-  last_way_ = std::numeric_limits<double>::infinity();
-  evaluate_loads();
-  booked_.work_loads += work_applied;
-  booked_.work_supports += survey_here().energies.potential() - U_before - work_applied;
 }
 
 }  // namespace vbond

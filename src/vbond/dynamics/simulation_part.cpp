@@ -104,35 +104,6 @@ void Simulation::agree_on_failure() {
   throw Diverged(first.step, first.time, first.who.data(), first.what.data(), first.way_out.data());
 }
 
-/// One process alone meets nobody, and may be interrupted after each step.
-bool Simulation::is_time_to_meet() const {
-  return !is_part_ || unmet_ >= steps_between_meetings() || !(room_ > 0.0);
-}
-
-/// Between steps, now and then: whether one is interrupted, has failed, or has a particle that has gone too
-/// far.
-bool Simulation::meet(bool interrupted) {
-  if (!is_part_) return interrupted;
-  unmet_ = 0;
-  agree_on_failure();
-  fold_brought_in();
-  enum : std::size_t { stop, way, questions };
-  std::array<double, questions> most{leads() && interrupted ? 1.0 : 0.0, way_since_begin()};
-  exchange_.max(most);
-  has_outgrown_ = most[way] > farthest_ && most[way] < lost_beyond_;
-  room_ = farthest_ - most[way];
-  return most[stop] != 0.0;
-}
-
-/// The largest energy that has been brought in after any step is that of the whole body.
-void Simulation::fold_brought_in() const {
-  exchange_.sum(brought_in_);
-  double& largest = booked_.largest;
-  for (const double energy : brought_in_) largest = std::max(largest, energy);
-  brought_in_.clear();
-  exchange_.max({&largest, 1});
-}
-
 /// Capsules are worked out by all parts.
 double Simulation::reach() const {
   if (!may_meet()) return 0.0;
@@ -184,13 +155,6 @@ const State& Simulation::own_state() const {
     if (order.has(p)) ends.push_back({p, state_.r[p], state_.q[p]});
   for (const End& e : exchange_.gather(ends)) state_.r[e.particle] = e.r, state_.q[e.particle] = e.q;
   return state_;
-}
-
-void Simulation::take_over_observers(Simulation& before) {
-  observers_ = std::move(before.observers_);
-  steps_to_look_ = before.steps_to_look_;
-  events_ = std::move(before.events_);
-  times_ = before.times_;
 }
 
 }  // namespace vbond

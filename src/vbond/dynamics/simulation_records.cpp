@@ -132,6 +132,36 @@ double Simulation::balance_error(const Energies& e) const {
                                rounding_scale_, std::numeric_limits<double>::min()});
 }
 
+const State& Simulation::state() const {
+  if (std::exchange(bodies_ahead_, false)) {
+    collect_own();
+    books_ahead_ = true;
+    if (is_part_) gather_owned(state_, own_particles(), own_bonds(), exchange_);
+  }
+  books();
+  return state_;
+}
+
+/// What this process knows of particles, bonds and pairs.
+void Simulation::collect_own() const {
+  bodies_.write(state_);
+  if (bonds_.remembers()) bonds_.collect(state_.bond_history);
+  state_.contact_history = contacts_.collect();
+  state_.fibre_history = capsules_.collect();
+  if (walls_.any()) walls_.write(state_);
+  supports_.grips().write(state_);
+  const bool loads_follow = bonds_.all_elastic() && !contacts_.are_touches() && !capsules_.any() &&
+                            !walls_.any() && !damping_.is_local();
+  state_.loads = loads_follow ? Loads{} : loads();
+  state_.damping = bodies_.damping.empty() ? Loads{} : bodies_.collect(bodies_.damping);
+  state_.local_damping = bodies_.local_damping.empty() ? Loads{} : bodies_.collect(bodies_.local_damping);
+}
+
+State Simulation::take_state() && {
+  state();
+  return std::move(state_);
+}
+
 /// Of parts the sum of what each has booked.
 const EnergyBooks& Simulation::books() const {
   if (!std::exchange(books_ahead_, false)) return state_.books;

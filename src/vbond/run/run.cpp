@@ -3,13 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <utility>
 
 #include "vbond/model/bond_sums.hpp"
-#include "vbond/model/capsules.hpp"
 #include "vbond/model/energies.hpp"
 #include "vbond/model/heat.hpp"
 #include "vbond/model/mistakes.hpp"
@@ -214,60 +212,6 @@ StopReason Run::steps_of_stage(std::int64_t most) {
     } catch (const ParticlesLost& found) {
       if (!drop(found)) throw;
     }
-}
-
-/// Goes on as from a checkpoint of the same moment in which these particles were dropped already; returns
-/// false, and has done nothing, if that cannot be. As a stage begins nothing has happened yet that it would
-/// mend.
-bool Run::drop(const ParticlesLost& found) {
-  const auto& stage = std::get<Stage>(*stage_);
-  if (stage.on_unphysical != OnUnphysical::drop || partition_ != nullptr || clock().stage_step == 0)
-    return false;
-  State rest = simulation_->state();
-  const auto lost = to_be_dropped(stage, found.lost);
-  if (!lost || rest.dropped.size() + lost->size() == model_.particles() ||
-      any_capsules(model_.contact, rest.bonds) || !std::isfinite(simulation_->energies().total()))
-    return false;
-  std::vector<ParticleId> particles;
-  for (const auto& [p, why] : *lost) particles.push_back(p);
-  const std::vector<BondEvent> broken = vbond::drop(particles, rest);
-  auto without = std::make_unique<Simulation>(model_, stage, &rest, threads_);
-  const double energy = without->take_over(*simulation_, broken);
-  simulation_ = std::move(without);
-  for (const auto& o : observers_) simulation_->add_observer(o);
-  tell_of_dropped(*lost, broken, energy);
-  return true;
-}
-
-/// The first ones in full, the others at the end of the stage as a number.
-void Run::tell_of_dropped(const std::vector<std::pair<ParticleId, std::string>>& lost,
-                          const std::vector<BondEvent>& broken, double energy) {
-  constexpr std::size_t told_in_full = 10;
-  const State& s = simulation_->state();
-  std::size_t count = s.dropped.size() - lost.size();
-  for (std::size_t k = 0; k < lost.size(); ++k) {
-    if (++count > told_in_full) {
-      ++drops_untold_;
-      continue;
-    }
-    const auto& [p, why] = lost[k];
-    const Vec3d& r = s.r[p];
-    const auto bonds = std::count_if(broken.begin(), broken.end(), [&s, p = p](const BondEvent& e) {
-      return s.bonds[e.bond].i == p || s.bonds[e.bond].j == p;
-    });
-    if (hooks_.tell)
-      hooks_.tell(
-          fmt::format("t = {:.6g}: step {}: particle {} is dropped at ({:.6g}, {:.6g}, {:.6g}): {}; "
-                      "{} bond{} broke, and {}energy {:.6g} is gone",
-                      s.clock.time(), s.clock.step, p.value, r.x, r.y, r.z, why, bonds, bonds == 1 ? "" : "s",
-                      lost.size() == 1 ? std::string() : fmt::format("with all {} ", lost.size()), energy));
-  }
-}
-
-void Run::sum_up_dropped() {
-  if (const std::size_t untold = std::exchange(drops_untold_, 0); untold > 0 && hooks_.tell)
-    hooks_.tell(fmt::format("{} more particles were dropped: {} in all so far", untold,
-                            simulation_->dropped().size()));
 }
 
 void Run::close_stage(StopReason why) {

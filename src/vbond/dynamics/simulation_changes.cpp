@@ -1,7 +1,6 @@
-// The part of a simulation that temperatures change: bonds that expand get other lengths at the start of a
-// step, so that its loads belong to the temperatures at its end. What this does to the energy of the bonds is
-// work of imposed strain: dU/dg times the change of the growth g, the mean of before and after the step.
+// What changes the body between steps: imposed strain and temperatures.
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "vbond/dynamics/simulation.hpp"
@@ -9,6 +8,46 @@
 #include "vbond/model/heat.hpp"
 
 namespace vbond {
+
+/// What changes the body between steps.
+void Simulation::change_body() {
+  last_way_ = 0.0;
+  taken_.clear();
+  taken_shares_.clear();
+  make_bonds();                         // between particles that came close
+  if (!stage_.heating.empty()) heat();  // bonds get their lengths at the end of the step
+  apply_strain();                       // r jumps, if it is due
+}
+
+void Simulation::apply_strain() {
+  if (!stage_.strain) return;
+  const StrainProgram& strain = *stage_.strain;
+  if (state_.clock.stage_step % steps_in(strain.every, stage_.dt) != 0) return;
+
+  const double U_before = survey_here().energies.potential();
+  team_.for_blocks([&](const Block& b) { clear_loads(b); });
+  applied_.set_times(state_.clock.stage_step, stage_.dt);
+  team_.for_blocks([&](const Block& b) { applied_.add(b, Instant::start); });
+  double work_applied = 0.0;
+  for (const ParticleId p : strain.particles) {
+    if (!bodies_.order.has(p)) continue;
+    const std::size_t row = bodies_.order.row[p].value;
+    Vec3d& r = bodies_.pose[row].r;
+    const Vec3d dr = strain.increment * dot(strain.direction, r - strain.centre) * strain.direction;
+    r += dr;
+    work_applied += dot(bodies_.load[row].F, dr);
+  }
+  bodies_ahead_ = true;
+  last_way_ = std::numeric_limits<double>::infinity();
+  evaluate_loads();
+  booked_.work_loads += work_applied;
+  booked_.work_supports += survey_here().energies.potential() - U_before - work_applied;
+}
+
+// ---- temperatures --------------------------------------------------------------------------------------
+// Bonds that expand get other lengths at the start of a step, so that its loads belong to the temperatures at
+// its end. What this does to the energy of the bonds is work of imposed strain: dU/dg times the change of the
+// growth g, the mean of before and after the step.
 
 /// Whether any has changed.
 bool Simulation::set_temperatures(double time) {

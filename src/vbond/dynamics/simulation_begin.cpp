@@ -1,0 +1,146 @@
+// How the simulation of a stage is set up, and begins the stage.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "vbond/dynamics/simulation.hpp"
+#include "vbond/model/bond_sums.hpp"
+#include "vbond/model/heat.hpp"
+#include "vbond/model/mistakes.hpp"
+#include "vbond/model/state_table.hpp"
+
+namespace vbond {
+namespace {
+
+/// The particles of each block, the bonds that are worked on with it, and contacts.
+std::vector<std::size_t> work_of_blocks(const Model& model, const Bodies& bodies,
+                                        const PerBond<Bond>& bonds) {
+  std::vector<std::size_t> work((filled_up(bodies.order.own) + block_rows - 1) / block_rows,
+                                work_of_particle(model) * block_rows);
+  for (const Bond& b : bonds)
+    if (const std::size_t row = lower_row(b, bodies.order); row < bodies.order.own) ++work[row / block_rows];
+  return work;
+}
+
+/// All blocks alike.
+std::vector<std::size_t> same_work(std::size_t rows) {
+  return std::vector<std::size_t>((filled_up(rows) + block_rows - 1) / block_rows, block_rows);
+}
+
+Team team_of(const Model& model, const Bodies& bodies, const PerBond<Bond>& bonds, int threads,
+             bool is_part) {
+  const std::size_t own = bodies.order.own;
+  if (!is_part) return {own, work_of_blocks(model, bodies, bonds), threads};
+  return {own, same_work(own), 1};
+}
+
+/// What was dropped is not known, as the particles of other parts.
+Order order_of(const Model& model, const State& state) {
+  const Order all = spatial_order(model.r_0);
+  if (state.dropped.empty()) return all;
+  Holding rest;
+  for (const ParticleId p : model.mass.ids())
+    if (!is_dropped(state, p)) rest.own.push_back(p);
+  return part_of(all, rest);
+}
+
+/// The model, if the three belong together. A part is one of a body that has been looked at.
+const Model& consistent(const Model& model, const Stage& stage, const State& state, bool is_part) {
+  if (is_part) return model;
+  require_consistent("Simulation", model, stage, state);
+  if (const auto bond = bond_without_length(state, growth_in(state, stage))) refuse("Simulation", {*bond});
+  return model;
+}
+
+}  // namespace
+
+std::size_t work_of_particle(const Model& model) {
+  return is_elastic(model.contact, model.materials) ? 1 : 7;
+}
+
+Simulation::Simulation(const Model& model, Stage stage, State* state, int threads)
+    : Simulation(model, std::move(stage), state, threads, {order_of(model, *state)}, one_rank(), false) {}
+
+Simulation::Simulation(const Model& model, Stage stage, State* state, Share share, Exchange& exchange)
+    : Simulation(model, std::move(stage), state, 1, std::move(share), exchange, true) {}
+
+Simulation::Simulation(const Model& model, Stage stage, State* state, int threads, Share share,
+                       Exchange& exchange, bool is_part)
+    : model_(consistent(model, stage, *state, is_part)),
+      stage_(std::move(stage)),
+      state_(std::move(*state)),
+      booked_(state_.books),
+      is_part_(is_part),
+      exchange_(exchange),
+      bodies_(model, std::move(share.order)),
+      team_(team_of(model, bodies_, state_.bonds, threads, is_part)),
+      contacts_(model, bodies_.order, bond_index_),
+      capsules_(model, bodies_),
+      encounters_(model, bond_index_, exchange),
+      supports_(stage_, bodies_, team_),
+      applied_(stage_, bodies_, team_),
+      damping_(stage_, bodies_),
+      walls_(model, stage_, bodies_, team_.blocks(), exchange),
+      bonding_(model, stage_, bodies_.order, bond_index_, exchange),
+      last_stage_step_(std::isfinite(stage_.stops.duration) ? steps_in(stage_.stops.duration, stage_.dt)
+                                                            : std::numeric_limits<std::int64_t>::max()),
+      farthest_(share.farthest),
+      lost_beyond_(share.lost_beyond),
+      room_(share.farthest) {
+  if (is_part) with_ghosts_.emplace(bodies_.order.known, same_work(bodies_.order.known), 1);
+  books_.resize(all_known().blocks());
+  lost_.resize(all_known().blocks());
+  try {
+    const bool begun = is_part || state_.clock.stage_step != 0;
+    if (!leads()) {  // parts add up
+      booked_ = {.largest = booked_.largest};
+      for (GripState& g : state_.grips) g.work = 0.0;
+    }
+    bodies_.read(state_);
+    bodies_.tops.hold(stage_.supports, bodies_.order);
+    breaking_.resize(team_.parts().size());
+    bonds_changed();
+    contacts_.refresh(bodies_.poses(), all_known());
+    contacts_.restore(state_.contact_history);
+    capsules_.restore(state_.fibre_history);
+    walls_.read(state_);
+    supports_.grips().read(state_, begun);
+    state_.clock.dt = stage_.dt;
+    if (begun)
+      take_up_loads();
+    else
+      begin_stage();
+    if (is_part)
+      for (std::size_t k = 0; k < bodies_.order.own; ++k) r_begin_.push_back(bodies_.pose[k].r);
+  } catch (...) {
+    *state = std::move(state_);
+    throw;
+  }
+}
+
+void Simulation::begin_stage() {
+  begin_anew(state_, Anew::stage);
+  const bool run_begins = state_.clock.stage == 0 && state_.clock.step == 0;
+  booked_.work_supports += walls_.put_off_and_on(team_, run_begins);
+  evaluate_loads();
+  if (run_begins) booked_ = opened_books(state_, energies().total());
+  heat_at_start();
+  supports_.set_times(0, stage_.dt);
+  team_.for_blocks(
+      [&](const Block& b) { books_[b.index] = {.work_supports = supports_.hold(b, Instant::start)}; });
+  bodies_ahead_ = true;
+  survey_.reset();
+  close_books();
+}
+
+/// Whether elastic bonds, supports and loads are all there is, and particles like spheres.
+bool Simulation::has_only_elastic_bonds() const {
+  const bool same_body = stage_.bonding.empty() && stage_.heating.empty() && !stage_.strain;
+  const bool same_particles = model_.principal.empty() && !supports_.grips().any();  // in all parts alike
+  return bonds_.all_elastic() && same_body && same_particles && !anything_dissipates() &&
+         !damping_.is_local();
+}
+
+}  // namespace vbond

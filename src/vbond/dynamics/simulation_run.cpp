@@ -1,0 +1,87 @@
+// Steps until a stage ends, those who look on, and what several processes tell each other meanwhile.
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <utility>
+
+#include "vbond/dynamics/simulation.hpp"
+
+namespace vbond {
+namespace {
+
+/// The fewest steps that any process would wait.
+std::int64_t next_look_of_all(std::int64_t steps, const Exchange& exchange) {
+  double sooner = -static_cast<double>(steps);
+  exchange.max({&sooner, 1});
+  return -sooner < static_cast<double>(steps) ? static_cast<std::int64_t>(-sooner) : steps;
+}
+
+}  // namespace
+
+StopReason Simulation::run(const std::function<bool()>& interrupted, std::int64_t most) {
+  if (state_.clock.stage_step == 0) notify_observers();
+  StopReason why = stop_reason();
+  // never interrupted before the first step
+  while (why == StopReason::running && most > 0 && !has_outgrown_) {
+    step(), --most, why = stop_reason();
+    if (why == StopReason::running && is_time_to_meet() && meet(interrupted && interrupted()))
+      why = StopReason::interrupted;
+  }
+  agree_on_failure();
+  if (why != StopReason::running) finish(why);
+  return why;
+}
+
+void Simulation::finish(StopReason why) {
+  for (const auto& o : observers_) exchange_.together([&] { o->finish(*this, why); });
+}
+
+void Simulation::notify_observers() {
+  steps_to_look_ = std::numeric_limits<std::int64_t>::max();
+  if (observers_.empty()) return;  // events are then kept
+  for (const auto& o : observers_) {
+    exchange_.together([&] { o->observe(*this); });
+    steps_to_look_ = std::min(steps_to_look_, std::max<std::int64_t>(1, o->steps_to_next_look(state_.clock)));
+  }
+  if (is_part_) steps_to_look_ = next_look_of_all(steps_to_look_, exchange_);
+  events_.clear();
+}
+
+/// One process alone meets nobody, and may be interrupted after each step.
+bool Simulation::is_time_to_meet() const {
+  return !is_part_ || unmet_ >= steps_between_meetings() || !(room_ > 0.0);
+}
+
+/// Between steps, now and then: whether one is interrupted, has failed, or has a particle that has gone too
+/// far.
+bool Simulation::meet(bool interrupted) {
+  if (!is_part_) return interrupted;
+  unmet_ = 0;
+  agree_on_failure();
+  fold_brought_in();
+  enum : std::size_t { stop, way, questions };
+  std::array<double, questions> most{leads() && interrupted ? 1.0 : 0.0, way_since_begin()};
+  exchange_.max(most);
+  has_outgrown_ = most[way] > farthest_ && most[way] < lost_beyond_;
+  room_ = farthest_ - most[way];
+  return most[stop] != 0.0;
+}
+
+/// The largest energy that has been brought in after any step is that of the whole body.
+void Simulation::fold_brought_in() const {
+  exchange_.sum(brought_in_);
+  double& largest = booked_.largest;
+  for (const double energy : brought_in_) largest = std::max(largest, energy);
+  brought_in_.clear();
+  exchange_.max({&largest, 1});
+}
+
+void Simulation::take_over_observers(Simulation& before) {
+  observers_ = std::move(before.observers_);
+  steps_to_look_ = before.steps_to_look_;
+  events_ = std::move(before.events_);
+  times_ = before.times_;
+}
+
+}  // namespace vbond
