@@ -13,7 +13,7 @@ namespace {
 
 using Per = FrameInput::Per;
 
-[[noreturn]] void refuse(const std::filesystem::path& file, const char* why) {
+[[noreturn]] void refuse_contacts(const std::filesystem::path& file, const char* why) {
   throw IoError(file.string() + ": is damaged: " + why);
 }
 
@@ -27,7 +27,7 @@ struct RawContact {
 
 std::uint32_t particle_of(std::int64_t number, std::size_t particles, const std::filesystem::path& file) {
   if (number < 0 || static_cast<std::size_t>(number) >= particles)
-    refuse(file, "a contact is of a particle that is not there");
+    refuse_contacts(file, "a contact is of a particle that is not there");
   return static_cast<std::uint32_t>(number);
 }
 
@@ -44,7 +44,7 @@ std::vector<RawContact> raw_contacts(const FrameFiles& files) {
   const std::vector<double> force = in.scalars(Per::cell, "normal_force");
   const auto end = [&](std::size_t k) {
     if (place[k] < 0 || static_cast<std::size_t>(place[k]) >= ends.size())
-      refuse(files.contacts, "an end of a contact is not there");
+      refuse_contacts(files.contacts, "an end of a contact is not there");
     return ends[static_cast<std::size_t>(place[k])];
   };
   std::vector<RawContact> contacts;

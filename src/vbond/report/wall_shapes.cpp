@@ -12,7 +12,7 @@ namespace {
 
 using Per = VtpInput::Per;
 
-[[noreturn]] void refuse(const std::filesystem::path& file, const char* why) {
+[[noreturn]] void refuse_walls(const std::filesystem::path& file, const char* why) {
   throw IoError(file.string() + ": is damaged: " + why);
 }
 
@@ -47,9 +47,9 @@ Anchors read_shapes(const VtpInput& in, const std::filesystem::path& file, const
   for (std::size_t k = 0; k < corners.size(); ++k) {
     const std::int64_t corner = corners[k], wall = id[k / 3];
     if (corner < 0 || corner >= static_cast<std::int64_t>(points.size()))
-      refuse(file, "a corner is not there");
+      refuse_walls(file, "a corner is not there");
     const auto known = static_cast<std::int64_t>(anchors.corner.size());
-    if (wall < 0 || wall > known) refuse(file, "its walls are not in order");
+    if (wall < 0 || wall > known) refuse_walls(file, "its walls are not in order");
     if (wall == known) {
       anchors.corner.push_back(static_cast<std::size_t>(corner));
       anchors.triangle.push_back(k / 3);
@@ -75,7 +75,7 @@ Walls read_walls(const std::vector<std::filesystem::path>& files, const std::arr
   std::size_t points = 0, cells = 0;
   for (const std::filesystem::path& file : files) {
     const VtpInput in(file);
-    if (!in.triangles()) refuse(file, "its cells are not triangles");
+    if (!in.triangles()) refuse_walls(file, "its cells are not triangles");
     if (in.cells() > most_wall_triangles) {
       Walls none;
       none.left_out = in.cells();
