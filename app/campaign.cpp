@@ -118,11 +118,7 @@ Campaign open_campaign(const Case& c, Run& run, OutputPlan plan, int threads, co
 
 void listen(Campaign& campaign) {
   RunHooks hooks;
-  hooks.point = [&campaign](const StaticPoint& point) {
-    campaign.files.record(campaign.run.model(), point);
-    campaign.table->print(point);
-    campaign.heartbeat->point(point);
-  };
+  hooks.balance = [&campaign](const BodyView& body) { campaign.heartbeat->balance(body); };
   hooks.tell = [&campaign](const std::string& report) { campaign.tell(report); };
   hooks.interrupted = [] { return caught_signal() != 0; };
   hooks.progress = [&campaign](const std::string& line) { say(line + "\n", stderr); };

@@ -172,12 +172,13 @@ void print_overlaps(const Model& model, const State& state) {
 
 /// Degrees of freedom that a static stage leaves free.
 std::int64_t unknowns_of(const StageSpec& stage, const Model& model) {
-  std::vector<StaticSupport> supports;
+  std::vector<Support> supports;
   for (const SupportSpec& s : stage.supports) {
     const HeldDirections d = directions_of(s);
     supports.push_back({s.group.value,
                         resolve_groups({s.group}, model).front().particles,
                         d.held,
+                        {},
                         {},
                         {},
                         s.rigid,
@@ -187,7 +188,7 @@ std::int64_t unknowns_of(const StageSpec& stage, const Model& model) {
   auto free = 6 * static_cast<std::int64_t>(model.particles());
   for (const Hold& h : holds_of(supports))
     if (!is_free_grip(supports[h.support])) free -= std::count(h.held.begin(), h.held.end(), true);
-  for (const StaticSupport& s : supports)
+  for (const Support& s : supports)
     if (is_free_grip(s) && !s.particles.empty())
       free -= 6 * (std::ssize(s.particles) - 1) + std::count(s.held.begin(), s.held.end(), true);
   return free;

@@ -83,14 +83,14 @@ void Heartbeat::begin_stage() {
     status_.time = clock.time();
     status_.seconds_left = {};
     if (columns_.breaks) status_.broken = count_broken(run_.current().bonds);
-    if (const Simulation* stage = run_.simulation()) look(*stage);
+    if (const Simulation* stage = run_.simulation()) look_at_stage(*stage);
   });
   write();
 }
 
 void Heartbeat::beat(const Simulation& stage, std::optional<double> seconds_left) {
   try_to([&] {
-    look(stage);
+    look_at_stage(stage);
     bool steps_alone = true;  // what static stages will take is not known
     for (std::size_t k = run_.stage_index(); k < run_.stages().size(); ++k)
       steps_alone = steps_alone && !is_static(run_.stages().kind(k));
@@ -99,22 +99,14 @@ void Heartbeat::beat(const Simulation& stage, std::optional<double> seconds_left
   write();
 }
 
-void Heartbeat::point(const StaticPoint& point) {
-  try_to([&] {
-    look(history_values(OutputPlan{}, run_.model(), point));
-    if (columns_.breaks) status_.broken = count_broken(point.state.bonds);
-  });
+void Heartbeat::balance(const BodyView& body) {
+  try_to([&] { look(body); });
   if (WallClock::now() - written_ >= std::chrono::seconds(1)) write();
 }
 
-void Heartbeat::look(const Simulation& stage) {
-  look(history_values(OutputPlan{}, stage));
-  const double duration = stage.stage().stops.duration;
-  if (std::isfinite(duration)) status_.stage.end_time = stage.clock().stage_start + duration;
-  if (columns_.breaks) status_.broken = count_broken(stage.bonds());
-}
-
-void Heartbeat::look(const HistoryValues& values) {
+void Heartbeat::look(const BodyView& body) {
+  const HistoryValues values = history_values(OutputPlan{}, body);
+  if (columns_.breaks) status_.broken = count_broken(body.bonds());
   status_.step = values.clock.step;
   status_.time = values.clock.time();
   status_.stage.steps = values.clock.stage_step;
@@ -122,6 +114,12 @@ void Heartbeat::look(const HistoryValues& values) {
   for (const HistoryQuantity& q : history_quantities())
     if (q.unit.si == std::string_view(unit::energy.si) && is_in(q.cases, columns_))
       status_.energies.emplace_back(q.name, number_of(q.value(values)));
+}
+
+void Heartbeat::look_at_stage(const Simulation& stage) {
+  look(stage);
+  const double duration = stage.stage().stops.duration;
+  if (std::isfinite(duration)) status_.stage.end_time = stage.clock().stage_start + duration;
 }
 
 void Heartbeat::told(const std::string& report) {

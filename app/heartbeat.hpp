@@ -29,8 +29,8 @@ class Heartbeat {
   void begin_stage();
   /// Once a second of dynamics, and at the end of a stage of it.
   void beat(const Simulation& stage, std::optional<double> seconds_left);
-  /// For each point of a static stage; writes once a second at most.
-  void point(const StaticPoint& point);
+  /// For each balance of a static stage; writes once a second at most.
+  void balance(const BodyView& body);
   void end_static_stage() { write(); }
   /// A report on stderr.
   void told(const std::string& report);
@@ -38,8 +38,8 @@ class Heartbeat {
   void end(RunState state, const std::string& failure = {});
 
  private:
-  void look(const Simulation& stage);
-  void look(const HistoryValues& values);
+  void look(const BodyView& body);
+  void look_at_stage(const Simulation& stage);
   void look_at_files();
   void event(std::int64_t step, const std::string& what);
   void write();

@@ -42,7 +42,7 @@ namespace fs = std::filesystem;
 void add_stage(RunSummary& s, const Simulation& run, StopReason why, std::int64_t first_step,
                const std::string& failure) {
   const RangeCounts ranges = count_ranges(run);
-  s.bonds = count_bonds(run);
+  s.bonds = static_cast<std::int64_t>(run.bonds().size());
   s.threads_used = run.threads();
   s.strained = ranges.strained;
   s.snapped = ranges.snapped;

@@ -51,8 +51,8 @@ Block cube(std::size_t n) {
                                       bond_site(b.model, b.state, ParticleId{j}))
                                 .value());
   };
-  StaticSupport below{"below", {}, {true, true, true, true, true, true}, {}, {}};
-  StaticLoad above{"above", {}, {1e-3, 0, 0}, {}, false};
+  Support below{"below", {}, {true, true, true, true, true, true}, {}, {}};
+  PointLoad above{"above", {}, {1e-3, 0, 0}};
   for (std::size_t k = 0; k < r.size(); ++k) {
     const std::size_t x = k % n, y = k / n % n, z = k / (n * n);
     if (x + 1 < n) bond(k, k + 1);

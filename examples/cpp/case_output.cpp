@@ -21,9 +21,8 @@ int main(int argc, char** argv) try {
   std::filesystem::create_directories(argv[2]);
   const auto tell = [](const std::string& report) { std::fprintf(stderr, "%s\n", report.c_str()); };
   const FileObservers files = open_output(plan_output(c, run.model(), argv[2]), tell, "0.1.0");
-  for (const auto& observer : files.all()) run.add_observer(observer);  // they look at stages of dynamics
+  for (const auto& observer : files.all()) run.add_observer(observer);
   RunHooks hooks;
-  hooks.point = [&](const StaticPoint& point) { files.record(run.model(), point); };  // and at balances
   hooks.tell = tell;
   run.set_hooks(std::move(hooks));
   run.run();

@@ -88,11 +88,8 @@ class PyRun {
     const Work work(*this, "add_load");
     const Vec3d F = vector(force, "force"), M = vector(moment, "moment");
     std::vector<ParticleId> ids = particles_of(particles);
-    if (!inner().complete() && is_static(inner().stages().kind(stage_now())))
-      inner().add_load(StaticLoad{"of Python", std::move(ids), F, M});
-    else
-      inner().add_load(PointLoad{
-          .group = "of Python", .particles = std::move(ids), .force = F, .moment = M, .factor = {}});
+    inner().add_load(
+        {.group = "of Python", .particles = std::move(ids), .force = F, .moment = M, .factor = {}});
   }
 
   // ---- looking ----
@@ -167,10 +164,6 @@ class PyRun {
     run->add_observer(watch);  // first: what is recorded is sound
     run->add_observer(recorder_);
     RunHooks hooks;
-    hooks.point = [this, watch](const StaticPoint& point) {
-      watch->look(*model_, point);
-      recorder_->add(*model_, point);
-    };
     hooks.tell = tell;
     hooks.interrupted = [this] { return interruption_.asked(); };
     run->set_hooks(std::move(hooks));

@@ -69,8 +69,8 @@ TEST(StaticStageOfACase, HasEverythingTheCaseSays) {
   EXPECT_EQ(stage.supports[0].group, "first");
   EXPECT_EQ(stage.supports[0].particles, std::vector<ParticleId>{ParticleId{0}});
   EXPECT_EQ(stage.supports[0].held, (HeldDofs{true, true, true, true, true, true}));
-  EXPECT_EQ(stage.supports[0].displacement, (Vec3d{1, 2, 3}));
-  EXPECT_EQ(stage.supports[0].rotation, (Vec3d{4, 5, 6}));
+  EXPECT_EQ(stage.supports[0].velocity, (Vec3d{1, 2, 3}));
+  EXPECT_EQ(stage.supports[0].angular_velocity, (Vec3d{4, 5, 6}));
   ASSERT_EQ(stage.loads.size(), 1u);
   EXPECT_EQ(stage.loads[0].group, "ends");
   EXPECT_EQ(stage.loads[0].particles, (std::vector<ParticleId>{ParticleId{0}, ParticleId{9}}));

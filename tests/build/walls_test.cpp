@@ -235,8 +235,8 @@ TEST(Walls, MoveInStaticStagesByTheLoadFactor) {
   ASSERT_EQ(stage.walls.size(), 1u);
   EXPECT_EQ(stage.walls[0].wall, "lid");
   EXPECT_EQ(stage.walls[0].index, 1u);
-  EXPECT_EQ(stage.walls[0].displacement, (Vec3d{0, 0, -1}));
-  EXPECT_EQ(stage.walls[0].rotation, (Vec3d{0, 0.5, 0}));
+  EXPECT_EQ(stage.walls[0].velocity, (Vec3d{0, 0, -1}));
+  EXPECT_EQ(stage.walls[0].angular_velocity, (Vec3d{0, 0.5, 0}));
   EXPECT_EQ(stage.walls[0].pivot, (Vec3d{1, 2, 3}));
 }
 

@@ -140,7 +140,8 @@ StaticStage stage_of(const BodyPlan& plan, StageKind kind) {
   }
   for (std::size_t k = 0; k < plan.loads.size(); ++k) {
     const PlannedLoad& l = plan.loads[k];
-    stage.loads.push_back({fmt::format("load_{}", k), ids(l.particles), l.force, l.moment, l.constant});
+    stage.loads.push_back({fmt::format("load_{}", k), ids(l.particles), l.force, l.moment});
+    stage.loads.back().constant = l.constant;
   }
   return stage;
 }
@@ -159,14 +160,14 @@ std::string to_toml(const BodyPlan& plan, const StaticStage& stage) {
     group(stage.supports[k].group, plan.supports[k].particles);
   for (std::size_t k = 0; k < plan.loads.size(); ++k) group(stage.loads[k].group, plan.loads[k].particles);
   text += "\n[[stage]]\n" + settings_of(stage) + "gravity = " + text_of(plan.gravity) + "\nsupports = [\n";
-  for (const StaticSupport& s : stage.supports) {
+  for (const Support& s : stage.supports) {
     text += fmt::format("  {{group = \"{}\", fix = {}", s.group, text_of(s.held));
-    if (s.displacement != Vec3d{}) text += ", displacement = " + text_of(s.displacement);
-    if (s.rotation != Vec3d{}) text += ", rotation = " + text_of(s.rotation);
+    if (s.velocity != Vec3d{}) text += ", displacement = " + text_of(s.velocity);
+    if (s.angular_velocity != Vec3d{}) text += ", rotation = " + text_of(s.angular_velocity);
     text += "},\n";
   }
   text += "]\nloads = [\n";
-  for (const StaticLoad& l : stage.loads)
+  for (const PointLoad& l : stage.loads)
     text += fmt::format("  {{group = \"{}\", force = {}, moment = {}, constant = {}}},\n", l.group,
                         text_of(l.force), text_of(l.moment), l.constant);
   return text + "]\n";

@@ -121,8 +121,8 @@ bool Walk::start() {
   result_.unstable_at_start = here_.negative;
   // a thousandth of a turn or strain in the bonds, or less: so little that no eigenvalue changes its sign
   load_scale_ = 1e-3 / std::max(body_.largest_bond_change(here_.u_rate), 1e-300);
-  for (const StaticSupport& s : body_.stage().supports) {
-    const double most = std::max(norm(s.displacement) / length_, norm(s.rotation));
+  for (const Support& s : body_.stage().supports) {
+    const double most = std::max(norm(s.velocity) / length_, norm(s.angular_velocity));
     if (most > 0.0) load_scale_ = std::min(load_scale_, 1e-2 / most);
   }
   for (int k = 0; k < 200; ++k, load_scale_ *= 0.5) {

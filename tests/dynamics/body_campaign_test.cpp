@@ -157,7 +157,7 @@ GripErrors errors_of_grips(unsigned seed) {
     if (run.clock().step == stop_at) middle = now;
     const Loads loads = bonds_alone(now);
     scale = std::max(scale, run.energies().total());
-    e.books = std::max(e.books, std::abs(run.balance_error(run.energies())));
+    e.books = std::max(e.books, std::abs(run.balance_error()));
     for (OwnGrip& g : own) {
       g.go_on(b.stage.dt);
       const double power = g.power_in(now, loads);
@@ -288,7 +288,7 @@ KeptErrors errors_of_kept(unsigned seed) {
       }
     const Loads loads = run.loads();
     for (const ParticleId p : m.mass.ids()) e.force = std::max(e.force, norm(loads.F[p] - own.F[p]));
-    const double error = run.balance_error(run.energies());
+    const double error = run.balance_error();
     if (run.breaks() > broken) e.jump = std::max(e.jump, std::abs(error - before));
     e.books = std::max(e.books, std::abs(error));
     before = error;

@@ -348,7 +348,7 @@ Verdict judge(Partner partner, unsigned seed, double* worst) {
   const double jump = c.adhesion == AdhesionForm::dmt ? 5e-3 : 0.0;
   if (made > (1e-3 + jump) * run.books().at_start ||
       run.books().dissipated < -(1e-4 + jump) * run.books().at_start ||
-      std::abs(run.balance_error(e)) > 3e-3 + jump)
+      std::abs(run.balance_error()) > 3e-3 + jump)
     return Verdict::energy_made;
   return error < 5e-3 * scale ? Verdict::right : Verdict::wrong;
 }

@@ -173,7 +173,7 @@ TEST(FlowInMotion, PartsABarWithItsFractureEnergy) {
   EXPECT_TRUE(run.state().bonds[BondId{2}].broken);
   EXPECT_NEAR(run.state().bond_history[BondId{2}][memory::dissipated], 0.99 * e["energy_total"].get<double>(),
               1e-8);
-  EXPECT_LT(std::abs(run.balance_error(run.energies())), 1e-4);
+  EXPECT_LT(std::abs(run.balance_error()), 1e-4);
 }
 
 // The memory of a bond whose loads could not be brought to their limits is not a number, and so are they.
@@ -243,7 +243,7 @@ TEST(FlowInMotion, BeginsAtTheLimitThatAPrestrainIsBeyond) {
       EXPECT_NEAR(run.energies().total(), 0.5 * N * N, 1e-15) << prestrain;
       for (int k = 0; k < 1000; ++k) {
         run.step();
-        ASSERT_LT(std::abs(run.balance_error(run.energies())), 3e-3) << prestrain << " at step " << k;
+        ASSERT_LT(std::abs(run.balance_error()), 3e-3) << prestrain << " at step " << k;
       }
       EXPECT_GT(run.energies().kinetic() + run.energies().potential(), 0.9 * 0.5 * N * N);
     }
@@ -261,7 +261,7 @@ TEST(FlowInMotion, BeginsAtTheLimitWhenABondIsMadeOnTheWay) {
     Simulation run(s.model, stage, s.state);
     for (int k = 0; k < 400; ++k) {
       run.step();
-      ASSERT_LT(std::abs(run.balance_error(run.energies())), 3e-3) << k;
+      ASSERT_LT(std::abs(run.balance_error()), 3e-3) << k;
     }
     ASSERT_EQ(run.bonds().size(), 2u);
     EXPECT_GT(run.books().dissipated, 1e-4);

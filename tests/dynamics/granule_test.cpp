@@ -91,7 +91,7 @@ Flight fly(const nlohmann::json& setup, double dt) {
   }
   f.state = run.state();
   for (const Vec3d& v : f.state.v) f.v += 0.125 * v;
-  f.imbalance = run.balance_error(run.energies());
+  f.imbalance = run.balance_error();
   return f;
 }
 

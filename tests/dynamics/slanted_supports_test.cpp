@@ -115,7 +115,7 @@ TEST(SlantedSupports, BalanceOfEnergyCloses) {
     run.run();
     // the support brings its particle to 0.002 at once, and pushes the others after it
     EXPECT_GT(run.books().work_supports, 0.5 * sq(0.002));
-    error[k] = std::abs(run.balance_error(run.energies()));
+    error[k] = std::abs(run.balance_error());
   }
   EXPECT_LT(error[1], 1e-4);             // (omega dt)^2 / 4 of leap-frog, with the chain's fastest omega = 2
   EXPECT_LT(error[1], 0.26 * error[0]);  // of second order, but for some (omega dt)^2 of a quarter

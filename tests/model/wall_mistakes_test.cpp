@@ -131,11 +131,18 @@ TEST(MistakesInWalls, AreFoundInStaticStages) {
   EXPECT_EQ(told(fmt::format("it is for wall 99, and there are {}, counted from 0", body.model.walls.size())),
             1);
   stage.walls.pop_back();
-  for (const auto vector : {&StaticWallDrive::displacement, &StaticWallDrive::rotation}) {
+  for (const auto vector : {&WallDrive::velocity, &WallDrive::angular_velocity}) {
     stage.walls[0] = {"w", 0, {0, 0, 1}, {}};
     (stage.walls[0].*vector).x = std::numeric_limits<double>::infinity();
-    EXPECT_EQ(told("displacement, rotation and pivot must be finite"), 1);
+    EXPECT_EQ(told("velocities, pivot and amplitude must be finite"), 1);
   }
+  stage.walls[0] = {"w", 0, {0, 0, 1}, {}};
+  stage.walls[0].frequency = 1.0;
+  EXPECT_EQ(told("factor, oscillation and servo are for stages of motion"), 1);
+  stage.walls[0].frequency = 0.0;
+  stage.walls[0].factor = {{{0.0, 1.0}, {1.0, 2.0}}};
+  EXPECT_EQ(told("factor, oscillation and servo are for stages of motion"), 1);
+  stage.walls[0].factor = {};
   for (const StageKind kind : {StageKind::path, StageKind::buckling, StageKind::modes}) {
     stage.kind = kind;
     EXPECT_EQ(told("walls move in stages of equilibrium and of fracture"), 1);

@@ -23,8 +23,8 @@ using testing::static_stage;
 struct Body {
   std::string name;
   testing::Specimen specimen;
-  std::vector<StaticSupport> supports;
-  std::vector<StaticLoad> loads;
+  std::vector<Support> supports;
+  std::vector<PointLoad> loads;
   bool free = false;  ///< modes without supports
 };
 
@@ -43,8 +43,8 @@ class Dice {
   std::mt19937 random_;
 };
 
-StaticLoad pushed(std::vector<ParticleId> particles, const Vec3d& force) {
-  return {"pushed", std::move(particles), force, {}, false};
+PointLoad pushed(std::vector<ParticleId> particles, const Vec3d& force) {
+  return {"pushed", std::move(particles), force, {}};
 }
 
 /// Clamped below, or on rollers of which three hold it in place; pressed from above.
@@ -217,7 +217,7 @@ void compare(const Body& b, const StaticStage& stage, const char* kind, Counts& 
 Counts judge(unsigned seed) {
   const Body b = random_body(seed);
   Counts counts;
-  StaticStage modes = static_stage(StageKind::modes, b.free ? std::vector<StaticSupport>{} : b.supports);
+  StaticStage modes = static_stage(StageKind::modes, b.free ? std::vector<Support>{} : b.supports);
   modes.count = 5;
   compare(b, modes, "modes", counts);
 
@@ -232,7 +232,7 @@ Counts judge(unsigned seed) {
   compare(b, path, "path", counts);
 
   StaticStage rest = static_stage(StageKind::equilibrium, b.supports, b.loads);
-  for (StaticLoad& l : rest.loads) l.force = 0.003 * l.force + Vec3d{2e-4, 1e-4, 0};
+  for (PointLoad& l : rest.loads) l.force = 0.003 * l.force + Vec3d{2e-4, 1e-4, 0};
   compare(b, rest, "equilibrium", counts);
   return counts;
 }

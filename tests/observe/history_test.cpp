@@ -7,6 +7,8 @@
 
 #include "specimen.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/dynamics/simulation.hpp"
+#include "vbond/statics/point_view.hpp"
 
 namespace vbond {
 namespace {
@@ -199,7 +201,7 @@ TEST(History, ValuesAreThoseOfTheRun) {
   EXPECT_TRUE(v.clock == run.clock());
   EXPECT_TRUE(v.books == chain.state.books);
   EXPECT_EQ(v.energies.total(), run.energies().total());
-  EXPECT_EQ(v.balance_error, run.balance_error(run.energies()));
+  EXPECT_EQ(v.balance_error, run.balance_error());
   EXPECT_EQ(v.bonds, 2);
   EXPECT_EQ(v.ranges, (RangeCounts{1, 0}));
   EXPECT_EQ(v.peak_average, 0.7);
@@ -228,7 +230,7 @@ TEST(History, HasVelocitiesOfGroupsWhereThereAreAny) {
   EXPECT_EQ(v.velocities[1], chain.state.v[ParticleId{0}]);
   const StaticPoint point{chain.state, 0.75,       PointKind::limit_point,
                           1,           Energies{}, [](const std::vector<ParticleId>&) { return Reaction{}; }};
-  const HistoryValues at_rest = history_values(plan, chain.model, point);
+  const HistoryValues at_rest = history_values(plan, PointView(chain.model, point));
   EXPECT_TRUE(at_rest.velocities.empty());
   HistoryWriter writer(plan, {});
   writer.write(v);
@@ -407,7 +409,7 @@ TEST(History, ValuesOfAStaticPointAreThoseOfItsState) {
     return Reaction{{static_cast<double>(p.size()), 2, 3}, {4, 5, 6}};
   };
   const StaticPoint point{chain.state, 0.75, PointKind::limit_point, 1, energies, reaction};
-  const HistoryValues v = history_values(plan, chain.model, point);
+  const HistoryValues v = history_values(plan, PointView(chain.model, point));
   EXPECT_TRUE(v.clock == chain.state.clock);
   EXPECT_EQ(v.books, (EnergyBooks{.at_start = 0.875}));
   EXPECT_EQ(v.energies.total(), 0.875);

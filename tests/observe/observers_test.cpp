@@ -12,6 +12,7 @@
 #include "specimen.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/dynamics/simulation.hpp"
+#include "vbond/statics/point_view.hpp"
 
 namespace vbond {
 namespace {
@@ -383,8 +384,8 @@ TEST(Observers, EveryStaticPointGivesARowAndAFrameAndThoseAfterACheckpointAreDro
   const auto reaction = [](const std::vector<ParticleId>&) { return Reaction{}; };
   const auto record = [&](const FileObservers& files, std::int64_t number) {
     const State state = point_state(chain, number);
-    files.record(chain.model,
-                 {state, 0.1 * static_cast<double>(number), PointKind::regular, 0, {}, reaction});
+    const StaticPoint point{state, 0.1 * static_cast<double>(number), PointKind::regular, 0, {}, reaction};
+    for (const auto& o : files.all()) o->observe_balance(PointView(chain.model, point));
   };
   Stage first = two_stages()[0];
   Checkpoint start;
@@ -416,7 +417,8 @@ TEST(TableObserver, HeaderIsPrintedWhereverDynamicsAndStaticsMeet) {
   for (int round = 0; round < 2; ++round) {
     for (const std::int64_t number : {1, 2}) {
       const State state = point_state(chain, 10 * round + number);
-      table->print({state, 0.5, PointKind::regular, 0, {}, {}});
+      const StaticPoint point{state, 0.5, PointKind::regular, 0, {}, {}};
+      table->observe_balance(PointView(chain.model, point));
     }
     Stage stage = two_stages()[0];
     stage.stops.duration = 3 * dt;

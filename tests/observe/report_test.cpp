@@ -13,7 +13,6 @@ TEST(Table, RowsAreAsWideAsTheHeaderForSmallAndLargeValues) {
   test::Chain chain;
   const std::size_t width = table_header().size();
   EXPECT_EQ(table_row(chain.state.clock, {}, {}, 0.0, {}).size(), width);
-  chain.at_step(999999999999);
   EnergyBooks books;
   books.work_loads = -1.23456789e-123;
   const Energies energies{-1e-300, 0, -1e300, 0, 0, 0};
@@ -79,12 +78,10 @@ TEST(Timing, SharesAddUp) {
 }
 
 TEST(StaticTable, RowsAreAsWideAsTheHeaderForSmallAndLargeValues) {
-  test::Chain chain;
   const std::size_t width = static_table_header().size();
-  EXPECT_EQ(static_table_row({chain.state, 0.0, PointKind::regular, {}, {}, {}}, {}).size(), width);
-  chain.at_step(999999999999);
+  EXPECT_EQ(static_table_row(0, {}, {}, {}).size(), width);
   const Energies energies{0, 0, -1.23456789e-123, 0, 0, 0};
-  EXPECT_EQ(static_table_row({chain.state, -1.23456789e-123, PointKind::limit_point, 999999, energies, {}},
+  EXPECT_EQ(static_table_row(999999999999, {-1.23456789e-123, PointKind::limit_point, 999999}, energies,
                              {99999999, 99999999})
                 .size(),
             width);

@@ -10,6 +10,7 @@
 #include "specimen.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/observe/bond_look.hpp"
+#include "vbond/statics/point_view.hpp"
 
 namespace vbond::watch_test {
 namespace {
@@ -84,7 +85,8 @@ TEST(Watch, OfAStaticPointTheLoadFactorIsTold) {
   Chain chain(2);
   chain.turn(1, {1, 0, 0}, 91 * degree);
   Listener l;
-  l.watch.look(StaticPoint{chain.state, 0.75, PointKind::regular, {}, {}, {}});
+  const StaticPoint point{chain.state, 0.75, PointKind::regular, {}, {}, {}};
+  l.watch.look(PointView(chain.model, point));
   ASSERT_EQ(l.told.size(), 1u);
   EXPECT_EQ(l.told[0].rfind("load factor 0.75: bond 0 (particles 0, 1) has snapped", 0), 0u) << l.told[0];
 }
@@ -287,13 +289,16 @@ TEST(Watch, PointOfBalanceIsJudgedByEveryBondOfItsState) {
   Chain chain(3);
   chain.turn(0, {1, 0, 0}, 91 * degree);
   Listener l;
-  l.watch.look({chain.state, 0.5, PointKind::regular, {}, {}, {}});
-  l.watch.look({chain.state, 1.0, PointKind::end, {}, {}, {}});
+  for (const double load_factor : {0.5, 1.0}) {
+    const StaticPoint point{chain.state, load_factor, PointKind::regular, {}, {}, {}};
+    l.watch.look(PointView(chain.model, point));
+  }
   ASSERT_EQ(l.told.size(), 1u);
   EXPECT_TRUE(contains(l.told[0], "bond 0 (particles 0, 1) has snapped")) << l.told[0];
   EXPECT_EQ(l.watch.record().snapped, 1);
   chain.state.r[ParticleId{1}] = chain.state.r[ParticleId{0}];  // bonded at the centres
-  EXPECT_THROW(l.watch.look({chain.state, 1.0, PointKind::end, {}, {}, {}}), Diverged);
+  const StaticPoint end{chain.state, 1.0, PointKind::end, {}, {}, {}};
+  EXPECT_THROW(l.watch.look(PointView(chain.model, end)), Diverged);
 }
 
 /// Chains along x and along y, not bonded to each other, at a height of z above; radii are 0.3 and more.
@@ -365,8 +370,8 @@ TEST(Watch, TellsTheLoadFactorOfAnOverlap) {
   Listener l;
   Crossing c;
   c.lower_to(0.3);
-  l.watch.look_at_overlaps(c.lower.model, StaticPoint{c.lower.state, 0.75, PointKind::regular, {}, {}, {}},
-                           0.1);
+  const StaticPoint point{c.lower.state, 0.75, PointKind::regular, {}, {}, {}};
+  l.watch.look_at_overlaps(PointView(c.lower.model, point), 0.1);
   ASSERT_EQ(l.told.size(), 1u);
   EXPECT_TRUE(contains(l.told[0], "load factor 0.75: particles 1 and 4")) << l.told[0];
 }

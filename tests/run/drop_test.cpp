@@ -193,7 +193,7 @@ TEST(Drop, AStaticStageAfterwardsIsRefused) {
   s.state.bonds[BondId{1}].broken = true;
   StaticStage rest;
   rest.name = "rest";
-  StaticSupport held{};
+  Support held{};
   held.group = "held", held.particles = {ParticleId{0}, ParticleId{2}}, held.held = testing::clamped;
   rest.supports = {held};
   vbond::Run run(s.model, s.state, {rest});

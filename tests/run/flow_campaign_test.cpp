@@ -139,7 +139,7 @@ Motion move(const Body& body, int finer, double in_doubt) {
     found.off = std::max(found.off, norm(run.state().r[ParticleId{p}] - own.r[p]));
   const double sum = std::abs(verdict.lost.sum() - run.books().dissipated);
   if (sum > 1e-12 * std::max(scale, 1e-3)) return wrong("losses do not add up");
-  if (std::abs(run.balance_error(run.energies())) > 0.02) return wrong("the books do not close");
+  if (std::abs(run.balance_error()) > 0.02) return wrong("the books do not close");
   return found;
 }
 

@@ -285,7 +285,8 @@ TEST(Misuse, ChangesThatDoNotFit) {
       },
       "a load names particle 4");
   expect_refusal([&run] { run->add_load(PointLoad{"x", {}, {nan, 0, 0}, {}, {}}); }, "the force of a load");
-  expect_refusal([&run] { run->add_load(StaticLoad{}); }, "is of dynamics: it takes a PointLoad");
+  expect_refusal([&run] { run->add_load(PointLoad{.constant = true}); },
+                 "a load is constant: in motion a load has a factor over time");
   EXPECT_TRUE(run->state() == before);
   EXPECT_EQ(run->run().size(), 2u);
 }

@@ -106,7 +106,7 @@ TEST(Run, AStaticStageThatWasInterruptedBeginsAgain) {
   whole.run();
   int points = 0;
   RunHooks hooks;
-  hooks.point = [&points](const StaticPoint&) { ++points; };
+  hooks.balance = [&points](const BodyView&) { ++points; };
   hooks.interrupted = [&points] { return points == 3; };
   run.set_hooks(hooks);
   EXPECT_TRUE(run.run_stage().interrupted());
@@ -134,7 +134,6 @@ TEST(Run, AStaticLoadIsAddedToTheNextStage) {
   const Specimen s = testing::straight_rod(5);
   vbond::Run run(s.model, s.state, {bend(1e-4)}), twice(s.model, s.state, {bend(2e-4)});
   run.add_load(testing::pushed(end, {0, 1e-4, 0}));
-  EXPECT_THROW(run.add_load(PointLoad{"end", {ParticleId{end}}, {}, {}, {}}), std::invalid_argument);
   run.run();
   twice.run();
   EXPECT_NEAR(run.state().r[ParticleId{end}].y, twice.state().r[ParticleId{end}].y, 1e-12);
@@ -227,7 +226,7 @@ TEST(Run, StaticMistakesAreRefusedByStageAndField) {
   refuses(
       [](StaticStage& t) {
         t.supports.push_back(t.supports[0]);
-        t.supports.back().displacement.x += 0.1;
+        t.supports.back().velocity.x += 0.1;
       },
       "x of particle 0 is held twice, in two ways");
   refuses(
@@ -236,10 +235,20 @@ TEST(Run, StaticMistakesAreRefusedByStageAndField) {
       },
       "holds one turn: it may hold none, two or all three");
   refuses([](StaticStage& t) { t.supports[0].pivot = Vec3d{}; }, "has a pivot: that is for rigid ones");
-  refuses([nan](StaticStage& t) { t.supports[0].displacement.y = nan; }, "the displacement of a support");
+  refuses([nan](StaticStage& t) { t.supports[0].velocity.y = nan; }, "the velocity of a support");
   refuses([](StaticStage& t) { t.loads[0].particles = {ParticleId{99}}; }, "a load names particle 99");
   refuses([nan](StaticStage& t) { t.loads[0].force.x = nan; }, "the force of a load");
   refuses([](StaticStage& t) { t.loads[0].moment.x = INFINITY; }, "the moment of a load");
+  refuses(
+      [](StaticStage& t) {
+        t.loads[0].factor = {{{0.0, 2.0}}};
+      },
+      "a load on \"pushed\" has a factor over time: a stage at rest has none");
+  refuses(
+      [](StaticStage& t) {
+        t.supports[0].factor = {{{0.0, 2.0}}};
+      },
+      "has a factor over time: a stage at rest has none");
   refuses([nan](StaticStage& t) { t.gravity.z = nan; }, "gravity");
   refuses([](StaticStage& t) { t.steps = 0; }, "steps is 0");
   refuses([](StaticStage& t) { t.newton.tolerance = 0; }, "newton.tolerance is 0");

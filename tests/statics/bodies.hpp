@@ -9,20 +9,20 @@
 namespace vbond::testing {
 
 /// Held so that a body in the x-y plane stays in it.
-inline constexpr HeldDofs in_plane{false, false, true, true, true, false};
+inline constexpr HeldDofs in_plane{false, false, true, true, true};
 
-inline StaticSupport fixed(std::vector<ParticleId> particles, HeldDofs held, const Vec3d& displacement = {},
-                           const Vec3d& rotation = {}) {
+inline Support fixed(std::vector<ParticleId> particles, HeldDofs held, const Vec3d& displacement = {},
+                     const Vec3d& rotation = {}) {
   return {"fixed", std::move(particles), held, displacement, rotation};
 }
 
 /// Force and moment on one particle, in proportion to the load factor.
-inline StaticLoad pushed(std::size_t particle, const Vec3d& force, const Vec3d& moment = {}) {
-  return {"pushed", {ParticleId{particle}}, force, moment, false};
+inline PointLoad pushed(std::size_t particle, const Vec3d& force, const Vec3d& moment = {}) {
+  return {"pushed", {ParticleId{particle}}, force, moment};
 }
 
-inline StaticStage static_stage(StageKind kind, std::vector<StaticSupport> supports,
-                                std::vector<StaticLoad> loads = {}) {
+inline StaticStage static_stage(StageKind kind, std::vector<Support> supports,
+                                std::vector<PointLoad> loads = {}) {
   StaticStage stage;
   stage.name = "test";
   stage.kind = kind;

@@ -93,17 +93,17 @@ TEST(StaticBody, OfOneUnknownStartsInBalanceWhenRelieved) {
 }
 
 /// The rod in balance at full load, held by these supports besides its clamp.
-std::unique_ptr<StaticBody> in_balance_under(BentRod& rod, const std::vector<StaticSupport>& supports) {
-  for (const StaticSupport& s : supports) rod.stage.supports.push_back(s);
+std::unique_ptr<StaticBody> in_balance_under(BentRod& rod, const std::vector<Support>& supports) {
+  for (const Support& s : supports) rod.stage.supports.push_back(s);
   rod.stage.newton.tolerance = 1e-13;
   rod.s.state = find_equilibrium(rod.s.model, rod.stage, rod.s.state, {}).state;
-  for (StaticLoad& l : rod.stage.loads) l.constant = true;
+  for (PointLoad& l : rod.stage.loads) l.constant = true;
   rod.stage.constant_gravity = true;
   return std::make_unique<StaticBody>(rod.s.model, rod.stage, rod.s.state);
 }
 
 /// In balance the full tangent is the derivative of the loads, not only its symmetric part.
-void expect_full_tangent(const std::vector<StaticSupport>& supports) {
+void expect_full_tangent(const std::vector<Support>& supports) {
   BentRod rod;
   const std::unique_ptr<StaticBody> body = in_balance_under(rod, supports);
   ASSERT_LE(body->residual(), 1e-12);

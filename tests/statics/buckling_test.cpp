@@ -42,9 +42,9 @@ TEST(CriticalDisplacements, ComeWithTheReactionAtThem) {
   testing::Specimen s = testing::particles_at(r);
   for (std::size_t k = 0; k + 1 < N; ++k) testing::bond(s, k, k + 1, testing::papers_bond());
   const StaticResult pressed = critical_loads(s, pinned(N), {pushed(N - 1, {-1, 0, 0})}, 2);
-  std::vector<StaticSupport> supports = pinned(N);
+  std::vector<Support> supports = pinned(N);
   supports[1].held[0] = true;
-  supports[1].displacement = {-0.5, 0, 0};
+  supports[1].velocity = {-0.5, 0, 0};
   const StaticResult moved = critical_loads(s, supports, {}, 2);
   ASSERT_EQ(pressed.critical_loads.size(), 2u);
   ASSERT_EQ(moved.critical_loads.size(), 2u);
@@ -168,7 +168,7 @@ TEST(PinnedRods, BuckleInSines) {
 // Half of the critical force is there before.
 TEST(CriticalLoads, ComeOnTopOfConstantLoads) {
   const double f = exact_force(1, 9, 1.0, papers_stiffness);
-  StaticLoad before = pushed(9, {-0.5 * f, 0, 0});
+  PointLoad before = pushed(9, {-0.5 * f, 0, 0});
   before.constant = true;
   const StaticResult result =
       critical_loads(testing::straight_rod(10), pinned(10), {before, pushed(9, {-1, 0, 0})}, 2);
@@ -178,7 +178,7 @@ TEST(CriticalLoads, ComeOnTopOfConstantLoads) {
 
 // The middle of the first half wave moves most: particles 4 and 5 of ten.
 TEST(CriticalLoads, AreRefusedWithTheNameOfWhatGivesWayWhereTheConstantLoadsAreAboveThem) {
-  StaticLoad before = pushed(9, {-4e-4, 0, 0});
+  PointLoad before = pushed(9, {-4e-4, 0, 0});
   before.constant = true;
   try {
     critical_loads(testing::straight_rod(10), pinned(10), {before, pushed(9, {-1, 0, 0})}, 1);
@@ -215,7 +215,7 @@ TEST(CriticalLoads, DoNotDependOnTheDirectionOfTheBody) {
 }
 
 TEST(CriticalLoads, AreForcesOnWholeGroups) {
-  StaticLoad load{"end", {ParticleId{8}, ParticleId{9}}, {-1, 0, 0}, {}, false};
+  PointLoad load{"end", {ParticleId{8}, ParticleId{9}}, {-1, 0, 0}};
   const StaticResult result = critical_loads(testing::straight_rod(10), pinned(10), {load}, 1);
   EXPECT_DOUBLE_EQ(result.critical_loads.at(0).force, 2 * result.critical_loads[0].load_factor);
 }
@@ -279,7 +279,7 @@ TEST(CriticalLoads, StopWhenInterrupted) {
 TEST(ConstantLoads, MayBeInterruptedBeforeTheyAreBalanced) {
   const testing::Specimen rod = testing::straight_rod(10);
   const StaticHooks hooks{{}, {}, [] { return true; }};
-  StaticLoad weight = pushed(5, {0, 1e-4, 0});
+  PointLoad weight = pushed(5, {0, 1e-4, 0});
   weight.constant = true;
   for (const StageKind kind : {StageKind::path, StageKind::buckling, StageKind::modes}) {
     const StaticOutcome outcome =

@@ -11,13 +11,13 @@ namespace vbond::buckling_test {
 inline constexpr double eps = std::numeric_limits<double>::epsilon();
 
 /// Pinned at one end; at the other free to move along x and to turn. One turn about x is held.
-inline std::vector<StaticSupport> pinned(std::size_t N) {
+inline std::vector<Support> pinned(std::size_t N) {
   return {testing::fixed({ParticleId{0}}, {true, true, true, true, false, false}),
           testing::fixed({ParticleId{N - 1}}, {false, true, true, false, false, false})};
 }
 
-inline StaticResult critical_loads(const testing::Specimen& s, std::vector<StaticSupport> supports,
-                                   std::vector<StaticLoad> loads, int count, const StaticHooks& hooks = {}) {
+inline StaticResult critical_loads(const testing::Specimen& s, std::vector<Support> supports,
+                                   std::vector<PointLoad> loads, int count, const StaticHooks& hooks = {}) {
   StaticStage stage = testing::static_stage(StageKind::buckling, std::move(supports), std::move(loads));
   stage.count = count;
   return run_static_stage(s.model, stage, s.state, hooks).result;

@@ -88,7 +88,7 @@ Loaded drawn_case(unsigned seed) {
   Loaded c{rod ? drawn_rod(dice, n) : drawn_frame(dice, n), {}};
   const Bond& b = c.s.state.bonds[BondId{0}];
   const double c_B = b.law->stiffness(b).c_B, length = rod ? static_cast<double>(n - 1) : 3.0;
-  std::vector<StaticLoad> loads;
+  std::vector<PointLoad> loads;
   for (const std::size_t at : {n - 1, n / 2}) {
     const Vec3d moment = dice(0.2, 4.0) * c_B / length * drawn_direction(dice),
                 force = dice(0.0, 3.0) * c_B / (length * length) * drawn_direction(dice);
@@ -150,7 +150,7 @@ class PlainStepping {
 
   Column applied(double f) const {
     Column g = Column::Zero(n_);
-    for (const StaticLoad& l : c_.stage.loads)
+    for (const PointLoad& l : c_.stage.loads)
       for (int k = 0; k < 3; ++k) {
         g[row(l.particles[0]) + k] += f * component(l.force, k);
         g[row(l.particles[0]) + 3 + k] += f * component(l.moment, k);

@@ -18,8 +18,8 @@ namespace {
 using testing::Dice;
 using testing::Specimen;
 
-StaticLoad follower(ParticleId p, const Vec3d& force, const Vec3d& moment) {
-  StaticLoad l = testing::pushed(p.value, force, moment);
+PointLoad follower(ParticleId p, const Vec3d& force, const Vec3d& moment) {
+  PointLoad l = testing::pushed(p.value, force, moment);
   l.follower = true;
   return l;
 }
@@ -35,13 +35,13 @@ Case random_case(unsigned seed) {
   Dice dice(seed);
   Case c{testing::random_body(dice), {}};
   const std::size_t n = c.body.model.particles();
-  StaticSupport slanted = testing::fixed({ParticleId{1}}, {true, false, false, true, false, true});
+  Support slanted = testing::fixed({ParticleId{1}}, {true, false, false, true, false, true});
   slanted.axes = testing::turned_axes(rotation_of(testing::vector_in(dice, 1.0)));
-  slanted.rotation = 0.1 * slanted.axes->about[0];
+  slanted.angular_velocity = 0.1 * slanted.axes->about[0];
   c.stage = testing::static_stage(StageKind::equilibrium,
                                   {testing::fixed({ParticleId{0}}, testing::clamped), slanted});
   if (seed % 2 == 0) {
-    StaticSupport grip{"grip", {ParticleId{n - 1}, ParticleId{n - 2}}, {}, {}, {}, true};
+    Support grip{"grip", {ParticleId{n - 1}, ParticleId{n - 2}}, {}, {}, {}, {}, true};
     c.stage.supports.push_back(grip);
   }
   for (std::size_t k = 1; k < n; ++k)
@@ -79,7 +79,7 @@ TEST(FollowersAtRest, MotionStaysInBalance) {
   int compared = 0;
   for (unsigned seed = 1; seed <= many; seed += 2) {  // those without a rigid group
     Case c = random_case(seed);
-    c.stage.supports[1].rotation = {};
+    c.stage.supports[1].angular_velocity = {};
     State s;
     try {
       s = run_static_stage(c.body.model, c.stage, c.body.state, {}).state;
@@ -89,13 +89,13 @@ TEST(FollowersAtRest, MotionStaysInBalance) {
     ++compared;
     const State start = s;
     Stage motion = testing::plain_stage(0.05, 20.0);
-    for (const StaticSupport& held : c.stage.supports) {
+    for (const Support& held : c.stage.supports) {
       Support support;
       support.group = held.group, support.particles = held.particles, support.held = held.held;
       support.axes = held.axes;
       motion.supports.push_back(support);
     }
-    for (const StaticLoad& l : c.stage.loads) {
+    for (const PointLoad& l : c.stage.loads) {
       PointLoad load{l.group, l.particles, l.force, l.moment, {}};
       load.follower = true;
       motion.loads.push_back(load);

@@ -21,9 +21,9 @@ using testing::Specimen;
 
 constexpr HeldDofs nothing{};
 
-StaticSupport grip(std::vector<ParticleId> particles, const HeldDofs& held, const Vec3d& displacement = {},
-                   const Vec3d& rotation = {}, std::optional<Vec3d> pivot = {}) {
-  return {"grip", std::move(particles), held, displacement, rotation, true, pivot};
+Support grip(std::vector<ParticleId> particles, const HeldDofs& held, const Vec3d& displacement = {},
+             const Vec3d& rotation = {}, std::optional<Vec3d> pivot = {}) {
+  return {"grip", std::move(particles), held, displacement, rotation, {}, true, pivot};
 }
 
 /// Bodies have stiffnesses of 0.01 to 1.
@@ -52,8 +52,8 @@ Case random_case(unsigned seed) {
   c.stiffened = c.body;
   stiffen(c.stiffened, c.group, 1e7);
   const ParticleId first = c.group.front();
-  const StaticSupport clamp = testing::fixed({ParticleId{0}}, testing::clamped);
-  StaticSupport of_body = grip(c.group, nothing), of_one = testing::fixed({first}, nothing);
+  const Support clamp = testing::fixed({ParticleId{0}}, testing::clamped);
+  Support of_body = grip(c.group, nothing), of_one = testing::fixed({first}, nothing);
   switch (static_cast<int>(dice(0, 4))) {
     case 0: break;
     case 1:  // a ball joint at a particle
@@ -62,11 +62,11 @@ Case random_case(unsigned seed) {
       break;
     case 2:  // turns as it is told
       of_body.held = of_one.held = {false, false, false, true, true, true};
-      of_body.rotation = of_one.rotation = testing::vector_in(dice, 0.2);
+      of_body.angular_velocity = of_one.angular_velocity = testing::vector_in(dice, 0.2);
       break;
     default:  // goes along x as it is told, and does not turn
       of_body.held = of_one.held = {true, false, false, true, true, true};
-      of_body.displacement = of_one.displacement = {dice(-0.1, 0.1), 0, 0};
+      of_body.velocity = of_one.velocity = {dice(-0.1, 0.1), 0, 0};
   }
   c.stage = testing::static_stage(StageKind::equilibrium, {clamp, of_body});
   for (const ParticleId p : c.group)
@@ -175,7 +175,7 @@ struct Bundle {
 // fracture close.
 TEST(FreeGripsAtRest, PulledPlateStretchesItsBundle) {
   const Bundle b;
-  StaticLoad pull{"pull", b.upper, {0.3, 0, 0.05}, {}, false};
+  PointLoad pull{"pull", b.upper, {0.3, 0, 0.05}};
   for (const StageKind kind : {StageKind::equilibrium, StageKind::path, StageKind::fracture}) {
     StaticStage stage = testing::static_stage(
         kind,

@@ -11,9 +11,9 @@ namespace {
 
 using testing::Specimen;
 
-StaticSupport grip(std::vector<ParticleId> particles, const Vec3d& displacement, const Vec3d& rotation,
-                   std::optional<Vec3d> pivot = {}) {
-  return {"grip", std::move(particles), all_held, displacement, rotation, true, pivot};
+Support grip(std::vector<ParticleId> particles, const Vec3d& displacement, const Vec3d& rotation,
+             std::optional<Vec3d> pivot = {}) {
+  return {"grip", std::move(particles), all_held, displacement, rotation, {}, true, pivot};
 }
 
 /// A square bar of 2 x 2 x n particles along x, one apart, bonded along edges and across the faces.
@@ -79,7 +79,7 @@ TEST(StaticGrips, CarryPlacesAndOrientationsExactly) {
 TEST(StaticGrips, MomentIsTheSlopeOfTheEnergy) {
   const Specimen s = bar(n);
   StaticStage stage = twist(StageKind::equilibrium);
-  stage.supports[1].displacement = {};
+  stage.supports[1].velocity = {};
   stage.newton.tolerance = 1e-13;
   stage.steps = 40;
   Points points;
@@ -141,7 +141,7 @@ TEST(StaticTotalLoads, AreBorneByTheClamp) {
   StaticStage stage =
       testing::static_stage(StageKind::equilibrium, {testing::fixed(face(0), testing::clamped)});
   const Vec3d F{0.001, 0.002, 0}, T{0.01, 0, 0};
-  stage.loads = {{"end", face(3), {}, {}, false, F / 4.0, T / 4.0}};
+  stage.loads = {{"end", face(3), {}, {}, {}, F / 4.0, T / 4.0}};
   stage.newton.tolerance = 1e-13;
   StaticHooks hooks;
   Reaction r;

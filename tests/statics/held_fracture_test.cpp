@@ -37,9 +37,9 @@ Specimen fibres(const std::vector<double>& strengths) {
                   breakable({1.0, 0.1, 0.01, 0.01}, strengths[k], &bond_law<WithRules<VModel>::Law>));
   return s;
 }
-StaticSupport plate(const Specimen& s, std::size_t first, const Vec3d& displacement = {},
-                    const Vec3d& rotation = {}) {
-  StaticSupport support = testing::fixed({}, all_held, displacement, rotation);
+Support plate(const Specimen& s, std::size_t first, const Vec3d& displacement = {},
+              const Vec3d& rotation = {}) {
+  Support support = testing::fixed({}, all_held, displacement, rotation);
   for (std::size_t k = first; k < s.model.particles(); k += 2) support.particles.push_back(ParticleId{k});
   return support;
 }
@@ -77,10 +77,10 @@ TEST(HeldFracture, FibresBetweenPlatesBreakOneByOne) {
 double breaks_at(const Specimen& s, const StaticStage& stage, BondId bond, double strength) {
   const auto tension = [&](double f) {
     State placed = s.state;
-    for (const StaticSupport& support : stage.supports)
+    for (const Support& support : stage.supports)
       for (const ParticleId p : support.particles) {
-        placed.r[p] += f * support.displacement;
-        placed.q[p] = rotation_of(f * support.rotation) * placed.q[p];
+        placed.r[p] += f * support.velocity;
+        placed.q[p] = rotation_of(f * support.angular_velocity) * placed.q[p];
       }
     const Bond& b = placed.bonds[bond];
     const BondPose<double> pose = bond_pose(b, placed);
@@ -145,7 +145,7 @@ TEST(HeldFracture, AGripThatNothingTurnsAnyMoreIsHeld) {
   testing::bond(s, 0, 1, breakable(c, 0.1, &bond_law<VModel>));
   testing::bond(s, 3, 4, breakable(c, 0.2, &bond_law<VModel>));
   const auto grip = [](std::size_t p, std::size_t q, const HeldDofs& held) {
-    StaticSupport support = testing::fixed({ParticleId{p}, ParticleId{q}}, held, {1, 0, 0});
+    Support support = testing::fixed({ParticleId{p}, ParticleId{q}}, held, {1, 0, 0});
     support.rigid = true;
     return support;
   };

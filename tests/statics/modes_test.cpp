@@ -18,9 +18,8 @@ using testing::number;
 using testing::pushed;
 using testing::validation_case;
 
-std::vector<NaturalMode> modes_of(const testing::Specimen& s, int count,
-                                  std::vector<StaticSupport> supports = {},
-                                  std::vector<StaticLoad> loads = {}) {
+std::vector<NaturalMode> modes_of(const testing::Specimen& s, int count, std::vector<Support> supports = {},
+                                  std::vector<PointLoad> loads = {}) {
   StaticStage stage = testing::static_stage(StageKind::modes, std::move(supports), std::move(loads));
   stage.count = count;
   return run_static_stage(s.model, stage, s.state, {}).result.modes;
@@ -232,7 +231,7 @@ TEST(Modes, OfARingInItsPlaneAreTheExactDiscreteOnes) {
     const double a = 2 * std::sin(M_PI / static_cast<double>(N)), m = 2 * M_PI / static_cast<double>(N);
     ring.model.mass.assign(N, m);
     ring.model.inertia.assign(N, 0.1 * m * a * a);
-    std::vector<StaticSupport> plane{fixed(ring.model.groups[0].particles, testing::in_plane)};
+    std::vector<Support> plane{fixed(ring.model.groups[0].particles, testing::in_plane)};
     const std::vector<NaturalMode> modes = modes_of(ring, 6, plane);
     ASSERT_EQ(modes.size(), 9u);
     const double largest = 4 * 1e6 / (a * m);

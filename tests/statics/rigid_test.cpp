@@ -16,7 +16,7 @@ constexpr double turn_length = 0.7;
 struct Body {
   Model model;
   State state;
-  std::vector<StaticSupport> supports;
+  std::vector<Support> supports;
 
   explicit Body(const std::vector<Vec3d>& r)
       : model(equal_particles(r, 1.0, 0.1, 0.5)), state(at_rest(model)) {}

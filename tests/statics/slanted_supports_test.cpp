@@ -18,11 +18,11 @@ using testing::Dice;
 using testing::Specimen;
 
 StaticStage turned(StaticStage stage, const Quatd& turn) {
-  for (StaticSupport& s : stage.supports) {
+  for (Support& s : stage.supports) {
     s.axes = testing::turned_axes(turn);
-    s.displacement = rotate(turn, s.displacement), s.rotation = rotate(turn, s.rotation);
+    s.velocity = rotate(turn, s.velocity), s.angular_velocity = rotate(turn, s.angular_velocity);
   }
-  for (StaticLoad& l : stage.loads) l.force = rotate(turn, l.force), l.moment = rotate(turn, l.moment);
+  for (PointLoad& l : stage.loads) l.force = rotate(turn, l.force), l.moment = rotate(turn, l.moment);
   return stage;
 }
 
@@ -40,12 +40,12 @@ Pair random_pair(unsigned seed, StageKind kind) {
   p.stage = testing::static_stage(kind, {testing::fixed({ParticleId{0}}, testing::clamped)});
   const std::size_t n = p.plain.model.particles();
   for (const std::size_t k : {n - 1, n - 2}) {
-    StaticSupport s = testing::fixed({ParticleId{k}}, testing::some_dofs(dice, 0.4));
+    Support s = testing::fixed({ParticleId{k}}, testing::some_dofs(dice, 0.4));
     for (int a = 0; a < 3; ++a) {
       const auto dof = static_cast<std::size_t>(a);
       const bool moves = kind != StageKind::modes;
-      if (s.held[dof] && moves) component(s.displacement, a) = dice(-0.05, 0.05);
-      if (s.held[dof + 3] && moves) component(s.rotation, a) = dice(-0.1, 0.1);
+      if (s.held[dof] && moves) component(s.velocity, a) = dice(-0.05, 0.05);
+      if (s.held[dof + 3] && moves) component(s.angular_velocity, a) = dice(-0.1, 0.1);
     }
     p.stage.supports.push_back(s);
   }
@@ -138,7 +138,7 @@ TEST(SlantedSupports, TangentIsTheDerivativeOfTheLoads) {
 TEST(SlantedSupports, RollerOnASlope) {
   Specimen s = testing::straight_rod(5);
   const Vec3d normal = normalised(Vec3d{0.5, 0, std::sqrt(0.75)});
-  StaticSupport roller = testing::fixed({ParticleId{4}}, {});
+  Support roller = testing::fixed({ParticleId{4}}, {});
   const HeldDirections d = held_directions({}, {normal}, {});
   roller.held = d.held, roller.axes = d.axes;
   const StaticStage stage = testing::static_stage(StageKind::equilibrium,
@@ -165,9 +165,9 @@ TEST(SlantedSupports, RollerOnASlope) {
 
 // Two supports, each along its own direction: perpendicular ones are held both; others are a mistake.
 TEST(SlantedSupports, OfTwoSupportsArePerpendicularOrRefused) {
-  StaticSupport a = testing::fixed({ParticleId{0}}, {}), b = a, c = testing::fixed({ParticleId{0}}, {true});
+  Support a = testing::fixed({ParticleId{0}}, {}), b = a, c = testing::fixed({ParticleId{0}}, {true});
   a.group = "a", b.group = "b";
-  const auto take = [](StaticSupport& s, const std::vector<Vec3d>& along) {
+  const auto take = [](Support& s, const std::vector<Vec3d>& along) {
     const HeldDirections d = held_directions({}, along, {});
     s.held = d.held, s.axes = d.axes;
   };
@@ -180,10 +180,10 @@ TEST(SlantedSupports, OfTwoSupportsArePerpendicularOrRefused) {
   const auto found = disagreements({a, b}, 1);
   ASSERT_EQ(found.size(), 1u);
   EXPECT_TRUE(found[0].oblique);
-  b.displacement = {};
+  b.velocity = {};
   take(b, {{0, 1.2, 1.6}});  // the same direction
   EXPECT_TRUE(disagreements({a, b}, 1).empty());
-  b.displacement = {0, 0.06, 0.08};
+  b.velocity = {0, 0.06, 0.08};
   EXPECT_EQ(disagreements({a, b}, 1).size(), 1u);
 }
 

@@ -82,13 +82,12 @@ Pressed random_case(unsigned seed) {
 }
 
 /// Distance of a point from a wall that has been carried along to load factor 1, and the least radius R*.
-std::pair<double, double> distance_from(const Wall& wall, const StaticWallDrive& d, double R,
-                                        const Vec3d& x) {
+std::pair<double, double> distance_from(const Wall& wall, const WallDrive& d, double R, const Vec3d& x) {
   const Vec3d pivot = *d.pivot;
   const auto carried = [&](const Vec3d& p) {
-    return pivot + d.displacement + rotate(rotation_of(d.rotation), p - pivot);
+    return pivot + d.velocity + rotate(rotation_of(d.angular_velocity), p - pivot);
   };
-  const auto turned = [&](const Vec3d& e) { return rotate(rotation_of(d.rotation), e); };
+  const auto turned = [&](const Vec3d& e) { return rotate(rotation_of(d.angular_velocity), e); };
   if (const auto* plane = std::get_if<PlaneWall>(&wall.shape))
     return {dot(x - carried(plane->point), turned(plane->normal)), R};
   if (const auto* sphere = std::get_if<SphereWall>(&wall.shape))
@@ -102,7 +101,7 @@ double energy_of(const Pressed& c, const State& s) {
   const Energies e = bond_energies(s);
   double U = e.U_L + e.U_B + e.U_T;
   const ContactModel& law = c.s.model.contact;
-  for (const StaticWallDrive& d : c.stage.walls)
+  for (const WallDrive& d : c.stage.walls)
     for (const ParticleId p : s.r.ids()) {
       const auto [distance, R] = distance_from(c.s.model.walls[d.index], d, 0.4, s.r[p]);
       const double overlap = 0.4 - distance;

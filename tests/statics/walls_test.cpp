@@ -158,7 +158,7 @@ struct Seen {
   const WallState& last(std::size_t wall) const { return walls.back().at(wall); }
 };
 
-StaticStage pressed(const Specimen& s, HeldDofs held, std::vector<StaticWallDrive> drives) {
+StaticStage pressed(const Specimen& s, HeldDofs held, std::vector<WallDrive> drives) {
   StaticStage stage =
       testing::static_stage(StageKind::equilibrium, {testing::fixed(s.model.groups[0].particles, held)});
   stage.walls = std::move(drives);

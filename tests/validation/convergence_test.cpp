@@ -37,7 +37,7 @@ double first_critical_load(const testing::Specimen& s, StaticStage stage) {
   return solved(s, stage).result.critical_loads.at(0).load_factor;
 }
 
-std::vector<StaticSupport> root() {
+std::vector<Support> root() {
   return {fixed({ParticleId{0}}, testing::clamped)};
 }
 

@@ -261,7 +261,7 @@ TEST(Honeycomb, HasItsLimitLoadByBothStages) {
                static_stage(StageKind::buckling,
                             {fixed(everybody(h.specimen), in_plane), fixed(h.bottom, clamp_in_plane),
                              fixed(h.top, {true, false, false, false, false, true})},
-                            {{"top", h.top, {0, -1, 0}, {}, false}})};
+                            {{"top", h.top, {0, -1, 0}}})};
   EXPECT_NEAR(expect_both_find_one(c), 522.8, 0.1);
 }
 

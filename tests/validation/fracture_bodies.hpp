@@ -29,7 +29,7 @@ inline Specimen bundle(const std::vector<double>& strengths) {
   return s;
 }
 
-inline StaticSupport clamp(std::size_t particle) {
+inline Support clamp(std::size_t particle) {
   return fixed({ParticleId{particle}}, clamped);
 }
 

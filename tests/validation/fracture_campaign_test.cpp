@@ -66,8 +66,8 @@ struct Break {
 std::optional<State> balance(const Body& body, const State& from, double f_0, double f_1) {
   StaticStage stage = body.stage;
   stage.kind = StageKind::equilibrium;
-  for (StaticSupport& s : stage.supports) s.displacement = (f_1 - f_0) * s.displacement;
-  for (StaticLoad& l : stage.loads) l.force = f_1 * l.force, l.moment = f_1 * l.moment;
+  for (Support& s : stage.supports) s.velocity = (f_1 - f_0) * s.velocity;
+  for (PointLoad& l : stage.loads) l.force = f_1 * l.force, l.moment = f_1 * l.moment;
   try {
     StaticOutcome outcome = run_static_stage(body.s.model, stage, from, {});
     if (outcome.result.jumped || outcome.result.left_saddle) return std::nullopt;

@@ -222,7 +222,7 @@ TEST(FractureStage, EquilibriumBeyondStrengthSaysSo) {
   EXPECT_EQ(r.most_used->bond, BondId{1});
   EXPECT_NEAR(r.most_used->utilisation, 1.5, 1e-12);
   EXPECT_NE(told.find("past its strength"), std::string::npos) << told;
-  stage.supports[1].displacement = {0.7, 0, 0};
+  stage.supports[1].velocity = {0.7, 0, 0};
   told.clear();
   EXPECT_NEAR(run_static_stage(s.model, stage, s.state, hooks).result.most_used->utilisation, 0.875, 1e-12);
   EXPECT_EQ(told, "");
@@ -356,7 +356,7 @@ Specimen scattered_block(std::size_t n, std::vector<Vec3d> further = {}) {
 }
 
 /// Its face x = 0 is clamped, the opposite one is drawn.
-std::vector<StaticSupport> drawn_faces(std::size_t n, double displacement) {
+std::vector<Support> drawn_faces(std::size_t n, double displacement) {
   std::vector<ParticleId> first, last;
   for (std::size_t k = 0; k < n * n; ++k)
     first.push_back(ParticleId{k * n}), last.push_back(ParticleId{k * n + n - 1});
@@ -405,7 +405,7 @@ TEST(KeptFactorAtRest, NoticesThatAStraightRodBuckles) {
   const std::size_t foot = n * n * n;
   for (std::size_t k = 0; k < bonds; ++k)
     bond(s, foot + k, foot + k + 1, breakable({1.0, 0.3, 0.1, 0.1}, unbreakable));
-  std::vector<StaticSupport> supports = drawn_faces(n, 0.4);
+  std::vector<Support> supports = drawn_faces(n, 0.4);
   supports.insert(supports.begin(), clamp(foot));
   const double euler = M_PI * M_PI * 0.1 / (4.0 * bonds * bonds);
   constexpr double most = 5.0;  // times that at load factor 1

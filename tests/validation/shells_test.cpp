@@ -22,7 +22,7 @@ struct Shell {
   double area(std::size_t p) const { return body.model.mass[ParticleId{p}]; }  // density * thickness is 1
   Vec3d place(std::size_t p) const { return body.model.r_0[ParticleId{p}]; }
 
-  State rest(const std::vector<StaticSupport>& supports, const std::vector<StaticLoad>& loads) const {
+  State rest(const std::vector<Support>& supports, const std::vector<PointLoad>& loads) const {
     return run_static_stage(body.model, testing::static_stage(StageKind::equilibrium, supports, loads),
                             body.state, {})
         .state;
@@ -51,7 +51,7 @@ Shell cylinder(double nu) {
 
 /// Supports of a cylinder that may widen and lengthen: those of one circle in z, and three that carry
 /// nothing.
-std::vector<StaticSupport> free_to_widen(const Shell& s) {
+std::vector<Support> free_to_widen(const Shell& s) {
   return {
       testing::fixed(s.body.model.find_group("first")->particles, {false, false, true, false, false, false}),
       testing::fixed({ParticleId{0}, ParticleId{around / 2}}, {false, true, false, false, false, false}),
@@ -75,7 +75,7 @@ TEST(ShellTheory, CylinderStretchesByItsMaterialUnderEndLoads) {
   for (const double nu : {0.0, 0.3}) {
     const Shell s = cylinder(nu);
     const double N = strain * E * h * 2 * pi;  // in all
-    std::vector<StaticLoad> loads;
+    std::vector<PointLoad> loads;
     for (std::size_t j = 0; j < around; ++j)
       loads.push_back(testing::pushed(rows * around + j, {0, 0, N / around}));
     const State rest = s.rest(free_to_widen(s), loads);
@@ -90,7 +90,7 @@ TEST(ShellTheory, CylinderStretchesByItsMaterialUnderEndLoads) {
 TEST(ShellTheory, CylinderWidensByPressure) {
   const Shell s = cylinder(0.3);
   const double p = strain * E * h;
-  std::vector<StaticLoad> loads;
+  std::vector<PointLoad> loads;
   for (std::size_t k = 0; k < s.body.model.particles(); ++k) {
     const Vec3d r = s.place(k);
     loads.push_back(testing::pushed(k, p * s.area(k) * Vec3d{r.x, r.y, 0}));
@@ -106,7 +106,7 @@ TEST(ShellTheory, CylinderWidensByPressure) {
 TEST(ShellTheory, SphereWidensByPressure) {
   const Shell s = shell("kind = \"sphere\"\nsphere_radius = 1\nspacing = 0.15\n", 0.3);
   const double p = strain * E * h;
-  std::vector<StaticLoad> loads;
+  std::vector<PointLoad> loads;
   std::size_t on_equator = 0;
   for (std::size_t k = 0; k < s.body.model.particles(); ++k) {
     loads.push_back(testing::pushed(k, p * s.area(k) * s.place(k)));
@@ -135,7 +135,7 @@ TEST(ShellTheory, CylinderPulledApartBendsAsARing) {
   const Shell s = cylinder(0.0);
   const double D = E * h * h * h / 12, c_B = D / std::numbers::sqrt3;
   const double EI = D * length + c_B * spacing, P = strain * EI;
-  std::vector<StaticLoad> loads;
+  std::vector<PointLoad> loads;
   std::vector<ParticleId> held;
   for (std::size_t row = 0; row <= rows; row += 2) {
     const double share = row == 0 || row == rows ? 0.5 : 1.0;
@@ -210,7 +210,7 @@ TEST(ShellBuckling, EndsWithTheLimitPointAndLooksAtNothingBehindIt) {
       StageKind::buckling,
       {testing::fixed(s.body.model.find_group("last")->particles, {true, true, true, false, false, false}),
        testing::fixed(s.body.model.find_group("first")->particles, {true, true, false, false, false, false})},
-      {{"rim", s.body.model.find_group("first")->particles, {0, 0, -0.3 / 39}, {}, false}});
+      {{"rim", s.body.model.find_group("first")->particles, {0, 0, -0.3 / 39}}});
   stage.count = 2;
   const StaticResult found = run_static_stage(s.body.model, stage, s.body.state, {}).result;
   EXPECT_EQ(found.ended, "limit point");

@@ -106,16 +106,15 @@ inline Plate triangular_plate(std::size_t n, const BondStiffness<double>& inside
 }
 
 /// Edges supported, no movement in the plane.
-inline std::vector<StaticSupport> supported_edges(const Plate& plate) {
+inline std::vector<Support> supported_edges(const Plate& plate) {
   return {fixed(everybody(plate.specimen), {true, true, false, false, false, true}),
           fixed(plate.edge, {true, true, true, false, false, true})};
 }
 
 /// Deflection of the centre under a load q per area: half sqrt(3) q on each particle inside.
 inline double centre_deflection(const Plate& plate, double q) {
-  const StaticStage stage =
-      static_stage(StageKind::equilibrium, supported_edges(plate),
-                   {{"inside", plate.interior, {0, 0, 0.5 * std::sqrt(3.0) * q}, {}, false}});
+  const StaticStage stage = static_stage(StageKind::equilibrium, supported_edges(plate),
+                                         {{"inside", plate.interior, {0, 0, 0.5 * std::sqrt(3.0) * q}}});
   return run_static_stage(plate.specimen.model, stage, plate.specimen.state, {}).state.r[plate.centre].z;
 }
 

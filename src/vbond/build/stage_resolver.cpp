@@ -77,8 +77,41 @@ TimeFunction StageResolver::function(const TimeFunctionSpec& f, const SourcePlac
   return resolved;
 }
 
-template <class AnySupport>
-void StageResolver::check_supports(const std::vector<AnySupport>& supports) const {
+std::vector<Support> StageResolver::supports() const {
+  std::vector<Support> resolved;
+  for (const SupportSpec& s : spec.supports) {
+    const HeldDirections d = directions_of(s);
+    resolved.push_back({s.group.value, particles(s.group), d.held, at_rest() ? s.displacement : s.velocity,
+                        at_rest() ? s.rotation : s.angular_velocity, function(s.factor, s.place), s.rigid,
+                        s.pivot, d.axes});
+  }
+  check_supports(resolved);
+  return resolved;
+}
+
+std::vector<PointLoad> StageResolver::loads() const {
+  std::vector<PointLoad> resolved;
+  for (const LoadSpec& l : spec.loads) {
+    PointLoad load{l.group.value, particles(l.group), l.force, l.moment, function(l.factor, l.place)};
+    load.force_by_mass = l.total_force / mass_of(load.particles);
+    load.moment_by_mass = l.total_moment / mass_of(load.particles);
+    load.follower = l.follower;
+    load.constant = l.constant;
+    resolved.push_back(std::move(load));
+  }
+  return resolved;
+}
+
+std::vector<Heating> StageResolver::heating() const {
+  check_temperatures();
+  std::vector<Heating> resolved;
+  for (const TemperatureSpec& t : spec.temperatures)
+    resolved.push_back(
+        {particles(t.group), at_rest() ? t.change : t.temperature, function(t.factor, t.place)});
+  return resolved;
+}
+
+void StageResolver::check_supports(const std::vector<Support>& supports) const {
   for (std::size_t k = 0; k < supports.size(); ++k)
     if (supports[k].rigid && supports[k].particles.empty() && model.find_group(supports[k].group) != nullptr)
       problems.add(spec.supports[k].place,
@@ -102,9 +135,7 @@ void StageResolver::check_supports(const std::vector<AnySupport>& supports) cons
           "take it out of one of them, or give both the same motion (and rigid ones the same pivot)");
   }
 }
-template void StageResolver::check_supports(const std::vector<Support>&) const;
-template void StageResolver::check_supports(const std::vector<StaticSupport>&) const;
-
+/// Reports temperatures at which a bond set would have no length left, or that nothing feels.
 void StageResolver::check_temperatures() const {
   for (const TemperatureSpec& t : spec.temperatures) {
     if (std::none_of(c.bonds.begin(), c.bonds.end(),
@@ -128,13 +159,14 @@ void StageResolver::check_temperatures() const {
   }
 }
 
+/// What a total of a load is shared in proportion to: the mass of its group.
 double StageResolver::mass_of(const std::vector<ParticleId>& particles) const {
   double mass = 0.0;
   for (const ParticleId p : particles) mass += model.mass[p];
   return mass > 0.0 ? mass : 1.0;  // of no particles: nothing takes a share
 }
 
-bool StageResolver::anything_is_free(const std::vector<StaticSupport>& supports) const {
+bool StageResolver::anything_is_free(const std::vector<Support>& supports) const {
   std::size_t held = 0;
   for (const Hold& h : holds_of(supports))
     held += static_cast<std::size_t>(std::count(h.held.begin(), h.held.end(), true));

@@ -23,15 +23,19 @@ struct StageResolver {
   std::optional<DistanceStop> distance_stop(const DistanceStopSpec& s) const;
   TimeFunction function(const TimeFunctionSpec& f, const SourcePlace& place) const;
 
-  /// Supports, one for each of the case, that overlap must agree; grips need particles.
-  template <class AnySupport>
-  void check_supports(const std::vector<AnySupport>& supports) const;
-  /// Reports temperatures at which a bond set would have no length left, or that nothing feels.
-  void check_temperatures() const;
-  /// What a total of a load is shared in proportion to: the mass of its group.
-  double mass_of(const std::vector<ParticleId>& particles) const;
+  /// Those that overlap must agree; grips need particles.
+  std::vector<Support> supports() const;
+  std::vector<PointLoad> loads() const;
+  /// Records temperatures at which a bond set would have no length left, or that nothing feels.
+  std::vector<Heating> heating() const;
   /// Whether supports leave any degree of freedom.
-  bool anything_is_free(const std::vector<StaticSupport>& supports) const;
+  bool anything_is_free(const std::vector<Support>& supports) const;
+
+ private:
+  bool at_rest() const { return is_static(spec.kind); }
+  void check_supports(const std::vector<Support>& supports) const;
+  void check_temperatures() const;
+  double mass_of(const std::vector<ParticleId>& particles) const;
 };
 
 /// Whether this bond set makes its bonds (when = stage) as this stage begins.

@@ -43,13 +43,7 @@ struct DynamicsResolver : StageResolver {
   }
 
   std::vector<Support> supports() const {
-    std::vector<Support> resolved;
-    for (const SupportSpec& s : spec.supports) {
-      const HeldDirections d = directions_of(s);
-      resolved.push_back({s.group.value, particles(s.group), d.held, s.velocity, s.angular_velocity,
-                          function(s.factor, s.place), s.rigid, s.pivot, d.axes});
-    }
-    check_supports(resolved);
+    std::vector<Support> resolved = StageResolver::supports();
     for (std::size_t k = 0; k < resolved.size(); ++k)
       for (const ParticleId p : resolved[k].particles)
         if (is_free_grip(resolved[k]) && model.is_top(p)) {
@@ -64,18 +58,6 @@ struct DynamicsResolver : StageResolver {
       problems.add(spec.supports[top->support].place,
                    fmt::format("particle {} of group \"{}\"", top->p.value, resolved[top->support].group),
                    partly_held_top_rule, "hold rotation x, y and z, or leave rotations out");
-    return resolved;
-  }
-
-  std::vector<PointLoad> loads() const {
-    std::vector<PointLoad> resolved;
-    for (const LoadSpec& l : spec.loads) {
-      PointLoad load{l.group.value, particles(l.group), l.force, l.moment, function(l.factor, l.place)};
-      load.force_by_mass = l.total_force / mass_of(load.particles);
-      load.moment_by_mass = l.total_moment / mass_of(load.particles);
-      load.follower = l.follower;
-      resolved.push_back(std::move(load));
-    }
     return resolved;
   }
 
@@ -384,10 +366,7 @@ Stage resolve_stage(const Case& c, const Model& model, std::size_t k, Problems& 
   stage.b_rotation = spec.b_rotation;
   stage.supports = resolver.supports();
   stage.loads = resolver.loads();
-  resolver.check_temperatures();
-  for (const TemperatureSpec& t : spec.temperatures)
-    stage.heating.push_back(
-        {resolver.particles(t.group), t.temperature, resolver.function(t.factor, t.place)});
+  stage.heating = resolver.heating();
   if (spec.strain) stage.strain = resolver.strain(*spec.strain);
   if (const auto p = strained_and_gripped(stage))
     problems.add(spec.strain->place,

@@ -9,29 +9,6 @@
 namespace vbond {
 namespace {
 
-std::vector<StaticSupport> supports(const StageResolver& resolver) {
-  std::vector<StaticSupport> resolved;
-  for (const SupportSpec& s : resolver.spec.supports) {
-    const HeldDirections d = directions_of(s);
-    resolved.push_back({s.group.value, resolver.particles(s.group), d.held, s.displacement, s.rotation,
-                        s.rigid, s.pivot, d.axes});
-  }
-  resolver.check_supports(resolved);
-  return resolved;
-}
-
-std::vector<StaticLoad> loads(const StageResolver& resolver) {
-  std::vector<StaticLoad> resolved;
-  for (const LoadSpec& l : resolver.spec.loads) {
-    StaticLoad load{l.group.value, resolver.particles(l.group), l.force, l.moment, l.constant};
-    load.force_by_mass = l.total_force / resolver.mass_of(load.particles);
-    load.moment_by_mass = l.total_moment / resolver.mass_of(load.particles);
-    load.follower = l.follower;
-    resolved.push_back(std::move(load));
-  }
-  return resolved;
-}
-
 /// What depends on the way by which an equilibrium is reached has no balance of its own.
 void refuse_contacts(const StageResolver& resolver) {
   const std::string key = key_without_balance(resolver.model.contact);
@@ -44,7 +21,7 @@ void refuse_contacts(const StageResolver& resolver) {
 }
 
 /// A body that is held altogether has no modes, and no load makes it unstable. It may break.
-void check_something_is_free(const StageResolver& resolver, const std::vector<StaticSupport>& supports) {
+void check_something_is_free(const StageResolver& resolver, const std::vector<Support>& supports) {
   if (resolver.spec.kind == StageKind::equilibrium || resolver.spec.kind == StageKind::fracture) return;
   if (resolver.anything_is_free(supports)) return;
   resolver.problems.add(
@@ -63,13 +40,11 @@ StaticStage resolve_static_stage(const Case& c, const Model& model, std::size_t 
   stage.gravity = spec.gravity;
   stage.constant_gravity = spec.constant_gravity;
   refuse_contacts(resolver);
-  stage.supports = supports(resolver);
-  stage.walls = resolve_static_wall_drives(resolver);
+  stage.supports = resolver.supports();
+  stage.walls = resolve_wall_drives(resolver);
   check_something_is_free(resolver, stage.supports);
-  stage.loads = loads(resolver);
-  resolver.check_temperatures();
-  for (const TemperatureSpec& t : spec.temperatures)
-    stage.heating.push_back({resolver.particles(t.group), t.change});
+  stage.loads = resolver.loads();
+  stage.heating = resolver.heating();
   stage.newton = spec.newton;
   stage.steps = spec.steps;
   stage.at_saddle = spec.at_saddle;

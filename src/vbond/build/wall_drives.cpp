@@ -12,9 +12,11 @@ namespace {
 void check_servo_turns(const WallDriveSpec& d, const StageResolver& resolver, const WallDrive& drive) {
   const Vec3d axis = d.angular_velocity, e = normalised(d.servo->direction);
   if (axis == Vec3d{}) return;
-  const Vec3d arm = cross(axis, resolver.model.walls[drive.index].centre - drive.pivot);
+  if (!drive.pivot) return;
+  const Vec3d arm = cross(axis, resolver.model.walls[drive.index].centre - *drive.pivot);
   constexpr double rounding = 1e-9;
-  if (norm(arm) <= rounding * norm(axis) * norm(drive.pivot) || norm(cross(axis, e)) <= rounding * norm(axis))
+  if (norm(arm) <= rounding * norm(axis) * norm(*drive.pivot) ||
+      norm(cross(axis, e)) <= rounding * norm(axis))
     return;
   resolver.problems.add(d.place,
                         fmt::format("wall \"{}\" turns about a pivot that is not its centre, across the "
@@ -25,9 +27,8 @@ void check_servo_turns(const WallDriveSpec& d, const StageResolver& resolver, co
 }
 
 /// The place in Model::walls of the wall of an entry; nothing if there is none.
-template <class Drives>
 std::optional<std::size_t> wall_of_entry(const StageResolver& resolver, const WallDriveSpec& d,
-                                         const Drives& before) {
+                                         const std::vector<WallDrive>& before) {
   const auto index = look_up_wall(d.wall, resolver.model, resolver.problems);
   const auto same = [&](const auto& other) { return other.index == *index; };
   if (index && std::any_of(before.begin(), before.end(), same))
@@ -41,6 +42,7 @@ std::optional<std::size_t> wall_of_entry(const StageResolver& resolver, const Wa
 }  // namespace
 
 std::vector<WallDrive> resolve_wall_drives(const StageResolver& resolver) {
+  const bool at_rest = is_static(resolver.spec.kind);
   std::vector<WallDrive> drives;
   for (const WallDriveSpec& d : resolver.spec.walls) {
     const auto index = wall_of_entry(resolver, d, drives);
@@ -49,9 +51,9 @@ std::vector<WallDrive> resolve_wall_drives(const StageResolver& resolver) {
     drive.wall = d.wall.value;
     drive.index = *index;
     drive.off = d.off;
-    drive.velocity = d.velocity;
-    drive.angular_velocity = d.angular_velocity;
-    drive.pivot = d.pivot.value_or(resolver.model.walls[*index].centre);
+    drive.velocity = at_rest ? d.displacement : d.velocity;
+    drive.angular_velocity = at_rest ? d.rotation : d.angular_velocity;
+    drive.pivot = d.pivot;
     drive.factor = resolver.function(d.factor, d.place);
     if (d.oscillation) drive.amplitude = d.oscillation->amplitude, drive.frequency = d.oscillation->frequency;
     if (d.servo) check_servo_turns(d, resolver, drive);
@@ -64,14 +66,6 @@ std::vector<WallDrive> resolve_wall_drives(const StageResolver& resolver) {
                      d.servo->fastest.value_or(std::numeric_limits<double>::infinity())};
     drives.push_back(std::move(drive));
   }
-  return drives;
-}
-
-std::vector<StaticWallDrive> resolve_static_wall_drives(const StageResolver& resolver) {
-  std::vector<StaticWallDrive> drives;
-  for (const WallDriveSpec& d : resolver.spec.walls)
-    if (const auto index = wall_of_entry(resolver, d, drives))
-      drives.push_back({d.wall.value, *index, d.displacement, d.rotation, d.pivot, d.off});
   return drives;
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 #include <cstdint>
 
-#include "vbond/model/state.hpp"
+#include "vbond/model/body_view.hpp"
 
 namespace vbond {
 
@@ -10,7 +10,8 @@ class Simulation;
 /// Why a stage ended. `diverged` is never returned by run(), which throws; it is for those who catch.
 enum class StopReason { running, duration, distance, peak, rest, breaks, interrupted, diverged };
 
-/// Looks at a run at the start of each stage and after the steps it asks for; never changes it.
+/// Looks at a run at the start of each stage in motion and after the steps it asks for, and at each balance
+/// of a static stage; never changes it.
 class Observer {
  public:
   virtual ~Observer() = default;
@@ -21,6 +22,8 @@ class Observer {
   /// Called once when run() returns. After StopReason::interrupted the stage will be resumed, so
   /// nothing may be written here that an uninterrupted run would not have written.
   virtual void finish(const Simulation& /*run*/, StopReason /*why*/) {}
+  /// A balance of a static stage, with BodyView::balance(). The body goes on from it: all of them are sound.
+  virtual void observe_balance(const BodyView& /*body*/) {}
 };
 
 }  // namespace vbond

@@ -26,6 +26,7 @@
 #include "vbond/dynamics/supports.hpp"
 #include "vbond/dynamics/team.hpp"
 #include "vbond/dynamics/walls.hpp"
+#include "vbond/model/body_view.hpp"
 #include "vbond/model/bond_event.hpp"
 #include "vbond/model/drop.hpp"
 #include "vbond/model/loads.hpp"
@@ -34,14 +35,6 @@
 #include "vbond/model/state.hpp"
 
 namespace vbond {
-
-/// Where the energy is, and which bonds need a closer look.
-struct Survey {
-  Energies energies;
-  /// Every bond that is strained or snapped, shorter than half or longer than twice its length at rest, and
-  /// perhaps a few that are close to it, in increasing order.
-  std::vector<BondId> deformed;
-};
 
 /// What a particle without bonds costs in a step, in bonds: by itself, and its contacts, of which there are
 /// some three of twice the work of a bond.
@@ -54,7 +47,7 @@ std::size_t work_of_particle(const Model& model);
 /// A body may be spread over processes, each of which has a Simulation of its part. All of them have the same
 /// observers and call the same functions in the same order, those that only look as well, as each knows its
 /// share alone: they wait for each other, and get the same answers, of the whole body.
-class Simulation {
+class Simulation final : public BodyView {
  public:
   /// Takes over the state and keeps a reference to the model. A state with stage_step = 0 begins the
   /// stage (supports take their given velocities); any other continues it, as after a checkpoint.
@@ -115,23 +108,12 @@ class Simulation {
   /// Tells the observers that the stage ends here.
   void finish(StopReason why);
 
-  const Model& model() const { return model_; }
   const Stage& stage() const { return stage_; }
-  const Clock& clock() const { return state_.clock; }
-  /// As of this call.
-  const EnergyBooks& books() const;
-  /// What they count as dissipated, by cause. Looks at every bond that remembers something.
-  Losses losses() const;
-  const PeakRecord& peak() const { return state_.peak; }
   /// Bonds that have broken in this stage.
   std::int64_t breaks() const { return state_.breaks; }
-  const PerBond<Bond>& bonds() const { return state_.bonds; }
   /// Particles that are no longer computed, see State::dropped.
   const std::vector<ParticleId>& dropped() const { return state_.dropped; }
-  /// The whole state, in the numbering of the model, good until the next step: copy it to keep it. Collecting
-  /// it takes time: not for every step.
-  const State& state() const;
-  /// The same at the end, without a copy: nothing else may be asked of the simulation afterwards.
+  /// state() at the end, without a copy: nothing else may be asked of the simulation afterwards.
   State take_state() &&;
   /// Pairs that were deep in one another in the last step, as far as contacts are to keep them apart, and the
   /// fastest particle if it was too fast for that: observers look at every step that has any.
@@ -158,25 +140,23 @@ class Simulation {
   /// Where the wall time of the steps has gone.
   const StepTimes& times() const { return times_; }
 
-  /// A sum over all bonds, so not for every step; made once per step however often it is asked for.
-  const Survey& survey() const;
-  /// Energies at the present positions and velocities.
-  const Energies& energies() const { return survey().energies; }
-  /// Relative error of the energy balance for these energies: kinetic + potential + dissipated - work -
-  /// start, over the largest energy that start and work have brought in so far, at least what moves and what
-  /// contacts hold now, and a thousand roundings.
-  double balance_error(const Energies& e) const;
-  /// What the supports exert on these particles along held degrees of freedom, drag included, the
-  /// inertia of prescribed accelerations left out.
-  Reaction reaction(const std::vector<ParticleId>& particles) const;
-  /// Where walls are, and what presses on them.
-  const std::vector<WallState>& walls() const { return walls_.states(); }
-  /// The grips of the stage, in the order of its supports.
-  std::vector<GripView> grips() const;
-  /// The same with the loads of the bonds that broke in the last step.
+  /// reaction() with the loads of the bonds that broke in the last step.
   Reaction reaction_before_breaks(const std::vector<ParticleId>& particles) const;
-  /// Mean over the bonds with both ends in the group of F.d, tension positive; 0 without such bonds.  [force]
-  double mean_axial_force(const std::vector<ParticleId>& particles) const;
+
+  // ---- of a BodyView ----
+  const Model& model() const override { return model_; }
+  const Clock& clock() const override { return state_.clock; }
+  const PerBond<Bond>& bonds() const override { return state_.bonds; }
+  const State& state() const override;
+  const Survey& survey() const override;
+  const EnergyBooks& books() const override;
+  Losses losses() const override;
+  double balance_error() const override;
+  const PeakRecord& peak() const override { return state_.peak; }
+  Reaction reaction(const std::vector<ParticleId>& particles) const override;
+  double mean_axial_force(const std::vector<ParticleId>& particles) const override;
+  const std::vector<WallState>& walls() const override { return walls_.states(); }
+  std::vector<GripView> grips() const override;
 
  private:
   /// What a block's particles add to the energy books in a step, and NaN if one of their loads is not finite.

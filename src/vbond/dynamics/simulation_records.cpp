@@ -124,7 +124,8 @@ Survey Simulation::survey_here() const {
   return survey;
 }
 
-double Simulation::balance_error(const Energies& e) const {
+double Simulation::balance_error() const {
+  const Energies& e = energies();
   const EnergyBooks& b = books();
   const double imbalance =
       e.total() + b.dissipated + b.released - b.work_loads - b.work_supports - b.at_start;

@@ -119,7 +119,7 @@ void Walls::prescribe(std::size_t w, double t, double dt) {
   const double factor = d.factor(t + 0.5 * dt);
   now.velocity = factor * d.velocity;
   now.angular_velocity = factor * d.angular_velocity;
-  now.velocity += cross(now.angular_velocity, model_.walls[w].centre + now.displacement - d.pivot);
+  now.velocity += cross(now.angular_velocity, model_.walls[w].centre + now.displacement - pivot_of(w));
   if (d.frequency > 0.0) {
     const double rate = 2.0 * std::numbers::pi * d.frequency;
     const double mean =
@@ -151,8 +151,7 @@ void Walls::move(std::int64_t stage_step, double dt) {
     now.displacement += dt * now.velocity;
     if (now.angular_velocity != Vec3d{}) {
       const Quatd turn = rotation_of(dt * now.angular_velocity);
-      const Vec3d from_pivot =
-          model_.walls[w].centre + now.displacement - dt * now.velocity - drive_[w]->pivot;
+      const Vec3d from_pivot = model_.walls[w].centre + now.displacement - dt * now.velocity - pivot_of(w);
       // on the circle about the pivot, not on its tangent
       now.displacement += swing(turn, from_pivot) - dt * cross(now.angular_velocity, from_pivot);
       now.q = renormalised(turn * now.q);

@@ -11,44 +11,26 @@
 namespace vbond {
 namespace {
 
-const Vec3d& translation(const Support& s) {
-  return s.velocity;
-}
-const Vec3d& translation(const StaticSupport& s) {
-  return s.displacement;
-}
-const Vec3d& rotation(const Support& s) {
-  return s.angular_velocity;
-}
-const Vec3d& rotation(const StaticSupport& s) {
-  return s.rotation;
-}
-
 bool same_times(const Support& a, const Support& b) {
   const auto same = [](const auto& x, const auto& y) { return x.t == y.t && x.factor == y.factor; };
   return std::equal(a.factor.points.begin(), a.factor.points.end(), b.factor.points.begin(),
                     b.factor.points.end(), same);
 }
-bool same_times(const StaticSupport&, const StaticSupport&) {
-  return true;
-}
 
-template <class AnySupport>
-bool same_axis(const AnySupport& a, const AnySupport& b) {
+bool same_axis(const Support& a, const Support& b) {
   if (!a.pivot || !b.pivot) return !a.pivot && !b.pivot && a.particles == b.particles;
   constexpr double rounding = 1e-12;
-  const Vec3d& w = rotation(a);
+  const Vec3d& w = a.angular_velocity;
   return norm(cross(w, *a.pivot - *b.pivot)) <= rounding * norm(w) * std::max(norm(*a.pivot), norm(*b.pivot));
 }
 
-template <class AnySupport>
-bool moves_alike(const AnySupport& a, const AnySupport& b, std::size_t dof, const Vec3d& axis) {
+bool moves_alike(const Support& a, const Support& b, std::size_t dof, const Vec3d& axis) {
   if (is_free_grip(a) || is_free_grip(b)) return false;
-  const auto turns = [](const AnySupport& s) { return s.rigid && rotation(s) != Vec3d{}; };
+  const auto turns = [](const Support& s) { return s.rigid && s.angular_velocity != Vec3d{}; };
   if (dof < 3 && (turns(a) || turns(b)))
-    return a.rigid && b.rigid && translation(a) == translation(b) && rotation(a) == rotation(b) &&
+    return a.rigid && b.rigid && a.velocity == b.velocity && a.angular_velocity == b.angular_velocity &&
            same_times(a, b) && same_axis(a, b);
-  const auto rate = [&](const AnySupport& s) { return dot(dof < 3 ? translation(s) : rotation(s), axis); };
+  const auto rate = [&](const Support& s) { return dot(dof < 3 ? s.velocity : s.angular_velocity, axis); };
   return rate(a) == rate(b) && (rate(a) == 0.0 || same_times(a, b));
 }
 
@@ -63,8 +45,9 @@ std::string name_of(std::size_t dof, const HeldAxes* axes) {
 
 constexpr std::size_t nobody = static_cast<std::size_t>(-1);
 
-template <class AnySupport>
-std::vector<Disagreement> disagreements_of(const std::vector<AnySupport>& supports, std::size_t particles) {
+}  // namespace
+
+std::vector<Disagreement> disagreements(const std::vector<Support>& supports, std::size_t particles) {
   const ParticleAxes axes(supports);
   std::vector<std::array<std::size_t, 6>> holder(particles, {nobody, nobody, nobody, nobody, nobody, nobody});
   std::vector<Disagreement> found;
@@ -90,15 +73,6 @@ std::vector<Disagreement> disagreements_of(const std::vector<AnySupport>& suppor
     }
   }
   return found;
-}
-
-}  // namespace
-
-std::vector<Disagreement> disagreements(const std::vector<Support>& supports, std::size_t particles) {
-  return disagreements_of(supports, particles);
-}
-std::vector<Disagreement> disagreements(const std::vector<StaticSupport>& supports, std::size_t particles) {
-  return disagreements_of(supports, particles);
 }
 
 }  // namespace vbond

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "vbond/model/stage.hpp"
-#include "vbond/model/static_stage.hpp"
 
 namespace vbond {
 
@@ -23,6 +22,5 @@ struct Disagreement {
 /// about the same axis; two without a pivot must be of the same particles. A grip that is free in part agrees
 /// with no other support.
 std::vector<Disagreement> disagreements(const std::vector<Support>& supports, std::size_t particles);
-std::vector<Disagreement> disagreements(const std::vector<StaticSupport>& supports, std::size_t particles);
 
 }  // namespace vbond

@@ -67,8 +67,8 @@ std::vector<GrowthRange> growth_in(const State& s, const Stage& stage) {
 std::vector<GrowthRange> growth_in(const State& s, const StaticStage& stage) {
   Temperatures T(s);
   PerParticle<double> change(s.r.size());
-  for (const StaticHeating& h : stage.heating)
-    for (const ParticleId p : h.particles) change[p] += h.change;
+  for (const Heating& h : stage.heating)
+    for (const ParticleId p : h.particles) change[p] += h.temperature;
   const double end = stage.kind == StageKind::fracture ? stage.fracture.end : 1.0;
   for (const ParticleId p : change.ids()) {
     T.least[p] += std::min(0.0, end * change[p]);

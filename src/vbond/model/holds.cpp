@@ -11,8 +11,7 @@ struct Kept {
   std::vector<Vec3d> along, about;
 };
 
-template <class AnySupport>
-void keep(const AnySupport& s, std::size_t first, std::vector<Vec3d>& kept) {
+void keep(const Support& s, std::size_t first, std::vector<Vec3d>& kept) {
   if (s.held[first] && s.held[first + 1] && s.held[first + 2]) return;
   std::vector<Vec3d> with = kept;
   for (std::size_t dof = first; dof < first + 3; ++dof)
@@ -22,20 +21,19 @@ void keep(const AnySupport& s, std::size_t first, std::vector<Vec3d>& kept) {
 
 }  // namespace
 
-template <class AnySupport>
-ParticleAxes::ParticleAxes(const std::vector<AnySupport>& supports) {
+ParticleAxes::ParticleAxes(const std::vector<Support>& supports) {
   std::size_t particles = 0;
-  for (const AnySupport& s : supports)
+  for (const Support& s : supports)
     if (s.axes)
       for (const ParticleId p : s.particles) particles = std::max<std::size_t>(particles, p.value + 1);
   if (particles == 0) return;
   axes_.resize(particles);
   PerParticle<char> slanted(particles, 0);
-  for (const AnySupport& s : supports)
+  for (const Support& s : supports)
     if (s.axes)
       for (const ParticleId p : s.particles) slanted[p] = 1;
   PerParticle<Kept> kept(particles);
-  for (const AnySupport& s : supports)
+  for (const Support& s : supports)
     for (const ParticleId p : s.particles)
       if (p.value < particles && slanted[p]) keep(s, 0, kept[p].along), keep(s, 3, kept[p].about);
   for (const ParticleId p : axes_.ids()) {
@@ -44,8 +42,6 @@ ParticleAxes::ParticleAxes(const std::vector<AnySupport>& supports) {
     if (axes != HeldAxes{}) axes_[p] = std::make_shared<const HeldAxes>(axes);
   }
 }
-template ParticleAxes::ParticleAxes(const std::vector<Support>&);
-template ParticleAxes::ParticleAxes(const std::vector<StaticSupport>&);
 
 HeldDofs ParticleAxes::held_in(const HeldAxes* axes, const HeldDofs& held, const HeldAxes* of_support) {
   HeldDofs here{};

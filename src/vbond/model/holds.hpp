@@ -7,7 +7,6 @@
 #include "vbond/core/column.hpp"
 #include "vbond/model/held_axes.hpp"
 #include "vbond/model/stage.hpp"
-#include "vbond/model/static_stage.hpp"
 
 namespace vbond {
 
@@ -17,8 +16,7 @@ class ParticleAxes {
  public:
   /// Where axes of two supports of a particle are neither parallel nor perpendicular, and no support holds
   /// all, those of the later support are left out: disagreements() finds them.
-  template <class AnySupport>
-  explicit ParticleAxes(const std::vector<AnySupport>& supports);
+  explicit ParticleAxes(const std::vector<Support>& supports);
 
   /// nullptr: those of the world.
   std::shared_ptr<const HeldAxes> of(ParticleId p) const {
@@ -26,14 +24,12 @@ class ParticleAxes {
   }
   const HeldAxes* get(ParticleId p) const { return p.value < axes_.size() ? axes_[p].get() : nullptr; }
   /// What a support holds of a particle, in the axes of that particle.
-  template <class AnySupport>
-  HeldDofs held(const AnySupport& s, ParticleId p) const {
+  HeldDofs held(const Support& s, ParticleId p) const {
     const HeldAxes* axes = get(p);
     return axes == nullptr && !s.axes ? s.held : held_in(axes, s.held, s.axes ? &*s.axes : nullptr);
   }
   /// Whether all that it holds of the particle is along these axes.
-  template <class AnySupport>
-  bool fits(const AnySupport& s, ParticleId p) const {
+  bool fits(const Support& s, ParticleId p) const {
     const HeldDofs here = held(s, p);
     return std::count(here.begin(), here.end(), true) == std::count(s.held.begin(), s.held.end(), true);
   }
@@ -54,11 +50,10 @@ struct Hold {
 
 /// Supports that agree may overlap: each degree of freedom is then that of the first rigid support that holds
 /// it, or of the first of the others. Rigid supports come first, then the order is that of the supports.
-template <class AnySupport>
-std::vector<Hold> holds_of(const std::vector<AnySupport>& supports) {
+inline std::vector<Hold> holds_of(const std::vector<Support>& supports) {
   const ParticleAxes axes(supports);
   std::size_t particles = 0;
-  for (const AnySupport& s : supports)
+  for (const Support& s : supports)
     for (const ParticleId p : s.particles) particles = std::max<std::size_t>(particles, p.value + 1);
   std::vector<HeldDofs> taken(particles);
   std::vector<Hold> holds;

@@ -16,20 +16,26 @@
 
 namespace vbond {
 
+// What acts on a body in a stage goes with the progress of the stage: with time in motion, with the load
+// factor at rest. A velocity is a rate per progress: at rest the way from where the stage found the body to
+// load factor
+// 1. Factors are functions of time: stages at rest take none.
+
 /// Degrees of freedom that are held, at rest or at a prescribed velocity. A rigid one is a grip: its
 /// particles move as one rigid body, positions and orientations, on circles about a pivot that itself moves
 /// at `velocity`. Degrees of freedom of that body which it does not hold are free: loads on its particles
-/// move it along and about them.
+/// move it along and about them. At rest a turn about some of the axes is that of the held components alone;
+/// if all three are held it is the rotation by the vector, exactly.
 struct Support {
   std::string group;  ///< name, for reports
   std::vector<ParticleId> particles;
   HeldDofs held{};
-  Vec3d velocity;          ///< of held translations, or of the pivot  [length/time]
-  Vec3d angular_velocity;  ///< of held rotations, or of the grip  [rad/time]
-  TimeFunction factor;     ///< of both
+  Vec3d velocity;            ///< of held translations, or of the pivot  [length/time]; at rest [length]
+  Vec3d angular_velocity;    ///< of held rotations, or of the grip  [rad/time]; at rest [rad]
+  TimeFunction factor = {};  ///< of both
   bool rigid = false;
-  /// Rigid: at the start of the stage; absent: the mean of its particles' positions then, or where it is free
-  /// in some degree of freedom their centre of mass  [length].
+  /// Rigid: at the start of the stage; absent: the mean of its particles' positions then, or in motion, where
+  /// it is free in some degree of freedom, their centre of mass  [length].
   std::optional<Vec3d> pivot = {};
   /// Of `held`, of what is not rigid; absent: the world's.
   std::optional<HeldAxes> axes = {};
@@ -37,16 +43,17 @@ struct Support {
 
 /// Force and moment on each particle of a group: the same on each, and a part in proportion to mass, as
 /// totals of a group are shared. Fixed in direction, or followers, which are given along the axes of the
-/// particle and turn with it.
+/// particle and turn with it; at rest in equilibria and paths.
 struct PointLoad {
-  std::string group;
-  std::vector<ParticleId> particles;
-  Vec3d force;   ///< [force]
-  Vec3d moment;  ///< [force*length]
-  TimeFunction factor;
+  std::string group = {};
+  std::vector<ParticleId> particles = {};
+  Vec3d force = {};   ///< [force]
+  Vec3d moment = {};  ///< [force*length]
+  TimeFunction factor = {};
   Vec3d force_by_mass = {};   ///< [force/mass]
   Vec3d moment_by_mass = {};  ///< [force*length/mass]
   bool follower = false;
+  bool constant = false;  ///< at rest: at full size from the start, not in proportion to the load factor
 
   Vec3d force_on(double mass) const { return force + mass * force_by_mass; }
   Vec3d moment_on(double mass) const { return moment + mass * moment_by_mass; }
@@ -62,11 +69,12 @@ struct StrainProgram {
   double every = 0;      ///< [time]
 };
 
-/// The temperature of particles, times a factor; those that no stage heats have 0.
+/// The temperature of particles, times a factor; those that no stage heats have 0. At rest it is what the
+/// temperature that the stage finds changes by until load factor 1: changes of groups that overlap add up.
 struct Heating {
   std::vector<ParticleId> particles;
   double temperature = 0;  ///< [temperature]
-  TimeFunction factor;
+  TimeFunction factor = {};
 };
 
 /// Bonds made during the run: a pair of the two groups that comes within `distance` is bonded.
@@ -147,12 +155,10 @@ struct Stage {
 
 /// Whether a support moves its particles as one rigid body that is free in some degrees of freedom; the
 /// degrees of freedom that a support takes of each of its particles.
-template <class AnySupport>
-bool is_free_grip(const AnySupport& s) {
+inline bool is_free_grip(const Support& s) {
   return s.rigid && s.held != all_held;
 }
-template <class AnySupport>
-const HeldDofs& taken_by(const AnySupport& s) {
+inline const HeldDofs& taken_by(const Support& s) {
   return s.rigid ? all_held : s.held;
 }
 

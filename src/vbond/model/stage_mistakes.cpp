@@ -14,13 +14,6 @@
 namespace vbond {
 namespace {
 
-std::pair<Vec3d, Vec3d> prescribed_motion(const Support& s) {
-  return {s.velocity, s.angular_velocity};
-}
-std::pair<Vec3d, Vec3d> prescribed_motion(const StaticSupport& s) {
-  return {s.displacement, s.rotation};
-}
-
 template <class Named>
 std::string who(const std::string& what, const Named& of) {
   return of.group.empty() ? what : fmt::format("{} on \"{}\"", what, of.group);
@@ -43,10 +36,14 @@ void look_at_factor(const TimeFunction& f, const std::string& who, Mistakes& fou
                 "the factor of " + who + " does not have its points in increasing time");
 }
 
+/// At rest there is no time.
+void refuse_factor(const TimeFunction& f, const std::string& who, Mistakes& found) {
+  found.require(f.points.empty(), who + " has a factor over time: a stage at rest has none");
+}
+
 /// What a grip does not hold is free of prescribed motion.
-template <class AnySupport>
-void look_at_free_grip(const AnySupport& s, const std::string& who, Mistakes& found) {
-  const auto [way, turn] = prescribed_motion(s);
+void look_at_free_grip(const Support& s, const std::string& who, Mistakes& found) {
+  const Vec3d &way = s.velocity, &turn = s.angular_velocity;
   bool moves_free = false;
   for (std::size_t k = 0; k < 3; ++k) moves_free |= !s.held[k] && component(way, static_cast<int>(k)) != 0.0;
   const bool holds_turns = s.held[3] && s.held[4] && s.held[5];
@@ -54,13 +51,17 @@ void look_at_free_grip(const AnySupport& s, const std::string& who, Mistakes& fo
                 who + " is rigid and moves along or about what it leaves free");
   found.require(!s.pivot || (s.held[0] && s.held[1] && s.held[2] && way == Vec3d{}),
                 who + " is rigid, free in part, and has a pivot: that must stand still");
+  found.require(s.held[3] + s.held[4] + s.held[5] != 1,
+                who + " is rigid and holds one turn: it may hold none, two or all three");
 }
 
 /// Only grips have a pivot; supports that overlap must agree.
-template <class AnySupport>
-void look_at_supports(const Model& model, const std::vector<AnySupport>& supports, Mistakes& found) {
-  for (const AnySupport& s : supports) {
+void look_at_supports(const Model& model, const std::vector<Support>& supports, Mistakes& found) {
+  for (const Support& s : supports) {
     const std::string who = s.group.empty() ? "a support" : "a support on \"" + s.group + "\"";
+    found.require_known(s.particles, "a support", s.group);
+    found.require_finite(s.velocity, who, "the velocity");
+    found.require_finite(s.angular_velocity, who, "the angular velocity");
     if (is_free_grip(s)) look_at_free_grip(s, who, found);
     found.require(!s.rigid || !s.particles.empty(), who + " is rigid and has no particles");
     found.require(s.rigid || !s.pivot, who + " has a pivot: that is for rigid ones");
@@ -80,13 +81,19 @@ void look_at_supports(const Model& model, const std::vector<AnySupport>& support
                     supports[d.first].group, supports[d.second].group));
 }
 
-template <class AnyLoad>
-void look_at_load(const AnyLoad& l, Mistakes& found) {
+void look_at_load(const PointLoad& l, Mistakes& found) {
   found.require_known(l.particles, "a load", l.group);
   found.require_finite(l.force, who("a load", l), "the force");
   found.require_finite(l.moment, who("a load", l), "the moment");
   found.require_finite(l.force_by_mass, who("a load", l), "the force by mass");
   found.require_finite(l.moment_by_mass, who("a load", l), "the moment by mass");
+}
+
+void look_at_heating(const std::vector<Heating>& heating, Mistakes& found) {
+  for (const Heating& h : heating) {
+    found.require_known(h.particles, "a temperature", "");
+    found.require(std::isfinite(h.temperature), "a temperature is not finite");
+  }
 }
 
 void look_at_stops(const Stops& stops, std::size_t walls, Mistakes& found) {
@@ -143,18 +150,11 @@ std::vector<std::string> mistakes_in(const Model& model, const Stage& stage) {
       fmt::format("the damping is {} and {}: it must be >= 0", stage.b_translation, stage.b_rotation));
   found.require(stage.local_damping >= 0.0 && stage.local_damping < 1.0,
                 fmt::format("the local damping is {}: it must be >= 0 and below 1", stage.local_damping));
-  for (const Support& s : stage.supports) {
-    found.require_known(s.particles, "a support", s.group);
-    found.require_finite(s.velocity, who("a support", s), "the velocity");
-    found.require_finite(s.angular_velocity, who("a support", s), "the angular velocity");
-    look_at_factor(s.factor, who("a support", s), found);
-  }
   look_at_supports(model, stage.supports, found);
   for (const Support& s : stage.supports) {
+    look_at_factor(s.factor, who("a support", s), found);
     if (!is_free_grip(s)) continue;
     const std::string grip = who("a grip", s);
-    found.require(s.held[3] + s.held[4] + s.held[5] != 1,
-                  grip + " holds one turn: it may hold none, two or all three");
     found.require(stage.local_damping == 0.0, grip + " is free in part: local damping does not know it");
     for (const ParticleId p : s.particles)
       if (p.value < model.particles() && model.is_top(p)) {
@@ -169,12 +169,10 @@ std::vector<std::string> mistakes_in(const Model& model, const Stage& stage) {
   for (const PointLoad& l : stage.loads) {
     look_at_load(l, found);
     look_at_factor(l.factor, who("a load", l), found);
+    found.require(!l.constant, who("a load", l) + " is constant: in motion a load has a factor over time");
   }
-  for (const Heating& h : stage.heating) {
-    found.require_known(h.particles, "a temperature", "");
-    found.require(std::isfinite(h.temperature), "a temperature is not finite");
-    look_at_factor(h.factor, "a temperature", found);
-  }
+  look_at_heating(stage.heating, found);
+  for (const Heating& h : stage.heating) look_at_factor(h.factor, "a temperature", found);
   if (stage.strain) {
     look_at_strain(*stage.strain, found);
     found.require(!strained_and_gripped(stage),
@@ -204,26 +202,20 @@ std::vector<std::string> mistakes_in(const Model& model, const StaticStage& stag
   found.require(is_static(stage.kind), "kind = dynamics: a stage of dynamics is a Stage, not a StaticStage");
   found.add(mistakes_in_drives(model, stage));
   found.require_finite(stage.gravity, "the stage", "gravity");
-  for (const StaticSupport& s : stage.supports) {
-    found.require_known(s.particles, "a support", s.group);
-    found.require_finite(s.displacement, who("a support", s), "the displacement");
-    found.require_finite(s.rotation, who("a support", s), "the rotation");
-    if (!is_free_grip(s)) continue;
-    found.require(s.held[3] + s.held[4] + s.held[5] != 1,
-                  who("a grip", s) + " holds one turn: it may hold none, two or all three");
-    found.require(stage.kind != StageKind::modes,
+  look_at_supports(model, stage.supports, found);
+  for (const Support& s : stage.supports) {
+    refuse_factor(s.factor, who("a support", s), found);
+    found.require(stage.kind != StageKind::modes || !is_free_grip(s),
                   who("a grip", s) + " is free in part: modes take grips that hold all");
   }
-  look_at_supports(model, stage.supports, found);
-  for (const StaticLoad& l : stage.loads) {
+  for (const PointLoad& l : stage.loads) {
     look_at_load(l, found);
+    refuse_factor(l.factor, who("a load", l), found);
     found.require(!l.follower || takes_followers(stage.kind),
                   who("a load", l) + " turns with its particles: equilibria and paths take such loads");
   }
-  for (const StaticHeating& h : stage.heating) {
-    found.require_known(h.particles, "a temperature", "");
-    found.require(std::isfinite(h.change), "the change of a temperature is not finite");
-  }
+  look_at_heating(stage.heating, found);
+  for (const Heating& h : stage.heating) refuse_factor(h.factor, "a temperature", found);
   const auto at_least = [&](const char* what, double value, double least) {
     found.require(value >= least && std::isfinite(value),
                   fmt::format("{} is {}: it must be >= {} and finite", what, value, least));

@@ -20,54 +20,6 @@ constexpr bool takes_followers(StageKind kind) {
   return kind == StageKind::dynamics || kind == StageKind::equilibrium || kind == StageKind::path;
 }
 
-/// Degrees of freedom that are held in a static stage, and moved from where the stage found them in
-/// proportion to the load factor. A turn about some of the axes is that of the held components alone;
-/// if all three are held it is the rotation by the vector, exactly. A rigid one is a grip, as in Support.
-struct StaticSupport {
-  std::string group;  ///< name, for reports
-  std::vector<ParticleId> particles;
-  HeldDofs held{};
-  Vec3d displacement;  ///< of held translations at load factor 1  [length]
-  Vec3d rotation;      ///< of held turns at load factor 1  [rad]
-  bool rigid = false;
-  /// Rigid: at load factor 0; absent: the mean of its particles' positions there  [length].
-  std::optional<Vec3d> pivot = {};
-  /// Of `held`, of what is not rigid; absent: the world's.
-  std::optional<HeldAxes> axes = {};
-};
-
-/// A wall that moves from where the stage found it in proportion to the load factor. Others stand still.
-struct StaticWallDrive {
-  std::string wall;       ///< name, for reports
-  std::size_t index = 0;  ///< in Model::walls
-  Vec3d displacement;     ///< of its centre, or of the pivot, at load factor 1  [length]
-  Vec3d rotation;         ///< rotation vector about the pivot at load factor 1  [rad]
-  /// At load factor 0; absent: the wall's centre there  [length].
-  std::optional<Vec3d> pivot = {};
-  bool off = false;  ///< the wall is not there in this stage
-};
-
-/// Force and moment on each particle of a group, as in PointLoad; followers in equilibria and paths.
-struct StaticLoad {
-  std::string group;
-  std::vector<ParticleId> particles;
-  Vec3d force;                ///< [force]
-  Vec3d moment;               ///< [force*length]
-  bool constant = false;      ///< at full size from the start, not in proportion to the load factor
-  Vec3d force_by_mass = {};   ///< [force/mass]
-  Vec3d moment_by_mass = {};  ///< [force*length/mass]
-  bool follower = false;      ///< given along the axes of the particle, and turns with it
-  Vec3d force_on(double mass) const { return force + mass * force_by_mass; }
-  Vec3d moment_on(double mass) const { return moment + mass * moment_by_mass; }
-};
-
-/// A change of temperature in proportion to the load factor, from what the stage finds. Changes of groups
-/// that overlap add up.
-struct StaticHeating {
-  std::vector<ParticleId> particles;
-  double change = 0;  ///< at load factor 1  [temperature]
-};
-
 enum class LinearSolver : std::uint8_t { automatic, direct, multigrid };
 enum class AtSaddle : std::uint8_t { leave, keep };
 
@@ -116,10 +68,10 @@ struct StaticStage {
   StageKind kind = StageKind::equilibrium;
   Vec3d gravity;                  ///< [length/time^2]
   bool constant_gravity = false;  ///< at full size from the start
-  std::vector<StaticSupport> supports;
-  std::vector<StaticLoad> loads;
-  std::vector<StaticHeating> heating;
-  std::vector<StaticWallDrive> walls;  ///< equilibrium, fracture
+  std::vector<Support> supports;
+  std::vector<PointLoad> loads;
+  std::vector<Heating> heating;
+  std::vector<WallDrive> walls;  ///< equilibrium, fracture; the others stand still
   NewtonSettings newton;
   int steps = 1;  ///< equilibrium, fracture: load steps at least; more if they are too large
   AtSaddle at_saddle = AtSaddle::leave;  ///< equilibrium: what to do at an unstable balance

@@ -84,16 +84,18 @@ inline std::pair<ParticleId, std::uint32_t> place_of(const WallMemory& m) {
   return {m.p, m.wall};
 }
 
-/// What moves a wall in a stage. Without one it stands still.
+/// What moves a wall in a stage. Without one it stands still. At rest the velocities are the way to load
+/// factor 1, and it neither swings nor has a servo.
 struct WallDrive {
   std::string wall;        ///< name, for reports
   std::size_t index = 0;   ///< in Model::walls
-  Vec3d velocity;          ///< of the centre  [length/time]
-  Vec3d angular_velocity;  ///< about `pivot`, fixed in space  [rad/time]
-  Vec3d pivot;             ///< [length]
-  TimeFunction factor;     ///< of velocity and angular velocity
-  Vec3d amplitude;         ///< oscillation: displacement amplitude sin(2 pi frequency t)  [length]
-  double frequency = 0;    ///< [1/time]
+  Vec3d velocity;          ///< of the centre, at rest of the pivot  [length/time]; at rest [length]
+  Vec3d angular_velocity;  ///< about `pivot`, in motion fixed in space  [rad/time]; at rest [rad]
+  /// As the stage begins; absent: the wall's centre, in motion that of the start of the run  [length].
+  std::optional<Vec3d> pivot = {};
+  TimeFunction factor = {};  ///< of velocity and angular velocity
+  Vec3d amplitude = {};      ///< oscillation: displacement amplitude sin(2 pi frequency t)  [length]
+  double frequency = 0;      ///< [1/time]
   /// The wall is driven along a direction until particles press back with this force.
   struct Servo {
     Vec3d direction;      ///< unit vector, the way in which it presses
@@ -103,7 +105,7 @@ struct WallDrive {
     double damping = 0;   ///< viscous, on the wall  [force*time/length]
     double fastest = 0;   ///< largest speed  [length/time]
   };
-  std::optional<Servo> servo;
+  std::optional<Servo> servo = {};
   bool off = false;  ///< the wall is not there in this stage
 };
 

@@ -99,11 +99,12 @@ std::vector<std::string> mistakes_in_walls(const Model& model) {
 namespace {
 
 /// Calls look(drive, who, found) for each that is of a wall of the model.
-template <class Drives, class Look>
-std::vector<std::string> look_at_drives(const Model& model, const Drives& drives, Look&& look) {
+template <class Look>
+std::vector<std::string> look_at_drives(const Model& model, const std::vector<WallDrive>& drives,
+                                        Look&& look) {
   Lines found;
   std::vector<char> driven(model.walls.size(), 0);
-  for (const auto& d : drives) {
+  for (const WallDrive& d : drives) {
     const std::string who = "the drive of wall \"" + d.wall + "\"";
     if (d.index >= driven.size()) {
       found.require(
@@ -112,6 +113,8 @@ std::vector<std::string> look_at_drives(const Model& model, const Drives& drives
       continue;
     }
     found.require(!std::exchange(driven[d.index], char{1}), who, "the wall has another drive in this stage");
+    for (const Vec3d& x : {d.velocity, d.angular_velocity, d.pivot.value_or(Vec3d{}), d.amplitude})
+      found.require(is_finite(x), who, "velocities, pivot and amplitude must be finite");
     look(d, who, found);
   }
   return std::move(found).take();
@@ -121,19 +124,15 @@ std::vector<std::string> look_at_drives(const Model& model, const Drives& drives
 
 std::vector<std::string> mistakes_in_drives(const Model& model, const StaticStage& stage) {
   const bool moves = stage.kind == StageKind::equilibrium || stage.kind == StageKind::fracture;
-  return look_at_drives(
-      model, stage.walls, [&](const StaticWallDrive& d, const std::string& who, Lines& found) {
-        found.require(moves, who, "walls move in stages of equilibrium and of fracture");
-        found.require(
-            is_finite(d.displacement) && is_finite(d.rotation) && is_finite(d.pivot.value_or(Vec3d{})), who,
-            "displacement, rotation and pivot must be finite");
-      });
+  return look_at_drives(model, stage.walls, [&](const WallDrive& d, const std::string& who, Lines& found) {
+    found.require(moves, who, "walls move in stages of equilibrium and of fracture");
+    found.require(d.factor.points.empty() && d.frequency == 0.0 && !d.servo, who,
+                  "factor, oscillation and servo are for stages of motion");
+  });
 }
 
 std::vector<std::string> mistakes_in_drives(const Model& model, const std::vector<WallDrive>& drives) {
   return look_at_drives(model, drives, [](const WallDrive& d, const std::string& who, Lines& found) {
-    for (const Vec3d& x : {d.velocity, d.angular_velocity, d.pivot, d.amplitude})
-      found.require(is_finite(x), who, "velocities, pivot and amplitude must be finite");
     found.require(d.frequency >= 0.0 && std::isfinite(d.frequency), who,
                   fmt::format("the frequency is {}: it must be >= 0", d.frequency));
     if (!d.servo) return;

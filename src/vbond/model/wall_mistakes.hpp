@@ -10,10 +10,8 @@ namespace vbond {
 
 /// What a program may do wrong with materials and walls, as in mistakes.hpp.
 std::vector<std::string> mistakes_in_walls(const Model& model);
-/// The same for what moves them in a stage, but for the times of its factors.
+/// The same for what moves them in a stage of motion, but for the times of its factors; in a static one.
 std::vector<std::string> mistakes_in_drives(const Model& model, const std::vector<WallDrive>& drives);
-
-/// The same for a static stage.
 std::vector<std::string> mistakes_in_drives(const Model& model, const StaticStage& stage);
 
 }  // namespace vbond

@@ -3,23 +3,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "vbond/dynamics/simulation.hpp"
+#include "vbond/model/body_view.hpp"
 #include "vbond/model/bond.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/physics/range.hpp"
 
 namespace vbond {
-
-/// Every unbroken bond that is strained or snapped, shorter than half or longer than twice its length at
-/// rest, and perhaps a few that are close to it, in increasing order.
-inline std::vector<BondId> deformed_bonds(const State& s) {
-  std::vector<BondId> deformed;
-  for (const BondId k : s.bonds.ids()) {
-    const Bond& b = s.bonds[k];
-    if (!b.broken && needs_look(bond_tilt(elastic_pose(s, k), 0.0, 0.0), b.a)) deformed.push_back(k);
-  }
-  return deformed;
-}
 
 /// How many bonds stand outside the range of their law now.
 struct RangeCounts {
@@ -44,20 +33,15 @@ inline RangeCounts count_ranges(const State& s) {
   return count_ranges(s, deformed_bonds(s));
 }
 
-/// Counts among all bonds of a run; only the deformed ones are looked at, so without any this is free.
-inline RangeCounts count_ranges(const Simulation& run) {
-  const std::vector<BondId>& deformed = run.survey().deformed;
-  return deformed.empty() ? RangeCounts{} : count_ranges(run.state(), deformed);
+/// Counts among all bonds; only the deformed ones are looked at, so without any this is free.
+inline RangeCounts count_ranges(const BodyView& body) {
+  const std::vector<BondId>& deformed = body.survey().deformed;
+  return deformed.empty() ? RangeCounts{} : count_ranges(body.state(), deformed);
 }
 
 /// How many bonds have broken.
 inline std::int64_t count_broken(const PerBond<Bond>& bonds) {
   return std::count_if(bonds.begin(), bonds.end(), [](const Bond& b) { return b.broken; });
-}
-
-/// How many bonds there are now, broken ones too.
-inline std::int64_t count_bonds(const Simulation& run) {
-  return static_cast<std::int64_t>(run.bonds().size());
 }
 
 }  // namespace vbond

@@ -4,7 +4,6 @@ namespace vbond {
 namespace {
 
 using Break = BreakView;
-using Part = FragmentView;
 
 Criterion criterion_of(const Bond& b) {
   return b.law->has_rules ? b.rules->strength.criterion : Criterion::none;
@@ -70,23 +69,27 @@ constexpr RowQuantity<Break> of_breaks[] = {
      [](const Break& b) -> Cell { return b.load ? Cell(*b.load) : Cell(); }},
 };
 
-constexpr RowQuantity<Part> of_fragments[] = {
+constexpr RowQuantity<FragmentView> of_fragments[] = {
     {"stage", unit::none, "index of the stage, from 0, at whose end the fragments are these",
-     [](const Part& f) -> Cell { return f.stage; }},
-    {"step", unit::none, "of the run", [](const Part& f) -> Cell { return f.clock.step; }},
-    {"time", unit::time, "of the run", [](const Part& f) -> Cell { return f.clock.time(); }},
+     [](const FragmentView& f) -> Cell { return f.stage; }},
+    {"step", unit::none, "of the run", [](const FragmentView& f) -> Cell { return f.clock.step; }},
+    {"time", unit::time, "of the run", [](const FragmentView& f) -> Cell { return f.clock.time(); }},
     {"fragment", unit::none, "its number: 0 is the heaviest, of equal ones that with the lowest particle",
-     [](const Part& f) -> Cell { return f.number; }},
-    {"particles", unit::none, "how many", [](const Part& f) -> Cell { return f.fragment.particles; }},
+     [](const FragmentView& f) -> Cell { return f.number; }},
+    {"particles", unit::none, "how many", [](const FragmentView& f) -> Cell { return f.fragment.particles; }},
     {"lowest", unit::none, "the lowest number of its particles",
-     [](const Part& f) -> Cell { return std::int64_t{f.fragment.lowest.value}; }},
-    {"mass", unit::mass, "of all its particles", [](const Part& f) -> Cell { return f.fragment.mass; }},
-    {"x", unit::length, "of the centre of mass", [](const Part& f) -> Cell { return f.centre.x; }},
-    {"y", unit::length, "of the centre of mass", [](const Part& f) -> Cell { return f.centre.y; }},
-    {"z", unit::length, "of the centre of mass", [](const Part& f) -> Cell { return f.centre.z; }},
-    {"vx", unit::velocity, "of the centre of mass", [](const Part& f) -> Cell { return f.velocity.x; }},
-    {"vy", unit::velocity, "of the centre of mass", [](const Part& f) -> Cell { return f.velocity.y; }},
-    {"vz", unit::velocity, "of the centre of mass", [](const Part& f) -> Cell { return f.velocity.z; }},
+     [](const FragmentView& f) -> Cell { return std::int64_t{f.fragment.lowest.value}; }},
+    {"mass", unit::mass, "of all its particles",
+     [](const FragmentView& f) -> Cell { return f.fragment.mass; }},
+    {"x", unit::length, "of the centre of mass", [](const FragmentView& f) -> Cell { return f.centre.x; }},
+    {"y", unit::length, "of the centre of mass", [](const FragmentView& f) -> Cell { return f.centre.y; }},
+    {"z", unit::length, "of the centre of mass", [](const FragmentView& f) -> Cell { return f.centre.z; }},
+    {"vx", unit::velocity, "of the centre of mass",
+     [](const FragmentView& f) -> Cell { return f.velocity.x; }},
+    {"vy", unit::velocity, "of the centre of mass",
+     [](const FragmentView& f) -> Cell { return f.velocity.y; }},
+    {"vz", unit::velocity, "of the centre of mass",
+     [](const FragmentView& f) -> Cell { return f.velocity.z; }},
 };
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <utility>
 
-#include "vbond/model/bond_sums.hpp"
+#include "vbond/observe/bond_look.hpp"
 #include "vbond/observe/quantities.hpp"
 
 namespace vbond {
@@ -54,11 +54,10 @@ std::vector<std::optional<GripView>> grips_of(const OutputPlan& plan, const std:
 }
 
 /// What went by the causes of the plan; not worked out without any.
-template <class F>
-std::vector<double> of_causes(const OutputPlan& plan, F losses) {
+std::vector<double> losses_of(const OutputPlan& plan, const BodyView& body) {
   std::vector<double> parts;
   if (plan.losses.empty()) return parts;
-  const Losses lost = losses();
+  const Losses lost = body.losses();
   for (const Loss cause : plan.losses) parts.push_back(lost[cause]);
   return parts;
 }
@@ -117,69 +116,36 @@ std::string history_header(const OutputPlan& plan) {
   return csv_line(columns);
 }
 
-HistoryValues history_values(const OutputPlan& plan, const Simulation& run) {
+HistoryValues history_values(const OutputPlan& plan, const BodyView& body) {
+  const BalancePoint* const at_rest = body.balance();
   HistoryValues values{
-      .clock = run.clock(),
-      .books = run.books(),
-      .energies = run.energies(),
-      .balance_error = run.balance_error(run.energies()),
-      .losses = of_causes(plan, [&] { return run.losses(); }),
-      .bonds = count_bonds(run),
-      .ranges = count_ranges(run),
-      .fragments = plan.breaks ? std::optional(count_fragments(run.model(), run.bonds())) : std::nullopt,
-      .broken = plan.breaks ? count_broken(run.bonds()) : 0,
-      .peak_average = run.peak().last,
-      .load_factor = {},
-      .unstable = {},
+      .clock = body.clock(),
+      .books = body.books(),
+      .energies = body.energies(),
+      .balance_error = body.balance_error(),
+      .losses = losses_of(plan, body),
+      .bonds = static_cast<std::int64_t>(body.bonds().size()),
+      .ranges = count_ranges(body),
+      .fragments = plan.breaks ? std::optional(count_fragments(body.model(), body.bonds())) : std::nullopt,
+      .broken = plan.breaks ? count_broken(body.bonds()) : 0,
+      .peak_average = body.peak().last,
+      .load_factor = at_rest ? std::optional(at_rest->load_factor) : std::nullopt,
+      .unstable = at_rest ? at_rest->unstable : std::nullopt,
       .reactions = {},
       .axial_force = {},
       .displacements = {},
       .velocities = {},
       .stresses = {},
       .strains = {},
-      .walls = run.walls(),
-      .grips = grips_of(plan, plan.grips.empty() ? std::vector<GripView>{} : run.grips()),
-      .run = &run};
-  for (const Group& g : plan.reactions) values.reactions.push_back(run.reaction(g.particles));
-  for (const Group& g : plan.axial_force) values.axial_force.push_back(run.mean_axial_force(g.particles));
+      .walls = body.walls(),
+      .grips = plan.grips.empty() ? std::vector<std::optional<GripView>>{} : grips_of(plan, body.grips())};
+  for (const Group& g : plan.reactions) values.reactions.push_back(body.reaction(g.particles));
+  for (const Group& g : plan.axial_force) values.axial_force.push_back(body.mean_axial_force(g.particles));
   for (const Group& g : plan.displacements)
-    values.displacements.push_back(mean_displacement(g, run.model(), run.state()));
-  for (const Group& g : plan.velocities) values.velocities.push_back(mean_velocity(g, run.state()));
-  if (!plan.stresses.empty()) add_stresses(plan, run.model(), run.state(), values);
-  return values;
-}
-
-HistoryValues history_values(const OutputPlan& plan, const Model& model, const StaticPoint& point) {
-  const State& state = point.state;
-  HistoryValues values{
-      .clock = state.clock,
-      .books = {.at_start = point.energies.total(),
-                .dissipated = dissipated_by_flow(state),
-                .released = point.released},
-      .energies = point.energies,
-      .balance_error = 0.0,
-      .losses = of_causes(plan, [&] { return losses_by_flow(state); }),
-      .bonds = static_cast<std::int64_t>(state.bonds.size()),
-      .ranges = count_ranges(state),
-      .fragments = plan.breaks ? std::optional(count_fragments(model, state.bonds)) : std::nullopt,
-      .broken = plan.breaks ? count_broken(state.bonds) : 0,
-      .peak_average = 0.0,
-      .load_factor = point.load_factor,
-      .unstable = point.unstable,
-      .reactions = {},
-      .axial_force = {},
-      .displacements = {},
-      .velocities = {},
-      .stresses = {},
-      .strains = {},
-      .walls = state.walls,
-      .grips = grips_of(plan, point.grips),
-      .point = &point};
-  for (const Group& g : plan.reactions) values.reactions.push_back(point.reaction(g.particles));
-  for (const Group& g : plan.axial_force) values.axial_force.push_back(mean_axial_force(state, g.particles));
-  for (const Group& g : plan.displacements)
-    values.displacements.push_back(mean_displacement(g, model, state));
-  if (!plan.stresses.empty()) add_stresses(plan, model, state, values);
+    values.displacements.push_back(mean_displacement(g, body.model(), body.state()));
+  if (!at_rest)
+    for (const Group& g : plan.velocities) values.velocities.push_back(mean_velocity(g, body.state()));
+  if (!plan.stresses.empty()) add_stresses(plan, body.model(), body.state(), values);
   return values;
 }
 

@@ -3,13 +3,12 @@
 #include <optional>
 #include <vector>
 
-#include "vbond/dynamics/simulation.hpp"
+#include "vbond/model/body_view.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/model/stress.hpp"
 #include "vbond/observe/bond_look.hpp"
 #include "vbond/observe/fragments.hpp"
 #include "vbond/observe/plan.hpp"
-#include "vbond/statics/results.hpp"
 
 namespace vbond {
 
@@ -35,18 +34,10 @@ struct HistoryValues {
   std::vector<SymmetricParts> strains;     ///< likewise
   std::vector<WallState> walls;            ///< one per OutputPlan::walls; empty: not known
   std::vector<std::optional<GripView>> grips;  ///< one per OutputPlan::grips; nothing: not in this stage
-  /// What the row is of, for columns that need more: one of the two, or neither of values made by hand.
-  const Simulation* run = nullptr;
-  const StaticPoint* point = nullptr;
-  /// Collects the particles of a run. Nullptr where there is none: a column is then empty.
-  const State* state() const { return run ? &run->state() : point ? &point->state : nullptr; }
 };
 
-/// The values of a run as it stands, which must live as long. Collects the particles only for displacements,
-/// velocities, stresses, strained bonds, and losses of bonds that remember.
-HistoryValues history_values(const OutputPlan& plan, const Simulation& run);
-
-/// The values of a static point. Its energy books begin with the point: its own energy, nothing else.
-HistoryValues history_values(const OutputPlan& plan, const Model& model, const StaticPoint& point);
+/// The values of a body as it stands. Collects the particles only for displacements, velocities, stresses,
+/// strained bonds, and losses of bonds that remember.
+HistoryValues history_values(const OutputPlan& plan, const BodyView& body);
 
 }  // namespace vbond

@@ -79,21 +79,19 @@ void WatchObserver::look(const Simulation& run) {
   const Timing timing(*this);
   if (const auto turn = run.fastest_turn()) watch_.look_at_turns(*turn, run.clock(), run.stage().insist);
   constexpr double deep = 0.1;  // of the radius: much more than a step that follows the contact lets happen
-  watch_.look(
-      run.survey(), run.balance_error(run.energies()), [&run]() -> const State& { return run.state(); },
-      [&run] { return Watch::in_wall(run.model(), run.deep_in_walls(deep)); });
+  watch_.look(run, [&run] { return Watch::in_wall(run.model(), run.deep_in_walls(deep)); });
 }
 
-void WatchObserver::look(const Model& model, const StaticPoint& point) {
+void WatchObserver::observe_balance(const BodyView& body) {
   const Timing timing(*this);
-  watch_.look(point);
-  if (overlap_ > 0.0) watch_.look_at_overlaps(model, point, overlap_);
+  watch_.look(body);
+  if (overlap_ > 0.0) watch_.look_at_overlaps(body, overlap_);
 }
 
 void WatchObserver::look_at_overlaps(const Simulation& run) {
   if (overlap_ == 0.0) return;
   const Timing timing(*this);
-  watch_.look_at_overlaps(run.model(), run.state(), overlap_);
+  watch_.look_at_overlaps(run, overlap_);
   watch_.look_at_walls(run.model(), run.deep_in_walls(overlap_), run.clock());
   watch_.look_at_capsules(run.deep_capsules(overlap_), run.clock());
 }
@@ -128,17 +126,9 @@ void HistoryObserver::finish(const Simulation& run, StopReason why) {
   if (stage_done(why) && run.exchange().leader_says(due_.at_stage_end(run.clock()))) write(run);
 }
 
-void HistoryObserver::write(const Simulation& run) {
+void HistoryObserver::write(const BodyView& body) {
   const Timing timing(*this);
-  write(history_values(plan_, run));
-}
-
-void HistoryObserver::write(const Model& model, const StaticPoint& point) {
-  const Timing timing(*this);
-  write(history_values(plan_, model, point));
-}
-
-void HistoryObserver::write(const HistoryValues& values) {
+  const HistoryValues values = history_values(plan_, body);
   if (writer_) writer_->write(values);
   due_.written(values.clock.step);
 }
@@ -167,10 +157,10 @@ void FrameObserver::write(const Simulation& run) {
   due_.written(run.clock().step);
 }
 
-void FrameObserver::write(const Model& model, const State& state, std::optional<double> load_factor) {
+void FrameObserver::observe_balance(const BodyView& body) {
   const Timing timing(*this);
-  writer_.write(model, state, load_factor);
-  due_.written(state.clock.step);
+  writer_.write(body.model(), body.state(), body.balance()->load_factor);
+  due_.written(body.clock().step);
 }
 
 // ---- checkpoint -------------------------------------------------------------------------------------
@@ -227,21 +217,20 @@ void TableObserver::print(const Simulation& run) {
   if (run.clock().step == last_step_) return;
   last_step_ = run.clock().step;
   const Timing timing(*this);
-  const Energies energies = run.energies();
   std::optional<std::int64_t> broken;
   if (breaks_) broken = count_broken(run.bonds());
   std::string text =
       std::exchange(header_, Header::dynamics) == Header::dynamics ? "" : table_header(breaks_);
-  text +=
-      table_row(run.clock(), run.books(), energies, run.balance_error(energies), count_ranges(run), broken);
+  text += table_row(run.clock(), run.books(), run.energies(), run.balance_error(), count_ranges(run), broken);
   show(text, out_);
 }
 
-void TableObserver::print(const StaticPoint& point) {
+void TableObserver::observe_balance(const BodyView& body) {
   const Timing timing(*this);
   std::string text = std::exchange(header_, Header::statics) == Header::statics ? "" : static_table_header();
-  show(text + static_table_row(point, count_ranges(point.state)), out_);
-  last_step_ = point.state.clock.step;
+  show(text + static_table_row(body.clock().step, *body.balance(), body.energies(), count_ranges(body)),
+       out_);
+  last_step_ = body.clock().step;
 }
 
 ProgressObserver::ProgressObserver(std::FILE* terminal, std::vector<std::int64_t> stage_steps)
@@ -317,12 +306,6 @@ std::vector<std::shared_ptr<Observer>> FileObservers::all() const {
   if (frames) observers.push_back(frames);
   observers.push_back(checkpoint);
   return observers;
-}
-
-void FileObservers::record(const Model& model, const StaticPoint& point) const {
-  watch->look(model, point);
-  history->write(model, point);
-  if (frames) frames->write(model, point.state, point.load_factor);
 }
 
 std::vector<std::pair<std::string, double>> FileObservers::seconds() const {

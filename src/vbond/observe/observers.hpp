@@ -59,7 +59,7 @@ class WatchObserver : public TimedObserver {
   void observe(const Simulation& run) override;
   std::int64_t steps_to_next_look(const Clock& now) const override;
   void finish(const Simulation& run, StopReason why) override;
-  void look(const Model& model, const StaticPoint& point);
+  void observe_balance(const BodyView& body) override;
   /// After a failure, for which finish is not called, the program may ask for the summary here.
   Watch& watch() { return watch_; }
   const Watch& watch() const { return watch_; }
@@ -83,13 +83,12 @@ class HistoryObserver : public TimedObserver {
   void observe(const Simulation& run) override;
   std::int64_t steps_to_next_look(const Clock& now) const override;
   void finish(const Simulation& run, StopReason why) override;
-  void write(const Model& model, const StaticPoint& point);
+  void observe_balance(const BodyView& body) override { write(body); }
   /// What it has written so far; null where others write.
   const HistoryWriter* writer() const { return writer_ ? &*writer_ : nullptr; }
 
  private:
-  void write(const Simulation& run);
-  void write(const HistoryValues& values);
+  void write(const BodyView& body);
   OutputPlan plan_;
   std::optional<HistoryWriter> writer_;
   Due due_;
@@ -102,7 +101,7 @@ class FrameObserver : public TimedObserver {
   void observe(const Simulation& run) override;
   std::int64_t steps_to_next_look(const Clock& now) const override;
   void finish(const Simulation& run, StopReason why) override;
-  void write(const Model& model, const State& state, std::optional<double> load_factor = {});
+  void observe_balance(const BodyView& body) override;
 
  private:
   void write(const Simulation& run);
@@ -145,7 +144,7 @@ class TableObserver : public TimedObserver {
   void observe(const Simulation& run) override;
   std::int64_t steps_to_next_look(const Clock& now) const override;
   void finish(const Simulation& run, StopReason why) override;
-  void print(const StaticPoint& point);
+  void observe_balance(const BodyView& body) override;
 
  private:
   enum class Header : std::uint8_t { none, dynamics, statics };
@@ -202,8 +201,6 @@ struct FileObservers {
   std::shared_ptr<FrameObserver> frames;   ///< null without frames
   std::shared_ptr<CheckpointObserver> checkpoint;
   std::vector<std::shared_ptr<Observer>> all() const;
-  /// Looks at a point of a static stage and writes its row and frame. Throws Diverged, see Watch.
-  void record(const Model& model, const StaticPoint& point) const;
   /// Wall time spent so far, by observer.
   std::vector<std::pair<std::string, double>> seconds() const;
 };

@@ -22,7 +22,8 @@ std::string table_row(const Clock& clock, const EnergyBooks& books, const Energi
 
 /// The same for points of static stages.
 std::string static_table_header();
-std::string static_table_row(const StaticPoint& point, const RangeCounts& ranges);
+std::string static_table_row(std::int64_t step, const BalancePoint& balance, const Energies& energies,
+                             const RangeCounts& ranges);
 
 /// "stable", "neutral: ...", "UNSTABLE in 2 directions" or that it is not known: the balance at the end.
 std::string balance_in_words(const StaticResult& result);

@@ -131,9 +131,10 @@ std::string static_table_header() {
                      "unstable", "potential", "strained", "snapped");
 }
 
-std::string static_table_row(const StaticPoint& p, const RangeCounts& ranges) {
-  return fmt::format("{:12} {:16.8g} {:>13} {:>10} {:12.4e} {:8} {:8}\n", p.state.clock.step, p.load_factor,
-                     in_words(p.kind), count_or_dash(p.unstable), p.energies.potential(), ranges.strained,
+std::string static_table_row(std::int64_t step, const BalancePoint& b, const Energies& energies,
+                             const RangeCounts& ranges) {
+  return fmt::format("{:12} {:16.8g} {:>13} {:>10} {:12.4e} {:8} {:8}\n", step, b.load_factor,
+                     in_words(b.kind), count_or_dash(b.unstable), energies.potential(), ranges.strained,
                      ranges.snapped);
 }
 

@@ -82,8 +82,9 @@ std::string most_loaded(const State& s) {
   return name;
 }
 
-std::string load_factor_of(const StaticPoint& point) {
-  return fmt::format("load factor {:.6g}", point.load_factor);
+/// How a report of a balance begins.
+std::string load_factor_of(const BalancePoint& balance) {
+  return fmt::format("load factor {:.6g}", balance.load_factor);
 }
 
 struct Overlap {
@@ -214,14 +215,17 @@ void Watch::look(const Survey& survey, double balance_error, const CollectState&
   for (const BondId k : survey.deformed) look_at_bond(k, state, when(state.clock));
 }
 
-void Watch::look(const StaticPoint& point) {
+void Watch::look(const BodyView& body, const std::function<std::string()>& suspect) {
+  const BalancePoint* const at_rest = body.balance();
   look(
-      {point.energies, deformed_bonds(point.state)}, 0.0, [&point]() -> const State& { return point.state; },
-      [&point](const Clock&) { return load_factor_of(point); }, {});
+      body.survey(), body.balance_error(), [&body]() -> const State& { return body.state(); },
+      [at_rest](const Clock& clock) { return at_rest ? load_factor_of(*at_rest) : time_of(clock); }, suspect);
 }
 
-void Watch::look_at_overlaps(const Model& model, const StaticPoint& point, double part) {
-  look_at_overlaps(model, point.state, part, load_factor_of(point));
+void Watch::look_at_overlaps(const BodyView& body, double part) {
+  const BalancePoint* const at_rest = body.balance();
+  look_at_overlaps(body.model(), body.state(), part,
+                   at_rest ? load_factor_of(*at_rest) : time_of(body.clock()));
 }
 
 void Watch::look_at_overlaps(const Model& model, const State& state, double part, const std::string& when) {

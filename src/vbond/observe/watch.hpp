@@ -12,7 +12,6 @@
 #include "vbond/dynamics/simulation.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/physics/range.hpp"
-#include "vbond/statics/results.hpp"
 
 namespace vbond {
 
@@ -71,12 +70,10 @@ class Watch {
   /// suspect: asked if the balance is off, for what may be the cause (in_wall); empty: nothing is known.
   void look(const Survey& survey, double balance_error, const CollectState& state,
             const std::function<std::string()>& suspect = {});
+  /// The same of a body; reports of a balance say which load factor, not when.
+  void look(const BodyView& body, const std::function<std::string()>& suspect = {});
   /// The particle that is deepest in a wall, in words; empty if there is none.
   static std::string in_wall(const Model& model, const std::vector<DeepInWall>& deep);
-
-  /// The same for a point of balance, which has no balance of energies to be off; its reports say which load
-  /// factor, not when.
-  void look(const StaticPoint& point);
 
   /// Reports pairs that are not bonded and overlap by more than `part` of the smaller radius beyond what they
   /// overlapped by at model.r_0, each pair once. part > 0; particles without radius overlap nothing. For
@@ -84,7 +81,7 @@ class Watch {
   void look_at_overlaps(const Model& model, const State& state, double part) {
     look_at_overlaps(model, state, part, time_of(state.clock));
   }
-  void look_at_overlaps(const Model& model, const StaticPoint& point, double part);
+  void look_at_overlaps(const BodyView& body, double part);
   /// The same of capsules.
   void look_at_capsules(const std::vector<DeepCapsules>& deep, const Clock& clock);
 

@@ -35,8 +35,8 @@ Problem problem_of(const NoEquilibrium& refusal, const SourcePlace& place) {
 /// ends.
 bool go_on(PerParticle<double>& temperature, const AnyStage& stage) {
   if (const auto* statics = std::get_if<StaticStage>(&stage)) {
-    for (const StaticHeating& h : statics->heating)
-      for (const ParticleId p : h.particles) temperature[p] += h.change;
+    for (const Heating& h : statics->heating)
+      for (const ParticleId p : h.particles) temperature[p] += h.temperature;
     return statics->kind == StageKind::equilibrium || statics->heating.empty();
   }
   bool known = true;

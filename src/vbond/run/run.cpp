@@ -12,6 +12,7 @@
 #include "vbond/model/heat.hpp"
 #include "vbond/model/mistakes.hpp"
 #include "vbond/run/statics.hpp"
+#include "vbond/statics/point_view.hpp"
 
 namespace vbond {
 namespace {
@@ -125,7 +126,7 @@ void Run::take_part() {
   const auto& stage = std::get<Stage>(*stage_);
   require(stage.on_unphysical == OnUnphysical::stop,
           "several processes step the body: none may drop particles");
-  require(std::none_of(stage.supports.begin(), stage.supports.end(), is_free_grip<Support>),
+  require(std::none_of(stage.supports.begin(), stage.supports.end(), is_free_grip),
           "several processes step the body: no rigid group may be free in part");
   const double reach = simulation_->reach();
   State begun = std::move(*std::exchange(simulation_, {})).take_state();
@@ -281,7 +282,9 @@ StageResult Run::find_balance(const StaticStage& stage) {
   double load_factor = 0.0;
   StaticHooks hooks{{}, hooks_.tell, hooks_.interrupted, hooks_.progress};
   hooks.point = [&](const StaticPoint& point) {
-    if (hooks_.point) hooks_.point(point);
+    const PointView view(model_, point);
+    for (const auto& o : observers_) o->observe_balance(view);
+    if (hooks_.balance) hooks_.balance(view);
     state_ = point.state;  // the last balance that is sound
     load_factor = point.load_factor;
   };
@@ -362,26 +365,17 @@ void Run::begin_again() {
   begin();
 }
 
-template <class AnyLoad, class LoadedStage>
-void Run::add_load_to(AnyLoad load) {
-  auto* stage = std::get_if<LoadedStage>(&prepare());
-  require(stage != nullptr, "add_load: stage \"" + name_of(*stage_) + "\" is " +
-                                (is_static(kind_of(*stage_)) ? "static: it takes a StaticLoad"
-                                                             : "of dynamics: it takes a PointLoad"));
-  LoadedStage loaded = *stage;
-  loaded.loads.push_back(std::move(load));
-  refuse("Run::add_load", mistakes_in(model_, loaded));
+void Run::add_load(const PointLoad& load) {
+  AnyStage loaded = prepare();
+  std::visit(
+      [&](auto& stage) {
+        stage.loads.push_back(load);
+        refuse("Run::add_load", mistakes_in(model_, stage));
+      },
+      loaded);
   stage_ = std::move(loaded);
   if (simulation_) state_ = std::move(*simulation_).take_state();
   begin_again();
-}
-
-void Run::add_load(PointLoad load) {
-  add_load_to<PointLoad, Stage>(std::move(load));
-}
-
-void Run::add_load(StaticLoad load) {
-  add_load_to<StaticLoad, StaticStage>(std::move(load));
 }
 
 }  // namespace vbond

@@ -34,9 +34,9 @@ struct StageResult {
 
 /// What a program may listen to and answer while a run goes on; each may be empty.
 struct RunHooks {
-  std::function<void(const StaticPoint&)> point;  ///< each balance of a static stage
-  std::function<void(const std::string&)> tell;   ///< one report, without a line end
-  std::function<bool()> interrupted;              ///< asked between steps: true stops the run there
+  std::function<void(const BodyView&)> balance;  ///< each balance of a static stage, after the observers
+  std::function<void(const std::string&)> tell;  ///< one report, without a line end
+  std::function<bool()> interrupted;             ///< asked between steps: true stops the run there
   /// What a static stage is at, one line every few seconds, without a line end.
   std::function<void(const std::string&)> progress = {};
   /// A stage of dynamics has ended, was interrupted or has diverged (`failure` says why).
@@ -67,7 +67,7 @@ class Run {
   Run(const Run&) = delete;
   Run& operator=(const Run&) = delete;
 
-  /// Observers of dynamics: they are asked in this order, in every stage.
+  /// They are asked in this order, in every stage.
   void add_observer(std::shared_ptr<Observer> observer);
   void set_hooks(RunHooks hooks) { hooks_ = std::move(hooks); }
   /// From the next stage of dynamics on, several processes step the body, each a part of it. All of them make
@@ -129,8 +129,7 @@ class Run {
   /// The same for these particles alone.
   void set_velocity(const std::vector<ParticleId>& particles, const Vec3d& v, const Vec3d& omega = {});
   /// Adds a load to the stage under way, or to the next one, for the rest of it. Not part of a checkpoint.
-  void add_load(PointLoad load);
-  void add_load(StaticLoad load);
+  void add_load(const PointLoad& load);
 
  private:
   void require_able() const;
@@ -154,8 +153,6 @@ class Run {
   void expect_bonds_of_first(Outlook& outlook) const;
   void look_at_balance(std::size_t k, const StaticStage& stage, const Outlook& outlook,
                        std::vector<StageRefusal>& found) const;
-  template <class AnyLoad, class LoadedStage>
-  void add_load_to(AnyLoad load);
   void change_motion(PerParticle<Vec3d> v, PerParticle<Vec3d> omega);
   void begin_again();
 

@@ -65,15 +65,15 @@ class NullSpaceEquations {
 
 double held_movement(const StaticBody& body) {
   double sum = 0.0;
-  for (const StaticSupport& support : body.stage().supports)
+  for (const Support& support : body.stage().supports)
     for (std::size_t k = 0; k < 3; ++k) {
       const HeldAxes* axes = support.axes ? &*support.axes : nullptr;
       const auto count = static_cast<double>(support.particles.size());
-      if (support.held[k] && !support.rigid) sum += count * sq(dot(support.displacement, axis_of(axes, k)));
+      if (support.held[k] && !support.rigid) sum += count * sq(dot(support.velocity, axis_of(axes, k)));
       if (support.held[k + 3])
-        sum += count * sq(body.unknowns().length() * dot(support.rotation, axis_of(axes, k + 3)));
+        sum += count * sq(body.unknowns().length() * dot(support.angular_velocity, axis_of(axes, k + 3)));
     }
-  for (const StaticSupport& support : body.stage().supports)
+  for (const Support& support : body.stage().supports)
     for (const ParticleId p : support.particles)
       if (support.rigid) sum += norm2(body.rate_of(support, p));
   return sum;

@@ -7,7 +7,7 @@
 namespace vbond {
 
 void StaticBody::take_hold() {
-  for (const StaticSupport& s : stage_.supports) {
+  for (const Support& s : stage_.supports) {
     if (!s.rigid) continue;
     Vec3d pivot;
     double weight = 0.0;
@@ -15,8 +15,8 @@ void StaticBody::take_hold() {
       const double w = is_free_grip(s) ? model_.mass[p] : 1.0;
       pivot += w * state_.r[p], weight += w;
     }
-    pivot = s.pivot ? *s.pivot + load_factor_ * s.displacement : pivot / weight;
-    Grip grip{&s, {pivot, s.displacement, s.rotation}, {}, pivot, {1, 0, 0, 0}};
+    pivot = s.pivot ? *s.pivot + load_factor_ * s.velocity : pivot / weight;
+    Grip grip{&s, {pivot, s.velocity, s.angular_velocity}, {}, pivot, {1, 0, 0, 0}};
     for (const ParticleId p : s.particles) grip.as_held.push_back({state_.r[p] - pivot, state_.q[p]});
     grips_.push_back(std::move(grip));
   }
@@ -41,11 +41,11 @@ void StaticBody::carry() {
 /// factor.
 void StaticBody::carry_free(const Vector& x, double load_factor_change) {
   for (const Grip& g : grips_) {
-    const StaticSupport& s = *g.support;
+    const Support& s = *g.support;
     if (!is_free_grip(s)) continue;
     const Movement m = unknowns_.along_own(s.particles.front(), x);
     const bool turns_as_told = s.held[3] && s.held[4] && s.held[5];
-    place(g, g.pivot + m.shift + load_factor_change * s.displacement,
+    place(g, g.pivot + m.shift + load_factor_change * s.velocity,
           turns_as_told ? g.motion.turn(load_factor_ - held_at_)
                         : normalised(rotation_of(m.turn / unknowns_.length()) * g.turn),
           state_);
@@ -102,7 +102,7 @@ void StaticBody::add_arms() const {
 /// Of one that turns freely about one axis with its sign.
 double StaticBody::angle_of(const Grip& g) const {
   const HeldDofs& held = g.support->held;
-  if (held[3] && held[4] && held[5]) return load_factor_ * norm(g.support->rotation);
+  if (held[3] && held[4] && held[5]) return load_factor_ * norm(g.support->angular_velocity);
   const Vec3d turn = rotation_vector(g.turn);
   for (int k = 0; k < 3; ++k)
     if (held[3 + static_cast<std::size_t>(k + 1) % 3] && held[3 + static_cast<std::size_t>(k + 2) % 3])

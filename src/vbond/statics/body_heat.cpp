@@ -12,8 +12,8 @@ void StaticBody::begin_heating() {
   temperature_before_ = state_.temperature;
   State change;  // temperatures and ends of bonds, for growth_of()
   change.temperature.resize(model_.particles());
-  for (const StaticHeating& h : stage_.heating)
-    for (const ParticleId p : h.particles) change.temperature[p] += h.change;
+  for (const Heating& h : stage_.heating)
+    for (const ParticleId p : h.particles) change.temperature[p] += h.temperature;
   for (const WarmBond& w : state_.warm_bonds)
     growth_rate_.push_back(growth_of(change, state_.bonds[w.bond], w.expansion));
 }
@@ -22,8 +22,8 @@ void StaticBody::begin_heating() {
 void StaticBody::take_temperatures() {
   if (temperature_before_.empty()) return;
   state_.temperature = temperature_before_;
-  for (const StaticHeating& h : stage_.heating)
-    for (const ParticleId p : h.particles) state_.temperature[p] += (load_factor_ - held_at_) * h.change;
+  for (const Heating& h : stage_.heating)
+    for (const ParticleId p : h.particles) state_.temperature[p] += (load_factor_ - held_at_) * h.temperature;
   take_lengths(state_);
 }
 

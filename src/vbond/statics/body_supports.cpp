@@ -10,8 +10,8 @@ namespace vbond {
 void StaticBody::set_held_rates() {
   for (const Hold& h : holds_) held_rate_[h.particle] = {};
   for (const Hold& h : holds_) {
-    const StaticSupport& s = stage_.supports[h.support];
-    const Movement rate{rate_of(s, h.particle), unknowns_.length() * s.rotation};
+    const Support& s = stage_.supports[h.support];
+    const Movement rate{rate_of(s, h.particle), unknowns_.length() * s.angular_velocity};
     if (is_free_grip(s)) {
       held_rate_[h.particle] = rate;
       continue;
@@ -22,16 +22,16 @@ void StaticBody::set_held_rates() {
   }
 }
 
-Vec3d StaticBody::rate_of(const StaticSupport& s, ParticleId p) const {
-  if (!s.rigid) return s.displacement;
-  if (is_free_grip(s)) return s.displacement + cross(s.rotation, *unknowns_.arm(p));
+Vec3d StaticBody::rate_of(const Support& s, ParticleId p) const {
+  if (!s.rigid) return s.velocity;
+  if (is_free_grip(s)) return s.velocity + cross(s.angular_velocity, *unknowns_.arm(p));
   const auto grip =
       std::find_if(grips_.begin(), grips_.end(), [&](const Grip& g) { return g.support == &s; });
   return grip->motion.rate_at(load_factor_ - held_at_, state_.r[p]);
 }
 
 void StaticBody::add_applied(double load_factor, Loads& loads) const {
-  for (const StaticLoad& l : stage_.loads)
+  for (const PointLoad& l : stage_.loads)
     for (const ParticleId p : l.particles) {
       const double factor = l.constant ? 1.0 : load_factor;
       const auto along = [&](const Vec3d& v) { return l.follower ? rotate(state_.q[p], v) : v; };
@@ -53,7 +53,7 @@ Loads StaticBody::moments_at_carriers() const {
 }
 
 /// How a load that turns with a particle changes as it turns: its part of the tangent, along world axes.
-Assembly::Block StaticBody::follower_block(const StaticLoad& l, ParticleId p) const {
+Assembly::Block StaticBody::follower_block(const PointLoad& l, ParticleId p) const {
   const double L = unknowns_.length(), factor = l.constant ? 1.0 : load_factor_;
   const Vec3d F = factor / L * rotate(state_.q[p], l.force_on(model_.mass[p]));
   const Vec3d M = factor / sq(L) * rotate(state_.q[p], l.moment_on(model_.mass[p]));
@@ -64,7 +64,7 @@ Assembly::Block StaticBody::follower_block(const StaticLoad& l, ParticleId p) co
 }
 
 void StaticBody::add_followers() const {
-  for (const StaticLoad& l : stage_.loads) {
+  for (const PointLoad& l : stage_.loads) {
     if (!l.follower) continue;
     for (const ParticleId p : l.particles) {
       const Assembly::Block in_world = follower_block(l, p);
@@ -82,7 +82,7 @@ void StaticBody::add_followers() const {
 
 /// Of the parts of followers in the tangent what has no potential: the antisymmetric part.
 void StaticBody::for_followers(const std::function<void(int row, int column, double K)>& entry) const {
-  for (const StaticLoad& l : stage_.loads) {
+  for (const PointLoad& l : stage_.loads) {
     if (!l.follower) continue;
     for (const ParticleId p : l.particles) {
       const Assembly::Block K = stiffness_.assembly.in_axes(p, p, follower_block(l, p));
@@ -151,22 +151,22 @@ double StaticBody::work_of_relief(const Placement& from, const Placement& to, do
 }
 
 /// Of what a support holds of a particle along these axes.
-void StaticBody::add_power(const StaticSupport& support, ParticleId p, const HeldDofs& held,
-                           const HeldAxes* axes, double& power) const {
+void StaticBody::add_power(const Support& support, ParticleId p, const HeldDofs& held, const HeldAxes* axes,
+                           double& power) const {
   const Loads& loads = loads_at_hand().loads;
   const Vec3d rate = rate_of(support, p);
   if (is_free_grip(support)) {  // what its particles do to each other does no work
-    power -= dot(loads.F[p], rate) + dot(loads.M[p], support.rotation);
+    power -= dot(loads.F[p], rate) + dot(loads.M[p], support.angular_velocity);
     return;
   }
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3d &along = axis_of(axes, k), &about = axis_of(axes, k + 3);
     if (held[k]) power -= dot(loads.F[p], along) * dot(rate, along);
-    if (held[k + 3]) power -= dot(loads.M[p], about) * dot(support.rotation, about);
+    if (held[k + 3]) power -= dot(loads.M[p], about) * dot(support.angular_velocity, about);
   }
 }
 
-double StaticBody::power_of(const StaticSupport& support) const {
+double StaticBody::power_of(const Support& support) const {
   double power = 0.0;
   for (const ParticleId p : support.particles)
     add_power(support, p, support.held, support.axes ? &*support.axes : nullptr, power);

@@ -16,13 +16,13 @@ void StaticBody::take_hold_of_walls() {
   if (state_.walls.empty()) state_.walls.resize(model_.walls.size());
   state_.wall_history.clear();
   for (WallState& w : state_.walls) w.velocity = w.angular_velocity = {}, w.servo = 0.0, w.off = 0;
-  for (const StaticWallDrive& d : stage_.walls) {
+  for (const WallDrive& d : stage_.walls) {
     state_.walls[d.index].off = d.off ? 1 : 0;
     if (d.off) continue;
     const WallState& now = state_.walls[d.index];
     const Vec3d pivot =
-        d.pivot ? *d.pivot + load_factor_ * d.displacement : model_.walls[d.index].centre + now.displacement;
-    driven_.push_back({&d, {pivot, d.displacement, d.rotation}, now});
+        d.pivot ? *d.pivot + load_factor_ * d.velocity : model_.walls[d.index].centre + now.displacement;
+    driven_.push_back({&d, {pivot, d.velocity, d.angular_velocity}, now});
   }
 }
 

@@ -65,14 +65,14 @@ void BreakingBody::begin(State state, double load_factor) {
   stable_at_.reset();
 }
 
-double BreakingBody::reaction(const StaticSupport& s) const {
+double BreakingBody::reaction(const Support& s) const {
   return body_->power_of(s) / way_of(s);
 }
 
-double BreakingBody::reaction(const StaticWallDrive& d) const {
-  const double along = norm(d.displacement);
+double BreakingBody::reaction(const WallDrive& d) const {
+  const double along = norm(d.velocity);
   return body_->power_of_walls()[static_cast<Eigen::Index>(d.index)] /
-         (along > 0.0 ? along : norm(d.rotation));
+         (along > 0.0 ? along : norm(d.angular_velocity));
 }
 
 double BreakingBody::load() const {
@@ -83,8 +83,8 @@ double BreakingBody::load() const {
 std::optional<double> BreakingBody::largest_reaction() const {
   if (!moved_ && stage_->walls.empty()) return std::nullopt;
   double largest = 0.0;
-  for (const StaticWallDrive& d : stage_->walls) largest = larger(largest, std::abs(reaction(d)));
-  for (const StaticSupport& s : stage_->supports)
+  for (const WallDrive& d : stage_->walls) largest = larger(largest, std::abs(reaction(d)));
+  for (const Support& s : stage_->supports)
     if (moves(s)) largest = larger(largest, std::abs(reaction(s)));
   return largest;
 }
@@ -182,10 +182,9 @@ void BreakingBody::add_work_of_walls(const Vector& work) {
   if (body_->walls_move()) body_->add_work_of_walls(work.tail(work.size() - 1));
 }
 
-StaticSupport& BreakingBody::free_grip_of(ParticleId first) {
-  return *std::find_if(stage_->supports.begin(), stage_->supports.end(), [&](const StaticSupport& s) {
-    return is_free_grip(s) && s.particles.front() == first;
-  });
+Support& BreakingBody::free_grip_of(ParticleId first) {
+  return *std::find_if(stage_->supports.begin(), stage_->supports.end(),
+                       [&](const Support& s) { return is_free_grip(s) && s.particles.front() == first; });
 }
 
 std::optional<std::string> BreakingBody::hold_free_parts() {
@@ -208,7 +207,7 @@ std::optional<std::string> BreakingBody::hold_free_parts() {
       free_grip_of(particle).held[static_cast<std::size_t>(dof)] = true;
       continue;
     }
-    StaticSupport hold{"", {particle}, {}, {}, {}};
+    Support hold{"", {particle}, {}, {}, {}};
     hold.held[static_cast<std::size_t>(dof)] = true;
     if (const HeldAxes* axes = body_->unknowns().axes(particle)) hold.axes = *axes;
     stage_->supports.push_back(std::move(hold));

@@ -28,7 +28,7 @@ constexpr double longest_bond = 2.0, shortest_bond = 0.5;
 
 double largest_proportional_force(const Model& model, const StaticStage& stage) {
   double largest = 0.0;
-  for (const StaticLoad& l : stage.loads) {
+  for (const PointLoad& l : stage.loads) {
     if (l.constant) continue;
     Vec3d total = static_cast<double>(l.particles.size()) * l.force;
     for (const ParticleId p : l.particles) total += model.mass[p] * l.force_by_mass;

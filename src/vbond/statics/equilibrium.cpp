@@ -397,11 +397,11 @@ std::optional<State> balance_of_constant_loads(const Model& model, const StaticS
   const Clock clock = state.clock;  // this balance is not a point of the stage
   constant.at_saddle = AtSaddle::keep;
   constant.steps = 1;
-  const auto grows = [](const StaticLoad& l) { return !l.constant; };
+  const auto grows = [](const PointLoad& l) { return !l.constant; };
   constant.loads.erase(std::remove_if(constant.loads.begin(), constant.loads.end(), grows),
                        constant.loads.end());
   if (!stage.constant_gravity) constant.gravity = {};
-  for (StaticSupport& s : constant.supports) s.displacement = s.rotation = {};
+  for (Support& s : constant.supports) s.velocity = s.angular_velocity = {};
   constant.heating.clear();
   constant.walls.clear();
   StaticBody body(model, constant, std::move(state));

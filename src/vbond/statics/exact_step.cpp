@@ -19,8 +19,10 @@ double exact_critical_step(const Model& model, const State& state, const std::ve
         "exact_critical_step: the model has walls, which the exact step does not know");
   StaticStage stage;
   for (const Support& s : supports)  // what is held less swings no slower
-    if (!is_free_grip(s))
-      stage.supports.push_back({s.group, s.particles, s.held, {}, {}, s.rigid, s.pivot, s.axes});
+    if (!is_free_grip(s)) {
+      Support& at_rest = stage.supports.emplace_back(s);
+      at_rest.velocity = at_rest.angular_velocity = {}, at_rest.factor = {};
+    }
   require_consistent("exact_critical_step", model, stage, state);
   const StaticBody body(model, stage, state);
   const double nothing_swings = std::numeric_limits<double>::infinity();

@@ -22,12 +22,12 @@ namespace {
 
 /// The stage with all its loads at full size.
 StaticStage under_full_loads(StaticStage stage) {
-  for (const StaticSupport& s : stage.supports)
+  for (const Support& s : stage.supports)
     if (moves(s))
       throw NoEquilibrium(
           stage.name, fmt::format("the support of \"{}\" moves", s.group),
           "modes are about a balance at rest: move it in an equilibrium stage before this one");
-  for (StaticLoad& l : stage.loads) l.constant = true;
+  for (PointLoad& l : stage.loads) l.constant = true;
   stage.constant_gravity = true;
   return stage;
 }

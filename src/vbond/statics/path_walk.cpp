@@ -281,9 +281,9 @@ double PathWalk::longest(const PathDirection& d) const {
     const Movement m = unknowns.movement(p, d.u);
     largest2 = std::max({largest2, norm2(m.shift), norm2(m.turn)});
   }
-  for (const StaticSupport& support : body_.stage().supports) {
-    largest2 = std::max({largest2, sq(d.f) * norm2(support.displacement),
-                         sq(d.f * unknowns.length()) * norm2(support.rotation)});
+  for (const Support& support : body_.stage().supports) {
+    largest2 = std::max({largest2, sq(d.f) * norm2(support.velocity),
+                         sq(d.f * unknowns.length()) * norm2(support.angular_velocity)});
     for (const ParticleId p : support.particles)
       if (support.rigid) largest2 = std::max(largest2, sq(d.f) * norm2(body_.rate_of(support, p)));
   }

@@ -7,6 +7,7 @@
 
 #include "vbond/core/error.hpp"
 #include "vbond/core/vec3.hpp"
+#include "vbond/model/body_view.hpp"
 #include "vbond/model/loads.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/model/static_stage.hpp"
@@ -14,17 +15,7 @@
 /// What static stages hand out: plain data, without the solvers' types.
 namespace vbond {
 
-/// What is special about a point of balance.
-enum class PointKind : std::uint8_t {
-  regular,
-  limit_point,  ///< the load factor turns back
-  bifurcation,  ///< another path crosses, or passes within `gap`; the load factor goes on
-  critical,     ///< a bond has reached its strength, and has not broken yet
-  broken,       ///< balance again after a bond has broken
-  end
-};
-
-/// One state of balance on the way, as observers see it.
+/// One state of balance on the way. Those who write see it as a PointView (point_view.hpp).
 struct StaticPoint {
   const State& state;
   double load_factor = 0;

@@ -8,9 +8,9 @@
 
 namespace vbond {
 
-Unknowns::Unknowns(std::size_t particles, const std::vector<StaticSupport>& supports, double length)
+Unknowns::Unknowns(std::size_t particles, const std::vector<Support>& supports, double length)
     : axes_(supports), number_(particles, {0, 0, 0, 0, 0, 0}), length_(length) {
-  for (const StaticSupport& s : supports) {
+  for (const Support& s : supports) {
     if (is_free_grip(s)) carry(s);
     for (const ParticleId p : s.particles) {
       const bool carried = is_free_grip(s) && p != s.particles.front();
@@ -27,7 +27,7 @@ Unknowns::Unknowns(std::size_t particles, const std::vector<StaticSupport>& supp
     }
 }
 
-void Unknowns::carry(const StaticSupport& grip) {
+void Unknowns::carry(const Support& grip) {
   if (carried_.empty()) {
     carried_.resize(number_.size());
     for (const ParticleId p : carried_.ids()) carried_[p].by = p;

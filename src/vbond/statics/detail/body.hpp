@@ -21,13 +21,13 @@
 
 namespace vbond {
 
-inline bool moves(const StaticSupport& s) {
-  return s.displacement != Vec3d{} || s.rotation != Vec3d{};
+inline bool moves(const Support& s) {
+  return s.velocity != Vec3d{} || s.angular_velocity != Vec3d{};
 }
 /// How far it goes per load factor: its displacement, or if there is none its turn.  [length], [rad]
-inline double way_of(const StaticSupport& s) {
-  const double along = norm(s.displacement);
-  return along > 0.0 ? along : norm(s.rotation);
+inline double way_of(const Support& s) {
+  const double along = norm(s.velocity);
+  return along > 0.0 ? along : norm(s.angular_velocity);
 }
 
 /// Where all particles are, and the load factor they are there at.
@@ -143,11 +143,11 @@ class StaticBody {
   /// What the change of temperature does to bonds that expand, per load factor.  [energy]
   double power_of_heating() const;
   /// What a support does along its motion, per load factor.  [energy]
-  double power_of(const StaticSupport& support) const;
+  double power_of(const Support& support) const;
   /// The same of all supports, where several hold a degree of freedom that of one.
   double power_of_supports() const;
   /// How the held translations of one of a support's particles go, per load factor.  [length]
-  Vec3d rate_of(const StaticSupport& support, ParticleId p) const;
+  Vec3d rate_of(const Support& support, ParticleId p) const;
   /// Whether rigid supports are free in some degrees of freedom.
   bool has_free_grips() const;
   /// Grips of the stage, without their work.
@@ -195,7 +195,7 @@ class StaticBody {
   /// A rigid support: its pose is that in which it took hold, moved with the load factor since then; of one
   /// that is free in part it is that of its first particle.
   struct Grip {
-    const StaticSupport* support;
+    const Support* support;
     RigidMotion motion;
     std::vector<GrippedPose> as_held;
     Vec3d pivot;  // where it stands
@@ -203,7 +203,7 @@ class StaticBody {
   };
   /// A wall that moves: as it was when the stage took hold of it, and how it goes on from there.
   struct DrivenWall {
-    const StaticWallDrive* drive;
+    const WallDrive* drive;
     RigidMotion motion;
     WallState as_held;
   };
@@ -221,7 +221,7 @@ class StaticBody {
   void add_pair(ParticleId i, ParticleId j, const Assembly::Block& d) const;
   void add_arms() const;
   void add_followers() const;
-  Assembly::Block follower_block(const StaticLoad& l, ParticleId p) const;
+  Assembly::Block follower_block(const PointLoad& l, ParticleId p) const;
   void for_followers(const std::function<void(int row, int column, double K)>& entry) const;
   Loads moments_at_carriers() const;
   Vector on_unknowns(const Loads& loads) const;
@@ -234,7 +234,7 @@ class StaticBody {
   const BondHistory& history_before(BondId k) const;
   Movement movement(ParticleId p, const Vector& x, double load_factor_change) const;
   Vec3d outside_moment(ParticleId p, const Loads& applied) const;
-  void add_power(const StaticSupport& support, ParticleId p, const HeldDofs& held, const HeldAxes* axes,
+  void add_power(const Support& support, ParticleId p, const HeldDofs& held, const HeldAxes* axes,
                  double& power) const;
   void take_hold();
   void carry();

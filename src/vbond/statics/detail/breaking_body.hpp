@@ -65,12 +65,12 @@ class BreakingBody {
   /// Holds parts that can move freely now. Returns what moves freely under loads, in words, or nothing; then
   /// nothing is held.
   std::optional<std::string> hold_free_parts();
-  StaticSupport& free_grip_of(ParticleId first);
+  Support& free_grip_of(ParticleId first);
 
  private:
   void begin(State state, double load_factor);
-  double reaction(const StaticSupport& s) const;
-  double reaction(const StaticWallDrive& d) const;
+  double reaction(const Support& s) const;
+  double reaction(const WallDrive& d) const;
   WorkOnTheWay way_here() { return {*body_, *solver_, result_}; }
   bool is_near(const Placement& from, double expected) const;
   bool is_no_jump(const Placement& from, double expected);
@@ -82,7 +82,7 @@ class BreakingBody {
   std::unique_ptr<StaticBody> body_;
   std::unique_ptr<TangentSolver> solver_;
   int factors_before_ = 0;  // of former solvers
-  const StaticSupport* moved_ = nullptr;
+  const Support* moved_ = nullptr;
   Vector rate_;                         // movement per load factor; empty: not known
   std::optional<Placement> stable_at_;  // where is_stable() was last, if it was: rate_ is that of this place
 };

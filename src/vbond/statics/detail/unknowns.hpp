@@ -28,7 +28,7 @@ class Unknowns {
   static constexpr int held = -1;
 
   /// length > 0: turns are multiplied by it.
-  Unknowns(std::size_t particles, const std::vector<StaticSupport>& supports, double length);
+  Unknowns(std::size_t particles, const std::vector<Support>& supports, double length);
 
   int size() const { return static_cast<int>(place_.size()); }
   /// The unknown of degree of freedom 0..5 (along its axes, turns about its axes) of a particle, or `held`.
@@ -103,7 +103,7 @@ class Unknowns {
     bool has_arm = false;
     Vec3d arm;
   };
-  void carry(const StaticSupport& grip);
+  void carry(const Support& grip);
 
   ParticleAxes axes_;
   PerParticle<std::array<int, 6>> number_;

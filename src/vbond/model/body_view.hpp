@@ -1,0 +1,87 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "vbond/model/grip.hpp"
+#include "vbond/model/loads.hpp"
+#include "vbond/model/losses.hpp"
+#include "vbond/model/model.hpp"
+#include "vbond/model/state.hpp"
+#include "vbond/physics/range.hpp"
+
+namespace vbond {
+
+/// Where the energy is, and which bonds need a closer look.
+struct Survey {
+  Energies energies;
+  /// Every unbroken bond that is strained or snapped, shorter than half or longer than twice its length at
+  /// rest, and perhaps a few that are close to it, in increasing order.
+  std::vector<BondId> deformed;
+};
+
+/// The bonds that a Survey of this state names.
+inline std::vector<BondId> deformed_bonds(const State& s) {
+  std::vector<BondId> deformed;
+  for (const BondId k : s.bonds.ids()) {
+    const Bond& b = s.bonds[k];
+    if (!b.broken && needs_look(bond_tilt(elastic_pose(s, k), 0.0, 0.0), b.a)) deformed.push_back(k);
+  }
+  return deformed;
+}
+
+/// What is special about a point of balance.
+enum class PointKind : std::uint8_t {
+  regular,
+  limit_point,  ///< the load factor turns back
+  bifurcation,  ///< another path crosses, or passes within `gap`; the load factor goes on
+  critical,     ///< a bond has reached its strength, and has not broken yet
+  broken,       ///< balance again after a bond has broken
+  end
+};
+
+/// Where on its way a balance is.
+struct BalancePoint {
+  double load_factor = 0;
+  PointKind kind = PointKind::regular;
+  std::optional<int> unstable;  ///< negative eigenvalues of the tangent; absent: not counted
+};
+
+/// A body in motion or at rest as those see it who write and watch: Simulation is one, PointView is one of a
+/// point of balance. It shows an instant, and is good until the body moves on. Of a body that several
+/// processes step, all of them ask the same in the same order, and get the same answers, of the whole body.
+class BodyView {
+ public:
+  virtual ~BodyView() = default;
+  virtual const Model& model() const = 0;
+  virtual const Clock& clock() const = 0;
+  virtual const PerBond<Bond>& bonds() const = 0;
+  /// The whole state, in the numbering of the model. Collecting it takes time in motion: not for every step.
+  virtual const State& state() const = 0;
+  /// A sum over all bonds, so not for every step; made once however often it is asked for.
+  virtual const Survey& survey() const = 0;
+  /// Of these positions and velocities.
+  const Energies& energies() const { return survey().energies; }
+  /// As of this call. Those of a balance begin with it: its own energy, what flow and breaks have taken.
+  virtual const EnergyBooks& books() const = 0;
+  /// What they count as dissipated, by cause. Looks at every bond that remembers something.
+  virtual Losses losses() const = 0;
+  /// Relative error of the energy balance: kinetic + potential + dissipated - work - start, over the largest
+  /// energy that start and work have brought in so far, at least what moves and what contacts hold now, and a
+  /// thousand roundings. 0 at rest.
+  virtual double balance_error() const = 0;
+  virtual const PeakRecord& peak() const = 0;
+  /// What supports exert on these particles along held degrees of freedom; in motion drag included, the
+  /// inertia of prescribed accelerations left out.
+  virtual Reaction reaction(const std::vector<ParticleId>& particles) const = 0;
+  /// Mean over the bonds with both ends in the group of F.d, tension positive; 0 without such bonds.  [force]
+  virtual double mean_axial_force(const std::vector<ParticleId>& particles) const = 0;
+  /// Where walls are, and what presses on them.
+  virtual const std::vector<WallState>& walls() const = 0;
+  /// The grips of the stage, in the order of its supports.
+  virtual std::vector<GripView> grips() const = 0;
+  /// Nothing in motion.
+  virtual const BalancePoint* balance() const { return nullptr; }
+};
+
+}  // namespace vbond

@@ -1,0 +1,53 @@
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "vbond/model/body_view.hpp"
+#include "vbond/model/bond_sums.hpp"
+#include "vbond/statics/results.hpp"
+
+namespace vbond {
+
+/// A point of balance for those who write and watch. Keeps references.
+class PointView final : public BodyView {
+ public:
+  PointView(const Model& model, const StaticPoint& point)
+      : model_(model), point_(point), balance_{point.load_factor, point.kind, point.unstable} {}
+
+  const Model& model() const override { return model_; }
+  const Clock& clock() const override { return state().clock; }
+  const PerBond<Bond>& bonds() const override { return state().bonds; }
+  const State& state() const override { return point_.state; }
+  const Survey& survey() const override {
+    if (!survey_) survey_ = {point_.energies, deformed_bonds(state())};
+    return *survey_;
+  }
+  const EnergyBooks& books() const override {
+    if (!books_)
+      books_ = {.at_start = point_.energies.total(),
+                .dissipated = dissipated_by_flow(state()),
+                .released = point_.released};
+    return *books_;
+  }
+  Losses losses() const override { return losses_by_flow(state()); }
+  double balance_error() const override { return 0.0; }
+  const PeakRecord& peak() const override { return state().peak; }
+  Reaction reaction(const std::vector<ParticleId>& particles) const override {
+    return point_.reaction(particles);
+  }
+  double mean_axial_force(const std::vector<ParticleId>& particles) const override {
+    return vbond::mean_axial_force(state(), particles);
+  }
+  const std::vector<WallState>& walls() const override { return state().walls; }
+  std::vector<GripView> grips() const override { return point_.grips; }
+  const BalancePoint* balance() const override { return &balance_; }
+
+ private:
+  const Model& model_;
+  const StaticPoint& point_;
+  BalancePoint balance_;
+  mutable std::optional<Survey> survey_;
+  mutable std::optional<EnergyBooks> books_;
+};
+
+}  // namespace vbond
