@@ -16,7 +16,7 @@ namespace {
 using Lines = std::vector<std::string>;
 
 double length_of(const Bond& b, const State& state) {
-  return norm(state.r[b.j] - state.r[b.i]);
+  return norm(between(state, b));
 }
 
 PerParticle<std::size_t> bonds_of_particles(const Model& model, const State& state) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "instruction_sets.hpp"
+#include "vbond/core/cell.hpp"
 #include "vbond/physics/contact.hpp"
 #include "vbond/physics/evm.hpp"
 #include "vbond/physics/vmodel.hpp"
@@ -43,7 +44,7 @@ struct Sample {
   BondFrames<double> frames;
   Quatd q_i, q_j;
   Vec3d r_i, r_j;
-  BondPose<double> pose() const { return vbond::bond_pose(frames, r_i, q_i, r_j, q_j); }
+  BondPose<double> pose() const { return vbond::bond_pose(frames, vbond::between(r_i, r_j), q_i, q_j); }
 };
 
 std::vector<Sample> samples() {

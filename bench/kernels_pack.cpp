@@ -3,6 +3,7 @@
 // the functions of its own namespace VBOND_SET.
 #include <cstddef>
 
+#include "vbond/core/cell.hpp"
 #include "vbond/core/pack.hpp"
 #include "vbond/physics/vmodel.hpp"
 
@@ -53,8 +54,8 @@ void loads_of_ends(const double* law, const double* ends, std::size_t packs, dou
   const vbond::VModel<P> m = alike(law);
   for (std::size_t n = 0; n < packs; ++n, ends += 22 * W, loads += 9 * W) {
     const vbond::BondFrames<P> frames{quaternion(ends, 0), quaternion(ends, 4)};
-    store(vbond::bond_loads(m, vbond::bond_pose(frames, vector(ends, 16), quaternion(ends, 8),
-                                                vector(ends, 19), quaternion(ends, 12))),
+    const vbond::Vec3<P> r_ij = vbond::between(vector(ends, 16), vector(ends, 19));
+    store(vbond::bond_loads(m, vbond::bond_pose(frames, r_ij, quaternion(ends, 8), quaternion(ends, 12))),
           loads);
   }
 }

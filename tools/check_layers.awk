@@ -74,8 +74,41 @@ function check_include(line,   name, parts) {
   }
 }
 
+# Which particle it is whose place ends a text or, at the "begin", begins it; "": there is no place. Places are
+# r[i], r_0[i], positions[i], pose[i].r, i.r, i->r, pose_of(i).r, r(i) and r_i.
+function particle_of(text, at,   name, inside, place) {
+  name = "[A-Za-z_][A-Za-z0-9_.]*"
+  inside = "\\[[^][]*(\\[[^][]*\\][^][]*)?\\]"
+  place = "(" name "(" inside "|\\([A-Za-z0-9_.]*\\))?(\\.|->)r|(" name "\\.)?(r|r_[a-z0-9_]*|positions?|places?)" inside \
+          "|r\\([A-Za-z0-9_.]*\\)|r_[a-z])"
+  if (at == "begin") {
+    if (!match(text, "^" place) || substr(text, RLENGTH + 1) ~ /^[A-Za-z0-9_.([]/) return ""
+    text = substr(text, 1, RLENGTH)
+  } else {
+    if (!match(text, "(^|[^A-Za-z0-9_.>])" place "$")) return ""
+    text = substr(text, RSTART)
+    sub(/^[^A-Za-z_]/, "", text)
+  }
+  if (match(text, /[[(].*[])]/)) return substr(text, RSTART + 1, RLENGTH - 2)
+  sub(/(\.|->)r$/, "", text)
+  sub(/^r_/, "", text)
+  return text
+}
+
+# The place of one particle less that of another: its own place at another time is not meant.
+function check_placement(line,   at, left, right) {
+  for (; (at = index(line, " - ")) > 0; line = substr(line, at + 3)) {
+    left = particle_of(substr(line, 1, at - 1), "end")
+    right = particle_of(substr(line, at + 3), "begin")
+    if (left == "" || right == "" || left == right) continue
+    bad("places of two particles: how they stand to each other is between() of core/cell.hpp")
+    return
+  }
+}
+
 FNR == 1 && NR > 1 {
   if (open_until != "") open_until = ""
+  unfinished = ""
   layer = ""
   for (name in folder)
     if (index(FILENAME, folder[name] "/") == 1) layer = name
@@ -106,6 +139,11 @@ NR == FNR {  # the table
     sub(/[^A-Za-z0-9_].*/, "", macro)
     if (macro != "VBOND_HD" || FILENAME != folder["core"] "/portable.hpp")
       bad("macro " macro ": VBOND_HD in core/portable.hpp is the only one")
+  }
+  if (FILENAME != folder["core"] "/cell.hpp") {
+    sub(/^[ \t]+/, "", code)
+    check_placement(unfinished code)
+    unfinished = code ~ / -$/ ? code " " : ""  # goes on in the next line
   }
   if (in_library) {
     if (code ~ /(^|[^A-Za-z0-9_])(cout|cerr|clog|stdout|stderr)([^A-Za-z0-9_]|$)/ ||

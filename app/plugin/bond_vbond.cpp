@@ -307,10 +307,10 @@ void BondVbond::tally() {
     const vbond::Bond& b = state_.bonds[id];
     if (b.broken) continue;
     const PoseRow &i = pose_[b.i.value], &j = pose_[b.j.value];
-    const BondPose<double> pose = bond_pose(b, i.r, i.q, j.r, j.q);
+    const BondPose<double> pose = bond_pose(b, between(i, j), i.q, j.q);
     const BondEnergy<double> U = b.law->energy(b, pose, no_history);
     const Vec3d F = b.law->loads(b, pose, no_history).F;
-    const Vec3d d = i.r - j.r;
+    const Vec3d d = between(j, i);
     ev_tally_xyz(static_cast<int>(b.i.value), static_cast<int>(b.j.value), atom->nlocal, force->newton_bond,
                  U.U_L + U.U_B + U.U_T, F.x, F.y, F.z, d.x, d.y, d.z);
   }
@@ -339,9 +339,9 @@ double BondVbond::single(int type, double rsq, int i, int j, double& fforce) {
     if (b.broken || !((is(i, b.i) && is(j, b.j)) || (is(i, b.j) && is(j, b.i)))) continue;
     const auto r = [this](ParticleId p) { return vector(atom->x[p.value]); };
     const auto q = [this](ParticleId p) { return quaternion(atom->quat[p.value]); };
-    const BondPose<double> pose = bond_pose(b, r(b.i), q(b.i), r(b.j), q(b.j));
+    const BondPose<double> pose = bond_pose(b, between(r(b.i), r(b.j)), q(b.i), q(b.j));
     const BondEnergy<double> U = b.law->energy(b, pose, no_history);
-    fforce = dot(b.law->loads(b, pose, no_history).F, r(b.i) - r(b.j)) / rsq;
+    fforce = dot(b.law->loads(b, pose, no_history).F, between(r(b.j), r(b.i))) / rsq;
     return U.U_L + U.U_B + U.U_T;
   }
   return 0.0;

@@ -107,8 +107,7 @@ TEST(Bonds, MadeBetweenTurnedParticlesAreUnstressed) {
     build_stage(c, b.model, 0, b.state);
     ASSERT_EQ(b.state.bonds.size(), 3u);
     for (const Bond& bond : b.state.bonds) {
-      const auto pose =
-          bond_pose(bond, b.state.r[bond.i], b.state.q[bond.i], b.state.r[bond.j], b.state.q[bond.j]);
+      const auto pose = bond_pose(bond, b.state);
       // products of unit vectors are off by a few 1e-16, and c_A = 1: energies are second order in that
       // except for the constant, loads first order
       const BondEnergy<double> U = law->energy(bond, pose, no_history);

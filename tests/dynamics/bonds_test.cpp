@@ -38,8 +38,7 @@ TEST(AxialForce, IsTheComponentOfTheBondForceAlongTheBond) {
     const BondPose<double> pose = bond_pose(b, s.state);
     const Vec3d d = normalised(bonded_points(pose, b.R_i, b.R_j));
     const Vec3d F = b.law->loads(b, pose, no_history).F;
-    EXPECT_NEAR(axial_force(b, no_history, s.state.r[b.i], s.state.q[b.i], s.state.r[b.j], s.state.q[b.j]),
-                dot(F, d),
+    EXPECT_NEAR(axial_force(b, no_history, between(s.state, b), s.state.q[b.i], s.state.q[b.j]), dot(F, d),
                 1e-14);  // rounding of terms of order 0.1
   }
 }
@@ -54,7 +53,7 @@ RC_GTEST_PROP(NewBond, StartsUnstressedWhateverTheOrientations, (unsigned seed))
     BondRecipe recipe = testing::papers_bond(law);
     recipe.attachment = Attachment::surfaces;
     const Bond b = make_bond(recipe, {ParticleId{0}, r_i, q_i, 0.3}, {ParticleId{1}, r_j, q_j, 0.4}).value();
-    const BondPose<double> pose = bond_pose(b, r_i, q_i, r_j, q_j);
+    const BondPose<double> pose = bond_pose(b, between(r_i, r_j), q_i, q_j);
     const BondLoads<double> l = b.law->loads(b, pose, no_history);
     RC_ASSERT(norm(l.F) + norm(l.M_ij) + norm(l.M_ji) < 1e-13 * b.coefficients[0]);
     RC_ASSERT(std::abs(norm(pose.r_ij) - b.a - 0.7) < 1e-15 * 10);

@@ -91,7 +91,7 @@ TEST(DampedBond, HasTheLoadsOfTheReference) {
                                       e["B"][3], e["g_A"], e["g_D"], e["g_B"],  e["g_T"]};
     const Quatd q_i = turned(e["q_i_wxyz_unnormalised"]), q_j = turned(e["q_j_wxyz_unnormalised"]);
     const BondPose<double> pose =
-        bond_pose(BondFrames<double>{}, vector(e["r_i"]), q_i, vector(e["r_j"]), q_j);
+        bond_pose(BondFrames<double>{}, between(vector(e["r_i"]), vector(e["r_j"])), q_i, q_j);
     const BondRates<double> rates{vector(e["v_j"]) - vector(e["v_i"]), vector(e["w_i"]), vector(e["w_j"])};
     const BondLoads<double> l = bond_damping(law, pose, bond_axis(pose, R_i, R_j), rates);
     EXPECT_LT(norm(l.F - vector(e["F_damp_on_i"])), 1e-12);

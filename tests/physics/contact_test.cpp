@@ -20,6 +20,17 @@ TEST(HertzContact, ForceIsTheSlopeOfTheEnergyAndStiffnessTheSlopeOfTheForce) {
   }
 }
 
+TEST(HertzContact, SecantGivesTheSameForceAndEnergy) {
+  constexpr double rounding = 4e-16;  // of four products
+  for (const double delta : {1e-6, 0.01, 0.3}) {
+    const HertzContact<double> h = hertz(2.5, 0.4, 0.7);
+    const double s = contact_secant(h, delta), F = contact_force(h, delta), U = contact_energy(h, delta);
+    EXPECT_NEAR(s * delta, F, rounding * F);
+    EXPECT_NEAR(energy_of_secant(s, delta), U, rounding * U);
+    EXPECT_NEAR(hertz_secant(2.5, std::sqrt(reduced_radius(0.4, 0.7) * delta)), s, 2.0 * rounding * s);
+  }
+}
+
 TEST(HertzContact, OfTwoEqualSpheresHasTheTextbookStiffness) {
   // R* = R/2, E* = E / (2 (1 - nu^2)): k = 4/3 E* sqrt(R*)
   EXPECT_NEAR(hertz(3.0, 0.25, 0.5, 0.5).k, 4.0 / 3.0 * 1.6 * 0.5, 1e-15);

@@ -95,7 +95,7 @@ TEST(BondPose, HasTheFramesOfItsParticles) {
   const Quatd world = source.rotation(3.0), q_i = source.rotation(3.0), q_j = source.rotation(3.0);
   const BondFrames<double> frames{conjugate(q_i) * world, conjugate(q_j) * world};
   const Quatd turn_i = source.rotation(2.0), turn_j = source.rotation(2.0);
-  const BondPose<double> pose = bond_pose(frames, r_i, turn_i * q_i, r_j, turn_j * q_j);
+  const BondPose<double> pose = bond_pose(frames, between(r_i, r_j), turn_i * q_i, turn_j * q_j);
   EXPECT_EQ(pose.r_ij, r_j - r_i);
   for (int k = 0; k < 3; ++k) {
     const Vec3d n = rotate(world, unit[k]);

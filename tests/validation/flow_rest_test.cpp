@@ -202,8 +202,8 @@ TEST(SofteningBar, FailsInOneBondAlongTheExactCurve) {
     if (N == 0.0) continue;  // parted, below
     const Walked w = walk(bar, drawn(4, total));
     const State& s = w.last();
-    EXPECT_NEAR(axial_force(s.bonds[BondId{3}], {}, s.r[ParticleId{3}], s.q[ParticleId{3}],
-                            s.r[ParticleId{4}], s.q[ParticleId{4}]),
+    EXPECT_NEAR(axial_force(s.bonds[BondId{3}], {}, between(s, ParticleId{3}, ParticleId{4}),
+                            s.q[ParticleId{3}], s.q[ParticleId{4}]),
                 N, 2e-6 * 0.02);  // one bond is 1e-6 weaker
     EXPECT_NEAR(norm(s.r[ParticleId{2}] - s.r[ParticleId{1}]) - 1.0, point["damaged_bond"], 2e-6);
     EXPECT_LT(std::abs(fracture(w).books.error()), 1e-9);

@@ -8,7 +8,7 @@ int main() {
   using namespace vbond;
   const auto law = VModel<double>::from({1.0, 0.03, 0.0025, 1.0 / 480}, 1.0, 0.0, 0.0);
   const BondFrames<double> frames;  // of particles whose axes were the bond's when it was made
-  const BondPose<double> pose = bond_pose(frames, Vec3d{0, 0, 0}, Quatd{}, Vec3d{1.01, 0, 0}, Quatd{});
+  const BondPose<double> pose = bond_pose(frames, Vec3d{1.01, 0, 0}, Quatd{}, Quatd{});
   const BondEnergy<double> U = bond_energy(law, pose);
   std::printf("energy %.6g, force %.6g\n", U.U_L + U.U_B + U.U_T, bond_loads(law, pose).F.x);
 }

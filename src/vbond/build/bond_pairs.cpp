@@ -63,7 +63,7 @@ struct Selection {
       for (double d = 2.0; d <= 16.0 && pairs.empty(); d *= 2.0) {
         pairs = pairs_in_memory(d * within.distance);
         double least = INFINITY;
-        for (const auto& [i, j] : pairs) least = std::min(least, norm(state.r[j] - state.r[i]));
+        for (const auto& [i, j] : pairs) least = std::min(least, norm(between(state, i, j)));
         if (!pairs.empty()) nearest = fmt::format("the nearest are {:.6g} apart", least);
       }
       problems.add(place_of_selection(spec),
@@ -191,7 +191,7 @@ struct Selection {
         place_of_selection(spec),
         fmt::format("bonds \"{}\": {} bonds of the file go through a boundary of its periodic box; the "
                     "first, of particles {} and {}, would be {:.6g} long and is {:.6g} through the boundary",
-                    spec.name, b.count, b.i.value, b.j.value, norm(state.r[b.j] - state.r[b.i]), b.length),
+                    spec.name, b.count, b.i.value, b.j.value, norm(between(state, b.i, b.j)), b.length),
         "nothing is periodic here: such a bond would join two ends of the body",
         "take these bonds out of the section Bonds and hold or load the particles that they leave; where the "
         "body only lies across the boundary, write the file with image flags, which unwrap it");

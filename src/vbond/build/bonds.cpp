@@ -26,7 +26,7 @@ struct FirstAndCount {
 std::string length_left(const BondRecipe& recipe, const Model& model, const State& state, const Pair& pair) {
   const bool surfaces = recipe.attachment == Attachment::surfaces;
   return fmt::format("particles {} and {} are {:.6g} apart with R_i = {:.6g}, R_j = {:.6g}", pair[0].value,
-                     pair[1].value, norm(state.r[pair[1]] - state.r[pair[0]]),
+                     pair[1].value, norm(between(state, pair[0], pair[1])),
                      surfaces ? model.radius[pair[0]] : recipe.R_i,
                      surfaces ? model.radius[pair[1]] : recipe.R_j);
 }
@@ -89,7 +89,7 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
                                 pair[1].value, bond->a));
       longest = std::min(longest, longest_now);
     }
-    const double distance = norm(state.r[pair[1]] - state.r[pair[0]]);
+    const double distance = norm(between(state, pair[0], pair[1]));
     if (const auto mistake = capsule_mistake(model, *bond, distance)) {
       if (no_capsule.count == 0) of_capsule = *mistake;
       no_capsule.note(fmt::format("particles {} and {} are {:.6g} apart, the capsule's radius is {:.6g}",
@@ -182,7 +182,7 @@ std::optional<double> first_c_A(const Case& c, const Model& model, const State& 
     Problems reported_elsewhere;
     const std::vector<Pair> pairs = select_pairs(c, 0, model, state, reported_elsewhere);
     if (pairs.empty()) return std::nullopt;
-    distance = norm(state.r[pairs[0][1]] - state.r[pairs[0][0]]);
+    distance = norm(between(state, pairs[0][0], pairs[0][1]));
   }
   const BondRecipe& recipe = spec.recipe;
   const double R = recipe.attachment == Attachment::given      ? recipe.R_i + recipe.R_j

@@ -159,7 +159,7 @@ void check_distinct(const Case& c, const Model& model, Problems& problems) {
   if (found == 0) return;
   const SourcePlace& place = c.specimens[model.specimen[ParticleId{first_j}]].place;
   const std::string pairs = fmt::format("{} such pairs{}", found, found < enough ? "" : " at least");
-  const double apart = norm(model.r_0[ParticleId{first_j}] - model.r_0[ParticleId{first_i}]);
+  const double apart = norm(between(model.r_0, ParticleId{first_i}, ParticleId{first_j}));
   if (apart == 0.0)
     problems.add(
         place, fmt::format("particles {} and {} are at the same place ({})", first_i, first_j, pairs),

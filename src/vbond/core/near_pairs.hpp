@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "vbond/core/bounding_box.hpp"
+#include "vbond/core/cell.hpp"
 #include "vbond/core/vec3.hpp"
 
 namespace vbond {
@@ -225,7 +226,7 @@ void for_near_pairs(std::span<const Vec3d> positions, double distance, Visit&& v
     grid.scan_near(i, [&](const CellGrid::Point* first, const CellGrid::Point* last) {
       for (const CellGrid::Point* p = first; p != last && going_on; ++p) {
         if (p->i <= i) continue;
-        const double d2 = norm2(p->r - positions[i]);
+        const double d2 = norm2(between(positions[i], p->r));
         if (d2 <= sq(distance)) visited(i, p->i, d2);
       }
     });

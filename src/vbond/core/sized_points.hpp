@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "vbond/core/cell.hpp"
 #include "vbond/core/near_pairs.hpp"
 
 namespace vbond {
@@ -96,7 +97,7 @@ void for_overlapping_pairs(std::span<const Vec3d> positions, std::span<const dou
     points.scan_near(i, [&](const CellGrid::Point* first, const CellGrid::Point* last) {
       for (const CellGrid::Point* p = first; p != last; ++p) {
         if (p->i <= i) continue;
-        const double d2 = norm2(p->r - positions[i]);
+        const double d2 = norm2(between(positions[i], p->r));
         if (d2 < sq(sizes[i] + sizes[p->i] + margin)) visit(i, p->i, d2);
       }
     });

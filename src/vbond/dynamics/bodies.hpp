@@ -25,6 +25,15 @@ struct Bodies {
   Loads collect(const std::vector<LoadRow>& loads) const;
   void spread(const Loads& loads, std::vector<LoadRow>& to) const;
 
+  /// From one particle to another, which may touch or be measured.  [length]
+  Vec3d between(Row i, Row j) const { return vbond::between(pose[i.value], pose[j.value]); }
+  /// From particle i of a bond to its particle j, and how they are turned.
+  Vec3d between(const Bond& b) const { return between(order.row[b.i], order.row[b.j]); }
+  const Quatd& orientation(ParticleId p) const { return pose[order.row[p].value].q; }
+  BondPose<double> bond_pose(const Bond& b) const {
+    return vbond::bond_pose(b, between(b), orientation(b.i), orientation(b.j));
+  }
+
   /// Poses of the particles alone, without those that fill up the rows or are not known.
   std::span<const PoseRow> poses() const { return {pose.data(), order.known}; }
   Energies kinetic_energy(const Team& team) const;

@@ -54,11 +54,8 @@ VBOND_HD BondFrames<Real> frames_of(const FullPack& p, std::size_t l) {
 /// The bonds in lanes l, l + 1 .. of a pack as their particles stand.
 template <class P>
 VBOND_HD BondPose<Real> pose_of(const P& p, const PoseRow* pose, std::size_t l) {
-  Halves i, r;
-  load_halves(pose, p.i + l, Half::first, i);
-  load_halves(pose, p.j + l, Half::first, r);
-  for (std::size_t k = 0; k < 4; ++k) r[k] = r[k] - i[k];
-  transpose_halves(r);
+  Halves r;
+  load_between(pose, p.i + l, p.j + l, r);
   return bond_pose(frames_of(p, l), {r[0], r[1], r[2]}, load_quats(pose, p.i + l), load_quats(pose, p.j + l));
 }
 

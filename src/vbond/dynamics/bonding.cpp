@@ -26,7 +26,7 @@ std::string pair_name(ParticleId i, ParticleId j) {
 
 Bond bond_between(const BondRecipe& recipe, const Model& model, const State& s, ParticleId i, ParticleId j) {
   if (const auto bond = make_bond(recipe, bond_site(model, s, i), bond_site(model, s, j))) {
-    if (const auto mistake = capsule_mistake(model, *bond, norm(s.r[j] - s.r[i])))
+    if (const auto mistake = capsule_mistake(model, *bond, norm(between(s, i, j))))
       throw Diverged(s.clock.step, s.clock.time(), pair_name(i, j) + ", whose bond is to touch as a capsule",
                      mistake->rule, mistake->way_out);
     return *bond;
@@ -81,7 +81,7 @@ std::vector<Bonding::Pair> Bonding::find(std::span<const PoseRow> pose, const Te
     list.near.refresh(pose, team);
     for (std::size_t k = 0; k < pose.size(); ++k)
       for (const Row j : list.near.of(Row{k})) {
-        if (j.value < k || norm2(pose[j.value].r - pose[k].r) > sq(list.rule->distance)) continue;
+        if (j.value < k || norm2(between(pose[k], pose[j.value])) > sq(list.rule->distance)) continue;
         const auto [p, o] = std::minmax(order_.particle[Row{k}], order_.particle[j]);
         const BondRecipe& recipe = list.rule->recipe;
         if (recipe.prestrain != 0.0 &&

@@ -280,10 +280,10 @@ bool Capsules::pass(const FibrePart& x, const FibrePart& y, double dt) const {
   const double deep = deep_part * (x.R + y.R),
                fastest = std::max({norm(way[2] - way[0]), norm(way[3] - way[0]), norm(way[2] - way[1]),
                                    norm(way[3] - way[1])});
-  const auto between = [&](double left) {  // nearest points, a part `left` of the step before its end
+  const auto apart = [&](double left) {  // nearest points, a part `left` of the step before its end
     const auto r = [&](std::size_t k) { return end[k] - left * way[k]; };
     const NearestOnSegments at = nearest_on_segments(r(0), r(1), r(2), r(3));
-    return on_segment(r(2), r(3), at.t) - on_segment(r(0), r(1), at.s);
+    return between(on_segment(r(0), r(1), at.s), on_segment(r(2), r(3), at.t));
   };
   constexpr double least_part = 1e-4;  // of the step, at which it is looked at
   bool inside = false;
@@ -294,12 +294,12 @@ bool Capsules::pass(const FibrePart& x, const FibrePart& y, double dt) const {
     return inside && dot(entered, d) < 0.0;
   };
   for (double left = 1.0; left > 0.0;) {
-    const Vec3d d = between(left);
+    const Vec3d d = apart(left);
     if (turned(d)) return true;
     // to where it may become deep, or by a tenth of that: a pass turns the line within two deep distances
     left -= std::max({norm(d) - deep, 0.1 * deep, least_part * fastest}) / fastest;
   }
-  return turned(between(0.0));
+  return turned(apart(0.0));
 }
 
 void Capsules::look_at_drift(double dt, double longest) {

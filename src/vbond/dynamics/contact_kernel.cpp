@@ -43,9 +43,10 @@ VBOND_HD HalfRow half_row(const Vec3d& r) {
   return h;
 }
 
-/// F -= s (r_j - r_i)
+/// F -= s r_ij
 VBOND_HD void subtract(HalfRow& F, double s, const HalfRow& r_j, const HalfRow& r_i) {
-  for (std::size_t k = 0; k < 4 / lanes; ++k) F.part[k] = F.part[k] - Real(s) * (r_j.part[k] - r_i.part[k]);
+  for (std::size_t k = 0; k < 4 / lanes; ++k)
+    F.part[k] = F.part[k] - Real(s) * between(r_i.part[k], r_j.part[k]);
 }
 
 /// Where these rows are, one in each lane.
@@ -79,7 +80,7 @@ bool add_contacts(const ContactRule& rule, const NearRows& near, RowRange rows, 
     for (std::size_t k = begin; k < end; k += lanes) {
       const Row* const j = near.rows + k;
       const Real R_j = kind == ContactRule::Kind::alike ? R_i : radii(rule.radius, j);
-      const Real reach = R_i + R_j, distance2 = norm2(places(pose, j) - r_i);
+      const Real reach = R_i + R_j, distance2 = norm2(between(r_i, places(pose, j)));
       const Mask touch = first_lanes(end - k) & ~(distance2.v >= sq(reach).v);  // a distance that is NaN, too
       if (!any(touch)) continue;
       const Real distance = sqrt(distance2);

@@ -72,7 +72,7 @@ Contacts::Touch Contacts::unbonded(Row i, Row j, const Bodies& bodies) {
     if (touches_) unbonded_.emplace_back(i, j);
   }
   if (i.value >= order_.own) return {};
-  const Vec3d r_ij = bodies.pose[j.value].r - bodies.pose[i.value].r;
+  const Vec3d r_ij = bodies.between(i, j);
   const double distance = norm(r_ij), overlap = radius_[i] + radius_[j] - distance;
   if (!(overlap > 0.0) || model_.contact.keeps_overlap) return {};
   if (model_.contact.adhesion != AdhesionForm::none) return {};  // surfaces that meet in the next step
@@ -85,7 +85,7 @@ void Contacts::list_unbonded(const Bodies& bodies, const Team& team) {
   if (unbonded_.empty()) return;
   touches_->list(*list_, team);
   for (const auto& [i, j] : unbonded_) {
-    const double distance = norm(bodies.pose[j.value].r - bodies.pose[i.value].r);
+    const double distance = norm(bodies.between(i, j));
     touches_->keep_overlap(i, j, std::max(0.0, radius_[i] + radius_[j] - distance));
   }
   unbonded_.clear();
@@ -101,7 +101,8 @@ std::vector<std::pair<Row, Row>> Contacts::deep_pairs(RowRange rows, std::span<c
   std::vector<std::pair<Row, Row>> deep;
   for (std::size_t k = rows.first; k < rows.last; ++k)
     for (const Row j : list_->of(Row{k}))
-      if (k < j.value && norm2(pose[j.value].r - pose[k].r) < sq(deep_part * (radius_[Row{k}] + radius_[j])))
+      if (k < j.value &&
+          norm2(between(pose[k], pose[j.value])) < sq(deep_part * (radius_[Row{k}] + radius_[j])))
         deep.emplace_back(Row{k}, j);
   return deep;
 }
@@ -109,7 +110,7 @@ std::vector<std::pair<Row, Row>> Contacts::deep_pairs(RowRange rows, std::span<c
 double Contacts::energy(Row i, Row j, const Bodies& bodies) const {
   if (!list_) return 0.0;
   if (touches_) return touches_->energy(i, j, bodies);
-  const double overlap = radius_[i] + radius_[j] - norm(bodies.pose[j.value].r - bodies.pose[i.value].r);
+  const double overlap = radius_[i] + radius_[j] - norm(bodies.between(i, j));
   return overlap > 0.0 ? contact_energy(contact_law(model_.contact, radius_[i], radius_[j]), overlap) : 0.0;
 }
 

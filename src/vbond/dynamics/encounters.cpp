@@ -32,7 +32,7 @@ void Encounters::look_at_drift(const Bodies& bodies, double dt, double largest_w
 
 void Encounters::add_deep(const Bodies& bodies, const std::vector<std::pair<Row, Row>>& pairs) {
   for (const auto& [i, j] : pairs) {
-    const Vec3d r = bodies.pose[j.value].r - bodies.pose[i.value].r;
+    const Vec3d r = bodies.between(i, j);
     add(bodies.order, i, j, r, r);
   }
 }
@@ -71,7 +71,7 @@ void Encounters::find_passing(const Bodies& bodies, double dt) {
       for (; first != last && found_.size() < most; ++first) {
         const Row j{first->i};
         if (j == i || (is_fast_[j.value] && j < i)) continue;
-        const Vec3d to = r_[j.value] - r_[i.value];
+        const Vec3d to = between(r_[i.value], r_[j.value]);
         add(bodies.order, i, j, to - dt * (bodies.motion[j.value].v - bodies.motion[i.value].v), to);
       }
     });
@@ -98,7 +98,7 @@ void Encounters::add(const Order& order, Row row_i, Row row_j, const Vec3d& from
   if (e.j < e.i) e = {e.j, e.i, -from, -to};
   const double deep2 = sq(deep_part * (model_.radius[e.i] + model_.radius[e.j]));
   if (!(norm2(nearest_point(e)) < deep2)) return;
-  if (norm2(model_.r_0[e.j] - model_.r_0[e.i]) < deep2 || index_.bonded(e.i, e.j)) return;  // it is meant
+  if (norm2(between(model_.r_0, e.i, e.j)) < deep2 || index_.bonded(e.i, e.j)) return;  // it is meant
   if (index_.of_fibre(e.i) || index_.of_fibre(e.j)) return;  // as part of a fibre, not as a ball
   take_down(e);
 }

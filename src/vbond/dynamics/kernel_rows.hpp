@@ -58,6 +58,16 @@ VBOND_HD void load_halves(const R* rows, const std::uint32_t* row, Half half, Pa
   }
 }
 
+/// From the places of rows i to those of rows j, transposed: coordinate k of lane l in lane l of r_ij[k].
+[[maybe_unused]] VBOND_HD void load_between(const PoseRow* pose, const std::uint32_t* i,
+                                            const std::uint32_t* j, Halves& r_ij) {
+  Halves r_i;
+  load_halves(pose, i, Half::first, r_i);
+  load_halves(pose, j, Half::first, r_ij);
+  for (std::size_t k = 0; k < 4; ++k) r_ij[k] = between(r_i[k], r_ij[k]);
+  transpose_halves(r_ij);
+}
+
 /// Number k of that half of row[l] in lane l of x[k].
 template <class R>
 VBOND_HD void load_columns(const R* rows, const std::uint32_t* row, Half half, Halves& x) {

@@ -118,14 +118,14 @@ void NeighbourList::find_near(RowRange rows, std::vector<Row>& near) {
       Row* const found = near.data();
       for (; first != last; ++first) {  // written always, kept if near: no branch that cannot be foretold
         found[end] = Row{first->i};
-        end += static_cast<std::size_t>((norm2(first->r - r_i) < limit) & (first->i != i));
+        end += static_cast<std::size_t>((norm2(between(r_i, first->r)) < limit) & (first->i != i));
       }
     });
     Row* const from = near.data() + begin;
     Row* to = near.data() + end;
     if (!equal_radii_)
       to = std::remove_if(from, to, [&](Row j) {
-        return !(norm2(r_built_[j.value] - r_i) < sq(radius_[Row{i}] + radius_[j] + skin_));
+        return !(norm2(between(r_i, r_built_[j.value])) < sq(radius_[Row{i}] + radius_[j] + skin_));
       });
     if (keep_) to = keep_(Row{i}, from, to);
     end = static_cast<std::size_t>(to - near.data());
@@ -164,7 +164,7 @@ std::optional<std::size_t> NeighbourList::place_of(Row i, Row j) const {
 
 void NeighbourList::add(Row i, Row j) {
   if (!valid_) return;
-  if (!(norm2(r_built_[j.value] - r_built_[i.value]) < sq(radius_[i] + radius_[j] + skin_))) return;
+  if (!(norm2(between(r_built_[i.value], r_built_[j.value])) < sq(radius_[i] + radius_[j] + skin_))) return;
   add_to(i, j);
   add_to(j, i);
 }

@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "vbond/core/cell.hpp"
 #include "vbond/core/column.hpp"
 #include "vbond/core/quat.hpp"
 #include "vbond/core/vec3.hpp"
@@ -21,6 +22,10 @@ struct alignas(64) PoseRow {
   double unused = 0;
   Quatd q;  ///< orientation, body to world
 };
+/// From one to the other.  [length]
+VBOND_HD constexpr Vec3d between(const PoseRow& i, const PoseRow& j) {
+  return between(i.r, j.r);
+}
 struct alignas(64) MotionRow {
   Vec3d v;  ///< [length/time]
   double unused_1 = 0;

@@ -167,12 +167,11 @@ Simulation::Broken Simulation::broken_now(BondId k) {
   const bool here = bodies_.order.has(b.i);
   const Row i = bodies_.order.row[b.i], j = bodies_.order.row[b.j];
   if (here) {
-    const PoseRow &at_i = bodies_.pose[i.value], &at_j = bodies_.pose[j.value];
-    const BondPose<double> pose = bond_pose(b, at_i.r, at_i.q, at_j.r, at_j.q);
+    const BondPose<double> pose = bodies_.bond_pose(b);
     BondHistory history = no_history;
     if (b.law->remembers()) history = state_.bond_history[k] = bonds_.history(k);
     broken.loads = b.law->loads(b, pose, history);
-    broken.event = breaking_event(b, k, state_.clock.step, at_i.r, pose, history);
+    broken.event = breaking_event(b, k, state_.clock.step, bodies_.pose[i.value].r, pose, history);
     if (is_damped(b)) {
       const MotionRow &rate_i = bodies_.rates[i.value], &rate_j = bodies_.rates[j.value];
       const BondRates<double> rates{rate_j.v - rate_i.v, rate_i.omega, rate_j.omega};

@@ -111,10 +111,8 @@ void Simulation::book_heat() {
     const WarmBond& w = state_.warm_bonds[grows.warm_bond];
     const Bond& b = state_.bonds[w.bond];
     if (!bodies_.order.has(b.i)) continue;
-    const PoseRow &i = pose_of(b.i), &j = pose_of(b.j);
     const BondHistory history = b.law->remembers() ? bonds_.history(w.bond) : no_history;
-    booked_.work_supports +=
-        0.5 * grows.growth * power_of_growth(b, w, bond_pose(b, i.r, i.q, j.r, j.q), history);
+    booked_.work_supports += 0.5 * grows.growth * power_of_growth(b, w, bodies_.bond_pose(b), history);
   }
 }
 

@@ -122,8 +122,7 @@ void Simulation::check_finite() const {
 }
 
 bool Simulation::past_largest(const Bond& b) const {
-  const PoseRow &i = pose_of(b.i), &j = pose_of(b.j);
-  const BondAxis<double> axis = bond_axis(bond_pose(b, i.r, i.q, j.r, j.q), b.R_i, b.R_j);
+  const BondAxis<double> axis = bond_axis(bodies_.bond_pose(b), b.R_i, b.R_j);
   return !(std::abs(axis.D - b.a) < b.rules->stretch.largest);
 }
 

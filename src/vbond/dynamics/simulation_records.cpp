@@ -56,11 +56,12 @@ double Simulation::peak_quantity() const {
 }
 
 Vec3d Simulation::from_to(ParticleId i, ParticleId j) const {
-  if (!is_part_) return pose_of(j).r - pose_of(i).r;
-  Vec3d way =
-      (bodies_.order.has(j) ? pose_of(j).r : Vec3d{}) - (bodies_.order.has(i) ? pose_of(i).r : Vec3d{});
-  exchange_.sum({&way.x, 3});
-  return way;
+  if (!is_part_) return bodies_.between(bodies_.order.row[i], bodies_.order.row[j]);
+  Vec3d of[2];  // places of i and j, each known to the part that moves it
+  if (bodies_.order.has(i)) of[0] = pose_of(i).r;
+  if (bodies_.order.has(j)) of[1] = pose_of(j).r;
+  for (Vec3d& r : of) exchange_.sum({&r.x, 3});
+  return between(of[0], of[1]);
 }
 
 StopReason Simulation::stop_reason() const {
@@ -234,8 +235,11 @@ double Simulation::mean_axial_force(const std::vector<ParticleId>& particles) co
 double Simulation::mean_axial_force(const std::vector<BondId>& bonds) const {
   if (bonds_.remembers()) bonds_.collect(state_.bond_history);
   const auto mean = [this](const std::vector<BondId>& some) {
-    return vbond::mean_axial_force(state_, some,
-                                   [this](ParticleId p) -> const PoseRow& { return pose_of(p); });
+    return vbond::mean_axial_force(some, [this](BondId k) {
+      const Bond& b = state_.bonds[k];
+      return axial_force(b, history_of_bond(state_, k), bodies_.between(b), bodies_.orientation(b.i),
+                         bodies_.orientation(b.j));
+    });
   };
   std::vector<BondId> here = bonds;
   std::erase_if(here, [this](BondId b) { return !bodies_.order.has(state_.bonds[b].i); });

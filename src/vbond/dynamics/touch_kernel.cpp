@@ -108,13 +108,11 @@ struct LossesOfPairs {
 VBOND_HD void work_out(const TouchRule& rule, const TouchTable& table, Together& t, const PoseRow* pose,
                        const MotionRow* motion, double dt, LossesOfPairs& lost) {
   for (std::size_t l = t.count; l < lanes; ++l) t.i[l] = t.i[0], t.j[l] = t.j[0], t.pair[l] = t.pair[0];
-  Halves a, b, v_i, v_j, w_i, w_j;
-  load_halves(pose, t.i, Half::first, a);
-  load_halves(pose, t.j, Half::first, b);
+  Halves r_ij, v_i, v_j, w_i, w_j;
+  load_between(pose, t.i, t.j, r_ij);
   load_halves(motion, t.i, Half::first, v_i);
   load_halves(motion, t.j, Half::first, v_j);
-  for (std::size_t k = 0; k < 4; ++k) b[k] = b[k] - a[k], v_j[k] = v_j[k] - v_i[k];
-  transpose_halves(b);
+  for (std::size_t k = 0; k < 4; ++k) v_j[k] = v_j[k] - v_i[k];
   transpose_halves(v_j);
   load_columns(motion, t.i, Half::second, w_i);
   load_columns(motion, t.j, Half::second, w_j);
@@ -123,7 +121,7 @@ VBOND_HD void work_out(const TouchRule& rule, const TouchTable& table, Together&
   load_quads(rule.row, t.j, Half::first, row_j);
 
   Touching<Real> p =
-      round_bodies<Real>(vector(b), {row_i[0], row_i[1], row_i[2]}, {row_j[0], row_j[1], row_j[2]},
+      round_bodies<Real>(vector(r_ij), {row_i[0], row_i[1], row_i[2]}, {row_j[0], row_j[1], row_j[2]},
                          vector(v_j), vector(w_i), vector(w_j));
   if (table.kept != nullptr) {
     double of[lanes];
@@ -174,7 +172,7 @@ bool still_touch(const TouchRule& rule, const TouchTable& table, std::size_t i, 
   const TouchNumbers<double>& numbers =
       rule.numbers[rule.material == nullptr ? 0 : rule.material[i] * rule.materials + rule.material[j]];
   const Touching<double> p =
-      touching_of(rule.row[i], rule.row[j], pose[j].r - pose[i].r, motion[i], motion[j]);
+      touching_of(rule.row[i], rule.row[j], between(pose[i], pose[j]), motion[i], motion[j]);
   if (holds_on(rule.forms, numbers, p.R, p.overlap)) return true;
   const bool rolls = rule.forms.rolling != RollingForm::none;
   if (dt > 0.0)
@@ -199,7 +197,7 @@ TouchSums touch_pairs(const TouchRule& rule, const TouchTable& table, RowRange r
     const double R_i = rule.row[i].R;
     for (std::size_t k = table.start[i]; k < table.start[i + 1]; ++k) {
       const std::uint32_t j = table.second[k].value;
-      const Vec3d r_ij = pose[j].r - r_i;
+      const Vec3d r_ij = between(r_i, pose[j].r);
       const double distance2 = r_ij.x * r_ij.x + r_ij.y * r_ij.y + r_ij.z * r_ij.z,
                    reach = R_i + rule.row[j].R;
       table.touching[k] = 0;

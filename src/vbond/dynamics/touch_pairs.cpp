@@ -80,8 +80,8 @@ const TouchNumbers<double>& TouchPairs::numbers(Row i, Row j) const {
 }
 
 Touching<double> TouchPairs::touching(Row i, Row j, const Bodies& b) const {
-  Touching<double> p = touching_of(row_[i.value], row_[j.value], b.pose[j.value].r - b.pose[i.value].r,
-                                   b.motion[i.value], b.motion[j.value]);
+  Touching<double> p =
+      touching_of(row_[i.value], row_[j.value], b.between(i, j), b.motion[i.value], b.motion[j.value]);
   const std::size_t k = keeps_overlap_ ? place(std::min(i, j), std::max(i, j)) : pairs();
   if (k < pairs()) p.overlap -= still_kept(kept_[k], p.overlap);
   return p;

@@ -7,6 +7,7 @@
 #include <string>
 #include <variant>
 
+#include "vbond/core/cell.hpp"
 #include "vbond/core/column.hpp"
 #include "vbond/core/quat.hpp"
 #include "vbond/model/bond_law.hpp"
@@ -81,10 +82,14 @@ inline double angular_scale(const Bond& b) {
   return sum;
 }
 
+/// From particle i of a bond to its particle j, which stand at these places.  [length]
+inline Vec3d between(const PerParticle<Vec3d>& r, const Bond& b) {
+  return between(r, b.i, b.j);
+}
+
 /// The pose of a bond, its axes turned into the world frame.
-inline BondPose<double> bond_pose(const Bond& b, const Vec3d& r_i, const Quatd& q_i, const Vec3d& r_j,
-                                  const Quatd& q_j) {
-  return bond_pose(BondFrames<double>{b.frame_i, b.frame_j}, r_i, q_i, r_j, q_j);
+inline BondPose<double> bond_pose(const Bond& b, const Vec3d& r_ij, const Quatd& q_i, const Quatd& q_j) {
+  return bond_pose(BondFrames<double>{b.frame_i, b.frame_j}, r_ij, q_i, q_j);
 }
 
 /// All coefficients of the law as given, in the order of its fields.

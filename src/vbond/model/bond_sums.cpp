@@ -7,17 +7,13 @@
 namespace vbond {
 
 double mean_axial_force(const State& state, const std::vector<ParticleId>& particles) {
-  struct Pose {
-    const Vec3d& r;
-    const Quatd& q;
-  };
   const auto inside = [&particles](ParticleId p) {
     return std::binary_search(particles.begin(), particles.end(), p);
   };
   std::vector<BondId> bonds;
   for (const BondId k : state.bonds.ids())
     if (!state.bonds[k].broken && inside(state.bonds[k].i) && inside(state.bonds[k].j)) bonds.push_back(k);
-  return mean_axial_force(state, bonds, [&state](ParticleId p) { return Pose{state.r[p], state.q[p]}; });
+  return mean_axial_force(bonds, [&state](BondId k) { return axial_force(state, k); });
 }
 
 void add_bond_loads(const State& state, Loads& loads) {

@@ -10,28 +10,28 @@ namespace vbond {
 
 /// F.d of a bond between particles that stand like this, tension positive, damping left out: the other terms
 /// of a law are normal to d.  [force]
-inline double axial_force(const Bond& b, const BondHistory& history, const Vec3d& r_i, const Quatd& q_i,
-                          const Vec3d& r_j, const Quatd& q_j) {
+inline double axial_force(const Bond& b, const BondHistory& history, const Vec3d& r_ij, const Quatd& q_i,
+                          const Quatd& q_j) {
   const bool at_centres = b.R_i == 0.0 && b.R_j == 0.0;  // no need of the axes
-  const double D =
-      at_centres ? norm(r_j - r_i) : norm(bonded_points(bond_pose(b, r_i, q_i, r_j, q_j), b.R_i, b.R_j));
+  const double D = at_centres ? norm(r_ij) : norm(bonded_points(bond_pose(b, r_ij, q_i, q_j), b.R_i, b.R_j));
   return b.law->tension(b, D, history);
 }
+/// The same as its particles stand now.
+inline double axial_force(const State& s, BondId k) {
+  const Bond& b = s.bonds[k];
+  return axial_force(b, history_of_bond(s, k), between(s, b), s.q[b.i], s.q[b.j]);
+}
 
-/// Mean of F.d over these bonds of a state, tension positive; 0 without any. pose(p): something with the
-/// position r and the orientation q of particle p, in place of the state's.  [force]
-template <class PoseOf>
-double mean_axial_force(const State& state, const std::vector<BondId>& of, PoseOf pose) {
+/// Mean of axial_force(bond) over these bonds; 0 without any.  [force]
+template <class AxialForce>
+double mean_axial_force(const std::vector<BondId>& of, AxialForce axial_force) {
   double sum = 0.0;
-  for (const BondId k : of) {
-    const Bond& b = state.bonds[k];
-    const auto &i = pose(b.i), &j = pose(b.j);
-    sum += axial_force(b, history_of_bond(state, k), i.r, i.q, j.r, j.q);
-  }
+  for (const BondId k : of) sum += axial_force(k);
   return of.empty() ? 0.0 : sum / static_cast<double>(of.size());
 }
 
-/// The same over the bonds with both ends among these particles, which are in increasing order.
+/// Mean of F.d over the bonds with both ends among these particles, which are in increasing order; tension
+/// positive.  [force]
 double mean_axial_force(const State& state, const std::vector<ParticleId>& particles);
 
 /// Adds every bond's loads to its two particles, bond by bond: the reference for the loops of the step.

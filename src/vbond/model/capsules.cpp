@@ -128,7 +128,7 @@ std::vector<FibrePair> FibreParts::near_pairs(const PerParticle<Vec3d>& r, doubl
   std::vector<double> reach;
   for (const FibrePart& p : parts_) {
     middle.push_back(0.5 * (r[p.i] + r[p.j]));
-    reach.push_back(0.5 * norm(r[p.j] - r[p.i]) + p.R);
+    reach.push_back(0.5 * norm(between(r, p.i, p.j)) + p.R);
   }
   std::vector<FibrePair> pairs;
   for_overlapping_pairs(middle, reach, margin, [&](std::size_t k, std::size_t l, double) {

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "vbond/core/cell.hpp"
 #include "vbond/core/segments.hpp"
 #include "vbond/model/bond.hpp"
 #include "vbond/model/model.hpp"
@@ -142,7 +143,7 @@ Touching<double> touching_of(const Model& model, const FibreContact& c, PointOf 
     });
     of[k].r = on_segment(at(p.i).r, at(p.j).r, p.s);
   }
-  return round_bodies<double>(of[1].r - of[0].r, {c.a.R, per_m[0], per_Theta[0]},
+  return round_bodies<double>(between(of[0].r, of[1].r), {c.a.R, per_m[0], per_Theta[0]},
                               {c.b.R, per_m[1], per_Theta[1]}, of[1].v - of[0].v, of[0].omega, of[1].omega);
 }
 

@@ -127,7 +127,7 @@ Vec3d bond_n_2(const Vec3d& e, const std::optional<Vec3d>& wanted) {
 }
 
 std::optional<Bond> make_bond(const BondRecipe& recipe, const BondSite& i, const BondSite& j) {
-  const Vec3d r_ij = j.r - i.r;
+  const Vec3d r_ij = between(i.r, j.r);
   const double distance = norm(r_ij);
   double R_i = recipe.R_i, R_j = recipe.R_j;
   if (recipe.attachment == Attachment::centres) R_i = R_j = 0.0;
@@ -151,7 +151,7 @@ std::optional<Bond> make_bond(const BondRecipe& recipe, const BondSite& i, const
 
 bool breaks_as_made(const Bond& bond, const BondSite& i, const BondSite& j) {
   if (!can_break(bond)) return false;
-  const BondPose<double> pose = bond_pose(bond, i.r, i.q, j.r, j.q);
+  const BondPose<double> pose = bond_pose(bond, between(i.r, j.r), i.q, j.q);
   return bond.law->failure(bond, pose, first_history(bond, pose)).utilisation >= 1.0;
 }
 

@@ -116,6 +116,20 @@ inline bool is_dropped(const State& s, ParticleId p) {
   return std::binary_search(s.dropped.begin(), s.dropped.end(), p);
 }
 
+/// From particle i to particle j as they stand now, of which it is asked whether they touch, or how far apart
+/// they are.  [length]
+inline Vec3d between(const State& s, ParticleId i, ParticleId j) {
+  return between(s.r, i, j);
+}
+/// From particle i of a bond to its particle j as they stand now.  [length]
+inline Vec3d between(const State& s, const Bond& b) {
+  return between(s.r, b);
+}
+/// The pose of a bond as its particles stand now.
+inline BondPose<double> bond_pose(const Bond& b, const State& s) {
+  return bond_pose(b, between(s, b), s.q[b.i], s.q[b.j]);
+}
+
 /// The particles of a model at their first positions: unturned, at rest, without bonds.
 inline State at_rest(const Model& model) {
   State s;
@@ -144,7 +158,7 @@ inline double kept_overlap(const State& s, ParticleId i, ParticleId j) {
 inline double contact_pair_energy(const Model& model, const State& s, ParticleId i, ParticleId j) {
   if (!particles_touch(model.contact)) return 0.0;
   const double R_i = model.radius[i], R_j = model.radius[j];
-  const double overlap = R_i + R_j - norm(s.r[j] - s.r[i]) - kept_overlap(s, i, j);
+  const double overlap = R_i + R_j - norm(between(s, i, j)) - kept_overlap(s, i, j);
   if (!(overlap > 0.0)) return 0.0;
   return normal_energy(touch_forms(model.contact), touch_numbers(model, i, j), reduced_radius(R_i, R_j),
                        overlap);
@@ -176,7 +190,7 @@ inline void add_bond(const Model& model, const Bond& bond, const BondRecipe& rec
   if (model.contact.pairs == ContactPairs::unbonded)
     s.books.lose(Loss::bonding, contact_pair_energy(model, s, bond.i, bond.j));
   if (recipe.prestrain == 0.0) return;
-  const BondPose<double> pose = bond_pose(bond, s.r[bond.i], s.q[bond.i], s.r[bond.j], s.q[bond.j]);
+  const BondPose<double> pose = bond_pose(bond, s);
   const BondHistory history = first_history(bond, pose);
   const BondEnergy<double> U = bond.law->energy(bond, pose, history);
   s.books.work_supports += U.U_L + U.U_B + U.U_T;
@@ -185,11 +199,6 @@ inline void add_bond(const Model& model, const Bond& bond, const BondRecipe& rec
   s.bond_history[BondId{s.bonds.size() - 1}] = history;
   s.books.work_supports += history[memory::dissipated];
   s.books.dissipated += history[memory::dissipated];
-}
-
-/// The pose of a bond as its particles stand now.
-inline BondPose<double> bond_pose(const Bond& b, const State& s) {
-  return bond_pose(b, s.r[b.i], s.q[b.i], s.r[b.j], s.q[b.j]);
 }
 
 /// What a bond remembers.

@@ -11,8 +11,8 @@ namespace {
 /// Adds the force on i of a pair, which acts at this point.
 void add_force(ParticleId i, ParticleId j, const Vec3d& F, const Vec3d& at, const State& s,
                PerParticle<Tensor>& sum) {
-  sum[i] += dyad(at - s.r[i], F);
-  sum[j] += dyad(at - s.r[j], -F);
+  sum[i] += dyad(between(s.r[i], at), F);
+  sum[j] += dyad(between(s.r[j], at), -F);
 }
 
 /// What touching particles remember of slip.
@@ -55,7 +55,7 @@ PerParticle<Tensor> stress_times_volume(const Model& model, const State& s) {
   }
   for_touching_pairs(model, s, [&](ParticleId i, ParticleId j, double overlap) {
     const double R_i = model.radius[i], R_j = model.radius[j];
-    const Vec3d r_ij = s.r[j] - s.r[i];
+    const Vec3d r_ij = between(s, i, j);
     const double distance = norm(r_ij);
     const Vec3d n = r_ij / distance;
     const double F_n = normal_force(touch_forms(model.contact), touch_numbers(model, i, j),

@@ -42,7 +42,7 @@ void list_pair(const Model& model, const State& s, ParticleId i, ParticleId j, d
   ListedContact& c = to.emplace_back();
   c.i = static_cast<std::int64_t>(i.value), c.j = static_cast<std::int64_t>(j.value);
   c.from = s.r[i], c.to = s.r[j];
-  add_forces({normalised(c.to - c.from), overlap, reduced_radius(model.radius[i], model.radius[j])},
+  add_forces({normalised(between(s, i, j)), overlap, reduced_radius(model.radius[i], model.radius[j])},
              touch_forms(model.contact), touch_numbers(model, i, j), memory, c);
 }
 
@@ -54,7 +54,7 @@ void list_particles(const Model& model, const State& s, std::vector<ListedContac
   });
   if (model.contact.adhesion == AdhesionForm::jkr)
     for (const PairMemory& m : s.contact_history) {
-      const double overlap = model.radius[m.i] + model.radius[m.j] - norm(s.r[m.j] - s.r[m.i]) - m.kept;
+      const double overlap = model.radius[m.i] + model.radius[m.j] - norm(between(s, m.i, m.j)) - m.kept;
       if (m.history[3] > 0.0 && !(overlap > 0.0)) list_pair(model, s, m.i, m.j, overlap, m.history, to);
     }
   std::sort(to.begin(), to.end(), [](const ListedContact& a, const ListedContact& b) {

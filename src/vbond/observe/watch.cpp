@@ -103,7 +103,7 @@ std::vector<Overlap> new_overlaps(const Model& m, const State& s, double part) {
     const double R_i = m.radius[i], R_j = m.radius[j], allowed = part * std::min(R_i, R_j);
     const double depth = R_i + R_j - std::sqrt(distance2);
     if (!(depth > allowed) || std::min(R_i, R_j) == 0.0) return;
-    const double at_first = std::max(0.0, R_i + R_j - norm(m.r_0[j] - m.r_0[i]));
+    const double at_first = std::max(0.0, R_i + R_j - norm(between(m.r_0, i, j)));
     if (depth > at_first + allowed) found.push_back({i, j, depth});
   });
   if (found.empty()) return found;

@@ -33,6 +33,25 @@ VBOND_HD T contact_stiffness(const HertzContact<T>& h, const T& delta) {
   return T(1.5) * h.k * sqrt(delta);
 }
 
+/// Secant s = k sqrt(delta) of the repulsion: F = s delta.  [force/length]
+template <Scalar T>
+VBOND_HD T contact_secant(const HertzContact<T>& h, const T& delta) {
+  using std::sqrt;
+  return h.k * sqrt(delta);
+}
+
+/// The same of two elastic spheres whose contact has the radius a = sqrt(R* delta): s = 4/3 E* a.
+template <Scalar T>
+VBOND_HD T hertz_secant(const T& E_star, const T& a) {
+  return T(4.0 / 3.0) * E_star * a;
+}
+
+/// contact_energy() by the secant, 2/5 s delta^2, for those who have it already: they differ by rounding.
+template <Scalar T>
+VBOND_HD T energy_of_secant(const T& secant, const T& delta) {
+  return T(0.4) * secant * delta * delta;
+}
+
 /// The paper's form, F = c_H / sqrt(a) (2R - r)^(3/2), [KA12] section VI B: one k for all pairs.
 constexpr HertzContact<double> paper_hertz(double c_H, double sqrt_a) {
   return {c_H / sqrt_a};

@@ -20,20 +20,13 @@ struct BondFrames {
   Quat<T> i, j;
 };
 
-/// The pose of a bond whose particles stand at r_i and r_i + r_ij and are turned by the unit quaternions q_i,
-/// q_j.
+/// The pose of a bond whose particles stand r_ij apart, as between() in core/cell.hpp says, and are turned by
+/// the unit quaternions q_i, q_j.
 template <Scalar T>
 VBOND_HD BondPose<T> bond_pose(const BondFrames<T>& frame, const Vec3<T>& r_ij, const Quat<T>& q_i,
                                const Quat<T>& q_j) {
   const Axes<T> i = axes(q_i * frame.i), j = axes(q_j * frame.j);
   return {r_ij, {i.x, i.y, i.z}, {-j.x, j.y, j.z}};
-}
-
-/// The same for particles that stand at r_i and r_j.
-template <Scalar T>
-VBOND_HD BondPose<T> bond_pose(const BondFrames<T>& frame, const Vec3<T>& r_i, const Quat<T>& q_i,
-                               const Vec3<T>& r_j, const Quat<T>& q_j) {
-  return bond_pose(frame, r_j - r_i, q_i, q_j);
 }
 
 /// Energy of one bond by channel, relative to rest.  [energy]

@@ -189,16 +189,16 @@ VBOND_HD NormalForce<T> normal_force(const TouchForms& f, const TouchNumbers<T>&
   const T positive = larger(d, T(0.0));
   if (f.normal == NormalForm::linear) return {T(1.0), c.stiffness * d, c.stiffness};
   if (f.normal == NormalForm::one_hertz) {
-    const T root = sqrt(positive);
-    return {sqrt(R) * root, c.stiffness * positive * root, c.stiffness * root};
+    const HertzContact<T> h{c.stiffness};
+    return {sqrt(R) * sqrt(positive), contact_force(h, positive), contact_secant(h, positive)};
   }
   if (f.adhesion == AdhesionForm::jkr) {
     const T a = jkr_radius(c.stiffness, c.work, R, d), a3 = a * a * a;
     return {a,
             T(4.0 / 3.0) * c.stiffness * a3 / R - sqrt(T(8.0 * std::numbers::pi) * c.work * c.stiffness * a3),
-            T(4.0 / 3.0) * c.stiffness * a};
+            hertz_secant(c.stiffness, a)};
   }
-  const T a = sqrt(R * positive), secant = T(4.0 / 3.0) * c.stiffness * a;
+  const T a = sqrt(R * positive), secant = hertz_secant(c.stiffness, a);
   T F = secant * positive;
   if (f.adhesion == AdhesionForm::dmt) F = F - T(2.0 * std::numbers::pi) * c.work * R;
   return {a, F, secant};
@@ -214,7 +214,7 @@ VBOND_HD T normal_energy(const TouchForms& f, const TouchNumbers<T>& c, const T&
     return K * a2 * a2 * n.a / (T(15.0) * R * R) + n.F * n.F * detail::inverse(T(3.0) * K * n.a) -
            T(std::numbers::pi) * c.work * a2;
   }
-  T U = T(0.4) * n.secant * d * d;
+  T U = energy_of_secant(n.secant, d);
   if (f.adhesion == AdhesionForm::dmt) U = U - T(2.0 * std::numbers::pi) * c.work * R * d;
   return U;
 }

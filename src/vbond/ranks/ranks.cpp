@@ -40,7 +40,7 @@ constexpr double farthest_found = 1e6;
 double longest_bond(const State& state) {
   double longest2 = 0.0;
   for (const Bond& b : state.bonds)
-    if (!b.broken) longest2 = std::max(longest2, norm2(state.r[b.j] - state.r[b.i]));
+    if (!b.broken) longest2 = std::max(longest2, norm2(between(state, b)));
   return std::sqrt(longest2);
 }
 

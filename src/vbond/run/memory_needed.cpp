@@ -43,7 +43,7 @@ double pairs_now(const BondingRule& rule, const Model& model, const State& state
   const auto is_one = [&](const Bond& b) {
     const bool joins =
         (rule.in_a[b.i.value] && rule.in_b[b.j.value]) || (rule.in_a[b.j.value] && rule.in_b[b.i.value]);
-    return !b.broken && joins && norm(state.r[b.j] - state.r[b.i]) <= rule.distance;
+    return !b.broken && joins && norm(between(state, b.i, b.j)) <= rule.distance;
   };
   const auto bonded = std::count_if(state.bonds.begin(), state.bonds.end(), is_one);
   return static_cast<double>(all) - static_cast<double>(bonded);

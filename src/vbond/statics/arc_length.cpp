@@ -326,8 +326,7 @@ double largest_bond_turn(const State& now, const Placement& before) {
     const Quatd seen_now = conjugate(now.q[b.i]) * now.q[b.j];
     const Quatd seen_before = conjugate(before.q[b.i]) * before.q[b.j];
     const BondPose<double> pose_now = bond_pose(b, now);
-    const BondPose<double> pose_before =
-        bond_pose(b, before.r[b.i], before.q[b.i], before.r[b.j], before.q[b.j]);
+    const BondPose<double> pose_before = bond_pose(b, before);
     const Vec3d D_now = bonded_points(pose_now, b.R_i, b.R_j);
     const Vec3d D_before = bonded_points(pose_before, b.R_i, b.R_j);
     const auto of_line = [&](ParticleId p) {
@@ -345,9 +344,7 @@ std::optional<BondId> newly_snapped(const State& now, const Placement& before) {
   };
   for (const BondId k : now.bonds.ids()) {
     const Bond& b = now.bonds[k];
-    if (snapped(b, bond_pose(b, now)) &&
-        !snapped(b, bond_pose(b, before.r[b.i], before.q[b.i], before.r[b.j], before.q[b.j])))
-      return k;
+    if (snapped(b, bond_pose(b, now)) && !snapped(b, bond_pose(b, before))) return k;
   }
   return {};
 }

@@ -21,7 +21,7 @@ namespace {
 double length_scale(const Model& model, const State& s) {
   double sum = 0.0, bonds = 0.0;
   for (const Bond& b : s.bonds)
-    if (!b.broken) sum += norm(s.r[b.j] - s.r[b.i]), bonds += 1.0;
+    if (!b.broken) sum += norm(between(s, b)), bonds += 1.0;
   if (sum > 0.0) return sum / bonds;
   sum = std::accumulate(model.radius.begin(), model.radius.end(), 0.0);
   return sum > 0.0 ? sum / static_cast<double>(model.particles()) : 1.0;
@@ -72,11 +72,11 @@ bool has_finite_place(const State& s, ParticleId p) {
 /// What a bond's turning is measured by: the distance of the centres, or of the bonded points where the
 /// centres lie closer together.
 double span(const Bond& b, const State& s) {
-  return std::max(norm(s.r[b.j] - s.r[b.i]), norm(bonded_points(bond_pose(b, s), b.R_i, b.R_j)));
+  return std::max(norm(between(s, b)), norm(bonded_points(bond_pose(b, s), b.R_i, b.R_j)));
 }
 
 PairTangent<3> touch(const Model& m, const State& s, ParticleId i, ParticleId j) {
-  return contact_tangent(touch_forms(m.contact), touch_numbers(m, i, j), s.r[j] - s.r[i], m.radius[i],
+  return contact_tangent(touch_forms(m.contact), touch_numbers(m, i, j), between(s, i, j), m.radius[i],
                          m.radius[j]);
 }
 

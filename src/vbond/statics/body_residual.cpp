@@ -35,7 +35,7 @@ PerParticle<double> StaticBody::rounding_at_particles() const {
   const double L = unknowns_.length();
   PerParticle<double> sum(model_.particles(), 0.0);
   const auto place = [&](ParticleId i, ParticleId j) {
-    return eps * (std::max(norm(state_.r[i]), norm(state_.r[j])) + norm(state_.r[j] - state_.r[i]));
+    return eps * (std::max(norm(state_.r[i]), norm(state_.r[j])) + norm(between(state_, i, j)));
   };
   for (const Bond& b : state_.bonds) {
     if (b.broken) continue;
@@ -46,7 +46,7 @@ PerParticle<double> StaticBody::rounding_at_particles() const {
     sum[b.i] += e, sum[b.j] += e;
   }
   for_touching_pairs(model_, state_, [&](ParticleId i, ParticleId j, double) {
-    const Vec3d r_ij = state_.r[j] - state_.r[i];
+    const Vec3d r_ij = between(state_, i, j);
     const auto force = [&](const Vec3d& at) {
       return norm(contact_tangent(touch_forms(model_.contact), touch_numbers(model_, i, j), at,
                                   model_.radius[i], model_.radius[j])

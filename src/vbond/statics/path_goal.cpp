@@ -16,7 +16,7 @@ std::vector<Goal> goals_of(const PathSettings& path) {
   if (path.below) at_load_factor(*path.below, -1.0);
   if (path.distance) {
     const auto beyond = [d = *path.distance](const Placement& p) {
-      return (d.below ? -1.0 : 1.0) * (norm(p.r[d.j] - p.r[d.i]) - d.value);
+      return (d.below ? -1.0 : 1.0) * (norm(between(p.r, d.i, d.j)) - d.value);
     };
     goals.push_back({"distance", beyond, 1e-15 * path.distance->value, {}});
   }

@@ -90,7 +90,7 @@ class Relaxation {
   void repel() {
     std::fill(F_.begin(), F_.end(), Vec3d{});
     for (const auto& [i, j] : near_) {
-      const Vec3d r_ij = r_[j] - r_[i];
+      const Vec3d r_ij = between(r_[i], r_[j]);
       const double d2 = norm2(r_ij);
       if (d2 > sq(s_.cutoff)) continue;
       const Vec3d F = (-s_.strength / sq(sq(d2))) * r_ij;

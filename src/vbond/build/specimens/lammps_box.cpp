@@ -22,7 +22,7 @@ std::size_t axis_of(const std::vector<std::string_view>& words) {
 
 Vec3d vector_of(const FileBond& bond, const SpecimenPoints& points) {
   const auto [i, j] = bond.pair;
-  return points.r[static_cast<std::size_t>(j)] - points.r[static_cast<std::size_t>(i)];
+  return between(points.r[static_cast<std::size_t>(i)], points.r[static_cast<std::size_t>(j)]);
 }
 
 }  // namespace

@@ -37,6 +37,11 @@ struct Placement {
   double load_factor = 0;
 };
 
+/// The pose of a bond as its particles stood there.
+inline BondPose<double> bond_pose(const Bond& b, const Placement& at) {
+  return bond_pose(b, between(at.r, b), at.q[b.i], at.q[b.j]);
+}
+
 /// The largest movement of a particle between the two, or turn of one times this length.  [length]
 double distance(const Placement& a, const Placement& b, double length);
 
