@@ -5,10 +5,14 @@ import json
 import os
 import re
 import resource
+import shlex
 import subprocess
 import time
+from contextlib import contextmanager
 from pathlib import Path
 from signal import SIGTERM
+
+import pytest
 
 PROGRAM = os.environ["VBOND"]
 STATICS = os.environ.get("VBOND_STATICS", "ON") == "ON"
@@ -25,8 +29,8 @@ def listed(texts):
 
 
 def words(command, more, sets=()):
-    """"run case.toml" and arguments that are not split, and a --set for each text of sets."""
-    return [*command.split(), *map(str, more), *(word for text in listed(sets) for word in ("--set", text))]
+    """A command as a shell splits it, arguments that are not split, and a --set for each text of sets."""
+    return [*shlex.split(command), *map(str, more), *(word for text in listed(sets) for word in ("--set", text))]
 
 
 class Ended:
@@ -286,3 +290,19 @@ def run_example(name, *sets):
     assert '"failed"' not in Path(out, "run.json").read_text(), "a stage has failed"
     print(f"{name}: largest error of the energy balance: {error}, at rest: {at_rest}")
     return run
+
+
+# ---- machines -------------------------------------------------------------------------------------------------------
+@contextmanager
+def disk(size):
+    """A disk of its own, mounted as the folder `disk`, and what resizes it; where none may be mounted, the test is skipped."""
+    def mount(*options):
+        return subprocess.run(["mount", "-t", "tmpfs", "-o", *options, "none", "disk"], capture_output=True).returncode == 0
+
+    Path("disk").mkdir(exist_ok=True)
+    if not mount(f"size={size}"):
+        pytest.skip("no disk may be mounted here")
+    try:
+        yield lambda size: mount(f"remount,size={size}")
+    finally:
+        subprocess.run(["umount", "disk"], check=True)
