@@ -14,10 +14,10 @@ from signal import SIGTERM
 
 import pytest
 
-PROGRAM = os.environ["VBOND"]
-STATICS = os.environ.get("VBOND_STATICS", "ON") == "ON"
-HERE = Path(__file__).parent
+HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
+PROGRAM = os.path.abspath(os.environ.get("VBOND", ROOT / "build/release/vbond"))
+STATICS = os.environ.get("VBOND_STATICS", "ON") == "ON"
 EXAMPLES = ROOT / "examples"
 TEMPLATE = "<!doctype html>\n<!-- run -->\n</html>\n"  # of a report page, in place of the real one
 CLAMP = 'fix = ["x", "y", "z", "rx", "ry", "rz"]'

@@ -4,9 +4,9 @@ import os
 from pathlib import Path
 
 import pytest
-from program import PROGRAM, call, vbond, write
+from program import PROGRAM, ROOT, call, vbond, write
 
-FAILING_READ = os.environ["VBOND_FAILING_READ"]
+FAILING_READ = os.environ.get("VBOND_FAILING_READ", ROOT / "build/release/tests/app/libfailing_read.so")
 ERROR = "cannot be read: Input/output error"
 STIFFNESS = "stiffness = { c_A = 1, c_D = 0.3, c_B = 0.04, c_T = 0.03 }"
 POINTS = f"""[[specimen]]
@@ -84,14 +84,14 @@ def test_files_of_which_nothing_can_be_read():
 BEFORE_SECOND = POINTS.index('name = "second"') - 10
 
 
-@pytest.mark.skipif(call([PROGRAM, "--version"], env={"LD_PRELOAD": FAILING_READ}).status != 0,
+@pytest.mark.skipif(call([PROGRAM, "--version"], env={"LD_PRELOAD": str(FAILING_READ)}).status != 0,
                     reason="the program takes no preloaded library (sanitizers)")
 @pytest.mark.parametrize("file, after, command", [
     ("points.csv", 27, "run points.toml"), ("pairs.csv", 20, "check points.toml"), ("pairs.csv", 20, "check rows.toml"),
     ("atoms.data", 100, "check atoms.toml"), ("plate.stl", 60, "check points.toml"),
     ("points.toml", BEFORE_SECOND, "check points.toml"), ("points.toml", BEFORE_SECOND, "check -")])
 def test_reading_that_fails_in_the_middle(file, after, command):
-    env = {"LD_PRELOAD": FAILING_READ, "VBOND_FAILING_FILE": str(Path(file).resolve()), "VBOND_FAILING_AT": str(after)}
+    env = {"LD_PRELOAD": str(FAILING_READ), "VBOND_FAILING_FILE": str(Path(file).resolve()), "VBOND_FAILING_AT": str(after)}
     with open("points.toml") as case:
         vbond(command, stdin=case, env=env, status=3, err=f"{'the standard input' if command == 'check -' else file}: {ERROR}")
     assert not Path("points.out").exists(), "a run that read half of its points leaves a folder"

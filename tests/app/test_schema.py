@@ -2,12 +2,11 @@
 wrong. Skipped where Python has no jsonschema; Debian: apt-get install python3-jsonschema."""
 import copy
 import json
-import tomllib
 
 import pytest
 from program import ROOT, vbond
 
-jsonschema = pytest.importorskip("jsonschema")
+jsonschema, tomllib = (pytest.importorskip(name) for name in ("jsonschema", "tomllib"))
 CASES = [path for folder in ("examples", "bench/cases", "tests/fuzz/corpus") for path in sorted((ROOT / folder).glob("*.toml"))]
 
 
