@@ -58,7 +58,8 @@ Bonds
 
 1 1 1 2
 """)
-    write("plate.stl", "solid plate\nfacet normal 0 0 1\nouter loop\nvertex 0 0 -2\nvertex 9 0 -2\nvertex 0 9 -2\nendloop\nendfacet\nendsolid plate\n")
+    write("plate.stl", "solid plate\nfacet normal 0 0 1\nouter loop\nvertex 0 0 -2\nvertex 9 0 -2\nvertex 0 9 -2\n"
+                       "endloop\nendfacet\nendsolid plate\n")
     write("points.toml", POINTS)
     write("atoms.toml", f"""specimen = [{{kind = "lammps", file = "atoms.data", radius = 0.4}}]
 bonds = [{{from_specimen = true, {STIFFNESS}}}]

@@ -5,8 +5,7 @@ from pathlib import Path
 from signal import SIGHUP, SIGINT, SIGKILL, SIGTERM
 
 import pytest
-from program import (EXAMPLES, HERE, PROGRAM, Started, column, expect_same, lines, number, stop_at, table, values, vbond,
-                     write)
+from program import EXAMPLES, HERE, PROGRAM, expect_same, lines, number, stop_at, table, values, vbond, write
 
 CASE = HERE / "resume.toml"
 

@@ -6,7 +6,7 @@ from math import cos
 from pathlib import Path
 
 import pytest
-from program import (CLAMP, HERE, PROGRAM, column, contents, edit, edited, expect_same, frames, lines, number, stop_at,
+from program import (CLAMP, HERE, PROGRAM, column, contents, edit, edited, expect_same, frames, number, stop_at,
                      table, values, vbond, write)
 
 CASE = (HERE / "statics.toml").read_text()

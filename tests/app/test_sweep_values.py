@@ -24,11 +24,11 @@ def value(point, key):
 def test_titles():
     table = swept("titles", BRIEF, r'''title="a\"b","c,\\","d",'e,"',@f,plain,"""g"h,i"""''')
     expected = [r'"a\"b"', r'"c,\\"', '"d"', r'"e,\""', '"@f"', '"plain"', r'"g\"h,i"']
+    assert '\n5,0.02 T0,"""@f""",done' in table, "what a spreadsheet takes for a formula stands in quotes"
     assert table.count("\n") == 8 and [value(f"titles/000{k}", "title") for k in range(1, 8)] == expected, table
 
 
-def test_what_a_spreadsheet_takes_for_a_formula_stands_in_quotes():
-    assert '\n5,0.02 T0,"""@f""",done' in swept("formulas", BRIEF, "title=a,b,c,d,@f")
+def test_reasons_stand_in_quotes():  # they may begin as what a spreadsheet takes for a formula
     table = swept("reasons", BRIEF, "bonds[0].nu=0.1,-3,0.7", status=1)
     assert re.search('^2,0.02 T0,-3,failed,[0-9.]*,"""--set bonds', table, re.M), table
 
