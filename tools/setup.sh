@@ -20,7 +20,7 @@ vbond_build_packages=(
   libeigen3-dev libspectra-dev                # statics: matrices, eigenvalues
 )
 vbond_petsc_packages=(libpetsc-real-dev libhdf5-openmpi-dev pkg-config)  # multigrid, in ./test --petsc
-vbond_test_packages=(libgtest-dev librapidcheck-dev)
+vbond_test_packages=(libgtest-dev librapidcheck-dev python3-pytest)
 vbond_lammps_packages=(liblammps-dev lammps libopenmpi-dev mpi-default-bin)   # vbond-lammps; CMake files of the first name the program of the second
 vbond_python_packages=(pybind11-dev python3-dev python3-numpy)
 vbond_python_test_packages=(python3-pytest python3-matplotlib python3-pandas jupyter-nbconvert python3-ipykernel)

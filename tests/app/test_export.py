@@ -1,0 +1,23 @@
+"""The files for LAMMPS, whose text is tested by the plugin's tests where LAMMPS is."""
+import re
+from pathlib import Path
+
+from program import EXAMPLES, vbond
+
+
+def test_export():
+    fibres = EXAMPLES / "two_fibres.toml"
+    vbond("export", fibres, "-o", "files", out=["left out:", "contacts"])
+    particles = re.search("^particles +([0-9]+)", vbond("check", fibres).out, re.M).group(1)
+    data, bonds = (Path("files", name).read_text() for name in ("body.data", "body.bonds"))
+    assert f"{particles} atoms" in data.splitlines()
+    count = int(re.search("^([0-9]+) bonds$", data, re.M).group(1))
+    assert len(re.findall("^[0-9]", bonds, re.M)) == count, "body.bonds has other bonds than body.data"
+    vbond("export", fibres, "-o", "files", status=3, err="body.data is there already")
+
+
+def test_what_is_refused_is_not_written():
+    said = vbond("export", EXAMPLES / "elastica.toml", "-o", "none", status=2, err="elastica.toml:").err
+    assert re.search("the first stage is static|was built without statics", said), said
+    vbond("export", EXAMPLES / "plastic_beam.toml", "-o", "none", status=2, err="remember nothing")
+    assert not Path("none").exists()

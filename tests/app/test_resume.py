@@ -1,0 +1,74 @@
+"""A run that is stopped by a signal at any step and resumed leaves the same files, byte for byte, as one that was never
+disturbed; run.json but for wall times and what it was computed with."""
+import shutil
+from pathlib import Path
+from signal import SIGHUP, SIGINT, SIGKILL, SIGTERM
+
+import pytest
+from program import EXAMPLES, HERE, PROGRAM, expect_same, lines, number, stop_at, table, values, vbond, write
+
+CASE = HERE / "resume.toml"
+
+
+@pytest.fixture(scope="module")
+def whole(work):
+    """The case must have what it is there for: bonds made on approach during both stages and as the second begins,
+    contacts, damping, work of loads and supports, and a bond that the watch has reported."""
+    vbond("run", CASE, "-o", "whole")
+    rows, first_stage = table("whole"), number("whole", "steps")
+    bonds = [rows[0]["bonds"], max(row["bonds"] for row in rows if row["step"] < first_stage),
+             next(row["bonds"] for row in rows if row["step"] > first_stage), rows[-1]["bonds"]]
+    assert bonds == sorted(set(bonds)), f"bonds at the start, in stage one, as stage two begins, at the end: {bonds}"
+    assert any(row["contact"] > 0 for row in rows) and rows[-1]["dissipated"] > 0
+    assert rows[-1]["work_loads"] and rows[-1]["work_supports"]
+    assert number("whole", "ever_strained") == 1
+    return "whole"
+
+
+def stopped(rows, by, folder, command, *more):
+    run = stop_at(rows, folder, command, *more, by=by)
+    if by != SIGKILL:
+        last = run.err.splitlines()[-1]
+        assert last.endswith(f"go on with: {PROGRAM} resume {folder}"), f"no way to go on: {run}"
+        run.expect(128 + by, out=f"results in {folder}")
+        assert values(folder, "stop")[-1] == "interrupted"
+
+
+# Nothing can be written on SIGKILL: the last regular checkpoint serves, and what was written after it is dropped.
+@pytest.mark.parametrize("stops, threads", [
+    ([(1 / 7, SIGTERM)], None), ([(0.7, SIGTERM)], 2), ([(0.3, SIGTERM), (0.6, SIGINT), (0.8, SIGTERM)], None),
+    ([(0.2, SIGHUP)], None), ([(0.5, SIGKILL)], None)], ids=["early", "on other threads", "thrice", "hung up", "killed"])
+def test_stopped_and_resumed(whole, stops, threads, request):
+    folder = request.node.callspec.id.replace(" ", "_")
+    command = ["run", CASE, "-o", folder]
+    for part, by in stops:
+        stopped(int(lines("whole/history.csv") * part), by, folder, *command)
+        command = ["resume", folder]
+    vbond(*command, *(["--threads", threads] if threads else []))
+    expect_same(whole, folder)
+
+
+def test_a_run_that_had_come_to_its_end_has_nothing_left_to_do(whole):
+    shutil.copytree("whole", "ended")
+    vbond("resume ended")
+    expect_same(whole, "ended")
+    # The comparison itself: one digit of one file is seen.
+    history = Path("ended/history.csv")
+    history.write_text(history.read_text()[:-2] + "x\n")
+    with pytest.raises(AssertionError, match="history.csv"):
+        expect_same(whole, "ended")
+
+
+def test_the_number_of_threads_changes_nothing():  # neither from the start nor midway, of a body that they share
+    vbond("run", HERE / "threads.toml", *"-o large --threads 1".split())
+    stopped(15, SIGTERM, "shared", "run", HERE / "threads.toml", *"-o shared --threads 3".split())
+    vbond("resume shared --threads 2")
+    expect_same("large", "shared")
+
+
+@pytest.mark.parametrize("attempt", range(3))
+def test_a_signal_before_the_first_step(attempt):  # as soon as there is a file
+    write("long.toml", (EXAMPLES / "two_particles.toml").read_text(), ("^duration = .*", 'duration = "20000 T0"'))
+    folder = f"early_{attempt}"
+    stop_at(1, folder, "run long.toml -o", folder)
+    assert Path(folder, "checkpoint.h5").stat().st_size

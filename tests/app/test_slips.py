@@ -1,0 +1,174 @@
+"""What check compares and notes as a likely slip, and files of other programs: columns, units, styles, periodic boxes."""
+from pathlib import Path
+
+from program import edited, refused, same_bytes, vbond, write
+
+STIFFNESS = "stiffness = { c_A = 1, c_D = 0.03, c_B = 0.0025, c_T = 0.002 }"
+
+
+NOTE = "\nnote "
+
+
+def check(name, text, *changes, **expected):
+    return vbond("check", write(name, text, *changes), **expected)
+
+
+def test_bonds():  # bodies, particles without any, pairs from 1, one that is long
+    case = f"""specimen = [{{kind = "csv", file = "four.csv", mass = 1}}]
+bonds = [{{file = "pairs.csv", {STIFFNESS}}}]
+stage = [{{duration = "20 T0"}}]
+"""
+    write("four.csv", "x,y,z,radius\n0,0,0,0.4\n1,0,0,0.4\n2,0,0,0.4\n3,0,0,0.4\n")
+    write("pairs.csv", "i,j\n1,2\n2,3\n")
+    check("pairs.toml", case, out=[
+        "separate bodies  1, of 3 particles; 1 bonded to none", 'specimen "body": 1 of its 4 particles have no bond, the first is 0',
+        "no pair names particle 0, the first, and it has no bond: do the pairs count from 1?"])
+    write("pairs.csv", "i,j\n0,1\n2,3\n")
+    check("pairs.toml", case, out="separate bodies  2, of 2 particles each", no_out=NOTE)
+    write("pairs.csv", "i,j\n0,1\n1,2\n2,3\n3,4\n4,5\n5,6\n6,7\n")
+    check("two.toml", case, ("mass = 1", "mass = 1, array = [{ count = 2, step = [50, 0, 0] }]"), no_out="separate bodies",
+          out='bonds "bonds-1": the longest, of particles 3 and 4, joins centres 47 apart, 47 times the median 1')
+
+
+BEAM = """units = {system = "SI"}
+[[specimen]]
+name = "beam"
+kind = "rod"
+particles = 21
+spacing = "0.25 m"
+radius = "0.2 m"
+density = "1000 kg/m^3"
+[[bonds]]
+distance = "0.26 m"
+theory = "bernoulli-euler"
+E = "1 GPa"
+nu = 0.3
+section = {shape = "circle", diameter = "0.4 m"}
+[[stage]]
+duration = "1 s"
+"""
+
+
+def test_masses():
+    # 21 spheres of 33.51 kg; 5 m of a bar of 125.66 kg/m
+    check("beam.toml", BEAM, out=['specimen "beam": its overlapping spheres weigh 703.717 kg, the bars of its bonds 628.319 kg',
+                                  "+12 %; mass = 29.9199"])
+    check("light.toml", BEAM, ("^density.*", "mass = 29.9199"), no_out=NOTE)
+    # touching beads of radius 0.5 m on a thin bar: 21 * 523.6 kg, and 20 m of a bar of 7.854 kg/m
+    beads = edited(BEAM, ("^spacing.*", 'spacing = "1 m"'), ("^radius.*", 'radius = "0.5 m"'), ("^distance.*", 'distance = "1.1 m"'),
+                   ('diameter = "0.4 m"', 'diameter = "0.1 m"'))
+    check("beads.toml", beads, out=['specimen "beam": its spheres weigh 10995.6 kg, the bars of its bonds 157.08 kg',
+                                    "+6900 %; mass = 7.47998"])
+    check("rods.toml", beads, ('diameter = "0.1 m"', 'diameter = "0.9 m"'), no_out=NOTE)  # lighter than their bars by 14 %
+
+
+def test_meshes():
+    write("plate.obj", "v 0 0 0\nv 1000 0 0\nv 0 1000 0\nf 1 2 3\n")
+    plate = BEAM + """[contact]
+law = "linear"
+k = 1e6
+[[wall]]
+name = "plate"
+shape = "mesh"
+file = "plate.obj"
+shift = [0, 0, -2]
+"""
+    check("plate.toml", plate, out=['wall "plate": its mesh is 1.41e+03 from corner to corner, the body 5.43', "scale = 1: is that right?"])
+    check("scaled.toml", plate, ("^shift", "scale = 0.001\nshift"), no_out="its mesh is")
+
+
+UNITS = f"""[units]
+system = "SI"
+[[specimen]]
+kind = "csv"
+file = "units.csv"
+columns = {{ x = "x_mm", y = "y_mm", z = "z_mm" }}
+units = {{ x = "mm", y = "mm", z = "mm" }}
+bonds_file = "rows.csv"
+mass = 1
+radius = 1e-4
+[[bonds]]
+from_specimen = true
+{STIFFNESS}
+[[stage]]
+duration = "1 T0"
+"""
+
+
+def test_csv_files_of_others():
+    Path("units.csv").write_bytes(b'"id","x_mm","y_mm","z_mm"\r\n"1",0,0,0\r\n"2",1,0,0\r\n')
+    write("rows.csv", "i,j\n0,1\n")
+    check("units.toml", UNITS, out=['units.csv: not read are the columns "id"', "extent           x 0 to 0.001"])
+    vbond("run units.toml")
+    for file in ("units.csv", "rows.csv"):
+        assert same_bytes(file, f"units.out/inputs/{file}"), f"{file} is not kept with the run"
+    vbond("run units.out/resolved.toml -o again.out")
+    assert same_bytes("units.out/history.csv", "again.out/history.csv"), "resolved.toml means another run"
+    # a title that would write to the terminal
+    write("red.csv", "x,y,z,\033[31m\n0,0,0,1\n1,0,0,1\n")
+    check("red.toml", UNITS, ("units.csv", "red.csv"), ("^units = .*\n", ""), ("^columns.*", 'columns = { x = "x", y = "y", z = "z" }'),
+          no_out="\033")
+    said = vbond("check", write("gap.toml", UNITS, ("^from_specimen.*", "gap = 0.1")), status=2,
+                 err=["gap.toml:12:1: bonds[0].gap = 0.1", "list the pairs in a file"]).err
+    assert sum(line.startswith("gap.toml") for line in said.splitlines()) == 1, f"more than one report: {said}"
+
+
+def test_mistakes_without_number():
+    write("short.csv", "x,y,z\n" + "1,2\n" * 3000)
+    said = vbond("check", write("short.toml", UNITS, ("units.csv", "short.csv"), ("^(columns|units = |bonds_file).*\n", "")), status=2,
+                 err=["short.csv:21:1: 2 fields", "and 2980 more of this kind"]).err
+    assert said.count("\n") < 100
+
+
+DATA = """a chain of four
+
+4 atoms
+1 atom types
+3 bonds
+1 bond types
+0 4 xlo xhi
+0 1 ylo yhi
+0 1 zlo zhi
+
+Masses
+
+1 1
+
+Atoms # molecular
+
+1 1 1 0.5 0 0
+2 1 1 1.5 0 0
+3 1 1 2.5 0 0
+4 1 1 3.5 0 0
+
+Bonds
+
+1 1 1 2
+2 1 2 3
+3 1 3 4
+"""
+CHAIN = f"""[[specimen]]
+kind = "lammps"
+file = "chain.data"
+radius = 0.4
+[[bonds]]
+from_specimen = true
+{STIFFNESS}
+[[stage]]
+duration = "1 T0"
+"""
+
+
+def test_lammps_data_files():
+    write("chain.data", DATA)
+    vbond("run", write("chain.toml", CHAIN))
+    assert "atom_style" not in Path("chain.out/resolved.toml").read_text(), "a style that the case does not name"
+    write("unnamed.data", DATA, ("^Atoms.*", "Atoms # by hand"))
+    unnamed = edited(CHAIN, ("chain.data", "unnamed.data"))
+    vbond("check", write("unnamed.toml", unnamed), status=2, err=[
+        "unnamed.data:15:1: the style of the atoms is named neither by the file nor by the case", "charge, bond, angle, molecular"])
+    vbond("check", write("named.toml", unnamed, ("^kind.*", r'\g<0>\natom_style = "bond"')))
+    write("ring.data", DATA, ("^3 bonds", "4 bonds"), ("^3 1 3 4", r"\g<0>\n4 1 4 1"))
+    refused(write("ring.toml", CHAIN, ("chain.data", "ring.data")),
+            'ring.toml:6:1: bonds "bonds-1": 1 bonds of the file go through a boundary of its periodic box',
+            "particles 3 and 0, would be 3 long and is 1 through the boundary", "write the file with image flags")
