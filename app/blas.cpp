@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "vbond/run/statics.hpp"
+#include "vbond/run/static_solver.hpp"
 
 namespace vbond::app {
 

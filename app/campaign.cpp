@@ -17,7 +17,7 @@
 #include "vbond/observe/fracture_table.hpp"
 #include "vbond/observe/quantities.hpp"
 #include "vbond/run/plan_output.hpp"
-#include "vbond/run/statics.hpp"
+#include "vbond/run/static_solver.hpp"
 
 namespace vbond::app {
 namespace {

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "commands.hpp"
-#include "vbond/build/build.hpp"
 #include "vbond/case/read.hpp"
 #include "vbond/core/bounding_box.hpp"
 #include "vbond/core/error.hpp"
@@ -19,6 +18,7 @@
 #include "vbond/observe/bond_list.hpp"
 #include "vbond/observe/files.hpp"
 #include "vbond/run/run.hpp"
+#include "vbond/setup/build.hpp"
 
 namespace vbond::app {
 namespace {

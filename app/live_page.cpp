@@ -18,7 +18,7 @@
 #include <utility>
 
 #include "failure.hpp"
-#include "report.hpp"
+#include "report_command.hpp"
 #include "seen.hpp"
 #include "vbond/core/error.hpp"
 

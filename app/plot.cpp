@@ -4,7 +4,7 @@
 #include "campaign.hpp"
 #include "commands.hpp"
 #include "lock.hpp"
-#include "report.hpp"
+#include "report_command.hpp"
 #include "still.hpp"
 #include "terminal.hpp"
 #include "vbond/case/read.hpp"

@@ -7,15 +7,15 @@
 #include <limits>
 #include <variant>
 
-#include "vbond/build/outlook.hpp"
-#include "vbond/build/times.hpp"
 #include "vbond/core/printable.hpp"
 #include "vbond/dynamics/kernel.hpp"
 #include "vbond/model/step_bound.hpp"
 #include "vbond/model/swing_bound.hpp"
 #include "vbond/report/facts.hpp"
 #include "vbond/run/plan_output.hpp"
-#include "vbond/run/statics.hpp"
+#include "vbond/run/static_solver.hpp"
+#include "vbond/setup/outlook.hpp"
+#include "vbond/setup/times.hpp"
 
 namespace vbond::app {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "lock.hpp"
 #include "vbond/core/printable.hpp"
-#include "vbond/observe/report.hpp"
+#include "vbond/observe/table_text.hpp"
 
 namespace vbond::app {
 namespace {

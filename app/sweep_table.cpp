@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "report.hpp"
+#include "report_command.hpp"
 #include "sweep.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/observe/csv.hpp"

@@ -10,8 +10,8 @@
 
 #include "instruction_sets.hpp"
 #include "vbond/core/cell.hpp"
-#include "vbond/physics/contact.hpp"
 #include "vbond/physics/evm.hpp"
+#include "vbond/physics/hertz.hpp"
 #include "vbond/physics/vmodel.hpp"
 
 namespace vbond_bench {

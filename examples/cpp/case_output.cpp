@@ -4,11 +4,11 @@
 #include <filesystem>
 #include <utility>
 
-#include "vbond/build/build.hpp"
 #include "vbond/case/read.hpp"
 #include "vbond/observe/observers.hpp"
 #include "vbond/run/plan_output.hpp"
 #include "vbond/run/run.hpp"
+#include "vbond/setup/build.hpp"
 
 int main(int argc, char** argv) try {
   using namespace vbond;

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "bindings.hpp"
-#include "vbond/observe/report.hpp"
+#include "vbond/observe/table_text.hpp"
 
 /// What a run has to do with the interpreter while it computes: its lock, its signals, its end.
 namespace vbond::python {

@@ -1,5 +1,5 @@
 #include "bindings.hpp"
-#include "vbond/run/statics.hpp"
+#include "vbond/run/static_solver.hpp"
 
 PYBIND11_MODULE(_vbond, m) {
   using namespace vbond::python;

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "reference.hpp"
-#include "vbond/build/build.hpp"
 #include "vbond/case/read.hpp"
+#include "vbond/setup/build.hpp"
 
 namespace vbond::campaign {
 

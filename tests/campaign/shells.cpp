@@ -9,8 +9,8 @@
 #include "drawing.hpp"
 #include "inertia.hpp"
 #include "records.hpp"
-#include "vbond/build/build.hpp"
 #include "vbond/case/read.hpp"
+#include "vbond/setup/build.hpp"
 
 namespace vbond::campaign {
 namespace {

@@ -1,4 +1,4 @@
-#include "vbond/case/units.hpp"
+#include "vbond/case/dimension.hpp"
 
 #include <gtest/gtest.h>
 

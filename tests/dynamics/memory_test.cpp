@@ -1,4 +1,4 @@
-#include "vbond/dynamics/memory.hpp"
+#include "vbond/dynamics/step_memory.hpp"
 
 #include <gtest/gtest.h>
 #include <malloc.h>

@@ -1,9 +1,9 @@
 #include <cstdint>
 
 #include "input.hpp"
-#include "vbond/build/specimens/specimen.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/report/page.hpp"
+#include "vbond/setup/specimens/specimen.hpp"
 
 namespace {
 

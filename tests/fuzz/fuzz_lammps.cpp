@@ -2,8 +2,8 @@
 #include <cstdint>
 
 #include "input.hpp"
-#include "vbond/build/specimens/specimen.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/setup/specimens/specimen.hpp"
 
 /// The first byte chooses the atom style, the rest is the data file.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

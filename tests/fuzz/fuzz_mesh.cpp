@@ -4,9 +4,9 @@
 #include <cstring>
 
 #include "input.hpp"
-#include "vbond/build/mesh_file.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/model/mesh_surface.hpp"
+#include "vbond/setup/mesh_file.hpp"
 
 /// The first byte chooses the format, the rest is the file.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

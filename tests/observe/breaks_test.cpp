@@ -15,7 +15,7 @@
 #include "vbond/observe/history.hpp"
 #include "vbond/observe/observers.hpp"
 #include "vbond/observe/quantities.hpp"
-#include "vbond/observe/report.hpp"
+#include "vbond/observe/table_text.hpp"
 #include "vtp_reader.hpp"
 
 namespace vbond::breaks_test {

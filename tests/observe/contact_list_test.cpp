@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "specimen.hpp"
-#include "vbond/build/build.hpp"
 #include "vbond/case/read.hpp"
 #include "vbond/dynamics/simulation.hpp"
 #include "vbond/observe/contact_list.hpp"
 #include "vbond/observe/frame_files.hpp"
 #include "vbond/observe/frames.hpp"
 #include "vbond/physics/with_flow.hpp"
+#include "vbond/setup/build.hpp"
 #include "vtp_reader.hpp"
 
 namespace vbond::contact_list_test {

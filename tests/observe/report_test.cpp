@@ -1,4 +1,4 @@
-#include "vbond/observe/report.hpp"
+#include "vbond/observe/table_text.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "random_pose.hpp"
+#include "vbond/physics/bond_step.hpp"
 #include "vbond/physics/evm.hpp"
-#include "vbond/physics/stability.hpp"
 #include "vbond/physics/vmodel.hpp"
 
 namespace vbond {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "vbond/core/dual.hpp"
-#include "vbond/physics/contact.hpp"
+#include "vbond/physics/hertz.hpp"
 
 namespace vbond {
 namespace {

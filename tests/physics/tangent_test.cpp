@@ -1,6 +1,6 @@
 // Tangents of one pair against differences of its loads, and poses against the frames that they are made of.
 #include "vbond/physics/tangent.hpp"
-#include "vbond/physics/contact.hpp"
+#include "vbond/physics/hertz.hpp"
 #include "vbond/physics/laws.hpp"
 
 #include <gtest/gtest.h>

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "vbond/physics/contact.hpp"
+#include "vbond/physics/hertz.hpp"
 #include "vbond/physics/touch.hpp"
 
 namespace vbond::touch_test {

@@ -12,7 +12,6 @@
 
 #include "page_reader.hpp"
 #include "specimen.hpp"
-#include "vbond/build/build.hpp"
 #include "vbond/case/read.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/observe/frames.hpp"
@@ -20,6 +19,7 @@
 #include "vbond/report/fit.hpp"
 #include "vbond/report/page.hpp"
 #include "vbond/report/vtp_read.hpp"
+#include "vbond/setup/build.hpp"
 
 namespace vbond::page::page_contacts_test {
 namespace {

@@ -3,10 +3,10 @@
 #include <string>
 #include <vector>
 
-#include "vbond/build/build.hpp"
 #include "vbond/case/read.hpp"
 #include "vbond/run/run.hpp"
-#include "vbond/run/statics.hpp"
+#include "vbond/run/static_solver.hpp"
+#include "vbond/setup/build.hpp"
 
 /// What a run tells of all stages of a case before the first begins.
 namespace vbond {

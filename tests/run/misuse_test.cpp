@@ -9,7 +9,7 @@
 #include "misuse_parts.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/model/mistakes.hpp"
-#include "vbond/run/statics.hpp"
+#include "vbond/run/static_solver.hpp"
 
 namespace vbond::misuse_test {
 namespace {

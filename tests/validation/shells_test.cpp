@@ -8,8 +8,8 @@
 #include <string>
 
 #include "statics/bodies.hpp"
-#include "vbond/build/build.hpp"
 #include "vbond/case/read.hpp"
+#include "vbond/setup/build.hpp"
 
 namespace vbond::shells_test {
 namespace {

@@ -6,7 +6,7 @@
 #include <variant>
 #include <vector>
 
-#include "vbond/case/units.hpp"
+#include "vbond/case/dimension.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/model/bond.hpp"
 #include "vbond/model/make_bond.hpp"

@@ -2,7 +2,7 @@
 #include <array>
 #include <cstddef>
 
-#include "vbond/case/units.hpp"
+#include "vbond/case/dimension.hpp"
 
 namespace vbond {
 

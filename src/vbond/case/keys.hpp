@@ -1,6 +1,6 @@
 #pragma once
 #include "vbond/case/case.hpp"
-#include "vbond/case/table.hpp"
+#include "vbond/case/key_table.hpp"
 
 /// One function per table of the case file. Each names its keys once; see table.hpp.
 namespace vbond::keys {

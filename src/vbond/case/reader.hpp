@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "vbond/case/table.hpp"
+#include "vbond/case/key_table.hpp"
 
 namespace vbond::keys {
 

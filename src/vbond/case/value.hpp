@@ -12,9 +12,9 @@
 
 #include "vbond/case/case.hpp"
 #include "vbond/case/change.hpp"
+#include "vbond/case/dimension.hpp"
 #include "vbond/case/names.hpp"
 #include "vbond/case/node.hpp"
-#include "vbond/case/units.hpp"
 #include "vbond/core/problems.hpp"
 
 /// Codecs: how one kind of value is read from a file, checked, written and described.

@@ -2,7 +2,7 @@
 #include <cstdint>
 
 #include "vbond/dynamics/rows.hpp"
-#include "vbond/physics/contact.hpp"
+#include "vbond/physics/hertz.hpp"
 
 namespace vbond {
 

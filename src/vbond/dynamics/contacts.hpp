@@ -12,7 +12,7 @@
 #include "vbond/dynamics/order.hpp"
 #include "vbond/dynamics/touch_pairs.hpp"
 #include "vbond/model/model.hpp"
-#include "vbond/physics/contact.hpp"
+#include "vbond/physics/hertz.hpp"
 
 namespace vbond {
 

@@ -15,7 +15,7 @@
 #include "vbond/dynamics/bond_index.hpp"
 #include "vbond/dynamics/bond_packs.hpp"
 #include "vbond/dynamics/bonding.hpp"
-#include "vbond/dynamics/capsules.hpp"
+#include "vbond/dynamics/capsule_contacts.hpp"
 #include "vbond/dynamics/contacts.hpp"
 #include "vbond/dynamics/damping.hpp"
 #include "vbond/dynamics/encounters.hpp"

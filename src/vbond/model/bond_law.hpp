@@ -5,9 +5,9 @@
 #include <string_view>
 
 #include "vbond/core/column.hpp"
+#include "vbond/physics/bond_rules.hpp"
 #include "vbond/physics/laws.hpp"
 #include "vbond/physics/range.hpp"
-#include "vbond/physics/rules.hpp"
 
 namespace vbond {
 

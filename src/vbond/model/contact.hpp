@@ -9,7 +9,7 @@
 
 #include "vbond/core/column.hpp"
 #include "vbond/core/vec3.hpp"
-#include "vbond/physics/contact.hpp"
+#include "vbond/physics/hertz.hpp"
 #include "vbond/physics/touch.hpp"
 
 namespace vbond {

@@ -8,7 +8,7 @@
 #include "vbond/model/capsules.hpp"
 #include "vbond/model/touching.hpp"
 #include "vbond/model/wall_touch.hpp"
-#include "vbond/physics/stability.hpp"
+#include "vbond/physics/bond_step.hpp"
 
 namespace vbond {
 namespace {

@@ -9,7 +9,7 @@
 #include <type_traits>
 
 #include "vbond/model/capsules.hpp"
-#include "vbond/model/detail/mistakes.hpp"
+#include "vbond/model/detail/mistake_list.hpp"
 #include "vbond/model/drop.hpp"
 #include "vbond/model/state_table.hpp"
 #include "vbond/model/wall_mistakes.hpp"

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <optional>
 
-#include "vbond/physics/rules.hpp"
+#include "vbond/physics/bond_rules.hpp"
 
 namespace vbond {
 

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "vbond/model/agreement.hpp"
-#include "vbond/model/detail/mistakes.hpp"
+#include "vbond/model/detail/mistake_list.hpp"
 #include "vbond/model/held_tops.hpp"
 #include "vbond/model/make_bond.hpp"
 #include "vbond/model/mistakes.hpp"

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "vbond/core/members.hpp"
+#include "vbond/model/field_table.hpp"
 #include "vbond/model/state.hpp"
-#include "vbond/model/table.hpp"
 
 /// State, declared once. A new field is a member of State and an entry here; without the entry nothing
 /// compiles. What follows from it: data sets of checkpoints with their attributes and the table of

@@ -8,7 +8,7 @@
 #include "vbond/model/contact_bound.hpp"
 #include "vbond/model/heat.hpp"
 #include "vbond/model/make_bond.hpp"
-#include "vbond/physics/stability.hpp"
+#include "vbond/physics/bond_step.hpp"
 
 namespace vbond {
 namespace {

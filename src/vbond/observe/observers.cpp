@@ -7,7 +7,7 @@
 #include "vbond/dynamics/simulation.hpp"
 #include "vbond/observe/bond_look.hpp"
 #include "vbond/observe/breaks_observer.hpp"
-#include "vbond/observe/report.hpp"
+#include "vbond/observe/table_text.hpp"
 
 namespace vbond {
 namespace {

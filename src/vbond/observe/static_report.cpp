@@ -5,7 +5,7 @@
 #include <iterator>
 #include <numbers>
 
-#include "vbond/observe/report.hpp"
+#include "vbond/observe/table_text.hpp"
 
 namespace vbond {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "vbond/core/scalar.hpp"
 #include "vbond/core/vec3.hpp"
-#include "vbond/physics/contact.hpp"
+#include "vbond/physics/hertz.hpp"
 
 // What two bodies that touch do to each other: normal force with damping and adhesion, friction, resistance
 // to rolling and twisting. Formulas and sources: docs/contacts.md.

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <string_view>
 
+#include "vbond/physics/bond_rules.hpp"
 #include "vbond/physics/law.hpp"
-#include "vbond/physics/rules.hpp"
 
 namespace vbond {
 

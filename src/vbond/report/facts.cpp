@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "vbond/model/step_bound.hpp"
-#include "vbond/observe/report.hpp"
+#include "vbond/observe/table_text.hpp"
 #include "vbond/statics/results.hpp"
 
 namespace vbond::page {

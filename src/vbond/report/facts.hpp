@@ -1,10 +1,10 @@
 #pragma once
 #include <optional>
 
-#include "vbond/build/build.hpp"
 #include "vbond/case/case.hpp"
 #include "vbond/observe/summary.hpp"
 #include "vbond/report/page.hpp"
+#include "vbond/setup/build.hpp"
 
 /// The run in rows for people.
 namespace vbond::page {

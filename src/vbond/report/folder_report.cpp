@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "vbond/build/build.hpp"
 #include "vbond/case/read.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/observe/mode_frames.hpp"
@@ -17,6 +16,7 @@
 #include "vbond/report/facts.hpp"
 #include "vbond/report/fit.hpp"
 #include "vbond/report/stage_holds.hpp"
+#include "vbond/setup/build.hpp"
 
 namespace vbond::page {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "vbond/core/bounding_box.hpp"
 #include "vbond/run/run.hpp"
-#include "vbond/run/statics.hpp"
+#include "vbond/run/static_solver.hpp"
 
 /// What can be told of the stages of a run before it begins.
 namespace vbond {

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "vbond/build/bonds.hpp"
-#include "vbond/build/build.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/core/memory.hpp"
-#include "vbond/dynamics/memory.hpp"
+#include "vbond/dynamics/step_memory.hpp"
+#include "vbond/setup/bonds.hpp"
+#include "vbond/setup/build.hpp"
 
 namespace vbond {
 namespace {

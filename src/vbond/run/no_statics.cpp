@@ -1,6 +1,6 @@
 #include <stdexcept>
 
-#include "vbond/run/statics.hpp"
+#include "vbond/run/static_solver.hpp"
 
 namespace vbond {
 namespace {

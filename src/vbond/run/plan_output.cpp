@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "vbond/build/build.hpp"
 #include "vbond/model/rules.hpp"
+#include "vbond/setup/build.hpp"
 
 namespace vbond {
 namespace {

@@ -11,7 +11,7 @@
 #include "vbond/model/energies.hpp"
 #include "vbond/model/heat.hpp"
 #include "vbond/model/mistakes.hpp"
-#include "vbond/run/statics.hpp"
+#include "vbond/run/static_solver.hpp"
 #include "vbond/statics/point_view.hpp"
 
 namespace vbond {

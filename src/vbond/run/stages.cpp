@@ -5,10 +5,10 @@
 #include <cmath>
 #include <utility>
 
-#include "vbond/build/build.hpp"
 #include "vbond/model/mistakes.hpp"
 #include "vbond/model/swing_bound.hpp"
-#include "vbond/run/statics.hpp"
+#include "vbond/run/static_solver.hpp"
+#include "vbond/setup/build.hpp"
 
 namespace vbond {
 namespace {

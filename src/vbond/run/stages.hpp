@@ -5,13 +5,13 @@
 #include <variant>
 #include <vector>
 
-#include "vbond/build/outlook.hpp"
 #include "vbond/case/case.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/model/static_stage.hpp"
+#include "vbond/setup/outlook.hpp"
 
 namespace vbond {
 

@@ -1,6 +1,6 @@
 #include <utility>
 
-#include "vbond/run/statics.hpp"
+#include "vbond/run/static_solver.hpp"
 #include "vbond/statics/blas_kernel.hpp"
 
 namespace vbond {

@@ -5,7 +5,7 @@
 
 #include "vbond/model/mistakes.hpp"
 #include "vbond/model/step_bound.hpp"
-#include "vbond/physics/stability.hpp"
+#include "vbond/physics/bond_step.hpp"
 #include "vbond/statics/detail/body.hpp"
 #include "vbond/statics/detail/eigen.hpp"
 #include "vbond/statics/detail/mass_scaled.hpp"

@@ -1,8 +1,8 @@
 #pragma once
 #include <tuple>
 
+#include "vbond/model/field_table.hpp"
 #include "vbond/model/state_table.hpp"
-#include "vbond/model/table.hpp"
 #include "vbond/observe/watch.hpp"
 
 /// What a checkpoint holds besides State: what the watch has seen, and the particles' constants.

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "vbond/model/table.hpp"
+#include "vbond/model/field_table.hpp"
 #include "vbond/observe/detail/h5_file.hpp"
 #include "vbond/observe/detail/h5_shared.hpp"
 

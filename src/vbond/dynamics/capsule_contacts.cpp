@@ -1,0 +1,331 @@
+#include "vbond/dynamics/capsule_contacts.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+#include "vbond/core/disjoint_sets.hpp"
+#include "vbond/dynamics/contact_kernel.hpp"
+
+namespace vbond {
+namespace {
+
+bool same_place(const FibrePlace& a, const FibrePlace& b) {
+  return a.i == b.i && a.j == b.j && a.R == b.R;
+}
+bool same_places(const FibreContact& x, const FibreContact& y) {
+  return same_place(x.a, y.a) && same_place(x.b, y.b);
+}
+/// Places that have a particle in common: a contact may have slid from one to the other within a step.
+bool joined(const FibrePlace& a, const FibrePlace& b) {
+  return a.i == b.i || a.i == b.j || a.j == b.i || a.j == b.j;
+}
+/// The order in which merge() leaves contacts.
+bool comes_before(const FibreContact& x, const FibreContact& y) {
+  const auto key = [](const FibreContact& c) { return std::tuple(c.a.i, c.a.j, c.b.i, c.b.j, c.a.R, c.b.R); };
+  return key(x) < key(y);
+}
+
+/// Normals within 60 degrees: of a contact that has slid on, not of one on another side.
+constexpr double same_side = 0.5;
+
+}  // namespace
+
+Capsules::Capsules(const Model& model, const Bodies& bodies)
+    : model_(model),
+      bodies_(bodies),
+      forms_(fibre_forms(model.contact)),
+      materials_(std::max<std::uint32_t>(1, static_cast<std::uint32_t>(model.materials.size()))) {
+  if (!particles_touch(model.contact)) return;
+  for (std::uint32_t first = 0; first < materials_; ++first)
+    for (std::uint32_t second = 0; second < materials_; ++second)
+      numbers_.push_back(touch_numbers(model.contact, model.materials, first, second));
+}
+
+void Capsules::bonds_changed(const PerBond<Bond>& bonds) {
+  any_ = any_capsules(model_.contact, bonds);
+  listed_ = false;
+  if (!any_) return;
+  fibres_ = FibreParts(model_, bonds);
+  double sum = 0.0;  // as of other contacts: few large balls must not fill the lists of many thin fibres
+  for (const FibrePart& p : fibres_.parts()) sum += p.R;
+  skin_ = 0.4 * sum / static_cast<double>(fibres_.parts().size());
+}
+
+void Capsules::refresh(double way) {
+  if (!any_) return;
+  room_ -= way;
+  if (listed_ && room_ > 0.0) return;
+  PerParticle<Vec3d> r(model_.particles());
+  for (const ParticleId p : r.ids()) {
+    r[p] = bodies_.pose[row(p)].r;
+    if (!is_finite(r[p])) return near_.clear();  // the check of loads will tell
+  }
+  near_ = fibres_.near_pairs(r, skin_);
+  room_ = 0.5 * skin_;
+  listed_ = true;
+}
+
+Touching<double> Capsules::touching(const FibreContact& c) const {
+  return touching_of(model_, c, [this](ParticleId p) {
+    const std::size_t k = row(p);
+    return MovingPoint{bodies_.pose[k].r, bodies_.motion[k].v, bodies_.motion[k].omega};
+  });
+}
+
+const TouchNumbers<double>& Capsules::numbers(const FibreContact& c) const {
+  return numbers_[model_.material_of(c.a.i) * materials_ + model_.material_of(c.b.i)];
+}
+
+/// All that overlap now, each thread looking at its share of near pairs.
+std::vector<FibreContact> Capsules::find(const Team& team) {
+  of_part_.resize(team.parts().size());
+  team.for_parts([&](const Part& part) {
+    std::vector<FibreContact>& found = of_part_[part.index];
+    found.clear();
+    const std::size_t n = near_.size(), shares = of_part_.size();
+    for (std::size_t k = n * part.index / shares; k < n * (part.index + 1) / shares; ++k)
+      if (const auto c =
+              contact_of(fibres_.parts(), near_[k], [this](ParticleId p) { return bodies_.pose[row(p)].r; }))
+        found.push_back(*c);
+  });
+  std::vector<FibreContact> all;
+  for (const auto& found : of_part_) all.insert(all.end(), found.begin(), found.end());
+  merge(all);
+  return all;
+}
+
+/// What was remembered goes to the contact at the same places; else to one that it may have slid to, by which
+/// it is the likest. What nobody takes has parted. Only contacts of bodies remember.
+std::vector<Capsules::Contact> Capsules::with_history(const std::vector<FibreContact>& found,
+                                                      std::vector<Contact>& parted) {
+  std::vector<Contact> now(found.size());
+  std::vector<std::size_t> fresh;
+  auto old = contacts_.begin();
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    static_cast<FibreContact&>(now[k]) = found[k];
+    while (old != contacts_.end() && comes_before(*old, found[k])) {
+      if (old->body) parted.push_back(*old);
+      ++old;
+    }
+    const bool same = old != contacts_.end() && same_places(*old, found[k]);
+    if (same && old->body && found[k].body) {
+      now[k].normal = old->normal, now[k].history = old->history;
+      ++old;
+    } else if (found[k].body) {
+      fresh.push_back(k);
+    }
+  }
+  for (; old != contacts_.end(); ++old)
+    if (old->body) parted.push_back(*old);
+  for (const std::size_t k : fresh) {
+    const Vec3d n = touching(now[k]).n;
+    auto best = parted.end();
+    double likeness = same_side;
+    for (auto c = parted.begin(); c != parted.end(); ++c) {
+      const double of_c = dot(c->normal, n);
+      const bool slid = of_c > 0.0 ? joined(c->a, now[k].a) && joined(c->b, now[k].b)
+                                   : joined(c->a, now[k].b) && joined(c->b, now[k].a);  // seen from the other
+      if (slid && std::abs(of_c) > likeness) likeness = std::abs(of_c), best = c;
+    }
+    if (best == parted.end()) continue;
+    const bool turned = dot(best->normal, n) < 0.0;
+    now[k].normal = turned ? -best->normal : best->normal;
+    now[k].history = turned ? seen_from_the_other(best->history) : best->history;
+    parted.erase(best);
+  }
+  return now;
+}
+
+/// In a region of overlap that reaches over several bonds, contacts of bodies press more than what is left
+/// when the others have made up for it. Friction goes by the latter: its limit is this part of mu times the
+/// force.
+std::vector<double> Capsules::friction_shares() const {
+  std::vector<double> share(contacts_.size(), 1.0);
+  if (std::all_of(contacts_.begin(), contacts_.end(), [](const Contact& c) { return c.body; })) return share;
+  std::vector<std::tuple<ParticleId, ParticleId, std::uint32_t>> at;  // particles of both fibres, and contact
+  for (std::uint32_t k = 0; k < contacts_.size(); ++k)
+    for_shares(contacts_[k].a, [&](ParticleId p, double) {
+      for_shares(contacts_[k].b,
+                 [&](ParticleId q, double) { at.emplace_back(std::min(p, q), std::max(p, q), k); });
+    });
+  std::sort(at.begin(), at.end());
+  using Index = Id<struct FibreContactTag>;
+  DisjointSets<Index> regions(contacts_.size());
+  const auto ends = [](const auto& x) { return std::pair(std::get<0>(x), std::get<1>(x)); };
+  for (std::size_t k = 1; k < at.size(); ++k)
+    if (ends(at[k - 1]) == ends(at[k]))
+      regions.join(Index{std::get<2>(at[k - 1])}, Index{std::get<2>(at[k])});
+  std::vector<double> left(contacts_.size(), 0.0), bodies = left;
+  for (std::size_t k = 0; k < contacts_.size(); ++k) {
+    const Touching<double> p = touching(contacts_[k]);
+    const double N = normal_force(forms_, numbers(contacts_[k]), p.R, p.overlap).F;
+    left[regions.smallest(Index{k}).value] += contacts_[k].weight * N;
+    if (contacts_[k].body) bodies[regions.smallest(Index{k}).value] += N;
+  }
+  for (std::size_t k = 0; k < contacts_.size(); ++k)
+    if (const std::size_t r = regions.smallest(Index{k}).value; bodies[r] > 0.0)
+      share[k] = std::clamp(left[r] / bodies[r], 0.0, 1.0);
+  return share;
+}
+
+/// The loads of one contact, to shares_.
+TouchLosses<double> Capsules::work_out(Contact& c, double friction_share, double dt) {
+  const Touching<double> p = touching(c);
+  TouchNumbers<double> n = numbers(c);
+  n.friction *= friction_share;
+  Vec3d F;
+  TouchLosses<double> lost;
+  int elastic = c.weight;  // so often the elastic force, along the normal
+  if (c.body) {
+    const TouchLoads<double> l = touch(forms_, n, p, dt, touch_history(c.history));
+    if (c.history[3] > 0.0 && dot(c.normal, p.n) < -same_side)
+      passed_ = told(c.first, c.second, p.overlap, std::min(c.a.R, c.b.R));
+    F = l.F;
+    deep_ = deep_ || p.overlap > (1.0 - deep_part) * (c.a.R + c.b.R);
+    if (dt > 0.0) lost = l.lost;
+    c.history = numbers_of(l.history);
+    c.normal = p.n;
+    --elastic;
+  }
+  if (elastic != 0) F -= (elastic * normal_force(forms_, n, p.R, p.overlap).F) * p.n;
+  share_loads(c, p, F, [this](ParticleId q, const Vec3d& force, const Vec3d& moment) {
+    shares_.push_back({row(q), force, moment});
+  });
+  return lost;
+}
+
+TouchLosses<double> Capsules::work_out(const Team& team, double dt) {
+  if (!any_) return {};
+  std::vector<Contact> parted;
+  contacts_ = with_history(find(team), parted);
+  shares_.clear();
+  passed_.reset();
+  deep_ = false;
+  TouchLosses<double> lost;
+  const std::vector<double> share = friction_shares();
+  for (std::size_t k = 0; k < contacts_.size(); ++k) lost += work_out(contacts_[k], share[k], dt);
+  std::stable_sort(shares_.begin(), shares_.end(),
+                   [](const Share& a, const Share& b) { return a.row < b.row; });
+  if (dt > 0.0)
+    for (const Contact& c : parted)
+      lost += lost_on_parting(forms_, numbers(c), touching(c), dt, touch_history(c.history));
+  return lost;
+}
+
+void Capsules::add_loads(RowRange rows, LoadRow* load) const {
+  auto s = std::lower_bound(shares_.begin(), shares_.end(), rows.first,
+                            [](const Share& x, std::size_t first) { return x.row < first; });
+  for (; s != shares_.end() && s->row < rows.last; ++s) load[s->row].F += s->F, load[s->row].M += s->M;
+}
+
+void Capsules::take_loads(LoadRow* load) const {
+  for (const Share& s : shares_) load[s.row].F -= s.F, load[s.row].M -= s.M;
+}
+
+double Capsules::energy() const {
+  double U = 0.0;
+  for (const Contact& c : contacts_) {
+    const Touching<double> p = touching(c);
+    const TouchNumbers<double>& n = numbers(c);
+    U += c.weight * normal_energy(forms_, n, p.R, p.overlap);
+    if (c.body) U += history_energy(forms_, n, touch_history(c.history));
+  }
+  return U;
+}
+
+std::vector<FibreMemory> Capsules::collect() const {
+  std::vector<FibreMemory> memories;
+  for (const Contact& c : contacts_)
+    if (c.body)
+      memories.push_back({c.a.i, c.a.j, c.b.i, c.b.j, c.a.s, c.b.s, c.a.R, c.b.R, c.normal, c.history});
+  return memories;
+}
+
+void Capsules::restore(const std::vector<FibreMemory>& memories) {
+  if (!any_) return;
+  for (const FibreMemory& m : memories) {
+    Contact c;
+    c.a = {m.a_i, m.a_j, m.s, m.R_a}, c.b = {m.b_i, m.b_j, m.t, m.R_b};
+    c.first = c.second = 0, c.weight = 1, c.body = true;
+    c.normal = m.normal, c.history = m.history;
+    auto at = std::lower_bound(contacts_.begin(), contacts_.end(), c, comes_before);
+    if (at == contacts_.end() || !same_places(*at, c))
+      contacts_.insert(at, c);
+    else
+      at->normal = m.normal, at->history = m.history;
+  }
+}
+
+DeepCapsules Capsules::told(std::uint32_t first, std::uint32_t second, double overlap, double radius) const {
+  return {fibres_.name_of(first),
+          fibres_.name_of(second),
+          fibres_.parts()[first].i,
+          fibres_.parts()[second].i,
+          overlap,
+          radius};
+}
+
+/// Whether the line between nearest points turns by more than a right angle while the two are deep in one
+/// another, which is how particles that pass are told (observe/watch.cpp). Between the ends of the step all
+/// points go straight on, so that no distance changes faster than the ends of the parts move apart.
+bool Capsules::pass(const FibrePart& x, const FibrePart& y, double dt) const {
+  std::array<Vec3d, 4> end, way;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const std::size_t at = row(k == 0 ? x.i : k == 1 ? x.j : k == 2 ? y.i : y.j);
+    end[k] = bodies_.pose[at].r, way[k] = dt * bodies_.motion[at].v;
+  }
+  const double deep = deep_part * (x.R + y.R),
+               fastest = std::max({norm(way[2] - way[0]), norm(way[3] - way[0]), norm(way[2] - way[1]),
+                                   norm(way[3] - way[1])});
+  const auto apart = [&](double left) {  // nearest points, a part `left` of the step before its end
+    const auto r = [&](std::size_t k) { return end[k] - left * way[k]; };
+    const NearestOnSegments at = nearest_on_segments(r(0), r(1), r(2), r(3));
+    return between(on_segment(r(0), r(1), at.s), on_segment(r(2), r(3), at.t));
+  };
+  constexpr double least_part = 1e-4;  // of the step, at which it is looked at
+  bool inside = false;
+  Vec3d entered;
+  const auto turned = [&](const Vec3d& d) {
+    const bool was_inside = std::exchange(inside, norm(d) <= deep);
+    if (inside && !was_inside) entered = d;
+    return inside && dot(entered, d) < 0.0;
+  };
+  for (double left = 1.0; left > 0.0;) {
+    const Vec3d d = apart(left);
+    if (turned(d)) return true;
+    // to where it may become deep, or by a tenth of that: a pass turns the line within two deep distances
+    left -= std::max({norm(d) - deep, 0.1 * deep, least_part * fastest}) / fastest;
+  }
+  return turned(apart(0.0));
+}
+
+void Capsules::look_at_drift(double dt, double longest) {
+  if (!any_ || passed_) return;
+  PerParticle<Vec3d> r(model_.particles());
+  for (const ParticleId p : r.ids()) {
+    r[p] = bodies_.pose[row(p)].r;
+    if (!is_finite(r[p])) return;  // the check of loads will tell
+  }
+  for (const FibrePair& pair : longest > 0.0 ? fibres_.near_pairs(r, 2.0 * longest) : near_) {
+    const FibrePart &x = fibres_.parts()[pair.first], &y = fibres_.parts()[pair.second];
+    if (!pair.bodies || pair.weight <= 0 || !pass(x, y, dt)) continue;
+    passed_ = told(pair.first, pair.second, x.R + y.R, std::min(x.R, y.R));
+    return;
+  }
+}
+
+std::vector<DeepCapsules> Capsules::deeper_than(double part) const {
+  std::vector<DeepCapsules> deep;
+  for (const Contact& c : contacts_) {
+    if (!c.body) continue;
+    const double overlap = touching(c).overlap;
+    const double radius = std::min(c.a.R, c.b.R);
+    if (overlap > part * radius) deep.push_back(told(c.first, c.second, overlap, radius));
+  }
+  return deep;
+}
+
+}  // namespace vbond

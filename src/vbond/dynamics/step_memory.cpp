@@ -1,0 +1,50 @@
+#include "vbond/dynamics/step_memory.hpp"
+
+#include "vbond/dynamics/bodies.hpp"
+#include "vbond/dynamics/bond_index.hpp"
+#include "vbond/dynamics/bond_pack.hpp"
+#include "vbond/model/state_table.hpp"
+
+namespace vbond {
+
+namespace {
+
+/// What there is besides if the moments of inertia of some particles differ.
+double of_tops_per_particle(const Model& model) {
+  if (model.principal.empty()) return 0.0;
+  double tops = 0.0;
+  for (const ParticleId p : model.mass.ids()) tops += model.is_top(p) ? 1.0 : 0.0;
+  return sizeof(PrincipalInertia) + sizeof(Vec3d) + sizeof(std::uint32_t) +
+         tops / static_cast<double>(model.particles()) * Tops::bytes_each;
+}
+
+/// In a pack, as a mean over all bonds.
+double constants_per_bond(const State& state) {
+  std::size_t compact = 0;
+  for (const Bond& b : state.bonds) compact += b.frame_i == b.frame_j;
+  const double part =
+      state.bonds.empty() ? 1.0 : static_cast<double>(compact) / static_cast<double>(state.bonds.size());
+  constexpr double lanes = pack_bonds;
+  const double pack =
+      (part * sizeof(CompactPack) + (1.0 - part) * sizeof(FullPack) + sizeof(PackLanes)) / lanes;
+  return pack + sizeof(BondId);
+}
+
+}  // namespace
+
+MemoryUse memory_use(const Model& model, const State& state) {
+  return {.per_particle = 4 * sizeof(double) + sizeof(Vec3d) +  // model
+                          state_bytes_per_particle + sizeof(PoseRow) + sizeof(MotionRow) + sizeof(LoadRow) +
+                          sizeof(InverseInertia) + 2 * sizeof(double) + sizeof(Row) + sizeof(ParticleId) +
+                          2 * sizeof(std::size_t) + of_tops_per_particle(model),
+          .per_bond = sizeof(Bond) + constants_per_bond(state) + 2 * sizeof(BondIndex::Entry)};
+}
+
+double memory_of_each_rank(const Model& model, const State& state, int ranks) {
+  const MemoryUse use = memory_use(model, state);
+  const auto n = static_cast<double>(model.particles()), bonds = static_cast<double>(state.bonds.size());
+  const double elsewhere = constants_per_bond(state) * (1.0 - 1.0 / ranks);
+  return n * use.per_particle + bonds * (use.per_bond - elsewhere);
+}
+
+}  // namespace vbond

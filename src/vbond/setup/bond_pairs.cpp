@@ -1,0 +1,273 @@
+#include "vbond/setup/bond_pairs.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <stdexcept>
+#include <unordered_map>
+
+#include "vbond/core/memory.hpp"
+#include "vbond/core/near_pairs.hpp"
+#include "vbond/setup/csv_table.hpp"
+#include "vbond/setup/groups.hpp"
+#include "vbond/setup/text_file.hpp"
+
+namespace vbond {
+namespace {
+
+std::uint64_t key(ParticleId i, ParticleId j) {
+  return static_cast<std::uint64_t>(std::min(i, j).value) << 32 | std::max(i, j).value;
+}
+
+const SourcePlace& place_of_selection(const BondSpec& spec) {
+  return spec.select.place.file.empty() ? spec.place : spec.select.place;
+}
+
+/// Whether particles of a CSV specimen have other numbers than rows of its file.
+bool cuts_a_file(const Case& c) {
+  return std::any_of(c.specimens.begin(), c.specimens.end(), [](const SpecimenSpec& s) {
+    return !s.cut.empty() && std::holds_alternative<CsvSpecimen>(s.shape);
+  });
+}
+
+/// Selects the pairs of one bond set.
+struct Selection {
+  const Case& c;
+  const BondSpec& spec;
+  std::uint32_t set;
+  const Model& model;
+  const State& state;
+  Problems& problems;
+  std::vector<char> in_a, in_b;
+  std::unordered_map<std::uint64_t, std::uint32_t> bonded;  ///< by which set
+  const char* way_out = "use a number in that range";       ///< where there is no such particle
+
+  bool joins_groups(ParticleId i, ParticleId j) const {
+    return (in_a[i.value] && in_b[j.value]) || (in_a[j.value] && in_b[i.value]);
+  }
+
+  std::vector<Pair> operator()(const WithinDistance& within) {
+    if (!(within.distance > 0.0)) {
+      problems.add(place_of_selection(spec),
+                   fmt::format("bonds \"{}\": distance = {}", spec.name, within.distance), "must be > 0",
+                   "use a little more than the spacing");
+      return {};
+    }
+    std::vector<Pair> pairs = pairs_in_memory(within.distance);
+    if (pairs.empty() && spec.when == BondTime::start) {
+      std::string nearest = "none within 16 times that distance";
+      for (double d = 2.0; d <= 16.0 && pairs.empty(); d *= 2.0) {
+        pairs = pairs_in_memory(d * within.distance);
+        double least = INFINITY;
+        for (const auto& [i, j] : pairs) least = std::min(least, norm(between(state, i, j)));
+        if (!pairs.empty()) nearest = fmt::format("the nearest are {:.6g} apart", least);
+      }
+      problems.add(place_of_selection(spec),
+                   fmt::format("bonds \"{}\": no pair is within {}", spec.name, within.distance),
+                   fmt::format("between groups \"{}\" and \"{}\": {}", spec.between[0].value,
+                               spec.between[1].value, nearest),
+                   "use a larger distance or other groups");
+      return {};
+    }
+    const auto is_bonded = [this](const Pair& p) { return bonded.count(key(p[0], p[1])) > 0; };
+    pairs.erase(std::remove_if(pairs.begin(), pairs.end(), is_bonded), pairs.end());
+    return pairs;
+  }
+
+  /// Refuses more than memory holds before it holds them: a distance in a wrong unit joins everything to
+  /// everything.
+  std::vector<Pair> pairs_in_memory(double distance) const {
+    const double limit = memory_limit(), most = limit / static_cast<double>(sizeof(Pair) + sizeof(Bond));
+    try {
+      return pairs_within(state.r.values(), distance, in_a, in_b, most);
+    } catch (const std::length_error&) {
+      throw CaseError({place_of_selection(spec),
+                       fmt::format("bonds \"{}\": more than {:.3g} pairs of {} particles are within {}",
+                                   spec.name, most, state.r.size(), distance),
+                       fmt::format("bonds of that many take more memory than the {:.3g} GiB there may be",
+                                   limit / 0x1p30),
+                       "use a little more than the spacing; is the distance in the right unit?"});
+    }
+  }
+
+  std::vector<Pair> operator()(const ListedPairs& listed) {
+    std::vector<Pair> pairs;
+    for (const auto& [i, j] : listed.pairs) take(i, j, place_of_selection(spec), pairs);
+    return ordered(std::move(pairs));
+  }
+
+  std::vector<Pair> operator()(const PairsFile& pairs_file) {
+    const auto file = beside_case(c.file, pairs_file.file);
+    const CsvTable table =
+        read_csv(file, place_of_selection(spec), {{"i", true}, {"j", true}}, {false, "rename or remove it"});
+    PairNumbers numbers(static_cast<std::int64_t>(model.particles()));
+    std::vector<std::optional<std::array<std::int64_t, 2>>> rows;
+    for (std::size_t row = 0; row < table.rows(); ++row) {
+      const auto i = to_integer(table.fields[0][row]), j = to_integer(table.fields[1][row]);
+      if (i && j) numbers.see(*i), numbers.see(*j);
+      rows.push_back(i && j ? std::optional(std::array{*i, *j}) : std::nullopt);
+    }
+    way_out = cuts_a_file(c)
+                  ? "particles are numbered after the cuts; let bonds of a CSV specimen go with it: "
+                    "bonds_file of the specimen, and from_specimen = true here"
+                  : numbers.way_out();
+    std::vector<Pair> pairs;
+    for (std::size_t row = 0; row < rows.size(); ++row) {
+      const SourcePlace at{file.string(), table.lines[row], 1};
+      if (rows[row])
+        take((*rows[row])[0], (*rows[row])[1], at, pairs);
+      else
+        problems.add(at, "the row is not two whole numbers", "i and j are particle numbers from 0",
+                     "correct the row");
+    }
+    return ordered(std::move(pairs));
+  }
+
+  /// The files are read again: bonds of a later stage come from them too, and the model does not keep them.
+  std::vector<Pair> operator()(const SpecimenPairs& wanted) {
+    std::vector<Pair> pairs;
+    std::set<std::int64_t> types;
+    std::size_t brought = 0, meant = 0;
+    AcrossBoundary across;
+    for (const SpecimenSpec& specimen : c.specimens) {
+      if (!brings_bonds(specimen)) continue;
+      const auto first = model.find_group(specimen.name)->particles.front().value;
+      for (const FileBond& bond : make_specimen(specimen, c.file).bonds) {
+        ++brought;
+        if (bond.type != no_bond_type) types.insert(bond.type);
+        if (wanted.bond_type && bond.type != *wanted.bond_type) continue;
+        const ParticleId p{first + static_cast<std::size_t>(bond.pair[0])},
+            q{first + static_cast<std::size_t>(bond.pair[1])};
+        if (!joins_groups(p, q)) continue;
+        ++meant;
+        take(p.value, q.value, place_of_selection(spec), pairs);
+        if (bond.across > 0.0 && across.count++ == 0) across.i = p, across.j = q, across.length = bond.across;
+      }
+    }
+    if (across.count > 0) refuse_across_boundary(across);
+    if (meant == 0) refuse_none_brought(brought, wanted.bond_type, types);
+    return ordered(std::move(pairs));
+  }
+
+  /// None of the bonds that specimens bring is meant: why.
+  void refuse_none_brought(std::size_t brought, std::optional<std::int64_t> type,
+                           const std::set<std::int64_t>& types) {
+    const auto refuse = [&](const std::string& what, const std::string& rule, const char* instead) {
+      problems.add(place_of_selection(spec), fmt::format("bonds \"{}\": {}", spec.name, what), rule, instead);
+    };
+    if (brought == 0)
+      refuse("no specimen brings bonds",
+             "LAMMPS data files with a Bonds section do, CSV specimens with a bonds_file, and the kinds "
+             "cylinder, cone and sphere",
+             "select by distance or by pairs");
+    else if (type && types.empty())
+      refuse(fmt::format("no bond of type {}", *type), "the bonds that the specimens bring have no types",
+             "leave bond_type out");
+    else if (type)
+      refuse(fmt::format("no bond of type {}", *type),
+             fmt::format("between these groups the files have none; they have the bond types {}",
+                         fmt::join(types, ", ")),
+             "choose one of these, or other groups");
+    else
+      refuse(fmt::format("none of the {} bonds that specimens bring is meant", brought),
+             fmt::format("none joins the groups \"{}\" and \"{}\"", spec.between[0].value,
+                         spec.between[1].value),
+             "choose other groups");
+  }
+
+  /// Bonds of a file that go through the boundary of its box: how many, and the first.
+  struct AcrossBoundary {
+    std::size_t count = 0;
+    ParticleId i, j;
+    double length = 0;
+  };
+
+  void refuse_across_boundary(const AcrossBoundary& b) {
+    problems.add(
+        place_of_selection(spec),
+        fmt::format("bonds \"{}\": {} bonds of the file go through a boundary of its periodic box; the "
+                    "first, of particles {} and {}, would be {:.6g} long and is {:.6g} through the boundary",
+                    spec.name, b.count, b.i.value, b.j.value, norm(between(state, b.i, b.j)), b.length),
+        "nothing is periodic here: such a bond would join two ends of the body",
+        "take these bonds out of the section Bonds and hold or load the particles that they leave; where the "
+        "body only lies across the boundary, write the file with image flags, which unwrap it");
+  }
+
+  /// One explicit pair, if it can be bonded.
+  void take(std::int64_t number_i, std::int64_t number_j, const SourcePlace& place,
+            std::vector<Pair>& pairs) {
+    const std::string what = fmt::format("bonds \"{}\"", spec.name);
+    const auto i = look_up_particle(number_i, model, what, place, problems, way_out);
+    const auto j = look_up_particle(number_j, model, what, place, problems, way_out);
+    if (!i || !j) return;
+    const auto refuse = [&](const char* rule, const char* way_out) {
+      problems.add(place, fmt::format("{}: pair {}, {}", what, number_i, number_j), rule, way_out);
+    };
+    if (i == j) return refuse("a bond joins two different particles", "correct the pair");
+    if (!joins_groups(*i, *j))
+      return refuse("the pair does not join the two groups of `between`", "correct the pair or the groups");
+    const auto [earlier, is_new] = bonded.emplace(key(*i, *j), new_pair);
+    if (is_new)
+      pairs.push_back({std::min(*i, *j), std::max(*i, *j)});
+    else if (earlier->second == new_pair)
+      refuse("the pair is there twice", "remove one of them");
+    else if (earlier->second != set)
+      refuse("the pair is bonded already by another bond set", "remove it from one of the two");
+  }
+
+  static std::vector<Pair> ordered(std::vector<Pair> pairs) {
+    std::sort(pairs.begin(), pairs.end());
+    return pairs;
+  }
+
+  static constexpr std::uint32_t new_pair = 0xffffffff;  // no bond set has this number
+};
+
+}  // namespace
+
+std::vector<Pair> select_pairs(const Case& c, std::size_t set, const Model& model, const State& state,
+                               Problems& problems) {
+  const BondSpec& spec = c.bonds[set];
+  const Group* a = look_up_group(spec.between[0], model, problems);
+  const Group* b = look_up_group(spec.between[1], model, problems);
+  if (a == nullptr || b == nullptr) return {};
+  Selection selection{c,     spec,     static_cast<std::uint32_t>(set), model,
+                      state, problems, membership(*a, model),           membership(*b, model),
+                      {}};
+  for (const Bond& bond : state.bonds) selection.bonded[key(bond.i, bond.j)] = bond.set;
+  try {
+    return std::visit(selection, spec.select.value);
+  } catch (const CaseError& e) {  // of a file
+    problems.add(e);
+    return {};
+  }
+}
+
+std::vector<Pair> pairs_within(const std::vector<Vec3d>& r, double distance, const std::vector<char>& in_a,
+                               const std::vector<char>& in_b, double most) {
+  std::vector<Pair> pairs;
+  for_near_pairs(r, distance, [&](std::size_t i, std::size_t j, double) {
+    if (!((in_a[i] && in_b[j]) || (in_a[j] && in_b[i]))) return;
+    if (static_cast<double>(pairs.size()) >= most) throw std::length_error("too many pairs");
+    pairs.push_back({ParticleId{i}, ParticleId{j}});
+  });
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+std::vector<std::string> notes_on_pairs(const Case& c) {
+  std::vector<std::string> notes;
+  for (const BondSpec& spec : c.bonds)
+    if (std::holds_alternative<PairsFile>(spec.select.value) && cuts_a_file(c))
+      notes.push_back(
+          fmt::format("bonds \"{}\": the pairs of its file are numbers of particles after the cuts, not "
+                      "of rows of the specimen's file; those are pairs of its bonds_file",
+                      spec.name));
+  return notes;
+}
+
+}  // namespace vbond

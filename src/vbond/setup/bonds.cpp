@@ -1,0 +1,195 @@
+#include "vbond/setup/bonds.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "vbond/model/bond_sums.hpp"
+#include "vbond/model/capsules.hpp"
+#include "vbond/model/energies.hpp"
+#include "vbond/model/make_bond.hpp"
+
+namespace vbond {
+namespace {
+
+/// The first mistake of a bond set is told in full, the others are counted.
+struct FirstAndCount {
+  std::string what;
+  std::size_t count = 0;
+  void note(const std::string& text) {
+    if (count++ == 0) what = text;
+  }
+  std::string text() const { return count == 1 ? what : fmt::format("{} (and {} more)", what, count - 1); }
+};
+
+std::string length_left(const BondRecipe& recipe, const Model& model, const State& state, const Pair& pair) {
+  const bool surfaces = recipe.attachment == Attachment::surfaces;
+  return fmt::format("particles {} and {} are {:.6g} apart with R_i = {:.6g}, R_j = {:.6g}", pair[0].value,
+                     pair[1].value, norm(between(state, pair[0], pair[1])),
+                     surfaces ? model.radius[pair[0]] : recipe.R_i,
+                     surfaces ? model.radius[pair[1]] : recipe.R_j);
+}
+
+bool has_stable_rest(const BondStiffness<double>& c) {
+  return std::isfinite(c.c_A + c.c_D + c.c_B + c.c_T) && c.c_A > 0.0 && c.c_D >= 0.0 && c.c_B >= 0.0 &&
+         c.c_T >= 0.0;
+}
+
+}  // namespace
+
+double longest_softening_bond(const Softening& s, double c_A, double a, double weakness) {
+  return s.any() ? a * c_A * s.length / s.force * sq(1.0 + weakness) : INFINITY;
+}
+
+void refuse_snap_back(const BondSpec& spec, const std::string& what, double longest, Problems& problems) {
+  problems.add(
+      spec.softening->place, fmt::format("bonds \"{}\": softening: {}", spec.name, what),
+      "its force would fall faster than the bond springs back: a < 2 E G_f/s_c^2 must hold",
+      fmt::format("use bonds shorter than {:.4g}, a larger fracture_energy or a smaller tension", longest));
+}
+
+void refuse_broken_by_prestrain(const BondSpec& spec, const std::string& what, Problems& problems) {
+  problems.add(spec.place,
+               fmt::format("bonds \"{}\": prestrain = {}: {}", spec.name, spec.recipe.prestrain, what),
+               "its prestrain alone uses up the strength, so that it is broken as it is made",
+               "use a prestrain nearer to 0, or a larger strength");
+}
+
+void add_bonds(const Case& c, std::size_t set, const Model& model, State& state, Problems& problems) {
+  const BondSpec& spec = c.bonds[set];
+  BondRecipe recipe = spec.recipe;
+  recipe.set = static_cast<std::uint32_t>(set);
+  FirstAndCount no_length, no_radius, unstable, snapping, no_capsule, broken;
+  CapsuleMistake of_capsule;
+  const EnergyBooks books = state.books;
+  const double U = potential_energies(model, state).contact, flowed = dissipated_by_flow(state);
+  double longest = INFINITY;  // of bonds that soften
+  for (const Pair& pair : select_pairs(c, set, model, state, problems)) {
+    if (is_dropped(state, pair[0]) || is_dropped(state, pair[1])) continue;
+    const BondSite site_i = bond_site(model, state, pair[0]), site_j = bond_site(model, state, pair[1]);
+    const auto bond = make_bond(recipe, site_i, site_j);
+    if (!bond) {
+      no_length.note(length_left(recipe, model, state, pair));
+      continue;
+    }
+    if (breaks_by_prestrain(recipe, site_i, site_j))
+      broken.note(fmt::format("the bond of particles {} and {}", pair[0].value, pair[1].value));
+    for (const ParticleId p : pair)
+      if (recipe.attachment == Attachment::surfaces && !(model.radius[p] > 0.0))
+        no_radius.note(fmt::format("particle {} has radius {}", p.value, model.radius[p]));
+    const BondStiffness<double> k = stiffness_of(*bond);
+    if (!has_stable_rest(k))
+      unstable.note(fmt::format("particles {} and {}: c_A = {:.6g}, c_D = {:.6g}, c_B = {:.6g}, c_T = {:.6g}",
+                                pair[0].value, pair[1].value, k.c_A, k.c_D, k.c_B, k.c_T));
+    const double longest_now =
+        longest_softening_bond(recipe.rules.softening, k.c_A, bond->a, weakness_of(*bond));
+    if (!(bond->a < longest_now)) {
+      snapping.note(fmt::format("the bond of particles {} and {} is {:.6g} long", pair[0].value,
+                                pair[1].value, bond->a));
+      longest = std::min(longest, longest_now);
+    }
+    const double distance = norm(between(state, pair[0], pair[1]));
+    if (const auto mistake = capsule_mistake(model, *bond, distance)) {
+      if (no_capsule.count == 0) of_capsule = *mistake;
+      no_capsule.note(fmt::format("particles {} and {} are {:.6g} apart, the capsule's radius is {:.6g}",
+                                  pair[0].value, pair[1].value, distance, bond->capsule));
+    }
+    add_bond(model, *bond, recipe, state);
+  }
+  if (any_capsules(model.contact, state.bonds)) {  // what others touch changes, too
+    state.books.dissipated = books.dissipated + (dissipated_by_flow(state) - flowed);
+    state.books.lost = books.lost;
+    state.books.lose(Loss::bonding, U - potential_energies(model, state).contact);
+  }
+  const auto report = [&](const FirstAndCount& found, const char* rule, const char* way_out) {
+    if (found.count > 0)
+      problems.add(spec.place, fmt::format("bonds \"{}\": {}", spec.name, found.text()), rule, way_out);
+  };
+  report(no_length, "no length is left for the bond: a = distance - R_i - R_j must be > 0",
+         "bond at the centres, use smaller radii or attachment distances, or a larger spacing");
+  report(no_radius, "a bond between surfaces needs radii > 0",
+         "give the specimen a radius, or bond at the centres");
+  report(unstable, "rest must be a minimum of the energy: c_A > 0 and c_D, c_B, c_T >= 0",
+         "for the V-model B2 > -B3/2; give other parameters");
+  report(no_capsule, of_capsule.rule.c_str(), of_capsule.way_out.c_str());
+  if (snapping.count > 0) refuse_snap_back(spec, snapping.text(), longest, problems);
+  if (broken.count > 0) refuse_broken_by_prestrain(spec, broken.text(), problems);
+}
+
+bool expect_bonds(const Case& c, std::size_t set, const Model& model, State& state, Problems& problems) {
+  const BondSpec& spec = c.bonds[set];
+  if (std::holds_alternative<WithinDistance>(spec.select.value)) return false;
+  BondRecipe recipe = spec.recipe;
+  recipe.set = static_cast<std::uint32_t>(set);
+  bool all = true;
+  for (const Pair& pair : select_pairs(c, set, model, state, problems))
+    if (const auto bond =
+            make_bond(recipe, bond_site(model, state, pair[0]), bond_site(model, state, pair[1])))
+      state.bonds.push_back(*bond);
+    else
+      all = false;
+  if (!state.bond_history.empty()) state.bond_history.resize(state.bonds.size());
+  return all;
+}
+
+std::vector<std::string> notes_on_prestrain(const Case& c, const Model& model, const State& state) {
+  constexpr std::uint32_t sample = 1000;
+  std::vector<std::string> notes;
+  for (std::size_t set = 0; set < c.bonds.size(); ++set) {
+    const BondSpec& spec = c.bonds[set];
+    if (spec.recipe.prestrain == 0.0 || !(spec.recipe.weibull.modulus > 0.0)) continue;
+    if (spec.when == BondTime::start) {
+      const auto all =
+          std::count_if(state.bonds.begin(), state.bonds.end(), [&](const Bond& b) { return b.set == set; });
+      const auto weak = std::count_if(state.bonds.begin(), state.bonds.end(), [&](const Bond& b) {
+        return b.set == set && breaks_as_made(b, bond_site(model, state, b.i), bond_site(model, state, b.j));
+      });
+      if (weak > 0)
+        notes.push_back(
+            fmt::format("bonds \"{}\": {} of {} are weaker than what their prestrain brings, and "
+                        "break in the first step",
+                        spec.name, weak, all));
+      continue;
+    }
+    const auto* within = std::get_if<WithinDistance>(&spec.select.value);
+    if (within == nullptr || model.particles() == 0) continue;
+    const double R = *std::min_element(model.radius.begin(), model.radius.end());
+    std::uint32_t weak = 0;
+    for (std::uint32_t k = 0; k < sample; ++k) {
+      const BondSite i{ParticleId{2 * k}, {}, {}, R, 1.0, 1.0},
+          j{ParticleId{2 * k + 1}, {within->distance, 0, 0}, {}, R, 1.0, 1.0};
+      if (const auto bond = make_bond(spec.recipe, i, j)) weak += breaks_as_made(*bond, i, j);
+    }
+    if (weak > 0)
+      notes.push_back(
+          fmt::format("bonds \"{}\": some {:.2g} % at the distance {:.6g} are weaker than what their "
+                      "prestrain brings, and {}",
+                      spec.name, 100.0 * weak / sample, within->distance,
+                      spec.when == BondTime::approach ? "are not made" : "break as they are made"));
+  }
+  return notes;
+}
+
+std::optional<double> first_c_A(const Case& c, const Model& model, const State& state) {
+  if (!state.bonds.empty()) return stiffness_of(state.bonds[BondId{0}]).c_A;
+  if (c.bonds.empty() || model.particles() == 0) return std::nullopt;
+  const BondSpec& spec = c.bonds.front();
+  double distance = 1.0;
+  if (const auto* within = std::get_if<WithinDistance>(&spec.select.value)) {
+    distance = within->distance;
+  } else {
+    Problems reported_elsewhere;
+    const std::vector<Pair> pairs = select_pairs(c, 0, model, state, reported_elsewhere);
+    if (pairs.empty()) return std::nullopt;
+    distance = norm(between(state, pairs[0][0], pairs[0][1]));
+  }
+  const BondRecipe& recipe = spec.recipe;
+  const double R = recipe.attachment == Attachment::given      ? recipe.R_i + recipe.R_j
+                   : recipe.attachment == Attachment::surfaces ? 2.0 * model.radius[ParticleId{0}]
+                                                               : 0.0;
+  if (!(distance > R)) return std::nullopt;
+  return stiffness_of(recipe, distance - R).c_A;
+}
+
+}  // namespace vbond

@@ -1,0 +1,313 @@
+#include "vbond/setup/build.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+#include <utility>
+
+#include "vbond/core/bounding_box.hpp"
+#include "vbond/core/near_pairs.hpp"
+#include "vbond/model/touching.hpp"
+#include "vbond/setup/bonds.hpp"
+#include "vbond/setup/case_walls.hpp"
+#include "vbond/setup/groups.hpp"
+#include "vbond/setup/inertia.hpp"
+#include "vbond/setup/motion_stages.hpp"
+#include "vbond/setup/velocities.hpp"
+
+namespace vbond {
+namespace {
+
+std::vector<PlacedSpecimen> place_specimens(const Case& c) {
+  Problems problems;
+  std::vector<PlacedSpecimen> placed;
+  std::size_t first = 0;
+  for (const SpecimenSpec& spec : c.specimens) {
+    try {
+      placed.push_back({&spec, first, make_specimen(spec, c.file)});
+      first += placed.back().points.r.size();
+    } catch (const CaseError& e) {
+      problems.add(e);
+    }
+  }
+  if (c.specimens.empty())
+    problems.add({c.file, 0, 0}, "the case has no specimen", "there is nothing to compute",
+                 "add a [[specimens]] table");
+  problems.throw_if_any();
+  return placed;
+}
+
+/// Mass, inertia and radius of the particles of one specimen, from the case or from its file.
+class Properties {
+ public:
+  Properties(const PlacedSpecimen& s, Problems& problems) : s_(s), problems_(problems) {
+    const SpecimenSpec& spec = *s.spec;
+    given_once("radius", (spec.radius != 0.0) + !s.points.radius.empty(), false);
+    // of a wall, masses and perhaps inertias are those that density and thickness give
+    const bool wall = spec.thickness.has_value();
+    given_once("mass", spec.mass.has_value() + (spec.density && !wall) + !s.points.mass.empty(), true);
+    given_once("inertia", times_inertia_is_given(spec, s.points), false);
+  }
+
+  double radius(std::size_t i) const {
+    return s_.points.radius.empty() ? s_.spec->radius : s_.points.radius[i];
+  }
+
+  double mass(std::size_t i) const {
+    if (!s_.points.mass.empty()) return s_.points.mass[i];
+    if (s_.spec->mass) return *s_.spec->mass;
+    const double R = radius(i);
+    return 4.0 / 3.0 * std::numbers::pi * R * R * R * s_.spec->density.value_or(0.0);
+  }
+
+  PrincipalInertia inertia(std::size_t i) const {
+    return inertia_of(*s_.spec, s_.points, i, mass(i), radius(i));
+  }
+
+  /// True if particle i can move; else the reason is recorded.
+  bool check(std::size_t i) const {
+    const auto finite_positive = [](double x) { return x > 0.0 && std::isfinite(x); };
+    if (!is_finite(s_.points.r[i]))
+      return refuse(i, "its position is not finite", "positions are finite numbers", "correct the position");
+    if (!(radius(i) >= 0.0) || !std::isfinite(radius(i)))
+      return refuse(i, fmt::format("radius = {}", radius(i)), "must be >= 0", "correct the radius");
+    if (!finite_positive(mass(i)))
+      return refuse(i, fmt::format("mass = {}", mass(i)), "must be > 0 and finite",
+                    s_.spec->density ? "a density needs a positive radius" : "give a positive mass");
+    const Vec3d I = inertia(i).moments;
+    if (!finite_positive(least_of(I)) || !finite_positive(largest_of(I)))
+      return refuse(i, fmt::format("inertia = {}", least_of(I)),
+                    "must be > 0 and finite; by default 2/5 m R^2",
+                    "give the specimen an inertia, or a positive radius");
+    if (!keep_the_triangle_inequality(I))
+      return refuse(i, fmt::format("moments of inertia {}, {}, {}", I.x, I.y, I.z),
+                    "none may be above the sum of the other two: no mass has such ones", "correct them");
+    return true;
+  }
+
+ private:
+  void given_once(const char* what, int times, bool required) const {
+    if (times > 1)
+      problems_.add(
+          s_.spec->place, fmt::format("specimen \"{}\": {} is given more than once", s_.spec->name, what),
+          "it comes from the case (mass or density) or from the specimen's file", "give it in one place");
+    if (times < 1 && required)
+      problems_.add(s_.spec->place, fmt::format("specimen \"{}\" has no mass", s_.spec->name),
+                    "it comes from mass, density, or the specimen's file", "give mass or density");
+  }
+
+  bool refuse(std::size_t i, const std::string& what, const char* rule, const char* way_out) const {
+    problems_.add(s_.spec->place, fmt::format("specimen \"{}\", its particle {}: {}", s_.spec->name, i, what),
+                  rule, way_out);
+    return false;
+  }
+
+  const PlacedSpecimen& s_;
+  Problems& problems_;
+};
+
+void add_particles(const PlacedSpecimen& s, std::uint32_t number, Built& built, Problems& problems) {
+  const std::size_t before = problems.count();
+  const Properties properties(s, problems);
+  if (problems.count() > before) return;
+  Model& model = built.model;
+  for (std::size_t i = 0; i < s.points.r.size(); ++i) {
+    if (!properties.check(i)) return;  // one report per specimen
+    model.mass.push_back(properties.mass(i));
+    const PrincipalInertia inertia = properties.inertia(i);
+    const ParticleId p{model.inertia.size()};
+    model.inertia.push_back(least_of(inertia.moments));
+    if (!model.principal.empty()) model.principal.push_back(inertia);
+    if (!all_equal(inertia.moments)) make_top(model, p, inertia);
+    model.radius.push_back(properties.radius(i));
+    model.specimen.push_back(number);
+    model.r_0.push_back(s.points.r[i]);
+    built.state.q.push_back(
+        s.points.orientations.empty() ? s.points.q : normalised(s.points.q * s.points.orientations[i]));
+    built.state.v.push_back(s.points.v.empty() ? Vec3d{} : s.points.v[i]);
+    built.state.omega.push_back(s.points.omega.empty() ? Vec3d{} : s.points.omega[i]);
+  }
+}
+
+/// Bonds that a file tells apart and the case does not are made alike.
+void note_bond_types(const Case& c, const std::vector<PlacedSpecimen>& specimens, Built& built) {
+  std::set<std::int64_t> types;
+  for (const PlacedSpecimen& s : specimens)
+    for (const FileBond& bond : s.points.bonds)
+      if (bond.type != no_bond_type) types.insert(bond.type);
+  if (types.size() < 2) return;
+  for (const BondSpec& b : c.bonds)
+    if (const auto* pairs = std::get_if<SpecimenPairs>(&b.select.value); pairs && !pairs->bond_type)
+      built.notes.push_back(fmt::format(
+          "bonds \"{}\": the bond types {} of the file are made alike; bond_type takes one of them", b.name,
+          fmt::join(types, ", ")));
+}
+
+/// Two centres closer than 1e-9 of the body's size are one place: no direction could be told from them.
+void check_distinct(const Case& c, const Model& model, Problems& problems) {
+  constexpr std::size_t enough = 1000;  // of many particles at one place all pairs would take hours
+  std::size_t found = 0, first_i = 0, first_j = 0;
+  const double size = box_around(model.r_0).diagonal();
+  for_near_pairs(model.r_0.values(), 1e-9 * size, [&](std::size_t i, std::size_t j, double) {
+    if (found++ == 0) first_i = i, first_j = j;
+    return found < enough;
+  });
+  if (found == 0) return;
+  const SourcePlace& place = c.specimens[model.specimen[ParticleId{first_j}]].place;
+  const std::string pairs = fmt::format("{} such pairs{}", found, found < enough ? "" : " at least");
+  const double apart = norm(between(model.r_0, ParticleId{first_i}, ParticleId{first_j}));
+  if (apart == 0.0)
+    problems.add(
+        place, fmt::format("particles {} and {} are at the same place ({})", first_i, first_j, pairs),
+        "no bond or contact can be set up between them", "move a specimen or remove the double particles");
+  else
+    problems.add(place,
+                 fmt::format("particles {} and {} are {:.6g} apart in a case that is {:.6g} wide ({})",
+                             first_i, first_j, apart, size, pairs),
+                 "below 1e-9 of the size of the case no direction can be told from two places",
+                 "remove double particles, or move specimens that are far away");
+}
+
+void check_contact(const Case& c, const Model& model, Problems& problems) {
+  if (c.contact.law == ContactLaw::none) return;
+  for (const ParticleId p : model.radius.ids())
+    if (!(model.radius[p] > 0.0))
+      return problems.add(c.specimens[model.specimen[p]].place,
+                          fmt::format("contact: particle {} has radius {}", p.value, model.radius[p]),
+                          "contacts need radii > 0", "give every specimen a radius, or leave out [contact]");
+}
+
+/// Particles that are not bonded and lie half in one another would fly apart. Bonds that are made later may
+/// be meant for them.
+void check_overlaps(const Case& c, const Built& built, Problems& problems) {
+  constexpr double most = 0.5;  // of the smaller radius, as for walls
+  const auto later = [](const BondSpec& b) { return b.when != BondTime::start; };
+  if (std::any_of(c.bonds.begin(), c.bonds.end(), later)) return;
+  std::set<std::pair<ParticleId, ParticleId>> bonded;
+  for (const Bond& b : built.state.bonds) bonded.insert(std::minmax(b.i, b.j));
+  const PerParticle<double>& R = built.model.radius;
+  struct {
+    double part = 0;
+    ParticleId i, j;
+    std::size_t count = 0;
+  } worst;
+  for_touching_pairs(built.model, built.state, [&](ParticleId i, ParticleId j, double overlap) {
+    const double part = overlap / std::min(R[i], R[j]);
+    if (part <= most * (1.0 + 1e-9) || bonded.count({i, j}) > 0) return;
+    ++worst.count;
+    if (part > worst.part) worst.part = part, worst.i = i, worst.j = j;
+  });
+  if (worst.count == 0) return;
+  problems.add(
+      c.specimens[built.model.specimen[worst.j]].place,
+      fmt::format("particles {} and {}, which are not bonded, overlap by {:.3g} of the smaller radius "
+                  "({} such pairs)",
+                  worst.i.value, worst.j.value, worst.part, worst.count),
+      fmt::format("at the start particles that touch overlap by at most {} of it", most),
+      "move a specimen, use smaller radii, bond them, or contact.pairs = \"none\"");
+}
+
+/// 2 pi sqrt(m / c_A); 0 if there is none, and then no time may be given in it.
+double natural_time(const Case& c, const Built& built, Problems& problems) {
+  const double two_pi = 2.0 * std::numbers::pi;
+  const auto c_A = first_c_A(c, built.model, built.state);
+  if (!c_A || !(*c_A > 0.0)) return c.units == UnitSystem::reduced ? two_pi : 0.0;
+  const double m = built.model.mass[ParticleId{0}], T_0 = two_pi * std::sqrt(m / *c_A);
+  constexpr double largest = 1e60;  // as of the numbers of a case
+  if (!(T_0 > 1.0 / largest && T_0 < largest))
+    problems.add(
+        c.bonds.front().place, fmt::format("T0 = {:.6g}", T_0),
+        fmt::format("T0 = 2 pi sqrt(m / c_A) must lie between 1e-60 and 1e60; here m = {:.6g} and the "
+                    "first bond has c_A = {:.6g}",
+                    m, *c_A),
+        "look for a missing or misplaced unit in mass, E or the section");
+  return T_0;
+}
+
+/// With the step as far as it is known before a stage begins; told again then.
+void check_durations(const Case& c, const Built& built, Problems& problems) {
+  const double dt = expected_step(c, built.model, built.state);
+  if (!(dt > 0.0)) return;
+  for (const StageSpec& s : c.stages)
+    if (!is_static(s.kind)) check_number_of_steps(s, s.duration.resolve(built.model.T_0), dt, problems);
+}
+
+void check_output(const Case& c, const Model& model, Problems& problems) {
+  for (const auto& name : c.output.reactions) look_up_group(name, model, problems);
+  for (const auto& name : c.output.axial_force) look_up_group(name, model, problems);
+  look_up_groups_or_particles(c.output.displacements, "displacements", model, problems);
+  look_up_groups_or_particles(c.output.velocities, "velocities", model, problems);
+  for (const StressSpec& s : c.output.stresses) look_up_volume(s, model, problems);
+  const SourcePlace place{c.file, 0, 0};
+  if (c.output.frames && c.output.frames->stress)
+    for (const ParticleId p : model.radius.ids())
+      if (!(model.radius[p] > 0.0)) {
+        problems.add(c.specimens[model.specimen[p]].place,
+                     fmt::format("output.frames.stress: particle {} has no radius", p.value),
+                     "its stress has no volume to divide by",
+                     "give the particles a radius, or write history.stress of a group with a volume");
+        break;
+      }
+  if (c.output.frames && c.output.frames->contacts && c.contact.law == ContactLaw::none)
+    problems.add({c.file, 0, 0}, "output.frames.contacts = true",
+                 "nothing touches: the case has no [contact]", "add [contact], or leave it out");
+  if (!c.any_dynamics()) return;  // no stage has intervals
+  look_up_time(c.output.history_every, model, "output.history.every", place, problems);
+  if (c.output.frames && c.output.frames->every)
+    look_up_time(*c.output.frames->every, model, "output.frames.every", place, problems);
+  if (c.output.checkpoint_every)
+    look_up_time(*c.output.checkpoint_every, model, "output.checkpoint.every", place, problems);
+}
+
+}  // namespace
+
+double count_particles(const Case& c) {
+  double n = 0.0;
+  for (const SpecimenSpec& s : c.specimens) n += count_points(s);
+  return n;
+}
+
+Built build(const Case& c) {
+  Problems problems;
+  Built built;
+  Model& model = built.model;
+  State& state = built.state;
+  model.units = c.units;
+  model.contact = c.contact;
+
+  const std::vector<PlacedSpecimen> specimens = place_specimens(c);
+  std::uint32_t number = 0;
+  for (const PlacedSpecimen& s : specimens) {
+    add_particles(s, number++, built, problems);
+    built.notes.insert(built.notes.end(), s.points.notes.begin(), s.points.notes.end());
+  }
+  note_bond_types(c, specimens, built);
+  problems.throw_if_any();
+  state.r = model.r_0;
+  check_distinct(c, model, problems);
+  check_contact(c, model, problems);
+  add_materials(c, specimens, model, problems);
+  add_walls(c, built, problems);
+  add_groups(c, specimens, model, built.notes, problems);
+  problems.throw_if_any();
+
+  for (std::size_t set = 0; set < c.bonds.size(); ++set)
+    if (c.bonds[set].when == BondTime::start) add_bonds(c, set, model, state, problems);
+  check_overlaps(c, built, problems);
+  model.T_0 = natural_time(c, built, problems);
+  add_velocities(c, model, state, problems);
+  check_stages(c, model, problems);
+  check_output(c, model, problems);
+  problems.throw_if_any();
+  check_durations(c, built, problems);
+  problems.throw_if_any();
+  for (std::string& note : notes_on_pairs(c)) built.notes.push_back(std::move(note));
+  for (std::string& note : notes_on_prestrain(c, model, state)) built.notes.push_back(std::move(note));
+  return built;
+}
+
+}  // namespace vbond

@@ -1,0 +1,195 @@
+#include "vbond/setup/stage_resolver.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "vbond/core/nearest.hpp"
+#include "vbond/model/agreement.hpp"
+#include "vbond/model/holds.hpp"
+#include "vbond/setup/bonds.hpp"
+#include "vbond/setup/groups.hpp"
+#include "vbond/setup/motion_stages.hpp"
+
+namespace vbond {
+namespace {
+
+/// Every stage named by a bond set exists.
+void check_stage_names(const Case& c, Problems& problems) {
+  std::vector<std::string> known;
+  for (const StageSpec& s : c.stages) known.push_back(s.name);
+  for (const BondSpec& b : c.bonds)
+    for (const auto& name : b.stages)
+      if (std::find(known.begin(), known.end(), name.value) == known.end()) {
+        const auto near = nearest_name(name.value, known);
+        problems.add(name.place, fmt::format("there is no stage \"{}\"", name.value),
+                     fmt::format("known stages: {}", fmt::join(known, ", ")),
+                     near ? fmt::format("did you mean \"{}\"?", *near) : "use one of them");
+      }
+}
+
+}  // namespace
+
+double look_up_time(const CaseTime& time, const Model& model, const std::string& what,
+                    const SourcePlace& place, Problems& problems) {
+  if (time.in_T_0 && !(model.T_0 > 0.0))
+    problems.add(place, fmt::format("{} = {} T0", what, time.value),
+                 "without any bond there is no T0 = 2 pi sqrt(m / c_A)", "give it in seconds");
+  return time.resolve(model.T_0);
+}
+
+double resolve_time(const CaseTime& time, const Model& model, const std::string& what,
+                    const SourcePlace& place) {
+  Problems problems;
+  const double resolved = look_up_time(time, model, what, place, problems);
+  problems.throw_if_any();
+  return resolved;
+}
+
+std::vector<ParticleId> StageResolver::particles(const Placed<std::string>& group) const {
+  const Group* g = look_up_group(group, model, problems);
+  return g == nullptr ? std::vector<ParticleId>{} : g->particles;
+}
+
+std::optional<DistanceStop> StageResolver::distance_stop(const DistanceStopSpec& s) const {
+  const auto i = look_up_particle(s.between[0], model, "stop.distance", s.place, problems);
+  const auto j = look_up_particle(s.between[1], model, "stop.distance", s.place, problems);
+  if (!i || !j) return std::nullopt;
+  if (i == j)
+    problems.add(s.place, fmt::format("stop.distance between particle {} and itself", i->value),
+                 "a distance is between two particles", "name two different ones");
+  return DistanceStop{*i, *j, s.value, s.below};
+}
+
+TimeFunction StageResolver::function(const TimeFunctionSpec& f, const SourcePlace& place) const {
+  TimeFunction resolved;
+  for (const auto& [t, factor] : f.points) {
+    const double at = look_up_time(t, model, "factor", place, problems);
+    if (!resolved.points.empty() && !(at > resolved.points.back().t))
+      problems.add(place,
+                   fmt::format("the factor's time {} does not come after {}", at, resolved.points.back().t),
+                   "the times of a table increase", "sort the points");
+    resolved.points.push_back({at, factor});
+  }
+  return resolved;
+}
+
+std::vector<Support> StageResolver::supports() const {
+  std::vector<Support> resolved;
+  for (const SupportSpec& s : spec.supports) {
+    const HeldDirections d = directions_of(s);
+    resolved.push_back({s.group.value, particles(s.group), d.held, at_rest() ? s.displacement : s.velocity,
+                        at_rest() ? s.rotation : s.angular_velocity, function(s.factor, s.place), s.rigid,
+                        s.pivot, d.axes});
+  }
+  check_supports(resolved);
+  return resolved;
+}
+
+std::vector<PointLoad> StageResolver::loads() const {
+  std::vector<PointLoad> resolved;
+  for (const LoadSpec& l : spec.loads) {
+    PointLoad load{l.group.value, particles(l.group), l.force, l.moment, function(l.factor, l.place)};
+    load.force_by_mass = l.total_force / mass_of(load.particles);
+    load.moment_by_mass = l.total_moment / mass_of(load.particles);
+    load.follower = l.follower;
+    load.constant = l.constant;
+    resolved.push_back(std::move(load));
+  }
+  return resolved;
+}
+
+std::vector<Heating> StageResolver::heating() const {
+  check_temperatures();
+  std::vector<Heating> resolved;
+  for (const TemperatureSpec& t : spec.temperatures)
+    resolved.push_back(
+        {particles(t.group), at_rest() ? t.change : t.temperature, function(t.factor, t.place)});
+  return resolved;
+}
+
+void StageResolver::check_supports(const std::vector<Support>& supports) const {
+  for (std::size_t k = 0; k < supports.size(); ++k)
+    if (supports[k].rigid && supports[k].particles.empty() && model.find_group(supports[k].group) != nullptr)
+      problems.add(spec.supports[k].place,
+                   fmt::format("the rigid support of group \"{}\" has no particles", supports[k].group),
+                   "it moves particles as one rigid body", "name a group with particles, or leave it out");
+  for (const Disagreement& d : disagreements(supports, model.particles())) {
+    const std::string both = fmt::format("is held by two supports (groups \"{}\" and \"{}\")",
+                                         supports[d.first].group, supports[d.second].group);
+    if (d.oblique)
+      problems.add(spec.supports[d.second].place,
+                   fmt::format("particle {} {} along directions that are neither parallel nor perpendicular",
+                               d.particle.value, both),
+                   "one support may hold directions at any angle to each other, two of them may not",
+                   "give all of them to one support, as in fix = [\"y\", [0.6, 0, 0.8]]");
+    else
+      problems.add(
+          spec.supports[d.second].place,
+          fmt::format("{} of particle {} {} that do not move it alike", d.dof, d.particle.value, both),
+          "supports may overlap where they agree: at rest, or with the same motion, factor and, of "
+          "rigid ones that turn, axis",
+          "take it out of one of them, or give both the same motion (and rigid ones the same pivot)");
+  }
+}
+/// Reports temperatures at which a bond set would have no length left, or that nothing feels.
+void StageResolver::check_temperatures() const {
+  for (const TemperatureSpec& t : spec.temperatures) {
+    if (std::none_of(c.bonds.begin(), c.bonds.end(),
+                     [](const BondSpec& b) { return b.recipe.expansion != 0.0; })) {
+      problems.add(t.place, "no bonds feel a temperature: none has an expansion",
+                   "temperature makes bonds grow by expansion times temperature",
+                   "give a set of bonds an expansion, as expansion = 1.2e-5, or leave temperatures out");
+      return;
+    }
+    double largest = std::abs(t.change);
+    if (t.factor.points.empty()) largest = std::max(largest, std::abs(t.temperature));
+    for (const auto& [time, factor] : t.factor.points)
+      largest = std::max(largest, std::abs(t.temperature * factor));
+    for (const BondSpec& b : c.bonds)
+      if (!(std::abs(b.recipe.expansion) * largest < 1.0))
+        problems.add(t.place,
+                     fmt::format("bonds \"{}\" would grow by {:.3g} of their lengths", b.name,
+                                 std::abs(b.recipe.expansion) * largest),
+                     "a bond may grow or shrink by less than its length",
+                     "look for a missing power of ten in expansion or temperature");
+  }
+}
+
+/// What a total of a load is shared in proportion to: the mass of its group.
+double StageResolver::mass_of(const std::vector<ParticleId>& particles) const {
+  double mass = 0.0;
+  for (const ParticleId p : particles) mass += model.mass[p];
+  return mass > 0.0 ? mass : 1.0;  // of no particles: nothing takes a share
+}
+
+bool StageResolver::anything_is_free(const std::vector<Support>& supports) const {
+  std::size_t held = 0;
+  for (const Hold& h : holds_of(supports))
+    held += static_cast<std::size_t>(std::count(h.held.begin(), h.held.end(), true));
+  return held < 6 * model.particles();
+}
+
+void check_stages(const Case& c, const Model& model, Problems& problems) {
+  check_stage_names(c, problems);
+  for (std::size_t k = 0; k < c.stages.size(); ++k)
+    if (is_static(c.stages[k].kind))
+      resolve_static_stage(c, model, k, problems);
+    else
+      resolve_stage(c, model, k, problems);
+}
+
+bool makes_bonds_as_it_begins(const BondSpec& set, const StageSpec& stage) {
+  const auto here = [&](const Placed<std::string>& name) { return name.value == stage.name; };
+  return set.when == BondTime::stage && std::any_of(set.stages.begin(), set.stages.end(), here);
+}
+
+void add_stage_bonds(const Case& c, std::size_t k, const Model& model, State& state, Problems& problems) {
+  for (std::size_t set = 0; set < c.bonds.size(); ++set)
+    if (makes_bonds_as_it_begins(c.bonds[set], c.stages[k])) add_bonds(c, set, model, state, problems);
+}
+
+}  // namespace vbond
