@@ -151,6 +151,22 @@ TEST(Wall, ThatSwingsIsWhereItsSineIs) {
   }
 }
 
+// About its centre, wherever that is, or about a pivot.
+TEST(Wall, TurnsAboutItsCentreUnlessAPivotIsGiven) {
+  Specimen s = sphere({0, 0, 5}, 0.1, 1.0, linear(1e3, 0.0), {floor_at(0)});
+  s.model.walls[0].centre = {2, 1, 0};
+  const Quatd half = rotation_of({0, 0, std::numbers::pi});
+  for (const std::optional<Vec3d> pivot : {std::optional<Vec3d>{}, std::optional<Vec3d>{Vec3d{1, 1, 0}}}) {
+    Stage stage = testing::plain_stage(1e-2, 1.0);
+    stage.walls = {drive("floor", 0)};
+    stage.walls[0].angular_velocity = {0, 0, std::numbers::pi}, stage.walls[0].pivot = pivot;
+    Simulation run(s.model, stage, s.state);
+    run.run();
+    EXPECT_LE(norm(run.walls()[0].displacement - (pivot ? Vec3d{-2, 0, 0} : Vec3d{})), 1e-13);
+    EXPECT_LE(norm(rotation_vector(run.walls()[0].q * conjugate(half))), 1e-13);
+  }
+}
+
 // A disc that turns under a sphere held in place drags it round: its torque is mu F r, and the work goes into
 // slip.
 TEST(Wall, ThatTurnsRubs) {
