@@ -31,7 +31,8 @@ inline Verdict wrong(std::string why) {
 class Tally {
  public:
   unsigned cases = 0;
-  bool full = false;  ///< as many cases as by default: too few need not show all that a test asks for
+  /// From the first seed on as many cases as by default: others need not show all that a test asks for.
+  bool full = false;
   unsigned operator[](const std::string& word) const { return value(words_, word); }
   void add(const std::string& what, double n = 1.0) { sums_[what] += n; }
   /// The largest of all cases is kept.
@@ -101,7 +102,7 @@ Tally campaign(const std::string& name, unsigned otherwise, One&& one) {
   const bool alone = std::getenv("VBOND_CAMPAIGN_SEED") != nullptr;
   Tally tally;
   tally.cases = number_of_environment("VBOND_CAMPAIGN", alone ? 1 : otherwise);
-  tally.full = tally.cases >= otherwise;
+  tally.full = !alone && tally.cases >= otherwise;
   const auto ask = [&](unsigned seed) {
     if constexpr (std::is_invocable_v<One, unsigned, Tally&>)
       return one(seed, tally);

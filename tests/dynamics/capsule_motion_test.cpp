@@ -174,7 +174,7 @@ Tally throw_fibres(bool as_capsules, unsigned count, double fraction) {
 
 // Fibres thrown at one another at random. As balls on strings most pass through. The
 // balance is of the order of the step: nearly parallel fibres, whose contact jumps along them, are the worst,
-// and more throws find worse ones (of 1000 0.19).
+// and more throws find worse ones (of 1000 0.12).
 TEST(Capsules, NeverPassThroughEachOther) {
   const Tally coarse = throw_fibres(true, 60, 0.3), fine = throw_fibres(true, 60, 0.03);
   for (const Tally& found : {coarse, fine}) EXPECT_GT(3 * found.sum("met"), found.full ? 2 * found.cases : 0);

@@ -193,6 +193,7 @@ void compare(const Body& b, const StaticStage& stage, const std::string& kind, T
   const bool same = text.empty() || confirmed(b, stage, *multigrid.outcome);
   EXPECT_TRUE(same) << b.name << ", " << kind << (missed ? ": missed: " : ": ") << text;
   all.add(kind + " the same", same);
+  if (same && !text.empty()) all.add("confirmed by the search");
 }
 
 void judge(unsigned seed, Tally& all) {
