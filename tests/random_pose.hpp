@@ -1,8 +1,5 @@
 #pragma once
-#include <cmath>
-#include <random>
-
-#include "vbond/core/quat.hpp"
+#include "campaigns/dice.hpp"
 #include "vbond/physics/pose.hpp"
 
 namespace vbond::testing {
@@ -20,17 +17,10 @@ struct RandomPair {
   }
 };
 
-class PoseSource {
+class PoseSource : public Dice {
  public:
-  explicit PoseSource(unsigned seed) : random_(seed) {}
-
-  double uniform(double low, double high) { return std::uniform_real_distribution<>(low, high)(random_); }
-  Vec3d vector(double size) { return {uniform(-size, size), uniform(-size, size), uniform(-size, size)}; }
-  Quatd rotation(double largest_angle) {
-    Vec3d axis = vector(1.0);
-    while (norm(axis) < 0.1) axis = vector(1.0);
-    return rotation_of(uniform(0.0, largest_angle) * normalised(axis));
-  }
+  using Dice::Dice;
+  double uniform(double low, double high) { return (*this)(low, high); }
   /// A pair whose bond points anywhere, its ends then moved by up to `shift` and turned by up to `angle`.
   RandomPair pair(double distance, double shift, double angle) {
     const Quatd frame = rotation(3.14), q_i = rotation(3.14), q_j = rotation(3.14);
@@ -47,9 +37,6 @@ class PoseSource {
     p.q_j = rotation(angle) * q_j;
     return p;
   }
-
- private:
-  std::mt19937_64 random_;
 };
 
 }  // namespace vbond::testing

@@ -1,19 +1,15 @@
 // Random small bodies: gripped, moved and turned; and of overlapping particles that keep their overlap as
 // bonds break. Against evaluations of their own: bonds one by one, motions and contacts by other formulas.
-// VBOND_CAMPAIGN=N: so many of each; each failure names its seed.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <map>
-#include <string>
 #include <utility>
 #include <vector>
 
-#include "rods.hpp"
-#include "vbond/core/error.hpp"
+#include "campaigns/bodies.hpp"
+#include "campaigns/judge.hpp"
 #include "vbond/model/bond_sums.hpp"
 
 namespace vbond::body_campaign_test {
@@ -21,15 +17,7 @@ namespace {
 
 using testing::Dice;
 using testing::Specimen;
-
-unsigned count_of_campaign() {
-  const char* const given = std::getenv("VBOND_CAMPAIGN");
-  return given != nullptr ? static_cast<unsigned>(std::atoi(given)) : 10;
-}
-
-Vec3d random_vector(Dice& dice, double size) {
-  return {dice(-size, size), dice(-size, size), dice(-size, size)};
-}
+using testing::Tally;
 
 // ---- grips ---------------------------------------------------------------------------------------------
 
@@ -38,36 +26,20 @@ struct GrippedBody {
   Stage stage;
 };
 
-/// 6 to 14 particles of different mass at random in a box, those within 1.4 bonded; the left ones in one
-/// grip, the right ones in another.
+/// The left third of a random body in one grip, the right third in another.
 GrippedBody gripped_body(unsigned seed) {
   Dice dice(seed);
-  std::vector<Vec3d> r;
-  const auto n = static_cast<std::size_t>(dice(6, 15));
-  while (r.size() < n) {
-    const Vec3d x{dice(0, 2.5), dice(0, 1.5), dice(0, 1.5)};
-    if (std::all_of(r.begin(), r.end(), [&](const Vec3d& y) { return norm(y - x) > 0.6; })) r.push_back(x);
-  }
-  std::sort(r.begin(), r.end(), [](const Vec3d& a, const Vec3d& b) { return a.x < b.x; });
-  GrippedBody b{testing::particles_at(r), testing::plain_stage(dice(0.01, 0.03), 6.0)};
-  Specimen& s = b.s;
-  for (const ParticleId p : s.model.mass.ids())
-    s.model.mass[p] = dice(0.5, 2), s.model.inertia[p] = dice(0.05, 0.2);
-  BondRecipe recipe;
-  if (dice(0, 1) < 0.5) recipe.law = &bond_law<Evm>;
-  recipe.parameters = BondStiffness<double>{dice(0.3, 1), dice(0.05, 0.2), dice(0.02, 0.1), dice(0.02, 0.1)};
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = i + 1; j < n; ++j)
-      if (norm(r[j] - r[i]) < 1.4) testing::bond(s, i, j, recipe);
+  GrippedBody b{testing::random_body(dice, 14, true), testing::plain_stage(dice(0.01, 0.03), 6.0)};
+  const std::size_t n = b.s.model.particles();
   const std::size_t third = n / 3;
   for (const bool right : {false, true}) {
     Support grip;
     grip.group = right ? "right" : "left";
     grip.rigid = true, grip.held = all_held;
     for (std::size_t k = 0; k < third; ++k) grip.particles.push_back(ParticleId{right ? n - third + k : k});
-    grip.velocity = random_vector(dice, 0.05), grip.angular_velocity = random_vector(dice, 0.3);
-    if (dice(0, 1) < 0.5) grip.pivot = random_vector(dice, 3.0);
-    if (dice(0, 1) < 0.7) grip.factor.points = {{0, 0}, {dice(1, 3), dice(-1, 1)}, {dice(4, 5), dice(-1, 1)}};
+    grip.velocity = dice.vector(0.05), grip.angular_velocity = dice.vector(0.3);
+    if (dice.chance(0.5)) grip.pivot = dice.vector(3.0);
+    if (dice.chance(0.7)) grip.factor.points = {{0, 0}, {dice(1, 3), dice(-1, 1)}, {dice(4, 5), dice(-1, 1)}};
     b.stage.supports.push_back(grip);
   }
   const double steps = std::round(b.stage.stops.duration / b.stage.dt);
@@ -127,14 +99,11 @@ struct OwnGrip {
   }
 };
 
-/// What is off: places, work, books, each as a part of what is there; and whether a run that was interrupted
-/// ended in other bits.
-struct GripErrors {
-  double places = 0, work = 0, books = 0;
-  bool other_bits = false;
-};
-
-GripErrors errors_of_grips(unsigned seed) {
+// The work of a grip is the integral of force and torque times its rates and the kinetic energy of its own
+// particles; sums over steps of both err by the square of the step. Places err by the own integral of a
+// factor with bends. Of 400 none was wrong; the worst were 1e-8, 4.3e-5 and 4.4e-4. A run that was
+// interrupted ends in the same bits.
+void judge_grips(unsigned seed, Tally& all) {
   const GrippedBody b = gripped_body(seed);
   const Model& m = b.s.model;
   Simulation run(m, b.stage, b.s.state);
@@ -147,8 +116,7 @@ GripErrors errors_of_grips(unsigned seed) {
   };
   const Loads first = bonds_alone(b.s.state);
   for (OwnGrip& g : own) g.power = g.power_in(b.s.state, first);
-  GripErrors e;
-  double scale = 0.0;
+  double scale = 0.0, places = 0.0, books = 0.0;
   const auto stop_at = static_cast<std::int64_t>(Dice(seed + 1000)(1, 150));
   State middle;
   while (run.clock().time() < b.stage.stops.duration - 0.5 * b.stage.dt) {
@@ -157,44 +125,29 @@ GripErrors errors_of_grips(unsigned seed) {
     if (run.clock().step == stop_at) middle = now;
     const Loads loads = bonds_alone(now);
     scale = std::max(scale, run.energies().total());
-    e.books = std::max(e.books, std::abs(run.balance_error()));
+    books = std::max(books, std::abs(run.balance_error()));
     for (OwnGrip& g : own) {
       g.go_on(b.stage.dt);
       const double power = g.power_in(now, loads);
       g.work += 0.5 * b.stage.dt * (g.power + power), g.power = power;
       for (const ParticleId p : g.g.particles) {
         const Vec3d arm = turned(b.s.state.r[p] - g.pivot_0, g.s * g.g.angular_velocity);
-        e.places = std::max(e.places, norm(now.r[p] - g.pivot() - arm));
+        places = std::max(places, norm(now.r[p] - g.pivot() - arm));
       }
     }
   }
-  for (std::size_t k = 0; k < own.size(); ++k)
-    e.work = std::max(
-        e.work, std::abs(run.grips()[k].work.value() - own[k].work - own[k].kinetic(m, run.state())) / scale);
+  all.below("place", places, 1e-7), all.below("books", books, 2e-3);
+  for (std::size_t k = 0; k < own.size(); ++k) {
+    const double work = run.grips()[k].work.value() - own[k].work - own[k].kinetic(m, run.state());
+    all.below("work", std::abs(work) / scale, 2e-4);
+  }
   Simulation second(m, b.stage, middle);
   while (second.clock().step < run.clock().step) second.step();
-  e.other_bits = !(second.state() == run.state());
-  return e;
+  EXPECT_EQ(second.state(), run.state());
 }
 
-// The work of a grip is the integral of force and torque times its rates and the kinetic energy of its own
-// particles; sums over steps of both err by the square of the step. Places err by the own integral of a
-// factor with bends. Of 400 none was wrong; the worst were 1e-8, 4.3e-5 and 4.4e-4.
 TEST(BodyCampaign, GripsMoveAndWorkAsTheirRatesSay) {
-  GripErrors worst;
-  int wrong = 0;
-  const unsigned count = count_of_campaign();
-  for (unsigned seed = 1; seed <= count; ++seed) {
-    const GripErrors e = errors_of_grips(seed);
-    const bool right = e.places < 1e-7 && e.work < 2e-4 && e.books < 2e-3 && !e.other_bits;
-    wrong += right ? 0 : 1;
-    EXPECT_TRUE(right) << "seed " << seed << ": places " << e.places << ", work " << e.work << ", books "
-                       << e.books << (e.other_bits ? ", other bits" : "");
-    worst.places = std::max(worst.places, e.places), worst.work = std::max(worst.work, e.work);
-    worst.books = std::max(worst.books, e.books);
-  }
-  std::printf("grips: right %u, wrong %d; worst place %.1e, work %.1e, books %.1e\n",
-              count - static_cast<unsigned>(wrong), wrong, worst.places, worst.work, worst.books);
+  testing::campaign("grips", 10, judge_grips);
 }
 
 // ---- overlaps that are kept ------------------------------------------------------------------------------
@@ -234,8 +187,8 @@ Clump clump(unsigned seed) {
   const double middle = 0.5 * r.back().x, speed = dice(0.05, 0.2);
   for (const ParticleId p : s.state.v.ids()) {
     const double side = r[p.value].x > middle ? 1.0 : -1.0;
-    s.state.v[p] = Vec3d{side * speed, 0, 0} + random_vector(dice, 0.02);
-    s.state.omega[p] = random_vector(dice, 0.02);
+    s.state.v[p] = Vec3d{side * speed, 0, 0} + dice.vector(0.02);
+    s.state.omega[p] = dice.vector(0.02);
     c.stage.loads.push_back({"press", {p}, {-side * 0.02, 0, 0}, {}, {}});
   }
   return c;
@@ -249,18 +202,14 @@ double press(const Model& m, ParticleId i, ParticleId j, double overlap) {
   return 4.0 / 3.0 * E_star * std::sqrt(R) * std::pow(overlap, 1.5);
 }
 
-struct KeptErrors {
-  double force = 0, jump = 0, books = 0;
-  std::int64_t breaks = 0, felt = 0;  ///< steps in which a broken pair presses
-};
-
-KeptErrors errors_of_kept(unsigned seed) {
+// Forces are of order one and sums of few terms. The books err by the step alone, and a break adds nothing.
+// Of 400, with 987 breaks, none was wrong; the worst were 4.7e-16, a jump of 2.4e-5 and books of 2.1e-4.
+void judge_kept(unsigned seed, Tally& all) {
   const Clump c = clump(seed);
   const Model& m = c.s.model;
   Simulation run(m, c.stage, c.s.state);
   std::map<std::pair<ParticleId, ParticleId>, double> kept;  // of broken pairs
-  KeptErrors e;
-  double before = 0.0;
+  double before = 0.0, force = 0.0, jump = 0.0, books = 0.0;
   for (int k = 0; k < 3000; ++k) {
     const std::int64_t broken = run.breaks();
     run.step();
@@ -282,43 +231,26 @@ KeptErrors errors_of_kept(unsigned seed) {
           if (!fresh) at->second = std::min(at->second, overlap);
         }
         const double left = was ? kept.at({i, j}) : 0.0;
-        if (overlap > left && was) ++e.felt;
+        if (overlap > left && was) all.add("steps in which a broken pair presses");
         const Vec3d F = overlap > left ? press(m, i, j, overlap - left) / norm(d) * d : Vec3d{};
         own.F[i] -= F, own.F[j] += F;
       }
     const Loads loads = run.loads();
-    for (const ParticleId p : m.mass.ids()) e.force = std::max(e.force, norm(loads.F[p] - own.F[p]));
+    for (const ParticleId p : m.mass.ids()) force = std::max(force, norm(loads.F[p] - own.F[p]));
     const double error = run.balance_error();
-    if (run.breaks() > broken) e.jump = std::max(e.jump, std::abs(error - before));
-    e.books = std::max(e.books, std::abs(error));
+    if (run.breaks() > broken) jump = std::max(jump, std::abs(error - before));
+    books = std::max(books, std::abs(error));
     before = error;
   }
-  e.breaks = run.breaks();
-  return e;
+  all.add("breaks", static_cast<double>(run.breaks()));
+  all.below("force", force, 1e-14), all.below("jump", jump, 1e-4), all.below("books", books, 1e-3);
 }
 
-// Forces are of order one and sums of few terms. The books err by the step alone, and a break adds nothing.
-// Of 400, with 987 breaks, none was wrong; the worst were 4.7e-16, a jump of 2.4e-5 and books of 2.1e-4.
 TEST(BodyCampaign, KeptOverlapsAreFeltAsTheirFormulaSays) {
-  KeptErrors worst;
-  int wrong = 0;
-  const unsigned count = count_of_campaign();
-  std::int64_t breaks = 0, felt = 0;
-  for (unsigned seed = 1; seed <= count; ++seed) {
-    const KeptErrors e = errors_of_kept(seed);
-    const bool right = e.force < 1e-14 && e.jump < 1e-4 && e.books < 1e-3;
-    wrong += right ? 0 : 1;
-    EXPECT_TRUE(right) << "seed " << seed << ": force " << e.force << ", jump " << e.jump << ", books "
-                       << e.books;
-    worst.force = std::max(worst.force, e.force), worst.jump = std::max(worst.jump, e.jump);
-    worst.books = std::max(worst.books, e.books);
-    breaks += e.breaks, felt += e.felt;
-  }
-  EXPECT_GT(breaks, static_cast<std::int64_t>(count) / 2);
-  EXPECT_GT(felt, 10 * static_cast<std::int64_t>(count));
-  std::printf("kept overlaps: right %u, wrong %d; worst force %.1e, jump %.1e, books %.1e; %lld breaks\n",
-              count - static_cast<unsigned>(wrong), wrong, worst.force, worst.jump, worst.books,
-              static_cast<long long>(breaks));
+  const Tally all = testing::campaign("kept overlaps", 10, judge_kept);
+  if (!all.full) return;
+  EXPECT_GT(all.sum("breaks"), all.cases / 2);
+  EXPECT_GT(all.sum("steps in which a broken pair presses"), 10 * all.cases);
 }
 
 }  // namespace

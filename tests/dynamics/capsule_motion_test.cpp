@@ -3,14 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "campaigns/judge.hpp"
 #include "fibres.hpp"
-#include "vbond/core/error.hpp"
 #include "vbond/model/energies.hpp"
 #include "vbond/model/step_bound.hpp"
 
@@ -138,29 +136,21 @@ TEST(Capsules, FrictionNeverMakesEnergyOnClosedPaths) {
   EXPECT_GT(slid, 15);
 }
 
-struct Campaign {
-  int met = 0, passed = 0;
-  double worst_balance = 0, momentum = 0;
-};
-Campaign throw_fibres(bool as_capsules, int count, double fraction) {
-  Dice dice(5);
-  Campaign found;
-  for (int k = 0; k < count; ++k) {
-    const auto any = [&](double size) {
-      return Vec3d{dice(-size, size), dice(-size, size), dice(-size, size)};
-    };
+Tally throw_fibres(bool as_capsules, unsigned count, double fraction) {
+  return testing::campaign("thrown fibres", count, [&](unsigned seed, Tally& all) {
+    Dice dice(seed);
     const auto thrown = [&](double z) {
       const double angle = dice(0, pi);
       std::vector<Vec3d> r =
           line({dice(-0.5, 0.5), dice(-0.5, 0.5), z}, {0.5 * std::cos(angle), 0.5 * std::sin(angle), 0}, 7);
-      for (Vec3d& x : r) x += any(0.06);
+      for (Vec3d& x : r) x += dice.vector(0.06);
       return r;
     };
     ContactModel contact = dice(0, 1) < 0.5 ? rough(dice(0, 1), dice(0.3, 1)) : hertz();
     contact.E = 400.0;
     Specimen s = fibres({thrown(0.0), thrown(dice(0.7, 0.9))}, contact);
     const Vec3d v{dice(-0.2, 0.2), dice(-0.2, 0.2), -dice(0.1, 0.6)};
-    for (std::size_t p = 7; p < 14; ++p) s.state.v[ParticleId{p}] = v + any(0.05);
+    for (std::size_t p = 7; p < 14; ++p) s.state.v[ParticleId{p}] = v + dice.vector(0.05);
     if (!as_capsules)
       for (Bond& b : s.state.bonds) b.capsule = 0.0;
     const double dt = fraction * step_bound(s.model, s.state).dt;
@@ -173,31 +163,25 @@ Campaign throw_fibres(bool as_capsules, int count, double fraction) {
       least = std::min(least, least_distance(run.state(), 7));
     }
     for (const Vec3d& x : run.state().v) after += x;
-    found.momentum = std::max(found.momentum, norm(after - before));
-    found.met += least < 0.4 ? 1 : 0;
-    found.passed += least < 0.2 ? 1 : 0;  // half through; a step goes less than 0.06
-    found.worst_balance = std::max(found.worst_balance, std::abs(run.balance_error()));
-  }
-  return found;
+    all.most("balance", std::abs(run.balance_error()));
+    if (least < 0.4) all.add("met");
+    const bool through = least < 0.2;  // half through; a step goes less than 0.06
+    if (through) all.add("passed through");
+    EXPECT_FALSE(as_capsules && through);
+    all.below("change of momentum", norm(after - before), 1e-11);
+  });
 }
 
-// Fibres thrown at one another at random, VBOND_CAMPAIGN=N times. As balls on strings most pass through. The
+// Fibres thrown at one another at random. As balls on strings most pass through. The
 // balance is of the order of the step: nearly parallel fibres, whose contact jumps along them, are the worst,
-// and more throws find worse ones (of 1000 0.19).
+// and more throws find worse ones (of 1000 0.12).
 TEST(Capsules, NeverPassThroughEachOther) {
-  const char* const given = std::getenv("VBOND_CAMPAIGN");
-  const int count = given != nullptr ? std::atoi(given) : 60;
-  const Campaign coarse = throw_fibres(true, count, 0.3), fine = throw_fibres(true, count, 0.03);
-  for (const Campaign& found : {coarse, fine}) {
-    std::printf("met %d of %d, passed through %d, worst balance %.1e\n", found.met, count, found.passed,
-                found.worst_balance);
-    EXPECT_GT(3 * found.met, 2 * count);
-    EXPECT_EQ(found.passed, 0);
-    EXPECT_LT(found.momentum, 1e-11);
-  }
-  EXPECT_LT(coarse.worst_balance, 0.3);
-  EXPECT_LT(fine.worst_balance, 0.1 * coarse.worst_balance);
-  EXPECT_GT(throw_fibres(false, 20, 0.3).passed, 5);
+  const Tally coarse = throw_fibres(true, 60, 0.3), fine = throw_fibres(true, 60, 0.03);
+  for (const Tally& found : {coarse, fine}) EXPECT_GT(3 * found.sum("met"), found.full ? 2 * found.cases : 0);
+  EXPECT_LT(coarse.largest("balance"), 0.3);
+  EXPECT_LT(fine.largest("balance"), 0.1 * coarse.largest("balance"));
+  const Tally strings = throw_fibres(false, 20, 0.3);
+  EXPECT_GT(4 * strings.sum("passed through"), strings.full ? strings.cases : 0);
 }
 
 /// A straight fibre is led across a held one, so fast that it is within reach for a few steps or none. Where
@@ -229,11 +213,8 @@ Throw draw_throw(Dice& dice) {
 
 // However far it goes in a step, the run ends as it passes, and only then.
 TEST(Capsules, EndTheRunWhereTheyPassWithinAStep) {
-  const char* const given = std::getenv("VBOND_CAMPAIGN");
-  const int count = given != nullptr ? std::atoi(given) : 500;
-  Dice dice(11);
-  int passing = 0, missed = 0, wrong = 0;
-  for (int k = 0; k < count; ++k) {
+  const Tally all = testing::campaign("fibres led across", 500, [](unsigned seed, Tally& passing) {
+    Dice dice(seed);
     const Throw t = draw_throw(dice);
     bool told = false;
     Simulation run(t.s.model, t.stage, t.s.state);
@@ -242,14 +223,10 @@ TEST(Capsules, EndTheRunWhereTheyPassWithinAStep) {
     } catch (const Diverged& e) {
       told = std::string(e.what()).find("have passed through one another") != std::string::npos;
     }
-    passing += t.passes ? 1 : 0;
-    missed += t.passes && !told ? 1 : 0;
-    wrong += !t.passes && told ? 1 : 0;
-  }
-  std::printf("%d of %d pass, missed %d, told wrongly %d\n", passing, count, missed, wrong);
-  EXPECT_GT(3 * passing, count);
-  EXPECT_EQ(missed, 0);
-  EXPECT_EQ(wrong, 0);
+    passing.add("pass", t.passes);
+    return testing::Verdict{t.passes == told ? "right" : t.passes ? "missed" : "wrong"};
+  });
+  EXPECT_GT(3 * all.sum("pass"), all.full ? all.cases : 0);
 }
 
 /// A bond that breaks at this elongation.

@@ -1,25 +1,24 @@
 // Random encounters of two spheres, or of a sphere with a plane, a ridge of two triangles, a sphere or a
 // cylinder from inside or outside, or a bond that touches as a capsule, with and without adhesion, against an
-// integrator of its own: other formulas of geometry, other code, a much smaller step. VBOND_CAMPAIGN=N: so
-// many of each; each failure names its seed.
+// integrator of its own: other formulas of geometry, other code, a much smaller step.
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <cstdlib>
-#include <functional>
 #include <limits>
 #include <string>
 #include <vector>
 
+#include "campaigns/judge.hpp"
 #include "rods.hpp"
-#include "vbond/core/error.hpp"
 
 namespace vbond::encounter_campaign_test {
 namespace {
 
 using testing::Dice;
 using testing::Specimen;
+using testing::Verdict;
 
 constexpr double slope = 0.36397023426620234;  // tan 20 degrees
 
@@ -309,9 +308,7 @@ Specimen specimen_of(const Encounter& c) {
   return s;
 }
 
-enum class Verdict { right, wrong, energy_made, passed_through, both_stick };
-
-Verdict judge(Partner partner, unsigned seed, double* worst) {
+Verdict judge(Partner partner, unsigned seed, testing::Tally& all) {
   const Encounter c = random_encounter(partner, seed);
   const Specimen s = specimen_of(c);
   constexpr int finer = 40;
@@ -329,9 +326,10 @@ Verdict judge(Partner partner, unsigned seed, double* worst) {
       touched = touched || touches;
     }
   } catch (const Diverged&) {
-    return Verdict::passed_through;
+    return testing::wrong("passed through");
   }
-  if (!own.over || !parted) return own.over == parted ? Verdict::both_stick : Verdict::wrong;
+  if (!own.over || !parted)
+    return own.over == parted ? Verdict{"stick with both"} : testing::wrong("sticks, or does so alone");
   const double v_0 = norm(c.i.v), scale = v_0 * c.i.m;
   const State& state = run.state();
   double error = norm(state.v[ParticleId{0}] - own.i.v) * c.i.m;
@@ -340,7 +338,7 @@ Verdict judge(Partner partner, unsigned seed, double* worst) {
     error = std::max(error, norm(state.v[ParticleId{1}] - own.j.v) * c.j.m);
     error = std::max(error, norm(state.omega[ParticleId{1}] - own.j.w) * c.j.I / c.j.R);
   }
-  *worst = std::max(*worst, error / scale);
+  all.most("error of the momentum", error / scale);
   const Energies e = run.energies();
   const double made = e.total() - run.books().at_start;
   // DMT's pull of 2 pi w R begins and ends with a jump somewhere in a step, of 1/136 of the overlap: up to
@@ -349,30 +347,19 @@ Verdict judge(Partner partner, unsigned seed, double* worst) {
   if (made > (1e-3 + jump) * run.books().at_start ||
       run.books().dissipated < -(1e-4 + jump) * run.books().at_start ||
       std::abs(run.balance_error()) > 3e-3 + jump)
-    return Verdict::energy_made;
-  return error < 5e-3 * scale ? Verdict::right : Verdict::wrong;
+    return testing::wrong("energy is made");
+  return error < 5e-3 * scale ? Verdict{} : testing::wrong("off by " + std::to_string(error / scale));
 }
 
 // Both err by a part of a step in when contact begins, slips and ends: 1/400 of the duration, and the rest by
 // the order of the method. Of 7000 (VBOND_CAMPAIGN=1000) none was wrong, 14 stuck with both; the worst was
 // 4.7e-3 of the momentum.
 TEST(Encounters, AreThoseOfAnotherIntegrator) {
-  const char* const given = std::getenv("VBOND_CAMPAIGN");
-  const unsigned count = given != nullptr ? static_cast<unsigned>(std::atoi(given)) : 5;
-  int of[5] = {0, 0, 0, 0, 0};
-  double worst = 0.0;
-  for (const Partner partner : {Partner::particle, Partner::plane, Partner::ridge, Partner::hollow_sphere,
-                                Partner::ball, Partner::trough, Partner::fibre})
-    for (unsigned seed = 1; seed <= count; ++seed) {
-      const Verdict v = judge(partner, seed, &worst);
-      ++of[static_cast<int>(v)];
-      EXPECT_TRUE(v == Verdict::right || v == Verdict::both_stick)
-          << "partner " << static_cast<int>(partner) << ", seed " << seed << ": " << static_cast<int>(v);
-    }
-  std::printf(
-      "right %d, wrong %d, energy made %d, passed through %d, both stick %d; worst error %.2e of the "
-      "momentum\n",
-      of[0], of[1], of[2], of[3], of[4], worst);
+  constexpr std::array partners{"particle", "plane", "ridge", "hollow sphere", "ball", "trough", "fibre"};
+  for (std::size_t k = 0; k < partners.size(); ++k)
+    testing::campaign(partners[k], 5, [k](unsigned seed, testing::Tally& all) {
+      return judge(static_cast<Partner>(k), seed, all);
+    });
 }
 
 }  // namespace

@@ -4,8 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "campaigns/bodies.hpp"
+#include "campaigns/judge.hpp"
 #include "tops.hpp"
-#include "turned_body.hpp"
 
 namespace vbond::follower_test {
 namespace {
@@ -79,15 +80,14 @@ TEST(FollowerMoment, TurnsWithItsParticle) {
 // a whole is the same, turned: loads are then given by the same numbers. Of 300 bodies the largest error is
 // 1.6e-4 of the energy, and the ratio of errors within 1e-3 of a quarter.
 TEST(FollowerLoads, BalanceOfEnergyClosesAndAxesAreTheParticles) {
-  for (unsigned seed = 1; seed <= testing::campaign_size(10); ++seed) {
+  testing::campaign("follower loads", 10, [](unsigned seed) {
     Dice dice(seed);
     Specimen s = testing::random_body(dice);
     if (dice(0, 1) < 0.5) make_top(s.model, ParticleId{1}, {{0.08, 0.1, 0.15}, {}});
     Stage stage = testing::plain_stage(0.04, 16.0);
-    stage.loads = {follower(1, testing::vector_in(dice, 0.02), testing::vector_in(dice, 0.004)),
-                   follower(2, testing::vector_in(dice, 0.02))};
+    stage.loads = {follower(1, dice.vector(0.02), dice.vector(0.004)), follower(2, dice.vector(0.02))};
     stage.loads[0].factor.points = {{0, 0}, {4, 1}, {12, -0.5}};
-    stage.loads[1].force_by_mass = testing::vector_in(dice, 0.01);
+    stage.loads[1].force_by_mass = dice.vector(0.01);
     double error[2];
     State end;
     for (const int k : {0, 1}) {
@@ -100,16 +100,15 @@ TEST(FollowerLoads, BalanceOfEnergyClosesAndAxesAreTheParticles) {
       }
       end = run.state();
     }
-    EXPECT_LT(error[1], 4e-4) << "seed " << seed;
-    EXPECT_NEAR(error[1] / error[0], 0.25, 0.01) << "seed " << seed;
+    EXPECT_LT(error[1], 4e-4);
+    EXPECT_NEAR(error[1] / error[0], 0.25, 0.01);
 
-    const Quatd turn = rotation_of(testing::vector_in(dice, 1.5));
+    const Quatd turn = rotation_of(dice.vector(1.5));
     const Specimen turned = testing::turned(s, turn);
     Simulation again(turned.model, stage, turned.state);
     again.run();
-    for (const ParticleId p : end.r.ids())
-      ASSERT_LE(norm(again.state().r[p] - rotate(turn, end.r[p])), 1e-9) << "seed " << seed;
-  }
+    for (const ParticleId p : end.r.ids()) ASSERT_LE(norm(again.state().r[p] - rotate(turn, end.r[p])), 1e-9);
+  });
 }
 
 }  // namespace

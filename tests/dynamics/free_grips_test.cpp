@@ -4,7 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "turned_body.hpp"
+#include "campaigns/bodies.hpp"
+#include "campaigns/judge.hpp"
 
 namespace vbond::free_grips_test {
 namespace {
@@ -26,10 +27,10 @@ constexpr HeldDofs nothing{}, all_but_z{true, true, false, true, true, true};
 Specimen cloud(std::size_t n, unsigned seed = 7) {
   Dice dice(seed);
   std::vector<Vec3d> r;
-  for (std::size_t k = 0; k < n; ++k) r.push_back(testing::vector_in(dice, 2.0));
+  for (std::size_t k = 0; k < n; ++k) r.push_back(dice.vector(2.0));
   Specimen s = testing::particles_at(r);
   for (const ParticleId p : s.state.q.ids()) {
-    s.state.q[p] = rotation_of(testing::vector_in(dice, 3.0));
+    s.state.q[p] = rotation_of(dice.vector(3.0));
     s.model.mass[p] = dice(0.5, 2.0);
     s.model.inertia[p] = dice(0.05, 0.1);
   }
@@ -216,11 +217,11 @@ TEST(FreeGrip, DragSlowsItAsOneBody) {
 // at after the same times, the same bits with any number of threads, and from a state in the middle of the
 // run. Of 300 bodies the largest error is 2.4e-4 of the energy, and the ratio within 1e-3 of a quarter.
 TEST(FreeGrip, BooksCloseAndRunsGoOn) {
-  for (unsigned seed = 1; seed <= testing::campaign_size(10); ++seed) {
+  testing::campaign("grips free in part", 10, [](unsigned seed) {
     Dice dice(seed);
     Specimen s = testing::random_body(dice);
-    for (Vec3d& v : s.state.v) v = testing::vector_in(dice, 0.05);
-    for (Vec3d& w : s.state.omega) w = testing::vector_in(dice, 0.05);
+    for (Vec3d& v : s.state.v) v = dice.vector(0.05);
+    for (Vec3d& w : s.state.omega) w = dice.vector(0.05);
     const std::size_t n = s.model.particles();
     HeldDofs held = testing::some_dofs(dice, 0.5);
     const double turns = dice(0, 3);
@@ -232,8 +233,7 @@ TEST(FreeGrip, BooksCloseAndRunsGoOn) {
       if (held[static_cast<std::size_t>(k)]) component(stage.supports[1].velocity, k) = dice(-0.03, 0.03);
     stage.supports[1].factor.points = {{0, 0}, {3, 1}, {8, -1}};
     if (dice(0, 1) < 0.5) stage.b_translation = 0.05, stage.b_rotation = 0.005;
-    stage.loads = {
-        {"load", {ParticleId{n - 1}}, testing::vector_in(dice, 0.02), testing::vector_in(dice, 0.01), {}}};
+    stage.loads = {{"load", {ParticleId{n - 1}}, dice.vector(0.02), dice.vector(0.01), {}}};
     double error[2];
     for (const int k : {0, 1}) {
       stage.dt = k == 0 ? 0.04 : 0.02;
@@ -244,18 +244,18 @@ TEST(FreeGrip, BooksCloseAndRunsGoOn) {
         error[k] = std::max(error[k], std::abs(run.balance_error()));
       }
     }
-    EXPECT_LT(error[1], 6e-4) << "seed " << seed;
-    EXPECT_NEAR(error[1] / error[0], 0.25, 0.01) << "seed " << seed;
+    EXPECT_LT(error[1], 6e-4);
+    EXPECT_NEAR(error[1] / error[0], 0.25, 0.01);
 
     Simulation whole(s.model, stage, s.state, 1), threads(s.model, stage, s.state, 3);
     whole.run(), threads.run();
-    EXPECT_EQ(whole.state(), threads.state()) << "seed " << seed;
+    EXPECT_EQ(whole.state(), threads.state());
     Simulation first(s.model, stage, s.state);
     for (int step = 0; step < 151; ++step) first.step();
     Simulation rest(s.model, stage, first.state());
     rest.run();
-    EXPECT_EQ(rest.state(), whole.state()) << "seed " << seed;
-  }
+    EXPECT_EQ(rest.state(), whole.state());
+  });
 }
 
 // What no motion is known for is refused.

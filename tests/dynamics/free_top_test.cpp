@@ -139,10 +139,10 @@ TEST(RandomTops, MoveAsEulersEquationsSay) {
   Dice dice(16);
   double worst = 0.0;
   for (int k = 0; k < 200; ++k) {
-    const PrincipalInertia inertia{testing::drawn_moments(dice), testing::drawn_rotation(dice)};
+    const PrincipalInertia inertia{testing::drawn_moments(dice), rotation_of(dice.vector(2.0))};
     testing::Specimen s =
-        free_top(inertia, testing::drawn_rotation(dice), testing::drawn_vector(dice, k % 2 == 0 ? 1.0 : 3.0));
-    const Vec3d M = k % 4 < 2 ? Vec3d{} : testing::drawn_vector(dice, 0.5);
+        free_top(inertia, rotation_of(dice.vector(2.0)), dice.vector(k % 2 == 0 ? 1.0 : 3.0));
+    const Vec3d M = k % 4 < 2 ? Vec3d{} : dice.vector(0.5);
     const double end = 4.0;
     const Euler euler{inertia.moments, spin(s.model, s.state), M,
                       testing::principal_axes(s.model, s.state, one)};

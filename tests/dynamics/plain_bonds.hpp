@@ -7,6 +7,7 @@
 #include "rods.hpp"
 #include "vbond/core/vec3.hpp"
 #include "vbond/physics/strength.hpp"
+#include "vbond/physics/stretch.hpp"
 
 /// The bond laws once more, in words of model.md and apart from physics/: for tests.
 namespace vbond::testing {
@@ -17,6 +18,17 @@ struct PlainLaw {
   double a = 1;
   std::array<double, 4> c{};
 };
+
+/// The axial force of a form, written apart from physics/stretch.hpp.
+inline double axial_force(const Stretch& s, double c_A, double u) {
+  switch (s.form) {
+    case StretchForm::cubic: return c_A * u + s.k3 * u * u + s.k4 * u * u * u;
+    case StretchForm::two_slopes: return u > 0 ? c_A * u : s.compression * c_A * u;
+    case StretchForm::fene: return c_A * u / (1 - u * u / (s.largest * s.largest));
+    case StretchForm::morse: return c_A / s.alpha * (std::exp(-s.alpha * u) - std::exp(-2 * s.alpha * u));
+    default: return c_A * u;
+  }
+}
 
 /// Force on i, and moments on both about their bonded points.
 struct PlainLoads {

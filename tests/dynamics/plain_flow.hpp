@@ -20,6 +20,7 @@ struct PlainLimit {
 struct PlainBond {
   std::size_t i = 0, j = 0;
   PlainLaw law;                    ///< a: the length that the coefficients were made for
+  Stretch form;                    ///< of the axial force
   double a = 1, R_i = 0, R_j = 0;  ///< of now: temperature changes them
   std::array<double, 4> g{};       ///< damping of stretching, shear, bending, torsion
   Vec3d points_i, points_j;        ///< where the bonded points are, unit vectors in the bodies
@@ -87,7 +88,7 @@ inline Vec3d unit(const Vec3d& x) {
 }
 
 inline double undamaged_force(const PlainBond& b, double length) {
-  return b.law.c[0] * (length - b.a - b.stretch - b.crept);
+  return axial_force(b.form, b.law.c[0], length - b.a - b.stretch - b.crept);
 }
 /// Elastic loads with damage; moments without the arms of the force.
 inline PlainLoads loads_of(const PlainBond& b, const PlainPose& p) {

@@ -1,9 +1,9 @@
 #pragma once
 #include <cmath>
-#include <random>
 #include <string>
 #include <vector>
 
+#include "campaigns/dice.hpp"
 #include "vbond/dynamics/simulation.hpp"
 #include "vbond/model/make_bond.hpp"
 
@@ -64,26 +64,12 @@ inline Support held(const std::vector<ParticleId>& particles, HeldDofs dofs, con
 inline constexpr HeldDofs translations{true, true, true, false, false, false};
 inline constexpr HeldDofs clamped{true, true, true, true, true, true};
 
-/// A uniform number in [0, 1) from an integer, the same everywhere.
-class Dice {
- public:
-  explicit Dice(unsigned seed) : random_(seed) {}
-  double operator()(double low, double high) {
-    return low + (high - low) * static_cast<double>(random_() >> 11) * 0x1p-53;
-  }
-
- private:
-  std::mt19937_64 random_;
-};
-
 /// A chain of eight of these bonds, moved and turning at random.
 inline Specimen lively_chain(const BondRecipe& recipe, double speed) {
   Specimen s = straight_rod(8, recipe);
   Dice dice(3);
-  for (const ParticleId p : s.state.r.ids()) {
-    s.state.v[p] = {dice(-speed, speed), dice(-speed, speed), dice(-speed, speed)};
-    s.state.omega[p] = {dice(-speed, speed), dice(-speed, speed), dice(-speed, speed)};
-  }
+  for (const ParticleId p : s.state.r.ids())
+    s.state.v[p] = dice.vector(speed), s.state.omega[p] = dice.vector(speed);
   return s;
 }
 

@@ -3,7 +3,8 @@
 
 #include <cmath>
 
-#include "turned_body.hpp"
+#include "campaigns/bodies.hpp"
+#include "campaigns/judge.hpp"
 
 namespace vbond::slanted_supports_test {
 namespace {
@@ -40,7 +41,7 @@ TEST(SlantedSupports, ParticleSlidesDownASlope) {
 // A body that has turned with its supports, their motion and its loads moves as before. 300 steps: rounding
 // of 1e-16 a step grows by less than 1e4 in them. The balance of energy closes as it does without slant.
 TEST(SlantedSupports, MotionTurnsWithTheBody) {
-  for (unsigned seed = 1; seed <= testing::campaign_size(10); ++seed) {
+  testing::campaign("slanted supports", 10, [](unsigned seed) {
     Dice dice(seed);
     const Specimen plain = testing::random_body(dice);
     const std::size_t n = plain.model.particles();
@@ -56,10 +57,9 @@ TEST(SlantedSupports, MotionTurnsWithTheBody) {
       s.factor.points = {{0, 0}, {2, 1}, {5, -0.5}};
       stage.supports.push_back(s);
     }
-    PointLoad load{
-        "load", {ParticleId{1}}, testing::vector_in(dice, 0.01), testing::vector_in(dice, 0.002), {}};
+    PointLoad load{"load", {ParticleId{1}}, dice.vector(0.01), dice.vector(0.002), {}};
     stage.loads = {load};
-    const Quatd turn = rotation_of(testing::vector_in(dice, 1.5));
+    const Quatd turn = rotation_of(dice.vector(1.5));
     Stage slanted = stage;
     for (Support& s : slanted.supports) {
       s.axes = testing::turned_axes(turn);
@@ -70,20 +70,20 @@ TEST(SlantedSupports, MotionTurnsWithTheBody) {
     Simulation before(plain.model, stage, plain.state), after(turned.model, slanted, turned.state);
     before.run(), after.run();
     for (const ParticleId p : plain.state.r.ids()) {
-      ASSERT_LE(norm(after.state().r[p] - rotate(turn, before.state().r[p])), 1e-11) << "seed " << seed;
-      ASSERT_LE(norm(after.state().omega[p] - rotate(turn, before.state().omega[p])), 1e-11) << seed;
+      ASSERT_LE(norm(after.state().r[p] - rotate(turn, before.state().r[p])), 1e-11);
+      ASSERT_LE(norm(after.state().omega[p] - rotate(turn, before.state().omega[p])), 1e-11);
     }
     const Reaction a = before.reaction({ParticleId{n - 1}}), b = after.reaction({ParticleId{n - 1}});
-    ASSERT_LE(norm(b.force - rotate(turn, a.force)), 1e-11) << seed;
-    ASSERT_LE(norm(b.moment - rotate(turn, a.moment)), 1e-11) << seed;
-    ASSERT_NEAR(after.books().work_supports, before.books().work_supports, 1e-12) << seed;
-    ASSERT_NEAR(after.books().work_loads, before.books().work_loads, 1e-12) << seed;
+    ASSERT_LE(norm(b.force - rotate(turn, a.force)), 1e-11);
+    ASSERT_LE(norm(b.moment - rotate(turn, a.moment)), 1e-11);
+    ASSERT_NEAR(after.books().work_supports, before.books().work_supports, 1e-12);
+    ASSERT_NEAR(after.books().work_loads, before.books().work_loads, 1e-12);
 
     // Local damping goes by axes. Those of a particle turn with it where one translation and one turn of it
     // are free: which two a single held direction leaves free is up to the code. Where a rate is zero to
     // rounding, as before the first wave comes, its sign may differ, and so the damping of a step: places by
     // 3e-8 and energies by 6e-12 at most in 300 bodies, measured.
-    if (local_damping == 0.0) continue;
+    if (local_damping == 0.0) return;
     for (Stage* st : {&stage, &slanted}) {
       st->local_damping = local_damping;
       st->supports.resize(1);
@@ -98,9 +98,9 @@ TEST(SlantedSupports, MotionTurnsWithTheBody) {
     Simulation damped(plain.model, stage, plain.state), damped_after(turned.model, slanted, turned.state);
     damped.run(), damped_after.run();
     for (const ParticleId p : plain.state.r.ids())
-      ASSERT_LE(norm(damped_after.state().r[p] - rotate(turn, damped.state().r[p])), 1e-7) << seed;
-    ASSERT_NEAR(damped_after.books().dissipated, damped.books().dissipated, 1e-10) << seed;
-  }
+      ASSERT_LE(norm(damped_after.state().r[p] - rotate(turn, damped.state().r[p])), 1e-7);
+    ASSERT_NEAR(damped_after.books().dissipated, damped.books().dissipated, 1e-10);
+  });
 }
 
 // The work of supports that push along a slope is what the body gains.

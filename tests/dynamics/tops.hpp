@@ -45,13 +45,6 @@ inline double apart(const Quatd& p, const Quatd& q) {
   return std::sqrt(std::min(square(1.0), square(-1.0)));
 }
 
-inline Vec3d drawn_vector(Dice& dice, double size) {
-  const double x = dice(-size, size), y = dice(-size, size), z = dice(-size, size);
-  return {x, y, z};
-}
-inline Quatd drawn_rotation(Dice& dice) {
-  return rotation_of(drawn_vector(dice, 2.0));
-}
 /// Moments of a random mass, from 1 to 4: those of three extents, which keep the triangle inequality.
 inline Vec3d drawn_moments(Dice& dice) {
   const double x = dice(0.1, 2), y = dice(0.1, 2), z = dice(0.1, 2);
@@ -67,9 +60,9 @@ inline Specimen rod_of_tops(std::size_t N, const BondLaw* law, unsigned seed, do
   Specimen s = straight_rod(N, recipe);
   Dice dice(seed);
   for (const ParticleId p : s.state.r.ids()) {
-    if (p.value % 3 != 1) make_top(s.model, p, {0.064 * drawn_moments(dice), drawn_rotation(dice)});
-    s.state.v[p] = drawn_vector(dice, speed);
-    s.state.omega[p] = drawn_vector(dice, 5 * speed);
+    if (p.value % 3 != 1) make_top(s.model, p, {0.064 * drawn_moments(dice), rotation_of(dice.vector(2.0))});
+    s.state.v[p] = dice.vector(speed);
+    s.state.omega[p] = dice.vector(5 * speed);
   }
   return s;
 }

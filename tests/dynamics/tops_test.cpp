@@ -29,7 +29,7 @@ testing::Specimen asymmetric_top() {
 // Whatever frame of the body its principal axes are told in.
 TEST(Tops, MoveAlikeWhateverTheirBodyAxesAre) {
   Dice dice(5);
-  const Quatd turn = testing::drawn_rotation(dice);
+  const Quatd turn = rotation_of(dice.vector(2.0));
   const testing::Specimen plain = asymmetric_top();
   const testing::Specimen turned =
       free_top({plain.model.principal[one].moments, turn}, conjugate(turn), plain.state.omega[one]);

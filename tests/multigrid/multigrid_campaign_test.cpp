@@ -1,24 +1,25 @@
 // Random columns, blocks and panels, at rest, on their path, at their critical loads and swinging: by factors
-// and by multigrid. VBOND_CAMPAIGN sets the number of bodies, VBOND_CAMPAIGN_SEED one alone.
+// and by multigrid.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <random>
 #include <string>
 #include <vector>
 
+#include "campaigns/judge.hpp"
 #include "multigrid/multigrid_bodies.hpp"
 #include "vbond/statics/detail/body.hpp"
 
 namespace vbond {
 namespace {
 
+using testing::Dice;
 using testing::fixed;
 using testing::ids;
 using testing::static_stage;
+using testing::Tally;
 
 struct Body {
   std::string name;
@@ -26,21 +27,6 @@ struct Body {
   std::vector<Support> supports;
   std::vector<PointLoad> loads;
   bool free = false;  ///< modes without supports
-};
-
-class Dice {
- public:
-  explicit Dice(unsigned seed) : random_(seed) {}
-  std::size_t number(std::size_t least, std::size_t most) {
-    return std::uniform_int_distribution<std::size_t>(least, most)(random_);
-  }
-  double between(double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(random_);
-  }
-  bool chance(double p) { return between(0.0, 1.0) < p; }
-
- private:
-  std::mt19937 random_;
 };
 
 PointLoad pushed(std::vector<ParticleId> particles, const Vec3d& force) {
@@ -63,8 +49,8 @@ void stand(Body& b, std::size_t bottom, Dice& dice) {
 
 /// A piece of a cylinder, its straight edges hinged, pushed in the middle.
 Body panel(Dice& dice, const BondLaw* law) {
-  const std::size_t along = dice.number(4, 9), around = dice.number(8, 16);
-  const double radius = dice.between(12.0, 40.0);
+  const std::size_t along = dice.count(4, 9), around = dice.count(8, 16);
+  const double radius = dice(12.0, 40.0);
   std::vector<Vec3d> r;
   for (std::size_t j = 0; j < around; ++j)
     for (std::size_t i = 0; i < along; ++i) {
@@ -87,14 +73,14 @@ Body panel(Dice& dice, const BondLaw* law) {
 Body random_body(unsigned seed) {
   Dice dice(seed);
   const BondLaw* law = dice.chance(0.5) ? &bond_law<Evm> : &bond_law<VModel>;
-  const std::size_t kind = dice.number(0, 2);
+  const std::size_t kind = dice.count(0, 2);
   Body b;
   if (kind == 0) {
-    const std::size_t nx = dice.number(1, 3), ny = dice.number(1, 3), nz = dice.number(20, 40);
+    const std::size_t nx = dice.count(1, 3), ny = dice.count(1, 3), nz = dice.count(20, 40);
     b = {"column", testing::lattice_of(nx, ny, nz, law), {}, {}};
     stand(b, nx * ny, dice);
   } else if (kind == 1) {
-    const std::size_t nx = dice.number(3, 6), ny = dice.number(3, 6), nz = dice.number(4, 9);
+    const std::size_t nx = dice.count(3, 6), ny = dice.count(3, 6), nz = dice.count(4, 9);
     b = {"block", testing::lattice_of(nx, ny, nz, law), {}, {}};
     stand(b, nx * ny, dice);
   } else {
@@ -104,10 +90,6 @@ Body random_body(unsigned seed) {
   b.name += fmt::format(" {} of {}{}", seed, b.specimen.model.particles(), b.free ? ", free" : "");
   return b;
 }
-
-struct Counts {
-  int same = 0, missed = 0, wrong = 0, given_up = 0, refused = 0;
-};
 
 struct Ran {
   std::optional<StaticOutcome> outcome;
@@ -194,64 +176,50 @@ bool confirmed(const Body& b, StaticStage stage, const StaticOutcome& path) {
   return true;
 }
 
-void compare(const Body& b, const StaticStage& stage, const char* kind, Counts& counts) {
+void compare(const Body& b, const StaticStage& stage, const std::string& kind, Tally& all) {
   const Ran direct = run_by(LinearSolver::direct, b, stage),
             multigrid = run_by(LinearSolver::multigrid, b, stage);
   if (!direct.outcome) {
-    ++counts.refused;
+    all.add("refused by both");
     return;
   }
   if (!multigrid.outcome) {
-    ++counts.given_up;
-    fmt::print("{}, {}: given up: {}\n", b.name, kind, multigrid.why);
+    ADD_FAILURE() << b.name << ", " << kind << ": given up: " << multigrid.why;
     return;
   }
   EXPECT_EQ(multigrid.outcome->result.solver, "multigrid");
   bool missed = false;
   const std::string text = difference(b, stage, *direct.outcome, *multigrid.outcome, missed);
   const bool same = text.empty() || confirmed(b, stage, *multigrid.outcome);
-  ++(same ? counts.same : missed ? counts.missed : counts.wrong);
-  if (!text.empty()) fmt::print("{}, {}: {}\n", b.name, kind, text);
+  EXPECT_TRUE(same) << b.name << ", " << kind << (missed ? ": missed: " : ": ") << text;
+  all.add(kind + " the same", same);
+  if (same && !text.empty()) all.add("confirmed by the search");
 }
 
-Counts judge(unsigned seed) {
+void judge(unsigned seed, Tally& all) {
   const Body b = random_body(seed);
-  Counts counts;
   StaticStage modes = static_stage(StageKind::modes, b.free ? std::vector<Support>{} : b.supports);
   modes.count = 5;
-  compare(b, modes, "modes", counts);
+  compare(b, modes, "modes", all);
 
   StaticStage buckling = static_stage(StageKind::buckling, b.supports, b.loads);
   buckling.count = 2;
   buckling.path.most_points = 30;
-  compare(b, buckling, "buckling", counts);
+  compare(b, buckling, "buckling", all);
 
   StaticStage path = static_stage(StageKind::path, b.supports, b.loads);
   path.path.most_points = 25;
   path.path.above = 0.05;
-  compare(b, path, "path", counts);
+  compare(b, path, "path", all);
 
   StaticStage rest = static_stage(StageKind::equilibrium, b.supports, b.loads);
   for (PointLoad& l : rest.loads) l.force = 0.003 * l.force + Vec3d{2e-4, 1e-4, 0};
-  compare(b, rest, "equilibrium", counts);
-  return counts;
+  compare(b, rest, "equilibrium", all);
 }
 
 TEST(MultigridCampaign, FindsWhatFactorsFind) {
-  const char* const wanted = std::getenv("VBOND_CAMPAIGN");
-  const char* const only = std::getenv("VBOND_CAMPAIGN_SEED");
-  const unsigned first = only ? static_cast<unsigned>(std::atoi(only)) : 1;
-  const unsigned number = only ? 1 : wanted ? static_cast<unsigned>(std::atoi(wanted)) : 6;
-  Counts all;
-  for (unsigned seed = first; seed < first + number; ++seed) {
-    const Counts c = judge(seed);
-    all.same += c.same, all.missed += c.missed, all.wrong += c.wrong;
-    all.given_up += c.given_up, all.refused += c.refused;
-  }
-  fmt::print("{} the same, {} missed, {} wrong, {} given up; {} refused by both\n", all.same, all.missed,
-             all.wrong, all.given_up, all.refused);
-  EXPECT_GT(all.same, 0);
-  EXPECT_EQ(all.missed + all.wrong + all.given_up, 0);
+  const Tally all = testing::campaign("multigrid", 6, judge);
+  EXPECT_LT(all.sum("refused by both"), 4 * all.cases);
 }
 
 }  // namespace

@@ -4,11 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <optional>
 #include <vector>
 
+#include "campaigns/judge.hpp"
 #include "run/dropping.hpp"
 #include "temporary_folder.hpp"
 #include "vbond/model/step_bound.hpp"
@@ -32,11 +31,11 @@ struct Shot {
     for (std::size_t k = 0; k < side * side * side; ++k)
       r.push_back(Vec3d{static_cast<double>(k % side), static_cast<double>(k / side % side),
                         static_cast<double>(k / side / side)} +
-                  Vec3d{dice(-0.02, 0.02), dice(-0.02, 0.02), dice(-0.02, 0.02)});
+                  dice.vector(0.02));
     is_bullet.resize(r.size(), 0);
-    const int bullets = static_cast<int>(dice(1, 4));
+    const int bullets = dice.whole(1, 3);
     for (int b = 0; b < bullets; ++b) {
-      const auto at = static_cast<std::ptrdiff_t>(dice(0, static_cast<double>(r.size() + 1)));
+      const auto at = static_cast<std::ptrdiff_t>(dice.below(r.size() + 1));
       const Vec3d from{n + 0.5 - 1.5 * b, b > 0 ? n + 1.0 : dice(0, n - 1), dice(0, n - 1)};
       r.insert(r.begin() + at, from);
       is_bullet.insert(is_bullet.begin() + at, static_cast<char>(1 + b));
@@ -44,7 +43,7 @@ struct Shot {
     s = testing::particles_at(r, dice(0.47, 0.5));
     const double k = dice(5.0, 20.0);
     s.model.contact = linear(k, dice(0.0, 0.6), dice(0.5, 1.0));
-    if (dice(0, 1) < 0.3) s.model.contact = {ContactLaw::paper_hertz, ContactPairs::unbonded, k, 1.0, 0, 0};
+    if (dice.chance(0.3)) s.model.contact = {ContactLaw::paper_hertz, ContactPairs::unbonded, k, 1.0, 0, 0};
     s.model.contact.pairs = ContactPairs::unbonded;
     s.model.walls = {{"floor", PlaneWall{{0, 0, -0.5}, {0, 0, 1}}, 0, {}},
                      {"side", PlaneWall{{n + 1.5, 0, 0}, {-1, 0, 0}}, 0, {}}};
@@ -57,20 +56,20 @@ struct Shot {
       const double speed = dice(3.0, 6.0) * std::sqrt(k / s.model.mass[p]);
       fastest = std::max(fastest, speed);
       s.state.v[p] = is_bullet[p.value] > 1 ? Vec3d{0, -speed, 0}
-                     : dice(0, 1) < 0.5     ? Vec3d{speed, 0, 0}
+                     : dice.chance(0.5)     ? Vec3d{speed, 0, 0}
                                             : Vec3d{-speed, dice(-0.05, 0.05) * speed, 0};
     }
     BondRecipe recipe = testing::papers_bond();
-    if (dice(0, 1) < 0.5) recipe.parameters = BondStiffness<double>{1.0, 0.03, 0.0025, 1.0 / 480};
-    if (dice(0, 1) < 0.3) recipe.damping = {DampingBy::coefficients, {0.02, 0.002, 2e-4, 2e-4}};
-    if (dice(0, 1) < 0.3) recipe.rules.yield.limit = {0.01, 1e-3, 2e-4, 1e-4};
-    if (dice(0, 1) < 0.3) recipe.expansion = 1e-3;
-    if (dice(0, 1) < 0.3)
+    if (dice.chance(0.5)) recipe.parameters = BondStiffness<double>{1.0, 0.03, 0.0025, 1.0 / 480};
+    if (dice.chance(0.3)) recipe.damping = {DampingBy::coefficients, {0.02, 0.002, 2e-4, 2e-4}};
+    if (dice.chance(0.3)) recipe.rules.yield.limit = {0.01, 1e-3, 2e-4, 1e-4};
+    if (dice.chance(0.3)) recipe.expansion = 1e-3;
+    if (dice.chance(0.3))
       for (const ParticleId p : s.model.mass.ids()) make_top(s.model, p, {{0.064, 0.07, 0.08}, {}});
-    if (dice(0, 1) < 0.6)
+    if (dice.chance(0.6))
       for (std::size_t i = 0; i < r.size(); ++i)
         for (std::size_t j = i + 1; j < r.size(); ++j)
-          if (is_bullet[i] == 0 && is_bullet[j] == 0 && norm(r[j] - r[i]) < 1.1 && dice(0, 1) < 0.5) {
+          if (is_bullet[i] == 0 && is_bullet[j] == 0 && norm(r[j] - r[i]) < 1.1 && dice.chance(0.5)) {
             testing::bond(s, i, j, recipe);
             const Bond& b = s.state.bonds[BondId{s.state.bonds.size() - 1}];
             if (recipe.expansion > 0.0)
@@ -79,10 +78,10 @@ struct Shot {
           }
     stage = dropping(0.02 * step_bound(s.model, s.state).dt, 0.0);
     stage.gravity = {0, 0, dice(-0.01, 0.0)};
-    if (dice(0, 1) < 0.3) stage.b_translation = dice(0.0, 0.05);
+    if (dice.chance(0.3)) stage.b_translation = dice(0.0, 0.05);
     if (recipe.expansion > 0.0)
       stage.heating = {{s.model.groups[0].particles, dice(-10.0, 10.0), {{{0, 0}, {10.0 * stage.dt, 1}}}}};
-    if (dice(0, 1) < 0.2) stage.local_damping = dice(0.0, 0.3);
+    if (dice.chance(0.2)) stage.local_damping = dice(0.0, 0.3);
     stage.stops.duration = 4.0 * n / fastest + 200.0 * stage.dt;
   }
 };
@@ -94,13 +93,6 @@ std::vector<ParticleId> others(const Model& m, const std::vector<ParticleId>& go
   return stay;
 }
 
-/// What became of one of them.
-struct Outcome {
-  std::size_t dropped = 0;
-  bool compared = false, by_wall = false;
-  double books = 0, apart = 0;  // worst, relative
-};
-
 /// Steps alone up to the first loss, which the stepping tells after the step; nothing if there is none.
 std::optional<ParticlesLost> first_loss(Simulation& sim) {
   try {
@@ -111,29 +103,28 @@ std::optional<ParticlesLost> first_loss(Simulation& sim) {
   return std::nullopt;
 }
 
-Outcome look_at(unsigned seed) {
+void look_at(unsigned seed, testing::Tally& tally) {
   const Shot shot(seed);
-  Outcome found;
   Simulation alone(shot.s.model, shot.stage, shot.s.state);
   alone.add_observer(watch());
   const auto lost = first_loss(alone);
   Watched w(shot.s, shot.stage);
   if (!lost) {
     w.run.run();
-    EXPECT_TRUE(w.run.state().dropped.empty()) << seed;
-    return found;
+    EXPECT_TRUE(w.run.state().dropped.empty());
+    return;
   }
-  found.by_wall = !lost->lost[0].other;
+  if (!lost->lost[0].other) tally.add("by walls");
   const State before = alone.state();
   w.run.step(before.clock.step);
   const State at = w.run.state();
   const double scale = alone.energies().kinetic() + std::abs(alone.energies().contact);
-  found.books = std::abs(missing(*w.run.simulation()) - missing(alone)) / scale;
-  EXPECT_FALSE(at.dropped.empty()) << seed;
+  tally.below("books", std::abs(missing(*w.run.simulation()) - missing(alone)) / scale, 1e-12);
+  EXPECT_FALSE(at.dropped.empty());
   for (const ParticleId p : others(shot.s.model, at.dropped))  // nothing is done to the others
     EXPECT_TRUE(at.r[p] == before.r[p] && at.v[p] == before.v[p] && at.q[p] == before.q[p] &&
                 at.omega[p] == before.omega[p])
-        << seed << ", particle " << p.value;
+        << "particle " << p.value;
 
   const Specimen rest = without({shot.s.model, before}, at.dropped);
   Stage stage = shot.stage;
@@ -143,8 +134,8 @@ Outcome look_at(unsigned seed) {
   by_hand.add_observer(watch(without(w.observer->watch().record(), at.dropped), 1e9));
   const std::vector<ParticleId> stay = others(shot.s.model, at.dropped);
   const double stage_time = 100.0 * shot.stage.dt;
-  found.books = std::max(
-      found.books, std::abs(w.run.simulation()->energies().total() - by_hand.energies().total()) / scale);
+  tally.below("books", std::abs(w.run.simulation()->energies().total() - by_hand.energies().total()) / scale,
+              1e-12);
   for (int k = 0; k < 100 && !w.run.complete(); ++k) {
     w.run.step(1);
     bool lost_again = false;
@@ -154,21 +145,22 @@ Outcome look_at(unsigned seed) {
       lost_again = true;
     }
     if (w.run.complete()) break;
-    EXPECT_EQ(lost_again, w.run.current().dropped.size() > at.dropped.size()) << seed;
+    EXPECT_EQ(lost_again, w.run.current().dropped.size() > at.dropped.size());
     if (lost_again) break;
-    found.compared = true;
+    if (k == 0) tally.add("compared");
     for (std::size_t i = 0; i < stay.size(); ++i) {
       const State &one = w.run.current(), &other = by_hand.state();
       const ParticleId p{i};
-      found.apart = std::max({found.apart, norm(one.r[stay[i]] - other.r[p]),
-                              stage_time * norm(one.v[stay[i]] - other.v[p]),
-                              stage_time * norm(one.omega[stay[i]] - other.omega[p])});
+      tally.below("way apart",
+                  std::max({norm(one.r[stay[i]] - other.r[p]), stage_time * norm(one.v[stay[i]] - other.v[p]),
+                            stage_time * norm(one.omega[stay[i]] - other.omega[p])}),
+                  1e-12);
     }
   }
   if (!w.run.complete()) w.run.run();
-  EXPECT_EQ(w.run.results().back().stop, StopReason::duration) << seed;
-  found.dropped = w.run.state().dropped.size();
-  return found;
+  EXPECT_EQ(w.run.results().back().stop, StopReason::duration);
+  tally.add("dropped", static_cast<double>(w.run.state().dropped.size()));
+  tally.add("bodies with a loss", !w.run.state().dropped.empty());
 }
 
 // The rest is compared over 100 steps after the loss. Two sums of the same loads in another order differ by
@@ -176,25 +168,9 @@ Outcome look_at(unsigned seed) {
 // is 0.02 of the critical one: 100 steps make less than e^4 of it. So 1e-12 of the radii, and of the
 // energies, is a hundredfold more.
 TEST(Drop, CampaignTheRestGoesOnAsIfItHadBeenTakenOutByHand) {
-  const char* given = std::getenv("VBOND_CAMPAIGN");
-  const unsigned count = given != nullptr ? static_cast<unsigned>(std::atoi(given)) : 150;
-  std::size_t with_loss = 0, by_wall = 0, compared = 0, dropped = 0;
-  double books = 0, apart = 0;
-  for (unsigned seed = 1; seed <= count; ++seed) {
-    Outcome found;
-    EXPECT_NO_THROW(found = look_at(seed)) << seed;
-    with_loss += found.dropped > 0, by_wall += found.by_wall, compared += found.compared;
-    dropped += found.dropped;
-    books = std::max(books, found.books), apart = std::max(apart, found.apart);
-  }
-  std::printf(
-      "%u shots: %zu with a loss, %zu of them through a wall, %zu particles; %zu compared: apart by %.1e, "
-      "books by %.1e\n",
-      count, with_loss, by_wall, dropped, compared, apart, books);
-  EXPECT_GE(with_loss, count / 2);
-  EXPECT_GE(by_wall, count / 10);
-  EXPECT_LT(apart, 1e-12);
-  EXPECT_LT(books, 1e-12);
+  const testing::Tally all = testing::campaign("shots", 150, look_at);
+  EXPECT_GE(all.sum("bodies with a loss"), all.full ? all.cases / 2 : 0);
+  EXPECT_GE(all.sum("by walls"), all.full ? all.cases / 10 : 0);
 }
 
 // ---- the same bits --------------------------------------------------------------------------------------

@@ -1,99 +1,27 @@
 // Random small bodies whose bonds yield, creep, soften, damp, break and grow with temperature, in motion and
-// at rest, against an evaluation of the tests' own (dynamics/plain_flow.hpp). How many: VBOND_CAMPAIGN.
+// at rest, against an evaluation of the tests' own (dynamics/plain_flow.hpp).
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "flow_bodies.hpp"
+#include "campaigns/plain_bodies.hpp"
+#include "statics/bodies.hpp"
 #include "vbond/model/step_bound.hpp"
 
 namespace vbond {
 namespace {
 
 using testing::Body;
-using testing::campaign;
+using testing::campaign_of_bodies;
+using testing::Course;
 using testing::Dice;
 using testing::PlainBond;
 using testing::random_body;
 using testing::Specimen;
-using testing::Verdict;
 using testing::warm_up;
-
-constexpr double Theta = 0.064;
-
-/// A time loop of the test's own.
-class OwnMotion {
- public:
-  OwnMotion(const Body& body) : bonds(body.bonds) {
-    const State& s = body.specimen.state;
-    r = s.r.values(), q = s.q.values(), v = s.v.values(), w = s.omega.values();
-    add_loads(v, w);
-  }
-  std::vector<PlainBond> bonds;
-  std::vector<Vec3d> r, v, w;
-  std::vector<Quatd> q;
-  double nearest = 1;  ///< a utilisation to 1
-
-  /// Bonds have the lengths of the end of the step. Returns those that break.
-  std::vector<std::size_t> step(double dt) {
-    kick(dt / 2);
-    const auto v_half = v, w_half = w;
-    for (std::size_t p = 0; p < r.size(); ++p) {
-      r[p] += dt * v[p];
-      q[p] = normalised(rotation_of(dt * w[p]) * q[p]);
-    }
-    for (PlainBond& b : bonds) {
-      if (b.broken) continue;
-      const testing::PlainPose p = testing::pose_of(b, r[b.i], q[b.i], r[b.j], q[b.j]);
-      const Vec3d rate =
-          v_half[b.j] - v_half[b.i] + cross(w_half[b.j], p.arm_j) - cross(w_half[b.i], p.arm_i);
-      testing::flow_on(b, r[b.i], q[b.i], r[b.j], q[b.j], dot(rate, p.d), dt);
-    }
-    const std::vector<double> used = add_loads(v_half, w_half);
-    kick(dt / 2);
-    std::vector<std::size_t> broken;
-    for (std::size_t k = 0; k < bonds.size(); ++k) {
-      if (bonds[k].broken) continue;
-      nearest = std::min(nearest, std::abs(used[k] - 1.0));
-      if (used[k] >= 1.0) broken.push_back(k);
-    }
-    for (const std::size_t k : broken) bonds[k].broken = true;
-    if (!broken.empty()) add_loads(v_half, w_half);
-    return broken;
-  }
-
- private:
-  std::vector<Vec3d> F_, M_;
-  void kick(double h) {
-    for (std::size_t p = 0; p < r.size(); ++p) v[p] += h * F_[p], w[p] += (h / Theta) * M_[p];
-  }
-  std::vector<double> add_loads(const std::vector<Vec3d>& v_at, const std::vector<Vec3d>& w_at) {
-    F_.assign(r.size(), {}), M_.assign(r.size(), {});
-    std::vector<double> used;
-    for (const PlainBond& b : bonds) {
-      used.push_back(0.0);
-      if (b.broken) continue;
-      const testing::PlainPose p = testing::pose_of(b, r[b.i], q[b.i], r[b.j], q[b.j]);
-      testing::PlainLoads l = testing::loads_of(b, p);
-      used.back() = testing::utilisation_of(b, p, l);
-      const Vec3d rate = v_at[b.j] - v_at[b.i] + cross(w_at[b.j], p.arm_j) - cross(w_at[b.i], p.arm_i);
-      const Vec3d turn = w_at[b.j] - w_at[b.i];
-      const Vec3d v_s = testing::part_across(rate, p.d) - 0.5 * cross(w_at[b.i] + w_at[b.j], p.D);
-      const Vec3d h = 0.5 * cross(p.D, b.g[1] * v_s);
-      const Vec3d couple = b.g[2] * testing::part_across(turn, p.d) + b.g[3] * dot(turn, p.d) * p.d;
-      l.F += b.g[0] * dot(rate, p.d) * p.d + b.g[1] * v_s;
-      F_[b.i] += l.F, F_[b.j] -= l.F;
-      M_[b.i] += l.M_i + cross(p.arm_i, l.F) + h + couple;
-      M_[b.j] += l.M_j - cross(p.arm_j, l.F) + h - couple;
-    }
-    return used;
-  }
-};
 
 Heating heating_of(const Specimen& s, double duration) {
   return {s.model.groups[0].particles, 40.0, {{{0, 0}, {0.5 * duration, 1}, {duration, -0.5}}}};
@@ -101,7 +29,7 @@ Heating heating_of(const Specimen& s, double duration) {
 
 /// How far the two are apart at the end: places, and losses as a part of the energy.
 struct Motion {
-  Verdict verdict;
+  Course course;
   double off = 0;
 };
 
@@ -113,12 +41,11 @@ Motion move(const Body& body, int finer, double in_doubt) {
   Stage stage = testing::plain_stage(dt, 1e9);
   stage.heating = {heating_of(s, steps * dt)};
   Simulation run(s.model, stage, s.state);
-  OwnMotion own(body);
+  testing::PlainMotion own(body);
   Motion found;
-  Verdict& verdict = found.verdict;
+  Course& course = found.course;
   const auto wrong = [&](const std::string& what) {
-    verdict.undecided = own.nearest < in_doubt;
-    verdict.wrong = what;
+    course.verdict = {own.nearest < in_doubt ? "undecided" : "wrong", what};
     return found;
   };
   for (int k = 0; k < steps; ++k) {
@@ -126,18 +53,18 @@ Motion move(const Body& body, int finer, double in_doubt) {
     const double T = 40.0 * stage.heating[0].factor((k + 1) * dt);
     warm_up(own.bonds, s.state, std::vector<double>(s.model.particles(), T));
     const std::vector<std::size_t> broken = own.step(dt);
-    if (run.events().size() != verdict.breaks + broken.size())
+    if (run.events().size() != course.breaks + broken.size())
       return wrong("breaks at step " + std::to_string(k));
     for (std::size_t b = 0; b < broken.size(); ++b)
-      if (run.events()[verdict.breaks + b].bond.value != broken[b]) return wrong("order of breaks");
-    verdict.breaks += broken.size();
+      if (run.events()[course.breaks + b].bond.value != broken[b]) return wrong("order of breaks");
+    course.breaks += broken.size();
   }
-  verdict.lost = run.losses();
+  course.lost = run.losses();
   const double scale = run.books().largest;
-  found.off = largest_difference(verdict.lost, own.bonds) / scale;
+  found.off = largest_difference(course.lost, own.bonds) / scale;
   for (std::size_t p = 0; p < own.r.size(); ++p)
     found.off = std::max(found.off, norm(run.state().r[ParticleId{p}] - own.r[p]));
-  const double sum = std::abs(verdict.lost.sum() - run.books().dissipated);
+  const double sum = std::abs(course.lost.sum() - run.books().dissipated);
   if (sum > 1e-12 * std::max(scale, 1e-3)) return wrong("losses do not add up");
   if (std::abs(run.balance_error()) > 0.02) return wrong("the books do not close");
   return found;
@@ -146,19 +73,19 @@ Motion move(const Body& body, int finer, double in_doubt) {
 // Both find the limits of yield to 1e-12 of these, which 200 steps of such motion let grow to well below
 // 1e-8. Creep is taken by a scheme of second order here, and exactly there: a difference above 1e-7 must fall
 // as the step is halved.
-Verdict in_motion(unsigned seed) {
-  const Body body = random_body(seed, true, true);
+Course in_motion(unsigned seed) {
+  const Body body = random_body(seed, {.damps_and_creeps = true, .breaks = true});
   const bool creeps =
       std::any_of(body.bonds.begin(), body.bonds.end(), [](const PlainBond& b) { return b.creep > 0.0; });
   Motion coarse = move(body, 1, creeps ? 1e-5 : 1e-8);
-  Verdict& verdict = coarse.verdict;
-  if (!verdict.wrong.empty() || coarse.off <= (creeps ? 1e-7 : 1e-8)) return verdict;
+  Course& course = coarse.course;
+  if (!course.right() || coarse.off <= (creeps ? 1e-7 : 1e-8)) return course;
   const Motion fine = creeps ? move(body, 2, 1e-5) : coarse;
   char text[200];
   std::snprintf(text, sizeof text, "off by %.1e, with half the step by %.1e", coarse.off, fine.off);
-  if (!fine.verdict.wrong.empty() || coarse.off < 1.25 * fine.off) verdict.wrong = text;
-  verdict.undecided = fine.verdict.undecided;
-  return verdict;
+  if (!fine.course.right() || coarse.off < 1.25 * fine.off)
+    course.verdict = {fine.course.verdict.word == "undecided" ? "undecided" : "wrong", text};
+  return course;
 }
 
 /// Brings a body to rest, clamps its first particle and moves its last, and warms all.
@@ -166,10 +93,9 @@ StaticStage pull_at_rest(unsigned seed, Specimen& s, int steps) {
   Dice dice(seed + 1'000'000);
   const std::size_t last = s.model.particles() - 1;
   s.state.v.assign(s.model.particles(), {}), s.state.omega.assign(s.model.particles(), {});
-  StaticStage stage = testing::static_stage(StageKind::equilibrium,
-                                            {testing::fixed({ParticleId{0}}, testing::clamped),
-                                             testing::fixed({ParticleId{last}}, testing::translations,
-                                                            {dice(-.3, .3), dice(-.3, .3), dice(-.3, .3)})});
+  StaticStage stage = testing::static_stage(
+      StageKind::equilibrium, {testing::fixed({ParticleId{0}}, testing::clamped),
+                               testing::fixed({ParticleId{last}}, testing::translations, dice.vector(0.3))});
   stage.heating = {{s.model.groups[0].particles, 20.0}};
   stage.steps = steps;
   return stage;
@@ -177,12 +103,12 @@ StaticStage pull_at_rest(unsigned seed, Specimen& s, int steps) {
 
 /// At each balance of the stage, after the flow of the increments before it, the test's own loads are in
 /// balance, too.
-Verdict at_rest_by_own_words(unsigned seed) {
-  Body body = random_body(seed, false, false);
+Course at_rest_by_own_words(unsigned seed) {
+  Body body = random_body(seed, {});
   Specimen& s = body.specimen;
   const StaticStage stage = pull_at_rest(seed, s, 4);
   const std::size_t last = s.model.particles() - 1;
-  Verdict verdict;
+  Course course;
   double unbalanced = 0.0, largest = 0.0;
   StaticHooks hooks;
   hooks.point = [&](const StaticPoint& point) {
@@ -205,26 +131,27 @@ Verdict at_rest_by_own_words(unsigned seed) {
     }
   };
   const StaticOutcome outcome = run_static_stage(s.model, stage, s.state, hooks);
-  verdict.lost = losses_by_flow(outcome.state);
-  const double losses = largest_difference(verdict.lost, body.bonds);
+  course.lost = losses_by_flow(outcome.state);
+  const double losses = largest_difference(course.lost, body.bonds);
   char text[200];
   std::snprintf(text, sizeof text, "out of balance by %.1e of %.1e, losses off by %.1e", unbalanced, largest,
                 losses);
-  if (outcome.result.ended != "converged") verdict.wrong = outcome.result.ended;
-  if (unbalanced > 1e-8 * largest || losses > 1e-7 * largest) verdict.wrong = text;
-  return verdict;
+  if (outcome.result.ended != "converged") course.verdict = testing::wrong(outcome.result.ended);
+  if (unbalanced > 1e-8 * largest || losses > 1e-7 * largest) course.verdict = testing::wrong(text);
+  return course;
 }
 
 TEST(FlowCampaign, MovesAsByTheTestsOwnEvaluation) {
-  campaign("motion", in_motion,
-           {Loss::damping_axial, Loss::damping_shear, Loss::damping_bending, Loss::damping_torsion,
-            Loss::yield_axial, Loss::yield_shear, Loss::yield_bending, Loss::yield_torsion, Loss::creep,
-            Loss::softening});
+  campaign_of_bodies("motion", in_motion,
+                     {Loss::damping_axial, Loss::damping_shear, Loss::damping_bending, Loss::damping_torsion,
+                      Loss::yield_axial, Loss::yield_shear, Loss::yield_bending, Loss::yield_torsion,
+                      Loss::creep, Loss::softening});
 }
 
 TEST(FlowCampaign, RestsAsByTheTestsOwnEvaluation) {
-  campaign("rest", at_rest_by_own_words,
-           {Loss::yield_axial, Loss::yield_shear, Loss::yield_bending, Loss::yield_torsion, Loss::softening});
+  campaign_of_bodies(
+      "rest", at_rest_by_own_words,
+      {Loss::yield_axial, Loss::yield_shear, Loss::yield_bending, Loss::yield_torsion, Loss::softening});
 }
 
 // In one step of four this body jumped to a path on which it had flowed a tenth less, and its tangent there
@@ -232,7 +159,7 @@ TEST(FlowCampaign, RestsAsByTheTestsOwnEvaluation) {
 TEST(FlowCampaign, DoesNotJumpUnseenInALongStep) {
   double spent[2];
   for (const int steps : {4, 32}) {
-    Body body = random_body(227, false, false);
+    Body body = random_body(227, {});
     Specimen& s = body.specimen;
     StaticHooks hooks;
     double& sum = spent[steps == 32];
@@ -246,7 +173,7 @@ TEST(FlowCampaign, DoesNotJumpUnseenInALongStep) {
 
 // A long step led to an unstable balance from which no way downhill was found.
 TEST(FlowCampaign, TakesAShorterStepWhereNoneIsFoundDownhill) {
-  EXPECT_EQ(at_rest_by_own_words(700).wrong, "");
+  EXPECT_EQ(at_rest_by_own_words(700).verdict.why, "");
 }
 
 TEST(FlowCampaign, SaysThatBondsHaveSoftenedAllThrough) {

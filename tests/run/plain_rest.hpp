@@ -5,7 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "flow_bodies.hpp"
+#include "campaigns/plain_bodies.hpp"
+#include "statics/bodies.hpp"
 
 /// Elastic bodies at rest by plain means: Newton's method with differences of plain loads, a dense matrix,
 /// and bisection of the load factor until a bond comes to its strength. For tests.

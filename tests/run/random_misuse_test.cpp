@@ -1,11 +1,10 @@
 #include <gtest/gtest.h>
 
-#include <map>
 #include <string>
 #include <vector>
 
+#include "campaigns/judge.hpp"
 #include "misuse_parts.hpp"
-#include "vbond/core/error.hpp"
 
 namespace vbond::misuse_test {
 namespace {
@@ -36,9 +35,7 @@ class RandomMisuse {
   }
 
  private:
-  std::size_t pick(std::size_t n) {
-    return static_cast<std::size_t>(dice_(0.0, 0.999999) * static_cast<double>(n));
-  }
+  std::size_t pick(std::size_t n) { return dice_.below(n); }
   ParticleId any() { return ParticleId{pick(n_)}; }
   template <class T>
   ParticleId any_of(PerParticle<T>& column) {  // another mistake may have changed its size
@@ -46,14 +43,8 @@ class RandomMisuse {
     return ParticleId{pick(column.size())};
   }
   ParticleId none() { return ParticleId{n_ + pick(3) * pick(1000000000)}; }
-  double bad() {
-    const double values[] = {nan, infinite, -infinite};
-    return values[pick(3)];
-  }
-  double below() {
-    const double values[] = {nan, infinite, -infinite, 0.0, -1.0, -1e300};
-    return values[pick(6)];
-  }
+  double bad() { return dice_.one_of({nan, infinite, -infinite}); }
+  double below() { return dice_.one_of({nan, infinite, -infinite, 0.0, -1.0, -1e300}); }
   std::size_t other_size() { return pick(2) == 0 ? pick(n_) : n_ + 1 + pick(50); }
   Vec3d bad_vector() {
     Vec3d x{1, 2, 3};
@@ -111,12 +102,16 @@ class RandomMisuse {
   std::string last_;
 };
 
+// Sixty wrong inputs for each case.
 TEST(Misuse, AtRandomIsNeverTakenSilently) {
-  std::map<std::string, int> outcomes;
-  for (unsigned seed = 0; seed < 600; ++seed) ++outcomes[RandomMisuse(seed).outcome()];
-  for (const auto& [outcome, count] : outcomes)
-    EXPECT_TRUE(outcome == "refused" || outcome == "Diverged") << count << " times: " << outcome;
-  EXPECT_GT(outcomes["refused"], 550);
+  const testing::Tally all = testing::campaign("misuse", 10, [](unsigned seed, testing::Tally& tally) {
+    for (unsigned k = 60 * (seed - 1); k < 60 * seed; ++k) {
+      const std::string outcome = RandomMisuse(k).outcome();
+      EXPECT_TRUE(outcome == "refused" || outcome == "Diverged") << k << ": " << outcome;
+      tally.add(outcome);
+    }
+  });
+  EXPECT_GT(all.sum("refused"), all.full ? 55 * all.cases : 0);
 }
 
 }  // namespace

@@ -1,20 +1,18 @@
 // Rods and frames in space under moments and forces of fixed direction, which have no potential together,
 // against a plain load stepping that shares nothing with statics but the loads of a bond: it differences
-// them, and solves with all unknowns at once. VBOND_CAMPAIGN=500 draws as many bodies.
+// them, and solves with all unknowns at once.
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "dynamics/tops.hpp"
+#include "campaigns/bodies.hpp"
+#include "campaigns/judge.hpp"
 #include "statics/bodies.hpp"
-#include "vbond/core/error.hpp"
 #include "vbond/model/bond_sums.hpp"
 #include "vbond/physics/laws.hpp"
 
@@ -29,15 +27,9 @@ struct Loaded {
   StaticStage stage;
 };
 
-Vec3d drawn_direction(Dice& dice) {
-  Vec3d e = testing::drawn_vector(dice, 1.0);
-  while (norm(e) < 0.2 || norm(e) > 1.0) e = testing::drawn_vector(dice, 1.0);
-  return normalised(e);
-}
-
 BondRecipe drawn_recipe(Dice& dice) {
   BondRecipe recipe;
-  recipe.law = dice(0, 1) < 0.5 ? &bond_law<VModel> : &bond_law<Evm>;
+  recipe.law = dice.chance(0.5) ? &bond_law<VModel> : &bond_law<Evm>;
   const double c_B = std::pow(10.0, dice(-2.5, -1.0));
   recipe.parameters =
       BondStiffness<double>{1.0, dice(0.3, 1.0) * std::min(1.0, 12.0 * c_B), c_B, dice(0.5, 2.0) * c_B};
@@ -46,12 +38,12 @@ BondRecipe drawn_recipe(Dice& dice) {
 
 /// A line with random kinks, of which every third is straight.
 Specimen drawn_rod(Dice& dice, std::size_t n) {
-  const double kink = dice(0, 1) < 0.33 ? 0.0 : dice(0.0, 0.8);
+  const double kink = dice.chance(0.33) ? 0.0 : dice(0.0, 0.8);
   std::vector<Vec3d> r{{}};
   Vec3d e{1, 0, 0};
   while (r.size() < n) {
     r.push_back(r.back() + e);
-    e = normalised(e + kink * drawn_direction(dice));
+    e = normalised(e + kink * dice.direction());
   }
   Specimen s = testing::particles_at(r);
   const BondRecipe recipe = drawn_recipe(dice);
@@ -63,8 +55,7 @@ Specimen drawn_rod(Dice& dice, std::size_t n) {
 Specimen drawn_frame(Dice& dice, std::size_t n) {
   std::vector<Vec3d> r{{}};
   while (r.size() < n) {
-    const Vec3d p = r[static_cast<std::size_t>(dice(0, 1) * static_cast<double>(r.size()))] +
-                    dice(0.9, 1.2) * drawn_direction(dice);
+    const Vec3d p = r[dice.below(r.size())] + dice(0.9, 1.2) * dice.direction();
     if (std::all_of(r.begin(), r.end(), [&](const Vec3d& q) { return norm(p - q) > 0.8; })) r.push_back(p);
   }
   Specimen s = testing::particles_at(r);
@@ -74,7 +65,7 @@ Specimen drawn_frame(Dice& dice, std::size_t n) {
     for (std::size_t i = 1; i < j; ++i)
       if (norm(r[i] - r[j]) < norm(r[nearest] - r[j])) nearest = i;
     for (std::size_t i = 0; i < j; ++i)
-      if (i == nearest || (norm(r[i] - r[j]) < 1.4 && dice(0, 1) < 0.3)) testing::bond(s, i, j, recipe);
+      if (i == nearest || (norm(r[i] - r[j]) < 1.4 && dice.chance(0.3))) testing::bond(s, i, j, recipe);
   }
   return s;
 }
@@ -83,17 +74,17 @@ Specimen drawn_frame(Dice& dice, std::size_t n) {
 /// pair. They would turn a rod of these bonds by some radians.
 Loaded drawn_case(unsigned seed) {
   Dice dice(seed);
-  const bool rod = dice(0, 1) < 0.6;
-  const auto n = static_cast<std::size_t>(rod ? dice(4, 20.999) : dice(4, 12.999));
+  const bool rod = dice.chance(0.6);
+  const std::size_t n = dice.count(4, rod ? 20 : 12);
   Loaded c{rod ? drawn_rod(dice, n) : drawn_frame(dice, n), {}};
   const Bond& b = c.s.state.bonds[BondId{0}];
   const double c_B = b.law->stiffness(b).c_B, length = rod ? static_cast<double>(n - 1) : 3.0;
   std::vector<PointLoad> loads;
   for (const std::size_t at : {n - 1, n / 2}) {
-    const Vec3d moment = dice(0.2, 4.0) * c_B / length * drawn_direction(dice),
-                force = dice(0.0, 3.0) * c_B / (length * length) * drawn_direction(dice);
+    const Vec3d moment = dice(0.2, 4.0) * c_B / length * dice.direction(),
+                force = dice(0.0, 3.0) * c_B / (length * length) * dice.direction();
     loads.push_back(testing::pushed(at, force, moment));
-    if (dice(0, 1) < 0.5) break;
+    if (dice.chance(0.5)) break;
   }
   c.stage = testing::static_stage(StageKind::equilibrium, {testing::fixed({ParticleId{0}}, testing::clamped)},
                                   std::move(loads));
@@ -213,70 +204,33 @@ class PlainStepping {
   Eigen::Index n_;
 };
 
-double distance(const State& a, const State& b) {
-  double largest = 0.0;
-  for (const ParticleId p : a.r.ids())
-    largest = std::max({largest, norm(a.r[p] - b.r[p]), norm(rotation_vector(a.q[p] * conjugate(b.q[p])))});
-  return largest;
-}
+using testing::distance_between;
 
-/// What a stage of these came to.
-struct Counts {
-  int same = 0, wrong = 0, told = 0, missed = 0;
-  void add(const Loaded& c, const StaticStage& stage, const State& right, const std::string& name) {
-    try {
-      const StaticOutcome w = run_static_stage(c.s.model, stage, c.s.state, {});
-      // corrections end at 1e-10 of the largest force: some 1e-7 of places in bodies as soft as these
-      const double off = distance(w.state, right);
-      const bool there = off < 1e-5 && w.result.load_factor == 1.0;
-      (there ? same : w.result.jumped ? told : wrong) += 1;
-      if (!there) std::printf("%s: off by %.2g%s\n", name.c_str(), off, w.result.jumped ? ", told" : "");
-    } catch (const NoEquilibrium& e) {
-      ++missed;
-      std::printf("%s: %s\n", name.c_str(), e.what());
-    }
-  }
-};
-
+// Corrections end at 1e-10 of the largest force: some 1e-7 of places in bodies as soft as these.
 TEST(DeadMoments, LeadToTheBalanceOfAPlainLoadSteppingWhateverTheSteps) {
-  const char* const wanted = std::getenv("VBOND_CAMPAIGN");
-  const unsigned bodies = wanted != nullptr ? static_cast<unsigned>(std::atoi(wanted)) : 25;
-  Counts equilibria, paths;
-  int compared = 0, no_way = 0, unsure = 0;
-  for (unsigned seed = 1; seed <= bodies; ++seed) {
+  const testing::Tally all = testing::campaign("dead moments", 25, [](unsigned seed) -> testing::Verdict {
     const Loaded c = drawn_case(seed);
     const std::optional<State> coarse = PlainStepping(c).run(60), fine = PlainStepping(c).run(150);
-    if (!coarse && !fine) {
-      ++no_way;
-      continue;
-    }
-    if (!coarse || !fine || distance(*coarse, *fine) > 1e-7) {
-      ++unsure;
-      continue;
-    }
-    ++compared;
-    for (const int steps : {1, 5, 23}) {
+    if (!coarse && !fine) return {"without a way at growing load"};
+    if (!coarse || !fine || distance_between(*coarse, *fine) > 1e-7) return {"of unsure reference"};
+    for (const int steps : {1, 5, 23, 0}) {
       StaticStage stage = c.stage;
-      stage.steps = steps;
-      equilibria.add(c, stage, *fine, "seed " + std::to_string(seed) + ", steps " + std::to_string(steps));
+      if (steps > 0) stage.steps = steps;
+      if (steps == 0) stage.kind = StageKind::path, stage.path.first_step = 0.05, stage.path.above = 1.0;
+      const std::string which = steps == 0 ? "path" : "steps " + std::to_string(steps);
+      try {
+        const StaticOutcome w = run_static_stage(c.s.model, stage, c.s.state, {});
+        const double off = distance_between(w.state, *fine);
+        if (!(off < 1e-5) || w.result.load_factor != 1.0)
+          return testing::wrong(which + ": off by " + std::to_string(off) +
+                                (w.result.jumped ? ", told" : ""));
+      } catch (const NoEquilibrium& e) {
+        return testing::wrong(which + ": " + e.what());
+      }
     }
-    StaticStage path = c.stage;
-    path.kind = StageKind::path;
-    path.path.first_step = 0.05;
-    path.path.above = 1.0;
-    paths.add(c, path, *fine, "seed " + std::to_string(seed) + ", path");
-  }
-  std::printf("%u bodies, %d compared, %d without a way at growing load, %d where the reference is unsure\n",
-              bodies, compared, no_way, unsure);
-  for (const Counts* k : {&equilibria, &paths})
-    std::printf("%s: %d same, %d wrong, %d other and told, %d not found\n",
-                k == &paths ? "paths" : "equilibria", k->same, k->wrong, k->told, k->missed);
-  EXPECT_GE(compared, static_cast<int>(bodies) / 2);
-  for (const Counts* k : {&equilibria, &paths}) {
-    EXPECT_EQ(k->wrong, 0);
-    EXPECT_EQ(k->told, 0);
-    EXPECT_EQ(k->missed, 0);
-  }
+    return {};
+  });
+  EXPECT_GE(all["right"], all.full ? all.cases / 2 : 0);
 }
 
 /// A cantilever of twelve bonds, EI = 100 and EA = 1e4, that a moment of 50 about z rolls up while a force of
@@ -304,13 +258,14 @@ TEST(DeadMoments, AreCarriedWhateverTheNumberOfSteps) {
     c.stage.steps = steps;
     const StaticOutcome w = run_static_stage(c.s.model, c.stage, c.s.state, {});
     EXPECT_FALSE(w.result.jumped) << steps;
-    EXPECT_LT(distance(w.state, *right), 1e-7) << steps;
+    EXPECT_LT(distance_between(w.state, *right), 1e-7) << steps;
   }
   for (const double largest : {0.0, 0.5, 2.0}) {
     c.stage.kind = StageKind::path;
     c.stage.path.largest_step = largest;
     c.stage.path.above = 1.0;
-    EXPECT_LT(distance(run_static_stage(c.s.model, c.stage, c.s.state, {}).state, *right), 1e-7) << largest;
+    EXPECT_LT(distance_between(run_static_stage(c.s.model, c.stage, c.s.state, {}).state, *right), 1e-7)
+        << largest;
   }
 }
 

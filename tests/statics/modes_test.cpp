@@ -64,7 +64,7 @@ testing::Specimen block_of_tops() {
   testing::Dice dice(11);
   for (const ParticleId p : s.state.r.ids())
     if (p.value % 3 != 0)
-      make_top(s.model, p, {0.064 * testing::drawn_moments(dice), testing::drawn_rotation(dice)});
+      make_top(s.model, p, {0.064 * testing::drawn_moments(dice), rotation_of(dice.vector(2.0))});
   return s;
 }
 

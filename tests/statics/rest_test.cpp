@@ -28,7 +28,7 @@ std::vector<Vec3d> drawn_cloud(Dice& dice, std::size_t n) {
   std::vector<Vec3d> r;
   const double size = 0.8 * std::cbrt(static_cast<double>(n));
   while (r.size() < n) {
-    const Vec3d p = testing::drawn_vector(dice, size);
+    const Vec3d p = dice.vector(size);
     if (std::all_of(r.begin(), r.end(), [&](const Vec3d& q) { return norm(p - q) > 0.6; })) r.push_back(p);
   }
   return r;
@@ -59,8 +59,8 @@ Specimen drawn_body(Dice& dice, const std::vector<Vec3d>& r) {
 
 /// Turned at random, and moved by up to 1e4 times its size.
 std::vector<Vec3d> placed_anywhere(Dice& dice, std::vector<Vec3d> r) {
-  const Quatd turn = testing::drawn_rotation(dice);
-  Vec3d away = testing::drawn_vector(dice, 1.0);
+  const Quatd turn = rotation_of(dice.vector(2.0));
+  Vec3d away = dice.vector(1.0);
   const double size = std::cbrt(static_cast<double>(r.size()));
   away = (dice(0, 1) < 0.2 ? 0.0 : size * std::pow(10.0, dice(-1, 4)) / norm(away)) * away;
   for (Vec3d& p : r) p = away + rotate(turn, p);

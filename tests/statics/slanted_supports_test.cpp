@@ -5,8 +5,9 @@
 #include <cmath>
 
 #include "bodies.hpp"
+#include "campaigns/bodies.hpp"
+#include "campaigns/judge.hpp"
 #include "differences.hpp"
-#include "turned_body.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/model/agreement.hpp"
 #include "vbond/statics/detail/body.hpp"
@@ -49,10 +50,10 @@ Pair random_pair(unsigned seed, StageKind kind) {
     }
     p.stage.supports.push_back(s);
   }
-  p.stage.loads = {testing::pushed(1, testing::vector_in(dice, 0.01), testing::vector_in(dice, 0.002)),
-                   testing::pushed(2, testing::vector_in(dice, 0.01))};
+  p.stage.loads = {testing::pushed(1, dice.vector(0.01), dice.vector(0.002)),
+                   testing::pushed(2, dice.vector(0.01))};
   p.stage.newton.tolerance = 1e-12;
-  p.turn = rotation_of(testing::vector_in(dice, 1.5));
+  p.turn = rotation_of(dice.vector(1.5));
   p.turned = testing::turned(p.plain, p.turn);
   p.turned_stage = turned(p.stage, p.turn);
   return p;
@@ -61,60 +62,43 @@ Pair random_pair(unsigned seed, StageKind kind) {
 // Also through history.csv: reactions and energies. Tolerances: the residual of 1e-12 over the softest of
 // these bodies (1e-3).
 TEST(SlantedSupports, BalanceTurnsWithTheBody) {
-  const unsigned many = testing::campaign_size(20);
-  int compared = 0;
-  for (unsigned seed = 1; seed <= many; ++seed) {
+  const testing::Tally all = testing::campaign("slanted supports at rest", 20, [](unsigned seed) {
     const Pair p = random_pair(seed, StageKind::equilibrium);
     Reaction reaction[2];
     State ends[2];
     double energy[2];
-    try {
-      for (const bool t : {false, true}) {
-        const Specimen& s = t ? p.turned : p.plain;
-        const StaticStage& stage = t ? p.turned_stage : p.stage;
-        StaticOutcome out = run_static_stage(s.model, stage, s.state, {});
-        ends[t] = std::move(out.state);
-        StaticBody body(s.model, stage, s.state);
-        body.move(Vector::Zero(body.unknowns().size()), 1.0);
-        body.restore({ends[t].r, ends[t].q, 1.0});
-        reaction[t] = body.reaction({ParticleId{s.model.particles() - 1}});
-        energy[t] = body.power_of_supports();
-      }
-    } catch (const NoEquilibrium&) {
-      continue;  // counted below
+    for (const bool t : {false, true}) {
+      const Specimen& s = t ? p.turned : p.plain;
+      const StaticStage& stage = t ? p.turned_stage : p.stage;
+      ends[t] = run_static_stage(s.model, stage, s.state, {}).state;
+      StaticBody body(s.model, stage, s.state);
+      body.move(Vector::Zero(body.unknowns().size()), 1.0);
+      body.restore({ends[t].r, ends[t].q, 1.0});
+      reaction[t] = body.reaction({ParticleId{s.model.particles() - 1}});
+      energy[t] = body.power_of_supports();
     }
-    ++compared;
-    for (const ParticleId q : ends[0].r.ids()) {
-      ASSERT_LE(norm(ends[1].r[q] - rotate(p.turn, ends[0].r[q])), 1e-8) << "seed " << seed;
-      ASSERT_LE(norm(rotation_vector(ends[1].q[q] * conjugate(p.turn * ends[0].q[q]))), 1e-8) << seed;
-    }
-    ASSERT_LE(norm(reaction[1].force - rotate(p.turn, reaction[0].force)), 1e-9) << seed;
-    ASSERT_LE(norm(reaction[1].moment - rotate(p.turn, reaction[0].moment)), 1e-9) << seed;
-    ASSERT_NEAR(energy[1], energy[0], 1e-10) << seed;
-  }
-  EXPECT_GE(compared * 10, static_cast<int>(many) * 9);
-  RecordProperty("compared", compared);
+    EXPECT_LE(testing::distance_between(testing::turned({p.plain.model, ends[0]}, p.turn).state, ends[1]),
+              1e-8);
+    EXPECT_LE(norm(reaction[1].force - rotate(p.turn, reaction[0].force)), 1e-9);
+    EXPECT_LE(norm(reaction[1].moment - rotate(p.turn, reaction[0].moment)), 1e-9);
+    EXPECT_NEAR(energy[1], energy[0], 1e-10);
+  });
+  EXPECT_LE(all["given up"], all.cases / 10);
 }
 
 TEST(SlantedSupports, FrequenciesAreThoseOfTheBodyThatHasNotTurned) {
-  const unsigned many = testing::campaign_size(10);
-  unsigned compared = 0;
-  for (unsigned seed = 1; seed <= many; ++seed) {
+  const testing::Tally all = testing::campaign("slanted modes", 10, [](unsigned seed, testing::Tally& tally) {
     const Pair p = random_pair(seed, StageKind::modes);
     const auto modes = [](const Specimen& s, const StaticStage& stage) {
       return run_static_stage(s.model, stage, s.state, {}).result.modes;
     };
-    try {
-      const auto plain = modes(p.plain, p.stage), turned = modes(p.turned, p.turned_stage);
-      ASSERT_EQ(plain.size(), turned.size()) << seed;
-      for (std::size_t k = 0; k < plain.size(); ++k)
-        ASSERT_NEAR(turned[k].omega2, plain[k].omega2, 1e-8) << seed;  // the largest are some 10
-      compared += plain.empty() ? 0 : 1;
-    } catch (const NoEquilibrium&) {
-      continue;  // counted below
-    }
-  }
-  EXPECT_GE(compared * 10, many * 9);
+    const auto plain = modes(p.plain, p.stage), turned = modes(p.turned, p.turned_stage);
+    ASSERT_EQ(plain.size(), turned.size());
+    for (std::size_t k = 0; k < plain.size(); ++k)
+      EXPECT_NEAR(turned[k].omega2, plain[k].omega2, 1e-8);  // the largest are some 10
+    tally.add("bodies with modes", !plain.empty());
+  });
+  EXPECT_GE(all.sum("bodies with modes") * 10, all.cases * 9);
 }
 
 // The tangent is the derivative of the loads, and the load direction that with the load factor, in slanted
@@ -128,8 +112,8 @@ TEST(SlantedSupports, TangentIsTheDerivativeOfTheLoads) {
     const testing::ByDifferences d = testing::by_differences(body);
     // the antisymmetric part of what is out of balance is left out on purpose: compare the symmetric sums
     const DenseMatrix K = DenseMatrix(body.full_tangent());
-    EXPECT_LE((K + K.transpose() - d.tangent - d.tangent.transpose()).cwiseAbs().maxCoeff(), 2e-7) << seed;
-    EXPECT_LE((body.load_direction() - d.load_direction).cwiseAbs().maxCoeff(), 1e-7) << seed;
+    EXPECT_LE((K + K.transpose() - d.tangent - d.tangent.transpose()).cwiseAbs().maxCoeff(), 2e-7);
+    EXPECT_LE((body.load_direction() - d.load_direction).cwiseAbs().maxCoeff(), 1e-7);
   }
 }
 

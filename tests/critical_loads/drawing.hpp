@@ -1,7 +1,5 @@
 #pragma once
-#include <cmath>
 #include <functional>
-#include <initializer_list>
 #include <vector>
 
 #include "body_plan.hpp"
@@ -10,27 +8,6 @@
 namespace vbond::campaign {
 
 using testing::Dice;
-
-inline int whole(Dice& dice, int low, int high) {
-  return low + static_cast<int>(dice(0.0, static_cast<double>(high - low + 1)));
-}
-inline std::size_t count_of(Dice& dice, int low, int high) {
-  return static_cast<std::size_t>(whole(dice, low, high));
-}
-/// Equal chances for equal ratios.
-inline double ratio(Dice& dice, double low, double high) {
-  return std::exp(dice(std::log(low), std::log(high)));
-}
-inline std::size_t log_count(Dice& dice, double low, double high) {
-  return static_cast<std::size_t>(std::lround(ratio(dice, low, high)));
-}
-inline bool chance(Dice& dice, double p) {
-  return dice(0.0, 1.0) < p;
-}
-template <class T>
-T one_of(Dice& dice, std::initializer_list<T> values) {
-  return *(values.begin() + whole(dice, 0, static_cast<int>(values.size()) - 1));
-}
 
 /// A rod of which bonds are cut: EI = 1.
 struct Rod {
@@ -45,10 +22,10 @@ struct Rod {
 /// EA between these for a body of size 1.
 inline Rod random_rod(Dice& dice, double EA_least, double EA_most) {
   Rod rod;
-  rod.law = chance(dice, 0.35) ? &bond_law<Evm> : &bond_law<VModel>;
-  rod.EA = ratio(dice, EA_least, EA_most);
-  rod.GJ = ratio(dice, 0.3, 1.2);
-  if (chance(dice, 0.25)) rod.shear = 24.0 * 1.2 / 0.85;
+  rod.law = dice.chance(0.35) ? &bond_law<Evm> : &bond_law<VModel>;
+  rod.EA = dice.ratio(EA_least, EA_most);
+  rod.GJ = dice.ratio(0.3, 1.2);
+  if (dice.chance(0.25)) rod.shear = 24.0 * 1.2 / 0.85;
   return rod;
 }
 

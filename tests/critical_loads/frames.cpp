@@ -25,17 +25,17 @@ BodyPlan polyline(const std::vector<Vec3d>& corners, std::size_t N, const Rod& r
 }  // namespace
 
 BodyPlan portal(Dice& dice) {
-  const std::size_t N = log_count(dice, 4, 20);
+  const std::size_t N = dice.log_count(4, 20);
   const Rod rod = random_rod(dice, 500, 1e7);
   const double width = dice(0.5, 2.0);
   BodyPlan plan = polyline({{0, 0, 0}, {0, 1, 0}, {width, 1, 0}, {width, 0, 0}}, N, rod);
   plan.kind = "portal";
   for (BondSet& s : plan.sets) s.n_2 = Vec3d{0, 0, 1};
   keep_in_plane(plan);
-  const bool clamped = chance(dice, 0.5);
+  const bool clamped = dice.chance(0.5);
   hold(plan, {0, 3 * N}, clamped ? clamp_in_plane : hinge_in_plane);
-  const double aside = chance(dice, 0.3) ? ratio(dice, 1e-4, 0.1) : 0.0;
-  const bool beam = chance(dice, 0.25);
+  const double aside = dice.chance(0.3) ? dice.ratio(1e-4, 0.1) : 0.0;
+  const bool beam = dice.chance(0.25);
   if (beam)
     load(plan, {N + N / 2}, {aside, -1, 0});
   else
@@ -48,7 +48,7 @@ BodyPlan portal(Dice& dice) {
 }
 
 BodyPlan lees_frame(Dice& dice) {
-  const std::size_t N = log_count(dice, 5, 30);
+  const std::size_t N = dice.log_count(5, 30);
   const Rod rod = random_rod(dice, 500, 1e6);
   const double beam = dice(0.5, 1.5);
   BodyPlan plan = polyline({{0, 0, 0}, {0, 1, 0}, {beam, 1, 0}}, N, rod);
@@ -56,7 +56,7 @@ BodyPlan lees_frame(Dice& dice) {
   for (BondSet& s : plan.sets) s.n_2 = Vec3d{0, 0, 1};
   keep_in_plane(plan);
   hold(plan, {0, 2 * N}, hinge_in_plane);
-  const std::size_t at = N + count_of(dice, 0, static_cast<int>(N / 2));
+  const std::size_t at = N + dice.count(0, N / 2);
   load(plan, {at}, {0, -1, 0});
   plan.turning = Turning::about_z;
   plan.what = fmt::format("beam {:.3g}, load {} of {} bonds from the corner, EA L^2/EI = {:.3g}, {}", beam,
@@ -66,9 +66,9 @@ BodyPlan lees_frame(Dice& dice) {
 
 /// A knee clamped at one end, loaded in its plane: it leaves it sideways.
 BodyPlan bent_cantilever(Dice& dice) {
-  const std::size_t N = log_count(dice, 4, 20);
+  const std::size_t N = dice.log_count(4, 20);
   Rod rod = random_rod(dice, 500, 1e5);
-  rod.GJ = ratio(dice, 0.05, 1.0);
+  rod.GJ = dice.ratio(0.05, 1.0);
   const double angle = dice(0.3, 2.6);
   BodyPlan plan = polyline({{0, 0, 0}, {1, 0, 0}, {1 + std::cos(angle), std::sin(angle), 0}}, N, rod);
   plan.kind = "bent cantilever";
@@ -100,19 +100,19 @@ std::size_t add_bar(BodyPlan& plan, const Vec3d& foot, std::size_t N, const Rod&
 BodyPlan plane_truss(Dice& dice) {
   BodyPlan plan;
   plan.kind = "plane truss";
-  const std::size_t N = count_of(dice, 1, 8);
+  const std::size_t N = dice.count(1, 8);
   const Rod rod = random_rod(dice, 300, 1e6);
   const double slope = dice(0.05, 1.2);
   Particles feet;
   plan.r.push_back({0, std::sin(slope), 0});
-  const int bars = chance(dice, 0.7) ? 2 : 3;
+  const int bars = dice.chance(0.7) ? 2 : 3;
   for (int b = 0; b < bars; ++b) {
     const Vec3d foot{b == 0 ? -std::cos(slope) : b == 1 ? std::cos(slope) : 0.4 * std::cos(slope), 0, 0};
     feet.push_back(add_bar(plan, foot, N, rod));
   }
   plan.radius = 0.1 / static_cast<double>(N);
   keep_in_plane(plan);
-  const bool clamped = chance(dice, 0.4), moved = chance(dice, 0.2);
+  const bool clamped = dice.chance(0.4), moved = dice.chance(0.2);
   hold(plan, feet, clamped ? clamp_in_plane : hinge_in_plane);
   if (moved)
     hold(plan, {0}, {false, true, false, false, false, false}, {0, -std::sin(slope), 0});
@@ -129,10 +129,10 @@ BodyPlan plane_truss(Dice& dice) {
 BodyPlan star(Dice& dice) {
   BodyPlan plan;
   plan.kind = "star of bars";
-  const std::size_t N = count_of(dice, 1, 8);
-  const int bars = whole(dice, 3, 7);
+  const std::size_t N = dice.count(1, 8);
+  const int bars = dice.whole(3, 7);
   const Rod rod = random_rod(dice, 300, 1e6);
-  const double slope = dice(0.05, 1.0), first = chance(dice, 0.5) ? 0.0 : dice(0, 1);
+  const double slope = dice(0.05, 1.0), first = dice.chance(0.5) ? 0.0 : dice(0, 1);
   Particles feet;
   plan.r.push_back({0, 0, std::sin(slope)});
   for (int b = 0; b < bars; ++b) {
@@ -141,7 +141,7 @@ BodyPlan star(Dice& dice) {
     feet.push_back(add_bar(plan, foot, N, rod));
   }
   plan.radius = 0.1 / static_cast<double>(N);
-  const bool clamped = chance(dice, 0.5);
+  const bool clamped = dice.chance(0.5);
   hold(plan, feet, clamped ? testing::clamped : testing::translations);
   load(plan, {0}, {0, 0, -1});
   plan.turning = Turning::any;

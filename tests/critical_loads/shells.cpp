@@ -32,7 +32,7 @@ std::string fixed(bool clamped) {
 std::string driven_end(Dice& dice, const std::string& group, bool clamped, double edge, double h,
                        double height, bool may_turn, std::string& what) {
   const double force = edge * classical_load(h), way = 2.0 * classical_load(h) / (E * h) * height;
-  switch (whole(dice, 0, may_turn ? 3 : 2)) {
+  switch (dice.whole(0, may_turn ? 3 : 2)) {
     case 0:
       what += ", end loaded";
       return fmt::format(
@@ -63,12 +63,12 @@ std::string bonds_and_stage(double h, int count) {
 ShellCase cylinder(Dice& dice, int count, bool panel) {
   ShellCase c;
   c.kind = panel ? "panel" : "cylinder";
-  const double particles = ratio(dice, 250, 5000), h = ratio(dice, 0.005, 0.05);
-  const double angle = panel ? dice(0.4, 2.5) : 2 * M_PI, slender = ratio(dice, 0.4, 2.5);
+  const double particles = dice.ratio(250, 5000), h = dice.ratio(0.005, 0.05);
+  const double angle = panel ? dice(0.4, 2.5) : 2 * M_PI, slender = dice.ratio(0.4, 2.5);
   const double across = std::max(8.0, std::round(std::sqrt(particles / slender)));
   const double rows = std::max(6.0, std::round(particles / across));
   const double spacing = angle / (panel ? across - 1.0 : across), length = rows * half_root_3 * spacing;
-  const bool clamped = chance(dice, 0.5), sides_held = panel && chance(dice, 0.5);
+  const bool clamped = dice.chance(0.5), sides_held = panel && dice.chance(0.5);
   c.text = fmt::format(
       "[[specimen]]\nkind = \"cylinder\"\ncylinder_radius = 1\nparticles_around = {}\n"
       "length = {:.17g}\n",
@@ -87,12 +87,12 @@ ShellCase cylinder(Dice& dice, int count, bool panel) {
 ShellCase dome(Dice& dice, int count) {
   ShellCase c;
   c.kind = "dome of a shell";
-  const double particles = ratio(dice, 250, 5000), h = ratio(dice, 0.005, 0.05);
+  const double particles = dice.ratio(250, 5000), h = dice.ratio(0.005, 0.05);
   const double top = dice(0.1, 0.5), rim = top + dice(0.3, 0.9);
   // circles stand closer together towards the top, so that triangles stay equilateral
   const double way = std::log(std::tan(0.5 * rim) / std::tan(0.5 * top));
   const double spacing = std::sin(rim) * std::sqrt(2 * M_PI * way / (half_root_3 * particles));
-  const bool clamped = chance(dice, 0.5);
+  const bool clamped = dice.chance(0.5);
   c.text = fmt::format(
       "[[specimen]]\nkind = \"sphere\"\nsphere_radius = 1\nspacing = {:.17g}\npolar = [{:.17g}, {:.17g}]\n",
       spacing, top, rim);
@@ -198,12 +198,12 @@ Judgement judge_shell(const ShellCase& c, const Answer& a, CaseRecord& r) {
 ShellCase random_shell(unsigned seed, int number) {
   Dice dice(seed * 1000003u + static_cast<unsigned>(number));
   const double kind = dice(0.0, 1.0);
-  const int count = whole(dice, 1, 4);
+  const int count = dice.whole(1, 4);
   ShellCase c = kind < 0.45   ? cylinder(dice, count, false)
                 : kind < 0.75 ? cylinder(dice, count, true)
                               : dome(dice, count);
-  if (chance(dice,
-             0.5)) {  // as the torsion of bonds depends on n_2 a closed shell is else not quite symmetric
+  if (dice.chance(
+          0.5)) {  // as the torsion of bonds depends on n_2 a closed shell is else not quite symmetric
     const std::string bonds = "from_specimen = true\n";
     c.text.insert(c.text.find(bonds) + bonds.size(), "n_2 = [0, 0, 1]\n");
     c.what += ", n_2 along the axis";

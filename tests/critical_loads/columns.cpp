@@ -63,12 +63,12 @@ std::optional<double> closed_form_of(const BodyPlan& plan, Push how, Ends ends, 
 BodyPlan column(Dice& dice) {
   BodyPlan plan;
   plan.kind = "column";
-  const std::size_t N = chance(dice, 0.03) ? log_count(dice, 150, 350) : log_count(dice, 5, 80);
+  const std::size_t N = dice.chance(0.03) ? dice.log_count(150, 350) : dice.log_count(5, 80);
   const Rod rod = random_rod(dice, 120, 1e7);
   for (std::size_t k = 0; k <= N; ++k)
     plan.r.push_back({static_cast<double>(k) / static_cast<double>(N), 0, 0});
   plan.radius = 0.1 / static_cast<double>(N);
-  Ends ends = static_cast<Ends>(whole(dice, 0, 3));
+  Ends ends = static_cast<Ends>(dice.whole(0, 3));
   const double p = dice(0.0, 1.0);
   const Push how = p < 0.45   ? Push::force
                    : p < 0.75 ? Push::displacement
@@ -77,13 +77,13 @@ BodyPlan column(Dice& dice) {
   if (how == Push::displacement && ends == Ends::cantilever) ends = Ends::clamped;
   plan.sets = {chain_of(plan, everybody(plan), rod)};
   plan.sets[0].n_2 = Vec3d{0, 1, 0};
-  if (chance(dice, 0.4)) keep_in_plane(plan);
+  if (dice.chance(0.4)) keep_in_plane(plan);
   hold(plan, {0}, foot_of(ends));
   plan.must_be_straight =
       ends == Ends::pinned && !plan.in_plane;  // a moment at the foot, which holds one turn
   push(plan, how, ends, N);
   double before = 0.0;
-  if (chance(dice, 0.15) && how != Push::displacement) {
+  if (dice.chance(0.15) && how != Push::displacement) {
     before = dice(-3.0, 0.5);
     plan.loads.push_back({{N}, {-before, 0, 0}, {}, true});
   }

@@ -16,6 +16,7 @@
 
 #include "case_file.hpp"
 #include "child.hpp"
+#include "records.hpp"
 #include "shells.hpp"
 #include "table.hpp"
 

@@ -1,6 +1,5 @@
 #pragma once
 #include <functional>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -87,8 +86,5 @@ CaseRecord run_case(const RandomCase& c);
 /// The path stage of a case: its step and its end are taken from the reference.
 StaticStage path_stage_of(const RandomCase& c, const Reference& reference);
 StaticStage buckling_stage_of(const RandomCase& c);
-
-void to_json(nlohmann::json& j, const CaseRecord& r);
-void from_json(const nlohmann::json& j, CaseRecord& r);
 
 }  // namespace vbond::campaign

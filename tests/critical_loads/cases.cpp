@@ -37,7 +37,7 @@ double largest_extent(const BodyPlan& plan) {
 /// Moves all particles at random, by a part of the body's size that may be as small as rounding. Those of a
 /// plane body stay in the plane.
 void make_imperfect(Dice& dice, BodyPlan& plan) {
-  const double size = largest_extent(plan), amplitude = size * ratio(dice, 1e-12, 1e-3);
+  const double size = largest_extent(plan), amplitude = size * dice.ratio(1e-12, 1e-3);
   plan.offset.clear();
   for (std::size_t k = 0; k < plan.r.size(); ++k) {
     const double x = dice(-1, 1), y = dice(-1, 1), z = plan.in_plane ? 0.0 : dice(-1, 1);
@@ -52,13 +52,13 @@ void make_imperfect(Dice& dice, BodyPlan& plan) {
 }
 
 void place_in_space(Dice& dice, BodyPlan& plan) {
-  if (plan.turning != Turning::by_right_angles && chance(dice, 0.4)) {
+  if (plan.turning != Turning::by_right_angles && dice.chance(0.4)) {
     const bool about_z = plan.turning == Turning::about_z;
     const double a = dice(-2, 2), b = dice(-2, 2), c = dice(-2, 2);
     turn(plan, rotation_of(about_z ? Vec3d{0, 0, c} : Vec3d{a, b, c}));
     plan.what += ", askew";
   }
-  const int times = chance(dice, 0.4) ? whole(dice, 1, 2) : 0;
+  const int times = dice.chance(0.4) ? dice.whole(1, 2) : 0;
   for (int k = 0; k < times; ++k) permute_axes(plan);
 }
 
@@ -69,16 +69,16 @@ RandomCase random_case(unsigned seed, int number) {
   RandomCase c;
   c.number = number;
   c.plan = draw_body(dice);
-  if (chance(dice, 0.25) && !c.plan.must_be_straight) make_imperfect(dice, c.plan);
+  if (dice.chance(0.25) && !c.plan.must_be_straight) make_imperfect(dice, c.plan);
   place_in_space(dice, c.plan);
-  if (chance(dice, 0.2)) {
-    const double length = std::pow(10.0, whole(dice, -9, 9)), force = std::pow(10.0, whole(dice, -9, 9));
+  if (dice.chance(0.2)) {
+    const double length = std::pow(10.0, dice.whole(-9, 9)), force = std::pow(10.0, dice.whole(-9, 9));
     change_units(c.plan, length, force);
     c.plan.what += fmt::format(", lengths {:.0e}, forces {:.0e}", length, force);
   }
-  c.count = whole(dice, 1, 6);
-  c.first_step = ratio(dice, 1e-4, 1.0);
-  c.largest_step = chance(dice, 0.3) ? largest_extent(c.plan) * ratio(dice, 1e-2, 1.0) : 0.0;
+  c.count = dice.whole(1, 6);
+  c.first_step = dice.ratio(1e-4, 1.0);
+  c.largest_step = dice.chance(0.3) ? largest_extent(c.plan) * dice.ratio(1e-2, 1.0) : 0.0;
   return c;
 }
 

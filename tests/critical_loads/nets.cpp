@@ -56,11 +56,11 @@ Particles edge_along_y(const BodyPlan& plan, bool top) {
 BodyPlan ribbon(Dice& dice) {
   BodyPlan plan;
   plan.kind = "ribbon";
-  const std::size_t rows = count_of(dice, 2, 5), columns = count_of(dice, 10, rows > 3 ? 40 : 70) + 1;
+  const std::size_t rows = dice.count(2, 5), columns = dice.count(10, rows > 3 ? 40 : 70) + 1;
   add_rows(plan, columns, rows, true);
   plan.radius = 0.3;
-  BondSet set{chance(dice, 0.35) ? &bond_law<Evm> : &bond_law<VModel>,
-              {1.0, ratio(dice, 0.03, 0.5), ratio(dice, 1e-4, 0.05), ratio(dice, 1e-4, 0.03)},
+  BondSet set{dice.chance(0.35) ? &bond_law<Evm> : &bond_law<VModel>,
+              {1.0, dice.ratio(0.03, 0.5), dice.ratio(1e-4, 0.05), dice.ratio(1e-4, 0.03)},
               Vec3d{0, 0, 1},
               {}};
   join_near(plan, set, 1.1);
@@ -68,9 +68,8 @@ BodyPlan ribbon(Dice& dice) {
   for (std::size_t row = 0; row < rows; ++row)
     root.push_back(row * columns), end.push_back((row + 1) * columns - 1);
   hold(plan, root, testing::clamped);
-  const int how = whole(dice, 0, 4);  // 0 to 2: tip aside, 3: pressed by force, 4: end moved
-  if (how <= 2)
-    load(plan, {end[count_of(dice, 0, static_cast<int>(rows) - 1)]}, {0, chance(dice, 0.5) ? 1.0 : -1.0, 0});
+  const int how = dice.whole(0, 4);  // 0 to 2: tip aside, 3: pressed by force, 4: end moved
+  if (how <= 2) load(plan, {end[dice.count(0, rows - 1)]}, {0, dice.chance(0.5) ? 1.0 : -1.0, 0});
   if (how == 3) load(plan, end, {-1.0 / static_cast<double>(rows), 0, 0});
   if (how == 4) hold(plan, end, testing::clamped, {-1, 0, 0});
   plan.turning = Turning::any;
@@ -85,17 +84,17 @@ BodyPlan ribbon(Dice& dice) {
 
 BodyPlan lattice(Dice& dice) {
   BodyPlan plan;
-  const int form = whole(dice, 0, 2);
+  const int form = dice.whole(0, 2);
   constexpr const char* forms[] = {"square lattice", "triangular lattice", "honeycomb"};
   plan.kind = forms[form];
   const Rod rod = random_rod(dice, 20, 1e4);
   if (form == 2)
-    add_honeycomb(plan, count_of(dice, 2, 6), count_of(dice, 2, 6));
+    add_honeycomb(plan, dice.count(2, 6), dice.count(2, 6));
   else
-    add_rows(plan, count_of(dice, 3, 8), count_of(dice, 3, 10), form == 1);
+    add_rows(plan, dice.count(3, 8), dice.count(3, 10), form == 1);
   BondSet set{rod.law, rod.stiffness(1.0), Vec3d{0, 0, 1}, {}};
   join_near(plan, set, 1.1);
-  const bool in_space = chance(dice, 0.15), moved = chance(dice, 0.5);
+  const bool in_space = dice.chance(0.15), moved = dice.chance(0.5);
   const Particles bottom = edge_along_y(plan, false), top = edge_along_y(plan, true);
   if (!in_space) keep_in_plane(plan);
   hold(plan, bottom, in_space ? testing::clamped : clamp_in_plane);
@@ -114,7 +113,7 @@ BodyPlan lattice(Dice& dice) {
 BodyPlan dome(Dice& dice) {
   BodyPlan plan;
   plan.kind = "dome";
-  const int rings = whole(dice, 2, 5);
+  const int rings = dice.whole(2, 5);
   const Rod rod = random_rod(dice, 30, 1e4);
   const double rise = rings * dice(0.08, 0.5);
   Particles rim, inside;
@@ -132,7 +131,7 @@ BodyPlan dome(Dice& dice) {
     for (std::size_t q = p + 1; q < plan.r.size(); ++q)
       if (std::hypot(plan.r[q].x - plan.r[p].x, plan.r[q].y - plan.r[p].y) < 1.1) set.pairs.push_back({p, q});
   plan.sets.push_back(std::move(set));
-  const bool clamped = chance(dice, 0.5), on_apex = chance(dice, 0.5);
+  const bool clamped = dice.chance(0.5), on_apex = dice.chance(0.5);
   hold(plan, rim, clamped ? testing::clamped : testing::translations);
   const auto apex =
       static_cast<std::size_t>(std::max_element(plan.r.begin(), plan.r.end(),

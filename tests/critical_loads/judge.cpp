@@ -131,12 +131,12 @@ Answer ask_in_child(const BodyPlan& plan, const StaticStage& stage) {
 Reference reference_in_child(const BodyPlan& plan, int count, bool near_by = false) {
   const auto work = [&] {
     const testing::Specimen s = specimen_of(plan);
-    return json_of(find_reference(s.model, stage_of(plan, StageKind::buckling), s.state,
-                                  {count, 0, near_by, 6000}))
+    return nlohmann::json(find_reference(s.model, stage_of(plan, StageKind::buckling), s.state,
+                                         {count, 0, near_by, 6000}))
         .dump();
   };
   const ChildResult child = in_child(work, longest_reference);
-  if (child.fate.empty()) return reference_of(nlohmann::json::parse(child.text));
+  if (child.fate.empty()) return nlohmann::json::parse(child.text).get<Reference>();
   Reference r;
   r.ended = child.fate, r.undecided = true;
   return r;
@@ -250,8 +250,8 @@ Answer answer_of_stage(const Model& model, const State& state, const StaticStage
 
 Answer answer_in_child(const std::function<Answer()>& ask, int seconds) {
   const auto start = std::chrono::steady_clock::now();
-  const ChildResult child = in_child([&] { return json_of(ask()).dump(); }, seconds);
-  if (child.fate.empty()) return answer_of(nlohmann::json::parse(child.text));
+  const ChildResult child = in_child([&] { return nlohmann::json(ask()).dump(); }, seconds);
+  if (child.fate.empty()) return nlohmann::json::parse(child.text).get<Answer>();
   Answer a;
   a.failure = "aborted", a.message = child.fate, a.seconds = seconds_since(start);
   return a;
