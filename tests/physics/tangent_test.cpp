@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "random_pose.hpp"
+#include "vbond/core/cell.hpp"
 
 namespace vbond {
 namespace {
