@@ -103,8 +103,14 @@ inline Body random_body(unsigned seed, const Kinds& kinds) {
         if (dice.chance(0.5)) recipe.weibull = {dice(3, 12), 0, 0, seed};
       }
       if (warm && dice.chance(0.7)) recipe.expansion = dice(-1e-3, 1e-3);
-      const auto made = make_bond(recipe, bond_site(s.model, s.state, ParticleId{i}),
-                                  bond_site(s.model, s.state, ParticleId{j}));
+      const auto make = [&] {
+        return make_bond(recipe, bond_site(s.model, s.state, ParticleId{i}),
+                         bond_site(s.model, s.state, ParticleId{j}));
+      };
+      auto made = make();
+      const double factor = strength_factor(made.value());
+      if (b.N_c > 0.0 && !(b.law.c[0] * b.u_f > sq(factor) * b.N_c))  // it would snap back, and is refused
+        recipe.weibull = {}, made = make();
       add_bond(s.model, made.value(), recipe, s.state);
       b.factor = strength_factor(*made);
       const BondPose<double> pose = bond_pose(*made, s.state);
