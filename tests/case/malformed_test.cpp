@@ -24,7 +24,7 @@ std::vector<std::string> malformed_files() {
   return names;
 }
 
-class Malformed : public testing::TestWithParam<std::string> {};
+class Malformed : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(Malformed, FileIsRefusedAtTheRightPlaceWithAWayOut) {
   const std::filesystem::path file = folder / (GetParam() + ".toml");
@@ -52,7 +52,7 @@ TEST_P(Malformed, FileIsRefusedAtTheRightPlaceWithAWayOut) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Case, Malformed, testing::ValuesIn(malformed_files()),
+INSTANTIATE_TEST_SUITE_P(Case, Malformed, ::testing::ValuesIn(malformed_files()),
                          [](const auto& parameter) { return parameter.param; });
 
 TEST(MalformedFiles, AreAtLeastTwenty) {

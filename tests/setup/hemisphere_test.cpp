@@ -14,7 +14,7 @@ HemisphereSpecimen paper_hemisphere(std::uint64_t seed) {
   return s;
 }
 
-class PaperHemisphere : public testing::TestWithParam<std::uint64_t> {};
+class PaperHemisphere : public ::testing::TestWithParam<std::uint64_t> {};
 
 // An ideal triangulation has 3 N - 3 - n_rim = 1322 edges. What the paper's contacts need is a nearest
 // distance above 2R = 0.7; evenly spread points keep 0.85 with room to spare.
@@ -56,7 +56,7 @@ TEST_P(PaperHemisphere, HasComeToRest) {
     EXPECT_LT(norm(F - dot(F, e) * e), 0.05 * s.strength) << "particle " << i.value;
   }
 }
-INSTANTIATE_TEST_SUITE_P(Seeds, PaperHemisphere, testing::Values(1, 2, 3, 4, 5));
+INSTANTIATE_TEST_SUITE_P(Seeds, PaperHemisphere, ::testing::Values(1, 2, 3, 4, 5));
 
 // Few particles and few steps: what is tested does not depend on how even the points are.
 HemisphereSpecimen small_hemisphere() {

@@ -32,7 +32,7 @@ TEST(Block, SimpleCubicHasSixNeighboursInside) {
   EXPECT_EQ(b.model.r_0[ParticleId{0}], (Vec3d{1, 0, 0}));
 }
 
-class ClosePacked : public testing::TestWithParam<Lattice> {};
+class ClosePacked : public ::testing::TestWithParam<Lattice> {};
 
 TEST_P(ClosePacked, HasTwelveNeighboursInside) {
   const Built b = build(case_of(BlockSpecimen{GetParam(), {4, 4, 4}, 1.0, {}}));
@@ -43,7 +43,7 @@ TEST_P(ClosePacked, HasTwelveNeighboursInside) {
   // the 2 x 2 x 2 inner cells of four have all their neighbours
   EXPECT_GE(std::count(n.begin(), n.end(), 12), 4 * 8);
 }
-INSTANTIATE_TEST_SUITE_P(Lattices, ClosePacked, testing::Values(Lattice::fcc, Lattice::hcp));
+INSTANTIATE_TEST_SUITE_P(Lattices, ClosePacked, ::testing::Values(Lattice::fcc, Lattice::hcp));
 
 // A particle of an fcc crystal and its mirror image: of 12 neighbours every one has an opposite one; in hcp
 // only the six of its own plane have.
