@@ -17,9 +17,8 @@
 namespace vbond {
 
 // What acts on a body in a stage goes with the progress of the stage: with time in motion, with the load
-// factor at rest. A velocity is a rate per progress: at rest the way from where the stage found the body to
-// load factor
-// 1. Factors are functions of time: stages at rest take none.
+// factor at rest. A velocity is a rate per progress: at rest it is the way from where the stage found the
+// body to where it stands at load factor 1. Factors are functions of time: stages at rest take none.
 
 /// Degrees of freedom that are held, at rest or at a prescribed velocity. A rigid one is a grip: its
 /// particles move as one rigid body, positions and orientations, on circles about a pivot that itself moves
