@@ -175,15 +175,10 @@ std::int64_t unknowns_of(const StageSpec& stage, const Model& model) {
   std::vector<Support> supports;
   for (const SupportSpec& s : stage.supports) {
     const HeldDirections d = directions_of(s);
-    supports.push_back({s.group.value,
-                        resolve_groups({s.group}, model).front().particles,
-                        d.held,
-                        {},
-                        {},
-                        {},
-                        s.rigid,
-                        s.pivot,
-                        d.axes});
+    Support& support = supports.emplace_back();
+    support.particles = resolve_groups({s.group}, model).front().particles;
+    support.held = d.held, support.axes = d.axes;
+    support.rigid = s.rigid, support.pivot = s.pivot;
   }
   auto free = 6 * static_cast<std::int64_t>(model.particles());
   for (const Hold& h : holds_of(supports))

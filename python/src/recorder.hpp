@@ -23,7 +23,7 @@ class Recorder : public Observer {
     const bool ended = why != StopReason::interrupted && why != StopReason::diverged;
     if (ended && due_.at_stage_end(run.clock())) add(run);
   }
-  void observe_balance(const BodyView& body) override { add(body); }
+  void observe_balance(const BodyView& body, const BalancePoint&) override { add(body); }
   py::dict columns() const { return columns_of(history_columns(plan_), rows_); }
 
  private:

@@ -17,7 +17,7 @@ import pytest
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 PROGRAM = os.path.abspath(os.environ.get("VBOND", ROOT / "build/release/vbond"))
-STATICS = os.environ.get("VBOND_STATICS", "ON") == "ON"
+STATICS = os.environ.get("VBOND_STATICS", "1") == "1"
 EXAMPLES = ROOT / "examples"
 TEMPLATE = "<!doctype html>\n<!-- run -->\n</html>\n"  # of a report page, in place of the real one
 CLAMP = 'fix = ["x", "y", "z", "rx", "ry", "rz"]'

@@ -29,11 +29,12 @@ inline HeldDofs some_dofs(Dice& dice, double part) {
   return held;
 }
 
-/// The largest way and turn between two states of a body.
+/// The largest way and turn between two states of a body; NaN if one of them is.
 inline double distance_between(const State& a, const State& b) {
   double largest = 0.0;
   for (const ParticleId p : a.r.ids())
-    largest = std::max({largest, norm(a.r[p] - b.r[p]), norm(rotation_vector(a.q[p] * conjugate(b.q[p])))});
+    for (const double d : {norm(a.r[p] - b.r[p]), norm(rotation_vector(a.q[p] * conjugate(b.q[p])))})
+      if (!(d <= largest)) largest = std::isnan(largest) ? largest : d;
   return largest;
 }
 

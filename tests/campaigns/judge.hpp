@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <limits>
 #include <map>
 #include <stdexcept>
 #include <string>
@@ -46,7 +47,11 @@ class Tally {
     EXPECT_LT(x, limit) << what;
   }
   double sum(const std::string& what) const { return value(sums_, what); }
-  double largest(const std::string& what) const { return value(largest_, what); }
+  /// NaN if there is none of that name: no limit holds then.
+  double largest(const std::string& what) const {
+    const auto at = largest_.find(what);
+    return at == largest_.end() ? std::numeric_limits<double>::quiet_NaN() : at->second;
+  }
 
   void count(const std::string& word) { ++words_[word]; }
   std::string summary() const {

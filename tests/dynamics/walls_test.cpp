@@ -151,7 +151,7 @@ TEST(Wall, ThatSwingsIsWhereItsSineIs) {
   }
 }
 
-// About its centre, wherever that is, or about a pivot.
+// About its centre, which is not the origin, or about a pivot.
 TEST(Wall, TurnsAboutItsCentreUnlessAPivotIsGiven) {
   Specimen s = sphere({0, 0, 5}, 0.1, 1.0, linear(1e3, 0.0), {floor_at(0)});
   s.model.walls[0].centre = {2, 1, 0};

@@ -385,7 +385,8 @@ TEST(Observers, EveryStaticPointGivesARowAndAFrameAndThoseAfterACheckpointAreDro
   const auto record = [&](const FileObservers& files, std::int64_t number) {
     const State state = point_state(chain, number);
     const StaticPoint point{state, 0.1 * static_cast<double>(number), PointKind::regular, 0, {}, reaction};
-    for (const auto& o : files.all()) o->observe_balance(PointView(chain.model, point));
+    const PointView view(chain.model, point);
+    for (const auto& o : files.all()) o->observe_balance(view, *view.balance());
   };
   Stage first = two_stages()[0];
   Checkpoint start;
@@ -418,7 +419,8 @@ TEST(TableObserver, HeaderIsPrintedWhereverDynamicsAndStaticsMeet) {
     for (const std::int64_t number : {1, 2}) {
       const State state = point_state(chain, 10 * round + number);
       const StaticPoint point{state, 0.5, PointKind::regular, 0, {}, {}};
-      table->observe_balance(PointView(chain.model, point));
+      const PointView view(chain.model, point);
+      table->observe_balance(view, *view.balance());
     }
     Stage stage = two_stages()[0];
     stage.stops.duration = 3 * dt;

@@ -134,6 +134,7 @@ TEST(HeldFracture, EachBondBreaksWhereItsOwnLoadSaysSo) {
     }
     ASSERT_LT(std::abs(f.books.error()), 1e-6);
   });
+  EXPECT_EQ(all["given up"], 0u);
   EXPECT_GT(all.sum("breaks"), all.full ? all.cases : 0);
 }
 

@@ -21,7 +21,7 @@
 #include "vbond/model/static_stage.hpp"
 
 /// A case as the user wrote it, checked key by key and turned into the units of the model.
-/// Names of groups, walls and stages are still names, and times may still be multiples of T_0: build/
+/// Names of groups, walls and stages are still names, and times may still be multiples of T_0: setup/
 /// resolves both.
 namespace vbond {
 

@@ -2,7 +2,7 @@
 #include "vbond/case/case.hpp"
 #include "vbond/case/key_table.hpp"
 
-/// One function per table of the case file. Each names its keys once; see table.hpp.
+/// One function per table of the case file. Each names its keys once; see key_table.hpp.
 namespace vbond::keys {
 
 void describe(Table& t, Case& c);

@@ -6,7 +6,7 @@
 
 namespace vbond {
 
-/// A value and where it stands in the case file, for errors that only build/ can find.
+/// A value and where it stands in the case file, for errors that only setup/ can find.
 template <class T>
 struct Placed {
   T value{};

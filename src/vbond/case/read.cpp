@@ -30,7 +30,7 @@ void check_twice(const std::vector<T>& items, const std::string& kind, std::set<
                 "the name \"" + item.name + "\" is taken already", "give this one another name");
 }
 
-/// Specimens and groups share one set of names, in which build/ adds some of its own.
+/// Specimens and groups share one set of names, in which setup/ adds some of its own.
 void check_names(const Case& c, ReadContext& in) {
   std::set<std::string> stages, bonds, groups, walls, materials;
   check_twice(c.stages, "stage", stages, in);

@@ -30,7 +30,7 @@ struct Problem {
 /// of others of its kind.
 std::string to_text(const std::vector<Problem>& problems);
 
-/// Wrong user input, all of it at once. Thrown only in case/ and build/. Exit status 2.
+/// Wrong user input, all of it at once. Thrown only in case/ and setup/. Exit status 2.
 class CaseError : public std::runtime_error {
  public:
   explicit CaseError(std::vector<Problem> problems)

@@ -22,8 +22,9 @@ class Observer {
   /// Called once when run() returns. After StopReason::interrupted the stage will be resumed, so
   /// nothing may be written here that an uninterrupted run would not have written.
   virtual void finish(const Simulation& /*run*/, StopReason /*why*/) {}
-  /// A balance of a static stage, with BodyView::balance(). The body goes on from it: all of them are sound.
-  virtual void observe_balance(const BodyView& /*body*/) {}
+  /// A balance of a static stage, in which finish() is not called. A stage that is interrupted begins again
+  /// from its start, and shows its balances again. All processes that share a run are shown the whole body.
+  virtual void observe_balance(const BodyView& /*body*/, const BalancePoint& /*balance*/) {}
 };
 
 }  // namespace vbond

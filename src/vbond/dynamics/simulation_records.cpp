@@ -57,11 +57,14 @@ double Simulation::peak_quantity() const {
 
 Vec3d Simulation::from_to(ParticleId i, ParticleId j) const {
   if (!is_part_) return bodies_.between(bodies_.order.row[i], bodies_.order.row[j]);
-  Vec3d of[2];  // places of i and j, each known to the part that moves it
-  if (bodies_.order.has(i)) of[0] = pose_of(i).r;
-  if (bodies_.order.has(j)) of[1] = pose_of(j).r;
-  for (Vec3d& r : of) exchange_.sum({&r.x, 3});
-  return between(of[0], of[1]);
+  std::array<double, 6> places{};  // of i and j, each known to the part that moves it
+  for (const auto& [p, first] : {std::pair(i, 0), std::pair(j, 3)}) {
+    if (!bodies_.order.has(p)) continue;
+    const Vec3d& r = pose_of(p).r;
+    std::copy_n(&r.x, 3, places.begin() + first);
+  }
+  exchange_.sum(places);
+  return between(Vec3d{places[0], places[1], places[2]}, Vec3d{places[3], places[4], places[5]});
 }
 
 StopReason Simulation::stop_reason() const {

@@ -82,7 +82,7 @@ void WatchObserver::look(const Simulation& run) {
   watch_.look(run, [&run] { return Watch::in_wall(run.model(), run.deep_in_walls(deep)); });
 }
 
-void WatchObserver::observe_balance(const BodyView& body) {
+void WatchObserver::observe_balance(const BodyView& body, const BalancePoint& /*balance*/) {
   const Timing timing(*this);
   watch_.look(body);
   if (overlap_ > 0.0) watch_.look_at_overlaps(body, overlap_);
@@ -157,9 +157,9 @@ void FrameObserver::write(const Simulation& run) {
   due_.written(run.clock().step);
 }
 
-void FrameObserver::observe_balance(const BodyView& body) {
+void FrameObserver::observe_balance(const BodyView& body, const BalancePoint& balance) {
   const Timing timing(*this);
-  writer_.write(body.model(), body.state(), body.balance()->load_factor);
+  writer_.write(body.model(), body.state(), balance.load_factor);
   due_.written(body.clock().step);
 }
 
@@ -225,11 +225,10 @@ void TableObserver::print(const Simulation& run) {
   show(text, out_);
 }
 
-void TableObserver::observe_balance(const BodyView& body) {
+void TableObserver::observe_balance(const BodyView& body, const BalancePoint& balance) {
   const Timing timing(*this);
   std::string text = std::exchange(header_, Header::statics) == Header::statics ? "" : static_table_header();
-  show(text + static_table_row(body.clock().step, *body.balance(), body.energies(), count_ranges(body)),
-       out_);
+  show(text + static_table_row(body.clock().step, balance, body.energies(), count_ranges(body)), out_);
   last_step_ = body.clock().step;
 }
 

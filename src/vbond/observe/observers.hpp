@@ -59,7 +59,7 @@ class WatchObserver : public TimedObserver {
   void observe(const Simulation& run) override;
   std::int64_t steps_to_next_look(const Clock& now) const override;
   void finish(const Simulation& run, StopReason why) override;
-  void observe_balance(const BodyView& body) override;
+  void observe_balance(const BodyView& body, const BalancePoint& balance) override;
   /// After a failure, for which finish is not called, the program may ask for the summary here.
   Watch& watch() { return watch_; }
   const Watch& watch() const { return watch_; }
@@ -83,7 +83,7 @@ class HistoryObserver : public TimedObserver {
   void observe(const Simulation& run) override;
   std::int64_t steps_to_next_look(const Clock& now) const override;
   void finish(const Simulation& run, StopReason why) override;
-  void observe_balance(const BodyView& body) override { write(body); }
+  void observe_balance(const BodyView& body, const BalancePoint&) override { write(body); }
   /// What it has written so far; null where others write.
   const HistoryWriter* writer() const { return writer_ ? &*writer_ : nullptr; }
 
@@ -101,7 +101,7 @@ class FrameObserver : public TimedObserver {
   void observe(const Simulation& run) override;
   std::int64_t steps_to_next_look(const Clock& now) const override;
   void finish(const Simulation& run, StopReason why) override;
-  void observe_balance(const BodyView& body) override;
+  void observe_balance(const BodyView& body, const BalancePoint& balance) override;
 
  private:
   void write(const Simulation& run);
@@ -144,7 +144,7 @@ class TableObserver : public TimedObserver {
   void observe(const Simulation& run) override;
   std::int64_t steps_to_next_look(const Clock& now) const override;
   void finish(const Simulation& run, StopReason why) override;
-  void observe_balance(const BodyView& body) override;
+  void observe_balance(const BodyView& body, const BalancePoint& balance) override;
 
  private:
   enum class Header : std::uint8_t { none, dynamics, statics };

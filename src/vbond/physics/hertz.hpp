@@ -46,7 +46,8 @@ VBOND_HD T hertz_secant(const T& E_star, const T& a) {
   return T(4.0 / 3.0) * E_star * a;
 }
 
-/// contact_energy() by the secant, 2/5 s delta^2, for those who have it already: they differ by rounding.
+/// contact_energy() by the secant, 2/5 s delta^2, for callers that have the secant already. The two differ by
+/// rounding.
 template <Scalar T>
 VBOND_HD T energy_of_secant(const T& secant, const T& delta) {
   return T(0.4) * secant * delta * delta;

@@ -283,7 +283,7 @@ StageResult Run::find_balance(const StaticStage& stage) {
   StaticHooks hooks{{}, hooks_.tell, hooks_.interrupted, hooks_.progress};
   hooks.point = [&](const StaticPoint& point) {
     const PointView view(model_, point);
-    for (const auto& o : observers_) o->observe_balance(view);
+    for (const auto& o : observers_) o->observe_balance(view, *view.balance());
     if (hooks_.balance) hooks_.balance(view);
     state_ = point.state;  // the last balance that is sound
     load_factor = point.load_factor;

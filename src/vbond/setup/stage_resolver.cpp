@@ -135,6 +135,7 @@ void StageResolver::check_supports(const std::vector<Support>& supports) const {
           "take it out of one of them, or give both the same motion (and rigid ones the same pivot)");
   }
 }
+
 /// Reports temperatures at which a bond set would have no length left, or that nothing feels.
 void StageResolver::check_temperatures() const {
   for (const TemperatureSpec& t : spec.temperatures) {

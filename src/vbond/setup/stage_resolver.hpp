@@ -26,7 +26,7 @@ struct StageResolver {
   /// Those that overlap must agree; grips need particles.
   std::vector<Support> supports() const;
   std::vector<PointLoad> loads() const;
-  /// Records temperatures at which a bond set would have no length left, or that nothing feels.
+  /// Reports temperatures at which a bond set would have no length left, or that nothing feels.
   std::vector<Heating> heating() const;
   /// Whether supports leave any degree of freedom.
   bool anything_is_free(const std::vector<Support>& supports) const;
