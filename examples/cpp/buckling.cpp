@@ -26,7 +26,7 @@ int main() {
     const bool first = p.value == 0, last = p.value == 9;  // the x-y plane, and the pins
     press.supports.push_back({"pins", {p}, {first, first || last, true, true, true, false}, {}, {}});
   }
-  press.loads = {{"end", {ParticleId{9}}, {-1, 0, 0}, {}, false}};
+  press.loads = {{"end", {ParticleId{9}}, {-1, 0, 0}}};
   const StaticOutcome outcome = run_static_stage(rod, press, state, {});
   std::printf("critical force %.9g\n", outcome.result.critical_loads.at(0).force);
 }

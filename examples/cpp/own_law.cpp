@@ -131,7 +131,7 @@ void press() {
     const bool first = p.value == 0, last = p.value == 9;  // the x-y plane, and the pins
     stage.supports.push_back({"pins", {p}, {first, first || last, true, true, true, false}, {}, {}});
   }
-  stage.loads = {{"end", {ParticleId{9}}, {-1e-4, 0, 0}, {}, false}};
+  stage.loads = {{"end", {ParticleId{9}}, {-1e-4, 0, 0}}};
   stage.count = 1;
   stage.kind = StageKind::equilibrium;
   std::printf("shortened by %.9g\n",
@@ -155,7 +155,7 @@ void draw() {
   stage.name = "draw";
   stage.kind = StageKind::equilibrium;
   stage.supports = {{"fixed", {ParticleId{0}}, {true, true, true, true, true, true}, {}, {}}};
-  stage.loads = {{"end", {ParticleId{9}}, {0.02, 0, 0}, {}, false}};
+  stage.loads = {{"end", {ParticleId{9}}, {0.02, 0, 0}}};
   std::printf("drawn by %.9g\n",
               run_static_stage(rod.model, stage, rod.state, {}).state.r[ParticleId{9}].x - 9.0);
 }

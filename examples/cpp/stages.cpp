@@ -27,7 +27,7 @@ int main() {
   StaticStage rest;  // of kind equilibrium
   rest.name = "rest";
   rest.supports = {{"root", {root}, all, {}, {}}};
-  rest.loads = {{"tip", {tip}, {0, P, 0}, {}, false}};
+  rest.loads = {{"tip", {tip}, {0, P, 0}}};
   StaticStage ring = rest;
   ring.name = "ring", ring.kind = StageKind::modes, ring.count = 2;
 
