@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -125,16 +126,19 @@ Course at_rest_by_own_words(unsigned seed) {
       F[b.i] += l.F, F[b.j] -= l.F;
       M[b.i] += l.M_i + cross(p.arm_i, l.F), M[b.j] += l.M_j - cross(p.arm_j, l.F);
     }
+    const auto take_up = [&unbalanced](double x) {
+      if (!(x <= unbalanced)) unbalanced = std::isnan(unbalanced) ? unbalanced : x;
+    };
     for (std::size_t p = 1; p <= last; ++p) {
-      if (p < last) unbalanced = std::max(unbalanced, norm(F[p]));
-      unbalanced = std::max(unbalanced, norm(M[p]));
+      if (p < last) take_up(norm(F[p]));
+      take_up(norm(M[p]));
     }
   };
   StaticOutcome outcome;
   try {
     outcome = run_static_stage(s.model, stage, s.state, hooks);
   } catch (const NoEquilibrium&) {
-    if (unbalanced > 1e-8 * largest) course.verdict = testing::wrong("out of balance before it gave up");
+    if (!(unbalanced <= 1e-8 * largest)) course.verdict = testing::wrong("out of balance before it gave up");
     if (!course.right()) return course;
     throw;
   }
@@ -144,7 +148,7 @@ Course at_rest_by_own_words(unsigned seed) {
   std::snprintf(text, sizeof text, "out of balance by %.1e of %.1e, losses off by %.1e", unbalanced, largest,
                 losses);
   if (outcome.result.ended != "converged") course.verdict = testing::wrong(outcome.result.ended);
-  if (unbalanced > 1e-8 * largest || losses > 1e-7 * largest) course.verdict = testing::wrong(text);
+  if (!(unbalanced <= 1e-8 * largest) || !(losses <= 1e-7 * largest)) course.verdict = testing::wrong(text);
   return course;
 }
 
