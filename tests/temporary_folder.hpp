@@ -1,13 +1,17 @@
 #pragma once
+#include <unistd.h>
+
 #include <filesystem>
 #include <string>
 
 namespace vbond::test {
 
-/// An empty folder of this name among the system's temporary ones, gone with the object.
+/// An empty folder among the system's temporary ones, gone with the object. Its name ends with the number of
+/// the process: tests that run at the same time cannot share one.
 class TemporaryFolder {
  public:
-  explicit TemporaryFolder(const std::string& name) : path_(std::filesystem::temp_directory_path() / name) {
+  explicit TemporaryFolder(const std::string& name)
+      : path_(std::filesystem::temp_directory_path() / (name + "_" + std::to_string(getpid()))) {
     std::filesystem::remove_all(path_);
     std::filesystem::create_directories(path_);
   }

@@ -39,8 +39,6 @@ State some_bonds() {
 
 class BondListFile : public ::testing::Test {
  protected:
-  void SetUp() override { std::filesystem::remove(path_); }
-  void TearDown() override { std::filesystem::remove(path_); }
   BondList read(const std::string& text) {
     replace_file(path_, text);
     return read_bond_list(path_);
@@ -53,7 +51,8 @@ class BondListFile : public ::testing::Test {
     }
     return "accepted";
   }
-  std::filesystem::path path_ = std::filesystem::path(::testing::TempDir()) / "vbond_bond_list";
+  const test::Folder folder_;
+  const std::filesystem::path path_ = folder_ / "bonds";
 };
 
 TEST_F(BondListFile, IsReadAsItWasWritten) {
