@@ -17,11 +17,13 @@
 #include "vbond/case/read.hpp"
 #include "vbond/core/bounding_box.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/core/images.hpp"
 #include "vbond/core/printable.hpp"
 #include "vbond/dynamics/step_memory.hpp"
 #include "vbond/model/capsules.hpp"
 #include "vbond/model/contact_bound.hpp"
 #include "vbond/model/holds.hpp"
+#include "vbond/model/periodic_cell.hpp"
 #include "vbond/model/step_bound.hpp"
 #include "vbond/model/touching.hpp"
 #include "vbond/observe/summary.hpp"
@@ -104,6 +106,20 @@ double seconds_per_step(const Run& run, const Stage& stage, int threads) {
   return seconds / static_cast<double>(steps);
 }
 
+/// The stiffness of the bonds while particles follow the cell is what a servo of the cell must allow for.
+void print_cell(const Model& model, const State& state) {
+  const bool si = model.units == UnitSystem::si;
+  std::string along;
+  for (std::size_t k = 0; k < 3; ++k)
+    if (model.cell.periodic[k]) along += (along.empty() ? "" : ", ") + std::string(1, "abc"[k]);
+  const double V = volume(state.cell), m = std::accumulate(model.mass.begin(), model.mass.end(), 0.0);
+  fmt::print("cell             repeats along {}; volume {:.6g}{}, density {:.6g}{}\n", along, V,
+             si ? " m^3" : "", m / V, si ? " kg/m^3" : "");
+  if (!state.bonds.empty())
+    fmt::print("                 stiffness of its bonds while particles follow the cell: at most {:.4g}{}\n",
+               affine_modulus(model.cell, state), si ? " Pa" : "");
+}
+
 /// What a wrong unit or a misplaced specimen would show in first.
 void print_body(const Model& model, const State& state) {
   const bool si = model.units == UnitSystem::si;
@@ -118,6 +134,7 @@ void print_body(const Model& model, const State& state) {
                                   [](const PrincipalInertia& I) { return !all_equal(I.moments); });
   if (tops > 0)
     fmt::print("inertia          {} of {} particles have unequal moments\n", tops, model.particles());
+  if (model.cell.any()) print_cell(model, state);
   if (state.bonds.empty()) return;
   const auto [shortest, longest] =
       std::minmax_element(state.bonds.begin(), state.bonds.end(),
@@ -157,7 +174,7 @@ void print_strengths(const Case& c) {
 void print_overlaps(const Model& model, const State& state) {
   double U = 0.0;
   std::int64_t pairs = 0;
-  for_touching_pairs(model, state, [&](ParticleId i, ParticleId j, double overlap) {
+  for_touching_pairs(model, state, [&](ParticleId i, ParticleId j, const Image&, double overlap) {
     const double R = model.radius[i] * model.radius[j] / (model.radius[i] + model.radius[j]);
     U += normal_energy(touch_forms(model.contact), touch_numbers(model, i, j), R, overlap);
     ++pairs;

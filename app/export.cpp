@@ -33,6 +33,10 @@ void refuse_what_lammps_lacks(const Case& c, const Model& model, const BondList&
                           "LAMMPS' atoms of style bpm/sphere have one", "give them one"});
       break;
     }
+  if (model.cell.any())
+    problems.push_back({c.cell ? c.cell->place : file, "a periodic cell",
+                        "the list of bonds names particles, and not which of their images a bond joins",
+                        "export an open body"});
   for (const BondKind& kind : list.kinds)
     if (kind.law->remembers())
       problems.push_back({file, fmt::format("bonds of the law {}", kind.law->name),

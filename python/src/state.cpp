@@ -52,6 +52,10 @@ py::dict bonds_of(const Snapshot& snapshot) {
   py::dict columns;
   columns["i"] = bond_column(s, [](const Bond& b) { return std::int64_t{b.i.value}; });
   columns["j"] = bond_column(s, [](const Bond& b) { return std::int64_t{b.j.value}; });
+  if (!s.cell.empty())
+    columns["image_j"] = bond_column(s, [](const Bond& b) {
+      return Vec3d{double(b.image_j.a), double(b.image_j.b), double(b.image_j.c)};
+    });
   columns["length_at_rest"] = bond_column(s, [](const Bond& b) { return b.a; });
   columns["broken"] =
       py::array(bond_column(s, [](const Bond& b) { return std::uint8_t{b.broken}; })).attr("astype")("bool");
@@ -68,12 +72,16 @@ py::dict bonds_of(const Snapshot& snapshot) {
 
 py::dict contacts_of(const Snapshot& snapshot) {
   std::vector<std::int64_t> first, second;
+  std::vector<Vec3d> images;
   std::vector<double> overlaps;
-  for_touching_pairs(*snapshot.model, *snapshot.state, [&](ParticleId i, ParticleId j, double overlap) {
-    first.push_back(i.value), second.push_back(j.value), overlaps.push_back(overlap);
-  });
+  for_touching_pairs(*snapshot.model, *snapshot.state,
+                     [&](ParticleId i, ParticleId j, const Image& n, double overlap) {
+                       first.push_back(i.value), second.push_back(j.value), overlaps.push_back(overlap);
+                       images.push_back({double(n.a), double(n.b), double(n.c)});
+                     });
   py::dict columns;
   columns["i"] = copy(first), columns["j"] = copy(second), columns["overlap"] = copy(overlaps);
+  if (!snapshot.state->cell.empty()) columns["image_j"] = copy(images);
   return columns;
 }
 

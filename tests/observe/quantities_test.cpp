@@ -173,20 +173,31 @@ TEST(Quantities, EveryDataSetOfACheckpointHasItsUnitAndMeaning) {
   BondRules rules;
   rules.strength = elongation_strength(0.1);
   chain.state.bonds[BondId{0}].rules = &kept(rules);
-  write_checkpoint(folder / "c.h5", chain.model, {chain.state, watch}, "1.0");
+  Chain periodic;  // which has no walls and no capsules
+  periodic.model.units = UnitSystem::si;
+  periodic.model.cell = {{Vec3d{9, 0, 0}, {0, 9, 0}, {0, 0, 9}}, {true, true, true}, {}, false};
+  periodic.state.cell = {
+      {{9, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 0, 3}}, {{0, 9, 0}, {}, {}, {}}, {{0, 0, 9}, {}, {}, {}}};
+  periodic.state.bonds[BondId{0}].image_j = {0, 1, 0};
+  periodic.state.contact_history = {{ParticleId{0}, ParticleId{2}, {1.0}, 0.1, {1, -2, 0}}};
   std::set<std::string> described;
-  for (const auto& [path, unit, meaning] : data_sets_of(folder / "c.h5")) {
-    const auto all = checkpoint_quantities();
-    const auto q =
-        std::find_if(all.begin(), all.end(), [&p = path](const auto& one) { return p == one.path; });
-    ASSERT_NE(q, all.end()) << path << " is not in checkpoint_quantities()";
-    EXPECT_EQ(unit, q->unit.si) << path;
-    EXPECT_EQ(meaning, q->meaning) << path;
-    described.insert(path);
-  }
+  const auto look = [&](const std::filesystem::path& file, const Chain& of, const WatchRecord& seen) {
+    write_checkpoint(file, of.model, {of.state, seen}, "1.0");
+    for (const auto& [path, unit, meaning] : data_sets_of(file)) {
+      const auto all = checkpoint_quantities();
+      const auto q =
+          std::find_if(all.begin(), all.end(), [&p = path](const auto& one) { return p == one.path; });
+      ASSERT_NE(q, all.end()) << path << " is not in checkpoint_quantities()";
+      EXPECT_EQ(unit, q->unit.si) << path;
+      EXPECT_EQ(meaning, q->meaning) << path;
+      described.insert(path);
+    }
+    EXPECT_TRUE(read_checkpoint(file, of.model).state == of.state) << file;
+  };
+  look(folder / "c.h5", chain, watch);
+  look(folder / "p.h5", periodic, {});
   for (const CheckpointQuantity& q : checkpoint_quantities())
     EXPECT_EQ(described.count(q.path), 1U) << q.path;
-  EXPECT_TRUE(read_checkpoint(folder / "c.h5", chain.model).state == chain.state);
 }
 
 }  // namespace

@@ -254,7 +254,7 @@ TEST(StepBound, OfContactsHoldsForRandomHeaps) {
       double k;
     };
     std::vector<Spring> springs;
-    for_touching_pairs(b.model, b.state, [&](ParticleId i, ParticleId j, double overlap) {
+    for_touching_pairs(b.model, b.state, [&](ParticleId i, ParticleId j, const Image&, double overlap) {
       springs.push_back({i, j, normalised(b.state.r[j] - b.state.r[i]), 1.5 * std::sqrt(overlap)});
     });
     PerParticle<Vec3d> x(b.model.particles(), Vec3d{});

@@ -25,6 +25,17 @@
 /// resolves both.
 namespace vbond {
 
+// ---- the cell -----------------------------------------------------------------------------------
+
+/// What a periodic body repeats with.
+struct CellSpec {
+  SourcePlace place;
+  std::array<Vec3d, 3> edges{};
+  Vec3d corner;
+  std::array<bool, 3> open{};
+  bool triangular = false;
+};
+
 // ---- specimens -------------------------------------------------------------------------------
 
 struct RodSpecimen {
@@ -294,6 +305,17 @@ struct StrainSpec {
   CaseTime every;
 };
 
+/// What moves a component of the cell: one of rate (dynamics) and strain (at rest), or a stress.
+struct CellComponentSpec {
+  SourcePlace place;
+  std::optional<double> rate, strain, stress;
+  TimeFunctionSpec factor;  ///< dynamics
+};
+struct CellDriveSpec {
+  std::array<std::optional<CellComponentSpec>, 6> component{};  ///< as cell_component_names
+  std::optional<CellServo> servo;                               ///< dynamics
+};
+
 struct DistanceStopSpec {
   SourcePlace place;
   std::array<std::int64_t, 2> between{};
@@ -332,6 +354,7 @@ struct StageSpec {
   std::vector<LoadSpec> loads;
   std::vector<TemperatureSpec> temperatures;      ///< all kinds but modes
   std::vector<WallDriveSpec> walls;               ///< dynamics, equilibrium, fracture
+  std::optional<CellDriveSpec> cell;              ///< dynamics, equilibrium
   std::optional<DistanceStopSpec> stop_distance;  ///< dynamics, path
 
   // dynamics
@@ -410,6 +433,7 @@ struct Case {
   std::vector<std::string> changes;  ///< of keys, made after the file was read
   std::string title;
   UnitSystem units = UnitSystem::reduced;
+  std::optional<CellSpec> cell;
   std::vector<SpecimenSpec> specimens;
   std::vector<GroupSpec> groups;
   std::vector<BondSpec> bonds;

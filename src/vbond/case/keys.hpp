@@ -10,6 +10,11 @@ void describe(Table& t, Case& c);
 /// A group that is not given is that of all particles.
 void default_to_all(Placed<std::string>& group);
 
+void describe(Table& t, CellSpec& c);
+void describe(Table& t, CellServo& s);
+/// What moves the cell in a stage of this kind.
+void describe_drive(Table& t, CellDriveSpec& d, std::optional<StageKind> kind);
+
 void describe(Table& t, SpecimenSpec& s);
 void describe(Table& t, RodSpecimen& s);
 void describe(Table& t, HemisphereSpecimen& s);

@@ -31,6 +31,7 @@ void describe(Table& t, Case& c) {
           "reduced: bare numbers, a = m = c_A = 1; SI: m, kg, s, or text with a unit such as \"2 GPa\"");
     u.set_units(c.units);
   });
+  t.table("cell", c.cell, "the cell of a body that repeats in space; without it space is open");
   t.tables("specimen", c.specimens, required, "a body of particles; several are numbered one after another");
   t.named_tables("groups", c.groups, "a named set of particles: exactly one of the following");
   t.tables("bonds", c.bonds, optional, "a set of bonds that are made alike");

@@ -268,11 +268,11 @@ void check_proportional(Table& t, const StageSpec& s) {
     return !l.constant && (any(l.force) || any(l.moment) || any(l.total_force) || any(l.total_moment));
   };
   const auto moves = [](const SupportSpec& p) { return any(p.displacement) || any(p.rotation); };
-  const bool proportional = (any(s.gravity) && !s.constant_gravity) ||
-                            std::any_of(s.loads.begin(), s.loads.end(), grows) ||
-                            std::any_of(s.supports.begin(), s.supports.end(), moves) || !s.walls.empty() ||
-                            std::any_of(s.temperatures.begin(), s.temperatures.end(),
-                                        [](const TemperatureSpec& heat) { return heat.change != 0.0; });
+  const bool proportional =
+      (any(s.gravity) && !s.constant_gravity) || std::any_of(s.loads.begin(), s.loads.end(), grows) ||
+      std::any_of(s.supports.begin(), s.supports.end(), moves) || !s.walls.empty() || s.cell.has_value() ||
+      std::any_of(s.temperatures.begin(), s.temperatures.end(),
+                  [](const TemperatureSpec& heat) { return heat.change != 0.0; });
   t.check(
       proportional, {"kind", "loads", "supports", "gravity", "constant_gravity", "temperatures"},
       "nothing grows with the load factor: no load or gravity that is not constant, no support or wall that "
@@ -350,6 +350,13 @@ bool describe(Table& t, StageSpec& s) {
          "kind = \"dynamics\", \"equilibrium\" or \"fracture\"", [&] {
            t.tables("walls", s.walls, optional, "what moves walls; the others stand still",
                     [kind](Table& k, WallDriveSpec& drive) { describe(k, drive, kind); });
+         });
+  t.when(!kind || kind == StageKind::dynamics || kind == StageKind::equilibrium,
+         "kind = \"dynamics\" or \"equilibrium\"", [&] {
+           t.table(
+               "cell", optional, "how the cell moves; components that are not named stay as they are",
+               [&s, kind](Table& k) { describe_drive(k, s.cell ? *s.cell : s.cell.emplace(), kind); },
+               s.cell.has_value());
          });
   t.when(kind == StageKind::dynamics, in_dynamics, [&] { describe_motion(t, s); });
   describe_statics(t, s);

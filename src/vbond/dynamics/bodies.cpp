@@ -7,7 +7,7 @@ namespace vbond {
 Bodies::Bodies(const Model& model) : Bodies(model, spatial_order(model.r_0)) {}
 
 Bodies::Bodies(const Model& model, Order rows_of) : order(std::move(rows_of)), tops(model, order) {
-  const std::size_t rows = filled_up(model.particles());
+  const std::size_t rows = filled_up(order.particle.size());
   pose.resize(rows);
   motion.resize(rows);
   load.resize(rows);
@@ -36,7 +36,8 @@ void Bodies::read(const State& s) {
 }
 
 void Bodies::write(State& s) const {
-  for (Row k{0}; k.value < order.known; ++k.value) {
+  const std::size_t known = order.images.empty() ? order.known : order.own;  // not of images
+  for (Row k{0}; k.value < known; ++k.value) {
     const ParticleId p = order.particle[k];
     s.r[p] = pose[k.value].r;
     s.q[p] = pose[k.value].q;
@@ -48,7 +49,7 @@ void Bodies::write(State& s) const {
 }
 
 Loads Bodies::collect(const std::vector<LoadRow>& from) const {
-  const std::size_t n = order.particle.size();
+  const std::size_t n = order.row.size();
   Loads l{PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)};
   for (Row k{0}; k.value < order.own; ++k.value) {
     l.F[order.particle[k]] = from[k.value].F;
@@ -64,12 +65,13 @@ void Bodies::spread(const Loads& l, std::vector<LoadRow>& to) const {
   }
 }
 
-Energies Bodies::kinetic_energy(const Team& team) const {
+Energies Bodies::kinetic_energy(const Team& team, const Tensor* flow) const {
   std::vector<Energies> of_block(team.blocks());
   team.for_blocks([&](const Block& b) {
     Energies& e = of_block[b.index];
     for (std::size_t k = b.rows.first; k < b.rows.last; ++k) {
-      e.kinetic_translation += 0.5 * mass[k] * norm2(motion[k].v);
+      const Vec3d v = flow == nullptr ? motion[k].v : motion[k].v - times(*flow, pose[k].r);
+      e.kinetic_translation += 0.5 * mass[k] * norm2(v);
       e.kinetic_rotation += rotation_energy(k, motion[k].omega);
     }
   });

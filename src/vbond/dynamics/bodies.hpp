@@ -2,6 +2,7 @@
 #include <span>
 #include <vector>
 
+#include "vbond/core/tensor.hpp"
 #include "vbond/dynamics/order.hpp"
 #include "vbond/dynamics/rows.hpp"
 #include "vbond/dynamics/team.hpp"
@@ -28,7 +29,7 @@ struct Bodies {
   /// From one particle to another, which may touch or be measured.  [length]
   Vec3d between(Row i, Row j) const { return vbond::between(pose[i.value], pose[j.value]); }
   /// From particle i of a bond to its particle j, and how they are turned.
-  Vec3d between(const Bond& b) const { return between(order.row[b.i], order.row[b.j]); }
+  Vec3d between(const Bond& b) const { return between(order.row_i(b), order.row_j(b)); }
   const Quatd& orientation(ParticleId p) const { return pose[order.row[p].value].q; }
   BondPose<double> bond_pose(const Bond& b) const {
     return vbond::bond_pose(b, between(b), orientation(b.i), orientation(b.j));
@@ -36,7 +37,8 @@ struct Bodies {
 
   /// Poses of the particles alone, without those that fill up the rows or are not known.
   std::span<const PoseRow> poses() const { return {pose.data(), order.known}; }
-  Energies kinetic_energy(const Team& team) const;
+  /// flow: of a cell that moves, whose part of velocities does not count.
+  Energies kinetic_energy(const Team& team, const Tensor* flow = nullptr) const;
   /// Kinetic energy of the rotation of a particle, if it turned with omega as it stands.
   double rotation_energy(std::size_t row, const Vec3d& omega) const {
     return tops.has(row) ? tops.energy_with(row, pose[row], omega) : 0.5 * inertia[row] * norm2(omega);

@@ -20,8 +20,8 @@ BondIndex::BondIndex(std::size_t particles, const PerBond<Bond>& bonds)
   for (const BondId b : bonds.ids()) {
     const Bond& bond = bonds[b];
     if (bond.broken) continue;
-    entries_[end_[bond.i.value]++] = {b, bond.j, true};
-    entries_[end_[bond.j.value]++] = {b, bond.i, false};
+    entries_[end_[bond.i.value]++] = {b, bond.j, true, bond.image_j};
+    entries_[end_[bond.j.value]++] = {b, bond.i, false, -bond.image_j};
   }
 }
 

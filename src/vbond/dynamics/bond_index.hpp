@@ -12,7 +12,8 @@ class BondIndex {
   struct Entry {
     BondId bond;
     ParticleId other;
-    bool is_i;  ///< the particle is the bond's i
+    bool is_i;       ///< the particle is the bond's i
+    Image of_other;  ///< which image of the other one it is bonded to
   };
   struct Range {
     const Entry* first;
@@ -33,9 +34,10 @@ class BondIndex {
   /// Whether a bond that touches as a capsule was ever made there.
   bool of_fibre(ParticleId p) const { return !of_fibre_.empty() && of_fibre_[p.value] != 0; }
   bool any_fibres() const { return !of_fibre_.empty(); }
-  bool bonded(ParticleId p, ParticleId o) const {
+  /// Whether p is bonded to this image of o.
+  bool bonded(ParticleId p, ParticleId o, const Image& of_o = {}) const {
     for (const Entry& e : of(p))
-      if (e.other == o) return true;
+      if (e.other == o && e.of_other == of_o) return true;
     return false;
   }
 

@@ -24,7 +24,7 @@ bool is_scaled(const Bond& b, const BondType& t, double scale) {
 }
 
 std::size_t upper_row(const Bond& b, const Order& order) {
-  return std::max(order.row[b.i], order.row[b.j]).value;
+  return std::max(order.row_i(b), order.row_j(b)).value;
 }
 
 void put(const Quatd& q, std::size_t l, double (&to)[4][pack_bonds]) {
@@ -185,8 +185,8 @@ BondPacks::Run BondPacks::add_run(const Sorted* sorted, std::size_t count, const
       for (std::size_t l = 0; l < pack_bonds; ++l) {
         const Sorted& s = sorted[std::min(first + l, count - 1)];  // lanes past the last bond repeat it
         const Bond& b = bonds[s.bond];
-        pack.i[l] = order.row[b.i].value;
-        pack.j[l] = order.row[b.j].value;
+        pack.i[l] = order.row_i(b).value;
+        pack.j[l] = order.row_j(b).value;
         fill_lane(pack, l, b, s.kind.scale);
         for (std::size_t n = 0; n < remembered && s.bond.value < history.size(); ++n)
           store.history[at + n * pack_bonds + l] = history[s.bond][n];

@@ -16,7 +16,7 @@ namespace vbond {
 
 /// A bond is worked on with the block of its lower row.
 inline std::size_t lower_row(const Bond& b, const Order& order) {
-  return std::min(order.row[b.i], order.row[b.j]).value;
+  return std::min(order.row_i(b), order.row_j(b)).value;
 }
 
 /// The constants of all bonds in the order in which the step loop works through them: by the block of the

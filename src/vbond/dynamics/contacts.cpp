@@ -39,12 +39,14 @@ Contacts::Contacts(const Model& model, const Order& order, const BondIndex& inde
     if (index.any_fibres())
       last = std::remove_if(first, last, [&](Row j) { return index.of_fibre(order.particle[j]); });
     if (!unbonded) return last;
-    return std::remove_if(first, last, [&](Row j) { return index.bonded(p, order.particle[j]); });
+    return std::remove_if(first, last, [&](Row j) {
+      return index.bonded(p, order.particle[j], order.image(j) - order.image(i));
+    });
   };
   // For equal radii a fifth of the reach: rebuilds are rare, lists stay short. Where sizes differ small
   // particles are many, and a skin of the large ones would fill their lists.
   double R_sum = 0.0;
-  for (const ParticleId p : order.particle) R_sum += model.radius[p];
+  for (const double R : model.radius) R_sum += R;
   const double skin = 0.4 * R_sum / static_cast<double>(model.particles());
   reach_ = 2.0 * R_max + (touches_ ? touches_->reach() : 0.0) + skin;
   PerRow<double> reaching = radius_;

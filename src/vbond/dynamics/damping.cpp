@@ -41,7 +41,7 @@ double Damping::do_slow_down(RowRange rows) const {
          bodies_.tops.slow_down(rows, half_step_, b_rotation_, bodies_.turning());
 }
 
-void Damping::oppose_motion(RowRange rows) const {
+void Damping::oppose_motion(RowRange rows, const Tensor* flow) const {
   const auto against = [this](double load, double rate, bool held) {
     return held || rate == 0.0 ? 0.0 : -local_ * std::copysign(std::abs(load), rate);
   };
@@ -58,7 +58,8 @@ void Damping::oppose_motion(RowRange rows) const {
   };
   for (std::size_t k = rows.first; k < rows.last; ++k) {
     LoadRow &load = bodies_.load[k], &damping = bodies_.damping[k];
-    const MotionRow& rate = bodies_.rates[k];
+    MotionRow rate = bodies_.rates[k];
+    if (flow != nullptr) rate.v -= times(*flow, bodies_.pose[k].r);
     const HeldAxes* axes = axes_.empty() ? nullptr : axes_[k].get();
     const Vec3d F = axes == nullptr ? oppose(load.F, rate.v, held_[k], 0)
                                     : oppose_along(*axes, load.F, rate.v, held_[k], 0);

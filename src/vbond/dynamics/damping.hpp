@@ -2,6 +2,7 @@
 #include <memory>
 #include <vector>
 
+#include "vbond/core/tensor.hpp"
 #include "vbond/dynamics/bodies.hpp"
 #include "vbond/dynamics/kernel.hpp"
 #include "vbond/model/stage.hpp"
@@ -19,10 +20,10 @@ class Damping {
   double slow_down(RowRange rows) const { return decay_.empty() ? 0.0 : do_slow_down(rows); }
   /// Cundall's local damping: adds to complete loads, and to the part of them that damps (and to that of
   /// local damping alone, where it is kept), what opposes the rates of the last half step. Held degrees of
-  /// freedom are left out.
+  /// freedom are left out. flow: of a cell that moves, which is not opposed.
   bool is_local() const { return local_ > 0.0; }
   bool is_drag() const { return !decay_.empty(); }
-  void oppose_motion(RowRange rows) const;
+  void oppose_motion(RowRange rows, const Tensor* flow = nullptr) const;
 
  private:
   double do_slow_down(RowRange rows) const;

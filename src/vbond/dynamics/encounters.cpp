@@ -24,10 +24,10 @@ void Encounters::count_capsules(double radius) {
   limit_ = std::min(limit_, longest_approach * radius);
 }
 
-void Encounters::look_at_drift(const Bodies& bodies, double dt, double largest_way2) {
+void Encounters::look_at_drift(const Bodies& bodies, double dt, double largest_way2, const Tensor* flow) {
   found_.clear();
   fastest_.reset();
-  if (largest_way2 > sq(limit_) && find_fast(bodies, dt)) find_passing(bodies, dt);
+  if (largest_way2 > sq(limit_) && find_fast(bodies, dt, flow)) find_passing(bodies, dt);
 }
 
 void Encounters::add_deep(const Bodies& bodies, const std::vector<std::pair<Row, Row>>& pairs) {
@@ -38,18 +38,21 @@ void Encounters::add_deep(const Bodies& bodies, const std::vector<std::pair<Row,
 }
 
 /// Takes down the particles that move too far against the mean of all: a body may fly as fast as it likes.
-bool Encounters::find_fast(const Bodies& bodies, double dt) {
+bool Encounters::find_fast(const Bodies& bodies, double dt, const Tensor* flow) {
   const std::size_t n = bodies.order.known;
   auto all = static_cast<double>(bodies.order.own);
   exchange_.sum({&all, 1});
+  const auto velocity = [&](std::size_t k) {
+    return flow == nullptr ? bodies.motion[k].v : bodies.motion[k].v - times(*flow, bodies.pose[k].r);
+  };
   Vec3d mean;
-  for (std::size_t k = 0; k < bodies.order.own; ++k) mean += bodies.motion[k].v / all;
+  for (std::size_t k = 0; k < bodies.order.own; ++k) mean += velocity(k) / all;
   exchange_.sum({&mean.x, 3});
   fast_.clear();
   is_fast_.assign(n, 0);
   r_.clear();
   for (std::size_t k = 0; k < n; ++k) {
-    const double way = dt * norm(bodies.motion[k].v - mean);
+    const double way = dt * norm(velocity(k) - mean);
     if (!std::isfinite(way) || !is_finite(bodies.pose[k].r)) return false;  // the check of loads will tell
     r_.push_back(bodies.pose[k].r);
     if (!(way > limit_)) continue;
@@ -89,16 +92,20 @@ void Encounters::share() {
 
 /// Once, and not too many.
 void Encounters::take_down(const Encounter& e) {
-  const auto same = [&e](const Encounter& f) { return f.i == e.i && f.j == e.j; };
+  const auto same = [&e](const Encounter& f) { return f.i == e.i && f.j == e.j && f.of_j == e.of_j; };
   if (found_.size() < most && std::none_of(found_.begin(), found_.end(), same)) found_.push_back(e);
 }
 
 void Encounters::add(const Order& order, Row row_i, Row row_j, const Vec3d& from, const Vec3d& to) {
   Encounter e{order.particle[row_i], order.particle[row_j], from, to};
-  if (e.j < e.i) e = {e.j, e.i, -from, -to};
+  const Image n = order.image(row_j) - order.image(row_i);
+  const bool as_it_is = e.i < e.j || (e.i == e.j && n > Image{});
+  if (!as_it_is) e = {e.j, e.i, -from, -to};
+  const Image of_j = e.of_j = as_it_is ? n : -n;
   const double deep2 = sq(deep_part * (model_.radius[e.i] + model_.radius[e.j]));
   if (!(norm2(nearest_point(e)) < deep2)) return;
-  if (norm2(between(model_.r_0, e.i, e.j)) < deep2 || index_.bonded(e.i, e.j)) return;  // it is meant
+  if (norm2(between(model_.r_0, cell_at_start(model_), e.i, e.j, of_j)) < deep2) return;  // it is meant
+  if (index_.bonded(e.i, e.j, of_j)) return;
   if (index_.of_fibre(e.i) || index_.of_fibre(e.j)) return;  // as part of a fibre, not as a ball
   take_down(e);
 }

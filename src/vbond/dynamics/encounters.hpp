@@ -22,6 +22,7 @@ inline constexpr double longest_approach = 0.25;
 struct Encounter {
   ParticleId i, j;  ///< i < j
   Vec3d from, to;   ///< r_j - r_i at the start and end of the step; both at its end if neither moves fast
+  Image of_j{};     ///< which image of j it is
 };
 
 /// The particle that moves farthest in a step, if it is too far for contacts to be seen for certain.
@@ -50,8 +51,9 @@ class Encounters {
   /// Capsules of this radius and more touch, too.
   void count_capsules(double radius);
   /// Forgets the last step and looks at the one that has just moved the particles: r by dt v.
-  /// largest_way2: a bound of |dt v|^2 over all particles.
-  void look_at_drift(const Bodies& bodies, double dt, double largest_way2);
+  /// largest_way2: a bound of |dt v|^2 over all particles. flow: of a cell that moves: what moves with it is
+  /// not fast.
+  void look_at_drift(const Bodies& bodies, double dt, double largest_way2, const Tensor* flow = nullptr);
   /// Adds pairs that are deep in one another now.
   void add_deep(const Bodies& bodies, const std::vector<std::pair<Row, Row>>& pairs);
 
@@ -70,7 +72,7 @@ class Encounters {
   static constexpr std::size_t most = 1000;
 
  private:
-  bool find_fast(const Bodies& bodies, double dt);
+  bool find_fast(const Bodies& bodies, double dt, const Tensor* flow);
   void find_passing(const Bodies& bodies, double dt);
   void take_down(const Encounter& e);
   void add(const Order& order, Row i, Row j, const Vec3d& from, const Vec3d& to);

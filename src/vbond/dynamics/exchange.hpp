@@ -13,6 +13,7 @@ namespace vbond {
 struct HaloColumns {
   std::span<PoseRow> pose;
   std::span<MotionRow> motion;
+  const CellEdges* cell = nullptr;  ///< of a periodic body
 };
 
 /// What the processes that step the parts of a body need of each other. All call these functions in the same

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 namespace vbond {
@@ -87,6 +88,45 @@ Order part_of(const Order& whole, const Holding& holding) {
     if (which == ghost) part.known = part.particle.size();
   }
   return part;
+}
+
+std::optional<Row> Order::find(ParticleId p, const Image& n) const {
+  if (n.is_itself()) return row[p];
+  const auto before = [this](Row k, const std::pair<Row, Image>& wanted) {
+    return std::pair(row[particle[k]], images[k.value - own]) < wanted;
+  };
+  std::size_t first = own, count = images.size();
+  while (count > 0) {
+    const std::size_t half = count / 2;
+    if (before(Row{first + half}, {row[p], n}))
+      first += half + 1, count -= half + 1;
+    else
+      count = half;
+  }
+  const Row at{first};
+  if (first == own + images.size() || particle[at] != p || image(at) != n) return std::nullopt;
+  return at;
+}
+
+Order with_images(const Order& whole, const std::vector<ImageOf>& images, bool all_sent) {
+  Holding holding;
+  PerParticle<char> has_images(whole.row.size(), all_sent ? 1 : 0);
+  for (const ImageOf& of : images) has_images[of.particle] = 1;
+  for (const ParticleId p : has_images.ids()) {
+    holding.own.push_back(p);
+    if (has_images[p] != 0) holding.sent.push_back(p);
+  }
+  Order order = part_of(whole, holding);
+  std::vector<std::pair<Row, Image>> rows;
+  for (const ImageOf& of : images) rows.emplace_back(order.row[of.particle], of.image);
+  std::sort(rows.begin(), rows.end());
+  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+  for (const auto& [row, image] : rows) {
+    order.particle.push_back(order.particle[row]);
+    order.images.push_back(image);
+  }
+  order.known = order.own + order.images.size();
+  return order;
 }
 
 }  // namespace vbond

@@ -1,8 +1,11 @@
 #pragma once
+#include <algorithm>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "vbond/dynamics/rows.hpp"
+#include "vbond/model/bond.hpp"
 
 namespace vbond {
 
@@ -17,13 +20,33 @@ struct Order {
   std::size_t own = 0;    ///< rows [0, own) are moved here
   std::size_t known = 0;  ///< rows [0, known) have the pose of now
 
+  /// Of a periodic body: which image of its particle each row from `own` to `known` is, in order of rows and
+  /// images; empty: those rows, if any, are particles of other parts.
+  std::vector<Image> images;
+
+  Image image(Row k) const { return k.value < own || images.empty() ? Image{} : images[k.value - own]; }
+  /// The row of this image of a particle, which some row must be.
+  Row row_of(ParticleId p, const Image& n) const { return find(p, n).value(); }
+  /// The rows of the two ends of a bond.
+  Row row_i(const Bond& b) const { return row[b.i]; }
+  Row row_j(const Bond& b) const { return row_of(b.j, b.image_j); }
+  /// The same, of one that may be none.
+  std::optional<Row> find(ParticleId p, const Image& n) const;
+
   bool has(ParticleId p) const { return row[p].value < own; }
   bool knows(ParticleId p) const { return row[p].value < known; }
 };
 
-/// Whether the pair of these known rows is the concern of this part: that of its first particle.
+/// Whether the pair of these known rows is the concern of this part: that of its first particle. Of a
+/// particle and an image of another, and of the same two seen from the other, the first is; of a particle and
+/// its own images those that are > 0.
 inline bool is_worked_out_here(const Order& order, Row i, Row j) {
-  return order.particle[i] < order.particle[j] ? i.value < order.own : j.value < order.own;
+  const ParticleId p = order.particle[i], q = order.particle[j];
+  if (p == q) {
+    const Row lower = std::min(i, j), upper = std::max(i, j);
+    return lower.value < order.own && order.image(upper) > Image{};
+  }
+  return p < q ? i.value < order.own : j.value < order.own;
 }
 
 /// Sorts particles by layers one spacing thick: first along the body's longest direction, then the next,
@@ -39,5 +62,13 @@ struct Holding {
 
 /// The order of a part of a body: otherwise as that of the whole.
 Order part_of(const Order& whole, const Holding& holding);
+
+/// An image of a particle.
+struct ImageOf {
+  ParticleId particle;
+  Image image;
+};
+/// The order of a body with rows for these images. all_sent: every row counts as one that has images.
+Order with_images(const Order& whole, const std::vector<ImageOf>& images, bool all_sent);
 
 }  // namespace vbond

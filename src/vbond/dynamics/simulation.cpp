@@ -13,6 +13,7 @@ namespace vbond {
 void Simulation::step() {
   const bool timed = state_.clock.stage_step % StepTimes::one_in == 0;
   if (!only_elastic_) change_body();
+  if (cell_.any()) cell_.begin_step(state_.clock.stage_step, team_);
   supports_.set_times(state_.clock.stage_step, stage_.dt);
   applied_.set_times(state_.clock.stage_step, stage_.dt);
 
@@ -26,7 +27,8 @@ void Simulation::step() {
   lap.add_to(times_.integrate);
   exchange_halo();
   if (looks_at_ways()) {
-    const double way2 = largest_way2();
+    double way2 = largest_way2();
+    if (cell_.any()) way2 = sq(std::sqrt(way2) + stage_.dt * images_.fastest(state_.cell));
     last_way_ = std::max(last_way_, std::sqrt(way2));
     contacts_.refresh(bodies_.poses(), all_known(),
                       std::sqrt(way2));  // near pairs, listed anew only when stale
@@ -34,7 +36,7 @@ void Simulation::step() {
     work_out_touches(stage_.dt);
     walls_.refresh(team_, std::sqrt(way2));
     walls_.look_at_drift(stage_.dt, std::sqrt(way2));
-    if (contacts_.any() || capsules_.any()) encounters_.look_at_drift(bodies_, stage_.dt, way2);
+    if (contacts_.any() || capsules_.any()) encounters_.look_at_drift(bodies_, stage_.dt, way2, flow());
     if (const auto& fast = encounters_.fastest(); capsules_.any() && (fast || capsules_.deep()))
       capsules_.look_at_drift(stage_.dt, fast ? fast->way : 0.0);
     lap.add_to(times_.contacts);
@@ -42,6 +44,11 @@ void Simulation::step() {
   step_blocks(timed);
   if (supports_.grips().any_free()) finish_free_grips();
   complete_sent_blocks(Instant::end);
+  if (cell_.any()) {
+    const CellMotion::Done done = cell_.end_step(team_);
+    booked_.work_supports += done.work;
+    if (bonds_.damp()) lose(0, Loss::bond_damping, done.damping);
+  }
   ++state_.clock.step;
   ++state_.clock.stage_step;  // time is counted, not summed
   bodies_ahead_ = true;
@@ -105,13 +112,13 @@ void Simulation::begin_step(const Block& b) {
   const bool more = !only_elastic_;
   if (more && anything_dissipates()) lost_[b.index] = {};
   if (more && damping_.is_drag())
-    lose(b.index, Loss::drag, damping_.slow_down(b.rows));  // v, omega over dt / 2
+    lose(b.index, Loss::drag, slow_down(b, cell_.L_start()));  // v, omega over dt / 2
   books.work_supports += supports_.hold(b, Instant::start);
   if (more && !bodies_.damping.empty()) keep_rates(b);
   kick(b, dt / 2);  // v, omega : t -> t + dt/2
   books.work_supports += supports_.hold_after_kick(b, Instant::start, Instant::middle, dt / 2);
   if (more && inelastic()) {
-    book_damping(b, dt / 2);
+    book_damping(b, dt / 2, cell_.L_start());
     keep_rates(b);
   }
   const bool turn_freely = more && (bodies_.tops.any() || supports_.grips().any_turn());
@@ -131,9 +138,22 @@ void Simulation::end_step(const Block& b) {
   BlockBooks& books = books_[b.index];
   kick(b, dt / 2);  // v, omega : t + dt/2 -> t + dt
   books.work_supports += supports_.hold_after_kick(b, Instant::middle, Instant::end, dt / 2);
-  if (!only_elastic_ && inelastic()) book_damping(b, dt / 2);
-  if (!only_elastic_ && damping_.is_drag()) lose(b.index, Loss::drag, damping_.slow_down(b.rows));
+  if (!only_elastic_ && inelastic()) book_damping(b, dt / 2, cell_.L_end());
+  if (!only_elastic_ && damping_.is_drag()) lose(b.index, Loss::drag, slow_down(b, cell_.L_end()));
   books.work_supports += supports_.hold(b, Instant::end);
+}
+
+/// Drag acts on what particles move beside the cell.
+double Simulation::slow_down(const Block& b, const Tensor& flow) {
+  if (!cell_.any()) return damping_.slow_down(b.rows);
+  const auto add_flow = [&](double sign) {
+    for (std::size_t k = b.rows.first; k < std::min(b.rows.last, bodies_.order.own); ++k)
+      bodies_.motion[k].v += sign * vbond::times(flow, bodies_.pose[k].r);
+  };
+  add_flow(-1.0);
+  const double lost = damping_.slow_down(b.rows);
+  add_flow(1.0);
+  return lost;
 }
 
 RowsAhead Simulation::rows_of(const Block& b) const {
@@ -202,7 +222,7 @@ void Simulation::complete_loads(const Block& b, Instant at, StepTimes::Lap& lap)
     lap.add_to(times_.contacts);
   }
   applied_.add(b, at);
-  if (!only_elastic_ && damping_.is_local()) damping_.oppose_motion(b.rows);
+  if (!only_elastic_ && damping_.is_local()) damping_.oppose_motion(b.rows, flow());
 }
 
 /// What touching pairs do, before any of it is added: all particles have moved, and none has felt it yet.

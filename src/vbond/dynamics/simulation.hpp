@@ -16,6 +16,8 @@
 #include "vbond/dynamics/bond_packs.hpp"
 #include "vbond/dynamics/bonding.hpp"
 #include "vbond/dynamics/capsule_contacts.hpp"
+#include "vbond/dynamics/cell_images.hpp"
+#include "vbond/dynamics/cell_motion.hpp"
 #include "vbond/dynamics/contacts.hpp"
 #include "vbond/dynamics/damping.hpp"
 #include "vbond/dynamics/encounters.hpp"
@@ -84,10 +86,12 @@ class Simulation final : public BodyView {
   /// Particles that are nearer than this may touch or be bonded; 0: none; infinite: all must be known.
   double reach() const;  // [length]
   /// Of a part: its particles have gone so far that the body is to be spread anew. run() ends.
+  /// Of a periodic body: images of particles may be missing of what may touch.
   bool has_outgrown_its_part() const { return has_outgrown_; }
 
   /// One time step of stage().dt. Throws Diverged if a load is not finite or a new bond is impossible; where
-  /// the stage drops particles that have passed through walls, ParticlesLost after the step.
+  /// the stage drops particles that have passed through walls, ParticlesLost after the step. Of a periodic
+  /// body whose particles touch run() tells when images must be found anew: has_outgrown_its_part().
   void step();
 
   /// Steps until a stop condition holds or `interrupted` (asked after every step) says so, or until `most`
@@ -181,8 +185,7 @@ class Simulation final : public BodyView {
   };
 
   void begin_stage();
-  Simulation(const Model& model, Stage stage, State* state, int threads, Share share, Exchange& exchange,
-             bool is_part);
+  Simulation(const Model& model, Stage stage, State* state, int threads, Share share, Exchange* exchange);
   void bonds_changed();
   void arrange_bonds();
   void make_bonds();
@@ -192,6 +195,7 @@ class Simulation final : public BodyView {
   void book_heat();
   bool break_bonds();
   Broken broken_now(BondId bond);
+  Contacts::Touch touch_of_unbonded(const Bond& bond);
   void take_out(const Broken& broken);
   void take_up_loads();
   void apply_strain();
@@ -218,7 +222,7 @@ class Simulation final : public BodyView {
   void complete_loads(const Block& block, Instant at, StepTimes::Lap& lap);
   bool inelastic() const { return !bodies_.rates.empty(); }
   void keep_rates(const Block& block);
-  void book_damping(const Block& block, double h);
+  void book_damping(const Block& block, double h, const Tensor& flow);
   void share_damping(Losses& lost) const;
   void lose(std::size_t block, Loss cause, double energy) {
     books_[block].dissipated += energy, lost_[block][cause] += energy;
@@ -269,6 +273,9 @@ class Simulation final : public BodyView {
   /// Whether it is of interest how far particles go in a step: where something may touch, or be bonded by
   /// parts.
   bool looks_at_ways() const { return !only_elastic_ && (anything_touches() || (is_part_ && may_meet())); }
+  const Tensor* flow() const { return cell_.any() ? &cell_.L_end() : nullptr; }
+  bool has_ghosts() const { return bodies_.order.own < bodies_.order.known; }
+  double slow_down(const Block& block, const Tensor& flow);
   bool leads() const { return exchange_.leads(); }
   Vec3d from_to(ParticleId i, ParticleId j) const;
 
@@ -281,10 +288,11 @@ class Simulation final : public BodyView {
   mutable bool books_ahead_ = true;    // booked_ has changed since state_ got the books of the whole body
   bool only_elastic_ = false;          // has_only_elastic_bonds(): a step then leaves out all the rest
   const bool is_part_;
-  Exchange& exchange_;
   Bodies bodies_;
+  CellImages images_;
+  Exchange& exchange_;  // with the other parts, or with the images
   Team team_;
-  std::optional<Team> with_ghosts_;  // of a part
+  std::optional<Team> with_ghosts_;  // of a part, and of a periodic body
   BondPacks bonds_;
   BondIndex bond_index_;
   Contacts contacts_;
@@ -293,6 +301,7 @@ class Simulation final : public BodyView {
   Supports supports_;
   AppliedLoads applied_;
   Damping damping_;
+  CellMotion cell_;
   Walls walls_;
   Bonding bonding_;
   std::vector<BlockBooks> books_;

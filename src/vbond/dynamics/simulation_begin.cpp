@@ -19,8 +19,10 @@ std::vector<std::size_t> work_of_blocks(const Model& model, const Bodies& bodies
                                         const PerBond<Bond>& bonds) {
   std::vector<std::size_t> work((filled_up(bodies.order.own) + block_rows - 1) / block_rows,
                                 work_of_particle(model) * block_rows);
-  for (const Bond& b : bonds)
-    if (const std::size_t row = lower_row(b, bodies.order); row < bodies.order.own) ++work[row / block_rows];
+  for (const Bond& b : bonds) {
+    const std::size_t row = std::min(bodies.order.row[b.i], bodies.order.row[b.j]).value;
+    if (row < bodies.order.own) ++work[row / block_rows];
+  }
   return work;
 }
 
@@ -34,16 +36,6 @@ Team team_of(const Model& model, const Bodies& bodies, const PerBond<Bond>& bond
   const std::size_t own = bodies.order.own;
   if (!is_part) return {own, work_of_blocks(model, bodies, bonds), threads};
   return {own, same_work(own), 1};
-}
-
-/// What was dropped is not known, as the particles of other parts.
-Order order_of(const Model& model, const State& state) {
-  const Order all = spatial_order(model.r_0);
-  if (state.dropped.empty()) return all;
-  Holding rest;
-  for (const ParticleId p : model.mass.ids())
-    if (!is_dropped(state, p)) rest.own.push_back(p);
-  return part_of(all, rest);
 }
 
 /// The model, if the three belong together. A part is one of a body that has been looked at.
@@ -61,46 +53,49 @@ std::size_t work_of_particle(const Model& model) {
 }
 
 Simulation::Simulation(const Model& model, Stage stage, State* state, int threads)
-    : Simulation(model, std::move(stage), state, threads, {order_of(model, *state)}, one_rank(), false) {}
+    : Simulation(model, std::move(stage), state, threads, whole_body(model, *state), nullptr) {}
 
 Simulation::Simulation(const Model& model, Stage stage, State* state, Share share, Exchange& exchange)
-    : Simulation(model, std::move(stage), state, 1, std::move(share), exchange, true) {}
+    : Simulation(model, std::move(stage), state, 1, std::move(share), &exchange) {}
 
 Simulation::Simulation(const Model& model, Stage stage, State* state, int threads, Share share,
-                       Exchange& exchange, bool is_part)
-    : model_(consistent(model, stage, *state, is_part)),
+                       Exchange* exchange)
+    : model_(consistent(model, stage, *state, exchange != nullptr)),
       stage_(std::move(stage)),
       state_(std::move(*state)),
       booked_(state_.books),
-      is_part_(is_part),
-      exchange_(exchange),
+      is_part_(exchange != nullptr),
       bodies_(model, std::move(share.order)),
-      team_(team_of(model, bodies_, state_.bonds, threads, is_part)),
+      images_(bodies_.order),
+      exchange_(is_part_ ? *exchange : images_),
+      team_(team_of(model, bodies_, state_.bonds, threads, is_part_)),
       contacts_(model, bodies_.order, bond_index_),
       capsules_(model, bodies_),
-      encounters_(model, bond_index_, exchange),
+      encounters_(model, bond_index_, exchange_),
       supports_(stage_, bodies_, team_),
       applied_(stage_, bodies_, team_),
       damping_(stage_, bodies_),
-      walls_(model, stage_, bodies_, team_.blocks(), exchange),
-      bonding_(model, stage_, bodies_.order, bond_index_, exchange),
+      cell_(model, stage_, bodies_, state_.cell),
+      walls_(model, stage_, bodies_, team_.blocks(), exchange_),
+      bonding_(model, stage_, bodies_.order, bond_index_, exchange_),
       last_stage_step_(std::isfinite(stage_.stops.duration) ? steps_in(stage_.stops.duration, stage_.dt)
                                                             : std::numeric_limits<std::int64_t>::max()),
       farthest_(share.farthest),
       lost_beyond_(share.lost_beyond),
       room_(share.farthest) {
-  if (is_part) with_ghosts_.emplace(bodies_.order.known, same_work(bodies_.order.known), 1);
+  if (is_part_ || has_ghosts())
+    with_ghosts_.emplace(bodies_.order.known, same_work(bodies_.order.known), is_part_ ? 1 : threads);
   books_.resize(all_known().blocks());
   lost_.resize(all_known().blocks());
   try {
-    const bool begun = is_part || state_.clock.stage_step != 0;
+    const bool begun = is_part_ || state_.clock.stage_step != 0;
     if (!leads()) {  // parts add up
       booked_ = {.largest = booked_.largest};
       for (GripState& g : state_.grips) g.work = 0.0;
     }
     bodies_.read(state_);
     bodies_.tops.hold(stage_.supports, bodies_.order);
-    breaking_.resize(team_.parts().size());
+    breaking_.resize(all_known().parts().size());
     bonds_changed();
     contacts_.refresh(bodies_.poses(), all_known());
     contacts_.restore(state_.contact_history);
@@ -112,8 +107,8 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
       take_up_loads();
     else
       begin_stage();
-    if (is_part)
-      for (std::size_t k = 0; k < bodies_.order.own; ++k) r_begin_.push_back(bodies_.pose[k].r);
+    if (is_part_ || has_ghosts())
+      for (std::size_t k = 0; k < bodies_.order.known; ++k) r_begin_.push_back(bodies_.pose[k].r);
   } catch (...) {
     *state = std::move(state_);
     throw;
@@ -123,8 +118,10 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
 void Simulation::begin_stage() {
   begin_anew(state_, Anew::stage);
   const bool run_begins = state_.clock.stage == 0 && state_.clock.step == 0;
+  if (cell_.any() && !stage_.cell.any()) cell_.stop(team_);
   booked_.work_supports += walls_.put_off_and_on(team_, run_begins);
   evaluate_loads();
+  if (cell_.any()) cell_.look(team_);
   if (run_begins) booked_ = opened_books(state_, energies().total());
   heat_at_start();
   supports_.set_times(0, stage_.dt);

@@ -89,7 +89,9 @@ void Simulation::make_bonds() {
 
 /// Takes up the loads that the state brings along; for elastic bonds they follow from positions.
 void Simulation::take_up_loads() {
+  const CellEdges cell = state_.cell;  // with what damping did to images in the half step before
   evaluate_loads();
+  state_.cell = cell;
   if (state_.loads.F.size() == model_.particles()) bodies_.spread(state_.loads, bodies_.load);
   if (state_.damping.F.size() == model_.particles() && !bodies_.damping.empty())
     bodies_.spread(state_.damping, bodies_.damping);
@@ -148,7 +150,7 @@ void Simulation::exchange_capsules() {
   capsules_.take_loads(bodies_.load.data());
   capsules_.bonds_changed(state_.bonds);
   capsules_.refresh();
-  exchange_.halo({bodies_.pose, bodies_.motion});  // that of the step's end
+  exchange_.halo({bodies_.pose, bodies_.motion, &state_.cell});  // that of the step's end
   capsules_.work_out(team_, 0.0);
   capsules_.add_loads({0, bodies_.order.own}, bodies_.load.data());
   std::copy(of_ghosts.begin(), of_ghosts.end(),
@@ -165,7 +167,7 @@ Simulation::Broken Simulation::broken_now(BondId k) {
   Broken broken{};
   broken.event.bond = k;
   const bool here = bodies_.order.has(b.i);
-  const Row i = bodies_.order.row[b.i], j = bodies_.order.row[b.j];
+  const Row i = bodies_.order.row_i(b), j = bodies_.order.row_j(b);
   if (here) {
     const BondPose<double> pose = bodies_.bond_pose(b);
     BondHistory history = no_history;
@@ -185,13 +187,26 @@ Simulation::Broken Simulation::broken_now(BondId k) {
   bond_index_.remove(k, b.i, b.j);
   std::erase(peak_bonds_, k);
   Contacts::Touch touch;
-  if (!bond_index_.bonded(b.i, b.j)) {
-    touch = contacts_.unbonded(i, j, bodies_);
+  if (!bond_index_.bonded(b.i, b.j, b.image_j)) {
+    touch = touch_of_unbonded(b);
     bonding_.unbonded(i, j);
   }
   broken.loads.F -= touch.force;
   broken.released = broken.event.energy - touch.energy;
   return broken;
+}
+
+/// What contact makes of two particles without a bond, on the bond's first one. Of an image and a particle
+/// that are seen from the other one elsewhere, it is looked for there.
+Contacts::Touch Simulation::touch_of_unbonded(const Bond& b) {
+  const Order& order = bodies_.order;
+  const Row i = order.row_i(b), j = order.row_j(b);
+  if (order.images.empty() || is_worked_out_here(order, i, j)) return contacts_.unbonded(i, j, bodies_);
+  const std::optional<Row> image_of_i = order.find(b.i, -b.image_j);
+  if (!image_of_i) return {};  // too far away to touch
+  Contacts::Touch touch = contacts_.unbonded(order.row[b.j], *image_of_i, bodies_);
+  touch.force = -touch.force;
+  return touch;
 }
 
 /// Takes it off the particles that are moved here, and tells of it.
@@ -206,6 +221,7 @@ void Simulation::take_out(const Broken& broken) {
   if (is_damped(b)) take(bodies_.damping, broken.damping);
   take(bodies_.load, broken.loads);
   taken_.push_back({b.i, b.j, broken.loads});
+  if (cell_.any()) cell_.take_out(bodies_.between(b), b.image_j, broken.loads.F, broken.damping.F);
   if (bodies_.order.has(b.i)) booked_.released += broken.released;
   events_.push_back(broken.event);
   survey_.reset();
@@ -228,8 +244,9 @@ Reaction Simulation::reaction_before_breaks(const std::vector<ParticleId>& parti
 }
 
 /// Books the work that damping does on a block in a kick by h: its part of the loads, along the mean of the
-/// velocities before, which are kept as rates, and after.
-void Simulation::book_damping(const Block& b, double h) {
+/// velocities before, which are kept as rates, and after. Local damping acts on what particles move beside
+/// the flow of the cell, which stands for the time of the kick.
+void Simulation::book_damping(const Block& b, double h, const Tensor& flow) {
   const auto taken_by = [&](const std::vector<LoadRow>& loads) {
     if (loads.empty()) return 0.0;
     return -0.5 * h * kernel_.twice_power(b.rows, loads.data(), bodies_.rates.data(), bodies_.motion.data());
@@ -238,6 +255,10 @@ void Simulation::book_damping(const Block& b, double h) {
   const double local = !damping_.is_local() ? 0.0 : bonds_.damp() ? taken_by(bodies_.local_damping) : all;
   lose(b.index, Loss::local_damping, local);
   lose(b.index, Loss::bond_damping, all - local);
+  if (!cell_.any() || !damping_.is_local()) return;
+  const std::vector<LoadRow>& loads = bonds_.damp() ? bodies_.local_damping : bodies_.damping;
+  for (std::size_t k = b.rows.first; k < std::min(b.rows.last, bodies_.order.own); ++k)
+    lose(b.index, Loss::local_damping, h * dot(loads[k].F, vbond::times(flow, bodies_.pose[k].r)));
 }
 
 /// Shares out what the damping of bonds has taken in the step: as the powers of the channels in its middle

@@ -27,7 +27,7 @@ void put(const std::string& text, std::array<char, N>& to) {
 void Simulation::exchange_halo() {
   for (std::size_t b = team_.blocks(); b < all_known().blocks(); ++b) books_[b] = {}, lost_[b] = {};
   const bool motion = inelastic() || contacts_.any() || capsules_.any();
-  exchange_.halo({bodies_.pose, motion ? std::span(bodies_.motion) : std::span<MotionRow>()});
+  exchange_.halo({bodies_.pose, motion ? std::span(bodies_.motion) : std::span<MotionRow>(), &state_.cell});
   if (!inelastic()) return;
   const auto first = static_cast<std::ptrdiff_t>(bodies_.order.own),
              last = static_cast<std::ptrdiff_t>(bodies_.order.known);
@@ -37,20 +37,24 @@ void Simulation::exchange_halo() {
 /// Whether particles of the block are ghosts of other parts; or it ends among ghosts, which must not move on
 /// with it once they have the poses of the step's end.
 bool Simulation::is_sent(const Block& b) const {
-  return is_part_ && b.rows.last > bodies_.order.inner;
+  return has_ghosts() && b.rows.last > bodies_.order.inner;
 }
 
 /// What is done to ghosts goes to their parts: none is left here, so that nothing is counted twice. Then the
 /// blocks that it came to have all their loads.
 void Simulation::complete_sent_blocks(Instant at) {
-  if (!is_part_) return;
+  if (!has_ghosts()) return;
   const auto gather = [this](std::vector<LoadRow>& load) {
     exchange_.reverse_sum(load);
     std::fill(load.begin() + static_cast<std::ptrdiff_t>(bodies_.order.own),
               load.begin() + static_cast<std::ptrdiff_t>(bodies_.order.known), LoadRow{});
   };
+  if (cell_.any()) cell_.take_forces(images_.edges_times_force(bodies_.load));
   gather(bodies_.load);
-  if (!bodies_.damping.empty()) gather(bodies_.damping);
+  if (!bodies_.damping.empty()) {
+    if (cell_.any()) cell_.take_damping(images_.edges_times_force(bodies_.damping));
+    gather(bodies_.damping);
+  }
   StepTimes::Lap untimed(false);
   team_.for_blocks([&](const Block& b) {
     if (!is_sent(b)) return;

@@ -35,7 +35,7 @@ void Simulation::keep_records() {
     }
   }
   if (stage_.stops.rest) {
-    double kinetic = bodies_.kinetic_energy(team_).kinetic();
+    double kinetic = bodies_.kinetic_energy(team_, flow()).kinetic();
     exchange_.sum({&kinetic, 1});
     std::int64_t& quiet = state_.rest.quiet_steps;
     quiet = kinetic < stage_.stops.rest->kinetic_energy_below ? quiet + 1 : 0;
@@ -121,7 +121,7 @@ const Survey& Simulation::survey() const {
 Survey Simulation::survey_here() const {
   Survey survey;
   Energies& e = survey.energies = bonds_.survey(team_, bodies_.pose.data(), survey.deformed);
-  const Energies kinetic = bodies_.kinetic_energy(team_);
+  const Energies kinetic = bodies_.kinetic_energy(team_, flow());
   e.kinetic_translation = kinetic.kinetic_translation;
   e.kinetic_rotation = kinetic.kinetic_rotation;
   e.contact = contact_energy() + walls_.energy();

@@ -56,8 +56,14 @@ bool Simulation::is_time_to_meet() const {
 /// Between steps, now and then: whether one is interrupted, has failed, or has a particle that has gone too
 /// far.
 bool Simulation::meet(bool interrupted) {
-  if (!is_part_) return interrupted;
   unmet_ = 0;
+  if (!is_part_) {
+    if (room_ > 0.0) return interrupted;
+    const double way = way_since_begin();
+    has_outgrown_ = way > farthest_;
+    room_ = farthest_ - way;
+    return interrupted;
+  }
   agree_on_failure();
   fold_brought_in();
   enum : std::size_t { stop, way, questions };

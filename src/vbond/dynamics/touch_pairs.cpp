@@ -214,11 +214,13 @@ std::vector<PairMemory> TouchPairs::collect() const {
       const double kept = keeps_overlap_ ? kept_[k] : 0.0;
       if (h == PairHistory{} && kept == 0.0) continue;
       const ParticleId p = order_.particle[Row{i}], o = order_.particle[second_[k]];
-      memories.push_back(p < o ? PairMemory{p, o, h, kept} : PairMemory{o, p, seen_from_the_other(h), kept});
+      const Image n = order_.image(second_[k]) - order_.image(Row{i});
+      memories.push_back(p < o || (p == o && n > Image{})
+                             ? PairMemory{p, o, h, kept, n}
+                             : PairMemory{o, p, seen_from_the_other(h), kept, -n});
     }
-  std::sort(memories.begin(), memories.end(), [](const PairMemory& a, const PairMemory& b) {
-    return std::pair(a.i, a.j) < std::pair(b.i, b.j);
-  });
+  std::sort(memories.begin(), memories.end(),
+            [](const PairMemory& a, const PairMemory& b) { return place_of(a) < place_of(b); });
   return memories;
 }
 
@@ -227,7 +229,7 @@ void TouchPairs::restore(const std::vector<PairMemory>& memories) {
   std::fill(rolling_.begin(), rolling_.end(), MomentRow{});
   std::fill(kept_.begin(), kept_.end(), 0.0);
   for (const PairMemory& m : memories) {
-    const Row i = order_.row[m.i], j = order_.row[m.j];
+    const Row i = order_.row[m.i], j = order_.find(m.j, m.image_j).value_or(Row{row_.size()});
     const std::size_t k = place(std::min(i, j), std::max(i, j));
     if (k >= pairs()) continue;
     const TouchHistory<double> h = touch_history(i < j ? m.history : seen_from_the_other(m.history));

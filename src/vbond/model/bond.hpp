@@ -29,6 +29,7 @@ struct Bond {
   bool broken = false;                     ///< keeps its id, and does nothing any more
   BreakMode mode = BreakMode::none;        ///< by what it broke
   double capsule = 0;                      ///< radius by which its axis is touched; 0: it is not  [length]
+  Image image_j{};                         ///< which image of j it joins with i itself
 
   friend bool operator==(const Bond&, const Bond&) = default;
 };
@@ -82,9 +83,9 @@ inline double angular_scale(const Bond& b) {
   return sum;
 }
 
-/// From particle i of a bond to its particle j, which stand at these places.  [length]
-inline Vec3d between(const PerParticle<Vec3d>& r, const Bond& b) {
-  return between(r, b.i, b.j);
+/// From particle i of a bond to its particle j, or that image of it, which stand at these places.  [length]
+inline Vec3d between(const PerParticle<Vec3d>& r, const CellEdges& cell, const Bond& b) {
+  return between(r, cell, b.i, b.j, b.image_j);
 }
 
 /// The pose of a bond, its axes turned into the world frame.

@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
+#include "vbond/core/cell.hpp"
 #include "vbond/core/column.hpp"
 #include "vbond/core/vec3.hpp"
 #include "vbond/physics/hertz.hpp"
@@ -119,16 +121,17 @@ inline PairHistory seen_from_the_other(PairHistory h) {
   return h;
 }
 
-/// What the pair of two particles, i < j, remembers.
+/// What the pair of two particles, i < j, remembers; or of i and an image of j, i <= j, of i itself one > 0.
 struct PairMemory {
   ParticleId i, j;
   PairHistory history{};
   double kept = 0;  ///< the part of the overlap that is not felt  [length]
+  Image image_j{};  ///< which image of j
   friend bool operator==(const PairMemory&, const PairMemory&) = default;
 };
 /// By which memories are in order.
-inline std::pair<ParticleId, ParticleId> place_of(const PairMemory& m) {
-  return {m.i, m.j};
+inline std::tuple<ParticleId, ParticleId, Image> place_of(const PairMemory& m) {
+  return {m.i, m.j, m.image_j};
 }
 
 /// What a contact of fibres remembers, of the places a and b, a before b, as in FibreContact: on the axis of

@@ -37,8 +37,9 @@ PresentContacts present_contacts(const Model& model, const State& state, std::ve
     found.number[p] += 1.0;
     found.overlap[p] = std::max(found.overlap[p], overlap);
   };
-  for_touching_pairs(model, state,
-                     [&](ParticleId i, ParticleId j, double overlap) { add(i, overlap), add(j, overlap); });
+  for_touching_pairs(model, state, [&](ParticleId i, ParticleId j, const Image&, double overlap) {
+    add(i, overlap), add(j, overlap);
+  });
   for (const FibreContact& c : fibre_contacts(model, state.bonds, state.r)) {
     if (!c.body) continue;
     const auto at = [&state](ParticleId p) { return MovingPoint{state.r[p], {}, {}}; };

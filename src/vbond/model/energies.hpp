@@ -10,7 +10,7 @@ namespace vbond {
 /// [energy]
 inline Energies potential_energies(const Model& model, const State& state, const RestingWalls& walls) {
   Energies e = bond_energies(state);
-  for_touching_pairs(model, state, [&](ParticleId i, ParticleId j, double overlap) {
+  for_touching_pairs(model, state, [&](ParticleId i, ParticleId j, const Image&, double overlap) {
     const double R = reduced_radius(model.radius[i], model.radius[j]);
     e.contact += normal_energy(touch_forms(model.contact), touch_numbers(model, i, j), R, overlap);
   });

@@ -140,6 +140,7 @@ std::optional<Bond> make_bond(const BondRecipe& recipe, const BondSite& i, const
   Bond b = with_coefficients(recipe, a, R_i, R_j);
   b.i = i.id;
   b.j = j.id;
+  b.image_j = j.image - i.image;
   const Quatd frame = rotation_to(e_ij, n_2);
   b.frame_i = conjugate(i.q) * frame;
   b.frame_j = conjugate(j.q) * frame;

@@ -15,11 +15,13 @@ struct BondSite {
   Quatd q;
   double radius;                 ///< [length]
   double mass = 0, inertia = 0;  ///< for damping by ratio only
+  Image image = {};              ///< of the particle, which r is the place of
 };
 
-/// A particle as it stands in this state.
-inline BondSite bond_site(const Model& model, const State& s, ParticleId p) {
-  return {p, s.r[p], s.q[p], model.radius[p], model.mass[p], model.inertia[p]};
+/// A particle, or an image of it, as it stands in this state.
+inline BondSite bond_site(const Model& model, const State& s, ParticleId p, const Image& image = {}) {
+  return {p,    s.r[p] + to_image(s.cell, image), s.q[p], model.radius[p], model.mass[p], model.inertia[p],
+          image};
 }
 
 /// A bond between two particles as they stand now, unstressed but for the recipe's prestrain, whatever their

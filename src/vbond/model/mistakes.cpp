@@ -11,6 +11,7 @@
 #include "vbond/model/capsules.hpp"
 #include "vbond/model/detail/mistake_list.hpp"
 #include "vbond/model/drop.hpp"
+#include "vbond/model/periodic_cell.hpp"
 #include "vbond/model/state_table.hpp"
 #include "vbond/model/wall_mistakes.hpp"
 
@@ -183,6 +184,7 @@ std::vector<std::string> mistakes_in(const Model& model) {
   }
   look_at_contact(model, found);
   found.add(mistakes_in_walls(model));
+  found.add(mistakes_in_cell(model));
   return std::move(found).take();
 }
 
@@ -199,7 +201,8 @@ std::vector<std::string> mistakes_in(const Model& model, const State& s) {
                stretches_as_it_flows);
   require_each(s.bonds, "bonds", "softens from a force that it does not reach before its length of softening",
                reaches_its_softening);
-  require_each(s.bonds, "bonds", "joins a particle with itself", [](const Bond& b) { return b.i != b.j; });
+  require_each(s.bonds, "bonds", "joins a particle with itself",
+               [](const Bond& b) { return b.i != b.j || !b.image_j.is_itself(); });
   require_each(s.bonds, "bonds", "has a capsule whose radius is not >= 0 and finite",
                [](const Bond& b) { return at_least_zero(b.capsule); });
   require_each(s.warm_bonds, "warm_bonds", "has no length above zero",
@@ -209,7 +212,10 @@ std::vector<std::string> mistakes_in(const Model& model, const State& s) {
                     s.warm_bonds.end(),
                 "warm_bonds are not in the order of their bonds, each once");
   require_each(s.contact_history, "contacts", "is of a pair i < j that keeps an overlap >= 0: it is not",
-               [](const PairMemory& m) { return m.i < m.j && m.kept >= 0.0; });
+               [](const PairMemory& m) {
+                 return (m.i < m.j || (m.i == m.j && m.image_j > Image{})) && m.kept >= 0.0;
+               });
+  found.add(mistakes_in_cell(model, s));
   require_each(s.wall_history, "wall_touches", "names a wall that is not there",
                [&](const WallMemory& m) { return m.wall < model.walls.size(); });
   found.require(s.walls.empty() || s.walls.size() == model.walls.size(),

@@ -1,10 +1,12 @@
 #pragma once
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
 #include <string>
 #include <vector>
 
+#include "vbond/core/cell.hpp"
 #include "vbond/core/column.hpp"
 #include "vbond/core/vec3.hpp"
 #include "vbond/model/contact.hpp"
@@ -19,6 +21,18 @@ enum class UnitSystem : std::uint8_t { reduced, si };
 struct Group {
   std::string name;
   std::vector<ParticleId> particles;
+};
+
+/// The cell that a body repeats with. Edges of directions that are open give areas and volumes only.
+struct CellShape {
+  std::array<Vec3d, 3> edges{};  ///< at the start: a right-handed system  [length]
+  Periodic periodic{};           ///< along which of them
+  Vec3d corner;                  ///< where the edges begin  [length]
+  /// What bars rotations of the cell: its deformation gradient F is symmetric, or upper triangular.
+  bool triangular = false;
+
+  bool any() const { return periodic[0] || periodic[1] || periodic[2]; }
+  friend bool operator==(const CellShape&, const CellShape&) = default;
 };
 
 /// What does not change during a run, except between stages. Units: those of the case
@@ -39,6 +53,7 @@ struct Model {
   std::vector<ContactMaterial> materials;  ///< empty: one, that of ContactModel
   PerParticle<std::uint32_t> material;     ///< of each particle, in materials; empty: the first for all
   std::vector<Wall> walls;
+  CellShape cell;  ///< at the start
 
   std::size_t particles() const { return mass.size(); }
   std::uint32_t specimen_of(ParticleId p) const { return specimen.empty() ? 0 : specimen[p]; }
@@ -52,6 +67,14 @@ struct Model {
     return nullptr;
   }
 };
+
+/// The cell of a model, at rest.
+inline CellEdges cell_at_start(const Model& model) {
+  CellEdges cell;
+  if (model.cell.any())
+    for (const Vec3d& edge : model.cell.edges) cell.push_back({.along = edge});
+  return cell;
+}
 
 /// What two particles do when they touch, by their materials.
 inline TouchNumbers<double> touch_numbers(const Model& m, ParticleId i, ParticleId j) {

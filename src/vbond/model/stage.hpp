@@ -9,6 +9,7 @@
 
 #include "vbond/core/vec3.hpp"
 #include "vbond/model/bond.hpp"
+#include "vbond/model/cell_drive.hpp"
 #include "vbond/model/held_axes.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/time_function.hpp"
@@ -149,6 +150,7 @@ struct Stage {
   std::vector<BondingRule> bonding;
   std::vector<WallDrive> walls;  ///< the others stand still
   std::vector<Heating> heating;  ///< in this order, where groups overlap
+  CellDrive cell;                ///< of a periodic body
   Stops stops;
 };
 

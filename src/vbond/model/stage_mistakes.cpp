@@ -9,6 +9,7 @@
 #include "vbond/model/held_tops.hpp"
 #include "vbond/model/make_bond.hpp"
 #include "vbond/model/mistakes.hpp"
+#include "vbond/model/periodic_cell.hpp"
 #include "vbond/model/wall_mistakes.hpp"
 
 namespace vbond {
@@ -138,6 +139,35 @@ void look_at_strain(const StrainProgram& strain, Mistakes& found) {
                 fmt::format("the strain is imposed every {}: it must be > 0", strain.every));
 }
 
+/// What a cell does not know yet, or what would stand still while it moves.
+void look_at_cell(const Model& model, const Stage& stage, Mistakes& found) {
+  found.add(mistakes_in_drive(model, stage.cell, false));
+  if (!model.cell.any()) return;
+  found.require(stage.bonding.empty(), "a periodic body makes no bonds on approach");
+  found.require(!stage.strain, "a periodic body takes no imposed strain: its cell is strained");
+  found.require(stage.on_unphysical == OnUnphysical::stop, "a periodic body drops no particles");
+  if (!stage.cell.any()) return;
+  found.require(stage.supports.empty(), "supports would stand still while the cell moves");
+  found.require(stage.loads.empty() && stage.gravity == Vec3d{},
+                "loads and gravity do not act on a body whose cell moves");
+}
+
+/// The same at rest.
+void look_at_cell(const Model& model, const StaticStage& stage, Mistakes& found) {
+  found.add(mistakes_in_drive(model, stage.cell, true));
+  if (!model.cell.any()) return;
+  found.require(stage.kind != StageKind::buckling && stage.kind != StageKind::modes,
+                "a periodic body has no critical loads and no modes here: kind = \"equilibrium\" strains it");
+  if (!stage.cell.any()) return;
+  found.require(stage.kind == StageKind::equilibrium,
+                "a path and fracture leave the cell as it is: kind = \"equilibrium\" moves it");
+  found.require(
+      stage.supports.empty(),
+      "supports would stand still while the cell moves: leave them out, a periodic body needs none");
+  found.require(stage.loads.empty() && stage.gravity == Vec3d{},
+                "loads and gravity do not act on a body whose cell moves");
+}
+
 }  // namespace
 
 std::vector<std::string> mistakes_in(const Model& model, const Stage& stage) {
@@ -189,6 +219,7 @@ std::vector<std::string> mistakes_in(const Model& model, const Stage& stage) {
                   rule + ": its prestrain alone breaks its bonds as they are made");
   }
   found.add(mistakes_in_drives(model, stage.walls));
+  look_at_cell(model, stage, found);
   for (const WallDrive& d : stage.walls) {
     look_at_factor(d.factor, "the drive of wall \"" + d.wall + "\"", found);
     if (d.servo) look_at_factor(d.servo->factor, "the servo of wall \"" + d.wall + "\"", found);
@@ -201,6 +232,7 @@ std::vector<std::string> mistakes_in(const Model& model, const StaticStage& stag
   Mistakes found(model);
   found.require(is_static(stage.kind), "kind = dynamics: a stage of dynamics is a Stage, not a StaticStage");
   found.add(mistakes_in_drives(model, stage));
+  look_at_cell(model, stage, found);
   found.require_finite(stage.gravity, "the stage", "gravity");
   look_at_supports(model, stage.supports, found);
   for (const Support& s : stage.supports) {

@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <cstdint>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -97,6 +98,7 @@ struct State {
   std::vector<FibreMemory> fibre_history;   ///< of the contacts of capsules, in order of their places
   std::vector<WallState> walls;             ///< of each wall; empty: as at the start, at rest
   std::vector<WallMemory> wall_history;     ///< of touches that remember something, in order of (p, wall)
+  CellEdges cell;                           ///< its edges, and how they change; empty: nothing is periodic
   std::vector<GripState> grips;             ///< of the stage under way, in the order of its supports
   std::vector<GrippedPose> gripped;         ///< their particles, grip by grip
   Loads damping;                            ///< the part of these that damps; empty if no bond does
@@ -116,14 +118,13 @@ inline bool is_dropped(const State& s, ParticleId p) {
   return std::binary_search(s.dropped.begin(), s.dropped.end(), p);
 }
 
-/// From particle i to particle j as they stand now, of which it is asked whether they touch, or how far apart
-/// they are.  [length]
-inline Vec3d between(const State& s, ParticleId i, ParticleId j) {
-  return between(s.r, i, j);
+/// From particle i to particle j, or to an image of it, as they stand now.  [length]
+inline Vec3d between(const State& s, ParticleId i, ParticleId j, const Image& of_j = {}) {
+  return between(s.r, s.cell, i, j, of_j);
 }
-/// From particle i of a bond to its particle j as they stand now.  [length]
+/// From particle i of a bond to its particle j, or that image of it, as they stand now.  [length]
 inline Vec3d between(const State& s, const Bond& b) {
-  return between(s.r, b);
+  return between(s.r, s.cell, b);
 }
 /// The pose of a bond as its particles stand now.
 inline BondPose<double> bond_pose(const Bond& b, const State& s) {
@@ -134,31 +135,35 @@ inline BondPose<double> bond_pose(const Bond& b, const State& s) {
 inline State at_rest(const Model& model) {
   State s;
   s.r = model.r_0;
+  s.cell = cell_at_start(model);
   s.v.assign(model.particles(), {});
   s.q.assign(model.particles(), {});
   s.omega.assign(model.particles(), {});
   return s;
 }
 
-/// What two touching particles remember; null: nothing.
-inline const PairMemory* memory_of(const State& s, ParticleId i, ParticleId j) {
-  const std::pair<ParticleId, ParticleId> pair = std::minmax(i, j);
+/// What two touching particles remember, or i and an image of j; null: nothing.
+inline const PairMemory* memory_of(const State& s, ParticleId i, ParticleId j, const Image& of_j = {}) {
+  const bool in_order = i < j || (i == j && of_j > Image{});
+  const std::tuple<ParticleId, ParticleId, Image> pair(std::min(i, j), std::max(i, j),
+                                                       in_order ? of_j : -of_j);
   const auto at = std::lower_bound(s.contact_history.begin(), s.contact_history.end(), pair,
                                    [](const PairMemory& m, const auto& p) { return place_of(m) < p; });
   return at != s.contact_history.end() && place_of(*at) == pair ? &*at : nullptr;
 }
 
 /// The part of their overlap that two particles do not feel.  [length]
-inline double kept_overlap(const State& s, ParticleId i, ParticleId j) {
-  const PairMemory* memory = memory_of(s, i, j);
+inline double kept_overlap(const State& s, ParticleId i, ParticleId j, const Image& of_j = {}) {
+  const PairMemory* memory = memory_of(s, i, j, of_j);
   return memory != nullptr ? memory->kept : 0.0;
 }
 
 /// Energy of the repulsion of two particles, bonded or not; 0 if they do not touch.  [energy]
-inline double contact_pair_energy(const Model& model, const State& s, ParticleId i, ParticleId j) {
+inline double contact_pair_energy(const Model& model, const State& s, ParticleId i, ParticleId j,
+                                  const Image& of_j = {}) {
   if (!particles_touch(model.contact)) return 0.0;
   const double R_i = model.radius[i], R_j = model.radius[j];
-  const double overlap = R_i + R_j - norm(between(s, i, j)) - kept_overlap(s, i, j);
+  const double overlap = R_i + R_j - norm(between(s, i, j, of_j)) - kept_overlap(s, i, j, of_j);
   if (!(overlap > 0.0)) return 0.0;
   return normal_energy(touch_forms(model.contact), touch_numbers(model, i, j), reduced_radius(R_i, R_j),
                        overlap);
@@ -188,7 +193,7 @@ inline void add_bond(const Model& model, const Bond& bond, const BondRecipe& rec
                             bond.R_j / factor});
   }
   if (model.contact.pairs == ContactPairs::unbonded)
-    s.books.lose(Loss::bonding, contact_pair_energy(model, s, bond.i, bond.j));
+    s.books.lose(Loss::bonding, contact_pair_energy(model, s, bond.i, bond.j, bond.image_j));
   if (recipe.prestrain == 0.0) return;
   const BondPose<double> pose = bond_pose(bond, s);
   const BondHistory history = first_history(bond, pose);

@@ -60,11 +60,25 @@ inline constexpr auto state_table = std::tuple{
               "by what it broke: 0 not, 1 tension, 2 shear, 3 bending, 4 torsion, 5 compression, 6 not "
               "known"),
         field("capsule", &Bond::capsule, unit::length,
-              "radius by which the bond touches, 0: not; only where bonds do", {.filed = Filed::where_any})),
+              "radius by which the bond touches, 0: not; only where bonds do", {.filed = Filed::where_any}),
+        field("image_j", &Bond::image_j, unit::none,
+              "which image of j it joins with i, in edges of the cell; only where bonds join images",
+              {.filed = Filed::where_any})),
     fields_of<State>("/bonds/", field("history", &State::bond_history, unit::none,
                                       "what the bond remembers, in the order and units of its law; only "
                                       "where bonds remember something",
                                       {.known = Known::by_owner, .filed = Filed::where_any})),
+    rows_of(
+        "/cell/", &State::cell, {.filed = Filed::where_any},
+        field("edges", &CellEdge::along, unit::length, "of the periodic cell; only where there is one"),
+        field("rates", &CellEdge::rate, unit::velocity, "how the edges changed in the last step"),
+        field("virial", &CellEdge::virial, unit::energy,
+              "rows of the volume times the stress after the last step; only where the cell moves",
+              {.filed = Filed::where_any}),
+        field("damping", &CellEdge::damping, unit::force,
+              "sum over images of the edges that they are away times the damping force on them; only where "
+              "the cell moves and bonds damp",
+              {.filed = Filed::where_any})),
     rows_of("/dropped/", &State::dropped, {.filed = Filed::where_any},
             field("particle", &ParticleId::value, unit::none,
                   "particles that are no longer computed; only if there are any")),
@@ -104,7 +118,10 @@ inline constexpr auto state_table = std::tuple{
               "what they remember: force across the contact (3), its radius, the force that damps (3), "
               "stiffness of rolling, moment against rolling (3) and about the normal; on the first "
               "particle"),
-        field("kept", &PairMemory::kept, unit::length, "the part of their overlap that they do not feel")),
+        field("kept", &PairMemory::kept, unit::length, "the part of their overlap that they do not feel"),
+        field("image_j", &PairMemory::image_j, unit::none,
+              "which image of the second particle it is, in edges of the cell; only where some are images",
+              {.filed = Filed::where_any})),
     rows_of(
         "/fibres/", &State::fibre_history, {.known = Known::collected, .filed = Filed::where_any},
         field("a_i", &FibreMemory::a_i, unit::none,

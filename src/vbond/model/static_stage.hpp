@@ -72,6 +72,7 @@ struct StaticStage {
   std::vector<PointLoad> loads;
   std::vector<Heating> heating;
   std::vector<WallDrive> walls;  ///< equilibrium, fracture; the others stand still
+  CellDrive cell;                ///< of a periodic body: equilibrium
   NewtonSettings newton;
   int steps = 1;  ///< equilibrium, fracture: load steps at least; more if they are too large
   AtSaddle at_saddle = AtSaddle::leave;  ///< equilibrium: what to do at an unstable balance

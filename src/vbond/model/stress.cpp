@@ -8,27 +8,20 @@
 namespace vbond {
 namespace {
 
-/// Adds the force on i of a pair, which acts at this point.
-void add_force(ParticleId i, ParticleId j, const Vec3d& F, const Vec3d& at, const State& s,
+/// Adds the force on i of a pair, which acts at this point, seen from i.
+void add_force(ParticleId i, ParticleId j, const Vec3d& F, const Vec3d& at, const Vec3d& r_ij,
                PerParticle<Tensor>& sum) {
-  sum[i] += dyad(between(s.r[i], at), F);
-  sum[j] += dyad(between(s.r[j], at), -F);
+  sum[i] += dyad(at, F);
+  sum[j] += dyad(at - r_ij, -F);
 }
 
 /// What touching particles remember of slip.
-Vec3d friction_on(const State& s, ParticleId i, ParticleId j) {
-  const PairMemory* memory = memory_of(s, i, j);
+Vec3d friction_on(const State& s, ParticleId i, ParticleId j, const Image& of_j) {
+  const PairMemory* memory = memory_of(s, i, j, of_j);
   if (memory == nullptr) return {};
   return {memory->history[0], memory->history[1], memory->history[2]};
 }
 
-Vec3d times(const Tensor& t, const Vec3d& x) {
-  return {dot(t.row[0], x), dot(t.row[1], x), dot(t.row[2], x)};
-}
-Tensor transposed(const Tensor& t) {
-  const auto& [x, y, z] = t.row;
-  return {{Vec3d{x.x, y.x, z.x}, Vec3d{x.y, y.y, z.y}, Vec3d{x.z, y.z, z.z}}};
-}
 /// The inverse of a symmetric tensor; not a number if that is singular but for rounding.
 Tensor inverse(const Tensor& t) {
   const auto& [x, y, z] = t.row;
@@ -39,11 +32,6 @@ Tensor inverse(const Tensor& t) {
 
 }  // namespace
 
-SymmetricParts symmetric_part(const Tensor& t) {
-  const auto& [x, y, z] = t.row;
-  return {x.x, y.y, z.z, 0.5 * (y.z + z.y), 0.5 * (z.x + x.z), 0.5 * (x.y + y.x)};
-}
-
 PerParticle<Tensor> stress_times_volume(const Model& model, const State& s) {
   PerParticle<Tensor> sum(model.particles());
   for (const BondId k : s.bonds.ids()) {
@@ -51,17 +39,17 @@ PerParticle<Tensor> stress_times_volume(const Model& model, const State& s) {
     if (b.broken) continue;
     const BondPose<double> pose = bond_pose(b, s);
     const Vec3d D_ij = bonded_points(pose, b.R_i, b.R_j);
-    add_force(b.i, b.j, bond_loads(s, k).F, s.r[b.i] + b.R_i * pose.n_i[0] + 0.5 * D_ij, s, sum);
+    add_force(b.i, b.j, bond_loads(s, k).F, b.R_i * pose.n_i[0] + 0.5 * D_ij, pose.r_ij, sum);
   }
-  for_touching_pairs(model, s, [&](ParticleId i, ParticleId j, double overlap) {
+  for_touching_pairs(model, s, [&](ParticleId i, ParticleId j, const Image& n, double overlap) {
     const double R_i = model.radius[i], R_j = model.radius[j];
-    const Vec3d r_ij = between(s, i, j);
+    const Vec3d r_ij = between(s, i, j, n);
     const double distance = norm(r_ij);
-    const Vec3d n = r_ij / distance;
+    const Vec3d along = r_ij / distance;
     const double F_n = normal_force(touch_forms(model.contact), touch_numbers(model, i, j),
                                     reduced_radius(R_i, R_j), overlap)
                            .F;
-    add_force(i, j, friction_on(s, i, j) - F_n * n, s.r[i] + 0.5 * (R_i - R_j + distance) * n, s, sum);
+    add_force(i, j, friction_on(s, i, j, n) - F_n * along, 0.5 * (R_i - R_j + distance) * along, r_ij, sum);
   });
   return sum;
 }

@@ -1,32 +1,13 @@
 #pragma once
-#include <array>
 #include <cstddef>
 #include <vector>
 
-#include "vbond/core/vec3.hpp"
+#include "vbond/core/tensor.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
 
 /// Stress and strain of bodies of particles, from the forces between them and their displacements.
 namespace vbond {
-
-/// T_ab, row by row.
-struct Tensor {
-  std::array<Vec3d, 3> row{};
-
-  Tensor& operator+=(const Tensor& more) {
-    for (std::size_t a = 0; a < 3; ++a) row[a] += more.row[a];
-    return *this;
-  }
-  friend Tensor operator*(double x, const Tensor& t) { return {{x * t.row[0], x * t.row[1], x * t.row[2]}}; }
-};
-/// a_a b_b.
-inline Tensor dyad(const Vec3d& a, const Vec3d& b) {
-  return {{a.x * b, a.y * b, a.z * b}};
-}
-/// xx, yy, zz, yz, zx, xy of the symmetric part.
-using SymmetricParts = std::array<double, 6>;
-SymmetricParts symmetric_part(const Tensor& t);
 
 /// V times the stress of each particle: the sum of x f over bonds and contacts, where f is the force on the
 /// particle and x the way from its centre to where it acts, which for a bond is the middle between its bonded

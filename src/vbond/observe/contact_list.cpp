@@ -37,28 +37,39 @@ void add_forces(const Pressed& p, const TouchForms& forms, const TouchNumbers<do
   to.slip = k_t > 0.0 ? norm(h.F_t) / k_t : 0.0;
 }
 
-void list_pair(const Model& model, const State& s, ParticleId i, ParticleId j, double overlap,
+/// A particle and an image of another one.
+struct TouchingPair {
+  ParticleId i, j;
+  Image image_j;
+};
+
+void list_pair(const Model& model, const State& s, const TouchingPair& pair, double overlap,
                const PairHistory& memory, std::vector<ListedContact>& to) {
+  const auto [i, j, n] = pair;
   ListedContact& c = to.emplace_back();
   c.i = static_cast<std::int64_t>(i.value), c.j = static_cast<std::int64_t>(j.value);
-  c.from = s.r[i], c.to = s.r[j];
-  add_forces({normalised(between(s, i, j)), overlap, reduced_radius(model.radius[i], model.radius[j])},
+  c.of_j = n;
+  const Vec3d r_ij = between(s, i, j, n);
+  c.from = s.r[i], c.to = n.is_itself() ? s.r[j] : s.r[i] + r_ij;
+  add_forces({normalised(r_ij), overlap, reduced_radius(model.radius[i], model.radius[j])},
              touch_forms(model.contact), touch_numbers(model, i, j), memory, c);
 }
 
 /// Pairs that overlap, and pairs that adhesion holds together beyond that: these are remembered as touching.
 void list_particles(const Model& model, const State& s, std::vector<ListedContact>& to) {
-  for_touching_pairs(model, s, [&](ParticleId i, ParticleId j, double overlap) {
-    const PairMemory* memory = memory_of(s, i, j);
-    list_pair(model, s, i, j, overlap, memory ? memory->history : PairHistory{}, to);
+  for_touching_pairs(model, s, [&](ParticleId i, ParticleId j, const Image& n, double overlap) {
+    const PairMemory* memory = memory_of(s, i, j, n);
+    list_pair(model, s, {i, j, n}, overlap, memory ? memory->history : PairHistory{}, to);
   });
   if (model.contact.adhesion == AdhesionForm::jkr)
     for (const PairMemory& m : s.contact_history) {
-      const double overlap = model.radius[m.i] + model.radius[m.j] - norm(between(s, m.i, m.j)) - m.kept;
-      if (m.history[3] > 0.0 && !(overlap > 0.0)) list_pair(model, s, m.i, m.j, overlap, m.history, to);
+      const double overlap =
+          model.radius[m.i] + model.radius[m.j] - norm(between(s, m.i, m.j, m.image_j)) - m.kept;
+      if (m.history[3] > 0.0 && !(overlap > 0.0))
+        list_pair(model, s, {m.i, m.j, m.image_j}, overlap, m.history, to);
     }
   std::sort(to.begin(), to.end(), [](const ListedContact& a, const ListedContact& b) {
-    return std::pair(a.i, a.j) < std::pair(b.i, b.j);
+    return std::tie(a.i, a.j, a.of_j) < std::tie(b.i, b.j, b.of_j);
   });
 }
 

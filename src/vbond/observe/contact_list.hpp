@@ -20,6 +20,7 @@ struct ListedContact {
   double friction = 0;      ///< size of the force across the normal, damping included  [force]
   double slip = 0;  ///< that the spring of friction has taken up: its force over its stiffness  [length]
   Vec3d force;      ///< on i, all of it  [force]
+  Image of_j{};     ///< which image of particle j
 };
 
 /// All contacts, by what state holds: those of particles in order of (i, j), then of fibres, then of walls in

@@ -73,12 +73,20 @@ VtpFile file_of_bonds(const std::vector<BondId>& bonds, const std::vector<Partic
   };
   std::vector<std::int64_t> ends;
   std::vector<BondView> views;
+  std::vector<Vec3d> places = positions_of(points, state);
   ends.reserve(2 * bonds.size()), views.reserve(bonds.size());
   for (const BondId k : bonds) {
     views.push_back(bond_view(k, state, format.breaks));
-    ends.push_back(point_of(views.back().bond.i)), ends.push_back(point_of(views.back().bond.j));
+    const Bond& b = views.back().bond;
+    ends.push_back(point_of(b.i));
+    if (b.image_j.is_itself()) {
+      ends.push_back(point_of(b.j));
+    } else {  // a line to the image, which stands behind the particles
+      ends.push_back(static_cast<std::int64_t>(places.size()));
+      places.push_back(state.r[b.i] + between(state, b));
+    }
   }
-  VtpFile f = VtpFile::of_lines(positions_of(points, state), ends, format);
+  VtpFile f = VtpFile::of_lines(places, ends, format);
   f.set_unit_of_points(unit::length.in(units));
   const auto view = [&views](std::size_t k) -> const BondView& { return views[k]; };
   for (const BondQuantity& q : bond_quantities()) {

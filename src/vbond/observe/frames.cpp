@@ -14,6 +14,7 @@
 #include "vbond/core/bounding_box.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/dynamics/simulation.hpp"
+#include "vbond/model/periodic_cell.hpp"
 #include "vbond/observe/files.hpp"
 #include "vbond/observe/frame_files.hpp"
 #include "vbond/observe/frame_names.hpp"
@@ -128,17 +129,41 @@ std::string pvd_entry(double time, const std::string& file) {
   return fmt::format("    <DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>\n", time, file);
 }
 
+namespace {
+
+/// The box of a frame, as LAMMPS has it: around the body; or of a periodic one its cell, as one with tilts if
+/// its first edges lie along x and in the plane of x and y, else by three vectors.
+std::string lammps_box(const Model& model, const State& state) {
+  if (state.cell.empty()) {
+    BoundingBox box;
+    for (const ParticleId p : model.mass.ids()) box.add(state.r[p], model.radius[p]);
+    return fmt::format("ITEM: BOX BOUNDS ss ss ss\n{} {}\n{} {}\n{} {}\n", box.low.x, box.high.x, box.low.y,
+                       box.high.y, box.low.z, box.high.z);
+  }
+  const auto end = [&model](std::size_t k) { return model.cell.periodic[k] ? "pp" : "ss"; };
+  const std::string ends = fmt::format("{} {} {}", end(0), end(1), end(2));
+  const Vec3d &a = state.cell[0].along, &b = state.cell[1].along, &c = state.cell[2].along;
+  const Vec3d o = times(cell_gradient(model.cell, state.cell), model.cell.corner);
+  if (a.y != 0.0 || a.z != 0.0 || b.z != 0.0 || a.x < 0.0 || b.y < 0.0)
+    return fmt::format("ITEM: BOX BOUNDS abc origin {}\n{} {} {} {}\n{} {} {} {}\n{} {} {} {}\n", ends, a.x,
+                       a.y, a.z, o.x, b.x, b.y, b.z, o.y, c.x, c.y, c.z, o.z);
+  const auto [least_x, most_x] = std::minmax({0.0, b.x, c.x, b.x + c.x});
+  const auto [least_y, most_y] = std::minmax({0.0, c.y});
+  return fmt::format("ITEM: BOX BOUNDS xy xz yz {}\n{} {} {}\n{} {} {}\n{} {} {}\n", ends, o.x + least_x,
+                     o.x + a.x + most_x, b.x, o.y + least_y, o.y + b.y + most_y, c.x, o.z, o.z + c.z, c.y);
+}
+
+}  // namespace
+
 std::string lammps_frame(const Model& model, const State& state) {
-  BoundingBox box;
-  for (const ParticleId p : model.mass.ids()) box.add(state.r[p], model.radius[p]);
   fmt::memory_buffer out;
   const auto to = std::back_inserter(out);
+  const bool periodic = !state.cell.empty();
   fmt::format_to(to,
-                 "ITEM: TIMESTEP\n{}\nITEM: NUMBER OF ATOMS\n{}\nITEM: BOX BOUNDS ss ss ss\n"
-                 "{} {}\n{} {}\n{} {}\n"
-                 "ITEM: ATOMS id type x y z vx vy vz radius quatw quati quatj quatk\n",
-                 state.clock.step, model.particles(), box.low.x, box.high.x, box.low.y, box.high.y, box.low.z,
-                 box.high.z);
+                 "ITEM: TIMESTEP\n{}\nITEM: NUMBER OF ATOMS\n{}\n{}"
+                 "ITEM: ATOMS id type {} vx vy vz radius quatw quati quatj quatk\n",
+                 state.clock.step, model.particles(), lammps_box(model, state),
+                 periodic ? "xu yu zu" : "x y z");
   for (const ParticleId p : model.mass.ids()) {
     const Vec3d &r = state.r[p], &v = state.v[p];
     const Quatd& q = state.q[p];

@@ -8,6 +8,8 @@
 #include <string_view>
 #include <utility>
 
+#include "vbond/core/images.hpp"
+#include "vbond/model/periodic_cell.hpp"
 #include "vbond/observe/bond_look.hpp"
 #include "vbond/observe/quantities.hpp"
 
@@ -32,6 +34,15 @@ void add_stresses(const OutputPlan& plan, const Model& model, const State& state
     to.stresses.push_back(symmetric_part(mean_stress(stress, g.group.particles, g.volume)));
     to.strains.push_back(symmetric_part(mean_strain(model, state, g.group.particles)));
   }
+}
+
+CellValues cell_values(const Model& model, const State& state) {
+  CellValues of{.volume = volume(state.cell)};
+  for (const double m : model.mass) of.density += m / of.volume;
+  of.strain = cell_components(cell_gradient(model.cell, state.cell));
+  for (std::size_t k = 0; k < 3; ++k) of.strain[k] -= 1.0;
+  of.stress = symmetric_part(cell_stress(model, state));
+  return of;
 }
 
 /// The columns of a group or a wall.
@@ -138,6 +149,7 @@ HistoryValues history_values(const OutputPlan& plan, const BodyView& body) {
       .stresses = {},
       .strains = {},
       .walls = body.walls(),
+      .cell = plan.cell ? std::optional(cell_values(body.model(), body.state())) : std::nullopt,
       .grips = plan.grips.empty() ? std::vector<std::optional<GripView>>{} : grips_of(plan, body.grips())};
   for (const Group& g : plan.reactions) values.reactions.push_back(body.reaction(g.particles));
   for (const Group& g : plan.axial_force) values.axial_force.push_back(body.mean_axial_force(g.particles));

@@ -16,6 +16,15 @@ Cell cell_of(const std::optional<T>& x) {
     return x ? Cell(*x) : Cell();
 }
 
+template <std::size_t k>
+Cell cell_strain(const Values& v) {
+  return v.cell ? Cell(v.cell->strain[k]) : Cell();
+}
+template <std::size_t k>
+Cell cell_stress_of(const Values& v) {
+  return v.cell ? Cell(v.cell->stress[k]) : Cell();
+}
+
 void add3(const Vec3d& x, std::vector<Cell>& to) {
   to.insert(to.end(), {x.x, x.y, x.z});
 }
@@ -81,6 +90,29 @@ constexpr HistoryQuantity columns[] = {
      [](const Values& v) { return v.fragments ? Cell(v.fragments->number) : Cell(); }, Only::breaks},
     {"largest_fragment", unit::none, "mass of the heaviest fragment over that of all particles",
      [](const Values& v) { return v.fragments ? Cell(v.fragments->largest_share) : Cell(); }, Only::breaks},
+    {"cell_volume", unit::volume, "volume of the cell",
+     [](const Values& v) { return v.cell ? Cell(v.cell->volume) : Cell(); }, Only::cell},
+    {"cell_density", unit::density, "mass of the particles over it",
+     [](const Values& v) { return v.cell ? Cell(v.cell->density) : Cell(); }, Only::cell},
+    {"cell_strain_xx", unit::none, "deformation gradient of the cell against its edges at the start, less 1",
+     cell_strain<0>, Only::cell},
+    {"cell_strain_yy", unit::none, "the same", cell_strain<1>, Only::cell},
+    {"cell_strain_zz", unit::none, "the same", cell_strain<2>, Only::cell},
+    {"cell_strain_yz", unit::none, "component yz of the deformation gradient", cell_strain<3>, Only::cell},
+    {"cell_strain_xz", unit::none, "component xz of it", cell_strain<4>, Only::cell},
+    {"cell_strain_xy", unit::none, "component xy of it", cell_strain<5>, Only::cell},
+    {"cell_stress_xx", unit::stress,
+     "Cauchy's stress of the body, tension positive: the sum of r_ij f_i over bonds and contacts, with "
+     "elastic "
+     "forces and friction, less what particles carry that move beside the cell, over its volume; the "
+     "symmetric "
+     "part",
+     cell_stress_of<0>, Only::cell},
+    {"cell_stress_yy", unit::stress, "the same", cell_stress_of<1>, Only::cell},
+    {"cell_stress_zz", unit::stress, "the same", cell_stress_of<2>, Only::cell},
+    {"cell_stress_yz", unit::stress, "the same", cell_stress_of<3>, Only::cell},
+    {"cell_stress_xz", unit::stress, "the same", cell_stress_of<4>, Only::cell},
+    {"cell_stress_xy", unit::stress, "the same", cell_stress_of<5>, Only::cell},
 };
 
 std::vector<std::string> names_of_stressed(const OutputPlan& plan) {

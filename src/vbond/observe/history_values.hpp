@@ -12,6 +12,14 @@
 
 namespace vbond {
 
+/// The cell of a periodic body.
+struct CellValues {
+  double volume = 0;        ///< [length^3]
+  double density = 0;       ///< of mass  [mass/length^3]
+  SymmetricParts strain{};  ///< components of the deformation gradient, less 1 on the diagonal
+  SymmetricParts stress{};  ///< Cauchy's, tension > 0  [stress]
+};
+
 /// What a row of history.csv is made of: see quantities.hpp for its columns.
 struct HistoryValues {
   Clock clock;
@@ -33,6 +41,7 @@ struct HistoryValues {
   std::vector<SymmetricParts> stresses;    ///< one per OutputPlan::stresses  [stress]
   std::vector<SymmetricParts> strains;     ///< likewise
   std::vector<WallState> walls;            ///< one per OutputPlan::walls; empty: not known
+  std::optional<CellValues> cell;          ///< of periodic bodies
   std::vector<std::optional<GripView>> grips;  ///< one per OutputPlan::grips; nothing: not in this stage
 };
 

@@ -29,7 +29,7 @@ namespace vbond {
 // ---- history.csv ---------------------------------------------------------------------------------------
 
 /// Which cases have a quantity.
-enum class Only : std::uint8_t { everywhere, statics, breaks, stress, capsules, flow };
+enum class Only : std::uint8_t { everywhere, statics, breaks, stress, capsules, flow, cell };
 inline bool is_in(Only cases, const OutputPlan& plan) {
   switch (cases) {
     case Only::everywhere: return true;
@@ -38,6 +38,7 @@ inline bool is_in(Only cases, const OutputPlan& plan) {
     case Only::stress: return plan.frame_format.stress;
     case Only::capsules: return plan.capsules;
     case Only::flow: return plan.flow;
+    case Only::cell: return plan.cell;
   }
   return true;
 }

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "vbond/core/error.hpp"
-#include "vbond/core/sized_points.hpp"
+#include "vbond/core/images.hpp"
 #include "vbond/model/capsules.hpp"
 #include "vbond/model/drop.hpp"
 #include "vbond/model/turn_bound.hpp"
@@ -89,6 +89,7 @@ std::string load_factor_of(const BalancePoint& balance) {
 
 struct Overlap {
   ParticleId i, j;
+  Image of_j;
   double depth;
 };
 
@@ -96,26 +97,28 @@ struct Overlap {
 /// bonded. Few, so that bonds are asked last.
 std::vector<Overlap> new_overlaps(const Model& m, const State& s, double part) {
   std::vector<Overlap> found;
-  if (m.particles() < 2) return found;
-  for_overlapping_pairs(s.r.values(), m.radius.values(), [&](std::size_t a, std::size_t b, double distance2) {
+  if (m.particles() < 2 && s.cell.empty()) return found;
+  const CellEdges at_start = cell_at_start(m);
+  const auto look = [&](std::size_t a, std::size_t b, const Image& n, double distance2) {
     const ParticleId i{a}, j{b};
     if (is_dropped(s, i) || is_dropped(s, j)) return;
     const double R_i = m.radius[i], R_j = m.radius[j], allowed = part * std::min(R_i, R_j);
     const double depth = R_i + R_j - std::sqrt(distance2);
     if (!(depth > allowed) || std::min(R_i, R_j) == 0.0) return;
-    const double at_first = std::max(0.0, R_i + R_j - norm(between(m.r_0, i, j)));
-    if (depth > at_first + allowed) found.push_back({i, j, depth});
-  });
+    const double at_first = std::max(0.0, R_i + R_j - norm(between(m.r_0, at_start, i, j, n)));
+    if (depth > at_first + allowed) found.push_back({i, j, n, depth});
+  };
+  for_overlapping_images(s.cell, m.cell.periodic, s.r.values(), m.radius.values(), 0.0, look);
   if (found.empty()) return found;
-  std::set<std::pair<ParticleId, ParticleId>> bonded;
+  std::set<std::tuple<ParticleId, ParticleId, Image>> bonded;  // seen from either end
   for (const Bond& b : s.bonds)
-    if (!b.broken) bonded.insert(std::minmax(b.i, b.j));
+    if (!b.broken) bonded.insert({b.i, b.j, b.image_j}), bonded.insert({b.j, b.i, -b.image_j});
   const std::vector<char> of_fibre = particles_of_fibres(m.particles(), s.bonds);  // looked at as capsules
   found.erase(std::remove_if(found.begin(), found.end(),
                              [&](const Overlap& o) {
                                if (!of_fibre.empty() && (of_fibre[o.i.value] || of_fibre[o.j.value]))
                                  return true;
-                               return bonded.count({o.i, o.j}) > 0;
+                               return bonded.count({o.i, o.j, o.of_j}) > 0;
                              }),
               found.end());
   return found;
@@ -148,10 +151,11 @@ LostParticle rather_to_go(const Model& m, const State& s, ParticleId i, Particle
 /// What contacts can do about a pair depends on its energy: no step helps where that is too large.
 Diverged passed(const Model& m, const Encounter& e, double nearest, const State& s) {
   const double R_i = m.radius[e.i], R_j = m.radius[e.j], reach = R_i + R_j;
-  const double speed_now = norm(s.v[e.j] - s.v[e.i]);
+  const Vec3d of_image = s.cell.empty() ? Vec3d{} : image_velocity(s.cell, e.of_j);
+  const double speed_now = norm(s.v[e.j] + of_image - s.v[e.i]);
   const double speed = std::max(speed_now, norm(e.to - e.from) / s.clock.dt);
   const double reduced_mass = m.mass[e.i] * m.mass[e.j] / (m.mass[e.i] + m.mass[e.j]);
-  const double motion = 0.5 * reduced_mass * sq(speed_now) + contact_pair_energy(m, s, e.i, e.j);
+  const double motion = 0.5 * reduced_mass * sq(speed_now) + contact_pair_energy(m, s, e.i, e.j, e.of_j);
   const double most =
       normal_energy(touch_forms(m.contact), touch_numbers(m, e.i, e.j), reduced_radius(R_i, R_j), reach);
   const double step = 0.5 * longest_approach * reach / speed;

@@ -100,17 +100,20 @@ std::size_t count_without_length(const FrameInput& bonds) {
 /// The bonds that were there in the frames before must be there still.
 void add_bonds(const FrameInput& file, const std::filesystem::path& path, Body& body) {
   const std::vector<std::int64_t> ends = file.integers(Per::end, "connectivity");
-  const auto particles = static_cast<std::int64_t>(body.radius.size());
+  const auto particles = static_cast<std::int64_t>(body.radius.size()),
+             points = static_cast<std::int64_t>(file.points());
   if (file.has(Per::cell, "capsule_radius")) {
     const std::vector<double> radius = file.scalars(Per::cell, "capsule_radius");
     for (std::size_t b = body.capsules.size(); b < radius.size(); ++b)
       body.capsules.push_back(as_float(radius[b], path));
   }
   for (std::size_t k = 0; k < ends.size(); ++k) {
-    if (ends[k] < 0 || ends[k] >= particles)
+    // bonds of a periodic body to images, which have points behind the particles, are not drawn: j = i
+    const std::int64_t end = k % 2 == 1 && ends[k] >= particles && ends[k] < points ? ends[k - 1] : ends[k];
+    if (end < 0 || end >= particles)
       throw IoError(path.string() + ": is damaged: a bond has impossible ends");
-    if (k == body.bonds.size()) body.bonds.push_back(static_cast<std::uint32_t>(ends[k]));
-    if (body.bonds[k] != static_cast<std::uint32_t>(ends[k]))
+    if (k == body.bonds.size()) body.bonds.push_back(static_cast<std::uint32_t>(end));
+    if (body.bonds[k] != static_cast<std::uint32_t>(end))
       throw IoError(path.string() + ": its bonds are not those of the frames before it");
   }
 }
@@ -166,7 +169,7 @@ QuantisedFrame quantise(const RawFrame& raw, double time, const Sequence& s) {
 struct OpenFrame {
   FrameInput particles, bonds;
   OpenFrame(const FrameFiles& files, const Body& body) : particles(files.particles), bonds(files.bonds) {
-    if (particles.points() != body.radius.size() || bonds.points() != body.radius.size() ||
+    if (particles.points() != body.radius.size() || bonds.points() < body.radius.size() ||
         particles.step() != bonds.step())
       throw IoError(files.bonds.string() + ": is not of the same body and step as " +
                     files.particles.string());

@@ -94,6 +94,7 @@ OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem:
   if (o.checkpoint_every)
     plan.checkpoint_every = output_time(*o.checkpoint_every, model, "output.checkpoint.every", c);
   plan.statics = any_statics(c);
+  plan.cell = model.cell.any();
   const bool drops = c.watch.on_unphysical == OnUnphysical::drop;
   plan.breaks = std::any_of(c.bonds.begin(), c.bonds.end(),
                             [drops](const BondSpec& b) { return drops || b.recipe.rules.can_break(); });

@@ -128,6 +128,7 @@ void Run::take_part() {
           "several processes step the body: none may drop particles");
   require(std::none_of(stage.supports.begin(), stage.supports.end(), is_free_grip),
           "several processes step the body: no rigid group may be free in part");
+  require(!model_.cell.any(), "several processes step the body: a periodic one is stepped by one process");
   const double reach = simulation_->reach();
   State begun = std::move(*std::exchange(simulation_, {})).take_state();
   Share share = partition_->spread(model_, begun, reach);
@@ -137,8 +138,13 @@ void Run::take_part() {
 void Run::spread_anew() {
   const std::unique_ptr<Simulation> before = std::exchange(simulation_, {});
   State state = std::move(*before).take_state();
-  Share share = partition_->spread_anew(model_, state);
-  simulation_ = part_of(std::move(state), std::move(share));
+  if (partition_ == nullptr) {  // a periodic body, whose images are found anew
+    state_ = std::move(state);
+    simulation_ = std::make_unique<Simulation>(model_, std::get<Stage>(*stage_), &state_, threads_);
+  } else {
+    Share share = partition_->spread_anew(model_, state);
+    simulation_ = part_of(std::move(state), std::move(share));
+  }
   simulation_->take_over_observers(*before);
 }
 

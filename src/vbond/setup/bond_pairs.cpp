@@ -5,13 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <set>
 #include <stdexcept>
 #include <unordered_map>
 
+#include "vbond/core/images.hpp"
 #include "vbond/core/memory.hpp"
-#include "vbond/core/near_pairs.hpp"
 #include "vbond/setup/csv_table.hpp"
 #include "vbond/setup/groups.hpp"
 #include "vbond/setup/text_file.hpp"
@@ -19,9 +20,23 @@
 namespace vbond {
 namespace {
 
-std::uint64_t key(ParticleId i, ParticleId j) {
-  return static_cast<std::uint64_t>(std::min(i, j).value) << 32 | std::max(i, j).value;
+/// The same pair, whichever end comes first.
+Pair in_order(const Pair& p) {
+  const Pair other{p.j, p.i, -p.image_j};
+  return p.i < p.j || (p.i == p.j && p.image_j > other.image_j) ? p : other;
 }
+Pair pair_of(const Bond& b) {
+  return in_order({b.i, b.j, b.image_j});
+}
+
+struct HashOfPair {
+  std::size_t operator()(const Pair& p) const {
+    const auto ends = static_cast<std::uint64_t>(p.i.value) << 32 | p.j.value;
+    const Image& n = p.image_j;
+    return std::hash<std::uint64_t>{}(ends + 0x9E3779B97F4A7C15u *
+                                                 static_cast<std::uint64_t>(n.a + 3 * n.b + 9 * n.c));
+  }
+};
 
 const SourcePlace& place_of_selection(const BondSpec& spec) {
   return spec.select.place.file.empty() ? spec.place : spec.select.place;
@@ -43,8 +58,8 @@ struct Selection {
   const State& state;
   Problems& problems;
   std::vector<char> in_a, in_b;
-  std::unordered_map<std::uint64_t, std::uint32_t> bonded;  ///< by which set
-  const char* way_out = "use a number in that range";       ///< where there is no such particle
+  std::unordered_map<Pair, std::uint32_t, HashOfPair> bonded;  ///< by which set
+  const char* way_out = "use a number in that range";          ///< where there is no such particle
 
   bool joins_groups(ParticleId i, ParticleId j) const {
     return (in_a[i.value] && in_b[j.value]) || (in_a[j.value] && in_b[i.value]);
@@ -63,7 +78,7 @@ struct Selection {
       for (double d = 2.0; d <= 16.0 && pairs.empty(); d *= 2.0) {
         pairs = pairs_in_memory(d * within.distance);
         double least = INFINITY;
-        for (const auto& [i, j] : pairs) least = std::min(least, norm(between(state, i, j)));
+        for (const auto& [i, j, image] : pairs) least = std::min(least, norm(between(state, i, j, image)));
         if (!pairs.empty()) nearest = fmt::format("the nearest are {:.6g} apart", least);
       }
       problems.add(place_of_selection(spec),
@@ -73,7 +88,7 @@ struct Selection {
                    "use a larger distance or other groups");
       return {};
     }
-    const auto is_bonded = [this](const Pair& p) { return bonded.count(key(p[0], p[1])) > 0; };
+    const auto is_bonded = [this](const Pair& p) { return bonded.count(p) > 0; };
     pairs.erase(std::remove_if(pairs.begin(), pairs.end(), is_bonded), pairs.end());
     return pairs;
   }
@@ -83,7 +98,7 @@ struct Selection {
   std::vector<Pair> pairs_in_memory(double distance) const {
     const double limit = memory_limit(), most = limit / static_cast<double>(sizeof(Pair) + sizeof(Bond));
     try {
-      return pairs_within(state.r.values(), distance, in_a, in_b, most);
+      return pairs_within(state.r.values(), distance, in_a, in_b, most, state.cell, model.cell.periodic);
     } catch (const std::length_error&) {
       throw CaseError({place_of_selection(spec),
                        fmt::format("bonds \"{}\": more than {:.3g} pairs of {} particles are within {}",
@@ -148,7 +163,7 @@ struct Selection {
         if (bond.across > 0.0 && across.count++ == 0) across.i = p, across.j = q, across.length = bond.across;
       }
     }
-    if (across.count > 0) refuse_across_boundary(across);
+    if (across.count > 0 && state.cell.empty()) refuse_across_boundary(across);
     if (meant == 0) refuse_none_brought(brought, wanted.bond_type, types);
     return ordered(std::move(pairs));
   }
@@ -207,16 +222,24 @@ struct Selection {
     const auto refuse = [&](const char* rule, const char* way_out) {
       problems.add(place, fmt::format("{}: pair {}, {}", what, number_i, number_j), rule, way_out);
     };
-    if (i == j) return refuse("a bond joins two different particles", "correct the pair");
+    if (i == j && state.cell.empty())
+      return refuse("a bond joins two different particles", "correct the pair");
     if (!joins_groups(*i, *j))
       return refuse("the pair does not join the two groups of `between`", "correct the pair or the groups");
-    const auto [earlier, is_new] = bonded.emplace(key(*i, *j), new_pair);
+    const Pair pair = in_order({*i, *j, nearest_image(*i, *j)});
+    const auto [earlier, is_new] = bonded.emplace(pair, new_pair);
     if (is_new)
-      pairs.push_back({std::min(*i, *j), std::max(*i, *j)});
+      pairs.push_back(pair);
     else if (earlier->second == new_pair)
       refuse("the pair is there twice", "remove one of them");
     else if (earlier->second != set)
       refuse("the pair is bonded already by another bond set", "remove it from one of the two");
+  }
+
+  /// Pairs that are named are of the images that are nearest to each other.
+  Image nearest_image(ParticleId i, ParticleId j) const {
+    return state.cell.empty() ? Image{}
+                              : vbond::nearest_image(state.cell, model.cell.periodic, state.r[i], state.r[j]);
   }
 
   static std::vector<Pair> ordered(std::vector<Pair> pairs) {
@@ -238,7 +261,7 @@ std::vector<Pair> select_pairs(const Case& c, std::size_t set, const Model& mode
   Selection selection{c,     spec,     static_cast<std::uint32_t>(set), model,
                       state, problems, membership(*a, model),           membership(*b, model),
                       {}};
-  for (const Bond& bond : state.bonds) selection.bonded[key(bond.i, bond.j)] = bond.set;
+  for (const Bond& bond : state.bonds) selection.bonded[pair_of(bond)] = bond.set;
   try {
     return std::visit(selection, spec.select.value);
   } catch (const CaseError& e) {  // of a file
@@ -248,12 +271,13 @@ std::vector<Pair> select_pairs(const Case& c, std::size_t set, const Model& mode
 }
 
 std::vector<Pair> pairs_within(const std::vector<Vec3d>& r, double distance, const std::vector<char>& in_a,
-                               const std::vector<char>& in_b, double most) {
+                               const std::vector<char>& in_b, double most, const CellEdges& cell,
+                               const Periodic& periodic) {
   std::vector<Pair> pairs;
-  for_near_pairs(r, distance, [&](std::size_t i, std::size_t j, double) {
+  for_near_images(cell, periodic, r, distance, [&](std::size_t i, std::size_t j, const Image& n, double) {
     if (!((in_a[i] && in_b[j]) || (in_a[j] && in_b[i]))) return;
     if (static_cast<double>(pairs.size()) >= most) throw std::length_error("too many pairs");
-    pairs.push_back({ParticleId{i}, ParticleId{j}});
+    pairs.push_back({ParticleId{i}, ParticleId{j}, n});
   });
   std::sort(pairs.begin(), pairs.end());
   return pairs;

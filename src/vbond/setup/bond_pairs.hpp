@@ -1,5 +1,5 @@
 #pragma once
-#include <array>
+#include <compare>
 #include <cstddef>
 #include <limits>
 #include <string>
@@ -12,14 +12,19 @@
 
 namespace vbond {
 
-/// Two particles to be bonded, i < j.
-using Pair = std::array<ParticleId, 2>;
+/// Two particles to be bonded, i < j; or i and an image of j, i <= j, of i itself one that is > 0.
+struct Pair {
+  ParticleId i, j;
+  Image image_j{};
+  friend auto operator<=>(const Pair&, const Pair&) = default;
+};
 
-/// All pairs with one end in each group and centres no farther apart than `distance` > 0, in order of (i, j).
-/// Throws std::length_error if they are more than `most`.
+/// All pairs with one end in each group and centres no farther apart than `distance` > 0, in order, also
+/// through the faces of a cell. Throws std::length_error if they are more than `most`.
 std::vector<Pair> pairs_within(const std::vector<Vec3d>& r, double distance, const std::vector<char>& in_a,
                                const std::vector<char>& in_b,
-                               double most = std::numeric_limits<double>::infinity());
+                               double most = std::numeric_limits<double>::infinity(),
+                               const CellEdges& cell = {}, const Periodic& periodic = {});
 
 /// The pairs that set number `set` of the case bonds between the particles as they stand in `state`, in
 /// order.

@@ -25,10 +25,10 @@ struct FirstAndCount {
 
 std::string length_left(const BondRecipe& recipe, const Model& model, const State& state, const Pair& pair) {
   const bool surfaces = recipe.attachment == Attachment::surfaces;
-  return fmt::format("particles {} and {} are {:.6g} apart with R_i = {:.6g}, R_j = {:.6g}", pair[0].value,
-                     pair[1].value, norm(between(state, pair[0], pair[1])),
-                     surfaces ? model.radius[pair[0]] : recipe.R_i,
-                     surfaces ? model.radius[pair[1]] : recipe.R_j);
+  return fmt::format("particles {} and {} are {:.6g} apart with R_i = {:.6g}, R_j = {:.6g}", pair.i.value,
+                     pair.j.value, norm(between(state, pair.i, pair.j, pair.image_j)),
+                     surfaces ? model.radius[pair.i] : recipe.R_i,
+                     surfaces ? model.radius[pair.j] : recipe.R_j);
 }
 
 bool has_stable_rest(const BondStiffness<double>& c) {
@@ -66,34 +66,35 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
   const double U = potential_energies(model, state).contact, flowed = dissipated_by_flow(state);
   double longest = INFINITY;  // of bonds that soften
   for (const Pair& pair : select_pairs(c, set, model, state, problems)) {
-    if (is_dropped(state, pair[0]) || is_dropped(state, pair[1])) continue;
-    const BondSite site_i = bond_site(model, state, pair[0]), site_j = bond_site(model, state, pair[1]);
+    if (is_dropped(state, pair.i) || is_dropped(state, pair.j)) continue;
+    const BondSite site_i = bond_site(model, state, pair.i),
+                   site_j = bond_site(model, state, pair.j, pair.image_j);
     const auto bond = make_bond(recipe, site_i, site_j);
     if (!bond) {
       no_length.note(length_left(recipe, model, state, pair));
       continue;
     }
     if (breaks_by_prestrain(recipe, site_i, site_j))
-      broken.note(fmt::format("the bond of particles {} and {}", pair[0].value, pair[1].value));
-    for (const ParticleId p : pair)
+      broken.note(fmt::format("the bond of particles {} and {}", pair.i.value, pair.j.value));
+    for (const ParticleId p : {pair.i, pair.j})
       if (recipe.attachment == Attachment::surfaces && !(model.radius[p] > 0.0))
         no_radius.note(fmt::format("particle {} has radius {}", p.value, model.radius[p]));
     const BondStiffness<double> k = stiffness_of(*bond);
     if (!has_stable_rest(k))
       unstable.note(fmt::format("particles {} and {}: c_A = {:.6g}, c_D = {:.6g}, c_B = {:.6g}, c_T = {:.6g}",
-                                pair[0].value, pair[1].value, k.c_A, k.c_D, k.c_B, k.c_T));
+                                pair.i.value, pair.j.value, k.c_A, k.c_D, k.c_B, k.c_T));
     const double longest_now =
         longest_softening_bond(recipe.rules.softening, k.c_A, bond->a, weakness_of(*bond));
     if (!(bond->a < longest_now)) {
-      snapping.note(fmt::format("the bond of particles {} and {} is {:.6g} long", pair[0].value,
-                                pair[1].value, bond->a));
+      snapping.note(
+          fmt::format("the bond of particles {} and {} is {:.6g} long", pair.i.value, pair.j.value, bond->a));
       longest = std::min(longest, longest_now);
     }
-    const double distance = norm(between(state, pair[0], pair[1]));
+    const double distance = norm(between(state, pair.i, pair.j, pair.image_j));
     if (const auto mistake = capsule_mistake(model, *bond, distance)) {
       if (no_capsule.count == 0) of_capsule = *mistake;
       no_capsule.note(fmt::format("particles {} and {} are {:.6g} apart, the capsule's radius is {:.6g}",
-                                  pair[0].value, pair[1].value, distance, bond->capsule));
+                                  pair.i.value, pair.j.value, distance, bond->capsule));
     }
     add_bond(model, *bond, recipe, state);
   }
@@ -125,7 +126,7 @@ bool expect_bonds(const Case& c, std::size_t set, const Model& model, State& sta
   bool all = true;
   for (const Pair& pair : select_pairs(c, set, model, state, problems))
     if (const auto bond =
-            make_bond(recipe, bond_site(model, state, pair[0]), bond_site(model, state, pair[1])))
+            make_bond(recipe, bond_site(model, state, pair.i), bond_site(model, state, pair.j, pair.image_j)))
       state.bonds.push_back(*bond);
     else
       all = false;
@@ -182,7 +183,7 @@ std::optional<double> first_c_A(const Case& c, const Model& model, const State& 
     Problems reported_elsewhere;
     const std::vector<Pair> pairs = select_pairs(c, 0, model, state, reported_elsewhere);
     if (pairs.empty()) return std::nullopt;
-    distance = norm(between(state, pairs[0][0], pairs[0][1]));
+    distance = norm(between(state, pairs[0].i, pairs[0].j, pairs[0].image_j));
   }
   const BondRecipe& recipe = spec.recipe;
   const double R = recipe.attachment == Attachment::given      ? recipe.R_i + recipe.R_j

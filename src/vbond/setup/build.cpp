@@ -7,12 +7,14 @@
 #include <cmath>
 #include <numbers>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include "vbond/core/bounding_box.hpp"
-#include "vbond/core/near_pairs.hpp"
+#include "vbond/core/images.hpp"
 #include "vbond/model/touching.hpp"
 #include "vbond/setup/bonds.hpp"
+#include "vbond/setup/case_cell.hpp"
 #include "vbond/setup/case_walls.hpp"
 #include "vbond/setup/groups.hpp"
 #include "vbond/setup/inertia.hpp"
@@ -151,15 +153,18 @@ void note_bond_types(const Case& c, const std::vector<PlacedSpecimen>& specimens
 void check_distinct(const Case& c, const Model& model, Problems& problems) {
   constexpr std::size_t enough = 1000;  // of many particles at one place all pairs would take hours
   std::size_t found = 0, first_i = 0, first_j = 0;
+  Image of_j;
+  const CellEdges cell = cell_at_start(model);
   const double size = box_around(model.r_0).diagonal();
-  for_near_pairs(model.r_0.values(), 1e-9 * size, [&](std::size_t i, std::size_t j, double) {
-    if (found++ == 0) first_i = i, first_j = j;
-    return found < enough;
-  });
+  for_near_images(cell, model.cell.periodic, model.r_0.values(), 1e-9 * size,
+                  [&](std::size_t i, std::size_t j, const Image& n, double) {
+                    if (found++ == 0) first_i = i, first_j = j, of_j = n;
+                    return found < enough;
+                  });
   if (found == 0) return;
   const SourcePlace& place = c.specimens[model.specimen[ParticleId{first_j}]].place;
   const std::string pairs = fmt::format("{} such pairs{}", found, found < enough ? "" : " at least");
-  const double apart = norm(between(model.r_0, ParticleId{first_i}, ParticleId{first_j}));
+  const double apart = norm(between(model.r_0, cell, ParticleId{first_i}, ParticleId{first_j}, of_j));
   if (apart == 0.0)
     problems.add(
         place, fmt::format("particles {} and {} are at the same place ({})", first_i, first_j, pairs),
@@ -187,20 +192,22 @@ void check_overlaps(const Case& c, const Built& built, Problems& problems) {
   constexpr double most = 0.5;  // of the smaller radius, as for walls
   const auto later = [](const BondSpec& b) { return b.when != BondTime::start; };
   if (std::any_of(c.bonds.begin(), c.bonds.end(), later)) return;
-  std::set<std::pair<ParticleId, ParticleId>> bonded;
-  for (const Bond& b : built.state.bonds) bonded.insert(std::minmax(b.i, b.j));
+  std::set<std::tuple<ParticleId, ParticleId, Image>> bonded;  // seen from either end
+  for (const Bond& b : built.state.bonds)
+    bonded.insert({b.i, b.j, b.image_j}), bonded.insert({b.j, b.i, -b.image_j});
   const PerParticle<double>& R = built.model.radius;
   struct {
     double part = 0;
     ParticleId i, j;
     std::size_t count = 0;
   } worst;
-  for_touching_pairs(built.model, built.state, [&](ParticleId i, ParticleId j, double overlap) {
-    const double part = overlap / std::min(R[i], R[j]);
-    if (part <= most * (1.0 + 1e-9) || bonded.count({i, j}) > 0) return;
-    ++worst.count;
-    if (part > worst.part) worst.part = part, worst.i = i, worst.j = j;
-  });
+  for_touching_pairs(built.model, built.state,
+                     [&](ParticleId i, ParticleId j, const Image& n, double overlap) {
+                       const double part = overlap / std::min(R[i], R[j]);
+                       if (part <= most * (1.0 + 1e-9) || bonded.count({i, j, n}) > 0) return;
+                       ++worst.count;
+                       if (part > worst.part) worst.part = part, worst.i = i, worst.j = j;
+                     });
   if (worst.count == 0) return;
   problems.add(
       c.specimens[built.model.specimen[worst.j]].place,
@@ -286,6 +293,9 @@ Built build(const Case& c) {
     built.notes.insert(built.notes.end(), s.points.notes.begin(), s.points.notes.end());
   }
   note_bond_types(c, specimens, built);
+  problems.throw_if_any();
+  add_cell(c, built, problems);
+  check_periodic(c, problems);
   problems.throw_if_any();
   state.r = model.r_0;
   check_distinct(c, model, problems);

@@ -331,6 +331,7 @@ void put_on_steps(Stage& stage) {
   for (Support& s : stage.supports) s.factor = on_steps(s.factor, stage.dt, last);
   for (PointLoad& l : stage.loads) l.factor = on_steps(l.factor, stage.dt, last);
   for (Heating& h : stage.heating) h.factor = on_steps(h.factor, stage.dt, last);
+  for (CellComponent& c : stage.cell.component) c.factor = on_steps(c.factor, stage.dt, last);
   for (WallDrive& w : stage.walls) {
     w.factor = on_steps(w.factor, stage.dt, last);
     if (w.servo) w.servo->factor = on_steps(w.servo->factor, stage.dt, last);
@@ -367,6 +368,7 @@ Stage resolve_stage(const Case& c, const Model& model, std::size_t k, Problems& 
   stage.supports = resolver.supports();
   stage.loads = resolver.loads();
   stage.heating = resolver.heating();
+  stage.cell = resolver.cell_drive();
   if (spec.strain) stage.strain = resolver.strain(*spec.strain);
   if (const auto p = strained_and_gripped(stage))
     problems.add(spec.strain->place,

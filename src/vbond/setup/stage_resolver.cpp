@@ -111,6 +111,22 @@ std::vector<Heating> StageResolver::heating() const {
   return resolved;
 }
 
+CellDrive StageResolver::cell_drive() const {
+  CellDrive drive;
+  if (!spec.cell) return drive;
+  for (std::size_t k = 0; k < drive.component.size(); ++k) {
+    const auto& given = spec.cell->component[k];
+    if (!given) continue;
+    using By = CellComponent::By;
+    const std::optional<double>& strained = at_rest() ? given->strain : given->rate;
+    drive.component[k] = {given->stress ? By::stress : By::strain,
+                          given->stress.value_or(strained.value_or(0.0)),
+                          function(given->factor, given->place)};
+  }
+  if (spec.cell->servo) drive.servo = *spec.cell->servo;
+  return drive;
+}
+
 void StageResolver::check_supports(const std::vector<Support>& supports) const {
   for (std::size_t k = 0; k < supports.size(); ++k)
     if (supports[k].rigid && supports[k].particles.empty() && model.find_group(supports[k].group) != nullptr)

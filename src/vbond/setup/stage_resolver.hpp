@@ -28,6 +28,7 @@ struct StageResolver {
   std::vector<PointLoad> loads() const;
   /// Reports temperatures at which a bond set would have no length left, or that nothing feels.
   std::vector<Heating> heating() const;
+  CellDrive cell_drive() const;
   /// Whether supports leave any degree of freedom.
   bool anything_is_free(const std::vector<Support>& supports) const;
 

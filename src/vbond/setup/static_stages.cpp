@@ -45,6 +45,7 @@ StaticStage resolve_static_stage(const Case& c, const Model& model, std::size_t 
   check_something_is_free(resolver, stage.supports);
   stage.loads = resolver.loads();
   stage.heating = resolver.heating();
+  stage.cell = resolver.cell_drive();
   stage.newton = spec.newton;
   stage.steps = spec.steps;
   stage.at_saddle = spec.at_saddle;

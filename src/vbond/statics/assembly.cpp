@@ -15,7 +15,8 @@ void check_room_for(std::int64_t entries) {
         entries));
 }
 
-void Assembly::lay_out(std::size_t particles, const std::vector<Pair>& pairs) {
+void Assembly::lay_out(const std::vector<Pair>& pairs) {
+  const std::size_t particles = unknowns_.nodes();
   PerParticle<std::vector<ParticleId>> near(particles);
   for (const ParticleId p : near.ids()) near[p].push_back(p);
   for (const auto& [p, q] : pairs) {
@@ -65,21 +66,10 @@ void Assembly::clear() {
   std::fill_n(matrix_.valuePtr(), matrix_.nonZeros(), 0.0);
 }
 
-void Assembly::add_block(ParticleId row, ParticleId column, int offset, const Block& K, int row_at,
-                         int column_at) {
-  for (int b = 0; b < 6; ++b) {
-    const int c = unknowns_.of(column, b);
-    if (c == Unknowns::held) continue;
-    double* value = matrix_.valuePtr() + matrix_.outerIndexPtr()[c] + offset;
-    for (int a = 0; a < 6; ++a)
-      if (unknowns_.of(row, a) != Unknowns::held) *value++ += K(row_at + a, column_at + b);
-  }
-}
-
-Assembly::Block Assembly::in_axes(ParticleId i, ParticleId j, const Block& in_world) const {
+bool Assembly::axes(ParticleId i, ParticleId j, Block& T) const {
   const auto as_world = [this](ParticleId p) { return !unknowns_.axes(p) && !unknowns_.arm(p); };
-  if (as_world(i) && as_world(j)) return in_world;
-  Block T = Block::Zero();
+  if (as_world(i) && as_world(j)) return false;
+  T = Block::Zero();
   for (int column = 0; column < 12; ++column)
     for (int k = 0; k < 3; ++k)
       T(column / 3 * 3 + k, column) = component(unknowns_.axis(column < 6 ? i : j, column % 6), k);
@@ -88,16 +78,41 @@ Assembly::Block Assembly::in_axes(ParticleId i, ParticleId j, const Block& in_wo
       const Vec3d d = *arm / unknowns_.length();
       T.block<3, 3>(at, at + 3) << 0.0, d.z, -d.y, -d.z, 0.0, d.x, d.y, -d.x, 0.0;
     }
+  return true;
+}
+
+Assembly::Block Assembly::in_axes(ParticleId i, ParticleId j, const Block& in_world) const {
+  Block T;
+  if (!axes(i, j, T)) return in_world;
   return T.transpose() * in_world * T;
 }
 
 void Assembly::add(ParticleId p, ParticleId q, const Block& K) {
   const ParticleId i = unknowns_.carrier(p), j = unknowns_.carrier(q);
+  if (i == j) {
+    const int own = own_offset_[i];
+    for (const int row : {0, 6})
+      for (const int column : {0, 6}) add_block(i, i, own, K.block<6, 6>(row, column));
+    return;
+  }
   const Offsets& o = offsets_.at(key(i, j));
-  add_block(i, i, own_offset_[i], K, 0, 0);
-  add_block(j, j, own_offset_[j], K, 6, 6);
-  add_block(i, j, i < j ? o.i_in_j : o.j_in_i, K, 0, 6);
-  add_block(j, i, i < j ? o.j_in_i : o.i_in_j, K, 6, 0);
+  add_block(i, i, own_offset_[i], K.topLeftCorner<6, 6>());
+  add_block(j, j, own_offset_[j], K.bottomRightCorner<6, 6>());
+  add_block(i, j, i < j ? o.i_in_j : o.j_in_i, K.topRightCorner<6, 6>());
+  add_block(j, i, i < j ? o.j_in_i : o.i_in_j, K.bottomLeftCorner<6, 6>());
+}
+
+void Assembly::add_cell(ParticleId p, ParticleId q, const CellColumns& columns, const CellRows& rows) {
+  const ParticleId i = unknowns_.carrier(p), j = unknowns_.carrier(q), cell = unknowns_.cell_node();
+  add_block(i, cell, offset(i, cell), columns.topRows<6>());
+  add_block(j, cell, offset(j, cell), columns.bottomRows<6>());
+  add_block(cell, i, offset(cell, i), rows.leftCols<6>());
+  add_block(cell, j, offset(cell, j), rows.rightCols<6>());
+}
+
+void Assembly::add_cell(const CellBlock& K) {
+  const ParticleId cell = unknowns_.cell_node();
+  add_block(cell, cell, own_offset_[cell], K);
 }
 
 }  // namespace vbond

@@ -75,8 +75,20 @@ double span(const Bond& b, const State& s) {
   return std::max(norm(between(s, b)), norm(bonded_points(bond_pose(b, s), b.R_i, b.R_j)));
 }
 
-PairTangent<3> touch(const Model& m, const State& s, ParticleId i, ParticleId j) {
-  return contact_tangent(touch_forms(m.contact), touch_numbers(m, i, j), between(s, i, j), m.radius[i],
+/// Components of the cell that give way to stresses. They count by a length of the cell such that the
+/// tangent's entries are of the size that those of particles have, however large the cell: V C/length^2 of a
+/// body with the modulus C beside C L.
+Unknowns::Cell free_cell(const Model& model, const StaticStage& stage, double length) {
+  Unknowns::Cell cell;
+  if (!stage.cell.any_stress()) return cell;
+  for (std::size_t k = 0; k < 6; ++k) cell.free[k] = stage.cell.component[k].by == CellComponent::By::stress;
+  const auto& [a, b, c] = model.cell.edges;
+  cell.length = std::sqrt(dot(a, cross(b, c)) / length);
+  return cell;
+}
+
+PairTangent<3> touch(const Model& m, const State& s, ParticleId i, ParticleId j, const Image& n) {
+  return contact_tangent(touch_forms(m.contact), touch_numbers(m, i, j), between(s, i, j, n), m.radius[i],
                          m.radius[j]);
 }
 
@@ -84,9 +96,17 @@ PairTangent<3> touch(const Model& m, const State& s, ParticleId i, ParticleId j)
 
 double distance(const Placement& a, const Placement& b, double length) {
   double largest = 0.0;
+  const bool cell_moved = a.cell != b.cell;
+  for (std::size_t k = 0; cell_moved && k < 3; ++k)
+    largest = larger(largest, length * norm(b.cell[k].along - a.cell[k].along) / norm(a.cell[k].along));
+  const auto carried = [&](const Vec3d& r) {
+    if (!cell_moved) return r;
+    const Vec3d s = in_edges(a.cell, r - a.r.values().front());
+    return b.r.values().front() + s.x * b.cell[0].along + s.y * b.cell[1].along + s.z * b.cell[2].along;
+  };
   for (const ParticleId p : a.r.ids())
     for (const double moved :
-         {norm(b.r[p] - a.r[p]), length * norm(rotation_vector(b.q[p] * conjugate(a.q[p])))})
+         {norm(b.r[p] - carried(a.r[p])), length * norm(rotation_vector(b.q[p] * conjugate(a.q[p])))})
       largest = larger(largest, moved);
   return largest;
 }
@@ -98,15 +118,18 @@ StaticBody::StaticBody(const Model& model, const StaticStage& stage, State state
       load_factor_(load_factor),
       held_at_(load_factor),
       holds_(holds_of(stage.supports)),
-      unknowns_(model.particles(), stage.supports, length_scale(model, state_)),
+      unknowns_(model.particles(), stage.supports, length_scale(model, state_),
+                free_cell(model, stage, length_scale(model, state_))),
       walls_(model),
       bonded_(model.particles(), false),
       held_rate_(model.particles()),
-      stiffness_{Assembly(unknowns_), Assembly(unknowns_), {}, false} {
+      stiffness_{Assembly(unknowns_), Assembly(unknowns_), {}, {}, false} {
   begin_anew(state_, Anew::at_rest);
+  for (CellEdge& e : state_.cell) e = {.along = e.along};
   for (PairMemory& m : state_.contact_history) m.history = {};  // nothing is rubbed at rest
   std::erase_if(state_.contact_history, [](const PairMemory& m) { return m.kept == 0.0; });
   take_hold();
+  take_hold_of_cell();
   take_hold_of_walls();
   look_at_grips();
   set_held_rates();
@@ -121,6 +144,7 @@ StaticBody::StaticBody(const Model& model, const StaticStage& stage, State state
         std::max(rounding_of_force_, eps * (c_A * (norm(state_.r[b.i]) + b.a) + B / unknowns_.length()));
     rounding_of_potential_ += eps * B;
   }
+  note_rounding_of_cell();
   const auto any = [this](auto is) {
     return std::any_of(state_.bonds.begin(), state_.bonds.end(),
                        [is](const Bond& b) { return !b.broken && is(b); });
@@ -148,6 +172,7 @@ void StaticBody::placed() {
   stiffness_.current = false;
   if (!flows()) return;
   at_accepted_ = state_.r == accepted_at_.r && state_.q == accepted_at_.q &&
+                 state_.cell == accepted_at_.cell &&
                  (growth_rate_.empty() || load_factor_ == accepted_at_.load_factor);
   flow();
 }
@@ -158,11 +183,11 @@ void StaticBody::flow() {
   for (const BondId k : state_.bonds.ids()) {
     const Bond& b = state_.bonds[k];
     if (b.broken || !b.law->remembers()) continue;
-    const auto moved = [&](ParticleId p) { return state_.r[p] - accepted_at_.r[p]; };
     const auto turned = [&](ParticleId p) {
       return rotation_vector(state_.q[p] * conjugate(accepted_at_.q[p]));
     };
-    const BondRates<double> way{moved(b.j) - moved(b.i), turned(b.i), turned(b.j)};
+    const Vec3d before = between(accepted_at_.r, accepted_at_.cell, b);
+    const BondRates<double> way{between(state_, b) - before, turned(b.i), turned(b.j)};
     state_.bond_history[k] =
         at_accepted_ ? accepted_[k]
                      : b.law->advance(b, bond_pose(b, state_), way, creeps(b) ? 0.0 : 1.0, accepted_[k]);
@@ -181,6 +206,7 @@ double StaticBody::dissipated() const {
 void StaticBody::restore(const Placement& p) {
   state_.r = p.r;
   state_.q = p.q;
+  state_.cell = p.cell;
   load_factor_ = p.load_factor;
   carry_walls();
   placed();
@@ -201,6 +227,7 @@ void StaticBody::move(const Vector& x, double new_load_factor) {
     state_.r[p] += m.shift;
     state_.q[p] = normalised(rotation_of((1.0 / unknowns_.length()) * m.turn) * state_.q[p]);
   }
+  if (moves_cell()) carry_cell(x, new_load_factor);
   load_factor_ = new_load_factor;
   carry();
   carry_free(x, change);
@@ -235,17 +262,20 @@ const StaticBody::Loaded& StaticBody::loads_at_hand() const {
     const BondLoads<double> f = bond_loads(state_, k);
     l.loads.F[b.i] += f.F, l.loads.F[b.j] -= f.F;
     l.loads.M[b.i] += f.M_ij, l.loads.M[b.j] += f.M_ji;
+    if (!b.image_j.is_itself()) add_image(b.image_j, f.F, l);
     for (const double force :
          {norm(f.F), norm(f.M_ij) / unknowns_.length(), norm(f.M_ji) / unknowns_.length()})
       l.largest = larger(l.largest, force);
   }
-  for_touching_pairs(model_, state_, [&](ParticleId i, ParticleId j, double) {
-    const Vec3d F = touch(model_, state_, i, j).loads.F;
+  for_touching_pairs(model_, state_, [&](ParticleId i, ParticleId j, const Image& of_j, double) {
+    const Vec3d F = touch(model_, state_, i, j, of_j).loads.F;
     l.loads.F[i] += F, l.loads.F[j] -= F;
+    if (!of_j.is_itself()) add_image(of_j, F, l);
     l.largest = larger(l.largest, norm(F));
   });
   if (walls_.any()) add_walls(l);
   l.unbalanced = on_unknowns(l.loads);
+  if (has_free_cell()) balance_cell(l);
   if (relief_.size() > 0) l.unbalanced -= (1.0 - load_factor_) * relief_;
   loaded_ = std::move(l);
   return *loaded_;
@@ -253,15 +283,19 @@ const StaticBody::Loaded& StaticBody::loads_at_hand() const {
 
 void StaticBody::lay_out(const std::vector<Assembly::Pair>& touching) const {
   std::vector<Assembly::Pair> pairs = touching;
-  for (const Bond& b : state_.bonds)
-    if (!b.broken) pairs.push_back({b.i, b.j});
-  stiffness_.assembly.lay_out(model_.particles(), pairs);
-  if (flows()) stiffness_.full.lay_out(model_.particles(), pairs);
+  for (const Bond& b : state_.bonds) {
+    if (b.broken) continue;
+    pairs.push_back({b.i, b.j});
+    if (b.image_j.is_itself() || !has_free_cell()) continue;
+    for (const ParticleId p : {b.i, b.j}) pairs.push_back({p, unknowns_.cell_node()});
+  }
+  stiffness_.assembly.lay_out(pairs);
+  if (flows()) stiffness_.full.lay_out(pairs);
 }
 
 /// Adds the symmetric part of a pair's block, and what held degrees of freedom that move do to free ones.
-void StaticBody::add_pair(ParticleId i, ParticleId j, const Block& in_world) const {
-  if (stiffness_.assembly.move_as_one(i, j)) return;
+void StaticBody::add_pair(ParticleId i, ParticleId j, const Image& of_j, const Block& in_world) const {
+  if (of_j.is_itself() && stiffness_.assembly.move_as_one(i, j)) return;
   Eigen::Matrix<double, 12, 1> rate;
   for (int k = 0; k < 3; ++k) {
     rate[k] = component(held_rate_[i].shift, k), rate[k + 3] = component(held_rate_[i].turn, k);
@@ -277,15 +311,26 @@ void StaticBody::add_pair(ParticleId i, ParticleId j, const Block& in_world) con
   const Block K = stiffness_.assembly.in_axes(i, j, in_world);
   stiffness_.assembly.add(i, j, 0.5 * (K + K.transpose()));
   if (flows()) stiffness_.full.add(i, j, K);
+  if (!of_j.is_itself() && moves_cell()) add_image(i, j, of_j, in_world);
 }
 
 const StaticBody::Stiffness& StaticBody::stiffness_at_hand() const {
   if (stiffness_.current) return stiffness_;
   std::vector<Assembly::Pair> touching;
-  for_touching_pairs(model_, state_, [&](ParticleId i, ParticleId j, double) { touching.push_back({i, j}); });
+  std::vector<Image> images;  // of their second particles
+  for_touching_pairs(model_, state_, [&](ParticleId i, ParticleId j, const Image& n, double) {
+    touching.push_back({i, j});
+    images.push_back(n);
+  });
+  std::vector<Assembly::Pair> to_lay_out = touching;
+  for (std::size_t k = 0; has_free_cell() && k < touching.size(); ++k)
+    if (!images[k].is_itself())
+      for (const ParticleId p : {touching[k].first, touching[k].second})
+        to_lay_out.push_back({p, unknowns_.cell_node()});
   Assembly& assembly = stiffness_.assembly;
   const auto is_new = [&](const Assembly::Pair& p) { return !assembly.has(p.first, p.second); };
-  if (assembly.version() == 0 || std::any_of(touching.begin(), touching.end(), is_new)) lay_out(touching);
+  if (assembly.version() == 0 || std::any_of(to_lay_out.begin(), to_lay_out.end(), is_new))
+    lay_out(to_lay_out);
 
   assembly.clear();
   if (flows()) stiffness_.full.clear();
@@ -300,13 +345,18 @@ const StaticBody::Stiffness& StaticBody::stiffness_at_hand() const {
     add_growth(grown);
     stiffness_.load_direction += on_unknowns(grown);
   }
+  if (has_free_cell()) look_at_mixing();
   for (const BondId k : state_.bonds.ids()) {
     const Bond& b = state_.bonds[k];
     if (b.broken) continue;
     const PairTangent<9> t = b.law->tangent(b, bond_pose(b, state_), history_before(k));
-    add_pair(b.i, b.j, block_of(t, unknowns_.length()));
+    add_pair(b.i, b.j, b.image_j, block_of(t, unknowns_.length()));
   }
-  for (const auto& [i, j] : touching) add_pair(i, j, block_of(touch(model_, state_, i, j)));
+  for (std::size_t k = 0; k < touching.size(); ++k) {
+    const auto& [i, j] = touching[k];
+    add_pair(i, j, images[k], block_of(touch(model_, state_, i, j, images[k])));
+  }
+  if (has_free_cell()) add_own_of_cell();
   if (walls_.any()) add_walls(stiffness_);
   add_arms();
   add_followers();
@@ -326,7 +376,11 @@ double StaticBody::moment_part() const {
     }
   }
   for_followers([&](int, int, double K) { largest = std::max(largest, std::abs(K)); });
-  return largest;
+  if (!has_free_cell()) return largest;
+  constexpr double rounding = 1e-14;  // of the tangent: its rows and columns are summed up differently
+  const Stiffness& s = stiffness_at_hand();
+  const double of_cell = s.skew.norm();
+  return of_cell > rounding * max_norm(s.assembly.matrix().diagonal()) ? std::max(largest, of_cell) : largest;
 }
 
 SparseMatrix StaticBody::full_tangent() const {
@@ -344,6 +398,7 @@ SparseMatrix StaticBody::full_tangent() const {
       }
   }
   for_followers([&](int row, int column, double of_follower) { K.coeffRef(row, column) += of_follower; });
+  add_skew_of_cell(K);
   return K;
 }
 
@@ -354,6 +409,7 @@ bool StaticBody::places_are_finite() const {
 }
 
 std::string StaticBody::first_not_finite() const {
+  if (has_collapsed()) return "the cell collapses or turns over";
   for (const ParticleId p : state_.r.ids())
     if (!has_finite_place(state_, p))
       return fmt::format("particle {}: its place, ({}, {}, {}), or its orientation is not finite", p.value,
@@ -375,8 +431,8 @@ std::string StaticBody::first_not_finite() const {
                        norm(bonded_points(pose, b.R_i, b.R_j)));
   }
   std::string found;
-  for_touching_pairs(model_, state_, [&](ParticleId i, ParticleId j, double overlap) {
-    if (found.empty() && !is_finite(touch(model_, state_, i, j).loads.F))
+  for_touching_pairs(model_, state_, [&](ParticleId i, ParticleId j, const Image& n, double overlap) {
+    if (found.empty() && !is_finite(touch(model_, state_, i, j, n).loads.F))
       found = fmt::format("contact of particles {} and {}: its force is not finite, at an overlap of {:.3g}",
                           i.value, j.value, overlap);
   });
@@ -411,16 +467,21 @@ double StaticBody::potential_change(const Placement& from, double energy_from) c
     const Vec3d turn = rotation_vector(state_.q[p] * conjugate(from.q[p]));
     change -= dot(applied.F[p], state_.r[p] - from.r[p]) + dot(applied.M[p], turn);
   }
+  if (has_free_cell()) change -= work_on_cell(from);
   return change - work_of_relief(from, placement(), load_factor_);
 }
 
 double StaticBody::largest_bond_change(const Vector& x, double load_factor_change) const {
   const auto moves = [&](ParticleId p) { return movement(p, x, load_factor_change); };
   double largest = 0.0;
+  const Tensor cell = moves_cell() ? cell_change(x, load_factor_change) : Tensor{};
+  for (const Vec3d& row : cell.row) largest = larger(largest, norm(row));
   for (const Bond& b : state_.bonds) {
     if (b.broken) continue;
     const Movement of_i = moves(b.i), of_j = moves(b.j);
-    const double stretch = norm(of_j.shift - of_i.shift) / span(b, state_);
+    Vec3d apart = of_j.shift - of_i.shift;
+    if (moves_cell() && !b.image_j.is_itself()) apart += times(cell, image_at_start(b.image_j));
+    const double stretch = norm(apart) / span(b, state_);
     const double turn = norm(of_j.turn - of_i.turn) / unknowns_.length();
     largest = larger(larger(largest, stretch), turn);
   }

@@ -11,7 +11,7 @@ namespace vbond {
 double StaticBody::residual() const {
   const Loaded& l = loads_at_hand();
   const double unbalanced = max_norm(l.unbalanced);
-  if (!std::isfinite(l.largest) || !std::isfinite(unbalanced))
+  if (has_collapsed() || !std::isfinite(l.largest) || !std::isfinite(unbalanced))
     return std::numeric_limits<double>::quiet_NaN();
   return unbalanced == 0.0 ? 0.0 : unbalanced / l.largest;
 }
@@ -20,6 +20,21 @@ double StaticBody::residual_beside(const DenseMatrix& columns) const {
   const Vector& g = loads_at_hand().unbalanced;
   const double beside = max_norm(g - columns * (columns.transpose() * g)), all = max_norm(g);
   return all == 0.0 ? residual() : residual() * (beside / all);
+}
+
+double StaticBody::share_held(const Support& s) const {
+  constexpr double rounding = 1e3;
+  const Loaded& l = loads_at_hand();
+  double largest = 0.0;
+  for (const ParticleId p : s.particles)
+    for (int dof = 0; dof < 6; ++dof)
+      if (s.held[static_cast<std::size_t>(dof)]) {
+        const Movement load{l.loads.F[p], l.loads.M[p] / unknowns_.length()};
+        const HeldAxes* axes = s.axes ? &*s.axes : nullptr;
+        const Vec3d& axis = axis_of(axes, static_cast<std::size_t>(dof));
+        largest = larger(largest, std::abs(dot(dof < 3 ? load.shift : load.turn, axis)));
+      }
+  return largest <= rounding * rounding_of_force_ ? 0.0 : largest / l.largest;
 }
 
 double StaticBody::residual_of_rounding() const {
@@ -34,25 +49,25 @@ PerParticle<double> StaticBody::rounding_at_particles() const {
   constexpr double eps = std::numeric_limits<double>::epsilon();
   const double L = unknowns_.length();
   PerParticle<double> sum(model_.particles(), 0.0);
-  const auto place = [&](ParticleId i, ParticleId j) {
-    return eps * (std::max(norm(state_.r[i]), norm(state_.r[j])) + norm(between(state_, i, j)));
+  const auto place = [&](ParticleId i, ParticleId j, const Image& n) {
+    return eps * (std::max(norm(state_.r[i]), norm(state_.r[j])) + norm(between(state_, i, j, n)));
   };
   for (const Bond& b : state_.bonds) {
     if (b.broken) continue;
     const BondStiffness<double> c = b.law->stiffness(b);
     const double lever = std::max(1.0, b.a / L);
-    const double e =
-        (c.c_A + c.c_D) * (place(b.i, b.j) + eps * b.a) * lever + eps * angular_scale(b) / std::min(b.a, L);
+    const double e = (c.c_A + c.c_D) * (place(b.i, b.j, b.image_j) + eps * b.a) * lever +
+                     eps * angular_scale(b) / std::min(b.a, L);
     sum[b.i] += e, sum[b.j] += e;
   }
-  for_touching_pairs(model_, state_, [&](ParticleId i, ParticleId j, double) {
-    const Vec3d r_ij = between(state_, i, j);
+  for_touching_pairs(model_, state_, [&](ParticleId i, ParticleId j, const Image& n, double) {
+    const Vec3d r_ij = between(state_, i, j, n);
     const auto force = [&](const Vec3d& at) {
       return norm(contact_tangent(touch_forms(model_.contact), touch_numbers(model_, i, j), at,
                                   model_.radius[i], model_.radius[j])
                       .loads.F);
     };
-    const double e = force((1.0 - place(i, j) / norm(r_ij)) * r_ij) - force(r_ij);
+    const double e = force((1.0 - place(i, j, n) / norm(r_ij)) * r_ij) - force(r_ij);
     sum[i] += e, sum[j] += e;
   });
   PerParticle<double> at_unknowns(model_.particles(), 0.0);

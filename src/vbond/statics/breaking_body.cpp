@@ -13,28 +13,8 @@
 namespace vbond {
 namespace {
 
-/// As many unknowns as there are columns, such that no combination of columns leaves all of them where they
-/// are: Gauss's elimination, the largest entry first.
-std::vector<int> holding_unknowns(const SparseMatrix& columns) {
-  std::vector<int> chosen;
-  std::vector<Eigen::SparseVector<double>> done;
-  for (Eigen::Index k = 0; k < columns.cols(); ++k) {
-    Eigen::SparseVector<double> v = columns.col(k);
-    for (std::size_t j = 0; j < done.size(); ++j)
-      if (const double c = v.coeff(chosen[j]); c != 0.0) v -= c * done[j];
-    int pivot = -1;
-    double largest = 0.0;
-    for (Eigen::SparseVector<double>::InnerIterator it(v); it; ++it)
-      if (std::abs(it.value()) > largest)
-        largest = std::abs(it.value()), pivot = static_cast<int>(it.index());
-    chosen.push_back(pivot);
-    done.push_back(v / v.coeff(pivot));
-  }
-  return chosen;
-}
-
 bool same_place(const Placement& a, const Placement& b) {
-  return a.load_factor == b.load_factor && a.r == b.r && a.q == b.q;
+  return a.load_factor == b.load_factor && a.r == b.r && a.q == b.q && a.cell == b.cell;
 }
 
 std::string first_of(const std::vector<std::string>& names) {

@@ -59,11 +59,11 @@ class LoadSteps {
       if (!outcome.converged || (snapped_bonds(body_.state()) > snapped && !last_resort)) {
         retry(way, step);
         if (last_resort) {
-          const std::string loose = free_motions_in_words(body_);
+          const std::string loose = free_motions_in_words(body_), of_cell = loose_cell_in_words(body_);
           give_up(fmt::format(
-              "no balance found beyond load factor {:.6g}: {}{}", way.from.load_factor,
+              "no balance found beyond load factor {:.6g}: {}{}{}", way.from.load_factor,
               outcome.converged ? "bonds would snap over, beyond the range of their law" : outcome.why,
-              loose.empty() ? "" : "; " + loose));
+              loose.empty() ? "" : "; " + loose, of_cell));
         }
         continue;
       }

@@ -50,6 +50,14 @@ std::string free_motions_in_words(const StaticBody& body) {
   return text;
 }
 
+std::string loose_cell_in_words(const StaticBody& body) {
+  std::string text;
+  for (int k = 0; k < body.unknowns().size(); ++k)
+    if (body.unknowns().is_of_cell(k) && body.tangent().col(k).norm() == 0.0)
+      text += (text.empty() ? "; nothing resists " : ", ") + body.unknowns().name(k);
+  return text;
+}
+
 void refuse_rigid_motions(const StaticBody& body) {
   const std::string text = free_motions_in_words(body);
   if (text.empty()) return;
@@ -57,6 +65,64 @@ void refuse_rigid_motions(const StaticBody& body) {
       body.stage().name, text,
       "a support may be missing; a motion that no load drives can be held on one particle, such "
       "as the spin of a rod along x by fix = [\"rx\"]; kind = \"modes\" takes free bodies as they are");
+}
+
+namespace {
+
+constexpr const char* floating = "what floats";  // the group of supports that hold it
+
+std::string first_of(const std::vector<std::string>& names) {
+  std::string text;
+  constexpr std::size_t named = 6;
+  for (std::size_t k = 0; k < std::min(named, names.size()); ++k) text += (k > 0 ? ", " : "") + names[k];
+  if (names.size() > named) text += fmt::format(" and {} more", names.size() - named);
+  return text;
+}
+
+/// A part that floated at the start, and that others touch now, is held by what should carry nothing.
+void refuse_touched(const StaticBody& body) {
+  constexpr double nothing = 1e-6;  // of the largest force: balance goes farther
+  if (body.is_relieved()) return;   // which these supports have a share of
+  for (const Support& s : body.stage().supports)
+    if (s.group == floating && body.share_held(s) > nothing)
+      throw NoEquilibrium(
+          body.stage().name,
+          fmt::format("load factor {:.6g}: particle {} is of a part that nothing held, and that others touch "
+                      "by now; it was held where it was",
+                      body.load_factor(), s.particles.front().value),
+          "end the stage before that: another one begins with what touches then, or bring the body to rest "
+          "in "
+          "a stage of dynamics");
+}
+
+}  // namespace
+
+StaticStage with_floating_held(const Model& model, const StaticStage& stage, const State& state,
+                               const StaticHooks& hooks) {
+  constexpr double nothing = 1e-9;  // of the loads that drive a part: rounding
+  StaticStage held = stage;
+  const StaticBody body(model, stage, state);
+  const RigidMotions free = free_rigid_motions(model, body.state(), body.unknowns());
+  if (free.names.empty()) return held;
+  for (const double factor : {0.0, 1.0}) {
+    const Vector loads = body.applied(factor), along = free.basis.transpose() * loads;
+    if (max_norm(along) > nothing * loads.norm())
+      throw NoEquilibrium(stage.name, "loads drive parts that nothing holds: " + first_of(free.names),
+                          "hold a particle, or let the loads of each part add up to nothing");
+  }
+  constexpr std::size_t translations = 3;  // of one part that goes on in all directions
+  if (free.names.size() > translations)
+    tell(stage, hooks,
+         fmt::format("parts float, and are held where they are: {}; the cell does not carry them",
+                     first_of(free.names)));
+  for (const int unknown : holding_unknowns(free.basis)) {
+    const auto [particle, dof] = body.unknowns().place(unknown);
+    Support hold{floating, {particle}, {}, {}, {}};
+    hold.held[static_cast<std::size_t>(dof)] = true;
+    if (const HeldAxes* axes = body.unknowns().axes(particle)) hold.axes = *axes;
+    held.supports.push_back(std::move(hold));
+  }
+  return held;
 }
 
 void refuse_not_finite(const StaticBody& body) {
@@ -91,6 +157,7 @@ void watch_strength(const StaticBody& body, const StaticHooks& hooks, StaticResu
 void report_point(StaticBody& body, PointKind kind, std::optional<int> unstable, const StaticHooks& hooks,
                   StaticResult& result) {
   refuse_not_finite(body);
+  refuse_touched(body);
   if (const auto fault = body.fault_at_walls())
     throw NoEquilibrium(body.stage().name, fmt::format("load factor {:.6g}: {}", body.load_factor(), *fault),
                         "use more steps, a stiffer contact, or a wider wall");

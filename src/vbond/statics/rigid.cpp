@@ -9,14 +9,12 @@
 #include <utility>
 #include <vector>
 
-#include "vbond/core/disjoint_sets.hpp"
 #include "vbond/model/touching.hpp"
 #include "vbond/statics/detail/dense.hpp"
 
 namespace vbond {
 namespace {
 
-using Part = std::vector<ParticleId>;
 using Motion = Eigen::Matrix<double, 6, 1>;  // translation of the centroid, turn about it times the radius
 using Motions = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
@@ -24,23 +22,73 @@ using Motions = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 // the rounding of the tangent once d is below the root of eps.
 constexpr double smallest_lever = 1.5e-8;
 
-/// The parts, each in increasing order, in the order of their first particles.
-std::vector<Part> connected_parts(const Model& model, const State& state, const Unknowns& unknowns) {
-  DisjointSets<ParticleId> sets(model.particles());
-  for (const Bond& b : state.bonds)
-    if (!b.broken) sets.join(b.i, b.j);
-  for_touching_pairs(model, state, [&](ParticleId i, ParticleId j, double) { sets.join(i, j); });
-  for (const ParticleId p : model.mass.ids()) sets.join(p, unknowns.carrier(p));
+/// A bond, contact or rigid support between two particles, or a particle and an image.
+struct Link {
+  ParticleId to;
+  Image of_to;
+};
 
-  PerParticle<std::size_t> number(model.particles());
-  std::vector<Part> parts;
-  for (const ParticleId p : model.mass.ids()) {
-    const ParticleId first = sets.smallest(p);
-    if (first == p) {
-      number[p] = parts.size();
-      parts.emplace_back();
+/// What hangs together, its particles in increasing order.
+struct Part {
+  std::vector<ParticleId> particles;
+  /// Orthonormal directions that span the ways to images of itself that it hangs together with.
+  std::vector<Vec3d> across;
+};
+
+/// The parts, in the order of their first particles, and where particles are, or those images of them that
+/// hang together with the first particle of a part.
+struct Parts {
+  std::vector<Part> all;
+  PerParticle<Vec3d> r;
+};
+
+/// Another way to an image, if it leads in a new direction.
+void add_way(Vec3d way, std::vector<Vec3d>& across) {
+  constexpr double rounding = 1e-9;
+  const double length = norm(way);
+  for (const Vec3d& u : across) way -= dot(u, way) * u;
+  if (norm(way) > rounding * length) across.push_back(way / norm(way));
+}
+
+PerParticle<std::vector<Link>> links(const Model& model, const State& state, const Unknowns& unknowns) {
+  PerParticle<std::vector<Link>> from(model.particles());
+  const auto join = [&](ParticleId i, ParticleId j, const Image& n) {
+    from[i].push_back({j, n}), from[j].push_back({i, -n});
+  };
+  for (const Bond& b : state.bonds)
+    if (!b.broken) join(b.i, b.j, b.image_j);
+  for_touching_pairs(model, state,
+                     [&](ParticleId i, ParticleId j, const Image& n, double) { join(i, j, n); });
+  for (const ParticleId p : model.mass.ids())
+    if (const ParticleId c = unknowns.carrier(p); c != p) join(p, c, {});
+  return from;
+}
+
+Parts connected_parts(const Model& model, const State& state, const Unknowns& unknowns) {
+  const PerParticle<std::vector<Link>> linked = links(model, state, unknowns);
+  Parts parts{{}, state.r};
+  PerParticle<char> found(model.particles(), false);
+  PerParticle<Image> image(model.particles());
+  for (const ParticleId first : model.mass.ids()) {
+    if (found[first]) continue;
+    Part part{{first}, {}};
+    found[first] = true;
+    for (std::size_t k = 0; k < part.particles.size(); ++k) {
+      const ParticleId p = part.particles[k];
+      for (const Link& link : linked[p]) {
+        const Image n = image[p] + link.of_to;
+        if (!found[link.to]) {
+          found[link.to] = true;
+          image[link.to] = n;
+          part.particles.push_back(link.to);
+        } else if (n != image[link.to]) {
+          add_way(to_image(state.cell, n - image[link.to]), part.across);
+        }
+      }
     }
-    parts[number[first]].push_back(p);
+    std::sort(part.particles.begin(), part.particles.end());
+    for (const ParticleId p : part.particles) parts.r[p] += to_image(state.cell, image[p]);
+    parts.all.push_back(std::move(part));
   }
   return parts;
 }
@@ -48,10 +96,11 @@ std::vector<Part> connected_parts(const Model& model, const State& state, const 
 /// A part as a rigid body: where it is, and the six motions of its degrees of freedom.
 class RigidPart {
  public:
-  RigidPart(const Part& part, const State& state, double turn_length)
-      : part_(part), state_(state), turn_length_(turn_length), radius_(turn_length) {
-    for (const ParticleId p : part) centroid_ += state.r[p] / static_cast<double>(part.size());
-    for (const ParticleId p : part) radius_ = std::max(radius_, norm(state.r[p] - centroid_));
+  RigidPart(const Part& part, const PerParticle<Vec3d>& r, double turn_length)
+      : part_(part), r_(r), turn_length_(turn_length), radius_(turn_length) {
+    const std::vector<ParticleId>& all = part.particles;
+    for (const ParticleId p : all) centroid_ += r[p] / static_cast<double>(all.size());
+    for (const ParticleId p : all) radius_ = std::max(radius_, norm(r[p] - centroid_));
   }
 
   /// How a degree of freedom moves with each of the motions: no entry is above 1 in size. Turns of particles
@@ -59,7 +108,7 @@ class RigidPart {
   Eigen::Matrix<double, 1, 6> row(ParticleId p, int dof, const Unknowns& unknowns) const {
     const Vec3d& a = unknowns.axis(p, dof);
     const Vec3d* arm = unknowns.arm(p);
-    if (dof < 3) return row(arm == nullptr ? state_.r[p] : state_.r[p] - *arm, a);
+    if (dof < 3) return row(arm == nullptr ? r_[p] : r_[p] - *arm, a);
     Eigen::Matrix<double, 1, 6> h = Eigen::Matrix<double, 1, 6>::Zero();
     for (int k = 0; k < 3; ++k) h[3 + k] = turn_length_ / radius_ * component(a, k);
     return h;
@@ -72,14 +121,20 @@ class RigidPart {
     return h;
   }
 
-  /// Combinations that move no held degree of freedom, and no particle along the normal of a wall.
+  /// Combinations that move no held degree of freedom, and no particle along the normal of a wall, and turn
+  /// no way to an image, which the cell holds.
   Motions free_motions(const Unknowns& unknowns, const PerParticle<std::vector<Vec3d>>& normals) const {
     std::vector<Eigen::Matrix<double, 1, 6>> held;
-    for (const ParticleId p : part_) {
+    for (const ParticleId p : part_.particles) {
       for (int dof = 0; dof < 6 && unknowns.carrier(p) == p; ++dof)
         if (unknowns.of(p, dof) == Unknowns::held) held.push_back(row(p, dof, unknowns));
-      for (const Vec3d& n : normals[p]) held.push_back(row(state_.r[p], n));
+      for (const Vec3d& n : normals[p]) held.push_back(row(r_[p], n));
     }
+    for (const Vec3d& u : part_.across)
+      for (const Vec3d& along : world_axes) {
+        const Vec3d turned = cross(u, along);
+        held.emplace_back() << 0.0, 0.0, 0.0, turned.x, turned.y, turned.z;
+      }
     if (held.empty()) return Motions::Identity(6, 6);
     DenseMatrix H = DenseMatrix::Zero(std::max<Eigen::Index>(6, static_cast<Eigen::Index>(held.size())), 6);
     for (std::size_t k = 0; k < held.size(); ++k) H.row(static_cast<Eigen::Index>(k)) = held[k];
@@ -90,7 +145,7 @@ class RigidPart {
 
  private:
   const Part& part_;
-  const State& state_;
+  const PerParticle<Vec3d>& r_;
   double turn_length_, radius_;
   Vec3d centroid_;
 };
@@ -127,7 +182,7 @@ std::string axis_name(Eigen::Vector3d a) {
   return fmt::format("({:.3g}, {:.3g}, {:.3g})", a[0] + 0.0, a[1] + 0.0, a[2] + 0.0);
 }
 
-std::string particles_name(const Part& part) {
+std::string particles_name(const std::vector<ParticleId>& part) {
   const auto first = part.front().value, last = part.back().value;
   if (part.size() == 1) return fmt::format("particle {}", first);
   if (last - first + 1 == part.size()) return fmt::format("particles {} to {}", first, last);
@@ -138,7 +193,7 @@ std::string particles_name(const Part& part) {
 std::string motion_name(const Motion& m, const Part& part) {
   const Eigen::Vector3d move = m.head<3>(), turn = m.tail<3>();
   const double small = 1e-6 * m.norm();
-  const std::string who = particles_name(part);
+  const std::string who = particles_name(part.particles);
   if (turn.norm() <= small) return fmt::format("translation along {} of {}", axis_name(move), who);
   const bool screw = std::abs(move.dot(turn)) > small * turn.norm();
   return fmt::format("{} about {} of {}", screw ? "screw motion" : "rotation", axis_name(turn), who);
@@ -152,13 +207,14 @@ RigidMotions free_rigid_motions(const Model& model, const State& state, const Un
   PerParticle<std::vector<Vec3d>> normals(model.particles());
   for (const WallHold& h : holds) normals[h.p].push_back(h.normal);
   std::vector<Eigen::Triplet<double>> entries;
-  for (const Part& part : connected_parts(model, state, unknowns)) {
-    const RigidPart body(part, state, unknowns.length());
+  const Parts parts = connected_parts(model, state, unknowns);
+  for (const Part& part : parts.all) {
+    const RigidPart body(part, parts.r, unknowns.length());
     const Motions free = along_axes(body.free_motions(unknowns, normals));
     const int first = static_cast<int>(result.names.size());
     for (Eigen::Index k = 0; k < free.cols(); ++k) result.names.push_back(motion_name(free.col(k), part));
     if (free.cols() == 0) continue;
-    for (const ParticleId p : part)
+    for (const ParticleId p : part.particles)
       for (int dof = 0; dof < 6; ++dof) {
         const int unknown = unknowns.of(p, dof);
         if (unknown == Unknowns::held) continue;
@@ -171,6 +227,24 @@ RigidMotions free_rigid_motions(const Model& model, const State& state, const Un
   columns.setFromTriplets(entries.begin(), entries.end());
   result.basis = orthonormalised(columns);
   return result;
+}
+
+std::vector<int> holding_unknowns(const SparseMatrix& columns) {
+  std::vector<int> chosen;
+  std::vector<Eigen::SparseVector<double>> done;
+  for (Eigen::Index k = 0; k < columns.cols(); ++k) {
+    Eigen::SparseVector<double> v = columns.col(k);
+    for (std::size_t j = 0; j < done.size(); ++j)
+      if (const double c = v.coeff(chosen[j]); c != 0.0) v -= c * done[j];
+    int pivot = -1;
+    double largest = 0.0;
+    for (Eigen::SparseVector<double>::InnerIterator it(v); it; ++it)
+      if (std::abs(it.value()) > largest)
+        largest = std::abs(it.value()), pivot = static_cast<int>(it.index());
+    chosen.push_back(pivot);
+    done.push_back(v / v.coeff(pivot));
+  }
+  return chosen;
 }
 
 SparseMatrix orthonormalised(const SparseMatrix& columns) {

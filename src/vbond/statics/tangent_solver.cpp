@@ -33,7 +33,8 @@ TangentSolver::Choice TangentSolver::choose(const StaticBody& body) {
   factor_.analyse(body.tangent());
   if (wanted_ == LinearSolver::direct) return Choice::direct;
   const bool fits = factor_.bytes() <= share_of_memory * memory_limit();
-  const bool may = has_multigrid() && body.stage().kind != StageKind::fracture && !body.has_free_grips();
+  const bool may = has_multigrid() && body.stage().kind != StageKind::fracture && !body.has_free_grips() &&
+                   !body.has_free_cell();
   if (may && (!fits || multigrid_pays(factor_, body))) return Choice::multigrid;
   return fits ? Choice::direct : Choice::none;
 }
@@ -50,6 +51,9 @@ void TangentSolver::prepare(const StaticBody& body) {
     throw NoEquilibrium(stage, "fracture needs the factors of the tangent", "use solver = \"automatic\"");
   if (wanted_ == LinearSolver::multigrid && body.has_free_grips())
     throw NoEquilibrium(stage, "rigid groups that are free in part need the factors of the tangent",
+                        "use solver = \"automatic\"");
+  if (wanted_ == LinearSolver::multigrid && body.has_free_cell())
+    throw NoEquilibrium(stage, "a cell that gives way to a stress needs the factors of the tangent",
                         "use solver = \"automatic\"");
   const Choice choice = choose(body);
   if (choice == Choice::none)

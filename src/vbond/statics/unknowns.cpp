@@ -6,10 +6,17 @@
 #include <cmath>
 #include <numeric>
 
+#include "vbond/model/cell_drive.hpp"
+
 namespace vbond {
 
-Unknowns::Unknowns(std::size_t particles, const std::vector<Support>& supports, double length)
-    : axes_(supports), number_(particles, {0, 0, 0, 0, 0, 0}), length_(length) {
+Unknowns::Unknowns(std::size_t particles, const std::vector<Support>& supports, double length,
+                   const Cell& cell)
+    : axes_(supports),
+      number_(particles + (cell.any() ? 1 : 0), {0, 0, 0, 0, 0, 0}),
+      particles_(particles),
+      length_(length),
+      cell_length_(cell.length) {
   for (const Support& s : supports) {
     if (is_free_grip(s)) carry(s);
     for (const ParticleId p : s.particles) {
@@ -19,6 +26,9 @@ Unknowns::Unknowns(std::size_t particles, const std::vector<Support>& supports, 
         if (of_p[dof]) number_[p][dof] = held;
     }
   }
+  if (cell.any())
+    for (std::size_t k = 0; k < 6; ++k)
+      if (!cell.free[k]) number_[cell_node()][k] = held;
   for (const ParticleId p : number_.ids())
     for (std::size_t dof = 0; dof < 6; ++dof) {
       if (number_[p][dof] == held) continue;
@@ -40,6 +50,8 @@ std::string Unknowns::name(int unknown) const {
                                                "translation along z", "rotation about x",
                                                "rotation about y",    "rotation about z"};
   const Place p = place(unknown);
+  if (is_of_cell(unknown))
+    return fmt::format("component {} of the cell", cell_component_names[static_cast<std::size_t>(p.dof)]);
   if (const Vec3d& a = axis(p.particle, p.dof); a != world_axes[static_cast<std::size_t>(p.dof % 3)])
     return fmt::format("{} ({:.3g}, {:.3g}, {:.3g}) of particle {}",
                        p.dof < 3 ? "translation along" : "rotation about", a.x, a.y, a.z, p.particle.value);
@@ -63,8 +75,8 @@ std::string Unknowns::names_of_largest(const Vector& x) const {
 }
 
 Shape Unknowns::shape(const Vector& x) const {
-  Shape s{PerParticle<Vec3d>(number_.size()), PerParticle<Vec3d>(number_.size())};
-  for (const ParticleId p : number_.ids()) {
+  Shape s{PerParticle<Vec3d>(particles_), PerParticle<Vec3d>(particles_)};
+  for (const ParticleId p : s.translation.ids()) {
     const Movement m = movement(p, x);
     s.translation[p] = m.shift;
     s.rotation[p] = m.turn / length_;

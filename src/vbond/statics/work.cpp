@@ -18,6 +18,13 @@ Vector way(const StaticBody& body, const Placement& from, const Placement& to) {
   Vector x(unknowns.size());
   for (int k = 0; k < unknowns.size(); ++k) {
     const auto [p, dof] = unknowns.place(k);
+    if (unknowns.is_of_cell(k)) {
+      const CellShape& shape = body.model().cell;
+      const auto c = static_cast<std::size_t>(dof);
+      x[k] = unknowns.cell_length() * (cell_components(cell_gradient(shape, to.cell))[c] -
+                                       cell_components(cell_gradient(shape, from.cell))[c]);
+      continue;
+    }
     const Movement m{body.seat(p, to) - body.seat(p, from),
                      unknowns.length() * rotation_vector(to.q[p] * conjugate(from.q[p]))};
     x[k] = unknowns.along(p, dof, m);
@@ -28,8 +35,9 @@ Vector way(const StaticBody& body, const Placement& from, const Placement& to) {
 }  // namespace
 
 Stand stand_of(const StaticBody& body) {
-  return {body.placement(), body.power_of_supports() + body.power_of_heating(), body.power_of_walls(),
-          body.energies().potential(), body.dissipated()};
+  return {body.placement(),      body.power_of_supports() + body.power_of_heating(),
+          body.power_of_walls(), body.energies().potential(),
+          body.dissipated(),     body.forces_on_cell()};
 }
 
 bool WorkOnTheWay::correct_here() {
@@ -50,7 +58,8 @@ bool WorkOnTheWay::balance_between(const Placement& a, const Placement& b, doubl
   return settle(body_, solver_, body_.stage().newton, {}, result_.iterations).converged;
 }
 
-/// Supports and walls by the mean of their powers, loads and the relief by that of their sizes.
+/// Supports and walls by the mean of their powers, loads and the relief by that of their sizes, all that
+/// moves the cell, what is left of a relief of it too, by that of what the cell meets.
 Vector WorkOnTheWay::trapezium(const Stand& a, const Stand& b) const {
   const double f_a = a.at.load_factor, f_b = b.at.load_factor;
   Vector work(1 + a.power_of_walls.size());
@@ -58,6 +67,12 @@ Vector WorkOnTheWay::trapezium(const Stand& a, const Stand& b) const {
   work[0] = body_.work_of_loads(a.at, b.at, 0.5 * (f_a + f_b)) +
             body_.work_of_relief(a.at, b.at, 0.5 * (f_a + f_b)) + 0.5 * (a.power + b.power) * (f_b - f_a) +
             work.tail(a.power_of_walls.size()).sum();
+  if (!body_.moves_cell()) return work;
+  const CellShape& shape = body_.model().cell;
+  const std::array<double, 6> from = cell_components(cell_gradient(shape, a.at.cell)),
+                              to = cell_components(cell_gradient(shape, b.at.cell));
+  for (std::size_t k = 0; k < 6; ++k)
+    work[0] += 0.5 * (a.forces_on_cell[k] + b.forces_on_cell[k]) * (to[k] - from[k]);
   return work;
 }
 

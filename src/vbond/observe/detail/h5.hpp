@@ -101,6 +101,13 @@ struct Stored<Vec3d> {
   static void take(const double* from, Vec3d& x) { x = {from[0], from[1], from[2]}; }
 };
 template <>
+struct Stored<Image> {
+  using Number = std::int32_t;
+  static constexpr std::size_t count = 3;
+  static void put(const Image& n, Number* to) { to[0] = n.a, to[1] = n.b, to[2] = n.c; }
+  static void take(const Number* from, Image& n) { n = {from[0], from[1], from[2]}; }
+};
+template <>
 struct Stored<Quatd> {
   using Number = double;
   static constexpr std::size_t count = 4;

@@ -25,14 +25,15 @@ class Assembly {
 
   explicit Assembly(const Unknowns& unknowns) : unknowns_(unknowns) {}
 
-  /// Lays out the matrix for these pairs, each i != j; every particle has its own block as well. Those of a
-  /// rigid support that is free in part share one. Throws std::length_error if it would have more entries
-  /// than the indices can count.
-  void lay_out(std::size_t particles, const std::vector<Pair>& pairs);
+  /// Lays out the matrix for these pairs of nodes of the unknowns; every node has its own block as well.
+  /// Those of a rigid support that is free in part share one. Throws std::length_error if it would have more
+  /// entries than the indices can count.
+  void lay_out(const std::vector<Pair>& pairs);
   bool has(ParticleId i, ParticleId j) const {
     return move_as_one(i, j) || offsets_.count(key(unknowns_.carrier(i), unknowns_.carrier(j))) > 0;
   }
-  /// Whether a rigid support carries both: nothing changes between them.
+  /// Whether a rigid support carries both, or they are one: nothing changes between them, but between one
+  /// and an image of the other.
   bool move_as_one(ParticleId i, ParticleId j) const { return unknowns_.carrier(i) == unknowns_.carrier(j); }
   /// Grows with every layout.
   int version() const { return version_; }
@@ -41,12 +42,22 @@ class Assembly {
   Block in_axes(ParticleId i, ParticleId j, const Block& in_world) const;
 
   void clear();
-  /// Adds the rows and columns of free unknowns. The particles do not move as one.
+  /// How what moves with the degrees of freedom of i and j moves along the world's axes; false: just so.
+  bool axes(ParticleId i, ParticleId j, Block& T) const;
+  /// Adds the rows and columns of free unknowns. Of particles that move as one, one being an image, all
+  /// quarters go into their own block.
   void add(ParticleId i, ParticleId j, const Block& K);
+  /// Derivatives with the components of a cell of the loads on a pair, in their axes, and the other way
+  /// round: rows of the cell.
+  using CellColumns = Eigen::Matrix<double, 12, 6>;
+  using CellRows = Eigen::Matrix<double, 6, 12>;
+  using CellBlock = Eigen::Matrix<double, 6, 6>;
+  void add_cell(ParticleId i, ParticleId j, const CellColumns& columns, const CellRows& rows);
+  void add_cell(const CellBlock& K);
   /// The same of one particle: the upper left quarter of a block.
   void add_own(ParticleId i, const Block& K) {
     const ParticleId c = unknowns_.carrier(i);
-    add_block(c, c, own_offset_[c], K, 0, 0);
+    add_block(c, c, own_offset_[c], K.topLeftCorner<6, 6>());
   }
   const SparseMatrix& matrix() const { return matrix_; }
 
@@ -57,7 +68,22 @@ class Assembly {
   static std::uint64_t key(ParticleId i, ParticleId j) {
     return std::uint64_t{i < j ? i.value : j.value} << 32 | (i < j ? j.value : i.value);
   }
-  void add_block(ParticleId row, ParticleId column, int offset, const Block& K, int row_at, int column_at);
+  template <class Quarter>
+  void add_block(ParticleId row, ParticleId column, int offset, const Quarter& K) {
+    for (int b = 0; b < 6; ++b) {
+      const int c = unknowns_.of(column, b);
+      if (c == Unknowns::held) continue;
+      double* value = matrix_.valuePtr() + matrix_.outerIndexPtr()[c] + offset;
+      for (int a = 0; a < 6; ++a)
+        if (unknowns_.of(row, a) != Unknowns::held) *value++ += K(a, b);
+    }
+  }
+  /// Of the first row of one node in the columns of another.
+  int offset(ParticleId row, ParticleId column) const {
+    if (row == column) return own_offset_[row];
+    const Offsets& o = offsets_.at(key(row, column));
+    return row < column ? o.i_in_j : o.j_in_i;
+  }
 
   const Unknowns& unknowns_;
   SparseMatrix matrix_;

@@ -10,6 +10,7 @@
 #include "vbond/model/holds.hpp"
 #include "vbond/model/loads.hpp"
 #include "vbond/model/model.hpp"
+#include "vbond/model/periodic_cell.hpp"
 #include "vbond/model/resting_walls.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/model/static_stage.hpp"
@@ -35,14 +36,17 @@ struct Placement {
   PerParticle<Vec3d> r;
   PerParticle<Quatd> q;
   double load_factor = 0;
+  CellEdges cell = {};
 };
 
 /// The pose of a bond as its particles stood there.
 inline BondPose<double> bond_pose(const Bond& b, const Placement& at) {
-  return bond_pose(b, between(at.r, b), at.q[b.i], at.q[b.j]);
+  return bond_pose(b, between(at.r, at.cell, b), at.q[b.i], at.q[b.j]);
 }
 
-/// The largest movement of a particle between the two, or turn of one times this length.  [length]
+/// The largest movement of a particle between the two, or turn of one times this length. Where a cell has
+/// changed: movement beside what the cell carries all particles by, as the first one sees it, and the largest
+/// part by which an edge has changed, times this length.  [length]
 double distance(const Placement& a, const Placement& b, double length);
 
 /// A body under the supports and loads of a static stage: where it is, what is out of balance there, and how
@@ -76,8 +80,14 @@ class StaticBody {
   Clock& clock() { return state_.clock; }
   State take_state() && { return std::move(state_); }
   double load_factor() const { return load_factor_; }
+  /// Whether the stage moves the cell; components that give way to a stress are unknowns.
+  bool moves_cell() const { return stage_.cell.any(); }
+  bool has_free_cell() const { return unknowns_.has_cell(); }
+  /// Whether the cell is turned inside out, or about: F, symmetric or triangular, is not positive any more,
+  /// or nearly so, and a balance of the cell there says nothing of its stress.
+  bool has_collapsed() const;
 
-  Placement placement() const { return {state_.r, state_.q, load_factor_}; }
+  Placement placement() const { return {state_.r, state_.q, load_factor_, state_.cell}; }
   /// Another number whenever the body has been moved, or bonds have gone.
   std::uint64_t placement_number() const { return placement_number_; }
   void restore(const Placement& p);
@@ -91,11 +101,15 @@ class StaticBody {
   void accept();
   /// From now on what is out of balance at this moment fades in proportion to 1 - load factor.
   void relieve();
+  /// Whether some of that is still there.
+  bool is_relieved() const { return relief_.size() > 0 && load_factor_ < 1.0; }
 
   /// Where the unknowns of a particle are in a placement: at its centre, or at the pivot of the rigid support
   /// that moves with them.
   Vec3d seat(ParticleId p, const Placement& at) const;
 
+  /// What a support exerts, over the largest force in the body.
+  double share_held(const Support& support) const;
   /// What is out of balance on the free unknowns.  [force]
   const Vector& unbalanced() const { return loads_at_hand().unbalanced; }
   /// Largest |unbalanced| over the largest force in the body: of a bond, a contact or a load. NaN if any of
@@ -140,6 +154,13 @@ class StaticBody {
   /// Change of the potential of bonds, contacts and loads from a placement where potential() was this to
   /// the present one, at the present load factor. A moment works on the turn in between as on a small one.
   double potential_change(const Placement& from, double energy_from) const;
+  /// Derivatives of the energy with the six components of the cell's deformation gradient, where particles
+  /// are; zero if the stage leaves the cell alone.  [energy]
+  std::array<double, 6> forces_on_cell() const;
+  /// The cell's components here.
+  std::array<double, 6> cell_components_now() const {
+    return cell_components(cell_gradient(model_.cell, state_.cell));
+  }
   /// Work of the loads on the way between two placements, at this load factor; the relief is not among
   /// them. A moment works on the turn in between as on a small one.  [energy]
   double work_of_loads(const Placement& from, const Placement& to, double load_factor) const;
@@ -196,6 +217,7 @@ class StaticBody {
     std::vector<RestingTouch> touches;  // of walls
     std::vector<Reaction> on_walls;     // of particles, moments about the walls' centres
     double rounding_of_force = 0, rounding_of_potential = 0;  // of touches
+    Tensor of_cell;  // derivatives of the energy with those of the cell's deformation gradient
   };
   /// A rigid support: its pose is that in which it took hold, moved with the load factor since then; of one
   /// that is free in part it is that of its first particle.
@@ -216,6 +238,7 @@ class StaticBody {
     Assembly assembly;
     Assembly full;  // without symmetry, of bodies that flow
     Vector load_direction;
+    DenseMatrix skew;  // of the cell's rows over all unknowns: the antisymmetric part of the tangent
     bool current = false;
   };
   const Loaded& loads_at_hand() const;
@@ -223,7 +246,7 @@ class StaticBody {
   void add_applied(double load_factor, Loads& loads) const;
   Loads applied_loads(double load_factor) const;
   void lay_out(const std::vector<Assembly::Pair>& touching) const;
-  void add_pair(ParticleId i, ParticleId j, const Assembly::Block& d) const;
+  void add_pair(ParticleId i, ParticleId j, const Image& of_j, const Assembly::Block& d) const;
   void add_arms() const;
   void add_followers() const;
   Assembly::Block follower_block(const PointLoad& l, ParticleId p) const;
@@ -248,6 +271,23 @@ class StaticBody {
   void look_at_grips();
   double angle_of(const Grip& grip) const;
   void set_held_rates();
+  void take_hold_of_cell();
+  void note_rounding_of_cell();
+  void carry_cell(const Vector& x, double new_load_factor);
+  Tensor cell_basis(std::size_t component) const;
+  double cell_rate(std::size_t component) const;
+  Tensor cell_change(const Vector& x, double load_factor_change) const;
+  Vec3d image_at_start(const Image& n) const;
+  void add_image(const Image& n, const Vec3d& force, Loaded& to) const;
+  void balance_cell(Loaded& l) const;
+  SymmetricParts wanted_stress(double load_factor) const;
+  Tensor load_on_cell(const Tensor& of_cell) const;
+  void look_at_mixing() const;
+  void add_image(ParticleId i, ParticleId j, const Image& n, const Assembly::Block& in_world) const;
+  void add_of_cell(const Assembly::CellBlock& own) const;
+  void add_own_of_cell() const;
+  void add_skew_of_cell(SparseMatrix& K) const;
+  double work_on_cell(const Placement& from) const;
   void take_hold_of_walls();
   void carry_walls();
   void add_walls(Loaded& to) const;
@@ -269,9 +309,10 @@ class StaticBody {
   Unknowns unknowns_;
   RestingWalls walls_;
   std::vector<DrivenWall> driven_;
-  PerParticle<Vec3d> seen_at_;         // particles at the last accepted balance, where there are walls
-  std::vector<WallState> seen_walls_;  // and the walls
-  Vector relief_;                      // empty: none
+  std::array<double, 6> cell_found_{};  // components at held_at_
+  PerParticle<Vec3d> seen_at_;          // particles at the last accepted balance, where there are walls
+  std::vector<WallState> seen_walls_;   // and the walls
+  Vector relief_;                       // empty: none
   PerParticle<char> bonded_;
   // of bodies that flow: what bonds remembered at the last accepted balance, and at the one before it
   PerBond<BondHistory> accepted_, accepted_before_;
@@ -281,6 +322,7 @@ class StaticBody {
   double rounding_of_force_ = 0, rounding_of_potential_ = 0;
   mutable std::optional<Loaded> loaded_;
   mutable Stiffness stiffness_;
+  mutable std::array<Tensor, 6> cell_row_{};  // what the rows of the cell sum up: look_at_mixing()
 };
 
 }  // namespace vbond

@@ -60,8 +60,18 @@ void refuse_not_finite(const StaticBody& body);
 /// Which parts of the body neither supports nor walls hold; empty if there are none.
 std::string free_motions_in_words(const StaticBody& body);
 
+/// Which components of a cell that should give way to a stress have no stiffness: "; nothing resists
+/// component yy of the cell", empty if all have one.
+std::string loose_cell_in_words(const StaticBody& body);
+
 /// Throws NoEquilibrium, naming them, if parts of the body can move freely as rigid bodies.
 void refuse_rigid_motions(const StaticBody& body);
+
+/// The stage of a periodic body, with what floats held: parts that nothing holds and that no load drives are
+/// held where they are, by as many of their degrees of freedom as can move freely. Such supports carry
+/// nothing, as long as nothing touches these parts. Throws NoEquilibrium where loads drive such a part.
+StaticStage with_floating_held(const Model& model, const StaticStage& stage, const State& state,
+                               const StaticHooks& hooks);
 
 /// Tells the user something about this stage, if anybody listens.
 void tell(const StaticStage& stage, const StaticHooks& hooks, const std::string& text);

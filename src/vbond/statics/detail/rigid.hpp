@@ -26,10 +26,16 @@ struct RigidMotions {
   std::vector<std::string> names;
 };
 
-/// Takes time in proportion to the particles, however many parts there are. Particles of a part that is
+/// Of a periodic body a part is what hangs together by images, too; a part that goes on in several directions
+/// cannot turn, since the cell does not. Takes time in proportion to the particles, however many parts there
+/// are. Particles of a part that is
 /// joined by contacts alone can move against each other besides; that is not looked for.
 RigidMotions free_rigid_motions(const Model& model, const State& state, const Unknowns& unknowns,
                                 const std::vector<WallHold>& holds = {});
+
+/// As many unknowns as there are columns, such that no combination of columns leaves all of them where they
+/// are: Gauss's elimination, the largest entry first.
+std::vector<int> holding_unknowns(const SparseMatrix& columns);
 
 /// Columns that span the same, orthonormal, if those more than five apart have no row in common: the motions
 /// of a RigidMotions after their rows have been scaled. Throws std::invalid_argument if columns depend on

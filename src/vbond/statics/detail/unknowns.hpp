@@ -23,12 +23,24 @@ struct Movement {
 ///
 /// The particles of a rigid support that is free in part move as one body: with the degrees of freedom of its
 /// pivot, which have the numbers of its first particle.
+///
+/// Components of the deformation gradient of a periodic cell that give way to a stress come last, times a
+/// length of the cell's own, as if they were the degrees of freedom of one more particle, the cell's node.
 class Unknowns {
  public:
   static constexpr int held = -1;
 
+  /// Which of the cell's components (model/cell_drive.hpp) are unknown, and the length they count by.
+  struct Cell {
+    std::array<bool, 6> free{};
+    double length = 1.0;
+    bool any() const { return free != std::array<bool, 6>{}; }
+  };
+
   /// length > 0: turns are multiplied by it.
-  Unknowns(std::size_t particles, const std::vector<Support>& supports, double length);
+  Unknowns(std::size_t particles, const std::vector<Support>& supports, double length, const Cell& cell);
+  Unknowns(std::size_t particles, const std::vector<Support>& supports, double length)
+      : Unknowns(particles, supports, length, {{}, 1.0}) {}
 
   int size() const { return static_cast<int>(place_.size()); }
   /// The unknown of degree of freedom 0..5 (along its axes, turns about its axes) of a particle, or `held`.
@@ -88,8 +100,17 @@ class Unknowns {
       if (const int k = of(p, dof); k != held) to[k] += along(p, dof, load);
   }
   Place place(int unknown) const { return place_[static_cast<std::size_t>(unknown)]; }
-  bool is_turn(int unknown) const { return place(unknown).dof >= 3; }
+  bool is_turn(int unknown) const { return place(unknown).dof >= 3 && !is_of_cell(unknown); }
   double length() const { return length_; }
+
+  /// Particles, and the cell's node if there is one.
+  std::size_t nodes() const { return number_.size(); }
+  ParticleId cell_node() const { return ParticleId{particles_}; }
+  bool has_cell() const { return nodes() > particles_; }
+  bool is_of_cell(int unknown) const { return place(unknown).particle == cell_node(); }
+  /// The unknown of a component of the cell, or `held`.
+  int of_cell(std::size_t component) const { return has_cell() ? number_[cell_node()][component] : held; }
+  double cell_length() const { return cell_length_; }
   /// E.g. "rotation about x of particle 5".
   std::string name(int unknown) const;
   /// The unknowns of which x has the largest components, at most three, in words.
@@ -109,7 +130,8 @@ class Unknowns {
   PerParticle<std::array<int, 6>> number_;
   std::vector<Place> place_;
   PerParticle<Carried> carried_;  // empty where no rigid support is free in part
-  double length_;
+  std::size_t particles_;
+  double length_, cell_length_;
 };
 
 }  // namespace vbond

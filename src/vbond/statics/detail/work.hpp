@@ -1,4 +1,6 @@
 #pragma once
+#include <array>
+
 #include "vbond/statics/detail/newton.hpp"
 #include "vbond/statics/statics.hpp"
 
@@ -11,6 +13,7 @@ struct Stand {
   Vector power_of_walls;  ///< of each wall, per load factor  [energy]
   double stored = 0;      ///< in bonds and contacts  [energy]
   double dissipated = 0;  ///< by bonds that yield or soften, since they were made  [energy]
+  std::array<double, 6> forces_on_cell{};  ///< of a cell that moves: StaticBody::forces_on_cell()  [energy]
   double spent() const { return stored + dissipated; }
 };
 Stand stand_of(const StaticBody& body);

@@ -1,0 +1,95 @@
+#include "vbond/dynamics/cell_images.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "vbond/core/images.hpp"
+#include "vbond/dynamics/contacts.hpp"
+#include "vbond/model/drop.hpp"
+
+namespace vbond {
+namespace {
+
+/// What was dropped is not known, as the particles of other parts.
+Order order_of(const Model& model, const State& state) {
+  const Order all = spatial_order(model.r_0);
+  if (state.dropped.empty()) return all;
+  Holding rest;
+  for (const ParticleId p : model.mass.ids())
+    if (!is_dropped(state, p)) rest.own.push_back(p);
+  return part_of(all, rest);
+}
+
+}  // namespace
+
+CellImages::CellImages(const Order& order) : own_(order.own) {
+  for (Row k{order.own}; k.value < order.known; ++k.value)
+    ghosts_.push_back({order.row[order.particle[k]].value, order.image(k)});
+}
+
+void CellImages::halo(const HaloColumns& to) {
+  for (std::size_t k = 0; k < ghosts_.size(); ++k) {
+    const Ghost& g = ghosts_[k];
+    PoseRow& pose = to.pose[own_ + k];
+    pose = to.pose[g.row];
+    pose.r += to_image(*to.cell, g.image);
+    if (to.motion.empty()) continue;
+    MotionRow& motion = to.motion[own_ + k];
+    motion = to.motion[g.row];
+    motion.v += image_velocity(*to.cell, g.image);
+  }
+}
+
+void CellImages::reverse_sum(std::span<LoadRow> load) {
+  for (std::size_t k = 0; k < ghosts_.size(); ++k) {
+    const LoadRow& l = load[own_ + k];
+    LoadRow& to = load[ghosts_[k].row];
+    to.F += l.F;
+    to.M += l.M;
+  }
+}
+
+double CellImages::fastest(const CellEdges& cell) const {
+  double most2 = 0.0;
+  for (const Ghost& g : ghosts_) most2 = std::max(most2, norm2(image_velocity(cell, g.image)));
+  return std::sqrt(most2);
+}
+
+std::array<Vec3d, 3> CellImages::edges_times_force(std::span<const LoadRow> load) const {
+  std::array<Vec3d, 3> sum{};
+  for (std::size_t k = 0; k < ghosts_.size(); ++k) {
+    const Image& n = ghosts_[k].image;
+    const Vec3d& F = load[own_ + k].F;
+    sum[0] += double(n.a) * F, sum[1] += double(n.b) * F, sum[2] += double(n.c) * F;
+  }
+  return sum;
+}
+
+Share whole_body(const Model& model, const State& state) {
+  Order order = order_of(model, state);
+  if (!model.cell.any()) return {std::move(order)};
+  constexpr double unlimited = std::numeric_limits<double>::infinity();
+  Share share{{}, unlimited, unlimited};
+  std::vector<ImageOf> images;
+  for (const Bond& b : state.bonds)  // broken ones too: the order of rows is the same after a checkpoint
+    if (!b.image_j.is_itself()) images.push_back({b.j, b.image_j});
+  const bool touch = particles_touch(model.contact);
+  if (touch) {
+    double R_sum = 0.0;
+    for (const double R : model.radius) R_sum += R;
+    // as far as half the mean radius: images are few, and are found anew every some hundred steps
+    const double room = 0.5 * R_sum / static_cast<double>(model.particles());
+    share.farthest = 0.5 * room;
+    const BondIndex none;
+    const double reach = Contacts(model, order, none).reach() + room;
+    for_near_images(state.cell, model.cell.periodic, state.r.values(), reach,
+                    [&](std::size_t, std::size_t j, const Image& n, double) {
+                      if (!n.is_itself()) images.push_back({ParticleId{j}, n});
+                    });
+  }
+  share.order = with_images(order, images, touch);
+  return share;
+}
+
+}  // namespace vbond

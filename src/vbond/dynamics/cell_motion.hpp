@@ -1,0 +1,66 @@
+#pragma once
+#include <vector>
+
+#include "vbond/core/tensor.hpp"
+#include "vbond/dynamics/bodies.hpp"
+#include "vbond/dynamics/team.hpp"
+#include "vbond/model/model.hpp"
+#include "vbond/model/periodic_cell.hpp"
+#include "vbond/model/stage.hpp"
+
+namespace vbond {
+
+/// How the cell of a periodic body moves. A particle has the velocity L r of the cell, L = dH/dt H^-1 with
+/// the edges as columns of H, and a part of its own. Edges go at constant rates in a step, so that bodies
+/// that move with them feel no inertia; where the rates change between two steps, particles change their
+/// velocities with them, and keep their own parts. The cell does the work V sigma : L, where sigma counts the
+/// momentum that the own parts carry.
+class CellMotion {
+ public:
+  /// Keeps references to all; the edges are those of the state.
+  CellMotion(const Model& model, const Stage& stage, Bodies& bodies, CellEdges& cell);
+
+  /// Whether the cell moves in this stage, or moved as it began.
+  bool any() const { return any_; }
+  /// Before the step: edges and velocities. step: of the stage.
+  void begin_step(std::int64_t step, const Team& team);
+  /// The sums over images of how many of each edge they are away times the force on them, before that goes to
+  /// their particles; and times the part of it by which bonds damp.  [force]
+  using OfEdges = std::array<Vec3d, 3>;
+  void take_forces(const OfEdges& edges_times_force) { forces_ = edges_times_force; }
+  void take_damping(const OfEdges& edges_times_force);
+  struct Done {
+    double work = 0;     ///< of the cell  [energy]
+    double damping = 0;  ///< taken by the damping of bonds, of what images move with the cell  [energy]
+  };
+  /// After it, once all loads are complete. Returns what the step has done.
+  Done end_step(const Team& team);
+  /// It comes to rest, where the stage does not move it: particles keep their own velocities.
+  void stop(const Team& team);
+  /// The virial of the particles as they stand, as a stage begins.
+  void look(const Team& team);
+  /// A pair of a particle and this image gives up this force on the particle, and this part of it that damps.
+  void take_out(const Vec3d& r_ij, const Image& image_j, const Vec3d& F, const Vec3d& damping);
+
+  /// What the cell adds to velocities: v - L r is a particle's own; at the start or the end of the step.
+  /// [1/time]
+  const Tensor& L_start() const { return L_start_; }
+  const Tensor& L_end() const { return L_end_; }
+
+ private:
+  std::array<double, 6> rates(double time) const;
+  Tensor virial(const Team& team, const Tensor& L) const;
+  void add_flow(const Tensor& flow, const Team& team);
+  void keep(const Tensor& virial);
+  Tensor kept() const;
+
+  const Model& model_;
+  const Stage& stage_;
+  Bodies& bodies_;
+  CellEdges& cell_;
+  bool any_ = false;
+  Tensor L_start_, L_end_;
+  OfEdges forces_{}, damping_before_{};
+};
+
+}  // namespace vbond

@@ -1,0 +1,16 @@
+#pragma once
+#include "vbond/case/case.hpp"
+#include "vbond/core/problems.hpp"
+#include "vbond/setup/build.hpp"
+
+namespace vbond {
+
+/// The cell of a case, if it has one: into the model and the state; particles of specimens are brought into
+/// it, but those of LAMMPS data files, which stay where their image flags put them. Notes lattices that do
+/// not fit it.
+void add_cell(const Case& c, Built& built, Problems& problems);
+
+/// Refuses what a periodic body cannot have.
+void check_periodic(const Case& c, Problems& problems);
+
+}  // namespace vbond

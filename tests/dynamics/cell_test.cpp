@@ -1,0 +1,360 @@
+// Periodic bodies in motion, against sums over explicit copies of their neighbours and what must hold for
+// them.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <random>
+#include <vector>
+
+#include "vbond/core/images.hpp"
+#include "vbond/dynamics/simulation.hpp"
+#include "vbond/model/energies.hpp"
+#include "vbond/model/make_bond.hpp"
+#include "vbond/model/periodic_cell.hpp"
+#include "vbond/model/rules.hpp"
+
+namespace vbond {
+namespace cell_tests {
+
+using Random = std::mt19937_64;
+double number(Random& random, double low, double high) {
+  return std::uniform_real_distribution(low, high)(random);
+}
+
+struct Body {
+  Model model;
+  State state;
+};
+
+/// A body of n particles in a tilted cell, bonded within a distance that may be larger than the cell.
+Body random_body(std::uint64_t seed, std::size_t n, const BondLaw* law, double edge, double reach,
+                 bool damped = false) {
+  Random random(seed);
+  std::vector<Vec3d> r;
+  for (std::size_t k = 0; k < n; ++k)
+    r.push_back({number(random, -edge, 2 * edge), number(random, 0, edge), number(random, 0, edge)});
+  Body b{equal_particles(r, 1.3, 0.2, 0.5), {}};
+  const auto tilt = [&] { return number(random, -0.3, 0.3) * edge; };
+  b.model.cell.edges = {Vec3d{edge, 0, 0}, {tilt(), edge, 0}, {tilt(), tilt(), 1.1 * edge}};
+  b.model.cell.periodic = {true, true, true};
+  b.state = at_rest(b.model);
+  BondRecipe recipe;
+  recipe.law = law;
+  recipe.parameters = BondStiffness<double>{1.0, 0.3, 0.12, 0.08};
+  if (damped) recipe.damping = {DampingBy::time, {0.1, 0.1, 0.1, 0.1}};
+  for_near_images(b.state.cell, b.model.cell.periodic, b.state.r.values(), reach,
+                  [&](std::size_t i, std::size_t j, const Image& image, double d2) {
+                    if (d2 < 0.04) return;
+                    const auto bond = make_bond(recipe, bond_site(b.model, b.state, ParticleId{i}),
+                                                bond_site(b.model, b.state, ParticleId{j}, image));
+                    b.state.bonds.push_back(*bond);
+                  });
+  for (const ParticleId p : b.state.r.ids()) {
+    b.state.r[p] +=
+        Vec3d{number(random, -0.05, 0.05), number(random, -0.05, 0.05), number(random, -0.05, 0.05)};
+    b.state.q[p] =
+        rotation_of({number(random, -0.1, 0.1), number(random, -0.1, 0.1), number(random, -0.1, 0.1)});
+  }
+  return b;
+}
+
+Stage stage_of(double dt) {
+  Stage stage;
+  stage.name = "motion";
+  stage.dt = dt;
+  stage.stops.duration = 1e6 * dt;
+  return stage;
+}
+
+/// A bond as copies of its particles stand, without any function of the cell: the shift is written out.
+Vec3d far_end(const State& s, const Bond& b) {
+  const Vec3d &A = s.cell[0].along, &B = s.cell[1].along, &C = s.cell[2].along, &r = s.r[b.j];
+  const auto at = [&](double x, double a, double bb, double c) {
+    return x + b.image_j.a * a + b.image_j.b * bb + b.image_j.c * c;
+  };
+  return {at(r.x, A.x, B.x, C.x), at(r.y, A.y, B.y, C.y), at(r.z, A.z, B.z, C.z)};
+}
+
+double size_of(const PerParticle<Vec3d>& x) {
+  double most = 0.0;
+  for (const Vec3d& v : x) most = std::max(most, norm(v));
+  return most;
+}
+
+TEST(PeriodicBody, LoadsAreThoseOfExplicitCopies) {
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    const std::size_t n = 1 + seed % 7;
+    const BondLaw* law = find_law(seed % 2 == 0 ? "v-model" : "evm");
+    const Body b = random_body(seed, n, law, 1.0 + 0.2 * static_cast<double>(seed % 5), 1.2);
+    if (b.state.bonds.empty()) continue;
+    Loads sum{PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)};
+    double U = 0.0;
+    for (const Bond& bond : b.state.bonds) {
+      const BondPose<double> pose =
+          bond_pose(bond, far_end(b.state, bond) - b.state.r[bond.i], b.state.q[bond.i], b.state.q[bond.j]);
+      const BondLoads<double> l = bond.law->loads(bond, pose, no_history);
+      const BondEnergy<double> u = bond.law->energy(bond, pose, no_history);
+      U += u.U_L + u.U_B + u.U_T;
+      sum.F[bond.i] += l.F, sum.F[bond.j] -= l.F;
+      sum.M[bond.i] += l.M_ij, sum.M[bond.j] += l.M_ji;
+    }
+    for (const int threads : {1, 3}) {
+      const Simulation motion(b.model, stage_of(1e-3), b.state, threads);
+      const Loads loads = motion.loads();
+      double off = 0.0;
+      for (const ParticleId p : sum.F.ids())
+        off = std::max({off, norm(loads.F[p] - sum.F[p]), norm(loads.M[p] - sum.M[p])});
+      // some hundred bonds of forces below 1, each known to some roundings of terms of the size of 1
+      EXPECT_LT(off, 1e-13 * (1.0 + static_cast<double>(b.state.bonds.size()))) << "seed " << seed;
+      EXPECT_NEAR(motion.energies().potential(), U, 1e-13 * (1.0 + static_cast<double>(b.state.bonds.size())))
+          << "seed " << seed;
+      EXPECT_GT(size_of(sum.F) + size_of(sum.M), 0.0) << "seed " << seed;
+    }
+  }
+}
+
+TEST(PeriodicBody, OneParticleIsBondedToItsOwnImages) {
+  Body b{equal_particles({{0, 0, 0}}, 1.0, 0.1, 0.5), {}};
+  b.model.cell.edges = {Vec3d{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  b.model.cell.periodic = {true, true, true};
+  b.state = at_rest(b.model);
+  BondRecipe recipe;
+  recipe.parameters = BondStiffness<double>{1.0, 0.35, 0.05, 0.02};
+  const ParticleId p{0};
+  for (const Image n : {Image{1, 0, 0}, {0, 1, 0}, {0, 0, 1}})
+    b.state.bonds.push_back(
+        *make_bond(recipe, bond_site(b.model, b.state, p), bond_site(b.model, b.state, p, n)));
+  Stage stage = stage_of(0.01);
+  stage.cell.component[0] = {CellComponent::By::strain, 1e-3, {}};
+  stage.cell.component[5] = {CellComponent::By::strain, 5e-4, {}};
+  Simulation motion(b.model, stage, b.state);
+  for (int k = 0; k < 1000; ++k) motion.step();  // F_xx - 1 = 0.01, F_xy = 0.005
+  const State& s = motion.state();
+  const SymmetricParts stress = symmetric_part(cell_stress(b.model, s));
+  // PB1 of a simple cubic lattice: C11 = c_A/a, C44 = c_D/(2 a); to first order, so but for strains of 1 %
+  EXPECT_NEAR(stress[0], 0.01, 2e-4);
+  EXPECT_NEAR(stress[5], 0.175 * 0.01, 1e-4);
+  EXPECT_NEAR(s.cell[0].along.x, 1.01, 1e-13);
+  EXPECT_NEAR(s.cell[0].along.y, 0.005, 1e-14);
+  EXPECT_NEAR(s.cell[1].along.x, 0.005, 1e-14);
+  EXPECT_LT(std::abs(motion.balance_error()),
+            1e-6);  // leapfrog's own error: (omega dt)^2/24 of what vibrates
+}
+
+/// dU/dH H^T / V by central differences, the particles following the cell.
+Tensor stress_of_energy(const Model& model, const State& s) {
+  const double h = 1e-6;
+  Tensor sum;
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column) {
+      const auto energy = [&](double e) {
+        State strained = s;
+        const auto strain = [&](Vec3d& x) { component(x, row) += e * component(x, column); };
+        for (Vec3d& r : strained.r) strain(r);
+        for (CellEdge& edge : strained.cell) strain(edge.along);
+        return potential_energies(model, strained).potential();
+      };
+      component(sum.row[static_cast<std::size_t>(row)], column) = (energy(h) - energy(-h)) / (2.0 * h);
+    }
+  return (1.0 / volume(s.cell)) * sum;
+}
+
+TEST(PeriodicBody, StressIsTheDerivativeOfTheEnergy) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const Body b = random_body(seed, 3 + seed % 5, find_law(seed % 2 == 0 ? "v-model" : "evm"), 1.6, 1.4);
+    const Tensor by_forces = cell_stress(b.model, b.state), by_energy = stress_of_energy(b.model, b.state);
+    for (std::size_t row = 0; row < 3; ++row)
+      EXPECT_LT(norm(by_forces.row[row] - by_energy.row[row]), 1e-8) << "seed " << seed;  // h^2 and eps/h
+  }
+}
+
+TEST(PeriodicBody, StressDoesNotDependOnOriginOrCell) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Body b = random_body(seed, 4, find_law("v-model"), 1.5, 1.4);
+    const Tensor stress = cell_stress(b.model, b.state);
+    Body moved = b;
+    for (Vec3d& r : moved.state.r) r += Vec3d{3.7, -2.2, 0.9};
+    Body other = b;  // b' = a + b: the same lattice, so that n_a a + n_b b = (n_a - n_b) a + n_b b'
+    other.state.cell[1].along += other.state.cell[0].along;
+    for (Bond& bond : other.state.bonds) bond.image_j.a -= bond.image_j.b;
+    for (const Body& same : {moved, other}) {
+      const Tensor again = cell_stress(same.model, same.state);
+      for (std::size_t row = 0; row < 3; ++row)
+        EXPECT_LT(norm(again.row[row] - stress.row[row]), 1e-12) << "seed " << seed;
+    }
+  }
+}
+
+TEST(PeriodicBody, BooksCloseWhileTheCellMoves) {
+  // The error of leapfrog and of the trapezia of the cell's work goes with dt^2.
+  for (const bool damped : {false, true}) {
+    std::vector<double> errors;
+    for (const double dt : {0.04, 0.02, 0.01}) {
+      Body b = random_body(11, 6, find_law("v-model"), 1.6, 1.4, damped);
+      Stage stage = stage_of(dt);
+      b.model.cell.triangular = damped;
+      if (damped) stage.b_translation = 0.02, stage.local_damping = 0.1;
+      stage.cell.component[0] = {CellComponent::By::strain, 0.002, {}};
+      stage.cell.component[3] = {CellComponent::By::strain, -0.003, {{{0.0, 0.0}, {5.0, 1.0}}}};
+      stage.cell.component[5] = {CellComponent::By::strain, 0.01, {}};
+      stage.cell.component[2] = {CellComponent::By::stress, 0.02, {}};
+      stage.cell.servo = {20.0, 1.0, 0.01};
+      Simulation motion(b.model, stage, b.state);
+      double most = 0.0;
+      while (motion.clock().time() < 10.0 - 0.5 * dt) {
+        motion.step();
+        most = std::max(most, std::abs(motion.balance_error()));
+      }
+      errors.push_back(most);
+    }
+    EXPECT_LT(errors[2], 1e-3) << damped;
+    EXPECT_NEAR(errors[0] / errors[1], 4.0, 1.0) << damped;
+    EXPECT_NEAR(errors[1] / errors[2], 4.0, 1.0) << damped;
+  }
+}
+
+TEST(PeriodicBody, StrainedLatticeHasNoVelocitiesOfItsOwn) {
+  std::vector<Vec3d> r;
+  for (int x = 0; x < 3; ++x)
+    for (int y = 0; y < 3; ++y)
+      for (int z = 0; z < 3; ++z) r.push_back({1.0 * x, 1.0 * y, 1.0 * z});
+  Body b{equal_particles(r, 1.0, 0.1, 0.5), {}};
+  b.model.cell.edges = {Vec3d{3, 0, 0}, {0, 3, 0}, {0, 0, 3}};
+  b.model.cell.periodic = {true, true, true};
+  b.model.cell.triangular = true;
+  b.state = at_rest(b.model);
+  BondRecipe recipe;
+  recipe.parameters = BondStiffness<double>{1.0, 0.3, 0.1, 0.1};
+  for_near_images(b.state.cell, b.model.cell.periodic, b.state.r.values(), 1.1,
+                  [&](std::size_t i, std::size_t j, const Image& n, double) {
+                    b.state.bonds.push_back(*make_bond(recipe, bond_site(b.model, b.state, ParticleId{i}),
+                                                       bond_site(b.model, b.state, ParticleId{j}, n)));
+                  });
+  ASSERT_EQ(b.state.bonds.size(), 81u);
+  Stage stage = stage_of(0.05);
+  stage.cell.component[0] = {CellComponent::By::strain, 0.003, {{{0.0, 0.0}, {3.0, 1.0}, {6.0, 0.0}}}};
+  stage.cell.component[1] = {CellComponent::By::strain, -0.002, {}};
+  Simulation motion(b.model, stage, b.state);
+  for (int k = 0; k < 200; ++k) {
+    motion.step();
+    // centres follow the cell, by any rate: forces of 6 bonds each are off by two roundings, for a time of 10
+    ASSERT_LT(motion.energies().kinetic_translation, 0.5 * 27 * std::pow(6 * 4.4e-16 * 10.0, 2))
+        << "step " << k;
+  }
+  EXPECT_NEAR(motion.state().cell[0].along.x, 3.0 + 3.0 * 0.003 * 3.0, 1e-12);
+}
+
+/// Steps on until this step; images are found anew on the way.
+State run_until(const Model& model, const Stage& stage, State state, std::int64_t step, int threads) {
+  while (true) {
+    Simulation motion(model, stage, std::move(state), threads);
+    motion.run({}, step - motion.clock().step);
+    const bool is_there = motion.clock().step == step;
+    state = std::move(motion).take_state();
+    if (is_there) return state;
+  }
+}
+
+/// Grains with friction, bonds that damp and break, in a cell that is sheared and gives way to stresses.
+Body granular_body(std::uint64_t seed) {
+  Body b = random_body(seed, 24, find_law("v-model"), 3.0, 1.0, true);
+  Random random(seed + 1000);
+  for (Bond& bond : b.state.bonds) {
+    BondRules rules = *bond.rules;
+    rules.strength = linear_strength(0.02, 0.03, 0.03, 0.03);
+    bond.rules = &kept(rules);
+  }
+  for (Vec3d& v : b.state.v)
+    v = {number(random, -0.1, 0.1), number(random, -0.1, 0.1), number(random, -0.1, 0.1)};
+  ContactModel& c = b.model.contact;
+  c.law = ContactLaw::hertz;
+  c.pairs = ContactPairs::unbonded;
+  c.E = 5.0, c.nu = 0.2;
+  c.tangential = TangentialForm::mindlin;
+  c.surface.friction = 0.4;
+  c.damping = 0.1;
+  return b;
+}
+
+double kinetic_energy_beside_cell(const Model& model, const State& s) {
+  State own = s;
+  for (const ParticleId p : own.v.ids()) own.v[p] -= times(cell_velocity_gradient(s.cell), s.r[p]);
+  return kinetic_energy(model, own);
+}
+
+Stage shear(double dt) {
+  Stage stage = stage_of(dt);
+  stage.b_translation = 0.01;
+  stage.local_damping = 0.05;
+  stage.cell.component[0] = {CellComponent::By::strain, -0.001, {}};
+  stage.cell.component[5] = {CellComponent::By::strain, 0.01, {}};
+  stage.cell.component[1] = {CellComponent::By::stress, -0.05, {}};
+  stage.cell.servo = {5.0, 2.0, 0.02};
+  return stage;
+}
+
+TEST(PeriodicBody, GoesOnFromAnyStepBitForBit) {
+  for (const bool touch : {true, false})
+    for (const std::uint64_t seed : {1, 2, 3}) {
+      Body b = granular_body(seed);
+      if (!touch) b.model.contact = {};
+      const Stage stage = shear(0.01);
+      const State whole = run_until(b.model, stage, b.state, 300, 1);
+      EXPECT_GT(whole.breaks, 3) << seed;
+      EXPECT_EQ(whole.contact_history.empty(), !touch) << seed;
+      State at = b.state;
+      for (std::int64_t step = 1; step < 300; ++step) {
+        at = run_until(b.model, stage, std::move(at), step, 1 + static_cast<int>(step % 3));
+        if (step % 10 != 0) continue;
+        ASSERT_EQ(run_until(b.model, stage, at, 300, 2), whole)
+            << "seed " << seed << ", from step " << step << (touch ? ", with contacts" : "");
+      }
+    }
+}
+
+// A particle that stands near the origin hardly moves while its images come on.
+TEST(PeriodicBody, ImagesThatComeNearAreFelt) {
+  Body b{equal_particles({{0.01, 0, 0}}, 1.0, 0.1, 0.5), {}};
+  b.model.cell.edges = {Vec3d{3, 0, 0}, {0, 3, 0}, {0, 0, 3}};
+  b.model.cell.periodic = {true, true, true};
+  b.model.contact.law = ContactLaw::hertz;
+  b.model.contact.E = 1.0, b.model.contact.nu = 0.0;
+  b.state = at_rest(b.model);
+  Stage stage = stage_of(0.01);
+  stage.cell.component[0] = {CellComponent::By::strain, -0.02, {}};
+  State s = b.state;
+  for (int k = 1; k <= 7; ++k) {
+    s = run_until(b.model, stage, std::move(s), 500 * k, 1);
+    const double a = 3.0 - 0.3 * k, overlap = std::max(0.0, 1.0 - a);
+    // 8/15 E* sqrt(R) delta^(5/2), E* = E/2, R = 1/4
+    const Simulation now(b.model, stage, s);
+    EXPECT_NEAR(now.energies().contact, 8.0 / 15.0 * 0.5 * 0.5 * std::pow(overlap, 2.5), 1e-12) << a;
+    EXPECT_NEAR(s.cell[0].along.x, a, 1e-11);
+    // trapezia of a work that begins at the overlap 0.1, in steps of 0.0006; no energy before that
+    if (overlap > 0.0) {
+      EXPECT_LT(std::abs(now.balance_error()), 1e-4) << a;
+    }
+  }
+}
+
+TEST(PeriodicBody, ComesToRestWithItsCell) {
+  Body b = random_body(5, 6, find_law("v-model"), 1.6, 1.4);
+  State s = run_until(b.model, shear(0.01), b.state, 100, 1);
+  ASSERT_NE(s.cell[0].rate, Vec3d{});
+  begin_next_stage(s.clock);
+  Stage still = stage_of(0.01);
+  Support support;
+  support.particles = {ParticleId{0}};
+  support.held = all_held;
+  still.supports = {support};
+  const double own = kinetic_energy_beside_cell(b.model, s);
+  Simulation motion(b.model, still, s);
+  EXPECT_LE(motion.energies().kinetic(), own * (1.0 + 1e-12));
+  for (int k = 0; k < 200; ++k) motion.step();
+  EXPECT_EQ(motion.state().cell[0].rate, Vec3d{});
+  EXPECT_LT(std::abs(motion.balance_error()), 1e-3);
+}
+
+}  // namespace cell_tests
+}  // namespace vbond

@@ -1,0 +1,129 @@
+// Cells of cases: what they make of specimens and bonds, and what is refused.
+#include <cmath>
+
+#include "cases.hpp"
+#include "vbond/case/read.hpp"
+#include "vbond/core/images.hpp"
+#include "vbond/model/periodic_cell.hpp"
+
+namespace vbond::test {
+namespace case_cell_tests {
+
+Case in_cell(
+    const std::string& more, const std::string& cell = "a = [3, 0, 0]\nb = [0, 3, 0]\nc = [0, 0, 3]\n",
+    const std::string& specimen = "kind = \"block\"\nlattice = \"simple-cubic\"\ncells = [3, 3, 3]\n") {
+  return parse_case("[cell]\n" + cell + "[[specimen]]\n" + specimen +
+                        "radius = 0.4\nmass = 1.0\n"
+                        "[[bonds]]\nname = \"b\"\ndistance = 1.1\n"
+                        "stiffness = { c_A = 1.0, c_D = 0.3, c_B = 0.1, c_T = 0.1 }\n" +
+                        more,
+                    "case.toml");
+}
+
+const std::string still = "[[stage]]\nduration = 1.0\n";
+
+std::string mistake(const std::string& more,
+                    const std::string& cell = "a = [3, 0, 0]\nb = [0, 3, 0]\nc = [0, 0, 3]\n") {
+  try {
+    build(in_cell(more, cell));
+  } catch (const CaseError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(CaseCell, ALatticeThatFitsHasBondsThroughAllFaces) {
+  const Built b = build(in_cell(still));
+  EXPECT_EQ(b.state.bonds.size(), 81u);  // 3 of each particle
+  EXPECT_TRUE(b.notes.empty());
+  EXPECT_DOUBLE_EQ(volume(b.state.cell), 27.0);
+  for (const Bond& bond : b.state.bonds) EXPECT_NEAR(bond.a, 1.0, 1e-12);
+}
+
+TEST(CaseCell, BringsParticlesIntoTheCellFromItsCorner) {
+  const Case c = in_cell(still, "a = [3, 0, 0]\nb = [0, 3, 0]\nc = [0, 0, 3]\ncorner = [-1.5, -0.5, 4]\n");
+  const Built b = build(c);
+  for (const Vec3d& r : b.model.r_0) {
+    const Vec3d s = r - Vec3d{-1.5, -0.5, 4};
+    for (int k = 0; k < 3; ++k) EXPECT_TRUE(component(s, k) >= 0 && component(s, k) < 3) << k;
+  }
+  EXPECT_EQ(b.state.bonds.size(), 81u);
+}
+
+TEST(CaseCell, AnOpenEdgeHasNoBondsThroughIt) {
+  const Built b = build(in_cell(still, "a = [3, 0, 0]\nb = [0, 3, 0]\nc = [0, 0, 5]\nopen = [\"c\"]\n"));
+  EXPECT_EQ(b.state.bonds.size(), 72u);  // 9 fewer
+}
+
+TEST(CaseCell, ACellMayBeSmallerThanABond) {
+  const Built b = build(in_cell(still, "a = [0.6, 0, 0]\nb = [0, 2, 0]\nc = [0, 0, 2]\n",
+                                "kind = \"list\"\npositions = [[0, 0, 0]]\n"));
+  ASSERT_EQ(b.state.bonds.size(), 1u);  // to the image at 0.6 on one side: that on the other is its mirror
+  EXPECT_EQ(b.state.bonds[BondId{0}].i, b.state.bonds[BondId{0}].j);
+  const Built wide = build(in_cell(still, "a = [0.5, 0, 0]\nb = [0, 0.75, 0]\nc = [0, 0, 2]\n",
+                                   "kind = \"list\"\npositions = [[0, 0, 0]]\n"));
+  EXPECT_EQ(wide.state.bonds.size(), 5u);  // 0.5, 1.0 along a, 0.75 along b, two across: 0.901
+}
+
+TEST(CaseCell, ASeamOfALatticeIsNoted) {
+  const Built b = build(in_cell(still, "a = [3.05, 0, 0]\nb = [0, 3, 0]\nc = [0, 0, 3]\n"));
+  ASSERT_EQ(b.notes.size(), 1u);
+  EXPECT_TRUE(contains(b.notes[0], "repeats after 3 along x, and edge a of the cell is 3.05"));
+}
+
+TEST(CaseCell, RefusesWhatIsNoCell) {
+  const std::string flat = mistake(still, "a = [3, 0, 0]\nb = [0, 3, 0]\nc = [3, 3, 0]\n");
+  EXPECT_TRUE(contains(flat, "case.toml:1:1: the edges of the cell span the volume 0")) << flat;
+  EXPECT_TRUE(contains(mistake(still, "a = [0, 3, 0]\nb = [3, 0, 0]\nc = [0, 0, 3]\n"), "right-handed"));
+  EXPECT_TRUE(contains(mistake(still, "a = [3, 0, 0]\nb = [0, 3, 0]\nc = [0, 1, 3]\nopen = [\"c\"]\n"),
+                       "an open edge of the cell must be along an axis"));
+  EXPECT_TRUE(contains(mistake(still, "a = [3, 0, 0]\nb = [0, 3, 1]\nc = [0, 0, 3]\nopen = [\"c\"]\n"),
+                       "edge b of the cell is not normal to an open direction"));
+}
+
+TEST(CaseCell, RefusesWhatDoesNotGoTogether) {
+  const auto refuses = [](const std::string& more, const char* what) {
+    const std::string text = mistake(more);
+    EXPECT_TRUE(contains(text, what)) << what << " not in: " << text;
+  };
+  const std::string moving = "[[stage]]\nduration = 1.0\n[stage.cell]\n";
+  try {
+    in_cell(moving + "xx = { rate = 1.0, stress = 1.0 }\n");
+    ADD_FAILURE() << "accepted";
+  } catch (const CaseError& e) {
+    EXPECT_TRUE(contains(e.what(), "a component is given by its strain or by its stress, not by both"));
+    EXPECT_TRUE(contains(e.what(), "case.toml:16")) << e.what();
+  }
+  try {
+    in_cell(moving + "xx = { stress = 1.0 }\n");
+    ADD_FAILURE() << "accepted";
+  } catch (const CaseError& e) {
+    EXPECT_TRUE(contains(e.what(), "needs to know how fast")) << e.what();
+  }
+  refuses("[[wall]]\nname = \"w\"\nshape = \"plane\"\n" + still, "walls, which would end at the faces");
+  refuses("[[stage]]\nkind = \"modes\"\n", "has kind = \"modes\"");
+  refuses("[[stage]]\nduration = 1.0\ngravity = [0, 0, -1]\ncell = { xx = { rate = 1.0 } }\n",
+          "loads or gravity on a body whose cell moves");
+  const std::string open = mistake("[[stage]]\nduration = 1.0\ncell = { xz = { rate = 1.0 } }\n",
+                                   "a = [3, 0, 0]\nb = [0, 3, 0]\nc = [0, 0, 3]\nopen = [\"c\"]\n");
+  EXPECT_TRUE(contains(open, "the body is open along z")) << open;
+  Case without = in_cell("[[stage]]\nduration = 1.0\ncell = { xx = { rate = 1.0 } }\n");
+  without.cell.reset();
+  EXPECT_TRUE(contains(text_of_error(without), "the case has no cell"));
+}
+
+TEST(CaseCell, RefusesTwoParticlesAtOnePlaceThroughAFace) {
+  const std::string text = [] {
+    try {
+      build(in_cell(still, "a = [3, 0, 0]\nb = [0, 3, 0]\nc = [0, 0, 3]\n",
+                    "kind = \"list\"\npositions = [[0, 0, 0], [3, 0, 0]]\n"));
+    } catch (const CaseError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  }();
+  EXPECT_TRUE(contains(text, "at the same place")) << text;
+}
+
+}  // namespace case_cell_tests
+}  // namespace vbond::test
