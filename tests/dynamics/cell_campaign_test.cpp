@@ -200,7 +200,7 @@ Verdict judge(unsigned seed, Tally& tally) {
 }
 
 TEST(PeriodicCampaign, LoadsEnergyAndStressAreThoseOfCopies) {
-  const Tally tally = testing::campaign("periodic bodies", 40, judge);
+  const Tally tally = testing::campaign("periodic bodies", 200, judge);
   EXPECT_EQ(tally["right"], tally.cases);
 }
 

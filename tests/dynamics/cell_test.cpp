@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -354,6 +354,60 @@ TEST(PeriodicBody, ComesToRestWithItsCell) {
   for (int k = 0; k < 200; ++k) motion.step();
   EXPECT_EQ(motion.state().cell[0].rate, Vec3d{});
   EXPECT_LT(std::abs(motion.balance_error()), 1e-3);
+}
+
+/// D1: waves along a chain whose ends are joined through the face of its cell. From rest a linear wave goes
+/// as cos(w t), where leapfrog makes 2/dt asin(w_0 dt/2) of w_0: to any time, but for the chain's own
+/// curvature.
+TEST(PeriodicBody, PlaneWavesHaveTheDispersionOfAChain) {
+  constexpr std::size_t n = 12;
+  constexpr double amplitude = 1e-7, c_A = 1.0, c_T = 0.04, Theta = 0.1, dt = 0.02;
+  const auto n_pi = [](std::size_t k, std::size_t wave) {
+    return 2.0 * std::numbers::pi * static_cast<double>(k * wave) / static_cast<double>(n);
+  };
+  for (const bool turns : {false, true})
+    for (std::size_t wave = 1; wave <= n / 2; ++wave) {
+      std::vector<Vec3d> r;
+      for (std::size_t k = 0; k < n; ++k) r.push_back({static_cast<double>(k), 0, 0});
+      Body b{equal_particles(r, 1.0, Theta, 0.5), {}};
+      b.model.cell.edges = {Vec3d{n, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+      b.model.cell.periodic = {true, false, false};
+      b.state = at_rest(b.model);
+      BondRecipe recipe;
+      recipe.parameters = BondStiffness<double>{c_A, 0.3, 0.1, c_T};
+      for_near_images(
+          b.state.cell, b.model.cell.periodic, b.state.r.values(), 1.1,
+          [&](std::size_t i, std::size_t j, const Image& image, double) {
+            b.state.bonds.push_back(*make_bond(recipe, bond_site(b.model, b.state, ParticleId{i}),
+                                               bond_site(b.model, b.state, ParticleId{j}, image)));
+          });
+      ASSERT_EQ(b.state.bonds.size(), n);
+      for (std::size_t k = 0; k < n; ++k) {
+        const double u = amplitude * std::cos(n_pi(k, wave));
+        if (turns)
+          b.state.q[ParticleId{k}] = rotation_of({u, 0, 0});
+        else
+          b.state.r[ParticleId{k}].x += u;
+      }
+      Simulation motion(b.model, stage_of(dt), b.state);
+      const double w_0 = 2.0 * std::sqrt(turns ? c_T / Theta : c_A) * std::sin(0.5 * n_pi(1, wave));
+      const double w = 2.0 / dt * std::asin(0.5 * w_0 * dt);
+      for (int step = 1; step <= 1000; ++step) {
+        motion.step();
+        if (step % 100 != 0) continue;
+        const State& s = motion.state();
+        double found = 0.0, of_wave = 0.0;  // the part of the wave in what has become of it
+        for (std::size_t k = 0; k < n; ++k) {
+          const ParticleId p{k};
+          const double x = turns ? rotation_vector(s.q[p]).x : s.r[p].x - b.model.r_0[p].x,
+                       c = std::cos(n_pi(k, wave));
+          found += x * c, of_wave += c * c;
+        }
+        // places are known to 1e-15, 1e-8 of the amplitude, and rounding adds up over the steps
+        EXPECT_NEAR(found / of_wave / amplitude, std::cos(w * step * dt), 1e-6)
+            << (turns ? "torsion" : "axial") << ", wave " << wave << ", step " << step;
+      }
+    }
 }
 
 }  // namespace cell_tests
