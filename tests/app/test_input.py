@@ -27,7 +27,7 @@ STIFFNESS = "stiffness = { c_A = 1, c_D = 0.03, c_B = 0.0025, c_T = 0.002 }"
     ("reference hemispere", 2, [], ["did you mean hemisphere?"]),
     ("reference", 0, ["title", "watch.overlap", "output.frames.precision", 'default "float64"'], []),
     ("reference thery", 2, [], ["key thery", "no case file has it", "did you mean theory?"]),
-    ("reference completely_else", 2, [], ["the tables are title, units, specimen"]),
+    ("reference completely_else", 2, [], ["the tables are title, units, cell, specimen"]),
     # units of the command line
     ("calibrate --E 1 --nu '20 deg' --length '10 deg' --diameter 0.1", 2, [],
      ["--nu 20 deg", "must be a number", "--length 10 deg", "must be a length"]),

@@ -92,7 +92,7 @@ TEST(CaseCell, RefusesWhatDoesNotGoTogether) {
     ADD_FAILURE() << "accepted";
   } catch (const CaseError& e) {
     EXPECT_TRUE(contains(e.what(), "a component is given by its strain or by its stress, not by both"));
-    EXPECT_TRUE(contains(e.what(), "case.toml:16")) << e.what();
+    EXPECT_TRUE(contains(e.what(), "case.toml:18:20: stage[0].cell.xx.stress")) << e.what();
   }
   try {
     in_cell(moving + "xx = { stress = 1.0 }\n");
@@ -100,7 +100,8 @@ TEST(CaseCell, RefusesWhatDoesNotGoTogether) {
   } catch (const CaseError& e) {
     EXPECT_TRUE(contains(e.what(), "needs to know how fast")) << e.what();
   }
-  refuses("[[wall]]\nname = \"w\"\nshape = \"plane\"\n" + still, "walls, which would end at the faces");
+  refuses("[[wall]]\nname = \"w\"\nshape = \"plane\"\nnormal = [0, 0, 1]\n" + still,
+          "walls, which would end at the faces");
   refuses("[[stage]]\nkind = \"modes\"\n", "has kind = \"modes\"");
   refuses("[[stage]]\nduration = 1.0\ngravity = [0, 0, -1]\ncell = { xx = { rate = 1.0 } }\n",
           "loads or gravity on a body whose cell moves");
