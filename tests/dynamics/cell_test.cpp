@@ -7,6 +7,7 @@
 #include <random>
 #include <vector>
 
+#include "vbond/core/error.hpp"
 #include "vbond/core/images.hpp"
 #include "vbond/dynamics/simulation.hpp"
 #include "vbond/model/energies.hpp"
@@ -354,6 +355,24 @@ TEST(PeriodicBody, ComesToRestWithItsCell) {
   for (int k = 0; k < 200; ++k) motion.step();
   EXPECT_EQ(motion.state().cell[0].rate, Vec3d{});
   EXPECT_LT(std::abs(motion.balance_error()), 1e-3);
+}
+
+TEST(PeriodicBody, EndsWhereItsCellHasNoVolume) {
+  const auto why = [](int component, double rate, double dt) -> std::string {
+    const Body b = random_body(3, 4, find_law("v-model"), 1.6, 1.4);
+    Stage stage = stage_of(dt);
+    stage.cell.component[static_cast<std::size_t>(component)] = {CellComponent::By::strain, rate, {}};
+    Simulation motion(b.model, stage, b.state);
+    try {
+      for (int k = 0; k < 1000; ++k) motion.step();
+    } catch (const Diverged& e) {
+      return e.what();
+    }
+    return "";
+  };
+  EXPECT_NE(why(0, -1.0, 0.01).find("the cell: its volume is"), std::string::npos) << why(0, -1.0, 0.01);
+  EXPECT_NE(why(5, 1.0, 0.01).find("less than 0.001 is no cell"), std::string::npos);  // symmetric: xy = 1
+  EXPECT_NE(why(1, 100.0, 0.01).find("it strains by 1 in a step"), std::string::npos) << why(1, 100.0, 0.01);
 }
 
 /// D1: waves along a chain whose ends are joined through the face of its cell. From rest a linear wave goes

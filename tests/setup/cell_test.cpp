@@ -113,6 +113,18 @@ TEST(CaseCell, RefusesWhatDoesNotGoTogether) {
   EXPECT_TRUE(contains(text_of_error(without), "the case has no cell"));
 }
 
+TEST(CaseCell, RefusesAServoThatSwingsFromStepToStep) {
+  const auto told = [](const char* servo) {
+    return text_of_stage_error(
+        in_cell(std::string("[[stage]]\nduration = 10.0\ncell = { xx = { stress = 0.1 }, servo = { ") +
+                servo + ", fastest = 0.1 } }\n"));
+  };
+  EXPECT_EQ(told("modulus = 1.0, time = 1.0"), "");
+  const std::string text = told("modulus = 0.01, time = 1.0");  // C = 1, dt = 0.046
+  EXPECT_TRUE(contains(text, "would change the stress by up to 4.6")) << text;
+  EXPECT_TRUE(contains(text, "use modulus = 1,")) << text;
+}
+
 TEST(CaseCell, RefusesTwoParticlesAtOnePlaceThroughAFace) {
   const std::string text = [] {
     try {

@@ -53,7 +53,7 @@ Image nearest_image(const CellEdges& cell, const Periodic& periodic, const Vec3d
 NearImages near_images(const CellEdges& cell, const Periodic& periodic, std::span<const Vec3d> positions,
                        double distance) {
   constexpr double rounding = 1e-9;  // an image too many does no harm
-  constexpr std::size_t most = std::size_t{1} << 28;
+  const std::size_t most = (std::size_t{1} << 24) + 30 * positions.size();
   NearImages near;
   near.points = positions.size();
   for (std::size_t k = 0; k < positions.size(); ++k) {

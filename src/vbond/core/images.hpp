@@ -36,7 +36,7 @@ struct NearImages {
   std::size_t points = 0;
 };
 /// Works for points anywhere and for cells of any size against the distance. Throws std::length_error if
-/// there would be more than 2^28.
+/// there would be more than 30 of each and 2^24.
 NearImages near_images(const CellEdges& cell, const Periodic& periodic, std::span<const Vec3d> positions,
                        double distance);
 

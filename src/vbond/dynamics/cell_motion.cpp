@@ -1,5 +1,7 @@
 #include "vbond/dynamics/cell_motion.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -66,6 +68,19 @@ void CellMotion::begin_step(std::int64_t step, const Team& team) {
   }
   for (CellEdge& e : cell_) e.along += stage_.dt * e.rate;
   L_end_ = cell_velocity_gradient(cell_);
+}
+
+std::optional<std::string> CellMotion::fault() const {
+  constexpr double least = 1e-3, most = 0.3;
+  const double part = volume(cell_) / volume(cell_at_start(model_));
+  if (!(part > least && std::isfinite(part)))
+    return fmt::format("its volume is {:.3g} of that at the start: less than {} is no cell", part, least);
+  double rate = 0.0;
+  for (const Vec3d& row : L_start_.row) rate = std::max(rate, norm(row));
+  if (!(rate * stage_.dt < most))
+    return fmt::format("it strains by {:.3g} in a step: no more than {} can be followed", rate * stage_.dt,
+                       most);
+  return std::nullopt;
 }
 
 Tensor CellMotion::virial(const Team& team, const Tensor& L) const {

@@ -1,4 +1,6 @@
 #pragma once
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "vbond/core/tensor.hpp"
@@ -35,6 +37,8 @@ class CellMotion {
   };
   /// After it, once all loads are complete. Returns what the step has done.
   Done end_step(const Team& team);
+  /// What is wrong with the edges after that: no volume is left, or they change too much in a step.
+  std::optional<std::string> fault() const;
   /// It comes to rest, where the stage does not move it: particles keep their own velocities.
   void stop(const Team& team);
   /// The virial of the particles as they stand, as a stage begins.

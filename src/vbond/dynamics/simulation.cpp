@@ -13,7 +13,13 @@ namespace vbond {
 void Simulation::step() {
   const bool timed = state_.clock.stage_step % StepTimes::one_in == 0;
   if (!only_elastic_) change_body();
-  if (cell_.any()) cell_.begin_step(state_.clock.stage_step, team_);
+  if (cell_.any()) {
+    cell_.begin_step(state_.clock.stage_step, team_);
+    if (const auto fault = cell_.fault())
+      diverge(0, "the cell", *fault,
+              "strain it less or more slowly; a stress that nothing bears drives it without end; rotation = "
+              "\"triangular\" shears without limit");
+  }
   supports_.set_times(state_.clock.stage_step, stage_.dt);
   applied_.set_times(state_.clock.stage_step, stage_.dt);
 

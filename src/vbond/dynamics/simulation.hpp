@@ -274,7 +274,8 @@ class Simulation final : public BodyView {
   /// parts.
   bool looks_at_ways() const { return !only_elastic_ && (anything_touches() || (is_part_ && may_meet())); }
   const Tensor* flow() const { return cell_.any() ? &cell_.L_end() : nullptr; }
-  bool has_ghosts() const { return bodies_.order.own < bodies_.order.known; }
+  /// A part may have none, and its particles may be those of others.
+  bool has_ghosts() const { return is_part_ || bodies_.order.own < bodies_.order.known; }
   double slow_down(const Block& block, const Tensor& flow);
   bool leads() const { return exchange_.leads(); }
   Vec3d from_to(ParticleId i, ParticleId j) const;

@@ -83,7 +83,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
       farthest_(share.farthest),
       lost_beyond_(share.lost_beyond),
       room_(share.farthest) {
-  if (is_part_ || has_ghosts())
+  if (has_ghosts())
     with_ghosts_.emplace(bodies_.order.known, same_work(bodies_.order.known), is_part_ ? 1 : threads);
   books_.resize(all_known().blocks());
   lost_.resize(all_known().blocks());
@@ -107,7 +107,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
       take_up_loads();
     else
       begin_stage();
-    if (is_part_ || has_ghosts())
+    if (has_ghosts())
       for (std::size_t k = 0; k < bodies_.order.known; ++k) r_begin_.push_back(bodies_.pose[k].r);
   } catch (...) {
     *state = std::move(state_);

@@ -13,6 +13,7 @@
 #include "vbond/model/capsules.hpp"
 #include "vbond/model/held_tops.hpp"
 #include "vbond/model/make_bond.hpp"
+#include "vbond/model/periodic_cell.hpp"
 #include "vbond/model/swing_bound.hpp"
 #include "vbond/setup/bonds.hpp"
 #include "vbond/setup/case_walls.hpp"
@@ -290,8 +291,27 @@ void choose_step(const Case& c, const StageSpec& spec, const Model& model, const
     take_fraction(c, spec, critical, stage, problems);
 }
 
+/// A cell that gives way to a stress faster than the body answers swings from step to step.
+void check_servo_of_cell(const StageSpec& spec, const Model& model, const State& state, const Stage& stage,
+                         Problems& problems) {
+  if (!stage.cell.any_stress() || state.bonds.empty()) return;
+  const CellServo& servo = stage.cell.servo;
+  const double C = affine_modulus(model.cell, state), change = C * stage.dt / (servo.modulus * servo.time);
+  if (change < 1.0) return;
+  problems.add(
+      spec.place,
+      fmt::format("stage \"{}\": cell.servo: modulus {:.4g} times time {:.4g}", spec.name, servo.modulus,
+                  servo.time),
+      fmt::format("a step of {:.4g} would change the stress by up to {:.3g} of what is missing: the "
+                  "stiffness of the bonds while particles follow the cell is up to {:.4g}",
+                  stage.dt, change, C),
+      fmt::format("use modulus = {:.4g}, and a time of at least {:.3g}, better more", C, 10.0 * stage.dt));
+}
+
 /// Times that must span a step, and a mean force that needs bonds: known only when the step and bonds are.
-void check_against_step(const StageSpec& spec, const State& state, const Stage& stage, Problems& problems) {
+void check_against_step(const StageSpec& spec, const Model& model, const State& state, const Stage& stage,
+                        Problems& problems) {
+  check_servo_of_cell(spec, model, state, stage, problems);
   const auto too_short = [&](const SourcePlace& place, const char* what, double time) {
     if (time < stage.dt)
       problems.add(place, fmt::format("{} = {:.6g}", what, time),
@@ -414,7 +434,7 @@ void choose_fitting_step(const Case& c, std::size_t k, const Model& model, const
   Problems problems;
   choose_step(c, c.stages[k], model, state, exact_step, stage, problems);
   problems.throw_if_any();
-  check_against_step(c.stages[k], state, stage, problems);
+  check_against_step(c.stages[k], model, state, stage, problems);
   fit_step(c.stages[k], stage, problems);
   problems.throw_if_any();
 }
