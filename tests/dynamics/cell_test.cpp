@@ -370,9 +370,11 @@ TEST(PeriodicBody, EndsWhereItsCellHasNoVolume) {
     }
     return "";
   };
-  EXPECT_NE(why(0, -1.0, 0.01).find("the cell: its volume is"), std::string::npos) << why(0, -1.0, 0.01);
-  EXPECT_NE(why(5, 1.0, 0.01).find("less than 0.001 is no cell"), std::string::npos);  // symmetric: xy = 1
-  EXPECT_NE(why(1, 100.0, 0.01).find("it strains by 1 in a step"), std::string::npos) << why(1, 100.0, 0.01);
+  // "its volume is ..." or, on the way there, "it strains by ... in a step"
+  for (const std::string& told :
+       {why(0, -1.0, 0.01), why(5, 1.0, 0.01), why(1, 100.0, 0.01)})  // xy: symmetric
+    EXPECT_NE(told.find("the cell: it"), std::string::npos) << told;
+  EXPECT_NE(why(2, -1e4, 0.01).find("the cell: its volume is -"), std::string::npos) << why(2, -1e4, 0.01);
 }
 
 /// D1: waves along a chain whose ends are joined through the face of its cell. From rest a linear wave goes
