@@ -17,14 +17,6 @@ bool same_place(const Placement& a, const Placement& b) {
   return a.load_factor == b.load_factor && a.r == b.r && a.q == b.q && a.cell == b.cell;
 }
 
-std::string first_of(const std::vector<std::string>& names) {
-  std::string text;
-  constexpr std::size_t named = 6;
-  for (std::size_t k = 0; k < std::min(named, names.size()); ++k) text += (k > 0 ? ", " : "") + names[k];
-  if (names.size() > named) text += fmt::format(" and {} more", names.size() - named);
-  return text;
-}
-
 }  // namespace
 
 BreakingBody::BreakingBody(const Model& model, const StaticStage& stage, State balanced,

@@ -67,10 +67,6 @@ void refuse_rigid_motions(const StaticBody& body) {
       "as the spin of a rod along x by fix = [\"rx\"]; kind = \"modes\" takes free bodies as they are");
 }
 
-namespace {
-
-constexpr const char* floating = "what floats";  // the group of supports that hold it
-
 std::string first_of(const std::vector<std::string>& names) {
   std::string text;
   constexpr std::size_t named = 6;
@@ -78,6 +74,10 @@ std::string first_of(const std::vector<std::string>& names) {
   if (names.size() > named) text += fmt::format(" and {} more", names.size() - named);
   return text;
 }
+
+namespace {
+
+constexpr const char* floating = "what floats";  // the group of supports that hold it
 
 /// A part that floated at the start, and that others touch now, is held by what should carry nothing.
 void refuse_touched(const StaticBody& body) {

@@ -64,6 +64,9 @@ std::string free_motions_in_words(const StaticBody& body);
 /// component yy of the cell", empty if all have one.
 std::string loose_cell_in_words(const StaticBody& body);
 
+/// The first six of these, and how many there are besides.
+std::string first_of(const std::vector<std::string>& names);
+
 /// Throws NoEquilibrium, naming them, if parts of the body can move freely as rigid bodies.
 void refuse_rigid_motions(const StaticBody& body);
 
