@@ -1,7 +1,8 @@
 """Random cases of motion, for campaigns that compare two ways to compute them: random_case(rng).
 
 Each has one to three blocks in any place, of random laws, damping, strength and yield, perhaps with contacts, a wall,
-supports, loads, gravity and a second stage, for some hundred steps."""
+supports, loads, gravity and a second stage, for some hundred steps. One block may be periodic, in a cell of any shape
+that moves by strain and stress."""
 
 
 def vector(rng, size):
@@ -24,12 +25,34 @@ def bonds(rng, name):
     return text
 
 
-def stage(rng, name, groups, walled):
+def cell(rng, cells):
+    """Around a block of so many cells, tilted or not, with or without room across its faces."""
+    tilt = rng.choice([0, 0.4])
+    edges = [[cells[k] + rng.choice([0, 0, 0.3]) if k == axis else round(rng.uniform(-tilt, tilt), 3)
+              for k in range(3)] for axis in range(3)]
+    text = "[cell]\n" + "".join(f"{name} = {edge}\n" for name, edge in zip("abc", edges))
+    text += f"corner = {vector(rng, 1)}\n" if rng.random() < 0.5 else ""
+    text += f'open = ["{rng.choice("abc")}"]\n' if tilt == 0 and rng.random() < 0.3 else ""
+    return text + ('rotation = "triangular"\n' if rng.random() < 0.4 else "")
+
+
+def moving_cell(rng, opened):
+    free = [name for name in ["xx", "yy", "zz", "yz", "xz", "xy"] if opened not in name]
+    text = "[stage.cell]\nservo = {modulus = 5.0, time = 2.0, fastest = 5e-3}\n"
+    for component in rng.sample(free, rng.randint(1, len(free))):
+        how = rng.choice([f"rate = {rng.uniform(-2e-3, 2e-3):.3g}", f"stress = {rng.uniform(-5e-3, 5e-3):.3g}"])
+        text += f"{component} = {{{how}}}\n"
+    return text
+
+
+def stage(rng, name, groups, walled, opened):
     text = f'[[stage]]\nname = "{name}"\nduration = "{rng.uniform(1, 12):.2f} T0"\n'
     if rng.random() < 0.3:
-        text += f"gravity = {vector(rng, 1e-3)}\n"
-    if rng.random() < 0.3:
         text += f"damping = {{translation = {rng.uniform(0, 0.01):.3g}, rotation = {rng.uniform(0, 1e-3):.3g}}}\n"
+    if opened and rng.random() < 0.7:
+        return text + moving_cell(rng, opened)
+    if rng.random() < 0.3:
+        text += f"gravity = {vector(rng, 1e-3)}\n"
     if rng.random() < 0.5:
         how = rng.choice(['fix = ["x", "rz"]', 'fix = ["x", "y", "z", "rx", "ry", "rz"], velocity = [1e-3, 0, 0]',
                           "rigid = true, velocity = [0, 2e-3, 0]"])
@@ -44,16 +67,23 @@ def stage(rng, name, groups, walled):
 
 def random_case(rng):
     blocks, contact = rng.randint(1, 3), rng.random() < 0.4
-    walled = contact and rng.random() < 0.5
+    periodic = rng.random() < 0.4
+    if periodic:
+        blocks = 1
+    walled = contact and not periodic and rng.random() < 0.5
+    opened = ""  # of a periodic body: the axis that it is open along
     names = [f"block_{k}" for k in range(blocks)]
     text = 'title = "random"\n'
     for k, name in enumerate(names):
         cells = [rng.randint(1, 7) for _ in range(3)]
         cells[rng.randrange(3)] += 2
+        if periodic:
+            text += (of_cell := cell(rng, cells))
+            opened = "xyz"["abc".index(of_cell.split('open = ["')[1][0])] if "open" in of_cell else "none"
         origin = [round(rng.uniform(-3, 3), 3), round(rng.uniform(-3, 3), 3), 9.5 * k]
         text += (f'[[specimen]]\nname = "{name}"\nkind = "block"\ncells = {cells}\norigin = {origin}\n'
                  f"radius = {rng.choice([0.3, 0.4, 0.5])}\nmass = {rng.uniform(0.5, 2):.3g}\n")
-    text += "[groups]\ncorner = {box = {min = [-4, -4, -1], max = [4, 4, 0.5]}}\n"
+    text += f"[groups]\ncorner = {{box = {{min = [-4, -4, -2], max = [4, 4, {1.5 if periodic else 0.5}]}}}}\n"
     text += "".join(bonds(rng, name) for name in names)
     if contact:
         text += ('[contact]\nlaw = "hertz"\nE = 3.0\nnu = 0.3\npairs = "unbonded"\ntangential = "mindlin"\n'
@@ -65,5 +95,5 @@ def random_case(rng):
                  f"angular_velocity = {vector(rng, 0.08)}\n")
     text += f'[[velocities]]\ngroup = "all"\nkind = "gaussian"\nmagnitude = 1e-3\nseed = {rng.randint(1, 999)}\n'
     text += '[time]\nfraction = 0.1\n'
-    text += "".join(stage(rng, f"stage_{k}", names, walled) for k in range(rng.randint(1, 2)))
+    text += "".join(stage(rng, f"stage_{k}", names, walled, opened) for k in range(rng.randint(1, 2)))
     return text + '[output]\nhistory = {every = "0.2 T0", displacements = ["block_0", 0]}\n'

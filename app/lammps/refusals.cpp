@@ -13,9 +13,6 @@ void refuse_beyond_ranks(const Case& c) {
         throw CaseError({s.place, "the rigid group \"" + s.group.value + "\" is free in part",
                          "its particles would be on several ranks, which do not know what it weighs",
                          "run the case with vbond, or hold all of it"});
-  if (c.cell)
-    throw CaseError({c.cell->place, "a periodic cell", "images of particles would be on several ranks",
-                     "run the case with vbond"});
   if (c.watch.on_unphysical == OnUnphysical::drop)
     throw CaseError({{c.file, 0, 0},
                      "watch.on_unphysical = \"drop\"",

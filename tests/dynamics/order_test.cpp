@@ -45,7 +45,7 @@ TEST(Order, OfAPartHasOwnParticlesFirstAndThenItsGhosts) {
   for (const double x : {4.0, 0.0, 3.0, 1.0, 2.0}) r.push_back({x, 0, 0});
   const Order whole = spatial_order(r);  // 1, 3, 4, 2, 0
   const ParticleId sent{4};
-  const Order part = part_of(whole, {{ParticleId{2}, sent}, {sent}, {ParticleId{3}}});
+  const Order part = part_of(whole, {{ParticleId{2}, sent}, {sent}, {{ParticleId{3}, {}}}});
   EXPECT_EQ(part.particle.values(),
             (std::vector{ParticleId{2}, sent, ParticleId{3}, ParticleId{1}, ParticleId{0}}));
   for (const ParticleId p : r.ids()) EXPECT_EQ(part.particle[part.row[p]], p);

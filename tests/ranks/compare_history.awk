@@ -14,6 +14,7 @@ function scale_of(c, group) {
   if (name[c] ~ /^(kinetic|U_|contact$|dissipated|work|total|released)/) return "energy"
   group = name[c]
   sub(/\.[fmFM]?[xyz][xyz]?$/, "", group)
+  if (group ~ /^cell_(strain|stress)_/) sub(/_[xyz][xyz]$/, "", group)
   return name[c] ~ /\.[mM][xyz]$/ ? group " moment" : group
 }
 END {

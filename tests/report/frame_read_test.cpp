@@ -34,6 +34,12 @@ std::vector<ParticleId> ids(const std::vector<std::size_t>& numbers) {
   return particles;
 }
 
+std::vector<ImageOf> ghosts(const std::vector<std::size_t>& numbers) {
+  std::vector<ImageOf> particles;
+  for (const std::size_t k : numbers) particles.push_back({ParticleId{k}, {}});
+  return particles;
+}
+
 /// A chain of seven, bent, with a broken bond; and its frames, whole and in three parts: particles that have
 /// neighbours in others, the rest of them, and none.
 struct InParts {
@@ -52,8 +58,8 @@ struct InParts {
     fs::create_directory(folder / "frames");
     write_particles_vtp(folder / "p.vtp", chain.model, s, {}, format);
     write_bonds_vtp(folder / "b.vtp", s, UnitSystem::reduced, {}, format);
-    write({ids({3, 1, 2, 6}), ids({1, 3, 6}), ids({0, 4, 5})}, 0);
-    write({ids({0, 4, 5}), ids({0, 4, 5}), ids({1, 3, 6})}, 1);
+    write({ids({3, 1, 2, 6}), ids({1, 3, 6}), ghosts({0, 4, 5})}, 0);
+    write({ids({0, 4, 5}), ids({0, 4, 5}), ghosts({1, 3, 6})}, 1);
     write({}, 2);
     write_lists_of_parts(folder.path(), 3, chain.model, s.clock.step, format);
   }

@@ -36,8 +36,8 @@ void Bodies::read(const State& s) {
 }
 
 void Bodies::write(State& s) const {
-  const std::size_t known = order.images.empty() ? order.known : order.own;  // not of images
-  for (Row k{0}; k.value < known; ++k.value) {
+  for (Row k{0}; k.value < order.known; ++k.value) {
+    if (!order.image(k).is_itself()) continue;
     const ParticleId p = order.particle[k];
     s.r[p] = pose[k.value].r;
     s.q[p] = pose[k.value].q;

@@ -28,11 +28,11 @@ struct Bodies {
 
   /// From one particle to another, which may touch or be measured.  [length]
   Vec3d between(Row i, Row j) const { return vbond::between(pose[i.value], pose[j.value]); }
-  /// From particle i of a bond to its particle j, and how they are turned.
+  /// From particle i of a bond to its particle j, or to the image that it joins, and how they are turned.
   Vec3d between(const Bond& b) const { return between(order.row_i(b), order.row_j(b)); }
-  const Quatd& orientation(ParticleId p) const { return pose[order.row[p].value].q; }
+  const Quatd& orientation(Row k) const { return pose[k.value].q; }
   BondPose<double> bond_pose(const Bond& b) const {
-    return vbond::bond_pose(b, between(b), orientation(b.i), orientation(b.j));
+    return vbond::bond_pose(b, between(b), orientation(order.row_i(b)), orientation(order.row_j(b)));
   }
 
   /// Poses of the particles alone, without those that fill up the rows or are not known.

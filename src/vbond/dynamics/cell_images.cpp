@@ -12,13 +12,11 @@ namespace vbond {
 namespace {
 
 /// What was dropped is not known, as the particles of other parts.
-Order order_of(const Model& model, const State& state) {
-  const Order all = spatial_order(model.r_0);
-  if (state.dropped.empty()) return all;
-  Holding rest;
+std::vector<ParticleId> not_dropped(const Model& model, const State& state) {
+  std::vector<ParticleId> rest;
   for (const ParticleId p : model.mass.ids())
-    if (!is_dropped(state, p)) rest.own.push_back(p);
-  return part_of(all, rest);
+    if (!is_dropped(state, p)) rest.push_back(p);
+  return rest;
 }
 
 }  // namespace
@@ -31,13 +29,9 @@ CellImages::CellImages(const Order& order) : own_(order.own) {
 void CellImages::halo(const HaloColumns& to) {
   for (std::size_t k = 0; k < ghosts_.size(); ++k) {
     const Ghost& g = ghosts_[k];
-    PoseRow& pose = to.pose[own_ + k];
-    pose = to.pose[g.row];
-    pose.r += to_image(*to.cell, g.image);
-    if (to.motion.empty()) continue;
-    MotionRow& motion = to.motion[own_ + k];
-    motion = to.motion[g.row];
-    motion.v += image_velocity(*to.cell, g.image);
+    to.pose[own_ + k] = to.pose[g.row];
+    if (!to.motion.empty()) to.motion[own_ + k] = to.motion[g.row];
+    to.carry(own_ + k, g.image);
   }
 }
 
@@ -67,11 +61,13 @@ std::array<Vec3d, 3> CellImages::edges_times_force(std::span<const LoadRow> load
 }
 
 Share whole_body(const Model& model, const State& state) {
-  Order order = order_of(model, state);
-  if (!model.cell.any()) return {std::move(order)};
+  Order order = spatial_order(model.r_0);
+  if (!model.cell.any())
+    return {state.dropped.empty() ? std::move(order) : part_of(order, {not_dropped(model, state), {}, {}})};
   constexpr double unlimited = std::numeric_limits<double>::infinity();
   Share share{{}, unlimited, unlimited};
-  std::vector<ImageOf> images;
+  Holding all{not_dropped(model, state), {}, {}};
+  std::vector<ImageOf>& images = all.ghosts;
   for (const Bond& b : state.bonds)  // broken ones too: the order of rows is the same after a checkpoint
     if (!b.image_j.is_itself()) images.push_back({b.j, b.image_j});
   const bool touch = particles_touch(model.contact);
@@ -88,7 +84,12 @@ Share whole_body(const Model& model, const State& state) {
                       if (!n.is_itself()) images.push_back({ParticleId{j}, n});
                     });
   }
-  share.order = with_images(order, images, touch);
+  std::sort(images.begin(), images.end());
+  images.erase(std::unique(images.begin(), images.end()), images.end());
+  if (touch) all.sent = all.own;
+  for (const ImageOf& of : images)
+    if (!touch && (all.sent.empty() || all.sent.back() != of.particle)) all.sent.push_back(of.particle);
+  share.order = part_of(order, all);
   return share;
 }
 

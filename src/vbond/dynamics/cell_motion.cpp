@@ -14,10 +14,23 @@ bool moves(const CellEdges& cell) {
   return std::any_of(cell.begin(), cell.end(), [](const CellEdge& e) { return !(e.rate == Vec3d{}); });
 }
 
+void sum_over_parts(std::array<Vec3d, 3>& rows, const Exchange& exchange) {
+  std::array<double, 9> numbers{};
+  for (std::size_t k = 0; k < 9; ++k) numbers[k] = component(rows[k / 3], static_cast<int>(k % 3));
+  exchange.sum(numbers);
+  for (std::size_t k = 0; k < 9; ++k) component(rows[k / 3], static_cast<int>(k % 3)) = numbers[k];
+}
+
 }  // namespace
 
-CellMotion::CellMotion(const Model& model, const Stage& stage, Bodies& bodies, CellEdges& cell)
-    : model_(model), stage_(stage), bodies_(bodies), cell_(cell), any_(stage.cell.any() || moves(cell)) {
+CellMotion::CellMotion(const Model& model, const Stage& stage, Bodies& bodies, CellEdges& cell,
+                       const Exchange& exchange)
+    : model_(model),
+      stage_(stage),
+      bodies_(bodies),
+      cell_(cell),
+      exchange_(exchange),
+      any_(stage.cell.any() || moves(cell)) {
   if (any_) L_start_ = L_end_ = cell_velocity_gradient(cell);
 }
 
@@ -100,6 +113,7 @@ Tensor CellMotion::virial(const Team& team, const Tensor& L) const {
   Tensor sum;
   for (const Tensor& t : of_block) sum += t;
   for (std::size_t k = 0; k < 3; ++k) sum += dyad(forces_[k], cell_[k].along);  // of images, beyond particles
+  sum_over_parts(sum.row, exchange_);
   return sum;
 }
 
@@ -115,7 +129,8 @@ void CellMotion::look(const Team& team) {
   keep(virial(team, L_start_));
 }
 
-void CellMotion::take_damping(const OfEdges& edges_times_force) {
+void CellMotion::take_damping(OfEdges edges_times_force) {
+  sum_over_parts(edges_times_force, exchange_);
   for (std::size_t k = 0; k < 3; ++k) cell_[k].damping = edges_times_force[k];
 }
 

@@ -5,6 +5,7 @@
 
 #include "vbond/core/tensor.hpp"
 #include "vbond/dynamics/bodies.hpp"
+#include "vbond/dynamics/exchange.hpp"
 #include "vbond/dynamics/team.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/periodic_cell.hpp"
@@ -19,8 +20,9 @@ namespace vbond {
 /// momentum that the own parts carry.
 class CellMotion {
  public:
-  /// Keeps references to all; the edges are those of the state.
-  CellMotion(const Model& model, const Stage& stage, Bodies& bodies, CellEdges& cell);
+  /// Keeps references to all; the edges are those of the state, and move alike in all parts of the body.
+  CellMotion(const Model& model, const Stage& stage, Bodies& bodies, CellEdges& cell,
+             const Exchange& exchange);
 
   /// Whether the cell moves in this stage, or moved as it began.
   bool any() const { return any_; }
@@ -30,9 +32,9 @@ class CellMotion {
   /// their particles; and times the part of it by which bonds damp.  [force]
   using OfEdges = std::array<Vec3d, 3>;
   void take_forces(const OfEdges& edges_times_force) { forces_ = edges_times_force; }
-  void take_damping(const OfEdges& edges_times_force);
+  void take_damping(OfEdges edges_times_force);
   struct Done {
-    double work = 0;     ///< of the cell  [energy]
+    double work = 0;     ///< of the cell, on the whole body  [energy]
     double damping = 0;  ///< taken by the damping of bonds, of what images move with the cell  [energy]
   };
   /// After it, once all loads are complete. Returns what the step has done.
@@ -62,6 +64,7 @@ class CellMotion {
   const Stage& stage_;
   Bodies& bodies_;
   CellEdges& cell_;
+  const Exchange& exchange_;
   bool any_ = false;
   Tensor L_start_, L_end_;
   OfEdges forces_{}, damping_before_{};

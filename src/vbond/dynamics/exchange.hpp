@@ -14,6 +14,13 @@ struct HaloColumns {
   std::span<PoseRow> pose;
   std::span<MotionRow> motion;
   const CellEdges* cell = nullptr;  ///< of a periodic body
+
+  /// This row has what a particle has, and is to have what this image of it has.
+  void carry(std::size_t row, const Image& n) const {
+    if (n.is_itself()) return;
+    pose[row].r += to_image(*cell, n);
+    if (!motion.empty()) motion[row].v += image_velocity(*cell, n);
+  }
 };
 
 /// What the processes that step the parts of a body need of each other. All call these functions in the same

@@ -72,61 +72,49 @@ Order spatial_order(const PerParticle<Vec3d>& r) {
 Order part_of(const Order& whole, const Holding& holding) {
   enum : char { inner, sent, ghost, absent };
   PerParticle<char> place(whole.row.size(), absent);
-  for (const ParticleId p : holding.ghosts) place[p] = ghost;
+  std::vector<std::pair<Row, Image>> ghosts;
+  bool any_image = false;
+  for (const auto& [p, n] : holding.ghosts) {
+    ghosts.emplace_back(whole.row[p], n);
+    if (n.is_itself()) place[p] = ghost;
+    any_image |= !n.is_itself();
+  }
+  std::sort(ghosts.begin(), ghosts.end());
   for (const ParticleId p : holding.own) place[p] = inner;
   for (const ParticleId p : holding.sent) place[p] = sent;
+
   Order part;
   part.row.resize(whole.row.size());
-  for (const char which : {inner, sent, ghost, absent}) {
+  const auto add_all = [&](char which) {
     for (const ParticleId p : whole.particle) {
       if (place[p] != which) continue;
       part.row[p] = Row{part.particle.size()};
       part.particle.push_back(p);
     }
-    if (which == inner) part.inner = part.particle.size();
-    if (which == sent) part.own = part.particle.size();
-    if (which == ghost) part.known = part.particle.size();
+    return part.particle.size();
+  };
+  part.inner = add_all(inner);
+  part.own = add_all(sent);
+  for (const auto& [row, image] : ghosts) {
+    const ParticleId p = whole.particle[row];
+    if (image.is_itself()) part.row[p] = Row{part.particle.size()};
+    if (any_image) part.images.push_back(image), part.by_image.push_back(Row{part.particle.size()});
+    part.particle.push_back(p);
   }
+  part.known = part.particle.size();
+  add_all(absent);
+  std::sort(part.by_image.begin(), part.by_image.end(),
+            [&part](Row k, Row l) { return part.image_of(k) < part.image_of(l); });
   return part;
 }
 
 std::optional<Row> Order::find(ParticleId p, const Image& n) const {
   if (n.is_itself()) return row[p];
-  const auto before = [this](Row k, const std::pair<Row, Image>& wanted) {
-    return std::pair(row[particle[k]], images[k.value - own]) < wanted;
-  };
-  std::size_t first = own, count = images.size();
-  while (count > 0) {
-    const std::size_t half = count / 2;
-    if (before(Row{first + half}, {row[p], n}))
-      first += half + 1, count -= half + 1;
-    else
-      count = half;
-  }
-  const Row at{first};
-  if (first == own + images.size() || particle[at] != p || image(at) != n) return std::nullopt;
-  return at;
-}
-
-Order with_images(const Order& whole, const std::vector<ImageOf>& images, bool all_sent) {
-  Holding holding;
-  PerParticle<char> has_images(whole.row.size(), all_sent ? 1 : 0);
-  for (const ImageOf& of : images) has_images[of.particle] = 1;
-  for (const ParticleId p : has_images.ids()) {
-    holding.own.push_back(p);
-    if (has_images[p] != 0) holding.sent.push_back(p);
-  }
-  Order order = part_of(whole, holding);
-  std::vector<std::pair<Row, Image>> rows;
-  for (const ImageOf& of : images) rows.emplace_back(order.row[of.particle], of.image);
-  std::sort(rows.begin(), rows.end());
-  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
-  for (const auto& [row, image] : rows) {
-    order.particle.push_back(order.particle[row]);
-    order.images.push_back(image);
-  }
-  order.known = order.own + order.images.size();
-  return order;
+  const ImageOf wanted{p, n};
+  const auto at = std::lower_bound(by_image.begin(), by_image.end(), wanted,
+                                   [this](Row k, const ImageOf& of) { return image_of(k) < of; });
+  if (at == by_image.end() || image_of(*at) != wanted) return std::nullopt;
+  return *at;
 }
 
 }  // namespace vbond

@@ -9,10 +9,17 @@
 
 namespace vbond {
 
+/// An image of a particle, or the particle itself.
+struct ImageOf {
+  ParticleId particle;
+  Image image;
+  friend auto operator<=>(const ImageOf&, const ImageOf&) = default;
+};
+
 /// Which particle stands in which row, and back. All particles have a row. Of a body that is stepped in
 /// parts, each by a process of its own, the first rows are those of the part, at their end those that are
-/// ghosts of other parts; then come its own ghosts, particles of other parts that it may touch or is bonded
-/// to; what stands in the rows of all others is not known.
+/// ghosts of other parts; then come its own ghosts, particles of other parts and images of any that it may
+/// touch or is bonded to; what stands in the rows of all others is not known.
 struct Order {
   PerRow<ParticleId> particle;
   PerParticle<Row> row;
@@ -20,11 +27,13 @@ struct Order {
   std::size_t own = 0;    ///< rows [0, own) are moved here
   std::size_t known = 0;  ///< rows [0, known) have the pose of now
 
-  /// Of a periodic body: which image of its particle each row from `own` to `known` is, in order of rows and
-  /// images; empty: those rows, if any, are particles of other parts.
+  /// Of a periodic body: which image of its particle each row from `own` to `known` is; empty: those rows, if
+  /// any, are particles of other parts.
   std::vector<Image> images;
+  std::vector<Row> by_image;  ///< those rows, in order of particles and images
 
   Image image(Row k) const { return k.value < own || images.empty() ? Image{} : images[k.value - own]; }
+  ImageOf image_of(Row k) const { return {particle[k], image(k)}; }
   /// The row of this image of a particle, which some row must be.
   Row row_of(ParticleId p, const Image& n) const { return find(p, n).value(); }
   /// The rows of the two ends of a bond.
@@ -55,20 +64,14 @@ inline bool is_worked_out_here(const Order& order, Row i, Row j) {
 /// positions of a model it is the same for every stage and after a checkpoint.
 Order spatial_order(const PerParticle<Vec3d>& r);
 
-/// The particles that a part of a body has, and its ghosts. Of its own, some are ghosts of other parts.
+/// The particles that a part of a body has, and its ghosts, each of them once. Of its own, some are sent:
+/// they are ghosts of other parts, or have images.
 struct Holding {
-  std::vector<ParticleId> own, sent, ghosts;
+  std::vector<ParticleId> own, sent;
+  std::vector<ImageOf> ghosts;
 };
 
 /// The order of a part of a body: otherwise as that of the whole.
 Order part_of(const Order& whole, const Holding& holding);
-
-/// An image of a particle.
-struct ImageOf {
-  ParticleId particle;
-  Image image;
-};
-/// The order of a body with rows for these images. all_sent: every row counts as one that has images.
-Order with_images(const Order& whole, const std::vector<ImageOf>& images, bool all_sent);
 
 }  // namespace vbond

@@ -15,10 +15,12 @@ void Simulation::step() {
   if (!only_elastic_) change_body();
   if (cell_.any()) {
     cell_.begin_step(state_.clock.stage_step, team_);
-    if (const auto fault = cell_.fault())
+    if (const auto fault = cell_.fault()) {
       diverge(0, "the cell", *fault,
               "strain it less or more slowly; a stress that nothing bears drives it without end; rotation = "
               "\"triangular\" shears without limit");
+      agree_on_failure();  // of parts, which have all found it
+    }
   }
   supports_.set_times(state_.clock.stage_step, stage_.dt);
   applied_.set_times(state_.clock.stage_step, stage_.dt);
@@ -33,8 +35,7 @@ void Simulation::step() {
   lap.add_to(times_.integrate);
   exchange_halo();
   if (looks_at_ways()) {
-    double way2 = largest_way2();
-    if (cell_.any()) way2 = sq(std::sqrt(way2) + stage_.dt * images_.fastest(state_.cell));
+    const double way2 = largest_way2();
     last_way_ = std::max(last_way_, std::sqrt(way2));
     contacts_.refresh(bodies_.poses(), all_known(),
                       std::sqrt(way2));  // near pairs, listed anew only when stale
@@ -52,8 +53,8 @@ void Simulation::step() {
   complete_sent_blocks(Instant::end);
   if (cell_.any()) {
     const CellMotion::Done done = cell_.end_step(team_);
-    booked_.work_supports += done.work;
-    if (bonds_.damp()) lose(0, Loss::bond_damping, done.damping);
+    if (leads()) booked_.work_supports += done.work;
+    if (leads() && bonds_.damp()) lose(0, Loss::bond_damping, done.damping);
   }
   ++state_.clock.step;
   ++state_.clock.stage_step;  // time is counted, not summed
@@ -297,9 +298,11 @@ void Simulation::close_books() {
   if (sum.poison != 0.0) check_finite();
 }
 
+/// Of particles, and of images, which the cell moves on.
 double Simulation::largest_way2() const {
   double way2 = 0.0;
   for (const BlockBooks& b : books_) way2 = std::max(way2, b.way2);
+  if (cell_.any()) way2 = sq(std::sqrt(way2) + stage_.dt * images_.fastest(state_.cell));
   exchange_.max({&way2, 1});
   return way2;
 }

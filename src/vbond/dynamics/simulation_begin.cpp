@@ -75,7 +75,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
       supports_(stage_, bodies_, team_),
       applied_(stage_, bodies_, team_),
       damping_(stage_, bodies_),
-      cell_(model, stage_, bodies_, state_.cell),
+      cell_(model, stage_, bodies_, state_.cell, exchange_),
       walls_(model, stage_, bodies_, team_.blocks(), exchange_),
       bonding_(model, stage_, bodies_.order, bond_index_, exchange_),
       last_stage_step_(std::isfinite(stage_.stops.duration) ? steps_in(stage_.stops.duration, stage_.dt)

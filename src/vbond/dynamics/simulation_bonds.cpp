@@ -110,6 +110,7 @@ struct Simulation::Broken {
   BondLoads<double> loads;    // with its damping, less those of the contact that this makes of them
   BondLoads<double> damping;  // of these
   double released = 0;
+  Vec3d r_ij;
 };
 
 /// The bonds that the loads of this step have broken, in the order of bonds: a bond's force ends with the
@@ -166,9 +167,9 @@ Simulation::Broken Simulation::broken_now(BondId k) {
   Bond& b = state_.bonds[k];
   Broken broken{};
   broken.event.bond = k;
-  const bool here = bodies_.order.has(b.i);
-  const Row i = bodies_.order.row_i(b), j = bodies_.order.row_j(b);
-  if (here) {
+  if (bodies_.order.has(b.i)) {
+    const Row i = bodies_.order.row_i(b), j = bodies_.order.row_j(b);
+    broken.r_ij = bodies_.between(i, j);
     const BondPose<double> pose = bodies_.bond_pose(b);
     BondHistory history = no_history;
     if (b.law->remembers()) history = state_.bond_history[k] = bonds_.history(k);
@@ -189,23 +190,24 @@ Simulation::Broken Simulation::broken_now(BondId k) {
   Contacts::Touch touch;
   if (!bond_index_.bonded(b.i, b.j, b.image_j)) {
     touch = touch_of_unbonded(b);
-    bonding_.unbonded(i, j);
+    if (b.image_j.is_itself()) bonding_.unbonded(bodies_.order.row[b.i], bodies_.order.row[b.j]);
   }
   broken.loads.F -= touch.force;
   broken.released = broken.event.energy - touch.energy;
   return broken;
 }
 
-/// What contact makes of two particles without a bond, on the bond's first one. Of an image and a particle
-/// that are seen from the other one elsewhere, it is looked for there.
+/// What contact makes of two particles without a bond, on the bond's first one. The pair is listed where its
+/// contact is worked out: where the first particle is and an image of the second, or the other way round.
 Contacts::Touch Simulation::touch_of_unbonded(const Bond& b) {
   const Order& order = bodies_.order;
-  const Row i = order.row_i(b), j = order.row_j(b);
-  if (order.images.empty() || is_worked_out_here(order, i, j)) return contacts_.unbonded(i, j, bodies_);
-  const std::optional<Row> image_of_i = order.find(b.i, -b.image_j);
-  if (!image_of_i) return {};  // too far away to touch
-  Contacts::Touch touch = contacts_.unbonded(order.row[b.j], *image_of_i, bodies_);
-  touch.force = -touch.force;
+  const Row i = order.row[b.i], j = order.row[b.j];
+  if (b.image_j.is_itself()) return contacts_.unbonded(i, j, bodies_);
+  const std::optional<Row> image_of_j = order.find(b.j, b.image_j), image_of_i = order.find(b.i, -b.image_j);
+  Contacts::Touch touch;
+  if (image_of_j) touch = contacts_.unbonded(i, *image_of_j, bodies_);
+  if (image_of_i && !(image_of_j && is_worked_out_here(order, i, *image_of_j)))
+    contacts_.unbonded(j, *image_of_i, bodies_);
   return touch;
 }
 
@@ -221,7 +223,7 @@ void Simulation::take_out(const Broken& broken) {
   if (is_damped(b)) take(bodies_.damping, broken.damping);
   take(bodies_.load, broken.loads);
   taken_.push_back({b.i, b.j, broken.loads});
-  if (cell_.any()) cell_.take_out(bodies_.between(b), b.image_j, broken.loads.F, broken.damping.F);
+  if (cell_.any()) cell_.take_out(broken.r_ij, b.image_j, broken.loads.F, broken.damping.F);
   if (bodies_.order.has(b.i)) booked_.released += broken.released;
   events_.push_back(broken.event);
   survey_.reset();

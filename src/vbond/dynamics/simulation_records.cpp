@@ -240,8 +240,9 @@ double Simulation::mean_axial_force(const std::vector<BondId>& bonds) const {
   const auto mean = [this](const std::vector<BondId>& some) {
     return vbond::mean_axial_force(some, [this](BondId k) {
       const Bond& b = state_.bonds[k];
-      return axial_force(b, history_of_bond(state_, k), bodies_.between(b), bodies_.orientation(b.i),
-                         bodies_.orientation(b.j));
+      return axial_force(b, history_of_bond(state_, k), bodies_.between(b),
+                         bodies_.orientation(bodies_.order.row_i(b)),
+                         bodies_.orientation(bodies_.order.row_j(b)));
     });
   };
   std::vector<BondId> here = bonds;

@@ -100,7 +100,22 @@ VtpFile file_of_bonds(const std::vector<BondId>& bonds, const std::vector<Partic
   return f;
 }
 
-/// The same of a part of a body, whose points do not have the numbers of particles.
+/// The numbers that the points of images have in a frame of the whole body, behind the particles.
+std::vector<std::int64_t> numbers_of_images(const std::vector<BondId>& bonds, const State& state) {
+  std::vector<std::int64_t> numbers;
+  auto number = static_cast<std::int64_t>(state.r.size());
+  auto next = bonds.begin();
+  for (const BondId k : state.bonds.ids()) {
+    const bool is_here = next != bonds.end() && *next == k;
+    if (is_here) ++next;
+    if (state.bonds[k].image_j.is_itself()) continue;
+    if (is_here) numbers.push_back(number);
+    ++number;
+  }
+  return numbers;
+}
+
+/// The same of a part of a body, whose points have the numbers of those of the whole body.
 VtpFile file_of_bonds_of_part(const std::vector<BondId>& bonds, std::vector<ParticleId> points,
                               const State& state, UnitSystem units, FrameFormat format) {
   for (const BondId k : bonds) points.push_back(state.bonds[k].j);
@@ -109,6 +124,8 @@ VtpFile file_of_bonds_of_part(const std::vector<BondId>& bonds, std::vector<Part
   VtpFile f = file_of_bonds(bonds, points, state, units, format);
   std::vector<std::int64_t> ids;
   for (const ParticleId p : points) ids.push_back(p.value);
+  const std::vector<std::int64_t> of_images = numbers_of_images(bonds, state);
+  ids.insert(ids.end(), of_images.begin(), of_images.end());
   f.add_point_data("particle", ids);
   return f;
 }

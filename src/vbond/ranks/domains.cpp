@@ -13,37 +13,17 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <numeric>
 #include <stdexcept>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace vbond {
 namespace {
 
-void put(const Vec3d& x, double*& to) {
-  *to++ = x.x, *to++ = x.y, *to++ = x.z;
-}
-void put(const Quatd& q, double*& to) {
-  *to++ = q.w, *to++ = q.x, *to++ = q.y, *to++ = q.z;
-}
-Vec3d take_vector(const double*& from) {
-  from += 3;
-  return {from[-3], from[-2], from[-1]};
-}
-Quatd take_quaternion(const double*& from) {
-  from += 4;
-  return {from[-4], from[-3], from[-2], from[-1]};
-}
-
-/// The messages of a step, and what each atom costs, which LAMMPS carries along with it to balance them.
+/// What each atom costs, which LAMMPS carries along with it to balance them.
 class FixVbond : public LAMMPS_NS::Fix {
  public:
-  static constexpr int pose_numbers = 7, motion_numbers = 6, load_numbers = 6;
   FixVbond(LAMMPS_NS::LAMMPS* lmp, int narg, char** arg) : Fix(lmp, narg, arg) {
-    comm_forward = pose_numbers + motion_numbers;  // at most
-    comm_reverse = load_numbers;
     peratom_flag = 1;
     peratom_freq = 1;
     size_peratom_cols = 0;
@@ -62,45 +42,12 @@ class FixVbond : public LAMMPS_NS::Fix {
   void copy_arrays(int i, int j, int /*delflag*/) override { vector_atom[j] = vector_atom[i]; }
   int pack_exchange(int i, double* to) override { return *to = vector_atom[i], 1; }
   int unpack_exchange(int i, double* from) override { return vector_atom[i] = *from, 1; }
-  int pack_forward_comm(int n, int* list, double* to, int /*pbc_flag*/, int* /*pbc*/) override {
-    for (int k = 0; k < n; ++k) {
-      const std::uint32_t from = rows[list[k]];
-      put(ghosts.pose[from].r, to), put(ghosts.pose[from].q, to);
-      if (!ghosts.motion.empty()) put(ghosts.motion[from].v, to), put(ghosts.motion[from].omega, to);
-    }
-    return n * comm_forward;
-  }
-  void unpack_forward_comm(int n, int first, double* values) override {
-    const double* from = values;
-    for (int k = first; k < first + n; ++k) {
-      const std::uint32_t to = rows[k];
-      ghosts.pose[to].r = take_vector(from), ghosts.pose[to].q = take_quaternion(from);
-      if (ghosts.motion.empty()) continue;
-      ghosts.motion[to].v = take_vector(from), ghosts.motion[to].omega = take_vector(from);
-    }
-  }
-  int pack_reverse_comm(int n, int first, double* to) override {
-    for (int k = first; k < first + n; ++k) put(load[rows[k]].F, to), put(load[rows[k]].M, to);
-    return n * load_numbers;
-  }
-  void unpack_reverse_comm(int n, int* list, double* values) override {
-    const double* from = values;
-    for (int k = 0; k < n; ++k) {
-      LoadRow& l = load[rows[list[k]]];
-      l.F += take_vector(from), l.M += take_vector(from);
-    }
-  }
-
   void set_costs(const PerParticle<double>& work) {
     for (int k = 0; k < atom->nlocal; ++k)
       vector_atom[k] = work[ParticleId{static_cast<std::size_t>(atom->tag[k] - 1)}];
   }
 
   std::vector<double> costs;  // of each atom
-  // of the message under way
-  const std::uint32_t* rows = nullptr;
-  HaloColumns ghosts;
-  std::span<LoadRow> load;
 };
 
 }  // namespace
@@ -121,8 +68,8 @@ struct Domains::Lammps {
   /// Moves the borders between domains so that their work is the same but for a twentieth, where planes
   /// through the body can do so.
   void balance(const PerParticle<double>& work) const;
-  /// What LAMMPS does wherever it lists neighbours anew.
-  void spread(double reach) const;
+  /// Particles go to the ranks in whose domains they are.
+  void spread() const;
 
   std::unique_ptr<LAMMPS_NS::LAMMPS> lmp;
   FixVbond* fix = nullptr;
@@ -172,13 +119,11 @@ void Domains::Lammps::balance(const PerParticle<double>& work) const {
   command("balance 1.05 shift xyz 20 1.02 weight var cost");
 }
 
-void Domains::Lammps::spread(double reach) const {
-  lmp->comm->cutghostuser = reach;
+void Domains::Lammps::spread() const {
   lmp->domain->pbc();
   lmp->domain->reset_box();
   lmp->comm->setup();
   lmp->comm->exchange();
-  lmp->comm->borders();
   std::int64_t mine = lmp->atom->nlocal, all = 0;
   MPI_Allreduce(&mine, &all, 1, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
   if (all != particles)
@@ -187,20 +132,20 @@ void Domains::Lammps::spread(double reach) const {
 }
 
 Domains::Domains(const Order& order, const PerParticle<Vec3d>& all, const PerParticle<double>& work,
-                 double reach)
+                 double margin)
     : lammps_(std::make_unique<Lammps>()) {
   lammps_->particles = static_cast<std::int64_t>(all.size());
-  lammps_->make_box(all, std::max(reach, 1e-3));
+  lammps_->make_box(all, std::max(margin, 1e-3));
   lammps_->make_atoms(order, all);
   lammps_->command("variable cost atom f_body");
   lammps_->lmp->init();
   lammps_->balance(work);
-  lammps_->spread(reach);
+  lammps_->spread();
 }
 
 Domains::~Domains() = default;
 
-void Domains::redistribute(const PerParticle<Vec3d>& all, const PerParticle<double>& work, double reach) {
+void Domains::redistribute(const PerParticle<Vec3d>& all, const PerParticle<double>& work) {
   LAMMPS_NS::Atom& atom = *lammps_->lmp->atom;
   for (int k = 0; k < atom.nlocal; ++k) {
     const Vec3d& r = all[ParticleId{static_cast<std::size_t>(atom.tag[k] - 1)}];
@@ -209,40 +154,15 @@ void Domains::redistribute(const PerParticle<Vec3d>& all, const PerParticle<doub
   // to their new ranks however far they have gone: what follows is for neighbouring domains only
   lammps_->command("displace_atoms all move 0.0 0.0 0.0 units box");
   lammps_->balance(work);
-  lammps_->spread(reach);
+  lammps_->spread();
 }
 
-Holding Domains::holding() {
+std::vector<ParticleId> Domains::own() const {
   const LAMMPS_NS::Atom& atom = *lammps_->lmp->atom;
-  const auto own = static_cast<std::size_t>(atom.nlocal), all = own + static_cast<std::size_t>(atom.nghost);
-  // ghosts report to their particles
-  std::vector<std::uint32_t> rows(all);
-  std::iota(rows.begin(), rows.end(), 0u);
-  std::vector<LoadRow> reports(all);
-  for (std::size_t k = own; k < all; ++k) reports[k].F.x = 1.0;
-  reverse_sum(rows, reports);
-
-  Holding h;
-  for (std::size_t k = 0; k < all; ++k) {
-    const ParticleId p{static_cast<std::size_t>(atom.tag[k] - 1)};
-    (k < own ? h.own : h.ghosts).push_back(p);
-    if (k < own && reports[k].F.x != 0.0) h.sent.push_back(p);
-  }
-  return h;
-}
-
-void Domains::halo(const std::vector<std::uint32_t>& rows, const HaloColumns& columns) {
-  FixVbond& fix = *lammps_->fix;
-  fix.rows = rows.data();
-  fix.ghosts = columns;
-  fix.comm_forward = FixVbond::pose_numbers + (columns.motion.empty() ? 0 : FixVbond::motion_numbers);
-  lammps_->lmp->comm->forward_comm_fix(&fix);
-}
-
-void Domains::reverse_sum(const std::vector<std::uint32_t>& rows, std::span<LoadRow> load) {
-  lammps_->fix->rows = rows.data();
-  lammps_->fix->load = load;
-  lammps_->lmp->comm->reverse_comm_fix(lammps_->fix);
+  std::vector<ParticleId> own;
+  for (int k = 0; k < atom.nlocal; ++k) own.push_back(ParticleId{static_cast<std::size_t>(atom.tag[k] - 1)});
+  std::sort(own.begin(), own.end());
+  return own;
 }
 
 }  // namespace vbond

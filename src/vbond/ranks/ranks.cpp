@@ -13,7 +13,9 @@
 #include <vector>
 
 #include "vbond/core/error.hpp"
+#include "vbond/core/images.hpp"
 #include "vbond/dynamics/simulation.hpp"
+#include "vbond/ranks/ghosts.hpp"
 
 namespace vbond {
 namespace {
@@ -28,12 +30,8 @@ double seconds_at_work() {
 /// Ghosts are listed beyond what may meet by this part of its reach: until two have gone half of that each,
 /// no pair is missing.
 constexpr double margin = 0.5;
-/// A bond longer than at the last redistribution finds its ghost all the same: messages go on to those who
-/// were listed then. So this covers rounding alone.
-constexpr double beyond_longest = 1.0 + 1e-6;
-
 /// LAMMPS' box is wider than the body by 1e-4 of its first size: a particle that has gone so many times the
-/// reach of ghosts would be lost by rounding.
+/// length that bonds or contacts reach would be lost by rounding.
 constexpr double farthest_found = 1e6;
 
 /// Of the bonds that are not broken.
@@ -42,6 +40,18 @@ double longest_bond(const State& state) {
   for (const Bond& b : state.bonds)
     if (!b.broken) longest2 = std::max(longest2, norm2(between(state, b)));
   return std::sqrt(longest2);
+}
+
+/// Where domains are cut: a periodic body in its cell, whose edges are straightened out.
+PerParticle<Vec3d> places_of(const Model& model, const State& state) {
+  if (!model.cell.any()) return state.r;
+  PerParticle<Vec3d> places = state.r;
+  for (Vec3d& r : places) {
+    r += to_image(state.cell, image_in_cell(state.cell, model.cell.periodic, {}, r));
+    const Vec3d s = in_edges(state.cell, r);
+    r = {s.x * norm(state.cell[0].along), s.y * norm(state.cell[1].along), s.z * norm(state.cell[2].along)};
+  }
+  return places;
 }
 
 /// What each particle costs in a step: by itself, and its bonds.
@@ -111,16 +121,17 @@ Share Ranks::spread(const Model& model, const State& state, double reach) {
   reach_ = reach;
   order_ = spatial_order(model.r_0);
   domains_.reset();
-  first_ghost_reach_ = ghost_reach(state);
-  domains_ = std::make_unique<Domains>(order_, state.r, work_of(model, state), first_ghost_reach_);
-  return share_of(state);
+  const double size = size_of_domains(state);
+  lost_beyond_ = model.cell.any() ? std::numeric_limits<double>::infinity() : farthest_found * size;
+  domains_ = std::make_unique<Domains>(order_, places_of(model, state), work_of(model, state), size);
+  return share_of(model, state);
 }
 
 Share Ranks::spread_anew(const Model& model, const State& state) {
   const Waiting waiting(*this);
-  domains_->redistribute(state.r, work_of(model, state), ghost_reach(state));
+  domains_->redistribute(places_of(model, state), work_of(model, state));
   const std::vector<ParticleId> before = own_;
-  Share share = share_of(state);
+  Share share = share_of(model, state);
   std::int64_t come = 0;
   for (const ParticleId p : own_) come += !std::binary_search(before.begin(), before.end(), p);
   MPI_Allreduce(MPI_IN_PLACE, &come, 1, MPI_INT64_T, MPI_SUM, MPI_COMM_WORLD);
@@ -129,33 +140,29 @@ Share Ranks::spread_anew(const Model& model, const State& state) {
   return share;
 }
 
-double Ranks::ghost_reach(const State& state) const {
-  if (reach_ == std::numeric_limits<double>::infinity()) {  // all are ghosts of all
-    double farthest2 = 0.0;
-    for (const Vec3d& r : state.r) farthest2 = std::max(farthest2, norm2(r - *state.r.begin()));
-    return std::max(1.0, 2.0 * std::sqrt(farthest2)) * beyond_longest;
-  }
-  return std::max(
-      {std::numeric_limits<double>::min(), longest_bond(state) * beyond_longest, reach_ * (1.0 + margin)});
+double Ranks::ghost_reach() const {
+  return reach_ * (1.0 + margin);
+}
+
+/// The least that domains can sensibly be as large as.
+double Ranks::size_of_domains(const State& state) const {
+  if (std::isfinite(reach_))
+    return std::max({std::numeric_limits<double>::min(), longest_bond(state), ghost_reach()});
+  double farthest2 = 0.0;  // all are ghosts of all
+  for (const Vec3d& r : state.r) farthest2 = std::max(farthest2, norm2(r - *state.r.begin()));
+  return std::max(1.0, 2.0 * std::sqrt(farthest2));
 }
 
 /// Particles are to be spread anew because ghosts may be missing of what may meet; or else, as bonds keep
 /// theirs however far they move, because domains are to be compact, once a particle has gone a quarter of the
 /// longest bond.
-Share Ranks::share_of(const State& state) {
-  const Holding holding = domains_->holding();
-  Share share{part_of(order_, holding), std::numeric_limits<double>::infinity(),
-              farthest_found * first_ghost_reach_};
-  const Order& order = share.order;
-  rows_.clear();
-  for (const auto* some : {&holding.own, &holding.ghosts})
-    for (const ParticleId p : *some) rows_.push_back(order.row[p].value);
-  for (const Bond& b : state.bonds)
-    if (!b.broken && order.has(b.i) && !order.knows(b.j))
-      throw std::runtime_error("a rank has no ghost of particle " + std::to_string(b.j.value) +
-                               ", which its particle " + std::to_string(b.i.value) + " is bonded to");
-  own_ = holding.own;
-  std::sort(own_.begin(), own_.end());
+Share Ranks::share_of(const Model& model, const State& state) {
+  own_ = domains_->own();
+  std::vector<ImageOf> ghosts = ghosts_of(own_, model, state, ghost_reach());
+  halo_ = Halo(own_, ghosts, model.particles(), *this);
+  Share share{part_of(order_, {own_, halo_.sent(), std::move(ghosts)}),
+              std::numeric_limits<double>::infinity(), lost_beyond_};
+  halo_.take_rows(share.order);
   if (reach_ > 0.0 && std::isfinite(reach_))
     share.farthest = 0.5 * margin * reach_;
   else if (const double longest = longest_bond(state); longest > 0.0)
@@ -165,12 +172,12 @@ Share Ranks::share_of(const State& state) {
 
 void Ranks::halo(const HaloColumns& columns) {
   const Waiting waiting(*this);
-  domains_->halo(rows_, columns);
+  halo_.halo(columns);
 }
 
 void Ranks::reverse_sum(std::span<LoadRow> load) {
   const Waiting waiting(*this);
-  domains_->reverse_sum(rows_, load);
+  halo_.reverse_sum(load);
 }
 
 void Ranks::sum(std::span<double> numbers) const {

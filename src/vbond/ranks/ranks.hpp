@@ -10,6 +10,7 @@
 
 #include "vbond/dynamics/partition.hpp"
 #include "vbond/ranks/domains.hpp"
+#include "vbond/ranks/halo.hpp"
 
 namespace vbond {
 
@@ -52,8 +53,9 @@ class Ranks : public Partition {
  private:
   class Waiting;
   std::string text_of_rank(int rank, std::string text) const;
-  Share share_of(const State& state);
-  double ghost_reach(const State& state) const;
+  Share share_of(const Model& model, const State& state);
+  double ghost_reach() const;
+  double size_of_domains(const State& state) const;
 
   int rank_ = 0, size_ = 1, here_ = 1;
   std::int64_t migrations_ = 0, redistributions_ = 0;
@@ -62,10 +64,10 @@ class Ranks : public Partition {
   double begun_ = -1;  // seconds of work then; < 0: not yet
   Order order_;        // of the whole body
   double reach_ = 0;   // of what may touch or be bonded
-  double first_ghost_reach_ = 0;
+  double lost_beyond_ = 0;
   std::unique_ptr<Domains> domains_;
-  std::vector<ParticleId> own_;      // in increasing order
-  std::vector<std::uint32_t> rows_;  // of the particles that domains_ names, in its order
+  std::vector<ParticleId> own_;  // in increasing order
+  Halo halo_;
 };
 
 }  // namespace vbond

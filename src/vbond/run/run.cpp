@@ -128,7 +128,6 @@ void Run::take_part() {
           "several processes step the body: none may drop particles");
   require(std::none_of(stage.supports.begin(), stage.supports.end(), is_free_grip),
           "several processes step the body: no rigid group may be free in part");
-  require(!model_.cell.any(), "several processes step the body: a periodic one is stepped by one process");
   const double reach = simulation_->reach();
   State begun = std::move(*std::exchange(simulation_, {})).take_state();
   Share share = partition_->spread(model_, begun, reach);

@@ -1,0 +1,16 @@
+#pragma once
+#include <vector>
+
+#include "vbond/dynamics/order.hpp"
+#include "vbond/model/model.hpp"
+#include "vbond/model/state.hpp"
+
+namespace vbond {
+
+/// What a rank with these particles must know beside them: the second ends of their bonds, and all particles
+/// and images within reach of them.  reach: 0: none; infinite: all particles.  [length]
+/// Each once, in order of particles and images.
+std::vector<ImageOf> ghosts_of(const std::vector<ParticleId>& own, const Model& model, const State& state,
+                               double reach);
+
+}  // namespace vbond
