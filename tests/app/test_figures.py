@@ -56,6 +56,19 @@ def test_fibre_bundle():
     assert number("fibre_bundle.out", "energy_balance_error") < 1e-9
 
 
+def test_triaxial_packing():
+    # In the last third of the second stage each stress is what the servo was asked for; grains have rubbed, and no energy
+    # goes astray as the stage begins (a body that forgot its slip through the faces would lose 4e-4 of it).
+    shown("triaxial_packing")
+    rows = table("triaxial_packing.out")
+    press = [row for row in rows if row["time"] > 600]
+    for row in press:
+        for component, asked in (("xx", -0.05), ("yy", -0.05), ("zz", -0.0625)):
+            assert abs(row[f"cell_stress_{component}"] / asked - 1) < (1e-3 if row["time"] < 650 else 1e-4), row["time"]
+    assert rows[-1]["dissipated.friction"] > 0.1
+    assert abs(rows[-1]["balance_error"] - rows[40]["balance_error"]) < 1e-6 and abs(rows[40]["balance_error"]) < 1e-4
+
+
 def test_damped_bell():
     # Two maxima 10,000 time units apart, when only the lowest mode is left: 1 % below 12 omega^2/2, as damped_bell.md says.
     shown("damped_bell")

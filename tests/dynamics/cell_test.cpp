@@ -314,6 +314,90 @@ TEST(PeriodicBody, GoesOnFromAnyStepBitForBit) {
     }
 }
 
+// What rubs through a face goes on rubbing in the next stage: without that its energy would be gone unbooked.
+TEST(PeriodicBody, PairsRememberTheirSlipInTheNextStage) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    Body b = granular_body(seed);
+    State s = run_until(b.model, shear(0.01), b.state, 200, 1);
+    const auto through_faces = std::count_if(s.contact_history.begin(), s.contact_history.end(),
+                                             [](const PairMemory& m) { return !m.image_j.is_itself(); });
+    ASSERT_GT(through_faces, 0) << seed;
+    const double contact = Simulation(b.model, shear(0.01), s).energies().contact;
+    begin_next_stage(s.clock);
+    const Simulation next(b.model, stage_of(0.01), s);
+    EXPECT_NEAR(next.energies().contact, contact, 1e-14 * contact) << seed;
+    EXPECT_EQ(next.state().contact_history.size(), s.contact_history.size()) << seed;
+  }
+}
+
+/// Grains that fall on a floor and stick to each other, in a cell that is open upwards; `times` of it along
+/// a.
+Body falling_body(std::uint64_t seed, int times) {
+  Random random(seed);
+  std::vector<Vec3d> r, v;
+  for (int k = 0; k < 12; ++k) {
+    r.push_back({0.8 * (k % 4) + number(random, -0.1, 0.1), 1.1 * (k / 4) + number(random, -0.1, 0.1),
+                 0.6 + number(random, 0.0, 1.0)});
+    v.push_back({number(random, -0.1, 0.1), number(random, -0.1, 0.1), number(random, -0.3, 0.0)});
+  }
+  const Vec3d a{3.2, 0, 0};
+  std::vector<Vec3d> all;
+  for (int copy = 0; copy < times; ++copy)
+    for (const Vec3d& x : r) all.push_back(x + double(copy) * a);
+  Body b{equal_particles(all, 1.0, 0.1, 0.5), {}};
+  b.model.cell.edges = {double(times) * a, {0.3, 3.3, 0}, {0, 0, 5}};
+  b.model.cell.periodic = {true, true, false};
+  b.model.contact.law = ContactLaw::hertz;
+  b.model.contact.pairs = ContactPairs::unbonded;
+  b.model.contact.E = 10.0, b.model.contact.nu = 0.2;
+  b.model.contact.tangential = TangentialForm::mindlin;
+  b.model.contact.surface.friction = 0.4;
+  b.model.walls = {{"floor", PlaneWall{{}, {0, 0, 1}}, 0, {}}};
+  b.state = at_rest(b.model);
+  for (const ParticleId p : b.state.v.ids()) b.state.v[p] = v[p.value % r.size()];
+  return b;
+}
+
+/// Pairs within a distance are bonded, and break again.
+Stage sticking(std::size_t particles) {
+  Stage stage = stage_of(0.01);
+  stage.gravity = {0.02, 0, -0.1};
+  BondRecipe recipe;
+  recipe.law = find_law("v-model");
+  recipe.parameters = BondStiffness<double>{3.0, 1.0, 0.3, 0.2};
+  recipe.rules.strength = linear_strength(0.05, 0.08, 0.05, 0.05);
+  stage.bonding = {{"any", std::vector<char>(particles, 1), std::vector<char>(particles, 1), 0.95, recipe}};
+  return stage;
+}
+
+// On a floor, with bonds made and broken through faces. What is at one place in both cells moves alike, to
+// rounding that grows as grains hit each other.
+TEST(PeriodicBody, MovesAlikeInACellTwiceAsLong) {
+  for (const std::uint64_t seed : {1, 2, 3, 4, 5}) {
+    const Body one = falling_body(seed, 1), two = falling_body(seed, 2);
+    const Stage stage_of_one = sticking(12), stage_of_two = sticking(24);
+    const State s = run_until(one.model, stage_of_one, one.state, 250, 1),
+                t = run_until(two.model, stage_of_two, two.state, 250, 2);
+    const auto through_faces =
+        std::count_if(s.bonds.begin(), s.bonds.end(), [](const Bond& b) { return !b.image_j.is_itself(); });
+    EXPECT_GT(through_faces, 0) << seed;
+    EXPECT_GT(s.breaks, 0) << seed;
+    EXPECT_EQ(t.bonds.size(), 2 * s.bonds.size()) << seed;
+    EXPECT_EQ(t.breaks, 2 * s.breaks) << seed;
+    for (const ParticleId p : s.r.ids())
+      for (const std::size_t copy : {0, 1}) {
+        const Vec3d at = s.r[p] + double(copy) * one.model.cell.edges[0];
+        EXPECT_LT(norm(t.r[ParticleId{p.value + 12 * copy}] - at), 1e-10) << seed;
+      }
+    EXPECT_GT(s.walls[0].force.z, -10.0);
+    EXPECT_NEAR(t.walls[0].force.z, 2.0 * s.walls[0].force.z, 1e-9) << seed;
+    const Simulation end(one.model, stage_of_one, s), end_of_two(two.model, stage_of_two, t);
+    EXPECT_NEAR(end_of_two.energies().total(), 2.0 * end.energies().total(), 1e-9) << seed;
+    EXPECT_NEAR(end_of_two.balance_error(), end.balance_error(), 1e-9) << seed;
+    EXPECT_LT(std::abs(end.balance_error()), 1e-3) << seed;
+  }
+}
+
 // A particle that stands near the origin hardly moves while its images come on.
 TEST(PeriodicBody, ImagesThatComeNearAreFelt) {
   Body b{equal_particles({{0.01, 0, 0}}, 1.0, 0.1, 0.5), {}};

@@ -100,8 +100,18 @@ TEST(CaseCell, RefusesWhatDoesNotGoTogether) {
   } catch (const CaseError& e) {
     EXPECT_TRUE(contains(e.what(), "needs to know how fast")) << e.what();
   }
-  refuses("[[wall]]\nname = \"w\"\nshape = \"plane\"\nnormal = [0, 0, 1]\n" + still,
-          "walls, which would end at the faces");
+  const std::string floor =
+      "[contact]\nlaw = \"hertz\"\nE = 1.0\nnu = 0.2\n"
+      "[[wall]]\nname = \"w\"\nshape = \"plane\"\npoint = [0, 0, -1]\nnormal = [0, 0, 1]\n";
+  const std::string open_upwards = "a = [3, 0, 0]\nb = [0, 3, 0]\nc = [0, 0, 9]\nopen = [\"c\"]\n";
+  refuses(floor + still, "wall \"w\" ends at a face of the cell");
+  EXPECT_EQ(mistake(floor + still, open_upwards), "");
+  EXPECT_TRUE(
+      contains(mistake(floor + "[[stage]]\nduration = 1.0\ncell = { xx = { rate = 1.0 } }\n", open_upwards),
+               "walls, which stand still while the cell moves"));
+  EXPECT_TRUE(contains(
+      mistake(floor + still + "walls = [{ wall = \"w\", angular_velocity = [0, 0, 1] }]\n", open_upwards),
+      "wall \"w\" turns"));
   refuses("[[stage]]\nkind = \"modes\"\n", "has kind = \"modes\"");
   refuses("[[stage]]\nduration = 1.0\ngravity = [0, 0, -1]\ncell = { xx = { rate = 1.0 } }\n",
           "loads or gravity on a body whose cell moves");

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <optional>
 #include <set>
 #include <string>
 #include <tuple>
@@ -24,9 +25,10 @@ std::string pair_name(ParticleId i, ParticleId j) {
   return "particles " + std::to_string(i.value) + " and " + std::to_string(j.value);
 }
 
-Bond bond_between(const BondRecipe& recipe, const Model& model, const State& s, ParticleId i, ParticleId j) {
-  if (const auto bond = make_bond(recipe, bond_site(model, s, i), bond_site(model, s, j))) {
-    if (const auto mistake = capsule_mistake(model, *bond, norm(between(s, i, j))))
+Bond bond_between(const BondRecipe& recipe, const Model& model, const State& s, const Bonding::Pair& pair) {
+  const auto& [rule, i, j, image] = pair;
+  if (const auto bond = make_bond(recipe, bond_site(model, s, i), bond_site(model, s, j, image))) {
+    if (const auto mistake = capsule_mistake(model, *bond, norm(between(s, i, j, image))))
       throw Diverged(s.clock.step, s.clock.time(), pair_name(i, j) + ", whose bond is to touch as a capsule",
                      mistake->rule, mistake->way_out);
     return *bond;
@@ -45,7 +47,8 @@ Bonding::Bonding(const Model& model, const Stage& stage, const Order& order, con
     const auto keep = [&rule, &order, &index](Row i, Row* first, Row* last) {
       return std::remove_if(first, last, [&, p = order.particle[i]](Row j) {
         const ParticleId o = order.particle[j];
-        return !is_worked_out_here(order, i, j) || !joins(rule, p, o) || index.bonded(p, o);
+        return !is_worked_out_here(order, i, j) || !joins(rule, p, o) ||
+               index.bonded(p, o, order.image(j) - order.image(i));
       });
     };
     const PerRow<double> half(order.known, 0.5 * rule.distance);
@@ -63,49 +66,55 @@ void Bonding::check_step(const State& state) const {
 }
 
 /// Not broken as it is made: it would be made and break for ever.
-bool Bonding::holds(const BondRecipe& recipe, const PoseRow& at_p, const PoseRow& at_o, ParticleId p,
-                    ParticleId o) const {
-  const auto site = [this](ParticleId q, const PoseRow& at) {
-    return BondSite{q, at.r, at.q, model_.radius[q], model_.mass[q], model_.inertia[q]};
+bool Bonding::holds(const BondRecipe& recipe, std::span<const PoseRow> pose, Row i, Row j) const {
+  const auto site = [&](Row k) {
+    const ParticleId p = order_.particle[k];
+    const PoseRow& at = pose[k.value];
+    return BondSite{p, at.r, at.q, model_.radius[p], model_.mass[p], model_.inertia[p], order_.image(k)};
   };
-  const BondSite i = site(p, at_p), j = site(o, at_o);
-  const auto bond = make_bond(recipe, i, j);
-  return !bond || !breaks_as_made(*bond, i, j);
+  const auto bond = make_bond(recipe, site(i), site(j));
+  return !bond || !breaks_as_made(*bond, site(i), site(j));
 }
 
 std::vector<Bonding::Pair> Bonding::find(std::span<const PoseRow> pose, const Team& team) {
   std::vector<Pair> found;
-  std::set<std::pair<ParticleId, ParticleId>> taken;  // by this rule or an earlier one
+  std::set<std::tuple<ParticleId, ParticleId, Image>> taken;  // by this rule or an earlier one
   for (std::uint32_t number = 0; number < rules_.size(); ++number) {
     RuleList& list = rules_[number];
     list.near.refresh(pose, team);
     for (std::size_t k = 0; k < pose.size(); ++k)
       for (const Row j : list.near.of(Row{k})) {
         if (j.value < k || norm2(between(pose[k], pose[j.value])) > sq(list.rule->distance)) continue;
-        const auto [p, o] = std::minmax(order_.particle[Row{k}], order_.particle[j]);
-        const BondRecipe& recipe = list.rule->recipe;
-        if (recipe.prestrain != 0.0 &&
-            !holds(recipe, pose[order_.row[p].value], pose[order_.row[o].value], p, o))
-          continue;
-        if (taken.insert({p, o}).second) found.push_back({number, p, o});
+        const bool in_order = order_.image_of(Row{k}) < order_.image_of(j);
+        const Row first = in_order ? Row{k} : j, second = in_order ? j : Row{k};
+        if (list.rule->recipe.prestrain != 0.0 && !holds(list.rule->recipe, pose, first, second)) continue;
+        const auto [p, image_p] = order_.image_of(first);
+        const auto [o, image_o] = order_.image_of(second);
+        if (taken.insert({p, o, image_o}).second) found.push_back({number, p, o, image_o});
       }
   }
   found = exchange_.gather(found);
   std::sort(found.begin(), found.end(), [](const Pair& a, const Pair& b) {
-    return std::tuple(a.rule, a.i, a.j) < std::tuple(b.rule, b.i, b.j);
+    return std::tuple(a.rule, a.i, a.j, a.image_j) < std::tuple(b.rule, b.i, b.j, b.image_j);
   });
   return found;
 }
 
-void Bonding::unbonded(Row i, Row j) {
-  if (std::max(i, j).value >= order_.known || !is_worked_out_here(order_, i, j)) return;
-  for (RuleList& list : rules_)
-    if (joins(*list.rule, order_.particle[i], order_.particle[j])) list.near.add(i, j);
+void Bonding::unbonded(const Bond& b) {
+  const auto list_pair = [this](Row i, const std::optional<Row>& j) {
+    if (!j || std::max(i, *j).value >= order_.known || !is_worked_out_here(order_, i, *j)) return false;
+    for (RuleList& list : rules_)
+      if (joins(*list.rule, order_.particle[i], order_.particle[*j])) list.near.add(i, *j);
+    return true;
+  };
+  // seen from one of its two, if it is a pair of a particle and an image
+  if (!list_pair(order_.row[b.i], order_.find(b.j, b.image_j)) && !b.image_j.is_itself())
+    list_pair(order_.row[b.j], order_.find(b.i, -b.image_j));
 }
 
 void Bonding::make(const std::vector<Pair>& pairs, State& state) {
-  for (const auto& [rule, i, j] : pairs)
-    add_bond(model_, bond_between(recipe(rule), model_, state, i, j), recipe(rule), state);
+  for (const Pair& pair : pairs)
+    add_bond(model_, bond_between(recipe(pair.rule), model_, state, pair), recipe(pair.rule), state);
   for (RuleList& list : rules_) list.near.invalidate();
   check_step(state);
 }

@@ -25,10 +25,11 @@ class Bonding {
   Bonding(const Model&, const Stage&, const Order&&, const BondIndex&) = delete;
   Bonding(const Model&, const Stage&, const Order&, const BondIndex&&) = delete;
 
-  /// A pair to be bonded, i < j.
+  /// A pair to be bonded: i < j, or i = j and image_j > 0.
   struct Pair {
     std::uint32_t rule;  ///< its number in the stage
     ParticleId i, j;
+    Image image_j;
   };
   const BondRecipe& recipe(std::uint32_t rule) const { return rules_[rule].rule->recipe; }
   /// Pairs that are nearer than this are listed.  [length]
@@ -38,12 +39,12 @@ class Bonding {
     return most;
   }
   /// Every pair without a bond that a rule joins and that is close enough, once, in the order of rules, then
-  /// (i, j). A pair whose own strength (Weibull's) does not bear the prestrain of the rule is left unbonded.
-  /// One pose per row.
+  /// (i, j, image). A pair whose own strength (Weibull's) does not bear the prestrain of the rule is left
+  /// unbonded. One pose per row.
   std::vector<Pair> find(std::span<const PoseRow> pose, const Team& team);
   /// The last bond between these two is broken: they are bonded again if they are still close enough, in the
   /// next step as after a checkpoint.
-  void unbonded(Row i, Row j);
+  void unbonded(const Bond& bond);
   /// Bonds these pairs; the state is that of the poses in which they were found.
   /// Contact energy that a pair gives up because bonded pairs do not touch is booked as dissipated.
   /// Throws Diverged if a bond would have no length, or if the new bonds make the step too large and the case
@@ -56,8 +57,7 @@ class Bonding {
     NeighbourList near;
   };
   void check_step(const State& state) const;
-  bool holds(const BondRecipe& recipe, const PoseRow& at_p, const PoseRow& at_o, ParticleId p,
-             ParticleId o) const;
+  bool holds(const BondRecipe& recipe, std::span<const PoseRow> pose, Row i, Row j) const;
 
   const Model& model_;
   const Order& order_;

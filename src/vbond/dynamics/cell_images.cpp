@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "vbond/core/images.hpp"
+#include "vbond/dynamics/bonding.hpp"
 #include "vbond/dynamics/contacts.hpp"
 #include "vbond/model/drop.hpp"
 
@@ -60,7 +61,7 @@ std::array<Vec3d, 3> CellImages::edges_times_force(std::span<const LoadRow> load
   return sum;
 }
 
-Share whole_body(const Model& model, const State& state) {
+Share whole_body(const Model& model, const Stage& stage, const State& state) {
   Order order = spatial_order(model.r_0);
   if (!model.cell.any())
     return {state.dropped.empty() ? std::move(order) : part_of(order, {not_dropped(model, state), {}, {}})};
@@ -70,15 +71,16 @@ Share whole_body(const Model& model, const State& state) {
   std::vector<ImageOf>& images = all.ghosts;
   for (const Bond& b : state.bonds)  // broken ones too: the order of rows is the same after a checkpoint
     if (!b.image_j.is_itself()) images.push_back({b.j, b.image_j});
-  const bool touch = particles_touch(model.contact);
-  if (touch) {
+  const BondIndex none;
+  const bool touch = particles_touch(model.contact), meet = touch || !stage.bonding.empty();
+  if (meet) {
     double R_sum = 0.0;
     for (const double R : model.radius) R_sum += R;
     // as far as half the mean radius: images are few, and are found anew every some hundred steps
     const double room = 0.5 * R_sum / static_cast<double>(model.particles());
     share.farthest = 0.5 * room;
-    const BondIndex none;
-    const double reach = Contacts(model, order, none).reach() + room;
+    const double reach =
+        room + std::max(Contacts(model, order, none).reach(), Bonding(model, stage, order, none).reach());
     for_near_images(state.cell, model.cell.periodic, state.r.values(), reach,
                     [&](std::size_t, std::size_t j, const Image& n, double) {
                       if (!n.is_itself()) images.push_back({ParticleId{j}, n});
@@ -86,9 +88,9 @@ Share whole_body(const Model& model, const State& state) {
   }
   std::sort(images.begin(), images.end());
   images.erase(std::unique(images.begin(), images.end()), images.end());
-  if (touch) all.sent = all.own;
+  if (meet) all.sent = all.own;
   for (const ImageOf& of : images)
-    if (!touch && (all.sent.empty() || all.sent.back() != of.particle)) all.sent.push_back(of.particle);
+    if (!meet && (all.sent.empty() || all.sent.back() != of.particle)) all.sent.push_back(of.particle);
   share.order = part_of(order, all);
   return share;
 }

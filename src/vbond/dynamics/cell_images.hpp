@@ -6,6 +6,7 @@
 #include "vbond/dynamics/exchange.hpp"
 #include "vbond/dynamics/partition.hpp"
 #include "vbond/model/model.hpp"
+#include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"
 
 namespace vbond {
@@ -41,7 +42,7 @@ class CellImages final : public Exchange {
 };
 
 /// A body that one process steps whole: all particles, and the images that its bonds join, or that may touch
-/// until a particle has gone farther than Share::farthest.
-Share whole_body(const Model& model, const State& state);
+/// or be bonded in this stage until a particle has gone farther than Share::farthest.
+Share whole_body(const Model& model, const Stage& stage, const State& state);
 
 }  // namespace vbond

@@ -270,9 +270,11 @@ class Simulation final : public BodyView {
   void exchange_halo();
   bool is_sent(const Block& block) const;
   void complete_sent_blocks(Instant at);
-  /// Whether it is of interest how far particles go in a step: where something may touch, or be bonded by
-  /// parts.
-  bool looks_at_ways() const { return !only_elastic_ && (anything_touches() || (is_part_ && may_meet())); }
+  /// Whether it is of interest how far particles go in a step: where something may touch, or be bonded to a
+  /// ghost.
+  bool looks_at_ways() const {
+    return !only_elastic_ && (anything_touches() || (has_ghosts() && may_meet()));
+  }
   const Tensor* flow() const { return cell_.any() ? &cell_.L_end() : nullptr; }
   /// A part may have none, and its particles may be those of others.
   bool has_ghosts() const { return is_part_ || bodies_.order.own < bodies_.order.known; }

@@ -53,7 +53,7 @@ std::size_t work_of_particle(const Model& model) {
 }
 
 Simulation::Simulation(const Model& model, Stage stage, State* state, int threads)
-    : Simulation(model, std::move(stage), state, threads, whole_body(model, *state), nullptr) {}
+    : Simulation(model, stage, state, threads, whole_body(model, stage, *state), nullptr) {}
 
 Simulation::Simulation(const Model& model, Stage stage, State* state, Share share, Exchange& exchange)
     : Simulation(model, std::move(stage), state, 1, std::move(share), &exchange) {}
@@ -94,6 +94,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
       for (GripState& g : state_.grips) g.work = 0.0;
     }
     bodies_.read(state_);
+    exchange_.halo({bodies_.pose, bodies_.motion, &state_.cell});  // so that pairs with images are found
     bodies_.tops.hold(stage_.supports, bodies_.order);
     breaking_.resize(all_known().parts().size());
     bonds_changed();

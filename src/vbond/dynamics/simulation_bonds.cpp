@@ -68,10 +68,10 @@ void Simulation::make_bonds() {
   const EnergyBooks before = booked_;
   const double U = capsules ? contact_energy() : 0.0, flowed = capsules ? dissipated_by_flow(state_) : 0.0;
   if (contacts_.are_touches() && model_.contact.pairs == ContactPairs::unbonded)
-    for (const auto& [rule, i, j] : pairs)  // add_bond() books the energy of their repulsion alone
-      if (bodies_.order.has(i))
-        booked_.lose(Loss::bonding, contacts_.energy(bodies_.order.row[i], bodies_.order.row[j], bodies_) -
-                                        contact_pair_energy(model_, state_, i, j));
+    for (const auto& [rule, i, j, image] : pairs)  // add_bond() books the energy of their repulsion alone
+      if (const Order& order = bodies_.order; order.has(i))
+        booked_.lose(Loss::bonding, contacts_.energy(order.row[i], order.row_of(j, image), bodies_) -
+                                        contact_pair_energy(model_, state_, i, j, image));
   state_.books = booked_;
   books_ahead_ = true;
   bonding_.make(pairs, state_);
@@ -190,7 +190,7 @@ Simulation::Broken Simulation::broken_now(BondId k) {
   Contacts::Touch touch;
   if (!bond_index_.bonded(b.i, b.j, b.image_j)) {
     touch = touch_of_unbonded(b);
-    if (b.image_j.is_itself()) bonding_.unbonded(bodies_.order.row[b.i], bodies_.order.row[b.j]);
+    bonding_.unbonded(b);
   }
   broken.loads.F -= touch.force;
   broken.released = broken.event.energy - touch.energy;

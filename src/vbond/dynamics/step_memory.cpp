@@ -1,5 +1,9 @@
 #include "vbond/dynamics/step_memory.hpp"
 
+#include <algorithm>
+#include <vector>
+
+#include "vbond/core/images.hpp"
 #include "vbond/dynamics/bodies.hpp"
 #include "vbond/dynamics/bond_index.hpp"
 #include "vbond/dynamics/bond_pack.hpp"
@@ -18,6 +22,25 @@ double of_tops_per_particle(const Model& model) {
          tops / static_cast<double>(model.particles()) * Tops::bytes_each;
 }
 
+/// Of a periodic body: those that bonds join, or particles within a diameter of the faces where they touch.
+double images_per_particle(const Model& model, const State& state) {
+  if (state.cell.empty() || model.particles() == 0) return 0.0;
+  std::vector<ImageOf> bonded;
+  for (const Bond& b : state.bonds)
+    if (!b.image_j.is_itself()) bonded.push_back({b.j, b.image_j});
+  std::sort(bonded.begin(), bonded.end());
+  const auto distinct = std::unique(bonded.begin(), bonded.end()) - bonded.begin();
+  const double joined = static_cast<double>(distinct) / static_cast<double>(model.particles());
+  if (!particles_touch(model.contact)) return joined;
+  const double diameter = 2.0 * *std::max_element(model.radius.begin(), model.radius.end());
+  const Vec3d h = heights(state.cell);
+  double with_images = 1.0;
+  for (int k = 0; k < 3; ++k)
+    if (model.cell.periodic[static_cast<std::size_t>(k)])
+      with_images *= 1.0 + 2.0 * diameter / component(h, k);
+  return std::max(joined, with_images - 1.0);
+}
+
 /// In a pack, as a mean over all bonds.
 double constants_per_bond(const State& state) {
   std::size_t compact = 0;
@@ -33,10 +56,12 @@ double constants_per_bond(const State& state) {
 }  // namespace
 
 MemoryUse memory_use(const Model& model, const State& state) {
+  constexpr double row = sizeof(PoseRow) + sizeof(MotionRow) + sizeof(LoadRow) + sizeof(InverseInertia) +
+                         2 * sizeof(double) + sizeof(Row) + sizeof(ParticleId);
   return {.per_particle = 4 * sizeof(double) + sizeof(Vec3d) +  // model
-                          state_bytes_per_particle + sizeof(PoseRow) + sizeof(MotionRow) + sizeof(LoadRow) +
-                          sizeof(InverseInertia) + 2 * sizeof(double) + sizeof(Row) + sizeof(ParticleId) +
-                          2 * sizeof(std::size_t) + of_tops_per_particle(model),
+                          state_bytes_per_particle + row + 2 * sizeof(std::size_t) +
+                          of_tops_per_particle(model) +
+                          images_per_particle(model, state) * (row + 2 * sizeof(Image)),
           .per_bond = sizeof(Bond) + constants_per_bond(state) + 2 * sizeof(BondIndex::Entry)};
 }
 

@@ -11,7 +11,8 @@ struct MemoryUse {
   double per_bond = 0;
 };
 
-/// Constants, state and scratch of a run of this body; tops count per particle, as a mean over all.
+/// Constants, state and scratch of a run of this body; tops, and images of a periodic body, count per
+/// particle, as a mean over all.
 MemoryUse memory_use(const Model& model, const State& state);
 
 /// What each of so many ranks, >= 1, takes at least in the time loop: all have the whole body, and the

@@ -98,6 +98,34 @@ std::array<bool, 3> open_axes(const CellShape& shape) {
   return open;
 }
 
+namespace {
+
+bool is_along(const Vec3d& x, const Vec3d& axis) {
+  return norm(cross(x, axis)) <= 1e-12 * norm(x);
+}
+
+}  // namespace
+
+bool repeats_with_cell(const WallShape& shape, const CellShape& cell) {
+  const auto* plane = std::get_if<PlaneWall>(&shape);
+  const auto* cylinder = std::get_if<CylinderWall>(&shape);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3d& edge = cell.edges[k];
+    if (!cell.periodic[k]) continue;
+    const bool same_on_plane = plane != nullptr && std::abs(dot(plane->normal, edge)) <= 1e-12 * norm(edge);
+    const bool same_on_cylinder =
+        cylinder != nullptr && std::isinf(cylinder->length) && is_along(edge, cylinder->axis);
+    if (!same_on_plane && !same_on_cylinder) return false;
+  }
+  return true;
+}
+
+bool may_turn_in_cell(const WallShape& shape, const WallDrive& drive) {
+  const auto* cylinder = std::get_if<CylinderWall>(&shape);
+  return drive.angular_velocity == Vec3d{} ||
+         (cylinder != nullptr && is_along(drive.angular_velocity, cylinder->axis) && !drive.pivot);
+}
+
 std::vector<std::string> mistakes_in_cell(const Model& model) {
   Mistakes found(model);
   const CellShape& cell = model.cell;
@@ -121,7 +149,9 @@ std::vector<std::string> mistakes_in_cell(const Model& model) {
   const auto count = [](const std::array<bool, 3>& x) { return x[0] + x[1] + x[2]; };
   found.require(count(open) + count(cell.periodic) == 3,
                 "an open edge of the cell must be along an axis of the world");
-  found.require(model.walls.empty(), "a periodic body has no walls: they would end at the faces of its cell");
+  for (const Wall& w : model.walls)
+    found.require(repeats_with_cell(w.shape, cell),
+                  "wall \"" + w.name + "\" does not go on through the faces of the cell");
   return std::move(found).take();
 }
 

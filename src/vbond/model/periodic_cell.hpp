@@ -29,6 +29,12 @@ Tensor cell_stress(const Model& model, const State& state);
 /// once too, while particles follow the cell and do not turn.  [force/length^2]
 double affine_modulus(const CellShape& shape, const State& state);
 
+/// Whether a surface is the same one edge further, for each edge that is periodic: planes along them, and
+/// endless cylinders around the only one.
+bool repeats_with_cell(const WallShape& shape, const CellShape& cell);
+/// Whether it stays so: a cylinder may turn about its own axis, and nothing else.
+bool may_turn_in_cell(const WallShape& shape, const WallDrive& drive);
+
 std::vector<std::string> mistakes_in_cell(const Model& model);
 std::vector<std::string> mistakes_in_cell(const Model& model, const State& state);
 /// at_rest: of a static stage, which has no servo and no factors.

@@ -139,11 +139,20 @@ void look_at_strain(const StrainProgram& strain, Mistakes& found) {
                 fmt::format("the strain is imposed every {}: it must be > 0", strain.every));
 }
 
+/// Walls that are not the same through the faces of a cell, or that stand still while it moves.
+void look_at_walls_of_cell(const Model& model, const std::vector<WallDrive>& drives, bool cell_moves,
+                           Mistakes& found) {
+  found.require(!cell_moves || model.walls.empty(), "walls would stand still while the cell moves");
+  for (const WallDrive& d : drives)
+    found.require(d.index >= model.walls.size() || may_turn_in_cell(model.walls[d.index].shape, d),
+                  "wall \"" + d.wall + "\" turns, not about the axis that it is endless along");
+}
+
 /// What a cell does not know yet, or what would stand still while it moves.
 void look_at_cell(const Model& model, const Stage& stage, Mistakes& found) {
   found.add(mistakes_in_drive(model, stage.cell, false));
   if (!model.cell.any()) return;
-  found.require(stage.bonding.empty(), "a periodic body makes no bonds on approach");
+  look_at_walls_of_cell(model, stage.walls, stage.cell.any(), found);
   found.require(!stage.strain, "a periodic body takes no imposed strain: its cell is strained");
   found.require(stage.on_unphysical == OnUnphysical::stop, "a periodic body drops no particles");
   if (!stage.cell.any()) return;
@@ -156,6 +165,7 @@ void look_at_cell(const Model& model, const Stage& stage, Mistakes& found) {
 void look_at_cell(const Model& model, const StaticStage& stage, Mistakes& found) {
   found.add(mistakes_in_drive(model, stage.cell, true));
   if (!model.cell.any()) return;
+  look_at_walls_of_cell(model, stage.walls, stage.cell.any(), found);
   found.require(stage.kind != StageKind::buckling && stage.kind != StageKind::modes,
                 "a periodic body has no critical loads and no modes here: kind = \"equilibrium\" strains it");
   if (!stage.cell.any()) return;

@@ -297,7 +297,7 @@ VBOND_HD void slip(const TouchForms& f, const TouchNumbers<T>& c, const Vec3<T>&
   const Vec3<T> turned = detail::turned_with(before.F_t, n, spin);
   const Vec3<T> trial = detail::left_of_slip(f.tangential, k_before, k_t) * turned + k_t * u;
   const T size = norm(trial);
-  h.F_t = detail::scale_to(size, limit) * trial;
+  h.F_t = where_greater(dt, zero, detail::scale_to(size, limit), one) * trial;
   const Vec3<T> damped = h.F_t + (c.tangential_damping * c_n) * v_t;
   const Vec3<T> sticking = detail::scale_to(norm(damped), limit) * damped - h.F_t;
   h.F_d = h.F_d + where_greater(size, limit, zero, one) * sticking;
@@ -328,9 +328,9 @@ VBOND_HD void roll(const TouchForms& f, const TouchNumbers<T>& c, const Touching
     const T relief = where_greater(before.k_r, h.k_r, h.k_r * detail::inverse(before.k_r), one);
     const Vec3<T> turned = detail::turned_with(before.M_r, p.n, spin);
     const Vec3<T> trial = relief * turned + (h.k_r * dt) * rolling;
-    h.M_r = detail::scale_to(norm(trial), limit_r) * trial;
+    h.M_r = where_greater(dt, zero, detail::scale_to(norm(trial), limit_r), one) * trial;
     const T twist = relief * before.M_t + h.k_r * dt * w_n;
-    h.M_t = detail::scale_to(larger(twist, -twist), limit_t) * twist;
+    h.M_t = where_greater(dt, zero, detail::scale_to(larger(twist, -twist), limit_t), one) * twist;
     to.lost.rolling = half * dt * (dot(turned + h.M_r, rolling) + (before.M_t + h.M_t) * w_n) +
                       half * ((norm2(before.M_r) + sq(before.M_t)) * detail::inverse(before.k_r) -
                               (norm2(h.M_r) + sq(h.M_t)) * detail::inverse(h.k_r));
@@ -339,9 +339,9 @@ VBOND_HD void roll(const TouchForms& f, const TouchNumbers<T>& c, const Touching
 }
 
 /// One step of a contact: from what the bodies remember of the step before, and their motion of the half step
-/// between, to the loads now and what is to be remembered. dt = 0: the loads as the bodies stand. The
-/// history's forces turn with the contact: with its normal, and by the mean spin about it. Nothing a contact
-/// does makes energy (tests), but for forms that can_make_energy().
+/// between, to the loads now and what is to be remembered. dt = 0: the loads as the bodies stand; nothing
+/// slides, so that nothing is lost. The history's forces turn with the contact: with its normal, and by the
+/// mean spin about it. Nothing a contact does makes energy (tests), but for forms that can_make_energy().
 template <Scalar T>
 VBOND_HD TouchLoads<T> touch(const TouchForms& f, const TouchNumbers<T>& c, const Touching<T>& p, const T& dt,
                              const TouchHistory<T>& before) {

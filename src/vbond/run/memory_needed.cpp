@@ -39,11 +39,13 @@ void require(double bytes, const Case& c, const RanksHere& ranks) {
 /// Pairs that the rule joins and that have no bond yet.
 double pairs_now(const BondingRule& rule, const Model& model, const State& state) {
   const double most = memory_limit() / memory_use(model, state).per_bond;
-  const std::size_t all = pairs_within(state.r.values(), rule.distance, rule.in_a, rule.in_b, most).size();
+  const std::size_t all = pairs_within(state.r.values(), rule.distance, rule.in_a, rule.in_b, most,
+                                       state.cell, model.cell.periodic)
+                              .size();
   const auto is_one = [&](const Bond& b) {
     const bool joins =
         (rule.in_a[b.i.value] && rule.in_b[b.j.value]) || (rule.in_a[b.j.value] && rule.in_b[b.i.value]);
-    return !b.broken && joins && norm(between(state, b.i, b.j)) <= rule.distance;
+    return !b.broken && joins && norm(between(state, b)) <= rule.distance;
   };
   const auto bonded = std::count_if(state.bonds.begin(), state.bonds.end(), is_one);
   return static_cast<double>(all) - static_cast<double>(bonded);

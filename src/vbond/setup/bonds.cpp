@@ -144,7 +144,8 @@ std::vector<std::string> notes_on_prestrain(const Case& c, const Model& model, c
       const auto all =
           std::count_if(state.bonds.begin(), state.bonds.end(), [&](const Bond& b) { return b.set == set; });
       const auto weak = std::count_if(state.bonds.begin(), state.bonds.end(), [&](const Bond& b) {
-        return b.set == set && breaks_as_made(b, bond_site(model, state, b.i), bond_site(model, state, b.j));
+        return b.set == set &&
+               breaks_as_made(b, bond_site(model, state, b.i), bond_site(model, state, b.j, b.image_j));
       });
       if (weak > 0)
         notes.push_back(

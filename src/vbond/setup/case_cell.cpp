@@ -91,13 +91,7 @@ void check_periodic(const Case& c, Problems& problems) {
   for (const BondSpec& b : c.bonds) {
     if (b.recipe.capsule)
       refuse(b.place, fmt::format("bonds \"{}\" touch as capsules", b.name), "leave capsule_radius out");
-    if (b.when == BondTime::approach)
-      refuse(b.place, fmt::format("bonds \"{}\" are made on approach", b.name),
-             "use when = \"start\" or \"stage\"");
   }
-  if (!c.walls.empty())
-    refuse(c.cell->place, "the case has walls, which would end at the faces of the cell",
-           "leave the walls out, or the table [cell]");
   if (c.watch.on_unphysical == OnUnphysical::drop)
     refuse(c.cell->place, "watch.on_unphysical = \"drop\"", "use \"stop\"");
   for (const StageSpec& s : c.stages) {
@@ -114,6 +108,9 @@ void check_periodic(const Case& c, Problems& problems) {
       refuse(support.place,
              fmt::format("stage \"{}\": a support, which stands still while the cell moves", s.name),
              "leave it out: the cell itself holds the body");
+    if (!c.walls.empty())
+      refuse(s.place, fmt::format("stage \"{}\": walls, which stand still while the cell moves", s.name),
+             "move the walls in a cell that stands still, or leave them out");
     if (!s.loads.empty() || !(s.gravity == Vec3d{}))
       refuse(s.place, fmt::format("stage \"{}\": loads or gravity on a body whose cell moves", s.name),
              "load the body by the stress of the cell");

@@ -9,6 +9,7 @@
 
 #include "vbond/core/bounding_box.hpp"
 #include "vbond/core/nearest.hpp"
+#include "vbond/model/periodic_cell.hpp"
 #include "vbond/model/wall_touch.hpp"
 #include "vbond/setup/mesh_file.hpp"
 #include "vbond/setup/text_file.hpp"
@@ -231,6 +232,12 @@ void add_walls(const Case& c, Built& built, Problems& problems) {
       Wall wall;
       wall.name = spec.name;
       wall.shape = std::visit(make, spec.shape);
+      if (!repeats_with_cell(wall.shape, model.cell))
+        problems.add(
+            spec.place, fmt::format("wall \"{}\" ends at a face of the cell", spec.name),
+            "in a periodic body a wall is a plane along all periodic edges, or an endless cylinder around "
+            "the only one",
+            "leave the cell open across the wall: open = [\"c\"], or leave the wall out");
       wall.material = material_of(spec.material, model, problems);
       wall.centre = spec.moments_about.value_or(make.centre);
       check_stands_clear(spec, wall, model, problems);

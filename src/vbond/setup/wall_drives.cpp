@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "vbond/model/periodic_cell.hpp"
 #include "vbond/setup/case_walls.hpp"
 
 namespace vbond {
@@ -56,6 +57,12 @@ std::vector<WallDrive> resolve_wall_drives(const StageResolver& resolver) {
     drive.pivot = d.pivot;
     drive.factor = resolver.function(d.factor, d.place);
     if (d.oscillation) drive.amplitude = d.oscillation->amplitude, drive.frequency = d.oscillation->frequency;
+    if (resolver.model.cell.any() && !may_turn_in_cell(resolver.model.walls[*index].shape, drive))
+      resolver.problems.add(
+          d.place, fmt::format("wall \"{}\" turns", d.wall.value),
+          "in a periodic body only a cylinder may, about its own axis: all else would differ "
+          "from image to image",
+          "leave the rotation out, or give it along the cylinder's axis and without a pivot");
     if (d.servo) check_servo_turns(d, resolver, drive);
     if (d.servo)
       drive.servo = {normalised(d.servo->direction),
