@@ -123,6 +123,26 @@ TEST(CaseCell, RefusesWhatDoesNotGoTogether) {
   EXPECT_TRUE(contains(text_of_error(without), "the case has no cell"));
 }
 
+// A named pair of which two images are equally near is no answer.
+TEST(CaseCell, RefusesAPairWithTwoNearestImages) {
+  const auto told = [](const char* a) {
+    try {
+      build(parse_case(std::string("[cell]\na = ") + a +
+                           "\nb = [0, 3, 0]\nc = [0, 0, 4]\n"
+                           "[[specimen]]\nkind = \"list\"\npositions = [[0, 0, 0], [1, 0, 0]]\nradius = 0.4\n"
+                           "mass = 1.0\n[[bonds]]\nname = \"b\"\npairs = [[0, 1]]\n"
+                           "stiffness = { c_A = 1.0, c_D = 0.3, c_B = 0.1, c_T = 0.1 }\n"
+                           "[[stage]]\nduration = 1.0\n",
+                       "case.toml"));
+    } catch (const CaseError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_TRUE(contains(told("[2, 0, 0]"), "two images of the second particle are equally near"));
+  EXPECT_EQ(told("[2.1, 0, 0]"), "");
+}
+
 TEST(CaseCell, RefusesAServoThatSwingsFromStepToStep) {
   const auto told = [](const char* servo) {
     return text_of_stage_error(

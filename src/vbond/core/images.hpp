@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -27,6 +28,9 @@ Image image_in_cell(const CellEdges& cell, const Periodic& periodic, const Vec3d
 /// Which image of a particle at r_j is nearest to a particle at r_i, of equals the least; of one and the same
 /// place the nearest other one.
 Image nearest_image(const CellEdges& cell, const Periodic& periodic, const Vec3d& r_i, const Vec3d& r_j);
+/// Another one that is as near but for rounding, if there is one: not the same pair seen from the other side.
+std::optional<Image> as_near(const CellEdges& cell, const Periodic& periodic, const Vec3d& r_i,
+                             const Vec3d& r_j, const Image& nearest);
 
 /// Points, brought into the cell, and those of their images that come within reach of it: for finding pairs.
 struct NearImages {

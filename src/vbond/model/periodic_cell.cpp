@@ -61,6 +61,26 @@ Tensor cell_stress(const Model& model, const State& s) {
   return (1.0 / volume(s.cell)) * sum;
 }
 
+std::vector<std::string> stresses_not_reached(const CellDrive& drive, const State& s, double time) {
+  std::vector<std::string> sentences;
+  if (!drive.any_stress()) return sentences;
+  const double V = volume(s.cell);
+  SymmetricParts now = symmetric_part({{s.cell[0].virial / V, s.cell[1].virial / V, s.cell[2].virial / V}});
+  double largest = 0.0;
+  for (const double stress : now) largest = std::max(largest, std::abs(stress));
+  for (const CellComponent& c : drive.component)
+    if (c.by == CellComponent::By::stress) largest = std::max(largest, std::abs(c.value * c.factor(time)));
+  for (std::size_t k = 0; k < 6; ++k) {
+    const CellComponent& c = drive.component[k];
+    if (c.by != CellComponent::By::stress) continue;
+    const double wanted = c.value * c.factor(time);
+    if (std::abs(now[k] - wanted) > 0.01 * largest)
+      sentences.push_back(fmt::format("cell.{} has the stress {:.4g}, and {:.4g} was asked for",
+                                      cell_component_names[k], now[k], wanted));
+  }
+  return sentences;
+}
+
 double affine_modulus(const CellShape& shape, const State& s) {
   using Components = std::array<double, 6>;
   std::array<Components, 6> sum{};  // second derivatives of the energy with components of F

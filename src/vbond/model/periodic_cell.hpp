@@ -25,6 +25,10 @@ Tensor cell_velocity_gradient(const CellEdges& cell);
 /// Symmetric but for moments on particles that are out of balance.  [force/length^2]
 Tensor cell_stress(const Model& model, const State& state);
 
+/// What the stresses that a stage of motion asks for are at a time of it, where the body's of the last step
+/// are others by more than a hundredth of the largest: a sentence each.
+std::vector<std::string> stresses_not_reached(const CellDrive& drive, const State& state, double time);
+
 /// A bound of the stiffness that the bonds give the body against changes of the cell's components, several at
 /// once too, while particles follow the cell and do not turn.  [force/length^2]
 double affine_modulus(const CellShape& shape, const State& state);

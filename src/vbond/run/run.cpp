@@ -11,6 +11,7 @@
 #include "vbond/model/energies.hpp"
 #include "vbond/model/heat.hpp"
 #include "vbond/model/mistakes.hpp"
+#include "vbond/model/periodic_cell.hpp"
 #include "vbond/run/static_solver.hpp"
 #include "vbond/statics/point_view.hpp"
 
@@ -226,6 +227,11 @@ void Run::close_stage(StopReason why) {
   results_.push_back(result_of_dynamics(why));
   state_ = std::move(*simulation_).take_state();
   simulation_.reset();
+  const auto& stage = std::get<Stage>(*stage_);
+  const double time = static_cast<double>(state_.clock.stage_step) * stage.dt;
+  if (hooks_.tell)
+    for (const std::string& sentence : stresses_not_reached(stage.cell, state_, time))
+      hooks_.tell(fmt::format("stage \"{}\" ends before the cell has given way: {}", stage.name, sentence));
   stage_.reset();
   begin_next_stage(state_.clock);
 }

@@ -226,7 +226,11 @@ struct Selection {
       return refuse("a bond joins two different particles", "correct the pair");
     if (!joins_groups(*i, *j))
       return refuse("the pair does not join the two groups of `between`", "correct the pair or the groups");
-    const Pair pair = in_order({*i, *j, nearest_image(*i, *j)});
+    const Image image = nearest_image(*i, *j);
+    if (!state.cell.empty() && as_near(state.cell, model.cell.periodic, state.r[*i], state.r[*j], image))
+      return refuse("two images of the second particle are equally near to the first: which one is meant?",
+                    "use `distance`, which bonds all that are near, or more cells of the lattice");
+    const Pair pair = in_order({*i, *j, image});
     const auto [earlier, is_new] = bonded.emplace(pair, new_pair);
     if (is_new)
       pairs.push_back(pair);
