@@ -60,7 +60,14 @@ TEST(CaseRules, TheCellIsGivenInOneWay) {
   expect_refused("[cell]\n" + file + "b = [0, 1, 0]\n" + rod + stage,
                  "case.toml:3:1: cell.b = [0, 1, 0]\n  is used only with no from_specimen");
   expect_refused("[cell]\n" + file + "corner = [0, 0, 0]\n" + rod + stage, "case.toml:3:1: cell.corner");
-  expect_refused("[cell]\nfrom_specimen = true\n" + rod + stage, "case.toml:2:17: cell.from_specimen = true");
+  expect_refused("[cell]\nfrom_specimen = true\n" + rod + stage, "case.toml:2:1: cell.from_specimen = true");
+  EXPECT_EQ(report("[cell]\nfrom_specimen = true\n" + rod + stage).find("missing"), std::string::npos);
+}
+
+TEST(CaseRules, ParticlesAreWrappedIntoACell) {
+  const std::string wrap = "[output]\nframes = { every = 1.0, wrap = true }\n";
+  expect_accepted("[cell]\nfrom_specimen = \"x\"\n" + rod + stage + wrap);
+  expect_refused(rod + stage + wrap, "case.toml:9:25: output.frames.wrap = true\n  the case has no cell");
 }
 
 TEST(CaseRules, SectionsGiveAreaAndMoments) {

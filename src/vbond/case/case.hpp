@@ -409,6 +409,7 @@ struct FramesSpec {
   bool compressed = true;
   bool stress = false;    ///< of each particle
   bool contacts = false;  ///< a file for them, too
+  bool wrap = false;      ///< particles of a periodic body are shown in its cell
 };
 
 struct OutputSpec {

@@ -6,7 +6,8 @@ void describe(Table& t, CellSpec& c) {
   t.locate(c.place);
   t.key("from_specimen", c.from_specimen, specimen_name, default_is("none"),
         "the cell is the periodic box of the LAMMPS data file of this specimen, turned and moved with it");
-  t.when(!c.from_specimen, "no from_specimen, whose box gives edges and corner", [&] {
+  const bool of_file = c.from_specimen || t.is_given("from_specimen");
+  t.when(!of_file, "no from_specimen, whose box gives edges and corner", [&] {
     t.key("a", c.edges[0], vector_of(length), required, "the first edge of the cell");
     t.key("b", c.edges[1], vector_of(length), required, "the second one");
     t.key("c", c.edges[2], vector_of(length), required,

@@ -121,6 +121,9 @@ std::vector<double> FrameInput::scalars(Per per, const std::string& name) const 
 std::vector<Vec3d> FrameInput::vectors(Per per, const std::string& name) const {
   return put_together(per, [&](std::size_t f) { return files_[f].vectors(per, name); });
 }
+std::vector<Image> FrameInput::images(Per per, const std::string& name) const {
+  return put_together(per, [&](std::size_t f) { return files_[f].images(per, name); });
+}
 std::vector<std::int64_t> FrameInput::integers(Per per, const std::string& name) const {
   return put_together(per, [&](std::size_t f) {
     std::vector<std::int64_t> values = files_[f].integers(per, name);
