@@ -148,6 +148,7 @@ void save_summary(Campaign& campaign) {
   for (std::size_t w = 0; w < walls.size(); ++w)
     s.walls.push_back({campaign.plan.walls[w], walls[w].force, walls[w].moment, walls[w].displacement,
                        walls[w].work, history->largest_on_walls()[w]});
+  if (campaign.plan.cell) s.cell = summarise_cell(campaign.run.model(), campaign.run.current());
   s.dissipated.clear();
   if (!campaign.plan.losses.empty()) {
     const State& state = campaign.run.current();

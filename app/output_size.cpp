@@ -33,6 +33,10 @@ template <class View>
 double bytes_of(std::uint8_t (*)(const View&), double) {
   return 1.0;
 }
+template <class View>
+double bytes_of(Image (*)(const View&), double) {
+  return 12.0;
+}
 
 template <class Quantities>
 double bytes_of_all(const Quantities& quantities, const OutputPlan& plan, double real) {
@@ -70,7 +74,8 @@ double bytes_of_frame(const Model& model, const State& state, const OutputPlan& 
   const auto n = static_cast<double>(model.particles()), bonds = static_cast<double>(state.bonds.size());
   const double point = 3.0 * real;
   const double of_particles = n * (point + 2.0 * whole + bytes_of_all(particle_quantities(), plan, real));
-  const double of_bonds = n * point + bonds * (3.0 * whole + bytes_of_all(bond_quantities(), plan, real));
+  const double of_bonds = n * (point + (plan.cell ? whole : 0.0)) +
+                          bonds * (3.0 * whole + bytes_of_all(bond_quantities(), plan, real));
   return of_particles + of_bonds;
 }
 

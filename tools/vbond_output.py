@@ -16,6 +16,8 @@ T_0 = 2 * math.pi  # in the reduced units of all examples
 
 _DECLARED = re.compile(r'<DataArray type="(\w+)" Name="(\w+)" NumberOfComponents="(\d+)" '
                        r'format="appended" offset="(\d+)"/?>')
+_IN_TEXT = re.compile(r'<DataArray type="(\w+)" Name="(\w+)" NumberOfComponents="(\d+)" '
+                      r'NumberOfTuples="\d+" format="ascii">([^<]*)<')
 _CODES = {"Float64": "d", "Float32": "f", "Int64": "q", "Int32": "i", "UInt8": "B"}
 
 
@@ -50,6 +52,10 @@ def read_vtp(path):
         n = int(components)
         values = array.array(_CODES[kind], content(data, start + int(offset)))
         arrays[name] = [values[k:k + n] for k in range(0, len(values), n)] if n > 1 else values
+    for kind, name, components, text in _IN_TEXT.findall(head):  # of the cell of a periodic body
+        n, number = int(components), float if kind.startswith("Float") else int
+        values = [number(word) for word in text.split()]
+        arrays[name] = [values[k:k + n] for k in range(0, len(values), n)]
     return arrays
 
 

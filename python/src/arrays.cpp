@@ -74,6 +74,11 @@ py::array copy(const std::vector<std::int64_t>& values) {
 py::array copy(const std::vector<std::uint8_t>& values) {
   return copied(values);
 }
+py::array copy(const std::vector<Image>& values) {
+  static_assert(sizeof(Image) == 3 * sizeof(std::int32_t));
+  const std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(values.size()), 3};
+  return py::array_t<std::int32_t>(shape, values.empty() ? nullptr : &values[0].a);
+}
 
 PerParticle<Vec3d> vectors(const py::object& array, std::size_t n, const char* name) {
   const Doubles a = doubles(array, name);

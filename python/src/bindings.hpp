@@ -43,6 +43,7 @@ py::array copy(const std::vector<Vec3d>& values);
 py::array copy(const std::vector<double>& values);
 py::array copy(const std::vector<std::int64_t>& values);
 py::array copy(const std::vector<std::uint8_t>& values);
+py::array copy(const std::vector<Image>& values);
 
 /// n vectors out of an array of shape (n, 3). Throws ValueError with the shape that is wanted and the one
 /// that there is.

@@ -32,6 +32,10 @@ py::array array_of(const FrameInput& in, FrameInput::Per per, const char* name,
                    std::uint8_t (*)(const View&)) {
   return copy(in.bytes(per, name));
 }
+template <class View>
+py::array array_of(const FrameInput& in, FrameInput::Per per, const char* name, Image (*)(const View&)) {
+  return copy(in.images(per, name));
+}
 
 /// The arrays of a file that the table names, as far as it has them.
 template <class Quantity>
@@ -45,6 +49,11 @@ py::dict read_particles(const fs::path& path) {
   const FrameInput in(path);
   py::dict arrays;
   arrays["position"] = copy(in.vectors(FrameInput::Per::point, "Points"));
+  if (const auto& cell = in.cell()) {
+    arrays["cell"] = copy(std::vector<Vec3d>(cell->edges.begin(), cell->edges.end()));
+    arrays["cell_corner"] =
+        py::array(copy(std::vector<double>{cell->corner.x, cell->corner.y, cell->corner.z}));
+  }
   add_arrays(in, FrameInput::Per::point, particle_quantities(), arrays);
   return arrays;
 }
@@ -52,7 +61,15 @@ py::dict read_particles(const fs::path& path) {
 py::dict read_bonds(const fs::path& path) {
   const FrameInput in(path);
   py::dict arrays;
-  const std::vector<std::int64_t> ends = in.integers(FrameInput::Per::end, "connectivity");
+  std::vector<std::int64_t> ends = in.integers(FrameInput::Per::end, "connectivity");
+  if (in.has(FrameInput::Per::cell, "image_j")) {  // ends at images have points of their own
+    const std::vector<std::int64_t> of = in.integers(FrameInput::Per::point, "particle");
+    for (std::int64_t& end : ends) {
+      if (end < 0 || static_cast<std::size_t>(end) >= of.size())
+        throw IoError(path.string() + ": is damaged: a bond has impossible ends");
+      end = of[static_cast<std::size_t>(end)];
+    }
+  }
   std::vector<std::int64_t> i, j;
   for (std::size_t k = 0; k + 1 < ends.size(); k += 2) i.push_back(ends[k]), j.push_back(ends[k + 1]);
   arrays["i"] = copy(i), arrays["j"] = copy(j);

@@ -5,6 +5,7 @@
 #include <variant>
 
 #include "bindings.hpp"
+#include "vbond/model/periodic_cell.hpp"
 #include "vbond/model/state_table.hpp"
 #include "vbond/model/touching.hpp"
 #include "vbond/observe/detail/values_of.hpp"
@@ -52,10 +53,6 @@ py::dict bonds_of(const Snapshot& snapshot) {
   py::dict columns;
   columns["i"] = bond_column(s, [](const Bond& b) { return std::int64_t{b.i.value}; });
   columns["j"] = bond_column(s, [](const Bond& b) { return std::int64_t{b.j.value}; });
-  if (!s.cell.empty())
-    columns["image_j"] = bond_column(s, [](const Bond& b) {
-      return Vec3d{double(b.image_j.a), double(b.image_j.b), double(b.image_j.c)};
-    });
   columns["length_at_rest"] = bond_column(s, [](const Bond& b) { return b.a; });
   columns["broken"] =
       py::array(bond_column(s, [](const Bond& b) { return std::uint8_t{b.broken}; })).attr("astype")("bool");
@@ -64,7 +61,7 @@ py::dict bonds_of(const Snapshot& snapshot) {
   for (const BondId k : s.bonds.ids()) views.push_back(bond_view(k, s, true));
   const auto at = [&views](std::size_t k) -> const BondView& { return views[k]; };
   for (const BondQuantity& q : bond_quantities())
-    if (!columns.contains(q.name))
+    if (!columns.contains(q.name) && (q.cases != Only::cell || !s.cell.empty()))
       std::visit([&](const auto value) { columns[q.name] = copy(values_of(views.size(), at, value)); },
                  q.value);
   return columns;
@@ -72,17 +69,25 @@ py::dict bonds_of(const Snapshot& snapshot) {
 
 py::dict contacts_of(const Snapshot& snapshot) {
   std::vector<std::int64_t> first, second;
-  std::vector<Vec3d> images;
+  std::vector<Image> images;
   std::vector<double> overlaps;
   for_touching_pairs(*snapshot.model, *snapshot.state,
                      [&](ParticleId i, ParticleId j, const Image& n, double overlap) {
                        first.push_back(i.value), second.push_back(j.value), overlaps.push_back(overlap);
-                       images.push_back({double(n.a), double(n.b), double(n.c)});
+                       images.push_back(n);
                      });
   py::dict columns;
   columns["i"] = copy(first), columns["j"] = copy(second), columns["overlap"] = copy(overlaps);
   if (!snapshot.state->cell.empty()) columns["image_j"] = copy(images);
   return columns;
+}
+
+/// Of the three edges of a cell, a row for each; None without one.
+py::object of_edges(const Snapshot& s, Vec3d CellEdge::*what) {
+  if (s.state->cell.empty()) return py::none();
+  std::vector<Vec3d> rows;
+  for (const CellEdge& edge : s.state->cell) rows.push_back(edge.*what);
+  return copy(rows);
 }
 
 }  // namespace
@@ -135,12 +140,32 @@ void bind_state(py::module_& m) {
           "bonds", &bonds_of,
           "Columns of all bonds, also of broken ones, as a dict of arrays (m,): particles i and j, "
           "length_at_rest, broken, and all that frames have (docs/output.md): axial_force, "
-          "shear_force, bending_moment, torque, U_L, ... Worked out at each call")
+          "shear_force, bending_moment, torque, U_L, ... Of a periodic body also image_j (m, 3): the bond "
+          "joins "
+          "i with the image of j that is image_j @ cell away from j. Worked out at each call")
       .def_property_readonly(
           "contacts", &contacts_of,
           "Columns of the pairs of particles that repel each other, as a dict of arrays (c,): particles "
-          "i < j and the overlap that they feel [length]. Without walls and capsules. Worked out at each "
-          "call")
+          "i < j and the overlap that they feel [length]; of a periodic body image_j (c, 3) as in bonds. "
+          "Without walls and capsules. Worked out at each call")
+      .def_property_readonly(
+          "cell", [](const Snapshot& s) { return of_edges(s, &CellEdge::along); },
+          "Edges a, b and c of the cell of a periodic body, (3, 3), an edge in each row [length]; None if it "
+          "is "
+          "not periodic")
+      .def_property_readonly(
+          "cell_rates", [](const Snapshot& s) { return of_edges(s, &CellEdge::rate); },
+          "How these edges changed in the last step, (3, 3) [velocity]; or None")
+      .def_property_readonly(
+          "cell_stress",
+          [](const Snapshot& s) -> py::object {
+            if (s.state->cell.empty()) return py::none();
+            const auto& row = cell_stress(*s.model, *s.state).row;
+            return copy(std::vector<Vec3d>(row.begin(), row.end()));
+          },
+          "Cauchy's stress of a periodic body, (3, 3), tension > 0, as in history.csv but for its part that "
+          "is "
+          "not symmetric [stress]; or None. Worked out at each call")
       .def("__len__", [](const Snapshot& s) { return s.model->particles(); })
       .def("__repr__", [](const Snapshot& s) {
         return "<vbond.State: " + std::to_string(s.model->particles()) + " particles, " +

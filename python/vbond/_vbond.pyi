@@ -40,6 +40,9 @@ class State:
     groups: dict[str, ndarray]
     bonds: dict[str, ndarray]
     contacts: dict[str, ndarray]
+    cell: ndarray | None
+    cell_rates: ndarray | None
+    cell_stress: ndarray | None
     def __len__(self) -> int: ...
 
 class CriticalLoad:

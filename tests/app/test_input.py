@@ -193,3 +193,32 @@ duration = 5.0
             "is bonded already")
     write("brief.toml", stages.replace(glue, ""), ("^stop.*\n", ""), ("^duration = 5.0", "duration = 1e-3"))
     vbond("check brief.toml", status=2, err=["brief.toml:17:1: duration = 0.001", "the time step is 0.1"])
+
+
+def test_a_cell_of_a_data_file():
+    atoms = "title\n\n2 atoms\n\n0 4 xlo xhi\n0 4 ylo yhi\n0 4 zlo zhi\nTILT\nMasses\n\n1 1\n\nAtoms # bond\n\n1 1 1 0.5 1 1 0 0 0\n2 1 1 1.5 1 1 0 1 0\n"
+    write("grains.data", atoms.replace("TILT", "1 0 0.5 xy xz yz"))
+    case = f"""[cell]
+from_specimen = "grains"
+[[specimen]]
+name = "grains"
+kind = "lammps"
+file = "grains.data"
+radius = 0.4
+[[bonds]]
+distance = 1.1
+{STIFFNESS}
+[[stage]]
+duration = 5.0
+"""
+    vbond("check", write("of_file.toml", case), out=["cell", "64"])
+    vbond("run of_file.toml")
+    resolved = Path("of_file.out/resolved.toml").read_text()
+    assert '[cell]\nfrom_specimen = "grains"\nopen' in resolved and "a = [" not in resolved, resolved
+    write("grains.data", atoms.replace("TILT", "4 0 0 avec"))
+    refused("of_file.toml", "grains.data:8:1: the box is given by its ends and by vectors")
+    write("grains.data", atoms.replace("TILT", "").replace("0 4 ylo yhi\n", ""))
+    refused("of_file.toml", "grains.data:15:1: an image flag along y, and no box", 'add the line "low high ylo yhi" above')
+    write("grains.data", atoms.replace("TILT", ""))
+    refused(write("no_such.toml", case.replace('"grains"', '"grain"', 1)), 'no_such.toml:2:1: cell.from_specimen = "grain"', "there is no such specimen")
+    refused(write("both.toml", case.replace('"grains"\n', '"grains"\na = [4, 0, 0]\n', 1)), "both.toml:3:1: cell.a", "is used only with no from_specimen")

@@ -28,6 +28,15 @@ wall = [{name = "table", shape = "plane", point = [0, 0, -2], normal = [0, 0, 1]
 stage = [{duration = 2.0, walls = [{wall = "ball", velocity = [0, 0, -1.0]}]}]
 output = {history = {every = 1.0}, frames = {every = 1.0 FORMAT}}
 """
+# a lattice that is sheared while it falls apart to all sides, so that particles go through faces
+PERIODIC = """cell = {a = [4, 0, 0], b = [1, 4, 0], c = [0, 0, 4], corner = [-1, 0, 0.5], rotation = "triangular"}
+specimen = [{kind = "block", cells = [4, 4, 4], spacing = 1.0, radius = 0.4, mass = 1.0}]
+bonds = [{distance = 1.1, stiffness = {c_A = 1.0, c_D = 0.03, c_B = 0.0025, c_T = 0.002}}]
+velocities = [{kind = "given", velocity = [0.6, -0.3, 0.2]}]
+time = {step = 0.1}
+stage = [{duration = 10.0, cell = {xy = {rate = 0.03}, zz = {rate = -0.01}}}]
+output = {frames = {every = 5.0, wrap = true}, lammps_dump = true}
+"""
 FORMATS = {"zlib": "", "none": ', compression = "none"', "single": ', precision = "float32"'}
 
 
@@ -36,6 +45,7 @@ def runs(work):
     for name, frames in FORMATS.items():
         vbond("run", write(f"{name}.toml", CASE.replace(" FORMAT", frames)), "-o", name)
         vbond("report", name)
+    vbond("run", write("periodic.toml", PERIODIC), "-o", "periodic")
 
 
 def test_formats_change_nothing_but_bytes():
@@ -105,3 +115,53 @@ def test_frames_are_read():
         assert unit(a["Points"]) == "m" and unit(a["id"]) is None, name
         assert unit(a["axial_force" if "bonds" in name else "velocity"]) in ("N", "m/s"), name
         assert a["Points"].GetDataTypeAsString() == "double" and c["Points"].GetDataTypeAsString() == "float", name
+
+
+def rows(array):
+    n = array.GetNumberOfComponents()
+    flat = values(array)
+    return [flat[k:k + n] for k in range(0, len(flat), n)]
+
+
+def plus(x, *terms):
+    return [x[c] + sum(n * y[c] for n, y in terms) for c in range(3)]
+
+
+def close(x, y):
+    return all(abs(a - b) < 1e-9 for a, b in zip(x, y))
+
+
+def test_a_periodic_body_is_read_with_its_cell():
+    shear, last = 0.03 * 10, "000000000100"
+    edges = [[4, 0, 0], [1 + 4 * shear, 4, 0], [0, 0, 4 * (1 - 0.1)]]
+    corner = [-1, 0, 0.5 * (1 - 0.1)]
+    particles, bonds, cell = (arrays(read(f"periodic/frames/{kind}_{last}.vtp")) for kind in ("particles", "bonds", "cell"))
+    for frame in (particles, cell):
+        assert all(close(*pair) for pair in zip(rows(frame["cell"]), edges)), rows(frame["cell"])
+        assert close(rows(frame["cell_corner"])[0], corner) and values(frame["cell_periodic"]) == [1, 1, 1]
+    box = read(f"periodic/frames/cell_{last}.vtp")
+    assert box.GetNumberOfLines() == 12
+    ends, points = values(box.GetLines().GetConnectivityArray()), rows(cell["Points"])
+    for k, which in enumerate(values(cell["edge"])):
+        along = plus(points[int(ends[2 * k + 1])], (-1, points[int(ends[2 * k])]))
+        assert close(along, edges[int(which)]), (k, along)
+    shown, image = rows(particles["Points"]), [[int(n) for n in row] for row in rows(particles["image"])]
+    assert len({tuple(n) for n in image}) > 3, "particles have gone through several faces"
+    for x, n, u in zip(shown, image, rows(particles["displacement"])):
+        parts = [x[c] - corner[c] for c in range(3)]  # in edges: the cell is a triangle of numbers
+        z = parts[2] / edges[2][2]
+        y = parts[1] / edges[1][1]
+        assert all(-1e-9 <= part < 1 + 1e-9 for part in ((parts[0] - y * edges[1][0]) / edges[0][0], y, z)), x
+        start = plus(plus(x, *zip(n, edges)), (-1, u))
+        assert close([round(c) for c in start], start), "Points + image less displacement is no place of the lattice"
+    ours = read_vtp(f"periodic/frames/particles_{last}.vtp")
+    assert [list(row) for row in ours["image"]] == image and all(close(*pair) for pair in zip(ours["cell"], edges))
+    ends, points = values(read(f"periodic/frames/bonds_{last}.vtp").GetLines().GetConnectivityArray()), rows(bonds["Points"])
+    for i, j in zip(ends[::2], ends[1::2]):
+        assert sum(x * x for x in plus(points[int(j)], (-1, points[int(i)]))) < 1.5 ** 2, "a line across the picture"
+    assert len(points) > len(shown)
+    dump = Path("periodic/dump.lammpstrj").read_text().splitlines()
+    assert dump.count("ITEM: BOX BOUNDS xy xz yz pp pp pp") == 3 and dump.count("ITEM: TIMESTEP") == 3
+    assert dump[8] == "ITEM: ATOMS id type x y z vx vy vz radius quatw quati quatj quatk ix iy iz"
+    row = dump[-1].split()
+    assert close([float(x) for x in row[2:5]], shown[-1]) and [int(n) for n in row[-3:]] == image[-1]

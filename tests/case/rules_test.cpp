@@ -51,6 +51,25 @@ TEST(CaseRules, ReportIsWrittenAsFileLineColumnRuleWayOut) {
             "  write for example every = 1");
 }
 
+TEST(CaseRules, TheCellIsGivenInOneWay) {
+  const std::string edges = "a = [1, 0, 0]\nb = [0, 1, 0]\nc = [0, 0, 1]\n",
+                    file = "from_specimen = \"grains\"\n";
+  expect_accepted("[cell]\n" + edges + rod + stage);
+  expect_accepted("[cell]\n" + file + "open = [\"c\"]\n" + rod + stage);
+  expect_refused("[cell]\n" + rod + stage, "case.toml:1:1: cell.a is missing");
+  expect_refused("[cell]\n" + file + "b = [0, 1, 0]\n" + rod + stage,
+                 "case.toml:3:1: cell.b = [0, 1, 0]\n  is used only with no from_specimen");
+  expect_refused("[cell]\n" + file + "corner = [0, 0, 0]\n" + rod + stage, "case.toml:3:1: cell.corner");
+  expect_refused("[cell]\nfrom_specimen = true\n" + rod + stage, "case.toml:2:1: cell.from_specimen = true");
+  EXPECT_EQ(report("[cell]\nfrom_specimen = true\n" + rod + stage).find("missing"), std::string::npos);
+}
+
+TEST(CaseRules, ParticlesAreWrappedIntoACell) {
+  const std::string wrap = "[output]\nframes = { every = 1.0, wrap = true }\n";
+  expect_accepted("[cell]\nfrom_specimen = \"x\"\n" + rod + stage + wrap);
+  expect_refused(rod + stage + wrap, "case.toml:9:25: output.frames.wrap = true\n  the case has no cell");
+}
+
 TEST(CaseRules, SectionsGiveAreaAndMoments) {
   const std::string theory = "theory = \"bernoulli-euler\"\nE = 2\nnu = 0.5\nsection = ";
   const auto section = [&](const std::string& form) {

@@ -37,5 +37,12 @@ extern "C" int LLVMFuzzerInitialize(int*, char***) {
   add_seed("sphere", "\x01" + head +
                          "0 0 0 xy xz yz\n\nAtoms # sphere\n\n1 1 0.5 2 0 0 0\n2 1 0.5 2 1 0 0 # end\n" +
                          "\nVelocities\n\n1 0 0 0 0 0 0\n2 1 0 0 0 0 1\n" + bonds);
+  add_seed("general",
+           std::string(1, '\0') +
+               "title\n\n2 atoms\n1 bonds\n\n5 1 0 avec\n-1 5 0 bvec\n0 1 5 cvec\n-1 0 2 abc origin\n" +
+               "\nMasses\n\n1 2.5\n\nAtoms # bond\n\n1 1 1 0 0 0 0 -1 1\n2 1 1 4 0 0 0 0 0\n" + bonds);
+  add_seed("tilted", std::string(1, '\0') + head +
+                         "1 -0.5 0.25 xy xz yz\n\nMasses\n\n1 2.5\n\nAtoms # bond\n\n" +
+                         "1 1 1 0 0 0 2 0 -1\n2 1 1 4 0 0 0 1 0\n" + bonds);
   std::exit(0);
 }

@@ -14,14 +14,21 @@ namespace {
 using namespace vbond;
 using fuzz::folder;
 
-page::FrameFiles good_frame(std::int64_t step) {
+page::FrameFiles good_frame(std::int64_t step, bool periodic = false) {
   fuzz::SmallBody body;
+  FrameFormat format;
+  if (periodic) {
+    body.model.cell = {{Vec3d{4, 0, 0}, {1, 4, 0}, {0, 0, 4}}, {true, true, false}, {-1, -1, -1}, true};
+    body.state.cell = cell_at_start(body.model);
+    body.state.bonds[BondId{0}].image_j = {0, 1, 0};
+    format.cell = format.wrap = true;
+  }
   body.state.clock.step = body.state.clock.stage_step = step;
-  page::FrameFiles f{0.1 * static_cast<double>(step), folder() / ("p" + std::to_string(step) + ".vtp"),
-                     folder() / ("b" + std::to_string(step) + ".vtp")};
-  f.contacts = folder() / ("c" + std::to_string(step) + ".vtp");
-  write_particles_vtp(f.particles, body.model, body.state);
-  write_bonds_vtp(f.bonds, body.state, UnitSystem::reduced);
+  const std::string name = (periodic ? "periodic" : "") + std::to_string(step) + ".vtp";
+  page::FrameFiles f{0.1 * static_cast<double>(step), folder() / ("p" + name), folder() / ("b" + name)};
+  f.contacts = folder() / ("c" + name);
+  write_particles_vtp(f.particles, body.model, body.state, {}, format);
+  write_bonds_vtp(f.bonds, body.state, UnitSystem::reduced, {}, format);
   VtpFile contacts = VtpFile::of_lines({body.state.r[ParticleId{0}], body.state.r[ParticleId{1}]}, {0, 1});
   for (const char* name : {"i", "j"}) contacts.add_cell_data(name, std::vector<std::int64_t>{name[0] - 'i'});
   contacts.add_cell_data("normal_force", std::vector<double>{1.5});
@@ -60,11 +67,12 @@ std::filesystem::path list_of(const std::filesystem::path& part) {
 }
 
 /// The first byte says which file of which frame, of a run or of a mode, the rest takes the place of, as it
-/// is or as a part; contacts as it is.
+/// is or as a part; contacts as it is; whether the body is periodic.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
-  static const std::vector<page::FrameFiles> good{good_frame(0), good_frame(4)};
-  std::vector<page::FrameFiles> frames = good;
+  static const std::vector<page::FrameFiles> good{good_frame(0), good_frame(4)},
+      periodic{good_frame(0, true), good_frame(4, true)};
+  std::vector<page::FrameFiles> frames = (data[0] & 32U) ? periodic : good;
   page::FrameFiles& frame = frames[data[0] >> 1U & 1U];
   const auto forged = fuzz::put(folder() / "forged.vtp", {reinterpret_cast<const char*>(data) + 1, size - 1});
   if (data[0] & 16U)
@@ -84,6 +92,8 @@ extern "C" int LLVMFuzzerInitialize(int*, char***) {
         "frame_" + std::to_string(which),
         std::string(1, static_cast<char>(which)) + fuzz::content_of((which & 1U) ? f.bonds : f.particles));
   }
+  fuzz::add_seed("periodic_particles", ' ' + fuzz::content_of(good_frame(0, true).particles));
+  fuzz::add_seed("periodic_bonds", '!' + fuzz::content_of(good_frame(0, true).bonds));
   fuzz::add_seed("contacts", '\20' + fuzz::content_of(good_frame(0).contacts));
   VtpFile part = VtpFile::of_lines(std::vector<Vec3d>(3), {0, 1, 1, 2}), elsewhere = part;
   part.add_point_data("particle", std::vector<std::int64_t>{1, 0, 2});

@@ -297,9 +297,10 @@ TEST(FrameFormat, EveryArrayOfAQuantityWithAUnitSaysIt) {
   Chain chain;
   for (const UnitSystem units : {UnitSystem::reduced, UnitSystem::si}) {
     chain.model.units = units;
-    write_particles_vtp(folder / "p.vtp", chain.model, chain.state, {}, {.stress = true, .breaks = true});
+    write_particles_vtp(folder / "p.vtp", chain.model, chain.state, {},
+                        {.stress = true, .breaks = true, .cell = true, .wrap = true});
     write_bonds_vtp(folder / "b.vtp", chain.state, units, {},
-                    {.breaks = true, .capsules = true, .flow = true});
+                    {.breaks = true, .capsules = true, .flow = true, .cell = true});
     const VtpReader p(content_of(folder / "p.vtp")), b(content_of(folder / "b.vtp"));
     for (const ParticleQuantity& q : particle_quantities())
       EXPECT_EQ(p.arrays.at(q.name).unit, q.unit.in(units)) << q.name;

@@ -137,6 +137,20 @@ TEST(RunSummary, WallsAreToldWhereThereAreAny) {
   EXPECT_EQ(read_summary(folder / "run.json").walls, s.walls);
 }
 
+TEST(RunSummary, TheCellIsToldOfPeriodicBodies) {
+  const Folder folder;
+  RunSummary s = buckling();
+  EXPECT_FALSE(nlohmann::json::parse(to_json(s)).contains("cell"));
+  s.cell = CellSummary{{Vec3d{2, 0, 0}, {1, 3, 0}, {0, 0, 4}},
+                       {24.0, 0.5, {1, 2, 3, 4, 5, 6}, {7, 8, 9, 10, 11, 12}}};
+  write_summary(folder / "run.json", s);
+  const auto j = nlohmann::json::parse(content_of(folder / "run.json"));
+  EXPECT_EQ(j["cell"]["b"], (std::vector<double>{1, 3, 0}));
+  EXPECT_EQ(j["cell"]["strain"]["xz"], 5.0);
+  EXPECT_EQ(j["cell"]["stress"]["xy"], 12.0);
+  EXPECT_EQ(read_summary(folder / "run.json").cell, s.cell);
+}
+
 TEST(RunSummary, JsonHoldsEveryResultUnderItsName) {
   const Folder folder;
   write_summary(folder / "run.json", buckling());

@@ -40,7 +40,8 @@ export class Broken {
   /** Half the distance of a bond's particles when it was last seen whole: faces stay so far from them. */
   half_length({ bond, frame }) {
     const { sequence } = this, [i, j] = [sequence.ends[2 * bond], sequence.ends[2 * bond + 1]], at = Math.max(0, frame - 1);
-    const apart = [0, 1, 2].map((c) => sequence.reference[3 * j + c] - sequence.reference[3 * i + c]
+    const to_image = sequence.to_image(bond, sequence.cell?.at(at, 1));
+    const apart = [0, 1, 2].map((c) => to_image[c] + sequence.reference[3 * j + c] - sequence.reference[3 * i + c]
                                        + sequence.displacement(at, j, c) - sequence.displacement(at, i, c));
     return 0.5 * Math.hypot(...apart);
   }

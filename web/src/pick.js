@@ -43,10 +43,10 @@ export function picked_at(scene, sequence, frame, x, y) {
   for (let k = 0; k < run.particles; ++k) if (!scene.is_gone(k)) take("particle", k, sphere_hit(eye, way, place(k), run.radius[k] * scene.sphere_size));
   for (let bond = 0; bond < sequence.bonds_at(frame); ++bond) {
     if (sequence.broken.cause(frame, bond) || run.ends_of(bond).some((k) => scene.is_gone(k))) continue;
-    take("bond", bond, line_hit(eye, way, ...run.ends_of(bond).map(place), scene.bond_widths[bond], widening));
+    take("bond", bond, line_hit(eye, way, ...scene.ends_of_bond(bond), scene.bond_widths[bond], widening));
   }
   for (const lost of sequence.broken.until(frame)) {
-    const [i, j] = run.ends_of(lost.bond), a = place(i), b = place(j), normal = b.clone().sub(a).normalize();
+    const [i, j] = run.ends_of(lost.bond), [a, b] = scene.ends_of_bond(lost.bond), normal = b.clone().sub(a).normalize();
     const from_end = Math.min(sequence.broken.half_length(lost), 0.5 * a.distanceTo(b)), radius = scene.face_radius([i, j]);
     for (const [end, centre] of [[i, a.addScaledVector(normal, from_end)], [j, b.addScaledVector(normal, -from_end)]]) {
       if (!scene.is_gone(end)) take("bond", lost.bond, Math.min(disc_hit(eye, way, centre, normal, radius), edge_hit(eye, way, centre, normal, radius, widening)));

@@ -1,6 +1,7 @@
 // A run as the page uses it: decoded when asked for, and only then.
 import { stored } from "./decode.js";
 import { Broken } from "./broken.js";
+import { Cell, in_edges } from "./cell.js";
 import { Contacts } from "./contacts.js";
 import { fragment_colour_count } from "./palette.js";
 import { nearest } from "./history.js";
@@ -49,18 +50,20 @@ export function fragment_classes(fragment) {
 
 /** One animation: the run, or the swing of a mode. Positions in the unit of length of the run. */
 export class Sequence {
-  constructor(json, block, particles, ends, length_unit) {
+  constructor(json, block, particles, ends, length_unit, images) {
     this.json = json;
     this.block = block;
     this.particles = particles;
     this.ends = ends;
     this.bonds = ends.length / 2;
+    this.images = images;
     this.length_unit = length_unit;
     this.frames = json.frames;
     this.reference = stored(block, json.reference);
     this.displaced = once(() => stored(block, json.displacement));
     this.broken = new Broken(this, json.bond_broken && stored(block, json.bond_broken));
     this.walls = json.walls && new Walls(json.walls, block, json.frames.length);
+    this.cell = json.cell && new Cell(json.cell, block);
     this.contacts = json.contacts && new Contacts(json.contacts, json.frames, block);
     this.quantities = this.list_quantities();
   }
@@ -87,6 +90,9 @@ export class Sequence {
     }
     return out;
   }
+
+  /** From particle j of a bond to the image of it that the bond joins; `cell` is that of the frame. */
+  to_image(bond, cell) { return this.images && cell ? in_edges(cell, this.images.subarray(3 * bond, 3 * bond + 3)) : [0, 0, 0]; }
 
   list_quantities() {
     const fields = this.json.bond_fields.map((field) => this.bond_quantity(field));
@@ -197,11 +203,12 @@ export class Run {
     this.particles = reference ? reference.count / 3 : 0;
     this.radius = typeof json.radius === "number" ? new Float32Array(this.particles).fill(json.radius) : stored(block, json.radius);
     this.bond_radius = json.bond_radius && stored(block, json.bond_radius);
+    this.bond_image = json.bond_image && stored(block, json.bond_image);
     const length_unit = json.units === "SI" ? "m" : "";
     this.length_unit = length_unit;
     this.time_unit = time_unit;
     this.stages = new Map((json.stages ?? []).map((stage) => [stage.name, new Holds(stage, block)]));
-    this.sequences = json.sequences.map((s) => new Sequence(s, block, this.particles, this.ends, length_unit));
+    this.sequences = json.sequences.map((s) => new Sequence(s, block, this.particles, this.ends, length_unit, this.bond_image));
   }
 
   /** What the stage of a frame holds and loads, or undefined. */

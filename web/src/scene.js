@@ -4,6 +4,7 @@ import { BufferAttribute, BufferGeometry, DataTexture, DoubleSide, DynamicDrawUs
          WebGLRenderer } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { cause_colours } from "./palette.js";
+import { in_edges } from "./cell.js";
 import { Marks } from "./marks.js";
 import { bond_fragment, bond_vertex, contact_vertex, face_fragment, face_vertex, sphere_fragment, sphere_vertex } from "./shaders.js";
 
@@ -41,11 +42,11 @@ function table(array_type, count) {
 
 /** Usual half width of a bond, where it does not touch as a capsule: a quarter of the mean radius, but no less than 2 % of the mean length. */
 function bond_width(run) {
-  const n = run.ends.length / 2, r = run.sequences[0].reference;
+  const n = run.ends.length / 2, sequence = run.sequences[0], r = sequence.reference, cell = sequence.cell?.at(0, 1);
   let length = 0;
   for (let b = 0; b < n; ++b) {
-    const i = 3 * run.ends[2 * b], j = 3 * run.ends[2 * b + 1];
-    length += Math.hypot(r[j] - r[i], r[j + 1] - r[i + 1], r[j + 2] - r[i + 2]) / n;
+    const i = 3 * run.ends[2 * b], j = 3 * run.ends[2 * b + 1], [x, y, z] = sequence.to_image(b, cell);
+    length += Math.hypot(r[j] - r[i] + x, r[j + 1] - r[i + 1] + y, r[j + 2] - r[i + 2] + z) / n;
   }
   const radius = run.radius.reduce((sum, x) => sum + x, 0) / run.radius.length;
   return Math.max(0.25 * radius, 0.02 * length);
@@ -85,10 +86,12 @@ export class BodyScene {
     this.camera = new PerspectiveCamera(28, 1, 0.1, 100);
     this.scene = new Scene();
     this.usual_width = bond_width(run);
+    this.periodic = run.sequences.some(({ cell }) => cell);
     this.make_spheres();
     this.make_bonds();
     const most = Math.max(...run.sequences.map(({ broken }) => broken.list.length));
     if (most) this.make_faces(most);
+    if (this.periodic) this.make_cell();
     const touching = run.sequences.find(({ contacts }) => contacts);
     if (touching) this.make_contacts(touching.contacts.most);
     const walled = run.sequences.find(({ walls }) => walls);
@@ -130,16 +133,65 @@ export class BodyScene {
       ends.array.set([...this.run.ends_of(b), this.bond_widths[b], 0], 4 * b);
     }
     this.bond_colours = table(Uint8Array, count);
+    if (this.periodic) this.bond_shifts = table(Float32Array, count);
     this.bonds = this.add(quads(count), bond_vertex, bond_fragment,
-      { widest: { value: widest_bond }, ends: { value: ends.texture }, paints: { value: this.bond_colours.texture } });
+      { widest: { value: widest_bond }, ends: { value: ends.texture }, paints: { value: this.bond_colours.texture },
+        ...(this.periodic && { shifts: { value: this.bond_shifts.texture } }) });
+  }
+
+  /** Lines along the edges of the cell of a periodic body. */
+  make_cell() {
+    const { cell } = this.run.sequences.find((sequence) => sequence.cell), geometry = new BufferGeometry();
+    geometry.setAttribute("position", new BufferAttribute(new Float32Array(cell.lines(cell.at(0, 1))), 3).setUsage(DynamicDrawUsage));
+    this.cell = new LineSegments(geometry, new LineBasicMaterial({ color: 0x5f7f9f }));
+    this.cell.frustumCulled = false;
+    this.scene.add(this.cell);
+  }
+
+  /** The cell of the frame, particles in it if they are `wrapped`, and where bonds go to. */
+  place_cell(sequence, frame, factor, wrapped) {
+    this.images = null;   // that are shown in place of particles
+    if (!this.periodic) return;
+    const cell = sequence.cell?.at(frame, factor), { array } = this.bond_shifts;
+    this.cell_now = cell;
+    this.cell.visible = !!cell;
+    if (cell) {
+      const { position } = this.cell.geometry.attributes;
+      position.array.set(sequence.cell.lines(cell));
+      position.needsUpdate = true;
+      if (wrapped) {
+        this.images = sequence.cell.images(cell, this.places.array, this.run.particles, 4);
+        sequence.cell.bring(cell, this.images, this.places.array, 4);
+      }
+    }
+    for (let b = 0; b < this.bonds_shown; ++b) {
+      const to_image = sequence.to_image(b, cell), between_shown = this.between_images(...this.run.ends_of(b));
+      for (let c = 0; c < 3; ++c) array[4 * b + c] = to_image[c] + between_shown[c];
+    }
+    this.bond_shifts.texture.needsUpdate = true;
+  }
+
+  /** From the image of particle j that is shown to the one that goes with the image of particle i that is shown. */
+  between_images(i, j) {
+    if (!this.images) return [0, 0, 0];
+    return in_edges(this.cell_now, [0, 1, 2].map((k) => this.images[3 * i + k] - this.images[3 * j + k]));
+  }
+
+  /** The two ends of the line of a bond. */
+  ends_of_bond(b) {
+    const shift = this.bond_shifts ? this.bond_shifts.array.slice(4 * b, 4 * b + 3) : [0, 0, 0];
+    const [a, end] = this.run.ends_of(b).map((k) => new Vector3().fromArray(this.places.array, 4 * k));
+    return [a, end.add(new Vector3(...shift))];
   }
 
   /** Two for each broken bond, one at each of its particles. */
   make_faces(count) {
     this.face_ends = table(Float32Array, count);
     this.face_colours = table(Uint8Array, count);
+    if (this.periodic) this.face_shifts = table(Float32Array, count);
     this.faces = this.add(quads(2 * count), face_vertex, face_fragment,
-      { ends: { value: this.face_ends.texture }, paints: { value: this.face_colours.texture } });
+      { ends: { value: this.face_ends.texture }, paints: { value: this.face_colours.texture },
+        ...(this.periodic && { shifts: { value: this.face_shifts.texture } }) });
   }
 
   /** A face nearly fills the section between the particles. */
@@ -158,6 +210,10 @@ export class BodyScene {
     if (!this.faces) return;
     if (this.faces_of !== sequence) this.fill_faces(this.faces_of = sequence);
     const count = sequence.broken.count(frame);
+    if (this.face_shifts) {
+      sequence.broken.until(frame).forEach(({ bond }, k) => this.face_shifts.array.set(this.bond_shifts.array.subarray(4 * bond, 4 * bond + 4), 4 * k));
+      this.face_shifts.texture.needsUpdate = true;
+    }
     this.faces.geometry.setDrawRange(0, 2 * 6 * count);
     this.faces.visible = count > 0;
   }
@@ -179,7 +235,8 @@ export class BodyScene {
     const { array } = this.contact_ends, places = this.places.array, half_width = widest_contact * this.usual_width;
     for (let k = 0; k < contacts.count(frame); ++k) {
       const between = contacts.between(frame, k), moved = contacts.ends(frame, k), is_gone = between.some((p) => this.is_gone(p));
-      for (let c = 0; c < 6; ++c) array[8 * k + c + (c > 2 ? 1 : 0)] = places[4 * between[c > 2 ? 1 : 0] + (c % 3)] + (moved?.[c] ?? 0);
+      const shift = [0, 0, 0, ...this.between_images(...between)];
+      for (let c = 0; c < 6; ++c) array[8 * k + c + (c > 2 ? 1 : 0)] = places[4 * between[c > 2 ? 1 : 0] + (c % 3)] + (moved?.[c] ?? 0) + shift[c];
       array[8 * k + 3] = is_gone || !widest ? 0 : half_width * Math.min(1, Math.abs(contacts.force(frame, k)) / widest);
     }
     this.contact_ends.texture.needsUpdate = true;
@@ -190,7 +247,7 @@ export class BodyScene {
     uniforms.places = { value: this.places.texture };
     uniforms.cut = { value: this.cut };
     const material = new RawShaderMaterial({ glslVersion: GLSL3, vertexShader, fragmentShader, uniforms, side: DoubleSide,
-                                             alphaToCoverage: this.smooth, defines: this.smooth ? {} : { FLAT: 1 } });
+                                             alphaToCoverage: this.smooth, defines: { ...(!this.smooth && { FLAT: 1 }), ...(uniforms.shifts && { PERIODIC: 1 }) } });
     const mesh = new Mesh(geometry, material);
     mesh.frustumCulled = false;
     this.scene.add(mesh);
@@ -210,8 +267,9 @@ export class BodyScene {
       this.ghost?.geometry.dispose();
       this.ghost?.material.dispose();
       const geometry = new BufferGeometry(), look = { color: 0x808890, transparent: true, opacity: 0.55 };
-      geometry.setAttribute("position", new BufferAttribute(sequence.reference, 3));
-      if (this.run.ends.length) geometry.setIndex(new BufferAttribute(this.run.ends, 1));
+      const through_faces = this.run.ends.length && this.run.bond_image;   // each bond then has two points of its own
+      geometry.setAttribute("position", new BufferAttribute(through_faces ? this.reference_of_bonds(sequence) : sequence.reference, 3));
+      if (this.run.ends.length && !through_faces) geometry.setIndex(new BufferAttribute(this.run.ends, 1));
       this.ghost = this.run.ends.length ? new LineSegments(geometry, new LineBasicMaterial(look))
         : new Points(geometry, new PointsMaterial({ ...look, size: 3, sizeAttenuation: false }));
       this.ghost.frustumCulled = false;
@@ -220,6 +278,16 @@ export class BodyScene {
     }
     this.ghost.visible = shown;
     if (this.run.ends.length) this.ghost.geometry.setDrawRange(0, 2 * this.bonds_shown);
+  }
+
+  /** Both ends of all bonds in the undeformed body. */
+  reference_of_bonds(sequence) {
+    const { ends } = this.run, { reference } = sequence, cell = sequence.cell?.at(0, 1), places = new Float32Array(3 * ends.length);
+    ends.forEach((k, at) => {
+      const to_image = at % 2 ? sequence.to_image((at - 1) / 2, cell) : [0, 0, 0];
+      for (let c = 0; c < 3; ++c) places[3 * at + c] = reference[3 * k + c] + to_image[c];
+    });
+    return places;
   }
 
   /** Supports and loads of the frame's stage, if they are wanted. Returns which kinds there are. */
@@ -241,12 +309,16 @@ export class BodyScene {
     return x * array[4 * k] + y * array[4 * k + 1] + z * array[4 * k + 2] > w;
   }
 
-  /** Positions of the frame and how many bonds there are in it; what is beyond the plane `cut` is not drawn. */
-  place_body(sequence, frame, factor, cut, ghost) {
+  /**
+   * Positions of the frame and how many bonds there are in it; what is beyond the plane `cut` is not drawn. `wrapped`:
+   * particles of a periodic body stand in its cell.
+   */
+  place_body(sequence, frame, factor, cut, ghost, wrapped) {
     this.cut.fromArray(cut);
     sequence.positions(frame, factor, this.places.array, 4);
     this.places.texture.needsUpdate = true;
     this.bonds_shown = sequence.bonds_at(frame);
+    this.place_cell(sequence, frame, factor, wrapped);
     this.bonds.geometry.setDrawRange(0, 6 * this.bonds_shown);
     this.bonds.visible = this.bonds_shown > 0;
     this.place_faces(sequence, frame);

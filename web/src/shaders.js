@@ -12,6 +12,9 @@ vec3 lit(vec3 colour, vec3 normal) {
 /** Tables: position (xyz) and radius (w) of particles, colours and widths, ends of bonds; one texel each. */
 const tables = `
 uniform highp sampler2D places, paints, ends;
+#ifdef PERIODIC
+uniform highp sampler2D shifts;   // from the second particle of a bond to the image of it that the bond joins
+#endif
 vec4 of(sampler2D table, int k) { int w = textureSize(table, 0).x; return texelFetch(table, ivec2(k % w, k / w), 0); }
 uniform vec4 cut;   // a plane: what is centred beyond it is not drawn
 bool is_gone(vec4 place) { return dot(cut.xyz, place.xyz) > cut.w; }
@@ -106,10 +109,14 @@ void main() {
   vec3 ij = of(ends, number()).xyz;   // two particles, half width
   vec4 colour = of(paints, number());
   vec3 a = (viewMatrix * vec4(of(places, int(ij.x)).xyz, 1.0)).xyz;
-  vec3 b = (viewMatrix * vec4(of(places, int(ij.y)).xyz, 1.0)).xyz;
+  vec4 end = of(places, int(ij.y));
+#ifdef PERIODIC
+  end += vec4(of(shifts, number()).xyz, 0.0);
+#endif
+  vec3 b = (viewMatrix * vec4(end.xyz, 1.0)).xyz;
   paint = colour.rgb;
   gl_Position = ribbon(a, b, ij.z * widest * colour.a);
-  if (is_gone(of(places, int(ij.x))) || is_gone(of(places, int(ij.y)))) gl_Position = nowhere;
+  if (is_gone(of(places, int(ij.x))) || is_gone(end)) gl_Position = nowhere;
 }`;
 
 /** The line of a contact: where it begins and its half width, and where it ends. */
@@ -148,7 +155,11 @@ flat out vec3 normal, paint;
 void main() {
   vec4 face = of(ends, number() / 2);   // two particles, half length, radius
   vec3 a = (viewMatrix * vec4(of(places, int(face.x)).xyz, 1.0)).xyz;
-  vec3 b = (viewMatrix * vec4(of(places, int(face.y)).xyz, 1.0)).xyz;
+  vec4 end = of(places, int(face.y));
+#ifdef PERIODIC
+  end += vec4(of(shifts, number() / 2).xyz, 0.0);
+#endif
+  vec3 b = (viewMatrix * vec4(end.xyz, 1.0)).xyz;
   float apart = max(length(b - a), 1e-30), from_end = min(face.z, 0.5 * apart);
   normal = (b - a) / apart;
   vec3 centre = number() % 2 == 0 ? a + from_end * normal : b - from_end * normal;
@@ -161,7 +172,7 @@ void main() {
   corner = quad_corner();
   paint = of(paints, number() / 2).rgb;
   gl_Position = projectionMatrix * vec4(centre + face.w * (corner.x * u + corner.y * v), 1.0);
-  if (is_gone(of(places, int(number() % 2 == 0 ? face.x : face.y)))) gl_Position = nowhere;
+  if (is_gone(number() % 2 == 0 ? of(places, int(face.x)) : end)) gl_Position = nowhere;
 }`;
 
 export const face_fragment = `

@@ -35,6 +35,7 @@ export class View {
     this.ghost = false;
     this.marks = false;
     this.contacts = false;
+    this.wrapped = false;
     this.key_before = null;   // of the quantity that had the colour before contacts
     Object.assign(this, choices);
     this.first = { index: Math.min(index, run.sequences.length - 1), frame, camera };
@@ -73,8 +74,8 @@ export class View {
   /** What the reader has chosen, for a view of newer data. The last frame stays the last one. */
   kept() {
     if (!this.sequence) return undefined;
-    const { factor, map, size, key, picked, ranges, cut, ghost, marks, contacts, key_before, player, sequence, run } = this;
-    return { factor, map, size, key, picked, ranges, cut, ghost, marks, contacts, key_before, speed: player.speed, index: run.sequences.indexOf(sequence),
+    const { factor, map, size, key, picked, ranges, cut, ghost, marks, contacts, wrapped, key_before, player, sequence, run } = this;
+    return { factor, map, size, key, picked, ranges, cut, ghost, marks, contacts, wrapped, key_before, speed: player.speed, index: run.sequences.indexOf(sequence),
              frame: player.swings || player.frame === sequence.last ? null : player.frame, camera: this.scene.turned ? this.scene.camera_now() : null };
   }
 
@@ -126,6 +127,7 @@ export class View {
       choice("Spheres", [[0, "automatic"], [1, "full size"], [0.45, "small"], [0.3, "tiny"]], this.size, (size) => { this.size = Number(size); this.update(); }),
       this.cut_control(),
       this.check_box("Undeformed shape", "ghost"),
+      this.run.sequences.some(({ cell }) => cell) ? this.check_box("Particles in the cell", "wrapped", () => { this.reset(); this.update(); }) : null,
       this.run.stages.size ? this.check_box("Supports and loads", "marks") : null,
       this.run.sequences.some(({ contacts }) => contacts) ? this.contacts_box = this.check_box("Contact forces", "contacts", () => this.colour_contacts()) : null,
       choice("Speed", speeds.map((s) => [s, `${s} ×`]), this.player.speed, (s) => this.player.set_speed(Number(s))),
@@ -252,14 +254,14 @@ export class View {
   }
 
   reset() {
-    this.box = bounds(this.run, this.sequence, this.factor);
+    this.box = bounds(this.run, this.sequence, this.factor, this.wrapped);
     this.look(first_view(this.box, this.run.radius.reduce((most, r) => Math.max(most, r), 0)));
   }
 
   update() {
     const { frame, count, playing } = this.player;
     if (count !== this.sequence.frames.length) return;   // between two sequences
-    this.scene.place_body(this.sequence, frame, this.factor, this.cut_plane(), this.ghost);
+    this.scene.place_body(this.sequence, frame, this.factor, this.cut_plane(), this.ghost, this.wrapped);
     this.show_marks(this.scene.place_marks(this.sequence, frame, this.marks));
     const contacts = this.show_contacts(frame);
     paint(this.scene, this.sequence, frame, this.quantity, this.scale, this.size, this.picked, contacts);

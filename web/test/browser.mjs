@@ -12,10 +12,52 @@ import { cause_colours, causes } from "../src/palette.js";
 import { mark_colours } from "../src/marks.js";
 import { choose, launch, tick } from "./chromium.mjs";
 import { colours, fits, open, picture, pixels, pixels_of, show_frame, soon, steady_picture, two_pictures } from "./opened.mjs";
-import { breaking, held, page as filled, rod, snapped, touching, wide } from "./sample.mjs";
+import { breaking, held, page as filled, periodic, rod, snapped, touching, wide } from "./sample.mjs";
 import { contacts_are_as_wide_as_strong, contacts_come_and_go, has_contacts } from "./touching.mjs";
 
 const here = dirname(fileURLToPath(import.meta.url));
+
+/** From left to right and from top to bottom: where the picture has a colour of the body. */
+async function extent_of_the_body(page, png) {
+  return (await pixels(page, png)).evaluate(({ rgba, width, height }) => {
+    let [left, right] = [width, 0];
+    for (let y = Math.floor(0.15 * height); y < 0.8 * height; ++y) {
+      for (let x = 0; x < width; ++x) {
+        const [r, g, b] = rgba.slice(4 * (y * width + x), 4 * (y * width + x) + 3);
+        if (Math.max(r, g, b) - Math.min(r, g, b) > 60) { left = Math.min(left, x); right = Math.max(right, x); }
+      }
+    }
+    return (right - left) / width;
+  });
+}
+
+/** How many pixels have the blue of the cell's lines, mixed with any part of the ground. */
+async function pixels_of_the_cell(page, png) {
+  return (await pixels(page, png)).evaluate(({ rgba }) => {
+    let count = 0;
+    for (let k = 0; k < rgba.length; k += 4) {
+      const [r, g, b] = rgba.slice(k, k + 3);
+      if (b - r > 20 && b - r < 90 && Math.abs(b + r - 2 * g) < 6) ++count;
+    }
+    return count;
+  });
+}
+
+/** Lines of the cell, and particles that have left it: switched to their images they stand in it, and the picture is filled by them. */
+async function the_cell_is_drawn_and_particles_come_into_it(browser, file) {
+  const { page, complaints } = await open(browser, file);
+  const before = await steady_picture(page);
+  assert.ok(await pixels_of_the_cell(page, before) > 800, "the cell is in the picture");
+  await tick(page, "Particles in the cell");
+  assert.ok(await soon(async () => await picture(page) !== before), "images are another picture");
+  const wrapped = await steady_picture(page);
+  assert.ok(await pixels_of_the_cell(page, wrapped) > 800, "the cell is in the picture of images, too");
+  assert.ok(await extent_of_the_body(page, wrapped) > await extent_of_the_body(page, before), "nothing but the cell has to be in the picture, which images fill");
+  await tick(page, "Particles in the cell");
+  assert.ok(await soon(async () => await picture(page) === before), "and back again");
+  assert.deepEqual(complaints, []);
+  await page.close();
+}
 
 /** What must hold for the page of any run with frames and a history. */
 async function shows_the_run(browser, file) {
@@ -571,6 +613,10 @@ try {
     await contacts_come_and_go(browser, touched);
     await contacts_are_as_wide_as_strong(browser, touched);
     await is_accessible(browser, touched, "Contact forces");
+    const repeating = await made("periodic", periodic());
+    await shows_the_run(browser, repeating);
+    await the_cell_is_drawn_and_particles_come_into_it(browser, repeating);
+    await is_accessible(browser, repeating);
     await a_still_of_a_mode_stands_still(browser, await made("mode", rod({ first_shown: 1 })));
     await a_still_has_the_frame_it_is_asked_for(browser, await made("still", rod()));
     const none = { sequences: [], first_shown: 0 };

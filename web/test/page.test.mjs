@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { gunzipSync } from "node:zlib";
+import { Cell } from "../src/cell.js";
 import { maps, scale_ends, shade } from "../src/colours.js";
 import { cause_colours, causes, fragment_colours } from "../src/palette.js";
 import { from_base64, inflate, stored, undelta } from "../src/decode.js";
@@ -15,7 +16,7 @@ import { disc_hit, line_hit, numbers_of, sphere_hit } from "../src/pick.js";
 import { Run, fragment_classes } from "../src/run.js";
 import { axes_of, curves_of, results_worth_showing } from "../src/sweep.js";
 import { file_name, number, with_unit } from "../src/text.js";
-import { first_view } from "../src/viewpoint.js";
+import { bounds, first_view } from "../src/viewpoint.js";
 import { Walls } from "../src/walls.js";
 import { Block, breaking, held, rod } from "./sample.mjs";
 
@@ -421,4 +422,63 @@ test("History.BalancesAreDrawnOverWhatTheRunSays", () => {
   assert.equal(new History(columns, "step", "load_factor").presets([])[0].x, "load_factor");
   assert.equal(new History(columns, "step").presets([])[0].x, "step");
   assert.equal(new History(columns, "step", "gone").over, "step");
+});
+
+/** A tilted cell in two frames, in the second one sheared and longer along z. */
+function sheared_cell(periodic = [true, true, true]) {
+  const floats = [4, 0, 0, 1, 4, 0, 0, 0, 4, -1, 0, 0.5,
+                  4, 0, 0, 3, 4, 0, 0, 0, 6, -1, 0, 0.75];
+  return new Cell({ edges: { offset: 0, type: "f32", count: 24 }, periodic }, new Uint8Array(Float32Array.from(floats).buffer));
+}
+
+test("Cell.DeformsInProportionToTheFactor", () => {
+  assert.deepEqual(sheared_cell().at(1, 1), { edges: [[4, 0, 0], [3, 4, 0], [0, 0, 6]], corner: [-1, 0, 0.75] });
+  assert.deepEqual(sheared_cell().at(1, 2), { edges: [[4, 0, 0], [5, 4, 0], [0, 0, 8]], corner: [-1, 0, 1] });
+});
+
+test("Cell.HasTwelveLinesOrFourOfASheet", () => {
+  const whole = sheared_cell(), lines = whole.lines(whole.at(1, 1));
+  assert.equal(lines.length, 12 * 6);
+  for (let k = 0; k < lines.length; k += 6) {
+    const along = [0, 1, 2].map((c) => lines[k + 3 + c] - lines[k + c]);
+    assert.ok(whole.at(1, 1).edges.some((edge) => edge.join() === along.join()), along.join());
+  }
+  const sheet = sheared_cell([true, true, false]);
+  assert.equal(sheet.lines(sheet.at(0, 1)).length, 4 * 6);
+});
+
+test("Cell.BringsParticlesIntoIt", () => {
+  const cell = sheared_cell(), now = cell.at(1, 1), places = Float32Array.of(2, 9, 7, 0, -10, -0.5, 1, 0);
+  const images = cell.images(now, places, 2, 4);
+  assert.deepEqual([...images], [1, -2, -1, 3, 1, 0]);
+  cell.bring(now, images, places, 4);
+  assert.deepEqual([...places], [0, 1, 1, 0, 5, 3.5, 1, 0]);
+  assert.deepEqual([...sheared_cell([false, true, true]).images(now, Float32Array.of(100, 9, 7), 1, 3)], [0, -2, -1]);
+});
+
+/** A particle bonded to its own next image along x, which leaves the cell. */
+function periodic_run() {
+  const block = new Block(), floats = (values) => block.plain("f32", values);
+  const reference = floats([1, 1, 1]);
+  const displacement = { ...block.integers("u16", [0, 0, 0, 9, 0, 0], 3), low: [0, 0, 0], step: [1, 1, 1] };
+  const sequence = { kind: "run", name: "Run", frames: [{ step: 0, time: 0, bonds: 1 }, { step: 1, time: 1, bonds: 1 }], origin: [0, 0, 0],
+                     reference, displacement, particle_fields: [], bond_fields: [],
+                     cell: { edges: floats([4, 0, 0, 0, 4, 0, 0, 0, 4, 0, 0, 0, 5, 0, 0, 0, 4, 0, 0, 0, 4, 0, 0, 0]), periodic: [true, true, true] } };
+  const json = { format: 1, radius: 0.5, bonds: block.plain("u32", [0, 0]), bond_image: floats([1, 0, 0]), sequences: [sequence] };
+  return new Run(json, new Uint8Array(gunzipSync(Buffer.from(block.base64(), "base64"))));
+}
+
+test("Cell.BondsGoToImagesThatMoveWithIt", () => {
+  const run = periodic_run(), [sequence] = run.sequences;
+  assert.deepEqual(sequence.to_image(0, sequence.cell.at(0, 1)), [4, 0, 0]);
+  assert.deepEqual(sequence.to_image(0, sequence.cell.at(1, 1)), [5, 0, 0]);
+  assert.equal(sequence.broken.half_length({ bond: 0, frame: 2 }), 2.5);
+});
+
+test("Viewpoint.TheCellIsInThePicture", () => {
+  const run = periodic_run(), [sequence] = run.sequences;
+  const { centre, half } = bounds(run, sequence, 1);
+  assert.deepEqual([centre.x - half.x, centre.x + half.x, centre.y - half.y, centre.y + half.y], [0, 10.5, 0, 4]);
+  const wrapped = bounds(run, sequence, 1, true);
+  assert.deepEqual([wrapped.centre.x - wrapped.half.x, wrapped.centre.x + wrapped.half.x], [-0.5, 5]);
 });

@@ -1,5 +1,5 @@
 // Runs made up for tests, in the form that FORMAT.md describes:
-//   node test/sample.mjs rod|ball|snapped|wide|breaking|touching|large TEMPLATE OUTPUT
+//   node test/sample.mjs rod|ball|snapped|wide|breaking|touching|periodic|large TEMPLATE OUTPUT
 import { readFile, writeFile } from "node:fs/promises";
 import { pathToFileURL } from "node:url";
 import { gzipSync } from "node:zlib";
@@ -190,6 +190,23 @@ export function breaking(about = {}) {
   return { json: { ...json_of_run, breaks: { count: 240, words: "240 bonds broke: 200 in tension, 40 in shear", first } }, base64: block.base64(), lost, bonds };
 }
 
+/** A sheet that repeats along x and y, is sheared, and drifts out of its cell by more than the cell is wide. */
+export function periodic() {
+  const block = new Block(), side = 5, frames = 20, n = side * side, points = [], bonds = [], images = [];
+  for (let k = 0; k < n; ++k) points.push([k % side, Math.floor(k / side), 0]);
+  for (const [x, y] of points) {
+    bonds.push([y * side + x, y * side + ((x + 1) % side)], [y * side + x, ((y + 1) % side) * side + x]);
+    images.push(x + 1 === side ? 1 : 0, 0, 0, 0, y + 1 === side ? 1 : 0, 0);
+  }
+  const shear = (f) => (0.5 * f) / (frames - 1), drift = (f) => (1.3 * side * f) / (frames - 1);
+  const move = (f, k) => [drift(f) + shear(f) * points[k][1], 0, 0];
+  const made = sequence(block, { frames, points, bonds, bonds_at: () => bonds.length, move });
+  const cells = Array.from({ length: frames }, (_, f) => [side, 0, 0, shear(f) * side, side, 0, 0, 0, 1, -0.5, -0.5, 0]);
+  made.cell = { edges: block.plain("f32", cells.flat()), periodic: [true, true, false] };
+  const all = json(block, { title: "A sheet without an edge", particles: n }, [made], bonds, 0.3, frames);
+  return { json: { ...all, bond_image: block.plain("f32", images) }, base64: block.base64() };
+}
+
 function near_pairs(points, distance) {
   const pairs = [];
   for (let i = 0; i < points.length; ++i) {
@@ -253,7 +270,7 @@ export function large() {
   return { json: json(block, { title: "A large beam", particles: points.length }, sequences, bonds, 0.48, frames), base64: block.base64() };
 }
 
-export const samples = { rod, ball, snapped, wide, breaking, touching, large };
+export const samples = { rod, ball, snapped, wide, breaking, touching, periodic, large };
 
 if (import.meta.url === pathToFileURL(process.argv[1] ?? "").href) {
   const [name, template, output] = process.argv.slice(2);

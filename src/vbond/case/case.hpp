@@ -30,6 +30,8 @@ namespace vbond {
 /// What a periodic body repeats with.
 struct CellSpec {
   SourcePlace place;
+  /// Whose file has the box that gives edges and corner; absent: they are those below.
+  std::optional<Placed<std::string>> from_specimen;
   std::array<Vec3d, 3> edges{};
   Vec3d corner;
   std::array<bool, 3> open{};
@@ -407,6 +409,7 @@ struct FramesSpec {
   bool compressed = true;
   bool stress = false;    ///< of each particle
   bool contacts = false;  ///< a file for them, too
+  bool wrap = false;      ///< particles of a periodic body are shown in its cell
 };
 
 struct OutputSpec {

@@ -95,7 +95,7 @@ void describe(Table& t, DistanceStopSpec& s);
 void describe(Table& t, PeakStopSpec& s);
 void describe(Table& t, BreakStopSpec& s);
 void describe(Table& t, BranchSwitch& b);
-void describe(Table& t, OutputSpec& o, bool any_dynamics);
+void describe(Table& t, OutputSpec& o, bool any_dynamics, bool periodic);
 void describe(Table& t, WatchSpec& w);
 
 }  // namespace vbond::keys

@@ -4,11 +4,17 @@ namespace vbond::keys {
 
 void describe(Table& t, CellSpec& c) {
   t.locate(c.place);
-  t.key("a", c.edges[0], vector_of(length), required, "the first edge of the cell");
-  t.key("b", c.edges[1], vector_of(length), required, "the second one");
-  t.key("c", c.edges[2], vector_of(length), required, "the third one; a, b and c are a right-handed system");
-  t.key("corner", c.corner, vector_of(length), optional,
-        "where the edges begin: particles of specimens are brought into the cell from there");
+  t.key("from_specimen", c.from_specimen, specimen_name, default_is("none"),
+        "the cell is the periodic box of the LAMMPS data file of this specimen, turned and moved with it");
+  const bool of_file = c.from_specimen || t.is_given("from_specimen");
+  t.when(!of_file, "no from_specimen, whose box gives edges and corner", [&] {
+    t.key("a", c.edges[0], vector_of(length), required, "the first edge of the cell");
+    t.key("b", c.edges[1], vector_of(length), required, "the second one");
+    t.key("c", c.edges[2], vector_of(length), required,
+          "the third one; a, b and c are a right-handed system");
+    t.key("corner", c.corner, vector_of(length), optional,
+          "where the edges begin: particles of specimens are brought into the cell from there");
+  });
   t.key("open", c.open, SubsetCodec<3>{{"a", "b", "c"}}, optional,
         "edges along which nothing repeats; each is along x, y or z and normal to those along which the body "
         "does, and gives areas and volumes only");

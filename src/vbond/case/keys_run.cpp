@@ -46,7 +46,7 @@ void describe(Table& t, Case& c) {
   t.tables("stage", c.stages, required, "the stages of the run, one after another",
            [&](Table& k, StageSpec& s) { any_unknown = !describe(k, s) || any_unknown; });
   t.table("output", optional, "what is written",
-          [&](Table& k) { describe(k, c.output, c.any_dynamics() && !any_unknown); });
+          [&](Table& k) { describe(k, c.output, c.any_dynamics() && !any_unknown, c.cell.has_value()); });
   t.table("watch", optional, "when the run is looked at and stopped", [&c](Table& k) {
     describe(k, c.watch);
     check_what_drops(k, c);
@@ -112,7 +112,7 @@ void describe_stress(Table& t, StressSpec& s) {
       "large");
 }
 
-void describe(Table& t, OutputSpec& o, bool any_dynamics) {
+void describe(Table& t, OutputSpec& o, bool any_dynamics, bool periodic) {
   t.table("history", optional, "history.csv", [&o](Table& h) {
     h.key("every", o.history_every, TimeCodec{}, optional, "time between rows");
     h.key("reactions", o.reactions, list_of(group_name), optional, "groups: total support force and moment");
@@ -141,6 +141,12 @@ void describe(Table& t, OutputSpec& o, bool any_dynamics) {
               "the stress of each particle, in its volume as a sphere");
         f.key("contacts", o.frames->contacts, FlagCodec{}, optional,
               "a file for all contacts, too: who touches whom or which wall, overlap, forces, slip");
+        f.key(
+            "wrap", o.frames->wrap, FlagCodec{}, optional,
+            "particles of a periodic body are shown in its cell; without it they stand where they have gone");
+        f.check(periodic || !o.frames->wrap, {"wrap"},
+                "the case has no cell that particles could be brought into",
+                "leave it out, or add a table [cell]");
       },
       o.frames.has_value());
   t.key("lammps_dump", o.lammps_dump, FlagCodec{}, optional, "with each frame also a LAMMPS dump, for OVITO");

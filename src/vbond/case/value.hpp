@@ -161,7 +161,8 @@ struct ReferenceCodec : TextCodec {
   std::string type() const { return std::string("name of a ") + to; }
   std::string schema() const { return R"({"type": "string", "minLength": 1})"; }
 };
-inline constexpr ReferenceCodec group_name{"group"}, stage_name{"stage"}, material_name{"material"};
+inline constexpr ReferenceCodec group_name{"group"}, stage_name{"stage"}, material_name{"material"},
+    specimen_name{"specimen"};
 
 /// The name of a group, or the number of one particle, which is kept as its digits.
 struct ParticlesCodec : ReferenceCodec {

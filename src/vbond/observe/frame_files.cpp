@@ -10,6 +10,7 @@
 #include "vbond/observe/bond_look.hpp"
 #include "vbond/observe/detail/values_of.hpp"
 #include "vbond/observe/frame_names.hpp"
+#include "vbond/observe/in_cell.hpp"
 #include "vbond/observe/vtp.hpp"
 #include "vbond/physics/section.hpp"
 
@@ -21,7 +22,8 @@ namespace fs = std::filesystem;
 bool is_in(Only cases, const FrameFormat& format) {
   return cases == Only::everywhere || (cases == Only::breaks && format.breaks) ||
          (cases == Only::stress && format.stress) || (cases == Only::capsules && format.capsules) ||
-         (cases == Only::flow && format.flow);
+         (cases == Only::flow && format.flow) || (cases == Only::cell && format.cell) ||
+         (cases == Only::wrap && format.wrap && format.cell);
 }
 
 template <class IdType>
@@ -42,14 +44,21 @@ std::vector<Vec3d> positions_of(const std::vector<ParticleId>& particles, const 
 /// These particles. Stress and fragments are looked for in the whole body.
 VtpFile file_of_particles(const std::vector<ParticleId>& particles, const Model& model, const State& state,
                           FrameFormat format) {
-  VtpFile f = VtpFile::of_points(positions_of(particles, state), format);
+  PerParticle<Image> images(state.r.size());
+  if (format.wrap) images = images_in_cell(model, state);
+  std::vector<Vec3d> places = positions_of(particles, state);
+  if (format.wrap)
+    for (std::size_t k = 0; k < places.size(); ++k) places[k] += to_image(state.cell, images[particles[k]]);
+  VtpFile f = VtpFile::of_points(places, format);
   f.set_unit_of_points(unit::length.in(model.units));
+  if (const auto cell = frame_cell(model, state)) f.set_cell(*cell);
   std::optional<Fragments> fragments;
   if (format.breaks && !particles.empty()) fragments = find_fragments(model, state.bonds);
   PerParticle<Tensor> stress;
   if (format.stress) stress = stress_times_volume(model, state);
   const auto view = [&](std::size_t k) {
     ParticleView of{model, state, particles[k], fragments ? &*fragments : nullptr};
+    of.image = images[of.id];
     if (format.stress) of.stress = symmetric_part(1.0 / sphere_volume(model, of.id) * stress[of.id]);
     return of;
   };
@@ -74,6 +83,9 @@ VtpFile file_of_bonds(const std::vector<BondId>& bonds, const std::vector<Partic
   std::vector<std::int64_t> ends;
   std::vector<BondView> views;
   std::vector<Vec3d> places = positions_of(points, state);
+  std::vector<std::int64_t> of;  // particles, of the places of a periodic body
+  if (!state.cell.empty())
+    for (const ParticleId p : points) of.push_back(p.value);
   ends.reserve(2 * bonds.size()), views.reserve(bonds.size());
   for (const BondId k : bonds) {
     views.push_back(bond_view(k, state, format.breaks));
@@ -84,10 +96,12 @@ VtpFile file_of_bonds(const std::vector<BondId>& bonds, const std::vector<Partic
     } else {  // a line to the image, which stands behind the particles
       ends.push_back(static_cast<std::int64_t>(places.size()));
       places.push_back(state.r[b.i] + between(state, b));
+      of.push_back(b.j.value);
     }
   }
   VtpFile f = VtpFile::of_lines(places, ends, format);
   f.set_unit_of_points(unit::length.in(units));
+  if (!state.cell.empty()) f.add_point_data("particle", of);
   const auto view = [&views](std::size_t k) -> const BondView& { return views[k]; };
   for (const BondQuantity& q : bond_quantities()) {
     if (!is_in(q.cases, format)) continue;
@@ -115,18 +129,18 @@ std::vector<std::int64_t> numbers_of_images(const std::vector<BondId>& bonds, co
   return numbers;
 }
 
-/// The same of a part of a body, whose points have the numbers of those of the whole body.
+/// The same of a part of a body, with the numbers that its points have in a frame of the whole body.
 VtpFile file_of_bonds_of_part(const std::vector<BondId>& bonds, std::vector<ParticleId> points,
                               const State& state, UnitSystem units, FrameFormat format) {
   for (const BondId k : bonds) points.push_back(state.bonds[k].j);
   std::sort(points.begin(), points.end());
   points.erase(std::unique(points.begin(), points.end()), points.end());
   VtpFile f = file_of_bonds(bonds, points, state, units, format);
-  std::vector<std::int64_t> ids;
-  for (const ParticleId p : points) ids.push_back(p.value);
+  std::vector<std::int64_t> numbers;
+  for (const ParticleId p : points) numbers.push_back(p.value);
   const std::vector<std::int64_t> of_images = numbers_of_images(bonds, state);
-  ids.insert(ids.end(), of_images.begin(), of_images.end());
-  f.add_point_data("particle", ids);
+  numbers.insert(numbers.end(), of_images.begin(), of_images.end());
+  f.add_point_data(state.cell.empty() ? "particle" : "point", numbers);
   return f;
 }
 
@@ -193,7 +207,9 @@ void write_lists_of_parts(const fs::path& folder, int parts, const Model& model,
     empty.write_list(folder / name_of_parts(kind, step), files);
   };
   write(file_of_particles({}, model, {}, format), "particles");
-  write(file_of_bonds_of_part({}, {}, {}, model.units, format), "bonds");
+  State empty;
+  empty.cell = cell_at_start(model);
+  write(file_of_bonds_of_part({}, {}, empty, model.units, format), "bonds");
 }
 
 }  // namespace vbond

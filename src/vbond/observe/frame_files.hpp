@@ -20,7 +20,7 @@ BondView bond_view(BondId id, const State& state, bool may_break);
 void write_particles_vtp(const std::filesystem::path& path, const Model& model, const State& state,
                          std::optional<double> load_factor = {}, FrameFormat format = {});
 
-/// The bonds as lines between the particles' centres with bond_quantities().
+/// The bonds as lines between the particles' centres with bond_quantities(); to an image, where that stands.
 void write_bonds_vtp(const std::filesystem::path& path, const State& state, UnitSystem units,
                      std::optional<double> load_factor = {}, FrameFormat format = {});
 
@@ -31,6 +31,10 @@ void write_contacts_vtp(const std::filesystem::path& path, const Model& model, c
 /// The walls as triangles where they are now, with wall_quantities().
 void write_walls_vtp(const std::filesystem::path& path, const Model& model, const State& state,
                      std::optional<double> load_factor = {}, FrameFormat format = {});
+
+/// The twelve edges of the cell of a periodic body.
+void write_cell_vtp(const std::filesystem::path& path, const Model& model, const State& state,
+                    std::optional<double> load_factor = {}, FrameFormat format = {});
 
 /// What part number `part` of a body has; all processes that step the body call this. Its particles as
 /// points; and its bonds as lines between these and the particles of other parts that they lead to, with

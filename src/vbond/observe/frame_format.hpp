@@ -12,6 +12,9 @@ struct FrameFormat {
   bool flow = false;              ///< with what has become of bonds that flow
   bool walls = false;             ///< with a file for the walls
   bool contacts = false;          ///< with a file for the contacts
+  bool cell = false;              ///< with a file for the cell of a periodic body
+  bool cell_shears = true;        ///< components yz, xz, xy of the cell may move: for the box of the dump
+  bool wrap = false;              ///< particles of a periodic body stand in its cell
   bool long_integers = false;     ///< 64 bits for each, also where 32 would do
   friend bool operator==(const FrameFormat&, const FrameFormat&) = default;
 };

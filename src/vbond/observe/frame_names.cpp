@@ -39,7 +39,7 @@ std::optional<std::int64_t> step_of_frame(std::string_view name) {
   const bool lists = take_off_end(name, ".pvtp");
   if (!lists && !take_off_end(name, ".vtp")) return std::nullopt;
   if (!take_off_front(name, "particles_") && !take_off_front(name, "bonds_") &&
-      !take_off_front(name, "walls_") && !take_off_front(name, "contacts_"))
+      !take_off_front(name, "walls_") && !take_off_front(name, "contacts_") && !take_off_front(name, "cell_"))
     return std::nullopt;
   const std::optional<std::int64_t> step = take_number(name);
   if (step && !lists && take_off_front(name, "_") && !take_number(name)) return std::nullopt;

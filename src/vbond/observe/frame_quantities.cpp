@@ -21,7 +21,11 @@ BreakMode mode_of(const Bond& b) {
 constexpr ParticleQuantity of_particles[] = {
     {"radius", unit::length, "of the particle; use it as the scale of sphere glyphs (diameter 2 x radius)",
      [](const Particle& p) { return p.model.radius[p.id]; }},
-    {"velocity", unit::velocity, "of the centre", [](const Particle& p) { return p.state.v[p.id]; }},
+    {"velocity", unit::velocity, "of the centre; with `frames.wrap` that of the image that is shown",
+     [](const Particle& p) {
+       const Vec3d& v = p.state.v[p.id];
+       return p.image.is_itself() ? v : v + image_velocity(p.state.cell, p.image);
+     }},
     {"angular_velocity", unit::angular_velocity, "in the world frame",
      [](const Particle& p) { return p.state.omega[p.id]; }},
     {"rotation", unit::angle,
@@ -47,6 +51,10 @@ constexpr ParticleQuantity of_particles[] = {
        return Vec3d{p.stress[3], p.stress[4], p.stress[5]};
      },
      Only::stress},
+    {"image", unit::none,
+     "by how many edges a, b and c the particle is away from where it is shown; its own position is Points + "
+     "image[0] a + image[1] b + image[2] c",
+     [](const Particle& p) { return -p.image; }, Only::wrap},
 };
 
 constexpr BondQuantity of_bonds[] = {
@@ -105,6 +113,11 @@ constexpr BondQuantity of_bonds[] = {
      [](const View& b) { return degrees * b.flowed[memory::torsion]; }, Only::flow},
     {"damage", unit::none, "w of softening, 0 to 1", [](const View& b) { return b.flowed[memory::damage]; },
      Only::flow},
+    {"image_j", unit::none,
+     "by how many edges a, b and c the image of its second particle that it joins is away from that "
+     "particle; "
+     "with `frames.wrap` from where that is shown",
+     [](const View& b) { return b.bond.image_j; }, Only::cell},
 };
 
 constexpr WallQuantity of_walls[] = {

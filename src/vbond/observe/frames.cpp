@@ -6,18 +6,16 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <iterator>
 #include <string_view>
 #include <system_error>
 #include <vector>
 
-#include "vbond/core/bounding_box.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/dynamics/simulation.hpp"
-#include "vbond/model/periodic_cell.hpp"
 #include "vbond/observe/files.hpp"
 #include "vbond/observe/frame_files.hpp"
 #include "vbond/observe/frame_names.hpp"
+#include "vbond/observe/in_cell.hpp"
 
 namespace vbond {
 namespace {
@@ -129,50 +127,6 @@ std::string pvd_entry(double time, const std::string& file) {
   return fmt::format("    <DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>\n", time, file);
 }
 
-namespace {
-
-/// The box of a frame, as LAMMPS has it: around the body; or of a periodic one its cell, as one with tilts if
-/// its first edges lie along x and in the plane of x and y, else by three vectors.
-std::string lammps_box(const Model& model, const State& state) {
-  if (state.cell.empty()) {
-    BoundingBox box;
-    for (const ParticleId p : model.mass.ids()) box.add(state.r[p], model.radius[p]);
-    return fmt::format("ITEM: BOX BOUNDS ss ss ss\n{} {}\n{} {}\n{} {}\n", box.low.x, box.high.x, box.low.y,
-                       box.high.y, box.low.z, box.high.z);
-  }
-  const auto end = [&model](std::size_t k) { return model.cell.periodic[k] ? "pp" : "ss"; };
-  const std::string ends = fmt::format("{} {} {}", end(0), end(1), end(2));
-  const Vec3d &a = state.cell[0].along, &b = state.cell[1].along, &c = state.cell[2].along;
-  const Vec3d o = times(cell_gradient(model.cell, state.cell), model.cell.corner);
-  if (a.y != 0.0 || a.z != 0.0 || b.z != 0.0 || a.x < 0.0 || b.y < 0.0)
-    return fmt::format("ITEM: BOX BOUNDS abc origin {}\n{} {} {} {}\n{} {} {} {}\n{} {} {} {}\n", ends, a.x,
-                       a.y, a.z, o.x, b.x, b.y, b.z, o.y, c.x, c.y, c.z, o.z);
-  const auto [least_x, most_x] = std::minmax({0.0, b.x, c.x, b.x + c.x});
-  const auto [least_y, most_y] = std::minmax({0.0, c.y});
-  return fmt::format("ITEM: BOX BOUNDS xy xz yz {}\n{} {} {}\n{} {} {}\n{} {} {}\n", ends, o.x + least_x,
-                     o.x + a.x + most_x, b.x, o.y + least_y, o.y + b.y + most_y, c.x, o.z, o.z + c.z, c.y);
-}
-
-}  // namespace
-
-std::string lammps_frame(const Model& model, const State& state) {
-  fmt::memory_buffer out;
-  const auto to = std::back_inserter(out);
-  const bool periodic = !state.cell.empty();
-  fmt::format_to(to,
-                 "ITEM: TIMESTEP\n{}\nITEM: NUMBER OF ATOMS\n{}\n{}"
-                 "ITEM: ATOMS id type {} vx vy vz radius quatw quati quatj quatk\n",
-                 state.clock.step, model.particles(), lammps_box(model, state),
-                 periodic ? "xu yu zu" : "x y z");
-  for (const ParticleId p : model.mass.ids()) {
-    const Vec3d &r = state.r[p], &v = state.v[p];
-    const Quatd& q = state.q[p];
-    fmt::format_to(to, "{} {} {} {} {} {} {} {} {} {} {} {} {}\n", p.value + 1, model.specimen_of(p) + 1, r.x,
-                   r.y, r.z, v.x, v.y, v.z, model.radius[p], q.w, q.x, q.y, q.z);
-  }
-  return fmt::to_string(out);
-}
-
 FrameWriter::FrameWriter(const fs::path& folder, bool lammps_dump, std::optional<std::int64_t> resume_step,
                          FrameFormat format, bool writes_all)
     : folder_(folder), format_(format), dumps_(lammps_dump), writes_all_(writes_all) {
@@ -201,6 +155,8 @@ void FrameWriter::keep_until(std::int64_t resume_step) {
     wall_entries_ = entries_until(folder_ / "walls.pvd", resume_step).lines;
   if (fs::exists(folder_ / "contacts.pvd", e))
     contact_entries_ = entries_until(folder_ / "contacts.pvd", resume_step).lines;
+  if (fs::exists(folder_ / "cell.pvd", e))
+    cell_entries_ = entries_until(folder_ / "cell.pvd", resume_step).lines;
   last_step_ = particles.last_step;
   write_lists();  // before the frames go: no list ever names a frame that is not there
   remove_frames_after(folder_ / "frames", resume_step);
@@ -211,18 +167,24 @@ void FrameWriter::write_lists() const {
   replace_file(folder_ / "bonds.pvd", pvd_list(bond_entries_), Sync::none);
   if (format_.walls) replace_file(folder_ / "walls.pvd", pvd_list(wall_entries_), Sync::none);
   if (format_.contacts) replace_file(folder_ / "contacts.pvd", pvd_list(contact_entries_), Sync::none);
+  if (format_.cell) replace_file(folder_ / "cell.pvd", pvd_list(cell_entries_), Sync::none);
 }
 
 void FrameWriter::write(const Model& model, const State& state, std::optional<double> load_factor) {
   if (!writes_all_) return;
   const Clock& clock = state.clock;
   write_particles_vtp(folder_ / frame_name("particles", clock.step), model, state, load_factor, format_);
-  write_bonds_vtp(folder_ / frame_name("bonds", clock.step), state, model.units, load_factor, format_);
+  std::optional<State> wrapped;
+  if (format_.wrap && !state.cell.empty()) wrapped = shown_by_images(state, images_in_cell(model, state));
+  const State& shown = wrapped ? *wrapped : state;
+  write_bonds_vtp(folder_ / frame_name("bonds", clock.step), shown, model.units, load_factor, format_);
   if (format_.walls)
     write_walls_vtp(folder_ / frame_name("walls", clock.step), model, state, load_factor, format_);
   if (format_.contacts)
-    write_contacts_vtp(folder_ / frame_name("contacts", clock.step), model, state, load_factor, format_);
-  if (dump_) dump_->append(lammps_frame(model, state));
+    write_contacts_vtp(folder_ / frame_name("contacts", clock.step), model, shown, load_factor, format_);
+  if (format_.cell)
+    write_cell_vtp(folder_ / frame_name("cell", clock.step), model, state, load_factor, format_);
+  if (dump_) dump_->append(lammps_frame(model, state, format_));
   add_to_lists(clock, frame_name);
 }
 
@@ -248,6 +210,7 @@ void FrameWriter::add_to_lists(const Clock& clock, std::string (*name)(const cha
   bond_entries_ += pvd_entry(clock.time(), name("bonds", clock.step));
   if (format_.walls) wall_entries_ += pvd_entry(clock.time(), frame_name("walls", clock.step));
   if (format_.contacts) contact_entries_ += pvd_entry(clock.time(), frame_name("contacts", clock.step));
+  if (format_.cell) cell_entries_ += pvd_entry(clock.time(), frame_name("cell", clock.step));
   write_lists();
   last_step_ = clock.step;
 }

@@ -19,13 +19,16 @@ std::string pvd_list(const std::string& entries);
 /// An entry of it: this file, relative to the list, is the body at this time.
 std::string pvd_entry(double time, const std::string& file);
 
-/// Appends one frame for OVITO or LAMMPS to an open text; ids count from 1 there.
-std::string lammps_frame(const Model& model, const State& state);
+/// One frame of a dump for OVITO or LAMMPS; ids count from 1 there. Of a periodic body with the cell as box
+/// and positions that go on; with format.wrap those of the images in the cell, and by which they are away
+/// (ix, iy, iz). All frames of a run have boxes of one style, which its cell and the way in which it may move
+/// tell.
+std::string lammps_frame(const Model& model, const State& state, const FrameFormat& format = {});
 
 /// Writes the frames of a run: frames/particles_STEP.vtp and frames/bonds_STEP.vtp, listed for
-/// ParaView in particles.pvd and bonds.pvd, those of walls likewise where there are walls, those of contacts
-/// and dump.lammpstrj if wanted. Of a body in parts, each process writes what it has, unless the frame needs
-/// the whole body: for dump.lammpstrj, stress or contacts.
+/// ParaView in particles.pvd and bonds.pvd, those of walls likewise where there are walls, that of the cell
+/// of a periodic body, those of contacts and dump.lammpstrj if wanted. Of a body in parts, each process
+/// writes what it has, unless the frame needs the whole body: for dump.lammpstrj, stress or contacts.
 class FrameWriter {
  public:
   /// Begins new lists, or with resume_step continues those that there are: later frames, which a killed run
@@ -52,7 +55,8 @@ class FrameWriter {
   bool dumps_;
   bool writes_all_;
   std::optional<GrowingFile> dump_;
-  std::string particle_entries_, bond_entries_, wall_entries_, contact_entries_;  ///< lines of the .pvd files
+  std::string particle_entries_, bond_entries_, wall_entries_, contact_entries_,
+      cell_entries_;  ///< lines of the .pvd files
   std::int64_t last_step_ = -1;
 };
 

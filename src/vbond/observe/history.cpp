@@ -36,15 +36,6 @@ void add_stresses(const OutputPlan& plan, const Model& model, const State& state
   }
 }
 
-CellValues cell_values(const Model& model, const State& state) {
-  CellValues of{.volume = volume(state.cell)};
-  for (const double m : model.mass) of.density += m / of.volume;
-  of.strain = cell_components(cell_gradient(model.cell, state.cell));
-  for (std::size_t k = 0; k < 3; ++k) of.strain[k] -= 1.0;
-  of.stress = symmetric_part(cell_stress(model, state));
-  return of;
-}
-
 /// The columns of a group or a wall.
 std::vector<std::string> names_of(const GroupQuantity& q, const std::string& of) {
   std::vector<std::string> names;
@@ -101,6 +92,15 @@ void take_up(const Vec3d& force, std::optional<double>& largest) {
 }
 
 }  // namespace
+
+CellValues cell_values(const Model& model, const State& state) {
+  CellValues of{.volume = volume(state.cell)};
+  for (const double m : model.mass) of.density += m / of.volume;
+  of.strain = cell_components(cell_gradient(model.cell, state.cell));
+  for (std::size_t k = 0; k < 3; ++k) of.strain[k] -= 1.0;
+  of.stress = symmetric_part(cell_stress(model, state));
+  return of;
+}
 
 std::vector<std::string> history_columns(const OutputPlan& plan) {
   std::vector<std::string> names;

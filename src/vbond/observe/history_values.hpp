@@ -18,7 +18,9 @@ struct CellValues {
   double density = 0;       ///< of mass  [mass/length^3]
   SymmetricParts strain{};  ///< components of the deformation gradient, less 1 on the diagonal
   SymmetricParts stress{};  ///< Cauchy's, tension > 0  [stress]
+  friend bool operator==(const CellValues&, const CellValues&) = default;
 };
+CellValues cell_values(const Model& model, const State& state);
 
 /// What a row of history.csv is made of: see quantities.hpp for its columns.
 struct HistoryValues {

@@ -70,6 +70,7 @@ void write_mode_frames(const fs::path& folder, const std::string& stage, int mod
                        std::optional<double> load_factor, FrameFormat format) {
   const fs::path modes = folder / "modes";
   make_folder(modes);
+  format.wrap = false;  // a particle that swings through a face would jump
   const std::string name = fmt::format("{}{}", stage + "_mode_", mode);
   std::string particles, bonds;
   const double first =

@@ -47,7 +47,7 @@ struct OutputPlan {
   bool capsules = false;                   ///< some bond touches as a capsule: one more array in frames
   bool breaks = false;                     ///< some bond may break: breaks.csv, fragments.csv, more columns
   bool flow = false;                       ///< some bond may yield, creep or soften: arrays of bonds
-  bool cell = false;                       ///< the body is periodic: columns of its cell
+  bool cell = false;                       ///< the body is periodic: columns of its cell, and its frames
   std::vector<Loss> losses;                ///< what may dissipate energy, in history.csv and run.json
   double energy_error = 0.05;              ///< relative error of the energy balance that stops a run
 
@@ -57,6 +57,7 @@ struct OutputPlan {
     format.capsules = capsules;
     format.flow = flow;
     format.walls = !walls.empty();
+    format.cell = cell;
     return format;
   }
 };

@@ -29,7 +29,7 @@ namespace vbond {
 // ---- history.csv ---------------------------------------------------------------------------------------
 
 /// Which cases have a quantity.
-enum class Only : std::uint8_t { everywhere, statics, breaks, stress, capsules, flow, cell };
+enum class Only : std::uint8_t { everywhere, statics, breaks, stress, capsules, flow, cell, wrap };
 inline bool is_in(Only cases, const OutputPlan& plan) {
   switch (cases) {
     case Only::everywhere: return true;
@@ -39,6 +39,7 @@ inline bool is_in(Only cases, const OutputPlan& plan) {
     case Only::capsules: return plan.capsules;
     case Only::flow: return plan.flow;
     case Only::cell: return plan.cell;
+    case Only::wrap: return plan.cell && plan.frame_format.wrap;
   }
   return true;
 }
@@ -121,6 +122,7 @@ struct ParticleView {
   ParticleId id;
   const Fragments* fragments = nullptr;  ///< of the body, where bonds may break
   SymmetricParts stress{};               ///< of the particle as a sphere, if it is asked for
+  Image image{};                         ///< of the particle, which stands at its point of the frame
 };
 
 /// An array of the particles' frames, one value per particle.
@@ -129,7 +131,7 @@ struct ParticleQuantity {
   Unit unit;
   const char* meaning;
   std::variant<double (*)(const ParticleView&), Vec3d (*)(const ParticleView&),
-               std::int64_t (*)(const ParticleView&)>
+               std::int64_t (*)(const ParticleView&), Image (*)(const ParticleView&)>
       value;
   Only cases = Only::everywhere;
 };
@@ -154,7 +156,7 @@ struct BondQuantity {
   Unit unit;
   const char* meaning;
   std::variant<double (*)(const BondView&), std::int64_t (*)(const BondView&),
-               std::uint8_t (*)(const BondView&)>
+               std::uint8_t (*)(const BondView&), Image (*)(const BondView&)>
       value;
   Only cases = Only::everywhere;
 };

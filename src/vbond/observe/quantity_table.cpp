@@ -58,6 +58,7 @@ const char* in_words(Only cases) {
     case Only::capsules: return ". Only where bonds touch as capsules";
     case Only::flow: return ". Only where bonds yield, creep or soften";
     case Only::cell: return ". Only of periodic bodies";
+    case Only::wrap: return ". Only with `frames.wrap`";
   }
   return "";
 }

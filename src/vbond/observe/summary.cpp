@@ -6,6 +6,7 @@
 #include <array>
 
 #include "vbond/core/error.hpp"
+#include "vbond/model/cell_drive.hpp"
 #include "vbond/observe/detail/static_json.hpp"
 #include "vbond/observe/files.hpp"
 
@@ -80,7 +81,39 @@ WallSummary wall_from(const Json& j) {
           vector_from(j.at("displacement")), j.at("work").get<double>(), j.at("largest_force").get<double>()};
 }
 
+/// Six components by their names.
+Json components_json(const SymmetricParts& x) {
+  Json j;
+  for (std::size_t k = 0; k < x.size(); ++k) j[cell_component_names[k]] = x[k];
+  return j;
+}
+SymmetricParts components_from(const Json& j) {
+  SymmetricParts x{};
+  for (std::size_t k = 0; k < x.size(); ++k) x[k] = j.at(cell_component_names[k]).get<double>();
+  return x;
+}
+
+Json to_json(const CellSummary& c) {
+  Json j{{"volume", c.values.volume},
+         {"density", c.values.density},
+         {"strain", components_json(c.values.strain)},
+         {"stress", components_json(c.values.stress)}};
+  for (std::size_t k = 0; k < 3; ++k) j[std::string(1, "abc"[k])] = to_json(c.edges[k]);
+  return j;
+}
+CellSummary cell_from(const Json& j) {
+  CellSummary c{.edges = {},
+                .values = {j.at("volume").get<double>(), j.at("density").get<double>(),
+                           components_from(j.at("strain")), components_from(j.at("stress"))}};
+  for (std::size_t k = 0; k < 3; ++k) c.edges[k] = vector_from(j.at(std::string(1, "abc"[k])));
+  return c;
+}
+
 }  // namespace
+
+CellSummary summarise_cell(const Model& model, const State& state) {
+  return {{state.cell[0].along, state.cell[1].along, state.cell[2].along}, cell_values(model, state)};
+}
 
 std::vector<PhaseTime> split_steps(double seconds, const StepTimes& t) {
   const double sum = t.bonds + t.contacts + t.integrate;
@@ -140,6 +173,7 @@ std::string to_json(const RunSummary& r) {
   j["snapped"] = r.snapped;
   if (r.breaks) add(j, *r.breaks);
   for (const WallSummary& w : r.walls) j["walls"].push_back(to_json(w));
+  if (r.cell) j["cell"] = to_json(*r.cell);
   for (const auto& [cause, energy] : r.dissipated) j["dissipated"][cause] = energy;
   j["ever_strained"] = r.ever_strained;
   j["ever_snapped"] = r.ever_snapped;
@@ -187,6 +221,7 @@ RunSummary read_summary(const std::filesystem::path& path) {
     if (j.contains("broken")) r.breaks = breaks_from(j);
     if (j.contains("walls"))
       for (const Json& wall : j["walls"]) r.walls.push_back(wall_from(wall));
+    if (j.contains("cell")) r.cell = cell_from(j["cell"]);
     if (j.contains("dissipated"))
       for (const auto& [cause, energy] : j["dissipated"].items())
         r.dissipated.emplace_back(cause, energy.get<double>());

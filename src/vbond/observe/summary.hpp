@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -10,6 +11,7 @@
 #include "vbond/model/model.hpp"
 #include "vbond/model/static_stage.hpp"
 #include "vbond/observe/breaks.hpp"
+#include "vbond/observe/history_values.hpp"
 #include "vbond/statics/results.hpp"
 
 namespace vbond {
@@ -59,6 +61,14 @@ struct WallSummary {
   friend bool operator==(const WallSummary&, const WallSummary&) = default;
 };
 
+/// The cell of a periodic body at the end of a run.
+struct CellSummary {
+  std::array<Vec3d, 3> edges;  ///< [length]
+  CellValues values;
+  friend bool operator==(const CellSummary&, const CellSummary&) = default;
+};
+CellSummary summarise_cell(const Model& model, const State& state);
+
 /// The results of a run, as run.json holds them.
 struct RunSummary {
   std::string title, version;
@@ -71,6 +81,7 @@ struct RunSummary {
   double T_0 = 0;                      ///< [time]
   std::optional<BreakSummary> breaks;  ///< absent where no bond may break
   std::vector<WallSummary> walls;      ///< in the order of the case
+  std::optional<CellSummary> cell;     ///< of periodic bodies
   /// What is dissipated at the end, by the causes that the case may have.  [energy]
   std::vector<std::pair<std::string, double>> dissipated;
   std::vector<StageSummary> stages;                  ///< those that ended, or were interrupted last

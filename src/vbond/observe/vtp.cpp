@@ -18,6 +18,7 @@ namespace vbond {
 
 static_assert(std::endian::native == std::endian::little, "arrays are written as they lie in memory");
 static_assert(sizeof(Vec3d) == 3 * sizeof(double), "a Vec3d is written as three doubles");
+static_assert(sizeof(Image) == 3 * sizeof(std::int32_t), "an Image is written as three whole numbers");
 
 namespace {
 
@@ -42,6 +43,20 @@ std::vector<float> in_single_precision(const std::string& name, const double* va
     single[k] = static_cast<float>(values[k]);
   }
   return single;
+}
+
+std::string field_data_of(const FrameCell& cell) {
+  const auto& [a, b, c] = cell.edges;
+  const Vec3d& o = cell.corner;
+  return fmt::format(
+      "      <DataArray type=\"Float64\" Name=\"cell\" NumberOfComponents=\"3\" NumberOfTuples=\"3\" "
+      "format=\"ascii\">{} {} {} {} {} {} {} {} {}</DataArray>\n"
+      "      <DataArray type=\"Float64\" Name=\"cell_corner\" NumberOfComponents=\"3\" NumberOfTuples=\"1\" "
+      "format=\"ascii\">{} {} {}</DataArray>\n"
+      "      <DataArray type=\"UInt8\" Name=\"cell_periodic\" NumberOfComponents=\"3\" NumberOfTuples=\"1\" "
+      "format=\"ascii\">{:d} {:d} {:d}</DataArray>\n",
+      a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, o.x, o.y, o.z, cell.periodic[0], cell.periodic[1],
+      cell.periodic[2]);
 }
 
 const double* numbers_of(const std::vector<Vec3d>& vectors) {
@@ -120,6 +135,10 @@ void VtpFile::add_point_data(const std::string& name, const std::vector<std::int
                              const std::string& unit) {
   point_data_.push_back(integers(name, values, unit));
 }
+void VtpFile::add_point_data(const std::string& name, const std::vector<Image>& values,
+                             const std::string& unit) {
+  point_data_.push_back(array(name, "Int32", 3, values, unit));
+}
 void VtpFile::add_cell_data(const std::string& name, const std::vector<double>& values,
                             const std::string& unit) {
   cell_data_.push_back(reals(name, 1, values.data(), values.size(), unit));
@@ -135,6 +154,10 @@ void VtpFile::add_cell_data(const std::string& name, const std::vector<std::int6
 void VtpFile::add_cell_data(const std::string& name, const std::vector<std::uint8_t>& values,
                             const std::string& unit) {
   cell_data_.push_back(array(name, "UInt8", 1, values, unit));
+}
+void VtpFile::add_cell_data(const std::string& name, const std::vector<Image>& values,
+                            const std::string& unit) {
+  cell_data_.push_back(array(name, "Int32", 3, values, unit));
 }
 
 std::vector<const VtpFile::Array*> VtpFile::in_file_order() const {
@@ -178,6 +201,7 @@ std::string VtpFile::head(double time, std::int64_t step, std::optional<double> 
         "      <DataArray type=\"Float64\" Name=\"load_factor\" NumberOfTuples=\"1\" format=\"ascii\">"
         "{}</DataArray>\n",
         *load_factor);
+  if (cell_) x += field_data_of(*cell_);
   x += fmt::format(
       "    </FieldData>\n    <Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" NumberOfLines=\"{}\" "
       "NumberOfStrips=\"0\" NumberOfPolys=\"{}\">\n",

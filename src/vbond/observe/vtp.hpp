@@ -9,6 +9,7 @@
 
 #include "vbond/core/vec3.hpp"
 #include "vbond/observe/frame_format.hpp"
+#include "vbond/observe/in_cell.hpp"
 
 namespace vbond {
 
@@ -33,12 +34,18 @@ class VtpFile {
   /// The unit of the positions: its label becomes VTK's key UNITS_LABEL. An empty one is left out.
   void set_unit_of_points(const std::string& unit) { coordinates_.unit = unit; }
 
+  /// Field data: `cell` (a, b and c), `cell_corner`, `cell_periodic` (1: yes).
+  void set_cell(const FrameCell& cell) { cell_ = cell; }
+
   /// Per point.
   void add_point_data(const std::string& name, const std::vector<double>& values,
                       const std::string& unit = {});
   void add_point_data(const std::string& name, const std::vector<Vec3d>& values,
                       const std::string& unit = {});
   void add_point_data(const std::string& name, const std::vector<std::int64_t>& values,
+                      const std::string& unit = {});
+  /// Three whole numbers of 32 bits.
+  void add_point_data(const std::string& name, const std::vector<Image>& values,
                       const std::string& unit = {});
   /// Per cell.
   void add_cell_data(const std::string& name, const std::vector<double>& values,
@@ -48,6 +55,7 @@ class VtpFile {
                      const std::string& unit = {});
   void add_cell_data(const std::string& name, const std::vector<std::uint8_t>& values,
                      const std::string& unit = {});
+  void add_cell_data(const std::string& name, const std::vector<Image>& values, const std::string& unit = {});
 
   /// Writes the file under a temporary name and renames it. time goes to TimeValue, step to Step, and the
   /// load factor of a balance to load_factor. Throws IoError.
@@ -81,6 +89,7 @@ class VtpFile {
   std::vector<const Array*> in_file_order() const;
 
   FrameFormat format_;
+  std::optional<FrameCell> cell_;
   std::size_t points_ = 0, cells_ = 0;
   Topology topology_ = Topology::verts;
   Array coordinates_, connectivity_, offsets_;

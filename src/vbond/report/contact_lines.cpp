@@ -42,6 +42,8 @@ std::vector<RawContact> raw_contacts(const FrameFiles& files) {
   const std::vector<std::int64_t> i = in.integers(Per::cell, "i"), j = in.integers(Per::cell, "j"),
                                   place = in.integers(Per::end, "connectivity");
   const std::vector<double> force = in.scalars(Per::cell, "normal_force");
+  std::vector<Image> shown;
+  if (particles.has(Per::point, "image")) shown = particles.images(Per::point, "image");
   const auto end = [&](std::size_t k) {
     if (place[k] < 0 || static_cast<std::size_t>(place[k]) >= ends.size())
       refuse_contacts(files.contacts, "an end of a contact is not there");
@@ -55,6 +57,10 @@ std::vector<RawContact> raw_contacts(const FrameFiles& files) {
     c.force = force[k];
     c.from = end(2 * k) - r[c.i];
     c.to = end(2 * k + 1) - r[c.j];
+    const Vec3d from_i = end(2 * k + 1) - r[c.i];
+    const bool apart = !shown.empty() && shown[c.i] != shown[c.j];  // only as they are shown are they near
+    if (particles.cell() && (apart || norm(from_i) < norm(c.to)))
+      c.j = c.i, c.to = from_i;  // an image of j, which may be far from it
   }
   std::stable_partition(contacts.begin(), contacts.end(), [](const RawContact& c) { return c.at_centres(); });
   return contacts;

@@ -219,6 +219,18 @@ Lines results_of(const RunSummary& summary) {
     lines.push_back(
         {fmt::format("Force on wall \"{}\"", w.name),
          fmt::format("{:.6g}{} at most, in the rows of history.csv", w.largest_force, si ? " N" : "")});
+  if (summary.cell) {
+    const auto all = [](const SymmetricParts& x) {
+      std::string text;
+      for (std::size_t k = 0; k < x.size(); ++k)
+        text += fmt::format("{}{} {:.4g}", k > 0 ? ", " : "", cell_component_names[k], x[k]);
+      return text;
+    };
+    const CellValues& cell = summary.cell->values;
+    lines.push_back({"Volume of the cell", fmt::format("{:.6g}{}", cell.volume, si ? " m^3" : "")});
+    lines.push_back({"Strain of the cell", all(cell.strain)});
+    lines.push_back({"Stress of the body", all(cell.stress) + (si ? " Pa" : "")});
+  }
   if (any_balance_of_energy(summary))
     lines.push_back(
         {"Largest error of the energy balance", fmt::format("{:.2g}", summary.energy_balance_error)});

@@ -57,7 +57,9 @@ FrameInput::FrameInput(const fs::path& path) : path_(path) {
     if (f.step() != step() || f.time() != time() || f.lines() != lines() || f.triangles())
       refuse("its parts are not of one frame");
   if (lines()) {
-    points_ = places(Per::point, "particle", false);  // a bond's end may be a particle of another part
+    // a bond's end may be a particle of another part; of periodic bodies points of images have numbers as well
+    const bool periodic = !files_.empty() && files_.front().has(Per::point, "point");
+    points_ = places(Per::point, periodic ? "point" : "particle", false);
     cells_ = places(Per::cell, "id", true);
   } else {
     points_ = cells_ = places(Per::point, "id", true);  // each point is a cell
@@ -120,6 +122,9 @@ std::vector<double> FrameInput::scalars(Per per, const std::string& name) const 
 }
 std::vector<Vec3d> FrameInput::vectors(Per per, const std::string& name) const {
   return put_together(per, [&](std::size_t f) { return files_[f].vectors(per, name); });
+}
+std::vector<Image> FrameInput::images(Per per, const std::string& name) const {
+  return put_together(per, [&](std::size_t f) { return files_[f].images(per, name); });
 }
 std::vector<std::int64_t> FrameInput::integers(Per per, const std::string& name) const {
   return put_together(per, [&](std::size_t f) {

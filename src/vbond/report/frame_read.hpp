@@ -12,7 +12,7 @@ namespace vbond {
 
 /// A frame of particles or bonds: one .vtp file, or the parts that a list of parts (.pvtp) names, put
 /// together as if one process had written them: in the order of their numbers, which the arrays "id" tell,
-/// and "particle" for the ends of bonds. Every function throws IoError naming the file, as those of VtpInput
+/// and "particle" for the ends of bonds, or "point" where these may be images. Every function throws IoError naming the file, as those of VtpInput
 /// of the same name do.
 class FrameInput {
  public:
@@ -23,6 +23,7 @@ class FrameInput {
   double time() const { return files_[0].time(); }
   std::int64_t step() const { return files_[0].step(); }
   std::optional<double> load_factor() const { return files_[0].load_factor(); }
+  const std::optional<FrameCell>& cell() const { return files_[0].cell(); }
   std::size_t points() const { return points_ ? points_->count : files_[0].points(); }
   std::size_t cells() const { return cells_ ? cells_->count : files_[0].cells(); }
   bool lines() const { return files_[0].lines(); }
@@ -32,6 +33,7 @@ class FrameInput {
   bool has(Per per, const std::string& name) const;
   std::vector<double> scalars(Per per, const std::string& name) const;
   std::vector<Vec3d> vectors(Per per, const std::string& name) const;
+  std::vector<Image> images(Per per, const std::string& name) const;
   /// Of the ends of cells only "connectivity", which is numbers of particles.
   std::vector<std::int64_t> integers(Per per, const std::string& name) const;
   std::vector<std::uint8_t> bytes(Per per, const std::string& name) const;

@@ -183,6 +183,7 @@ Packed pack(const Report& report, const PageLimits& limits, const Cut& cut) {
   j["bonds"] = to_json(block.add(cut.frames ? report.body.bonds : std::vector<std::uint32_t>{}));
   if (cut.frames && !report.body.capsules.empty())
     j["bond_radius"] = to_json(block.add(report.body.capsules));
+  if (cut.frames && !report.body.images.empty()) j["bond_image"] = to_json(block.add(report.body.images));
   for (const Sequence* s : shown) sequences.push_back(sequence_json(*s, report, kept_frames(*s, cut), block));
   if (!shown.empty() && !report.stages.empty()) j["stages"] = stages_json(report.stages, block);
   j["first_shown"] = report.first_shown < shown.size() ? report.first_shown : 0;

@@ -97,24 +97,74 @@ std::size_t count_without_length(const FrameInput& bonds) {
   return static_cast<std::size_t>(std::count(at_rest.begin(), at_rest.end(), 0.0));
 }
 
-/// The bonds that were there in the frames before must be there still.
-void add_bonds(const FrameInput& file, const std::filesystem::path& path, Body& body) {
-  const std::vector<std::int64_t> ends = file.integers(Per::end, "connectivity");
-  const auto particles = static_cast<std::int64_t>(body.radius.size()),
-             points = static_cast<std::int64_t>(file.points());
+[[noreturn]] void refuse_other_bonds(const std::filesystem::path& path) {
+  throw IoError(path.string() + ": its bonds are not those of the frames before it");
+}
+
+/// The particles at the ends of bonds, and which images of the second ones they join.
+struct Ends {
+  std::vector<std::int64_t> particle;         ///< i0, j0, i1, j1, ...
+  std::vector<std::array<float, 3>> image{};  ///< of each bond, whole numbers; empty: none joins an image
+};
+
+std::array<double, 3> numbers_of(const Image& n) {
+  return {double(n.a), double(n.b), double(n.c)};
+}
+
+[[noreturn]] void refuse_ends(const std::filesystem::path& path) {
+  throw IoError(path.string() + ": is damaged: a bond has impossible ends");
+}
+
+/// Images have points behind those of the particles, which tell whose they are. With frames.wrap all that is
+/// shown are images.
+Ends ends_of_bonds(const FrameInput& particles, const FrameInput& bonds, const std::filesystem::path& path) {
+  Ends to{bonds.integers(Per::end, "connectivity")};
+  const auto points = static_cast<std::int64_t>(bonds.points());
+  for (const std::int64_t end : to.particle)
+    if (end < 0 || end >= points) refuse_ends(path);
+  if (!bonds.has(Per::cell, "image_j")) return to;
+  const std::vector<std::int64_t> of = bonds.integers(Per::point, "particle");
+  for (std::int64_t& end : to.particle) end = of[static_cast<std::size_t>(end)];
+  std::vector<Image> shown(particles.points());
+  if (particles.has(Per::point, "image")) shown = particles.images(Per::point, "image");
+  const auto all = static_cast<std::int64_t>(shown.size());
+  for (const Image& image_j : bonds.images(Per::cell, "image_j")) {
+    const std::size_t b = to.image.size();
+    const std::int64_t i = to.particle[2 * b], j = to.particle[2 * b + 1];
+    if (i < 0 || i >= all || j < 0 || j >= all) refuse_ends(path);
+    const std::array<double, 3> n = numbers_of(image_j), n_i = numbers_of(shown[static_cast<std::size_t>(i)]),
+                                n_j = numbers_of(shown[static_cast<std::size_t>(j)]);
+    std::array<float, 3>& image = to.image.emplace_back();
+    for (std::size_t k = 0; k < 3; ++k) image[k] = static_cast<float>(n[k] + n_i[k] - n_j[k]);
+  }
+  if (std::all_of(to.image.begin(), to.image.end(),
+                  [](const auto& n) { return n == std::array<float, 3>{}; }))
+    to.image.clear();
+  return to;
+}
+
+/// The bonds that were there in the frames before must be there still, and join the same images.
+void add_bonds(const FrameInput& in, const FrameInput& file, const std::filesystem::path& path, Body& body) {
+  const auto [ends, images] = ends_of_bonds(in, file, path);
+  const auto particles = static_cast<std::int64_t>(body.radius.size());
   if (file.has(Per::cell, "capsule_radius")) {
     const std::vector<double> radius = file.scalars(Per::cell, "capsule_radius");
     for (std::size_t b = body.capsules.size(); b < radius.size(); ++b)
       body.capsules.push_back(as_float(radius[b], path));
   }
   for (std::size_t k = 0; k < ends.size(); ++k) {
-    // bonds of a periodic body to images, which have points behind the particles, are not drawn: j = i
-    const std::int64_t end = k % 2 == 1 && ends[k] >= particles && ends[k] < points ? ends[k - 1] : ends[k];
-    if (end < 0 || end >= particles)
-      throw IoError(path.string() + ": is damaged: a bond has impossible ends");
-    if (k == body.bonds.size()) body.bonds.push_back(static_cast<std::uint32_t>(end));
-    if (body.bonds[k] != static_cast<std::uint32_t>(end))
-      throw IoError(path.string() + ": its bonds are not those of the frames before it");
+    if (ends[k] < 0 || ends[k] >= particles) refuse_ends(path);
+    if (k == body.bonds.size()) body.bonds.push_back(static_cast<std::uint32_t>(ends[k]));
+    if (body.bonds[k] != static_cast<std::uint32_t>(ends[k])) refuse_other_bonds(path);
+  }
+  if (images.empty() && body.images.empty()) return;
+  const std::size_t bonds = ends.size() / 2, known = body.images.size();
+  body.images.resize(std::max(known, 3 * bonds), 0.0f);
+  for (std::size_t b = 0; b < bonds; ++b) {
+    const std::array<float, 3> now = images.empty() ? std::array<float, 3>{} : images[b];
+    const auto at = body.images.begin() + static_cast<std::ptrdiff_t>(3 * b);
+    if (3 * b >= known) std::copy(now.begin(), now.end(), at);
+    if (!std::equal(now.begin(), now.end(), at)) refuse_other_bonds(path);
   }
 }
 
@@ -184,7 +234,23 @@ std::vector<Vec3d> start_of(const SequenceFiles& files) {
   if (files.kind == SequenceKind::mode) return r;
   const std::vector<Vec3d> moved = first.vectors(Per::point, "displacement");
   for (std::size_t p = 0; p < r.size(); ++p) r[p] = r[p] - moved[p];
+  if (!first.cell() || !first.has(Per::point, "image")) return r;
+  const auto& [a, b, c] = first.cell()->edges;
+  const std::vector<Image> shown = first.images(Per::point, "image");
+  for (std::size_t p = 0; p < r.size(); ++p)
+    r[p] += double(shown[p].a) * a + double(shown[p].b) * b + double(shown[p].c) * c;
   return r;
+}
+
+/// The cell of a periodic body as the page holds it.
+void add_cell(const FrameInput& particles, const std::filesystem::path& file, Sequence& s) {
+  const std::optional<FrameCell>& cell = particles.cell();
+  if (!cell) return;
+  s.periodic = cell->periodic;
+  for (const Vec3d& edge : cell->edges)
+    for (std::size_t c = 0; c < 3; ++c) s.cell.push_back(as_float(component(edge, c), file));
+  for (std::size_t c = 0; c < 3; ++c)
+    s.cell.push_back(as_float(component(cell->corner, c) - s.origin[c], file));
 }
 
 void check_kinds(const RawFrame& raw, const std::filesystem::path& bonds) {
@@ -205,7 +271,7 @@ Spans look_through(const SequenceFiles& files, const std::vector<Vec3d>* about, 
     if (open.particles.step() < last_step)
       throw IoError(f.particles.string() + ": is of an earlier step than the frame before it");
     last_step = open.particles.step();
-    add_bonds(open.bonds, f.bonds, body);
+    add_bonds(open.particles, open.bonds, f.bonds, body);
     body.bonds_without_length = std::max(body.bonds_without_length, count_without_length(open.bonds));
     const RawFrame raw = read_frame(open.particles, open.bonds, about);
     check_kinds(raw, f.bonds);
@@ -305,7 +371,10 @@ Sequence read_sequence(const SequenceFiles& files, Body& body) {
   for (const FrameFiles& f : files.frames) {
     const OpenFrame open(f, body);
     s.frames.push_back(quantise(read_frame(open.particles, open.bonds, about), f.time, s));
+    add_cell(open.particles, f.particles, s);
   }
+  if (s.cell.size() != 12 * s.frames.size())
+    s.cell.clear();  // earlier frames, of an earlier version, had none
   std::vector<std::filesystem::path> walls;
   for (const FrameFiles& f : files.frames) walls.push_back(f.walls);
   s.walls = read_walls(walls, s.origin);

@@ -63,7 +63,9 @@ struct Sequence {
   std::vector<QuantisedFrame> frames;
   Walls walls{};
   Contacts contacts{};
-  bool flows = false;  ///< every frame tells of flow
+  std::vector<float> cell{};  ///< of each frame: a, b, c and the corner from the origin; empty: none [length]
+  std::array<bool, 3> periodic{};  ///< along which edges
+  bool flows = false;              ///< every frame tells of flow
   /// Whether the frames have this one of bond_fields. That a mode uses up strength, carries loads or has
   /// flowed means nothing.
   bool has_field(std::size_t k) const {
@@ -84,6 +86,7 @@ struct Body {
   std::vector<float> radius;         ///< [length]
   std::vector<std::uint32_t> bonds;  ///< i0, j0, i1, j1, ...
   std::vector<float> capsules;  ///< radius of each bond as it touches, 0: not; empty if none does  [length]
+  std::vector<float> images;    ///< which image of j each bond joins, three numbers; empty if none joins one
   BondSighting first_strained, first_snapped;
   std::size_t bonds_without_length = 0;  ///< at rest; their relative elongation is given as 0
 };

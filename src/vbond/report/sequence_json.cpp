@@ -95,6 +95,18 @@ void add_walls(const Walls& walls, const std::vector<std::size_t>& frames, Block
                 {"motion", to_json(block.add(motion))}};
 }
 
+/// Nothing of a body that is not periodic.
+void add_cell(const Sequence& s, const std::vector<std::size_t>& frames, Block& block, Json& j) {
+  constexpr std::size_t numbers = 12;  // of a cell
+  if (s.cell.empty()) return;
+  std::vector<float> cells;
+  for (const std::size_t f : frames) {
+    const auto from = s.cell.begin() + static_cast<std::ptrdiff_t>(numbers * f);
+    cells.insert(cells.end(), from, from + numbers);
+  }
+  j["cell"] = {{"edges", to_json(block.add(cells))}, {"periodic", s.periodic}};
+}
+
 /// Numbers of particles as they are, in the type that they fit into.
 Json ends_json(const std::vector<std::uint32_t>& ends, std::size_t particles, Block& block) {
   if (bytes_of_end(particles) == sizeof(std::uint32_t)) return to_json(block.add(ends));
@@ -163,6 +175,7 @@ Json sequence_json(const Sequence& s, const Report& report, const std::vector<st
   j["bond_range"] = to_json(block.add(range, {0.0, 1.0}, bonds));
   add_breaks(s, kept, bonds, block, j);
   add_walls(s.walls, kept, block, j);
+  add_cell(s, kept, block, j);
   add_contacts(s.contacts, kept, particles, si, block, j);
   return j;
 }

@@ -65,6 +65,7 @@ class VtpInput::Head {
       f_.load_factor_ = s_.number<double>();
       s_.expect("</DataArray>\n");
     }
+    read_cell();
     s_.expect("    </FieldData>\n    <Piece NumberOfPoints=\"");
     f_.points_ = count();
     s_.expect("\" NumberOfVerts=\"");
@@ -81,6 +82,40 @@ class VtpInput::Head {
   }
 
  private:
+  Vec3d vector() {
+    Vec3d x;
+    x.x = s_.number<double>(), s_.expect(" ");
+    x.y = s_.number<double>(), s_.expect(" ");
+    x.z = s_.number<double>();
+    if (!is_finite(x)) s_.refuse();
+    return x;
+  }
+
+  /// That of a periodic body.
+  void read_cell() {
+    if (!s_.take("      <DataArray type=\"Float64\" Name=\"cell\" NumberOfComponents=\"3\" "
+                 "NumberOfTuples=\"3\" format=\"ascii\">"))
+      return;
+    FrameCell& cell = f_.cell_.emplace();
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (k > 0) s_.expect(" ");
+      cell.edges[k] = vector();
+    }
+    s_.expect(
+        "</DataArray>\n      <DataArray type=\"Float64\" Name=\"cell_corner\" NumberOfComponents=\"3\" "
+        "NumberOfTuples=\"1\" format=\"ascii\">");
+    cell.corner = vector();
+    s_.expect(
+        "</DataArray>\n      <DataArray type=\"UInt8\" Name=\"cell_periodic\" NumberOfComponents=\"3\" "
+        "NumberOfTuples=\"1\" format=\"ascii\">");
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (k > 0) s_.expect(" ");
+      cell.periodic[k] = s_.take("1");
+      if (!cell.periodic[k]) s_.expect("0");
+    }
+    s_.expect("</DataArray>\n");
+  }
+
   /// As many bytes the arrays of the file can have at most.
   std::size_t most_bytes() const { return f_.compressed_ ? most_inflated * f_.size_ : f_.size_; }
 
@@ -263,6 +298,14 @@ std::vector<Vec3d> VtpInput::vectors(Per per, const std::string& name) const {
   std::vector<Vec3d> vectors(x.size() / 3);
   for (std::size_t k = 0; k < vectors.size(); ++k) vectors[k] = {x[3 * k], x[3 * k + 1], x[3 * k + 2]};
   return vectors;
+}
+std::vector<Image> VtpInput::images(Per per, const std::string& name) const {
+  const Array* a = find(per, name, 3);
+  if (!a || a->type != "Int32") refuse_array(per, name, "Int32, three numbers each,");
+  const std::vector<std::int32_t> x = values_of<std::int32_t, std::int32_t>(*a);
+  std::vector<Image> images(x.size() / 3);
+  for (std::size_t k = 0; k < images.size(); ++k) images[k] = {x[3 * k], x[3 * k + 1], x[3 * k + 2]};
+  return images;
 }
 std::vector<std::int64_t> VtpInput::integers(Per per, const std::string& name) const {
   const Array* a = find(per, name, 1);

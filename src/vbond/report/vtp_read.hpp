@@ -8,6 +8,7 @@
 
 #include "vbond/core/vec3.hpp"
 #include "vbond/observe/files.hpp"
+#include "vbond/observe/in_cell.hpp"
 
 namespace vbond {
 
@@ -20,6 +21,7 @@ class VtpInput {
   double time() const { return time_; }
   std::int64_t step() const { return step_; }
   std::optional<double> load_factor() const { return load_factor_; }  ///< of a balance
+  const std::optional<FrameCell>& cell() const { return cell_; }      ///< of a periodic body
   std::size_t points() const { return points_; }
   std::size_t cells() const { return cells_; }
 
@@ -35,6 +37,8 @@ class VtpInput {
   /// integers may take 32 or 64 bits.
   std::vector<double> scalars(Per per, const std::string& name) const;
   std::vector<Vec3d> vectors(Per per, const std::string& name) const;
+  /// Three whole numbers of 32 bits each.
+  std::vector<Image> images(Per per, const std::string& name) const;
   std::vector<std::int64_t> integers(Per per, const std::string& name) const;
   std::vector<std::uint8_t> bytes(Per per, const std::string& name) const;
   /// The label of its unit; empty if it has none, or if there is no such array.
@@ -67,6 +71,7 @@ class VtpInput {
   double time_ = 0;
   std::int64_t step_ = 0;
   std::optional<double> load_factor_;
+  std::optional<FrameCell> cell_;
   std::size_t points_ = 0, cells_ = 0;
   std::size_t corners_ = 1;  ///< of each cell
   std::vector<Array> arrays_;

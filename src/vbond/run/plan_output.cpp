@@ -90,6 +90,11 @@ OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem:
                                         : std::numeric_limits<double>::infinity();
   if (o.frames) plan.frame_format = {o.frames->single_precision, o.frames->compressed, o.frames->stress};
   if (o.frames) plan.frame_format.contacts = o.frames->contacts;
+  if (o.frames) plan.frame_format.wrap = o.frames->wrap;
+  plan.frame_format.cell_shears = std::any_of(c.stages.begin(), c.stages.end(), [](const StageSpec& s) {
+    return s.cell && std::any_of(s.cell->component.begin() + 3, s.cell->component.end(),
+                                 [](const auto& component) { return component.has_value(); });
+  });
   plan.lammps_dump = o.lammps_dump;
   if (o.checkpoint_every)
     plan.checkpoint_every = output_time(*o.checkpoint_every, model, "output.checkpoint.every", c);

@@ -291,11 +291,14 @@ Built build(const Case& c) {
   for (const PlacedSpecimen& s : specimens) {
     add_particles(s, number++, built, problems);
     built.notes.insert(built.notes.end(), s.points.notes.begin(), s.points.notes.end());
+    if (!c.cell)
+      built.notes.insert(built.notes.end(), s.points.notes_on_open_bodies.begin(),
+                         s.points.notes_on_open_bodies.end());
   }
   note_bond_types(c, specimens, built);
   problems.throw_if_any();
-  add_cell(c, built, problems);
-  check_periodic(c, problems);
+  add_cell(c, specimens, built, problems);
+  check_periodic(c, model, problems);
   problems.throw_if_any();
   state.r = model.r_0;
   check_distinct(c, model, problems);

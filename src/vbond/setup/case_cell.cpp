@@ -2,10 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
+#include <string>
+#include <vector>
 
+#include "vbond/case/names.hpp"
 #include "vbond/core/images.hpp"
 #include "vbond/model/periodic_cell.hpp"
 
@@ -54,13 +58,63 @@ void note_fit(const Case& c, Built& built) {
   }
 }
 
+/// The edges and the corner of the cell: those of the case, or those of the box of a file.
+std::optional<FileBox> box_of_case(const CellSpec& cell, const std::vector<PlacedSpecimen>& specimens,
+                                   Problems& problems) {
+  if (!cell.from_specimen) return FileBox{cell.edges, cell.corner};
+  const auto& [name, place] = *cell.from_specimen;
+  const auto refuse = [&](const std::string& what, const std::string& rule, const std::string& way_out) {
+    problems.add(place, fmt::format("cell.from_specimen = \"{}\"{}", name, what), rule, way_out);
+    return std::nullopt;
+  };
+  const auto found = std::find_if(specimens.begin(), specimens.end(),
+                                  [&](const PlacedSpecimen& s) { return s.spec->name == name; });
+  if (found == specimens.end()) {
+    std::vector<std::string> names;
+    for (const PlacedSpecimen& s : specimens) names.push_back(s.spec->name);
+    return refuse("", "there is no such specimen", "the specimens are " + keys::join(names));
+  }
+  const auto* of_file = std::get_if<LammpsSpecimen>(&found->spec->shape);
+  if (!of_file)
+    return refuse(": this specimen is no LAMMPS data file", "the box of such a file is meant",
+                  "give a, b and c instead");
+  if (!found->points.box)
+    return refuse(fmt::format(": {} gives no box with volume", of_file->file.value.string()),
+                  "a box has lines that end in xlo xhi, ylo yhi and zlo zhi, or in avec, bvec, cvec and abc "
+                  "origin",
+                  "complete the header of the file, or give a, b and c instead");
+  if (!found->spec->array.empty())
+    return refuse(": the array of this specimen has more than fits into the box of its file",
+                  "the box is that of one copy", "leave out the array, or give a, b and c instead");
+  return found->points.box;
+}
+
+/// Image flags are counted in the box of their file, which is meant to be the cell.
+void note_other_boxes(const std::vector<PlacedSpecimen>& specimens, Built& built) {
+  const std::array<Vec3d, 3>& cell = built.model.cell.edges;
+  for (const PlacedSpecimen& s : specimens) {
+    if (!s.points.box) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3d& edge = s.points.box->edges[k];
+      if (!built.model.cell.periodic[k] || norm(edge - cell[k]) <= 1e-9 * norm(cell[k])) continue;
+      built.notes.push_back(fmt::format(
+          "specimen \"{}\": edge {} of the box of its file is [{:.9g}, {:.9g}, {:.9g}], that of the cell is "
+          "[{:.9g}, {:.9g}, {:.9g}]; cell.from_specimen takes the box",
+          s.spec->name, "abc"[k], edge.x, edge.y, edge.z, cell[k].x, cell[k].y, cell[k].z));
+      break;
+    }
+  }
+}
+
 }  // namespace
 
-void add_cell(const Case& c, Built& built, Problems& problems) {
+void add_cell(const Case& c, const std::vector<PlacedSpecimen>& specimens, Built& built, Problems& problems) {
   if (!c.cell) return;
+  const std::optional<FileBox> box = box_of_case(*c.cell, specimens, problems);
+  if (!box) return;
   CellShape& cell = built.model.cell;
-  cell.edges = c.cell->edges;
-  cell.corner = c.cell->corner;
+  cell.edges = box->edges;
+  cell.corner = box->corner;
   cell.triangular = c.cell->triangular;
   for (std::size_t k = 0; k < 3; ++k) cell.periodic[k] = !c.cell->open[k];
   for (const std::string& mistake : mistakes_in_cell(built.model))
@@ -75,9 +129,10 @@ void add_cell(const Case& c, Built& built, Problems& problems) {
     r += to_image(built.state.cell, image_in_cell(built.state.cell, cell.periodic, cell.corner, r));
   }
   note_fit(c, built);
+  note_other_boxes(specimens, built);
 }
 
-void check_periodic(const Case& c, Problems& problems) {
+void check_periodic(const Case& c, const Model& model, Problems& problems) {
   if (!c.cell) {
     for (const StageSpec& s : c.stages)
       if (s.cell)
@@ -119,7 +174,7 @@ void check_periodic(const Case& c, Problems& problems) {
       for (std::size_t axis = 0; axis < 3; ++axis)
         if (s.cell->component[k] && open[axis])
           for (int world = 0; world < 3; ++world)
-            if (component(c.cell->edges[axis], world) != 0.0 &&
+            if (component(model.cell.edges[axis], world) != 0.0 &&
                 (cell_component_axes[k][0] == world || cell_component_axes[k][1] == world))
               problems.add(s.cell->component[k]->place,
                            fmt::format("stage \"{}\": cell.{}", s.name, cell_component_names[k]),

@@ -100,6 +100,9 @@ void turn(const TurnSpec& spec, const SourcePlace& place, SpecimenPoints& points
   for (Vec3d& v : points.v) v = rotate(q, v);
   for (Vec3d& omega : points.omega) omega = rotate(q, omega);
   points.q = normalised(q * points.q);
+  if (!points.box) return;
+  for (Vec3d& edge : points.box->edges) edge = rotate(q, edge);
+  points.box->corner = spec.about + rotate(q, points.box->corner - spec.about);
 }
 
 template <class T>
@@ -144,8 +147,10 @@ double count_copies(const SpecimenSpec& spec) {
 void arrange(const SpecimenSpec& spec, const std::string& case_file, SpecimenPoints& points) {
   cut(spec, case_file, points);
   if (spec.turn) turn(*spec.turn, spec.place, points);
-  if (spec.move != Vec3d{})
+  if (spec.move != Vec3d{}) {
     for (Vec3d& r : points.r) r += spec.move;
+    if (points.box) points.box->corner += spec.move;
+  }
   const double total = static_cast<double>(points.r.size()) * count_copies(spec);
   if (total > static_cast<double>(keys::most_particles))
     throw CaseError({spec.place,

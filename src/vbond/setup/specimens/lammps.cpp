@@ -96,6 +96,12 @@ class LammpsReader {
 
   void check_whole() {
     if (!problems_.none() || !in_lines_.none()) return;  // of which a wrong count may be a consequence
+    if (const std::string mistake = box_.mistake(); !mistake.empty())
+      problems_.add(
+          box_place_, mistake,
+          "a box has either low and high along x, y and z and perhaps xy xz yz, or the right-handed "
+          "system avec, bvec, cvec and its abc origin",
+          "correct the lines of the box");
     const SourcePlace whole{at_.file, 0, 0};
     if (atoms_.empty())
       problems_.add(whole, "there is no Atoms section", "it holds the particles", "add the section");
@@ -196,6 +202,7 @@ class LammpsReader {
     } else if (what == "bond types" && count) {
       declared_bond_types_ = *count;
     } else if (const char* form = box_.form_of(words)) {
+      box_place_ = at_;
       if (!box_.read(words)) malformed(form);
     } else if (!is_passive_header(words.back(), what)) {
       problems_.add(at_, fmt::format("\"{}\" is not understood", fmt::join(words, " ")),
@@ -259,24 +266,16 @@ class LammpsReader {
 
   /// Takes atoms to where they are without periods: in a file of LAMMPS's own they are put back into the box.
   void unwrap() {
-    for (Atom& atom : atoms_) {
-      double shift[3] = {};
+    for (Atom& atom : atoms_)
       for (std::size_t k = 0; k < 3; ++k) {
         if (atom.image[k] == 0) continue;
-        if (box_.is_tilted()) return refuse_tilted(atom);
-        if (!box_.period[k])
+        if (const std::optional<Vec3d> edge = box_.edge(k))
+          atom.r += static_cast<double>(atom.image[k]) * *edge;
+        else
           in_lines_.add(atom.place, fmt::format("an image flag along {}, and no box", "xyz"[k]),
                         "image flags count periods of the box",
-                        fmt::format("add the line \"{}\" above", LammpsBox::lines[k]));
-        shift[k] = static_cast<double>(atom.image[k]) * box_.period[k].value_or(0.0);
+                        fmt::format("add the line \"{}\" above", box_.line_of_edge(k)));
       }
-      atom.r += Vec3d{shift[0], shift[1], shift[2]};
-    }
-  }
-
-  void refuse_tilted(const Atom& atom) {
-    in_lines_.add(atom.place, "an image flag in a tilted box", "only boxes with right angles are unwrapped",
-                  "write the file with unwrapped coordinates and without image flags");
   }
 
   void bond_line(const std::vector<std::string_view>& words) {
@@ -327,6 +326,7 @@ class LammpsReader {
         points.bonds.push_back({{i->second, j->second}, bond.type});
     }
     find_bonds_across(box_, at_.file, points);
+    points.box = box_.whole();
     for (auto& [type, atoms] : of_type)
       points.parts.emplace_back(fmt::format("type-{}", type), std::move(atoms));
     note_labels("atom", atom_labels_, points);
@@ -387,6 +387,7 @@ class LammpsReader {
   Problems problems_, in_lines_{1};
   std::optional<std::int64_t> declared_atoms_, declared_bonds_, declared_atom_types_, declared_bond_types_;
   LammpsBox box_;
+  SourcePlace box_place_;                      ///< of its last line
   std::set<std::string, std::less<>> labels_;  ///< of all kinds
   TypeLabels atom_labels_, bond_labels_;
   std::map<std::int64_t, double> masses_;

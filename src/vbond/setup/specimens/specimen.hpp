@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,6 +23,12 @@ struct FileBond {
   double across = 0;
 };
 
+/// The periodic box that a file gives its particles: three edges with volume, a right-handed system.
+struct FileBox {
+  std::array<Vec3d, 3> edges;  ///< [length]
+  Vec3d corner;                ///< where they begin  [length]
+};
+
 /// What a particle stands for on a surface: its area, and the mean square of the distances to its neighbours.
 struct SurfaceShare {
   double area = 0, square_spacing = 0;  ///< [length^2]
@@ -38,8 +45,10 @@ struct SpecimenPoints {
   std::vector<Vec3d> moments;                                            ///< of inertia; likewise
   std::vector<FileBond> bonds;                                           ///< of a file, or edges of a surface
   std::vector<std::pair<std::string, std::vector<std::int64_t>>> parts;  ///< such as "ends", "rim"
+  std::optional<FileBox> box;        ///< turned and moved with the particles; of copies that of the first
   std::vector<SurfaceShare> shares;  ///< of surfaces: per particle, before anything is cut or copied
   std::vector<std::string> notes;    ///< on cuts, unused parts of files, and how triangles differ
+  std::vector<std::string> notes_on_open_bodies;  ///< that are true without a cell only
 };
 
 /// Places the particles of a specimen, cut, turned, moved and copied. `place` is where the case describes it,

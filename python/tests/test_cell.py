@@ -1,0 +1,76 @@
+"""Periodic bodies: the cell and images as arrays, of a run and of its files."""
+
+import numpy as np
+import pytest
+
+import vbond
+
+
+@pytest.fixture
+def periodic() -> dict:
+    """A lattice that is sheared and pressed, and moves through the faces of its cell."""
+    return {
+        "cell": {"a": [4, 0, 0], "b": [1, 4, 0], "c": [0, 0, 4], "rotation": "triangular"},
+        "specimen": [{"kind": "block", "cells": [4, 4, 4], "radius": 0.45, "mass": 1.0}],
+        "bonds": [{"distance": 1.1, "stiffness": {"c_A": 1.0, "c_D": 0.3, "c_B": 0.1, "c_T": 0.1}}],
+        "contact": {"law": "linear", "k": 1.0, "pairs": "all"},
+        "velocities": [{"velocity": [0.5, 0.2, -0.1]}],
+        "time": {"step": 0.1},
+        "stage": [{"duration": 20.0, "cell": {"xy": {"rate": 0.01}, "zz": {"rate": -0.01}}}],
+        "output": {"history": {"every": 2.0}},
+    }
+
+
+def at(state, pairs):
+    """From i to the image of j."""
+    r = state.positions
+    return r[pairs["j"]] + pairs["image_j"] @ state.cell - r[pairs["i"]]
+
+
+def test_the_cell_is_that_of_the_run(periodic):
+    run = vbond.Run(vbond.Case.from_dict(periodic))
+    assert run.state.cell.tolist() == [[4, 0, 0], [1, 4, 0], [0, 0, 4]]
+    run.run()
+    state = run.state
+    F = np.array([[1, 0.2, 0], [0, 1, 0], [0, 0, 0.8]])
+    assert state.cell == pytest.approx(np.array([[4, 0, 0], [1, 4, 0], [0, 0, 4]]) @ F.T, abs=1e-12)
+    L = np.array([[0, 0.01, 0], [0, 0, 0], [0, 0, -0.01]]) @ np.linalg.inv(F)
+    assert state.cell_rates == pytest.approx(state.cell @ L.T, rel=2e-2, abs=1e-12)  # half a step ago
+    stress = state.cell_stress
+    for name, a, b in (("xx", 0, 0), ("zz", 2, 2), ("xy", 0, 1), ("yz", 1, 2)):
+        assert 0.5 * (stress[a, b] + stress[b, a]) == pytest.approx(run.history[f"cell_stress_{name}"][-1], abs=1e-12)
+    assert stress[2, 2] < -0.05
+
+
+def test_images_tell_where_pairs_go(periodic):
+    run = vbond.Run(vbond.Case.from_dict(periodic))
+    run.run()
+    state = run.state
+    bonds, contacts = state.bonds, state.contacts
+    assert bonds["image_j"].shape == (192, 3) and bonds["image_j"].dtype.kind == "i" and bonds["image_j"].any()
+    length = np.linalg.norm(at(state, bonds), axis=1)
+    assert length == pytest.approx(bonds["elongation"] + bonds["length_at_rest"], rel=1e-12)
+    assert len(contacts["i"]) > 0 and contacts["image_j"].any()
+    assert contacts["overlap"] == pytest.approx(0.9 - np.linalg.norm(at(state, contacts), axis=1), rel=1e-9)
+
+
+def test_frames_have_the_cell_and_particles_in_it(periodic, tmp_path):
+    periodic["output"]["frames"] = {"every": 10.0, "wrap": True}
+    out = vbond.run(vbond.Case.from_dict(periodic), tmp_path / "out")
+    last = out.frames[-1]
+    particles, bonds = last.particles, last.bonds
+    parts = (particles["position"] - particles["cell_corner"]) @ np.linalg.inv(particles["cell"])
+    assert particles["cell"].shape == (3, 3) and parts.min() > -1e-9 and parts.max() < 1 + 1e-9
+    assert particles["image"].any() and particles["image"].dtype.kind == "i"
+    r = particles["position"]
+    length = np.linalg.norm(r[bonds["j"]] + bonds["image_j"] @ particles["cell"] - r[bonds["i"]], axis=1)
+    assert length == pytest.approx(bonds["elongation"] + bonds["length_at_rest"], rel=1e-12)
+    cell = out.summary["cell"]
+    assert [cell[edge] for edge in "abc"] == particles["cell"].tolist()
+    assert cell["stress"]["zz"] == out.history["cell_stress_zz"][-1]
+    assert cell["volume"] == pytest.approx(64 * 0.8, rel=1e-12)
+
+
+def test_without_a_cell_there_is_none(run):
+    assert run.state.cell is None and run.state.cell_rates is None and run.state.cell_stress is None
+    assert "image_j" not in run.state.bonds and "image_j" not in run.state.contacts
