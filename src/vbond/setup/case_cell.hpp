@@ -10,6 +10,9 @@ namespace vbond {
 /// not fit it.
 void add_cell(const Case& c, Built& built, Problems& problems);
 
+/// The wave vectors of a stage, in whichever way they are given.
+WaveVectors waves_of(const StageSpec& s);
+
 /// Refuses what a periodic body cannot have.
 void check_periodic(const Case& c, Problems& problems);
 
