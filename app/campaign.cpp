@@ -13,6 +13,7 @@
 #include "vbond/model/bond_sums.hpp"
 #include "vbond/observe/bond_look.hpp"
 #include "vbond/observe/breaks_observer.hpp"
+#include "vbond/observe/dispersion_table.hpp"
 #include "vbond/observe/files.hpp"
 #include "vbond/observe/fracture_table.hpp"
 #include "vbond/observe/quantities.hpp"
@@ -174,6 +175,8 @@ void save_summary(Campaign& campaign) {
   write_summary(campaign.plan.folder / "run.json", s);
   if (const std::string table = fracture_table(s); !table.empty())
     replace_file(campaign.plan.folder / "fracture.csv", table);
+  if (const std::string table = dispersion_table(s); !table.empty())
+    replace_file(campaign.plan.folder / "dispersion.csv", table);
 }
 
 }  // namespace vbond::app

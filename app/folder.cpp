@@ -52,16 +52,17 @@ void take_away_if_empty(const fs::path& folder) {
 /// Lists of frames go before the frames that they name.
 void remove_output(const fs::path& folder) {
   const FolderLock nobody_reports(folder, report_lock);
-  for (const char* name : {"history.csv",    "history.columns.json",
-                           "breaks.csv",     "breaks.columns.json",
-                           "fragments.csv",  "fragments.columns.json",
-                           "fracture.csv",   "run.json",
-                           "status.json",    "resolved.toml",
-                           "checkpoint.h5",  "particles.pvd",
-                           "bonds.pvd",      "walls.pvd",
-                           "contacts.pvd",   "cell.pvd",
-                           "dump.lammpstrj", "last_balance.h5",
-                           "report.html",    "report.png"}) {
+  for (const char* name : {"history.csv",     "history.columns.json",
+                           "breaks.csv",      "breaks.columns.json",
+                           "fragments.csv",   "fragments.columns.json",
+                           "fracture.csv",    "dispersion.csv",
+                           "run.json",        "status.json",
+                           "resolved.toml",   "checkpoint.h5",
+                           "particles.pvd",   "bonds.pvd",
+                           "walls.pvd",       "contacts.pvd",
+                           "cell.pvd",        "dump.lammpstrj",
+                           "last_balance.h5", "report.html",
+                           "report.png"}) {
     take_away(folder / name);
     take_away(temporary_name(folder / name));
   }

@@ -71,16 +71,20 @@ void write_modes(const Campaign& campaign, const StaticStage& stage, const Stati
   if (stage.frames_per_mode == 0 || !campaign.plan.writes_all()) return;
   const Model& model = campaign.run.model();
   const State& state = campaign.run.current();
-  const auto write = [&](std::size_t k, const Shape& shape, std::optional<double> load_factor) {
+  const auto write = [&](std::size_t k, const Shape& shape, const Shape& out_of_phase,
+                         std::optional<double> load_factor) {
     const double factor = swing_factor(model, state, shape, stage.amplitude);
     if (factor > 0.0)
       write_mode_frames(campaign.plan.folder, stage.name, static_cast<int>(k) + 1, stage.frames_per_mode,
-                        factor, model, state, shape, load_factor, campaign.plan.format_of_frames());
+                        factor, model, state, {shape, out_of_phase}, load_factor,
+                        campaign.plan.format_of_frames());
   };
-  for (std::size_t k = 0; k < found.critical_loads.size(); ++k)
-    write(k, found.critical_loads[k].mode, found.critical_loads[k].load_factor);
+  for (std::size_t k = 0; k < found.critical_loads.size(); ++k) {
+    const CriticalLoad& c = found.critical_loads[k];
+    write(k, c.mode, c.out_of_phase, c.load_factor);
+  }
   for (std::size_t k = 0; k < found.modes.size(); ++k)
-    if (!found.modes[k].rigid) write(k, found.modes[k].shape, {});
+    if (!found.modes[k].rigid) write(k, found.modes[k].shape, found.modes[k].out_of_phase, {});
 }
 
 /// Runs the stage and adds its wall time, output apart, whichever way it ends.

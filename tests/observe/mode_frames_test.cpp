@@ -45,6 +45,24 @@ TEST(ModeFrames, SwingBeginsInBalanceAndTurnsAtTheAmplitude) {
   EXPECT_EQ(std::stod(quarter.in_text.at("TimeValue")), 0.25);
 }
 
+// Of a wave the particles go round: a quarter of a swing before its height they are where the other part
+// says, backwards.
+TEST(ModeFrames, OfAWaveShowBothParts) {
+  const Folder folder;
+  const Chain chain;
+  Shape other{PerParticle<Vec3d>(3), PerParticle<Vec3d>(3)};
+  other.translation[ParticleId{1}] = {0.5, 0, 0};
+  write_mode_frames(folder.path(), "wave", 1, 4, 0.2, chain.model, chain.state, {bent(), other});
+  const auto frame = [&](int k) {
+    return displacements(folder / ("modes/wave_mode_1_000" + std::to_string(k) + ".vtp"));
+  };
+  EXPECT_NEAR(frame(0)[3], -0.1, 1e-15);
+  EXPECT_NEAR(frame(0)[4], 0.0, 1e-15);
+  EXPECT_NEAR(frame(1)[3], 0.0, 1e-15);
+  EXPECT_NEAR(frame(1)[4], 0.2, 1e-15);
+  EXPECT_NEAR(frame(2)[3], 0.1, 1e-15);
+}
+
 // One or two frames show the ends of the swing, not twice the balance.
 TEST(ModeFrames, FewShowTheShape) {
   for (const int frames : {1, 2, 3}) {

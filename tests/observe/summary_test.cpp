@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
 #include "specimen.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/observe/dispersion_table.hpp"
 
 namespace vbond {
 namespace {
@@ -297,6 +299,40 @@ RunSummary all_kinds() {
     s.stages.push_back(stage);
   }
   return s;
+}
+
+TEST(RunSummary, WavesComeBackWithTheirModes) {
+  const Folder folder;
+  RunSummary s = buckling();
+  s.stages.clear();
+  StaticResult r;
+  r.ended = "converged";
+  r.waves = {{{0, 0, 0}, {0, 0, 0}}, {{0.5, 0, 1}, {0.25, 0, 0.125}}};
+  r.modes = {
+      {0, 0, true, {}, 1}, {0.5, 0.25, false, {}, 1}, {0, -1.0, false, {}, 2}, {2.0, 4.0, false, {}, 2}};
+  StageSummary modes;
+  modes.name = "free, or not";
+  modes.statics = StaticSummary{StageKind::modes, r, ""};
+  StageSummary critical = modes;
+  critical.statics->kind = StageKind::buckling;
+  critical.statics->result.modes.clear();
+  critical.statics->result.critical_loads.resize(1);
+  critical.statics->result.critical_loads[0].wave = 2;
+  s.stages = {modes, critical};
+  write_summary(folder / "run.json", s);
+  const RunSummary back = read_summary(folder / "run.json");
+  ASSERT_EQ(back.stages.size(), 2u);
+  EXPECT_EQ(back.stages[0].statics->result.waves, r.waves);
+  EXPECT_EQ(back.stages[0].statics->result.modes, r.modes);
+  EXPECT_EQ(back.stages[1].statics->result.critical_loads[0].wave, 2);
+  EXPECT_EQ(back.stages[1].statics->result.waves, r.waves);
+  const std::string table = dispersion_table(s);
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 5);
+  EXPECT_NE(table.find("\n\"free, or not\",2,0.5,0,1,0.25,0,0.125,2,0,2,"), std::string::npos) << table;
+  critical.statics->result.critical_loads[0].wave = 3;
+  s.stages = {critical};
+  write_summary(folder / "run.json", s);
+  EXPECT_THROW(read_summary(folder / "run.json"), IoError);
 }
 
 TEST(RunSummary, StaticStagesHoldTheirResultsByKind) {

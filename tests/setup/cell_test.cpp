@@ -112,7 +112,7 @@ TEST(CaseCell, RefusesWhatDoesNotGoTogether) {
   EXPECT_TRUE(contains(
       mistake(floor + still + "walls = [{ wall = \"w\", angular_velocity = [0, 0, 1] }]\n", open_upwards),
       "wall \"w\" turns"));
-  refuses("[[stage]]\nkind = \"modes\"\n", "has kind = \"modes\"");
+  refuses("[[stage]]\nkind = \"buckling\"\ncell = { xx = { stress = -1.0 } }\n", "give way to a stress");
   refuses("[[stage]]\nduration = 1.0\ngravity = [0, 0, -1]\ncell = { xx = { rate = 1.0 } }\n",
           "loads or gravity on a body whose cell moves");
   const std::string open = mistake("[[stage]]\nduration = 1.0\ncell = { xz = { rate = 1.0 } }\n",
@@ -141,6 +141,29 @@ TEST(CaseCell, RefusesAPairWithTwoNearestImages) {
   };
   EXPECT_TRUE(contains(told("[2, 0, 0]"), "two images of the second particle are equally near"));
   EXPECT_EQ(told("[2.1, 0, 0]"), "");
+}
+
+TEST(CaseCell, TakesWavesAlongWhatRepeats) {
+  const char* sheet = "a = [3, 0, 0]\nb = [0, 3, 0]\nc = [0, 0, 3]\nopen = [\"c\"]\n";
+  const std::string modes = "[[stage]]\nkind = \"modes\"\n";
+  EXPECT_EQ(mistake(modes + "wave_vectors = [[0.1, 2, 0]]\n", sheet), "");
+  EXPECT_EQ(mistake(modes + "wave_phases = [[0.1, 0.5, 0], [0, 0, 0]]\n", sheet), "");
+  EXPECT_EQ(mistake("[[stage]]\nkind = \"buckling\"\nwave_phases = [[0.1, 0, 0]]\ncell = { xx = { stress = "
+                    "-1.0 } }\n",
+                    sheet),
+            "");
+  EXPECT_TRUE(contains(mistake(modes + "wave_phases = [[0, 0, 0.1]]\n", sheet), "along the open edge c"));
+  EXPECT_TRUE(contains(mistake(modes + "wave_vectors = [[0, 0.1, 0.1]]\n", sheet), "along the open edge c"));
+  Case without = in_cell(modes + "wave_vectors = [[0.1, 2, 0]]\n");
+  EXPECT_EQ(without.stages.back().frames_per_mode, 0);
+  without.cell.reset();
+  EXPECT_TRUE(contains(text_of_error(without), "has wave vectors"));
+  try {
+    in_cell(modes + "wave_vectors = [[0.1, 2, 0]]\nwave_phases = [[0.1, 0, 0]]\n");
+    ADD_FAILURE() << "accepted";
+  } catch (const CaseError& e) {
+    EXPECT_TRUE(contains(e.what(), "waves are given in two ways")) << e.what();
+  }
 }
 
 TEST(CaseCell, RefusesAServoThatSwingsFromStepToStep) {

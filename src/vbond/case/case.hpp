@@ -356,7 +356,7 @@ struct StageSpec {
   std::vector<LoadSpec> loads;
   std::vector<TemperatureSpec> temperatures;      ///< all kinds but modes
   std::vector<WallDriveSpec> walls;               ///< dynamics, equilibrium, fracture
-  std::optional<CellDriveSpec> cell;              ///< dynamics, equilibrium
+  std::optional<CellDriveSpec> cell;              ///< all kinds but modes
   std::optional<DistanceStopSpec> stop_distance;  ///< dynamics, path
 
   // dynamics
@@ -372,12 +372,14 @@ struct StageSpec {
   NewtonSettings newton;
   int steps = 1;                         ///< equilibrium, fracture
   AtSaddle at_saddle = AtSaddle::leave;  ///< equilibrium
-  PathSettings path;          ///< path; its distance comes from stop_distance; two keys of it: buckling
-  FractureSettings fracture;  ///< fracture
-  double search_to = 0;       ///< buckling
-  int count = 6;              ///< buckling, modes
-  int frames_per_mode = 16;   ///< buckling, modes
-  double amplitude = 0;       ///< buckling, modes
+  PathSettings path;                ///< path; its distance comes from stop_distance; two keys of it: buckling
+  FractureSettings fracture;        ///< fracture
+  double search_to = 0;             ///< buckling
+  int count = 6;                    ///< buckling, modes
+  int frames_per_mode = 16;         ///< buckling, modes
+  double amplitude = 0;             ///< buckling, modes
+  std::vector<Vec3d> wave_vectors;  ///< buckling, modes: of a periodic body  [1/length]
+  std::vector<Vec3d> wave_phases;   ///< the same, in parts of 2 pi along each edge
 };
 
 struct ExactStep {};  ///< a fraction of the exact critical step of the assembled body

@@ -21,6 +21,7 @@ struct Dimension {
 inline constexpr Dimension pure{0, 0, 0, 0, "number", "1"};
 inline constexpr Dimension angle{0, 0, 0, 1, "angle", "10 deg"};
 inline constexpr Dimension length{1, 0, 0, 0, "length", "0.5 mm"};
+inline constexpr Dimension wave_number{-1, 0, 0, 0, "1/length", "200 m^-1"};
 inline constexpr Dimension area{2, 0, 0, 0, "area", "2 mm^2"};
 inline constexpr Dimension volume{3, 0, 0, 0, "length^3", "1 mm^3"};
 inline constexpr Dimension area_moment{4, 0, 0, 0, "length^4", "3 mm^4"};

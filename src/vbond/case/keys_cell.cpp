@@ -34,7 +34,7 @@ void describe(Table& t, CellComponentSpec& c, std::optional<StageKind> kind) {
         "rate", c.rate, number(frequency), default_is("none"),
         "rate of this component of the deformation gradient, of which the edges at the start are the first");
   });
-  t.when(rest, "kind = \"equilibrium\"", [&] {
+  t.when(rest, "kind = \"equilibrium\", \"path\", \"buckling\" or \"fracture\"", [&] {
     t.key(
         "strain", c.strain, number(pure), default_is("none"),
         "change of this component of the deformation gradient, from what the stage finds, at load factor 1");

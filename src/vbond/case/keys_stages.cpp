@@ -254,9 +254,28 @@ void describe_walk(Table& t, PathSettings& p) {
   t.key("most_points", p.most_points, at_least_one, optional, "ends the path in any case");
 }
 
+/// Waves of a periodic body, in one of two ways.
+void describe_waves(Table& t, StageSpec& s) {
+  t.key("wave_vectors", s.wave_vectors, list_of(vector_of(wave_number)), default_is("none"),
+        "of a periodic body: wave vectors q, for each of which there are modes or critical loads; what "
+        "stands a way w off moves "
+        "as exp(i q . w)");
+  t.key(
+      "wave_phases", s.wave_phases, list_of(vector_of(pure)), default_is("none"),
+      "the same by the phase from one cell to the next along a, b and c, in parts of a full turn: 0.5 is the "
+      "shortest wave");
+  t.check(s.wave_vectors.empty() || s.wave_phases.empty(), {"wave_phases", "wave_vectors"},
+          "waves are given in two ways", "keep one of wave_vectors and wave_phases");
+}
+
 void describe_modes(Table& t, StageSpec& s) {
-  t.key("count", s.count, at_least_one, optional, "how many critical loads or natural modes");
-  t.key("frames_per_mode", s.frames_per_mode, CountCodec{0, 1'000'000}, optional,
+  describe_waves(t, s);
+  const bool waves = t.reading() && (!s.wave_vectors.empty() || !s.wave_phases.empty());
+  if (waves && s.kind == StageKind::buckling && !t.is_given("count")) s.count = 1;
+  if (waves && !t.is_given("frames_per_mode")) s.frames_per_mode = 0;
+  t.key("count", s.count, at_least_one, default_is("6; buckling with wave vectors 1"),
+        "how many critical loads or natural modes; of each wave vector where there are some");
+  t.key("frames_per_mode", s.frames_per_mode, CountCodec{0, 1'000'000}, default_is("16; with wave vectors 0"),
         "frames of one swing of each; 0: none");
   t.key("amplitude", s.amplitude, not_negative(length), default_is("a tenth of the body"),
         "of these frames, as the largest movement of a particle; 0: a tenth of the body");
@@ -351,13 +370,12 @@ bool describe(Table& t, StageSpec& s) {
            t.tables("walls", s.walls, optional, "what moves walls; the others stand still",
                     [kind](Table& k, WallDriveSpec& drive) { describe(k, drive, kind); });
          });
-  t.when(!kind || kind == StageKind::dynamics || kind == StageKind::equilibrium,
-         "kind = \"dynamics\" or \"equilibrium\"", [&] {
-           t.table(
-               "cell", optional, "how the cell moves; components that are not named stay as they are",
-               [&s, kind](Table& k) { describe_drive(k, s.cell ? *s.cell : s.cell.emplace(), kind); },
-               s.cell.has_value());
-         });
+  t.when(!kind || kind != StageKind::modes, "every kind but \"modes\"", [&] {
+    t.table(
+        "cell", optional, "how the cell moves; components that are not named stay as they are",
+        [&s, kind](Table& k) { describe_drive(k, s.cell ? *s.cell : s.cell.emplace(), kind); },
+        s.cell.has_value());
+  });
   t.when(kind == StageKind::dynamics, in_dynamics, [&] { describe_motion(t, s); });
   describe_statics(t, s);
   t.when(kind == StageKind::dynamics || kind == StageKind::path || breaks,

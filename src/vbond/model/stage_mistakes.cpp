@@ -161,16 +161,42 @@ void look_at_cell(const Model& model, const Stage& stage, Mistakes& found) {
                 "loads and gravity do not act on a body whose cell moves");
 }
 
+void look_at_waves(const Model& model, const StaticStage& stage, Mistakes& found) {
+  const WaveVectors& waves = stage.waves;
+  if (waves.q.empty()) return;
+  found.require(model.cell.any(), "a body without a cell has no wave vectors");
+  found.require(stage.kind == StageKind::modes || stage.kind == StageKind::buckling,
+                "wave vectors are for modes and critical loads");
+  found.require(stage.newton.solver != LinearSolver::multigrid, "wave vectors are not for multigrid");
+  for (const Support& s : stage.supports)
+    found.require(!is_free_grip(s), "a rigid group that is free in part has no waves");
+  constexpr double most = 1e6;  // beyond it no phase is known
+  for (const Vec3d& q : waves.q) {
+    found.require_finite(q, "the stage", "a wave vector");
+    if (!model.cell.any() || !is_finite(q)) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3d& edge = model.cell.edges[k];
+      const double along = waves.of_edges ? component(q, static_cast<int>(k)) : dot(q, edge);
+      found.require(model.cell.periodic[k] || along == 0.0,
+                    fmt::format("the wave vector {} goes along an open edge of the cell", text(q)));
+      found.require(std::abs(along) <= most,
+                    fmt::format("the wave vector {} is so large that its phase is rounding", text(q)));
+    }
+  }
+}
+
 /// The same at rest.
 void look_at_cell(const Model& model, const StaticStage& stage, Mistakes& found) {
   found.add(mistakes_in_drive(model, stage.cell, true));
+  look_at_waves(model, stage, found);
   if (!model.cell.any()) return;
   look_at_walls_of_cell(model, stage.walls, stage.cell.any(), found);
-  found.require(stage.kind != StageKind::buckling && stage.kind != StageKind::modes,
-                "a periodic body has no critical loads and no modes here: kind = \"equilibrium\" strains it");
+  found.require(stage.kind != StageKind::modes || !stage.cell.any(),
+                "the cell moves: modes are about a balance at rest, which an equilibrium stage may find");
   if (!stage.cell.any()) return;
-  found.require(stage.kind == StageKind::equilibrium,
-                "a path and fracture leave the cell as it is: kind = \"equilibrium\" moves it");
+  found.require(stage.kind != StageKind::buckling || !stage.cell.any_stress() || !stage.waves.q.empty(),
+                "components of the cell give way to a stress, which has no potential: critical loads of what "
+                "repeats with the cell are found for a cell that is strained, those of waves for any");
   found.require(
       stage.supports.empty(),
       "supports would stand still while the cell moves: leave them out, a periodic body needs none");

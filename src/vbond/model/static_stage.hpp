@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -62,6 +63,14 @@ struct FractureSettings {
   std::optional<double> load_drop;  ///< ends when this part of the peak load is lost, > 0, <= 1
 };
 
+/// Waves of a periodic body: how its images move against each other.
+struct WaveVectors {
+  std::vector<Vec3d> q;  ///< the image at a distance w moves as the particle times exp(i q . w)
+  /// q is not in 1/length: its components are the parts of 2 pi by which the phase grows along the three
+  /// edges of the cell.
+  bool of_edges = false;
+};
+
 /// One static leg of the run, resolved: no names to look up, all in the units of the model.
 struct StaticStage {
   std::string name;
@@ -72,7 +81,11 @@ struct StaticStage {
   std::vector<PointLoad> loads;
   std::vector<Heating> heating;
   std::vector<WallDrive> walls;  ///< equilibrium, fracture; the others stand still
-  CellDrive cell;                ///< of a periodic body: equilibrium
+  CellDrive cell;                ///< of a periodic body: all kinds but modes
+  /// Path, buckling, fracture: of components that give way, the stress at load factor 0; run_static_stage()
+  /// takes it from what the stage finds.  [force/length^2]
+  std::array<double, 6> cell_stress_at_start{};
+  WaveVectors waves;  ///< of a periodic body: modes, buckling; none: the images move alike
   NewtonSettings newton;
   int steps = 1;  ///< equilibrium, fracture: load steps at least; more if they are too large
   AtSaddle at_saddle = AtSaddle::leave;  ///< equilibrium: what to do at an unstable balance

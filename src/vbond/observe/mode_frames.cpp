@@ -35,6 +35,18 @@ double diagonal(const Model& model, const State& s) {
   return box.diagonal();
 }
 
+/// By factor times Re(shape exp(-i (phase - pi/2))).
+State swung(const State& balance, const Swing& swing, double phase, double factor) {
+  const double in = factor * std::sin(phase), out = -factor * std::cos(phase);
+  if (swing.out_of_phase.translation.empty()) return displaced(balance, swing.in_phase, in);
+  Shape sum = swing.in_phase;
+  for (const ParticleId p : sum.translation.ids()) {
+    sum.translation[p] = in * sum.translation[p] + out * swing.out_of_phase.translation[p];
+    sum.rotation[p] = in * sum.rotation[p] + out * swing.out_of_phase.rotation[p];
+  }
+  return displaced(balance, sum, 1.0);
+}
+
 /// Takes a number off the end.
 bool take_digits(std::string_view& text) {
   const std::size_t last = text.find_last_not_of("0123456789");
@@ -66,7 +78,7 @@ double swing_factor(const Model& model, const State& balance, const Shape& shape
 }
 
 void write_mode_frames(const fs::path& folder, const std::string& stage, int mode, int frames, double factor,
-                       const Model& model, const State& balance, const Shape& shape,
+                       const Model& model, const State& balance, const Swing& swing,
                        std::optional<double> load_factor, FrameFormat format) {
   const fs::path modes = folder / "modes";
   make_folder(modes);
@@ -76,8 +88,7 @@ void write_mode_frames(const fs::path& folder, const std::string& stage, int mod
   const double first =
       frames < 3 ? 0.25 : 0.0;  // of a swing: one or two frames show its ends, not its middle
   for (int k = 0; k < frames; ++k) {
-    State s =
-        displaced(balance, shape, factor * std::sin(2.0 * std::numbers::pi * (first + 1.0 * k / frames)));
+    State s = swung(balance, swing, 2.0 * std::numbers::pi * (first + 1.0 * k / frames), factor);
     s.clock = {
         .step = k, .stage_step = k, .stage = balance.clock.stage, .stage_start = 0, .dt = 1.0 / frames};
     const std::string of_particles = fmt::format("{}_{:04}.vtp", name, k);

@@ -21,12 +21,21 @@ State displaced(const State& balance, const Shape& shape, double factor);
 /// shape.
 double swing_factor(const Model& model, const State& balance, const Shape& shape, double amplitude);
 
-/// Writes one swing of a mode about this balance, factor * sin(2 pi k / frames), as
+/// How a mode swings. Of a wave that goes through a periodic body, the particles that there are go round.
+struct Swing {
+  Swing(Shape shape) : in_phase(std::move(shape)) {}  // NOLINT: most swings have one part
+  Swing(Shape real, Shape imaginary) : in_phase(std::move(real)), out_of_phase(std::move(imaginary)) {}
+  Shape in_phase;
+  Shape out_of_phase;  ///< empty: none
+};
+
+/// Writes one swing of a mode about this balance, factor * sin(2 pi k / frames), less the part that is out of
+/// phase times factor * cos(2 pi k / frames), as
 /// modes/STAGE_mode_N_K.vtp and modes/STAGE_mode_N_bonds_K.vtp with a list for ParaView each, of which a
 /// swing takes one unit of time. stage: fit for a file name, as those of case files are. load_factor: at
 /// which the mode is critical. Throws IoError.
 void write_mode_frames(const std::filesystem::path& folder, const std::string& stage, int mode, int frames,
-                       double factor, const Model& model, const State& balance, const Shape& shape,
+                       double factor, const Model& model, const State& balance, const Swing& swing,
                        std::optional<double> load_factor = {}, FrameFormat format = {});
 
 /// True for the name of a file that write_mode_frames has written for this stage, or half of it; without a

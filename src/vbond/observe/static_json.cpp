@@ -51,11 +51,17 @@ void add_critical_loads(const StaticResult& r, Json& j) {
   j["critical_reactions"] = reactions;
 }
 
-/// Rigid motions are only counted; an unstable mode has frequency 0 and a negative square.
-void add_frequencies(const StaticResult& r, Json& j) {
+Json to_json(const Wave& w) {
+  return {{"wave_vector", to_json(w.q)}, {"phases", to_json(w.edges)}};
+}
+
+/// Rigid motions are only counted; an unstable mode has frequency 0 and a negative square. Of one wave, from
+/// 1, or where there is none.
+void add_frequencies(const StaticResult& r, int wave, Json& j) {
   Json omega = Json::array(), omega2 = Json::array(), frequencies = Json::array();
   int rigid = 0;
   for (const NaturalMode& m : r.modes) {
+    if (m.wave != wave) continue;
     if (m.rigid) {
       ++rigid;
       continue;
@@ -68,6 +74,24 @@ void add_frequencies(const StaticResult& r, Json& j) {
   j["frequencies"] = frequencies;
   j["omega"] = omega;
   j["omega_squared"] = omega2;
+}
+
+void add_frequencies(const StaticResult& r, Json& j) {
+  if (r.waves.empty()) return add_frequencies(r, 0, j);
+  j["waves"] = Json::array();
+  for (const Wave& w : r.waves) {
+    Json& of_wave = j["waves"].emplace_back(to_json(w));
+    add_frequencies(r, static_cast<int>(j["waves"].size()), of_wave);
+  }
+}
+
+/// Those that critical loads are found for, and which one each of them is of.
+void add_critical_waves(const StaticResult& r, Json& j) {
+  if (r.waves.empty()) return;
+  j["waves"] = Json::array();
+  for (const Wave& w : r.waves) j["waves"].push_back(to_json(w));
+  j["critical_waves"] = Json::array();
+  for (const CriticalLoad& c : r.critical_loads) j["critical_waves"].push_back(c.wave);
 }
 
 Json to_json(const BondUse& u) {
@@ -197,14 +221,15 @@ std::vector<CriticalLoad> critical_loads(const Json& j) {
   const auto if_there = [&](const char* key) {
     return j.contains(key) ? &list_of_length(j, key, n) : nullptr;
   };
-  const Json *forces = if_there("critical_forces"), *displacements = if_there("critical_displacements"),
-             *reactions = if_there("critical_reactions");
+  const Json *waves = if_there("critical_waves"), *forces = if_there("critical_forces"),
+             *displacements = if_there("critical_displacements"), *reactions = if_there("critical_reactions");
   for (std::size_t k = 0; k < n; ++k) {
     CriticalLoad c;
     c.load_factor = factors.at(k).get<double>();
     if (kinds.at(k) == "limit point") c.kind = PointKind::limit_point;
     c.gap = gaps.at(k).get<double>();
     if (!estimates.at(k).is_null()) c.estimate = estimates.at(k).get<double>();
+    if (waves) c.wave = small_number(waves->at(k));
     if (forces) c.force = forces->at(k).get<double>();
     if (displacements) c.displacement = displacements->at(k).get<double>();
     if (reactions) c.reaction = reactions->at(k).get<double>();
@@ -213,20 +238,34 @@ std::vector<CriticalLoad> critical_loads(const Json& j) {
   return loads;
 }
 
-std::vector<NaturalMode> natural_modes(const Json& j) {
+std::vector<NaturalMode> natural_modes(const Json& j, int wave) {
   constexpr std::int64_t most_rigid =
       1'000'000;  // a mode is searched for with all degrees of freedom at once
   std::vector<NaturalMode> modes(static_cast<std::size_t>(whole_number(j.at("rigid_modes"), most_rigid)));
-  for (NaturalMode& m : modes) m.rigid = true;
+  for (NaturalMode& m : modes) m.rigid = true, m.wave = wave;
   const Json& omega = j.at("omega");
   const Json& omega2 = list_of_length(j, "omega_squared", omega.size());
   for (std::size_t k = 0; k < omega.size(); ++k) {
     NaturalMode m;
     m.omega = omega.at(k).get<double>();
     m.omega2 = omega2.at(k).get<double>();
+    m.wave = wave;
     modes.push_back(m);
   }
   return modes;
+}
+
+void read_waves(const Json& j, StaticResult& r) {
+  for (const Json& w : j.at("waves"))
+    r.waves.push_back({vector_from(w.at("wave_vector")), vector_from(w.at("phases"))});
+}
+
+void read_modes(const Json& j, StaticResult& r) {
+  if (!j.contains("waves")) return void(r.modes = natural_modes(j, 0));
+  read_waves(j, r);
+  int wave = 0;
+  for (const Json& w : j["waves"])
+    for (NaturalMode& m : natural_modes(w, ++wave)) r.modes.push_back(std::move(m));
 }
 
 }  // namespace
@@ -256,7 +295,7 @@ Json to_json(const StaticSummary& s) {
   if (r.smallest_eigenvalue) j["smallest_eigenvalue"] = *r.smallest_eigenvalue;
   if (!s.failure.empty()) j["failure"] = s.failure;
   if (s.kind == StageKind::path) add_special_points(r, j);
-  if (s.kind == StageKind::buckling) add_critical_loads(r, j);
+  if (s.kind == StageKind::buckling) add_critical_loads(r, j), add_critical_waves(r, j);
   if (s.kind == StageKind::modes) add_frequencies(r, j);
   if (r.most_used) j["most_used_bond"] = to_json(*r.most_used);
   if (s.kind == StageKind::fracture) j["fracture"] = to_json(r.fracture);
@@ -285,8 +324,11 @@ StaticSummary static_summary(const Json& j) {
   if (s.kind == StageKind::buckling) {
     r.critical_loads = critical_loads(j);
     r.searched_to = j.value("searched_to", 0.0);
+    if (j.contains("waves")) read_waves(j, r);
+    for (const CriticalLoad& c : r.critical_loads)
+      if (static_cast<std::size_t>(c.wave) > r.waves.size()) throw IoError("a critical load has no wave");
   }
-  if (s.kind == StageKind::modes) r.modes = natural_modes(j);
+  if (s.kind == StageKind::modes) read_modes(j, r);
   if (j.contains("most_used_bond")) r.most_used = bond_use(j["most_used_bond"]);
   if (s.kind == StageKind::fracture) r.fracture = fracture_result(j.at("fracture"));
   return s;

@@ -92,6 +92,11 @@ std::string special_points(const StaticResult& r) {
   return text;
 }
 
+std::string in_words(const Wave& w) {
+  return fmt::format("({:.8g}, {:.8g}, {:.8g}), phases {:.8g}, {:.8g}, {:.8g}", w.q.x, w.q.y, w.q.z,
+                     w.edges.x, w.edges.y, w.edges.z);
+}
+
 std::string critical_loads(const StaticResult& r) {
   if (r.critical_loads.empty()) return fmt::format("none up to load factor {:.8g}\n", r.searched_to);
   const bool any_moves = r.critical_loads[0].reaction.has_value();
@@ -101,20 +106,28 @@ std::string critical_loads(const StaticResult& r) {
   for (std::size_t k = 0; k < r.critical_loads.size(); ++k) {
     const CriticalLoad& c = r.critical_loads[k];
     text += fmt::format(
-        "{:>6} {:>12} {:>16.8g} {:>16} {:>16}{}{}\n", k + 1, in_words(c.kind), c.load_factor,
+        "{:>6} {:>12} {:>16.8g} {:>16} {:>16}{}{}{}\n", k + 1, in_words(c.kind), c.load_factor,
         or_dash(c.estimate), c.force != 0.0 ? fmt::format("{:.8g}", c.force) : "-",
         any_moves ? fmt::format(" {:>16} {:>16}", or_dash(c.displacement), or_dash(c.reaction)) : "",
-        c.gap > 0.0 ? fmt::format("  load factor +- {:.1g}", c.gap) : "");
+        c.gap > 0.0 ? fmt::format("  load factor +- {:.1g}", c.gap) : "",
+        c.wave > 0
+            ? fmt::format("  wave {}: {}", c.wave, in_words(r.waves[static_cast<std::size_t>(c.wave - 1)]))
+            : "");
   }
   return text + fmt::format("no others up to load factor {:.8g}\n", r.searched_to);
 }
 
 std::string frequencies(const StaticResult& r, const std::string& time_unit) {
   if (r.modes.empty()) return "no mode was found\n";
+  int wave = 0;
   std::string text = fmt::format("{:>6} {:>16} {:>16} {:>16}\n", "mode", "omega", "frequency",
                                  time_unit.empty() ? "period" : "period [" + time_unit.substr(1) + "]");
   for (std::size_t k = 0; k < r.modes.size(); ++k) {
     const NaturalMode& m = r.modes[k];
+    if (m.wave != wave) {
+      wave = m.wave;
+      text += fmt::format("wave {}: {}\n", wave, in_words(r.waves[static_cast<std::size_t>(wave - 1)]));
+    }
     text += m.rigid ? fmt::format("{:>6} {:>16}\n", k + 1, "rigid")
             : m.omega2 <= 0.0
                 ? fmt::format("{:>6} {:>16}  omega^2 = {:.8g}\n", k + 1, "UNSTABLE", m.omega2)

@@ -132,12 +132,38 @@ void add_cell(const Case& c, const std::vector<PlacedSpecimen>& specimens, Built
   note_other_boxes(specimens, built);
 }
 
+WaveVectors waves_of(const StageSpec& s) {
+  if (!s.wave_phases.empty()) return {s.wave_phases, true};
+  return {s.wave_vectors, false};
+}
+
+namespace {
+
+void check_waves(const Case& c, const StageSpec& s, Problems& problems) {
+  const WaveVectors waves = waves_of(s);
+  for (const Vec3d& q : waves.q)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double along = waves.of_edges ? component(q, static_cast<int>(k)) : dot(q, c.cell->edges[k]);
+      if (c.cell->open[k] && along != 0.0)
+        problems.add(s.place,
+                     fmt::format("stage \"{}\": a wave vector goes along the open edge {} of the cell",
+                                 s.name, "abc"[k]),
+                     "nothing repeats there", "let it be normal to that edge");
+    }
+}
+
+}  // namespace
+
 void check_periodic(const Case& c, const Model& model, Problems& problems) {
   if (!c.cell) {
-    for (const StageSpec& s : c.stages)
+    for (const StageSpec& s : c.stages) {
       if (s.cell)
         problems.add(s.place, fmt::format("stage \"{}\" moves the cell", s.name), "the case has no cell",
                      "add a table [cell] with its edges a, b and c");
+      if (!waves_of(s).q.empty())
+        problems.add(s.place, fmt::format("stage \"{}\" has wave vectors", s.name), "the case has no cell",
+                     "add a table [cell] with its edges a, b and c");
+    }
     return;
   }
   const auto refuse = [&problems](const SourcePlace& place, const std::string& what, const char* way_out) {
@@ -153,11 +179,15 @@ void check_periodic(const Case& c, const Model& model, Problems& problems) {
     if (s.strain)
       refuse(s.strain->place, fmt::format("stage \"{}\": strain", s.name),
              "move the cell: cell.xx = { rate = 1e-3 }");
-    if (s.kind == StageKind::modes || s.kind == StageKind::buckling)
-      refuse(s.place,
-             fmt::format("stage \"{}\" has kind = \"{}\"", s.name,
-                         s.kind == StageKind::modes ? "modes" : "buckling"),
-             "use kind = \"equilibrium\", \"fracture\" or \"dynamics\"");
+    check_waves(c, s, problems);
+    const auto gives_way = [](const std::optional<CellComponentSpec>& k) { return k && k->stress; };
+    if (s.kind == StageKind::buckling && s.cell && waves_of(s).q.empty() &&
+        std::any_of(s.cell->component.begin(), s.cell->component.end(), gives_way))
+      problems.add(
+          s.place, fmt::format("stage \"{}\": components of the cell give way to a stress", s.name),
+          "a stress on a cell that strains has no potential: critical loads of what repeats with the "
+          "cell are those of a cell that is strained",
+          "give strains, or wave_vectors: critical loads of waves are found under stresses too");
     if (!s.cell) continue;
     for (const SupportSpec& support : s.supports)
       refuse(support.place,

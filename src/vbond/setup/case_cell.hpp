@@ -11,6 +11,9 @@ namespace vbond {
 /// them. Notes lattices that do not fit it, and files whose box it is not.
 void add_cell(const Case& c, const std::vector<PlacedSpecimen>& specimens, Built& built, Problems& problems);
 
+/// The wave vectors of a stage, in whichever way they are given.
+WaveVectors waves_of(const StageSpec& s);
+
 /// Refuses what a periodic body cannot have.
 void check_periodic(const Case& c, const Model& model, Problems& problems);
 

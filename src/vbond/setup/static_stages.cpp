@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "vbond/setup/case_cell.hpp"
 #include "vbond/setup/case_walls.hpp"
 #include "vbond/setup/motion_stages.hpp"
 #include "vbond/setup/stage_resolver.hpp"
@@ -46,6 +47,7 @@ StaticStage resolve_static_stage(const Case& c, const Model& model, std::size_t 
   stage.loads = resolver.loads();
   stage.heating = resolver.heating();
   stage.cell = resolver.cell_drive();
+  stage.waves = waves_of(spec);
   stage.newton = spec.newton;
   stage.steps = spec.steps;
   stage.at_saddle = spec.at_saddle;

@@ -63,8 +63,17 @@ class NullSpaceEquations {
   double per_factor_, stiffness_;
 };
 
+/// Of a cell that is strained, as if all particles went as far as its edges.
+double strained_movement(const StaticBody& body) {
+  double rate2 = 0.0, edges2 = 0.0;
+  for (const CellComponent& c : body.stage().cell.component)
+    if (c.by == CellComponent::By::strain) rate2 += sq(c.value);
+  for (const CellEdge& e : body.state().cell) edges2 += norm2(e.along);
+  return static_cast<double>(body.model().particles()) * rate2 * edges2;
+}
+
 double held_movement(const StaticBody& body) {
-  double sum = 0.0;
+  double sum = strained_movement(body);
   for (const Support& support : body.stage().supports)
     for (std::size_t k = 0; k < 3; ++k) {
       const HeldAxes* axes = support.axes ? &*support.axes : nullptr;

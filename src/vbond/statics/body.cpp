@@ -364,6 +364,23 @@ const StaticBody::Stiffness& StaticBody::stiffness_at_hand() const {
   return stiffness_;
 }
 
+void StaticBody::for_image_blocks(
+    const std::function<void(ParticleId, ParticleId, const Image&, const Block&)>& visit) const {
+  const auto of_pair = [&](ParticleId i, ParticleId j, const Image& n, const Block& in_world) {
+    const Block K = stiffness_.assembly.in_axes(i, j, in_world);
+    visit(i, j, n, 0.5 * (K + K.transpose()));
+  };
+  for (const BondId k : state_.bonds.ids()) {
+    const Bond& b = state_.bonds[k];
+    if (b.broken || b.image_j.is_itself()) continue;
+    const PairTangent<9> t = b.law->tangent(b, bond_pose(b, state_), history_before(k));
+    of_pair(b.i, b.j, b.image_j, block_of(t, unknowns_.length()));
+  }
+  for_touching_pairs(model_, state_, [&](ParticleId i, ParticleId j, const Image& n, double) {
+    if (!n.is_itself()) of_pair(i, j, n, block_of(touch(model_, state_, i, j, n)));
+  });
+}
+
 double StaticBody::moment_part() const {
   const Loads applied = moments_at_carriers();
   double largest = 0.0;

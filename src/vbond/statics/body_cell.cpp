@@ -133,8 +133,11 @@ void StaticBody::add_image(const Image& n, const Vec3d& force, Loaded& to) const
 
 SymmetricParts StaticBody::wanted_stress(double load_factor) const {
   SymmetricParts wanted{};
-  for (std::size_t k = 0; k < 6; ++k)
-    if (unknowns_.of_cell(k) != Unknowns::held) wanted[k] = load_factor * stage_.cell.component[k].value;
+  for (std::size_t k = 0; k < 6; ++k) {
+    if (unknowns_.of_cell(k) == Unknowns::held) continue;
+    const double start = stage_.cell_stress_at_start[k];
+    wanted[k] = start + load_factor * (stage_.cell.component[k].value - start);
+  }
   return wanted;
 }
 
@@ -239,7 +242,8 @@ void StaticBody::add_own_of_cell() const {
   const Matrix3 F_inverse = matrix_of(cell_gradient(model_.cell, state_.cell)).inverse(),
                 P = matrix_of(of_cell), load = matrix_of(load_on_cell(of_cell)),
                 wanted = matrix_of(cell_tensor(wanted_stress(load_factor_), false)),
-                growing = matrix_of(cell_tensor(wanted_stress(1.0), false));
+                growing = matrix_of(cell_tensor(wanted_stress(1.0), false)) -
+                          matrix_of(cell_tensor(wanted_stress(0.0), false));
   Assembly::CellBlock own = Assembly::CellBlock::Zero();
   for (std::size_t l = 0; l < 6; ++l) {
     const Matrix3 B_l = matrix_of(cell_basis(l)), turned = P * B_l.transpose();

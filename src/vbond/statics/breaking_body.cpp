@@ -47,12 +47,28 @@ double BreakingBody::reaction(const WallDrive& d) const {
          (along > 0.0 ? along : norm(d.angular_velocity));
 }
 
+/// The stress of the first component of the cell that is moved this way; nothing where none is.
+std::optional<double> BreakingBody::stress_of_cell(CellComponent::By by) const {
+  for (std::size_t k = 0; k < 6; ++k)
+    if (stage_->cell.component[k].by == by) return symmetric_part(cell_stress(model_, body_->state()))[k];
+  return std::nullopt;
+}
+
 double BreakingBody::load() const {
   if (moved_) return reaction(*moved_);
+  for (const auto by : {CellComponent::By::strain, CellComponent::By::stress})
+    if (const std::optional<double> stress = stress_of_cell(by)) return *stress;
   return stage_->walls.empty() ? load_factor() : reaction(stage_->walls.front());
 }
 
 std::optional<double> BreakingBody::largest_reaction() const {
+  if (stage_->cell.any_stress()) return std::nullopt;
+  if (stage_->cell.any()) {
+    const SymmetricParts stress = symmetric_part(cell_stress(model_, body_->state()));
+    double largest = 0.0;
+    for (const double x : stress) largest = larger(largest, std::abs(x));
+    return largest;
+  }
   if (!moved_ && stage_->walls.empty()) return std::nullopt;
   double largest = 0.0;
   for (const WallDrive& d : stage_->walls) largest = larger(largest, std::abs(reaction(d)));

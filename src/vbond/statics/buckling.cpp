@@ -12,6 +12,7 @@
 #include "vbond/statics/detail/path_walk.hpp"
 #include "vbond/statics/detail/pulse.hpp"
 #include "vbond/statics/detail/softest.hpp"
+#include "vbond/statics/detail/wave_buckling.hpp"
 
 namespace vbond {
 namespace {
@@ -156,9 +157,7 @@ void CriticalLoads::take_step() {
   report_point(body_, PointKind::regular, walk_.here().unstable, hooks_, result_);
   const State& state = body_.state();
   if (limit > 0.0 && here >= limit) return end("load factor", limit);
-  if (std::any_of(state.bonds.begin(), state.bonds.end(),
-                  [&](const Bond& b) { return beyond_its_law(b, state); }))
-    return end("bond range", here);
+  if (any_bond_beyond_its_law(state)) return end("bond range", here);
   if (result_.points >= stage_.path.most_points) end("points", here);
 }
 
@@ -220,11 +219,19 @@ void CriticalLoads::refuse_moments() const {
 
 }  // namespace
 
+bool any_bond_beyond_its_law(const State& s) {
+  return std::any_of(s.bonds.begin(), s.bonds.end(),
+                     [&](const Bond& b) { return !b.broken && beyond_its_law(b, s); });
+}
+
 StaticOutcome find_critical_loads(const Model& model, const StaticStage& stage, State state,
                                   const StaticHooks& hooks) {
   return run_from_constant_loads(
       model, stage, std::move(state), hooks, [&](State balanced, StaticResult& result) {
-        return CriticalLoads(model, stage, std::move(balanced), hooks, result).run();
+        const StaticStage from = from_stress_found(model, stage, balanced);
+        if (!stage.waves.q.empty())
+          return find_critical_waves(model, from, std::move(balanced), hooks, result);
+        return CriticalLoads(model, from, std::move(balanced), hooks, result).run();
       });
 }
 

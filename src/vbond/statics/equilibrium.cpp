@@ -404,6 +404,7 @@ std::optional<State> balance_of_constant_loads(const Model& model, const StaticS
   for (Support& s : constant.supports) s.velocity = s.angular_velocity = {};
   constant.heating.clear();
   constant.walls.clear();
+  constant.cell = {};
   StaticBody body(model, constant, std::move(state));
   if (stage.kind != StageKind::fracture) refuse_nothing_free(body);  // bonds break all the same
   refuse_not_finite(body);

@@ -7,6 +7,7 @@
 #include "vbond/model/bond_event.hpp"
 #include "vbond/statics/detail/breaking_body.hpp"
 #include "vbond/statics/detail/crossing.hpp"
+#include "vbond/statics/detail/kinds.hpp"
 
 namespace vbond {
 namespace {
@@ -344,7 +345,8 @@ StaticOutcome break_at_rest(const Model& model, const StaticStage& stage, State 
                             const StaticHooks& hooks) {
   return run_from_constant_loads(model, stage, std::move(state), hooks,
                                  [&](State balanced, StaticResult& result) {
-                                   return Fracture(model, stage, std::move(balanced), hooks, result).run();
+                                   const StaticStage from = from_stress_found(model, stage, balanced);
+                                   return Fracture(model, from, std::move(balanced), hooks, result).run();
                                  });
 }
 

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "vbond/core/error.hpp"
+#include "vbond/model/periodic_cell.hpp"
 #include "vbond/statics/detail/rigid.hpp"
 
 namespace vbond {
@@ -123,6 +124,22 @@ StaticStage with_floating_held(const Model& model, const StaticStage& stage, con
     held.supports.push_back(std::move(hold));
   }
   return held;
+}
+
+StaticStage without_floating_held(StaticStage stage) {
+  std::erase_if(stage.supports, [](const Support& s) { return s.group == floating; });
+  return stage;
+}
+
+StaticStage from_stress_found(const Model& model, const StaticStage& stage, const State& balanced) {
+  StaticStage from = stage;
+  if (stage.cell.any_stress()) {
+    State still = balanced;
+    still.v.assign(still.r.size(), {});
+    for (CellEdge& e : still.cell) e = {.along = e.along};
+    from.cell_stress_at_start = symmetric_part(cell_stress(model, still));
+  }
+  return from;
 }
 
 void refuse_not_finite(const StaticBody& body) {

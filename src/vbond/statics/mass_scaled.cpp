@@ -68,12 +68,22 @@ MassRoot::MassRoot(const Model& model, const State& state, const Unknowns& unkno
   tops_ = OfTops{square(diagonal_.size(), factor), square(diagonal_.size(), inverse)};
 }
 
-SparseMatrix MassRoot::scaled(const SparseMatrix& K) const {
+SparseMatrix MassRoot::scaled_to_rounding(const SparseMatrix& K) const {
   const Vector scale = diagonal_.cwiseInverse();
-  if (!tops_) return scale.asDiagonal() * K * scale.asDiagonal();
-  const SparseMatrix A = scale.asDiagonal() * K * scale.asDiagonal(), half = tops_->inverse * A;
-  const SparseMatrix both = half * SparseMatrix(tops_->inverse.transpose());
-  return 0.5 * (both + SparseMatrix(both.transpose()));  // symmetric to the last bit
+  const SparseMatrix A = scale.asDiagonal() * K * scale.asDiagonal();
+  if (!tops_) return A;
+  const SparseMatrix half = tops_->inverse * A;
+  return half * SparseMatrix(tops_->inverse.transpose());
+}
+
+SparseMatrix MassRoot::scaled(const SparseMatrix& K) const {
+  const SparseMatrix A = scaled_to_rounding(K);
+  return tops_ ? SparseMatrix(0.5 * (A + SparseMatrix(A.transpose()))) : A;
+}
+
+SparseMatrix MassRoot::scaled_skew(const SparseMatrix& K) const {
+  const SparseMatrix A = scaled_to_rounding(K);
+  return tops_ ? SparseMatrix(0.5 * (A - SparseMatrix(A.transpose()))) : A;
 }
 
 Vector MassRoot::motion(const Vector& y) const {

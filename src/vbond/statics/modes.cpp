@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <stdexcept>
@@ -10,11 +11,13 @@
 
 #include "vbond/core/bounding_box.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/statics/detail/bloch.hpp"
 #include "vbond/statics/detail/dense.hpp"
 #include "vbond/statics/detail/eigen.hpp"
 #include "vbond/statics/detail/kinds.hpp"
 #include "vbond/statics/detail/mass_scaled.hpp"
 #include "vbond/statics/detail/newton.hpp"
+#include "vbond/statics/detail/pulse.hpp"
 #include "vbond/statics/detail/rigid.hpp"
 
 namespace vbond {
@@ -150,8 +153,87 @@ Swings swings_by_multigrid(ByMultigrid& solver, const MassRoot& root, const Spar
   }
 }
 
-NaturalMode mode(double omega2, bool rigid, const Vector& y, const MassRoot& root, const Unknowns& unknowns) {
-  return {std::sqrt(std::max(omega2, 0.0)), omega2, rigid, unknowns.shape(root.motion(y))};
+/// What the modes of a stage are made of.
+struct Vibrating {
+  const StaticBody& body;
+  const MassRoot& root;
+  const SparseMatrix& rigid;  // motions without stiffness of a body that repeats with its cell
+  int count;
+};
+
+NaturalMode mode(const Vibrating& v, double omega2, bool rigid, const Vector& y) {
+  return {std::sqrt(std::max(omega2, 0.0)), omega2, rigid, v.body.unknowns().shape(v.root.motion(y))};
+}
+
+NaturalMode mode(const Vibrating& v, double omega2, bool rigid, const Eigen::VectorXcd& y) {
+  Eigen::VectorXcd x(y.size());
+  x.real() = v.root.motion(y.real());
+  x.imag() = v.root.motion(y.imag());
+  WaveShape shape = wave_shape(v.body.unknowns(), x);
+  return {std::sqrt(std::max(omega2, 0.0)), omega2, rigid,
+          std::move(shape.in_phase),        0,      std::move(shape.out_of_phase)};
+}
+
+/// Modes, and how many of them are clearly unstable.
+struct Modes {
+  std::vector<NaturalMode> all;
+  int unstable = 0;
+  int swings() const {
+    return static_cast<int>(
+        std::count_if(all.begin(), all.end(), [](const NaturalMode& m) { return !m.rigid; }));
+  }
+};
+
+/// Of images that move as the particles do. solver: prepared where multigrid is to be used.
+Modes modes_of_cell(const Vibrating& v, TangentSolver& solver, const SparseMatrix& K,
+                    const SparseMatrix& rigid) {
+  Modes found;
+  for (Eigen::Index k = 0; k < rigid.cols(); ++k)
+    found.all.push_back(mode(v, 0.0, true, Vector(rigid.col(k))));
+  const int left = static_cast<int>(K.rows() - rigid.cols());
+  if (left == 0) return found;
+  const SparseMatrix A = v.root.scaled(K);
+  const int count = std::min(v.count, left);
+  Swings swings = solver.by_multigrid()
+                      ? swings_by_multigrid(solver.multigrid_at(v.body), v.root, A, count, rigid)
+                      : swings_by_factors(A, count, rigid);
+  for (Eigen::Index k = 0; k < swings.pairs.values.size(); ++k)
+    found.all.push_back(mode(v, swings.pairs.values[k], false, Vector(swings.pairs.vectors.col(k))));
+  found.unstable = swings.unstable;
+  return found;
+}
+
+/// Of a wave. Each eigenvalue of the doubled matrix stands there twice; what is found up to some eigenvalue
+/// spans the waves up to it, in whatever vectors.
+Modes modes_of_wave(const Vibrating& v, const BlochTangent& K, const Eigen::MatrixXcd& rigid) {
+  Modes found;
+  for (Eigen::Index k = 0; k < rigid.cols(); ++k)
+    found.all.push_back(mode(v, 0.0, true, Eigen::VectorXcd(rigid.col(k))));
+  const int left = static_cast<int>(K.real.rows() - rigid.cols());
+  if (left == 0) return found;
+  const SparseMatrix A = doubled(v.root.scaled(K.real), v.root.scaled_skew(K.imaginary));
+  const int count = std::min(v.count, left);
+  const Swings swings = swings_by_factors(A, 2 * count, doubled_columns(rigid));
+  const Eigen::MatrixXcd waves = independent_waves(swings.pairs.vectors, count);
+  for (Eigen::Index k = 0; k < waves.cols(); ++k) {
+    Vector y(2 * waves.rows());
+    y << waves.col(k).real(), waves.col(k).imag();
+    found.all.push_back(mode(v, y.dot(A * y), false, Eigen::VectorXcd(waves.col(k))));
+  }
+  found.unstable = swings.unstable / 2;
+  return found;
+}
+
+/// The motions without stiffness that go on as a wave whose phases are real.
+SparseMatrix real_columns(const Eigen::MatrixXcd& X) {
+  return DenseMatrix(X.real()).sparseView();
+}
+
+Modes modes_at(const Vibrating& v, const Wave& wave) {
+  const BlochTangent K = bloch_tangent(v.body, wave);
+  const Eigen::MatrixXcd rigid = motions_in_phase(v.body, v.rigid, wave);
+  TangentSolver factors(LinearSolver::direct);
+  return K.is_real() ? modes_of_cell(v, factors, K.real, real_columns(rigid)) : modes_of_wave(v, K, rigid);
 }
 
 }  // namespace
@@ -161,7 +243,8 @@ StaticOutcome find_modes(const Model& model, const StaticStage& stage, State sta
                          const StaticHooks& hooks) {
   const StaticStage loaded = under_full_loads(stage);
   StaticResult result;
-  std::optional<State> balanced = balance_of_constant_loads(model, loaded, state, hooks, result);
+  std::optional<State> balanced = balance_of_constant_loads(
+      model, model.cell.any() ? with_floating_held(model, loaded, state, {}) : loaded, state, hooks, result);
   if (!balanced) return interrupted_outcome(std::move(result), std::move(state));
   StaticBody body(model, loaded, std::move(*balanced));
   if (body.has_moment_part() && hooks.tell)
@@ -169,30 +252,30 @@ StaticOutcome find_modes(const Model& model, const StaticStage& stage, State sta
         fmt::format("stage \"{}\": moments of fixed direction have no potential: frequencies are those of "
                     "the symmetric part of the tangent",
                     stage.name));
-  const Unknowns& unknowns = body.unknowns();
-  const MassRoot root(model, body.state(), unknowns);
-  const SparseMatrix A = root.scaled(body.tangent());
+  const MassRoot root(model, body.state(), body.unknowns());
   const SparseMatrix rigid = motions_without_stiffness(body, root);
-  for (Eigen::Index k = 0; k < rigid.cols(); ++k)
-    result.modes.push_back(mode(0.0, true, Vector(rigid.col(k)), root, unknowns));
-
-  result.unstable = 0;
-  EigenPairs found;
+  const Vibrating vibrating{body, root, rigid, stage.count};
   TangentSolver solver(stage.newton.solver);
-  if (const int left = unknowns.size() - static_cast<int>(rigid.cols()); left > 0) {
-    solver.prepare(body);
-    const int count = std::min(stage.count, left);
-    Swings swings = solver.by_multigrid()
-                        ? swings_by_multigrid(solver.multigrid_at(body), root, A, count, rigid)
-                        : swings_by_factors(A, count, rigid);
-    found = std::move(swings.pairs);
-    result.unstable = swings.unstable;
+  const bool swings = body.unknowns().size() > rigid.cols();
+  Modes found;
+  int fewest = stage.count;
+  if (stage.waves.q.empty()) {
+    if (swings) solver.prepare(body);
+    found = modes_of_cell(vibrating, solver, body.tangent(), rigid);
+    fewest = found.swings();
   }
-  for (Eigen::Index k = 0; k < found.values.size(); ++k)
-    result.modes.push_back(mode(found.values[k], false, found.vectors.col(k), root, unknowns));
-  if (found.values.size() < stage.count && hooks.tell)
-    hooks.tell(
-        fmt::format("stage \"{}\": the body has {} frequencies only", stage.name, found.values.size()));
+  for (std::size_t k = 0; k < stage.waves.q.size(); ++k) {
+    Pulse::may_end();
+    result.waves.push_back(wave_of(stage.waves, k, body.state().cell, model.cell.periodic));
+    Modes of_wave = modes_at(vibrating, result.waves.back());
+    for (NaturalMode& m : of_wave.all) m.wave = static_cast<int>(k) + 1;
+    fewest = std::min(fewest, of_wave.swings());
+    found.unstable += of_wave.unstable;
+    std::move(of_wave.all.begin(), of_wave.all.end(), std::back_inserter(found.all));
+  }
+  result.modes = std::move(found.all);
+  result.unstable = found.unstable;
+  if (fewest < stage.count) tell(stage, hooks, fmt::format("the body has {} frequencies only", fewest));
   result.ended = "converged";
   result.solver = solver.name();
   result.solver_iterations += solver.iterations();

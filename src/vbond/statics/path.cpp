@@ -222,17 +222,22 @@ void PathStage::tell_crossing(const PathLeg& leg) const {
   const PathPoint &a = leg.start.point, &b = leg.end.point;
   const bool turns = std::signbit(a.tangent.f) != std::signbit(b.tangent.f);
   if ((a.has_potential && b.has_potential) || turns || a.sign * b.sign >= 0) return;
-  tell(
-      stage_, hooks_,
-      fmt::format("between load factors {:.6g} and {:.6g} the determinant of the tangent becomes {}: another "
-                  "path may cross there, which is not located, as moments from outside have no potential",
-                  a.at.load_factor, b.at.load_factor,
-                  b.sign < 0 ? "negative, and the balance unstable" : "positive"));
+  tell(stage_, hooks_,
+       fmt::format(
+           "between load factors {:.6g} and {:.6g} the determinant of the tangent becomes {}: another "
+           "path may cross there, which is not located, as {} no potential",
+           a.at.load_factor, b.at.load_factor, b.sign < 0 ? "negative, and the balance unstable" : "positive",
+           body_.has_free_cell() ? "the stress on a cell that strains has" : "moments from outside have"));
 }
 
 /// Without a potential bifurcations are not looked for, and the path would go past the one to turn off at.
 void PathStage::refuse_branch_without_potential(const PathPoint& p) const {
   if (!settings_.branch || turned_off_ || p.has_potential) return;
+  if (body_.has_free_cell())
+    throw NoEquilibrium(
+        stage_.name,
+        "a bifurcation is wanted, but components of the cell give way to a stress, which has no potential",
+        "strain the cell, or leave branch out");
   throw NoEquilibrium(
       stage_.name,
       fmt::format(
@@ -257,7 +262,8 @@ StaticOutcome follow_path(const Model& model, const StaticStage& stage, State st
                           const StaticHooks& hooks) {
   return run_from_constant_loads(model, stage, std::move(state), hooks,
                                  [&](State balanced, StaticResult& result) {
-                                   return PathStage(model, stage, std::move(balanced), hooks, result).run();
+                                   const StaticStage from = from_stress_found(model, stage, balanced);
+                                   return PathStage(model, from, std::move(balanced), hooks, result).run();
                                  });
 }
 

@@ -49,7 +49,23 @@ constexpr double shortest_step = 1e-10;
 constexpr double aside_on_branch = 1e-2;
 
 double size_of(const StaticBody& body) {
-  return std::max(box_around(body.state().r).diagonal(), body.unknowns().length());
+  double size = std::max(box_around(body.state().r).diagonal(), body.unknowns().length());
+  if (body.moves_cell())
+    for (const CellEdge& e : body.state().cell) size = std::max(size, norm(e.along));
+  return size;
+}
+
+/// How far the edges of a cell go at most along a direction.  [length]
+double way_of_edges(const StaticBody& body, const PathDirection& d) {
+  double change = 0.0, longest = 0.0;
+  for (std::size_t k = 0; k < 6; ++k) {
+    const CellComponent& c = body.stage().cell.component[k];
+    if (c.by == CellComponent::By::strain) change += std::abs(d.f * c.value);
+    if (const int unknown = body.unknowns().of_cell(k); unknown != Unknowns::held)
+      change += std::abs(d.u[unknown]) / body.unknowns().cell_length();
+  }
+  for (const CellEdge& e : body.state().cell) longest = std::max(longest, norm(e.along));
+  return change * longest;
 }
 
 /// An eigenvalue that goes towards zero at the start of a step and away from it at the end may pass zero
@@ -275,7 +291,7 @@ void PathWalk::choose_next_step(const PathStep& step, const PathNode& end, int c
 /// goes as far as it may.  [arc-length]
 double PathWalk::longest(const PathDirection& d) const {
   const double most = largest_step_ > 0.0 ? largest_step_ : automatic_step * size_;
-  double largest2 = 0.0;
+  double largest2 = sq(way_of_edges(body_, d));
   const Unknowns& unknowns = body_.unknowns();
   for (const ParticleId p : body_.state().r.ids()) {
     const Movement m = unknowns.movement(p, d.u);

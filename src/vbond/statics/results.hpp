@@ -36,6 +36,13 @@ struct Shape {
   friend bool operator==(const Shape&, const Shape&) = default;
 };
 
+/// A wave of a periodic body: the image n edges away moves as the particle times exp(2 pi i edges . n).
+struct Wave {
+  Vec3d q;      ///< the wave vector, in the cell as it stands; no part along open edges  [1/length]
+  Vec3d edges;  ///< q . edge / (2 pi) of each edge
+  friend bool operator==(const Wave&, const Wave&) = default;
+};
+
 /// A limit point or bifurcation of a path.
 struct SpecialPoint {
   PointKind kind = PointKind::limit_point;
@@ -60,6 +67,8 @@ struct CriticalLoad {
   /// Of the first support that moves, where one does: how far it has gone, and the force on it along its way,
   /// positive if it pushes; of one that only turns its angle and the moment.  [length], [force]
   std::optional<double> displacement = {}, reaction = {};
+  int wave = 0;             ///< of a stage with wave vectors: its number in StaticResult::waves, from 1
+  Shape out_of_phase = {};  ///< the imaginary part of the mode of a wave; empty: none
   friend bool operator==(const CriticalLoad&, const CriticalLoad&) = default;
 };
 
@@ -68,6 +77,8 @@ struct NaturalMode {
   double omega2 = 0;   ///< its square; negative: unstable
   bool rigid = false;  ///< a motion of a part of the body as a whole that nothing holds
   Shape shape;
+  int wave = 0;             ///< of a stage with wave vectors: its number in StaticResult::waves, from 1
+  Shape out_of_phase = {};  ///< the imaginary part of the shape of a wave; empty: none
   friend bool operator==(const NaturalMode&, const NaturalMode&) = default;
 };
 
@@ -160,7 +171,9 @@ struct StaticResult {
   std::vector<SpecialPoint> special_points;  ///< path
   std::vector<CriticalLoad> critical_loads;  ///< buckling, smallest first
   double searched_to = 0;  ///< buckling: there are no other critical loads on the path up to this load factor
-  std::vector<NaturalMode> modes;  ///< modes, slowest first; rigid motions before all others
+  std::vector<Wave> waves;  ///< modes, buckling: the wave vectors of the stage
+  /// Modes, slowest first; rigid motions before all others. Those of each wave after each other.
+  std::vector<NaturalMode> modes;
   /// Equilibrium, path: the most that a bond has used of its strength at any point; absent: none can break.
   std::optional<BondUse> most_used;
   FractureResult fracture;  ///< fracture

@@ -33,6 +33,7 @@ struct Part {
   std::vector<ParticleId> particles;
   /// Orthonormal directions that span the ways to images of itself that it hangs together with.
   std::vector<Vec3d> across;
+  std::vector<Image> loops;  // to those images
 };
 
 /// The parts, in the order of their first particles, and where particles are, or those images of them that
@@ -40,6 +41,7 @@ struct Part {
 struct Parts {
   std::vector<Part> all;
   PerParticle<Vec3d> r;
+  PerParticle<Image> image;
 };
 
 /// Another way to an image, if it leads in a new direction.
@@ -66,12 +68,12 @@ PerParticle<std::vector<Link>> links(const Model& model, const State& state, con
 
 Parts connected_parts(const Model& model, const State& state, const Unknowns& unknowns) {
   const PerParticle<std::vector<Link>> linked = links(model, state, unknowns);
-  Parts parts{{}, state.r};
+  Parts parts{{}, state.r, PerParticle<Image>(model.particles())};
   PerParticle<char> found(model.particles(), false);
-  PerParticle<Image> image(model.particles());
+  PerParticle<Image>& image = parts.image;
   for (const ParticleId first : model.mass.ids()) {
     if (found[first]) continue;
-    Part part{{first}, {}};
+    Part part{{first}, {}, {}};
     found[first] = true;
     for (std::size_t k = 0; k < part.particles.size(); ++k) {
       const ParticleId p = part.particles[k];
@@ -83,10 +85,13 @@ Parts connected_parts(const Model& model, const State& state, const Unknowns& un
           part.particles.push_back(link.to);
         } else if (n != image[link.to]) {
           add_way(to_image(state.cell, n - image[link.to]), part.across);
+          part.loops.push_back(n - image[link.to]);
         }
       }
     }
     std::sort(part.particles.begin(), part.particles.end());
+    std::sort(part.loops.begin(), part.loops.end());
+    part.loops.erase(std::unique(part.loops.begin(), part.loops.end()), part.loops.end());
     for (const ParticleId p : part.particles) parts.r[p] += to_image(state.cell, image[p]);
     parts.all.push_back(std::move(part));
   }
@@ -227,6 +232,16 @@ RigidMotions free_rigid_motions(const Model& model, const State& state, const Un
   columns.setFromTriplets(entries.begin(), entries.end());
   result.basis = orthonormalised(columns);
   return result;
+}
+
+PartImages images_of_parts(const Model& model, const State& state, const Unknowns& unknowns) {
+  Parts parts = connected_parts(model, state, unknowns);
+  PartImages found{PerParticle<std::size_t>(model.particles()), std::move(parts.image), {}};
+  for (Part& part : parts.all) {
+    for (const ParticleId p : part.particles) found.part[p] = found.loops.size();
+    found.loops.push_back(std::move(part.loops));
+  }
+  return found;
 }
 
 std::vector<int> holding_unknowns(const SparseMatrix& columns) {

@@ -112,7 +112,8 @@ StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, Sta
     refuse_contacts(model, stage, state);
     refuse_bonds_without_length(stage, state);
     tell_what_rests(model, stage, state, hooks);
-    if (!model.cell.any()) return run_kind(model, stage, std::move(state), keeping);
+    if (!model.cell.any() || stage.kind == StageKind::modes)
+      return run_kind(model, stage, std::move(state), keeping);
     const StaticStage held = with_floating_held(model, stage, state, hooks);
     return run_kind(model, held, std::move(state), keeping);
   } catch (const NoEquilibrium&) {
@@ -129,7 +130,8 @@ void refuse_free_bodies(const Model& model, const StaticStage& stage, const Stat
   refuse_bonds_that_remember(stage, state);
   refuse_contacts(model, stage, state);
   refuse_bonds_without_length(stage, state);
-  const StaticStage held = model.cell.any() ? with_floating_held(model, stage, state, {}) : stage;
+  const bool floats = model.cell.any() && stage.kind != StageKind::modes;
+  const StaticStage held = floats ? with_floating_held(model, stage, state, {}) : stage;
   const StaticBody body(model, held, state);
   if (stage.kind != StageKind::equilibrium && stage.kind != StageKind::fracture) refuse_nothing_free(body);
   if (stage.kind != StageKind::modes) refuse_rigid_motions(body);

@@ -74,24 +74,32 @@ std::string Unknowns::names_of_largest(const Vector& x) const {
   return text;
 }
 
-Shape Unknowns::shape(const Vector& x) const {
-  Shape s{PerParticle<Vec3d>(particles_), PerParticle<Vec3d>(particles_)};
-  for (const ParticleId p : s.translation.ids()) {
-    const Movement m = movement(p, x);
-    s.translation[p] = m.shift;
-    s.rotation[p] = m.turn / length_;
-  }
-  double largest = 0.0;
-  for (const Vec3d& t : s.translation) largest = std::max(largest, norm(t));
-  if (!(largest * 1e6 > x.cwiseAbs().maxCoeff())) {  // nothing but turns
-    largest = 0.0;
-    for (const Vec3d& t : s.rotation) largest = std::max(largest, norm(t));
-  }
+WaveShape Unknowns::shape(const Vector& real, const Vector& imaginary) const {
+  const auto moved = [this](const Vector& x) {
+    Shape s{PerParticle<Vec3d>(particles_), PerParticle<Vec3d>(particles_)};
+    for (const ParticleId p : s.translation.ids()) {
+      const Movement m = movement(p, x);
+      s.translation[p] = m.shift;
+      s.rotation[p] = m.turn / length_;
+    }
+    return s;
+  };
+  WaveShape s{moved(real), moved(imaginary)};
+  const auto largest_of = [&](PerParticle<Vec3d> Shape::*part) {
+    double largest2 = 0.0;
+    for (const ParticleId p : s.in_phase.translation.ids())
+      largest2 = std::max(largest2, norm2((s.in_phase.*part)[p]) + norm2((s.out_of_phase.*part)[p]));
+    return std::sqrt(largest2);
+  };
+  double largest = largest_of(&Shape::translation);
+  const double entry = std::max(real.cwiseAbs().maxCoeff(), imaginary.cwiseAbs().maxCoeff());
+  if (!(largest * 1e6 > entry)) largest = largest_of(&Shape::rotation);  // nothing but turns
   if (!(largest > 0.0)) return s;
-  for (const ParticleId p : s.translation.ids()) {
-    s.translation[p] = s.translation[p] / largest;
-    s.rotation[p] = s.rotation[p] / largest;
-  }
+  for (Shape* part : {&s.in_phase, &s.out_of_phase})
+    for (const ParticleId p : part->translation.ids()) {
+      part->translation[p] = part->translation[p] / largest;
+      part->rotation[p] = part->rotation[p] / largest;
+    }
   return s;
 }
 

@@ -125,6 +125,10 @@ class StaticBody {
 
   /// Symmetric part of the tangent.  [force/length]
   const SparseMatrix& tangent() const { return stiffness_at_hand().assembly.matrix(); }
+  /// Of each bond and contact with an image: the symmetric part of its block, in the axes of the unknowns of
+  /// i and j, as tangent() has it. The image is the second particle.
+  void for_image_blocks(const std::function<void(ParticleId i, ParticleId j, const Image& of_j,
+                                                 const Assembly::Block& K)>& visit) const;
   /// Changes when the pattern of tangent() does: when pairs begin to touch.
   int pattern_version() const { return stiffness_at_hand().assembly.version(); }
   /// Derivative of unbalanced() with the load factor, supports moving with it.  [force]

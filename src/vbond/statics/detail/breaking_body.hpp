@@ -25,10 +25,12 @@ class BreakingBody {
   State take_state() && { return std::move(*body_).take_state(); }
   const TangentSolver& solver() const { return *solver_; }
   double load_factor() const { return body_->load_factor(); }
-  /// The reaction of the first support that moves, along its motion, or else of the first wall that does; the
-  /// load factor where none moves.
+  /// The reaction of the first support that moves, along its motion, or else of the first wall that does; of
+  /// a cell that moves the stress of the first component that is strained, or else of the first that gives
+  /// way; the load factor where none moves.
   double load() const;
-  /// The largest such reaction in size of all supports and walls that move; nothing where none moves.
+  /// The largest such reaction in size of all supports and walls that move, or the largest stress of a cell
+  /// that is strained and gives way nowhere; nothing where none moves.
   std::optional<double> largest_reaction() const;
   void prepare_solver() { solver_->prepare(*body_); }
   /// Of the tangent that were made.
@@ -71,6 +73,7 @@ class BreakingBody {
   void begin(State state, double load_factor);
   double reaction(const Support& s) const;
   double reaction(const WallDrive& d) const;
+  std::optional<double> stress_of_cell(CellComponent::By by) const;
   WorkOnTheWay way_here() { return {*body_, *solver_, result_}; }
   bool is_near(const Placement& from, double expected) const;
   bool is_no_jump(const Placement& from, double expected);

@@ -30,6 +30,9 @@ StaticOutcome follow_path(const Model& model, const StaticStage& stage, State st
 StaticOutcome find_critical_loads(const Model& model, const StaticStage& stage, State state,
                                   const StaticHooks& hooks);
 
+/// Whether a bond is bent, twisted, or longer or shorter than any law reaches.
+bool any_bond_beyond_its_law(const State& state);
+
 // In modes.cpp:
 /// Natural frequencies and shapes about the balance of the stage's loads, all of them taken as constant.
 StaticOutcome find_modes(const Model& model, const StaticStage& stage, State state, const StaticHooks& hooks);
@@ -75,6 +78,13 @@ void refuse_rigid_motions(const StaticBody& body);
 /// nothing, as long as nothing touches these parts. Throws NoEquilibrium where loads drive such a part.
 StaticStage with_floating_held(const Model& model, const StaticStage& stage, const State& state,
                                const StaticHooks& hooks);
+
+/// The stage without what with_floating_held() has added.
+StaticStage without_floating_held(StaticStage stage);
+
+/// The stage with the stress that a body in balance has, from which components of its cell that give way go
+/// on.
+StaticStage from_stress_found(const Model& model, const StaticStage& stage, const State& balanced);
 
 /// Tells the user something about this stage, if anybody listens.
 void tell(const StaticStage& stage, const StaticHooks& hooks, const std::string& text);

@@ -18,6 +18,8 @@ class MassRoot {
 
   /// S^-1 K S^-T, whose eigenvalues are the squares of angular frequencies.  [1/time^2]
   SparseMatrix scaled(const SparseMatrix& K) const;
+  /// The same of an antisymmetric K: the imaginary part of a Hermitian one.
+  SparseMatrix scaled_skew(const SparseMatrix& K) const;
   /// The motion S^-T y of an eigenvector y of that.
   Vector motion(const Vector& y) const;
   /// S y and S^T x.
@@ -28,6 +30,7 @@ class MassRoot {
   SparseMatrix times_factor(const SparseMatrix& x) const;
 
  private:
+  SparseMatrix scaled_to_rounding(const SparseMatrix& K) const;  // not symmetric to the last bit
   struct OfTops {
     SparseMatrix factor, inverse;  // C, C^-1
   };

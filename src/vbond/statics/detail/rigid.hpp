@@ -33,6 +33,15 @@ struct RigidMotions {
 RigidMotions free_rigid_motions(const Model& model, const State& state, const Unknowns& unknowns,
                                 const std::vector<WallHold>& holds = {});
 
+/// How the parts of a periodic body hang together by images.
+struct PartImages {
+  PerParticle<std::size_t> part;  ///< the number of each particle's part
+  PerParticle<Image> image;       ///< that of each particle which hangs together with the first of its part
+  /// Of each part: images of particles that it hangs together with besides, against those.
+  std::vector<std::vector<Image>> loops;
+};
+PartImages images_of_parts(const Model& model, const State& state, const Unknowns& unknowns);
+
 /// As many unknowns as there are columns, such that no combination of columns leaves all of them where they
 /// are: Gauss's elimination, the largest entry first.
 std::vector<int> holding_unknowns(const SparseMatrix& columns);

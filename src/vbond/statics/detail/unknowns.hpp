@@ -16,6 +16,11 @@ struct Movement {
   Vec3d shift, turn;  ///< [length]
 };
 
+/// How all particles move in a wave: the real and the imaginary part.
+struct WaveShape {
+  Shape in_phase, out_of_phase;
+};
+
 /// Numbers the degrees of freedom that supports leave free. Every unknown is a length: a translation along,
 /// or a small turn about, an axis of the particle, times the length scale of the body. The axes are those of
 /// the world, but of particles that are held along or about slanted ones. So all components of the unbalanced
@@ -116,7 +121,9 @@ class Unknowns {
   /// The unknowns of which x has the largest components, at most three, in words.
   std::string names_of_largest(const Vector& x) const;
   /// x as movements of the particles, scaled as Shape says.
-  Shape shape(const Vector& x) const;
+  Shape shape(const Vector& x) const { return shape(x, Vector::Zero(x.size())).in_phase; }
+  /// The same of a complex motion, whose two parts are scaled together.
+  WaveShape shape(const Vector& real, const Vector& imaginary) const;
 
  private:
   struct Carried {
