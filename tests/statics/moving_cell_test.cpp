@@ -287,6 +287,30 @@ TEST(MovingCell, StrainedColumnsBuckleInsideTheirCell) {
   for (const CriticalLoad& c : r.critical_loads) EXPECT_NEAR(c.load_factor, (1.0 - l) / 0.1, 1e-9);
 }
 
+// A heated lattice whose cell bears no stress grows with its bonds: the tangent foresees it, so that a load
+// step leads there, and no shorter ones are tried.
+TEST(MovingCell, GrowsAsItIsHeatedInOneStep) {
+  BondRecipe recipe = with_stiffness(soft);
+  recipe.expansion = 1e-3;
+  Specimen s = periodic_body(cube(1), {{0, 0, 0}});
+  for (const Image& n : {Image{1, 0, 0}, Image{0, 1, 0}, Image{0, 0, 1}})
+    add_bond(s.model,
+             make_bond(recipe, bond_site(s.model, s.state, ParticleId{0}),
+                       bond_site(s.model, s.state, ParticleId{0}, n))
+                 .value(),
+             recipe, s.state);
+  Drive drive{};
+  for (CellComponent& c : drive) c = stressed(0.0);
+  StaticStage stage = cell_stage(drive);
+  stage.heating = {{{ParticleId{0}}, 10.0, {}}};
+  const StaticOutcome out = run_static_stage(s.model, stage, s.state, {});
+  EXPECT_EQ(out.result.points, 2);
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_NEAR(cell_strain(s, out.state)[k], 1.01, 1e-13);
+    EXPECT_NEAR(stress_of(s, out.state)[k], 0.0, 1e-13);
+  }
+}
+
 TEST(MovingCell, RefusesWhatHasNoPotential) {
   const Specimen s = chain(2, {with_stiffness(papers)});
   Drive drive{};

@@ -340,12 +340,12 @@ const StaticBody::Stiffness& StaticBody::stiffness_at_hand() const {
   add_applied(0.0, constant);
   stiffness_.load_direction = on_unknowns(with_factor) - on_unknowns(constant);
   if (relief_.size() > 0) stiffness_.load_direction += relief_;
+  if (has_free_cell()) look_at_mixing();
   if (!growth_rate_.empty()) {
     Loads grown{PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)};
     add_growth(grown);
     stiffness_.load_direction += on_unknowns(grown);
   }
-  if (has_free_cell()) look_at_mixing();
   for (const BondId k : state_.bonds.ids()) {
     const Bond& b = state_.bonds[k];
     if (b.broken) continue;

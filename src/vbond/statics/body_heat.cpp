@@ -28,7 +28,7 @@ void StaticBody::take_temperatures() {
 }
 
 /// What growth does to the loads, per load factor: differences over an interval in which loads are linear
-/// but for the square of its length.
+/// but for the square of its length. What it does to the cell goes to the load direction at once.
 void StaticBody::add_growth(Loads& loads) const {
   constexpr double interval = 1e-5;
   for (std::size_t k = 0; k < state_.warm_bonds.size(); ++k) {
@@ -44,6 +44,13 @@ void StaticBody::add_growth(Loads& loads) const {
     loads.F[b.i] += rate * (after.F - before.F), loads.F[b.j] -= rate * (after.F - before.F);
     loads.M[b.i] += rate * (after.M_ij - before.M_ij);
     loads.M[b.j] += rate * (after.M_ji - before.M_ji);
+    if (b.image_j.is_itself() || !has_free_cell()) continue;
+    const Tensor of_cell = dyad(rate * (after.F - before.F), image_at_start(b.image_j));
+    for (std::size_t c = 0; c < 6; ++c)
+      if (const int row = unknowns_.of_cell(c); row != Unknowns::held)
+        for (std::size_t a = 0; a < 3; ++a)
+          stiffness_.load_direction[row] -=
+              dot(of_cell.row[a], cell_row_[c].row[a]) / unknowns_.cell_length();
   }
 }
 
