@@ -9,8 +9,9 @@ def vector(rng, size):
     return str([round(rng.uniform(-size, size), 6) for _ in range(3)])
 
 
-def bonds(rng, name):
+def bonds(rng, name, approach=False):
     text = f'[[bonds]]\nname = "of_{name}"\nbetween = ["{name}", "{name}"]\ndistance = {rng.choice([1.1, 1.5, 1.8])}\n'
+    text += 'when = "approach"\n' if approach else ""
     text += f'law = "{rng.choice(["v-model", "evm"])}"\n' if rng.random() < 0.3 else ""
     text += ("stiffness = {c_A = %.3g, c_D = %.3g, c_B = %.3g, c_T = %.3g}\n" %
              (rng.uniform(0.5, 2), rng.uniform(0.1, 0.6), rng.uniform(0.02, 0.1), rng.uniform(0.02, 0.1)))
@@ -26,9 +27,9 @@ def bonds(rng, name):
 
 
 def cell(rng, cells):
-    """Around a block of so many cells, tilted or not, with or without room across its faces."""
+    """Around a block of so many cells, tilted or not, with or without room across its faces, little or much."""
     tilt = rng.choice([0, 0.4])
-    edges = [[cells[k] + rng.choice([0, 0, 0.3]) if k == axis else round(rng.uniform(-tilt, tilt), 3)
+    edges = [[cells[k] + rng.choice([0, 0, 0.3, 3]) if k == axis else round(rng.uniform(-tilt, tilt), 3)
               for k in range(3)] for axis in range(3)]
     text = "[cell]\n" + "".join(f"{name} = {edge}\n" for name, edge in zip("abc", edges))
     text += f"corner = {vector(rng, 1)}\n" if rng.random() < 0.5 else ""
@@ -84,7 +85,8 @@ def random_case(rng):
         text += (f'[[specimen]]\nname = "{name}"\nkind = "block"\ncells = {cells}\norigin = {origin}\n'
                  f"radius = {rng.choice([0.3, 0.4, 0.5])}\nmass = {rng.uniform(0.5, 2):.3g}\n")
     text += f"[groups]\ncorner = {{box = {{min = [-4, -4, -2], max = [4, 4, {1.5 if periodic else 0.5}]}}}}\n"
-    text += "".join(bonds(rng, name) for name in names)
+    approach = periodic and rng.random() < 0.4
+    text += "".join(bonds(rng, name, approach) for name in names)
     if contact:
         text += ('[contact]\nlaw = "hertz"\nE = 3.0\nnu = 0.3\npairs = "unbonded"\ntangential = "mindlin"\n'
                  f"friction = {rng.uniform(0, 0.6):.3g}\nrestitution = {rng.uniform(0.4, 1):.3g}\n")

@@ -423,6 +423,40 @@ TEST(PeriodicBody, ImagesThatComeNearAreFelt) {
   }
 }
 
+// Two that meet through a face do what they would do inside the cell, though no image was near as they began:
+// by contact or by a bond, flying or brought together by the cell.
+TEST(PeriodicBody, WhatComesThroughAFaceLaterIsFelt) {
+  enum : int { flying, bonded, squeezed };
+  for (const int how : {flying, bonded, squeezed}) {
+    const auto distance_at_end = [how](double x_first, double x_second, const Image& of_second) {
+      Body b{equal_particles({{x_first, 10, 10}, {x_second, 10, 10}}, 1.0, 0.1, 0.5), {}};
+      b.model.cell.edges = {Vec3d{20, 0, 0}, {0, 20, 0}, {0, 0, 20}};
+      b.model.cell.periodic = {true, true, true};
+      Stage stage = sticking(2);
+      stage.gravity = {};
+      stage.dt = 0.05;
+      if (how != bonded) {
+        stage.bonding.clear();
+        b.model.contact.law = ContactLaw::hertz;
+        b.model.contact.E = 1.0, b.model.contact.nu = 0.3;
+      }
+      b.state = at_rest(b.model);
+      b.state.v = {{-0.0997, 0, 0}, {}};
+      if (how == squeezed) {  // at rest in space if they stand at 3 and 17, while the image comes on
+        stage.cell.component[0] = {CellComponent::By::strain, -0.01, {}};
+        b.state.v = {{0.03, 0, 0}, {0.17, 0, 0}};
+      }
+      const State end = run_until(b.model, stage, b.state, how == squeezed ? 700 : 1400, 1);
+      EXPECT_EQ(end.bonds.size(), how == bonded ? 1u : 0u);
+      return norm(between(end.r, end.cell, ParticleId{0}, ParticleId{1}, of_second));
+    };
+    const double inside = distance_at_end(13, 7, {}), through = distance_at_end(3, 17, {-1, 0, 0});
+    EXPECT_NEAR(through, inside, 1e-9) << how;
+    EXPECT_GT(inside, 0.5) << how;  // without a contact they would have gone on
+    EXPECT_LT(inside, 4.0) << how;
+  }
+}
+
 TEST(PeriodicBody, ComesToRestWithItsCell) {
   Body b = random_body(5, 6, find_law("v-model"), 1.6, 1.4);
   State s = run_until(b.model, shear(0.01), b.state, 100, 1);

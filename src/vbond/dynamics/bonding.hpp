@@ -42,8 +42,8 @@ class Bonding {
   /// (i, j, image). A pair whose own strength (Weibull's) does not bear the prestrain of the rule is left
   /// unbonded. One pose per row.
   std::vector<Pair> find(std::span<const PoseRow> pose, const Team& team);
-  /// The last bond between these two is broken: they are bonded again if they are still close enough, in the
-  /// next step as after a checkpoint.
+  /// This was the last bond between its two particles, and is broken: they are bonded again if they are still
+  /// close enough, in the next step as after a checkpoint.
   void unbonded(const Bond& bond);
   /// Bonds these pairs; the state is that of the poses in which they were found.
   /// Contact energy that a pair gives up because bonded pairs do not touch is booked as dissipated.

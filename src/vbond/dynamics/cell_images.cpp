@@ -45,12 +45,6 @@ void CellImages::reverse_sum(std::span<LoadRow> load) {
   }
 }
 
-double CellImages::fastest(const CellEdges& cell) const {
-  double most2 = 0.0;
-  for (const Ghost& g : ghosts_) most2 = std::max(most2, norm2(image_velocity(cell, g.image)));
-  return std::sqrt(most2);
-}
-
 std::array<Vec3d, 3> CellImages::edges_times_force(std::span<const LoadRow> load) const {
   std::array<Vec3d, 3> sum{};
   for (std::size_t k = 0; k < ghosts_.size(); ++k) {

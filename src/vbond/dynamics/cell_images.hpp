@@ -18,8 +18,6 @@ class CellImages final : public Exchange {
 
   void halo(const HaloColumns& columns) override;
   void reverse_sum(std::span<LoadRow> load) override;
-  /// How fast an image moves away from its particle at most, while edges go at their rates.  [length/time]
-  double fastest(const CellEdges& cell) const;
   /// The sum over images of how many of each edge they are away times the force on them.  [force]
   std::array<Vec3d, 3> edges_times_force(std::span<const LoadRow> load) const;
 

@@ -126,7 +126,7 @@ Tensor CellMotion::kept() const {
 }
 
 void CellMotion::look(const Team& team) {
-  keep(virial(team, L_start_));
+  keep(virial(team, L_end_));
 }
 
 void CellMotion::take_damping(OfEdges edges_times_force) {

@@ -43,7 +43,7 @@ class CellMotion {
   std::optional<std::string> fault() const;
   /// It comes to rest, where the stage does not move it: particles keep their own velocities.
   void stop(const Team& team);
-  /// The virial of the particles as they stand, as a stage begins.
+  /// The virial of the particles as they stand: as a stage begins, or after a change of the body.
   void look(const Team& team);
   /// A pair of a particle and this image gives up this force on the particle, and this part of it that damps.
   void take_out(const Vec3d& r_ij, const Image& image_j, const Vec3d& F, const Vec3d& damping);

@@ -15,7 +15,7 @@ struct HaloColumns {
   std::span<MotionRow> motion;
   const CellEdges* cell = nullptr;  ///< of a periodic body
 
-  /// This row has what a particle has, and is to have what this image of it has.
+  /// Turns the copy of a particle in this row into its image n, which edges of the cell move on.
   void carry(std::size_t row, const Image& n) const {
     if (n.is_itself()) return;
     pose[row].r += to_image(*cell, n);

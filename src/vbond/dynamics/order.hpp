@@ -32,6 +32,7 @@ struct Order {
   std::vector<Image> images;
   std::vector<Row> by_image;  ///< those rows, in order of particles and images
 
+  /// Of a known row.
   Image image(Row k) const { return k.value < own || images.empty() ? Image{} : images[k.value - own]; }
   ImageOf image_of(Row k) const { return {particle[k], image(k)}; }
   /// The row of this image of a particle, which some row must be.

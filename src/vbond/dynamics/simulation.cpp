@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <type_traits>
+#include <utility>
 
 #include "vbond/dynamics/kernel.hpp"
 
@@ -16,7 +17,8 @@ void Simulation::step() {
   if (cell_.any()) {
     cell_.begin_step(state_.clock.stage_step, team_);
     if (const auto fault = cell_.fault()) {
-      diverge(0, "the cell", *fault,
+      diverge(model_.particles(), "the cell", *fault,  // a particle that has failed as well is named first
+
               "strain it less or more slowly; a stress that nothing bears drives it without end; rotation = "
               "\"triangular\" shears without limit");
       agree_on_failure();  // of parts, which have all found it
@@ -54,7 +56,7 @@ void Simulation::step() {
   if (cell_.any()) {
     const CellMotion::Done done = cell_.end_step(team_);
     if (leads()) booked_.work_supports += done.work;
-    if (leads() && bonds_.damp()) lose(0, Loss::bond_damping, done.damping);
+    if (leads() && bonds_.damp()) damped_by_cell_ = done.damping;
   }
   ++state_.clock.step;
   ++state_.clock.stage_step;  // time is counted, not summed
@@ -284,10 +286,12 @@ void Simulation::close_books() {
     sum.work_supports += b.work_supports;
     sum.poison += b.poison;
   }
+  sum.dissipated += damped_by_cell_;
   booked_.dissipated += sum.dissipated;
   if (!only_elastic_ && anything_dissipates()) {
     Losses lost;
     for (const Losses& of_block : lost_) lost += of_block;
+    lost[Loss::bond_damping] += std::exchange(damped_by_cell_, 0.0);
     if (bonds_.damp()) share_damping(lost);
     booked_.lost += lost;
   }
@@ -302,7 +306,11 @@ void Simulation::close_books() {
 double Simulation::largest_way2() const {
   double way2 = 0.0;
   for (const BlockBooks& b : books_) way2 = std::max(way2, b.way2);
-  if (cell_.any()) way2 = sq(std::sqrt(way2) + stage_.dt * images_.fastest(state_.cell));
+  if (cell_.any()) {
+    CellEdges gone = state_.cell;
+    for (CellEdge& e : gone) e.along = stage_.dt * e.rate;
+    way2 = sq(std::sqrt(way2) + way_of_images(gone));
+  }
   exchange_.max({&way2, 1});
   return way2;
 }

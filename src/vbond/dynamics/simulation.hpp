@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -263,7 +264,11 @@ class Simulation final : public BodyView {
   bool meet(bool interrupted);
   void agree_on_failure();
   void fold_brought_in() const;
+  /// Whether what may meet is known only until particles have gone so far.
+  bool is_known_for_a_while() const { return std::isfinite(farthest_); }
+  void note_where_it_begins();
   double way_since_begin() const;
+  double way_of_images(const CellEdges& edges) const;
   void collect_own() const;
   void diverge(std::size_t first_particle, const std::string& who, const std::string& what,
                const std::string& way_out) const;
@@ -273,7 +278,7 @@ class Simulation final : public BodyView {
   /// Whether it is of interest how far particles go in a step: where something may touch, or be bonded to a
   /// ghost.
   bool looks_at_ways() const {
-    return !only_elastic_ && (anything_touches() || (has_ghosts() && may_meet()));
+    return !only_elastic_ && (anything_touches() || (is_known_for_a_while() && may_meet()));
   }
   const Tensor* flow() const { return cell_.any() ? &cell_.L_end() : nullptr; }
   /// A part may have none, and its particles may be those of others.
@@ -323,8 +328,11 @@ class Simulation final : public BodyView {
   std::int64_t steps_to_look_ = 1;
   StepTimes times_;
   // of a part
-  mutable std::optional<Failed> failed_;   // first of all
-  std::vector<Vec3d> r_begin_;             // of its rows
+  mutable std::optional<Failed> failed_;    // first of all
+  std::vector<Vec3d> r_begin_;              // of the rows that it moves
+  CellEdges cell_begin_;                    // and the edges then
+  std::array<double, 3> farthest_image_{};  // edges that an image may be away from what it meets
+  double damped_by_cell_ = 0;  // on images, by the damping of bonds, as the cell moved in the step under way
   double farthest_ = 0, lost_beyond_ = 0;  // see Share
   double room_ = 0;                        // what may meet is known until a particle has gone so far
   std::int64_t unmet_ = 0;                 // steps since meet()

@@ -108,8 +108,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
       take_up_loads();
     else
       begin_stage();
-    if (has_ghosts())
-      for (std::size_t k = 0; k < bodies_.order.known; ++k) r_begin_.push_back(bodies_.pose[k].r);
+    note_where_it_begins();
   } catch (...) {
     *state = std::move(state_);
     throw;

@@ -81,6 +81,7 @@ void Simulation::make_bonds() {
     events_.push_back({BondEvent::Kind::made, BondId{k}, state_.clock.step});
   bonds_changed();
   evaluate_loads();
+  if (cell_.any()) cell_.look(team_);
   // a new bond then also changes what others touch
   if (!capsules) return;
   booked_.dissipated = before.dissipated + (leads() ? flowed_now : 0.0), booked_.lost = before.lost;
@@ -197,8 +198,9 @@ Simulation::Broken Simulation::broken_now(BondId k) {
   return broken;
 }
 
-/// What contact makes of two particles without a bond, on the bond's first one. The pair is listed where its
-/// contact is worked out: where the first particle is and an image of the second, or the other way round.
+/// Lists the two for contact, now that no bond is between them, and returns what contact makes of them, on
+/// the bond's first one. They are listed where their contact is worked out: where the first is and an image
+/// of the second, or the other way round.
 Contacts::Touch Simulation::touch_of_unbonded(const Bond& b) {
   const Order& order = bodies_.order;
   const Row i = order.row[b.i], j = order.row[b.j];

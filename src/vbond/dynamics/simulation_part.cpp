@@ -7,7 +7,9 @@
 #include <utility>
 #include <vector>
 
+#include "vbond/core/bounding_box.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/core/images.hpp"
 #include "vbond/dynamics/simulation.hpp"
 
 namespace vbond {
@@ -116,11 +118,36 @@ double Simulation::reach() const {
   return capsules ? std::numeric_limits<double>::infinity() : std::max(contacts_.reach(), bonding_.reach());
 }
 
+/// Images that may come near are as many edges away as particles lie apart, and what may meet reaches.
+void Simulation::note_where_it_begins() {
+  if (!is_part_ && !is_known_for_a_while()) return;
+  for (std::size_t k = 0; k < bodies_.order.own; ++k) r_begin_.push_back(bodies_.pose[k].r);
+  cell_begin_ = state_.cell;
+  if (state_.cell.empty() || !may_meet()) return;
+  BoundingBox in_cell;
+  for (const Vec3d& r : state_.r) in_cell.add(in_edges(state_.cell, r));
+  const Vec3d h = heights(state_.cell), apart = in_cell.high - in_cell.low;
+  for (int k = 0; k < 3; ++k)
+    if (model_.cell.periodic[static_cast<std::size_t>(k)])
+      farthest_image_[static_cast<std::size_t>(k)] =
+          std::ceil(component(apart, k) + (reach() + 2.0 * farthest_) / component(h, k));
+}
+
+/// How far images go with edges that go so far.
+double Simulation::way_of_images(const CellEdges& edges) const {
+  double way = 0.0;
+  for (std::size_t k = 0; k < edges.size(); ++k) way += farthest_image_[k] * norm(edges[k].along);
+  return way;
+}
+
+/// Of particles, and of images, which the cell has moved on.
 double Simulation::way_since_begin() const {
   double most2 = 0.0;
   for (std::size_t k = 0; k < r_begin_.size(); ++k)
     most2 = std::max(most2, norm2(bodies_.pose[k].r - r_begin_[k]));
-  return std::sqrt(most2);
+  CellEdges gone = state_.cell;
+  for (std::size_t k = 0; k < gone.size(); ++k) gone[k].along -= cell_begin_[k].along;
+  return std::sqrt(most2) + way_of_images(gone);
 }
 
 // ---- the whole body ----------------------------------------------------------------------------------

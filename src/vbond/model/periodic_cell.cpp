@@ -66,7 +66,7 @@ std::vector<std::string> stresses_not_reached(const CellDrive& drive, const Stat
   if (!drive.any_stress()) return sentences;
   const double V = volume(s.cell);
   SymmetricParts now = symmetric_part({{s.cell[0].virial / V, s.cell[1].virial / V, s.cell[2].virial / V}});
-  double largest = 0.0;
+  double largest = 1e-4 * drive.servo.modulus;  // less is no strain to speak of
   for (const double stress : now) largest = std::max(largest, std::abs(stress));
   for (const CellComponent& c : drive.component)
     if (c.by == CellComponent::By::stress) largest = std::max(largest, std::abs(c.value * c.factor(time)));

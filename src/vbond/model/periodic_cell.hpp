@@ -25,8 +25,8 @@ Tensor cell_velocity_gradient(const CellEdges& cell);
 /// Symmetric but for moments on particles that are out of balance.  [force/length^2]
 Tensor cell_stress(const Model& model, const State& state);
 
-/// What the stresses that a stage of motion asks for are at a time of it, where the body's of the last step
-/// are others by more than a hundredth of the largest: a sentence each.
+/// A sentence for each component whose stress is not what a stage of motion asks for at this time: off by
+/// more than a hundredth of the largest stress, and of what a strain of 1e-4 makes with the servo's modulus.
 std::vector<std::string> stresses_not_reached(const CellDrive& drive, const State& state, double time);
 
 /// A bound of the stiffness that the bonds give the body against changes of the cell's components, several at

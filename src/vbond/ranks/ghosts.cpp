@@ -50,8 +50,8 @@ std::vector<ImageOf> ghosts_of(const std::vector<ParticleId>& own, const Model& 
     if (!b.broken && is_own[b.i] != 0) add(b.j, b.image_j);
   if (reach == INFINITY) {
     for (const ParticleId p : is_own.ids()) add(p, {});
-  } else if (reach > 0.0 && !own.empty()) {
-    const NearImages places = places_of(model, state, reach);
+  } else if (reach > 0.0) {
+    const NearImages places = places_of(model, state, reach);  // all ranks throw, or none
     const std::vector<std::size_t> near = near_own(places, own, reach);
     std::vector<Vec3d> r;
     for (const std::size_t k : near) r.push_back(places.r[k]);

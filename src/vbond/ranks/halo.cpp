@@ -118,7 +118,7 @@ void Halo::send_and_receive() {
   MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
 }
 
-void Halo::halo(const HaloColumns& columns) {
+void Halo::update_ghosts(const HaloColumns& columns) {
   const bool motion = !columns.motion.empty();
   const std::size_t numbers = pose_numbers + (motion ? motion_numbers : 0);
   for (Neighbour& n : neighbours_) {

@@ -24,12 +24,15 @@ class Halo {
   /// Where particles and ghosts stand.
   void take_rows(const Order& order);
 
-  void halo(const HaloColumns& columns);
-  /// Loads are added in the order of ranks: the bits do not depend on when messages come.
+  /// Ghosts get what their particles have.
+  void update_ghosts(const HaloColumns& columns);
+  /// Particles get the loads on their ghosts in addition, in the order of ranks: the bits do not depend on
+  /// when messages come.
   void reverse_sum(std::span<LoadRow> load);
 
  private:
-  /// What this rank and another one, or itself, are ghosts of each other.
+  /// A rank that has ghosts of this one's particles, or particles that are ghosts here; or this one itself,
+  /// of whose particles images are ghosts here.
   struct Neighbour {
     int rank;
     std::vector<ParticleId> sent;  // of this rank, ghosts there

@@ -43,7 +43,7 @@ double longest_bond(const State& state) {
 }
 
 /// Where domains are cut: a periodic body in its cell, whose edges are straightened out.
-PerParticle<Vec3d> places_of(const Model& model, const State& state) {
+PerParticle<Vec3d> straightened(const Model& model, const State& state) {
   if (!model.cell.any()) return state.r;
   PerParticle<Vec3d> places = state.r;
   for (Vec3d& r : places) {
@@ -122,14 +122,14 @@ Share Ranks::spread(const Model& model, const State& state, double reach) {
   order_ = spatial_order(model.r_0);
   domains_.reset();
   const double size = size_of_domains(state);
-  lost_beyond_ = model.cell.any() ? std::numeric_limits<double>::infinity() : farthest_found * size;
-  domains_ = std::make_unique<Domains>(order_, places_of(model, state), work_of(model, state), size);
+  lost_beyond_ = farthest_found * size;
+  domains_ = std::make_unique<Domains>(order_, straightened(model, state), work_of(model, state), size);
   return share_of(model, state);
 }
 
 Share Ranks::spread_anew(const Model& model, const State& state) {
   const Waiting waiting(*this);
-  domains_->redistribute(places_of(model, state), work_of(model, state));
+  domains_->redistribute(straightened(model, state), work_of(model, state));
   const std::vector<ParticleId> before = own_;
   Share share = share_of(model, state);
   std::int64_t come = 0;
@@ -172,7 +172,7 @@ Share Ranks::share_of(const Model& model, const State& state) {
 
 void Ranks::halo(const HaloColumns& columns) {
   const Waiting waiting(*this);
-  halo_.halo(columns);
+  halo_.update_ghosts(columns);
 }
 
 void Ranks::reverse_sum(std::span<LoadRow> load) {

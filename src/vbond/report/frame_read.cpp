@@ -57,7 +57,8 @@ FrameInput::FrameInput(const fs::path& path) : path_(path) {
     if (f.step() != step() || f.time() != time() || f.lines() != lines() || f.triangles())
       refuse("its parts are not of one frame");
   if (lines()) {
-    // a bond's end may be a particle of another part; of periodic bodies points of images have numbers as well
+    // a bond's end may be a particle of another part; of periodic bodies points of images have numbers as
+    // well
     const bool periodic = !files_.empty() && files_.front().has(Per::point, "point");
     points_ = places(Per::point, periodic ? "point" : "particle", false);
     cells_ = places(Per::cell, "id", true);
