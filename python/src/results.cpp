@@ -25,6 +25,9 @@ py::array column(const std::vector<BrokenBond>& breaks, Value value) {
 }
 
 void bind_modes(py::module_& m) {
+  constexpr const char* of_a_wave =
+      "Of a stage with wave vectors: its number in StaticResult.waves, from 1; else 0";
+  constexpr const char* out_of_phase = "A quarter of a turn behind, of a wave, (n, 3); (0, 3): nothing is";
   py::class_<CriticalLoad>(m, "CriticalLoad", "A load at which one more direction becomes unstable.")
       .def_property_readonly(
           "kind", [](const CriticalLoad& c) { return in_words(c.kind); }, "'bifurcation' or 'limit point'")
@@ -44,7 +47,14 @@ void bind_modes(py::module_& m) {
           "translation", [](const CriticalLoad& c) { return copy(c.mode.translation.values()); },
           "Of the mode, the largest is 1, (n, 3) [length]")
       .def_property_readonly(
-          "rotation", [](const CriticalLoad& c) { return copy(c.mode.rotation.values()); }, "(n, 3) [rad]");
+          "rotation", [](const CriticalLoad& c) { return copy(c.mode.rotation.values()); }, "(n, 3) [rad]")
+      .def_readonly("wave", &CriticalLoad::wave, of_a_wave)
+      .def_property_readonly(
+          "translation_out_of_phase",
+          [](const CriticalLoad& c) { return copy(c.out_of_phase.translation.values()); }, out_of_phase)
+      .def_property_readonly(
+          "rotation_out_of_phase",
+          [](const CriticalLoad& c) { return copy(c.out_of_phase.rotation.values()); }, out_of_phase);
   py::class_<NaturalMode>(m, "NaturalMode", "A mode of vibration about an equilibrium.")
       .def_readonly("omega", &NaturalMode::omega, "Angular frequency; 0 of an unstable mode [rad/time]")
       .def_readonly("omega2", &NaturalMode::omega2, "Its square; negative: unstable")
@@ -55,7 +65,14 @@ void bind_modes(py::module_& m) {
           "translation", [](const NaturalMode& n) { return copy(n.shape.translation.values()); },
           "The largest is 1, (n, 3) [length]")
       .def_property_readonly(
-          "rotation", [](const NaturalMode& n) { return copy(n.shape.rotation.values()); }, "(n, 3) [rad]");
+          "rotation", [](const NaturalMode& n) { return copy(n.shape.rotation.values()); }, "(n, 3) [rad]")
+      .def_readonly("wave", &NaturalMode::wave, of_a_wave)
+      .def_property_readonly(
+          "translation_out_of_phase",
+          [](const NaturalMode& n) { return copy(n.out_of_phase.translation.values()); }, out_of_phase)
+      .def_property_readonly(
+          "rotation_out_of_phase",
+          [](const NaturalMode& n) { return copy(n.out_of_phase.rotation.values()); }, out_of_phase);
   py::class_<SpecialPoint>(m, "SpecialPoint", "A limit point or bifurcation of a path.")
       .def_property_readonly(
           "kind", [](const SpecialPoint& p) { return in_words(p.kind); }, "'limit point' or 'bifurcation'")
@@ -121,6 +138,14 @@ void bind_results(py::module_& m) {
       .def_readonly("critical_loads", &StaticResult::critical_loads)
       .def_readonly("searched_to", &StaticResult::searched_to)
       .def_readonly("modes", &StaticResult::modes)
+      .def_property_readonly(
+          "waves",
+          [](const StaticResult& r) {
+            std::vector<Vec3d> q;
+            for (const Wave& w : r.waves) q.push_back(w.q);
+            return copy(q);
+          },
+          "The wave vectors of the stage, (waves, 3) [rad/length]")
       .def_readonly("fracture", &StaticResult::fracture);
   py::class_<StageResult>(m, "StageResult", "How a stage went.")
       .def_readonly("name", &StageResult::name)

@@ -36,6 +36,35 @@ def test_buckling_of_a_cantilever(rod):
     assert np.abs(load.translation).max() == pytest.approx(1, abs=1e-12)
 
 
+def test_waves_of_a_periodic_chain():
+    # one particle, bonded to its own images: omega = 2 sqrt(c_A/m) |sin(q a/2)|; a wave of one particle is in phase
+    case = vbond.Case.from_text("""
+[cell]
+a = [1, 0, 0]
+b = [0, 5, 0]
+c = [0, 0, 5]
+open = ["b", "c"]
+[[specimen]]
+kind = "list"
+positions = [[0, 0, 0]]
+radius = 0.4
+mass = 2.0
+[[bonds]]
+distance = 1.1
+stiffness = {c_A = 3.0, c_D = 1e-3, c_B = 1e-3, c_T = 1e-3}
+[[stage]]
+kind = "equilibrium"
+""")
+    q = [0.3, 1.0, 2.5]
+    solution = vbond.modes(case, count=6, wave_vectors=[[x, 0, 0] for x in q])
+    assert np.array_equal(solution.result.waves, [[x, 0, 0] for x in q])
+    for k, x in enumerate(q, start=1):
+        of_wave = [mode for mode in solution.modes if mode.wave == k]
+        assert np.isclose(max(mode.omega for mode in of_wave if abs(mode.translation[0, 0]) > 0.99),
+                          2 * np.sqrt(1.5) * np.sin(x / 2), rtol=1e-10)
+        assert all(mode.translation_out_of_phase.shape == mode.translation.shape for mode in of_wave)
+
+
 def test_modes_of_a_free_rod_have_six_rigid_motions(rod):
     solution = vbond.modes(rod, count=7)
     assert sum(mode.rigid for mode in solution.modes) == 6 and len(solution.frequencies) == 7

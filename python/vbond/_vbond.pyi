@@ -55,6 +55,9 @@ class CriticalLoad:
     gap: float
     translation: ndarray
     rotation: ndarray
+    wave: int
+    translation_out_of_phase: ndarray
+    rotation_out_of_phase: ndarray
 
 class NaturalMode:
     omega: float
@@ -63,6 +66,9 @@ class NaturalMode:
     rigid: bool
     translation: ndarray
     rotation: ndarray
+    wave: int
+    translation_out_of_phase: ndarray
+    rotation_out_of_phase: ndarray
 
 class SpecialPoint:
     kind: str
@@ -103,6 +109,7 @@ class StaticResult:
     critical_loads: list[CriticalLoad]
     searched_to: float
     modes: list[NaturalMode]
+    waves: ndarray
     fracture: FractureResult
 
 class StageResult:

@@ -457,6 +457,20 @@ TEST(PeriodicBody, WhatComesThroughAFaceLaterIsFelt) {
   }
 }
 
+// Only where images may be missing is a body begun anew: in the time loop that would take all its time.
+TEST(PeriodicBody, AnOpenBodyIsNeverBegunAnew) {
+  for (const bool periodic : {true, false}) {
+    Body b = falling_body(1, 1);
+    if (!periodic) b.model.cell = {}, b.state.cell = {};
+    Stage stage = stage_of(0.01);
+    stage.gravity = {0.2, 0, 0};
+    Simulation run(b.model, stage, b.state);
+    run.run({}, 400);
+    EXPECT_EQ(run.has_outgrown_its_part(), periodic);
+    EXPECT_EQ(run.clock().step == 400, !periodic);
+  }
+}
+
 TEST(PeriodicBody, ComesToRestWithItsCell) {
   Body b = random_body(5, 6, find_law("v-model"), 1.6, 1.4);
   State s = run_until(b.model, shear(0.01), b.state, 100, 1);

@@ -19,8 +19,7 @@ using test::array_of;
 using test::Chain;
 using test::Folder;
 using test::json_of;
-
-constexpr const char* one_line = "<html>\n<!-- run -->\n</html>\n";
+using test::one_line;
 constexpr std::size_t particles = 4, bonds = 3, frames = 4;
 
 /// A chain whose second bond is broken by shear from the third frame on, and flies apart.

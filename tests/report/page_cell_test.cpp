@@ -24,8 +24,7 @@ using test::array_of;
 using test::Chain;
 using test::Folder;
 using test::json_of;
-
-constexpr const char* one_line = "<html>\n<!-- run -->\n</html>\n";
+using test::one_line;
 
 /// A chain of three bonded to its next image, whose particles leave a cell that is sheared.
 struct Film {

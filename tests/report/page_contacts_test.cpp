@@ -27,9 +27,8 @@ namespace {
 using test::array_of;
 using test::Folder;
 using test::json_of;
+using test::one_line;
 using Per = VtpInput::Per;
-
-constexpr const char* one_line = "<html>\n<!-- run -->\n</html>\n";
 
 /// Three balls in a row, of which two are bonded, above them a ball, and below them a floor.
 constexpr const char* balls =

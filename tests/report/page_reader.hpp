@@ -12,6 +12,9 @@
 
 namespace vbond::test {
 
+/// The least page that a run can be written into.
+constexpr const char* one_line = "<html>\n<!-- run -->\n</html>\n";
+
 /// The way back that the page goes, written from the description of the format.
 
 inline std::vector<double> unpacked(const std::string& block, const page::PackedArray& a) {

@@ -19,8 +19,7 @@ using test::array_of;
 using test::Chain;
 using test::Folder;
 using test::json_of;
-
-constexpr const char* one_line = "<html>\n<!-- run -->\n</html>\n";
+using test::one_line;
 
 /// Frames of a chain that moves and bends; its second bond is made after the first frame.
 struct Film {

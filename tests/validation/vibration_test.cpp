@@ -17,7 +17,7 @@ using testing::validation_case;
 
 /// Motion number n of a ring: x cos(n phi) outwards, y sin(n phi) along, a turn z sin(n phi). By symmetry the
 /// ring's vibration stays within these three.
-struct Wave {
+struct RodWave {
   const testing::Specimen& ring;
   int n;
 
@@ -60,7 +60,7 @@ struct Wave {
 };
 
 /// The shape of the slowest of the three modes, by inverse iteration; its largest component is 1.
-Vec3d slowest_shape(const Wave& w, double m, double Theta) {
+Vec3d slowest_shape(const RodWave& w, double m, double Theta) {
   const Vec3d k1 = w.stiffness_times({1, 0, 0}), k2 = w.stiffness_times({0, 1, 0}),
               k3 = w.stiffness_times({0, 0, 1});
   const double det = dot(k1, cross(k2, k3));
@@ -80,7 +80,7 @@ double ring_frequency(std::size_t N, int n) {
   const double a = 2 * std::sin(M_PI / static_cast<double>(N)), m = 2 * M_PI / static_cast<double>(N);
   ring.model.mass.assign(N, m);
   ring.model.inertia.assign(N, 0.1 * m * a * a);
-  const Wave w{ring, n};
+  const RodWave w{ring, n};
   const Vec3d shape = slowest_shape(w, m, 0.1 * m * a * a);
   const Vec3d weights{m * shape.x, m * shape.y, 0.1 * m * a * a * shape.z};
   const double size = 1e-6;

@@ -57,10 +57,13 @@ std::array<Vec3d, 3> CellImages::edges_times_force(std::span<const LoadRow> load
 
 Share whole_body(const Model& model, const Stage& stage, const State& state) {
   Order order = spatial_order(model.r_0);
-  if (!model.cell.any())
-    return {state.dropped.empty() ? std::move(order) : part_of(order, {not_dropped(model, state), {}, {}})};
   constexpr double unlimited = std::numeric_limits<double>::infinity();
   Share share{{}, unlimited, unlimited};
+  if (!model.cell.any()) {
+    share.order =
+        state.dropped.empty() ? std::move(order) : part_of(order, {not_dropped(model, state), {}, {}});
+    return share;
+  }
   Holding all{not_dropped(model, state), {}, {}};
   std::vector<ImageOf>& images = all.ghosts;
   for (const Bond& b : state.bonds)  // broken ones too: the order of rows is the same after a checkpoint

@@ -87,13 +87,7 @@ State CriticalLoads::run() && {
   const Placement at_zero = body_.placement();
   try {
     start();
-    while (result_.ended.empty()) {
-      result_.searched_to = walk_.here().at.load_factor;
-      if (hooks_.interrupted && hooks_.interrupted())
-        end("interrupted", result_.searched_to);
-      else
-        take_step();
-    }
+    walk_until_ended(walk_, hooks_, result_, [this] { take_step(); });
   } catch (const Interrupted&) {
     result_.ended = "interrupted";
   } catch (...) {

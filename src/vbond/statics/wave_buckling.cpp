@@ -75,13 +75,7 @@ class CriticalWaves {
   State run() && {
     const Placement at_zero = body_.placement();
     start();
-    while (result_.ended.empty()) {
-      result_.searched_to = walk_.here().at.load_factor;
-      if (hooks_.interrupted && hooks_.interrupted())
-        end("interrupted", result_.searched_to);
-      else
-        take_step();
-    }
+    walk_until_ended(walk_, hooks_, result_, [this] { take_step(); });
     std::stable_sort(
         result_.critical_loads.begin(), result_.critical_loads.end(),
         [](const CriticalLoad& a, const CriticalLoad& b) { return a.load_factor < b.load_factor; });

@@ -93,4 +93,17 @@ class PathWalk {
 /// TangentSolver::prepare() does.
 const PathPoint& start_walk(const StaticBody& body, TangentSolver& solver, PathWalk& walk, double first_step);
 
+/// Takes steps until one ends the search for critical loads, or it is interrupted.
+template <class TakeStep>
+void walk_until_ended(const PathWalk& walk, const StaticHooks& hooks, StaticResult& result,
+                      const TakeStep& take_step) {
+  while (result.ended.empty()) {
+    result.searched_to = walk.here().at.load_factor;
+    if (hooks.interrupted && hooks.interrupted())
+      result.ended = "interrupted";
+    else
+      take_step();
+  }
+}
+
 }  // namespace vbond
