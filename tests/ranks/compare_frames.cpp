@@ -72,6 +72,8 @@ void compare(const FrameInput& a, const FrameInput& b, Per per, std::span<const 
         to.add(q.unit.in(UnitSystem::si), a.vectors(per, q.name), b.vectors(per, q.name));
       else if constexpr (std::is_same_v<T, std::uint8_t>)
         to.must_be_equal(q.name, a.bytes(per, q.name) == b.bytes(per, q.name));
+      else if constexpr (std::is_same_v<T, Image>)
+        to.must_be_equal(q.name, a.images(per, q.name) == b.images(per, q.name));
       else
         to.must_be_equal(q.name, a.integers(per, q.name) == b.integers(per, q.name));
     };
@@ -80,7 +82,7 @@ void compare(const FrameInput& a, const FrameInput& b, Per per, std::span<const 
 }
 
 void compare_folders(const fs::path& one, const fs::path& other, Comparison& to) {
-  for (const char* kind : {"particles.pvd", "bonds.pvd", "walls.pvd"}) {
+  for (const char* kind : {"particles.pvd", "bonds.pvd", "walls.pvd", "cell.pvd"}) {
     if (!fs::exists(one / kind) && !fs::exists(other / kind)) continue;
     const std::vector<ListedFrame> a = read_pvd(one / kind), b = read_pvd(other / kind);
     to.must_be_equal(kind, a.size() == b.size() && !a.empty());

@@ -195,6 +195,8 @@ void write_part(const fs::path& folder, int part, const Simulation& run, FrameFo
       .write(folder / name_of_part("particles", step, part), time, step);
   file_of_bonds_of_part(run.own_bonds(), particles, state, run.model().units, of_parts(format))
       .write(folder / name_of_part("bonds", step, part), time, step);
+  if (format.cell && part == 0)
+    write_cell_vtp(folder / frame_name("cell", step), run.model(), state, {}, format);
 }
 
 void write_lists_of_parts(const fs::path& folder, int parts, const Model& model, std::int64_t step,

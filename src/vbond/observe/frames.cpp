@@ -190,7 +190,7 @@ void FrameWriter::write(const Model& model, const State& state, std::optional<do
 
 void FrameWriter::write(const Simulation& run) {
   const Exchange& all = run.exchange();
-  if (all.ranks() == 1 || dumps_ || format_.stress || format_.contacts)
+  if (all.ranks() == 1 || dumps_ || format_.stress || format_.contacts || format_.wrap)
     return write(run.model(), run.state());
   const Clock& clock = run.clock();
   all.together([&] { write_part(folder_, all.rank(), run, format_); });

@@ -62,7 +62,8 @@ void note_fit(const Case& c, Built& built) {
 std::optional<FileBox> box_of_case(const CellSpec& cell, const std::vector<PlacedSpecimen>& specimens,
                                    Problems& problems) {
   if (!cell.from_specimen) return FileBox{cell.edges, cell.corner};
-  const auto& [name, place] = *cell.from_specimen;
+  const std::string& name = cell.from_specimen->value;
+  const SourcePlace& place = cell.from_specimen->place;
   const auto refuse = [&](const std::string& what, const std::string& rule, const std::string& way_out) {
     problems.add(place, fmt::format("cell.from_specimen = \"{}\"{}", name, what), rule, way_out);
     return std::nullopt;
