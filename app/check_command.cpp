@@ -179,9 +179,8 @@ void print_overlaps(const Model& model, const State& state) {
     U += normal_energy(touch_forms(model.contact), touch_numbers(model, i, j), R, overlap);
     ++pairs;
   });
-  for (const FibreContact& contact : fibre_contacts(model, state.bonds, state.r))
-    pairs += contact.body ? 1 : 0;
-  U += fibre_energy(model, state.bonds, state.r);
+  for (const FibreContact& contact : fibre_contacts(model, state)) pairs += contact.body ? 1 : 0;
+  U += fibre_energy(model, state);
   if (pairs > 0)
     fmt::print("contact energy   at the start {:.6g}{} from {} overlapping pairs\n", U,
                model.units == UnitSystem::si ? " J" : "", pairs);

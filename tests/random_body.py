@@ -1,6 +1,6 @@
 """Random cases of motion, for campaigns that compare two ways to compute them: random_case(rng).
 
-Each has one to three blocks in any place, of random laws, damping, strength and yield, perhaps with contacts, a wall,
+Each has one to three blocks in any place, of random laws, damping, strength and yield, perhaps with contacts, capsules, a wall,
 supports, loads, gravity and a second stage, for some hundred steps. One block may be periodic, in a cell of any shape
 that moves by strain and stress."""
 
@@ -9,12 +9,14 @@ def vector(rng, size):
     return str([round(rng.uniform(-size, size), 6) for _ in range(3)])
 
 
-def bonds(rng, name, approach=False):
+def bonds(rng, name, approach=False, capsules=False):
     text = f'[[bonds]]\nname = "of_{name}"\nbetween = ["{name}", "{name}"]\ndistance = {rng.choice([1.1, 1.5, 1.8])}\n'
     text += 'when = "approach"\n' if approach else ""
     text += f'law = "{rng.choice(["v-model", "evm"])}"\n' if rng.random() < 0.3 else ""
     text += ("stiffness = {c_A = %.3g, c_D = %.3g, c_B = %.3g, c_T = %.3g}\n" %
              (rng.uniform(0.5, 2), rng.uniform(0.1, 0.6), rng.uniform(0.02, 0.1), rng.uniform(0.02, 0.1)))
+    if capsules and rng.random() < 0.4:
+        text += f"capsule_radius = {rng.uniform(0.1, 0.3):.3g}\n"
     if rng.random() < 0.4:
         text += f"damping = {{ratio = {rng.uniform(0.01, 0.2):.3g}}}\n"
     if rng.random() < 0.4:
@@ -86,7 +88,7 @@ def random_case(rng):
                  f"radius = {rng.choice([0.3, 0.4, 0.5])}\nmass = {rng.uniform(0.5, 2):.3g}\n")
     text += f"[groups]\ncorner = {{box = {{min = [-4, -4, -2], max = [4, 4, {1.5 if periodic else 0.5}]}}}}\n"
     approach = periodic and rng.random() < 0.4
-    text += "".join(bonds(rng, name, approach) for name in names)
+    text += "".join(bonds(rng, name, approach, contact) for name in names)
     if contact:
         text += ('[contact]\nlaw = "hertz"\nE = 3.0\nnu = 0.3\npairs = "unbonded"\ntangential = "mindlin"\n'
                  f"friction = {rng.uniform(0, 0.6):.3g}\nrestitution = {rng.uniform(0.4, 1):.3g}\n")

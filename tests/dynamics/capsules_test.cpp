@@ -63,7 +63,7 @@ TEST(Capsules, ForcesAreTheGradientOfTheEnergy) {
   double worst = 0.0, largest = 0.0;
   for (int k = 0; k < 300; ++k) {
     Specimen s = tangle(dice, hertz());
-    const std::size_t contacts = fibre_contacts(s.model, s.state.bonds, s.state.r).size();
+    const std::size_t contacts = fibre_contacts(s.model, s.state).size();
     if (contacts == 0) continue;
     ++looked_at, several += contacts > 1 ? 1 : 0;
     const Loads loads = loads_of(s);
@@ -150,10 +150,10 @@ TEST(Capsules, OfOneFibreTouchWhereItCrossesItself) {
                                 {1.4, 0.3, 0.05}, {1.3, 0.8, 0.1},  {0.9, 1, 0.2},
                                 {0.6, 0.7, 0.3},  {0.6, 0.2, 0.35}, {0.6, -0.3, 0.35}};
   const Specimen s = fibres({loop}, hertz());
-  const std::vector<FibreContact> contacts = fibre_contacts(s.model, s.state.bonds, s.state.r);
+  const std::vector<FibreContact> contacts = fibre_contacts(s.model, s.state);
   ASSERT_EQ(contacts.size(), 1u);
-  EXPECT_EQ(contacts[0].a.i, ParticleId{1});
-  EXPECT_EQ(contacts[0].b.i, ParticleId{7});
+  EXPECT_EQ(contacts[0].a.i.particle, ParticleId{1});
+  EXPECT_EQ(contacts[0].b.i.particle, ParticleId{7});
   EXPECT_NEAR(energy_of(s), 0.4 * K * std::sqrt(0.1) * std::pow(0.05, 2.5), 1e-15);
 }
 
@@ -268,12 +268,12 @@ TEST(CapsulesNear, ListsOfFibresDoNotGrowWithTheLargestBall) {
   Specimen with_ball = fibres(chains, hertz());
   with_ball.model.radius[ParticleId{with_ball.model.particles() - 1}] = 50.0;
   const auto pairs = [](const Specimen& s, double margin) {
-    return FibreParts(s.model, s.state.bonds).near_pairs(s.state.r, margin).size();
+    return FibreParts(s.model, s.state.bonds).near_pairs(s.state.r, s.state.cell, margin).size();
   };
   EXPECT_EQ(pairs(thin, 0.08), pairs(with_ball, 0.08));
   const auto listed = [](const Specimen& s) {
     const Bodies bodies(s.model);
-    Capsules of(s.model, bodies);
+    Capsules of(s.model, bodies, s.state.cell);
     of.bonds_changed(s.state.bonds);
     of.refresh();
     return of.near_pairs();

@@ -55,7 +55,7 @@ inline Loads loads_of(const Specimen& s) {
   return Simulation(s.model, plain_stage(1e-3, 1.0), s.state).loads();
 }
 inline double energy_of(const Specimen& s) {
-  return fibre_energy(s.model, s.state.bonds, s.state.r);
+  return fibre_energy(s.model, s.state);
 }
 inline Vec3d total_moment(const Specimen& s, const State& state, const Loads& loads) {
   Vec3d sum;

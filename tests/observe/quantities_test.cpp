@@ -173,12 +173,26 @@ TEST(Quantities, EveryDataSetOfACheckpointHasItsUnitAndMeaning) {
   BondRules rules;
   rules.strength = elongation_strength(0.1);
   chain.state.bonds[BondId{0}].rules = &kept(rules);
-  Chain periodic;  // which has no walls and no capsules
+  Chain periodic;  // which has no walls
   periodic.model.units = UnitSystem::si;
   periodic.model.cell = {{Vec3d{9, 0, 0}, {0, 9, 0}, {0, 0, 9}}, {true, true, true}, {}, false};
   periodic.state.cell = {
       {{9, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 0, 3}}, {{0, 9, 0}, {}, {}, {}}, {{0, 0, 9}, {}, {}, {}}};
   periodic.state.bonds[BondId{0}].image_j = {0, 1, 0};
+  periodic.state.bonds[BondId{0}].capsule = 0.3;
+  periodic.state.fibre_history = {{ParticleId{0},
+                                   ParticleId{1},
+                                   ParticleId{2},
+                                   ParticleId{2},
+                                   0.5,
+                                   0.0,
+                                   0.3,
+                                   0.2,
+                                   {},
+                                   {},
+                                   {0, 1, 0},
+                                   {1, 0, 0},
+                                   {1, 0, 0}}};
   periodic.state.contact_history = {{ParticleId{0}, ParticleId{2}, {1.0}, 0.1, {1, -2, 0}}};
   std::set<std::string> described;
   const auto look = [&](const std::filesystem::path& file, const Chain& of, const WatchRecord& seen) {

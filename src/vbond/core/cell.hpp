@@ -26,6 +26,17 @@ struct Image {
   friend constexpr auto operator<=>(const Image&, const Image&) = default;
 };
 
+/// An image of a particle, or the particle itself.
+struct ImageOf {
+  ParticleId particle;
+  Image image;
+  friend constexpr auto operator<=>(const ImageOf&, const ImageOf&) = default;
+};
+/// The same, and all that goes with it, n further on.
+constexpr ImageOf carried(const ImageOf& of, const Image& n) {
+  return {of.particle, of.image + n};
+}
+
 /// One of the three edges of a periodic cell.
 struct CellEdge {
   Vec3d along{};  ///< [length]
@@ -55,6 +66,11 @@ inline Vec3d to_image(const CellEdges& cell, const Image& n) {
 inline Vec3d image_velocity(const CellEdges& cell, const Image& n) {
   if (n.is_itself()) return {};
   return double(n.a) * cell[0].rate + double(n.b) * cell[1].rate + double(n.c) * cell[2].rate;
+}
+
+/// Where this image stands.  [length]
+inline Vec3d place_of(const PerParticle<Vec3d>& r, const CellEdges& cell, const ImageOf& of) {
+  return of.image.is_itself() ? r[of.particle] : r[of.particle] + to_image(cell, of.image);
 }
 
 /// From the particle at r_i to that at r_j.  [length]

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "vbond/core/bounding_box.hpp"
+
 namespace vbond {
 namespace {
 
@@ -73,6 +75,19 @@ std::optional<Image> as_near(const CellEdges& cell, const Periodic& periodic, co
     if (!same_pair && distance2(cell, r_i, r_j, n) <= least * (1.0 + rounding)) other = n;
   });
   return other;
+}
+
+std::array<double, 3> farthest_images(const CellEdges& cell, const Periodic& periodic,
+                                      std::span<const Vec3d> positions, double distance) {
+  BoundingBox in_cell;
+  for (const Vec3d& r : positions) in_cell.add(in_edges(cell, r));
+  const Vec3d h = heights(cell), apart = in_cell.high - in_cell.low;
+  std::array<double, 3> farthest{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const int axis = static_cast<int>(k);
+    if (periodic[k]) farthest[k] = std::ceil(component(apart, axis) + distance / component(h, axis));
+  }
+  return farthest;
 }
 
 NearImages near_images(const CellEdges& cell, const Periodic& periodic, std::span<const Vec3d> positions,

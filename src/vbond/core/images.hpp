@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -31,6 +32,11 @@ Image nearest_image(const CellEdges& cell, const Periodic& periodic, const Vec3d
 /// Another one that is as near but for rounding, if there is one: not the same pair seen from the other side.
 std::optional<Image> as_near(const CellEdges& cell, const Periodic& periodic, const Vec3d& r_i,
                              const Vec3d& r_j, const Image& nearest);
+
+/// How many edges an image of one of these points may be away from another within `distance` of it; 0 along
+/// edges that are open.
+std::array<double, 3> farthest_images(const CellEdges& cell, const Periodic& periodic,
+                                      std::span<const Vec3d> positions, double distance);
 
 /// Points, brought into the cell, and those of their images that come within reach of it: for finding pairs.
 struct NearImages {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "vbond/core/disjoint_sets.hpp"
+#include "vbond/core/images.hpp"
 #include "vbond/dynamics/contact_kernel.hpp"
 
 namespace vbond {
@@ -18,9 +19,18 @@ bool same_place(const FibrePlace& a, const FibrePlace& b) {
 bool same_places(const FibreContact& x, const FibreContact& y) {
   return same_place(x.a, y.a) && same_place(x.b, y.b);
 }
-/// Places that have a particle in common: a contact may have slid from one to the other within a step.
-bool joined(const FibrePlace& a, const FibrePlace& b) {
-  return a.i == b.i || a.i == b.j || a.j == b.i || a.j == b.j;
+/// Whether both pairs of places have a particle in common: a contact may have slid from one to the other
+/// within a step. What repeats with the cell is the same contact wherever it is.
+bool joined(const FibrePlace& a, const FibrePlace& b, const FibrePlace& now_a, const FibrePlace& now_b) {
+  const auto share_end = [](const FibrePlace& x, const FibrePlace& y, const Image& n) {
+    const ImageOf i = carried(y.i, n), j = carried(y.j, n);
+    return x.i == i || x.i == j || x.j == i || x.j == j;
+  };
+  for (const ImageOf& was : {a.i, a.j})
+    for (const ImageOf& is : {now_a.i, now_a.j})
+      if (const Image n = was.image - is.image; was.particle == is.particle && share_end(b, now_b, n))
+        return true;
+  return false;
 }
 /// The order in which merge() leaves contacts.
 bool comes_before(const FibreContact& x, const FibreContact& y) {
@@ -33,9 +43,10 @@ constexpr double same_side = 0.5;
 
 }  // namespace
 
-Capsules::Capsules(const Model& model, const Bodies& bodies)
+Capsules::Capsules(const Model& model, const Bodies& bodies, const CellEdges& cell)
     : model_(model),
       bodies_(bodies),
+      cell_(cell),
       forms_(fibre_forms(model.contact)),
       materials_(std::max<std::uint32_t>(1, static_cast<std::uint32_t>(model.materials.size()))) {
   if (!particles_touch(model.contact)) return;
@@ -57,26 +68,44 @@ void Capsules::bonds_changed(const PerBond<Bond>& bonds) {
 void Capsules::refresh(double way) {
   if (!any_) return;
   room_ -= way;
-  if (listed_ && room_ > 0.0) return;
-  PerParticle<Vec3d> r(model_.particles());
-  for (const ParticleId p : r.ids()) {
-    r[p] = bodies_.pose[row(p)].r;
-    if (!is_finite(r[p])) return near_.clear();  // the check of loads will tell
-  }
-  near_ = fibres_.near_pairs(r, skin_);
+  if (listed_ && room_ > way_of_images()) return;
+  const auto r = finite_places();
+  if (!r) return near_.clear();  // the check of loads will tell
+  near_ = fibres_.near_pairs(*r, cell_, skin_);
+  listed_at_ = cell_;
+  if (!cell_.empty())
+    farthest_image_ =
+        farthest_images(cell_, model_.cell.periodic, r->values(), fibres_.reach(*r, cell_) + 2.0 * skin_);
   room_ = 0.5 * skin_;
   listed_ = true;
 }
 
+/// Of all particles, if all are at finite places.
+std::optional<PerParticle<Vec3d>> Capsules::finite_places() const {
+  PerParticle<Vec3d> r(model_.particles());
+  for (const ParticleId p : r.ids()) {
+    r[p] = bodies_.pose[row(p)].r;
+    if (!is_finite(r[p])) return std::nullopt;
+  }
+  return r;
+}
+
+/// How far images have gone with the cell since near pairs were listed.
+double Capsules::way_of_images() const {
+  double way = 0.0;
+  for (std::size_t k = 0; k < cell_.size(); ++k)
+    way += farthest_image_[k] * norm(cell_[k].along - listed_at_[k].along);
+  return way;
+}
+
 Touching<double> Capsules::touching(const FibreContact& c) const {
-  return touching_of(model_, c, [this](ParticleId p) {
-    const std::size_t k = row(p);
-    return MovingPoint{bodies_.pose[k].r, bodies_.motion[k].v, bodies_.motion[k].omega};
+  return touching_of(model_, c, [this](const ImageOf& p) {
+    return MovingPoint{place(p), velocity(p), bodies_.motion[row(p.particle)].omega};
   });
 }
 
 const TouchNumbers<double>& Capsules::numbers(const FibreContact& c) const {
-  return numbers_[model_.material_of(c.a.i) * materials_ + model_.material_of(c.b.i)];
+  return numbers_[model_.material_of(c.a.i.particle) * materials_ + model_.material_of(c.b.i.particle)];
 }
 
 /// All that overlap now, each thread looking at its share of near pairs.
@@ -87,8 +116,7 @@ std::vector<FibreContact> Capsules::find(const Team& team) {
     found.clear();
     const std::size_t n = near_.size(), shares = of_part_.size();
     for (std::size_t k = n * part.index / shares; k < n * (part.index + 1) / shares; ++k)
-      if (const auto c =
-              contact_of(fibres_.parts(), near_[k], [this](ParticleId p) { return bodies_.pose[row(p)].r; }))
+      if (const auto c = contact_of(fibres_.parts(), near_[k], [this](const ImageOf& p) { return place(p); }))
         found.push_back(*c);
   });
   std::vector<FibreContact> all;
@@ -126,8 +154,8 @@ std::vector<Capsules::Contact> Capsules::with_history(const std::vector<FibreCon
     double likeness = same_side;
     for (auto c = parted.begin(); c != parted.end(); ++c) {
       const double of_c = dot(c->normal, n);
-      const bool slid = of_c > 0.0 ? joined(c->a, now[k].a) && joined(c->b, now[k].b)
-                                   : joined(c->a, now[k].b) && joined(c->b, now[k].a);  // seen from the other
+      const bool slid = of_c > 0.0 ? joined(c->a, c->b, now[k].a, now[k].b)
+                                   : joined(c->a, c->b, now[k].b, now[k].a);  // seen from the other
       if (slid && std::abs(of_c) > likeness) likeness = std::abs(of_c), best = c;
     }
     if (best == parted.end()) continue;
@@ -145,19 +173,21 @@ std::vector<Capsules::Contact> Capsules::with_history(const std::vector<FibreCon
 std::vector<double> Capsules::friction_shares() const {
   std::vector<double> share(contacts_.size(), 1.0);
   if (std::all_of(contacts_.begin(), contacts_.end(), [](const Contact& c) { return c.body; })) return share;
-  std::vector<std::tuple<ParticleId, ParticleId, std::uint32_t>> at;  // particles of both fibres, and contact
+  using PairOfEnds = std::tuple<ParticleId, ParticleId, Image>;  // of both fibres, seen from the lower one
+  std::vector<std::pair<PairOfEnds, std::uint32_t>> at;          // and contact
   for (std::uint32_t k = 0; k < contacts_.size(); ++k)
-    for_shares(contacts_[k].a, [&](ParticleId p, double) {
-      for_shares(contacts_[k].b,
-                 [&](ParticleId q, double) { at.emplace_back(std::min(p, q), std::max(p, q), k); });
+    for_shares(contacts_[k].a, [&](const ImageOf& p, double) {
+      for_shares(contacts_[k].b, [&](const ImageOf& q, double) {
+        at.emplace_back(std::min(PairOfEnds(p.particle, q.particle, q.image - p.image),
+                                 PairOfEnds(q.particle, p.particle, p.image - q.image)),
+                        k);
+      });
     });
   std::sort(at.begin(), at.end());
   using Index = Id<struct FibreContactTag>;
   DisjointSets<Index> regions(contacts_.size());
-  const auto ends = [](const auto& x) { return std::pair(std::get<0>(x), std::get<1>(x)); };
   for (std::size_t k = 1; k < at.size(); ++k)
-    if (ends(at[k - 1]) == ends(at[k]))
-      regions.join(Index{std::get<2>(at[k - 1])}, Index{std::get<2>(at[k])});
+    if (at[k - 1].first == at[k].first) regions.join(Index{at[k - 1].second}, Index{at[k].second});
   std::vector<double> left(contacts_.size(), 0.0), bodies = left;
   for (std::size_t k = 0; k < contacts_.size(); ++k) {
     const Touching<double> p = touching(contacts_[k]);
@@ -191,8 +221,8 @@ TouchLosses<double> Capsules::work_out(Contact& c, double friction_share, double
     --elastic;
   }
   if (elastic != 0) F -= (elastic * normal_force(forms_, n, p.R, p.overlap).F) * p.n;
-  share_loads(c, p, F, [this](ParticleId q, const Vec3d& force, const Vec3d& moment) {
-    shares_.push_back({row(q), force, moment});
+  share_loads(c, p, F, [this](const ImageOf& q, const Vec3d& force, const Vec3d& moment) {
+    shares_.push_back({row(q.particle), force, moment, q.image});
   });
   return lost;
 }
@@ -225,6 +255,21 @@ void Capsules::take_loads(LoadRow* load) const {
   for (const Share& s : shares_) load[s.row].F -= s.F, load[s.row].M -= s.M;
 }
 
+std::array<Vec3d, 3> Capsules::edges_times_force(std::size_t rows) const {
+  std::array<Vec3d, 3> sum{};
+  for (const Share& s : shares_) {
+    if (s.row >= rows || s.image.is_itself()) continue;
+    sum[0] += double(s.image.a) * s.F, sum[1] += double(s.image.b) * s.F, sum[2] += double(s.image.c) * s.F;
+  }
+  return sum;
+}
+
+Tensor Capsules::virial(const std::vector<Share>& shares) const {
+  Tensor sum;
+  for (const Share& s : shares) sum += dyad(s.F, bodies_.pose[s.row].r + to_image(cell_, s.image));
+  return sum;
+}
+
 double Capsules::energy() const {
   double U = 0.0;
   for (const Contact& c : contacts_) {
@@ -238,9 +283,11 @@ double Capsules::energy() const {
 
 std::vector<FibreMemory> Capsules::collect() const {
   std::vector<FibreMemory> memories;
-  for (const Contact& c : contacts_)
-    if (c.body)
-      memories.push_back({c.a.i, c.a.j, c.b.i, c.b.j, c.a.s, c.b.s, c.a.R, c.b.R, c.normal, c.history});
+  for (const Contact& c : contacts_) {
+    if (!c.body) continue;
+    memories.push_back(memory_at(c.a, c.b));
+    memories.back().normal = c.normal, memories.back().history = c.history;
+  }
   return memories;
 }
 
@@ -248,7 +295,7 @@ void Capsules::restore(const std::vector<FibreMemory>& memories) {
   if (!any_) return;
   for (const FibreMemory& m : memories) {
     Contact c;
-    c.a = {m.a_i, m.a_j, m.s, m.R_a}, c.b = {m.b_i, m.b_j, m.t, m.R_b};
+    std::tie(c.a, c.b) = places_of(m);
     c.first = c.second = 0, c.weight = 1, c.body = true;
     c.normal = m.normal, c.history = m.history;
     auto at = std::lower_bound(contacts_.begin(), contacts_.end(), c, comes_before);
@@ -262,8 +309,8 @@ void Capsules::restore(const std::vector<FibreMemory>& memories) {
 DeepCapsules Capsules::told(std::uint32_t first, std::uint32_t second, double overlap, double radius) const {
   return {fibres_.name_of(first),
           fibres_.name_of(second),
-          fibres_.parts()[first].i,
-          fibres_.parts()[second].i,
+          fibres_.parts()[first].i.particle,
+          fibres_.parts()[second].i.particle,
           overlap,
           radius};
 }
@@ -271,12 +318,11 @@ DeepCapsules Capsules::told(std::uint32_t first, std::uint32_t second, double ov
 /// Whether the line between nearest points turns by more than a right angle while the two are deep in one
 /// another, which is how particles that pass are told (observe/watch.cpp). Between the ends of the step all
 /// points go straight on, so that no distance changes faster than the ends of the parts move apart.
-bool Capsules::pass(const FibrePart& x, const FibrePart& y, double dt) const {
+bool Capsules::pass(const FibrePair& pair, double dt) const {
+  const FibrePart &x = fibres_.parts()[pair.first], y = carried(fibres_.parts()[pair.second], pair.of_second);
+  const std::array<ImageOf, 4> ends{x.i, x.j, y.i, y.j};
   std::array<Vec3d, 4> end, way;
-  for (std::size_t k = 0; k < 4; ++k) {
-    const std::size_t at = row(k == 0 ? x.i : k == 1 ? x.j : k == 2 ? y.i : y.j);
-    end[k] = bodies_.pose[at].r, way[k] = dt * bodies_.motion[at].v;
-  }
+  for (std::size_t k = 0; k < 4; ++k) end[k] = place(ends[k]), way[k] = dt * velocity(ends[k]);
   const double deep = deep_part * (x.R + y.R),
                fastest = std::max({norm(way[2] - way[0]), norm(way[3] - way[0]), norm(way[2] - way[1]),
                                    norm(way[3] - way[1])});
@@ -304,14 +350,11 @@ bool Capsules::pass(const FibrePart& x, const FibrePart& y, double dt) const {
 
 void Capsules::look_at_drift(double dt, double longest) {
   if (!any_ || passed_) return;
-  PerParticle<Vec3d> r(model_.particles());
-  for (const ParticleId p : r.ids()) {
-    r[p] = bodies_.pose[row(p)].r;
-    if (!is_finite(r[p])) return;  // the check of loads will tell
-  }
-  for (const FibrePair& pair : longest > 0.0 ? fibres_.near_pairs(r, 2.0 * longest) : near_) {
+  const auto r = finite_places();
+  if (!r) return;  // the check of loads will tell
+  for (const FibrePair& pair : longest > 0.0 ? fibres_.near_pairs(*r, cell_, 2.0 * longest) : near_) {
     const FibrePart &x = fibres_.parts()[pair.first], &y = fibres_.parts()[pair.second];
-    if (!pair.bodies || pair.weight <= 0 || !pass(x, y, dt)) continue;
+    if (!pair.bodies || pair.weight <= 0 || !pass(pair, dt)) continue;
     passed_ = told(pair.first, pair.second, x.R + y.R, std::min(x.R, y.R));
     return;
   }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "vbond/core/tensor.hpp"
 #include "vbond/dynamics/bodies.hpp"
 #include "vbond/dynamics/team.hpp"
 #include "vbond/dynamics/touch_kernel.hpp"
@@ -25,10 +26,11 @@ struct DeepCapsules {
 /// threads and whenever near pairs were listed.
 class Capsules {
  public:
-  /// Keeps references to both.
-  Capsules(const Model& model, const Bodies& bodies);
-  Capsules(const Model&&, const Bodies&) = delete;
-  Capsules(const Model&, const Bodies&&) = delete;
+  /// Keeps references to all. cell: its edges now; what images do follows from them and from particles.
+  Capsules(const Model& model, const Bodies& bodies, const CellEdges& cell);
+  Capsules(const Model&&, const Bodies&, const CellEdges&) = delete;
+  Capsules(const Model&, const Bodies&&, const CellEdges&) = delete;
+  Capsules(const Model&, const Bodies&, const CellEdges&&) = delete;
 
   bool any() const { return any_; }
   /// The bonds are these now; refresh() and work_out() come next.
@@ -48,13 +50,19 @@ class Capsules {
   void add_loads(RowRange rows, LoadRow* load) const;
   /// Takes all of them away again.
   void take_loads(LoadRow* load) const;
-  /// What a particle feels of a contact.
+  /// What a particle feels of a contact, there or where an image of it stands.
   struct Share {
     std::size_t row;
     Vec3d F, M;
+    Image image{};
   };
   /// All of them, as worked out last.
   const std::vector<Share>& shares() const { return shares_; }
+  /// The sum over the shares of rows [0, rows) of how many of each edge their images are away times the
+  /// force.  [force]
+  std::array<Vec3d, 3> edges_times_force(std::size_t rows) const;
+  /// The sum of F (x) r of shares, as poses are now.  [energy]
+  Tensor virial(const std::vector<Share>& shares) const;
 
   /// How many pairs are looked at in each step.
   std::size_t near_pairs() const { return near_.size(); }
@@ -78,17 +86,24 @@ class Capsules {
   };
 
   std::size_t row(ParticleId p) const { return bodies_.order.row[p].value; }
+  Vec3d place(const ImageOf& p) const { return bodies_.pose[row(p.particle)].r + to_image(cell_, p.image); }
+  Vec3d velocity(const ImageOf& p) const {
+    return bodies_.motion[row(p.particle)].v + image_velocity(cell_, p.image);
+  }
+  std::optional<PerParticle<Vec3d>> finite_places() const;
+  double way_of_images() const;
   Touching<double> touching(const FibreContact& c) const;
   const TouchNumbers<double>& numbers(const FibreContact& c) const;
   std::vector<FibreContact> find(const Team& team);
   std::vector<Contact> with_history(const std::vector<FibreContact>& found, std::vector<Contact>& parted);
   std::vector<double> friction_shares() const;
   TouchLosses<double> work_out(Contact& c, double friction_share, double dt);
-  bool pass(const FibrePart& x, const FibrePart& y, double dt) const;
+  bool pass(const FibrePair& pair, double dt) const;
   DeepCapsules told(std::uint32_t first, std::uint32_t second, double overlap, double radius) const;
 
   const Model& model_;
   const Bodies& bodies_;
+  const CellEdges& cell_;
   TouchForms forms_;
   std::uint32_t materials_ = 1;
   std::vector<TouchNumbers<double>> numbers_;  // of each pair of materials
@@ -96,6 +111,8 @@ class Capsules {
   bool any_ = false, listed_ = false, deep_ = false;
   double skin_ = 0, room_ = 0;  // no particle has moved half the skin before one has moved so far  [length]
   std::vector<FibrePair> near_;
+  CellEdges listed_at_;                             // edges as near pairs were listed
+  std::array<double, 3> farthest_image_{};          // edges that an image may be away from what it is near
   std::vector<std::vector<FibreContact>> of_part_;  // of a team
   std::vector<Contact> contacts_;
   std::vector<Share> shares_;  // in order of rows, those of a row in order of contacts

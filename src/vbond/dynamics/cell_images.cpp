@@ -7,6 +7,7 @@
 #include "vbond/core/images.hpp"
 #include "vbond/dynamics/bonding.hpp"
 #include "vbond/dynamics/contacts.hpp"
+#include "vbond/model/capsules.hpp"
 #include "vbond/model/drop.hpp"
 
 namespace vbond {
@@ -69,7 +70,9 @@ Share whole_body(const Model& model, const Stage& stage, const State& state) {
   for (const Bond& b : state.bonds)  // broken ones too: the order of rows is the same after a checkpoint
     if (!b.image_j.is_itself()) images.push_back({b.j, b.image_j});
   const BondIndex none;
-  const bool touch = particles_touch(model.contact), meet = touch || !stage.bonding.empty();
+  const std::vector<char> of_fibre = particles_of_fibres(model.particles(), state.bonds);
+  const bool spheres = of_fibre.empty() || std::find(of_fibre.begin(), of_fibre.end(), 0) != of_fibre.end();
+  const bool meet = (spheres && particles_touch(model.contact)) || !stage.bonding.empty();
   if (meet) {
     double R_sum = 0.0;
     for (const double R : model.radius) R_sum += R;

@@ -144,9 +144,12 @@ CellMotion::Done CellMotion::end_step(const Team& team) {
   return done;
 }
 
+void CellMotion::take_out(const Tensor& virial) {
+  for (std::size_t k = 0; k < 3; ++k) cell_[k].virial += virial.row[k];
+}
+
 void CellMotion::take_out(const Vec3d& r_ij, const Image& image_j, const Vec3d& F, const Vec3d& damping) {
-  const Tensor taken = dyad(F, r_ij);
-  for (std::size_t k = 0; k < 3; ++k) cell_[k].virial -= taken.row[k];
+  take_out(-1.0 * dyad(F, r_ij));                   // F at r_i and -F at r_j
   cell_[0].damping += double(image_j.a) * damping;  // the image had the opposite force
   cell_[1].damping += double(image_j.b) * damping;
   cell_[2].damping += double(image_j.c) * damping;

@@ -47,6 +47,8 @@ class CellMotion {
   void look(const Team& team);
   /// A pair of a particle and this image gives up this force on the particle, and this part of it that damps.
   void take_out(const Vec3d& r_ij, const Image& image_j, const Vec3d& F, const Vec3d& damping);
+  /// Loads are gone whose sum of F (x) r over particles and images of the whole body is this.  [energy]
+  void take_out(const Tensor& virial);
 
   /// What the cell adds to velocities: v - L r is a particle's own; at the start or the end of the step.
   /// [1/time]

@@ -9,13 +9,6 @@
 
 namespace vbond {
 
-/// An image of a particle, or the particle itself.
-struct ImageOf {
-  ParticleId particle;
-  Image image;
-  friend auto operator<=>(const ImageOf&, const ImageOf&) = default;
-};
-
 /// Which particle stands in which row, and back. All particles have a row. Of a body that is stepped in
 /// parts, each by a process of its own, the first rows are those of the part, at their end those that are
 /// ghosts of other parts; then come its own ghosts, particles of other parts and images of any that it may

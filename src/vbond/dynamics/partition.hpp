@@ -21,8 +21,8 @@ struct Share {
 class Partition : public Exchange {
  public:
   /// As a stage begins or goes on. reach: particles that are nearer than this may touch or be bonded; 0:
-  /// none; infinite: each process must know all.  [length]
-  virtual Share spread(const Model& model, const State& state, double reach) = 0;
+  /// none  [length]. knows_all: each process must know all particles.
+  virtual Share spread(const Model& model, const State& state, double reach, bool knows_all) = 0;
   /// The same body, whose particles have moved since.
   virtual Share spread_anew(const Model& model, const State& state) = 0;
 };

@@ -84,8 +84,11 @@ class Simulation final : public BodyView {
   /// After so many steps the processes that step a body tell each other of failures and interruptions; who
   /// looks more often has them wait for that look alone. 1 where one process steps the whole body.
   std::int64_t steps_between_meetings() const { return is_part_ ? 64 : 1; }
-  /// Particles that are nearer than this may touch or be bonded; 0: none; infinite: all must be known.
-  double reach() const;  // [length]
+  /// Particles that are nearer than this may touch or be bonded, capsules apart; 0: none.  [length]
+  double reach() const;
+  /// Whether bonds touch as capsules, or may be made so: each process works out all of them, and must know
+  /// all particles.
+  bool any_capsules_to_come() const;
   /// Of a part: its particles have gone so far that the body is to be spread anew. run() ends.
   /// Of a periodic body: images of particles may be missing of what may touch.
   bool has_outgrown_its_part() const { return has_outgrown_; }
@@ -269,6 +272,7 @@ class Simulation final : public BodyView {
   void note_where_it_begins();
   double way_since_begin() const;
   double way_of_images(const CellEdges& edges) const;
+  std::array<Vec3d, 3> force_on_images() const;
   void collect_own() const;
   void diverge(std::size_t first_particle, const std::string& who, const std::string& what,
                const std::string& way_out) const;

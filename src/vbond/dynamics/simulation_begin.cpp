@@ -70,7 +70,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
       exchange_(is_part_ ? *exchange : images_),
       team_(team_of(model, bodies_, state_.bonds, threads, is_part_)),
       contacts_(model, bodies_.order, bond_index_),
-      capsules_(model, bodies_),
+      capsules_(model, bodies_, state_.cell),
       encounters_(model, bond_index_, exchange_),
       supports_(stage_, bodies_, team_),
       applied_(stage_, bodies_, team_),

@@ -157,9 +157,10 @@ void Simulation::exchange_capsules() {
   capsules_.add_loads({0, bodies_.order.own}, bodies_.load.data());
   std::copy(of_ghosts.begin(), of_ghosts.end(),
             bodies_.load.begin() + static_cast<std::ptrdiff_t>(bodies_.order.own));
-  for (const Capsules::Share& s : capsules_.shares()) taken_shares_.push_back({s.row, -s.F, -s.M});
+  for (const Capsules::Share& s : capsules_.shares()) taken_shares_.push_back({s.row, -s.F, -s.M, s.image});
   std::stable_sort(taken_shares_.begin(), taken_shares_.end(),
                    [](const Capsules::Share& a, const Capsules::Share& b) { return a.row < b.row; });
+  if (cell_.any()) cell_.take_out(capsules_.virial(taken_shares_));
   if (leads()) booked_.released += U - capsules_.energy();
 }
 

@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "vbond/core/bounding_box.hpp"
 #include "vbond/core/error.hpp"
 #include "vbond/core/images.hpp"
 #include "vbond/dynamics/simulation.hpp"
@@ -42,16 +41,26 @@ bool Simulation::is_sent(const Block& b) const {
   return has_ghosts() && b.rows.last > bodies_.order.inner;
 }
 
+/// The sum over images of how many of each edge they are away times the force on them here, before it goes to
+/// their particles; capsules give theirs to particles at once.
+std::array<Vec3d, 3> Simulation::force_on_images() const {
+  std::array<Vec3d, 3> sum = images_.edges_times_force(bodies_.load);
+  if (!capsules_.any()) return sum;
+  const std::array<Vec3d, 3> of_capsules = capsules_.edges_times_force(bodies_.order.own);
+  for (std::size_t k = 0; k < 3; ++k) sum[k] += of_capsules[k];
+  return sum;
+}
+
 /// What is done to ghosts goes to their parts: none is left here, so that nothing is counted twice. Then the
 /// blocks that it came to have all their loads.
 void Simulation::complete_sent_blocks(Instant at) {
+  if (cell_.any()) cell_.take_forces(force_on_images());
   if (!has_ghosts()) return;
   const auto gather = [this](std::vector<LoadRow>& load) {
     exchange_.reverse_sum(load);
     std::fill(load.begin() + static_cast<std::ptrdiff_t>(bodies_.order.own),
               load.begin() + static_cast<std::ptrdiff_t>(bodies_.order.known), LoadRow{});
   };
-  if (cell_.any()) cell_.take_forces(images_.edges_times_force(bodies_.load));
   gather(bodies_.load);
   if (!bodies_.damping.empty()) {
     if (cell_.any()) cell_.take_damping(images_.edges_times_force(bodies_.damping));
@@ -110,12 +119,13 @@ void Simulation::agree_on_failure() {
   throw Diverged(first.step, first.time, first.who.data(), first.what.data(), first.way_out.data());
 }
 
-/// Capsules are worked out by all parts.
 double Simulation::reach() const {
-  if (!may_meet()) return 0.0;
-  bool capsules = capsules_.any();
-  for (const BondingRule& rule : stage_.bonding) capsules |= rule.recipe.capsule;
-  return capsules ? std::numeric_limits<double>::infinity() : std::max(contacts_.reach(), bonding_.reach());
+  return may_meet() ? std::max(contacts_.reach(), bonding_.reach()) : 0.0;
+}
+
+bool Simulation::any_capsules_to_come() const {
+  return capsules_.any() || std::any_of(stage_.bonding.begin(), stage_.bonding.end(),
+                                        [](const BondingRule& rule) { return rule.recipe.capsule; });
 }
 
 /// Images that may come near are as many edges away as particles lie apart, and what may meet reaches.
@@ -124,13 +134,8 @@ void Simulation::note_where_it_begins() {
   for (std::size_t k = 0; k < bodies_.order.own; ++k) r_begin_.push_back(bodies_.pose[k].r);
   cell_begin_ = state_.cell;
   if (state_.cell.empty() || !may_meet()) return;
-  BoundingBox in_cell;
-  for (const Vec3d& r : state_.r) in_cell.add(in_edges(state_.cell, r));
-  const Vec3d h = heights(state_.cell), apart = in_cell.high - in_cell.low;
-  for (int k = 0; k < 3; ++k)
-    if (model_.cell.periodic[static_cast<std::size_t>(k)])
-      farthest_image_[static_cast<std::size_t>(k)] =
-          std::ceil(component(apart, k) + (reach() + 2.0 * farthest_) / component(h, k));
+  farthest_image_ =
+      farthest_images(state_.cell, model_.cell.periodic, state_.r.values(), reach() + 2.0 * farthest_);
 }
 
 /// How far images go with edges that go so far.

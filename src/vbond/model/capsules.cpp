@@ -3,10 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <numeric>
 #include <tuple>
 
-#include "vbond/core/sized_points.hpp"
+#include "vbond/core/images.hpp"
 
 namespace vbond {
 
@@ -52,8 +53,28 @@ std::optional<CapsuleMistake> capsule_mistake(const Model& model, const Bond& bo
   return capsule_mistake(model.contact, bond.capsule, distance);
 }
 
+FibreContact in_order(const FibreContact& contact) {
+  const auto begun_by = [](const FibrePlace& first, const FibrePlace& second) {
+    const Image n = -first.i.image;
+    FibrePlace a = first, b = second;
+    a.i = carried(a.i, n), a.j = carried(a.j, n), b.i = carried(b.i, n), b.j = carried(b.j, n);
+    return std::pair(a, b);
+  };
+  const auto ends = [](const std::pair<FibrePlace, FibrePlace>& p) {
+    return std::tuple(p.first.i, p.first.j, p.second.i, p.second.j);
+  };
+  const auto one_way = begun_by(contact.a, contact.b), other_way = begun_by(contact.b, contact.a);
+  FibreContact c = contact;
+  std::tie(c.a, c.b) = one_way;
+  if (!(ends(other_way) < ends(one_way))) return c;
+  std::tie(c.a, c.b) = other_way;
+  std::swap(c.first, c.second);
+  return c;
+}
+
 FibreParts::FibreParts(const Model& model, const PerBond<Bond>& bonds)
-    : bonded_balls_touch_(model.contact.pairs == ContactPairs::all),
+    : periodic_(model.cell.periodic),
+      bonded_balls_touch_(model.contact.pairs == ContactPairs::all),
       capsules_(model.particles(), 0),
       of_fibre_(particles_of_fibres(model.particles(), bonds)),
       start_(model.particles() + 1, 0) {
@@ -69,26 +90,32 @@ FibreParts::FibreParts(const Model& model, const PerBond<Bond>& bonds)
     if (b.broken) continue;
     const bool touches = b.capsule > 0.0;
     const auto part = touches ? static_cast<std::uint32_t>(parts_.size()) : none;
-    entries_[next[b.i.value]++] = {b.j, part};
-    entries_[next[b.j.value]++] = {b.i, part};
+    const bool i_first = b.i < b.j || (b.i == b.j && b.image_j > Image{});
+    entries_[next[b.i.value]++] = {{b.j, b.image_j}, part, i_first ? Image{} : b.image_j};
+    entries_[next[b.j.value]++] = {{b.i, -b.image_j}, part, i_first ? -b.image_j : Image{}};
     if (!touches) continue;
-    parts_.push_back({std::min(b.i, b.j), std::max(b.i, b.j), b.capsule, k});
+    if (i_first)
+      parts_.push_back({{b.i, {}}, {b.j, b.image_j}, b.capsule, k});
+    else
+      parts_.push_back({{b.j, {}}, {b.i, -b.image_j}, b.capsule, k});
     for (const ParticleId p : {b.i, b.j})
       thinnest[p] = capsules_[p]++ == 0 ? b.capsule : std::min(thinnest[p], b.capsule);
   }
   for (const ParticleId p : capsules_.ids())  // one with one capsule is its end and no more
-    if (capsules_[p] != 1 && thinnest[p] > 0.0) parts_.push_back({p, p, thinnest[p], {}});
+    if (capsules_[p] != 1 && thinnest[p] > 0.0) parts_.push_back({{p, {}}, {p, {}}, thinnest[p], {}});
 }
 
 template <class Visit>
-void FibreParts::for_capsules_of(ParticleId p, Visit visit) const {
-  for (std::size_t e = start_[p.value]; e < start_[p.value + 1]; ++e)
-    if (entries_[e].capsule != none) visit(parts_[entries_[e].capsule]);
+void FibreParts::for_capsules_of(const ImageOf& p, Visit visit) const {
+  for (std::size_t e = start_[p.particle.value]; e < start_[p.particle.value + 1]; ++e)
+    if (entries_[e].capsule != none)
+      visit(carried(parts_[entries_[e].capsule], p.image + entries_[e].of_part));
 }
 
-bool FibreParts::bonded(ParticleId p, ParticleId o) const {
-  for (std::size_t e = start_[p.value]; e < start_[p.value + 1]; ++e)
-    if (entries_[e].other == o) return true;
+bool FibreParts::bonded(const ImageOf& p, const ImageOf& o) const {
+  const ImageOf other = carried(o, -p.image);
+  for (std::size_t e = start_[p.particle.value]; e < start_[p.particle.value + 1]; ++e)
+    if (entries_[e].other == other) return true;
   return false;
 }
 
@@ -96,14 +123,14 @@ bool FibreParts::bonded(ParticleId p, ParticleId o) const {
 bool FibreParts::may_touch(const FibrePart& x, const FibrePart& y) const {
   if (x.i == y.i || x.i == y.j || x.j == y.i || x.j == y.j) return false;
   if (!x.is_capsule() && !y.is_capsule()) {
-    if (of_fibre_[x.i.value] == 0 && of_fibre_[y.i.value] == 0) return false;  // Contacts sees to them
+    if (!is_of_fibre(x) && !is_of_fibre(y)) return false;  // Contacts sees to them
     return bonded_balls_touch_ || !bonded(x.i, y.i);
   }
   return !bonded(x.i, y.i) && !bonded(x.i, y.j) && !bonded(x.j, y.i) && !bonded(x.j, y.j);
 }
 
 /// Of a body against a particle within a fibre: 1 less the capsules there that the body may touch.
-int FibreParts::weight_of_line(const FibrePart& body, ParticleId p) const {
+int FibreParts::weight_of_line(const FibrePart& body, const ImageOf& p) const {
   int faces = 0;
   for_capsules_of(p, [&](const FibrePart& c) { faces += may_touch(body, c) ? 1 : 0; });
   return faces > 0 ? 1 - faces : 0;
@@ -123,31 +150,43 @@ int FibreParts::weight(const FibrePart& x, const FibrePart& y) const {
   return faces > 0 ? 1 - faces - lines : 0;
 }
 
-std::vector<FibrePair> FibreParts::near_pairs(const PerParticle<Vec3d>& r, double margin) const {
+std::vector<FibrePair> FibreParts::near_pairs(const PerParticle<Vec3d>& r, const CellEdges& cell,
+                                              double margin) const {
+  const auto at = [&](const ImageOf& p) { return place_of(r, cell, p); };
   std::vector<Vec3d> middle;
   std::vector<double> reach;
   for (const FibrePart& p : parts_) {
-    middle.push_back(0.5 * (r[p.i] + r[p.j]));
-    reach.push_back(0.5 * norm(between(r, p.i, p.j)) + p.R);
+    const Vec3d r_i = at(p.i), r_j = at(p.j);
+    middle.push_back(0.5 * (r_i + r_j));
+    reach.push_back(0.5 * norm(between(r_i, r_j)) + p.R);
   }
   std::vector<FibrePair> pairs;
-  for_overlapping_pairs(middle, reach, margin, [&](std::size_t k, std::size_t l, double) {
-    const FibrePart &x = parts_[k], &y = parts_[l];
-    if (!x.is_capsule() && !y.is_capsule() && of_fibre_[x.i.value] == 0 && of_fibre_[y.i.value] == 0) return;
-    const NearestOnSegments at = nearest_on_segments(r[x.i], r[x.j], r[y.i], r[y.j]);
-    if (at.distance2 > sq(x.R + y.R + margin)) return;
+  const auto look = [&](std::size_t k, std::size_t l, const Image& n, double) {
+    if (!parts_[k].is_capsule() && !parts_[l].is_capsule() && !is_of_fibre(parts_[k]) &&
+        !is_of_fibre(parts_[l]))
+      return;
+    const FibrePart &x = parts_[k], y = carried(parts_[l], n);
+    if (nearest_on_segments(at(x.i), at(x.j), at(y.i), at(y.j)).distance2 > sq(x.R + y.R + margin)) return;
     const int w = weight(x, y);
     if (w != 0)
       pairs.push_back(
-          {static_cast<std::uint32_t>(k), static_cast<std::uint32_t>(l), w, is_body(x) && is_body(y)});
-  });
+          {static_cast<std::uint32_t>(k), static_cast<std::uint32_t>(l), n, w, is_body(x) && is_body(y)});
+  };
+  for_overlapping_images(cell, periodic_, middle, reach, margin, look);
   return pairs;
+}
+
+double FibreParts::reach(const PerParticle<Vec3d>& r, const CellEdges& cell) const {
+  double farthest = 0.0;
+  for (const FibrePart& p : parts_)
+    farthest = std::max(farthest, norm(between(r, cell, p.i.particle, p.j.particle, p.j.image)) + p.R);
+  return 2.0 * farthest;
 }
 
 std::string FibreParts::name_of(std::uint32_t part) const {
   const FibrePart& p = parts_[part];
-  if (!p.is_capsule()) return fmt::format("particle {}", p.i.value);
-  return fmt::format("bond {} (particles {}, {})", p.bond.value, p.i.value, p.j.value);
+  if (!p.is_capsule()) return fmt::format("particle {}", p.i.particle.value);
+  return fmt::format("bond {} (particles {}, {})", p.bond.value, p.i.particle.value, p.j.particle.value);
 }
 
 void merge(std::vector<FibreContact>& contacts) {
@@ -169,27 +208,42 @@ void merge(std::vector<FibreContact>& contacts) {
   contacts.resize(merged);
 }
 
-std::vector<FibreContact> fibre_contacts(const Model& model, const PerBond<Bond>& bonds,
-                                         const PerParticle<Vec3d>& r) {
+std::vector<FibreContact> fibre_contacts(const Model& model, const State& s) {
   std::vector<FibreContact> contacts;
-  if (!any_capsules(model.contact, bonds)) return contacts;
-  const FibreParts fibres(model, bonds);
-  for (const FibrePair& pair : fibres.near_pairs(r, 0.0))
-    if (const auto c = contact_of(fibres.parts(), pair, [&r](ParticleId p) { return r[p]; }))
-      contacts.push_back(*c);
+  if (!any_capsules(model.contact, s.bonds)) return contacts;
+  const FibreParts fibres(model, s.bonds);
+  const auto at = [&s](const ImageOf& p) { return place_of(s.r, s.cell, p); };
+  for (const FibrePair& pair : fibres.near_pairs(s.r, s.cell, 0.0))
+    if (const auto c = contact_of(fibres.parts(), pair, at)) contacts.push_back(*c);
   merge(contacts);
   return contacts;
 }
 
-double fibre_energy(const Model& model, const PerBond<Bond>& bonds, const PerParticle<Vec3d>& r) {
+std::vector<FibreTouch> fibre_touches(const Model& model, const State& state) {
+  using Places = std::tuple<ImageOf, ImageOf, ImageOf, ImageOf, double, double>;
+  const auto key = [](const FibrePlace& a, const FibrePlace& b) {
+    return Places{a.i, a.j, b.i, b.j, a.s, b.s};
+  };
+  std::map<Places, const PairHistory*> memories;
+  for (const FibreMemory& m : state.fibre_history) {
+    const auto [a, b] = places_of(m);
+    memories[key(a, b)] = &m.history;
+  }
+  std::vector<FibreTouch> touches;
+  for (const FibreContact& c : fibre_contacts(model, state)) {
+    touches.push_back({c, touching_of(model, c, [&state](const ImageOf& p) { return point_of(state, p); })});
+    const auto memory = memories.find(key(c.a, c.b));
+    if (c.body && memory != memories.end()) touches.back().history = *memory->second;
+  }
+  return touches;
+}
+
+double fibre_energy(const Model& model, const State& state) {
   double U = 0.0;
   const TouchForms forms = fibre_forms(model.contact);
-  for (const FibreContact& c : fibre_contacts(model, bonds, r)) {
-    const Touching<double> p = touching_of(model, c, [&r](ParticleId q) {
-      return MovingPoint{r[q], {}, {}};
-    });
-    U += c.weight * normal_energy(forms, touch_numbers(model, c.a.i, c.b.i), p.R, p.overlap);
-  }
+  for (const auto& [c, p, history] : fibre_touches(model, state))
+    U +=
+        c.weight * normal_energy(forms, touch_numbers(model, c.a.i.particle, c.b.i.particle), p.R, p.overlap);
   return U;
 }
 

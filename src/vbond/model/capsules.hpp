@@ -10,30 +10,39 @@
 #include "vbond/core/segments.hpp"
 #include "vbond/model/bond.hpp"
 #include "vbond/model/model.hpp"
+#include "vbond/model/state.hpp"
 
-// Bonds that touch as capsules: which touch, and where. Derivation: docs/contacts.md, "Fibres".
+// Bonds that touch as capsules: which touch, and where. Derivation: docs/contacts.md, "Fibres". In a periodic
+// body what touches may be images: all ends of capsules are particles or images of them.
 namespace vbond {
 
-/// Where a fibre is touched: on the axis of a bond, at r_i + s (r_j - r_i), i < j; or at a particle, i == j.
+/// Where a fibre is touched: on the axis of a bond, at r_i + s (r_j - r_i), i before j; or at a particle,
+/// i == j.
 struct FibrePlace {
-  ParticleId i, j;
+  ImageOf i, j;
   double s = 0;
   double R = 0;  ///< radius of the fibre there  [length]
 };
 
-/// What touches: the capsule of a bond, i < j, or a particle, i == j.
+/// What touches: the capsule of a bond, i before j in order of particles and images, or a particle, i == j.
 struct FibrePart {
-  ParticleId i, j;
+  ImageOf i, j;
   double R = 0;  ///< of a particle with capsules that of the thinnest  [length]
   BondId bond{};
   bool is_capsule() const { return i != j; }
 };
+/// Its image n.
+inline FibrePart carried(FibrePart part, const Image& n) {
+  part.i = carried(part.i, n), part.j = carried(part.j, n);
+  return part;
+}
 
-/// Two parts and how often their nearest points count, see docs/contacts.md: 1 for two bodies (a capsule, or
-/// a particle without one), and for the particles within fibres what makes up for counting them with each of
-/// their capsules.
+/// A part and an image of another, and how often their nearest points count, see docs/contacts.md: 1 for two
+/// bodies (a capsule, or a particle without one), and for the particles within fibres what makes up for
+/// counting them with each of their capsules.
 struct FibrePair {
   std::uint32_t first, second;  ///< parts
+  Image of_second;
   int weight;
   bool bodies;
 };
@@ -41,11 +50,15 @@ struct FibrePair {
 /// A pair of nearest points, counted `weight` times. It has friction and damping if it is a `body` contact:
 /// two bodies are nearest there, and nothing else makes up for it.
 struct FibreContact {
-  FibrePlace a, b;              ///< a before b: in order of the particles of the two places
+  FibrePlace a, b;              ///< a before b, see in_order()
   std::uint32_t first, second;  ///< parts, bodies if it is one
   int weight;
   bool body;
 };
+
+/// The same contact with places in an order by which it is known again: a.i is a particle itself, and of the
+/// two ways to have that the one whose ends come first.
+FibreContact in_order(const FibreContact& contact);
 
 /// Whether bonds touch as capsules at all.
 bool any_capsules(const ContactModel& contact, const PerBond<Bond>& bonds);
@@ -61,33 +74,40 @@ std::optional<CapsuleMistake> capsule_mistake(const ContactModel& contact, doubl
 /// The same of a bond between particles where they stand.
 std::optional<CapsuleMistake> capsule_mistake(const Model& model, const Bond& bond, double distance);
 
-/// The parts of all fibres, and the other particles, which they may touch.
+/// The parts of all fibres, and the other particles, which they may touch. First ends are particles
+/// themselves.
 class FibreParts {
  public:
   FibreParts() = default;
   FibreParts(const Model& model, const PerBond<Bond>& bonds);
 
   const std::vector<FibrePart>& parts() const { return parts_; }
-  /// All pairs that are less than `margin` from touching, in no special order, for finite positions.
-  std::vector<FibrePair> near_pairs(const PerParticle<Vec3d>& r, double margin) const;
+  /// All pairs that are less than `margin` from touching, each once, in no special order, for finite
+  /// positions.
+  std::vector<FibrePair> near_pairs(const PerParticle<Vec3d>& r, const CellEdges& cell, double margin) const;
+  /// How far apart the first ends of two parts that touch may be.  [length]
+  double reach(const PerParticle<Vec3d>& r, const CellEdges& cell) const;
   /// "bond 3 (particles 4, 5)" or "particle 7".
   std::string name_of(std::uint32_t part) const;
 
  private:
   struct Entry {
-    ParticleId other;
+    ImageOf other;          // of the particle itself
     std::uint32_t capsule;  // its part, or none
+    Image of_part;          // that ends there
   };
   static constexpr std::uint32_t none = 0xffffffff;
 
   template <class Visit>
-  void for_capsules_of(ParticleId p, Visit visit) const;
-  bool bonded(ParticleId p, ParticleId o) const;
-  bool is_body(const FibrePart& part) const { return part.is_capsule() || capsules_[part.i] == 0; }
+  void for_capsules_of(const ImageOf& p, Visit visit) const;
+  bool bonded(const ImageOf& p, const ImageOf& o) const;
+  bool is_body(const FibrePart& part) const { return part.is_capsule() || capsules_[part.i.particle] == 0; }
+  bool is_of_fibre(const FibrePart& part) const { return of_fibre_[part.i.particle.value] != 0; }
   bool may_touch(const FibrePart& x, const FibrePart& y) const;
   int weight(const FibrePart& x, const FibrePart& y) const;
-  int weight_of_line(const FibrePart& body, ParticleId p) const;
+  int weight_of_line(const FibrePart& body, const ImageOf& p) const;
 
+  Periodic periodic_{};
   bool bonded_balls_touch_ = false;
   std::vector<FibrePart> parts_;
   PerParticle<std::uint32_t> capsules_;  // how many there are now
@@ -96,20 +116,31 @@ class FibreParts {
   std::vector<Entry> entries_;      // its bonds
 };
 
-/// Where two parts are nearest, if they overlap; r(p) is the position of a particle.
+/// Where two parts are nearest, if they overlap; r(p) is the position of a particle or image.
 template <class PositionOf>
 std::optional<FibreContact> contact_of(const std::vector<FibrePart>& parts, const FibrePair& pair,
                                        PositionOf r) {
-  const FibrePart &x = parts[pair.first], &y = parts[pair.second];
+  const FibrePart &x = parts[pair.first], y = carried(parts[pair.second], pair.of_second);
   const NearestOnSegments at = nearest_on_segments(r(x.i), r(x.j), r(y.i), r(y.j));
   if (at.distance2 >= (x.R + y.R) * (x.R + y.R)) return std::nullopt;  // NaN goes on: the load check finds it
   const auto place = [](const FibrePart& part, double s) {
     if (s == 0.0 || !part.is_capsule()) return FibrePlace{part.i, part.i, 0.0, part.R};
     return s == 1.0 ? FibrePlace{part.j, part.j, 0.0, part.R} : FibrePlace{part.i, part.j, s, part.R};
   };
-  FibreContact c{place(x, at.s), place(y, at.t), pair.first, pair.second, pair.weight, pair.bodies};
-  if (std::pair(c.b.i, c.b.j) < std::pair(c.a.i, c.a.j)) std::swap(c.a, c.b), std::swap(c.first, c.second);
-  return c;
+  return in_order({place(x, at.s), place(y, at.t), pair.first, pair.second, pair.weight, pair.bodies});
+}
+
+/// The places that a memory is of, and back.
+inline std::pair<FibrePlace, FibrePlace> places_of(const FibreMemory& m) {
+  return {{{m.a_i, {}}, {m.a_j, m.image_a_j}, m.s, m.R_a},
+          {{m.b_i, m.image_b_i}, {m.b_j, m.image_b_j}, m.t, m.R_b}};
+}
+inline FibreMemory memory_at(const FibrePlace& a, const FibrePlace& b) {
+  FibreMemory m;
+  m.a_i = a.i.particle, m.a_j = a.j.particle, m.b_i = b.i.particle, m.b_j = b.j.particle;
+  m.image_a_j = a.j.image, m.image_b_i = b.i.image, m.image_b_j = b.j.image;
+  m.s = a.s, m.t = b.s, m.R_a = a.R, m.R_b = b.R;
+  return m;
 }
 
 /// Puts contacts at the same places together and in order; those whose weights cancel are left out.
@@ -120,7 +151,7 @@ struct MovingPoint {
   Vec3d r, v, omega;
 };
 
-/// Calls visit(particle, share) for the one or two particles of a place: position, velocity, angular velocity
+/// Calls visit(particle or image, share) for the one or two of a place: position, velocity, angular velocity
 /// and loads are shared linearly.
 template <class Visit>
 void for_shares(const FibrePlace& p, Visit visit) {
@@ -129,30 +160,34 @@ void for_shares(const FibrePlace& p, Visit visit) {
   visit(p.j, p.s);
 }
 
-/// The touching at a contact; at(p) is a MovingPoint. m* is that of the shares: 1/m* = sum of share^2/m.
+/// The touching at a contact; at(p) is a MovingPoint. m* is that of the shares: 1/m* = sum of share^2/m,
+/// where an image has its share with its particle.
 template <class PointOf>
 Touching<double> touching_of(const Model& model, const FibreContact& c, PointOf at) {
   MovingPoint of[2];
   double per_m[2] = {}, per_Theta[2] = {};
   for (const int k : {0, 1}) {
     const FibrePlace& p = k == 0 ? c.a : c.b;
-    for_shares(p, [&](ParticleId q, double share) {
+    for_shares(p, [&](const ImageOf& q, double share) {
       const MovingPoint m = at(q);
       of[k].v += share * m.v, of[k].omega += share * m.omega;
-      per_m[k] += share * share / model.mass[q], per_Theta[k] += share * share / model.inertia[q];
+      per_m[k] += share * share / model.mass[q.particle];
+      per_Theta[k] += share * share / model.inertia[q.particle];
     });
+    if (p.i.particle == p.j.particle)  // itself, or between it and its image
+      per_m[k] = 1.0 / model.mass[p.i.particle], per_Theta[k] = 1.0 / model.inertia[p.i.particle];
     of[k].r = on_segment(at(p.i).r, at(p.j).r, p.s);
   }
   return round_bodies<double>(between(of[0].r, of[1].r), {c.a.R, per_m[0], per_Theta[0]},
                               {c.b.R, per_m[1], per_Theta[1]}, of[1].v - of[0].v, of[0].omega, of[1].omega);
 }
 
-/// Calls add(particle, force, moment) for what the force F on a does to all particles.
+/// Calls add(particle or image, force, moment) for what the force F on a does to all particles.
 template <class Add>
 void share_loads(const FibreContact& c, const Touching<double>& p, const Vec3d& F, Add add) {
   const Vec3d T = cross(p.n, F);
-  for_shares(c.a, [&](ParticleId q, double share) { add(q, share * F, (share * p.l_i) * T); });
-  for_shares(c.b, [&](ParticleId q, double share) { add(q, -share * F, (share * p.l_j) * T); });
+  for_shares(c.a, [&](const ImageOf& q, double share) { add(q, share * F, (share * p.l_i) * T); });
+  for_shares(c.b, [&](const ImageOf& q, double share) { add(q, -share * F, (share * p.l_j) * T); });
 }
 
 /// The forms of contacts of fibres: without resistance to rolling.
@@ -162,10 +197,20 @@ inline TouchForms fibre_forms(const ContactModel& contact) {
   return forms;
 }
 
-/// The contacts of fibres as particles stand at r. For looks now and then, not for a time loop.
-std::vector<FibreContact> fibre_contacts(const Model& model, const PerBond<Bond>& bonds,
-                                         const PerParticle<Vec3d>& r);
+/// A particle, or an image of one, as it stands in a state and moves.
+inline MovingPoint point_of(const State& s, const ImageOf& p) {
+  return {place_of(s.r, s.cell, p), s.v[p.particle] + image_velocity(s.cell, p.image), s.omega[p.particle]};
+}
+/// The contacts of fibres as particles stand. For looks now and then, not for a time loop.
+std::vector<FibreContact> fibre_contacts(const Model& model, const State& state);
+/// One of them, as it touches, and what its last step has left in the memory; nothing without a memory.
+struct FibreTouch {
+  FibreContact contact;
+  Touching<double> touching;
+  PairHistory history{};
+};
+std::vector<FibreTouch> fibre_touches(const Model& model, const State& state);
 /// What they store, friction left out.  [energy]
-double fibre_energy(const Model& model, const PerBond<Bond>& bonds, const PerParticle<Vec3d>& r);
+double fibre_energy(const Model& model, const State& state);
 
 }  // namespace vbond

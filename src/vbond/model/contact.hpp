@@ -135,13 +135,15 @@ inline std::tuple<ParticleId, ParticleId, Image> place_of(const PairMemory& m) {
 }
 
 /// What a contact of fibres remembers, of the places a and b, a before b, as in FibreContact: on the axis of
-/// the bond of two particles, or at one of them (a_i == a_j).
+/// the bond of two particles, or at one of them (a_i == a_j, and both images the same). a_i is a particle
+/// itself.
 struct FibreMemory {
   ParticleId a_i, a_j, b_i, b_j;
   double s = 0, t = 0;      ///< where on the axes
   double R_a = 0, R_b = 0;  ///< [length]
   Vec3d normal;             ///< unit vector from a to b
   PairHistory history{};
+  Image image_a_j{}, image_b_i{}, image_b_j{};  ///< which images of the others
   friend bool operator==(const FibreMemory&, const FibreMemory&) = default;
 };
 

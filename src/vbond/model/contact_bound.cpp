@@ -40,12 +40,11 @@ PresentContacts present_contacts(const Model& model, const State& state, std::ve
   for_touching_pairs(model, state, [&](ParticleId i, ParticleId j, const Image&, double overlap) {
     add(i, overlap), add(j, overlap);
   });
-  for (const FibreContact& c : fibre_contacts(model, state.bonds, state.r)) {
+  for (const auto& [c, touching, history] : fibre_touches(model, state)) {
     if (!c.body) continue;
-    const auto at = [&state](ParticleId p) { return MovingPoint{state.r[p], {}, {}}; };
-    const double overlap = touching_of(model, c, at).overlap;
+    const double overlap = touching.overlap;
     for (const FibrePlace& place : {c.a, c.b})
-      for_shares(place, [&](ParticleId p, double) { add(p, overlap); });
+      for_shares(place, [&](const ImageOf& p, double) { add(p.particle, overlap); });
   }
   std::vector<WallTouch> touches;
   for (std::size_t w = 0; w < walls.size(); ++w) {

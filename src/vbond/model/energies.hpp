@@ -14,7 +14,7 @@ inline Energies potential_energies(const Model& model, const State& state, const
     const double R = reduced_radius(model.radius[i], model.radius[j]);
     e.contact += normal_energy(touch_forms(model.contact), touch_numbers(model, i, j), R, overlap);
   });
-  e.contact += fibre_energy(model, state.bonds, state.r);
+  e.contact += fibre_energy(model, state);
   if (walls.any()) e.contact += walls.energy(state);
   return e;
 }

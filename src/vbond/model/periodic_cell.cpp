@@ -198,14 +198,15 @@ std::vector<std::string> mistakes_in_cell(const Model& model, const State& s) {
                     fmt::format("bonds[{}] joins an image along an edge that is not periodic", k.value));
       break;
     }
-    if (b.capsule > 0.0 && model.cell.any()) {
-      found.require(false, "bonds touch as capsules, which know no periodic cell");
-      break;
-    }
   }
   for (const PairMemory& m : s.contact_history)
     if (!is_there(m.image_j)) {
       found.require(false, "contacts name an image along an edge that is not periodic");
+      break;
+    }
+  for (const FibreMemory& m : s.fibre_history)
+    if (!is_there(m.image_a_j) || !is_there(m.image_b_i) || !is_there(m.image_b_j)) {
+      found.require(false, "contacts of capsules name an image along an edge that is not periodic");
       break;
     }
   return std::move(found).take();

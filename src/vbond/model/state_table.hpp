@@ -136,7 +136,15 @@ inline constexpr auto state_table = std::tuple{
         field("R_b", &FibreMemory::R_b, unit::length, "radius at the second place"),
         field("normal", &FibreMemory::normal, unit::none, "unit vectors from the first to the second place"),
         field("history", &FibreMemory::history, unit::none,
-              "what is remembered of the contact, as /contacts/history")),
+              "what is remembered of the contact, as /contacts/history"),
+        field("image_a_j", &FibreMemory::image_a_j, unit::none,
+              "which image of a_j it is, in edges of the cell; this and the next two only where some are "
+              "images",
+              {.filed = Filed::where_any}),
+        field("image_b_i", &FibreMemory::image_b_i, unit::none, "which image of b_i",
+              {.filed = Filed::where_any}),
+        field("image_b_j", &FibreMemory::image_b_j, unit::none, "which image of b_j",
+              {.filed = Filed::where_any})),
     rows_of(
         "/walls/", &State::walls, {.filed = Filed::where_any},
         field("displacement", &WallState::displacement, unit::length,

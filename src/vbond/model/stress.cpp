@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "vbond/model/capsules.hpp"
 #include "vbond/model/touching.hpp"
 
 namespace vbond {
@@ -51,6 +52,19 @@ PerParticle<Tensor> stress_times_volume(const Model& model, const State& s) {
                            .F;
     add_force(i, j, friction_on(s, i, j, n) - F_n * along, 0.5 * (R_i - R_j + distance) * along, r_ij, sum);
   });
+  for (const auto& [c, p, history] : fibre_touches(model, s)) {
+    const double F_n = normal_force(fibre_forms(model.contact),
+                                    touch_numbers(model, c.a.i.particle, c.b.i.particle), p.R, p.overlap)
+                           .F;
+    const Vec3d F = Vec3d{history[0], history[1], history[2]} - (c.weight * F_n) * p.n;
+    const auto place = [&s](const FibrePlace& f) {
+      return on_segment(place_of(s.r, s.cell, f.i), place_of(s.r, s.cell, f.j), f.s);
+    };
+    const Vec3d at = place(c.a) + p.l_i * p.n;
+    share_loads(c, p, F, [&](const ImageOf& q, const Vec3d& force, const Vec3d&) {
+      sum[q.particle] += dyad(at - place_of(s.r, s.cell, q), force);
+    });
+  }
   return sum;
 }
 

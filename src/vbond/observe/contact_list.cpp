@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <tuple>
 #include <utility>
 
@@ -75,20 +74,17 @@ void list_particles(const Model& model, const State& s, std::vector<ListedContac
 
 void list_fibres(const Model& model, const State& s, std::vector<ListedContact>& to) {
   if (!any_capsules(model.contact, s.bonds)) return;
-  using Places = std::tuple<ParticleId, ParticleId, ParticleId, ParticleId, double, double>;
-  std::map<Places, const PairHistory*> memories;
-  for (const FibreMemory& m : s.fibre_history) memories[{m.a_i, m.a_j, m.b_i, m.b_j, m.s, m.t}] = &m.history;
-  for (const FibreContact& f : fibre_contacts(model, s.bonds, s.r)) {
-    const Touching<double> p = touching_of(model, f, [&s](ParticleId q) {
-      return MovingPoint{s.r[q], s.v[q], s.omega[q]};
-    });
-    const auto memory = memories.find({f.a.i, f.a.j, f.b.i, f.b.j, f.a.s, f.b.s});
+  const auto middle = [&s](const FibrePlace& f) {
+    return on_segment(place_of(s.r, s.cell, f.i), place_of(s.r, s.cell, f.j), f.s);
+  };
+  for (const auto& [f, p, history] : fibre_touches(model, s)) {
     ListedContact& c = to.emplace_back();
-    c.i = static_cast<std::int64_t>(f.a.i.value), c.j = static_cast<std::int64_t>(f.b.i.value);
-    c.from = on_segment(s.r[f.a.i], s.r[f.a.j], f.a.s), c.to = on_segment(s.r[f.b.i], s.r[f.b.j], f.b.s);
+    c.i = static_cast<std::int64_t>(f.a.i.particle.value);
+    c.j = static_cast<std::int64_t>(f.b.i.particle.value);
+    c.of_j = f.b.i.image;
+    c.from = middle(f.a), c.to = middle(f.b);
     add_forces({p.n, p.overlap, p.R, static_cast<double>(f.weight)}, fibre_forms(model.contact),
-               touch_numbers(model, f.a.i, f.b.i),
-               f.body && memory != memories.end() ? *memory->second : PairHistory{}, c);
+               touch_numbers(model, f.a.i.particle, f.b.i.particle), history, c);
   }
 }
 

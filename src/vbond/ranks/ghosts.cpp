@@ -39,7 +39,7 @@ std::vector<std::size_t> near_own(const NearImages& places, const std::vector<Pa
 }  // namespace
 
 std::vector<ImageOf> ghosts_of(const std::vector<ParticleId>& own, const Model& model, const State& state,
-                               double reach) {
+                               double reach, bool all) {
   PerParticle<char> is_own(model.particles(), 0);
   for (const ParticleId p : own) is_own[p] = 1;
   std::vector<ImageOf> ghosts;
@@ -48,9 +48,9 @@ std::vector<ImageOf> ghosts_of(const std::vector<ParticleId>& own, const Model& 
   };
   for (const Bond& b : state.bonds)
     if (!b.broken && is_own[b.i] != 0) add(b.j, b.image_j);
-  if (reach == INFINITY) {
+  if (all)
     for (const ParticleId p : is_own.ids()) add(p, {});
-  } else if (reach > 0.0) {
+  if (reach > 0.0) {
     const NearImages places = places_of(model, state, reach);  // all ranks throw, or none
     const std::vector<std::size_t> near = near_own(places, own, reach);
     std::vector<Vec3d> r;

@@ -8,9 +8,9 @@
 namespace vbond {
 
 /// What a rank with these particles must know beside them: the second ends of their bonds, and all particles
-/// and images within reach of them.  reach: 0: none; infinite: all particles.  [length]
+/// and images within reach of them, or all particles besides. reach: 0: none.  [length]
 /// Each once, in order of particles and images.
 std::vector<ImageOf> ghosts_of(const std::vector<ParticleId>& own, const Model& model, const State& state,
-                               double reach);
+                               double reach, bool all);
 
 }  // namespace vbond

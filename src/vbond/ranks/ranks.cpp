@@ -115,10 +115,10 @@ std::string Ranks::text_of_rank(int rank, std::string text) const {
   return text;
 }
 
-Share Ranks::spread(const Model& model, const State& state, double reach) {
+Share Ranks::spread(const Model& model, const State& state, double reach, bool knows_all) {
   if (begun_ < 0.0) begun_ = seconds_at_work() - waited_;
   const Waiting waiting(*this);
-  reach_ = reach;
+  reach_ = reach, knows_all_ = knows_all;
   order_ = spatial_order(model.r_0);
   domains_.reset();
   const double size = size_of_domains(state);
@@ -146,8 +146,7 @@ double Ranks::ghost_reach() const {
 
 /// The least that domains can sensibly be as large as.
 double Ranks::size_of_domains(const State& state) const {
-  if (std::isfinite(reach_))
-    return std::max({std::numeric_limits<double>::min(), longest_bond(state), ghost_reach()});
+  if (!knows_all_) return std::max({std::numeric_limits<double>::min(), longest_bond(state), ghost_reach()});
   double farthest2 = 0.0;  // all are ghosts of all
   for (const Vec3d& r : state.r) farthest2 = std::max(farthest2, norm2(r - *state.r.begin()));
   return std::max(1.0, 2.0 * std::sqrt(farthest2));
@@ -158,12 +157,14 @@ double Ranks::size_of_domains(const State& state) const {
 /// longest bond.
 Share Ranks::share_of(const Model& model, const State& state) {
   own_ = domains_->own();
-  std::vector<ImageOf> ghosts = ghosts_of(own_, model, state, ghost_reach());
+  // those of all particles and no cell need no reach
+  const double reach = knows_all_ && !model.cell.any() ? 0.0 : ghost_reach();
+  std::vector<ImageOf> ghosts = ghosts_of(own_, model, state, reach, knows_all_);
   halo_ = Halo(own_, ghosts, model.particles(), *this);
   Share share{part_of(order_, {own_, halo_.sent(), std::move(ghosts)}),
               std::numeric_limits<double>::infinity(), lost_beyond_};
   halo_.take_rows(share.order);
-  if (reach_ > 0.0 && std::isfinite(reach_))
+  if (reach > 0.0)
     share.farthest = 0.5 * margin * reach_;
   else if (const double longest = longest_bond(state); longest > 0.0)
     share.farthest = 0.25 * longest;

@@ -40,7 +40,7 @@ class Ranks : public Partition {
   /// Whether something that was done together has failed: all ranks know. May be called by one rank alone.
   bool has_failed_together() const { return has_failed_together_; }
 
-  Share spread(const Model& model, const State& state, double reach) override;
+  Share spread(const Model& model, const State& state, double reach, bool knows_all) override;
   Share spread_anew(const Model& model, const State& state) override;
 
   void halo(const HaloColumns& columns) override;
@@ -61,9 +61,10 @@ class Ranks : public Partition {
   std::int64_t migrations_ = 0, redistributions_ = 0;
   mutable double waited_ = 0;
   mutable bool waits_ = false, has_failed_together_ = false;
-  double begun_ = -1;  // seconds of work then; < 0: not yet
-  Order order_;        // of the whole body
-  double reach_ = 0;   // of what may touch or be bonded
+  double begun_ = -1;       // seconds of work then; < 0: not yet
+  Order order_;             // of the whole body
+  double reach_ = 0;        // of what may touch or be bonded
+  bool knows_all_ = false;  // each rank knows all particles
   double lost_beyond_ = 0;
   std::unique_ptr<Domains> domains_;
   std::vector<ParticleId> own_;  // in increasing order

@@ -130,8 +130,9 @@ void Run::take_part() {
   require(std::none_of(stage.supports.begin(), stage.supports.end(), is_free_grip),
           "several processes step the body: no rigid group may be free in part");
   const double reach = simulation_->reach();
+  const bool knows_all = simulation_->any_capsules_to_come();
   State begun = std::move(*std::exchange(simulation_, {})).take_state();
-  Share share = partition_->spread(model_, begun, reach);
+  Share share = partition_->spread(model_, begun, reach, knows_all);
   simulation_ = part_of(std::move(begun), std::move(share));
 }
 

@@ -170,10 +170,6 @@ void check_periodic(const Case& c, const Model& model, Problems& problems) {
   const auto refuse = [&problems](const SourcePlace& place, const std::string& what, const char* way_out) {
     problems.add(place, what, "a periodic body does not have this", way_out);
   };
-  for (const BondSpec& b : c.bonds) {
-    if (b.recipe.capsule)
-      refuse(b.place, fmt::format("bonds \"{}\" touch as capsules", b.name), "leave capsule_radius out");
-  }
   if (c.watch.on_unphysical == OnUnphysical::drop)
     refuse(c.cell->place, "watch.on_unphysical = \"drop\"", "use \"stop\"");
   for (const StageSpec& s : c.stages) {
