@@ -8,7 +8,7 @@
 #include "cases.hpp"
 #include "vbond/model/make_bond.hpp"
 #include "vbond/setup/bonds.hpp"
-#include "vbond/setup/random.hpp"
+#include "vbond/core/random.hpp"
 
 namespace vbond::test {
 namespace {

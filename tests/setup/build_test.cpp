@@ -2,7 +2,7 @@
 
 #include "cases.hpp"
 #include "vbond/model/mistakes.hpp"
-#include "vbond/setup/random.hpp"
+#include "vbond/core/random.hpp"
 
 namespace vbond::test {
 namespace {

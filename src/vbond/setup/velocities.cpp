@@ -2,7 +2,7 @@
 
 #include "vbond/model/make_bond.hpp"
 #include "vbond/setup/groups.hpp"
-#include "vbond/setup/random.hpp"
+#include "vbond/core/random.hpp"
 
 namespace vbond {
 namespace {
