@@ -119,7 +119,7 @@ TEST(Packing, WhatCannotBeIsRefusedWithTheNearest) {
   const double porosity = std::stod(nearest.substr(at + 11));
   EXPECT_NEAR(porosity, 0.365, 0.012);
   q.until = ToNumber{300};
-  EXPECT_NE(way_out().find("grains, or sizes times"), std::string::npos);
+  EXPECT_NE(way_out().find("particles = "), std::string::npos);
   q.until = ToPorosity{-3};
   EXPECT_NE(way_out(), "");
   q = equal_grains(hollow_ball(2), 2.5);

@@ -91,6 +91,12 @@ void scale(std::vector<double>& values, double factor) {
   for (double& x : values) x *= factor;
 }
 
+/// Grains lock before they have their sizes; when they are as large as this density takes they fit.
+struct Locked {
+  std::size_t grains;
+  double density;
+};
+
 class Packer {
  public:
   explicit Packer(const Request& q) : q_(q), volume_(volume_deeper_than(q.vessel, 0.0)), random_(q.seed) {
@@ -162,35 +168,18 @@ class Packer {
               "these grains fit with a porosity of {:.4g} or more, or take smaller grains",
               1.0 - volume_of(grains_.radius) * std::pow(room_ / grains_.radius.front(), 3) / volume_));
     scale(grains_.radius, asked_factor_);
-    return at_size([&](double reached, double) {
-      return Refused(
-          fmt::format("porosity = {:.6g}", until.porosity),
-          fmt::format("these grains lock before that, with overlaps above {:.3g} of a radius", q_.overlap),
-          fmt::format("the nearest that this way of packing reaches is porosity = {:.4f}; or let grains "
-                      "overlap more",
-                      std::ceil(1e4 * (1.0 - reached)) * 1e-4));
-    });
+    return at_size();
   }
 
   Packing until_reached(const ToNumber& until) {
     grains_ = make_grains(q_, static_cast<double>(until.grains));
-    return at_size([&](double reached, double factor) {
-      return Refused(
-          fmt::format("{} grains", until.grains),
-          fmt::format("they lock before they have their sizes, with overlaps above {:.3g} of a radius",
-                      q_.overlap),
-          fmt::format("this way of packing reaches porosity = {:.4f}: take {:.0f} grains, or sizes times "
-                      "{:.4f}, or let grains overlap more",
-                      1.0 - reached, std::floor(static_cast<double>(until.grains) * factor * factor * factor),
-                      std::floor(factor * 1e4) * 1e-4));
-    });
+    return at_size();
   }
 
-  /// Sizes are those asked for; refuse(density, factor): what can be reached in place of it.
-  template <class Refuse>
-  Packing at_size(Refuse refuse) {
+  /// Sizes are those asked for. Throws Locked.
+  Packing at_size() {
     if (volume_of(grains_.radius) >= volume_)  // needs no trial
-      throw refuse(0.6, std::cbrt(0.6 * volume_ / volume_of(grains_.radius)));
+      throw Locked{grains_.radius.size(), 0.6};
     SoftSpheres s = put_in();
     s.set_scale(1.0);
     RelaxGoal goal{q_.overlap, 0.0, 1e-2, most_iterations};
@@ -203,7 +192,7 @@ class Packer {
                   1e-5 * tries);
       x = s.relax(goal);
     }
-    throw refuse(density(s), s.scale());
+    throw Locked{grains_.radius.size(), density(s)};
   }
 
   Packing until_reached(const UntilJammed& until) {
@@ -272,9 +261,65 @@ double expected_density(const std::vector<double>& radii) {
   return std::min(0.8, 0.634 + 0.005 + 0.0658 * d + 0.0857 * m3 / (m2 * std::sqrt(m2)) * d2);
 }
 
+namespace {
+
+/// What is asked for, with as many grains as have this density.
+void loosen(Request& q, const Locked& locked, int tries) {
+  const double density = locked.density * (1.0 - 0.01 * tries);
+  if (auto* porosity = std::get_if<ToPorosity>(&q.until)) {
+    porosity->porosity = std::max(porosity->porosity, std::ceil(1e4 * (1.0 - density)) * 1e-4);
+  } else if (auto* number = std::get_if<ToNumber>(&q.until)) {
+    const double volume = volume_deeper_than(q.vessel, 0.0);
+    const double fit = std::floor(density * volume / mean_volume(q));
+    number->grains =
+        static_cast<std::size_t>(std::clamp(fit, 1.0, static_cast<double>(number->grains) - 1.0));
+  }
+}
+
+std::string in_words(const Request& q) {
+  if (const auto* porosity = std::get_if<ToPorosity>(&q.until))
+    return fmt::format("porosity = {:.6g}", porosity->porosity);
+  return fmt::format("particles = {}", std::get<ToNumber>(q.until).grains);
+}
+
+/// Packs what is nearest to the request, to see that it can be had. Throws Refused with it.
+[[noreturn]] void refuse(const Request& request, Locked locked) {
+  const std::string rule =
+      fmt::format("{} grains of these sizes lock before that, with overlaps above {:.3g} of a radius",
+                  locked.grains, request.overlap);
+  constexpr std::size_t quickly = 20'000;  // grains
+  const bool is_quick = locked.grains <= quickly;
+  Request nearest = request;
+  for (int tries = 0; tries < 30; ++tries) {
+    const bool one =
+        std::holds_alternative<ToNumber>(nearest.until) && std::get<ToNumber>(nearest.until).grains == 1;
+    if (one) break;
+    loosen(nearest, locked, is_quick ? tries : 1);
+    const std::string way_out =
+        fmt::format("{} can be had ({}), or let grains overlap more", in_words(nearest),
+                    is_quick ? "tried with this seed" : "about; it was not tried");
+    try {
+      if (is_quick) Packer(nearest).run();
+    } catch (const Locked& again) {
+      locked.density = std::min(locked.density, again.density);
+      continue;
+    } catch (const Refused&) {  // too few for their shares
+      break;
+    }
+    throw Refused(in_words(request), rule, way_out);
+  }
+  throw Refused(in_words(request), rule, "take smaller grains, a larger vessel, or let grains overlap more");
+}
+
+}  // namespace
+
 Packing pack(const Request& request) {
   if (request.kinds.empty()) throw Refused("no kind of grains", "there is nothing to pack", "give one");
-  return Packer(request).run();
+  try {
+    return Packer(request).run();
+  } catch (const Locked& locked) {
+    refuse(request, locked);
+  }
 }
 
 }  // namespace vbond::packing
