@@ -76,6 +76,9 @@ int plot(const PlotOptions& options);
 int watch(const WatchOptions& options);
 /// Says of each bond that broke in a run, or of the first hundred, when and why.
 int breaks(const std::filesystem::path& folder, bool all);
+/// Packs the grains of a case and writes its particles alone: a CSV file, or LAMMPS data if the name ends in
+/// .data. Nothing is replaced.
+int pack(const RunOptions& options, const std::filesystem::path& file);
 /// Writes the body of a case, as its first stage begins, as files for LAMMPS with the plugin.
 int export_lammps(const RunOptions& options, const std::filesystem::path& folder);
 /// Prints what case files may hold: a key, a table, or with an empty text everything.

@@ -212,6 +212,14 @@ int dispatch(int argc, char** argv, app::Processes& processes) {
       ->required()
       ->type_name("DIR");
 
+  std::filesystem::path pack_to;
+  CLI::App* pack_command = program.add_subcommand(
+      "pack", "Pack the grains of a case, and write its particles alone: as CSV, or for LAMMPS");
+  app::add_case(pack_command, run);
+  pack_command->add_option("-o,--output", pack_to, "File: NAME.csv, or NAME.data for LAMMPS")
+      ->required()
+      ->type_name("FILE");
+
   std::string key;
   CLI::App* reference_command =
       program.add_subcommand("reference", "Print what a key of case files means, or all keys of a table");
@@ -257,6 +265,7 @@ int dispatch(int argc, char** argv, app::Processes& processes) {
     return app::sweep(sweep);
   }
   if (export_command->parsed()) return app::export_lammps(run, export_to);
+  if (pack_command->parsed()) return app::pack(run, pack_to);
   if (reference_command->parsed()) return app::reference(key);
   if (schema_command->parsed()) return app::schema();
   if (hidden.completion->parsed()) return app::completion(program, hidden.shell);

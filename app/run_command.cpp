@@ -96,6 +96,27 @@ bool run_dynamics_leg(Campaign& campaign) {
   }
 }
 
+std::vector<PackingSummary> summarise(const std::vector<std::pair<std::string, packing::Packing>>& packings) {
+  std::vector<PackingSummary> all;
+  for (const auto& [name, p] : packings) {
+    const packing::Measured& is = p.is;
+    PackingSummary s;
+    s.name = name;
+    s.grains = static_cast<std::int64_t>(p.kind.size());
+    s.rattlers = static_cast<std::int64_t>(is.rattlers);
+    s.removed = static_cast<std::int64_t>(p.removed), s.grown = static_cast<std::int64_t>(p.grown);
+    s.porosity = is.porosity, s.core_porosity = is.core_porosity;
+    s.least_radius = is.least_radius, s.mean_radius = is.mean_radius, s.largest_radius = is.largest_radius;
+    s.size_factor = p.size_factor, s.sizes_off = p.sizes_off;
+    s.contacts = is.contacts, s.backbone_contacts = is.backbone_contacts;
+    s.overlap = std::max(is.largest_overlap, is.largest_wall_overlap), s.pressure = p.pressure;
+    for (std::size_t k = 0; k < is.gaps.size(); ++k) s.neighbours.push_back({is.gaps[k], is.neighbours[k]});
+    s.rdf_step = packing::Measured::rdf_step, s.rdf = is.rdf;
+    all.push_back(std::move(s));
+  }
+  return all;
+}
+
 std::string resume_command(const Campaign& campaign) {
   return shell_word(campaign.program) + " resume " + shell_word(campaign.plan.folder.string());
 }
@@ -311,6 +332,7 @@ int run(const RunOptions& options) {
   print_machine(c, options.threads);
   Campaign campaign =
       open_campaign(c, run, std::move(plan), options.threads, options.program, nullptr, start);
+  campaign.summary.packings = summarise(built.packings);
   campaign.building = seconds_since(start);
   try {
     const int status = run_to_end(campaign, options.status_lines);
@@ -355,6 +377,7 @@ int resume(const fs::path& folder, const RunOptions& options) {
       open_campaign(c, run, std::move(plan), options.threads, options.program, &checkpoint, start);
   if (fs::exists(folder / "run.json"))
     campaign.summary.stages = read_stages_before(folder / "run.json", run.clock().stage);
+  campaign.summary.packings = summarise(built.packings);
   campaign.building = seconds_since(start);
   say(fmt::format("resumed at step {} of stage {}, output folder {}\n", run.clock().stage_step,
                   run.stages().name(run.stage_index()), folder.string()));

@@ -6,9 +6,9 @@
 #include <functional>
 
 #include "cases.hpp"
+#include "vbond/core/random.hpp"
 #include "vbond/model/make_bond.hpp"
 #include "vbond/setup/bonds.hpp"
-#include "vbond/setup/random.hpp"
 
 namespace vbond::test {
 namespace {

@@ -1,8 +1,8 @@
 #include <functional>
 
 #include "cases.hpp"
+#include "vbond/core/random.hpp"
 #include "vbond/model/mistakes.hpp"
-#include "vbond/setup/random.hpp"
 
 namespace vbond::test {
 namespace {

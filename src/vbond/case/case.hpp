@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "vbond/case/csv_columns.hpp"
+#include "vbond/case/packing_spec.hpp"
 #include "vbond/case/placed.hpp"
 #include "vbond/case/region_spec.hpp"
 #include "vbond/case/wall_spec.hpp"
@@ -171,7 +172,8 @@ struct SpecimenSpec {
   SourcePlace place;
   std::string name = "body";  ///< becomes a group
   std::variant<RodSpecimen, HemisphereSpecimen, BlockSpecimen, SheetSpecimen, RingSpecimen, HelixSpecimen,
-               CsvSpecimen, LammpsSpecimen, ListedSpecimen, CylinderSpecimen, ConeSpecimen, SphereSpecimen>
+               CsvSpecimen, LammpsSpecimen, ListedSpecimen, CylinderSpecimen, ConeSpecimen, SphereSpecimen,
+               PackingSpecimen>
       shape;
   double radius = 0;              ///< >= 0; required > 0 for contacts, surface bonds, density
   std::optional<double> mass;     ///< exactly one of mass, density (or a file column)

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <set>
@@ -27,9 +28,19 @@ void check_mass(Table& t, const SpecimenSpec& s) {
       std::holds_alternative<CsvSpecimen>(s.shape) || std::holds_alternative<LammpsSpecimen>(s.shape);
   t.check(!(s.mass && s.density), {"density", "mass"}, "only one of mass and density may be given",
           "keep one of them; density means m = 4/3 pi radius^3 density, or of a wall with a thickness");
-  t.check(from_file || s.mass || s.density, {"mass", "density", "kind"},
+  const auto* packing = std::get_if<PackingSpecimen>(&s.shape);
+  const auto has_density = [](const GrainSpec& g) { return g.density.has_value(); };
+  const bool of_grains = packing && std::any_of(packing->grains.begin(), packing->grains.end(), has_density);
+  t.check(!packing || s.radius == 0.0, {"radius", "kind"}, "the radii of a packing are those of its grains",
+          "leave radius out, and write grains = [{ radius = 1.0 }]");
+  t.check(!of_grains || (!s.mass && !s.density &&
+                         std::all_of(packing->grains.begin(), packing->grains.end(), has_density)),
+          {"density", "mass", "grains"}, "the density is that of all grains, or each kind of grains has one",
+          "give each kind of grains a density and none to the specimen, or the other way round");
+  t.check(from_file || of_grains || s.mass || s.density, {"mass", "density", "kind", "grains"},
           "one of mass and density is required", "add mass = 1.0 (or density and a radius)");
-  t.check(from_file || s.thickness || !s.density || s.radius > 0, {"density", "radius", "thickness", "kind"},
+  t.check(from_file || packing || s.thickness || !s.density || s.radius > 0,
+          {"density", "radius", "thickness", "kind"},
           "density needs a radius, m = 4/3 pi radius^3 density, or the thickness of a sheet or shell",
           "add radius or thickness, or give mass instead of density");
   const int forms = s.inertia.has_value() + s.principal_inertia.has_value() + s.inertia_tensor.has_value() +
@@ -37,7 +48,8 @@ void check_mass(Table& t, const SpecimenSpec& s) {
   t.check(forms <= 1, {"inertia", "principal_inertia", "inertia_tensor", "solid"},
           "only one of inertia, principal_inertia, inertia_tensor and solid may be given",
           "keep one of them");
-  t.check(from_file || s.thickness || forms > 0 || s.radius > 0, {"radius", "inertia", "thickness", "kind"},
+  t.check(from_file || packing || s.thickness || forms > 0 || s.radius > 0,
+          {"radius", "inertia", "thickness", "kind"},
           "inertia or a radius > 0 is required: the default 2/5 m radius^2 would be zero and a particle "
           "could not turn",
           "add the radius, or the moment of inertia of a particle");
@@ -90,10 +102,11 @@ void describe(Table& t, SpecimenSpec& s) {
   t.locate(s.place);
   t.key("name", s.name, NameCodec{}, optional,
         "name of the specimen; its particles form a group of this name");
-  static const std::vector<std::string> kinds{"rod", "hemisphere", "block", "sheet",    "ring", "helix",
-                                              "csv", "lammps",     "list",  "cylinder", "cone", "sphere"};
+  static const std::vector<std::string> kinds{"rod",   "hemisphere", "block",  "sheet", "ring",
+                                              "helix", "csv",        "lammps", "list",  "cylinder",
+                                              "cone",  "sphere",     "packing"};
   std::size_t kind = t.reading() ? kinds.size() : s.shape.index();
-  t.key("kind", kind, ChoiceCodec<std::size_t>{kinds, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}}, required,
+  t.key("kind", kind, ChoiceCodec<std::size_t>{kinds, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}}, required,
         "what it is made of");
   t.key("radius", s.radius, not_negative(length), optional,
         "radius of the particles: for contacts, bonds between surfaces, density and the default inertia");
@@ -101,7 +114,7 @@ void describe(Table& t, SpecimenSpec& s) {
         "mass of each particle");
   t.key("density", s.density, positive(density), optional,
         "instead of mass: m = 4/3 pi radius^3 density; with thickness: area times thickness times density");
-  const bool surface = kind == 3 || (kind >= 9 && kind < kinds.size());  // as named below
+  const bool surface = kind == 3 || (kind >= 9 && kind <= 11);  // as named below
   t.when(surface, "kind = \"sheet\", \"cylinder\", \"cone\" or \"sphere\"", [&] {
     t.key("thickness", s.thickness, positive(length), optional,
           "of the wall that they stand for, h: with density, each particle has the mass of its share of the "

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <type_traits>
 
 #include "vbond/core/error.hpp"
 #include "vbond/model/cell_drive.hpp"
@@ -109,6 +110,35 @@ CellSummary cell_from(const Json& j) {
   return c;
 }
 
+/// visit(key, member) for each number.
+template <class Packing, class Visit>
+void for_numbers(Packing& p, Visit visit) {
+  visit("grains", p.grains), visit("rattlers", p.rattlers), visit("removed", p.removed),
+      visit("grown", p.grown);
+  visit("porosity", p.porosity), visit("core_porosity", p.core_porosity);
+  visit("least_radius", p.least_radius), visit("mean_radius", p.mean_radius);
+  visit("largest_radius", p.largest_radius), visit("size_factor", p.size_factor);
+  visit("sizes_off", p.sizes_off), visit("contacts", p.contacts);
+  visit("backbone_contacts", p.backbone_contacts), visit("overlap", p.overlap), visit("pressure", p.pressure);
+  visit("rdf_step", p.rdf_step);
+}
+Json to_json(const PackingSummary& p) {
+  Json j{{"name", p.name}};
+  for_numbers(p, [&j](const char* key, const auto& x) { j[key] = x; });
+  j["neighbours"] = p.neighbours;
+  j["rdf"] = p.rdf;
+  return j;
+}
+PackingSummary packing_from(const Json& j) {
+  PackingSummary p;
+  p.name = j.at("name").get<std::string>();
+  for_numbers(p,
+              [&j](const char* key, auto& x) { x = j.at(key).get<std::remove_reference_t<decltype(x)>>(); });
+  p.neighbours = j.at("neighbours").get<std::vector<std::array<double, 2>>>();
+  p.rdf = j.at("rdf").get<std::vector<double>>();
+  return p;
+}
+
 }  // namespace
 
 CellSummary summarise_cell(const Model& model, const State& state) {
@@ -174,6 +204,7 @@ std::string to_json(const RunSummary& r) {
   if (r.breaks) add(j, *r.breaks);
   for (const WallSummary& w : r.walls) j["walls"].push_back(to_json(w));
   if (r.cell) j["cell"] = to_json(*r.cell);
+  for (const PackingSummary& p : r.packings) j["packings"].push_back(to_json(p));
   for (const auto& [cause, energy] : r.dissipated) j["dissipated"][cause] = energy;
   j["ever_strained"] = r.ever_strained;
   j["ever_snapped"] = r.ever_snapped;
@@ -222,6 +253,8 @@ RunSummary read_summary(const std::filesystem::path& path) {
     if (j.contains("walls"))
       for (const Json& wall : j["walls"]) r.walls.push_back(wall_from(wall));
     if (j.contains("cell")) r.cell = cell_from(j["cell"]);
+    if (j.contains("packings"))
+      for (const Json& packing : j["packings"]) r.packings.push_back(packing_from(packing));
     if (j.contains("dissipated"))
       for (const auto& [cause, energy] : j["dissipated"].items())
         r.dissipated.emplace_back(cause, energy.get<double>());

@@ -69,6 +69,21 @@ struct CellSummary {
 };
 CellSummary summarise_cell(const Model& model, const State& state);
 
+/// A specimen of packed grains, as it was packed.
+struct PackingSummary {
+  std::string name;
+  std::int64_t grains = 0, rattlers = 0, removed = 0, grown = 0;
+  double porosity = 0, core_porosity = 0;  ///< core: deeper than a mean radius below walls; -1: there is none
+  double least_radius = 0, mean_radius = 0, largest_radius = 0,
+         size_factor = 1;  ///< [length]; radii over those asked
+  double sizes_off = 0;    ///< largest distance of the curve of sizes from that asked for
+  double contacts = 0, backbone_contacts = 0, overlap = 0, pressure = 0;
+  std::vector<std::array<double, 2>> neighbours;  ///< factor of the sum of radii, mean number within it
+  double rdf_step = 0;                            ///< in mean diameters
+  std::vector<double> rdf;
+  friend bool operator==(const PackingSummary&, const PackingSummary&) = default;
+};
+
 /// The results of a run, as run.json holds them.
 struct RunSummary {
   std::string title, version;
@@ -82,6 +97,7 @@ struct RunSummary {
   std::optional<BreakSummary> breaks;  ///< absent where no bond may break
   std::vector<WallSummary> walls;      ///< in the order of the case
   std::optional<CellSummary> cell;     ///< of periodic bodies
+  std::vector<PackingSummary> packings;
   /// What is dissipated at the end, by the causes that the case may have.  [energy]
   std::vector<std::pair<std::string, double>> dissipated;
   std::vector<StageSummary> stages;                  ///< those that ended, or were interrupted last

@@ -30,7 +30,7 @@ std::vector<PlacedSpecimen> place_specimens(const Case& c) {
   std::size_t first = 0;
   for (const SpecimenSpec& spec : c.specimens) {
     try {
-      placed.push_back({&spec, first, make_specimen(spec, c.file)});
+      placed.push_back({&spec, first, make_specimen(spec, c.file, c.cell ? &*c.cell : nullptr)});
       first += placed.back().points.r.size();
     } catch (const CaseError& e) {
       problems.add(e);
@@ -291,6 +291,10 @@ Built build(const Case& c) {
   for (const PlacedSpecimen& s : specimens) {
     add_particles(s, number++, built, problems);
     built.notes.insert(built.notes.end(), s.points.notes.begin(), s.points.notes.end());
+    if (s.points.packing) {
+      built.packings.emplace_back(s.spec->name, *s.points.packing);
+      built.packings.back().second.r = {}, built.packings.back().second.radius = {};
+    }
     if (!c.cell)
       built.notes.insert(built.notes.end(), s.points.notes_on_open_bodies.begin(),
                          s.points.notes_on_open_bodies.end());

@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "vbond/case/case.hpp"
@@ -10,6 +11,7 @@
 #include "vbond/model/state.hpp"
 #include "vbond/model/static_stage.hpp"
 #include "vbond/model/step_bound.hpp"
+#include "vbond/packing/pack.hpp"
 
 namespace vbond {
 
@@ -19,6 +21,8 @@ struct Built {
   State state;
   std::vector<std::string> notes;  ///< what is made of the files that the case reads and what not, what cuts
                                    ///< leave, bonds that break at once; a line each
+  /// Specimens of packed grains and what they are like; places and radii stand in the model.
+  std::vector<std::pair<std::string, packing::Packing>> packings;
 };
 
 /// Particles that the case makes itself; those that it reads from files or cuts are not counted.

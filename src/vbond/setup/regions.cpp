@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <memory>
+#include <utility>
 
 #include "vbond/setup/mesh_file.hpp"
 #include "vbond/setup/mesh_inside.hpp"
@@ -70,7 +71,7 @@ Inside inside_of(const HalfSpaceRegion& region, const RegionOwner& owner) {
   return [=](const Vec3d& r) { return dot(r - region.point, n) <= 0.0; };
 }
 
-Inside inside_of(const MeshRegion& region, const RegionOwner& owner) {
+ClosedMesh closed_mesh(const MeshRegion& region, const RegionOwner& owner) {
   const auto file = beside_case(owner.case_file, region.file.value);
   const MeshFile read = read_mesh_file(file, region.scale, region.shift, region.file.place);
   if (read.unpaired_edges > 0)
@@ -79,7 +80,8 @@ Inside inside_of(const MeshRegion& region, const RegionOwner& owner) {
                                  read.unpaired_edges),
                      "only closed surfaces have an inside",
                      "close the holes of the mesh, or use another region"});
-  const auto inside = std::make_shared<const MeshInside>(read.surface());
+  TriangleMesh surface = read.surface();
+  const auto inside = std::make_shared<const MeshInside>(surface);
   if (inside->is_ambiguous())
     throw CaseError(
         {region.file.place,
@@ -90,7 +92,11 @@ Inside inside_of(const MeshRegion& region, const RegionOwner& owner) {
   owner.notes.push_back(
       fmt::format("{}: {}: {}", owner.name, region.file.value.filename().string(), read.text()) +
       text_of(*inside));
-  return [inside](const Vec3d& r) { return (*inside)(r); };
+  return {std::move(surface), inside};
+}
+
+Inside inside_of(const MeshRegion& region, const RegionOwner& owner) {
+  return [inside = closed_mesh(region, owner).inside](const Vec3d& r) { return (*inside)(r); };
 }
 
 }  // namespace vbond

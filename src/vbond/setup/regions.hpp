@@ -1,10 +1,13 @@
 #pragma once
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "vbond/case/case.hpp"
+#include "vbond/core/triangle_mesh.hpp"
 #include "vbond/core/vec3.hpp"
+#include "vbond/setup/mesh_inside.hpp"
 
 namespace vbond {
 
@@ -27,5 +30,13 @@ Inside inside_of(const CylinderRegion& region, const RegionOwner& owner);
 Inside inside_of(const PlaneRegion& region, const RegionOwner& owner);
 Inside inside_of(const HalfSpaceRegion& region, const RegionOwner& owner);
 Inside inside_of(const MeshRegion& region, const RegionOwner& owner);
+
+/// Closed surfaces of a file, and what they hold.
+struct ClosedMesh {
+  TriangleMesh surface;
+  std::shared_ptr<const MeshInside> inside;
+};
+/// Throws CaseError for a file that cannot be read or is not closed.
+ClosedMesh closed_mesh(const MeshRegion& region, const RegionOwner& owner);
 
 }  // namespace vbond

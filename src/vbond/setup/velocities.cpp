@@ -1,8 +1,8 @@
 #include "vbond/setup/velocities.hpp"
 
+#include "vbond/core/random.hpp"
 #include "vbond/model/make_bond.hpp"
 #include "vbond/setup/groups.hpp"
-#include "vbond/setup/random.hpp"
 
 namespace vbond {
 namespace {

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "vbond/core/near_pairs.hpp"
-#include "vbond/setup/random.hpp"
+#include "vbond/core/random.hpp"
 #include "vbond/setup/specimens/specimen.hpp"
 
 namespace vbond {

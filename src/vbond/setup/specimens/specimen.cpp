@@ -46,6 +46,9 @@ double count(const CsvSpecimen&) {
 double count(const LammpsSpecimen&) {
   return 0.0;
 }
+double count(const PackingSpecimen& s) {  // without a number only packing tells
+  return s.floaters == FloatingGrains::remove ? 0.0 : static_cast<double>(s.particles.value_or(0));
+}
 template <class Curve>
 double count(const Curve& s) {
   return static_cast<double>(s.particles);
@@ -70,7 +73,7 @@ bool brings_bonds(const SpecimenSpec& spec) {
          std::holds_alternative<SphereSpecimen>(spec.shape);
 }
 
-SpecimenPoints make_specimen(const SpecimenSpec& spec, const std::string& case_file) {
+SpecimenPoints make_specimen(const SpecimenSpec& spec, const std::string& case_file, const CellSpec* cell) {
   SpecimenPoints points = std::visit(
       [&](const auto& shape) {
         using Shape = std::decay_t<decltype(shape)>;
@@ -79,6 +82,8 @@ SpecimenPoints make_specimen(const SpecimenSpec& spec, const std::string& case_f
         else if constexpr (std::is_same_v<Shape, LammpsSpecimen>)
           return read_lammps_specimen(beside_case(case_file, shape.file.value), shape.atom_style.value_or(""),
                                       shape.file.place, shape.velocities);
+        else if constexpr (std::is_same_v<Shape, PackingSpecimen>)
+          return make_packing(shape, spec, cell, case_file);
         else
           return make_points(shape, spec.place);
       },

@@ -9,6 +9,7 @@
 #include "vbond/case/case.hpp"
 #include "vbond/core/quat.hpp"
 #include "vbond/core/vec3.hpp"
+#include "vbond/packing/pack.hpp"
 
 namespace vbond {
 
@@ -49,11 +50,14 @@ struct SpecimenPoints {
   std::vector<SurfaceShare> shares;  ///< of surfaces: per particle, before anything is cut or copied
   std::vector<std::string> notes;    ///< on cuts, unused parts of files, and how triangles differ
   std::vector<std::string> notes_on_open_bodies;  ///< that are true without a cell only
+  std::optional<packing::Packing> packing;        ///< of packed grains, as they were before cuts
 };
 
 /// Places the particles of a specimen, cut, turned, moved and copied. `place` is where the case describes it,
-/// `case_file` its path, from whose folder files are named. Throws CaseError.
-SpecimenPoints make_specimen(const SpecimenSpec& spec, const std::string& case_file);
+/// `case_file` its path, from whose folder files are named; cell: that of the case, which grains are packed
+/// into. Throws CaseError.
+SpecimenPoints make_specimen(const SpecimenSpec& spec, const std::string& case_file,
+                             const CellSpec* cell = nullptr);
 
 /// How many particles that makes; 0 if they come from a file or are cut, so that only making them tells.
 double count_points(const SpecimenSpec& spec);
@@ -88,6 +92,10 @@ double count_points(const SphereSpecimen& s);
 /// The paper's half-sphere, [KA12] section VI B: rim fixed on the equator, the rest relaxed from random
 /// places under a repulsion. Particles 0 .. rim - 1 are the rim.
 SpecimenPoints make_points(const HemisphereSpecimen& s, const SourcePlace& place);
+
+/// Packed grains.
+SpecimenPoints make_packing(const PackingSpecimen& s, const SpecimenSpec& spec, const CellSpec* cell,
+                            const std::string& case_file);
 
 /// Files of the specimen: already seen from the current folder.
 SpecimenPoints read_csv_specimen(const CsvSpecimen& spec);

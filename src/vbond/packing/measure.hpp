@@ -1,0 +1,41 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "vbond/packing/vessel.hpp"
+
+namespace vbond::packing {
+
+/// What a packing is like.
+struct Measured {
+  double volume = 0;         ///< of the vessel  [length^3]
+  double porosity = 0;       ///< 1 - volume of the grains / volume of the vessel
+  double core_porosity = 0;  ///< of what is deeper than a mean radius below walls, by counting points, to
+                             ///< about 1e-3; without walls the same; -1 if nothing is so deep
+  double mean_radius = 0, least_radius = 0, largest_radius = 0;  ///< [length]
+  double contacts = 0;  ///< mean number of contacts of a grain, walls among them
+  /// Twice the contacts between grains that are held, and of these with walls, over their number: 6 - 6 /
+  /// number if there are as many contacts as it takes to hold them in a cell.
+  double backbone_contacts = 0;
+  std::size_t rattlers = 0;         ///< grains with fewer than four contacts, those with rattlers not counted
+  std::size_t loners = 0;           ///< grains without a neighbour within a gap of 1.05
+  double largest_overlap = 0;       ///< over the smaller radius
+  double largest_wall_overlap = 0;  ///< over the radius
+  /// Mean number of neighbours whose distance is below this factor of the sum of radii.
+  static constexpr std::array<double, 6> gaps{1.01, 1.02, 1.05, 1.1, 1.15, 1.2};
+  std::array<double, 6> neighbours{};
+  /// Radial distribution: of places around a grain, over the mean, in shells of rdf_step mean diameters;
+  /// empty if no grain is as deep below the walls as it reaches.
+  static constexpr double rdf_step = 0.02, rdf_reach = 3.0;
+  std::vector<double> rdf;
+};
+
+Measured measure(const Vessel& vessel, double volume, const std::vector<Vec3d>& r,
+                 const std::vector<double>& radius);
+
+/// How many neighbours each has within that factor of the sum of radii.
+std::vector<int> count_neighbours(const Vessel& vessel, const std::vector<Vec3d>& r,
+                                  const std::vector<double>& radius, double gap);
+
+}  // namespace vbond::packing

@@ -1,0 +1,325 @@
+#include "vbond/packing/pack.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "vbond/packing/floaters.hpp"
+#include "vbond/packing/sequential.hpp"
+#include "vbond/packing/soft_spheres.hpp"
+
+namespace vbond::packing {
+namespace {
+
+/// Grains before they have places, the largest first.
+struct Grains {
+  std::vector<double> radius;
+  std::vector<std::size_t> kind;
+  double sizes_off = 0;
+};
+
+double volume_of(const std::vector<double>& radius) {
+  double sum = 0.0;
+  for (const double R : radius) sum += R * R * R;
+  return 4.0 / 3.0 * std::numbers::pi * sum;
+}
+
+/// What part of the number of grains each kind has.
+std::vector<double> shares_of_number(const Request& q) {
+  std::vector<double> share;
+  for (const Kind& k : q.kinds) {
+    const double each = q.share_by == ShareBy::number   ? 1.0
+                        : q.share_by == ShareBy::volume ? k.sizes.mean_volume()
+                                                        : k.sizes.mean_volume() * k.density;
+    share.push_back(k.share / each);
+  }
+  const double all = std::accumulate(share.begin(), share.end(), 0.0);
+  for (double& s : share) s /= all;
+  return share;
+}
+
+double mean_volume(const Request& q) {
+  const std::vector<double> share = shares_of_number(q);
+  double mean = 0.0;
+  for (std::size_t k = 0; k < share.size(); ++k) mean += share[k] * q.kinds[k].sizes.mean_volume();
+  return mean;
+}
+
+constexpr double most_grains = 5e7;
+
+/// n grains, those of a kind to the next whole number: what is left over goes to the largest remainders.
+Grains make_grains(const Request& q, double wanted) {
+  if (!(wanted < most_grains))
+    throw Refused(fmt::format("{:.3g} grains", wanted),
+                  fmt::format("a packing has {:.0g} at most", most_grains),
+                  "take larger grains or a smaller vessel");
+  const auto n = static_cast<std::size_t>(std::max(1.0, std::round(wanted)));
+  const std::vector<double> share = shares_of_number(q);
+  std::vector<std::size_t> count, order(share.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::size_t all = 0;
+  for (const double s : share)
+    count.push_back(static_cast<std::size_t>(s * static_cast<double>(n))), all += count.back();
+  const auto rest = [&](std::size_t k) {
+    return share[k] * static_cast<double>(n) - static_cast<double>(count[k]);
+  };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return rest(a) > rest(b); });
+  for (std::size_t k = 0; all < n; ++k, ++all) ++count[order[k % order.size()]];
+  Grains grains;
+  std::vector<std::pair<double, std::size_t>> sorted;
+  for (std::size_t k = 0; k < count.size(); ++k) {
+    if (count[k] == 0)
+      throw Refused(fmt::format("none of {} grains is of kind \"{}\"", n, q.kinds[k].name),
+                    fmt::format("its share of the number is {:.3g}", share[k]),
+                    fmt::format("take {:.0f} grains at least: a larger vessel, or smaller grains",
+                                std::ceil(1.0 / share[k])));
+    const std::vector<double> radii = q.kinds[k].sizes.radii(count[k]);
+    grains.sizes_off = std::max(grains.sizes_off, q.kinds[k].sizes.distance(radii));
+    for (const double R : radii) sorted.emplace_back(R, k);
+  }
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  for (const auto& [R, k] : sorted) grains.radius.push_back(R), grains.kind.push_back(k);
+  return grains;
+}
+
+void scale(std::vector<double>& values, double factor) {
+  for (double& x : values) x *= factor;
+}
+
+/// Grains lock before they have their sizes; when they are as large as this density takes they fit.
+struct Locked {
+  std::size_t grains;
+  double density;
+};
+
+class Packer {
+ public:
+  explicit Packer(const Request& q) : q_(q), volume_(volume_deeper_than(q.vessel, 0.0)), random_(q.seed) {
+    if (!(volume_ > 0.0)) throw Refused("the vessel has no volume", "grains need room", "correct its walls");
+    room_ = largest_radius(q.vessel);
+    for (const Kind& k : q.kinds)
+      if (k.sizes.largest() > room_ * (1.0 + 1e-9))
+        throw Refused(fmt::format("grains of kind \"{}\" have radii up to {:.6g}", k.name, k.sizes.largest()),
+                      "the vessel has no room for a grain that large",
+                      fmt::format("the largest sphere in it has a radius of about {:.4g}", room_));
+  }
+
+  Packing run() {
+    Packing p = std::visit([this](const auto& until) { return until_reached(until); }, q_.until);
+    p.sizes_off = grains_.sizes_off;
+    settle_floaters(q_, p);
+    p.is = measure(q_.vessel, volume_, p.r, p.radius);
+    return p;
+  }
+
+ private:
+  /// Puts the grains in, smaller than they are.
+  SoftSpheres put_in() {
+    constexpr double density_at_first = 0.25;
+    constexpr std::size_t most_draws = 200'000;
+    const double density = volume_of(grains_.radius) / volume_;
+    double factor = std::min(0.9, std::cbrt(density_at_first / density));
+    for (; factor > 0.2; factor *= 0.8) {
+      std::vector<double> small = grains_.radius;
+      scale(small, factor);
+      std::vector<Vec3d> r = add_sequentially(q_.vessel, small, random_, most_draws);
+      if (r.size() == small.size()) return {q_.vessel, volume_, std::move(r), grains_.radius, q_.threads};
+    }
+    throw Refused(fmt::format("{} grains", grains_.radius.size()),
+                  "not even grains a quarter as large find places in the vessel",
+                  "take fewer or smaller grains");
+  }
+
+  double density(const SoftSpheres& s) const {
+    return volume_of(s.radii()) / volume_ * s.scale() * s.scale() * s.scale();
+  }
+
+  Packing result(const SoftSpheres& s, const Relaxed& end) const {
+    Packing p;
+    p.r = s.positions();
+    p.radius = s.radii();
+    scale(p.radius, s.scale());
+    p.kind = grains_.kind;
+    p.size_factor = s.scale() * asked_factor_;
+    const double mean =
+        std::accumulate(p.radius.begin(), p.radius.end(), 0.0) / static_cast<double>(p.radius.size());
+    p.pressure = end.pressure * 2.0 * mean;
+    p.iterations = s.iterations();
+    return p;
+  }
+
+  Packing until_reached(const ToPorosity& until) {
+    const double of_grains = (1.0 - until.porosity) * volume_;
+    grains_ = make_grains(q_, of_grains / mean_volume(q_));
+    asked_factor_ = std::cbrt(of_grains / volume_of(grains_.radius));
+    const double largest = grains_.radius.front() * asked_factor_;
+    if (largest > room_ * (1.0 + 1e-9))
+      throw Refused(
+          fmt::format("porosity = {:.6g}", until.porosity),
+          fmt::format("{} grains of this porosity have radii up to {:.6g}, and the vessel has no room for "
+                      "a grain that large",
+                      grains_.radius.size(), largest),
+          fmt::format(
+              "these grains fit with a porosity of {:.4g} or more, or take smaller grains",
+              1.0 - volume_of(grains_.radius) * std::pow(room_ / grains_.radius.front(), 3) / volume_));
+    scale(grains_.radius, asked_factor_);
+    return at_size();
+  }
+
+  Packing until_reached(const ToNumber& until) {
+    grains_ = make_grains(q_, static_cast<double>(until.grains));
+    return at_size();
+  }
+
+  /// Sizes are those asked for. Throws Locked.
+  Packing at_size() {
+    if (volume_of(grains_.radius) >= volume_)  // needs no trial
+      throw Locked{grains_.radius.size(), 0.6};
+    SoftSpheres s = put_in();
+    s.set_scale(1.0);
+    RelaxGoal goal{q_.overlap, 0.0, 1e-2, most_iterations};
+    Relaxed x = s.relax(goal);
+    if (!x.enough) goal.unbalanced = 1e-3, x = s.relax(goal);
+    if (x.enough) return result(s, x);
+    for (int tries = 0; !x.enough && tries < 30; ++tries) {
+      const double factor = s.scale(), jammed = factor * (1.0 - slope * x.mean_overlap);
+      s.set_scale(jammed + 0.9 * std::min(1.0, q_.overlap / x.largest_overlap) * (factor - jammed) -
+                  1e-5 * tries);
+      x = s.relax(goal);
+    }
+    throw Locked{grains_.radius.size(), density(s)};
+  }
+
+  Packing until_reached(const UntilJammed& until) {
+    grains_ =
+        make_grains(q_, until.grains ? static_cast<double>(*until.grains) : 0.64 * volume_ / mean_volume(q_));
+    double guess = expected_density(grains_.radius);
+    if (!until.grains) grains_ = make_grains(q_, guess * volume_ / mean_volume(q_));
+    for (int round = 0;; ++round) {
+      constexpr double near = 0.003;
+      Packing p = lock(guess);
+      if (until.grains || round == 3 || std::abs(p.size_factor - 1.0) < near) return p;
+      guess = volume_of(p.radius) / volume_;
+      const double wanted = guess * volume_ / mean_volume(q_);
+      if (std::round(wanted) == static_cast<double>(grains_.radius.size())) return p;
+      grains_ = make_grains(q_, wanted);
+    }
+  }
+
+  /// Lets them grow to beyond where they lock, and shrink to where they just touch.
+  Packing lock(double guess) {
+    constexpr double beyond = 0.011, at_last = 1e-6;
+    SoftSpheres s = put_in();
+    s.set_scale(std::cbrt((guess + beyond) * volume_ / volume_of(grains_.radius)));
+    RelaxGoal goal{0.0, 0.1 * at_last, 1e-2, most_iterations};
+    double tight = 0.0, tight_overlap = 0.0, per_overlap = slope, shrink = 0.15, up = 0.003;
+    for (int tries = 0; tries < 100; ++tries) {
+      const Relaxed x = s.relax(goal);
+      const double now = s.scale();
+      if (!x.balanced) {  // it has come loose, or has moved to places with more room
+        if (tight > 0.0)
+          shrink = std::min(0.5, 2.0 * shrink), up = std::max(0.3 * (tight - now) / now, 2.0 * at_last);
+        s.set_scale(now * (1.0 + up));
+        tight = 0.0, up *= 2.0;
+        continue;
+      }
+      if (x.mean_overlap < 2.0 * at_last && goal.unbalanced <= 1e-3) return result(s, x);
+      if (tight > now && tight_overlap > x.mean_overlap)
+        per_overlap = std::clamp((tight - now) / (now * (tight_overlap - x.mean_overlap)), 1.0, 2.5);
+      tight = now, tight_overlap = x.mean_overlap;
+      goal.unbalanced = x.mean_overlap < 2.0 * at_last ? 1e-3 : x.mean_overlap < 1e-4 ? 3e-3 : 1e-2;
+      if (x.mean_overlap < 2.0 * at_last) continue;
+      const double jammed = now * (1.0 - per_overlap * x.mean_overlap);
+      s.set_scale(jammed + std::max(shrink, at_last / x.mean_overlap) * (now - jammed));
+    }
+    throw Refused("the grains do not lock", "in 100 trials no size was found at which they just touch",
+                  "take another seed, or a porosity");
+  }
+
+  static constexpr double slope = 1.6;  // change of size over mean overlap near where grains lock: measured
+  static constexpr std::int64_t most_iterations = 1'000'000;
+  const Request& q_;
+  double volume_, room_ = 0, asked_factor_ = 1;
+  Random random_;
+  Grains grains_;
+};
+
+}  // namespace
+
+double expected_density(const std::vector<double>& radii) {
+  const double n = static_cast<double>(radii.size());
+  const double mean = std::accumulate(radii.begin(), radii.end(), 0.0) / n;
+  double m2 = 0.0, m3 = 0.0;
+  for (const double R : radii) m2 += sq(R - mean) / n, m3 += (R - mean) * sq(R - mean) / n;
+  const double d2 = m2 / sq(mean), d = std::sqrt(d2);
+  if (!(d > 0.0)) return 0.634 + 0.005;
+  return std::min(0.8, 0.634 + 0.005 + 0.0658 * d + 0.0857 * m3 / (m2 * std::sqrt(m2)) * d2);
+}
+
+namespace {
+
+/// What is asked for, with as many grains as have this density.
+void loosen(Request& q, const Locked& locked, int tries) {
+  const double density = locked.density * (1.0 - 0.01 * tries);
+  if (auto* porosity = std::get_if<ToPorosity>(&q.until)) {
+    porosity->porosity = std::max(porosity->porosity, std::ceil(1e4 * (1.0 - density)) * 1e-4);
+  } else if (auto* number = std::get_if<ToNumber>(&q.until)) {
+    const double volume = volume_deeper_than(q.vessel, 0.0);
+    const double fit = std::floor(density * volume / mean_volume(q));
+    number->grains =
+        static_cast<std::size_t>(std::clamp(fit, 1.0, static_cast<double>(number->grains) - 1.0));
+  }
+}
+
+std::string in_words(const Request& q) {
+  if (const auto* porosity = std::get_if<ToPorosity>(&q.until))
+    return fmt::format("porosity = {:.6g}", porosity->porosity);
+  return fmt::format("particles = {}", std::get<ToNumber>(q.until).grains);
+}
+
+/// Packs what is nearest to the request, to see that it can be had. Throws Refused with it.
+[[noreturn]] void refuse(const Request& request, Locked locked) {
+  const std::string rule =
+      fmt::format("{} grains of these sizes lock before that, with overlaps above {:.3g} of a radius",
+                  locked.grains, request.overlap);
+  constexpr std::size_t quickly = 20'000;  // grains
+  const bool is_quick = locked.grains <= quickly;
+  Request nearest = request;
+  for (int tries = 0; tries < 30; ++tries) {
+    const bool one =
+        std::holds_alternative<ToNumber>(nearest.until) && std::get<ToNumber>(nearest.until).grains == 1;
+    if (one) break;
+    loosen(nearest, locked, is_quick ? tries : 1);
+    const std::string way_out =
+        fmt::format("{} can be had ({}), or let grains overlap more", in_words(nearest),
+                    is_quick ? "tried with this seed" : "about; it was not tried");
+    try {
+      if (is_quick) Packer(nearest).run();
+    } catch (const Locked& again) {
+      locked.density = std::min(locked.density, again.density);
+      continue;
+    } catch (const Refused&) {  // too few for their shares
+      break;
+    }
+    throw Refused(in_words(request), rule, way_out);
+  }
+  throw Refused(in_words(request), rule, "take smaller grains, a larger vessel, or let grains overlap more");
+}
+
+}  // namespace
+
+Packing pack(const Request& request) {
+  if (request.kinds.empty()) throw Refused("no kind of grains", "there is nothing to pack", "give one");
+  try {
+    return Packer(request).run();
+  } catch (const Locked& locked) {
+    refuse(request, locked);
+  }
+}
+
+}  // namespace vbond::packing
