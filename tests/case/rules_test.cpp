@@ -83,7 +83,8 @@ TEST(CaseRules, SectionsGiveAreaAndMoments) {
   expect_refused(bonds + "{ shape = \"annulus\", diameter = 0.1, inner_diameter = 0.2 }\n",
                  "smaller than diameter");
   expect_refused(bonds + "{ shape = \"circle\", diameter = 1e-90 }\n", "must not vanish");
-  expect_refused(bonds + "{ shape = \"circle\", side = 1 }\n", "is used only with shape = \"square\"");
+  expect_refused(bonds + "{ shape = \"circle\", diameter = 1, side = 1 }\n",
+                 "is used only with shape = \"square\"");
 }
 
 TEST(CaseRules, KappaIsHutchinsonsForTheCircleUnlessGiven) {
@@ -280,10 +281,10 @@ TEST(CaseRules, ADiameterOfTheParticlesIsRefusedWithTheFactor) {
       << section;
   EXPECT_NE(section.find("write factor = 1 in place of diameter"), std::string::npos) << section;
   expect_accepted(bonds + "factor = 1 }\n" + stage);
-  expect_refused(bonds + "factor = 1, diameter = 1 }\n" + stage, "both of diameter and factor");
+  expect_refused(bonds + "factor = 1, diameter = 1 }\n" + stage, "both of diameter, factor");
   expect_refused(bonds + "diameter = 1, of = \"mean\" }\n" + stage,
                  "is used only with shape = \"circle\" and factor");
-  expect_refused(bonds + "}\n" + stage, "none of diameter, factor");
+  expect_refused(bonds + "of = \"mean\" }\n" + stage, "none of diameter, factor");
 }
 
 TEST(CaseRules, StiffnessesPerAreaAreGivenInOneWay) {
@@ -296,7 +297,7 @@ TEST(CaseRules, StiffnessesPerAreaAreGivenInOneWay) {
   expect_accepted(bonds + "k_n = 1\nk_s = 1\ngrain_k_n = 3\n" + stage);
   expect_refused(bonds + "k_n = 1\n" + stage, "bonds[0].k_s is missing");
   expect_refused(bonds + "k_s = 1\n" + stage, "none of k_n, E");
-  expect_refused(bonds + "k_n = 1\nk_s = 1\nE = 1\n" + stage, "both of k_n and E");
+  expect_refused(bonds + "k_n = 1\nk_s = 1\nE = 1\n" + stage, "both of k_n, E");
   expect_refused(bonds + "k_n = 1\nk_s = 1\nnu = 0.2\n" + stage,
                  "is used only with theory = \"bernoulli-euler\"");
   expect_refused(bonds + "k_n = 0\nk_s = 1\n" + stage, "k_n");

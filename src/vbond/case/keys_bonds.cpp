@@ -120,7 +120,7 @@ void describe_form(Table& t, SectionForm& form, Section& section, bool may_follo
 void describe_per_area(Table& t, TheoryParameters& p) {
   PerArea& k = p.per_area;
   const std::size_t by = t.exactly_one({"k_n", "E"}, k.of_modulus() ? 1 : 0);
-  t.when(by == 0, "k_n", [&] {
+  t.when(by == 0, "theory = \"parallel\" and k_n", [&] {
     t.key("k_n", k.k_n, positive(stiffness_per_area), required,
           "normal stiffness per area: c_A = A k_n, c_B = J k_n; exactly one of k_n and E");
     t.key("k_s", k.k_s, positive(stiffness_per_area), required,
@@ -381,7 +381,9 @@ void describe(Table& t, BondSpec& b) {
   t.key("between", b.between, tuple_of<2>(group_name), optional,
         "the groups that the two particles belong to");
   t.key("attach", b.recipe, AttachCodec{}, optional,
-        "bonded points: the centres, the surfaces, or at this distance from the centres");
+        "bonded points: the centres, the surfaces, or at this distance from the centres; \"neck\": the "
+        "middle is "
+        "that between the surfaces, the length that of the cement in the section");
   t.key("n_2", b.recipe.n_2, direction_vector, default_is("the axis least aligned with the bond"),
         "n_2 is this direction, made normal to the bond");
   describe_capsule(t, b.recipe);
@@ -396,7 +398,7 @@ void describe(Table& t, BondSpec& b) {
   t.check(b.when != BondTime::approach || b.reach(),
           {"when", "distance", "pairs", "file", "from_specimen", "gap", "gap_factor"},
           "bonds made on approach are selected by distance, gap or gap_factor",
-          "give one of these instead of the other selection");
+          "give distance, gap or gap_factor instead of the other selection");
   describe_share(t, b.share);
 
   const std::vector<std::string> forms{"coefficients", "stiffness", "theory"};
@@ -430,8 +432,8 @@ void describe(Table& t, WithinDistance& s) {
 void describe(Table& t, WithinGap& s) {
   t.key(
       "gap", s.gap, not_negative(length), required,
-      "all pairs whose surfaces, as spheres, are at most this far apart: |r_ij| - R_i - R_j <= gap, but for "
-      "1e-9 of the radii");
+      "all pairs whose surfaces, as spheres, are at most this far apart: distance of centres - R_i - R_j <= "
+      "gap, but for 1e-9 of the radii");
 }
 
 void describe(Table& t, WithinFactor& s) {
