@@ -12,6 +12,7 @@
 #include "vbond/core/images.hpp"
 #include "vbond/model/bond_event.hpp"
 #include "vbond/model/make_bond.hpp"
+#include "vbond/model/rules.hpp"
 #include "vbond/setup/bond_pairs.hpp"
 #include "vbond/setup/build.hpp"
 
@@ -461,6 +462,7 @@ TEST(PackingBonds, BreakByTheStressesOfTheirOwnSection) {
     given.recipe.rules.strength = strength(given.theory().section);
     const auto x = make_bond(own.recipe, own.i, own.j), y = make_bond(given.recipe, given.i, given.j);
     ASSERT_TRUE(x && y);
+    EXPECT_EQ(rules_of(numbers_of(own.recipe.rules)), own.recipe.rules) << "a checkpoint loses something";
     const double size = x->a;
     const Vec3d r_ij = own.j.r - own.i.r + 0.1 * size * dice.vector(1.0);
     const Quatd q_i = rotation_of(0.1 * dice.vector(1.0)) * own.i.q,

@@ -134,8 +134,12 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
       problems.add(spec.place, fmt::format("bonds \"{}\": {}", spec.name, found.text()), rule, way_out);
   };
   report(no_length, no_length_of(recipe).rule, no_length_of(recipe).way_out);
-  report(no_radius, "a bond between surfaces, or with a section or modulus by radii, needs radii > 0",
-         "give the specimen a radius; or bond at the centres, with the diameter of the section and k_n");
+  const bool of_surfaces = recipe.attachment == Attachment::surfaces || recipe.attachment == Attachment::neck;
+  report(no_radius,
+         of_surfaces ? "a bond between surfaces needs radii > 0"
+                     : "a section or modulus that follows the radii of particles needs radii > 0",
+         of_surfaces ? "give the specimen a radius, or bond at the centres"
+                     : "give the specimen a radius, or the section a diameter, and k_n in place of E");
   report(unstable, "rest must be a minimum of the energy: c_A > 0 and c_D, c_B, c_T >= 0",
          "for the V-model B2 > -B3/2; give other parameters");
   report(no_capsule, of_capsule.rule.c_str(), of_capsule.way_out.c_str());
