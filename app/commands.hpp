@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "vbond/case/calibration.hpp"
+#include "vbond/case/published_bonds.hpp"
 
 namespace vbond::app {
 
@@ -68,7 +69,7 @@ int resume(const std::filesystem::path& folder, const RunOptions& options);
 int check(const RunOptions& options);  ///< of the options: case_file, changes, threads, ranks
 /// Runs a case with all combinations of values of some keys, or goes on with that: see docs/sweeps.md.
 int sweep(const SweepOptions& options);
-int calibrate(const CalibrateOptions& options);
+int calibrate(const CalibrateOptions& options, const PublishedBonds& published);
 /// Writes report.html into the folder of a run.
 int report(const std::filesystem::path& folder);
 int plot(const PlotOptions& options);

@@ -36,12 +36,42 @@ void add_threads(CLI::App* command, int& threads) {
       ->check(CLI::Range(1, 1024));
 }
 
-void add_calibrate(CLI::App& app, CalibrateOptions& o, CLI::App*& command) {
+/// Parameters that `calibrate` takes from other programs.
+void add_published(CLI::App* command, PublishedBonds& b) {
+  CLI::Option* from =
+      command
+          ->add_option("--from", b.program,
+                       "Print the section [[bonds]] of parameters of this program, pfc or edem, instead")
+          ->check(CLI::IsMember({"pfc", "edem"}));
+  for (const char* theirs : {"--E", "--length", "--diameter", "--inner-diameter", "--side", "--A", "--J",
+                             "--J_p", "--kappa", "--thickness"})
+    from->excludes(command->get_option(theirs));
+  const auto add = [&](const char* name, std::string& text, const char* meaning) {
+    command->add_option(name, text, meaning)->needs(from);
+  };
+  add("--pb_kn", b.pb_kn, "PFC: normal stiffness per area");
+  add("--pb_ks", b.pb_ks, "PFC: shear stiffness per area");
+  add("--pb_emod", b.pb_emod, "PFC: effective modulus, with --pb_kratio instead of these two");
+  add("--pb_kratio", b.pb_kratio, "PFC: ratio of normal to shear stiffness");
+  add("--pb_rmul", b.pb_rmul, "PFC: radius multiplier (default: 1)");
+  add("--pb_ten", b.pb_ten, "PFC: tensile strength");
+  add("--pb_coh", b.pb_coh, "PFC: cohesion");
+  add("--pb_fa", b.pb_fa, "PFC: friction angle in degrees (default: 0)");
+  add("--pb_mcf", b.pb_mcf, "PFC: moment-contribution factor (default: 1)");
+  add("--normal-stiffness", b.normal_stiffness, "EDEM: normal stiffness per unit area");
+  add("--shear-stiffness", b.shear_stiffness, "EDEM: shear stiffness per unit area");
+  add("--normal-stress", b.normal_stress, "EDEM: critical normal stress");
+  add("--shear-stress", b.shear_stress, "EDEM: critical shear stress");
+  add("--disk-radius", b.disk_radius, "EDEM: bonded disk radius");
+  add("--gap", b.gap, "Largest gap of surfaces that was bonded (default: 0)");
+}
+
+void add_calibrate(CLI::App& app, CalibrateOptions& o, PublishedBonds& published, CLI::App*& command) {
   command = app.add_subcommand(
       "calibrate", "Bond stiffnesses and B1..B4 from E, nu, section or thickness, length and theory");
-  command->add_option("--E", o.E, "Young's modulus, e.g. 2e9 or \"2 GPa\"")->required();
+  command->add_option("--E", o.E, "Young's modulus, e.g. 2e9 or \"2 GPa\"");
   command->add_option("--nu", o.nu, "Poisson's ratio")->capture_default_str();
-  command->add_option("--length", o.length, "Length of the bond between its fastening points")->required();
+  command->add_option("--length", o.length, "Length of the bond between its fastening points");
   command->add_option("--diameter", o.diameter, "Circle, or outer diameter of an annulus");
   command->add_option("--inner-diameter", o.inner_diameter, "Inner diameter of an annulus");
   command->add_option("--side", o.side, "Side of a square");
@@ -55,6 +85,7 @@ void add_calibrate(CLI::App& app, CalibrateOptions& o, CLI::App*& command) {
   command->add_option("--theory", o.theory, "bernoulli-euler, timoshenko, short-cylinder, shell or all")
       ->check(CLI::IsMember({"bernoulli-euler", "timoshenko", "short-cylinder", "shell", "all"}))
       ->capture_default_str();
+  add_published(command, published);
 }
 
 void add_plot(CLI::App& app, app::PlotOptions& o, CLI::App*& command) {
@@ -230,7 +261,8 @@ int dispatch(int argc, char** argv, app::Processes& processes) {
 
   CalibrateOptions calibrate;
   CLI::App* calibrate_command = nullptr;
-  add_calibrate(program, calibrate, calibrate_command);
+  PublishedBonds published;
+  add_calibrate(program, calibrate, published, calibrate_command);
 
   Hidden hidden;
   add_hidden(program, hidden);
@@ -271,7 +303,7 @@ int dispatch(int argc, char** argv, app::Processes& processes) {
   if (hidden.completion->parsed()) return app::completion(program, hidden.shell);
   if (hidden.manual->parsed())
     return hidden.folder ? app::write_manual(program, *hidden.folder) : app::manual(program, hidden.command);
-  return app::calibrate(calibrate);
+  return app::calibrate(calibrate, published);
 }
 
 /// A standard stream that the caller has closed would be the next file that is opened: history.csv, say, with

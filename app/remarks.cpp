@@ -114,10 +114,10 @@ void compare_meshes(const Case& c, const Model& model, const State& state, Lines
   }
 }
 
-/// The section of the bonds of a set, if it is given.
+/// The section of the bonds of a set, if it is given and that of bars between centres.
 const Section* section_of(const BondSpec& b) {
   const auto* theory = std::get_if<TheoryParameters>(&b.recipe.parameters);
-  return theory ? &theory->section : nullptr;
+  return theory && theory->theory != BondTheory::parallel ? &theory->section : nullptr;
 }
 
 /// Chains of spheres of a density, against the bars between their centres.

@@ -90,3 +90,47 @@ def test_all_mistakes_are_told_at_once_and_each_once():
     # a mistake of a unit not again as a wrong value
     said = vbond("calibrate --E '2 mm' --nu '0.3 mm' --length '-1 kg' --diameter '1 parsec'", status=2).err
     assert sorted(re.findall("^(--[a-zE]+) ", said, re.M)) == ["--E", "--diameter", "--length", "--nu"], said
+
+
+def bonds_from(tmp_path, options, more=""):
+    """The section that calibrate prints, as part of a case that is checked."""
+    said = vbond(f"calibrate {options}").out
+    (tmp_path / "case.toml").write_text(
+        '[units]\nsystem = "SI"\n[[specimen]]\nkind = "rod"\nparticles = 3\nspacing = "2 mm"\nradius = "1 mm"\nmass = "1 g"\n'
+        + more + said + '[[stage]]\nduration = "1 ms"\n')
+    vbond(f"check {tmp_path / 'case.toml'}")
+    return said
+
+
+def test_bonds_of_pfc(tmp_path):
+    said = bonds_from(tmp_path, "--from pfc --pb_emod '72 GPa' --pb_kratio 2.5 --pb_ten '175 MPa' --pb_coh 175e6")
+    for line in ("E = 72000000000.0", "stiffness_ratio = 2.5", 'section = { shape = "circle", factor = 1.0 }',
+                 'strength = { criterion = "stress", tension = 175000000.0, shear = 175000000.0, moment_share = 1.0 }'):
+        assert line in said, f"{line} is not in\n{said}"
+    said = bonds_from(tmp_path, "--from pfc --pb_kn 4e10 --pb_ks 3e10 --pb_rmul 0.5 --pb_ten 1e6 --pb_coh 2e6 --pb_fa 30"
+                                " --pb_mcf 0.2 --gap '0.01 mm'")
+    for line in ("gap = 1e-05", "k_n = 40000000000.0", "k_s = 30000000000.0", "factor = 0.5", "mohr-coulomb",
+                 "cohesion = 2000000.0", f"friction_angle = {pi / 6}", "tension_limit = 1000000.0", "moment_share = 0.2"):
+        assert line in said, f"{line} is not in\n{said}"
+
+
+def test_bonds_of_edem(tmp_path):
+    # What a source does not give is said, and not made up.
+    said = bonds_from(tmp_path, "--from edem --normal-stiffness 3.67e10 --shear-stiffness 3.42e10 --normal-stress 6.57e8"
+                                " --disk-radius '0.78 mm'")
+    assert "diameter = 0.00156" in said and "\nk_n = 36700000000.0" in said and "\nk_s = 34200000000.0" in said
+    assert "only the one of tension is given (657000000.0)" in said and "\nstrength" not in said
+    said = bonds_from(tmp_path, "--from edem --normal-stiffness 6.13e10 --shear-stiffness 3.96e10 --normal-stress 3.5e7"
+                                " --shear-stress 4e7 --disk-radius '0.5 mm'")
+    assert 'strength = { criterion = "stress", tension = 35000000.0, shear = 40000000.0 }' in said
+
+
+def test_what_is_missing_for_published_bonds_is_told_at_once():
+    wrong = vbond("calibrate --from edem --normal-stiffness 1e10 --pb_kn 3", status=2).err
+    for part in ("--pb_kn 3", "belongs to --from pfc", "needs --shear-stiffness", "needs --disk-radius"):
+        assert part in wrong, f"{part} is not in\n{wrong}"
+    assert "needs either --pb_kn and --pb_ks" in vbond("calibrate --from pfc --pb_kn 3", status=2).err
+    assert "--pb_fa 90" in vbond("calibrate --from pfc --pb_kn 3 --pb_ks 3 --pb_fa 90", status=2).err
+    assert "--E" in vbond("calibrate --length 1 --diameter 1", status=2).err
+    assert "--from" in vbond("calibrate --pb_kn 3", status=2).err
+    assert vbond("calibrate --from pfc --pb_kn 1 --pb_ks 1 --E 3", status=2).err

@@ -83,7 +83,8 @@ TEST(CaseRules, SectionsGiveAreaAndMoments) {
   expect_refused(bonds + "{ shape = \"annulus\", diameter = 0.1, inner_diameter = 0.2 }\n",
                  "smaller than diameter");
   expect_refused(bonds + "{ shape = \"circle\", diameter = 1e-90 }\n", "must not vanish");
-  expect_refused(bonds + "{ shape = \"circle\", side = 1 }\n", "is used only with shape = \"square\"");
+  expect_refused(bonds + "{ shape = \"circle\", diameter = 1, side = 1 }\n",
+                 "is used only with shape = \"square\"");
 }
 
 TEST(CaseRules, KappaIsHutchinsonsForTheCircleUnlessGiven) {
@@ -269,25 +270,51 @@ TEST(CaseRules, MassAndInertiaAreNeededUnlessAFileHasThem) {
   expect_accepted(stage + "[[specimen]]\nkind = \"csv\"\nfile = \"points.csv\"\n");
 }
 
-// What other programs have and this one has not: one report that names what can be done instead.
-TEST(CaseRules, BondsByTheGapOrTheRadiiOfAPairAreRefusedByName) {
-  const std::string stiffness = "stiffness = { c_A = 1, c_D = 0.3, c_B = 0.04, c_T = 0.03 }\n";
-  const std::string gap = report(rod + "[[bonds]]\ngap = 0.01\n" + stiffness + stage);
-  EXPECT_EQ(
-      gap.find("case.toml:7:1: bonds[0].gap = 0.01\n  bonds cannot be selected by the gap between surfaces"),
-      0U)
-      << gap;
-  EXPECT_NE(gap.find("list the pairs in a file"), std::string::npos) << gap;
-  EXPECT_EQ(gap.find("exactly one of"), std::string::npos) << gap;
-  const std::string section =
-      report(rod +
-             "[[bonds]]\ndistance = 1.1\ntheory = \"timoshenko\"\nE = 1\nnu = 0.2\nsection = "
-             "{ shape = \"circle\", diameter = \"particles\" }\n" +
-             stage);
+// What other programs write is refused with the key that says it here.
+TEST(CaseRules, ADiameterOfTheParticlesIsRefusedWithTheFactor) {
+  const std::string bonds =
+      rod +
+      "[[bonds]]\ndistance = 1.1\ntheory = \"timoshenko\"\nE = 1\nnu = 0.2\nsection = { shape = \"circle\", ";
+  const std::string section = report(bonds + "diameter = \"particles\" }\n" + stage);
   EXPECT_EQ(section.find("case.toml:11:31: bonds[0].section.diameter = \"particles\"\n  must be a length"),
             0U)
       << section;
-  EXPECT_NE(section.find("a [[bonds]] table with its own diameter"), std::string::npos) << section;
+  EXPECT_NE(section.find("write factor = 1 in place of diameter"), std::string::npos) << section;
+  expect_accepted(bonds + "factor = 1 }\n" + stage);
+  expect_refused(bonds + "factor = 1, diameter = 1 }\n" + stage, "both of diameter, factor");
+  expect_refused(bonds + "diameter = 1, of = \"mean\" }\n" + stage,
+                 "is used only with shape = \"circle\" and factor");
+  expect_refused(bonds + "of = \"mean\" }\n" + stage, "none of diameter, factor");
+}
+
+TEST(CaseRules, StiffnessesPerAreaAreGivenInOneWay) {
+  const std::string bonds =
+      rod +
+      "[[bonds]]\ndistance = 1.1\ntheory = \"parallel\"\nsection = { shape = \"circle\", "
+      "diameter = 1 }\n";
+  expect_accepted(bonds + "k_n = 1\nk_s = 1\n" + stage);
+  expect_accepted(bonds + "E = 1\nstiffness_ratio = 2\n" + stage);
+  expect_accepted(bonds + "k_n = 1\nk_s = 1\ngrain_k_n = 3\n" + stage);
+  expect_refused(bonds + "k_n = 1\n" + stage, "bonds[0].k_s is missing");
+  expect_refused(bonds + "k_s = 1\n" + stage, "none of k_n, E");
+  expect_refused(bonds + "k_n = 1\nk_s = 1\nE = 1\n" + stage, "both of k_n, E");
+  expect_refused(bonds + "k_n = 1\nk_s = 1\nnu = 0.2\n" + stage,
+                 "is used only with theory = \"bernoulli-euler\"");
+  expect_refused(bonds + "k_n = 0\nk_s = 1\n" + stage, "k_n");
+}
+
+TEST(CaseRules, MomentsCountForMohrCoulombAsTheyAreShared) {
+  const std::string bonds =
+      "theory = \"parallel\"\nsection = { shape = \"circle\", diameter = 2 }\nk_n = 1\nk_s = 1\n"
+      "strength = { criterion = \"mohr-coulomb\", cohesion = 1, friction_angle = 0, "
+      "tension_limit = 1";
+  const Section s = circle(2.0);
+  EXPECT_EQ(recipe_of(bonds + " }\n").rules.strength, mohr_coulomb_strength(s, 1, 0, 1));
+  EXPECT_EQ(recipe_of(bonds + " }\n").rules.strength.bending, 0.0);
+  EXPECT_EQ(recipe_of(bonds + ", moment_share = 0.5 }\n").rules.strength,
+            mohr_coulomb_strength(s, 1, 0, 1, 0.5));
+  EXPECT_DOUBLE_EQ(recipe_of(bonds + ", moment_share = 0.5 }\n").rules.strength.bending, 0.5 * s.r / s.J);
+  EXPECT_DOUBLE_EQ(recipe_of(bonds + ", moment_share = 0.5 }\n").rules.strength.torsion, 0.5 * s.r / s.J_p);
 }
 
 // A report of 1e5 unknown keys, all of them told, would have 33 MB.

@@ -5,6 +5,7 @@
 #include "rods.hpp"
 #include "teams.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/model/make_bond.hpp"
 
 namespace vbond {
 namespace {
@@ -77,6 +78,43 @@ TEST(Bonding, NamesTheParticlesWhenABondWouldHaveNoLength) {
   } catch (const Diverged& e) {
     EXPECT_NE(std::string(e.what()).find("particles 0 and 1"), std::string::npos) << e.what();
   }
+}
+
+// Spheres of different size: a gap of surfaces, and a factor of the radii, not a distance of centres.
+TEST(Bonding, ByAGapOrAFactorFollowsTheRadiiOfEachPair) {
+  for (const bool by_gap : {true, false}) {
+    // gaps .1, .3, .1; in parts of R_i + R_j 1.1, 1.15, 1.025
+    testing::Specimen s = testing::particles_at({{0, 0, 0}, {1.1, 0, 0}, {3.4, 0, 0}, {7.5, 0, 0}});
+    s.model.radius = {0.5, 0.5, 1.5, 2.5};
+    Stage stage = testing::plain_stage(0.001, 1.0);
+    BondingRule rule = any_pair_within(by_gap ? 0.2 : 0.0, 4, testing::papers_bond());
+    rule.factor = by_gap ? 1.0 : 1.12;
+    stage.bonding = {rule};
+    Simulation run(s.model, stage, s.state);
+    run.step();
+    ASSERT_EQ(run.bonds().size(), 2u);
+    EXPECT_EQ(run.bonds()[BondId{0}].j, ParticleId{1});
+    EXPECT_EQ(run.bonds()[BondId{1}].i, ParticleId{2});
+  }
+}
+
+// The share that is bonded on approach is the one that the pairs' numbers say, whenever they come near.
+TEST(Bonding, ALeftOutPairStaysLeftOut) {
+  std::vector<Vec3d> r;
+  for (int k = 0; k < 200; ++k) r.push_back({10.0 * (k / 2) + 0.9 * (k % 2), 0, 0});
+  testing::Specimen s = testing::particles_at(r);
+  Stage stage = testing::plain_stage(0.05, 1e9);
+  BondingRule rule = any_pair_within(1.0, 200, testing::papers_bond());
+  rule.share = {0.4, 3};
+  stage.bonding = {rule};
+  Simulation run(s.model, stage, s.state);
+  for (int k = 0; k < 10; ++k) run.step();
+  std::size_t wanted = 0;
+  for (std::size_t k = 0; k < 200; k += 2) wanted += pair_variate(3, ParticleId{k}, ParticleId{k + 1}) < 0.4;
+  EXPECT_GT(wanted, 20u);
+  EXPECT_LT(wanted, 60u);
+  ASSERT_EQ(run.bonds().size(), wanted);
+  for (const Bond& b : run.bonds()) EXPECT_LT(pair_variate(3, b.i, b.j), 0.4);
 }
 
 // Pairs whose own strength does not bear the prestrain are left unbonded, and not made and broken for ever.

@@ -6,8 +6,7 @@
 #include <variant>
 #include <vector>
 
-#include "vbond/case/dimension.hpp"
-#include "vbond/core/error.hpp"
+#include "vbond/case/arguments.hpp"
 #include "vbond/model/bond.hpp"
 #include "vbond/model/make_bond.hpp"
 
@@ -28,42 +27,7 @@ constexpr Theory theories[] = {
      "bonds shorter than they are thick, ends rigid, strain uniaxial; qualitative; nu < 0.5"},
     {"shell", BondTheory::shell,
      "bonds of a triangular sheet that stands for a thin wall, nu < 1/3; transverse shear is not the wall's"},
-};
-
-/// Collects mistakes of the command line, so that all are told at once.
-class Arguments {
- public:
-  double positive(const std::string& text, const char* option, keys::Dimension dimension) {
-    const double value = number(text, option, dimension);
-    if (value <= 0.0) problem(option, text, "must be > 0", "give a positive value");
-    return value;
-  }
-
-  /// NaN after a mistake, so that it is told once.
-  double number(const std::string& text, const char* option, keys::Dimension dimension) {
-    const auto parsed = keys::parse_quantity(text);
-    if (const auto* mistake = std::get_if<keys::UnitMistake>(&parsed)) {
-      problem(option, text, mistake->rule, mistake->way_out);
-      return NAN;
-    }
-    const auto& quantity = std::get<keys::Quantity>(parsed);
-    if (!quantity.has_unit || keys::fits(quantity.dimension, dimension)) return quantity.value;
-    problem(option, text, std::string("must be a ") + dimension.name,
-            std::string("e.g. ") + dimension.example);
-    return NAN;
-  }
-
-  void problem(const std::string& option, const std::string& text, const std::string& rule,
-               const std::string& way_out) {
-    problems_.push_back({{}, text.empty() ? option : option + " " + text, rule, way_out});
-  }
-  void throw_if_any() const {
-    if (!problems_.empty()) throw CaseError(problems_);
-  }
-
- private:
-  std::vector<Problem> problems_;
-};
+};  // parallel bonds have no material: published_bonds.hpp
 
 /// An option that the section does not have would be ignored: better told.
 void refuse_foreign(const CalibrateOptions& o, Arguments& arguments) {
@@ -159,9 +123,14 @@ CalibratedTheory calibrated(const Theory& t, const TheoryParameters& p, double a
 
 Calibration calibration(const CalibrateOptions& o) {
   Arguments arguments;
-  const Material material{arguments.positive(o.E, "--E", keys::stress),
-                          arguments.number(o.nu, "--nu", keys::pure)};
-  const double a = arguments.positive(o.length, "--length", keys::length);
+  const auto needed = [&](const std::string& text, const char* option, const keys::Dimension& d) {
+    if (!text.empty()) return arguments.positive(text, option, d);
+    arguments.problem(option, "", "is required, unless parameters come --from another program",
+                      std::string("e.g. ") + option + " \"" + d.example + "\"");
+    return 1.0;
+  };
+  const Material material{needed(o.E, "--E", keys::stress), arguments.number(o.nu, "--nu", keys::pure)};
+  const double a = needed(o.length, "--length", keys::length);
   const double h = thickness(o, arguments);
   const Section s = is_shell(o) ? Section{} : section(o, arguments);
   if (is_shell(o) && material.nu > -1.0 && 3.0 * material.nu >= 1.0)

@@ -195,6 +195,12 @@ struct SpecimenSpec {
 struct WithinDistance {
   double distance;
 };
+struct WithinGap {  ///< of the surfaces
+  double gap;
+};
+struct WithinFactor {  ///< of the sum of the radii
+  double factor;
+};
 struct ListedPairs {
   std::vector<std::array<std::int64_t, 2>> pairs;
 };
@@ -214,6 +220,7 @@ struct StrengthSpec {
   double cohesion = 0, friction_angle = 0;  ///< mohr-coulomb; the angle in rad
   double axial_force = 0, shear_force = 0, bending_moment = 0, torque = 0;  ///< linear, quadratic
   bool compression_relieves = false;                                        ///< linear
+  std::optional<double> moments;                                            ///< mohr-coulomb: moment_share
   double tension_energy = 0, other_energy = 0;                              ///< energy
   double elongation = 0;
   std::optional<Section> section;  ///< where no theory has one
@@ -237,10 +244,19 @@ struct SofteningSpec {
 };
 
 struct BondSpec {
+  /// Of pairs selected by how near they are; nothing if they are listed.
+  std::optional<BondReach> reach() const {
+    if (const auto* s = std::get_if<WithinDistance>(&select.value)) return BondReach{s->distance, 0.0};
+    if (const auto* s = std::get_if<WithinGap>(&select.value)) return BondReach{s->gap, 1.0};
+    if (const auto* s = std::get_if<WithinFactor>(&select.value)) return BondReach{0.0, s->factor};
+    return std::nullopt;
+  }
+
   SourcePlace place;
   std::string name;
   std::array<Placed<std::string>, 2> between{Placed<std::string>{"all", {}}, {"all", {}}};  ///< groups
-  Placed<std::variant<WithinDistance, ListedPairs, PairsFile, SpecimenPairs>> select;
+  Placed<std::variant<WithinDistance, ListedPairs, PairsFile, SpecimenPairs, WithinGap, WithinFactor>> select;
+  BondShare share;  ///< of the selected pairs that is bonded
   BondTime when = BondTime::start;
   std::vector<Placed<std::string>> stages;  ///< for `stage` and `approach`; approach: none means all
   std::optional<StrengthSpec> strength;

@@ -62,6 +62,8 @@ void describe_mesh(Table& t, Placed<std::filesystem::path>& file, double& scale,
 
 void describe(Table& t, BondSpec& b);
 void describe(Table& t, WithinDistance& s);
+void describe(Table& t, WithinGap& s);
+void describe(Table& t, WithinFactor& s);
 void describe(Table& t, ListedPairs& s);
 void describe(Table& t, PairsFile& s);
 void describe(Table& t, SpecimenPairs& s);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <string_view>
 #include <type_traits>
 #include <utility>
@@ -12,10 +13,12 @@ namespace {
 
 enum class Shape : unsigned char { circle, annulus, square, given };
 
-/// A section as the file names it; resolved to A, J, J_p once, and written as these.
+/// A section as the file names it; resolved to A, J, J_p once, and written as these. One that follows radii
+/// is a circle with a factor.
 struct SectionForm {
   Shape shape = Shape::given;
   double diameter = 0, inner_diameter = 0, side = 0;
+  SectionOfRadii of_radii;
 };
 
 Section resolve(const SectionForm& form, const Section& given) {
@@ -47,29 +50,51 @@ struct KappaCodec {
   std::string example(UnitSystem) const { return "0.9"; }
 };
 
-/// The diameter of a section. Sections that differ from pair to pair are refused by name.
+/// The diameter of a section. One that follows radii has a key of its own.
 struct DiameterCodec : NumberCodec {
   bool read(const Node& n, ReadContext& in, const std::string& path, double& out) const {
     const auto* word = std::get_if<std::string>(&n.value);
     if (word && *word == "particles")
       return in.refuse(
-          n, path,
-          "must be a length: all bonds of a set have the same section, whatever the radii of "
-          "their particles",
-          "give each size of particles a group and each pair of groups, by `between`, a [[bonds]] "
-          "table with its own diameter");
+          n, path, "must be a length: a section that follows the radii of the two particles has a factor",
+          "write factor = 1 in place of diameter, in the section of a theory: the radius of the section over "
+          "the smaller radius of the two particles");
     return NumberCodec::read(n, in, path, out);
   }
 };
 
-void describe_form(Table& t, SectionForm& form, Section& section) {
+void describe_circle(Table& t, SectionForm& form) {
+  const std::size_t by = t.exactly_one({"diameter", "factor"}, form.of_radii.any() ? 1 : 0);
+  t.when(by == 0, "shape = \"circle\"", [&] {
+    t.key("diameter", form.diameter, DiameterCodec{positive(length)}, required,
+          "of all bonds; a circle has exactly one of diameter and factor");
+  });
+  t.when(by == 1, "shape = \"circle\" and factor", [&] {
+    t.key("factor", form.of_radii.factor, positive(pure), required,
+          "radius of the section over the radius that `of` says; strengths in stresses are those of each "
+          "bond's own section");
+    t.key("of", form.of_radii.of_mean, ChoiceCodec<bool>{{"smaller", "mean"}, {false, true}}, optional,
+          "the smaller radius of the two particles, or their mean");
+  });
+}
+
+/// may_follow: the section may follow radii.
+void describe_form(Table& t, SectionForm& form, Section& section, bool may_follow) {
   t.key("shape", form.shape,
         ChoiceCodec<Shape>{{"circle", "annulus", "square", "given"},
                            {Shape::circle, Shape::annulus, Shape::square, Shape::given}},
         required, "form of the cross-section");
-  t.when(
-      form.shape == Shape::circle || form.shape == Shape::annulus, "shape = \"circle\" or \"annulus\"",
-      [&] { t.key("diameter", form.diameter, DiameterCodec{positive(length)}, required, "outer diameter"); });
+  if (may_follow)
+    t.when(form.shape == Shape::circle, "shape = \"circle\"", [&] { describe_circle(t, form); });
+  else
+    t.refuse_key("factor", "only the section of a theory follows the radii of particles",
+                 "give diameter, or a theory with its section in place of stiffness or coefficients");
+  const auto has_diameter = [&] {
+    return form.shape == Shape::annulus || (!may_follow && form.shape == Shape::circle);
+  };
+  t.when(has_diameter(), may_follow ? "shape = \"annulus\"" : "shape = \"circle\" or \"annulus\"", [&] {
+    t.key("diameter", form.diameter, DiameterCodec{positive(length)}, required, "outer diameter");
+  });
   t.when(form.shape == Shape::annulus, "shape = \"annulus\"", [&] {
     t.key("inner_diameter", form.inner_diameter, not_negative(length), required,
           "inner diameter, < diameter");
@@ -85,10 +110,43 @@ void describe_form(Table& t, SectionForm& form, Section& section) {
     t.key("radius", section.r, not_negative(length), default_is("required for strengths in stresses"),
           "distance of the outermost fibre from the axis");
   });
+  if (form.of_radii.any()) return;
   section = resolve(form, section);
   t.check(section.A > 0 && section.J > 0 && section.J_p > 0, {"shape", "diameter", "inner_diameter", "side"},
           "A, J and J_p must not vanish: the wall is too thin or the section too small for double precision",
           "choose a larger section, or other units");
+}
+
+void describe_per_area(Table& t, TheoryParameters& p) {
+  PerArea& k = p.per_area;
+  const std::size_t by = t.exactly_one({"k_n", "E"}, k.of_modulus() ? 1 : 0);
+  t.when(by == 0, "theory = \"parallel\" and k_n", [&] {
+    t.key("k_n", k.k_n, positive(stiffness_per_area), required,
+          "normal stiffness per area: c_A = A k_n, c_B = J k_n; exactly one of k_n and E");
+    t.key("k_s", k.k_s, positive(stiffness_per_area), required,
+          "shear stiffness per area: c_D = A k_s, c_T = J_p k_s");
+  });
+  t.when(by == 1, "theory = \"parallel\" and E", [&] {
+    t.key("E", p.material.E, positive(stress), required,
+          "effective modulus, with k_n = E/(R_i + R_j) of each pair");
+    t.key("stiffness_ratio", k.ratio, positive(pure), required, "k_n/k_s");
+  });
+  const auto of_grains = [&t](const char* name, double& value, const char* doc) {
+    std::optional<double> given;
+    if (value > 0.0) given = value;
+    t.key(name, given, positive(stiffness_per_area), default_is("grains are rigid"), doc);
+    value = given.value_or(0.0);
+  };
+  of_grains("grain_k_n", k.grain_k_n,
+            "normal stiffness of each grain per area, in series: 1/k = 1/k_n + 2/grain_k_n");
+  of_grains("grain_k_s", k.grain_k_s, "shear stiffness of each grain per area, in series as well");
+  const auto follows = [](double cement, double grain) {
+    return grain > 0.0 ? between_grains(cement, grain) : cement;
+  };
+  t.check(k.of_modulus() ||
+              (std::isfinite(follows(k.k_n, k.grain_k_n)) && std::isfinite(follows(k.k_s, k.grain_k_s))),
+          {"k_n", "k_s", "grain_k_n", "grain_k_s"}, "the stiffness in series is out of the range of doubles",
+          "use other units");
 }
 
 void check_poisson(Table& t, const TheoryParameters& p) {
@@ -262,6 +320,27 @@ void check_coefficients(Table& t, const BondLaw& law, const Coefficients& values
           std::string(law.rest_way_out) + ", or give stiffness = { c_A, c_D, c_B, c_T }");
 }
 
+void describe_share(Table& t, BondShare& share) {
+  t.key(
+      "share", share.part, NumberCodec{pure, {0, 1, true, false}}, optional,
+      "part of the selected pairs that is bonded; which of them, a number of each pair says, in every stage "
+      "the same");
+  t.when(share.part < 1.0, "share < 1",
+         [&] { t.key("seed", share.seed, seed_number, optional, "of the choice of pairs"); });
+}
+
+/// The length of a neck is that of the cement in a round section.
+void check_neck(Table& t, const BondRecipe& recipe) {
+  if (recipe.attachment != Attachment::neck) return;
+  const TheoryParameters* theory = theory_with_section(recipe);
+  t.check(theory != nullptr, {"attach", "theory", "stiffness", "coefficients"},
+          "attach = \"neck\" takes the length of a bond from its section, which only a theory has here",
+          "give a theory with a section: theory = \"parallel\" has k_n and k_s per area");
+  t.check(theory == nullptr || theory->of_radii.any() || theory->section.r > 0.0, {"attach", "section"},
+          "attach = \"neck\" takes the length of a bond from the radius of its section",
+          "with shape = \"given\": add radius to the section");
+}
+
 void describe_time(Table& t, BondSpec& b) {
   t.key("when", b.when,
         ChoiceCodec<BondTime>{{"start", "stage", "approach"},
@@ -284,7 +363,7 @@ const TheoryParameters* theory_with_section(const BondRecipe& recipe) {
 
 void describe_section(Table& t, Section& section) {
   SectionForm form;
-  describe_form(t, form, section);
+  describe_form(t, form, section, false);
 }
 
 void describe(Table& t, BondSpec& b) {
@@ -302,25 +381,25 @@ void describe(Table& t, BondSpec& b) {
   t.key("between", b.between, tuple_of<2>(group_name), optional,
         "the groups that the two particles belong to");
   t.key("attach", b.recipe, AttachCodec{}, optional,
-        "bonded points: the centres, the surfaces, or at this distance from the centres");
+        "bonded points: the centres, the surfaces, or at this distance from the centres; \"neck\": the "
+        "middle is "
+        "that between the surfaces, the length that of the cement in the section");
   t.key("n_2", b.recipe.n_2, direction_vector, default_is("the axis least aligned with the bond"),
         "n_2 is this direction, made normal to the bond");
   describe_capsule(t, b.recipe);
   describe_time(t, b);
 
-  const std::vector<std::string> selections{"distance", "pairs", "file", "from_specimen"};
-  t.refuse_key(
-      "gap", "bonds cannot be selected by the gap between surfaces, only by the distance of centres",
-      "list the pairs in a file (file = \"pairs.csv\", columns i, j); or give each size of particles a "
-      "group and each pair of groups, by `between`, a [[bonds]] table with distance = R_i + R_j + gap");
-  const std::size_t selection =
-      t.is_given("gap") ? selections.size() : t.exactly_one(selections, b.select.value.index());
+  const std::vector<std::string> selections{"distance",      "pairs", "file",
+                                            "from_specimen", "gap",   "gap_factor"};
+  const std::size_t selection = t.exactly_one(selections, b.select.value.index());
   t.alternatives(b.select.value, selection, selections);
   t.locate(b.select.place);
   if (selection < selections.size()) t.locate(b.select.place, selections[selection]);
-  t.check(b.when != BondTime::approach || std::holds_alternative<WithinDistance>(b.select.value),
-          {"when", "distance", "pairs", "file", "from_specimen"},
-          "bonds made on approach are selected by distance", "give distance instead of the other selection");
+  t.check(b.when != BondTime::approach || b.reach(),
+          {"when", "distance", "pairs", "file", "from_specimen", "gap", "gap_factor"},
+          "bonds made on approach are selected by distance, gap or gap_factor",
+          "give distance, gap or gap_factor instead of the other selection");
+  describe_share(t, b.share);
 
   const std::vector<std::string> forms{"coefficients", "stiffness", "theory"};
   const std::size_t form = t.exactly_one(forms, b.recipe.parameters.index());
@@ -342,11 +421,24 @@ void describe(Table& t, BondSpec& b) {
   });
   describe_rules(t, b);
   describe_flow(t, b);
+  check_neck(t, b.recipe);
 }
 
 void describe(Table& t, WithinDistance& s) {
   t.key("distance", s.distance, positive(length), required,
         "all pairs whose centres are at most this far apart");
+}
+
+void describe(Table& t, WithinGap& s) {
+  t.key(
+      "gap", s.gap, not_negative(length), required,
+      "all pairs whose surfaces, as spheres, are at most this far apart: distance of centres - R_i - R_j <= "
+      "gap, but for 1e-9 of the radii");
+}
+
+void describe(Table& t, WithinFactor& s) {
+  t.key("gap_factor", s.factor, positive(pure), required,
+        "all pairs whose centres are at most so many times R_i + R_j apart, but for 1e-9 of the radii");
 }
 
 void describe(Table& t, ListedPairs& s) {
@@ -385,21 +477,28 @@ void describe(Table& t, BondStiffness<double>& p) {
 
 void describe(Table& t, TheoryParameters& p) {
   t.key("theory", p.theory,
-        ChoiceCodec<BondTheory>{{"bernoulli-euler", "timoshenko", "short-cylinder", "shell"},
+        ChoiceCodec<BondTheory>{{"bernoulli-euler", "timoshenko", "short-cylinder", "shell", "parallel"},
                                 {BondTheory::bernoulli_euler, BondTheory::timoshenko,
-                                 BondTheory::short_cylinder, BondTheory::shell}},
+                                 BondTheory::short_cylinder, BondTheory::shell, BondTheory::parallel}},
         required,
         "stiffnesses from material and section, at each bond's length; shell: of a triangular sheet that "
-        "stands for a thin wall, at any length");
-  t.key("E", p.material.E, positive(stress), required, "Young's modulus");
-  t.key("nu", p.material.nu, NumberCodec{pure, any_number}, required,
-        "Poisson's ratio, > -1 and <= 0.5 (short-cylinder: < 0.5, shell: < 1/3)");
-  check_poisson(t, p);
+        "stands for a thin wall, at any length; parallel: from stiffnesses per area, at any length");
+  const bool is_parallel = p.theory == BondTheory::parallel;
+  t.when(!is_parallel, "theory = \"bernoulli-euler\", \"timoshenko\", \"short-cylinder\" or \"shell\"", [&] {
+    t.key("E", p.material.E, positive(stress), required, "Young's modulus");
+    t.key("nu", p.material.nu, NumberCodec{pure, any_number}, required,
+          "Poisson's ratio, > -1 and <= 0.5 (short-cylinder: < 0.5, shell: < 1/3)");
+    check_poisson(t, p);
+  });
+  t.when(is_parallel, "theory = \"parallel\"", [&] { describe_per_area(t, p); });
   SectionForm form;
-  t.when(p.theory != BondTheory::shell, "theory = \"bernoulli-euler\", \"timoshenko\" or \"short-cylinder\"",
-         [&] {
+  form.of_radii = p.of_radii;
+  if (form.of_radii.any()) form.shape = Shape::circle;
+  t.when(p.theory != BondTheory::shell,
+         "theory = \"bernoulli-euler\", \"timoshenko\", \"short-cylinder\" or \"parallel\"", [&] {
            t.table("section", required, "cross-section of the bond",
-                   [&](Table& s) { describe_form(s, form, p.section); });
+                   [&](Table& s) { describe_form(s, form, p.section, true); });
+           p.of_radii = form.of_radii;
          });
   t.when(p.theory == BondTheory::shell, "theory = \"shell\"", [&] {
     t.key("thickness", p.thickness, positive(length), required,

@@ -88,6 +88,9 @@ void describe_softening(Table& t, BondSpec& b) {
         [&](Table& k) { describe_section(k, s.section ? *s.section : s.section.emplace()); },
         s.section.has_value());
   });
+  t.check(theory == nullptr || !theory->of_radii.any(), {"tension", "fracture_energy"},
+          "bonds that soften have one section: it cannot follow the radii of particles",
+          "give the section a diameter in place of factor, or leave softening out");
   const Section section = theory ? theory->section : s.section.value_or(Section{});
   b.recipe.rules.softening = {section.A * s.tension, 2.0 * s.fracture_energy / s.tension};
 }

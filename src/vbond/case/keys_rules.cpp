@@ -123,7 +123,7 @@ Strength resolve(const StrengthSpec& s, const Section& section) {
       return stress_strength(section, s.tension, s.shear, s.moment_share, s.compression);
     case Criterion::fibre: return fibre_strength(section, s.tension, s.shear, s.compression);
     case Criterion::mohr_coulomb:
-      return mohr_coulomb_strength(section, s.cohesion, std::tan(s.friction_angle), s.tension);
+      return mohr_coulomb_strength(section, s.cohesion, std::tan(s.friction_angle), s.tension, s.moments);
     case Criterion::linear:
       return linear_strength(s.axial_force, s.shear_force, s.bending_moment, s.torque,
                              s.compression_relieves);
@@ -157,6 +157,9 @@ void describe_limits(Table& t, StrengthSpec& s) {
     t.key("friction_angle", s.friction_angle, NumberCodec{angle, {0, 1.5, false, true}}, required,
           "its tangent times the compression adds to the shear strength");
     t.key("tension_limit", s.tension, positive(keys::stress), required, "tensile strength: the cut-off");
+    t.key("moment_share", s.moments, NumberCodec{pure, {0, 1, false, false}},
+          default_is("1 of the torque, 0 of the bending moment"),
+          "part of torque and bending moment that counts; bending adds to the tension");
   });
   t.when(s.criterion == linear || s.criterion == quadratic, "criterion = \"linear\" or \"quadratic\"", [&] {
     t.key("axial_force", s.axial_force, positive(force), required, "tension that breaks alone");
@@ -204,7 +207,8 @@ void describe_strength(Table& t, BondSpec& b) {
         [&](Table& k) { describe_section(k, s.section ? *s.section : s.section.emplace()); },
         s.section.has_value());
   });
-  const Section section = theory ? theory->section : s.section.value_or(Section{});
+  const bool own = theory && theory->of_radii.any();
+  const Section section = own ? unit_section : theory ? theory->section : s.section.value_or(Section{});
   t.check(!needs_section(s.criterion) || section.r > 0.0, {"criterion", "section"},
           "stresses need a section with the distance of its outermost fibre",
           theory ? "with shape = \"given\": add radius to the section of the theory"
@@ -213,6 +217,7 @@ void describe_strength(Table& t, BondSpec& b) {
           "a volume needs the area of a section", "add section, or leave out volume");
   weibull.area = section.A;
   b.recipe.rules.strength = resolve(s, section);
+  if (own && needs_section(s.criterion)) b.recipe.rules.strength.own_section = true;
 }
 
 }  // namespace

@@ -469,8 +469,9 @@ bool AttachCodec::read(const Node& n, ReadContext& in, const std::string& path, 
   };
   if (const auto* word = std::get_if<std::string>(&n.value); word && word->find_first_of("0123456789") > 2) {
     std::size_t index = 0;
-    if (!read_word(n, in, path, {"centres", "surfaces"}, index)) return false;
-    out.attachment = index == 0 ? Attachment::centres : Attachment::surfaces;
+    if (!read_word(n, in, path, {"centres", "surfaces", "neck"}, index)) return false;
+    constexpr std::array all{Attachment::centres, Attachment::surfaces, Attachment::neck};
+    out.attachment = all[index];
     out.R_i = out.R_j = 0;
     return true;
   }
@@ -490,6 +491,7 @@ std::string AttachCodec::write(const BondRecipe& r) const {
   switch (r.attachment) {
     case Attachment::centres: return "\"centres\"";
     case Attachment::surfaces: return "\"surfaces\"";
+    case Attachment::neck: return "\"neck\"";
     case Attachment::given: break;
   }
   return "[" + number_text(r.R_i) + ", " + number_text(r.R_j) + "]";

@@ -316,10 +316,10 @@ struct FixCodec {
 struct AttachCodec {
   bool read(const Node& n, ReadContext& in, const std::string& path, BondRecipe& out) const;
   std::string write(const BondRecipe& r) const;
-  std::string type() const { return "\"centres\", \"surfaces\", length >= 0, or [R_i, R_j]"; }
+  std::string type() const { return "\"centres\", \"surfaces\", \"neck\", length >= 0, or [R_i, R_j]"; }
   std::string schema() const {
-    return any_of(
-        {enum_schema({"centres", "surfaces"}), from_zero.schema(), list_schema(from_zero.schema(), 2, 2)});
+    return any_of({enum_schema({"centres", "surfaces", "neck"}), from_zero.schema(),
+                   list_schema(from_zero.schema(), 2, 2)});
   }
   std::string example(UnitSystem) const { return "\"centres\""; }
 };

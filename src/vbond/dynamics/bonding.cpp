@@ -35,7 +35,7 @@ Bond bond_between(const BondRecipe& recipe, const Model& model, const State& s, 
   }
   throw Diverged(s.clock.step, s.clock.time(), pair_name(i, j),
                  "came within bonding distance, but their bonded points are no apart (a <= 0)",
-                 "attach the bonds at the centres, or bond at a larger distance than R_i + R_j");
+                 "attach the bonds at the centres or by necks, or bond at a larger distance than R_i + R_j");
 }
 
 }  // namespace
@@ -51,8 +51,18 @@ Bonding::Bonding(const Model& model, const Stage& stage, const Order& order, con
                index.bonded(p, o, order.image(j) - order.image(i));
       });
     };
-    const PerRow<double> half(order.known, 0.5 * rule.distance);
-    rules_.push_back({&rule, NeighbourList(half, 0.2 * rule.distance, keep)});
+    PerRow<double> half(order.known, 0.5 * rule.distance);
+    double mean = 0.0, largest = 0.0;
+    for (const ParticleId p : model.radius.ids())
+      mean += model.radius[p] / static_cast<double>(model.particles()),
+          largest = std::max(largest, model.radius[p]);
+    if (rule.factor > 0.0)
+      for (const Row k : half.ids()) {
+        const double R = model.radius[order.particle[k]];
+        half[k] = 0.5 * rule.reach(R, R);
+      }
+    rules_.push_back(
+        {&rule, NeighbourList(half, 0.2 * rule.reach(mean, mean), keep), rule.reach(largest, largest)});
   }
 }
 
@@ -76,6 +86,11 @@ bool Bonding::holds(const BondRecipe& recipe, std::span<const PoseRow> pose, Row
   return !bond || !breaks_as_made(*bond, site(i), site(j));
 }
 
+bool Bonding::within_reach(const BondingRule& rule, std::span<const PoseRow> pose, Row i, Row j) const {
+  const auto R = [this](Row k) { return model_.radius[order_.particle[k]]; };
+  return norm2(between(pose[i.value], pose[j.value])) <= sq(rule.reach(R(i), R(j)));
+}
+
 std::vector<Bonding::Pair> Bonding::find(std::span<const PoseRow> pose, const Team& team) {
   std::vector<Pair> found;
   std::set<std::tuple<ParticleId, ParticleId, Image>> taken;  // by this rule or an earlier one
@@ -84,12 +99,14 @@ std::vector<Bonding::Pair> Bonding::find(std::span<const PoseRow> pose, const Te
     list.near.refresh(pose, team);
     for (std::size_t k = 0; k < pose.size(); ++k)
       for (const Row j : list.near.of(Row{k})) {
-        if (j.value < k || norm2(between(pose[k], pose[j.value])) > sq(list.rule->distance)) continue;
+        if (j.value < k || !within_reach(*list.rule, pose, Row{k}, j)) continue;
         const bool in_order = order_.image_of(Row{k}) < order_.image_of(j);
         const Row first = in_order ? Row{k} : j, second = in_order ? j : Row{k};
         if (list.rule->recipe.prestrain != 0.0 && !holds(list.rule->recipe, pose, first, second)) continue;
         const auto [p, image_p] = order_.image_of(first);
         const auto [o, image_o] = order_.image_of(second);
+        const BondShare& share = list.rule->share;
+        if (share.part < 1.0 && !(pair_variate(share.seed, p, o, image_o - image_p) < share.part)) continue;
         if (taken.insert({p, o, image_o}).second) found.push_back({number, p, o, image_o});
       }
   }

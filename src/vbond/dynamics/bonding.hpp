@@ -35,7 +35,7 @@ class Bonding {
   /// Pairs that are nearer than this are listed.  [length]
   double reach() const {
     double most = 0.0;
-    for (const RuleList& list : rules_) most = std::max(most, 1.2 * list.rule->distance);
+    for (const RuleList& list : rules_) most = std::max(most, 1.2 * list.farthest);
     return most;
   }
   /// Every pair without a bond that a rule joins and that is close enough, once, in the order of rules, then
@@ -55,7 +55,9 @@ class Bonding {
   struct RuleList {
     const BondingRule* rule;
     NeighbourList near;
+    double farthest;  ///< of all pairs that it may bond  [length]
   };
+  bool within_reach(const BondingRule& rule, std::span<const PoseRow> pose, Row i, Row j) const;
   void check_step(const State& state) const;
   bool holds(const BondRecipe& recipe, std::span<const PoseRow> pose, Row i, Row j) const;
 

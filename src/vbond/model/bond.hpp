@@ -98,19 +98,49 @@ struct GivenCoefficients {
   Coefficients values{};
 };
 
-enum class BondTheory : std::uint8_t { bernoulli_euler, timoshenko, short_cylinder, shell };
+enum class BondTheory : std::uint8_t { bernoulli_euler, timoshenko, short_cylinder, shell, parallel };
+
+/// A full circle for each pair: its radius is this factor times the smaller radius of the two particles, or
+/// their mean.
+struct SectionOfRadii {
+  double factor = 0;  ///< > 0; 0: all bonds have one section
+  bool of_mean = false;
+  bool any() const { return factor > 0.0; }
+};
+
+/// Stiffnesses per area of bonds of theory `parallel`.
+struct PerArea {
+  double k_n = 0, k_s = 0;              ///< [force/length^3]; both 0: k_n = E/(R_i + R_j), k_s = k_n/ratio
+  double ratio = 0;                     ///< k_n/k_s, > 0
+  double grain_k_n = 0, grain_k_s = 0;  ///< of each grain, in series; 0: grains are rigid  [force/length^3]
+  bool of_modulus() const { return ratio > 0.0; }
+};
 
 /// Elastic constants and section; kappa is used by Timoshenko only. A shell has a thickness and no section.
 struct TheoryParameters {
   BondTheory theory = BondTheory::bernoulli_euler;
   Material material{};
   Section section{};
-  double kappa = 0;      ///< shear coefficient, > 0
-  double thickness = 0;  ///< of the wall, > 0; shell only  [length]
+  double kappa = 0;              ///< shear coefficient, > 0
+  double thickness = 0;          ///< of the wall, > 0; shell only  [length]
+  SectionOfRadii of_radii = {};  ///< if any, in place of the section
+  PerArea per_area = {};         ///< parallel only
 };
 
-/// Where a bond is fastened: at the centres, at the surfaces, or at given distances from the centres.
-enum class Attachment : std::uint8_t { centres, surfaces, given };
+/// Radii of the two particles of a bond, 0 where a particle has none.  [length]
+struct BondRadii {
+  double i = 0, j = 0;
+};
+
+/// The section of a bond between particles of these radii.
+constexpr Section section_of(const TheoryParameters& t, const BondRadii& R) {
+  if (!(t.of_radii.factor > 0.0)) return t.section;
+  return circle(2.0 * t.of_radii.factor * (t.of_radii.of_mean ? 0.5 * (R.i + R.j) : R.i < R.j ? R.i : R.j));
+}
+
+/// Where a bond is fastened: at the centres, at the surfaces, or at given distances from the centres. neck:
+/// with its middle between the surfaces, as long as the cement in its section; see neck_length.
+enum class Attachment : std::uint8_t { centres, surfaces, given, neck };
 
 /// What is given of a bond's damping, for stretching, shear, bending and torsion in turn.
 enum class DampingBy : std::uint8_t {
@@ -156,6 +186,12 @@ struct BondRecipe {
   bool capsule = false;       ///< its bonds touch as capsules
   double capsule_radius = 0;  ///< of these; 0: the smaller radius of each bond's particles  [length]
 
+  /// Whether its bonds follow the radii of their particles, which then must have some.
+  bool needs_radii() const {
+    const auto* theory = std::get_if<TheoryParameters>(&parameters);
+    return attachment == Attachment::surfaces || attachment == Attachment::neck ||
+           (theory && (theory->of_radii.any() || theory->per_area.of_modulus()));
+  }
   /// Whether its bonds need the law with rules.
   bool has_rules() const {
     return rules != no_rules || damping.by != DampingBy::none || weibull.modulus > 0.0;

@@ -21,6 +21,13 @@ struct BondEvent {
   Vec3d middle{}, direction{};   ///< between its bonded points: place [length] and unit vector from i to j
 };
 
+/// By what a bond has broken, from its shares of strength and its axial force.
+inline BreakCause break_cause_of(const Bond& b, const Failure<double>& f, double N) {
+  const Strength strength = b.law->has_rules ? b.rules->strength : Strength{};
+  const double per_N = strength.own_section ? stress_per_load(b.law->stiffness(b)).force : 1.0;
+  return break_cause(strength, f, per_N * N, strength_factor(b));
+}
+
 /// What is to be told of a bond that breaks as it stands: particle i at r_i.
 inline BondEvent breaking_event(const Bond& b, BondId k, std::int64_t step, const Vec3d& r_i,
                                 const BondPose<double>& pose, const BondHistory& history) {
@@ -31,8 +38,7 @@ inline BondEvent breaking_event(const Bond& b, BondId k, std::int64_t step, cons
   e.energy = U.U_L + U.U_B + U.U_T;
   e.failure = b.law->failure(b, pose, history);
   e.loads = section_loads(section_moments(pose, b.R_i, b.R_j, loads), axis, loads);
-  e.cause = break_cause(b.law->has_rules ? b.rules->strength : Strength{}, e.failure, e.loads.N,
-                        strength_factor(b));
+  e.cause = break_cause_of(b, e.failure, e.loads.N);
   e.middle = r_i + b.R_i * pose.n_i[0] + 0.5 * axis.D * axis.d;
   e.direction = axis.d;
   return e;

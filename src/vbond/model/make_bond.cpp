@@ -13,14 +13,31 @@
 namespace vbond {
 namespace {
 
-BondStiffness<double> stiffness_of(const TheoryParameters& t, double a) {
+BondStiffness<double> parallel_of(const TheoryParameters& t, const Section& s, const BondRadii& R) {
+  const PerArea& p = t.per_area;
+  double k_n = p.k_n, k_s = p.k_s;
+  if (p.of_modulus()) k_n = t.material.E / (R.i + R.j), k_s = k_n / p.ratio;
+  if (p.grain_k_n > 0.0) k_n = between_grains(k_n, p.grain_k_n);
+  if (p.grain_k_s > 0.0) k_s = between_grains(k_s, p.grain_k_s);
+  return parallel_bond(k_n, k_s, s);
+}
+
+BondStiffness<double> stiffness_of(const TheoryParameters& t, double a, const BondRadii& R) {
+  const Section s = section_of(t, R);
   switch (t.theory) {
-    case BondTheory::bernoulli_euler: return bernoulli_euler(t.material, t.section, a);
-    case BondTheory::timoshenko: return timoshenko(t.material, t.section, a, t.kappa);
-    case BondTheory::short_cylinder: return short_cylinder(t.material, t.section, a);
+    case BondTheory::bernoulli_euler: return bernoulli_euler(t.material, s, a);
+    case BondTheory::timoshenko: return timoshenko(t.material, s, a, t.kappa);
+    case BondTheory::short_cylinder: return short_cylinder(t.material, s, a);
     case BondTheory::shell: return shell(t.material, t.thickness);
+    case BondTheory::parallel: return parallel_of(t, s, R);
   }
   return {};
+}
+
+/// The radius of the section that a neck has; 0 if the recipe has no round section.
+double neck_radius(const BondRecipe& recipe, const BondRadii& R) {
+  const auto* theory = std::get_if<TheoryParameters>(&recipe.parameters);
+  return theory ? section_of(*theory, R).r : 0.0;
 }
 
 /// Damping by ratio: reduced mass of stretching, inertia of bending and torsion, and for shear what the two
@@ -48,16 +65,20 @@ std::array<double, 4> damping_of(const BondDamping& damping, const BondSite& i, 
   return g;
 }
 
-/// A number of [0, 1) that depends on the seed and the two particles alone (SplitMix64, Steele et al. 2014).
-double variate(std::uint64_t seed, ParticleId i, ParticleId j) {
-  std::uint64_t x = seed;
-  for (const std::size_t more : {std::min(i, j).value, std::max(i, j).value}) {
-    x += 0x9e3779b97f4a7c15 + more;
-    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
-    x = (x ^ (x >> 27)) * 0x94d049bb133111eb;
-    x ^= x >> 31;
-  }
+/// The next state of SplitMix64 (Steele et al. 2014), which takes up one more number.
+std::uint64_t mixed(std::uint64_t x, std::uint64_t more) {
+  x += 0x9e3779b97f4a7c15 + more;
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111eb;
+  return x ^ (x >> 31);
+}
+double from_0_to_1(std::uint64_t x) {
   return static_cast<double>(x >> 11) * 0x1p-53;
+}
+
+/// A number of [0, 1) that depends on the seed and the two particles alone.
+double variate(std::uint64_t seed, ParticleId i, ParticleId j) {
+  return from_0_to_1(mixed(mixed(seed, std::min(i, j).value), std::max(i, j).value));
 }
 
 /// What a bond of a law with rules has besides its stiffness.
@@ -72,13 +93,15 @@ void add_rules(const BondRecipe& recipe, const BondSite& i, const BondSite& j, B
   }
   if (recipe.weibull.modulus > 0.0) {
     const double u = variate(recipe.weibull.seed, i.id, j.id);
-    coefficient_of(b, RuleCoefficient::weakness) =
-        1.0 / weibull_factor(recipe.weibull, u, recipe.weibull.area * b.a) - 1.0;
+    const auto* theory = std::get_if<TheoryParameters>(&recipe.parameters);
+    const double A =
+        theory && theory->of_radii.any() ? section_of(*theory, {i.radius, j.radius}).A : recipe.weibull.area;
+    coefficient_of(b, RuleCoefficient::weakness) = 1.0 / weibull_factor(recipe.weibull, u, A * b.a) - 1.0;
   }
 }
 
 /// A bond with its coefficients and lengths; ends and axes are still to be filled in.
-Bond with_coefficients(const BondRecipe& recipe, double a, double R_i, double R_j) {
+Bond with_coefficients(const BondRecipe& recipe, double a, double R_i, double R_j, const BondRadii& radii) {
   Bond b{};
   b.law = recipe.has_rules() ? with_rules(*recipe.law, recipe.rules) : recipe.law;
   if (b.law == nullptr)
@@ -93,8 +116,8 @@ Bond with_coefficients(const BondRecipe& recipe, double a, double R_i, double R_
   if (const auto* given = std::get_if<GivenCoefficients>(&recipe.parameters))
     b.coefficients = given->values;
   else
-    b.coefficients = recipe.law->from_stiffness(stiffness_of(recipe, a), recipe.reference_length.value_or(a),
-                                                recipe.given);
+    b.coefficients = recipe.law->from_stiffness(stiffness_of(recipe, a, radii),
+                                                recipe.reference_length.value_or(a), recipe.given);
   return b;
 }
 
@@ -104,11 +127,34 @@ BondStiffness<double> stiffness_of(const Bond& bond) {
   return bond.law->stiffness(bond);
 }
 
-BondStiffness<double> stiffness_of(const BondRecipe& recipe, double a) {
+BondStiffness<double> stiffness_of(const BondRecipe& recipe, double a, const BondRadii& radii) {
   const double a_ref = recipe.reference_length.value_or(a);
   if (const auto* c = std::get_if<BondStiffness<double>>(&recipe.parameters)) return *c;
-  if (const auto* t = std::get_if<TheoryParameters>(&recipe.parameters)) return stiffness_of(*t, a_ref);
-  return stiffness_of(with_coefficients(recipe, a, 0.0, 0.0));
+  if (const auto* t = std::get_if<TheoryParameters>(&recipe.parameters))
+    return stiffness_of(*t, a_ref, radii);
+  return stiffness_of(with_coefficients(recipe, a, 0.0, 0.0, radii));
+}
+
+BondLengths bond_lengths(const BondRecipe& recipe, double distance, const BondRadii& radii) {
+  switch (recipe.attachment) {
+    case Attachment::centres: return {distance, 0.0, 0.0};
+    case Attachment::given: return {distance - recipe.R_i - recipe.R_j, recipe.R_i, recipe.R_j};
+    case Attachment::surfaces: return {distance - radii.i - radii.j, radii.i, radii.j};
+    case Attachment::neck: break;
+  }
+  const double gap = distance - radii.i - radii.j, r = neck_radius(recipe, radii);
+  const double a = neck_length(gap, r, radii.i, radii.j), inwards = 0.5 * (gap - a);
+  return {a, radii.i + inwards, radii.j + inwards};
+}
+
+double pair_variate(std::uint64_t seed, ParticleId i, ParticleId j, const Image& image_j) {
+  constexpr std::uint64_t of_shares = 0x5348415245;
+  const bool in_order = i < j || (i == j && image_j > -image_j);
+  const Image n = in_order ? image_j : -image_j;
+  std::uint64_t x = mixed(seed, of_shares);
+  for (const std::size_t p : {std::min(i, j).value, std::max(i, j).value}) x = mixed(x, p);
+  for (const auto k : {n.a, n.b, n.c}) x = mixed(x, static_cast<std::uint64_t>(k));
+  return from_0_to_1(x);
 }
 
 double weibull_factor(const Weibull& weibull, double u, double V) {
@@ -129,15 +175,14 @@ Vec3d bond_n_2(const Vec3d& e, const std::optional<Vec3d>& wanted) {
 std::optional<Bond> make_bond(const BondRecipe& recipe, const BondSite& i, const BondSite& j) {
   const Vec3d r_ij = between(i.r, j.r);
   const double distance = norm(r_ij);
-  double R_i = recipe.R_i, R_j = recipe.R_j;
-  if (recipe.attachment == Attachment::centres) R_i = R_j = 0.0;
-  if (recipe.attachment == Attachment::surfaces) R_i = i.radius, R_j = j.radius;
-  const double a = (distance - R_i - R_j) / (1.0 + recipe.prestrain);
+  const BondRadii radii{i.radius, j.radius};
+  const BondLengths lengths = bond_lengths(recipe, distance, radii);
+  const double a = lengths.a / (1.0 + recipe.prestrain);
   if (!(a > 0.0)) return std::nullopt;
 
   const Vec3d e_ij = r_ij / distance;
   const Vec3d n_2 = bond_n_2(e_ij, recipe.n_2);
-  Bond b = with_coefficients(recipe, a, R_i, R_j);
+  Bond b = with_coefficients(recipe, a, lengths.R_i, lengths.R_j, radii);
   b.i = i.id;
   b.j = j.id;
   b.image_j = j.image - i.image;
@@ -171,8 +216,9 @@ bool breaks_by_prestrain(const BondingRule& rule, const Model& model) {
       if (in[p.value]) R = std::min(R, model.radius[p]);
     return R;
   };
-  const BondSite i{ParticleId{0}, {}, {}, smallest(rule.in_a), 1.0, 1.0},
-      j{ParticleId{1}, {rule.distance, 0, 0}, {}, smallest(rule.in_b), 1.0, 1.0};
+  const double R_i = smallest(rule.in_a), R_j = smallest(rule.in_b);
+  const BondSite i{ParticleId{0}, {}, {}, R_i, 1.0, 1.0},
+      j{ParticleId{1}, {rule.reach(R_i, R_j), 0, 0}, {}, R_j, 1.0, 1.0};
   return breaks_by_prestrain(rule.recipe, i, j);
 }
 

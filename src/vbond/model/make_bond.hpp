@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <optional>
 
 #include "vbond/core/quat.hpp"
@@ -37,8 +38,19 @@ bool breaks_by_prestrain(const BondRecipe& recipe, const BondSite& i, const Bond
 /// The same of the longest bond that a rule makes, which its prestrain pulls most.
 bool breaks_by_prestrain(const BondingRule& rule, const Model& model);
 
-/// The stiffnesses a recipe gives to a bond of length a > 0 (of its reference length, if it has one).
-BondStiffness<double> stiffness_of(const BondRecipe& recipe, double a);
+/// The stiffnesses a recipe gives to a bond of length a > 0 (of its reference length, if it has one) between
+/// particles of these radii, which count only where it needs_radii().
+BondStiffness<double> stiffness_of(const BondRecipe& recipe, double a, const BondRadii& radii = {});
+
+/// Length and attachment distances of a bond whose particles are so far apart.  [length]
+struct BondLengths {
+  double a, R_i, R_j;  ///< a: before its prestrain; <= 0, or no number: no length is left
+};
+BondLengths bond_lengths(const BondRecipe& recipe, double distance, const BondRadii& radii);
+
+/// A number of [0, 1) that depends on the seed and the pair alone, whichever end comes first: for choosing a
+/// share of pairs. Independent of the factors of strength of the same seed.
+double pair_variate(std::uint64_t seed, ParticleId i, ParticleId j, const Image& image_j = {});
 
 /// The stiffnesses of a bond about rest, from its coefficients.
 BondStiffness<double> stiffness_of(const Bond& bond);

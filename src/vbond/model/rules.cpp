@@ -28,6 +28,7 @@ void visit(Rules& r, F f) {
   f(strength.axial), f(strength.shear), f(strength.bending), f(strength.torsion), f(strength.friction);
   f(strength.compression), f(strength.compression_bending), f(strength.signed_axial);
   f(strength.tension_limit), f(strength.shear_limit), f(strength.compression_limit);
+  f(strength.own_section);
   f(damped);
   for (auto* limits : {&yield.limit, &yield.isotropic, &yield.kinematic})
     f(limits->axial), f(limits->shear), f(limits->bending), f(limits->torsion);

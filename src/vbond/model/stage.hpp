@@ -77,12 +77,34 @@ struct Heating {
   TimeFunction factor = {};
 };
 
-/// Bonds made during the run: a pair of the two groups that comes within `distance` is bonded.
+/// How near two particles must be to be bonded: centres no farther apart than distance + factor (R_i + R_j).
+/// By centres: factor 0; by the gap of surfaces: factor 1; by a factor of the radii: distance 0.
+struct BondReach {
+  double distance = 0;  ///< [length]
+  double factor = 0;
+  /// Spheres that touch but for rounding do touch: 1e-9 of the radii is within reach.
+  double operator()(double R_i, double R_j) const {
+    constexpr double rounding = 1e-9;
+    return factor > 0.0 ? distance + (factor + rounding) * (R_i + R_j) : distance;
+  }
+};
+
+/// Which part of all pairs is bonded, by a number of each pair.
+struct BondShare {
+  double part = 1;  ///< > 0, <= 1
+  std::uint64_t seed = 1;
+};
+
+/// Bonds made during the run: a pair of the two groups that comes within reach is bonded.
 struct BondingRule {
   std::string name;              ///< of the bond set, for reports
   std::vector<char> in_a, in_b;  ///< per particle: belongs to the first / second group
-  double distance = 0;           ///< between centres  [length]
+  double distance = 0;           ///< with the factor: how near they must be, see BondReach  [length]
   BondRecipe recipe;
+  double factor = 0;  ///< of the sum of the radii
+  BondShare share = {};
+
+  double reach(double R_i, double R_j) const { return BondReach{distance, factor}(R_i, R_j); }
 };
 
 /// Stop when the distance between two particles passes a value.

@@ -248,9 +248,19 @@ std::vector<std::string> mistakes_in(const Model& model, const Stage& stage) {
     const std::string rule = "bonding rule \"" + r.name + "\"";
     found.require_sizes(rule, "a bonding rule must say of each particle if it is meant",
                         {{"in_a", r.in_a.size()}, {"in_b", r.in_b.size()}});
-    found.require(above_zero(r.distance),
+    found.require(above_zero(r.distance) || (r.distance == 0.0 && above_zero(r.factor)),
                   fmt::format("{} has distance = {}: it must be > 0", rule, r.distance));
+    found.require(r.factor == 0.0 || above_zero(r.factor),
+                  fmt::format("{} has factor = {}: it must be >= 0", rule, r.factor));
+    found.require(r.share.part > 0.0 && r.share.part <= 1.0,
+                  fmt::format("{} has share = {}: it must be > 0 and <= 1", rule, r.share.part));
     const std::size_t n = model.particles();
+    if (r.in_a.size() == n && r.in_b.size() == n && (r.factor > 0.0 || r.recipe.needs_radii())) {
+      bool all = true;
+      for (const ParticleId p : model.radius.ids())
+        all = all && (!(r.in_a[p.value] || r.in_b[p.value]) || model.radius[p] > 0.0);
+      found.require(all, rule + ": its bonds follow the radii of particles, and some have none");
+    }
     found.require(r.in_a.size() != n || r.in_b.size() != n || !breaks_by_prestrain(r, model),
                   rule + ": its prestrain alone breaks its bonds as they are made");
   }

@@ -81,16 +81,15 @@ double lambda_of_rule(const Model& model, const BondingRule& rule, std::string& 
       }
     return e;
   };
-  double R_i = 0.0, R_j = 0.0;
-  BondEnd i = lightest(rule.in_a, R_i), j = lightest(rule.in_b, R_j);
-  if (rule.recipe.attachment == Attachment::centres) R_i = R_j = 0.0;
-  if (rule.recipe.attachment == Attachment::given) R_i = rule.recipe.R_i, R_j = rule.recipe.R_j;
-  const double left = rule.distance - R_i - R_j;
+  BondRadii radii;  // the largest
+  BondEnd i = lightest(rule.in_a, radii.i), j = lightest(rule.in_b, radii.j);
+  const double reach = rule.reach(radii.i, radii.j);
+  const BondLengths lengths = bond_lengths(rule.recipe, reach, radii);
   // particles of different size may leave no length at the rule's distance; then nothing is known yet
-  const double a = left > 0.0 ? left : rule.distance;
-  i.lever = R_i + 0.5 * a;
-  j.lever = R_j + 0.5 * a;
-  const BondStiffness<double> c = stiffness_of(rule.recipe, a);
+  const double a = lengths.a > 0.0 ? lengths.a : reach;
+  i.lever = lengths.R_i + 0.5 * a;
+  j.lever = lengths.R_j + 0.5 * a;
+  const BondStiffness<double> c = stiffness_of(rule.recipe, a, radii);
   const double lambda = element_bound(c, i, j);
   motion = motion_of(c, {}, i, j, lambda);
   return lambda;

@@ -54,8 +54,7 @@ void BreaksObserver::add_breaks_at_rest(const Clock& start, const State& state,
     e.failure = {s.tension, s.shear, s.bending, s.torsion, s.compression, b.use.utilisation};
     e.loads = {b.section.N, b.section.V, b.section.M_b, b.section.M_t};
     e.middle = b.middle, e.direction = b.direction;
-    e.cause = break_cause(bond.law->has_rules ? bond.rules->strength : Strength{}, e.failure, e.loads.N,
-                          strength_factor(bond));
+    e.cause = break_cause_of(bond, e.failure, e.loads.N);
     breaks_->write(then, bond, e, std::abs(b.load));
   }
 }

@@ -14,7 +14,8 @@ struct BreakCause {
   double limit = 0;
 };
 
-/// failure: of the bond as it broke; N: its axial force; factor: of its own strength.
+/// failure: of the bond as it broke; N: its axial force, its axial stress if the bonds have sections of their
+/// own; factor: of its own strength.
 inline BreakCause break_cause(const Strength& s, const Failure<double>& f, double N, double factor) {
   using enum BreakMode;
   const BreakMode pulled = f.bending > f.tension ? bending : tension;
@@ -23,8 +24,8 @@ inline BreakCause break_cause(const Strength& s, const Failure<double>& f, doubl
     case Criterion::none: return {};
     case Criterion::elongation: return {tension, 0.0};
     case Criterion::mohr_coulomb:
-      if (f.utilisation > f.tension) return {slid, s.shear_limit * (factor - s.friction * N)};
-      return {tension, factor * s.tension_limit};
+      if (f.utilisation > f.tension + f.bending) return {slid, s.shear_limit * (factor - s.friction * N)};
+      return {pulled, factor * s.tension_limit};
     case Criterion::stress:
     case Criterion::fibre: {
       const double pull = f.tension + f.bending, slide = f.shear + f.torsion;

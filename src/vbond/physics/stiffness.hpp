@@ -1,4 +1,5 @@
 #pragma once
+#include <cmath>
 #include <numbers>
 
 #include "vbond/core/scalar.hpp"
@@ -70,6 +71,28 @@ constexpr BondStiffness<double> timoshenko(const Material& m, const Section& s, 
 constexpr BondStiffness<double> short_cylinder(const Material& m, const Section& s, double a) {
   const double confined = (1.0 - m.nu) / ((1.0 + m.nu) * (1.0 - 2.0 * m.nu));
   return {confined * m.E * s.A / a, m.G() * s.A / a, confined * m.E * s.J / a, m.G() * s.J_p / a};
+}
+
+/// Springs spread over the section, k_n and k_s per area [force/length^3]: the parallel bond of [PC04], which
+/// has no length. c_D and c_B are those of the contact point, about which the bond is symmetric.
+constexpr BondStiffness<double> parallel_bond(double k_n, double k_s, const Section& s) {
+  return {s.A * k_n, s.A * k_s, s.J * k_n, s.J_p * k_s};
+}
+
+/// The stiffness of a bond k between two grains of stiffness of_grain each, one behind the other.
+constexpr double between_grains(double k, double of_grain) {
+  return 1.0 / (1.0 / k + 2.0 / of_grain);
+}
+
+/// The mean distance of the surfaces of two spheres, radii R_i and R_j, gap between them (< 0: they overlap),
+/// over a round section of radius r <= R_i, R_j about their axis: the volume of cement in it over its area.
+/// -> gap for r -> 0; gap + r^2 (1/R_i + 1/R_j)/4 for r << R.  [length]
+inline double neck_length(double gap, double r, double R_i, double R_j) {
+  const auto recess = [r](double R) {  // mean of R - sqrt(R^2 - rho^2): with c = sqrt(1 - (r/R)^2)
+    const double x = sq(r / R), c = std::sqrt(1.0 - x);
+    return R * x * (1.0 + 2.0 * c) / (3.0 * sq(1.0 + c));
+  };
+  return gap + recess(R_i) + recess(R_j);
 }
 
 /// A bond of a triangular sheet that stands for a thin wall of thickness h, whatever the bond's length: with

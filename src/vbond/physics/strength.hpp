@@ -1,5 +1,8 @@
 #pragma once
+#include <cmath>
 #include <cstdint>
+#include <numbers>
+#include <optional>
 
 #include "vbond/core/scalar.hpp"
 #include "vbond/physics/section.hpp"
@@ -13,7 +16,7 @@ namespace vbond {
 enum class Criterion : std::uint8_t {
   none,
   stress,        ///< N/A + b M_b r/J or V/A + b |M_t| r/J_p  (Potyondy & Cundall 2004; b: Potyondy 2011)
-  mohr_coulomb,  ///< V/A + |M_t| r/J_p against c - (N/A) tan phi; N/A against a tension cut-off
+  mohr_coulomb,  ///< V/A + |M_t| r/J_p against c - (N/A) tan phi; N/A (+ b M_b r/J) against a cut-off
   linear,        ///< N/f + V/f_s + M_b/t_b + |M_t|/t_t >= 1  (Wang & Mora 2009)
   fibre,         ///< N/A + M_e r/J or 4V/3A + |M_t| r/J_p: the outermost fibre of a beam (Brown et al. 2014)
   quadratic,     ///< the sum of the squares of the same quotients as of `linear`
@@ -31,6 +34,8 @@ struct Strength {
   double compression = 0, compression_bending = 0;  ///< of -N and M_b, stress and fibre only; 0: no limit
   double signed_axial = 0;                          ///< linear: 1 counts N < 0 as relief, else 0
   double tension_limit = 0, shear_limit = 0, compression_limit = 0;  ///< stress: as given, for reports
+  /// The shares are those of stresses: each bond has the round section that its own stiffnesses tell.
+  bool own_section = false;
 
   friend constexpr bool operator==(const Strength&, const Strength&) = default;
 };
@@ -55,11 +60,13 @@ constexpr Strength fibre_strength(const Section& s, double tension, double shear
   to.shear *= 4.0 / 3.0;
   return to;
 }
-/// Cohesion and tension cut-off, > 0 [force/area]; tan_phi >= 0.
-constexpr Strength mohr_coulomb_strength(const Section& s, double cohesion, double tan_phi, double tension) {
-  Strength to = stress_strength(s, tension, cohesion);
+/// Cohesion and tension cut-off, > 0 [force/area]; tan_phi >= 0. b: the share of both moments that counts;
+/// without it torsion counts and bending does not.
+constexpr Strength mohr_coulomb_strength(const Section& s, double cohesion, double tan_phi, double tension,
+                                         std::optional<double> b = {}) {
+  Strength to = stress_strength(s, tension, cohesion, b.value_or(1.0));
   to.criterion = Criterion::mohr_coulomb;
-  to.bending = 0.0;
+  if (!b) to.bending = 0.0;
   to.friction = tan_phi / (s.A * cohesion);
   return to;
 }
@@ -92,6 +99,24 @@ constexpr Strength elongation_strength(double elongation) {
   return to;
 }
 
+/// A section on which loads are stresses: for limits of bonds that have sections of their own.
+inline constexpr Section unit_section{1.0, 1.0, 1.0, 1.0};
+
+/// The stresses that loads bring about: N/A, M_b r/J, M_t r/J_p per N, M_b, M_t.
+template <Scalar T>
+struct StressPerLoad {
+  T force;             ///< [1/length^2]
+  T bending, torsion;  ///< [1/length^3]
+};
+/// Of the full circle that a bond with these stiffnesses has: in every theory c_B/c_A = J/A = r^2/4.
+template <Scalar T>
+VBOND_HD StressPerLoad<T> stress_per_load(const BondStiffness<T>& c) {
+  using std::sqrt;
+  const T r2 = T(4.0) * c.c_B / c.c_A, per_A = T(std::numbers::inv_pi) / r2,
+          bending = T(4.0) * per_A / sqrt(r2);
+  return {per_A, bending, T(0.5) * bending};
+}
+
 /// Shares of the strength that tension, shear, bending and torsion use up, and all of them: 1 breaks.
 template <Scalar T>
 struct Failure {
@@ -112,8 +137,12 @@ VBOND_HD Failure<T> failure(const Strength& s, const BondStiffness<T>& c, const 
   const SectionMoments<T> m = section_moments(b, R_i, R_j, loads);
   const SectionLoads<T> l = section_loads(m, axis, loads);
   const T M_b = s.criterion == Criterion::fibre ? larger_end_moment(m, axis) : l.M_b;
-  const T N = per_factor * l.N, V = per_factor * l.V, M = per_factor * M_b,
-          M_t = per_factor * larger(l.M_t, -l.M_t);
+  T N = per_factor * l.N, V = per_factor * l.V, M = per_factor * M_b,
+    M_t = per_factor * larger(l.M_t, -l.M_t);
+  if (s.own_section) {
+    const StressPerLoad<T> stress = stress_per_load(c);
+    N = stress.force * N, V = stress.force * V, M = stress.bending * M, M_t = stress.torsion * M_t;
+  }
   const T pull = larger(N, zero);
   switch (s.criterion) {
     case Criterion::energy: {
@@ -134,8 +163,9 @@ VBOND_HD Failure<T> failure(const Strength& s, const BondStiffness<T>& c, const 
     case Criterion::mohr_coulomb: {
       const T left = one - T(s.friction) * N, beyond(1e300);
       const T per_left = where_greater(left, zero, one / left, beyond);
-      const T t = T(s.axial) * pull, v = T(s.shear) * V * per_left, twist = T(s.torsion) * M_t * per_left;
-      return {t, v, zero, twist, zero, larger(t, where_greater(left, zero, v + twist, beyond))};
+      const T t = T(s.axial) * pull, bend = T(s.bending) * M, v = T(s.shear) * V * per_left,
+              twist = T(s.torsion) * M_t * per_left;
+      return {t, v, bend, twist, zero, larger(t + bend, where_greater(left, zero, v + twist, beyond))};
     }
     default: {
       const T t = T(s.axial) * N, bend = T(s.bending) * M, v = T(s.shear) * V, twist = T(s.torsion) * M_t;

@@ -39,6 +39,7 @@ const char* name_of(BondTheory theory) {
     case BondTheory::timoshenko: return "Timoshenko";
     case BondTheory::short_cylinder: return "short cylinder";
     case BondTheory::shell: return "shell";
+    case BondTheory::parallel: return "parallel";
   }
   return "";
 }
@@ -62,6 +63,12 @@ struct ParametersInWords {
                        c.c_B, c.c_T);
   }
   std::string operator()(const TheoryParameters& p) const {
+    if (p.theory == BondTheory::parallel && !p.per_area.of_modulus())
+      return fmt::format("theory parallel, k_n = {:.6g}{}, k_s = {:.6g}{}", p.per_area.k_n,
+                         si ? " N/m^3" : "", p.per_area.k_s, si ? " N/m^3" : "");
+    if (p.theory == BondTheory::parallel)
+      return fmt::format("theory parallel, E = {:.6g}{}, k_n/k_s = {:.6g}", p.material.E, si ? " Pa" : "",
+                         p.per_area.ratio);
     return fmt::format("theory {}, E = {:.6g}{}, nu = {:.6g}{}", name_of(p.theory), p.material.E,
                        si ? " Pa" : "", p.material.nu, thickness(p));
   }

@@ -36,16 +36,25 @@ void require(double bytes, const Case& c, const RanksHere& ranks) {
        "take fewer ranks, or more machines, or vbond --threads N, which holds the body once"});
 }
 
+/// The largest distance at which the rule bonds a pair.  [length]
+double farthest(const BondingRule& rule, const Model& model) {
+  double R = 0.0;
+  for (const ParticleId p : model.radius.ids())
+    if (rule.in_a[p.value] || rule.in_b[p.value]) R = std::max(R, model.radius[p]);
+  return rule.reach(R, R);
+}
+
 /// Pairs that the rule joins and that have no bond yet.
 double pairs_now(const BondingRule& rule, const Model& model, const State& state) {
   const double most = memory_limit() / memory_use(model, state).per_bond;
-  const std::size_t all = pairs_within(state.r.values(), rule.distance, rule.in_a, rule.in_b, most,
-                                       state.cell, model.cell.periodic)
+  const std::size_t all = pairs_within(state.r.values(), model.radius.values(), {rule.distance, rule.factor},
+                                       rule.in_a, rule.in_b, most, state.cell, model.cell.periodic)
                               .size();
   const auto is_one = [&](const Bond& b) {
     const bool joins =
         (rule.in_a[b.i.value] && rule.in_b[b.j.value]) || (rule.in_a[b.j.value] && rule.in_b[b.i.value]);
-    return !b.broken && joins && norm(between(state, b)) <= rule.distance;
+    const double reach = rule.reach(model.radius[b.i], model.radius[b.j]);
+    return !b.broken && joins && norm(between(state, b)) <= reach;
   };
   const auto bonded = std::count_if(state.bonds.begin(), state.bonds.end(), is_one);
   return static_cast<double>(all) - static_cast<double>(bonded);
@@ -62,14 +71,15 @@ double pairs_ever(const BondingRule& rule) {
 
 BondsToCome bonds_to_come(const Case& c, const Run& run, const BondingRule& rule) {
   try {
-    return {rule.name, rule.distance, pairs_now(rule, run.model(), run.current()), pairs_ever(rule)};
+    return {rule.name, farthest(rule, run.model()), pairs_now(rule, run.model(), run.current()),
+            pairs_ever(rule)};
   } catch (const std::length_error&) {
     const auto set =
         std::find_if(c.bonds.begin(), c.bonds.end(), [&](const BondSpec& s) { return s.name == rule.name; });
     throw CaseError(Problem{
         set != c.bonds.end() ? set->place : SourcePlace{c.file, 0, 0},
         fmt::format("bonds \"{}\": more pairs are within {} as the run begins than there is memory for",
-                    rule.name, rule.distance),
+                    rule.name, farthest(rule, run.model())),
         "they would be bonded at once, and there may be " + memory_limit_in_words(),
         "use a little more than the spacing; is the distance in the right unit?"});
   }

@@ -21,7 +21,7 @@ void require_memory(const Case& c, const Model& model, const State& state);
 /// What a rule of bonding on approach may bond, as the particles stand now.
 struct BondsToCome {
   std::string name;   ///< of the bond set
-  double distance;    ///< [length]
+  double distance;    ///< the largest at which a pair is bonded  [length]
   double pairs_now;   ///< within it
   double pairs_ever;  ///< that it may bond at all
 };

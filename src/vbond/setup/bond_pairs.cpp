@@ -13,6 +13,7 @@
 
 #include "vbond/core/images.hpp"
 #include "vbond/core/memory.hpp"
+#include "vbond/model/make_bond.hpp"
 #include "vbond/setup/csv_table.hpp"
 #include "vbond/setup/groups.hpp"
 #include "vbond/setup/text_file.hpp"
@@ -66,26 +67,56 @@ struct Selection {
   }
 
   std::vector<Pair> operator()(const WithinDistance& within) {
-    if (!(within.distance > 0.0)) {
+    if (!(within.distance > 0.0)) return refuse_value("distance", within.distance, "must be > 0");
+    return near_pairs({within.distance, 0.0}, fmt::format("{}", within.distance), "distance");
+  }
+  std::vector<Pair> operator()(const WithinGap& within) {
+    if (!(within.gap >= 0.0)) return refuse_value("gap", within.gap, "must be >= 0");
+    if (lacks_radii("gap")) return {};
+    return near_pairs({within.gap, 1.0}, fmt::format("a gap of {}", within.gap), "gap");
+  }
+  std::vector<Pair> operator()(const WithinFactor& within) {
+    if (!(within.factor > 0.0)) return refuse_value("gap_factor", within.factor, "must be > 0");
+    if (lacks_radii("gap_factor")) return {};
+    return near_pairs({0.0, within.factor}, fmt::format("{} (R_i + R_j)", within.factor), "gap_factor");
+  }
+
+  std::vector<Pair> refuse_value(const char* key, double value, const char* rule) {
+    problems.add(place_of_selection(spec), fmt::format("bonds \"{}\": {} = {}", spec.name, key, value), rule,
+                 "use a little more than the spacing");
+    return {};
+  }
+
+  /// Whether a selection by radii meets particles without; reports the first.
+  bool lacks_radii(const char* key) {
+    for (const ParticleId p : model.radius.ids()) {
+      if (!(in_a[p.value] || in_b[p.value]) || model.radius[p] > 0.0) continue;
       problems.add(place_of_selection(spec),
-                   fmt::format("bonds \"{}\": distance = {}", spec.name, within.distance), "must be > 0",
-                   "use a little more than the spacing");
-      return {};
+                   fmt::format("bonds \"{}\": {}: particle {} of specimen \"{}\" has radius {}", spec.name,
+                               key, p.value, c.specimens[model.specimen[p]].name, model.radius[p]),
+                   "surfaces are those of spheres: every particle of the two groups needs a radius > 0",
+                   "give the specimen a radius, or select by distance");
+      return true;
     }
-    std::vector<Pair> pairs = pairs_in_memory(within.distance);
+    return false;
+  }
+
+  std::vector<Pair> near_pairs(const BondReach& reach, const std::string& within, const char* key) {
+    std::vector<Pair> pairs = pairs_in_memory(reach, within);
     if (pairs.empty() && spec.when == BondTime::start) {
       std::string nearest = "none within 16 times that distance";
+      const double R = mean_radius();
       for (double d = 2.0; d <= 16.0 && pairs.empty(); d *= 2.0) {
-        pairs = pairs_in_memory(d * within.distance);
+        pairs = pairs_in_memory({d * reach(R, R), 0.0}, within);
         double least = INFINITY;
-        for (const auto& [i, j, image] : pairs) least = std::min(least, norm(between(state, i, j, image)));
-        if (!pairs.empty()) nearest = fmt::format("the nearest are {:.6g} apart", least);
+        for (const Pair& pair : pairs) least = std::min(least, apart(pair));
+        if (!pairs.empty()) nearest = fmt::format("the nearest are {:.6g}{} apart", least, unit_of_apart());
       }
       problems.add(place_of_selection(spec),
-                   fmt::format("bonds \"{}\": no pair is within {}", spec.name, within.distance),
+                   fmt::format("bonds \"{}\": no pair is within {}", spec.name, within),
                    fmt::format("between groups \"{}\" and \"{}\": {}", spec.between[0].value,
                                spec.between[1].value, nearest),
-                   "use a larger distance or other groups");
+                   fmt::format("use a larger {} or other groups", key));
       return {};
     }
     const auto is_bonded = [this](const Pair& p) { return bonded.count(p) > 0; };
@@ -93,16 +124,33 @@ struct Selection {
     return pairs;
   }
 
+  /// How far apart two particles are, as the selection measures it.
+  double apart(const Pair& p) const {
+    const double d = norm(between(state, p.i, p.j, p.image_j)), R = model.radius[p.i] + model.radius[p.j];
+    if (std::holds_alternative<WithinGap>(spec.select.value)) return d - R;
+    return std::holds_alternative<WithinFactor>(spec.select.value) ? d / R : d;
+  }
+  const char* unit_of_apart() const {
+    return std::holds_alternative<WithinFactor>(spec.select.value) ? " (R_i + R_j)" : "";
+  }
+
+  double mean_radius() const {
+    double sum = 0.0;
+    for (const ParticleId p : model.radius.ids()) sum += model.radius[p];
+    return sum / static_cast<double>(model.particles());
+  }
+
   /// Refuses more than memory holds before it holds them: a distance in a wrong unit joins everything to
   /// everything.
-  std::vector<Pair> pairs_in_memory(double distance) const {
+  std::vector<Pair> pairs_in_memory(const BondReach& reach, const std::string& within) const {
     const double limit = memory_limit(), most = limit / static_cast<double>(sizeof(Pair) + sizeof(Bond));
     try {
-      return pairs_within(state.r.values(), distance, in_a, in_b, most, state.cell, model.cell.periodic);
+      return pairs_within(state.r.values(), model.radius.values(), reach, in_a, in_b, most, state.cell,
+                          model.cell.periodic);
     } catch (const std::length_error&) {
       throw CaseError({place_of_selection(spec),
                        fmt::format("bonds \"{}\": more than {:.3g} pairs of {} particles are within {}",
-                                   spec.name, most, state.r.size(), distance),
+                                   spec.name, most, state.r.size(), within),
                        fmt::format("bonds of that many take more memory than the {:.3g} GiB there may be",
                                    limit / 0x1p30),
                        "use a little more than the spacing; is the distance in the right unit?"});
@@ -267,7 +315,17 @@ std::vector<Pair> select_pairs(const Case& c, std::size_t set, const Model& mode
                       {}};
   for (const Bond& bond : state.bonds) selection.bonded[pair_of(bond)] = bond.set;
   try {
-    return std::visit(selection, spec.select.value);
+    std::vector<Pair> pairs = std::visit(selection, spec.select.value);
+    const std::size_t selected = pairs.size();
+    const BondShare& share = spec.share;
+    if (share.part < 1.0)
+      std::erase_if(pairs, [&](const Pair& p) {
+        return !(pair_variate(share.seed, p.i, p.j, p.image_j) < share.part);
+      });
+    if (selected > 0 && pairs.empty())
+      problems.add(spec.place, fmt::format("bonds \"{}\": share = {}", spec.name, share.part),
+                   fmt::format("leaves none of {} pairs", selected), "use a larger share, or another seed");
+    return pairs;
   } catch (const CaseError& e) {  // of a file
     problems.add(e);
     return {};
@@ -283,6 +341,25 @@ std::vector<Pair> pairs_within(const std::vector<Vec3d>& r, double distance, con
     if (static_cast<double>(pairs.size()) >= most) throw std::length_error("too many pairs");
     pairs.push_back({ParticleId{i}, ParticleId{j}, n});
   });
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+std::vector<Pair> pairs_within(const std::vector<Vec3d>& r, const std::vector<double>& radius,
+                               const BondReach& reach, const std::vector<char>& in_a,
+                               const std::vector<char>& in_b, double most, const CellEdges& cell,
+                               const Periodic& periodic) {
+  if (!(reach.factor > 0.0)) return pairs_within(r, reach.distance, in_a, in_b, most, cell, periodic);
+  std::vector<double> sizes;
+  for (const double R : radius) sizes.push_back(0.5 * (reach(R, R) - reach.distance));
+  std::vector<Pair> pairs;
+  for_overlapping_images(cell, periodic, r, sizes, reach.distance,
+                         [&](std::size_t i, std::size_t j, const Image& n, double) {
+                           if (!((in_a[i] && in_b[j]) || (in_a[j] && in_b[i]))) return;
+                           if (static_cast<double>(pairs.size()) >= most)
+                             throw std::length_error("too many pairs");
+                           pairs.push_back({ParticleId{i}, ParticleId{j}, n});
+                         });
   std::sort(pairs.begin(), pairs.end());
   return pairs;
 }

@@ -26,6 +26,13 @@ std::vector<Pair> pairs_within(const std::vector<Vec3d>& r, double distance, con
                                double most = std::numeric_limits<double>::infinity(),
                                const CellEdges& cell = {}, const Periodic& periodic = {});
 
+/// The same for pairs whose distance is within `reach`, given a radius >= 0 for each particle.
+std::vector<Pair> pairs_within(const std::vector<Vec3d>& r, const std::vector<double>& radius,
+                               const BondReach& reach, const std::vector<char>& in_a,
+                               const std::vector<char>& in_b,
+                               double most = std::numeric_limits<double>::infinity(),
+                               const CellEdges& cell = {}, const Periodic& periodic = {});
+
 /// The pairs that set number `set` of the case bonds between the particles as they stand in `state`, in
 /// order.
 std::vector<Pair> select_pairs(const Case& c, std::size_t set, const Model& model, const State& state,

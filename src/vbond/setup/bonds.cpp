@@ -24,11 +24,33 @@ struct FirstAndCount {
 };
 
 std::string length_left(const BondRecipe& recipe, const Model& model, const State& state, const Pair& pair) {
-  const bool surfaces = recipe.attachment == Attachment::surfaces;
+  const bool surfaces = recipe.attachment == Attachment::surfaces || recipe.attachment == Attachment::neck;
   return fmt::format("particles {} and {} are {:.6g} apart with R_i = {:.6g}, R_j = {:.6g}", pair.i.value,
                      pair.j.value, norm(between(state, pair.i, pair.j, pair.image_j)),
                      surfaces ? model.radius[pair.i] : recipe.R_i,
                      surfaces ? model.radius[pair.j] : recipe.R_j);
+}
+
+/// Why no length is left for a bond, and what to do.
+struct NoLength {
+  const char *rule, *way_out;
+};
+NoLength no_length_of(const BondRecipe& recipe) {
+  if (recipe.attachment == Attachment::neck)
+    return {
+        "no length is left for the bond: the mean gap of the surfaces over its section, radius <= R_i and "
+        "R_j, "
+        "must be > 0",
+        "let the particles overlap less, give the section a factor nearer to 1 (but <= the smaller radius), "
+        "or "
+        "bond at the centres"};
+  if (recipe.attachment == Attachment::surfaces)
+    return {
+        "no length is left for the bond: a = distance - R_i - R_j must be > 0",
+        "grains that touch or overlap slightly: attach = \"neck\" takes the length from the section; or bond "
+        "at the centres, use smaller radii, or a larger spacing"};
+  return {"no length is left for the bond: a = distance - R_i - R_j must be > 0",
+          "bond at the centres, use smaller radii or attachment distances, or a larger spacing"};
 }
 
 bool has_stable_rest(const BondStiffness<double>& c) {
@@ -69,6 +91,13 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
     if (is_dropped(state, pair.i) || is_dropped(state, pair.j)) continue;
     const BondSite site_i = bond_site(model, state, pair.i),
                    site_j = bond_site(model, state, pair.j, pair.image_j);
+    bool bare = false;
+    for (const ParticleId p : {pair.i, pair.j})
+      if (recipe.needs_radii() && !(model.radius[p] > 0.0)) {
+        no_radius.note(fmt::format("particle {} has radius {}", p.value, model.radius[p]));
+        bare = true;
+      }
+    if (bare) continue;
     const auto bond = make_bond(recipe, site_i, site_j);
     if (!bond) {
       no_length.note(length_left(recipe, model, state, pair));
@@ -76,9 +105,6 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
     }
     if (breaks_by_prestrain(recipe, site_i, site_j))
       broken.note(fmt::format("the bond of particles {} and {}", pair.i.value, pair.j.value));
-    for (const ParticleId p : {pair.i, pair.j})
-      if (recipe.attachment == Attachment::surfaces && !(model.radius[p] > 0.0))
-        no_radius.note(fmt::format("particle {} has radius {}", p.value, model.radius[p]));
     const BondStiffness<double> k = stiffness_of(*bond);
     if (!has_stable_rest(k))
       unstable.note(fmt::format("particles {} and {}: c_A = {:.6g}, c_D = {:.6g}, c_B = {:.6g}, c_T = {:.6g}",
@@ -107,10 +133,13 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
     if (found.count > 0)
       problems.add(spec.place, fmt::format("bonds \"{}\": {}", spec.name, found.text()), rule, way_out);
   };
-  report(no_length, "no length is left for the bond: a = distance - R_i - R_j must be > 0",
-         "bond at the centres, use smaller radii or attachment distances, or a larger spacing");
-  report(no_radius, "a bond between surfaces needs radii > 0",
-         "give the specimen a radius, or bond at the centres");
+  report(no_length, no_length_of(recipe).rule, no_length_of(recipe).way_out);
+  const bool of_surfaces = recipe.attachment == Attachment::surfaces || recipe.attachment == Attachment::neck;
+  report(no_radius,
+         of_surfaces ? "a bond between surfaces needs radii > 0"
+                     : "a section or modulus that follows the radii of particles needs radii > 0",
+         of_surfaces ? "give the specimen a radius, or bond at the centres"
+                     : "give the specimen a radius, or the section a diameter, and k_n in place of E");
   report(unstable, "rest must be a minimum of the energy: c_A > 0 and c_D, c_B, c_T >= 0",
          "for the V-model B2 > -B3/2; give other parameters");
   report(no_capsule, of_capsule.rule.c_str(), of_capsule.way_out.c_str());
@@ -120,7 +149,7 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
 
 bool expect_bonds(const Case& c, std::size_t set, const Model& model, State& state, Problems& problems) {
   const BondSpec& spec = c.bonds[set];
-  if (std::holds_alternative<WithinDistance>(spec.select.value)) return false;
+  if (spec.reach()) return false;
   BondRecipe recipe = spec.recipe;
   recipe.set = static_cast<std::uint32_t>(set);
   bool all = true;
@@ -154,20 +183,20 @@ std::vector<std::string> notes_on_prestrain(const Case& c, const Model& model, c
                         spec.name, weak, all));
       continue;
     }
-    const auto* within = std::get_if<WithinDistance>(&spec.select.value);
-    if (within == nullptr || model.particles() == 0) continue;
-    const double R = *std::min_element(model.radius.begin(), model.radius.end());
+    const std::optional<BondReach> reach = spec.reach();
+    if (!reach || model.particles() == 0) continue;
+    const double R = *std::min_element(model.radius.begin(), model.radius.end()), distance = (*reach)(R, R);
     std::uint32_t weak = 0;
     for (std::uint32_t k = 0; k < sample; ++k) {
       const BondSite i{ParticleId{2 * k}, {}, {}, R, 1.0, 1.0},
-          j{ParticleId{2 * k + 1}, {within->distance, 0, 0}, {}, R, 1.0, 1.0};
+          j{ParticleId{2 * k + 1}, {distance, 0, 0}, {}, R, 1.0, 1.0};
       if (const auto bond = make_bond(spec.recipe, i, j)) weak += breaks_as_made(*bond, i, j);
     }
     if (weak > 0)
       notes.push_back(
           fmt::format("bonds \"{}\": some {:.2g} % at the distance {:.6g} are weaker than what their "
                       "prestrain brings, and {}",
-                      spec.name, 100.0 * weak / sample, within->distance,
+                      spec.name, 100.0 * weak / sample, distance,
                       spec.when == BondTime::approach ? "are not made" : "break as they are made"));
   }
   return notes;
@@ -178,20 +207,19 @@ std::optional<double> first_c_A(const Case& c, const Model& model, const State& 
   if (c.bonds.empty() || model.particles() == 0) return std::nullopt;
   const BondSpec& spec = c.bonds.front();
   double distance = 1.0;
-  if (const auto* within = std::get_if<WithinDistance>(&spec.select.value)) {
-    distance = within->distance;
+  BondRadii radii{model.radius[ParticleId{0}], model.radius[ParticleId{0}]};
+  if (const auto reach = spec.reach()) {
+    distance = (*reach)(radii.i, radii.j);
   } else {
     Problems reported_elsewhere;
     const std::vector<Pair> pairs = select_pairs(c, 0, model, state, reported_elsewhere);
     if (pairs.empty()) return std::nullopt;
     distance = norm(between(state, pairs[0].i, pairs[0].j, pairs[0].image_j));
+    radii = {model.radius[pairs[0].i], model.radius[pairs[0].j]};
   }
-  const BondRecipe& recipe = spec.recipe;
-  const double R = recipe.attachment == Attachment::given      ? recipe.R_i + recipe.R_j
-                   : recipe.attachment == Attachment::surfaces ? 2.0 * model.radius[ParticleId{0}]
-                                                               : 0.0;
-  if (!(distance > R)) return std::nullopt;
-  return stiffness_of(recipe, distance - R).c_A;
+  const double a = bond_lengths(spec.recipe, distance, radii).a;
+  if (!(a > 0.0) || (spec.recipe.needs_radii() && !(std::min(radii.i, radii.j) > 0.0))) return std::nullopt;
+  return stiffness_of(spec.recipe, a, radii).c_A;
 }
 
 }  // namespace vbond

@@ -119,21 +119,44 @@ struct DynamicsResolver : StageResolver {
       if (!b.stages.empty() && std::none_of(b.stages.begin(), b.stages.end(), here)) continue;
       const Group* first = look_up_group(b.between[0], model, problems);
       const Group* second = look_up_group(b.between[1], model, problems);
-      const auto* within = std::get_if<WithinDistance>(&b.select.value);
-      if (within == nullptr)
+      const std::optional<BondReach> reach = b.reach();
+      if (!reach)
         problems.add(b.place, fmt::format("bonds \"{}\" are made on approach but not by distance", b.name),
-                     "only a distance says when particles have come close", "select by distance");
-      if (first == nullptr || second == nullptr || within == nullptr) continue;
-      BondingRule rule{b.name, membership(*first, model), membership(*second, model), within->distance,
-                       b.recipe};
+                     "only a distance or a gap says when particles have come close",
+                     "select by distance, gap or gap_factor");
+      if (first == nullptr || second == nullptr || !reach) continue;
+      BondingRule rule{b.name,
+                       membership(*first, model),
+                       membership(*second, model),
+                       reach->distance,
+                       b.recipe,
+                       reach->factor,
+                       b.share};
       rule.recipe.set = static_cast<std::uint32_t>(set);
-      check_length(b, *within, *first, *second);
+      if (!check_radii(b, *reach, *first) || !check_radii(b, *reach, *second)) continue;
+      check_length(b, *reach, *first, *second);
       if (breaks_by_prestrain(rule, model))
-        refuse_broken_by_prestrain(b, fmt::format("a bond made at the distance {}", rule.distance), problems);
-      check_capsule(b, *within, *first, *second);
+        refuse_broken_by_prestrain(
+            b, fmt::format("a bond made at the distance {}", (*reach)(smallest(*first), smallest(*second))),
+            problems);
+      check_capsule(b, *reach, *first, *second);
       rules.push_back(std::move(rule));
     }
     return rules;
+  }
+
+  /// What follows radii needs some.
+  bool check_radii(const BondSpec& b, const BondReach& reach, const Group& g) const {
+    if (!(reach.factor > 0.0) && !b.recipe.needs_radii()) return true;
+    const auto bare = std::find_if(g.particles.begin(), g.particles.end(),
+                                   [this](ParticleId p) { return !(model.radius[p] > 0.0); });
+    if (bare == g.particles.end()) return true;
+    problems.add(b.place,
+                 fmt::format("bonds \"{}\" follow radii: particle {} has radius {}", b.name, bare->value,
+                             model.radius[*bare]),
+                 "every particle of the two groups needs a radius > 0",
+                 "give the specimen a radius, or select by distance with attach = \"centres\"");
+    return false;
   }
 
   double smallest(const Group& g) const {
@@ -162,32 +185,33 @@ struct DynamicsResolver : StageResolver {
     return R;
   }
 
-  void check_capsule(const BondSpec& b, const WithinDistance& within, const Group& first,
+  void check_capsule(const BondSpec& b, const BondReach& reach, const Group& first,
                      const Group& second) const {
     if (!b.recipe.capsule) return;
     const double R =
         b.recipe.capsule_radius > 0.0 ? b.recipe.capsule_radius : largest_of_pairs(first, second);
-    if (const auto mistake = capsule_mistake(model.contact, R, within.distance))
+    const double distance = reach(smallest(first), smallest(second));
+    if (const auto mistake = capsule_mistake(model.contact, R, distance))
       problems.add(
           b.place,
-          fmt::format("bonds \"{}\": capsules of radius {} at a distance of {}", b.name, R, within.distance),
+          fmt::format("bonds \"{}\": capsules of radius {} at a distance of {}", b.name, R, distance),
           mistake->rule, mistake->way_out);
   }
 
   /// A rule whose bonds would have no length even at its full distance can never make one.
-  void check_length(const BondSpec& b, const WithinDistance& within, const Group& first,
+  void check_length(const BondSpec& b, const BondReach& reach, const Group& first,
                     const Group& second) const {
-    double R = 0.0;
-    if (b.recipe.attachment == Attachment::surfaces) R = smallest(first) + smallest(second);
-    if (b.recipe.attachment == Attachment::given) R = b.recipe.R_i + b.recipe.R_j;
-    if (!(within.distance > R))
-      problems.add(b.place,
-                   fmt::format("bonds \"{}\": distance {} with R_i + R_j = {}", b.name, within.distance, R),
-                   "no length is left for a bond: a = distance - R_i - R_j must be > 0",
-                   "use a larger distance, or bond at the centres");
-    const double a = within.distance - R;
+    const BondRadii radii{smallest(first), smallest(second)};
+    const double distance = reach(radii.i, radii.j), a = bond_lengths(b.recipe, distance, radii).a;
+    if (!(a > 0.0))
+      problems.add(
+          b.place,
+          fmt::format("bonds \"{}\": distance {} with R_i + R_j = {}", b.name, distance, distance - a),
+          "no length is left for a bond: a = distance - R_i - R_j must be > 0",
+          "use a larger distance or gap, attach = \"neck\", or bond at the centres");
     if (!(a > 0.0) || !b.softening) return;
-    const double longest = longest_softening_bond(b.recipe.rules.softening, stiffness_of(b.recipe, a).c_A, a);
+    const double longest =
+        longest_softening_bond(b.recipe.rules.softening, stiffness_of(b.recipe, a, radii).c_A, a);
     if (!(a < longest))
       refuse_snap_back(b, fmt::format("bonds at that distance are {:.6g} long", a), longest, problems);
   }
