@@ -311,6 +311,7 @@ int run(const RunOptions& options) {
   print_machine(c, options.threads);
   Campaign campaign =
       open_campaign(c, run, std::move(plan), options.threads, options.program, nullptr, start);
+  campaign.summary.specimens = std::move(built.figures);
   campaign.building = seconds_since(start);
   try {
     const int status = run_to_end(campaign, options.status_lines);
@@ -353,6 +354,7 @@ int resume(const fs::path& folder, const RunOptions& options) {
   plan.writes = writes_here(processes);
   Campaign campaign =
       open_campaign(c, run, std::move(plan), options.threads, options.program, &checkpoint, start);
+  campaign.summary.specimens = std::move(built.figures);
   if (fs::exists(folder / "run.json"))
     campaign.summary.stages = read_stages_before(folder / "run.json", run.clock().stage);
   campaign.building = seconds_since(start);

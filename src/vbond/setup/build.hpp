@@ -6,6 +6,7 @@
 
 #include "vbond/case/case.hpp"
 #include "vbond/model/model.hpp"
+#include "vbond/model/specimen_figures.hpp"
 #include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/model/static_stage.hpp"
@@ -19,6 +20,7 @@ struct Built {
   State state;
   std::vector<std::string> notes;  ///< what is made of the files that the case reads and what not, what cuts
                                    ///< leave, bonds that break at once; a line each
+  std::vector<SpecimenFigures> figures;  ///< of specimens that are made at random
 };
 
 /// Particles that the case makes itself; those that it reads from files or cuts are not counted.
