@@ -111,12 +111,12 @@ TEST(RandomSheet, IsTheSameEveryTimeAndAnotherOneWithAnotherSeed) {
   EXPECT_NE(a.model.r_0.values(), other.model.r_0.values());
 }
 
-// Borders in even steps make squares one spacing high, whose four corners are on a circle.
-TEST(RandomSheet, OfOneRowHasOneDiagonalForEachSquare) {
-  const Built b = build(surface("kind = \"sheet\"\nlattice = \"random\"\nsize = [6, 1]\nspacing = 1"));
+// Borders in even steps make rectangles of one row, whose four corners are on a circle.
+TEST(RandomSheet, OfOneRowHasOneDiagonalForEachRectangle) {
+  const Built b = build(surface("kind = \"sheet\"\nlattice = \"random\"\nsize = [6, 0.8]\nspacing = 1"));
   EXPECT_EQ(b.model.particles(), 14u);
   EXPECT_EQ(b.state.bonds.size(), 2u * 14u - 3u);
-  EXPECT_NEAR(area(b), 6.0, 1e-12);
+  EXPECT_NEAR(area(b), 4.8, 1e-12);
 }
 
 TEST(RandomCylinder, IsAStripRolledUp) {

@@ -137,25 +137,16 @@ bool meets_its_image(const FibreField& field, const std::vector<Vec3d>& shape) {
   return meets;
 }
 
-FibreField only(const FibreField& field, const std::vector<std::size_t>& fibres) {
-  FibreField some{field.vessel, field.radius, field.distance, {0}, {}, {}, {}};
-  for (const std::size_t f : fibres) {
-    some.add(shape_of(field, f));
-    some.middle.back() = field.middle[f];
-    some.turn.back() = field.turn[f];
-  }
-  return some;
-}
-
-std::vector<std::size_t> add_sequentially(FibreField& field, const std::vector<std::size_t>& order,
-                                          Random& random) {
-  // a round tries one place for each fibre that has none, and costs as much as ten steps of pushing apart
-  constexpr int most_rounds = 100, most_in_vain = 5;
+std::size_t add_sequentially(FibreField& field, const std::vector<std::size_t>& order, Random& random) {
+  // a round tries one place for each fibre that has none, and costs as much as ten steps of pushing apart;
+  // few fibres are tried more often
   constexpr double worth_while = 0.05;  // of those that are left
   const Segments segments(field);
+  const auto most_in_vain = std::clamp<std::size_t>(20000 / (1 + segments.point.size()), 5, 100),
+             most_rounds = 20 * most_in_vain;
   std::vector<char> placed(field.size(), 0);
   std::vector<std::size_t> pending = order;
-  for (int round = 0, in_vain = 0; round < most_rounds && in_vain < most_in_vain && !pending.empty();
+  for (std::size_t round = 0, in_vain = 0; round < most_rounds && in_vain < most_in_vain && !pending.empty();
        ++round) {
     for (const std::size_t f : pending) {
       const auto room = room_for(field, shape_of(field, f)).value();
@@ -185,7 +176,7 @@ std::vector<std::size_t> add_sequentially(FibreField& field, const std::vector<s
     in_vain = found < worth_while * static_cast<double>(pending.size()) ? in_vain + 1 : 0;
     pending = std::move(left);
   }
-  return pending;
+  return pending.size();
 }
 
 namespace {

@@ -61,11 +61,8 @@ std::optional<std::array<std::array<double, 2>, 3>> room_for(const FibreField& f
 bool meets_its_image(const FibreField& field, const std::vector<Vec3d>& shape);
 
 /// Puts the fibres at random places, those of `order` one after another: a place is taken if nothing is there
-/// yet. Returns those that found none in a number of tries and lie across others.
-std::vector<std::size_t> add_sequentially(FibreField& field, const std::vector<std::size_t>& order,
-                                          Random& random);
-/// The field with these fibres only.
-FibreField only(const FibreField& field, const std::vector<std::size_t>& fibres);
+/// yet. Returns how many found none in a number of tries and lie across others.
+std::size_t add_sequentially(FibreField& field, const std::vector<std::size_t>& order, Random& random);
 
 /// How fibres may turn while they are pushed apart.
 struct TurnsAllowed {

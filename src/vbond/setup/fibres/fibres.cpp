@@ -85,28 +85,30 @@ double section(const FibresSpecimen& s) {
   return 0.25 * std::numbers::pi * s.diameter * s.diameter;
 }
 
-std::vector<double> draw_lengths(const SpecimenSpec& spec, const FibresSpecimen& s, double volume,
-                                 Random& random) {
-  std::optional<SizeDraw> sizes;
-  if (s.lengths) {
-    sizes.emplace(*s.lengths, s.spacing);
-    if (sizes->is_empty())
-      refuse(spec.place, spec, "nothing is left of its lengths",
-             "they are cut off at min and max, and below the spacing", "correct the distribution");
-  }
+std::optional<SizeDraw> sizes_of(const SpecimenSpec& spec, const FibresSpecimen& s) {
+  if (!s.lengths) return std::nullopt;
+  SizeDraw sizes(*s.lengths, s.spacing);
+  if (sizes.is_empty())
+    refuse(spec.place, spec, "nothing is left of its lengths",
+           "they are cut off at min and max, and below the spacing", "correct the distribution");
+  return sizes;
+}
+
+/// How many fibres are asked for.
+std::size_t number_of(const SpecimenSpec& spec, const FibresSpecimen& s, const std::optional<SizeDraw>& sizes,
+                      double volume) {
   const double each = section(s) * (sizes ? sizes->mean() : s.length.value());
   const double wanted =
       s.fibres ? static_cast<double>(*s.fibres) : std::round(s.volume_share.value() * volume / each);
   if (wanted < 1.0)
     refuse(s.amount, spec, fmt::format("volume_share = {:.6g} is no fibre", *s.volume_share),
            fmt::format("one fibre of mean length is a share of {:.6g}", each / volume),
-           "take a larger share, a larger vessel, or thinner or shorter fibres");
+           "take a larger share, a smaller vessel, or thinner or shorter fibres");
   const double particles = wanted * (each / section(s) / s.spacing + 1.0);
   if (!(particles <= static_cast<double>(keys::most_particles)))
     refuse(s.amount, spec, fmt::format("{:.4g} fibres of some {:.4g} particles", wanted, particles),
            "a specimen has at most 1e8", "take fewer fibres, or a larger spacing");
-  const auto n = static_cast<std::size_t>(wanted);
-  return sizes ? sizes->draw(n, random) : std::vector<double>(n, *s.length);
+  return static_cast<std::size_t>(wanted);
 }
 
 /// The angle between neighbouring segments, 0: straight.
@@ -160,20 +162,49 @@ Vec3d side_of(const Vec3d& p, const DirectionDraw& directions, Random& random) {
   }
 }
 
+/// Bonds of a chain join the images that are nearest to each other.
+void check_spacing(const SpecimenSpec& spec, const FibresSpecimen& s, const FibreVessel& vessel,
+                   const std::vector<double>& lengths) {
+  const CellEdges cell = vessel.cell();
+  if (cell.empty()) return;
+  const Vec3d h = heights(cell);
+  const Periodic periodic = vessel.periodic();
+  double least = INFINITY, longest = 0.0;
+  for (int k = 0; k < 3; ++k)
+    if (periodic[static_cast<std::size_t>(k)]) least = std::min(least, component(h, k));
+  for (const double length : lengths)
+    longest = std::max(longest, length / static_cast<double>(bonds_of(length, s.spacing)));
+  if (longest < 0.49 * least) return;
+  refuse(spec.place, spec, fmt::format("bonds of its fibres are {:.6g} long", longest),
+         fmt::format("in a cell that is {:.6g} wide a bond must be shorter than half of that", least),
+         "use a smaller spacing or a larger cell");
+}
+
+/// What all fibres of a specimen have in common.
+struct Request {
+  const SpecimenSpec& spec;
+  const FibresSpecimen& s;
+  FibreVessel vessel;
+  DirectionDraw draw;
+  std::optional<SizeDraw> sizes;  ///< none: all of one length
+};
+
 struct Drawn {
   FibreField field;
   std::vector<double> lengths;
   std::size_t drawn_again = 0;  ///< fibres whose first direction did not fit
+  std::size_t pushed = 0;       ///< that lay across others at first
 };
 
-Drawn draw_fibres(const SpecimenSpec& spec, const FibresSpecimen& s, const FibreVessel& vessel,
-                  const DirectionDraw& draw, Random& random) {
+Drawn draw_fibres(const Request& q, std::size_t n, Random& random) {
+  const auto& [spec, s, vessel, draw, sizes] = q;
   constexpr int most_tries = 200;
   Drawn d;
   d.field.vessel = vessel;
   d.field.radius = 0.5 * s.diameter;
   d.field.distance = s.diameter + s.gap;
-  d.lengths = draw_lengths(spec, s, vessel.volume(), random);
+  d.lengths = sizes ? sizes->draw(n, random) : std::vector<double>(n, s.length.value());
+  check_spacing(spec, s, vessel, d.lengths);
   const std::vector<Vec3d> directions = draw.draw(d.lengths.size(), random);
   for (std::size_t f = 0; f < d.lengths.size(); ++f) {
     const double L = d.lengths[f], angle = angle_of_bend(spec, s, L);
@@ -217,50 +248,43 @@ std::vector<std::size_t> by_length(const std::vector<double>& lengths) {
   return order;
 }
 
-/// Of fibres that are not brought apart about as many as are, by bisection of how many of those that lie
-/// across others are left.
-std::vector<std::size_t> most_that_fit(const FibreField& field, const std::vector<std::size_t>& across,
-                                       const TurnsAllowed& turns) {
-  std::vector<char> added(field.size(), 1);
-  const auto with = [&](std::size_t n) {
-    for (std::size_t k = 0; k < across.size(); ++k) added[across[k]] = k < n;
-    std::vector<std::size_t> some;
-    for (std::size_t f = 0; f < field.size(); ++f)
-      if (added[f]) some.push_back(f);
-    return some;
-  };
-  std::size_t good = 0, bad = across.size();
-  while (bad - good > 1 + field.size() / 50) {
-    const std::size_t middle = good + (bad - good) / 2;
-    FibreField some = only(field, with(middle));
-    (push_apart(some, turns) ? good : bad) = middle;
-  }
-  return with(good);
+/// So many fibres without crossings, the same each time; none if they are not brought apart.
+std::optional<Drawn> place(const Request& q, std::size_t n) {
+  Random random(q.s.seed);
+  Drawn d = draw_fibres(q, n, random);
+  d.pushed = add_sequentially(d.field, by_length(d.lengths), random);
+  if (d.pushed > 0 && !push_apart(d.field, {q.draw.dimensions(), q.draw.normal()})) return std::nullopt;
+  return d;
 }
 
-/// Places them all; returns how many lay across others at first and were pushed apart from them.
-std::size_t place(const SpecimenSpec& spec, const FibresSpecimen& s, const DirectionDraw& draw, Drawn& d,
-                  Random& random) {
-  const std::vector<std::size_t> across = add_sequentially(d.field, by_length(d.lengths), random);
-  if (across.empty()) return 0;
-  const TurnsAllowed turns{draw.dimensions(), draw.normal()};
-  const FibreField before = d.field;
-  if (push_apart(d.field, turns)) return across.size();
-  const std::vector<std::size_t> left = most_that_fit(before, across, turns);
-  std::vector<double> lengths_left;
-  for (const std::size_t f : left) lengths_left.push_back(d.lengths[f]);
-  const double V = d.field.vessel.volume(), reached = share(lengths_left, s, V);
-  refuse(s.amount, spec,
-         fmt::format("{} fibres, a volume share of {:.6g}, were not brought apart; {} of them were, a share "
-                     "of {:.6g}",
-                     d.field.size(), share(d.lengths, s, V), left.size(), reached),
-         fmt::format("surfaces of fibres keep a gap of {:.6g}", s.gap),
-         (s.fibres ? fmt::format("use fibres = {}", left.size())
-                   : fmt::format("use volume_share = {:.6g}", reached)) +
-             ", or shorter, straighter or more aligned fibres" + (s.fibres ? ", or a larger vessel" : "") +
-             (turns.dimensions == 2 ? "; fibres that may tilt out of their plane a little find much more room: "
-                                      "orientation = \"tensor\" with for example [0.49, 0.49, 0.02, 0, 0, 0]"
-                                    : ""));
+/// About the largest number that is placed where `bad` are not: 2 % of it, or one, more were tried in vain.
+/// Whoever asks for it gets it.
+[[noreturn]] void refuse_with_nearest(const Request& q, std::size_t wanted) {
+  std::size_t good = 0, bad = wanted;
+  double reached = 0.0;
+  while (bad - good > 1 + good / 50) {
+    const std::size_t middle = good + (bad - good) / 2;
+    if (const auto d = place(q, middle)) {
+      good = middle;
+      reached = share(d->lengths, q.s, q.vessel.volume());
+    } else {
+      bad = middle;
+    }
+  }
+  const double each = q.sizes ? q.sizes->mean() : q.s.length.value(),
+               to_ask = static_cast<double>(good) * section(q.s) * each / q.vessel.volume();
+  const bool flat = q.draw.dimensions() == 2;
+  refuse(
+      q.s.amount, q.spec,
+      fmt::format("{} fibres{} were not brought apart; {} were, a volume share of {:.6g}", wanted,
+                  q.s.fibres ? "" : fmt::format(", volume_share = {:.6g},", *q.s.volume_share), good,
+                  reached),
+      fmt::format("surfaces of fibres keep a gap of {:.6g}", q.s.gap),
+      (q.s.fibres ? fmt::format("use fibres = {}", good) : fmt::format("use volume_share = {:.9g}", to_ask)) +
+          ", or shorter, straighter or more aligned fibres" + (q.s.fibres ? ", or a larger vessel" : "") +
+          (flat ? "; fibres that may tilt out of their plane a little find much more room: "
+                  "orientation = \"tensor\" with for example [0.49, 0.49, 0.02, 0, 0, 0]"
+                : ""));
 }
 
 // ---- what is told -------------------------------------------------------------------------------
@@ -270,8 +294,8 @@ std::string in_words(const OrientationTensor& a) {
                      a[3], a[4], a[5]);
 }
 
-void tell(const SpecimenSpec& spec, const FibresSpecimen& s, const Drawn& d, std::size_t pushed,
-          SpecimenPoints& points) {
+void tell(const SpecimenSpec& spec, const FibresSpecimen& s, const Drawn& d, SpecimenPoints& points) {
+  const std::size_t pushed = d.pushed;
   const FibreField& field = d.field;
   std::vector<Vec3d> of_ends;
   double curl = 0.0, along = 0.0;
@@ -352,37 +376,19 @@ void add_chains(const SpecimenSpec& spec, const FibresSpecimen& s, const FibreFi
   points.radius.assign(points.r.size(), field.radius);
 }
 
-/// Bonds of a chain join the images that are nearest to each other.
-void check_spacing(const SpecimenSpec& spec, const Drawn& d) {
-  const CellEdges cell = d.field.vessel.cell();
-  if (cell.empty()) return;
-  const Vec3d h = heights(cell);
-  const Periodic periodic = d.field.vessel.periodic();
-  double least = INFINITY, longest = 0.0;
-  for (int k = 0; k < 3; ++k)
-    if (periodic[static_cast<std::size_t>(k)]) least = std::min(least, component(h, k));
-  for (std::size_t f = 0; f < d.field.size(); ++f)
-    longest = std::max(longest, d.lengths[f] / static_cast<double>(d.field.points_of(f) - 1));
-  if (longest < 0.49 * least) return;
-  refuse(spec.place, spec, fmt::format("bonds of its fibres are {:.6g} long", longest),
-         fmt::format("in a cell that is {:.6g} wide a bond must be shorter than half of that", least),
-         "use a smaller spacing or a larger cell");
-}
-
 }  // namespace
 
 SpecimenPoints make_fibres(const SpecimenSpec& spec, const Case& c) {
   const auto& s = std::get<FibresSpecimen>(spec.shape);
-  const FibreVessel vessel = vessel_of(spec, s, c);
-  const DirectionDraw draw(s);
-  Random random(s.seed);
-  Drawn d = draw_fibres(spec, s, vessel, draw, random);
-  check_spacing(spec, d);
-  const std::size_t pushed = place(spec, s, draw, d, random);
+  const Request q{spec, s, vessel_of(spec, s, c), DirectionDraw(s), sizes_of(spec, s)};
+  const std::size_t n = number_of(spec, s, q.sizes, q.vessel.volume());
+  const std::optional<Drawn> placed = place(q, n);
+  if (!placed) refuse_with_nearest(q, n);
+  const Drawn& d = *placed;
   SpecimenPoints points;
   points.r = d.field.points();
   add_chains(spec, s, d.field, d.lengths, points);
-  tell(spec, s, d, pushed, points);
+  tell(spec, s, d, points);
   return points;
 }
 

@@ -24,15 +24,17 @@ struct Ground {
   Periodic periodic{};
   std::function<Vec3d(Random&)> any_place;
   std::function<Vec3d(const Vec3d&)> put_back;  ///< on the ground, of a place near it
-  std::function<Vec3d(const Vec3d&)> normal;    ///< at a place
-  std::function<Vec3d(const Vec3d&)> lifted;    ///< of the way from a point to another one, see below
+  /// Along the border, of a place on it; none at corners, nor inside.
+  std::function<Vec3d(const Vec3d&)> border;
+  std::function<Vec3d(const Vec3d&)> normal;  ///< at a place
+  std::function<Vec3d(const Vec3d&)> lifted;  ///< of the way from a point to another one, see below
   double area = 0;
 };
 
 /// Pushes all points but the first `fixed` apart: downhill in the energy sum of (1 - d/range)^2.
 void spread_out(const Ground& ground, std::size_t fixed, std::vector<Vec3d>& r) {
   constexpr int steps = 300;
-  constexpr double range = 1.6, rate = 0.25, farthest = 0.2;
+  constexpr double range = 1.15, rate = 0.25, farthest = 0.2;
   std::vector<Vec3d> push(r.size());
   for (int step = 0; step < steps; ++step) {
     std::fill(push.begin(), push.end(), Vec3d{});
@@ -58,12 +60,16 @@ struct Neighbour {
   Vec3d way;  ///< lifted
 };
 
-std::vector<std::vector<Neighbour>> neighbours(const Ground& ground, const std::vector<Vec3d>& r) {
+std::vector<std::vector<Neighbour>> neighbours(const Ground& ground, std::size_t fixed,
+                                               const std::vector<Vec3d>& r) {
   constexpr double range = 3.2;    // twice the largest empty circle, with room to spare
   constexpr double jitter = 1e-6;  // four points on one circle make a tie, of which a chance decides
   Random chance(1);
   std::vector<Vec3d> moved = r;
-  for (Vec3d& p : moved) p += jitter * chance.in_ball();
+  for (std::size_t k = 0; k < moved.size(); ++k) {  // what is on a straight border stays there
+    const Vec3d by = jitter * chance.in_ball();
+    moved[k] += k < fixed ? dot(by, ground.border(r[k])) * ground.border(r[k]) : by;
+  }
   std::vector<std::vector<Neighbour>> near(r.size());
   for_near_images(ground.cell, ground.periodic, r, range,
                   [&](std::size_t i, std::size_t j, const Image& n, double) {
@@ -76,9 +82,9 @@ std::vector<std::vector<Neighbour>> neighbours(const Ground& ground, const std::
 
 /// Delaunay's triangles: no other point is above the plane of three. On a sphere that is the convex hull; of
 /// a plane the points are lifted to a paraboloid, x, y, -(x^2 + y^2) (Edelsbrunner & Seidel, 1986).
-Triangles triangulate(const Ground& ground, const std::vector<Vec3d>& r) {
+Triangles triangulate(const Ground& ground, std::size_t fixed, const std::vector<Vec3d>& r) {
   constexpr double sliver = 1e-3;  // area below which three points of a straight border are no triangle
-  const auto near = neighbours(ground, r);
+  const auto near = neighbours(ground, fixed, r);
   Triangles triangles;
   for (std::size_t i = 0; i < r.size(); ++i) {
     const Vec3d up = ground.normal(r[i]);
@@ -158,7 +164,15 @@ Ground rectangle(double width, double height, bool strip) {
     return Vec3d{x, height * random.uniform(), 0.0};
   };
   g.put_back = [=](const Vec3d& r) {
-    return Vec3d{strip ? r.x : std::clamp(r.x, 0.0, width), std::clamp(r.y, 0.0, height), 0.0};
+    const auto inside = [](double x, double size) {  // not on the border, nor near it
+      const double margin = 0.5 * std::min(1.0, size);
+      return std::clamp(x, margin, size - margin);
+    };
+    return Vec3d{strip ? r.x : inside(r.x, width), inside(r.y, height), 0.0};
+  };
+  g.border = [=](const Vec3d& r) {
+    const bool on_side = !strip && (r.x == 0.0 || r.x == width), at_end = r.y == 0.0 || r.y == height;
+    return on_side == at_end ? Vec3d{} : on_side ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0};
   };
   g.normal = [](const Vec3d&) { return Vec3d{0, 0, 1}; };
   g.lifted = [](const Vec3d& way) { return Vec3d{way.x, way.y, -(way.x * way.x + way.y * way.y)}; };
@@ -194,7 +208,7 @@ SpecimenPoints flat_surface(double width, double height, bool strip, std::uint64
   const std::size_t fixed = border.size();
   const int euler = strip ? 0 : 1;
   const std::vector<Vec3d> r = spread_points(ground, std::move(border), euler, seed);
-  const Triangles triangles = triangulate(ground, r);
+  const Triangles triangles = triangulate(ground, fixed, r);
   check_triangles(triangles, r.size(), fixed, euler, place);
   SpecimenPoints points;
   for (const Vec3d& p : r) points.r.push_back(bent(p));
@@ -252,7 +266,7 @@ SpecimenPoints random_sphere(const SphereSpecimen& s, const SourcePlace& place) 
     throw CaseError({place, fmt::format("a random sphere with a radius of {:.6g} spacings", R),
                      "1.5 at least", "use a smaller spacing"});
   const std::vector<Vec3d> r = spread_points(ground, {}, 2, s.seed);
-  const Triangles triangles = triangulate(ground, r);
+  const Triangles triangles = triangulate(ground, 0, r);
   check_triangles(triangles, r.size(), 0, 2, place);
   SpecimenPoints points;
   for (const Vec3d& p : r) points.r.push_back(s.around.spacing.value() * p);
