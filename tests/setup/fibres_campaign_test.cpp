@@ -42,14 +42,16 @@ std::string list(const std::vector<double>& x) {
 
 Request request(unsigned seed) {
   Random random(seed);
-  const auto from = [&](double low, double high) { return low + (high - low) * random.uniform(); };
+  // as many digits as the text of the case has
+  const auto rounded = [](double x) { return std::round(1e4 * x) / 1e4; };
+  const auto from = [&](double low, double high) { return rounded(low + (high - low) * random.uniform()); };
   Request q{};
   q.diameter = from(0.1, 0.5);
-  const double spacing = q.diameter * from(1.0, 3.0), side = from(3.0, 8.0);
-  q.length = std::max(1.05 * spacing, from(1.0, 8.0));
-  q.gap = random.uniform() < 0.5 ? 0.0 : 0.3 * q.diameter * random.uniform();
+  const double spacing = rounded(q.diameter * from(1.0, 3.0) + 1e-4), side = from(3.0, 8.0);
+  q.length = std::max(rounded(1.05 * spacing), from(1.0, 8.0));
+  q.gap = random.uniform() < 0.5 ? 0.0 : rounded(0.3 * q.diameter * random.uniform());
   q.by_share = random.uniform() < 0.5;
-  q.wanted = q.by_share ? std::pow(10.0, from(-2.5, -0.3)) : std::floor(from(1.0, 250.0));
+  q.wanted = q.by_share ? rounded(std::pow(10.0, from(-2.5, -0.3))) : std::floor(from(1.0, 250.0));
   q.shape = "diameter = " + std::to_string(q.diameter) + "\nspacing = " + std::to_string(spacing) +
             "\ngap = " + std::to_string(q.gap) + "\nmass = 1\nseed = " + std::to_string(seed) + "\n";
   if (random.uniform() < 0.7)
@@ -66,12 +68,12 @@ Request request(unsigned seed) {
                  r = 0.5 * std::sqrt(a * b);
     q.shape += "orientation = \"tensor\"\norientation_tensor = " + list({a, b, c, r, 0, 0}) + "\n";
   }
-  const double vessel = random.uniform(), height = side * from(0.1, 1.0);
+  const double vessel = random.uniform(), height = rounded(side * from(0.1, 1.0));
   q.in_cell = vessel < 0.5;
   q.volume = side * side * height;
   if (q.in_cell)
     q.vessel = "[cell]\na = " + list({side, 0, 0}) +
-               "\nb = " + list({vessel < 0.25 ? 0.3 * side : 0.0, side, 0}) +
+               "\nb = " + list({vessel < 0.25 ? rounded(0.3 * side) : 0.0, side, 0}) +
                "\nc = " + list({0, 0, height}) + (vessel < 0.35 ? "\nopen = [\"c\"]" : "") + "\n";
   else
     q.vessel = std::string(vessel < 0.75 ? "box" : "layer") +

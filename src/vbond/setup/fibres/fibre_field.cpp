@@ -204,7 +204,7 @@ class Pushing {
   }
 
   bool run() {
-    constexpr int most = 20000, window = 200;
+    constexpr int most = 5000, window = 200;
     double dt = 0.1, alpha = 0.1, before = INFINITY;
     int downhill = 0;
     for (int step = 0; step < most; ++step) {

@@ -257,12 +257,12 @@ std::optional<Drawn> place(const Request& q, std::size_t n) {
   return d;
 }
 
-/// About the largest number that is placed where `bad` are not: 2 % of it, or one, more were tried in vain.
+/// About the largest number that is placed where `bad` are not: 5 % of it, or one, more were tried in vain.
 /// Whoever asks for it gets it.
 [[noreturn]] void refuse_with_nearest(const Request& q, std::size_t wanted) {
   std::size_t good = 0, bad = wanted;
   double reached = 0.0;
-  while (bad - good > 1 + good / 50) {
+  while (bad - good > 1 + good / 20) {
     const std::size_t middle = good + (bad - good) / 2;
     if (const auto d = place(q, middle)) {
       good = middle;
