@@ -1,8 +1,10 @@
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "vbond/case/read.hpp"
@@ -60,26 +62,25 @@ inline double between_segments(const Vec3d& a, const Vec3d& b, const Vec3d& c, c
   return to_segment(a + 0.5 * (low + high) * (b - a), c, d);
 }
 
-/// The least distance of the axes of two fibres, or of a fibre and an image of its own: every segment against
-/// every other one. Those farther apart than `enough` are passed over.
+/// The least distance of the axes of two fibres, or of a fibre and an image of its own: every fibre against
+/// every image of every other one. Those farther apart than `enough` are passed over.
 inline double least_distance(const Chains& chains, double enough) {
-  struct Segment {
-    std::size_t fibre;
-    Vec3d a, b;
-  };
-  std::vector<Segment> segments;
+  std::vector<Vec3d> middle;
+  std::vector<double> radius;  // of a ball around each fibre
   double extent = 0.0;
-  for (std::size_t f = 0; f < chains.points.size(); ++f) {
-    const auto& p = chains.points[f];
-    for (std::size_t k = 0; k + 1 < p.size(); ++k) segments.push_back({f, p[k], p[k + 1]});
-    for (const Vec3d& r : p) extent = std::max(extent, norm(r - p[0]));
+  for (const auto& p : chains.points) {
+    middle.push_back(0.5 * (p.front() + p.back()));
+    radius.push_back(0.0);
+    for (const Vec3d& r : p) radius.back() = std::max(radius.back(), norm(r - middle.back()));
+    for (const Vec3d& m : middle) extent = std::max(extent, norm(middle.back() - m));
   }
+  const double widest = radius.empty() ? 0.0 : *std::max_element(radius.begin(), radius.end());
   std::array<int, 3> far{};
   for (std::size_t k = 0; k < 3; ++k)
     if (chains.periodic[k]) {
       const Vec3d &e = chains.edges[k], &f = chains.edges[(k + 1) % 3], &g = chains.edges[(k + 2) % 3];
       const double height = std::abs(dot(e, cross(f, g))) / norm(cross(f, g));
-      far[k] = 1 + static_cast<int>(std::ceil((2.0 * extent + enough) / height));
+      far[k] = 1 + static_cast<int>(std::ceil((extent + 2.0 * widest + enough) / height));
     }
   double least = INFINITY;
   for (int x = -far[0]; x <= far[0]; ++x)
@@ -88,14 +89,16 @@ inline double least_distance(const Chains& chains, double enough) {
         const Vec3d shift =
             double(x) * chains.edges[0] + double(y) * chains.edges[1] + double(z) * chains.edges[2];
         const bool itself = x == 0 && y == 0 && z == 0;
-        for (std::size_t i = 0; i < segments.size(); ++i)
-          for (std::size_t j = itself ? i + 1 : 0; j < segments.size(); ++j) {
-            const Segment &s = segments[i], &t = segments[j];
-            if (itself && s.fibre == t.fibre) continue;
-            const Vec3d apart = 0.5 * (t.a + t.b) + shift - 0.5 * (s.a + s.b);
-            const double reach = 0.5 * (norm(s.b - s.a) + norm(t.b - t.a)) + enough;
-            if (norm2(apart) > reach * reach) continue;
-            least = std::min(least, between_segments(s.a, s.b, t.a + shift, t.b + shift));
+        for (std::size_t f = 0; f < chains.points.size(); ++f)
+          for (std::size_t g = itself ? f + 1 : 0; g < chains.points.size(); ++g) {
+            if (norm(middle[g] + shift - middle[f]) > radius[f] + radius[g] + enough) continue;
+            const auto &p = chains.points[f], &q = chains.points[g];
+            for (std::size_t i = 0; i + 1 < p.size(); ++i)
+              for (std::size_t j = 0; j + 1 < q.size(); ++j) {
+                const Vec3d apart = 0.5 * (q[j] + q[j + 1]) + shift - 0.5 * (p[i] + p[i + 1]);
+                if (norm(apart) > 0.5 * (norm(q[j + 1] - q[j]) + norm(p[i + 1] - p[i])) + enough) continue;
+                least = std::min(least, between_segments(p[i], p[i + 1], q[j] + shift, q[j + 1] + shift));
+              }
           }
       }
   return least;
