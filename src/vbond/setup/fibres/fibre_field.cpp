@@ -260,7 +260,8 @@ class Pushing {
   }
 
   void push(const NearSegments& at, double d, std::size_t p, std::size_t q) {
-    Vec3d n = d > 1e-9 * field_.radius ? at.apart / d : cross(r_[p + 1] - r_[p], r_[q + 1] - r_[q]);
+    Vec3d n =
+        d > 1e-9 * field_.radius ? at.apart / d : cross(between(r_[p], r_[p + 1]), between(r_[q], r_[q + 1]));
     if (norm(n) == 0.0) n = {0, 0, 1};  // one upon the other: any way is as good
     const Vec3d F = (range_ - d) * normalised(n);
     energy_ += 0.5 * sq(range_ - d);

@@ -301,11 +301,11 @@ void tell(const SpecimenSpec& spec, const FibresSpecimen& s, const Drawn& d, Spe
   double curl = 0.0, along = 0.0;
   OrientationTensor of_axes{};
   for (std::size_t f = 0; f < field.size(); ++f) {
-    const Vec3d ends = points.r[field.first[f + 1] - 1] - points.r[field.first[f]];
+    const Vec3d ends = between(points.r[field.first[f]], points.r[field.first[f + 1] - 1]);
     of_ends.push_back(normalised(ends));
     curl += norm(ends) / d.lengths[f] / static_cast<double>(field.size());
     for (std::size_t k = field.first[f]; k + 1 < field.first[f + 1]; ++k) {
-      const Vec3d t = points.r[k + 1] - points.r[k];
+      const Vec3d t = between(points.r[k], points.r[k + 1]);
       const double l = norm(t);
       const OrientationTensor one = mean_dyad({t / l});
       along += l;

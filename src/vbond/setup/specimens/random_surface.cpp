@@ -140,8 +140,8 @@ std::string in_words(const Triangles& triangles, const SpecimenPoints& points) {
   std::vector<int> neighbours(points.r.size(), 0);
   double least = INFINITY, largest = 0.0, sum = 0.0;
   for (const FileBond& b : points.bonds) {
-    const double d =
-        norm(points.r[static_cast<std::size_t>(b.pair[1])] - points.r[static_cast<std::size_t>(b.pair[0])]);
+    const auto place = [&](std::size_t end) { return points.r[static_cast<std::size_t>(b.pair[end])]; };
+    const double d = norm(between(place(0), place(1)));
     least = std::min(least, d), largest = std::max(largest, d), sum += d;
     for (const std::int64_t p : b.pair) ++neighbours[static_cast<std::size_t>(p)];
   }
