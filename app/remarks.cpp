@@ -126,7 +126,9 @@ void compare_masses(const Case& c, const Model& model, const State& state,
   constexpr double striking = 0.2, striking_of_overlaps = 0.05;  // which count twice what they share
   const std::vector<Range> ranges = ranges_of_specimens(c, model);
   for (std::size_t s = 0; s < ranges.size(); ++s) {
-    if (!c.specimens[s].density || c.specimens[s].thickness) continue;
+    if (!c.specimens[s].density || c.specimens[s].thickness ||
+        std::holds_alternative<FibresSpecimen>(c.specimens[s].shape))
+      continue;
     double beads = 0.0, volume = 0.0;
     bool chain = true, overlap = false;
     for (std::size_t k = 0; k < ranges[s].count; ++k) {

@@ -333,6 +333,7 @@ int run(const RunOptions& options) {
   Campaign campaign =
       open_campaign(c, run, std::move(plan), options.threads, options.program, nullptr, start);
   campaign.summary.packings = summarise(built.packings);
+  campaign.summary.specimens = std::move(built.figures);
   campaign.building = seconds_since(start);
   try {
     const int status = run_to_end(campaign, options.status_lines);
@@ -375,6 +376,7 @@ int resume(const fs::path& folder, const RunOptions& options) {
   plan.writes = writes_here(processes);
   Campaign campaign =
       open_campaign(c, run, std::move(plan), options.threads, options.program, &checkpoint, start);
+  campaign.summary.specimens = std::move(built.figures);
   if (fs::exists(folder / "run.json"))
     campaign.summary.stages = read_stages_before(folder / "run.json", run.clock().stage);
   campaign.summary.packings = summarise(built.packings);

@@ -45,6 +45,21 @@ TEST_P(ClosePacked, HasTwelveNeighboursInside) {
 }
 INSTANTIATE_TEST_SUITE_P(Lattices, ClosePacked, ::testing::Values(Lattice::fcc, Lattice::hcp));
 
+TEST(Block, BccHasEightNeighboursAndRepeatsInItsCell) {
+  const double edge = 3 * 1.5 * 2 / std::numbers::sqrt3;  // three cubes; neighbours along their diagonals
+  Case c = case_of(BlockSpecimen{Lattice::bcc, {3, 3, 3}, 1.5, {0.1, 0.1, 0.1}});
+  c.cell = CellSpec{};
+  c.cell->edges = {Vec3d{edge, 0, 0}, Vec3d{0, edge, 0}, Vec3d{0, 0, edge}};
+  c.bonds.push_back(bonds_within(1.5 * 1.1));  // the next ones are 1.155 spacings away
+  const Built b = build(c);
+  EXPECT_EQ(b.model.particles(), 2u * 27u);
+  EXPECT_EQ(b.state.bonds.size(), 4u * 2u * 27u);
+  for (const Bond& bond : b.state.bonds) EXPECT_NEAR(bond.a, 1.5, 1e-14);
+  EXPECT_EQ(b.notes, std::vector<std::string>{}) << "it fits";
+  c.cell->edges[2].z *= 1.01;
+  EXPECT_TRUE(contains(build(c).notes.at(0), "the lattice has a seam"));
+}
+
 // A particle of an fcc crystal and its mirror image: of 12 neighbours every one has an opposite one; in hcp
 // only the six of its own plane have.
 TEST(Block, HcpIsNotFcc) {
@@ -101,6 +116,7 @@ TEST(Specimens, AreCountedBeforeTheyAreMade) {
                         case_of(BlockSpecimen{Lattice::simple_cubic, {2, 3, 5}, 1.0, {}}),
                         case_of(BlockSpecimen{Lattice::fcc, {2, 3, 4}, 1.0, {}}),
                         case_of(BlockSpecimen{Lattice::hcp, {2, 3, 4}, 1.0, {}}),
+                        case_of(BlockSpecimen{Lattice::bcc, {2, 3, 4}, 1.0, {}}),
                         case_of(SheetSpecimen{SheetLattice::triangular, {4, 3}, 1.0, {}}),
                         case_of(ListedSpecimen{{{0, 0, 0}, {2, 0, 0}}})})
     EXPECT_EQ(count_particles(c), static_cast<double>(build(c).model.particles()));

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "vbond/case/csv_columns.hpp"
+#include "vbond/case/fibre_spec.hpp"
 #include "vbond/case/packing_spec.hpp"
 #include "vbond/case/placed.hpp"
 #include "vbond/case/region_spec.hpp"
@@ -62,21 +63,27 @@ struct HemisphereSpecimen {
   std::uint64_t seed = 1;
 };
 
-enum class Lattice : std::uint8_t { simple_cubic, fcc, hcp };
+enum class Lattice : std::uint8_t { simple_cubic, fcc, hcp, bcc };
 struct BlockSpecimen {
   Lattice lattice = Lattice::simple_cubic;
   std::array<std::int64_t, 3> cells{
-      1, 1, 1};          ///< simple cubic: particles; fcc: cubic cells; hcp: orthogonal cells of 4
+      1, 1, 1};  ///< simple cubic: particles; fcc: cubic cells of 4; hcp: orthogonal cells of 4; bcc: of 2
   double spacing = 1.0;  ///< nearest-neighbour distance
   Vec3d origin;
 };
 
-enum class SheetLattice : std::uint8_t { triangular, square };
+constexpr int particles_in_cell(Lattice lattice) {
+  return lattice == Lattice::simple_cubic ? 1 : lattice == Lattice::bcc ? 2 : 4;
+}
+
+enum class SheetLattice : std::uint8_t { triangular, square, random };
 struct SheetSpecimen {
   SheetLattice lattice = SheetLattice::triangular;
-  std::array<std::int64_t, 2> particles{1, 1};  ///< along x, rows along y
+  std::array<std::int64_t, 2> particles{1, 1};  ///< along x, rows along y; not of random ones
   double spacing = 1.0;
   Vec3d origin;
+  std::array<double, 2> size{};  ///< random: along x and y  [length]
+  std::uint64_t seed = 1;        ///< random
 };
 
 struct RingSpecimen {          ///< in the x-y plane, particle 0 on +x
@@ -134,10 +141,15 @@ struct AroundSpec {
   Vec3d axis{0, 0, 1};                    ///< any length but zero; x turns with it from z
 };
 
-struct CylinderSpecimen {  ///< a triangular sheet rolled up
+/// Where the particles of a curved surface are: in rows of circles, or at random and even distances.
+enum class SurfaceLattice : std::uint8_t { triangular, random };
+
+struct CylinderSpecimen {  ///< a triangular or random sheet rolled up
   double radius = 0, length = 0;
   Vec3d origin;  ///< centre of its first circle
   AroundSpec around;
+  SurfaceLattice lattice = SurfaceLattice::triangular;
+  std::uint64_t seed = 1;  ///< random
 };
 
 struct ConeSpecimen {             ///< truncated; circles of equal numbers of particles
@@ -152,6 +164,8 @@ struct SphereSpecimen {
   Vec3d centre;
   std::optional<std::array<double, 2>> polar;  ///< a zone between these angles from the axis; else closed
   AroundSpec around;
+  SurfaceLattice lattice = SurfaceLattice::triangular;  ///< random: closed only
+  std::uint64_t seed = 1;                               ///< random
 };
 
 struct EllipsoidSolid {
@@ -173,11 +187,12 @@ struct SpecimenSpec {
   std::string name = "body";  ///< becomes a group
   std::variant<RodSpecimen, HemisphereSpecimen, BlockSpecimen, SheetSpecimen, RingSpecimen, HelixSpecimen,
                CsvSpecimen, LammpsSpecimen, ListedSpecimen, CylinderSpecimen, ConeSpecimen, SphereSpecimen,
-               PackingSpecimen>
+               PackingSpecimen, FibresSpecimen>
       shape;
-  double radius = 0;              ///< >= 0; required > 0 for contacts, surface bonds, density
-  std::optional<double> mass;     ///< exactly one of mass, density (or a file column)
-  std::optional<double> density;  ///< m = 4/3 pi R^3 density, or with a thickness: area * thickness * density
+  double radius = 0;           ///< >= 0; required > 0 for contacts, surface bonds, density
+  std::optional<double> mass;  ///< exactly one of mass, density (or a file column)
+  /// m = 4/3 pi R^3 density, or with a thickness: area * thickness * density, or of fibres their volume.
+  std::optional<double> density;
   std::optional<double> thickness;                         ///< of the wall that a surface stands for
   std::optional<double> inertia;                           ///< default 2/5 m R^2
   std::optional<std::array<double, 3>> principal_inertia;  ///< about the axes of the body

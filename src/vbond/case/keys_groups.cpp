@@ -4,9 +4,9 @@ namespace vbond::keys {
 
 void describe(Table& t, GroupSpec& g) {
   t.locate(g.place);
-  const std::vector<std::string> forms{"indices", "box",        "sphere",       "cylinder",
-                                       "plane",   "half_space", "mesh",         "material",
-                                       "type",    "union",      "intersection", "difference"};
+  const std::vector<std::string> forms{"indices",    "box",          "sphere",    "cylinder", "plane",
+                                       "half_space", "mesh",         "material",  "type",     "fibres",
+                                       "union",      "intersection", "difference"};
   t.alternatives(g.region, t.exactly_one(forms, g.region.index()), forms);
 }
 
@@ -68,6 +68,13 @@ void describe(Table& t, MaterialGroup& g) {
 
 void describe(Table& t, TypeGroup& g) {
   t.key("type", g.type, CountCodec{1}, required, "the atoms of this type in the LAMMPS data files");
+}
+
+void describe(Table& t, FibreGroup& g) {
+  t.key("fibres", g.fibres, list_of(CountCodec{0, most_particles - 1}, 1), required,
+        "numbers of fibres, counted from 0 in each specimen of kind = \"fibres\"; after an array those of "
+        "each "
+        "copy follow those of the one before");
 }
 
 void describe(Table& t, UnionGroup& g) {

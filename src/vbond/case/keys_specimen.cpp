@@ -19,6 +19,11 @@ void check_total(Table& t, double particles, const std::vector<std::string>& key
           "take fewer particles");
 }
 
+/// As many particles as triangles of this spacing have on the area.
+void check_random(Table& t, double area, double spacing) {
+  check_total(t, 2.0 / std::numbers::sqrt3 * area / (spacing * spacing), {"spacing", "size"});
+}
+
 /// What stands for mass, and what mass and inertia need of the radius. Files may bring columns of their own.
 void check_mass(Table& t, const SpecimenSpec& s) {
   t.check(!s.thickness || s.density, {"thickness", "density"},
@@ -26,6 +31,9 @@ void check_mass(Table& t, const SpecimenSpec& s) {
           "add density, or leave out thickness");
   const bool from_file =
       std::holds_alternative<CsvSpecimen>(s.shape) || std::holds_alternative<LammpsSpecimen>(s.shape);
+  const bool fibres = std::holds_alternative<FibresSpecimen>(s.shape);
+  t.check(!fibres || s.radius == 0.0, {"radius"}, "the radius of fibres is half of their diameter",
+          "leave it out");
   t.check(!(s.mass && s.density), {"density", "mass"}, "only one of mass and density may be given",
           "keep one of them; density means m = 4/3 pi radius^3 density, or of a wall with a thickness");
   const auto* packing = std::get_if<PackingSpecimen>(&s.shape);
@@ -39,7 +47,7 @@ void check_mass(Table& t, const SpecimenSpec& s) {
           "give each kind of grains a density and none to the specimen, or the other way round");
   t.check(from_file || of_grains || s.mass || s.density, {"mass", "density", "kind", "grains"},
           "one of mass and density is required", "add mass = 1.0 (or density and a radius)");
-  t.check(from_file || packing || s.thickness || !s.density || s.radius > 0,
+  t.check(from_file || packing || fibres || s.thickness || !s.density || s.radius > 0,
           {"density", "radius", "thickness", "kind"},
           "density needs a radius, m = 4/3 pi radius^3 density, or the thickness of a sheet or shell",
           "add radius or thickness, or give mass instead of density");
@@ -48,7 +56,7 @@ void check_mass(Table& t, const SpecimenSpec& s) {
   t.check(forms <= 1, {"inertia", "principal_inertia", "inertia_tensor", "solid"},
           "only one of inertia, principal_inertia, inertia_tensor and solid may be given",
           "keep one of them");
-  t.check(from_file || packing || s.thickness || forms > 0 || s.radius > 0,
+  t.check(from_file || packing || fibres || s.thickness || forms > 0 || s.radius > 0,
           {"radius", "inertia", "thickness", "kind"},
           "inertia or a radius > 0 is required: the default 2/5 m radius^2 would be zero and a particle "
           "could not turn",
@@ -102,25 +110,27 @@ void describe(Table& t, SpecimenSpec& s) {
   t.locate(s.place);
   t.key("name", s.name, NameCodec{}, optional,
         "name of the specimen; its particles form a group of this name");
-  static const std::vector<std::string> kinds{"rod",   "hemisphere", "block",  "sheet", "ring",
-                                              "helix", "csv",        "lammps", "list",  "cylinder",
-                                              "cone",  "sphere",     "packing"};
+  static const std::vector<std::string> kinds{"rod",   "hemisphere", "block",   "sheet", "ring",
+                                              "helix", "csv",        "lammps",  "list",  "cylinder",
+                                              "cone",  "sphere",     "packing", "fibres"};
   std::size_t kind = t.reading() ? kinds.size() : s.shape.index();
-  t.key("kind", kind, ChoiceCodec<std::size_t>{kinds, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}}, required,
-        "what it is made of");
+  t.key("kind", kind, ChoiceCodec<std::size_t>{kinds, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13}},
+        required, "what it is made of");
   t.key("radius", s.radius, not_negative(length), optional,
         "radius of the particles: for contacts, bonds between surfaces, density and the default inertia");
   t.key("mass", s.mass, positive(mass), default_is("exactly one of mass and density, unless the file has it"),
         "mass of each particle");
   t.key("density", s.density, positive(density), optional,
-        "instead of mass: m = 4/3 pi radius^3 density; with thickness: area times thickness times density");
+        "instead of mass: m = 4/3 pi radius^3 density; with thickness: area times thickness times density; "
+        "of fibres: the volume of the cylinder times density");
   const bool surface = kind == 3 || (kind >= 9 && kind <= 11);  // as named below
   t.when(surface, "kind = \"sheet\", \"cylinder\", \"cone\" or \"sphere\"", [&] {
     t.key("thickness", s.thickness, positive(length), optional,
           "of the wall that they stand for, h: with density, each particle has the mass of its share of the "
           "surface; the default inertia is then m (h^2/12 + 5/72 l^2), l: distance of its neighbours");
   });
-  t.key("inertia", s.inertia, positive(inertia), default_is("2/5 m radius^2, or from thickness"),
+  t.key("inertia", s.inertia, positive(inertia),
+        default_is("2/5 m radius^2, or from thickness, or of fibres m (radius^2/4 + spacing^2/12)"),
         "moment of inertia of each particle, the same about all axes");
   t.key("material", s.material, material_name, default_is("the first of the case"),
         "what its particles are made of, as far as contacts ask");
@@ -155,6 +165,18 @@ void describe_around(Table& t, AroundSpec& a, const char* spacing, bool may_coun
           "must be at least 3 on a closed circle", "take more particles");
 }
 
+void describe_surface_lattice(Table& t, SurfaceLattice& lattice, std::uint64_t& seed) {
+  t.key(
+      "lattice", lattice,
+      ChoiceCodec<SurfaceLattice>{{"triangular", "random"},
+                                  {SurfaceLattice::triangular, SurfaceLattice::random}},
+      optional,
+      "circles of particles, or of a closed sphere a divided icosahedron; or particles at random places and "
+      "even distances");
+  t.when(lattice == SurfaceLattice::random, "lattice = \"random\"",
+         [&] { t.key("seed", seed, seed_number, optional, "of the random places"); });
+}
+
 }  // namespace
 
 void describe(Table& t, CylinderSpecimen& s) {
@@ -163,6 +185,11 @@ void describe(Table& t, CylinderSpecimen& s) {
   t.key("origin", s.origin, vector_of(length), optional, "centre of the first circle");
   describe_around(t, s.around,
                   "about what neighbours are apart: within 3 %, so that triangles fit the length", true);
+  describe_surface_lattice(t, s.lattice, s.seed);
+  if (s.lattice != SurfaceLattice::random) return;
+  t.check(s.around.spacing.has_value(), {"particles_around", "lattice"},
+          "a random lattice goes by the spacing", "give spacing instead");
+  check_random(t, s.around.angle * s.radius * s.length, s.around.spacing.value_or(INFINITY));
 }
 
 void describe(Table& t, ConeSpecimen& s) {
@@ -188,6 +215,11 @@ void describe(Table& t, SphereSpecimen& s) {
           {"angle", "particles_around", "polar", "kind"},
           "angle and particles_around belong to a zone or panel of a sphere",
           "add polar = [from, to], or leave them out");
+  describe_surface_lattice(t, s.lattice, s.seed);
+  if (s.lattice != SurfaceLattice::random) return;
+  t.check(!s.polar, {"polar", "lattice"}, "random particles are those of a closed sphere",
+          "leave polar out, and cut what is not wanted");
+  check_random(t, 4.0 * std::numbers::pi * s.radius * s.radius, s.around.spacing.value_or(INFINITY));
 }
 
 void describe(Table& t, RodSpecimen& s) {
@@ -224,25 +256,36 @@ void describe(Table& t, HemisphereSpecimen& s) {
 
 void describe(Table& t, BlockSpecimen& s) {
   t.key("lattice", s.lattice,
-        ChoiceCodec<Lattice>{{"simple-cubic", "fcc", "hcp"},
-                             {Lattice::simple_cubic, Lattice::fcc, Lattice::hcp}},
+        ChoiceCodec<Lattice>{{"simple-cubic", "fcc", "hcp", "bcc"},
+                             {Lattice::simple_cubic, Lattice::fcc, Lattice::hcp, Lattice::bcc}},
         optional, "crystal lattice");
   t.key("cells", s.cells, tuple_of<3>(one_or_more), required,
-        "cells along x, y, z; simple-cubic: one particle each; fcc and hcp: four each");
+        "cells along x, y, z; simple-cubic: one particle each; fcc and hcp: four each; bcc: two each");
   t.key("spacing", s.spacing, positive(length), required_in_si, spacing_doc);
   t.key("origin", s.origin, vector_of(length), optional, origin_doc);
   const double cells =
       static_cast<double>(s.cells[0]) * static_cast<double>(s.cells[1]) * static_cast<double>(s.cells[2]);
-  check_total(t, s.lattice == Lattice::simple_cubic ? cells : 4.0 * cells, {"cells"});
+  check_total(t, static_cast<double>(particles_in_cell(s.lattice)) * cells, {"cells"});
 }
 
 void describe(Table& t, SheetSpecimen& s) {
   t.key("lattice", s.lattice,
-        ChoiceCodec<SheetLattice>{{"triangular", "square"}, {SheetLattice::triangular, SheetLattice::square}},
+        ChoiceCodec<SheetLattice>{{"triangular", "square", "random"},
+                                  {SheetLattice::triangular, SheetLattice::square, SheetLattice::random}},
         optional, "pattern in the x-y plane");
-  t.key("particles", s.particles, tuple_of<2>(one_or_more), required, "particles along x, rows along y");
-  t.key("spacing", s.spacing, positive(length), required_in_si, spacing_doc);
+  const bool random = s.lattice == SheetLattice::random;
+  t.when(!random, "lattice = \"triangular\" or \"square\"", [&] {
+    t.key("particles", s.particles, tuple_of<2>(one_or_more), required, "particles along x, rows along y");
+  });
+  t.when(random, "lattice = \"random\"", [&] {
+    t.key("size", s.size, tuple_of<2>(positive(length)), required,
+          "edges along x and y, from particle to particle");
+    t.key("seed", s.seed, seed_number, optional, "of the random places");
+  });
+  t.key("spacing", s.spacing, positive(length), required_in_si,
+        "distance between neighbours; random: about the mean one");
   t.key("origin", s.origin, vector_of(length), optional, origin_doc);
+  if (random) return check_random(t, s.size[0] * s.size[1], s.spacing);
   check_total(t, static_cast<double>(s.particles[0]) * static_cast<double>(s.particles[1]), {"particles"});
 }
 

@@ -45,6 +45,9 @@ struct MaterialGroup {
 struct TypeGroup {
   std::int64_t type = 0;  ///< of the atoms of LAMMPS data files
 };
+struct FibreGroup {
+  std::vector<std::int64_t> fibres;  ///< numbers of fibres within their specimen
+};
 struct UnionGroup {
   std::vector<Placed<std::string>> groups;
 };
@@ -60,7 +63,7 @@ struct GroupSpec {
   SourcePlace place;
   std::string name;
   std::variant<IndexList, BoxRegion, SphereRegion, CylinderRegion, PlaneRegion, HalfSpaceRegion, MeshRegion,
-               MaterialGroup, TypeGroup, UnionGroup, IntersectionGroup, DifferenceGroup>
+               MaterialGroup, TypeGroup, FibreGroup, UnionGroup, IntersectionGroup, DifferenceGroup>
       region;
 };
 

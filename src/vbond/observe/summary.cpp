@@ -94,6 +94,26 @@ SymmetricParts components_from(const Json& j) {
   return x;
 }
 
+/// One number as such, several as a list.
+Json to_json(const SpecimenFigures& s) {
+  Json j = Json::object();
+  for (const auto& [name, numbers] : s.figures)
+    if (numbers.size() == 1)
+      j[name] = numbers[0];
+    else
+      j[name] = numbers;
+  return j;
+}
+SpecimenFigures figures_from(const std::string& specimen, const Json& j) {
+  SpecimenFigures s{specimen, {}};
+  for (const auto& [name, numbers] : j.items())
+    if (numbers.is_array())
+      s.figures.emplace_back(name, numbers.get<std::vector<double>>());
+    else
+      s.figures.emplace_back(name, std::vector<double>{numbers.get<double>()});
+  return s;
+}
+
 Json to_json(const CellSummary& c) {
   Json j{{"volume", c.values.volume},
          {"density", c.values.density},
@@ -202,6 +222,7 @@ std::string to_json(const RunSummary& r) {
   j["strained"] = r.strained;
   j["snapped"] = r.snapped;
   if (r.breaks) add(j, *r.breaks);
+  for (const SpecimenFigures& s : r.specimens) j["specimens"][s.specimen] = to_json(s);
   for (const WallSummary& w : r.walls) j["walls"].push_back(to_json(w));
   if (r.cell) j["cell"] = to_json(*r.cell);
   for (const PackingSummary& p : r.packings) j["packings"].push_back(to_json(p));
@@ -252,6 +273,9 @@ RunSummary read_summary(const std::filesystem::path& path) {
     if (j.contains("broken")) r.breaks = breaks_from(j);
     if (j.contains("walls"))
       for (const Json& wall : j["walls"]) r.walls.push_back(wall_from(wall));
+    if (j.contains("specimens"))
+      for (const auto& [name, figures] : j["specimens"].items())
+        r.specimens.push_back(figures_from(name, figures));
     if (j.contains("cell")) r.cell = cell_from(j["cell"]);
     if (j.contains("packings"))
       for (const Json& packing : j["packings"]) r.packings.push_back(packing_from(packing));

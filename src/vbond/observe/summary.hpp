@@ -9,6 +9,7 @@
 
 #include "vbond/dynamics/simulation.hpp"
 #include "vbond/model/model.hpp"
+#include "vbond/model/specimen_figures.hpp"
 #include "vbond/model/static_stage.hpp"
 #include "vbond/observe/breaks.hpp"
 #include "vbond/observe/history_values.hpp"
@@ -93,10 +94,11 @@ struct RunSummary {
   int threads_used = 1;         ///< in the last stage; a small body is not shared out
   UnitSystem units = UnitSystem::reduced;
   std::int64_t particles = 0, bonds = 0;
-  double T_0 = 0;                      ///< [time]
-  std::optional<BreakSummary> breaks;  ///< absent where no bond may break
-  std::vector<WallSummary> walls;      ///< in the order of the case
-  std::optional<CellSummary> cell;     ///< of periodic bodies
+  double T_0 = 0;                          ///< [time]
+  std::optional<BreakSummary> breaks;      ///< absent where no bond may break
+  std::vector<WallSummary> walls;          ///< in the order of the case
+  std::vector<SpecimenFigures> specimens;  ///< those that are made at random
+  std::optional<CellSummary> cell;         ///< of periodic bodies
   std::vector<PackingSummary> packings;
   /// What is dissipated at the end, by the causes that the case may have.  [energy]
   std::vector<std::pair<std::string, double>> dissipated;

@@ -199,7 +199,7 @@ struct Selection {
     for (const SpecimenSpec& specimen : c.specimens) {
       if (!brings_bonds(specimen)) continue;
       const auto first = model.find_group(specimen.name)->particles.front().value;
-      for (const FileBond& bond : make_specimen(specimen, c.file).bonds) {
+      for (const FileBond& bond : make_specimen(specimen, c).bonds) {
         ++brought;
         if (bond.type != no_bond_type) types.insert(bond.type);
         if (wanted.bond_type && bond.type != *wanted.bond_type) continue;
@@ -223,10 +223,11 @@ struct Selection {
       problems.add(place_of_selection(spec), fmt::format("bonds \"{}\": {}", spec.name, what), rule, instead);
     };
     if (brought == 0)
-      refuse("no specimen brings bonds",
-             "LAMMPS data files with a Bonds section do, CSV specimens with a bonds_file, and the kinds "
-             "cylinder, cone and sphere",
-             "select by distance or by pairs");
+      refuse(
+          "no specimen brings bonds",
+          "LAMMPS data files with a Bonds section do, CSV specimens with a bonds_file, the kinds cylinder, "
+          "cone, sphere and fibres, and random sheets",
+          "select by distance or by pairs");
     else if (type && types.empty())
       refuse(fmt::format("no bond of type {}", *type), "the bonds that the specimens bring have no types",
              "leave bond_type out");

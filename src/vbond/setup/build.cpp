@@ -30,7 +30,7 @@ std::vector<PlacedSpecimen> place_specimens(const Case& c) {
   std::size_t first = 0;
   for (const SpecimenSpec& spec : c.specimens) {
     try {
-      placed.push_back({&spec, first, make_specimen(spec, c.file, c.cell ? &*c.cell : nullptr)});
+      placed.push_back({&spec, first, make_specimen(spec, c)});
       first += placed.back().points.r.size();
     } catch (const CaseError& e) {
       problems.add(e);
@@ -49,9 +49,9 @@ class Properties {
   Properties(const PlacedSpecimen& s, Problems& problems) : s_(s), problems_(problems) {
     const SpecimenSpec& spec = *s.spec;
     given_once("radius", (spec.radius != 0.0) + !s.points.radius.empty(), false);
-    // of a wall, masses and perhaps inertias are those that density and thickness give
-    const bool wall = spec.thickness.has_value();
-    given_once("mass", spec.mass.has_value() + (spec.density && !wall) + !s.points.mass.empty(), true);
+    // of a wall and of fibres, masses and perhaps inertias are those that the density gives
+    const bool made = spec.thickness.has_value() || std::holds_alternative<FibresSpecimen>(spec.shape);
+    given_once("mass", spec.mass.has_value() + (spec.density && !made) + !s.points.mass.empty(), true);
     given_once("inertia", times_inertia_is_given(spec, s.points), false);
   }
 
@@ -295,6 +295,7 @@ Built build(const Case& c) {
       built.packings.emplace_back(s.spec->name, *s.points.packing);
       built.packings.back().second.r = {}, built.packings.back().second.radius = {};
     }
+    if (!s.points.figures.empty()) built.figures.push_back({s.spec->name, s.points.figures});
     if (!c.cell)
       built.notes.insert(built.notes.end(), s.points.notes_on_open_bodies.begin(),
                          s.points.notes_on_open_bodies.end());

@@ -7,6 +7,7 @@
 
 #include "vbond/case/case.hpp"
 #include "vbond/model/model.hpp"
+#include "vbond/model/specimen_figures.hpp"
 #include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/model/static_stage.hpp"
@@ -23,6 +24,7 @@ struct Built {
                                    ///< leave, bonds that break at once; a line each
   /// Specimens of packed grains and what they are like; places and radii stand in the model.
   std::vector<std::pair<std::string, packing::Packing>> packings;
+  std::vector<SpecimenFigures> figures;  ///< of specimens that are made at random
 };
 
 /// Particles that the case makes itself; those that it reads from files or cuts are not counted.

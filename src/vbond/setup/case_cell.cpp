@@ -28,10 +28,15 @@ std::optional<std::array<double, 3>> period_of(const SpecimenSpec& spec) {
       case Lattice::simple_cubic: return times(block->spacing, block->cells, {1.0, 1.0, 1.0});
       case Lattice::fcc:
         return times(block->spacing, block->cells, {std::sqrt(2.0), std::sqrt(2.0), std::sqrt(2.0)});
+      case Lattice::bcc: {
+        const double cell = 2.0 / std::sqrt(3.0);
+        return times(block->spacing, block->cells, {cell, cell, cell});
+      }
       case Lattice::hcp:
         return times(block->spacing, block->cells, {1.0, std::sqrt(3.0), std::sqrt(8.0 / 3.0)});
     }
-  if (const auto* sheet = std::get_if<SheetSpecimen>(&spec.shape)) {
+  if (const auto* sheet = std::get_if<SheetSpecimen>(&spec.shape);
+      sheet != nullptr && sheet->lattice != SheetLattice::random) {
     const double row = sheet->lattice == SheetLattice::square ? 1.0 : std::sqrt(0.75);
     return times(sheet->spacing, std::array<std::int64_t, 3>{sheet->particles[0], sheet->particles[1], 0},
                  {1.0, row, 0.0});
@@ -90,6 +95,12 @@ std::optional<FileBox> box_of_case(const CellSpec& cell, const std::vector<Place
   return found->points.box;
 }
 
+void refuse_mistakes_in_cell(const CellSpec& cell, const Model& model, Problems& problems) {
+  for (const std::string& mistake : mistakes_in_cell(model))
+    problems.add(cell.place, mistake, "a cell is a parallelepiped with volume",
+                 "write for example a = [10, 0, 0], b = [0, 10, 0], c = [0, 0, 10]");
+}
+
 /// Image flags are counted in the box of their file, which is meant to be the cell.
 void note_other_boxes(const std::vector<PlacedSpecimen>& specimens, Built& built) {
   const std::array<Vec3d, 3>& cell = built.model.cell.edges;
@@ -109,6 +120,27 @@ void note_other_boxes(const std::vector<PlacedSpecimen>& specimens, Built& built
 
 }  // namespace
 
+FileBox cell_of_case(const Case& c) {
+  Problems problems;
+  std::vector<PlacedSpecimen> with_box;
+  if (c.cell->from_specimen)
+    for (const SpecimenSpec& spec : c.specimens) {
+      const bool meant = spec.name == c.cell->from_specimen->value;
+      with_box.push_back({&spec, 0, {}});
+      if (meant && std::holds_alternative<LammpsSpecimen>(spec.shape))
+        with_box.back().points = make_specimen(spec, c);
+    }
+  const std::optional<FileBox> box = box_of_case(*c.cell, with_box, problems);
+  problems.throw_if_any();
+  Model model;
+  model.cell.edges = box->edges;
+  model.cell.corner = box->corner;
+  for (std::size_t k = 0; k < 3; ++k) model.cell.periodic[k] = !c.cell->open[k];
+  refuse_mistakes_in_cell(*c.cell, model, problems);
+  problems.throw_if_any();
+  return *box;
+}
+
 void add_cell(const Case& c, const std::vector<PlacedSpecimen>& specimens, Built& built, Problems& problems) {
   if (!c.cell) return;
   const std::optional<FileBox> box = box_of_case(*c.cell, specimens, problems);
@@ -118,9 +150,7 @@ void add_cell(const Case& c, const std::vector<PlacedSpecimen>& specimens, Built
   cell.corner = box->corner;
   cell.triangular = c.cell->triangular;
   for (std::size_t k = 0; k < 3; ++k) cell.periodic[k] = !c.cell->open[k];
-  for (const std::string& mistake : mistakes_in_cell(built.model))
-    problems.add(c.cell->place, mistake, "a cell is a parallelepiped with volume",
-                 "write for example a = [10, 0, 0], b = [0, 10, 0], c = [0, 0, 10]");
+  refuse_mistakes_in_cell(*c.cell, built.model, problems);
   if (!problems.none()) return;
   built.state.cell = cell_at_start(built.model);
   for (const ParticleId p : built.model.r_0.ids()) {

@@ -11,6 +11,10 @@ namespace vbond {
 /// them. Notes lattices that do not fit it, and files whose box it is not.
 void add_cell(const Case& c, const std::vector<PlacedSpecimen>& specimens, Built& built, Problems& problems);
 
+/// Edges and corner of the cell of a case that has one, also before its specimens are made. Throws CaseError
+/// for a cell that is none.
+FileBox cell_of_case(const Case& c);
+
 /// The wave vectors of a stage, in whichever way they are given.
 WaveVectors waves_of(const StageSpec& s);
 

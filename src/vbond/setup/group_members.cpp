@@ -118,6 +118,28 @@ class Filler {
     return std::nullopt;
   }
 
+  std::optional<Particles> members(const FibreGroup& g, const GroupSpec& spec) {
+    const std::set<std::int64_t> wanted(g.fibres.begin(), g.fibres.end());
+    Particles found;
+    std::set<std::int64_t> known;
+    for (const PlacedSpecimen& s : specimens_)
+      for (std::size_t k = 0; k < s.points.fibre.size(); ++k) {
+        known.insert(s.points.fibre[k]);
+        if (wanted.count(s.points.fibre[k]) > 0) found.push_back(ParticleId{s.first + k});
+      }
+    for (const std::int64_t fibre : wanted) {
+      if (known.count(fibre) > 0) continue;
+      problems_.add(spec.place, fmt::format("group \"{}\": there is no fibre {}", spec.name, fibre),
+                    known.empty() ? std::string("fibres are those of specimens of kind \"fibres\", and the "
+                                                "case has none")
+                                  : fmt::format("fibres are numbered {} to {}, less those that are cut away",
+                                                *known.begin(), *known.rbegin()),
+                    known.empty() ? "use another kind of group" : "use one of these numbers");
+      return std::nullopt;
+    }
+    return found;
+  }
+
   std::optional<Particles> members(const UnionGroup& g, const GroupSpec&) {
     if (!find_all(g.groups)) return std::nullopt;
     const auto in = count(g.groups);

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <utility>
@@ -58,6 +59,7 @@ std::string keep_only(const std::vector<char>& kept, SpecimenPoints& points) {
   filter(kept, points.v);
   filter(kept, points.omega);
   filter(kept, points.orientations);
+  filter(kept, points.fibre);
   filter(kept, points.radius);
   filter(kept, points.mass);
   filter(kept, points.inertia);
@@ -112,6 +114,14 @@ void repeat(std::size_t times, std::vector<T>& values) {
   for (std::size_t k = n; k < n * times; ++k) values.push_back(values[k - n]);
 }
 
+/// Fibres of a copy have numbers of their own.
+void repeat_fibres(std::size_t particles, SpecimenPoints& points) {
+  if (points.fibre.empty()) return;
+  const std::int64_t fibres = 1 + *std::max_element(points.fibre.begin(), points.fibre.end());
+  for (std::size_t k = particles; k < points.r.size(); ++k)
+    points.fibre.push_back(points.fibre[k - particles] + fibres);
+}
+
 void copy(const CopiesSpec& row, SpecimenPoints& points) {
   const std::size_t n = points.r.size(), times = static_cast<std::size_t>(row.count);
   repeat(times, points.r);
@@ -123,6 +133,7 @@ void copy(const CopiesSpec& row, SpecimenPoints& points) {
   repeat(times, points.mass);
   repeat(times, points.inertia);
   repeat(times, points.moments);
+  repeat_fibres(n, points);
   const auto shift = static_cast<std::int64_t>(n);
   const std::size_t bonds = points.bonds.size();
   repeat(times, points.bonds);

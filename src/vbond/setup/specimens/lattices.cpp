@@ -1,6 +1,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "vbond/setup/specimens/random_surface.hpp"
 #include "vbond/setup/specimens/surface.hpp"
 
 namespace vbond {
@@ -18,6 +19,10 @@ UnitCell unit_cell(Lattice lattice) {
     case Lattice::simple_cubic: return {{1, 1, 1}, {{0, 0, 0}}};
     case Lattice::fcc:
       return {{s2, s2, s2}, {{0, 0, 0}, {0, s2 / 2, s2 / 2}, {s2 / 2, 0, s2 / 2}, {s2 / 2, s2 / 2, 0}}};
+    case Lattice::bcc: {
+      const double edge = 2.0 / s3;  // of the cube: neighbours stand along its diagonals
+      return {{edge, edge, edge}, {{0, 0, 0}, {0.5 * edge, 0.5 * edge, 0.5 * edge}}};
+    }
     case Lattice::hcp: {
       const double h = std::sqrt(2.0 / 3.0);  // distance of close-packed planes
       return {{1, s3, 2 * h}, {{0, 0, 0}, {0.5, s3 / 2, 0}, {0.5, s3 / 6, h}, {0, 2 * s3 / 3, h}}};
@@ -51,6 +56,7 @@ SpecimenPoints make_points(const BlockSpecimen& s, const SourcePlace& place) {
 }
 
 SpecimenPoints make_points(const SheetSpecimen& s, const SourcePlace& place) {
+  if (s.lattice == SheetLattice::random) return random_sheet(s, place);
   require_counts({s.particles[0], s.particles[1]}, place);
   const bool triangular = s.lattice == SheetLattice::triangular;
   const double row_distance = triangular ? std::numbers::sqrt3 / 2 : 1.0;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "vbond/case/value.hpp"
+#include "vbond/setup/specimens/random_surface.hpp"
 #include "vbond/setup/specimens/surface.hpp"
 
 /// Surfaces of revolution. Rows of particles lie on circles; u with du = ds / r, where s is the way along the
@@ -253,22 +254,25 @@ SpecimenPoints closed_sphere(const SphereSpecimen& s, const SourcePlace& place) 
 }  // namespace
 
 SpecimenPoints make_points(const CylinderSpecimen& s, const SourcePlace& place) {
-  return revolved(s, s.origin, place);
+  return s.lattice == SurfaceLattice::random ? random_cylinder(s, place) : revolved(s, s.origin, place);
 }
 SpecimenPoints make_points(const ConeSpecimen& s, const SourcePlace& place) {
   return revolved(s, s.origin, place);
 }
 SpecimenPoints make_points(const SphereSpecimen& s, const SourcePlace& place) {
+  if (s.lattice == SurfaceLattice::random) return random_sphere(s, place);
   return s.polar ? revolved(s, s.centre, place) : closed_sphere(s, place);
 }
 
 double count_points(const CylinderSpecimen& s) {
+  if (s.lattice == SurfaceLattice::random) return 0.0;
   return divided(meridian_of(s), s.around).particles();
 }
 double count_points(const ConeSpecimen& s) {
   return divided(meridian_of(s), s.around).particles();
 }
 double count_points(const SphereSpecimen& s) {
+  if (s.lattice == SurfaceLattice::random) return 0.0;
   if (s.polar) return divided(meridian_of(s), s.around).particles();
   return 10.0 * sq(frequency_of(s)) + 2.0;
 }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "vbond/setup/fibres/fibres.hpp"
 #include "vbond/setup/specimens/surface.hpp"
 #include "vbond/setup/text_file.hpp"
 
@@ -16,10 +17,10 @@ double product(const Counts& counts) {
 }
 
 double count(const BlockSpecimen& s) {
-  return (s.lattice == Lattice::simple_cubic ? 1.0 : 4.0) * product(s.cells);
+  return particles_in_cell(s.lattice) * product(s.cells);
 }
 double count(const SheetSpecimen& s) {
-  return product(s.particles);
+  return s.lattice == SheetLattice::random ? 0.0 : product(s.particles);
 }
 double count(const ListedSpecimen& s) {
   return static_cast<double>(s.positions.size());
@@ -38,6 +39,9 @@ double count(const ConeSpecimen& s) {
   return count_points(s);
 }
 double count(const SphereSpecimen& s) {
+  return count_points(s);
+}
+double count(const FibresSpecimen& s) {
   return count_points(s);
 }
 double count(const CsvSpecimen&) {
@@ -67,13 +71,17 @@ double count_points(const SpecimenSpec& spec) {
 
 bool brings_bonds(const SpecimenSpec& spec) {
   if (const auto* csv = std::get_if<CsvSpecimen>(&spec.shape)) return csv->bonds_file.has_value();
+  if (const auto* sheet = std::get_if<SheetSpecimen>(&spec.shape))
+    return sheet->lattice == SheetLattice::random;
   return std::holds_alternative<LammpsSpecimen>(spec.shape) ||
+         std::holds_alternative<FibresSpecimen>(spec.shape) ||
          std::holds_alternative<CylinderSpecimen>(spec.shape) ||
          std::holds_alternative<ConeSpecimen>(spec.shape) ||
          std::holds_alternative<SphereSpecimen>(spec.shape);
 }
 
-SpecimenPoints make_specimen(const SpecimenSpec& spec, const std::string& case_file, const CellSpec* cell) {
+SpecimenPoints make_specimen(const SpecimenSpec& spec, const Case& c) {
+  const std::string& case_file = c.file;
   SpecimenPoints points = std::visit(
       [&](const auto& shape) {
         using Shape = std::decay_t<decltype(shape)>;
@@ -83,7 +91,9 @@ SpecimenPoints make_specimen(const SpecimenSpec& spec, const std::string& case_f
           return read_lammps_specimen(beside_case(case_file, shape.file.value), shape.atom_style.value_or(""),
                                       shape.file.place, shape.velocities);
         else if constexpr (std::is_same_v<Shape, PackingSpecimen>)
-          return make_packing(shape, spec, cell, case_file);
+          return make_packing(shape, spec, c.cell ? &*c.cell : nullptr, case_file);
+        else if constexpr (std::is_same_v<Shape, FibresSpecimen>)
+          return make_fibres(spec, c);
         else
           return make_points(shape, spec.place);
       },

@@ -38,31 +38,32 @@ struct SurfaceShare {
 /// The particles of one specimen, numbered from 0 within it. Properties that the specimen's file does
 /// not give are empty.
 struct SpecimenPoints {
-  std::vector<Vec3d> r;                                                  ///< [length]
-  Quatd q;                                                               ///< orientation of all
-  std::vector<Quatd> orientations;                                       ///< before q, or empty
-  std::vector<Vec3d> v, omega;                                           ///< per particle, or empty
-  std::vector<double> radius, mass, inertia;                             ///< per particle, or empty
-  std::vector<Vec3d> moments;                                            ///< of inertia; likewise
-  std::vector<FileBond> bonds;                                           ///< of a file, or edges of a surface
+  std::vector<Vec3d> r;                       ///< [length]
+  Quatd q;                                    ///< orientation of all
+  std::vector<Quatd> orientations;            ///< before q, or empty
+  std::vector<Vec3d> v, omega;                ///< per particle, or empty
+  std::vector<double> radius, mass, inertia;  ///< per particle, or empty
+  std::vector<Vec3d> moments;                 ///< of inertia; likewise
+  std::vector<FileBond> bonds;                ///< of a file, edges of a surface, or chains of fibres
+  std::vector<std::int64_t> fibre;            ///< per particle: which fibre it is of; or empty
   std::vector<std::pair<std::string, std::vector<std::int64_t>>> parts;  ///< such as "ends", "rim"
   std::optional<FileBox> box;        ///< turned and moved with the particles; of copies that of the first
   std::vector<SurfaceShare> shares;  ///< of surfaces: per particle, before anything is cut or copied
-  std::vector<std::string> notes;    ///< on cuts, unused parts of files, and how triangles differ
+  /// What was reached where a specimen is made at random: name and one or more numbers.
+  std::vector<std::pair<std::string, std::vector<double>>> figures;
+  std::vector<std::string> notes;  ///< on cuts, unused parts of files, and how triangles differ
   std::vector<std::string> notes_on_open_bodies;  ///< that are true without a cell only
   std::optional<packing::Packing> packing;        ///< of packed grains, as they were before cuts
 };
 
-/// Places the particles of a specimen, cut, turned, moved and copied. `place` is where the case describes it,
-/// `case_file` its path, from whose folder files are named; cell: that of the case, which grains are packed
-/// into. Throws CaseError.
-SpecimenPoints make_specimen(const SpecimenSpec& spec, const std::string& case_file,
-                             const CellSpec* cell = nullptr);
+/// Places the particles of a specimen of this case, cut, turned, moved and copied. Throws CaseError.
+SpecimenPoints make_specimen(const SpecimenSpec& spec, const Case& c);
 
 /// How many particles that makes; 0 if they come from a file or are cut, so that only making them tells.
 double count_points(const SpecimenSpec& spec);
 
-/// Whether bonds may come with it: those of its files, or the edges of a surface of triangles.
+/// Whether bonds may come with it: those of its files, chains of fibres, or the edges of a surface of
+/// triangles.
 bool brings_bonds(const SpecimenSpec& spec);
 
 /// How many copies of its points the specimen has.
