@@ -28,7 +28,8 @@ const char* kind_of(const SpecimenSpec& s) {
                                    "listed points",
                                    "cylinder",
                                    "cone",
-                                   "sphere"};
+                                   "sphere",
+                                   "packed grains"};
   static_assert(std::size(kinds) == std::variant_size_v<decltype(s.shape)>);
   return kinds[s.shape.index()];
 }
