@@ -29,6 +29,7 @@ const char* kind_of(const SpecimenSpec& s) {
                                    "cylinder",
                                    "cone",
                                    "sphere",
+                                   "packed grains",
                                    "fibres"};
   static_assert(std::size(kinds) == std::variant_size_v<decltype(s.shape)>);
   return kinds[s.shape.index()];

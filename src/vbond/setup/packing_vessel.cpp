@@ -152,7 +152,8 @@ void close_open_edge(Vessel& v, std::size_t k) {
   v.walls.push_back(packing::half_space(v.corner + v.edges[k], n));
 }
 
-/// Walls must go on through the faces along which the vessel repeats.
+/// Walls must go on through the faces along which the vessel repeats: a grain there, as large as `reach`, is
+/// told of those in its own cell only.
 void check_seams(const Vessel& v, double reach, const SourcePlace& place) {
   constexpr int points = 12;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -221,7 +222,7 @@ Vessel vessel_of(const PackingSpecimen& s, const SourcePlace& place, const CellS
       v.cell.push_back({v.edges[k], {}, {}, {}});
       if (cell->open[k]) close_open_edge(v, k);
     }
-    if (!v.walls.empty()) check_seams(v, 2.0 * largest_radius(s), place);
+    if (!v.walls.empty()) check_seams(v, largest_radius(s), place);
     return v;
   }
   const Vec3d size = box.high - box.low;

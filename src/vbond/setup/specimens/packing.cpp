@@ -90,10 +90,13 @@ void add_notes(const std::string& who, const packing::Packing& p, std::vector<st
   notes.push_back(
       fmt::format("{}: {:.3f} contacts of a grain, {} rattlers, largest overlap {:.2g} of a radius", who,
                   is.contacts, is.rattlers, std::max(is.largest_overlap, is.largest_wall_overlap)));
-  if (p.removed > 0) notes.push_back(fmt::format("{}: {} floaters taken away", who, p.removed));
+  if (p.removed > 0)
+    notes.push_back(
+        fmt::format("{}: {} floaters taken away: the porosity is that without them", who, p.removed));
   if (p.grown > 0)
     notes.push_back(
-        fmt::format("{}: {} floaters grown, by up to {:.3g} times", who, p.grown, p.largest_growth));
+        fmt::format("{}: {} floaters grown, by up to {:.3g} times: the porosity is that with them", who,
+                    p.grown, p.largest_growth));
   if (p.sizes_off > 0.01)
     notes.push_back(
         fmt::format("{}: so few grains follow the curve of sizes to {:.2g} only", who, p.sizes_off));
