@@ -72,6 +72,10 @@ TEST(RuledBonds, AreNearBreakingWhereverTheQuickBoundSaysThatTheyAreNot) {
     rules.strength = strength_of(criterion, limits);
     if (trial % 2 == 0)
       rules.strength.compression = dice(0, 10), rules.strength.compression_bending = dice(0, 1e3);
+    if (criterion == Criterion::mohr_coulomb && trial % 3 == 0) rules.strength.bending = dice(0, 10);
+    const bool of_stresses = criterion == Criterion::stress || criterion == Criterion::fibre ||
+                             criterion == Criterion::mohr_coulomb;
+    rules.strength.own_section = of_stresses && trial % 4 < 2;
     auto law = WithRules<VModel>::Law<double>::from({1.0, dice(0.02, 0.5), dice(0.002, 0.1), 0.01}, 1.0,
                                                     dice(0, .3), dice(0, .3));
     law.rules = &rules, law.weakness = dice(-0.5, 1);

@@ -108,12 +108,17 @@ struct StressPerLoad {
   T force;             ///< [1/length^2]
   T bending, torsion;  ///< [1/length^3]
 };
-/// Of the full circle that a bond with these stiffnesses has: in every theory c_B/c_A = J/A = r^2/4.
+/// The square of the radius of the full circle that a bond with these stiffnesses has: in every theory with a
+/// section c_B/c_A = J/A = r^2/4.  [length^2]
+template <Scalar T>
+VBOND_HD T own_radius2(const BondStiffness<T>& c) {
+  return T(4.0) * c.c_B / c.c_A;
+}
+/// Of that section.
 template <Scalar T>
 VBOND_HD StressPerLoad<T> stress_per_load(const BondStiffness<T>& c) {
   using std::sqrt;
-  const T r2 = T(4.0) * c.c_B / c.c_A, per_A = T(std::numbers::inv_pi) / r2,
-          bending = T(4.0) * per_A / sqrt(r2);
+  const T r2 = own_radius2(c), per_A = T(std::numbers::inv_pi) / r2, bending = T(4.0) * per_A / sqrt(r2);
   return {per_A, bending, T(0.5) * bending};
 }
 
