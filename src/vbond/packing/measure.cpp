@@ -14,12 +14,6 @@ namespace {
 
 using Pairs = std::vector<std::array<std::size_t, 2>>;
 
-double volume_of(const std::vector<double>& radius) {
-  double sum = 0.0;
-  for (const double R : radius) sum += R * R * R;
-  return 4.0 / 3.0 * std::numbers::pi * sum;
-}
-
 /// Contacts between grains, and of each grain with walls.
 void find_contacts(const Vessel& vessel, const std::vector<Vec3d>& r, const std::vector<double>& radius,
                    Measured& is) {
@@ -137,6 +131,12 @@ void find_rdf(const Vessel& vessel, const std::vector<Vec3d>& r, Measured& is) {
 }
 
 }  // namespace
+
+double volume_of(const std::vector<double>& radius) {
+  double sum = 0.0;
+  for (const double R : radius) sum += R * R * R;
+  return 4.0 / 3.0 * std::numbers::pi * sum;
+}
 
 std::vector<int> count_neighbours(const Vessel& vessel, const std::vector<Vec3d>& r,
                                   const std::vector<double>& radius, double gap) {

@@ -34,6 +34,9 @@ struct Measured {
 Measured measure(const Vessel& vessel, double volume, const std::vector<Vec3d>& r,
                  const std::vector<double>& radius);
 
+/// Of spheres, overlaps counted twice.  [length^3]
+double volume_of(const std::vector<double>& radius);
+
 /// How many neighbours each has within that factor of the sum of radii.
 std::vector<int> count_neighbours(const Vessel& vessel, const std::vector<Vec3d>& r,
                                   const std::vector<double>& radius, double gap);

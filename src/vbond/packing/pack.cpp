@@ -21,12 +21,6 @@ struct Grains {
   double sizes_off = 0;
 };
 
-double volume_of(const std::vector<double>& radius) {
-  double sum = 0.0;
-  for (const double R : radius) sum += R * R * R;
-  return 4.0 / 3.0 * std::numbers::pi * sum;
-}
-
 /// What part of the number of grains each kind has.
 std::vector<double> shares_of_number(const Request& q) {
   std::vector<double> share;
