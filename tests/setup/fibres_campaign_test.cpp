@@ -5,7 +5,7 @@
 #include <string>
 
 #include "plain_fibres.hpp"
-#include "vbond/setup/random.hpp"
+#include "vbond/core/random.hpp"
 
 #include "../campaigns/judge.hpp"
 

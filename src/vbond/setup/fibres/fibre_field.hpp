@@ -6,8 +6,8 @@
 
 #include "vbond/core/cell.hpp"
 #include "vbond/core/quat.hpp"
+#include "vbond/core/random.hpp"
 #include "vbond/core/vec3.hpp"
-#include "vbond/setup/random.hpp"
 
 /// Rigid fibres in a vessel, and what keeps them apart. A fibre is a row of points with capsules around the
 /// segments between them.

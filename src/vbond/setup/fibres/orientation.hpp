@@ -5,8 +5,8 @@
 
 #include "vbond/case/fibre_spec.hpp"
 #include "vbond/core/quat.hpp"
+#include "vbond/core/random.hpp"
 #include "vbond/core/vec3.hpp"
-#include "vbond/setup/random.hpp"
 
 /// Directions of fibres. Those of a given tensor have the angular central Gaussian distribution: p = x/|x|,
 /// where x has independent Gaussian components with the variances lambda along the axes of the tensor. The

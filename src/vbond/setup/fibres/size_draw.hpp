@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "vbond/case/size_spec.hpp"
-#include "vbond/setup/random.hpp"
+#include "vbond/core/random.hpp"
 
 namespace vbond {
 

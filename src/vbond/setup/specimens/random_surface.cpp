@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "vbond/core/images.hpp"
-#include "vbond/setup/random.hpp"
+#include "vbond/core/random.hpp"
 #include "vbond/setup/specimens/surface.hpp"
 
 namespace vbond {
