@@ -22,6 +22,7 @@
 #include "vbond/dynamics/step_memory.hpp"
 #include "vbond/model/capsules.hpp"
 #include "vbond/model/contact_bound.hpp"
+#include "vbond/model/fibre_rings.hpp"
 #include "vbond/model/holds.hpp"
 #include "vbond/model/periodic_cell.hpp"
 #include "vbond/model/step_bound.hpp"
@@ -184,6 +185,11 @@ void print_overlaps(const Model& model, const State& state) {
   if (pairs > 0)
     fmt::print("contact energy   at the start {:.6g}{} from {} overlapping pairs\n", U,
                model.units == UnitSystem::si ? " J" : "", pairs);
+  if (const auto ring = ring_of_contact(model, state))
+    fmt::print(
+        "note             {} and {} touch all along a closed way, as fibres do that have no ends: such a "
+        "contact is not felt, see docs/contacts.md\n",
+        ring->first, ring->second);
 }
 
 /// Degrees of freedom that a static stage leaves free.

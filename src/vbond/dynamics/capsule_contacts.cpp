@@ -265,8 +265,13 @@ std::array<Vec3d, 3> Capsules::edges_times_force(std::size_t rows) const {
 }
 
 Tensor Capsules::virial(const std::vector<Share>& shares) const {
+  std::vector<const Share*> in_order;  // of particles, which all processes have: the sum moves the cell
+  for (const Share& s : shares) in_order.push_back(&s);
+  std::stable_sort(in_order.begin(), in_order.end(), [this](const Share* a, const Share* b) {
+    return bodies_.order.particle[Row{a->row}] < bodies_.order.particle[Row{b->row}];
+  });
   Tensor sum;
-  for (const Share& s : shares) sum += dyad(s.F, bodies_.pose[s.row].r + to_image(cell_, s.image));
+  for (const Share* s : in_order) sum += dyad(s->F, bodies_.pose[s->row].r + to_image(cell_, s->image));
   return sum;
 }
 

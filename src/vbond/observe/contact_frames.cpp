@@ -7,14 +7,33 @@
 #include "vbond/observe/contact_list.hpp"
 #include "vbond/observe/detail/values_of.hpp"
 #include "vbond/observe/frame_files.hpp"
+#include "vbond/observe/in_cell.hpp"
 #include "vbond/observe/quantities.hpp"
 #include "vbond/observe/vtp.hpp"
 
 namespace vbond {
+namespace {
+
+/// Contacts go where their first particles are shown. They are found where particles are: what they remember
+/// is of places to the bit.
+void show_in_cell(const Model& model, const State& state, std::vector<ListedContact>& contacts) {
+  const PerParticle<Image> images = images_in_cell(model, state);
+  const auto image = [&images](std::int64_t p) {
+    return p < 0 ? Image{} : images[ParticleId{static_cast<std::size_t>(p)}];
+  };
+  for (ListedContact& c : contacts) {
+    const Vec3d way = to_image(state.cell, image(c.i));
+    c.from += way, c.to += way;
+    if (c.j >= 0) c.of_j = c.of_j + image(c.i) - image(c.j);
+  }
+}
+
+}  // namespace
 
 void write_contacts_vtp(const std::filesystem::path& path, const Model& model, const State& state,
                         std::optional<double> load_factor, FrameFormat format) {
-  const std::vector<ListedContact> contacts = list_contacts(model, state, load_factor.has_value());
+  std::vector<ListedContact> contacts = list_contacts(model, state, load_factor.has_value());
+  if (format.wrap && !state.cell.empty()) show_in_cell(model, state, contacts);
   std::vector<Vec3d> points;
   std::vector<std::int64_t> ends;
   for (const ListedContact& c : contacts) {

@@ -176,12 +176,12 @@ void FrameWriter::write(const Model& model, const State& state, std::optional<do
   write_particles_vtp(folder_ / frame_name("particles", clock.step), model, state, load_factor, format_);
   std::optional<State> wrapped;
   if (format_.wrap && !state.cell.empty()) wrapped = shown_by_images(state, images_in_cell(model, state));
-  const State& shown = wrapped ? *wrapped : state;
-  write_bonds_vtp(folder_ / frame_name("bonds", clock.step), shown, model.units, load_factor, format_);
+  write_bonds_vtp(folder_ / frame_name("bonds", clock.step), wrapped ? *wrapped : state, model.units,
+                  load_factor, format_);
   if (format_.walls)
     write_walls_vtp(folder_ / frame_name("walls", clock.step), model, state, load_factor, format_);
   if (format_.contacts)
-    write_contacts_vtp(folder_ / frame_name("contacts", clock.step), model, shown, load_factor, format_);
+    write_contacts_vtp(folder_ / frame_name("contacts", clock.step), model, state, load_factor, format_);
   if (format_.cell)
     write_cell_vtp(folder_ / frame_name("cell", clock.step), model, state, load_factor, format_);
   if (dump_) dump_->append(lammps_frame(model, state, format_));

@@ -12,6 +12,7 @@
 #include "vbond/core/images.hpp"
 #include "vbond/model/capsules.hpp"
 #include "vbond/model/drop.hpp"
+#include "vbond/model/fibre_rings.hpp"
 #include "vbond/model/turn_bound.hpp"
 #include "vbond/observe/bond_look.hpp"
 
@@ -234,6 +235,13 @@ void Watch::look_at_overlaps(const BodyView& body, double part) {
 
 void Watch::look_at_overlaps(const Model& model, const State& state, double part, const std::string& when) {
   for (const Overlap& o : new_overlaps(model, state, part)) report_overlap(model, o.i, o.j, o.depth, when);
+  const auto ring = ring_of_contact(model, state);
+  if (!ring || !record_.overlapping.insert(std::minmax(ring->i, ring->j)).second) return;
+  auto count = static_cast<std::int64_t>(record_.overlapping.size()) - 1;
+  report(count, untold_overlapping_,
+         fmt::format("{}: {} and {} touch all along a closed way, as fibres do that have no ends: such a "
+                     "contact is not felt, see docs/contacts.md",
+                     when, ring->first, ring->second));
 }
 
 void Watch::look_at_capsules(const std::vector<DeepCapsules>& deep, const Clock& clock) {

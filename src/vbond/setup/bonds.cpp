@@ -9,6 +9,7 @@
 #include "vbond/model/capsules.hpp"
 #include "vbond/model/energies.hpp"
 #include "vbond/model/make_bond.hpp"
+#include "vbond/model/touching.hpp"
 
 namespace vbond {
 namespace {
@@ -58,6 +59,26 @@ bool has_stable_rest(const BondStiffness<double>& c) {
          c.c_T >= 0.0;
 }
 
+/// What contacts have stored in friction and rolling.  [energy]
+double stored_slip(const Model& model, const State& state) {
+  const auto touch_history = [](const PairHistory& x) {
+    return TouchHistory<double>{{x[0], x[1], x[2]},  x[3], {x[4], x[5], x[6]}, x[7],
+                                {x[8], x[9], x[10]}, x[11]};
+  };
+  double U = 0.0;
+  if (!state.contact_history.empty())
+    for_touching_pairs(model, state, [&](ParticleId i, ParticleId j, const Image& n, double) {
+      if (const PairMemory* memory = memory_of(state, i, j, n))
+        U += history_energy(touch_forms(model.contact), touch_numbers(model, i, j),
+                            touch_history(memory->history));
+    });
+  if (!state.fibre_history.empty())
+    for (const auto& [c, touching, history] : fibre_touches(model, state))
+      U += history_energy(fibre_forms(model.contact), touch_numbers(model, c.a.i.particle, c.b.i.particle),
+                          touch_history(history));
+  return U;
+}
+
 }  // namespace
 
 double longest_softening_bond(const Softening& s, double c_A, double a, double weakness) {
@@ -85,7 +106,8 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
   FirstAndCount no_length, no_radius, unstable, snapping, no_capsule, broken;
   CapsuleMistake of_capsule;
   const EnergyBooks books = state.books;
-  const double U = potential_energies(model, state).contact, flowed = dissipated_by_flow(state);
+  const double U = potential_energies(model, state).contact, flowed = dissipated_by_flow(state),
+               slip = stored_slip(model, state);
   double longest = INFINITY;  // of bonds that soften
   for (const Pair& pair : select_pairs(c, set, model, state, problems)) {
     if (is_dropped(state, pair.i) || is_dropped(state, pair.j)) continue;
@@ -129,6 +151,7 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
     state.books.lost = books.lost;
     state.books.lose(Loss::bonding, U - potential_energies(model, state).contact);
   }
+  state.books.lose(Loss::bonding, slip - stored_slip(model, state));
   const auto report = [&](const FirstAndCount& found, const char* rule, const char* way_out) {
     if (found.count > 0)
       problems.add(spec.place, fmt::format("bonds \"{}\": {}", spec.name, found.text()), rule, way_out);
