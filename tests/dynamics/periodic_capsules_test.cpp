@@ -12,6 +12,7 @@
 #include "vbond/core/images.hpp"
 #include "vbond/dynamics/simulation.hpp"
 #include "vbond/model/energies.hpp"
+#include "vbond/model/fibre_rings.hpp"
 #include "vbond/model/make_bond.hpp"
 #include "vbond/model/periodic_cell.hpp"
 #include "vbond/model/rules.hpp"
@@ -296,6 +297,37 @@ TEST(PeriodicCapsules, GoOnFromAnyStepBitForBit) {
     }
   }
   EXPECT_GT(rubbing, 0);
+}
+
+// Fibres without ends that lie along each other are not felt, and that is told; crossing ones are.
+TEST(PeriodicCapsules, ContactsThatCloseToARingAreTold) {
+  const auto along_each_other = [](bool endless, const Vec3d& along) {
+    Specimen s{equal_particles({{0, 0, 0}, {0.5, 0, 0}, {0, 0.35, 0}, Vec3d{0, 0.35, 0} + 0.5 * along}, 1.0,
+                               0.016, 0.2),
+               {}};
+    s.model.contact = testing::hertz();
+    s.model.cell.edges = {Vec3d{1, 0, 0}, {0, 3, 0}, {0, 0, 3}};
+    s.model.cell.periodic = {true, true, true};
+    s.state = at_rest(s.model);
+    for (const std::size_t k : {0, 2}) {
+      bond_to(s, testing::capsules(0.2), k, k + 1, {});
+      if (endless) bond_to(s, testing::capsules(0.2), k + 1, k, {1, 0, 0});
+    }
+    return s;
+  };
+  const Specimen ring = along_each_other(true, {1, 0, 0}), open = along_each_other(false, {1, 0, 0});
+  EXPECT_EQ(fibre_energy(ring.model, ring.state), 0.0);
+  const auto told = ring_of_contact(ring.model, ring.state);
+  ASSERT_TRUE(told);
+  EXPECT_NE(told->first, told->second);
+  EXPECT_GT(fibre_energy(open.model, open.state), 0.0);
+  EXPECT_FALSE(ring_of_contact(open.model, open.state));
+  std::size_t rings = 0;  // a region between fibres that are deep in each other may have a hole
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+    const Specimen s = mat(seed, {});
+    rings += ring_of_contact(s.model, s.state) ? 1 : 0;
+  }
+  EXPECT_LT(rings, 3u);
 }
 
 /// Two fibres without ends cross at a distance, and one flies at the other through a face.

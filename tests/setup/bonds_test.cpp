@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "cases.hpp"
+#include "vbond/case/read.hpp"
 #include "vbond/core/random.hpp"
 #include "vbond/model/make_bond.hpp"
 #include "vbond/setup/bonds.hpp"
@@ -372,6 +373,25 @@ TEST(Bonds, OfAStageAreMadeOnceEvenIfItIsBuiltAgain) {
   build_stage(c, b.model, 0, b.state);
   build_stage(c, b.model, 0, b.state);  // as when a run stopped before its first step is resumed
   EXPECT_EQ(b.state.bonds.size(), 2u);
+}
+
+// Two that press and rub on each other are bonded as a stage begins: what their contact had stored is gone.
+TEST(Bonds, OfAStageBookWhatContactsHadStored) {
+  const Case c = parse_case(
+      "[[specimen]]\nkind = \"list\"\nradius = 1\nmass = 1\npositions = [[0, 0, 0], [1.99, 0, 0]]\n"
+      "[contact]\nlaw = \"hertz\"\nE = 100\nnu = 0.25\ntangential = \"mindlin\"\nfriction = 0.5\npairs = "
+      "\"unbonded\"\n"
+      "[[bonds]]\ndistance = 2\nwhen = \"stage\"\nstages = [\"run\"]\n"
+      "stiffness = {c_A = 1, c_D = 1, c_B = 1, c_T = 1}\n"
+      "[[stage]]\nname = \"run\"\nduration = 1\n[time]\nstep = 0.01\n",
+      "case.toml");
+  Built b = build(c);
+  const double a = std::sqrt(0.5 * 0.01), E = 100 / (2 * (1 - 0.25 * 0.25)), G = 100 / 2.5 / (2 * (2 - 0.25));
+  b.state.contact_history = {{ParticleId{0}, ParticleId{1}, {0, 0.01, 0, a}, 0.0}};
+  build_stage(c, b.model, 0, b.state);
+  ASSERT_EQ(b.state.bonds.size(), 1u);
+  const double pressed = 8.0 / 15.0 * E * a * 0.01 * 0.01, rubbed = 0.01 * 0.01 / (2 * 8 * G * a);
+  EXPECT_NEAR(b.state.books.lost[Loss::bonding], pressed + rubbed, 1e-13);
 }
 
 }  // namespace
