@@ -108,9 +108,6 @@ def test_csv_files_of_others():
     write("red.csv", "x,y,z,\033[31m\n0,0,0,1\n1,0,0,1\n")
     check("red.toml", UNITS, ("units.csv", "red.csv"), ("^units = .*\n", ""), ("^columns.*", 'columns = { x = "x", y = "y", z = "z" }'),
           no_out="\033")
-    said = vbond("check", write("gap.toml", UNITS, ("^from_specimen.*", "gap = 0.1")), status=2,
-                 err=["gap.toml:12:1: bonds[0].gap = 0.1", "list the pairs in a file"]).err
-    assert sum(line.startswith("gap.toml") for line in said.splitlines()) == 1, f"more than one report: {said}"
 
 
 def test_mistakes_without_number():
