@@ -12,8 +12,8 @@ using namespace packing::testing;
 constexpr double pi = std::numbers::pi;
 
 TEST(Vessel, VolumesAreThoseOfGeometry) {
-  // parts of 1/128 of the frame; what they leave is of either sign: measured 1.5e-4 at most
-  const double near = 3e-4;
+  // parts of 1/256 of the frame; what they leave is of either sign
+  const double near = 1e-4;
   EXPECT_NEAR(volume_deeper_than(box({1, 2, 3}), 0) / 6.0, 1.0, near);
   EXPECT_NEAR(volume_deeper_than(cylinder(1.3, 4), 0) / (pi * 1.69 * 4), 1.0, near);
   EXPECT_NEAR(volume_deeper_than(hollow_ball(2), 0) / (4.0 / 3.0 * pi * 8), 1.0, near);

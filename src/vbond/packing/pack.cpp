@@ -259,7 +259,7 @@ namespace {
 
 /// What is asked for, with as many grains as have this density.
 void loosen(Request& q, const Locked& locked, int tries) {
-  const double density = locked.density * (1.0 - 0.01 * tries);
+  const double density = locked.density * (1.0 - 0.005 * tries);
   if (auto* porosity = std::get_if<ToPorosity>(&q.until)) {
     porosity->porosity = std::max(porosity->porosity, std::ceil(1e4 * (1.0 - density)) * 1e-4);
   } else if (auto* number = std::get_if<ToNumber>(&q.until)) {

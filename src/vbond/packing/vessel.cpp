@@ -222,7 +222,7 @@ double longest_diagonal(const std::array<Vec3d, 3>& e) {
 
 double volume_deeper_than(const Vessel& vessel, double depth) {
   if (vessel.walls.empty()) return vessel.frame_volume();
-  constexpr double smallest = 1.0 / 128;  // parts of the edges
+  constexpr double smallest = 1.0 / 256;  // parts of the edges
   const double diagonal = longest_diagonal(vessel.edges);
   const double least_edge = std::min({norm(vessel.edges[0]), norm(vessel.edges[1]), norm(vessel.edges[2])});
   double share = 0.0;
