@@ -48,7 +48,11 @@ void refuse_what_lammps_lacks(const Case& c, const Model& model, const BondList&
 /// The longest bond, or the largest diameter.  [length]
 double longest_reach(const Model& model, const BondList& list) {
   double longest = 2.0 * *std::max_element(model.radius.begin(), model.radius.end());
-  for (const Bond& b : list.bonds) longest = std::max(longest, b.a + b.R_i + b.R_j);
+  for (const Bond& b : list.bonds) {
+    double reach = b.a + std::abs(b.R_i) + std::abs(b.R_j);
+    for (const double o : offsets_of(b)) reach += std::abs(o);
+    longest = std::max(longest, reach);
+  }
   return longest;
 }
 

@@ -120,8 +120,8 @@ def test_fibre_mat():
     assert force[-1] > 3 * force[len(force) // 2] > 0, "fibres that lie on each other are stiffer than those between them"
     assert press[-1]["bonds"] == 1000 and press[-1]["broken"] == 0
     tear = [row for row in table("fibre_mat.out") if row["time"] > 10.01]
-    assert tear[0]["bonds"] > 1800, "931 bonds between fibres"
+    assert tear[0]["bonds"] > 1300, "398 bonds at crossings"
     assert tear[-1]["fragments"] >= 2 and tear[0]["fragments"] < 5, "the mat does not part"
-    assert 5 < max(row["reaction.right.fx"] for row in tear) < 20
-    assert abs(tear[-1]["reaction.right.fx"]) < 2, "it still bears"
-    assert {row["set"] for row in table("fibre_mat.out/breaks.csv")} == {1}, "bonds between fibres, and no others"
+    assert 2 < max(row["reaction.right.fx"] for row in tear) < 4
+    assert abs(tear[-1]["reaction.right.fx"]) < 1, "it still bears"
+    assert {row["set"] for row in table("fibre_mat.out/breaks.csv")} == {1}, "bonds at crossings, and no others"

@@ -151,29 +151,29 @@ TEST(OwnLaw, IsFoundByItsNameWithRulesAndWithFlow) {
   EXPECT_EQ(find_law("v-model-with-flow"), with_rules(bond_law<VModel>, flows));
 }
 
-/// The EVM with four numbers more than it needs: eight coefficients.
+/// The EVM with five numbers more than it needs: nine coefficients.
 template <Scalar T>
 struct Wide : Evm<T> {
-  T p, q, r, s;
+  T p, q, r, s, t;
   static constexpr std::string_view name = "wide";
   static constexpr auto fields() {
     constexpr auto evm = Evm<T>::fields();
     using Field = LawField<Wide>;
-    std::array<Field, 8> all{};
+    std::array<Field, 9> all{};
     for (std::size_t k = 0; k < 4; ++k) all[k] = {evm[k].at, evm[k].info};
     constexpr LawFieldInfo more{"more", {0, 0}, "of a test", LawInput::given};
     all[4] = {&Wide::p, more}, all[5] = {&Wide::q, more}, all[6] = {&Wide::r, more},
-    all[7] = {&Wide::s, more};
+    all[7] = {&Wide::s, more}, all[8] = {&Wide::t, more};
     return all;
   }
   static constexpr Wide from(const BondStiffness<T>& c, const T& a, const T& R_i, const T& R_j) {
-    return {Evm<T>::from(c, a, R_i, R_j), T(0.0), T(0.0), T(0.0), T(0.0)};
+    return {Evm<T>::from(c, a, R_i, R_j), T(0.0), T(0.0), T(0.0), T(0.0), T(0.0)};
   }
 };
 
-TEST(OwnLaw, OfEightCoefficientsHasNoRoomForThoseOfRules) {
+TEST(OwnLaw, OfNineCoefficientsHasNoRoomForThoseOfRules) {
   const BondLaw wide = law_with_loops<Wide>();
-  EXPECT_EQ(wide.fields.size(), 8u);
+  EXPECT_EQ(wide.fields.size(), 9u);
   EXPECT_EQ(wide.with_rules, nullptr);
   EXPECT_EQ(wide.with_flow, nullptr);
 }
@@ -210,7 +210,7 @@ TEST(OwnLaw, ThatDampsByItselfIsRefusedWithRules) {
     ADD_FAILURE() << "it is made";
   } catch (const std::invalid_argument& e) {
     EXPECT_EQ(std::string(e.what()),
-              "make_bond: law \"damped\" damps, breaks or remembers by itself, or has more than seven "
+              "make_bond: law \"damped\" damps, breaks or remembers by itself, or has more than eight "
               "coefficients: it takes no rules, damping or weibull of a recipe");
   }
 }

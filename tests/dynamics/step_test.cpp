@@ -266,12 +266,32 @@ BondType type_with_rules(const BondLaw& law, Criterion criterion, bool flows) {
   return {&law, &r, true, true, 1.0, 0.1, 0.2, {1.0, -0.1, 0.3, 0.2, 0.1, 0.4, 0.3, 0.2, 0.1}};
 }
 
+/// As random_packs makes them, with short offsets in front where the law has some: long ones deform a bond so
+/// far that its flow may be lost.
+template <class P>
+std::vector<P> packs_of(const BondLaw& law, std::size_t count, std::size_t rows, unsigned seed) {
+  std::vector<P> packs = random_packs<P>(count, rows, seed);
+  if constexpr (std::is_same_v<P, FullPack>) {
+    if (law.has_offsets)
+      for (P& p : packs) {
+        double offsets[offset_coefficients][pack_bonds];
+        std::copy_n(&p.coefficients[most_coefficients - offset_coefficients][0],
+                    offset_coefficients * pack_bonds, &offsets[0][0]);
+        for (std::size_t k = most_coefficients; k-- > offset_coefficients;)
+          std::copy_n(p.coefficients[k - offset_coefficients], pack_bonds, p.coefficients[k]);
+        for (std::size_t k = 0; k < offset_coefficients; ++k)
+          for (std::size_t l = 0; l < pack_bonds; ++l) p.coefficients[k][l] = 0.1 * offsets[k][l];
+      }
+  }
+  return packs;
+}
+
 template <class P>
 void expect_same_bonds(PackLoops<P> BondLoops::*loops, const BondType& type) {
   const BondLaw& law = *type.law;
   constexpr std::size_t n = 40;
   const RandomRows rows = random_rows(n, 1.0, 5);
-  const std::vector<P> packs = random_packs<P>(9, n, 6);
+  const std::vector<P> packs = packs_of<P>(law, 9, n, 7);
   std::vector<PackLanes> lanes(packs.size(), PackLanes{all_lanes, false});
   lanes[3].crossing = true;
   lanes[8].active = 0x1f;
@@ -321,7 +341,7 @@ TEST(StepKernel, GivesTheSameBitsWithEveryInstructionSet) {
     GTEST_SKIP() << "nothing to compare: this machine can execute " << kernels.front()->name << " only";
   for (const StepKernel* k : kernels) std::printf("compared: %s\n", k->name);
   const auto expect_same = [](const BondType& type) {
-    expect_same_bonds<CompactPack>(&BondLoops::compact, type);
+    if (!type.law->has_offsets) expect_same_bonds<CompactPack>(&BondLoops::compact, type);
     expect_same_bonds<FullPack>(&BondLoops::full, type);
   };
   for (const BondLaw* law : bond_laws()) {

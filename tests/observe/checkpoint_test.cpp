@@ -266,7 +266,7 @@ TEST(Checkpoint, StatesThatNoRunIsInAreRefused) {
   refused("watches missing bonds", [](Checkpoint& c) { c.watch.bonds.resize(3); });
 }
 
-// Bonds had nine coefficients once; twelve are read as nine and zeros.
+// Bonds had nine coefficients once, and twelve; shorter rows are read as nine and zeros.
 TEST(Checkpoint, ShorterRowsOfEarlierVersionsAreFilledUp) {
   const Folder folder;
   const Chain chain(3);

@@ -32,11 +32,11 @@ BondPose<double> moved(testing::RandomPair p, int variable, double x) {
 
 template <class Law>
 LawHistory<Law> after(const Law& law, const BondPose<double>& pose, const LawHistory<Law>& before) {
-  return advance(law, pose, bond_axis(pose, law.R_i, law.R_j), BondRates<double>{}, 0.0, before);
+  return advance(law, pose, bond_axis(law, pose), BondRates<double>{}, 0.0, before);
 }
 template <class Law>
 Numbers loads_after(const Law& law, const BondPose<double>& pose, const LawHistory<Law>& before) {
-  return numbers(bond_loads(law, pose, bond_axis(pose, law.R_i, law.R_j), after(law, pose, before)));
+  return numbers(bond_loads(law, pose, bond_axis(law, pose), after(law, pose, before)));
 }
 
 /// Yields in all ways at these parts of the loads that deformations of 0.2 make, with hardening or not.
@@ -72,6 +72,7 @@ Compared<Law> compare(const BondRules& rules) {
   testing::PoseSource source(11);
   Law law = Law::from({1.0, 0.6, 0.55, 0.2}, 1.0, 0.3, 0.2);
   if constexpr (requires { law.per_s2; }) law.per_s2 = 5.0;
+  if constexpr (OffsetLaw<Law>) law.o_i2 = 0.1, law.o_i3 = -0.2, law.o_j2 = 0.15, law.o_j3 = 0.05;
   law.rules = &rules;
   Compared<Law> c;
   for (int trial = 0; trial < 60; ++trial) {
@@ -97,8 +98,9 @@ Compared<Law> compare(const BondRules& rules) {
 
 template <class Law>
 class FlowTangent : public ::testing::Test {};
-using FlowingLaws = ::testing::Types<WithFlow<VModel>::Law<double>, WithFlow<Evm>::Law<double>,
-                                     WithFlow<testing::Hardening>::Law<double>>;
+using FlowingLaws = ::testing::Types<
+    WithFlow<VModel>::Law<double>, WithFlow<Evm>::Law<double>, WithFlow<testing::Hardening>::Law<double>,
+    WithOffsets<WithFlow<VModel>::Law>::Law<double>, WithOffsets<WithFlow<Evm>::Law>::Law<double>>;
 TYPED_TEST_SUITE(FlowTangent, FlowingLaws);
 
 TYPED_TEST(FlowTangent, IsTheDerivativeOfTheLoadsAfterYieldingInAllWays) {

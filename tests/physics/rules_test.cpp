@@ -184,15 +184,16 @@ void expect_rayleigh() {
     const double beta = 0.3;
     const BondStiffness<double> c = stiffness(law);
     law.g_A = beta * c.c_A, law.g_D = beta * c.c_D, law.g_B = beta * c.c_B, law.g_T = beta * c.c_T;
-    const BondPose<double> rest =
+    BondPose<double> rest =
         bond_pose(BondFrames<double>{}, Vec3d{law.a + law.R_i + law.R_j, 0, 0}, Quatd{}, Quatd{});
+    if constexpr (OffsetLaw<Law>) rest.r_ij += law.offset_i(rest) - law.offset_j(rest);
     const PairTangent<9> K = bond_tangent(law, rest);
     for (std::size_t k = 0; k < 9; ++k) {
       double rate[9] = {};
       rate[k] = 1.0;
       const BondRates<double> rates{
           {rate[0], rate[1], rate[2]}, {rate[3], rate[4], rate[5]}, {rate[6], rate[7], rate[8]}};
-      const BondLoads<double> l = bond_damping(law, rest, bond_axis(rest, law.R_i, law.R_j), rates);
+      const BondLoads<double> l = bond_damping(law, rest, bond_axis(law, rest), rates);
       const double loads[9] = {l.F.x,    l.F.y,    l.F.z,    l.M_ij.x, l.M_ij.y,
                                l.M_ij.z, l.M_ji.x, l.M_ji.y, l.M_ji.z};
       for (std::size_t row = 0; row < 9; ++row) EXPECT_NEAR(loads[row], beta * K.d[row][k], 1e-10);
@@ -202,6 +203,8 @@ void expect_rayleigh() {
 TEST(BondDamping, ByTimeIsRayleighsAtRest) {
   expect_rayleigh<WithRules<VModel>::Law<double>>();
   expect_rayleigh<WithRules<Evm>::Law<double>>();
+  expect_rayleigh<WithOffsets<WithRules<VModel>::Law>::Law<double>>();
+  expect_rayleigh<WithOffsets<WithRules<Evm>::Law>::Law<double>>();
 }
 
 // ---- stretching ------------------------------------------------------------------------------------

@@ -225,6 +225,9 @@ struct PairsFile {
 struct SpecimenPairs {                    ///< the bonds of a LAMMPS data file, or of a bonds_file
   std::optional<std::int64_t> bond_type;  ///< only those of this type of the file
 };
+struct AtCrossings {  ///< of fibres, bonded where their axes are nearest
+  double gap;         ///< of their surfaces
+};
 enum class BondTime : std::uint8_t { start, stage, approach };
 
 /// Limits as the case names them; which of them count, the criterion says. recipe.rules has what follows.
@@ -270,7 +273,9 @@ struct BondSpec {
   SourcePlace place;
   std::string name;
   std::array<Placed<std::string>, 2> between{Placed<std::string>{"all", {}}, {"all", {}}};  ///< groups
-  Placed<std::variant<WithinDistance, ListedPairs, PairsFile, SpecimenPairs, WithinGap, WithinFactor>> select;
+  Placed<std::variant<WithinDistance, ListedPairs, PairsFile, SpecimenPairs, WithinGap, WithinFactor,
+                      AtCrossings>>
+      select;
   BondShare share;  ///< of the selected pairs that is bonded
   BondTime when = BondTime::start;
   std::vector<Placed<std::string>> stages;  ///< for `stage` and `approach`; approach: none means all

@@ -75,6 +75,7 @@ void describe(Table& t, WithinFactor& s);
 void describe(Table& t, ListedPairs& s);
 void describe(Table& t, PairsFile& s);
 void describe(Table& t, SpecimenPairs& s);
+void describe(Table& t, AtCrossings& s);
 void describe(Table& t, BondStiffness<double>& p);
 void describe(Table& t, TheoryParameters& p);
 /// materials: the case has some.

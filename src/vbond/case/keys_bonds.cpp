@@ -341,6 +341,19 @@ void check_neck(Table& t, const BondRecipe& recipe) {
           "with shape = \"given\": add radius to the section");
 }
 
+/// What bonds that are not between centres cannot have.
+void check_crossings(Table& t, const BondSpec& b) {
+  if (!std::holds_alternative<AtCrossings>(b.select.value)) return;
+  t.check(
+      b.recipe.attachment != Attachment::neck, {"attach", "crossing_gap"},
+      "attach = \"neck\" is for spheres, and crossings are of fibres",
+      "bond their axes (attach = \"centres\") or their surfaces (\"surfaces\", where these do not touch)");
+  t.check(!b.recipe.capsule, {"capsule_radius", "crossing_gap"}, "a bond at a crossing is no fibre itself",
+          "leave capsule_radius out");
+  t.check(b.recipe.expansion == 0.0, {"expansion", "crossing_gap"}, "bonds at crossings do not expand",
+          "leave expansion out: the fibres themselves may expand");
+}
+
 void describe_time(Table& t, BondSpec& b) {
   t.key("when", b.when,
         ChoiceCodec<BondTime>{{"start", "stage", "approach"},
@@ -389,14 +402,14 @@ void describe(Table& t, BondSpec& b) {
   describe_capsule(t, b.recipe);
   describe_time(t, b);
 
-  const std::vector<std::string> selections{"distance",      "pairs", "file",
-                                            "from_specimen", "gap",   "gap_factor"};
+  const std::vector<std::string> selections{"distance", "pairs",      "file",        "from_specimen",
+                                            "gap",      "gap_factor", "crossing_gap"};
   const std::size_t selection = t.exactly_one(selections, b.select.value.index());
   t.alternatives(b.select.value, selection, selections);
   t.locate(b.select.place);
   if (selection < selections.size()) t.locate(b.select.place, selections[selection]);
   t.check(b.when != BondTime::approach || b.reach(),
-          {"when", "distance", "pairs", "file", "from_specimen", "gap", "gap_factor"},
+          {"when", "distance", "pairs", "file", "from_specimen", "gap", "gap_factor", "crossing_gap"},
           "bonds made on approach are selected by distance, gap or gap_factor",
           "give distance, gap or gap_factor instead of the other selection");
   describe_share(t, b.share);
@@ -422,6 +435,7 @@ void describe(Table& t, BondSpec& b) {
   describe_rules(t, b);
   describe_flow(t, b);
   check_neck(t, b.recipe);
+  check_crossings(t, b);
 }
 
 void describe(Table& t, WithinDistance& s) {
@@ -439,6 +453,14 @@ void describe(Table& t, WithinGap& s) {
 void describe(Table& t, WithinFactor& s) {
   t.key("gap_factor", s.factor, positive(pure), required,
         "all pairs whose centres are at most so many times R_i + R_j apart, but for 1e-9 of the radii");
+}
+
+void describe(Table& t, AtCrossings& s) {
+  t.key("crossing_gap", s.gap, not_negative(length), required,
+        "where two fibres are nearest to each other, if their surfaces are at most this far apart: bonded at "
+        "their axes (or surfaces, which must not touch) there, also between particles. Fibres are bonds of "
+        "sets "
+        "before this one with capsule_radius; if there are none, those from specimens");
 }
 
 void describe(Table& t, ListedPairs& s) {

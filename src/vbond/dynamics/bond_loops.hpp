@@ -11,7 +11,7 @@
 #include "vbond/physics/far_from_breaking.hpp"
 #include "vbond/physics/law.hpp"
 #include "vbond/physics/range.hpp"
-#include "vbond/physics/with_flow.hpp"
+#include "vbond/physics/with_offsets.hpp"
 
 namespace vbond::VBOND_KERNEL {
 namespace {
@@ -100,7 +100,7 @@ template <template <class> class Law, class P>
 VBOND_HD void first_half(const P& p, const BondType& type, const PoseRow* pose, std::size_t l, Halfway& to) {
   const Law<Real> law = law_of<Law>(p, type, l);
   const BondPose<Real> b = pose_of(p, pose, l);
-  const BondAxis<Real> axis = bond_axis(b, law.R_i, law.R_j);
+  const BondAxis<Real> axis = bond_axis(law, b);
   put(b.r_ij, to.r_ij);
   for (std::size_t k = 0; k < 3; ++k) put(b.n_i[k], to.n_i[k]), put(b.n_j[k], to.n_j[k]);
   to.D = axis.D, to.per_D = axis.per_D;
@@ -229,7 +229,7 @@ VBOND_HD LawHistory<L> history_after(const PackRun<P>& run, std::size_t pack, st
     for (std::size_t n = 0; n < history_of<L>; ++n) now.value[n].store(remembered<L>(run, pack, n, l));
     const Real lost = dissipated_between(law, b, before, now);
     add_active(lost, run.lanes[pack], l, sweep.dissipated);
-    if constexpr (!FlowingLaw<L>) add_active(lost, run.lanes[pack], l, sweep.by_other_laws);
+    if constexpr (!HasRules<L>) add_active(lost, run.lanes[pack], l, sweep.by_other_laws);
     return now;
   }
   return before;
@@ -255,7 +255,7 @@ VBOND_HD void add_inelastic(const PackRun<P>& run, std::size_t pack, BondSweep& 
   for (std::size_t l = 0; l < pack_bonds; l += lanes) {
     const L law = law_of<Law>(p, *run.type, l);
     const BondPose<Real> b = pose_of(p, sweep.pose, l);
-    const BondAxis<Real> axis = bond_axis(b, law.R_i, law.R_j);
+    const BondAxis<Real> axis = bond_axis(law, b);
     BondRates<Real> rates{};
     if constexpr (damped || Remembering<L>) rates = rates_of(p, sweep.rates, l);
     const LawHistory<L> history = history_after(run, pack, l, law, b, axis, rates, sweep);
@@ -325,9 +325,17 @@ void survey(const PackRun<P>& run, const PoseRow* pose, BondEnergies& sum, std::
   for (std::size_t k = 0; k < run.count; ++k) look[k] = survey_pack<Law>(run, k, pose, sum);
 }
 
+/// Bonds with offsets are hardly ever alike, and never in compact packs.
 template <template <class> class Law>
-constexpr BondLoops loops_of_law{{add_loads<Law, CompactPack>, survey<Law, CompactPack>},
-                                 {add_loads<Law, FullPack>, survey<Law, FullPack>}};
+constexpr BondLoops loops_of() {
+  if constexpr (OffsetLaw<Law<Real>>)
+    return {{}, {add_loads<Law, FullPack>, survey<Law, FullPack>}};
+  else
+    return {{add_loads<Law, CompactPack>, survey<Law, CompactPack>},
+            {add_loads<Law, FullPack>, survey<Law, FullPack>}};
+}
+template <template <class> class Law>
+constexpr BondLoops loops_of_law = loops_of<Law>();
 
 }  // namespace
 }  // namespace vbond::VBOND_KERNEL

@@ -31,7 +31,7 @@ struct PackLoops {
 
 /// The loops over bonds of one law.
 struct BondLoops {
-  PackLoops<CompactPack> compact;
+  PackLoops<CompactPack> compact;  ///< null for laws with offsets
   PackLoops<FullPack> full;
 };
 

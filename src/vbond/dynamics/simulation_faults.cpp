@@ -122,7 +122,7 @@ void Simulation::check_finite() const {
 }
 
 bool Simulation::past_largest(const Bond& b) const {
-  const BondAxis<double> axis = bond_axis(bodies_.bond_pose(b), b.R_i, b.R_j);
+  const BondAxis<double> axis = bond_axis(b, bodies_.bond_pose(b));
   return !(std::abs(axis.D - b.a) < b.rules->stretch.largest);
 }
 

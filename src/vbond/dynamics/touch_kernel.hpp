@@ -80,9 +80,8 @@ Touching<double> touching_of(const TouchRow& i, const TouchRow& j, const Vec3d& 
 inline double still_kept(double kept, double overlap) {
   return overlap > 0.0 ? std::min(kept, overlap) : 0.0;
 }
-/// A history from its rows, and from numbers; and as numbers.
+/// A history from its rows; and as numbers.
 TouchHistory<double> touch_history(const SlipRow& slip, const MomentRow& rolling);
-TouchHistory<double> touch_history(const PairHistory& x);
 PairHistory numbers_of(const TouchHistory<double>& h);
 /// Whether two that touched before, and whose surfaces are now apart, still hold together.
 bool holds_on(const TouchForms& forms, const TouchNumbers<double>& numbers, double R, double overlap);

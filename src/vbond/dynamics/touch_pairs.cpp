@@ -16,10 +16,6 @@ TouchHistory<double> touch_history(const SlipRow& slip, const MomentRow& rolling
   return {slip.F_t, slip.a, slip.F_d, slip.k_r, rolling.M_r, rolling.M_t};
 }
 
-TouchHistory<double> touch_history(const PairHistory& x) {
-  return {{x[0], x[1], x[2]}, x[3], {x[4], x[5], x[6]}, x[7], {x[8], x[9], x[10]}, x[11]};
-}
-
 PairHistory numbers_of(const TouchHistory<double>& h) {
   return {h.F_t.x, h.F_t.y, h.F_t.z, h.a, h.F_d.x, h.F_d.y, h.F_d.z, h.k_r, h.M_r.x, h.M_r.y, h.M_r.z, h.M_t};
 }

@@ -14,6 +14,7 @@
 #include "vbond/physics/break_mode.hpp"
 #include "vbond/physics/pose.hpp"
 #include "vbond/physics/range.hpp"
+#include "vbond/physics/section.hpp"
 
 namespace vbond {
 
@@ -51,6 +52,53 @@ inline bool creeps(const Bond& b) {
 }
 inline bool yields_or_softens(const Bond& b) {
   return b.law->remembers() && (!b.law->has_rules || b.rules->yield != Yield{} || b.rules->softening.any());
+}
+
+/// The offsets o_i2, o_i3, o_j2, o_j3 of a bond, see with_offsets.hpp; zeros without.  [length]
+inline std::array<double, offset_coefficients> offsets_of(const Bond& b) {
+  if (!b.law->has_offsets) return {};
+  return {b.coefficients[0], b.coefficients[1], b.coefficients[2], b.coefficients[3]};
+}
+/// What its bonded points are offset by from the lines through the centres along n_1, as it stands.
+struct BondOffsets {
+  Vec3d i, j;  ///< [length]
+};
+inline BondOffsets offsets_of(const Bond& b, const BondPose<double>& pose) {
+  const std::array<double, offset_coefficients> o = offsets_of(b);
+  return {o[0] * pose.n_i[1] + o[1] * pose.n_i[2], o[2] * pose.n_j[1] + o[3] * pose.n_j[2]};
+}
+/// The pose between the ends of its offsets, for what is written for bonds without.
+inline BondPose<double> pose_at_offsets(const Bond& b, const BondPose<double>& pose) {
+  if (!b.law->has_offsets) return pose;
+  const BondOffsets o = offsets_of(b, pose);
+  BondPose<double> there = pose;
+  there.r_ij = pose.r_ij + o.j - o.i;
+  return there;
+}
+/// From the centre of i to its bonded point.  [length]
+inline Vec3d arm_of_i(const Bond& b, const BondPose<double>& pose) {
+  const Vec3d along = b.R_i * pose.n_i[0];
+  return b.law->has_offsets ? along + offsets_of(b, pose).i : along;
+}
+inline BondAxis<double> bond_axis(const Bond& b, const BondPose<double>& pose) {
+  return bond_axis(pose_at_offsets(b, pose), b.R_i, b.R_j);
+}
+/// D_ij, from one bonded point to the other.  [length]
+inline Vec3d bonded_points(const Bond& b, const BondPose<double>& pose) {
+  return bonded_points(pose_at_offsets(b, pose), b.R_i, b.R_j);
+}
+inline BondShape bond_shape(const Bond& b, const BondPose<double>& pose) {
+  return bond_shape(pose_at_offsets(b, pose), b.R_i, b.R_j);
+}
+/// What its section carries, given its loads.
+inline SectionLoads<double> section_loads(const Bond& b, const BondPose<double>& pose,
+                                          BondLoads<double> loads) {
+  if (b.law->has_offsets) {
+    const BondOffsets o = offsets_of(b, pose);
+    loads.M_ij -= cross(o.i, loads.F);
+    loads.M_ji += cross(o.j, loads.F);
+  }
+  return section_loads(section_moments(pose, b.R_i, b.R_j, loads), bond_axis(b, pose), loads);
 }
 
 /// A coefficient that rules give to a bond; its law has rules.

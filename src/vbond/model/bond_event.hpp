@@ -32,14 +32,14 @@ inline BreakCause break_cause_of(const Bond& b, const Failure<double>& f, double
 inline BondEvent breaking_event(const Bond& b, BondId k, std::int64_t step, const Vec3d& r_i,
                                 const BondPose<double>& pose, const BondHistory& history) {
   BondEvent e{BondEvent::Kind::broken, k, step};
-  const BondAxis<double> axis = bond_axis(pose, b.R_i, b.R_j);
+  const BondAxis<double> axis = bond_axis(b, pose);
   const BondLoads<double> loads = b.law->loads(b, pose, history);
   const BondEnergy<double> U = b.law->energy(b, pose, history);
   e.energy = U.U_L + U.U_B + U.U_T;
   e.failure = b.law->failure(b, pose, history);
-  e.loads = section_loads(section_moments(pose, b.R_i, b.R_j, loads), axis, loads);
+  e.loads = section_loads(b, pose, loads);
   e.cause = break_cause_of(b, e.failure, e.loads.N);
-  e.middle = r_i + b.R_i * pose.n_i[0] + 0.5 * axis.D * axis.d;
+  e.middle = r_i + arm_of_i(b, pose) + 0.5 * axis.D * axis.d;
   e.direction = axis.d;
   return e;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
 #include <vector>
 
 #include "vbond/model/define_law.hpp"
@@ -31,6 +32,13 @@ std::span<const BondLaw* const> named_laws() {
 const BondLaw* with_rules(const BondLaw& law, const BondRules& rules) {
   if (law.has_rules) return &law;
   return rules.flow() ? law.with_flow : law.with_rules;
+}
+
+const BondLaw* with_offsets(const BondLaw& law) {
+  const std::string name = std::string(law.name) + std::string(name_with_offsets);
+  for (const BondLaw* const form : bond_laws())
+    if (form->name == name) return form;
+  return nullptr;
 }
 
 const BondLaw* find_law(std::string_view name, std::span<const BondLaw* const> others) {

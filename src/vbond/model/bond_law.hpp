@@ -36,6 +36,7 @@ struct BondLaw {
   bool has_rules;             ///< whether it reads the rules of a bond
   const BondLaw* with_rules;  ///< this law with rules; nullptr unless it takes them
   const BondLaw* with_flow;   ///< the same with flow
+  bool has_offsets;           ///< whether its first coefficients are offsets of the bonded points
   /// The loads that damping adds.
   BondLoads<double> (*damping_loads)(const Bond&, const BondPose<double>&, const BondRates<double>&);
   BondEnergy<double> (*energy)(const Bond&, const BondPose<double>&, const BondHistory&);
@@ -79,8 +80,11 @@ std::span<const BondLaw* const> bond_laws();
 std::span<const BondLaw* const> named_laws();
 
 /// This law with rules, and with flow if the rules say so; or nullptr, of a law of a program's own that
-/// damps, breaks or remembers by itself, or has more than seven coefficients.
+/// damps, breaks or remembers by itself, or has more than eight coefficients.
 const BondLaw* with_rules(const BondLaw& law, const BondRules& rules);
+
+/// The form with offsets of a law of the library with rules or flow; nullptr for other laws.
+const BondLaw* with_offsets(const BondLaw& law);
 
 /// The one of that name among the library's laws, these and these with rules, or nullptr.
 const BondLaw* find_law(std::string_view name, std::span<const BondLaw* const> others = {});

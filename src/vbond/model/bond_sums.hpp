@@ -12,8 +12,8 @@ namespace vbond {
 /// of a law are normal to d.  [force]
 inline double axial_force(const Bond& b, const BondHistory& history, const Vec3d& r_ij, const Quatd& q_i,
                           const Quatd& q_j) {
-  const bool at_centres = b.R_i == 0.0 && b.R_j == 0.0;  // no need of the axes
-  const double D = at_centres ? norm(r_ij) : norm(bonded_points(bond_pose(b, r_ij, q_i, q_j), b.R_i, b.R_j));
+  const bool at_centres = b.R_i == 0.0 && b.R_j == 0.0 && !b.law->has_offsets;  // no need of the axes
+  const double D = at_centres ? norm(r_ij) : norm(bonded_points(b, bond_pose(b, r_ij, q_i, q_j)));
   return b.law->tension(b, D, history);
 }
 /// The same as its particles stand now.

@@ -119,7 +119,6 @@ bool FibreParts::bonded(const ImageOf& p, const ImageOf& o) const {
   return false;
 }
 
-/// Two bodies; what is bonded to one end of the other does not touch it, so that a fibre may bend.
 bool FibreParts::may_touch(const FibrePart& x, const FibrePart& y) const {
   if (x.i == y.i || x.i == y.j || x.j == y.i || x.j == y.j) return false;
   if (!x.is_capsule() && !y.is_capsule()) {

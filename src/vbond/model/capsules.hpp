@@ -85,6 +85,8 @@ class FibreParts {
   /// All pairs that are less than `margin` from touching, each once, in no special order, for finite
   /// positions.
   std::vector<FibrePair> near_pairs(const PerParticle<Vec3d>& r, const CellEdges& cell, double margin) const;
+  /// Two bodies; what is bonded to one end of the other does not touch it, so that a fibre may bend.
+  bool may_touch(const FibrePart& x, const FibrePart& y) const;
   /// How far apart the first ends of two parts that touch may be.  [length]
   double reach(const PerParticle<Vec3d>& r, const CellEdges& cell) const;
   /// "bond 3 (particles 4, 5)" or "particle 7".
@@ -103,7 +105,6 @@ class FibreParts {
   bool bonded(const ImageOf& p, const ImageOf& o) const;
   bool is_body(const FibrePart& part) const { return part.is_capsule() || capsules_[part.i.particle] == 0; }
   bool is_of_fibre(const FibrePart& part) const { return of_fibre_[part.i.particle.value] != 0; }
-  bool may_touch(const FibrePart& x, const FibrePart& y) const;
   int weight(const FibrePart& x, const FibrePart& y) const;
   int weight_of_line(const FibrePart& body, const ImageOf& p) const;
 

@@ -114,6 +114,9 @@ bool is_elastic(const ContactModel& contact, const std::vector<ContactMaterial>&
 /// What two bodies remember of their contact: numbers of a TouchHistory, see physics/touch.hpp, as i feels
 /// it.
 using PairHistory = std::array<double, 12>;
+inline TouchHistory<double> touch_history(const PairHistory& x) {
+  return {{x[0], x[1], x[2]}, x[3], {x[4], x[5], x[6]}, x[7], {x[8], x[9], x[10]}, x[11]};
+}
 
 /// The same as the other of the two feels it.
 inline PairHistory seen_from_the_other(PairHistory h) {

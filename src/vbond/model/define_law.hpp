@@ -98,10 +98,11 @@ constinit const BondLaw LawObject<Law>::object{
     .has_rules = detail::has_rules<Law<double>>(),
     .with_rules = detail::in_form<Law, WithRules>(),
     .with_flow = detail::in_form<Law, WithFlow>(),
+    .has_offsets = OffsetLaw<Law<double>>,
     .damping_loads =
         [](const Bond& b, const BondPose<double>& pose, const BondRates<double>& rates) {
           if constexpr (Damped<Law<double>>)
-            return bond_damping(law_of<Law>(b), pose, bond_axis(pose, b.R_i, b.R_j), rates);
+            return bond_damping(law_of<Law>(b), pose, bond_axis(law_of<Law>(b), pose), rates);
           else
             return BondLoads<double>{};
         },
@@ -109,11 +110,11 @@ constinit const BondLaw LawObject<Law>::object{
                  const BondHistory& h) { return energy_with(law_of<Law>(b), pose, history_of_bond<Law>(h)); },
     .loads =
         [](const Bond& b, const BondPose<double>& pose, const BondHistory& h) {
-          return loads_with(law_of<Law>(b), pose, bond_axis(pose, b.R_i, b.R_j), history_of_bond<Law>(h));
+          return loads_with(law_of<Law>(b), pose, bond_axis(law_of<Law>(b), pose), history_of_bond<Law>(h));
         },
     .tangent =
         [](const Bond& b, const BondPose<double>& pose, [[maybe_unused]] const BondHistory& before) {
-          if constexpr (FlowingLaw<Law<double>>)
+          if constexpr (HasRules<Law<double>> && Remembering<Law<double>>)
             return flow_tangent(law_of<Law>(b), pose, history_of_bond<Law>(before));
           else if constexpr (Remembering<Law<double>>)
             return PairTangent<9>{};
@@ -124,7 +125,7 @@ constinit const BondLaw LawObject<Law>::object{
         [](const Bond& b, const BondPose<double>& pose, const BondRates<double>& rates, double dt,
            const BondHistory& h) {
           if constexpr (Remembering<Law<double>>) {
-            const auto now = advance(law_of<Law>(b), pose, bond_axis(pose, b.R_i, b.R_j), rates, dt,
+            const auto now = advance(law_of<Law>(b), pose, bond_axis(law_of<Law>(b), pose), rates, dt,
                                      history_of_bond<Law>(h));
             BondHistory history{};
             std::copy_n(now.value, history_of<Law<double>>, history.begin());
@@ -139,7 +140,7 @@ constinit const BondLaw LawObject<Law>::object{
           if constexpr (Breakable<Law<double>>) {
             const Law<double> law = law_of<Law>(b);
             const auto history = history_of_bond<Law>(h);
-            const BondAxis<double> axis = bond_axis(pose, b.R_i, b.R_j);
+            const BondAxis<double> axis = bond_axis(law, pose);
             const BondLoads<double> loads = loads_with(law, pose, axis, history);
             if constexpr (requires { bond_failure(law, pose, axis, loads, history); })
               f = bond_failure(law, pose, axis, loads, history);

@@ -43,7 +43,7 @@ void take_lengths(State& s) {
 
 double power_of_growth(const Bond& b, const WarmBond& w, const BondPose<double>& pose,
                        const BondHistory& history) {
-  const BondAxis<double> axis = bond_axis(pose, b.R_i, b.R_j);
+  const BondAxis<double> axis = bond_axis(b, pose);
   const Vec3d F = b.law->loads(b, pose, history).F;
   return -w.a * dot(F, axis.d) - dot(F, w.R_i * pose.n_i[0] - w.R_j * pose.n_j[0]);
 }

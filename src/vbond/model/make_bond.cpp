@@ -46,7 +46,11 @@ BondStiffness<double> reduced(const BondSite& i, const BondSite& j, const Bond& 
   const double mass = 1.0 / (1.0 / i.mass + 1.0 / j.mass),
                inertia = 1.0 / (1.0 / i.inertia + 1.0 / j.inertia);
   const double l_i = b.R_i + 0.5 * b.a, l_j = b.R_j + 0.5 * b.a;
-  return {mass, 1.0 / (1.0 / mass + sq(l_i) / i.inertia + sq(l_j) / j.inertia), inertia, inertia};
+  const double shear = 1.0 / (1.0 / mass + sq(l_i) / i.inertia + sq(l_j) / j.inertia);
+  if (!b.law->has_offsets) return {mass, shear, inertia, inertia};
+  const auto o = offsets_of(b);
+  const double turns = (sq(o[0]) + sq(o[1])) / i.inertia + (sq(o[2]) + sq(o[3])) / j.inertia;
+  return {1.0 / (1.0 / mass + turns), 1.0 / (1.0 / shear + 0.5 * turns), inertia, inertia};
 }
 
 std::array<double, 4> in_turn(const BondStiffness<double>& c) {
@@ -100,6 +104,28 @@ void add_rules(const BondRecipe& recipe, const BondSite& i, const BondSite& j, B
   }
 }
 
+/// Lets the bonded points of a bond be where the sites say: offset from the axis through the centres of its
+/// particles, which has these directions.
+void offset_points(const BondRecipe& recipe, const BondSite& i, const BondSite& j, const Axes<double>& n,
+                   Bond& b) {
+  if (i.offset == Vec3d{} && j.offset == Vec3d{}) return;
+  if (recipe.expansion != 0.0)
+    throw std::invalid_argument("make_bond: bonds with offsets do not expand with temperature");
+  const BondLaw* const ruled = with_rules(*b.law, no_rules);
+  const BondLaw* const law = ruled ? with_offsets(*ruled) : nullptr;
+  if (law == nullptr)
+    throw std::invalid_argument("make_bond: law \"" + std::string(b.law->name) +
+                                "\" has no form with offsets: only the library's laws do");
+  std::copy_backward(b.coefficients.begin(), b.coefficients.end() - offset_coefficients,
+                     b.coefficients.end());
+  const Vec3d &o_i = i.offset, &o_j = j.offset;
+  const std::array<double, offset_coefficients> o{dot(o_i, n.y), dot(o_i, n.z), dot(o_j, n.y), dot(o_j, n.z)};
+  std::copy(o.begin(), o.end(), b.coefficients.begin());
+  b.R_i += dot(o_i, n.x);
+  b.R_j -= dot(o_j, n.x);
+  b.law = law;
+}
+
 /// A bond with its coefficients and lengths; ends and axes are still to be filled in.
 Bond with_coefficients(const BondRecipe& recipe, double a, double R_i, double R_j, const BondRadii& radii) {
   Bond b{};
@@ -107,7 +133,7 @@ Bond with_coefficients(const BondRecipe& recipe, double a, double R_i, double R_
   if (b.law == nullptr)
     throw std::invalid_argument(
         "make_bond: law \"" + std::string(recipe.law->name) +
-        "\" damps, breaks or remembers by itself, or has more than seven coefficients: "
+        "\" damps, breaks or remembers by itself, or has more than eight coefficients: "
         "it takes no rules, damping or weibull of a recipe");
   b.set = recipe.set;
   b.a = a;
@@ -173,7 +199,7 @@ Vec3d bond_n_2(const Vec3d& e, const std::optional<Vec3d>& wanted) {
 }
 
 std::optional<Bond> make_bond(const BondRecipe& recipe, const BondSite& i, const BondSite& j) {
-  const Vec3d r_ij = between(i.r, j.r);
+  const Vec3d r_ij = between(i.r + i.offset, j.r + j.offset);
   const double distance = norm(r_ij);
   const BondRadii radii{i.radius, j.radius};
   const BondLengths lengths = bond_lengths(recipe, distance, radii);
@@ -191,6 +217,7 @@ std::optional<Bond> make_bond(const BondRecipe& recipe, const BondSite& i, const
   b.frame_j = conjugate(j.q) * frame;
   if (recipe.capsule)
     b.capsule = recipe.capsule_radius > 0.0 ? recipe.capsule_radius : std::min(i.radius, j.radius);
+  offset_points(recipe, i, j, axes(frame), b);
   add_rules(recipe, i, j, b);
   return b;
 }

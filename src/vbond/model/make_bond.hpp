@@ -17,6 +17,7 @@ struct BondSite {
   double radius;                 ///< [length]
   double mass = 0, inertia = 0;  ///< for damping by ratio only
   Image image = {};              ///< of the particle, which r is the place of
+  Vec3d offset = {};             ///< from there to what the bond joins, rigid with the particle  [length]
 };
 
 /// A particle, or an image of it, as it stands in this state.

@@ -29,7 +29,8 @@ std::string motion_of(const BondStiffness<double>& c, const BondStiffness<double
   const auto sets = [&](const BondStiffness<double>& of_c, const BondStiffness<double>& of_g) {
     return element_bound(of_c, of_g, i, j) >= (1.0 - rounding) * lambda;
   };
-  const std::string motion = sets({c.c_A, 0.0, 0.0, 0.0}, {g.c_A, 0.0, 0.0, 0.0})   ? "stretching"
+  const std::string motion = i.is_offset() || j.is_offset()                         ? "deformation"
+                             : sets({c.c_A, 0.0, 0.0, 0.0}, {g.c_A, 0.0, 0.0, 0.0}) ? "stretching"
                              : sets({0.0, 0.0, 0.0, c.c_T}, {0.0, 0.0, 0.0, g.c_T}) ? "torsion"
                                                                                     : "shear and bending";
   return element_bound(c, i, j) < 0.5 * lambda ? "the damping of " + motion : motion;
@@ -48,20 +49,24 @@ PerParticle<double> bonds_of_particles(const Model& model, const State& state,
 
 Largest largest_of_bonds(const Model& model, const State& state, const PerParticle<double>& n) {
   Largest largest;
-  const auto end = [&](ParticleId p, double R, double a) {
-    return BondEnd{n[p], model.mass[p], model.inertia[p], R + 0.5 * a};
+  const auto ends = [&](const Bond& b) {
+    const auto end = [&](ParticleId p, double R, double o_2, double o_3) {
+      return BondEnd{n[p], model.mass[p], model.inertia[p], R + 0.5 * b.a, o_2, o_3};
+    };
+    const auto [o_i2, o_i3, o_j2, o_j3] = offsets_of(b);
+    return std::pair(end(b.i, b.R_i, o_i2, o_i3), end(b.j, b.R_j, o_j2, o_j3));
   };
   for (const BondId id : state.bonds.ids()) {
     const Bond& b = state.bonds[id];
     if (b.broken) continue;
-    const double lambda =
-        element_bound(b.law->stiffest(b), b.law->damping(b), end(b.i, b.R_i, b.a), end(b.j, b.R_j, b.a));
+    const auto [end_i, end_j] = ends(b);
+    const double lambda = element_bound(b.law->stiffest(b), b.law->damping(b), end_i, end_j);
     if (!(lambda <= largest.lambda)) largest.lambda = lambda, largest.bond = id;
   }
   if (largest.bond) {
     const Bond& b = state.bonds[*largest.bond];
-    largest.source = motion_of(b.law->stiffest(b), b.law->damping(b), end(b.i, b.R_i, b.a),
-                               end(b.j, b.R_j, b.a), largest.lambda) +
+    const auto [end_i, end_j] = ends(b);
+    largest.source = motion_of(b.law->stiffest(b), b.law->damping(b), end_i, end_j, largest.lambda) +
                      " of bond " + std::to_string(largest.bond->value) + " (particles " +
                      std::to_string(b.i.value) + ", " + std::to_string(b.j.value) + ")";
   }

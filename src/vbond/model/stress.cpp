@@ -39,8 +39,8 @@ PerParticle<Tensor> stress_times_volume(const Model& model, const State& s) {
     const Bond& b = s.bonds[k];
     if (b.broken) continue;
     const BondPose<double> pose = bond_pose(b, s);
-    const Vec3d D_ij = bonded_points(pose, b.R_i, b.R_j);
-    add_force(b.i, b.j, bond_loads(s, k).F, b.R_i * pose.n_i[0] + 0.5 * D_ij, pose.r_ij, sum);
+    const Vec3d D_ij = bonded_points(b, pose);
+    add_force(b.i, b.j, bond_loads(s, k).F, arm_of_i(b, pose) + 0.5 * D_ij, pose.r_ij, sum);
   }
   for_touching_pairs(model, s, [&](ParticleId i, ParticleId j, const Image& n, double overlap) {
     const double R_i = model.radius[i], R_j = model.radius[j];

@@ -156,8 +156,7 @@ BondView bond_view(BondId id, const State& state, bool may_break) {
   const Bond& b = state.bonds[id];
   const BondPose<double> pose = bond_pose(b, state);
   const BondLoads<double> loads = bond_loads(state, id);
-  const SectionLoads<double> section =
-      section_loads(section_moments(pose, b.R_i, b.R_j, loads), bond_axis(pose, b.R_i, b.R_j), loads);
+  const SectionLoads<double> section = section_loads(b, pose, loads);
   return {.bond = b,
           .id = id,
           .shape = bond_shape(state, id),

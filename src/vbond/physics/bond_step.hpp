@@ -1,6 +1,8 @@
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 
 #include "vbond/physics/stiffness.hpp"
 
@@ -8,16 +10,56 @@ namespace vbond {
 
 /// One end of a bond as the step bound sees it.
 struct BondEnd {
-  double n;      ///< number of bonds of this particle
-  double m;      ///< mass
-  double Theta;  ///< moment of inertia
-  double lever;  ///< l = R + a/2: centre of the particle to the middle of the bond
+  double n;                 ///< number of bonds of this particle
+  double m;                 ///< mass
+  double Theta;             ///< moment of inertia
+  double lever;             ///< l = R + a/2: centre of the particle to the middle of the bond
+  double o_2 = 0, o_3 = 0;  ///< offset of that middle along n_2 and n_3
+  bool is_offset() const { return o_2 != 0.0 || o_3 != 0.0; }
 };
+
+/// The same bound for ends that are offset: above all eigenvalues of G = sqrt(C) B M^-1 B^T sqrt(C), where
+/// the six rows of B are how fast the bond stretches, is sheared along n_2 and n_3, is bent about n_2 and
+/// n_3, and is twisted by the motion of both particles. The largest sum of a row of G, or the root of the sum
+/// of all its squares if that is smaller.  [1/time^2]
+inline double element_bound_with_offsets(const BondStiffness<double>& c, const BondEnd& i, const BondEnd& j) {
+  struct Row {
+    double v[3], w[3];  // of what moves along and turns about n_1, n_2, n_3
+  };
+  // v + w x s at the middle of the bond, which is s from the centre: (lever, o_2, o_3), of j (-lever, ..)
+  const auto rows = [](const BondEnd& e, double sign) {
+    const double l = -sign * e.lever;
+    return std::array<Row, 6>{{{{sign, 0, 0}, {0, sign * e.o_3, -sign * e.o_2}},
+                               {{0, sign, 0}, {-sign * e.o_3, 0, sign * l}},
+                               {{0, 0, sign}, {sign * e.o_2, -sign * l, 0}},
+                               {{0, 0, 0}, {0, sign, 0}},
+                               {{0, 0, 0}, {0, 0, sign}},
+                               {{0, 0, 0}, {sign, 0, 0}}}};
+  };
+  const std::array<Row, 6> of_i = rows(i, -1.0), of_j = rows(j, 1.0);
+  const std::array<double, 6> root{std::sqrt(c.c_A), std::sqrt(c.c_D), std::sqrt(c.c_D),
+                                   std::sqrt(c.c_B), std::sqrt(c.c_B), std::sqrt(c.c_T)};
+  double largest_row = 0.0, squares = 0.0;
+  for (std::size_t r = 0; r < 6; ++r) {
+    double row = 0.0;
+    for (std::size_t s = 0; s < 6; ++s) {
+      double g = 0.0;
+      for (std::size_t d = 0; d < 3; ++d)
+        g += i.n / i.m * of_i[r].v[d] * of_i[s].v[d] + j.n / j.m * of_j[r].v[d] * of_j[s].v[d] +
+             i.n / i.Theta * of_i[r].w[d] * of_i[s].w[d] + j.n / j.Theta * of_j[r].w[d] * of_j[s].w[d];
+      g *= root[r] * root[s];
+      row += std::abs(g), squares += g * g;
+    }
+    largest_row = std::max(largest_row, row);
+  }
+  return std::min(largest_row, std::sqrt(squares));
+}
 
 /// Largest squared angular frequency that one undeformed bond can contribute when every particle's
 /// mass and inertia are shared evenly among its bonds: the maximum over bonds bounds the whole body
 /// (element-by-element bound; the body's own largest eigenvalue is never above it).  [1/time^2]
 inline double element_bound(const BondStiffness<double>& c, const BondEnd& i, const BondEnd& j) {
+  if (i.is_offset() || j.is_offset()) return element_bound_with_offsets(c, i, j);
   const double per_m = i.n / i.m + j.n / j.m;
   const double per_Theta = i.n / i.Theta + j.n / j.Theta;
   const double g11 = c.c_B * per_Theta;

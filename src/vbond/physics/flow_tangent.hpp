@@ -4,6 +4,7 @@
 
 #include "vbond/physics/flow_step.hpp"
 #include "vbond/physics/tangent.hpp"
+#include "vbond/physics/with_offsets.hpp"
 
 /// The tangent of bonds that yield or soften, for an increment that takes no time: loads at its end, after
 /// the flow that it brings, as a function of the pose at its end.
@@ -55,21 +56,19 @@ FlowAmounts<Dual<N>> following_limits(FlowAmounts<Dual<N>> over, const FlowAmoun
   return x;
 }
 
-/// Loads of a flowing bond at the end of an increment from the memory `before`, and their exact derivatives
-/// (the consistent tangent). What does not flow in the increment is as stiff as if it never did.
-template <template <class> class Law>
-PairTangent<9> flow_tangent(const Law<double>& law, const BondPose<double>& pose,
-                            const LawHistory<Law<double>>& before) {
-  using D = Dual<9 + ways_to_flow>;
-  const BondAxis<double> still = bond_axis(pose, law.R_i, law.R_j);
+/// Loads of a flowing bond at the end of an increment from the memory `before`, whose pose has derivatives
+/// `b`.
+template <template <class> class Law, Scalar D>
+BondLoads<D> loads_after_flow(const Law<double>& law, const BondPose<double>& pose, const BondPose<D>& b,
+                              const LawHistory<Law<double>>& before) {
+  const BondAxis<double> still = bond_axis(law, pose);
   const LawHistory<Law<double>> now = advance(law, pose, still, BondRates<double>{}, 0.0, before);
   FlowAmounts<double> amounts;
   for (std::size_t k = 0; k < ways_to_flow; ++k)
     amounts[k] = now.value[memory::axial + k] - before.value[memory::axial + k];
 
   const Law<D> m = with_scalar<D>(law);
-  const BondPose<D> b = moved_pose<9 + ways_to_flow>(pose);
-  const BondAxis<D> axis = bond_axis(b, m.R_i, m.R_j);
+  const BondAxis<D> axis = bond_axis(m, b);
   LawHistory<Law<D>> h;
   for (std::size_t k = 0; k < memory::count; ++k) h.value[k] = D(before.value[k]);
   if (std::any_of(amounts.begin(), amounts.end(), [](double x) { return x > 0.0; })) {
@@ -80,7 +79,25 @@ PairTangent<9> flow_tangent(const Law<double>& law, const BondPose<double>& pose
     h = flowed_by(x, m, b, axis, h, over);
   }
   if (now.value[memory::damage] > before.value[memory::damage]) soften(m, b, axis, BondRates<D>{}, D(0.0), h);
-  return tangent_of(bond_loads(m, b, axis, h));
+  return bond_loads(m, b, axis, h);
+}
+
+/// Loads of a flowing bond, offset or not, at the end of an increment from the memory `before`, and their
+/// exact derivatives (the consistent tangent). What does not flow in the increment is as stiff as if it never
+/// did.
+template <template <class> class Law>
+PairTangent<9> flow_tangent(const Law<double>& law, const BondPose<double>& pose,
+                            const LawHistory<Law<double>>& before) {
+  using D = Dual<9 + ways_to_flow>;
+  const BondPose<D> b = moved_pose<9 + ways_to_flow>(pose);
+  if constexpr (OffsetLaw<Law<double>>) {
+    using Centred = typename Law<double>::Centred;
+    const Law<D> m = with_scalar<D>(law);
+    return tangent_of(m.at_centres(b, loads_after_flow(law.centred(), law.at_offsets(pose), m.at_offsets(b),
+                                                       history_as<Centred>(before))));
+  } else {
+    return tangent_of(loads_after_flow(law, pose, b, before));
+  }
 }
 
 }  // namespace vbond

@@ -71,11 +71,11 @@ struct LawField {
 ///         derived from another one hands its base to that one's function: with itself it would call itself.
 ///     tension_is_linear<law> = true            see below
 ///
-/// Of a law that is elastic and no more, with at most seven coefficients, the library also makes one with
+/// Of a law that is elastic and no more, with at most eight coefficients, the library also makes one with
 /// rules (with_rules.hpp) and one with flow (with_flow.hpp): any form of stretching, damping, strength,
 /// yielding, creep and softening, without a line of its own. So all its functions but bond_range are
 /// templates over the scalar type.
-inline constexpr std::size_t most_coefficients = 12;
+inline constexpr std::size_t most_coefficients = 13;
 
 /// Whether tension() of a law is c_A (D - a), so that its softening is worked out in closed form; a law says
 /// so by a specialisation.

@@ -82,10 +82,19 @@ VBOND_HD T power_taken(const BondLoads<T>& l, const BondRates<T>& rates) {
   return dot(l.F, rates.v_ij) - dot(l.M_ij, rates.w_i) - dot(l.M_ji, rates.w_j);
 }
 
+/// The line between the bonded points of a law, which may be offset (with_offsets.hpp).
+template <class Law, Scalar T>
+VBOND_HD BondAxis<T> bond_axis(const Law& law, const BondPose<T>& b) {
+  if constexpr (requires { law.at_offsets(b); })
+    return bond_axis(law.at_offsets(b), law.R_i, law.R_j);
+  else
+    return bond_axis(b, law.R_i, law.R_j);
+}
+
 /// Force and moments of a bond of any law: the gradient of its bond_energy.
 template <class Law, Scalar T>
 VBOND_HD BondLoads<T> bond_loads(const Law& law, const BondPose<T>& b) {
-  return bond_loads(law, b, bond_axis(b, law.R_i, law.R_j));
+  return bond_loads(law, b, bond_axis(law, b));
 }
 
 }  // namespace vbond

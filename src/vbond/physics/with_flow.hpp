@@ -59,7 +59,7 @@ struct WithFlow {
 };
 
 template <class Law>
-concept FlowingLaw = HasRules<Law> && Remembering<Law>;
+concept FlowingLaw = HasRules<Law> && Remembering<Law> && !OffsetLaw<Law>;
 
 /// The frames of a bond as flow has turned them against its particles.
 template <Scalar T>

@@ -66,9 +66,14 @@ concept HasRules = requires(const Law& law) {
   *law.rules;
   law.elastic();
 };
-/// Laws whose bonds remember nothing.
+/// Laws of with_offsets.hpp, around a law with rules that stands between centres.
 template <class Law>
-concept RuledLaw = HasRules<Law> && !Remembering<Law>;
+concept OffsetLaw = HasRules<Law> && requires(const Law& law) {
+  law.centred();
+};
+/// Laws between centres whose bonds remember nothing.
+template <class Law>
+concept RuledLaw = HasRules<Law> && !Remembering<Law> && !OffsetLaw<Law>;
 /// Laws that rules may be added to: elastic and no more, and with room for the coefficients of rules.
 template <class Law>
 concept TakesRules = !HasRules<Law> && !ReadsRates<Law> && !Breakable<Law> &&

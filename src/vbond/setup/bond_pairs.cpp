@@ -14,18 +14,31 @@
 #include "vbond/core/images.hpp"
 #include "vbond/core/memory.hpp"
 #include "vbond/model/make_bond.hpp"
+#include "vbond/setup/crossings.hpp"
 #include "vbond/setup/csv_table.hpp"
 #include "vbond/setup/groups.hpp"
 #include "vbond/setup/text_file.hpp"
 
 namespace vbond {
-namespace {
 
-/// The same pair, whichever end comes first.
 Pair in_order(const Pair& p) {
   const Pair other{p.j, p.i, -p.image_j};
   return p.i < p.j || (p.i == p.j && p.image_j > other.image_j) ? p : other;
 }
+
+std::pair<BondSite, BondSite> sites_of(const SelectedPairs& selected, std::size_t k, const Model& model,
+                                       const State& state) {
+  const Pair& p = selected.pairs[k];
+  std::pair sites(bond_site(model, state, p.i), bond_site(model, state, p.j, p.image_j));
+  if (selected.crossings.empty()) return sites;
+  const CrossingPoints& at = selected.crossings[k];
+  sites.first.offset = at.offset_i, sites.first.radius = at.R_i;
+  sites.second.offset = at.offset_j, sites.second.radius = at.R_j;
+  return sites;
+}
+
+namespace {
+
 Pair pair_of(const Bond& b) {
   return in_order({b.i, b.j, b.image_j});
 }
@@ -79,6 +92,65 @@ struct Selection {
     if (!(within.factor > 0.0)) return refuse_value("gap_factor", within.factor, "must be > 0");
     if (lacks_radii("gap_factor")) return {};
     return near_pairs({0.0, within.factor}, fmt::format("{} (R_i + R_j)", within.factor), "gap_factor");
+  }
+
+  /// Of crossings also where they are.
+  SelectedPairs select() {
+    if (const auto* at = std::get_if<AtCrossings>(&spec.select.value)) return crossings(at->gap);
+    return {std::visit(*this, spec.select.value), {}};
+  }
+  std::vector<Pair> operator()(const AtCrossings& at) { return crossings(at.gap).pairs; }
+
+  /// The bonds; fibres have a capsule. Where none has one, fibres are the bonds that specimens bring, as
+  /// thick as the thinner of their particles.
+  PerBond<Bond> fibres() const {
+    PerBond<Bond> bonds = state.bonds;
+    if (std::any_of(bonds.begin(), bonds.end(), [](const Bond& b) { return b.capsule > 0.0; })) return bonds;
+    for (Bond& b : bonds)
+      if (b.set < c.bonds.size() && std::holds_alternative<SpecimenPairs>(c.bonds[b.set].select.value))
+        b.capsule = std::min(model.radius[b.i], model.radius[b.j]);
+    return bonds;
+  }
+
+  SelectedPairs crossings(double gap) {
+    SelectedPairs selected;
+    const PerBond<Bond> bonds = fibres();
+    const auto within = [&](double margin) {
+      std::vector<Crossing> found = crossings_within(model, state, bonds, margin);
+      std::erase_if(found, [&](const Crossing& x) { return !joins_groups(x.pair.i, x.pair.j); });
+      return found;
+    };
+    std::vector<Crossing> found = within(gap);
+    if (found.empty() && spec.when == BondTime::start) refuse_no_crossing(gap, bonds, within);
+    for (const Crossing& x : found)
+      if (bonded.count(x.pair) == 0) selected.pairs.push_back(x.pair), selected.crossings.push_back(x.points);
+    return selected;
+  }
+  template <class Within>
+  void refuse_no_crossing(double gap, const PerBond<Bond>& bonds, Within within) {
+    double thickest = 0.0;
+    for (const Bond& b : bonds) thickest = std::max(thickest, b.capsule);
+    const std::string what = fmt::format("bonds \"{}\": crossing_gap = {}", spec.name, gap);
+    if (!(thickest > 0.0))
+      return problems.add(
+          place_of_selection(spec), what,
+          "there are no fibres: bonds with a capsule_radius, or that specimens bring "
+          "(from_specimen) between particles with a radius",
+          "give the bonds of the fibres capsule_radius, in a set before this one; or select by "
+          "distance or gap");
+    std::string nearest = "none is within 16 radii";
+    for (double margin = thickest; margin <= 16.0 * thickest; margin *= 2.0)
+      if (const std::vector<Crossing> found = within(std::max(margin, 2.0 * gap)); !found.empty()) {
+        const auto least = std::min_element(
+            found.begin(), found.end(), [](const Crossing& a, const Crossing& b) { return a.gap < b.gap; });
+        nearest = fmt::format("the nearest fibres have a gap of {:.6g}", least->gap);
+        break;
+      }
+    problems.add(place_of_selection(spec), what + ": no fibres are so near",
+                 fmt::format("between groups \"{}\" and \"{}\": {}", spec.between[0].value,
+                             spec.between[1].value, nearest),
+                 "use a larger crossing_gap, or press the fibres together first and bond them with when = "
+                 "\"stage\"");
   }
 
   std::vector<Pair> refuse_value(const char* key, double value, const char* rule) {
@@ -303,10 +375,23 @@ struct Selection {
   static constexpr std::uint32_t new_pair = 0xffffffff;  // no bond set has this number
 };
 
+/// Keeps this share of the pairs.
+void leave_out(const BondShare& share, SelectedPairs& selected) {
+  if (!(share.part < 1.0)) return;
+  SelectedPairs kept;
+  for (std::size_t k = 0; k < selected.pairs.size(); ++k) {
+    const Pair& p = selected.pairs[k];
+    if (!(pair_variate(share.seed, p.i, p.j, p.image_j) < share.part)) continue;
+    kept.pairs.push_back(p);
+    if (!selected.crossings.empty()) kept.crossings.push_back(selected.crossings[k]);
+  }
+  selected = std::move(kept);
+}
+
 }  // namespace
 
-std::vector<Pair> select_pairs(const Case& c, std::size_t set, const Model& model, const State& state,
-                               Problems& problems) {
+SelectedPairs select_pairs(const Case& c, std::size_t set, const Model& model, const State& state,
+                           Problems& problems) {
   const BondSpec& spec = c.bonds[set];
   const Group* a = look_up_group(spec.between[0], model, problems);
   const Group* b = look_up_group(spec.between[1], model, problems);
@@ -316,17 +401,13 @@ std::vector<Pair> select_pairs(const Case& c, std::size_t set, const Model& mode
                       {}};
   for (const Bond& bond : state.bonds) selection.bonded[pair_of(bond)] = bond.set;
   try {
-    std::vector<Pair> pairs = std::visit(selection, spec.select.value);
-    const std::size_t selected = pairs.size();
-    const BondShare& share = spec.share;
-    if (share.part < 1.0)
-      std::erase_if(pairs, [&](const Pair& p) {
-        return !(pair_variate(share.seed, p.i, p.j, p.image_j) < share.part);
-      });
-    if (selected > 0 && pairs.empty())
-      problems.add(spec.place, fmt::format("bonds \"{}\": share = {}", spec.name, share.part),
-                   fmt::format("leaves none of {} pairs", selected), "use a larger share, or another seed");
-    return pairs;
+    SelectedPairs selected = selection.select();
+    const std::size_t all = selected.pairs.size();
+    leave_out(spec.share, selected);
+    if (all > 0 && selected.pairs.empty())
+      problems.add(spec.place, fmt::format("bonds \"{}\": share = {}", spec.name, spec.share.part),
+                   fmt::format("leaves none of {} pairs", all), "use a larger share, or another seed");
+    return selected;
   } catch (const CaseError& e) {  // of a file
     problems.add(e);
     return {};

@@ -3,10 +3,12 @@
 #include <cstddef>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "vbond/case/case.hpp"
 #include "vbond/core/problems.hpp"
+#include "vbond/model/make_bond.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
 
@@ -18,6 +20,24 @@ struct Pair {
   Image image_j{};
   friend auto operator<=>(const Pair&, const Pair&) = default;
 };
+
+/// The same pair, whichever end comes first.
+Pair in_order(const Pair& pair);
+
+/// What a pair is bonded at in place of its centres or surfaces: points of the axes of two fibres.
+struct CrossingPoints {
+  Vec3d offset_i, offset_j;  ///< from the centres of the particles  [length]
+  double R_i = 0, R_j = 0;   ///< radii of the fibres there  [length]
+};
+
+/// What a set bonds: pairs in order, and, for a selection of crossings, the points of each.
+struct SelectedPairs {
+  std::vector<Pair> pairs;
+  std::vector<CrossingPoints> crossings;
+};
+/// Pair number k as bond creation sees it.
+std::pair<BondSite, BondSite> sites_of(const SelectedPairs& selected, std::size_t k, const Model& model,
+                                       const State& state);
 
 /// All pairs with one end in each group and centres no farther apart than `distance` > 0, in order, also
 /// through the faces of a cell. Throws std::length_error if they are more than `most`.
@@ -35,8 +55,8 @@ std::vector<Pair> pairs_within(const std::vector<Vec3d>& r, const std::vector<do
 
 /// The pairs that set number `set` of the case bonds between the particles as they stand in `state`, in
 /// order.
-std::vector<Pair> select_pairs(const Case& c, std::size_t set, const Model& model, const State& state,
-                               Problems& problems);
+SelectedPairs select_pairs(const Case& c, std::size_t set, const Model& model, const State& state,
+                           Problems& problems);
 
 /// A line for each bond set with a file of pairs, where a specimen of rows of a file is cut: whoever wrote
 /// the pairs may have had the rows in mind.

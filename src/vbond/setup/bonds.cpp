@@ -24,12 +24,16 @@ struct FirstAndCount {
   std::string text() const { return count == 1 ? what : fmt::format("{} (and {} more)", what, count - 1); }
 };
 
-std::string length_left(const BondRecipe& recipe, const Model& model, const State& state, const Pair& pair) {
+/// Of the points that a bond joins.
+double distance_of(const BondSite& i, const BondSite& j) {
+  return norm(between(i.r + i.offset, j.r + j.offset));
+}
+
+std::string length_left(const BondRecipe& recipe, const BondSite& i, const BondSite& j) {
   const bool surfaces = recipe.attachment == Attachment::surfaces || recipe.attachment == Attachment::neck;
-  return fmt::format("particles {} and {} are {:.6g} apart with R_i = {:.6g}, R_j = {:.6g}", pair.i.value,
-                     pair.j.value, norm(between(state, pair.i, pair.j, pair.image_j)),
-                     surfaces ? model.radius[pair.i] : recipe.R_i,
-                     surfaces ? model.radius[pair.j] : recipe.R_j);
+  return fmt::format("particles {} and {} are {:.6g} apart with R_i = {:.6g}, R_j = {:.6g}", i.id.value,
+                     j.id.value, distance_of(i, j), surfaces ? i.radius : recipe.R_i,
+                     surfaces ? j.radius : recipe.R_j);
 }
 
 /// Why no length is left for a bond, and what to do.
@@ -61,10 +65,6 @@ bool has_stable_rest(const BondStiffness<double>& c) {
 
 /// What contacts have stored in friction and rolling.  [energy]
 double stored_slip(const Model& model, const State& state) {
-  const auto touch_history = [](const PairHistory& x) {
-    return TouchHistory<double>{{x[0], x[1], x[2]},  x[3], {x[4], x[5], x[6]}, x[7],
-                                {x[8], x[9], x[10]}, x[11]};
-  };
   double U = 0.0;
   if (!state.contact_history.empty())
     for_touching_pairs(model, state, [&](ParticleId i, ParticleId j, const Image& n, double) {
@@ -109,36 +109,37 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
   const double U = potential_energies(model, state).contact, flowed = dissipated_by_flow(state),
                slip = stored_slip(model, state);
   double longest = INFINITY;  // of bonds that soften
-  for (const Pair& pair : select_pairs(c, set, model, state, problems)) {
+  const SelectedPairs selected = select_pairs(c, set, model, state, problems);
+  for (std::size_t k = 0; k < selected.pairs.size(); ++k) {
+    const Pair& pair = selected.pairs[k];
     if (is_dropped(state, pair.i) || is_dropped(state, pair.j)) continue;
-    const BondSite site_i = bond_site(model, state, pair.i),
-                   site_j = bond_site(model, state, pair.j, pair.image_j);
+    const auto [site_i, site_j] = sites_of(selected, k, model, state);
     bool bare = false;
-    for (const ParticleId p : {pair.i, pair.j})
-      if (recipe.needs_radii() && !(model.radius[p] > 0.0)) {
-        no_radius.note(fmt::format("particle {} has radius {}", p.value, model.radius[p]));
+    for (const BondSite& site : {site_i, site_j})
+      if (recipe.needs_radii() && !(site.radius > 0.0)) {
+        no_radius.note(fmt::format("particle {} has radius {}", site.id.value, site.radius));
         bare = true;
       }
     if (bare) continue;
     const auto bond = make_bond(recipe, site_i, site_j);
     if (!bond) {
-      no_length.note(length_left(recipe, model, state, pair));
+      no_length.note(length_left(recipe, site_i, site_j));
       continue;
     }
     if (breaks_by_prestrain(recipe, site_i, site_j))
       broken.note(fmt::format("the bond of particles {} and {}", pair.i.value, pair.j.value));
-    const BondStiffness<double> k = stiffness_of(*bond);
-    if (!has_stable_rest(k))
+    const BondStiffness<double> stiff = stiffness_of(*bond);
+    if (!has_stable_rest(stiff))
       unstable.note(fmt::format("particles {} and {}: c_A = {:.6g}, c_D = {:.6g}, c_B = {:.6g}, c_T = {:.6g}",
-                                pair.i.value, pair.j.value, k.c_A, k.c_D, k.c_B, k.c_T));
+                                pair.i.value, pair.j.value, stiff.c_A, stiff.c_D, stiff.c_B, stiff.c_T));
     const double longest_now =
-        longest_softening_bond(recipe.rules.softening, k.c_A, bond->a, weakness_of(*bond));
+        longest_softening_bond(recipe.rules.softening, stiff.c_A, bond->a, weakness_of(*bond));
     if (!(bond->a < longest_now)) {
       snapping.note(
           fmt::format("the bond of particles {} and {} is {:.6g} long", pair.i.value, pair.j.value, bond->a));
       longest = std::min(longest, longest_now);
     }
-    const double distance = norm(between(state, pair.i, pair.j, pair.image_j));
+    const double distance = distance_of(site_i, site_j);
     if (const auto mistake = capsule_mistake(model, *bond, distance)) {
       if (no_capsule.count == 0) of_capsule = *mistake;
       no_capsule.note(fmt::format("particles {} and {} are {:.6g} apart, the capsule's radius is {:.6g}",
@@ -172,16 +173,18 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
 
 bool expect_bonds(const Case& c, std::size_t set, const Model& model, State& state, Problems& problems) {
   const BondSpec& spec = c.bonds[set];
-  if (spec.reach()) return false;
+  if (spec.reach() || std::holds_alternative<AtCrossings>(spec.select.value)) return false;
   BondRecipe recipe = spec.recipe;
   recipe.set = static_cast<std::uint32_t>(set);
   bool all = true;
-  for (const Pair& pair : select_pairs(c, set, model, state, problems))
-    if (const auto bond =
-            make_bond(recipe, bond_site(model, state, pair.i), bond_site(model, state, pair.j, pair.image_j)))
+  const SelectedPairs selected = select_pairs(c, set, model, state, problems);
+  for (std::size_t k = 0; k < selected.pairs.size(); ++k) {
+    const auto [i, j] = sites_of(selected, k, model, state);
+    if (const auto bond = make_bond(recipe, i, j))
       state.bonds.push_back(*bond);
     else
       all = false;
+  }
   if (!state.bond_history.empty()) state.bond_history.resize(state.bonds.size());
   return all;
 }
@@ -235,10 +238,11 @@ std::optional<double> first_c_A(const Case& c, const Model& model, const State& 
     distance = (*reach)(radii.i, radii.j);
   } else {
     Problems reported_elsewhere;
-    const std::vector<Pair> pairs = select_pairs(c, 0, model, state, reported_elsewhere);
-    if (pairs.empty()) return std::nullopt;
-    distance = norm(between(state, pairs[0].i, pairs[0].j, pairs[0].image_j));
-    radii = {model.radius[pairs[0].i], model.radius[pairs[0].j]};
+    const SelectedPairs selected = select_pairs(c, 0, model, state, reported_elsewhere);
+    if (selected.pairs.empty()) return std::nullopt;
+    const auto [i, j] = sites_of(selected, 0, model, state);
+    distance = distance_of(i, j);
+    radii = {i.radius, j.radius};
   }
   const double a = bond_lengths(spec.recipe, distance, radii).a;
   if (!(a > 0.0) || (spec.recipe.needs_radii() && !(std::min(radii.i, radii.j) > 0.0))) return std::nullopt;

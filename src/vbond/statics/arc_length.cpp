@@ -336,8 +336,8 @@ double largest_bond_turn(const State& now, const Placement& before) {
     const Quatd seen_before = conjugate(before.q[b.i]) * before.q[b.j];
     const BondPose<double> pose_now = bond_pose(b, now);
     const BondPose<double> pose_before = bond_pose(b, before);
-    const Vec3d D_now = bonded_points(pose_now, b.R_i, b.R_j);
-    const Vec3d D_before = bonded_points(pose_before, b.R_i, b.R_j);
+    const Vec3d D_now = bonded_points(b, pose_now);
+    const Vec3d D_before = bonded_points(b, pose_before);
     const auto of_line = [&](ParticleId p) {
       return angle_between(rotate(conjugate(now.q[p]), D_now), rotate(conjugate(before.q[p]), D_before));
     };
@@ -349,7 +349,7 @@ double largest_bond_turn(const State& now, const Placement& before) {
 
 std::optional<BondId> newly_snapped(const State& now, const Placement& before) {
   const auto snapped = [](const Bond& b, const BondPose<double>& pose) {
-    return bond_range(b, bond_shape(pose, b.R_i, b.R_j)) == BondRange::snapped;
+    return bond_range(b, bond_shape(b, pose)) == BondRange::snapped;
   };
   for (const BondId k : now.bonds.ids()) {
     const Bond& b = now.bonds[k];

@@ -72,7 +72,7 @@ bool has_finite_place(const State& s, ParticleId p) {
 /// What a bond's turning is measured by: the distance of the centres, or of the bonded points where the
 /// centres lie closer together.
 double span(const Bond& b, const State& s) {
-  return std::max(norm(between(s, b)), norm(bonded_points(bond_pose(b, s), b.R_i, b.R_j)));
+  return std::max(norm(between(s, b)), norm(bonded_points(b, bond_pose(b, s))));
 }
 
 /// Components of the cell that give way to stresses. They count by a length of the cell such that the
@@ -445,7 +445,7 @@ std::string StaticBody::first_not_finite() const {
           k.value, b.i.value, b.j.value);
     return fmt::format("bond {} (particles {}, {}): its {} not finite, its bonded points are {:.3g} apart",
                        k.value, b.i.value, b.j.value, finite_loads ? "energy is" : "loads are",
-                       norm(bonded_points(pose, b.R_i, b.R_j)));
+                       norm(bonded_points(b, pose)));
   }
   std::string found;
   for_touching_pairs(model_, state_, [&](ParticleId i, ParticleId j, const Image& n, double overlap) {

@@ -39,7 +39,7 @@ double largest_proportional_force(const Model& model, const StaticStage& stage) 
 }
 
 bool beyond_its_law(const Bond& b, const State& s) {
-  const BondShape shape = bond_shape(bond_pose(b, s), b.R_i, b.R_j);
+  const BondShape shape = bond_shape(b, bond_pose(b, s));
   return bond_range(b, shape) != BondRange::good || shape.length > longest_bond * b.a ||
          shape.length < shortest_bond * b.a;
 }
