@@ -258,6 +258,12 @@ struct SofteningSpec {
   std::optional<Section> section;  ///< where no theory has one
 };
 
+/// Of pairs selected by how near they are, those alone whose Voronoi cells meet.
+struct FaceChoice {
+  bool only = false;
+  double least = 0.01;  ///< area of the face over the square of the distance
+};
+
 struct BondSpec {
   /// Of pairs selected by how near they are; nothing if they are listed.
   std::optional<BondReach> reach() const {
@@ -271,6 +277,7 @@ struct BondSpec {
   std::string name;
   std::array<Placed<std::string>, 2> between{Placed<std::string>{"all", {}}, {"all", {}}};  ///< groups
   Placed<std::variant<WithinDistance, ListedPairs, PairsFile, SpecimenPairs, WithinGap, WithinFactor>> select;
+  FaceChoice faces;
   BondShare share;  ///< of the selected pairs that is bonded
   BondTime when = BondTime::start;
   std::vector<Placed<std::string>> stages;  ///< for `stage` and `approach`; approach: none means all
