@@ -110,6 +110,12 @@ std::vector<PackingSummary> summarise(const std::vector<std::pair<std::string, p
     s.size_factor = p.size_factor, s.sizes_off = p.sizes_off;
     s.contacts = is.contacts, s.backbone_contacts = is.backbone_contacts;
     s.overlap = std::max(is.largest_overlap, is.largest_wall_overlap), s.pressure = p.pressure;
+    if (is.cells) {
+      s.least_cell_volume = is.cells->least, s.mean_cell_volume = is.cells->mean;
+      s.largest_cell_volume = is.cells->largest, s.cell_faces = is.cells->faces;
+      s.least_local_porosity = is.cells->least_porosity, s.mean_local_porosity = is.cells->mean_porosity;
+      s.largest_local_porosity = is.cells->largest_porosity;
+    }
     for (std::size_t k = 0; k < is.gaps.size(); ++k) s.neighbours.push_back({is.gaps[k], is.neighbours[k]});
     s.rdf_step = packing::Measured::rdf_step, s.rdf = is.rdf;
     all.push_back(std::move(s));

@@ -38,7 +38,7 @@ set(CPACK_COMPONENT_DEV_DESCRIPTION "bonded-particle simulator of solids: C++ li
 Headers, static libraries and the CMake package of vbond, for programs of
 one's own: step loops, bond laws, equilibria, runs in several stages.")
 # what the static library is linked with: cmake/vbondConfig.cmake.in
-set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libassimp-dev, libfmt-dev, libhdf5-dev, libtomlplusplus-dev, nlohmann-json3-dev, zlib1g-dev")
+set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libassimp-dev, libfmt-dev, libhdf5-dev, libtomlplusplus-dev, nlohmann-json3-dev, voro++-dev, zlib1g-dev")
 if(VBOND_STATICS)
   string(APPEND CPACK_DEBIAN_DEV_PACKAGE_DEPENDS ", libopenblas-pthread-dev | libopenblas-dev, libsuitesparse-dev")
 endif()

@@ -16,6 +16,7 @@ vbond_build_packages=(
   libhdf5-dev           # checkpoints
   zlib1g-dev            # the report page
   libassimp-dev         # walls: STL, OBJ, PLY
+  voro++-dev            # Voronoi cells of packings
   libsuitesparse-dev libopenblas-pthread-dev  # statics: sparse factors
   libeigen3-dev libspectra-dev                # statics: matrices, eigenvalues
 )

@@ -1,7 +1,7 @@
 """Figures that the examples are there to show, from the program's own files. shown("NAME") is the example as it is;
 .ci/run reads these names, and leaves those examples to this test."""
 from itertools import pairwise
-from math import hypot, log
+from math import hypot, log, pi
 
 from program import EXAMPLES, column, number, run_example as shown, table, values, vbond, write
 
@@ -125,3 +125,19 @@ def test_fibre_mat():
     assert 2 < max(row["reaction.right.fx"] for row in tear) < 4
     assert abs(tear[-1]["reaction.right.fx"]) < 1, "it still bears"
     assert {row["set"] for row in table("fibre_mat.out/breaks.csv")} == {1}, "bonds at crossings, and no others"
+
+
+def test_concrete():
+    # What concrete.md says: both platens feel the same force until the peak, the weak layer around stones breaks before mortar
+    # does, and the cylinder falls to pieces after the peak.
+    shown("concrete")
+    rows = table("concrete.out")
+    peak = max(rows, key=lambda row: row["wall.upper.Fz"])
+    assert 30e6 < peak["wall.upper.Fz"] / (pi * 0.025**2) < 42e6
+    for row in rows:
+        if 0.3e-3 < row["time"] < peak["time"] - 0.1e-3:
+            assert abs(row["wall.upper.Fz"] + row["wall.lower.Fz"]) < 0.06 * row["wall.upper.Fz"], row["time"]
+    late = next(row["time"] for row in rows if row["wall.upper.Fz"] > 0.9 * peak["wall.upper.Fz"])
+    early = [row["set"] for row in table("concrete.out/breaks.csv") if row["time"] <= late]
+    assert early.count(1) > 1.2 * early.count(2) > 0, "the interface does not break first"
+    assert rows[-1]["wall.upper.Fz"] < 0.3 * peak["wall.upper.Fz"] and rows[-1]["fragments"] > 3 * peak["fragments"]

@@ -61,6 +61,20 @@ def test_run_json_tells_of_packings():
     assert packing["name"] == "rock" and abs(packing["porosity"] - 0.5) < 1e-9
     assert packing["overlap"] <= 1e-3 and len(packing["rdf"]) == 150
     assert abs(sum(packing["rdf"][-25:]) / 25 - 1) < 0.1, "far away grains are not as frequent as on the mean"
+    cells = [packing[f"{which}_cell_volume"] for which in ("least", "mean", "largest")]
+    assert abs(cells[1] * packing["grains"] / 1728 - 1) < 1e-12, "cells do not fill the vessel"
+    assert 0.2 * cells[1] < cells[0] < 0.9 * cells[1] and 1.1 * cells[1] < cells[2] < 4 * cells[1]
+    local = [packing[f"{which}_local_porosity"] for which in ("least", "mean", "largest")]
+    assert 0.2 < local[0] < local[1] - 0.05 and local[1] + 0.05 < local[2] < 0.8
+    assert 12 < packing["cell_faces"] < 16
+
+
+def test_cells_are_not_told_of_vessels_that_planes_do_not_bound():
+    text = PACKED.replace('name = "rock"', 'name = "rock"\nvessel = [{sphere = {centre = [6, 6, 6], radius = 2}, keep = "outside"}]')
+    Path("hollow.toml").write_text(text.replace("c = [3, 0, 12]", "c = [0, 0, 12]") + STAGE, encoding="utf-8")
+    vbond("run hollow.toml -o hollow", out="porosity 0.5", no_out="faces")
+    packing = json.loads(Path("hollow/run.json").read_text(encoding="utf-8"))["packings"][0]
+    assert packing["least_cell_volume"] == packing["cell_faces"] == packing["largest_local_porosity"] == -1
 
 
 def test_what_cannot_be_packed_is_refused():

@@ -1,13 +1,19 @@
 // Bonds of packings: selected by gaps of surfaces, with sections that follow radii, stiffnesses per area,
 // necks.
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
 #include <map>
 #include <set>
 #include <tuple>
 
 #include "campaigns/dice.hpp"
 #include "campaigns/judge.hpp"
+#include "packing/plain_voronoi.hpp"
 #include "vbond/case/read.hpp"
 #include "vbond/core/images.hpp"
 #include "vbond/model/bond_event.hpp"
@@ -171,6 +177,128 @@ TEST(PackingBonds, SelectionsThatCannotBeAreRefusedWithTheWayOut) {
     EXPECT_NE(mistake_of(bad + stiff), "") << bad;
   EXPECT_TRUE(contains(mistake_of("gap = 1\ndistance = 3\n" + stiff), "both of"));
   EXPECT_TRUE(contains(mistake_of("gap = 1\nseed = 3\n" + stiff), "is used only with share < 1"));
+}
+
+// ---- those whose Voronoi cells meet ----------------------------------------------------------------
+
+/// How many bonds each particle has.
+std::vector<int> bonds_of(const Built& b) {
+  std::vector<int> n(b.model.particles());
+  for (const Bond& bond : b.state.bonds) ++n[bond.i.value], ++n[bond.j.value];
+  return n;
+}
+std::string list_of_places(const std::vector<Vec3d>& r, const std::string& more) {
+  std::string text;
+  char place[120];
+  for (const Vec3d& p : r)
+    std::snprintf(place, sizeof place, "%s[%.17g, %.17g, %.17g]", text.empty() ? "" : ", ", p.x, p.y, p.z),
+        text += place;
+  return "[[specimen]]\nkind = \"list\"\npositions = [" + text + "]\nmass = 1\n" + more;
+}
+const std::string faces = "[[bonds]]\nname = \"b\"\ngap_factor = 1.6\nneighbours = \"voronoi\"\n" + stiff;
+
+TEST(PackingBonds, OfLatticesMeetThoseThatTheirPolyhedraDo) {
+  // within 1.6 spacings there are more: 18 of sc, 18 of fcc and hcp, 14 of bcc
+  for (const auto& [lattice, neighbours] :
+       {std::pair{"simple-cubic", 6}, std::pair{"fcc", 12}, std::pair{"hcp", 12}, std::pair{"bcc", 14}}) {
+    const Built b = build(parse_case("[[specimen]]\nkind = \"block\"\nlattice = \"" + std::string(lattice) +
+                                         "\"\ncells = [6, 5, 5]\nradius = 0.5\nmass = 1\n" + faces + still,
+                                     "case.toml"));
+    const std::vector<int> n = bonds_of(b);
+    BoundingBox box = box_around(b.state.r.values());
+    int inside = 0;
+    for (const ParticleId p : b.state.r.ids()) {
+      const Vec3d low = b.state.r[p] - box.low, high = box.high - b.state.r[p];
+      if (std::min({low.x, low.y, low.z, high.x, high.y, high.z}) < 1.5) continue;
+      EXPECT_EQ(n[p.value], neighbours) << lattice << ", particle " << p.value;
+      ++inside;
+    }
+    EXPECT_GE(inside, 2) << lattice;
+  }
+}
+
+TEST(PackingBonds, SliversOfShakenLatticesAreNoNeighbours) {
+  const std::string cell =
+      "radius = 0.5\n[cell]\na = [4.2426406871192857, 0, 0]\nb = [0, 4.2426406871192857, 0]\n"
+      "c = [0, 0, 4.2426406871192857]\n";
+  const double edge = std::sqrt(2.0);
+  Dice dice(5);
+  std::vector<Vec3d> r;
+  for (int x = 0; x < 3; ++x)
+    for (int y = 0; y < 3; ++y)
+      for (int z = 0; z < 3; ++z)
+        for (const Vec3d& b : {Vec3d{0, 0, 0}, Vec3d{0, 0.5, 0.5}, Vec3d{0.5, 0, 0.5}, Vec3d{0.5, 0.5, 0}})
+          r.push_back(edge * (Vec3d{double(x), double(y), double(z)} + b) + dice.vector(0.01));
+  const auto bonds_with = [&](const std::string& more) {
+    return build(parse_case(list_of_places(r, cell) + faces + more + still, "case.toml")).state.bonds.size();
+  };
+  EXPECT_EQ(bonds_with(""), r.size() * 12 / 2);
+  EXPECT_GT(bonds_with("least_face = 0\n"), r.size() * 13 / 2);  // near pairs of holes' corners
+}
+
+TEST(PackingBonds, WhoStandsBetweenTwoPartsThem) {
+  const std::string three = list_of_places({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, "radius = 0.5\n");
+  const auto pairs = [&](const std::string& bonds) {
+    return pairs_of(build(parse_case(three + "[[bonds]]\n" + bonds + stiff + still, "case.toml")));
+  };
+  EXPECT_EQ(pairs("distance = 2.1\n"), (PairList{{0, 1}, {0, 2}, {1, 2}}));
+  EXPECT_EQ(pairs("distance = 2.1\nneighbours = \"all\"\n"), (PairList{{0, 1}, {0, 2}, {1, 2}}));
+  EXPECT_EQ(pairs("distance = 2.1\nneighbours = \"voronoi\"\n"), (PairList{{0, 1}, {1, 2}}));
+}
+
+// Pair by pair, from cells that every plane has clipped.
+TEST(PackingBonds, OfRandomGrainsInASlantedCellAreThoseWithAFace) {
+  using packing::testing::FaceName;
+  Dice dice(11);
+  packing::VoronoiSpace space;
+  space.edges = {Vec3d{5, 0, 0}, Vec3d{1.5, 4, 0}, Vec3d{-0.5, 1, 4.5}};
+  space.periodic = {true, true, true};
+  std::vector<Vec3d> r;
+  std::vector<double> R;
+  std::string csv = "x,y,z,radius,mass\n";
+  while (r.size() < 40) {
+    r.push_back(dice(0, 1) * space.edges[0] + dice(0, 1) * space.edges[1] + dice(0, 1) * space.edges[2]);
+    R.push_back(dice(0.2, 0.7));
+    char row[200];
+    std::snprintf(row, sizeof row, "%.17g,%.17g,%.17g,%.17g,1\n", r.back().x, r.back().y, r.back().z,
+                  R.back());
+    csv += row;
+  }
+  std::set<std::tuple<std::size_t, std::size_t, int, int, int>> wanted, found;
+  for (std::size_t i = 0; i < r.size(); ++i)
+    for (const auto& [name, area] : packing::testing::plain_cell(space, r, R, i).areas()) {
+      const auto& [j, a, b, c] = name;
+      const Image n{a, b, c};
+      if (j < i || (j == i && !(n > Image{}))) continue;
+      const Vec3d d =
+          r[j] + double(a) * space.edges[0] + double(b) * space.edges[1] + double(c) * space.edges[2] - r[i];
+      if (norm(d) <= 2.2 * (R[i] + R[j]) && area >= 0.03 * norm2(d)) wanted.insert({i, j, a, b, c});
+    }
+  const std::filesystem::path folder =
+      std::filesystem::temp_directory_path() / ("vbond-faces-" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "grains.csv") << csv;
+  const Built b =
+      build(parse_case("[[specimen]]\nkind = \"csv\"\nfile = \"grains.csv\"\n[cell]\na = [5, 0, 0]\nb = "
+                       "[1.5, 4, 0]\nc = [-0.5, 1, 4.5]\n[[bonds]]\ngap_factor = 2.2\nneighbours = "
+                       "\"voronoi\"\nleast_face = 0.03\n" +
+                           stiff + still,
+                       (folder / "case.toml").string()));
+  std::filesystem::remove_all(folder);
+  for (const Bond& bond : b.state.bonds)
+    found.insert({bond.i.value, bond.j.value, bond.image_j.a, bond.image_j.b, bond.image_j.c});
+  EXPECT_EQ(found, wanted);
+  EXPECT_GT(found.size(), 120u);
+}
+
+TEST(PackingBonds, FacesThatCannotBeAreRefusedWithTheWayOut) {
+  const std::string approach = mistake_of("gap = 1\nneighbours = \"voronoi\"\nwhen = \"approach\"\n" + stiff);
+  EXPECT_TRUE(contains(approach, "chooses among pairs within distance, gap or gap_factor")) << approach;
+  const std::string listed = mistake_of("pairs = [[0, 1]]\nneighbours = \"voronoi\"\n" + stiff);
+  EXPECT_TRUE(contains(listed, "add gap_factor")) << listed;
+  const std::string large = mistake_of("gap = 0.11\nneighbours = \"voronoi\"\nleast_face = 100\n" + stiff);
+  EXPECT_TRUE(contains(large, "none of the 3 pairs within a gap of 0.11")) << large;
+  EXPECT_TRUE(contains(mistake_of("gap = 1\nleast_face = 0.1\n" + stiff), "is used only with neighbours"));
 }
 
 // ---- a share of them -------------------------------------------------------------------------------

@@ -261,6 +261,12 @@ struct SofteningSpec {
   std::optional<Section> section;  ///< where no theory has one
 };
 
+/// Of pairs selected by how near they are, those alone whose Voronoi cells meet.
+struct FaceChoice {
+  bool only = false;
+  double least = 0.01;  ///< area of the face over the square of the distance
+};
+
 struct BondSpec {
   /// Of pairs selected by how near they are; nothing if they are listed.
   std::optional<BondReach> reach() const {
@@ -276,6 +282,7 @@ struct BondSpec {
   Placed<std::variant<WithinDistance, ListedPairs, PairsFile, SpecimenPairs, WithinGap, WithinFactor,
                       AtCrossings>>
       select;
+  FaceChoice faces;
   BondShare share;  ///< of the selected pairs that is bonded
   BondTime when = BondTime::start;
   std::vector<Placed<std::string>> stages;  ///< for `stage` and `approach`; approach: none means all

@@ -320,6 +320,22 @@ void check_coefficients(Table& t, const BondLaw& law, const Coefficients& values
           std::string(law.rest_way_out) + ", or give stiffness = { c_A, c_D, c_B, c_T }");
 }
 
+void describe_faces(Table& t, BondSpec& b) {
+  t.key("neighbours", b.faces.only, ChoiceCodec<bool>{{"all", "voronoi"}, {false, true}}, optional,
+        "of the pairs within distance, gap or gap_factor: all, or those alone whose Voronoi cells share a "
+        "face; "
+        "cells are those of all particles, radical ones by their radii");
+  t.when(b.faces.only, "neighbours = \"voronoi\"", [&] {
+    t.key("least_face", b.faces.least, not_negative(pure), optional,
+          "least area of the face that two cells share, over the square of the distance of the centres");
+  });
+  t.check(
+      !b.faces.only || (b.reach() && b.when != BondTime::approach), {"neighbours", "when"},
+      "neighbours = \"voronoi\" chooses among pairs within distance, gap or gap_factor, before the run or as "
+      "stages begin",
+      "add gap_factor, for example 1.6; for bonds made on approach leave neighbours out");
+}
+
 void describe_share(Table& t, BondShare& share) {
   t.key(
       "share", share.part, NumberCodec{pure, {0, 1, true, false}}, optional,
@@ -412,6 +428,7 @@ void describe(Table& t, BondSpec& b) {
           {"when", "distance", "pairs", "file", "from_specimen", "gap", "gap_factor", "crossing_gap"},
           "bonds made on approach are selected by distance, gap or gap_factor",
           "give distance, gap or gap_factor instead of the other selection");
+  describe_faces(t, b);
   describe_share(t, b.share);
 
   const std::vector<std::string> forms{"coefficients", "stiffness", "theory"};

@@ -141,6 +141,10 @@ void for_numbers(Packing& p, Visit visit) {
   visit("sizes_off", p.sizes_off), visit("contacts", p.contacts);
   visit("backbone_contacts", p.backbone_contacts), visit("overlap", p.overlap), visit("pressure", p.pressure);
   visit("rdf_step", p.rdf_step);
+  visit("least_cell_volume", p.least_cell_volume), visit("mean_cell_volume", p.mean_cell_volume);
+  visit("largest_cell_volume", p.largest_cell_volume), visit("cell_faces", p.cell_faces);
+  visit("least_local_porosity", p.least_local_porosity), visit("mean_local_porosity", p.mean_local_porosity);
+  visit("largest_local_porosity", p.largest_local_porosity);
 }
 Json to_json(const PackingSummary& p) {
   Json j{{"name", p.name}};

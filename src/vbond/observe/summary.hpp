@@ -78,6 +78,9 @@ struct PackingSummary {
   double least_radius = 0, mean_radius = 0, largest_radius = 0,
          size_factor = 1;  ///< [length]; radii over those asked
   double sizes_off = 0;    ///< largest distance of the curve of sizes from that asked for
+  /// Volumes of the cells of grains, porosities of these, faces; -1: not worked out in such a vessel.
+  double least_cell_volume = -1, mean_cell_volume = -1, largest_cell_volume = -1;  ///< [length^3]
+  double least_local_porosity = -1, mean_local_porosity = -1, largest_local_porosity = -1, cell_faces = -1;
   double contacts = 0, backbone_contacts = 0, overlap = 0, pressure = 0;
   std::vector<std::array<double, 2>> neighbours;  ///< factor of the sum of radii, mean number within it
   double rdf_step = 0;                            ///< in mean diameters

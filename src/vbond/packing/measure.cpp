@@ -8,6 +8,7 @@
 
 #include "vbond/core/images.hpp"
 #include "vbond/core/random.hpp"
+#include "vbond/packing/voronoi.hpp"
 
 namespace vbond::packing {
 namespace {
@@ -162,6 +163,30 @@ Measured measure(const Vessel& vessel, double volume, const std::vector<Vec3d>& 
   find_contacts(vessel, r, radius, is);
   find_neighbours(vessel, r, radius, is);
   find_rdf(vessel, r, is);
+  return is;
+}
+
+std::optional<MeasuredCells> measure_cells(const Vessel& vessel, const std::vector<Vec3d>& r,
+                                           const std::vector<double>& radius, int threads) {
+  const auto space = space_of(vessel);
+  if (!space || r.empty()) return std::nullopt;
+  const VoronoiCells cells = voronoi_cells(*space, r, radius, threads);
+  MeasuredCells is;
+  is.least = is.least_porosity = std::numeric_limits<double>::infinity();
+  is.largest_porosity = -is.least_porosity;
+  std::size_t faces = 0;
+  for (std::size_t i = 0; i < r.size(); ++i) {
+    const double V = cells.volume[i];
+    is.least = std::min(is.least, V), is.largest = std::max(is.largest, V), is.mean += V;
+    const double porosity = 1.0 - 4.0 / 3.0 * std::numbers::pi * radius[i] * radius[i] * radius[i] / V;
+    is.least_porosity = std::min(is.least_porosity, porosity);
+    is.largest_porosity = std::max(is.largest_porosity, porosity), is.mean_porosity += porosity;
+    for (const VoronoiFace& f : cells.faces_of(i))
+      faces +=
+          f.area > MeasuredCells::least_face * norm2(between(r[i], r[f.of] + to_image(vessel.cell, f.image)));
+  }
+  const double count = static_cast<double>(r.size());
+  is.mean /= count, is.mean_porosity /= count, is.faces = static_cast<double>(faces) / count;
   return is;
 }
 

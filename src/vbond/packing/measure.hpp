@@ -1,11 +1,22 @@
 #pragma once
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "vbond/packing/vessel.hpp"
 
 namespace vbond::packing {
+
+/// Radical cells of grains: the part of the vessel that is nearest to each.
+struct MeasuredCells {
+  double least = 0, mean = 0, largest = 0;  ///< volumes  [length^3]
+  /// 1 - volume of a grain / volume of its cell; overlaps and places behind walls make it a little too small.
+  double least_porosity = 0, mean_porosity = 0, largest_porosity = 0;
+  /// Mean number of faces of more than least_face times the square of the distance of the two grains.
+  double faces = 0;
+  static constexpr double least_face = 0.01;
+};
 
 /// What a packing is like.
 struct Measured {
@@ -29,10 +40,15 @@ struct Measured {
   /// empty if no grain is as deep below the walls as it reaches.
   static constexpr double rdf_step = 0.02, rdf_reach = 3.0;
   std::vector<double> rdf;
+  std::optional<MeasuredCells> cells;  ///< by measure_cells()
 };
 
 Measured measure(const Vessel& vessel, double volume, const std::vector<Vec3d>& r,
                  const std::vector<double>& radius);
+
+/// Nothing where planes do not stand for the walls: space_of() in voronoi.hpp.
+std::optional<MeasuredCells> measure_cells(const Vessel& vessel, const std::vector<Vec3d>& r,
+                                           const std::vector<double>& radius, int threads);
 
 /// Of spheres, overlaps counted twice.  [length^3]
 double volume_of(const std::vector<double>& radius);

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "vbond/core/images.hpp"
+#include "vbond/packing/voronoi.hpp"
 
 namespace vbond::packing {
 namespace {
@@ -27,6 +28,10 @@ class SmoothWall : public Wall {
 class HalfSpace final : public SmoothWall {
  public:
   HalfSpace(const Vec3d& point, const Vec3d& normal) : point_(point), inward_(-normal) {}
+  bool add_planes(std::vector<Plane>& planes) const override {
+    planes.push_back({-inward_, -dot(point_, inward_)});
+    return true;
+  }
 
  protected:
   Feel nearest(const Vec3d& r) const override { return {dot(r - point_, inward_), inward_}; }
@@ -47,6 +52,12 @@ Vec3d normal_to(const Vec3d& e) {
 class Ball final : public SmoothWall {
  public:
   Ball(const Vec3d& centre, double radius, bool inside) : centre_(centre), radius_(radius), inside_(inside) {}
+  bool add_planes(std::vector<Plane>& planes) const override {
+    if (!inside_) return false;
+    for (const Plane& p : planes_around_ball())
+      planes.push_back({p.normal, radius_ * p.at + dot(centre_, p.normal)});
+    return true;
+  }
 
  protected:
   Feel nearest(const Vec3d& r) const override {
@@ -66,6 +77,11 @@ class Ball final : public SmoothWall {
 class Tube final : public SmoothWall {
  public:
   Tube(const Vec3d& point, const Vec3d& axis, double radius) : point_(point), axis_(axis), radius_(radius) {}
+  bool add_planes(std::vector<Plane>& planes) const override {
+    for (const Plane& p : planes_around_cylinder(axis_))
+      planes.push_back({p.normal, radius_ * p.at + dot(point_, p.normal)});
+    return true;
+  }
 
  protected:
   Feel nearest(const Vec3d& r) const override {

@@ -16,6 +16,12 @@ struct Feel {
   Vec3d inward;      ///< unit vector from the wall into the vessel
 };
 
+/// The side of a plane that its normal points away from: r . normal <= at.
+struct Plane {
+  Vec3d normal;   ///< a unit vector
+  double at = 0;  ///< [length]
+};
+
 /// One surface of a vessel. All of it is const and may be asked by several threads at once.
 class Wall {
  public:
@@ -25,6 +31,9 @@ class Wall {
   virtual double depth(const Vec3d& r) const = 0;
   /// Appends how a sphere around r that reaches so far feels it: once for each place that is nearest to it.
   virtual void feel(const Vec3d& r, double reach, std::vector<Feel>& out) const = 0;
+  /// Appends planes that together hold what the wall holds, curved walls as voronoi.hpp says; false if there
+  /// are none: around obstacles, and of meshes.
+  virtual bool add_planes(std::vector<Plane>&) const { return false; }
 };
 
 /// The side that the normal, a unit vector, points away from.

@@ -90,6 +90,12 @@ void add_notes(const std::string& who, const packing::Packing& p, std::vector<st
   notes.push_back(
       fmt::format("{}: {:.3f} contacts of a grain, {} rattlers, largest overlap {:.2g} of a radius", who,
                   is.contacts, is.rattlers, std::max(is.largest_overlap, is.largest_wall_overlap)));
+  if (is.cells)
+    notes.push_back(
+        fmt::format("{}: cells of {:.4g} to {:.4g} times their mean volume, with a porosity of {:.3f} to "
+                    "{:.3f}, and {:.2f} faces",
+                    who, is.cells->least / is.cells->mean, is.cells->largest / is.cells->mean,
+                    is.cells->least_porosity, is.cells->largest_porosity, is.cells->faces));
   if (p.removed > 0)
     notes.push_back(
         fmt::format("{}: {} floaters taken away: the porosity is that without them", who, p.removed));
@@ -116,6 +122,7 @@ SpecimenPoints make_packing(const PackingSpecimen& s, const SpecimenSpec& spec, 
   } catch (const packing::Refused& e) {
     throw CaseError({spec.place, fmt::format("packing \"{}\": {}", spec.name, e.what()), e.rule, e.way_out});
   }
+  p.is.cells = packing::measure_cells(request.vessel, p.r, p.radius, request.threads);
   points.r = p.r;
   points.radius = p.radius;
   const bool of_grains =

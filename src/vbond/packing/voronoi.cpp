@@ -1,0 +1,339 @@
+#include "vbond/packing/voronoi.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+#include <voro++/voro++.hh>
+
+#include "vbond/core/crew.hpp"
+#include "vbond/core/images.hpp"
+
+namespace vbond::packing {
+namespace {
+
+/// Particles in bins, which are equal parts of the parallelepiped, so that those near one are found ring by
+/// ring.
+class Bins {
+ public:
+  struct Near {
+    std::size_t j;
+    Image image;  ///< of j, seen from the particle that asks
+    Vec3d d;      ///< from that particle to this image  [length]
+  };
+
+  Bins(const VoronoiSpace& space, const std::vector<Vec3d>& r) : space_(space) {
+    for (const Vec3d& e : space.edges) edges_.push_back({e, {}, {}, {}});
+    const Vec3d height = heights(edges_);
+    const double share = std::cbrt(3.0 / static_cast<double>(r.size()) * volume(edges_));
+    width_ = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < 3; ++k) {
+      count_[k] = 1 + static_cast<std::int64_t>(std::min(component(height, k) / share, 1e4));
+      width_ = std::min(width_, component(height, k) / static_cast<double>(count_[k]));
+    }
+    const std::size_t bins = static_cast<std::size_t>(count_[0] * count_[1] * count_[2]);
+    std::vector<std::size_t> bin;
+    first_.assign(bins + 1, 0);
+    for (const Vec3d& at : r) {
+      Vec3d s = in_edges(edges_, between(space.corner, at));
+      const Image back{whole(s.x, 0), whole(s.y, 1), whole(s.z, 2)};
+      s = s - Vec3d{double(back.a), double(back.b), double(back.c)};
+      home_.push_back({part(s.x, 0), part(s.y, 1), part(s.z, 2)});
+      moved_.push_back(-back);
+      r_.push_back(at - double(back.a) * space.edges[0] - double(back.b) * space.edges[1] -
+                   double(back.c) * space.edges[2]);
+      bin.push_back(bin_of(home_.back()));
+      ++first_[bin.back() + 1];
+    }
+    for (std::size_t b = 0; b < bins; ++b) first_[b + 1] += first_[b];
+    members_.resize(r.size());
+    std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
+    for (std::size_t i = 0; i < r.size(); ++i) members_[next[bin[i]]++] = i;
+  }
+
+  /// The particle as it stands in the parallelepiped.
+  const Vec3d& at(std::size_t i) const { return r_[i]; }
+  /// The least distance between the faces of a bin.
+  double width() const { return width_; }
+  /// All particles nearer than this are in the rings up to this one; infinite if there are no more.
+  double known_after(std::int64_t ring) const {
+    for (std::size_t k = 0; k < 3; ++k)
+      if (space_.periodic[k] || ring < count_[k] - 1) return static_cast<double>(ring) * width_;
+    return std::numeric_limits<double>::infinity();
+  }
+  /// Appends those in the bins that are `ring` bins away from that of i, i itself left out.
+  void add_ring(std::size_t i, std::int64_t ring, std::vector<Near>& near) const {
+    const auto& h = home_[i];
+    for (std::int64_t z = -ring; z <= ring; ++z)
+      for (std::int64_t y = -ring; y <= ring; ++y) {
+        const bool edge = std::abs(z) == ring || std::abs(y) == ring;
+        for (std::int64_t x = -ring; x <= ring; x += edge || ring == 0 ? 1 : 2 * ring)
+          add_bin(i, {h[0] + x, h[1] + y, h[2] + z}, near);
+      }
+  }
+
+ private:
+  using Place = std::array<std::int64_t, 3>;
+
+  std::int32_t whole(double s, std::size_t k) const {
+    return space_.periodic[k] ? static_cast<std::int32_t>(std::floor(s)) : 0;
+  }
+  std::int64_t part(double s, std::size_t k) const {
+    return std::clamp(static_cast<std::int64_t>(std::floor(s * static_cast<double>(count_[k]))),
+                      std::int64_t{0}, count_[k] - 1);
+  }
+  std::size_t bin_of(const Place& p) const {
+    return static_cast<std::size_t>(p[0] + count_[0] * (p[1] + count_[1] * p[2]));
+  }
+  void add_bin(std::size_t i, Place p, std::vector<Near>& near) const {
+    std::array<std::int64_t, 3> n{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::int64_t edges = p[k] >= 0 ? p[k] / count_[k] : -((count_[k] - 1 - p[k]) / count_[k]);
+      if (edges != 0 && !space_.periodic[k]) return;
+      n[k] = edges, p[k] -= edges * count_[k];
+    }
+    const Image image{static_cast<std::int32_t>(n[0]), static_cast<std::int32_t>(n[1]),
+                      static_cast<std::int32_t>(n[2])};
+    const Vec3d shift = to_image(edges_, image);
+    const std::size_t bin = bin_of(p);
+    for (std::size_t m = first_[bin]; m < first_[bin + 1]; ++m) {
+      const std::size_t j = members_[m];
+      if (j == i && image.is_itself()) continue;
+      near.push_back({j, moved_[j] + image - moved_[i], between(r_[i], r_[j] + shift)});
+    }
+  }
+
+  const VoronoiSpace& space_;
+  CellEdges edges_;
+  double width_ = 0;
+  std::int64_t count_[3] = {};
+  std::vector<Vec3d> r_;
+  std::vector<Image> moved_;  // by so many edges, to stand in the parallelepiped
+  std::vector<Place> home_;
+  std::vector<std::size_t> first_, members_;
+};
+
+/// A box around the place of a particle that its cell cannot leave: images of the particle itself bound it
+/// along the edges that repeat, the parallelepiped along the others.
+double reach_of_cells(const VoronoiSpace& space) {
+  double reach = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) reach += (space.periodic[k] ? 0.5 : 1.0) * norm(space.edges[k]);
+  return 1.01 * reach;
+}
+
+/// Makes one cell after the other.
+class CellMaker {
+ public:
+  CellMaker(const VoronoiSpace& space, const Bins& bins, const std::vector<double>& radius, double unit)
+      : space_(space), bins_(bins), radius_(radius), unit_(unit), reach_(reach_of_cells(space)) {
+    for (const double R : radius) largest_ = std::max(largest_, R);
+  }
+
+  /// The volume; the faces are appended.
+  double make(std::size_t i, std::vector<VoronoiFace>& faces) {
+    const double side = reach_ / unit_;
+    cell_.init(-side, side, -side, side, -side, side);
+    names_.clear();
+    if (!cut_all(i)) return 0.0;
+    add_faces(faces);
+    return cell_.volume() * unit_ * unit_ * unit_;
+  }
+
+ private:
+  /// How far the corners of the cell are from the particle; voro++ keeps their places times two.  [length]
+  double farthest() { return 0.5 * std::sqrt(cell_.max_radius_squared()) * unit_; }
+
+  /// Leaves of the cell what is no farther along a vector than `times` of it; false if nothing is left.
+  bool cut(const Vec3d& d, double times, int name) {
+    return cell_.nplane(d.x / unit_, d.y / unit_, d.z / unit_, 2.0 * times * norm2(d) / (unit_ * unit_),
+                        name);
+  }
+
+  /// Cuts by the planes that are from `from` to `to` away from the particle.
+  bool cut_by_planes(double from, double to) {
+    for (std::size_t p = 0; p < away_.size(); ++p)
+      if (away_[p] >= from && away_[p] < to &&
+          !cut(unit_ * space_.planes[p].normal, away_[p] / unit_, first_wall))
+        return false;
+    return true;
+  }
+
+  /// Nearest rings first, until no particle of those that follow can reach the cell. A particle at the
+  /// distance d bounds it at (d^2 + R_i^2 - R_j^2)/(2 d), which grows with d. Planes likewise: of a curved
+  /// wall there are thousands, and few of them are near.
+  bool cut_all(std::size_t i) {
+    away_.clear();
+    for (const Plane& p : space_.planes) away_.push_back(p.at - dot(bins_.at(i), p.normal));
+    const double excess = sq(radius_[i]) - sq(largest_);
+    double cut_to = -std::numeric_limits<double>::infinity();
+    for (std::int64_t ring = 0;; ++ring) {
+      if (!cut_by_ring(i, ring)) return false;
+      const double known = bins_.known_after(ring),
+                   to = std::min(farthest(), bins_.width() * static_cast<double>(ring + 1));
+      if (!cut_by_planes(cut_to, to)) return false;
+      cut_to = std::max(cut_to, to);
+      if (std::isinf(known) || (known > 0.0 && 0.5 * (known + excess / known) >= farthest())) break;
+    }
+    return cut_by_planes(cut_to, farthest());
+  }
+
+  bool cut_by_ring(std::size_t i, std::int64_t ring) {
+    near_.clear();
+    bins_.add_ring(i, ring, near_);
+    order_.clear();
+    for (std::size_t k = 0; k < near_.size(); ++k) {
+      const double d2 = norm2(near_[k].d);
+      if (d2 > 0.0)
+        order_.push_back({0.5 * (d2 + sq(radius_[i]) - sq(radius_[near_[k].j])) / std::sqrt(d2), k});
+    }
+    std::sort(order_.begin(), order_.end());
+    double far = farthest();
+    for (std::size_t k = 0; k < order_.size(); ++k) {
+      const auto& [away, which] = order_[k];
+      if (k % 8 == 7) far = farthest();
+      if (away >= far) break;
+      const Bins::Near& n = near_[which];
+      names_.push_back({n.j, n.image, 0.0});
+      if (!cut(n.d, away / norm(n.d), static_cast<int>(names_.size() - 1))) return false;
+    }
+    return true;
+  }
+
+  void add_faces(std::vector<VoronoiFace>& faces) {
+    cell_.neighbors(who_);
+    cell_.face_areas(areas_);
+    const std::size_t before = faces.size();
+    for (std::size_t k = 0; k < who_.size(); ++k) {
+      if (who_[k] < 0 || !(areas_[k] > 0.0)) continue;
+      VoronoiFace face = names_[static_cast<std::size_t>(who_[k])];
+      face.area = areas_[k] * unit_ * unit_;
+      faces.push_back(face);
+    }
+    std::sort(faces.begin() + static_cast<std::ptrdiff_t>(before), faces.end(),
+              [](const VoronoiFace& a, const VoronoiFace& b) {
+                return a.of != b.of ? a.of < b.of : a.image < b.image;
+              });
+  }
+
+  static constexpr int first_wall = -7;  // voro++ has -1 to -6 for the box
+
+  const VoronoiSpace& space_;
+  const Bins& bins_;
+  const std::vector<double>& radius_;
+  double unit_, reach_, largest_ = 0.0;
+  voro::voronoicell_neighbor cell_;
+  std::vector<VoronoiFace> names_;  // of planes that have cut
+  std::vector<Bins::Near> near_;
+  std::vector<double> away_;  // of the planes
+  std::vector<std::pair<double, std::size_t>> order_;
+  std::vector<int> who_;
+  std::vector<double> areas_;
+};
+
+}  // namespace
+
+VoronoiCells voronoi_cells(const VoronoiSpace& space, const std::vector<Vec3d>& r,
+                           const std::vector<double>& radius, int threads) {
+  VoronoiCells cells;
+  cells.first.assign(r.size() + 1, 0);
+  cells.volume.resize(r.size());
+  if (r.empty()) return cells;
+  // what voro++ takes for one point is 1e-11 of a length of 1
+  const double box = dot(space.edges[0], cross(space.edges[1], space.edges[2]));
+  const double unit = std::cbrt(box / static_cast<double>(r.size()));
+  if (!(unit > 0.0)) throw std::invalid_argument("cells of particles need room");
+  const Bins bins(space, r);
+  Crew crew(static_cast<std::size_t>(std::max(1, threads)));
+  const std::size_t shares = crew.count();
+  std::vector<std::vector<VoronoiFace>> faces(shares);
+  crew.for_each([&](std::size_t share) {
+    CellMaker maker(space, bins, radius, unit);
+    for (std::size_t i = r.size() * share / shares; i < r.size() * (share + 1) / shares; ++i) {
+      const std::size_t before = faces[share].size();
+      cells.volume[i] = maker.make(i, faces[share]);
+      cells.first[i + 1] = faces[share].size() - before;
+    }
+  });
+  for (std::size_t i = 0; i < r.size(); ++i) cells.first[i + 1] += cells.first[i];
+  for (const auto& part : faces) cells.faces.insert(cells.faces.end(), part.begin(), part.end());
+  return cells;
+}
+
+namespace {
+
+double volume_of(const std::vector<Plane>& planes, double side) {
+  voro::voronoicell cell;
+  cell.init(-side, side, -side, side, -side, side);
+  for (const Plane& p : planes) cell.nplane(p.normal.x, p.normal.y, p.normal.z, 2.0 * p.at, 0);
+  return cell.volume();
+}
+
+/// Two planes normal to `across`, around all spheres.
+void add_slab(const std::vector<Vec3d>& r, const std::vector<double>& radius, const Vec3d& across,
+              VoronoiSpace& space) {
+  const Vec3d n = normalised(across);
+  double low = dot(r[0], n), high = low, size = 0.0;
+  for (std::size_t i = 0; i < r.size(); ++i) {
+    low = std::min(low, dot(r[i], n) - radius[i]), high = std::max(high, dot(r[i], n) + radius[i]);
+    size = std::max(size, norm(between(r[0], r[i])));
+  }
+  const double room = std::max(1e-3 * (high - low), 1e-3 * size);  // a plane of points has room too
+  space.planes.push_back({-n, room - low});
+  space.planes.push_back({n, high + room});
+}
+
+}  // namespace
+
+std::vector<Plane> planes_around_cylinder(const Vec3d& axis) {
+  constexpr int count = 256;
+  constexpr double angle = std::numbers::pi / count;
+  const Vec3d other = std::abs(axis.x) < 0.6 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
+  const Vec3d u = normalised(cross(axis, other)), v = cross(axis, u);
+  std::vector<Plane> planes;
+  for (int k = 0; k < count; ++k)
+    planes.push_back(
+        {std::cos(2.0 * angle * k) * u + std::sin(2.0 * angle * k) * v, std::sqrt(angle / std::tan(angle))});
+  return planes;
+}
+
+std::vector<Plane> planes_around_ball() {
+  constexpr int count = 4000;
+  const double turn = std::numbers::pi * (3.0 - std::sqrt(5.0));  // points of a spiral are evenly spread
+  std::vector<Plane> planes;
+  for (int k = 0; k < count; ++k) {
+    const double z = 1.0 - (2.0 * k + 1.0) / count, s = std::sqrt(1.0 - z * z);
+    planes.push_back({{s * std::cos(turn * k), s * std::sin(turn * k), z}, 1.0});
+  }
+  const double at = std::cbrt(4.0 / 3.0 * std::numbers::pi / volume_of(planes, 2.0));
+  for (Plane& p : planes) p.at = at;
+  return planes;
+}
+
+std::optional<VoronoiSpace> space_of(const Vessel& vessel) {
+  VoronoiSpace space{vessel.periodic, vessel.corner, vessel.edges, {}};
+  for (const auto& wall : vessel.walls)
+    if (!wall->add_planes(space.planes)) return std::nullopt;
+  return space;
+}
+
+VoronoiSpace space_around(const std::vector<Vec3d>& r, const std::vector<double>& radius,
+                          const CellEdges& cell, const Periodic& periodic) {
+  VoronoiSpace space;
+  const std::array<Vec3d, 3> unit{Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};
+  for (std::size_t k = 0; k < 3; ++k) space.edges[k] = cell.empty() ? unit[k] : cell[k].along;
+  space.periodic = cell.empty() ? Periodic{} : periodic;
+  const auto edges = space.edges;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (space.periodic[k]) continue;
+    const Vec3d across = normalised(cross(edges[(k + 1) % 3], edges[(k + 2) % 3]));
+    add_slab(r, radius, across, space);
+    const double low = -space.planes[space.planes.size() - 2].at, high = space.planes.back().at;
+    const double along = dot(edges[k], across);  // > 0
+    space.edges[k] = ((high - low) / along) * edges[k];
+    space.corner = space.corner + ((low - dot(space.corner, across)) / along) * edges[k];
+  }
+  return space;
+}
+
+}  // namespace vbond::packing
