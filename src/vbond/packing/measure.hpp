@@ -31,8 +31,9 @@ struct Measured {
   std::vector<double> rdf;
 };
 
+/// touching: grains with gaps up to this count as contacts.  [length]
 Measured measure(const Vessel& vessel, double volume, const std::vector<Vec3d>& r,
-                 const std::vector<double>& radius);
+                 const std::vector<double>& radius, double touching = 0.0);
 
 /// Of spheres, overlaps counted twice.  [length^3]
 double volume_of(const std::vector<double>& radius);
