@@ -15,16 +15,16 @@ namespace {
 
 using Pairs = std::vector<std::array<std::size_t, 2>>;
 
-/// Contacts between grains, and of each grain with walls.
+/// Contacts between grains, and of each grain with walls: gaps up to `touching_gap`.
 void find_contacts(const Vessel& vessel, const std::vector<Vec3d>& r, const std::vector<double>& radius,
-                   Measured& is) {
+                   double touching_gap, Measured& is) {
   const std::size_t n = r.size();
   Pairs pairs;
   std::vector<int> touching(n, 0), walls(n, 0);
-  for_overlapping_images(vessel.cell, vessel.periodic, r, radius, 0.0,
+  for_overlapping_images(vessel.cell, vessel.periodic, r, radius, touching_gap,
                          [&](std::size_t i, std::size_t j, const Image&, double d2) {
                            const double delta = radius[i] + radius[j] - std::sqrt(d2);
-                           if (!(delta > 0.0)) return;
+                           if (!(delta > -touching_gap)) return;
                            pairs.push_back({i, j});
                            ++touching[i], ++touching[j];
                            is.largest_overlap =
@@ -33,7 +33,7 @@ void find_contacts(const Vessel& vessel, const std::vector<Vec3d>& r, const std:
   std::vector<Feel> feels;
   for (std::size_t i = 0; i < n; ++i) {
     feels.clear();
-    vessel.feel(r[i], radius[i], feels);
+    vessel.feel(r[i], radius[i] + touching_gap, feels);
     walls[i] = static_cast<int>(feels.size());
     touching[i] += walls[i];
     for (const Feel& f : feels)
@@ -150,7 +150,7 @@ std::vector<int> count_neighbours(const Vessel& vessel, const std::vector<Vec3d>
 }
 
 Measured measure(const Vessel& vessel, double volume, const std::vector<Vec3d>& r,
-                 const std::vector<double>& radius) {
+                 const std::vector<double>& radius, double touching) {
   Measured is;
   is.volume = volume;
   if (r.empty()) return is;
@@ -160,7 +160,7 @@ Measured measure(const Vessel& vessel, double volume, const std::vector<Vec3d>& 
   is.mean_radius = std::accumulate(radius.begin(), radius.end(), 0.0) / static_cast<double>(radius.size());
   is.core_porosity =
       vessel.walls.empty() ? is.porosity : porosity_deeper_than(vessel, is.mean_radius, r, radius);
-  find_contacts(vessel, r, radius, is);
+  find_contacts(vessel, r, radius, touching, is);
   find_neighbours(vessel, r, radius, is);
   find_rdf(vessel, r, is);
   return is;

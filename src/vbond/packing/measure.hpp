@@ -43,8 +43,9 @@ struct Measured {
   std::optional<MeasuredCells> cells;  ///< by measure_cells()
 };
 
+/// touching: grains with gaps up to this count as contacts.  [length]
 Measured measure(const Vessel& vessel, double volume, const std::vector<Vec3d>& r,
-                 const std::vector<double>& radius);
+                 const std::vector<double>& radius, double touching = 0.0);
 
 /// Nothing where planes do not stand for the walls: space_of() in voronoi.hpp.
 std::optional<MeasuredCells> measure_cells(const Vessel& vessel, const std::vector<Vec3d>& r,

@@ -85,7 +85,11 @@ void scale(std::vector<double>& values, double factor) {
   for (double& x : values) x *= factor;
 }
 
-/// Grains lock before they have their sizes; when they are as large as this density takes they fit.
+double mean_of(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+/// Grains lock before they have their sizes; when they are about as large as this density takes they fit.
 struct Locked {
   std::size_t grains;
   double density;
@@ -93,7 +97,9 @@ struct Locked {
 
 class Packer {
  public:
-  explicit Packer(const Request& q) : q_(q), volume_(volume_deeper_than(q.vessel, 0.0)), random_(q.seed) {
+  /// patience: steps of one search for balance, after which grains are taken to lock.
+  explicit Packer(const Request& q, std::int64_t patience = 1'000'000)
+      : q_(q), patience_(patience), volume_(volume_deeper_than(q.vessel, 0.0)), random_(q.seed) {
     if (!(volume_ > 0.0)) throw Refused("the vessel has no volume", "grains need room", "correct its walls");
     room_ = largest_radius(q.vessel);
     for (const Kind& k : q.kinds)
@@ -107,7 +113,7 @@ class Packer {
     Packing p = std::visit([this](const auto& until) { return until_reached(until); }, q_.until);
     p.sizes_off = grains_.sizes_off;
     settle_floaters(q_, p);
-    p.is = measure(q_.vessel, volume_, p.r, p.radius);
+    p.is = measure(q_.vessel, volume_, p.r, p.radius, touching_);
     return p;
   }
 
@@ -140,9 +146,7 @@ class Packer {
     scale(p.radius, s.scale());
     p.kind = grains_.kind;
     p.size_factor = s.scale() * asked_factor_;
-    const double mean =
-        std::accumulate(p.radius.begin(), p.radius.end(), 0.0) / static_cast<double>(p.radius.size());
-    p.pressure = end.pressure * 2.0 * mean;
+    p.pressure = end.pressure * 2.0 * mean_of(p.radius);
     p.iterations = s.iterations();
     return p;
   }
@@ -172,21 +176,23 @@ class Packer {
 
   /// Sizes are those asked for. Throws Locked.
   Packing at_size() {
-    if (volume_of(grains_.radius) >= volume_)  // needs no trial
-      throw Locked{grains_.radius.size(), 0.6};
+    // without what may overlap they would be less dense by this factor, and nothing at random is that dense
+    const double without = 1.0 - std::min(0.5, q_.overlap), dense = expected_density(grains_.radius) + 0.1;
+    const double most = dense / (without * without * without);
+    if (volume_of(grains_.radius) >= std::min(1.0, most) * volume_)  // needs no trial
+      throw Locked{grains_.radius.size(), std::min(1.0, most)};
     SoftSpheres s = put_in();
     s.set_scale(1.0);
-    RelaxGoal goal{q_.overlap, 0.0, 1e-2, most_iterations};
+    RelaxGoal goal{q_.overlap, 0.0, 0.0, 1e-2, patience_};
     Relaxed x = s.relax(goal);
-    if (!x.enough) goal.unbalanced = 1e-3, x = s.relax(goal);
+    // near where grains lock the rest of the way to balance takes much from overlaps
+    if (x.balanced && x.largest_overlap < 5.0 * q_.overlap) goal.unbalanced = 1e-3, x = s.relax(goal);
     if (x.enough) return result(s, x);
-    for (int tries = 0; !x.enough && tries < 30; ++tries) {
-      const double factor = s.scale(), jammed = factor * (1.0 - slope * x.mean_overlap);
-      s.set_scale(jammed + 0.9 * std::min(1.0, q_.overlap / x.largest_overlap) * (factor - jammed) -
-                  1e-5 * tries);
-      x = s.relax(goal);
-    }
-    throw Locked{grains_.radius.size(), density(s)};
+    const double too_deep = 1.0 - 0.9 * std::min(1.0, q_.overlap / x.largest_overlap);
+    s.set_scale(1.0 - slope * too_deep * x.mean_overlap);
+    constexpr double far = 0.005;  // from where they lock: the line leads to somewhat too small a density
+    const double least = x.mean_overlap > far ? expected_density(grains_.radius) : 0.0;
+    throw Locked{grains_.radius.size(), std::max(density(s), least)};
   }
 
   Packing until_reached(const UntilJammed& until) {
@@ -205,40 +211,38 @@ class Packer {
     }
   }
 
-  /// Lets them grow to beyond where they lock, and shrink to where they just touch.
+  /// Lets them grow to beyond where they lock, and shrink to where they just touch, held by less and less
+  /// pressure.
   Packing lock(double guess) {
-    constexpr double beyond = 0.011, at_last = 1e-6;
+    constexpr double beyond = 0.011, at_last = 7e-7, least_change = 0.3;
     SoftSpheres s = put_in();
-    s.set_scale(std::cbrt((guess + beyond) * volume_ / volume_of(grains_.radius)));
-    RelaxGoal goal{0.0, 0.1 * at_last, 1e-2, most_iterations};
-    double tight = 0.0, tight_overlap = 0.0, per_overlap = slope, shrink = 0.15, up = 0.003;
-    for (int tries = 0; tries < 100; ++tries) {
-      const Relaxed x = s.relax(goal);
-      const double now = s.scale();
-      if (!x.balanced) {  // it has come loose, or has moved to places with more room
-        if (tight > 0.0)
-          shrink = std::min(0.5, 2.0 * shrink), up = std::max(0.3 * (tight - now) / now, 2.0 * at_last);
-        s.set_scale(now * (1.0 + up));
-        tight = 0.0, up *= 2.0;
-        continue;
-      }
-      if (x.mean_overlap < 2.0 * at_last && goal.unbalanced <= 1e-3) return result(s, x);
-      if (tight > now && tight_overlap > x.mean_overlap)
-        per_overlap = std::clamp((tight - now) / (now * (tight_overlap - x.mean_overlap)), 1.0, 2.5);
-      tight = now, tight_overlap = x.mean_overlap;
-      goal.unbalanced = x.mean_overlap < 2.0 * at_last ? 1e-3 : x.mean_overlap < 1e-4 ? 3e-3 : 1e-2;
-      if (x.mean_overlap < 2.0 * at_last) continue;
-      const double jammed = now * (1.0 - per_overlap * x.mean_overlap);
-      s.set_scale(jammed + std::max(shrink, at_last / x.mean_overlap) * (now - jammed));
+    RelaxGoal goal{0.0, 1e-5, 0.0, 1e-2, patience_};
+    Relaxed x;
+    for (int tries = 1; !x.balanced && tries <= 10; ++tries) {
+      s.set_scale(std::cbrt((guess + tries * beyond) * volume_ / volume_of(grains_.radius)));
+      x = s.relax(goal);
     }
-    throw Refused("the grains do not lock", "in 100 trials no size was found at which they just touch",
+    goal.mean_overlap = 0.0;
+    while (x.balanced) {
+      if (x.mean_overlap < 1.5 * at_last) {
+        touching_ = at_last * 2.0 * s.scale() * mean_of(grains_.radius);
+        return result(s, x);
+      }
+      const double change = std::max(least_change, at_last / x.mean_overlap);
+      goal.growth = change * x.growth;
+      goal.unbalanced = change * x.mean_overlap < 1.5 * at_last ? 3e-4 : 1e-3;
+      s.set_scale(s.scale() * (1.0 - slope * (1.0 - change) * x.mean_overlap));
+      x = s.relax(goal);
+    }
+    throw Refused("the grains do not lock", "no size was found at which they just touch",
                   "take another seed, or a porosity");
   }
 
   static constexpr double slope = 1.6;  // change of size over mean overlap near where grains lock: measured
-  static constexpr std::int64_t most_iterations = 1'000'000;
   const Request& q_;
+  std::int64_t patience_;
   double volume_, room_ = 0, asked_factor_ = 1;
+  double touching_ = 0;  // grains with gaps up to this count as touching  [length]
   Random random_;
   Grains grains_;
 };
@@ -247,7 +251,7 @@ class Packer {
 
 double expected_density(const std::vector<double>& radii) {
   const double n = static_cast<double>(radii.size());
-  const double mean = std::accumulate(radii.begin(), radii.end(), 0.0) / n;
+  const double mean = mean_of(radii);
   double m2 = 0.0, m3 = 0.0;
   for (const double R : radii) m2 += sq(R - mean) / n, m3 += (R - mean) * sq(R - mean) / n;
   const double d2 = m2 / sq(mean), d = std::sqrt(d2);
@@ -259,7 +263,7 @@ namespace {
 
 /// What is asked for, with as many grains as have this density.
 void loosen(Request& q, const Locked& locked, int tries) {
-  const double density = locked.density * (1.0 - 0.005 * tries);
+  const double density = locked.density * (1.0 - 0.002 - 0.003 * tries);
   if (auto* porosity = std::get_if<ToPorosity>(&q.until)) {
     porosity->porosity = std::max(porosity->porosity, std::ceil(1e4 * (1.0 - density)) * 1e-4);
   } else if (auto* number = std::get_if<ToNumber>(&q.until)) {
@@ -288,12 +292,13 @@ std::string in_words(const Request& q) {
     const bool one =
         std::holds_alternative<ToNumber>(nearest.until) && std::get<ToNumber>(nearest.until).grains == 1;
     if (one) break;
-    loosen(nearest, locked, is_quick ? tries : 1);
+    loosen(nearest, locked, is_quick ? tries : 0);
     const std::string way_out =
         fmt::format("{} can be had ({}), or let grains overlap more", in_words(nearest),
                     is_quick ? "tried with this seed" : "about; it was not tried");
     try {
-      if (is_quick) Packer(nearest).run();
+      constexpr std::int64_t patience = 20'000;
+      if (is_quick) Packer(nearest, patience).run();
     } catch (const Locked& again) {
       locked.density = std::min(locked.density, again.density);
       continue;

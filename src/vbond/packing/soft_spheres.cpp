@@ -177,7 +177,7 @@ void SoftSpheres::add_forces(Part& part, std::size_t block) {
   const std::size_t of_part = part.first_block * block_size;
   for (std::size_t i = first; i < last; ++i) {
     const Grain g = grains_[i];
-    double Fx = 0, Fy = 0, Fz = 0, energy = 0, virial = 0, overlap = 0, contacts = 0, deepest = 0;
+    double Fx = 0, Fy = 0, Fz = 0, energy = 0, growth = 0, virial = 0, overlap = 0, contacts = 0, deepest = 0;
     const std::uint32_t *near = part.near.data() + part.first[i - of_part], *const end =
                                                                                 part.near.data() +
                                                                                 part.first[i - of_part + 1];
@@ -194,7 +194,7 @@ void SoftSpheres::add_forces(Part& part, std::size_t block) {
         const auto& [x, y, z, d2, R] = touch[k];
         const double d = std::sqrt(d2), delta = g.R + R - d, per = d > 0.0 ? delta / d : 0.0;
         Fx -= per * x, Fy -= per * y, Fz -= per * z;
-        energy += 0.25 * delta * delta, virial += 0.5 * delta * d;
+        energy += 0.25 * delta * delta, virial += 0.5 * delta * d, growth += 0.5 * delta * (g.R + R);
         overlap += 0.5 * delta, contacts += 0.5;
         deepest = std::max(deepest, delta / std::min(g.R, R));
       }
@@ -206,7 +206,7 @@ void SoftSpheres::add_forces(Part& part, std::size_t block) {
       for (const Feel& f : part.feels) {
         const double delta = g.R - f.depth;
         Fx += delta * f.inward.x, Fy += delta * f.inward.y, Fz += delta * f.inward.z;
-        energy += 0.5 * delta * delta, virial += delta * f.depth;
+        energy += 0.5 * delta * delta, virial += delta * f.depth, growth += delta * g.R;
         overlap += delta, contacts += 1.0, touching += 1.0;
         deepest = std::max(deepest, delta / g.R);
       }
@@ -216,7 +216,7 @@ void SoftSpheres::add_forces(Part& part, std::size_t block) {
     m.contacts = touching;
     const double F2 = norm2(m.F);
     sums.power += dot(m.F, m.v), sums.v2 += m.mass * norm2(m.v), sums.F2 += F2 / m.mass;
-    sums.F2_plain += F2, sums.energy += energy, sums.virial += virial;
+    sums.F2_plain += F2, sums.energy += energy, sums.virial += virial, sums.growth += growth;
     sums.overlap += overlap, sums.contacts += contacts;
     sums.largest_overlap = std::max(sums.largest_overlap, deepest);
     sums.largest_way2 = std::max(sums.largest_way2, norm2(Vec3d{g.x, g.y, g.z} - listed_at_[i]));
@@ -245,16 +245,28 @@ void SoftSpheres::move(double dt, double mix_v, double mix_F, double back) {
       m.v = mix_v * m.v + ((mix_F + dt) * per_mass) * m.F;
       const double way2 = dt * dt * norm2(m.v), most = 0.2 * g.R;
       if (way2 > most * most) m.v = (most / std::sqrt(way2)) * m.v;
-      g.x += dt * m.v.x, g.y += dt * m.v.y, g.z += dt * m.v.z;
+      g.x += dt * m.v.x, g.y += dt * m.v.y, g.z += dt * m.v.z, g.R *= grown_;
     }
   });
+}
+
+/// The same step of the size; before that of the places, which gives it to the grains.
+void SoftSpheres::grow(double dt, double mix_v, double mix_F, double back) {
+  double change = -back * growth_v_;
+  if (back != 0.0) growth_v_ = 0.0;
+  growth_v_ = mix_v * growth_v_ + (mix_F + dt) / growth_mass_ * growth_;
+  constexpr double most = 1e-3;
+  if (dt * std::abs(growth_v_) > most) growth_v_ = std::copysign(most / dt, growth_v_);
+  change += dt * growth_v_;
+  grown_ = 1.0 + change, scale_ *= grown_;
 }
 
 SoftSpheres::Sums SoftSpheres::total() const {
   Sums all;
   for (const Sums& s : sums_) {
     all.power += s.power, all.v2 += s.v2, all.F2 += s.F2, all.F2_plain += s.F2_plain;
-    all.energy += s.energy, all.virial += s.virial, all.overlap += s.overlap, all.contacts += s.contacts;
+    all.energy += s.energy, all.virial += s.virial, all.growth += s.growth, all.overlap += s.overlap,
+        all.contacts += s.contacts;
     all.largest_overlap = std::max(all.largest_overlap, s.largest_overlap);
     all.largest_way2 = std::max(all.largest_way2, s.largest_way2);
   }
@@ -273,13 +285,15 @@ bool SoftSpheres::is_list_stale(const Sums& s) const {
 
 Relaxed SoftSpheres::judge(const Sums& s, const RelaxGoal& goal) const {
   Relaxed result;
+  result.growth = s.growth;
   const double mean_overlap = s.contacts > 0.0 ? s.overlap / s.contacts : 0.0;
   result.mean_overlap = mean_overlap / (2.0 * scale_ * mean_radius_);
   result.largest_overlap = s.largest_overlap;
   result.unbalanced =
       mean_overlap > 0.0 ? std::sqrt(s.F2_plain / static_cast<double>(size())) / mean_overlap : 0.0;
   result.enough = s.largest_overlap <= goal.overlap || result.mean_overlap < goal.mean_overlap;
-  result.balanced = !result.enough && result.unbalanced < goal.unbalanced;
+  result.balanced = !result.enough && result.unbalanced < goal.unbalanced &&
+                    !(goal.growth > 0.0 && std::abs(s.growth / goal.growth - 1.0) > 0.01);
   result.energy = s.energy;
   result.pressure = s.virial / (3.0 * volume_);
   return result;
@@ -295,7 +309,18 @@ Relaxed SoftSpheres::relax(const RelaxGoal& goal) {
   list_near();
   find_forces();
   set_masses();
-  Sums s = total();
+  grown_ = 1.0, growth_v_ = 0.0;
+  // as fast as grains: of as many springs as there are contacts
+  growth_mass_ = 2.0 * static_cast<double>(size()) * sq(2.0 * scale_ * mean_radius_);
+  const auto sum_up = [&] {
+    Sums all = total();
+    if (!(goal.growth > 0.0)) return all;
+    growth_ = goal.growth - all.growth;
+    all.power += growth_ * growth_v_, all.v2 += growth_mass_ * sq(growth_v_);
+    all.F2 += sq(growth_) / growth_mass_;
+    return all;
+  };
+  Sums s = sum_up();
   std::int64_t lists = 1, since_list = 0;
   Relaxed result;
   for (;; ++result.iterations) {
@@ -311,23 +336,26 @@ Relaxed SoftSpheres::relax(const RelaxGoal& goal) {
       // near balance soft modes take long ways, from which much mixing would turn them
       downhill = 0, mix = result.mean_overlap > touching ? much : little;
     }
-    if (back == 0.0 && s.F2 > 0.0)
-      move(dt, 1.0 - mix, mix * std::sqrt(s.v2 / s.F2), 0.0);
-    else
-      move(dt, 1.0, 0.0, back);
+    const bool mixes = back == 0.0 && s.F2 > 0.0;
+    const double mix_v = mixes ? 1.0 - mix : 1.0, mix_F = mixes ? mix * std::sqrt(s.v2 / s.F2) : 0.0;
+    if (goal.growth > 0.0) grow(dt, mix_v, mix_F, back);
+    move(dt, mix_v, mix_F, back);
     find_forces();
-    s = total();
+    s = sum_up();
     ++since_list;
-    if (is_list_stale(s)) {
+    const double thinnest = 0.03 * scale_ * small_radius_;
+    const bool is_too_long =
+        since_list >= 100 && skin_ > thinnest && 20.0 * std::sqrt(s.largest_way2) < skin_;
+    if (is_list_stale(s) || is_too_long) {
       // a skin for which lists last long but are not long
       if (since_list < 10)
         skin_ = std::min(1.5 * skin_, 0.6 * scale_ * small_radius_);
-      else if (since_list > 100)
-        skin_ = std::max(0.7 * skin_, 0.05 * scale_ * small_radius_);
+      else if (since_list >= 100)
+        skin_ = std::max((is_too_long ? 0.3 : 0.7) * skin_, thinnest);
       list_near();
       find_forces();
       set_masses();
-      s = total();
+      s = sum_up();
       since_list = 0, ++lists;
     }
   }

@@ -15,6 +15,9 @@ struct RelaxGoal {
   double overlap = 0;  ///< the largest is no more than this part of the smaller radius: enough
   double mean_overlap =
       0;  ///< the mean of contacts is below this part of the mean diameter: they hardly touch
+  /// If > 0, all radii change by one factor until growing takes this force: energy over the logarithm of the
+  /// factor.  [length^2], stiffness 1
+  double growth = 0;
   double unbalanced = 1e-3;             ///< the root mean square force over the mean force of contacts
   std::int64_t iterations = 1'000'000;  ///< at most
 };
@@ -28,6 +31,7 @@ struct Relaxed {
   double mean_overlap = 0;     ///< of contacts, walls among them, over the mean diameter
   double largest_overlap = 0;  ///< over the smaller radius; of walls over the radius
   double unbalanced = 0;
+  double growth = 0;    ///< of the energy over the logarithm of a factor of all radii  [length^2]
   double pressure = 0;  ///< the virial of grains over 3 V  [1 / length], stiffness 1
 };
 
@@ -62,7 +66,7 @@ class SoftSpheres {
   /// Of a block of grains, in their order; a cache line and a half each.
   struct alignas(64) Sums {
     double power = 0, v2 = 0, F2 = 0;  // F . v, m v^2, F^2 / m
-    double F2_plain = 0, energy = 0, virial = 0, overlap = 0, contacts = 0;
+    double F2_plain = 0, energy = 0, growth = 0, virial = 0, overlap = 0, contacts = 0;
     double largest_overlap = 0, largest_way2 = 0;
   };
   static constexpr std::size_t block_size = 256;
@@ -82,6 +86,7 @@ class SoftSpheres {
   void add_forces(Part& part, std::size_t block);
   void find_forces();
   void move(double dt, double mix_v, double mix_F, double back);
+  void grow(double dt, double mix_v, double mix_F, double back);
   Sums total() const;
   void set_masses();
   Relaxed judge(const Sums& s, const RelaxGoal& goal) const;
@@ -93,6 +98,8 @@ class SoftSpheres {
   std::vector<std::size_t> order_;  // which grain of the caller stands where
   double mean_radius_ = 0, largest_radius_ = 0, small_radius_ = 0;
   double scale_ = 1, listed_scale_ = 0, skin_ = 0;
+  double grown_ = 1, growth_ = 0, growth_mass_ = 1,
+         growth_v_ = 0;        // in a step; force, mass and velocity of ln scale
   std::vector<Grain> grains_;  // first the grains, then images
   std::vector<std::uint32_t> image_of_;
   std::vector<Vec3d> image_shift_;
