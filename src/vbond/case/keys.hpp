@@ -69,6 +69,8 @@ void describe(Table& t, DifferenceGroup& g);
 void describe_mesh(Table& t, Placed<std::filesystem::path>& file, double& scale, Vec3d& shift);
 
 void describe(Table& t, BondSpec& b);
+/// Which pairs a set bonds, and when.
+void describe_selection(Table& t, BondSpec& b);
 void describe(Table& t, WithinDistance& s);
 void describe(Table& t, WithinGap& s);
 void describe(Table& t, WithinFactor& s);

@@ -9,13 +9,11 @@
 #include <optional>
 #include <set>
 #include <stdexcept>
-#include <thread>
 #include <unordered_map>
 
 #include "vbond/core/images.hpp"
 #include "vbond/core/memory.hpp"
 #include "vbond/model/make_bond.hpp"
-#include "vbond/packing/voronoi.hpp"
 #include "vbond/setup/crossings.hpp"
 #include "vbond/setup/csv_table.hpp"
 #include "vbond/setup/groups.hpp"
@@ -193,37 +191,18 @@ struct Selection {
                    fmt::format("use a larger {} or other groups", key));
       return {};
     }
-    if (spec.faces.only) leave_those_that_share_faces(pairs, within);
+    if (spec.faces.only) {
+      const std::size_t near = pairs.size();
+      keep_those_that_share_faces(model, state, spec.faces.least, pairs);
+      if (near > 0 && pairs.empty() && spec.when == BondTime::start)
+        problems.add(
+            spec.place, fmt::format("bonds \"{}\": least_face = {}", spec.name, spec.faces.least),
+            fmt::format("none of the {} pairs within {} has cells with so large a face", near, within),
+            "use a smaller least_face, or a larger distance, gap or gap_factor");
+    }
     const auto is_bonded = [this](const Pair& p) { return bonded.count(p) > 0; };
     pairs.erase(std::remove_if(pairs.begin(), pairs.end(), is_bonded), pairs.end());
     return pairs;
-  }
-
-  void leave_those_that_share_faces(std::vector<Pair>& pairs, const std::string& within) {
-    std::vector<Vec3d> r;
-    std::vector<double> radius;
-    std::vector<std::size_t> place(state.r.size(), state.r.size());  // among those that still take part
-    for (const ParticleId p : state.r.ids()) {
-      if (is_dropped(state, p)) continue;
-      place[p.value] = r.size();
-      r.push_back(state.r[p]), radius.push_back(model.radius[p]);
-    }
-    if (r.empty()) return;
-    const packing::VoronoiCells cells =
-        packing::voronoi_cells(packing::space_around(r, radius, state.cell, model.cell.periodic), r, radius,
-                               static_cast<int>(std::max(1u, std::thread::hardware_concurrency())));
-    const std::size_t near = pairs.size();
-    std::erase_if(pairs, [&](const Pair& p) {
-      if (is_dropped(state, p.i) || is_dropped(state, p.j)) return true;
-      for (const packing::VoronoiFace& f : cells.faces_of(place[p.i.value]))
-        if (f.of == place[p.j.value] && f.image == p.image_j)
-          return f.area < spec.faces.least * norm2(between(state, p.i, p.j, p.image_j));
-      return true;
-    });
-    if (pairs.empty() && spec.when == BondTime::start)
-      problems.add(spec.place, fmt::format("bonds \"{}\": least_face = {}", spec.name, spec.faces.least),
-                   fmt::format("none of the {} pairs within {} has cells with so large a face", near, within),
-                   "use a smaller least_face, or a larger distance, gap or gap_factor");
   }
 
   /// How far apart two particles are, as the selection measures it.
@@ -442,38 +421,6 @@ SelectedPairs select_pairs(const Case& c, std::size_t set, const Model& model, c
     problems.add(e);
     return {};
   }
-}
-
-std::vector<Pair> pairs_within(const std::vector<Vec3d>& r, double distance, const std::vector<char>& in_a,
-                               const std::vector<char>& in_b, double most, const CellEdges& cell,
-                               const Periodic& periodic) {
-  std::vector<Pair> pairs;
-  for_near_images(cell, periodic, r, distance, [&](std::size_t i, std::size_t j, const Image& n, double) {
-    if (!((in_a[i] && in_b[j]) || (in_a[j] && in_b[i]))) return;
-    if (static_cast<double>(pairs.size()) >= most) throw std::length_error("too many pairs");
-    pairs.push_back({ParticleId{i}, ParticleId{j}, n});
-  });
-  std::sort(pairs.begin(), pairs.end());
-  return pairs;
-}
-
-std::vector<Pair> pairs_within(const std::vector<Vec3d>& r, const std::vector<double>& radius,
-                               const BondReach& reach, const std::vector<char>& in_a,
-                               const std::vector<char>& in_b, double most, const CellEdges& cell,
-                               const Periodic& periodic) {
-  if (!(reach.factor > 0.0)) return pairs_within(r, reach.distance, in_a, in_b, most, cell, periodic);
-  std::vector<double> sizes;
-  for (const double R : radius) sizes.push_back(0.5 * (reach(R, R) - reach.distance));
-  std::vector<Pair> pairs;
-  for_overlapping_images(cell, periodic, r, sizes, reach.distance,
-                         [&](std::size_t i, std::size_t j, const Image& n, double) {
-                           if (!((in_a[i] && in_b[j]) || (in_a[j] && in_b[i]))) return;
-                           if (static_cast<double>(pairs.size()) >= most)
-                             throw std::length_error("too many pairs");
-                           pairs.push_back({ParticleId{i}, ParticleId{j}, n});
-                         });
-  std::sort(pairs.begin(), pairs.end());
-  return pairs;
 }
 
 std::vector<std::string> notes_on_pairs(const Case& c) {

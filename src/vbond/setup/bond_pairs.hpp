@@ -53,6 +53,11 @@ std::vector<Pair> pairs_within(const std::vector<Vec3d>& r, const std::vector<do
                                double most = std::numeric_limits<double>::infinity(),
                                const CellEdges& cell = {}, const Periodic& periodic = {});
 
+/// Of these pairs keeps those whose radical Voronoi cells, of all particles, share a face of which the area
+/// is at least `least` times the square of the distance of the centres.
+void keep_those_that_share_faces(const Model& model, const State& state, double least,
+                                 std::vector<Pair>& pairs);
+
 /// The pairs that set number `set` of the case bonds between the particles as they stand in `state`, in
 /// order.
 SelectedPairs select_pairs(const Case& c, std::size_t set, const Model& model, const State& state,

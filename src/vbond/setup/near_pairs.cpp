@@ -1,0 +1,69 @@
+// Pairs by how near particles are, and by the faces of their Voronoi cells.
+#include <algorithm>
+#include <cstddef>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+#include "vbond/core/images.hpp"
+#include "vbond/packing/voronoi.hpp"
+#include "vbond/setup/bond_pairs.hpp"
+
+namespace vbond {
+
+std::vector<Pair> pairs_within(const std::vector<Vec3d>& r, double distance, const std::vector<char>& in_a,
+                               const std::vector<char>& in_b, double most, const CellEdges& cell,
+                               const Periodic& periodic) {
+  std::vector<Pair> pairs;
+  for_near_images(cell, periodic, r, distance, [&](std::size_t i, std::size_t j, const Image& n, double) {
+    if (!((in_a[i] && in_b[j]) || (in_a[j] && in_b[i]))) return;
+    if (static_cast<double>(pairs.size()) >= most) throw std::length_error("too many pairs");
+    pairs.push_back({ParticleId{i}, ParticleId{j}, n});
+  });
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+std::vector<Pair> pairs_within(const std::vector<Vec3d>& r, const std::vector<double>& radius,
+                               const BondReach& reach, const std::vector<char>& in_a,
+                               const std::vector<char>& in_b, double most, const CellEdges& cell,
+                               const Periodic& periodic) {
+  if (!(reach.factor > 0.0)) return pairs_within(r, reach.distance, in_a, in_b, most, cell, periodic);
+  std::vector<double> sizes;
+  for (const double R : radius) sizes.push_back(0.5 * (reach(R, R) - reach.distance));
+  std::vector<Pair> pairs;
+  for_overlapping_images(cell, periodic, r, sizes, reach.distance,
+                         [&](std::size_t i, std::size_t j, const Image& n, double) {
+                           if (!((in_a[i] && in_b[j]) || (in_a[j] && in_b[i]))) return;
+                           if (static_cast<double>(pairs.size()) >= most)
+                             throw std::length_error("too many pairs");
+                           pairs.push_back({ParticleId{i}, ParticleId{j}, n});
+                         });
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+void keep_those_that_share_faces(const Model& model, const State& state, double least,
+                                 std::vector<Pair>& pairs) {
+  std::vector<Vec3d> r;
+  std::vector<double> radius;
+  std::vector<std::size_t> place(state.r.size(), state.r.size());  // among those that still take part
+  for (const ParticleId p : state.r.ids()) {
+    if (is_dropped(state, p)) continue;
+    place[p.value] = r.size();
+    r.push_back(state.r[p]), radius.push_back(model.radius[p]);
+  }
+  if (r.empty()) return;
+  const packing::VoronoiCells cells =
+      packing::voronoi_cells(packing::space_around(r, radius, state.cell, model.cell.periodic), r, radius,
+                             static_cast<int>(std::max(1u, std::thread::hardware_concurrency())));
+  std::erase_if(pairs, [&](const Pair& p) {
+    if (is_dropped(state, p.i) || is_dropped(state, p.j)) return true;
+    for (const packing::VoronoiFace& f : cells.faces_of(place[p.i.value]))
+      if (f.of == place[p.j.value] && f.image == p.image_j)
+        return f.area < least * norm2(between(state, p.i, p.j, p.image_j));
+    return true;
+  });
+}
+
+}  // namespace vbond
