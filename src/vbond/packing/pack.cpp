@@ -97,8 +97,8 @@ struct Locked {
 
 class Packer {
  public:
-  /// patience: steps of one search for balance, after which grains are taken to lock.
-  explicit Packer(const Request& q, std::int64_t patience = 1'000'000)
+  /// patience: steps of one search for balance at the sizes asked for, after which grains are taken to lock.
+  explicit Packer(const Request& q, std::int64_t patience = 100'000)
       : q_(q), patience_(patience), volume_(volume_deeper_than(q.vessel, 0.0)), random_(q.seed) {
     if (!(volume_ > 0.0)) throw Refused("the vessel has no volume", "grains need room", "correct its walls");
     room_ = largest_radius(q.vessel);
@@ -216,7 +216,7 @@ class Packer {
   Packing lock(double guess) {
     constexpr double beyond = 0.011, at_last = 7e-7, least_change = 0.3;
     SoftSpheres s = put_in();
-    RelaxGoal goal{0.0, 1e-5, 0.0, 1e-2, patience_};
+    RelaxGoal goal{0.0, 1e-5, 0.0, 1e-2, 1'000'000};
     Relaxed x;
     for (int tries = 1; !x.balanced && tries <= 10; ++tries) {
       s.set_scale(std::cbrt((guess + tries * beyond) * volume_ / volume_of(grains_.radius)));
