@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <stdexcept>
 #include <string>
 
 #include "vbond/packing/pack.hpp"
@@ -20,6 +21,7 @@ namespace {
 SizeLaw sizes_of(const std::string& name) {
   if (name == "uniform") return UniformSizes{0.75, 1.25};
   if (name == "lognormal") return LognormalSizes{1.0, 0.3, std::exp(-0.9), std::exp(0.9)};
+  if (name != "equal") throw std::invalid_argument("SIZES is equal, uniform or lognormal, not " + name);
   return EqualSizes{1.0};
 }
 

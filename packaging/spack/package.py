@@ -29,7 +29,7 @@ class Vbond(CMakePackage):
     depends_on("hdf5@1.10: +mpi", when="+multigrid")
     depends_on("zlib-api")
     depends_on("assimp@5.2:")
-    depends_on("voropp@0.4.6:")
+    depends_on("voropp@0.4.6")
     with when("+statics"):
         depends_on("suite-sparse@5.12:")
         depends_on("openblas")

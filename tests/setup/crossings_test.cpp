@@ -338,7 +338,10 @@ TEST(Crossings, WhatTheyCannotHaveIsRefused) {
   }
   std::string none = glue("");
   none.replace(none.find("crossing_gap = 0.1"), 18, "crossing_gap = 0.0");
-  EXPECT_NE(told(none).find("the nearest fibres have a gap of"), std::string::npos);
+  EXPECT_NE(told(none).find("the nearest fibres have a gap of"), std::string::npos) << told(none);
+  std::string far = glue("");
+  far.replace(far.find("crossing_gap = 0.1"), 18, "crossing_gap = 1e6");
+  EXPECT_NE(told(far).find("in the right unit?"), std::string::npos) << told(far);
 }
 
 }  // namespace

@@ -291,11 +291,26 @@ TEST(PackingBonds, OfRandomGrainsInASlantedCellAreThoseWithAFace) {
   EXPECT_GT(found.size(), 120u);
 }
 
+// What lies at a free edge or surface has a face with its neighbours there as inside: a sheet, a block and
+// two points have all the bonds that they have without the choice.
+TEST(PackingBonds, OfFreeSurfacesAreChosenAsInside) {
+  const std::string head = "[[specimen]]\nmass = 1\ninertia = 1\n", bonds = "[[bonds]]\ndistance = 1.01\n";
+  for (const std::string shape :
+       {"kind = \"sheet\"\nlattice = \"square\"\nparticles = [5, 5]\nspacing = 1\n",
+        "kind = \"block\"\nlattice = \"simple-cubic\"\ncells = [4, 3, 3]\nspacing = 1\n",
+        "kind = \"rod\"\nparticles = 2\nspacing = 1\n"}) {
+    const auto pairs = [&](const std::string& choice) {
+      return pairs_of(build(parse_case(head + shape + bonds + choice + stiff + still, "case.toml")));
+    };
+    EXPECT_EQ(pairs("neighbours = \"voronoi\"\n"), pairs("")) << shape;
+  }
+}
+
 TEST(PackingBonds, FacesThatCannotBeAreRefusedWithTheWayOut) {
   const std::string approach = mistake_of("gap = 1\nneighbours = \"voronoi\"\nwhen = \"approach\"\n" + stiff);
   EXPECT_TRUE(contains(approach, "chooses among pairs within distance, gap or gap_factor")) << approach;
   const std::string listed = mistake_of("pairs = [[0, 1]]\nneighbours = \"voronoi\"\n" + stiff);
-  EXPECT_TRUE(contains(listed, "add gap_factor")) << listed;
+  EXPECT_TRUE(contains(listed, "give gap_factor")) << listed;
   const std::string large = mistake_of("gap = 0.11\nneighbours = \"voronoi\"\nleast_face = 100\n" + stiff);
   EXPECT_TRUE(contains(large, "none of the 3 pairs within a gap of 0.11")) << large;
   EXPECT_TRUE(contains(mistake_of("gap = 1\nleast_face = 0.1\n" + stiff), "is used only with neighbours"));

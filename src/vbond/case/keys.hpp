@@ -71,6 +71,8 @@ void describe_mesh(Table& t, Placed<std::filesystem::path>& file, double& scale,
 void describe(Table& t, BondSpec& b);
 /// Which pairs a set bonds, and when.
 void describe_selection(Table& t, BondSpec& b);
+/// What bonds at crossings of fibres cannot have; after all keys of the set.
+void check_crossings(Table& t, const BondSpec& b);
 void describe(Table& t, WithinDistance& s);
 void describe(Table& t, WithinGap& s);
 void describe(Table& t, WithinFactor& s);

@@ -224,6 +224,7 @@ void describe(Table& t, BondSpec& b) {
   describe_rules(t, b);
   describe_flow(t, b);
   check_neck(t, b.recipe);
+  check_crossings(t, b);
 }
 
 }  // namespace vbond::keys

@@ -21,7 +21,8 @@ void describe_faces(Table& t, BondSpec& b) {
       !b.faces.only || (b.reach() && b.when != BondTime::approach), {"neighbours", "when"},
       "neighbours = \"voronoi\" chooses among pairs within distance, gap or gap_factor, before the run or as "
       "stages begin",
-      "add gap_factor, for example 1.6; for bonds made on approach leave neighbours out");
+      "give gap_factor, for example 1.6, in place of another selection; for bonds made on approach leave "
+      "neighbours out");
 }
 
 void describe_share(Table& t, BondShare& share) {
@@ -31,19 +32,6 @@ void describe_share(Table& t, BondShare& share) {
       "the same");
   t.when(share.part < 1.0, "share < 1",
          [&] { t.key("seed", share.seed, seed_number, optional, "of the choice of pairs"); });
-}
-
-/// What bonds that are not between centres cannot have.
-void check_crossings(Table& t, const BondSpec& b) {
-  if (!std::holds_alternative<AtCrossings>(b.select.value)) return;
-  t.check(
-      b.recipe.attachment != Attachment::neck, {"attach", "crossing_gap"},
-      "attach = \"neck\" is for spheres, and crossings are of fibres",
-      "bond their axes (attach = \"centres\") or their surfaces (\"surfaces\", where these do not touch)");
-  t.check(!b.recipe.capsule, {"capsule_radius", "crossing_gap"}, "a bond at a crossing is no fibre itself",
-          "leave capsule_radius out");
-  t.check(b.recipe.expansion == 0.0, {"expansion", "crossing_gap"}, "bonds at crossings do not expand",
-          "leave expansion out: the fibres themselves may expand");
 }
 
 void describe_time(Table& t, BondSpec& b) {
@@ -76,7 +64,18 @@ void describe_selection(Table& t, BondSpec& b) {
           "give distance, gap or gap_factor instead of the other selection");
   describe_faces(t, b);
   describe_share(t, b.share);
-  check_crossings(t, b);
+}
+
+void check_crossings(Table& t, const BondSpec& b) {
+  if (!std::holds_alternative<AtCrossings>(b.select.value)) return;
+  t.check(
+      b.recipe.attachment != Attachment::neck, {"attach", "crossing_gap"},
+      "attach = \"neck\" is for spheres, and crossings are of fibres",
+      "bond their axes (attach = \"centres\") or their surfaces (\"surfaces\", where these do not touch)");
+  t.check(!b.recipe.capsule, {"capsule_radius", "crossing_gap"}, "a bond at a crossing is no fibre itself",
+          "leave capsule_radius out");
+  t.check(b.recipe.expansion == 0.0, {"expansion", "crossing_gap"}, "bonds at crossings do not expand",
+          "leave expansion out: the fibres themselves may expand");
 }
 
 void describe(Table& t, WithinDistance& s) {

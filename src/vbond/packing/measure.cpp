@@ -178,6 +178,7 @@ std::optional<MeasuredCells> measure_cells(const Vessel& vessel, const std::vect
   for (std::size_t i = 0; i < r.size(); ++i) {
     const double V = cells.volume[i];
     is.least = std::min(is.least, V), is.largest = std::max(is.largest, V), is.mean += V;
+    if (!(V > 0.0)) return std::nullopt;  // others have taken all of its place
     const double porosity = 1.0 - 4.0 / 3.0 * std::numbers::pi * radius[i] * radius[i] * radius[i] / V;
     is.least_porosity = std::min(is.least_porosity, porosity);
     is.largest_porosity = std::max(is.largest_porosity, porosity), is.mean_porosity += porosity;

@@ -269,18 +269,17 @@ double volume_of(const std::vector<Plane>& planes, double side) {
   return cell.volume();
 }
 
-/// Two planes normal to `across`, around all spheres.
+/// Two planes normal to `across`, at this distance from the outermost centres, and outside of all spheres.
 void add_slab(const std::vector<Vec3d>& r, const std::vector<double>& radius, const Vec3d& across,
-              VoronoiSpace& space) {
+              double margin, VoronoiSpace& space) {
   const Vec3d n = normalised(across);
-  double low = dot(r[0], n), high = low, size = 0.0;
+  double low = dot(r[0], n), high = low;
   for (std::size_t i = 0; i < r.size(); ++i) {
-    low = std::min(low, dot(r[i], n) - radius[i]), high = std::max(high, dot(r[i], n) + radius[i]);
-    size = std::max(size, norm(between(r[0], r[i])));
+    const double at = dot(r[i], n), outside = std::max(margin, 1.001 * radius[i]);
+    low = std::min(low, at - outside), high = std::max(high, at + outside);
   }
-  const double room = std::max(1e-3 * (high - low), 1e-3 * size);  // a plane of points has room too
-  space.planes.push_back({-n, room - low});
-  space.planes.push_back({n, high + room});
+  space.planes.push_back({-n, -low});
+  space.planes.push_back({n, high});
 }
 
 }  // namespace
@@ -317,7 +316,7 @@ std::optional<VoronoiSpace> space_of(const Vessel& vessel) {
   return space;
 }
 
-VoronoiSpace space_around(const std::vector<Vec3d>& r, const std::vector<double>& radius,
+VoronoiSpace space_around(const std::vector<Vec3d>& r, const std::vector<double>& radius, double margin,
                           const CellEdges& cell, const Periodic& periodic) {
   VoronoiSpace space;
   const std::array<Vec3d, 3> unit{Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};
@@ -327,7 +326,7 @@ VoronoiSpace space_around(const std::vector<Vec3d>& r, const std::vector<double>
   for (std::size_t k = 0; k < 3; ++k) {
     if (space.periodic[k]) continue;
     const Vec3d across = normalised(cross(edges[(k + 1) % 3], edges[(k + 2) % 3]));
-    add_slab(r, radius, across, space);
+    add_slab(r, radius, across, margin, space);
     const double low = -space.planes[space.planes.size() - 2].at, high = space.planes.back().at;
     const double along = dot(edges[k], across);  // > 0
     space.edges[k] = ((high - low) / along) * edges[k];

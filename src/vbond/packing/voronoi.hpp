@@ -31,9 +31,9 @@ std::vector<Plane> planes_around_ball();
 std::optional<VoronoiSpace> space_of(const Vessel& vessel);
 
 /// Around spheres: the cell along the edges that repeat, and along open directions what two planes hold
-/// between them, which touch the outermost spheres but for a thousandth; without a cell the box along the
-/// axes. At least one sphere.
-VoronoiSpace space_around(const std::vector<Vec3d>& r, const std::vector<double>& radius,
+/// between them, which are `margin` > 0 away from the outermost centres, or outside of their spheres if these
+/// are larger; without a cell the box along the axes. At least one sphere.
+VoronoiSpace space_around(const std::vector<Vec3d>& r, const std::vector<double>& radius, double margin,
                           const CellEdges& cell, const Periodic& periodic);
 
 /// Where two cells meet.

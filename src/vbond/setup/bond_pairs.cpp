@@ -120,8 +120,19 @@ struct Selection {
       std::erase_if(found, [&](const Crossing& x) { return !joins_groups(x.pair.i, x.pair.j); });
       return found;
     };
-    std::vector<Crossing> found = within(gap);
-    if (found.empty() && spec.when == BondTime::start) refuse_no_crossing(gap, bonds, within);
+    std::vector<Crossing> found;
+    try {
+      found = within(gap);
+      if (found.empty() && spec.when == BondTime::start) refuse_no_crossing(gap, bonds, within);
+    } catch (const std::length_error&) {
+      problems.add(
+          place_of_selection(spec),
+          fmt::format("bonds \"{}\": crossing_gap = {} reaches far beyond the next fibres", spec.name, gap),
+          "it must be below ten times the longest bond of a fibre, and each of these bonds have at most some "
+          "200 "
+          "others within it",
+          "use a part of a diameter; is the gap in the right unit?");
+    }
     for (const Crossing& x : found)
       if (bonded.count(x.pair) == 0) selected.pairs.push_back(x.pair), selected.crossings.push_back(x.points);
     return selected;
@@ -138,19 +149,20 @@ struct Selection {
           "(from_specimen) between particles with a radius",
           "give the bonds of the fibres capsule_radius, in a set before this one; or select by "
           "distance or gap");
-    std::string nearest = "none is within 16 radii";
-    for (double margin = thickest; margin <= 16.0 * thickest; margin *= 2.0)
-      if (const std::vector<Crossing> found = within(std::max(margin, 2.0 * gap)); !found.empty()) {
-        const auto least = std::min_element(
-            found.begin(), found.end(), [](const Crossing& a, const Crossing& b) { return a.gap < b.gap; });
-        nearest = fmt::format("the nearest fibres have a gap of {:.6g}", least->gap);
-        break;
-      }
-    problems.add(place_of_selection(spec), what + ": no fibres are so near",
-                 fmt::format("between groups \"{}\" and \"{}\": {}", spec.between[0].value,
-                             spec.between[1].value, nearest),
-                 "use a larger crossing_gap, or press the fibres together first and bond them with when = "
-                 "\"stage\"");
+    const double farther = std::max(2.0 * thickest, 2.0 * gap);
+    const std::vector<Crossing> found = within(farther);
+    const auto least = std::min_element(found.begin(), found.end(),
+                                        [](const Crossing& x, const Crossing& y) { return x.gap < y.gap; });
+    const std::string nearest = found.empty()
+                                    ? fmt::format("none is within {:.6g} either", farther)
+                                    : fmt::format("the nearest fibres have a gap of {:.6g}", least->gap);
+    problems.add(
+        place_of_selection(spec), what + ": no fibres are so near",
+        fmt::format("between groups \"{}\" and \"{}\": {}; fibres are not counted whose particles are "
+                    "bonded there already",
+                    spec.between[0].value, spec.between[1].value, nearest),
+        "use a larger crossing_gap, or press the fibres together first and bond them with when = "
+        "\"stage\"");
   }
 
   std::vector<Pair> refuse_value(const char* key, double value, const char* rule) {

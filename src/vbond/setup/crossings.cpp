@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <stdexcept>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -48,6 +49,9 @@ std::vector<Near> near_capsules(const FibreParts& fibres, const Model& model, co
     thickest = std::max(thickest, p.R);
   }
   const double within = gap + 2.0 * rounding * thickest;
+  constexpr double far = 20.0;  // halves of the longest capsule: others are in between
+  if (!capsules.empty() && within > far * *std::max_element(reach.begin(), reach.end()))
+    throw std::length_error("too large a gap");
   std::vector<Near> near;
   for_overlapping_images(state.cell, model.cell.periodic, middle, reach, within,
                          [&](std::size_t k, std::size_t l, const Image& n, double) {
@@ -55,6 +59,7 @@ std::vector<Near> near_capsules(const FibreParts& fibres, const Model& model, co
                            const NearestOnSegments nearest =
                                nearest_on_segments(at(x.i), at(x.j), at(y.i), at(y.j));
                            const double here = std::sqrt(nearest.distance2) - x.R - y.R;
+                           if (near.size() > 200 * capsules.size()) throw std::length_error("too many pairs");
                            if (here <= within)
                              near.push_back({{x, y}, {nearest.s, nearest.t}, here, fibres.may_touch(x, y)});
                          });

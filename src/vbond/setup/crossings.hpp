@@ -20,6 +20,8 @@ struct Crossing {
 /// In order of pairs, each pair of particles at most once. Fibres that lie along each other have one or few
 /// such places. bonds: those of the state, of which fibres are those with a capsule; whether things touch in
 /// the model does not matter.
+/// Throws std::length_error if the gap is beyond ten times the longest capsule, or capsules have more than
+/// 200 others within reach, most of them of their own fibre: the gap is in a wrong unit.
 std::vector<Crossing> crossings_within(const Model& model, const State& state, const PerBond<Bond>& bonds,
                                        double gap);
 

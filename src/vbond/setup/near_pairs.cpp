@@ -53,10 +53,12 @@ void keep_those_that_share_faces(const Model& model, const State& state, double 
     place[p.value] = r.size();
     r.push_back(state.r[p]), radius.push_back(model.radius[p]);
   }
-  if (r.empty()) return;
-  const packing::VoronoiCells cells =
-      packing::voronoi_cells(packing::space_around(r, radius, state.cell, model.cell.periodic), r, radius,
-                             static_cast<int>(std::max(1u, std::thread::hardware_concurrency())));
+  if (r.empty() || pairs.empty()) return;
+  double farthest = 0.0;  // half of it is room for a whole face between two particles of the surface
+  for (const Pair& p : pairs) farthest = std::max(farthest, norm(between(state, p.i, p.j, p.image_j)));
+  const packing::VoronoiCells cells = packing::voronoi_cells(
+      packing::space_around(r, radius, 0.5 * farthest, state.cell, model.cell.periodic), r, radius,
+      static_cast<int>(std::max(1u, std::thread::hardware_concurrency())));
   std::erase_if(pairs, [&](const Pair& p) {
     if (is_dropped(state, p.i) || is_dropped(state, p.j)) return true;
     for (const packing::VoronoiFace& f : cells.faces_of(place[p.i.value]))
