@@ -30,12 +30,12 @@ TEST(Offsets, MakeAPullALever) {
   Offset<VModel> law = Offset<VModel>::from({2.0, 1.0, 0.5, 0.3}, 1.0, 0.0, 0.0);
   law.o_i2 = -0.5, law.o_j2 = 0.5;
   BondPose<double> pose = at_rest(law);
-  EXPECT_NEAR(norm(pose.r_ij - Vec3d(1, -1, 0)), 0.0, 1e-15);
+  EXPECT_NEAR(norm(pose.r_ij - Vec3d{1, -1, 0}), 0.0, 1e-15);
   pose.r_ij.x += 0.1;
   const BondLoads<double> l = bond_loads(law, pose);
-  EXPECT_NEAR(norm(l.F - Vec3d(0.2, 0, 0)), 0.0, 1e-15);
-  EXPECT_NEAR(norm(l.M_ij - Vec3d(0, 0, 0.1)), 0.0, 1e-15);
-  EXPECT_NEAR(norm(l.M_ji - Vec3d(0, 0, 0.1)), 0.0, 1e-15);
+  EXPECT_NEAR(norm(l.F - Vec3d{0.2, 0, 0}), 0.0, 1e-15);
+  EXPECT_NEAR(norm(l.M_ij - Vec3d{0, 0, 0.1}), 0.0, 1e-15);
+  EXPECT_NEAR(norm(l.M_ji - Vec3d{0, 0, 0.1}), 0.0, 1e-15);
 }
 
 // The largest eigenvalue of M^-1 K of two particles and one bond at rest, by the power method from three
