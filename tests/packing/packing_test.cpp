@@ -165,6 +165,9 @@ TEST(Packing, WhatCannotBeIsRefusedWithTheNearest) {
   q = equal_grains(hollow_ball(2), 2.5);
   q.until = ToNumber{1};
   EXPECT_NE(way_out().find("about 2"), std::string::npos);
+  q = equal_grains(hollow_ball(2), 1.9);  // denser than any packing of many, and it fits
+  q.until = ToNumber{1};
+  EXPECT_EQ(way_out(), "");
   q = equal_grains(periodic_cell({1.9, 0, 0}, {0, 9, 0}, {0, 0, 9}), 1.0);
   q.until = ToNumber{1};
   EXPECT_NE(way_out(), "");
