@@ -80,6 +80,12 @@ int breaks(const std::filesystem::path& folder, bool all);
 /// Packs the grains of a case and writes its particles alone: a CSV file, or LAMMPS data if the name ends in
 /// .data. Nothing is replaced.
 int pack(const RunOptions& options, const std::filesystem::path& file);
+/// Prints by what the stiffnesses of a case's bonds are to be multiplied so that its periodic cell has these
+/// constants. bending: "area", "normal" or "shear", see BendingFollows.
+int calibrate_body(const RunOptions& options, const CalibrateOptions& material, const std::string& bending);
+/// Prints the elastic constants of the material that a case's periodic cell is a piece of, as the case makes
+/// it: as text, or as JSON.
+int homogenise(const RunOptions& options);
 /// Writes the body of a case, as its first stage begins, as files for LAMMPS with the plugin.
 int export_lammps(const RunOptions& options, const std::filesystem::path& folder);
 /// Prints what case files may hold: a key, a table, or with an empty text everything.

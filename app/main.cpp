@@ -66,9 +66,22 @@ void add_published(CLI::App* command, PublishedBonds& b) {
   add("--gap", b.gap, "Largest gap of surfaces that was bonded (default: 0)");
 }
 
-void add_calibrate(CLI::App& app, CalibrateOptions& o, PublishedBonds& published, CLI::App*& command) {
-  command = app.add_subcommand(
-      "calibrate", "Bond stiffnesses and B1..B4 from E, nu, section or thickness, length and theory");
+void add_calibrate(CLI::App& app, CalibrateOptions& o, PublishedBonds& published, app::RunOptions& body,
+                   std::string& bending, CLI::App*& command) {
+  command = app.add_subcommand("calibrate",
+                               "Bond stiffnesses from E and nu: of one bond from its section, length and "
+                               "theory; with CASE of all bonds of a periodic cell that is to have them");
+  CLI::Option* of_case = command->add_option(
+      "CASE", body.case_file, "Case file (TOML) with a periodic cell, whose bonds get factors");
+  command->add_option("--set", body.changes, "KEY=VALUE: another value of a key of the case; may be repeated")
+      ->allow_extra_args(false)
+      ->needs(of_case);
+  command
+      ->add_option("--bending", bending,
+                   "With CASE: what c_B and c_T go with, c_A and c_D (area), or both with one of these")
+      ->check(CLI::IsMember({"area", "normal", "shear"}))
+      ->capture_default_str()
+      ->needs(of_case);
   command->add_option("--E", o.E, "Young's modulus, e.g. 2e9 or \"2 GPa\"");
   command->add_option("--nu", o.nu, "Poisson's ratio")->capture_default_str();
   command->add_option("--length", o.length, "Length of the bond between its fastening points");
@@ -86,6 +99,7 @@ void add_calibrate(CLI::App& app, CalibrateOptions& o, PublishedBonds& published
       ->check(CLI::IsMember({"bernoulli-euler", "timoshenko", "short-cylinder", "shell", "all"}))
       ->capture_default_str();
   add_published(command, published);
+  command->get_option("--from")->excludes(of_case);
 }
 
 void add_plot(CLI::App& app, app::PlotOptions& o, CLI::App*& command) {
@@ -251,6 +265,11 @@ int dispatch(int argc, char** argv, app::Processes& processes) {
       ->required()
       ->type_name("FILE");
 
+  CLI::App* homogenise_command = program.add_subcommand(
+      "homogenise", "Say what elastic material a periodic cell of particles and bonds is");
+  app::add_case(homogenise_command, run);
+  homogenise_command->add_flag("--json", run.json, "Print it as JSON");
+
   std::string key;
   CLI::App* reference_command =
       program.add_subcommand("reference", "Print what a key of case files means, or all keys of a table");
@@ -262,7 +281,8 @@ int dispatch(int argc, char** argv, app::Processes& processes) {
   CalibrateOptions calibrate;
   CLI::App* calibrate_command = nullptr;
   PublishedBonds published;
-  add_calibrate(program, calibrate, published, calibrate_command);
+  std::string bending = "area";
+  add_calibrate(program, calibrate, published, run, bending, calibrate_command);
 
   Hidden hidden;
   add_hidden(program, hidden);
@@ -298,11 +318,14 @@ int dispatch(int argc, char** argv, app::Processes& processes) {
   }
   if (export_command->parsed()) return app::export_lammps(run, export_to);
   if (pack_command->parsed()) return app::pack(run, pack_to);
+  if (homogenise_command->parsed()) return app::homogenise(run);
   if (reference_command->parsed()) return app::reference(key);
   if (schema_command->parsed()) return app::schema();
   if (hidden.completion->parsed()) return app::completion(program, hidden.shell);
   if (hidden.manual->parsed())
     return hidden.folder ? app::write_manual(program, *hidden.folder) : app::manual(program, hidden.command);
+  if (!run.case_file.empty() && calibrate_command->count("--nu") == 0) calibrate.nu.clear();
+  if (!run.case_file.empty()) return app::calibrate_body(run, calibrate, bending);
   return app::calibrate(calibrate, published);
 }
 

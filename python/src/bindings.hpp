@@ -23,6 +23,7 @@ void bind_state(py::module_& m);
 void bind_results(py::module_& m);
 void bind_run(py::module_& m);
 void bind_files(py::module_& m);
+void bind_elastic(py::module_& m);  ///< with statics
 
 /// A case, shared by all that runs it.
 using SharedCase = std::shared_ptr<const Case>;

@@ -10,6 +10,9 @@ PYBIND11_MODULE(_vbond, m) {
   bind_results(m);
   bind_run(m);
   bind_files(m);
+#ifdef VBOND_HAS_STATICS
+  bind_elastic(m);
+#endif
   m.def("blas_kernel", &vbond::kernel_of_blas,
         "The kernel of OpenBLAS with which static stages compute in this process; empty without statics.");
   m.def("better_blas_kernel", &vbond::better_kernel_of_blas,

@@ -74,3 +74,26 @@ def test_frames_have_the_cell_and_particles_in_it(periodic, tmp_path):
 def test_without_a_cell_there_is_none(run):
     assert run.state.cell is None and run.state.cell_rates is None and run.state.cell_stress is None
     assert "image_j" not in run.state.bonds and "image_j" not in run.state.contacts
+
+
+def test_a_cell_is_homogenised(periodic):
+    # The cubic lattice: rows of bonds that shear (docs/material.md): C11 = c_A, C44 = c_D/2 of a lattice with spacing 1.
+    del periodic["contact"]
+    periodic["cell"]["b"] = [0, 4, 0]
+    case = vbond.Case.from_dict(periodic)
+    found = vbond.homogenise(case, derivatives=True)
+    C = np.diag([1.0, 1.0, 1.0, 0.15, 0.15, 0.15])
+    assert found.C == pytest.approx(C, abs=1e-13)
+    assert found.constants.youngs_modulus([0, 0, 2]) == pytest.approx(1.0)
+    assert found.constants.hill.K == pytest.approx(1 / 3)
+    assert found.particles == 64 and found.bonds == 192 and found.floating == 0 and found.density == pytest.approx(1.0)
+    by = found.derivatives[0]
+    assert by["c_A"] + by["c_D"] + by["c_B"] + by["c_T"] == pytest.approx(C, abs=1e-13)
+    speed, along = found.constants.wave_speeds([1, 0, 0], found.density)[-1]
+    assert speed == pytest.approx(1.0) and abs(along[0]) == pytest.approx(1.0)
+    # of a state: a stretched lattice has stress
+    run = vbond.Run(case.with_stages([{"kind": "equilibrium", "cell": {"zz": {"strain": 0.01}}}]))
+    run.run_stage()
+    assert vbond.homogenise(run.state).stress[2] == pytest.approx(0.01, rel=1e-9)
+    with pytest.raises(ValueError, match="periodic in all three directions"):
+        vbond.homogenise(vbond.Case.from_dict({**periodic, "cell": {**periodic["cell"], "open": ["c"]}}))

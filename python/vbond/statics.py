@@ -39,6 +39,19 @@ class StaticSolution:
         return self.history["load_factor"]
 
 
+def homogenise(body: Case | _vbond.State, *, derivatives: bool = False) -> _vbond.Homogenised:
+    """The elastic material that a periodic cell of particles and bonds is a piece of, about the balance that it comes to
+    with its cell held: of a case as it begins, or of a state that a run has brought it to (Run.state). With derivatives:
+    also how C follows from the stiffnesses of each set of bonds, of a body whose bonds are at rest. Raises ValueError if
+    the cell is open in some direction, NoEquilibrium if some particles can move at no cost.
+
+        vbond.homogenise(case).constants.hill.E
+    """
+    if not hasattr(_vbond, "homogenise"):
+        raise RuntimeError("homogenise: this vbond was built without statics")
+    return _vbond.homogenise(Run(body).state if isinstance(body, Case) else body, derivatives)
+
+
 def _solve(kind: str, case: Case, keys: dict[str, Any]) -> StaticSolution:
     run = Run(case.with_stages([{"kind": kind, "name": kind, **keys}]))
     result = run.run_stage()

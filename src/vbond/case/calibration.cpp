@@ -121,6 +121,37 @@ CalibratedTheory calibrated(const Theory& t, const TheoryParameters& p, double a
 
 }  // namespace
 
+Material material_asked_for(const CalibrateOptions& o, UnitSystem units) {
+  Arguments arguments;
+  if (o.E.empty())
+    arguments.problem("--E", "", "is required: the Young's modulus of the body", "e.g. --E \"69 GPa\"");
+  const Material m{o.E.empty() ? 1.0 : arguments.positive(o.E, "--E", keys::stress),
+                   o.nu.empty() ? 0.2 : arguments.number(o.nu, "--nu", keys::pure)};
+  if (o.nu.empty())
+    arguments.problem("--nu", "", "is required: Poisson's ratio of the body", "e.g. --nu 0.26");
+  if (units == UnitSystem::reduced && o.E.find_first_not_of("0123456789.eE+-") != std::string::npos)
+    arguments.problem("--E", o.E, "has a unit, and the case is in reduced units", "write a bare number");
+  if (o.theory != "all")
+    arguments.problem("--theory", o.theory, "belongs to a single bond, and a case has its own",
+                      "leave it out");
+  if (!(m.nu > -1.0 && m.nu < 0.5))
+    arguments.problem("--nu", o.nu, "must satisfy -1 < nu < 0.5", "rock has 0.2 to 0.3, glass 0.2");
+  const std::pair<const char*, const std::string*> of_a_bond[] = {{"--length", &o.length},
+                                                                  {"--diameter", &o.diameter},
+                                                                  {"--inner-diameter", &o.inner_diameter},
+                                                                  {"--side", &o.side},
+                                                                  {"--A", &o.A},
+                                                                  {"--J", &o.J},
+                                                                  {"--J_p", &o.J_p},
+                                                                  {"--kappa", &o.kappa},
+                                                                  {"--thickness", &o.thickness}};
+  for (const auto& [option, text] : of_a_bond)
+    if (!text->empty())
+      arguments.problem(option, *text, "belongs to a single bond, and a case has its own", "leave it out");
+  arguments.throw_if_any();
+  return m;
+}
+
 Calibration calibration(const CalibrateOptions& o) {
   Arguments arguments;
   const auto needed = [&](const std::string& text, const char* option, const keys::Dimension& d) {

@@ -3,6 +3,7 @@
 #include <utility>
 #include <vector>
 
+#include "vbond/model/model.hpp"
 #include "vbond/physics/stiffness.hpp"
 
 namespace vbond {
@@ -29,6 +30,10 @@ struct Calibration {
   double length = 0;
   std::vector<CalibratedTheory> theories;
 };
+
+/// E and nu alone, of what a body with these units is to be like. Throws CaseError as calibration() does,
+/// also for what belongs to a single bond.
+Material material_asked_for(const CalibrateOptions& options, UnitSystem units);
 
 /// Throws CaseError with all mistakes of the options, named as `vbond calibrate` has them.
 Calibration calibration(const CalibrateOptions& options);

@@ -166,6 +166,19 @@ void check_coefficients(Table& t, const BondLaw& law, const Coefficients& values
           std::string(law.rest_way_out) + ", or give stiffness = { c_A, c_D, c_B, c_T }");
 }
 
+void describe_factors(Table& t, BondStiffness<double>& f) {
+  t.table(
+      "stiffness_factors", optional,
+      "what stiffnesses are multiplied by: `vbond calibrate CASE` finds them for a material",
+      [&f](Table& c) {
+        c.key("c_A", f.c_A, positive(pure), optional, "of c_A");
+        c.key("c_D", f.c_D, positive(pure), optional, "of c_D");
+        c.key("c_B", f.c_B, positive(pure), optional, "of c_B");
+        c.key("c_T", f.c_T, positive(pure), optional, "of c_T");
+      },
+      !(f.c_A == 1.0 && f.c_D == 1.0 && f.c_B == 1.0 && f.c_T == 1.0));
+}
+
 /// The length of a neck is that of the cement in a round section.
 void check_neck(Table& t, const BondRecipe& recipe) {
   if (recipe.attachment != Attachment::neck) return;
@@ -215,6 +228,7 @@ void describe(Table& t, BondSpec& b) {
   if (const auto* given = std::get_if<GivenCoefficients>(&b.recipe.parameters); given && form == 0)
     check_coefficients(t, law, given->values);
   t.when(form != 0, "stiffness or theory", [&] {
+    describe_factors(t, b.recipe.factors);
     describe_coefficients(t, law, b.recipe.given,
                           [](const CoefficientKey& key) { return key.info.input == LawInput::given; });
     t.key("reference_length", b.recipe.reference_length, positive(length),

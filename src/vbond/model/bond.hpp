@@ -215,6 +215,7 @@ struct Weibull {
 struct BondRecipe {
   const BondLaw* law = &bond_law<VModel>;  ///< never null
   std::variant<GivenCoefficients, BondStiffness<double>, TheoryParameters> parameters;
+  BondStiffness<double> factors{1.0, 1.0, 1.0, 1.0};  ///< on what stiffnesses or theory say, > 0
   BondRules rules;  ///< for a law that has rules; whether it is damped follows from `damping`
   BondDamping damping;
   Weibull weibull;

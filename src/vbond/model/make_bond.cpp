@@ -155,9 +155,12 @@ BondStiffness<double> stiffness_of(const Bond& bond) {
 
 BondStiffness<double> stiffness_of(const BondRecipe& recipe, double a, const BondRadii& radii) {
   const double a_ref = recipe.reference_length.value_or(a);
-  if (const auto* c = std::get_if<BondStiffness<double>>(&recipe.parameters)) return *c;
+  const auto times_factors = [&f = recipe.factors](const BondStiffness<double>& c) {
+    return BondStiffness<double>{f.c_A * c.c_A, f.c_D * c.c_D, f.c_B * c.c_B, f.c_T * c.c_T};
+  };
+  if (const auto* c = std::get_if<BondStiffness<double>>(&recipe.parameters)) return times_factors(*c);
   if (const auto* t = std::get_if<TheoryParameters>(&recipe.parameters))
-    return stiffness_of(*t, a_ref, radii);
+    return times_factors(stiffness_of(*t, a_ref, radii));
   return stiffness_of(with_coefficients(recipe, a, 0.0, 0.0, radii));
 }
 

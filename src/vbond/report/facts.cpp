@@ -83,12 +83,19 @@ std::string specimen_in_words(const Case& c) {
   return text;
 }
 
+std::string factors_in_words(const BondStiffness<double>& f) {
+  if (f.c_A == 1.0 && f.c_D == 1.0 && f.c_B == 1.0 && f.c_T == 1.0) return {};
+  return fmt::format(", times {:.6g} (c_A), {:.6g} (c_D), {:.6g} (c_B), {:.6g} (c_T)", f.c_A, f.c_D, f.c_B,
+                     f.c_T);
+}
+
 std::string bonds_in_words(const Case& c) {
   std::string text;
   for (const BondSpec& b : c.bonds)
     text += fmt::format(
         "{}\"{}\": {}, {}", text.empty() ? "" : "; ", b.name, b.recipe.law->title,
-        std::visit(ParametersInWords{*b.recipe.law, c.units == UnitSystem::si}, b.recipe.parameters));
+        std::visit(ParametersInWords{*b.recipe.law, c.units == UnitSystem::si}, b.recipe.parameters) +
+            factors_in_words(b.recipe.factors));
   return text.empty() ? "none" : text;
 }
 

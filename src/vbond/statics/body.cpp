@@ -29,31 +29,6 @@ double length_scale(const Model& model, const State& s) {
 
 using Block = Assembly::Block;
 
-/// Derivatives of minus the loads on i and j with their degrees of freedom, from those with r_ij and turns;
-/// turns times `length`.
-Block block_of(const PairTangent<9>& t, double length) {
-  Block K;
-  const auto d = [&t](int row, int column) {
-    return t.d[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)];
-  };
-  for (int a = 0; a < 3; ++a)
-    for (int b = 0; b < 3; ++b)
-      for (int group = 0; group < 3; ++group) {  // F, M_ij, M_ji
-        const int row = group == 0 ? a : group == 1 ? 3 + a : 9 + a;
-        const int from = 3 * group + a;
-        K(row, b) = d(from, b);
-        K(row, 3 + b) = -d(from, 3 + b);
-        K(row, 6 + b) = -d(from, b);
-        K(row, 9 + b) = -d(from, 6 + b);
-      }
-  K.middleRows<3>(6) = -K.topRows<3>();  // the force on j
-  for (const int turns : {3, 9}) {
-    K.middleRows<3>(turns) /= length;
-    K.middleCols<3>(turns) /= length;
-  }
-  return K;
-}
-
 Block block_of(const PairTangent<3>& t) {
   Eigen::Matrix3d d;
   for (int a = 0; a < 3; ++a)
@@ -93,6 +68,29 @@ PairTangent<3> touch(const Model& m, const State& s, ParticleId i, ParticleId j,
 }
 
 }  // namespace
+
+Block block_of(const PairTangent<9>& t, double length) {
+  Block K;
+  const auto d = [&t](int row, int column) {
+    return t.d[static_cast<std::size_t>(row)][static_cast<std::size_t>(column)];
+  };
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b)
+      for (int group = 0; group < 3; ++group) {  // F, M_ij, M_ji
+        const int row = group == 0 ? a : group == 1 ? 3 + a : 9 + a;
+        const int from = 3 * group + a;
+        K(row, b) = d(from, b);
+        K(row, 3 + b) = -d(from, 3 + b);
+        K(row, 6 + b) = -d(from, b);
+        K(row, 9 + b) = -d(from, 6 + b);
+      }
+  K.middleRows<3>(6) = -K.topRows<3>();  // the force on j
+  for (const int turns : {3, 9}) {
+    K.middleRows<3>(turns) /= length;
+    K.middleCols<3>(turns) /= length;
+  }
+  return K;
+}
 
 double distance(const Placement& a, const Placement& b, double length) {
   double largest = 0.0;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "vbond/core/column.hpp"
+#include "vbond/physics/tangent.hpp"
 #include "vbond/statics/detail/matrix.hpp"
 #include "vbond/statics/detail/unknowns.hpp"
 
@@ -91,5 +92,9 @@ class Assembly {
   std::unordered_map<std::uint64_t, Offsets> offsets_;  // i is the smaller number
   int version_ = 0;
 };
+
+/// Derivatives of minus the loads on i and j with their degrees of freedom along the world's axes, from those
+/// with r_ij and turns; turns are multiplied by this length.
+Assembly::Block block_of(const PairTangent<9>& t, double length);
 
 }  // namespace vbond

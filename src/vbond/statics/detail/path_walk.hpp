@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "vbond/statics/detail/path_step.hpp"
+#include "vbond/statics/statics.hpp"
 
 namespace vbond {
 

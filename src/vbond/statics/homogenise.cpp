@@ -1,0 +1,292 @@
+// U depends on places and turns u and on the strain E of the cell. What is left of its second derivative when
+// u stays in balance is K_EE - K_Eu K_uu^-1 K_uE: the six columns X = K_uu^-1 K_uE are how particles move
+// with a unit of each strain. That is dP/dF of F = 1 + E; Cauchy's stress s = P F^T/J changes by
+//
+//     ds = dP + s E - s tr E.
+//
+// C is a minimum of the energy over u, so its derivative with a stiffness that U is linear in is that of the
+// energy at the six fields as they are.
+#include "vbond/statics/homogenise.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "vbond/core/images.hpp"
+#include "vbond/model/periodic_cell.hpp"
+#include "vbond/model/touching.hpp"
+#include "vbond/statics/detail/body.hpp"
+#include "vbond/statics/detail/kinds.hpp"
+#include "vbond/statics/detail/newton.hpp"
+#include "vbond/statics/detail/one_blas_thread.hpp"
+#include "vbond/statics/detail/rigid.hpp"
+
+namespace vbond {
+namespace {
+
+constexpr const char* name = "homogenise";
+
+void require(bool holds, const std::string& rule) {
+  if (!holds) throw std::invalid_argument("homogenise: " + rule);
+}
+
+/// The cell as it stands is the one that strains count from.
+Model about_cell_of(const Model& model, const State& state) {
+  Model now = model;
+  now.cell.triangular = false;
+  for (std::size_t k = 0; k < 3; ++k) now.cell.edges[k] = state.cell[k].along;
+  return now;
+}
+
+StaticStage stage_of(const NewtonSettings& newton) {
+  StaticStage stage;
+  stage.name = name;
+  stage.newton = newton;
+  return stage;
+}
+
+/// Of the same body, with all components of the cell among the unknowns.
+StaticStage with_free_cell(StaticStage held) {
+  for (CellComponent& c : held.cell.component) c = {CellComponent::By::stress, 0.0, {}};
+  return held;
+}
+
+/// To rounding: its angular energies are differences of terms of the size of angular_scale().
+bool is_at_rest(const State& s, BondId k) {
+  constexpr double rounding = 1e-12;  // of the energy of a bond that is stretched by its length
+  const Bond& b = s.bonds[k];
+  const BondEnergy<double> U = bond_energy(s, k);
+  return U.U_L + U.U_B + U.U_T <=
+         rounding * b.law->stiffness(b).c_A * sq(b.a) + 16.0 * epsilon * angular_scale(b);
+}
+
+/// Bonds whose slopes in tension and compression differ have none at rest: rounding would choose one.
+void refuse_kinks(const State& s) {
+  for (const BondId k : s.bonds.ids()) {
+    const Stretch& stretch = s.bonds[k].rules->stretch;
+    require(
+        s.bonds[k].broken || stretch.form != StretchForm::two_slopes || stretch.compression == 1.0 ||
+            !is_at_rest(s, k),
+        fmt::format("bond {} is at rest, where its slopes in tension and compression meet: the body has no "
+                    "single stiffness there; strain it to either side, or take one slope",
+                    k.value));
+  }
+}
+
+/// C is to follow from the four stiffnesses of bonds alone.
+void refuse_derivatives(const Model& model, const State& s) {
+  for (const BondId k : s.bonds.ids()) {
+    const Bond& b = s.bonds[k];
+    if (b.broken) continue;
+    const std::string bond = fmt::format("bond {} (particles {}, {})", k.value, b.i.value, b.j.value);
+    require(b.rules->stretch.form != StretchForm::table,
+            bond + " stretches by a table, which c_A is no part of: leave stretch out");
+    require(is_at_rest(s, k),
+            bond +
+                " is strained, and how C follows from stiffnesses is known of bonds at rest: "
+                "take prestrain out, and contacts that press");
+    require(history_of_bond(s, k) == no_history,
+            bond + " has flowed or is damaged, and is not what its stiffnesses say");
+  }
+  for_touching_pairs(model, s, [](ParticleId i, ParticleId j, const Image&, double) {
+    require(false,
+            fmt::format("particles {} and {} touch, and contacts do not follow from bonds: bond all that "
+                        "touch, or leave [contact] out",
+                        i.value, j.value));
+  });
+}
+
+/// What a component of engineering strain puts into its entry of the tensor, and into the one across.
+double share(std::size_t k) {
+  return k < 3 ? 1.0 : 0.5;
+}
+
+std::size_t floating_particles(const Model& model, const State& state, const Unknowns& unknowns) {
+  const PartImages parts = images_of_parts(model, state, unknowns);
+  return static_cast<std::size_t>(std::count_if(parts.part.begin(), parts.part.end(),
+                                                [&](std::size_t part) { return parts.loops[part].empty(); }));
+}
+
+/// The body as it stands, and the six fields: how particles move with each strain of the cell.
+class Fields {
+ public:
+  Fields(const Model& model, const StaticStage& stage, const State& state)
+      : free_(with_free_cell(stage)),
+        held_(stage),
+        model_(model),
+        state_(state),
+        whole_(model, free_, state) {}
+
+  Homogenised result();
+  std::vector<ConstantsBySet> by_set() const;
+
+ private:
+  using Movements = Eigen::Matrix<double, 12, 6>;
+  Movements movements(const Bond& b, const DenseMatrix& x) const;
+  Constants from(const DenseMatrix& H) const;
+
+  const StaticStage free_;
+  const StaticStage& held_;
+  const Model& model_;
+  const State& state_;
+  const StaticBody whole_;
+  DenseMatrix X_;  // how unknowns move with the components of the cell
+};
+
+Constants Fields::from(const DenseMatrix& H) const {
+  const double factor = sq(whole_.unknowns().cell_length()) / volume(state_.cell);
+  Constants C;
+  for (std::size_t a = 0; a < 6; ++a)
+    for (std::size_t b = 0; b < 6; ++b)
+      C[a][b] = factor * share(a) * share(b) * 0.5 *
+                (H(Eigen::Index(a), Eigen::Index(b)) + H(Eigen::Index(b), Eigen::Index(a)));
+  return C;
+}
+
+/// s E - s tr E for a unit of each strain.
+void add_stress(const Tensor& s, Constants& C) {
+  for (std::size_t b = 0; b < 6; ++b) {
+    SymmetricParts unit{};
+    unit[b] = share(b);
+    const Tensor E = cell_tensor(unit, false);
+    Tensor change;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) {
+        const std::size_t row = static_cast<std::size_t>(i);
+        component(change.row[row], j) =
+            dot(s.row[row], E.row[static_cast<std::size_t>(j)]) - (b < 3 ? component(s.row[row], j) : 0.0);
+      }
+    const SymmetricParts parts = symmetric_part(change);
+    for (std::size_t a = 0; a < 6; ++a) C[a][b] += parts[a];
+  }
+}
+
+Homogenised Fields::result() {
+  const StaticBody body(model_, held_, state_);
+  TangentSolver solver(held_.newton.solver);
+  if (!solver.factor_definite(body)) {
+    const EigenPairs lowest = solver.near_zero(body, 1);
+    throw NoEquilibrium(
+        name,
+        fmt::format("some motion of particles has no stiffness, or less than none; most of all {}",
+                    body.unknowns().names_of_largest(lowest.vectors.col(0))),
+        "bonds without bending or torsional stiffness leave hinges: give them some, or more neighbours; of a "
+        "body under stress look for its buckling loads");
+  }
+  const SparseMatrix& K = whole_.tangent();
+  const Eigen::Index n = K.rows() - 6;
+  const DenseMatrix columns = K.rightCols(6), K_uE = columns.topRows(n);
+  X_.resize(n, 6);
+  for (Eigen::Index k = 0; k < 6; ++k) {
+    const Vector x = solver.solve(K_uE.col(k));
+    if (x.size() == 0)
+      throw NoEquilibrium(name, "the tangent is not positive definite", "look for buckling loads");
+    X_.col(k) = x;
+  }
+  Homogenised found;
+  // what an error of X leaves is of second order
+  const DenseMatrix coupled = K_uE.transpose() * X_;
+  found.C =
+      from(columns.bottomRows(6) - coupled - coupled.transpose() + X_.transpose() * (body.tangent() * X_));
+  const Tensor stress = cell_stress(model_, whole_.state());  // at rest
+  found.stress = symmetric_part(stress);
+  add_stress(stress, found.C);
+  found.volume = volume(state_.cell);
+  for (const double m : model_.mass) found.density += m / found.volume;
+  found.particles = model_.particles();
+  found.bonds = static_cast<std::size_t>(
+      std::count_if(state_.bonds.begin(), state_.bonds.end(), [](const Bond& b) { return !b.broken; }));
+  found.floating = floating_particles(model_, state_, body.unknowns());
+  found.solver = solver.name();
+  for (const auto& row : found.C)
+    for (const double x : row)
+      if (!std::isfinite(x)) throw NoEquilibrium(name, "constants are not finite", "look at the bonds");
+  return found;
+}
+
+/// How both ends of a bond move in six motions: the second one, if it is an image, with the cell as well.
+Fields::Movements Fields::movements(const Bond& b, const DenseMatrix& x) const {
+  const Unknowns& u = whole_.unknowns();
+  const auto& [e1, e2, e3] = model_.cell.edges;
+  const Vec3d way = double(b.image_j.a) * e1 + double(b.image_j.b) * e2 + double(b.image_j.c) * e3;
+  Movements moved;
+  for (Eigen::Index k = 0; k < 6; ++k) {
+    SymmetricParts unit{};
+    unit[std::size_t(k)] = 1.0 / u.cell_length();
+    Movement i = u.movement(b.i, x.col(k)), j = u.movement(b.j, x.col(k));
+    j.shift += times(cell_tensor(unit, false), way);
+    moved.col(k) << i.shift.x, i.shift.y, i.shift.z, i.turn.x, i.turn.y, i.turn.z, j.shift.x, j.shift.y,
+        j.shift.z, j.turn.x, j.turn.y, j.turn.z;
+  }
+  return moved;
+}
+
+/// The energy of bonds that have one of the four stiffnesses alone, along the six fields.
+std::vector<ConstantsBySet> Fields::by_set() const {
+  std::vector<ConstantsBySet> sets;
+  std::vector<std::array<DenseMatrix, 4>> sums;
+  DenseMatrix moves(whole_.unknowns().size(), 6);
+  moves.topRows(X_.rows()) = -X_;
+  moves.bottomRows(6).setIdentity();
+  for (const BondId k : state_.bonds.ids()) {
+    const Bond& b = state_.bonds[k];
+    if (b.broken) continue;
+    const auto at = std::lower_bound(sets.begin(), sets.end(), std::size_t(b.set),
+                                     [](const ConstantsBySet& s, std::size_t set) { return s.set < set; });
+    const auto place = at - sets.begin();
+    if (at == sets.end() || at->set != std::size_t(b.set)) {
+      sets.insert(at, ConstantsBySet{std::size_t(b.set), {}, {}, {}, {}});
+      const DenseMatrix zero = DenseMatrix::Zero(6, 6);
+      sums.insert(sums.begin() + place, {zero, zero, zero, zero});
+    }
+    const Movements moved = movements(b, moves);
+    const BondStiffness<double> c = b.law->stiffness(b);
+    const BondStiffness<double> alone[] = {
+        {c.c_A, 0, 0, 0}, {0, c.c_D, 0, 0}, {0, 0, c.c_B, 0}, {0, 0, 0, c.c_T}};
+    for (std::size_t part = 0; part < 4; ++part) {
+      Bond one = b;
+      one.coefficients = b.law->from_stiffness(alone[part], b.a, b.coefficients);
+      const PairTangent<9> tangent = b.law->tangent(one, bond_pose(one, state_), no_history);
+      sums[std::size_t(place)][part] +=
+          moved.transpose() * block_of(tangent, whole_.unknowns().length()) * moved;
+    }
+  }
+  for (std::size_t s = 0; s < sets.size(); ++s) {
+    ConstantsBySet& set = sets[s];
+    Constants* const to[] = {&set.c_A, &set.c_D, &set.c_B, &set.c_T};
+    for (std::size_t part = 0; part < 4; ++part) *to[part] = from(sums[s][part]);
+  }
+  return sets;
+}
+
+}  // namespace
+
+Homogenised homogenise(const Model& model, const State& given, const HomogeniseSettings& settings) {
+  require(model.cell.any() && model.cell.periodic == std::array<bool, 3>{true, true, true},
+          "the cell must be periodic in all three directions: it is the piece of material that is looked at");
+  require(model.walls.empty(), "a wall is no part of a material: leave walls out");
+  const OneBlasThread alone;
+  const Model here = about_cell_of(model, given);
+  StaticStage stage = stage_of(settings.newton);
+  refuse_free_bodies(here, stage, given);
+  State state = given;
+  const bool moved = !StaticBody(here, stage, given).rests_to_rounding();
+  if (moved) state = run_static_stage(here, stage, given, {}).state;
+  refuse_kinks(state);
+  if (settings.derivatives) refuse_derivatives(here, state);
+  stage = with_floating_held(here, stage, state, {});
+  try {
+    Fields fields(here, stage, state);
+    Homogenised found = fields.result();
+    found.moved = moved;
+    if (settings.derivatives) found.derivatives = fields.by_set();
+    return found;
+  } catch (...) {  // memory has run out, or a solver does not converge
+    throw current_failure(stage);
+  }
+}
+
+}  // namespace vbond

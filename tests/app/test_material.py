@@ -1,0 +1,96 @@
+"""The material that a periodic cell is a piece of, and bonds for a material, through the program."""
+import json
+from pathlib import Path
+
+import pytest
+from program import EXAMPLES, number, run_example, table, values, vbond
+
+LATTICE = """[cell]
+a = [3, 0, 0]
+b = [0, 3, 0]
+c = [0, 0, 3]
+[[specimen]]
+kind = "block"
+cells = [3, 3, 3]
+radius = 0.5
+mass = 1.0
+[[bonds]]
+name = "near"
+distance = 1.1
+stiffness = { c_A = 1.0, c_D = 0.4, c_B = 0.05, c_T = 0.05 }
+[[bonds]]
+name = "far"
+distance = 1.5
+stiffness = { c_A = 0.5, c_D = 0.2, c_B = 0.05, c_T = 0.05 }
+[time]
+step = 0.5
+[[stage]]
+duration = 1
+"""
+
+
+@pytest.fixture
+def lattice():
+    Path("lattice.toml").write_text(LATTICE, encoding="utf-8")
+    return "lattice.toml"
+
+
+def constants(case, *options):
+    return json.loads(vbond("homogenise", case, "--json", *options).out)
+
+
+def test_a_lattice_says_what_it_is(lattice):
+    found = constants(lattice)
+    text = vbond("homogenise", lattice).out
+    assert found["order"] == ["xx", "yy", "zz", "yz", "xz", "xy"] and found["particles"] == 27 and found["floating"] == 0
+    assert "27 particles" in text and f"{found['hill']['E']:.7g}" in text and "Anisotropy" in text
+    assert found["E"]["x"] == pytest.approx(found["E"]["z"], rel=1e-12)
+    assert found["wave_speeds"]["x"][2] == pytest.approx((found["C"][0][0] / found["density"]) ** 0.5, rel=1e-12)
+
+
+def test_bonds_are_calibrated_and_the_case_has_the_constants(lattice):
+    wanted = constants(lattice, "--set", "bonds[0].stiffness_factors.c_D=0.5", "--set", "bonds[1].stiffness_factors.c_D=0.5")["hill"]
+    said = vbond("calibrate", lattice, "--E", "10", "--nu", repr(wanted["nu"]), "--bending", "normal").out
+    lines = [line for line in said.splitlines() if line.startswith("stiffness_factors = ")]
+    assert len(lines) == 2 and "# near" in said and "# far" in said
+    text = Path(lattice).read_text(encoding="utf-8")
+    Path("found.toml").write_text(text.replace('name = "near"\n', f'name = "near"\n{lines[0]}\n')
+                                      .replace('name = "far"\n', f'name = "far"\n{lines[1]}\n'), encoding="utf-8")
+    found = constants("found.toml")["hill"]
+    assert found["E"] == pytest.approx(10, rel=1e-8) and found["nu"] == pytest.approx(wanted["nu"], abs=1e-8)
+
+
+def test_stiffnesses_per_area_are_told_as_such(lattice):
+    parallel = 'theory = "parallel"\nk_n = 2.0\nk_s = 1.0\nsection = { shape = "circle", factor = 0.5 }'
+    text = Path(lattice).read_text(encoding="utf-8")
+    first, second = text.split("[[bonds]]")[1:]
+    one = text.replace(first, first.split("stiffness")[0] + parallel + "\n").replace("[[bonds]]" + second, "[time]" + second.split("[time]")[1])
+    Path("parallel.toml").write_text(one, encoding="utf-8")
+    said = vbond("calibrate", "parallel.toml", "--E", "3", "--nu", "0.05").out
+    k_n, k_s = (float(line.split("=")[1]) for line in said.splitlines() if line.startswith("k_"))
+    found = constants("parallel.toml", "--set", f"bonds[0].k_n={k_n!r}", "--set", f"bonds[0].k_s={k_s!r}")["hill"]
+    assert found["E"] == pytest.approx(3, rel=1e-8) and found["nu"] == pytest.approx(0.05, abs=1e-8)
+
+
+def test_what_cannot_be_is_refused_with_the_nearest(lattice):
+    run = vbond("calibrate", lattice, "--E", "1", "--nu", "0.45", status=1, err=["nu = 0.45 cannot be had", "the nearest, nu = "])
+    assert "stiffness_factors" in run.out
+    vbond("calibrate", lattice, "--E", "1", "--nu", "0.6", status=2, err=["--nu 0.6", "nu < 0.5"])
+    vbond("calibrate", lattice, "--length", "1", status=2, err=["--E", "--nu", "--length", "leave it out"])
+    vbond("calibrate", lattice, "--E", "69 GPa", "--nu", "0.2", status=2, err=["69 GPa", "reduced units"])
+    vbond("calibrate", "--E", "1", "--length", "1", "--side", "0.2", "--bending", "normal", status=2, err="CASE")
+    text = Path(lattice).read_text(encoding="utf-8")
+    Path("open.toml").write_text(text.replace("c = [0, 0, 3]", 'c = [0, 0, 3]\nopen = ["c"]'), encoding="utf-8")
+    vbond("homogenise", "open.toml", status=2, err=["no periodic cell", "docs/cell.md"])
+    vbond("homogenise", EXAMPLES / "two_particles.toml", status=2, err=["no periodic cell"])
+
+
+def test_silica():
+    # Andre et al., CMAME 213-216 (2012) 113: beams of 265 GPa and 0.71 of the radius make silica, 72.5 GPa and 0.17. The
+    # pull of the stage is that of Young's modulus along z, whose strain of 1e-4 moves it by that much.
+    found = constants(EXAMPLES / "silica.toml")
+    assert 72e9 < found["hill"]["E"] < 76e9 and 0.165 < found["hill"]["nu"] < 0.175
+    assert 6.0 < 2 * found["bonds"] / found["particles"] < 6.1
+    run_example("silica")
+    row = table("silica.out")[-1]
+    assert row["cell_stress_zz"] / row["cell_strain_zz"] == pytest.approx(found["E"]["z"], rel=1e-3)

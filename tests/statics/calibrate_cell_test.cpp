@@ -1,0 +1,108 @@
+// Stiffnesses of bonds from elastic constants of a packing.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <string>
+
+#include "campaigns/dice.hpp"
+#include "packed.hpp"
+#include "vbond/statics/calibrate_cell.hpp"
+
+namespace vbond::calibrate_cell_test {
+namespace {
+
+using namespace testing;
+
+/// c_A = 1, c_D = 1, c_B = c_T = c_D a^2/12, as the reference has it where its q and s are 1.
+Specimen of_reference(bool evm = false) {
+  Specimen s = packed(packing_of_equals(), true, evm, false);
+  for (Bond& b : s.state.bonds)
+    b.coefficients = b.law->from_stiffness({1.0, 1.0, sq(b.a) / 12, sq(b.a) / 12}, b.a, b.coefficients);
+  return s;
+}
+
+// Another program's answers for the packing HG1, by bracketing.
+TEST(CalibrateCell, FindsTheStiffnessesOfAnotherProgram) {
+  struct {
+    double E, nu, q, s;
+  } const answers[] = {{1.0, 0.25, 0.055580711557936445, 1.0282763091626834},
+                       {2.5, 0.1, 0.5658612085484297, 1.5412649593060552},
+                       {7e10, 0.02, 0.9408708815146486, 35656291580.41414}};
+  for (const bool evm : {false, true})
+    for (const auto& [E, nu, q, s] : answers) {
+      const Specimen body = of_reference(evm);
+      const CalibratedCell c = calibrate_cell(body.model, body.state, {E, nu}, BendingFollows::shear);
+      EXPECT_NEAR(c.factors.normal, s, 1e-10 * s);
+      EXPECT_NEAR(c.factors.shear / c.factors.normal, q, 1e-10 * q);
+      EXPECT_LE(c.iterations, 8);
+      const IsotropicConstants is = ElasticConstants(c.found.C).hill();
+      EXPECT_NEAR(is.E(), E, 1e-10 * E);
+      EXPECT_NEAR(is.nu(), nu, 1e-10);
+    }
+}
+
+// The limit of hinged bars, by the other program; at a ratio of 1e-6 it is met to 3e-6.
+TEST(CalibrateCell, RefusesWhatTheseBondsCannotDo) {
+  const Specimen s = of_reference();
+  for (const double nu : {0.35, 0.28}) try {
+      calibrate_cell(s.model, s.state, {1.0, nu}, BendingFollows::shear);
+      FAIL() << nu;
+    } catch (const OutOfReach& e) {
+      EXPECT_NEAR(e.nu, 0.27565124420068465, 1e-5);
+      const State nearest = with_factors(s.state, e.nearest, BendingFollows::shear);
+      EXPECT_NEAR(ElasticConstants(homogenise(s.model, nearest).C).hill().E(), 1.0, 1e-9);
+    }
+  try {  // at the other end, where shear is 1e4 times as stiff
+    calibrate_cell(s.model, s.state, {1.0, -0.95}, BendingFollows::shear);
+    FAIL();
+  } catch (const OutOfReach& e) {
+    EXPECT_LT(e.nu, -0.6134664205455312) << "that at a ratio of 10, by the other program";
+    EXPECT_GT(e.nu, -0.95);
+  }
+  EXPECT_THROW(calibrate_cell(s.model, s.state, {1.0, 0.5}, BendingFollows::shear), std::invalid_argument);
+  EXPECT_THROW(calibrate_cell(s.model, s.state, {0.0, 0.2}, BendingFollows::shear), std::invalid_argument);
+}
+
+// Random bodies, made with known factors: the constants that these give are asked for, and the factors found.
+// As many of them as VBOND_CAMPAIGN says.
+TEST(CalibrateCell, FindsFactorsThatARandomBodyWasMadeWith) {
+  const char* given = std::getenv("VBOND_CAMPAIGN");
+  const unsigned count = given != nullptr ? static_cast<unsigned>(std::atoi(given)) : 6;
+  unsigned wrong = 0, most = 0;
+  for (unsigned seed = 1; seed <= count; ++seed) {
+    Dice dice(seed);
+    const bool equals = dice.chance(0.5);
+    Specimen s = packed(equals ? packing_of_equals() : packing_of_sizes(), true, dice.chance(0.5), false);
+    for (Bond& b : s.state.bonds) {  // of each size, some of them missing
+      const double c = dice.ratio(0.5, 2), d = dice.ratio(0.1, 1);
+      b.coefficients =
+          b.law->from_stiffness({c, d, dice.ratio(0.01, 0.3), dice.ratio(0.01, 0.3)}, b.a, b.coefficients);
+      if (dice.chance(0.05)) b.broken = true;
+    }
+    const BendingFollows bending =
+        dice.one_of({BendingFollows::area, BendingFollows::shear, BendingFollows::normal});
+    const StiffnessFactors made{dice.ratio(1e-3, 1e3), dice.ratio(1e-3, 1e3)};
+    const IsotropicConstants is =
+        ElasticConstants(homogenise(s.model, with_factors(s.state, made, bending)).C).hill();
+    const CalibratedCell c = calibrate_cell(s.model, s.state, {is.E(), is.nu()}, bending);
+    // nu says little of the ratio where it is near its limits
+    const IsotropicConstants back = ElasticConstants(c.found.C).hill();
+    const bool same =
+        std::abs(back.E() / is.E() - 1) < 1e-9 && std::abs(back.nu() - is.nu()) < 1e-9 &&
+        std::abs(std::log(c.factors.shear / c.factors.normal / (made.shear / made.normal))) < 1e-4;
+    if (!same) {
+      ++wrong;
+      ADD_FAILURE() << "seed " << seed << ": made with " << made.normal << " " << made.shear << ", found "
+                    << c.factors.normal << " " << c.factors.shear;
+    }
+    most = std::max(most, static_cast<unsigned>(c.iterations));
+  }
+  RecordProperty("bodies", static_cast<int>(most));
+  EXPECT_EQ(wrong, 0u);
+  EXPECT_LE(most, 20u);
+}
+
+}  // namespace
+}  // namespace vbond::calibrate_cell_test
