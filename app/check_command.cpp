@@ -365,6 +365,7 @@ int check(const RunOptions& options) {
   if (const std::string bodies = bodies_in_words(model, state); !bodies.empty())
     fmt::print("separate bodies  {}\n", bodies);
   print_notes(remarks(c, model, state));
+  print_notes(run.notes_on_stage());
   print_overlaps(model, state);
   print_strengths(c);
 

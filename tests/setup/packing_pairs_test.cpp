@@ -283,6 +283,8 @@ TEST(PackingBonds, FacesThatCannotBeAreRefusedWithTheWayOut) {
   const std::string large = mistake_of("gap = 0.11\nneighbours = \"voronoi\"\nleast_face = 100\n" + stiff);
   EXPECT_TRUE(contains(large, "none of the 3 pairs within a gap of 0.11")) << large;
   EXPECT_TRUE(contains(mistake_of("gap = 1\nleast_face = 0.1\n" + stiff), "is used only with neighbours"));
+  const std::string negative = mistake_of("gap = 1\nneighbours = \"voronoi\"\nleast_face = -1\n" + stiff);
+  EXPECT_TRUE(contains(negative, "0.01")) << negative;  // of the size that such a face has
 }
 
 // ---- a share of them -------------------------------------------------------------------------------

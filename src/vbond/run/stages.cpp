@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -9,6 +10,7 @@
 #include "vbond/model/swing_bound.hpp"
 #include "vbond/run/static_solver.hpp"
 #include "vbond/setup/build.hpp"
+#include "vbond/setup/stage_resolver.hpp"
 
 namespace vbond {
 namespace {
@@ -98,6 +100,19 @@ class CaseStages : public Stages {
     const int index = static_cast<int>(k);
     if (is_static(kind(k))) return build_static_stage(c_, model, index, state);
     return build_stage(c_, model, index, state, exact_step());
+  }
+
+  std::vector<std::string> notes(std::size_t k, const State& state, std::size_t bonds_before) const override {
+    std::vector<std::string> lines;
+    for (std::size_t set = 0; set < c_.bonds.size(); ++set) {
+      if (!makes_bonds_as_it_begins(c_.bonds[set], c_.stages.at(k))) continue;
+      const auto first = state.bonds.begin() + static_cast<std::ptrdiff_t>(bonds_before);
+      if (std::none_of(first, state.bonds.end(), [&](const Bond& b) { return b.set == set; }))
+        lines.push_back(
+            fmt::format("stage \"{}\": bonds \"{}\" find no pair that is not bonded yet, and bond nothing",
+                        name(k), c_.bonds[set].name));
+    }
+    return lines;
   }
 
   AnyStage look_ahead(std::size_t k, const Model& model, Outlook& outlook) const override {

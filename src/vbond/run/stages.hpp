@@ -34,6 +34,12 @@ class Stages {
   /// Stage k, k < size(), as it begins in this state, to which it adds its bonds, or as it goes on if
   /// state.clock.stage_step > 0. Throws CaseError or std::invalid_argument.
   virtual AnyStage make(std::size_t k, const Model& model, State& state) const = 0;
+  /// What there is to tell of stage k, which has just begun in this state and added all bonds but the first
+  /// `bonds_before`; a line each.
+  virtual std::vector<std::string> notes(std::size_t /*k*/, const State&,
+                                         std::size_t /*bonds_before*/) const {
+    return {};
+  }
   /// The same before the stages in front of it have run; throws only for what is wrong whatever they do.
   virtual AnyStage look_ahead(std::size_t k, const Model& model, Outlook& outlook) const = 0;
 };
