@@ -345,9 +345,9 @@ int check(const RunOptions& options) {
   const int threads = options.threads;
   require_statics(c);
   require_memory(c);
-  Built built = build(c);
+  Built built = build(c, threads);
   require_memory(c, built.model, built.state);
-  Run run(std::move(built.model), std::move(built.state), stages_of(c), threads);
+  Run run(std::move(built.model), std::move(built.state), stages_of(c, threads), threads);
   refuse_all(run);
   const Model& model = run.model();
   const AnyStage& first = run.prepare();

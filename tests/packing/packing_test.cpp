@@ -197,7 +197,7 @@ TEST(Packing, WhereGrainsJustFitTheSearchIsShort) {
     q.seed = seed;
     const Packing p = pack(q);
     EXPECT_LE(deepest_overlap(q.vessel, p), 0.01);
-    EXPECT_LT(p.iterations, 3000);
+    EXPECT_LT(p.iterations, 1500);
   }
 }
 

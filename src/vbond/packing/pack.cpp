@@ -201,13 +201,14 @@ class Packer {
     throw Locked{grains_.radius.size(), std::max(density(s), least)};
   }
 
-  /// Grains that are smaller by half of the overlap that may be left, with half of it for their own: such
+  /// Grains that are smaller by most of the overlap that may be left, with the rest of it for their own: such
   /// overlaps need not be in balance. Where grains just fit, this is reached long before the balance at full
   /// size, and often where that would leave larger overlaps.
   Relaxed relax_smaller(SoftSpheres& s) const {
+    constexpr double most = 0.9;
     const double ratio = grains_.radius.front() / grains_.radius.back();
-    RelaxGoal goal{0.5 * q_.overlap, 0.0, 0.0, 1e-2, patience_};
-    s.set_scale(1.0 - 0.5 * q_.overlap / (1.0 + ratio));
+    RelaxGoal goal{(1.0 - most) * q_.overlap, 0.0, 0.0, 1e-2, patience_};
+    s.set_scale(1.0 - most * q_.overlap / (1.0 + ratio));
     s.relax(goal);
     s.set_scale(1.0);
     goal = {q_.overlap, 0.0, 0.0, 1e-2, 0};

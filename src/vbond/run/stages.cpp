@@ -90,7 +90,7 @@ class GivenStages : public Stages {
 
 class CaseStages : public Stages {
  public:
-  explicit CaseStages(const Case& c) : c_(c) {}
+  CaseStages(const Case& c, int threads) : c_(c), threads_(threads) {}
   std::size_t size() const override { return c_.stages.size(); }
   StageKind kind(std::size_t k) const override { return c_.stages.at(k).kind; }
   std::string name(std::size_t k) const override { return c_.stages.at(k).name; }
@@ -98,8 +98,8 @@ class CaseStages : public Stages {
 
   AnyStage make(std::size_t k, const Model& model, State& state) const override {
     const int index = static_cast<int>(k);
-    if (is_static(kind(k))) return build_static_stage(c_, model, index, state);
-    return build_stage(c_, model, index, state, exact_step());
+    if (is_static(kind(k))) return build_static_stage(c_, model, index, state, threads_);
+    return build_stage(c_, model, index, state, exact_step(), threads_);
   }
 
   std::vector<std::string> notes(std::size_t k, const State& state, std::size_t bonds_before) const override {
@@ -121,6 +121,7 @@ class CaseStages : public Stages {
 
  private:
   const Case& c_;
+  int threads_;
 };
 
 }  // namespace
@@ -138,9 +139,9 @@ std::unique_ptr<const Stages> given_stages(std::vector<AnyStage> stages) {
   return std::make_unique<GivenStages>(std::move(stages));
 }
 
-std::unique_ptr<const Stages> stages_of(const Case& c) {
+std::unique_ptr<const Stages> stages_of(const Case& c, int threads) {
   require_statics(c);
-  return std::make_unique<CaseStages>(c);
+  return std::make_unique<CaseStages>(c, threads);
 }
 
 void require_statics(const Case& c) {

@@ -48,9 +48,9 @@ class Stages {
 std::unique_ptr<const Stages> given_stages(std::vector<AnyStage> stages);
 
 /// The stages of a case, made as it is then: keeps a reference to it. Throws CaseError as require_statics
-/// does.
-std::unique_ptr<const Stages> stages_of(const Case& c);
-std::unique_ptr<const Stages> stages_of(const Case&&) = delete;
+/// does. threads: see build().
+std::unique_ptr<const Stages> stages_of(const Case& c, int threads = 0);
+std::unique_ptr<const Stages> stages_of(const Case&&, int threads = 0) = delete;
 
 /// Throws CaseError if the case needs statics and this library was built without.
 void require_statics(const Case& c);
