@@ -345,9 +345,9 @@ int check(const RunOptions& options) {
   const int threads = options.threads;
   require_statics(c);
   require_memory(c);
-  Built built = build(c);
+  Built built = build(c, threads);
   require_memory(c, built.model, built.state);
-  Run run(std::move(built.model), std::move(built.state), stages_of(c), threads);
+  Run run(std::move(built.model), std::move(built.state), stages_of(c, threads), threads);
   refuse_all(run);
   const Model& model = run.model();
   const AnyStage& first = run.prepare();
@@ -365,6 +365,7 @@ int check(const RunOptions& options) {
   if (const std::string bodies = bodies_in_words(model, state); !bodies.empty())
     fmt::print("separate bodies  {}\n", bodies);
   print_notes(remarks(c, model, state));
+  print_notes(run.notes_on_stage());
   print_overlaps(model, state);
   print_strengths(c);
 

@@ -312,9 +312,9 @@ int run(const RunOptions& options) {
   require_statics(c);
   require_memory(c);
   require_memory(c, processes.here());
-  Built built = build(c);
+  Built built = build(c, options.threads);
   require_memory(c, built.model, built.state);
-  Run run(std::move(built.model), std::move(built.state), stages_of(c), options.threads);
+  Run run(std::move(built.model), std::move(built.state), stages_of(c, options.threads), options.threads);
   run.check();
   bonds_to_come(c, run);  // throws if they cannot fit into memory
   spread(processes, c, run);
@@ -364,11 +364,12 @@ int resume(const fs::path& folder, const RunOptions& options) {
   require_statics(c);
   require_memory(c);
   require_memory(c, processes.here());
-  Built built = build(c);
+  Built built = build(c, options.threads);
   Checkpoint checkpoint = read_checkpoint(folder / "checkpoint.h5", built.model);
   check_edits(c, built.state, checkpoint.state, folder / "resolved.toml");
   const Clock clock = checkpoint.state.clock;  // all of the state that observers go on from
-  Run run(std::move(built.model), std::move(checkpoint.state), stages_of(c), options.threads);
+  Run run(std::move(built.model), std::move(checkpoint.state), stages_of(c, options.threads),
+          options.threads);
   checkpoint.state.clock = clock;
   const bool complete = run.complete();
   if (!complete) run.check();

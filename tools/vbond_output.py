@@ -66,7 +66,9 @@ class Run:
         self.folder = pathlib.Path(folder)
         self.summary = json.loads((self.folder / "run.json").read_text())
         self.files, self.times = {}, []
-        for what in ("particles", "bonds"):
+        for what in ("particles", "bonds", "contacts"):
+            if not (self.folder / f"{what}.pvd").exists():  # no frames, or none of contacts
+                continue
             listed = re.findall(r'timestep="([^"]+)".*file="([^"]+)"', (self.folder / f"{what}.pvd").read_text())
             self.times = [float(time) / T_0 for time, _ in listed]
             self.files[what] = [self.folder / name for _, name in listed]

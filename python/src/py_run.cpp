@@ -152,9 +152,10 @@ class PyRun {
   void make(SharedCase c, int threads) {
     require_statics(*c);
     require_memory(*c);
-    Built built = build(*c);
+    Built built = build(*c, threads);
     require_memory(*c, built.model, built.state);
-    auto run = std::make_unique<Run>(std::move(built.model), std::move(built.state), stages_of(*c), threads);
+    auto run = std::make_unique<Run>(std::move(built.model), std::move(built.state), stages_of(*c, threads),
+                                     threads);
     run->check();
     model_ = std::make_shared<const Model>(run->model());
     const OutputPlan plan = plan_output(*c, run->model(), {});

@@ -173,6 +173,34 @@ TEST(Packing, WhatCannotBeIsRefusedWithTheNearest) {
   EXPECT_NE(way_out(), "");
 }
 
+TEST(Packing, OneGrainIsNotJammed) {
+  Request q = equal_grains(cube(3), 1.0);
+  for (const auto& until : {UntilJammed{1}, UntilJammed{}}) {
+    q.until = until;
+    if (!until.grains) q.vessel = hollow_ball(1.1);
+    try {
+      pack(q);
+      FAIL() << "one grain presses on nothing";
+    } catch (const Refused& e) {
+      EXPECT_NE(std::string(e.what()).find("one grain"), std::string::npos) << e.what();
+      EXPECT_NE(e.way_out.find("larger vessel"), std::string::npos) << e.way_out;
+    }
+  }
+}
+
+// Equal spheres lock at .639. At .64 they need overlaps, and with a hundredth of a radius at most they fit.
+TEST(Packing, WhereGrainsJustFitTheSearchIsShort) {
+  Request q = equal_grains(cube(std::cbrt(1000 * 4.0 / 3.0 * std::numbers::pi / 0.64)), 1.0);
+  q.until = ToPorosity{0.36};
+  q.overlap = 0.01;
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    q.seed = seed;
+    const Packing p = pack(q);
+    EXPECT_LE(deepest_overlap(q.vessel, p), 0.01);
+    EXPECT_LT(p.iterations, 1500);
+  }
+}
+
 TEST(SequentialAddition, ItsDensityTendsToThatOfTheLiterature) {
   // The density comes near .3841 as time^(-1/3) (Zhang and Torquato, Phys. Rev. E 88, 053312, 2013); the
   // first sphere that finds no place in m draws tells that the rate, time^(-4/3), is 1/m: near by m^(-1/4)

@@ -132,6 +132,34 @@ TEST(Voronoi, VolumesAddUpAndFacesAreSeenAlikeFromBothSides) {
   }
 }
 
+TEST(Voronoi, OneParticleFarFromAllOthersChangesNothing) {
+  Dice dice(7);
+  std::vector<Vec3d> r;
+  for (int k = 0; k < 300; ++k) r.push_back(dice.vector(1.0));
+  r.push_back({500, -700, 900});
+  std::vector<double> R;
+  for (std::size_t k = 0; k < r.size(); ++k) R.push_back(dice(0.01, 0.03));
+  for (const bool along_x : {false, true}) {
+    const Vec3d low{-2, -1001, -1001}, high{1001, 1001, 1001};
+    Vessel v;
+    set_frame(v, BoundingBox{low, high});
+    add_box(v, low, high);
+    if (along_x) {  // through which the far one meets them
+      v.cell = {{v.edges[0], {}, {}, {}}, {v.edges[1], {}, {}, {}}, {v.edges[2], {}, {}, {}}};
+      v.periodic = {true, false, false};
+      v.walls.erase(v.walls.begin(), v.walls.begin() + 2);
+    }
+    const VoronoiCells cells = voronoi_cells(*space_of(v), r, R);
+    double sum = 0.0;
+    for (const double volume : cells.volume) sum += volume;
+    EXPECT_NEAR(sum / v.frame_volume(), 1.0, 1e-9);
+    for (std::size_t i = 0; i < r.size(); i += 10) {
+      const double plain = plain_cell(*space_of(v), r, R, i).volume();
+      EXPECT_NEAR(cells.volume[i] / plain, 1.0, 1e-6) << i;
+    }
+  }
+}
+
 // A place belongs to the sphere with the least d^2 - R^2. Of n places drawn at random, n v/V (1 +- 1/sqrt(n
 // v/V)) belong to a cell of volume v.
 TEST(Voronoi, VolumesAreThoseThatCountingFinds) {

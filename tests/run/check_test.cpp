@@ -57,6 +57,39 @@ void expect_silence(const std::string& text) {
   EXPECT_TRUE(refusals(text).empty()) << text_of(refusals(text));
 }
 
+TEST(Bonds, ThatAStageDoesNotFindAreToldOnce) {
+  const Case c = parse_case(rod + R"([[stage]]
+name = "second"
+duration = "1 T0"
+[[bonds]]
+name = "glue"
+distance = 1.5
+when = "stage"
+stages = ["first", "second"]
+stiffness = {c_A = 1, c_D = 0.03, c_B = 0.0025, c_T = 0.002}
+[[bonds]]
+name = "far"
+distance = 2.1
+when = "stage"
+stages = ["second"]
+stiffness = {c_A = 1, c_D = 0.03, c_B = 0.0025, c_T = 0.002}
+)",
+                            "case.toml");
+  Built b = build(c);
+  vbond::Run run(std::move(b.model), std::move(b.state), stages_of(c));
+  std::vector<std::string> told;
+  run.check();
+  EXPECT_EQ(run.notes_on_stage().size(), 1u);
+  RunHooks hooks;
+  hooks.tell = [&told](const std::string& line) { told.push_back(line); };
+  run.set_hooks(hooks);
+  for (int k = 0; k < 10; ++k) run.step(3);
+  run.run();
+  ASSERT_EQ(told.size(), 2u);
+  EXPECT_NE(told[0].find("stage \"first\": bonds \"glue\""), std::string::npos) << told[0];
+  EXPECT_NE(told[1].find("stage \"second\": bonds \"glue\""), std::string::npos) << told[1];
+}
+
 TEST(Check, SaysNothingOfACaseThatRuns) {
   expect_silence(rod + "[[stage]]\nname = \"second\"\nduration = \"1 T0\"\n");
 }

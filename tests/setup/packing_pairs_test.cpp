@@ -275,6 +275,24 @@ TEST(PackingBonds, OfFreeSurfacesAreChosenAsInside) {
   }
 }
 
+// Cells end farther outside of a free surface for a set that reaches farther: sets must not take each
+// other's.
+TEST(PackingBonds, WithFacesDoNotDependOnSetsBeforeThem) {
+  const std::string sheet = "[[specimen]]\nkind = \"sheet\"\nparticles = [6, 5]\nradius = 0.3\nmass = 1\n";
+  const auto set = [](const std::string& name, const std::string& distance) {
+    return "[[bonds]]\nname = \"" + name + "\"\nneighbours = \"voronoi\"\ndistance = " + distance + "\n" +
+           stiff;
+  };
+  const auto pairs = [&](const std::string& sets) {
+    PairList list = pairs_of(build(parse_case(sheet + sets + still, "case.toml")));
+    std::sort(list.begin(), list.end());
+    return list;
+  };
+  const PairList near = pairs(set("near", "1.01")), far = pairs(set("far", "1.8"));
+  EXPECT_GT(far.size(), near.size());  // along the rim those of the second row meet outside
+  EXPECT_EQ(pairs(set("near", "1.01") + set("far", "1.8")), far);
+}
+
 TEST(PackingBonds, FacesThatCannotBeAreRefusedWithTheWayOut) {
   const std::string approach = mistake_of("gap = 1\nneighbours = \"voronoi\"\nwhen = \"approach\"\n" + stiff);
   EXPECT_TRUE(contains(approach, "chooses among pairs within distance, gap or gap_factor")) << approach;
@@ -283,6 +301,8 @@ TEST(PackingBonds, FacesThatCannotBeAreRefusedWithTheWayOut) {
   const std::string large = mistake_of("gap = 0.11\nneighbours = \"voronoi\"\nleast_face = 100\n" + stiff);
   EXPECT_TRUE(contains(large, "none of the 3 pairs within a gap of 0.11")) << large;
   EXPECT_TRUE(contains(mistake_of("gap = 1\nleast_face = 0.1\n" + stiff), "is used only with neighbours"));
+  const std::string negative = mistake_of("gap = 1\nneighbours = \"voronoi\"\nleast_face = -1\n" + stiff);
+  EXPECT_TRUE(contains(negative, "0.01")) << negative;  // of the size that such a face has
 }
 
 // ---- a share of them -------------------------------------------------------------------------------

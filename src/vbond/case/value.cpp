@@ -133,8 +133,11 @@ std::string Range::text() const {
 
 bool NumberCodec::read(const Node& n, ReadContext& in, const std::string& path, double& out) const {
   double x = 0;
-  if (!read_number(n, dimension, in, path, type(), example(in.units), x)) return false;
-  if (!check_range(range, x, n, in, path, example(in.units))) return false;
+  // before it is read it has its default, which is of a better size than 1
+  const bool has_default = dimension == pure && out != 0.0 && range.contains(out);
+  const std::string such_as_this = has_default ? number_text(out) : example(in.units);
+  if (!read_number(n, dimension, in, path, type(), such_as_this, x)) return false;
+  if (!check_range(range, x, n, in, path, such_as_this)) return false;
   out = x;
   return true;
 }

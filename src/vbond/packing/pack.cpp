@@ -183,12 +183,16 @@ class Packer {
     const double most = grains_.radius.size() < few ? 1.0 : std::min(1.0, dense / (left * left * left));
     if (volume_of(grains_.radius) >= most * volume_)  // needs no trial
       throw Locked{grains_.radius.size(), most};
+    constexpr std::int64_t short_search = 1000;  // steps: far from where grains lock a few hundred do
     SoftSpheres s = put_in();
     s.set_scale(1.0);
-    RelaxGoal goal{q_.overlap, 0.0, 0.0, 1e-2, patience_};
+    RelaxGoal goal{q_.overlap, 0.0, 0.0, 1e-2, std::min(patience_, short_search)};
     Relaxed x = s.relax(goal);
-    // near where grains lock the rest of the way to balance takes much from overlaps
-    if (x.balanced && x.largest_overlap < 5.0 * q_.overlap) goal.unbalanced = 1e-3, x = s.relax(goal);
+    const bool near = x.largest_overlap < 5.0 * q_.overlap;  // to where grains lock
+    if (!x.enough && (!x.balanced || near)) x = relax_smaller(s);
+    // there the rest of the way to balance takes much from overlaps
+    goal.unbalanced = 1e-3, goal.iterations = patience_;
+    if (!x.enough && near) x = s.relax(goal);
     if (x.enough) return result(s, x);
     const double too_deep = 1.0 - 0.9 * std::min(1.0, q_.overlap / x.largest_overlap);
     s.set_scale(1.0 - slope * too_deep * x.mean_overlap);
@@ -197,11 +201,30 @@ class Packer {
     throw Locked{grains_.radius.size(), std::max(density(s), least)};
   }
 
+  /// Grains that are smaller by most of the overlap that may be left, with the rest of it for their own: such
+  /// overlaps need not be in balance. Where grains just fit, this is reached long before the balance at full
+  /// size, and often where that would leave larger overlaps.
+  Relaxed relax_smaller(SoftSpheres& s) const {
+    constexpr double most = 0.9;
+    const double ratio = grains_.radius.front() / grains_.radius.back();
+    RelaxGoal goal{(1.0 - most) * q_.overlap, 0.0, 0.0, 1e-2, patience_};
+    s.set_scale(1.0 - most * q_.overlap / (1.0 + ratio));
+    s.relax(goal);
+    s.set_scale(1.0);
+    goal = {q_.overlap, 0.0, 0.0, 1e-2, 0};
+    return s.relax(goal);  // as they stand
+  }
+
   Packing until_reached(const UntilJammed& until) {
     grains_ =
         make_grains(q_, until.grains ? static_cast<double>(*until.grains) : 0.64 * volume_ / mean_volume(q_));
     double guess = expected_density(grains_.radius);
     if (!until.grains) grains_ = make_grains(q_, guess * volume_ / mean_volume(q_));
+    if (grains_.radius.size() < 2)
+      throw Refused("jammed = true for one grain", "grains lock where they press on each other",
+                    fmt::format("take smaller grains or a larger vessel; or leave jammed out: the largest "
+                                "sphere in the vessel has a radius of about {:.4g}",
+                                room_));
     for (int round = 0;; ++round) {
       constexpr double near = 0.003;
       Packing p = lock(guess);
@@ -220,7 +243,8 @@ class Packer {
     SoftSpheres s = put_in();
     RelaxGoal goal{0.0, 1e-5, 0.0, 1e-2, 1'000'000};
     Relaxed x;
-    for (int tries = 1; !x.balanced && tries <= 10; ++tries) {
+    constexpr int most_tries = 10;
+    for (int tries = 1; !x.balanced && tries <= most_tries; ++tries) {
       s.set_scale(std::cbrt((guess + tries * beyond) * volume_ / volume_of(grains_.radius)));
       x = s.relax(goal);
     }
@@ -236,8 +260,12 @@ class Packer {
       s.set_scale(s.scale() * (1.0 - slope * (1.0 - change) * x.mean_overlap));
       x = s.relax(goal);
     }
-    throw Refused("the grains do not lock", "no size was found at which they just touch",
-                  "take another seed, or a porosity");
+    throw Refused(fmt::format("{} grains do not lock", grains_.radius.size()),
+                  fmt::format("no size was found at which they just touch; expected was a density of {:.3f}, "
+                              "and they were pressed up to {:.3f}",
+                              guess, guess + most_tries * beyond),
+                  "few grains, and vessels hardly wider than them, may not lock: take more grains, another "
+                  "seed, or a porosity");
   }
 
   static constexpr double slope = 1.6;  // change of size over mean overlap near where grains lock: measured

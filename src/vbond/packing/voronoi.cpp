@@ -13,8 +13,9 @@
 namespace vbond::packing {
 namespace {
 
-/// Particles in bins, which are equal parts of the parallelepiped, so that those near one are found ring by
-/// ring.
+/// Particles in bins of the parallelepiped, so that those near one are found ring by ring. Bins are equal
+/// parts; where particles crowd, as they do if one of them is far from all others, planes between bins part
+/// them into equal numbers along each edge instead.
 class Bins {
  public:
   struct Near {
@@ -25,42 +26,39 @@ class Bins {
 
   Bins(const VoronoiSpace& space, const std::vector<Vec3d>& r) : space_(space) {
     for (const Vec3d& e : space.edges) edges_.push_back({e, {}, {}, {}});
-    const Vec3d height = heights(edges_);
-    const double share = std::cbrt(3.0 / static_cast<double>(r.size()) * volume(edges_));
-    width_ = std::numeric_limits<double>::infinity();
-    for (int k = 0; k < 3; ++k) {
-      count_[k] = 1 + static_cast<std::int64_t>(std::min(component(height, k) / share, 1e4));
-      width_ = std::min(width_, component(height, k) / static_cast<double>(count_[k]));
-    }
-    const std::size_t bins = static_cast<std::size_t>(count_[0] * count_[1] * count_[2]);
-    std::vector<std::size_t> bin;
-    first_.assign(bins + 1, 0);
+    height_ = heights(edges_);
     for (const Vec3d& at : r) {
       Vec3d s = in_edges(edges_, between(space.corner, at));
       const Image back{whole(s.x, 0), whole(s.y, 1), whole(s.z, 2)};
       s = s - Vec3d{double(back.a), double(back.b), double(back.c)};
-      home_.push_back({part(s.x, 0), part(s.y, 1), part(s.z, 2)});
+      s_.push_back(s);
       moved_.push_back(-back);
       r_.push_back(at - double(back.a) * space.edges[0] - double(back.b) * space.edges[1] -
                    double(back.c) * space.edges[2]);
-      bin.push_back(bin_of(home_.back()));
-      ++first_[bin.back() + 1];
     }
-    for (std::size_t b = 0; b < bins; ++b) first_[b + 1] += first_[b];
-    members_.resize(r.size());
-    std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
-    for (std::size_t i = 0; i < r.size(); ++i) members_[next[bin[i]]++] = i;
+    const double share = std::cbrt(3.0 / static_cast<double>(r.size()) * volume(edges_));
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double parts = std::floor(std::min(component(height_, static_cast<int>(k)) / share, 1e4)) + 1.0;
+      for (double cut = 0.0; cut <= parts; ++cut) cuts_[k].push_back(cut / parts);
+    }
+    if (fill() <= crowd) return;
+    for (std::size_t k = 0; k < 3; ++k) cut_by_number(k);
+    fill();
   }
 
   /// The particle as it stands in the parallelepiped.
   const Vec3d& at(std::size_t i) const { return r_[i]; }
-  /// The least distance between the faces of a bin.
-  double width() const { return width_; }
-  /// All particles nearer than this are in the rings up to this one; infinite if there are no more.
-  double known_after(std::int64_t ring) const {
-    for (std::size_t k = 0; k < 3; ++k)
-      if (space_.periodic[k] || ring < count_[k] - 1) return static_cast<double>(ring) * width_;
-    return std::numeric_limits<double>::infinity();
+  /// All particles nearer to i than this are in the rings up to this one; infinite if there are no more.
+  double known_after(std::size_t i, std::int64_t ring) const {
+    double known = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < 3; ++k) {
+      const int c = static_cast<int>(k);
+      const double s = component(s_[i], c), height = component(height_, c);
+      const std::int64_t low = home_[i][k] - ring, high = home_[i][k] + ring + 1;
+      if (space_.periodic[k] || low > 0) known = std::min(known, (s - cut(k, low)) * height);
+      if (space_.periodic[k] || high < count(k)) known = std::min(known, (cut(k, high) - s) * height);
+    }
+    return known;
   }
   /// Appends those in the bins that are `ring` bins away from that of i, i itself left out.
   void add_ring(std::size_t i, std::int64_t ring, std::vector<Near>& near) const {
@@ -75,23 +73,61 @@ class Bins {
 
  private:
   using Place = std::array<std::int64_t, 3>;
+  static constexpr std::size_t crowd = 60;  // particles in a bin; on the average there are three
 
   std::int32_t whole(double s, std::size_t k) const {
     return space_.periodic[k] ? static_cast<std::int32_t>(std::floor(s)) : 0;
   }
+  std::int64_t count(std::size_t k) const { return static_cast<std::int64_t>(cuts_[k].size()) - 1; }
   std::int64_t part(double s, std::size_t k) const {
-    return std::clamp(static_cast<std::int64_t>(std::floor(s * static_cast<double>(count_[k]))),
-                      std::int64_t{0}, count_[k] - 1);
+    const auto above = std::upper_bound(cuts_[k].begin(), cuts_[k].end(), s);
+    return std::clamp(static_cast<std::int64_t>(above - cuts_[k].begin()) - 1, std::int64_t{0}, count(k) - 1);
+  }
+  /// Number m of the planes between bins, in parts of the edge; they repeat with it.
+  double cut(std::size_t k, std::int64_t m) const {
+    const std::int64_t edges = whole_edges(m, k);
+    return static_cast<double>(edges) + cuts_[k][static_cast<std::size_t>(m - edges * count(k))];
+  }
+  std::int64_t whole_edges(std::int64_t m, std::size_t k) const {
+    return m >= 0 ? m / count(k) : -((count(k) - 1 - m) / count(k));
   }
   std::size_t bin_of(const Place& p) const {
-    return static_cast<std::size_t>(p[0] + count_[0] * (p[1] + count_[1] * p[2]));
+    return static_cast<std::size_t>(p[0] + count(0) * (p[1] + count(1) * p[2]));
+  }
+  void cut_by_number(std::size_t k) {
+    std::vector<double> s;
+    for (const Vec3d& place : s_) s.push_back(component(place, static_cast<int>(k)));
+    std::sort(s.begin(), s.end());
+    const std::size_t parts = cuts_[k].size() - 1;
+    std::vector<double> cuts{0.0};
+    for (std::size_t c = 1; c < parts; ++c)
+      if (const double at = s[c * s.size() / parts]; at > cuts.back() && at < 1.0) cuts.push_back(at);
+    cuts.push_back(1.0);
+    cuts_[k] = std::move(cuts);
+  }
+  /// Sorts the particles into the bins; returns the largest number in one.
+  std::size_t fill() {
+    const std::size_t bins = static_cast<std::size_t>(count(0) * count(1) * count(2));
+    std::vector<std::size_t> bin;
+    first_.assign(bins + 1, 0), home_.clear();
+    for (const Vec3d& s : s_) {
+      home_.push_back({part(s.x, 0), part(s.y, 1), part(s.z, 2)});
+      bin.push_back(bin_of(home_.back()));
+      ++first_[bin.back() + 1];
+    }
+    const std::size_t most = *std::max_element(first_.begin(), first_.end());
+    for (std::size_t b = 0; b < bins; ++b) first_[b + 1] += first_[b];
+    members_.resize(s_.size());
+    std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
+    for (std::size_t i = 0; i < s_.size(); ++i) members_[next[bin[i]]++] = i;
+    return most;
   }
   void add_bin(std::size_t i, Place p, std::vector<Near>& near) const {
     std::array<std::int64_t, 3> n{};
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::int64_t edges = p[k] >= 0 ? p[k] / count_[k] : -((count_[k] - 1 - p[k]) / count_[k]);
+      const std::int64_t edges = whole_edges(p[k], k);
       if (edges != 0 && !space_.periodic[k]) return;
-      n[k] = edges, p[k] -= edges * count_[k];
+      n[k] = edges, p[k] -= edges * count(k);
     }
     const Image image{static_cast<std::int32_t>(n[0]), static_cast<std::int32_t>(n[1]),
                       static_cast<std::int32_t>(n[2])};
@@ -106,10 +142,10 @@ class Bins {
 
   const VoronoiSpace& space_;
   CellEdges edges_;
-  double width_ = 0;
-  std::int64_t count_[3] = {};
-  std::vector<Vec3d> r_;
-  std::vector<Image> moved_;  // by so many edges, to stand in the parallelepiped
+  Vec3d height_;
+  std::array<std::vector<double>, 3> cuts_;  // planes between bins, from 0 to 1
+  std::vector<Vec3d> r_, s_;                 // in the parallelepiped; the same in parts of its edges
+  std::vector<Image> moved_;                 // by so many edges, to stand in it
   std::vector<Place> home_;
   std::vector<std::size_t> first_, members_;
 };
@@ -169,8 +205,8 @@ class CellMaker {
     double cut_to = -std::numeric_limits<double>::infinity();
     for (std::int64_t ring = 0;; ++ring) {
       if (!cut_by_ring(i, ring)) return false;
-      const double known = bins_.known_after(ring),
-                   to = std::min(farthest(), bins_.width() * static_cast<double>(ring + 1));
+      const double known = bins_.known_after(i, ring),
+                   to = std::min(farthest(), bins_.known_after(i, ring + 1));
       if (!cut_by_planes(cut_to, to)) return false;
       cut_to = std::max(cut_to, to);
       if (std::isinf(known) || (known > 0.0 && 0.5 * (known + excess / known) >= farthest())) break;

@@ -89,6 +89,16 @@ const AnyStage& Run::prepare() {
   return *stage_;
 }
 
+std::vector<std::string> Run::notes_on_stage() const {
+  if (!stage_ || simulation_ || state_.clock.stage_step > 0) return {};
+  return stages_->notes(stage_index(), state_, bonds_before_);
+}
+
+void Run::tell_notes_once() {
+  if (std::exchange(noted_stage_, stage_index()) == stage_index() || !hooks_.tell) return;
+  for (const std::string& line : notes_on_stage()) hooks_.tell(line);
+}
+
 State Run::start_of_stage() const {
   require(!simulation_ && (restart_ || state_.clock.stage_step == 0), "the stage is under way");
   State start = restart_ ? *restart_ : state_;
@@ -101,6 +111,7 @@ void Run::begin() {
   if (!checked_) check();
   const AnyStage& stage = prepare();
   if (simulation_ || !std::holds_alternative<Stage>(stage)) return;
+  tell_notes_once();
   if (const auto& distance = std::get<Stage>(stage).stops.distance)
     for (const ParticleId p : {distance->i, distance->j})
       require(!is_dropped(state_, p),
@@ -260,6 +271,7 @@ StageResult Run::run_static() {
           fmt::format("stage \"{}\" is static, and {} particles were dropped before it: "
                       "a balance is looked for with all particles",
                       stage.name, state_.dropped.size()));
+  tell_notes_once();
   if (restart_) state_ = *std::exchange(restart_, {});
   if (moves(state_) && hooks_.tell)
     hooks_.tell(

@@ -103,6 +103,9 @@ class Run {
   /// makes the stage, with its bonds; begin sets up the time loop.
   const AnyStage& prepare();
   void begin();
+  /// What there is to tell of the stage that prepare() has made, before it begins; a line each. Hooks are
+  /// told as it begins.
+  std::vector<std::string> notes_on_stage() const;
   /// The state before prepare() has made the stage's bonds, which a run that begins in it makes again; of a
   /// static stage that was interrupted the one to begin it again from.
   State start_of_stage() const;
@@ -133,6 +136,7 @@ class Run {
 
  private:
   void require_able() const;
+  void tell_notes_once();
   bool any_dynamics() const;
   StopReason advance(std::int64_t most);
   StopReason steps_of_stage(std::int64_t most);
@@ -166,6 +170,7 @@ class Run {
   std::optional<AnyStage> stage_;                        // that was prepared
   std::size_t bonds_before_ = 0, histories_before_ = 0;  // prepare()
   EnergyBooks books_before_;
+  std::optional<std::size_t> noted_stage_;  // which hooks were told of
   std::unique_ptr<Simulation> simulation_;  // of the dynamic stage that has begun
   std::optional<State> restart_;            // where a static stage that was interrupted begins again
   std::vector<StageResult> results_;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -9,6 +10,7 @@
 #include "vbond/model/swing_bound.hpp"
 #include "vbond/run/static_solver.hpp"
 #include "vbond/setup/build.hpp"
+#include "vbond/setup/stage_resolver.hpp"
 
 namespace vbond {
 namespace {
@@ -88,7 +90,7 @@ class GivenStages : public Stages {
 
 class CaseStages : public Stages {
  public:
-  explicit CaseStages(const Case& c) : c_(c) {}
+  CaseStages(const Case& c, int threads) : c_(c), threads_(threads) {}
   std::size_t size() const override { return c_.stages.size(); }
   StageKind kind(std::size_t k) const override { return c_.stages.at(k).kind; }
   std::string name(std::size_t k) const override { return c_.stages.at(k).name; }
@@ -96,8 +98,21 @@ class CaseStages : public Stages {
 
   AnyStage make(std::size_t k, const Model& model, State& state) const override {
     const int index = static_cast<int>(k);
-    if (is_static(kind(k))) return build_static_stage(c_, model, index, state);
-    return build_stage(c_, model, index, state, exact_step());
+    if (is_static(kind(k))) return build_static_stage(c_, model, index, state, threads_);
+    return build_stage(c_, model, index, state, exact_step(), threads_);
+  }
+
+  std::vector<std::string> notes(std::size_t k, const State& state, std::size_t bonds_before) const override {
+    std::vector<std::string> lines;
+    for (std::size_t set = 0; set < c_.bonds.size(); ++set) {
+      if (!makes_bonds_as_it_begins(c_.bonds[set], c_.stages.at(k))) continue;
+      const auto first = state.bonds.begin() + static_cast<std::ptrdiff_t>(bonds_before);
+      if (std::none_of(first, state.bonds.end(), [&](const Bond& b) { return b.set == set; }))
+        lines.push_back(
+            fmt::format("stage \"{}\": bonds \"{}\" find no pair that is not bonded yet, and bond nothing",
+                        name(k), c_.bonds[set].name));
+    }
+    return lines;
   }
 
   AnyStage look_ahead(std::size_t k, const Model& model, Outlook& outlook) const override {
@@ -106,6 +121,7 @@ class CaseStages : public Stages {
 
  private:
   const Case& c_;
+  int threads_;
 };
 
 }  // namespace
@@ -123,9 +139,9 @@ std::unique_ptr<const Stages> given_stages(std::vector<AnyStage> stages) {
   return std::make_unique<GivenStages>(std::move(stages));
 }
 
-std::unique_ptr<const Stages> stages_of(const Case& c) {
+std::unique_ptr<const Stages> stages_of(const Case& c, int threads) {
   require_statics(c);
-  return std::make_unique<CaseStages>(c);
+  return std::make_unique<CaseStages>(c, threads);
 }
 
 void require_statics(const Case& c) {

@@ -34,6 +34,12 @@ class Stages {
   /// Stage k, k < size(), as it begins in this state, to which it adds its bonds, or as it goes on if
   /// state.clock.stage_step > 0. Throws CaseError or std::invalid_argument.
   virtual AnyStage make(std::size_t k, const Model& model, State& state) const = 0;
+  /// What there is to tell of stage k, which has just begun in this state and added all bonds but the first
+  /// `bonds_before`; a line each.
+  virtual std::vector<std::string> notes(std::size_t /*k*/, const State&,
+                                         std::size_t /*bonds_before*/) const {
+    return {};
+  }
   /// The same before the stages in front of it have run; throws only for what is wrong whatever they do.
   virtual AnyStage look_ahead(std::size_t k, const Model& model, Outlook& outlook) const = 0;
 };
@@ -42,9 +48,9 @@ class Stages {
 std::unique_ptr<const Stages> given_stages(std::vector<AnyStage> stages);
 
 /// The stages of a case, made as it is then: keeps a reference to it. Throws CaseError as require_statics
-/// does.
-std::unique_ptr<const Stages> stages_of(const Case& c);
-std::unique_ptr<const Stages> stages_of(const Case&&) = delete;
+/// does. threads: see build().
+std::unique_ptr<const Stages> stages_of(const Case& c, int threads = 0);
+std::unique_ptr<const Stages> stages_of(const Case&&, int threads = 0) = delete;
 
 /// Throws CaseError if the case needs statics and this library was built without.
 void require_statics(const Case& c);

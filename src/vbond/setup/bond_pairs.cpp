@@ -71,6 +71,7 @@ struct Selection {
   const Model& model;
   const State& state;
   Problems& problems;
+  SharedCells& shared;
   std::vector<char> in_a, in_b;
   std::unordered_map<Pair, std::uint32_t, HashOfPair> bonded;  ///< by which set
   const char* way_out = "use a number in that range";          ///< where there is no such particle
@@ -205,7 +206,7 @@ struct Selection {
     }
     if (spec.faces.only) {
       const std::size_t near = pairs.size();
-      keep_those_that_share_faces(model, state, spec.faces.least, pairs);
+      keep_those_that_share_faces(model, state, spec.faces.least, shared, pairs);
       if (near > 0 && pairs.empty() && spec.when == BondTime::start)
         problems.add(
             spec.place, fmt::format("bonds \"{}\": least_face = {}", spec.name, spec.faces.least),
@@ -412,13 +413,20 @@ void leave_out(const BondShare& share, SelectedPairs& selected) {
 }  // namespace
 
 SelectedPairs select_pairs(const Case& c, std::size_t set, const Model& model, const State& state,
-                           Problems& problems) {
+                           Problems& problems, SharedCells& shared) {
   const BondSpec& spec = c.bonds[set];
   const Group* a = look_up_group(spec.between[0], model, problems);
   const Group* b = look_up_group(spec.between[1], model, problems);
   if (a == nullptr || b == nullptr) return {};
-  Selection selection{c,     spec,     static_cast<std::uint32_t>(set), model,
-                      state, problems, membership(*a, model),           membership(*b, model),
+  Selection selection{c,
+                      spec,
+                      static_cast<std::uint32_t>(set),
+                      model,
+                      state,
+                      problems,
+                      shared,
+                      membership(*a, model),
+                      membership(*b, model),
                       {}};
   for (const Bond& bond : state.bonds) selection.bonded[pair_of(bond)] = bond.set;
   try {

@@ -2,6 +2,7 @@
 #include <compare>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "vbond/model/make_bond.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/state.hpp"
+#include "vbond/packing/voronoi.hpp"
 
 namespace vbond {
 
@@ -53,15 +55,32 @@ std::vector<Pair> pairs_within(const std::vector<Vec3d>& r, const std::vector<do
                                double most = std::numeric_limits<double>::infinity(),
                                const CellEdges& cell = {}, const Periodic& periodic = {});
 
+/// Radical Voronoi cells of the particles as they stand while bond sets are made, one after the other: worked
+/// out once for all sets that need the same.
+class SharedCells {
+ public:
+  /// threads: see build().
+  explicit SharedCells(int threads = 0) : threads_(threads) {}
+  /// Of the particles that take part. Cells end `margin` outside of the outermost centres where nothing
+  /// repeats.
+  const packing::VoronoiCells& of(const Model& model, const State& state, const std::vector<Vec3d>& r,
+                                  const std::vector<double>& radius, double margin);
+
+ private:
+  int threads_;
+  double margin_ = 0;
+  std::optional<packing::VoronoiCells> cells_;
+};
+
 /// Of these pairs keeps those whose radical Voronoi cells, of all particles, share a face of which the area
 /// is at least `least` times the square of the distance of the centres.
-void keep_those_that_share_faces(const Model& model, const State& state, double least,
+void keep_those_that_share_faces(const Model& model, const State& state, double least, SharedCells& shared,
                                  std::vector<Pair>& pairs);
 
 /// The pairs that set number `set` of the case bonds between the particles as they stand in `state`, in
 /// order.
 SelectedPairs select_pairs(const Case& c, std::size_t set, const Model& model, const State& state,
-                           Problems& problems);
+                           Problems& problems, SharedCells& shared);
 
 /// A line for each bond set with a file of pairs, where a specimen of rows of a file is cut: whoever wrote
 /// the pairs may have had the rows in mind.

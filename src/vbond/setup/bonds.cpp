@@ -99,7 +99,8 @@ void refuse_broken_by_prestrain(const BondSpec& spec, const std::string& what, P
                "use a prestrain nearer to 0, or a larger strength");
 }
 
-void add_bonds(const Case& c, std::size_t set, const Model& model, State& state, Problems& problems) {
+void add_bonds(const Case& c, std::size_t set, const Model& model, State& state, Problems& problems,
+               SharedCells& shared) {
   const BondSpec& spec = c.bonds[set];
   BondRecipe recipe = spec.recipe;
   recipe.set = static_cast<std::uint32_t>(set);
@@ -109,7 +110,7 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
   const double U = potential_energies(model, state).contact, flowed = dissipated_by_flow(state),
                slip = stored_slip(model, state);
   double longest = INFINITY;  // of bonds that soften
-  const SelectedPairs selected = select_pairs(c, set, model, state, problems);
+  const SelectedPairs selected = select_pairs(c, set, model, state, problems, shared);
   for (std::size_t k = 0; k < selected.pairs.size(); ++k) {
     const Pair& pair = selected.pairs[k];
     if (is_dropped(state, pair.i) || is_dropped(state, pair.j)) continue;
@@ -177,7 +178,8 @@ bool expect_bonds(const Case& c, std::size_t set, const Model& model, State& sta
   BondRecipe recipe = spec.recipe;
   recipe.set = static_cast<std::uint32_t>(set);
   bool all = true;
-  const SelectedPairs selected = select_pairs(c, set, model, state, problems);
+  SharedCells cells;
+  const SelectedPairs selected = select_pairs(c, set, model, state, problems, cells);
   for (std::size_t k = 0; k < selected.pairs.size(); ++k) {
     const auto [i, j] = sites_of(selected, k, model, state);
     if (const auto bond = make_bond(recipe, i, j))
@@ -238,7 +240,8 @@ std::optional<double> first_c_A(const Case& c, const Model& model, const State& 
     distance = (*reach)(radii.i, radii.j);
   } else {
     Problems reported_elsewhere;
-    const SelectedPairs selected = select_pairs(c, 0, model, state, reported_elsewhere);
+    SharedCells cells;
+    const SelectedPairs selected = select_pairs(c, 0, model, state, reported_elsewhere, cells);
     if (selected.pairs.empty()) return std::nullopt;
     const auto [i, j] = sites_of(selected, 0, model, state);
     distance = distance_of(i, j);

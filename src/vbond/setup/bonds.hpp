@@ -15,7 +15,8 @@ namespace vbond {
 /// Makes the bonds of set number `set` of the case between the particles as they stand in `state`, in order
 /// of (i, j), i < j. Pairs bonded already are passed over if selected by distance or bonded by this same
 /// set, and a mistake otherwise.
-void add_bonds(const Case& c, std::size_t set, const Model& model, State& state, Problems& problems);
+void add_bonds(const Case& c, std::size_t set, const Model& model, State& state, Problems& problems,
+               SharedCells& shared);
 
 /// Looks ahead at a set that makes its bonds when particles have moved on from where they stand in `state`.
 /// Pairs that are listed are bonded as they stand, and what is wrong with them wherever they stand is

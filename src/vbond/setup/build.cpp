@@ -24,13 +24,13 @@
 namespace vbond {
 namespace {
 
-std::vector<PlacedSpecimen> place_specimens(const Case& c) {
+std::vector<PlacedSpecimen> place_specimens(const Case& c, int threads) {
   Problems problems;
   std::vector<PlacedSpecimen> placed;
   std::size_t first = 0;
   for (const SpecimenSpec& spec : c.specimens) {
     try {
-      placed.push_back({&spec, first, make_specimen(spec, c)});
+      placed.push_back({&spec, first, make_specimen(spec, c, threads)});
       first += placed.back().points.r.size();
     } catch (const CaseError& e) {
       problems.add(e);
@@ -278,7 +278,7 @@ double count_particles(const Case& c) {
   return n;
 }
 
-Built build(const Case& c) {
+Built build(const Case& c, int threads) {
   Problems problems;
   Built built;
   Model& model = built.model;
@@ -286,7 +286,7 @@ Built build(const Case& c) {
   model.units = c.units;
   model.contact = c.contact;
 
-  const std::vector<PlacedSpecimen> specimens = place_specimens(c);
+  const std::vector<PlacedSpecimen> specimens = place_specimens(c, threads);
   std::uint32_t number = 0;
   for (const PlacedSpecimen& s : specimens) {
     add_particles(s, number++, built, problems);
@@ -313,8 +313,9 @@ Built build(const Case& c) {
   add_groups(c, specimens, model, built.notes, problems);
   problems.throw_if_any();
 
+  SharedCells shared(threads);
   for (std::size_t set = 0; set < c.bonds.size(); ++set)
-    if (c.bonds[set].when == BondTime::start) add_bonds(c, set, model, state, problems);
+    if (c.bonds[set].when == BondTime::start) add_bonds(c, set, model, state, problems, shared);
   check_overlaps(c, built, problems);
   model.T_0 = natural_time(c, built, problems);
   add_velocities(c, model, state, problems);

@@ -32,8 +32,9 @@ double count_particles(const Case& c);
 
 /// Particles, groups, the bonds made at the start, initial velocities and T_0; the names and times of
 /// all stages and outputs are checked too, so that a run does not find them wrong hours later.
-/// Throws CaseError with as many mistakes at once as do not depend on each other.
-Built build(const Case& c);
+/// Throws CaseError with as many mistakes at once as do not depend on each other. Results do not depend on
+/// threads, which packings and Voronoi cells use; 0: as many as the machine runs at once.
+Built build(const Case& c, int threads = 0);
 
 /// The largest stable step of the assembled body in a stage  [time]; infinite if nothing is elastic;
 /// throws NoConvergence if it cannot be found.
@@ -47,7 +48,7 @@ using ExactCriticalStep = std::function<double(const Model&, const State&, const
 /// (on_steps). A stage that is under way keeps state.clock.dt. Throws CaseError, also for a given step above
 /// the bound unless the case insists; std::logic_error if the stage is static.
 Stage build_stage(const Case& c, const Model& model, int k, State& state,
-                  const ExactCriticalStep& exact_step = {});
+                  const ExactCriticalStep& exact_step = {}, int threads = 0);
 
 /// The step that a stage of dynamics would have in this state, before it is fitted to the stage's times;
 /// infinite if nothing is elastic.  [time]
@@ -57,7 +58,7 @@ double expected_step(const Case& c, const Model& model, const State& state);
 std::vector<BondingRule> bonding_rules(const Case& c, const Model& model, std::size_t k);
 
 /// The same as build_stage for a stage of any static kind; the clock of `state` is left alone.
-StaticStage build_static_stage(const Case& c, const Model& model, int k, State& state);
+StaticStage build_static_stage(const Case& c, const Model& model, int k, State& state, int threads = 0);
 
 /// The groups of these names. Throws CaseError naming the nearest and all known groups.
 std::vector<Group> resolve_groups(const std::vector<Placed<std::string>>& names, const Model& model);

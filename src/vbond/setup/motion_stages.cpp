@@ -463,8 +463,8 @@ void choose_fitting_step(const Case& c, std::size_t k, const Model& model, const
   problems.throw_if_any();
 }
 
-Stage build_stage(const Case& c, const Model& model, int k, State& state,
-                  const ExactCriticalStep& exact_step) {
+Stage build_stage(const Case& c, const Model& model, int k, State& state, const ExactCriticalStep& exact_step,
+                  int threads) {
   Problems problems;
   const auto index = static_cast<std::size_t>(k);
   if (is_static(c.stages.at(index).kind)) throw std::logic_error("build_stage: the stage is static");
@@ -475,7 +475,7 @@ Stage build_stage(const Case& c, const Model& model, int k, State& state,
     put_on_steps(stage);
     return stage;
   }
-  add_stage_bonds(c, index, model, state, problems);
+  add_stage_bonds(c, index, model, state, problems, threads);
   problems.throw_if_any();
   choose_fitting_step(c, index, model, state, exact_step, stage);
   put_on_steps(stage);

@@ -2,10 +2,10 @@
 #include <algorithm>
 #include <cstddef>
 #include <stdexcept>
-#include <thread>
 #include <vector>
 
 #include "vbond/core/images.hpp"
+#include "vbond/core/threads.hpp"
 #include "vbond/packing/voronoi.hpp"
 #include "vbond/setup/bond_pairs.hpp"
 
@@ -43,7 +43,19 @@ std::vector<Pair> pairs_within(const std::vector<Vec3d>& r, const std::vector<do
   return pairs;
 }
 
-void keep_those_that_share_faces(const Model& model, const State& state, double least,
+const packing::VoronoiCells& SharedCells::of(const Model& model, const State& state,
+                                             const std::vector<Vec3d>& r, const std::vector<double>& radius,
+                                             double margin) {
+  const Periodic& periodic = model.cell.periodic;
+  const bool is_open = state.cell.empty() || !(periodic[0] && periodic[1] && periodic[2]);
+  if (cells_ && (!is_open || margin_ == margin)) return *cells_;
+  margin_ = margin;
+  cells_ = packing::voronoi_cells(packing::space_around(r, radius, margin, state.cell, periodic), r, radius,
+                                  threads_or_all(threads_));
+  return *cells_;
+}
+
+void keep_those_that_share_faces(const Model& model, const State& state, double least, SharedCells& shared,
                                  std::vector<Pair>& pairs) {
   std::vector<Vec3d> r;
   std::vector<double> radius;
@@ -56,9 +68,7 @@ void keep_those_that_share_faces(const Model& model, const State& state, double 
   if (r.empty() || pairs.empty()) return;
   double farthest = 0.0;  // half of it is room for a whole face between two particles of the surface
   for (const Pair& p : pairs) farthest = std::max(farthest, norm(between(state, p.i, p.j, p.image_j)));
-  const packing::VoronoiCells cells = packing::voronoi_cells(
-      packing::space_around(r, radius, 0.5 * farthest, state.cell, model.cell.periodic), r, radius,
-      static_cast<int>(std::max(1u, std::thread::hardware_concurrency())));
+  const packing::VoronoiCells& cells = shared.of(model, state, r, radius, 0.5 * farthest);
   std::erase_if(pairs, [&](const Pair& p) {
     if (is_dropped(state, p.i) || is_dropped(state, p.j)) return true;
     for (const packing::VoronoiFace& f : cells.faces_of(place[p.i.value]))

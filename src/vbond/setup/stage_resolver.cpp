@@ -204,9 +204,12 @@ bool makes_bonds_as_it_begins(const BondSpec& set, const StageSpec& stage) {
   return set.when == BondTime::stage && std::any_of(set.stages.begin(), set.stages.end(), here);
 }
 
-void add_stage_bonds(const Case& c, std::size_t k, const Model& model, State& state, Problems& problems) {
+void add_stage_bonds(const Case& c, std::size_t k, const Model& model, State& state, Problems& problems,
+                     int threads) {
+  SharedCells shared(threads);
   for (std::size_t set = 0; set < c.bonds.size(); ++set)
-    if (makes_bonds_as_it_begins(c.bonds[set], c.stages[k])) add_bonds(c, set, model, state, problems);
+    if (makes_bonds_as_it_begins(c.bonds[set], c.stages[k]))
+      add_bonds(c, set, model, state, problems, shared);
 }
 
 }  // namespace vbond

@@ -42,7 +42,8 @@ struct StageResolver {
 /// Whether this bond set makes its bonds (when = stage) as this stage begins.
 bool makes_bonds_as_it_begins(const BondSpec& set, const StageSpec& stage);
 
-/// Makes the bonds (when = stage) of stage k, which begins.
-void add_stage_bonds(const Case& c, std::size_t k, const Model& model, State& state, Problems& problems);
+/// Makes the bonds (when = stage) of stage k, which begins. threads: see build().
+void add_stage_bonds(const Case& c, std::size_t k, const Model& model, State& state, Problems& problems,
+                     int threads);
 
 }  // namespace vbond

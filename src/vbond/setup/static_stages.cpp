@@ -70,7 +70,7 @@ void refuse_nothing_elastic(const StageSpec& spec, const Model& model, const Sta
                  "add a table [[bonds]] or [contact]");
 }
 
-StaticStage build_static_stage(const Case& c, const Model& model, int k, State& state) {
+StaticStage build_static_stage(const Case& c, const Model& model, int k, State& state, int threads) {
   Problems problems;
   const auto index = static_cast<std::size_t>(k);
   if (!is_static(c.stages.at(index).kind))
@@ -78,7 +78,7 @@ StaticStage build_static_stage(const Case& c, const Model& model, int k, State& 
   StaticStage stage = resolve_static_stage(c, model, index, problems);
   problems.throw_if_any();
   if (state.clock.stage_step > 0) return stage;  // under way: its bonds have been made
-  add_stage_bonds(c, index, model, state, problems);
+  add_stage_bonds(c, index, model, state, problems, threads);
   if (problems.none()) refuse_nothing_elastic(c.stages[index], model, state, problems);
   problems.throw_if_any();
   return stage;

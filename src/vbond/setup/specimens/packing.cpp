@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
-#include <thread>
 
+#include "vbond/core/threads.hpp"
 #include "vbond/packing/pack.hpp"
 #include "vbond/setup/packing_vessel.hpp"
 #include "vbond/setup/specimens/specimen.hpp"
@@ -45,7 +45,7 @@ packing::Kind kind_of(const GrainSpec& g, double density) {
   }
 }
 
-packing::Request request_of(const PackingSpecimen& s, double density) {
+packing::Request request_of(const PackingSpecimen& s, double density, int threads) {
   packing::Request q;
   for (const GrainSpec& g : s.grains) q.kinds.push_back(kind_of(g, density));
   switch (s.share_by) {
@@ -69,8 +69,7 @@ packing::Request request_of(const PackingSpecimen& s, double density) {
   q.neighbours = static_cast<int>(s.neighbours);
   q.gap = s.gap;
   q.seed = s.seed;
-  q.threads =
-      static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));  // of which results know nothing
+  q.threads = threads_or_all(threads);
   return q;
 }
 
@@ -111,9 +110,9 @@ void add_notes(const std::string& who, const packing::Packing& p, std::vector<st
 }  // namespace
 
 SpecimenPoints make_packing(const PackingSpecimen& s, const SpecimenSpec& spec, const CellSpec* cell,
-                            const std::string& case_file) {
+                            const std::string& case_file, int threads) {
   SpecimenPoints points;
-  packing::Request request = request_of(s, spec.density.value_or(1.0));
+  packing::Request request = request_of(s, spec.density.value_or(1.0), threads);
   request.vessel = vessel_of(s, spec.place, cell, case_file, points.notes);
   if (!(request.vessel.frame_volume() > 0.0)) return points;
   packing::Packing p;

@@ -80,7 +80,7 @@ bool brings_bonds(const SpecimenSpec& spec) {
          std::holds_alternative<SphereSpecimen>(spec.shape);
 }
 
-SpecimenPoints make_specimen(const SpecimenSpec& spec, const Case& c) {
+SpecimenPoints make_specimen(const SpecimenSpec& spec, const Case& c, int threads) {
   const std::string& case_file = c.file;
   SpecimenPoints points = std::visit(
       [&](const auto& shape) {
@@ -91,7 +91,7 @@ SpecimenPoints make_specimen(const SpecimenSpec& spec, const Case& c) {
           return read_lammps_specimen(beside_case(case_file, shape.file.value), shape.atom_style.value_or(""),
                                       shape.file.place, shape.velocities);
         else if constexpr (std::is_same_v<Shape, PackingSpecimen>)
-          return make_packing(shape, spec, c.cell ? &*c.cell : nullptr, case_file);
+          return make_packing(shape, spec, c.cell ? &*c.cell : nullptr, case_file, threads);
         else if constexpr (std::is_same_v<Shape, FibresSpecimen>)
           return make_fibres(spec, c);
         else

@@ -56,8 +56,9 @@ struct SpecimenPoints {
   std::optional<packing::Packing> packing;        ///< of packed grains, as they were before cuts
 };
 
-/// Places the particles of a specimen of this case, cut, turned, moved and copied. Throws CaseError.
-SpecimenPoints make_specimen(const SpecimenSpec& spec, const Case& c);
+/// Places the particles of a specimen of this case, cut, turned, moved and copied. threads: see build().
+/// Throws CaseError.
+SpecimenPoints make_specimen(const SpecimenSpec& spec, const Case& c, int threads = 0);
 
 /// How many particles that makes; 0 if they come from a file or are cut, so that only making them tells.
 double count_points(const SpecimenSpec& spec);
@@ -96,7 +97,7 @@ SpecimenPoints make_points(const HemisphereSpecimen& s, const SourcePlace& place
 
 /// Packed grains.
 SpecimenPoints make_packing(const PackingSpecimen& s, const SpecimenSpec& spec, const CellSpec* cell,
-                            const std::string& case_file);
+                            const std::string& case_file, int threads);
 
 /// Files of the specimen: already seen from the current folder.
 SpecimenPoints read_csv_specimen(const CsvSpecimen& spec);
