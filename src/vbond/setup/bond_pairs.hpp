@@ -53,6 +53,10 @@ std::vector<Pair> pairs_within(const std::vector<Vec3d>& r, const std::vector<do
                                double most = std::numeric_limits<double>::infinity(),
                                const CellEdges& cell = {}, const Periodic& periodic = {});
 
+/// The same for the particles of a state that are there.
+std::vector<Pair> pairs_within(const Model& model, const State& state, const BondReach& reach,
+                               const std::vector<char>& in_a, const std::vector<char>& in_b, double most);
+
 /// Of these pairs keeps those whose radical Voronoi cells, of all particles, share a face of which the area
 /// is at least `least` times the square of the distance of the centres.
 void keep_those_that_share_faces(const Model& model, const State& state, double least,
