@@ -149,6 +149,7 @@ void save_summary(Campaign& campaign) {
   for (std::size_t w = 0; w < walls.size(); ++w)
     s.walls.push_back({campaign.plan.walls[w], walls[w].force, walls[w].moment, walls[w].displacement,
                        walls[w].work, history->largest_on_walls()[w]});
+  if (campaign.plan.passage) s.passage = summarise_passage(campaign.run.model(), campaign.run.current());
   if (campaign.plan.cell) s.cell = summarise_cell(campaign.run.model(), campaign.run.current());
   s.dissipated.clear();
   if (!campaign.plan.losses.empty()) {
@@ -163,7 +164,8 @@ void save_summary(Campaign& campaign) {
   s.ever_overlapping = static_cast<std::int64_t>(watched.overlapping.size());
   s.ever_stretched = static_cast<std::int64_t>(watched.stretched.size());
   if (campaign.c.watch.on_unphysical == OnUnphysical::drop)
-    s.dropped = static_cast<std::int64_t>(campaign.run.current().dropped.size());
+    s.dropped = static_cast<std::int64_t>(campaign.run.current().dropped.size()) -
+                campaign.run.current().mass.particles_out;
   s.too_fast = watched.fastest > WatchRecord{}.fastest ? watched.fastest : 0.0;
   s.stepping_seconds = std::max(0.0, campaign.stepping);
   s.wall_time = {{"build", campaign.building}};

@@ -33,6 +33,11 @@ void refuse_what_lammps_lacks(const Case& c, const Model& model, const BondList&
                           "LAMMPS' atoms of style bpm/sphere have one", "give them one"});
       break;
     }
+  if (!c.sources.empty() || !c.sinks.empty())
+    problems.push_back({!c.sources.empty() ? c.sources.front().place : c.sinks.front().place,
+                        "particles that come in or are taken out during the run",
+                        "a data file has the body as it is at the start",
+                        "export a case without [[source]] and [[sink]]"});
   if (model.cell.any())
     problems.push_back({c.cell ? c.cell->place : file, "a periodic cell",
                         "the list of bonds names particles, and not which of their images a bond joins",

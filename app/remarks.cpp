@@ -56,7 +56,11 @@ struct Range {
 
 std::vector<Range> ranges_of_specimens(const Case& c, const Model& model) {
   std::vector<Range> ranges(c.specimens.size());
-  for (const ParticleId p : model.specimen.ids()) ++ranges[model.specimen[p]].count;
+  for (const ParticleId p : model.specimen.ids()) {
+    bool is_copy = false;  // of a body that comes in; they stand behind all specimens
+    for (const Source& source : model.sources) is_copy = is_copy || source.body_of(p).value_or(0) > 0;
+    if (!is_copy) ++ranges[model.specimen[p]].count;
+  }
   for (std::size_t s = 1; s < ranges.size(); ++s) ranges[s].first = ranges[s - 1].first + ranges[s - 1].count;
   return ranges;
 }

@@ -167,6 +167,8 @@ TEST(Quantities, EveryDataSetOfACheckpointHasItsUnitAndMeaning) {
   chain.state.books.lost[Loss::drag] = 0.5;
   chain.state.bonds[BondId{1}].broken = true;
   chain.state.dropped = {ParticleId{2}};
+  chain.state.mass = {2, 1, 2.0, 1.0, {1, 0, 0}, {0, 1, 0}};
+  chain.state.books.inserted = chain.state.books.removed = 0.5;
   for (Loads* loads : {&chain.state.loads, &chain.state.damping, &chain.state.local_damping})
     *loads = {PerParticle<Vec3d>(chain.state.r.size()), PerParticle<Vec3d>(chain.state.r.size())};
   chain.state.bonds[BondId{0}].law = &bond_law<WithRules<VModel>::Law>;
@@ -210,6 +212,16 @@ TEST(Quantities, EveryDataSetOfACheckpointHasItsUnitAndMeaning) {
   };
   look(folder / "c.h5", chain, watch);
   look(folder / "p.h5", periodic, {});
+  Chain waiting;  // without its bonds
+  waiting.model.units = UnitSystem::si;
+  waiting.state.bonds = {};
+  waiting.state.waiting = {ParticleId{1}};
+  Source source;
+  source.name = "one";
+  source.body = {ParticleId{1}};
+  waiting.model.sources = {source};
+  waiting.state.sources = {{1.5}};
+  look(folder / "w.h5", waiting, {});
   for (const CheckpointQuantity& q : checkpoint_quantities())
     EXPECT_EQ(described.count(q.path), 1U) << q.path;
 }

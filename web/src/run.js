@@ -61,6 +61,7 @@ export class Sequence {
     this.frames = json.frames;
     this.reference = stored(block, json.reference);
     this.displaced = once(() => stored(block, json.displacement));
+    this.there = json.there && stored(block, json.there);
     this.broken = new Broken(this, json.bond_broken && stored(block, json.bond_broken));
     this.walls = json.walls && new Walls(json.walls, block, json.frames.length);
     this.cell = json.cell && new Cell(json.cell, block);
@@ -81,11 +82,25 @@ export class Sequence {
     return low[c] + step[c] * this.displaced()[(3 * frame + c) * this.particles + k];
   }
 
-  /** x, y, z of all particles into `out`, `stride` apart, displacements times `factor`. */
+  /** Whether particle k has come in by this frame, and is not gone. */
+  is_there(frame, k) { return !this.there || this.there[frame * this.particles + k] !== 0; }
+
+  /**
+   * x, y, z of all particles into `out`, `stride` apart, displacements times `factor`. Those that are not there stand where
+   * the first one that is there does: nothing looks for room for them.
+   */
   positions(frame, factor, out, stride) {
     for (let c = 0; c < 3; ++c) {
       for (let k = 0; k < this.particles; ++k) {
         out[stride * k + c] = this.reference[3 * k + c] + factor * this.displacement(frame, k, c);
+      }
+    }
+    if (this.there) {
+      let first = 0;
+      while (first < this.particles && !this.is_there(frame, first)) ++first;
+      for (let k = 0; first < this.particles && k < this.particles; ++k) {
+        if (this.is_there(frame, k)) continue;
+        for (let c = 0; c < 3; ++c) out[stride * k + c] = out[stride * first + c];
       }
     }
     return out;

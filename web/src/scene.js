@@ -303,10 +303,10 @@ export class BodyScene {
     return this.marks?.kinds ?? [];
   }
 
-  /** Whether the plane of the cut takes particle k away. */
+  /** Whether particle k is not there, or the plane of the cut takes it away. */
   is_gone(k) {
     const { array } = this.places, { x, y, z, w } = this.cut;
-    return x * array[4 * k] + y * array[4 * k + 1] + z * array[4 * k + 2] > w;
+    return this.hidden?.(k) || x * array[4 * k] + y * array[4 * k + 1] + z * array[4 * k + 2] > w;
   }
 
   /**
@@ -316,6 +316,8 @@ export class BodyScene {
   place_body(sequence, frame, factor, cut, ghost, wrapped) {
     this.cut.fromArray(cut);
     sequence.positions(frame, factor, this.places.array, 4);
+    this.hidden = sequence.there && ((k) => !sequence.is_there(frame, k));
+    if (sequence.there) this.run.radius.forEach((radius, k) => { this.places.array[4 * k + 3] = this.hidden(k) ? -1 : radius; });   // below 0: not drawn
     this.places.texture.needsUpdate = true;
     this.bonds_shown = sequence.bonds_at(frame);
     this.place_cell(sequence, frame, factor, wrapped);

@@ -17,7 +17,7 @@ uniform highp sampler2D shifts;   // from the second particle of a bond to the i
 #endif
 vec4 of(sampler2D table, int k) { int w = textureSize(table, 0).x; return texelFetch(table, ivec2(k % w, k / w), 0); }
 uniform vec4 cut;   // a plane: what is centred beyond it is not drawn
-bool is_gone(vec4 place) { return dot(cut.xyz, place.xyz) > cut.w; }
+bool is_gone(vec4 place) { return place.w < 0.0 || dot(cut.xyz, place.xyz) > cut.w; }
 const vec4 nowhere = vec4(0.0, 0.0, 2.0, 1.0);   // outside of every picture
 int number() { return gl_VertexID / 4; }
 vec2 quad_corner() { int c = gl_VertexID % 4; return vec2(c == 1 || c == 2 ? 1.0 : -1.0, c >= 2 ? 1.0 : -1.0); }`;

@@ -15,6 +15,7 @@
 #include "vbond/case/packing_spec.hpp"
 #include "vbond/case/placed.hpp"
 #include "vbond/case/region_spec.hpp"
+#include "vbond/case/source_spec.hpp"
 #include "vbond/case/wall_spec.hpp"
 #include "vbond/core/vec3.hpp"
 #include "vbond/model/bond.hpp"
@@ -492,6 +493,8 @@ struct Case {
   ContactModel contact;
   std::vector<ContactPairSpec> contact_between;
   std::vector<VelocitySpec> velocities;
+  std::vector<SourceSpec> sources;
+  std::vector<SinkSpec> sinks;
   TimeSpec time;
   std::vector<StageSpec> stages;
   OutputSpec output;

@@ -109,6 +109,8 @@ void describe(Table& t, WallOscillationSpec& o);
 void describe(Table& t, WallServoSpec& s);
 
 void describe(Table& t, VelocitySpec& v);
+void describe(Table& t, SourceSpec& s);
+void describe(Table& t, SinkSpec& s);
 void describe(Table& t, TimeSpec& s);
 /// False if its kind could not be read; it is then taken for dynamics.
 bool describe(Table& t, StageSpec& s);

@@ -41,6 +41,8 @@ void describe(Table& t, Case& c) {
           [&c](Table& k) { describe(k, c.contact, c.contact_between, !c.materials.empty()); });
   t.tables("velocities", c.velocities, optional,
            "initial velocities; without it all particles start at rest");
+  t.tables("source", c.sources, optional, "bodies that come in during the run");
+  t.tables("sink", c.sinks, optional, "where particles are taken out during the run");
   t.table("time", optional, "the time step", [&c](Table& k) { describe(k, c.time); });
   bool any_unknown = false;
   t.tables("stage", c.stages, required, "the stages of the run, one after another",

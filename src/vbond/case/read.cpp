@@ -32,11 +32,13 @@ void check_twice(const std::vector<T>& items, const std::string& kind, std::set<
 
 /// Specimens and groups share one set of names, in which setup/ adds some of its own.
 void check_names(const Case& c, ReadContext& in) {
-  std::set<std::string> stages, bonds, groups, walls, materials;
+  std::set<std::string> stages, bonds, groups, walls, materials, sources, sinks;
   check_twice(c.stages, "stage", stages, in);
   check_twice(c.bonds, "bonds", bonds, in);
   check_twice(c.walls, "wall", walls, in);
   check_twice(c.materials, "material", materials, in);
+  check_twice(c.sources, "source", sources, in);
+  check_twice(c.sinks, "sink", sinks, in);
   const std::vector<std::string> reserved{"all", "ends", "first", "last", "rim", "apex"};
   const auto check_reserved = [&](const auto& item, const char* kind) {
     if (std::find(reserved.begin(), reserved.end(), item.name) != reserved.end())
@@ -53,6 +55,21 @@ void check_names(const Case& c, ReadContext& in) {
 void check_stage_references(const Case& c, ReadContext& in) {
   std::vector<std::string> names;
   for (const StageSpec& s : c.stages) names.push_back(s.name);
+  const auto check_visits = [&](const VisitSpec& visits, const std::string& who) {
+    for (const auto& wanted : visits.stages) {
+      const auto found = std::find(names.begin(), names.end(), wanted.value);
+      const auto meant = nearest_name(wanted.value, names);
+      if (found == names.end())
+        in.report(wanted.place, who + ": stages has \"" + wanted.value + "\"",
+                  "there is no stage of this name",
+                  !meant ? "the stages are " + keys::join(names, "\"") : "did you mean \"" + *meant + "\"?");
+      else if (is_static(c.stages[static_cast<std::size_t>(found - names.begin())].kind))
+        in.report(wanted.place, who + ": stages has \"" + wanted.value + "\"",
+                  "that stage is static: particles come and go in dynamics only", "take the stage out");
+    }
+  };
+  for (const SourceSpec& s : c.sources) check_visits(s.visits, "source \"" + s.name + "\"");
+  for (const SinkSpec& s : c.sinks) check_visits(s.visits, "sink \"" + s.name + "\"");
   for (const BondSpec& b : c.bonds)
     for (const auto& wanted : b.stages) {
       const auto found = std::find(names.begin(), names.end(), wanted.value);
@@ -92,6 +109,8 @@ Case parse_case(std::string_view text, const std::filesystem::path& file,
   number_nameless(c.stages, "stage");
   number_nameless(c.bonds, "bonds");
   number_nameless(c.walls, "wall");
+  number_nameless(c.sources, "source");
+  number_nameless(c.sinks, "sink");
   check_names(c, in);
   check_stage_references(c, in);
 

@@ -60,8 +60,10 @@ Loads Bodies::collect(const std::vector<LoadRow>& from) const {
 
 void Bodies::spread(const Loads& l, std::vector<LoadRow>& to) const {
   for (Row k{0}; k.value < order.own; ++k.value) {
-    to[k.value].F = l.F[order.particle[k]];
-    to[k.value].M = l.M[order.particle[k]];
+    const Vec3d &F = l.F[order.particle[k]], &M = l.M[order.particle[k]];
+    if (!is_finite(F)) continue;  // of what has just come in
+    to[k.value].F = F;
+    to[k.value].M = M;
   }
 }
 

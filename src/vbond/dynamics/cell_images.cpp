@@ -13,11 +13,11 @@
 namespace vbond {
 namespace {
 
-/// What was dropped is not known, as the particles of other parts.
-std::vector<ParticleId> not_dropped(const Model& model, const State& state) {
+/// What is absent is not known, as the particles of other parts.
+std::vector<ParticleId> not_absent(const Model& model, const State& state) {
   std::vector<ParticleId> rest;
   for (const ParticleId p : model.mass.ids())
-    if (!is_dropped(state, p)) rest.push_back(p);
+    if (!is_absent(state, p)) rest.push_back(p);
   return rest;
 }
 
@@ -61,14 +61,14 @@ Share whole_body(const Model& model, const Stage& stage, const State& state) {
   constexpr double unlimited = std::numeric_limits<double>::infinity();
   Share share{{}, unlimited, unlimited};
   if (!model.cell.any()) {
-    share.order =
-        state.dropped.empty() ? std::move(order) : part_of(order, {not_dropped(model, state), {}, {}});
+    share.order = any_absent(state) ? part_of(order, {not_absent(model, state), {}, {}}) : std::move(order);
     return share;
   }
-  Holding all{not_dropped(model, state), {}, {}};
+  Holding all{not_absent(model, state), {}, {}};
   std::vector<ImageOf>& images = all.ghosts;
   for (const Bond& b : state.bonds)  // broken ones too: the order of rows is the same after a checkpoint
-    if (!b.image_j.is_itself()) images.push_back({b.j, b.image_j});
+    if (!b.image_j.is_itself() && !is_absent(state, b.i) && !is_absent(state, b.j))
+      images.push_back({b.j, b.image_j});
   const BondIndex none;
   const std::vector<char> of_fibre = particles_of_fibres(model.particles(), state.bonds);
   const bool spheres = of_fibre.empty() || std::find(of_fibre.begin(), of_fibre.end(), 0) != of_fibre.end();
@@ -81,9 +81,11 @@ Share whole_body(const Model& model, const Stage& stage, const State& state) {
     share.farthest = 0.5 * room;
     const double reach =
         room + std::max(Contacts(model, order, none).reach(), Bonding(model, stage, order, none).reach());
-    for_near_images(state.cell, model.cell.periodic, state.r.values(), reach,
+    std::vector<Vec3d> places;
+    for (const ParticleId p : all.own) places.push_back(state.r[p]);
+    for_near_images(state.cell, model.cell.periodic, places, reach,
                     [&](std::size_t, std::size_t j, const Image& n, double) {
-                      if (!n.is_itself()) images.push_back({ParticleId{j}, n});
+                      if (!n.is_itself()) images.push_back({all.own[j], n});
                     });
   }
   std::sort(images.begin(), images.end());

@@ -104,7 +104,9 @@ void Encounters::add(const Order& order, Row row_i, Row row_j, const Vec3d& from
   const Image of_j = e.of_j = as_it_is ? n : -n;
   const double deep2 = sq(deep_part * (model_.radius[e.i] + model_.radius[e.j]));
   if (!(norm2(nearest_point(e)) < deep2)) return;
-  if (norm2(between(model_.r_0, cell_at_start(model_), e.i, e.j, of_j)) < deep2) return;  // it is meant
+  if (stood_together(model_, e.i, e.j) &&
+      norm2(between(model_.r_0, cell_at_start(model_), e.i, e.j, of_j)) < deep2)
+    return;  // it is meant
   if (index_.bonded(e.i, e.j, of_j)) return;
   if (index_.of_fibre(e.i) || index_.of_fibre(e.j)) return;  // as part of a fibre, not as a ball
   take_down(e);

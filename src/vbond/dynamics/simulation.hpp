@@ -34,6 +34,7 @@
 #include "vbond/model/drop.hpp"
 #include "vbond/model/loads.hpp"
 #include "vbond/model/model.hpp"
+#include "vbond/model/passage.hpp"
 #include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"
 
@@ -92,6 +93,8 @@ class Simulation final : public BodyView {
   /// Of a part: its particles have gone so far that the body is to be spread anew. run() ends.
   /// Of a periodic body: images of particles may be missing of what may touch.
   bool has_outgrown_its_part() const { return has_outgrown_; }
+  /// What lets bodies in and takes particles out is to be visited before the next step. run() ends.
+  bool visit_is_due() const { return state_.clock.stage_step == next_visit_; }
 
   /// One time step of stage().dt. Throws Diverged if a load is not finite or a new bond is impossible; where
   /// the stage drops particles that have passed through walls, ParticlesLost after the step. Of a periodic
@@ -108,6 +111,11 @@ class Simulation final : public BodyView {
   /// it: takes over what that one has not told its observers yet, with the bonds that broke by this, and
   /// counts the energy that has gone as released. Returns that energy.
   double take_over(Simulation& with_them, const std::vector<BondEvent>& broken);
+  /// It was visited, and has changed nothing but how many bodies are due.
+  void note_visit(std::vector<SourceRecord> sources);
+  /// Of a simulation that goes on with the state of another one after a visit that has changed it: books what
+  /// came in and went, given the energy before it. The observers are taken over besides.
+  void take_over(const Passage& passed, double energy_before);
   /// Of a part of a body that was spread anew: takes over the observers of the part before, and what it has
   /// not told them yet.
   void take_over_observers(Simulation& before);
@@ -119,8 +127,6 @@ class Simulation final : public BodyView {
   const Stage& stage() const { return stage_; }
   /// Bonds that have broken in this stage.
   std::int64_t breaks() const { return state_.breaks; }
-  /// Particles that are no longer computed, see State::dropped.
-  const std::vector<ParticleId>& dropped() const { return state_.dropped; }
   /// state() at the end, without a copy: nothing else may be asked of the simulation afterwards.
   State take_state() &&;
   /// Pairs that were deep in one another in the last step, as far as contacts are to keep them apart, and the
@@ -155,6 +161,9 @@ class Simulation final : public BodyView {
   const Model& model() const override { return model_; }
   const Clock& clock() const override { return state_.clock; }
   const PerBond<Bond>& bonds() const override { return state_.bonds; }
+  const std::vector<ParticleId>& dropped() const override { return state_.dropped; }
+  const std::vector<ParticleId>& waiting() const override { return state_.waiting; }
+  const MassBooks& mass() const override { return state_.mass; }
   const State& state() const override;
   const Survey& survey() const override;
   const EnergyBooks& books() const override;
@@ -328,6 +337,7 @@ class Simulation final : public BodyView {
   double rounding_scale_ = 0;                  // least energy that the balance error is compared with
   std::vector<BondId> peak_bonds_;             // inside the group that a peak is looked for in
   std::int64_t last_stage_step_ = 0;           // of the stage's duration
+  std::int64_t next_visit_ = no_visit;         // its step of the stage
   std::vector<std::shared_ptr<Observer>> observers_;
   std::int64_t steps_to_look_ = 1;
   StepTimes times_;

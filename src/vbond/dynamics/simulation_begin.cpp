@@ -104,6 +104,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
     walls_.read(state_);
     supports_.grips().read(state_, begun);
     state_.clock.dt = stage_.dt;
+    next_visit_ = next_visit(stage_, state_.clock.stage_step);
     if (begun)
       take_up_loads();
     else

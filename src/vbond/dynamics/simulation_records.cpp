@@ -14,7 +14,7 @@ namespace vbond {
 
 void Simulation::keep_records() {
   EnergyBooks& books = booked_;
-  const double brought_in = books.at_start + books.work_loads + books.work_supports;
+  const double brought_in = books.brought_in();
   if (is_part_)
     brought_in_.push_back(brought_in);
   else
@@ -38,7 +38,12 @@ void Simulation::keep_records() {
     double kinetic = bodies_.kinetic_energy(team_, flow()).kinetic();
     exchange_.sum({&kinetic, 1});
     std::int64_t& quiet = state_.rest.quiet_steps;
-    quiet = kinetic < stage_.stops.rest->kinetic_energy_below ? quiet + 1 : 0;
+    const bool more_to_come =
+        std::any_of(stage_.inflows.begin(), stage_.inflows.end(), [this](const Inflow& inflow) {
+          const Source& source = model_.sources[inflow.source];
+          return is_waiting(state_, source.particle(source.bodies - 1, 0));
+        });
+    quiet = !more_to_come && kinetic < stage_.stops.rest->kinetic_energy_below ? quiet + 1 : 0;
   }
 }
 
@@ -131,8 +136,8 @@ Survey Simulation::survey_here() const {
 double Simulation::balance_error() const {
   const Energies& e = energies();
   const EnergyBooks& b = books();
-  const double imbalance =
-      e.total() + b.dissipated + b.released - b.work_loads - b.work_supports - b.at_start;
+  const double imbalance = e.total() + b.dissipated + b.released + b.removed - b.work_loads -
+                           b.work_supports - b.inserted - b.at_start;
   return imbalance / std::max({b.largest, std::abs(b.at_start), e.kinetic(), std::abs(e.contact),
                                rounding_scale_, std::numeric_limits<double>::min()});
 }

@@ -23,7 +23,7 @@ StopReason Simulation::run(const std::function<bool()>& interrupted, std::int64_
   if (state_.clock.stage_step == 0) notify_observers();
   StopReason why = stop_reason();
   // never interrupted before the first step
-  while (why == StopReason::running && most > 0 && !has_outgrown_) {
+  while (why == StopReason::running && most > 0 && !has_outgrown_ && !visit_is_due()) {
     step(), --most, why = stop_reason();
     if (why == StopReason::running && is_time_to_meet() && meet(interrupted && interrupted()))
       why = StopReason::interrupted;
@@ -83,11 +83,33 @@ void Simulation::fold_brought_in() const {
   exchange_.max({&largest, 1});
 }
 
+void Simulation::note_visit(std::vector<SourceRecord> sources) {
+  state_.sources = std::move(sources);
+  next_visit_ = next_visit(stage_, state_.clock.stage_step + 1);
+}
+
+/// The energy of what came in is worked out; what went is the rest of the change, so that the balance closes
+/// as it did before. Where nothing went, what came in is the change itself.
+void Simulation::take_over(const Passage& passed, double energy_before) {
+  const double change = energies().total() - energy_before;
+  if (leads()) {
+    booked_.dissipated += passed.flowed;
+    const double inserted = passed.any_gone ? passed.brought : change;
+    booked_.inserted += inserted + passed.flowed;
+    booked_.removed += inserted - change;
+  }
+  events_.insert(events_.end(), passed.events.begin(), passed.events.end());
+  if (!passed.events.empty()) steps_to_look_ = 1;
+  books_ahead_ = true;
+  next_visit_ = next_visit(stage_, state_.clock.stage_step + 1);
+}
+
 void Simulation::take_over_observers(Simulation& before) {
   observers_ = std::move(before.observers_);
   steps_to_look_ = before.steps_to_look_;
   events_ = std::move(before.events_);
   times_ = before.times_;
+  next_visit_ = before.next_visit_;  // of the same step, which may have been visited already
 }
 
 }  // namespace vbond

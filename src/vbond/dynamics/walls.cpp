@@ -394,7 +394,8 @@ std::vector<DeepInWall> Walls::deeper_than(double part) const {
       const ParticleId p = bodies_.order.particle[Row{near.row}];
       const double R = model_.radius[p];
       const double overlap = overlap_with(near.wall, at_start(near.wall, bodies_.pose[near.row].r), R);
-      if (overlap > part * R && overlap > part * R + overlap_with(near.wall, model_.r_0[p], R))
+      if (!(overlap > part * R)) continue;
+      if (comes_in(model_, p) || overlap > part * R + overlap_with(near.wall, model_.r_0[p], R))
         deep.push_back({p, near.wall, overlap});
     }
   std::sort(deep.begin(), deep.end(), [](const DeepInWall& x, const DeepInWall& y) {

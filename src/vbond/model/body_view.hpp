@@ -56,6 +56,10 @@ class BodyView {
   virtual const Model& model() const = 0;
   virtual const Clock& clock() const = 0;
   virtual const PerBond<Bond>& bonds() const = 0;
+  /// Particles that take no part in the computation, see State; and what has come in and gone.
+  virtual const std::vector<ParticleId>& dropped() const = 0;
+  virtual const std::vector<ParticleId>& waiting() const = 0;
+  virtual const MassBooks& mass() const = 0;
   /// The whole state, in the numbering of the model. Collecting it takes time in motion: not for every step.
   virtual const State& state() const = 0;
   /// A sum over all bonds, so not for every step; made once however often it is asked for.

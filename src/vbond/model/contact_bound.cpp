@@ -50,6 +50,7 @@ PresentContacts present_contacts(const Model& model, const State& state, std::ve
   for (std::size_t w = 0; w < walls.size(); ++w) {
     if (walls[w].off) continue;
     for (const ParticleId p : model.radius.ids()) {
+      if (is_absent(state, p)) continue;
       const double R = model.radius[p];
       Vec3d r = state.r[p];
       if (w < state.walls.size()) r = at_start(model.walls[w], state.walls[w], r);
@@ -84,8 +85,11 @@ PerParticle<double> touched_radii(const Model& model, const State& state,
 double particles_of_a_layer(const Model& model, const State& state, const Vec3d& direction) {
   const double n = static_cast<double>(model.particles());
   const double R = std::accumulate(model.radius.begin(), model.radius.end(), 0.0) / n;
-  const BoundingBox box = box_around(state.r);
-  const Vec3d size = box.high - box.low + Vec3d{2.0 * R, 2.0 * R, 2.0 * R};
+  BoundingBox box;
+  for (const ParticleId p : state.r.ids())
+    if (!is_absent(state, p)) box.add(state.r[p], R);
+  if (present(state) == 0) box.add({}, R);
+  const Vec3d size = box.high - box.low;
   const double shadow = std::abs(direction.x) * size.y * size.z + std::abs(direction.y) * size.z * size.x +
                         std::abs(direction.z) * size.x * size.y;
   return std::clamp(shadow / (4.0 * R * R), 1.0, n);

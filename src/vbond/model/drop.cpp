@@ -65,6 +65,9 @@ std::vector<BondEvent> drop(const std::vector<ParticleId>& particles, State& s) 
   }
   std::erase_if(s.contact_history,
                 [&s](const PairMemory& m) { return is_dropped(s, m.i) || is_dropped(s, m.j); });
+  std::erase_if(s.fibre_history, [&goes](const FibreMemory& m) {
+    return goes[m.a_i] != 0 || goes[m.a_j] != 0 || goes[m.b_i] != 0 || goes[m.b_j] != 0;
+  });
   std::erase_if(s.wall_history, [&s](const WallMemory& m) { return is_dropped(s, m.p); });
   s.loads = s.damping = s.local_damping = {};
   return broken;

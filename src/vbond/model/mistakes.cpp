@@ -11,6 +11,7 @@
 #include "vbond/model/capsules.hpp"
 #include "vbond/model/detail/mistake_list.hpp"
 #include "vbond/model/drop.hpp"
+#include "vbond/model/passage.hpp"
 #include "vbond/model/periodic_cell.hpp"
 #include "vbond/model/state_table.hpp"
 #include "vbond/model/wall_mistakes.hpp"
@@ -185,6 +186,9 @@ std::vector<std::string> mistakes_in(const Model& model) {
   look_at_contact(model, found);
   found.add(mistakes_in_walls(model));
   found.add(mistakes_in_cell(model));
+  if (!model.sources.empty() && model.r_0.size() == model.particles() &&
+      model.radius.size() == model.particles() && model.inertia.size() == model.particles())
+    found.add(mistakes_in_sources(model));
   return std::move(found).take();
 }
 
@@ -222,6 +226,9 @@ std::vector<std::string> mistakes_in(const Model& model, const State& s) {
                 fmt::format("the state has {} walls for {} of the model: one for each, or none",
                             s.walls.size(), model.walls.size()));
   if (const auto mistake = mistake_in_dropped(s)) found.require(false, *mistake);
+  if (const auto mistake = mistake_in_waiting(model, s)) found.require(false, *mistake);
+  found.require(any_capsules(model.contact, s.bonds) ? s.waiting.empty() : true,
+                "bonds touch as capsules, and particles wait to come in: capsules do not know them");
   const bool capsules = any_capsules(model.contact, s.bonds);
   found.require(model.contact.adhesion == AdhesionForm::none || !capsules,
                 "bonds touch as capsules, which take no adhesion: contact.adhesion must be none");

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -10,6 +11,7 @@
 #include "vbond/core/column.hpp"
 #include "vbond/core/vec3.hpp"
 #include "vbond/model/contact.hpp"
+#include "vbond/model/source.hpp"
 #include "vbond/model/wall.hpp"
 #include "vbond/physics/top.hpp"
 
@@ -53,7 +55,8 @@ struct Model {
   std::vector<ContactMaterial> materials;  ///< empty: one, that of ContactModel
   PerParticle<std::uint32_t> material;     ///< of each particle, in materials; empty: the first for all
   std::vector<Wall> walls;
-  CellShape cell;  ///< at the start
+  CellShape cell;               ///< at the start
+  std::vector<Source> sources;  ///< of bodies that come in during the run
 
   std::size_t particles() const { return mass.size(); }
   std::uint32_t specimen_of(ParticleId p) const { return specimen.empty() ? 0 : specimen[p]; }
@@ -67,6 +70,22 @@ struct Model {
     return nullptr;
   }
 };
+
+/// Whether a particle is of a body that comes in during the run: its place in r_0 is where the first body of
+/// its source waits.
+inline bool comes_in(const Model& model, ParticleId p) {
+  return std::any_of(model.sources.begin(), model.sources.end(),
+                     [p](const Source& s) { return s.body_of(p).has_value(); });
+}
+/// Whether r_0 tells how two particles stood to each other: both are there from the start, or come in with
+/// one body.
+inline bool stood_together(const Model& model, ParticleId i, ParticleId j) {
+  for (const Source& s : model.sources) {
+    const auto of_i = s.body_of(i), of_j = s.body_of(j);
+    if (of_i || of_j) return of_i == of_j;
+  }
+  return true;
+}
 
 /// The cell of a model, at rest.
 inline CellEdges cell_at_start(const Model& model) {

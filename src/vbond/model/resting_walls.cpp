@@ -22,7 +22,7 @@ std::vector<RestingTouch> RestingWalls::near(const State& state, double farther)
   std::vector<RestingTouch> all;
   std::vector<WallTouch> found;
   for (const ParticleId p : state.r.ids())
-    for (std::uint32_t w = 0; w < surfaces_.size(); ++w) {
+    for (std::uint32_t w = 0; w < surfaces_.size() && !is_absent(state, p); ++w) {
       const WallState now = wall_of(state, w);
       if (now.off != 0) continue;
       const Vec3d r = at_start(model_.walls[w], now, state.r[p]);

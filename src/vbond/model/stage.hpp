@@ -12,6 +12,7 @@
 #include "vbond/model/cell_drive.hpp"
 #include "vbond/model/held_axes.hpp"
 #include "vbond/model/model.hpp"
+#include "vbond/model/source.hpp"
 #include "vbond/model/time_function.hpp"
 #include "vbond/model/wall.hpp"
 
@@ -173,6 +174,8 @@ struct Stage {
   std::vector<WallDrive> walls;  ///< the others stand still
   std::vector<Heating> heating;  ///< in this order, where groups overlap
   CellDrive cell;                ///< of a periodic body
+  std::vector<Inflow> inflows;
+  std::vector<Outflow> outflows;  ///< before the inflows, where both are due
   Stops stops;
 };
 

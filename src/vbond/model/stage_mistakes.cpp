@@ -97,6 +97,34 @@ void look_at_heating(const std::vector<Heating>& heating, Mistakes& found) {
   }
 }
 
+void look_at_visits(const Visits& v, const std::string& who, Mistakes& found) {
+  found.require(at_least_zero(v.from) && v.until >= v.from && at_least_zero(v.every),
+                fmt::format("{} is visited from {} until {} every {}: 0 <= from <= until, every >= 0", who,
+                            v.from, v.until, v.every));
+}
+
+void look_at_passage(const Model& model, const Stage& stage, Mistakes& found) {
+  for (const Inflow& i : stage.inflows) {
+    if (i.source >= model.sources.size()) {
+      found.require(false, fmt::format("the stage lets in source {} of {}", i.source, model.sources.size()));
+      continue;
+    }
+    const std::string who = "source \"" + model.sources[i.source].name + "\"";
+    found.require(at_least_zero(i.rate), fmt::format("the rate of {} is {}: it must be >= 0", who, i.rate));
+    look_at_visits(i.visits, who, found);
+  }
+  for (const Outflow& o : stage.outflows) {
+    const std::string who = "outlet \"" + o.name + "\"";
+    found.require(o.region != nullptr && o.region->holds, who + " has no region");
+    found.require(o.particles.empty() || o.particles.size() == model.particles(),
+                  fmt::format("{} has {} entries in particles for {} particles", who, o.particles.size(),
+                              model.particles()));
+    look_at_visits(o.visits, who, found);
+  }
+  found.require((stage.inflows.empty() && stage.outflows.empty()) || !stage.cell.any(),
+                "particles come in or go while the cell moves: let it stand still in this stage");
+}
+
 void look_at_stops(const Stops& stops, std::size_t walls, Mistakes& found) {
   found.require(stops.duration > 0.0, fmt::format("the duration is {}: it must be > 0", stops.duration));
   look_at_distance(stops.distance, found);
@@ -270,6 +298,7 @@ std::vector<std::string> mistakes_in(const Model& model, const Stage& stage) {
     look_at_factor(d.factor, "the drive of wall \"" + d.wall + "\"", found);
     if (d.servo) look_at_factor(d.servo->factor, "the servo of wall \"" + d.wall + "\"", found);
   }
+  look_at_passage(model, stage, found);
   look_at_stops(stage.stops, model.walls.size(), found);
   return std::move(found).take();
 }

@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -41,13 +42,33 @@ struct EnergyBooks {
                           ///< and all that went with particles that were dropped
   double work_loads = 0;  ///< by point forces, moments and gravity
   double work_supports = 0;  ///< by supports, prescribed velocities, imposed strain, changes of temperature
-  double largest = 0;        ///< largest at_start + work so far: the scale of the balance error
+  double inserted = 0;       ///< of bodies as they came in
+  double removed = 0;        ///< that went with particles that were taken out
+  double largest = 0;        ///< largest at_start + work + inserted so far: the scale of the balance error
   /// `dissipated` by cause. What bonds lose by flow their memory counts: here is, as a negative number, what
   /// they had lost when the books began. See losses_of().
   Losses lost{};
 
   void lose(Loss cause, double energy) { dissipated += energy, lost[cause] += energy; }
+  /// All that has been brought in.
+  double brought_in() const { return at_start + work_loads + work_supports + inserted; }
   friend bool operator==(const EnergyBooks&, const EnergyBooks&) = default;
+};
+
+/// What has come in with bodies of sources since the start of the run, and gone with particles that were
+/// taken out where a stage says so.
+struct MassBooks {
+  std::int64_t particles_in = 0, particles_out = 0;
+  double mass_in = 0, mass_out = 0;  ///< [mass]
+  Vec3d momentum_in, momentum_out;   ///< [mass*length/time]
+  friend bool operator==(const MassBooks&, const MassBooks&) = default;
+};
+
+/// How many bodies of a source are due by now, those that have come in among them. Where a rate brings them
+/// it grows from visit to visit, not by whole numbers.
+struct SourceRecord {
+  double due = 0;
+  friend bool operator==(const SourceRecord&, const SourceRecord&) = default;
 };
 
 /// The quantity watched for a peak (buckling): block averages and their maximum.
@@ -92,7 +113,7 @@ struct State {
   std::vector<WarmBond> warm_bonds;   ///< in order of bonds, which have the lengths of now
   /// Forces and moments at the present positions, where they do not follow from these: with bonds that damp,
   /// remember or break, with walls, with local damping, and with contacts that are not elastic or of
-  /// capsules. Else empty.
+  /// capsules. Else empty. Those of a particle that are not numbers are worked out anew.
   Loads loads;
   std::vector<PairMemory> contact_history;  ///< of touching pairs that remember something, in order of (i, j)
   std::vector<FibreMemory> fibre_history;   ///< of the contacts of capsules, in order of their places
@@ -110,12 +131,50 @@ struct State {
   /// Particles that were taken out of the computation (model/drop.hpp), in increasing order: they stay where
   /// they were, at rest, without bonds, and touch nothing.
   std::vector<ParticleId> dropped;
+  /// Particles of bodies that have not come in yet, in increasing order: at rest, where the first body of
+  /// their source stands as it waits, without bonds; they touch nothing.
+  std::vector<ParticleId> waiting;
+  std::vector<SourceRecord> sources;  ///< of each of Model::sources; empty: none has been visited yet
+  MassBooks mass;
 
   friend bool operator==(const State&, const State&) = default;
 };
 
 inline bool is_dropped(const State& s, ParticleId p) {
   return std::binary_search(s.dropped.begin(), s.dropped.end(), p);
+}
+
+inline bool is_waiting(const State& s, ParticleId p) {
+  return std::binary_search(s.waiting.begin(), s.waiting.end(), p);
+}
+/// Whether the particle takes no part in the computation.
+inline bool is_absent(const State& s, ParticleId p) {
+  return is_dropped(s, p) || is_waiting(s, p);
+}
+inline bool any_absent(const State& s) {
+  return !s.dropped.empty() || !s.waiting.empty();
+}
+/// Those particles, in increasing order.
+inline std::vector<ParticleId> absent(const State& s) {
+  std::vector<ParticleId> all;
+  std::merge(s.dropped.begin(), s.dropped.end(), s.waiting.begin(), s.waiting.end(), std::back_inserter(all));
+  return all;
+}
+/// What means, fragments and frames leave out: particles that wait, and where stages take particles out,
+/// those that are gone.
+inline std::vector<ParticleId> left_out(const std::vector<ParticleId>& dropped,
+                                        const std::vector<ParticleId>& waiting, const MassBooks& mass) {
+  if (mass.particles_out == 0) return waiting;
+  std::vector<ParticleId> all;
+  std::merge(dropped.begin(), dropped.end(), waiting.begin(), waiting.end(), std::back_inserter(all));
+  return all;
+}
+inline std::vector<ParticleId> left_out(const State& s) {
+  return left_out(s.dropped, s.waiting, s.mass);
+}
+/// How many particles take part in the computation.
+inline std::size_t present(const State& s) {
+  return s.r.size() - s.dropped.size() - s.waiting.size();
 }
 
 /// From particle i to particle j, or to an image of it, as they stand now.  [length]

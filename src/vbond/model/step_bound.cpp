@@ -8,6 +8,7 @@
 #include "vbond/model/contact_bound.hpp"
 #include "vbond/model/heat.hpp"
 #include "vbond/model/make_bond.hpp"
+#include "vbond/model/passage.hpp"
 #include "vbond/physics/bond_step.hpp"
 
 namespace vbond {
@@ -104,6 +105,12 @@ double lambda_of_rule(const Model& model, const BondingRule& rule, std::string& 
 
 StepBound step_bound(const Model& model, const State& state, const std::vector<BondingRule>& rules,
                      const std::vector<WallDrive>& drives, double contacts_to_come) {
+  if (!state.waiting.empty() && !model.sources.empty()) {  // bodies bring bonds along
+    State with_all = with_bonds_to_come(model, state);
+    with_all.waiting.clear();
+    with_all.dropped = absent(state);
+    return step_bound(model, with_all, rules, drives, contacts_to_come);
+  }
   Largest largest = largest_of_bonds(model, state, bonds_of_particles(model, state, rules));
   for (const BondingRule& rule : rules) {
     std::string motion;

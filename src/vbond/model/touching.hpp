@@ -4,17 +4,17 @@
 #include <cstdint>
 #include <unordered_map>
 
-#include "vbond/core/images.hpp"
 #include "vbond/model/capsules.hpp"
 #include "vbond/model/model.hpp"
+#include "vbond/model/present.hpp"
 #include "vbond/model/state.hpp"
 
 namespace vbond {
 
 /// Calls visit(i, j, n, overlap) once for every pair of a particle i and an image n of particle j that repel
 /// each other as they stand, i < j, or i = j and n > 0: overlap > 0, what they do not feel of it taken off,
-/// and not bonded if only unbonded pairs touch; those of fibres (model/capsules.hpp) and particles that were
-/// dropped apart. For looks now and then, not for a time loop.
+/// and not bonded if only unbonded pairs touch; those of fibres (model/capsules.hpp) and particles that are
+/// absent apart. For looks now and then, not for a time loop.
 template <class Visit>
 void for_touching_pairs(const Model& model, const State& state, Visit&& visit) {
   if (!particles_touch(model.contact) || (model.particles() < 2 && state.cell.empty())) return;
@@ -31,15 +31,13 @@ void for_touching_pairs(const Model& model, const State& state, Visit&& visit) {
   };
   const std::vector<char> of_fibre = particles_of_fibres(model.particles(), state.bonds);
   const auto in_fibre = [&of_fibre](std::size_t p) { return !of_fibre.empty() && of_fibre[p] != 0; };
-  for_overlapping_images(state.cell, model.cell.periodic, state.r.values(), model.radius.values(), 0.0,
-                         [&](std::size_t i, std::size_t j, const Image& n, double d2) {
-                           const ParticleId p{i}, q{j};
-                           if (in_fibre(i) || in_fibre(j) || is_exempt(i, j, n)) return;
-                           if (is_dropped(state, p) || is_dropped(state, q)) return;
-                           const double overlap = model.radius[p] + model.radius[q] - std::sqrt(d2);
-                           const double felt = overlap - kept_overlap(state, p, q, n);
-                           if (felt > 0.0) visit(p, q, n, felt);
-                         });
+  for_overlapping_present(model, state, 0.0, [&](std::size_t i, std::size_t j, const Image& n, double d2) {
+    const ParticleId p{i}, q{j};
+    if (in_fibre(i) || in_fibre(j) || is_exempt(i, j, n)) return;
+    const double overlap = model.radius[p] + model.radius[q] - std::sqrt(d2);
+    const double felt = overlap - kept_overlap(state, p, q, n);
+    if (felt > 0.0) visit(p, q, n, felt);
+  });
 }
 
 }  // namespace vbond

@@ -77,7 +77,7 @@ FragmentsWriter::FragmentsWriter(const OutputPlan& plan, std::optional<std::int6
             plan.units, stage ? std::optional(*stage - 1) : std::nullopt) {}
 
 void FragmentsWriter::write(const Model& model, const State& state, std::int64_t stage) {
-  const Fragments fragments = find_fragments(model, state.bonds);
+  const Fragments fragments = find_fragments(model, state.bonds, left_out(state));
   const FragmentMotion motion = motion_of(fragments, model, state);
   for (std::size_t k = 0; k < fragments.all.size(); ++k)
     file_.write(cells_of(fragment_quantities(),

@@ -7,14 +7,17 @@
 
 namespace vbond {
 
-Fragments find_fragments(const Model& model, const PerBond<Bond>& bonds) {
+Fragments find_fragments(const Model& model, const PerBond<Bond>& bonds,
+                         const std::vector<ParticleId>& without) {
   DisjointSets<ParticleId> sets(model.particles());
   for (const Bond& b : bonds)
     if (!b.broken) sets.join(b.i, b.j);
 
   std::vector<Fragment> found;  // in the order of their lowest particles
-  PerParticle<std::size_t> place(model.particles());
+  constexpr std::size_t none = static_cast<std::size_t>(-1);
+  PerParticle<std::size_t> place(model.particles(), none);
   for (const ParticleId p : model.mass.ids()) {
+    if (std::binary_search(without.begin(), without.end(), p)) continue;
     const ParticleId lowest = sets.smallest(p);
     if (lowest == p) place[p] = found.size(), found.push_back({p});
     place[p] = place[lowest];
@@ -32,12 +35,13 @@ Fragments find_fragments(const Model& model, const PerBond<Bond>& bonds) {
     number[k] = static_cast<std::int64_t>(fragments.all.size());
     fragments.all.push_back(found[k]);
   }
-  for (const std::size_t k : place) fragments.number.push_back(number[k]);
+  for (const std::size_t k : place) fragments.number.push_back(k == none ? -1 : number[k]);
   return fragments;
 }
 
-FragmentCount count_fragments(const Model& model, const PerBond<Bond>& bonds) {
-  const std::vector<Fragment> all = find_fragments(model, bonds).all;
+FragmentCount count_fragments(const Model& model, const PerBond<Bond>& bonds,
+                              const std::vector<ParticleId>& without) {
+  const std::vector<Fragment> all = find_fragments(model, bonds, without).all;
   double mass = 0.0;
   for (const Fragment& f : all) mass += f.mass;
   return {static_cast<std::int64_t>(all.size()), all.empty() ? 0.0 : all.front().mass / mass};
@@ -46,6 +50,7 @@ FragmentCount count_fragments(const Model& model, const PerBond<Bond>& bonds) {
 FragmentMotion motion_of(const Fragments& fragments, const Model& model, const State& state) {
   FragmentMotion of{std::vector<Vec3d>(fragments.all.size()), std::vector<Vec3d>(fragments.all.size())};
   for (const ParticleId p : model.mass.ids()) {
+    if (fragments.number[p] < 0) continue;
     const auto k = static_cast<std::size_t>(fragments.number[p]);
     const double share = model.mass[p] / fragments.all[k].mass;
     of.centre[k] += share * state.r[p];

@@ -18,9 +18,11 @@ struct Fragment {
 
 struct Fragments {
   std::vector<Fragment> all;         ///< the heaviest first, of equal ones that with the lowest particle
-  PerParticle<std::int64_t> number;  ///< of each particle's fragment, among all
+  PerParticle<std::int64_t> number;  ///< of each particle's fragment, among all; -1: it is left out
 };
-Fragments find_fragments(const Model& model, const PerBond<Bond>& bonds);
+/// without: particles that are of none, in increasing order.
+Fragments find_fragments(const Model& model, const PerBond<Bond>& bonds,
+                         const std::vector<ParticleId>& without = {});
 
 /// What the history tells of them.
 struct FragmentCount {
@@ -28,7 +30,8 @@ struct FragmentCount {
   double largest_share = 0;  ///< of the mass
   friend bool operator==(const FragmentCount&, const FragmentCount&) = default;
 };
-FragmentCount count_fragments(const Model& model, const PerBond<Bond>& bonds);
+FragmentCount count_fragments(const Model& model, const PerBond<Bond>& bonds,
+                              const std::vector<ParticleId>& without = {});
 
 /// Centres of mass and their velocities, one of each for each fragment.  [length], [length/time]
 struct FragmentMotion {

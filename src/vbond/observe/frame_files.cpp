@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <string>
 #include <variant>
 #include <vector>
@@ -53,7 +54,7 @@ VtpFile file_of_particles(const std::vector<ParticleId>& particles, const Model&
   f.set_unit_of_points(unit::length.in(model.units));
   if (const auto cell = frame_cell(model, state)) f.set_cell(*cell);
   std::optional<Fragments> fragments;
-  if (format.breaks && !particles.empty()) fragments = find_fragments(model, state.bonds);
+  if (format.breaks && !particles.empty()) fragments = find_fragments(model, state.bonds, left_out(state));
   PerParticle<Tensor> stress;
   if (format.stress) stress = stress_times_volume(model, state);
   const auto view = [&](std::size_t k) {
@@ -175,7 +176,10 @@ BondView bond_view(BondId id, const State& state, bool may_break) {
 
 void write_particles_vtp(const fs::path& path, const Model& model, const State& state,
                          std::optional<double> load_factor, FrameFormat format) {
-  file_of_particles(all_of<ParticleId>(model.particles()), model, state, format)
+  std::vector<ParticleId> shown;
+  const std::vector<ParticleId> all = all_of<ParticleId>(model.particles()), without = left_out(state);
+  std::set_difference(all.begin(), all.end(), without.begin(), without.end(), std::back_inserter(shown));
+  file_of_particles(shown, model, state, format)
       .write(path, state.clock.time(), state.clock.step, load_factor);
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <string_view>
 #include <utility>
 
@@ -23,16 +24,24 @@ Vec3d mean_displacement(const Group& group, const Model& model, const State& sta
 }
 
 Vec3d mean_velocity(const Group& group, const State& state) {
+  const std::vector<ParticleId> without = left_out(state);
   Vec3d sum;
-  for (const ParticleId p : group.particles) sum += state.v[p];
-  return sum / static_cast<double>(group.particles.size());
+  std::size_t count = 0;
+  for (const ParticleId p : group.particles)
+    if (!std::binary_search(without.begin(), without.end(), p)) sum += state.v[p], ++count;
+  return count > 0 ? sum / static_cast<double>(count) : Vec3d{};
 }
 
 void add_stresses(const OutputPlan& plan, const Model& model, const State& state, HistoryValues& to) {
   const PerParticle<Tensor> stress = stress_times_volume(model, state);
   for (const StressedGroup& g : plan.stresses) {
     to.stresses.push_back(symmetric_part(mean_stress(stress, g.group.particles, g.volume)));
-    to.strains.push_back(symmetric_part(mean_strain(model, state, g.group.particles)));
+    const bool some_come_in = std::any_of(g.group.particles.begin(), g.group.particles.end(),
+                                          [&model](ParticleId p) { return comes_in(model, p); });
+    SymmetricParts strain;  // of particles that come in there is none: they had no places at the start
+    strain.fill(std::numeric_limits<double>::quiet_NaN());
+    to.strains.push_back(some_come_in ? strain
+                                      : symmetric_part(mean_strain(model, state, g.group.particles)));
   }
 }
 
@@ -95,7 +104,8 @@ void take_up(const Vec3d& force, std::optional<double>& largest) {
 
 CellValues cell_values(const Model& model, const State& state) {
   CellValues of{.volume = volume(state.cell)};
-  for (const double m : model.mass) of.density += m / of.volume;
+  for (const ParticleId p : model.mass.ids())
+    if (!is_absent(state, p)) of.density += model.mass[p] / of.volume;
   of.strain = cell_components(cell_gradient(model.cell, state.cell));
   for (std::size_t k = 0; k < 3; ++k) of.strain[k] -= 1.0;
   of.stress = symmetric_part(cell_stress(model, state));
@@ -129,15 +139,20 @@ std::string history_header(const OutputPlan& plan) {
 
 HistoryValues history_values(const OutputPlan& plan, const BodyView& body) {
   const BalancePoint* const at_rest = body.balance();
+  const std::vector<ParticleId> without = left_out(body.dropped(), body.waiting(), body.mass());
   HistoryValues values{
       .clock = body.clock(),
       .books = body.books(),
+      .mass = body.mass(),
+      .present =
+          static_cast<std::int64_t>(body.model().particles() - body.dropped().size() - body.waiting().size()),
       .energies = body.energies(),
       .balance_error = body.balance_error(),
       .losses = losses_of(plan, body),
       .bonds = static_cast<std::int64_t>(body.bonds().size()),
       .ranges = count_ranges(body),
-      .fragments = plan.breaks ? std::optional(count_fragments(body.model(), body.bonds())) : std::nullopt,
+      .fragments =
+          plan.breaks ? std::optional(count_fragments(body.model(), body.bonds(), without)) : std::nullopt,
       .broken = plan.breaks ? count_broken(body.bonds()) : 0,
       .peak_average = body.peak().last,
       .load_factor = at_rest ? std::optional(at_rest->load_factor) : std::nullopt,

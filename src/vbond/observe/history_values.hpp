@@ -26,6 +26,8 @@ CellValues cell_values(const Model& model, const State& state);
 struct HistoryValues {
   Clock clock;
   EnergyBooks books;
+  MassBooks mass;
+  std::int64_t present = 0;  ///< particles that take part
   Energies energies;
   double balance_error = 0;    ///< relative
   std::vector<double> losses;  ///< one per OutputPlan::losses: that part of books.dissipated  [energy]

@@ -41,7 +41,10 @@ Box style_of(const CellShape& shape, bool shears) {
 
 std::string open_box(const Model& model, const State& state) {
   BoundingBox box;
-  for (const ParticleId p : model.mass.ids()) box.add(state.r[p], model.radius[p]);
+  const std::vector<ParticleId> without = left_out(state);
+  for (const ParticleId p : model.mass.ids())
+    if (!std::binary_search(without.begin(), without.end(), p)) box.add(state.r[p], model.radius[p]);
+  if (without.size() == model.particles()) box = {{0, 0, 0}, {0, 0, 0}};
   return fmt::format("ITEM: BOX BOUNDS ss ss ss\n{} {}\n{} {}\n{} {}\n", box.low.x, box.high.x, box.low.y,
                      box.high.y, box.low.z, box.high.z);
 }
@@ -73,6 +76,7 @@ std::string box_of_cell(const FrameCell& cell, Box style) {
 
 std::string lammps_frame(const Model& model, const State& state, const FrameFormat& format) {
   fmt::memory_buffer out;
+  const std::vector<ParticleId> without = left_out(state);
   const auto to = std::back_inserter(out);
   const std::optional<FrameCell> cell = frame_cell(model, state);
   const bool wraps = cell && format.wrap;
@@ -84,11 +88,12 @@ std::string lammps_frame(const Model& model, const State& state, const FrameForm
   fmt::format_to(to,
                  "ITEM: TIMESTEP\n{}\nITEM: NUMBER OF ATOMS\n{}\n{}"
                  "ITEM: ATOMS id type {} vx vy vz radius quatw quati quatj quatk{}\n",
-                 state.clock.step, model.particles(), box, cell && !wraps ? "xu yu zu" : "x y z",
-                 wraps ? " ix iy iz" : "");
+                 state.clock.step, model.particles() - without.size(), box,
+                 cell && !wraps ? "xu yu zu" : "x y z", wraps ? " ix iy iz" : "");
   PerParticle<Image> images;
   if (wraps) images = images_in_cell(model, state);
   for (const ParticleId p : model.mass.ids()) {
+    if (std::binary_search(without.begin(), without.end(), p)) continue;
     const Image n = wraps ? images[p] : Image{};
     const Vec3d r = n.is_itself() ? state.r[p] : state.r[p] + to_image(state.cell, n);
     const Vec3d v = n.is_itself() ? state.v[p] : state.v[p] + image_velocity(state.cell, n);

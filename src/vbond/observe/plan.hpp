@@ -48,6 +48,7 @@ struct OutputPlan {
   bool breaks = false;                     ///< some bond may break: breaks.csv, fragments.csv, more columns
   bool flow = false;                       ///< some bond may yield, creep or soften: arrays of bonds
   bool cell = false;                       ///< the body is periodic: columns of its cell, and its frames
+  bool passage = false;                    ///< bodies come in or particles are taken out: more columns
   std::vector<Loss> losses;                ///< what may dissipate energy, in history.csv and run.json
   double energy_error = 0.05;              ///< relative error of the energy balance that stops a run
 

@@ -29,7 +29,7 @@ namespace vbond {
 // ---- history.csv ---------------------------------------------------------------------------------------
 
 /// Which cases have a quantity.
-enum class Only : std::uint8_t { everywhere, statics, breaks, stress, capsules, flow, cell, wrap };
+enum class Only : std::uint8_t { everywhere, statics, breaks, stress, capsules, flow, cell, wrap, passage };
 inline bool is_in(Only cases, const OutputPlan& plan) {
   switch (cases) {
     case Only::everywhere: return true;
@@ -40,6 +40,7 @@ inline bool is_in(Only cases, const OutputPlan& plan) {
     case Only::flow: return plan.flow;
     case Only::cell: return plan.cell;
     case Only::wrap: return plan.cell && plan.frame_format.wrap;
+    case Only::passage: return plan.passage;
   }
   return true;
 }

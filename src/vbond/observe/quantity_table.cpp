@@ -59,6 +59,7 @@ const char* in_words(Only cases) {
     case Only::flow: return ". Only where bonds yield, creep or soften";
     case Only::cell: return ". Only of periodic bodies";
     case Only::wrap: return ". Only with `frames.wrap`";
+    case Only::passage: return ". Only in cases with a source or a sink";
   }
   return "";
 }

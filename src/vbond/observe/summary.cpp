@@ -8,6 +8,7 @@
 
 #include "vbond/core/error.hpp"
 #include "vbond/model/cell_drive.hpp"
+#include "vbond/model/passage.hpp"
 #include "vbond/observe/detail/static_json.hpp"
 #include "vbond/observe/files.hpp"
 
@@ -163,7 +164,56 @@ PackingSummary packing_from(const Json& j) {
   return p;
 }
 
+Json to_json(const PassageSummary& p) {
+  const auto vector = [](const Vec3d& x) { return Json::array({x.x, x.y, x.z}); };
+  Json j{{"particles", p.present},
+         {"particles_in", p.mass.particles_in},
+         {"particles_out", p.mass.particles_out},
+         {"mass_in", p.mass.mass_in},
+         {"mass_out", p.mass.mass_out},
+         {"momentum_in", vector(p.mass.momentum_in)},
+         {"momentum_out", vector(p.mass.momentum_out)},
+         {"inserted", p.inserted},
+         {"removed", p.removed},
+         {"sources", Json::array()}};
+  for (const PassageSummary::OfSource& s : p.sources)
+    j["sources"].push_back(
+        {{"name", s.name}, {"bodies", s.bodies}, {"came_in", s.came_in}, {"no_room", s.no_room}});
+  return j;
+}
+PassageSummary passage_from(const Json& j) {
+  const auto vector = [](const Json& x) {
+    return Vec3d{x.at(0).get<double>(), x.at(1).get<double>(), x.at(2).get<double>()};
+  };
+  PassageSummary p;
+  p.present = whole_number(j.at("particles"));
+  p.mass.particles_in = whole_number(j.at("particles_in"));
+  p.mass.particles_out = whole_number(j.at("particles_out"));
+  p.mass.mass_in = j.at("mass_in").get<double>();
+  p.mass.mass_out = j.at("mass_out").get<double>();
+  p.mass.momentum_in = vector(j.at("momentum_in"));
+  p.mass.momentum_out = vector(j.at("momentum_out"));
+  p.inserted = j.at("inserted").get<double>();
+  p.removed = j.at("removed").get<double>();
+  for (const Json& s : j.at("sources"))
+    p.sources.push_back({s.at("name").get<std::string>(), whole_number(s.at("bodies")),
+                         whole_number(s.at("came_in")), whole_number(s.at("no_room"))});
+  return p;
+}
+
 }  // namespace
+
+PassageSummary summarise_passage(const Model& model, const State& state) {
+  PassageSummary p{
+      static_cast<std::int64_t>(present(state)), state.mass, state.books.inserted, state.books.removed, {}};
+  for (std::size_t k = 0; k < model.sources.size(); ++k) {
+    const Source& s = model.sources[k];
+    p.sources.push_back({s.name, static_cast<std::int64_t>(s.bodies),
+                         static_cast<std::int64_t>(bodies_in(s, state)),
+                         static_cast<std::int64_t>(bodies_due(model, k, state))});
+  }
+  return p;
+}
 
 CellSummary summarise_cell(const Model& model, const State& state) {
   return {{state.cell[0].along, state.cell[1].along, state.cell[2].along}, cell_values(model, state)};
@@ -229,6 +279,7 @@ std::string to_json(const RunSummary& r) {
   for (const SpecimenFigures& s : r.specimens) j["specimens"][s.specimen] = to_json(s);
   for (const WallSummary& w : r.walls) j["walls"].push_back(to_json(w));
   if (r.cell) j["cell"] = to_json(*r.cell);
+  if (r.passage) j["passage"] = to_json(*r.passage);
   for (const PackingSummary& p : r.packings) j["packings"].push_back(to_json(p));
   for (const auto& [cause, energy] : r.dissipated) j["dissipated"][cause] = energy;
   j["ever_strained"] = r.ever_strained;
@@ -281,6 +332,7 @@ RunSummary read_summary(const std::filesystem::path& path) {
       for (const auto& [name, figures] : j["specimens"].items())
         r.specimens.push_back(figures_from(name, figures));
     if (j.contains("cell")) r.cell = cell_from(j["cell"]);
+    if (j.contains("passage")) r.passage = passage_from(j["passage"]);
     if (j.contains("packings"))
       for (const Json& packing : j["packings"]) r.packings.push_back(packing_from(packing));
     if (j.contains("dissipated"))

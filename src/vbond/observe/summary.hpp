@@ -70,6 +70,21 @@ struct CellSummary {
 };
 CellSummary summarise_cell(const Model& model, const State& state);
 
+/// What has come in and gone by the end of a run.
+struct PassageSummary {
+  struct OfSource {
+    std::string name;
+    std::int64_t bodies = 0, came_in = 0, no_room = 0;  ///< no_room: more that were due
+    friend bool operator==(const OfSource&, const OfSource&) = default;
+  };
+  std::int64_t present = 0;  ///< particles that take part
+  MassBooks mass;
+  double inserted = 0, removed = 0;  ///< [energy]
+  std::vector<OfSource> sources;
+  friend bool operator==(const PassageSummary&, const PassageSummary&) = default;
+};
+PassageSummary summarise_passage(const Model& model, const State& state);
+
 /// A specimen of packed grains, as it was packed.
 struct PackingSummary {
   std::string name;
@@ -102,6 +117,7 @@ struct RunSummary {
   std::vector<WallSummary> walls;          ///< in the order of the case
   std::vector<SpecimenFigures> specimens;  ///< those that are made at random
   std::optional<CellSummary> cell;         ///< of periodic bodies
+  std::optional<PassageSummary> passage;   ///< where bodies come in or particles are taken out
   std::vector<PackingSummary> packings;
   /// What is dissipated at the end, by the causes that the case may have.  [energy]
   std::vector<std::pair<std::string, double>> dissipated;

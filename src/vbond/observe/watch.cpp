@@ -1,4 +1,5 @@
 #include "vbond/observe/watch.hpp"
+#include "vbond/model/present.hpp"
 
 #include <fmt/format.h>
 
@@ -102,14 +103,14 @@ std::vector<Overlap> new_overlaps(const Model& m, const State& s, double part) {
   const CellEdges at_start = cell_at_start(m);
   const auto look = [&](std::size_t a, std::size_t b, const Image& n, double distance2) {
     const ParticleId i{a}, j{b};
-    if (is_dropped(s, i) || is_dropped(s, j)) return;
     const double R_i = m.radius[i], R_j = m.radius[j], allowed = part * std::min(R_i, R_j);
     const double depth = R_i + R_j - std::sqrt(distance2);
     if (!(depth > allowed) || std::min(R_i, R_j) == 0.0) return;
-    const double at_first = std::max(0.0, R_i + R_j - norm(between(m.r_0, at_start, i, j, n)));
+    const double at_first =
+        stood_together(m, i, j) ? std::max(0.0, R_i + R_j - norm(between(m.r_0, at_start, i, j, n))) : 0.0;
     if (depth > at_first + allowed) found.push_back({i, j, n, depth});
   };
-  for_overlapping_images(s.cell, m.cell.periodic, s.r.values(), m.radius.values(), 0.0, look);
+  for_overlapping_present(m, s, 0.0, look);
   if (found.empty()) return found;
   std::set<std::tuple<ParticleId, ParticleId, Image>> bonded;  // seen from either end
   for (const Bond& b : s.bonds)

@@ -57,6 +57,7 @@ PerParticle<Vec3d> straightened(const Model& model, const State& state) {
 /// What each particle costs in a step: by itself, and its bonds.
 PerParticle<double> work_of(const Model& model, const State& state) {
   PerParticle<double> work(model.particles(), static_cast<double>(work_of_particle(model)));
+  for (const ParticleId p : absent(state)) work[p] = 1e-6;  // LAMMPS wants some of each atom
   for (const Bond& b : state.bonds)
     if (!b.broken) work[b.i] += 1.0;
   return work;
@@ -157,6 +158,7 @@ double Ranks::size_of_domains(const State& state) const {
 /// longest bond.
 Share Ranks::share_of(const Model& model, const State& state) {
   own_ = domains_->own();
+  std::erase_if(own_, [&state](ParticleId p) { return is_absent(state, p); });
   // those of all particles and no cell need no reach
   const double reach = knows_all_ && !model.cell.any() ? 0.0 : ghost_reach();
   std::vector<ImageOf> ghosts = ghosts_of(own_, model, state, reach, knows_all_);

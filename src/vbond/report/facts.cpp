@@ -247,6 +247,21 @@ Lines results_of(const RunSummary& summary) {
     lines.push_back({"Strain of the cell", all(cell.strain)});
     lines.push_back({"Stress of the body", all(cell.stress) + (si ? " Pa" : "")});
   }
+  if (summary.passage) {
+    const PassageSummary& p = *summary.passage;
+    const char* kg = si ? " kg" : "";
+    lines.push_back({"Particles at the end", fmt::format("{}", p.present)});
+    lines.push_back(
+        {"Came in", fmt::format("{} particles, mass {:.6g}{}, energy {:.6g}{}", p.mass.particles_in,
+                                p.mass.mass_in, kg, p.inserted, si ? " J" : "")});
+    lines.push_back(
+        {"Taken out", fmt::format("{} particles, mass {:.6g}{}, energy {:.6g}{}", p.mass.particles_out,
+                                  p.mass.mass_out, kg, p.removed, si ? " J" : "")});
+    for (const PassageSummary::OfSource& s : p.sources)
+      lines.push_back({fmt::format("Source \"{}\"", s.name),
+                       fmt::format("{} of {} bodies came in{}", s.came_in, s.bodies,
+                                   s.no_room > 0 ? fmt::format("; {} more found no room", s.no_room) : "")});
+  }
   if (any_balance_of_energy(summary))
     lines.push_back(
         {"Largest error of the energy balance", fmt::format("{:.2g}", summary.energy_balance_error)});

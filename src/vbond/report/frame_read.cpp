@@ -12,6 +12,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::int64_t most_numbers =
+    1'000'000'000;  // of particles: a damaged number asks for no more memory
+
 /// The files that a list of parts names, as VtpFile::write_list has written it.
 std::vector<fs::path> listed_parts(const fs::path& path) {
   const std::string text = read_all(path);
@@ -73,27 +76,40 @@ void FrameInput::refuse(const std::string& what) const {
   throw IoError(path_.string() + ": is damaged: " + what);
 }
 
-/// Numbers run from 0 without a gap. once: no two parts have the same.
+/// once: no two parts have the same number; what has numbers then follows in their order, and where bonds are
+/// numbered there is no gap. Else numbers are places, of which some may be taken by nobody.
 FrameInput::Places FrameInput::places(Per per, const char* numbers, bool once) const {
   std::vector<std::vector<std::int64_t>> all;
   std::size_t values = 0;
   for (const VtpInput& f : files_) values += all.emplace_back(f.integers(per, numbers)).size();
   Places to;
-  std::vector<char> taken(values, 0);
+  std::size_t most = values;
+  if (per == Per::point)  // particles that are not there leave gaps
+    for (const std::vector<std::int64_t>& of_part : all)
+      for (const std::int64_t id : of_part)
+        if (id >= 0 && id < most_numbers) most = std::max(most, static_cast<std::size_t>(id) + 1);
+  std::vector<char> taken(most, 0);
   for (const std::vector<std::int64_t>& of_part : all) {
     std::vector<std::size_t>& of = to.of.emplace_back();
     of.reserve(of_part.size());
     for (const std::int64_t id : of_part) {
       const auto k = static_cast<std::size_t>(id);
-      if (id < 0 || k >= values) refuse("it has no place for the number " + std::to_string(id));
+      if (id < 0 || k >= taken.size()) refuse("it has no place for the number " + std::to_string(id));
       if (once && taken[k] != 0) refuse("two of its parts have the number " + std::to_string(id));
       taken[k] = 1;
       to.count = std::max(to.count, k + 1);
       of.push_back(k);
     }
   }
-  if (std::count(taken.begin(), taken.end(), 1) != static_cast<std::ptrdiff_t>(to.count))
+  const auto numbered = std::count(taken.begin(), taken.end(), 1);
+  if (per == Per::cell && numbered != static_cast<std::ptrdiff_t>(to.count))
     refuse("numbers are missing, as if a part were of another frame");
+  if (!once || numbered == static_cast<std::ptrdiff_t>(to.count)) return to;
+  std::vector<std::size_t> place(taken.size());
+  to.count = 0;
+  for (std::size_t k = 0; k < taken.size(); ++k) place[k] = to.count, to.count += taken[k] != 0;
+  for (std::vector<std::size_t>& of_part : to.of)
+    for (std::size_t& k : of_part) k = place[k];
   return to;
 }
 

@@ -12,8 +12,9 @@ namespace vbond {
 
 /// A frame of particles or bonds: one .vtp file, or the parts that a list of parts (.pvtp) names, put
 /// together as if one process had written them: in the order of their numbers, which the arrays "id" tell,
-/// and "particle" for the ends of bonds, or "point" where these may be images. Every function throws IoError
-/// naming the file, as those of VtpInput of the same name do.
+/// and "particle" for the ends of bonds, or "point" where these may be images. Particles that have not come
+/// in yet, or are gone, are in no file of particles. Every function throws IoError naming the file, as those
+/// of VtpInput of the same name do.
 class FrameInput {
  public:
   using Per = VtpInput::Per;

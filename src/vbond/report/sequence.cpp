@@ -29,7 +29,26 @@ struct RawFrame {
   std::array<std::vector<double>, bond_field_count> fields;  ///< empty: not there
   std::vector<std::uint8_t> range, broken;
   std::vector<std::int64_t> fragment;
+  std::vector<std::uint8_t> there;  ///< empty: all particles are
 };
+
+/// The numbers of the particles of a frame, in increasing order; empty: they are 0, 1, 2 ... of so many.
+std::vector<std::size_t> numbers_of_some(const FrameInput& particles, std::size_t all) {
+  std::vector<std::size_t> numbers;
+  if (particles.points() == all) return numbers;
+  for (const std::int64_t id : particles.integers(Per::point, "id"))
+    numbers.push_back(static_cast<std::size_t>(id));
+  return numbers;
+}
+
+/// Puts the values of these particles where their numbers are; others are as new.
+template <class T>
+void spread(const std::vector<std::size_t>& numbers, std::size_t all, std::vector<T>& values) {
+  if (values.empty() && !numbers.empty()) return;
+  std::vector<T> spread(all);
+  for (std::size_t k = 0; k < numbers.size(); ++k) spread[numbers[k]] = values[k];
+  values = std::move(spread);
+}
 
 bool have_all(const FrameInput& bonds, std::size_t from, std::size_t to) {
   return std::all_of(bond_fields.begin() + static_cast<std::ptrdiff_t>(from),
@@ -72,11 +91,20 @@ void clear_bond(std::size_t b, RawFrame& f) {
   f.range[b] = 0;
 }
 
-RawFrame read_frame(const FrameInput& particles, const FrameInput& bonds, const std::vector<Vec3d>* about) {
+/// all: how many particles the body has.
+RawFrame read_frame(const FrameInput& particles, const FrameInput& bonds, const std::vector<Vec3d>* about,
+                    std::size_t all) {
   RawFrame f;
   f.step = particles.step();
   f.displacement = displacement_in(particles, about);
   for (const Vec3d& v : particles.vectors(Per::point, "velocity")) f.speed.push_back(norm(v));
+  const bool some = particles.points() != all;
+  const std::vector<std::size_t> numbers = numbers_of_some(particles, all);
+  if (some) {
+    f.there.assign(all, 0);
+    for (const std::size_t p : numbers) f.there[p] = 1;
+    spread(numbers, all, f.displacement), spread(numbers, all, f.speed);
+  }
   const bool may_break = tells_of_breaks(particles, bonds);
   const bool flows = tells_of_flow(bonds);
   for (std::size_t k = 0; k < bond_field_count; ++k)
@@ -85,6 +113,7 @@ RawFrame read_frame(const FrameInput& particles, const FrameInput& bonds, const 
   f.range = bonds.bytes(Per::cell, "range");
   if (!may_break) return f;
   f.fragment = particles.integers(Per::point, "fragment");
+  if (some) spread(numbers, all, f.fragment);
   f.broken = bonds.bytes(Per::cell, "broken");
   for (std::size_t b = 0; b < f.broken.size(); ++b)
     if (f.broken[b] != 0) clear_bond(b, f);
@@ -117,7 +146,8 @@ std::array<double, 3> numbers_of(const Image& n) {
 
 /// Images have points behind those of the particles, which tell whose they are. With frames.wrap all that is
 /// shown are images.
-Ends ends_of_bonds(const FrameInput& particles, const FrameInput& bonds, const std::filesystem::path& path) {
+Ends ends_of_bonds(const FrameInput& particles, const FrameInput& bonds, const std::filesystem::path& path,
+                   std::size_t all_particles) {
   Ends to{bonds.integers(Per::end, "connectivity")};
   const auto points = static_cast<std::int64_t>(bonds.points());
   for (const std::int64_t end : to.particle)
@@ -125,8 +155,12 @@ Ends ends_of_bonds(const FrameInput& particles, const FrameInput& bonds, const s
   if (!bonds.has(Per::cell, "image_j")) return to;
   const std::vector<std::int64_t> of = bonds.integers(Per::point, "particle");
   for (std::int64_t& end : to.particle) end = of[static_cast<std::size_t>(end)];
-  std::vector<Image> shown(particles.points());
-  if (particles.has(Per::point, "image")) shown = particles.images(Per::point, "image");
+  std::vector<Image> shown(all_particles);
+  if (particles.has(Per::point, "image")) {
+    shown = particles.images(Per::point, "image");
+    if (particles.points() != all_particles)
+      spread(numbers_of_some(particles, all_particles), all_particles, shown);
+  }
   const auto all = static_cast<std::int64_t>(shown.size());
   for (const Image& image_j : bonds.images(Per::cell, "image_j")) {
     const std::size_t b = to.image.size();
@@ -145,7 +179,7 @@ Ends ends_of_bonds(const FrameInput& particles, const FrameInput& bonds, const s
 
 /// The bonds that were there in the frames before must be there still, and join the same images.
 void add_bonds(const FrameInput& in, const FrameInput& file, const std::filesystem::path& path, Body& body) {
-  const auto [ends, images] = ends_of_bonds(in, file, path);
+  const auto [ends, images] = ends_of_bonds(in, file, path, body.radius.size());
   const auto particles = static_cast<std::int64_t>(body.radius.size());
   if (file.has(Per::cell, "capsule_radius")) {
     const std::vector<double> radius = file.scalars(Per::cell, "capsule_radius");
@@ -207,6 +241,7 @@ QuantisedFrame quantise(const RawFrame& raw, double time, const Sequence& s) {
   for (std::size_t k = 0; k < bond_field_count; ++k)
     if (s.has_field(k)) q.fields[k] = bytes(raw.fields[k], s.fields[k]);
   q.range = raw.range;
+  q.there = raw.there;
   if (!s.may_break) return q;
   q.broken = raw.broken;
   constexpr std::int64_t last = std::numeric_limits<std::uint16_t>::max();
@@ -219,17 +254,20 @@ QuantisedFrame quantise(const RawFrame& raw, double time, const Sequence& s) {
 struct OpenFrame {
   FrameInput particles, bonds;
   OpenFrame(const FrameFiles& files, const Body& body) : particles(files.particles), bonds(files.bonds) {
-    if (particles.points() != body.radius.size() || bonds.points() < body.radius.size() ||
-        particles.step() != bonds.step())
+    bool known = particles.points() <= body.radius.size();
+    if (known)
+      for (const std::size_t p : numbers_of_some(particles, body.radius.size()))
+        known = known && p < body.radius.size();
+    if (!known || bonds.points() < particles.points() || particles.step() != bonds.step())
       throw IoError(files.bonds.string() + ": is not of the same body and step as " +
                     files.particles.string());
     if (!bonds.lines()) throw IoError(files.bonds.string() + ": is damaged: its cells are not bonds");
   }
 };
 
-/// The positions that displacements are from; the first frame tells them.
-std::vector<Vec3d> start_of(const SequenceFiles& files) {
-  const FrameInput first(files.frames[0].particles);
+/// The positions that displacements are from; a frame tells those of its particles.
+std::vector<Vec3d> start_of(const SequenceFiles& files, const FrameFiles& frame) {
+  const FrameInput first(frame.particles);
   std::vector<Vec3d> r = first.vectors(Per::point, "Points");
   if (files.kind == SequenceKind::mode) return r;
   const std::vector<Vec3d> moved = first.vectors(Per::point, "displacement");
@@ -240,6 +278,24 @@ std::vector<Vec3d> start_of(const SequenceFiles& files) {
   for (std::size_t p = 0; p < r.size(); ++p)
     r[p] += double(shown[p].a) * a + double(shown[p].b) * b + double(shown[p].c) * c;
   return r;
+}
+
+/// The first frame tells them, but for particles that come in later.
+std::vector<Vec3d> start_of(const SequenceFiles& files, std::size_t all) {
+  std::vector<Vec3d> start(all);
+  std::vector<char> known(all, 0);
+  std::size_t left = all;
+  for (const FrameFiles& frame : files.frames) {
+    const std::vector<Vec3d> r = start_of(files, frame);
+    if (r.size() == all && left == all) return r;
+    const std::vector<std::size_t> numbers = numbers_of_some(FrameInput(frame.particles), all);
+    for (std::size_t k = 0; k < r.size(); ++k) {
+      const std::size_t p = numbers.empty() ? k : numbers[k];
+      if (p < all && known[p] == 0) start[p] = r[k], known[p] = 1, --left;
+    }
+    if (left == 0) break;
+  }
+  return start;
 }
 
 /// The cell of a periodic body as the page holds it.
@@ -273,7 +329,7 @@ Spans look_through(const SequenceFiles& files, const std::vector<Vec3d>* about, 
     last_step = open.particles.step();
     add_bonds(open.particles, open.bonds, f.bonds, body);
     body.bonds_without_length = std::max(body.bonds_without_length, count_without_length(open.bonds));
-    const RawFrame raw = read_frame(open.particles, open.bonds, about);
+    const RawFrame raw = read_frame(open.particles, open.bonds, about, body.radius.size());
     check_kinds(raw, f.bonds);
     s.may_break = s.may_break && tells_of_breaks(open.particles, open.bonds);
     s.flows = s.flows && tells_of_flow(open.bonds);
@@ -289,10 +345,26 @@ Spans look_through(const SequenceFiles& files, const std::vector<Vec3d>* about, 
   return spans;
 }
 
-void read_radii(const std::filesystem::path& file, Body& body) {
-  for (const double R : FrameInput(file).scalars(Per::point, "radius"))
-    body.radius.push_back(as_float(R, file));
-  if (body.radius.empty()) throw IoError(file.string() + ": has no particles");
+/// Where particles come in or go no frame need have all of them: of a body without images the frame of bonds
+/// has a point for each.
+void read_radii(const std::vector<FrameFiles>& frames, Body& body) {
+  const auto in_all = [](const FrameFiles& f) {
+    return FrameInput(f.particles).points() == FrameInput(f.bonds).points();
+  };
+  for (const FrameFiles& f : frames) {
+    const FrameInput particles(f.particles);
+    const std::vector<double> radii = particles.scalars(Per::point, "radius");
+    const std::vector<std::int64_t> ids = particles.integers(Per::point, "id");
+    for (std::size_t k = 0; k < ids.size(); ++k) {
+      if (ids[k] < 0 || ids[k] > 1'000'000'000)
+        throw IoError(f.particles.string() + ": is damaged: a particle has no number");
+      const auto p = static_cast<std::size_t>(ids[k]);
+      if (p >= body.radius.size()) body.radius.resize(p + 1, 0.0f);
+      body.radius[p] = as_float(radii[k], f.particles);
+    }
+    if (body.radius.size() == ids.size() && in_all(f)) break;
+  }
+  if (body.radius.empty()) throw IoError(frames.front().particles.string() + ": has no particles");
 }
 
 /// Positions as floats from the middle of the body: far from zero floats have no digits left for its shape.
@@ -353,8 +425,8 @@ Sequence read_sequence(const SequenceFiles& files, Body& body) {
              .frames = {}};
   if (files.frames.empty()) return s;
   const std::filesystem::path& first = files.frames[0].particles;
-  if (body.radius.empty()) read_radii(first, body);
-  const std::vector<Vec3d> start = start_of(files);
+  if (body.radius.empty()) read_radii(files.frames, body);
+  const std::vector<Vec3d> start = start_of(files, body.radius.size());
   try {
     put_reference(start, first, s);
   } catch (const std::domain_error& e) {
@@ -370,7 +442,8 @@ Sequence read_sequence(const SequenceFiles& files, Body& body) {
     if (s.has_field(k)) s.fields[k] = range_of(spans.fields[k], levels_of_8_bits, bond_fields[k].is_signed);
   for (const FrameFiles& f : files.frames) {
     const OpenFrame open(f, body);
-    s.frames.push_back(quantise(read_frame(open.particles, open.bonds, about), f.time, s));
+    s.frames.push_back(
+        quantise(read_frame(open.particles, open.bonds, about, body.radius.size()), f.time, s));
     add_cell(open.particles, f.particles, s);
   }
   if (s.cell.size() != 12 * s.frames.size())
@@ -385,7 +458,7 @@ Sequence read_sequence(const SequenceFiles& files, Body& body) {
 std::size_t bytes_of_frame(const FrameFiles& files) {
   const FrameInput particles(files.particles), bonds(files.bonds);
   const bool may_break = tells_of_breaks(particles, bonds);
-  return (may_break ? 9 : 7) * particles.points() +
+  return (may_break ? 9 : 7) * std::max(particles.points(), bonds.points()) +
          ((may_break ? fields_with_breaks + 2 : fields_of_all_runs + 1) +
           (tells_of_flow(bonds) ? bond_field_count - fields_with_breaks : 0)) *
              bonds.cells() +

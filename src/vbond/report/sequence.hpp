@@ -44,8 +44,10 @@ struct QuantisedFrame {
   std::vector<std::uint16_t> displacement;  ///< [component][particle]
   std::vector<std::uint8_t> speed;          ///< empty if nothing moves
   std::array<std::vector<std::uint8_t>, bond_field_count> fields;
-  std::vector<std::uint8_t> range;      ///< 0 good, 1 strained, 2 snapped
-  std::vector<std::uint8_t> broken;     ///< 0 whole, else by what; empty where bonds cannot break
+  std::vector<std::uint8_t> range;   ///< 0 good, 1 strained, 2 snapped
+  std::vector<std::uint8_t> broken;  ///< 0 whole, else by what; empty where bonds cannot break
+  std::vector<std::uint8_t>
+      there;  ///< of each particle, 0: it has not come in yet or is gone; empty: all are
   std::vector<std::uint16_t> fragment;  ///< of each particle, the last number for all above; empty likewise
   std::size_t bonds() const { return range.size(); }
 };

@@ -83,6 +83,23 @@ void add_breaks(const Sequence& s, const std::vector<std::size_t>& frames, std::
     j["fragment"] = to_json(block.add(fragment, as_they_are, s.frames[0].fragment.size()));
 }
 
+/// Which particles are there; nothing where all are in all frames.
+void add_there(const Sequence& s, const std::vector<std::size_t>& frames, std::size_t particles, Block& block,
+               Json& j) {
+  const auto some = [](const QuantisedFrame& f) { return !f.there.empty(); };
+  if (std::none_of(s.frames.begin(), s.frames.end(), some)) return;
+  std::vector<std::uint8_t> there;
+  for (const std::size_t f : frames) {
+    const std::vector<std::uint8_t>& of_frame = s.frames[f].there;
+    if (of_frame.empty())
+      there.insert(there.end(), particles, 1);
+    else
+      there.insert(there.end(), of_frame.begin(), of_frame.end());
+  }
+  const std::array<Range, 1> as_they_are{{{0.0, 1.0}}};
+  j["there"] = to_json(block.add(there, as_they_are[0], particles));
+}
+
 /// Nothing where there are no walls.
 void add_walls(const Walls& walls, const std::vector<std::size_t>& frames, Block& block, Json& j) {
   if (walls.triangles.empty()) return;
@@ -174,6 +191,7 @@ Json sequence_json(const Sequence& s, const Report& report, const std::vector<st
   j["bond_fields"] = bond_fields_json(s, kept, bonds, si, block);
   j["bond_range"] = to_json(block.add(range, {0.0, 1.0}, bonds));
   add_breaks(s, kept, bonds, block, j);
+  add_there(s, kept, particles, block, j);
   add_walls(s.walls, kept, block, j);
   add_cell(s, kept, block, j);
   add_contacts(s.contacts, kept, particles, si, block, j);

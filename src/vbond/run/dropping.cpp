@@ -24,8 +24,8 @@ bool Run::drop(const ParticlesLost& found) {
     return false;
   State rest = simulation_->state();
   const auto lost = to_be_dropped(stage, found.lost);
-  if (!lost || rest.dropped.size() + lost->size() == model_.particles() ||
-      any_capsules(model_.contact, rest.bonds) || !std::isfinite(simulation_->energies().total()))
+  if (!lost || lost->size() == present(rest) || any_capsules(model_.contact, rest.bonds) ||
+      !std::isfinite(simulation_->energies().total()))
     return false;
   std::vector<ParticleId> particles;
   for (const auto& [p, why] : *lost) particles.push_back(p);

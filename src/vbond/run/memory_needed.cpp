@@ -9,6 +9,7 @@
 #include "vbond/core/error.hpp"
 #include "vbond/core/memory.hpp"
 #include "vbond/dynamics/step_memory.hpp"
+#include "vbond/model/passage.hpp"
 #include "vbond/setup/bonds.hpp"
 #include "vbond/setup/build.hpp"
 
@@ -47,9 +48,8 @@ double farthest(const BondingRule& rule, const Model& model) {
 /// Pairs that the rule joins and that have no bond yet.
 double pairs_now(const BondingRule& rule, const Model& model, const State& state) {
   const double most = memory_limit() / memory_use(model, state).per_bond;
-  const std::size_t all = pairs_within(state.r.values(), model.radius.values(), {rule.distance, rule.factor},
-                                       rule.in_a, rule.in_b, most, state.cell, model.cell.periodic)
-                              .size();
+  const std::size_t all =
+      pairs_within(model, state, {rule.distance, rule.factor}, rule.in_a, rule.in_b, most).size();
   const auto is_one = [&](const Bond& b) {
     const bool joins =
         (rule.in_a[b.i.value] && rule.in_b[b.j.value]) || (rule.in_a[b.j.value] && rule.in_b[b.i.value]);
@@ -58,6 +58,14 @@ double pairs_now(const BondingRule& rule, const Model& model, const State& state
   };
   const auto bonded = std::count_if(state.bonds.begin(), state.bonds.end(), is_one);
   return static_cast<double>(all) - static_cast<double>(bonded);
+}
+
+/// With bodies that wait.
+double bonds_to_come(const Model& model, const State& state) {
+  double bonds = 0.0;
+  for (const Source& s : model.sources)
+    bonds += static_cast<double>((s.bodies - bodies_in(s, state)) * s.bonds.size());
+  return bonds;
 }
 
 double pairs_ever(const BondingRule& rule) {
@@ -102,7 +110,8 @@ void require_memory(const Case& c) {
 
 void require_memory(const Case& c, const Model& model, const State& state) {
   const MemoryUse use = memory_use(model, state);
-  const auto n = static_cast<double>(model.particles()), bonds = static_cast<double>(state.bonds.size());
+  const auto n = static_cast<double>(model.particles()),
+             bonds = static_cast<double>(state.bonds.size()) + bonds_to_come(model, state);
   require(n * use.per_particle + bonds * use.per_bond,
           fmt::format("{:.0f} particles and {:.0f} bonds", n, bonds), c);
 }

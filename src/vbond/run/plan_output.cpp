@@ -100,7 +100,8 @@ OutputPlan plan_output(const Case& c, const Model& model, const std::filesystem:
     plan.checkpoint_every = output_time(*o.checkpoint_every, model, "output.checkpoint.every", c);
   plan.statics = any_statics(c);
   plan.cell = model.cell.any();
-  const bool drops = c.watch.on_unphysical == OnUnphysical::drop;
+  plan.passage = !c.sources.empty() || !c.sinks.empty();
+  const bool drops = c.watch.on_unphysical == OnUnphysical::drop || !c.sinks.empty();
   plan.breaks = std::any_of(c.bonds.begin(), c.bonds.end(),
                             [drops](const BondSpec& b) { return drops || b.recipe.rules.can_break(); });
   plan.capsules =

@@ -11,6 +11,7 @@
 #include "vbond/model/energies.hpp"
 #include "vbond/model/heat.hpp"
 #include "vbond/model/mistakes.hpp"
+#include "vbond/model/passage.hpp"
 #include "vbond/model/periodic_cell.hpp"
 #include "vbond/run/static_solver.hpp"
 #include "vbond/statics/point_view.hpp"
@@ -112,11 +113,20 @@ void Run::begin() {
   const AnyStage& stage = prepare();
   if (simulation_ || !std::holds_alternative<Stage>(stage)) return;
   tell_notes_once();
+  for (const Support& s : std::get<Stage>(stage).supports)
+    require(std::none_of(s.particles.begin(), s.particles.end(),
+                         [this](ParticleId p) { return is_waiting(state_, p); }),
+            fmt::format("stage \"{}\" holds particles of group \"{}\" that have not come in yet",
+                        name_of(stage), s.group));
   if (const auto& distance = std::get<Stage>(stage).stops.distance)
-    for (const ParticleId p : {distance->i, distance->j})
+    for (const ParticleId p : {distance->i, distance->j}) {
+      require(!is_waiting(state_, p),
+              fmt::format("stage \"{}\" ends by the distance to particle {}, which has not come in yet",
+                          name_of(stage), p.value));
       require(!is_dropped(state_, p),
               fmt::format("stage \"{}\" ends by the distance to particle {}, which was dropped before it",
                           name_of(stage), p.value));
+    }
   simulation_ = std::make_unique<Simulation>(model_, std::get<Stage>(stage), &state_, threads_);
   if (partition_ != nullptr) take_part();
   for (const auto& o : observers_) simulation_->add_observer(o);
@@ -147,17 +157,22 @@ void Run::take_part() {
   simulation_ = part_of(std::move(begun), std::move(share));
 }
 
+/// A periodic body, whose images are found anew, or one in parts.
 void Run::spread_anew() {
   const std::unique_ptr<Simulation> before = std::exchange(simulation_, {});
-  State state = std::move(*before).take_state();
-  if (partition_ == nullptr) {  // a periodic body, whose images are found anew
+  go_on_in(std::move(*before).take_state());
+  simulation_->take_over_observers(*before);
+}
+
+/// With another simulation of the stage under way.
+void Run::go_on_in(State state) {
+  if (partition_ == nullptr) {
     state_ = std::move(state);
     simulation_ = std::make_unique<Simulation>(model_, std::get<Stage>(*stage_), &state_, threads_);
   } else {
     Share share = partition_->spread_anew(model_, state);
     simulation_ = part_of(std::move(state), std::move(share));
   }
-  simulation_->take_over_observers(*before);
 }
 
 const std::vector<StageResult>& Run::run() {
@@ -225,8 +240,14 @@ StopReason Run::steps_of_stage(std::int64_t most) {
       if (again) simulation_->look_again();
       while (true) {
         const StopReason why = simulation_->run(hooks_.interrupted, most - (clock().step - first));
-        if (why != StopReason::running || !simulation_->has_outgrown_its_part()) return why;
-        spread_anew();
+        if (why != StopReason::running) return why;
+        const bool goes_on = clock().step - first < most;  // else it is visited when the run goes on
+        if (goes_on && simulation_->visit_is_due())
+          visit();
+        else if (simulation_->has_outgrown_its_part())
+          spread_anew();
+        else
+          return why;
       }
     } catch (const ParticlesLost& found) {
       if (!drop(found)) throw;
@@ -244,6 +265,8 @@ void Run::close_stage(StopReason why) {
   if (hooks_.tell)
     for (const std::string& sentence : stresses_not_reached(stage.cell, state_, time))
       hooks_.tell(fmt::format("stage \"{}\" ends before the cell has given way: {}", stage.name, sentence));
+  count_due_at_end(model_, stage, state_);
+  tell_of_sources();
   stage_.reset();
   begin_next_stage(state_.clock);
 }
@@ -272,6 +295,11 @@ StageResult Run::run_static() {
                       "a balance is looked for with all particles",
                       stage.name, state_.dropped.size()));
   tell_notes_once();
+  require(state_.waiting.empty(),
+          fmt::format(
+              "stage \"{}\" is static, and {} particles have not come in yet: a balance is looked for with "
+              "all particles",
+              stage.name, state_.waiting.size()));
   if (restart_) state_ = *std::exchange(restart_, {});
   if (moves(state_) && hooks_.tell)
     hooks_.tell(
@@ -374,6 +402,7 @@ void Run::change_motion(PerParticle<Vec3d> v, PerParticle<Vec3d> omega) {
   const double before = kinetic_energy(model_, state_);
   state_.v = std::move(v);
   state_.omega = std::move(omega);
+  for (const ParticleId p : state_.waiting) state_.v[p] = state_.omega[p] = {};
   if (state_.clock.step > 0) {  // else the books are opened as the run begins
     const double change = kinetic_energy(model_, state_) - before;
     state_.books.work_loads += change;

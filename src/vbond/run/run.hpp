@@ -143,6 +143,9 @@ class Run {
   std::unique_ptr<Simulation> part_of(State state, Share share);
   void take_part();
   void spread_anew();
+  void go_on_in(State state);
+  void visit();
+  void tell_of_sources() const;
   void tell_stage_end(StopReason why, const std::string& failure);
   bool drop(const ParticlesLost& found);
   void tell_of_dropped(const std::vector<std::pair<ParticleId, std::string>>& lost,

@@ -239,8 +239,7 @@ struct Selection {
   std::vector<Pair> pairs_in_memory(const BondReach& reach, const std::string& within) const {
     const double limit = memory_limit(), most = limit / static_cast<double>(sizeof(Pair) + sizeof(Bond));
     try {
-      return pairs_within(state.r.values(), model.radius.values(), reach, in_a, in_b, most, state.cell,
-                          model.cell.periodic);
+      return pairs_within(model, state, reach, in_a, in_b, most);
     } catch (const std::length_error&) {
       throw CaseError({place_of_selection(spec),
                        fmt::format("bonds \"{}\": more than {:.3g} pairs of {} particles are within {}",

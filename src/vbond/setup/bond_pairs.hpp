@@ -61,6 +61,8 @@ class SharedCells {
  public:
   /// threads: see build().
   explicit SharedCells(int threads = 0) : threads_(threads) {}
+  /// For another state, by as many threads.
+  SharedCells anew() const { return SharedCells(threads_); }
   /// Of the particles that take part. Cells end `margin` outside of the outermost centres where nothing
   /// repeats.
   const packing::VoronoiCells& of(const Model& model, const State& state, const std::vector<Vec3d>& r,
@@ -71,6 +73,9 @@ class SharedCells {
   double margin_ = 0;
   std::optional<packing::VoronoiCells> cells_;
 };
+/// The same for the particles of a state that are there.
+std::vector<Pair> pairs_within(const Model& model, const State& state, const BondReach& reach,
+                               const std::vector<char>& in_a, const std::vector<char>& in_b, double most);
 
 /// Of these pairs keeps those whose radical Voronoi cells, of all particles, share a face of which the area
 /// is at least `least` times the square of the distance of the centres.

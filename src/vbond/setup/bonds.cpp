@@ -101,6 +101,11 @@ void refuse_broken_by_prestrain(const BondSpec& spec, const std::string& what, P
 
 void add_bonds(const Case& c, std::size_t set, const Model& model, State& state, Problems& problems,
                SharedCells& shared) {
+  make_bonds(c, set, model, state, select_pairs(c, set, model, state, problems, shared), problems);
+}
+
+void make_bonds(const Case& c, std::size_t set, const Model& model, State& state,
+                const SelectedPairs& selected, Problems& problems) {
   const BondSpec& spec = c.bonds[set];
   BondRecipe recipe = spec.recipe;
   recipe.set = static_cast<std::uint32_t>(set);
@@ -110,10 +115,9 @@ void add_bonds(const Case& c, std::size_t set, const Model& model, State& state,
   const double U = potential_energies(model, state).contact, flowed = dissipated_by_flow(state),
                slip = stored_slip(model, state);
   double longest = INFINITY;  // of bonds that soften
-  const SelectedPairs selected = select_pairs(c, set, model, state, problems, shared);
   for (std::size_t k = 0; k < selected.pairs.size(); ++k) {
     const Pair& pair = selected.pairs[k];
-    if (is_dropped(state, pair.i) || is_dropped(state, pair.j)) continue;
+    if (is_absent(state, pair.i) || is_absent(state, pair.j)) continue;
     const auto [site_i, site_j] = sites_of(selected, k, model, state);
     bool bare = false;
     for (const BondSite& site : {site_i, site_j})
@@ -182,6 +186,7 @@ bool expect_bonds(const Case& c, std::size_t set, const Model& model, State& sta
   const SelectedPairs selected = select_pairs(c, set, model, state, problems, cells);
   for (std::size_t k = 0; k < selected.pairs.size(); ++k) {
     const auto [i, j] = sites_of(selected, k, model, state);
+    if (is_waiting(state, i.id) || is_waiting(state, j.id)) continue;
     if (const auto bond = make_bond(recipe, i, j))
       state.bonds.push_back(*bond);
     else

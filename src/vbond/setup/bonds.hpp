@@ -18,6 +18,10 @@ namespace vbond {
 void add_bonds(const Case& c, std::size_t set, const Model& model, State& state, Problems& problems,
                SharedCells& shared);
 
+/// The same for pairs that have been selected.
+void make_bonds(const Case& c, std::size_t set, const Model& model, State& state,
+                const SelectedPairs& selected, Problems& problems);
+
 /// Looks ahead at a set that makes its bonds when particles have moved on from where they stand in `state`.
 /// Pairs that are listed are bonded as they stand, and what is wrong with them wherever they stand is
 /// recorded. False if it is not known which bonds it will make, as it is for a selection by distance.

@@ -12,9 +12,11 @@
 
 #include "vbond/core/bounding_box.hpp"
 #include "vbond/core/images.hpp"
+#include "vbond/model/passage.hpp"
 #include "vbond/model/touching.hpp"
 #include "vbond/setup/bonds.hpp"
 #include "vbond/setup/case_cell.hpp"
+#include "vbond/setup/case_sources.hpp"
 #include "vbond/setup/case_walls.hpp"
 #include "vbond/setup/groups.hpp"
 #include "vbond/setup/inertia.hpp"
@@ -158,6 +160,7 @@ void check_distinct(const Case& c, const Model& model, Problems& problems) {
   const double size = box_around(model.r_0).diagonal();
   for_near_images(cell, model.cell.periodic, model.r_0.values(), 1e-9 * size,
                   [&](std::size_t i, std::size_t j, const Image& n, double) {
+                    if (!stood_together(model, ParticleId{i}, ParticleId{j})) return true;
                     if (found++ == 0) first_i = i, first_j = j, of_j = n;
                     return found < enough;
                   });
@@ -221,7 +224,7 @@ void check_overlaps(const Case& c, const Built& built, Problems& problems) {
 /// 2 pi sqrt(m / c_A); 0 if there is none, and then no time may be given in it.
 double natural_time(const Case& c, const Built& built, Problems& problems) {
   const double two_pi = 2.0 * std::numbers::pi;
-  const auto c_A = first_c_A(c, built.model, built.state);
+  const auto c_A = first_c_A(c, built.model, with_bonds_to_come(built.model, built.state));
   if (!c_A || !(*c_A > 0.0)) return c.units == UnitSystem::reduced ? two_pi : 0.0;
   const double m = built.model.mass[ParticleId{0}], T_0 = two_pi * std::sqrt(m / *c_A);
   constexpr double largest = 1e60;  // as of the numbers of a case
@@ -274,7 +277,11 @@ void check_output(const Case& c, const Model& model, Problems& problems) {
 
 double count_particles(const Case& c) {
   double n = 0.0;
-  for (const SpecimenSpec& s : c.specimens) n += count_points(s);
+  for (const SpecimenSpec& s : c.specimens) {
+    const auto source = std::find_if(c.sources.begin(), c.sources.end(),
+                                     [&s](const SourceSpec& of) { return of.specimen.value == s.name; });
+    n += count_points(s) * (source == c.sources.end() ? 1.0 : static_cast<double>(source->count));
+  }
   return n;
 }
 
@@ -301,6 +308,7 @@ Built build(const Case& c, int threads) {
                          s.points.notes_on_open_bodies.end());
   }
   note_bond_types(c, specimens, built);
+  add_sources(c, specimens, built, problems);
   problems.throw_if_any();
   add_cell(c, specimens, built, problems);
   check_periodic(c, model, problems);
@@ -312,16 +320,21 @@ Built build(const Case& c, int threads) {
   add_walls(c, built, problems);
   add_groups(c, specimens, model, built.notes, problems);
   problems.throw_if_any();
+  add_copies(c, built);
 
   SharedCells shared(threads);
   for (std::size_t set = 0; set < c.bonds.size(); ++set)
-    if (c.bonds[set].when == BondTime::start) add_bonds(c, set, model, state, problems, shared);
+    if (c.bonds[set].when == BondTime::start) add_bonds_at_start(c, set, built, problems, shared);
+  check_pairs_of_sources(c, model, problems);
   check_overlaps(c, built, problems);
   model.T_0 = natural_time(c, built, problems);
   add_velocities(c, model, state, problems);
   check_stages(c, model, problems);
   check_output(c, model, problems);
+  check_case_of_sources(c, problems);
+  check_output_of_sources(c, model, problems);
   problems.throw_if_any();
+  check_sources(c, built, problems);
   check_durations(c, built, problems);
   problems.throw_if_any();
   for (std::string& note : notes_on_pairs(c)) built.notes.push_back(std::move(note));

@@ -155,7 +155,7 @@ void add_cell(const Case& c, const std::vector<PlacedSpecimen>& specimens, Built
   built.state.cell = cell_at_start(built.model);
   for (const ParticleId p : built.model.r_0.ids()) {
     const SpecimenSpec& spec = c.specimens[built.model.specimen[p]];
-    if (std::holds_alternative<LammpsSpecimen>(spec.shape)) continue;
+    if (std::holds_alternative<LammpsSpecimen>(spec.shape) || comes_in(built.model, p)) continue;
     Vec3d& r = built.model.r_0[p];
     r += to_image(built.state.cell, image_in_cell(built.state.cell, cell.periodic, cell.corner, r));
   }

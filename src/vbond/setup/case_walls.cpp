@@ -112,7 +112,7 @@ Overlap deepest_overlap(const WallSurface& surface, const Model& model) {
   std::vector<WallTouch> touches;
   for (const ParticleId p : model.r_0.ids()) {
     const double R = model.radius[p];
-    if (!surface.may_touch(model.r_0[p], R)) continue;
+    if (comes_in(model, p) || !surface.may_touch(model.r_0[p], R)) continue;
     touches.clear();
     surface.touches(model.r_0[p], R, touches);
     for (const WallTouch& t : touches) {

@@ -16,6 +16,7 @@
 #include "vbond/model/periodic_cell.hpp"
 #include "vbond/model/swing_bound.hpp"
 #include "vbond/setup/bonds.hpp"
+#include "vbond/setup/case_sources.hpp"
 #include "vbond/setup/case_walls.hpp"
 #include "vbond/setup/groups.hpp"
 #include "vbond/setup/stage_resolver.hpp"
@@ -419,6 +420,8 @@ Stage resolve_stage(const Case& c, const Model& model, std::size_t k, Problems& 
                  fmt::format("strain moves particle {}, which is in a rigid support", p->value),
                  "a rigid support takes its particles where it goes, and would take back any strain",
                  "strain a group without it, or leave rigid out");
+  check_stage_of_sources(spec, model, problems);
+  resolve_passage(c, model, k, stage, problems);
   stage.bonding = resolver.bonding(k);
   stage.walls = resolve_wall_drives(resolver);
   stage.stops.duration = resolver.positive_time(spec.duration, "duration", spec.place);

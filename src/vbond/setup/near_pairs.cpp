@@ -43,6 +43,25 @@ std::vector<Pair> pairs_within(const std::vector<Vec3d>& r, const std::vector<do
   return pairs;
 }
 
+std::vector<Pair> pairs_within(const Model& model, const State& state, const BondReach& reach,
+                               const std::vector<char>& in_a, const std::vector<char>& in_b, double most) {
+  if (!any_absent(state))
+    return pairs_within(state.r.values(), model.radius.values(), reach, in_a, in_b, most, state.cell,
+                        model.cell.periodic);
+  std::vector<ParticleId> of;
+  std::vector<Vec3d> r;
+  std::vector<double> radius;
+  std::vector<char> of_a, of_b;
+  for (const ParticleId p : state.r.ids()) {
+    if (is_absent(state, p)) continue;
+    of.push_back(p), r.push_back(state.r[p]), radius.push_back(model.radius[p]);
+    of_a.push_back(in_a[p.value]), of_b.push_back(in_b[p.value]);
+  }
+  std::vector<Pair> pairs = pairs_within(r, radius, reach, of_a, of_b, most, state.cell, model.cell.periodic);
+  for (Pair& p : pairs) p.i = of[p.i.value], p.j = of[p.j.value];
+  return pairs;
+}
+
 const packing::VoronoiCells& SharedCells::of(const Model& model, const State& state,
                                              const std::vector<Vec3d>& r, const std::vector<double>& radius,
                                              double margin) {
@@ -61,7 +80,7 @@ void keep_those_that_share_faces(const Model& model, const State& state, double 
   std::vector<double> radius;
   std::vector<std::size_t> place(state.r.size(), state.r.size());  // among those that still take part
   for (const ParticleId p : state.r.ids()) {
-    if (is_dropped(state, p)) continue;
+    if (is_absent(state, p)) continue;
     place[p.value] = r.size();
     r.push_back(state.r[p]), radius.push_back(model.radius[p]);
   }
@@ -70,7 +89,7 @@ void keep_those_that_share_faces(const Model& model, const State& state, double 
   for (const Pair& p : pairs) farthest = std::max(farthest, norm(between(state, p.i, p.j, p.image_j)));
   const packing::VoronoiCells& cells = shared.of(model, state, r, radius, 0.5 * farthest);
   std::erase_if(pairs, [&](const Pair& p) {
-    if (is_dropped(state, p.i) || is_dropped(state, p.j)) return true;
+    if (is_absent(state, p.i) || is_absent(state, p.j)) return true;
     for (const packing::VoronoiFace& f : cells.faces_of(place[p.i.value]))
       if (f.of == place[p.j.value] && f.image == p.image_j)
         return f.area < least * norm2(between(state, p.i, p.j, p.image_j));

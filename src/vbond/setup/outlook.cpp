@@ -41,6 +41,7 @@ StaticStage look_ahead_at_statics(const Case& c, const Model& model, std::size_t
 
 std::variant<Stage, StaticStage> look_ahead(const Case& c, const Model& model, std::size_t k,
                                             Outlook& outlook) {
+  if (!outlook.state.waiting.empty()) outlook.pairs_known = outlook.bonds_known = false;  // they bring bonds
   if (is_static(c.stages.at(k).kind)) return look_ahead_at_statics(c, model, k, outlook);
   return look_ahead_at_dynamics(c, model, k, outlook);
 }

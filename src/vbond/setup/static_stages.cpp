@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "vbond/setup/case_cell.hpp"
+#include "vbond/setup/case_sources.hpp"
 #include "vbond/setup/case_walls.hpp"
 #include "vbond/setup/motion_stages.hpp"
 #include "vbond/setup/stage_resolver.hpp"
@@ -41,6 +42,7 @@ StaticStage resolve_static_stage(const Case& c, const Model& model, std::size_t 
   stage.gravity = spec.gravity;
   stage.constant_gravity = spec.constant_gravity;
   refuse_contacts(resolver);
+  check_stage_of_sources(spec, model, problems);
   stage.supports = resolver.supports();
   stage.walls = resolve_wall_drives(resolver);
   check_something_is_free(resolver, stage.supports);

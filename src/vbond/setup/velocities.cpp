@@ -1,5 +1,9 @@
 #include "vbond/setup/velocities.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+
 #include "vbond/core/random.hpp"
 #include "vbond/model/make_bond.hpp"
 #include "vbond/setup/groups.hpp"
@@ -28,8 +32,9 @@ Vec3d draw(const VelocitySpec& spec, Random& random) {
 Vec3d centre_of_mass(const Group& group, const Model& model, const State& state) {
   double total = 0.0;
   Vec3d sum;
-  for (const ParticleId p : group.particles) total += model.mass[p], sum += model.mass[p] * state.r[p];
-  return sum / total;
+  for (const ParticleId p : group.particles)
+    if (!is_waiting(state, p)) total += model.mass[p], sum += model.mass[p] * state.r[p];
+  return total > 0.0 ? sum / total : sum;
 }
 
 }  // namespace
@@ -47,7 +52,13 @@ void add_velocities(const Case& c, const Model& model, State& state, Problems& p
     if (group == nullptr || flat) continue;
     const bool rigid = spec.kind == VelocityKind::rigid;
     const Vec3d centre = rigid ? centre_of_mass(*group, model, state) : Vec3d{};
+    if (!group->particles.empty() && std::all_of(group->particles.begin(), group->particles.end(),
+                                                 [&](ParticleId p) { return is_waiting(state, p); }))
+      problems.add(spec.place,
+                   fmt::format("velocities of group \"{}\", all of which comes in later", group->name),
+                   "bodies come in with the velocities of their source", "give velocity to the source");
     for (const ParticleId p : group->particles) {
+      if (is_waiting(state, p)) continue;
       Vec3d& v = state.v[p];
       v += draw(spec, random);
       if (rigid) v += cross(spec.angular_velocity, state.r[p] - centre);

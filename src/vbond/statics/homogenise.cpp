@@ -268,6 +268,8 @@ Homogenised homogenise(const Model& model, const State& given, const HomogeniseS
   require(model.cell.any() && model.cell.periodic == std::array<bool, 3>{true, true, true},
           "the cell must be periodic in all three directions: it is the piece of material that is looked at");
   require(model.walls.empty(), "a wall is no part of a material: leave walls out");
+  require(given.waiting.empty() && given.dropped.empty(),
+          "particles have not come in yet, or were dropped: constants are those of a body with all of them");
   const OneBlasThread alone;
   const Model here = about_cell_of(model, given);
   StaticStage stage = stage_of(settings.newton);

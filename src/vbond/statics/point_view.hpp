@@ -18,6 +18,9 @@ class PointView final : public BodyView {
   const Clock& clock() const override { return state().clock; }
   const PerBond<Bond>& bonds() const override { return state().bonds; }
   const State& state() const override { return point_.state; }
+  const std::vector<ParticleId>& dropped() const override { return state().dropped; }
+  const std::vector<ParticleId>& waiting() const override { return state().waiting; }
+  const MassBooks& mass() const override { return state().mass; }
   const Survey& survey() const override {
     if (!survey_) survey_ = {point_.energies, deformed_bonds(state())};
     return *survey_;

@@ -1,0 +1,377 @@
+#include "vbond/model/passage.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "vbond/core/counter_random.hpp"
+#include "vbond/model/bond_sums.hpp"
+#include "vbond/model/drop.hpp"
+#include "vbond/model/energies.hpp"
+#include "vbond/model/free_room.hpp"
+#include "vbond/model/make_bond.hpp"
+
+namespace vbond {
+namespace {
+
+/// Times of a stage in whole steps; no_visit: never.
+std::int64_t step_at(double time, double dt) {
+  const double steps = std::ceil(time / dt - 1e-6);
+  return steps < 0x1p62 ? static_cast<std::int64_t>(std::max(0.0, steps)) : no_visit;
+}
+std::int64_t last_step_at(double time, double dt) {
+  const double steps = std::floor(time / dt + 1e-6);
+  return steps < 0x1p62 ? static_cast<std::int64_t>(steps) : no_visit - 1;
+}
+
+/// What becomes due in these steps of a stage.
+void count_due(const Model& model, const Inflow& inflow, double dt, std::int64_t first, std::int64_t last,
+               State& s) {
+  s.sources.resize(model.sources.size());
+  double& due = s.sources[inflow.source].due;
+  const auto all = static_cast<double>(model.sources[inflow.source].bodies);
+  const std::int64_t from = std::max(first, step_at(inflow.visits.from, dt)),
+                     to = std::min(last, last_step_at(inflow.visits.until, dt));
+  if (!(inflow.rate > 0.0)) {
+    if (last >= from && from <= to) due = all;
+  } else if (to > from) {
+    due = std::min(all, due + inflow.rate * dt * static_cast<double>(to - from));
+  }
+}
+
+Vec3d centre_of_mass(const Model& model, const State& s, const Source& source, std::size_t body) {
+  double mass = 0.0;
+  Vec3d sum;
+  for (std::size_t k = 0; k < source.body.size(); ++k) {
+    const ParticleId p = source.particle(body, k);
+    mass += model.mass[p], sum += model.mass[p] * s.r[p];
+  }
+  return sum / mass;
+}
+
+double rotation_energy_of(const Model& model, const State& s, ParticleId p) {
+  if (!model.is_top(p)) return 0.5 * model.inertia[p] * norm2(s.omega[p]);
+  return rotation_energy(model.principal[p].moments, s.q[p] * model.principal[p].axes, s.omega[p]);
+}
+
+/// A body as it is placed.
+std::vector<FreeRoom::Ball> balls_of(const Model& model, const Source& source, std::size_t body,
+                                     const Placing& at) {
+  std::vector<FreeRoom::Ball> balls;
+  for (std::size_t k = 0; k < at.r.size(); ++k)
+    balls.push_back({at.r[k], model.radius[source.particle(body, k)]});
+  return balls;
+}
+
+/// The bond number k of a body, as the particles wait.
+std::optional<Bond> bond_of_body(const Model& model, const State& s, const Source& source, std::size_t body,
+                                 const SourceBond& b) {
+  BondSite i = bond_site(model, s, source.particle(body, b.i)),
+           j = bond_site(model, s, source.particle(body, b.j));
+  i.offset = b.offset_i, i.radius = b.R_i;
+  j.offset = b.offset_j, j.radius = b.R_j;
+  return make_bond(source.recipes[b.recipe], i, j);
+}
+
+/// Puts the body where it comes in, with its bonds. Bonds are made as the particles wait, so that all bodies
+/// of a source are alike to the last bit.
+void come_in(const Model& model, const Source& source, std::size_t body, const Placing& at, State& s,
+             Passage& done) {
+  std::vector<Bond> bonds;
+  std::vector<std::uint32_t> recipes;
+  for (const SourceBond& b : source.bonds)
+    if (const auto bond = bond_of_body(model, s, source, body, b))
+      bonds.push_back(*bond), recipes.push_back(b.recipe);
+  for (std::size_t k = 0; k < source.body.size(); ++k) {
+    const ParticleId p = source.particle(body, k);
+    s.r[p] = at.r[k];
+    s.q[p] = source.turned ? normalised(at.turn * s.q[p]) : s.q[p];
+    s.v[p] = at.velocity + cross(at.angular_velocity, between(at.centre, at.r[k]));
+    s.omega[p] = at.angular_velocity;
+    if (!s.spin.empty())  // follows from omega
+      s.spin[p] = model.is_top(p) ? angular_momentum(model.principal[p].moments,
+                                                     s.q[p] * model.principal[p].axes, s.omega[p])
+                                  : Vec3d{};
+    s.mass.mass_in += model.mass[p];
+    s.mass.momentum_in += model.mass[p] * s.v[p];
+    done.brought += 0.5 * model.mass[p] * norm2(s.v[p]) + rotation_energy_of(model, s, p);
+  }
+  s.mass.particles_in += static_cast<std::int64_t>(source.body.size());
+  const EnergyBooks books = s.books;  // of bonds that are made in the run
+  for (std::size_t k = 0; k < bonds.size(); ++k) {
+    const BondId id{s.bonds.size()};
+    add_bond(model, bonds[k], source.recipes[recipes[k]], s);
+    done.events.push_back({BondEvent::Kind::made, id, s.clock.step});
+    const BondEnergy<double> U = bond_energy(s, id);
+    done.brought += U.U_L + U.U_B + U.U_T;
+    done.flowed += history_of_bond(s, id)[memory::dissipated];
+  }
+  s.books = books;
+  done.any_come = true;
+}
+
+/// Particles that are where they are to be taken out.
+std::vector<ParticleId> who_goes(const Stage& stage, const State& s) {
+  std::vector<ParticleId> gone;
+  for (const Outflow& o : stage.outflows) {
+    if (!is_visited(o.visits, stage.dt, s.clock.stage_step)) continue;
+    for (const ParticleId p : s.r.ids())
+      if ((o.particles.empty() || o.particles[p.value] != 0) && !is_absent(s, p) &&
+          o.region->holds(s.r[p], 0.0) != o.outside)
+        gone.push_back(p);
+  }
+  std::sort(gone.begin(), gone.end());
+  gone.erase(std::unique(gone.begin(), gone.end()), gone.end());
+  if (!gone.empty()) std::erase_if(gone, [&stage](ParticleId p) { return !can_do_without(stage, p); });
+  return gone;
+}
+
+void take_out(const Model& model, const Stage& stage, State& s, Passage& done) {
+  const std::vector<ParticleId> gone = who_goes(stage, s);
+  if (gone.empty()) return;
+  for (const ParticleId p : gone) {
+    s.mass.mass_out += model.mass[p];
+    s.mass.momentum_out += model.mass[p] * s.v[p];
+  }
+  s.mass.particles_out += static_cast<std::int64_t>(gone.size());
+  done.events = drop(gone, s);
+  done.any_gone = true;
+}
+
+/// Loads of the new particles are not known; those of others stay.
+void forget_loads(Loads& loads, ParticleId p) {
+  const double unknown = std::numeric_limits<double>::quiet_NaN();
+  if (p.value < loads.F.size()) loads.F[p] = loads.M[p] = {unknown, unknown, unknown};
+}
+
+/// The bodies that are due and for which there is room.
+void let_in(const Model& model, const Stage& stage, const Inflow& inflow, State& s, Passage& done) {
+  const Source& source = model.sources[inflow.source];
+  std::size_t next = bodies_in(source, s);
+  const std::size_t last = next + bodies_due(model, inflow.source, s);
+  if (next == last) return;
+  double size = 0.0, largest = 0.0;
+  const Vec3d centre = centre_of_mass(model, s, source, next);
+  for (std::size_t k = 0; k < source.body.size(); ++k) {
+    const ParticleId p = source.particle(next, k);
+    size = std::max(size, norm(between(centre, s.r[p])) + model.radius[p]);
+    largest = std::max(largest, model.radius[p]);
+  }
+  BoundingBox box = source.region->box;
+  const Vec3d wide{size, size, size};
+  box.low -= wide, box.high += wide;
+  FreeRoom room(model, stage, s, box, largest);
+  for (bool fits = true; next < last && fits; ++next) {
+    fits = false;
+    for (std::int64_t attempt = 0; attempt < source.tries && !fits; ++attempt) {
+      const auto place = place_of_try(model, s, source, next, s.clock.step, attempt);
+      if (!place) break;
+      const std::vector<FreeRoom::Ball> balls = balls_of(model, source, next, *place);
+      if (!room.has_room_for(balls)) continue;
+      room.take(balls);
+      come_in(model, source, next, *place, s, done);
+      for (std::size_t k = 0; k < source.body.size(); ++k) {
+        const ParticleId p = source.particle(next, k);
+        for (Loads* loads : {&s.loads, &s.damping, &s.local_damping}) forget_loads(*loads, p);
+        s.waiting.erase(std::lower_bound(s.waiting.begin(), s.waiting.end(), p));
+      }
+      fits = true;
+    }
+  }
+}
+
+}  // namespace
+
+std::int64_t steps_between(const Visits& visits, double dt) {
+  return visits.every > 0.0 ? steps_in(visits.every, dt) : Visits::default_steps;
+}
+
+bool is_visited(const Visits& v, double dt, std::int64_t stage_step) {
+  return stage_step > 0 && stage_step % steps_between(v, dt) == 0 && stage_step >= step_at(v.from, dt) &&
+         stage_step <= last_step_at(v.until, dt);
+}
+
+std::int64_t next_visit(const Stage& stage, std::int64_t stage_step) {
+  std::int64_t next = no_visit;
+  const auto look_at = [&](const Visits& v) {
+    const std::int64_t n = steps_between(v, stage.dt),
+                       first = std::max({std::int64_t{1}, stage_step, step_at(v.from, stage.dt)});
+    if (first > no_visit - n) return;
+    const std::int64_t at = (first + n - 1) / n * n;
+    if (at <= last_step_at(v.until, stage.dt)) next = std::min(next, at);
+  };
+  for (const Outflow& o : stage.outflows) look_at(o.visits);
+  for (const Inflow& i : stage.inflows) look_at(i.visits);
+  return next;
+}
+
+std::size_t bodies_in(const Source& source, const State& s) {
+  std::size_t first = 0, last = source.bodies;  // they come in in order
+  while (first < last) {
+    const std::size_t middle = (first + last) / 2;
+    if (is_waiting(s, source.particle(middle, 0)))
+      last = middle;
+    else
+      first = middle + 1;
+  }
+  return first;
+}
+
+std::size_t bodies_due(const Model& model, std::size_t source, const State& s) {
+  if (source >= s.sources.size()) return 0;
+  const double due =
+      std::floor(s.sources[source].due + 1e-9);  // sums of a rate end just below a whole number
+  const std::size_t in = bodies_in(model.sources[source], s);
+  const auto all = std::min(static_cast<std::size_t>(std::max(0.0, due)), model.sources[source].bodies);
+  return all > in ? all - in : 0;
+}
+
+std::optional<Placing> place_of_try(const Model& model, const State& s, const Source& source,
+                                    std::size_t body, std::int64_t step, std::int64_t attempt) {
+  constexpr int draws = 1000;
+  CounterRandom random{source.seed, body, static_cast<std::uint64_t>(step),
+                       static_cast<std::uint64_t>(attempt)};
+  const Vec3d centre = centre_of_mass(model, s, source, body);
+  const BoundingBox& box = source.region->box;
+  Placing at;
+  at.r.resize(source.body.size());
+  for (int draw = 0; draw < draws; ++draw) {
+    if (source.turned) at.turn = random.rotation();
+    BoundingBox around;  // the body about its centre
+    for (std::size_t k = 0; k < at.r.size(); ++k) {
+      const ParticleId p = source.particle(body, k);
+      const Vec3d arm = between(centre, s.r[p]);
+      at.r[k] = source.turned ? rotate(at.turn, arm) : arm;
+      if (source.whole) around.add(at.r[k], model.radius[p]);
+    }
+    if (!source.whole) around.add({});
+    const Vec3d low = box.low - around.low, high = box.high - around.high;
+    const double x = random.uniform(), y = random.uniform(), z = random.uniform();
+    if (!(low.x <= high.x && low.y <= high.y && low.z <= high.z)) continue;
+    const auto along = [](double from, double to, double part) {
+      return std::min(to, from + (to - from) * part);
+    };
+    at.centre = {along(low.x, high.x, x), along(low.y, high.y, y), along(low.z, high.z, z)};
+    bool holds = source.whole || source.region->holds(at.centre, 0.0);
+    if (source.whole)
+      for (std::size_t k = 0; k < at.r.size() && holds; ++k)
+        holds = source.region->holds(at.centre + at.r[k], model.radius[source.particle(body, k)]);
+    if (!holds) continue;
+    for (Vec3d& r : at.r) r += at.centre;
+    at.velocity = source.velocity;
+    at.angular_velocity = source.angular_velocity;
+    if (source.velocity_spread > 0.0) at.velocity += source.velocity_spread * random.gaussian_vector();
+    if (source.angular_velocity_spread > 0.0)
+      at.angular_velocity += source.angular_velocity_spread * random.gaussian_vector();
+    return at;
+  }
+  return std::nullopt;
+}
+
+Passage visit(const Model& model, const Stage& stage, State& s) {
+  Passage done;
+  take_out(model, stage, s, done);
+  for (const Inflow& inflow : stage.inflows) {
+    if (!is_visited(inflow.visits, stage.dt, s.clock.stage_step)) continue;
+    count_due(model, inflow, stage.dt, s.clock.stage_step - steps_between(inflow.visits, stage.dt),
+              s.clock.stage_step, s);
+    let_in(model, stage, inflow, s, done);
+  }
+  done.changed = done.any_come || done.any_gone;
+  return done;
+}
+
+void count_due_at_end(const Model& model, const Stage& stage, State& s) {
+  for (const Inflow& inflow : stage.inflows) {
+    const std::int64_t n = steps_between(inflow.visits, stage.dt), end = s.clock.stage_step;
+    if (inflow.rate > 0.0 && end > 0) count_due(model, inflow, stage.dt, (end - 1) / n * n, end, s);
+  }
+}
+
+State with_bonds_to_come(const Model& model, const State& state) {
+  State s = state;
+  for (const Source& source : model.sources) {
+    const std::size_t next = bodies_in(source, state);
+    if (next == source.bodies) continue;
+    for (const SourceBond& b : source.bonds)
+      if (const auto bond = bond_of_body(model, state, source, next, b))
+        add_bond(model, *bond, source.recipes[b.recipe], s);
+  }
+  s.books = state.books;
+  return s;
+}
+
+std::vector<std::string> mistakes_in_sources(const Model& model) {
+  std::vector<std::string> found;
+  std::vector<char> taken(model.particles(), 0);
+  for (const Source& source : model.sources) {
+    const std::string who = "source \"" + source.name + "\"";
+    if (source.body.empty() || source.bodies < 1) {
+      found.push_back(who + " has no body, or no particles in it");
+      continue;
+    }
+    bool known = source.bodies == 1 ||
+                 source.copies.value + (source.bodies - 1) * source.body.size() <= model.particles();
+    for (const ParticleId p : source.body) known = known && p.value < model.particles();
+    if (!known) {
+      found.push_back(fmt::format("{} has particles that the model, of {}, has not", who, model.particles()));
+      continue;
+    }
+    bool once = true, alike = true;
+    for (std::size_t body = 0; body < source.bodies; ++body)
+      for (std::size_t k = 0; k < source.body.size(); ++k) {
+        const ParticleId p = source.particle(body, k), first = source.body[k];
+        once = once && taken[p.value]++ == 0;
+        alike = alike && model.mass[p] == model.mass[first] && model.radius[p] == model.radius[first] &&
+                model.inertia[p] == model.inertia[first] && model.r_0[p] == model.r_0[first];
+      }
+    if (!once) found.push_back(who + " has a particle twice, or one of another source");
+    if (!alike)
+      found.push_back(who +
+                      " has bodies that are not alike: masses, inertias, radii and r_0 must be the same");
+    for (const SourceBond& b : source.bonds)
+      if (b.i >= source.body.size() || b.j >= source.body.size() || b.i == b.j ||
+          b.recipe >= source.recipes.size()) {
+        found.push_back(who + " has a bond of particles or of a recipe that it has not");
+        break;
+      }
+    if (!source.region || !source.region->holds || !(source.region->box.diagonal() < INFINITY))
+      found.push_back(who + " has no region, or one without end");
+    if (source.tries < 1) found.push_back(who + " tries no place: tries must be >= 1");
+    if (!is_finite(source.velocity) || !is_finite(source.angular_velocity) ||
+        !(source.velocity_spread >= 0.0 && source.angular_velocity_spread >= 0.0))
+      found.push_back(who + " has a velocity that is not finite, or a spread below 0");
+  }
+  return found;
+}
+
+std::optional<std::string> mistake_in_waiting(const Model& model, const State& s) {
+  for (std::size_t k = 0; k < s.waiting.size(); ++k)
+    if (s.waiting[k].value >= s.r.size() || (k > 0 && !(s.waiting[k - 1] < s.waiting[k])) ||
+        is_dropped(s, s.waiting[k]))
+      return fmt::format(
+          "particle {} waits: those that do must be particles of the state that were not dropped, in "
+          "increasing "
+          "order",
+          s.waiting[k].value);
+  if (!s.sources.empty() && s.sources.size() != model.sources.size())
+    return fmt::format("the state has records of {} sources, and the model has {}", s.sources.size(),
+                       model.sources.size());
+  if (s.waiting.empty()) return std::nullopt;
+  for (const Bond& b : s.bonds)
+    if (is_waiting(s, b.i) || is_waiting(s, b.j))
+      return fmt::format("a bond joins particles {} and {}, one of which waits", b.i.value, b.j.value);
+  for (const Source& source : model.sources) {
+    const std::size_t in = bodies_in(source, s);
+    for (std::size_t body = 0; body < source.bodies; ++body)
+      for (std::size_t k = 0; k < source.body.size(); ++k)
+        if (is_waiting(s, source.particle(body, k)) != (body >= in))
+          return fmt::format(
+              "bodies of source \"{}\" come in as a whole and in order: particle {} of body {} must {}",
+              source.name, source.particle(body, k).value, body, body >= in ? "wait" : "not wait");
+  }
+  return std::nullopt;
+}
+
+}  // namespace vbond

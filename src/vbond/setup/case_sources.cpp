@@ -1,0 +1,537 @@
+#include "vbond/setup/case_sources.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <set>
+#include <utility>
+
+#include "vbond/core/nearest.hpp"
+#include "vbond/model/free_room.hpp"
+#include "vbond/model/mesh_surface.hpp"
+#include "vbond/model/passage.hpp"
+#include "vbond/setup/bonds.hpp"
+#include "vbond/setup/motion_stages.hpp"
+#include "vbond/setup/regions.hpp"
+
+namespace vbond {
+namespace {
+
+// ---- regions ------------------------------------------------------------------------------------------
+
+/// Whether a region holds a sphere as a whole, and the box around it.
+struct SpaceMaker {
+  const RegionOwner& owner;
+
+  Space operator()(const BoxRegion& b) const {
+    return {{b.min, b.max}, [b](const Vec3d& r, double R) {
+              return b.min.x + R <= r.x && r.x <= b.max.x - R && b.min.y + R <= r.y && r.y <= b.max.y - R &&
+                     b.min.z + R <= r.z && r.z <= b.max.z - R;
+            }};
+  }
+  Space operator()(const SphereRegion& s) const {
+    BoundingBox box;
+    box.add(s.centre, s.radius);
+    return {box, [s](const Vec3d& r, double R) { return norm(between(s.centre, r)) <= s.radius - R; }};
+  }
+  Space operator()(const CylinderRegion& c) const {
+    inside_of(c, owner);  // which refuses one without length
+    const Vec3d axis = between(c.from, c.to), e = normalised(axis);
+    const double length = norm(axis);
+    const auto wide = [&](double x) { return c.radius * std::sqrt(std::max(0.0, 1.0 - x * x)); };
+    const Vec3d room{wide(e.x), wide(e.y), wide(e.z)};
+    BoundingBox box;
+    for (const Vec3d& end : {c.from, c.to}) box.add(end - room), box.add(end + room);
+    return {box, [=](const Vec3d& r, double R) {
+              const Vec3d d = between(c.from, r);
+              const double along = dot(d, e);
+              return R <= along && along <= length - R && norm(d - along * e) <= c.radius - R;
+            }};
+  }
+  Space operator()(const MeshRegion& m) const {
+    ClosedMesh mesh = closed_mesh(m, owner);
+    const auto surface = std::make_shared<const WallSurface>(MeshWall{mesh.surface});
+    return {box_around(mesh.surface.corners), [inside = mesh.inside, surface](const Vec3d& r, double R) {
+              if (!(*inside)(r)) return false;
+              std::vector<WallTouch> touches;
+              if (R > 0.0 && surface->may_touch(r, R)) surface->touches(r, R, touches);
+              return touches.empty();
+            }};
+  }
+  template <class Endless>
+  Space operator()(const Endless& region) const {  // planes and half-spaces: of sinks, of points
+    return {{}, [inside = inside_of(region, owner)](const Vec3d& r, double) { return inside(r); }};
+  }
+};
+
+std::shared_ptr<const Space> space_of(const Region& region, const RegionOwner& owner) {
+  return std::make_shared<const Space>(
+      std::visit([&](const auto& r) { return SpaceMaker{owner}(r); }, region));
+}
+
+// ---- bodies -------------------------------------------------------------------------------------------
+
+const PlacedSpecimen* find_specimen(const Placed<std::string>& name, const std::vector<PlacedSpecimen>& all,
+                                    Problems& problems) {
+  std::vector<std::string> known;
+  for (const PlacedSpecimen& s : all) {
+    known.push_back(s.spec->name);
+    if (s.spec->name == name.value) return &s;
+  }
+  const auto near = nearest_name(name.value, known);
+  problems.add(name.place, fmt::format("there is no specimen \"{}\"", name.value),
+               fmt::format("the specimens are {}", fmt::join(known, ", ")),
+               near ? fmt::format("did you mean \"{}\"?", *near) : "use one of them");
+  return nullptr;
+}
+
+/// Of a group those that come in, if any.
+std::optional<ParticleId> first_that_comes_in(const std::string& group, const Model& model) {
+  const Group* g = model.find_group(group);
+  if (g == nullptr || model.sources.empty()) return std::nullopt;
+  for (const ParticleId p : g->particles)
+    if (comes_in(model, p)) return p;
+  return std::nullopt;
+}
+
+std::string of_source(const Model& model, ParticleId p) {
+  for (const Source& s : model.sources)
+    if (s.body_of(p)) return fmt::format("particle {} comes in from source \"{}\"", p.value, s.name);
+  return {};
+}
+
+// ---- bonds --------------------------------------------------------------------------------------------
+
+bool lists_pairs(const BondSpec& b) {
+  const auto& select = b.select.value;
+  return std::holds_alternative<ListedPairs>(select) || std::holds_alternative<PairsFile>(select) ||
+         std::holds_alternative<SpecimenPairs>(select);
+}
+
+/// The body as it waits, alone in open space, with the bonds that it has so far.
+State alone(const Built& built, const Source& source, const PerBond<Bond>& bonds) {
+  State s = built.state;
+  s.cell.clear();
+  s.dropped.clear();
+  s.waiting.clear();
+  for (const ParticleId p : s.r.ids())
+    if (!source.body_of(p) || *source.body_of(p) != 0) s.waiting.push_back(p);
+  s.bonds = bonds;
+  s.bond_history = {};
+  s.warm_bonds = {};
+  return s;
+}
+
+PerBond<Bond> bonds_so_far(const Built& built, const Source& source) {
+  const State waiting = alone(built, source, {});
+  PerBond<Bond> bonds;
+  for (const SourceBond& b : source.bonds) {
+    BondSite i = bond_site(built.model, waiting, source.body[b.i]),
+             j = bond_site(built.model, waiting, source.body[b.j]);
+    i.offset = b.offset_i, i.radius = b.R_i, j.offset = b.offset_j, j.radius = b.R_j;
+    if (const auto bond = make_bond(source.recipes[b.recipe], i, j)) bonds.push_back(*bond);
+  }
+  return bonds;
+}
+
+/// Takes down the bonds that a set makes inside of the first body; mistakes are those of any bonds.
+void take_down(const Case& c, std::size_t set, const SelectedPairs& selected, const State& waiting,
+               Built& built, Source& source, Problems& problems) {
+  if (selected.pairs.empty()) return;
+  State made = waiting;
+  make_bonds(c, set, built.model, made, selected, problems);
+  BondRecipe recipe = c.bonds[set].recipe;
+  recipe.set = static_cast<std::uint32_t>(set);
+  source.recipes.push_back(recipe);
+  const auto number = static_cast<std::uint32_t>(source.recipes.size() - 1);
+  const auto place = [&source](ParticleId p) {
+    return static_cast<std::uint32_t>(std::lower_bound(source.body.begin(), source.body.end(), p) -
+                                      source.body.begin());
+  };
+  for (std::size_t k = 0; k < selected.pairs.size(); ++k) {
+    const auto [i, j] = sites_of(selected, k, built.model, waiting);
+    source.bonds.push_back({place(i.id), place(j.id), number, i.offset, j.offset, i.radius, j.radius});
+  }
+}
+
+/// Pairs of a list, where every first body stands as it waits.
+void add_listed(const Case& c, std::size_t set, Built& built, Problems& problems) {
+  const BondSpec& spec = c.bonds[set];
+  State with_bodies = built.state;
+  std::vector<ParticleId> others;
+  for (const ParticleId p : built.state.waiting) {
+    bool first = false;
+    for (const Source& s : built.model.sources)
+      first = first || s.body_of(p) == std::optional<std::size_t>(0);
+    if (!first) others.push_back(p);
+  }
+  with_bodies.waiting = std::move(others);
+  SharedCells none;  // a list needs no cells
+  const SelectedPairs selected = select_pairs(c, set, built.model, with_bodies, problems, none);
+  SelectedPairs here;
+  std::vector<SelectedPairs> inside(built.model.sources.size());
+  for (const Pair& pair : selected.pairs) {
+    const bool i_comes = comes_in(built.model, pair.i), j_comes = comes_in(built.model, pair.j);
+    if (!i_comes && !j_comes) {
+      here.pairs.push_back(pair);
+      continue;
+    }
+    bool found = false;
+    for (std::size_t s = 0; s < inside.size(); ++s)
+      if (built.model.sources[s].body_of(pair.i) == std::optional<std::size_t>(0) &&
+          built.model.sources[s].body_of(pair.j) == std::optional<std::size_t>(0)) {
+        inside[s].pairs.push_back({pair.i, pair.j, {}});
+        found = true;
+      }
+    if (!found)
+      problems.add(
+          spec.select.place.file.empty() ? spec.place : spec.select.place,
+          fmt::format("bonds \"{}\": pair {}, {}", spec.name, pair.i.value, pair.j.value),
+          of_source(built.model, i_comes ? pair.i : pair.j) +
+              ": it is not there as the run begins, and only bonds inside of its body come in with it",
+          "bond particles of the specimen that the source names with each other; or let bonds be made as "
+          "particles come near each other: when = \"approach\"");
+  }
+  if (!here.pairs.empty()) make_bonds(c, set, built.model, built.state, here, problems);
+  for (std::size_t s = 0; s < inside.size(); ++s) {
+    Source& source = built.model.sources[s];
+    take_down(c, set, inside[s], alone(built, source, bonds_so_far(built, source)), built, source, problems);
+  }
+}
+
+bool has_both_ends(const Case& c, std::size_t set, const Model& model, auto is_meant) {
+  for (const auto& name : c.bonds[set].between) {
+    const Group* g = model.find_group(name.value);
+    if (g == nullptr || std::none_of(g->particles.begin(), g->particles.end(), is_meant)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+void add_sources(const Case& c, const std::vector<PlacedSpecimen>& specimens, Built& built,
+                 Problems& problems) {
+  std::set<std::string> taken;
+  for (const SourceSpec& spec : c.sources) {
+    const PlacedSpecimen* specimen = find_specimen(spec.specimen, specimens, problems);
+    if (specimen == nullptr) continue;
+    if (!taken.insert(spec.specimen.value).second) {
+      problems.add(spec.specimen.place,
+                   fmt::format("source \"{}\": specimen \"{}\" comes in from another source already",
+                               spec.name, spec.specimen.value),
+                   "a source has bodies of its own",
+                   "name another specimen; one like it may have another name");
+      continue;
+    }
+    Source source;
+    source.name = spec.name;
+    for (std::size_t k = 0; k < specimen->points.r.size(); ++k)
+      source.body.push_back(ParticleId{specimen->first + k});
+    if (source.body.empty()) {
+      problems.add(
+          spec.specimen.place,
+          fmt::format("source \"{}\": specimen \"{}\" has no particles", spec.name, spec.specimen.value),
+          "a body that comes in has some", "name another specimen");
+      continue;
+    }
+    if (!specimen->points.v.empty() || !specimen->points.omega.empty())
+      built.notes.push_back(
+          fmt::format("source \"{}\": velocities of the file of specimen \"{}\" do not count: "
+                      "bodies come in with those of the source",
+                      spec.name, spec.specimen.value));
+    try {
+      const RegionOwner owner{c.file, spec.place, fmt::format("source \"{}\"", spec.name), built.notes};
+      source.region = space_of(spec.region, owner);
+    } catch (const CaseError& e) {
+      problems.add(e);
+      continue;
+    }
+    source.whole = spec.whole;
+    source.turned = spec.turned;
+    source.velocity = spec.velocity;
+    source.angular_velocity = spec.angular_velocity;
+    source.velocity_spread = spec.velocity_spread;
+    source.angular_velocity_spread = spec.angular_velocity_spread;
+    source.seed = spec.seed;
+    source.tries = spec.tries;
+    for (const ParticleId p : source.body) {
+      built.state.waiting.push_back(p);
+      built.state.v[p] = built.state.omega[p] = {};
+    }
+    built.model.sources.push_back(std::move(source));
+  }
+  std::sort(built.state.waiting.begin(), built.state.waiting.end());
+}
+
+void add_copies(const Case& c, Built& built) {
+  Model& m = built.model;
+  State& s = built.state;
+  for (std::size_t k = 0; k < m.sources.size(); ++k) {
+    Source& source = m.sources[k];
+    const auto spec = std::find_if(c.sources.begin(), c.sources.end(),
+                                   [&](const SourceSpec& of) { return of.name == source.name; });
+    source.bodies = static_cast<std::size_t>(spec->count);
+    source.copies = ParticleId{m.particles()};
+    std::vector<std::vector<std::size_t>> places(m.groups.size());  // of the body that a group has
+    for (std::size_t g = 0; g < m.groups.size(); ++g)
+      for (std::size_t n = 0; n < source.body.size(); ++n)
+        if (std::binary_search(m.groups[g].particles.begin(), m.groups[g].particles.end(), source.body[n]))
+          places[g].push_back(n);
+    for (std::size_t body = 1; body < source.bodies; ++body) {
+      const std::size_t first = m.particles();
+      for (const ParticleId p : source.body) {
+        s.waiting.push_back(ParticleId{m.particles()});
+        m.mass.push_back(double{m.mass[p]});
+        m.inertia.push_back(double{m.inertia[p]});
+        m.radius.push_back(double{m.radius[p]});
+        if (!m.principal.empty()) m.principal.push_back(PrincipalInertia{m.principal[p]});
+        m.specimen.push_back(std::uint32_t{m.specimen[p]});
+        if (!m.material.empty()) m.material.push_back(std::uint32_t{m.material[p]});
+        m.r_0.push_back(Vec3d{m.r_0[p]});
+        s.r.push_back(Vec3d{s.r[p]});
+        s.q.push_back(Quatd{s.q[p]});
+        s.v.push_back({});
+        s.omega.push_back({});
+      }
+      for (std::size_t g = 0; g < m.groups.size(); ++g)
+        for (const std::size_t n : places[g]) m.groups[g].particles.push_back(ParticleId{first + n});
+    }
+  }
+}
+
+void add_bonds_at_start(const Case& c, std::size_t set, Built& built, Problems& problems,
+                        SharedCells& shared) {
+  if (built.model.sources.empty()) return add_bonds(c, set, built.model, built.state, problems, shared);
+  if (lists_pairs(c.bonds[set])) return add_listed(c, set, built, problems);
+  // Nearness counts among particles that are there, and inside of each body: nothing is near a body that
+  // waits.
+  Problems of_all;
+  bool any = false;
+  const auto select = [&](const State& state) {
+    Problems found;
+    SharedCells cells = shared.anew();
+    SelectedPairs selected = select_pairs(c, set, built.model, state, found, cells);
+    any = any || !selected.pairs.empty();
+    if (of_all.none()) of_all.add(found.shown());
+    return selected;
+  };
+  const auto is_here = [&built](ParticleId p) { return !is_waiting(built.state, p); };
+  if (has_both_ends(c, set, built.model, is_here))
+    make_bonds(c, set, built.model, built.state, select(built.state), problems);
+  for (Source& source : built.model.sources) {
+    const auto is_of_body = [&source](ParticleId p) {
+      return source.body_of(p) == std::optional<std::size_t>(0);
+    };
+    if (source.body.size() < 2 || !has_both_ends(c, set, built.model, is_of_body)) continue;
+    const State waiting = alone(built, source, bonds_so_far(built, source));
+    take_down(c, set, select(waiting), waiting, built, source, problems);
+  }
+  if (any) return;
+  if (of_all.none()) select(built.state);  // groups that have nobody: as it is told without sources
+  problems.add(of_all.shown());
+}
+
+void check_pairs_of_sources(const Case& c, const Model& model, Problems& problems) {
+  if (model.sources.empty()) return;
+  for (const BondSpec& spec : c.bonds) {
+    const auto* listed = std::get_if<ListedPairs>(&spec.select.value);
+    const bool from_file = std::holds_alternative<PairsFile>(spec.select.value) ||
+                           std::holds_alternative<SpecimenPairs>(spec.select.value);
+    if (spec.when == BondTime::start || (!listed && !from_file)) continue;
+    std::optional<ParticleId> wrong;
+    if (listed)
+      for (const auto& pair : listed->pairs)
+        for (const std::int64_t p : pair)
+          if (!wrong && p >= 0 && p < static_cast<std::int64_t>(model.particles()) &&
+              comes_in(model, ParticleId{static_cast<std::size_t>(p)}))
+            wrong = ParticleId{static_cast<std::size_t>(p)};
+    if (from_file)
+      for (const auto& group : spec.between)
+        if (!wrong) wrong = first_that_comes_in(group.value, model);
+    if (wrong)
+      problems.add(
+          spec.place, fmt::format("bonds \"{}\": pairs that are named", spec.name),
+          of_source(model, *wrong) + ": which of its bodies are there as a stage begins is not known",
+          from_file ? "leave its specimen out of `between`, or make the bonds with when = \"start\""
+                    : "select by distance or gap; or make bonds inside of the body with when = \"start\"");
+  }
+}
+
+void check_sources(const Case& c, Built& built, Problems& problems) {
+  const Model& m = built.model;
+  for (const Source& source : m.sources) {
+    const SourceSpec& spec = *std::find_if(c.sources.begin(), c.sources.end(),
+                                           [&](const SourceSpec& of) { return of.name == source.name; });
+    constexpr std::int64_t places = 200;
+    bool fits = false, free = m.walls.empty();
+    BoundingBox around;
+    double largest = 0.0, mass = 0.0;
+    for (const ParticleId p : source.body)
+      around.add(m.r_0[p], m.radius[p]), largest = std::max(largest, m.radius[p]), mass += m.mass[p];
+    State empty = built.state;  // but for walls
+    empty.waiting.clear();
+    for (const ParticleId p : empty.r.ids()) empty.waiting.push_back(p);
+    const FreeRoom room(m, Stage{}, empty, source.region->box, largest);
+    for (std::int64_t k = 0; k < places && !(fits && free); ++k) {
+      const auto at = place_of_try(m, built.state, source, 0, 0, k);
+      if (!at) break;
+      fits = true;
+      std::vector<FreeRoom::Ball> balls;
+      for (std::size_t n = 0; n < at->r.size(); ++n) balls.push_back({at->r[n], m.radius[source.body[n]]});
+      free = free || room.has_room_for(balls);
+    }
+    const Vec3d size = around.high - around.low, region = source.region->box.high - source.region->box.low;
+    if (!fits)
+      problems.add(
+          spec.place, fmt::format("source \"{}\": no body fits into its region", source.name),
+          fmt::format("the body is {:.4g} x {:.4g} x {:.4g} as it stands, the region {:.4g} x {:.4g} x "
+                      "{:.4g}, and all of a body must be inside of it",
+                      size.x, size.y, size.z, region.x, region.y, region.z),
+          "use a larger region, fit = \"centre\", or orientation = \"given\"");
+    else if (!free)
+      built.notes.push_back(
+          fmt::format("source \"{}\": at {} places in its region a body would touch a wall: nothing comes in "
+                      "unless the walls "
+                      "move away",
+                      source.name, places));
+    std::string text = fmt::format("source \"{}\": {} bod{} of {} particle{} and {} bond{}, mass {:.6g} each",
+                                   source.name, source.bodies, source.bodies == 1 ? "y" : "ies",
+                                   source.body.size(), source.body.size() == 1 ? "" : "s",
+                                   source.bonds.size(), source.bonds.size() == 1 ? "" : "s", mass);
+    if (spec.rate > 0.0)
+      text += fmt::format(", {:.6g} of them in a unit of time: all are due after {:.6g}", spec.rate,
+                          static_cast<double>(source.bodies) / spec.rate);
+    built.notes.push_back(text);
+  }
+}
+
+void resolve_passage(const Case& c, const Model& model, std::size_t k, Stage& stage, Problems& problems) {
+  const StageSpec& spec = c.stages[k];
+  const auto is_here = [&spec](const VisitSpec& v) {
+    return v.stages.empty() || std::any_of(v.stages.begin(), v.stages.end(),
+                                           [&](const auto& name) { return name.value == spec.name; });
+  };
+  const auto visits_of = [&](const VisitSpec& v, const SourcePlace& place) {
+    Visits visits;
+    if (v.from) visits.from = look_up_time(*v.from, model, "from", place, problems);
+    if (v.until) visits.until = look_up_time(*v.until, model, "until", place, problems);
+    if (v.every) visits.every = look_up_time(*v.every, model, "every", place, problems);
+    if (!(visits.from <= visits.until))
+      problems.add(place, fmt::format("from = {:.6g}, until = {:.6g}", visits.from, visits.until),
+                   "it ends after it has begun", "exchange them, or leave one out");
+    return visits;
+  };
+  for (const SourceSpec& s : c.sources) {
+    const auto at = std::find_if(model.sources.begin(), model.sources.end(),
+                                 [&s](const Source& of) { return of.name == s.name; });
+    if (!is_here(s.visits) || at == model.sources.end()) continue;
+    stage.inflows.push_back(
+        {static_cast<std::size_t>(at - model.sources.begin()), s.rate, visits_of(s.visits, s.place)});
+  }
+  for (const SinkSpec& s : c.sinks) {
+    if (!is_here(s.visits)) continue;
+    const Group* group = look_up_group(s.group, model, problems);
+    if (group == nullptr) continue;
+    std::vector<std::string> notes;
+    try {
+      const RegionOwner owner{c.file, s.place, fmt::format("sink \"{}\"", s.name), notes};
+      Outflow out{s.name, space_of(s.region, owner), s.outside, {}, visits_of(s.visits, s.place)};
+      if (group->particles.size() < model.particles()) out.particles = membership(*group, model);
+      stage.outflows.push_back(std::move(out));
+    } catch (const CaseError& e) {
+      problems.add(e);
+    }
+  }
+  if (spec.cell && (!stage.inflows.empty() || !stage.outflows.empty()))
+    problems.add(spec.place, fmt::format("stage \"{}\" moves the cell while particles come or go", spec.name),
+                 "what comes in stands beside the flow of the cell, and its energy would not be known",
+                 "give source and sink `stages` in which the cell stands still");
+}
+
+void check_stage_of_sources(const StageSpec& spec, const Model& model, Problems& problems) {
+  if (model.sources.empty()) return;
+  const auto refuse = [&](const std::string& group, const SourcePlace& place, const std::string& what,
+                          const char* way_out) {
+    if (const auto p = first_that_comes_in(group, model))
+      problems.add(place, fmt::format("stage \"{}\": {} of group \"{}\"", spec.name, what, group),
+                   of_source(model, *p) + ", and this is for particles that are there from the start",
+                   way_out);
+  };
+  for (const SupportSpec& s : spec.supports)
+    refuse(s.group.value, s.place, "a support", "hold a group without it, or use walls");
+  for (const LoadSpec& l : spec.loads)
+    if (!(l.total_force == Vec3d{}) || !(l.total_moment == Vec3d{}))
+      refuse(l.group.value, l.place, "a total load",
+             "use force and moment, which act on each particle that is there");
+  if (spec.strain)
+    refuse(spec.strain->group.value, spec.strain->place, "strain", "strain a group without it");
+  if (spec.stop_distance)
+    for (const std::int64_t p : spec.stop_distance->between)
+      if (p >= 0 && p < static_cast<std::int64_t>(model.particles()) &&
+          comes_in(model, ParticleId{static_cast<std::size_t>(p)}))
+        problems.add(spec.stop_distance->place, fmt::format("stage \"{}\": stop.distance", spec.name),
+                     of_source(model, ParticleId{static_cast<std::size_t>(p)}) +
+                         ", and this is for particles that are there from the start",
+                     "name other particles");
+}
+
+void check_case_of_sources(const Case& c, Problems& problems) {
+  if (c.sources.empty() && c.sinks.empty()) return;
+  const SourcePlace& place = !c.sources.empty() ? c.sources.front().place : c.sinks.front().place;
+  const auto moves = [](const StageSpec& s) { return !is_static(s.kind); };
+  if (std::none_of(c.stages.begin(), c.stages.end(), moves))
+    problems.add(place, "a source or sink without a stage of dynamics",
+                 "particles come and go in dynamics only",
+                 "add a stage of kind \"dynamics\", or leave it out");
+  const auto motion = std::find_if(c.stages.begin(), c.stages.end(), moves);
+  for (auto s = c.stages.begin(); s != c.stages.end(); ++s) {
+    if (moves(*s)) continue;
+    if (!c.sources.empty() && s < motion)
+      problems.add(
+          s->place, fmt::format("stage \"{}\" is static, and particles wait to come in", s->name),
+          "a balance is looked for with all particles",
+          "let a stage of dynamics come before it in which all come in, or leave it to another case");
+    else if (!c.sinks.empty() && s > motion)
+      problems.add(s->place,
+                   fmt::format("stage \"{}\" is static and follows one in which a sink may act", s->name),
+                   "a balance is looked for with all particles", "leave the static stage to another case");
+  }
+  for (const BondSpec& b : c.bonds)
+    if (b.recipe.capsule)
+      problems.add(place, fmt::format("bonds \"{}\" touch as capsules", b.name),
+                   "capsules are not followed through the coming and going of particles",
+                   "leave capsule_radius out, or source and sink to a case without capsules");
+  if (step_is_exact(c))
+    problems.add(c.time.step->place, "time.step = \"exact\"",
+                 "bodies still come in or go, which the exact step does not know",
+                 "leave step out: the automatic one counts their bonds");
+}
+
+void check_output_of_sources(const Case& c, const Model& model, Problems& problems) {
+  if (model.sources.empty()) return;
+  const SourcePlace file{c.file, 0, 0};
+  for (const auto& name : c.output.displacements) {
+    std::optional<ParticleId> wrong = first_that_comes_in(name.value, model);
+    if (model.find_group(name.value) == nullptr && name.value.size() < 10 &&
+        name.value.find_first_not_of("0123456789") == std::string::npos && !name.value.empty())
+      if (const ParticleId p{static_cast<std::size_t>(std::stoul(name.value))};
+          p.value < model.particles() && comes_in(model, p))
+        wrong = p;
+    if (wrong)
+      problems.add(name.place, fmt::format("output.history.displacements: \"{}\"", name.value),
+                   of_source(model, *wrong) + ": it has no place at the start to be displaced from",
+                   "name a group without it, or use velocities");
+  }
+  for (const StressSpec& s : c.output.stresses)
+    if (std::holds_alternative<StressVolume>(s.volume))
+      if (const auto p = first_that_comes_in(s.group.value, model))
+        problems.add(
+            s.place, fmt::format("output.history.stress of group \"{}\"", s.group.value),
+            of_source(model, *p) + ": the volume that the group takes up at the start does not count it",
+            "give the volume as a number");
+}
+
+}  // namespace vbond
