@@ -55,11 +55,11 @@ TEST(CalibrateCell, RefusesWhatTheseBondsCannotDo) {
       EXPECT_NEAR(ElasticConstants(homogenise(s.model, nearest).C).hill().E(), 1.0, 1e-9);
     }
   try {  // at the other end, where shear is 1e4 times as stiff
-    calibrate_cell(s.model, s.state, {1.0, -0.95}, BendingFollows::shear);
+    calibrate_cell(s.model, s.state, {1.0, -0.99999}, BendingFollows::shear);
     FAIL();
   } catch (const OutOfReach& e) {
     EXPECT_LT(e.nu, -0.6134664205455312) << "that at a ratio of 10, by the other program";
-    EXPECT_GT(e.nu, -0.95);
+    EXPECT_GT(e.nu, -0.99999);
   }
   EXPECT_THROW(calibrate_cell(s.model, s.state, {1.0, 0.5}, BendingFollows::shear), std::invalid_argument);
   EXPECT_THROW(calibrate_cell(s.model, s.state, {0.0, 0.2}, BendingFollows::shear), std::invalid_argument);
@@ -83,7 +83,7 @@ TEST(CalibrateCell, FindsFactorsThatARandomBodyWasMadeWith) {
     }
     const BendingFollows bending =
         dice.one_of({BendingFollows::area, BendingFollows::shear, BendingFollows::normal});
-    const StiffnessFactors made{dice.ratio(1e-3, 1e3), dice.ratio(1e-3, 1e3)};
+    const StiffnessFactors made{dice.ratio(0.03, 30), dice.ratio(0.03, 30)};
     const IsotropicConstants is =
         ElasticConstants(homogenise(s.model, with_factors(s.state, made, bending)).C).hill();
     const CalibratedCell c = calibrate_cell(s.model, s.state, {is.E(), is.nu()}, bending);

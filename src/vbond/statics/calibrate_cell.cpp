@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <utility>
 
 #include "vbond/core/error.hpp"
@@ -88,19 +87,18 @@ CalibratedCell calibrate_cell(const Model& model, const State& state, const Elas
   };
 
   double low = std::log(least_ratio), high = std::log(largest_ratio);
-  std::optional<bool> above_low, above_high;  // whether nu is above the target there, once known
+  bool known_low = false, known_high = false;  // that nu is too large, or too small, there
   Point now = at(0.0);
   while (std::abs(now.nu - target.nu) > accuracy) {
     if (iterations >= most) break;  // judged below
     // nu falls as shear grows, so that it is too large left of the answer
     const bool above = now.nu > target.nu;
     (above ? low : high) = now.x;
-    (above ? above_low : above_high) = above;
+    (above ? known_low : known_high) = true;
     double next = now.x + std::clamp((target.nu - now.nu) / now.slope, -longest_step, longest_step);
     if (!(next > low && next < high)) {
       const double end = above ? high : low;
-      const bool known = above ? above_high.has_value() : above_low.has_value();
-      next = known ? 0.5 * (low + high) : end;
+      next = (above ? known_high : known_low) ? 0.5 * (low + high) : end;
       if (now.x == end)
         throw OutOfReach(
             fmt::format(
@@ -112,9 +110,8 @@ CalibratedCell calibrate_cell(const Model& model, const State& state, const Elas
     if (next == now.x) break;  // no nearer: judged below
     now = at(next);
   }
-  CalibratedCell found{factors_at(now), {}, 0};
+  CalibratedCell found{factors_at(now), {}, iterations};
   found.found = homogenise(model, with_factors(state, found.factors, bending), {newton, false});
-  found.iterations = ++iterations;
   const IsotropicConstants is = ElasticConstants(found.found.C).hill();
   if (!(std::abs(is.nu() - target.nu) < 1e-10 && std::abs(is.E() / target.E - 1.0) < 1e-10))
     throw NoEquilibrium("calibrate",

@@ -28,8 +28,8 @@ struct StiffnessFactors {
 
 struct CalibratedCell {
   StiffnessFactors factors;
-  Homogenised found;   ///< of the body with these factors
-  int iterations = 0;  ///< bodies that were homogenised
+  Homogenised found;   ///< of the body with these factors, made to check them
+  int iterations = 0;  ///< bodies that were homogenised to find them
 };
 
 /// Poisson's ratio cannot be had, whatever the ratio of shear to normal stiffness.
