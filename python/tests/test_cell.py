@@ -96,4 +96,4 @@ def test_a_cell_is_homogenised(periodic):
     run.run_stage()
     assert vbond.homogenise(run.state).stress[2] == pytest.approx(0.01, rel=1e-9)
     with pytest.raises(ValueError, match="periodic in all three directions"):
-        vbond.homogenise(vbond.Case.from_dict({**periodic, "cell": {**periodic["cell"], "open": ["c"]}}))
+        vbond.homogenise(vbond.Case.from_dict({**periodic, "cell": {**periodic["cell"], "open": ["c"]}, "stage": [{"duration": 1.0}]}))

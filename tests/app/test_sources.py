@@ -129,7 +129,7 @@ def test_the_same_on_other_threads_and_after_a_stop():
 def test_who_finds_no_room_is_told():
     vbond("run pour.toml -o full", sets=["source[grains].count=500", "source[grains].rate=10000", "source[grains].tries=3",
                                          "stage[0].duration=1"],
-          err=['source "grains": ', " of 500 bodies have come in; ", " were due and found no room: at each visit 3 places"])
+          err=['source "grains": ', " of 500 bodies have come in; ", " more were due: at a visit 3 places are tried"])
     sources = json.loads(Path("full/run.json").read_text())["passage"]["sources"]
     assert sources[0]["came_in"] + sources[0]["no_room"] == 500
 

@@ -317,7 +317,8 @@ export class BodyScene {
     this.cut.fromArray(cut);
     sequence.positions(frame, factor, this.places.array, 4);
     this.hidden = sequence.there && ((k) => !sequence.is_there(frame, k));
-    if (sequence.there) this.run.radius.forEach((radius, k) => { this.places.array[4 * k + 3] = this.hidden(k) ? -1 : radius; });   // below 0: not drawn
+    this.some_hidden ||= Boolean(sequence.there);   // in this sequence, or in one shown before
+    if (this.some_hidden) this.run.radius.forEach((radius, k) => { this.places.array[4 * k + 3] = this.hidden?.(k) ? -1 : radius; });   // below 0: not drawn
     this.places.texture.needsUpdate = true;
     this.bonds_shown = sequence.bonds_at(frame);
     this.place_cell(sequence, frame, factor, wrapped);

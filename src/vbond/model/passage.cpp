@@ -25,6 +25,12 @@ std::int64_t last_step_at(double time, double dt) {
   return steps < 0x1p62 ? static_cast<std::int64_t>(steps) : no_visit - 1;
 }
 
+/// Of a source the first one at `until` or after it: what has become due by then comes in.
+std::int64_t last_visit(const Visits& v, VisitsOf of, double dt) {
+  const std::int64_t n = steps_between(v, dt), last = last_step_at(v.until, dt);
+  return of == VisitsOf::sink || last > no_visit - n ? last : (last + n - 1) / n * n;
+}
+
 /// What becomes due in these steps of a stage.
 void count_due(const Model& model, const Inflow& inflow, double dt, std::int64_t first, std::int64_t last,
                State& s) {
@@ -115,7 +121,7 @@ void come_in(const Model& model, const Source& source, std::size_t body, const P
 std::vector<ParticleId> who_goes(const Stage& stage, const State& s) {
   std::vector<ParticleId> gone;
   for (const Outflow& o : stage.outflows) {
-    if (!is_visited(o.visits, stage.dt, s.clock.stage_step)) continue;
+    if (!is_visited(o.visits, VisitsOf::sink, stage.dt, s.clock.stage_step)) continue;
     for (const ParticleId p : s.r.ids())
       if ((o.particles.empty() || o.particles[p.value] != 0) && !is_absent(s, p) &&
           o.region->holds(s.r[p], 0.0) != o.outside)
@@ -187,22 +193,22 @@ std::int64_t steps_between(const Visits& visits, double dt) {
   return visits.every > 0.0 ? steps_in(visits.every, dt) : Visits::default_steps;
 }
 
-bool is_visited(const Visits& v, double dt, std::int64_t stage_step) {
+bool is_visited(const Visits& v, VisitsOf of, double dt, std::int64_t stage_step) {
   return stage_step > 0 && stage_step % steps_between(v, dt) == 0 && stage_step >= step_at(v.from, dt) &&
-         stage_step <= last_step_at(v.until, dt);
+         stage_step <= last_visit(v, of, dt);
 }
 
 std::int64_t next_visit(const Stage& stage, std::int64_t stage_step) {
   std::int64_t next = no_visit;
-  const auto look_at = [&](const Visits& v) {
+  const auto look_at = [&](const Visits& v, VisitsOf of) {
     const std::int64_t n = steps_between(v, stage.dt),
                        first = std::max({std::int64_t{1}, stage_step, step_at(v.from, stage.dt)});
     if (first > no_visit - n) return;
     const std::int64_t at = (first + n - 1) / n * n;
-    if (at <= last_step_at(v.until, stage.dt)) next = std::min(next, at);
+    if (at <= last_visit(v, of, stage.dt)) next = std::min(next, at);
   };
-  for (const Outflow& o : stage.outflows) look_at(o.visits);
-  for (const Inflow& i : stage.inflows) look_at(i.visits);
+  for (const Outflow& o : stage.outflows) look_at(o.visits, VisitsOf::sink);
+  for (const Inflow& i : stage.inflows) look_at(i.visits, VisitsOf::source);
   return next;
 }
 
@@ -273,7 +279,7 @@ Passage visit(const Model& model, const Stage& stage, State& s) {
   Passage done;
   take_out(model, stage, s, done);
   for (const Inflow& inflow : stage.inflows) {
-    if (!is_visited(inflow.visits, stage.dt, s.clock.stage_step)) continue;
+    if (!is_visited(inflow.visits, VisitsOf::source, stage.dt, s.clock.stage_step)) continue;
     count_due(model, inflow, stage.dt, s.clock.stage_step - steps_between(inflow.visits, stage.dt),
               s.clock.stage_step, s);
     let_in(model, stage, inflow, s, done);

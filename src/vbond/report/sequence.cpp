@@ -351,6 +351,8 @@ void read_radii(const std::vector<FrameFiles>& frames, Body& body) {
   const auto in_all = [](const FrameFiles& f) {
     return FrameInput(f.particles).points() == FrameInput(f.bonds).points();
   };
+  bool some_absent = false;
+  std::optional<std::size_t> in_first;
   for (const FrameFiles& f : frames) {
     const FrameInput particles(f.particles);
     const std::vector<double> radii = particles.scalars(Per::point, "radius");
@@ -362,9 +364,17 @@ void read_radii(const std::vector<FrameFiles>& frames, Body& body) {
       if (p >= body.radius.size()) body.radius.resize(p + 1, 0.0f);
       body.radius[p] = as_float(radii[k], f.particles);
     }
+    some_absent =
+        some_absent || ids.size() != body.radius.size() || ids.size() != in_first.value_or(ids.size());
+    in_first = in_first.value_or(ids.size());
     if (body.radius.size() == ids.size() && in_all(f)) break;
   }
   if (body.radius.empty()) throw IoError(frames.front().particles.string() + ": has no particles");
+  // Bonds name particles, too, that came in and went between two frames: they have no radius, and are never
+  // there.
+  for (const FrameFiles& f : frames)
+    if (const FrameInput bonds(f.bonds); some_absent && !bonds.has(Per::cell, "image_j"))
+      body.radius.resize(std::max(body.radius.size(), bonds.points()), 0.0f);
 }
 
 /// Positions as floats from the middle of the body: far from zero floats have no digits left for its shape.

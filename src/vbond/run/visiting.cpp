@@ -25,7 +25,7 @@ void Run::visit() {
   simulation_->take_over(passed, energy);
 }
 
-/// As a stage ends: how many of those that were due found no room. Never fewer without a word.
+/// As a stage ends: how many of those that were due are not in. Never fewer without a word.
 void Run::tell_of_sources() const {
   if (!hooks_.tell) return;
   const auto& stage = std::get<Stage>(*stage_);
@@ -36,8 +36,9 @@ void Run::tell_of_sources() const {
                                    source.name, in, source.bodies);
     if (due > 0)
       text += fmt::format(
-          "; {} more {} due and found no room: at each visit {} places were tried for the next one, and "
-          "something was in the way at all of them",
+          "; {} more {} due: at a visit {} places are tried for the next one, and something was in the way "
+          "at all of "
+          "them, or no visit has come since",
           due, due == 1 ? "was" : "were", source.tries);
     else if (in < source.bodies)
       text += "; the others are not due yet";

@@ -255,7 +255,9 @@ void add_sources(const Case& c, const std::vector<PlacedSpecimen>& specimens, Bu
     source.angular_velocity = spec.angular_velocity;
     source.velocity_spread = spec.velocity_spread;
     source.angular_velocity_spread = spec.angular_velocity_spread;
-    source.seed = spec.seed;
+    source.seed =
+        spec.seed + 0x9E3779B97F4A7C15u *
+                        static_cast<std::uint64_t>(&spec - c.sources.data());  // sources of one seed differ
     source.tries = spec.tries;
     for (const ParticleId p : source.body) {
       built.state.waiting.push_back(p);
@@ -499,6 +501,13 @@ void check_case_of_sources(const Case& c, Problems& problems) {
                    fmt::format("stage \"{}\" is static and follows one in which a sink may act", s->name),
                    "a balance is looked for with all particles", "leave the static stage to another case");
   }
+  for (const StageSpec& s : c.stages)
+    for (const LoadSpec& l : s.loads)
+      if (!c.sinks.empty() && moves(s) && !(l.total_force == Vec3d{} && l.total_moment == Vec3d{}))
+        problems.add(l.place,
+                     fmt::format("stage \"{}\": a total load of group \"{}\"", s.name, l.group.value),
+                     "it is shared by all particles of the group, and a sink may take some of them",
+                     "use force and moment, which act on each particle that is there");
   for (const BondSpec& b : c.bonds)
     if (b.recipe.capsule)
       problems.add(place, fmt::format("bonds \"{}\" touch as capsules", b.name),
