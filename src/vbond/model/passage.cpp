@@ -25,10 +25,17 @@ std::int64_t last_step_at(double time, double dt) {
   return steps < 0x1p62 ? static_cast<std::int64_t>(steps) : no_visit - 1;
 }
 
-/// Of a source the first one at `until` or after it: what has become due by then comes in.
+/// A sink is visited until its `until`; a source once more if that lies between two visits, for what has
+/// become due since the one before.
+enum class VisitsOf : std::uint8_t { source, sink };
+
 std::int64_t last_visit(const Visits& v, VisitsOf of, double dt) {
   const std::int64_t n = steps_between(v, dt), last = last_step_at(v.until, dt);
   return of == VisitsOf::sink || last > no_visit - n ? last : (last + n - 1) / n * n;
+}
+bool is_visited(const Visits& v, VisitsOf of, double dt, std::int64_t stage_step) {
+  return stage_step > 0 && stage_step % steps_between(v, dt) == 0 && stage_step >= step_at(v.from, dt) &&
+         stage_step <= last_visit(v, of, dt);
 }
 
 /// What becomes due in these steps of a stage.
@@ -193,9 +200,8 @@ std::int64_t steps_between(const Visits& visits, double dt) {
   return visits.every > 0.0 ? steps_in(visits.every, dt) : Visits::default_steps;
 }
 
-bool is_visited(const Visits& v, VisitsOf of, double dt, std::int64_t stage_step) {
-  return stage_step > 0 && stage_step % steps_between(v, dt) == 0 && stage_step >= step_at(v.from, dt) &&
-         stage_step <= last_visit(v, of, dt);
+bool is_visited(const Visits& v, double dt, std::int64_t stage_step) {
+  return is_visited(v, VisitsOf::sink, dt, stage_step);
 }
 
 std::int64_t next_visit(const Stage& stage, std::int64_t stage_step) {

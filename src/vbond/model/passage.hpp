@@ -18,11 +18,8 @@ inline constexpr std::int64_t no_visit = std::numeric_limits<std::int64_t>::max(
 
 /// The steps from one visit to the next.
 std::int64_t steps_between(const Visits& visits, double dt);
-/// A sink is visited until its `until`; a source once more if that lies between two visits, for what has
-/// become due since the one before.
-enum class VisitsOf : std::uint8_t { source, sink };
 /// Whether there is a visit at this step of the stage.
-bool is_visited(const Visits& visits, VisitsOf of, double dt, std::int64_t stage_step);
+bool is_visited(const Visits& visits, double dt, std::int64_t stage_step);
 /// The first step of the stage, not before this one, at which a source or a region is visited; no_visit:
 /// none.
 std::int64_t next_visit(const Stage& stage, std::int64_t stage_step);
