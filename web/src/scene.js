@@ -80,6 +80,7 @@ export class BodyScene {
     this.pictures = 0;
     this.wanted = false;
     this.cut = new Vector4();
+    this.some_hidden = false;
     this.smooth = run.particles <= smooth_up_to;
     this.renderer = new WebGLRenderer({ canvas, antialias: this.smooth, alpha: false });   // opaque: smoothed edges leave alpha below 1
     this.renderer.sortObjects = false;   // spheres before bonds; and the quads have no positions to sort by
