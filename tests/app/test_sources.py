@@ -139,6 +139,17 @@ def test_a_source_in_a_wall_is_told():
           out='source "grains": at 200 places in its region a body would touch a wall')
 
 
+def test_a_body_that_overlaps_itself_is_refused():
+    vbond("check pour.toml", sets=["specimen[pair].positions=[[0,0,0],[0.3,0,0]]", "bonds[glue].distance=0.2"], status=2,
+          err=["which are not bonded, overlap by"])
+
+
+def test_a_report_of_bodies_that_come_and_go_between_frames():
+    vbond("run pour.toml -o seldom --report", sets=["output.frames.every=4", "source[pairs].rate=1000"], err="have come in",
+          no_err=["damaged", "report"])
+    assert Path("seldom/report.html").exists()
+
+
 @pytest.mark.parametrize("old, new, told", [
     ('specimen = "grain"', 'specimen = "grian"', ['there is no specimen "grian"', 'did you mean "grain"?']),
     ('specimen = "pair"', 'specimen = "grain"', ['specimen "grain" comes in from another source already']),

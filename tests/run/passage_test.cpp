@@ -317,6 +317,54 @@ TEST(Passage, CampaignOfRandomSourcesAndSinks) {
   EXPECT_GT(all.sum("stops"), 60.0);
 }
 
+// What is due by `until` comes in, also if no visit falls on that time: rate (until - from), in all stages
+// alike.
+TEST(Passage, AllThatIsDueUntilTheEndOfASourceComesIn) {
+  struct {
+    const char* times;
+    std::size_t in;
+  } const cases[] = {{"rate = 10\nuntil = 1.3\n", 13},
+                     {"rate = 10\nfrom = 0.2\nuntil = 1.3\n", 11},
+                     {"from = 0.6\nuntil = 0.9\n", 40},
+                     {"until = 0.1\n", 40},
+                     {"rate = 10\nuntil = 1.0\n", 10}};
+  for (const auto& [times, in] : cases) {
+    const Made made(
+        bodies.substr(0, bodies.find("[[specimen]]\nname = \"cluster\"")) +
+        "[time]\nstep = 0.01\n[[stage]]\nduration = 3\n[[source]]\nspecimen = \"grain\"\ncount = 40\n"
+        "every = 0.5\nbox = { min = [-50, -50, -50], max = [50, 50, 50] }\n" +
+        times);
+    vbond::Run run = made.run();
+    run.step(299);
+    EXPECT_EQ(40 - run.current().waiting.size(), in) << times;
+  }
+}
+
+// Two grains that fly apart, one spinning: the sink takes its energy of motion, while a prestrained pair
+// comes in at the same visit with its own. Overlaps inside of a body count as what it brings.
+TEST(Passage, EnergyThatGoesIsThatOfWhatGoes) {
+  const Made made(
+      "[[specimen]]\nname = \"one\"\nkind = \"list\"\npositions = [[9, 0, 0]]\nradius = 0.5\nmass = 2.0\n"
+      "[[specimen]]\nname = \"other\"\nkind = \"list\"\npositions = [[-9, 0, 0]]\nradius = 0.5\nmass = 1.0\n"
+      "[[specimen]]\nname = \"pair\"\nkind = \"list\"\npositions = [[0, 0, 0], [0.9, 0, 0]]\nradius = "
+      "0.5\nmass = 1.0\n" +
+      smooth +
+      "[[velocities]]\ngroup = \"one\"\nvelocity = [3, 0, 0]\nangular_velocity = [0, 4, 0]\n"
+      "[time]\nstep = 0.001\n[[stage]]\nduration = 1\n"
+      "[[source]]\nspecimen = \"pair\"\ncount = 1\norientation = \"given\"\nevery = 0.5\nvelocity = [0, 1, "
+      "0]\n"
+      "box = { min = [-3, -3, -3], max = [3, 3, 3] }\n"
+      "[[sink]]\nbox = { min = [-10, -10, -10], max = [10, 10, 10] }\ntakes = \"outside\"\nevery = 0.5\n");
+  vbond::Run run = made.run();
+  run.step(501);
+  const EnergyBooks& books = run.simulation()->books();
+  EXPECT_EQ(run.current().mass.particles_out, 1);
+  const double goes = 0.5 * 2.0 * 9.0 + 0.5 * made.built.model.inertia[ParticleId{0}] * 16.0,
+               comes = 0.5 * 2.0 * 1.0 + 0.5 * 3000.0 * sq(0.1);
+  EXPECT_NEAR(books.removed, goes, 1e-10);
+  EXPECT_NEAR(books.inserted, comes, 1e-10);
+}
+
 // Without walls, gravity and friction with the outside the momentum of what is there is what came in less
 // what went.
 TEST(Passage, MomentumIsWhatCameInLessWhatWent) {

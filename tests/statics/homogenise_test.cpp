@@ -4,6 +4,9 @@
 #include <Eigen/Dense>
 #include <array>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -268,6 +271,69 @@ TEST(Homogenise, RefusesWhatIsNoMaterial) {
   for (CellEdge& e : stressed.state.cell) e.along = 1.01 * e.along;
   for (Vec3d& r : stressed.state.r) r = 1.01 * r;
   expect_refused(stressed, "is strained", {{}, true});
+}
+
+/// C by differences of stresses, which are sums of forces; of equilibria that Newton's method finds.
+Constants by_differences(const Specimen& s) {
+  Constants C{};
+  constexpr double step = 1e-5;
+  for (std::size_t k = 0; k < 6; ++k) {
+    const SymmetricParts more = stress_at(s, s.state, k, step), less = stress_at(s, s.state, k, -step);
+    for (std::size_t l = 0; l < 6; ++l) C[l][k] = (more[l] - less[l]) / (2 * step);
+  }
+  return C;
+}
+
+// Random cells of 1 to 12 particles and of any shape, bonds of any stiffness to all that are near, also to
+// own images, of both laws; against differences of stresses. As many as VBOND_CAMPAIGN says.
+TEST(Homogenise, CampaignOfRandomCells) {
+  const char* given = std::getenv("VBOND_CAMPAIGN");
+  const unsigned count = given != nullptr ? static_cast<unsigned>(std::atoi(given)) : 12;
+  unsigned right = 0, wrong = 0, refused = 0;
+  for (unsigned seed = 1; seed <= count; ++seed) {
+    Dice dice(seed);
+    const std::size_t n = dice.count(1, 12);
+    const double side = std::cbrt(double(n)) * dice(0.9, 1.1);
+    const Edges edges{Vec3d{side, 0, 0}, Vec3d{dice(-0.4, 0.4) * side, side, 0},
+                      Vec3d{dice(-0.4, 0.4) * side, dice(-0.4, 0.4) * side, side}};
+    std::vector<Vec3d> r;
+    for (std::size_t k = 0; k < n; ++k)
+      r.push_back(dice(0, 1) * edges[0] + dice(0, 1) * edges[1] + dice(0, 1) * edges[2]);
+    Specimen s = periodic_body(edges, r);
+    BondRecipe recipe;
+    recipe.law = dice.chance(0.5) ? &bond_law<VModel> : &bond_law<Evm>;
+    recipe.parameters = BondStiffness<double>{1.0, 1.0, 1.0, 1.0};
+    bond_within(s, dice(1.0, 1.6), recipe);
+    for (Bond& b : s.state.bonds)
+      b.coefficients = b.law->from_stiffness(
+          {dice.ratio(0.3, 3), dice.ratio(0.1, 3), dice.ratio(0.03, 1), dice.ratio(0.03, 1)}, b.a,
+          b.coefficients);
+    std::optional<Homogenised> found;
+    try {
+      found = homogenise(s.model, s.state, {{}, true});
+    } catch (const NoEquilibrium&) {  // nothing holds some particles together
+      ++refused;
+      continue;
+    }
+    Constants sum{};
+    for (const ConstantsBySet& by : found->derivatives)
+      for (const Constants* part : {&by.c_A, &by.c_D, &by.c_B, &by.c_T})
+        for (std::size_t i = 0; i < 6; ++i)
+          for (std::size_t j = 0; j < 6; ++j) sum[i][j] += (*part)[i][j];
+    const double scale = std::max(largest(found->C), 1e-3),
+                 off = difference(found->C, by_differences(s)) / scale,
+                 off_sum = difference(sum, found->C) / scale;
+    if (off < 1e-6 && off_sum < 1e-10) {
+      ++right;
+    } else {
+      ++wrong;
+      ADD_FAILURE() << "seed " << seed << ": " << n << " particles, " << found->bonds << " bonds: off by "
+                    << off << ", the derivatives by " << off_sum;
+    }
+  }
+  std::printf("homogenise: %u cells: %u right, %u wrong, %u refused\n", count, right, wrong, refused);
+  EXPECT_EQ(wrong, 0u);
+  EXPECT_GT(right, count / 2);
 }
 
 // ---- of constants alone -----------------------------------------------------------------------

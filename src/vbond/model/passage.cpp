@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <utility>
 
 #include "vbond/core/counter_random.hpp"
 #include "vbond/model/bond_sums.hpp"
@@ -87,6 +89,22 @@ std::optional<Bond> bond_of_body(const Model& model, const State& s, const Sourc
   return make_bond(source.recipes[b.recipe], i, j);
 }
 
+/// Of the repulsion between particles of a body that has come in with these bonds.  [energy]
+double contact_energy_inside(const Model& model, const State& s, const Source& source, std::size_t body,
+                             const std::vector<Bond>& bonds) {
+  if (!particles_touch(model.contact)) return 0.0;
+  std::set<std::pair<ParticleId, ParticleId>> exempt;
+  if (model.contact.pairs == ContactPairs::unbonded)
+    for (const Bond& b : bonds) exempt.insert(std::minmax(b.i, b.j));
+  double U = 0.0;
+  for (std::size_t k = 0; k < source.body.size(); ++k)
+    for (std::size_t l = k + 1; l < source.body.size(); ++l) {
+      const ParticleId p = source.particle(body, k), q = source.particle(body, l);
+      if (exempt.count(std::minmax(p, q)) == 0) U += contact_pair_energy(model, s, p, q);
+    }
+  return U;
+}
+
 /// Puts the body where it comes in, with its bonds. Bonds are made as the particles wait, so that all bodies
 /// of a source are alike to the last bit.
 void come_in(const Model& model, const Source& source, std::size_t body, const Placing& at, State& s,
@@ -121,6 +139,7 @@ void come_in(const Model& model, const Source& source, std::size_t body, const P
     done.flowed += history_of_bond(s, id)[memory::dissipated];
   }
   s.books = books;
+  done.brought += contact_energy_inside(model, s, source, body, bonds);
   done.any_come = true;
 }
 

@@ -21,6 +21,7 @@
 #include "vbond/setup/groups.hpp"
 #include "vbond/setup/inertia.hpp"
 #include "vbond/setup/motion_stages.hpp"
+#include "vbond/setup/source_bonds.hpp"
 #include "vbond/setup/velocities.hpp"
 
 namespace vbond {
@@ -191,12 +192,12 @@ void check_contact(const Case& c, const Model& model, Problems& problems) {
 
 /// Particles that are not bonded and lie half in one another would fly apart. Bonds that are made later may
 /// be meant for them.
-void check_overlaps(const Case& c, const Built& built, Problems& problems) {
+void check_overlaps(const Case& c, const Built& built, const State& state, Problems& problems) {
   constexpr double most = 0.5;  // of the smaller radius, as for walls
   const auto later = [](const BondSpec& b) { return b.when != BondTime::start; };
   if (std::any_of(c.bonds.begin(), c.bonds.end(), later)) return;
   std::set<std::tuple<ParticleId, ParticleId, Image>> bonded;  // seen from either end
-  for (const Bond& b : built.state.bonds)
+  for (const Bond& b : state.bonds)
     bonded.insert({b.i, b.j, b.image_j}), bonded.insert({b.j, b.i, -b.image_j});
   const PerParticle<double>& R = built.model.radius;
   struct {
@@ -204,13 +205,12 @@ void check_overlaps(const Case& c, const Built& built, Problems& problems) {
     ParticleId i, j;
     std::size_t count = 0;
   } worst;
-  for_touching_pairs(built.model, built.state,
-                     [&](ParticleId i, ParticleId j, const Image& n, double overlap) {
-                       const double part = overlap / std::min(R[i], R[j]);
-                       if (part <= most * (1.0 + 1e-9) || bonded.count({i, j, n}) > 0) return;
-                       ++worst.count;
-                       if (part > worst.part) worst.part = part, worst.i = i, worst.j = j;
-                     });
+  for_touching_pairs(built.model, state, [&](ParticleId i, ParticleId j, const Image& n, double overlap) {
+    const double part = overlap / std::min(R[i], R[j]);
+    if (part <= most * (1.0 + 1e-9) || bonded.count({i, j, n}) > 0) return;
+    ++worst.count;
+    if (part > worst.part) worst.part = part, worst.i = i, worst.j = j;
+  });
   if (worst.count == 0) return;
   problems.add(
       c.specimens[built.model.specimen[worst.j]].place,
@@ -326,7 +326,8 @@ Built build(const Case& c, int threads) {
   for (std::size_t set = 0; set < c.bonds.size(); ++set)
     if (c.bonds[set].when == BondTime::start) add_bonds_at_start(c, set, built, problems, shared);
   check_pairs_of_sources(c, model, problems);
-  check_overlaps(c, built, problems);
+  check_overlaps(c, built, built.state, problems);
+  for (const Source& source : model.sources) check_overlaps(c, built, body_alone(built, source), problems);
   model.T_0 = natural_time(c, built, problems);
   add_velocities(c, model, state, problems);
   check_stages(c, model, problems);

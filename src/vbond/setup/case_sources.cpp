@@ -13,7 +13,6 @@
 #include "vbond/model/free_room.hpp"
 #include "vbond/model/mesh_surface.hpp"
 #include "vbond/model/passage.hpp"
-#include "vbond/setup/bonds.hpp"
 #include "vbond/setup/motion_stages.hpp"
 #include "vbond/setup/regions.hpp"
 
@@ -88,7 +87,13 @@ const PlacedSpecimen* find_specimen(const Placed<std::string>& name, const std::
   return nullptr;
 }
 
-/// Of a group those that come in, if any.
+const SourceSpec& spec_of(const Case& c, const Source& source) {
+  return *std::find_if(c.sources.begin(), c.sources.end(),
+                       [&](const SourceSpec& of) { return of.name == source.name; });
+}
+
+}  // namespace
+
 std::optional<ParticleId> first_that_comes_in(const std::string& group, const Model& model) {
   const Group* g = model.find_group(group);
   if (g == nullptr || model.sources.empty()) return std::nullopt;
@@ -102,115 +107,6 @@ std::string of_source(const Model& model, ParticleId p) {
     if (s.body_of(p)) return fmt::format("particle {} comes in from source \"{}\"", p.value, s.name);
   return {};
 }
-
-// ---- bonds --------------------------------------------------------------------------------------------
-
-bool lists_pairs(const BondSpec& b) {
-  const auto& select = b.select.value;
-  return std::holds_alternative<ListedPairs>(select) || std::holds_alternative<PairsFile>(select) ||
-         std::holds_alternative<SpecimenPairs>(select);
-}
-
-/// The body as it waits, alone in open space, with the bonds that it has so far.
-State alone(const Built& built, const Source& source, const PerBond<Bond>& bonds) {
-  State s = built.state;
-  s.cell.clear();
-  s.dropped.clear();
-  s.waiting.clear();
-  for (const ParticleId p : s.r.ids())
-    if (!source.body_of(p) || *source.body_of(p) != 0) s.waiting.push_back(p);
-  s.bonds = bonds;
-  s.bond_history = {};
-  s.warm_bonds = {};
-  return s;
-}
-
-PerBond<Bond> bonds_so_far(const Built& built, const Source& source) {
-  const State waiting = alone(built, source, {});
-  PerBond<Bond> bonds;
-  for (const SourceBond& b : source.bonds) {
-    BondSite i = bond_site(built.model, waiting, source.body[b.i]),
-             j = bond_site(built.model, waiting, source.body[b.j]);
-    i.offset = b.offset_i, i.radius = b.R_i, j.offset = b.offset_j, j.radius = b.R_j;
-    if (const auto bond = make_bond(source.recipes[b.recipe], i, j)) bonds.push_back(*bond);
-  }
-  return bonds;
-}
-
-/// Takes down the bonds that a set makes inside of the first body; mistakes are those of any bonds.
-void take_down(const Case& c, std::size_t set, const SelectedPairs& selected, const State& waiting,
-               Built& built, Source& source, Problems& problems) {
-  if (selected.pairs.empty()) return;
-  State made = waiting;
-  make_bonds(c, set, built.model, made, selected, problems);
-  BondRecipe recipe = c.bonds[set].recipe;
-  recipe.set = static_cast<std::uint32_t>(set);
-  source.recipes.push_back(recipe);
-  const auto number = static_cast<std::uint32_t>(source.recipes.size() - 1);
-  const auto place = [&source](ParticleId p) {
-    return static_cast<std::uint32_t>(std::lower_bound(source.body.begin(), source.body.end(), p) -
-                                      source.body.begin());
-  };
-  for (std::size_t k = 0; k < selected.pairs.size(); ++k) {
-    const auto [i, j] = sites_of(selected, k, built.model, waiting);
-    source.bonds.push_back({place(i.id), place(j.id), number, i.offset, j.offset, i.radius, j.radius});
-  }
-}
-
-/// Pairs of a list, where every first body stands as it waits.
-void add_listed(const Case& c, std::size_t set, Built& built, Problems& problems) {
-  const BondSpec& spec = c.bonds[set];
-  State with_bodies = built.state;
-  std::vector<ParticleId> others;
-  for (const ParticleId p : built.state.waiting) {
-    bool first = false;
-    for (const Source& s : built.model.sources)
-      first = first || s.body_of(p) == std::optional<std::size_t>(0);
-    if (!first) others.push_back(p);
-  }
-  with_bodies.waiting = std::move(others);
-  SharedCells none;  // a list needs no cells
-  const SelectedPairs selected = select_pairs(c, set, built.model, with_bodies, problems, none);
-  SelectedPairs here;
-  std::vector<SelectedPairs> inside(built.model.sources.size());
-  for (const Pair& pair : selected.pairs) {
-    const bool i_comes = comes_in(built.model, pair.i), j_comes = comes_in(built.model, pair.j);
-    if (!i_comes && !j_comes) {
-      here.pairs.push_back(pair);
-      continue;
-    }
-    bool found = false;
-    for (std::size_t s = 0; s < inside.size(); ++s)
-      if (built.model.sources[s].body_of(pair.i) == std::optional<std::size_t>(0) &&
-          built.model.sources[s].body_of(pair.j) == std::optional<std::size_t>(0)) {
-        inside[s].pairs.push_back({pair.i, pair.j, {}});
-        found = true;
-      }
-    if (!found)
-      problems.add(
-          spec.select.place.file.empty() ? spec.place : spec.select.place,
-          fmt::format("bonds \"{}\": pair {}, {}", spec.name, pair.i.value, pair.j.value),
-          of_source(built.model, i_comes ? pair.i : pair.j) +
-              ": it is not there as the run begins, and only bonds inside of its body come in with it",
-          "bond particles of the specimen that the source names with each other; or let bonds be made as "
-          "particles come near each other: when = \"approach\"");
-  }
-  if (!here.pairs.empty()) make_bonds(c, set, built.model, built.state, here, problems);
-  for (std::size_t s = 0; s < inside.size(); ++s) {
-    Source& source = built.model.sources[s];
-    take_down(c, set, inside[s], alone(built, source, bonds_so_far(built, source)), built, source, problems);
-  }
-}
-
-bool has_both_ends(const Case& c, std::size_t set, const Model& model, auto is_meant) {
-  for (const auto& name : c.bonds[set].between) {
-    const Group* g = model.find_group(name.value);
-    if (g == nullptr || std::none_of(g->particles.begin(), g->particles.end(), is_meant)) return false;
-  }
-  return true;
-}
-
-}  // namespace
 
 void add_sources(const Case& c, const std::vector<PlacedSpecimen>& specimens, Built& built,
                  Problems& problems) {
@@ -255,9 +151,8 @@ void add_sources(const Case& c, const std::vector<PlacedSpecimen>& specimens, Bu
     source.angular_velocity = spec.angular_velocity;
     source.velocity_spread = spec.velocity_spread;
     source.angular_velocity_spread = spec.angular_velocity_spread;
-    source.seed =
-        spec.seed + 0x9E3779B97F4A7C15u *
-                        static_cast<std::uint64_t>(&spec - c.sources.data());  // sources of one seed differ
+    constexpr std::uint64_t apart = 0x9E3779B97F4A7C15u;  // sources of one seed differ
+    source.seed = spec.seed + apart * static_cast<std::uint64_t>(&spec - c.sources.data());
     source.tries = spec.tries;
     for (const ParticleId p : source.body) {
       built.state.waiting.push_back(p);
@@ -273,9 +168,7 @@ void add_copies(const Case& c, Built& built) {
   State& s = built.state;
   for (std::size_t k = 0; k < m.sources.size(); ++k) {
     Source& source = m.sources[k];
-    const auto spec = std::find_if(c.sources.begin(), c.sources.end(),
-                                   [&](const SourceSpec& of) { return of.name == source.name; });
-    source.bodies = static_cast<std::size_t>(spec->count);
+    source.bodies = static_cast<std::size_t>(spec_of(c, source).count);
     source.copies = ParticleId{m.particles()};
     std::vector<std::vector<std::size_t>> places(m.groups.size());  // of the body that a group has
     for (std::size_t g = 0; g < m.groups.size(); ++g)
@@ -304,69 +197,10 @@ void add_copies(const Case& c, Built& built) {
   }
 }
 
-void add_bonds_at_start(const Case& c, std::size_t set, Built& built, Problems& problems,
-                        SharedCells& shared) {
-  if (built.model.sources.empty()) return add_bonds(c, set, built.model, built.state, problems, shared);
-  if (lists_pairs(c.bonds[set])) return add_listed(c, set, built, problems);
-  // Nearness counts among particles that are there, and inside of each body: nothing is near a body that
-  // waits.
-  Problems of_all;
-  bool any = false;
-  const auto select = [&](const State& state) {
-    Problems found;
-    SharedCells cells = shared.anew();
-    SelectedPairs selected = select_pairs(c, set, built.model, state, found, cells);
-    any = any || !selected.pairs.empty();
-    if (of_all.none()) of_all.add(found.shown());
-    return selected;
-  };
-  const auto is_here = [&built](ParticleId p) { return !is_waiting(built.state, p); };
-  if (has_both_ends(c, set, built.model, is_here))
-    make_bonds(c, set, built.model, built.state, select(built.state), problems);
-  for (Source& source : built.model.sources) {
-    const auto is_of_body = [&source](ParticleId p) {
-      return source.body_of(p) == std::optional<std::size_t>(0);
-    };
-    if (source.body.size() < 2 || !has_both_ends(c, set, built.model, is_of_body)) continue;
-    const State waiting = alone(built, source, bonds_so_far(built, source));
-    take_down(c, set, select(waiting), waiting, built, source, problems);
-  }
-  if (any) return;
-  if (of_all.none()) select(built.state);  // groups that have nobody: as it is told without sources
-  problems.add(of_all.shown());
-}
-
-void check_pairs_of_sources(const Case& c, const Model& model, Problems& problems) {
-  if (model.sources.empty()) return;
-  for (const BondSpec& spec : c.bonds) {
-    const auto* listed = std::get_if<ListedPairs>(&spec.select.value);
-    const bool from_file = std::holds_alternative<PairsFile>(spec.select.value) ||
-                           std::holds_alternative<SpecimenPairs>(spec.select.value);
-    if (spec.when == BondTime::start || (!listed && !from_file)) continue;
-    std::optional<ParticleId> wrong;
-    if (listed)
-      for (const auto& pair : listed->pairs)
-        for (const std::int64_t p : pair)
-          if (!wrong && p >= 0 && p < static_cast<std::int64_t>(model.particles()) &&
-              comes_in(model, ParticleId{static_cast<std::size_t>(p)}))
-            wrong = ParticleId{static_cast<std::size_t>(p)};
-    if (from_file)
-      for (const auto& group : spec.between)
-        if (!wrong) wrong = first_that_comes_in(group.value, model);
-    if (wrong)
-      problems.add(
-          spec.place, fmt::format("bonds \"{}\": pairs that are named", spec.name),
-          of_source(model, *wrong) + ": which of its bodies are there as a stage begins is not known",
-          from_file ? "leave its specimen out of `between`, or make the bonds with when = \"start\""
-                    : "select by distance or gap; or make bonds inside of the body with when = \"start\"");
-  }
-}
-
 void check_sources(const Case& c, Built& built, Problems& problems) {
   const Model& m = built.model;
   for (const Source& source : m.sources) {
-    const SourceSpec& spec = *std::find_if(c.sources.begin(), c.sources.end(),
-                                           [&](const SourceSpec& of) { return of.name == source.name; });
+    const SourceSpec& spec = spec_of(c, source);
     constexpr std::int64_t places = 200;
     bool fits = false, free = m.walls.empty();
     BoundingBox around;

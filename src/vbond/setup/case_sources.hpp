@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,7 +9,6 @@
 #include "vbond/model/model.hpp"
 #include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"
-#include "vbond/setup/bond_pairs.hpp"
 #include "vbond/setup/build.hpp"
 #include "vbond/setup/groups.hpp"
 
@@ -21,12 +21,10 @@ void add_sources(const Case& c, const std::vector<PlacedSpecimen>& specimens, Bu
 /// All other bodies, behind the particles of all specimens. They belong to the groups of the first.
 void add_copies(const Case& c, Built& built);
 
-/// Makes the bonds of a set (when = start) between particles that are there, and tells sources which bonds it
-/// makes inside of their bodies. Refuses pairs that are listed and of which one end waits.
-void add_bonds_at_start(const Case& c, std::size_t set, Built& built, Problems& problems,
-                        SharedCells& shared);
-/// Refuses sets that list particles which come in, but for bonds of the start inside of a body.
-void check_pairs_of_sources(const Case& c, const Model& model, Problems& problems);
+/// Of a group the first particle that comes in, if any.
+std::optional<ParticleId> first_that_comes_in(const std::string& group, const Model& model);
+/// E.g. "particle 7 comes in from source "grains"".
+std::string of_source(const Model& model, ParticleId p);
 
 /// Refuses regions that no body fits into; a line for each source, with what it lets in.
 void check_sources(const Case& c, Built& built, Problems& problems);
