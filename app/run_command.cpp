@@ -21,7 +21,6 @@
 #include "static_leg.hpp"
 #include "vbond/case/read.hpp"
 #include "vbond/core/error.hpp"
-#include "vbond/model/heat.hpp"
 #include "vbond/observe/bond_look.hpp"
 #include "vbond/observe/checkpoint.hpp"
 #include "vbond/observe/files.hpp"
@@ -32,6 +31,7 @@
 #include "vbond/run/run.hpp"
 #include "vbond/setup/build.hpp"
 #include "vbond/setup/times.hpp"
+#include "vbond/terms/heat/heat.hpp"
 
 namespace vbond::app {
 namespace {

@@ -51,7 +51,15 @@ function code_of(line,   out, at, rest, mark, delimiter) {
   return out
 }
 
-function check_include(line,   name, parts) {
+# The layer of a file in folders of terms: its first word says it.
+function layer_of_term(path,   name) {
+  name = path
+  sub(/.*\//, "", name)
+  sub(/[_.].*/, "", name)
+  return name in layer_of_word ? layer_of_word[name] : layer_of_word["*"]
+}
+
+function check_include(line,   name, parts, of) {
   if (!match(line, /[<"][^>"]*[>"]/)) {
     bad("an #include must name its file")
     return
@@ -60,11 +68,12 @@ function check_include(line,   name, parts) {
   quoted = substr(line, RSTART, 1) == "\""
   if (name ~ /^vbond\//) {
     split(name, parts, "/")
-    if (!(parts[2] in folder))
-      bad("\"" name "\": no layer '" parts[2] "' in tools/layers.txt")
-    else if (parts[2] != layer && !((layer, parts[2]) in allowed))
-      bad(layer " must not include " parts[2] ": \"" name "\" (tools/layers.txt)")
-    if (parts[3] == "detail" && FILENAME ~ /\.hpp$/ && FILENAME !~ /\/detail\//)
+    of = parts[2] == "terms" ? layer_of_term(name) : parts[2]
+    if (!(of in folder))
+      bad("\"" name "\": no layer '" of "' in tools/layers.txt")
+    else if (of != layer && !((layer, of) in allowed))
+      bad(layer " must not include " of ": \"" name "\" (tools/layers.txt)")
+    if (name ~ /\/detail\// && FILENAME ~ /\.hpp$/ && FILENAME !~ /\/detail\//)
       bad("\"" name "\" is not installed: only .cpp files may include it")
   } else if (quoted && (layer != "app" && layer != "python" || name ~ /\.\./)) {
     bad("write \"vbond/LAYER/NAME.hpp\", not \"" name "\": the layer must be visible")
@@ -112,12 +121,18 @@ FNR == 1 && NR > 1 {
   layer = ""
   for (name in folder)
     if (index(FILENAME, folder[name] "/") == 1) layer = name
+  if (index(FILENAME, "src/vbond/terms/") == 1) layer = layer_of_term(FILENAME)
   in_library = FILENAME ~ /^src\//
   if (layer == "") bad("in no folder of tools/layers.txt")
 }
 
 NR == FNR {  # the table
   if (/^[ \t]*(#|$)/) next
+  if ($1 == "term") {
+    if (!($3 in folder)) bad_table("no layer '" $3 "' above")
+    layer_of_word[$2] = $3
+    next
+  }
   if (NF < 2) bad_table("expected: layer folder [allowed layers]")
   if ($1 in folder) bad_table("layer '" $1 "' twice")
   for (i = 3; i <= NF; i++) {

@@ -8,7 +8,7 @@
 #include "campaigns/judge.hpp"
 #include "dynamics/plain_flow.hpp"
 #include "vbond/model/bond_sums.hpp"
-#include "vbond/model/heat.hpp"
+#include "vbond/terms/heat/heat.hpp"
 
 /// Random small bodies whose bonds have all forms of stretching, yield, creep, soften, damp, break and grow
 /// with temperature, and how they move by formulas of the tests' own.

@@ -5,8 +5,8 @@
 
 #include "input.hpp"
 #include "vbond/core/error.hpp"
-#include "vbond/model/mesh_surface.hpp"
 #include "vbond/setup/mesh_file.hpp"
+#include "vbond/terms/walls/mesh_surface.hpp"
 
 /// The first byte chooses the format, the rest is the file.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -9,7 +9,7 @@
 #include "material_cases.hpp"
 #include "meshes.hpp"
 #include "random_pose.hpp"
-#include "vbond/model/wall_touch.hpp"
+#include "vbond/terms/walls/wall_touch.hpp"
 
 namespace vbond {
 namespace {

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "random_pose.hpp"
-#include "vbond/model/wall_touch.hpp"
+#include "vbond/terms/walls/wall_touch.hpp"
 
 namespace vbond {
 namespace {

@@ -9,7 +9,7 @@
 #include "specimen.hpp"
 #include "vbond/observe/frame_files.hpp"
 #include "vbond/observe/quantities.hpp"
-#include "vbond/observe/wall_triangles.hpp"
+#include "vbond/terms/walls/output_wall_triangles.hpp"
 #include "vtp_reader.hpp"
 
 namespace vbond {

@@ -13,9 +13,9 @@
 #include "statics/bodies.hpp"
 #include "vbond/model/bond_sums.hpp"
 #include "vbond/model/energies.hpp"
-#include "vbond/model/heat.hpp"
 #include "vbond/model/step_bound.hpp"
 #include "vbond/run/run.hpp"
+#include "vbond/terms/heat/heat.hpp"
 
 namespace vbond {
 namespace {

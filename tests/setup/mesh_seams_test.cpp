@@ -5,7 +5,7 @@
 #include <string>
 
 #include "mesh_bodies.hpp"
-#include "vbond/model/mesh_surface.hpp"
+#include "vbond/terms/walls/mesh_surface.hpp"
 
 namespace vbond::testing {
 namespace {

@@ -93,7 +93,7 @@ TEST_P(WallKinds, HaveTheGradientOfTheirEnergyAndItsDerivatives) {
     const Vector g = body.unbalanced();
     const DenseMatrix K = body.tangent();
     const Vector direction = body.load_direction();
-    const double energy = body.energies().contact, power = body.power_of_walls()[0];
+    const double energy = body.energies().contact, power = body.terms().walls.power()[0];
     EXPECT_GT(energy, 1e-4) << kind.name;
     EXPECT_GT(norm(Vec3d{g[0], g[1], g[2]}), 0.01) << kind.name;
     const auto at = [&](int k, double x) {

@@ -16,12 +16,12 @@
 #include "vbond/case/placed.hpp"
 #include "vbond/case/region_spec.hpp"
 #include "vbond/case/source_spec.hpp"
-#include "vbond/case/wall_spec.hpp"
 #include "vbond/core/vec3.hpp"
 #include "vbond/model/bond.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/stage.hpp"
 #include "vbond/model/static_stage.hpp"
+#include "vbond/terms/keys_terms.hpp"
 
 /// A case as the user wrote it, checked key by key and turned into the units of the model.
 /// Names of groups, walls and stages are still names, and times may still be multiples of T_0: setup/
@@ -337,22 +337,6 @@ struct LoadSpec {
   bool follower = false;                      ///< along the axes of each particle
 };
 
-struct TemperatureSpec {
-  SourcePlace place;
-  Placed<std::string> group;
-  double temperature = 0;   ///< dynamics, times the factor
-  TimeFunctionSpec factor;  ///< dynamics
-  double change = 0;        ///< static stages: at load factor 1
-};
-
-struct StrainSpec {
-  SourcePlace place;
-  Placed<std::string> group;
-  Vec3d direction{1, 0, 0};
-  double increment = 0;
-  CaseTime every;
-};
-
 /// What moves a component of the cell: one of rate (dynamics) and strain (at rest), or a stress.
 struct CellComponentSpec {
   SourcePlace place;
@@ -393,22 +377,19 @@ struct PeakStopSpec {
   CaseTime average_over;
 };
 
-struct StageSpec {
+struct StageSpec : TermSpecs {
   SourcePlace place;
   std::string name;
   StageKind kind = StageKind::dynamics;
   Vec3d gravity;
   std::vector<SupportSpec> supports;
   std::vector<LoadSpec> loads;
-  std::vector<TemperatureSpec> temperatures;      ///< all kinds but modes
-  std::vector<WallDriveSpec> walls;               ///< dynamics, equilibrium, fracture
   std::optional<CellDriveSpec> cell;              ///< all kinds but modes
   std::optional<DistanceStopSpec> stop_distance;  ///< dynamics, path
 
   // dynamics
   CaseTime duration;  ///< required, > 0: the longest the stage may take
   double b_translation = 0, b_rotation = 0, local_damping = 0;
-  std::optional<StrainSpec> strain;
   std::optional<PeakStopSpec> stop_peak;
   std::optional<RestStopSpec> stop_rest;
   std::optional<BreakStopSpec> stop_breaks;

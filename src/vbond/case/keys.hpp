@@ -108,6 +108,11 @@ void describe(Table& t, WallDriveSpec& d, std::optional<StageKind> kind);
 void describe(Table& t, WallOscillationSpec& o);
 void describe(Table& t, WallServoSpec& s);
 
+/// What terms do in a stage of this kind; nothing if the kind is not known.
+void describe_terms(Table& t, TermSpecs& s, std::optional<StageKind> kind);
+/// What heats particles in a stage of this kind; nothing if the kind is not known.
+void describe(Table& t, TemperatureSpec& s, std::optional<StageKind> kind);
+
 void describe(Table& t, VelocitySpec& v);
 void describe(Table& t, SourceSpec& s);
 void describe(Table& t, SinkSpec& s);

@@ -134,22 +134,6 @@ void describe_load(Table& t, LoadSpec& s, Kind kind) {
   });
 }
 
-void describe_temperature(Table& t, TemperatureSpec& s, Kind kind) {
-  t.locate(s.place);
-  default_to_all(s.group);
-  t.key("group", s.group, group_name, optional, "which particles; a bond has the mean of its two");
-  t.when(!kind || !is_static(*kind), in_dynamics, [&] {
-    t.key("temperature", s.temperature, number(pure), required,
-          "above that at which bonds have their lengths, in the unit of 1/expansion");
-    describe(t, s.factor);
-  });
-  t.when(!kind || (is_static(*kind) && kind != StageKind::modes),
-         "kind = \"equilibrium\", \"path\", \"buckling\" or \"fracture\"", [&] {
-           t.key("change", s.change, number(pure), required,
-                 "of the temperature that the stage finds, at load factor 1");
-         });
-}
-
 void describe_load_factor_stop(Table& t, PathSettings& p) {
   t.key("above", p.above, number(pure), optional, "end where the load factor rises to this");
   t.key("below", p.below, number(pure), optional, "end where the load factor falls to this");
@@ -198,7 +182,6 @@ void describe_motion(Table& t, StageSpec& s) {
         "local", s.local_damping, NumberCodec{pure, {0, 1, false, true}}, optional,
         "Cundall's local damping, not physical: this part of the load left on a particle opposes its motion");
   });
-  t.table("strain", s.strain, "affine strain, applied step by step");
   const auto is_free = [](const SupportSpec& p) { return p.rigid && p.held != all_held; };
   t.check(!(s.local_damping > 0.0 && std::any_of(s.supports.begin(), s.supports.end(), is_free)), {"damping"},
           "local damping does not know rigid groups that are free in part",
@@ -360,16 +343,8 @@ bool describe(Table& t, StageSpec& s) {
            [kind](Table& k, SupportSpec& support) { describe_support(k, support, kind); });
   t.tables("loads", s.loads, optional, "forces and moments on the particles of a group",
            [kind](Table& k, LoadSpec& load) { describe_load(k, load, kind); });
-  t.when(!kind || kind != StageKind::modes, "every kind but \"modes\"", [&] {
-    t.tables("temperatures", s.temperatures, optional, "what heats bonds that expand",
-             [kind](Table& k, TemperatureSpec& heat) { describe_temperature(k, heat, kind); });
-  });
+  describe_terms(t, s, kind);
   const bool breaks = kind == StageKind::fracture;
-  t.when(!kind || kind == StageKind::dynamics || kind == StageKind::equilibrium || breaks,
-         "kind = \"dynamics\", \"equilibrium\" or \"fracture\"", [&] {
-           t.tables("walls", s.walls, optional, "what moves walls; the others stand still",
-                    [kind](Table& k, WallDriveSpec& drive) { describe(k, drive, kind); });
-         });
   t.when(!kind || kind != StageKind::modes, "every kind but \"modes\"", [&] {
     t.table(
         "cell", optional, "how the cell moves; components that are not named stay as they are",
@@ -402,17 +377,6 @@ void describe(Table& t, TimeFunctionSpec& f) {
   t.check(!(t.is_given("ramp") && t.is_given("table")), {"table", "ramp"},
           "only one of ramp and table may be given", "keep one; ramp = T is table = [[0, 0], [T, 1]]");
   if (ramp && f.points.empty()) f.points = {{CaseTime{0, ramp->in_T_0}, 0.0}, {*ramp, 1.0}};
-}
-
-void describe(Table& t, StrainSpec& s) {
-  t.locate(s.place);
-  default_to_all(s.group);
-  t.key("group", s.group, group_name, optional, "which particles");
-  t.key("increment", s.increment, NumberCodec{pure, {-1, largest_number, true, false}}, required,
-        "strain of each application, < 0 for compression");
-  t.check(s.increment != 0, {"increment"}, "must not be 0: nothing would be strained", "leave strain out");
-  t.key("direction", s.direction, direction_vector, optional, "along which; its length does not matter");
-  t.key("every", s.every, TimeCodec{}, required, "time between applications");
 }
 
 void describe(Table& t, DistanceStopSpec& s) {

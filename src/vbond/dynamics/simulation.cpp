@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <type_traits>
 #include <utility>
 
@@ -14,6 +15,7 @@ namespace vbond {
 void Simulation::step() {
   const bool timed = state_.clock.stage_step % StepTimes::one_in == 0;
   if (!only_elastic_) change_body();
+  for (MotionTerm* t : terms_.all()) t->begin_step();
   if (cell_.any()) {
     cell_.begin_step(state_.clock.stage_step, team_);
     if (const auto fault = cell_.fault()) {
@@ -28,7 +30,6 @@ void Simulation::step() {
   applied_.set_times(state_.clock.stage_step, stage_.dt);
 
   if (supports_.grips().any_free()) supports_.grips().begin_step();
-  if (walls_.any()) walls_.move(state_.clock.stage_step, stage_.dt);
 
   StepTimes::Lap lap(timed);
   team_.for_blocks([&](const Block& b) {
@@ -43,8 +44,7 @@ void Simulation::step() {
                       std::sqrt(way2));  // near pairs, listed anew only when stale
     capsules_.refresh(std::sqrt(way2));
     work_out_touches(stage_.dt);
-    walls_.refresh(team_, std::sqrt(way2));
-    walls_.look_at_drift(stage_.dt, std::sqrt(way2));
+    for (MotionTerm* t : terms_.touching()) t->particles_moved(stage_.dt, std::sqrt(way2));
     if (contacts_.any() || capsules_.any()) encounters_.look_at_drift(bodies_, stage_.dt, way2, flow());
     if (const auto& fast = encounters_.fastest(); capsules_.any() && (fast || capsules_.deep()))
       capsules_.look_at_drift(stage_.dt, fast ? fast->way : 0.0);
@@ -62,13 +62,13 @@ void Simulation::step() {
   ++state_.clock.stage_step;  // time is counted, not summed
   bodies_ahead_ = true;
   survey_.reset();
-  if (!only_elastic_ && walls_.any()) close_walls(stage_.dt);
+  for (MotionTerm* t : terms_.all()) t->end_step(stage_.dt);
   close_books();
   const bool events = !only_elastic_ && find_events();
   keep_records();
   room_ -= last_way_;
   ++unmet_;
-  if (!lost_to_walls_.empty()) tell_of_lost();
+  if (!lost_particles_.empty()) tell_of_lost();
   if (--steps_to_look_ == 0 || events) {
     agree_on_failure();
     notify_observers();
@@ -112,6 +112,14 @@ void Simulation::finish_free_grips() {
 /// at the border of a part, or anywhere where there are contacts.
 bool Simulation::moves_first(const Block& b) const {
   return looks_at_ways() || bonds_.at_border(b.index) || is_sent(b);
+}
+
+/// What changes the body between steps.
+void Simulation::change_body() {
+  last_way_ = 0.0;
+  taken_.clear();
+  taken_shares_.clear();
+  make_bonds();  // between particles that came close
 }
 
 /// The half of a step before the loads.
@@ -226,8 +234,8 @@ void Simulation::complete_loads(const Block& b, Instant at, StepTimes::Lap& lap)
     capsules_.add_loads({b.rows.first, std::min(b.rows.last, bodies_.order.own)}, bodies_.load.data());
     lap.add_to(times_.contacts);
   }
-  if (!only_elastic_ && walls_.any()) {
-    lose(b.index, walls_.add_loads(b, bodies_.load.data(), at == Instant::end ? stage_.dt : 0.0));
+  if (!terms_.touching().empty()) {
+    for (MotionTerm* t : terms_.touching()) t->add_loads(b, at == Instant::end ? stage_.dt : 0.0);
     lap.add_to(times_.contacts);
   }
   applied_.add(b, at);
@@ -254,7 +262,7 @@ void Simulation::evaluate_loads() {
   contacts_.refresh(bodies_.poses(), all_known());
   capsules_.refresh();
   work_out_touches(0.0);
-  walls_.refresh(team_);
+  for (MotionTerm* t : terms_.touching()) t->particles_moved(0.0);
   applied_.set_times(state_.clock.stage_step, stage_.dt);
   team_.for_blocks([&](const Block& b) { clear_loads(b); });
   all_known().for_parts([&](const Part& part) {
@@ -266,9 +274,21 @@ void Simulation::evaluate_loads() {
     }
   });
   complete_sent_blocks(Instant::start);
-  if (walls_.any()) close_walls(0.0);
+  for (MotionTerm* t : terms_.all()) t->end_step(0.0);
   check_finite();
   agree_on_failure();
+}
+
+void Simulation::apply_loads_alone() {
+  team_.for_blocks([&](const Block& b) { clear_loads(b); });
+  applied_.set_times(state_.clock.stage_step, stage_.dt);
+  team_.for_blocks([&](const Block& b) { applied_.add(b, Instant::start); });
+}
+
+void Simulation::particles_jumped() {
+  bodies_ahead_ = true;
+  last_way_ = std::numeric_limits<double>::infinity();
+  evaluate_loads();
 }
 
 void Simulation::lose(std::size_t block, const TouchLosses<double>& in_contacts) {

@@ -28,7 +28,6 @@
 #include "vbond/dynamics/step_times.hpp"
 #include "vbond/dynamics/supports.hpp"
 #include "vbond/dynamics/team.hpp"
-#include "vbond/dynamics/walls.hpp"
 #include "vbond/model/body_view.hpp"
 #include "vbond/model/bond_event.hpp"
 #include "vbond/model/drop.hpp"
@@ -37,6 +36,7 @@
 #include "vbond/model/passage.hpp"
 #include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"
+#include "vbond/terms/motion_terms.hpp"
 
 namespace vbond {
 
@@ -51,7 +51,7 @@ std::size_t work_of_particle(const Model& model);
 /// A body may be spread over processes, each of which has a Simulation of its part. All of them have the same
 /// observers and call the same functions in the same order, those that only look as well, as each knows its
 /// share alone: they wait for each other, and get the same answers, of the whole body.
-class Simulation final : public BodyView {
+class Simulation final : public BodyView, private MotionHost {
  public:
   /// Takes over the state and keeps a reference to the model. A state with stage_step = 0 begins the
   /// stage (supports take their given velocities); any other continues it, as after a checkpoint.
@@ -136,8 +136,8 @@ class Simulation final : public BodyView {
   /// The particle that turns by more than longest_turn in a step, and farthest of all whose bonds or unequal
   /// moments of inertia feel it (model/turn_bound.hpp). Looks at all of them, so not for every step.
   std::optional<FastTurn> fastest_turn() const;
-  /// Particles that are deeper in a wall than this part of their radius, beyond what they were at r_0.
-  std::vector<DeepInWall> deep_in_walls(double part) const;
+  /// What acts on the body besides bonds.
+  const MotionTerms& terms() const { return terms_; }
   /// Capsules that overlap each other or particles by more than this part of the smaller radius.
   std::vector<DeepCapsules> deep_capsules(double part) const { return capsules_.deeper_than(part); }
   /// Whether some are so deep that observers look at once.
@@ -172,7 +172,7 @@ class Simulation final : public BodyView {
   const PeakRecord& peak() const override { return state_.peak; }
   Reaction reaction(const std::vector<ParticleId>& particles) const override;
   double mean_axial_force(const std::vector<ParticleId>& particles) const override;
-  const std::vector<WallState>& walls() const override { return walls_.states(); }
+  const std::vector<WallState>& walls() const override { return terms_.walls.states(); }
   std::vector<GripView> grips() const override;
 
  private:
@@ -191,33 +191,25 @@ class Simulation final : public BodyView {
   };
 
   struct Broken;
-  /// A bond that grows by this part of its lengths at temperature 0, in the step under way.
-  struct Growing {
-    std::size_t warm_bond;
-    double growth;
-  };
 
   void begin_stage();
   Simulation(const Model& model, Stage stage, State* state, int threads, Share share, Exchange* exchange);
   void bonds_changed();
   void arrange_bonds();
   void make_bonds();
-  bool set_temperatures(double time);
-  void heat_at_start();
-  void heat();
-  void book_heat();
   bool break_bonds();
   Broken broken_now(BondId bond);
   Contacts::Touch touch_of_unbonded(const Bond& bond);
   void take_out(const Broken& broken);
   void take_up_loads();
-  void apply_strain();
   bool has_only_elastic_bonds() const;
   void change_body();
   bool find_events();
   void step_blocks(bool timed);
   void finish_free_grips();
-  void evaluate_loads();
+  void evaluate_loads() override;
+  void apply_loads_alone() override;
+  void particles_jumped() override;
   void work_out_touches(double dt);
   /// The rows of a block without those that fill it up.
   RowRange particles_of(const Block& b) const {
@@ -240,14 +232,16 @@ class Simulation final : public BodyView {
   void lose(std::size_t block, Loss cause, double energy) {
     books_[block].dissipated += energy, lost_[block][cause] += energy;
   }
-  void lose(std::size_t block, const TouchLosses<double>& in_contacts);
+  void lose(std::size_t block, const TouchLosses<double>& to_touches) override;
+  void lose_particle(const LostParticle& lost) override { lost_particles_.push_back(lost); }
+  double potential_energy() const override { return survey_here().energies.potential(); }
+  void bonds_have_changed(bool rearrange) override;
   bool anything_dissipates() const { return inelastic() || anything_touches() || damping_.is_drag(); }
-  void close_walls(double dt);
   void tell_of_lost();
   void look_at_capsules() const;
   void exchange_capsules();
   double contact_energy() const { return contacts_.energy(bodies_) + (leads() ? capsules_.energy() : 0.0); }
-  bool anything_touches() const { return contacts_.any() || walls_.any() || capsules_.any(); }
+  bool anything_touches() const { return contacts_.any() || capsules_.any() || !terms_.touching().empty(); }
   void close_books();
   double largest_way2() const;
   void add_held(const Hold& hold, Row row, const Vec3d& F, const Vec3d& M, Reaction& total) const;
@@ -284,7 +278,7 @@ class Simulation final : public BodyView {
   std::array<Vec3d, 3> force_on_images() const;
   void collect_own() const;
   void diverge(std::size_t first_particle, const std::string& who, const std::string& what,
-               const std::string& way_out) const;
+               const std::string& way_out) const override;
   void exchange_halo();
   bool is_sent(const Block& block) const;
   void complete_sent_blocks(Instant at);
@@ -323,15 +317,14 @@ class Simulation final : public BodyView {
   AppliedLoads applied_;
   Damping damping_;
   CellMotion cell_;
-  Walls walls_;
   Bonding bonding_;
+  MotionTerms terms_;
   std::vector<BlockBooks> books_;
   std::vector<DampedPower> damped_;            // of the bonds of each block, if any damp
   std::vector<Losses> lost_;                   // of what books_ count as dissipated, by cause
   std::vector<std::vector<BondId>> breaking_;  // of each part, in the step under way
   std::vector<BondEvent> events_;
-  std::vector<LostParticle> lost_to_walls_;    // in the step under way, where the stage drops them
-  std::vector<Growing> growing_;               // bonds whose lengths change in the step under way
+  std::vector<LostParticle> lost_particles_;   // in the step under way, where the stage drops them
   std::vector<TakenLoads> taken_;              // of the bonds that broke in the last step
   std::vector<Capsules::Share> taken_shares_;  // of their capsules, less those of what touches instead
   double rounding_scale_ = 0;                  // least energy that the balance error is compared with

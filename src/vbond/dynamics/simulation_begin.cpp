@@ -7,9 +7,9 @@
 
 #include "vbond/dynamics/simulation.hpp"
 #include "vbond/model/bond_sums.hpp"
-#include "vbond/model/heat.hpp"
 #include "vbond/model/mistakes.hpp"
 #include "vbond/model/state_table.hpp"
+#include "vbond/terms/heat/heat.hpp"
 
 namespace vbond {
 namespace {
@@ -76,8 +76,8 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
       applied_(stage_, bodies_, team_),
       damping_(stage_, bodies_),
       cell_(model, stage_, bodies_, state_.cell, exchange_),
-      walls_(model, stage_, bodies_, team_.blocks(), exchange_),
       bonding_(model, stage_, bodies_.order, bond_index_, exchange_),
+      terms_({model_, stage_, state_, bodies_, bonds_, team_, exchange_, booked_, *this}),
       last_stage_step_(std::isfinite(stage_.stops.duration) ? steps_in(stage_.stops.duration, stage_.dt)
                                                             : std::numeric_limits<std::int64_t>::max()),
       farthest_(share.farthest),
@@ -101,7 +101,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
     contacts_.refresh(bodies_.poses(), all_known());
     contacts_.restore(state_.contact_history);
     capsules_.restore(state_.fibre_history);
-    walls_.read(state_);
+    for (MotionTerm* t : terms_.all()) t->read(state_);
     supports_.grips().read(state_, begun);
     state_.clock.dt = stage_.dt;
     next_visit_ = next_visit(stage_, state_.clock.stage_step);
@@ -120,11 +120,11 @@ void Simulation::begin_stage() {
   begin_anew(state_, Anew::stage);
   const bool run_begins = state_.clock.stage == 0 && state_.clock.step == 0;
   if (cell_.any() && !stage_.cell.any()) cell_.stop(team_);
-  booked_.work_supports += walls_.put_off_and_on(team_, run_begins);
+  for (MotionTerm* t : terms_.all()) t->before_stage(run_begins);
   evaluate_loads();
   if (cell_.any()) cell_.look(team_);
   if (run_begins) booked_ = opened_books(state_, energies().total());
-  heat_at_start();
+  for (MotionTerm* t : terms_.all()) t->begin_stage();
   supports_.set_times(0, stage_.dt);
   team_.for_blocks(
       [&](const Block& b) { books_[b.index] = {.work_supports = supports_.hold(b, Instant::start)}; });
@@ -135,7 +135,7 @@ void Simulation::begin_stage() {
 
 /// Whether elastic bonds, supports and loads are all there is, and particles like spheres.
 bool Simulation::has_only_elastic_bonds() const {
-  const bool same_body = stage_.bonding.empty() && stage_.heating.empty() && !stage_.strain;
+  const bool same_body = stage_.bonding.empty() && !terms_.any();
   const bool same_particles = model_.principal.empty() && !supports_.grips().any();  // in all parts alike
   return bonds_.all_elastic() && same_body && same_particles && !anything_dissipates() &&
          !damping_.is_local();

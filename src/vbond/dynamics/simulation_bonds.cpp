@@ -41,6 +41,11 @@ void Simulation::arrange_bonds() {
   bodies_.local_damping.resize(bonds_.damp() && others ? bodies_.load.size() : 0);
 }
 
+void Simulation::bonds_have_changed(bool rearrange) {
+  if (rearrange) arrange_bonds();
+  survey_.reset();
+}
+
 void Simulation::bonds_changed() {
   arrange_bonds();
   bond_index_ = BondIndex(model_.particles(), state_.bonds);
@@ -100,8 +105,8 @@ void Simulation::take_up_loads() {
     bodies_.spread(state_.local_damping, bodies_.local_damping);
   contacts_.restore(state_.contact_history);  // with what damped in the half step before
   capsules_.restore(state_.fibre_history);
-  walls_.read(state_);
-  walls_.refresh(team_);
+  for (MotionTerm* t : terms_.all()) t->read(state_);
+  for (MotionTerm* t : terms_.touching()) t->particles_moved(0.0);
   check_finite();
 }
 

@@ -13,60 +13,17 @@
 namespace vbond {
 namespace {
 
-constexpr const char* gentler = "use a stiffer contact, lower velocities and loads, or a smaller time.step";
-
 std::string name_of(ParticleId p) {
   return "particle " + std::to_string(p.value);
 }
 
-/// Who is at fault, what is wrong, and a way out.
-struct Told {
-  std::string who, what, way_out;
-};
-
-Told in_words(const Model& model, const Walls::FaultyTouch& found, double dt) {
-  const std::string particle = name_of(found.p), wall = "wall \"" + model.walls[found.wall].name + '"';
-  switch (found.fault) {
-    case Walls::Fault::passed: return {particle, "its centre has passed through " + wall, gentler};
-    case Walls::Fault::fast:
-      return {particle,
-              fmt::format("it moves by {:.3g} of its radius in a step near {}, which it could pass unseen",
-                          found.is / found.limit, wall),
-              fmt::format("use a time.step below {:.3g}, or lower velocities", dt * found.limit / found.is)};
-    case Walls::Fault::too_wide:
-      return {particle, "it is not smaller than the hollow " + wall + " that it touches",
-              "use a larger radius of the wall, or keep the particle out of it"};
-    case Walls::Fault::light:
-      return {wall,
-              fmt::format("its servo has the mass {:.4g}: too little for the time step and what it touches",
-                          found.is),
-              fmt::format("give it at least {:.3g}, better four times that, or a smaller time.step",
-                          found.limit)};
-  }
-  return {};
-}
-
 }  // namespace
 
-/// What walls have done in the step. The run ends if it cannot go on with them; if it only cannot with
-/// particles that the stage drops, it is for tell_of_lost() to say.
-void Simulation::close_walls(double dt) {
-  const double work = walls_.close(dt);
-  if (leads()) booked_.work_supports += work;  // all parts know of it
-  const bool drops = dt > 0.0 && stage_.on_unphysical == OnUnphysical::drop;
-  for (const Walls::FaultyTouch& found : walls_.faults()) {
-    const Told told = in_words(model_, found, dt);
-    const bool is_lost = found.fault == Walls::Fault::passed || found.fault == Walls::Fault::fast;
-    if (!drops || !is_lost) return diverge(found.p.value, told.who, told.what, told.way_out);
-    lost_to_walls_.push_back({found.p, {}, told.what});
-  }
-}
-
 void Simulation::tell_of_lost() {
-  const std::vector<LostParticle> lost = std::exchange(lost_to_walls_, {});
-  throw ParticlesLost(
-      Diverged(state_.clock.step, state_.clock.time(), name_of(lost.front().p), lost.front().why, gentler),
-      lost);
+  const std::vector<LostParticle> lost = std::exchange(lost_particles_, {});
+  throw ParticlesLost(Diverged(state_.clock.step, state_.clock.time(), name_of(lost.front().p),
+                               lost.front().why, gentler_contact),
+                      lost);
 }
 
 double Simulation::take_over(Simulation& with_them, const std::vector<BondEvent>& broken) {
@@ -84,7 +41,7 @@ void Simulation::look_at_capsules() const {
   if (!capsules_.passed()) return;
   const DeepCapsules& p = *capsules_.passed();
   diverge(p.i.value, p.first + " and " + p.second,
-          "the axes of their capsules have passed through one another", gentler);
+          "the axes of their capsules have passed through one another", gentler_contact);
 }
 
 void Simulation::look_at_deep_contacts() {

@@ -77,7 +77,7 @@ void Simulation::complete_sent_blocks(Instant at) {
 /// What has come to an end in the step, once its books are closed: whether observers must look at it. The
 /// parts ask each other once in a step.
 bool Simulation::find_events() {
-  if (!growing_.empty()) book_heat();
+  for (MotionTerm* t : terms_.all()) t->books_closed();
   if (capsules_.any()) look_at_capsules();
   if (contacts_.any()) look_at_deep_contacts();
   const bool breaks =

@@ -53,8 +53,7 @@ double Simulation::peak_quantity() const {
   switch (stop.quantity) {
     case PeakQuantity::compressive_force: return -mean_axial_force(peak_bonds_);
     case PeakQuantity::reaction: quantity = dot(reaction_here(stop.particles).force, stop.direction); break;
-    case PeakQuantity::wall_force:
-      return dot(walls_.states()[stop.wall].force, stop.direction);  // of all parts
+    case PeakQuantity::wall_force: return dot(walls()[stop.wall].force, stop.direction);  // of all parts
   }
   exchange_.sum({&quantity, 1});
   return quantity;
@@ -129,7 +128,7 @@ Survey Simulation::survey_here() const {
   const Energies kinetic = bodies_.kinetic_energy(team_, flow());
   e.kinetic_translation = kinetic.kinetic_translation;
   e.kinetic_rotation = kinetic.kinetic_rotation;
-  e.contact = contact_energy() + walls_.energy();
+  e.contact = contact_energy() + terms_.energy();
   return survey;
 }
 
@@ -158,10 +157,10 @@ void Simulation::collect_own() const {
   if (bonds_.remembers()) bonds_.collect(state_.bond_history);
   state_.contact_history = contacts_.collect();
   state_.fibre_history = capsules_.collect();
-  if (walls_.any()) walls_.write(state_);
+  for (const MotionTerm* t : terms_.all()) t->write(state_);
   supports_.grips().write(state_);
   const bool loads_follow = bonds_.all_elastic() && !contacts_.are_touches() && !capsules_.any() &&
-                            !walls_.any() && !damping_.is_local();
+                            terms_.touching().empty() && !damping_.is_local();
   state_.loads = loads_follow ? Loads{} : loads();
   state_.damping = bodies_.damping.empty() ? Loads{} : bodies_.collect(bodies_.damping);
   state_.local_damping = bodies_.local_damping.empty() ? Loads{} : bodies_.collect(bodies_.local_damping);
@@ -257,14 +256,6 @@ double Simulation::mean_axial_force(const std::vector<BondId>& bonds) const {
     share = mean(here) * (static_cast<double>(here.size()) / static_cast<double>(bonds.size()));
   exchange_.sum({&share, 1});
   return share;
-}
-
-std::vector<DeepInWall> Simulation::deep_in_walls(double part) const {
-  std::vector<DeepInWall> deep = exchange_.gather(walls_.deeper_than(part));
-  std::sort(deep.begin(), deep.end(), [](const DeepInWall& a, const DeepInWall& b) {
-    return std::pair(a.p, a.wall) < std::pair(b.p, b.wall);
-  });
-  return deep;
 }
 
 std::vector<GripView> Simulation::grips() const {

@@ -7,8 +7,8 @@
 #include "vbond/core/bounding_box.hpp"
 #include "vbond/model/capsules.hpp"
 #include "vbond/model/touching.hpp"
-#include "vbond/model/wall_touch.hpp"
 #include "vbond/physics/bond_step.hpp"
+#include "vbond/terms/walls/wall_touch.hpp"
 
 namespace vbond {
 namespace {

@@ -1,8 +1,8 @@
 #pragma once
 #include "vbond/model/bond_sums.hpp"
 #include "vbond/model/capsules.hpp"
-#include "vbond/model/resting_walls.hpp"
 #include "vbond/model/touching.hpp"
+#include "vbond/terms/walls/resting_walls.hpp"
 
 namespace vbond {
 

@@ -9,7 +9,7 @@
 #include "vbond/model/model.hpp"
 #include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"
-#include "vbond/model/wall_touch.hpp"
+#include "vbond/terms/walls/wall_touch.hpp"
 
 namespace vbond {
 

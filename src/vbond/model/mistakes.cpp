@@ -14,7 +14,7 @@
 #include "vbond/model/passage.hpp"
 #include "vbond/model/periodic_cell.hpp"
 #include "vbond/model/state_table.hpp"
-#include "vbond/model/wall_mistakes.hpp"
+#include "vbond/terms/walls/wall_mistakes.hpp"
 
 namespace vbond {
 namespace {

@@ -12,8 +12,8 @@
 #include "vbond/core/vec3.hpp"
 #include "vbond/model/contact.hpp"
 #include "vbond/model/source.hpp"
-#include "vbond/model/wall.hpp"
 #include "vbond/physics/top.hpp"
+#include "vbond/terms/walls/wall.hpp"
 
 namespace vbond {
 

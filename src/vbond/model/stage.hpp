@@ -14,7 +14,7 @@
 #include "vbond/model/model.hpp"
 #include "vbond/model/source.hpp"
 #include "vbond/model/time_function.hpp"
-#include "vbond/model/wall.hpp"
+#include "vbond/terms/stage_terms.hpp"
 
 namespace vbond {
 
@@ -58,24 +58,6 @@ struct PointLoad {
 
   Vec3d force_on(double mass) const { return force + mass * force_by_mass; }
   Vec3d moment_on(double mass) const { return moment + mass * moment_by_mass; }
-};
-
-/// Every `every` time units, x -> x + increment e (e . (x - c)), c the group's centroid at the start;
-/// orientations and velocities stay.
-struct StrainProgram {
-  std::vector<ParticleId> particles;
-  Vec3d direction;       ///< unit vector e
-  Vec3d centre;          ///< c  [length]
-  double increment = 0;  ///< engineering strain per application
-  double every = 0;      ///< [time]
-};
-
-/// The temperature of particles, times a factor; those that no stage heats have 0. At rest it is what the
-/// temperature that the stage finds changes by until load factor 1: changes of groups that overlap add up.
-struct Heating {
-  std::vector<ParticleId> particles;
-  double temperature = 0;  ///< [temperature]
-  TimeFunction factor = {};
 };
 
 /// How near two particles must be to be bonded: centres no farther apart than distance + factor (R_i + R_j).
@@ -154,7 +136,7 @@ struct Stops {
 enum class OnUnphysical : std::uint8_t { stop, drop };
 
 /// One leg of the run, resolved: no names to look up, all in the units of the model.
-struct Stage {
+struct Stage : StageTerms {
   std::string name;
   double dt = 0;        ///< [time]
   double critical = 0;  ///< the critical step that dt was chosen by; 0: not looked for  [time]
@@ -169,11 +151,8 @@ struct Stage {
   double b_rotation = 0;  ///< viscous moment -b omega  [force*length*time]
   std::vector<Support> supports;
   std::vector<PointLoad> loads;
-  std::optional<StrainProgram> strain;
   std::vector<BondingRule> bonding;
-  std::vector<WallDrive> walls;  ///< the others stand still
-  std::vector<Heating> heating;  ///< in this order, where groups overlap
-  CellDrive cell;                ///< of a periodic body
+  CellDrive cell;  ///< of a periodic body
   std::vector<Inflow> inflows;
   std::vector<Outflow> outflows;  ///< before the inflows, where both are due
   Stops stops;

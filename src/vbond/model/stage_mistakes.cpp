@@ -10,7 +10,7 @@
 #include "vbond/model/make_bond.hpp"
 #include "vbond/model/mistakes.hpp"
 #include "vbond/model/periodic_cell.hpp"
-#include "vbond/model/wall_mistakes.hpp"
+#include "vbond/terms/detail/term_mistakes.hpp"
 
 namespace vbond {
 namespace {
@@ -26,20 +26,6 @@ void look_at_distance(const std::optional<DistanceStop>& stop, Mistakes& found) 
   found.require(stop->i != stop->j, "the stop at a distance is between a particle and itself");
   found.require(std::isfinite(stop->value),
                 fmt::format("the stop at a distance has the value {}", stop->value));
-}
-
-void look_at_factor(const TimeFunction& f, const std::string& who, Mistakes& found) {
-  for (const TimeFunction::Point& p : f.points)
-    if (!std::isfinite(p.t) || !std::isfinite(p.factor))
-      return found.require(false, fmt::format("the factor of {} has the point ({}, {})", who, p.t, p.factor));
-  const auto before = [](const auto& a, const auto& b) { return b.t < a.t; };  // equal times: a jump
-  found.require(std::adjacent_find(f.points.begin(), f.points.end(), before) == f.points.end(),
-                "the factor of " + who + " does not have its points in increasing time");
-}
-
-/// At rest there is no time.
-void refuse_factor(const TimeFunction& f, const std::string& who, Mistakes& found) {
-  found.require(f.points.empty(), who + " has a factor over time: a stage at rest has none");
 }
 
 /// What a grip does not hold is free of prescribed motion.
@@ -88,13 +74,6 @@ void look_at_load(const PointLoad& l, Mistakes& found) {
   found.require_finite(l.moment, who("a load", l), "the moment");
   found.require_finite(l.force_by_mass, who("a load", l), "the force by mass");
   found.require_finite(l.moment_by_mass, who("a load", l), "the moment by mass");
-}
-
-void look_at_heating(const std::vector<Heating>& heating, Mistakes& found) {
-  for (const Heating& h : heating) {
-    found.require_known(h.particles, "a temperature", "");
-    found.require(std::isfinite(h.temperature), "a temperature is not finite");
-  }
 }
 
 void look_at_visits(const Visits& v, const std::string& who, Mistakes& found) {
@@ -156,32 +135,10 @@ void look_at_stops(const Stops& stops, std::size_t walls, Mistakes& found) {
   }
 }
 
-void look_at_strain(const StrainProgram& strain, Mistakes& found) {
-  found.require_known(strain.particles, "the imposed strain");
-  found.require_finite(strain.centre, "the imposed strain", "the centre");
-  found.require(is_unit(strain.direction), "the direction of the imposed strain is " +
-                                               text(strain.direction) + ": it must be a unit vector");
-  found.require(std::isfinite(strain.increment),
-                fmt::format("the increment of the imposed strain is {}", strain.increment));
-  found.require(above_zero(strain.every),
-                fmt::format("the strain is imposed every {}: it must be > 0", strain.every));
-}
-
-/// Walls that are not the same through the faces of a cell, or that stand still while it moves.
-void look_at_walls_of_cell(const Model& model, const std::vector<WallDrive>& drives, bool cell_moves,
-                           Mistakes& found) {
-  found.require(!cell_moves || model.walls.empty(), "walls would stand still while the cell moves");
-  for (const WallDrive& d : drives)
-    found.require(d.index >= model.walls.size() || may_turn_in_cell(model.walls[d.index].shape, d),
-                  "wall \"" + d.wall + "\" turns, not about the axis that it is endless along");
-}
-
 /// What a cell does not know yet, or what would stand still while it moves.
 void look_at_cell(const Model& model, const Stage& stage, Mistakes& found) {
   found.add(mistakes_in_drive(model, stage.cell, false));
   if (!model.cell.any()) return;
-  look_at_walls_of_cell(model, stage.walls, stage.cell.any(), found);
-  found.require(!stage.strain, "a periodic body takes no imposed strain: its cell is strained");
   found.require(stage.on_unphysical == OnUnphysical::stop, "a periodic body drops no particles");
   if (!stage.cell.any()) return;
   found.require(stage.supports.empty(), "supports would stand still while the cell moves");
@@ -218,7 +175,6 @@ void look_at_cell(const Model& model, const StaticStage& stage, Mistakes& found)
   found.add(mistakes_in_drive(model, stage.cell, true));
   look_at_waves(model, stage, found);
   if (!model.cell.any()) return;
-  look_at_walls_of_cell(model, stage.walls, stage.cell.any(), found);
   found.require(stage.kind != StageKind::modes || !stage.cell.any(),
                 "the cell moves: modes are about a balance at rest, which an equilibrium stage may find");
   if (!stage.cell.any()) return;
@@ -246,7 +202,7 @@ std::vector<std::string> mistakes_in(const Model& model, const Stage& stage) {
                 fmt::format("the local damping is {}: it must be >= 0 and below 1", stage.local_damping));
   look_at_supports(model, stage.supports, found);
   for (const Support& s : stage.supports) {
-    look_at_factor(s.factor, who("a support", s), found);
+    found.require_factor(s.factor, who("a support", s));
     if (!is_free_grip(s)) continue;
     const std::string grip = who("a grip", s);
     found.require(stage.local_damping == 0.0, grip + " is free in part: local damping does not know it");
@@ -262,16 +218,10 @@ std::vector<std::string> mistakes_in(const Model& model, const Stage& stage) {
     found.require(false, fmt::format("particle {} is held in part: {}", top->p.value, partly_held_top_rule));
   for (const PointLoad& l : stage.loads) {
     look_at_load(l, found);
-    look_at_factor(l.factor, who("a load", l), found);
+    found.require_factor(l.factor, who("a load", l));
     found.require(!l.constant, who("a load", l) + " is constant: in motion a load has a factor over time");
   }
-  look_at_heating(stage.heating, found);
-  for (const Heating& h : stage.heating) look_at_factor(h.factor, "a temperature", found);
-  if (stage.strain) {
-    look_at_strain(*stage.strain, found);
-    found.require(!strained_and_gripped(stage),
-                  "the imposed strain moves particles of a rigid support, which would take them back");
-  }
+  look_at_terms(model, stage, found);
   for (const BondingRule& r : stage.bonding) {
     const std::string rule = "bonding rule \"" + r.name + "\"";
     found.require_sizes(rule, "a bonding rule must say of each particle if it is meant",
@@ -292,12 +242,7 @@ std::vector<std::string> mistakes_in(const Model& model, const Stage& stage) {
     found.require(r.in_a.size() != n || r.in_b.size() != n || !breaks_by_prestrain(r, model),
                   rule + ": its prestrain alone breaks its bonds as they are made");
   }
-  found.add(mistakes_in_drives(model, stage.walls));
   look_at_cell(model, stage, found);
-  for (const WallDrive& d : stage.walls) {
-    look_at_factor(d.factor, "the drive of wall \"" + d.wall + "\"", found);
-    if (d.servo) look_at_factor(d.servo->factor, "the servo of wall \"" + d.wall + "\"", found);
-  }
   look_at_passage(model, stage, found);
   look_at_stops(stage.stops, model.walls.size(), found);
   return std::move(found).take();
@@ -306,23 +251,21 @@ std::vector<std::string> mistakes_in(const Model& model, const Stage& stage) {
 std::vector<std::string> mistakes_in(const Model& model, const StaticStage& stage) {
   Mistakes found(model);
   found.require(is_static(stage.kind), "kind = dynamics: a stage of dynamics is a Stage, not a StaticStage");
-  found.add(mistakes_in_drives(model, stage));
+  look_at_terms(model, stage, found);
   look_at_cell(model, stage, found);
   found.require_finite(stage.gravity, "the stage", "gravity");
   look_at_supports(model, stage.supports, found);
   for (const Support& s : stage.supports) {
-    refuse_factor(s.factor, who("a support", s), found);
+    found.refuse_factor(s.factor, who("a support", s));
     found.require(stage.kind != StageKind::modes || !is_free_grip(s),
                   who("a grip", s) + " is free in part: modes take grips that hold all");
   }
   for (const PointLoad& l : stage.loads) {
     look_at_load(l, found);
-    refuse_factor(l.factor, who("a load", l), found);
+    found.refuse_factor(l.factor, who("a load", l));
     found.require(!l.follower || takes_followers(stage.kind),
                   who("a load", l) + " turns with its particles: equilibria and paths take such loads");
   }
-  look_at_heating(stage.heating, found);
-  for (const Heating& h : stage.heating) refuse_factor(h.factor, "a temperature", found);
   const auto at_least = [&](const char* what, double value, double least) {
     found.require(value >= least && std::isfinite(value),
                   fmt::format("{} is {}: it must be >= {} and finite", what, value, least));

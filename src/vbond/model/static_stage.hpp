@@ -72,16 +72,14 @@ struct WaveVectors {
 };
 
 /// One static leg of the run, resolved: no names to look up, all in the units of the model.
-struct StaticStage {
+struct StaticStage : StageTerms {
   std::string name;
   StageKind kind = StageKind::equilibrium;
   Vec3d gravity;                  ///< [length/time^2]
   bool constant_gravity = false;  ///< at full size from the start
   std::vector<Support> supports;
   std::vector<PointLoad> loads;
-  std::vector<Heating> heating;
-  std::vector<WallDrive> walls;  ///< equilibrium, fracture; the others stand still
-  CellDrive cell;                ///< of a periodic body: all kinds but modes
+  CellDrive cell;  ///< of a periodic body: all kinds but modes
   /// Path, buckling, fracture: of components that give way, the stress at load factor 0; run_static_stage()
   /// takes it from what the stage finds.  [force/length^2]
   std::array<double, 6> cell_stress_at_start{};

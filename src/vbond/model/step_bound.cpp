@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "vbond/model/contact_bound.hpp"
-#include "vbond/model/heat.hpp"
 #include "vbond/model/make_bond.hpp"
 #include "vbond/model/passage.hpp"
 #include "vbond/physics/bond_step.hpp"
+#include "vbond/terms/heat/heat.hpp"
 
 namespace vbond {
 namespace {

@@ -8,9 +8,9 @@
 #include "vbond/dynamics/touch_kernel.hpp"
 #include "vbond/model/capsules.hpp"
 #include "vbond/model/contact.hpp"
-#include "vbond/model/resting_walls.hpp"
 #include "vbond/model/touching.hpp"
 #include "vbond/physics/touch.hpp"
+#include "vbond/terms/walls/resting_walls.hpp"
 
 namespace vbond {
 namespace {

@@ -79,7 +79,7 @@ void WatchObserver::look(const Simulation& run) {
   const Timing timing(*this);
   if (const auto turn = run.fastest_turn()) watch_.look_at_turns(*turn, run.clock(), run.stage().insist);
   constexpr double deep = 0.1;  // of the radius: much more than a step that follows the contact lets happen
-  watch_.look(run, [&run] { return Watch::in_wall(run.model(), run.deep_in_walls(deep)); });
+  watch_.look(run, [&run] { return Watch::in_wall(run.model(), run.terms().walls.deeper_than(deep)); });
 }
 
 void WatchObserver::observe_balance(const BodyView& body, const BalancePoint& /*balance*/) {
@@ -92,7 +92,7 @@ void WatchObserver::look_at_overlaps(const Simulation& run) {
   if (overlap_ == 0.0) return;
   const Timing timing(*this);
   watch_.look_at_overlaps(run, overlap_);
-  watch_.look_at_walls(run.model(), run.deep_in_walls(overlap_), run.clock());
+  watch_.look_at_walls(run.model(), run.terms().walls.deeper_than(overlap_), run.clock());
   watch_.look_at_capsules(run.deep_capsules(overlap_), run.clock());
 }
 

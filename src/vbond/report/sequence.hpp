@@ -9,7 +9,7 @@
 #include "vbond/report/block.hpp"
 #include "vbond/report/contact_lines.hpp"
 #include "vbond/report/listed.hpp"
-#include "vbond/report/wall_shapes.hpp"
+#include "vbond/terms/walls/page_wall_shapes.hpp"
 
 /// Moving pictures of the report page: frames of a run or of a mode, read back from .vtp files and quantised.
 namespace vbond::page {

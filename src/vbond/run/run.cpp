@@ -9,12 +9,12 @@
 
 #include "vbond/model/bond_sums.hpp"
 #include "vbond/model/energies.hpp"
-#include "vbond/model/heat.hpp"
 #include "vbond/model/mistakes.hpp"
 #include "vbond/model/passage.hpp"
 #include "vbond/model/periodic_cell.hpp"
 #include "vbond/run/static_solver.hpp"
 #include "vbond/statics/point_view.hpp"
+#include "vbond/terms/heat/heat.hpp"
 
 namespace vbond {
 namespace {

@@ -17,12 +17,12 @@
 #include "vbond/setup/bonds.hpp"
 #include "vbond/setup/case_cell.hpp"
 #include "vbond/setup/case_sources.hpp"
-#include "vbond/setup/case_walls.hpp"
 #include "vbond/setup/groups.hpp"
 #include "vbond/setup/inertia.hpp"
 #include "vbond/setup/motion_stages.hpp"
 #include "vbond/setup/source_bonds.hpp"
 #include "vbond/setup/velocities.hpp"
+#include "vbond/terms/walls/setup_walls.hpp"
 
 namespace vbond {
 namespace {

@@ -11,10 +11,10 @@
 
 #include "vbond/core/nearest.hpp"
 #include "vbond/model/free_room.hpp"
-#include "vbond/model/mesh_surface.hpp"
 #include "vbond/model/passage.hpp"
 #include "vbond/setup/motion_stages.hpp"
 #include "vbond/setup/regions.hpp"
+#include "vbond/terms/walls/mesh_surface.hpp"
 
 namespace vbond {
 namespace {

@@ -9,8 +9,8 @@
 #include <set>
 #include <unordered_map>
 
-#include "vbond/setup/case_walls.hpp"
 #include "vbond/setup/regions.hpp"
+#include "vbond/terms/walls/setup_walls.hpp"
 
 namespace vbond {
 namespace {

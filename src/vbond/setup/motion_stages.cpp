@@ -17,33 +17,17 @@
 #include "vbond/model/swing_bound.hpp"
 #include "vbond/setup/bonds.hpp"
 #include "vbond/setup/case_sources.hpp"
-#include "vbond/setup/case_walls.hpp"
 #include "vbond/setup/groups.hpp"
 #include "vbond/setup/stage_resolver.hpp"
 #include "vbond/setup/times.hpp"
+#include "vbond/terms/setup_terms.hpp"
+#include "vbond/terms/walls/setup_walls.hpp"
 
 namespace vbond {
 namespace {
 
 /// Turns the parts of one dynamics stage from names into numbers.
 struct DynamicsResolver : StageResolver {
-  double time(const CaseTime& t, const char* what, const SourcePlace& place) const {
-    return look_up_time(t, model, what, place, problems);
-  }
-
-  double positive_time(const CaseTime& t, const char* what, const SourcePlace& place) const {
-    if (!(t.value > 0.0))
-      problems.add(place, fmt::format("{} = {}", what, t.value), "must be > 0", "give a positive time");
-    return time(t, what, place);
-  }
-
-  Vec3d direction(const Vec3d& d, const char* what, const SourcePlace& place) const {
-    if (norm(d) > 0.0) return normalised(d);
-    problems.add(place, fmt::format("the direction of {} is zero", what), "it must point somewhere",
-                 "use for instance direction = [1, 0, 0]");
-    return d;
-  }
-
   std::vector<Support> supports() const {
     std::vector<Support> resolved = StageResolver::supports();
     for (std::size_t k = 0; k < resolved.size(); ++k)
@@ -60,18 +44,6 @@ struct DynamicsResolver : StageResolver {
       problems.add(spec.supports[top->support].place,
                    fmt::format("particle {} of group \"{}\"", top->p.value, resolved[top->support].group),
                    partly_held_top_rule, "hold rotation x, y and z, or leave rotations out");
-    return resolved;
-  }
-
-  StrainProgram strain(const StrainSpec& s) const {
-    StrainProgram resolved{particles(s.group),
-                           direction(s.direction, "strain", s.place),
-                           {},
-                           s.increment,
-                           positive_time(s.every, "strain.every", s.place)};
-    for (const ParticleId p : resolved.particles) resolved.centre += model.r_0[p];
-    if (!resolved.particles.empty())
-      resolved.centre = resolved.centre / static_cast<double>(resolved.particles.size());
     return resolved;
   }
 
@@ -412,9 +384,8 @@ Stage resolve_stage(const Case& c, const Model& model, std::size_t k, Problems& 
   stage.b_rotation = spec.b_rotation;
   stage.supports = resolver.supports();
   stage.loads = resolver.loads();
-  stage.heating = resolver.heating();
   stage.cell = resolver.cell_drive();
-  if (spec.strain) stage.strain = resolver.strain(*spec.strain);
+  resolve_terms(resolver, stage);
   if (const auto p = strained_and_gripped(stage))
     problems.add(spec.strain->place,
                  fmt::format("strain moves particle {}, which is in a rigid support", p->value),
@@ -423,7 +394,6 @@ Stage resolve_stage(const Case& c, const Model& model, std::size_t k, Problems& 
   check_stage_of_sources(spec, model, problems);
   resolve_passage(c, model, k, stage, problems);
   stage.bonding = resolver.bonding(k);
-  stage.walls = resolve_wall_drives(resolver);
   stage.stops.duration = resolver.positive_time(spec.duration, "duration", spec.place);
   if (spec.stop_distance) stage.stops.distance = resolver.distance_stop(*spec.stop_distance);
   if (spec.stop_peak) stage.stops.peak = resolver.peak_stop(*spec.stop_peak, stage.supports);

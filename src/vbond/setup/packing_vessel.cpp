@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "vbond/core/triangle_tree.hpp"
-#include "vbond/model/mesh_surface.hpp"
 #include "vbond/setup/regions.hpp"
+#include "vbond/terms/walls/mesh_surface.hpp"
 
 namespace vbond {
 namespace {

@@ -77,6 +77,23 @@ TimeFunction StageResolver::function(const TimeFunctionSpec& f, const SourcePlac
   return resolved;
 }
 
+double StageResolver::time(const CaseTime& t, const char* what, const SourcePlace& place) const {
+  return look_up_time(t, model, what, place, problems);
+}
+
+double StageResolver::positive_time(const CaseTime& t, const char* what, const SourcePlace& place) const {
+  if (!(t.value > 0.0))
+    problems.add(place, fmt::format("{} = {}", what, t.value), "must be > 0", "give a positive time");
+  return time(t, what, place);
+}
+
+Vec3d StageResolver::direction(const Vec3d& d, const char* what, const SourcePlace& place) const {
+  if (norm(d) > 0.0) return normalised(d);
+  problems.add(place, fmt::format("the direction of {} is zero", what), "it must point somewhere",
+               "use for instance direction = [1, 0, 0]");
+  return d;
+}
+
 std::vector<Support> StageResolver::supports() const {
   std::vector<Support> resolved;
   for (const SupportSpec& s : spec.supports) {
@@ -99,15 +116,6 @@ std::vector<PointLoad> StageResolver::loads() const {
     load.constant = l.constant;
     resolved.push_back(std::move(load));
   }
-  return resolved;
-}
-
-std::vector<Heating> StageResolver::heating() const {
-  check_temperatures();
-  std::vector<Heating> resolved;
-  for (const TemperatureSpec& t : spec.temperatures)
-    resolved.push_back(
-        {particles(t.group), at_rest() ? t.change : t.temperature, function(t.factor, t.place)});
   return resolved;
 }
 
@@ -149,30 +157,6 @@ void StageResolver::check_supports(const std::vector<Support>& supports) const {
           "supports may overlap where they agree: at rest, or with the same motion, factor and, of "
           "rigid ones that turn, axis",
           "take it out of one of them, or give both the same motion (and rigid ones the same pivot)");
-  }
-}
-
-/// Reports temperatures at which a bond set would have no length left, or that nothing feels.
-void StageResolver::check_temperatures() const {
-  for (const TemperatureSpec& t : spec.temperatures) {
-    if (std::none_of(c.bonds.begin(), c.bonds.end(),
-                     [](const BondSpec& b) { return b.recipe.expansion != 0.0; })) {
-      problems.add(t.place, "no bonds feel a temperature: none has an expansion",
-                   "temperature makes bonds grow by expansion times temperature",
-                   "give a set of bonds an expansion, as expansion = 1.2e-5, or leave temperatures out");
-      return;
-    }
-    double largest = std::abs(t.change);
-    if (t.factor.points.empty()) largest = std::max(largest, std::abs(t.temperature));
-    for (const auto& [time, factor] : t.factor.points)
-      largest = std::max(largest, std::abs(t.temperature * factor));
-    for (const BondSpec& b : c.bonds)
-      if (!(std::abs(b.recipe.expansion) * largest < 1.0))
-        problems.add(t.place,
-                     fmt::format("bonds \"{}\" would grow by {:.3g} of their lengths", b.name,
-                                 std::abs(b.recipe.expansion) * largest),
-                     "a bond may grow or shrink by less than its length",
-                     "look for a missing power of ten in expansion or temperature");
   }
 }
 

@@ -22,12 +22,14 @@ struct StageResolver {
   std::vector<ParticleId> particles(const Placed<std::string>& group) const;
   std::optional<DistanceStop> distance_stop(const DistanceStopSpec& s) const;
   TimeFunction function(const TimeFunctionSpec& f, const SourcePlace& place) const;
+  double time(const CaseTime& t, const char* what, const SourcePlace& place) const;
+  double positive_time(const CaseTime& t, const char* what, const SourcePlace& place) const;
+  /// A unit vector.
+  Vec3d direction(const Vec3d& d, const char* what, const SourcePlace& place) const;
 
   /// Those that overlap must agree; grips need particles.
   std::vector<Support> supports() const;
   std::vector<PointLoad> loads() const;
-  /// Reports temperatures at which a bond set would have no length left, or that nothing feels.
-  std::vector<Heating> heating() const;
   CellDrive cell_drive() const;
   /// Whether supports leave any degree of freedom.
   bool anything_is_free(const std::vector<Support>& supports) const;
@@ -35,7 +37,6 @@ struct StageResolver {
  private:
   bool at_rest() const { return is_static(spec.kind); }
   void check_supports(const std::vector<Support>& supports) const;
-  void check_temperatures() const;
   double mass_of(const std::vector<ParticleId>& particles) const;
 };
 

@@ -4,9 +4,10 @@
 
 #include "vbond/setup/case_cell.hpp"
 #include "vbond/setup/case_sources.hpp"
-#include "vbond/setup/case_walls.hpp"
 #include "vbond/setup/motion_stages.hpp"
 #include "vbond/setup/stage_resolver.hpp"
+#include "vbond/terms/setup_terms.hpp"
+#include "vbond/terms/walls/setup_walls.hpp"
 
 namespace vbond {
 namespace {
@@ -44,10 +45,9 @@ StaticStage resolve_static_stage(const Case& c, const Model& model, std::size_t 
   refuse_contacts(resolver);
   check_stage_of_sources(spec, model, problems);
   stage.supports = resolver.supports();
-  stage.walls = resolve_wall_drives(resolver);
+  resolve_terms(resolver, stage);
   check_something_is_free(resolver, stage.supports);
   stage.loads = resolver.loads();
-  stage.heating = resolver.heating();
   stage.cell = resolver.cell_drive();
   stage.waves = waves_of(spec);
   stage.newton = spec.newton;

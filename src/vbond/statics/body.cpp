@@ -118,7 +118,7 @@ StaticBody::StaticBody(const Model& model, const StaticStage& stage, State state
       holds_(holds_of(stage.supports)),
       unknowns_(model.particles(), stage.supports, length_scale(model, state_),
                 free_cell(model, stage, length_scale(model, state_))),
-      walls_(model),
+      terms_(*this, state_),
       bonded_(model.particles(), false),
       held_rate_(model.particles()),
       stiffness_{Assembly(unknowns_), Assembly(unknowns_), {}, {}, false} {
@@ -128,10 +128,9 @@ StaticBody::StaticBody(const Model& model, const StaticStage& stage, State state
   std::erase_if(state_.contact_history, [](const PairMemory& m) { return m.kept == 0.0; });
   take_hold();
   take_hold_of_cell();
-  take_hold_of_walls();
   look_at_grips();
   set_held_rates();
-  begin_heating();
+  for (RestTerm* t : terms_.all()) t->take_hold();
   // positions are rounded to eps |r|, unit vectors to eps
   constexpr double eps = std::numeric_limits<double>::epsilon();
   for (const Bond& b : state_.bonds) {
@@ -153,7 +152,7 @@ StaticBody::StaticBody(const Model& model, const StaticStage& stage, State state
 }
 
 void StaticBody::accept() {
-  note_walls();
+  for (RestTerm* t : terms_.all()) t->accept();
   if (!flows()) return;
   accepted_before_ = accepted_.empty() ? state_.bond_history : accepted_;
   accepted_ = state_.bond_history;
@@ -165,13 +164,13 @@ void StaticBody::placed() {
   Pulse::place(load_factor_);
   ++placement_number_;
   loaded_.reset();
-  take_temperatures();
+  for (RestTerm* t : terms_.all()) t->follow();
   if (!grips_.empty()) look_at_grips(), set_held_rates();
   stiffness_.current = false;
   if (!flows()) return;
   at_accepted_ = state_.r == accepted_at_.r && state_.q == accepted_at_.q &&
                  state_.cell == accepted_at_.cell &&
-                 (growth_rate_.empty() || load_factor_ == accepted_at_.load_factor);
+                 (!terms_.heat.changes_bonds() || load_factor_ == accepted_at_.load_factor);
   flow();
 }
 
@@ -206,11 +205,9 @@ void StaticBody::restore(const Placement& p) {
   state_.q = p.q;
   state_.cell = p.cell;
   load_factor_ = p.load_factor;
-  carry_walls();
   placed();
 }
 
-/// How a particle moves with these unknowns and what is held with the load factor.
 Movement StaticBody::movement(ParticleId p, const Vector& x, double load_factor_change) const {
   Movement m = unknowns_.movement(p, x);
   m.shift += load_factor_change * held_rate_[p].shift;
@@ -229,7 +226,6 @@ void StaticBody::move(const Vector& x, double new_load_factor) {
   load_factor_ = new_load_factor;
   carry();
   carry_free(x, change);
-  carry_walls();
   placed();
 }
 
@@ -271,7 +267,7 @@ const StaticBody::Loaded& StaticBody::loads_at_hand() const {
     if (!of_j.is_itself()) add_image(of_j, F, l);
     l.largest = larger(l.largest, norm(F));
   });
-  if (walls_.any()) add_walls(l);
+  for (const RestTerm* t : terms_.all()) t->add_loads(l);
   l.unbalanced = on_unknowns(l.loads);
   if (has_free_cell()) balance_cell(l);
   if (relief_.size() > 0) l.unbalanced -= (1.0 - load_factor_) * relief_;
@@ -312,6 +308,23 @@ void StaticBody::add_pair(ParticleId i, ParticleId j, const Image& of_j, const B
   if (!of_j.is_itself() && moves_cell()) add_image(i, j, of_j, in_world);
 }
 
+/// What terms change with the load factor goes to the load direction, what it does to a cell that gives way
+/// too.
+void StaticBody::add_load_rates() const {
+  const std::size_t n = model_.particles();
+  LoadSum rates;
+  rates.loads = {PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)};
+  for (const RestTerm* t : terms_.all()) t->add_load_rates(rates);
+  stiffness_.load_direction += on_unknowns(rates.loads);
+  for (std::size_t c = 0; has_free_cell() && c < 6; ++c) {
+    const int row = unknowns_.of_cell(c);
+    if (row == Unknowns::held) continue;
+    for (std::size_t a = 0; a < 3; ++a)
+      stiffness_.load_direction[row] -=
+          dot(rates.of_cell.row[a], cell_row_[c].row[a]) / unknowns_.cell_length();
+  }
+}
+
 const StaticBody::Stiffness& StaticBody::stiffness_at_hand() const {
   if (stiffness_.current) return stiffness_;
   std::vector<Assembly::Pair> touching;
@@ -339,11 +352,7 @@ const StaticBody::Stiffness& StaticBody::stiffness_at_hand() const {
   stiffness_.load_direction = on_unknowns(with_factor) - on_unknowns(constant);
   if (relief_.size() > 0) stiffness_.load_direction += relief_;
   if (has_free_cell()) look_at_mixing();
-  if (!growth_rate_.empty()) {
-    Loads grown{PerParticle<Vec3d>(n), PerParticle<Vec3d>(n)};
-    add_growth(grown);
-    stiffness_.load_direction += on_unknowns(grown);
-  }
+  if (!terms_.all().empty()) add_load_rates();
   for (const BondId k : state_.bonds.ids()) {
     const Bond& b = state_.bonds[k];
     if (b.broken) continue;
@@ -355,7 +364,7 @@ const StaticBody::Stiffness& StaticBody::stiffness_at_hand() const {
     add_pair(i, j, images[k], block_of(touch(model_, state_, i, j, images[k])));
   }
   if (has_free_cell()) add_own_of_cell();
-  if (walls_.any()) add_walls(stiffness_);
+  for (const RestTerm* t : terms_.all()) t->add_stiffness(stiffness_);
   add_arms();
   add_followers();
   stiffness_.current = true;
@@ -452,7 +461,7 @@ std::string StaticBody::first_not_finite() const {
                           i.value, j.value, overlap);
   });
   if (!found.empty()) return found;
-  if (const auto fault = fault_at_walls()) return *fault;
+  if (const auto fault = fault_of_terms()) return *fault;
   const Loads& loads = loads_at_hand().loads;
   for (const ParticleId p : loads.F.ids())
     if (!is_finite(loads.F[p]) || !is_finite(loads.M[p]))
@@ -462,7 +471,7 @@ std::string StaticBody::first_not_finite() const {
 }
 
 Energies StaticBody::energies() const {
-  return potential_energies(model_, state_, walls_);
+  return potential_energies(model_, state_, terms_.walls.surfaces());
 }
 
 void StaticBody::break_bond(BondId k, BreakMode mode) {
@@ -484,6 +493,18 @@ double StaticBody::potential_change(const Placement& from, double energy_from) c
   }
   if (has_free_cell()) change -= work_on_cell(from);
   return change - work_of_relief(from, placement(), load_factor_);
+}
+
+std::optional<std::string> StaticBody::fault_of_terms() const {
+  for (const RestTerm* t : terms_.all())
+    if (auto fault = t->fault()) return fault;
+  return std::nullopt;
+}
+
+double StaticBody::largest_change_of_terms(const Vector& x, double load_factor_change) const {
+  double largest = 0.0;
+  for (const RestTerm* t : terms_.all()) largest = larger(largest, t->largest_change(x, load_factor_change));
+  return largest;
 }
 
 double StaticBody::largest_bond_change(const Vector& x, double load_factor_change) const {

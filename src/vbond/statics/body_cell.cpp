@@ -127,7 +127,7 @@ void StaticBody::carry_cell(const Vector& x, double new_load_factor) {
 }
 
 /// Of a pair whose second particle is an image: the force on the first.
-void StaticBody::add_image(const Image& n, const Vec3d& force, Loaded& to) const {
+void StaticBody::add_image(const Image& n, const Vec3d& force, LoadSum& to) const {
   if (moves_cell()) to.of_cell += dyad(force, image_at_start(n));
 }
 

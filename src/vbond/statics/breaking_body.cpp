@@ -43,7 +43,7 @@ double BreakingBody::reaction(const Support& s) const {
 
 double BreakingBody::reaction(const WallDrive& d) const {
   const double along = norm(d.velocity);
-  return body_->power_of_walls()[static_cast<Eigen::Index>(d.index)] /
+  return body_->terms().walls.power()[static_cast<Eigen::Index>(d.index)] /
          (along > 0.0 ? along : norm(d.angular_velocity));
 }
 
@@ -109,7 +109,7 @@ void BreakingBody::break_bond(BondId k, BreakMode mode) {
 double BreakingBody::longest_step() const {
   if (rate_.size() == 0 || !rate_.allFinite()) return std::numeric_limits<double>::infinity();
   const double change =
-      larger(body_->largest_bond_change(rate_, 1.0), body_->largest_wall_change(rate_, 1.0));
+      larger(body_->largest_bond_change(rate_, 1.0), body_->largest_change_of_terms(rate_, 1.0));
   return std::isfinite(change) ? largest_prediction / change : std::numeric_limits<double>::infinity();
 }
 
@@ -167,7 +167,7 @@ bool BreakingBody::settle() {
 }
 
 void BreakingBody::add_work_of_walls(const Vector& work) {
-  if (body_->walls_move()) body_->add_work_of_walls(work.tail(work.size() - 1));
+  if (body_->terms().walls.move()) body_->terms().walls.add_work(work.tail(work.size() - 1));
 }
 
 Support& BreakingBody::free_grip_of(ParticleId first) {
@@ -178,7 +178,7 @@ Support& BreakingBody::free_grip_of(ParticleId first) {
 std::optional<std::string> BreakingBody::hold_free_parts() {
   constexpr double nothing = 1e-9;  // of the loads that drive a part: rounding
   const RigidMotions free =
-      free_rigid_motions(model_, body_->state(), body_->unknowns(), body_->wall_holds(false));
+      free_rigid_motions(model_, body_->state(), body_->unknowns(), body_->terms().walls.holds(false));
   if (free.names.empty()) return std::nullopt;
   for (const double factor : {0.0, stage_->fracture.end}) {
     const Vector loads = body_->applied(factor), along = free.basis.transpose() * loads;

@@ -54,7 +54,7 @@ class LoadSteps {
       const bool last_resort = step < 1e-4 * longest;
       const Way way = advance(step);
       NewtonOutcome outcome = settle(last_resort ? Reach::far : Reach::near);
-      if (const auto fault = body_.fault_at_walls()) outcome.converged = false, outcome.why = *fault;
+      if (const auto fault = body_.fault_of_terms()) outcome.converged = false, outcome.why = *fault;
       if (outcome.interrupted) return interrupted(way.from);
       if (!outcome.converged || (snapped_bonds(body_.state()) > snapped && !last_resort)) {
         retry(way, step);
@@ -111,17 +111,17 @@ class LoadSteps {
       stability_.unstable.reset();
     }
     report_point(body_, PointKind::regular, stability_.unstable, hooks_, result_);
-    if (body_.walls_move() || body_.flows()) before_ = stand_of(body_);
+    if (body_.terms().walls.move() || body_.flows()) before_ = stand_of(body_);
   }
 
   /// What walls have done since the last balance.
   void add_work_of_walls() {
-    if (!body_.walls_move()) return;
+    if (!body_.terms().walls.move()) return;
     Stand now = stand_of(body_);
     largest_energy_ = std::max({largest_energy_, std::abs(before_.stored), std::abs(now.stored)});
     const Vector work = WorkOnTheWay(body_, solver_, result_).between(before_, now, largest_energy_);
     factored_here_ = false;
-    body_.add_work_of_walls(work.tail(now.power_of_walls.size()));
+    body_.terms().walls.add_work(work.tail(now.power_of_walls.size()));
     before_ = std::move(now);
   }
 
@@ -170,7 +170,7 @@ class LoadSteps {
     }
     const double change = body_.largest_bond_change(x);
     if (std::isfinite(change) && change * step > largest_prediction) step = largest_prediction / change;
-    while (body_.largest_wall_change(step * x, step) > largest_prediction) step *= 0.5;
+    while (body_.largest_change_of_terms(step * x, step) > largest_prediction) step *= 0.5;
     const double next = now + step > mark - 1e-12 ? mark : now + step;
     body_.move(step * x, next);
     way.predicted = body_.placement();
@@ -209,7 +209,7 @@ class LoadSteps {
     tell_of_moments();
     report_point(body_, body_.load_factor() < 1.0 ? PointKind::regular : PointKind::end, stability_.unstable,
                  hooks_, result_);
-    if (body_.flows() && !body_.walls_move()) before_ = stand_of(body_);
+    if (body_.flows() && !body_.terms().walls.move()) before_ = stand_of(body_);
     return outcome;
   }
 

@@ -39,7 +39,7 @@ void refuse_nothing_free(const StaticBody& body) {
 
 std::string free_motions_in_words(const StaticBody& body) {
   const RigidMotions free =
-      free_rigid_motions(body.model(), body.state(), body.unknowns(), body.wall_holds(true));
+      free_rigid_motions(body.model(), body.state(), body.unknowns(), body.terms().walls.holds(true));
   if (free.names.empty()) return {};
   std::string text = "parts of the body can move freely: ";
   constexpr std::size_t named = 6;
@@ -175,7 +175,7 @@ void report_point(StaticBody& body, PointKind kind, std::optional<int> unstable,
                   StaticResult& result) {
   refuse_not_finite(body);
   refuse_touched(body);
-  if (const auto fault = body.fault_at_walls())
+  if (const auto fault = body.fault_of_terms())
     throw NoEquilibrium(body.stage().name, fmt::format("load factor {:.6g}: {}", body.load_factor(), *fault),
                         "use more steps, a stiffer contact, or a wider wall");
   body.accept();

@@ -31,7 +31,7 @@ double accuracy_for(const StaticBody& body, const NewtonSettings& settings) {
 }  // namespace
 
 double change_of(const StaticBody& body, const Vector& x) {
-  return larger(body.largest_bond_change(x), body.largest_wall_change(x));
+  return larger(body.largest_bond_change(x), body.largest_change_of_terms(x));
 }
 
 bool in_balance(const StaticBody& body, const NewtonSettings& settings) {

@@ -9,12 +9,12 @@
 
 #include "vbond/core/error.hpp"
 #include "vbond/model/capsules.hpp"
-#include "vbond/model/heat.hpp"
 #include "vbond/model/mistakes.hpp"
 #include "vbond/statics/detail/kinds.hpp"
 #include "vbond/statics/detail/newton.hpp"
 #include "vbond/statics/detail/one_blas_thread.hpp"
 #include "vbond/statics/detail/pulse.hpp"
+#include "vbond/terms/heat/heat.hpp"
 
 namespace vbond {
 namespace {

@@ -35,9 +35,9 @@ Vector way(const StaticBody& body, const Placement& from, const Placement& to) {
 }  // namespace
 
 Stand stand_of(const StaticBody& body) {
-  return {body.placement(),      body.power_of_supports() + body.power_of_heating(),
-          body.power_of_walls(), body.energies().potential(),
-          body.dissipated(),     body.forces_on_cell()};
+  return {body.placement(),           body.power_of_supports() + body.terms().heat.power(),
+          body.terms().walls.power(), body.energies().potential(),
+          body.dissipated(),          body.forces_on_cell()};
 }
 
 bool WorkOnTheWay::correct_here() {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "vbond/model/model.hpp"
+#include "vbond/model/time_function.hpp"
 
 namespace vbond {
 
@@ -79,6 +80,20 @@ class Mistakes {
 
   void require_finite(const Vec3d& x, const std::string& who, const char* what) {
     require(is_finite(x), fmt::format("{} of {} is {}: it must be finite", what, who, text(x)));
+  }
+
+  void require_factor(const TimeFunction& f, const std::string& who) {
+    for (const TimeFunction::Point& p : f.points)
+      if (!std::isfinite(p.t) || !std::isfinite(p.factor))
+        return require(false, fmt::format("the factor of {} has the point ({}, {})", who, p.t, p.factor));
+    const auto before = [](const auto& a, const auto& b) { return b.t < a.t; };  // equal times: a jump
+    require(std::adjacent_find(f.points.begin(), f.points.end(), before) == f.points.end(),
+            "the factor of " + who + " does not have its points in increasing time");
+  }
+
+  /// At rest there is no time.
+  void refuse_factor(const TimeFunction& f, const std::string& who) {
+    require(f.points.empty(), who + " has a factor over time: a stage at rest has none");
   }
 
  private:

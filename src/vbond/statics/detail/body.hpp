@@ -11,7 +11,6 @@
 #include "vbond/model/loads.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/periodic_cell.hpp"
-#include "vbond/model/resting_walls.hpp"
 #include "vbond/model/state.hpp"
 #include "vbond/model/static_stage.hpp"
 #include "vbond/physics/tangent.hpp"
@@ -19,6 +18,7 @@
 #include "vbond/statics/detail/matrix.hpp"
 #include "vbond/statics/detail/rigid.hpp"
 #include "vbond/statics/detail/unknowns.hpp"
+#include "vbond/terms/detail/rest_terms.hpp"
 
 namespace vbond {
 
@@ -52,11 +52,11 @@ double distance(const Placement& a, const Placement& b, double length);
 /// A body under the supports and loads of a static stage: where it is, what is out of balance there, and how
 /// that changes with the unknowns and with the load factor f.
 ///
-/// unbalanced = bonds + contacts + walls + constant loads + f * proportional loads - (1 - f) * relief
+/// unbalanced = bonds + contacts + terms + constant loads + f * proportional loads - (1 - f) * relief
 ///
-/// on the free unknowns. Walls have places of their own, which follow from f. The relief, set by relieve(),
-/// is what was out of balance at f = 0: with it the body starts in balance whatever its history, and at f = 1
-/// it has gone.
+/// on the free unknowns. What walls and temperatures are, which follow from f, is in the terms. The relief,
+/// set by relieve(), is what was out of balance at f = 0: with it the body starts in balance whatever its
+/// history, and at f = 1 it has gone.
 ///
 /// The tangent is the derivative of -unbalanced. Turns do not commute, so its block of a particle's three
 /// turns has an antisymmetric part, half the cross product with the moment that bonds leave unbalanced there.
@@ -80,6 +80,11 @@ class StaticBody {
   Clock& clock() { return state_.clock; }
   State take_state() && { return std::move(state_); }
   double load_factor() const { return load_factor_; }
+  /// That at which the stage took hold of the body.
+  double held_at() const { return held_at_; }
+  /// What acts on it besides bonds, contacts and loads.
+  const RestTerms& terms() const { return terms_; }
+  RestTerms& terms() { return terms_; }
   /// Whether the stage moves the cell; components that give way to a stress are unknowns.
   bool moves_cell() const { return stage_.cell.any(); }
   bool has_free_cell() const { return unknowns_.has_cell(); }
@@ -170,8 +175,6 @@ class StaticBody {
   double work_of_loads(const Placement& from, const Placement& to, double load_factor) const;
   /// The same of the relief.
   double work_of_relief(const Placement& from, const Placement& to, double load_factor) const;
-  /// What the change of temperature does to bonds that expand, per load factor.  [energy]
-  double power_of_heating() const;
   /// What a support does along its motion, per load factor.  [energy]
   double power_of(const Support& support) const;
   /// The same of all supports, where several hold a degree of freedom that of one.
@@ -182,27 +185,15 @@ class StaticBody {
   bool has_free_grips() const;
   /// Grips of the stage, without their work.
   std::vector<GripView> grips() const;
-  /// Whether walls move with the load factor.
-  bool walls_move() const { return !driven_.empty(); }
-  /// What each wall does along its motion, per load factor.  [energy]
-  Vector power_of_walls() const;
-  void add_work_of_walls(const Vector& work);
-  /// Where walls hold particles along the normal, hollow ones also across it: all touches; to come: also
-  /// places that are no farther from a particle than walls come in the stage.
-  std::vector<WallHold> wall_holds(bool to_come) const;
-  /// How far x would carry particles at most towards or along walls: the way over the radius, of those that
-  /// do not touch over the radius and twice the gap. Nothing passes a wall by less than 1.
-  double largest_wall_change(const Vector& x, double load_factor_change = 0.0) const;
-  /// The first particle whose centre has come through a wall since the last accepted balance, or that does
-  /// not fit into a hollow one, and what to do; nothing if there is none.
-  std::optional<std::string> fault_at_walls() const;
+  /// What a term cannot go on with here, e.g. a particle whose centre has come through a wall.
+  std::optional<std::string> fault_of_terms() const;
   /// Loads at this load factor, on the free unknowns.  [force]
   Vector applied(double load_factor) const;
   /// The bond is there no more.
   void break_bond(BondId k, BreakMode mode);
   /// What rounding may make of it.  [energy]
   double rounding_of_potential() const {
-    return rounding_of_potential_ + (walls_.any() ? loads_at_hand().rounding_of_potential : 0.0);
+    return rounding_of_potential_ + (terms_.all().empty() ? 0.0 : loads_at_hand().rounding_of_potential);
   }
 
   /// How far x would turn or stretch bonds at most: |change of the vector between centres| / its length, and
@@ -210,18 +201,20 @@ class StaticBody {
   /// and the turn. Held degrees of freedom move with the change of the load factor. A linear step is a good
   /// guess up to some 0.3.
   double largest_bond_change(const Vector& x, double load_factor_change = 0.0) const;
+  /// The same by what terms can tell.
+  double largest_change_of_terms(const Vector& x, double load_factor_change = 0.0) const;
+  /// How a particle moves with these unknowns and what is held with the load factor.
+  Movement movement(ParticleId p, const Vector& x, double load_factor_change) const;
+  /// How its held degrees of freedom move per load factor.
+  const Movement& held_rate(ParticleId p) const { return held_rate_[p]; }
+  /// What a force on the second of a pair, this image of it, does to a cell that moves.
+  void add_image(const Image& n, const Vec3d& force, LoadSum& to) const;
   /// What supports exert on these particles along held degrees of freedom.
   Reaction reaction(const std::vector<ParticleId>& particles) const;
 
  private:
-  struct Loaded {
-    Loads loads;  // all forces and moments, also on held degrees of freedom; without relief
+  struct Loaded : LoadSum {  // without relief
     Vector unbalanced;
-    double largest = 0;                 // force in the body
-    std::vector<RestingTouch> touches;  // of walls
-    std::vector<Reaction> on_walls;     // of particles, moments about the walls' centres
-    double rounding_of_force = 0, rounding_of_potential = 0;  // of touches
-    Tensor of_cell;  // derivatives of the energy with those of the cell's deformation gradient
   };
   /// A rigid support: its pose is that in which it took hold, moved with the load factor since then; of one
   /// that is free in part it is that of its first particle.
@@ -232,16 +225,7 @@ class StaticBody {
     Vec3d pivot;  // where it stands
     Quatd turn;   // since it took hold
   };
-  /// A wall that moves: as it was when the stage took hold of it, and how it goes on from there.
-  struct DrivenWall {
-    const WallDrive* drive;
-    RigidMotion motion;
-    WallState as_held;
-  };
-  struct Stiffness {
-    Assembly assembly;
-    Assembly full;  // without symmetry, of bodies that flow
-    Vector load_direction;
+  struct Stiffness : StiffnessSum {
     DenseMatrix skew;  // of the cell's rows over all unknowns: the antisymmetric part of the tangent
     bool current = false;
   };
@@ -260,11 +244,8 @@ class StaticBody {
   PerParticle<double> rounding_at_particles() const;
   void placed();
   void flow();
-  void begin_heating();
-  void take_temperatures();
-  void add_growth(Loads& loads) const;
+  void add_load_rates() const;
   const BondHistory& history_before(BondId k) const;
-  Movement movement(ParticleId p, const Vector& x, double load_factor_change) const;
   Vec3d outside_moment(ParticleId p, const Loads& applied) const;
   void add_power(const Support& support, ParticleId p, const HeldDofs& held, const HeldAxes* axes,
                  double& power) const;
@@ -282,7 +263,6 @@ class StaticBody {
   double cell_rate(std::size_t component) const;
   Tensor cell_change(const Vector& x, double load_factor_change) const;
   Vec3d image_at_start(const Image& n) const;
-  void add_image(const Image& n, const Vec3d& force, Loaded& to) const;
   void balance_cell(Loaded& l) const;
   SymmetricParts wanted_stress(double load_factor) const;
   Tensor load_on_cell(const Tensor& of_cell) const;
@@ -292,30 +272,18 @@ class StaticBody {
   void add_own_of_cell() const;
   void add_skew_of_cell(SparseMatrix& K) const;
   double work_on_cell(const Placement& from) const;
-  void take_hold_of_walls();
-  void carry_walls();
-  void add_walls(Loaded& to) const;
-  void add_walls(Stiffness& to) const;
-  Vec3d rate_of_wall(std::size_t wall, const Vec3d& r) const;
-  double farthest_wall_way() const;
-  void note_walls();
 
   const Model& model_;
   const StaticStage& stage_;
   State state_;
   double load_factor_ = 0;
   std::uint64_t placement_number_ = 1;
-  double held_at_ = 0;                      // load factor at which grips took hold
-  PerParticle<double> temperature_before_;  // at that load factor; empty: the stage changes none
-  std::vector<double> growth_rate_;         // of each bond that expands, per load factor; empty likewise
+  double held_at_ = 0;  // load factor at which grips took hold
   std::vector<Grip> grips_;
   std::vector<Hold> holds_;
   Unknowns unknowns_;
-  RestingWalls walls_;
-  std::vector<DrivenWall> driven_;
+  RestTerms terms_;
   std::array<double, 6> cell_found_{};  // components at held_at_
-  PerParticle<Vec3d> seen_at_;          // particles at the last accepted balance, where there are walls
-  std::vector<WallState> seen_walls_;   // and the walls
   Vector relief_;                       // empty: none
   PerParticle<char> bonded_;
   // of bodies that flow: what bonds remembered at the last accepted balance, and at the one before it

@@ -1,0 +1,30 @@
+#pragma once
+#include <initializer_list>
+#include <vector>
+
+#include "vbond/terms/heat/detail/rest_heat.hpp"
+#include "vbond/terms/walls/detail/rest_walls.hpp"
+
+namespace vbond {
+
+/// The list of the terms of a body at rest, in the order in which they are called.
+class RestTerms {
+ public:
+  /// Keeps references; state: that of the body, whose model and stage are known.
+  RestTerms(const StaticBody& body, State& state) : heat(body, state), walls(body, state) {
+    for (RestTerm* t : std::initializer_list<RestTerm*>{&heat, &walls})
+      if (t->is_there()) all_.push_back(t);
+  }
+  RestTerms(const RestTerms&) = delete;
+  RestTerms& operator=(const RestTerms&) = delete;
+
+  const std::vector<RestTerm*>& all() const { return all_; }
+
+  RestHeat heat;
+  RestWalls walls;
+
+ private:
+  std::vector<RestTerm*> all_;
+};
+
+}  // namespace vbond

@@ -1,0 +1,17 @@
+#pragma once
+#include <string>
+
+#include "vbond/case/placed.hpp"
+
+namespace vbond {
+
+/// What heats the particles of a group in a stage, as the user wrote it; see case.hpp.
+struct TemperatureSpec {
+  SourcePlace place;
+  Placed<std::string> group;
+  double temperature = 0;   ///< dynamics, times the factor
+  TimeFunctionSpec factor;  ///< dynamics
+  double change = 0;        ///< static stages: at load factor 1
+};
+
+}  // namespace vbond

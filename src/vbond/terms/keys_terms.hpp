@@ -1,0 +1,18 @@
+#pragma once
+#include <optional>
+#include <vector>
+
+#include "vbond/terms/heat/keys_heat.hpp"
+#include "vbond/terms/strain/keys_strain.hpp"
+#include "vbond/terms/walls/keys_walls.hpp"
+
+namespace vbond {
+
+/// What a stage says of the terms.
+struct TermSpecs {
+  std::vector<TemperatureSpec> temperatures;  ///< all kinds but modes
+  std::vector<WallDriveSpec> walls;           ///< dynamics, equilibrium, fracture
+  std::optional<StrainSpec> strain;           ///< dynamics
+};
+
+}  // namespace vbond

@@ -1,0 +1,28 @@
+#pragma once
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "vbond/model/detail/mistake_list.hpp"
+#include "vbond/model/stage.hpp"
+
+namespace vbond {
+
+/// What a program may do wrong with an imposed strain.
+inline void look_at_strain(const Model& model, const Stage& stage, Mistakes& found) {
+  if (!stage.strain) return;
+  const StrainProgram& strain = *stage.strain;
+  found.require_known(strain.particles, "the imposed strain");
+  found.require_finite(strain.centre, "the imposed strain", "the centre");
+  found.require(is_unit(strain.direction), "the direction of the imposed strain is " +
+                                               text(strain.direction) + ": it must be a unit vector");
+  found.require(std::isfinite(strain.increment),
+                fmt::format("the increment of the imposed strain is {}", strain.increment));
+  found.require(above_zero(strain.every),
+                fmt::format("the strain is imposed every {}: it must be > 0", strain.every));
+  found.require(!strained_and_gripped(stage),
+                "the imposed strain moves particles of a rigid support, which would take them back");
+  found.require(!model.cell.any(), "a periodic body takes no imposed strain: its cell is strained");
+}
+
+}  // namespace vbond

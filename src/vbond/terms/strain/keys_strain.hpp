@@ -1,0 +1,18 @@
+#pragma once
+#include <string>
+
+#include "vbond/case/placed.hpp"
+#include "vbond/core/vec3.hpp"
+
+namespace vbond {
+
+/// The strain that a stage of dynamics imposes, as the user wrote it; see case.hpp.
+struct StrainSpec {
+  SourcePlace place;
+  Placed<std::string> group;
+  Vec3d direction{1, 0, 0};
+  double increment = 0;
+  CaseTime every;
+};
+
+}  // namespace vbond
