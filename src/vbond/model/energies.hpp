@@ -6,20 +6,22 @@
 
 namespace vbond {
 
-/// Energies of bonds and contacts as the particles stand, pair by pair; kinetic ones are left at zero.
-/// [energy]
-inline Energies potential_energies(const Model& model, const State& state, const RestingWalls& walls) {
+/// Energies of bonds and of contacts between particles as these stand, pair by pair; kinetic ones are left at
+/// zero.  [energy]
+inline Energies mutual_energies(const Model& model, const State& state) {
   Energies e = bond_energies(state);
   for_touching_pairs(model, state, [&](ParticleId i, ParticleId j, const Image&, double overlap) {
     const double R = reduced_radius(model.radius[i], model.radius[j]);
     e.contact += normal_energy(touch_forms(model.contact), touch_numbers(model, i, j), R, overlap);
   });
   e.contact += fibre_energy(model, state);
-  if (walls.any()) e.contact += walls.energy(state);
   return e;
 }
+/// The same with those of contacts with walls.  [energy]
 inline Energies potential_energies(const Model& model, const State& state) {
-  return potential_energies(model, state, RestingWalls(model));
+  Energies e = mutual_energies(model, state);
+  if (const RestingWalls walls(model); walls.any()) e.contact += walls.energy(state);
+  return e;
 }
 
 /// Kinetic energy, particle by particle.  [energy]

@@ -471,7 +471,9 @@ std::string StaticBody::first_not_finite() const {
 }
 
 Energies StaticBody::energies() const {
-  return potential_energies(model_, state_, terms_.walls.surfaces());
+  Energies e = mutual_energies(model_, state_);
+  for (const RestTerm* t : terms_.all()) e.contact += t->energy();
+  return e;
 }
 
 void StaticBody::break_bond(BondId k, BreakMode mode) {

@@ -40,6 +40,8 @@ class RestTerm {
   /// By how much loads change per load factor while nothing moves.
   virtual void add_load_rates(LoadSum&) const {}
   virtual void add_stiffness(StiffnessSum&) const {}
+  /// What it stores, of contacts.  [energy]
+  virtual double energy() const { return 0.0; }
   /// The body as it stands is the balance from which it goes on.
   virtual void accept() {}
   /// What the stage cannot go on with here, e.g. "particle 3: its centre has come through wall \"floor\"".

@@ -24,6 +24,7 @@ class RestWalls final : public RestTerm {
   void follow() override;
   void add_loads(LoadSum& to) const override;
   void add_stiffness(StiffnessSum& to) const override;
+  double energy() const override { return walls_.energy(state_); }
   /// What presses on walls, for those who look at this balance; and where particles are before they go on.
   void accept() override;
   /// The first particle whose centre has come through a wall since the last accepted balance, or that does
@@ -33,7 +34,6 @@ class RestWalls final : public RestTerm {
   /// over the radius and twice the gap. Nothing passes a wall by less than 1.
   double largest_change(const Vector& x, double load_factor_change) const override;
 
-  const RestingWalls& surfaces() const { return walls_; }
   /// Whether some move with the load factor.
   bool move() const { return !driven_.empty(); }
   /// What each wall does along its motion, per load factor.  [energy]
