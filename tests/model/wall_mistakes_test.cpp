@@ -114,6 +114,18 @@ TEST(MistakesInWalls, AreToldEachByItself) {
   }
 }
 
+TEST(MistakesInTerms, AreStrainsAtRest) {
+  Body body;
+  StaticStage stage;
+  const auto told = [&] {
+    const std::vector<std::string> all = mistakes_in(body.model, stage);
+    return std::count(all.begin(), all.end(), "a stage at rest imposes no strain");
+  };
+  EXPECT_EQ(told(), 0);
+  stage.strain.emplace();
+  EXPECT_EQ(told(), 1);
+}
+
 TEST(MistakesInWalls, AreFoundInStaticStages) {
   Body body;
   StaticStage stage;

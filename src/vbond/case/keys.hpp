@@ -96,22 +96,6 @@ const TheoryParameters* theory_with_section(const BondRecipe& recipe);
 void describe_section(Table& t, Section& section);
 
 void describe(Table& t, MaterialSpec& m);
-void describe(Table& t, WallSpec& w);
-void describe(Table& t, PlaneWallSpec& w);
-void describe(Table& t, DiscWallSpec& w);
-void describe(Table& t, CylinderWallSpec& w);
-void describe(Table& t, SphereWallSpec& w);
-void describe(Table& t, BoxWallSpec& w);
-void describe(Table& t, MeshWallSpec& w);
-/// What moves a wall in a stage of this kind; nothing if the kind is not known: keys of every kind are right.
-void describe(Table& t, WallDriveSpec& d, std::optional<StageKind> kind);
-void describe(Table& t, WallOscillationSpec& o);
-void describe(Table& t, WallServoSpec& s);
-
-/// What terms do in a stage of this kind; nothing if the kind is not known.
-void describe_terms(Table& t, TermSpecs& s, std::optional<StageKind> kind);
-/// What heats particles in a stage of this kind; nothing if the kind is not known.
-void describe(Table& t, TemperatureSpec& s, std::optional<StageKind> kind);
 
 void describe(Table& t, VelocitySpec& v);
 void describe(Table& t, SourceSpec& s);
@@ -120,7 +104,6 @@ void describe(Table& t, TimeSpec& s);
 /// False if its kind could not be read; it is then taken for dynamics.
 bool describe(Table& t, StageSpec& s);
 void describe(Table& t, TimeFunctionSpec& f);
-void describe(Table& t, StrainSpec& s);
 void describe(Table& t, DistanceStopSpec& s);
 void describe(Table& t, PeakStopSpec& s);
 void describe(Table& t, BreakStopSpec& s);

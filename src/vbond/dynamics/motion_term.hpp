@@ -1,6 +1,5 @@
 #pragma once
 #include <cstddef>
-#include <limits>
 #include <string>
 
 #include "vbond/dynamics/bodies.hpp"
@@ -33,8 +32,10 @@ class MotionHost {
   virtual void apply_loads_alone() = 0;
   /// Particles are elsewhere at once: all loads anew.
   virtual void particles_jumped() = 0;
-  /// Bonds have other coefficients or remember something else, so that energies known before are old.
-  virtual void bonds_have_changed(bool rearrange) = 0;
+  /// Bonds have other lengths, so that energies known before are old.
+  virtual void lengths_have_changed() = 0;
+  /// The order of bonds in packs, and what they remember, anew from the state.
+  virtual void arrange_bonds() = 0;
   /// The run ends: "<who>: <what>", and a way out. Of parts the first of all that failed is told.
   virtual void diverge(std::size_t first_particle, const std::string& who, const std::string& what,
                        const std::string& way_out) const = 0;
@@ -55,9 +56,9 @@ struct BodyInMotion {
   MotionHost& host;
 };
 
-/// Something besides bonds that acts on a body in motion: walls, temperatures, an imposed strain. A step
-/// calls what is there, in the order of terms/motion_terms.hpp, and each function in the order below. Those
-/// that stay as they are do nothing.
+/// Something that acts on a body in motion besides bonds, contacts, supports and loads: walls, temperatures,
+/// an imposed strain. A step calls what is there, in the order of terms/motion_terms.hpp, and each function
+/// in the order below. Those that stay as they are do nothing.
 class MotionTerm {
  public:
   virtual ~MotionTerm() = default;
@@ -76,18 +77,20 @@ class MotionTerm {
   virtual void begin_stage() {}
 
   // ---- a step of dt, or 0: the loads of now, of which nothing is remembered ----
-  /// Nothing has moved.
+  /// No step of the particles has been made; terms before this one in the list may have changed the body.
   virtual void begin_step() {}
-  /// All particles are where they come to; none has gone farther than this since the last call.  [length]
-  virtual void particles_moved(double /*dt*/, double /*way*/ = std::numeric_limits<double>::infinity()) {}
-  /// Adds its loads to the rows of a block, from places and the motion of the half step before.
+  /// Only of those that particles touch: all particles are where they come to, and none has gone farther than
+  /// this since the last call.  [length]
+  virtual void particles_moved(double /*dt*/, double /*way*/) {}
+  /// Only of those that particles touch: adds its loads to the rows of a block, from places and the motion of
+  /// the half step before.
   virtual void add_loads(const Block&, double /*dt*/) {}
   /// All loads are complete, and particles have their velocities.
   virtual void end_step(double /*dt*/) {}
   /// The energy that the body's blocks have got in the step has been booked.
   virtual void books_closed() {}
 
-  /// What it stores, of contacts.  [energy]
+  /// What it stores, which counts as energy of contacts; of parts the share of this one.  [energy]
   virtual double energy() const { return 0.0; }
 };
 

@@ -234,7 +234,7 @@ void Simulation::complete_loads(const Block& b, Instant at, StepTimes::Lap& lap)
     capsules_.add_loads({b.rows.first, std::min(b.rows.last, bodies_.order.own)}, bodies_.load.data());
     lap.add_to(times_.contacts);
   }
-  if (!terms_.touching().empty()) {
+  if (terms_.any_touching()) {
     for (MotionTerm* t : terms_.touching()) t->add_loads(b, at == Instant::end ? stage_.dt : 0.0);
     lap.add_to(times_.contacts);
   }
@@ -262,7 +262,7 @@ void Simulation::evaluate_loads() {
   contacts_.refresh(bodies_.poses(), all_known());
   capsules_.refresh();
   work_out_touches(0.0);
-  for (MotionTerm* t : terms_.touching()) t->particles_moved(0.0);
+  for (MotionTerm* t : terms_.touching()) t->particles_moved(0.0, std::numeric_limits<double>::infinity());
   applied_.set_times(state_.clock.stage_step, stage_.dt);
   team_.for_blocks([&](const Block& b) { clear_loads(b); });
   all_known().for_parts([&](const Part& part) {
@@ -291,11 +291,11 @@ void Simulation::particles_jumped() {
   evaluate_loads();
 }
 
-void Simulation::lose(std::size_t block, const TouchLosses<double>& in_contacts) {
-  lose(block, Loss::contact_damping, in_contacts.damping);
-  lose(block, Loss::friction, in_contacts.friction);
-  lose(block, Loss::rolling, in_contacts.rolling);
-  lose(block, Loss::adhesion, in_contacts.adhesion);
+void Simulation::lose(std::size_t block, const TouchLosses<double>& to_touches) {
+  lose(block, Loss::contact_damping, to_touches.damping);
+  lose(block, Loss::friction, to_touches.friction);
+  lose(block, Loss::rolling, to_touches.rolling);
+  lose(block, Loss::adhesion, to_touches.adhesion);
 }
 
 void Simulation::close_books() {

@@ -136,7 +136,7 @@ class Simulation final : public BodyView, private MotionHost {
   /// The particle that turns by more than longest_turn in a step, and farthest of all whose bonds or unequal
   /// moments of inertia feel it (model/turn_bound.hpp). Looks at all of them, so not for every step.
   std::optional<FastTurn> fastest_turn() const;
-  /// What acts on the body besides bonds.
+  /// What acts on the body besides bonds, contacts, supports and loads.
   const MotionTerms& terms() const { return terms_; }
   /// Capsules that overlap each other or particles by more than this part of the smaller radius.
   std::vector<DeepCapsules> deep_capsules(double part) const { return capsules_.deeper_than(part); }
@@ -195,7 +195,7 @@ class Simulation final : public BodyView, private MotionHost {
   void begin_stage();
   Simulation(const Model& model, Stage stage, State* state, int threads, Share share, Exchange* exchange);
   void bonds_changed();
-  void arrange_bonds();
+  void arrange_bonds() override;
   void make_bonds();
   bool break_bonds();
   Broken broken_now(BondId bond);
@@ -235,13 +235,13 @@ class Simulation final : public BodyView, private MotionHost {
   void lose(std::size_t block, const TouchLosses<double>& to_touches) override;
   void lose_particle(const LostParticle& lost) override { lost_particles_.push_back(lost); }
   double potential_energy() const override { return survey_here().energies.potential(); }
-  void bonds_have_changed(bool rearrange) override;
+  void lengths_have_changed() override { survey_.reset(); }
   bool anything_dissipates() const { return inelastic() || anything_touches() || damping_.is_drag(); }
   void tell_of_lost();
   void look_at_capsules() const;
   void exchange_capsules();
   double contact_energy() const { return contacts_.energy(bodies_) + (leads() ? capsules_.energy() : 0.0); }
-  bool anything_touches() const { return contacts_.any() || capsules_.any() || !terms_.touching().empty(); }
+  bool anything_touches() const { return contacts_.any() || capsules_.any() || terms_.any_touching(); }
   void close_books();
   double largest_way2() const;
   void add_held(const Hold& hold, Row row, const Vec3d& F, const Vec3d& M, Reaction& total) const;

@@ -41,11 +41,6 @@ void Simulation::arrange_bonds() {
   bodies_.local_damping.resize(bonds_.damp() && others ? bodies_.load.size() : 0);
 }
 
-void Simulation::bonds_have_changed(bool rearrange) {
-  if (rearrange) arrange_bonds();
-  survey_.reset();
-}
-
 void Simulation::bonds_changed() {
   arrange_bonds();
   bond_index_ = BondIndex(model_.particles(), state_.bonds);
@@ -106,7 +101,7 @@ void Simulation::take_up_loads() {
   contacts_.restore(state_.contact_history);  // with what damped in the half step before
   capsules_.restore(state_.fibre_history);
   for (MotionTerm* t : terms_.all()) t->read(state_);
-  for (MotionTerm* t : terms_.touching()) t->particles_moved(0.0);
+  for (MotionTerm* t : terms_.touching()) t->particles_moved(0.0, std::numeric_limits<double>::infinity());
   check_finite();
 }
 

@@ -1,6 +1,5 @@
-// What ends a run: walls, capsules and bonds that cannot go on, and loads that are not finite.
-#include <fmt/format.h>
-
+// What ends a run: capsules and bonds that cannot go on, loads that are not finite, and particles that are
+// lost.
 #include <string>
 #include <utility>
 #include <vector>

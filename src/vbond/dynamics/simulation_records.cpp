@@ -157,10 +157,10 @@ void Simulation::collect_own() const {
   if (bonds_.remembers()) bonds_.collect(state_.bond_history);
   state_.contact_history = contacts_.collect();
   state_.fibre_history = capsules_.collect();
-  for (const MotionTerm* t : terms_.all()) t->write(state_);
+  terms_.write(state_);
   supports_.grips().write(state_);
   const bool loads_follow = bonds_.all_elastic() && !contacts_.are_touches() && !capsules_.any() &&
-                            terms_.touching().empty() && !damping_.is_local();
+                            !terms_.any_touching() && !damping_.is_local();
   state_.loads = loads_follow ? Loads{} : loads();
   state_.damping = bodies_.damping.empty() ? Loads{} : bodies_.collect(bodies_.damping);
   state_.local_damping = bodies_.local_damping.empty() ? Loads{} : bodies_.collect(bodies_.local_damping);

@@ -7,7 +7,6 @@
 #include "vbond/setup/motion_stages.hpp"
 #include "vbond/setup/stage_resolver.hpp"
 #include "vbond/terms/setup_terms.hpp"
-#include "vbond/terms/walls/setup_walls.hpp"
 
 namespace vbond {
 namespace {

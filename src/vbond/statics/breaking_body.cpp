@@ -167,7 +167,7 @@ bool BreakingBody::settle() {
 }
 
 void BreakingBody::add_work_of_walls(const Vector& work) {
-  if (body_->terms().walls.move()) body_->terms().walls.add_work(work.tail(work.size() - 1));
+  if (body_->terms().walls.moves()) body_->terms().walls.add_work(work.tail(work.size() - 1));
 }
 
 Support& BreakingBody::free_grip_of(ParticleId first) {

@@ -111,12 +111,12 @@ class LoadSteps {
       stability_.unstable.reset();
     }
     report_point(body_, PointKind::regular, stability_.unstable, hooks_, result_);
-    if (body_.terms().walls.move() || body_.flows()) before_ = stand_of(body_);
+    if (body_.terms().walls.moves() || body_.flows()) before_ = stand_of(body_);
   }
 
   /// What walls have done since the last balance.
   void add_work_of_walls() {
-    if (!body_.terms().walls.move()) return;
+    if (!body_.terms().walls.moves()) return;
     Stand now = stand_of(body_);
     largest_energy_ = std::max({largest_energy_, std::abs(before_.stored), std::abs(now.stored)});
     const Vector work = WorkOnTheWay(body_, solver_, result_).between(before_, now, largest_energy_);
@@ -209,7 +209,7 @@ class LoadSteps {
     tell_of_moments();
     report_point(body_, body_.load_factor() < 1.0 ? PointKind::regular : PointKind::end, stability_.unstable,
                  hooks_, result_);
-    if (body_.flows() && !body_.terms().walls.move()) before_ = stand_of(body_);
+    if (body_.flows() && !body_.terms().walls.moves()) before_ = stand_of(body_);
     return outcome;
   }
 

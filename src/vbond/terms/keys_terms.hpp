@@ -15,4 +15,10 @@ struct TermSpecs {
   std::optional<StrainSpec> strain;           ///< dynamics
 };
 
+namespace keys {
+class Table;
+/// Keys of a stage of this kind; those of every kind if it is not known.
+void describe_terms(Table& t, TermSpecs& s, std::optional<StageKind> kind);
+}  // namespace keys
+
 }  // namespace vbond

@@ -9,7 +9,8 @@
 
 namespace vbond {
 
-/// The list of the terms of a body in motion. A step goes over those that its stage has, in this order.
+/// The list of the terms of a body in motion. A step goes over those that its stage has, in this order. A
+/// strain that is imposed has all loads worked out anew: what moves by itself, as walls do, comes after it.
 class MotionTerms {
  public:
   explicit MotionTerms(const BodyInMotion& on) : heat(on), strain(on), walls(on) {
@@ -23,9 +24,13 @@ class MotionTerms {
   MotionTerms& operator=(const MotionTerms&) = delete;
 
   bool any() const { return !all_.empty(); }
-  const std::vector<MotionTerm*>& all() const { return all_; }
+  const std::vector<MotionTerm*>& all() { return all_; }
   /// Those that particles touch.
-  const std::vector<MotionTerm*>& touching() const { return touching_; }
+  const std::vector<MotionTerm*>& touching() { return touching_; }
+  bool any_touching() const { return !touching_.empty(); }
+  void write(State& state) const {
+    for (const MotionTerm* t : all_) t->write(state);
+  }
   /// What they store.  [energy]
   double energy() const {
     double sum = 0.0;

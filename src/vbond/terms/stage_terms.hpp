@@ -12,7 +12,7 @@ namespace vbond {
 struct StageTerms {
   std::vector<Heating> heating;         ///< in this order, where groups overlap
   std::optional<StrainProgram> strain;  ///< of motion
-  std::vector<WallDrive> walls;         ///< of motion, equilibrium and fracture; the others stand still
+  std::vector<WallDrive> walls;         ///< of motion, equilibrium and fracture; other walls stand still
 };
 
 }  // namespace vbond

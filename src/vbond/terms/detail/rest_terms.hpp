@@ -13,18 +13,20 @@ class RestTerms {
   /// Keeps references; state: that of the body, whose model and stage are known.
   RestTerms(const StaticBody& body, State& state) : heat(body, state), walls(body, state) {
     for (RestTerm* t : std::initializer_list<RestTerm*>{&heat, &walls})
-      if (t->is_there()) all_.push_back(t);
+      if (t->is_there()) all_.push_back(t), seen_.push_back(t);
   }
   RestTerms(const RestTerms&) = delete;
   RestTerms& operator=(const RestTerms&) = delete;
 
-  const std::vector<RestTerm*>& all() const { return all_; }
+  const std::vector<RestTerm*>& all() { return all_; }
+  const std::vector<const RestTerm*>& all() const { return seen_; }
 
   RestHeat heat;
   RestWalls walls;
 
  private:
   std::vector<RestTerm*> all_;
+  std::vector<const RestTerm*> seen_;
 };
 
 }  // namespace vbond

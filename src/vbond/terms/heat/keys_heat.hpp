@@ -2,6 +2,7 @@
 #include <string>
 
 #include "vbond/case/placed.hpp"
+#include "vbond/model/static_stage.hpp"
 
 namespace vbond {
 
@@ -13,5 +14,11 @@ struct TemperatureSpec {
   TimeFunctionSpec factor;  ///< dynamics
   double change = 0;        ///< static stages: at load factor 1
 };
+
+namespace keys {
+class Table;
+/// Keys of a stage of this kind; those of every kind if it is not known.
+void describe(Table& t, TemperatureSpec& s, std::optional<StageKind> kind);
+}  // namespace keys
 
 }  // namespace vbond

@@ -33,7 +33,7 @@ void MotionHeat::begin_stage() {
     BondHistory& history = s.bond_history[w.bond];
     history = b.law->advance(b, bond_pose(b, s), {}, 0.0, history);
   }
-  on_.host.bonds_have_changed(on_.bonds.remembers());
+  if (on_.bonds.remembers()) on_.host.arrange_bonds();
   on_.host.evaluate_loads();
   const double flowed = dissipated_by_flow(s) - flowed_before;
   on_.books.dissipated += flowed;
@@ -65,7 +65,7 @@ void MotionHeat::begin_step() {
     b = with_growth(s, w, growth_of(s, w));
     on_.bonds.take_lengths(w.bond, b);
   }
-  on_.host.bonds_have_changed(false);
+  on_.host.lengths_have_changed();
 }
 
 /// Half of the work of growing: once before the step, and once after it.

@@ -15,4 +15,9 @@ struct StrainSpec {
   CaseTime every;
 };
 
+namespace keys {
+class Table;
+void describe(Table& t, StrainSpec& s);
+}  // namespace keys
+
 }  // namespace vbond

@@ -7,6 +7,7 @@
 
 #include "vbond/case/placed.hpp"
 #include "vbond/core/vec3.hpp"
+#include "vbond/model/static_stage.hpp"
 #include "vbond/terms/walls/wall.hpp"
 
 /// Materials and walls of a case as the user wrote them; see case.hpp. Vectors of a direction have any length
@@ -92,5 +93,20 @@ struct WallDriveSpec {
   std::optional<WallOscillationSpec> oscillation;
   std::optional<WallServoSpec> servo;
 };
+
+namespace keys {
+class Table;
+void describe(Table& t, WallSpec& w);
+void describe(Table& t, PlaneWallSpec& w);
+void describe(Table& t, DiscWallSpec& w);
+void describe(Table& t, CylinderWallSpec& w);
+void describe(Table& t, SphereWallSpec& w);
+void describe(Table& t, BoxWallSpec& w);
+void describe(Table& t, MeshWallSpec& w);
+/// Keys of a stage of this kind; those of every kind if it is not known.
+void describe(Table& t, WallDriveSpec& d, std::optional<StageKind> kind);
+void describe(Table& t, WallOscillationSpec& o);
+void describe(Table& t, WallServoSpec& s);
+}  // namespace keys
 
 }  // namespace vbond

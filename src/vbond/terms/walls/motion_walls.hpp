@@ -1,6 +1,5 @@
 #pragma once
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 #include "vbond/dynamics/motion_term.hpp"

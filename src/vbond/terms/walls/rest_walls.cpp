@@ -40,6 +40,12 @@ void RestWalls::take_hold() {
 
 void RestWalls::follow() {
   const double f = since();
+  if (f == 0.0) {  // to the last bit
+    for (const Driven& d : driven_)
+      state_.walls[d.drive->index].displacement = d.as_held.displacement,
+      state_.walls[d.drive->index].q = d.as_held.q;
+    return;
+  }
   for (const Driven& d : driven_) {
     const Quatd turn = d.motion.turn(f);
     const Vec3d arm = body_.model().walls[d.drive->index].centre + d.as_held.displacement - d.motion.pivot;

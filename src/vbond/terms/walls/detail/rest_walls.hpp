@@ -35,7 +35,7 @@ class RestWalls final : public RestTerm {
   double largest_change(const Vector& x, double load_factor_change) const override;
 
   /// Whether some move with the load factor.
-  bool move() const { return !driven_.empty(); }
+  bool moves() const { return !driven_.empty(); }
   /// What each wall does along its motion, per load factor.  [energy]
   Vector power() const;
   void add_work(const Vector& work);
