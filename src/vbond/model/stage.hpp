@@ -175,7 +175,7 @@ struct Stage {
   std::vector<Heating> heating;  ///< in this order, where groups overlap
   CellDrive cell;                ///< of a periodic body
   std::vector<Inflow> inflows;
-  std::vector<Outflow> outflows;  ///< before the inflows, where both are due
+  std::vector<Sink> sinks;  ///< before the inflows, where both are due
   Stops stops;
 };
 
