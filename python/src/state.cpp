@@ -102,10 +102,12 @@ void bind_state(py::module_& m) {
           "displacements",
           [](const Snapshot& s) {
             std::vector<Vec3d> u;
-            for (const ParticleId p : s.state->r.ids()) u.push_back(s.state->r[p] - s.model->r_0[p]);
+            for (const ParticleId p : s.state->r.ids())
+              u.push_back(s.state->r[p] - first_place(*s.model, *s.state, p));
             return copy(u);
           },
-          "positions less those at the start of the run, (n, 3) [length]; worked out at each call")
+          "positions less those at the start of the run, or as a body came in, (n, 3) [length]; worked out "
+          "at each call")
       .def_property_readonly(
           "masses",
           [](const py::object& self) {

@@ -166,7 +166,7 @@ TEST(Quantities, EveryDataSetOfACheckpointHasItsUnitAndMeaning) {
   chain.state.warm_bonds = {{BondId{1}, 1e-3, 0.5, 0.1, 0.2}};
   chain.state.books.lost[Loss::drag] = 0.5;
   chain.state.bonds[BondId{1}].broken = true;
-  chain.state.dropped = {ParticleId{2}};
+  chain.state.dropped = chain.state.taken = {ParticleId{2}};
   chain.state.mass = {2, 1, 2.0, 1.0, {1, 0, 0}, {0, 1, 0}};
   chain.state.books.inserted = chain.state.books.removed = 0.5;
   for (Loads* loads : {&chain.state.loads, &chain.state.damping, &chain.state.local_damping})
@@ -221,6 +221,7 @@ TEST(Quantities, EveryDataSetOfACheckpointHasItsUnitAndMeaning) {
   source.body = {ParticleId{1}};
   waiting.model.sources = {source};
   waiting.state.sources = {{1.5}};
+  waiting.state.came_at = waiting.state.r;
   look(folder / "w.h5", waiting, {});
   for (const CheckpointQuantity& q : checkpoint_quantities())
     EXPECT_EQ(described.count(q.path), 1U) << q.path;

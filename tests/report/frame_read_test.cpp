@@ -152,7 +152,10 @@ TEST(FrameInput, RefusesPartsThatAreNotOfOneFrame) {
   const std::string step = ">" + std::to_string(body.chain.state.clock.step) + "<";
   expect_found(with(later.replace(later.find(step), step.size(), ">" + std::to_string(1201) + "<")),
                "its parts are not of one frame");
-  // of particles some may not be there; of bonds none is left out
+  // of particles some may not be there, so that numbers have gaps: how many there are is told
+  expect_found(with(content_of(particles(2))), "particles are missing");
+  put_content(particles(1), good);
+  // of bonds none is left out
   put_content(body.file("bonds", 1), content_of(body.file("bonds", 2)));
   expect_found(trouble_with(body.list("bonds")), "number");
   fs::remove(particles(1));

@@ -9,8 +9,12 @@ export function channels(text) {
 /** Small, strained, snapped: different in hue and in lightness. */
 export const class_colours = ["#7fa6c9", "#eda100", "#a3003f"].map(channels);
 
-/** By what a bond broke: numbers of `bond_broken`, 0 is whole. To be told from one another with common colour blindness. */
-export const causes = ["", "tension", "shear", "bending", "torsion", "compression", "its own law"];
+/**
+ * By what a bond broke: numbers of `bond_broken`, 0 is whole; the last one is that of laws which do not say by what, and of
+ * bonds of particles that were dropped or that a sink took out. To be told from one another with common colour
+ * blindness.
+ */
+export const causes = ["", "tension", "shear", "bending", "torsion", "compression", "another cause"];
 export const cause_colours = ["#000000", "#d55e00", "#0072b2", "#e69f00", "#b5488e", "#009e73", "#5a6472"].map(channels);
 
 /** The heaviest fragment, then the others. */

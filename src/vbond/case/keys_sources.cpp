@@ -16,8 +16,8 @@ void describe_visits(Table& t, VisitSpec& v) {
       "is done at once, and the step loop is set up anew, which takes as long as some steps");
 }
 
-void describe_region(Table& t, Region& region) {
-  static const std::vector<std::string> forms{"box", "sphere", "cylinder", "plane", "half_space", "mesh"};
+template <class Regions>
+void describe_region(Table& t, Regions& region, const std::vector<std::string>& forms) {
   t.alternatives(region, t.exactly_one(forms, region.index()), forms);
 }
 
@@ -34,9 +34,7 @@ void describe(Table& t, SourceSpec& s) {
   t.key("rate", s.rate, positive(frequency), default_is("none: all are due at once"),
         "bodies that become due per time; those that find no room wait for the next visit");
   describe_visits(t, s.visits);
-  describe_region(t, s.region);
-  t.check(s.region.index() != 3 && s.region.index() != 4, {"plane", "half_space"},
-          "a source is in a region with an end", "use box, sphere, cylinder or mesh");
+  describe_region(t, s.region, {"box", "sphere", "cylinder", "mesh"});
   t.key("fit", s.whole, ChoiceCodec<bool>{{"whole", "centre"}, {true, false}}, optional,
         "what of a body is inside of the region: all of it, or its centre of mass");
   t.key("orientation", s.turned, ChoiceCodec<bool>{{"random", "given"}, {true, false}}, optional,
@@ -60,7 +58,7 @@ void describe(Table& t, SinkSpec& s) {
   t.key("name", s.name, NameCodec{}, default_is("`\"sink-1\"`, `\"sink-2\"`, ..."), "name of the sink");
   t.key("group", s.group, group_name, optional, "which particles it may take out");
   describe_visits(t, s.visits);
-  describe_region(t, s.region);
+  describe_region(t, s.region, {"box", "sphere", "cylinder", "plane", "half_space", "mesh"});
   t.key("takes", s.outside, ChoiceCodec<bool>{{"inside", "outside"}, {false, true}}, optional,
         "particles whose centres are inside of the region, or outside of it");
 }

@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "vbond/case/placed.hpp"
@@ -18,6 +19,9 @@ struct VisitSpec {
   std::optional<CaseTime> every;            ///< absent: after Visits::default_steps
 };
 
+/// Where bodies come in: it ends on all sides.
+using ClosedRegion = std::variant<BoxRegion, SphereRegion, CylinderRegion, MeshRegion>;
+
 struct SourceSpec {
   SourcePlace place;
   std::string name;
@@ -25,7 +29,7 @@ struct SourceSpec {
   std::int64_t count = 1;        ///< bodies in all
   double rate = 0;               ///< bodies per time; 0: all are due at once
   VisitSpec visits;
-  Region region;
+  ClosedRegion region;
   bool whole = true;   ///< the region holds all of a body; else its centre
   bool turned = true;  ///< at random; else as the specimen stands
   Vec3d velocity, angular_velocity;

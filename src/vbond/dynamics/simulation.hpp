@@ -162,6 +162,7 @@ class Simulation final : public BodyView, private MotionHost {
   const Clock& clock() const override { return state_.clock; }
   const PerBond<Bond>& bonds() const override { return state_.bonds; }
   const std::vector<ParticleId>& dropped() const override { return state_.dropped; }
+  const std::vector<ParticleId>& taken() const override { return state_.taken; }
   const std::vector<ParticleId>& waiting() const override { return state_.waiting; }
   const MassBooks& mass() const override { return state_.mass; }
   const State& state() const override;

@@ -8,6 +8,7 @@
 #include "vbond/dynamics/gather.hpp"
 #include "vbond/dynamics/simulation.hpp"
 #include "vbond/model/bond_sums.hpp"
+#include "vbond/model/passage.hpp"
 #include "vbond/model/turn_bound.hpp"
 
 namespace vbond {
@@ -41,7 +42,8 @@ void Simulation::keep_records() {
     const bool more_to_come =
         std::any_of(stage_.inflows.begin(), stage_.inflows.end(), [this](const Inflow& inflow) {
           const Source& source = model_.sources[inflow.source];
-          return is_waiting(state_, source.particle(source.bodies - 1, 0));
+          return is_waiting(state_, source.particle(source.bodies - 1, 0)) &&
+                 next_visit(inflow, stage_.dt, state_.clock.stage_step) != no_visit;
         });
     quiet = !more_to_come && kinetic < stage_.stops.rest->kinetic_energy_below ? quiet + 1 : 0;
   }

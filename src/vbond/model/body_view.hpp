@@ -58,6 +58,7 @@ class BodyView {
   virtual const PerBond<Bond>& bonds() const = 0;
   /// Particles that take no part in the computation, see State; and what has come in and gone.
   virtual const std::vector<ParticleId>& dropped() const = 0;
+  virtual const std::vector<ParticleId>& taken() const = 0;
   virtual const std::vector<ParticleId>& waiting() const = 0;
   virtual const MassBooks& mass() const = 0;
   /// The whole state, in the numbering of the model. Collecting it takes time in motion: not for every step.

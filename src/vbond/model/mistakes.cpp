@@ -263,4 +263,82 @@ void refuse(const std::string& who, const std::vector<std::string>& mistakes) {
   throw std::invalid_argument(text);
 }
 
+std::vector<std::string> mistakes_in_sources(const Model& model) {
+  std::vector<std::string> found;
+  std::vector<char> taken(model.particles(), 0);
+  for (const Source& source : model.sources) {
+    const std::string who = "source \"" + source.name + "\"";
+    if (source.body.empty() || source.bodies < 1) {
+      found.push_back(who + " has no body, or no particles in it");
+      continue;
+    }
+    bool known = source.bodies == 1 ||
+                 source.copies.value + (source.bodies - 1) * source.body.size() <= model.particles();
+    for (const ParticleId p : source.body) known = known && p.value < model.particles();
+    if (!known) {
+      found.push_back(fmt::format("{} has particles that the model, of {}, has not", who, model.particles()));
+      continue;
+    }
+    bool once = true, alike = true;
+    for (std::size_t body = 0; body < source.bodies; ++body)
+      for (std::size_t k = 0; k < source.body.size(); ++k) {
+        const ParticleId p = source.particle(body, k), first = source.body[k];
+        once = once && taken[p.value]++ == 0;
+        alike = alike && model.mass[p] == model.mass[first] && model.radius[p] == model.radius[first] &&
+                model.inertia[p] == model.inertia[first] && model.r_0[p] == model.r_0[first];
+      }
+    if (!once) found.push_back(who + " has a particle twice, or one of another source");
+    if (!alike)
+      found.push_back(who +
+                      " has bodies that are not alike: masses, inertias, radii and r_0 must be the same");
+    for (const SourceBond& b : source.bonds)
+      if (b.i >= source.body.size() || b.j >= source.body.size() || b.i == b.j ||
+          b.recipe >= source.recipes.size()) {
+        found.push_back(who + " has a bond of particles or of a recipe that it has not");
+        break;
+      }
+    if (!source.region || !source.region->holds || !(source.region->box.diagonal() < INFINITY))
+      found.push_back(who + " has no region, or one without end");
+    if (source.tries < 1) found.push_back(who + " tries no place: tries must be >= 1");
+    if (!is_finite(source.velocity) || !is_finite(source.angular_velocity) ||
+        !(source.velocity_spread >= 0.0 && source.angular_velocity_spread >= 0.0))
+      found.push_back(who + " has a velocity that is not finite, or a spread below 0");
+  }
+  return found;
+}
+
+std::optional<std::string> mistake_in_waiting(const Model& model, const State& s) {
+  if (!std::includes(s.dropped.begin(), s.dropped.end(), s.taken.begin(), s.taken.end()))
+    return "a sink took out particles that are not among those that were dropped, or not in increasing order";
+  if (!s.came_at.empty() &&
+      (s.came_at.size() != s.r.size() ||
+       !std::all_of(s.came_at.begin(), s.came_at.end(), [](const Vec3d& r) { return is_finite(r); })))
+    return "places where particles came in are missing, or not finite";
+  for (std::size_t k = 0; k < s.waiting.size(); ++k)
+    if (s.waiting[k].value >= s.r.size() || (k > 0 && !(s.waiting[k - 1] < s.waiting[k])) ||
+        is_dropped(s, s.waiting[k]))
+      return fmt::format(
+          "particle {} waits: those that do must be particles of the state that were not dropped, in "
+          "increasing "
+          "order",
+          s.waiting[k].value);
+  if (!s.sources.empty() && s.sources.size() != model.sources.size())
+    return fmt::format("the state has records of {} sources, and the model has {}", s.sources.size(),
+                       model.sources.size());
+  if (s.waiting.empty()) return std::nullopt;
+  for (const Bond& b : s.bonds)
+    if (is_waiting(s, b.i) || is_waiting(s, b.j))
+      return fmt::format("a bond joins particles {} and {}, one of which waits", b.i.value, b.j.value);
+  for (const Source& source : model.sources) {
+    const std::size_t in = bodies_in(source, s);
+    for (std::size_t body = 0; body < source.bodies; ++body)
+      for (std::size_t k = 0; k < source.body.size(); ++k)
+        if (is_waiting(s, source.particle(body, k)) != (body >= in))
+          return fmt::format(
+              "bodies of source \"{}\" come in as a whole and in order: particle {} of body {} must {}",
+              source.name, source.particle(body, k).value, body, body >= in ? "wait" : "not wait");
+  }
+  return std::nullopt;
+}
+
 }  // namespace vbond

@@ -1,7 +1,5 @@
 #include "vbond/model/passage.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -27,17 +25,16 @@ std::int64_t last_step_at(double time, double dt) {
   return steps < 0x1p62 ? static_cast<std::int64_t>(steps) : no_visit - 1;
 }
 
-/// A sink is visited until its `until`; a source once more if that lies between two visits, for what has
-/// become due since the one before.
-enum class VisitsOf : std::uint8_t { source, sink };
-
-std::int64_t last_visit(const Visits& v, VisitsOf of, double dt) {
-  const std::int64_t n = steps_between(v, dt), last = last_step_at(v.until, dt);
-  return of == VisitsOf::sink || last > no_visit - n ? last : (last + n - 1) / n * n;
+std::int64_t next_visit(const Visits& v, std::int64_t last, double dt, std::int64_t stage_step) {
+  const std::int64_t n = steps_between(v, dt),
+                     first = std::max({std::int64_t{1}, stage_step, step_at(v.from, dt)});
+  if (first > no_visit - n) return no_visit;
+  const std::int64_t at = (first + n - 1) / n * n;
+  return at <= last ? at : no_visit;
 }
-bool is_visited(const Visits& v, VisitsOf of, double dt, std::int64_t stage_step) {
-  return stage_step > 0 && stage_step % steps_between(v, dt) == 0 && stage_step >= step_at(v.from, dt) &&
-         stage_step <= last_visit(v, of, dt);
+template <class Visited>
+bool is_visited(const Visited& v, const Stage& stage, const State& s) {
+  return next_visit(v, stage.dt, s.clock.stage_step) == s.clock.stage_step;
 }
 
 /// What becomes due in these steps of a stage.
@@ -79,16 +76,6 @@ std::vector<FreeRoom::Ball> balls_of(const Model& model, const Source& source, s
   return balls;
 }
 
-/// The bond number k of a body, as the particles wait.
-std::optional<Bond> bond_of_body(const Model& model, const State& s, const Source& source, std::size_t body,
-                                 const SourceBond& b) {
-  BondSite i = bond_site(model, s, source.particle(body, b.i)),
-           j = bond_site(model, s, source.particle(body, b.j));
-  i.offset = b.offset_i, i.radius = b.R_i;
-  j.offset = b.offset_j, j.radius = b.R_j;
-  return make_bond(source.recipes[b.recipe], i, j);
-}
-
 /// Of the repulsion between particles of a body that has come in with these bonds.  [energy]
 double contact_energy_inside(const Model& model, const State& s, const Source& source, std::size_t body,
                              const std::vector<Bond>& bonds) {
@@ -114,9 +101,10 @@ void come_in(const Model& model, const Source& source, std::size_t body, const P
   for (const SourceBond& b : source.bonds)
     if (const auto bond = bond_of_body(model, s, source, body, b))
       bonds.push_back(*bond), recipes.push_back(b.recipe);
+  if (s.came_at.empty()) s.came_at = model.r_0;
   for (std::size_t k = 0; k < source.body.size(); ++k) {
     const ParticleId p = source.particle(body, k);
-    s.r[p] = at.r[k];
+    s.r[p] = s.came_at[p] = at.r[k];
     s.q[p] = source.turned ? normalised(at.turn * s.q[p]) : s.q[p];
     s.v[p] = at.velocity + cross(at.angular_velocity, between(at.centre, at.r[k]));
     s.omega[p] = at.angular_velocity;
@@ -146,8 +134,8 @@ void come_in(const Model& model, const Source& source, std::size_t body, const P
 /// Particles that are where they are to be taken out.
 std::vector<ParticleId> who_goes(const Stage& stage, const State& s) {
   std::vector<ParticleId> gone;
-  for (const Outflow& o : stage.outflows) {
-    if (!is_visited(o.visits, VisitsOf::sink, stage.dt, s.clock.stage_step)) continue;
+  for (const Sink& o : stage.sinks) {
+    if (!is_visited(o, stage, s)) continue;
     for (const ParticleId p : s.r.ids())
       if ((o.particles.empty() || o.particles[p.value] != 0) && !is_absent(s, p) &&
           o.region->holds(s.r[p], 0.0) != o.outside)
@@ -168,6 +156,8 @@ void take_out(const Model& model, const Stage& stage, State& s, Passage& done) {
   }
   s.mass.particles_out += static_cast<std::int64_t>(gone.size());
   done.events = drop(gone, s);
+  s.taken.insert(s.taken.end(), gone.begin(), gone.end());
+  std::sort(s.taken.begin(), s.taken.end());
   done.any_gone = true;
 }
 
@@ -219,22 +209,29 @@ std::int64_t steps_between(const Visits& visits, double dt) {
   return visits.every > 0.0 ? steps_in(visits.every, dt) : Visits::default_steps;
 }
 
-bool is_visited(const Visits& v, double dt, std::int64_t stage_step) {
-  return is_visited(v, VisitsOf::sink, dt, stage_step);
+std::int64_t next_visit(const Sink& sink, double dt, std::int64_t stage_step) {
+  return next_visit(sink.visits, last_step_at(sink.visits.until, dt), dt, stage_step);
+}
+
+std::int64_t next_visit(const Inflow& inflow, double dt, std::int64_t stage_step) {
+  const std::int64_t n = steps_between(inflow.visits, dt), last = last_step_at(inflow.visits.until, dt);
+  return next_visit(inflow.visits, last > no_visit - n ? last : (last + n - 1) / n * n, dt, stage_step);
 }
 
 std::int64_t next_visit(const Stage& stage, std::int64_t stage_step) {
   std::int64_t next = no_visit;
-  const auto look_at = [&](const Visits& v, VisitsOf of) {
-    const std::int64_t n = steps_between(v, stage.dt),
-                       first = std::max({std::int64_t{1}, stage_step, step_at(v.from, stage.dt)});
-    if (first > no_visit - n) return;
-    const std::int64_t at = (first + n - 1) / n * n;
-    if (at <= last_visit(v, of, stage.dt)) next = std::min(next, at);
-  };
-  for (const Outflow& o : stage.outflows) look_at(o.visits, VisitsOf::sink);
-  for (const Inflow& i : stage.inflows) look_at(i.visits, VisitsOf::source);
+  for (const Sink& o : stage.sinks) next = std::min(next, next_visit(o, stage.dt, stage_step));
+  for (const Inflow& i : stage.inflows) next = std::min(next, next_visit(i, stage.dt, stage_step));
   return next;
+}
+
+std::optional<Bond> bond_of_body(const Model& model, const State& s, const Source& source, std::size_t body,
+                                 const SourceBond& b) {
+  BondSite i = bond_site(model, s, source.particle(body, b.i)),
+           j = bond_site(model, s, source.particle(body, b.j));
+  i.offset = b.offset_i, i.radius = b.R_i;
+  j.offset = b.offset_j, j.radius = b.R_j;
+  return make_bond(source.recipes[b.recipe], i, j);
 }
 
 std::size_t bodies_in(const Source& source, const State& s) {
@@ -304,7 +301,7 @@ Passage visit(const Model& model, const Stage& stage, State& s) {
   Passage done;
   take_out(model, stage, s, done);
   for (const Inflow& inflow : stage.inflows) {
-    if (!is_visited(inflow.visits, VisitsOf::source, stage.dt, s.clock.stage_step)) continue;
+    if (!is_visited(inflow, stage, s)) continue;
     count_due(model, inflow, stage.dt, s.clock.stage_step - steps_between(inflow.visits, stage.dt),
               s.clock.stage_step, s);
     let_in(model, stage, inflow, s, done);
@@ -331,78 +328,6 @@ State with_bonds_to_come(const Model& model, const State& state) {
   }
   s.books = state.books;
   return s;
-}
-
-std::vector<std::string> mistakes_in_sources(const Model& model) {
-  std::vector<std::string> found;
-  std::vector<char> taken(model.particles(), 0);
-  for (const Source& source : model.sources) {
-    const std::string who = "source \"" + source.name + "\"";
-    if (source.body.empty() || source.bodies < 1) {
-      found.push_back(who + " has no body, or no particles in it");
-      continue;
-    }
-    bool known = source.bodies == 1 ||
-                 source.copies.value + (source.bodies - 1) * source.body.size() <= model.particles();
-    for (const ParticleId p : source.body) known = known && p.value < model.particles();
-    if (!known) {
-      found.push_back(fmt::format("{} has particles that the model, of {}, has not", who, model.particles()));
-      continue;
-    }
-    bool once = true, alike = true;
-    for (std::size_t body = 0; body < source.bodies; ++body)
-      for (std::size_t k = 0; k < source.body.size(); ++k) {
-        const ParticleId p = source.particle(body, k), first = source.body[k];
-        once = once && taken[p.value]++ == 0;
-        alike = alike && model.mass[p] == model.mass[first] && model.radius[p] == model.radius[first] &&
-                model.inertia[p] == model.inertia[first] && model.r_0[p] == model.r_0[first];
-      }
-    if (!once) found.push_back(who + " has a particle twice, or one of another source");
-    if (!alike)
-      found.push_back(who +
-                      " has bodies that are not alike: masses, inertias, radii and r_0 must be the same");
-    for (const SourceBond& b : source.bonds)
-      if (b.i >= source.body.size() || b.j >= source.body.size() || b.i == b.j ||
-          b.recipe >= source.recipes.size()) {
-        found.push_back(who + " has a bond of particles or of a recipe that it has not");
-        break;
-      }
-    if (!source.region || !source.region->holds || !(source.region->box.diagonal() < INFINITY))
-      found.push_back(who + " has no region, or one without end");
-    if (source.tries < 1) found.push_back(who + " tries no place: tries must be >= 1");
-    if (!is_finite(source.velocity) || !is_finite(source.angular_velocity) ||
-        !(source.velocity_spread >= 0.0 && source.angular_velocity_spread >= 0.0))
-      found.push_back(who + " has a velocity that is not finite, or a spread below 0");
-  }
-  return found;
-}
-
-std::optional<std::string> mistake_in_waiting(const Model& model, const State& s) {
-  for (std::size_t k = 0; k < s.waiting.size(); ++k)
-    if (s.waiting[k].value >= s.r.size() || (k > 0 && !(s.waiting[k - 1] < s.waiting[k])) ||
-        is_dropped(s, s.waiting[k]))
-      return fmt::format(
-          "particle {} waits: those that do must be particles of the state that were not dropped, in "
-          "increasing "
-          "order",
-          s.waiting[k].value);
-  if (!s.sources.empty() && s.sources.size() != model.sources.size())
-    return fmt::format("the state has records of {} sources, and the model has {}", s.sources.size(),
-                       model.sources.size());
-  if (s.waiting.empty()) return std::nullopt;
-  for (const Bond& b : s.bonds)
-    if (is_waiting(s, b.i) || is_waiting(s, b.j))
-      return fmt::format("a bond joins particles {} and {}, one of which waits", b.i.value, b.j.value);
-  for (const Source& source : model.sources) {
-    const std::size_t in = bodies_in(source, s);
-    for (std::size_t body = 0; body < source.bodies; ++body)
-      for (std::size_t k = 0; k < source.body.size(); ++k)
-        if (is_waiting(s, source.particle(body, k)) != (body >= in))
-          return fmt::format(
-              "bodies of source \"{}\" come in as a whole and in order: particle {} of body {} must {}",
-              source.name, source.particle(body, k).value, body, body >= in ? "wait" : "not wait");
-  }
-  return std::nullopt;
 }
 
 }  // namespace vbond

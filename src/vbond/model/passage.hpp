@@ -18,10 +18,12 @@ inline constexpr std::int64_t no_visit = std::numeric_limits<std::int64_t>::max(
 
 /// The steps from one visit to the next.
 std::int64_t steps_between(const Visits& visits, double dt);
-/// Whether there is a visit at this step of the stage.
-bool is_visited(const Visits& visits, double dt, std::int64_t stage_step);
-/// The first step of the stage, not before this one, at which a source or a region is visited; no_visit:
-/// none.
+/// The first step of the stage, not before this one, at which it is visited; no_visit: none. A sink is
+/// visited until its `until`; a source once more if that lies between two visits, for what has become due
+/// since the one before.
+std::int64_t next_visit(const Sink& sink, double dt, std::int64_t stage_step);
+std::int64_t next_visit(const Inflow& inflow, double dt, std::int64_t stage_step);
+/// The same of all sources and sinks of the stage.
 std::int64_t next_visit(const Stage& stage, std::int64_t stage_step);
 
 /// What a visit has done.
@@ -46,6 +48,11 @@ void count_due_at_end(const Model& model, const Stage& stage, State& state);
 /// How many bodies of a source have come in, and how many more are due.
 std::size_t bodies_in(const Source& source, const State& state);
 std::size_t bodies_due(const Model& model, std::size_t source, const State& state);
+
+/// A bond of a body, by its recipe, between particles as they stand in the state; nothing if the recipe makes
+/// none of this pair.
+std::optional<Bond> bond_of_body(const Model& model, const State& state, const Source& source,
+                                 std::size_t body, const SourceBond& bond);
 
 /// The state with the bonds that the next body of each source will bring, between its particles as they wait:
 /// for bounds of the time step.

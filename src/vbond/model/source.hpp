@@ -79,9 +79,9 @@ struct Inflow {
   Visits visits;
 };
 
-/// Particles whose centres are then in a region, or outside of it, are taken out. Those that a support of the
-/// stage holds, and those whose distance ends it, stay.
-struct Outflow {
+/// Takes out particles whose centres are in a region at a visit, or outside of it. Those that a support of
+/// the stage holds, and those whose distance ends it, stay.
+struct Sink {
   std::string name;
   std::shared_ptr<const Space> region;
   bool outside = false;

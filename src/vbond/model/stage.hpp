@@ -154,7 +154,7 @@ struct Stage : StageTerms {
   std::vector<BondingRule> bonding;
   CellDrive cell;  ///< of a periodic body
   std::vector<Inflow> inflows;
-  std::vector<Outflow> outflows;  ///< before the inflows, where both are due
+  std::vector<Sink> sinks;  ///< before the inflows, where both are due
   Stops stops;
 };
 

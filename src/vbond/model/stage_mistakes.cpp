@@ -92,15 +92,15 @@ void look_at_passage(const Model& model, const Stage& stage, Mistakes& found) {
     found.require(at_least_zero(i.rate), fmt::format("the rate of {} is {}: it must be >= 0", who, i.rate));
     look_at_visits(i.visits, who, found);
   }
-  for (const Outflow& o : stage.outflows) {
-    const std::string who = "outlet \"" + o.name + "\"";
+  for (const Sink& o : stage.sinks) {
+    const std::string who = "sink \"" + o.name + "\"";
     found.require(o.region != nullptr && o.region->holds, who + " has no region");
     found.require(o.particles.empty() || o.particles.size() == model.particles(),
                   fmt::format("{} has {} entries in particles for {} particles", who, o.particles.size(),
                               model.particles()));
     look_at_visits(o.visits, who, found);
   }
-  found.require((stage.inflows.empty() && stage.outflows.empty()) || !stage.cell.any(),
+  found.require((stage.inflows.empty() && stage.sinks.empty()) || !stage.cell.any(),
                 "particles come in or go while the cell moves: let it stand still in this stage");
 }
 

@@ -131,10 +131,13 @@ struct State {
   /// Particles that were taken out of the computation (model/drop.hpp), in increasing order: they stay where
   /// they were, at rest, without bonds, and touch nothing.
   std::vector<ParticleId> dropped;
+  std::vector<ParticleId> taken;  ///< those of them that sinks took out, in increasing order
   /// Particles of bodies that have not come in yet, in increasing order: at rest, where the first body of
   /// their source stands as it waits, without bonds; they touch nothing.
   std::vector<ParticleId> waiting;
   std::vector<SourceRecord> sources;  ///< of each of Model::sources; empty: none has been visited yet
+  PerParticle<Vec3d> came_at;  ///< where particles stood as they came in, r_0 of others  [length]; empty:
+                               ///< nobody has come in
   MassBooks mass;
 
   friend bool operator==(const State&, const State&) = default;
@@ -160,17 +163,20 @@ inline std::vector<ParticleId> absent(const State& s) {
   std::merge(s.dropped.begin(), s.dropped.end(), s.waiting.begin(), s.waiting.end(), std::back_inserter(all));
   return all;
 }
-/// What means, fragments and frames leave out: particles that wait, and where stages take particles out,
-/// those that are gone.
-inline std::vector<ParticleId> left_out(const std::vector<ParticleId>& dropped,
-                                        const std::vector<ParticleId>& waiting, const MassBooks& mass) {
-  if (mass.particles_out == 0) return waiting;
+/// What means, fragments and frames leave out: particles that wait, and those that sinks took out. Others
+/// that were dropped count, where they stopped.
+inline std::vector<ParticleId> left_out(const std::vector<ParticleId>& taken,
+                                        const std::vector<ParticleId>& waiting) {
   std::vector<ParticleId> all;
-  std::merge(dropped.begin(), dropped.end(), waiting.begin(), waiting.end(), std::back_inserter(all));
+  std::merge(taken.begin(), taken.end(), waiting.begin(), waiting.end(), std::back_inserter(all));
   return all;
 }
 inline std::vector<ParticleId> left_out(const State& s) {
-  return left_out(s.dropped, s.waiting, s.mass);
+  return left_out(s.taken, s.waiting);
+}
+/// Where displacements count from: the place of a particle as the run began, or as it came in.  [length]
+inline const Vec3d& first_place(const Model& model, const State& s, ParticleId p) {
+  return s.came_at.empty() ? model.r_0[p] : s.came_at[p];
 }
 /// How many particles take part in the computation.
 inline std::size_t present(const State& s) {

@@ -29,10 +29,13 @@ constexpr ParticleQuantity of_particles[] = {
     {"angular_velocity", unit::angular_velocity, "in the world frame",
      [](const Particle& p) { return p.state.omega[p.id]; }},
     {"rotation", unit::angle,
-     "rotation vector since the start: direction is the axis, length the angle, 0 to pi",
+     "rotation vector since the start: direction is the axis, length the angle, 0 to pi; of a body that came "
+     "in "
+     "turned, with that turn",
      [](const Particle& p) { return rotation_vector(p.state.q[p.id]); }},
-    {"displacement", unit::length, "position less position at the start",
-     [](const Particle& p) { return p.state.r[p.id] - p.model.r_0[p.id]; }},
+    {"displacement", unit::length,
+     "position less position at the start, or as the particle came in from a source",
+     [](const Particle& p) { return p.state.r[p.id] - first_place(p.model, p.state, p.id); }},
     {"id", unit::none, "number of the particle", [](const Particle& p) { return std::int64_t{p.id.value}; }},
     {"specimen", unit::none, "which `[[specimen]]` made it, from 0",
      [](const Particle& p) { return std::int64_t{p.model.specimen_of(p.id)}; }},
@@ -130,7 +133,9 @@ constexpr WallQuantity of_walls[] = {
     {"displacement", unit::length, "of its centre since the start",
      [](const WallView& w) { return w.now.displacement; }},
     {"rotation", unit::angle,
-     "rotation vector since the start: direction is the axis, length the angle, 0 to pi",
+     "rotation vector since the start: direction is the axis, length the angle, 0 to pi; of a body that came "
+     "in "
+     "turned, with that turn",
      [](const WallView& w) { return rotation_vector(w.now.q); }},
 };
 

@@ -19,7 +19,7 @@ namespace {
 
 Vec3d mean_displacement(const Group& group, const Model& model, const State& state) {
   Vec3d sum;
-  for (const ParticleId p : group.particles) sum += state.r[p] - model.r_0[p];
+  for (const ParticleId p : group.particles) sum += state.r[p] - first_place(model, state, p);
   return sum / static_cast<double>(group.particles.size());
 }
 
@@ -139,7 +139,7 @@ std::string history_header(const OutputPlan& plan) {
 
 HistoryValues history_values(const OutputPlan& plan, const BodyView& body) {
   const BalancePoint* const at_rest = body.balance();
-  const std::vector<ParticleId> without = left_out(body.dropped(), body.waiting(), body.mass());
+  const std::vector<ParticleId> without = left_out(body.taken(), body.waiting());
   HistoryValues values{
       .clock = body.clock(),
       .books = body.books(),

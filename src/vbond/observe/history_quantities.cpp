@@ -117,7 +117,7 @@ constexpr HistoryQuantity columns[] = {
      [](const Values& v) -> Cell { return v.present; }, Only::passage},
     {"particles_in", unit::none, "that have come in so far",
      [](const Values& v) -> Cell { return v.mass.particles_in; }, Only::passage},
-    {"particles_out", unit::none, "that were taken out so far by stages' outlets",
+    {"particles_out", unit::none, "that sinks took out so far",
      [](const Values& v) -> Cell { return v.mass.particles_out; }, Only::passage},
     {"mass_in", unit::mass, "mass that has come in so far",
      [](const Values& v) -> Cell { return v.mass.mass_in; }, Only::passage},

@@ -177,8 +177,7 @@ Json to_json(const PassageSummary& p) {
          {"removed", p.removed},
          {"sources", Json::array()}};
   for (const PassageSummary::OfSource& s : p.sources)
-    j["sources"].push_back(
-        {{"name", s.name}, {"bodies", s.bodies}, {"came_in", s.came_in}, {"no_room", s.no_room}});
+    j["sources"].push_back({{"name", s.name}, {"bodies", s.bodies}, {"came_in", s.came_in}, {"due", s.due}});
   return j;
 }
 PassageSummary passage_from(const Json& j) {
@@ -197,7 +196,7 @@ PassageSummary passage_from(const Json& j) {
   p.removed = j.at("removed").get<double>();
   for (const Json& s : j.at("sources"))
     p.sources.push_back({s.at("name").get<std::string>(), whole_number(s.at("bodies")),
-                         whole_number(s.at("came_in")), whole_number(s.at("no_room"))});
+                         whole_number(s.at("came_in")), whole_number(s.at("due"))});
   return p;
 }
 

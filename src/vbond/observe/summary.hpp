@@ -74,7 +74,7 @@ CellSummary summarise_cell(const Model& model, const State& state);
 struct PassageSummary {
   struct OfSource {
     std::string name;
-    std::int64_t bodies = 0, came_in = 0, no_room = 0;  ///< no_room: more that were due
+    std::int64_t bodies = 0, came_in = 0, due = 0;  ///< due: more that were, and have not come in
     friend bool operator==(const OfSource&, const OfSource&) = default;
   };
   std::int64_t present = 0;  ///< particles that take part

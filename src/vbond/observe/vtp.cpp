@@ -201,6 +201,11 @@ std::string VtpFile::head(double time, std::int64_t step, std::optional<double> 
         "      <DataArray type=\"Float64\" Name=\"load_factor\" NumberOfTuples=\"1\" format=\"ascii\">"
         "{}</DataArray>\n",
         *load_factor);
+  if (points_of_all_parts_)
+    x += fmt::format(
+        "      <DataArray type=\"Int64\" Name=\"points_of_all_parts\" NumberOfTuples=\"1\" format=\"ascii\">"
+        "{}</DataArray>\n",
+        *points_of_all_parts_);
   if (cell_) x += field_data_of(*cell_);
   x += fmt::format(
       "    </FieldData>\n    <Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" NumberOfLines=\"{}\" "

@@ -34,6 +34,8 @@ class VtpFile {
   /// The unit of the positions: its label becomes VTK's key UNITS_LABEL. An empty one is left out.
   void set_unit_of_points(const std::string& unit) { coordinates_.unit = unit; }
 
+  /// Field data: `points_of_all_parts`, of a file that is a part of a frame.
+  void set_points_of_all_parts(std::int64_t points) { points_of_all_parts_ = points; }
   /// Field data: `cell` (a, b and c), `cell_corner`, `cell_periodic` (1: yes).
   void set_cell(const FrameCell& cell) { cell_ = cell; }
 
@@ -90,6 +92,7 @@ class VtpFile {
 
   FrameFormat format_;
   std::optional<FrameCell> cell_;
+  std::optional<std::int64_t> points_of_all_parts_;
   std::size_t points_ = 0, cells_ = 0;
   Topology topology_ = Topology::verts;
   Array coordinates_, connectivity_, offsets_;

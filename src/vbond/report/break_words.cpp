@@ -11,8 +11,8 @@
 namespace vbond {
 namespace {
 
-/// The mode of bonds that were broken as a particle was dropped: the file has them as `other`, though nothing
-/// was used up. No bond that its law breaks is below this utilisation.
+/// The mode of bonds that were broken as a particle was dropped, or taken out by a sink: the file has them as
+/// `other`, though nothing was used up. No bond that its law breaks is below this utilisation.
 constexpr const char* with_dropped = "dropped";
 constexpr double least_of_a_break = 0.999;
 
@@ -56,7 +56,7 @@ std::string stress_in_words(const BreakTold& b, UnitSystem units) {
 
 /// "by its own law" where the law does not say by what.
 std::string mode_in_words(const std::string& mode) {
-  if (mode == with_dropped) return "with a particle that was dropped";
+  if (mode == with_dropped) return "with a particle that was dropped or that a sink took out";
   return mode == "other" ? "by its own law" : "in " + mode;
 }
 

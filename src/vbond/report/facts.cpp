@@ -260,7 +260,7 @@ Lines results_of(const RunSummary& summary) {
     for (const PassageSummary::OfSource& s : p.sources)
       lines.push_back({fmt::format("Source \"{}\"", s.name),
                        fmt::format("{} of {} bodies came in{}", s.came_in, s.bodies,
-                                   s.no_room > 0 ? fmt::format("; {} more were due", s.no_room) : "")});
+                                   s.due > 0 ? fmt::format("; {} more were due", s.due) : "")});
   }
   if (any_balance_of_energy(summary))
     lines.push_back(

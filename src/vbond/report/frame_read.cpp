@@ -68,6 +68,9 @@ FrameInput::FrameInput(const fs::path& path) : path_(path) {
   } else {
     points_ = cells_ = places(Per::point, "id", true);  // each point is a cell
     for (const VtpInput& f : files_)
+      if (f.points_of_all_parts().value_or(points_->count) != points_->count)
+        refuse("particles are missing, as if a part were of another frame");
+    for (const VtpInput& f : files_)
       if (f.cells() != f.points()) refuse("a part has particles that are not points");
   }
 }

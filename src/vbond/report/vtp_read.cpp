@@ -65,6 +65,11 @@ class VtpInput::Head {
       f_.load_factor_ = s_.number<double>();
       s_.expect("</DataArray>\n");
     }
+    if (s_.take("      <DataArray type=\"Int64\" Name=\"points_of_all_parts\" NumberOfTuples=\"1\" "
+                "format=\"ascii\">")) {
+      f_.points_of_all_parts_ = s_.number<std::size_t>();
+      s_.expect("</DataArray>\n");
+    }
     read_cell();
     s_.expect("    </FieldData>\n    <Piece NumberOfPoints=\"");
     f_.points_ = count();

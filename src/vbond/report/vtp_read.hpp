@@ -22,6 +22,8 @@ class VtpInput {
   std::int64_t step() const { return step_; }
   std::optional<double> load_factor() const { return load_factor_; }  ///< of a balance
   const std::optional<FrameCell>& cell() const { return cell_; }      ///< of a periodic body
+  /// Of a part: how many points all parts of its frame have together; absent in frames of earlier versions.
+  std::optional<std::size_t> points_of_all_parts() const { return points_of_all_parts_; }
   std::size_t points() const { return points_; }
   std::size_t cells() const { return cells_; }
 
@@ -72,6 +74,7 @@ class VtpInput {
   std::int64_t step_ = 0;
   std::optional<double> load_factor_;
   std::optional<FrameCell> cell_;
+  std::optional<std::size_t> points_of_all_parts_;
   std::size_t points_ = 0, cells_ = 0;
   std::size_t corners_ = 1;  ///< of each cell
   std::vector<Array> arrays_;

@@ -43,7 +43,7 @@ void Run::tell_of_dropped(const std::vector<std::pair<ParticleId, std::string>>&
                           const std::vector<BondEvent>& broken, double energy) {
   constexpr std::size_t told_in_full = 10;
   const State& s = simulation_->state();
-  std::size_t count = s.dropped.size() - lost.size();
+  std::size_t count = s.dropped.size() - s.taken.size() - lost.size();
   for (std::size_t k = 0; k < lost.size(); ++k) {
     if (++count > told_in_full) {
       ++drops_untold_;
@@ -66,7 +66,7 @@ void Run::tell_of_dropped(const std::vector<std::pair<ParticleId, std::string>>&
 void Run::sum_up_dropped() {
   if (const std::size_t untold = std::exchange(drops_untold_, 0); untold > 0 && hooks_.tell)
     hooks_.tell(fmt::format("{} more particles were dropped: {} in all so far", untold,
-                            simulation_->dropped().size()));
+                            simulation_->dropped().size() - simulation_->taken().size()));
 }
 
 }  // namespace vbond

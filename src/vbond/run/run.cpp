@@ -265,8 +265,7 @@ void Run::close_stage(StopReason why) {
   if (hooks_.tell)
     for (const std::string& sentence : stresses_not_reached(stage.cell, state_, time))
       hooks_.tell(fmt::format("stage \"{}\" ends before the cell has given way: {}", stage.name, sentence));
-  count_due_at_end(model_, stage, state_);
-  tell_of_sources();
+  end_sources();
   stage_.reset();
   begin_next_stage(state_.clock);
 }

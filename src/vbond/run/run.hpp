@@ -145,7 +145,7 @@ class Run {
   void spread_anew();
   void go_on_in(State state);
   void visit();
-  void tell_of_sources() const;
+  void end_sources();
   void tell_stage_end(StopReason why, const std::string& failure);
   bool drop(const ParticlesLost& found);
   void tell_of_dropped(const std::vector<std::pair<ParticleId, std::string>>& lost,

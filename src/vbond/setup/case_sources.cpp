@@ -66,7 +66,8 @@ struct SpaceMaker {
   }
 };
 
-std::shared_ptr<const Space> space_of(const Region& region, const RegionOwner& owner) {
+template <class Regions>
+std::shared_ptr<const Space> space_of(const Regions& region, const RegionOwner& owner) {
   return std::make_shared<const Space>(
       std::visit([&](const auto& r) { return SpaceMaker{owner}(r); }, region));
 }
@@ -274,14 +275,14 @@ void resolve_passage(const Case& c, const Model& model, std::size_t k, Stage& st
     std::vector<std::string> notes;
     try {
       const RegionOwner owner{c.file, s.place, fmt::format("sink \"{}\"", s.name), notes};
-      Outflow out{s.name, space_of(s.region, owner), s.outside, {}, visits_of(s.visits, s.place)};
-      if (group->particles.size() < model.particles()) out.particles = membership(*group, model);
-      stage.outflows.push_back(std::move(out));
+      Sink sink{s.name, space_of(s.region, owner), s.outside, {}, visits_of(s.visits, s.place)};
+      if (group->particles.size() < model.particles()) sink.particles = membership(*group, model);
+      stage.sinks.push_back(std::move(sink));
     } catch (const CaseError& e) {
       problems.add(e);
     }
   }
-  if (spec.cell && (!stage.inflows.empty() || !stage.outflows.empty()))
+  if (spec.cell && (!stage.inflows.empty() || !stage.sinks.empty()))
     problems.add(spec.place, fmt::format("stage \"{}\" moves the cell while particles come or go", spec.name),
                  "what comes in stands beside the flow of the cell, and its energy would not be known",
                  "give source and sink `stages` in which the cell stands still");

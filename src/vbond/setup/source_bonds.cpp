@@ -38,12 +38,8 @@ State alone(const Built& built, const Source& source, const PerBond<Bond>& bonds
 PerBond<Bond> bonds_so_far(const Built& built, const Source& source) {
   const State waiting = alone(built, source, {});
   PerBond<Bond> bonds;
-  for (const SourceBond& b : source.bonds) {
-    BondSite i = bond_site(built.model, waiting, source.body[b.i]),
-             j = bond_site(built.model, waiting, source.body[b.j]);
-    i.offset = b.offset_i, i.radius = b.R_i, j.offset = b.offset_j, j.radius = b.R_j;
-    if (const auto bond = make_bond(source.recipes[b.recipe], i, j)) bonds.push_back(*bond);
-  }
+  for (const SourceBond& b : source.bonds)
+    if (const auto bond = bond_of_body(built.model, waiting, source, 0, b)) bonds.push_back(*bond);
   return bonds;
 }
 

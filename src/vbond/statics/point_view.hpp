@@ -19,6 +19,7 @@ class PointView final : public BodyView {
   const PerBond<Bond>& bonds() const override { return state().bonds; }
   const State& state() const override { return point_.state; }
   const std::vector<ParticleId>& dropped() const override { return state().dropped; }
+  const std::vector<ParticleId>& taken() const override { return state().taken; }
   const std::vector<ParticleId>& waiting() const override { return state().waiting; }
   const MassBooks& mass() const override { return state().mass; }
   const Survey& survey() const override {
