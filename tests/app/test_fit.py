@@ -143,3 +143,10 @@ def test_failed_runs_are_told(work):
 def test_ends_after_the_iterations_given(work):
     fit(*VARY, *ALONG, "--iterations", "1", "-o", "few.toml", status=1, out="ended after 1 iterations")
     assert found("few")["end"] == "iterations"
+
+
+def test_blas_of_statics_is_no_other_than_before(work):
+    # Debian's Ceres links ATLAS, whose BLAS would give other bits, and be slower
+    said = vbond("--version", env={"LD_BIND_NOW": "1", "LD_DEBUG": "bindings"})
+    bound = [line for line in said.err.splitlines() if "symbol `dgemm_'" in line]
+    assert bound and all("libopenblas" in line.split(" to ")[1] for line in bound), bound
