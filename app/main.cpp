@@ -14,6 +14,7 @@
 #include "command_tree.hpp"
 #include "commands.hpp"
 #include "failure.hpp"
+#include "fit.hpp"
 #include "processes.hpp"
 #include "run_options.hpp"
 #include "vbond/core/nearest.hpp"
@@ -270,6 +271,11 @@ int dispatch(int argc, char** argv, app::Processes& processes) {
   app::add_case(homogenise_command, run);
   homogenise_command->add_flag("--json", run.json, "Print it as JSON");
 
+  app::FitOptions fit;
+  fit.threads = default_threads();
+  CLI::App* fit_command = app::add_fit(program, fit);
+  add_threads(fit_command, fit.threads);
+
   std::string key;
   CLI::App* reference_command =
       program.add_subcommand("reference", "Print what a key of case files means, or all keys of a table");
@@ -319,6 +325,7 @@ int dispatch(int argc, char** argv, app::Processes& processes) {
   if (export_command->parsed()) return app::export_lammps(run, export_to);
   if (pack_command->parsed()) return app::pack(run, pack_to);
   if (homogenise_command->parsed()) return app::homogenise(run);
+  if (fit_command->parsed()) return app::fit(fit);
   if (reference_command->parsed()) return app::reference(key);
   if (schema_command->parsed()) return app::schema();
   if (hidden.completion->parsed()) return app::completion(program, hidden.shell);

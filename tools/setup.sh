@@ -19,6 +19,7 @@ vbond_build_packages=(
   voro++-dev            # Voronoi cells of packings
   libsuitesparse-dev libopenblas-pthread-dev  # statics: sparse factors
   libeigen3-dev libspectra-dev                # statics: matrices, eigenvalues
+  libceres-dev                                # statics: vbond fit
 )
 vbond_petsc_packages=(libpetsc-real-dev libhdf5-openmpi-dev pkg-config)  # multigrid, in ./test --petsc
 vbond_test_packages=(libgtest-dev librapidcheck-dev python3-pytest)

@@ -35,6 +35,7 @@ class Vbond(CMakePackage):
         depends_on("openblas")
         depends_on("eigen@3.4:")
         depends_on("spectra@1:")
+        depends_on("ceres-solver@2.1:")
     with when("+multigrid"):
         depends_on("petsc@3.18: +mpi")
         depends_on("mpi")

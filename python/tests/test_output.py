@@ -2,6 +2,7 @@
 
 import json
 import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -116,3 +117,18 @@ def test_the_program_is_found(monkeypatch):
     said = subprocess.run([program, "--version"], capture_output=True, text=True).stdout
     assert vbond.__version__ in said
     assert json.loads(json.dumps(vbond.__version__)) == vbond.__version__
+
+
+def test_a_fit_is_the_result_as_a_dict(tmp_path):
+    examples = Path(__file__).resolve().parents[2] / "examples"
+    case = vbond.Case.from_file(examples / "stem_bending.toml")
+    asked = (case, examples / "stem_bending.csv", tmp_path / "fitted.toml", ["bonds[fibre].k_n=log"], "load_factor",
+             {"displacement.last.z": "deflection [mm]"})
+    found = vbond.fit(*asked, sigma=5e-5)
+    assert found["end"] == "converged" and found["sigma_known"]
+    low, high = found["values"][0]["interval_95"]
+    assert low < 3.67e10 < high
+    assert vbond.fit(*asked, sigma=[5e-5]) == found
+    assert vbond.Case.from_file(tmp_path / "fitted.toml").keys["bonds"][0]["k_n"] == pytest.approx(found["values"][0]["value"])
+    with pytest.raises(vbond.ProgramError, match="no column"):
+        vbond.fit(*asked[:2], tmp_path / "other.toml", asked[3], "load_factor", {"displacement.last.z": "z"})

@@ -31,7 +31,7 @@ from . import plots
 from .cases import Case, calibrate, list_keys
 from .command import ProgramError, find_program
 from .output import Frame, Output, open
-from .program import run, sweep
+from .program import fit, run, sweep
 from .runs import Run
 from .statics import StaticSolution, buckling, equilibrium, fracture, homogenise, modes, path
 
@@ -40,5 +40,5 @@ __all__ = [
     "NaturalMode", "NoEquilibrium", "Output", "ProgramError", "Run", "RunWarning", "SpecialPoint", "StageResult", "State",
     "StaticResult", "StaticSolution", "__version__", "better_blas_kernel",
     "blas_kernel", "buckling", "calibrate", "equilibrium", "find_program",
-    "fracture", "homogenise", "list_keys", "modes", "open", "path", "plots", "run", "sweep",
+    "fit", "fracture", "homogenise", "list_keys", "modes", "open", "path", "plots", "run", "sweep",
 ]

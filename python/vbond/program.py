@@ -1,11 +1,12 @@
-"""The program vbond, for what writes files: whole runs and sweeps."""
+"""The program vbond, for what writes files: whole runs, sweeps and fits."""
 
 from __future__ import annotations
 
 import csv
+import json
 import os
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -71,6 +72,32 @@ def sweep(case: Case, folder: str | os.PathLike, values: Mapping[str, Any], *, j
             raise
     with (folder / "sweep.csv").open(newline="", encoding="utf-8") as table:
         return [{name: _cell(text) for name, text in row.items()} for row in csv.DictReader(table)]
+
+
+def fit(case: Case, data: str | os.PathLike, output: str | os.PathLike, vary: Sequence[str], x: str,
+        compare: Mapping[str, str], *, sigma: float | str | Sequence[float | str] | None = None, stage: str | None = None,
+        iterations: int = 50, difference: float = 1e-3, threads: int | None = None, quiet: bool = True) -> dict[str, Any]:
+    """Varies values of the case until columns of its history follow the points of a CSV file, and returns what
+    NAME.json has (docs/fit.md), with None where there is no number. output: NAME.toml, the fitted case; vary: texts as behind
+    --vary; x: a column of the history, or "COLUMN=HEADING"; compare: {column of the history: heading of the data}; sigma: a
+    number or a heading, one for each column. The same call goes on with a fit that was stopped. One that did not
+    converge says so as "end". ProgramError if there is no result."""
+    if isinstance(vary, str) or not vary:
+        raise ValueError("fit: vary is a list of keys, with at least one")
+    sigmas = [] if sigma is None else [sigma] if isinstance(sigma, (int, float, str)) else list(sigma)
+    options = ["-o", os.fspath(output), "--x", x, "--iterations", str(iterations), "--difference", str(difference)]
+    for option, texts in (("--vary", vary), ("--compare", [f"{column}={heading}" for column, heading in compare.items()]),
+                          ("--sigma", map(str, sigmas)), ("--stage", [] if stage is None else [stage]),
+                          ("--threads", [] if threads is None else [str(threads)])):
+        for text in texts:
+            options += [option, text]
+    try:
+        with _as_file(case) as file:
+            run_program(["fit", file, os.fspath(data), *options], quiet)
+    except ProgramError as e:
+        if e.status != 1 or not Path(output).exists():  # 1 with files: it did not converge, which the result says
+            raise
+    return json.loads(Path(output).with_suffix(".json").read_text(encoding="utf-8"))
 
 
 def _cell(text: str) -> Any:

@@ -26,3 +26,9 @@ def test_statics_are_refused(name, changes, told):  # at the place, and how to g
 def test_no_library_of_statics_is_linked():
     linked = subprocess.run(["ldd", PROGRAM], capture_output=True, text=True).stdout
     assert not re.search("cholmod|blas|suitesparse|amd|metis", linked)
+
+
+def test_fits_are_refused():
+    write("data.csv", "time,total\n0,1\n")
+    vbond("fit", EXAMPLES / "two_particles.toml", "data.csv", "--vary", "bonds[0].E", "--x", "time", "--compare", "total", status=2,
+          err=["two_particles.toml", "this vbond was built without statics", "Ceres"])

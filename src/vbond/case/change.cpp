@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "vbond/case/find_key.hpp"
 #include "vbond/core/error.hpp"
 
 namespace vbond::keys {
@@ -23,6 +24,8 @@ struct Step {
 class Change {
  public:
   Change(const std::string& text, std::uint32_t number) : text_(text), line_(first_changed_line + number) {}
+  /// One that only looks, for an option of this name.
+  Change(const std::string& text, const std::string& option) : text_(text), line_(0), looks_for_(option) {}
 
   void apply(NodeTable& root, SetTwice twice) {
     const std::vector<Step> steps = read_path();
@@ -40,11 +43,20 @@ class Change {
       if (m.key == last.name && last.items.empty()) m.line = line_, m.column = 1;
   }
 
+  FoundKey find(NodeTable& root) {
+    const std::vector<Step> steps = read_path();
+    NodeTable* table = &root;
+    for (std::size_t k = 0; k + 1 < steps.size(); ++k) table = &table_of(item_of(*table, steps[k]), steps[k]);
+    return {&item_of(*table, steps.back()), !steps.back().items.empty()};
+  }
+
  private:
   [[noreturn]] void refuse(const std::string& rule, const std::string& way_out) const {
     std::string shown = text_;
     std::replace_if(shown.begin(), shown.end(), is_line_break, ' ');
-    throw CaseError(Problem{{"--set " + shown, 0, 0}, rule, way_out, ""});
+    if (!looks_for_.empty() && shown.ends_with('=')) shown.pop_back();
+    throw CaseError(
+        Problem{{(looks_for_.empty() ? "--set" : looks_for_) + " " + shown, 0, 0}, rule, way_out, ""});
   }
   static bool is_line_break(char c) { return c == '\n' || c == '\r'; }
 
@@ -125,6 +137,9 @@ class Change {
   Node& item_of(NodeTable& table, const Step& step) const {
     auto at = std::find_if(table.begin(), table.end(), [&](const Member& m) { return m.key == step.name; });
     if (at == table.end()) {
+      if (!looks_for_.empty())
+        refuse("the case does not give " + step.name,
+               "write it into the case file, with the value to start from");
       if (!step.items.empty()) refuse("the case has no " + step.name, "write it into the case file");
       table.push_back({step.name, line_, 1, Node{NodeTable{}, line_, 1}});
       at = table.end() - 1;
@@ -171,13 +186,18 @@ class Change {
 
   const std::string& text_;
   std::uint32_t line_;
-  std::string value_;
+  std::string value_, looks_for_;
 };
 
 }  // namespace
 
 void apply_change(const std::string& text, std::uint32_t number, NodeTable& root, SetTwice twice) {
   Change(text, number).apply(root, twice);
+}
+
+FoundKey find_key(const std::string& path, NodeTable& root, const std::string& option) {
+  const std::string text = path + '=';
+  return Change(text, option).find(root);
 }
 
 }  // namespace vbond::keys

@@ -1,0 +1,47 @@
+#include "vbond/fit/curve.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace vbond::fit {
+namespace {
+
+bool goes_down(const Curve& c) {
+  return c.x.back() < c.x.front();
+}
+
+/// y'' by the divided differences of three rows; 0 where two of them have one x.
+double second_derivative(const Curve& c, std::size_t k) {
+  const double a = c.x[k + 1] - c.x[k], b = c.x[k + 2] - c.x[k + 1];
+  if (a == 0 || b == 0) return 0;
+  return 2 * ((c.y[k + 2] - c.y[k + 1]) / b - (c.y[k + 1] - c.y[k]) / a) / (a + b);
+}
+
+}  // namespace
+
+std::optional<std::size_t> goes_back(const Curve& c) {
+  if (c.x.empty()) return std::nullopt;
+  const double way = goes_down(c) ? -1 : 1;
+  for (std::size_t k = 1; k < c.x.size(); ++k)
+    if (way * (c.x[k] - c.x[k - 1]) < 0) return k;
+  return std::nullopt;
+}
+
+std::optional<Between> at(const Curve& c, double x) {
+  if (c.x.empty()) return std::nullopt;
+  const double first = c.x.front(), last = c.x.back(), beyond = 1e-9 * std::abs(last - first);
+  if (x < std::min(first, last) - beyond || x > std::max(first, last) + beyond) return std::nullopt;
+  const double way = goes_down(c) ? -1 : 1;
+  std::size_t k = 1;  // the first row that has reached x
+  while (k + 1 < c.x.size() && way * (c.x[k] - x) < 0) ++k;
+  if (c.x.size() == 1 || way * (c.x[0] - x) >= 0) return Between{c.y[0], 0};
+  const double step = c.x[k] - c.x[k - 1];
+  if (step == 0) return Between{c.y[k - 1], 0};
+  const double part = std::clamp((x - c.x[k - 1]) / step, 0.0, 1.0);
+  double bend = 0;
+  if (k >= 2) bend = std::abs(second_derivative(c, k - 2));
+  if (k + 1 < c.x.size()) bend = std::max(bend, std::abs(second_derivative(c, k - 1)));
+  return Between{c.y[k - 1] + part * (c.y[k] - c.y[k - 1]), 0.5 * bend * step * step * part * (1 - part)};
+}
+
+}  // namespace vbond::fit

@@ -1,0 +1,336 @@
+#include "vbond/fit/fit.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cctype>
+#include <cmath>
+#include <exception>
+#include <limits>
+#include <map>
+#include <mutex>
+#include <set>
+#include <stdexcept>
+#include <thread>
+
+#include "vbond/case/read.hpp"
+#include "vbond/core/error.hpp"
+#include "vbond/fit/curve.hpp"
+#include "vbond/run/run.hpp"
+
+namespace vbond::fit {
+namespace {
+
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+/// The rows that a point is compared with, for its curve and stage.
+Curve curve_of(const Rows& rows, std::size_t column, const std::optional<std::size_t>& stage) {
+  Curve c;
+  for (std::size_t r = 0; r < rows.stage.size(); ++r) {
+    if (stage ? rows.stage[r] != *stage : rows.only_of_stage[r] != 0) continue;
+    const double x = rows.columns[0][r], y = rows.columns[column][r];
+    if (std::isfinite(x) && std::isfinite(y)) c.x.push_back(x), c.y.push_back(y);
+  }
+  return c;
+}
+
+/// The curves at all points, NaN beyond the rows; how far interpolation may be off, point by point.
+struct AtPoints {
+  std::vector<double> y, off;
+};
+
+/// Throws CaseError if some x goes back.
+AtPoints at_points(const Task& task, const Rows& rows, const std::vector<Point>& points) {
+  AtPoints found;
+  std::map<std::pair<std::size_t, std::optional<std::size_t>>, Curve> curves;
+  for (const Point& p : points) {
+    auto [at_curve, is_new] = curves.try_emplace({p.curve, p.stage});
+    if (is_new) {
+      at_curve->second = curve_of(rows, p.curve + 1, p.stage);
+      if (const auto row = goes_back(at_curve->second))
+        throw CaseError(Problem{{task.case_text.file.string(), 0, 0},
+                                fmt::format("{} goes back, from {} to {}", task.x.history,
+                                            at_curve->second.x[*row - 1], at_curve->second.x[*row]),
+                                "a curve has one value at each point of --x",
+                                "compare with one stage (--stage, or a column stage in the data), or along "
+                                "time, step or load_factor"});
+    }
+    const auto between = at(at_curve->second, p.x);
+    found.y.push_back(between ? between->y : none);
+    found.off.push_back(between ? between->off : 0);
+  }
+  return found;
+}
+
+std::string first_line(const std::string& text) {
+  return text.substr(0, text.find('\n'));
+}
+
+/// The same for failures of one kind.
+std::string without_numbers(std::string text) {
+  text.erase(std::remove_if(text.begin(), text.end(),
+                            [](char c) {
+                              return std::isdigit(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '-';
+                            }),
+             text.end());
+  return text;
+}
+
+/// The runs of a task. Each set of values is run once.
+class Runs {
+ public:
+  Runs(const Task& task, const Options& options) : task_(task), options_(options) {
+    for (const Tried& t : options.known) known_.emplace(t.values, t.trial);
+    columns_.push_back(task.x.history);
+    for (const Measured& m : task.measured) columns_.push_back(m.y.history);
+  }
+
+  void set_points(std::vector<Point> points) { points_ = std::move(points); }
+
+  /// Of a single run, with what goes wrong as it is thrown; nothing: interrupted.
+  std::optional<AtPoints> run(const std::vector<double>& values, int threads) const {
+    std::vector<std::string> changes;
+    for (std::size_t j = 0; j < values.size(); ++j)
+      changes.push_back(task_.varied[j].key + '=' + task_.varied[j].start.toml(values[j]));
+    const Rows rows = run_case(task_.case_text, changes, columns_, threads, options_.search.interrupted);
+    if (rows.interrupted) return std::nullopt;
+    return at_points(task_, rows, points_);
+  }
+
+  /// The same, kept, and with failures as a Trial.
+  std::vector<Trial> try_all(const std::vector<std::vector<double>>& all) {
+    std::vector<std::vector<double>> wanted;
+    for (const auto& values : all)
+      if (known_.count(values) == 0 && std::find(wanted.begin(), wanted.end(), values) == wanted.end())
+        wanted.push_back(values);
+    run_together(wanted);
+    std::vector<Trial> trials;
+    for (const auto& values : all) {
+      const auto at = known_.find(values);
+      trials.push_back(at != known_.end() ? at->second : Trial{{}, "interrupted"});
+    }
+    return trials;
+  }
+
+  /// The start: what goes wrong there is the user's.
+  std::optional<Trial> start(const std::vector<double>& values) {
+    if (const auto at = known_.find(values); at != known_.end()) return at->second;
+    const auto found = run(values, options_.threads);
+    if (!found) return std::nullopt;
+    keep(values, {found->y, ""});
+    return known_.at(values);
+  }
+
+  const std::map<std::vector<double>, Trial>& tried() const { return known_; }
+  std::size_t made = 0, failed = 0;
+
+ private:
+  /// One after the other with all threads, or several at once with one each: the bits are the same.
+  void run_together(const std::vector<std::vector<double>>& wanted) {
+    const std::size_t workers = std::min(wanted.size(), static_cast<std::size_t>(options_.threads));
+    std::atomic<std::size_t> next = 0;
+    const auto work = [&](int threads) {
+      for (std::size_t k = next++; k < wanted.size(); k = next++) {
+        try {
+          if (failure_) return;
+          if (auto trial = guarded(wanted[k], threads)) keep(wanted[k], std::move(*trial));
+        } catch (...) {
+          const std::lock_guard lock(mutex_);
+          failure_ = std::current_exception();
+        }
+      }
+    };
+    if (workers <= 1) {
+      work(options_.threads);
+    } else {
+      std::vector<std::thread> threads;
+      for (std::size_t k = 0; k < workers; ++k) threads.emplace_back(work, 1);
+      for (std::thread& t : threads) t.join();
+    }
+    if (failure_) std::rethrow_exception(failure_);
+  }
+
+  std::optional<Trial> guarded(const std::vector<double>& values, int threads) const {
+    const auto no_curve = [](const std::exception& e) { return Trial{{}, first_line(e.what())}; };
+    try {
+      auto found = run(values, threads);
+      return found ? std::optional(Trial{std::move(found->y), ""}) : std::nullopt;
+    } catch (const CaseError& e) {
+      return no_curve(e);
+    } catch (const Diverged& e) {
+      return no_curve(e);
+    } catch (const NoEquilibrium& e) {
+      return no_curve(e);
+    } catch (const NoConvergence& e) {
+      return no_curve(e);
+    } catch (const std::invalid_argument& e) {
+      return no_curve(e);
+    }
+  }
+
+  void keep(const std::vector<double>& values, Trial trial) {
+    const std::lock_guard lock(mutex_);
+    ++made;
+    if (trial.failed()) ++failed;
+    if (options_.keep) options_.keep({values, trial});
+    known_.emplace(values, std::move(trial));
+  }
+
+  const Task& task_;
+  const Options& options_;
+  std::vector<std::string> columns_;
+  std::vector<Point> points_;
+  std::map<std::vector<double>, Trial> known_;
+  std::mutex mutex_;
+  std::exception_ptr failure_;
+};
+
+std::vector<double> chosen(const std::vector<double>& all, const std::vector<std::size_t>& which) {
+  std::vector<double> some;
+  for (const std::size_t k : which) some.push_back(all[k]);
+  return some;
+}
+
+/// The trial at the points that take part: all of them must lie within the run.
+Trial at_chosen(const Trial& trial, const std::vector<std::size_t>& which, const std::vector<Point>& points,
+                const Task& task) {
+  if (trial.failed()) return trial;
+  for (const std::size_t k : which)
+    if (!std::isfinite(trial.curve[k]))
+      return {{},
+              fmt::format("the run has no {} at {} = {} of {}:{}", task.measured[points[k].curve].y.history,
+                          task.x.history, points[k].x, task.data_file.string(), points[k].line)};
+  return {chosen(trial.curve, which), ""};
+}
+
+/// 1 / their size, where they are not known: the search is then one of numbers near 1.
+std::vector<double> sigma_of(const Task& task, const std::vector<Point>& points) {
+  double largest = 0;
+  for (const Point& p : points) largest = std::max(largest, std::abs(p.y));
+  std::vector<double> sigma;
+  for (const Point& p : points) sigma.push_back(task.sigma_known() ? p.sigma : largest > 0 ? largest : 1.0);
+  return sigma;
+}
+
+double norm_of(const std::vector<double>& curve, const std::vector<double>& sigma) {
+  double sum = 0;
+  for (std::size_t k = 0; k < curve.size(); ++k) sum += curve[k] / sigma[k] * (curve[k] / sigma[k]);
+  return std::sqrt(sum);
+}
+
+void judge(const Task& task, const std::vector<double>& sigma, Result& result) {
+  const std::size_t n = task.varied.size();
+  result.values.resize(n);
+  std::vector<char> held(n, 0);
+  for (std::size_t j = 0; j < n; ++j) {
+    FoundValue& v = result.values[j];
+    v.value = result.found.values[j];
+    v.at_low = v.value == task.varied[j].searched.low, v.at_high = v.value == task.varied[j].searched.high;
+    held[j] = v.at_low || v.at_high ? 1 : 0;
+    v.standard_error = v.low = v.high = none;
+  }
+  if (result.found.jacobian.empty()) return;
+  constexpr double no_effect = 1e-6;  // of the curve for a change as large as the value: what differences see
+  result.statistics = statistics(result.found.jacobian, result.found.residuals, held, task.sigma_known(),
+                                 no_effect * norm_of(result.fitted, sigma));
+  const Statistics& s = result.statistics;
+  result.deviation = task.sigma_known() ? s.deviation : s.deviation * sigma.front();
+  for (std::size_t j = 0; j < n; ++j) {
+    FoundValue& v = result.values[j];
+    const Searched& searched = task.varied[j].searched;
+    const double error = s.standard_error[j], reach = s.quantile * error;
+    v.standard_error = error * (searched.logarithmic ? std::abs(v.value) : searched.scale());
+    v.low = searched.logarithmic ? v.value * std::exp(v.value > 0 ? -reach : reach)
+                                 : v.value - reach * searched.scale();
+    v.high = searched.logarithmic ? v.value * std::exp(v.value > 0 ? reach : -reach)
+                                  : v.value + reach * searched.scale();
+  }
+}
+
+void sum_up(const Runs& runs, const Options& options, Result& result) {
+  result.runs = runs.made, result.failed = runs.failed, result.known = options.known.size();
+  for (std::size_t j = 0; j < result.values.size(); ++j) {
+    FoundValue& v = result.values[j];
+    v.least_tried = v.largest_tried = v.value;
+    for (const auto& [values, trial] : runs.tried())
+      v.least_tried = std::min(v.least_tried, values[j]),
+      v.largest_tried = std::max(v.largest_tried, values[j]);
+  }
+  std::set<std::string> kinds;
+  for (const auto& [values, trial] : runs.tried())
+    if (trial.failed() && kinds.size() < 5 && kinds.insert(without_numbers(trial.failure)).second)
+      result.failures.push_back(trial.failure);
+}
+
+/// The best of all that was tried, where the search did not come to its own end.
+void take_best(const Runs& runs, const std::vector<std::size_t>& which, const std::vector<Point>& points,
+               const Task& task, const std::vector<double>& data, const std::vector<double>& sigma,
+               Found& found) {
+  double best = std::numeric_limits<double>::infinity();
+  for (const auto& [values, tried] : runs.tried()) {
+    const Trial trial = at_chosen(tried, which, points, task);
+    if (trial.failed()) continue;
+    double sum = 0;
+    for (std::size_t k = 0; k < data.size(); ++k) sum += std::pow((trial.curve[k] - data[k]) / sigma[k], 2);
+    if (sum < best) best = sum, found.values = values;
+  }
+}
+
+}  // namespace
+
+std::optional<Result> fit(const Task& task, const Options& options) {
+  const Case c = parse_case(task.case_text.text, task.case_text.file);
+  std::vector<std::string> stages;
+  for (const StageSpec& s : c.stages) stages.push_back(s.name);
+  Points read = read_points(task.data_file, task.x, task.measured, task.stage, stages, c.units);
+  Runs runs(task, options);
+  runs.set_points(read.points);
+  std::vector<double> start_values;
+  for (const Varied& v : task.varied) start_values.push_back(v.searched.start);
+  const std::optional<Trial> start = runs.start(start_values);
+  if (!start) return std::nullopt;
+
+  Result result;
+  result.passed_over = read.passed_over;
+  std::vector<std::size_t> which;
+  for (std::size_t k = 0; k < read.points.size(); ++k) {
+    const bool within = !start->failed() && std::isfinite(start->curve[k]);
+    (within ? result.points : result.left_out).push_back(read.points[k]);
+    if (within) which.push_back(k);
+  }
+  if (which.size() < task.varied.size())
+    throw CaseError(Problem{{task.data_file.string(), 0, 0},
+                            fmt::format("{} points of {} lie within the run that starts the search",
+                                        which.size(), read.points.size()),
+                            fmt::format("{} values take at least as many points", task.varied.size()),
+                            "look at the column of --x and its units, or vary fewer values"});
+  const std::vector<double> sigma = sigma_of(task, result.points);
+  std::vector<double> data;
+  for (const Point& p : result.points) data.push_back(p.y);
+  std::vector<Searched> searched;
+  for (const Varied& v : task.varied) searched.push_back(v.searched);
+  const auto curves = [&](const std::vector<std::vector<double>>& all) {
+    std::vector<Trial> trials;
+    for (const Trial& t : runs.try_all(all)) trials.push_back(at_chosen(t, which, read.points, task));
+    return trials;
+  };
+  result.start = chosen(start->curve, which);
+  result.found = search(searched, data, sigma, curves, options.search);
+  if (result.found.jacobian.empty()) take_best(runs, which, read.points, task, data, sigma, result.found);
+  result.fitted = chosen(runs.tried().at(result.found.values).curve, which);
+  judge(task, sigma, result);
+  sum_up(runs, options, result);
+  if (result.found.end == SearchEnd::interrupted) return result;
+  if (const auto last = runs.run(result.found.values, options.threads)) {  // again, for its rows
+    ++result.runs;
+    for (std::size_t k = 0; k < which.size(); ++k)
+      if (const double off = last->off[which[k]] / sigma[k]; off > result.runs_off)
+        result.runs_off = off, result.runs_off_at = k;
+    if (result.statistics.deviation > 0 && !task.sigma_known())
+      result.runs_off /= result.statistics.deviation;
+  }
+  return result;
+}
+
+}  // namespace vbond::fit

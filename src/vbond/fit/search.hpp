@@ -1,0 +1,68 @@
+#pragma once
+#include <cstddef>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+/// The search for the least sum of squares: Levenberg and Marquardt's, by Ceres. It knows no runs.
+namespace vbond::fit {
+
+/// A value that is searched. low <= start <= high; on a logarithmic scale all of one sign, not zero.
+struct Searched {
+  double start = 0;
+  double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
+  bool logarithmic = false;
+  /// What the search counts in: the size of the start, or of the bounds where that is zero; unit of the
+  /// value.
+  double scale() const;
+};
+
+/// The curve at some values: at each of the points, or why there is none.
+struct Trial {
+  std::vector<double> curve;  ///< empty: there is none
+  std::string failure;
+  bool failed() const { return curve.empty(); }
+};
+
+/// Of each of several sets of values its trial. It may compute them in any order, or know them already.
+using Curves = std::function<std::vector<Trial>(const std::vector<std::vector<double>>&)>;
+
+struct Iteration {
+  int number = 0;
+  double sum_of_squares = 0;  ///< of weighted residuals
+  bool accepted = true;
+  std::vector<double> values;  ///< the best so far
+};
+
+struct SearchOptions {
+  int most_iterations = 50;
+  /// Step of differences, relative: of ln(value) on a logarithmic scale, else of the value, or of a tenth of
+  /// scale() where it is less. Central differences of a curve with a relative error e are best near cbrt(3
+  /// e): 1e-3 for the 3e-10 of an equilibrium. They are then wrong by 1e-6 of themselves at most.
+  double difference = 1e-3;
+  std::function<bool()> interrupted = {};
+  std::function<void(const Iteration&)> tell = {};  ///< each iteration as it ends
+};
+
+enum class SearchEnd { converged, iterations, no_better, no_derivative, interrupted };
+
+struct Found {
+  std::vector<double> values;     ///< within the bounds
+  std::vector<double> residuals;  ///< (curve - data) / sigma there
+  std::vector<double>
+      jacobian;  ///< points x values; of `residuals` by value / scale(), by ln(value) where logarithmic
+  SearchEnd end = SearchEnd::converged;
+  std::string why;  ///< in words
+  std::vector<Iteration> iterations;
+  std::vector<std::string>
+      one_sided;  ///< failures beside an accepted point: there the derivative is one-sided
+};
+
+/// Searches from the starts; `data` and `sigma` as the curve, sigma > 0. Deterministic: the sets of values it
+/// asks for depend on the trials alone. Throws what `curves` throws, std::invalid_argument if sizes do not
+/// fit, or if there is no curve at the start.
+Found search(const std::vector<Searched>& values, const std::vector<double>& data,
+             const std::vector<double>& sigma, const Curves& curves, const SearchOptions& options);
+
+}  // namespace vbond::fit

@@ -1,0 +1,152 @@
+"""`vbond fit` as a user meets it: values found, what is refused, files, signals, threads, the example."""
+import json
+import re
+from pathlib import Path
+from signal import SIGTERM
+
+import pytest
+from program import EXAMPLES, Started, lines, run_example, same_bytes, table, vbond, write
+
+CASE = EXAMPLES / "stem_bending.toml"
+DATA = EXAMPLES / "stem_bending.csv"
+ALONG = ["--x", "load_factor", "--compare", "displacement.last.z=deflection [mm]"]
+VARY = ["--vary", "bonds[fibre].k_n"]
+
+
+def fit(*more, case=CASE, data=DATA, **options):
+    return vbond("fit", case, data, *more, **options)
+
+
+def found(name):
+    return json.loads(Path(f"{name}.json").read_text())
+
+
+def key(name, path):
+    return next(value for value in found(name)["values"] if value["key"] == path)
+
+
+@pytest.fixture(scope="module")
+def fitted(work):
+    return fit(*VARY, *ALONG, "-o", "branch.toml")
+
+
+def test_example(fitted):
+    # The points were made with 3.67e10 and a noise of 0.05 mm, twenty of them: their deviation is known to
+    # 1/sqrt(2 * 19) = 16 %, three of which are taken.
+    run_example("stem_bending")
+    k_n = key("branch", "bonds[fibre].k_n")
+    assert k_n["interval_95"][0] < 3.67e10 < k_n["interval_95"][1]
+    assert abs(found("branch")["residual_deviation"] / 0.05e-3 - 1) < 0.48
+    assert k_n["standard_error"] / k_n["value"] < 0.003
+    fitted.expect(out=["standard error", "bonds[fibre].k_n = 3.6", "fitted case in branch.toml", "near the start"])
+    page = (EXAMPLES / "stem_bending.md").read_text()
+    assert f"{k_n['value']:.10g} N/m^3   standard error {k_n['standard_error']:.3g}" in page, "the page has other figures"
+
+
+def test_fitted_case_is_the_case_with_other_values(fitted):
+    changed = [(a, b) for a, b in zip(CASE.read_text().splitlines(), Path("branch.toml").read_text().splitlines(), strict=True) if a != b]
+    assert len(changed) == 1 and changed[0][1].startswith('k_n = "3668'), changed
+    vbond("run branch.toml -o at_fit")  # gives the fitted curve
+    rows = {row["load_factor"]: row["displacement.last.z"] for row in table("at_fit")}
+    for point in table("branch.csv"):
+        assert rows[point["load_factor"]] == point["fitted"]
+        assert abs(point["fitted"] - point["measured"] - point["residual"]) < 1e-17
+
+
+def test_values_that_are_not_told_apart(work):
+    # bending knows k_n d^4 alone, but for shear, which is some 1e-4 of the deflection here
+    said = fit("--vary", "bonds[0].k_n=log", "--vary", "bonds[0].k_s=log", "--vary", "stage[bend].loads[0].force[2]", *ALONG,
+               "-o", "apart.toml")
+    said.expect(out="the points do not tell apart")
+    named = found("apart")["not_told_apart"]
+    assert named and {"bonds[0].k_n", "stage[bend].loads[0].force[2]"} <= set(named[0]), named
+    assert key("apart", "bonds[0].k_n")["standard_error"] is None
+
+
+def test_bounds_are_told(fitted):
+    fit("--vary", "bonds[fibre].k_n=range(1e10, 30 GN/m^3)", *ALONG, "-o", "bound.toml").expect(out="at its upper bound")
+    assert key("bound", "bonds[fibre].k_n")["value"] == 3e10 and key("bound", "bonds[fibre].k_n")["at_bound"] == "upper"
+    assert 'k_n = "30000000000.0 N/m^3"' in Path("bound.toml").read_text()
+
+
+def test_sigma(work):
+    fit(*VARY, *ALONG, "--sigma", "5e-5", "-o", "sigma.toml").expect(out="of the given standard deviations")
+    assert found("sigma")["sigma_known"] and 0.5 < found("sigma")["residual_deviation"] < 1.5
+
+
+REFUSED = [
+    (["--vary", "bonds[fibre].kn"], {}, ["--vary bonds[fibre].kn: the case does not give kn", "write it into the case"]),
+    (["--vary", "bonds[fibre].name"], {}, ["stem_bending.toml:16:1: bonds[fibre].name", "one number"]),
+    (["--vary", "bonds[fibre].k_n=range(3e10, 4e10)"], {}, ["must lie within the bounds", "stem_bending.toml:20"]),
+    (["--vary", "bonds[fibre].k_n=range(1 mm, )"], {}, ["of another dimension"]),
+    (["--vary", "specimen[0].particles"], {}, ["particles = 2"]),
+    ([*VARY, "--compare", "displacement.last.x"], {}, ["several columns are compared", "give --sigma for each"]),
+    ([*VARY, "--stage", "pull"], {}, ["the case has no stage of this name", "bend"]),
+    ([*VARY, "-o", "here.csv"], {}, ["name it NAME.toml"]),
+    (VARY, {"data": "load_factor,deflection [mm]\n"}, ["data.csv:1:1: no row of data"]),
+    (VARY, {"data": "load_factor,deflection [mm]\n0.5,9\n0.6,ten\n"}, ['data.csv:3:5: deflection [mm] = "ten"']),
+    (VARY, {"data": "load_factor,deflection [m]\n0.5,9\n"}, ['data.csv:1:1: there is no column "deflection [mm]"']),
+    (VARY, {"data": "load_factor,deflection [mm]\n1.5,9\n"}, ["0 points of 1 lie within the run"]),
+]
+
+
+@pytest.mark.parametrize("more, how, told", REFUSED)
+def test_refused_with_nothing_written(work, more, how, told):
+    before = sorted(Path().iterdir())
+    data = write("data.csv", how["data"]) if how else DATA
+    fit(*more, *ALONG, data=data, status=2, err=told)
+    Path("data.csv").unlink(missing_ok=True)
+    assert sorted(Path().iterdir()) == before
+
+
+def test_units_of_another_dimension(work):
+    data = write("force.csv", DATA.read_text().replace("[mm]", "[N]"))
+    fit(*VARY, "--x", "load_factor", "--compare", "displacement.last.z=deflection [N]", data=data, status=2,
+        err=['force.csv:2:1: column "deflection [N]"', "of another dimension", "give it in [m]"])
+
+
+def test_threads_give_the_same_bits(fitted):
+    vbond("fit --threads 1", CASE, DATA, *VARY, *ALONG, "-o", "one.toml")
+    vbond("fit --threads 2", CASE, DATA, *VARY, *ALONG, "-o", "two.toml")
+    for end in ("toml", "json", "csv"):
+        assert same_bytes(f"one.{end}", f"two.{end}"), end
+
+
+def test_goes_on_and_replaces_nothing_of_others(fitted):
+    first = Path("branch.json").read_bytes()
+    again = fit(*VARY, *ALONG, "-o", "branch.toml").expect(out="1 runs, 0 of them failed; 19 known from before")
+    assert Path("branch.json").read_bytes() == first, str(again)
+    fit("--vary", "bonds[0].k_s", *ALONG, "-o", "branch.toml", status=2, err="has runs of another fit")
+    Path("branch.runs.csv").rename("kept.csv")
+    fit(*VARY, *ALONG, "-o", "branch.toml", status=2, err="branch.toml is there already")
+    Path("kept.csv").rename("branch.runs.csv")
+    fit(*VARY, *ALONG, "-o", CASE, status=2, err="would be replaced")
+
+
+def test_signal(work):
+    # a fit that goes on for long: dynamics, whose runs take a second each
+    slow = write("slow.toml", CASE.read_text(), ("particles = 21", "particles = 200"), ("steps = 20", "steps = 400"))
+    with Started("fit", slow, DATA, *VARY, *ALONG, "-o", "stopped.toml") as run:
+        run.until(lambda: lines("stopped.runs.csv") >= 4)
+        run.stop(SIGTERM).expect(128 + SIGTERM, err="the same command goes on", out="interrupted")
+    assert found("stopped")["end"] == "interrupted"
+    assert re.search(r'^k_n = "\d', Path("stopped.toml").read_text(), re.M)
+
+
+def test_failed_runs_are_told(work):
+    # spheres that are further apart than at the start do not touch, and have no bonds: one side of the difference fails
+    # and far below the spheres overlap too much; where the points would lie, no run is possible
+    fit("--vary", "specimen[0].spacing", *ALONG, "-o", "failed.toml", status=(0, 1), out="  failed: ")
+    assert found("failed")["failures"] and key("failed", "specimen[0].spacing")["value"] < 2
+
+
+def test_ends_after_the_iterations_given(work):
+    fit(*VARY, *ALONG, "--iterations", "1", "-o", "few.toml", status=1, out="ended after 1 iterations")
+    assert found("few")["end"] == "iterations"
+
+
+def test_blas_of_statics_is_no_other_than_before(work):
+    # Debian's Ceres links ATLAS, whose BLAS would give other bits, and be slower
+    said = vbond("--version", env={"LD_BIND_NOW": "1", "LD_DEBUG": "bindings"})
+    bound = [line for line in said.err.splitlines() if "symbol `dgemm_'" in line]
+    assert bound and all("libopenblas" in line.split(" to ")[1] for line in bound), bound

@@ -1,0 +1,60 @@
+#include "vbond/fit/curve.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+/// A curve between its rows.
+namespace vbond::fit_curve_test {
+namespace {
+
+using fit::Curve;
+
+TEST(FitCurve, IsAStraightLineBetweenRowsEitherWay) {
+  Curve c{{0, 1, 4}, {2, 4, -2}};
+  for (int way = 0; way < 2; ++way) {
+    EXPECT_DOUBLE_EQ(fit::at(c, 0)->y, 2);
+    EXPECT_DOUBLE_EQ(fit::at(c, 0.25)->y, 2.5);
+    EXPECT_DOUBLE_EQ(fit::at(c, 1)->y, 4);
+    EXPECT_DOUBLE_EQ(fit::at(c, 3)->y, 0);
+    EXPECT_DOUBLE_EQ(fit::at(c, 4)->y, -2);
+    std::reverse(c.x.begin(), c.x.end()), std::reverse(c.y.begin(), c.y.end());
+  }
+}
+
+TEST(FitCurve, HasNothingBeyondItsRowsButRounding) {
+  const Curve c{{0, 0.1, 1}, {0, 1, 2}};
+  EXPECT_FALSE(fit::at(c, 1.001));
+  EXPECT_FALSE(fit::at(c, -0.001));
+  EXPECT_DOUBLE_EQ(fit::at(c, 1 + 1e-12)->y, 2);
+  EXPECT_FALSE(fit::at({}, 0));
+  EXPECT_DOUBLE_EQ(fit::at({{3}, {7}}, 3)->y, 7);
+}
+
+TEST(FitCurve, TakesTheFirstValueWhereItJumps) {
+  EXPECT_DOUBLE_EQ(fit::at({{0, 1, 1, 2}, {0, 5, 1, 2}}, 1)->y, 5);
+  EXPECT_DOUBLE_EQ(fit::at({{0, 1, 1, 2}, {0, 5, 1, 2}}, 1.5)->y, 1.5);
+}
+
+TEST(FitCurve, TellsWhereItGoesBack) {
+  EXPECT_FALSE(fit::goes_back({{0, 1, 1, 2}, {0, 0, 0, 0}}));
+  EXPECT_FALSE(fit::goes_back({{0, -1, -2}, {0, 0, 0}}));
+  EXPECT_EQ(fit::goes_back({{0, 1, 0.5, 2}, {0, 0, 0, 0}}), 2u);
+  EXPECT_EQ(fit::goes_back({{0, -1, -0.5, -2}, {0, 0, 0, 0}}), 2u);
+}
+
+// Of a parabola y = x^2 the straight line is off by (x - x_k)(x_k+1 - x), and its second differences say so
+// exactly.
+TEST(FitCurve, SaysHowFarTheLineIsOff) {
+  Curve c;
+  for (const double x : {0.0, 0.5, 1.5, 2.0, 4.0}) c.x.push_back(x), c.y.push_back(x * x);
+  for (const double x : {0.1, 0.7, 1.6, 3.0}) {
+    const fit::Between found = *fit::at(c, x);
+    EXPECT_NEAR(found.off, std::abs(found.y - x * x), 1e-14) << x;
+    EXPECT_GT(found.off, 0.03) << x;
+  }
+}
+
+}  // namespace
+}  // namespace vbond::fit_curve_test

@@ -1,0 +1,123 @@
+#include "vbond/fit/search.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+#include <stdexcept>
+#include <vector>
+
+/// The search, with formulas in place of runs.
+namespace vbond::fit_search_test {
+namespace {
+
+using fit::Found;
+using fit::Searched;
+using fit::SearchEnd;
+
+const std::vector<double> places{0.1, 0.4, 0.7, 1.1, 1.6, 2.2};
+
+std::vector<double> decay(const std::vector<double>& p) {
+  std::vector<double> y;
+  for (const double x : places) y.push_back(p[0] * std::exp(-p[1] * x));
+  return y;
+}
+
+/// Curves of decay(), none where `fails` says so.
+fit::Curves curves(std::function<bool(const std::vector<double>&)> fails = {}) {
+  return [fails](const std::vector<std::vector<double>>& all) {
+    std::vector<fit::Trial> trials;
+    for (const auto& p : all)
+      trials.push_back(fails && fails(p) ? fit::Trial{{}, "it fails"} : fit::Trial{decay(p), ""});
+    return trials;
+  };
+}
+
+const std::vector<double> truth{1.3, 0.9}, sigma(6, 1.0);
+
+TEST(FitSearch, FindsTheTruthOnEitherScale) {
+  for (const bool logarithmic : {false, true})
+    for (const double factor : {0.5, 2.0}) {
+      const std::vector<Searched> values{{.start = factor * truth[0], .logarithmic = logarithmic},
+                                         {.start = factor * truth[1], .logarithmic = logarithmic}};
+      const Found found = fit::search(values, decay(truth), sigma, curves(), {});
+      EXPECT_EQ(found.end, SearchEnd::converged) << found.why;
+      for (std::size_t j = 0; j < 2; ++j) EXPECT_NEAR(found.values[j] / truth[j], 1, 1e-9);
+    }
+}
+
+// d y / d (p_0 / scale) = y scale / p_0; d y / d p_1 = -x y. By central differences to h^2/6 of the third
+// derivative.
+TEST(FitSearch, JacobianIsThatOfTheUnknowns) {
+  const std::vector<Searched> values{{.start = 2.6}, {.start = 0.9, .logarithmic = true}};
+  const Found found = fit::search(values, decay(truth), {2, 2, 2, 2, 2, 2}, curves(), {});
+  ASSERT_EQ(found.jacobian.size(), 12u);
+  for (std::size_t i = 0; i < 6; ++i) {
+    const double y = decay(truth)[i];
+    EXPECT_NEAR(found.jacobian[2 * i] / (y * 2.6 / 1.3 / 2), 1, 1e-6);
+    EXPECT_NEAR(found.jacobian[2 * i + 1] / (-places[i] * y * 0.9 / 2), 1, 1e-6);
+  }
+}
+
+TEST(FitSearch, StaysWithinBoundsAndEndsOnThem) {
+  std::vector<Searched> values{{.start = 1}, {.start = 2, .low = 1.5, .high = 3}};
+  const auto within = [](const std::vector<double>& p) {
+    EXPECT_GE(p[1], 1.5);
+    EXPECT_LE(p[1], 3.0);
+    return false;
+  };
+  const Found found = fit::search(values, decay(truth), sigma, curves(within), {});
+  EXPECT_EQ(found.values[1], 1.5);  // to the bit
+  double y2 = 0, yd = 0;            // the other one is then linear least squares
+  for (std::size_t i = 0; i < 6; ++i) {
+    const double e = std::exp(-1.5 * places[i]);
+    y2 += e * e, yd += e * decay(truth)[i];
+  }
+  EXPECT_NEAR(found.values[0], yd / y2, 1e-6 * yd / y2);
+}
+
+// The first steps from a decay much too quick go far below zero, where there is no curve: the search turns
+// back.
+TEST(FitSearch, GoesAroundValuesThatFail) {
+  int failed = 0;
+  const auto fails = [&failed](const std::vector<double>& p) { return p[1] < 0.3 && ++failed > 0; };
+  const Found found = fit::search({{.start = 1.3}, {.start = 3}}, decay(truth), sigma, curves(fails), {});
+  EXPECT_EQ(found.end, SearchEnd::converged) << found.why;
+  EXPECT_NEAR(found.values[0], 1.3, 1e-8);
+  EXPECT_GT(failed, 1);  // not the step of a difference alone
+  EXPECT_TRUE(found.one_sided.empty());
+  const auto near = [](const std::vector<double>& p) { return p[0] > 1.3005; };  // within the step of 1e-3
+  const Found beside = fit::search({{.start = 1.2}, {.start = 0.9}}, decay(truth), sigma, curves(near), {});
+  EXPECT_EQ(beside.one_sided.size(), 1u);
+  EXPECT_NEAR(beside.values[0], 1.3, 1e-8);
+}
+
+TEST(FitSearch, SaysWhereThereIsNoDerivative) {
+  const auto fails = [](const std::vector<double>& p) { return p[1] != 0.9; };
+  const Found found = fit::search({{.start = 1}, {.start = 0.9}}, decay(truth), sigma, curves(fails), {});
+  EXPECT_EQ(found.end, SearchEnd::no_derivative);
+  EXPECT_NE(found.why.find("it fails"), std::string::npos) << found.why;
+  EXPECT_TRUE(found.jacobian.empty());
+}
+
+TEST(FitSearch, StopsWhenAskedAndAfterTheIterationsGiven) {
+  int asked = 0;
+  const Found stopped = fit::search({{.start = 5}, {.start = 5}}, decay(truth), sigma, curves(),
+                                    {.interrupted = [&asked] { return ++asked > 6; }});
+  EXPECT_EQ(stopped.end, SearchEnd::interrupted);
+  const Found one =
+      fit::search({{.start = 5}, {.start = 5}}, decay(truth), sigma, curves(), {.most_iterations = 1});
+  EXPECT_EQ(one.end, SearchEnd::iterations);
+}
+
+TEST(FitSearch, PassesOnWhatCurvesThrow) {
+  const fit::Curves broken = [n = 0](const auto& all) mutable -> std::vector<fit::Trial> {
+    if (++n > 1) throw std::runtime_error("disk");
+    return std::vector<fit::Trial>(all.size(), fit::Trial{decay({1, 1}), ""});
+  };
+  EXPECT_THROW(fit::search({{.start = 1}, {.start = 1}}, decay(truth), sigma, broken, {}),
+               std::runtime_error);
+}
+
+}  // namespace
+}  // namespace vbond::fit_search_test
