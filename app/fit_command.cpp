@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -62,10 +63,27 @@ std::string lines_of(const std::vector<fit::Point>& points) {
                      shown < lines.size() ? fmt::format(" and {} more", lines.size() - shown) : "");
 }
 
-void tell_iteration(const fit::Iteration& i) {
-  std::string text = fmt::format("{:>9}  {:<15.6g}", i.number, i.sum_of_squares);
-  for (const double value : i.values) text += fmt::format(" {:<15.8g}", value);
-  say(text + (i.accepted ? "\n" : " no better\n"));
+/// A line of the table of iterations; the last column is not padded.
+void say_row(const fit::Task& task, const std::string& number, const std::string& sum,
+             const std::vector<std::string>& values, const char* remark) {
+  std::string text = fmt::format("{:>9}  {:<14}", number, sum);
+  for (std::size_t j = 0; j < values.size(); ++j)
+    text += fmt::format("  {:<{}}", values[j], std::max<std::size_t>(14, task.varied[j].key.size()));
+  text += remark;
+  say(printable(text.substr(0, text.find_last_not_of(' ') + 1)) + "\n");
+}
+
+void say_heading(const fit::Task& task) {
+  std::vector<std::string> keys;
+  for (const fit::Varied& v : task.varied) keys.push_back(v.key);
+  say_row(task, "iteration", "sum of squares", keys, "");
+}
+
+void say_iteration(const fit::Task& task, const fit::Iteration& i) {
+  std::vector<std::string> values;
+  for (const double value : i.values) values.push_back(fmt::format("{:.8g}", value));
+  say_row(task, std::to_string(i.number), fmt::format("{:.6g}", i.sum_of_squares), values,
+          i.accepted ? "" : "  no better");
 }
 
 std::string unit_of(const fit::Varied& v) {
@@ -153,13 +171,11 @@ int fit(const FitOptions& o) {
   options.threads = o.threads;
   options.search.most_iterations = o.iterations, options.search.difference = o.difference;
   options.search.interrupted = [] { return caught_signal() != 0; };
-  options.search.tell = tell_iteration;
+  options.search.tell = [&task](const fit::Iteration& i) { say_iteration(task, i); };
   RunsFile runs(files.runs, header_of_runs(task), options.known);
   options.keep = [&runs](const fit::Tried& run) { runs.append(run); };
   catch_signals();
-  std::string heading = fmt::format("{:>9}  {:<15}", "iteration", "sum of squares");
-  for (const fit::Varied& v : task.varied) heading += fmt::format(" {:<15}", v.key);
-  say(printable(heading) + "\n");
+  say_heading(task);
 
   std::optional<fit::Result> result;
   try {

@@ -78,10 +78,10 @@ def fit(case: Case, data: str | os.PathLike, output: str | os.PathLike, vary: Se
         compare: Mapping[str, str], *, sigma: float | str | Sequence[float | str] | None = None, stage: str | None = None,
         iterations: int = 50, difference: float = 1e-3, threads: int | None = None, quiet: bool = True) -> dict[str, Any]:
     """Varies values of the case until columns of its history follow the points of a CSV file, and returns what
-    NAME.json has (docs/fit.md), with None where there is no number. output: NAME.toml, the fitted case; vary: texts as behind
-    --vary; x: a column of the history, or "COLUMN=HEADING"; compare: {column of the history: heading of the data}; sigma: a
-    number or a heading, one for each column. The same call goes on with a fit that was stopped. One that did not
-    converge says so as "end". ProgramError if there is no result."""
+    NAME.json has but for the name of the case (docs/fit.md), with None where there is no number. output: NAME.toml, the
+    fitted case; vary: texts as behind --vary; x: a column of the history, or "COLUMN=HEADING"; compare: {column of the
+    history: heading of the data}; sigma: a number or a heading, one for each column. The same call goes on with a fit
+    that was stopped. One that did not converge says so as "end". ProgramError if there is no result."""
     if isinstance(vary, str) or not vary:
         raise ValueError("fit: vary is a list of keys, with at least one")
     sigmas = [] if sigma is None else [sigma] if isinstance(sigma, (int, float, str)) else list(sigma)
@@ -97,7 +97,9 @@ def fit(case: Case, data: str | os.PathLike, output: str | os.PathLike, vary: Se
     except ProgramError as e:
         if e.status != 1 or not Path(output).exists():  # 1 with files: it did not converge, which the result says
             raise
-    return json.loads(Path(output).with_suffix(".json").read_text(encoding="utf-8"))
+    found = json.loads(Path(output).with_suffix(".json").read_text(encoding="utf-8"))
+    del found["case"]  # a file that was there for this call alone
+    return found
 
 
 def _cell(text: str) -> Any:

@@ -126,7 +126,7 @@ class Runs {
   std::size_t made = 0, failed = 0;
 
  private:
-  /// One after the other with all threads, or several at once with one each: the bits are the same.
+  /// Several at once, which share the threads: the bits are the same.
   void run_together(const std::vector<std::vector<double>>& wanted) {
     const std::size_t workers = std::min(wanted.size(), static_cast<std::size_t>(options_.threads));
     std::atomic<std::size_t> next = 0;
@@ -145,7 +145,8 @@ class Runs {
       work(options_.threads);
     } else {
       std::vector<std::thread> threads;
-      for (std::size_t k = 0; k < workers; ++k) threads.emplace_back(work, 1);
+      for (std::size_t k = 0; k < workers; ++k)
+        threads.emplace_back(work, options_.threads / static_cast<int>(workers));
       for (std::thread& t : threads) t.join();
     }
     if (failure_) std::rethrow_exception(failure_);
@@ -230,6 +231,7 @@ void judge(const Task& task, const std::vector<double>& sigma, Result& result) {
     held[j] = v.at_low || v.at_high ? 1 : 0;
     v.standard_error = v.low = v.high = none;
   }
+  result.deviation = none;
   if (result.found.jacobian.empty()) return;
   constexpr double no_effect = 1e-6;  // of the curve for a change as large as the value: what differences see
   result.statistics = statistics(result.found.jacobian, result.found.residuals, held, task.sigma_known(),
