@@ -13,7 +13,7 @@ namespace {
 
 }  // namespace
 
-int homogenise(const RunOptions& options) {
+int homogenise(const RunOptions& options, const HomogeniseOptions&) {
   refuse(options);
 }
 
