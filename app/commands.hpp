@@ -63,6 +63,12 @@ struct WatchOptions {
   std::string program;  ///< as it was called, for the hint how to go on
 };
 
+/// Of bodies without a cell.
+struct HomogeniseOptions {
+  std::string volume;   ///< with or without a unit; empty: of the box around the particles
+  std::string surface;  ///< a group; empty: of that box
+};
+
 int run(const RunOptions& options);
 /// Of the options: threads, program, processes and what concerns printing.
 int resume(const std::filesystem::path& folder, const RunOptions& options);
@@ -83,9 +89,10 @@ int pack(const RunOptions& options, const std::filesystem::path& file);
 /// Prints by what the stiffnesses of a case's bonds are to be multiplied so that its periodic cell has these
 /// constants. bending: "area", "normal" or "shear", see BendingFollows.
 int calibrate_body(const RunOptions& options, const CalibrateOptions& material, const std::string& bending);
-/// Prints the elastic constants of the material that a case's periodic cell is a piece of, as the case makes
-/// it: as text, or as JSON.
-int homogenise(const RunOptions& options);
+/// Prints the elastic constants of a case's body as the case makes it, as text, or as JSON: of the material
+/// that its periodic cell is a piece of, of the plate that a cell with two directions is, or of a finite
+/// body.
+int homogenise(const RunOptions& options, const HomogeniseOptions& body);
 /// Writes the body of a case, as its first stage begins, as files for LAMMPS with the plugin.
 int export_lammps(const RunOptions& options, const std::filesystem::path& folder);
 /// Prints what case files may hold: a key, a table, or with an empty text everything.

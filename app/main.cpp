@@ -267,9 +267,18 @@ int dispatch(int argc, char** argv, app::Processes& processes) {
       ->type_name("FILE");
 
   CLI::App* homogenise_command = program.add_subcommand(
-      "homogenise", "Say what elastic material a periodic cell of particles and bonds is");
+      "homogenise", "Say what elastic material or plate a body of particles and bonds is");
   app::add_case(homogenise_command, run);
   homogenise_command->add_flag("--json", run.json, "Print it as JSON");
+  app::HomogeniseOptions of_body;
+  homogenise_command
+      ->add_option("--volume", of_body.volume,
+                   "Of a body without a cell; without it that of the box around it")
+      ->type_name("VOLUME");
+  homogenise_command
+      ->add_option("--surface", of_body.surface,
+                   "Group whose particles are its surface; without it the box's")
+      ->type_name("GROUP");
 
   app::FitOptions fit;
   fit.threads = default_threads();
@@ -324,7 +333,7 @@ int dispatch(int argc, char** argv, app::Processes& processes) {
   }
   if (export_command->parsed()) return app::export_lammps(run, export_to);
   if (pack_command->parsed()) return app::pack(run, pack_to);
-  if (homogenise_command->parsed()) return app::homogenise(run);
+  if (homogenise_command->parsed()) return app::homogenise(run, of_body);
   if (fit_command->parsed()) return app::fit(fit);
   if (reference_command->parsed()) return app::reference(key);
   if (schema_command->parsed()) return app::schema();

@@ -16,7 +16,7 @@ constexpr const char* constants = "elastic constants are found by its solvers";
 
 }  // namespace
 
-int homogenise(const RunOptions& options) {
+int homogenise(const RunOptions& options, const HomogeniseOptions&) {
   refuse(options.case_file, constants);
 }
 

@@ -1,5 +1,8 @@
 #include <pybind11/stl.h>
 
+#include <array>
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -7,6 +10,8 @@
 #include "bindings.hpp"
 #include "interpreter.hpp"
 #include "vbond/statics/homogenise.hpp"
+#include "vbond/statics/homogenise_body.hpp"
+#include "vbond/statics/homogenise_sheet.hpp"
 
 namespace vbond::python {
 namespace {
@@ -15,6 +20,13 @@ py::array_t<double> matrix(const Constants& C) {
   py::array_t<double> a({6, 6});
   for (py::ssize_t i = 0; i < 6; ++i)
     for (py::ssize_t j = 0; j < 6; ++j)
+      a.mutable_at(i, j) = C[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
+  return a;
+}
+py::array_t<double> matrix(const SheetConstants& C) {
+  py::array_t<double> a({3, 3});
+  for (py::ssize_t i = 0; i < 3; ++i)
+    for (py::ssize_t j = 0; j < 3; ++j)
       a.mutable_at(i, j) = C[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
   return a;
 }
@@ -88,11 +100,89 @@ void bind_constants(py::module_& m) {
           "along"_a, "density"_a, "Three of (speed, the direction in which particles move), slowest first");
 }
 
+void bind_sheets(py::module_& m) {
+  using namespace py::literals;
+  py::class_<HomogenisedSheet>(m, "HomogenisedSheet",
+                               "The plate that a sheet is: per width, N = A e + B k and M = B^T e + D k.")
+      .def_property_readonly(
+          "A", [](const HomogenisedSheet& h) { return matrix(h.A); },
+          "Membrane forces by strain, (3, 3): 11 22 12, engineering shear [force/length]")
+      .def_property_readonly(
+          "B", [](const HomogenisedSheet& h) { return matrix(h.B); },
+          "Membrane forces by curvature, (3, 3): rows are of strains [force]")
+      .def_property_readonly(
+          "D", [](const HomogenisedSheet& h) { return matrix(h.D); },
+          "Moments by curvature -(w_11, w_22, 2 w_12), (3, 3) [force*length]")
+      .def_property_readonly(
+          "axes",
+          [](const HomogenisedSheet& h) {
+            std::vector<std::array<double, 3>> axes;
+            for (const Vec3d& a : h.axes) axes.push_back({a.x, a.y, a.z});
+            return axes;
+          },
+          "Axes of the world along 1, 2 and the normal")
+      .def_readonly("plane", &HomogenisedSheet::plane, "Where the plane cuts the normal's axis [length]")
+      .def_readonly("area", &HomogenisedSheet::area, "Of the cell [length^2]")
+      .def_readonly("density", &HomogenisedSheet::density, "Mass per area")
+      .def_readonly("particles", &HomogenisedSheet::particles)
+      .def_readonly("bonds", &HomogenisedSheet::bonds)
+      .def_readonly("floating", &HomogenisedSheet::floating, "Particles of parts that carry nothing")
+      .def_readonly("solver", &HomogenisedSheet::solver, "'direct' or 'multigrid'");
+  m.def(
+      "homogenise_sheet",
+      [](const Snapshot& s) {
+        const WithoutLock others;
+        return homogenise_sheet(*s.model, *s.state);
+      },
+      "state"_a);
+}
+
+void bind_bodies(py::module_& m) {
+  using namespace py::literals;
+  py::class_<HomogenisedBody>(m, "HomogenisedBody", "Elastic constants of a body without a cell.")
+      .def_property_readonly(
+          "by_displacement", [](const HomogenisedBody& h) { return ElasticConstants(h.by_displacement); },
+          "Its surface moves with the strain and does not turn")
+      .def_property_readonly(
+          "by_traction", [](const HomogenisedBody& h) { return ElasticConstants(h.by_traction); },
+          "Its surface bears a uniform stress: never stiffer")
+      .def_readonly("volume", &HomogenisedBody::volume)
+      .def_readonly("density", &HomogenisedBody::density)
+      .def_readonly("particles", &HomogenisedBody::particles)
+      .def_readonly("bonds", &HomogenisedBody::bonds)
+      .def_readonly("surface", &HomogenisedBody::surface, "Particles of the surface")
+      .def_readonly("floating", &HomogenisedBody::floating, "Particles of other parts than the largest")
+      .def_readonly("moved", &HomogenisedBody::moved, "Whether the body was not in balance as it was given")
+      .def_readonly("solver", &HomogenisedBody::solver, "'direct' or 'multigrid'");
+  m.def(
+      "homogenise_body",
+      [](const Snapshot& s, const std::optional<std::vector<std::int64_t>>& surface,
+         std::optional<double> volume) {
+        const Model& model = *s.model;
+        const State& state = *s.state;
+        std::vector<ParticleId> particles;
+        for (const std::int64_t p : surface.value_or(std::vector<std::int64_t>{})) {
+          if (p < 0 || p >= static_cast<std::int64_t>(model.particles()))
+            throw py::value_error("homogenise_body: surface has the number " + std::to_string(p) +
+                                  ", and there is no such particle");
+          particles.emplace_back(static_cast<std::size_t>(p));
+        }
+        const WithoutLock others;
+        return homogenise_body(
+            model, state,
+            surface ? surface_of(model, state, particles, volume ? *volume : volume_of_box(model, state))
+                    : surface_of_box(model, state, volume));
+      },
+      "state"_a, "surface"_a, "volume"_a);
+}
+
 }  // namespace
 
 void bind_elastic(py::module_& m) {
   using namespace py::literals;
   bind_constants(m);
+  bind_sheets(m);
+  bind_bodies(m);
   py::class_<Homogenised>(m, "Homogenised", "The material that a periodic cell is a piece of.")
       .def_property_readonly(
           "C", [](const Homogenised& h) { return matrix(h.C); },

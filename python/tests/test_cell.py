@@ -97,3 +97,35 @@ def test_a_cell_is_homogenised(periodic):
     assert vbond.homogenise(run.state).stress[2] == pytest.approx(0.01, rel=1e-9)
     with pytest.raises(ValueError, match="periodic in all three directions"):
         vbond.homogenise(vbond.Case.from_dict({**periodic, "cell": {**periodic["cell"], "open": ["c"]}, "stage": [{"duration": 1.0}]}))
+
+
+def test_a_sheet_is_homogenised(periodic):
+    # One layer of a square lattice: A = c_A, c_D/2; D = c_B, c_T/2.
+    del periodic["contact"]
+    periodic["cell"] = {"a": [4, 0, 0], "b": [0, 4, 0], "c": [0, 0, 4], "open": ["c"]}
+    periodic["specimen"][0]["cells"] = [4, 4, 1]
+    bonds = periodic["bonds"][0]["stiffness"]
+    case = vbond.Case.from_dict({**periodic, "stage": [{"duration": 1.0}]})
+    found = vbond.homogenise_sheet(case)
+    assert found.A == pytest.approx(np.diag([bonds["c_A"], bonds["c_A"], bonds["c_D"] / 2]), abs=1e-13)
+    assert found.D == pytest.approx(np.diag([bonds["c_B"], bonds["c_B"], bonds["c_T"] / 2]), abs=1e-13)
+    assert found.B == pytest.approx(np.zeros((3, 3)), abs=1e-13)
+    assert found.area == 16 and list(found.axes[2]) == [0, 0, 1]
+    with pytest.raises(ValueError, match="no surface"):
+        vbond.homogenise_body(case)
+
+
+def test_a_body_without_a_cell_is_homogenised(periodic):
+    del periodic["contact"], periodic["cell"]
+    case = vbond.Case.from_dict({**periodic, "stage": [{"duration": 1.0}]})
+    found = vbond.homogenise_body(case)
+    assert found.by_displacement.C[0, 0] == pytest.approx(found.by_traction.C[0, 0])  # chains of three bonds, four particles
+    assert found.by_displacement.hill.G > found.by_traction.hill.G
+    assert found.surface == 56 and found.particles == 64
+    twice = vbond.homogenise_body(case, volume=2 * found.volume)
+    assert 2 * twice.by_displacement.C == pytest.approx(found.by_displacement.C)
+    assert vbond.homogenise_body(case, surface=range(64)).surface == 64
+    with pytest.raises(ValueError, match="no such particle"):
+        vbond.homogenise_body(case, surface=[64])
+    with pytest.raises(ValueError, match="periodic in two directions"):
+        vbond.homogenise_sheet(case)

@@ -33,12 +33,13 @@ from .command import ProgramError, find_program
 from .output import Frame, Output, open
 from .program import fit, run, sweep
 from .runs import Run
-from .statics import StaticSolution, buckling, equilibrium, fracture, homogenise, modes, path
+from .statics import StaticSolution, buckling, equilibrium, fracture, homogenise, homogenise_body, homogenise_sheet, modes, path
 
 __all__ = [
     "Case", "CaseError", "CriticalLoad", "Diverged", "Error", "FractureEnergy", "FractureResult", "Frame", "IoError",
     "NaturalMode", "NoEquilibrium", "Output", "ProgramError", "Run", "RunWarning", "SpecialPoint", "StageResult", "State",
     "StaticResult", "StaticSolution", "__version__", "better_blas_kernel",
     "blas_kernel", "buckling", "calibrate", "equilibrium", "find_program",
-    "fit", "fracture", "homogenise", "list_keys", "modes", "open", "path", "plots", "run", "sweep",
+    "fit", "fracture", "homogenise", "homogenise_body", "homogenise_sheet", "list_keys", "modes", "open", "path", "plots",
+    "run", "sweep",
 ]

@@ -180,6 +180,35 @@ class Homogenised:
     derivatives: dict[int, dict[str, ndarray]]
 
 def homogenise(state: State, derivatives: bool) -> Homogenised: ...
+
+class HomogenisedSheet:
+    A: ndarray
+    B: ndarray
+    D: ndarray
+    axes: list[list[float]]
+    plane: float
+    area: float
+    density: float
+    particles: int
+    bonds: int
+    floating: int
+    solver: str
+
+def homogenise_sheet(state: State) -> HomogenisedSheet: ...
+
+class HomogenisedBody:
+    by_displacement: ElasticConstants
+    by_traction: ElasticConstants
+    volume: float
+    density: float
+    particles: int
+    bonds: int
+    surface: int
+    floating: int
+    moved: bool
+    solver: str
+
+def homogenise_body(state: State, surface: list[int] | None, volume: float | None) -> HomogenisedBody: ...
 def read_case(file: str | PathLike, changes: Sequence[str]) -> CheckedCase: ...
 def parse_case(text: str, file: str | PathLike, changes: Sequence[str], places: bool) -> CheckedCase: ...
 def blas_kernel() -> str: ...

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -50,6 +51,35 @@ def homogenise(body: Case | _vbond.State, *, derivatives: bool = False) -> _vbon
     if not hasattr(_vbond, "homogenise"):
         raise RuntimeError("homogenise: this vbond was built without statics")
     return _vbond.homogenise(Run(body).state if isinstance(body, Case) else body, derivatives)
+
+
+def homogenise_sheet(body: Case | _vbond.State) -> _vbond.HomogenisedSheet:
+    """The plate that a sheet of bonds is: A, B and D, per width. The cell is periodic in two directions, open in the third.
+
+        vbond.homogenise_sheet(case).D[0, 0]
+
+    ValueError for what is no sheet, is strained, or whose particles press on each other; NoEquilibrium if particles can
+    move at no cost.
+    """
+    if not hasattr(_vbond, "homogenise_sheet"):
+        raise RuntimeError("homogenise_sheet: this vbond was built without statics")
+    return _vbond.homogenise_sheet(Run(body).state if isinstance(body, Case) else body)
+
+
+def homogenise_body(body: Case | _vbond.State, *, surface: Sequence[int] | None = None,
+                    volume: float | None = None) -> _vbond.HomogenisedBody:
+    """Elastic constants of a body without a cell: by displacement of its surface, and by traction on it.
+
+        vbond.homogenise_body(case).by_displacement.hill.E
+
+    surface: numbers of particles; without it those at the faces of the box along the axes around the body, which it must
+    fill. volume: without it that of this box. ValueError for what has no such constants; NoEquilibrium if particles can
+    move at no cost.
+    """
+    if not hasattr(_vbond, "homogenise_body"):
+        raise RuntimeError("homogenise_body: this vbond was built without statics")
+    return _vbond.homogenise_body(Run(body).state if isinstance(body, Case) else body,
+                                  None if surface is None else sorted({int(p) for p in surface}), volume)
 
 
 def _solve(kind: str, case: Case, keys: dict[str, Any]) -> StaticSolution:

@@ -81,8 +81,53 @@ def test_what_cannot_be_is_refused_with_the_nearest(lattice):
     vbond("calibrate", "--E", "1", "--length", "1", "--side", "0.2", "--bending", "normal", status=2, err="CASE")
     text = Path(lattice).read_text(encoding="utf-8")
     Path("open.toml").write_text(text.replace("c = [0, 0, 3]", 'c = [0, 0, 3]\nopen = ["c"]'), encoding="utf-8")
-    vbond("homogenise", "open.toml", status=2, err=["no periodic cell", "docs/cell.md"])
-    vbond("homogenise", EXAMPLES / "two_particles.toml", status=2, err=["no periodic cell"])
+    vbond("calibrate", "open.toml", "--E", "1", "--nu", "0.2", status=2, err=["no periodic cell", "docs/cell.md"])
+    vbond("homogenise", "open.toml", "--volume", "3", status=2, err=["has a periodic cell", "--volume and --surface", "leave them out"])
+    Path("rod.toml").write_text(text.replace("c = [0, 0, 3]", 'c = [0, 0, 3]\nopen = ["b", "c"]'), encoding="utf-8")
+    vbond("homogenise", "rod.toml", status=2, err=["periodic in one direction", "docs/cell.md"])
+
+
+def without_cell(lattice):
+    text = Path(lattice).read_text(encoding="utf-8")
+    Path("body.toml").write_text("[groups]\nskin = { box = { min = [-1, -1, -1], max = [9, 9, 0.1] } }\n" +
+                                 text[text.index("[[specimen]]"):], encoding="utf-8")
+    return "body.toml"
+
+
+def test_a_sheet_says_what_it_is(lattice):
+    text = Path(lattice).read_text(encoding="utf-8").replace("c = [0, 0, 3]", 'c = [0, 0, 3]\nopen = ["c"]')
+    second = text.split("[[bonds]]")[2]
+    one = text.replace("[[bonds]]" + second, "[time]" + second.split("[time]")[1]).replace("cells = [3, 3, 3]", "cells = [3, 3, 1]")
+    Path("sheet.toml").write_text(one, encoding="utf-8")
+    found = constants("sheet.toml")
+    # a square lattice: c_A and c_D/2, c_B and c_T/2
+    for name, stretch, shear in (("A", 1.0, 0.2), ("D", 0.05, 0.025)):
+        for i in range(3):
+            for j in range(3):
+                exact = (stretch if i < 2 else shear) if i == j else 0.0
+                assert found[name][i][j] == pytest.approx(exact, abs=1e-13), (name, i, j)
+    assert found["axes"][2] == [0, 0, 1] and found["area"] == 9 and found["bonds"] == 18
+    said = vbond("homogenise", "sheet.toml").out
+    assert "1, 2 and the normal are x, y and z" in said and "D, moments by curvature" in said
+
+
+def test_a_body_says_what_it_is_by_both_ways(lattice):
+    case = without_cell(lattice)
+    found = constants(case)
+    upper, lower = found["by_displacement"], found["by_traction"]
+    assert found["volume"] == pytest.approx(27) and found["surface"] == 26 and found["particles"] == 27
+    # 18 near bonds along x; of the far ones, of length^2 = 2, 48 have x in their planes: half of the strain stretches them,
+    # and half of it shears them
+    assert upper["C"][0][0] == pytest.approx((18 * 1.0 + 48 * 2 * 0.25 * (0.5 + 0.2)) / 27, rel=1e-12)
+    assert lower["voigt"]["K"] <= upper["voigt"]["K"] and lower["voigt"]["G"] < upper["voigt"]["G"]
+    smaller = constants(case, "--volume", "13.5")
+    assert smaller["by_traction"]["C"][0][0] == pytest.approx(2 * lower["C"][0][0], rel=1e-12)
+    said = vbond("homogenise", case, "--volume", "13.5").out
+    assert "volume 13.5 (as given)" in said and "26 particles are its surface" in said
+    vbond("homogenise", case, "--volume", "0", status=2, err=["--volume 0", "must be > 0"])
+    vbond("homogenise", case, "--volume", "1 mm^3", status=2, err=["reduced units"])
+    vbond("homogenise", case, "--surface", "skn", status=2, err=["--surface skn", "no group"])
+    vbond("homogenise", case, "--surface", "skin", status=2, err=["one plane"])
 
 
 def test_silica():

@@ -18,62 +18,18 @@
 #include "vbond/core/images.hpp"
 #include "vbond/model/periodic_cell.hpp"
 #include "vbond/model/touching.hpp"
-#include "vbond/statics/detail/body.hpp"
+#include "vbond/statics/detail/homogenising.hpp"
 #include "vbond/statics/detail/kinds.hpp"
-#include "vbond/statics/detail/newton.hpp"
 #include "vbond/statics/detail/one_blas_thread.hpp"
 #include "vbond/statics/detail/rigid.hpp"
 
 namespace vbond {
 namespace {
 
-constexpr const char* name = "homogenise";
-
-void require(bool holds, const std::string& rule) {
-  if (!holds) throw std::invalid_argument("homogenise: " + rule);
-}
-
-/// The cell as it stands is the one that strains count from.
-Model about_cell_of(const Model& model, const State& state) {
-  Model now = model;
-  now.cell.triangular = false;
-  for (std::size_t k = 0; k < 3; ++k) now.cell.edges[k] = state.cell[k].along;
-  return now;
-}
-
-StaticStage stage_of(const NewtonSettings& newton) {
-  StaticStage stage;
-  stage.name = name;
-  stage.newton = newton;
-  return stage;
-}
-
 /// Of the same body, with all components of the cell among the unknowns.
 StaticStage with_free_cell(StaticStage held) {
   for (CellComponent& c : held.cell.component) c = {CellComponent::By::stress, 0.0, {}};
   return held;
-}
-
-/// To rounding: its angular energies are differences of terms of the size of angular_scale().
-bool is_at_rest(const State& s, BondId k) {
-  constexpr double rounding = 1e-12;  // of the energy of a bond that is stretched by its length
-  const Bond& b = s.bonds[k];
-  const BondEnergy<double> U = bond_energy(s, k);
-  return U.U_L + U.U_B + U.U_T <=
-         rounding * b.law->stiffness(b).c_A * sq(b.a) + 16.0 * epsilon * angular_scale(b);
-}
-
-/// Bonds whose slopes in tension and compression differ have none at rest: rounding would choose one.
-void refuse_kinks(const State& s) {
-  for (const BondId k : s.bonds.ids()) {
-    const Stretch& stretch = s.bonds[k].rules->stretch;
-    require(
-        s.bonds[k].broken || stretch.form != StretchForm::two_slopes || stretch.compression == 1.0 ||
-            !is_at_rest(s, k),
-        fmt::format("bond {} is at rest, where its slopes in tension and compression meet: the body has no "
-                    "single stiffness there; strain it to either side, or take one slope",
-                    k.value));
-  }
 }
 
 /// C is to follow from the four stiffnesses of bonds alone.
@@ -82,20 +38,20 @@ void refuse_derivatives(const Model& model, const State& s) {
     const Bond& b = s.bonds[k];
     if (b.broken) continue;
     const std::string bond = fmt::format("bond {} (particles {}, {})", k.value, b.i.value, b.j.value);
-    require(b.rules->stretch.form != StretchForm::table,
-            bond + " stretches by a table, which c_A is no part of: leave stretch out");
-    require(is_at_rest(s, k),
-            bond +
-                " is strained, and how C follows from stiffnesses is known of bonds at rest: "
-                "take prestrain out, and contacts that press");
-    require(history_of_bond(s, k) == no_history,
-            bond + " has flowed or is damaged, and is not what its stiffnesses say");
+    require_material(b.rules->stretch.form != StretchForm::table,
+                     bond + " stretches by a table, which c_A is no part of: leave stretch out");
+    require_material(is_at_rest(s, k),
+                     bond +
+                         " is strained, and how C follows from stiffnesses is known of bonds at rest: "
+                         "take prestrain out, and contacts that press");
+    require_material(history_of_bond(s, k) == no_history,
+                     bond + " has flowed or is damaged, and is not what its stiffnesses say");
   }
   for_touching_pairs(model, s, [](ParticleId i, ParticleId j, const Image&, double) {
-    require(false,
-            fmt::format("particles {} and {} touch, and contacts do not follow from bonds: bond all that "
-                        "touch, or leave [contact] out",
-                        i.value, j.value));
+    require_material(
+        false, fmt::format("particles {} and {} touch, and contacts do not follow from bonds: bond all that "
+                           "touch, or leave [contact] out",
+                           i.value, j.value));
   });
 }
 
@@ -167,25 +123,9 @@ void add_stress(const Tensor& s, Constants& C) {
 Homogenised Fields::result() {
   const StaticBody body(model_, held_, state_);
   TangentSolver solver(held_.newton.solver);
-  if (!solver.factor_definite(body)) {
-    const EigenPairs lowest = solver.near_zero(body, 1);
-    throw NoEquilibrium(
-        name,
-        fmt::format("some motion of particles has no stiffness, or less than none; most of all {}",
-                    body.unknowns().names_of_largest(lowest.vectors.col(0))),
-        "bonds without bending or torsional stiffness leave hinges: give them some, or more neighbours; of a "
-        "body under stress look for its buckling loads");
-  }
   const SparseMatrix& K = whole_.tangent();
-  const Eigen::Index n = K.rows() - 6;
-  const DenseMatrix columns = K.rightCols(6), K_uE = columns.topRows(n);
-  X_.resize(n, 6);
-  for (Eigen::Index k = 0; k < 6; ++k) {
-    const Vector x = solver.solve(K_uE.col(k));
-    if (x.size() == 0)
-      throw NoEquilibrium(name, "the tangent is not positive definite", "look for buckling loads");
-    X_.col(k) = x;
-  }
+  const DenseMatrix columns = K.rightCols(6), K_uE = columns.topRows(K.rows() - 6);
+  X_ = solved_with_tangent(solver, body, K_uE);
   Homogenised found;
   // what an error of X leaves is of second order
   const DenseMatrix coupled = K_uE.transpose() * X_;
@@ -197,13 +137,13 @@ Homogenised Fields::result() {
   found.volume = volume(state_.cell);
   for (const double m : model_.mass) found.density += m / found.volume;
   found.particles = model_.particles();
-  found.bonds = static_cast<std::size_t>(
-      std::count_if(state_.bonds.begin(), state_.bonds.end(), [](const Bond& b) { return !b.broken; }));
+  found.bonds = unbroken_bonds(state_);
   found.floating = floating_particles(model_, state_, body.unknowns());
   found.solver = solver.name();
   for (const auto& row : found.C)
     for (const double x : row)
-      if (!std::isfinite(x)) throw NoEquilibrium(name, "constants are not finite", "look at the bonds");
+      if (!std::isfinite(x))
+        throw NoEquilibrium(homogenise_name, "constants are not finite", "look at the bonds");
   return found;
 }
 
@@ -265,14 +205,13 @@ std::vector<ConstantsBySet> Fields::by_set() const {
 }  // namespace
 
 Homogenised homogenise(const Model& model, const State& given, const HomogeniseSettings& settings) {
-  require(model.cell.any() && model.cell.periodic == std::array<bool, 3>{true, true, true},
-          "the cell must be periodic in all three directions: it is the piece of material that is looked at");
-  require(model.walls.empty(), "a wall is no part of a material: leave walls out");
-  require(given.waiting.empty() && given.dropped.empty(),
-          "particles have not come in yet, or were dropped: constants are those of a body with all of them");
+  require_material(
+      model.cell.any() && model.cell.periodic == std::array<bool, 3>{true, true, true},
+      "the cell must be periodic in all three directions: it is the piece of material that is looked at");
+  refuse_what_is_no_material(model, given);
   const OneBlasThread alone;
   const Model here = about_cell_of(model, given);
-  StaticStage stage = stage_of(settings.newton);
+  StaticStage stage = stage_of_homogenising(settings.newton);
   refuse_free_bodies(here, stage, given);
   State state = given;
   const bool moved = !StaticBody(here, stage, given).rests_to_rounding();
