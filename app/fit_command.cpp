@@ -82,7 +82,8 @@ void say_heading(const fit::Task& task) {
 void say_iteration(const fit::Task& task, const fit::Iteration& i) {
   std::vector<std::string> values;
   for (const double value : i.values) values.push_back(fmt::format("{:.8g}", value));
-  say_row(task, std::to_string(i.number), fmt::format("{:.6g}", i.sum_of_squares), values,
+  say_row(task, std::to_string(i.number),
+          std::isfinite(i.sum_of_squares) ? fmt::format("{:.6g}", i.sum_of_squares) : "no run", values,
           i.accepted ? "" : "  no better");
 }
 
@@ -102,6 +103,8 @@ void say_value(const fit::Task& task, const fit::Result& r, std::size_t j) {
     text += fmt::format("   standard error {:.3g}", v.standard_error);
   if (v.at_low || v.at_high)
     text += fmt::format("   at its {} bound: held there, without an error", v.at_low ? "lower" : "upper");
+  else if (v.held)
+    text += "   held by runs that fail, without an error";
   say(printable(text) + "\n");
   say(fmt::format("    start {:.10g}, tried from {:.6g} to {:.6g}\n", varied.searched.start, v.least_tried,
                   v.largest_tried));
@@ -111,8 +114,9 @@ void say_quality(const fit::Task& task, const fit::Result& r) {
   const fit::Statistics& s = r.statistics;
   if (r.found.jacobian.empty()) return;
   if (!(s.dof > 0))
-    say(fmt::format("{} points for {} values: nothing is left to tell how far off they are\n", s.points,
-                    s.values));
+    say(fmt::format(
+        "{} points determine {} combinations of values: nothing is left to tell how far off they are\n",
+        s.points, s.rank));
   else if (task.sigma_known())
     say(fmt::format(
         "residuals are {:.4g} of the given standard deviations in the mean (1 is expected), {} degrees of "
@@ -130,7 +134,7 @@ void say_quality(const fit::Task& task, const fit::Result& r) {
         "the points do not tell apart {}: a singular value of the Jacobian with columns of length 1 is "
         "below {:g} of the largest\n  their values are one choice of many; hold one of them, or measure "
         "something else as well\n",
-        keys_of(task, together), fit::singular));
+        keys_of(task, together), s.criterion));
   for (std::size_t i = 0; i < r.values.size(); ++i)
     for (std::size_t j = 0; j < i; ++j)
       if (const double c = s.correlation[i * r.values.size() + j]; std::isfinite(c))
@@ -155,8 +159,13 @@ void say_result(const fit::Task& task, const fit::Result& r) {
   for (std::size_t j = 0; j < r.values.size(); ++j) say_value(task, r, j);
   say_quality(task, r);
   if (!r.left_out.empty())
-    say(fmt::format("left out: {} points of {} beyond the run at the start, {}\n", r.left_out.size(),
-                    task.data_file.string(), lines_of(r.left_out)));
+    say(fmt::format(
+        "left out: {} points of {} beyond the run at the start, or where its rows have no number, {}\n",
+        r.left_out.size(), task.data_file.string(), lines_of(r.left_out)));
+  if (!r.passed_over.empty())
+    say(printable(fmt::format("columns of {} that nothing asks for: {}", task.data_file.string(),
+                              fmt::join(r.passed_over, ", "))) +
+        "\n");
   say("This is a minimum near the start. Other starts may lead to others.\n");
 }
 
@@ -171,11 +180,13 @@ int fit(const FitOptions& o) {
   options.threads = o.threads;
   options.search.most_iterations = o.iterations, options.search.difference = o.difference;
   options.search.interrupted = [] { return caught_signal() != 0; };
-  options.search.tell = [&task](const fit::Iteration& i) { say_iteration(task, i); };
+  options.search.tell = [&task](const fit::Iteration& i) {
+    if (i.number == 0) say_heading(task);
+    say_iteration(task, i);
+  };
   RunsFile runs(files.runs, header_of_runs(task), options.known);
   options.keep = [&runs](const fit::Tried& run) { runs.append(run); };
   catch_signals();
-  say_heading(task);
 
   std::optional<fit::Result> result;
   try {

@@ -39,6 +39,7 @@ class Fingerprint {
 const char* in_words(fit::SearchEnd end) {
   switch (end) {
     case fit::SearchEnd::converged: return "converged";
+    case fit::SearchEnd::held: return "held";
     case fit::SearchEnd::iterations: return "iterations";
     case fit::SearchEnd::no_better: return "no_better";
     case fit::SearchEnd::no_derivative: return "no_derivative";
@@ -58,6 +59,7 @@ Json value_as_json(const fit::Varied& varied, const fit::FoundValue& v) {
   j["bounds"] = {varied.searched.low, varied.searched.high};
   j["start"] = varied.searched.start, j["value"] = v.value, j["standard_error"] = v.standard_error;
   j["interval_95"] = {v.low, v.high};
+  j["held_by_failed_runs"] = v.held;
   j["at_bound"] = v.at_low ? Json("lower") : v.at_high ? Json("upper") : Json();
   j["tried"] = {v.least_tried, v.largest_tried};
   return j;
@@ -74,10 +76,12 @@ std::string definition_of(const fit::Task& task) {
     if (!file->empty() && fs::is_regular_file(*file)) all.add(read_file(*file));
   all.add(read_file(task.data_file));
   all.add(task.x.history + '=' + task.x.data);
-  for (const fit::Measured& m : task.measured) all.add(m.y.history + '=' + m.y.data);
-  for (const fit::Varied& v : task.varied) all.add(v.key);
+  for (const fit::Measured& m : task.measured) all.add(m.y.history + '=' + m.y.data), all.add(m.sigma);
+  for (const fit::Varied& v : task.varied)
+    all.add(fmt::format("{} {} {} {}", v.key, v.searched.low, v.searched.high, v.searched.logarithmic));
   all.add(task.stage.value_or(""));
-  return "# runs of vbond fit " VBOND_VERSION ", of case, data and columns with fingerprint " + all.text();
+  return "# runs of vbond fit " VBOND_VERSION ", of case, data, columns and bounds with fingerprint " +
+         all.text();
 }
 
 FitFiles fit_files(const FitOptions& options, const fit::Task& task) {
@@ -136,7 +140,7 @@ std::vector<fit::Tried> read_runs(const fs::path& runs, const fit::Task& task) {
   if (!first || *first != definition_of(task))
     throw std::invalid_argument(
         runs.string() +
-        " has runs of another fit: of another case, data, columns or version\n  give another "
+        " has runs of another fit: of another case, data, columns, bounds, sigma or version\n  give another "
         "name with -o NAME.toml, or remove it");
   lines.next();
   const std::size_t n = task.varied.size();
@@ -180,7 +184,7 @@ std::string fit_as_json(const fit::Task& task, const fit::Result& r) {
     j["correlation"].push_back(
         std::vector<double>(s.correlation.begin() + static_cast<std::ptrdiff_t>(k * n),
                             s.correlation.begin() + static_cast<std::ptrdiff_t>((k + 1) * n)));
-  j["singular_values"] = s.singular_values, j["criterion"] = fit::singular;
+  j["singular_values"] = s.singular_values, j["criterion"] = s.criterion;
   const auto names = [&task](const std::vector<std::size_t>& which) {
     Json list = Json::array();
     for (const std::size_t k : which) list.push_back(task.varied[k].key);

@@ -81,6 +81,9 @@ REFUSED = [
     (["--vary", "bonds[fibre].k_n=range(1 mm, )"], {}, ["of another dimension"]),
     (["--vary", "specimen[0].particles"], {}, ["particles = 2"]),
     ([*VARY, "--compare", "displacement.last.x"], {}, ["several columns are compared", "give --sigma for each"]),
+    ([*VARY, "--sigma", "1", "--compare", "displacement.last.z=load_factor", "--sigma", "1"], {}, ["is compared already"]),
+    ([*VARY, "--sigma", "1", "--compare", "displacement.last.x=deflection [mm]", "--sigma", "1"], {}, ["is compared already"]),
+    ([*VARY, "--sigma", ""], {}, ["--sigma is empty"]),
     ([*VARY, "--stage", "pull"], {}, ["the case has no stage of this name", "bend"]),
     ([*VARY, "-o", "here.csv"], {}, ["name it NAME.toml"]),
     (VARY, {"data": "load_factor,deflection [mm]\n"}, ["data.csv:1:1: no row of data"]),
@@ -88,6 +91,18 @@ REFUSED = [
     (VARY, {"data": "load_factor,deflection [m]\n0.5,9\n"}, ['data.csv:1:1: there is no column "deflection [mm]"']),
     (VARY, {"data": "load_factor,deflection [mm]\n1.5,9\n"}, ["0 points of 1 lie within the run"]),
 ]
+
+
+def test_values_in_triple_quotes_are_refused_at_once(work):
+    case = write("triple.toml", CASE.read_text().replace('k_n = "2e10 N/m^3"', 'k_n = """2e10 N/m^3"""'))
+    fit(*VARY, *ALONG, "-o", "triple_fit.toml", case=case, status=2,
+        err=["triple.toml:20:1: bonds[fibre].k_n", "another value cannot be put in the place", "plain quotes"])
+    assert not list(Path().glob("triple_fit*"))
+
+
+def test_columns_that_nothing_asks_for_are_told(work):
+    data = write("more.csv", re.sub(r"^([^#\n]+)$", r"\1,7", DATA.read_text(), flags=re.M).replace("[mm],7", "[mm],room", 1))
+    fit(*VARY, *ALONG, "-o", "more_fit.toml", data=data, out="columns of more.csv that nothing asks for: room")
 
 
 @pytest.mark.parametrize("more, how, told", REFUSED)
@@ -116,7 +131,9 @@ def test_goes_on_and_replaces_nothing_of_others(fitted):
     first = Path("branch.json").read_bytes()
     again = fit(*VARY, *ALONG, "-o", "branch.toml").expect(out="1 runs, 0 of them failed; 19 known from before")
     assert Path("branch.json").read_bytes() == first, str(again)
-    fit("--vary", "bonds[0].k_s", *ALONG, "-o", "branch.toml", status=2, err="has runs of another fit")
+    for other in ("bonds[0].k_s", "bonds[fibre].k_n=log", "bonds[fibre].k_n=range(1e10, )"):
+        fit("--vary", other, *ALONG, "-o", "branch.toml", status=2, err="has runs of another fit")
+    fit(*VARY, *ALONG, "--sigma", "5e-5", "-o", "branch.toml", status=2, err="has runs of another fit")
     Path("branch.runs.csv").rename("kept.csv")
     fit(*VARY, *ALONG, "-o", "branch.toml", status=2, err="branch.toml is there already")
     Path("kept.csv").rename("branch.runs.csv")
@@ -136,8 +153,12 @@ def test_signal(work):
 def test_failed_runs_are_told(work):
     # spheres that are further apart than at the start do not touch, and have no bonds: one side of the difference fails
     # and far below the spheres overlap too much; where the points would lie, no run is possible
-    fit("--vary", "specimen[0].spacing", *ALONG, "-o", "failed.toml", status=(0, 1), out="  failed: ")
-    assert found("failed")["failures"] and key("failed", "specimen[0].spacing")["value"] < 2
+    for scale in ("", "=log"):
+        fit("--vary", f"specimen[0].spacing{scale}", *ALONG, "-o", f"failed{scale}.toml", status=1,
+            out=["  failed: ", "the search is held by runs that fail", "held by runs that fail, without an error"])
+        held = key(f"failed{scale}", "specimen[0].spacing")
+        assert found(f"failed{scale}")["failures"] and found(f"failed{scale}")["end"] == "held"
+        assert held["value"] < 2 and held["standard_error"] is None and held["held_by_failed_runs"]
 
 
 def test_ends_after_the_iterations_given(work):

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 /// A curve between its rows.
 namespace vbond::fit_curve_test {
@@ -53,6 +54,19 @@ TEST(FitCurve, SaysHowFarTheLineIsOff) {
     const fit::Between found = *fit::at(c, x);
     EXPECT_NEAR(found.off, std::abs(found.y - x * x), 1e-14) << x;
     EXPECT_GT(found.off, 0.03) << x;
+  }
+}
+
+// Rows without a number end a piece of the curve: nothing is drawn across them.
+TEST(FitCurve, HasGapsWhereRowsHaveNoNumber) {
+  const double none = std::numeric_limits<double>::quiet_NaN();
+  const fit::Curve c{{0, 1, 2, 3, 4, 5}, {none, 10, 20, none, 40, 50}};
+  for (const double x : {0.0, 0.5, 2.5, 3.0, 3.5}) EXPECT_FALSE(fit::at(c, x)) << x;
+  for (const double x : {1.0, 1.5, 2.0, 2 + 1e-12, 4 - 1e-12, 4.0, 4.5, 5.0}) {
+    const auto between = fit::at(c, x);
+    ASSERT_TRUE(between) << x;
+    EXPECT_NEAR(between->y, 10 * x, 1e-10);
+    EXPECT_NEAR(between->off, 0, 1e-10);
   }
 }
 

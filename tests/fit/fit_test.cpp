@@ -150,6 +150,55 @@ TEST_F(Fit, NamesWhatTensionCannotTellApart) {
   EXPECT_NEAR(product / (k_n * 1.5 * 1.5), 1, 0.011);
 }
 
+// The sign of a correlation is that of the values, on either scale: bending goes as force / k_n.
+TEST_F(Fit, CorrelationsOfNegativeValuesOnALogarithmicScaleHaveTheirSign) {
+  measure(1e-8, 5);
+  std::string text = rod(30, k_s);
+  text.replace(text.find("0.05]"), 5, "-0.04]");
+  std::ofstream(folder_ / "start.toml") << text;
+  std::string data = "stage,load_factor,ux [mm],uz [mm]\n";  // bent to the other side
+  std::ifstream measured(folder_ / "data.csv");
+  std::string line;
+  std::getline(measured, line);
+  while (std::getline(measured, line)) {
+    const std::size_t last = line.rfind(',') + 1;
+    data += line.substr(0, last) + fmt::format("{}\n", -std::stod(line.substr(last)));
+  }
+  measured.close();
+  std::ofstream(folder_ / "data.csv") << data;
+  const auto correlation = [&](const std::string& scale) {
+    const auto found = fit::fit(
+        fit::make_task(folder_ / "start.toml", folder_ / "data.csv",
+                       {"bonds[0].k_n", "stage[bend].loads[0].force[2]" + scale}, "load_factor",
+                       {"displacement.last.x=ux [mm]", "displacement.last.z=uz [mm]"}, {"1e-8", "1e-8"}, {}),
+        {});
+    EXPECT_NEAR(found->values[1].value, -0.05, 1e-4);
+    EXPECT_DOUBLE_EQ(found->statistics.correlation[3], 1);
+    return found->statistics.correlation[1];
+  };
+  const double linear = correlation("");
+  EXPECT_LT(linear, -0.3);
+  EXPECT_NEAR(correlation("=log"), linear, 1e-5);
+}
+
+// Runs of an earlier try with wider bounds: none of them may become the result, nor be told.
+TEST_F(Fit, TakesNoKnownRunsOutsideTheBounds) {
+  measure(0, 1);
+  std::vector<fit::Tried> kept;
+  fit::Options options;
+  options.keep = [&kept](const fit::Tried& run) { kept.push_back(run); };
+  fit::fit(task(2 * k_n, k_s), options);
+  fit::Options again;
+  again.known = kept;
+  again.search.interrupted = [] { return true; };  // as soon as the start is known: the best so far is taken
+  const auto found = fit::fit(task(2 * k_n, k_s, {"bonds[0].k_n=range(50, )", "bonds[0].k_s=log"}), again);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->found.end, fit::SearchEnd::interrupted);
+  EXPECT_GE(found->values[0].value, 50);
+  EXPECT_GE(found->values[0].least_tried, 50);
+  EXPECT_LT(found->known, kept.size());
+}
+
 TEST_F(Fit, RefusesWhatCannotBeFitted) {
   measure(0, 1);
   const auto refusal = [&](const auto& make) -> std::string {

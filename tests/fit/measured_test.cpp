@@ -57,7 +57,6 @@ TEST(FitData, UnitsOfHeadingsBecomeThoseOfTheHistory) {
 TEST(FitData, RowsBelongToStages) {
   const Data data("t,F [kN],stage\n1,2,bend\n");
   EXPECT_EQ(data.read({force}).points[0].stage, 1u);
-  EXPECT_TRUE(data.read({force}).stages_of_file);
   EXPECT_TRUE(data.read({force}, UnitSystem::si, "pull").points.empty());  // the row is of another stage
   EXPECT_EQ(data.read({force}, UnitSystem::si, "bend").points.size(), 1u);
   EXPECT_NE(data.refusal({force}, UnitSystem::si, "pul").find("did you mean \"pull\"?"), std::string::npos);
@@ -94,6 +93,16 @@ TEST(FitData, UnitsThatDoNotFitAreRefused) {
   EXPECT_NE(with("N", UnitSystem::reduced).find("reduced units"), std::string::npos);
   EXPECT_NE(Data("t,F [N]\n1,2\n").refusal({{{"load_factor", "F [N]"}, ""}}).find("pure number"),
             std::string::npos);
+}
+
+TEST(FitData, HeadingsMaySayThatANumberIsPure) {
+  for (const char* heading : {"f [-]", "f [1]"}) {
+    const Data data(std::string("t,") + heading + "\n1,2\n");
+    EXPECT_DOUBLE_EQ(data.read({{{"load_factor", heading}, ""}}).points[0].y, 2);
+    EXPECT_NE(data.refusal({{{"reaction.last.fx", heading}, ""}}).find("not a pure number"),
+              std::string::npos);
+    EXPECT_EQ(data.refusal({{{"reaction.last.fx", heading}, ""}}, UnitSystem::reduced), "");
+  }
 }
 
 TEST(FitData, StandardDeviationsArePositive) {

@@ -3,7 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <set>
+#include <functional>
+#include <limits>
 #include <stdexcept>
 #include <vector>
 
@@ -85,11 +86,57 @@ TEST(FitSearch, GoesAroundValuesThatFail) {
   EXPECT_EQ(found.end, SearchEnd::converged) << found.why;
   EXPECT_NEAR(found.values[0], 1.3, 1e-8);
   EXPECT_GT(failed, 1);  // not the step of a difference alone
-  EXPECT_TRUE(found.one_sided.empty());
+  EXPECT_TRUE(found.one_sided.empty() && found.held.empty());
   const auto near = [](const std::vector<double>& p) { return p[0] > 1.3005; };  // within the step of 1e-3
   const Found beside = fit::search({{.start = 1.2}, {.start = 0.9}}, decay(truth), sigma, curves(near), {});
   EXPECT_EQ(beside.one_sided.size(), 1u);
+  EXPECT_EQ(beside.end, SearchEnd::converged);
   EXPECT_NEAR(beside.values[0], 1.3, 1e-8);
+}
+
+// Negative values on a logarithmic scale, of which u = ln(value / start) falls as the value rises: open
+// bounds lie on the other side, and the truth of -1.3 is found or the bound that is in its way.
+TEST(FitSearch, NegativeValuesOnALogarithmicScaleKeepTheirBounds) {
+  constexpr double open = std::numeric_limits<double>::infinity();
+  const std::vector<double> below{-1.3, 0.9};
+  const auto found = [&](double start, double low, double high) {
+    const auto within = [&](const std::vector<double>& p) {
+      EXPECT_TRUE(low <= p[0] && p[0] <= high) << p[0] << " is not from " << low << " to " << high;
+      return false;
+    };
+    const Found all =
+        fit::search({{.start = start, .low = low, .high = high, .logarithmic = true}, {.start = 0.9}},
+                    decay(below), sigma, curves(within), {});
+    EXPECT_EQ(all.end, SearchEnd::converged) << all.why;
+    return all.values[0];
+  };
+  EXPECT_NEAR(found(-2, -3, open), -1.3, 1e-8);
+  EXPECT_NEAR(found(-0.5, -3, open), -1.3, 1e-8);
+  EXPECT_EQ(found(-0.5, -1, open), -1);
+  EXPECT_NEAR(found(-2, -open, -1), -1.3, 1e-8);
+  EXPECT_NEAR(found(-5, -open, -1), -1.3, 1e-8);
+  EXPECT_EQ(found(-5, -open, -2), -2);
+}
+
+TEST(FitSearch, RefusesAStartOutsideItsBounds) {
+  for (const Searched& outside : {Searched{.start = 1, .low = 2}, Searched{.start = 1, .high = 0.5}})
+    EXPECT_THROW(fit::search({outside, {.start = 1}}, decay(truth), sigma, curves(), {}),
+                 std::invalid_argument);
+}
+
+// The truth of 1.3 lies where every run fails: the search comes to the edge of it, and may not pass it for a
+// minimum. The other value goes to its own least squares beside it.
+TEST(FitSearch, SaysThatRunsThatFailHoldIt) {
+  for (const bool logarithmic : {false, true}) {
+    const auto beyond = [](const std::vector<double>& p) { return p[0] > 1.1; };
+    const Found found = fit::search({{.start = 0.8, .logarithmic = logarithmic}, {.start = 0.9}},
+                                    decay(truth), sigma, curves(beyond), {});
+    EXPECT_EQ(found.end, SearchEnd::held) << found.why;
+    EXPECT_NE(found.why.find("it fails"), std::string::npos);
+    ASSERT_EQ(found.held.size(), 2u);
+    EXPECT_TRUE(found.held[0]);
+    EXPECT_LE(found.values[0], 1.1);
+  }
 }
 
 TEST(FitSearch, SaysWhereThereIsNoDerivative) {

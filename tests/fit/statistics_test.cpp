@@ -75,7 +75,7 @@ TEST(FitStatistics, ValuesThatAreNotToldApartAreNamed) {
     const double a = normal(dice), b = normal(dice), c = normal(dice);
     J.insert(J.end(), {a, b, a + b + 1e-7 * normal(dice), 1e3 * c, 0.0});
   }
-  const Statistics s = fit::statistics(J, std::vector<double>(20, 0.1), {0, 0, 0, 0, 0}, true, 1e-12);
+  const Statistics s = fit::statistics(J, std::vector<double>(20, 0.1), {0, 0, 0, 0, 0}, true, 1e-5, 1e-12);
   ASSERT_EQ(s.not_told_apart.size(), 1u);
   EXPECT_EQ(s.not_told_apart[0], (std::vector<std::size_t>{0, 1, 2}));
   EXPECT_EQ(s.no_effect, std::vector<std::size_t>{4});
@@ -83,7 +83,32 @@ TEST(FitStatistics, ValuesThatAreNotToldApartAreNamed) {
   EXPECT_TRUE(std::isnan(s.correlation[1]));
   EXPECT_GT(s.standard_error[3], 0);
   ASSERT_EQ(s.singular_values.size(), 4u);
-  EXPECT_LT(s.singular_values[3], fit::singular * s.singular_values[0]);
+  EXPECT_LT(s.singular_values[3], s.criterion * s.singular_values[0]);
+  EXPECT_EQ(s.rank, 3u);  // a + b, c and the difference of a and b
+  EXPECT_DOUBLE_EQ(s.dof, 17);
+  EXPECT_NEAR(s.deviation, std::sqrt(20 * 0.01 / 17), 1e-14);
+  EXPECT_NEAR(fit::statistics(J, std::vector<double>(20, 0.1), {0, 0, 0, 0, 0}, false, 1e-5, 1e-12).quantile,
+              fit::student_quantile(0.975, 17), 1e-11);
+}
+
+// p and q go in as p + q and as 2 exp(p) + 2 exp(q) - 2: at p = q both columns are one, of which steps of h
+// to each side see e^p sinh(h) / h. With steps that differ in size, as those of a value and of a logarithm,
+// the columns differ by h^2 / 6 of themselves.
+TEST(FitStatistics, WhatWideStepsSeeIsNotTakenForAnEffect) {
+  for (const double h : {1e-3, 0.05, 0.3}) {
+    std::vector<double> J;
+    for (int i = 0; i < 20; ++i) {
+      const double a = 0.3 + 0.1 * i;  // d/dp of exp(a p) at 0, exact and by differences
+      J.insert(J.end(), {a, std::sinh(a * h) / h});
+    }
+    const Statistics s =
+        fit::statistics(J, std::vector<double>(20, 0.1), {0, 0}, true, fit::criterion_of(h, false));
+    EXPECT_EQ(s.not_told_apart.size(), 1u) << h;
+    EXPECT_TRUE(std::isnan(s.standard_error[0])) << h;
+  }
+  EXPECT_DOUBLE_EQ(fit::criterion_of(1e-3, false), 1e-5);
+  EXPECT_DOUBLE_EQ(fit::criterion_of(0.05, false), 0.025);
+  EXPECT_DOUBLE_EQ(fit::criterion_of(1e-3, true), 0.01);
 }
 
 TEST(FitStatistics, TellFewerPointsThanValues) {

@@ -10,11 +10,12 @@ bool goes_down(const Curve& c) {
   return c.x.back() < c.x.front();
 }
 
-/// y'' by the divided differences of three rows; 0 where two of them have one x.
+/// y'' by the divided differences of three rows; 0 where two of them have one x, or one of them no y.
 double second_derivative(const Curve& c, std::size_t k) {
   const double a = c.x[k + 1] - c.x[k], b = c.x[k + 2] - c.x[k + 1];
   if (a == 0 || b == 0) return 0;
-  return 2 * ((c.y[k + 2] - c.y[k + 1]) / b - (c.y[k + 1] - c.y[k]) / a) / (a + b);
+  const double second = 2 * ((c.y[k + 2] - c.y[k + 1]) / b - (c.y[k + 1] - c.y[k]) / a) / (a + b);
+  return std::isfinite(second) ? second : 0;
 }
 
 }  // namespace
@@ -34,9 +35,16 @@ std::optional<Between> at(const Curve& c, double x) {
   const double way = goes_down(c) ? -1 : 1;
   std::size_t k = 1;  // the first row that has reached x
   while (k + 1 < c.x.size() && way * (c.x[k] - x) < 0) ++k;
-  if (c.x.size() == 1 || way * (c.x[0] - x) >= 0) return Between{c.y[0], 0};
+  const auto row = [&](std::size_t r) {
+    return std::isfinite(c.y[r]) ? std::optional(Between{c.y[r], 0}) : std::nullopt;
+  };
+  if (c.x.size() == 1 || way * (c.x[0] - x) >= 0) return row(0);
   const double step = c.x[k] - c.x[k - 1];
-  if (step == 0) return Between{c.y[k - 1], 0};
+  if (step == 0) return row(k - 1);
+  if (!std::isfinite(c.y[k - 1] + c.y[k])) {  // a gap: its ends alone
+    if (std::abs(c.x[k] - x) <= beyond) return row(k);
+    return std::abs(x - c.x[k - 1]) <= beyond ? row(k - 1) : std::nullopt;
+  }
   const double part = std::clamp((x - c.x[k - 1]) / step, 0.0, 1.0);
   double bend = 0;
   if (k >= 2) bend = std::abs(second_derivative(c, k - 2));

@@ -7,7 +7,7 @@ namespace vbond::fit {
 
 /// One column of history.csv over another, row by row.
 struct Curve {
-  std::vector<double> x, y;
+  std::vector<double> x, y;  ///< y is NaN where there is a gap
 };
 
 /// The first row at which x, which went one way before, goes back; nothing if it never does. Such a curve has
@@ -23,7 +23,7 @@ struct Between {
 };
 
 /// On straight lines between rows, of a curve that does not go back; where y jumps at an x, the first of the
-/// two. Nothing if x is beyond the rows by more than rounding (1e-9 of their span).
+/// two. Nothing if x is beyond the rows, or within a gap, by more than rounding (1e-9 of their span).
 std::optional<Between> at(const Curve& curve, double x);
 
 }  // namespace vbond::fit

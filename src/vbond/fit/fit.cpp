@@ -30,7 +30,9 @@ Curve curve_of(const Rows& rows, std::size_t column, const std::optional<std::si
   for (std::size_t r = 0; r < rows.stage.size(); ++r) {
     if (stage ? rows.stage[r] != *stage : rows.only_of_stage[r] != 0) continue;
     const double x = rows.columns[0][r], y = rows.columns[column][r];
-    if (std::isfinite(x) && std::isfinite(y)) c.x.push_back(x), c.y.push_back(y);
+    if (c.x.empty() && !std::isfinite(x)) continue;
+    c.x.push_back(std::isfinite(x) ? x : c.x.back());  // without a number the curve has a gap here
+    c.y.push_back(std::isfinite(x) && std::isfinite(y) ? y : none);
   }
   return c;
 }
@@ -81,7 +83,9 @@ std::string without_numbers(std::string text) {
 class Runs {
  public:
   Runs(const Task& task, const Options& options) : task_(task), options_(options) {
-    for (const Tried& t : options.known) known_.emplace(t.values, t.trial);
+    for (const Tried& t : options.known)
+      if (within_bounds(t.values)) known_.emplace(t.values, t.trial);
+    taken = known_.size();
     columns_.push_back(task.x.history);
     for (const Measured& m : task.measured) columns_.push_back(m.y.history);
   }
@@ -123,9 +127,14 @@ class Runs {
   }
 
   const std::map<std::vector<double>, Trial>& tried() const { return known_; }
-  std::size_t made = 0, failed = 0;
+  std::size_t made = 0, failed = 0, taken = 0;
 
  private:
+  bool within_bounds(const std::vector<double>& values) const {
+    for (std::size_t j = 0; j < values.size(); ++j)
+      if (values[j] < task_.varied[j].searched.low || values[j] > task_.varied[j].searched.high) return false;
+    return true;
+  }
   /// Several at once, which share the threads: the bits are the same.
   void run_together(const std::vector<std::vector<double>>& wanted) {
     const std::size_t workers = std::min(wanted.size(), static_cast<std::size_t>(options_.threads));
@@ -133,11 +142,11 @@ class Runs {
     const auto work = [&](int threads) {
       for (std::size_t k = next++; k < wanted.size(); k = next++) {
         try {
-          if (failure_) return;
+          if (stop_) return;
           if (auto trial = guarded(wanted[k], threads)) keep(wanted[k], std::move(*trial));
         } catch (...) {
           const std::lock_guard lock(mutex_);
-          failure_ = std::current_exception();
+          failure_ = std::current_exception(), stop_ = true;
         }
       }
     };
@@ -185,6 +194,7 @@ class Runs {
   std::map<std::vector<double>, Trial> known_;
   std::mutex mutex_;
   std::exception_ptr failure_;
+  std::atomic<bool> stop_ = false;  ///< failure_ is set
 };
 
 std::vector<double> chosen(const std::vector<double>& all, const std::vector<std::size_t>& which) {
@@ -220,7 +230,20 @@ double norm_of(const std::vector<double>& curve, const std::vector<double>& sigm
   return std::sqrt(sum);
 }
 
-void judge(const Task& task, const std::vector<double>& sigma, Result& result) {
+/// Correlations are those of ln(value / start) where the scale is logarithmic, which falls as a negative
+/// value rises.
+void turn_correlations(const Task& task, Result& result) {
+  const std::size_t n = result.values.size();
+  const auto turned = [&](std::size_t j) {
+    return task.varied[j].searched.logarithmic && result.values[j].value < 0;
+  };
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < n; ++j)
+      if (turned(i) != turned(j)) result.statistics.correlation[i * n + j] *= -1;
+}
+
+/// difference: the step of derivatives.
+void judge(const Task& task, const std::vector<double>& sigma, double difference, Result& result) {
   const std::size_t n = task.varied.size();
   result.values.resize(n);
   std::vector<char> held(n, 0);
@@ -228,14 +251,18 @@ void judge(const Task& task, const std::vector<double>& sigma, Result& result) {
     FoundValue& v = result.values[j];
     v.value = result.found.values[j];
     v.at_low = v.value == task.varied[j].searched.low, v.at_high = v.value == task.varied[j].searched.high;
-    held[j] = v.at_low || v.at_high ? 1 : 0;
+    v.held = !result.found.held.empty() && result.found.held[j] != 0;
+    held[j] = v.at_low || v.at_high || v.held ? 1 : 0;
     v.standard_error = v.low = v.high = none;
   }
   result.deviation = none;
   if (result.found.jacobian.empty()) return;
-  constexpr double no_effect = 1e-6;  // of the curve for a change as large as the value: what differences see
+  const double criterion = criterion_of(difference, !result.found.one_sided.empty());
+  const double no_effect =
+      0.1 * criterion;  // of the curve, by a change of the value's size: what differences see
   result.statistics = statistics(result.found.jacobian, result.found.residuals, held, task.sigma_known(),
-                                 no_effect * norm_of(result.fitted, sigma));
+                                 criterion, no_effect * norm_of(result.fitted, sigma));
+  turn_correlations(task, result);
   const Statistics& s = result.statistics;
   result.deviation = task.sigma_known() ? s.deviation : s.deviation * sigma.front();
   for (std::size_t j = 0; j < n; ++j) {
@@ -250,8 +277,8 @@ void judge(const Task& task, const std::vector<double>& sigma, Result& result) {
   }
 }
 
-void sum_up(const Runs& runs, const Options& options, Result& result) {
-  result.runs = runs.made, result.failed = runs.failed, result.known = options.known.size();
+void sum_up(const Runs& runs, Result& result) {
+  result.runs = runs.made, result.failed = runs.failed, result.known = runs.taken;
   for (std::size_t j = 0; j < result.values.size(); ++j) {
     FoundValue& v = result.values[j];
     v.least_tried = v.largest_tried = v.value;
@@ -321,8 +348,8 @@ std::optional<Result> fit(const Task& task, const Options& options) {
   result.found = search(searched, data, sigma, curves, options.search);
   if (result.found.jacobian.empty()) take_best(runs, which, read.points, task, data, sigma, result.found);
   result.fitted = chosen(runs.tried().at(result.found.values).curve, which);
-  judge(task, sigma, result);
-  sum_up(runs, options, result);
+  judge(task, sigma, options.search.difference, result);
+  sum_up(runs, result);
   if (result.found.end == SearchEnd::interrupted) return result;
   if (const auto last = runs.run(result.found.values, options.threads)) {  // again, for its rows
     ++result.runs;

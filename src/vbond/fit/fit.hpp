@@ -46,7 +46,8 @@ Task make_task(const std::filesystem::path& case_file, const std::filesystem::pa
                const std::vector<std::string>& compare, const std::vector<std::string>& sigma,
                std::optional<std::string> stage);
 
-/// The case file with these values, one for each that is varied, and nothing else changed.
+/// The case file with these values, one for each that is varied, and nothing else changed. Throws CaseError
+/// where the text does not take them.
 std::string with_values(const Task& task, const std::vector<double>& values);
 
 /// A run of the search, as it is kept.
@@ -58,7 +59,8 @@ struct Tried {
 struct Options {
   SearchOptions search;
   int threads = 1;
-  std::vector<Tried> known;                     ///< of an earlier try at the same task: not run again
+  /// Of an earlier try at the same task: not run again. Those outside the bounds take no part.
+  std::vector<Tried> known;
   std::function<void(const Tried&)> keep = {};  ///< each run as it ends, one at a time
 };
 
@@ -69,6 +71,7 @@ struct FoundValue {
   double low = 0, high = 0;   ///< of 95 %; NaN: none. Not symmetric on a logarithmic scale
   double least_tried = 0, largest_tried = 0;
   bool at_low = false, at_high = false;  ///< of its bounds
+  bool held = false;                     ///< runs beyond it fail: Found::held
 };
 
 struct Result {

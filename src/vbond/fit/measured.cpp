@@ -34,7 +34,8 @@ double factor_of(const std::string& title, const std::string& history, UnitSyste
   const std::string unit = title.substr(open + 1, title.size() - open - 2);
   const auto facts = facts_of_column(history);
   const std::string wanted = facts ? facts->unit.in(units) : "";
-  if (unit == wanted || unit.empty()) return 1;
+  const bool pure = unit.empty() || unit == "-" || unit == "1";
+  if (unit == wanted || unit.empty() || (pure && (wanted.empty() || units != UnitSystem::si))) return 1;
   const auto refuse = [&](const std::string& rule) {
     problems.add(
         place, fmt::format("column {}", shown_field(title)), rule,
@@ -44,6 +45,7 @@ double factor_of(const std::string& title, const std::string& history, UnitSyste
   if (units != UnitSystem::si || wanted.empty())
     return refuse(fmt::format("{} of history.csv {} here: there is nothing to convert to", history,
                               wanted.empty() ? "is a pure number" : "is in reduced units"));
+  if (pure) return refuse(fmt::format("{} of history.csv is in {}, not a pure number", history, wanted));
   const auto given = one_of(unit), is = one_of(wanted);
   if (const auto* mistake = std::get_if<keys::UnitMistake>(&given)) return refuse(mistake->rule);
   const auto &from = std::get<keys::Quantity>(given), &to = std::get<keys::Quantity>(is);
@@ -161,7 +163,7 @@ Points read_points(const std::filesystem::path& file, const Pair& x, const std::
     if (sigmas[k].column) sigmas[k].factor = factor(measured[k].sigma, measured[k].y.history);
   }
   const Fields fields(file, table, problems);
-  Points read{{}, has_stages, table.passed_over};
+  Points read{{}, table.passed_over};
   std::optional<std::size_t> of_all;
   if (stage) of_all = stage_of(*stage, stages, {"--stage", 0, 0});
   for (std::size_t row = 0; row < table.rows(); ++row) {

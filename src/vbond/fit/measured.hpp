@@ -35,7 +35,6 @@ struct Point {
 
 struct Points {
   std::vector<Point> points;
-  bool stages_of_file = false;           ///< the file has a column `stage`
   std::vector<std::string> passed_over;  ///< columns that nobody asked for
 };
 

@@ -41,7 +41,7 @@ class Unknowns {
 
  private:
   double end(std::size_t j, double bound) const {
-    if (values_[j].logarithmic && std::isinf(bound)) return bound;
+    if (values_[j].logarithmic && std::isinf(bound)) return values_[j].start > 0 ? bound : -bound;
     return unknown(j, bound);
   }
   const std::vector<Searched>& values_;
@@ -59,7 +59,7 @@ class Residuals {
 
   bool at(const std::vector<double>& u, std::vector<double>& r) {
     const Trial trial = curves_({unknowns_.values(u.data())}).front();
-    if (trial.failed()) return why = trial.failure, false;
+    if (trial.failed()) return why = trial.failure, accepted_since_failure = 0, false;
     r = weighted(trial);
     return true;
   }
@@ -102,6 +102,7 @@ class Residuals {
   std::exception_ptr failure;
   std::string why;
   bool no_derivative = false;
+  int accepted_since_failure = 0;      ///< steps of the leg since one that led to a run that fails
   std::vector<std::string> one_sided;  ///< failures beside the last point with derivatives
 
  private:
@@ -180,6 +181,7 @@ class Leg final : public ceres::IterationCallback {
   }
 
   ceres::Solver::Summary run() {
+    residuals_.accepted_since_failure = 1000;
     ceres::Problem::Options owned;
     owned.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
     ceres::Problem problem(owned);
@@ -205,6 +207,7 @@ class Leg final : public ceres::IterationCallback {
       if (options_.tell) options_.tell(found_.iterations.back());
     }
     if (residuals_.failure || residuals_.interrupted()) return ceres::SOLVER_ABORT;
+    if (accepted && s.iteration > 0) ++residuals_.accepted_since_failure;
     for (std::size_t k = 0; k < free_.size() && accepted && s.iteration > 0; ++k)
       hit_ = hit_ || (began_at_bound_[k] == 0 && at_bound(free_[k], at_[k]));
     return hit_ ? ceres::SOLVER_TERMINATE_SUCCESSFULLY : ceres::SOLVER_CONTINUE;
@@ -266,6 +269,21 @@ std::vector<std::size_t> free_of(const Unknowns& unknowns, const std::vector<dou
   return free;
 }
 
+/// The free values that would lower the sum of squares, where runs that fail keep the search from it. The
+/// cosine of the angle between the residuals and the column of a value is 0 at a minimum. At 1e-3 the value
+/// is 1e-3 sqrt(points) of its standard errors from where it would go.
+void tell_held(const std::vector<std::size_t>& free, std::size_t unknowns, Found& found) {
+  found.held.assign(unknowns, 0);
+  for (const std::size_t j : free) {
+    double Jr = 0, JJ = 0, rr = 0;
+    for (std::size_t i = 0; i < found.residuals.size(); ++i) {
+      const double r = found.residuals[i], slope = found.jacobian[i * unknowns + j];
+      Jr += slope * r, JJ += slope * slope, rr += r * r;
+    }
+    if (std::abs(Jr) > 1e-3 * std::sqrt(JJ * rr)) found.held[j] = 1, found.end = SearchEnd::held;
+  }
+}
+
 /// Leg by leg, until a leg comes to its own end and the same values are held as before.
 void go(const Unknowns& unknowns, Residuals& residuals, const SearchOptions& options, std::vector<double>& u,
         Found& found) {
@@ -282,7 +300,11 @@ void go(const Unknowns& unknowns, Residuals& residuals, const SearchOptions& opt
     }
     const std::vector<std::size_t> now_free = free_of(unknowns, u, r, J);
     found.residuals = std::move(r), found.jacobian = std::move(J), found.one_sided = residuals.one_sided;
-    if (now_free.empty() || (ended && now_free == free)) return;
+    if (now_free.empty()) return;
+    if (ended && now_free == free) {
+      if (residuals.accepted_since_failure == 0) tell_held(free, unknowns.size(), found);
+      return;
+    }
     free = now_free;
     Leg leg(unknowns, residuals, options, found, u, free);
     const ceres::Solver::Summary summary = leg.run();
@@ -294,9 +316,13 @@ void go(const Unknowns& unknowns, Residuals& residuals, const SearchOptions& opt
       continue;
     if (found.end == SearchEnd::converged && !ended) found.end = SearchEnd::iterations;
 
+    const int accepted_since = residuals.accepted_since_failure;
     found.jacobian.clear();
     if (residuals.at(u, r) && found.end != SearchEnd::interrupted && residuals.derivatives(u, r, all, J))
       found.residuals = std::move(r), found.jacobian = std::move(J), found.one_sided = residuals.one_sided;
+    // creeping along the edge of what fails, with a step that is accepted now and then
+    if (!found.jacobian.empty() && found.end == SearchEnd::iterations && accepted_since < 5)
+      tell_held(free, unknowns.size(), found);
     return;
   }
 }
@@ -305,6 +331,7 @@ std::string in_words(SearchEnd end, const std::string& why, int most) {
   switch (end) {
     case SearchEnd::converged: return "no step of the search lowers the sum of squares any more";
     case SearchEnd::iterations: return "the search was ended after " + std::to_string(most) + " iterations";
+    case SearchEnd::held: return "the search is held by runs that fail: " + why;
     case SearchEnd::no_better: return "no run near the best values went well: " + why;
     case SearchEnd::no_derivative:
       return "there is no derivative: no run beside the best values went well: " + why;
@@ -325,6 +352,9 @@ Found search(const std::vector<Searched>& values, const std::vector<double>& dat
   if (values.empty() || data.empty() || data.size() != sigma.size())
     throw std::invalid_argument("a search needs values, and data with a standard deviation each");
   FLAGS_minloglevel = google::FATAL;  // steps that fail are told by Found, not on stderr
+  for (const Searched& v : values)
+    if (!(v.low <= v.start && v.start <= v.high))
+      throw std::invalid_argument("a search starts within its bounds");
   const Unknowns unknowns(values);
   Found found;
   Residuals residuals(unknowns, data, sigma, curves, options);

@@ -45,13 +45,15 @@ struct SearchOptions {
   std::function<void(const Iteration&)> tell = {};  ///< each iteration as it ends
 };
 
-enum class SearchEnd { converged, iterations, no_better, no_derivative, interrupted };
+enum class SearchEnd { converged, held, iterations, no_better, no_derivative, interrupted };
 
 struct Found {
   std::vector<double> values;     ///< within the bounds
   std::vector<double> residuals;  ///< (curve - data) / sigma there
   std::vector<double>
       jacobian;  ///< points x values; of `residuals` by value / scale(), by ln(value) where logarithmic
+  /// Of each value, if runs that fail held the search: whether it would go on into them. Else empty.
+  std::vector<char> held;
   SearchEnd end = SearchEnd::converged;
   std::string why;  ///< in words
   std::vector<Iteration> iterations;
@@ -61,7 +63,7 @@ struct Found {
 
 /// Searches from the starts; `data` and `sigma` as the curve, sigma > 0. Deterministic: the sets of values it
 /// asks for depend on the trials alone. Throws what `curves` throws, std::invalid_argument if sizes do not
-/// fit, or if there is no curve at the start.
+/// fit, if a start lies outside its bounds, or if there is no curve at the start.
 Found search(const std::vector<Searched>& values, const std::vector<double>& data,
              const std::vector<double>& sigma, const Curves& curves, const SearchOptions& options);
 

@@ -91,20 +91,24 @@ double student_quantile(double probability, double dof) {
   return 0.5 * (low + high);
 }
 
+double criterion_of(double difference, bool one_sided) {
+  return one_sided ? 10 * difference : std::max(1e-5, 10 * difference * difference);
+}
+
 Statistics statistics(std::span<const double> jacobian, std::span<const double> residuals,
-                      const std::vector<char>& held, bool sigma_known, double negligible) {
+                      const std::vector<char>& held, bool sigma_known, double criterion, double negligible) {
   const std::size_t n = held.size(), m = residuals.size();
   if (jacobian.size() != m * n) throw std::invalid_argument("a Jacobian has a row for each residual");
   Statistics s;
-  s.points = m;
-  s.values = static_cast<std::size_t>(std::count(held.begin(), held.end(), 0));
+  s.points = m, s.criterion = criterion;
   for (const double r : residuals) s.sum_of_squares += r * r;
-  s.dof = static_cast<double>(m) - static_cast<double>(s.values);
-  s.deviation = s.dof > 0 ? std::sqrt(s.sum_of_squares / s.dof) : none;
-  const bool has_quantile = sigma_known || s.dof > 0;
-  s.quantile = has_quantile
-                   ? student_quantile(0.975, sigma_known ? std::numeric_limits<double>::infinity() : s.dof)
-                   : none;
+  const auto count_dof = [&] {
+    s.dof = static_cast<double>(m) - static_cast<double>(s.rank);
+    s.deviation = s.dof > 0 ? std::sqrt(s.sum_of_squares / s.dof) : none;
+    const double of_quantile = sigma_known ? std::numeric_limits<double>::infinity() : s.dof;
+    s.quantile = of_quantile > 0 ? student_quantile(0.975, of_quantile) : none;
+  };
+  count_dof();
   s.standard_error.assign(n, none), s.correlation.assign(n * n, none);
   const Eigen::Map<const Matrix> J(jacobian.data(), static_cast<Eigen::Index>(m),
                                    static_cast<Eigen::Index>(n));
@@ -120,7 +124,8 @@ Statistics statistics(std::span<const double> jacobian, std::span<const double> 
   Eigen::VectorXd lost = Eigen::VectorXd::Zero(k);
   for (Eigen::Index d = 0; d < k; ++d) {
     const Eigen::VectorXd v = svd.matrixV().col(d);
-    if (sigma[d] > singular * sigma[0]) {
+    if (sigma[d] > criterion * sigma[0]) {
+      ++s.rank;
       covariance += v * v.transpose() / (sigma[d] * sigma[d]);
       continue;
     }
@@ -131,6 +136,7 @@ Statistics statistics(std::span<const double> jacobian, std::span<const double> 
     }
     s.not_told_apart.push_back(std::move(together));
   }
+  count_dof();
   const auto known = [&](Eigen::Index j) { return lost[j] <= 1e-3; };
   for (Eigen::Index i = 0; i < k; ++i)
     for (Eigen::Index j = 0; j < k; ++j) {

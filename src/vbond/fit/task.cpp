@@ -76,9 +76,17 @@ std::vector<Measured> measured_of(const std::vector<std::string>& compare,
         "several columns are compared, whose residuals have different sizes\n  give --sigma for each, in the "
         "same "
         "order: a number, or a column of the data");
+  for (const std::string& s : sigma)
+    if (s.empty())
+      throw std::invalid_argument("--sigma is empty\n  give a number, a column of the data, or leave it out");
   std::vector<Measured> measured;
   for (std::size_t k = 0; k < compare.size(); ++k)
     measured.push_back({pair_of(compare[k], "--compare"), k < sigma.size() ? sigma[k] : ""});
+  for (std::size_t k = 0; k < measured.size(); ++k)
+    for (std::size_t other = 0; other < k; ++other)
+      if (measured[k].y.history == measured[other].y.history || measured[k].y.data == measured[other].y.data)
+        throw std::invalid_argument("--compare " + compare[k] + ": " + compare[other] +
+                                    " is compared already\n  give each column and each heading once");
   return measured;
 }
 
@@ -112,6 +120,9 @@ Task make_task(const std::filesystem::path& case_file, const std::filesystem::pa
                "leave one out");
     task.varied.push_back(std::move(v));
   }
+  std::vector<double> others;  // none of them is the start, which would be found where nothing was replaced
+  for (const Varied& v : task.varied) others.push_back(v.searched.start == 0 ? 1 : 0.5 * v.searched.start);
+  with_values(task, others);
   task.data_file = data_file;
   task.x = pair_of(x, "--x");
   task.measured = measured_of(compare, sigma);
@@ -130,10 +141,18 @@ std::string with_values(const Task& task, const std::vector<double>& values) {
     const NumberInText& at = task.varied[k].start;
     text.replace(at.begin, at.end - at.begin, at.toml(values[k]));
   }
+  const auto stands_there = [&](std::size_t k) {
+    try {
+      return number_in(text, task.case_text.file.string(), task.varied[k].key, option).value == values[k];
+    } catch (const CaseError&) {
+      return false;
+    }
+  };
   for (std::size_t k = 0; k < values.size(); ++k)
-    if (number_in(text, task.case_text.file.string(), task.varied[k].key, option).value != values[k])
-      throw std::logic_error("the value of " + task.varied[k].key +
-                             " could not be put into the text of the case");
+    if (!stands_there(k))
+      throw CaseError(Problem{task.varied[k].start.place, task.varied[k].key,
+                              "another value cannot be put in the place of this one",
+                              "write it as a number, or with its unit between plain quotes"});
   return text;
 }
 
