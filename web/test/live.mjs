@@ -62,7 +62,8 @@ try {
   await choose(page, "Colour map", "cividis");
   await choose(page, "Spheres", "tiny");
   await choose(page, "Cut away", "+x");
-  const box = await (await page.$("canvas")).boundingBox();
+  let box = null;   // while frames are added the canvas may be laid out anew
+  assert.ok(await soon(async () => { box = await (await page.$("canvas"))?.boundingBox(); return box; }), "the canvas has a place");
   await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
   await page.mouse.down();
   await page.mouse.move(box.x + box.width / 2 + 150, box.y + box.height / 2 + 80, { steps: 5 });
