@@ -91,9 +91,8 @@ TEST(FitStatistics, ValuesThatAreNotToldApartAreNamed) {
               fit::student_quantile(0.975, 17), 1e-11);
 }
 
-// p and q go in as p + q and as 2 exp(p) + 2 exp(q) - 2: at p = q both columns are one, of which steps of h
-// to each side see e^p sinh(h) / h. With steps that differ in size, as those of a value and of a logarithm,
-// the columns differ by h^2 / 6 of themselves.
+// Two values with the same derivative a of exp(a p) at 0, one exact and one by central differences with steps
+// of h, sinh(a h) / h: the columns differ by (a h)^2 / 6 of themselves, which is no effect of either alone.
 TEST(FitStatistics, WhatWideStepsSeeIsNotTakenForAnEffect) {
   for (const double h : {1e-3, 0.05, 0.3}) {
     std::vector<double> J;

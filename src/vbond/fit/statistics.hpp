@@ -8,8 +8,8 @@ namespace vbond::fit {
 
 /// t with P(T <= t) = probability, of Student's distribution. 0 < probability < 1; dof > 0, infinite: the
 /// normal distribution. By the incomplete beta function (Abramowitz and Stegun, 26.5.8, 26.7.1) and
-/// bisection: to 1e-11 up to some 1e4 degrees of freedom; beyond, logarithms of the gamma function lose about
-/// 1e-16 dof ln(dof).
+/// bisection: to 1e-11 with few degrees of freedom; with very many, logarithms of the gamma function lose
+/// digits.
 double student_quantile(double probability, double dof);
 
 /// A linear least-squares estimate around the values found.
