@@ -150,6 +150,7 @@ Json json_of(const HomogenisedSheet& h) {
   return {{"particles", h.particles},
           {"bonds", h.bonds},
           {"floating", h.floating},
+          {"parts", h.parts},
           {"area", h.area},
           {"density", h.density},
           {"plane", h.plane},
@@ -171,6 +172,9 @@ void print(const HomogenisedSheet& h, UnitSystem units) {
   if (h.floating > 0)
     fmt::print("{} particles are of parts that hang together with none of their images: they carry nothing\n",
                h.floating);
+  if (h.parts > 1)
+    fmt::print("{} parts do not hang together with each other: B and D are as if they could not slide\n",
+               h.parts);
   for (const auto& [title, unit, C] : {std::tuple{"A, membrane forces by strain", " [N/m]", &h.A},
                                        {"B, membrane forces by curvature", " [N]", &h.B},
                                        {"D, moments by curvature", " [N m]", &h.D}}) {
@@ -259,7 +263,8 @@ int of_body(const RunOptions& options, const HomogeniseOptions& body, const Case
     fmt::print("{}\n", json_of(found).dump(2));
   } else {
     print_notes(built.notes);
-    print(found, volume ? "as given" : "the box around its particles", built.model.units);
+    print(found, volume ? "as given" : "the box around its particles as the case makes it",
+          built.model.units);
   }
   return done;
 }

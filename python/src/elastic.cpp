@@ -127,6 +127,8 @@ void bind_sheets(py::module_& m) {
       .def_readonly("particles", &HomogenisedSheet::particles)
       .def_readonly("bonds", &HomogenisedSheet::bonds)
       .def_readonly("floating", &HomogenisedSheet::floating, "Particles of parts that carry nothing")
+      .def_readonly("parts", &HomogenisedSheet::parts,
+                    "Parts that carry, and do not hang together with each other")
       .def_readonly("solver", &HomogenisedSheet::solver, "'direct' or 'multigrid'");
   m.def(
       "homogenise_sheet",

@@ -192,6 +192,7 @@ class HomogenisedSheet:
     particles: int
     bonds: int
     floating: int
+    parts: int
     solver: str
 
 def homogenise_sheet(state: State) -> HomogenisedSheet: ...

@@ -330,6 +330,29 @@ TEST(HomogeniseBody, RefusesWhatHasNoConstants) {
 }
 
 // A particle apart, and one more body: they count nowhere.
+// One particle below a block of 4^3 would have a face of 16 to itself.
+TEST(HomogeniseBody, RefusesWhatSticksOut) {
+  std::vector<Vec3d> r;
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j)
+      for (int k = 0; k < 4; ++k) r.push_back({double(i), double(j), double(k)});
+  r.push_back({1, 1, -1});
+  Specimen s = particles_at(r, 0.5);
+  BondRecipe recipe;
+  recipe.parameters = BondStiffness<double>{1.0, 0.35, 0.05, 0.02};
+  for (std::size_t p = 0; p < r.size(); ++p)
+    for (std::size_t q = p + 1; q < r.size(); ++q)
+      if (norm(r[q] - r[p]) < 1.01) bond(s, p, q, recipe);
+  try {
+    surface_of_box(s.model, s.state);
+    ADD_FAILURE() << "taken";
+  } catch (const std::invalid_argument& e) {
+    EXPECT_NE(std::string(e.what()).find("side of -z has 1 particles, particle 64 among them"),
+              std::string::npos)
+        << e.what();
+  }
+}
+
 TEST(HomogeniseBody, LeavesOutWhatDoesNotHangTogetherWithIt) {
   const BondStiffness<double> c{1.0, 0.35, 0.05, 0.02};
   const Specimen s = lattice(3, c);

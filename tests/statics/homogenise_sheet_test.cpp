@@ -117,6 +117,38 @@ TEST(HomogeniseSheet, CountsFromTheCentreOfMass) {
   EXPECT_LT(difference(above.D, D), 1e-14);
 }
 
+// What hangs together with no image of it neither carries nor says where the plane is.
+TEST(HomogeniseSheet, LeavesLooseParticlesOut) {
+  const Specimen s = sheet({1, 0, 0}, {0, 1, 0}, {{0, 0, 0}, {0.2, 0.3, 6.0}}, 1.01, c);
+  Specimen loose = s;
+  for (Bond& b : loose.state.bonds) b.broken = b.i == ParticleId{1};
+  const HomogenisedSheet found = homogenise_sheet(loose.model, loose.state);
+  EXPECT_EQ(found.bonds, 2u);
+  EXPECT_EQ(found.floating, 1u);
+  EXPECT_EQ(found.parts, 1u);
+  EXPECT_EQ(found.plane, 0.0);
+  EXPECT_LT(difference(found.B, {}), 1e-14);
+  EXPECT_LT(difference(found.D, orthotropic(c.c_B, 0, c.c_B, 0.5 * c.c_T)), 1e-14);
+  EXPECT_NEAR(found.density, 2.0, 1e-15);
+}
+
+// Two layers 4 apart that nothing joins: strained by 2 k on either side.
+TEST(HomogeniseSheet, CountsLayersThatDoNotHangTogether) {
+  const Specimen s = sheet({1, 0, 0}, {0, 1, 0}, {{0, 0, 0}, {0, 0, 4}}, 1.01, c);
+  const HomogenisedSheet found = homogenise_sheet(s.model, s.state);
+  EXPECT_EQ(found.parts, 2u);
+  EXPECT_EQ(found.floating, 0u);
+  EXPECT_NEAR(found.D[0][0], 2.0 * (c.c_B + 4.0 * c.c_A), 1e-13);
+}
+
+// A strain of 1e-7 is nothing to c_A, but adds 1e-7 c_A a^2/4 to D: 0.25 % where c_B is 1e-5.
+TEST(HomogeniseSheet, TakesNoForcesThatBendingFeels) {
+  Specimen s = sheet({1, 0, 0}, {0, 1, 0}, {{0, 0, 0}}, 1.01, {1.0, 0.35, 1e-5, 1e-5});
+  EXPECT_NO_THROW(homogenise_sheet(s.model, s.state));
+  for (Bond& b : s.state.bonds) b.a *= 1.0 + 1e-7;
+  EXPECT_THROW(homogenise_sheet(s.model, s.state), std::invalid_argument);
+}
+
 // The same sheet in another plane of the world: 1 and 2 are y and z, or z and x, wherever edges lead.
 TEST(HomogeniseSheet, MayLieInAnyPlaneOfTwoAxes) {
   const std::vector<Vec3d> r{{0.1, 0.2, 0.0}, {0.8, 0.7, 0.4}, {0.3, 0.9, 1.1}};

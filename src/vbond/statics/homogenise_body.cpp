@@ -85,11 +85,15 @@ void close_surface(const State& state, BodySurface& s) {
   }
 }
 
-/// From the corners of a box filled with particles the nearest one is some mean distance of particles away,
-/// that of a cube with as much volume as each has: twice that is little. From a ball it is a third of the
-/// side.
+/// The mean distance of particles: the side of a cube with as much volume as each has in the box.
+double mean_distance(const BoundingBox& box, const std::vector<ParticleId>& part) {
+  return std::cbrt(box_volume(box) / static_cast<double>(part.size()));
+}
+
+/// From the corners of a box filled with particles the nearest one is some mean distance of particles away:
+/// twice that is little. From a ball it is a third of the side.
 void check_corners(const State& state, const BoundingBox& box, const std::vector<ParticleId>& part) {
-  const double far = 2.0 * std::cbrt(box_volume(box) / static_cast<double>(part.size()));
+  const double far = 2.0 * mean_distance(box, part);
   for (const double x : {box.low.x, box.high.x})
     for (const double y : {box.low.y, box.high.y})
       for (const double z : {box.low.z, box.high.z}) {
@@ -102,6 +106,20 @@ void check_corners(const State& state, const BoundingBox& box, const std::vector
                 "the volume",
                 x, y, z, far));
       }
+}
+
+/// A layer of the body has a particle for each square of their mean distance. With less than a third of that
+/// the box ends at some that stick out.
+void check_face(const std::vector<ParticleId>& face, double area, double distance, int axis, double side) {
+  const double expected = area / sq(distance);
+  require_material(
+      3.0 * static_cast<double>(face.size()) >= expected,
+      fmt::format(
+          "the face of the box on the side of {}{} has {} particles, particle {} among them, where {:.0f} "
+          "would "
+          "fill it: take off what sticks out, or name the particles of the surface as a group, and give the "
+          "volume",
+          side < 0.0 ? '-' : '+', "xyz"[axis], face.size(), face.front().value, expected));
 }
 
 void check_closed(const State& state, const BodySurface& s) {
@@ -240,6 +258,7 @@ BodySurface surface_of_box(const Model& model, const State& state, std::optional
   const BoundingBox box = box_of_part(model, state, part);
   const Vec3d size = box.high - box.low;
   check_corners(state, box, part);
+  const double distance = mean_distance(box, part);
   PerParticle<Vec3d> areas(model.particles());
   PerParticle<char> outer(model.particles(), 0);
   for (int axis = 0; axis < 3; ++axis)
@@ -248,9 +267,10 @@ BodySurface surface_of_box(const Model& model, const State& state, std::optional
       std::vector<ParticleId> face;
       for (const ParticleId p : part)
         if (side * (end - component(state.r[p], axis)) <=
-            2.0 * model.radius[p] + 1e-9 * component(size, axis))
+            std::max(2.0 * model.radius[p], distance) + 1e-9 * component(size, axis))
           face.push_back(p);
       const double area = component(size, (axis + 1) % 3) * component(size, (axis + 2) % 3);
+      check_face(face, area, distance, axis, side);
       for (const ParticleId p : face)
         component(areas[p], axis) += side * area / static_cast<double>(face.size()), outer[p] = 1;
     }

@@ -21,13 +21,16 @@ struct BodySurface {
 };
 
 /// The surface of a body that fills a box along the axes: the box around the particles of its largest part.
-/// A particle belongs to each face that its centre is no farther from than its diameter; a face is shared by
-/// its particles alike; faces of one axis are scaled, and the least change (of the sum of squares) makes
+/// A particle belongs to each face that its centre is no farther from than its diameter, or the mean distance
+/// of particles (the cube root of the box over their number) where that is more; a face is shared by its
+/// particles alike; faces of one axis are scaled, and the least change (of the sum of squares) makes
 /// areas those of a closed surface. volume: absent: that of the box. Throws std::invalid_argument if a corner
-/// of the box is far from all particles, as that of a ball is, or if all particles lie in one plane.
+/// of the box is far from all particles, as that of a ball is, if a face has less than a third of the
+/// particles that would fill it, or if all particles lie in one plane.
 BodySurface surface_of_box(const Model& model, const State& state, std::optional<double> volume = {});
 /// The same by these particles, those of them that belong to the largest part: the smallest areas (in the sum
-/// of squares) that are those of a closed surface. They are normal to ellipsoids.
+/// of squares) that are those of a closed surface. They are normal to ellipsoids. particles: in increasing
+/// order.
 BodySurface surface_of(const Model& model, const State& state, const std::vector<ParticleId>& particles,
                        double volume);
 /// The volume of the box around the particles of the largest part.  [length^3]
@@ -35,11 +38,12 @@ double volume_of_box(const Model& model, const State& state);
 
 /// Elastic constants of a finite body, in Voigt's order xx yy zz yz xz xy with engineering shear.
 struct HomogenisedBody {
-  /// Particles of the surface move with the strain and do not turn: 2 U/V of the others in balance. Of all
-  /// ways to strain the surface on average the stiffest.  [force/length^2]
+  /// Particles of the surface move with the strain and do not turn: 2 U/V of the others in balance.
+  /// [force/length^2]
   Constants by_displacement{};
   /// They bear the forces that a uniform stress exerts on their areas, and turn freely. The inverse of the
-  /// compliance S; mean strain is the sum of (u (x) A + A (x) u)/2V. Never stiffer.  [force/length^2]
+  /// compliance S; mean strain is the sum of (u (x) A + A (x) u)/2V. Never stiffer than by_displacement.
+  /// [force/length^2]
   Constants by_traction{};
   double volume = 0;   ///< [length^3]
   double density = 0;  ///< of the largest part  [mass/length^3]
@@ -51,11 +55,11 @@ struct HomogenisedBody {
 };
 
 /// Elastic constants of a body without a cell, about the balance that it comes to when it is left alone: two
-/// factors of the tangent, and six solutions by each. With U(e) the least energy of a body whose surface
-/// moves by e x, and U(s) that with mean strain e: by_displacement - by_traction has no negative eigenvalue.
-/// Throws std::invalid_argument if model or state have a mistake, there is a cell, there are walls, particles
-/// are absent, areas are not those of a closed surface, or bonds at rest have a kink there. Throws
-/// NoEquilibrium if there is no balance, or particles can move at no cost.
+/// factors of the tangent, and six solutions by each. by_displacement - by_traction has no negative
+/// eigenvalue: a surface that moves by e x has the mean strain e, and the loaded one has the least energy of
+/// all with it. Throws std::invalid_argument if model or state have a mistake, there is a cell, there are
+/// walls, particles are absent, areas are not those of a closed surface, or bonds at rest have a kink there.
+/// Throws NoEquilibrium if there is no balance, or particles can move at no cost.
 HomogenisedBody homogenise_body(const Model& model, const State& state, const BodySurface& surface,
                                 const NewtonSettings& newton = {});
 

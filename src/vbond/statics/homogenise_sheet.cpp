@@ -7,8 +7,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "vbond/core/images.hpp"
+#include "vbond/model/bond_sums.hpp"
 #include "vbond/model/periodic_cell.hpp"
 #include "vbond/model/touching.hpp"
 #include "vbond/statics/detail/homogenising.hpp"
@@ -41,11 +43,22 @@ SheetAxes axes_of_sheet(const Model& model, const State& state) {
   return {};
 }
 
+/// A force N along a bond of length a adds some N a to what bending costs, c_B and c_T: it must be far less
+/// than these, but for what rounding of places makes of it.
+bool bears_no_force(const State& s, BondId k) {
+  constexpr double epsilon = std::numeric_limits<double>::epsilon();
+  const Bond& b = s.bonds[k];
+  const BondStiffness<double> c = b.law->stiffness(b);
+  const double rounding =
+      64.0 * epsilon * (c.c_A * b.a * (b.a + norm(s.r[b.i]) + norm(s.r[b.j])) + angular_scale(b));
+  return norm(bond_loads(s, k).F) * b.a <= 1e-8 * std::min(c.c_B, c.c_T) + rounding;
+}
+
 void refuse_strained(const Model& model, const State& s) {
   for (const BondId k : s.bonds.ids()) {
     const Bond& b = s.bonds[k];
     require_material(
-        b.broken || (is_at_rest(s, k) && history_of_bond(s, k) == no_history),
+        b.broken || (is_at_rest(s, k) && bears_no_force(s, k) && history_of_bond(s, k) == no_history),
         fmt::format("bond {} (particles {}, {}) is strained or has flowed, and a sheet is looked "
                     "at whose bonds are at rest: take prestrain out",
                     k.value, b.i.value, b.j.value));
@@ -88,9 +101,18 @@ HomogenisedSheet homogenise_sheet(const Model& model, const State& state, const 
   stage = with_floating_held(here, stage, state, {});
   HomogenisedSheet found;
   found.area = sheet.area;
+  const PartImages parts = images_of_parts(here, state, Unknowns(here.particles(), {}, 1.0));
+  found.parts = static_cast<std::size_t>(std::count_if(parts.loops.begin(), parts.loops.end(),
+                                                       [](const auto& loops) { return !loops.empty(); }));
+  require_material(found.parts > 0, "no particle hangs together with an image of it: there is no sheet");
   Vec3d centre;
   double mass = 0.0;
-  for (const ParticleId p : state.r.ids()) centre += model.mass[p] * state.r[p], mass += model.mass[p];
+  for (const ParticleId p : state.r.ids()) {
+    const bool floats = parts.loops[parts.part[p]].empty();
+    found.floating += floats ? 1 : 0;
+    found.density += model.mass[p] / sheet.area;
+    if (!floats) centre += model.mass[p] * state.r[p], mass += model.mass[p];
+  }
   centre = centre / mass;
   try {
     const StaticBody body(here, stage, state);
@@ -125,16 +147,11 @@ HomogenisedSheet homogenise_sheet(const Model& model, const State& state, const 
         if (!std::isfinite(found.A[a][b] + found.B[a][b] + found.D[a][b]))
           throw NoEquilibrium(homogenise_name, "constants are not finite", "look at the bonds");
       }
-    const PartImages parts = images_of_parts(here, state, unknowns);
-    found.floating = static_cast<std::size_t>(
-        std::count_if(parts.part.begin(), parts.part.end(),
-                      [&parts](std::size_t part) { return parts.loops[part].empty(); }));
   } catch (...) {  // memory has run out, or a solver does not converge
     throw current_failure(stage);
   }
   for (std::size_t k = 0; k < 3; ++k) component(found.axes[k], sheet.axis[k]) = 1.0;
   found.plane = component(centre, sheet.axis[2]);
-  found.density = mass / sheet.area;
   found.particles = model.particles();
   found.bonds = unbroken_bonds(state);
   return found;

@@ -25,12 +25,17 @@ struct HomogenisedSheet {
   SheetConstants D{};  ///< [force*length]
   /// 1, 2 and the normal: axes of the world in cyclic order.
   std::array<Vec3d, 3> axes;
-  double plane = 0;    ///< where the plane cuts the normal's axis: at the centre of mass  [length]
+  /// Where the plane cuts the normal's axis: at the centre of mass of all that do not float.  [length]
+  double plane = 0;
   double area = 0;     ///< of the cell  [length^2]
-  double density = 0;  ///< mass per area  [mass/length^2]
+  double density = 0;  ///< mass of all particles per area  [mass/length^2]
   std::size_t particles = 0, bonds = 0;
-  /// Particles of parts that hang together with none of their images: they carry nothing, and are left out.
+  /// Particles of parts that hang together with none of their images: they carry nothing, and are left out of
+  /// all but the density.
   std::size_t floating = 0;
+  /// Parts that carry, and do not hang together with each other: layers of them are strained and curved about
+  /// one plane, as if they could not slide.
+  std::size_t parts = 0;
   std::string solver;  ///< "direct" or "multigrid"
 };
 
