@@ -29,6 +29,24 @@ TEST(Team, SharesOutEveryBlockOnce) {
   }
 }
 
+TEST(Team, GoesOnToMoreRows) {
+  for (const int threads : {1, 3}) {
+    const Team fewer(20 * block_rows - 5, std::vector<std::size_t>(20, 5000), threads);
+    const Team more(fewer, 23 * block_rows - 30);
+    EXPECT_EQ(more.blocks(), 23u);
+    ASSERT_EQ(more.parts().size(), fewer.parts().size());
+    for (std::size_t p = 0; p + 1 < more.parts().size(); ++p)
+      EXPECT_EQ(more.parts()[p].last_block, fewer.parts()[p].last_block);
+    EXPECT_EQ(more.parts().back().rows.last, 23 * block_rows - 24) << "filled up to whole packs of rows";
+    std::vector<int> visits(23);
+    for (int round = 0; round < 100; ++round) {  // in turns
+      fewer.for_blocks([&](const Block& b) { ++visits[b.index]; });
+      more.for_blocks([&](const Block& b) { ++visits[b.index]; });
+    }
+    for (std::size_t b = 0; b < 23; ++b) EXPECT_EQ(visits[b], b < 20 ? 200 : 100) << "block " << b;
+  }
+}
+
 // A part ends where the work done is nearest to its share: half the heaviest block away at most.
 TEST(Team, SharesOutEvenly) {
   for (const int threads : {2, 3, 5, 8}) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "campaigns/dice.hpp"
+#include "derivative.hpp"
 #include "differences.hpp"
 #include "periodic.hpp"
 #include "vbond/core/error.hpp"
@@ -250,7 +251,7 @@ TEST(PeriodicCell, TangentAndLoadDirectionAreDerivatives) {
 // Where no stress is wanted, and no component is held, what is out of balance is minus the derivative of the
 // energy.
 TEST(PeriodicCell, WhatIsOutOfBalanceIsTheDerivativeOfTheEnergy) {
-  constexpr double h = 1e-5;
+  constexpr double h = 2e-3;
   for (unsigned seed = 1; seed <= 6; ++seed) {
     const Specimen s = random_body(seed, seed % 2 == 0);
     const StaticStage stage = without_stress();
@@ -263,7 +264,7 @@ TEST(PeriodicCell, WhatIsOutOfBalanceIsTheDerivativeOfTheEnergy) {
         body.move(step * Vector::Unit(body.unknowns().size(), k), 1.0);
         return body.energies().potential();
       };
-      EXPECT_NEAR(unbalanced[k], -(energy(h) - energy(-h)) / (2 * h), 1e-8 * (1.0 + std::abs(unbalanced[k])))
+      EXPECT_NEAR(unbalanced[k], -testing::derivative(energy, h), 1e-10 * (1.0 + std::abs(unbalanced[k])))
           << "seed " << seed << ", " << body.unknowns().name(k);
     }
   }

@@ -72,7 +72,11 @@ TEST(HomogeniseBody, OfALatticeIsItsChains) {
     const Matrix6 loaded = matrix(found.by_traction);
     const double of_stretches = (loaded - exact).topRows(3).cwiseAbs().maxCoeff();
     EXPECT_LT(of_stretches, 1e-12) << n;
-    for (int k = 3; k < 6; ++k) EXPECT_LT(loaded(k, k), exact(k, k)) << n;  // the frames' corners bend
+    for (int k = 3; k < 6; ++k)
+      if (n == 2)  // one cell: all its bonds are alike
+        EXPECT_NEAR(loaded(k, k), exact(k, k), 1e-13);
+      else  // the frames' corners bend
+        EXPECT_LT(loaded(k, k), exact(k, k) - 1e-6);
     EXPECT_GT(least_eigenvalue(exact - loaded), -1e-13);
     EXPECT_EQ(found.floating, 0u);
     EXPECT_FALSE(found.moved);

@@ -26,18 +26,6 @@ std::vector<std::size_t> work_of_blocks(const Model& model, const Bodies& bodies
   return work;
 }
 
-/// All blocks alike.
-std::vector<std::size_t> same_work(std::size_t rows) {
-  return std::vector<std::size_t>((filled_up(rows) + block_rows - 1) / block_rows, block_rows);
-}
-
-Team team_of(const Model& model, const Bodies& bodies, const PerBond<Bond>& bonds, int threads,
-             bool is_part) {
-  const std::size_t own = bodies.order.own;
-  if (!is_part) return {own, work_of_blocks(model, bodies, bonds), threads};
-  return {own, same_work(own), 1};
-}
-
 /// The model, if the three belong together. A part is one of a body that has been looked at.
 const Model& consistent(const Model& model, const Stage& stage, const State& state, bool is_part) {
   if (is_part) return model;
@@ -68,7 +56,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
       bodies_(model, std::move(share.order)),
       images_(bodies_.order),
       exchange_(is_part_ ? *exchange : images_),
-      team_(team_of(model, bodies_, state_.bonds, threads, is_part_)),
+      team_(bodies_.order.own, work_of_blocks(model, bodies_, state_.bonds), is_part_ ? 1 : threads),
       contacts_(model, bodies_.order, bond_index_),
       capsules_(model, bodies_, state_.cell),
       encounters_(model, bond_index_, exchange_),
@@ -83,8 +71,7 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
       farthest_(share.farthest),
       lost_beyond_(share.lost_beyond),
       room_(share.farthest) {
-  if (has_ghosts())
-    with_ghosts_.emplace(bodies_.order.known, same_work(bodies_.order.known), is_part_ ? 1 : threads);
+  if (has_ghosts()) with_ghosts_.emplace(team_, bodies_.order.known);
   books_.resize(all_known().blocks());
   lost_.resize(all_known().blocks());
   try {

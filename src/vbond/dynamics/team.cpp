@@ -21,7 +21,16 @@ Team::Team(std::size_t rows, const std::vector<std::size_t>& work, int threads)
     part.rows = {std::min(rows_, part.first_block * block_rows), std::min(rows_, block * block_rows)};
     parts_.push_back(part);
   }
-  if (parts_.size() > 1) crew_ = std::make_unique<Crew>(parts_.size());
+  if (parts_.size() > 1) crew_ = std::make_shared<Crew>(parts_.size());
+}
+
+Team::Team(const Team& of_fewer_rows, std::size_t rows)
+    : rows_(filled_up(rows)),
+      blocks_((rows_ + block_rows - 1) / block_rows),
+      parts_(of_fewer_rows.parts_),
+      crew_(of_fewer_rows.crew_) {
+  parts_.back().last_block = blocks_;
+  parts_.back().rows.last = rows_;
 }
 
 Team::~Team() = default;

@@ -27,6 +27,9 @@ class Team {
  public:
   /// work: of each block, in bonds and particles; it decides where the parts end. At least one thread.
   Team(std::size_t rows, const std::vector<std::size_t>& work, int threads);
+  /// The same threads with the same parts, of which the last goes on to all of these rows. Threads of its own
+  /// would take the cores from the others, which wait without sleeping.
+  Team(const Team& of_fewer_rows, std::size_t rows);
   ~Team();
 
   std::size_t blocks() const { return blocks_; }
@@ -55,7 +58,7 @@ class Team {
 
   std::size_t rows_ = 0, blocks_ = 0;  // rows: filled up to a multiple of rows_at_once
   std::vector<Part> parts_;
-  std::unique_ptr<Crew> crew_;  // the other threads, if there is more than one part
+  std::shared_ptr<Crew> crew_;  // the other threads, if there is more than one part
 };
 
 }  // namespace vbond

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "vbond/core/error.hpp"
+#include "vbond/statics/detail/cell_constants.hpp"
 
 namespace vbond {
 namespace {
@@ -72,9 +73,10 @@ CalibratedCell calibrate_cell(const Model& model, const State& state, const Elas
     if (!b.broken) c_A += b.law->stiffness(b).c_A, c_D += b.law->stiffness(b).c_D;
   require(c_A > 0.0 && c_D > 0.0, "bonds need c_A and c_D > 0: factors are looked for");
 
+  CellConstants cell(model, state, {newton, true});
   int iterations = 0;
   const auto at = [&](double x) {
-    Point p{x, 0, 0, homogenise(model, with_factors(state, {1.0, std::exp(x)}, bending), {newton, true})};
+    Point p{x, 0, 0, cell.found_with(with_factors(cell.state(), {1.0, std::exp(x)}, bending))};
     ++iterations;
     const ElasticConstants C(p.found.C);
     p.nu = C.hill().nu();
@@ -111,7 +113,7 @@ CalibratedCell calibrate_cell(const Model& model, const State& state, const Elas
     now = at(next);
   }
   CalibratedCell found{factors_at(now), {}, iterations};
-  found.found = homogenise(model, with_factors(state, found.factors, bending), {newton, false});
+  found.found = cell.found_with(with_factors(cell.state(), found.factors, bending));
   const IsotropicConstants is = ElasticConstants(found.found.C).hill();
   if (!(std::abs(is.nu() - target.nu) < 1e-10 && std::abs(is.E() / target.E - 1.0) < 1e-10))
     throw NoEquilibrium("calibrate",

@@ -18,6 +18,7 @@
 #include "vbond/core/images.hpp"
 #include "vbond/model/periodic_cell.hpp"
 #include "vbond/model/touching.hpp"
+#include "vbond/statics/detail/cell_constants.hpp"
 #include "vbond/statics/detail/homogenising.hpp"
 #include "vbond/statics/detail/kinds.hpp"
 #include "vbond/statics/detail/one_blas_thread.hpp"
@@ -76,12 +77,13 @@ class Fields {
         state_(state),
         whole_(model, free_, state) {}
 
-  Homogenised result();
+  /// X: from where the fields are looked for, if a factor is at hand; then the fields.
+  Homogenised result(TangentSolver& solver, DenseMatrix& X);
   std::vector<ConstantsBySet> by_set() const;
 
  private:
   using Movements = Eigen::Matrix<double, 12, 6>;
-  Movements movements(const Bond& b, const DenseMatrix& x) const;
+  Movements movements(const Bond& b, const std::vector<Vector>& x) const;
   Constants from(const DenseMatrix& H) const;
 
   const StaticStage free_;
@@ -120,14 +122,15 @@ void add_stress(const Tensor& s, Constants& C) {
   }
 }
 
-Homogenised Fields::result() {
+Homogenised Fields::result(TangentSolver& solver, DenseMatrix& X) {
+  constexpr double accuracy = 3e-7;  // of X: what it leaves of C is of second order
   const StaticBody body(model_, held_, state_);
-  TangentSolver solver(held_.newton.solver);
   const SparseMatrix& K = whole_.tangent();
   const DenseMatrix columns = K.rightCols(6), K_uE = columns.topRows(K.rows() - 6);
-  X_ = solved_with_tangent(solver, body, K_uE);
+  std::optional<DenseMatrix> by_kept;
+  if (X.size() == K_uE.size()) by_kept = solver.solve_columns_kept(body, K_uE, X, accuracy);
+  X = X_ = by_kept ? std::move(*by_kept) : solved_with_tangent(solver, body, K_uE);
   Homogenised found;
-  // what an error of X leaves is of second order
   const DenseMatrix coupled = K_uE.transpose() * X_;
   found.C =
       from(columns.bottomRows(6) - coupled - coupled.transpose() + X_.transpose() * (body.tangent() * X_));
@@ -148,7 +151,7 @@ Homogenised Fields::result() {
 }
 
 /// How both ends of a bond move in six motions: the second one, if it is an image, with the cell as well.
-Fields::Movements Fields::movements(const Bond& b, const DenseMatrix& x) const {
+Fields::Movements Fields::movements(const Bond& b, const std::vector<Vector>& x) const {
   const Unknowns& u = whole_.unknowns();
   const auto& [e1, e2, e3] = model_.cell.edges;
   const Vec3d way = double(b.image_j.a) * e1 + double(b.image_j.b) * e2 + double(b.image_j.c) * e3;
@@ -156,7 +159,8 @@ Fields::Movements Fields::movements(const Bond& b, const DenseMatrix& x) const {
   for (Eigen::Index k = 0; k < 6; ++k) {
     SymmetricParts unit{};
     unit[std::size_t(k)] = 1.0 / u.cell_length();
-    Movement i = u.movement(b.i, x.col(k)), j = u.movement(b.j, x.col(k));
+    const Vector& field = x[std::size_t(k)];
+    Movement i = u.movement(b.i, field), j = u.movement(b.j, field);
     j.shift += times(cell_tensor(unit, false), way);
     moved.col(k) << i.shift.x, i.shift.y, i.shift.z, i.turn.x, i.turn.y, i.turn.z, j.shift.x, j.shift.y,
         j.shift.z, j.turn.x, j.turn.y, j.turn.z;
@@ -168,9 +172,11 @@ Fields::Movements Fields::movements(const Bond& b, const DenseMatrix& x) const {
 std::vector<ConstantsBySet> Fields::by_set() const {
   std::vector<ConstantsBySet> sets;
   std::vector<std::array<DenseMatrix, 4>> sums;
-  DenseMatrix moves(whole_.unknowns().size(), 6);
-  moves.topRows(X_.rows()) = -X_;
-  moves.bottomRows(6).setIdentity();
+  std::vector<Vector> moves(6, Vector::Zero(whole_.unknowns().size()));
+  for (Eigen::Index k = 0; k < 6; ++k) {
+    moves[std::size_t(k)].head(X_.rows()) = -X_.col(k);
+    moves[std::size_t(k)].tail(6)[k] = 1.0;
+  }
   for (const BondId k : state_.bonds.ids()) {
     const Bond& b = state_.bonds[k];
     if (b.broken) continue;
@@ -204,30 +210,40 @@ std::vector<ConstantsBySet> Fields::by_set() const {
 
 }  // namespace
 
-Homogenised homogenise(const Model& model, const State& given, const HomogeniseSettings& settings) {
+CellConstants::CellConstants(const Model& model, const State& given, const HomogeniseSettings& settings)
+    : settings_(settings),
+      model_(about_cell_of(model, given)),
+      state_(given),
+      stage_(stage_of_homogenising(settings.newton)),
+      solver_(settings.newton.solver, FactorUse::kept_if_cheaper) {
   require_material(
       model.cell.any() && model.cell.periodic == std::array<bool, 3>{true, true, true},
       "the cell must be periodic in all three directions: it is the piece of material that is looked at");
   refuse_what_is_no_material(model, given);
   const OneBlasThread alone;
-  const Model here = about_cell_of(model, given);
-  StaticStage stage = stage_of_homogenising(settings.newton);
-  refuse_free_bodies(here, stage, given);
-  State state = given;
-  const bool moved = !StaticBody(here, stage, given).rests_to_rounding();
-  if (moved) state = run_static_stage(here, stage, given, {}).state;
-  refuse_kinks(state);
-  if (settings.derivatives) refuse_derivatives(here, state);
-  stage = with_floating_held(here, stage, state, {});
+  refuse_free_bodies(model_, stage_, given);
+  moved_ = !StaticBody(model_, stage_, given).rests_to_rounding();
+  if (moved_) state_ = run_static_stage(model_, stage_, given, {}).state;
+  refuse_kinks(state_);
+  if (settings.derivatives) refuse_derivatives(model_, state_);
+  stage_ = with_floating_held(model_, stage_, state_, {});
+}
+
+Homogenised CellConstants::found_with(const State& state) {
+  const OneBlasThread alone;
   try {
-    Fields fields(here, stage, state);
-    Homogenised found = fields.result();
-    found.moved = moved;
-    if (settings.derivatives) found.derivatives = fields.by_set();
+    Fields fields(model_, stage_, state);
+    Homogenised found = fields.result(solver_, X_);
+    found.moved = moved_;
+    if (settings_.derivatives) found.derivatives = fields.by_set();
     return found;
   } catch (...) {  // memory has run out, or a solver does not converge
-    throw current_failure(stage);
+    throw current_failure(stage_);
   }
+}
+
+Homogenised homogenise(const Model& model, const State& given, const HomogeniseSettings& settings) {
+  return CellConstants(model, given, settings).found();
 }
 
 }  // namespace vbond

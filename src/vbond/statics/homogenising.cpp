@@ -61,6 +61,7 @@ DenseMatrix solved_with_tangent(TangentSolver& solver, const StaticBody& body, c
         "bonds without bending or torsional stiffness leave hinges: give them some, or more neighbours; of a "
         "body under stress look for its buckling loads");
   }
+  if (!solver.by_multigrid()) return solver.solve_columns(columns);
   DenseMatrix X(columns.rows(), columns.cols());
   for (Eigen::Index k = 0; k < columns.cols(); ++k) {
     const Vector x = solver.solve(columns.col(k));

@@ -106,6 +106,16 @@ std::optional<Vector> KeptFactor::solve(const SparseMatrix& A, const Vector& b, 
   return gradients(A, b, {0.0, accuracy}, nullptr);
 }
 
+std::optional<DenseMatrix> KeptFactor::solve_columns(const SparseMatrix& A, const DenseMatrix& B,
+                                                     const DenseMatrix& X, double accuracy) {
+  const auto times = [&A](const DenseMatrix& P) -> DenseMatrix { return A * P; };
+  const auto inverse = [this](const DenseMatrix& R) -> DenseMatrix {
+    in_cycle_ += price_;
+    return solve_kept(R);
+  };
+  return conjugate_gradients_of_columns(times, inverse, B, X, accuracy, patience());
+}
+
 Vector KeptFactor::random_side() {
   constexpr double half_width = 1.7320508075688772;  // sqrt(3): of variance 1
   Vector r(M_.rows());

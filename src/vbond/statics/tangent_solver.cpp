@@ -195,6 +195,12 @@ Vector TangentSolver::solve(const Vector& b, double accuracy) {
   return lost_ ? Vector() : factor_.solve(b);
 }
 
+std::optional<DenseMatrix> TangentSolver::solve_columns_kept(const StaticBody& body, const DenseMatrix& B,
+                                                             const DenseMatrix& X, double accuracy) {
+  if (!kept_for(body)) return {};
+  return kept_.solve_columns(body.tangent(), B, X, accuracy);
+}
+
 ByMultigrid& TangentSolver::multigrid_at(const StaticBody& body) {
   prepare(body);
   if (!multigrid_) throw std::logic_error("TangentSolver: multigrid_at() is for multigrid");

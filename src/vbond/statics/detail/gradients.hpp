@@ -49,4 +49,40 @@ std::optional<Vector> conjugate_gradients(Times&& times, Inverse&& inverse, Vect
   return x;
 }
 
+/// X with A X = B, each column as above but all of them together: inverse(R) is cheaper for several at a
+/// time. From this X on; enough: the norm of each column's residual is this part of the root of b^T X, or of
+/// what it is from X = 0.
+template <class Times, class Inverse>
+std::optional<DenseMatrix> conjugate_gradients_of_columns(Times&& times, Inverse&& inverse,
+                                                          const DenseMatrix& B, DenseMatrix X, double part,
+                                                          double most) {
+  const auto products = [](const DenseMatrix& a, const DenseMatrix& b) -> Vector {
+    return a.cwiseProduct(b).colwise().sum();
+  };
+  DenseMatrix R = B - times(X);
+  DenseMatrix P = inverse(R);
+  Vector size = products(R, P);
+  const Vector end = part * part * size.cwiseMax(products(B, X));
+  for (int k = 0; (size.array() > end.array()).any(); ++k) {
+    const DenseMatrix AP = times(P);
+    const Vector curvature = products(P, AP);
+    Vector alpha = Vector::Zero(size.size()), beta = alpha;
+    for (Eigen::Index c = 0; c < size.size(); ++c) {
+      if (!(size[c] > end[c])) continue;  // ended, and waits for the others
+      if (!(curvature[c] > 0.0) || !std::isfinite(curvature[c])) return {};
+      alpha[c] = size[c] / curvature[c];
+    }
+    if (k >= most) return {};
+    X += P * alpha.asDiagonal();
+    R -= AP * alpha.asDiagonal();
+    const DenseMatrix Z = inverse(R);
+    const Vector next = products(R, Z);
+    for (Eigen::Index c = 0; c < size.size(); ++c) beta[c] = alpha[c] > 0.0 ? next[c] / size[c] : 0.0;
+    P = Z + P * beta.asDiagonal();
+    size = next;
+  }
+  if (!(size.array() >= 0.0).all()) return {};  // M is not positive definite, or NaN
+  return X;
+}
+
 }  // namespace vbond

@@ -42,6 +42,9 @@ class KeptFactor {
   /// x with A x = b, to this part of b in the norm of M^-1; nothing if A is not positive definite along the
   /// way, or it takes longer than a new factor.
   std::optional<Vector> solve(const SparseMatrix& A, const Vector& b, double accuracy);
+  /// The same for each column, which take little longer together than one does, from this X on.
+  std::optional<DenseMatrix> solve_columns(const SparseMatrix& A, const DenseMatrix& B, const DenseMatrix& X,
+                                           double accuracy);
   /// True: A is positive definite, but for a chance of 1e-9. False: not known.
   bool shows_definite(const SparseMatrix& A);
 

@@ -68,6 +68,10 @@ class TangentSolver {
   Vector solve(const Vector& b, double accuracy = full_accuracy);
   /// The same for each column, by factors that are not kept, without refinement.
   DenseMatrix solve_columns(const DenseMatrix& B) const { return factor_.solve_columns(B); }
+  /// X with tangent() X = B, by a factor that is kept, from this X on, to this part of each column. Nothing
+  /// if there is no such factor, or a new one is the cheaper way.
+  std::optional<DenseMatrix> solve_columns_kept(const StaticBody& body, const DenseMatrix& B,
+                                                const DenseMatrix& X, double accuracy);
   /// After any, without a shift: the same with full_tangent(), which differs where moments act. Empty if that
   /// is singular.
   Vector solve_full(const StaticBody& body, const Vector& b, double accuracy = full_accuracy);
