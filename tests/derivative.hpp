@@ -2,8 +2,8 @@
 
 namespace vbond::testing {
 
-/// Derivative of a smooth function f of one number at 0, by the central difference of eighth order with step h.
-/// Error: h^8/630 of the ninth derivative, and rounding, some 2 eps |f|/h.
+/// Derivative of a smooth function f of one number at 0, by the central difference of eighth order with step
+/// h. Error: h^8/630 of the ninth derivative, and rounding, some 2 eps |f|/h.
 template <typename Function>
 double derivative(const Function& f, double h) {
   const auto odd = [&](double x) { return f(x) - f(-x); };
