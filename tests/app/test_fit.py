@@ -75,7 +75,8 @@ def test_sigma(work):
 
 
 REFUSED = [
-    (["--vary", "bonds[fibre].kn"], {}, ["--vary bonds[fibre].kn: the case does not give kn", "write it into the case"]),
+    (["--vary", "bonds[fibre].kn"], {}, ["--vary bonds[fibre].kn: the case does not give kn", "did you mean k_n?"]),
+    (["--vary", "bonds[fibre].tension"], {}, ["the case does not give tension", "write it into the case"]),
     (["--vary", "bonds[fibre].name"], {}, ["stem_bending.toml:16:1: bonds[fibre].name", "one number"]),
     (["--vary", "bonds[fibre].k_n=range(3e10, 4e10)"], {}, ["must lie within the bounds", "stem_bending.toml:20"]),
     (["--vary", "bonds[fibre].k_n=range(1 mm, )"], {}, ["of another dimension"]),
@@ -88,7 +89,7 @@ REFUSED = [
     ([*VARY, "-o", "here.csv"], {}, ["name it NAME.toml"]),
     (VARY, {"data": "load_factor,deflection [mm]\n"}, ["data.csv:1:1: no row of data"]),
     (VARY, {"data": "load_factor,deflection [mm]\n0.5,9\n0.6,ten\n"}, ['data.csv:3:5: deflection [mm] = "ten"']),
-    (VARY, {"data": "load_factor,deflection [m]\n0.5,9\n"}, ['data.csv:1:1: there is no column "deflection [mm]"']),
+    (VARY, {"data": "load_factor,deflection [m]\n0.5,9\n"}, ['data.csv:1:1: there is no column "deflection [mm]"', 'did you mean "deflection [m]"?']),
     (VARY, {"data": "load_factor,deflection [mm]\n1.5,9\n"}, ["0 points of 1 lie within the run"]),
 ]
 

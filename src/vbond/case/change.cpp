@@ -9,6 +9,7 @@
 
 #include "vbond/case/find_key.hpp"
 #include "vbond/core/error.hpp"
+#include "vbond/core/nearest.hpp"
 
 namespace vbond::keys {
 namespace {
@@ -137,9 +138,14 @@ class Change {
   Node& item_of(NodeTable& table, const Step& step) const {
     auto at = std::find_if(table.begin(), table.end(), [&](const Member& m) { return m.key == step.name; });
     if (at == table.end()) {
-      if (!looks_for_.empty())
+      if (!looks_for_.empty()) {
+        std::vector<std::string> given;
+        for (const Member& m : table) given.push_back(m.key);
+        const auto near = nearest_name(step.name, given);
         refuse("the case does not give " + step.name,
-               "write it into the case file, with the value to start from");
+               near ? "did you mean " + *near + "?"
+                    : "write it into the case file, with the value to start from");
+      }
       if (!step.items.empty()) refuse("the case has no " + step.name, "write it into the case file");
       table.push_back({step.name, line_, 1, Node{NodeTable{}, line_, 1}});
       at = table.end() - 1;

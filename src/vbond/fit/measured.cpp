@@ -33,7 +33,13 @@ double factor_of(const std::string& title, const std::string& history, UnitSyste
   if (open == std::string::npos || !title.ends_with(']')) return 1;
   const std::string unit = title.substr(open + 1, title.size() - open - 2);
   const auto facts = facts_of_column(history);
-  const std::string wanted = facts ? facts->unit.in(units) : "";
+  if (!facts) {
+    problems.add(place, fmt::format("column {}", shown_field(title)),
+                 fmt::format("it is {} of history.csv, which has no column of this name", history),
+                 "correct the name: docs/output.md has them all");
+    return 1;
+  }
+  const std::string wanted = facts->unit.in(units);
   const bool pure = unit.empty() || unit == "-" || unit == "1";
   if (unit == wanted || unit.empty() || (pure && (wanted.empty() || units != UnitSystem::si))) return 1;
   const auto refuse = [&](const std::string& rule) {

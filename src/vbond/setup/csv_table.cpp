@@ -198,10 +198,12 @@ class CsvHeader {
     std::vector<std::string> required;
     for (const WantedColumn& column : wanted)
       if (column.required) required.push_back(column.title);
+    const auto near = ++unknown_ > Problems::most_shown ? std::nullopt : nearest_name(title, passed_over_);
     problems_.add(place_, fmt::format("there is no column {}", shown_field(title)),
                   fmt::format("the first line names the columns, among them {}; here it has {}",
                               fmt::join(required, ", "), titles.empty() ? "none" : first_names(titles)),
-                  fmt::format("begin the file with the line {}", fmt::join(required, ",")));
+                  near ? fmt::format("did you mean {}?", shown_field(*near))
+                       : fmt::format("begin the file with the line {}", fmt::join(required, ",")));
   }
 
   SourcePlace place_;
