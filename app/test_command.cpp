@@ -1,0 +1,216 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "campaign.hpp"
+#include "inputs.hpp"
+#include "prepare.hpp"
+#include "processes.hpp"
+#include "shell.hpp"
+#include "test.hpp"
+#include "vbond/case/arguments.hpp"
+#include "vbond/case/read.hpp"
+#include "vbond/core/error.hpp"
+#include "vbond/core/printable.hpp"
+#include "vbond/dynamics/kernel.hpp"
+#include "vbond/labtest/result.hpp"
+#include "vbond/observe/files.hpp"
+#include "vbond/run/static_solver.hpp"
+#include "vbond/setup/build.hpp"
+
+namespace vbond::app {
+namespace {
+
+namespace fs = std::filesystem;
+using labtest::Kind;
+
+/// Standard output goes nowhere while this lives.
+class NoOutput {
+ public:
+  NoOutput() {
+    std::fflush(stdout);
+    kept_ = dup(STDOUT_FILENO);
+    const File nowhere = open_file("/dev/null", "w");
+    if (kept_ >= 0) dup2(fileno(nowhere.get()), STDOUT_FILENO);
+  }
+  ~NoOutput() {
+    std::fflush(stdout);
+    if (kept_ < 0) return;
+    dup2(kept_, STDOUT_FILENO);
+    close(kept_);
+  }
+  NoOutput(const NoOutput&) = delete;
+  NoOutput& operator=(const NoOutput&) = delete;
+
+ private:
+  int kept_ = -1;
+};
+
+/// Options turned into numbers; all mistakes are told at once.
+class Requested {
+ public:
+  Requested(const TestOptions& o, UnitSystem units) : o_(o), units_(units) {}
+
+  labtest::Request request() {
+    labtest::Request r;
+    r.kind = kind();
+    r.axis = direction(o_.axis);
+    if (!o_.across.empty()) r.across = direction(o_.across);
+    if (r.across == r.axis)
+      arguments_.problem("--across", o_.across, "is along the axis of the specimen",
+                         "give another direction");
+    const bool ends = r.kind == Kind::tension || r.kind == Kind::compression;
+    if (r.across && ends) only("--across", o_.across, "shear, bend3 and brazilian");
+    r.at_rest = !o_.motion;
+    r.ends = o_.ends == "grip" ? labtest::Ends::grip : labtest::Ends::slide;
+    if (r.ends == labtest::Ends::grip && !ends) only("--ends", o_.ends, "tension and compression");
+    r.strain = positive("--strain", o_.strain, keys::pure);
+    if (r.strain && *r.strain >= 1.0) arguments_.problem("--strain", o_.strain, "must be < 1", "e.g. 0.02");
+    r.rate = positive("--rate", o_.rate, keys::frequency);
+    r.area = positive("--area", o_.area, keys::area);
+    r.depth = positive("--depth", o_.depth, keys::length);
+    r.span = positive("--span", o_.span, keys::length);
+    if (r.span && r.kind != Kind::bend3) only("--span", o_.span, "bend3");
+    if (!o_.damping.empty()) r.damping = within("--damping", o_.damping, 0.0, true);
+    if (!o_.drop.empty()) r.drop = within("--drop", o_.drop, 0.0, false);
+    r.frames = o_.frames;
+    arguments_.throw_if_any();
+    return r;
+  }
+
+ private:
+  Kind kind() const {
+    for (const Kind k : {Kind::tension, Kind::compression, Kind::shear, Kind::bend3, Kind::brazilian})
+      if (o_.kind == labtest::to_text(k)) return k;
+    throw CaseError(Problem{{},
+                            "vbond test " + o_.kind,
+                            "this test is not there yet: it needs a pressure on the skin of the body",
+                            "tension, compression, brazilian, bend3 and shear are there"});
+  }
+  static int direction(const std::string& name) { return name == "x" ? 0 : name == "y" ? 1 : 2; }
+  void only(const char* option, const std::string& text, const char* kinds) {
+    arguments_.problem(option, text, std::string("is for ") + kinds, "leave it out");
+  }
+  /// False after telling that it is none.
+  bool is_bare_in_reduced(const char* option, const std::string& text) {
+    if (units_ != UnitSystem::reduced || text.find_first_not_of("0123456789.eE+-") == std::string::npos)
+      return true;
+    arguments_.problem(option, text, "is no bare number, and the case is in reduced units",
+                       "write a bare number");
+    return false;
+  }
+  std::optional<double> positive(const char* option, const std::string& text, keys::Dimension dimension) {
+    if (text.empty()) return std::nullopt;
+    if (!is_bare_in_reduced(option, text)) return std::nullopt;
+    return arguments_.positive(text, option, dimension);
+  }
+  /// A number below 1 and above a bound, or from it on.
+  double within(const char* option, const std::string& text, double low, bool including) {
+    const double x = arguments_.number(text, option, keys::pure);
+    if (x >= 1.0 || x < low || (x == low && !including))
+      arguments_.problem(option, text, including ? "must be >= 0 and < 1" : "must be > 0 and < 1",
+                         "e.g. 0.5");
+    return x;
+  }
+
+  const TestOptions& o_;
+  UnitSystem units_;
+  Arguments arguments_;
+};
+
+/// The folder of a test, which must be new or empty.
+fs::path folder_of(const RunOptions& options, const TestOptions& test) {
+  fs::path folder = options.folder.value_or(options.case_file.stem().string() + "." + test.kind);
+  std::error_code e;
+  if (fs::exists(folder, e) && !(fs::is_directory(folder, e) && fs::is_empty(folder, e)))
+    throw CaseError({{},
+                     folder.string() + " already exists and is not empty",
+                     "a test writes a folder of its own",
+                     "choose another one with -o, or remove it"});
+  return folder;
+}
+
+std::string command_of(const RunOptions& options, const TestOptions& o) {
+  std::string text = "vbond test " + o.kind + " " + shell_word(options.case_file.filename().string());
+  const auto add = [&text](const char* name, const std::string& value) {
+    if (!value.empty()) text += std::string(" ") + name + " " + shell_word(value);
+  };
+  for (const std::string& change : options.changes) add("--set", change);
+  add("--axis", o.axis), add("--across", o.across), add("--ends", o.ends == "slide" ? "" : o.ends);
+  if (o.motion) text += " --motion";
+  add("--strain", o.strain), add("--drop", o.drop), add("--area", o.area), add("--depth", o.depth);
+  add("--span", o.span), add("--rate", o.rate), add("--damping", o.damping);
+  if (o.frames) text += " --frames";
+  return text;
+}
+
+/// Runs the made case as `vbond run` does. What is refused before it begins leaves nothing.
+int run_made(const RunOptions& options, const TestOptions& test, const fs::path& folder) {
+  RunOptions made = options;
+  made.case_file = folder / "test.toml";
+  made.changes.clear();
+  made.folder = folder / "run";
+  try {
+    std::optional<NoOutput> silent;
+    if (!test.verbose) silent.emplace();
+    return run(made);
+  } catch (...) {
+    std::error_code e;
+    if (!fs::exists(folder / "run", e)) {
+      fs::remove_all(folder / inputs_folder, e);
+      fs::remove(folder / "test.toml", e), fs::remove(folder, e);
+    } else {
+      say("the run of the test has failed: no result; the case is " + (folder / "test.toml").string() +
+              ", its run " + (folder / "run").string() + "\n",
+          stderr);
+    }
+    throw;
+  }
+}
+
+}  // namespace
+
+int test(const RunOptions& options, const TestOptions& o) {
+  if (has_ranks) throw std::invalid_argument("tests run in one process: use vbond test");
+  instruction_set();  // refuses a wrong VBOND_SIMD before anything is written
+  if (options.case_file == "-" && !options.folder)
+    throw std::invalid_argument("a case of the standard input has no name\n  give the folder with -o DIR");
+  Case c = read_case(options.case_file, options.changes);
+  const labtest::Request request = Requested(o, c.units).request();
+  if (request.at_rest && !has_statics())
+    throw CaseError(
+        Problem{{c.file, 0, 0},
+                "this vbond was built without statics",
+                "a test at rest is a sequence of equilibria",
+                "make it in motion with --motion, or build with VBOND_STATICS=ON: docs/install.md"});
+  const fs::path folder = folder_of(options, o);
+  labtest::MadeTest made;
+  {
+    const Built built = build(c, options.threads);
+    print_notes(built.notes);
+    made = labtest::make_test(labtest::body_of(c, built, request), request);
+  }
+  const std::string title = c.title.empty() ? o.kind + " test" : o.kind + " test: " + c.title;
+  const std::string command = command_of(options, o);
+  parse_case(labtest::case_text(c, made, title, command), folder / "test.toml");  // it has no mistakes
+
+  make_folder(folder);
+  const Case written = keep_inputs(c, folder, {});
+  replace_file(folder / "test.toml", labtest::case_text(written, made, title, command));
+  if (const int status = run_made(options, o, folder); status != done) return status;
+  const labtest::TestResult result = labtest::result_of(made, folder / "run");
+  replace_file(folder / "result.json",
+               result_as_json(made, result, c.units, options.case_file.filename().string()));
+  print_result(made, result, c.units);
+  fmt::print("case in {}, its run in {}, result in {}\n", (folder / "test.toml").string(),
+             (folder / "run").string(), (folder / "result.json").string());
+  return done;
+}
+
+}  // namespace vbond::app
