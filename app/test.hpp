@@ -1,6 +1,7 @@
 #pragma once
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "commands.hpp"
 
@@ -10,6 +11,7 @@ class App;
 
 namespace vbond::labtest {
 struct MadeTest;
+struct PeakStresses;
 struct TestResult;
 }  // namespace vbond::labtest
 
@@ -19,6 +21,7 @@ namespace vbond::app {
 struct TestOptions {
   std::string kind, axis = "z", across, ends = "slide";
   bool motion = false, frames = false, verbose = false;
+  std::vector<std::string> pressures;
   std::string strain, rate, damping, area, depth, span, drop;
 };
 
@@ -33,5 +36,10 @@ int test(const RunOptions& run, const TestOptions& options);
 void print_result(const labtest::MadeTest& test, const labtest::TestResult& result, UnitSystem units);
 std::string result_as_json(const labtest::MadeTest& test, const labtest::TestResult& result, UnitSystem units,
                            const std::string& case_file);
+
+/// What triaxial tests at several pressures say together, printed and as JSON. `tests`: how many there were.
+void print_envelope(const std::vector<labtest::PeakStresses>& peaks, std::size_t tests, UnitSystem units);
+std::string envelope_as_json(const std::vector<labtest::PeakStresses>& peaks, std::size_t tests,
+                             UnitSystem units, const std::string& case_file);
 
 }  // namespace vbond::app

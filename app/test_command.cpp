@@ -7,6 +7,7 @@
 #include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "campaign.hpp"
 #include "inputs.hpp"
@@ -19,6 +20,7 @@
 #include "vbond/core/error.hpp"
 #include "vbond/core/printable.hpp"
 #include "vbond/dynamics/kernel.hpp"
+#include "vbond/labtest/envelope.hpp"
 #include "vbond/labtest/result.hpp"
 #include "vbond/observe/files.hpp"
 #include "vbond/run/static_solver.hpp"
@@ -57,7 +59,8 @@ class Requested {
  public:
   Requested(const TestOptions& o, UnitSystem units) : o_(o), units_(units) {}
 
-  labtest::Request request() {
+  /// One, or of triaxial tests one for each pressure.
+  std::vector<labtest::Request> requests() {
     labtest::Request r;
     r.kind = kind();
     r.axis = direction(o_.axis);
@@ -80,18 +83,38 @@ class Requested {
     if (!o_.damping.empty()) r.damping = within("--damping", o_.damping, 0.0, true);
     if (!o_.drop.empty()) r.drop = within("--drop", o_.drop, 0.0, false);
     r.frames = o_.frames;
+    std::vector<labtest::Request> all = with_pressures(r);
     arguments_.throw_if_any();
-    return r;
+    return all;
   }
 
  private:
   Kind kind() const {
     for (const Kind k : {Kind::tension, Kind::compression, Kind::shear, Kind::bend3, Kind::brazilian})
       if (o_.kind == labtest::to_text(k)) return k;
-    throw CaseError(Problem{{},
-                            "vbond test " + o_.kind,
-                            "this test is not there yet: it needs a pressure on the skin of the body",
-                            "tension, compression, brazilian, bend3 and shear are there"});
+    return Kind::triaxial;
+  }
+  std::vector<labtest::Request> with_pressures(const labtest::Request& r) {
+    if (r.kind != Kind::triaxial) {
+      if (!o_.pressures.empty()) only("--pressure", o_.pressures.front(), "triaxial");
+      return {r};
+    }
+    if (o_.pressures.empty())
+      arguments_.problem(
+          "vbond test triaxial", "", "needs the pressure all round",
+          units_ == UnitSystem::si ? "give --pressure, as in --pressure \"10 MPa\"" : "give --pressure");
+    std::vector<labtest::Request> all;
+    for (const std::string& text : o_.pressures) {
+      if (!is_bare_in_reduced("--pressure", text)) continue;
+      all.push_back(r);
+      all.back().pressure = arguments_.number(text, "--pressure", keys::stress);
+      if (all.back().pressure < 0.0)
+        arguments_.problem("--pressure", text, "must be >= 0", "a pressure > 0 presses on the body");
+      for (std::size_t k = 0; k + 1 < all.size(); ++k)
+        if (all[k].pressure == all.back().pressure)
+          arguments_.problem("--pressure", text, "is given already", "give each pressure once");
+    }
+    return all;
   }
   static int direction(const std::string& name) { return name == "x" ? 0 : name == "y" ? 1 : 2; }
   void only(const char* option, const std::string& text, const char* kinds) {
@@ -146,6 +169,7 @@ std::string command_of(const RunOptions& options, const TestOptions& o) {
   if (o.motion) text += " --motion";
   add("--strain", o.strain), add("--drop", o.drop), add("--area", o.area), add("--depth", o.depth);
   add("--span", o.span), add("--rate", o.rate), add("--damping", o.damping);
+  for (const std::string& pressure : o.pressures) add("--pressure", pressure);
   if (o.frames) text += " --frames";
   return text;
 }
@@ -165,6 +189,7 @@ int run_made(const RunOptions& options, const TestOptions& test, const fs::path&
     if (!fs::exists(folder / "run", e)) {
       fs::remove_all(folder / inputs_folder, e);
       fs::remove(folder / "test.toml", e), fs::remove(folder, e);
+      if (test.pressures.size() > 1) fs::remove(folder.parent_path(), e);  // if it is empty
     } else {
       say("the run of the test has failed: no result; the case is " + (folder / "test.toml").string() +
               ", its run " + (folder / "run").string() + "\n",
@@ -174,6 +199,43 @@ int run_made(const RunOptions& options, const TestOptions& test, const fs::path&
   }
 }
 
+/// What the tests of one call have in common.
+struct Call {
+  const RunOptions& options;
+  const TestOptions& test;
+  Case c;
+  std::string title, command;
+};
+
+/// Writes the case of one test into a new folder, runs it, says what follows. The exit status, and the result
+/// of a test that came to its end.
+std::pair<int, std::optional<labtest::TestResult>> make_and_run(Call& call, const labtest::MadeTest& made,
+                                                                const fs::path& folder) {
+  make_folder(folder);
+  const Case written = keep_inputs(call.c, folder, {});
+  replace_file(folder / "test.toml", labtest::case_text(written, made, call.title, call.command));
+  if (const int status = run_made(call.options, call.test, folder); status != done)
+    return {status, std::nullopt};
+  labtest::TestResult result = labtest::result_of(made, folder / "run");
+  replace_file(folder / "result.json",
+               result_as_json(made, result, call.c.units, call.options.case_file.filename().string()));
+  print_result(made, result, call.c.units);
+  fmt::print("case in {}, its run in {}, result in {}\n", (folder / "test.toml").string(),
+             (folder / "run").string(), (folder / "result.json").string());
+  std::fflush(stdout);
+  return {done, std::move(result)};
+}
+
+std::vector<labtest::MadeTest> make_tests(const Case& c, const std::vector<labtest::Request>& requests,
+                                          int threads) {
+  const Built built = build(c, threads);
+  print_notes(built.notes);
+  std::vector<labtest::MadeTest> made;
+  for (const labtest::Request& r : requests)
+    made.push_back(labtest::make_test(labtest::body_of(c, built, r), r));
+  return made;
+}
+
 }  // namespace
 
 int test(const RunOptions& options, const TestOptions& o) {
@@ -181,35 +243,32 @@ int test(const RunOptions& options, const TestOptions& o) {
   instruction_set();  // refuses a wrong VBOND_SIMD before anything is written
   if (options.case_file == "-" && !options.folder)
     throw std::invalid_argument("a case of the standard input has no name\n  give the folder with -o DIR");
-  Case c = read_case(options.case_file, options.changes);
-  const labtest::Request request = Requested(o, c.units).request();
-  if (request.at_rest && !has_statics())
+  Call call{options, o, read_case(options.case_file, options.changes), "", command_of(options, o)};
+  call.title = call.c.title.empty() ? o.kind + " test" : o.kind + " test: " + call.c.title;
+  const std::vector<labtest::Request> requests = Requested(o, call.c.units).requests();
+  if (requests.front().at_rest && !has_statics())
     throw CaseError(
-        Problem{{c.file, 0, 0},
+        Problem{{call.c.file, 0, 0},
                 "this vbond was built without statics",
                 "a test at rest is a sequence of equilibria",
                 "make it in motion with --motion, or build with VBOND_STATICS=ON: docs/install.md"});
   const fs::path folder = folder_of(options, o);
-  labtest::MadeTest made;
-  {
-    const Built built = build(c, options.threads);
-    print_notes(built.notes);
-    made = labtest::make_test(labtest::body_of(c, built, request), request);
-  }
-  const std::string title = c.title.empty() ? o.kind + " test" : o.kind + " test: " + c.title;
-  const std::string command = command_of(options, o);
-  parse_case(labtest::case_text(c, made, title, command), folder / "test.toml");  // it has no mistakes
+  const std::vector<labtest::MadeTest> tests = make_tests(call.c, requests, options.threads);
+  for (const labtest::MadeTest& made : tests)  // none has a mistake
+    parse_case(labtest::case_text(call.c, made, call.title, call.command), folder / "test.toml");
+  if (tests.size() == 1) return make_and_run(call, tests.front(), folder).first;
 
-  make_folder(folder);
-  const Case written = keep_inputs(c, folder, {});
-  replace_file(folder / "test.toml", labtest::case_text(written, made, title, command));
-  if (const int status = run_made(options, o, folder); status != done) return status;
-  const labtest::TestResult result = labtest::result_of(made, folder / "run");
+  std::vector<labtest::PeakStresses> peaks;
+  for (std::size_t k = 0; k < tests.size(); ++k) {
+    const auto [status, result] = make_and_run(call, tests[k], folder / fmt::format("pressure-{}", k + 1));
+    if (status != done) return status;
+    const double pressure = requests[k].pressure;
+    if (result->peak) peaks.push_back({pressure, result->peak->stress + pressure});
+  }
   replace_file(folder / "result.json",
-               result_as_json(made, result, c.units, options.case_file.filename().string()));
-  print_result(made, result, c.units);
-  fmt::print("case in {}, its run in {}, result in {}\n", (folder / "test.toml").string(),
-             (folder / "run").string(), (folder / "result.json").string());
+               envelope_as_json(peaks, tests.size(), call.c.units, options.case_file.filename().string()));
+  print_envelope(peaks, tests.size(), call.c.units);
+  fmt::print("envelope in {}\n", (folder / "result.json").string());
   return done;
 }
 

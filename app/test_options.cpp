@@ -25,6 +25,12 @@ CLI::App* add_test(CLI::App& app, TestOptions& o, RunOptions& run) {
             "shear, bend3, brazilian: along which it is loaded (default: z, or x if the axis is z)");
   CLI::Option* motion = command->add_flag(
       "--motion", o.motion, "In motion, with time steps (default: at rest, equilibrium by equilibrium)");
+  command
+      ->add_option("--pressure", o.pressures,
+                   "triaxial: all round, 0 for none; may be repeated, and tests at several pressures tell "
+                   "the envelope")
+      ->type_name("PRESSURE")
+      ->allow_extra_args(false);
   command->add_option("--ends", o.ends, "tension, compression: ends slide sideways, or move as rigid bodies")
       ->check(CLI::IsMember({"slide", "grip"}))
       ->capture_default_str();

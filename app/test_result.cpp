@@ -1,11 +1,13 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <optional>
 #include <string>
 
 #include "test.hpp"
 #include "vbond/core/printable.hpp"
+#include "vbond/labtest/envelope.hpp"
 #include "vbond/labtest/result.hpp"
 
 namespace vbond::app {
@@ -34,6 +36,7 @@ const char* strength_name(Kind kind) {
     case Kind::shear: return "shear strength";
     case Kind::bend3: return "modulus of rupture";
     case Kind::brazilian: return "Brazilian tensile strength";
+    case Kind::triaxial: return "deviator at the peak";
   }
   return "";
 }
@@ -69,6 +72,7 @@ void print_specimen(const labtest::MadeTest& t, const Units& u) {
     line("specimen", fmt::format("along {}{}, section {}, area {}, {} between the middles of its ends", axis,
                                  kind == Kind::shear ? fmt::format(", sheared along {}", along) : "",
                                  t.section->text(), u.area(t.section->area), u.length(t.length)));
+  if (kind == Kind::triaxial) line("pressure", u.stress(t.request.pressure));
   if (t.request.at_rest)
     line("how", "at rest");
   else
@@ -136,6 +140,7 @@ std::string result_as_json(const labtest::MadeTest& t, const labtest::TestResult
   j["at_rest"] = t.request.at_rest;
   if (!t.request.at_rest) j["strain_rate"] = t.rate;
   j["end_strain"] = t.end_strain;
+  if (kind == Kind::triaxial) j["pressure"] = t.request.pressure;
   j["length"] = t.length;
   if (t.section)
     j["section"] = {{"shape", t.section->text()}, {"area", t.section->area}, {"extent", t.section->extent}};
@@ -168,6 +173,47 @@ std::string result_as_json(const labtest::MadeTest& t, const labtest::TestResult
   j["notes"] = t.notes;
   for (const std::string& note : r.notes) j["notes"].push_back(note);
   return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+void print_envelope(const std::vector<labtest::PeakStresses>& peaks, std::size_t tests, UnitSystem units) {
+  const Units u(units);
+  if (peaks.size() < tests)
+    line("note", fmt::format("{} of {} tests have no peak, and are left out of the envelope",
+                             tests - peaks.size(), tests));
+  if (peaks.size() < 2) return line("note", "fewer than two peaks: no envelope");
+  const char* exact = peaks.size() == 2 ? ", through two points" : "";
+  if (const auto m = labtest::mohr_coulomb(peaks))
+    line("Mohr-Coulomb",
+         fmt::format("cohesion {}, friction angle {:.4g} deg, s1 without pressure {}; r^2 {:.4f}{}",
+                     u.stress(m->cohesion), m->phi * 180.0 / std::numbers::pi, u.stress(m->ucs), m->r2,
+                     exact));
+  else
+    line("note",
+         "no Mohr-Coulomb line: the strength does not grow with the pressure, or is not positive without it");
+  if (const auto h = labtest::hoek_brown(peaks))
+    line("Hoek-Brown", fmt::format("m_i {:.5g}, uniaxial compressive strength {}; r^2 {:.4f}{}", h->m_i,
+                                   u.stress(h->s_ci), h->r2, exact));
+  else
+    line("note", "no Hoek-Brown curve: the square of the deviator does not grow with the pressure");
+}
+
+std::string envelope_as_json(const std::vector<labtest::PeakStresses>& peaks, std::size_t tests,
+                             UnitSystem units, const std::string& case_file) {
+  Json j{{"format", 1}, {"program", "vbond " VBOND_VERSION}, {"case", case_file}};
+  j["units"] = units == UnitSystem::si ? "SI" : "reduced";
+  j["test"] = "triaxial", j["tests"] = tests;
+  j["peaks"] = Json::array();
+  for (const labtest::PeakStresses& p : peaks) j["peaks"].push_back({{"s3", p.s3}, {"s1", p.s1}});
+  const auto m = labtest::mohr_coulomb(peaks);
+  j["mohr_coulomb"] = m ? Json{{"cohesion", m->cohesion},
+                               {"friction_angle_deg", m->phi * 180.0 / std::numbers::pi},
+                               {"slope", m->slope},
+                               {"s1_without_pressure", m->ucs},
+                               {"r2", m->r2}}
+                        : Json();
+  const auto h = labtest::hoek_brown(peaks);
+  j["hoek_brown"] = h ? Json{{"m_i", h->m_i}, {"s_ci", h->s_ci}, {"r2", h->r2}} : Json();
+  return j.dump(2) + "\n";
 }
 
 }  // namespace vbond::app

@@ -106,22 +106,24 @@ class Specimen:
         return side[abs(x - x[np.argmin(abs(x - place))]) <= 0.3 * self.spacing]
 
 
-def break_one_by_one(network, held, upper, direction, drop=0.5, end=np.inf):
-    """Points (strain, force) before each break, with `held` at a strain of 1, until the force has lost `drop` of its peak, or
-    the strain comes to `end`. Also how many bonds broke, and how many of them before the peak."""
-    strain, points = 0.0, []
-    peak, broken, before = 0.0, 0, 0
+def break_one_by_one(network, held, upper, direction, drop=0.5, tie=5e-4):
+    """Breaks the bond that uses most of its strength, again and again, until the force has lost `drop` of its peak. `held` is for
+    a strain of 1. Returns the force at the first break, that at the peak, the breaks before the peak and all of them, and how
+    many breaks there were when two bonds were so near to each other that rounding and large strains choose: None if never."""
+    strain, first, peak, broken, before, tied = 0.0, None, 0.0, 0, 0, None
     while True:
         x, f = network.solve(held)
         force = abs(f[upper, direction].sum())
-        used = network.use(x)
-        worst = int(np.argmax(used))
         if broken and force * strain <= (1 - drop) * peak:
-            return points, broken, before
-        if used[worst] <= 0 or 1 / used[worst] > end:
-            return points, broken, before
+            return first, peak, before, broken, tied
+        used = network.use(x)
+        worst, second = np.argsort(used)[:-3:-1]
+        if used[worst] <= 0:
+            return first, peak, before, broken, tied
+        if tied is None and used[second] > (1 - tie) * used[worst]:
+            tied = broken
         strain = max(strain, 1 / used[worst])
-        points.append((strain, force * strain))
+        first = force * strain if first is None else first
         if force * strain > peak:
             peak, before = force * strain, broken
         network.whole[worst] = False

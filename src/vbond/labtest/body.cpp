@@ -82,6 +82,7 @@ const char* to_text(Kind kind) {
     case Kind::shear: return "shear";
     case Kind::bend3: return "bend3";
     case Kind::brazilian: return "brazilian";
+    case Kind::triaxial: return "triaxial";
   }
   return "";
 }

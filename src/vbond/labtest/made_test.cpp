@@ -27,6 +27,7 @@ void set_progress(const Body& body, MadeTest& test) {
   if (!r.strain && !body.can_break) test.end_strain = 1e-4;
   const double speed = slowness * test.end_strain * body.wave_speed;
   test.rate = r.rate.value_or(speed * test.strain_per_way);
+  if (r.pressure > 0.0) test.confining = 20.0 * body.box.diagonal() / body.wave_speed;
   test.duration = test.end_strain / test.rate / 0.99;  // a ramp over 2 % of it loses half of that
   if (const double least = 10.0 * body.model.T_0; test.duration < least)
     refuse(body,
@@ -123,7 +124,7 @@ MadeTest test_between_ends(const Body& body, const Request& request) {
            "take a longer body, another --axis, or a smaller --depth");
   const double half = gauge_half(body);
   test.direction = shear ? body.across : body.axis;
-  test.sign = request.kind == Kind::compression ? -1.0 : 1.0;
+  test.sign = request.kind == Kind::tension || shear ? 1.0 : -1.0;
   test.stress_per_force = 1.0 / test.section->area;
   test.strain_per_way = 1.0 / test.length;
   test.height = test.section->extent[0];
@@ -142,7 +143,7 @@ MadeTest test_between_ends(const Body& body, const Request& request) {
   text.middle(test.gauge->group, body.axis, half);
   const std::vector<int> fix = grip ? std::vector<int>{} : std::vector<int>{body.axis};
   text.hold({test.lower, fix, {}});
-  text.hold({test.upper, fix, along(test.direction, test.sign * test.length)});
+  text.hold({test.upper, fix, along(test.direction, test.sign * test.length), request.pressure > 0.0});
   if (!grip) {
     std::vector<PointHold> held = held_along(lower.particles, body.axis);
     const std::vector<PointHold> more = held_along(upper.particles, body.axis);
@@ -301,6 +302,7 @@ MadeTest make_test(const Body& body, const Request& request) {
   switch (request.kind) {
     case Kind::tension:
     case Kind::compression:
+    case Kind::triaxial:
     case Kind::shear: return test_between_ends(body, request);
     case Kind::bend3: return bending(body, request);
     case Kind::brazilian: return disc(body, request);

@@ -31,6 +31,7 @@ struct MadeTest {
   int across = 0, third = 1;       ///< directions normal to the axis
   Vec3d middle;                    ///< of the body  [length]
   double end_strain = 0;           ///< at which the test ends unless it does so earlier
+  double confining = 0;            ///< in motion: how long the pressure comes on before  [time]
   double rate = 0, duration = 0;   ///< in motion
   bool breaks = false;             ///< bonds have strengths
   std::vector<std::string> notes;  ///< what is to be known of this test, a line each

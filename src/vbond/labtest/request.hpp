@@ -6,7 +6,7 @@
 /// Tests of a laboratory on the body of a case: docs/laboratory-tests.md.
 namespace vbond::labtest {
 
-enum class Kind : std::uint8_t { tension, compression, shear, bend3, brazilian };
+enum class Kind : std::uint8_t { tension, compression, shear, bend3, brazilian, triaxial };
 
 /// The name that commands and files have for it.
 const char* to_text(Kind kind);
@@ -29,6 +29,7 @@ struct Request {
   std::optional<double> area;     ///< of the section, > 0  [length^2]; absent: measured
   std::optional<double> depth;    ///< of the ends, from the face, > 0  [length]; absent: grains at the face
   std::optional<double> span;     ///< bend3, > 0  [length]; absent: as far as the beam goes
+  double pressure = 0;            ///< triaxial: all round, >= 0  [force/length^2]
   double drop = 0.5;              ///< the test ends when this part of the peak is lost, > 0, < 1
   bool frames = false;
 };

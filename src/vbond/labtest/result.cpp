@@ -52,6 +52,18 @@ class Table {
   CsvReader reader_;
 };
 
+/// Of a triaxial test: strain and work count from where the pressure is on. What it has done before is no
+/// part of the curve.
+void count_from_confined(std::vector<Row>& rows) {
+  std::size_t confined = 0;
+  while (confined + 1 < rows.size() && rows[confined + 1].stage == 0) ++confined;
+  const double strain = rows[confined].at.strain, work = rows[confined].work;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    rows[k].at.strain -= strain, rows[k].work -= work;
+    if (k < confined) rows[k].at = {0, 0, 0};
+  }
+}
+
 std::vector<Row> read_rows(const MadeTest& test, const std::filesystem::path& file) {
   Table table(file);
   const std::string k(1, "xyz"[test.direction]);
@@ -63,6 +75,8 @@ std::vector<Row> read_rows(const MadeTest& test, const std::filesystem::path& fi
     if (const auto factor = table.find("load_factor")) {
       row.stage = rows.empty() ? 0 : rows.back().stage + (*factor < last_factor ? 1 : 0);
       last_factor = *factor;
+    } else if (test.confining > 0.0) {
+      row.stage = table.number("time") > test.confining * (1.0 + 1e-9) ? 1 : 0;
     }
     const double on_upper = test.sign * table.number("reaction." + test.upper + ".f" + k),
                  on_lower = test.sign * table.number("reaction." + test.lower + ".f" + k);
@@ -84,6 +98,7 @@ std::vector<Row> read_rows(const MadeTest& test, const std::filesystem::path& fi
     rows.push_back(std::move(row));
   }
   if (rows.empty()) throw IoError(file.string() + ": it has no rows");
+  if (test.request.pressure > 0.0) count_from_confined(rows);
   return rows;
 }
 
@@ -184,7 +199,8 @@ void find_peak(const MadeTest& test, const std::vector<Row>& rows, std::size_t p
   }
   double least_after = rows[peak].at.stress;
   for (std::size_t k = peak; k < rows.size(); ++k) least_after = std::min(least_after, rows[k].at.stress);
-  const bool collapsed = result.ended == "parted" || result.ended == "lost stability";
+  const bool collapsed = result.ended == "parted" || result.ended == "lost stability" ||
+                         result.ended == "peak";  // in motion: by the force on the upper end
   if (result.largest.stress > 0.0 &&
       (collapsed || least_after <= (1.0 - test.request.drop) * result.largest.stress)) {
     result.peak = result.largest;
@@ -212,13 +228,13 @@ Inertia inertia_of(const std::vector<Row>& rows, std::size_t peak) {
   return found;
 }
 
-void tell_inertia(TestResult& result) {
+void tell_inertia(const MadeTest& test, TestResult& result) {
   if (result.inertia->quasi_static()) return;
   result.notes.push_back(fmt::format(
       "not quasi-static: kinetic energy is {:.2g} of the work at the peak and up to {:.2g} before it, forces "
       "on "
-      "the ends differ by {:.2g} of the peak; strengths are too large then: give a smaller --rate",
-      result.inertia->at_peak, result.inertia->largest, result.inertia->ends_differ));
+      "the ends differ by {:.2g} of the peak; strengths are too large then: give a smaller --rate, as {:.2g}",
+      result.inertia->at_peak, result.inertia->largest, result.inertia->ends_differ, 0.1 * test.rate));
 }
 
 std::optional<Splitting> splitting_of(const MadeTest& test, const std::filesystem::path& file,
@@ -289,7 +305,7 @@ TestResult result_of(const MadeTest& test, const std::filesystem::path& folder) 
   result.fragments = rows.back().fragments, result.largest_fragment = rows.back().largest_fragment;
   if (!test.request.at_rest) {
     result.inertia = inertia_of(rows, peak);
-    tell_inertia(result);
+    tell_inertia(test, result);
   }
   if (test.request.kind == Kind::brazilian && result.breaks > 0) {
     result.splitting = splitting_of(test, folder / "breaks.csv", test.middle);

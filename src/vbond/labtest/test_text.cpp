@@ -66,9 +66,10 @@ void TestText::point_holds(const std::vector<PointHold>& all) {
   }
 }
 
-std::string TestText::supports(const MadeTest& test, double strain, bool moves) const {
+std::string TestText::supports(const MadeTest& test, double strain, bool moves, bool confining) const {
   std::string text = "supports = [\n";
   for (const Hold& h : holds_) {
+    if (confining && h.when_confined) continue;
     text += "  {group = \"" + h.group + "\"";
     if (h.fix.empty()) text += ", rigid = true";
     std::string names;
@@ -89,11 +90,24 @@ std::string TestText::stages(const MadeTest& test) const {
     return fmt::format("\n# {}\n[[stage]]\nname = \"{}\"\nkind = \"{}\"\n", words, name, kind);
   };
   const Request& r = test.request;
+  const bool confined = r.pressure > 0.0;
+  const auto pressure = [&](const char* how) {
+    return confined ? fmt::format("pressures = [{{surface = \"skin\", pressure = {}{}}}]\n",
+                                  number(r.pressure), how)
+                    : std::string();
+  };
   if (!r.at_rest) {
-    std::string text = stage("the platens move at a rate", "test", "dynamics") +
-                       fmt::format("duration = {}\n", number(test.duration)) + supports(test, 0.0, true);
     const double damping = r.damping.value_or(0.7);
-    if (damping > 0.0) text += fmt::format("damping = {{local = {}}}\n", number(damping));
+    const std::string damped =
+        damping > 0.0 ? fmt::format("damping = {{local = {}}}\n", number(damping)) : "";
+    std::string text;
+    if (confined)
+      text += stage("the pressure comes on all round; the upper end is free", "confine", "dynamics") +
+              fmt::format("duration = {}\n", number(test.confining)) + supports(test, 0.0, false, true) +
+              damped + pressure(fmt::format(", ramp = {}", number(0.5 * test.confining)).c_str());
+    text += stage("the platens move at a rate", "test", "dynamics") +
+            fmt::format("duration = {}\n", number(test.duration)) + supports(test, 0.0, true) + damped +
+            pressure("");
     const double window = std::max(0.002 * test.duration, 0.05 * body_.model.T_0);  // more than a step
     if (test.breaks)
       text += fmt::format(
@@ -104,18 +118,20 @@ std::string TestText::stages(const MadeTest& test) const {
     return text;
   }
   std::string text =
-      stage("the body as it is made comes to rest: what it bears now is its stress before the test", "settle",
-            "equilibrium") +
-      supports(test, 0.0, false) +
-      stage("a strain so small that moduli are those of the undeformed body", "elastic", "equilibrium") +
-      supports(test, elastic_strain, false);
+      stage(confined
+                ? "the pressure comes on all round; the upper end is free"
+                : "the body as it is made comes to rest: what it bears now is its stress before the test",
+            confined ? "confine" : "settle", "equilibrium") +
+      supports(test, 0.0, false, true) + pressure("") +
+      stage("a strain so small that moduli are those before any bond breaks", "elastic", "equilibrium") +
+      supports(test, elastic_strain, false) + pressure(", constant = true");
   if (test.breaks)
     text += stage("bonds break one by one; each point is a balance", "break", "fracture") + "steps = 20\n" +
-            supports(test, test.end_strain, false) +
+            supports(test, test.end_strain, false) + pressure(", constant = true") +
             fmt::format("stop = {{load_drop = {}}}\n", number(r.drop));
   else if (r.strain)
     text += stage("on to the strain that is asked for", "load", "equilibrium") + "steps = 20\n" +
-            supports(test, test.end_strain, false);
+            supports(test, test.end_strain, false) + pressure(", constant = true");
   return text;
 }
 

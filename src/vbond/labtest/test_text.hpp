@@ -10,8 +10,9 @@ namespace vbond::labtest {
 /// A support of every stage: what it holds, and how far it goes per strain of the test.
 struct Hold {
   std::string group;
-  std::vector<int> fix;  ///< translations; empty: all of a rigid body
-  Vec3d way{};           ///< [length]
+  std::vector<int> fix;        ///< translations; empty: all of a rigid body
+  Vec3d way{};                 ///< [length]
+  bool when_confined = false;  ///< free while the pressure comes on
 };
 
 class TestText {
@@ -33,7 +34,8 @@ class TestText {
                    double gauge_volume) const;
 
  private:
-  std::string supports(const MadeTest& test, double strain, bool moves) const;
+  /// In motion the ends move; while the pressure comes on they do not.
+  std::string supports(const MadeTest& test, double strain, bool moves, bool confining = false) const;
   std::string stages(const MadeTest& test) const;
 
   const Body& body_;
