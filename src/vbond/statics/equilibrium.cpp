@@ -402,6 +402,8 @@ std::optional<State> balance_of_constant_loads(const Model& model, const StaticS
                        constant.loads.end());
   if (!stage.constant_gravity) constant.gravity = {};
   for (Support& s : constant.supports) s.velocity = s.angular_velocity = {};
+  for (Pressure& p : constant.pressures)
+    if (!p.constant) p.pressure = 0.0;
   constant.heating.clear();
   constant.walls.clear();
   constant.cell = {};
