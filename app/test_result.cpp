@@ -72,7 +72,11 @@ void print_specimen(const labtest::MadeTest& t, const Units& u) {
     line("specimen", fmt::format("along {}{}, section {}, area {}, {} between the middles of its ends", axis,
                                  kind == Kind::shear ? fmt::format(", sheared along {}", along) : "",
                                  t.section->text(), u.area(t.section->area), u.length(t.length)));
-  if (kind == Kind::triaxial) line("pressure", u.stress(t.request.pressure));
+  if (kind == Kind::triaxial)
+    line("pressure", u.stress(t.request.pressure) +
+                         (t.confinement ? fmt::format("   on the sides of the section; {} on the skin",
+                                                      u.stress(t.confinement->applied))
+                                        : ""));
   if (t.request.at_rest)
     line("how", "at rest");
   else
@@ -140,7 +144,11 @@ std::string result_as_json(const labtest::MadeTest& t, const labtest::TestResult
   j["at_rest"] = t.request.at_rest;
   if (!t.request.at_rest) j["strain_rate"] = t.rate;
   j["end_strain"] = t.end_strain;
-  if (kind == Kind::triaxial) j["pressure"] = t.request.pressure;
+  if (kind == Kind::triaxial) {
+    j["pressure"] = t.request.pressure;
+    j["pressure_on_skin"] = t.confinement ? t.confinement->applied : 0.0;
+    j["pressure_along_axis"] = t.confinement ? t.confinement->axial : 0.0;
+  }
   j["length"] = t.length;
   if (t.section)
     j["section"] = {{"shape", t.section->text()}, {"area", t.section->area}, {"extent", t.section->extent}};

@@ -99,6 +99,43 @@ def test_shear_of_a_flat_block(work):
     said.expect(out=["sheared along x", "no bond has a strength"])
 
 
+def test_triaxial_counts_from_the_confined_body(work):
+    # The upper end is free as the pressure comes on: no force as the ends begin to move. Bonds between inner layers bear the
+    # pressure over the width of the section, 1e-5 on 4: their strain is 1e-5 c_A/a^2; end layers differ, which the gauge sees by
+    # some percent. The skin is 3 wide and 9 high, so it gets 4/3 of it, and 4/3 * 9/16 along the axis.
+    said, r = test_case("triaxial", BAR, "--pressure", "1e-5", "--strain", "1e-4", folder="confined")
+    rows = table("confined/run")
+    begin = next(k for k in range(1, len(rows)) if rows[k]["load_factor"] < rows[k - 1]["load_factor"])
+    assert abs(rows[begin]["reaction.test_upper.fz"]) < 1e-9 * 16e-5
+    assert near(r["E"], 1, 1e-4) and abs(r["nu"]) < 1e-4
+    assert near(r["pressure_on_skin"], 4e-5 / 3, 1e-9) and near(r["pressure_along_axis"], 0.75e-5, 1e-9)
+    assert near(r["largest"]["stress"], 1e-4 - 0.25e-5, 2e-3)  # up to the strain of the elastic stage, 1e-7
+    assert near(-rows[begin - 1]["strain.test_gauge.xx"], 1e-5, 0.02)
+    assert near(-rows[begin - 1]["strain.test_gauge.zz"], 0.75e-5, 0.02)
+    said.expect(out=["pressure", "on the sides of the section"])
+
+
+def test_envelope_of_two_pressures(work):
+    text = BEAM.replace("cells = [42, 3, 4]", "cells = [3, 3, 6]").replace("distance = 1.1", "distance = 1.5")
+    text = re.sub("strength = .*", 'strength = {criterion = "mohr-coulomb", tension_limit = 1e-4, cohesion = 1e-4, friction_angle = 0.7}', text)
+    write("body.toml", text)
+    said = vbond("test triaxial body.toml -o both --pressure 0 --pressure 2e-5 --drop 0.2")
+    envelope = json.loads(Path("both/result.json").read_text())
+    peaks = envelope["peaks"]
+    assert [p["s3"] for p in peaks] == [0, 2e-5] and envelope["tests"] == 2
+    alone = [json.loads(Path(f"both/pressure-{k}/result.json").read_text()) for k in (1, 2)]
+    assert [p["s1"] for p in peaks] == [r["strength"] + r["pressure"] for r in alone]
+    N = (peaks[1]["s1"] - peaks[0]["s1"]) / 2e-5  # of a line through two points
+    assert N > 1, "pressure makes it stronger"
+    assert near(envelope["mohr_coulomb"]["slope"], N, 1e-9) and near(envelope["mohr_coulomb"]["cohesion"], peaks[0]["s1"] / (2 * math.sqrt(N)), 1e-9)
+    assert near(math.sin(math.radians(envelope["mohr_coulomb"]["friction_angle_deg"])), (N - 1) / (N + 1), 1e-9)
+    q = [r["strength"] for r in alone]
+    assert near(envelope["hoek_brown"]["m_i"], (q[1] ** 2 - q[0] ** 2) / 2e-5 / q[0], 1e-9) and near(envelope["hoek_brown"]["s_ci"], q[0], 1e-9)
+    said.expect(out=["Mohr-Coulomb", "Hoek-Brown", "through two points"])
+    _, pressed = test_case("compression", text, "--drop", "0.2", folder="unconfined")
+    assert pressed["strength"] == alone[0]["strength"], "without pressure it is a compression"
+
+
 def test_made_case_runs_by_itself(work):
     test_case("tension", BAR, folder="made")
     made = Path("made/test.toml").read_text()
@@ -155,7 +192,10 @@ BOTH = '[[specimen]]\nkind = "rod"\nparticles = 2\norigin = [20, 0, 0]\nmass = 1
     ("tension", None, ["--span", "6"], ["is for bend3"]),
     ("tension", None, ["--motion", "--rate", "1e-2"], ["no longer than waves", "--rate"]),
     ("bend3", ("cells = .*", "cells = [42, 3, 4]"), ["--axis", "x", "--span", "50"], ["42 long along x"]),
-    ("triaxial", None, [], ["vbond test triaxial", "not there yet"]),
+    ("triaxial", None, [], ["vbond test triaxial", "needs the pressure"]),
+    ("triaxial", None, ["--pressure", "-1"], ["--pressure -1", "must be >= 0"]),
+    ("triaxial", None, ["--pressure", "1", "--pressure", "1.0"], ["is given already"]),
+    ("tension", None, ["--pressure", "1"], ["is for triaxial"]),
 ])
 def test_refused(work, kind, change, more, told):
     write("wrong.toml", BAR, *([change] if change else []))

@@ -7,7 +7,10 @@
 #include <limits>
 #include <numbers>
 
+#include "vbond/core/bounding_box.hpp"
+#include "vbond/core/cell.hpp"
 #include "vbond/labtest/test_text.hpp"
+#include "vbond/packing/skin.hpp"
 
 namespace vbond::labtest {
 namespace {
@@ -104,6 +107,30 @@ double gauge_half(const Body& body) {
   return half;
 }
 
+/// Lateral: over the sides of a height of the skin, the forces are those of the pressure on the whole width
+/// of the section. Throws CaseError if no skin is found.
+Confinement confinement_of(const Body& body, const Section& section, double pressure) {
+  Confinement found;
+  found.longest = 1.2 * body.spacing;
+  const std::vector<Vec3d>& r = body.state.r.values();
+  const auto skin = packing::skin_of(r, found.longest);
+  Vec3d shadow{};  // areas of the skin as seen along x, y, z
+  if (skin)
+    for (const auto& [i, j, k] : skin->triangles) {
+      const Vec3d area = 0.5 * cross(between(r[i], r[j]), between(r[i], r[k]));
+      shadow += 0.5 * Vec3d{std::abs(area.x), std::abs(area.y), std::abs(area.z)};
+    }
+  const double sides = component(shadow, body.across) + component(shadow, body.third);
+  if (!(sides > 0.0))
+    refuse(body, "no skin is found around the body", "a triaxial test presses on its skin",
+           "see the page on pressure: particles may be too far apart, or in one plane");
+  const BoundingBox centres = box_around(r);
+  const double height = component(centres.high, body.axis) - component(centres.low, body.axis);
+  found.applied = pressure * height * (section.extent[0] + section.extent[1]) / sides;
+  found.axial = found.applied * component(shadow, body.axis) / section.area;
+  return found;
+}
+
 const char* component_name(int j, int k) {
   constexpr const char* names[3][3] = {{"xx", "xy", "zx"}, {"xy", "yy", "yz"}, {"zx", "yz", "zz"}};
   return names[j][k];
@@ -134,6 +161,7 @@ MadeTest test_between_ends(const Body& body, const Request& request) {
   else
     for (const int k : {body.axis, body.across, body.third})
       test.gauge->columns.push_back(component_name(k, k));
+  if (request.pressure > 0.0) test.confinement = confinement_of(body, *test.section, request.pressure);
   set_progress(body, test);
 
   TestText text(body);

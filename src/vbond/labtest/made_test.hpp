@@ -14,6 +14,15 @@ struct Gauge {
   std::vector<std::string> columns;  ///< Green's strain
 };
 
+/// How a pressure all round is applied. The skin goes through the centres of the outer particles, inside of
+/// the section that stresses refer to.
+struct Confinement {
+  double longest = 0;  ///< of the skin, as the case has it  [length]
+  double applied =
+      0;  ///< on the skin, so that the sides of the section bear what is asked for  [force/length^2]
+  double axial = 0;  ///< what it puts on the section along the axis  [force/length^2]
+};
+
 /// A test of a body: the part of its case that makes it, and how its tables become stresses and strains.
 struct MadeTest {
   Request request;
@@ -25,7 +34,8 @@ struct MadeTest {
   double stress_per_force = 0;     ///< [1/length^2]
   double strain_per_way = 0;       ///< [1/length]
   std::optional<Gauge> gauge;
-  std::optional<Section> section;  ///< normal to the axis; not of a disc
+  std::optional<Section> section;          ///< normal to the axis; not of a disc
+  std::optional<Confinement> confinement;  ///< triaxial with a pressure > 0
   double length = 0;               ///< between the middles of the ends; bend3: span; brazilian: diameter
   double height = 0;               ///< bend3: of the beam; shear: width across; brazilian: thickness
   int across = 0, third = 1;       ///< directions normal to the axis

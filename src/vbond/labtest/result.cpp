@@ -54,13 +54,17 @@ class Table {
 
 /// Of a triaxial test: strain and work count from where the pressure is on. What it has done before is no
 /// part of the curve.
-void count_from_confined(std::vector<Row>& rows) {
+void count_from_confined(const MadeTest& test, std::vector<Row>& rows) {
+  const double offset = test.confinement->axial - test.request.pressure;
   std::size_t confined = 0;
   while (confined + 1 < rows.size() && rows[confined + 1].stage == 0) ++confined;
   const double strain = rows[confined].at.strain, work = rows[confined].work;
   for (std::size_t k = 0; k < rows.size(); ++k) {
     rows[k].at.strain -= strain, rows[k].work -= work;
-    if (k < confined) rows[k].at = {0, 0, 0};
+    if (k < confined)
+      rows[k].at = {0, 0, 0};
+    else
+      rows[k].at.stress += offset;  // the ends bear the pressure on the area of the skin, beside their force
   }
 }
 
@@ -98,7 +102,7 @@ std::vector<Row> read_rows(const MadeTest& test, const std::filesystem::path& fi
     rows.push_back(std::move(row));
   }
   if (rows.empty()) throw IoError(file.string() + ": it has no rows");
-  if (test.request.pressure > 0.0) count_from_confined(rows);
+  if (test.confinement) count_from_confined(test, rows);
   return rows;
 }
 

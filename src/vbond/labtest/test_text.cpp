@@ -90,11 +90,11 @@ std::string TestText::stages(const MadeTest& test) const {
     return fmt::format("\n# {}\n[[stage]]\nname = \"{}\"\nkind = \"{}\"\n", words, name, kind);
   };
   const Request& r = test.request;
-  const bool confined = r.pressure > 0.0;
+  const bool confined = test.confinement.has_value();
   const auto pressure = [&](const char* how) {
-    return confined ? fmt::format("pressures = [{{surface = \"skin\", pressure = {}{}}}]\n",
-                                  number(r.pressure), how)
-                    : std::string();
+    if (!confined) return std::string();
+    return fmt::format("pressures = [{{surface = \"skin\", pressure = {}, longest = {}{}}}]\n",
+                       number(test.confinement->applied), number(test.confinement->longest), how);
   };
   if (!r.at_rest) {
     const double damping = r.damping.value_or(0.7);
@@ -102,7 +102,8 @@ std::string TestText::stages(const MadeTest& test) const {
         damping > 0.0 ? fmt::format("damping = {{local = {}}}\n", number(damping)) : "";
     std::string text;
     if (confined)
-      text += stage("the pressure comes on all round; the upper end is free", "confine", "dynamics") +
+      text += stage("the pressure comes on all round, on a skin through outer centres; the upper end is free",
+                    "confine", "dynamics") +
               fmt::format("duration = {}\n", number(test.confining)) + supports(test, 0.0, false, true) +
               damped + pressure(fmt::format(", ramp = {}", number(0.5 * test.confining)).c_str());
     text += stage("the platens move at a rate", "test", "dynamics") +
@@ -119,7 +120,7 @@ std::string TestText::stages(const MadeTest& test) const {
   }
   std::string text =
       stage(confined
-                ? "the pressure comes on all round; the upper end is free"
+                ? "the pressure comes on all round, on a skin through outer centres; the upper end is free"
                 : "the body as it is made comes to rest: what it bears now is its stress before the test",
             confined ? "confine" : "settle", "equilibrium") +
       supports(test, 0.0, false, true) + pressure("") +
