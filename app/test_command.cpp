@@ -174,27 +174,49 @@ std::string command_of(const RunOptions& options, const TestOptions& o) {
   return text;
 }
 
+/// Takes away what has been written of a test that is refused before its run begins.
+void discard(const fs::path& folder, bool one_of_several) {
+  std::error_code e;
+  fs::remove_all(folder / inputs_folder, e);
+  fs::remove(folder / "test.toml", e), fs::remove(folder, e);
+  if (one_of_several) fs::remove(folder.parent_path(), e);  // if it is empty
+}
+
+/// Mistakes of the made case, which is not kept, at the case that it was made of.
+CaseError as_of(const fs::path& case_file, const CaseError& of_test) {
+  std::vector<Problem> problems = of_test.problems();
+  for (Problem& p : problems) {
+    p.what = "in the case of the test, " + p.what;
+    p.place = {case_file.string(), 0, 0};
+  }
+  return CaseError(std::move(problems));
+}
+
 /// Runs the made case as `vbond run` does. What is refused before it begins leaves nothing.
 int run_made(const RunOptions& options, const TestOptions& test, const fs::path& folder) {
   RunOptions made = options;
   made.case_file = folder / "test.toml";
   made.changes.clear();
   made.folder = folder / "run";
+  const auto has_begun = [&] {
+    std::error_code e;
+    return fs::exists(folder / "run", e);
+  };
   try {
     std::optional<NoOutput> silent;
     if (!test.verbose) silent.emplace();
     return run(made);
+  } catch (const CaseError& e) {
+    if (has_begun()) throw;
+    discard(folder, test.pressures.size() > 1);
+    throw as_of(options.case_file, e);
   } catch (...) {
-    std::error_code e;
-    if (!fs::exists(folder / "run", e)) {
-      fs::remove_all(folder / inputs_folder, e);
-      fs::remove(folder / "test.toml", e), fs::remove(folder, e);
-      if (test.pressures.size() > 1) fs::remove(folder.parent_path(), e);  // if it is empty
-    } else {
+    if (has_begun())
       say("the run of the test has failed: no result; the case is " + (folder / "test.toml").string() +
               ", its run " + (folder / "run").string() + "\n",
           stderr);
-    }
+    else
+      discard(folder, test.pressures.size() > 1);
     throw;
   }
 }

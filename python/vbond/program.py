@@ -1,4 +1,4 @@
-"""The program vbond, for what writes files: whole runs, sweeps and fits."""
+"""The program vbond, for what writes files: whole runs, sweeps, fits and laboratory tests."""
 
 from __future__ import annotations
 
@@ -98,6 +98,26 @@ def fit(case: Case, data: str | os.PathLike, output: str | os.PathLike, vary: Se
         if e.status != 1 or not Path(output).exists():  # 1 with files: it did not converge, which the result says
             raise
     found = json.loads(Path(output).with_suffix(".json").read_text(encoding="utf-8"))
+    del found["case"]  # a file that was there for this call alone
+    return found
+
+
+def laboratory_test(case: Case, kind: str, folder: str | os.PathLike, *, pressures: Sequence[float | str] = (), motion: bool = False,
+                    frames: bool = False, threads: int | None = None, quiet: bool = True,
+                    **options: float | str) -> dict[str, Any]:
+    """Makes a laboratory test of the body of the case, runs it, and returns what result.json has but for the name of the case
+    (docs/laboratory-tests.md). kind: "tension", "compression", "brazilian", "triaxial", "bend3" or "shear"; folder: new, holds
+    the case of the test and its run; pressures: of triaxial; options: axis, across, ends, strain, drop, area, depth, span,
+    rate, damping, as behind their names on the command line. ProgramError if there is no result."""
+    known = ("axis", "across", "ends", "strain", "drop", "area", "depth", "span", "rate", "damping")
+    if wrong := sorted(set(options) - set(known)):
+        raise ValueError(f"laboratory_test: {wrong[0]!r} is no option; they are {', '.join(known)}")
+    words = ["-o", os.fspath(folder)] + ["--motion"] * motion + ["--frames"] * frames
+    for option, value in [*options.items(), *(("pressure", p) for p in pressures), *([] if threads is None else [("threads", threads)])]:
+        words += [f"--{option}", str(value)]
+    with _as_file(case) as file:
+        run_program(["test", kind, file, *words], quiet)
+    found = json.loads((Path(folder) / "result.json").read_text(encoding="utf-8"))
     del found["case"]  # a file that was there for this call alone
     return found
 

@@ -60,7 +60,8 @@ def test_poissons_ratio_of_a_lattice(work):
     # face-centred along its axes, bonds of c_A alone but for a little: C11 = 2 C12 (Cauchy), so nu = C12/(C11 + C12) = 1/3
     # and E = C11 - 2 C12^2/(C11 + C12), with C11 = sqrt(2) c_A/a. Area and length are those of the lattice: no surface
     # layer is complete, so that a body of n cells has E too small by some 1/n; the gauge's nu hangs on it too.
-    text = BAR.replace("strength", "# strength").replace("cells = [4, 4, 10]", 'lattice = "fcc"\ncells = [6, 6, 9]').replace("c_D = 0.3, c_B = 0.08, c_T = 0.05", "c_D = 1e-4, c_B = 1e-4, c_T = 1e-4")
+    text = BAR.replace("strength", "# strength").replace("cells = [4, 4, 10]", 'lattice = "fcc"\ncells = [6, 6, 9]')
+    text = text.replace("c_D = 0.3, c_B = 0.08, c_T = 0.05", "c_D = 1e-4, c_B = 1e-4, c_T = 1e-4")
     _, r = test_case("tension", text, "--area", str((6 * math.sqrt(2)) ** 2), folder="fcc")
     assert near(r["E"], math.sqrt(2) * (1 - 1 / 3), 0.12) and near(r["nu"], 1 / 3, 0.12)
 
@@ -93,7 +94,8 @@ def test_disc_splits_along_its_diameter(work):
 
 def test_shear_of_a_flat_block(work):
     # C of the lattice: particles turn freely, so that C44 = c_D/2 per a; between stiff ends of a flat body most of it shears
-    text = BAR.replace("cells = [4, 4, 10]", "cells = [16, 4, 5]").replace("strength", "# strength").replace("c_B = 0.08, c_T = 0.05", "c_B = 1e-6, c_T = 1e-6")
+    text = BAR.replace("cells = [4, 4, 10]", "cells = [16, 4, 5]").replace("strength", "# strength")
+    text = text.replace("c_B = 0.08, c_T = 0.05", "c_B = 1e-6, c_T = 1e-6")
     said, r = test_case("shear", text, folder="sheared")
     assert near(r["G"], 0.15, 0.15)
     said.expect(out=["sheared along x", "no bond has a strength"])
@@ -117,7 +119,8 @@ def test_triaxial_counts_from_the_confined_body(work):
 
 def test_envelope_of_two_pressures(work):
     text = BEAM.replace("cells = [42, 3, 4]", "cells = [3, 3, 6]").replace("distance = 1.1", "distance = 1.5")
-    text = re.sub("strength = .*", 'strength = {criterion = "mohr-coulomb", tension_limit = 1e-4, cohesion = 1e-4, friction_angle = 0.7}', text)
+    text = re.sub("strength = .*",
+                  'strength = {criterion = "mohr-coulomb", tension_limit = 1e-4, cohesion = 1e-4, friction_angle = 0.7}', text)
     write("body.toml", text)
     said = vbond("test triaxial body.toml -o both --pressure 0 --pressure 2e-5 --drop 0.2")
     envelope = json.loads(Path("both/result.json").read_text())
@@ -127,10 +130,10 @@ def test_envelope_of_two_pressures(work):
     assert [p["s1"] for p in peaks] == [r["strength"] + r["pressure"] for r in alone]
     N = (peaks[1]["s1"] - peaks[0]["s1"]) / 2e-5  # of a line through two points
     assert N > 1, "pressure makes it stronger"
-    assert near(envelope["mohr_coulomb"]["slope"], N, 1e-9) and near(envelope["mohr_coulomb"]["cohesion"], peaks[0]["s1"] / (2 * math.sqrt(N)), 1e-9)
-    assert near(math.sin(math.radians(envelope["mohr_coulomb"]["friction_angle_deg"])), (N - 1) / (N + 1), 1e-9)
-    q = [r["strength"] for r in alone]
-    assert near(envelope["hoek_brown"]["m_i"], (q[1] ** 2 - q[0] ** 2) / 2e-5 / q[0], 1e-9) and near(envelope["hoek_brown"]["s_ci"], q[0], 1e-9)
+    line, curve, q = envelope["mohr_coulomb"], envelope["hoek_brown"], [r["strength"] for r in alone]
+    assert near(line["slope"], N, 1e-9) and near(line["cohesion"], peaks[0]["s1"] / (2 * math.sqrt(N)), 1e-9)
+    assert near(math.sin(math.radians(line["friction_angle_deg"])), (N - 1) / (N + 1), 1e-9)
+    assert near(curve["m_i"], (q[1] ** 2 - q[0] ** 2) / 2e-5 / q[0], 1e-9) and near(curve["s_ci"], q[0], 1e-9)
     said.expect(out=["Mohr-Coulomb", "Hoek-Brown", "through two points"])
     _, pressed = test_case("compression", text, "--drop", "0.2", folder="unconfined")
     assert pressed["strength"] == alone[0]["strength"], "without pressure it is a compression"
@@ -183,7 +186,8 @@ BOTH = '[[specimen]]\nkind = "rod"\nparticles = 2\norigin = [20, 0, 0]\nmass = 1
     ("tension", ("cells = .*", 'cells = [4, 4, 10]\ncut = [{box = {min = [-1, -1, 2.5], max = [1.5, 9, 6.5]}}]'), [],
      ["but not all along the body"]),
     ("tension", (r"^\[\[bonds\]\]", "[groups.test_upper]\nindices = [1]\n[[bonds]]"), [], ["body.toml:", "begin with test_"]),
-    ("tension", (r"^\[\[bonds\]\]", "[cell]\na = [4, 0, 0]\nb = [0, 4, 0]\nc = [0, 0, 10]\n[[bonds]]"), [], ["periodic cell", "homogenise"]),
+    ("tension", (r"^\[\[bonds\]\]", "[cell]\na = [4, 0, 0]\nb = [0, 4, 0]\nc = [0, 0, 10]\n[[bonds]]"), [],
+     ["periodic cell", "homogenise"]),
     ("tension", None, ["--across", "x"], ["--across x", "leave it out"]),
     ("shear", None, ["--across", "z"], ["is along the axis"]),
     ("tension", None, ["--strain", "1 mm"], ["--strain 1 mm", "bare number"]),
@@ -191,6 +195,7 @@ BOTH = '[[specimen]]\nkind = "rod"\nparticles = 2\norigin = [20, 0, 0]\nmass = 1
     ("tension", None, ["--depth", "6"], ["the ends meet"]),
     ("tension", None, ["--span", "6"], ["is for bend3"]),
     ("tension", None, ["--motion", "--rate", "1e-2"], ["no longer than waves", "--rate"]),
+    ("tension", (r"^\[\[stage\]\]", "[time]\nstep = 1\n[[stage]]"), ["--motion"], ["body.toml: in the case of the test, "]),
     ("bend3", ("cells = .*", "cells = [42, 3, 4]"), ["--axis", "x", "--span", "50"], ["42 long along x"]),
     ("triaxial", None, [], ["vbond test triaxial", "needs the pressure"]),
     ("triaxial", None, ["--pressure", "-1"], ["--pressure -1", "must be >= 0"]),
