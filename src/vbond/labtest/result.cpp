@@ -176,23 +176,23 @@ void find_elastic(const MadeTest& test, const std::vector<Row>& rows, std::size_
   find_moduli(test, used, result);
 }
 
-/// At rest a break is between two rows, and the one before it is where it began.
-const CurvePoint* point_of_break(const MadeTest& test, const std::vector<Row>& rows, std::int64_t count) {
+/// The last row before so many bonds have broken: at rest just where the break began.
+const CurvePoint* point_of_break(const std::vector<Row>& rows, std::int64_t count) {
   for (std::size_t k = 0; k < rows.size(); ++k)
-    if (rows[k].broken >= count) return &rows[test.request.at_rest && k > 0 ? k - 1 : k].at;
+    if (rows[k].broken >= count) return &rows[k > 0 ? k - 1 : 0].at;
   return nullptr;
 }
 
-void find_breaks(const MadeTest& test, const std::vector<Row>& rows, std::size_t peak, TestResult& result) {
+void find_breaks(const std::vector<Row>& rows, std::size_t peak, TestResult& result) {
   result.breaks = rows.back().broken - rows.front().broken;
   result.breaks_before_peak = rows[peak].broken - rows.front().broken;
   if (result.breaks == 0) return;
   const std::int64_t before = rows.front().broken;
-  if (const CurvePoint* at = point_of_break(test, rows, before + 1)) result.first_break = *at;
+  if (const CurvePoint* at = point_of_break(rows, before + 1)) result.first_break = *at;
   const auto hundredth =
       static_cast<std::int64_t>(std::ceil(0.01 * static_cast<double>(result.breaks_before_peak)));
   if (hundredth < 1) return;
-  if (const CurvePoint* at = point_of_break(test, rows, before + hundredth)) result.one_percent = *at;
+  if (const CurvePoint* at = point_of_break(rows, before + hundredth)) result.one_percent = *at;
 }
 
 void find_peak(const MadeTest& test, const std::vector<Row>& rows, std::size_t peak, TestResult& result) {
@@ -304,7 +304,7 @@ TestResult result_of(const MadeTest& test, const std::filesystem::path& folder) 
         end.used_before, elastic_strain));
     return result;
   }
-  find_breaks(test, rows, peak, result);
+  find_breaks(rows, peak, result);
   find_peak(test, rows, peak, result);
   result.fragments = rows.back().fragments, result.largest_fragment = rows.back().largest_fragment;
   if (!test.request.at_rest) {
