@@ -137,3 +137,53 @@ def test_the_example_collapses_as_the_ring_of_bonds_does():
     # an inextensible ring, 3 EI/R^3 = 420 kPa, which 48 bonds raise by 0.8 %
     factors = [c for c in values("pressed_ring.out", "critical_load_factors")[0]]
     assert factors[0] == pytest.approx(1.008 * 420, rel=1e-3)
+
+
+@at_rest
+def test_a_region_chooses_a_part_of_the_skin():
+    """The lower face of the block, and all but that: together the block, whose lower corners nothing moves apart."""
+    face = "region = {plane = {point = [0, 0, 0], normal = [0, 0, 1], within = 0.1}}"
+    rest = "region = {half_space = {point = [0, 0, 0.1], normal = [0, 0, -1]}}"
+    skin = '{surface = "skin", pressure = 1e-3}'
+    part = '{{surface = "skin", pressure = 1e-3, {}}}'.format
+    case = write("parts.toml", BLOCK.replace(skin, part(face) + ", " + part(rest)))
+    told = vbond("run", case, "-o", "parts").err
+    assert '18 triangles of group "all", with free edges: area 9\n' in told
+    assert '90 triangles of group "all", with free edges: area 45\n' in told
+    assert "has no energy" not in told  # two parts under one pressure are closed
+    vbond("run", write("block.toml", BLOCK), "-o", "both")
+    for k in ("xx", "yy", "zz"):
+        assert table("parts")[-1][f"stress.all.{k}"] == pytest.approx(table("both")[-1][f"stress.all.{k}"], rel=1e-9)
+    one = write("one.toml", BLOCK.replace(skin, part(face)))
+    vbond("run", one, "-o", "one", err="the pressure has no energy: the surface that it follows has a free edge at particle")
+    for kind in ("buckling", "modes"):
+        case = write("other.toml", BLOCK.replace(skin, part(face)).replace('kind = "equilibrium"', f'kind = "{kind}"'))
+        vbond("run", case, "-o", kind, status=1, err=["free edge at particle", "close the surface"])
+
+
+@at_rest
+def test_a_ring_rings_lower_under_pressure():
+    """Of mode 2 the square of the frequency falls to 0 in proportion to the pressure, but for the shrinking of the
+    ring, p R/EA, some 1e-3."""
+    held = RING.replace("indices = [6]", "indices = [6, 18]")
+    write("critical.toml", held, ("equilibrium", "buckling"), ("1e-5", "1.0"))
+    vbond("run critical.toml --set stage[0].count=1 -o critical")
+    critical = values("critical", "critical_load_factors")[0][0]
+    lowest = []
+    for part in (1e-9, 0.5):
+        write("modes.toml", held, ("equilibrium", "modes"), ("1e-5", repr(part * critical)))
+        vbond("run modes.toml --set stage[0].count=1 -o modes" + str(len(lowest)))
+        lowest.append(values(f"modes{len(lowest)}", "omega")[0][0] ** 2)
+    assert lowest[1] / lowest[0] == pytest.approx(0.5, abs=5e-3)
+
+
+@at_rest
+def test_a_ring_bursts_at_its_closed_form():
+    """A bond that is 2 % longer breaks: then R is too, and its force is c_A a 0.02 = |p| R cos(pi/N)."""
+    case = write("burst.toml", RING, ("equilibrium", "fracture"), ("pressure = 1e-5", "pressure = -1.0"),
+                 ("c_T = 0.003}", 'c_T = 0.003}, strength = {criterion = "elongation", elongation = 0.02}'))
+    vbond("run", case, "-o", "burst")
+    a, R = 2 * 4 * math.sin(math.pi / 24), 4.0
+    bursts = a * 0.02 / (1.02 * R * math.cos(math.pi / 24))
+    assert values("burst", "peak_load_factor")[0] == pytest.approx(bursts, rel=1e-8)
+    assert abs(values("burst", "balance_error")[0]) < 1e-9

@@ -16,7 +16,7 @@ namespace vbond {
 namespace {
 
 using FacetId = Id<struct FacetTag>;
-using Edge = std::pair<ParticleId, ParticleId>;
+using FacetEdge = std::pair<ParticleId, ParticleId>;
 
 /// The particles to which each is bonded, in increasing order, each once.
 PerParticle<std::vector<ParticleId>> bonded_to(const State& state, const std::vector<char>& in_group) {
@@ -31,18 +31,18 @@ PerParticle<std::vector<ParticleId>> bonded_to(const State& state, const std::ve
   return near;
 }
 
-std::array<Edge, 3> edges_of(const Facet& f) {
-  return {Edge{f.i, f.j}, Edge{f.j, f.k}, Edge{f.k, f.i}};
+std::array<FacetEdge, 3> edges_of(const Facet& f) {
+  return {FacetEdge{f.i, f.j}, FacetEdge{f.j, f.k}, FacetEdge{f.k, f.i}};
 }
 
 /// Facets of one part share particles, triangles edges.
 std::vector<std::vector<std::size_t>> parts_of(const std::vector<Facet>& facets) {
   DisjointSets<FacetId> sets(facets.size());
-  std::map<Edge, FacetId> seen;
+  std::map<FacetEdge, FacetId> seen;
   for (std::size_t k = 0; k < facets.size(); ++k) {
     const Facet& f = facets[k];
-    const std::array<Edge, 3> edges =
-        f.is_strip() ? std::array<Edge, 3>{Edge{f.i, f.i}, {f.j, f.j}, {f.i, f.i}} : edges_of(f);
+    const std::array<FacetEdge, 3> edges =
+        f.is_strip() ? std::array<FacetEdge, 3>{FacetEdge{f.i, f.i}, {f.j, f.j}, {f.i, f.i}} : edges_of(f);
     for (const auto& [p, q] : edges) {
       const auto [at, is_new] = seen.try_emplace(std::minmax(p, q), FacetId{k});
       if (!is_new) sets.join(at->second, FacetId{k});
@@ -113,7 +113,7 @@ FoundFacets triangles_of(const State& state, const std::vector<char>& in_group) 
 }
 
 FoundFacets facing_alike(std::vector<Facet> triangles) {
-  std::map<Edge, std::vector<std::size_t>> at_edge;
+  std::map<FacetEdge, std::vector<std::size_t>> at_edge;
   for (std::size_t k = 0; k < triangles.size(); ++k)
     for (const auto& [p, q] : edges_of(triangles[k])) at_edge[std::minmax(p, q)].push_back(k);
   constexpr const char* way_out =
@@ -124,7 +124,7 @@ FoundFacets facing_alike(std::vector<Facet> triangles) {
               fmt::format("{} triangles meet at the edge of particles {} and {}", at.size(), edge.first.value,
                           edge.second.value),
               way_out};
-  const auto runs = [](const Facet& f, const Edge& edge) {
+  const auto runs = [](const Facet& f, const FacetEdge& edge) {
     const auto edges = edges_of(f);
     return std::find(edges.begin(), edges.end(), edge) != edges.end();
   };
@@ -136,7 +136,7 @@ FoundFacets facing_alike(std::vector<Facet> triangles) {
     while (!next.empty()) {
       const std::size_t k = next.back();
       next.pop_back();
-      for (const Edge& edge : edges_of(triangles[k]))
+      for (const FacetEdge& edge : edges_of(triangles[k]))
         for (const std::size_t other : at_edge.at(std::minmax(edge.first, edge.second))) {
           if (other == k) continue;
           const bool against = !runs(triangles[other], edge);

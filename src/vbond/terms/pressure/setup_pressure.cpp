@@ -19,7 +19,7 @@
 namespace vbond {
 namespace {
 
-constexpr const char* rule = "pressure acts on the facets of a surface";
+constexpr const char* pressure_rule = "pressure acts on the facets of a surface";
 
 Vec3d across_of(const PressureSpec& s) {
   return s.surface == PressedSurface::strips ? s.width * normalised(s.normal) : Vec3d{};
@@ -49,8 +49,9 @@ class FacetFinder {
  private:
   void refuse(const std::string& what, const std::string& way_out) const {
     if (what != told_in_file)
-      resolver_.problems.add(
-          spec_.place, fmt::format("pressure on group \"{}\": {}", spec_.group.value, what), rule, way_out);
+      resolver_.problems.add(spec_.place,
+                             fmt::format("pressure on group \"{}\": {}", spec_.group.value, what),
+                             pressure_rule, way_out);
   }
 
   FoundFacets surface(const Group& group, const std::vector<char>& in_group) const {
