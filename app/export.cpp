@@ -142,6 +142,7 @@ void print_left_out(const Case& c, const Model& model, const State& state, const
   note(!model.walls.empty(), "walls");
   note(!stage.supports.empty(), "supports");
   note(!stage.loads.empty(), "loads");
+  note(!stage.pressures.empty(), "pressures");
   note(norm2(stage.gravity) > 0.0, "gravity");
   note(stage.b_translation > 0.0 || stage.b_rotation > 0.0 || stage.local_damping > 0.0,
        "damping of particles");

@@ -17,6 +17,7 @@
 #include "fit.hpp"
 #include "processes.hpp"
 #include "run_options.hpp"
+#include "test.hpp"
 #include "vbond/core/nearest.hpp"
 #include "vbond/dynamics/kernel.hpp"
 
@@ -285,6 +286,10 @@ int dispatch(int argc, char** argv, app::Processes& processes) {
   CLI::App* fit_command = app::add_fit(program, fit);
   add_threads(fit_command, fit.threads);
 
+  app::TestOptions test;
+  CLI::App* test_command = app::add_test(program, test, run);
+  add_threads(test_command, run.threads);
+
   std::string key;
   CLI::App* reference_command =
       program.add_subcommand("reference", "Print what a key of case files means, or all keys of a table");
@@ -335,6 +340,7 @@ int dispatch(int argc, char** argv, app::Processes& processes) {
   if (pack_command->parsed()) return app::pack(run, pack_to);
   if (homogenise_command->parsed()) return app::homogenise(run, of_body);
   if (fit_command->parsed()) return app::fit(fit);
+  if (test_command->parsed()) return app::test(run, test);
   if (reference_command->parsed()) return app::reference(key);
   if (schema_command->parsed()) return app::schema();
   if (hidden.completion->parsed()) return app::completion(program, hidden.shell);

@@ -10,7 +10,7 @@ install(TARGETS vbond vbond_report vbond_run EXPORT vbondTargets COMPONENT dev)
 if(VBOND_STATICS)
   install(TARGETS vbond_statics EXPORT vbondTargets COMPONENT dev)
 endif()
-install(DIRECTORY src/vbond TYPE INCLUDE COMPONENT dev FILES_MATCHING PATTERN "*.hpp" PATTERN detail EXCLUDE PATTERN ranks EXCLUDE PATTERN fit EXCLUDE)
+install(DIRECTORY src/vbond TYPE INCLUDE COMPONENT dev FILES_MATCHING PATTERN "*.hpp" PATTERN detail EXCLUDE PATTERN ranks EXCLUDE PATTERN fit EXCLUDE PATTERN labtest EXCLUDE)
 install(EXPORT vbondPhysicsTargets NAMESPACE vbond:: DESTINATION ${vbond_package_dir} COMPONENT dev)
 install(EXPORT vbondTargets NAMESPACE vbond:: DESTINATION ${vbond_package_dir} COMPONENT dev)
 

@@ -53,6 +53,7 @@ mistakes = {
     "a wrong unit for calibrate": (lambda: vbond.calibrate("2 mm", 1, diameter=0.1), vbond.CaseError, "force/length"),
     "a theory that is none": (lambda: vbond.calibrate(1, 1, diameter=0.1, theory="mine"), ValueError, "mine.*timoshenko"),
     "a sweep of nothing": (lambda: vbond.sweep(case(), "nowhere", {}), ValueError, "no key to sweep"),
+    "an unknown option of a test": (lambda: vbond.laboratory_test(case(), "tension", "nowhere", length=2), ValueError, "length.*axis"),
     "a fit of nothing": (lambda: vbond.fit(case(), "data.csv", "nowhere.toml", [], "time", {}), ValueError, "vary is a list"),
 }
 

@@ -119,6 +119,20 @@ def test_the_program_is_found(monkeypatch):
     assert json.loads(json.dumps(vbond.__version__)) == vbond.__version__
 
 
+def test_a_laboratory_test_is_the_result_as_a_dict(tmp_path):
+    # a cubic lattice: E = c_A/a, and the strength of its bonds over a^2
+    case = vbond.Case.from_dict({"specimen": [{"kind": "block", "cells": [3, 3, 8], "mass": 1.0, "radius": 0.5}],
+                                 "bonds": [{"distance": 1.1, "stiffness": {"c_A": 1.0, "c_D": 0.3, "c_B": 0.1, "c_T": 0.1},
+                                            "strength": {"criterion": "linear", "axial_force": 1e-3, "shear_force": 1, "bending_moment": 1,
+                                                         "torque": 1}}],
+                                 "stage": [{"duration": 1}]})
+    found = vbond.laboratory_test(case, "tension", tmp_path / "pulled", strain=0.01)
+    assert found["E"] == pytest.approx(1, rel=1e-7) and found["strength"] == pytest.approx(1e-3, rel=1e-9) and found["axis"] == "z"
+    assert (tmp_path / "pulled/test.toml").exists()
+    with pytest.raises(vbond.ProgramError, match="needs a disc"):
+        vbond.laboratory_test(case, "brazilian", tmp_path / "pressed")
+
+
 def test_a_fit_is_the_result_as_a_dict(tmp_path):
     examples = Path(__file__).resolve().parents[2] / "examples"
     case = vbond.Case.from_file(examples / "stem_bending.toml")

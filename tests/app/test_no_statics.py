@@ -28,6 +28,11 @@ def test_no_library_of_statics_is_linked():
     assert not re.search("cholmod|blas|suitesparse|amd|metis", linked)
 
 
+def test_laboratory_tests_at_rest_are_refused():
+    vbond("test", "tension", EXAMPLES / "packed_cylinder.toml", "-o", "pulled", status=2, err=["this vbond was built without statics"])
+    assert not Path("pulled").exists()
+
+
 def test_fits_are_refused():
     write("data.csv", "time,total\n0,1\n")
     vbond("fit", EXAMPLES / "two_particles.toml", "data.csv", "--vary", "bonds[0].E", "--x", "time", "--compare", "total", status=2,

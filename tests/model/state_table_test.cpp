@@ -39,7 +39,7 @@ State busy() {
   s.q.assign(2, rotation_of({0, 0, 1}));
   s.temperature.assign(2, 4.0);
   s.grips.resize(1), s.gripped.resize(2), s.walls.resize(1);
-  s.contact_history.resize(1);
+  s.contact_history.resize(1), s.pressed.resize(1);
   s.books.dissipated = 5.0;
   s.peak = {.sum = 1, .samples = 2, .last = 3, .peak = 4, .peak_time = 5, .blocks = 6};
   s.rest.quiet_steps = 7;
@@ -51,7 +51,7 @@ TEST(StateTable, AStageClearsTheRecordsOfItsStopConditionsAndNothingElse) {
   State s = busy();
   begin_anew(s, Anew::stage);
   State expected = busy();
-  expected.peak = {}, expected.rest = {}, expected.breaks = 0;
+  expected.peak = {}, expected.rest = {}, expected.breaks = 0, expected.pressed = {};
   EXPECT_TRUE(s == expected);
 }
 

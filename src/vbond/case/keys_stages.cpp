@@ -274,12 +274,14 @@ void check_proportional(Table& t, const StageSpec& s) {
       (any(s.gravity) && !s.constant_gravity) || std::any_of(s.loads.begin(), s.loads.end(), grows) ||
       std::any_of(s.supports.begin(), s.supports.end(), moves) || !s.walls.empty() || s.cell.has_value() ||
       std::any_of(s.temperatures.begin(), s.temperatures.end(),
-                  [](const TemperatureSpec& heat) { return heat.change != 0.0; });
-  t.check(
-      proportional, {"kind", "loads", "supports", "gravity", "constant_gravity", "temperatures"},
-      "nothing grows with the load factor: no load or gravity that is not constant, no support or wall that "
-      "moves, no temperature that changes",
-      "add a load without constant = true, or a displacement to a support");
+                  [](const TemperatureSpec& heat) { return heat.change != 0.0; }) ||
+      std::any_of(s.pressures.begin(), s.pressures.end(), [](const PressureSpec& p) { return !p.constant; });
+  t.check(proportional,
+          {"kind", "loads", "supports", "gravity", "constant_gravity", "temperatures", "pressures"},
+          "nothing grows with the load factor: no load, pressure or gravity that is not constant, no support "
+          "or wall that "
+          "moves, no temperature that changes",
+          "add a load without constant = true, or a displacement to a support");
 }
 
 void describe_statics(Table& t, StageSpec& s) {

@@ -13,6 +13,7 @@
 #include "vbond/model/loads.hpp"
 #include "vbond/model/losses.hpp"
 #include "vbond/model/model.hpp"
+#include "vbond/terms/pressure/pressure.hpp"
 
 namespace vbond {
 
@@ -119,6 +120,7 @@ struct State {
   std::vector<FibreMemory> fibre_history;   ///< of the contacts of capsules, in order of their places
   std::vector<WallState> walls;             ///< of each wall; empty: as at the start, at rest
   std::vector<WallMemory> wall_history;     ///< of touches that remember something, in order of (p, wall)
+  std::vector<PressedFacet> pressed;        ///< of the stage under way, pressure by pressure
   CellEdges cell;                           ///< its edges, and how they change; empty: nothing is periodic
   std::vector<GripState> grips;             ///< of the stage under way, in the order of its supports
   std::vector<GrippedPose> gripped;         ///< their particles, grip by grip

@@ -194,6 +194,15 @@ inline constexpr auto state_table = std::tuple{
         field("history", &WallMemory::history, unit::none,
               "what is remembered of the touch, as /contacts/history")),
     rows_of(
+        "/pressed/", &State::pressed, {.anew = Anew::stage, .filed = Filed::where_any},
+        field("pressure", &PressedFacet::pressure, unit::none,
+              "of facets that are pressed on the number of their pressure in the stage, from 0; only in a "
+              "stage that has some"),
+        field("i", &PressedFacet::i, unit::none, "their first particles"),
+        field("j", &PressedFacet::j, unit::none, "their second particles"),
+        field("k", &PressedFacet::k, unit::none, "their third particles; of strips the first again"),
+        field("area", &PressedFacet::area, unit::area, "vectors of their areas as the stage began")),
+    rows_of(
         "/grips/", &State::grips, {.anew = Anew::at_rest, .filed = Filed::where_any},
         field("pivot", &GripState::pivot, unit::length,
               "of rigid supports as they took hold; only in a stage that has some"),

@@ -10,6 +10,7 @@
 #include "vbond/model/passage.hpp"
 #include "vbond/physics/bond_step.hpp"
 #include "vbond/terms/heat/heat.hpp"
+#include "vbond/terms/pressure/pressed.hpp"
 
 namespace vbond {
 namespace {
@@ -146,6 +147,11 @@ StepBound step_bound(const Model& model, const State& state, const Stage& stage,
       StepBound then = step_bound(model, grown, stage.bonding, stage.walls);
       if (then.dt < bound.dt) bound = std::move(then);
     }
+  }
+  const double pressed = lambda_of_pressures(stage.pressures, model.mass, state.r, stage.stops.duration);
+  if (pressed > 0.0 && std::isfinite(bound.dt)) {
+    bound.dt = critical_step(sq(2.0 / bound.dt) + pressed);
+    bound.source += ", and pressure";
   }
   return within_turns(std::move(bound), model, state, stage, spins);
 }

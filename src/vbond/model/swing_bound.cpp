@@ -61,6 +61,7 @@ FastestSwing fastest_swing(const Stage& stage) {
     if (s.velocity != Vec3d{} || s.angular_velocity != Vec3d{})
       look_at(s.factor, "the support of group", s.group);
   for (const PointLoad& l : stage.loads) look_at(l.factor, "the load on group", l.group);
+  for (const Pressure& p : stage.pressures) look_at(p.factor, "the pressure on group", p.group);
   for (const Heating& h : stage.heating)
     look(shortest_period(h.factor, stage.stops.duration),
          [] { return std::string("the factor over time of a temperature"); });

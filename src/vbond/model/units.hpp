@@ -19,6 +19,7 @@ inline constexpr Unit force{"N", "a c_A"}, moment{"N m", "a^2 c_A"}, energy{"J",
 inline constexpr Unit momentum{"kg m/s", "a sqrt(m c_A)"};
 inline constexpr Unit angular_momentum{"kg m^2/s", "a^2 sqrt(m c_A)"};
 inline constexpr Unit stiffness{"N/m", "c_A"}, stress{"Pa", "c_A/a"};
+inline constexpr Unit area{"m^2", "a^2"};
 inline constexpr Unit volume{"m^3", "a^3"}, density{"kg/m^3", "m/a^3"};
 inline constexpr Unit angle{"rad", "rad"}, degrees{"deg", "deg"};
 }  // namespace unit

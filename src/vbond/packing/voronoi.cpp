@@ -176,6 +176,31 @@ class CellMaker {
     return cell_.volume() * unit_ * unit_ * unit_;
   }
 
+  /// Appends, of each corner of the cell that is between particles, these and its own. False if there is one
+  /// at which more than three others meet.
+  bool add_corners(std::size_t i, std::vector<Tetrahedron>& corners) {
+    const double side = reach_ / unit_;
+    cell_.init(-side, side, -side, side, -side, side);
+    names_.clear();
+    if (!cut_all(i)) return false;
+    cell_.neighbors(who_);
+    cell_.face_vertices(of_faces_);
+    std::vector<std::vector<int>> at(static_cast<std::size_t>(cell_.p));  // whose faces meet there
+    for (std::size_t face = 0, k = 0; face < who_.size();
+         ++face, k += static_cast<std::size_t>(of_faces_[k]) + 1)
+      for (std::size_t m = 1; m <= static_cast<std::size_t>(of_faces_[k]); ++m)
+        at[static_cast<std::size_t>(of_faces_[k + m])].push_back(who_[face]);
+    for (const std::vector<int>& meet : at) {
+      if (std::any_of(meet.begin(), meet.end(), [](int name) { return name < 0; })) continue;
+      if (meet.size() != 3) return false;
+      Tetrahedron t{i, 0, 0, 0};
+      for (std::size_t k = 0; k < 3; ++k) t[k + 1] = names_[static_cast<std::size_t>(meet[k])].of;
+      std::sort(t.begin(), t.end());
+      corners.push_back(t);
+    }
+    return true;
+  }
+
  private:
   /// How far the corners of the cell are from the particle; voro++ keeps their places times two.  [length]
   double farthest() { return 0.5 * std::sqrt(cell_.max_radius_squared()) * unit_; }
@@ -263,7 +288,7 @@ class CellMaker {
   std::vector<Bins::Near> near_;
   std::vector<double> away_;  // of the planes
   std::vector<std::pair<double, std::size_t>> order_;
-  std::vector<int> who_;
+  std::vector<int> who_, of_faces_;
   std::vector<double> areas_;
 };
 
@@ -294,6 +319,24 @@ VoronoiCells voronoi_cells(const VoronoiSpace& space, const std::vector<Vec3d>& 
   for (std::size_t i = 0; i < r.size(); ++i) cells.first[i + 1] += cells.first[i];
   for (const auto& part : faces) cells.faces.insert(cells.faces.end(), part.begin(), part.end());
   return cells;
+}
+
+std::optional<std::vector<Tetrahedron>> delaunay_tetrahedra(const VoronoiSpace& space,
+                                                            const std::vector<Vec3d>& r) {
+  const double box = dot(space.edges[0], cross(space.edges[1], space.edges[2]));
+  const std::vector<double> none(r.size(), 0.0);
+  const Bins bins(space, r);
+  CellMaker maker(space, bins, none, std::cbrt(box / static_cast<double>(r.size())));
+  std::vector<Tetrahedron> all;
+  for (std::size_t i = 0; i < r.size(); ++i)
+    if (!maker.add_corners(i, all)) return std::nullopt;
+  std::sort(all.begin(), all.end());
+  std::vector<Tetrahedron> once;
+  for (std::size_t k = 0; k < all.size(); k += 4) {  // each is a corner of four cells
+    if (k + 3 >= all.size() || all[k] != all[k + 3]) return std::nullopt;
+    once.push_back(all[k]);
+  }
+  return once;
 }
 
 namespace {

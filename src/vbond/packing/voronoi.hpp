@@ -61,4 +61,13 @@ struct VoronoiCells {
 VoronoiCells voronoi_cells(const VoronoiSpace& space, const std::vector<Vec3d>& r,
                            const std::vector<double>& radius, int threads = 1);
 
+/// Four particles, in increasing order.
+using Tetrahedron = std::array<std::size_t, 4>;
+
+/// The Delaunay tetrahedra of points, which are the corners of their Voronoi cells: those whose circumscribed
+/// spheres have their middles in this space, without edges that repeat. Nothing if more than four points lie
+/// on such a sphere to some 1e-11 of the spacing, so that cells do not agree.
+std::optional<std::vector<Tetrahedron>> delaunay_tetrahedra(const VoronoiSpace& space,
+                                                            const std::vector<Vec3d>& r);
+
 }  // namespace vbond::packing

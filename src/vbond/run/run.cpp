@@ -15,6 +15,7 @@
 #include "vbond/run/static_solver.hpp"
 #include "vbond/statics/point_view.hpp"
 #include "vbond/terms/heat/heat.hpp"
+#include "vbond/terms/pressure/pressed.hpp"
 
 namespace vbond {
 namespace {
@@ -92,7 +93,11 @@ const AnyStage& Run::prepare() {
 
 std::vector<std::string> Run::notes_on_stage() const {
   if (!stage_ || simulation_ || state_.clock.stage_step > 0) return {};
-  return stages_->notes(stage_index(), state_, bonds_before_);
+  std::vector<std::string> lines = stages_->notes(stage_index(), state_, bonds_before_);
+  for (const Pressure& p : std::visit(
+           [](const auto& s) -> const auto& { return s.pressures; }, *stage_))
+    lines.push_back(fmt::format("stage \"{}\": pressure on {}", name_of(*stage_), in_words(p, state_.r)));
+  return lines;
 }
 
 void Run::tell_notes_once() {
@@ -148,6 +153,8 @@ void Run::take_part() {
   const auto& stage = std::get<Stage>(*stage_);
   require(stage.on_unphysical == OnUnphysical::stop,
           "several processes step the body: none may drop particles");
+  require(stage.pressures.empty(),
+          "several processes step the body: no pressure may act; take one process, with threads");
   require(std::none_of(stage.supports.begin(), stage.supports.end(), is_free_grip),
           "several processes step the body: no rigid group may be free in part");
   const double reach = simulation_->reach();
@@ -308,8 +315,10 @@ StageResult Run::run_static() {
   state_.peak = {};
   state_.rest = {};
   state_.breaks = 0;
+  state_.pressed.clear();
   StageResult result = find_balance(stage);
   if (result.interrupted()) return result;
+  state_.pressed.clear();
   state_.books = opened_books(state_, potential_energies(model_, state_).total());
   stage_.reset();
   begin_next_stage(state_.clock);

@@ -18,7 +18,7 @@
 namespace vbond {
 namespace {
 
-using Facet = Id<struct FacetTag>;
+using TriangleId = Id<struct TriangleTag>;
 using Points = std::array<Vec3d, 3>;
 
 Points points_of(const TriangleMesh& mesh, std::size_t k) {
@@ -108,21 +108,21 @@ bool has_crowded_edge(const TriangleMesh& mesh) {
 }
 
 std::vector<TriangleMesh> closed_parts(const TriangleMesh& mesh) {
-  DisjointSets<Facet> sets(mesh.triangles.size());
+  DisjointSets<TriangleId> sets(mesh.triangles.size());
   for_each_edge(mesh, [&](std::span<const Edge> edge) {
-    if (edge.size() == 2) sets.join(Facet(edge[0].triangle), Facet(edge[1].triangle));
+    if (edge.size() == 2) sets.join(TriangleId(edge[0].triangle), TriangleId(edge[1].triangle));
   });
   for (bool changed = true; changed;) {
     changed = false;
     for_each_edge(mesh, [&](std::span<const Edge> edge) {
       int whole = 0;
-      std::map<Facet, std::pair<int, int>>
+      std::map<TriangleId, std::pair<int, int>>
           of_set;  // how many triangles each has here, and the sum of their senses
       for (const Edge& e : edge) {
-        auto& [count, sum] = of_set[sets.smallest(Facet(e.triangle))];
+        auto& [count, sum] = of_set[sets.smallest(TriangleId(e.triangle))];
         ++count, sum += e.sense, whole += e.sense;
       }
-      std::optional<Facet> first;
+      std::optional<TriangleId> first;
       for (const auto& [set, numbers] : of_set) {
         const auto& [count, sum] = numbers;
         if (whole == 0 ? sum == 0 : count % 2 == 0) continue;
@@ -134,7 +134,7 @@ std::vector<TriangleMesh> closed_parts(const TriangleMesh& mesh) {
   std::vector<TriangleMesh> parts;
   std::vector<std::size_t> part_of(mesh.triangles.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const std::size_t first = sets.smallest(Facet(t)).value;  // at most t
+    const std::size_t first = sets.smallest(TriangleId(t)).value;  // at most t
     if (first == t) part_of[t] = parts.size(), parts.emplace_back();
     parts[part_of[t] = part_of[first]].triangles.push_back(mesh.triangles[t]);
   }

@@ -347,6 +347,7 @@ void put_on_steps(Stage& stage) {
   const std::int64_t last = steps_in(stage.stops.duration, stage.dt);
   for (Support& s : stage.supports) s.factor = on_steps(s.factor, stage.dt, last);
   for (PointLoad& l : stage.loads) l.factor = on_steps(l.factor, stage.dt, last);
+  for (Pressure& p : stage.pressures) p.factor = on_steps(p.factor, stage.dt, last);
   for (Heating& h : stage.heating) h.factor = on_steps(h.factor, stage.dt, last);
   for (CellComponent& c : stage.cell.component) c.factor = on_steps(c.factor, stage.dt, last);
   for (WallDrive& w : stage.walls) {
@@ -449,6 +450,7 @@ Stage build_stage(const Case& c, const Model& model, int k, State& state, const 
     return stage;
   }
   add_stage_bonds(c, index, model, state, problems, threads);
+  complete_terms({c, model, c.stages[index], problems}, state, stage);
   problems.throw_if_any();
   choose_fitting_step(c, index, model, state, exact_step, stage);
   put_on_steps(stage);

@@ -283,6 +283,7 @@ void StaticBody::lay_out(const std::vector<Assembly::Pair>& touching) const {
     if (b.image_j.is_itself() || !has_free_cell()) continue;
     for (const ParticleId p : {b.i, b.j}) pairs.push_back({p, unknowns_.cell_node()});
   }
+  for (const RestTerm* t : terms_.all()) t->add_pairs(pairs);
   stiffness_.assembly.lay_out(pairs);
   if (flows()) stiffness_.full.lay_out(pairs);
 }
@@ -400,6 +401,7 @@ double StaticBody::moment_part() const {
     }
   }
   for_followers([&](int, int, double K) { largest = std::max(largest, std::abs(K)); });
+  for (const RestTerm* t : terms_.all()) largest = std::max(largest, t->largest_skew());
   if (!has_free_cell()) return largest;
   constexpr double rounding = 1e-14;  // of the tangent: its rows and columns are summed up differently
   const Stiffness& s = stiffness_at_hand();
@@ -421,7 +423,9 @@ SparseMatrix StaticBody::full_tangent() const {
         if (a != b && row != Unknowns::held && column != Unknowns::held) K.coeffRef(row, column) += S[a][b];
       }
   }
-  for_followers([&](int row, int column, double of_follower) { K.coeffRef(row, column) += of_follower; });
+  const auto add = [&](int row, int column, double x) { K.coeffRef(row, column) += x; };
+  for_followers(add);
+  for (const RestTerm* t : terms_.all()) t->for_skew(add);
   add_skew_of_cell(K);
   return K;
 }
@@ -493,6 +497,7 @@ double StaticBody::potential_change(const Placement& from, double energy_from) c
     const Vec3d turn = rotation_vector(state_.q[p] * conjugate(from.q[p]));
     change -= dot(applied.F[p], state_.r[p] - from.r[p]) + dot(applied.M[p], turn);
   }
+  for (const RestTerm* t : terms_.all()) change -= t->work(from, placement(), load_factor_);
   if (has_free_cell()) change -= work_on_cell(from);
   return change - work_of_relief(from, placement(), load_factor_);
 }

@@ -126,7 +126,9 @@ Loads StaticBody::applied_loads(double load_factor) const {
 }
 
 Vector StaticBody::applied(double load_factor) const {
-  return on_unknowns(applied_loads(load_factor));
+  Loads loads = applied_loads(load_factor);
+  for (const RestTerm* t : terms_.all()) t->add_applied(load_factor, loads);
+  return on_unknowns(loads);
 }
 
 double StaticBody::work_of_loads(const Placement& from, const Placement& to, double load_factor) const {
@@ -135,6 +137,7 @@ double StaticBody::work_of_loads(const Placement& from, const Placement& to, dou
   for (const ParticleId p : from.r.ids())
     work += dot(applied.F[p], to.r[p] - from.r[p]) +
             dot(applied.M[p], rotation_vector(to.q[p] * conjugate(from.q[p])));
+  for (const RestTerm* t : terms_.all()) work += t->work(from, to, load_factor);
   return work;
 }
 

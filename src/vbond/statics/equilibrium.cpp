@@ -341,9 +341,10 @@ class LoadSteps {
     if (stability_.unstable || !stability_.diverges || std::exchange(told_divergence_, true)) return;
     tell(
         fmt::format("load factor {:.6g}: the determinant of the tangent is negative: the balance is "
-                    "unstable, and is kept: "
-                    "moments of fixed direction have no potential that would show a way down from it",
-                    body_.load_factor()));
+                    "unstable, and is kept: {} no potential that would show a way down from it",
+                    body_.load_factor(),
+                    body_.terms().pressure.without_energy() ? "pressure at a free edge has"
+                                                            : "moments of fixed direction have"));
   }
 
   void tell_neutral() const {
@@ -385,6 +386,7 @@ StaticOutcome find_equilibrium(const Model& model, const StaticStage& stage, Sta
   StaticOutcome outcome;
   LoadSteps steps(body, hooks, outcome.result);
   steps.run();
+  tell_of_pressure(body, hooks);
   outcome.result.solver = steps.solver().name();
   outcome.result.solver_iterations = steps.solver().iterations();
   outcome.state = std::move(body).take_state();
@@ -402,6 +404,8 @@ std::optional<State> balance_of_constant_loads(const Model& model, const StaticS
                        constant.loads.end());
   if (!stage.constant_gravity) constant.gravity = {};
   for (Support& s : constant.supports) s.velocity = s.angular_velocity = {};
+  for (Pressure& p : constant.pressures)
+    if (!p.constant) p.pressure = 0.0;
   constant.heating.clear();
   constant.walls.clear();
   constant.cell = {};

@@ -155,6 +155,14 @@ void tell(const StaticStage& stage, const StaticHooks& hooks, const std::string&
   if (hooks.tell) hooks.tell(fmt::format("stage \"{}\": {}", stage.name, text));
 }
 
+void tell_of_pressure(const StaticBody& body, const StaticHooks& hooks) {
+  if (const auto pressed = body.terms().pressure.without_energy())
+    tell(body.stage(), hooks,
+         fmt::format(
+             "load factor {:.6g}: {}; it is solved with the unsymmetric tangent, and flutter is not seen",
+             body.load_factor(), *pressed));
+}
+
 namespace {
 
 /// A balance beyond the strength of a bond must not pass for one that a real body could have.

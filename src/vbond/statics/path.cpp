@@ -81,6 +81,7 @@ State PathStage::run() && {
     throw;
   }
   sum_up();
+  tell_of_pressure(body_, hooks_);
   if (result_.ended == "interrupted") return std::move(body_).take_state();
   if (result_.unstable == 0)  // then the one nearest to zero is the smallest
     result_.smallest_eigenvalue = solver_.near_zero(body_, 1).values[0];
@@ -227,7 +228,9 @@ void PathStage::tell_crossing(const PathLeg& leg) const {
            "between load factors {:.6g} and {:.6g} the determinant of the tangent becomes {}: another "
            "path may cross there, which is not located, as {} no potential",
            a.at.load_factor, b.at.load_factor, b.sign < 0 ? "negative, and the balance unstable" : "positive",
-           body_.has_free_cell() ? "the stress on a cell that strains has" : "moments from outside have"));
+           body_.has_free_cell()                     ? "the stress on a cell that strains has"
+           : body_.terms().pressure.without_energy() ? "pressure at a free edge has"
+                                                     : "moments from outside have"));
 }
 
 /// Without a potential bifurcations are not looked for, and the path would go past the one to turn off at.
@@ -238,6 +241,11 @@ void PathStage::refuse_branch_without_potential(const PathPoint& p) const {
         stage_.name,
         "a bifurcation is wanted, but components of the cell give way to a stress, which has no potential",
         "strain the cell, or leave branch out");
+  if (const auto pressed = body_.terms().pressure.without_energy())
+    throw NoEquilibrium(
+        stage_.name,
+        fmt::format("a bifurcation is wanted, but at load factor {:.6g} {}", p.at.load_factor, *pressed),
+        "bifurcations under it are not found: hold the edge, close the surface, or leave branch out");
   throw NoEquilibrium(
       stage_.name,
       fmt::format(

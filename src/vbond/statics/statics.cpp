@@ -15,6 +15,7 @@
 #include "vbond/statics/detail/one_blas_thread.hpp"
 #include "vbond/statics/detail/pulse.hpp"
 #include "vbond/terms/heat/heat.hpp"
+#include "vbond/terms/pressure/pressed.hpp"
 
 namespace vbond {
 namespace {
@@ -92,6 +93,13 @@ void refuse_bonds_without_length(const StaticStage& stage, const State& state) {
         "a change that should go back");
 }
 
+/// All bodies of the stage press on the facets that it begins with.
+void begin_pressures(const StaticStage& stage, State& state) {
+  state.pressed = facets_as_found(stage.pressures, state.r);
+  if (!belong_to(state.pressed, stage.pressures))
+    throw std::invalid_argument("run_static_stage: a pressure does not say on which facets it acts");
+}
+
 }  // namespace
 
 StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, State state,
@@ -108,6 +116,7 @@ StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, Sta
     if (hooks.point) hooks.point(p);
   };
   try {
+    begin_pressures(stage, state);
     refuse_bonds_that_remember(stage, state);
     refuse_contacts(model, stage, state);
     refuse_bonds_without_length(stage, state);

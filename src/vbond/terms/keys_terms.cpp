@@ -9,6 +9,8 @@ void describe_terms(Table& t, TermSpecs& s, std::optional<StageKind> kind) {
     t.tables("temperatures", s.temperatures, optional, "what heats bonds that expand",
              [kind](Table& k, TemperatureSpec& heat) { describe(k, heat, kind); });
   });
+  t.tables("pressures", s.pressures, optional, "pressures on chains, sheets and the skin of solids",
+           [kind](Table& k, PressureSpec& pressure) { describe(k, pressure, kind); });
   t.when(
       !kind || kind == StageKind::dynamics || kind == StageKind::equilibrium || kind == StageKind::fracture,
       "kind = \"dynamics\", \"equilibrium\" or \"fracture\"", [&] {

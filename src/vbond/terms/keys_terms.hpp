@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "vbond/terms/heat/keys_heat.hpp"
+#include "vbond/terms/pressure/keys_pressure.hpp"
 #include "vbond/terms/strain/keys_strain.hpp"
 #include "vbond/terms/walls/keys_walls.hpp"
 
@@ -11,6 +12,7 @@ namespace vbond {
 /// What a stage says of the terms.
 struct TermSpecs {
   std::vector<TemperatureSpec> temperatures;  ///< all kinds but modes
+  std::vector<PressureSpec> pressures;        ///< all kinds
   std::vector<WallDriveSpec> walls;           ///< dynamics, equilibrium, fracture
   std::optional<StrainSpec> strain;           ///< dynamics
 };

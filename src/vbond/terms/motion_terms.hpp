@@ -4,6 +4,7 @@
 
 #include "vbond/dynamics/motion_term.hpp"
 #include "vbond/terms/heat/motion_heat.hpp"
+#include "vbond/terms/pressure/motion_pressure.hpp"
 #include "vbond/terms/strain/motion_strain.hpp"
 #include "vbond/terms/walls/motion_walls.hpp"
 
@@ -13,8 +14,8 @@ namespace vbond {
 /// strain that is imposed has all loads worked out anew: what moves by itself, as walls do, comes after it.
 class MotionTerms {
  public:
-  explicit MotionTerms(const BodyInMotion& on) : heat(on), strain(on), walls(on) {
-    for (MotionTerm* t : std::initializer_list<MotionTerm*>{&heat, &strain, &walls})
+  explicit MotionTerms(const BodyInMotion& on) : heat(on), strain(on), pressure(on), walls(on) {
+    for (MotionTerm* t : std::initializer_list<MotionTerm*>{&heat, &strain, &pressure, &walls})
       if (t->is_there()) {
         all_.push_back(t);
         if (t->touches()) touching_.push_back(t);
@@ -40,6 +41,7 @@ class MotionTerms {
 
   MotionHeat heat;
   MotionStrain strain;
+  MotionPressure pressure;
   MotionWalls walls;
 
  private:

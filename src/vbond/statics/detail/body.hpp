@@ -134,6 +134,10 @@ class StaticBody {
   /// i and j, as tangent() has it. The image is the second particle.
   void for_image_blocks(const std::function<void(ParticleId i, ParticleId j, const Image& of_j,
                                                  const Assembly::Block& K)>& visit) const;
+  /// A block of a pair over the world's axes in those of its unknowns.
+  Assembly::Block in_axes(ParticleId i, ParticleId j, const Assembly::Block& in_world) const {
+    return stiffness_.assembly.in_axes(i, j, in_world);
+  }
   /// Changes when the pattern of tangent() does: when pairs begin to touch.
   int pattern_version() const { return stiffness_at_hand().assembly.version(); }
   /// Derivative of unbalanced() with the load factor, supports moving with it.  [force]

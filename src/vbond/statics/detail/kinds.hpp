@@ -88,6 +88,8 @@ StaticStage from_stress_found(const Model& model, const StaticStage& stage, cons
 
 /// Tells the user something about this stage, if anybody listens.
 void tell(const StaticStage& stage, const StaticHooks& hooks, const std::string& text);
+/// Tells, where pressure acts on a surface with a free edge, that it has no energy.
+void tell_of_pressure(const StaticBody& body, const StaticHooks& hooks);
 
 /// Adds one to the clock, counts the point and hands this balance to hooks.point. Throws NoEquilibrium
 /// instead if it is not finite.

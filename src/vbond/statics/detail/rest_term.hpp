@@ -1,6 +1,8 @@
 #pragma once
+#include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "vbond/core/tensor.hpp"
 #include "vbond/model/loads.hpp"
@@ -25,6 +27,11 @@ struct StiffnessSum {
   Vector load_direction;  ///< derivative of what is unbalanced with the load factor  [force]
 };
 
+struct Placement;
+
+/// An entry of a matrix over the unknowns.
+using SkewEntry = std::function<void(int row, int column, double K)>;
+
 /// Something besides bonds and contacts that acts on a body at rest: walls, temperatures. StaticBody calls
 /// what is there, in the order of terms/detail/rest_terms.hpp. Functions that stay as they are do nothing.
 class RestTerm {
@@ -39,7 +46,19 @@ class RestTerm {
   virtual void add_loads(LoadSum&) const {}
   /// By how much loads change per load factor while nothing moves.
   virtual void add_load_rates(LoadSum&) const {}
+  /// Pairs of particles that add_stiffness() couples, besides those that are bonded.
+  virtual void add_pairs(std::vector<Assembly::Pair>&) const {}
   virtual void add_stiffness(StiffnessSum&) const {}
+  /// Of a term that is a load: its forces where the body stands, at this load factor.
+  virtual void add_applied(double /*load_factor*/, Loads&) const {}
+  /// And its work on the straight way from one placement to another, at this load factor.  [energy]
+  virtual double work(const Placement& /*from*/, const Placement& /*to*/, double /*load_factor*/) const {
+    return 0.0;
+  }
+  /// The antisymmetric part of what it adds to the tangent, which add_stiffness() leaves out where bonds do
+  /// not flow: it has no potential. The largest sum of a row, and its entries.  [force/length]
+  virtual double largest_skew() const { return 0.0; }
+  virtual void for_skew(const SkewEntry&) const {}
   /// What it stores, of contacts.  [energy]
   virtual double energy() const { return 0.0; }
   /// The body as it stands is the balance from which it goes on.

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "vbond/terms/heat/detail/rest_heat.hpp"
+#include "vbond/terms/pressure/detail/rest_pressure.hpp"
 #include "vbond/terms/walls/detail/rest_walls.hpp"
 
 namespace vbond {
@@ -11,8 +12,9 @@ namespace vbond {
 class RestTerms {
  public:
   /// Keeps references; state: that of the body, whose model and stage are known.
-  RestTerms(const StaticBody& body, State& state) : heat(body, state), walls(body, state) {
-    for (RestTerm* t : std::initializer_list<RestTerm*>{&heat, &walls})
+  RestTerms(const StaticBody& body, State& state)
+      : heat(body, state), pressure(body, state), walls(body, state) {
+    for (RestTerm* t : std::initializer_list<RestTerm*>{&heat, &pressure, &walls})
       if (t->is_there()) all_.push_back(t), seen_.push_back(t);
   }
   RestTerms(const RestTerms&) = delete;
@@ -22,6 +24,7 @@ class RestTerms {
   const std::vector<const RestTerm*>& all() const { return seen_; }
 
   RestHeat heat;
+  RestPressure pressure;
   RestWalls walls;
 
  private:

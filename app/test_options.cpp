@@ -1,0 +1,54 @@
+#include <CLI/CLI.hpp>
+
+#include "run_options.hpp"
+#include "test.hpp"
+
+namespace vbond::app {
+
+CLI::App* add_test(CLI::App& app, TestOptions& o, RunOptions& run) {
+  CLI::App* command = app.add_subcommand(
+      "test", "Make a laboratory test of the body of a case, run it, and say moduli and strengths");
+  command->add_option("KIND", o.kind, "Which test")
+      ->required()
+      ->check(CLI::IsMember({"tension", "compression", "brazilian", "triaxial", "bend3", "shear"}));
+  add_case(command, run);
+  command
+      ->add_option("-o,--output", run.folder,
+                   "New folder for the case of the test, its run and result.json (default: CASE.KIND in the "
+                   "current folder)")
+      ->type_name("DIR");
+  const auto direction = [command](const char* name, std::string& to, const char* text) {
+    return command->add_option(name, to, text)->check(CLI::IsMember({"x", "y", "z"}));
+  };
+  direction("--axis", o.axis, "Along the specimen, or of a disc its own axis")->capture_default_str();
+  direction("--across", o.across,
+            "shear, bend3, brazilian: along which it is loaded (default: z, or x if the axis is z)");
+  CLI::Option* motion = command->add_flag(
+      "--motion", o.motion, "In motion, with time steps (default: at rest, equilibrium by equilibrium)");
+  command
+      ->add_option("--pressure", o.pressures,
+                   "triaxial: all round, 0 for none; may be repeated, and tests at several pressures tell "
+                   "the envelope")
+      ->type_name("PRESSURE")
+      ->allow_extra_args(false);
+  command->add_option("--ends", o.ends, "tension, compression: ends slide sideways, or move as rigid bodies")
+      ->check(CLI::IsMember({"slide", "grip"}))
+      ->capture_default_str();
+  const auto quantity = [command](const char* name, std::string& to, const char* type, const char* text) {
+    return command->add_option(name, to, text)->type_name(type);
+  };
+  quantity("--strain", o.strain, "NUMBER",
+           "At which it ends if nothing gives way before (default: 0.02, if bonds have strengths)");
+  quantity("--drop", o.drop, "NUMBER", "Part of the peak that must be lost at its end (default: 0.5)");
+  quantity("--area", o.area, "AREA", "Of the section (default: measured, of a box or a circle)");
+  quantity("--depth", o.depth, "LENGTH", "Of the ends (default: the particles at the face)");
+  quantity("--span", o.span, "LENGTH", "bend3: between the supports (default: as far as the beam goes)");
+  quantity("--rate", o.rate, "RATE", "In motion: of the strain (default: from the speed of waves)")
+      ->needs(motion);
+  quantity("--damping", o.damping, "NUMBER", "In motion: local damping (default: 0.7)")->needs(motion);
+  command->add_flag("--frames", o.frames, "Write frames, too, for ParaView and the report page");
+  command->add_flag("--verbose", o.verbose, "Print what vbond run prints of the run, too");
+  return command;
+}
+
+}  // namespace vbond::app

@@ -1,0 +1,323 @@
+#include "vbond/labtest/result.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "vbond/core/error.hpp"
+#include "vbond/observe/csv.hpp"
+#include "vbond/observe/files.hpp"
+
+namespace vbond::labtest {
+namespace {
+
+/// One row of the history.
+struct Row {
+  std::int64_t step = 0;
+  int stage = 0;  ///< of a test at rest, from 0
+  CurvePoint at;
+  double off_balance = 0;     ///< sum of the forces on both ends  [force]
+  std::vector<double> gauge;  ///< strains of the gauge, as the test names them; empty: none
+  double kinetic = 0, work = 0;
+  std::int64_t broken = 0;
+  std::optional<double> fragments, largest_fragment;
+};
+
+/// The extension of a fibre that has this Green strain.
+double engineering(double green) {
+  return 2.0 * green / (std::sqrt(1.0 + 2.0 * green) + 1.0);
+}
+
+class Table {
+ public:
+  explicit Table(const std::filesystem::path& path) : reader_(path) {}
+  bool next() { return reader_.next(); }
+  bool has(const std::string& column) const { return index_of(reader_.header(), column).has_value(); }
+  std::optional<double> find(const std::string& column) const {
+    const auto place = index_of(reader_.header(), column);
+    return place ? csv_number<double>(reader_.cells()[*place]) : std::nullopt;
+  }
+  double number(const std::string& column) const {
+    if (const auto x = find(column)) return *x;
+    reader_.refuse();
+  }
+  std::string word(const std::string& column) const { return reader_.cells()[reader_.place(column)]; }
+
+ private:
+  CsvReader reader_;
+};
+
+/// Of a triaxial test: strain and work count from where the pressure is on. What it has done before is no
+/// part of the curve.
+void count_from_confined(const MadeTest& test, std::vector<Row>& rows) {
+  const double offset = test.confinement->axial - test.request.pressure;
+  std::size_t confined = 0;
+  while (confined + 1 < rows.size() && rows[confined + 1].stage == 0) ++confined;
+  const double strain = rows[confined].at.strain, work = rows[confined].work;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    rows[k].at.strain -= strain, rows[k].work -= work;
+    if (k < confined)
+      rows[k].at = {0, 0, 0};
+    else
+      rows[k].at.stress += offset;  // the ends bear the pressure on the area of the skin, beside their force
+  }
+}
+
+std::vector<Row> read_rows(const MadeTest& test, const std::filesystem::path& file) {
+  Table table(file);
+  const std::string k(1, "xyz"[test.direction]);
+  std::vector<Row> rows;
+  double last_factor = 0;
+  while (table.next()) {
+    Row row;
+    row.step = static_cast<std::int64_t>(table.number("step"));
+    if (const auto factor = table.find("load_factor")) {
+      row.stage = rows.empty() ? 0 : rows.back().stage + (*factor < last_factor ? 1 : 0);
+      last_factor = *factor;
+    } else if (test.confining > 0.0) {
+      row.stage = table.number("time") > test.confining * (1.0 + 1e-9) ? 1 : 0;
+    }
+    const double on_upper = test.sign * table.number("reaction." + test.upper + ".f" + k),
+                 on_lower = test.sign * table.number("reaction." + test.lower + ".f" + k);
+    const double force =
+        0.5 * (on_upper - on_lower);  // in motion they differ, and the middle bears their mean
+    const double way = test.sign * (table.number("displacement." + test.way + "." + k) -
+                                    table.number("displacement." + test.lower + "." + k));
+    row.at = {force * test.stress_per_force, way * test.strain_per_way, force};
+    row.off_balance = on_upper + on_lower;
+    if (test.gauge)
+      for (const std::string& component : test.gauge->columns)
+        if (const auto green = table.find("strain." + test.gauge->group + "." + component))
+          row.gauge.push_back(test.sign *
+                              (test.request.kind == Kind::shear ? 2.0 * *green : engineering(*green)));
+    row.kinetic = table.number("kinetic_translation") + table.number("kinetic_rotation");
+    row.work = table.number("work_supports");
+    row.broken = static_cast<std::int64_t>(table.find("broken").value_or(0.0));
+    row.fragments = table.find("fragments"), row.largest_fragment = table.find("largest_fragment");
+    rows.push_back(std::move(row));
+  }
+  if (rows.empty()) throw IoError(file.string() + ": it has no rows");
+  if (test.confinement) count_from_confined(test, rows);
+  return rows;
+}
+
+/// Slope of y over x by least squares. Nothing without two different x.
+template <class X, class Y>
+std::optional<double> slope(const std::vector<const Row*>& rows, X&& x, Y&& y) {
+  double mx = 0, my = 0, xx = 0, xy = 0;
+  for (const Row* r : rows) mx += x(*r), my += y(*r);
+  mx /= static_cast<double>(rows.size()), my /= static_cast<double>(rows.size());
+  for (const Row* r : rows) xx += (x(*r) - mx) * (x(*r) - mx), xy += (x(*r) - mx) * (y(*r) - my);
+  if (!(xx > 0.0)) return std::nullopt;
+  return xy / xx;
+}
+
+/// Moduli and Poisson's ratios from these rows: of two rows their secant.
+void find_moduli(const MadeTest& test, const std::vector<const Row*>& rows, TestResult& result) {
+  const auto stress = [](const Row& r) { return r.at.stress; };
+  result.modulus_by_ends = slope(
+      rows, [](const Row& r) { return r.at.strain; }, stress);
+  if (test.request.kind == Kind::brazilian) {
+    result.modulus_by_ends.reset();
+    return;
+  }
+  if (!test.gauge) {
+    result.modulus = std::exchange(result.modulus_by_ends, std::nullopt);
+    return;
+  }
+  const std::size_t columns = test.gauge->columns.size();
+  if (std::any_of(rows.begin(), rows.end(), [&](const Row* r) { return r->gauge.size() < columns; })) {
+    result.notes.push_back("the middle of the body has no strain: its particles lie in one plane");
+    return;
+  }
+  const auto axial = [](const Row& r) { return r.gauge[0]; };
+  result.modulus = slope(rows, axial, stress);
+  if (columns < 3) return;
+  const auto ratio = [&](std::size_t k) -> std::optional<double> {
+    const auto s = slope(rows, axial, [k](const Row& r) { return r.gauge[k]; });
+    if (!s) return s;
+    return 0.0 - *s;  // never -0
+  };
+  result.nu_across = ratio(1), result.nu_third = ratio(2);
+  if (result.nu_across && result.nu_third) result.nu = 0.5 * (*result.nu_across + *result.nu_third);
+}
+
+/// At rest from the stage "elastic"; in motion from rows between a tenth and half of the peak, before which
+/// the platens begin to move, and beyond which bonds break.
+void find_elastic(const MadeTest& test, const std::vector<Row>& rows, std::size_t peak, TestResult& result) {
+  std::vector<const Row*> used;
+  if (test.request.at_rest) {
+    for (std::size_t k = 0; k < rows.size(); ++k)
+      if (rows[k].stage == 1 && (k == 0 || rows[k - 1].stage == 0)) used.push_back(&rows[k]);
+    for (std::size_t k = rows.size(); k-- > 0;)
+      if (rows[k].stage == 1) {
+        used.push_back(&rows[k]);
+        break;
+      }
+    result.stress_before = used.empty() ? 0.0 : used.front()->at.stress;
+  } else {
+    const double most = rows[peak].at.stress;
+    for (std::size_t k = 0; k <= peak; ++k)
+      if (rows[k].at.stress >= 0.1 * most && rows[k].at.stress <= 0.5 * most) used.push_back(&rows[k]);
+    if (used.size() < 5) {
+      result.notes.push_back(fmt::format(
+          "only {} rows are between a tenth and half of the peak: no modulus; make the test slower "
+          "with --rate, or end it sooner with --strain",
+          used.size()));
+      return;
+    }
+  }
+  if (used.size() < 2) return result.notes.push_back("the run ended before the elastic stage: no modulus");
+  find_moduli(test, used, result);
+}
+
+/// The last row before so many bonds have broken: at rest just where the break began.
+const CurvePoint* point_of_break(const std::vector<Row>& rows, std::int64_t count) {
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    if (rows[k].broken >= count) return &rows[k > 0 ? k - 1 : 0].at;
+  return nullptr;
+}
+
+void find_breaks(const std::vector<Row>& rows, std::size_t peak, TestResult& result) {
+  result.breaks = rows.back().broken - rows.front().broken;
+  result.breaks_before_peak = rows[peak].broken - rows.front().broken;
+  if (result.breaks == 0) return;
+  const std::int64_t before = rows.front().broken;
+  if (const CurvePoint* at = point_of_break(rows, before + 1)) result.first_break = *at;
+  const auto hundredth =
+      static_cast<std::int64_t>(std::ceil(0.01 * static_cast<double>(result.breaks_before_peak)));
+  if (hundredth < 1) return;
+  if (const CurvePoint* at = point_of_break(rows, before + hundredth)) result.one_percent = *at;
+}
+
+void find_peak(const MadeTest& test, const std::vector<Row>& rows, std::size_t peak, TestResult& result) {
+  result.largest = rows[peak].at;
+  if (!test.breaks) {
+    result.notes.push_back("no bond has a strength: there is no peak to look for");
+    return;
+  }
+  double least_after = rows[peak].at.stress;
+  for (std::size_t k = peak; k < rows.size(); ++k) least_after = std::min(least_after, rows[k].at.stress);
+  const bool collapsed = result.ended == "parted" || result.ended == "lost stability" ||
+                         result.ended == "peak";  // in motion: by the force on the upper end
+  if (result.largest.stress > 0.0 &&
+      (collapsed || least_after <= (1.0 - test.request.drop) * result.largest.stress)) {
+    result.peak = result.largest;
+    if (result.ended == "lost stability" && result.breaks == 0)
+      result.notes.push_back(
+          "the body lost stability before a bond broke: it has buckled, this is no strength");
+    return;
+  }
+  result.notes.push_back(fmt::format(
+      "no peak within the strain of {:.6g}: the stress has not fallen by {:.3g} of its largest value; give a "
+      "larger --strain{}",
+      test.end_strain, test.request.drop, result.breaks == 0 ? "; no bond broke" : ""));
+}
+
+Inertia inertia_of(const std::vector<Row>& rows, std::size_t peak) {
+  Inertia found;
+  const auto share = [](const Row& r) { return r.work > 0.0 ? r.kinetic / r.work : 0.0; };
+  found.at_peak = share(rows[peak]);
+  const CurvePoint& most = rows[peak].at;
+  for (std::size_t k = 0; k <= peak; ++k) {
+    if (rows[k].at.stress >= 0.1 * most.stress) found.largest = std::max(found.largest, share(rows[k]));
+    if (rows[k].at.stress >= 0.5 * most.stress && most.force > 0.0)
+      found.ends_differ = std::max(found.ends_differ, std::abs(rows[k].off_balance) / most.force);
+  }
+  return found;
+}
+
+void tell_inertia(const MadeTest& test, TestResult& result) {
+  if (result.inertia->quasi_static()) return;
+  result.notes.push_back(fmt::format(
+      "not quasi-static: kinetic energy is {:.2g} of the work at the peak and up to {:.2g} before it, forces "
+      "on "
+      "the ends differ by {:.2g} of the peak; strengths are too large then: give a smaller --rate, as {:.2g}",
+      result.inertia->at_peak, result.inertia->largest, result.inertia->ends_differ, 0.1 * test.rate));
+}
+
+std::optional<Splitting> splitting_of(const MadeTest& test, const std::filesystem::path& file,
+                                      const Vec3d& middle) {
+  Table table(file);
+  Splitting s;
+  double n = 0;
+  const int third = test.third;
+  const double radius = 0.5 * test.length;
+  while (table.next()) {
+    const Vec3d at{table.number("x"), table.number("y"), table.number("z")};
+    const double aside = std::abs(component(at, third) - component(middle, third)) / radius;
+    if (n == 0) {
+      s.first_from_plane = aside;
+      s.first_from_middle =
+          std::abs(component(at, test.direction) - component(middle, test.direction)) / radius;
+    }
+    s.mean_from_plane += aside;
+    if (table.word("mode") == "tension") s.in_tension += 1;
+    ++n;
+  }
+  if (n == 0) return std::nullopt;
+  s.mean_from_plane /= n, s.in_tension /= n;
+  return s;
+}
+
+/// What run.json tells beside the tables.
+struct RunEnd {
+  std::string ended;       ///< how the last stage ended
+  double used_before = 0;  ///< the most that a bond has used of its strength before any could break
+};
+RunEnd end_of_run(const std::filesystem::path& file) {
+  const auto run = nlohmann::json::parse(read_all(file), nullptr, false);
+  if (run.is_discarded() || !run.contains("stages") || run["stages"].empty())
+    throw IoError(file.string() + ": it tells of no stage");
+  RunEnd end;
+  const auto& last = run["stages"].back();
+  for (const char* key : {"ended", "stop"})
+    if (last.contains(key) && last[key].is_string()) end.ended = last[key].get<std::string>();
+  for (const auto& stage : run["stages"])
+    if (stage.contains("most_used_bond") && stage["most_used_bond"].contains("utilisation"))
+      end.used_before = std::max(end.used_before, stage["most_used_bond"]["utilisation"].get<double>());
+  return end;
+}
+
+}  // namespace
+
+TestResult result_of(const MadeTest& test, const std::filesystem::path& folder) {
+  TestResult result;
+  const std::vector<Row> rows = read_rows(test, folder / "history.csv");
+  const RunEnd end = end_of_run(folder / "run.json");
+  result.ended = end.ended;
+  const std::size_t peak = static_cast<std::size_t>(
+      std::max_element(rows.begin(), rows.end(),
+                       [](const Row& a, const Row& b) { return a.at.stress < b.at.stress; }) -
+      rows.begin());
+  find_elastic(test, rows, peak, result);
+  if (test.breaks && end.used_before >= 1.0) {
+    result.largest = rows[peak].at;
+    result.notes.push_back(fmt::format(
+        "a bond is at {:.4g} of its strength before any may break, at a strain of {:g}: no strength follows; "
+        "let the body come to rest unloaded, or give bonds more strength",
+        end.used_before, elastic_strain));
+    return result;
+  }
+  find_breaks(rows, peak, result);
+  find_peak(test, rows, peak, result);
+  result.fragments = rows.back().fragments, result.largest_fragment = rows.back().largest_fragment;
+  if (!test.request.at_rest) {
+    result.inertia = inertia_of(rows, peak);
+    tell_inertia(test, result);
+  }
+  if (test.request.kind == Kind::brazilian && result.breaks > 0) {
+    result.splitting = splitting_of(test, folder / "breaks.csv", test.middle);
+    if (result.splitting && result.splitting->first_from_middle > 0.8)
+      result.notes.push_back(
+          "the first break is at a platen, not in the middle: the strength is no tensile one");
+  }
+  return result;
+}
+
+}  // namespace vbond::labtest

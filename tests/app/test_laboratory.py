@@ -1,0 +1,223 @@
+"""`vbond test` as a user meets it: moduli and strengths against formulas, the case it makes, what is refused, motion."""
+import json
+import math
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from program import HERE, PROGRAM, expect_same, table, vbond, write
+
+BAR = """
+[[specimen]]
+name = "bar"
+kind = "block"
+cells = [4, 4, 10]
+spacing = 1.0
+radius = 0.5
+mass = 1.0
+[[bonds]]
+distance = 1.1
+stiffness = {c_A = 1.0, c_D = 0.3, c_B = 0.08, c_T = 0.05}
+strength = {criterion = "linear", axial_force = 1e-3, shear_force = 1, bending_moment = 1, torque = 1}
+[[stage]]
+duration = 1
+"""
+# Bonds are square rods that fill the lattice: c_A = E, c_B = E/12 with a = 1. A beam of such rods has exactly the second
+# moment of the whole section: n^2 rods at their distances and each about its own axis.
+BEAM = BAR.replace("cells = [4, 4, 10]", "cells = [42, 3, 4]").replace(
+    "stiffness = {c_A = 1.0, c_D = 0.3, c_B = 0.08, c_T = 0.05}",
+    'theory = "bernoulli-euler"\nE = 1.0\nnu = 0.0\nsection = {shape = "square", side = 1.0}')
+DISC = BAR.replace("cells = [4, 4, 10]", """cells = [13, 3, 13]
+cut = [{cylinder = {from = [6, -1, 6], to = [6, 9, 6], radius = 6.2}, keep = "inside"}]""")
+
+
+def test_case(kind, text, *more, folder="out", **options):
+    write("body.toml", text)
+    said = vbond("test", kind, "body.toml", "-o", folder, *more, **options)
+    return said, json.loads(Path(folder, "result.json").read_text())
+
+
+test_case.__test__ = False
+
+
+def near(x, y, tolerance):
+    return abs(x / y - 1) <= tolerance
+
+
+def test_tension_of_a_cubic_lattice(work):
+    # Bonds along the axis bear all: E = c_A/a; they break together where N = c_A (D - a) is the strength, 1e-3. The
+    # strain of the stage is 1e-7, and V-model and EVM are linear along a bond: nothing but rounding, 1e-16/1e-7, is left.
+    said, r = test_case("tension", BAR)
+    assert near(r["E"], 1, 1e-7) and near(r["E_by_ends"], 1, 1e-7) and abs(r["nu"]) < 1e-6
+    assert near(r["strength"], 1e-3, 1e-9) and near(r["first_break"]["stress"], 1e-3, 1e-9) and near(r["peak"]["strain"], 1e-3, 1e-9)
+    assert r["breaks_before_peak"] == 0 and r["section"]["area"] == 16 and r["length"] == 9
+    said.expect(out=["tensile strength", "section box 4 x 4", "case in out/test.toml"])
+
+
+def test_poissons_ratio_of_a_lattice(work):
+    # face-centred along its axes, bonds of c_A alone but for a little: C11 = 2 C12 (Cauchy), so nu = C12/(C11 + C12) = 1/3
+    # and E = C11 - 2 C12^2/(C11 + C12), with C11 = sqrt(2) c_A/a. Area and length are those of the lattice: no surface
+    # layer is complete, so that a body of n cells has E too small by some 1/n; the gauge's nu hangs on it too.
+    text = BAR.replace("strength", "# strength").replace("cells = [4, 4, 10]", 'lattice = "fcc"\ncells = [6, 6, 9]')
+    text = text.replace("c_D = 0.3, c_B = 0.08, c_T = 0.05", "c_D = 1e-4, c_B = 1e-4, c_T = 1e-4")
+    _, r = test_case("tension", text, "--area", str((6 * math.sqrt(2)) ** 2), folder="fcc")
+    assert near(r["E"], math.sqrt(2) * (1 - 1 / 3), 0.12) and near(r["nu"], 1 / 3, 0.12)
+
+
+def test_compression_is_tension_backwards(work):
+    _, r = test_case("compression", BAR, "--strain", "1e-4", folder="pressed")
+    assert near(r["E"], 1, 1e-7) and r["strength"] is None and r["breaks"] == 0
+    assert "no peak within the strain of 0.0001" in r["notes"][-1] and near(r["largest"]["stress"], 1e-4, 1e-3)
+
+
+def test_bending_of_a_beam(work):
+    # E of the slender formula lacks shear: 12 E I/(kappa G A S^2) = 12 h^2/(12 S^2) E/(kappa G); for a row of bonds c_D = 12 E J/a^3
+    # and all of it is E: between 0 and 3 h^2/S^2 of nu = 0.25, which the note tells.
+    said, r = test_case("bend3", BEAM, "--axis", "x", folder="bent")
+    span, height = r["length"], r["height"]
+    assert span == 39 and height == 4 and 1 - 3 * (height / span) ** 2 < r["E"] < 1
+    # the outermost rods bear c/h' of the outer fibre's stress: their middles are at 1.5 of 2; the rod's own bending adds
+    # nothing to its axial force. Where the load is put in, forces are off by some percent.
+    assert near(r["strength"], 1e-3 * 2 / 1.5, 0.05)
+    said.expect(out=["modulus of rupture", "span 39", "span over height"])
+
+
+def test_disc_splits_along_its_diameter(work):
+    said, r = test_case("brazilian", DISC, "--axis", "y", "--drop", "0.3", folder="split")
+    assert 12 < r["length"] < 14 and r["thickness"] == 3
+    assert near(r["stress_per_force"], 2 / (math.pi * r["length"] * r["thickness"]), 1e-12)
+    assert r["splitting"]["mean_from_plane"] < 0.36 and r["splitting"]["in_tension"] == 1
+    said.expect(out=["Brazilian tensile strength", "splitting", "platens hold the disc over"])
+
+
+def test_shear_of_a_flat_block(work):
+    # C of the lattice: particles turn freely, so that C44 = c_D/2 per a; between stiff ends of a flat body most of it shears
+    text = BAR.replace("cells = [4, 4, 10]", "cells = [16, 4, 5]").replace("strength", "# strength")
+    text = text.replace("c_B = 0.08, c_T = 0.05", "c_B = 1e-6, c_T = 1e-6")
+    said, r = test_case("shear", text, folder="sheared")
+    assert near(r["G"], 0.15, 0.15)
+    said.expect(out=["sheared along x", "no bond has a strength"])
+
+
+def test_triaxial_counts_from_the_confined_body(work):
+    # The upper end is free as the pressure comes on: no force as the ends begin to move. Bonds between inner layers bear the
+    # pressure over the width of the section, 1e-5 on 4: their strain is 1e-5 c_A/a^2; end layers differ, which the gauge sees by
+    # some percent. The skin is 3 wide and 9 high, so it gets 4/3 of it, and 4/3 * 9/16 along the axis.
+    said, r = test_case("triaxial", BAR, "--pressure", "1e-5", "--strain", "1e-4", folder="confined")
+    rows = table("confined/run")
+    begin = next(k for k in range(1, len(rows)) if rows[k]["load_factor"] < rows[k - 1]["load_factor"])
+    assert abs(rows[begin]["reaction.test_upper.fz"]) < 1e-9 * 16e-5
+    assert near(r["E"], 1, 1e-4) and abs(r["nu"]) < 1e-4
+    assert near(r["pressure_on_skin"], 4e-5 / 3, 1e-9) and near(r["pressure_along_axis"], 0.75e-5, 1e-9)
+    assert near(r["largest"]["stress"], 1e-4 - 0.25e-5, 2e-3)  # up to the strain of the elastic stage, 1e-7
+    assert near(-rows[begin - 1]["strain.test_gauge.xx"], 1e-5, 0.02)
+    assert near(-rows[begin - 1]["strain.test_gauge.zz"], 0.75e-5, 0.02)
+    said.expect(out=["pressure", "on the sides of the section"])
+
+
+def test_envelope_of_two_pressures(work):
+    text = BEAM.replace("cells = [42, 3, 4]", "cells = [3, 3, 6]").replace("distance = 1.1", "distance = 1.5")
+    text = re.sub("strength = .*",
+                  'strength = {criterion = "mohr-coulomb", tension_limit = 1e-4, cohesion = 1e-4, friction_angle = 0.7}', text)
+    write("body.toml", text)
+    said = vbond("test triaxial body.toml -o both --pressure 0 --pressure 2e-5 --drop 0.2")
+    envelope = json.loads(Path("both/result.json").read_text())
+    peaks = envelope["peaks"]
+    assert [p["s3"] for p in peaks] == [0, 2e-5] and envelope["tests"] == 2
+    alone = [json.loads(Path(f"both/pressure-{k}/result.json").read_text()) for k in (1, 2)]
+    assert [p["s1"] for p in peaks] == [r["strength"] + r["pressure"] for r in alone]
+    N = (peaks[1]["s1"] - peaks[0]["s1"]) / 2e-5  # of a line through two points
+    assert N > 1, "pressure makes it stronger"
+    line, curve, q = envelope["mohr_coulomb"], envelope["hoek_brown"], [r["strength"] for r in alone]
+    assert near(line["slope"], N, 1e-9) and near(line["cohesion"], peaks[0]["s1"] / (2 * math.sqrt(N)), 1e-9)
+    assert near(math.sin(math.radians(line["friction_angle_deg"])), (N - 1) / (N + 1), 1e-9)
+    assert near(curve["m_i"], (q[1] ** 2 - q[0] ** 2) / 2e-5 / q[0], 1e-9) and near(curve["s_ci"], q[0], 1e-9)
+    said.expect(out=["Mohr-Coulomb", "Hoek-Brown", "through two points"])
+    _, pressed = test_case("compression", text, "--drop", "0.2", folder="unconfined")
+    assert pressed["strength"] == alone[0]["strength"], "without pressure it is a compression"
+
+
+def test_made_case_runs_by_itself(work):
+    test_case("tension", BAR, folder="made")
+    made = Path("made/test.toml").read_text()
+    assert "[groups.test_upper]" in made and "# bonds break one by one" in made and "duration" not in made
+    vbond("check made/test.toml", out="no mistakes found")
+    vbond("run made/test.toml -o again")
+    expect_same("made/run", "again")
+
+
+def test_motion_agrees_with_rest(work):
+    _, rest = test_case("tension", BAR, "--strain", "2e-3", folder="rest")
+    said, motion = test_case("tension", BAR, "--strain", "2e-3", "--motion", folder="motion")
+    # waves and rows of 2 per mille of the way: some percent
+    assert near(motion["E"], rest["E"], 0.01) and near(motion["strength"], rest["strength"], 0.02)
+    assert motion["inertia"]["quasi_static"] and motion["inertia"]["at_peak"] < 0.01
+    _, fast = test_case("tension", BAR, "--strain", "2e-3", "--motion", "--rate", "2e-5", folder="fast")
+    assert not fast["inertia"]["quasi_static"] and any("not quasi-static" in note for note in fast["notes"])
+    said.expect(out="kinetic energy over work")
+
+
+def test_files_of_the_case_go_along(work):
+    rows = [f"{x},{y},{z}" for x in range(3) for y in range(3) for z in range(5)]
+    write("points.csv", "x,y,z\n" + "\n".join(rows) + "\n")
+    text = re.sub('kind = "block"\ncells = .*\nspacing = 1.0', 'kind = "csv"\nfile = "points.csv"', BAR)
+    _, r = test_case("tension", text, folder="copied")
+    assert near(r["E"], 1, 1e-7)
+    Path("points.csv").unlink()
+    Path("copied").rename("moved")
+    vbond("run moved/test.toml -o again_moved")
+
+
+BOTH = '[[specimen]]\nkind = "rod"\nparticles = 2\norigin = [20, 0, 0]\nmass = 1.0\nradius = 0.5\n'
+
+
+@pytest.mark.parametrize("kind, change, more, told", [
+    ("brazilian", None, [], ["section normal to z is a box", "needs a disc", "--axis"]),
+    ("bend3", None, [], ["no beam"]),
+    ("bend3", None, ["--axis", "x"], ["no beam"]),
+    ("tension", ("cells = .*", "cells = [1, 1, 10]"), [], ["in a row", "--depth"]),
+    ("tension", ("cells = .*", "cells = [4, 4, 3]"), [], ["are in one plane, normal to z"]),
+    ("tension", ("cells = .*", "cells = [4, 4, 1]"), [], ["the ends meet"]),
+    ("tension", ("radius = 0.5", "inertia = 1.0"), [], ["no radius", "--area"]),
+    ("tension", (r"^\[\[bonds\]\]", BOTH + "[[bonds]]"), [], ["2 of 162 particles", "floats in parts"]),
+    ("tension", (r"^\[\[bonds\]\](.|\n)*(?=\[\[stage)", ""), [], ["no bonds at the start"]),
+    ("tension", ("cells = .*", 'cells = [4, 4, 10]\ncut = [{box = {min = [-1, -1, 2.5], max = [1.5, 9, 6.5]}}]'), [],
+     ["but not all along the body"]),
+    ("tension", (r"^\[\[bonds\]\]", "[groups.test_upper]\nindices = [1]\n[[bonds]]"), [], ["body.toml:", "begin with test_"]),
+    ("tension", (r"^\[\[bonds\]\]", "[cell]\na = [4, 0, 0]\nb = [0, 4, 0]\nc = [0, 0, 10]\n[[bonds]]"), [],
+     ["periodic cell", "homogenise"]),
+    ("tension", None, ["--across", "x"], ["--across x", "leave it out"]),
+    ("shear", None, ["--across", "z"], ["is along the axis"]),
+    ("tension", None, ["--strain", "1 mm"], ["--strain 1 mm", "bare number"]),
+    ("tension", None, ["--drop", "1"], ["must be > 0 and < 1"]),
+    ("tension", None, ["--depth", "6"], ["the ends meet"]),
+    ("tension", None, ["--span", "6"], ["is for bend3"]),
+    ("tension", None, ["--motion", "--rate", "1e-2"], ["no longer than waves", "--rate"]),
+    ("tension", (r"^\[\[stage\]\]", "[time]\nstep = 1\n[[stage]]"), ["--motion"], ["body.toml: in the case of the test, "]),
+    ("bend3", ("cells = .*", "cells = [42, 3, 4]"), ["--axis", "x", "--span", "50"], ["42 long along x"]),
+    ("triaxial", None, [], ["vbond test triaxial", "needs the pressure"]),
+    ("triaxial", None, ["--pressure", "-1"], ["--pressure -1", "must be >= 0"]),
+    ("triaxial", None, ["--pressure", "1", "--pressure", "1.0"], ["is given already"]),
+    ("tension", None, ["--pressure", "1"], ["is for triaxial"]),
+])
+def test_refused(work, kind, change, more, told):
+    write("wrong.toml", BAR, *([change] if change else []))
+    vbond("test", kind, "wrong.toml", "-o", "nothing", *more, status=2, err=[text.replace("body.toml", "wrong.toml") for text in told])
+    assert not Path("nothing").exists()
+
+
+def test_folder_is_not_overwritten(work):
+    Path("full").mkdir()
+    Path("full/mine").write_text("x")
+    write("body.toml", BAR)
+    vbond("test tension body.toml -o full", status=2, err="already exists and is not empty")
+    assert [path.name for path in Path("full").iterdir()] == ["mine"]
+
+
+def test_random_bodies_against_linear_algebra():
+    pytest.importorskip("numpy")
+    done = subprocess.run([sys.executable, HERE / "labtest_campaign", PROGRAM, "5", "100"], capture_output=True, text=True)
+    assert done.returncode == 0 and ", 0 wrong" in done.stdout.splitlines()[-1], done.stdout + done.stderr
+    assert int(re.search(r"(\d+) right", done.stdout.splitlines()[-1])[1]) >= 4, done.stdout
