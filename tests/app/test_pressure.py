@@ -187,3 +187,131 @@ def test_a_ring_bursts_at_its_closed_form():
     bursts = a * 0.02 / (1.02 * R * math.cos(math.pi / 24))
     assert values("burst", "peak_load_factor")[0] == pytest.approx(bursts, rel=1e-8)
     assert abs(values("burst", "balance_error")[0]) < 1e-9
+
+
+def with_particles(case, points):
+    """The case with these particles in place of its specimen, and bonds between neighbours of a lattice alone."""
+    text = "".join(f"[{x}, {y}, {z}], " for x, y, z in points)
+    case = re.sub("(?s)specimen = .*?}]", f'specimen = [{{kind = "list", positions = [{text}], radius = 0.4, mass = 1, inertia = 0.064}}]', case)
+    return case.replace("distance = 1.5", "distance = 1.05")
+
+
+def cube(n, x=0.0):
+    return [(x + i, j, k) for i in range(n) for j in range(n) for k in range(n)]
+
+
+def expect_skin(name, points, area, volume):
+    case = write(name + ".toml", with_particles(MOVING, points))
+    vbond("run", case, "-o", name, err=f'closed: area {area}, volume {volume}')
+
+
+MOVING = BLOCK.replace('kind = "equilibrium"', 'duration = "1 T0"').replace('history = {stress = [{group = "all", volume = 27}], ', 'history = {every = "1 T0", ')
+
+
+def test_each_bonded_part_has_a_skin_of_its_own():
+    expect_skin("two", cube(4) + cube(4, 4.1), 108, 54)
+    expect_skin("loose", cube(4) + [(1.5, 1.5, 4.3)], 54, 27)
+    pair = write("pair.toml", with_particles(MOVING, cube(4) + [(1.5, 1.5, 4.3), (1.5, 1.5, 5.3)]))
+    refused(pair, "pair.toml:8:", "the part with particle 64 has 2 particles, and no volume")
+
+
+def test_what_the_skin_leaves_out_is_refused():
+    """A rod of a single row of particles that stands on a cube: spheres of no size go through four of them."""
+    rod = write("rod.toml", with_particles(MOVING, cube(3) + [(1, 1, 3), (1, 1, 4), (1, 1, 5)]))
+    refused(rod, "rod.toml:8:", "2 bonded particles lie outside of the skin, the first is 28; longest is 1.2", "use a larger longest")
+
+
+def moved(case, name, *changes):
+    vbond("run", write(name + ".toml", case, *changes), "-o", name)
+    return column(name, "displacement.0.x")[-1]
+
+
+@at_rest
+def test_inside_is_the_side_of_the_nearest_facet():
+    inwards = moved(RING, "in")
+    for k, (point, same) in enumerate((("[1, 0, 0]", True), ("[0, 0, 7]", True), ("[100, 0, 0]", False), ("[0, -4.5, 0]", False))):
+        to_point = moved(RING, f"to{k}", ("width = 1", "width = 1, inside = " + point))
+        assert to_point == pytest.approx(inwards if same else -inwards, rel=1e-2), point
+    # three quarters of a ring: the back is nearest to a point behind it, though most facets face that
+    arc = ", ".join(f"[{4 * math.cos(a)}, {4 * math.sin(a)}, 0]" for a in (math.pi / 12 * k for k in range(3, 22)))
+    arc = re.sub("(?s)specimen = .*?}]", f'specimen = [{{kind = "list", positions = [{arc}], radius = 0.4, mass = 1, inertia = 0.064}}]', RING)
+    arc = arc.replace("indices = [0, 12]", "indices = [9]").replace("indices = [6]", "indices = [9]").replace('fix = ["x"]', 'fix = ["x", "rz"]')
+    arc = arc.replace("displacements = [0]", "displacements = [0], reactions = []").replace("1e-5", "1e-7")
+    ends = [moved(arc, f"arc{k}", ("width = 1", "width = 1, inside = " + point))
+            for k, point in enumerate(("[0, 0, 0]", "[-9, 0, 0]"))]
+    assert ends[1] == pytest.approx(-ends[0], rel=5e-2)  # to the second order in the load
+
+
+def test_inside_beyond_an_edge_of_triangles_is_told_by_the_whole_edge():
+    """Points that are nearest to an edge or a corner of a closed surface, at which facets face every way."""
+    octahedron = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
+    case = with_particles(MOVING, octahedron).replace("1.05", "1.5").replace("[3]", "[1]").replace("[12]", "[2]")
+    for k, (point, sign) in enumerate((("[3, 0.1, 0]", "-"), ("[0.9, 0.9, 0]", "-"), ("[0, 0, 0]", ""), ("[0.5, 0, 0.2]", ""))):
+        named = write(f"o{k}.toml", case, ('surface = "skin"', f'surface = "triangles", inside = {point}'))
+        vbond("run", named, "-o", f"o{k}", err=f"8 triangles of group \"all\", closed: area 6.9282, volume {sign}1.33333")
+
+
+def test_central_forces_need_a_centre_that_the_surface_faces_away_from():
+    central = 'surface = "skin", kind = "central"'
+    refused(write("none.toml", MOVING, ('surface = "skin"', central)), "centre", "is required")
+    refused(write("on.toml", MOVING, ('surface = "skin"', central + ", centre = [3, 3, 3]")), "particle 63 is at the centre")
+    refused(write("beside.toml", MOVING, ('surface = "skin"', central + ", centre = [9, 1, 1]")), "the surface faces the centre", "choose another centre")
+    vbond("run", write("right.toml", MOVING, ('surface = "skin"', central + ", centre = [1.5, 1.5, 1.4]")), "-o", "right")
+
+
+def test_strips_stand_on_the_plane_of_their_chain():
+    ring = RING.replace('kind = "equilibrium"', 'duration = "1 T0"').replace("displacements = [0]", 'every = "1 T0"')
+    refused(write("tilted.toml", ring, ("width = 1", "width = 1, normal = [0, 1, 0.3]")), "tilted.toml:8:",
+            "the bond of particles 0 and 1 is inclined by 71.7 degrees")
+    vbond("run", write("nearly.toml", ring, ("width = 1", "width = 1, normal = [0, 0.05, 1]")), "-o", "nearly")
+
+
+@at_rest
+def test_slanted_supports_leave_the_energy_of_a_closed_skin():
+    """Neighbours that are held along an axis that is none of the frame: what rounding leaves is no free edge."""
+    face = ", ".join(str(p) for p in range(48, 64))
+    text = BLOCK.replace("[12]", f"[{face}]").replace('"equilibrium"', '"modes"').replace('{group = "b", fix = ["y", "z"]}, ', "")
+    text = text.replace('"c", fix = ["z"]', '"c", fix = [[0.6, 0.8, 0.1]]').replace('fix = ["x", "y", "z"]', 'fix = ["x", "y", "z", "rx", "ry", "rz"]')
+    case = write("slanted.toml", re.sub("output = .*", "", text))
+    vbond("run", case, "--set", "stage[0].count=1", "-o", "slanted")
+    assert values("slanted", "omega")[0][0] > 0
+
+
+@at_rest
+def test_the_exact_step_counts_pressure():
+    """A ring's bonds are stretched by 1 at most; a pressure of 5 turns strips by a multiple of that."""
+    ring = RING.replace('kind = "equilibrium"', 'duration = "1 T0"').replace("displacements = [0]", 'every = "1 T0"')
+    steps = []
+    for p in ("1e-9", "5"):
+        told = vbond("run", write("exact.toml", 'time = {step = "exact"}\n' + ring, ("1e-5", p)), "-o", "p" + p)
+        told = told.out + told.err
+        steps.append([float(x) for x in re.findall(r"critical step +([0-9.]+), exact; bound ([0-9.]+)", told)[0]])
+        assert ("and pressure" in told) == (p == "5")
+    for exact, bound in steps:
+        assert bound <= exact < 1.02 * bound
+    assert steps[1][0] < 0.6 * steps[0][0]
+
+
+@at_rest
+def test_the_next_stage_keeps_the_facets_of_the_same_entry():
+    """A balance stays one, to the bit; another entry finds its surface anew."""
+    stage = BLOCK[BLOCK.index("[[stage]]"):]
+    case = write("twice.toml", BLOCK + stage + stage.replace("1e-3", "1e-3, longest = 1.7"), ("stress = ", "displacements = [63], stress = "))
+    vbond("run", case, "-o", "twice")
+    x = column("twice", "displacement.63.x")
+    assert x[1] != 0 and x[1] == x[2] == x[3] and x[5] != x[1]
+    motion = stage.replace('kind = "equilibrium"', 'duration = "10 T0"')
+    vbond("run", write("kept.toml", BLOCK + motion), "-o", "kept")
+    assert max(column("kept", "kinetic_translation")) < 1e-20  # 1e-8 of what is stored, were it found anew
+    stop_at(lines("kept/history.csv") - 2, "part", "run", "kept.toml", "-o", "part")
+    vbond("resume part")
+    expect_same("kept", "part")
+
+
+@at_rest
+def test_a_free_edge_is_refused_before_anything_is_written():
+    face = "region = {plane = {point = [0, 0, 0], normal = [0, 0, 1], within = 0.1}}"
+    for kind in ("buckling", "fracture"):
+        case = write(kind + ".toml", BLOCK, ("pressure = 1e-3", "pressure = 1e-3, " + face), ("equilibrium", kind))
+        told = vbond("check", case, status=2).err
+        assert "free edge at particle" in told and "close the surface" in told

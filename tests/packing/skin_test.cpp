@@ -68,6 +68,16 @@ TEST(Skin, IsEmptyWhereSpheresAreTooLarge) {
   EXPECT_TRUE(skin_of({{0, 0, 0}, {1, 0, 0}}, 1.0)->triangles.empty());
 }
 
+TEST(Skin, TellsOfPointsThatAreNotFilled) {
+  std::vector<Vec3d> r = cubes(3, 3, 3);
+  EXPECT_TRUE(skin_of(r, 1.0)->outside.empty());  // also of the one in the middle
+  r.push_back({1, 1, 3});
+  r.push_back({1, 1, 4});
+  EXPECT_EQ(skin_of(r, 1.2)->outside, std::vector<std::size_t>{28});
+  EXPECT_EQ(skin_of(r, 0.8)->outside.size(), r.size());
+  EXPECT_EQ(skin_of({{0, 0, 0}, {1, 0, 0}}, 1.0)->outside, (std::vector<std::size_t>{0, 1}));
+}
+
 // What is enclosed is body; a bore that is open at its ends is not, and has a skin that faces into it.
 TEST(Skin, LeavesOutHollowsAndTakesInBores) {
   const auto without = [](int x0, int x1, int y0, int y1, int z0, int z1) {

@@ -150,8 +150,9 @@ StepBound step_bound(const Model& model, const State& state, const Stage& stage,
   }
   const double pressed = lambda_of_pressures(stage.pressures, model.mass, state.r, stage.stops.duration);
   if (pressed > 0.0 && std::isfinite(bound.dt)) {
-    bound.dt = critical_step(sq(2.0 / bound.dt) + pressed);
-    bound.source += ", and pressure";
+    const double without = std::exchange(bound.dt, critical_step(sq(2.0 / bound.dt) + pressed));
+    constexpr double shorter = 0.99;  // by less it is not worth a word
+    if (bound.dt < shorter * without) bound.source += ", and pressure";
   }
   return within_turns(std::move(bound), model, state, stage, spins);
 }

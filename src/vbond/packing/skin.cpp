@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <utility>
 
 #include "vbond/core/random.hpp"
@@ -55,8 +56,13 @@ class Boundary {
     return std::all_of(sides_.begin(), sides_.end(), [](const auto& s) { return s.second.size() <= 2; });
   }
 
-  std::vector<std::array<std::size_t, 3>> triangles() {
+  Skin skin(const std::vector<Tetrahedron>& all, std::size_t points) {
     reach_from_outside();
+    return {triangles(), points_outside(all, points)};
+  }
+
+ private:
+  std::vector<std::array<std::size_t, 3>> triangles() const {
     std::vector<std::array<std::size_t, 3>> found;
     for (const auto& [key, sides] : sides_)
       for (std::size_t k = 0; k < sides.size(); ++k) {
@@ -66,7 +72,17 @@ class Boundary {
     return found;
   }
 
- private:
+  std::vector<std::size_t> points_outside(const std::vector<Tetrahedron>& all, std::size_t points) const {
+    std::vector<char> is_corner(points, 0);
+    for (std::size_t t = 0; t < all.size(); ++t)
+      if (outside_[t] == 0)
+        for (const std::size_t p : all[t]) is_corner[p] = 1;
+    std::vector<std::size_t> found;
+    for (std::size_t p = 0; p < points; ++p)
+      if (is_corner[p] == 0) found.push_back(p);
+    return found;
+  }
+
   void reach_from_outside() {
     std::vector<std::vector<std::size_t>> beside(filled_.size());
     std::vector<std::size_t> next;
@@ -98,7 +114,11 @@ class Boundary {
 }  // namespace
 
 std::optional<Skin> skin_of(const std::vector<Vec3d>& r, double radius) {
-  if (r.size() < 4) return Skin{};
+  if (r.size() < 4) {
+    Skin none{{}, std::vector<std::size_t>(r.size())};
+    std::iota(none.outside.begin(), none.outside.end(), std::size_t{0});
+    return none;
+  }
   constexpr double apart = 1e-5;
   constexpr unsigned tries = 8;
   for (unsigned seed = 1; seed <= tries; ++seed) {
@@ -114,7 +134,7 @@ std::optional<Skin> skin_of(const std::vector<Vec3d>& r, double radius) {
     const std::optional<std::vector<Tetrahedron>> all = delaunay_tetrahedra(space, moved);
     if (!all) continue;
     Boundary boundary(moved, *all, radius);
-    if (boundary.is_sound()) return Skin{boundary.triangles()};
+    if (boundary.is_sound()) return boundary.skin(*all, r.size());
   }
   return std::nullopt;
 }

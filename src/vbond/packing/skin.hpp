@@ -11,6 +11,7 @@ namespace vbond::packing {
 /// Triangles of points, by their numbers, counter-clockwise as seen from outside.
 struct Skin {
   std::vector<std::array<std::size_t, 3>> triangles;
+  std::vector<std::size_t> outside;  ///< points that are no corner of what is filled, in increasing order
 };
 
 /// The outer boundary of what points fill: of their Delaunay tetrahedra, those with a circumscribed sphere of

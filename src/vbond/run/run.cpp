@@ -318,7 +318,6 @@ StageResult Run::run_static() {
   state_.pressed.clear();
   StageResult result = find_balance(stage);
   if (result.interrupted()) return result;
-  state_.pressed.clear();
   state_.books = opened_books(state_, potential_energies(model_, state_).total());
   stage_.reset();
   begin_next_stage(state_.clock);

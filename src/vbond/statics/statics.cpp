@@ -10,6 +10,7 @@
 #include "vbond/core/error.hpp"
 #include "vbond/model/capsules.hpp"
 #include "vbond/model/mistakes.hpp"
+#include "vbond/statics/detail/body.hpp"
 #include "vbond/statics/detail/kinds.hpp"
 #include "vbond/statics/detail/newton.hpp"
 #include "vbond/statics/detail/one_blas_thread.hpp"
@@ -100,6 +101,23 @@ void begin_pressures(const StaticStage& stage, State& state) {
     throw std::invalid_argument("run_static_stage: a pressure does not say on which facets it acts");
 }
 
+/// Before anything is worked out: at load factor 0 only constant pressures are there. Placements that come
+/// later are looked at as they are found.
+void refuse_pressure_without_energy(const Model& model, const StaticStage& stage, const State& state) {
+  if (stage.pressures.empty() || (stage.kind != StageKind::buckling && stage.kind != StageKind::fracture))
+    return;
+  const StaticBody body(model, stage, state, 1.0);
+  if (const auto pressed = body.terms().pressure.without_energy())
+    throw NoEquilibrium(
+        stage.name, *pressed,
+        stage.kind == StageKind::buckling
+            ? "its critical value is not found by this stage: hold the edge, close the surface, use kind = "
+              "\"dead\" or \"central\", or follow the balance by kind = \"path\""
+            : "what a break releases is not known then: hold the edge, close the surface, use kind = "
+              "\"dead\" "
+              "or \"central\", or break bonds in a stage of dynamics");
+}
+
 }  // namespace
 
 StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, State state,
@@ -120,6 +138,7 @@ StaticOutcome run_static_stage(const Model& model, const StaticStage& stage, Sta
     refuse_bonds_that_remember(stage, state);
     refuse_contacts(model, stage, state);
     refuse_bonds_without_length(stage, state);
+    refuse_pressure_without_energy(model, stage, state);
     tell_what_rests(model, stage, state, hooks);
     if (!model.cell.any() || stage.kind == StageKind::modes)
       return run_kind(model, stage, std::move(state), keeping);
@@ -144,6 +163,7 @@ void refuse_free_bodies(const Model& model, const StaticStage& stage, const Stat
   const StaticBody body(model, held, state);
   if (stage.kind != StageKind::equilibrium && stage.kind != StageKind::fracture) refuse_nothing_free(body);
   if (stage.kind != StageKind::modes) refuse_rigid_motions(body);
+  refuse_pressure_without_energy(model, held, state);
 }
 
 SolverChoice choose_solver(const Model& model, const StaticStage& stage, const State& state) {

@@ -10,7 +10,7 @@ constexpr const char* in_rest = "kind = \"equilibrium\", \"path\", \"buckling\",
 void describe_strips(Table& t, PressureSpec& s) {
   t.key("width", s.width, positive(length), required, "of the strip along each bond, across the plane");
   t.key("normal", s.normal, direction_vector, optional,
-        "of the plane in which the chain lies; strips stand on it, the length does not matter");
+        "of the plane in which the chain lies, to 3 degrees; strips stand on it, the length does not matter");
 }
 
 void describe_skin(Table& t, PressureSpec& s) {
@@ -46,7 +46,7 @@ void describe(Table& t, PressureSpec& s, std::optional<StageKind> kind) {
         "follower: normal to the facets as they stand; dead: the forces of the start stay; central: they "
         "keep their sizes and point to `centre`");
   t.when(s.kind == PressureKind::central, "kind = \"central\"",
-         [&] { t.key("centre", s.centre, vector_of(length), optional, "where forces > 0 point to"); });
+         [&] { t.key("centre", s.centre, vector_of(length), required, "where forces > 0 point to"); });
   t.when(s.surface == strips, "surface = \"strips\"", [&] { describe_strips(t, s); });
   t.when(s.surface == triangles, "surface = \"triangles\"", [&] {
     t.key("file", s.file, FileCodec{}, default_is("triangles of three bonds"),
@@ -54,7 +54,9 @@ void describe(Table& t, PressureSpec& s, std::optional<StageKind> kind) {
   });
   t.when(s.surface != skin, "surface = \"strips\" or \"triangles\"", [&] {
     t.key("inside", s.inside, vector_of(length), default_is("the inside of a closed surface"),
-          "a point on the side to which a pressure > 0 pushes; surfaces with free edges need it");
+          "a point on the side to which a pressure > 0 pushes: that of the facet that is nearest to it; "
+          "surfaces "
+          "with free edges need it");
   });
   t.when(s.surface == skin, "surface = \"skin\"", [&] { describe_skin(t, s); });
   t.table("region", s.region, "only facets whose middle is in this region as the stage begins");

@@ -143,6 +143,7 @@ const RestPressure::Skew& RestPressure::skew() const {
   if (std::exchange(skew_.placement, body_.placement_number()) == body_.placement_number()) return skew_;
   skew_.entries.clear();
   const Unknowns& unknowns = body_.unknowns();
+  double largest = 0.0;
   const auto add = [&](ParticleId row, ParticleId column,
                        const Eigen::Ref<const Eigen::Matrix<double, 6, 6>>& K) {
     const ParticleId c = unknowns.carrier(row), d = unknowns.carrier(column);
@@ -155,6 +156,7 @@ const RestPressure::Skew& RestPressure::skew() const {
       }
   };
   for_blocks([&](ParticleId a, ParticleId b, const Eigen::Matrix3d& K) {
+    largest = larger(largest, K.cwiseAbs().maxCoeff());
     Assembly::Block pair = Assembly::Block::Zero();
     pair.block<3, 3>(0, a == b ? 0 : 6) = K;
     pair = body_.in_axes(a, b, pair);
@@ -172,9 +174,10 @@ const RestPressure::Skew& RestPressure::skew() const {
       sums.push_back({e.row, e.column, 0.0, 0.0});
     sums.back().K += e.K, sums.back().size += e.size;
   }
-  // of all that meets at a place: differences of coordinates may be small beside these
-  const double rounding = 64.0 * std::numeric_limits<double>::epsilon();
-  std::erase_if(sums, [&](const Entry& e) { return std::abs(e.K) <= rounding * e.size; });
+  // of the largest of all: along slanted axes entries may be nothing but what the turn leaves of others
+  for (const Entry& e : sums) largest = larger(largest, e.size);
+  const double rounding = 64.0 * std::numeric_limits<double>::epsilon() * largest;
+  std::erase_if(sums, [&](const Entry& e) { return std::abs(e.K) <= rounding; });
   skew_.entries = std::move(sums);
   skew_.largest = 0.0;
   double row = 0.0;

@@ -6,10 +6,14 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <map>
+#include <numbers>
 #include <utility>
 
 #include "vbond/core/disjoint_sets.hpp"
+#include "vbond/core/segments.hpp"
+#include "vbond/core/triangle_tree.hpp"
 #include "vbond/terms/pressure/pressed.hpp"
 
 namespace vbond {
@@ -155,7 +159,72 @@ FoundFacets facing_alike(std::vector<Facet> triangles) {
   return {std::move(triangles), {}, {}};
 }
 
-/// The sum of area . (place - point) over a closed part does not depend on the point.
+namespace {
+
+/// From a point to the nearest one of a facet, and how much of the surface around that the facet makes up.
+struct WayToFacet {
+  Vec3d way;
+  double share = 1;
+};
+WayToFacet way_to(const Facet& f, const Vec3d& i, const Vec3d& j, const Vec3d& k) {
+  if (f.is_strip()) return {on_segment(i, j, nearest_on_segment({}, i, j))};
+  const TrianglePoint nearest = closest_on_triangle({}, i, j, k);
+  const auto angle = [](const Vec3d& at, const Vec3d& p, const Vec3d& q) {
+    return std::atan2(norm(cross(p - at, q - at)), dot(p - at, q - at));
+  };
+  using enum TrianglePart;
+  switch (nearest.part) {
+    case face: return {nearest.r, 2.0 * std::numbers::pi};
+    case corner_0: return {nearest.r, angle(i, j, k)};
+    case corner_1: return {nearest.r, angle(j, k, i)};
+    case corner_2: return {nearest.r, angle(k, i, j)};
+    default: return {nearest.r, std::numbers::pi};
+  }
+}
+
+/// Whether the facet that is nearest to a point faces away from it: > 0, up to 1, or faces it: < 0. Where
+/// several are, at a corner or an edge, each counts by its angle: that is the side of a closed surface on
+/// which the point is (Baerentzen and Aanaes, IEEE Trans. Vis. Comput. Graph. 11 (2005) 243).
+double side_of(const std::vector<Facet>& part, const Vec3d& across, const Vec3d& point,
+               const PerParticle<Vec3d>& r) {
+  const Vec3d normal = norm2(across) > 0.0 ? normalised(across) : Vec3d{};
+  const auto at = [&](ParticleId p) {
+    const Vec3d way = between(point, r[p]);
+    return way - dot(way, normal) * normal;  // strips have no end along it
+  };
+  constexpr double alike = 1.0 + 1e-9;
+  double nearest = std::numeric_limits<double>::infinity(), sum = 0.0, shares = 0.0;
+  std::vector<WayToFacet> ways;
+  for (const Facet& f : part) {
+    ways.push_back(way_to(f, at(f.i), at(f.j), at(f.k)));
+    nearest = std::min(nearest, norm(ways.back().way));
+  }
+  if (!(nearest > 0.0)) return 0.0;
+  for (std::size_t k = 0; k < part.size(); ++k) {
+    const double distance = norm(ways[k].way);
+    if (!(distance <= alike * nearest)) continue;
+    sum += ways[k].share * dot(normalised(area_of(part[k], across, at)), ways[k].way) / distance;
+    shares += ways[k].share;
+  }
+  return sum / shares;
+}
+
+/// The volume that a closed part encloses, as a part of what its facets make up: the sum of area . place.
+double inside_of_closed(const std::vector<Facet>& part, const Vec3d& across, const PerParticle<Vec3d>& r) {
+  const Vec3d& point = r[part.front().i];
+  double sum = 0.0, size = 0.0;
+  for (const Facet& f : part) {
+    const Vec3d area = area_of(f, across, [&r](ParticleId p) { return r[p]; });
+    Vec3d middle = between(point, r[f.i]) + between(point, r[f.j]);
+    if (!f.is_strip()) middle += between(point, r[f.k]);
+    sum += dot(area, middle) / f.corners();
+    size += norm(area) * norm(middle) / f.corners();
+  }
+  return size > 0.0 ? sum / size : 0.0;
+}
+
+}  // namespace
+
 FoundFacets facing_away(std::vector<Facet> facets, const Vec3d& across, const std::optional<Vec3d>& inside,
                         const PerParticle<Vec3d>& r) {
   constexpr double flat = 1e-6;
@@ -167,21 +236,13 @@ FoundFacets facing_away(std::vector<Facet> facets, const Vec3d& across, const st
       return {{},
               at + " has free edges: nothing tells its two sides apart",
               "give inside = [x, y, z], a point on the side to which a pressure > 0 pushes"};
-    const Vec3d point = inside.value_or(r[of_part.front().i]);
-    double sum = 0.0, size = 0.0;
-    for (const Facet& f : of_part) {
-      const Vec3d area = area_of(f, across, [&r](ParticleId p) { return r[p]; });
-      Vec3d middle = between(point, r[f.i]) + between(point, r[f.j]);
-      if (!f.is_strip()) middle += between(point, r[f.k]);
-      sum += dot(area, middle) / f.corners();
-      size += norm(area) * norm(middle) / f.corners();
-    }
-    if (!(std::abs(sum) > flat * size))
+    const double away = inside ? side_of(of_part, across, *inside, r) : inside_of_closed(of_part, across, r);
+    if (!(std::abs(away) > flat))
       return {{},
               at + (inside ? " has no side that faces the point inside" : " encloses nothing"),
-              inside ? "choose a point that lies clearly on one side of it"
+              inside ? "choose a point that lies clearly on one side of the facet that is nearest to it"
                      : "correct `normal`, or give inside = [x, y, z]"};
-    if (sum < 0.0)
+    if (away < 0.0)
       for (const std::size_t k : part) turn_about(facets[k]);
   }
   return {std::move(facets), {}, {}};

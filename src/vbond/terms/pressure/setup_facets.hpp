@@ -21,8 +21,8 @@ FoundFacets triangles_of(const State& state, const std::vector<char>& in_group);
 /// Turns triangles about so that neighbours face the same way.
 FoundFacets facing_alike(std::vector<Facet> triangles);
 
-/// Turns parts of a surface about that face this point, or without one, which only closed parts may be, their
-/// inside.
+/// Turns parts of a surface about whose nearest facet faces this point, or without one, which only closed
+/// parts may be, those that face their inside. A point in the plane of the nearest facet has no side.
 FoundFacets facing_away(std::vector<Facet> facets, const Vec3d& across, const std::optional<Vec3d>& inside,
                         const PerParticle<Vec3d>& r);
 

@@ -5,10 +5,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <numbers>
 #include <optional>
+#include <type_traits>
 #include <utility>
+#include <variant>
 
+#include "vbond/core/disjoint_sets.hpp"
 #include "vbond/packing/skin.hpp"
+#include "vbond/setup/build.hpp"
 #include "vbond/setup/csv_table.hpp"
 #include "vbond/setup/groups.hpp"
 #include "vbond/setup/regions.hpp"
@@ -21,8 +27,87 @@ namespace {
 
 constexpr const char* pressure_rule = "pressure acts on the facets of a surface";
 
+/// Particles that bonds within the group hold together, in increasing order, by their first ones. Particles
+/// without a bond belong to no part; a group without any is one part, as of grains in a jacket.
+std::vector<std::vector<ParticleId>> bonded_parts(const Group& group, const std::vector<char>& in_group,
+                                                  const State& state) {
+  DisjointSets<ParticleId> sets(in_group.size());
+  PerParticle<char> is_bonded(in_group.size(), 0);
+  bool any = false;
+  for (const Bond& b : state.bonds)
+    if (!b.broken && in_group[b.i.value] != 0 && in_group[b.j.value] != 0) {
+      sets.join(b.i, b.j);
+      is_bonded[b.i] = is_bonded[b.j] = 1;
+      any = true;
+    }
+  std::map<ParticleId, std::vector<ParticleId>> parts;
+  for (const ParticleId p : group.particles)
+    if (any ? is_bonded[p] != 0 : !is_absent(state, p))
+      parts[any ? sets.smallest(p) : ParticleId{0}].push_back(p);
+  std::vector<std::vector<ParticleId>> all;
+  for (auto& [first, part] : parts) all.push_back(std::move(part));
+  return all;
+}
+
 Vec3d across_of(const PressureSpec& s) {
   return s.surface == PressedSurface::strips ? s.width * normalised(s.normal) : Vec3d{};
+}
+
+template <class T>
+bool same(const std::optional<Placed<T>>& a, const std::optional<Placed<T>>& b) {
+  return a.has_value() == b.has_value() && (!a || a->value == b->value);
+}
+bool same(const BoxRegion& a, const BoxRegion& b) {
+  return a.min == b.min && a.max == b.max;
+}
+bool same(const SphereRegion& a, const SphereRegion& b) {
+  return a.centre == b.centre && a.radius == b.radius;
+}
+bool same(const CylinderRegion& a, const CylinderRegion& b) {
+  return a.from == b.from && a.to == b.to && a.radius == b.radius;
+}
+bool same(const PlaneRegion& a, const PlaneRegion& b) {
+  return a.point == b.point && a.normal == b.normal && a.within == b.within;
+}
+bool same(const HalfSpaceRegion& a, const HalfSpaceRegion& b) {
+  return a.point == b.point && a.normal == b.normal;
+}
+bool same(const MeshRegion& a, const MeshRegion& b) {
+  return a.file.value == b.file.value && a.scale == b.scale && a.shift == b.shift;
+}
+bool same(const std::optional<FacetRegion>& a, const std::optional<FacetRegion>& b) {
+  if (!a || !b) return !a && !b;
+  const auto alike = [&b](const auto& region) {
+    const auto* other = std::get_if<std::decay_t<decltype(region)>>(&b->region);
+    return other != nullptr && same(region, *other);
+  };
+  return std::visit(alike, a->region);
+}
+/// Whether both say the same of their facets.
+bool same_surface(const PressureSpec& a, const PressureSpec& b) {
+  return a.surface == b.surface && a.group.value == b.group.value && a.width == b.width &&
+         a.normal == b.normal && same(a.file, b.file) && a.inside == b.inside && a.longest == b.longest &&
+         same(a.region, b.region);
+}
+
+/// The facets of an entry of the stage before that is of the same surface, if no bonds have been made since
+/// that stage began; else none. A surface that is found anew may have other triangles, which share forces
+/// among particles in another way, and would disturb a balance.
+std::vector<Facet> facets_before(const StageResolver& resolver, const State& state,
+                                 const PressureSpec& spec) {
+  const Case& c = resolver.c;
+  const auto k = static_cast<std::size_t>(&resolver.spec - c.stages.data());
+  if (k == 0 || state.clock.stage_step != 0) return {};
+  const StageSpec& before = c.stages[k - 1];
+  const auto makes_bonds = [&](const BondSpec& set) { return makes_bonds_as_it_begins(set, resolver.spec); };
+  if (std::any_of(c.bonds.begin(), c.bonds.end(), makes_bonds)) return {};
+  if (!is_static(before.kind) && !bonding_rules(c, resolver.model, k - 1).empty()) return {};
+  std::vector<Facet> facets;
+  for (std::size_t of = 0; of < before.pressures.size() && facets.empty(); ++of)
+    if (same_surface(before.pressures[of], spec))
+      for (const PressedFacet& f : state.pressed)
+        if (f.pressure == of) facets.push_back(f.facet());
+  return facets;
 }
 
 /// Finds the facets of one entry.
@@ -35,18 +120,26 @@ class FacetFinder {
     const Group* group = resolver_.model.find_group(spec_.group.value);
     if (group == nullptr) return {};  // told already
     const std::vector<char> in_group = membership(*group, resolver_.model);
-    FoundFacets found = surface(*group, in_group);
-    if (found.what.empty() && spec_.surface == PressedSurface::triangles)
-      found = facing_alike(std::move(found.facets));
-    if (found.what.empty() && spec_.surface != PressedSurface::skin)
-      found = facing_away(std::move(found.facets), across_of(spec_), spec_.inside, state_.r);
-    if (found.what.empty() && spec_.region) keep_in_region(found);
+    FoundFacets found{facets_before(resolver_, state_, spec_), {}, {}};
+    if (found.facets.empty()) found = find_anew(*group, in_group);
+    if (found.what.empty() && spec_.kind == PressureKind::central) refuse_no_centre(found);
     if (found.what.empty()) return std::move(found.facets);
     refuse(found.what, found.way_out);
     return {};
   }
 
  private:
+  FoundFacets find_anew(const Group& group, const std::vector<char>& in_group) const {
+    FoundFacets found = surface(group, in_group);
+    if (found.what.empty() && spec_.surface == PressedSurface::triangles)
+      found = facing_alike(std::move(found.facets));
+    if (found.what.empty() && spec_.surface != PressedSurface::skin)
+      found = facing_away(std::move(found.facets), across_of(spec_), spec_.inside, state_.r);
+    if (found.what.empty() && spec_.surface == PressedSurface::strips) refuse_inclined(found);
+    if (found.what.empty() && spec_.region) keep_in_region(found);
+    return found;
+  }
+
   void refuse(const std::string& what, const std::string& way_out) const {
     if (what != told_in_file)
       resolver_.problems.add(spec_.place,
@@ -111,21 +204,83 @@ class FacetFinder {
   FoundFacets skin(const Group& group, const std::vector<char>& in_group) const {
     const std::optional<double> radius = longest(group, in_group);
     if (!radius) return {{}, "its particles have no bonds and no radii", "give longest"};
-    std::vector<Vec3d> r;
-    for (const ParticleId p : group.particles) r.push_back(state_.r[p]);
-    const std::optional<packing::Skin> skin = packing::skin_of(r, *radius);
-    if (!skin)
-      return {
-          {}, "no tetrahedra of its particles fit together", "choose another longest, or move a particle"};
     FoundFacets found;
-    for (const auto& [i, j, k] : skin->triangles)
-      found.facets.push_back({group.particles[i], group.particles[j], group.particles[k]});
-    if (found.facets.empty())
+    std::size_t outside = 0;
+    ParticleId first_outside;
+    for (const std::vector<ParticleId>& part : bonded_parts(group, in_group, state_)) {
+      const std::string at = fmt::format("the part with particle {}", part.front().value);
+      if (part.size() < 4)
+        return {{},
+                fmt::format("{} has {} particles, and no volume", at, part.size()),
+                "name a group without it; sheets take surface = \"triangles\", chains \"strips\""};
+      std::vector<Vec3d> r;
+      for (const ParticleId p : part) r.push_back(state_.r[p]);
+      const std::optional<packing::Skin> skin = packing::skin_of(r, *radius);
+      if (!skin)
+        return {{},
+                "no tetrahedra of its particles fit together in " + at,
+                "choose another longest, or move a particle"};
+      if (skin->triangles.empty())
+        return {{},
+                fmt::format("no four particles of {} have a sphere through them of radius {:.4g}, or less",
+                            at, *radius),
+                "use a larger longest; sheets take surface = \"triangles\", chains \"strips\""};
+      if (outside == 0 && !skin->outside.empty()) first_outside = part[skin->outside.front()];
+      outside += skin->outside.size();
+      for (const auto& [i, j, k] : skin->triangles) found.facets.push_back({part[i], part[j], part[k]});
+    }
+    if (outside > 0)
       return {{},
-              fmt::format("no four of its particles have a sphere through them of radius {:.4g}, or less",
-                          *radius),
-              "use a larger longest; sheets take surface = \"triangles\", chains \"strips\""};
+              fmt::format("{} bonded particle{} outside of the skin, the first is {}; longest is {:.4g}",
+                          outside, outside == 1 ? " lies" : "s lie", first_outside.value, *radius),
+              "use a larger longest, or name a group without them, whose skin is that of the rest alone"};
     return found;
+  }
+
+  void refuse_inclined(FoundFacets& found) const {
+    constexpr double most = 3.0;
+    double largest = 0.0;
+    Facet at;
+    for (const Facet& f : found.facets) {
+      const double sine =
+          std::abs(dot(normalised(between(state_.r[f.i], state_.r[f.j])), normalised(spec_.normal)));
+      if (sine > largest) largest = sine, at = f;
+    }
+    const double degrees = std::asin(std::min(largest, 1.0)) * 180.0 / std::numbers::pi;
+    if (degrees > most)
+      found = {
+          {},
+          fmt::format("the bond of particles {} and {} is inclined by {:.3g} degrees to the plane of this "
+                      "normal",
+                      at.i.value, at.j.value, degrees),
+          "give the normal of the plane in which the chain lies; it may be off by 3 degrees"};
+  }
+
+  /// At the centre a force has no direction; forces on what faces the centre would push the wrong way.
+  void refuse_no_centre(FoundFacets& found) const {
+    Pressure central;
+    central.facets = found.facets, central.across = across_of(spec_);
+    const std::vector<Pressure> alone{central};
+    const PressedSurfaces surface(alone, facets_as_found(alone, state_.r));
+    const auto way = [&](ParticleId p) { return between(state_.r[p], spec_.centre); };
+    double farthest = 0.0;
+    for (const PressedSurfaces::Share& s : surface.shares()) farthest = std::max(farthest, norm(way(s.p)));
+    constexpr double apart = 1e-6, rounding = 1e-9;
+    for (const PressedSurfaces::Share& s : surface.shares()) {
+      const double distance = norm(way(s.p));
+      if (!(distance > apart * farthest))
+        found = {
+            {},
+            fmt::format("particle {} is at the centre, where a central force has no direction", s.p.value),
+            "move the centre, or use kind = \"dead\""};
+      else if (dot(s.dead, way(s.p)) < -rounding * norm(s.dead) * distance)
+        found = {{},
+                 fmt::format("at particle {} the surface faces the centre: a central force would push the "
+                             "other way than the pressure",
+                             s.p.value),
+                 "choose another centre, a region of facets that face away from it, or kind = \"dead\""};
+      if (!found.what.empty()) return;
+    }
   }
 
   void keep_in_region(FoundFacets& found) const {
