@@ -14,6 +14,7 @@
 #include "prepare.hpp"
 #include "processes.hpp"
 #include "shell.hpp"
+#include "status.hpp"
 #include "test.hpp"
 #include "vbond/case/arguments.hpp"
 #include "vbond/case/read.hpp"
@@ -75,6 +76,10 @@ class Requested {
     if (r.ends == labtest::Ends::grip && !ends) only("--ends", o_.ends, "tension and compression");
     r.strain = positive("--strain", o_.strain, keys::pure);
     if (r.strain && *r.strain >= 1.0) arguments_.problem("--strain", o_.strain, "must be < 1", "e.g. 0.02");
+    if (r.strain && r.at_rest && *r.strain <= labtest::elastic_strain)
+      arguments_.problem("--strain", o_.strain,
+                         fmt::format("must be > {:g}, that of the stage for moduli", labtest::elastic_strain),
+                         "give a larger one, or leave it out");
     r.rate = positive("--rate", o_.rate, keys::frequency);
     r.area = positive("--area", o_.area, keys::area);
     r.depth = positive("--depth", o_.depth, keys::length);
@@ -147,15 +152,21 @@ class Requested {
   Arguments arguments_;
 };
 
-/// The folder of a test, which must be new or empty.
+[[noreturn]] void refuse_folder(const fs::path& folder) {
+  throw CaseError({{},
+                   folder.string() + " already exists and is not empty",
+                   "a test writes a folder of its own, or evaluates the run of the same test again",
+                   "choose another one with -o, or remove it"});
+}
+
+/// The folder of a test, which must be new or empty, or that of a test.
 fs::path folder_of(const RunOptions& options, const TestOptions& test) {
   fs::path folder = options.folder.value_or(options.case_file.stem().string() + "." + test.kind);
   std::error_code e;
-  if (fs::exists(folder, e) && !(fs::is_directory(folder, e) && fs::is_empty(folder, e)))
-    throw CaseError({{},
-                     folder.string() + " already exists and is not empty",
-                     "a test writes a folder of its own",
-                     "choose another one with -o, or remove it"});
+  const fs::path first = test.pressures.size() > 1 ? folder / "pressure-1" : folder;
+  if (fs::exists(folder, e) && !(fs::is_directory(folder, e) && fs::is_empty(folder, e)) &&
+      !fs::exists(first / "test.toml", e))
+    refuse_folder(folder);
   return folder;
 }
 
@@ -221,6 +232,23 @@ int run_made(const RunOptions& options, const TestOptions& test, const fs::path&
   }
 }
 
+/// Whether there is a run of this test. Throws CaseError if it is that of another one, or not complete.
+bool has_run(const fs::path& folder, const labtest::MadeTest& made, const std::string& command) {
+  std::error_code e;
+  if (!fs::exists(folder, e) || fs::is_empty(folder, e)) return false;
+  if (!fs::exists(folder / "run", e) || !fs::exists(folder / "test.toml", e) ||
+      !labtest::is_case_text(read_all(folder / "test.toml"), made, command))
+    refuse_folder(folder);
+  const fs::path run = folder / "run";
+  if (read_status(run).state != RunState::complete)
+    throw CaseError(
+        {{},
+         "the run in " + run.string() + " is not complete",
+         "only a run that has come to its end is evaluated",
+         "go on with vbond resume " + shell_word(run.string()) + ", then give this command again"});
+  return true;
+}
+
 /// What the tests of one call have in common.
 struct Call {
   const RunOptions& options;
@@ -233,11 +261,17 @@ struct Call {
 /// of a test that came to its end.
 std::pair<int, std::optional<labtest::TestResult>> make_and_run(Call& call, const labtest::MadeTest& made,
                                                                 const fs::path& folder) {
-  make_folder(folder);
-  const Case written = keep_inputs(call.c, folder, {});
-  replace_file(folder / "test.toml", labtest::case_text(written, made, call.title, call.command));
-  if (const int status = run_made(call.options, call.test, folder); status != done)
-    return {status, std::nullopt};
+  if (has_run(folder, made, call.command)) {
+    fmt::print("its run is complete, and is evaluated: {}\n", (folder / "run").string());
+  } else {
+    make_folder(folder);
+    const Case written = keep_inputs(call.c, folder, {});
+    replace_file(folder / "test.toml", labtest::case_text(written, made, call.title, call.command));
+    if (const int status = run_made(call.options, call.test, folder); status != done) {
+      say("no result yet: once that run is complete, the same vbond test command evaluates it\n", stderr);
+      return {status, std::nullopt};
+    }
+  }
   labtest::TestResult result = labtest::result_of(made, folder / "run");
   replace_file(folder / "result.json",
                result_as_json(made, result, call.c.units, call.options.case_file.filename().string()));
@@ -253,8 +287,10 @@ std::vector<labtest::MadeTest> make_tests(const Case& c, const std::vector<labte
   const Built built = build(c, threads);
   print_notes(built.notes);
   std::vector<labtest::MadeTest> made;
-  for (const labtest::Request& r : requests)
+  for (const labtest::Request& r : requests) {
     made.push_back(labtest::make_test(labtest::body_of(c, built, r), r));
+    if (const auto note = labtest::left_out(c)) made.back().notes.push_back(*note);
+  }
   return made;
 }
 

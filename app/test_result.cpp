@@ -89,7 +89,8 @@ std::string fragments_of(const labtest::TestResult& r) {
 }
 
 void print_point(const char* name, const std::optional<labtest::CurvePoint>& p, const Units& u) {
-  if (p) line(name, fmt::format("at a stress of {}, a strain of {:.6g}", u.stress(p->stress), p->strain));
+  if (p)
+    line(name, fmt::format("at a stress of {}, a strain of {:.6g}", u.stress(p->stress), p->strain + 0.0));
 }
 
 }  // namespace
@@ -110,10 +111,14 @@ void print_result(const labtest::MadeTest& t, const labtest::TestResult& r, Unit
     line(strength_name(kind), fmt::format("{}   at a strain of {:.6g}, a force of {}",
                                           u.stress(r.peak->stress), r.peak->strain, u.force(r.peak->force)));
   } else if (t.breaks) {
-    line("largest stress",
-         fmt::format("{}   at a strain of {:.6g}: no peak", u.stress(r.largest.stress), r.largest.strain));
+    line("largest stress", fmt::format("{}   at a strain of {:.6g}: no strength, see the notes",
+                                       u.stress(r.largest.stress), r.largest.strain + 0.0));
   }
   print_point("first break", r.first_break, u);
+  if (r.first_break_at)
+    line("", fmt::format("in {}, at ({}, {}, {})", printable(r.first_break_at->mode),
+                         u.length(r.first_break_at->place.x), u.length(r.first_break_at->place.y),
+                         u.length(r.first_break_at->place.z)));
   print_point("1 % of breaks at the peak", r.one_percent, u);
   if (t.breaks)
     line("broken bonds", fmt::format("{}, {} of them before the peak{}", r.breaks, r.breaks_before_peak,
@@ -165,6 +170,12 @@ std::string result_as_json(const labtest::MadeTest& t, const labtest::TestResult
   j["strength"] = r.peak ? Json(r.peak->stress) : Json();
   j["peak"] = of(r.peak), j["largest"] = of(std::optional(r.largest));
   j["first_break"] = of(r.first_break), j["one_percent_of_breaks"] = of(r.one_percent);
+  if (r.first_break_at) {
+    const Vec3d& at = r.first_break_at->place;
+    j["first_break_at"] = {{"place", {at.x, at.y, at.z}}, {"mode", r.first_break_at->mode}};
+  } else {
+    j["first_break_at"] = nullptr;
+  }
   j["breaks"] = r.breaks, j["breaks_before_peak"] = r.breaks_before_peak;
   j["fragments"] = of(r.fragments), j["largest_fragment"] = of(r.largest_fragment);
   if (r.inertia)

@@ -81,20 +81,19 @@ class Specimen:
         self.n, self.r, self.R = network, network.r, np.asarray(radius)
         self.axis, self.along = axis, along
         self.third = 3 - axis - along if axis != along else None
+        lengths = [np.linalg.norm(self.r[j] - self.r[i]) for i, j in network.pairs]
+        self.spacing = np.mean(lengths)
+        gaps = [a - self.R[i] - self.R[j] for a, (i, j) in zip(lengths, network.pairs)]
+        if min(gaps) > 0.05 * self.spacing:
+            self.R = self.R + min(gaps) / 2
+        elif max(gaps) < -0.05 * self.spacing:
+            self.R = self.R + max(gaps) / 2
         self.low, self.high = (self.r - self.R[:, None]).min(0), (self.r + self.R[:, None]).max(0)
-        self.spacing = np.mean([np.linalg.norm(self.r[j] - self.r[i]) for i, j in network.pairs])
 
     def side(self, d, upper):
         depth = self.high[d] - self.r[:, d] if upper else self.r[:, d] - self.low[d]
         near = 0.25 * self.spacing
         return np.flatnonzero(depth <= self.R[depth - self.R <= near].max() + near)
-
-    def diameter(self):
-        """Mean over 36 sectors of twice the farthest surface from the axis."""
-        u, v = (self.r[:, d] - 0.5 * (self.low[d] + self.high[d]) for d in (self.along, self.third))
-        sector = np.minimum(35, (36 * (0.5 + np.arctan2(v, u) / (2 * np.pi))).astype(int))
-        far = 2 * (np.hypot(u, v) + self.R)
-        return np.mean([far[sector == k].max(initial=0) for k in range(36)])
 
     def middle_half(self):
         d = self.axis
@@ -106,15 +105,19 @@ class Specimen:
         return side[abs(x - x[np.argmin(abs(x - place))]) <= 0.3 * self.spacing]
 
 
-def break_one_by_one(network, held, upper, direction, drop=0.5, tie=5e-4):
+def break_one_by_one(network, held, upper, direction, drop=0.5, tie=5e-4, splits=None):
     """Breaks the bond that uses most of its strength, again and again, until the force has lost `drop` of its peak. `held` is for
     a strain of 1. Returns the force at the first break, that at the peak, the breaks before the peak and all of them, and how
-    many breaks there were when two bonds were so near to each other that rounding and large strains choose: None if never."""
+    many breaks there were when two bonds were so near to each other that rounding and large strains choose: None if never. With
+    `splits` the peak is that after which, for the first time, breaks have taken this part of it."""
     strain, first, peak, broken, before, tied = 0.0, None, 0.0, 0, 0, None
+    largest, has_split = 0.0, False
     while True:
         x, f = network.solve(held)
         force = abs(f[upper, direction].sum())
-        if broken and force * strain <= (1 - drop) * peak:
+        if splits and broken > before and force * strain <= (1 - splits) * peak:
+            has_split = True
+        if broken and force * strain <= (1 - drop) * largest:
             return first, peak, before, broken, tied
         used = network.use(x)
         worst, second = np.argsort(used)[:-3:-1]
@@ -124,7 +127,8 @@ def break_one_by_one(network, held, upper, direction, drop=0.5, tie=5e-4):
             tied = broken
         strain = max(strain, 1 / used[worst])
         first = force * strain if first is None else first
-        if force * strain > peak:
+        largest = max(largest, force * strain)
+        if force * strain > peak and not has_split:
             peak, before = force * strain, broken
         network.whole[worst] = False
         broken += 1

@@ -89,7 +89,100 @@ def test_disc_splits_along_its_diameter(work):
     assert 12 < r["length"] < 14 and r["thickness"] == 3
     assert near(r["stress_per_force"], 2 / (math.pi * r["length"] * r["thickness"]), 1e-12)
     assert r["splitting"]["mean_from_plane"] < 0.36 and r["splitting"]["in_tension"] == 1
+    # All 22 bonds of the diameter break at the load of the first, and take more than a tenth of it. Later the halves bear more.
+    assert near(r["strength"], r["first_break"]["stress"], 1e-9) and r["breaks_before_peak"] == 0
+    assert r["first_break_at"]["mode"] == "tension" and r["largest"]["stress"] > 1.3 * r["strength"]
+    assert any("its parts are pressed on" in note for note in r["notes"])
     said.expect(out=["Brazilian tensile strength", "splitting", "platens hold the disc over"])
+
+
+def cylinder(n, radius, more=""):
+    c = (n - 1) / 2
+    cut = f'{{cylinder = {{from = [{c}, {c}, -1], to = [{c}, {c}, 20], radius = {radius}}}, keep = "inside"}}'
+    return BAR.replace("cells = [4, 4, 10]", f"cells = [{n}, {n}, 10]\ncut = [{cut}{more}]")
+
+
+@pytest.mark.parametrize("n, radius, columns", [(5, 2.3, 21), (7, 3.3, 37), (11, 5.3, 89)])
+def test_section_of_a_round_lattice(work, n, radius, columns):
+    # Each column bears 1 a^2, and all of them are the true section. Its rim goes in steps of a spacing: half of one at each
+    # side of a circle is the most that its diameter can be off.
+    _, r = test_case("tension", cylinder(n, radius), folder=f"round_{n}")
+    true = math.sqrt(4 * columns / math.pi)
+    assert abs(r["section"]["extent"][0] - true) < 0.5
+    assert near(r["E"] * r["section"]["area"], columns, 1e-6)
+    assert any("the circle has steps" in note for note in r["notes"])
+
+
+@pytest.mark.parametrize("radius, told", [(0.35, "longer than the radii"), (0.55, "shorter than the radii")])
+def test_radii_that_are_not_half_of_the_spacing(work, radius, told):
+    _, r = test_case("tension", BAR.replace("radius = 0.5", f"radius = {radius}"), folder=f"other_{radius}")
+    assert near(r["section"]["area"], 16, 1e-9) and near(r["E"], 1, 1e-7) and near(r["strength"], 1e-3, 1e-9)
+    assert any(told in note for note in r["notes"])
+    _, beam = test_case("bend3", BEAM.replace("radius = 0.5", f"radius = {radius}").replace("strength", "# strength"), "--axis", "x",
+                        folder=f"beam_{radius}")
+    assert near(beam["height"], 4, 1e-9) and near(beam["section"]["area"], 12, 1e-9)
+
+
+def test_deep_ends(work):
+    # two layers at each end are held: what strains is between the inner ones, 9 of 11 bonds, each by 1e-3
+    _, r = test_case("tension", BAR.replace("[4, 4, 10]", "[4, 4, 12]"), "--depth", "1.6", folder="deep")
+    assert r["length"] == 9 and near(r["E_by_ends"], 1, 1e-7) and near(r["peak"]["strain"], 1e-3, 1e-6)
+
+
+def test_ends_that_cover_little(work):
+    stud = '[[specimen]]\nname = "stud"\nkind = "block"\ncells = [2, 2, 1]\nspacing = 1.0\nradius = 0.5\nmass = 1.0\norigin = [1, 1, 10]\n'
+    _, r = test_case("tension", BAR.replace("[[bonds]]", stud + "[[bonds]]"), folder="stud")
+    assert any("the upper end covers 0.5 x 0.5" in note for note in r["notes"])
+
+
+def test_stress_before_the_test_is_told(work):
+    _, r = test_case("tension", BAR.replace("[[stage]]", "prestrain = 5e-4\n[[stage]]"), folder="before")
+    assert near(r["stress_before"], 5e-4, 1e-3) and any("bears a stress of 0.00049975 between" in note for note in r["notes"])
+
+
+def test_buckling_is_no_strength(work):
+    # Two particles across and 40 long: it buckles, though its bonds are under prestress first: row 0 is no balance, and bears twice
+    # the load at which the column gives way.
+    text = BAR.replace("cells = [4, 4, 10]", "cells = [2, 2, 40]").replace("axial_force = 1e-3", "axial_force = 4e-3")
+    said, r = test_case("compression", text, "--strain", "0.2", folder="column")
+    assert r["strength"] is None and r["peak"] is None and any("it has buckled" in note for note in r["notes"])
+    _, pre = test_case("compression", text.replace("[[stage]]", "prestrain = -4e-3\n[[stage]]"), "--strain", "0.2", folder="pre")
+    assert pre["largest"]["stress"] < 0.75 * 4e-3
+    said.expect(out=["largest stress", "no strength"])
+
+
+def test_first_break_of_a_beam_in_shear(work):
+    _, r = test_case("bend3", BEAM.replace("cells = [42, 3, 4]", "cells = [20, 3, 4]").replace("shear_force = 1,", "shear_force = 5e-5,"),
+                     "--axis", "x", folder="weak_in_shear")
+    assert r["first_break_at"]["mode"] == "shear" and any("the first bond breaks in shear" in note for note in r["notes"])
+
+
+def test_what_is_left_out_is_told(work):
+    _, r = test_case("tension", BAR.replace("[[stage]]", "[[stage]]\ngravity = [0, 0, -1e-4]"), "--strain", "1e-4", folder="heavy")
+    assert any("left out: gravity" in note for note in r["notes"])
+
+
+def test_too_soon_in_motion(work):
+    # the strain at which it fails is 1/200 of that at which the test would end: rows are far apart, and the platens set in
+    _, r = test_case("tension", BAR.replace("axial_force = 1e-3", "axial_force = 1e-4"), "--motion", folder="soon")
+    assert r["strength"] is None and r["E"] is None
+    told = next(note for note in r["notes"] if "give --strain" in note)
+    strain = re.search(r"give --strain (\S+),", told)[1]
+    assert 1e-4 < float(strain) < 4e-4
+    _, again = test_case("tension", BAR.replace("axial_force = 1e-3", "axial_force = 1e-4"), "--motion", "--strain", strain, folder="shorter")
+    assert near(again["strength"], 1e-4, 0.02) and near(again["E"], 1, 0.02)
+
+
+def test_a_run_that_is_there_is_evaluated(work):
+    _, first = test_case("tension", BAR, folder="kept")
+    Path("kept/result.json").unlink()
+    said, again = test_case("tension", BAR, folder="kept")
+    assert again == first
+    said.expect(out="is evaluated")
+    vbond("test tension body.toml -o kept --drop 0.2", status=2, err="already exists")
+    status = Path("kept/run/status.json")
+    status.write_text(status.read_text().replace('"complete"', '"interrupted"'))
+    vbond("test tension body.toml -o kept", status=2, err=["is not complete", "vbond resume kept/run"])
 
 
 def test_shear_of_a_flat_block(work):
@@ -154,6 +247,7 @@ def test_motion_agrees_with_rest(work):
     # waves and rows of 2 per mille of the way: some percent
     assert near(motion["E"], rest["E"], 0.01) and near(motion["strength"], rest["strength"], 0.02)
     assert motion["inertia"]["quasi_static"] and motion["inertia"]["at_peak"] < 0.01
+    assert near(motion["first_break"]["stress"], 1e-3, 0.02), "the row before the break"
     _, fast = test_case("tension", BAR, "--strain", "2e-3", "--motion", "--rate", "2e-5", folder="fast")
     assert not fast["inertia"]["quasi_static"] and any("not quasi-static" in note for note in fast["notes"])
     said.expect(out="kinetic energy over work")
@@ -193,6 +287,20 @@ BOTH = '[[specimen]]\nkind = "rod"\nparticles = 2\norigin = [20, 0, 0]\nmass = 1
     ("tension", None, ["--strain", "1 mm"], ["--strain 1 mm", "bare number"]),
     ("tension", None, ["--drop", "1"], ["must be > 0 and < 1"]),
     ("tension", None, ["--depth", "6"], ["the ends meet"]),
+    ("tension", None, ["--depth", "3"], ["the lower end reaches into the middle half"]),
+    ("bend3", ("cells = .*", "cells = [42, 3, 4]"), ["--axis", "x", "--depth", "1.6"], ["--depth 1.6 of a beam 4 high"]),
+    ("brazilian", ("cells = .*", "cells = [9, 3, 9]\nturn = {axis = [0, 1, 0], angle = 0.7853981633974483}"), ["--axis", "y"],
+     ["neither a box nor a circle", "between 9 and 12.3137 across"]),
+    ("compression", ("cells = .*", 'cells = [11, 11, 11]\ncut = [{sphere = {centre = [5, 5, 5], radius = 5.3}, keep = "inside"}]'), [],
+     ["a circle of diameter 10.7", "but not all along the body", "--area"]),
+    ("brazilian", ("cells = .*", 'cells = [11, 11, 11]\ncut = [{sphere = {centre = [5, 5, 5], radius = 5.3}, keep = "inside"}]'),
+     ["--axis", "y"], ["but not all along the body", "--axis"]),
+    ("tension", ("cells = .*", "cells = [4, 4, 20]\nturn = {axis = [0, 1, 0], angle = 0.0349}"), [],
+     ["box 4.66", "but not all along the body", "turn the body along it"]),
+    ("tension", ("cells = .*", "cells = [7, 7, 10]\ncut = [{box = {min = [0.5, 0.5, -1], max = [5.5, 5.5, 20]}}]"), [],
+     ["box 7 x 7 with a hole", "--area"]),
+    ("tension", ('name = "bar"', 'name = "test_upper"'), [], ["body.toml:", "specimen test_upper", "begin with test_"]),
+    ("tension", None, ["--strain", "1e-8"], ["--strain 1e-8", "must be > 1e-07"]),
     ("tension", None, ["--span", "6"], ["is for bend3"]),
     ("tension", None, ["--motion", "--rate", "1e-2"], ["no longer than waves", "--rate"]),
     ("tension", (r"^\[\[stage\]\]", "[time]\nstep = 1\n[[stage]]"), ["--motion"], ["body.toml: in the case of the test, "]),

@@ -33,10 +33,13 @@ void refuse_what_no_test_takes(const Case& c, const Built& built) {
     if (b.when == BondTime::stage || !b.stages.empty())
       refuse_case(b.place, "bonds \"" + b.name + "\" are made in a stage of the case",
                   "a test has stages of its own", "make them at the start: when = \"start\"");
-  for (const GroupSpec& g : c.groups)
-    if (g.name.starts_with("test_"))
-      refuse_case(g.place, "group " + g.name, "names that begin with test_ are those of the test",
-                  "give the group another name");
+  const auto refuse_name = [](const SourcePlace& place, const char* what, const std::string& name) {
+    if (name.starts_with("test_"))
+      refuse_case(place, std::string(what) + " " + name, "names that begin with test_ are those of the test",
+                  std::string("give the ") + what + " another name");
+  };
+  for (const GroupSpec& g : c.groups) refuse_name(g.place, "group", g.name);
+  for (const SpecimenSpec& s : c.specimens) refuse_name(s.place, "specimen", s.name);
 }
 
 /// All particles hang together: what does not would float, and at rest there is no balance then.
@@ -66,6 +69,22 @@ void refuse_parts(const Case& c, const Built& built) {
                     floating, built.model.particles(), first.value),
         "the body floats in parts: nothing would hold them in a test",
         "bond pairs that are farther apart, let the packing remove floaters, or leave them out by cut");
+}
+
+/// By how much more than by their radii particles reach, if their bonds are no sums of radii: half of the
+/// least gap of a bond, if all have one, or less by half of the least overlap  [length].
+double beyond_radius(const Body& body) {
+  constexpr double shares = 0.05;  // of the spacing
+  double least = std::numeric_limits<double>::infinity(), largest = -least;
+  for (const Bond& b : body.state.bonds) {
+    if (b.broken) continue;
+    const double gap =
+        norm(between(body.state.r, b.i, b.j)) - body.model.radius[b.i] - body.model.radius[b.j];
+    least = std::min(least, gap), largest = std::max(largest, gap);
+  }
+  if (least > shares * body.spacing) return 0.5 * least;
+  if (largest < -shares * body.spacing) return 0.5 * largest;
+  return 0.0;
 }
 
 bool has_strength(const State& state) {
@@ -98,122 +117,14 @@ Body body_of(const Case& c, const Built& built, const Request& request) {
   body.axis = request.axis;
   body.across = request.across.value_or(body.axis == 2 ? 0 : 2);
   body.third = 3 - body.axis - body.across;
-  for (const ParticleId p : body.model.mass.ids()) body.box.add(body.state.r[p], body.model.radius[p]);
   double sum = 0;
   for (const Bond& b : body.state.bonds) sum += norm(between(body.state.r, b.i, b.j));
   body.spacing = sum / static_cast<double>(body.state.bonds.size());
+  body.beyond = beyond_radius(body);
+  for (const ParticleId p : body.model.mass.ids()) body.box.add(body.state.r[p], body.reach(p));
   body.wave_speed = body.spacing * 2.0 * std::numbers::pi / body.model.T_0;
   body.can_break = has_strength(body.state);
   return body;
-}
-
-// ---- the section ----------------------------------------------------------------------------------------
-
-namespace {
-
-/// Place of a particle in the section, from its middle.
-std::array<double, 2> place_in_section(const Body& body, ParticleId p) {
-  return {component(body.state.r[p], body.across) - body.middle(body.across),
-          component(body.state.r[p], body.third) - body.middle(body.third)};
-}
-
-/// Of a body about an axis: twice the distance of its surface from the axis, by the farthest particle of each
-/// of 36 sectors. A packing touches its vessel in each, and the steps of a lattice are averaged.
-struct Roundness {
-  double diameter = 0;  ///< mean over the sectors
-  double largest = 0;
-};
-Roundness roundness_of(const Body& body, const std::vector<ParticleId>& particles) {
-  constexpr std::size_t sectors = 36;
-  std::array<double, sectors> most{};
-  for (const ParticleId p : particles) {
-    const auto [u, v] = place_in_section(body, p);
-    const double turn = 0.5 + std::atan2(v, u) / (2.0 * std::numbers::pi);
-    double& m = most[std::min(sectors - 1, static_cast<std::size_t>(turn * sectors))];
-    m = std::max(m, 2.0 * (std::hypot(u, v) + body.model.radius[p]));
-  }
-  Roundness round{0, *std::max_element(most.begin(), most.end())};
-  for (const double m : most) round.diameter += m / sectors;
-  return round;
-}
-
-/// Whether one of these particles is near each of the four corners of the section.
-bool fill_corners(const Body& body, const std::vector<ParticleId>& particles) {
-  constexpr double near = 0.7;  // of the spacing: a disc of five particles across has .8
-  for (const int s : {-1, 1})
-    for (const int t : {-1, 1}) {
-      double least = std::numeric_limits<double>::infinity();
-      for (const ParticleId p : particles) {
-        const double R = body.model.radius[p];
-        const auto [u, v] = place_in_section(body, p);
-        least = std::min(least, std::hypot(u - s * (0.5 * body.extent(body.across) - R),
-                                           v - t * (0.5 * body.extent(body.third) - R)));
-      }
-      if (least > near * body.spacing) return false;
-    }
-  return true;
-}
-
-/// The thirds of the body along its axis.
-std::array<std::vector<ParticleId>, 3> thirds_of(const Body& body) {
-  std::array<std::vector<ParticleId>, 3> thirds;
-  for (const ParticleId p : body.model.mass.ids()) {
-    const double part =
-        (component(body.state.r[p], body.axis) - body.low(body.axis)) / body.extent(body.axis);
-    thirds[std::min<std::size_t>(2, static_cast<std::size_t>(3.0 * part))].push_back(p);
-  }
-  return thirds;
-}
-
-}  // namespace
-
-std::string Section::text() const {
-  switch (shape) {
-    case SectionShape::box: return fmt::format("box {:.6g} x {:.6g}", extent[0], extent[1]);
-    case SectionShape::circle: return fmt::format("circle of diameter {:.6g}", extent[0]);
-    case SectionShape::given: return "as given";
-  }
-  return "";
-}
-
-Section section_of(const Body& body, const Request& request) {
-  const double u = body.extent(body.across), v = body.extent(body.third);
-  if (request.area) return {SectionShape::given, *request.area, {u, v}};
-  if (std::any_of(body.model.radius.begin(), body.model.radius.end(), [](double R) { return R == 0.0; }))
-    refuse(body, "particles have no radius", "the section is measured with the radii of particles",
-           "give radius to the specimens, or the area with --area");
-  std::vector<ParticleId> all;
-  for (const ParticleId p : body.model.mass.ids()) all.push_back(p);
-  const auto thirds = thirds_of(body);
-  const auto changes = [&](const std::string& shape) {
-    refuse(body,
-           fmt::format("the section normal to {} is a {}, but not all along the body",
-                       name_of_axis(body.axis), shape),
-           "a specimen has one section between its ends",
-           "choose the axis of the specimen with --axis, or give the area of its middle with --area");
-  };
-  if (const Section box{SectionShape::box, u * v, {u, v}}; fill_corners(body, all)) {
-    for (const auto& third : thirds)
-      if (!third.empty() && !fill_corners(body, third)) changes(box.text());
-    return box;
-  }
-  constexpr double rounding = 1e-9;
-  const Roundness round = roundness_of(body, all);
-  if (round.largest <= std::max(u, v) + body.spacing && std::abs(u - v) <= 0.5 * body.spacing + rounding) {
-    const Section circle{SectionShape::circle,
-                         0.25 * std::numbers::pi * round.diameter * round.diameter,
-                         {round.diameter, round.diameter}};
-    for (const auto& third : thirds)
-      if (!third.empty() && roundness_of(body, third).largest < round.diameter - body.spacing)
-        changes(circle.text());
-    return circle;
-  }
-  refuse(body,
-         fmt::format("the section normal to {} is neither a box nor a circle: {:.6g} x {:.6g}, with corners "
-                     "that are empty",
-                     name_of_axis(body.axis), u, v),
-         "stresses are forces over the area of the section",
-         "choose the axis of the specimen with --axis, or give the area with --area");
 }
 
 // ---- groups -----------------------------------------------------------------------------------------------
@@ -228,10 +139,10 @@ Side side_of(const Body& body, const std::string& group, int direction, bool upp
   } else {
     const double near = 0.25 * body.spacing;
     for (const ParticleId p : body.model.mass.ids())
-      if (depth_of(p) - body.model.radius[p] <= near) depth = std::max(depth, body.model.radius[p]);
+      if (depth_of(p) - body.reach(p) <= near) depth = std::max(depth, body.reach(p));
     depth += near;
   }
-  Side side{group, direction, upper, face + sign * depth, {}, 0};
+  Side side{group, direction, upper, face + sign * depth, {}, 0, 0};
   for (const ParticleId p : body.model.mass.ids())
     if (sign * (component(body.state.r[p], direction) - side.plane) <= 0.0) {
       side.particles.push_back(p);
@@ -241,6 +152,13 @@ Side side_of(const Body& body, const std::string& group, int direction, bool upp
     refuse(body, fmt::format("no particle is within {:.6g} of the face", depth),
            "the ends of a specimen are particles", "give a larger --depth");
   side.mean /= static_cast<double>(side.particles.size());
+  double deepest = 0;
+  for (const ParticleId p : side.particles) deepest = std::max(deepest, depth_of(p));
+  double layer = 0;
+  for (const ParticleId p : side.particles)
+    if (depth_of(p) >= deepest - 0.5 * body.spacing)
+      side.inner += component(body.state.r[p], direction), layer += 1;
+  side.inner /= layer;
   return side;
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <optional>
@@ -20,11 +21,14 @@ struct Body {
   int axis = 2;           ///< along the specimen
   int across = 0;         ///< normal to it: along which shear, bend3 and brazilian load
   int third = 1;          ///< normal to both
-  BoundingBox box;        ///< around the particles with their radii  [length]
+  BoundingBox box;        ///< around the particles, as far as they reach  [length]
+  double beyond = 0;      ///< by how much they reach farther than their radii  [length]
   double spacing = 0;     ///< mean distance of bonded centres  [length]
   double wave_speed = 0;  ///< about that of a lattice with this spacing and T_0  [length/time]
   bool can_break = false;
 
+  /// From the centre of a particle to the surface of the body  [length].
+  double reach(ParticleId p) const { return std::max(0.0, model.radius[p] + beyond); }
   double low(int direction) const { return component(box.low, direction); }
   double high(int direction) const { return component(box.high, direction); }
   double extent(int direction) const { return high(direction) - low(direction); }
@@ -40,14 +44,16 @@ Body body_of(const Case& c, const Built& built, const Request& request);
 
 enum class SectionShape : std::uint8_t { box, circle, given };
 
-/// Normal to the axis, with the radii of particles.
+/// Normal to the axis, as far as particles reach.
 struct Section {
   SectionShape shape = SectionShape::box;
   double area = 0;                 ///< [length^2]
   std::array<double, 2> extent{};  ///< across and along the third direction; of a circle its diameter twice
+  std::string note = {};           ///< what is to be known of it; empty: nothing
   std::string text() const;        ///< "box 4 x 4"
 };
-/// Throws CaseError if it is neither a box nor a circle, and no area is given.
+/// Throws CaseError if it is neither a box nor a circle, not all along the body, or hollow, and no area is
+/// given.
 Section section_of(const Body& body, const Request& request);
 
 /// Particles whose centres are behind a plane, at one side of the body.
@@ -57,7 +63,8 @@ struct Side {
   bool upper = false;
   double plane = 0;  ///< component of a point of it  [length]
   std::vector<ParticleId> particles;
-  double mean = 0;  ///< of their centres along the direction  [length]
+  double mean = 0;   ///< of their centres along the direction  [length]
+  double inner = 0;  ///< the same, of those within half a spacing of the innermost one  [length]
 };
 /// The particles that reach the face there, or those no deeper than the depth that is asked for.
 Side side_of(const Body& body, const std::string& group, int direction, bool upper, const Request& request);

@@ -61,6 +61,27 @@ void require_spread(const Body& body, const Side& side) {
            "take deeper ends with --depth, another --axis, or a wider body");
 }
 
+/// No particle of an end is in the gauge, and ends cover the section: else a note.
+void look_at_end(const Body& body, const Side& side, double half, MadeTest& test) {
+  const char* which = side.upper ? "upper" : "lower";
+  BoundingBox box;
+  for (const ParticleId p : side.particles) {
+    box.add(body.state.r[p], body.reach(p));
+    if (std::abs(component(body.state.r[p], body.axis) - body.middle(body.axis)) <= half)
+      refuse(body, fmt::format("the {} end reaches into the middle half of the specimen", which),
+             "strains are measured there, and what is held does not strain",
+             "take a longer body, another --axis, or a smaller --depth");
+  }
+  const Vec3d size = box.high - box.low;
+  const double u = component(size, body.across) / body.extent(body.across),
+               v = component(size, body.third) / body.extent(body.third);
+  if (std::min(u, v) < 0.8)
+    test.notes.push_back(fmt::format(
+        "the {} end covers {:.3g} x {:.3g} of the width of the body: strengths are those of that end, "
+        "and E_by_ends is too small; cut the body flat, or take deeper ends with --depth",
+        which, u, v));
+}
+
 std::vector<PointHold> held_along(const std::vector<ParticleId>& particles, int direction) {
   std::vector<PointHold> held;
   for (const ParticleId p : particles) held.push_back({p, direction});
@@ -145,11 +166,12 @@ MadeTest test_between_ends(const Body& body, const Request& request) {
   const Side lower = side_of(body, test.lower, body.axis, false, request),
              upper = side_of(body, test.upper, body.axis, true, request);
   require_spread(body, lower), require_spread(body, upper);
-  test.length = upper.mean - lower.mean;
-  if (!(upper.plane - lower.plane > 0.0))
+  test.length = request.depth ? upper.inner - lower.inner : upper.mean - lower.mean;
+  if (!(upper.plane - lower.plane > 0.0) || !(test.length > 0.0))
     refuse(body, "the ends meet", "between the ends there is a specimen",
            "take a longer body, another --axis, or a smaller --depth");
   const double half = gauge_half(body);
+  look_at_end(body, lower, half, test), look_at_end(body, upper, half, test);
   test.direction = shear ? body.across : body.axis;
   test.sign = request.kind == Kind::tension || shear ? 1.0 : -1.0;
   test.stress_per_force = 1.0 / test.section->area;
@@ -224,6 +246,10 @@ MadeTest bending(const Body& body, const Request& request) {
     refuse(body, "--area of a beam", "bending needs the second moment of the section, which is measured",
            "leave --area out");
   const double h = section.extent[0], c = 0.5 * h;
+  if (request.depth && *request.depth > 0.25 * h)
+    refuse(body, fmt::format("--depth {:.6g} of a beam {:.6g} high", *request.depth, h),
+           "supports and load act at the surface: no deeper than a quarter of the height",
+           "give a smaller --depth, or leave it out");
   const double I = section.shape == SectionShape::circle ? std::numbers::pi * h * h * h * h / 64.0
                                                          : section.extent[1] * h * h * h / 12.0;
   const Side under = side_of(body, "", body.across, false, request),
@@ -268,11 +294,12 @@ MadeTest bending(const Body& body, const Request& request) {
   held.insert(held.end(), more.begin(), more.end());
   hold_the_body(body, text, std::move(held), supports, load.particles);
   test.text = text.text(test, {test.lower, test.upper, test.way}, 0.0);
-  test.notes.push_back(
-      fmt::format("span over height is {:.3g}; shear makes E of the formula for slender beams too small, for "
-                  "nu = 0.25 by "
-                  "{:.2g} of it",
-                  span / h, 3.0 * h * h / (span * span)));
+  test.notes.push_back(fmt::format(
+      "span over height is {:.3g}; shear makes E of the formula for slender beams too small, for "
+      "nu = 0.25 by {:.2g} of it; supports are rows of {} and {} particles, the load is one of {}: "
+      "in a packing the looser layer at the surface makes E smaller, too",
+      span / h, 3.0 * h * h / (span * span), left.particles.size(), right.particles.size(),
+      load.particles.size()));
   return test;
 }
 
@@ -327,15 +354,18 @@ MadeTest disc(const Body& body, const Request& request) {
 }  // namespace
 
 MadeTest make_test(const Body& body, const Request& request) {
-  switch (request.kind) {
-    case Kind::tension:
-    case Kind::compression:
-    case Kind::triaxial:
-    case Kind::shear: return test_between_ends(body, request);
-    case Kind::bend3: return bending(body, request);
-    case Kind::brazilian: return disc(body, request);
-  }
-  return {};
+  MadeTest test = request.kind == Kind::bend3       ? bending(body, request)
+                  : request.kind == Kind::brazilian ? disc(body, request)
+                                                    : test_between_ends(body, request);
+  if (body.beyond != 0.0)
+    test.notes.push_back(fmt::format(
+        "all bonds are {} than the radii of their particles: faces of the body are taken {:.6g} {} than "
+        "radii "
+        "reach, half of the {}",
+        body.beyond > 0.0 ? "longer" : "shorter", std::abs(body.beyond),
+        body.beyond > 0.0 ? "farther out" : "farther in", body.beyond > 0.0 ? "least gap" : "least overlap"));
+  if (test.section && !test.section->note.empty()) test.notes.push_back(test.section->note);
+  return test;
 }
 
 }  // namespace vbond::labtest

@@ -36,15 +36,15 @@ struct MadeTest {
   std::optional<Gauge> gauge;
   std::optional<Section> section;          ///< normal to the axis; not of a disc
   std::optional<Confinement> confinement;  ///< triaxial with a pressure > 0
-  double length = 0;               ///< between the middles of the ends; bend3: span; brazilian: diameter
-  double height = 0;               ///< bend3: of the beam; shear: width across; brazilian: thickness
-  int across = 0, third = 1;       ///< directions normal to the axis
-  Vec3d middle;                    ///< of the body  [length]
-  double end_strain = 0;           ///< at which the test ends unless it does so earlier
-  double confining = 0;            ///< in motion: how long the pressure comes on before  [time]
-  double rate = 0, duration = 0;   ///< in motion
-  bool breaks = false;             ///< bonds have strengths
-  std::vector<std::string> notes;  ///< what is to be known of this test, a line each
+  double length = 0;                       ///< between the ends; bend3: span; brazilian: diameter
+  double height = 0;                       ///< bend3: of the beam; shear: width across; brazilian: thickness
+  int across = 0, third = 1;               ///< directions normal to the axis
+  Vec3d middle;                            ///< of the body  [length]
+  double end_strain = 0;                   ///< at which the test ends unless it does so earlier
+  double confining = 0;                    ///< in motion: how long the pressure comes on before  [time]
+  double rate = 0, duration = 0;           ///< in motion
+  bool breaks = false;                     ///< bonds have strengths
+  std::vector<std::string> notes;          ///< what is to be known of this test, a line each
 };
 
 /// The test of this body. Throws CaseError if the body does not fit it.
@@ -53,5 +53,11 @@ MadeTest make_test(const Body& body, const Request& request);
 /// The whole case: the body and its bonds as the case has them, with all keys written out, and the test.
 std::string case_text(const Case& body, const MadeTest& test, const std::string& title,
                       const std::string& command);
+
+/// Whether this is the text of that case, up to the body.
+bool is_case_text(const std::string& text, const MadeTest& test, const std::string& command);
+
+/// What the case has besides body and bonds, and the test has not: a note, or nothing.
+std::optional<std::string> left_out(const Case& c);
 
 }  // namespace vbond::labtest

@@ -10,7 +10,8 @@
 #include <utility>
 
 #include "vbond/core/error.hpp"
-#include "vbond/observe/csv.hpp"
+#include "vbond/labtest/breaks.hpp"
+#include "vbond/labtest/table.hpp"
 #include "vbond/observe/files.hpp"
 
 namespace vbond::labtest {
@@ -33,31 +34,19 @@ double engineering(double green) {
   return 2.0 * green / (std::sqrt(1.0 + 2.0 * green) + 1.0);
 }
 
-class Table {
- public:
-  explicit Table(const std::filesystem::path& path) : reader_(path) {}
-  bool next() { return reader_.next(); }
-  bool has(const std::string& column) const { return index_of(reader_.header(), column).has_value(); }
-  std::optional<double> find(const std::string& column) const {
-    const auto place = index_of(reader_.header(), column);
-    return place ? csv_number<double>(reader_.cells()[*place]) : std::nullopt;
-  }
-  double number(const std::string& column) const {
-    if (const auto x = find(column)) return *x;
-    reader_.refuse();
-  }
-  std::string word(const std::string& column) const { return reader_.cells()[reader_.place(column)]; }
-
- private:
-  CsvReader reader_;
-};
+/// The first row of the test itself: at rest and under pressure the last one of the stage before it.
+std::size_t begin_of(const MadeTest& test, const std::vector<Row>& rows) {
+  std::size_t k = 0;
+  if (!test.request.at_rest && !test.confinement) return k;
+  while (k + 1 < rows.size() && rows[k + 1].stage == 0) ++k;
+  return k;
+}
 
 /// Of a triaxial test: strain and work count from where the pressure is on. What it has done before is no
 /// part of the curve.
 void count_from_confined(const MadeTest& test, std::vector<Row>& rows) {
   const double offset = test.confinement->axial - test.request.pressure;
-  std::size_t confined = 0;
-  while (confined + 1 < rows.size() && rows[confined + 1].stage == 0) ++confined;
+  const std::size_t confined = begin_of(test, rows);
   const double strain = rows[confined].at.strain, work = rows[confined].work;
   for (std::size_t k = 0; k < rows.size(); ++k) {
     rows[k].at.strain -= strain, rows[k].work -= work;
@@ -195,22 +184,67 @@ void find_breaks(const std::vector<Row>& rows, std::size_t peak, TestResult& res
   if (const CurvePoint* at = point_of_break(rows, before + hundredth)) result.one_percent = *at;
 }
 
+std::size_t row_of_largest(const std::vector<Row>& rows, std::size_t begin) {
+  std::size_t most = begin;
+  for (std::size_t k = begin; k < rows.size(); ++k)
+    if (rows[k].at.stress > rows[most].at.stress) most = k;
+  return most;
+}
+
+/// The row of the load at which a disc splits: the first after which breaks take a tenth of it. Its halves
+/// may bear more later.
+std::optional<std::size_t> row_of_splitting(const std::vector<Row>& rows, std::size_t begin) {
+  constexpr double lost = 0.1;
+  std::size_t most = begin;
+  for (std::size_t k = begin; k < rows.size(); ++k) {
+    if (rows[k].at.stress > rows[most].at.stress)
+      most = k;
+    else if (rows[k].broken > rows[most].broken && rows[k].at.stress <= (1.0 - lost) * rows[most].at.stress)
+      return most;
+  }
+  return std::nullopt;
+}
+
+/// Tells that a test in motion is over before it was well under way.
+bool ended_too_soon(const MadeTest& test, const std::vector<Row>& rows, std::size_t begin, std::size_t peak,
+                    TestResult& result) {
+  const double strain = rows[peak].at.strain;
+  if (test.request.at_rest || (peak - begin >= 20 && strain >= 0.1 * test.end_strain)) return false;
+  result.notes.push_back(fmt::format(
+      "the peak comes after {} rows, at a strain of {:.3g} of {:.3g}, while the platens set in: neither a "
+      "strength nor moduli follow; give --strain {:.2g}, about twice the strain at the peak",
+      peak - begin, strain, test.end_strain, 2.0 * strain));
+  return true;
+}
+
 void find_peak(const MadeTest& test, const std::vector<Row>& rows, std::size_t peak, TestResult& result) {
-  result.largest = rows[peak].at;
   if (!test.breaks) {
     result.notes.push_back("no bond has a strength: there is no peak to look for");
+    return;
+  }
+  const CurvePoint& most = rows[peak].at;
+  if (test.request.kind == Kind::brazilian && row_of_splitting(rows, begin_of(test, rows)) == peak) {
+    result.peak = most;
+    if (result.largest.stress > most.stress)
+      result.notes.push_back(fmt::format(
+          "the disc splits at this stress; its parts are pressed on and bear {:.7g} later, at a strain "
+          "of {:.6g}: that is no strength of the disc",
+          result.largest.stress, result.largest.strain));
     return;
   }
   double least_after = rows[peak].at.stress;
   for (std::size_t k = peak; k < rows.size(); ++k) least_after = std::min(least_after, rows[k].at.stress);
   const bool collapsed = result.ended == "parted" || result.ended == "lost stability" ||
                          result.ended == "peak";  // in motion: by the force on the upper end
-  if (result.largest.stress > 0.0 &&
-      (collapsed || least_after <= (1.0 - test.request.drop) * result.largest.stress)) {
-    result.peak = result.largest;
-    if (result.ended == "lost stability" && result.breaks == 0)
+  if (most.stress > 0.0 && (collapsed || least_after <= (1.0 - test.request.drop) * most.stress)) {
+    const bool unstable = result.ended == "lost stability";
+    if (!unstable || result.breaks > 0) result.peak = most;
+    if (unstable)
       result.notes.push_back(
-          "the body lost stability before a bond broke: it has buckled, this is no strength");
+          result.breaks == 0
+              ? "the body lost stability before a bond broke: it has buckled, and has no strength"
+              : "the body lost stability: there is no balance beyond, and what it would bear then is not "
+                "known");
     return;
   }
   result.notes.push_back(fmt::format(
@@ -219,7 +253,10 @@ void find_peak(const MadeTest& test, const std::vector<Row>& rows, std::size_t p
       test.end_strain, test.request.drop, result.breaks == 0 ? "; no bond broke" : ""));
 }
 
+/// Until the peak. If bonds break from the row before it on, that is the last: what they set free is no fault
+/// of the rate.
 Inertia inertia_of(const std::vector<Row>& rows, std::size_t peak) {
+  if (peak > 0 && rows[peak].broken > rows[peak - 1].broken) --peak;
   Inertia found;
   const auto share = [](const Row& r) { return r.work > 0.0 ? r.kinetic / r.work : 0.0; };
   found.at_peak = share(rows[peak]);
@@ -237,32 +274,22 @@ void tell_inertia(const MadeTest& test, TestResult& result) {
   result.notes.push_back(fmt::format(
       "not quasi-static: kinetic energy is {:.2g} of the work at the peak and up to {:.2g} before it, forces "
       "on "
-      "the ends differ by {:.2g} of the peak; strengths are too large then: give a smaller --rate, as {:.2g}",
+      "the ends differ by {:.2g} of the peak; moduli are off then, and strengths mostly too large: give a "
+      "smaller --rate, as {:.2g}",
       result.inertia->at_peak, result.inertia->largest, result.inertia->ends_differ, 0.1 * test.rate));
 }
 
-std::optional<Splitting> splitting_of(const MadeTest& test, const std::filesystem::path& file,
-                                      const Vec3d& middle) {
-  Table table(file);
-  Splitting s;
-  double n = 0;
-  const int third = test.third;
-  const double radius = 0.5 * test.length;
-  while (table.next()) {
-    const Vec3d at{table.number("x"), table.number("y"), table.number("z")};
-    const double aside = std::abs(component(at, third) - component(middle, third)) / radius;
-    if (n == 0) {
-      s.first_from_plane = aside;
-      s.first_from_middle =
-          std::abs(component(at, test.direction) - component(middle, test.direction)) / radius;
-    }
-    s.mean_from_plane += aside;
-    if (table.word("mode") == "tension") s.in_tension += 1;
-    ++n;
-  }
-  if (n == 0) return std::nullopt;
-  s.mean_from_plane /= n, s.in_tension /= n;
-  return s;
+/// What the body bears before the test, if it is much.
+void tell_stress_before(const MadeTest& test, TestResult& result) {
+  if (!test.request.at_rest || test.confinement) return;  // the pressure's part is known
+  const auto& E = result.modulus ? result.modulus : result.modulus_by_ends;
+  const double much = test.breaks ? 1e-3 * std::abs(result.largest.stress) : E ? 1e-6 * std::abs(*E) : 0.0;
+  if (std::abs(result.stress_before) <= much) return;
+  result.notes.push_back(
+      fmt::format("the body bears a stress of {:.6g} between its ends before the test: strains count from "
+                  "there, stresses "
+                  "include it, and moduli are those of the body under it",
+                  result.stress_before));
 }
 
 /// What run.json tells beside the tables.
@@ -291,13 +318,13 @@ TestResult result_of(const MadeTest& test, const std::filesystem::path& folder) 
   const std::vector<Row> rows = read_rows(test, folder / "history.csv");
   const RunEnd end = end_of_run(folder / "run.json");
   result.ended = end.ended;
-  const std::size_t peak = static_cast<std::size_t>(
-      std::max_element(rows.begin(), rows.end(),
-                       [](const Row& a, const Row& b) { return a.at.stress < b.at.stress; }) -
-      rows.begin());
+  const std::size_t begin = begin_of(test, rows), largest = row_of_largest(rows, begin);
+  std::size_t peak = largest;
+  if (test.request.kind == Kind::brazilian) peak = row_of_splitting(rows, begin).value_or(largest);
   find_elastic(test, rows, peak, result);
+  result.largest = rows[largest].at;
   if (test.breaks && end.used_before >= 1.0) {
-    result.largest = rows[peak].at;
+    tell_stress_before(test, result);
     result.notes.push_back(fmt::format(
         "a bond is at {:.4g} of its strength before any may break, at a strain of {:g}: no strength follows; "
         "let the body come to rest unloaded, or give bonds more strength",
@@ -306,16 +333,24 @@ TestResult result_of(const MadeTest& test, const std::filesystem::path& folder) 
   }
   find_breaks(rows, peak, result);
   find_peak(test, rows, peak, result);
+  if (result.peak && ended_too_soon(test, rows, begin, peak, result))
+    result.peak.reset(), result.modulus.reset(), result.modulus_by_ends.reset(), result.nu.reset();
+  tell_stress_before(test, result);
   result.fragments = rows.back().fragments, result.largest_fragment = rows.back().largest_fragment;
   if (!test.request.at_rest) {
     result.inertia = inertia_of(rows, peak);
     tell_inertia(test, result);
   }
-  if (test.request.kind == Kind::brazilian && result.breaks > 0) {
-    result.splitting = splitting_of(test, folder / "breaks.csv", test.middle);
-    if (result.splitting && result.splitting->first_from_middle > 0.8)
-      result.notes.push_back(
-          "the first break is at a platen, not in the middle: the strength is no tensile one");
+  if (result.breaks == 0) return result;
+  const std::vector<FirstBreak> breaks = breaks_of(folder);
+  if (!breaks.empty()) result.first_break_at = breaks.front();
+  if (test.request.kind == Kind::bend3 && result.first_break_at) tell_break_of_beam(test, result);
+  if (test.request.kind == Kind::brazilian) {
+    result.splitting = splitting_of(test, breaks);
+    if (result.splitting && result.splitting->first_from_middle > 0.8) {
+      result.peak.reset();
+      result.notes.push_back("the first break is at a platen, not in the middle: it has no tensile strength");
+    }
   }
   return result;
 }

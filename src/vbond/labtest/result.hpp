@@ -24,6 +24,12 @@ struct Inertia {
   bool quasi_static() const { return at_peak <= 0.01 && largest <= 0.05 && ends_differ <= 0.05; }
 };
 
+/// The first bond that broke.
+struct FirstBreak {
+  Vec3d place;       ///< [length]
+  std::string mode;  ///< as breaks.csv has it
+};
+
 /// How a disc has split. Distances over its radius.
 struct Splitting {
   double first_from_plane = 0;   ///< of the first break from the loaded diameter
@@ -40,16 +46,18 @@ struct TestResult {
   std::optional<double> modulus_by_ends;  ///< by the way of the ends  [force/length^2]
   std::optional<double> nu;               ///< mean of the two lateral directions
   std::optional<double> nu_across, nu_third;
-  double stress_before = 0;        ///< that the body bears before the test  [force/length^2]
-  std::optional<CurvePoint> peak;  ///< absent: not reached
-  CurvePoint largest;              ///< the most there was
+  double stress_before = 0;  ///< that the body bears before the test  [force/length^2]
+  /// The strength: of a disc where it splits, else the largest stress. Absent: not reached, or it is none.
+  std::optional<CurvePoint> peak;
+  CurvePoint largest;  ///< the most there was, after the body has come to rest
   std::optional<CurvePoint> first_break, one_percent;  ///< crack initiation
   std::int64_t breaks_before_peak = 0, breaks = 0;
   std::optional<double> fragments, largest_fragment;  ///< at the end
   std::optional<Inertia> inertia;                     ///< in motion
-  std::optional<Splitting> splitting;                 ///< brazilian
-  std::string ended;                                  ///< how the last stage ended, as in run.json
-  std::vector<std::string> notes;                     ///< what is to be known, a line each
+  std::optional<FirstBreak> first_break_at;
+  std::optional<Splitting> splitting;  ///< brazilian
+  std::string ended;                   ///< how the last stage ended, as in run.json
+  std::vector<std::string> notes;      ///< what is to be known, a line each
 };
 
 /// Reads the tables of a run of the made case. Throws IoError if they are not there or damaged.

@@ -154,6 +154,33 @@ std::string TestText::text(const MadeTest& test, const std::vector<std::string>&
   return text;
 }
 
+namespace {
+std::string first_line(const std::string& command) {
+  return "# Made by " + printable(command) + "\n";
+}
+}  // namespace
+
+bool is_case_text(const std::string& text, const MadeTest& test, const std::string& command) {
+  return text.starts_with(first_line(command)) && text.ends_with(test.text);
+}
+
+std::optional<std::string> left_out(const Case& c) {
+  std::string names;
+  const auto add = [&names](bool there, const char* name) {
+    if (there) names += (names.empty() ? "" : ", ") + std::string(name);
+  };
+  const auto any = [&c](const auto& has) { return std::any_of(c.stages.begin(), c.stages.end(), has); };
+  add(!c.walls.empty(), "walls");
+  add(!c.velocities.empty(), "velocities");
+  add(any([](const StageSpec& s) { return norm2(s.gravity) > 0.0; }), "gravity");
+  add(any([](const StageSpec& s) { return !s.supports.empty(); }), "supports");
+  add(any([](const StageSpec& s) { return !s.loads.empty(); }), "loads");
+  add(any([](const StageSpec& s) { return !s.pressures.empty(); }), "pressures");
+  add(any([](const StageSpec& s) { return !s.temperatures.empty(); }), "temperatures");
+  if (names.empty()) return std::nullopt;
+  return "of the case are left out: " + names + "; the test has stages of its own";
+}
+
 std::string case_text(const Case& c, const MadeTest& test, const std::string& title,
                       const std::string& command) {
   Case body = c;
@@ -167,7 +194,7 @@ std::string case_text(const Case& c, const MadeTest& test, const std::string& ti
     const std::size_t end = text.find("\n\n", begin + output.size());
     text.erase(begin, end == std::string::npos ? std::string::npos : end + 1 - begin);
   }
-  return "# Made by " + printable(command) + "\n" +
+  return first_line(command) +
          "# Body and bonds are those of the case, with all keys written out. Groups, stages and output at "
          "the end\n"
          "# are those of the test.\n" +
