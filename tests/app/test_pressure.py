@@ -192,8 +192,8 @@ def test_a_ring_bursts_at_its_closed_form():
 def with_particles(case, points):
     """The case with these particles in place of its specimen, and bonds between neighbours of a lattice alone."""
     text = "".join(f"[{x}, {y}, {z}], " for x, y, z in points)
-    case = re.sub("(?s)specimen = .*?}]", f'specimen = [{{kind = "list", positions = [{text}], radius = 0.4, mass = 1, inertia = 0.064}}]', case)
-    return case.replace("distance = 1.5", "distance = 1.05")
+    listed = f'specimen = [{{kind = "list", positions = [{text}], radius = 0.4, mass = 1, inertia = 0.064}}]'
+    return re.sub("(?s)specimen = .*?}]", listed, case).replace("distance = 1.5", "distance = 1.05")
 
 
 def cube(n, x=0.0):
@@ -205,7 +205,7 @@ def expect_skin(name, points, area, volume):
     vbond("run", case, "-o", name, err=f'closed: area {area}, volume {volume}')
 
 
-MOVING = BLOCK.replace('kind = "equilibrium"', 'duration = "1 T0"').replace('history = {stress = [{group = "all", volume = 27}], ', 'history = {every = "1 T0", ')
+MOVING = BLOCK.replace('kind = "equilibrium"', 'duration = "1 T0"').replace('stress = [{group = "all", volume = 27}]', 'every = "1 T0"')
 
 
 def test_each_bonded_part_has_a_skin_of_its_own():
@@ -229,14 +229,13 @@ def moved(case, name, *changes):
 @at_rest
 def test_inside_is_the_side_of_the_nearest_facet():
     inwards = moved(RING, "in")
-    for k, (point, same) in enumerate((("[1, 0, 0]", True), ("[0, 0, 7]", True), ("[100, 0, 0]", False), ("[0, -4.5, 0]", False))):
+    points = {"[1, 0, 0]": True, "[0, 0, 7]": True, "[100, 0, 0]": False, "[0, -4.5, 0]": False}
+    for k, (point, same) in enumerate(points.items()):
         to_point = moved(RING, f"to{k}", ("width = 1", "width = 1, inside = " + point))
         assert to_point == pytest.approx(inwards if same else -inwards, rel=1e-2), point
     # three quarters of a ring: the back is nearest to a point behind it, though most facets face that
-    arc = ", ".join(f"[{4 * math.cos(a)}, {4 * math.sin(a)}, 0]" for a in (math.pi / 12 * k for k in range(3, 22)))
-    arc = re.sub("(?s)specimen = .*?}]", f'specimen = [{{kind = "list", positions = [{arc}], radius = 0.4, mass = 1, inertia = 0.064}}]', RING)
-    arc = arc.replace("indices = [0, 12]", "indices = [9]").replace("indices = [6]", "indices = [9]").replace('fix = ["x"]', 'fix = ["x", "rz"]')
-    arc = arc.replace("displacements = [0]", "displacements = [0], reactions = []").replace("1e-5", "1e-7")
+    arc = with_particles(RING, [(4 * math.cos(a), 4 * math.sin(a), 0) for a in (math.pi / 12 * k for k in range(3, 22))])
+    arc = arc.replace("[0, 12]", "[9]").replace("[6]", "[9]").replace('fix = ["x"]', 'fix = ["x", "rz"]').replace("1e-5", "1e-7")
     ends = [moved(arc, f"arc{k}", ("width = 1", "width = 1, inside = " + point))
             for k, point in enumerate(("[0, 0, 0]", "[-9, 0, 0]"))]
     assert ends[1] == pytest.approx(-ends[0], rel=5e-2)  # to the second order in the load
@@ -246,7 +245,8 @@ def test_inside_beyond_an_edge_of_triangles_is_told_by_the_whole_edge():
     """Points that are nearest to an edge or a corner of a closed surface, at which facets face every way."""
     octahedron = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
     case = with_particles(MOVING, octahedron).replace("1.05", "1.5").replace("[3]", "[1]").replace("[12]", "[2]")
-    for k, (point, sign) in enumerate((("[3, 0.1, 0]", "-"), ("[0.9, 0.9, 0]", "-"), ("[0, 0, 0]", ""), ("[0.5, 0, 0.2]", ""))):
+    points = {"[3, 0.1, 0]": "-", "[0.9, 0.9, 0]": "-", "[0, 0, 0]": "", "[0.5, 0, 0.2]": ""}
+    for k, (point, sign) in enumerate(points.items()):
         named = write(f"o{k}.toml", case, ('surface = "skin"', f'surface = "triangles", inside = {point}'))
         vbond("run", named, "-o", f"o{k}", err=f"8 triangles of group \"all\", closed: area 6.9282, volume {sign}1.33333")
 
@@ -271,7 +271,8 @@ def test_slanted_supports_leave_the_energy_of_a_closed_skin():
     """Neighbours that are held along an axis that is none of the frame: what rounding leaves is no free edge."""
     face = ", ".join(str(p) for p in range(48, 64))
     text = BLOCK.replace("[12]", f"[{face}]").replace('"equilibrium"', '"modes"').replace('{group = "b", fix = ["y", "z"]}, ', "")
-    text = text.replace('"c", fix = ["z"]', '"c", fix = [[0.6, 0.8, 0.1]]').replace('fix = ["x", "y", "z"]', 'fix = ["x", "y", "z", "rx", "ry", "rz"]')
+    text = text.replace('"c", fix = ["z"]', '"c", fix = [[0.6, 0.8, 0.1]]')
+    text = text.replace('fix = ["x", "y", "z"]', 'fix = ["x", "y", "z", "rx", "ry", "rz"]')
     case = write("slanted.toml", re.sub("output = .*", "", text))
     vbond("run", case, "--set", "stage[0].count=1", "-o", "slanted")
     assert values("slanted", "omega")[0][0] > 0
@@ -294,15 +295,16 @@ def test_the_exact_step_counts_pressure():
 
 @at_rest
 def test_the_next_stage_keeps_the_facets_of_the_same_entry():
-    """A balance stays one, to the bit; another entry finds its surface anew."""
+    """A balance stays one; another entry finds its surface anew."""
     stage = BLOCK[BLOCK.index("[[stage]]"):]
     case = write("twice.toml", BLOCK + stage + stage.replace("1e-3", "1e-3, longest = 1.7"), ("stress = ", "displacements = [63], stress = "))
     vbond("run", case, "-o", "twice")
     x = column("twice", "displacement.63.x")
-    assert x[1] != 0 and x[1] == x[2] == x[3] and x[5] != x[1]
+    assert x[1] != 0 and x[3] == pytest.approx(x[1], rel=1e-8)
+    assert x[5] != pytest.approx(x[1], rel=1e-3)
     motion = stage.replace('kind = "equilibrium"', 'duration = "10 T0"')
     vbond("run", write("kept.toml", BLOCK + motion), "-o", "kept")
-    assert max(column("kept", "kinetic_translation")) < 1e-20  # 1e-8 of what is stored, were it found anew
+    assert max(column("kept", "kinetic_translation")) < 1e-20  # found anew, some 1e-8
     stop_at(lines("kept/history.csv") - 2, "part", "run", "kept.toml", "-o", "part")
     vbond("resume part")
     expect_same("kept", "part")
