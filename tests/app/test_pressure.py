@@ -305,9 +305,9 @@ def test_the_next_stage_keeps_the_facets_of_the_same_entry():
     motion = stage.replace('kind = "equilibrium"', 'duration = "10 T0"')
     vbond("run", write("kept.toml", BLOCK + motion), "-o", "kept")
     assert max(column("kept", "kinetic_translation")) < 1e-20  # found anew, some 1e-8
-    stop_at(lines("kept/history.csv") - 2, "part", "run", "kept.toml", "-o", "part")
-    vbond("resume part")
-    expect_same("kept", "part")
+    stop_at(lines("kept/history.csv") - 2, "kept_part", "run", "kept.toml", "-o", "kept_part")
+    vbond("resume kept_part")
+    expect_same("kept", "kept_part")
 
 
 @at_rest
