@@ -107,9 +107,9 @@ class Specimen:
 
 def break_one_by_one(network, held, upper, direction, drop=0.5, tie=5e-4, splits=None):
     """Breaks the bond that uses most of its strength, again and again, until the force has lost `drop` of its peak. `held` is for
-    a strain of 1. Returns the force at the first break, that at the peak, the breaks before the peak and all of them, and how
-    many breaks there were when two bonds were so near to each other that rounding and large strains choose: None if never. With
-    `splits` the peak is that after which, for the first time, breaks have taken this part of it."""
+    a strain of 1. Returns the force at the first break, that at the peak, the breaks before the peak and all of them, how
+    many breaks there were when two bonds were so near to each other that rounding and large strains choose: None if never, and the
+    largest force. With `splits` the peak is that after which, for the first time, breaks have taken this part of it."""
     strain, first, peak, broken, before, tied = 0.0, None, 0.0, 0, 0, None
     largest, has_split = 0.0, False
     while True:
@@ -118,11 +118,11 @@ def break_one_by_one(network, held, upper, direction, drop=0.5, tie=5e-4, splits
         if splits and broken > before and force * strain <= (1 - splits) * peak:
             has_split = True
         if broken and force * strain <= (1 - drop) * largest:
-            return first, peak, before, broken, tied
+            return first, peak, before, broken, tied, largest
         used = network.use(x)
         worst, second = np.argsort(used)[:-3:-1]
         if used[worst] <= 0:
-            return first, peak, before, broken, tied
+            return first, peak, before, broken, tied, largest
         if tied is None and used[second] > (1 - tie) * used[worst]:
             tied = broken
         strain = max(strain, 1 / used[worst])

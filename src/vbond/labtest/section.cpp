@@ -216,7 +216,8 @@ Section section_of(const Body& body, const Request& request) {
           "{:.2g} "
           "of itself{}",
           round.least, round.largest, (round.largest - round.least) / D,
-          request.kind == Kind::bend3 || request.kind == Kind::brazilian ? "" : "; give --area where you know it");
+          request.kind == Kind::bend3 || request.kind == Kind::brazilian ? ""
+                                                                         : "; give --area where you know it");
   }
   require_all_along(body, request, section);
   return section;
