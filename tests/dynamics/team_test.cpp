@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <cmath>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -45,18 +44,6 @@ TEST(Team, GoesOnToMoreRows) {
       more.for_blocks([&](const Block& b) { ++visits[b.index]; });
     }
     for (std::size_t b = 0; b < 23; ++b) EXPECT_EQ(visits[b], b < 20 ? 200 : 100) << "block " << b;
-  }
-}
-
-TEST(Team, SharesOutAnyNumber) {
-  const Team team(20 * block_rows, std::vector<std::size_t>(20, 5000), 3);
-  for (const std::size_t n : {0u, 2u, 7u, 300u}) {
-    EXPECT_EQ(team.share_of(0, n), 0u);
-    EXPECT_EQ(team.share_of(3, n), n);
-    for (std::size_t part = 0; part < 3; ++part) {
-      const double share = double(team.share_of(part + 1, n) - team.share_of(part, n));
-      EXPECT_LT(std::abs(share - double(n) / 3.0), 1.0);
-    }
   }
 }
 

@@ -28,38 +28,22 @@ CellImages::CellImages(const Order& order) : own_(order.own) {
     ghosts_.push_back({order.row[order.particle[k]].value, order.image(k)});
 }
 
-/// Calls f(k) for all ghosts, those of a particle by one thread and in their order.
-template <class F>
-void CellImages::for_ghosts(F f) const {
-  constexpr std::size_t few = 256;  // that one thread does while others would be woken
-  const auto from_to = [&](std::size_t first, std::size_t last) {
-    for (std::size_t k = first; k < last; ++k) f(k);
-  };
-  if (team_ == nullptr || ghosts_.size() < few) return from_to(0, ghosts_.size());
-  const auto begin = [&](std::size_t part) {
-    std::size_t k = team_->share_of(part, ghosts_.size());
-    while (k > 0 && k < ghosts_.size() && ghosts_[k].row == ghosts_[k - 1].row) ++k;
-    return k;
-  };
-  team_->for_parts([&](const Part& part) { from_to(begin(part.index), begin(part.index + 1)); });
-}
-
 void CellImages::halo(const HaloColumns& to) {
-  for_ghosts([&](std::size_t k) {
+  for (std::size_t k = 0; k < ghosts_.size(); ++k) {
     const Ghost& g = ghosts_[k];
     to.pose[own_ + k] = to.pose[g.row];
     if (!to.motion.empty()) to.motion[own_ + k] = to.motion[g.row];
     to.carry(own_ + k, g.image);
-  });
+  }
 }
 
 void CellImages::reverse_sum(std::span<LoadRow> load) {
-  for_ghosts([&](std::size_t k) {
+  for (std::size_t k = 0; k < ghosts_.size(); ++k) {
     const LoadRow& l = load[own_ + k];
     LoadRow& to = load[ghosts_[k].row];
     to.F += l.F;
     to.M += l.M;
-  });
+  }
 }
 
 std::array<Vec3d, 3> CellImages::edges_times_force(std::span<const LoadRow> load) const {

@@ -5,7 +5,6 @@
 
 #include "vbond/dynamics/exchange.hpp"
 #include "vbond/dynamics/partition.hpp"
-#include "vbond/dynamics/team.hpp"
 #include "vbond/model/model.hpp"
 #include "vbond/model/stage.hpp"
 #include "vbond/model/state.hpp"
@@ -16,8 +15,6 @@ namespace vbond {
 class CellImages final : public Exchange {
  public:
   explicit CellImages(const Order& order);
-  /// From now on these threads share the work. Keeps a reference.
-  void share_out(const Team& team) { team_ = &team; }
 
   void halo(const HaloColumns& columns) override;
   void reverse_sum(std::span<LoadRow> load) override;
@@ -38,12 +35,8 @@ class CellImages final : public Exchange {
     std::size_t row;  // of the particle
     Image image;
   };
-  template <class F>
-  void for_ghosts(F f) const;
-
   std::size_t own_;
-  std::vector<Ghost> ghosts_;  // those of a particle one after the other
-  const Team* team_ = nullptr;
+  std::vector<Ghost> ghosts_;
 };
 
 /// A body that one process steps whole: all particles, and the images that its bonds join, or that may touch

@@ -32,10 +32,8 @@ void Simulation::step() {
   if (supports_.grips().any_free()) supports_.grips().begin_step();
 
   StepTimes::Lap lap(timed);
-  team_.for_parts([&](const Part& part) {
-    for (std::size_t k = part.first_block; k < part.last_block; ++k)
-      if (const Block b = team_.block(k); moves_first(b) && !is_sent(b)) begin_step(b);
-    for_sent_blocks(part, [this](const Block& b) { begin_step(b); });
+  team_.for_blocks([&](const Block& b) {
+    if (moves_first(b)) begin_step(b);
   });
   lap.add_to(times_.integrate);
   exchange_halo();

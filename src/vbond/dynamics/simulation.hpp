@@ -282,15 +282,6 @@ class Simulation final : public BodyView, private MotionHost {
                const std::string& way_out) const override;
   void exchange_halo();
   bool is_sent(const Block& block) const;
-  /// Calls f(block) for those of the blocks that are sent which this part works on: all stand at the end, and
-  /// are shared out evenly.
-  template <class F>
-  void for_sent_blocks(const Part& part, F f) const {
-    const std::size_t first = has_ghosts() ? bodies_.order.inner / block_rows : team_.blocks();
-    const std::size_t sent = team_.blocks() - std::min(first, team_.blocks());
-    for (std::size_t k = team_.share_of(part.index, sent); k < team_.share_of(part.index + 1, sent); ++k)
-      f(team_.block(first + k));
-  }
   void complete_sent_blocks(Instant at);
   /// Whether it is of interest how far particles go in a step: where something may touch, or be bonded to a
   /// ghost.

@@ -72,7 +72,6 @@ Simulation::Simulation(const Model& model, Stage stage, State* state, int thread
       lost_beyond_(share.lost_beyond),
       room_(share.farthest) {
   if (has_ghosts()) with_ghosts_.emplace(team_, bodies_.order.known);
-  images_.share_out(team_);
   books_.resize(all_known().blocks());
   lost_.resize(all_known().blocks());
   try {

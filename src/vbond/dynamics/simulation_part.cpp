@@ -67,11 +67,10 @@ void Simulation::complete_sent_blocks(Instant at) {
     gather(bodies_.damping);
   }
   StepTimes::Lap untimed(false);
-  team_.for_parts([&](const Part& part) {
-    for_sent_blocks(part, [&](const Block& b) {
-      complete_loads(b, at, untimed);
-      if (at == Instant::end) end_step(b);
-    });
+  team_.for_blocks([&](const Block& b) {
+    if (!is_sent(b)) return;
+    complete_loads(b, at, untimed);
+    if (at == Instant::end) end_step(b);
   });
 }
 

@@ -45,10 +45,6 @@ class Team {
     run([](void* work, const Part& part) { (*static_cast<F*>(work))(part); }, &f);
   }
 
-  /// Of n things, shared out evenly over the parts: the first of those of this part; of the next part the
-  /// end.
-  std::size_t share_of(std::size_t part, std::size_t n) const { return n * part / parts_.size(); }
-
   /// Calls f(block) for all blocks, those of a part one after the other.
   template <class F>
   void for_blocks(F f) const {
