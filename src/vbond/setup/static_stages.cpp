@@ -78,10 +78,10 @@ StaticStage build_static_stage(const Case& c, const Model& model, int k, State& 
     throw std::logic_error("build_static_stage: the stage is of kind dynamics");
   StaticStage stage = resolve_static_stage(c, model, index, problems);
   problems.throw_if_any();
-  if (state.clock.stage_step == 0)  // else under way: its bonds have been made
-    add_stage_bonds(c, index, model, state, problems, threads);
+  const bool begins = state.clock.stage_step == 0;  // else under way: its bonds have been made
+  if (begins) add_stage_bonds(c, index, model, state, problems, threads);
   complete_terms({c, model, c.stages[index], problems}, state, stage);
-  if (problems.none()) refuse_nothing_elastic(c.stages[index], model, state, problems);
+  if (begins && problems.none()) refuse_nothing_elastic(c.stages[index], model, state, problems);
   problems.throw_if_any();
   return stage;
 }
