@@ -202,11 +202,7 @@ void CriticalLoads::sum_up() {
 }
 
 void CriticalLoads::refuse_moments() const {
-  if (const auto pressed = body_.terms().pressure.without_energy())
-    throw NoEquilibrium(
-        body_.stage().name, fmt::format("at load factor {:.6g} {}", body_.load_factor(), *pressed),
-        "its critical value is not found by this stage: hold the edge, close the surface, use "
-        "kind = \"dead\" or \"central\", or follow the balance by kind = \"path\"");
+  refuse_pressure_without_energy(body_);
   if (body_.has_moment_part())
     throw NoEquilibrium(body_.stage().name,
                         fmt::format("at load factor {:.6g} a moment from outside acts on particles that are "

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "vbond/core/error.hpp"
 #include "vbond/model/bond_event.hpp"
 #include "vbond/statics/detail/breaking_body.hpp"
 #include "vbond/statics/detail/crossing.hpp"
@@ -297,11 +296,7 @@ class Fracture {
   }
 
   void note_balance(PointKind kind) {
-    if (const auto pressed = walk_.body().terms().pressure.without_energy())
-      throw NoEquilibrium(
-          stage_.name, fmt::format("load factor {:.6g}: {}", walk_.load_factor(), *pressed),
-          "what a break releases is not known then: hold the edge, close the surface, use kind = \"dead\" or "
-          "\"central\", or break bonds in a stage of dynamics");
+    refuse_pressure_without_energy(walk_.body());
     constexpr double roundings = 1e3;  // as in dynamics: less is no energy that an error can be compared with
     book_energies();
     found_.books.largest = std::max(

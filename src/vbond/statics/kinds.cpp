@@ -163,6 +163,24 @@ void tell_of_pressure(const StaticBody& body, const StaticHooks& hooks) {
              body.load_factor(), *pressed));
 }
 
+void refuse_pressure_without_energy(const StaticBody& body) {
+  const auto pressed = body.terms().pressure.without_energy();
+  if (!pressed) return;
+  const auto otherwise = [&] {
+    switch (body.stage().kind) {
+      case StageKind::buckling: return "follow the balance by kind = \"path\"";
+      case StageKind::fracture: return "break bonds in a stage of dynamics";
+      case StageKind::modes: return "let the body ring in a stage of dynamics";
+      default: return "leave branch out";
+    }
+  };
+  throw NoEquilibrium(
+      body.stage().name, fmt::format("at load factor {:.6g} {}", body.load_factor(), *pressed),
+      fmt::format("critical loads, breaks and natural modes are those of an energy: hold the edge, close the "
+                  "surface, use kind = \"dead\" or \"central\", or {}",
+                  otherwise()));
+}
+
 namespace {
 
 /// A balance beyond the strength of a bond must not pass for one that a real body could have.

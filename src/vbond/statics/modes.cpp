@@ -248,11 +248,7 @@ StaticOutcome find_modes(const Model& model, const StaticStage& stage, State sta
       model, model.cell.any() ? with_floating_held(model, loaded, state, {}) : loaded, state, hooks, result);
   if (!balanced) return interrupted_outcome(std::move(result), std::move(state));
   StaticBody body(model, loaded, std::move(*balanced));
-  if (const auto pressed = body.terms().pressure.without_energy())
-    throw NoEquilibrium(
-        stage.name, *pressed,
-        "natural modes are those of a potential: hold the edge, close the surface, use kind = "
-        "\"dead\" or \"central\", or let the body ring in a stage of dynamics");
+  refuse_pressure_without_energy(body);
   if (body.has_moment_part() && hooks.tell)
     hooks.tell(
         fmt::format("stage \"{}\": moments of fixed direction have no potential: frequencies are those of "

@@ -241,11 +241,7 @@ void PathStage::refuse_branch_without_potential(const PathPoint& p) const {
         stage_.name,
         "a bifurcation is wanted, but components of the cell give way to a stress, which has no potential",
         "strain the cell, or leave branch out");
-  if (const auto pressed = body_.terms().pressure.without_energy())
-    throw NoEquilibrium(
-        stage_.name,
-        fmt::format("a bifurcation is wanted, but at load factor {:.6g} {}", p.at.load_factor, *pressed),
-        "bifurcations under it are not found: hold the edge, close the surface, or leave branch out");
+  refuse_pressure_without_energy(body_);
   throw NoEquilibrium(
       stage_.name,
       fmt::format(

@@ -104,18 +104,8 @@ void begin_pressures(const StaticStage& stage, State& state) {
 /// Before anything is worked out: at load factor 0 only constant pressures are there. Placements that come
 /// later are looked at as they are found.
 void refuse_pressure_without_energy(const Model& model, const StaticStage& stage, const State& state) {
-  if (stage.pressures.empty() || (stage.kind != StageKind::buckling && stage.kind != StageKind::fracture))
-    return;
-  const StaticBody body(model, stage, state, 1.0);
-  if (const auto pressed = body.terms().pressure.without_energy())
-    throw NoEquilibrium(
-        stage.name, *pressed,
-        stage.kind == StageKind::buckling
-            ? "its critical value is not found by this stage: hold the edge, close the surface, use kind = "
-              "\"dead\" or \"central\", or follow the balance by kind = \"path\""
-            : "what a break releases is not known then: hold the edge, close the surface, use kind = "
-              "\"dead\" "
-              "or \"central\", or break bonds in a stage of dynamics");
+  if (!stage.pressures.empty() && (stage.kind == StageKind::buckling || stage.kind == StageKind::fracture))
+    refuse_pressure_without_energy(StaticBody(model, stage, state, 1.0));
 }
 
 }  // namespace

@@ -90,6 +90,9 @@ StaticStage from_stress_found(const Model& model, const StaticStage& stage, cons
 void tell(const StaticStage& stage, const StaticHooks& hooks, const std::string& text);
 /// Tells, where pressure acts on a surface with a free edge, that it has no energy.
 void tell_of_pressure(const StaticBody& body, const StaticHooks& hooks);
+/// Throws NoEquilibrium there: for buckling, fracture, modes and bifurcations, which are those of a
+/// potential.
+void refuse_pressure_without_energy(const StaticBody& body);
 
 /// Adds one to the clock, counts the point and hands this balance to hooks.point. Throws NoEquilibrium
 /// instead if it is not finite.
