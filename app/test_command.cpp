@@ -1,3 +1,4 @@
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -39,8 +40,10 @@ class NoOutput {
   NoOutput() {
     std::fflush(stdout);
     kept_ = dup(STDOUT_FILENO);
-    const File nowhere = open_file("/dev/null", "w");
-    if (kept_ >= 0) dup2(fileno(nowhere.get()), STDOUT_FILENO);
+    const int nowhere = kept_ < 0 ? -1 : open("/dev/null", O_WRONLY | O_CLOEXEC);
+    if (nowhere < 0) return;  // then the run prints
+    dup2(nowhere, STDOUT_FILENO);
+    close(nowhere);
   }
   ~NoOutput() {
     std::fflush(stdout);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <csignal>
 
@@ -141,6 +142,23 @@ TEST(Files, TemporaryFilesAreNeverLinks) {
   for (const char* name : {"report.html", "p.vtp", "checkpoint.h5", "history.csv"})
     EXPECT_TRUE(trap.is_file(name)) << name;
   EXPECT_EQ(content_of(trap.folder / "report.html"), "new");
+}
+
+// As root it could be replaced, and every program on the machine would write into a file.
+TEST(Files, DevicesAndPipesAreNotReplaced) {
+  const Folder folder;
+  const std::filesystem::path pipe = folder / "pipe", link = folder / "link";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  std::filesystem::create_symlink("/dev/null", link);
+  for (const std::filesystem::path& path : {pipe, link}) {
+    EXPECT_THROW(open_file(path, "wb"), IoError) << path;
+    EXPECT_THROW(remove_file(path), IoError) << path;
+    open_file(temporary_name(path), "wb");
+    EXPECT_THROW(publish(path), IoError) << path;
+  }
+  EXPECT_TRUE(std::filesystem::is_fifo(pipe));
+  EXPECT_TRUE(std::filesystem::is_symlink(link));
+  EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
 }
 
 TEST(Files, WhatIsContinuedIsNoLink) {

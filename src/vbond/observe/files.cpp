@@ -20,6 +20,14 @@ namespace {
 
 using FileStatus = struct stat;
 
+/// Devices, pipes and sockets, by a link too, are not replaced: for root there would be no /dev/null
+/// afterwards.
+void refuse_to_replace_device(const std::filesystem::path& path) {
+  FileStatus s{};
+  if (::stat(path.c_str(), &s) == 0 && !S_ISREG(s.st_mode) && !S_ISDIR(s.st_mode))
+    throw IoError("cannot replace " + path.string() + ": it is a device, a pipe or a socket");
+}
+
 /// Asks the disk to keep a file, or with O_DIRECTORY the names in a folder.
 void sync_to_disk(const std::filesystem::path& path, int flags) {
   const int fd = ::open(path.c_str(), flags | O_CLOEXEC);
@@ -49,6 +57,7 @@ File open_file(const std::filesystem::path& path, const char* mode) {
 }
 
 void remove_file(const std::filesystem::path& path) {
+  refuse_to_replace_device(path);
   if (::unlink(path.c_str()) != 0 && errno != ENOENT) fail("replace", path, errno);
 }
 
@@ -89,6 +98,7 @@ std::filesystem::path temporary_name(const std::filesystem::path& path) {
 
 void publish(const std::filesystem::path& path, Sync sync) {
   const std::filesystem::path part = temporary_name(path);
+  refuse_to_replace_device(path);
   if (sync == Sync::to_disk) sync_to_disk(part, O_RDONLY);
   if (std::rename(part.c_str(), path.c_str()) != 0) fail("replace", path, errno);
   if (sync == Sync::none) return;

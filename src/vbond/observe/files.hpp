@@ -27,7 +27,8 @@ void require_read(std::FILE* f, const std::filesystem::path& path);
 /// The whole file as bytes. Throws IoError.
 std::string read_all(const std::filesystem::path& path);
 
-/// Removes a file, or a link to one; nothing if there is none. Throws IoError.
+/// Removes a file, or a link to one; nothing if there is none. Throws IoError, for devices, pipes and sockets
+/// too.
 void remove_file(const std::filesystem::path& path);
 
 /// Cuts a file to its first `size` bytes. Throws IoError.
